@@ -1,0 +1,106 @@
+//! The one error type of the library.
+
+use std::path::PathBuf;
+
+use crate::layout::BadStage;
+
+/// `Result` with the library's [`Error`].
+pub type Result<T, E = Error> = std::result::Result<T, E>;
+
+/// Everything that can go wrong.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// A field of an object or a setting has a value it must not have.
+    #[error("{field}: {value} is not allowed, expected {expected}")]
+    Invalid {
+        /// What is wrong, for example `sphere.mass`.
+        field: &'static str,
+        /// The value that was given.
+        value: String,
+        /// What would have been right.
+        expected: &'static str,
+    },
+    /// A handle refers to an object that was removed, or to one of another scene.
+    #[error("stale handle: the {kind} it refers to is not in the scene (removed, or of another scene)")]
+    StaleHandle {
+        /// Kind of the object, for example `sphere`.
+        kind: &'static str,
+    },
+    /// A setting with this name does not exist.
+    #[error("unknown setting '{name}', expected one of: {expected}")]
+    UnknownSetting {
+        /// The name that was given.
+        name: String,
+        /// All names there are.
+        expected: String,
+    },
+    /// More objects than the engine can number.
+    #[error("{count} objects are too many, at most {limit} can be numbered")]
+    TooManyObjects {
+        /// Objects in the scene.
+        count: usize,
+        /// The most there may be.
+        limit: usize,
+    },
+    /// A line of a scene file is wrong.
+    #[error("{}:{line}: {field}: {message}", file.display())]
+    SceneLine {
+        /// The file, or a name for where the text came from.
+        file: PathBuf,
+        /// Line number, from 1.
+        line: usize,
+        /// The field of the line, for example `S mass`.
+        field: String,
+        /// What is wrong and what was expected.
+        message: String,
+    },
+    /// A file could not be read or written.
+    #[error("{}: {source}", file.display())]
+    File {
+        /// The file.
+        file: PathBuf,
+        /// What the operating system said.
+        source: std::io::Error,
+    },
+    /// No graphics adapter could be used.
+    #[error("no usable GPU: {0}")]
+    NoAdapter(String),
+    /// The device refused, was lost or ran out of memory.
+    #[error("GPU: {0}")]
+    Device(String),
+    /// The scene does not fit the device's limits.
+    #[error(
+        "the scene does not fit this GPU: {what} needs {needed} bytes, its limit is {limit}; use fewer objects or --backend cpu"
+    )]
+    DeviceLimit {
+        /// The buffer that is too large.
+        what: &'static str,
+        /// Bytes needed.
+        needed: u64,
+        /// Bytes there may be.
+        limit: u64,
+    },
+    /// A body's state stopped being finite.
+    #[error(
+        "sphere {sphere} stopped being finite in step {step} ({stage:?}); a spring or the contact force may be too stiff for the time step, `rockfall check` tells"
+    )]
+    NonFinite {
+        /// Index of the sphere, in order of addition.
+        sphere: usize,
+        /// The step, from 1.
+        step: u64,
+        /// The place in the step.
+        stage: BadStage,
+    },
+    /// A step was run again so often that it cannot succeed.
+    #[error("step {step} was void {attempts} times in a row: {reason}")]
+    Stuck {
+        /// The step, from 1.
+        step: u64,
+        /// How often it was tried.
+        attempts: u32,
+        /// Why it was void.
+        reason: String,
+    },
+}

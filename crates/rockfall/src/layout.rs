@@ -1,0 +1,234 @@
+//! The memory that both backends share: plain structs and the offsets of what the buffers hold.
+//!
+//! Every buffer of the GPU has a host array of the same layout in [`World`](crate::world::World). The WGSL side of
+//! these declarations is `wgsl/step.wgsl`; a test reflects it and compares names, offsets, types and sizes.
+//!
+//! ```text
+//! object ids   spheres, then rods, then boxes, then polygons, each in order of addition
+//! movers       spheres and rods: the objects that have a list of pairs
+//! state        3 n vec4 for n spheres: n x (position, radius), n x (velocity, inverse mass),
+//!              n x (angular momentum, inverse inertia)
+//! words        u32: rods, springs, tethers, boxes, polygons, tags, adjacency, batches (see the WORDS constants)
+//! lists        u32: counts (one a mover, padded to whole slices), slice offsets (one a slice and the end), entries
+//! ```
+
+use bytemuck::{Pod, Zeroable};
+
+/// Threads in a workgroup of every stage.
+pub const WORKGROUP: u32 = 64;
+
+/// Movers in a slice of the pair lists. Entry `e` of mover `i` is word
+/// `entries_at + slice_offset[i / SLICE] + e * SLICE + i % SLICE`, so that neighbouring threads read neighbouring words.
+pub const SLICE: u32 = 32;
+
+/// Words of a rod: sphere 1, sphere 2, radius, length (`<= 0`: free).
+pub const ROD_WORDS: u32 = 4;
+/// Words of a spring: sphere A, sphere B, stiffness k, rest length l, damping c.
+pub const SPRING_WORDS: u32 = 5;
+/// Words of a tether: sphere, the point's x, y, z, stiffness k, rest length l, damping c.
+pub const TETHER_WORDS: u32 = 7;
+/// Words of an outside force: x, y, z.
+pub const FORCE_WORDS: u32 = 3;
+/// Words of a box: corner P, edges I, J, K, three floats each.
+pub const BOX_WORDS: u32 = 12;
+/// Words of a polygon: corner P, edges L, R, three floats each.
+pub const POLYGON_WORDS: u32 = 9;
+
+/// An adjacency word is `kind << KIND_SHIFT | index`; a sphere's words are sorted, so its rods come first.
+pub const KIND_SHIFT: u32 = 30;
+/// Adjacency kind: a rod that ends in the sphere.
+pub const KIND_ROD: u32 = 0;
+/// Adjacency kind: a spring on the sphere.
+pub const KIND_SPRING: u32 = 1;
+/// Adjacency kind: a tether on the sphere.
+pub const KIND_TETHER: u32 = 2;
+/// Adjacency kind: an outside force on the sphere.
+pub const KIND_FORCE: u32 = 3;
+
+/// Low bits of a list entry: the id of the other object.
+pub const ENTRY_ID_BITS: u32 = 26;
+/// Mask of the id in a list entry. No scene may have more objects than this.
+pub const ENTRY_ID_MASK: u32 = (1 << ENTRY_ID_BITS) - 1;
+/// Mask, after shifting by [`ENTRY_ID_BITS`], of the feature in a list entry: a rod meets a box in up to
+/// [`BOX_FEATURES`] contacts, each an entry of its own; 0 for every other pair.
+pub const ENTRY_FEATURE_MASK: u32 = 0xf;
+/// Set in a list entry by `find_collisions`: the pair overlaps.
+pub const ENTRY_OVERLAPS: u32 = 1 << 30;
+/// Set in a list entry by `find_collisions`: the pair overlaps and closes fast enough to collide.
+pub const ENTRY_COLLIDES: u32 = 1 << 31;
+/// Entries of a rod-box pair: feature f is edge f, or, where no edge is hit, vertex f for f < 8.
+pub const BOX_FEATURES: u32 = 12;
+
+/// Bit of [`Step::flags`]: phase 3 (collisions) is on.
+pub const FLAG_COLLISIONS: u32 = 1;
+/// Bit of [`Step::flags`]: contact damping may pull (the thesis's form).
+pub const FLAG_PULL: u32 = 2;
+/// Bit of [`Step::flags`]: go on when a body's state stops being finite.
+pub const FLAG_CONTINUE: u32 = 4;
+
+/// Bit of [`Status::void`]: the pair lists did not fit; [`Status::pairs_needed`] words are needed.
+pub const VOID_PAIRS: u32 = 1;
+/// Bit of [`Status::void`]: a body left its AABB before or within the step, so its list may lack a pair.
+pub const VOID_ESCAPED: u32 = 2;
+/// Bit of [`Status::void`]: a body's state stopped being finite in the step before; later steps do nothing.
+pub const VOID_NON_FINITE: u32 = 4;
+
+/// [`Status::bad_body`] when every body is finite.
+pub const NO_BODY: u32 = u32::MAX;
+/// The place in a step where a body stopped being finite, the high bits of [`Status::bad_body`].
+pub const BAD_STAGE_SHIFT: u32 = 27;
+
+/// What a step needs to know: the uniform block `step` of every kernel.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct Step {
+    /// Gravity's acceleration, G g, in units/s².
+    pub gravity: [f32; 3],
+    /// Time step in s.
+    pub dt: f32,
+    /// A contact collides above this times the smaller radius, in 1/s.
+    pub activation_threshold: f32,
+    /// Coefficient of restitution e.
+    pub restitution: f32,
+    /// Contact damping Cd in 1/s.
+    pub contact_damping: f32,
+    /// Contact force Cc in 1/s².
+    pub contact_force: f32,
+    /// Friction mu.
+    pub friction: f32,
+    /// How far AABBs are grown, times (|v| dt + 0.02 r).
+    pub margin_scale: f32,
+    /// `FLAG_*` bits.
+    pub flags: u32,
+    /// Words that the entries of the pair lists may take.
+    pub pair_capacity: u32,
+    /// Number of spheres.
+    pub spheres: u32,
+    /// Number of rods.
+    pub rods: u32,
+    /// Number of boxes.
+    pub boxes: u32,
+    /// Number of polygons.
+    pub polygons: u32,
+    /// First word of the rods in `words`.
+    pub rods_at: u32,
+    /// First word of the springs.
+    pub springs_at: u32,
+    /// First word of the tethers.
+    pub tethers_at: u32,
+    /// First word of the outside forces.
+    pub forces_at: u32,
+    /// First word of the boxes.
+    pub boxes_at: u32,
+    /// First word of the polygons.
+    pub polygons_at: u32,
+    /// First word of the tags: group (low 16 bits) and material (high 16 bits) of every object, by id.
+    pub tags_at: u32,
+    /// First word of the adjacency offsets (`spheres + 1` absolute word offsets); 0 when nothing is attached to any sphere.
+    pub adjacency_at: u32,
+    /// Number of batches of fixed-length rods.
+    pub batches: u32,
+    /// First word of the batch table: per batch the absolute offset of: colour count C, C + 1 absolute offsets, rod indices.
+    pub batches_at: u32,
+    /// First word of the slice offsets in `lists`; the counts are at 0.
+    pub slices_at: u32,
+    /// First word of the entries in `lists`.
+    pub entries_at: u32,
+}
+
+/// The uniform block `pass_`: which force evaluation of the step this is.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
+pub struct Pass {
+    /// 0..4 for the stages of RK4; 0 for symplectic Euler and everything else.
+    pub index: u32,
+    /// Padding to 16 bytes.
+    pub pad: [u32; 3],
+}
+
+/// An axis-aligned bounding box, grown by the motion of the step.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct Aabb {
+    /// Least x, y, z.
+    pub min: [f32; 3],
+    /// The object's id.
+    pub id: u32,
+    /// Greatest x, y, z.
+    pub max: [f32; 3],
+    /// The object's tag: group (low 16 bits) and material (high 16 bits).
+    pub tag: u32,
+}
+
+/// What the kernels tell the host, and each other. Counters are of the step under way unless they say `last` or `total`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable)]
+pub struct Status {
+    /// `VOID_*` bits; not 0: later stages leave the bodies alone, until the host has seen to it.
+    pub void: u32,
+    /// Words that the entries of the pair lists need.
+    pub pairs_needed: u32,
+    /// Bits of the largest (displacement / AABB margin) of a body that left its AABB; positive floats order like their bits.
+    pub escape_ratio: u32,
+    /// Steps done since the status was last reset.
+    pub steps: u32,
+    /// 1 once the collisions of the step under way are done, so that a step that is run again does not repeat them.
+    pub collided: u32,
+    /// 1 when rod lengths may be off before the integration (first step, a step with collisions).
+    pub lengths_due: u32,
+    /// Contacts of the step's first force evaluation.
+    pub contacts: u32,
+    /// Bits of the deepest overlap of the step's first force evaluation.
+    pub max_overlap: u32,
+    /// Collisions handled.
+    pub collisions: u32,
+    /// Contacts of the last step done.
+    pub last_contacts: u32,
+    /// Bits of the deepest overlap of the last step done.
+    pub last_max_overlap: u32,
+    /// Collisions of the last step done.
+    pub last_collisions: u32,
+    /// Collisions of all steps done, low word.
+    pub total_collisions_low: u32,
+    /// Collisions of all steps done, high word.
+    pub total_collisions_high: u32,
+    /// Least `stage << BAD_STAGE_SHIFT | sphere` (see [`BadStage`]) over the bodies that stopped being finite, or [`NO_BODY`].
+    pub bad_body: u32,
+    /// Value of `steps` when the first body stopped being finite (that step counted); 0 while there is none.
+    pub bad_step: u32,
+    /// Bodies stopped for not being finite.
+    pub bad_count: u32,
+    /// The same of all steps done.
+    pub total_bad: u32,
+    /// Value of `bad_body` in the step `bad_step`: the first body that stopped being finite, or [`NO_BODY`].
+    pub first_bad: u32,
+    /// Padding to a multiple of 16 bytes.
+    pub pad: u32,
+}
+
+impl Default for Status {
+    fn default() -> Self {
+        Self {
+            lengths_due: 1,
+            bad_body: NO_BODY,
+            first_bad: NO_BODY,
+            ..Zeroable::zeroed()
+        }
+    }
+}
+
+/// The place in a step at which a body stopped being finite.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u32)]
+pub enum BadStage {
+    /// `apply_collisions`.
+    Collisions = 0,
+    /// The first force evaluation (the only one of symplectic Euler); 2, 3 and 4 follow.
+    Forces1 = 1,
+    /// The second force evaluation of RK4.
+    Forces2 = 2,
+    /// The third force evaluation of RK4.
+    Forces3 = 3,
+    /// The fourth force evaluation of RK4.
+    Forces4 = 4,
+}

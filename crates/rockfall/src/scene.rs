@@ -1,0 +1,326 @@
+//! A scene: objects in order of addition, behind typed handles, and the constants they live under.
+//!
+//! A scene knows no time; a [`Simulation`](crate::Simulation) moves it.
+
+use crate::error::Result;
+use crate::settings::Settings;
+
+mod objects;
+mod registry;
+
+pub(crate) use objects::finite;
+pub use objects::{
+    BoxId, Capsule, CapsuleId, CapsuleParts, Cuboid, Polygon, PolygonId, Rod, RodId, Sphere, SphereId, Spring, SpringId,
+    Tether, TetherId,
+};
+pub use registry::Handle;
+pub(crate) use registry::Registry;
+use registry::new_scene_number;
+
+/// Objects and settings.
+#[derive(Clone, Debug)]
+pub struct Scene {
+    /// The physical constants.
+    pub settings: Settings,
+    pub(crate) spheres: Registry<Sphere>,
+    pub(crate) rods: Registry<Rod>,
+    pub(crate) capsules: Registry<CapsuleParts>,
+    pub(crate) springs: Registry<Spring>,
+    pub(crate) tethers: Registry<Tether>,
+    pub(crate) boxes: Registry<Cuboid>,
+    pub(crate) polygons: Registry<Polygon>,
+}
+
+impl Default for Scene {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+/// How many objects of each kind there are; the spheres and rods of capsules count there too.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Counts {
+    /// Spheres.
+    pub spheres: usize,
+    /// Rods.
+    pub rods: usize,
+    /// Capsules.
+    pub capsules: usize,
+    /// Springs.
+    pub springs: usize,
+    /// Tethers.
+    pub tethers: usize,
+    /// Boxes.
+    pub boxes: usize,
+    /// Polygons.
+    pub polygons: usize,
+}
+
+impl Scene {
+    /// An empty scene with the default settings.
+    pub fn new() -> Self {
+        let number = new_scene_number();
+        Self {
+            settings: Settings::default(),
+            spheres: Registry::new(number, "sphere"),
+            rods: Registry::new(number, "rod"),
+            capsules: Registry::new(number, "capsule"),
+            springs: Registry::new(number, "spring"),
+            tethers: Registry::new(number, "tether"),
+            boxes: Registry::new(number, "box"),
+            polygons: Registry::new(number, "polygon"),
+        }
+    }
+
+    /// Adds a sphere.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`](crate::Error::Invalid) when a field is not finite, or mass or radius not positive.
+    pub fn add_sphere(&mut self, sphere: Sphere) -> Result<SphereId> {
+        sphere.validate()?;
+        Ok(self.spheres.add(sphere))
+    }
+
+    /// Adds a rod between two spheres.
+    ///
+    /// # Errors
+    /// [`Error::StaleHandle`](crate::Error::StaleHandle) for an end that is not in the scene,
+    /// [`Error::Invalid`](crate::Error::Invalid) for a radius or length that is not positive or a rod from a sphere to itself.
+    pub fn add_rod(&mut self, rod: Rod) -> Result<RodId> {
+        self.check_ends(rod.end1, rod.end2)?;
+        rod.validate()?;
+        Ok(self.rods.add(rod))
+    }
+
+    /// Adds a capsule: a sphere at end 1, a sphere at end 2, and a rod of fixed length.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`](crate::Error::Invalid) as for its spheres and its rod; the ends must not coincide.
+    pub fn add_capsule(&mut self, capsule: Capsule) -> Result<CapsuleId> {
+        let end = |position| {
+            Sphere::new(position, capsule.radius)
+                .mass(capsule.mass * 0.5)
+                .velocity(capsule.velocity)
+                .group(capsule.group)
+        };
+        let (first, second) = (end(capsule.end1), end(capsule.end2));
+        first.validate()?;
+        second.validate()?;
+        let length = capsule.end1.distance(capsule.end2);
+        // Checked before anything is added, with handles that stand for the spheres to come.
+        if !(length.is_normal() && length > 0.0) {
+            return Err(crate::Error::Invalid {
+                field: "capsule.end2",
+                value: format!("{:?}", capsule.end2.to_array()),
+                expected: "another point than end 1, at a finite distance",
+            });
+        }
+        let end1 = self.spheres.add(first);
+        let end2 = self.spheres.add(second);
+        let rod = self
+            .rods
+            .add(Rod::new(end1, end2, capsule.radius).length(length).group(capsule.group));
+        Ok(self.capsules.add(CapsuleParts { end1, end2, rod }))
+    }
+
+    /// Adds a spring between two spheres.
+    ///
+    /// # Errors
+    /// [`Error::StaleHandle`](crate::Error::StaleHandle) for a sphere that is not in the scene,
+    /// [`Error::Invalid`](crate::Error::Invalid) for a negative constant or a spring from a sphere to itself.
+    pub fn add_spring(&mut self, spring: Spring) -> Result<SpringId> {
+        self.check_ends(spring.a, spring.b)?;
+        spring.validate()?;
+        Ok(self.springs.add(spring))
+    }
+
+    /// Adds a tether from a sphere to a point in space.
+    ///
+    /// # Errors
+    /// As for [`Scene::add_spring`].
+    pub fn add_tether(&mut self, tether: Tether) -> Result<TetherId> {
+        self.spheres.index(tether.sphere)?;
+        tether.validate()?;
+        Ok(self.tethers.add(tether))
+    }
+
+    /// Adds a static box.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`](crate::Error::Invalid) for edges that are not orthogonal, or too short or too long for f32.
+    pub fn add_box(&mut self, cuboid: Cuboid) -> Result<BoxId> {
+        cuboid.validate()?;
+        Ok(self.boxes.add(cuboid))
+    }
+
+    /// Adds a static polygon.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`](crate::Error::Invalid) for edges that are parallel, or too short or too long for f32.
+    pub fn add_polygon(&mut self, polygon: Polygon) -> Result<PolygonId> {
+        polygon.validate()?;
+        Ok(self.polygons.add(polygon))
+    }
+
+    fn check_ends(&self, a: SphereId, b: SphereId) -> Result<()> {
+        self.spheres.index(a)?;
+        self.spheres.index(b)?;
+        Ok(())
+    }
+
+    /// Removes a sphere and, with it, its rods, capsules, springs and tethers.
+    ///
+    /// # Errors
+    /// [`Error::StaleHandle`](crate::Error::StaleHandle) when it is not in the scene.
+    pub fn remove_sphere(&mut self, id: SphereId) -> Result<()> {
+        self.spheres.remove(id)?;
+        self.rods.remove_where(|rod| rod.end1 == id || rod.end2 == id);
+        self.capsules.remove_where(|capsule| capsule.end1 == id || capsule.end2 == id);
+        self.springs.remove_where(|spring| spring.a == id || spring.b == id);
+        self.tethers.remove_where(|tether| tether.sphere == id);
+        Ok(())
+    }
+
+    /// Removes a rod; of a capsule, the spheres stay as two spheres.
+    ///
+    /// # Errors
+    /// [`Error::StaleHandle`](crate::Error::StaleHandle) when it is not in the scene.
+    pub fn remove_rod(&mut self, id: RodId) -> Result<()> {
+        self.rods.remove(id)?;
+        self.capsules.remove_where(|capsule| capsule.rod == id);
+        Ok(())
+    }
+
+    /// Removes a capsule: both its spheres and what is attached to them.
+    ///
+    /// # Errors
+    /// [`Error::StaleHandle`](crate::Error::StaleHandle) when it is not in the scene.
+    pub fn remove_capsule(&mut self, id: CapsuleId) -> Result<()> {
+        let parts = *self.capsules.get(id)?;
+        self.remove_sphere(parts.end1)?;
+        self.remove_sphere(parts.end2)
+    }
+
+    /// Removes a spring.
+    ///
+    /// # Errors
+    /// [`Error::StaleHandle`](crate::Error::StaleHandle) when it is not in the scene.
+    pub fn remove_spring(&mut self, id: SpringId) -> Result<()> {
+        self.springs.remove(id)
+    }
+
+    /// Removes a tether.
+    ///
+    /// # Errors
+    /// [`Error::StaleHandle`](crate::Error::StaleHandle) when it is not in the scene.
+    pub fn remove_tether(&mut self, id: TetherId) -> Result<()> {
+        self.tethers.remove(id)
+    }
+
+    /// Removes a box.
+    ///
+    /// # Errors
+    /// [`Error::StaleHandle`](crate::Error::StaleHandle) when it is not in the scene.
+    pub fn remove_box(&mut self, id: BoxId) -> Result<()> {
+        self.boxes.remove(id)
+    }
+
+    /// Removes a polygon.
+    ///
+    /// # Errors
+    /// [`Error::StaleHandle`](crate::Error::StaleHandle) when it is not in the scene.
+    pub fn remove_polygon(&mut self, id: PolygonId) -> Result<()> {
+        self.polygons.remove(id)
+    }
+
+    /// Changes a spring's constants (its spheres stay those that it was added with).
+    ///
+    /// # Errors
+    /// As for [`Scene::add_spring`]; nothing is changed then.
+    pub fn update_spring(&mut self, id: SpringId, change: impl FnOnce(&mut Spring)) -> Result<()> {
+        let mut spring = *self.springs.get(id)?;
+        let ends = (spring.a, spring.b);
+        change(&mut spring);
+        (spring.a, spring.b) = ends;
+        spring.validate()?;
+        *self.springs.get_mut(id)? = spring;
+        Ok(())
+    }
+
+    /// Changes a tether's point and constants (its sphere stays the one it was added with).
+    ///
+    /// # Errors
+    /// As for [`Scene::add_tether`]; nothing is changed then.
+    pub fn update_tether(&mut self, id: TetherId, change: impl FnOnce(&mut Tether)) -> Result<()> {
+        let mut tether = *self.tethers.get(id)?;
+        let sphere = tether.sphere;
+        change(&mut tether);
+        tether.sphere = sphere;
+        tether.validate()?;
+        *self.tethers.get_mut(id)? = tether;
+        Ok(())
+    }
+
+    /// Changes a rod's radius, length and group (its ends stay those that it was added with).
+    ///
+    /// # Errors
+    /// As for [`Scene::add_rod`]; nothing is changed then.
+    pub fn update_rod(&mut self, id: RodId, change: impl FnOnce(&mut Rod)) -> Result<()> {
+        let mut rod = *self.rods.get(id)?;
+        let ends = (rod.end1, rod.end2);
+        change(&mut rod);
+        (rod.end1, rod.end2) = ends;
+        rod.validate()?;
+        *self.rods.get_mut(id)? = rod;
+        Ok(())
+    }
+
+    /// How many objects of each kind there are.
+    pub fn counts(&self) -> Counts {
+        Counts {
+            spheres: self.spheres.len(),
+            rods: self.rods.len(),
+            capsules: self.capsules.len(),
+            springs: self.springs.len(),
+            tethers: self.tethers.len(),
+            boxes: self.boxes.len(),
+            polygons: self.polygons.len(),
+        }
+    }
+}
+
+macro_rules! readers {
+    ($($one:ident, $all:ident, $ids:ident, $handle:ty, $object:ty, $what:literal;)*) => {
+        impl Scene {
+            $(
+                #[doc = concat!("The ", $what, " with this handle.")]
+                ///
+                /// # Errors
+                /// [`Error::StaleHandle`](crate::Error::StaleHandle) when it is not in the scene.
+                pub fn $one(&self, id: $handle) -> Result<&$object> {
+                    self.$all.get(id)
+                }
+
+                #[doc = concat!("All objects of the kind ", $what, ", in order of addition.")]
+                pub fn $all(&self) -> &[$object] {
+                    self.$all.objects()
+                }
+
+                #[doc = concat!("The handles of all objects of the kind ", $what, ", in order of addition.")]
+                pub fn $ids(&self) -> impl Iterator<Item = $handle> + '_ {
+                    self.$all.handles()
+                }
+            )*
+        }
+    };
+}
+
+readers! {
+    sphere, spheres, sphere_ids, SphereId, Sphere, "sphere";
+    rod, rods, rod_ids, RodId, Rod, "rod";
+    capsule, capsules, capsule_ids, CapsuleId, CapsuleParts, "capsule";
+    spring, springs, spring_ids, SpringId, Spring, "spring";
+    tether, tethers, tether_ids, TetherId, Tether, "tether";
+    cuboid, boxes, box_ids, BoxId, Cuboid, "box";
+    polygon, polygons, polygon_ids, PolygonId, Polygon, "polygon";
+}

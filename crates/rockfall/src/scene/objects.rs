@@ -1,0 +1,481 @@
+//! The objects of a scene, as builders: `Sphere::new([0.0, 1.0, 0.0], 0.5).mass(2.0)`.
+//!
+//! Lengths and masses are in arbitrary units, times in seconds.
+
+use glam::{Quat, Vec3};
+
+use crate::error::{Error, Result};
+use crate::scene::registry::Handle;
+
+/// Handle of a [`Sphere`].
+pub type SphereId = Handle<Sphere>;
+/// Handle of a [`Rod`].
+pub type RodId = Handle<Rod>;
+/// Handle of a [`Capsule`].
+pub type CapsuleId = Handle<CapsuleParts>;
+/// Handle of a [`Spring`].
+pub type SpringId = Handle<Spring>;
+/// Handle of a [`Tether`].
+pub type TetherId = Handle<Tether>;
+/// Handle of a [`Cuboid`].
+pub type BoxId = Handle<Cuboid>;
+/// Handle of a [`Polygon`].
+pub type PolygonId = Handle<Polygon>;
+
+/// A ball, moving or fixed. Its inertia is 2/5 m r².
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sphere {
+    /// Centre, in units.
+    pub position: Vec3,
+    /// Velocity in units/s; of a fixed sphere, its surface's.
+    pub velocity: Vec3,
+    /// Angular momentum in mass units²/s; of a fixed sphere it gives its surface a spin.
+    pub angular_momentum: Vec3,
+    /// Orientation, a unit quaternion.
+    pub orientation: Quat,
+    /// Mass, greater than 0.
+    pub mass: f32,
+    /// Radius in units, greater than 0.
+    pub radius: f32,
+    /// A fixed sphere never moves.
+    pub fixed: bool,
+    /// Outside force in mass units/s², acting until it is changed.
+    pub force: Vec3,
+    /// Objects of different groups never meet.
+    pub group: u16,
+}
+
+impl Sphere {
+    /// A resting sphere of mass 1.
+    pub fn new(position: impl Into<Vec3>, radius: f32) -> Self {
+        Self {
+            position: position.into(),
+            velocity: Vec3::ZERO,
+            angular_momentum: Vec3::ZERO,
+            orientation: Quat::IDENTITY,
+            mass: 1.0,
+            radius,
+            fixed: false,
+            force: Vec3::ZERO,
+            group: 0,
+        }
+    }
+
+    /// Sets the mass.
+    pub fn mass(mut self, mass: f32) -> Self {
+        self.mass = mass;
+        self
+    }
+
+    /// Sets the velocity, in units/s.
+    pub fn velocity(mut self, velocity: impl Into<Vec3>) -> Self {
+        self.velocity = velocity.into();
+        self
+    }
+
+    /// Sets the angular momentum, in mass units²/s.
+    pub fn angular_momentum(mut self, angular_momentum: impl Into<Vec3>) -> Self {
+        self.angular_momentum = angular_momentum.into();
+        self
+    }
+
+    /// Sets the orientation.
+    pub fn orientation(mut self, orientation: Quat) -> Self {
+        self.orientation = orientation;
+        self
+    }
+
+    /// Makes it a fixed sphere.
+    pub fn fixed(mut self) -> Self {
+        self.fixed = true;
+        self
+    }
+
+    /// Sets the outside force, in mass units/s².
+    pub fn force(mut self, force: impl Into<Vec3>) -> Self {
+        self.force = force.into();
+        self
+    }
+
+    /// Sets the group.
+    pub fn group(mut self, group: u16) -> Self {
+        self.group = group;
+        self
+    }
+
+    /// Moment of inertia 2/5 m r², in mass units².
+    pub fn inertia(&self) -> f32 {
+        0.4 * self.mass * self.radius * self.radius
+    }
+
+    /// Spin (angular velocity) in rad/s.
+    pub fn spin(&self) -> Vec3 {
+        self.angular_momentum / self.inertia()
+    }
+
+    pub(crate) fn validate(&self) -> Result<()> {
+        finite("sphere.position", self.position)?;
+        finite("sphere.velocity", self.velocity)?;
+        finite("sphere.angular_momentum", self.angular_momentum)?;
+        finite("sphere.force", self.force)?;
+        positive("sphere.mass", self.mass)?;
+        positive("sphere.radius", self.radius)?;
+        let usable = |number: f32| number.is_normal() && number > 0.0;
+        if !usable(self.inertia()) || !usable(1.0 / self.inertia()) || !usable(1.0 / self.mass) {
+            return Err(Error::Invalid {
+                field: "sphere.mass and sphere.radius",
+                value: format!("{} and {}", self.mass, self.radius),
+                expected: "an inertia 2/5 m r² and inverses that are neither 0 nor infinite in f32",
+            });
+        }
+        if !self.orientation.is_normalized() {
+            return Err(invalid("sphere.orientation", self.orientation, "a unit quaternion"));
+        }
+        Ok(())
+    }
+}
+
+/// A cylinder without caps between two spheres. It has no mass of its own.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Rod {
+    /// The sphere at end 1.
+    pub end1: SphereId,
+    /// The sphere at end 2.
+    pub end2: SphereId,
+    /// Radius in units, greater than 0.
+    pub radius: f32,
+    /// The length it is held at, in units; `None`: free.
+    pub length: Option<f32>,
+    /// Objects of different groups never meet.
+    pub group: u16,
+}
+
+impl Rod {
+    /// A rod of free length.
+    pub fn new(end1: SphereId, end2: SphereId, radius: f32) -> Self {
+        Self {
+            end1,
+            end2,
+            radius,
+            length: None,
+            group: 0,
+        }
+    }
+
+    /// Holds it at a length, in units, greater than 0.
+    pub fn length(mut self, length: f32) -> Self {
+        self.length = Some(length);
+        self
+    }
+
+    /// Sets the group.
+    pub fn group(mut self, group: u16) -> Self {
+        self.group = group;
+        self
+    }
+
+    pub(crate) fn validate(&self) -> Result<()> {
+        positive("rod.radius", self.radius)?;
+        if let Some(length) = self.length {
+            positive("rod.length", length)?;
+        }
+        if self.end1 == self.end2 {
+            return Err(invalid("rod.end2", self.end2, "another sphere than end 1"));
+        }
+        Ok(())
+    }
+}
+
+/// A rigid body of two spheres, each with half the mass, and a rod of fixed length.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Capsule {
+    /// Centre of the sphere at end 1, in units.
+    pub end1: Vec3,
+    /// Centre of the sphere at end 2.
+    pub end2: Vec3,
+    /// Velocity of both ends, in units/s.
+    pub velocity: Vec3,
+    /// Mass of the whole capsule, greater than 0.
+    pub mass: f32,
+    /// Radius in units, greater than 0.
+    pub radius: f32,
+    /// Objects of different groups never meet.
+    pub group: u16,
+}
+
+impl Capsule {
+    /// A resting capsule of mass 1.
+    pub fn new(end1: impl Into<Vec3>, end2: impl Into<Vec3>, radius: f32) -> Self {
+        Self {
+            end1: end1.into(),
+            end2: end2.into(),
+            velocity: Vec3::ZERO,
+            mass: 1.0,
+            radius,
+            group: 0,
+        }
+    }
+
+    /// Sets the mass.
+    pub fn mass(mut self, mass: f32) -> Self {
+        self.mass = mass;
+        self
+    }
+
+    /// Sets the velocity, in units/s.
+    pub fn velocity(mut self, velocity: impl Into<Vec3>) -> Self {
+        self.velocity = velocity.into();
+        self
+    }
+
+    /// Sets the group.
+    pub fn group(mut self, group: u16) -> Self {
+        self.group = group;
+        self
+    }
+}
+
+/// The spheres and the rod that a [`Capsule`] became.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct CapsuleParts {
+    /// The sphere at end 1.
+    pub end1: SphereId,
+    /// The sphere at end 2.
+    pub end2: SphereId,
+    /// The rod between them.
+    pub rod: RodId,
+}
+
+/// A damped spring between two spheres.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Spring {
+    /// One sphere.
+    pub a: SphereId,
+    /// The other sphere.
+    pub b: SphereId,
+    /// Stiffness k in mass/s², not negative.
+    pub stiffness: f32,
+    /// Rest length l in units, not negative.
+    pub length: f32,
+    /// Damping c in mass/s, not negative.
+    pub damping: f32,
+}
+
+impl Spring {
+    /// An undamped spring.
+    pub fn new(a: SphereId, b: SphereId, stiffness: f32, length: f32) -> Self {
+        Self {
+            a,
+            b,
+            stiffness,
+            length,
+            damping: 0.0,
+        }
+    }
+
+    /// Sets the damping, in mass/s.
+    pub fn damping(mut self, damping: f32) -> Self {
+        self.damping = damping;
+        self
+    }
+
+    pub(crate) fn validate(&self) -> Result<()> {
+        not_negative("spring.stiffness", self.stiffness)?;
+        not_negative("spring.length", self.length)?;
+        not_negative("spring.damping", self.damping)?;
+        if self.a == self.b {
+            return Err(invalid("spring.b", self.b, "another sphere than a"));
+        }
+        Ok(())
+    }
+}
+
+/// A damped spring between a sphere and a point in space.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Tether {
+    /// The sphere.
+    pub sphere: SphereId,
+    /// The fixed point, in units.
+    pub point: Vec3,
+    /// Stiffness k in mass/s², not negative.
+    pub stiffness: f32,
+    /// Rest length l in units, not negative.
+    pub length: f32,
+    /// Damping c in mass/s, not negative.
+    pub damping: f32,
+}
+
+impl Tether {
+    /// An undamped tether of rest length 0.
+    pub fn new(sphere: SphereId, point: impl Into<Vec3>, stiffness: f32) -> Self {
+        Self {
+            sphere,
+            point: point.into(),
+            stiffness,
+            length: 0.0,
+            damping: 0.0,
+        }
+    }
+
+    /// Sets the rest length, in units.
+    pub fn length(mut self, length: f32) -> Self {
+        self.length = length;
+        self
+    }
+
+    /// Sets the damping, in mass/s.
+    pub fn damping(mut self, damping: f32) -> Self {
+        self.damping = damping;
+        self
+    }
+
+    pub(crate) fn validate(&self) -> Result<()> {
+        finite("tether.point", self.point)?;
+        not_negative("tether.stiffness", self.stiffness)?;
+        not_negative("tether.length", self.length)?;
+        not_negative("tether.damping", self.damping)
+    }
+}
+
+/// A static box: a corner and the three orthogonal edges that meet there.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Cuboid {
+    /// A corner P, in units.
+    pub corner: Vec3,
+    /// The edges I, J, K from that corner, in units.
+    pub edges: [Vec3; 3],
+    /// Objects of different groups never meet.
+    pub group: u16,
+}
+
+impl Cuboid {
+    /// A box from a corner and three orthogonal edges.
+    pub fn new(corner: impl Into<Vec3>, i: impl Into<Vec3>, j: impl Into<Vec3>, k: impl Into<Vec3>) -> Self {
+        Self {
+            corner: corner.into(),
+            edges: [i.into(), j.into(), k.into()],
+            group: 0,
+        }
+    }
+
+    /// An axis-aligned box between two opposite corners.
+    pub fn between(min: impl Into<Vec3>, max: impl Into<Vec3>) -> Self {
+        let min = min.into();
+        let size = max.into() - min;
+        Self::new(min, Vec3::X * size.x, Vec3::Y * size.y, Vec3::Z * size.z)
+    }
+
+    /// Sets the group.
+    pub fn group(mut self, group: u16) -> Self {
+        self.group = group;
+        self
+    }
+
+    pub(crate) fn validate(&self) -> Result<()> {
+        finite("box.corner", self.corner)?;
+        for edge in self.edges {
+            usable_edge("box.edge", edge)?;
+        }
+        let [i, j, k] = self.edges.map(Vec3::as_dvec3);
+        for (one, other) in [(i, j), (j, k), (k, i)] {
+            if one.dot(other).abs() > 1e-4 * one.length() * other.length() {
+                return Err(Error::Invalid {
+                    field: "box.edges",
+                    value: format!("{:?}", self.edges),
+                    expected: "three edges at right angles to each other",
+                });
+            }
+        }
+        Ok(())
+    }
+}
+
+/// A static parallelogram: a corner and two edges. It can be hit only from the side that L x R points to, and not at its edges.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Polygon {
+    /// A corner P, in units.
+    pub corner: Vec3,
+    /// Edge L from that corner, in units.
+    pub left: Vec3,
+    /// Edge R from that corner, in units.
+    pub right: Vec3,
+    /// Objects of different groups never meet.
+    pub group: u16,
+}
+
+impl Polygon {
+    /// A polygon from a corner and two edges that are not parallel.
+    pub fn new(corner: impl Into<Vec3>, left: impl Into<Vec3>, right: impl Into<Vec3>) -> Self {
+        Self {
+            corner: corner.into(),
+            left: left.into(),
+            right: right.into(),
+            group: 0,
+        }
+    }
+
+    /// Sets the group.
+    pub fn group(mut self, group: u16) -> Self {
+        self.group = group;
+        self
+    }
+
+    pub(crate) fn validate(&self) -> Result<()> {
+        finite("polygon.corner", self.corner)?;
+        usable_edge("polygon.left", self.left)?;
+        usable_edge("polygon.right", self.right)?;
+        let (left, right) = (self.left.as_dvec3(), self.right.as_dvec3());
+        let normal = left.cross(right).length();
+        let in_range = (1e-30..1e30).contains(&(normal * normal));
+        if normal < 1e-4 * left.length() * right.length() || !in_range {
+            return Err(invalid(
+                "polygon.right",
+                self.right,
+                "an edge that is not parallel to the first",
+            ));
+        }
+        Ok(())
+    }
+}
+
+fn invalid(field: &'static str, value: impl std::fmt::Debug, expected: &'static str) -> Error {
+    Error::Invalid {
+        field,
+        value: format!("{value:?}"),
+        expected,
+    }
+}
+
+pub(crate) fn finite(field: &'static str, value: Vec3) -> Result<()> {
+    if value.is_finite() {
+        Ok(())
+    } else {
+        Err(invalid(field, value.to_array(), "three finite numbers"))
+    }
+}
+
+fn positive(field: &'static str, value: f32) -> Result<()> {
+    if value.is_finite() && value > 0.0 {
+        Ok(())
+    } else {
+        Err(invalid(field, value, "a finite number greater than 0"))
+    }
+}
+
+fn not_negative(field: &'static str, value: f32) -> Result<()> {
+    if value.is_finite() && value >= 0.0 {
+        Ok(())
+    } else {
+        Err(invalid(field, value, "a finite number, not negative"))
+    }
+}
+
+/// The kernels divide by squared edge lengths, in f32.
+fn usable_edge(field: &'static str, edge: Vec3) -> Result<()> {
+    let square = edge.length_squared();
+    if edge.is_finite() && (1e-30..1e30).contains(&square) {
+        Ok(())
+    } else {
+        Err(invalid(field, edge.to_array(), "an edge of a length between 1e-15 and 1e15"))
+    }
+}

@@ -1,0 +1,223 @@
+//! Objects in order of addition, behind handles that outlive removal of others.
+
+use std::fmt;
+use std::hash::{Hash, Hasher};
+use std::marker::PhantomData;
+use std::sync::atomic::{AtomicU32, Ordering};
+
+use crate::error::{Error, Result};
+
+/// A handle to an object of kind `T`. It stays valid until that object is removed, whatever else is added or removed;
+/// after that, and in another scene, it is an error ([`Error::StaleHandle`]).
+pub struct Handle<T> {
+    scene: u32,
+    slot: u32,
+    generation: u32,
+    kind: PhantomData<fn() -> T>,
+}
+
+impl<T> Clone for Handle<T> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<T> Copy for Handle<T> {}
+
+impl<T> Handle<T> {
+    fn key(self) -> (u32, u32, u32) {
+        (self.scene, self.slot, self.generation)
+    }
+}
+
+impl<T> PartialEq for Handle<T> {
+    fn eq(&self, other: &Self) -> bool {
+        self.key() == other.key()
+    }
+}
+
+impl<T> Eq for Handle<T> {}
+
+impl<T> Hash for Handle<T> {
+    fn hash<H: Hasher>(&self, state: &mut H) {
+        self.key().hash(state);
+    }
+}
+
+impl<T> fmt::Debug for Handle<T> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "#{}.{}", self.slot, self.generation)
+    }
+}
+
+/// Number of the next scene, so that a handle of one scene is never taken for one of another.
+static NEXT_SCENE: AtomicU32 = AtomicU32::new(1);
+
+/// A number that no other scene of this process has.
+pub(crate) fn new_scene_number() -> u32 {
+    NEXT_SCENE.fetch_add(1, Ordering::Relaxed)
+}
+
+#[derive(Clone, Debug)]
+struct Slot {
+    generation: u32,
+    /// Place in `objects`, or `None` when free.
+    index: Option<u32>,
+}
+
+/// Objects of one kind, dense and in order of addition.
+#[derive(Clone, Debug)]
+pub(crate) struct Registry<T> {
+    scene: u32,
+    kind: &'static str,
+    objects: Vec<T>,
+    /// Slot of each object.
+    owners: Vec<u32>,
+    slots: Vec<Slot>,
+    free: Vec<u32>,
+}
+
+impl<T> Registry<T> {
+    pub(crate) fn new(scene: u32, kind: &'static str) -> Self {
+        Self {
+            scene,
+            kind,
+            objects: Vec::new(),
+            owners: Vec::new(),
+            slots: Vec::new(),
+            free: Vec::new(),
+        }
+    }
+
+    pub(crate) fn add(&mut self, object: T) -> Handle<T> {
+        let index = Some(self.objects.len() as u32);
+        let slot = match self.free.pop() {
+            Some(slot) => {
+                self.slots[slot as usize].index = index;
+                slot
+            }
+            None => {
+                self.slots.push(Slot { generation: 0, index });
+                self.slots.len() as u32 - 1
+            }
+        };
+        self.objects.push(object);
+        self.owners.push(slot);
+        self.handle(slot)
+    }
+
+    fn handle(&self, slot: u32) -> Handle<T> {
+        Handle {
+            scene: self.scene,
+            slot,
+            generation: self.slots[slot as usize].generation,
+            kind: PhantomData,
+        }
+    }
+
+    /// The object's place in order of addition.
+    pub(crate) fn index(&self, handle: Handle<T>) -> Result<usize> {
+        let slot = self.slots.get(handle.slot as usize);
+        match slot {
+            Some(Slot {
+                generation,
+                index: Some(index),
+            }) if *generation == handle.generation && handle.scene == self.scene => Ok(*index as usize),
+            _ => Err(Error::StaleHandle { kind: self.kind }),
+        }
+    }
+
+    pub(crate) fn get(&self, handle: Handle<T>) -> Result<&T> {
+        Ok(&self.objects[self.index(handle)?])
+    }
+
+    pub(crate) fn get_mut(&mut self, handle: Handle<T>) -> Result<&mut T> {
+        let index = self.index(handle)?;
+        Ok(&mut self.objects[index])
+    }
+
+    /// Removes what `doomed` names; the others keep their order.
+    pub(crate) fn remove_where(&mut self, mut doomed: impl FnMut(&T) -> bool) {
+        let flags: Vec<bool> = self.objects.iter().map(&mut doomed).collect();
+        self.remove_flagged(&flags);
+    }
+
+    pub(crate) fn remove(&mut self, handle: Handle<T>) -> Result<()> {
+        let index = self.index(handle)?;
+        let mut flags = vec![false; self.objects.len()];
+        flags[index] = true;
+        self.remove_flagged(&flags);
+        Ok(())
+    }
+
+    fn remove_flagged(&mut self, flags: &[bool]) {
+        if !flags.contains(&true) {
+            return;
+        }
+        for (owner, _) in self.owners.iter().zip(flags).filter(|(_, flag)| **flag) {
+            let slot = &mut self.slots[*owner as usize];
+            slot.index = None;
+            slot.generation = slot.generation.wrapping_add(1);
+            self.free.push(*owner);
+        }
+        let mut keep = flags.iter().map(|flag| !flag);
+        self.objects.retain(|_| keep.next().unwrap_or(true));
+        let mut keep = flags.iter().map(|flag| !flag);
+        self.owners.retain(|_| keep.next().unwrap_or(true));
+        for (index, owner) in self.owners.iter().enumerate() {
+            self.slots[*owner as usize].index = Some(index as u32);
+        }
+    }
+
+    pub(crate) fn objects(&self) -> &[T] {
+        &self.objects
+    }
+
+    pub(crate) fn objects_mut(&mut self) -> &mut [T] {
+        &mut self.objects
+    }
+
+    pub(crate) fn len(&self) -> usize {
+        self.objects.len()
+    }
+
+    /// The handle of the object at `index` in order of addition.
+    pub(crate) fn handle_at(&self, index: usize) -> Handle<T> {
+        self.handle(self.owners[index])
+    }
+
+    pub(crate) fn handles(&self) -> impl Iterator<Item = Handle<T>> + '_ {
+        self.owners.iter().map(|slot| self.handle(*slot))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn handles_survive_the_removal_of_others_and_turn_stale_with_their_own() {
+        let mut registry = Registry::new(new_scene_number(), "number");
+        let handles: Vec<_> = (0..4).map(|number| registry.add(number)).collect();
+        registry.remove(handles[1]).unwrap();
+        assert_eq!(registry.objects(), [0, 2, 3]);
+        assert_eq!(registry.get(handles[3]).unwrap(), &3);
+        assert!(registry.get(handles[1]).is_err());
+        let reused = registry.add(9);
+        assert!(
+            registry.get(handles[1]).is_err(),
+            "the slot is reused, the old handle must stay stale"
+        );
+        assert_eq!(registry.get(reused).unwrap(), &9);
+        assert_eq!(registry.objects(), [0, 2, 3, 9]);
+    }
+
+    #[test]
+    fn a_handle_of_another_scene_is_stale() {
+        let mut one = Registry::new(new_scene_number(), "number");
+        let mut other = Registry::new(new_scene_number(), "number");
+        let handle = one.add(1);
+        other.add(2);
+        assert!(other.get(handle).is_err());
+    }
+}

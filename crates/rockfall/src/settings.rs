@@ -1,0 +1,201 @@
+//! The constants that can be changed while running (physics.md section 6, thesis section 2.8), and how to integrate.
+
+use std::fmt;
+use std::str::FromStr;
+
+use glam::Vec3;
+
+use crate::error::{Error, Result};
+
+/// The physical constants of a simulation.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Settings {
+    /// A contact is handled as a collision when its approach velocity exceeds this times the smaller radius, in 1/s.
+    pub activation_threshold: f32,
+    /// Coefficient of restitution e: 0 fully inelastic, 1 elastic; above 1 every collision adds energy.
+    pub restitution: f32,
+    /// Contact damping Cd in 1/s: force per approach velocity and reduced mass.
+    pub contact_damping: f32,
+    /// Contact force Cc in 1/s²: force per overlap and reduced mass.
+    pub contact_force: f32,
+    /// Friction mu in 1/(s² sqrt(units/s)): force per overlap, reduced mass and square root of the sliding velocity.
+    /// It falls off near rest, so bodies creep on slopes.
+    pub friction: f32,
+    /// Gravity G in units/s².
+    pub gravity: f32,
+    /// Direction of gravity g, a unit vector (made one when set by name).
+    pub gravity_direction: Vec3,
+    /// Whether collisions are handled as impulses; without them contact forces do everything.
+    pub collisions: bool,
+    /// Whether contact damping may pull bodies together (the thesis's form).
+    pub contact_pull: bool,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self {
+            activation_threshold: 1.0,
+            restitution: 0.75,
+            contact_damping: 12.5,
+            contact_force: 1000.0,
+            friction: 50.0,
+            gravity: 1.0,
+            gravity_direction: Vec3::NEG_Y,
+            collisions: true,
+            contact_pull: false,
+        }
+    }
+}
+
+impl Settings {
+    /// Names that [`Settings::set`] takes.
+    pub const NAMES: [&str; 9] = [
+        "activation_threshold",
+        "restitution",
+        "contact_damping",
+        "contact_force",
+        "friction",
+        "gravity",
+        "collisions",
+        "gravity_direction",
+        "contact_pull",
+    ];
+
+    /// Sets a constant by its name, from text: a number, `on` or `off`, or for the direction `x,y,z`.
+    ///
+    /// # Errors
+    /// [`Error::UnknownSetting`] for a name that is not in [`Settings::NAMES`], [`Error::Invalid`] for a value that is not
+    /// finite, negative where that has no meaning, or not of the right kind.
+    pub fn set(&mut self, name: &str, value: &str) -> Result<()> {
+        match name {
+            "activation_threshold" => self.activation_threshold = not_negative("activation_threshold", value)?,
+            "restitution" => self.restitution = not_negative("restitution", value)?,
+            "contact_damping" => self.contact_damping = not_negative("contact_damping", value)?,
+            "contact_force" => self.contact_force = not_negative("contact_force", value)?,
+            "friction" => self.friction = not_negative("friction", value)?,
+            "gravity" => self.gravity = number("gravity", value, "a finite number")?,
+            "collisions" => self.collisions = switch("collisions", value)?,
+            "gravity_direction" => self.gravity_direction = direction("gravity_direction", value)?,
+            "contact_pull" => self.contact_pull = switch("contact_pull", value)?,
+            _ => {
+                return Err(Error::UnknownSetting {
+                    name: name.to_owned(),
+                    expected: Self::NAMES.join(", "),
+                });
+            }
+        }
+        Ok(())
+    }
+
+    /// The value of a constant as text that [`Settings::set`] reads back bit for bit; `None` for an unknown name.
+    pub fn get(&self, name: &str) -> Option<String> {
+        let on_off = |on: bool| if on { "on" } else { "off" }.to_owned();
+        let g = self.gravity_direction;
+        Some(match name {
+            "activation_threshold" => self.activation_threshold.to_string(),
+            "restitution" => self.restitution.to_string(),
+            "contact_damping" => self.contact_damping.to_string(),
+            "contact_force" => self.contact_force.to_string(),
+            "friction" => self.friction.to_string(),
+            "gravity" => self.gravity.to_string(),
+            "collisions" => on_off(self.collisions),
+            "gravity_direction" => format!("{},{},{}", g.x, g.y, g.z),
+            "contact_pull" => on_off(self.contact_pull),
+            _ => return None,
+        })
+    }
+
+    /// Checks the values of a struct that was filled in by hand.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] as for [`Settings::set`].
+    pub fn validate(&self) -> Result<()> {
+        let mut copy = *self;
+        for name in Self::NAMES {
+            copy.set(name, &self.get(name).unwrap_or_default())?;
+        }
+        Ok(())
+    }
+}
+
+fn invalid(field: &'static str, value: &str, expected: &'static str) -> Error {
+    Error::Invalid {
+        field,
+        value: format!("'{value}'"),
+        expected,
+    }
+}
+
+fn number(field: &'static str, value: &str, expected: &'static str) -> Result<f32> {
+    match value.trim().parse::<f32>() {
+        Ok(number) if number.is_finite() => Ok(number),
+        _ => Err(invalid(field, value, expected)),
+    }
+}
+
+fn not_negative(field: &'static str, value: &str) -> Result<f32> {
+    const EXPECTED: &str = "a finite number, not negative";
+    match number(field, value, EXPECTED)? {
+        number if number >= 0.0 => Ok(number),
+        _ => Err(invalid(field, value, EXPECTED)),
+    }
+}
+
+fn switch(field: &'static str, value: &str) -> Result<bool> {
+    match value.trim() {
+        "on" | "true" | "1" => Ok(true),
+        "off" | "false" | "0" => Ok(false),
+        _ => Err(invalid(field, value, "on or off")),
+    }
+}
+
+fn direction(field: &'static str, value: &str) -> Result<Vec3> {
+    const EXPECTED: &str = "three numbers x,y,z, not all zero";
+    let numbers: Vec<f32> = value
+        .split(',')
+        .map(|part| number(field, part, EXPECTED))
+        .collect::<Result<_>>()
+        .map_err(|_| invalid(field, value, EXPECTED))?;
+    let [x, y, z] = numbers[..] else {
+        return Err(invalid(field, value, EXPECTED));
+    };
+    // In f64, so that neither huge nor tiny components overflow; a unit vector stays as it is, bit for bit.
+    let wide = glam::DVec3::new(x.into(), y.into(), z.into());
+    if (wide.length() - 1.0).abs() < 1e-6 {
+        return Ok(Vec3::new(x, y, z));
+    }
+    wide.try_normalize()
+        .map(|unit| unit.as_vec3())
+        .ok_or_else(|| invalid(field, value, EXPECTED))
+}
+
+/// How positions and velocities are advanced.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Integrator {
+    /// Fourth-order Runge-Kutta: four force evaluations a step (thesis section 2.7.5).
+    #[default]
+    Rk4,
+    /// Symplectic (semi-implicit) Euler: one force evaluation a step.
+    SymplecticEuler,
+}
+
+impl fmt::Display for Integrator {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Rk4 => "rk4",
+            Self::SymplecticEuler => "symplectic-euler",
+        })
+    }
+}
+
+impl FromStr for Integrator {
+    type Err = Error;
+
+    fn from_str(text: &str) -> Result<Self> {
+        match text {
+            "rk4" => Ok(Self::Rk4),
+            "symplectic-euler" => Ok(Self::SymplecticEuler),
+            _ => Err(invalid("integrator", text, "rk4 or symplectic-euler")),
+        }
+    }
+}

@@ -1,0 +1,294 @@
+//! The step as one ordered list of stages, run by either backend.
+//!
+//! A stage is a pair of files of one name: `stage/NAME.rs` says what it does, declares its bindings and holds the CPU
+//! twin; `stage/NAME.wgsl` is the kernel. [`Phase::stages`] is the step's table of contents.
+//! To add a physical effect, add or edit one pair (ARCHITECTURE.md walks through it).
+//!
+//! This module is public for tools and tests; it may change between minor versions.
+
+use crate::settings::Integrator;
+use crate::world::World;
+
+mod advance;
+mod apply_collisions;
+mod commit;
+mod constrain;
+mod count_pairs;
+mod end_collisions;
+mod end_step;
+mod fill_pairs;
+mod find_collisions;
+mod finish;
+mod leap;
+mod restore_lengths;
+mod rod_forces;
+mod scan_pairs;
+mod turn;
+mod update_aabbs;
+mod weigh_collisions;
+
+/// A buffer that stages bind. `Start` is the state; `Y2`, `Y3`, `Y4` are the stage states of RK4, and scratch besides.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Buffer {
+    /// The state of all spheres (`World::states[0]`).
+    Start,
+    /// Stage state 2; where collisions and symplectic Euler put the state before it is committed.
+    Y2,
+    /// Stage state 3; after the integration: old positions in region 0 and mean spins in region 2.
+    Y3,
+    /// Stage state 4.
+    Y4,
+    /// AABBs of all objects.
+    Aabbs,
+    /// Rods, springs, tethers, boxes, polygons, tags, adjacency, batches.
+    Words,
+    /// The pair lists.
+    Lists,
+    /// A collision weight for each entry of the pair lists.
+    Weights,
+    /// Per rod: force and couple on end 1, force and couple on end 2.
+    Wrenches,
+    /// Unit quaternions (x, y, z, w) of the spheres' orientations.
+    Orientations,
+    /// The [`Status`](crate::layout::Status) block.
+    Status,
+}
+
+impl Buffer {
+    /// All buffers.
+    pub const ALL: [Self; 11] = [
+        Self::Start,
+        Self::Y2,
+        Self::Y3,
+        Self::Y4,
+        Self::Aabbs,
+        Self::Words,
+        Self::Lists,
+        Self::Weights,
+        Self::Wrenches,
+        Self::Orientations,
+        Self::Status,
+    ];
+}
+
+/// What a binding of a stage refers to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Slot {
+    /// Always the same buffer.
+    Fixed(Buffer),
+    /// The stage state that pass p evaluates: `Start`, `Y2`, `Y3`, `Y4` for p = 0, 1, 2, 3.
+    State,
+    /// The stage state that pass p makes: `Y2`, `Y3`, `Y4` for p = 0, 1, 2.
+    Next,
+}
+
+impl Slot {
+    /// The buffer in pass `pass`.
+    pub fn buffer(self, pass: u32) -> Buffer {
+        const STATES: [Buffer; 4] = [Buffer::Start, Buffer::Y2, Buffer::Y3, Buffer::Y4];
+        match self {
+            Self::Fixed(buffer) => buffer,
+            Self::State => STATES[pass as usize],
+            Self::Next => STATES[pass as usize + 1],
+        }
+    }
+}
+
+/// How a kernel uses a buffer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Access {
+    /// `var<storage, read>`.
+    Read,
+    /// `var<storage, read_write>`.
+    Write,
+}
+
+/// A storage buffer of a stage. Its number is 2 + its place in the stage's list (0 is `step`, 1 is `pass_`).
+#[derive(Clone, Copy, Debug)]
+pub struct Binding {
+    /// Its name in the WGSL.
+    pub name: &'static str,
+    /// Which buffer it is.
+    pub slot: Slot,
+    /// Read only or read and written.
+    pub access: Access,
+}
+
+pub(crate) const fn read(name: &'static str, buffer: Buffer) -> Binding {
+    Binding {
+        name,
+        slot: Slot::Fixed(buffer),
+        access: Access::Read,
+    }
+}
+
+pub(crate) const fn write(name: &'static str, buffer: Buffer) -> Binding {
+    Binding {
+        name,
+        slot: Slot::Fixed(buffer),
+        access: Access::Write,
+    }
+}
+
+/// What a stage has a thread for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Threads {
+    /// A thread per object.
+    Objects,
+    /// A thread per mover (sphere or rod).
+    Movers,
+    /// A thread per sphere.
+    Spheres,
+    /// A thread per rod.
+    Rods,
+    /// A workgroup per batch of fixed-length rods.
+    Batches,
+    /// One workgroup.
+    One,
+}
+
+/// A piece of WGSL and the file it stands in.
+#[derive(Clone, Copy, Debug)]
+pub struct Part {
+    /// Path below `src/`.
+    pub file: &'static str,
+    /// Its text.
+    pub text: &'static str,
+}
+
+macro_rules! part {
+    ($file:literal) => {
+        $crate::stage::Part {
+            file: $file,
+            text: include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/src/", $file)),
+        }
+    };
+}
+pub(crate) use part;
+
+/// One stage of the step.
+#[derive(Clone, Copy, Debug)]
+pub struct Stage {
+    /// Name of the pair of files and of the kernel's entry point.
+    pub name: &'static str,
+    /// The WGSL, joined in this order.
+    pub parts: &'static [Part],
+    /// The storage buffers, at most 8.
+    pub bindings: &'static [Binding],
+    /// How many threads it has.
+    pub threads: Threads,
+    /// The CPU twin; the second argument is the pass.
+    pub cpu: fn(&mut World, u32),
+}
+
+/// A stage and the pass it is run for.
+#[derive(Clone, Copy, Debug)]
+pub struct Run {
+    /// The stage.
+    pub stage: &'static Stage,
+    /// 0..4 for the force evaluations of RK4, else 0.
+    pub pass: u32,
+}
+
+const fn run(stage: &'static Stage) -> Run {
+    Run { stage, pass: 0 }
+}
+
+const fn pass(stage: &'static Stage, pass: u32) -> Run {
+    Run { stage, pass }
+}
+
+/// The phases of a step, each callable alone.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Phase {
+    /// AABBs of all objects.
+    UpdateAabbs,
+    /// Pair lists.
+    BroadPhase,
+    /// Impulses.
+    HandleCollisions,
+    /// Forces, integration, constraints.
+    UpdatePositions,
+}
+
+impl Phase {
+    /// A step's phases, in their order.
+    pub const STEP: [Self; 4] = [
+        Self::UpdateAabbs,
+        Self::BroadPhase,
+        Self::HandleCollisions,
+        Self::UpdatePositions,
+    ];
+
+    /// The stages of this phase, in their order.
+    pub fn stages(self, integrator: Integrator) -> &'static [Run] {
+        match (self, integrator) {
+            (Self::UpdateAabbs, _) => const { &[run(&update_aabbs::STAGE)] },
+            (Self::BroadPhase, _) => const { &[run(&count_pairs::STAGE), run(&scan_pairs::STAGE), run(&fill_pairs::STAGE)] },
+            (Self::HandleCollisions, _) => {
+                const {
+                    &[
+                        run(&find_collisions::STAGE),
+                        run(&weigh_collisions::STAGE),
+                        run(&apply_collisions::STAGE),
+                        run(&commit::COLLISIONS),
+                        run(&end_collisions::STAGE),
+                    ]
+                }
+            }
+            (Self::UpdatePositions, Integrator::Rk4) => {
+                const {
+                    &[
+                        run(&restore_lengths::STAGE),
+                        pass(&rod_forces::STAGE, 0),
+                        pass(&advance::STAGE, 0),
+                        pass(&rod_forces::STAGE, 1),
+                        pass(&advance::STAGE, 1),
+                        pass(&rod_forces::STAGE, 2),
+                        pass(&advance::STAGE, 2),
+                        pass(&rod_forces::STAGE, 3),
+                        pass(&finish::STAGE, 3),
+                        run(&constrain::STAGE),
+                        run(&turn::STAGE),
+                        run(&end_step::STAGE),
+                    ]
+                }
+            }
+            (Self::UpdatePositions, Integrator::SymplecticEuler) => {
+                const {
+                    &[
+                        run(&restore_lengths::STAGE),
+                        run(&rod_forces::STAGE),
+                        run(&leap::STAGE),
+                        run(&commit::LEAP),
+                        run(&constrain::STAGE),
+                        run(&turn::STAGE),
+                        run(&end_step::STAGE),
+                    ]
+                }
+            }
+        }
+    }
+}
+
+/// Every stage there is, once.
+pub const ALL: [&Stage; 18] = [
+    &update_aabbs::STAGE,
+    &count_pairs::STAGE,
+    &scan_pairs::STAGE,
+    &fill_pairs::STAGE,
+    &find_collisions::STAGE,
+    &weigh_collisions::STAGE,
+    &apply_collisions::STAGE,
+    &commit::COLLISIONS,
+    &end_collisions::STAGE,
+    &restore_lengths::STAGE,
+    &rod_forces::STAGE,
+    &advance::STAGE,
+    &finish::STAGE,
+    &leap::STAGE,
+    &commit::LEAP,
+    &constrain::STAGE,
+    &turn::STAGE,
+    &end_step::STAGE,
+];

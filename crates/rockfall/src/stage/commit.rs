@@ -1,0 +1,33 @@
+//! Makes `Y2` the state: after collisions, and after a step of symplectic Euler. Does nothing in a void step, nor, after
+//! collisions, when they were done before.
+
+use crate::stage::{Buffer, Stage, Threads, part, read, write};
+use crate::world::World;
+
+/// After `apply_collisions`.
+pub(crate) const COLLISIONS: Stage = Stage {
+    name: "commit_collisions",
+    parts: &[part!("wgsl/step.wgsl"), part!("stage/commit.wgsl")],
+    bindings: &[
+        write("state", Buffer::Start),
+        read("next", Buffer::Y2),
+        read("status", Buffer::Status),
+    ],
+    threads: Threads::Spheres,
+    cpu: commit_collisions,
+};
+
+/// After `leap`.
+pub(crate) const LEAP: Stage = Stage {
+    name: "commit_leap",
+    cpu: commit_leap,
+    ..COLLISIONS
+};
+
+fn commit_collisions(_world: &mut World, _pass: u32) {
+    unimplemented!()
+}
+
+fn commit_leap(_world: &mut World, _pass: u32) {
+    unimplemented!()
+}

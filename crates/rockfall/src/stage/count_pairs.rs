@@ -1,0 +1,26 @@
+//! Broad phase, 1 of 3: how many entries the list of every mover has.
+//!
+//! The tiled N² test of the thesis (section 2.5.1): a workgroup loads a tile of AABBs, every thread tests its own mover
+//! against it. What may meet: AABBs overlap (touching counts), groups (low 16 bits of the tags) equal, not itself, not
+//! rod and polygon. A rod has `BOX_FEATURES` entries for a box. Exact: only stored floats are compared, so `fill_pairs`
+//! decides the same.
+
+use crate::stage::{Buffer, Stage, Threads, part, read, write};
+use crate::world::World;
+
+/// The stage.
+pub(crate) const STAGE: Stage = Stage {
+    name: "count_pairs",
+    parts: &[
+        part!("wgsl/step.wgsl"),
+        part!("wgsl/pair_tiles.wgsl"),
+        part!("stage/count_pairs.wgsl"),
+    ],
+    bindings: &[read("aabbs", Buffer::Aabbs), write("lists", Buffer::Lists)],
+    threads: Threads::Movers,
+    cpu: count_pairs,
+};
+
+fn count_pairs(_world: &mut World, _pass: u32) {
+    unimplemented!()
+}

@@ -1,0 +1,29 @@
+//! Removes the errors of rod lengths that were there before the integration, in positions only (physics.md section 5).
+//!
+//! Runs where `lengths_due` is set; the first pass of `rod_forces` clears it, so that a step that is run again does not
+//! repeat it.
+
+use crate::stage::{Buffer, Stage, Threads, part, read, write};
+use crate::world::World;
+
+/// The stage.
+pub(crate) const STAGE: Stage = Stage {
+    name: "restore_lengths",
+    parts: &[
+        part!("wgsl/step.wgsl"),
+        part!("wgsl/objects.wgsl"),
+        part!("wgsl/lengths.wgsl"),
+        part!("stage/restore_lengths.wgsl"),
+    ],
+    bindings: &[
+        write("state", Buffer::Start),
+        read("words", Buffer::Words),
+        read("status", Buffer::Status),
+    ],
+    threads: Threads::Batches,
+    cpu: restore_lengths,
+};
+
+fn restore_lengths(_world: &mut World, _pass: u32) {
+    unimplemented!()
+}

@@ -1,0 +1,1 @@
+// rod_forces

@@ -1,0 +1,52 @@
+//! Everything a step reads and writes, as plain arrays of the layout that the GPU has too.
+//!
+//! A [`World`] is what the CPU backend runs on, what the GPU backend is filled from, and what tests compare.
+
+use glam::Vec4;
+
+use crate::layout::{Aabb, SLICE, Status, Step};
+
+/// The buffers of [`Buffer`](crate::stage::Buffer), on the host, and the uniform block.
+#[derive(Clone, Debug, Default)]
+pub struct World {
+    /// The uniform block.
+    pub step: Step,
+    /// `Start`, `Y2`, `Y3`, `Y4`: `3 * spheres` each.
+    pub states: [Vec<Vec4>; 4],
+    /// One an object.
+    pub aabbs: Vec<Aabb>,
+    /// Topology and static objects.
+    pub words: Vec<u32>,
+    /// Counts, slice offsets, entries: `step.entries_at + step.pair_capacity` words.
+    pub lists: Vec<u32>,
+    /// `step.pair_capacity` weights, one an entry (slot = word of the entry - `entries_at`).
+    pub weights: Vec<f32>,
+    /// `4 * rods`: force and couple on end 1, force and couple on end 2.
+    pub wrenches: Vec<Vec4>,
+    /// `spheres` unit quaternions x, y, z, w.
+    pub orientations: Vec<Vec4>,
+    /// The status block.
+    pub status: Status,
+}
+
+impl World {
+    /// Objects that have a list: spheres and rods.
+    pub fn movers(&self) -> u32 {
+        self.step.spheres + self.step.rods
+    }
+
+    /// All objects.
+    pub fn objects(&self) -> u32 {
+        self.movers() + self.step.boxes + self.step.polygons
+    }
+
+    /// Makes room for `capacity` words of list entries; the lists are void after it.
+    pub fn set_pair_capacity(&mut self, capacity: u32) {
+        let slices = self.movers().div_ceil(SLICE);
+        self.step.pair_capacity = capacity;
+        self.step.slices_at = slices * SLICE;
+        self.step.entries_at = self.step.slices_at + slices + 1;
+        self.lists = vec![0; (self.step.entries_at + capacity) as usize];
+        self.weights = vec![0.0; capacity as usize];
+    }
+}
