@@ -43,7 +43,7 @@ struct Closest {
     // From A's point to B's.
     distance: vec3f,
     // The normal where the distance is 0.
-    common: vec3f,
+    crossing: vec3f,
 }
 
 fn unit_interval(x: f32) -> bool {
@@ -73,7 +73,7 @@ fn closest_points(a_start: vec3f, a_along: vec3f, b_start: vec3f, b_along: vec3f
         closest.a = dot(between, cross(b_along, normal)) / nn;
         closest.b = dot(between, cross(a_along, normal)) / nn;
         closest.hit = unit_interval(closest.a) & unit_interval(closest.b);
-        closest.common = normal / sqrt(nn);
+        closest.crossing = normal / sqrt(nn);
     }
     closest.distance = between + closest.b * b_along - closest.a * a_along;
     return closest;
@@ -122,7 +122,7 @@ fn touch_rods(a: u32, b: u32) -> Touch {
     if !closest.hit {
         return no_touch();
     }
-    return touch_at(closest.distance, a_axis.radius + b_axis.radius, closest.a, closest.b, closest.common);
+    return touch_at(closest.distance, a_axis.radius + b_axis.radius, closest.a, closest.b, closest.crossing);
 }
 
 fn box_parameters(point: vec3f, box: Cuboid) -> vec3f {
