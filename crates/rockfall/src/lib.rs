@@ -1,6 +1,8 @@
 //! rockfall: a rigid-body physics engine that lives on the GPU.
 
 pub mod error;
+#[cfg(feature = "gpu")]
+pub mod gpu;
 pub mod layout;
 pub mod scene;
 pub mod settings;
@@ -14,3 +16,5 @@ pub use scene::{
     SpringId, Tether, TetherId,
 };
 pub use settings::{Integrator, Settings};
+#[cfg(feature = "gpu")]
+pub use wgpu;

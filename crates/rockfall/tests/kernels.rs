@@ -52,12 +52,20 @@ fn every_kernel_keeps_within_the_limits_of_webgpu() {
             .filter(|(_, variable)| variable.space == AddressSpace::WorkGroup)
             .map(|(_, variable)| module.types[variable.ty].inner.size(module.to_ctx()).next_multiple_of(16))
             .sum();
-        assert!(shared <= MAX_WORKGROUP_BYTES, "{}: {shared} bytes of workgroup memory", stage.name);
+        assert!(
+            shared <= MAX_WORKGROUP_BYTES,
+            "{}: {shared} bytes of workgroup memory",
+            stage.name
+        );
         for entry in &module.entry_points {
             let invocations: u32 = entry.workgroup_size.iter().product();
             assert!(invocations <= MAX_INVOCATIONS, "{}: {invocations} invocations", stage.name);
             let one_group = matches!(stage.threads, rockfall::stage::Threads::One);
-            assert!(one_group || invocations == layout::WORKGROUP, "{}: {invocations} invocations", stage.name);
+            assert!(
+                one_group || invocations == layout::WORKGROUP,
+                "{}: {invocations} invocations",
+                stage.name
+            );
         }
     }
 }
@@ -192,10 +200,33 @@ fn the_constants_are_those_of_layout() {
         ($($name:ident),* $(,)?) => { [$((stringify!($name), layout::$name)),*] };
     }
     let expected = constants![
-        WORKGROUP, SLICE, ROD_WORDS, SPRING_WORDS, TETHER_WORDS, FORCE_WORDS, BOX_WORDS, POLYGON_WORDS, KIND_SHIFT, KIND_ROD,
-        KIND_SPRING, KIND_TETHER, KIND_FORCE, ENTRY_ID_BITS, ENTRY_ID_MASK, ENTRY_FEATURE_MASK, ENTRY_OVERLAPS,
-        ENTRY_COLLIDES, BOX_FEATURES, FLAG_COLLISIONS, FLAG_PULL, FLAG_CONTINUE, VOID_PAIRS, VOID_ESCAPED, VOID_NON_FINITE,
-        NO_BODY, BAD_STAGE_SHIFT,
+        WORKGROUP,
+        SLICE,
+        ROD_WORDS,
+        SPRING_WORDS,
+        TETHER_WORDS,
+        FORCE_WORDS,
+        BOX_WORDS,
+        POLYGON_WORDS,
+        KIND_SHIFT,
+        KIND_ROD,
+        KIND_SPRING,
+        KIND_TETHER,
+        KIND_FORCE,
+        ENTRY_ID_BITS,
+        ENTRY_ID_MASK,
+        ENTRY_FEATURE_MASK,
+        ENTRY_OVERLAPS,
+        ENTRY_COLLIDES,
+        BOX_FEATURES,
+        FLAG_COLLISIONS,
+        FLAG_PULL,
+        FLAG_CONTINUE,
+        VOID_PAIRS,
+        VOID_ESCAPED,
+        VOID_NON_FINITE,
+        NO_BODY,
+        BAD_STAGE_SHIFT,
     ];
     let module = module(ALL[0]);
     for (name, value) in expected {
