@@ -1,5 +1,6 @@
 //! rockfall: a rigid-body physics engine that lives on the GPU.
 
+pub mod cpu;
 pub mod error;
 pub mod layout;
 pub mod scene;
