@@ -3,15 +3,19 @@
 pub mod cpu;
 pub mod error;
 pub mod layout;
+pub mod report;
 pub mod scene;
 pub mod settings;
+pub mod simulation;
 pub mod stage;
 pub mod world;
 
 pub use error::{Error, Result};
 pub use glam;
+pub use report::{Energy, Report, SphereState};
 pub use scene::{
     BoxId, Capsule, CapsuleId, CapsuleParts, Counts, Cuboid, Polygon, PolygonId, Rod, RodId, Scene, Sphere, SphereId, Spring,
     SpringId, Tether, TetherId,
 };
 pub use settings::{Integrator, Settings};
+pub use simulation::{Backend, BackendInfo, Body, BroadPhase, Contact, ContactAction, Options, Simulation, SphereDiagnostics};
