@@ -1,0 +1,325 @@
+//! Every kernel against its CPU twin, stage by stage, on scenes with objects of every kind.
+//!
+//! Both start every stage from the same bits, those that the CPU left behind, so that differences do not add up.
+
+#![cfg(feature = "gpu")]
+
+use std::sync::LazyLock;
+
+use glam::{Quat, Vec3, Vec4};
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64;
+use rockfall::gpu::{Gpu, GpuWorld, block_on};
+use rockfall::layout::{ENTRY_COLLIDES, SLICE, VOID_ESCAPED, VOID_PAIRS};
+use rockfall::scene::{Capsule, Cuboid, Polygon, Rod, Sphere, Spring, Tether};
+use rockfall::stage::{Buffer, Part, Phase, Run, Stage};
+use rockfall::world::World;
+use rockfall::{Integrator, Scene};
+
+static GPU: LazyLock<Gpu> = LazyLock::new(open);
+
+/// A test without an adapter fails: skipped it would prove nothing.
+fn open() -> Gpu {
+    Gpu::open_blocking(true).expect("these tests need a Vulkan driver, lavapipe will do")
+}
+
+/// A crowd of everything in a box of about `size`.
+fn scene(seed: u64, size: f32, speed: f32) -> Scene {
+    let mut rng = Pcg64::seed_from_u64(seed);
+    let mut scene = Scene::new();
+    let mut any = move |reach: f32| {
+        Vec3::new(
+            rng.random_range(-reach..reach),
+            rng.random_range(-reach..reach),
+            rng.random_range(-reach..reach),
+        )
+    };
+    let mut spheres = Vec::new();
+    for k in 0..60_u16 {
+        let mut sphere = Sphere::new(any(size), 0.3 + 0.005 * f32::from(k))
+            .mass(0.5 + 0.05 * f32::from(k))
+            .velocity(any(speed))
+            .angular_momentum(any(0.5))
+            .orientation(Quat::from_scaled_axis(any(2.0)));
+        if k % 11 == 3 {
+            sphere = sphere.fixed();
+        }
+        if k % 13 == 5 {
+            sphere = sphere.force(any(2.0));
+        }
+        if k % 17 == 7 {
+            sphere = sphere.group(1);
+        }
+        spheres.push(scene.add_sphere(sphere).unwrap());
+    }
+    for _ in 0..12 {
+        let end = any(size);
+        let capsule = Capsule::new(end, end + any(1.0) + Vec3::splat(0.1), 0.3)
+            .mass(1.5)
+            .velocity(any(speed));
+        let parts = scene.add_capsule(capsule).unwrap();
+        let _ = parts;
+    }
+    // A chain, free rods, springs and tethers among the first spheres, fixed ones too.
+    for k in 0..8 {
+        scene.add_rod(Rod::new(spheres[k], spheres[k + 1], 0.1).length(0.8)).unwrap();
+        scene.add_rod(Rod::new(spheres[k + 20], spheres[k + 30], 0.15)).unwrap();
+        scene
+            .add_spring(Spring::new(spheres[k + 3], spheres[k + 40], 20.0, 1.0).damping(0.5))
+            .unwrap();
+    }
+    for k in 50..54 {
+        scene
+            .add_tether(Tether::new(spheres[k], any(size), 10.0).length(0.5).damping(0.2))
+            .unwrap();
+    }
+    for _ in 0..3 {
+        let turn = Quat::from_scaled_axis(any(2.0));
+        let corner = any(size);
+        scene
+            .add_box(Cuboid::new(
+                corner,
+                turn * Vec3::X,
+                turn * (1.5 * Vec3::Y),
+                turn * (0.7 * Vec3::Z),
+            ))
+            .unwrap();
+    }
+    scene
+        .add_polygon(Polygon::new(
+            Vec3::new(-size, -size, -size),
+            Vec3::new(0.0, 0.3, 2.0 * size),
+            Vec3::new(2.0 * size, 0.0, 0.5),
+        ))
+        .unwrap();
+    scene
+}
+
+/// Where the floats of two buffers differ by more than rounding can explain. `tolerance` is relative to the largest of
+/// the buffer's values, or of 1.
+fn compare_floats(what: &str, gpu: &[f32], cpu: &[f32], tolerance: f32, wrong: &mut Vec<String>) {
+    assert_eq!(gpu.len(), cpu.len(), "{what}");
+    let scale = cpu.iter().fold(1.0_f32, |most, x| most.max(x.abs()));
+    for (at, (g, c)) in gpu.iter().zip(cpu).enumerate() {
+        // Not `>`: NaN must count as a difference.
+        let near = (g - c).abs() <= tolerance * scale;
+        if !near {
+            wrong.push(format!("{what}[{at}]: GPU {g}, CPU {c} (scale {scale})"));
+        }
+    }
+}
+
+fn floats(vectors: &[Vec4]) -> Vec<f32> {
+    vectors.iter().flat_map(|vector| vector.to_array()).collect()
+}
+
+/// The entries of all lists, with their weight where they collide.
+fn entries(world: &World) -> Vec<(u32, u32, Option<f32>)> {
+    let step = &world.step;
+    let mut all = Vec::new();
+    for mover in 0..world.movers() {
+        let slice = world.lists[(step.slices_at + mover / SLICE) as usize];
+        for e in 0..world.lists[mover as usize] {
+            let slot = slice + e * SLICE + mover % SLICE;
+            let word = world.lists[(step.entries_at + slot) as usize];
+            let collides = word & ENTRY_COLLIDES != 0;
+            all.push((mover, word, collides.then(|| world.weights[slot as usize])));
+        }
+    }
+    all
+}
+
+/// Everything in which the GPU's world differs from the CPU's, after `run`.
+fn differences(run: &Run, gpu: &World, cpu: &World) -> Vec<String> {
+    // Nearly parallel rods magnify rounding; a wrong sign or factor is far above this.
+    const TOLERANCE: f32 = 1e-4;
+    let mut wrong = Vec::new();
+    let n = cpu.step.spheres as usize;
+    for (k, what) in ["start", "y2", "y3", "y4"].iter().enumerate() {
+        for (region, kind) in ["position", "velocity", "momentum"].iter().enumerate() {
+            let rows = region * n..(region + 1) * n;
+            let (g, c) = (&gpu.states[k][rows.clone()], &cpu.states[k][rows]);
+            compare_floats(&format!("{what} {kind}"), &floats(g), &floats(c), TOLERANCE, &mut wrong);
+        }
+    }
+    let hull = |world: &World| -> Vec<f32> { world.aabbs.iter().flat_map(|a| [a.min, a.max].concat()).collect() };
+    compare_floats("aabbs", &hull(gpu), &hull(cpu), 1e-6, &mut wrong);
+    let tags = |world: &World| -> Vec<(u32, u32)> { world.aabbs.iter().map(|a| (a.id, a.tag)).collect() };
+    if tags(gpu) != tags(cpu) {
+        wrong.push("ids or tags of the AABBs".to_owned());
+    }
+    compare_floats(
+        "wrenches",
+        &floats(&gpu.wrenches),
+        &floats(&cpu.wrenches),
+        TOLERANCE,
+        &mut wrong,
+    );
+    compare_floats(
+        "orientations",
+        &floats(&gpu.orientations),
+        &floats(&cpu.orientations),
+        2e-6,
+        &mut wrong,
+    );
+    let head = cpu.step.entries_at as usize;
+    if gpu.lists[..head] != cpu.lists[..head] {
+        wrong.push("counts or offsets of the lists".to_owned());
+    } else if cpu.status.void & VOID_PAIRS == 0 {
+        for (g, c) in entries(gpu).iter().zip(entries(cpu)) {
+            let same_weight = match (g.2, c.2) {
+                (Some(g), Some(c)) => (g - c).abs() <= 1e-4,
+                (g, c) => g.is_none() && c.is_none(),
+            };
+            if g.1 != c.1 || !same_weight {
+                wrong.push(format!("list of {}: GPU {:x} {:?}, CPU {:x} {:?}", g.0, g.1, g.2, c.1, c.2));
+            }
+        }
+    }
+    let (mut g, mut c) = (gpu.status, cpu.status);
+    let deepest = |status: &mut rockfall::layout::Status| {
+        let ratio = f32::from_bits(std::mem::take(&mut status.escape_ratio));
+        let now = f32::from_bits(std::mem::take(&mut status.max_overlap));
+        [now, f32::from_bits(std::mem::take(&mut status.last_max_overlap)), ratio]
+    };
+    compare_floats("overlaps", &deepest(&mut g), &deepest(&mut c), 1e-5, &mut wrong);
+    if g != c {
+        wrong.push(format!("status: GPU {g:?}\n        CPU {c:?}"));
+    }
+    wrong
+        .iter()
+        .map(|text| format!("{} {}: {text}", run.stage.name, run.pass))
+        .collect()
+}
+
+/// Runs stages on the GPU from the world given.
+fn on_gpu(gpu: &Gpu, from: &World, runs: &[Run]) -> World {
+    let mut device = GpuWorld::new(gpu, from).unwrap();
+    for buffer in Buffer::ALL {
+        device.upload_buffer(from, buffer).unwrap();
+    }
+    device.run(runs, &from.step, 1).unwrap();
+    let mut world = from.clone();
+    block_on(gpu.device(), device.download(&mut world, &Buffer::ALL)).unwrap();
+    world
+}
+
+/// The stages of a step, each alone but for those of the broad phase: between them the lists are not whole.
+fn groups(integrator: Integrator) -> impl Iterator<Item = &'static [Run]> {
+    Phase::STEP.iter().flat_map(move |phase| {
+        let stages = phase.stages(integrator);
+        stages.chunks(if *phase == Phase::BroadPhase { stages.len() } else { 1 })
+    })
+}
+
+/// Steps of the CPU, every stage of them compared; the differences of the first stage that has any.
+fn parity(gpu: &Gpu, scene: &Scene, integrator: Integrator, steps: u32, swap: impl Fn(Run) -> Run) -> Vec<String> {
+    let mut cpu = World::build(scene).unwrap();
+    cpu.step.dt = 0.005;
+    let (mut contacts, mut collisions) = (0, 0);
+    for attempt in 0..100 {
+        let step = cpu.status.steps;
+        if step == steps {
+            break;
+        }
+        assert!(attempt < 99, "{:?}", cpu.status);
+        for runs in groups(integrator) {
+            let swapped: Vec<Run> = runs.iter().map(|run| swap(*run)).collect();
+            let gpu_world = on_gpu(gpu, &cpu, &swapped);
+            rockfall::cpu::run(&mut cpu, runs);
+            if cpu.status.void != 0 && gpu_world.status.void == cpu.status.void {
+                // How far the other bodies of a void stage got is nobody's business: it will all be run again.
+                break;
+            }
+            let wrong = differences(&runs[runs.len() - 1], &gpu_world, &cpu);
+            if !wrong.is_empty() {
+                return wrong.iter().map(|text| format!("step {step}, {text}")).collect();
+            }
+            contacts = contacts.max(cpu.status.contacts);
+            collisions = collisions.max(cpu.status.collisions);
+        }
+        if cpu.status.void != 0 {
+            // What the simulation does for a step that is run again.
+            if cpu.status.void & VOID_PAIRS != 0 {
+                cpu.set_pair_capacity(cpu.status.pairs_needed * 2);
+            }
+            if cpu.status.void & VOID_ESCAPED != 0 {
+                cpu.step.margin_scale *= 4.0;
+            }
+            let collided = cpu.status.collided;
+            cpu.status.void = 0;
+            cpu.status.escape_ratio = 0;
+            cpu.status.contacts = 0;
+            cpu.status.max_overlap = 0;
+            cpu.status.collisions *= collided;
+        }
+    }
+    assert!(
+        contacts > 20 && collisions > 5,
+        "{contacts} contacts and {collisions} collisions prove little"
+    );
+    Vec::new()
+}
+
+fn assert_parity(scene: &Scene, integrator: Integrator, steps: u32) {
+    let wrong = parity(&GPU, scene, integrator, steps, |run| run);
+    let shown: Vec<_> = wrong.iter().take(20).cloned().collect();
+    assert!(wrong.is_empty(), "{} differences:\n{}", wrong.len(), shown.join("\n"));
+}
+
+#[test]
+fn a_crowd_of_everything_with_rk4() {
+    for seed in 0..6 {
+        assert_parity(&scene(seed, 2.2, 3.0), Integrator::Rk4, 3);
+    }
+}
+
+#[test]
+fn a_crowd_of_everything_with_symplectic_euler() {
+    for seed in 10..13 {
+        assert_parity(&scene(seed, 2.2, 3.0), Integrator::SymplecticEuler, 3);
+    }
+}
+
+#[test]
+fn a_dense_crowd_with_pull_and_without_collisions() {
+    let mut scene = scene(20, 1.6, 1.0);
+    scene.settings.contact_pull = true;
+    assert_parity(&scene, Integrator::Rk4, 2);
+}
+
+/// The comparison is worth something only if it tells a wrong kernel: this one's arms are too long by a tenth.
+#[test]
+fn a_broken_kernel_is_told() {
+    // Its own device: kernels are kept by name.
+    let gpu = open();
+    let broken = |run: Run| -> Run {
+        if run.stage.name != "advance" {
+            return run;
+        }
+        let mut parts: Vec<Part> = run.stage.parts.to_vec();
+        for part in &mut parts {
+            if part.file.ends_with("contact.wgsl") {
+                let text = part.text.replace(
+                    "select(overlap, 0.5 * overlap, b_moves)",
+                    "select(overlap, 0.4 * overlap, b_moves)",
+                );
+                assert_ne!(text, part.text);
+                part.text = text.leak();
+            }
+        }
+        let stage = Stage {
+            parts: parts.leak(),
+            ..*run.stage
+        };
+        Run {
+            stage: Box::leak(Box::new(stage)),
+            ..run
+        }
+    };
+    let wrong = parity(&gpu, &scene(0, 2.2, 3.0), Integrator::Rk4, 1, broken);
+    assert!(
+        wrong.iter().any(|text| text.contains("advance")),
+        "a wrong kernel was not told"
+    );
+}
