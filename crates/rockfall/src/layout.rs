@@ -232,3 +232,16 @@ pub enum BadStage {
     /// The fourth force evaluation of RK4.
     Forces4 = 4,
 }
+
+impl BadStage {
+    /// The stage with this number.
+    pub(crate) fn from_number(number: u32) -> Self {
+        match number {
+            0 => Self::Collisions,
+            1 => Self::Forces1,
+            2 => Self::Forces2,
+            3 => Self::Forces3,
+            _ => Self::Forces4,
+        }
+    }
+}

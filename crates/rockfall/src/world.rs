@@ -2,6 +2,9 @@
 //!
 //! A [`World`] is what the CPU backend runs on, what the GPU backend is filled from, and what tests compare.
 
+mod build;
+mod frames;
+
 use glam::Vec4;
 
 use crate::layout::{Aabb, SLICE, Status, Step};

@@ -4,6 +4,14 @@
 //! whose stage state leaves its AABB voids the step; one whose next state is not finite gets its starting position,
 //! no velocity and no spin there, and is reported.
 
+use rayon::prelude::*;
+
+use crate::cpu::forces::{count_contacts, rates};
+use crate::cpu::lists::Lists;
+use crate::cpu::state::{Motion, Rows};
+use crate::cpu::tally::{Tally, escape_ratio, outside};
+use crate::cpu::view::View;
+use crate::layout::BadStage;
 use crate::stage::{Access, Binding, Buffer, Slot, Stage, Threads, part, read, write};
 use crate::world::World;
 
@@ -40,6 +48,46 @@ pub(crate) const STAGE: Stage = Stage {
     cpu: advance,
 };
 
-fn advance(_world: &mut World, _pass: u32) {
-    unimplemented!()
+const BAD: [BadStage; 3] = [BadStage::Forces1, BadStage::Forces2, BadStage::Forces3];
+
+fn advance(world: &mut World, pass: u32) {
+    if world.status.void != 0 {
+        return;
+    }
+    let (done, todo) = world.states.split_at_mut(pass as usize + 1);
+    let start = View::new(&world.step, &world.words, &done[0]);
+    let view = View::new(&world.step, &world.words, &done[pass as usize]);
+    let lists = Lists::new(&world.step, &world.lists);
+    let h = world.step.dt * [0.5, 0.5, 1.0][pass as usize];
+    let next = |sphere: u32, tally: &mut Tally| {
+        let origin = Motion::of(&start, sphere);
+        if view.is_fixed(sphere) {
+            if pass == 0 {
+                count_contacts(&view, &lists, sphere, tally);
+            }
+            return origin;
+        }
+        let (acceleration, torque) = rates(&view, &lists, &world.wrenches, sphere, (pass == 0).then_some(&mut *tally));
+        let next = Motion {
+            position: origin.position + h * view.velocity(sphere),
+            velocity: origin.velocity + h * acceleration,
+            angular_momentum: origin.angular_momentum + h * torque,
+        };
+        if pass == 0 {
+            tally.escape_ratio = escape_ratio(&view, &world.aabbs, sphere);
+        }
+        let next = next.or_stopped(origin.position, BAD[pass as usize], sphere, tally);
+        let escaped = outside(&world.aabbs[sphere as usize], next.position, view.radius(sphere));
+        tally.escape_ratio = tally.escape_ratio.max(escaped);
+        next
+    };
+    let tally = Rows::of(&mut todo[0], world.step.spheres)
+        .into_par_iter()
+        .map(|(sphere, row)| {
+            let mut tally = Tally::default();
+            row.set(&start, sphere, next(sphere, &mut tally));
+            tally
+        })
+        .reduce(Tally::default, Tally::merge);
+    tally.tell(&mut world.status);
 }

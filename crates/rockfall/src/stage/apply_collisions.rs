@@ -3,6 +3,15 @@
 //! The new state goes to `Y2`, for the others still read the old one. A body that would stop being finite keeps its
 //! position, loses velocity and spin, and is reported.
 
+use glam::Vec3;
+use rayon::prelude::*;
+
+use crate::cpu::collision::each_incident;
+use crate::cpu::lists::Lists;
+use crate::cpu::state::{Motion, Rows};
+use crate::cpu::tally::Tally;
+use crate::cpu::view::View;
+use crate::layout::{BadStage, ENTRY_COLLIDES};
 use crate::stage::{Buffer, Stage, Threads, part, read, write};
 use crate::world::World;
 
@@ -29,6 +38,43 @@ pub(crate) const STAGE: Stage = Stage {
     cpu: apply_collisions,
 };
 
-fn apply_collisions(_world: &mut World, _pass: u32) {
-    unimplemented!()
+fn apply_collisions(world: &mut World, _pass: u32) {
+    if world.status.void != 0 || world.status.collided != 0 || world.status.collisions == 0 {
+        return;
+    }
+    let [start, y2, ..] = &mut world.states;
+    let view = View::new(&world.step, &world.words, start);
+    let lists = Lists::new(&world.step, &world.lists);
+    let tally = Rows::of(y2, world.step.spheres)
+        .into_par_iter()
+        .map(|(sphere, row)| {
+            let mut tally = Tally::default();
+            row.set(&view, sphere, collided(&view, &lists, &world.weights, sphere, &mut tally));
+            tally
+        })
+        .reduce(Tally::default, Tally::merge);
+    tally.tell(&mut world.status);
+}
+
+/// The sphere after all its shares of impulses and displacements.
+fn collided(view: &View, lists: &Lists, weights: &[f32], sphere: u32, tally: &mut Tally) -> Motion {
+    let before = Motion::of(view, sphere);
+    if view.is_fixed(sphere) {
+        return before;
+    }
+    let (mut dv, mut dx) = (Vec3::ZERO, Vec3::ZERO);
+    each_incident(view, lists, sphere, ENTRY_COLLIDES, |collision, entry| {
+        let weight = weights[entry.slot as usize];
+        let share = collision.share_of(sphere) * (weight.abs() * view.inverse_mass(sphere) / collision.inverse_mass);
+        dv += share * ((1.0 + view.step.restitution) * collision.approach);
+        if weight < 0.0 {
+            dx += share * collision.touch.overlap;
+        }
+    });
+    Motion {
+        position: before.position + dx,
+        velocity: before.velocity + dv,
+        ..before
+    }
+    .or_stopped(before.position, BadStage::Collisions, sphere, tally)
 }

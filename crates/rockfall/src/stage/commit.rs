@@ -24,10 +24,20 @@ pub(crate) const LEAP: Stage = Stage {
     ..COLLISIONS
 };
 
-fn commit_collisions(_world: &mut World, _pass: u32) {
-    unimplemented!()
+fn commit_collisions(world: &mut World, _pass: u32) {
+    let status = &world.status;
+    if status.void == 0 && status.collided == 0 && status.collisions > 0 {
+        commit(world);
+    }
 }
 
-fn commit_leap(_world: &mut World, _pass: u32) {
-    unimplemented!()
+fn commit_leap(world: &mut World, _pass: u32) {
+    if world.status.void == 0 {
+        commit(world);
+    }
+}
+
+fn commit(world: &mut World) {
+    let [start, y2, ..] = &mut world.states;
+    start.copy_from_slice(y2);
 }

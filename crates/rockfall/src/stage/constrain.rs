@@ -3,6 +3,7 @@
 //! A batch is one connected frame of fixed-length rods (or many small ones); its rods are coloured so that those of one
 //! colour share no sphere. Swept colour by colour until every length is within 0.1 %, at most 80 times.
 
+use crate::cpu::lengths::{Batch, rattle, shake};
 use crate::stage::{Buffer, Stage, Threads, part, read, write};
 use crate::world::World;
 
@@ -25,6 +26,20 @@ pub(crate) const STAGE: Stage = Stage {
     cpu: constrain,
 };
 
-fn constrain(_world: &mut World, _pass: u32) {
-    unimplemented!()
+fn constrain(world: &mut World, _pass: u32) {
+    if world.status.void != 0 {
+        return;
+    }
+    let World {
+        step,
+        words,
+        states: [state, _, old, _],
+        ..
+    } = world;
+    for batch in 0..step.batches {
+        let batch = Batch::new(step, words, batch);
+        let was = |end: u32| old[end as usize].truncate();
+        batch.sweep(step, state, |ends, [one, two]| shake(ends, was(two) - was(one), step.dt));
+        batch.sweep(step, state, |ends, _| rattle(ends, step.dt));
+    }
 }

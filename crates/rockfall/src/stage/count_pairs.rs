@@ -5,6 +5,9 @@
 //! rod and polygon. A rod has `BOX_FEATURES` entries for a box. Exact: only stored floats are compared, so `fill_pairs`
 //! decides the same.
 
+use rayon::prelude::*;
+
+use crate::cpu::broad::for_each_pair;
 use crate::stage::{Buffer, Stage, Threads, part, read, write};
 use crate::world::World;
 
@@ -21,6 +24,13 @@ pub(crate) const STAGE: Stage = Stage {
     cpu: count_pairs,
 };
 
-fn count_pairs(_world: &mut World, _pass: u32) {
-    unimplemented!()
+fn count_pairs(world: &mut World, _pass: u32) {
+    let (step, aabbs) = (&world.step, &world.aabbs);
+    let movers = world.step.spheres + world.step.rods;
+    let (counts, padding) = world.lists[..step.slices_at as usize].split_at_mut(movers as usize);
+    counts.par_iter_mut().enumerate().for_each(|(mover, count)| {
+        *count = 0;
+        for_each_pair(step, aabbs, mover as u32, |_| *count += 1);
+    });
+    padding.fill(0);
 }

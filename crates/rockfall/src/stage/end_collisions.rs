@@ -13,6 +13,13 @@ pub(crate) const STAGE: Stage = Stage {
     cpu: end_collisions,
 };
 
-fn end_collisions(_world: &mut World, _pass: u32) {
-    unimplemented!()
+fn end_collisions(world: &mut World, _pass: u32) {
+    let status = &mut world.status;
+    if status.void != 0 || status.collided != 0 {
+        return;
+    }
+    status.collided = 1;
+    if status.collisions > 0 {
+        status.lengths_due = 1;
+    }
 }

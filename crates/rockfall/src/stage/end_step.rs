@@ -1,7 +1,8 @@
 //! Closes the step: counters move to `last_*` and the totals, `collided` is cleared, and a body that stopped being finite
 //! voids the steps after this one unless `FLAG_CONTINUE` is set. Does nothing in a void step.
 
-use crate::stage::{Buffer, Stage, Threads, part, read, write};
+use crate::layout::{FLAG_CONTINUE, NO_BODY, VOID_NON_FINITE};
+use crate::stage::{Buffer, Stage, Threads, part, write};
 use crate::world::World;
 
 /// The stage.
@@ -13,6 +14,28 @@ pub(crate) const STAGE: Stage = Stage {
     cpu: end_step,
 };
 
-fn end_step(_world: &mut World, _pass: u32) {
-    unimplemented!()
+fn end_step(world: &mut World, _pass: u32) {
+    let status = &mut world.status;
+    if status.void != 0 {
+        return;
+    }
+    status.steps += 1;
+    status.last_contacts = std::mem::take(&mut status.contacts);
+    status.last_max_overlap = std::mem::take(&mut status.max_overlap);
+    status.last_collisions = std::mem::take(&mut status.collisions);
+    let (low, carry) = status.total_collisions_low.overflowing_add(status.last_collisions);
+    status.total_collisions_low = low;
+    status.total_collisions_high += u32::from(carry);
+    status.total_bad += std::mem::take(&mut status.bad_count);
+    let bad = std::mem::replace(&mut status.bad_body, NO_BODY);
+    if bad != NO_BODY {
+        if status.first_bad == NO_BODY {
+            status.first_bad = bad;
+            status.bad_step = status.steps;
+        }
+        if world.step.flags & FLAG_CONTINUE == 0 {
+            status.void |= VOID_NON_FINITE;
+        }
+    }
+    status.collided = 0;
 }

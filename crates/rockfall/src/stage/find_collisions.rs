@@ -4,6 +4,13 @@
 //! counts every collision once (at the mover of lower id). Voids the step when a sphere is outside its AABB
 //! (`VOID_ESCAPED`). Like the other three it does nothing when the step is void or its collisions are done.
 
+use rayon::prelude::*;
+
+use crate::cpu::collision::Collision;
+use crate::cpu::lists::Lists;
+use crate::cpu::tally::{Tally, escape_ratio};
+use crate::cpu::view::View;
+use crate::layout::{ENTRY_COLLIDES, ENTRY_OVERLAPS};
 use crate::stage::{Buffer, Stage, Threads, part, read, write};
 use crate::world::World;
 
@@ -29,6 +36,40 @@ pub(crate) const STAGE: Stage = Stage {
     cpu: find_collisions,
 };
 
-fn find_collisions(_world: &mut World, _pass: u32) {
-    unimplemented!()
+fn find_collisions(world: &mut World, _pass: u32) {
+    if world.status.void != 0 || world.status.collided != 0 {
+        return;
+    }
+    let view = View::new(&world.step, &world.words, &world.states[0]);
+    let lists = Lists::new(&world.step, &world.lists);
+    let found: Vec<(Vec<(u32, u32)>, Tally)> = (0..world.step.spheres + world.step.rods)
+        .into_par_iter()
+        .map(|mover| find(&view, &lists, world, mover))
+        .collect();
+    for (entries, tally) in found {
+        for (slot, word) in entries {
+            world.lists[(world.step.entries_at + slot) as usize] = word;
+        }
+        tally.tell(&mut world.status);
+    }
+}
+
+/// The slots and new words of a mover's entries.
+fn find(view: &View, lists: &Lists, world: &World, mover: u32) -> (Vec<(u32, u32)>, Tally) {
+    let mut tally = Tally::default();
+    if mover < world.step.spheres {
+        tally.escape_ratio = escape_ratio(view, &world.aabbs, mover);
+    }
+    let entries = lists.row(mover).map(|entry| {
+        let mut word = entry.word & !(ENTRY_OVERLAPS | ENTRY_COLLIDES);
+        if let Some(collision) = Collision::between(view, mover, entry.id(), entry.feature()) {
+            word |= ENTRY_OVERLAPS;
+            if collision.collides(view) {
+                word |= ENTRY_COLLIDES;
+                tally.collisions += u32::from(mover < entry.id());
+            }
+        }
+        (entry.slot, word)
+    });
+    (entries.collect(), tally)
 }

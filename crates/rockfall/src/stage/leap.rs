@@ -2,6 +2,14 @@
 //!
 //! Leaves the old position in region 0 of `Y3` and the new spin in its region 2. Counts, voids and reports as `advance` does.
 
+use rayon::prelude::*;
+
+use crate::cpu::forces::{count_contacts, rates};
+use crate::cpu::lists::Lists;
+use crate::cpu::state::{Motion, Rows};
+use crate::cpu::tally::{Tally, escape_ratio};
+use crate::cpu::view::View;
+use crate::layout::BadStage;
 use crate::stage::{Buffer, Stage, Threads, part, read, write};
 use crate::world::World;
 
@@ -30,6 +38,41 @@ pub(crate) const STAGE: Stage = Stage {
     cpu: leap,
 };
 
-fn leap(_world: &mut World, _pass: u32) {
-    unimplemented!()
+fn leap(world: &mut World, _pass: u32) {
+    if world.status.void != 0 {
+        return;
+    }
+    let [start, y2, y3, _] = &mut world.states;
+    let view = View::new(&world.step, &world.words, start);
+    let lists = Lists::new(&world.step, &world.lists);
+    let dt = world.step.dt;
+    let next = |sphere: u32, tally: &mut Tally| {
+        let y = Motion::of(&view, sphere);
+        if view.is_fixed(sphere) {
+            count_contacts(&view, &lists, sphere, tally);
+            return y;
+        }
+        tally.escape_ratio = escape_ratio(&view, &world.aabbs, sphere);
+        let (acceleration, torque) = rates(&view, &lists, &world.wrenches, sphere, Some(&mut *tally));
+        let velocity = y.velocity + dt * acceleration;
+        let next = Motion {
+            position: y.position + dt * velocity,
+            velocity,
+            angular_momentum: y.angular_momentum + dt * torque,
+        };
+        next.or_stopped(y.position, BadStage::Forces1, sphere, tally)
+    };
+    let rows = Rows::of(y2, world.step.spheres)
+        .into_par_iter()
+        .zip(Rows::of(y3, world.step.spheres));
+    let tally = rows
+        .map(|((sphere, row), (_, memory))| {
+            let mut tally = Tally::default();
+            let next = next(sphere, &mut tally);
+            row.set(&view, sphere, next);
+            memory.remember(view.position(sphere), next.angular_momentum * view.inverse_inertia(sphere));
+            tally
+        })
+        .reduce(Tally::default, Tally::merge);
+    tally.tell(&mut world.status);
 }

@@ -3,6 +3,7 @@
 //! Runs where `lengths_due` is set; the first pass of `rod_forces` clears it, so that a step that is run again does not
 //! repeat it.
 
+use crate::cpu::lengths::{Batch, along_axis};
 use crate::stage::{Buffer, Stage, Threads, part, read, write};
 use crate::world::World;
 
@@ -24,6 +25,12 @@ pub(crate) const STAGE: Stage = Stage {
     cpu: restore_lengths,
 };
 
-fn restore_lengths(_world: &mut World, _pass: u32) {
-    unimplemented!()
+fn restore_lengths(world: &mut World, _pass: u32) {
+    if world.status.void != 0 || world.status.lengths_due == 0 {
+        return;
+    }
+    let World { step, words, states, .. } = world;
+    for batch in 0..step.batches {
+        Batch::new(step, words, batch).sweep(step, &mut states[0], |ends, _| along_axis(ends));
+    }
 }

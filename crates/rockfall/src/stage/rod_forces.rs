@@ -3,6 +3,12 @@
 //! In the first pass the contacts of a rod with objects of higher id are counted, and `lengths_due` is cleared (by the
 //! first thread, unless the step is void).
 
+use rayon::prelude::*;
+
+use crate::cpu::forces::rod_loads;
+use crate::cpu::lists::Lists;
+use crate::cpu::tally::Tally;
+use crate::cpu::view::View;
 use crate::stage::{Access, Binding, Buffer, Slot, Stage, Threads, part, read, write};
 use crate::world::World;
 
@@ -32,6 +38,27 @@ pub(crate) const STAGE: Stage = Stage {
     cpu: rod_forces,
 };
 
-fn rod_forces(_world: &mut World, _pass: u32) {
-    unimplemented!()
+fn rod_forces(world: &mut World, pass: u32) {
+    if world.status.void != 0 || world.step.rods == 0 {
+        return;
+    }
+    let view = View::new(&world.step, &world.words, &world.states[pass as usize]);
+    let lists = Lists::new(&world.step, &world.lists);
+    let tally = world
+        .wrenches
+        .par_chunks_mut(4)
+        .take(world.step.rods as usize)
+        .enumerate()
+        .map(|(rod, wrench)| {
+            let mut tally = Tally::default();
+            let [one, two] = rod_loads(&view, &lists, rod as u32, (pass == 0).then_some(&mut tally));
+            let loads = [one.force, one.couple, two.force, two.couple];
+            wrench.copy_from_slice(&loads.map(|load| load.extend(0.0)));
+            tally
+        })
+        .reduce(Tally::default, Tally::merge);
+    tally.tell(&mut world.status);
+    if pass == 0 {
+        world.status.lengths_due = 0;
+    }
 }

@@ -3,7 +3,8 @@
 //! A slice is as wide as its longest list: slice offsets are the exclusive sums of `SLICE * max(counts of the slice)`,
 //! the last one is the total. More than `pair_capacity` voids the step (`VOID_PAIRS`, `pairs_needed`).
 
-use crate::stage::{Buffer, Stage, Threads, part, read, write};
+use crate::layout::{SLICE, VOID_PAIRS};
+use crate::stage::{Buffer, Stage, Threads, part, write};
 use crate::world::World;
 
 /// The stage.
@@ -15,6 +16,16 @@ pub(crate) const STAGE: Stage = Stage {
     cpu: scan_pairs,
 };
 
-fn scan_pairs(_world: &mut World, _pass: u32) {
-    unimplemented!()
+fn scan_pairs(world: &mut World, _pass: u32) {
+    let (counts, offsets) = world.lists.split_at_mut(world.step.slices_at as usize);
+    let mut total = 0u32;
+    for (slice, offset) in counts.chunks(SLICE as usize).zip(&mut *offsets) {
+        *offset = total;
+        total = total.saturating_add(slice.iter().max().map_or(0, |widest| SLICE.saturating_mul(*widest)));
+    }
+    offsets[counts.len() / SLICE as usize] = total;
+    world.status.pairs_needed = total;
+    if total > world.step.pair_capacity {
+        world.status.void |= VOID_PAIRS;
+    }
 }

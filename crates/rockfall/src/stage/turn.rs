@@ -3,6 +3,9 @@
 //! A sphere turns by its mean spin (exponential map). The first end of a capsule does both ends: common roll about
 //! the axis, both turn with the axis, and what is left of their angular momentum returns as momentum of the ends.
 
+use glam::{Quat, Vec3, Vec4};
+
+use crate::cpu::view::{TINY, View};
 use crate::stage::{Buffer, Stage, Threads, part, read, write};
 use crate::world::World;
 
@@ -21,6 +24,88 @@ pub(crate) const STAGE: Stage = Stage {
     cpu: turn,
 };
 
-fn turn(_world: &mut World, _pass: u32) {
-    unimplemented!()
+fn turn(world: &mut World, _pass: u32) {
+    if world.status.void != 0 {
+        return;
+    }
+    let World {
+        step,
+        words,
+        states: [state, _, memory, _],
+        orientations,
+        ..
+    } = world;
+    let n = step.spheres as usize;
+    for sphere in 0..step.spheres {
+        let view = View::new(step, words, state);
+        match capsule_of(&view, sphere) {
+            // The first end turns both.
+            Some(ends) if ends[0] == sphere => {
+                let old = memory[ends[1] as usize].truncate() - memory[ends[0] as usize].truncate();
+                let Capsule {
+                    momenta,
+                    angular_momenta,
+                    rotation,
+                } = turned_capsule(&view, ends, old);
+                for (place, end) in ends.into_iter().enumerate() {
+                    let end = end as usize;
+                    let dv = momenta[place] * state[n + end].w;
+                    state[n + end] += dv.extend(0.0);
+                    state[2 * n + end] = angular_momenta[place].extend(state[2 * n + end].w);
+                    orientations[end] = turned(orientations[end], rotation);
+                }
+            }
+            Some(_) => {}
+            None => {
+                let spin = memory[2 * n + sphere as usize].truncate();
+                let rotation = Quat::from_scaled_axis(spin * step.dt);
+                orientations[sphere as usize] = turned(orientations[sphere as usize], rotation);
+            }
+        }
+    }
+}
+
+fn turned(orientation: Vec4, rotation: Quat) -> Vec4 {
+    (rotation * Quat::from_vec4(orientation)).normalize().into()
+}
+
+/// The ends of the capsule that a sphere is an end of: two moving spheres, each with this one rod, of fixed length.
+fn capsule_of(view: &View, sphere: u32) -> Option<[u32; 2]> {
+    let partner = view.capsule_partner(sphere)?;
+    let rod = view.rod(view.rods_of(sphere).next()?);
+    let apart = view.position(sphere).distance_squared(view.position(partner)) > TINY;
+    let free = !view.is_fixed(sphere) && !view.is_fixed(partner);
+    (apart && free && view.capsule_partner(partner) == Some(sphere)).then_some(rod.ends)
+}
+
+/// What becomes of a capsule's spin; one value an end.
+struct Capsule {
+    /// Change of momentum.
+    momenta: [Vec3; 2],
+    angular_momenta: [Vec3; 2],
+    rotation: Quat,
+}
+
+fn turned_capsule(view: &View, ends: [u32; 2], d_old: Vec3) -> Capsule {
+    let [one, two] = ends;
+    let d = view.position(two) - view.position(one);
+    let axis = d.normalize();
+    let inertia = ends.map(|end| 1.0 / view.inverse_inertia(end));
+    let whole_inertia = inertia[0] + inertia[1];
+    let sum = view.angular_momentum(one) + view.angular_momentum(two);
+    let roll = sum.dot(axis) / whole_inertia;
+    let across = sum - sum.dot(axis) * axis;
+    // Across the axis both ends turn with it, at the spin of the whole body about its centre of mass (E18).
+    let reduced_mass = 1.0 / (view.inverse_mass(one) + view.inverse_mass(two));
+    let orbital = reduced_mass * d.cross(view.velocity(two) - view.velocity(one));
+    let turn = (across + orbital) / (reduced_mass * d.length_squared() + whole_inertia);
+    let left = across - whole_inertia * turn;
+    let momentum = left.cross(d) / d.length_squared();
+    let old_axis = d_old.try_normalize().unwrap_or(axis);
+    let rotation = Quat::from_rotation_arc(old_axis, axis) * Quat::from_axis_angle(old_axis, roll * view.step.dt);
+    Capsule {
+        momenta: [-momentum, momentum],
+        angular_momenta: inertia.map(|inertia| inertia * (roll * axis + turn)),
+        rotation,
+    }
 }

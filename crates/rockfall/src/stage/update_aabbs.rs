@@ -4,6 +4,11 @@
 //! further, `find_collisions`, `advance` or `leap` void the step, the host raises `margin_scale`, and the step is run again.
 //! A rod takes the hull of its ends, each with its own margin and the radius of the rod.
 
+use glam::Vec3;
+use rayon::prelude::*;
+
+use crate::cpu::view::{Object, View};
+use crate::layout::Aabb;
 use crate::stage::{Buffer, Stage, Threads, part, read, write};
 use crate::world::World;
 
@@ -24,6 +29,56 @@ pub(crate) const STAGE: Stage = Stage {
     cpu: update_aabbs,
 };
 
-fn update_aabbs(_world: &mut World, _pass: u32) {
-    unimplemented!()
+fn update_aabbs(world: &mut World, _pass: u32) {
+    let objects = world.objects();
+    let view = View::new(&world.step, &world.words, &world.states[0]);
+    (0..objects)
+        .into_par_iter()
+        .map(|id| aabb(&view, id))
+        .collect_into_vec(&mut world.aabbs);
+}
+
+fn aabb(view: &View, id: u32) -> Aabb {
+    let (min, max) = match view.object(id) {
+        Object::Sphere(sphere) => ball(view, sphere, view.radius(sphere)),
+        Object::Rod(rod) => {
+            let rod = view.rod(rod);
+            let [one, two] = rod.ends.map(|end| ball(view, end, rod.radius));
+            (one.0.min(two.0), one.1.max(two.1))
+        }
+        Object::Cuboid(cuboid) => {
+            let cuboid = view.cuboid(cuboid);
+            hull(cuboid.corner, &cuboid.edges)
+        }
+        Object::Polygon(polygon) => {
+            let polygon = view.polygon(polygon);
+            hull(polygon.corner, &[polygon.left, polygon.right])
+        }
+    };
+    Aabb {
+        min: min.to_array(),
+        id,
+        max: max.to_array(),
+        tag: view.tag(id),
+    }
+}
+
+/// All places that a ball of this radius about a sphere's centre may be found in within the step.
+fn ball(view: &View, sphere: u32, radius: f32) -> (Vec3, Vec3) {
+    let reach = radius + margin(view, sphere);
+    let centre = view.position(sphere);
+    (centre - reach, centre + reach)
+}
+
+fn margin(view: &View, sphere: u32) -> f32 {
+    if view.is_fixed(sphere) {
+        return 0.0;
+    }
+    view.step.margin_scale * (view.velocity(sphere).length() * view.step.dt + 0.02 * view.radius(sphere))
+}
+
+fn hull(corner: Vec3, edges: &[Vec3]) -> (Vec3, Vec3) {
+    edges.iter().fold((corner, corner), |(min, max), edge| {
+        (min + edge.min(Vec3::ZERO), max + edge.max(Vec3::ZERO))
+    })
 }

@@ -1,0 +1,25 @@
+//! The CPU backend: the same stages over the same arrays, in plain Rust with rayon.
+//!
+//! It is written from the formulas of physics.md, never translated from the WGSL, so that the two can catch each other.
+
+pub(crate) mod broad;
+pub(crate) mod collision;
+pub(crate) mod contact;
+pub(crate) mod forces;
+pub(crate) mod geometry;
+pub(crate) mod lengths;
+pub(crate) mod lists;
+pub(crate) mod state;
+pub(crate) mod tally;
+pub(crate) mod touch;
+pub(crate) mod view;
+
+use crate::stage::Run;
+use crate::world::World;
+
+/// Runs stages in their order.
+pub fn run(world: &mut World, runs: &[Run]) {
+    for run in runs {
+        (run.stage.cpu)(world, run.pass);
+    }
+}

@@ -1,0 +1,217 @@
+//! Impulses: who shares in them, and how much each of many collisions weighs (physics.md section 3).
+
+use glam::Vec3;
+
+use crate::cpu::contact::{side, smaller_radius};
+use crate::cpu::lists::{Entry, Lists};
+use crate::cpu::touch::{Touch, touch};
+use crate::cpu::view::{Object, TINY, View};
+use crate::layout::{ENTRY_COLLIDES, ENTRY_OVERLAPS};
+
+/// The share g of a contact's unit impulse that a sphere receives.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Share {
+    pub(crate) sphere: u32,
+    pub(crate) g: Vec3,
+}
+
+/// A contact as the collision phase sees it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Collision {
+    /// Lower id.
+    pub(crate) a: u32,
+    /// Higher id.
+    pub(crate) b: u32,
+    pub(crate) feature: u32,
+    pub(crate) touch: Touch,
+    shares: [Share; 4],
+    len: usize,
+    /// G_kk = wA + wB: the inverse of the mass that the impulse meets.
+    pub(crate) inverse_mass: f32,
+    /// Approach velocity u, positive when closing.
+    pub(crate) approach: f32,
+}
+
+impl Collision {
+    /// The contact of two objects, in either order; `None` where they do not overlap.
+    pub(crate) fn between(view: &View, one: u32, other: u32, feature: u32) -> Option<Self> {
+        let (a, b) = (one.min(other), one.max(other));
+        Some(Self::of(view, a, b, feature, touch(view, a, b, feature)?))
+    }
+
+    fn of(view: &View, a: u32, b: u32, feature: u32, touch: Touch) -> Self {
+        let mut shares = [Share::default(); 4];
+        let mut len = 0;
+        let mut add = |share: Share| {
+            shares[len] = share;
+            len += 1;
+        };
+        side_shares(view, view.object(a), touch.a, -touch.normal, &mut add);
+        side_shares(view, view.object(b), touch.b, touch.normal, &mut add);
+        let shares_of = &shares[..len];
+        let inverse_mass = shares_of
+            .iter()
+            .map(|s| view.inverse_mass(s.sphere) * s.g.length_squared())
+            .sum();
+        let approach = -shares_of.iter().map(|s| s.g.dot(view.velocity(s.sphere))).sum::<f32>();
+        Self {
+            a,
+            b,
+            feature,
+            touch,
+            shares,
+            len,
+            inverse_mass,
+            approach,
+        }
+    }
+
+    /// The spheres that share in the impulse, those of A first; the same sphere may stand twice.
+    pub(crate) fn shares(&self) -> &[Share] {
+        &self.shares[..self.len]
+    }
+
+    /// Whether it is an impulse: closing faster than the threshold.
+    pub(crate) fn collides(&self, view: &View) -> bool {
+        let a = side(view, view.object(self.a), self.touch.a);
+        let b = side(view, view.object(self.b), self.touch.b);
+        self.inverse_mass > 0.0 && self.approach > view.step.activation_threshold * smaller_radius(&a, &b)
+    }
+
+    /// All of this contact's unit impulse that one sphere receives.
+    pub(crate) fn share_of(&self, sphere: u32) -> Vec3 {
+        self.shares()
+            .iter()
+            .filter(|share| share.sphere == sphere)
+            .map(|share| share.g)
+            .sum()
+    }
+
+    fn is_same(&self, other: &Self) -> bool {
+        (self.a, self.b, self.feature) == (other.a, other.b, other.feature)
+    }
+
+    /// G_kl, over the spheres that both share in.
+    fn coupling(&self, view: &View, other: &Self) -> f32 {
+        self.shares()
+            .iter()
+            .map(|share| view.inverse_mass(share.sphere) * share.g.dot(other.share_of(share.sphere)))
+            .sum()
+    }
+}
+
+/// How the unit impulse `n` on one side of a contact is shared.
+fn side_shares(view: &View, object: Object, parameter: f32, n: Vec3, add: &mut impl FnMut(Share)) {
+    match object {
+        Object::Sphere(sphere) => sphere_shares(view, sphere, n, add),
+        Object::Rod(rod) => {
+            let [one, two] = view.rod(rod).ends;
+            add(Share {
+                sphere: one,
+                g: (1.0 - parameter) * n,
+            });
+            add(Share {
+                sphere: two,
+                g: parameter * n,
+            });
+        }
+        Object::Cuboid(_) | Object::Polygon(_) => {}
+    }
+}
+
+/// A capsule is rigid along its axis: the axial part of an impulse on an end is shared by mass over both.
+fn sphere_shares(view: &View, sphere: u32, n: Vec3, add: &mut impl FnMut(Share)) {
+    let whole = Share { sphere, g: n };
+    let Some(partner) = view.capsule_partner(sphere) else {
+        return add(whole);
+    };
+    let d = view.position(partner) - view.position(sphere);
+    let dd = d.length_squared();
+    if dd <= TINY {
+        return add(whole);
+    }
+    let axis = d / dd.sqrt();
+    let axial = n.dot(axis) * axis;
+    let (own, other) = (view.inverse_mass(sphere), view.inverse_mass(partner));
+    // m1 / (m1 + m2), also where a mass is infinite.
+    let fraction = if own == 0.0 { 1.0 } else { other / (own + other) };
+    add(Share {
+        sphere,
+        g: (n - axial) + fraction * axial,
+    });
+    add(Share {
+        sphere: partner,
+        g: (1.0 - fraction) * axial,
+    });
+}
+
+/// The objects whose contacts may give a sphere a share: itself, its rods, and ends of capsules whose other end it is.
+pub(crate) fn rows<'a>(view: &View<'a>, sphere: u32) -> impl Iterator<Item = u32> + use<'a> {
+    let view = *view;
+    let rods = view.rods_of(sphere).map(move |rod| view.step.spheres + rod);
+    let partners = view.rods_of(sphere).filter_map(move |rod| {
+        let [one, two] = view.rod(rod).ends;
+        let other = if one == sphere { two } else { one };
+        (view.capsule_partner(other) == Some(sphere)).then_some(other)
+    });
+    std::iter::once(sphere).chain(rods).chain(partners)
+}
+
+/// Every contact that may give a sphere a share, once, with its entry: those whose entry has a bit of `mask`.
+pub(crate) fn each_incident<'a>(
+    view: &View<'a>,
+    lists: &Lists<'a>,
+    sphere: u32,
+    mask: u32,
+    mut take: impl FnMut(&Collision, Entry),
+) {
+    for row in rows(view, sphere) {
+        for entry in lists.row(row).filter(|entry| entry.word & mask != 0) {
+            let other = entry.id();
+            // Met from both rows: taken in the one of the lower id.
+            if other < row && rows(view, sphere).any(|own| own == other) {
+                continue;
+            }
+            if let Some(collision) = Collision::between(view, row, other, entry.feature()) {
+                take(&collision, entry);
+            }
+        }
+    }
+}
+
+/// Row sums of the normalised |G| of a contact.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct RowSums {
+    /// Over all colliding contacts: 1 / s_k.
+    pub(crate) colliding: f32,
+    /// Over all overlapping contacts: 1 where nothing else presses.
+    pub(crate) overlapping: f32,
+}
+
+/// The row sums of a colliding contact, itself included.
+pub(crate) fn row_sums<'a>(view: &View<'a>, lists: &Lists<'a>, k: &Collision) -> RowSums {
+    let mut sums = RowSums {
+        colliding: 1.0,
+        overlapping: 1.0,
+    };
+    for (place, share) in k.shares().iter().enumerate() {
+        let sphere = share.sphere;
+        let before = &k.shares()[..place];
+        if view.is_fixed(sphere) || before.iter().any(|earlier| earlier.sphere == sphere) {
+            continue;
+        }
+        each_incident(view, lists, sphere, ENTRY_OVERLAPS, |l, entry| {
+            // Counted at the first sphere that both share in.
+            let met = |earlier: &Share| !view.is_fixed(earlier.sphere) && l.shares().iter().any(|s| s.sphere == earlier.sphere);
+            if l.is_same(k) || l.inverse_mass <= 0.0 || before.iter().any(met) {
+                return;
+            }
+            let coupling = k.coupling(view, l).abs() / (k.inverse_mass * l.inverse_mass).sqrt();
+            sums.overlapping += coupling;
+            if entry.word & ENTRY_COLLIDES != 0 {
+                sums.colliding += coupling;
+            }
+        });
+    }
+    sums
+}

@@ -1,0 +1,91 @@
+//! What a stage tells the status block. Merging is independent of order, so threads may share the work as they like.
+
+use glam::Vec3;
+
+use crate::cpu::view::View;
+use crate::layout::{Aabb, BAD_STAGE_SHIFT, BadStage, NO_BODY, Status, VOID_ESCAPED};
+
+/// Counts of one body or of many.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Tally {
+    pub(crate) contacts: u32,
+    /// Deepest overlap; not negative.
+    pub(crate) max_overlap: f32,
+    pub(crate) collisions: u32,
+    /// Largest displacement / margin of a body outside its AABB; 0: none is.
+    pub(crate) escape_ratio: f32,
+    bad_count: u32,
+    bad_body: u32,
+}
+
+impl Default for Tally {
+    fn default() -> Self {
+        Self {
+            contacts: 0,
+            max_overlap: 0.0,
+            collisions: 0,
+            escape_ratio: 0.0,
+            bad_count: 0,
+            bad_body: NO_BODY,
+        }
+    }
+}
+
+impl Tally {
+    pub(crate) fn merge(self, other: Self) -> Self {
+        Self {
+            contacts: self.contacts + other.contacts,
+            max_overlap: self.max_overlap.max(other.max_overlap),
+            collisions: self.collisions + other.collisions,
+            escape_ratio: self.escape_ratio.max(other.escape_ratio),
+            bad_count: self.bad_count + other.bad_count,
+            bad_body: self.bad_body.min(other.bad_body),
+        }
+    }
+
+    /// A contact of the first force evaluation.
+    pub(crate) fn count_contact(&mut self, overlap: f32) {
+        self.contacts += 1;
+        self.max_overlap = self.max_overlap.max(overlap);
+    }
+
+    /// A body that would have stopped being finite.
+    pub(crate) fn count_bad(&mut self, stage: BadStage, sphere: u32) {
+        self.bad_count += 1;
+        self.bad_body = self.bad_body.min((stage as u32) << BAD_STAGE_SHIFT | sphere);
+    }
+
+    /// Adds this to the counters of the step under way.
+    pub(crate) fn tell(self, status: &mut Status) {
+        status.contacts += self.contacts;
+        status.max_overlap = status.max_overlap.max(self.max_overlap.to_bits());
+        status.collisions += self.collisions;
+        status.bad_count += self.bad_count;
+        status.bad_body = status.bad_body.min(self.bad_body);
+        if self.escape_ratio > 0.0 {
+            status.void |= VOID_ESCAPED;
+            status.escape_ratio = status.escape_ratio.max(self.escape_ratio.to_bits());
+        }
+    }
+}
+
+/// How far, in AABB margins, a moving sphere is out of the AABB that its list was made for; 0: it is inside.
+pub(crate) fn escape_ratio(view: &View, aabbs: &[Aabb], sphere: u32) -> f32 {
+    if view.is_fixed(sphere) {
+        0.0
+    } else {
+        outside(&aabbs[sphere as usize], view.position(sphere), view.radius(sphere))
+    }
+}
+
+/// The same for a ball at a place where it may come to be.
+pub(crate) fn outside(aabb: &Aabb, centre: Vec3, radius: f32) -> f32 {
+    let (min, max) = (Vec3::from_array(aabb.min), Vec3::from_array(aabb.max));
+    if min.cmple(centre - radius).all() && (centre + radius).cmple(max).all() {
+        return 0.0;
+    }
+    let displacement = (centre - 0.5 * (min + max)).abs().max_element();
+    let margin = (0.5 * (max - min) - radius).max_element();
+    // Only a hint for the next margin: any positive finite number will do.
+    (displacement / margin.max(1e-6 * radius)).clamp(1.0, 1e9)
+}

@@ -1,0 +1,259 @@
+//! The front door: a scene that moves.
+
+use glam::Vec3;
+
+use crate::error::Result;
+use crate::layout::Status;
+use crate::report::Report;
+use crate::scene::{Scene, SphereId};
+use crate::settings::{Integrator, Settings};
+use crate::stage::Phase;
+use crate::world::World;
+
+mod drive;
+mod edit;
+mod engine;
+mod observe;
+mod options;
+mod read;
+
+pub use drive::DEFAULT_TIME_STEP;
+use edit::Dirty;
+use engine::Engine;
+pub use observe::{Body, Contact, ContactAction, SphereDiagnostics};
+pub use options::{Backend, BackendInfo, BroadPhase, Options};
+
+/// A scene and the machinery that moves it, on the GPU or on the CPU.
+///
+/// A step is four phases, each callable alone: [`update_aabbs`](Self::update_aabbs),
+/// [`broad_phase`](Self::broad_phase), [`handle_collisions`](Self::handle_collisions) (switched off by
+/// [`Settings::collisions`]) and [`update_positions`](Self::update_positions).
+///
+/// Objects are added, removed and changed between steps; such edits are collected and reach the device with the next
+/// step or read. Nothing blocks on the device but the plain methods, each of which has an `_async` twin that does not.
+#[derive(Debug)]
+pub struct Simulation {
+    scene: Scene,
+    options: Options,
+    info: BackendInfo,
+    engine: Engine,
+    /// What the engine runs on (CPU), or was filled from and is read back to (GPU).
+    world: World,
+    /// Spheres in the order in which they stand in `world`.
+    packed: Vec<SphereId>,
+    status: Status,
+    report: Report,
+    time_step: f32,
+    /// What has to reach the engine before it may run.
+    dirty: Dirty,
+    edits: Vec<edit::Edits>,
+    /// The AABBs do not fit the scene.
+    aabbs_due: bool,
+    /// The pair lists do not fit the scene.
+    lists_due: bool,
+    /// `scene` holds the present state.
+    synced: bool,
+}
+
+impl Simulation {
+    /// A simulation on a hardware GPU where there is one, else on the CPU.
+    ///
+    /// # Errors
+    /// When the scene is too large, or its settings are not valid.
+    #[cfg(not(target_family = "wasm"))]
+    pub fn new(scene: Scene) -> Result<Self> {
+        Self::with_options(scene, Options::default())
+    }
+
+    /// A simulation with a backend, an integrator and a broad phase of one's own choice.
+    ///
+    /// # Errors
+    /// As for [`Simulation::new`]; and [`Error::NoAdapter`](crate::Error::NoAdapter) when a GPU is asked for and there is none.
+    #[cfg(not(target_family = "wasm"))]
+    pub fn with_options(scene: Scene, options: Options) -> Result<Self> {
+        engine::block_on(None, Self::with_options_async(scene, options))
+    }
+
+    /// [`Simulation::with_options`] without blocking.
+    ///
+    /// # Errors
+    /// As there.
+    pub async fn with_options_async(scene: Scene, options: Options) -> Result<Self> {
+        let world = prepare(&scene, &options)?;
+        let (engine, info) = Engine::open(options.backend, &world).await?;
+        Ok(Self::assemble(scene, options, world, engine, info))
+    }
+
+    /// A simulation on the caller's wgpu device, whose buffers [`Simulation::gpu_view`] gives.
+    ///
+    /// # Errors
+    /// As for [`Simulation::new`], and [`Error::DeviceLimit`](crate::Error::DeviceLimit) for a scene that does not fit.
+    #[cfg(feature = "gpu")]
+    pub fn on_device(scene: Scene, options: Options, device: &wgpu::Device, queue: &wgpu::Queue) -> Result<Self> {
+        let world = prepare(&scene, &options)?;
+        let (engine, info) = Engine::on_device(device, queue, &world)?;
+        Ok(Self::assemble(scene, options, world, engine, info))
+    }
+
+    fn assemble(scene: Scene, options: Options, world: World, engine: Engine, info: BackendInfo) -> Self {
+        Self {
+            packed: scene.sphere_ids().collect(),
+            status: world.status,
+            scene,
+            options,
+            info,
+            engine,
+            world,
+            report: Report::default(),
+            time_step: DEFAULT_TIME_STEP,
+            dirty: Dirty::Clean,
+            edits: Vec::new(),
+            aabbs_due: true,
+            lists_due: true,
+            synced: true,
+        }
+    }
+
+    /// The backend that moves the scene, and why it was chosen.
+    pub fn backend(&self) -> &BackendInfo {
+        &self.info
+    }
+
+    /// How positions and velocities are advanced.
+    pub fn integrator(&self) -> Integrator {
+        self.options.integrator
+    }
+
+    /// The physical constants.
+    pub fn settings(&self) -> &Settings {
+        &self.scene.settings
+    }
+
+    /// Changes the physical constants, from the next step on.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`](crate::Error::Invalid) when a value is not allowed; nothing is changed then.
+    pub fn set_settings(&mut self, settings: Settings) -> Result<()> {
+        settings.validate()?;
+        self.scene.settings = settings;
+        self.world.set_settings(&settings);
+        Ok(())
+    }
+
+    /// What happened up to now.
+    pub fn report(&self) -> Report {
+        self.report
+    }
+
+    /// The time step of the last `step`, `run` or `update_positions`, in s; AABBs are grown for it.
+    pub fn time_step(&self) -> f32 {
+        self.time_step
+    }
+
+    /// One step of `dt` seconds: AABBs, broad phase, collisions unless they are switched off, forces and integration.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`](crate::Error::Invalid) for a time step that is not positive and finite,
+    /// [`Error::NonFinite`](crate::Error::NonFinite) when a body's state stopped being finite in it (unless told to go on),
+    /// [`Error::Device`](crate::Error::Device) when the GPU failed.
+    #[cfg(not(target_family = "wasm"))]
+    pub fn step(&mut self, dt: f32) -> Result<Report> {
+        self.run(1, dt)
+    }
+
+    /// Many steps of `dt` seconds, submitted together where the backend can.
+    ///
+    /// # Errors
+    /// As for [`Simulation::step`]; the steps before the failing one are done.
+    #[cfg(not(target_family = "wasm"))]
+    pub fn run(&mut self, steps: u64, dt: f32) -> Result<Report> {
+        let device = self.engine.waiter();
+        engine::block_on(device, self.run_async(steps, dt))
+    }
+
+    /// [`Simulation::run`] without blocking.
+    ///
+    /// # Errors
+    /// As there.
+    pub async fn run_async(&mut self, steps: u64, dt: f32) -> Result<Report> {
+        self.set_time_step(dt)?;
+        let phases: &[Phase] = if self.scene.settings.collisions {
+            &Phase::STEP
+        } else {
+            &[Phase::UpdateAabbs, Phase::BroadPhase, Phase::UpdatePositions]
+        };
+        self.drive(phases, steps).await?;
+        Ok(self.report)
+    }
+
+    /// Phase 1 alone: the AABBs of all objects, grown for the present time step.
+    ///
+    /// # Errors
+    /// As for [`Simulation::step`].
+    #[cfg(not(target_family = "wasm"))]
+    pub fn update_aabbs(&mut self) -> Result<()> {
+        self.phase(Phase::UpdateAabbs)
+    }
+
+    /// Phase 2 alone: the pair lists, from the AABBs as they are.
+    ///
+    /// # Errors
+    /// As for [`Simulation::step`].
+    #[cfg(not(target_family = "wasm"))]
+    pub fn broad_phase(&mut self) -> Result<()> {
+        self.phase(Phase::BroadPhase)
+    }
+
+    /// Phase 3 alone: collisions, whether or not they are switched on. Uses the last pair lists; where these are due
+    /// (objects were added, removed or moved by hand, or moved out of their AABBs) they are made first.
+    ///
+    /// # Errors
+    /// As for [`Simulation::step`].
+    #[cfg(not(target_family = "wasm"))]
+    pub fn handle_collisions(&mut self) -> Result<()> {
+        self.phase(Phase::HandleCollisions)
+    }
+
+    /// Phase 4 alone: forces, integration and constraints; a step is counted. Uses the last pair lists as
+    /// [`Simulation::handle_collisions`] does.
+    ///
+    /// # Errors
+    /// As for [`Simulation::step`].
+    #[cfg(not(target_family = "wasm"))]
+    pub fn update_positions(&mut self, dt: f32) -> Result<()> {
+        self.set_time_step(dt)?;
+        self.phase(Phase::UpdatePositions)
+    }
+
+    #[cfg(not(target_family = "wasm"))]
+    fn phase(&mut self, phase: Phase) -> Result<()> {
+        let device = self.engine.waiter();
+        engine::block_on(device, self.phase_async(phase))
+    }
+
+    /// One phase alone, without blocking; [`Phase::UpdatePositions`] takes the present [`time_step`](Self::time_step).
+    ///
+    /// # Errors
+    /// As for [`Simulation::step`].
+    pub async fn phase_async(&mut self, phase: Phase) -> Result<()> {
+        self.drive(&[phase], 1).await
+    }
+
+    /// Gravity's acceleration as the step sees it, in units/s².
+    pub fn gravity(&self) -> Vec3 {
+        Vec3::from_array(self.world.step.gravity)
+    }
+}
+
+/// The world of a scene, with what the options say of it.
+fn prepare(scene: &Scene, options: &Options) -> Result<World> {
+    scene.settings.validate()?;
+    let mut world = World::build(scene)?;
+    if let Some(capacity) = options.pair_capacity {
+        world.set_pair_capacity(capacity);
+    }
+    if options.keep_going {
+        world.step.flags |= crate::layout::FLAG_CONTINUE;
+    }
+    Ok(world)
+}

@@ -1,0 +1,196 @@
+//! Running phases until they are done: void steps are mended and run again.
+
+use crate::error::{Error, Result};
+use crate::layout::{BAD_STAGE_SHIFT, BadStage, NO_BODY, SLICE, Status, VOID_ESCAPED, VOID_NON_FINITE, VOID_PAIRS};
+use crate::simulation::Simulation;
+use crate::stage::{Phase, Run};
+
+/// The thesis's fixed time step, in s.
+pub const DEFAULT_TIME_STEP: f32 = 0.02;
+
+/// Steps that are handed to the engine at once; the status is looked at after each such batch.
+const BATCH: u64 = 32;
+/// A step that was void so often in a row is given up.
+const MAX_ATTEMPTS: u32 = 64;
+/// How fast a margin that had to be raised sinks again, per step.
+const MARGIN_DECAY: f32 = 0.995;
+const MIN_MARGIN: f32 = 1.25;
+
+impl Simulation {
+    /// Sets the time step that AABBs are grown for.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] when it is not positive and finite.
+    pub fn set_time_step(&mut self, dt: f32) -> Result<()> {
+        if !(dt.is_finite() && dt > 0.0) {
+            return Err(Error::Invalid {
+                field: "dt",
+                value: dt.to_string(),
+                expected: "a time step in seconds, finite and greater than 0",
+            });
+        }
+        self.time_step = dt;
+        Ok(())
+    }
+
+    /// Runs `phases` in their order, `times` over.
+    pub(super) async fn drive(&mut self, phases: &[Phase], times: u64) -> Result<()> {
+        self.flush().await?;
+        if phases.contains(&Phase::HandleCollisions) {
+            self.status.collided = 0;
+        }
+        let mut left = times;
+        let mut attempts = 0;
+        while left > 0 {
+            let overdue = self.overdue(phases);
+            let all: Vec<Phase> = overdue.iter().chain(phases).copied().collect();
+            let done = self.submit(&all, left.min(BATCH)).await?;
+            left -= done;
+            attempts = if done > 0 { 0 } else { attempts + 1 };
+            self.note_lists(&all, done);
+            self.mend(attempts)?;
+        }
+        Ok(())
+    }
+
+    /// What has to be made first, because it does not fit the scene any more.
+    fn overdue(&self, phases: &[Phase]) -> &'static [Phase] {
+        let has = |phase| phases.contains(&phase);
+        let needs_lists = has(Phase::HandleCollisions) || has(Phase::UpdatePositions);
+        if needs_lists && self.lists_due && !has(Phase::BroadPhase) {
+            &[Phase::UpdateAabbs, Phase::BroadPhase]
+        } else if has(Phase::BroadPhase) && self.aabbs_due && !has(Phase::UpdateAabbs) {
+            &[Phase::UpdateAabbs]
+        } else {
+            &[]
+        }
+    }
+
+    /// Hands a batch to the engine; returns how often its phases were done.
+    async fn submit(&mut self, phases: &[Phase], batch: u64) -> Result<u64> {
+        let stages: Vec<Run> = phases
+            .iter()
+            .flat_map(|phase| phase.stages(self.options.integrator))
+            .copied()
+            .collect();
+        self.world.step.dt = self.time_step;
+        self.world.status = resumed(self.status);
+        self.synced = false;
+        self.engine.run(&mut self.world, &stages, batch).await?;
+        self.status = self.world.status;
+        if phases.contains(&Phase::UpdatePositions) {
+            let done = u64::from(self.status.steps);
+            self.book(done);
+            return Ok(done);
+        }
+        Ok(if self.status.void == 0 { batch } else { 0 })
+    }
+
+    /// Keeps account of whether AABBs and lists fit the scene.
+    fn note_lists(&mut self, phases: &[Phase], done: u64) {
+        let void = self.status.void;
+        if phases.contains(&Phase::UpdateAabbs) {
+            self.aabbs_due = false;
+        }
+        if phases.contains(&Phase::BroadPhase) && (done > 0 || void & VOID_PAIRS == 0) {
+            self.lists_due = false;
+        }
+        self.lists_due |= void & (VOID_PAIRS | VOID_ESCAPED) != 0;
+        self.aabbs_due |= void & VOID_ESCAPED != 0;
+    }
+
+    /// Mends what made a step void, for it to be run again.
+    fn mend(&mut self, attempts: u32) -> Result<()> {
+        let status = self.status;
+        if status.void & VOID_NON_FINITE != 0 {
+            self.status.void = 0;
+            let bad = std::mem::replace(&mut self.status.first_bad, NO_BODY);
+            return Err(Error::NonFinite {
+                sphere: (bad & ((1 << BAD_STAGE_SHIFT) - 1)) as usize,
+                step: self.report.steps,
+                stage: BadStage::from_number(bad >> BAD_STAGE_SHIFT),
+            });
+        }
+        if status.void == 0 {
+            return Ok(());
+        }
+        self.report.replays += 1;
+        if attempts > MAX_ATTEMPTS {
+            let reason = format!(
+                "{} words of pairs needed, AABB margin {}",
+                status.pairs_needed, self.world.step.margin_scale
+            );
+            return Err(Error::Stuck {
+                step: self.report.steps + 1,
+                attempts,
+                reason,
+            });
+        }
+        if status.void & VOID_PAIRS != 0 {
+            self.grow_lists()?;
+        }
+        if status.void & VOID_ESCAPED != 0 {
+            let ratio = f32::from_bits(status.escape_ratio).clamp(1.0, 1e9);
+            let step = &mut self.world.step;
+            step.margin_scale = (step.margin_scale * ratio * 1.25).min(1e30);
+        }
+        Ok(())
+    }
+
+    /// Moves the counters of `done` steps from the status to the report.
+    fn book(&mut self, done: u64) {
+        let Status {
+            last_contacts,
+            last_max_overlap,
+            last_collisions,
+            total_collisions_low,
+            total_collisions_high,
+            ..
+        } = self.status;
+        if done > 0 {
+            self.report.steps += done;
+            self.report.time += done as f64 * f64::from(self.time_step);
+            self.report.contacts = last_contacts;
+            self.report.max_overlap = f32::from_bits(last_max_overlap);
+            self.report.collisions = last_collisions;
+            self.report.total_collisions += u64::from(total_collisions_high) << 32 | u64::from(total_collisions_low);
+            self.report.non_finite += u64::from(self.status.total_bad);
+            let step = &mut self.world.step;
+            step.margin_scale = (step.margin_scale * MARGIN_DECAY.powf(done as f32)).max(MIN_MARGIN);
+        }
+        self.status.steps = 0;
+        self.status.total_collisions_low = 0;
+        self.status.total_collisions_high = 0;
+        self.status.total_bad = 0;
+    }
+
+    /// Makes the pair lists a quarter larger than what was needed.
+    fn grow_lists(&mut self) -> Result<()> {
+        let needed = u64::from(self.status.pairs_needed);
+        let capacity = (needed + needed / 4).next_multiple_of(u64::from(SLICE));
+        let index = u64::from(self.world.movers()) * 2 + 64;
+        if self.status.pairs_needed == u32::MAX || capacity + index > u64::from(u32::MAX) {
+            return Err(Error::DeviceLimit {
+                what: "the pair lists",
+                needed: capacity * 4,
+                limit: u64::from(u32::MAX) * 4,
+            });
+        }
+        self.world.set_pair_capacity(capacity as u32);
+        self.engine.resize_lists(&self.world)
+    }
+}
+
+/// The status with which a step is tried again: counters of the void attempt are dropped, what was done stays done.
+fn resumed(status: Status) -> Status {
+    Status {
+        void: 0,
+        escape_ratio: 0,
+        contacts: 0,
+        max_overlap: 0,
+        bad_count: 0,
+        bad_body: NO_BODY,
+        collisions: if status.collided == 0 { 0 } else { status.collisions },
+        ..status
+    }
+}

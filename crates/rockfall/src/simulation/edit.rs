@@ -1,0 +1,254 @@
+//! Changing a scene between steps. Edits are collected here and reach the engine with the next step or read.
+
+use glam::{Quat, Vec3};
+
+use crate::error::{Error, Result};
+use crate::scene::{
+    BoxId, Capsule, CapsuleId, Cuboid, Polygon, PolygonId, Rod, RodId, Scene, Sphere, SphereId, Spring, SpringId, Tether,
+    TetherId, finite,
+};
+use crate::simulation::Simulation;
+use crate::stage::Buffer;
+use crate::world::World;
+
+/// What the engine does not know yet.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum Dirty {
+    Clean,
+    /// Rods, springs, tethers, forces, static objects.
+    Words,
+    /// The spheres or how many objects there are.
+    Everything,
+}
+
+/// A change of a sphere's state.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Edit {
+    Position(Vec3),
+    Velocity(Vec3),
+    AngularMomentum(Vec3),
+    Orientation(Quat),
+    Impulse(Vec3),
+}
+
+/// The changes of a sphere's state, in the order in which they were asked for.
+pub(super) type Edits = (SphereId, Edit);
+
+impl Edit {
+    fn apply(self, sphere: &mut Sphere) {
+        match self {
+            Self::Position(position) => sphere.position = position,
+            Self::Velocity(velocity) => sphere.velocity = velocity,
+            Self::AngularMomentum(angular_momentum) => sphere.angular_momentum = angular_momentum,
+            Self::Orientation(orientation) => sphere.orientation = orientation,
+            Self::Impulse(impulse) if !sphere.fixed => sphere.velocity += impulse / sphere.mass,
+            Self::Impulse(_) => {}
+        }
+    }
+}
+
+macro_rules! edits {
+    ($($level:ident: $(#[$doc:meta])* $name:ident($($arg:ident: $type:ty),*) -> $result:ty;)*) => {
+        /// Adding, removing and changing objects; all of it takes effect with the next step or read.
+        impl Simulation {
+            $(
+                $(#[$doc])*
+                ///
+                /// # Errors
+                #[doc = concat!("As for [`Scene::", stringify!($name), "`].")]
+                pub fn $name(&mut self, $($arg: $type),*) -> Result<$result> {
+                    let result = self.scene.$name($($arg),*)?;
+                    self.dirty = self.dirty.max(Dirty::$level);
+                    Ok(result)
+                }
+            )*
+        }
+    };
+}
+
+edits! {
+    Everything: /// Adds a sphere.
+        add_sphere(sphere: Sphere) -> SphereId;
+    Everything: /// Adds a rod between two spheres.
+        add_rod(rod: Rod) -> RodId;
+    Everything: /// Adds a capsule: two spheres and a rod of fixed length.
+        add_capsule(capsule: Capsule) -> CapsuleId;
+    Words: /// Adds a spring between two spheres.
+        add_spring(spring: Spring) -> SpringId;
+    Words: /// Adds a tether from a sphere to a point in space.
+        add_tether(tether: Tether) -> TetherId;
+    Everything: /// Adds a static box.
+        add_box(cuboid: Cuboid) -> BoxId;
+    Everything: /// Adds a static polygon.
+        add_polygon(polygon: Polygon) -> PolygonId;
+    Everything: /// Removes a sphere and, with it, its rods, capsules, springs and tethers.
+        remove_sphere(id: SphereId) -> ();
+    Everything: /// Removes a rod; of a capsule, the spheres stay as two spheres.
+        remove_rod(id: RodId) -> ();
+    Everything: /// Removes a capsule with both its spheres.
+        remove_capsule(id: CapsuleId) -> ();
+    Words: /// Removes a spring.
+        remove_spring(id: SpringId) -> ();
+    Words: /// Removes a tether.
+        remove_tether(id: TetherId) -> ();
+    Everything: /// Removes a box.
+        remove_box(id: BoxId) -> ();
+    Everything: /// Removes a polygon.
+        remove_polygon(id: PolygonId) -> ();
+    Words: /// Changes a spring's constants.
+        update_spring(id: SpringId, change: impl FnOnce(&mut Spring)) -> ();
+    Words: /// Changes a tether's point and constants: what holds or drags a body.
+        update_tether(id: TetherId, change: impl FnOnce(&mut Tether)) -> ();
+    Everything: /// Changes a rod's radius, length and group.
+        update_rod(id: RodId, change: impl FnOnce(&mut Rod)) -> ();
+}
+
+/// Moving spheres by hand; all of it takes effect with the next step or read.
+impl Simulation {
+    /// Puts a sphere elsewhere.
+    ///
+    /// # Errors
+    /// [`Error::StaleHandle`] when it is not in the scene, [`Error::Invalid`] for what is not finite.
+    pub fn set_position(&mut self, id: SphereId, position: impl Into<Vec3>) -> Result<()> {
+        let position = position.into();
+        finite("position", position)?;
+        self.edit(id, Edit::Position(position))
+    }
+
+    /// Sets a sphere's velocity, in units/s.
+    ///
+    /// # Errors
+    /// As for [`Simulation::set_position`].
+    pub fn set_velocity(&mut self, id: SphereId, velocity: impl Into<Vec3>) -> Result<()> {
+        let velocity = velocity.into();
+        finite("velocity", velocity)?;
+        self.edit(id, Edit::Velocity(velocity))
+    }
+
+    /// Sets a sphere's angular momentum, in mass units²/s.
+    ///
+    /// # Errors
+    /// As for [`Simulation::set_position`].
+    pub fn set_angular_momentum(&mut self, id: SphereId, angular_momentum: impl Into<Vec3>) -> Result<()> {
+        let angular_momentum = angular_momentum.into();
+        finite("angular_momentum", angular_momentum)?;
+        self.edit(id, Edit::AngularMomentum(angular_momentum))
+    }
+
+    /// Sets a sphere's orientation.
+    ///
+    /// # Errors
+    /// [`Error::StaleHandle`] when it is not in the scene, [`Error::Invalid`] for what is not a unit quaternion.
+    pub fn set_orientation(&mut self, id: SphereId, orientation: Quat) -> Result<()> {
+        if !orientation.is_normalized() {
+            return Err(Error::Invalid {
+                field: "orientation",
+                value: format!("{orientation}"),
+                expected: "a unit quaternion",
+            });
+        }
+        self.edit(id, Edit::Orientation(orientation))
+    }
+
+    /// Pushes a sphere once: its velocity changes by impulse / mass. In mass units/s. A fixed sphere stays as it is.
+    ///
+    /// # Errors
+    /// As for [`Simulation::set_position`].
+    pub fn apply_impulse(&mut self, id: SphereId, impulse: impl Into<Vec3>) -> Result<()> {
+        let impulse = impulse.into();
+        finite("impulse", impulse)?;
+        self.edit(id, Edit::Impulse(impulse))
+    }
+
+    /// Sets the outside force on a sphere, in mass units/s²; it stays until it is changed.
+    ///
+    /// # Errors
+    /// As for [`Simulation::set_position`].
+    pub fn set_force(&mut self, id: SphereId, force: impl Into<Vec3>) -> Result<()> {
+        let force = force.into();
+        finite("force", force)?;
+        self.scene.spheres.get_mut(id)?.force = force;
+        self.dirty = self.dirty.max(Dirty::Words);
+        Ok(())
+    }
+
+    fn edit(&mut self, id: SphereId, edit: Edit) -> Result<()> {
+        self.scene.spheres.index(id)?;
+        self.edits.push((id, edit));
+        Ok(())
+    }
+
+    /// Brings the engine up to date with the scene.
+    pub(super) async fn flush(&mut self) -> Result<()> {
+        if self.dirty == Dirty::Clean && self.edits.is_empty() {
+            return Ok(());
+        }
+        if self.dirty == Dirty::Everything || !self.edits.is_empty() {
+            self.pull().await?;
+        }
+        let edits = std::mem::take(&mut self.edits);
+        for (id, edit) in &edits {
+            // A sphere that was changed and then removed is gone.
+            if let Ok(sphere) = self.scene.spheres.get_mut(*id) {
+                edit.apply(sphere);
+            }
+        }
+        match std::mem::replace(&mut self.dirty, Dirty::Clean) {
+            Dirty::Everything => self.rebuild()?,
+            Dirty::Words => {
+                self.world.set_words(&self.scene)?;
+                self.engine.upload(&self.world, &[Buffer::Words])?;
+            }
+            Dirty::Clean => {}
+        }
+        if !edits.is_empty() {
+            self.world.set_spheres(&self.scene);
+            self.engine.upload(&self.world, &[Buffer::Start, Buffer::Orientations])?;
+            self.moved_by_hand();
+        }
+        Ok(())
+    }
+
+    /// Packs the scene anew; room that lists had is kept.
+    fn rebuild(&mut self) -> Result<()> {
+        let old = &self.world.step;
+        let (flags, dt, margin_scale, capacity) = (old.flags, old.dt, old.margin_scale, old.pair_capacity);
+        self.world = World::build(&self.scene)?;
+        self.world.step.flags = flags;
+        self.world.step.dt = dt;
+        self.world.step.margin_scale = margin_scale;
+        self.world.set_pair_capacity(capacity);
+        self.packed = self.scene.sphere_ids().collect();
+        self.engine.replace(&self.world)?;
+        self.moved_by_hand();
+        Ok(())
+    }
+
+    fn moved_by_hand(&mut self) {
+        self.status.lengths_due = 1;
+        self.aabbs_due = true;
+        self.lists_due = true;
+    }
+
+    /// The scene as it is now, with all edits and the present state of every sphere.
+    ///
+    /// # Errors
+    /// [`Error::Device`] when the GPU failed.
+    pub async fn sync_async(&mut self) -> Result<&Scene> {
+        self.flush().await?;
+        self.pull().await?;
+        Ok(&self.scene)
+    }
+
+    /// Reads the state of the spheres back into the scene.
+    async fn pull(&mut self) -> Result<()> {
+        if !self.synced {
+            self.engine
+                .download(&mut self.world, &[Buffer::Start, Buffer::Orientations])
+                .await?;
+            self.world.read_spheres(&mut self.scene, &self.packed);
+            self.synced = true;
+        }
+        Ok(())
+    }
+}

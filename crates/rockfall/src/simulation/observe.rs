@@ -1,0 +1,229 @@
+//! Contacts and debug values of the present state, for finding out why a body does what it does.
+//!
+//! They are evaluated on the host, by the same stages that the CPU backend runs, on a copy of the state.
+
+use glam::Vec3;
+use rayon::prelude::*;
+
+use crate::cpu;
+use crate::cpu::collision::{Collision, row_sums};
+use crate::cpu::contact::contact_force;
+use crate::cpu::forces::{rates, rod_loads};
+use crate::cpu::lists::{Entry, Lists};
+use crate::cpu::touch::touch;
+use crate::cpu::view::{Object, View};
+use crate::error::Result;
+use crate::layout::{ENTRY_COLLIDES, ENTRY_OVERLAPS, FLAG_COLLISIONS, SLICE, Status};
+use crate::scene::{BoxId, PolygonId, RodId, SphereId};
+use crate::settings::Integrator;
+use crate::simulation::Simulation;
+use crate::stage::Phase;
+use crate::world::World;
+
+/// One of the two bodies of a contact.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum Body {
+    /// A sphere.
+    Sphere(SphereId),
+    /// A rod.
+    Rod(RodId),
+    /// A static box.
+    Box(BoxId),
+    /// A static polygon.
+    Polygon(PolygonId),
+}
+
+/// What a contact does to its body B; body A gets the opposite.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum ContactAction {
+    /// The bodies close fast: the impulse that the next collision phase gives, in mass units/s.
+    Impulse(Vec3),
+    /// A contact force with friction, in mass units/s²; zero where the contact is too fresh or a sphere leaves a polygon.
+    Force(Vec3),
+}
+
+/// Two bodies that overlap.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Contact {
+    /// The body of lower order (spheres before rods before boxes before polygons).
+    pub a: Body,
+    /// The other body.
+    pub b: Body,
+    /// The point they share, in units: in the middle of the overlap, or on the surface of what is static.
+    pub point: Vec3,
+    /// Unit normal from A to B.
+    pub normal: Vec3,
+    /// How deep they overlap, in units.
+    pub overlap: f32,
+    /// What the contact does.
+    pub action: ContactAction,
+}
+
+/// Debug values of a sphere.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
+pub struct SphereDiagnostics {
+    /// Its own contacts, those of its rods left out.
+    pub contacts: u32,
+    /// Net force, gravity included, in mass units/s²; of a fixed sphere 0.
+    pub net_force: Vec3,
+    /// Its deepest overlap, in units.
+    pub deepest_overlap: f32,
+}
+
+impl Simulation {
+    /// All contacts of the present state, with the force or impulse that the next step begins with.
+    ///
+    /// # Errors
+    /// [`Error::Device`](crate::Error::Device) when the GPU failed.
+    pub fn contacts(&mut self) -> Result<Vec<Contact>> {
+        let world = self.observed()?;
+        let (view, lists) = seen(&world);
+        let movers = 0..world.movers();
+        let found: Vec<(Collision, ContactAction)> = movers
+            .into_par_iter()
+            .flat_map_iter(|mover| {
+                let own = lists
+                    .row(mover)
+                    .filter(move |entry| entry.id() > mover && entry.word & ENTRY_OVERLAPS != 0);
+                own.filter_map(move |entry| action(&view, &lists, mover, entry))
+            })
+            .collect();
+        Ok(found
+            .into_iter()
+            .map(|(collision, action)| Contact {
+                a: self.body(&view, collision.a),
+                b: self.body(&view, collision.b),
+                point: contact_point(&view, &collision),
+                normal: collision.touch.normal,
+                overlap: collision.touch.overlap,
+                action,
+            })
+            .collect())
+    }
+
+    /// Number of contacts, net force and deepest overlap of every sphere at present, in order of addition.
+    ///
+    /// # Errors
+    /// [`Error::Device`](crate::Error::Device) when the GPU failed.
+    pub fn diagnostics(&mut self) -> Result<Vec<SphereDiagnostics>> {
+        let world = self.observed()?;
+        let (view, lists) = seen(&world);
+        let wrenches: Vec<_> = (0..world.step.rods)
+            .flat_map(|rod| rod_loads(&view, &lists, rod, None).map(|load| [load.force, load.couple]))
+            .flatten()
+            .map(|load| load.extend(0.0))
+            .collect();
+        let of_sphere = |sphere: u32| {
+            let mut values = SphereDiagnostics::default();
+            for entry in lists.row(sphere) {
+                let (a, b) = (sphere.min(entry.id()), sphere.max(entry.id()));
+                if let Some(touch) = touch(&view, a, b, entry.feature()) {
+                    values.contacts += 1;
+                    values.deepest_overlap = values.deepest_overlap.max(touch.overlap);
+                }
+            }
+            if !view.is_fixed(sphere) {
+                values.net_force = rates(&view, &lists, &wrenches, sphere, None).0 / view.inverse_mass(sphere);
+            }
+            values
+        };
+        Ok((0..world.step.spheres).into_par_iter().map(of_sphere).collect())
+    }
+
+    /// Elastic energy of all contacts, sum Cc m* o² / 2.
+    pub(super) fn contact_energy(&mut self) -> Result<f64> {
+        let world = self.observed()?;
+        let (view, lists) = seen(&world);
+        let stiffness = f64::from(world.step.contact_force);
+        let of_mover = |mover: u32| -> f64 {
+            let own = lists.row(mover).filter(|entry| entry.id() > mover);
+            own.filter_map(|entry| {
+                let touch = touch(&view, mover, entry.id(), entry.feature())?;
+                let side = |id, parameter| f64::from(cpu::contact::side(&view, view.object(id), parameter).inverse_mass);
+                let reduced_mass = 1.0 / (side(mover, touch.a) + side(entry.id(), touch.b));
+                Some(0.5 * stiffness * reduced_mass * f64::from(touch.overlap).powi(2))
+            })
+            .sum()
+        };
+        // Collected before summing, so that the sum does not depend on the number of threads.
+        let parts: Vec<f64> = (0..world.movers()).into_par_iter().map(of_mover).collect();
+        Ok(parts.iter().sum())
+    }
+
+    /// A copy of the present state with AABBs, lists and collision flags of its own.
+    fn observed(&mut self) -> Result<World> {
+        self.sync()?;
+        let mut world = World::build(&self.scene)?;
+        world.step.dt = self.time_step;
+        loop {
+            world.status = Status::default();
+            let collisions = world.step.flags & FLAG_COLLISIONS != 0;
+            let phases = [Phase::UpdateAabbs, Phase::BroadPhase]
+                .iter()
+                .flat_map(|phase| phase.stages(Integrator::Rk4));
+            let stages: Vec<_> = phases
+                .chain(Phase::HandleCollisions.stages(Integrator::Rk4).first())
+                .copied()
+                .collect();
+            cpu::run(&mut world, &stages);
+            if world.status.void == 0 {
+                if !collisions {
+                    for word in &mut world.lists[world.step.entries_at as usize..] {
+                        *word &= !ENTRY_COLLIDES;
+                    }
+                }
+                return Ok(world);
+            }
+            world.set_pair_capacity(world.status.pairs_needed.next_multiple_of(SLICE));
+        }
+    }
+
+    fn body(&self, view: &View, id: u32) -> Body {
+        match view.object(id) {
+            Object::Sphere(sphere) => Body::Sphere(self.scene.spheres.handle_at(sphere as usize)),
+            Object::Rod(rod) => Body::Rod(self.scene.rods.handle_at(rod as usize)),
+            Object::Cuboid(cuboid) => Body::Box(self.scene.boxes.handle_at(cuboid as usize)),
+            Object::Polygon(polygon) => Body::Polygon(self.scene.polygons.handle_at(polygon as usize)),
+        }
+    }
+}
+
+fn seen(world: &World) -> (View<'_>, Lists<'_>) {
+    (
+        View::new(&world.step, &world.words, &world.states[0]),
+        Lists::new(&world.step, &world.lists),
+    )
+}
+
+/// What the contact of an entry does at the beginning of the next step.
+fn action(view: &View, lists: &Lists, mover: u32, entry: Entry) -> Option<(Collision, ContactAction)> {
+    let collision = Collision::between(view, mover, entry.id(), entry.feature())?;
+    let normal = collision.touch.normal;
+    if entry.word & ENTRY_COLLIDES != 0 {
+        let weight = 1.0 / row_sums(view, lists, &collision).colliding;
+        let impulse = weight * (1.0 + view.step.restitution) * collision.approach / collision.inverse_mass;
+        return Some((collision, ContactAction::Impulse(impulse * normal)));
+    }
+    let force = contact_force(view, view.object(collision.a), view.object(collision.b), &collision.touch).force;
+    Some((collision, ContactAction::Force(-force)))
+}
+
+/// From A's centre or axis along the normal, by A's arm.
+fn contact_point(view: &View, collision: &Collision) -> Vec3 {
+    let (touch, static_b) = (&collision.touch, collision.b >= view.step.spheres + view.step.rods);
+    let shared = if static_b { touch.overlap } else { 0.5 * touch.overlap };
+    let (centre, radius) = match view.object(collision.a) {
+        Object::Rod(rod) => {
+            let rod = view.rod(rod);
+            let [one, two] = rod.ends.map(|end| view.position(end));
+            (one.lerp(two, touch.a), rod.radius)
+        }
+        Object::Sphere(sphere) => (view.position(sphere), view.radius(sphere)),
+        Object::Cuboid(_) | Object::Polygon(_) => (Vec3::ZERO, 0.0),
+    };
+    centre + (radius - shared) * touch.normal
+}

@@ -1,0 +1,232 @@
+//! Packing a scene into the arrays of a [`World`].
+
+use glam::{Vec3, Vec4};
+
+use crate::error::{Error, Result};
+use crate::layout::{
+    ENTRY_ID_MASK, FLAG_COLLISIONS, FLAG_CONTINUE, FLAG_PULL, KIND_FORCE, KIND_ROD, KIND_SHIFT, KIND_SPRING, KIND_TETHER,
+    SLICE, Step,
+};
+use crate::scene::{Scene, SphereId};
+use crate::settings::Settings;
+use crate::world::World;
+use crate::world::frames::batches;
+
+/// Entries that a mover's list has room for at the start; lists that need more grow.
+const FIRST_ENTRIES: u64 = 16;
+/// How far AABBs are grown at the start: times what the velocity at hand makes necessary.
+const FIRST_MARGIN: f32 = 1.25;
+
+impl World {
+    /// The world of a scene before its first step.
+    ///
+    /// # Errors
+    /// [`Error::TooManyObjects`] for more objects than list entries can number.
+    pub fn build(scene: &Scene) -> Result<Self> {
+        let mut world = Self {
+            step: Step {
+                margin_scale: FIRST_MARGIN,
+                ..Step::default()
+            },
+            ..Self::default()
+        };
+        world.set_settings(&scene.settings);
+        world.set_words(scene)?;
+        world.set_spheres(scene);
+        world.resize();
+        let padded = u64::from(world.movers().next_multiple_of(SLICE));
+        let capacity = (padded * FIRST_ENTRIES).clamp(u64::from(SLICE), u64::from(u32::MAX / 4)) as u32;
+        world.set_pair_capacity(capacity);
+        Ok(world)
+    }
+
+    /// Puts the constants into the uniform block.
+    pub fn set_settings(&mut self, settings: &Settings) {
+        let step = &mut self.step;
+        step.gravity = (settings.gravity * settings.gravity_direction).to_array();
+        step.activation_threshold = settings.activation_threshold;
+        step.restitution = settings.restitution;
+        step.contact_damping = settings.contact_damping;
+        step.contact_force = settings.contact_force;
+        step.friction = settings.friction;
+        let bit = |on: bool, flag: u32| if on { flag } else { 0 };
+        step.flags =
+            step.flags & FLAG_CONTINUE | bit(settings.collisions, FLAG_COLLISIONS) | bit(settings.contact_pull, FLAG_PULL);
+    }
+
+    /// Packs everything but the state of the spheres: `words`, and the counts and offsets of the uniform block.
+    ///
+    /// # Errors
+    /// [`Error::TooManyObjects`] for more objects than list entries can number.
+    pub fn set_words(&mut self, scene: &Scene) -> Result<()> {
+        let counts = scene.counts();
+        let objects = counts.spheres + counts.rods + counts.boxes + counts.polygons;
+        let attached = counts.springs + counts.tethers;
+        let limit = ENTRY_ID_MASK as usize;
+        if objects > limit || attached > limit {
+            return Err(Error::TooManyObjects {
+                count: objects.max(attached),
+                limit,
+            });
+        }
+        let index = |id: SphereId| scene.spheres.index(id).map(|index| index as u32);
+        let mut adjacency = Adjacency::default();
+        let mut words = Vec::new();
+        let step = &mut self.step;
+        step.spheres = counts.spheres as u32;
+        step.rods = counts.rods as u32;
+        step.boxes = counts.boxes as u32;
+        step.polygons = counts.polygons as u32;
+
+        step.rods_at = words.len() as u32;
+        let mut fixed_rods = Vec::new();
+        for (rod, number) in scene.rods().iter().zip(0..) {
+            let ends = [index(rod.end1)?, index(rod.end2)?];
+            words.extend([ends[0], ends[1], rod.radius.to_bits(), rod.length.unwrap_or(0.0).to_bits()]);
+            adjacency.attach(KIND_ROD, number, &ends);
+            if rod.length.is_some() {
+                fixed_rods.push((number, ends));
+            }
+        }
+        step.springs_at = words.len() as u32;
+        for (spring, number) in scene.springs().iter().zip(0..) {
+            let ends = [index(spring.a)?, index(spring.b)?];
+            words.extend(ends);
+            words.extend([spring.stiffness, spring.length, spring.damping].map(f32::to_bits));
+            adjacency.attach(KIND_SPRING, number, &ends);
+        }
+        step.tethers_at = words.len() as u32;
+        for (tether, number) in scene.tethers().iter().zip(0..) {
+            let sphere = index(tether.sphere)?;
+            words.push(sphere);
+            push_vectors(&mut words, &[tether.point]);
+            words.extend([tether.stiffness, tether.length, tether.damping].map(f32::to_bits));
+            adjacency.attach(KIND_TETHER, number, &[sphere]);
+        }
+        step.forces_at = words.len() as u32;
+        let pushed = scene
+            .spheres()
+            .iter()
+            .zip(0..)
+            .filter(|(sphere, _)| sphere.force != Vec3::ZERO);
+        for ((sphere, number), force) in pushed.zip(0..) {
+            push_vectors(&mut words, &[sphere.force]);
+            adjacency.attach(KIND_FORCE, force, &[number]);
+        }
+        step.boxes_at = words.len() as u32;
+        for cuboid in scene.boxes() {
+            let [i, j, k] = cuboid.edges;
+            push_vectors(&mut words, &[cuboid.corner, i, j, k]);
+        }
+        step.polygons_at = words.len() as u32;
+        for polygon in scene.polygons() {
+            push_vectors(&mut words, &[polygon.corner, polygon.left, polygon.right]);
+        }
+        step.tags_at = words.len() as u32;
+        words.extend(scene.spheres().iter().map(|sphere| u32::from(sphere.group)));
+        words.extend(scene.rods().iter().map(|rod| u32::from(rod.group)));
+        words.extend(scene.boxes().iter().map(|cuboid| u32::from(cuboid.group)));
+        words.extend(scene.polygons().iter().map(|polygon| u32::from(polygon.group)));
+
+        let fixed: Vec<bool> = scene.spheres().iter().map(|sphere| sphere.fixed).collect();
+        let batches = batches(&fixed, &fixed_rods);
+        step.batches = batches.len() as u32;
+        step.batches_at = words.len() as u32;
+        push_batches(&mut words, &batches);
+        step.adjacency_at = adjacency.push(&mut words, step.spheres);
+        self.words = words;
+        Ok(())
+    }
+
+    /// Packs the state of the spheres.
+    pub fn set_spheres(&mut self, scene: &Scene) {
+        let spheres = scene.spheres();
+        let inverse = |mass: f32, fixed: bool| if fixed { 0.0 } else { 1.0 / mass };
+        let positions = spheres.iter().map(|sphere| sphere.position.extend(sphere.radius));
+        let velocities = spheres
+            .iter()
+            .map(|sphere| sphere.velocity.extend(inverse(sphere.mass, sphere.fixed)));
+        let spins = spheres
+            .iter()
+            .map(|sphere| sphere.angular_momentum.extend(1.0 / sphere.inertia()));
+        self.states[0] = positions.chain(velocities).chain(spins).collect();
+        self.orientations = spheres.iter().map(|sphere| sphere.orientation.into()).collect();
+    }
+
+    /// Gives scratch arrays the sizes that the counts ask for.
+    pub(crate) fn resize(&mut self) {
+        let rows = 3 * self.step.spheres as usize;
+        for state in &mut self.states[1..] {
+            state.resize(rows, Vec4::ZERO);
+        }
+        self.aabbs.resize(self.objects() as usize, Default::default());
+        self.wrenches.resize(4 * self.step.rods as usize, Vec4::ZERO);
+    }
+
+    /// Writes the state of the spheres back into the scene it was packed from; `packed` are their handles then.
+    pub(crate) fn read_spheres(&self, scene: &mut Scene, packed: &[SphereId]) {
+        let n = packed.len();
+        for (place, id) in packed.iter().enumerate() {
+            // Spheres that were removed since are gone; fixed ones have only turned.
+            let Ok(sphere) = scene.spheres.get_mut(*id) else { continue };
+            sphere.orientation = glam::Quat::from_vec4(self.orientations[place]);
+            if !sphere.fixed {
+                sphere.position = self.states[0][place].truncate();
+                sphere.velocity = self.states[0][n + place].truncate();
+                sphere.angular_momentum = self.states[0][2 * n + place].truncate();
+            }
+        }
+    }
+}
+
+fn push_vectors(words: &mut Vec<u32>, vectors: &[Vec3]) {
+    words.extend(vectors.iter().flat_map(|vector| vector.to_array().map(f32::to_bits)));
+}
+
+fn push_batches(words: &mut Vec<u32>, batches: &[Vec<Vec<u32>>]) {
+    let table = words.len();
+    words.resize(table + batches.len(), 0);
+    for (place, colours) in batches.iter().enumerate() {
+        words[table + place] = words.len() as u32;
+        words.push(colours.len() as u32);
+        let mut at = (words.len() + colours.len() + 1) as u32;
+        words.push(at);
+        for colour in colours {
+            at += colour.len() as u32;
+            words.push(at);
+        }
+        words.extend(colours.iter().flatten());
+    }
+}
+
+/// Pairs of (sphere, adjacency word).
+#[derive(Default)]
+struct Adjacency {
+    pairs: Vec<(u32, u32)>,
+}
+
+impl Adjacency {
+    fn attach(&mut self, kind: u32, index: u32, spheres: &[u32]) {
+        self.pairs
+            .extend(spheres.iter().map(|sphere| (*sphere, kind << KIND_SHIFT | index)));
+    }
+
+    /// Appends offsets and words; returns where the offsets stand, 0 when nothing is attached to any sphere.
+    fn push(mut self, words: &mut Vec<u32>, spheres: u32) -> u32 {
+        if self.pairs.is_empty() {
+            return 0;
+        }
+        self.pairs.sort_unstable();
+        let at = words.len() as u32;
+        let first = at + spheres + 1;
+        let mut place = 0;
+        for sphere in 0..=spheres {
+            while place < self.pairs.len() && self.pairs[place].0 < sphere {
+                place += 1;
+            }
+            words.push(first + place as u32);
+        }
+        words.extend(self.pairs.iter().map(|(_, word)| *word));
+        at
+    }
+}
