@@ -93,7 +93,8 @@ fn rods_keep_their_numbers_around_capsules() {
     assert!(same_again(&scene).contains("\nC "));
     // A rod that was added before the capsule and ends in a sphere added after: only possible through removal and the like,
     // here by hand.
-    scene.rods.objects_mut()[0].end2 = c;
+    let first = scene.rods.handle_at(0);
+    scene.rods.get_mut(first).unwrap().end2 = c;
     assert!(!same_again(&scene).contains("\nC "));
 }
 
