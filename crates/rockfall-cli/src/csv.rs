@@ -1,5 +1,6 @@
-//! The files that `run` writes. Floats are printed as Rust prints them: the shortest text that reads back bit for bit.
+//! The files that `run` writes.
 
+use std::fmt::{Display, LowerExp};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
@@ -65,14 +66,25 @@ impl Output {
             write!(file, "{}", report.steps)?;
             let energies = [energy.kinetic, energy.potential, energy.spring, energy.contact];
             numbers(file, &[report.time])?;
-            numbers(file, &energies)?;
-            numbers(file, &energy.momentum.to_array())?;
-            numbers(file, &energy.angular_momentum.to_array())?;
-            writeln!(file, ",{},{},{}", report.max_overlap, report.contacts, report.collisions)
+            // An empty sum is -0, which nobody wants to read.
+            numbers(file, &energies.map(|energy| energy + 0.0))?;
+            numbers(file, &(energy.momentum + 0.0).to_array())?;
+            numbers(file, &(energy.angular_momentum + 0.0).to_array())?;
+            numbers(file, &[report.max_overlap])?;
+            writeln!(file, ",{},{}", report.contacts, report.collisions)
         })
     }
 }
 
-fn numbers(file: &mut AtomicFile, numbers: &[impl std::fmt::Display]) -> io::Result<()> {
-    numbers.iter().try_for_each(|number| write!(file, ",{number}"))
+/// Writes numbers so that they read back bit for bit, in as few digits as that takes.
+fn numbers<N: Copy + Display + LowerExp + Into<f64>>(file: &mut AtomicFile, numbers: &[N]) -> io::Result<()> {
+    numbers.iter().try_for_each(|number| {
+        let size = Into::<f64>::into(*number).abs();
+        // Without an exponent, 1e-300 would be three hundred zeros.
+        if size == 0.0 || (1e-6..1e16).contains(&size) {
+            write!(file, ",{number}")
+        } else {
+            write!(file, ",{number:e}")
+        }
+    })
 }

@@ -20,6 +20,7 @@ mod summary;
 /// A rigid-body physics engine that lives on the GPU.
 #[derive(Debug, Parser)]
 #[command(
+    name = "rockfall",
     version,
     disable_help_subcommand = true,
     after_help = "Exit code: 0 done, 1 the run failed, 2 wrong usage or a bad scene."
