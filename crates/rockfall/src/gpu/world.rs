@@ -219,6 +219,24 @@ impl GpuWorld {
         self.write(world, buffer)
     }
 
+    /// Uploads words whose offsets in the uniform block may have changed; the counts of spheres and of objects, and the
+    /// pair lists, are still the same.
+    ///
+    /// # Errors
+    /// As for [`GpuWorld::upload_buffer`].
+    pub fn upload_words(&mut self, world: &World) -> Result<()> {
+        self.gpu.faults().check()?;
+        let counts = |step: &Step| (step.spheres, step.rods, step.boxes, step.polygons, step.pair_capacity);
+        if counts(&world.step) != counts(&self.step) {
+            return Err(Error::Device("the world's counts changed: upload it as a whole".to_owned()));
+        }
+        check_buffer(world, Buffer::Words)?;
+        self.fit(world, Buffer::Words)?;
+        self.write(world, Buffer::Words)?;
+        self.step = world.step;
+        self.write_uniforms(&world.step)
+    }
+
     /// Takes over the pair capacity of `world`, after [`World::set_pair_capacity`]. The lists are empty after it.
     ///
     /// # Errors
