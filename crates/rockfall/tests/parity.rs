@@ -68,9 +68,9 @@ fn scene(seed: u64, size: f32, speed: f32) -> Scene {
             .add_spring(Spring::new(spheres[k + 3], spheres[k + 40], 20.0, 1.0).damping(0.5))
             .unwrap();
     }
-    for k in 50..54 {
+    for sphere in &spheres[50..54] {
         scene
-            .add_tether(Tether::new(spheres[k], any(size), 10.0).length(0.5).damping(0.2))
+            .add_tether(Tether::new(*sphere, any(size), 10.0).length(0.5).damping(0.2))
             .unwrap();
     }
     for _ in 0..3 {
@@ -329,7 +329,7 @@ fn what_is_decided_by_rule() {
     let rod = |scene: &mut Scene, from: Vec3, to: Vec3, length: Option<f32>| {
         let ends = [from, to].map(|end| scene.add_sphere(Sphere::new(end, 0.1).mass(2.0).velocity(0.5 * end)).unwrap());
         let rod = Rod::new(ends[0], ends[1], 0.2);
-        let made = length.map_or(rod.clone(), |length| rod.length(length));
+        let made = length.map_or(rod, |length| rod.length(length));
         scene.add_rod(made).unwrap();
         ends
     };
