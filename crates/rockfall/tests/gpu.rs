@@ -38,7 +38,7 @@ fn heap(count: u16) -> Scene {
     let mut scene = Scene::new();
     for k in 0..count {
         let k = f32::from(k);
-        let place = Vec3::new(k % 5.0, 0.45 + (k / 25.0).floor() * 0.9, (k / 5.0).floor() % 5.0) * 0.95;
+        let place = Vec3::new(k % 5.0, 0.5 + (k / 25.0).floor(), (k / 5.0).floor() % 5.0) * 0.99;
         scene.add_sphere(Sphere::new(place, 0.5)).unwrap();
     }
     scene
