@@ -4,6 +4,7 @@
 
 #![cfg(feature = "gpu")]
 
+use std::future::Future;
 use std::sync::LazyLock;
 
 use glam::{Quat, Vec3, Vec4};
@@ -14,7 +15,7 @@ use rockfall::layout::{ENTRY_COLLIDES, SLICE, Status, VOID_ESCAPED, VOID_PAIRS};
 use rockfall::scene::{Capsule, Cuboid, Polygon, Rod, Sphere, Spring, Tether};
 use rockfall::stage::{Buffer, Part, Phase, Run, Stage};
 use rockfall::world::World;
-use rockfall::{Integrator, Scene};
+use rockfall::{Integrator, Scene, wgpu};
 
 static GPU: LazyLock<Gpu> = LazyLock::new(open);
 
@@ -250,7 +251,9 @@ fn parity(gpu: &Gpu, scene: &Scene, integrator: Integrator, steps: u32, swap: im
         for runs in groups(integrator) {
             let swapped: Vec<Run> = runs.iter().map(|run| swap(*run)).collect();
             let gpu_world = on_gpu(gpu, &cpu, &swapped);
-            let mut shaken: Vec<_> = (0..8).map(|_| shake(&cpu, &mut rng)).collect();
+            // The broad phase does not look at the bodies, only at their AABBs.
+            let shakes = if runs.len() == 1 { 8 } else { 0 };
+            let mut shaken: Vec<_> = (0..shakes).map(|_| shake(&cpu, &mut rng)).collect();
             rockfall::cpu::run(&mut cpu, runs);
             for world in &mut shaken {
                 rockfall::cpu::run(world, runs);
@@ -403,6 +406,50 @@ fn what_is_decided_by_rule() {
     for integrator in [Integrator::Rk4, Integrator::SymplecticEuler] {
         assert_parity(&scene, integrator, 3);
     }
+}
+
+/// A device that grants only thirteen workgroups in a dimension.
+fn narrow() -> Gpu {
+    let open = async {
+        let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
+        let adapter = instance.request_adapter(&Default::default()).await.unwrap();
+        let required_limits = wgpu::Limits {
+            max_compute_workgroups_per_dimension: 13,
+            ..adapter.limits()
+        };
+        let wanted = wgpu::DeviceDescriptor {
+            required_limits,
+            ..Default::default()
+        };
+        adapter.request_device(&wanted).await.unwrap()
+    };
+    let mut context = std::task::Context::from_waker(std::task::Waker::noop());
+    let std::task::Poll::Ready((device, queue)) = std::pin::pin!(open).poll(&mut context) else {
+        panic!("native devices are there at once");
+    };
+    Gpu::on_device(device, queue)
+}
+
+/// More workgroups than a dimension has, more slices than one round of the scan takes, and lists of very different lengths.
+#[test]
+fn thousands_in_two_dimensions_of_workgroups() {
+    let mut rng = Pcg64::seed_from_u64(5);
+    let mut scene = scene(40, 2.2, 3.0);
+    for k in 0..9000 {
+        // Denser to one side.
+        let place = Vec3::new(
+            20.0 * rng.random_range(0.0_f32..1.0).powi(2),
+            rng.random_range(0.0..20.0),
+            rng.random_range(0.0..20.0) + 4.0,
+        );
+        let velocity = 2.0 * Vec3::from_array(rng.random());
+        let sphere = Sphere::new(place, 0.4).velocity(velocity);
+        scene.add_sphere(if k % 50 == 0 { sphere.fixed() } else { sphere }).unwrap();
+    }
+    let gpu = narrow();
+    let wrong = parity(&gpu, &scene, Integrator::SymplecticEuler, 1, |run| run);
+    let shown: Vec<_> = wrong.iter().take(20).cloned().collect();
+    assert!(wrong.is_empty(), "{} differences:\n{}", wrong.len(), shown.join("\n"));
 }
 
 /// A spring beyond all reason: its bodies are stopped and named alike.
