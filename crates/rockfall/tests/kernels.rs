@@ -57,7 +57,7 @@ fn every_kernel_keeps_within_the_limits_of_webgpu() {
             "{}: {shared} bytes of workgroup memory",
             stage.name
         );
-        for entry in &module.entry_points {
+        for entry in module.entry_points.iter().filter(|entry| entry.name == stage.name) {
             let invocations: u32 = entry.workgroup_size.iter().product();
             assert!(invocations <= MAX_INVOCATIONS, "{}: {invocations} invocations", stage.name);
             let one_group = matches!(stage.threads, rockfall::stage::Threads::One);
@@ -107,7 +107,7 @@ fn no_stage_writes_a_buffer_that_it_binds_twice() {
     use rockfall::Integrator;
     use rockfall::stage::Phase;
     for integrator in [Integrator::Rk4, Integrator::SymplecticEuler] {
-        for run in Phase::STEP.iter().flat_map(|phase| phase.stages(integrator)) {
+        for run in Phase::STEP.iter().flat_map(|phase| phase.stages(integrator, broad_phase)) {
             for (k, one) in run.stage.bindings.iter().enumerate() {
                 for other in &run.stage.bindings[k + 1..] {
                     let same = one.slot.buffer(run.pass) == other.slot.buffer(run.pass);

@@ -1,7 +1,7 @@
 //! Running phases until they are done: void steps are mended and run again.
 
 use crate::error::{Error, Result};
-use crate::layout::{BAD_STAGE_SHIFT, BadStage, NO_BODY, SLICE, Status, VOID_ESCAPED, VOID_NON_FINITE, VOID_PAIRS};
+use crate::layout::{BAD_STAGE_SHIFT, BadStage, NO_BODY, SLICE, Status, VOID_COUNT, VOID_ESCAPED, VOID_NON_FINITE, VOID_PAIRS};
 use crate::simulation::Simulation;
 use crate::stage::{Phase, Run};
 
@@ -68,9 +68,10 @@ impl Simulation {
 
     /// Hands a batch to the engine; returns how often its phases were done.
     async fn submit(&mut self, phases: &[Phase], batch: u64) -> Result<u64> {
+        let (integrator, broad_phase) = (self.options.integrator, self.broad_phase_method());
         let stages: Vec<Run> = phases
             .iter()
-            .flat_map(|phase| phase.stages(self.options.integrator))
+            .flat_map(|phase| phase.stages(integrator, broad_phase))
             .copied()
             .collect();
         self.world.step.dt = self.time_step;
@@ -126,7 +127,10 @@ impl Simulation {
                 reason,
             });
         }
-        if status.void & VOID_PAIRS != 0 {
+        if status.void & VOID_COUNT != 0 {
+            self.status.pairs_needed = u32::MAX;
+        }
+        if status.void & (VOID_PAIRS | VOID_COUNT) != 0 {
             self.grow_lists()?;
         }
         if status.void & VOID_ESCAPED != 0 {
