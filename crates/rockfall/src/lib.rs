@@ -53,6 +53,7 @@
 //! `gpu` (default): the wgpu backend. Without it only the CPU backend is built, and it needs no graphics library.
 
 pub mod cpu;
+mod devices;
 pub mod error;
 #[cfg(feature = "gpu")]
 pub mod gpu;
@@ -66,6 +67,7 @@ pub mod stability;
 pub mod stage;
 pub mod world;
 
+pub use devices::{DeviceInfo, devices};
 pub use error::{Error, Result};
 pub use glam;
 pub use report::{Energy, Report, SphereState};
