@@ -265,7 +265,10 @@ fn wrong_arguments_are_wrong_usage() {
         ("run scene.txt --integrator euler", "rk4 or symplectic-euler"),
         ("run scene.txt --broad-phase luck", "brute-force"),
         ("run scene.txt --set gravity", "expected NAME=VALUE"),
-        ("run scene.txt --set weight=1", "'weight=1' for '--set <NAME=VALUE>': unknown setting 'weight'"),
+        (
+            "run scene.txt --set weight=1",
+            "'weight=1' for '--set <NAME=VALUE>': unknown setting 'weight'",
+        ),
         ("run scene.txt --set restitution=-1", "not negative"),
         ("run scene.txt --set gravity=", "a finite number"),
         ("run scene.txt --out same.csv --trace same.csv", "same file"),
