@@ -36,6 +36,8 @@ impl Rockfall {
     fn command(&self, arguments: &str) -> Command {
         let mut command = Command::new(env!("CARGO_BIN_EXE_rockfall"));
         command.current_dir(self.folder.path()).args(arguments.split_whitespace());
+        // Without it, graphics drivers complain on standard error, which tests compare.
+        command.env("XDG_RUNTIME_DIR", self.folder.path());
         command
     }
 
