@@ -15,7 +15,7 @@ use rockfall::layout::{ENTRY_COLLIDES, SLICE, Status, VOID_ESCAPED, VOID_PAIRS};
 use rockfall::scene::{Capsule, Cuboid, Polygon, Rod, Sphere, Spring, Tether};
 use rockfall::stage::{Buffer, Part, Phase, Run, Stage};
 use rockfall::world::World;
-use rockfall::{Integrator, Scene, wgpu};
+use rockfall::{BroadPhase, Integrator, Scene, wgpu};
 
 static GPU: LazyLock<Gpu> = LazyLock::new(open);
 
@@ -231,7 +231,7 @@ fn on_gpu(gpu: &Gpu, from: &World, runs: &[Run]) -> World {
 /// The stages of a step, each alone but for those of the broad phase: between them the lists are not whole.
 fn groups(integrator: Integrator) -> impl Iterator<Item = &'static [Run]> {
     Phase::STEP.iter().flat_map(move |phase| {
-        let stages = phase.stages(integrator);
+        let stages = phase.stages(integrator, BroadPhase::BruteForce);
         stages.chunks(if *phase == Phase::BroadPhase { stages.len() } else { 1 })
     })
 }

@@ -136,7 +136,12 @@ impl Simulation {
         if status.void & VOID_ESCAPED != 0 {
             let ratio = f32::from_bits(status.escape_ratio).clamp(1.0, 1e9);
             let step = &mut self.world.step;
-            step.margin_scale = (step.margin_scale * ratio * 1.25).min(1e30);
+            // After so many tries no finite margin will do: some force is beyond all measure.
+            step.margin_scale = if attempts > 8 {
+                f32::INFINITY
+            } else {
+                step.margin_scale * ratio * 1.25
+            };
         }
         Ok(())
     }
@@ -160,7 +165,8 @@ impl Simulation {
             self.report.total_collisions += u64::from(total_collisions_high) << 32 | u64::from(total_collisions_low);
             self.report.non_finite += u64::from(self.status.total_bad);
             let step = &mut self.world.step;
-            step.margin_scale = (step.margin_scale * MARGIN_DECAY.powf(done as f32)).max(MIN_MARGIN);
+            let sunk = step.margin_scale * MARGIN_DECAY.powf(done as f32);
+            step.margin_scale = if sunk.is_finite() { sunk.max(MIN_MARGIN) } else { MIN_MARGIN };
         }
         self.status.steps = 0;
         self.status.total_collisions_low = 0;

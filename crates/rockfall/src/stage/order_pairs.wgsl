@@ -45,8 +45,8 @@ fn order_short(first: u32, count: u32) -> u32 {
     return kept;
 }
 
-fn sift_down(first: u32, from: u32, size: u32) {
-    var root = from;
+fn sift_down(first: u32, top: u32, size: u32) {
+    var root = top;
     let key = lists[first + root * SLICE];
     loop {
         var child = 2u * root + 1u;
@@ -80,13 +80,14 @@ fn order_long(first: u32, count: u32) -> u32 {
         sift_down(first, 0u, size);
     }
     var kept = 0u;
-    var last = NONE;
+    var previous = NONE;
     for (var place = 0u; place < count; place++) {
         let key = lists[first + place * SLICE];
-        if key != last {
+        let is_new = key != previous;
+        previous = key;
+        if is_new {
             lists[first + kept * SLICE] = entry_of(key);
             kept += 1u;
-            last = key;
         }
     }
     return kept;
