@@ -20,7 +20,7 @@ var<workgroup> offsets: array<u32, WORKGROUP / SLICE>;
 
 // The thread's place in its workgroup.
 var<private> own: u32;
-// Keys that are kept, each once.
+// Entries found; the first SHORT are kept.
 var<private> kept: u32;
 // First word of the list in the second round of a long one; 0 before.
 var<private> into: u32;
@@ -34,36 +34,42 @@ fn entry_of(key: u32) -> u32 {
     return key >> 4u | (key & ENTRY_FEATURE_MASK) << ENTRY_ID_BITS;
 }
 
+// Only put down here: neighbouring threads find at different times, and would wait for each other's sorting.
 fn emit(mover: u32, place: u32, entry: u32) {
-    let key = entry_key(entry);
     if into != 0u {
-        lists[into + place * SLICE] = key;
-    } else if kept < SHORT {
-        insert(key);
-    } else {
-        // One too many to be short, unless it comes twice: then the list is taken for a long one all the same.
-        kept = SHORT + 1u;
+        lists[into + place * SLICE] = entry_key(entry);
+        return;
     }
+    if kept < SHORT {
+        keys[kept * WORKGROUP + own] = entry_key(entry);
+    }
+    kept += 1u;
 }
 
-// Puts a key among those kept, unless it is there.
-fn insert(key: u32) {
-    var at = kept;
-    while at > 0u {
-        let before = keys[(at - 1u) * WORKGROUP + own];
-        if before == key {
-            return;
+// Insertion sort of the keys in workgroup memory, each kept once.
+fn order_short() {
+    var distinct = 0u;
+    for (var place = 0u; place < kept; place++) {
+        let key = keys[place * WORKGROUP + own];
+        var at = distinct;
+        var before = 0u;
+        while at > 0u {
+            before = keys[(at - 1u) * WORKGROUP + own];
+            if before <= key {
+                break;
+            }
+            at -= 1u;
         }
-        if before < key {
-            break;
+        if (at > 0u) & (before == key) {
+            continue;
         }
-        at -= 1u;
+        for (var k = distinct; k > at; k--) {
+            keys[k * WORKGROUP + own] = keys[(k - 1u) * WORKGROUP + own];
+        }
+        keys[at * WORKGROUP + own] = key;
+        distinct += 1u;
     }
-    for (var k = kept; k > at; k--) {
-        keys[k * WORKGROUP + own] = keys[(k - 1u) * WORKGROUP + own];
-    }
-    keys[at * WORKGROUP + own] = key;
-    kept += 1u;
+    kept = distinct;
 }
 
 fn sift_down(first: u32, top: u32, size: u32) {
@@ -155,6 +161,7 @@ fn find_neighbours(
     if is_mover {
         count = emit_neighbours(mover);
         if kept <= SHORT {
+            order_short();
             count = kept;
         }
         atomicMax(&longest[local / SLICE], count);
