@@ -1,7 +1,8 @@
 @group(0) @binding(2) var<storage, read> aabbs: array<Aabb>;
 @group(0) @binding(3) var<storage, read> cells: array<u32>;
-@group(0) @binding(4) var<storage, read_write> lists: array<u32>;
-@group(0) @binding(5) var<storage, read_write> status: StatusPairs;
+@group(0) @binding(4) var<storage, read> extents: array<vec4f>;
+@group(0) @binding(5) var<storage, read_write> lists: array<u32>;
+@group(0) @binding(6) var<storage, read_write> status: StatusPairs;
 
 // `Status` where the room for entries is given out.
 struct StatusPairs {

@@ -17,7 +17,16 @@ fn test_run(mover: u32, own: Aabb, start: u32, end: u32, before: u32) -> u32 {
     let movers = step.spheres + step.rods;
     let is_rod = mover >= step.spheres;
     var count = before;
+    let centre = 0.5 * own.min + 0.5 * own.max;
+    let half = 0.5 * own.max - 0.5 * own.min;
+    // Rounding of centres, which grows with the distance from the origin, must not lose a pair that AABBs decide on.
+    let reach = 1.000001 * half + 5e-7 * abs(centre);
     for (var k = start; k < end; k++) {
+        // Objects of a row stand side by side here; most are told apart by this alone.
+        let other = extents[k];
+        if any(abs(other.xyz - centre) > reach + vec3f(other.w) + 5e-7 * abs(other.xyz)) {
+            continue;
+        }
         let id = cells[step.sorted_at + k];
         if (id == mover) | (is_rod & (id >= movers + step.boxes)) {
             continue;

@@ -185,6 +185,7 @@ impl World {
         }
         self.aabbs.resize(self.objects() as usize, Default::default());
         self.cells.resize((self.step.sorted_at + self.objects()) as usize, 0);
+        self.extents.resize(self.objects() as usize, Vec4::ZERO);
         self.wrenches.resize(4 * self.step.rods as usize, Vec4::ZERO);
     }
 
