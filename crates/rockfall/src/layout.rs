@@ -81,7 +81,8 @@ pub const NO_BODY: u32 = u32::MAX;
 /// The place in a step where a body stopped being finite, the high bits of [`Status::bad_body`].
 pub const BAD_STAGE_SHIFT: u32 = 27;
 
-/// First word of the cells in the buffer `cells`; word 0 is a mask of the levels that have objects.
+/// First word of the cells in the buffer `cells`; word 0 is a mask of the levels that have objects, word 1 a copy of
+/// `Status::rebuild`, words 2 and 3 are unused.
 pub const CELLS_AT: u32 = 4;
 /// Cells that one workgroup sums.
 pub const CELL_BLOCK: u32 = 4096;
@@ -163,8 +164,10 @@ pub struct Step {
     pub keys_at: u32,
     /// First word of the objects' ids in the order of their keys, in `cells`.
     pub sorted_at: u32,
+    /// Steps for which AABBs are grown, at the velocities at hand; the more, the longer lists last, and the longer they are.
+    pub lookahead: f32,
     /// Padding to a multiple of 16 bytes.
-    pub pad: [u32; 3],
+    pub pad: [u32; 2],
 }
 
 /// The uniform block `pass_`: which force evaluation of the step this is.
@@ -233,14 +236,15 @@ pub struct Status {
     pub total_bad: u32,
     /// Value of `bad_body` in the step `bad_step`: the first body that stopped being finite, or [`NO_BODY`].
     pub first_bad: u32,
-    /// Padding to a multiple of 16 bytes.
-    pub pad: u32,
+    /// 1 when AABBs and lists are to be made anew; where it is 0, those of an earlier step still hold every pair.
+    pub rebuild: u32,
 }
 
 impl Default for Status {
     fn default() -> Self {
         Self {
             lengths_due: 1,
+            rebuild: 1,
             bad_body: NO_BODY,
             first_bad: NO_BODY,
             ..Zeroable::zeroed()

@@ -182,14 +182,14 @@ fn the_structs_are_those_of_layout() {
     let step = rust_fields!(Step: gravity, dt, activation_threshold, restitution, contact_damping, contact_force, friction,
         margin_scale, flags, pair_capacity, spheres, rods, boxes, polygons, rods_at, springs_at, tethers_at, forces_at,
         boxes_at, polygons_at, tags_at, adjacency_at, batches, batches_at, slices_at, entries_at, cell_size, cells, sums_at, keys_at,
-        sorted_at, pad);
+        sorted_at, lookahead, pad);
     let step = (split(step.0, "pad"), step.1);
     let (pass, pass_size) = rust_fields!(Pass: index, pad);
     let pass = (split(pass, "pad"), pass_size);
     let aabb = rust_fields!(Aabb: min, id, max, tag);
     let status = rust_fields!(Status: void, pairs_needed, escape_ratio, steps, collided, lengths_due, contacts, max_overlap,
         collisions, last_contacts, last_max_overlap, last_collisions, total_collisions_low, total_collisions_high,
-        bad_body, bad_step, bad_count, total_bad, first_bad, pad);
+        bad_body, bad_step, bad_count, total_bad, first_bad, rebuild);
     for stage in ALL {
         let module = module(stage);
         assert_eq!(wgsl_fields(&module, "Step"), step, "{}", stage.name);

@@ -12,6 +12,8 @@ pub(crate) struct Tally {
     /// Deepest overlap; not negative.
     pub(crate) max_overlap: f32,
     pub(crate) collisions: u32,
+    /// Some body may leave its AABB within the next step.
+    pub(crate) rebuild: bool,
     /// Largest distance, in 0.02 r, of a body out of its AABB; 0: none is.
     pub(crate) escape_ratio: f32,
     bad_count: u32,
@@ -24,6 +26,7 @@ impl Default for Tally {
             contacts: 0,
             max_overlap: 0.0,
             collisions: 0,
+            rebuild: false,
             escape_ratio: 0.0,
             bad_count: 0,
             bad_body: NO_BODY,
@@ -37,6 +40,7 @@ impl Tally {
             contacts: self.contacts + other.contacts,
             max_overlap: self.max_overlap.max(other.max_overlap),
             collisions: self.collisions + other.collisions,
+            rebuild: self.rebuild | other.rebuild,
             escape_ratio: self.escape_ratio.max(other.escape_ratio),
             bad_count: self.bad_count + other.bad_count,
             bad_body: self.bad_body.min(other.bad_body),
@@ -62,6 +66,7 @@ impl Tally {
         status.collisions += self.collisions;
         status.bad_count += self.bad_count;
         status.bad_body = status.bad_body.min(self.bad_body);
+        status.rebuild |= u32::from(self.rebuild);
         if self.escape_ratio > 0.0 {
             status.void |= VOID_ESCAPED;
             status.escape_ratio = status.escape_ratio.max(self.escape_ratio.to_bits());
@@ -87,4 +92,11 @@ pub(crate) fn outside(aabb: &Aabb, centre: Vec3, radius: f32) -> f32 {
     } else {
         (out / (0.02 * radius)).clamp(1e-3, 1e30)
     }
+}
+
+/// Whether a moving ball may be outside its AABB before the next step is done, at the velocity at hand.
+pub(crate) fn may_leave(aabb: &Aabb, centre: Vec3, velocity: Vec3, radius: f32, dt: f32) -> bool {
+    let reach = radius + 1.05 * velocity.length() * dt + 0.02 * radius;
+    let (min, max) = (Vec3::from_array(aabb.min), Vec3::from_array(aabb.max));
+    (centre - reach).cmplt(min).any() || (centre + reach).cmpgt(max).any()
 }

@@ -15,7 +15,24 @@ const BATCH: u64 = 32;
 const MAX_ATTEMPTS: u32 = 64;
 /// How fast a margin that had to be raised sinks again, per step.
 const MARGIN_DECAY: f32 = 0.995;
-const MIN_MARGIN: f32 = 1.25;
+const MIN_MARGIN: f32 = 2.0;
+/// List words a mover below and above which lists may be made for more or should be made for fewer steps ahead.
+const SHORT_LISTS: f32 = 36.0;
+const LONG_LISTS: f32 = 48.0;
+const MAX_LOOKAHEAD: f32 = 16.0;
+
+/// The order in which a whole step runs its phases. Collisions come first, with the lists of the step before: those hold
+/// every pair that overlaps now (`find_collisions` sees to it), and AABBs that are made after the impulses need not be
+/// grown for what they do to velocities. Lists do not change results, so this is the same step as in the order of
+/// [`Phase::STEP`]. AABBs and lists are made only where some body asks for them (`rebuild`).
+pub(super) const COLLISIONS_FIRST: [Phase; 4] = [
+    Phase::HandleCollisions,
+    Phase::UpdateAabbs,
+    Phase::BroadPhase,
+    Phase::UpdatePositions,
+];
+/// The same with collisions switched off.
+pub(super) const WITHOUT_COLLISIONS: [Phase; 3] = [Phase::UpdateAabbs, Phase::BroadPhase, Phase::UpdatePositions];
 
 impl Simulation {
     /// Sets the time step that AABBs are grown for.
@@ -80,6 +97,10 @@ impl Simulation {
             recorder.expect(owners);
         }
         self.world.step.dt = self.time_step;
+        let is_step = phases.starts_with(&COLLISIONS_FIRST) || phases.starts_with(&WITHOUT_COLLISIONS);
+        if !is_step || self.status.void != 0 || self.lists_due || self.aabbs_due {
+            self.status.rebuild = 1;
+        }
         self.world.status = resumed(self.status);
         self.synced = false;
         self.engine.run(&mut self.world, &stages, batch as u32, recorder).await?;
@@ -171,6 +192,15 @@ impl Simulation {
             let step = &mut self.world.step;
             let sunk = step.margin_scale * MARGIN_DECAY.powf(done as f32);
             step.margin_scale = if sunk.is_finite() { sunk.max(MIN_MARGIN) } else { MIN_MARGIN };
+            let words = self.status.pairs_needed as f32 / (step.spheres + step.rods).max(1) as f32;
+            let change = if words > LONG_LISTS {
+                0.75
+            } else if words < SHORT_LISTS {
+                1.25
+            } else {
+                1.0
+            };
+            step.lookahead = (step.lookahead * change).clamp(1.0, MAX_LOOKAHEAD);
         }
         self.status.steps = 0;
         self.status.total_collisions_low = 0;

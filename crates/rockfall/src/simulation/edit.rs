@@ -211,11 +211,13 @@ impl Simulation {
     /// Packs the scene anew; room that lists had is kept.
     fn rebuild(&mut self) -> Result<()> {
         let old = &self.world.step;
-        let (flags, dt, margin_scale, capacity) = (old.flags, old.dt, old.margin_scale, old.pair_capacity);
+        let (flags, dt, capacity) = (old.flags, old.dt, old.pair_capacity);
+        let (margin_scale, lookahead) = (old.margin_scale, old.lookahead);
         self.world = World::build(&self.scene)?;
         self.world.step.flags = flags;
         self.world.step.dt = dt;
         self.world.step.margin_scale = margin_scale;
+        self.world.step.lookahead = lookahead;
         self.world.set_pair_capacity(capacity);
         self.packed = self.scene.sphere_ids().collect();
         self.engine.replace(&self.world)?;

@@ -54,6 +54,9 @@ fn advance(world: &mut World, pass: u32) {
     if world.status.void != 0 {
         return;
     }
+    if pass == 0 {
+        world.status.rebuild = 0;
+    }
     let (done, todo) = world.states.split_at_mut(pass as usize + 1);
     let start = View::new(&world.step, &world.words, &done[0]);
     let view = View::new(&world.step, &world.words, &done[pass as usize]);

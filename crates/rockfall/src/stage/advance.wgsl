@@ -54,6 +54,9 @@ fn advance(
         write_next(i, net);
     }
     if pass_.index == 0u {
+        if (i == 0u) & (atomicLoad(&status.void) == 0u) {
+            atomicStore(&status.rebuild, 0u);
+        }
         tell_contacts(local, net.contacts, net.deepest);
     }
 }

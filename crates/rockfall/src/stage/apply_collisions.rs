@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use crate::cpu::collision::each_incident;
 use crate::cpu::lists::Lists;
 use crate::cpu::state::{Motion, Rows};
-use crate::cpu::tally::Tally;
+use crate::cpu::tally::{Tally, may_leave};
 use crate::cpu::view::View;
 use crate::layout::{BadStage, ENTRY_COLLIDES};
 use crate::stage::{Buffer, Stage, Threads, part, read, write};
@@ -25,6 +25,7 @@ pub(crate) const STAGE: Stage = Stage {
         part!("wgsl/contact.wgsl"),
         part!("wgsl/collision.wgsl"),
         part!("wgsl/plain.wgsl"),
+        part!("wgsl/margin.wgsl"),
         part!("stage/apply_collisions.wgsl"),
     ],
     bindings: &[
@@ -33,6 +34,7 @@ pub(crate) const STAGE: Stage = Stage {
         read("words", Buffer::Words),
         read("lists", Buffer::Lists),
         read("weights", Buffer::Weights),
+        read("aabbs", Buffer::Aabbs),
         write("status", Buffer::Status),
     ],
     threads: Threads::Spheres,
@@ -50,7 +52,11 @@ fn apply_collisions(world: &mut World, _pass: u32) {
         .into_par_iter()
         .map(|(sphere, row)| {
             let mut tally = Tally::default();
-            row.set(&view, sphere, collided(&view, &lists, &world.weights, sphere, &mut tally));
+            let after = collided(&view, &lists, &world.weights, sphere, &mut tally);
+            let aabb = &world.aabbs[sphere as usize];
+            tally.rebuild =
+                !view.is_fixed(sphere) && may_leave(aabb, after.position, after.velocity, view.radius(sphere), world.step.dt);
+            row.set(&view, sphere, after);
             tally
         })
         .reduce(Tally::default, Tally::merge);

@@ -3,7 +3,8 @@
 @group(0) @binding(4) var<storage, read> words: array<u32>;
 @group(0) @binding(5) var<storage, read> lists: array<u32>;
 @group(0) @binding(6) var<storage, read> weights: array<f32>;
-@group(0) @binding(7) var<storage, read_write> status: StatusAtomic;
+@group(0) @binding(7) var<storage, read> aabbs: array<Aabb>;
+@group(0) @binding(8) var<storage, read_write> status: StatusAtomic;
 
 struct Change {
     velocity: vec3f,
@@ -92,6 +93,9 @@ fn apply_collisions(
             atomicAdd(&status.bad_count, 1u);
             atomicMin(&status.bad_body, i);
         }
+    }
+    if may_leave(i, vec4f(position, old_position.w), vec4f(velocity, old_velocity.w)) {
+        atomicStore(&status.rebuild, 1u);
     }
     next[position_at(i)] = vec4f(position, old_position.w);
     next[velocity_at(i)] = vec4f(velocity, old_velocity.w);

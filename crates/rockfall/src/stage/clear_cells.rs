@@ -14,6 +14,11 @@ pub(crate) const STAGE: Stage = Stage {
 };
 
 fn clear_cells(world: &mut World, _pass: u32) {
-    world.cells[..(CELLS_AT + world.step.cells) as usize].fill(0);
+    world.cells[1] = world.status.rebuild;
+    if world.status.rebuild == 0 {
+        return;
+    }
+    world.cells[0] = 0;
+    world.cells[CELLS_AT as usize..(CELLS_AT + world.step.cells) as usize].fill(0);
     world.status.pairs_needed = 0;
 }

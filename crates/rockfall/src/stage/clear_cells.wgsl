@@ -12,6 +12,12 @@ fn clear_cells(
         return;
     }
     if (block == 0u) & (local == 0u) {
+        cells[1] = status.rebuild;
+    }
+    if status.rebuild == 0u {
+        return;
+    }
+    if (block == 0u) & (local == 0u) {
         cells[0] = 0u;
         status.pairs_needed = 0u;
     }

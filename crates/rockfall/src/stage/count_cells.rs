@@ -15,12 +15,19 @@ pub(crate) const STAGE: Stage = Stage {
         part!("wgsl/grid.wgsl"),
         part!("stage/count_cells.wgsl"),
     ],
-    bindings: &[read("aabbs", Buffer::Aabbs), write("cells", Buffer::Cells)],
+    bindings: &[
+        read("aabbs", Buffer::Aabbs),
+        write("cells", Buffer::Cells),
+        read("status", Buffer::Status),
+    ],
     threads: Threads::Objects,
     cpu: count_cells,
 };
 
 fn count_cells(world: &mut World, _pass: u32) {
+    if world.status.rebuild == 0 {
+        return;
+    }
     let step = &world.step;
     let keys: Vec<(u32, u32)> = world.aabbs.par_iter().map(|aabb| key_of(step, aabb)).collect();
     for (object, (key, level)) in keys.into_iter().enumerate() {

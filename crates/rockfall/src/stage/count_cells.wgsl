@@ -1,5 +1,6 @@
 @group(0) @binding(2) var<storage, read> aabbs: array<Aabb>;
 @group(0) @binding(3) var<storage, read_write> cells: array<atomic<u32>>;
+@group(0) @binding(4) var<storage, read> status: Status;
 
 var<workgroup> levels: atomic<u32>;
 
@@ -9,6 +10,9 @@ fn count_cells(
     @builtin(num_workgroups) groups: vec3u,
     @builtin(local_invocation_index) local: u32,
 ) {
+    if status.rebuild == 0u {
+        return;
+    }
     let object = linear_thread(group, groups, local);
     if local == 0u {
         atomicStore(&levels, 0u);

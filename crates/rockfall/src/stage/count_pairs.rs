@@ -19,12 +19,19 @@ pub(crate) const STAGE: Stage = Stage {
         part!("wgsl/pair_tiles.wgsl"),
         part!("stage/count_pairs.wgsl"),
     ],
-    bindings: &[read("aabbs", Buffer::Aabbs), write("lists", Buffer::Lists)],
+    bindings: &[
+        read("aabbs", Buffer::Aabbs),
+        write("lists", Buffer::Lists),
+        read("status", Buffer::Status),
+    ],
     threads: Threads::Movers,
     cpu: count_pairs,
 };
 
 fn count_pairs(world: &mut World, _pass: u32) {
+    if world.status.rebuild == 0 {
+        return;
+    }
     let (step, aabbs) = (&world.step, &world.aabbs);
     let movers = world.step.spheres + world.step.rods;
     let (counts, padding) = world.lists[..step.slices_at as usize].split_at_mut(movers as usize);

@@ -1,5 +1,6 @@
 @group(0) @binding(2) var<storage, read> aabbs: array<Aabb>;
 @group(0) @binding(3) var<storage, read_write> lists: array<u32>;
+@group(0) @binding(4) var<storage, read> status: Status;
 
 fn emit(mover: u32, place: u32, entry: u32) {}
 
@@ -9,6 +10,9 @@ fn count_pairs(
     @builtin(num_workgroups) groups: vec3u,
     @builtin(local_invocation_index) local: u32,
 ) {
+    if status.rebuild == 0u {
+        return;
+    }
     let mover = linear_thread(group, groups, local);
     let count = emit_pairs(mover, local);
     // Past the last mover the count is 0, to the end of its slice.

@@ -32,6 +32,9 @@ pub(crate) const STAGE: Stage = Stage {
 };
 
 fn find_neighbours(world: &mut World, _pass: u32) {
+    if world.status.rebuild == 0 {
+        return;
+    }
     let movers = world.step.spheres + world.step.rods;
     let grid = Grid::new(&world.step, &world.aabbs, &world.cells);
     let found: Vec<Vec<u32>> = (0..movers).into_par_iter().map(|mover| neighbours(&grid, mover)).collect();

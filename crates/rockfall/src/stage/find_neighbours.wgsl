@@ -142,6 +142,9 @@ fn find_neighbours(
     @builtin(num_workgroups) groups: vec3u,
     @builtin(local_invocation_index) local: u32,
 ) {
+    if cells[1] == 0u {
+        return;
+    }
     let mover = linear_thread(group, groups, local);
     let slice = local / SLICE;
     own = local;

@@ -42,6 +42,7 @@ fn leap(world: &mut World, _pass: u32) {
     if world.status.void != 0 {
         return;
     }
+    world.status.rebuild = 0;
     let [start, y2, y3, _] = &mut world.states;
     let view = View::new(&world.step, &world.words, start);
     let lists = Lists::new(&world.step, &world.lists);

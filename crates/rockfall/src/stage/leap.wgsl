@@ -48,5 +48,8 @@ fn leap(
         net = net_force(i);
         write_next(i, net);
     }
+    if (i == 0u) & (atomicLoad(&status.void) == 0u) {
+        atomicStore(&status.rebuild, 0u);
+    }
     tell_contacts(local, net.contacts, net.deepest);
 }

@@ -2,14 +2,14 @@
 //! of every block of cells, the sums of those, and the cells of every block from there.
 
 use crate::layout::{CELL_BLOCK, CELLS_AT};
-use crate::stage::{Buffer, Stage, Threads, part, write};
+use crate::stage::{Buffer, Stage, Threads, part, read, write};
 use crate::world::World;
 
 /// The sum of every block.
 pub(crate) const SUM: Stage = Stage {
     name: "sum_blocks",
     parts: &[part!("wgsl/step.wgsl"), part!("stage/scan_cells.wgsl")],
-    bindings: &[write("cells", Buffer::Cells)],
+    bindings: &[write("cells", Buffer::Cells), read("status", Buffer::Status)],
     threads: Threads::Blocks,
     cpu: sum_blocks,
 };
@@ -41,16 +41,25 @@ fn scan<'a>(numbers: impl Iterator<Item = &'a mut u32>, first: u32) {
 }
 
 fn sum_blocks(world: &mut World, _pass: u32) {
+    if world.status.rebuild == 0 {
+        return;
+    }
     for (cells, sum) in blocks(world) {
         *sum = cells.iter().sum();
     }
 }
 
 fn scan_blocks(world: &mut World, _pass: u32) {
+    if world.status.rebuild == 0 {
+        return;
+    }
     scan(blocks(world).map(|(_, sum)| sum), 0);
 }
 
 fn place_cells(world: &mut World, _pass: u32) {
+    if world.status.rebuild == 0 {
+        return;
+    }
     for (cells, sum) in blocks(world) {
         scan(cells.iter_mut(), *sum);
     }

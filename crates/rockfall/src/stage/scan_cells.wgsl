@@ -1,4 +1,5 @@
 @group(0) @binding(2) var<storage, read_write> cells: array<u32>;
+@group(0) @binding(3) var<storage, read> status: Status;
 
 // Cells of a thread of a block's workgroup.
 const OWN: u32 = CELL_BLOCK / WORKGROUP;
@@ -36,7 +37,7 @@ fn sum_blocks(
 ) {
     let block = linear_group(group, groups);
     // The same for all threads of the workgroup.
-    if block * CELL_BLOCK >= step.cells {
+    if (status.rebuild == 0u) | (block * CELL_BLOCK >= step.cells) {
         return;
     }
     sums[local] = own_sum(CELLS_AT + block * CELL_BLOCK + local * OWN);
@@ -48,6 +49,9 @@ fn sum_blocks(
 
 @compute @workgroup_size(256)
 fn scan_blocks(@builtin(local_invocation_index) local: u32) {
+    if status.rebuild == 0u {
+        return;
+    }
     let blocks = step.cells / CELL_BLOCK;
     var before = 0u;
     for (var base = 0u; base < blocks; base += SCAN) {
@@ -73,7 +77,7 @@ fn place_cells(
     @builtin(local_invocation_index) local: u32,
 ) {
     let block = linear_group(group, groups);
-    if block * CELL_BLOCK >= step.cells {
+    if (status.rebuild == 0u) | (block * CELL_BLOCK >= step.cells) {
         return;
     }
     let first = CELLS_AT + block * CELL_BLOCK + local * OWN;

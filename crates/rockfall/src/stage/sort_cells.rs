@@ -15,12 +15,16 @@ pub(crate) const STAGE: Stage = Stage {
         read("aabbs", Buffer::Aabbs),
         write("cells", Buffer::Cells),
         write("extents", Buffer::Extents),
+        read("status", Buffer::Status),
     ],
     threads: Threads::Objects,
     cpu: sort_cells,
 };
 
 fn sort_cells(world: &mut World, _pass: u32) {
+    if world.status.rebuild == 0 {
+        return;
+    }
     let step = &world.step;
     for object in 0..world.aabbs.len() {
         let key = world.cells[step.keys_at as usize + object];

@@ -1,6 +1,7 @@
 @group(0) @binding(2) var<storage, read> aabbs: array<Aabb>;
 @group(0) @binding(3) var<storage, read_write> cells: array<atomic<u32>>;
 @group(0) @binding(4) var<storage, read_write> extents: array<vec4f>;
+@group(0) @binding(5) var<storage, read> status: Status;
 
 @compute @workgroup_size(64)
 fn sort_cells(
@@ -9,7 +10,7 @@ fn sort_cells(
     @builtin(local_invocation_index) local: u32,
 ) {
     let object = linear_thread(group, groups, local);
-    if object >= step.spheres + step.rods + step.boxes + step.polygons {
+    if (status.rebuild == 0u) | (object >= step.spheres + step.rods + step.boxes + step.polygons) {
         return;
     }
     let key = atomicLoad(&cells[step.keys_at + object]);

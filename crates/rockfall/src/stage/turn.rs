@@ -1,10 +1,13 @@
 //! Orientations, and the spin of capsules (physics.md section 5, E18).
 //!
+//! A sphere that may leave its AABB within the next step asks for new lists (`rebuild`).
+//!
 //! A sphere turns by its mean spin (exponential map). The first end of a capsule does both ends: common roll about
 //! the axis, both turn with the axis, and what is left of their angular momentum returns as momentum of the ends.
 
 use glam::{Quat, Vec3, Vec4};
 
+use crate::cpu::tally::may_leave;
 use crate::cpu::view::{TINY, View};
 use crate::stage::{Buffer, Stage, Threads, part, read, write};
 use crate::world::World;
@@ -12,13 +15,19 @@ use crate::world::World;
 /// The stage.
 pub(crate) const STAGE: Stage = Stage {
     name: "turn",
-    parts: &[part!("wgsl/step.wgsl"), part!("wgsl/objects.wgsl"), part!("stage/turn.wgsl")],
+    parts: &[
+        part!("wgsl/step.wgsl"),
+        part!("wgsl/objects.wgsl"),
+        part!("wgsl/margin.wgsl"),
+        part!("stage/turn.wgsl"),
+    ],
     bindings: &[
         write("state", Buffer::Start),
         read("y3", Buffer::Y3),
         write("orientations", Buffer::Orientations),
         read("words", Buffer::Words),
-        read("status", Buffer::Status),
+        read("aabbs", Buffer::Aabbs),
+        write("status", Buffer::Status),
     ],
     threads: Threads::Spheres,
     cpu: turn,
@@ -33,6 +42,8 @@ fn turn(world: &mut World, _pass: u32) {
         words,
         states: [state, _, memory, _],
         orientations,
+        aabbs,
+        status,
         ..
     } = world;
     let n = step.spheres as usize;
@@ -62,6 +73,14 @@ fn turn(world: &mut World, _pass: u32) {
                 orientations[sphere as usize] = turned(orientations[sphere as usize], rotation);
             }
         }
+    }
+    let view = View::new(step, words, state);
+    let leaves = |sphere: u32| {
+        let (centre, velocity, radius) = (view.position(sphere), view.velocity(sphere), view.radius(sphere));
+        !view.is_fixed(sphere) && may_leave(&aabbs[sphere as usize], centre, velocity, radius, step.dt)
+    };
+    if (0..step.spheres).any(leaves) {
+        status.rebuild = 1;
     }
 }
 

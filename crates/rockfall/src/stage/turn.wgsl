@@ -2,7 +2,8 @@
 @group(0) @binding(3) var<storage, read> y3: array<vec4f>;
 @group(0) @binding(4) var<storage, read_write> orientations: array<vec4f>;
 @group(0) @binding(5) var<storage, read> words: array<u32>;
-@group(0) @binding(6) var<storage, read> status: Status;
+@group(0) @binding(6) var<storage, read> aabbs: array<Aabb>;
+@group(0) @binding(7) var<storage, read_write> status: StatusAtomic;
 
 fn multiply(a: vec4f, b: vec4f) -> vec4f {
     return vec4f(a.w * b.xyz + b.w * a.xyz + cross(a.xyz, b.xyz), a.w * b.w - dot(a.xyz, b.xyz));
@@ -104,6 +105,13 @@ fn turn_capsule(ends: vec2u) {
     turn_by(ends.y, by);
 }
 
+// A sphere that may leave its AABB within the next step asks for new lists.
+fn ask_for_lists(sphere: u32) {
+    if may_leave(sphere, state[position_at(sphere)], state[velocity_at(sphere)]) {
+        atomicStore(&status.rebuild, 1u);
+    }
+}
+
 @compute @workgroup_size(64)
 fn turn(
     @builtin(workgroup_id) group: vec3u,
@@ -111,13 +119,16 @@ fn turn(
     @builtin(local_invocation_index) local: u32,
 ) {
     let i = linear_thread(group, groups, local);
-    if (i >= step.spheres) | (status.void != 0u) {
+    if (i >= step.spheres) | (atomicLoad(&status.void) != 0u) {
         return;
     }
     let rod = free_capsule(i);
     if rod == NONE {
         turn_by(i, rotation(y3[momentum_at(i)].xyz));
+        ask_for_lists(i);
     } else if rod_ends(rod).x == i {
         turn_capsule(rod_ends(rod));
+        ask_for_lists(rod_ends(rod).x);
+        ask_for_lists(rod_ends(rod).y);
     }
 }

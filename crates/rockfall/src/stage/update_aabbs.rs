@@ -1,6 +1,6 @@
 //! AABBs of all objects, static ones too, grown by the motion of the step.
 //!
-//! A sphere moves by at most its margin `1.05 |v| dt + margin_scale 0.02 r` before its list is made again; where it moves
+//! A sphere moves by at most its margin `1.05 lookahead |v| dt + margin_scale 0.02 r` before its list is made again; where it moves
 //! further, `find_collisions`, `advance` or `leap` void the step, the host raises `margin_scale`, and the step is run again.
 //! A rod takes the hull of its ends, each with its own margin and the radius of the rod.
 
@@ -24,12 +24,16 @@ pub(crate) const STAGE: Stage = Stage {
         read("state", Buffer::Start),
         read("words", Buffer::Words),
         write("aabbs", Buffer::Aabbs),
+        read("status", Buffer::Status),
     ],
     threads: Threads::Objects,
     cpu: update_aabbs,
 };
 
 fn update_aabbs(world: &mut World, _pass: u32) {
+    if world.status.rebuild == 0 {
+        return;
+    }
     let objects = world.objects();
     let view = View::new(&world.step, &world.words, &world.states[0]);
     (0..objects)
@@ -74,7 +78,8 @@ fn margin(view: &View, sphere: u32) -> f32 {
     if view.is_fixed(sphere) {
         return 0.0;
     }
-    1.05 * view.velocity(sphere).length() * view.step.dt + view.step.margin_scale * 0.02 * view.radius(sphere)
+    1.05 * view.step.lookahead * view.velocity(sphere).length() * view.step.dt
+        + view.step.margin_scale * 0.02 * view.radius(sphere)
 }
 
 fn hull(corner: Vec3, edges: &[Vec3]) -> (Vec3, Vec3) {

@@ -1,6 +1,7 @@
 @group(0) @binding(2) var<storage, read> state: array<vec4f>;
 @group(0) @binding(3) var<storage, read> words: array<u32>;
 @group(0) @binding(4) var<storage, read_write> aabbs: array<Aabb>;
+@group(0) @binding(5) var<storage, read> status: Status;
 
 struct Hull {
     min: vec3f,
@@ -10,7 +11,7 @@ struct Hull {
 // How far a sphere may move before its list is made again.
 fn margin(sphere: u32, radius: f32) -> f32 {
     let velocity = state[velocity_at(sphere)];
-    return select(0.0, 1.05 * length(velocity.xyz) * step.dt + step.margin_scale * 0.02 * radius, velocity.w > 0.0);
+    return select(0.0, 1.05 * step.lookahead * length(velocity.xyz) * step.dt + step.margin_scale * 0.02 * radius, velocity.w > 0.0);
 }
 
 // A sphere, or the end of a rod of another radius.
@@ -55,7 +56,7 @@ fn update_aabbs(
     @builtin(local_invocation_index) local: u32,
 ) {
     let id = linear_thread(group, groups, local);
-    if id >= step.spheres + step.rods + step.boxes + step.polygons {
+    if (status.rebuild == 0u) | (id >= step.spheres + step.rods + step.boxes + step.polygons) {
         return;
     }
     let hull = hull_of(id);

@@ -32,9 +32,9 @@ struct Step {
     sums_at: u32,
     keys_at: u32,
     sorted_at: u32,
+    lookahead: f32,
     pad_0: u32,
     pad_1: u32,
-    pad_2: u32,
 }
 
 // The padding is three words and not an array: arrays in uniform blocks have a stride of 16 bytes.
@@ -72,7 +72,7 @@ struct Status {
     bad_count: u32,
     total_bad: u32,
     first_bad: u32,
-    pad: u32,
+    rebuild: u32,
 }
 
 // `Status` where many threads of a dispatch write it.
@@ -96,7 +96,7 @@ struct StatusAtomic {
     bad_count: atomic<u32>,
     total_bad: u32,
     first_bad: u32,
-    pad: u32,
+    rebuild: atomic<u32>,
 }
 
 @group(0) @binding(0) var<uniform> step: Step;

@@ -14,8 +14,10 @@ use crate::world::frames::batches;
 
 /// Entries that a mover's list has room for at the start; lists that need more grow.
 const FIRST_ENTRIES: u64 = 16;
-/// How far AABBs are grown at the start: times what the velocity at hand makes necessary.
-const FIRST_MARGIN: f32 = 1.25;
+/// How far AABBs are grown at the start for what accelerates, in 0.02 r.
+const FIRST_MARGIN: f32 = 2.0;
+/// Steps for which AABBs are grown at the start.
+const FIRST_LOOKAHEAD: f32 = 2.0;
 
 /// Cells are as large as AABBs of spheres at rest, and a little more.
 const CELL_PER_RADIUS: f32 = 2.4;
@@ -29,6 +31,7 @@ impl World {
         let mut world = Self {
             step: Step {
                 margin_scale: FIRST_MARGIN,
+                lookahead: FIRST_LOOKAHEAD,
                 ..Step::default()
             },
             ..Self::default()
