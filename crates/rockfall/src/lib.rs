@@ -1,7 +1,61 @@
 //! rockfall: a rigid-body physics engine that lives on the GPU.
+//!
+//! Spheres, rods, capsules, springs, static boxes and polygons, from a handful to millions, on any GPU that speaks Vulkan,
+//! Metal, DX12 or WebGPU, and on the CPU where there is none.
+//!
+//! ```
+//! use rockfall::{Cuboid, Scene, Simulation, Sphere};
+//!
+//! # fn main() -> rockfall::Result<()> {
+//! let mut scene = Scene::new();
+//! scene.add_box(Cuboid::between([-5.0, -1.0, -5.0], [5.0, 0.0, 5.0]))?;
+//! let ball = scene.add_sphere(Sphere::new([0.0, 2.0, 0.0], 0.5).mass(2.0))?;
+//! let mut simulation = Simulation::new(scene)?;
+//! simulation.run(1_000, 0.02)?;
+//! let height = simulation.sphere(ball)?.position.y;
+//! assert!((height - 0.499).abs() < 1e-3, "it rests 0.5 above the floor, less its weight's overlap");
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! A [`Scene`] holds objects and [`Settings`]; a [`Simulation`] moves it. Objects are plain builders with units on every
+//! field, handles are typed and outlive the removal of others, and every fallible call returns the one [`Error`].
+//!
+//! # The thesis's interface
+//! The engine comes from Csefalvay, *Dynamic simulation of rigid bodies using programmable GPUs*. Its functions (section
+//! 2.10) are found here:
+//!
+//! | thesis | rockfall |
+//! |---|---|
+//! | `addSphere` | [`Scene::add_sphere`], [`Simulation::add_sphere`] with a [`Sphere`] |
+//! | `addRod` | [`Scene::add_rod`], [`Simulation::add_rod`] with a [`Rod`] |
+//! | `addPolygon` | [`Scene::add_polygon`], [`Simulation::add_polygon`] with a [`Polygon`] |
+//! | `addCapsule` | [`Scene::add_capsule`], [`Simulation::add_capsule`] with a [`Capsule`] |
+//! | `addBox` | [`Scene::add_box`], [`Simulation::add_box`] with a [`Cuboid`] |
+//! | `addSpring` | [`Scene::add_spring`], [`Simulation::add_spring`] with a [`Spring`] |
+//! | `updateObjectsInHostMemory` | [`Simulation::sync`], [`Simulation::spheres`], [`Simulation::sphere`] |
+//! | `updateDebugVarsInHostMemory` | [`Simulation::diagnostics`], [`Simulation::contacts`], [`Simulation::energy`] |
+//! | `updateAABBs` | [`Simulation::update_aabbs`] |
+//! | `broadPhaseCD` | [`Simulation::broad_phase`] |
+//! | `handleCollisions` | [`Simulation::handle_collisions`] |
+//! | `updatePositions(time step)` | [`Simulation::update_positions`] |
+//! | all four | [`Simulation::step`], [`Simulation::run`] |
+//! | scene file (2.11) | [`Scene::load`], [`Scene::parse`], [`Scene::save`], [`Scene::to_text`] |
+//! | constants (2.8) | [`Settings`], [`Simulation::set_settings`] |
+//!
+//! # What to know of the model
+//! Contacts are soft: a body rests with an overlap of about m G / (Cc m\*), m\* the reduced mass of the contact. Friction is
+//! proportional to the overlap and to the square root of the sliding velocity; with the default constants it is 0.05 sqrt(|t|)
+//! times the elastic normal force, so bodies creep on slopes. The time step must suit the stiffest spring
+//! ([`Scene::stability`] tells).
+//!
+//! # Features
+//! `gpu` (default): the wgpu backend. Without it only the CPU backend is built, and it needs no graphics library.
 
 pub mod cpu;
 pub mod error;
+#[cfg(feature = "gpu")]
+pub mod gpu;
 pub mod layout;
 pub mod report;
 pub mod scene;
@@ -19,3 +73,5 @@ pub use scene::{
 };
 pub use settings::{Integrator, Settings};
 pub use simulation::{Backend, BackendInfo, Body, BroadPhase, Contact, ContactAction, Options, Simulation, SphereDiagnostics};
+#[cfg(feature = "gpu")]
+pub use wgpu;

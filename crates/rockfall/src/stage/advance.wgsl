@@ -1,1 +1,59 @@
-// advance
+@group(0) @binding(2) var<storage, read> state: array<vec4f>;
+@group(0) @binding(3) var<storage, read> start: array<vec4f>;
+@group(0) @binding(4) var<storage, read_write> next: array<vec4f>;
+@group(0) @binding(5) var<storage, read> words: array<u32>;
+@group(0) @binding(6) var<storage, read> lists: array<u32>;
+@group(0) @binding(7) var<storage, read> wrenches: array<vec4f>;
+@group(0) @binding(8) var<storage, read> aabbs: array<Aabb>;
+@group(0) @binding(9) var<storage, read_write> status: StatusAtomic;
+
+fn write_next(i: u32, net: Net) {
+    let old_position = start[position_at(i)];
+    let old_velocity = start[velocity_at(i)];
+    let old_momentum = start[momentum_at(i)];
+    var position = old_position.xyz;
+    var velocity = old_velocity.xyz;
+    var momentum = old_momentum.xyz;
+    if old_velocity.w > 0.0 {
+        let c = select(0.5, 1.0, pass_.index == 2u) * step.dt;
+        position += c * state[velocity_at(i)].xyz;
+        velocity += c * (step.gravity + old_velocity.w * net.force);
+        momentum += c * net.torque;
+        if !(finite(position) & finite(velocity) & finite(momentum)) {
+            position = old_position.xyz;
+            velocity = vec3f(0.0);
+            momentum = vec3f(0.0);
+            tell_bad(pass_.index + 1u, i);
+        }
+        var ratio = escape_ratio(position, old_position.w, aabbs[i]);
+        if pass_.index == 0u {
+            ratio = max(ratio, escape_ratio(old_position.xyz, old_position.w, aabbs[i]));
+        }
+        if ratio > 0.0 {
+            tell_escape(ratio);
+        }
+    }
+    next[position_at(i)] = vec4f(position, old_position.w);
+    next[velocity_at(i)] = vec4f(velocity, old_velocity.w);
+    next[momentum_at(i)] = vec4f(momentum, old_momentum.w);
+}
+
+@compute @workgroup_size(64)
+fn advance(
+    @builtin(workgroup_id) group: vec3u,
+    @builtin(num_workgroups) groups: vec3u,
+    @builtin(local_invocation_index) local: u32,
+) {
+    let i = linear_thread(group, groups, local);
+    var net = no_force();
+    if (i < step.spheres) & (atomicLoad(&status.void) == 0u) {
+        // A fixed sphere's contacts are only counted.
+        if (pass_.index == 0u) | (inverse_mass(i) > 0.0) {
+            net = net_force(i);
+        }
+        write_next(i, net);
+    }
+    if pass_.index == 0u {
+        tell_contacts(local, net.contacts, net.deepest);
+    }
+}

@@ -1,1 +1,83 @@
-// apply_collisions
+@group(0) @binding(2) var<storage, read> state: array<vec4f>;
+@group(0) @binding(3) var<storage, read_write> next: array<vec4f>;
+@group(0) @binding(4) var<storage, read> words: array<u32>;
+@group(0) @binding(5) var<storage, read> lists: array<u32>;
+@group(0) @binding(6) var<storage, read> weights: array<f32>;
+@group(0) @binding(7) var<storage, read_write> status: StatusAtomic;
+
+struct Change {
+    velocity: vec3f,
+    position: vec3f,
+}
+
+fn add_row(sphere: u32, row: u32, change: ptr<function, Change>) {
+    for (var e = 0u; e < lists[row]; e++) {
+        let slot = slot_of(row, e);
+        let entry = entry_at(slot);
+        let id = entry_id(entry);
+        if (entry & ENTRY_COLLIDES) == 0u {
+            continue;
+        }
+        if taken_elsewhere(sphere, row, id) {
+            continue;
+        }
+        let a = min(row, id);
+        let b = max(row, id);
+        let found = touch(a, b, entry_feature(entry));
+        if found.overlap <= 0.0 {
+            continue;
+        }
+        var k = contact_of(a, b, found);
+        let weight = weights[slot];
+        let share = share_of(&k, sphere) * (abs(weight) / k.inverse_mass);
+        (*change).velocity += share * ((1.0 + step.restitution) * k.approach);
+        if weight < 0.0 {
+            (*change).position += share * k.overlap;
+        }
+    }
+}
+
+fn changes_of(sphere: u32) -> Change {
+    var change = Change(vec3f(0.0), vec3f(0.0));
+    let rods = rods_of(sphere);
+    for (var r = 0u; r < 1u + 2u * rods.y; r++) {
+        let row = row_of(sphere, rods, r);
+        if row != NONE {
+            add_row(sphere, row, &change);
+        }
+    }
+    return change;
+}
+
+@compute @workgroup_size(64)
+fn apply_collisions(
+    @builtin(workgroup_id) group: vec3u,
+    @builtin(num_workgroups) groups: vec3u,
+    @builtin(local_invocation_index) local: u32,
+) {
+    let i = linear_thread(group, groups, local);
+    if (i >= step.spheres) | (atomicLoad(&status.void) != 0u) | (status.collided != 0u) {
+        return;
+    }
+    let old_position = state[position_at(i)];
+    let old_velocity = state[velocity_at(i)];
+    var position = old_position.xyz;
+    var velocity = old_velocity.xyz;
+    var momentum = state[momentum_at(i)];
+    if old_velocity.w > 0.0 {
+        let change = changes_of(i);
+        velocity += old_velocity.w * change.velocity;
+        position += old_velocity.w * change.position;
+        if !(finite(position) & finite(velocity) & finite(momentum.xyz)) {
+            position = old_position.xyz;
+            velocity = vec3f(0.0);
+            momentum = vec4f(0.0, 0.0, 0.0, momentum.w);
+            // Place 0 in the step, so that the sphere alone is the report.
+            atomicAdd(&status.bad_count, 1u);
+            atomicMin(&status.bad_body, i);
+        }
+    }
+    next[position_at(i)] = vec4f(position, old_position.w);
+    next[velocity_at(i)] = vec4f(velocity, old_velocity.w);
+    next[momentum_at(i)] = momentum;
+}

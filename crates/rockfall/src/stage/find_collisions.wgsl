@@ -1,1 +1,81 @@
-// find_collisions
+@group(0) @binding(2) var<storage, read> state: array<vec4f>;
+@group(0) @binding(3) var<storage, read> words: array<u32>;
+@group(0) @binding(4) var<storage, read_write> lists: array<u32>;
+@group(0) @binding(5) var<storage, read> aabbs: array<Aabb>;
+@group(0) @binding(6) var<storage, read_write> status: StatusAtomic;
+
+var<workgroup> group_collisions: atomic<u32>;
+
+fn radius_of(id: u32) -> f32 {
+    if id < step.spheres {
+        return state[position_at(id)].w;
+    }
+    return rod_radius(id - step.spheres);
+}
+
+// The OVERLAPS and COLLIDES bits of a pair, a < b.
+fn judge(a: u32, b: u32, feature: u32) -> u32 {
+    let found = touch(a, b, feature);
+    if found.overlap <= 0.0 {
+        return 0u;
+    }
+    let contact = contact_of(a, b, found);
+    var radius = radius_of(a);
+    if b < step.spheres + step.rods {
+        radius = min(radius, radius_of(b));
+    }
+    let collides = (contact.inverse_mass > 0.0) & (contact.approach > step.activation_threshold * radius);
+    return ENTRY_OVERLAPS | select(0u, ENTRY_COLLIDES, collides);
+}
+
+// Marks the entries of a mover and gives the number of collisions with objects of higher id.
+fn mark_entries(mover: u32) -> u32 {
+    let first = step.entries_at + slot_of(mover, 0u);
+    var collisions = 0u;
+    for (var e = 0u; e < lists[mover]; e++) {
+        let entry = lists[first + e * SLICE] & ~(ENTRY_OVERLAPS | ENTRY_COLLIDES);
+        let id = entry_id(entry);
+        let bits = judge(min(mover, id), max(mover, id), entry_feature(entry));
+        lists[first + e * SLICE] = entry | bits;
+        collisions += select(0u, 1u, ((bits & ENTRY_COLLIDES) != 0u) & (mover < id));
+    }
+    return collisions;
+}
+
+fn check_escape(sphere: u32) {
+    let own = state[position_at(sphere)];
+    let ratio = escape_ratio(own.xyz, own.w, aabbs[sphere]);
+    if (ratio > 0.0) & (inverse_mass(sphere) > 0.0) {
+        atomicOr(&status.void, VOID_ESCAPED);
+        atomicMax(&status.escape_ratio, bitcast<u32>(ratio));
+    }
+}
+
+@compute @workgroup_size(64)
+fn find_collisions(
+    @builtin(workgroup_id) group: vec3u,
+    @builtin(num_workgroups) groups: vec3u,
+    @builtin(local_invocation_index) local: u32,
+) {
+    let mover = linear_thread(group, groups, local);
+    if local == 0u {
+        atomicStore(&group_collisions, 0u);
+    }
+    workgroupBarrier();
+    if (mover < step.spheres + step.rods) & (atomicLoad(&status.void) == 0u) & (status.collided == 0u) {
+        if mover < step.spheres {
+            check_escape(mover);
+        }
+        let collisions = mark_entries(mover);
+        if collisions > 0u {
+            atomicAdd(&group_collisions, collisions);
+        }
+    }
+    workgroupBarrier();
+    if local == 0u {
+        let sum = atomicLoad(&group_collisions);
+        if sum > 0u {
+            atomicAdd(&status.collisions, sum);
+        }
+    }
+}

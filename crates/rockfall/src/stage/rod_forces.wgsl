@@ -1,1 +1,72 @@
-// rod_forces
+@group(0) @binding(2) var<storage, read> state: array<vec4f>;
+@group(0) @binding(3) var<storage, read> words: array<u32>;
+@group(0) @binding(4) var<storage, read> lists: array<u32>;
+@group(0) @binding(5) var<storage, read_write> wrenches: array<vec4f>;
+@group(0) @binding(6) var<storage, read_write> status: StatusAtomic;
+
+// Force and couple on either end.
+struct Wrench {
+    force_1: vec3f,
+    couple_1: vec3f,
+    force_2: vec3f,
+    couple_2: vec3f,
+    contacts: u32,
+    deepest: f32,
+}
+
+fn no_wrench() -> Wrench {
+    return Wrench(vec3f(0.0), vec3f(0.0), vec3f(0.0), vec3f(0.0), 0u, 0.0);
+}
+
+fn wrench_on(rod: u32) -> Wrench {
+    var sum = no_wrench();
+    let id = step.spheres + rod;
+    for (var e = 0u; e < lists[id]; e++) {
+        let entry = entry_at(slot_of(id, e));
+        let other = entry_id(entry);
+        let a = min(id, other);
+        let b = max(id, other);
+        let found = touch(a, b, entry_feature(entry));
+        if found.overlap <= 0.0 {
+            continue;
+        }
+        let contact = contact_force(side_at(a, found.a), side_at(b, found.b), found, b);
+        let is_a = id < other;
+        let at = select(found.b, found.a, is_a);
+        let force = select(-contact.force, contact.force, is_a);
+        let couple = select(contact.couple_b, contact.couple_a, is_a);
+        sum.force_1 += (1.0 - at) * force;
+        sum.couple_1 += (1.0 - at) * couple;
+        sum.force_2 += at * force;
+        sum.couple_2 += at * couple;
+        if is_a {
+            sum.contacts += 1u;
+            sum.deepest = max(sum.deepest, found.overlap);
+        }
+    }
+    return sum;
+}
+
+@compute @workgroup_size(64)
+fn rod_forces(
+    @builtin(workgroup_id) group: vec3u,
+    @builtin(num_workgroups) groups: vec3u,
+    @builtin(local_invocation_index) local: u32,
+) {
+    let rod = linear_thread(group, groups, local);
+    let alive = atomicLoad(&status.void) == 0u;
+    var wrench = no_wrench();
+    if alive & (rod < step.rods) {
+        wrench = wrench_on(rod);
+        wrenches[4u * rod] = vec4f(wrench.force_1, 0.0);
+        wrenches[4u * rod + 1u] = vec4f(wrench.couple_1, 0.0);
+        wrenches[4u * rod + 2u] = vec4f(wrench.force_2, 0.0);
+        wrenches[4u * rod + 3u] = vec4f(wrench.couple_2, 0.0);
+    }
+    if pass_.index == 0u {
+        tell_contacts(local, wrench.contacts, wrench.deepest);
+        if alive & (rod == 0u) {
+            status.lengths_due = 0u;
+        }
+    }
+}

@@ -1,1 +1,123 @@
-// turn
+@group(0) @binding(2) var<storage, read_write> state: array<vec4f>;
+@group(0) @binding(3) var<storage, read> y3: array<vec4f>;
+@group(0) @binding(4) var<storage, read_write> orientations: array<vec4f>;
+@group(0) @binding(5) var<storage, read> words: array<u32>;
+@group(0) @binding(6) var<storage, read> status: Status;
+
+fn multiply(a: vec4f, b: vec4f) -> vec4f {
+    return vec4f(a.w * b.xyz + b.w * a.xyz + cross(a.xyz, b.xyz), a.w * b.w - dot(a.xyz, b.xyz));
+}
+
+// Sine and cosine to f32 accuracy: those built in are good to 2^-11 only, too little for the small angle of a step.
+// Brought to [-pi/4, pi/4] by multiples of pi/2, then Taylor's series.
+fn sine_cosine(angle: f32) -> vec2f {
+    let quarters = round(angle * 0.636619772);
+    let x = (angle - quarters * 1.5707964) + quarters * 4.371139e-8;
+    let xx = x * x;
+    let s = x * (1.0 + xx * (-1.0 / 6.0 + xx * (1.0 / 120.0 + xx * (-1.0 / 5040.0 + xx * (1.0 / 362880.0)))));
+    let c = 1.0 + xx * (-0.5 + xx * (1.0 / 24.0 + xx * (-1.0 / 720.0 + xx * (1.0 / 40320.0))));
+    let quarter = i32(quarters - 4.0 * floor(quarters * 0.25));
+    let swapped = select(vec2f(s, c), vec2f(c, s), (quarter & 1) == 1);
+    return vec2f(select(swapped.x, -swapped.x, quarter >= 2), select(swapped.y, -swapped.y, (quarter == 1) | (quarter == 2)));
+}
+
+// Rotation by an angular velocity over the step: the exponential map.
+fn rotation(spin: vec3f) -> vec4f {
+    let squared = dot(spin, spin);
+    if squared <= TINY {
+        return vec4f(0.0, 0.0, 0.0, 1.0);
+    }
+    let rate = sqrt(squared);
+    let half = sine_cosine(0.5 * rate * step.dt);
+    return vec4f(spin * (half.x / rate), half.y);
+}
+
+// The shortest rotation of one unit vector to another; of opposite ones about any axis across them.
+fn shortest_rotation(old: vec3f, new_: vec3f) -> vec4f {
+    let w = 1.0 + dot(old, new_);
+    if w > 1e-6 {
+        return normalize(vec4f(cross(old, new_), w));
+    }
+    let across = select(vec3f(1.0, 0.0, 0.0), vec3f(0.0, 1.0, 0.0), abs(old.x) > 0.7);
+    return vec4f(normalize(cross(old, across)), 0.0);
+}
+
+fn turn_by(sphere: u32, by: vec4f) {
+    let turned = multiply(by, orientations[sphere]);
+    let q = turned / sqrt(dot(turned, turned));
+    // An angle beyond all numbers turns nothing.
+    if finite(q.xyz) & finite(q.www) {
+        orientations[sphere] = q;
+    }
+}
+
+// The rod of the free capsule that a sphere is an end of: a fixed rod, the only one of both ends, neither of them fixed.
+fn free_capsule(sphere: u32) -> u32 {
+    let rod = capsule_rod(sphere);
+    if rod == NONE {
+        return NONE;
+    }
+    let ends = rod_ends(rod);
+    if capsule_rod(other_end(rod, sphere)) != rod {
+        return NONE;
+    }
+    if (inverse_mass(ends.x) <= 0.0) | (inverse_mass(ends.y) <= 0.0) {
+        return NONE;
+    }
+    let d = state[position_at(ends.y)].xyz - state[position_at(ends.x)].xyz;
+    return select(NONE, rod, dot(d, d) > TINY);
+}
+
+// E18: one spin for both ends; across the axis it is that of the capsule as a whole, and what is left of the ends' angular
+// momentum there returns as momentum of the ends.
+fn turn_capsule(ends: vec2u) {
+    let v1 = state[velocity_at(ends.x)];
+    let v2 = state[velocity_at(ends.y)];
+    let l1 = state[momentum_at(ends.x)];
+    let l2 = state[momentum_at(ends.y)];
+    let d = state[position_at(ends.y)].xyz - state[position_at(ends.x)].xyz;
+    let dd = dot(d, d);
+    let axis = d / sqrt(dd);
+    let inertia = vec2f(1.0 / l1.w, 1.0 / l2.w);
+    let both = inertia.x + inertia.y;
+    let reduced_mass = 1.0 / (v1.w + v2.w);
+
+    let sum = l1.xyz + l2.xyz;
+    let axial = dot(sum, axis) / both;
+    let across = sum - dot(sum, axis) * axis;
+    let spin_across = (across + reduced_mass * cross(d, v2.xyz - v1.xyz)) / (reduced_mass * dd + both);
+    let spin = axial * axis + spin_across;
+    let rest = across - both * spin_across;
+    let momentum = cross(rest, d) / dd;
+    state[momentum_at(ends.x)] = vec4f(inertia.x * spin, l1.w);
+    state[momentum_at(ends.y)] = vec4f(inertia.y * spin, l2.w);
+    state[velocity_at(ends.x)] = vec4f(v1.xyz - v1.w * momentum, v1.w);
+    state[velocity_at(ends.y)] = vec4f(v2.xyz + v2.w * momentum, v2.w);
+
+    let old = y3[position_at(ends.y)].xyz - y3[position_at(ends.x)].xyz;
+    var old_axis = axis;
+    if dot(old, old) > TINY {
+        old_axis = normalize(old);
+    }
+    let by = multiply(shortest_rotation(old_axis, axis), rotation(axial * old_axis));
+    turn_by(ends.x, by);
+    turn_by(ends.y, by);
+}
+
+@compute @workgroup_size(64)
+fn turn(
+    @builtin(workgroup_id) group: vec3u,
+    @builtin(num_workgroups) groups: vec3u,
+    @builtin(local_invocation_index) local: u32,
+) {
+    let i = linear_thread(group, groups, local);
+    if (i >= step.spheres) | (status.void != 0u) {
+        return;
+    }
+    let rod = free_capsule(i);
+    if rod == NONE {
+        turn_by(i, rotation(y3[momentum_at(i)].xyz));
+    } else if rod_ends(rod).x == i {
+        turn_capsule(rod_ends(rod));
+    }
+}

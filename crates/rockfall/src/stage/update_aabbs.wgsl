@@ -1,1 +1,63 @@
-// update_aabbs
+@group(0) @binding(2) var<storage, read> state: array<vec4f>;
+@group(0) @binding(3) var<storage, read> words: array<u32>;
+@group(0) @binding(4) var<storage, read_write> aabbs: array<Aabb>;
+
+struct Hull {
+    min: vec3f,
+    max: vec3f,
+}
+
+// How far a sphere may move before its list is made again.
+fn margin(sphere: u32, radius: f32) -> f32 {
+    let velocity = state[velocity_at(sphere)];
+    return select(0.0, step.margin_scale * (length(velocity.xyz) * step.dt + 0.02 * radius), velocity.w > 0.0);
+}
+
+// A sphere, or the end of a rod of another radius.
+fn end_hull(sphere: u32, radius: f32) -> Hull {
+    let centre = state[position_at(sphere)];
+    let reach = vec3f(radius + margin(sphere, centre.w));
+    return Hull(centre.xyz - reach, centre.xyz + reach);
+}
+
+fn hull_of(id: u32) -> Hull {
+    if id < step.spheres {
+        return end_hull(id, state[position_at(id)].w);
+    }
+    var rest = id - step.spheres;
+    if rest < step.rods {
+        let ends = rod_ends(rest);
+        let first = end_hull(ends.x, rod_radius(rest));
+        let second = end_hull(ends.y, rod_radius(rest));
+        return Hull(min(first.min, second.min), max(first.max, second.max));
+    }
+    // Of all corners at once: an edge adds to the least where it is negative, to the greatest where it is positive.
+    let zero = vec3f(0.0);
+    rest -= step.rods;
+    if rest < step.boxes {
+        let box = cuboid(rest);
+        return Hull(
+            box.corner + min(box.i, zero) + min(box.j, zero) + min(box.k, zero),
+            box.corner + max(box.i, zero) + max(box.j, zero) + max(box.k, zero),
+        );
+    }
+    let face = polygon(rest - step.boxes);
+    return Hull(
+        face.corner + min(face.left, zero) + min(face.right, zero),
+        face.corner + max(face.left, zero) + max(face.right, zero),
+    );
+}
+
+@compute @workgroup_size(64)
+fn update_aabbs(
+    @builtin(workgroup_id) group: vec3u,
+    @builtin(num_workgroups) groups: vec3u,
+    @builtin(local_invocation_index) local: u32,
+) {
+    let id = linear_thread(group, groups, local);
+    if id >= step.spheres + step.rods + step.boxes + step.polygons {
+        return;
+    }
+    let hull = hull_of(id);
+    aabbs[id] = Aabb(hull.min, id, hull.max, words[step.tags_at + id]);
+}

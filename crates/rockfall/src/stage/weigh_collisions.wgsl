@@ -1,1 +1,100 @@
-// weigh_collisions
+@group(0) @binding(2) var<storage, read> state: array<vec4f>;
+@group(0) @binding(3) var<storage, read> words: array<u32>;
+@group(0) @binding(4) var<storage, read> lists: array<u32>;
+@group(0) @binding(5) var<storage, read_write> weights: array<f32>;
+@group(0) @binding(6) var<storage, read> status: Status;
+
+// Row sum up to which nothing else presses, so that the overlap may be removed.
+const ALONE: f32 = 1.001;
+
+// Sums of |G_kl| / sqrt(G_kk G_ll).
+struct RowSums {
+    colliding: f32,
+    overlapping: f32,
+}
+
+// Whether a sphere that moves stands in an earlier slot of k and takes part in l: then l is counted already.
+fn counted(k: ptr<function, Contact>, slot: u32, l: ptr<function, Contact>) -> bool {
+    for (var s = 0u; s < slot; s++) {
+        if ((*k).inverse_masses[s] > 0.0) & ((*k).spheres[s] != NONE) {
+            if takes_part(l, (*k).spheres[s]) {
+                return true;
+            }
+        }
+    }
+    return false;
+}
+
+// Adds the contacts in one row of the sphere in a slot of k. `name` is k's ids and feature.
+fn add_row(k: ptr<function, Contact>, name: vec3u, slot: u32, row: u32, sums: ptr<function, RowSums>) {
+    let sphere = (*k).spheres[slot];
+    for (var e = 0u; e < lists[row]; e++) {
+        let entry = entry_at(slot_of(row, e));
+        let id = entry_id(entry);
+        if (entry & ENTRY_OVERLAPS) == 0u {
+            continue;
+        }
+        if taken_elsewhere(sphere, row, id) {
+            continue;
+        }
+        let other = vec3u(min(row, id), max(row, id), entry_feature(entry));
+        let found = touch(other.x, other.y, other.z);
+        var l = contact_of(other.x, other.y, found);
+        if (l.inverse_mass <= 0.0) | (found.overlap <= 0.0) {
+            continue;
+        }
+        if counted(k, slot, &l) {
+            continue;
+        }
+        var term = 1.0;
+        if any(other != name) {
+            term = abs(coupling(k, &l)) / (sqrt((*k).inverse_mass) * sqrt(l.inverse_mass));
+        }
+        (*sums).overlapping += term;
+        if (entry & ENTRY_COLLIDES) != 0u {
+            (*sums).colliding += term;
+        }
+    }
+}
+
+// s_k, negative where the overlap is to be removed.
+fn weigh(name: vec3u) -> f32 {
+    var k = contact_of(name.x, name.y, touch(name.x, name.y, name.z));
+    var sums = RowSums(0.0, 0.0);
+    for (var slot = 0u; slot < 4u; slot++) {
+        let sphere = k.spheres[slot];
+        // What cannot move couples nothing.
+        if (sphere == NONE) | (k.inverse_masses[slot] <= 0.0) {
+            continue;
+        }
+        let rods = rods_of(sphere);
+        for (var r = 0u; r < 1u + 2u * rods.y; r++) {
+            let row = row_of(sphere, rods, r);
+            if row != NONE {
+                add_row(&k, name, slot, row, &sums);
+            }
+        }
+    }
+    let weight = 1.0 / max(sums.colliding, 1.0);
+    return select(weight, -weight, sums.overlapping <= ALONE);
+}
+
+@compute @workgroup_size(64)
+fn weigh_collisions(
+    @builtin(workgroup_id) group: vec3u,
+    @builtin(num_workgroups) groups: vec3u,
+    @builtin(local_invocation_index) local: u32,
+) {
+    let mover = linear_thread(group, groups, local);
+    if (mover >= step.spheres + step.rods) | (status.void != 0u) | (status.collided != 0u) {
+        return;
+    }
+    for (var e = 0u; e < lists[mover]; e++) {
+        let slot = slot_of(mover, e);
+        let entry = entry_at(slot);
+        if (entry & ENTRY_COLLIDES) != 0u {
+            let id = entry_id(entry);
+            weights[slot] = weigh(vec3u(min(mover, id), max(mover, id), entry_feature(entry)));
+        }
+    }
+}

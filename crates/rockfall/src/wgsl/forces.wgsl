@@ -1,1 +1,160 @@
-// forces
+// Net force and torque on a sphere (physics.md section 4), and what is told of the contacts.
+
+struct Net {
+    // Without gravity.
+    force: vec3f,
+    torque: vec3f,
+    // Contacts with objects of higher id.
+    contacts: u32,
+    // Deepest overlap among them.
+    deepest: f32,
+}
+
+// The sphere is A: the other is of higher id, or also a sphere, and then all of the contact law mirrors exactly.
+fn add_contacts(i: u32, net: ptr<function, Net>) {
+    let count = lists[i];
+    if count == 0u {
+        return;
+    }
+    let own = state[position_at(i)];
+    let side = sphere_side(i);
+    let first = slot_of(i, 0u);
+    for (var e = 0u; e < count; e++) {
+        let entry = entry_at(first + e * SLICE);
+        let id = entry_id(entry);
+        var found = no_touch();
+        if id < step.spheres {
+            let other = state[position_at(id)];
+            let distance = other.xyz - own.xyz;
+            // Most pairs of the lists do not touch: they cost one position.
+            if dot(distance, distance) >= (own.w + other.w) * (own.w + other.w) {
+                continue;
+            }
+            found = touch_at(distance, own.w + other.w, 0.0, 0.0, vec3f(0.0, select(-1.0, 1.0, i < id), 0.0));
+            if step.adjacency_at != 0u {
+                if joined(i, id) {
+                    continue;
+                }
+            }
+        } else {
+            found = touch_static_or_rod(i, id, own);
+        }
+        if found.overlap <= 0.0 {
+            continue;
+        }
+        let other_side = side_at(id, found.b);
+        if side.inverse_mass + other_side.inverse_mass <= 0.0 {
+            continue;
+        }
+        let contact = contact_force(side, other_side, found, id);
+        (*net).force += contact.force;
+        (*net).torque += contact.couple_a;
+        if i < id {
+            (*net).contacts += 1u;
+            (*net).deepest = max((*net).deepest, found.overlap);
+        }
+    }
+}
+
+fn touch_static_or_rod(i: u32, id: u32, own: vec4f) -> Touch {
+    let boxes = step.spheres + step.rods;
+    if id < boxes {
+        return touch_sphere_rod(i, id - step.spheres);
+    }
+    if id < boxes + step.boxes {
+        return touch_sphere_box(own, cuboid(id - boxes));
+    }
+    return touch_sphere_polygon(own, polygon(id - boxes - step.boxes));
+}
+
+// Pull of a spring on the end at `position` towards the other end.
+fn spring_force(position: vec3f, velocity: vec3f, other: vec3f, other_velocity: vec3f, constants: vec3f) -> vec3f {
+    let distance = other - position;
+    let squared = dot(distance, distance);
+    if squared <= TINY {
+        return vec3f(0.0);
+    }
+    let d = sqrt(squared);
+    let n = distance / d;
+    return (constants.x * (d - constants.y) + constants.z * dot(other_velocity - velocity, n)) * n;
+}
+
+fn add_attachments(i: u32, net: ptr<function, Net>) {
+    let range = adjacency(i);
+    for (var at = range.x; at < range.y; at++) {
+        let kind = kind_of(words[at]);
+        let index = index_of(words[at]);
+        if kind == KIND_ROD {
+            let end = 4u * index + select(2u, 0u, rod_ends(index).x == i);
+            (*net).force += wrenches[end].xyz;
+            (*net).torque += wrenches[end + 1u].xyz;
+        } else if kind == KIND_SPRING {
+            let spring = step.springs_at + index * SPRING_WORDS;
+            let other = select(words[spring], words[spring + 1u], words[spring] == i);
+            (*net).force += spring_force(
+                state[position_at(i)].xyz,
+                state[velocity_at(i)].xyz,
+                state[position_at(other)].xyz,
+                state[velocity_at(other)].xyz,
+                vector_at(spring + 2u),
+            );
+        } else if kind == KIND_TETHER {
+            let tether = step.tethers_at + index * TETHER_WORDS;
+            (*net).force += spring_force(
+                state[position_at(i)].xyz,
+                state[velocity_at(i)].xyz,
+                vector_at(tether + 1u),
+                vec3f(0.0),
+                vector_at(tether + 4u),
+            );
+        } else {
+            (*net).force += vector_at(step.forces_at + index * FORCE_WORDS);
+        }
+    }
+}
+
+fn no_force() -> Net {
+    return Net(vec3f(0.0), vec3f(0.0), 0u, 0.0);
+}
+
+fn net_force(i: u32) -> Net {
+    var net = no_force();
+    add_contacts(i, &net);
+    add_attachments(i, &net);
+    return net;
+}
+
+var<workgroup> group_contacts: atomic<u32>;
+var<workgroup> group_deepest: atomic<u32>;
+
+// Adds a workgroup's contacts to the status; all its threads must come here. Positive floats order like their bits.
+fn tell_contacts(local: u32, contacts: u32, deepest: f32) {
+    if local == 0u {
+        atomicStore(&group_contacts, 0u);
+        atomicStore(&group_deepest, 0u);
+    }
+    workgroupBarrier();
+    if contacts > 0u {
+        atomicAdd(&group_contacts, contacts);
+        atomicMax(&group_deepest, bitcast<u32>(deepest));
+    }
+    workgroupBarrier();
+    if local == 0u {
+        let sum = atomicLoad(&group_contacts);
+        if sum > 0u {
+            atomicAdd(&status.contacts, sum);
+            atomicMax(&status.max_overlap, atomicLoad(&group_deepest));
+        }
+    }
+}
+
+// A body whose state stopped being finite.
+fn tell_bad(stage: u32, sphere: u32) {
+    atomicAdd(&status.bad_count, 1u);
+    atomicMin(&status.bad_body, stage << BAD_STAGE_SHIFT | sphere);
+}
+
+fn tell_escape(ratio: f32) {
+    atomicOr(&status.void, VOID_ESCAPED);
+    atomicMax(&status.escape_ratio, bitcast<u32>(ratio));
+}

@@ -1,1 +1,314 @@
-// geometry
+// Where two objects touch (physics.md section 2). A is the object of lower id, n points from A to B.
+
+struct Touch {
+    n: vec3f,
+    // > 0: they touch.
+    overlap: f32,
+    // Parameter from end 1 to end 2 of A where A is a rod.
+    a: f32,
+    // The same of B.
+    b: f32,
+}
+
+fn no_touch() -> Touch {
+    return Touch(vec3f(0.0, 1.0, 0.0), 0.0, 0.0, 0.0);
+}
+
+// From the distance vector, which points from A to B, and the sum of the radii.
+fn touch_at(distance: vec3f, reach: f32, a: f32, b: f32, normal_at_zero: vec3f) -> Touch {
+    let squared = dot(distance, distance);
+    if squared <= TINY {
+        return Touch(normal_at_zero, reach, a, b);
+    }
+    let d = sqrt(squared);
+    return Touch(distance / d, reach - d, a, b);
+}
+
+struct Axis {
+    start: vec3f,
+    along: vec3f,
+    radius: f32,
+}
+
+fn rod_axis(rod: u32) -> Axis {
+    let ends = rod_ends(rod);
+    let start = state[position_at(ends.x)].xyz;
+    return Axis(start, state[position_at(ends.y)].xyz - start, rod_radius(rod));
+}
+
+struct Closest {
+    hit: bool,
+    a: f32,
+    b: f32,
+    // From A's point to B's.
+    distance: vec3f,
+    // The normal where the distance is 0.
+    crossing: vec3f,
+}
+
+fn unit_interval(x: f32) -> bool {
+    return (x >= 0.0) & (x <= 1.0);
+}
+
+// Closest points of two segments, (2.1) to (2.3). Parallel ones meet at the middle of the stretch they share.
+fn closest_points(a_start: vec3f, a_along: vec3f, b_start: vec3f, b_along: vec3f) -> Closest {
+    let aa = dot(a_along, a_along);
+    let bb = dot(b_along, b_along);
+    var closest = Closest(false, 0.0, 0.0, vec3f(0.0), vec3f(0.0, 1.0, 0.0));
+    if (aa <= TINY) | (bb <= TINY) {
+        return closest;
+    }
+    let between = b_start - a_start;
+    let normal = cross(a_along, b_along);
+    let nn = dot(normal, normal);
+    if nn <= 1e-8 * aa * bb {
+        let t0 = dot(between, a_along) / aa;
+        let t1 = dot(between + b_along, a_along) / aa;
+        let low = max(0.0, min(t0, t1));
+        let high = min(1.0, max(t0, t1));
+        closest.hit = low <= high;
+        closest.a = 0.5 * (low + high);
+        closest.b = clamp(dot(closest.a * a_along - between, b_along) / bb, 0.0, 1.0);
+    } else {
+        closest.a = dot(between, cross(b_along, normal)) / nn;
+        closest.b = dot(between, cross(a_along, normal)) / nn;
+        closest.hit = unit_interval(closest.a) & unit_interval(closest.b);
+        closest.crossing = normal / sqrt(nn);
+    }
+    closest.distance = between + closest.b * b_along - closest.a * a_along;
+    return closest;
+}
+
+fn touch_spheres(a: vec4f, b: vec4f) -> Touch {
+    return touch_at(b.xyz - a.xyz, a.w + b.w, 0.0, 0.0, vec3f(0.0, 1.0, 0.0));
+}
+
+// Whether a rod of fixed length joins two spheres: they are one body and ignore each other.
+fn joined(a: u32, b: u32) -> bool {
+    let rods = rods_of(a);
+    for (var k = 0u; k < rods.y; k++) {
+        let rod = index_of(words[rods.x + k]);
+        if (rod_length(rod) > 0.0) & (other_end(rod, a) == b) {
+            return true;
+        }
+    }
+    return false;
+}
+
+fn touch_sphere_rod(sphere: u32, rod: u32) -> Touch {
+    if any(rod_ends(rod) == vec2u(sphere)) {
+        return no_touch();
+    }
+    let centre = state[position_at(sphere)];
+    let axis = rod_axis(rod);
+    let squared = dot(axis.along, axis.along);
+    let b = dot(axis.along, centre.xyz - axis.start) / squared;
+    if (squared <= TINY) | !unit_interval(b) {
+        return no_touch();
+    }
+    let distance = b * axis.along - (centre.xyz - axis.start);
+    return touch_at(distance, centre.w + axis.radius, 0.0, b, vec3f(0.0, 1.0, 0.0));
+}
+
+fn touch_rods(a: u32, b: u32) -> Touch {
+    let a_ends = rod_ends(a);
+    let b_ends = rod_ends(b);
+    if any(a_ends == b_ends) | any(a_ends == b_ends.yx) {
+        return no_touch();
+    }
+    let a_axis = rod_axis(a);
+    let b_axis = rod_axis(b);
+    let closest = closest_points(a_axis.start, a_axis.along, b_axis.start, b_axis.along);
+    if !closest.hit {
+        return no_touch();
+    }
+    return touch_at(closest.distance, a_axis.radius + b_axis.radius, closest.a, closest.b, closest.crossing);
+}
+
+fn box_parameters(point: vec3f, box: Cuboid) -> vec3f {
+    let from_corner = point - box.corner;
+    let along = vec3f(dot(from_corner, box.i), dot(from_corner, box.j), dot(from_corner, box.k));
+    return along / vec3f(dot(box.i, box.i), dot(box.j, box.j), dot(box.k, box.k));
+}
+
+fn in_unit_cube(t: vec3f) -> bool {
+    return all(t >= vec3f(0.0)) & all(t <= vec3f(1.0));
+}
+
+// A centre inside the box leaves by the nearest face.
+fn touch_sphere_box(centre: vec4f, box: Cuboid) -> Touch {
+    let t = box_parameters(centre.xyz, box);
+    let c = clamp(t, vec3f(0.0), vec3f(1.0));
+    let distance = box.corner + c.x * box.i + c.y * box.j + c.z * box.k - centre.xyz;
+    let squared = dot(distance, distance);
+    if !(in_unit_cube(t) | (squared <= TINY)) {
+        let d = sqrt(squared);
+        return Touch(distance / d, centre.w - d, 0.0, 0.0);
+    }
+    let lengths = vec3f(length(box.i), length(box.j), length(box.k));
+    let low = t * lengths;
+    let high = (vec3f(1.0) - t) * lengths;
+    // n points into the box, against the way out.
+    var depth = low.x;
+    var n = box.i / lengths.x;
+    if high.x < depth {
+        depth = high.x;
+        n = -box.i / lengths.x;
+    }
+    if low.y < depth {
+        depth = low.y;
+        n = box.j / lengths.y;
+    }
+    if high.y < depth {
+        depth = high.y;
+        n = -box.j / lengths.y;
+    }
+    if low.z < depth {
+        depth = low.z;
+        n = box.k / lengths.z;
+    }
+    if high.z < depth {
+        depth = high.z;
+        n = -box.k / lengths.z;
+    }
+    return Touch(n, centre.w + depth, 0.0, 0.0);
+}
+
+// A polygon is hit on the side of N = L x R only, and not at its edges.
+fn touch_sphere_polygon(centre: vec4f, face: Polygon) -> Touch {
+    let normal = cross(face.left, face.right);
+    let nn = dot(normal, normal);
+    let from_corner = centre.xyz - face.corner;
+    let l = dot(cross(from_corner, face.right), normal) / nn;
+    let k = dot(cross(face.left, from_corner), normal) / nn;
+    let n_face = normal / sqrt(nn);
+    let d = dot(from_corner, n_face);
+    if unit_interval(l) & unit_interval(k) & (d >= 0.0) & (d < centre.w) {
+        return Touch(-n_face, centre.w - d, 0.0, 0.0);
+    }
+    return no_touch();
+}
+
+// Edge g of a box: 0, 1, 2 for I, J, K, and round again.
+fn box_edge(box: Cuboid, g: u32) -> vec3f {
+    let turn = g % 3u;
+    return select(select(box.k, box.j, turn == 1u), box.i, turn == 0u);
+}
+
+// What an edge or a vertex of a box does to a rod whose axis it comes near: it pushes it outward, also where the rod's
+// axis point is inside the box already.
+fn touch_box_feature(rod: Axis, box: Cuboid, a: f32, distance: vec3f, outward: vec3f) -> Touch {
+    let squared = dot(distance, distance);
+    if squared <= TINY {
+        return Touch(-normalize(outward), rod.radius, a, 0.0);
+    }
+    let d = sqrt(squared);
+    if d >= rod.radius {
+        return no_touch();
+    }
+    let n = distance / d;
+    if in_unit_cube(box_parameters(rod.start + a * rod.along, box)) {
+        return Touch(-n, rod.radius + d, a, 0.0);
+    }
+    return Touch(n, rod.radius - d, a, 0.0);
+}
+
+fn touch_rod_edge(rod: Axis, box: Cuboid, feature: u32) -> Touch {
+    let g = feature / 4u;
+    let offset = vec2f(f32(feature & 1u), f32(feature >> 1u & 1u));
+    let next = box_edge(box, g + 1u);
+    let last = box_edge(box, g + 2u);
+    let closest = closest_points(rod.start, rod.along, box.corner + offset.x * next + offset.y * last, box_edge(box, g));
+    if !closest.hit {
+        return no_touch();
+    }
+    let side = 2.0 * offset - 1.0;
+    let outward = side.x * normalize(next) + side.y * normalize(last);
+    return touch_box_feature(rod, box, closest.a, closest.distance, outward);
+}
+
+fn touch_rod_vertex(rod: Axis, box: Cuboid, feature: u32) -> Touch {
+    let offset = vec3f(f32(feature & 1u), f32(feature >> 1u & 1u), f32(feature >> 2u & 1u));
+    let vertex = box.corner + offset.x * box.i + offset.y * box.j + offset.z * box.k;
+    let squared = dot(rod.along, rod.along);
+    let a = dot(rod.along, vertex - rod.start) / squared;
+    if (squared <= TINY) | !unit_interval(a) {
+        return no_touch();
+    }
+    let side = 2.0 * offset - 1.0;
+    let outward = side.x * normalize(box.i) + side.y * normalize(box.j) + side.z * normalize(box.k);
+    return touch_box_feature(rod, box, a, vertex - rod.start - a * rod.along, outward);
+}
+
+// Feature f is edge f; where no edge at all is hit, vertex f. The vertex is asked first: it is cheap, and where it is
+// missed, as nearly always, the other edges do not matter.
+fn touch_rod_box(rod: Axis, box: Cuboid, feature: u32) -> Touch {
+    let edge = touch_rod_edge(rod, box, feature);
+    if (edge.overlap > 0.0) | (feature >= 8u) {
+        return edge;
+    }
+    let vertex = touch_rod_vertex(rod, box, feature);
+    if vertex.overlap > 0.0 {
+        for (var f = 0u; f < BOX_FEATURES; f++) {
+            if touch_rod_edge(rod, box, f).overlap > 0.0 {
+                return no_touch();
+            }
+        }
+    }
+    return vertex;
+}
+
+// Inverse mass of an object where it is touched: (2.6) for a rod, 0 for what cannot move.
+fn inverse_mass_at(id: u32, at: f32) -> f32 {
+    if id < step.spheres {
+        return inverse_mass(id);
+    }
+    if id - step.spheres >= step.rods {
+        return 0.0;
+    }
+    let ends = rod_ends(id - step.spheres);
+    return (1.0 - at) * (1.0 - at) * inverse_mass(ends.x) + at * at * inverse_mass(ends.y);
+}
+
+// Any two objects that may meet, a < b. Whoever asks gets the same bits.
+fn touch(a: u32, b: u32, feature: u32) -> Touch {
+    let boxes = step.spheres + step.rods;
+    var found = no_touch();
+    if b < step.spheres {
+        found = touch_spheres(state[position_at(a)], state[position_at(b)]);
+        if found.overlap > 0.0 {
+            if joined(a, b) {
+                return no_touch();
+            }
+        }
+    } else if a < step.spheres {
+        if b < boxes {
+            found = touch_sphere_rod(a, b - step.spheres);
+        } else if b < boxes + step.boxes {
+            found = touch_sphere_box(state[position_at(a)], cuboid(b - boxes));
+        } else {
+            found = touch_sphere_polygon(state[position_at(a)], polygon(b - boxes - step.boxes));
+        }
+    } else if b < boxes {
+        found = touch_rods(a - step.spheres, b - step.spheres);
+    } else {
+        found = touch_rod_box(rod_axis(a - step.spheres), cuboid(b - boxes), feature);
+    }
+    if found.overlap > 0.0 {
+        if inverse_mass_at(a, found.a) + inverse_mass_at(b, found.b) <= 0.0 {
+            return no_touch();
+        }
+    }
+    return found;
+}
+
+// How far a sphere is outside its AABB, as displacement / margin; 0 where it is inside.
+fn escape_ratio(position: vec3f, radius: f32, aabb: Aabb) -> f32 {
+    if all(aabb.min <= position - vec3f(radius)) & all(position + vec3f(radius) <= aabb.max) {
+        return 0.0;
+    }
+    let half = 0.5 * (aabb.max - aabb.min);
+    let margin = max(max(half.x, max(half.y, half.z)) - radius, 1e-6 * radius);
+    let moved = abs(position - 0.5 * (aabb.min + aabb.max));
+    return clamp(max(moved.x, max(moved.y, moved.z)) / margin, 1e-6, 1e30);
+}

@@ -1,1 +1,71 @@
-// lengths
+// Batches of fixed-length rods (physics.md section 5): a workgroup sweeps one batch colour by colour. The rods of one
+// colour share no sphere, so that its threads do not meet.
+
+// Relative error of a length, and the number of sweeps, at which sweeping ends.
+const TOLERANCE: f32 = 1e-3;
+const MAX_SWEEPS: u32 = 80u;
+
+var<workgroup> worst: atomic<u32>;
+var<workgroup> go_on: u32;
+
+struct Batch {
+    colours: u32,
+    // First of `colours + 1` words that hold where a colour's rods begin.
+    at: u32,
+}
+
+fn batch_at(index: u32) -> Batch {
+    let at = words[step.batches_at + index];
+    return Batch(words[at], at + 1u);
+}
+
+fn start_sweeps(local: u32) {
+    if local == 0u {
+        atomicStore(&worst, 0u);
+    }
+    workgroupBarrier();
+}
+
+// Whether another sweep is due, after `sweeps` of them. The whole workgroup must come here.
+// One colour is exact after one sweep. Positive floats order like their bits.
+fn sweep_again(local: u32, error: f32, sweeps: u32, colours: u32) -> bool {
+    atomicMax(&worst, bitcast<u32>(error));
+    workgroupBarrier();
+    if local == 0u {
+        let off = bitcast<f32>(atomicLoad(&worst)) > TOLERANCE;
+        go_on = select(0u, 1u, off & (colours > 1u) & (sweeps < MAX_SWEEPS));
+        atomicStore(&worst, 0u);
+    }
+    return workgroupUniformLoad(&go_on) != 0u;
+}
+
+// Moves the ends of a rod along it until it has its length; gives the relative error that there was.
+fn restore_length(rod: u32) -> f32 {
+    let ends = rod_ends(rod);
+    let w1 = inverse_mass(ends.x);
+    let w2 = inverse_mass(ends.y);
+    let sum = w1 + w2;
+    if sum <= 0.0 {
+        return 0.0;
+    }
+    let target_length = rod_length(rod);
+    let d = state[ends.y].xyz - state[ends.x].xyz;
+    let squared = dot(d, d);
+    var n = vec3f(0.0, 1.0, 0.0);
+    var distance = 0.0;
+    if squared > TINY {
+        distance = sqrt(squared);
+        n = d / distance;
+    }
+    let correction = n * ((distance - target_length) / sum);
+    if finite(correction) {
+        move_end(ends.x, w1 * correction);
+        move_end(ends.y, -w2 * correction);
+    }
+    return abs(distance - target_length) / target_length;
+}
+
+fn move_end(sphere: u32, displacement: vec3f) {
+    let before = state[position_at(sphere)];
+    state[position_at(sphere)] = vec4f(before.xyz + displacement, before.w);
+}

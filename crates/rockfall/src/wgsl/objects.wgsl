@@ -1,1 +1,134 @@
-// objects
+// Reading objects out of `state` and `words`. A state has three regions of one vec4 a sphere.
+
+fn position_at(sphere: u32) -> u32 {
+    return sphere;
+}
+
+fn velocity_at(sphere: u32) -> u32 {
+    return step.spheres + sphere;
+}
+
+fn momentum_at(sphere: u32) -> u32 {
+    return 2u * step.spheres + sphere;
+}
+
+fn inverse_mass(sphere: u32) -> f32 {
+    return state[velocity_at(sphere)].w;
+}
+
+// Angular velocity: angular momentum times inverse inertia. Fixed spheres have an inverse inertia too: a surface may move.
+fn spin_of(sphere: u32) -> vec3f {
+    let momentum = state[momentum_at(sphere)];
+    return momentum.xyz * momentum.w;
+}
+
+fn vector_at(word: u32) -> vec3f {
+    return bitcast<vec3f>(vec3u(words[word], words[word + 1u], words[word + 2u]));
+}
+
+fn float_at(word: u32) -> f32 {
+    return bitcast<f32>(words[word]);
+}
+
+fn rod_ends(rod: u32) -> vec2u {
+    let at = step.rods_at + rod * ROD_WORDS;
+    return vec2u(words[at], words[at + 1u]);
+}
+
+fn rod_radius(rod: u32) -> f32 {
+    return float_at(step.rods_at + rod * ROD_WORDS + 2u);
+}
+
+// Not positive: the rod may change its length.
+fn rod_length(rod: u32) -> f32 {
+    return float_at(step.rods_at + rod * ROD_WORDS + 3u);
+}
+
+fn other_end(rod: u32, sphere: u32) -> u32 {
+    let ends = rod_ends(rod);
+    return select(ends.x, ends.y, ends.x == sphere);
+}
+
+struct Cuboid {
+    corner: vec3f,
+    i: vec3f,
+    j: vec3f,
+    k: vec3f,
+}
+
+fn cuboid(index: u32) -> Cuboid {
+    let at = step.boxes_at + index * BOX_WORDS;
+    return Cuboid(vector_at(at), vector_at(at + 3u), vector_at(at + 6u), vector_at(at + 9u));
+}
+
+struct Polygon {
+    corner: vec3f,
+    left: vec3f,
+    right: vec3f,
+}
+
+fn polygon(index: u32) -> Polygon {
+    let at = step.polygons_at + index * POLYGON_WORDS;
+    return Polygon(vector_at(at), vector_at(at + 3u), vector_at(at + 6u));
+}
+
+// First and one past the last word of what is attached to a sphere: rods first, for a rod is kind 0.
+fn adjacency(sphere: u32) -> vec2u {
+    if step.adjacency_at == 0u {
+        return vec2u(0u);
+    }
+    let at = step.adjacency_at + sphere;
+    return vec2u(words[at], words[at + 1u]);
+}
+
+fn kind_of(attached: u32) -> u32 {
+    return attached >> KIND_SHIFT;
+}
+
+fn index_of(attached: u32) -> u32 {
+    return attached & ((1u << KIND_SHIFT) - 1u);
+}
+
+// First word of a sphere's rods and their number.
+fn rods_of(sphere: u32) -> vec2u {
+    let range = adjacency(sphere);
+    var end = range.x;
+    while end < range.y {
+        if kind_of(words[end]) != KIND_ROD {
+            break;
+        }
+        end += 1u;
+    }
+    return vec2u(range.x, end - range.x);
+}
+
+// The only rod of a sphere, if it has exactly one and that has a fixed length: then the sphere is the end of a capsule.
+fn capsule_rod(sphere: u32) -> u32 {
+    let range = adjacency(sphere);
+    if range.x == range.y {
+        return NONE;
+    }
+    let first = words[range.x];
+    if kind_of(first) != KIND_ROD {
+        return NONE;
+    }
+    if range.x + 1u < range.y {
+        if kind_of(words[range.x + 1u]) == KIND_ROD {
+            return NONE;
+        }
+    }
+    let rod = index_of(first);
+    if rod_length(rod) > 0.0 {
+        return rod;
+    }
+    return NONE;
+}
+
+// The other end of the capsule that a sphere is an end of.
+fn capsule_partner(sphere: u32) -> u32 {
+    let rod = capsule_rod(sphere);
+    if rod == NONE {
+        return NONE;
+    }
+    return other_end(rod, sphere);
+}

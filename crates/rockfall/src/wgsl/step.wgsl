@@ -1,1 +1,149 @@
-// step
+// What every kernel knows: the uniform blocks, the status block and the constants of layout.rs. A test compares them.
+
+struct Step {
+    gravity: vec3f,
+    dt: f32,
+    activation_threshold: f32,
+    restitution: f32,
+    contact_damping: f32,
+    contact_force: f32,
+    friction: f32,
+    margin_scale: f32,
+    flags: u32,
+    pair_capacity: u32,
+    spheres: u32,
+    rods: u32,
+    boxes: u32,
+    polygons: u32,
+    rods_at: u32,
+    springs_at: u32,
+    tethers_at: u32,
+    forces_at: u32,
+    boxes_at: u32,
+    polygons_at: u32,
+    tags_at: u32,
+    adjacency_at: u32,
+    batches: u32,
+    batches_at: u32,
+    slices_at: u32,
+    entries_at: u32,
+}
+
+// The padding is three words and not an array: arrays in uniform blocks have a stride of 16 bytes.
+struct Pass {
+    index: u32,
+    pad_0: u32,
+    pad_1: u32,
+    pad_2: u32,
+}
+
+struct Aabb {
+    min: vec3f,
+    id: u32,
+    max: vec3f,
+    tag: u32,
+}
+
+struct Status {
+    void: u32,
+    pairs_needed: u32,
+    escape_ratio: u32,
+    steps: u32,
+    collided: u32,
+    lengths_due: u32,
+    contacts: u32,
+    max_overlap: u32,
+    collisions: u32,
+    last_contacts: u32,
+    last_max_overlap: u32,
+    last_collisions: u32,
+    total_collisions_low: u32,
+    total_collisions_high: u32,
+    bad_body: u32,
+    bad_step: u32,
+    bad_count: u32,
+    total_bad: u32,
+    first_bad: u32,
+    pad: u32,
+}
+
+// `Status` where many threads of a dispatch write it.
+struct StatusAtomic {
+    void: atomic<u32>,
+    pairs_needed: u32,
+    escape_ratio: atomic<u32>,
+    steps: u32,
+    collided: u32,
+    lengths_due: u32,
+    contacts: atomic<u32>,
+    max_overlap: atomic<u32>,
+    collisions: atomic<u32>,
+    last_contacts: u32,
+    last_max_overlap: u32,
+    last_collisions: u32,
+    total_collisions_low: u32,
+    total_collisions_high: u32,
+    bad_body: atomic<u32>,
+    bad_step: u32,
+    bad_count: atomic<u32>,
+    total_bad: u32,
+    first_bad: u32,
+    pad: u32,
+}
+
+@group(0) @binding(0) var<uniform> step: Step;
+@group(0) @binding(1) var<uniform> pass_: Pass;
+
+const WORKGROUP: u32 = 64u;
+const SLICE: u32 = 32u;
+
+const ROD_WORDS: u32 = 4u;
+const SPRING_WORDS: u32 = 5u;
+const TETHER_WORDS: u32 = 7u;
+const FORCE_WORDS: u32 = 3u;
+const BOX_WORDS: u32 = 12u;
+const POLYGON_WORDS: u32 = 9u;
+
+const KIND_SHIFT: u32 = 30u;
+const KIND_ROD: u32 = 0u;
+const KIND_SPRING: u32 = 1u;
+const KIND_TETHER: u32 = 2u;
+const KIND_FORCE: u32 = 3u;
+
+const ENTRY_ID_BITS: u32 = 26u;
+const ENTRY_ID_MASK: u32 = 0x3ffffffu;
+const ENTRY_FEATURE_MASK: u32 = 0xfu;
+const ENTRY_OVERLAPS: u32 = 0x40000000u;
+const ENTRY_COLLIDES: u32 = 0x80000000u;
+const BOX_FEATURES: u32 = 12u;
+
+const FLAG_COLLISIONS: u32 = 1u;
+const FLAG_PULL: u32 = 2u;
+const FLAG_CONTINUE: u32 = 4u;
+
+const VOID_PAIRS: u32 = 1u;
+const VOID_ESCAPED: u32 = 2u;
+const VOID_NON_FINITE: u32 = 4u;
+
+const NO_BODY: u32 = 0xffffffffu;
+const BAD_STAGE_SHIFT: u32 = 27u;
+
+// "No such object" where an id or an index is expected.
+const NONE: u32 = 0xffffffffu;
+
+// A squared length up to this counts as 0: what its direction would be is decided by rule, not by rounding.
+const TINY: f32 = 1e-30;
+
+// A dispatch has two dimensions, so that there may be more than 65,535 workgroups.
+fn linear_group(group: vec3u, groups: vec3u) -> u32 {
+    return group.x + group.y * groups.x;
+}
+
+fn linear_thread(group: vec3u, groups: vec3u, local: u32) -> u32 {
+    return linear_group(group, groups) * WORKGROUP + local;
+}
+
+// By the exponent bits: compilers may assume that there is no infinity and no NaN, and drop other tests.
+fn finite(v: vec3f) -> bool {
+    return all((bitcast<vec3u>(v) & vec3u(0x7f800000u)) != vec3u(0x7f800000u));
+}

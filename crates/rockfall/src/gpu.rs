@@ -1,0 +1,19 @@
+//! The wgpu backend: the stages' kernels, run on any GPU that wgpu can drive.
+//!
+//! [`Gpu`] is an opened device with its compiled kernels, [`GpuWorld`] the buffers of one [`World`](crate::world::World) on
+//! it. Nothing here waits for the device but `async` functions, and [`block_on`], which native callers drive those with.
+//!
+//! This module is public for tools and tests; it may change between minor versions.
+
+mod check;
+mod device;
+mod fault;
+mod kernel;
+mod wait;
+mod world;
+
+pub use device::{Gpu, adapters};
+pub use kernel::{join, locate_lines};
+#[cfg(not(target_arch = "wasm32"))]
+pub use wait::block_on;
+pub use world::GpuWorld;

@@ -1,0 +1,129 @@
+//! The kernels run unchecked: what they take for an index is checked here, before it is uploaded.
+
+use crate::error::{Error, Result};
+use crate::layout::{
+    BOX_WORDS, ENTRY_ID_MASK, FORCE_WORDS, KIND_FORCE, KIND_ROD, KIND_SHIFT, KIND_SPRING, KIND_TETHER, POLYGON_WORDS,
+    ROD_WORDS, SLICE, SPRING_WORDS, TETHER_WORDS,
+};
+use crate::stage::Buffer;
+use crate::world::World;
+
+/// # Errors
+/// [`Error::Device`] naming the word that points outside of the world.
+pub(crate) fn check_buffer(world: &World, buffer: Buffer) -> Result<()> {
+    match buffer {
+        Buffer::Words => check_words(world),
+        Buffer::Lists => check_lists(world),
+        _ => Ok(()),
+    }
+}
+
+fn wrong(what: &str) -> Error {
+    Error::Device(format!("the world is not well formed: {what}"))
+}
+
+fn ensure(right: bool, what: &str) -> Result<()> {
+    if right { Ok(()) } else { Err(wrong(what)) }
+}
+
+/// A run of `words`.
+fn slice<'a>(world: &'a World, at: u32, count: u64, what: &str) -> Result<&'a [u32]> {
+    let from = u64::from(at);
+    let range = usize::try_from(from).ok().zip(usize::try_from(from + count).ok());
+    range
+        .and_then(|(from, to)| world.words.get(from..to))
+        .ok_or_else(|| wrong(what))
+}
+
+fn check_words(world: &World) -> Result<()> {
+    let step = &world.step;
+    let rods = slice(world, step.rods_at, u64::from(step.rods) * u64::from(ROD_WORDS), "rods")?;
+    for rod in rods.chunks_exact(ROD_WORDS as usize) {
+        ensure(rod[0] < step.spheres && rod[1] < step.spheres, "the end of a rod")?;
+    }
+    slice(world, step.boxes_at, u64::from(step.boxes) * u64::from(BOX_WORDS), "boxes")?;
+    slice(
+        world,
+        step.polygons_at,
+        u64::from(step.polygons) * u64::from(POLYGON_WORDS),
+        "polygons",
+    )?;
+    slice(world, step.tags_at, u64::from(world.objects()), "tags")?;
+    if step.adjacency_at != 0 {
+        check_adjacency(world)?;
+    }
+    check_batches(world)
+}
+
+fn check_adjacency(world: &World) -> Result<()> {
+    let step = &world.step;
+    let offsets = slice(world, step.adjacency_at, u64::from(step.spheres) + 1, "adjacency offsets")?;
+    for pair in offsets.windows(2) {
+        ensure(pair[0] <= pair[1], "adjacency offsets")?;
+        for word in slice(world, pair[0], u64::from(pair[1] - pair[0]), "adjacency")? {
+            check_attached(world, *word)?;
+        }
+    }
+    Ok(())
+}
+
+fn check_attached(world: &World, word: u32) -> Result<()> {
+    let step = &world.step;
+    let index = word & ((1 << KIND_SHIFT) - 1);
+    let record = |at: u32, words: u32, what: &str| {
+        let from = u64::from(at) + u64::from(index) * u64::from(words);
+        let from = u32::try_from(from).map_err(|_| wrong(what))?;
+        slice(world, from, u64::from(words), what)
+    };
+    match word >> KIND_SHIFT {
+        KIND_ROD => ensure(index < step.rods, "a rod in the adjacency"),
+        KIND_SPRING => {
+            let spring = record(step.springs_at, SPRING_WORDS, "a spring in the adjacency")?;
+            ensure(spring[0] < step.spheres && spring[1] < step.spheres, "the end of a spring")
+        }
+        KIND_TETHER => record(step.tethers_at, TETHER_WORDS, "a tether in the adjacency").map(|_| ()),
+        KIND_FORCE => record(step.forces_at, FORCE_WORDS, "a force in the adjacency").map(|_| ()),
+        _ => Err(wrong("the kind of an adjacency word")),
+    }
+}
+
+fn check_batches(world: &World) -> Result<()> {
+    let step = &world.step;
+    for at in slice(world, step.batches_at, u64::from(step.batches), "batches")? {
+        let colours = slice(world, *at, 1, "a batch")?[0];
+        let first = at.checked_add(1).ok_or_else(|| wrong("a batch"))?;
+        let offsets = slice(world, first, u64::from(colours) + 1, "colours of a batch")?;
+        for pair in offsets.windows(2) {
+            ensure(pair[0] <= pair[1], "colours of a batch")?;
+            for rod in slice(world, pair[0], u64::from(pair[1] - pair[0]), "rods of a batch")? {
+                ensure(*rod < step.rods, "a rod of a batch")?;
+            }
+        }
+    }
+    Ok(())
+}
+
+fn check_lists(world: &World) -> Result<()> {
+    let step = &world.step;
+    let movers = world.movers();
+    let slices = movers.div_ceil(SLICE);
+    ensure(
+        step.slices_at == slices * SLICE && step.entries_at == step.slices_at + slices + 1,
+        "offsets of the pair lists",
+    )?;
+    ensure(
+        world.lists.len() as u64 == u64::from(step.entries_at) + u64::from(step.pair_capacity),
+        "length of the pair lists",
+    )?;
+    let (head, entries) = world.lists.split_at(step.entries_at as usize);
+    for (mover, count) in head[..movers as usize].iter().enumerate() {
+        let slice = u64::from(head[step.slices_at as usize + mover / SLICE as usize]);
+        for entry in 0..u64::from(*count) {
+            let slot = slice + entry * u64::from(SLICE) + mover as u64 % u64::from(SLICE);
+            let word = usize::try_from(slot).ok().and_then(|slot| entries.get(slot));
+            let known = word.is_some_and(|word| word & ENTRY_ID_MASK < world.objects());
+            ensure(known, "an entry of the pair lists")?;
+        }
+    }
+    Ok(())
+}

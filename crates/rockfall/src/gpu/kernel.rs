@@ -1,0 +1,136 @@
+//! From a stage's WGSL parts to a pipeline.
+
+use std::fmt::Write;
+
+use crate::error::{Error, Result};
+use crate::gpu::fault::catch;
+use crate::stage::{Access, Part, Stage};
+
+/// A compiled stage.
+#[derive(Debug)]
+pub(crate) struct Kernel {
+    pub(crate) pipeline: wgpu::ComputePipeline,
+    pub(crate) layout: wgpu::BindGroupLayout,
+}
+
+/// The WGSL of a stage: its parts, one after the other.
+pub fn join(parts: &[Part]) -> String {
+    parts.iter().map(|part| part.text).collect()
+}
+
+/// Adds to a compiler's message where in the parts' own files the lines are that it names as `wgsl:LINE:COLUMN`.
+pub fn locate_lines(parts: &[Part], message: &str) -> String {
+    let mut text = message.to_owned();
+    for place in message.split("wgsl:").skip(1) {
+        let digits = place.split(|c: char| !c.is_ascii_digit()).next().unwrap_or_default();
+        let Ok(mut line) = digits.parse::<usize>() else {
+            continue;
+        };
+        for part in parts {
+            let lines = part.text.matches('\n').count();
+            if line <= lines {
+                // A String takes what is written to it.
+                let _ = write!(text, "\n  joined line {digits} is {}:{line}", part.file);
+                break;
+            }
+            line -= lines;
+        }
+    }
+    text
+}
+
+impl Kernel {
+    pub(crate) fn new(device: &wgpu::Device, stage: &Stage) -> Result<Self> {
+        catch(device, || build(device, stage)).map_err(|error| match error {
+            Error::Device(text) => Error::Device(format!("kernel {}: {}", stage.name, locate_lines(stage.parts, &text))),
+            other => other,
+        })
+    }
+}
+
+fn layout_entry(binding: u32, ty: wgpu::BufferBindingType) -> wgpu::BindGroupLayoutEntry {
+    wgpu::BindGroupLayoutEntry {
+        binding,
+        visibility: wgpu::ShaderStages::COMPUTE,
+        ty: wgpu::BindingType::Buffer {
+            ty,
+            has_dynamic_offset: false,
+            min_binding_size: None,
+        },
+        count: None,
+    }
+}
+
+#[allow(unsafe_code)]
+fn build(device: &wgpu::Device, stage: &Stage) -> Kernel {
+    let text = join(stage.parts);
+    let module = wgpu::ShaderModuleDescriptor {
+        label: Some(stage.name),
+        source: wgpu::ShaderSource::Wgsl(text.into()),
+    };
+    // SAFETY: without run-time checks the kernels must stay inside their buffers by themselves, and end. They do: threads
+    // past the count of what they work on return; ids, offsets and indices in `words` are checked by `gpu::check` before
+    // they are uploaded, those in `lists` too, or were written by `fill_pairs`, whose ids are below the number of objects
+    // and whose slots are below `pair_capacity`, else the step is void and nobody reads them; the uniform block that
+    // holds counts and offsets is always that of the uploaded world, and the buffers are made to its sizes
+    // (`GpuWorld::new`, `upload`). Loops run over counts from the same places, sweeps up to MAX_SWEEPS.
+    // Workgroup memory is written before it is read. No integer is divided by anything but a constant.
+    let module = unsafe { device.create_shader_module_trusted(module, wgpu::ShaderRuntimeChecks::unchecked()) };
+    let mut entries = vec![
+        layout_entry(0, wgpu::BufferBindingType::Uniform),
+        layout_entry(1, wgpu::BufferBindingType::Uniform),
+    ];
+    for (binding, number) in stage.bindings.iter().zip(2..) {
+        let read_only = binding.access == Access::Read;
+        entries.push(layout_entry(number, wgpu::BufferBindingType::Storage { read_only }));
+    }
+    let layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+        label: Some(stage.name),
+        entries: &entries,
+    });
+    let pipeline_layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+        label: Some(stage.name),
+        bind_group_layouts: &[Some(&layout)],
+        immediate_size: 0,
+    });
+    let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+        label: Some(stage.name),
+        layout: Some(&pipeline_layout),
+        module: &module,
+        entry_point: Some(stage.name),
+        compilation_options: wgpu::PipelineCompilationOptions {
+            zero_initialize_workgroup_memory: false,
+            ..Default::default()
+        },
+        cache: None,
+    });
+    Kernel { pipeline, layout }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const PARTS: &[Part] = &[
+        Part {
+            file: "one.wgsl",
+            text: "a\nb\n",
+        },
+        Part {
+            file: "two.wgsl",
+            text: "c\nd\n",
+        },
+    ];
+
+    #[test]
+    fn lines_are_those_of_the_part() {
+        let found = locate_lines(PARTS, "error at wgsl:4:7 and wgsl:1:1");
+        assert!(found.contains("joined line 4 is two.wgsl:2"), "{found}");
+        assert!(found.contains("joined line 1 is one.wgsl:1"), "{found}");
+    }
+
+    #[test]
+    fn lines_past_the_end_are_left() {
+        assert_eq!(locate_lines(PARTS, "wgsl:9:1"), "wgsl:9:1");
+    }
+}

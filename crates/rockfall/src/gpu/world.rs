@@ -1,0 +1,455 @@
+//! A [`World`] on the GPU: its buffers, and the stages run over them.
+
+use std::collections::HashMap;
+
+use bytemuck::{bytes_of, bytes_of_mut, cast_slice, cast_slice_mut};
+
+use crate::error::{Error, Result};
+use crate::gpu::check::check_buffer;
+use crate::gpu::device::Gpu;
+use crate::gpu::fault::catch;
+use crate::gpu::wait::Mapped;
+use crate::layout::{Pass, Status, Step, WORKGROUP};
+use crate::stage::{Buffer, Run, Stage, Threads};
+use crate::world::World;
+
+/// No buffer is smaller: WebGPU refuses to bind what is empty.
+const LEAST_BYTES: u64 = 16;
+/// Bytes written or read in one piece, so that staging memory stays small beside the buffers.
+const PIECE: usize = 128 << 20;
+
+/// What a world's buffers hold when a step begins; everything else is written before it is read.
+const KEPT: [Buffer; 6] = [
+    Buffer::Start,
+    Buffer::Aabbs,
+    Buffer::Words,
+    Buffer::Lists,
+    Buffer::Orientations,
+    Buffer::Status,
+];
+
+/// The buffers of a [`World`] on a device.
+#[derive(Debug)]
+pub struct GpuWorld {
+    gpu: Gpu,
+    step: Step,
+    uniform: wgpu::Buffer,
+    passes: Vec<wgpu::Buffer>,
+    buffers: Vec<wgpu::Buffer>,
+    groups: HashMap<(&'static str, u32), wgpu::BindGroup>,
+}
+
+fn bytes(world: &World, buffer: Buffer) -> &[u8] {
+    match buffer {
+        Buffer::Start => cast_slice(&world.states[0]),
+        Buffer::Y2 => cast_slice(&world.states[1]),
+        Buffer::Y3 => cast_slice(&world.states[2]),
+        Buffer::Y4 => cast_slice(&world.states[3]),
+        Buffer::Aabbs => cast_slice(&world.aabbs),
+        Buffer::Words => cast_slice(&world.words),
+        Buffer::Lists => cast_slice(&world.lists),
+        Buffer::Weights => cast_slice(&world.weights),
+        Buffer::Wrenches => cast_slice(&world.wrenches),
+        Buffer::Orientations => cast_slice(&world.orientations),
+        Buffer::Status => bytes_of(&world.status),
+    }
+}
+
+fn bytes_mut(world: &mut World, buffer: Buffer) -> &mut [u8] {
+    match buffer {
+        Buffer::Start => cast_slice_mut(&mut world.states[0]),
+        Buffer::Y2 => cast_slice_mut(&mut world.states[1]),
+        Buffer::Y3 => cast_slice_mut(&mut world.states[2]),
+        Buffer::Y4 => cast_slice_mut(&mut world.states[3]),
+        Buffer::Aabbs => cast_slice_mut(&mut world.aabbs),
+        Buffer::Words => cast_slice_mut(&mut world.words),
+        Buffer::Lists => cast_slice_mut(&mut world.lists),
+        Buffer::Weights => cast_slice_mut(&mut world.weights),
+        Buffer::Wrenches => cast_slice_mut(&mut world.wrenches),
+        Buffer::Orientations => cast_slice_mut(&mut world.orientations),
+        Buffer::Status => bytes_of_mut(&mut world.status),
+    }
+}
+
+/// Bytes that the kernels address in a buffer, from the counts and offsets alone: a hand-made world may hold less.
+fn bytes_needed(world: &World, buffer: Buffer) -> u64 {
+    let step = &world.step;
+    let vectors = |count: u64| 16 * count;
+    let addressed = match buffer {
+        Buffer::Start | Buffer::Y2 | Buffer::Y3 | Buffer::Y4 => vectors(3 * u64::from(step.spheres)),
+        Buffer::Aabbs => 32 * u64::from(world.objects()),
+        Buffer::Words | Buffer::Status => 0,
+        Buffer::Lists => 4 * (u64::from(step.entries_at) + u64::from(step.pair_capacity)),
+        Buffer::Weights => 4 * u64::from(step.pair_capacity),
+        Buffer::Wrenches => vectors(4 * u64::from(step.rods)),
+        Buffer::Orientations => vectors(u64::from(step.spheres)),
+    };
+    addressed.max(bytes(world, buffer).len() as u64).max(LEAST_BYTES)
+}
+
+fn name(buffer: Buffer) -> &'static str {
+    match buffer {
+        Buffer::Start => "the state",
+        Buffer::Y2 => "stage state 2",
+        Buffer::Y3 => "stage state 3",
+        Buffer::Y4 => "stage state 4",
+        Buffer::Aabbs => "the AABBs",
+        Buffer::Words => "topology and static objects",
+        Buffer::Lists => "the pair lists",
+        Buffer::Weights => "the collision weights",
+        Buffer::Wrenches => "the forces on rods",
+        Buffer::Orientations => "the orientations",
+        Buffer::Status => "the status",
+    }
+}
+
+fn check_size(device: &wgpu::Device, what: &'static str, needed: u64) -> Result<()> {
+    let limits = device.limits();
+    let limit = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
+    if needed > limit {
+        return Err(Error::DeviceLimit { what, needed, limit });
+    }
+    Ok(())
+}
+
+fn make_buffer(device: &wgpu::Device, label: &str, size: u64, usage: wgpu::BufferUsages) -> Result<wgpu::Buffer> {
+    catch(device, || {
+        device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some(label),
+            size,
+            usage,
+            mapped_at_creation: false,
+        })
+    })
+}
+
+fn make_storage(device: &wgpu::Device, buffer: Buffer, size: u64) -> Result<wgpu::Buffer> {
+    let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC | wgpu::BufferUsages::COPY_DST;
+    make_buffer(device, name(buffer), size, usage)
+}
+
+impl GpuWorld {
+    /// Makes the buffers of a world and fills them.
+    ///
+    /// # Errors
+    /// [`Error::DeviceLimit`] when a buffer would be larger than the device allows (nothing is allocated then),
+    /// [`Error::Device`] when memory runs out, the device is lost, or the world's indices point outside of it.
+    pub fn new(gpu: &Gpu, world: &World) -> Result<Self> {
+        gpu.faults().check()?;
+        let device = gpu.device();
+        for buffer in Buffer::ALL {
+            check_size(device, name(buffer), bytes_needed(world, buffer))?;
+        }
+        let usage = wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST;
+        let uniform = make_buffer(device, "step", size_of::<Step>() as u64, usage)?;
+        let mut passes = Vec::new();
+        for index in 0..4 {
+            let pass = make_buffer(device, "pass", size_of::<Pass>() as u64, usage)?;
+            let block = Pass {
+                index,
+                ..Default::default()
+            };
+            gpu.queue().write_buffer(&pass, 0, bytes_of(&block));
+            passes.push(pass);
+        }
+        let mut buffers = Vec::new();
+        for buffer in Buffer::ALL {
+            buffers.push(make_storage(device, buffer, bytes_needed(world, buffer))?);
+        }
+        let mut made = Self {
+            gpu: gpu.clone(),
+            step: world.step,
+            uniform,
+            passes,
+            buffers,
+            groups: HashMap::new(),
+        };
+        made.upload(world)?;
+        Ok(made)
+    }
+
+    /// The device it lives on.
+    pub fn gpu(&self) -> &Gpu {
+        &self.gpu
+    }
+
+    /// A buffer, for rendering and other kernels. It is replaced when an upload needs a larger one.
+    pub fn buffer(&self, buffer: Buffer) -> &wgpu::Buffer {
+        &self.buffers[buffer as usize]
+    }
+
+    /// The uniform block of the last upload or run.
+    pub fn step(&self) -> &Step {
+        &self.step
+    }
+
+    /// Uploads all that a step begins with; scratch (stage states, weights, wrenches) is left as it is. Buffers that are
+    /// too small for the world, for example after [`World::set_pair_capacity`], are made anew.
+    ///
+    /// # Errors
+    /// As for [`GpuWorld::new`].
+    pub fn upload(&mut self, world: &World) -> Result<()> {
+        self.gpu.faults().check()?;
+        for buffer in KEPT {
+            check_buffer(world, buffer)?;
+        }
+        for buffer in Buffer::ALL {
+            self.fit(world, buffer)?;
+        }
+        self.step = world.step;
+        for buffer in KEPT {
+            self.write(world, buffer)?;
+        }
+        self.write_uniforms(&world.step)
+    }
+
+    /// Uploads one buffer, scratch or not, of a world of the same counts, offsets and pair capacity.
+    ///
+    /// # Errors
+    /// [`Error::Device`] when the world is another one or its indices point outside of it, or for the device's reasons.
+    pub fn upload_buffer(&mut self, world: &World, buffer: Buffer) -> Result<()> {
+        self.gpu.faults().check()?;
+        if self.with_constants(&world.step) != world.step {
+            return Err(Error::Device(
+                "the world's counts or offsets changed: upload it as a whole".to_owned(),
+            ));
+        }
+        check_buffer(world, buffer)?;
+        self.fit(world, buffer)?;
+        self.write(world, buffer)
+    }
+
+    fn fit(&mut self, world: &World, buffer: Buffer) -> Result<()> {
+        let needed = bytes_needed(world, buffer);
+        let at = buffer as usize;
+        if needed <= self.buffers[at].size() {
+            return Ok(());
+        }
+        check_size(self.gpu.device(), name(buffer), needed)?;
+        self.groups.clear();
+        // First, so that there is room for the new one.
+        self.buffers[at].destroy();
+        self.buffers[at] = make_storage(self.gpu.device(), buffer, needed)?;
+        Ok(())
+    }
+
+    fn write(&self, world: &World, buffer: Buffer) -> Result<()> {
+        let queue = self.gpu.queue();
+        let mut offset = 0;
+        for piece in bytes(world, buffer).chunks(PIECE) {
+            catch(self.gpu.device(), || {
+                queue.write_buffer(self.buffer(buffer), offset, piece);
+                if piece.len() == PIECE {
+                    // Lets go of the staging memory.
+                    queue.submit([]);
+                }
+            })?;
+            offset += piece.len() as u64;
+        }
+        Ok(())
+    }
+
+    /// The world's own counts, offsets and capacity, with the constants of `step`.
+    fn with_constants(&self, step: &Step) -> Step {
+        Step {
+            gravity: step.gravity,
+            dt: step.dt,
+            activation_threshold: step.activation_threshold,
+            restitution: step.restitution,
+            contact_damping: step.contact_damping,
+            contact_force: step.contact_force,
+            friction: step.friction,
+            margin_scale: step.margin_scale,
+            flags: step.flags,
+            ..self.step
+        }
+    }
+
+    /// Takes the constants (gravity to `flags`) from `step`; counts, offsets and capacity stay those of the upload, for
+    /// the kernels rely on them.
+    ///
+    /// # Errors
+    /// [`Error::Device`] when the device is lost.
+    pub fn write_uniforms(&mut self, step: &Step) -> Result<()> {
+        self.step = self.with_constants(step);
+        catch(self.gpu.device(), || {
+            self.gpu.queue().write_buffer(&self.uniform, 0, bytes_of(&self.step));
+        })
+    }
+
+    /// Sets the status block.
+    ///
+    /// # Errors
+    /// [`Error::Device`] when the device is lost.
+    pub fn set_status(&mut self, status: &Status) -> Result<()> {
+        catch(self.gpu.device(), || {
+            self.gpu
+                .queue()
+                .write_buffer(self.buffer(Buffer::Status), 0, bytes_of(status));
+        })
+    }
+
+    /// Threads or, for batches, workgroups.
+    fn workgroups(&self, threads: Threads) -> u32 {
+        let step = &self.step;
+        let movers = step.spheres + step.rods;
+        match threads {
+            Threads::Objects => (movers + step.boxes + step.polygons).div_ceil(WORKGROUP),
+            Threads::Movers => movers.div_ceil(WORKGROUP),
+            Threads::Spheres => step.spheres.div_ceil(WORKGROUP),
+            Threads::Rods => step.rods.div_ceil(WORKGROUP),
+            Threads::Batches => step.batches,
+            Threads::One => 1,
+        }
+    }
+
+    fn make_group(&self, stage: &Stage, pass: u32, layout: &wgpu::BindGroupLayout) -> wgpu::BindGroup {
+        let mut entries = vec![
+            wgpu::BindGroupEntry {
+                binding: 0,
+                resource: self.uniform.as_entire_binding(),
+            },
+            wgpu::BindGroupEntry {
+                binding: 1,
+                resource: self.passes[pass as usize].as_entire_binding(),
+            },
+        ];
+        for (binding, number) in stage.bindings.iter().zip(2..) {
+            entries.push(wgpu::BindGroupEntry {
+                binding: number,
+                resource: self.buffer(binding.slot.buffer(pass)).as_entire_binding(),
+            });
+        }
+        self.gpu.device().create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some(stage.name),
+            layout,
+            entries: &entries,
+        })
+    }
+
+    /// Compiles what is missing and binds it. [`GpuWorld::run`] does so by itself; done before, no run has to wait for it.
+    ///
+    /// # Errors
+    /// [`Error::Device`] with the compiler's message and the place in the stage's own file.
+    pub fn prepare(&mut self, runs: &[Run]) -> Result<()> {
+        for run in runs {
+            let key = (run.stage.name, run.pass);
+            if !self.groups.contains_key(&key) {
+                let kernel = self.gpu.kernel(run.stage)?;
+                let group = catch(self.gpu.device(), || self.make_group(run.stage, run.pass, &kernel.layout))?;
+                self.groups.insert(key, group);
+            }
+        }
+        Ok(())
+    }
+
+    /// Records stages, `steps` times over, into a compute pass. [`GpuWorld::prepare`] must have seen them.
+    ///
+    /// # Errors
+    /// [`Error::Device`] for a stage that was not prepared.
+    pub fn encode(&self, pass: &mut wgpu::ComputePass<'_>, runs: &[Run], steps: u32) -> Result<()> {
+        let mut table = Vec::with_capacity(runs.len());
+        for run in runs {
+            let groups = self.workgroups(run.stage.threads);
+            if groups == 0 {
+                continue;
+            }
+            let Some(group) = self.groups.get(&(run.stage.name, run.pass)) else {
+                return Err(Error::Device(format!("stage {} was not prepared", run.stage.name)));
+            };
+            table.push((self.gpu.kernel(run.stage)?, group, groups));
+        }
+        let across = self.gpu.device().limits().max_compute_workgroups_per_dimension;
+        for _ in 0..steps {
+            for (kernel, group, groups) in &table {
+                pass.set_pipeline(&kernel.pipeline);
+                pass.set_bind_group(0, *group, &[]);
+                let x = (*groups).min(across);
+                pass.dispatch_workgroups(x, groups.div_ceil(x), 1);
+            }
+        }
+        Ok(())
+    }
+
+    /// Runs a list of stages `steps` times over, in one submission, with the constants of `step`. Does not wait.
+    ///
+    /// # Errors
+    /// [`Error::Device`] when a kernel does not compile, the device refuses or is lost. The loss of a device may show only
+    /// when something is read.
+    pub fn run(&mut self, runs: &[Run], step: &Step, steps: u32) -> Result<()> {
+        self.gpu.faults().check()?;
+        self.prepare(runs)?;
+        self.write_uniforms(step)?;
+        let gpu = self.gpu.clone();
+        catch(gpu.device(), || {
+            let mut encoder = gpu
+                .device()
+                .create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("steps") });
+            {
+                let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
+                    label: Some("steps"),
+                    timestamp_writes: None,
+                });
+                self.encode(&mut pass, runs, steps)?;
+            }
+            gpu.queue().submit([encoder.finish()]);
+            Ok(())
+        })??;
+        self.gpu.faults().check()
+    }
+
+    /// Reads the status block.
+    ///
+    /// # Errors
+    /// [`Error::Device`] when the device is lost.
+    pub async fn read_status(&self) -> Result<Status> {
+        let mut status = Status::default();
+        self.read(Buffer::Status, bytes_of_mut(&mut status)).await?;
+        Ok(status)
+    }
+
+    /// Reads buffers back into a world of the same sizes.
+    ///
+    /// # Errors
+    /// [`Error::Device`] when the device is lost or out of memory, or the world is larger than the one on the device.
+    pub async fn download(&self, world: &mut World, buffers: &[Buffer]) -> Result<()> {
+        for buffer in buffers {
+            self.read(*buffer, bytes_mut(world, *buffer)).await?;
+        }
+        Ok(())
+    }
+
+    async fn read(&self, buffer: Buffer, into: &mut [u8]) -> Result<()> {
+        self.gpu.faults().check()?;
+        if into.len() as u64 > self.buffer(buffer).size() {
+            return Err(Error::Device(format!(
+                "{} on the device is smaller than the host's",
+                name(buffer)
+            )));
+        }
+        let mut offset = 0;
+        for piece in into.chunks_mut(PIECE) {
+            let staging = self.stage(buffer, offset, piece.len() as u64)?;
+            Mapped::read(&staging, self.gpu.faults()).await?;
+            let view = staging
+                .get_mapped_range(..)
+                .map_err(|error| Error::Device(format!("{} could not be read back: {error}", name(buffer))))?;
+            piece.copy_from_slice(&view);
+            offset += piece.len() as u64;
+        }
+        Ok(())
+    }
+
+    /// Copies a piece of a buffer to one that the host can read.
+    fn stage(&self, buffer: Buffer, offset: u64, size: u64) -> Result<wgpu::Buffer> {
+        let device = self.gpu.device();
+        let usage = wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST;
+        let staging = make_buffer(device, "read back", size, usage)?;
+        catch(device, || {
+            let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+            encoder.copy_buffer_to_buffer(self.buffer(buffer), offset, &staging, 0, size);
+            self.gpu.queue().submit([encoder.finish()]);
+        })?;
+        Ok(staging)
+    }
+}

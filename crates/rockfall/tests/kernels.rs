@@ -1,0 +1,243 @@
+//! Every kernel as it is joined: valid, within what every browser grants, and of the same layout as the Rust side.
+
+use std::mem::{offset_of, size_of};
+
+use naga::valid::{Capabilities, ValidationFlags, Validator};
+use naga::{AddressSpace, Module, StorageAccess, TypeInner};
+use rockfall::layout::{self, Aabb, Pass, Status, Step};
+use rockfall::stage::{ALL, Access, Stage};
+
+/// What WebGPU grants everywhere.
+const MAX_STORAGE_BUFFERS: usize = 8;
+const MAX_WORKGROUP_BYTES: u32 = 16 * 1024;
+const MAX_INVOCATIONS: u32 = 256;
+
+fn source(stage: &Stage) -> String {
+    stage.parts.iter().map(|part| part.text).collect()
+}
+
+fn module(stage: &Stage) -> Module {
+    let text = source(stage);
+    naga::front::wgsl::parse_str(&text).unwrap_or_else(|e| panic!("{}: {}", stage.name, e.emit_to_string(&text)))
+}
+
+#[test]
+fn every_kernel_is_valid() {
+    for stage in ALL {
+        let module = module(stage);
+        Validator::new(ValidationFlags::all(), Capabilities::empty())
+            .validate(&module)
+            .unwrap_or_else(|e| panic!("{}: {}", stage.name, e.emit_to_string(&source(stage))));
+        assert!(
+            module.entry_points.iter().any(|entry| entry.name == stage.name),
+            "no entry point {}",
+            stage.name
+        );
+    }
+}
+
+#[test]
+fn every_kernel_keeps_within_the_limits_of_webgpu() {
+    for stage in ALL {
+        assert!(
+            stage.bindings.len() <= MAX_STORAGE_BUFFERS,
+            "{}: {} storage buffers",
+            stage.name,
+            stage.bindings.len()
+        );
+        let module = module(stage);
+        let shared: u32 = module
+            .global_variables
+            .iter()
+            .filter(|(_, variable)| variable.space == AddressSpace::WorkGroup)
+            .map(|(_, variable)| module.types[variable.ty].inner.size(module.to_ctx()).next_multiple_of(16))
+            .sum();
+        assert!(
+            shared <= MAX_WORKGROUP_BYTES,
+            "{}: {shared} bytes of workgroup memory",
+            stage.name
+        );
+        for entry in &module.entry_points {
+            let invocations: u32 = entry.workgroup_size.iter().product();
+            assert!(invocations <= MAX_INVOCATIONS, "{}: {invocations} invocations", stage.name);
+            let one_group = matches!(stage.threads, rockfall::stage::Threads::One);
+            assert!(
+                one_group || invocations == layout::WORKGROUP,
+                "{}: {invocations} invocations",
+                stage.name
+            );
+        }
+    }
+}
+
+#[test]
+fn the_bindings_are_those_of_the_stage() {
+    for stage in ALL {
+        let module = module(stage);
+        let mut found: Vec<(u32, String, Option<Access>)> = module
+            .global_variables
+            .iter()
+            .filter_map(|(_, variable)| {
+                let binding = variable.binding?;
+                assert_eq!(binding.group, 0, "{}", stage.name);
+                let access = match variable.space {
+                    AddressSpace::Storage { access } if access.contains(StorageAccess::STORE) => Some(Access::Write),
+                    AddressSpace::Storage { .. } => Some(Access::Read),
+                    _ => None,
+                };
+                Some((binding.binding, variable.name.clone().unwrap_or_default(), access))
+            })
+            .collect();
+        found.sort_by_key(|(number, ..)| *number);
+        let mut expected = vec![(0, "step".to_owned(), None), (1, "pass_".to_owned(), None)];
+        expected.extend(
+            stage
+                .bindings
+                .iter()
+                .zip(2..)
+                .map(|(binding, number)| (number, binding.name.to_owned(), Some(binding.access))),
+        );
+        assert_eq!(found, expected, "{}", stage.name);
+    }
+}
+
+/// A writable buffer must not stand in a dispatch twice.
+#[test]
+fn no_stage_writes_a_buffer_that_it_binds_twice() {
+    use rockfall::Integrator;
+    use rockfall::stage::Phase;
+    for integrator in [Integrator::Rk4, Integrator::SymplecticEuler] {
+        for run in Phase::STEP.iter().flat_map(|phase| phase.stages(integrator)) {
+            for (k, one) in run.stage.bindings.iter().enumerate() {
+                for other in &run.stage.bindings[k + 1..] {
+                    let same = one.slot.buffer(run.pass) == other.slot.buffer(run.pass);
+                    let written = one.access == Access::Write || other.access == Access::Write;
+                    assert!(!(same && written), "{} pass {}", run.stage.name, run.pass);
+                }
+            }
+        }
+    }
+}
+
+/// Name, offset and size of every field, in order.
+type Fields = Vec<(String, u32, u32)>;
+
+/// Fields and size of a `#[repr(C)]` struct.
+macro_rules! rust_fields {
+    ($name:ident: $($field:ident),* $(,)?) => {{
+        fn size<T>(_: &T) -> usize {
+            size_of::<T>()
+        }
+        // No `..` in the pattern: a field that is left out here does not compile.
+        let $name { $($field),* } = $name::default();
+        let fields: Fields = vec![$((
+            stringify!($field).to_owned(),
+            offset_of!($name, $field) as u32,
+            size(&$field) as u32,
+        )),*];
+        (fields, size_of::<$name>() as u32)
+    }};
+}
+
+fn wgsl_fields(module: &Module, name: &str) -> (Fields, u32) {
+    let (_, found) = module
+        .types
+        .iter()
+        .find(|(_, ty)| ty.name.as_deref() == Some(name))
+        .unwrap_or_else(|| panic!("no struct {name}"));
+    let TypeInner::Struct { members, span } = &found.inner else {
+        panic!("{name} is not a struct");
+    };
+    let fields = members
+        .iter()
+        .map(|member| {
+            let size = module.types[member.ty].inner.size(module.to_ctx());
+            (member.name.clone().unwrap_or_default(), member.offset, size)
+        })
+        .collect();
+    (fields, *span)
+}
+
+/// Replaces a field of several words by so many of one word, `name_0` and so on.
+fn split(fields: Fields, name: &str) -> Fields {
+    fields
+        .into_iter()
+        .flat_map(|(field, offset, size)| {
+            let words = if field == name { size / 4 } else { 0 };
+            if words == 0 {
+                vec![(field, offset, size)]
+            } else {
+                (0..words).map(|k| (format!("{name}_{k}"), offset + 4 * k, 4)).collect()
+            }
+        })
+        .collect()
+}
+
+#[test]
+fn the_structs_are_those_of_layout() {
+    let step = rust_fields!(Step: gravity, dt, activation_threshold, restitution, contact_damping, contact_force, friction,
+        margin_scale, flags, pair_capacity, spheres, rods, boxes, polygons, rods_at, springs_at, tethers_at, forces_at,
+        boxes_at, polygons_at, tags_at, adjacency_at, batches, batches_at, slices_at, entries_at);
+    let (pass, pass_size) = rust_fields!(Pass: index, pad);
+    let pass = (split(pass, "pad"), pass_size);
+    let aabb = rust_fields!(Aabb: min, id, max, tag);
+    let status = rust_fields!(Status: void, pairs_needed, escape_ratio, steps, collided, lengths_due, contacts, max_overlap,
+        collisions, last_contacts, last_max_overlap, last_collisions, total_collisions_low, total_collisions_high,
+        bad_body, bad_step, bad_count, total_bad, first_bad, pad);
+    for stage in ALL {
+        let module = module(stage);
+        assert_eq!(wgsl_fields(&module, "Step"), step, "{}", stage.name);
+        assert_eq!(wgsl_fields(&module, "Pass"), pass, "{}", stage.name);
+        assert_eq!(wgsl_fields(&module, "Aabb"), aabb, "{}", stage.name);
+        assert_eq!(wgsl_fields(&module, "Status"), status, "{}", stage.name);
+        assert_eq!(wgsl_fields(&module, "StatusAtomic"), status, "{}", stage.name);
+    }
+}
+
+#[test]
+fn the_constants_are_those_of_layout() {
+    macro_rules! constants {
+        ($($name:ident),* $(,)?) => { [$((stringify!($name), layout::$name)),*] };
+    }
+    let expected = constants![
+        WORKGROUP,
+        SLICE,
+        ROD_WORDS,
+        SPRING_WORDS,
+        TETHER_WORDS,
+        FORCE_WORDS,
+        BOX_WORDS,
+        POLYGON_WORDS,
+        KIND_SHIFT,
+        KIND_ROD,
+        KIND_SPRING,
+        KIND_TETHER,
+        KIND_FORCE,
+        ENTRY_ID_BITS,
+        ENTRY_ID_MASK,
+        ENTRY_FEATURE_MASK,
+        ENTRY_OVERLAPS,
+        ENTRY_COLLIDES,
+        BOX_FEATURES,
+        FLAG_COLLISIONS,
+        FLAG_PULL,
+        FLAG_CONTINUE,
+        VOID_PAIRS,
+        VOID_ESCAPED,
+        VOID_NON_FINITE,
+        NO_BODY,
+        BAD_STAGE_SHIFT,
+    ];
+    let module = module(ALL[0]);
+    for (name, value) in expected {
+        let (_, constant) = module
+            .constants
+            .iter()
+            .find(|(_, constant)| constant.name.as_deref() == Some(name))
+            .unwrap_or_else(|| panic!("no constant {name}"));
+        let naga::Expression::Literal(naga::Literal::U32(found)) = module.global_expressions[constant.init] else {
+            panic!("{name} is not a u32");
+        };
+        assert_eq!(found, value, "{name}");
+    }
+}
