@@ -1,1 +1,56 @@
-fn main() {}
+//! The command line of rockfall: it parses, calls the library and prints.
+
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+
+mod check;
+mod csv;
+mod devices;
+mod failure;
+mod generate;
+mod options;
+mod output;
+mod picture;
+mod progress;
+mod run;
+mod source;
+mod summary;
+
+/// A rigid-body physics engine that lives on the GPU.
+#[derive(Debug, Parser)]
+#[command(
+    name = "rockfall",
+    version,
+    disable_help_subcommand = true,
+    after_help = "Exit code: 0 done, 1 the run failed, 2 wrong usage or a bad scene."
+)]
+struct Arguments {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Run a scene and tell what became of it.
+    Run(run::Arguments),
+    /// Read a scene: count its objects, tell what is odd, and whether the time step is short enough.
+    Check(check::Arguments),
+    /// List the devices that a scene can run on.
+    Devices,
+    /// Make a scene of any size.
+    Generate(generate::Arguments),
+}
+
+fn main() -> ExitCode {
+    let result = match Arguments::parse().command {
+        Command::Run(arguments) => run::run(&arguments),
+        Command::Check(arguments) => check::check(&arguments),
+        Command::Devices => devices::devices(),
+        Command::Generate(arguments) => generate::generate(&arguments),
+    };
+    match result {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => failure.report(),
+    }
+}

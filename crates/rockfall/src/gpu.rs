@@ -16,4 +16,6 @@ pub use device::{Gpu, adapters};
 pub use kernel::{join, locate_lines};
 #[cfg(not(target_arch = "wasm32"))]
 pub use wait::block_on;
+#[cfg(not(target_arch = "wasm32"))]
+pub(crate) use wait::drive;
 pub use world::GpuWorld;

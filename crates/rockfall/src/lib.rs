@@ -53,23 +53,27 @@
 //! `gpu` (default): the wgpu backend. Without it only the CPU backend is built, and it needs no graphics library.
 
 pub mod cpu;
+mod devices;
 pub mod error;
 #[cfg(feature = "gpu")]
 pub mod gpu;
 pub mod layout;
+pub mod output;
 pub mod report;
 pub mod scene;
 pub mod settings;
 pub mod simulation;
+pub mod stability;
 pub mod stage;
 pub mod world;
 
+pub use devices::{DeviceInfo, devices};
 pub use error::{Error, Result};
 pub use glam;
 pub use report::{Energy, Report, SphereState};
 pub use scene::{
-    BoxId, Capsule, CapsuleId, CapsuleParts, Counts, Cuboid, Polygon, PolygonId, Rod, RodId, Scene, Sphere, SphereId, Spring,
-    SpringId, Tether, TetherId,
+    BoxId, Capsule, CapsuleId, CapsuleParts, Counts, Cuboid, LineWarning, Loaded, Polygon, PolygonId, Rod, RodId, Scene,
+    Sphere, SphereId, Spring, SpringId, Tether, TetherId,
 };
 pub use settings::{Integrator, Settings};
 pub use simulation::{Backend, BackendInfo, Body, BroadPhase, Contact, ContactAction, Options, Simulation, SphereDiagnostics};

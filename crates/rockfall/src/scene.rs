@@ -5,8 +5,11 @@
 use crate::error::Result;
 use crate::settings::Settings;
 
+pub mod generate;
 mod objects;
 mod registry;
+mod text;
+mod write;
 
 pub(crate) use objects::finite;
 pub use objects::{
@@ -16,6 +19,7 @@ pub use objects::{
 pub use registry::Handle;
 pub(crate) use registry::Registry;
 use registry::new_scene_number;
+pub use text::{LineWarning, Loaded};
 
 /// Objects and settings.
 #[derive(Clone, Debug)]

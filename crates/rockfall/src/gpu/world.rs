@@ -219,6 +219,36 @@ impl GpuWorld {
         self.write(world, buffer)
     }
 
+    /// Uploads words whose offsets in the uniform block may have changed; the counts of spheres and of objects, and the
+    /// pair lists, are still the same.
+    ///
+    /// # Errors
+    /// As for [`GpuWorld::upload_buffer`].
+    pub fn upload_words(&mut self, world: &World) -> Result<()> {
+        self.gpu.faults().check()?;
+        let counts = |step: &Step| (step.spheres, step.rods, step.boxes, step.polygons, step.pair_capacity);
+        if counts(&world.step) != counts(&self.step) {
+            return Err(Error::Device("the world's counts changed: upload it as a whole".to_owned()));
+        }
+        check_buffer(world, Buffer::Words)?;
+        self.fit(world, Buffer::Words)?;
+        self.write(world, Buffer::Words)?;
+        self.step = world.step;
+        self.write_uniforms(&world.step)
+    }
+
+    /// Makes room for the pair lists of a world whose capacity changed. What they held is void.
+    ///
+    /// # Errors
+    /// As for [`GpuWorld::new`].
+    pub fn resize_lists(&mut self, world: &World) -> Result<()> {
+        self.gpu.faults().check()?;
+        self.fit(world, Buffer::Lists)?;
+        self.fit(world, Buffer::Weights)?;
+        self.step = world.step;
+        self.write_uniforms(&world.step)
+    }
+
     fn fit(&mut self, world: &World, buffer: Buffer) -> Result<()> {
         let needed = bytes_needed(world, buffer);
         let at = buffer as usize;

@@ -76,7 +76,7 @@ impl Simulation {
         self.world.step.dt = self.time_step;
         self.world.status = resumed(self.status);
         self.synced = false;
-        self.engine.run(&mut self.world, &stages, batch).await?;
+        self.engine.run(&mut self.world, &stages, batch as u32).await?;
         self.status = self.world.status;
         if phases.contains(&Phase::UpdatePositions) {
             let done = u64::from(self.status.steps);

@@ -8,7 +8,6 @@ use crate::scene::{
     TetherId, finite,
 };
 use crate::simulation::Simulation;
-use crate::stage::Buffer;
 use crate::world::World;
 
 /// What the engine does not know yet.
@@ -197,13 +196,13 @@ impl Simulation {
             Dirty::Everything => self.rebuild()?,
             Dirty::Words => {
                 self.world.set_words(&self.scene)?;
-                self.engine.upload(&self.world, &[Buffer::Words])?;
+                self.engine.upload_words(&self.world)?;
             }
             Dirty::Clean => {}
         }
         if !edits.is_empty() {
             self.world.set_spheres(&self.scene);
-            self.engine.upload(&self.world, &[Buffer::Start, Buffer::Orientations])?;
+            self.engine.upload_spheres(&self.world)?;
             self.moved_by_hand();
         }
         Ok(())
@@ -243,9 +242,7 @@ impl Simulation {
     /// Reads the state of the spheres back into the scene.
     async fn pull(&mut self) -> Result<()> {
         if !self.synced {
-            self.engine
-                .download(&mut self.world, &[Buffer::Start, Buffer::Orientations])
-                .await?;
+            self.engine.download_spheres(&mut self.world).await?;
             self.world.read_spheres(&mut self.scene, &self.packed);
             self.synced = true;
         }

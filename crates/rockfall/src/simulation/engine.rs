@@ -1,36 +1,96 @@
 //! The backend of a simulation, behind one set of calls.
 
 use std::future::Future;
-use std::pin::pin;
-use std::task::{Context, Poll, Waker};
 
 use crate::cpu;
 use crate::error::Result;
 use crate::simulation::options::{Backend, BackendInfo};
-use crate::stage::{Buffer, Run};
+use crate::stage::Run;
 use crate::world::World;
+
+#[cfg(feature = "gpu")]
+use crate::gpu::{Gpu, GpuWorld};
+#[cfg(feature = "gpu")]
+use crate::stage::Buffer;
 
 /// Where the stages run.
 #[derive(Debug)]
 pub(super) enum Engine {
     /// On the host, on the simulation's own [`World`].
     Cpu,
+    /// On a device, on buffers of the same layout.
+    #[cfg(feature = "gpu")]
+    Gpu(Box<GpuWorld>),
 }
 
 /// What a blocking call has to poll while it waits.
-pub(super) type Waiter = Option<()>;
+#[cfg(feature = "gpu")]
+pub(super) type Waiter = Option<wgpu::Device>;
+/// What a blocking call has to poll while it waits.
+#[cfg(not(feature = "gpu"))]
+pub(super) type Waiter = Option<std::convert::Infallible>;
 
 impl Engine {
+    #[cfg(feature = "gpu")]
+    pub(super) async fn open(backend: Backend, world: &World) -> Result<(Self, BackendInfo)> {
+        let gpu = match backend {
+            Backend::Cpu => return Ok((Self::Cpu, cpu_info("asked for"))),
+            Backend::Gpu => Gpu::open(true).await?,
+            Backend::Auto => match Gpu::open(false).await {
+                Ok(gpu) => gpu,
+                Err(error) => {
+                    return Ok((
+                        Self::Cpu,
+                        cpu_info(&format!("chosen because there is no hardware GPU: {error}")),
+                    ));
+                }
+            },
+        };
+        let reason = if backend == Backend::Auto {
+            "chosen as the best hardware GPU"
+        } else {
+            "asked for"
+        };
+        let info = gpu_info(&gpu, reason);
+        Ok((Self::Gpu(Box::new(GpuWorld::new(&gpu, world)?)), info))
+    }
+
+    #[cfg(not(feature = "gpu"))]
     pub(super) async fn open(backend: Backend, _world: &World) -> Result<(Self, BackendInfo)> {
-        Ok((Self::Cpu, cpu_info(format!("{backend}"))))
+        const WITHOUT: &str = "this build of rockfall is without the gpu feature";
+        match backend {
+            Backend::Cpu => Ok((Self::Cpu, cpu_info("asked for"))),
+            Backend::Auto => Ok((Self::Cpu, cpu_info(&format!("chosen because {WITHOUT}")))),
+            Backend::Gpu => Err(crate::Error::NoAdapter(WITHOUT.to_owned())),
+        }
+    }
+
+    #[cfg(feature = "gpu")]
+    pub(super) fn on_device(device: &wgpu::Device, queue: &wgpu::Queue, world: &World) -> Result<(Self, BackendInfo)> {
+        let gpu = Gpu::on_device(device.clone(), queue.clone());
+        let info = gpu_info(&gpu, "the caller's device");
+        Ok((Self::Gpu(Box::new(GpuWorld::new(&gpu, world)?)), info))
     }
 
     pub(super) fn waiter(&self) -> Waiter {
-        None
+        match self {
+            Self::Cpu => None,
+            #[cfg(feature = "gpu")]
+            Self::Gpu(gpu) => Some(gpu.gpu().device().clone()),
+        }
     }
 
-    /// Runs `stages` up to `times` over, and reads the status back into `world`.
-    pub(super) async fn run(&mut self, world: &mut World, stages: &[Run], times: u64) -> Result<()> {
+    /// The world on the device.
+    #[cfg(feature = "gpu")]
+    pub(super) fn gpu_world(&self) -> Option<&GpuWorld> {
+        match self {
+            Self::Cpu => None,
+            Self::Gpu(gpu) => Some(gpu),
+        }
+    }
+
+    /// Runs `stages` up to `times` over with the status of `world`, and reads the status back into it.
+    pub(super) async fn run(&mut self, world: &mut World, stages: &[Run], times: u32) -> Result<()> {
         match self {
             Self::Cpu => {
                 for _ in 0..times {
@@ -39,58 +99,121 @@ impl Engine {
                         break;
                     }
                 }
-                Ok(())
+            }
+            #[cfg(feature = "gpu")]
+            Self::Gpu(gpu) => {
+                gpu.set_status(&world.status)?;
+                gpu.run(stages, &world.step, times)?;
+                world.status = gpu.read_status().await?;
             }
         }
+        Ok(())
     }
 
-    /// The pair lists of `world` have a new capacity.
-    pub(super) fn resize_lists(&mut self, _world: &World) -> Result<()> {
+    /// Takes over a world that was packed anew, or whose lists have a new capacity and are void.
+    pub(super) fn replace(&mut self, world: &World) -> Result<()> {
         match self {
-            Self::Cpu => Ok(()),
+            Self::Cpu => {}
+            #[cfg(feature = "gpu")]
+            Self::Gpu(gpu) => gpu.upload(world)?,
         }
+        let _ = world;
+        Ok(())
     }
 
-    /// Everything about `world` changed.
-    pub(super) fn replace(&mut self, _world: &World) -> Result<()> {
+    /// The lists of the world have a new capacity; what they held is void.
+    pub(super) fn resize_lists(&mut self, world: &World) -> Result<()> {
         match self {
-            Self::Cpu => Ok(()),
+            Self::Cpu => {}
+            #[cfg(feature = "gpu")]
+            Self::Gpu(gpu) => gpu.resize_lists(world)?,
         }
+        let _ = world;
+        Ok(())
     }
 
-    /// These buffers of `world` changed.
-    pub(super) fn upload(&mut self, _world: &World, _buffers: &[Buffer]) -> Result<()> {
+    /// The words of the world changed, and with them offsets in the uniform block.
+    pub(super) fn upload_words(&mut self, world: &World) -> Result<()> {
         match self {
-            Self::Cpu => Ok(()),
+            Self::Cpu => {}
+            #[cfg(feature = "gpu")]
+            Self::Gpu(gpu) => gpu.upload_words(world)?,
         }
+        let _ = world;
+        Ok(())
     }
 
-    /// Reads buffers back into `world`.
-    pub(super) async fn download(&mut self, _world: &mut World, _buffers: &[Buffer]) -> Result<()> {
+    /// The state of the spheres changed.
+    pub(super) fn upload_spheres(&mut self, world: &World) -> Result<()> {
         match self {
-            Self::Cpu => Ok(()),
+            Self::Cpu => {}
+            #[cfg(feature = "gpu")]
+            Self::Gpu(gpu) => {
+                gpu.upload_buffer(world, Buffer::Start)?;
+                gpu.upload_buffer(world, Buffer::Orientations)?;
+            }
         }
+        let _ = world;
+        Ok(())
+    }
+
+    /// Reads the state of the spheres back into `world`.
+    pub(super) async fn download_spheres(&mut self, world: &mut World) -> Result<()> {
+        match self {
+            Self::Cpu => {}
+            #[cfg(feature = "gpu")]
+            Self::Gpu(gpu) => gpu.download(world, &[Buffer::Start, Buffer::Orientations]).await?,
+        }
+        let _ = world;
+        Ok(())
     }
 }
 
-fn cpu_info(reason: String) -> BackendInfo {
+fn cpu_info(reason: &str) -> BackendInfo {
     let threads = rayon::current_num_threads();
     let plural = if threads == 1 { "" } else { "s" };
     BackendInfo {
         kind: Backend::Cpu,
         device: format!("CPU, {threads} thread{plural}"),
-        reason,
+        reason: reason.to_owned(),
+    }
+}
+
+#[cfg(feature = "gpu")]
+fn gpu_info(gpu: &Gpu, reason: &str) -> BackendInfo {
+    let info = gpu.info();
+    let software = if info.device_type == wgpu::DeviceType::Cpu {
+        ", software"
+    } else {
+        ""
+    };
+    BackendInfo {
+        kind: Backend::Gpu,
+        device: format!("{} ({}{software})", info.name, info.backend),
+        reason: reason.to_owned(),
     }
 }
 
 /// Drives a future to its end on this thread.
-pub(super) fn block_on<F: Future>(_waiter: Waiter, future: F) -> F::Output {
-    let mut future = pin!(future);
-    let mut context = Context::from_waker(Waker::noop());
+#[cfg(all(feature = "gpu", not(target_family = "wasm")))]
+pub(super) fn block_on<T>(waiter: Waiter, future: impl Future<Output = Result<T>>) -> Result<T> {
+    match waiter {
+        Some(device) => crate::gpu::block_on(&device, future),
+        None => crate::gpu::drive(future, || {
+            std::thread::yield_now();
+            Ok(())
+        })?,
+    }
+}
+
+/// Drives a future to its end on this thread; without a device, it never waits for anything.
+#[cfg(not(feature = "gpu"))]
+pub(super) fn block_on<T>(_waiter: Waiter, future: impl Future<Output = Result<T>>) -> Result<T> {
+    let mut future = std::pin::pin!(future);
+    let mut context = std::task::Context::from_waker(std::task::Waker::noop());
     loop {
-        if let Poll::Ready(output) = future.as_mut().poll(&mut context) {
-            return output;
+        if let std::task::Poll::Ready(value) = future.as_mut().poll(&mut context) {
+            return value;
         }
-        std::thread::yield_now();
     }
 }

@@ -23,6 +23,19 @@ impl Simulation {
         engine::block_on(device, self.sync_async())
     }
 
+    /// The buffers on the GPU, for rendering and other kernels; `None` on the CPU backend. Their layout is that of
+    /// [`layout`](crate::layout) and [`Buffer`](crate::stage::Buffer). Sphere i in order of addition stands at memory slot
+    /// [`Simulation::slot`]`(i)`.
+    #[cfg(feature = "gpu")]
+    pub fn gpu_view(&self) -> Option<&crate::gpu::GpuWorld> {
+        self.engine.gpu_world()
+    }
+
+    /// The memory slot of a sphere, by its index in order of addition, in every buffer that is indexed by spheres.
+    pub fn slot(&self, sphere: usize) -> usize {
+        sphere
+    }
+
     /// One sphere as it is now.
     ///
     /// # Errors

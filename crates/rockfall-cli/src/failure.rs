@@ -1,0 +1,55 @@
+//! Why a command ends early, and with which exit code.
+
+use std::fmt::Display;
+use std::io;
+use std::path::Path;
+use std::process::ExitCode;
+
+use rockfall::Error;
+
+use crate::output;
+
+/// A command's error.
+#[derive(Debug)]
+pub(crate) enum Failure {
+    /// Wrong usage or a bad scene: exit code 2.
+    Usage(String),
+    /// The run failed: exit code 1.
+    Run(String),
+    /// Nobody reads standard output any more, which is no error: exit code 0.
+    ClosedPipe,
+}
+
+impl Failure {
+    /// Wrong usage or a bad scene.
+    pub(crate) fn usage(message: impl Display) -> Self {
+        Self::Usage(message.to_string())
+    }
+
+    /// A file that could not be written.
+    pub(crate) fn file(path: &Path, error: &io::Error) -> Self {
+        Self::Run(format!("{}: cannot be written: {error}", path.display()))
+    }
+
+    /// Prints the message, if there is one.
+    pub(crate) fn report(self) -> ExitCode {
+        let (code, message) = match self {
+            Self::ClosedPipe => return ExitCode::SUCCESS,
+            Self::Usage(message) => (2, message),
+            Self::Run(message) => (1, message),
+        };
+        output::note(&format!("error: {message}"));
+        ExitCode::from(code)
+    }
+}
+
+impl From<Error> for Failure {
+    fn from(error: Error) -> Self {
+        match error {
+            Error::Invalid { .. } | Error::UnknownSetting { .. } | Error::SceneLine { .. } | Error::TooManyObjects { .. } => {
+                Self::usage(error)
+            }
+            _ => Self::Run(error.to_string()),
+        }
+    }
+}

@@ -1,0 +1,47 @@
+//! `rockfall generate`: a scene of any size.
+
+use std::io::Write as _;
+use std::path::PathBuf;
+
+use rockfall::output::AtomicFile;
+use rockfall::scene::generate::Kind;
+
+use crate::failure::Failure;
+use crate::output;
+
+#[derive(Debug, clap::Args)]
+pub(crate) struct Arguments {
+    /// pile, mixed, soft, chain or hopper
+    kind: Kind,
+    /// Number of spheres, those of rods and capsules included
+    #[arg(long, value_name = "N")]
+    spheres: u32,
+    /// The same seed makes the same scene
+    #[arg(long, value_name = "S", default_value_t = 0)]
+    seed: u64,
+    /// Scene file to write; standard output if left out
+    #[arg(long, value_name = "FILE")]
+    out: Option<PathBuf>,
+}
+
+pub(crate) fn generate(arguments: &Arguments) -> Result<(), Failure> {
+    let Arguments {
+        kind,
+        spheres,
+        seed,
+        out,
+    } = arguments;
+    let file = out
+        .as_ref()
+        .map(|path| AtomicFile::create(path).map_err(|error| Failure::file(path, &error)));
+    let file = file.transpose()?;
+    let scene = kind.generate(*spheres, *seed)?;
+    let title = format!("rockfall generate {kind} --spheres {spheres} --seed {seed}\n\n");
+    let text = title + &scene.to_text();
+    let (Some(mut file), Some(path)) = (file, out) else {
+        return output::print(&text);
+    };
+    file.write_all(text.as_bytes())
+        .and_then(|()| file.commit())
+        .map_err(|error| Failure::file(path, &error))
+}

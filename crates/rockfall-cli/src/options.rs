@@ -1,0 +1,94 @@
+//! Arguments that several commands share.
+
+use std::fmt;
+use std::path::PathBuf;
+
+use rockfall::{Integrator, Settings};
+
+/// What decides how a scene behaves.
+#[derive(Debug, clap::Args)]
+pub(crate) struct Physics {
+    /// Time step in seconds
+    #[arg(long, value_name = "S", default_value = "0.02", value_parser = time_step, allow_negative_numbers = true)]
+    pub(crate) dt: f32,
+    /// rk4 or symplectic-euler
+    #[arg(long, default_value_t)]
+    pub(crate) integrator: Integrator,
+    /// Change a constant, after the scene's own settings; may be repeated
+    #[arg(long, value_name = "NAME=VALUE")]
+    pub(crate) set: Vec<Setting>,
+}
+
+/// The scene argument.
+#[derive(Debug, clap::Args)]
+pub(crate) struct SceneArgument {
+    /// Scene file, or - for standard input
+    pub(crate) scene: PathBuf,
+}
+
+impl Physics {
+    /// Applies `--set` to a scene's settings.
+    pub(crate) fn change(&self, settings: &mut Settings) -> Result<(), rockfall::Error> {
+        self.set
+            .iter()
+            .try_for_each(|setting| settings.set(&setting.name, &setting.value))
+    }
+}
+
+/// A `--set` argument that was tried out.
+#[derive(Clone, Debug)]
+pub(crate) struct Setting {
+    name: String,
+    value: String,
+}
+
+impl std::str::FromStr for Setting {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let (name, value) = text.split_once('=').ok_or("expected NAME=VALUE")?;
+        let tried = Settings::default().set(name, value);
+        tried.map_err(|error| error.to_string())?;
+        Ok(Self {
+            name: name.to_owned(),
+            value: value.to_owned(),
+        })
+    }
+}
+
+fn time_step(text: &str) -> Result<f32, String> {
+    match text.parse::<f32>() {
+        Ok(dt) if dt.is_finite() && dt > 0.0 => Ok(dt),
+        _ => Err("expected a finite number of seconds greater than 0".to_owned()),
+    }
+}
+
+/// `1 sphere`, `2 spheres`, `3 boxes`.
+pub(crate) fn counted(count: usize, one: &str, many: &str) -> String {
+    format!("{count} {}", if count == 1 { one } else { many })
+}
+
+/// The kinds of objects that a scene has, as a list in words.
+pub(crate) struct InWords(pub(crate) rockfall::Counts);
+
+impl fmt::Display for InWords {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let counts = &self.0;
+        let kinds = [
+            (counts.spheres, "sphere", "spheres"),
+            (counts.rods, "rod", "rods"),
+            (counts.capsules, "capsule", "capsules"),
+            (counts.springs, "spring", "springs"),
+            (counts.tethers, "tether", "tethers"),
+            (counts.boxes, "box", "boxes"),
+            (counts.polygons, "polygon", "polygons"),
+        ];
+        let there: Vec<String> = kinds
+            .into_iter()
+            .filter(|(count, ..)| *count > 0)
+            .map(|(count, one, many)| counted(count, one, many))
+            .collect();
+        f.write_str(if there.is_empty() { "none" } else { "" })?;
+        f.write_str(&there.join(", "))
+    }
+}

@@ -1,0 +1,20 @@
+//! Standard output and standard error, either of which may be closed at any time.
+
+use std::io::{self, BufWriter, ErrorKind, Write};
+
+use crate::failure::Failure;
+
+/// Prints a command's result.
+pub(crate) fn print(text: &str) -> Result<(), Failure> {
+    let mut out = BufWriter::new(io::stdout().lock());
+    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+        Ok(()) => Ok(()),
+        Err(error) if error.kind() == ErrorKind::BrokenPipe => Err(Failure::ClosedPipe),
+        Err(error) => Err(Failure::Run(format!("standard output cannot be written: {error}"))),
+    }
+}
+
+/// Prints a line on standard error; where that is closed there is nobody left to tell.
+pub(crate) fn note(line: &str) {
+    let _ = writeln!(io::stderr(), "{line}");
+}

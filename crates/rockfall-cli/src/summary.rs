@@ -1,0 +1,130 @@
+//! What a run tells at its end.
+
+use std::fmt::Write as _;
+
+use rockfall::{Energy, Scene, Simulation};
+use serde_json::json;
+
+use crate::failure::Failure;
+use crate::options::InWords;
+use crate::picture;
+
+/// What the simulation itself does not know of the run.
+pub(crate) struct Summary<'a> {
+    pub(crate) name: &'a str,
+    pub(crate) dt: f32,
+    /// Wall time of the steps, in s.
+    pub(crate) seconds: f64,
+    /// Energy at the start.
+    pub(crate) before: Energy,
+}
+
+impl Summary<'_> {
+    fn steps_per_second(&self, steps: u64) -> f64 {
+        if steps == 0 {
+            0.0
+        } else {
+            steps as f64 / self.seconds.max(1e-9)
+        }
+    }
+
+    /// One JSON object, for programs.
+    pub(crate) fn json(&self, simulation: &Simulation) -> String {
+        let report = simulation.report();
+        let backend = simulation.backend();
+        let counts = simulation.scene().counts();
+        // Through its text, so that 0.02 does not become 0.019999999552965164.
+        let dt: f64 = self.dt.to_string().parse().unwrap_or(f64::from(self.dt));
+        let object = json!({
+            "scene": self.name,
+            "backend": backend.kind.to_string(),
+            "device": backend.device,
+            "steps": report.steps,
+            "dt": dt,
+            "seconds": self.seconds,
+            "steps_per_second": self.steps_per_second(report.steps),
+            "objects": {
+                "spheres": counts.spheres,
+                "rods": counts.rods,
+                "capsules": counts.capsules,
+                "springs": counts.springs,
+                "tethers": counts.tethers,
+                "boxes": counts.boxes,
+                "polygons": counts.polygons,
+            },
+            "contacts": report.contacts,
+            "collisions": report.total_collisions,
+            "replays": report.replays,
+            "non_finite": report.non_finite,
+        });
+        format!("{object}\n")
+    }
+
+    /// A table, for people.
+    pub(crate) fn table(&self, simulation: &mut Simulation) -> Result<String, Failure> {
+        let report = simulation.report();
+        let after = simulation.energy()?;
+        let backend = simulation.backend();
+        let mut text = format!("{}\n", self.name);
+        let mut row = |name: &str, value: String| {
+            // Writing to a string cannot fail.
+            let _ = writeln!(text, "  {name:<11} {value}");
+        };
+        row(
+            "backend",
+            format!("{}: {} ({})", backend.kind, backend.device, backend.reason),
+        );
+        row("objects", InWords(simulation.scene().counts()).to_string());
+        let speed = self.steps_per_second(report.steps);
+        let real_time = if self.seconds > 0.0 { report.time / self.seconds } else { 0.0 };
+        row(
+            "steps",
+            format!(
+                "{} of {} s = {:.6} s, done in {:.3} s: {speed:.0} steps/s, {real_time:.1} times real time",
+                report.steps, self.dt, report.time, self.seconds
+            ),
+        );
+        let energies = |energy: &Energy| {
+            let [kinetic, potential, spring, contact] =
+                [energy.kinetic, energy.potential, energy.spring, energy.contact].map(short);
+            let total = short(energy.total());
+            format!("{total:>10} = {kinetic} kinetic + {potential} potential + {spring} spring + {contact} contact")
+        };
+        row("energy", format!("{} at the start", energies(&self.before)));
+        row("", format!("{} at the end", energies(&after)));
+        row(
+            "contacts",
+            format!(
+                "{} in the last step, deepest overlap {}",
+                report.contacts,
+                short(report.max_overlap.into())
+            ),
+        );
+        row(
+            "collisions",
+            format!("{} in all, {} in the last step", report.total_collisions, report.collisions),
+        );
+        if report.replays > 0 {
+            row("replays", format!("{} steps run again with longer lists", report.replays));
+        }
+        if report.non_finite > 0 {
+            row("not finite", format!("{} times a body was stopped", report.non_finite));
+        }
+        let scene: &Scene = simulation.sync()?;
+        text.push_str(&picture::side_view(scene));
+        Ok(text)
+    }
+}
+
+/// Four significant digits.
+fn short(number: f64) -> String {
+    let size = number.abs();
+    if size == 0.0 {
+        "0".to_owned()
+    } else if (1e-3..1e5).contains(&size) {
+        let digits = (3 - size.log10().floor() as i32).max(0) as usize;
+        format!("{number:.digits$}")
+    } else {
+        format!("{number:.3e}")
+    }
+}

@@ -1,0 +1,416 @@
+//! The real binary, on good and bad scenes and arguments.
+
+use std::fs;
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output, Stdio};
+
+use serde_json::Value;
+use tempfile::TempDir;
+
+/// Two balls and a box that they fall on.
+const SCENE: &str = "Two balls over a box.\nS 1 0 1 0 0 0 0 0 0 0 1 0.5 0\nS 2 0.25 2.5 -0 1e-40 0 0 0 0 0 1 0.5\n\
+                     B -5 -1 -5 10 0 0 0 1 0 0 0 10\n";
+
+/// A folder of a test's own, and commands that run in it.
+struct Rockfall {
+    folder: TempDir,
+}
+
+impl Rockfall {
+    /// An empty folder but for `scene.txt`.
+    fn with(scene: &str) -> Self {
+        let folder = tempfile::tempdir().unwrap();
+        fs::write(folder.path().join("scene.txt"), scene).unwrap();
+        Self { folder }
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.folder.path().join(name)
+    }
+
+    fn read(&self, name: &str) -> String {
+        fs::read_to_string(self.path(name)).unwrap()
+    }
+
+    fn command(&self, arguments: &str) -> Command {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_rockfall"));
+        command.current_dir(self.folder.path()).args(arguments.split_whitespace());
+        command
+    }
+
+    /// Runs a command that must end with this exit code; gives standard output and standard error.
+    #[track_caller]
+    fn run(&self, arguments: &str, code: i32) -> (String, String) {
+        finish(self.command(arguments).output().unwrap(), arguments, code)
+    }
+
+    #[track_caller]
+    fn run_with_input(&self, arguments: &str, input: &[u8], code: i32) -> (String, String) {
+        let mut child = self
+            .command(arguments)
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .unwrap();
+        child.stdin.take().unwrap().write_all(input).unwrap();
+        finish(child.wait_with_output().unwrap(), arguments, code)
+    }
+}
+
+#[track_caller]
+fn finish(output: Output, arguments: &str, code: i32) -> (String, String) {
+    let out = String::from_utf8(output.stdout).unwrap();
+    let err = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(code), "{arguments}\n{out}\n{err}");
+    assert!(!err.contains("panicked"), "{arguments}\n{err}");
+    (out, err)
+}
+
+fn scenes() -> Vec<PathBuf> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes");
+    let mut paths: Vec<PathBuf> = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect();
+    paths.sort();
+    paths
+}
+
+#[test]
+fn every_scene_of_the_collection_is_good_and_runs() {
+    let rockfall = Rockfall::with("");
+    assert!(scenes().len() >= 8);
+    for path in scenes() {
+        let path = path.to_str().unwrap();
+        for integrator in ["rk4", "symplectic-euler"] {
+            let (out, _) = rockfall.run(&format!("check {path} --integrator {integrator}"), 0);
+            assert!(out.contains("spheres") && !out.contains("warning"), "{out}");
+        }
+        let (out, err) = rockfall.run(&format!("run {path} --backend cpu --steps 100"), 0);
+        assert!(out.contains("cpu: ") && out.contains("energy"), "{out}");
+        assert_eq!(err, "");
+    }
+}
+
+#[test]
+fn without_a_scene_the_built_in_one_runs() {
+    let rockfall = Rockfall::with("");
+    let (out, _) = rockfall.run("run --backend cpu --steps 3", 0);
+    assert!(out.starts_with("built-in "), "{out}");
+}
+
+#[test]
+fn json_is_one_object_with_all_keys() {
+    let rockfall = Rockfall::with(SCENE);
+    let (out, err) = rockfall.run("run scene.txt --backend cpu --steps 60 --json", 0);
+    assert_eq!(err, "");
+    let object: Value = serde_json::from_str(&out).unwrap();
+    let mut keys: Vec<&str> = object.as_object().unwrap().keys().map(String::as_str).collect();
+    keys.sort_unstable();
+    let expected = "backend collisions contacts device dt non_finite objects replays scene seconds steps steps_per_second";
+    assert_eq!(keys, expected.split(' ').collect::<Vec<_>>());
+    assert_eq!(object["scene"], "scene.txt");
+    assert_eq!(object["backend"], "cpu");
+    assert_eq!(object["steps"], 60);
+    assert_eq!(object["dt"], 0.02);
+    assert_eq!(object["objects"]["spheres"], 2);
+    assert_eq!(object["objects"]["boxes"], 1);
+    assert_eq!(object["objects"].as_object().unwrap().len(), 7);
+    assert!(object["collisions"].as_u64().unwrap() > 0, "{out}");
+    assert_eq!(object["non_finite"], 0);
+    assert!(object["steps_per_second"].as_f64().unwrap() > 0.0);
+}
+
+#[test]
+fn the_state_file_reads_back_bit_for_bit() {
+    let rockfall = Rockfall::with(SCENE);
+    rockfall.run("run scene.txt --backend cpu --steps 0 --out state.csv", 0);
+    let text = rockfall.read("state.csv");
+    let lines: Vec<&str> = text.lines().collect();
+    assert_eq!(lines[0], "sphere,x,y,z,vx,vy,vz,qw,qx,qy,qz,lx,ly,lz");
+    assert_eq!(lines.len(), 3);
+    assert_eq!(lines[1], "0,0,1,0,0,0,0,1,0,0,0,0,0,0");
+    let second: Vec<f32> = lines[2].split(',').map(|field| field.parse().unwrap()).collect();
+    assert_eq!(second.len(), 14);
+    assert_eq!(second[1], 0.25);
+    assert_eq!(second[3].to_bits(), (-0.0_f32).to_bits());
+    assert_eq!(second[4].to_bits(), 1e-40_f32.to_bits());
+
+    // Runs of the same scene end in the same bits, with and without a trace.
+    rockfall.run("run scene.txt --backend cpu --steps 50 --out a.csv", 0);
+    rockfall.run("run scene.txt --backend cpu --steps 50 --out b.csv --trace trace.csv", 0);
+    assert_eq!(rockfall.read("a.csv"), rockfall.read("b.csv"));
+}
+
+#[test]
+fn the_trace_has_a_line_for_the_start_and_one_for_every_step() {
+    let rockfall = Rockfall::with(&SCENE.replace("1e-40", "0"));
+    rockfall.run("run scene.txt --backend cpu --steps 40 --dt 0.01 --trace trace.csv", 0);
+    let text = rockfall.read("trace.csv");
+    let lines: Vec<&str> = text.lines().collect();
+    assert_eq!(
+        lines[0],
+        "step,time,kinetic,potential,spring,contact,momentum_x,momentum_y,momentum_z,angular_x,angular_y,angular_z,\
+         max_overlap,contacts,collisions"
+    );
+    assert_eq!(lines.len(), 42);
+    assert_eq!(lines[1], "0,0,0,3.5,0,0,0,0,0,0,0,0,0,0,0");
+    let fields = |line: &str| -> Vec<f64> { line.split(',').map(|field| field.parse().unwrap()).collect() };
+    for (step, line) in lines[1..].iter().enumerate() {
+        let fields = fields(line);
+        assert_eq!(fields.len(), 15, "{line}");
+        assert_eq!(fields[0], step as f64);
+        assert!((fields[1] - 0.01 * step as f64).abs() < 1e-6, "{line}");
+    }
+    // Free fall of both until the first hits the box.
+    let tenth = fields(lines[11]);
+    assert!((tenth[7] + 2.0 * 0.1).abs() < 1e-5, "{tenth:?}");
+}
+
+#[test]
+fn settings_and_steps_are_those_of_the_arguments() {
+    let rockfall = Rockfall::with(&format!("{SCENE}set gravity 9\n"));
+    let momentum = |arguments: &str| -> f64 {
+        rockfall.run(&format!("run scene.txt --backend cpu --steps 1 --trace t.csv {arguments}"), 0);
+        let text = rockfall.read("t.csv");
+        text.lines().nth(2).unwrap().split(',').nth(7).unwrap().parse().unwrap()
+    };
+    assert!((momentum("") + 2.0 * 9.0 * 0.02).abs() < 1e-6);
+    assert!((momentum("--set gravity=3") + 2.0 * 3.0 * 0.02).abs() < 1e-6);
+    assert!((momentum("--set gravity=3 --set gravity=1 --dt 0.5e-1") + 2.0 * 0.05).abs() < 1e-6);
+    assert!((momentum("--integrator symplectic-euler --broad-phase brute-force --capacity 1") + 2.0 * 9.0 * 0.02).abs() < 1e-6);
+    rockfall.run("check scene.txt --set gravity_direction=0,0,-1", 0);
+}
+
+#[test]
+fn bad_scenes_are_named_by_file_line_and_field() {
+    let cases = [
+        (
+            "S 1 0 1 0 0 0 0 0 0 0 1",
+            "scene.txt:1: S radius: missing, expected 12 or 13 numbers after S, found 11",
+        ),
+        (
+            "x\nS 1 0 1 0 0 0 0 0 0 0 -1 1",
+            "scene.txt:2: S mass: -1 is not allowed, expected",
+        ),
+        ("\n\nR 1 2 0.1", "scene.txt:3: R end1: no sphere with reference 1"),
+        ("B 0 0 0 1 0 0 1 1 0 0 0 1", "scene.txt:1: B edges: "),
+        ("S 1 nan", "scene.txt:1: S x: 'nan' is not finite"),
+        (
+            "set gravity x",
+            "scene.txt:1: set gravity: 'x' is not allowed, expected a finite number",
+        ),
+        ("a\0", "scene.txt:1: text: a NUL byte"),
+    ];
+    for (scene, message) in cases {
+        let rockfall = Rockfall::with(scene);
+        for command in ["run scene.txt --backend cpu", "check scene.txt", "run scene.txt --json"] {
+            let (out, err) = rockfall.run(command, 2);
+            assert!(err.starts_with(&format!("error: {message}")), "{err}");
+            assert_eq!(out, "");
+        }
+    }
+}
+
+#[test]
+fn scenes_that_cannot_be_read_are_wrong_usage() {
+    let rockfall = Rockfall::with(SCENE);
+    for command in [
+        "run nowhere.txt",
+        "check nowhere.txt",
+        "run .",
+        "check .",
+        "check scene.txt/below",
+    ] {
+        let (_, err) = rockfall.run(command, 2);
+        let name = command.split(' ').nth(1).unwrap();
+        assert!(err.starts_with(&format!("error: {name}: ")), "{err}");
+    }
+}
+
+#[test]
+fn a_scene_comes_from_standard_input_too() {
+    let rockfall = Rockfall::with("");
+    let (out, _) = rockfall.run_with_input("run - --backend cpu --steps 2 --json", SCENE.as_bytes(), 0);
+    let object: Value = serde_json::from_str(&out).unwrap();
+    assert_eq!(object["objects"]["spheres"], 2);
+    let (_, err) = rockfall.run_with_input("check -", b"\xff\xfe\nS", 2);
+    assert!(err.contains("<stdin>:2: S reference: missing"), "{err}");
+    // Nothing at all is a scene without objects.
+    let (out, _) = rockfall.run_with_input("check -", b"", 0);
+    assert!(out.contains("no spheres"), "{out}");
+    rockfall.run_with_input("run - --backend cpu --steps 3", b"", 0);
+}
+
+#[test]
+fn wrong_arguments_are_wrong_usage() {
+    let rockfall = Rockfall::with(SCENE);
+    let cases = [
+        ("", "Usage"),
+        ("bench", "bench"),
+        ("view", "view"),
+        ("render scene.txt", "render"),
+        ("run scene.txt more.txt", "more.txt"),
+        ("run scene.txt --dt 0", "greater than 0"),
+        ("run scene.txt --dt -0.02", "greater than 0"),
+        ("run scene.txt --dt NaN", "greater than 0"),
+        ("run scene.txt --dt inf", "greater than 0"),
+        ("run scene.txt --dt 1e-50", "greater than 0"),
+        ("run scene.txt --dt fast", "greater than 0"),
+        ("run scene.txt --steps -1", "-1"),
+        ("run scene.txt --steps 1e3", "1e3"),
+        ("run scene.txt --steps 99999999999999999999999", "99999999999999999999999"),
+        ("run scene.txt --backend tpu", "one of: auto gpu cpu"),
+        ("run scene.txt --integrator euler", "rk4 or symplectic-euler"),
+        ("run scene.txt --broad-phase luck", "brute-force"),
+        ("run scene.txt --set gravity", "expected NAME=VALUE"),
+        ("run scene.txt --set weight=1", "unknown setting 'weight'"),
+        ("run scene.txt --set restitution=-1", "not negative"),
+        ("run scene.txt --set gravity=", "a finite number"),
+        ("run scene.txt --out same.csv --trace same.csv", "same file"),
+        ("check", "Usage"),
+        ("check scene.txt --dt 0", "greater than 0"),
+        ("generate", "Usage"),
+        ("generate heap --spheres 10", "pile, mixed, soft, chain or hopper"),
+        ("generate pile", "--spheres"),
+        ("generate pile --spheres -5", "-5"),
+        ("generate pile --spheres 0", "at least 1"),
+        ("generate pile --spheres 4000000000", "too many"),
+        ("generate pile --spheres 10 --seed x", "x"),
+        ("devices here", "here"),
+    ];
+    for (command, message) in cases {
+        let (out, err) = rockfall.run(command, 2);
+        assert!(err.contains(message), "{command}: {err}");
+        assert_eq!(out, "", "{command}");
+    }
+    assert_eq!(fs::read_dir(rockfall.folder.path()).unwrap().count(), 1, "nothing is written");
+}
+
+#[test]
+fn bad_output_paths_show_before_the_run() {
+    let rockfall = Rockfall::with(SCENE);
+    fs::create_dir(rockfall.path("folder")).unwrap();
+    for command in [
+        // So many steps that the test would not end if it ran first.
+        "run scene.txt --backend cpu --steps 1000000000000 --out no/state.csv",
+        "run scene.txt --backend cpu --steps 1000000000000 --trace no/trace.csv",
+        "run scene.txt --backend cpu --steps 1000000000000 --out folder",
+        "generate pile --spheres 10 --out no/pile.txt",
+    ] {
+        let (_, err) = rockfall.run(command, 1);
+        assert!(err.contains("cannot be written"), "{err}");
+    }
+}
+
+#[test]
+fn a_run_that_fails_leaves_the_old_files_alone() {
+    let scene = "S 1 0 0 0 0 0 0 0 0 0 1 0.1\nS 2 9 0 0 0 0 0 0 0 0 1 0.1\nK 1 2 1e6 1 0\n";
+    let rockfall = Rockfall::with(scene);
+    fs::write(rockfall.path("state.csv"), "old").unwrap();
+    let command = "run scene.txt --backend cpu --out state.csv --trace trace.csv";
+    let (out, err) = rockfall.run(command, 1);
+    assert!(err.contains("stopped being finite"), "{err}");
+    assert_eq!(out, "");
+    assert_eq!(rockfall.read("state.csv"), "old");
+    assert_eq!(fs::read_dir(rockfall.folder.path()).unwrap().count(), 2, "no part files");
+
+    let (out, _) = rockfall.run(&format!("{command} --keep-going --steps 5"), 0);
+    assert!(out.contains("times a body was stopped"), "{out}");
+    assert_eq!(rockfall.read("state.csv").lines().count(), 3);
+    assert_eq!(rockfall.read("trace.csv").lines().count(), 7);
+}
+
+#[test]
+fn check_tells_what_is_odd_and_too_stiff() {
+    let scene = "S 1 0 0 0 0 0 0 0 0 0 1 1\nS 2 5 0 0 0 0 0 0 0 0 1 1\nK 1 2 12000 5 0\nset colour red\nset friction 7\n";
+    let rockfall = Rockfall::with(scene);
+    let (out, err) = rockfall.run("check scene.txt", 0);
+    assert_eq!(err, "");
+    let lines: Vec<&str> = out.lines().collect();
+    assert_eq!(lines[0], "scene.txt: 2 spheres, 1 spring");
+    assert_eq!(lines[1], "set friction 7");
+    assert!(lines[2].starts_with("warning: scene.txt:4: taken for a comment"), "{out}");
+    // dt² (12000 + 12000) <= 8.
+    assert!(
+        lines[3].contains("spring 0 is too stiff") && lines[3].ends_with("0.0182 s"),
+        "{out}"
+    );
+    assert_eq!(lines.len(), 4, "{out}");
+    let (out, _) = rockfall.run("check scene.txt --dt 0.0182", 0);
+    assert!(out.contains("stable at a time step of 0.0182 s (rk4)"), "{out}");
+    let (out, _) = rockfall.run("check scene.txt --dt 0.0182 --integrator symplectic-euler", 0);
+    assert!(out.contains("0.0129 s"), "{out}");
+    let (out, _) = rockfall.run("check scene.txt --dt 0.001 --set contact_force=1e8", 0);
+    assert!(out.contains("the contact force is too stiff"), "{out}");
+    // `run` tells of odd lines too.
+    let (_, err) = rockfall.run("run scene.txt --backend cpu --steps 1 --json", 0);
+    assert!(err.starts_with("warning: scene.txt:4: "), "{err}");
+}
+
+#[test]
+fn generated_scenes_are_good_and_run() {
+    let rockfall = Rockfall::with("");
+    for kind in ["pile", "mixed", "soft", "chain", "hopper"] {
+        rockfall.run(&format!("generate {kind} --spheres 200 --seed 3 --out {kind}.txt"), 0);
+        let (out, _) = rockfall.run(&format!("check {kind}.txt"), 0);
+        assert!(out.contains(": 200 spheres") && !out.contains("warning"), "{out}");
+        let (out, _) = rockfall.run(&format!("run {kind}.txt --backend cpu --steps 50 --json"), 0);
+        let object: Value = serde_json::from_str(&out).unwrap();
+        assert_eq!(object["objects"]["spheres"], 200);
+        let (out, _) = rockfall.run(&format!("generate {kind} --spheres 200 --seed 3"), 0);
+        assert_eq!(out, rockfall.read(&format!("{kind}.txt")));
+    }
+    let (out, _) = rockfall.run("generate pile --spheres 1", 0);
+    let (out, _) = rockfall.run_with_input("check -", out.as_bytes(), 0);
+    assert!(out.contains(": 1 sphere, 5 boxes"), "{out}");
+}
+
+#[test]
+fn devices_always_lists_the_cpu() {
+    let (out, _) = Rockfall::with("").run("devices", 0);
+    assert!(out.contains("cpu  ") && out.contains("gpu  "), "{out}");
+}
+
+#[test]
+fn help_and_version_are_no_errors() {
+    let rockfall = Rockfall::with("");
+    let (out, _) = rockfall.run("run --help", 0);
+    for option in [
+        "--steps",
+        "--dt",
+        "--backend",
+        "--integrator",
+        "--broad-phase",
+        "--set",
+        "--out",
+        "--trace",
+        "--json",
+    ] {
+        assert!(out.contains(option), "{option}: {out}");
+    }
+    let (out, _) = rockfall.run("--version", 0);
+    assert!(out.starts_with("rockfall "), "{out}");
+}
+
+#[test]
+fn a_closed_standard_output_is_no_panic() {
+    let rockfall = Rockfall::with(SCENE);
+    for arguments in [
+        "run scene.txt --backend cpu --steps 5",
+        "run scene.txt --backend cpu --steps 5 --json",
+        "check scene.txt",
+        "devices",
+        "generate pile --spheres 20000",
+    ] {
+        let mut child = rockfall
+            .command(arguments)
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .unwrap();
+        drop(child.stdout.take());
+        let output = child.wait_with_output().unwrap();
+        let err = String::from_utf8(output.stderr).unwrap();
+        assert_eq!((output.status.code(), err.as_str()), (Some(0), ""), "{arguments}");
+    }
+}

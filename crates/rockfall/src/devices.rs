@@ -1,0 +1,36 @@
+//! Listing what rockfall could run on.
+
+/// A graphics adapter.
+#[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct DeviceInfo {
+    /// Name of the device.
+    pub name: String,
+    /// Graphics API it is reached by, for example `vulkan`.
+    pub backend: String,
+    /// What it is: discrete, integrated or virtual GPU, or a CPU that plays one.
+    pub kind: String,
+    /// Driver and its version.
+    pub driver: String,
+    /// Whether it is a CPU that plays GPU; such a one is taken only when asked for.
+    pub software: bool,
+}
+
+/// All adapters, the one that a simulation takes first; none without the feature `gpu`.
+#[cfg(all(feature = "gpu", not(target_family = "wasm")))]
+pub fn devices() -> Vec<DeviceInfo> {
+    let info = |info: wgpu::AdapterInfo| DeviceInfo {
+        name: info.name,
+        backend: info.backend.to_string(),
+        kind: format!("{:?}", info.device_type),
+        driver: format!("{} {}", info.driver, info.driver_info).trim().to_owned(),
+        software: info.device_type == wgpu::DeviceType::Cpu,
+    };
+    crate::gpu::Gpu::adapters_blocking().into_iter().map(info).collect()
+}
+
+/// All adapters, the one that a simulation takes first; none without the feature `gpu`.
+#[cfg(not(all(feature = "gpu", not(target_family = "wasm"))))]
+pub fn devices() -> Vec<DeviceInfo> {
+    Vec::new()
+}

@@ -1,0 +1,144 @@
+//! Bodies of several spheres: rods, capsules, springs, soft blobs, chains.
+
+use glam::{Mat3, Vec3};
+
+use super::{Cells, Random, ball, walled_box};
+use crate::error::Result;
+use crate::scene::{Capsule, Cuboid, Rod, Scene, Sphere, SphereId, Spring};
+
+pub(super) fn mixed(spheres: u32, random: &mut Random) -> Result<Scene> {
+    const CELL: f32 = 1.1;
+    /// Half the distance of two ends, and their radius: with the cell's jitter they stay inside it.
+    const HALF: f32 = 0.3;
+    const RADIUS: f32 = 0.18;
+    let mut scene = Scene::new();
+    // What each cell holds comes first: their number decides how wide the box is.
+    let mut left = spheres;
+    let mut pairs = Vec::new();
+    while left > 0 {
+        let pair = left > 1 && random.below(5) != 0;
+        pairs.push(pair);
+        left -= if pair { 2 } else { 1 };
+    }
+    let cells = Cells::new(pairs.len() as u32, CELL, 0.2);
+    for (index, pair) in pairs.into_iter().enumerate() {
+        let index = index as u32;
+        if !pair {
+            scene.add_sphere(ball(random, &cells, index, [0.15, 0.25]))?;
+            continue;
+        }
+        let centre = cells.centre(index) + random.offset(0.49 * CELL - HALF - RADIUS);
+        let arm = HALF * random.direction();
+        let kind = random.below(4);
+        if kind < 2 {
+            scene.add_capsule(Capsule::new(centre - arm, centre + arm, RADIUS).mass(2.0))?;
+            continue;
+        }
+        let a = scene.add_sphere(Sphere::new(centre - arm, RADIUS))?;
+        let b = scene.add_sphere(Sphere::new(centre + arm, RADIUS))?;
+        // The thesis's example: a rod thinner than its ends, held by a spring instead of a length.
+        if kind == 2 {
+            scene.add_rod(Rod::new(a, b, 0.1))?;
+        }
+        scene.add_spring(Spring::new(a, b, 200.0, 2.0 * HALF).damping(1.0))?;
+    }
+    let half = cells.half_width();
+    walled_box(&mut scene, half, half, cells.top() + 1.0)?;
+    Ok(scene)
+}
+
+/// Spheres along an edge of a blob.
+const SIDE: i32 = 3;
+const BLOB: u32 = (SIDE * SIDE * SIDE) as u32;
+
+pub(super) fn soft(spheres: u32, random: &mut Random) -> Result<Scene> {
+    // The ball about a blob is 0.84 sqrt(3) + 0.32 = 1.78 wide.
+    const CELL: f32 = 1.8;
+    let mut scene = Scene::new();
+    let cells = Cells::new(spheres.div_ceil(BLOB), CELL, 0.9);
+    for (index, first) in (0..spheres).step_by(BLOB as usize).enumerate() {
+        blob(&mut scene, random, cells.centre(index as u32), BLOB.min(spheres - first))?;
+    }
+    let half = cells.half_width() + 0.5;
+    walled_box(&mut scene, half, half, cells.top() + 1.0)?;
+    // Blocks on the floor to fall over, one below every column.
+    for column in 0..cells.across * cells.across {
+        let at = cells.centre(column) + random.offset(0.3);
+        let size = random.between(0.2, 0.4);
+        let corner = Vec3::new(at.x - size, 0.0, at.z - size);
+        scene.add_box(Cuboid::between(
+            corner,
+            corner + Vec3::new(2.0 * size, 2.0 * size, 2.0 * size),
+        ))?;
+    }
+    Ok(scene)
+}
+
+/// The first `count` spheres of a cubic lattice, at a random angle: springs between neighbours along edges and face
+/// diagonals, free rods as the skin of its outer edges.
+fn blob(scene: &mut Scene, random: &mut Random, centre: Vec3, count: u32) -> Result<()> {
+    const SPACING: f32 = 0.42;
+    const RADIUS: f32 = 0.16;
+    let turn = turn(random);
+    let points: Vec<[i32; 3]> = (0..count as i32)
+        .map(|index| [index % SIDE, index / SIDE % SIDE, index / (SIDE * SIDE)])
+        .collect();
+    let mut ids: Vec<SphereId> = Vec::with_capacity(points.len());
+    for (index, point) in points.iter().enumerate() {
+        let place = Vec3::from_array(point.map(|part| SPACING * (part - SIDE / 2) as f32));
+        let id = scene.add_sphere(Sphere::new(centre + turn * place, RADIUS))?;
+        for (other, near) in points[..index].iter().zip(&ids) {
+            let [x, y, z] = [0, 1, 2].map(|axis| (point[axis] - other[axis]).abs());
+            let square = x * x + y * y + z * z;
+            if x.max(y).max(z) > 1 || square > 2 {
+                continue;
+            }
+            let length = SPACING * (square as f32).sqrt();
+            scene.add_spring(Spring::new(*near, id, 60.0, length).damping(0.5))?;
+            let outer = |axis: usize| point[axis] == other[axis] && point[axis] % (SIDE - 1) == 0;
+            if square == 1 && (0..3).filter(|axis| outer(*axis)).count() == 2 {
+                scene.add_rod(Rod::new(*near, id, 0.06))?;
+            }
+        }
+        ids.push(id);
+    }
+    Ok(())
+}
+
+/// A random rotation.
+fn turn(random: &mut Random) -> Mat3 {
+    let x = random.direction();
+    let y = x.any_orthonormal_vector();
+    Mat3::from_cols(x, y, x.cross(y))
+}
+
+pub(super) fn chain(spheres: u32, random: &mut Random) -> Result<Scene> {
+    /// Spheres of a chain, the fixed one included.
+    const LINKS: u32 = 10;
+    const LINK: f32 = 0.5;
+    /// Distances of the fixed spheres, along the swing and across it.
+    const ALONG: f32 = 1.5;
+    const ACROSS: f32 = 0.8;
+    let mut scene = Scene::new();
+    let chains = spheres.div_ceil(LINKS);
+    let mut rows = 1;
+    while u64::from(rows).pow(2) < u64::from(chains) {
+        rows += 1;
+    }
+    for chain in 0..chains {
+        let (row, place) = (chain / rows, chain % rows);
+        let hook = Vec3::new(ALONG * place as f32, 6.0, ACROSS * row as f32);
+        // All to the same side, about 60 degrees from the vertical; no two alike, so that they knock together later.
+        let aside = Vec3::new(0.87 + random.between(-0.03, 0.03), -0.5, 0.0).normalize();
+        let mut above: Option<SphereId> = None;
+        for link in 0..LINKS.min(spheres - chain * LINKS) {
+            let mut sphere = Sphere::new(hook + link as f32 * LINK * aside, 0.15);
+            sphere.fixed = link == 0;
+            let id = scene.add_sphere(sphere)?;
+            if let Some(above) = above.replace(id) {
+                scene.add_rod(Rod::new(above, id, 0.05).length(LINK))?;
+            }
+        }
+    }
+    Ok(scene)
+}

@@ -1,0 +1,251 @@
+//! Writing the scene text that [`Scene::parse`] reads back: the same objects, bit for bit, in the same order of addition.
+
+use std::fmt::Write as _;
+use std::io::Write as _;
+use std::path::Path;
+
+use glam::{Quat, Vec3};
+
+use super::{Rod, Scene, Sphere};
+use crate::error::{Error, Result};
+use crate::output::AtomicFile;
+use crate::settings::Settings;
+
+impl Scene {
+    /// The scene as text. References are the spheres' indices in order of addition. A capsule is a C line where that says
+    /// all about it, else two S lines, an R line and an `@capsule` line.
+    ///
+    /// All of it reads back, except settings filled in by hand with values that [`Settings::validate`] refuses.
+    pub fn to_text(&self) -> String {
+        let mut writer = Writer {
+            scene: self,
+            text: String::with_capacity(64 * (self.spheres.len() + self.springs.len()) + 64 * self.rods.len()),
+            group: 0,
+            rods_written: 0,
+            capsules_written: 0,
+        };
+        writer.settings();
+        writer.spheres_and_rods();
+        writer.springs_and_tethers();
+        writer.statics();
+        writer.text
+    }
+
+    /// Writes the scene to a file: all of it or, on an error, nothing.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] for settings that could not be read back, [`Error::File`] when the file cannot be written.
+    pub fn save(&self, path: impl AsRef<Path>) -> Result<()> {
+        self.settings.validate()?;
+        let path = path.as_ref();
+        let write = || {
+            let mut file = AtomicFile::create(path)?;
+            file.write_all(self.to_text().as_bytes())?;
+            file.commit()
+        };
+        write().map_err(|source| Error::File {
+            file: path.to_owned(),
+            source,
+        })
+    }
+}
+
+/// What a number is down to its sign of zero.
+fn bits(vector: Vec3) -> [u32; 3] {
+    vector.to_array().map(f32::to_bits)
+}
+
+fn turned(orientation: Quat) -> bool {
+    orientation.to_array().map(f32::to_bits) != Quat::IDENTITY.to_array().map(f32::to_bits)
+}
+
+struct Writer<'a> {
+    scene: &'a Scene,
+    text: String,
+    group: u16,
+    /// Rods and capsules come in order of addition, so that counts tell which are still to come.
+    rods_written: usize,
+    capsules_written: usize,
+}
+
+impl Writer<'_> {
+    /// Adds a line: its word, its references, its numbers.
+    fn line(&mut self, word: &str, references: &[usize], numbers: &[f32]) {
+        self.text.push_str(word);
+        // Writing to a string cannot fail.
+        for reference in references {
+            let _ = write!(self.text, " {reference}");
+        }
+        for number in numbers {
+            let _ = write!(self.text, " {number}");
+        }
+        self.text.push('\n');
+    }
+
+    fn in_group(&mut self, group: u16) {
+        if self.group != group {
+            self.group = group;
+            self.line("@group", &[group.into()], &[]);
+        }
+    }
+
+    fn settings(&mut self) {
+        let defaults = Settings::default();
+        for name in Settings::NAMES {
+            let value = self.scene.settings.get(name);
+            if let Some(value) = value.filter(|value| defaults.get(name).as_ref() != Some(value)) {
+                let _ = writeln!(self.text, "set {name} {value}");
+            }
+        }
+    }
+
+    /// Index of a sphere, which a valid scene has.
+    fn index(&self, id: super::SphereId) -> usize {
+        self.scene.spheres.index(id).unwrap_or(usize::MAX)
+    }
+
+    fn spheres_and_rods(&mut self) {
+        let capsules = self.plain_capsules();
+        let spheres = self.scene.spheres();
+        let mut at = 0;
+        while at < spheres.len() {
+            match capsules[at] {
+                // The C line adds a rod too, so all rods before that one must come first, with their spheres.
+                Some(rod) if self.rods_before(rod, at) => {
+                    self.rods_until(rod);
+                    self.capsule(&spheres[at], &spheres[at + 1]);
+                    at += 2;
+                }
+                _ => {
+                    self.sphere(at, &spheres[at]);
+                    at += 1;
+                }
+            }
+        }
+        self.rods_until(self.scene.rods.len());
+    }
+
+    /// Whether the rods that are still to come before `rod` join only spheres before `sphere`.
+    fn rods_before(&self, rod: usize, sphere: usize) -> bool {
+        let ends_before = |rod: &Rod| self.index(rod.end1) < sphere && self.index(rod.end2) < sphere;
+        let between = self.scene.rods().get(self.rods_written..rod);
+        between.is_some_and(|rods| rods.iter().all(ends_before))
+    }
+
+    /// For each sphere that is end 1 of a capsule that a C line can express: the capsule's rod.
+    fn plain_capsules(&self) -> Vec<Option<usize>> {
+        let scene = self.scene;
+        // A sphere of a C line has no reference, so that nothing else can be attached to it.
+        let mut uses = vec![0_u32; scene.spheres.len()];
+        let rods = scene.rods().iter().flat_map(|rod| [rod.end1, rod.end2]);
+        let springs = scene.springs().iter().flat_map(|spring| [spring.a, spring.b]);
+        let tethers = scene.tethers().iter().map(|tether| tether.sphere);
+        for id in rods.chain(springs).chain(tethers) {
+            uses[self.index(id)] += 1;
+        }
+        let mut plain = vec![None; scene.spheres.len()];
+        for parts in scene.capsules() {
+            let (one, two) = (self.index(parts.end1), self.index(parts.end2));
+            let Ok(rod) = scene.rods.index(parts.rod) else { continue };
+            let alone = two == one + 1 && uses[one] == 1 && uses[two] == 1;
+            if alone && is_plain(&scene.spheres()[one], &scene.spheres()[two], &scene.rods()[rod]) {
+                plain[one] = Some(rod);
+            }
+        }
+        plain
+    }
+
+    fn capsule(&mut self, first: &Sphere, second: &Sphere) {
+        self.in_group(first.group);
+        let [a, b, v] = [first.position, second.position, first.velocity];
+        let mass = first.mass * 2.0;
+        self.line("C", &[], &[a.x, a.y, a.z, b.x, b.y, b.z, v.x, v.y, v.z, mass, first.radius]);
+        self.rods_written += 1;
+        self.capsules_written += 1;
+    }
+
+    fn sphere(&mut self, index: usize, sphere: &Sphere) {
+        self.in_group(sphere.group);
+        let [p, v, l] = [sphere.position, sphere.velocity, sphere.angular_momentum];
+        let fixed = if sphere.fixed { 1.0 } else { 0.0 };
+        self.line(
+            "S",
+            &[index],
+            &[p.x, p.y, p.z, v.x, v.y, v.z, l.x, l.y, l.z, sphere.mass, sphere.radius, fixed],
+        );
+        if turned(sphere.orientation) {
+            let q = sphere.orientation;
+            self.line("@orientation", &[index], &[q.w, q.x, q.y, q.z]);
+        }
+        if bits(sphere.force) != [0; 3] {
+            self.line("@force", &[index], &sphere.force.to_array());
+        }
+    }
+
+    /// Writes the rods that are still to come before `end`, and marks those of capsules.
+    fn rods_until(&mut self, end: usize) {
+        let scene = self.scene;
+        while self.rods_written < end {
+            let rod = &scene.rods()[self.rods_written];
+            let ends = [self.index(rod.end1), self.index(rod.end2)];
+            self.in_group(rod.group);
+            match rod.length {
+                Some(length) => self.line("R", &ends, &[rod.radius, length]),
+                None => self.line("R", &ends, &[rod.radius]),
+            }
+            let capsule = scene.capsules().get(self.capsules_written);
+            if capsule.is_some_and(|parts| scene.rods.index(parts.rod).is_ok_and(|rod| rod == self.rods_written)) {
+                self.line("@capsule", &ends, &[]);
+                self.capsules_written += 1;
+            }
+            self.rods_written += 1;
+        }
+    }
+
+    fn springs_and_tethers(&mut self) {
+        for spring in self.scene.springs() {
+            let ends = [self.index(spring.a), self.index(spring.b)];
+            self.line("K", &ends, &[spring.stiffness, spring.length, spring.damping]);
+        }
+        for tether in self.scene.tethers() {
+            let [x, y, z] = tether.point.to_array();
+            let numbers = [x, y, z, tether.stiffness, tether.length, tether.damping];
+            self.line("T", &[self.index(tether.sphere)], &numbers);
+        }
+    }
+
+    fn statics(&mut self) {
+        for cuboid in self.scene.boxes() {
+            self.in_group(cuboid.group);
+            let [i, j, k] = cuboid.edges;
+            self.vectors("B", &[cuboid.corner, i, j, k]);
+        }
+        for polygon in self.scene.polygons() {
+            self.in_group(polygon.group);
+            self.vectors("P", &[polygon.corner, polygon.left, polygon.right]);
+        }
+    }
+
+    fn vectors(&mut self, word: &str, vectors: &[Vec3]) {
+        let numbers: Vec<f32> = vectors.iter().flat_map(|vector| vector.to_array()).collect();
+        self.line(word, &[], &numbers);
+    }
+}
+
+/// Whether a C line says all about a capsule of these parts.
+fn is_plain(first: &Sphere, second: &Sphere, rod: &Rod) -> bool {
+    let at_rest = |sphere: &Sphere| {
+        let still = bits(sphere.angular_momentum) == [0; 3] && bits(sphere.force) == [0; 3];
+        still && !turned(sphere.orientation) && !sphere.fixed
+    };
+    let numbers = |sphere: &Sphere| (sphere.mass, sphere.radius, bits(sphere.velocity), sphere.group);
+    at_rest(first)
+        && at_rest(second)
+        && numbers(first) == numbers(second)
+        && (rod.radius, rod.group) == (first.radius, first.group)
+        && rod.length == Some(first.position.distance(second.position))
+}
+
+#[cfg(test)]
+#[path = "write_tests.rs"]
+mod tests;

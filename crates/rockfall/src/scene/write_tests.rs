@@ -1,0 +1,240 @@
+use std::path::Path;
+
+use proptest::prelude::*;
+
+use super::*;
+use crate::scene::generate::Kind;
+use crate::scene::{Capsule, Cuboid, Polygon, Spring, Tether};
+
+fn read(text: &str) -> Scene {
+    let loaded = Scene::parse(text, Path::new("written")).unwrap_or_else(|error| panic!("{error}\n{text}"));
+    assert_eq!(loaded.warnings, [], "{text}");
+    loaded.scene
+}
+
+/// Everything in a scene, in order of addition, with handles as indices and every float to the bit (`{:?}` prints
+/// what reads back, and the sign of zero).
+fn contents(scene: &Scene) -> Vec<String> {
+    let index = |id| scene.spheres.index(id).unwrap();
+    let mut all: Vec<String> = scene.spheres().iter().map(|sphere| format!("{sphere:?}")).collect();
+    all.extend(scene.rods().iter().map(|rod| {
+        let ends = (index(rod.end1), index(rod.end2));
+        format!("rod {ends:?} {:?} {:?} {}", rod.radius, rod.length, rod.group)
+    }));
+    all.extend(scene.capsules().iter().map(|parts| {
+        let rod = scene.rods.index(parts.rod).unwrap();
+        format!("capsule {} {} {rod}", index(parts.end1), index(parts.end2))
+    }));
+    all.extend(scene.springs().iter().map(|spring| {
+        let ends = (index(spring.a), index(spring.b));
+        format!(
+            "spring {ends:?} {:?} {:?} {:?}",
+            spring.stiffness, spring.length, spring.damping
+        )
+    }));
+    all.extend(scene.tethers().iter().map(|tether| {
+        let numbers = (tether.point, tether.stiffness, tether.length, tether.damping);
+        format!("tether {} {numbers:?}", index(tether.sphere))
+    }));
+    all.extend(scene.boxes().iter().map(|cuboid| format!("{cuboid:?}")));
+    all.extend(scene.polygons().iter().map(|polygon| format!("{polygon:?}")));
+    all.push(format!("{:?}", scene.settings));
+    all
+}
+
+fn same_again(scene: &Scene) -> String {
+    let text = scene.to_text();
+    let again = read(&text);
+    assert_eq!(contents(scene), contents(&again), "{text}");
+    assert_eq!(text, again.to_text());
+    text
+}
+
+#[test]
+fn a_capsule_is_a_c_line_where_that_says_all() {
+    let mut scene = Scene::new();
+    scene.add_sphere(Sphere::new([5.0; 3], 0.5)).unwrap();
+    let capsule = Capsule::new([0.0; 3], [0.1, 0.7, 0.0], 0.3)
+        .mass(3.0)
+        .velocity([1.0, 0.0, -0.0]);
+    let id = scene.add_capsule(capsule).unwrap();
+    let plain = same_again(&scene);
+    assert!(plain.contains("\nC 0 0 0 0.1 0.7 0 1 0 -0 3 0.3\n"), "{plain}");
+
+    let parts = *scene.capsule(id).unwrap();
+    let changes: [fn(&mut Sphere); 5] = [
+        |sphere| sphere.mass = 1.0,
+        |sphere| sphere.velocity.z = 0.0,
+        |sphere| sphere.angular_momentum.x = 1.0,
+        |sphere| sphere.fixed = true,
+        |sphere| sphere.position.x = 0.2,
+    ];
+    for change in changes {
+        let mut changed = scene.clone();
+        change(changed.spheres.get_mut(parts.end2).unwrap());
+        let text = same_again(&changed);
+        assert!(!text.contains("\nC ") && text.contains("\n@capsule 1 2\n"), "{text}");
+    }
+    let ball = scene.sphere_ids().next().unwrap();
+    scene.add_spring(Spring::new(ball, parts.end1, 1.0, 1.0)).unwrap();
+    assert!(!same_again(&scene).contains("\nC "));
+}
+
+#[test]
+fn rods_keep_their_numbers_around_capsules() {
+    let mut scene = Scene::new();
+    let a = scene.add_sphere(Sphere::new([0.0; 3], 0.5)).unwrap();
+    let b = scene.add_sphere(Sphere::new([3.0, 0.0, 0.0], 0.5)).unwrap();
+    let capsule = Capsule::new([0.0, 5.0, 0.0], [1.0, 5.0, 0.0], 0.3);
+    scene.add_rod(Rod::new(a, b, 0.1)).unwrap();
+    scene.add_capsule(capsule).unwrap();
+    let c = scene.add_sphere(Sphere::new([9.0, 0.0, 0.0], 0.5)).unwrap();
+    scene.add_rod(Rod::new(b, c, 0.2)).unwrap();
+    assert!(same_again(&scene).contains("\nC "));
+    // A rod that was added before the capsule and ends in a sphere added after: only possible through removal and the like,
+    // here by hand.
+    let first = scene.rods.handle_at(0);
+    scene.rods.get_mut(first).unwrap().end2 = c;
+    assert!(!same_again(&scene).contains("\nC "));
+}
+
+#[test]
+fn generated_scenes_read_back() {
+    for kind in Kind::ALL {
+        same_again(&kind.generate(300, 5).unwrap());
+    }
+}
+
+#[test]
+fn saving_is_all_or_nothing() {
+    let path = std::env::temp_dir().join(format!("rockfall-save-{}.txt", std::process::id()));
+    let mut scene = Scene::new();
+    scene.add_sphere(Sphere::new([0.0; 3], 0.5)).unwrap();
+    scene.save(&path).unwrap();
+    assert_eq!(contents(&Scene::load(&path).unwrap().scene), contents(&scene));
+    scene.settings.gravity = f32::NAN;
+    assert!(matches!(scene.save(&path), Err(Error::Invalid { .. })));
+    assert_eq!(Scene::load(&path).unwrap().scene.counts().spheres, 1);
+    std::fs::remove_file(&path).unwrap();
+    assert!(matches!(scene.clone().save(path.join("no")), Err(Error::Invalid { .. })));
+    scene.settings = Settings::default();
+    assert!(matches!(scene.save(path.join("no")), Err(Error::File { .. })));
+}
+
+/// Any finite number that is no nuisance to multiply: all exponents that a state takes, both zeros, subnormals.
+fn number() -> impl Strategy<Value = f32> {
+    prop_oneof![
+        any::<f32>().prop_map(|number| if number.abs() < 1e18 { number } else { 1.0 / 3.0 }),
+        -10.0_f32..10.0,
+        Just(0.0),
+        Just(-0.0),
+        Just(1e-40),
+    ]
+}
+
+fn vector() -> impl Strategy<Value = Vec3> {
+    [number(), number(), number()].prop_map(Vec3::from_array)
+}
+
+fn sphere() -> impl Strategy<Value = Sphere> {
+    let flags = (any::<bool>(), 0_u16..3, 0_u8..4);
+    let sizes = (0.001_f32..100.0, 0.001_f32..100.0);
+    let vectors = (vector(), vector(), vector(), vector());
+    (vectors, sizes, flags).prop_map(
+        |((position, velocity, momentum, force), (mass, radius), (fixed, group, plain))| {
+            let mut sphere = Sphere::new(position, radius).mass(mass).velocity(velocity).group(group);
+            sphere.fixed = fixed;
+            if plain != 0 {
+                sphere = sphere.angular_momentum(momentum).force(force);
+                let turn = Vec3::new(0.1, 0.2, 0.3) + momentum.clamp(-Vec3::ONE, Vec3::ONE);
+                sphere.orientation = Quat::from_xyzw(turn.x, turn.y, turn.z, 3.0).normalize();
+            }
+            sphere
+        },
+    )
+}
+
+/// What to add to a scene next; numbers choose spheres that are there.
+#[derive(Clone, Debug)]
+enum Addition {
+    Sphere(Sphere),
+    Capsule(Capsule),
+    Rod(usize, usize, f32, Option<f32>),
+    Spring(usize, usize, f32, f32, f32),
+    Tether(usize, Vec3, f32),
+    Box(Vec3, u16),
+    Polygon(Vec3, u16),
+    Remove(usize),
+    Setting(f32),
+}
+
+fn addition() -> impl Strategy<Value = Addition> {
+    let positive = 0.001_f32..1000.0;
+    let capsule = (vector(), vector(), vector(), positive.clone(), positive.clone(), 0_u16..3);
+    prop_oneof![
+        3 => sphere().prop_map(Addition::Sphere),
+        3 => capsule.prop_map(|(end1, end2, velocity, mass, radius, group)| {
+            Addition::Capsule(Capsule { end1, end2, velocity, mass, radius, group })
+        }),
+        2 => (any::<usize>(), any::<usize>(), positive.clone(), prop::option::of(positive.clone()))
+            .prop_map(|(a, b, radius, length)| Addition::Rod(a, b, radius, length)),
+        1 => (any::<usize>(), any::<usize>(), positive.clone(), positive.clone(), positive.clone())
+            .prop_map(|(a, b, k, l, c)| Addition::Spring(a, b, k, l, c)),
+        1 => (any::<usize>(), vector(), positive.clone()).prop_map(|(a, point, k)| Addition::Tether(a, point, k)),
+        1 => (vector(), 0_u16..3).prop_map(|(corner, group)| Addition::Box(corner, group)),
+        1 => (vector(), 0_u16..3).prop_map(|(corner, group)| Addition::Polygon(corner, group)),
+        1 => any::<usize>().prop_map(Addition::Remove),
+        1 => number().prop_map(Addition::Setting),
+    ]
+}
+
+/// Adds what fits; what the scene refuses is left out.
+fn build(additions: Vec<Addition>) -> Scene {
+    let mut scene = Scene::new();
+    for addition in additions {
+        let ids: Vec<_> = scene.sphere_ids().collect();
+        let pick = |number: usize| ids.get(number % ids.len().max(1)).copied();
+        let _ = match addition {
+            Addition::Sphere(sphere) => scene.add_sphere(sphere).map(drop),
+            Addition::Capsule(capsule) => scene.add_capsule(capsule).map(drop),
+            Addition::Rod(a, b, radius, length) => {
+                let (Some(end1), Some(end2)) = (pick(a), pick(b)) else {
+                    continue;
+                };
+                let group = (a % 2) as u16;
+                let rod = Rod {
+                    end1,
+                    end2,
+                    radius,
+                    length,
+                    group,
+                };
+                scene.add_rod(rod).map(drop)
+            }
+            Addition::Spring(a, b, k, l, c) => {
+                let (Some(a), Some(b)) = (pick(a), pick(b)) else { continue };
+                scene.add_spring(Spring::new(a, b, k, l).damping(c)).map(drop)
+            }
+            Addition::Tether(a, point, k) => {
+                let Some(a) = pick(a) else { continue };
+                scene.add_tether(Tether::new(a, point, k).length(0.5)).map(drop)
+            }
+            Addition::Box(corner, group) => scene
+                .add_box(Cuboid::new(corner, Vec3::X, Vec3::Y * 0.3, Vec3::Z * 7.0).group(group))
+                .map(drop),
+            Addition::Polygon(corner, group) => scene
+                .add_polygon(Polygon::new(corner, Vec3::X, Vec3::new(0.3, 0.1, 1.0)).group(group))
+                .map(drop),
+            Addition::Remove(number) => pick(number).map_or(Ok(()), |id| scene.remove_sphere(id)),
+            Addition::Setting(number) => scene.settings.set("gravity", &number.to_string()),
+        };
+    }
+    scene
+}
+
+proptest! {
+    #[test]
+    fn what_is_written_reads_back_as_the_same_scene(additions in prop::collection::vec(addition(), 0..30)) {
+        same_again(&build(additions));
+    }
+}
