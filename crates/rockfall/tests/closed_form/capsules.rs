@@ -75,7 +75,12 @@ fn slanted_capsule_with_unequal_masses(backend: Backend) {
     velocities(&after, [[one[0], one[1] - 2.0, 0.0], [two[0], two[1] - 2.0, 0.0]]);
     displacements(&before, &after, shared(0.01));
     let axis = Vec3::new(0.8, 0.6, 0.0);
-    close((after[1].velocity - after[0].velocity).dot(axis), 0.0, F32, "opening velocity");
+    close(
+        (after[1].velocity - after[0].velocity).dot(axis),
+        0.0,
+        F32,
+        "opening velocity",
+    );
 }
 
 /// With end 2 fixed, 1/(m1 + m2) = 0: w = 0.64, and only what is across the axis counts: the share of end 1 is the rest
@@ -118,17 +123,16 @@ fn ball_hits_the_middle_of_a_capsule(backend: Backend) {
         .expect("a valid capsule");
     let ball = Sphere::new([0.0, 0.74, 0.0], 0.5).mass(2.0).velocity([0.0, -3.0, 0.0]);
     spheres(&mut scene, [ball]);
-    velocities(
-        &collide(scene, backend),
-        [[0.0, -3.0, 0.0], [0.0, -3.0, 0.0], [0.0; 3]],
-    );
+    velocities(&collide(scene, backend), [[0.0, -3.0, 0.0], [0.0, -3.0, 0.0], [0.0; 3]]);
 }
 
 /// Two capsules end to end: w = 1/2 + 1/6 = 2/3 of total masses 2 and 6, u = 4, e = 0.75: j = 7 * 3/2 = 10.5.
 /// vA = 4 - 10.5/2 = -1.25, vB = 10.5/6 = 1.75, all four ends.
 fn capsules_collide_end_to_end(backend: Backend) {
     let mut scene = weightless();
-    let first = Capsule::new([0.0; 3], [2.0, 0.0, 0.0], 0.5).mass(2.0).velocity([4.0, 0.0, 0.0]);
+    let first = Capsule::new([0.0; 3], [2.0, 0.0, 0.0], 0.5)
+        .mass(2.0)
+        .velocity([4.0, 0.0, 0.0]);
     let second = Capsule::new([2.98, 0.0, 0.0], [5.0, 0.0, 0.0], 0.5).mass(6.0);
     for capsule in [first, second] {
         scene.add_capsule(capsule).expect("a valid capsule");

@@ -51,7 +51,10 @@ fn sphere_on_box_and_polygon(backend: Backend) {
     for floor in [floor_box, floor_polygon] {
         let mut scene = smooth();
         floor(&mut scene);
-        spheres(&mut scene, [Sphere::new([0.0, 0.49, 0.0], 0.5).mass(2.0).velocity([0.7, -0.4, 0.0])]);
+        spheres(
+            &mut scene,
+            [Sphere::new([0.0, 0.49, 0.0], 0.5).mass(2.0).velocity([0.7, -0.4, 0.0])],
+        );
         forces(&loads(scene, backend), [[0.0, 30.0, 0.0]], FORCE);
     }
 }
@@ -65,7 +68,10 @@ fn sphere_on_rod(backend: Backend) {
         Sphere::new([4.0, 0.0, 0.0], 0.2).mass(3.0).velocity([0.0, 0.2, 0.0]),
     ];
     rod(&mut scene, ends, 0.1);
-    spheres(&mut scene, [Sphere::new([1.0, 0.59, 0.0], 0.5).mass(2.0).velocity([0.0, -0.2, 0.0])]);
+    spheres(
+        &mut scene,
+        [Sphere::new([1.0, 0.59, 0.0], 0.5).mass(2.0).velocity([0.0, -0.2, 0.0])],
+    );
     let f = 15.0 * 12.0 / 13.0;
     forces(
         &loads(scene, backend),
@@ -101,10 +107,10 @@ fn rod_on_rod(backend: Backend) {
     );
 }
 
-/// A rod at rest across the edge x = 5, y = 0 of the floor's box, its axis 0.09 outside (o = 0.01, pushed out) or 0.01 inside it
-/// (o = 0.11, pushed out, not through): Cc o m*, m* = 32/19 for masses 1 and 2 at a = 0.25.
+/// A rod at rest across the edge x = 5, y = 0 of the floor's box, its axis 0.09 outside (o = 0.01, pushed out) or 0.04 inside it
+/// (o = 0.14, pushed out, not through): Cc o m*, m* = 32/19 for masses 1 and 2 at a = 0.25.
 fn rod_on_box_edge(backend: Backend) {
-    for (distance, overlap) in [(0.09, 0.01), (-0.01, 0.11)] {
+    for (distance, overlap) in [(0.09, 0.01), (-0.04, 0.14)] {
         let mut scene = smooth();
         floor_box(&mut scene);
         let root = 0.5_f32.sqrt();
@@ -119,8 +125,8 @@ fn rod_on_box_edge(backend: Backend) {
         forces(
             &loads(scene, backend),
             [[0.75 * f, 0.75 * f, 0.0], [0.25 * f, 0.25 * f, 0.0]],
-            // The axis's distance rounds by 5e-7 at x = 5: 1000 * 5e-7 * 32/19, twice.
-            2e-3,
+            // The normal is made of a distance of 0.04 between points that round by 1e-6 (the edge is 10 long): 1e-6 / 0.04 * 200.
+            6e-3,
         );
     }
 }
@@ -188,7 +194,10 @@ fn contact_pulls_only_when_told_to(backend: Backend) {
         let mut scene = smooth();
         scene.settings.contact_pull = pull;
         floor_box(&mut scene);
-        spheres(&mut scene, [Sphere::new([0.0, 0.49, 0.0], 0.5).mass(2.0).velocity([0.0, 2.0, 0.0])]);
+        spheres(
+            &mut scene,
+            [Sphere::new([0.0, 0.49, 0.0], 0.5).mass(2.0).velocity([0.0, 2.0, 0.0])],
+        );
         forces(&loads(scene, backend), [[0.0, -force, 0.0]], FORCE);
     }
 }

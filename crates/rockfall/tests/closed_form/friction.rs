@@ -80,7 +80,10 @@ fn sphere_rubs_on_rod(backend: Backend) {
         Sphere::new([4.0, 0.0, 0.0], 0.2).mass(3.0),
     ];
     rod(&mut scene, ends, 0.1);
-    spheres(&mut scene, [Sphere::new([1.0, 0.58, 0.0], 0.5).mass(2.0).velocity([0.0, 0.0, 0.3])]);
+    spheres(
+        &mut scene,
+        [Sphere::new([1.0, 0.58, 0.0], 0.5).mass(2.0).velocity([0.0, 0.0, 0.3])],
+    );
     let found = loads(scene, backend);
     let f = 12.0 / 13.0 * 0.03_f64.sqrt();
     forces(&found, [[0.0, 0.0, 0.75 * f], [0.0, 0.0, 0.25 * f], [0.0, 0.0, -f]], FORCE);
@@ -104,7 +107,12 @@ fn rod_rubs_on_rod(backend: Backend) {
     let (quarter, half) = (0.25 * f, 0.5 * f);
     forces(
         &found,
-        [[-3.0 * quarter, 0.0, 0.0], [-quarter, 0.0, 0.0], [half, 0.0, 0.0], [half, 0.0, 0.0]],
+        [
+            [-3.0 * quarter, 0.0, 0.0],
+            [-quarter, 0.0, 0.0],
+            [half, 0.0, 0.0],
+            [half, 0.0, 0.0],
+        ],
         FORCE,
     );
     let torque = [3.0 * quarter, quarter, half, half].map(|f| [0.0, 0.0, 0.09 * f]);
@@ -142,7 +150,9 @@ fn isolated_pairs_keep_their_momenta(backend: Backend) {
     ];
     let across = [
         Sphere::new([1.5, 0.25, -1.7], 0.1).velocity([0.3, -0.2, 0.1]),
-        Sphere::new([1.2, 0.35, 2.1], 0.1).mass(0.5).angular_momentum([0.0, 0.001, 0.003]),
+        Sphere::new([1.2, 0.35, 2.1], 0.1)
+            .mass(0.5)
+            .angular_momentum([0.0, 0.001, 0.003]),
     ];
     let other = Sphere::new([1.5, 1.2, 0.6], 0.4).mass(0.7).angular_momentum([0.0, 0.2, 0.1]);
     let pairs: [fn(&mut Scene, [Sphere; 2], [Sphere; 2], [Sphere; 2]); 3] = [
@@ -161,10 +171,16 @@ fn isolated_pairs_keep_their_momenta(backend: Backend) {
         build(&mut scene, ends, across, [ball, other]);
         let places: Vec<DVec3> = scene.spheres().iter().map(|sphere| sphere.position.as_dvec3()).collect();
         let found = loads(scene, backend);
-        assert!(found[0].force.length() > 1.0 && found[0].torque.length() > 0.01, "they must touch and rub");
+        assert!(
+            found[0].force.length() > 1.0 && found[0].torque.length() > 0.01,
+            "they must touch and rub"
+        );
         let force: DVec3 = found.iter().map(|load| load.force).sum();
         near(force, [0.0; 3], 1e-4, "sum of forces");
-        let moments = found.iter().zip(places).map(|(load, place)| place.cross(load.force) + load.torque);
+        let moments = found
+            .iter()
+            .zip(places)
+            .map(|(load, place)| place.cross(load.force) + load.torque);
         near(moments.sum::<DVec3>(), [0.0; 3], 1e-4, "sum of moments");
     }
 }
@@ -189,7 +205,10 @@ fn sliding_ball_ends_rolling(backend: Backend) {
     for floor in [floor_box, floor_polygon] {
         let mut scene = with(|settings| settings.friction = 500.0);
         floor(&mut scene);
-        spheres(&mut scene, [Sphere::new([-2.0, 0.999, 0.0], 1.0).mass(2.0).velocity([1.0, 0.0, 0.0])]);
+        spheres(
+            &mut scene,
+            [Sphere::new([-2.0, 0.999, 0.0], 1.0).mass(2.0).velocity([1.0, 0.0, 0.0])],
+        );
         let speed = rolled(simulation(scene, backend), 85);
         close(speed, 5.0 / 7.0, 1e-3, "velocity when rolling");
     }
@@ -201,7 +220,12 @@ fn sliding_capsule_ends_rolling(backend: Backend) {
     floor_box(&mut scene);
     let capsule = Capsule::new([-2.0, 0.999, -1.0], [-2.0, 0.999, 1.0], 1.0).velocity([1.0, 0.0, 0.0]);
     scene.add_capsule(capsule).expect("a valid capsule");
-    close(rolled(simulation(scene, backend), 85), 5.0 / 7.0, 1e-3, "velocity when rolling");
+    close(
+        rolled(simulation(scene, backend), 85),
+        5.0 / 7.0,
+        1e-3,
+        "velocity when rolling",
+    );
 }
 
 /// A thick rod (radius 1) along z on two rails along x rolls on its own surface: its inertia is that of its end spheres (radius 0.5,
@@ -214,7 +238,12 @@ fn sliding_rod_ends_rolling(backend: Backend) {
     }
     let ends = [-2.0, 2.0].map(|z| Sphere::new([-2.0, 1.249_375, z], 0.5).velocity([1.0, 0.0, 0.0]));
     rod(&mut scene, ends, 1.0);
-    close(rolled(simulation(scene, backend), 64), 10.0 / 11.0, 1e-3, "velocity when rolling");
+    close(
+        rolled(simulation(scene, backend), 64),
+        10.0 / 11.0,
+        1e-3,
+        "velocity when rolling",
+    );
 }
 
 both!(

@@ -99,7 +99,14 @@ fn crossing_rods(backend: Backend) {
     rod(&mut scene, b, 0.1);
     let before = scene.spheres().to_vec();
     let after = collide(scene, backend);
-    let shared = |k: f64| [[0.0, -0.75 * k, 0.0], [0.0, -0.125 * k, 0.0], [0.0, k / 6.0, 0.0], [0.0, k, 0.0]];
+    let shared = |k: f64| {
+        [
+            [0.0, -0.75 * k, 0.0],
+            [0.0, -0.125 * k, 0.0],
+            [0.0, k / 6.0, 0.0],
+            [0.0, k, 0.0],
+        ]
+    };
     let dv = shared(5.25 * 96.0 / 113.0);
     velocities(
         &after,

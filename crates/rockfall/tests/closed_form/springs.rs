@@ -11,10 +11,7 @@ fn stretched(damping: f32, backend: Backend) -> (Simulation, [SphereId; 2]) {
     let mut scene = weightless();
     let ends = spheres(
         &mut scene,
-        [
-            Sphere::new([0.0; 3], 0.1),
-            Sphere::new([1.1, 0.0, 0.0], 0.1).mass(3.0),
-        ],
+        [Sphere::new([0.0; 3], 0.1), Sphere::new([1.1, 0.0, 0.0], 0.1).mass(3.0)],
     );
     let [a, b] = ends;
     let spring = Spring::new(a, b, 100.0, 1.0).damping(damping);
@@ -99,7 +96,9 @@ fn fixed_sphere_drags_through_a_damper(backend: Backend) {
             Sphere::new([2.0, 0.0, 0.0], 0.1).velocity([3.0, 0.0, 0.0]).fixed(),
         ],
     );
-    scene.add_spring(Spring::new(a, b, 5.0, 2.0).damping(2.0)).expect("a valid spring");
+    scene
+        .add_spring(Spring::new(a, b, 5.0, 2.0).damping(2.0))
+        .expect("a valid spring");
     forces(&loads(scene, backend), [[4.0, 0.0, 0.0], [0.0; 3]], 1e-4);
 }
 
@@ -112,7 +111,9 @@ fn springs_of_one_sphere_add_up(backend: Backend) {
     );
     scene.add_spring(Spring::new(a, b, 10.0, 1.0)).expect("a valid spring");
     scene.add_spring(Spring::new(c, a, 20.0, 1.0)).expect("a valid spring");
-    scene.add_tether(Tether::new(a, [0.0, 0.0, -1.0], 5.0)).expect("a valid tether");
+    scene
+        .add_tether(Tether::new(a, [0.0, 0.0, -1.0], 5.0))
+        .expect("a valid tether");
     let found = loads(scene, backend);
     forces(&found, [[10.0, 40.0, -5.0], [-10.0, 0.0, 0.0], [0.0, -40.0, 0.0]], 1e-4);
 }
@@ -138,7 +139,12 @@ fn outside_force_acts_until_it_is_changed(backend: Backend) {
     near(state.position, [0.1875, -0.1875, 0.0], 1e-6, "position after 1/2 s");
     near(state.velocity, [0.5, -0.5, 0.0], 1e-6, "velocity after 1/2 s");
     let state = simulation.sphere(bystander).expect("the other");
-    near(state.position, [9.0, -0.25, 0.0], 1e-6, "a sphere without a force falls by t^2");
+    near(
+        state.position,
+        [9.0, -0.25, 0.0],
+        1e-6,
+        "a sphere without a force falls by t^2",
+    );
 }
 
 /// An impulse changes v by J/m, at once and once; a fixed sphere stays as it is.

@@ -86,9 +86,7 @@ pub fn rod(scene: &mut Scene, ends: [Sphere; 2], radius: f32) -> RodId {
 pub fn dumbbell(scene: &mut Scene, ends: [Sphere; 2], radius: f32) -> RodId {
     let length = ends[0].position.distance(ends[1].position);
     let [one, two] = spheres(scene, ends);
-    scene
-        .add_rod(Rod::new(one, two, radius).length(length))
-        .expect("a valid rod")
+    scene.add_rod(Rod::new(one, two, radius).length(length)).expect("a valid rod")
 }
 
 /// A box whose upper face is the plane y = 0, between -5 and 5.
