@@ -4,9 +4,10 @@ use glam::Vec3;
 
 use crate::error::Result;
 use crate::layout::Status;
+use crate::profile::Recorder;
 use crate::report::Report;
 use crate::scene::{Scene, SphereId};
-use crate::settings::{Integrator, Settings};
+use crate::settings::{BroadPhase, Integrator, Settings};
 use crate::stage::Phase;
 use crate::world::World;
 
@@ -15,13 +16,14 @@ mod edit;
 mod engine;
 mod observe;
 mod options;
+mod profile;
 mod read;
 
 pub use drive::DEFAULT_TIME_STEP;
 use edit::Dirty;
 use engine::Engine;
 pub use observe::{Body, Contact, ContactAction, SphereDiagnostics};
-pub use options::{Backend, BackendInfo, BroadPhase, Options};
+pub use options::{Backend, BackendInfo, Options};
 
 /// A scene and the machinery that moves it, on the GPU or on the CPU.
 ///
@@ -124,6 +126,11 @@ impl Simulation {
         self.options.integrator
     }
 
+    /// How pairs are found: what was asked for, or what suits the number of objects.
+    pub fn broad_phase_method(&self) -> BroadPhase {
+        self.options.broad_phase.resolve(self.world.objects() as usize)
+    }
+
     /// The physical constants.
     pub fn settings(&self) -> &Settings {
         &self.scene.settings
@@ -176,14 +183,18 @@ impl Simulation {
     /// # Errors
     /// As there.
     pub async fn run_async(&mut self, steps: u64, dt: f32) -> Result<Report> {
+        self.run_recorded(steps, dt, None).await?;
+        Ok(self.report)
+    }
+
+    async fn run_recorded(&mut self, steps: u64, dt: f32, recorder: Option<&mut Recorder>) -> Result<()> {
         self.set_time_step(dt)?;
         let phases: &[Phase] = if self.scene.settings.collisions {
             &Phase::STEP
         } else {
             &[Phase::UpdateAabbs, Phase::BroadPhase, Phase::UpdatePositions]
         };
-        self.drive(phases, steps).await?;
-        Ok(self.report)
+        self.drive(phases, steps, recorder).await
     }
 
     /// Phase 1 alone: the AABBs of all objects, grown for the present time step.
@@ -236,7 +247,7 @@ impl Simulation {
     /// # Errors
     /// As for [`Simulation::step`].
     pub async fn phase_async(&mut self, phase: Phase) -> Result<()> {
-        self.drive(&[phase], 1).await
+        self.drive(&[phase], 1, None).await
     }
 
     /// Gravity's acceleration as the step sees it, in units/s².
