@@ -1,5 +1,5 @@
-//! What a user sees, at the default step of 20 ms: piles come to rest, a cradle swings, things lie still; degenerate input does what
-//! the documentation says, and a body that stops being finite is told.
+//! What a user sees, at the default step of 20 ms: piles come to rest, a cradle swings, things lie still; degenerate
+//! input does what the documentation says, and a body that stops being finite is told.
 
 #[macro_use]
 mod common;

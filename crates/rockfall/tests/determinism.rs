@@ -11,8 +11,8 @@ mod common;
 
 use common::*;
 
-/// Something of every kind, falling into a walled place: loose spheres, a chain on a fixed sphere, capsules, a springy triangle, a
-/// tether; so that there are collisions, contacts, rods on everything, and lengths to hold.
+/// Something of every kind, falling into a walled place: loose spheres, a chain on a fixed sphere, capsules, a springy
+/// triangle, a tether; so that there are collisions, contacts, rods on everything, and lengths to hold.
 fn mixed(balls: usize) -> Scene {
     let mut scene = with(|settings| settings.gravity = 10.0);
     floor_box(&mut scene);
@@ -155,9 +155,9 @@ fn a_start_without_room_gives_the_same_bits(backend: Backend) {
     }
 }
 
-/// A sphere that leaves its AABB voids the step, which is run again with wider ones: nothing is lost either. A force of 1024 on a
-/// resting ball moves it by 1024 t^2 / 2, far out of the margin of its AABB, and into another ball that it would not have met
-/// from its old lists: 0.125 in 1/64 s.
+/// A sphere that leaves its AABB voids the step, which is run again with wider ones: nothing is lost either. A force of
+/// 1024 on a resting ball moves it by 1024 t^2 / 2, far out of the margin of its AABB, and into another ball that it
+/// would not have met from its old lists: 0.125 in 1/64 s.
 fn a_jerk_out_of_the_aabb_loses_nothing(backend: Backend) {
     let mut scene = weightless();
     scene.settings.friction = 0.0;

@@ -9,8 +9,8 @@ mod common;
 
 use common::*;
 
-/// A rod along x from 0 to 4 (masses 1 and 3, radius 0.1) under a fixed sphere (radius 0.5) that comes down on it at 2, at a = 0.25 with
-/// o = 0.05. M = 12/7, since 1/M = 0.75^2/1 + 0.25^2/3 = 7/12.
+/// A rod along x from 0 to 4 (masses 1 and 3, radius 0.1) under a fixed sphere (radius 0.5) that comes down on it at 2,
+/// at a = 0.25 with o = 0.05. M = 12/7, since 1/M = 0.75^2/1 + 0.25^2/3 = 7/12.
 fn struck_rod(backend: Backend) -> (Vec<Sphere>, Vec<SphereState>) {
     let mut scene = weightless();
     let ends = [Sphere::new([0.0; 3], 0.1), Sphere::new([4.0, 0.0, 0.0], 0.1).mass(3.0)];
@@ -55,7 +55,8 @@ fn e02_impulse_is_shared_once_and_by_the_own_masses(backend: Backend) {
     );
 }
 
-/// Rods of radius 0.1 along x (masses 1 and 4) and, above it, along z (masses 1 and 2), that cross at their middles; the lower rises.
+/// Rods of radius 0.1 along x (masses 1 and 4) and, above it, along z (masses 1 and 2), that cross at their middles;
+/// the lower rises.
 fn crossing_rods(speed: f32, apart: f32, at: Vec3) -> Scene {
     let mut scene = weightless();
     let a = [(-2.0, 1.0), (2.0, 4.0)].map(|(x, mass)| {
@@ -68,8 +69,9 @@ fn crossing_rods(speed: f32, apart: f32, at: Vec3) -> Scene {
     scene
 }
 
-/// A polygon with the skew edges L = (1, 0, 2) and R = (2, 0, 0). Its middle (1.5, 1) is hit: the thesis has (A-P).L = 3.5 and misses
-/// it. (0.1, 0.4) lies beside the slanted edge, l = 0.2, k = -0.05: the thesis has (A-P).L = 0.9, (A-P).R = 0.2 and hits it.
+/// A polygon with the skew edges L = (1, 0, 2) and R = (2, 0, 0). Its middle (1.5, 1) is hit: the thesis has (A-P).L =
+/// 3.5 and misses it. (0.1, 0.4) lies beside the slanted edge, l = 0.2, k = -0.05: the thesis has (A-P).L = 0.9,
+/// (A-P).R = 0.2 and hits it.
 fn e03_polygon_parameters_are_the_oblique_ones(backend: Backend) {
     let over = |x: f32, z: f32| {
         let mut scene = weightless();
@@ -82,9 +84,9 @@ fn e03_polygon_parameters_are_the_oblique_ones(backend: Backend) {
     near(over(0.1, 0.4), [0.0, -2.0, 0.0], 0.0, "beside the slanted edge");
 }
 
-/// A rod that passes the vertex (1, 1, 1) of a box at 0.08 with a = 0.25: pressed at that point, across the rod. Unit masses: 1/M = 10/16,
-/// Cc o M = 1000 * 0.02 * 1.6 = 32 along (1, 1, 1)/sqrt 3, as 24 and 8. With the thesis's A.C = 0 the vertex would have to lie
-/// abeam of end 1 (a = 0): here A.C = 0.25 |A|^2, so that there is no contact at all.
+/// A rod that passes the vertex (1, 1, 1) of a box at 0.08 with a = 0.25: pressed at that point, across the rod. Unit
+/// masses: 1/M = 10/16, Cc o M = 1000 * 0.02 * 1.6 = 32 along (1, 1, 1)/sqrt 3, as 24 and 8. With the thesis's A.C = 0
+/// the vertex would have to lie abeam of end 1 (a = 0): here A.C = 0.25 |A|^2, so that there is no contact at all.
 fn e04_vertex_meets_a_rod_where_the_distance_is_perpendicular(backend: Backend) {
     let mut scene = with(|settings| (settings.gravity, settings.friction) = (0.0, 0.0));
     scene.add_box(Cuboid::between([-1.0; 3], [1.0; 3])).expect("a valid box");
@@ -118,17 +120,18 @@ fn rubbing_balls(spins: [f32; 2], slip: f32, backend: Backend) -> Vec<Load> {
     loads(scene, backend)
 }
 
-/// t = 0.25 y: F on A = 50 * 0.5 * 0.2 * 0.5 = 2.5 y, arms 0.5 - 0.1: both torques are 0.4 * 2.5 = 1 (about z), which balances the moment
-/// of the forces, -0.8 * 2.5. With the thesis's arms of 0.5 they are 1.25 each, and the pair would gain 0.5 every second.
+/// t = 0.25 y: F on A = 50 * 0.5 * 0.2 * 0.5 = 2.5 y, arms 0.5 - 0.1: both torques are 0.4 * 2.5 = 1 (about z), which
+/// balances the moment of the forces, -0.8 * 2.5. With the thesis's arms of 0.5 they are 1.25 each, and the pair would
+/// gain 0.5 every second.
 fn e06_arms_meet_in_one_point(backend: Backend) {
     let found = rubbing_balls([0.0, 0.0], 0.25, backend);
     forces(&found, [[0.0, 2.5, 0.0], [0.0, -2.5, 0.0]], 1e-4);
     torques(&found, [[0.0, 0.0, 1.0]; 2], 1e-4);
 }
 
-/// Both spin at 1 about z: the surfaces meet at 0.4 up (A) and 0.4 down (B), t = -0.8 y, F on A = 5 * -sqrt 0.8 y = -4.472 y. With B's
-/// contact point at +n, as in the thesis, both would go up alike: no friction. Spinning oppositely they roll on each other, F = 0;
-/// the thesis has 4.472 there (or, but for E6, 5).
+/// Both spin at 1 about z: the surfaces meet at 0.4 up (A) and 0.4 down (B), t = -0.8 y, F on A = 5 * -sqrt 0.8 y =
+/// -4.472 y. With B's contact point at +n, as in the thesis, both would go up alike: no friction. Spinning oppositely
+/// they roll on each other, F = 0; the thesis has 4.472 there (or, but for E6, 5).
 fn e07_contact_point_of_b_lies_towards_a(backend: Backend) {
     let f = 5.0 * 0.8_f64.sqrt();
     forces(
@@ -139,8 +142,9 @@ fn e07_contact_point_of_b_lies_towards_a(backend: Backend) {
     forces(&rubbing_balls([1.0, -1.0], 0.0, backend), [[0.0; 3]; 2], 1e-3);
 }
 
-/// A ball (mass 2) that rests on a rod (1/M = 7/12, m* = 12/13) with o = 0.05: 50 * 12/13 = 46.15 up on it, and as much down on the rod, 3/4
-/// and 1/4 of it on its ends. The thesis has the same sign for both: the rod's ends would go up with the ball.
+/// A ball (mass 2) that rests on a rod (1/M = 7/12, m* = 12/13) with o = 0.05: 50 * 12/13 = 46.15 up on it, and as much
+/// down on the rod, 3/4 and 1/4 of it on its ends. The thesis has the same sign for both: the rod's ends would go up
+/// with the ball.
 fn e08_ball_and_rod_push_each_other_apart(backend: Backend) {
     let mut scene = weightless();
     let ends = [Sphere::new([0.0; 3], 0.1), Sphere::new([4.0, 0.0, 0.0], 0.1).mass(3.0)];
@@ -157,9 +161,9 @@ fn e08_ball_and_rod_push_each_other_apart(backend: Backend) {
     );
 }
 
-/// A ball that spins on the spot at -1 about z, o = 0.02 in the floor, arm 0.48: its lowest point moves at -0.48 x, so it is driven by
-/// 50 * 0.02 * sqrt 0.48 = 0.693 x and braked by 0.48 times that. The thesis takes v alone: no force, no torque.
-/// One that rolls, v = 0.48, is not rubbed at all; the thesis brakes it with 0.693.
+/// A ball that spins on the spot at -1 about z, o = 0.02 in the floor, arm 0.48: its lowest point moves at -0.48 x, so
+/// it is driven by 50 * 0.02 * sqrt 0.48 = 0.693 x and braked by 0.48 times that. The thesis takes v alone: no force,
+/// no torque. One that rolls, v = 0.48, is not rubbed at all; the thesis brakes it with 0.693.
 fn e09_static_friction_counts_spin(backend: Backend) {
     let on_floor = |speed: f32| {
         let mut scene = with(|settings| {
@@ -193,16 +197,17 @@ fn e10_ball_and_rod_collide_when_they_overlap(backend: Backend) {
     }
 }
 
-/// Balls of radius 1, 1.98 apart, m* = 1/2: 1000 * 0.02 / 2 = 10. With the vector D for its direction the force would be 19.8 (and what
-/// the thesis writes, n = |D|, is no vector at all).
+/// Balls of radius 1, 1.98 apart, m* = 1/2: 1000 * 0.02 / 2 = 10. With the vector D for its direction the force would
+/// be 19.8 (and what the thesis writes, n = |D|, is no vector at all).
 fn e11_normal_is_a_unit_vector(backend: Backend) {
     let mut scene = weightless();
     spheres(&mut scene, [0.0, 1.98].map(|x| Sphere::new([x, 0.0, 0.0], 1.0)));
     forces(&loads(scene, backend), [[-10.0, 0.0, 0.0], [10.0, 0.0, 0.0]], 1e-3);
 }
 
-/// A ball of mass 2 at 3 meets one of mass 1 at rest, e = 0.75: j = 1.75 * 3 / 1.5 = 3.5, velocities 1.25 and 3.5, momentum 6 as before. The
-/// thesis adds j n / m with one sign to both: 1.25 and -3.5, momentum -1. Likewise rods: 8/11 * 3.5 = 2.545 for B1 (thesis -2.545).
+/// A ball of mass 2 at 3 meets one of mass 1 at rest, e = 0.75: j = 1.75 * 3 / 1.5 = 3.5, velocities 1.25 and 3.5,
+/// momentum 6 as before. The thesis adds j n / m with one sign to both: 1.25 and -3.5, momentum -1. Likewise rods: 8/11
+/// * 3.5 = 2.545 for B1 (thesis -2.545).
 fn e12_velocity_changes_are_opposite(backend: Backend) {
     let mut scene = weightless();
     let ball = Sphere::new([0.0; 3], 0.5).mass(2.0).velocity([3.0, 0.0, 0.0]);
@@ -216,8 +221,8 @@ fn e12_velocity_changes_are_opposite(backend: Backend) {
     close(momentum, 10.0, 1e-4, "momentum");
 }
 
-/// Rods that cross at (8, 8, 8), o = 0.05, wA = 5/16, wB = 6/16: A1 goes down by 0.05 * 16/11 / 2 = 0.0364, B1 up by as much. The thesis
-/// moves them by shares of the contact point (8, 8, 8) itself.
+/// Rods that cross at (8, 8, 8), o = 0.05, wA = 5/16, wB = 6/16: A1 goes down by 0.05 * 16/11 / 2 = 0.0364, B1 up by as
+/// much. The thesis moves them by shares of the contact point (8, 8, 8) itself.
 fn e13_rods_are_displaced_by_a_displacement(backend: Backend) {
     let scene = crossing_rods(2.0, 0.15, Vec3::splat(8.0));
     let before = scene.spheres().to_vec();
@@ -243,8 +248,9 @@ fn e15_polygon_turns_the_velocity_back(backend: Backend) {
     velocities(&collide(scene, backend), [[1.0, 1.5, 0.0]]);
 }
 
-/// A ball (0.24, 0.32) beyond the edge of a box that begins at (8, 8, 8): the closest point of the box lies 0.4 away, o = 0.1,
-/// n = (-0.6, -0.8, 0), v' = v + 1.75 * 2 * (0.6, 0.8, 0). The thesis's X = (0.24, 0.32, 0) is 13 away from the ball: no collision.
+/// A ball (0.24, 0.32) beyond the edge of a box that begins at (8, 8, 8): the closest point of the box lies 0.4 away, o
+/// = 0.1, n = (-0.6, -0.8, 0), v' = v + 1.75 * 2 * (0.6, 0.8, 0). The thesis's X = (0.24, 0.32, 0) is 13 away from the
+/// ball: no collision.
 fn e16_closest_point_of_a_box_is_a_place(backend: Backend) {
     let mut scene = weightless();
     scene.add_box(Cuboid::between([8.0; 3], [9.0; 3])).expect("a valid box");
@@ -252,8 +258,9 @@ fn e16_closest_point_of_a_box_is_a_place(backend: Backend) {
     velocities(&collide(scene, backend), [[0.9, 1.2, 0.0]]);
 }
 
-/// A capsule (masses 1 and 1, length 1, thin ends) that turns at 10 rad/s about y: L = 1/2 * 1^2 * 10 = 5 but for the ends' own 2/5 r^2
-/// = 4e-5 each. Within 0.1 % after 16 steps of 20 ms. The thesis loses 1 - cos 0.2 = 2 % every step: 3.6 is left.
+/// A capsule (masses 1 and 1, length 1, thin ends) that turns at 10 rad/s about y: L = 1/2 * 1^2 * 10 = 5 but for the
+/// ends' own 2/5 r^2 = 4e-5 each. Within 0.1 % after 16 steps of 20 ms. The thesis loses 1 - cos 0.2 = 2 % every step:
+/// 3.6 is left.
 fn e17_capsule_keeps_its_spin(backend: Backend) {
     let mut scene = weightless();
     let ends = [-0.5, 0.5].map(|x| Sphere::new([x, 0.0, 0.0], 0.01).velocity([0.0, 0.0, -10.0 * x]));
@@ -265,10 +272,10 @@ fn e17_capsule_keeps_its_spin(backend: Backend) {
     close(energy.kinetic, 25.0, 0.05, "energy");
 }
 
-/// A short, thick capsule: masses 1 and 1, d = 0.5, r = 0.5, mu d^2 = 1/8, I1 + I2 = 0.2. At rest but for its ends' spins across the axis,
-/// H = 0.2: w = 0.2 / 0.325 for all of it, the ends move at w d/2 = 0.15385, each keeps I w = 0.06154.
-/// The thesis turns all of H into momentum of the ends: w = 0.2 / 0.125, 0.4 each, and no spin left: the kinetic energy, 0.1 at first,
-/// would be 0.16 in place of 0.06154.
+/// A short, thick capsule: masses 1 and 1, d = 0.5, r = 0.5, mu d^2 = 1/8, I1 + I2 = 0.2. At rest but for its ends'
+/// spins across the axis, H = 0.2: w = 0.2 / 0.325 for all of it, the ends move at w d/2 = 0.15385, each keeps I w =
+/// 0.06154. The thesis turns all of H into momentum of the ends: w = 0.2 / 0.125, 0.4 each, and no spin left: the
+/// kinetic energy, 0.1 at first, would be 0.16 in place of 0.06154.
 fn e18_capsules_spin_goes_over_only_as_far_as_it_must(backend: Backend) {
     let mut scene = weightless();
     let capsule = Capsule::new([-0.25, 0.0, 0.0], [0.25, 0.0, 0.0], 0.5).mass(2.0);

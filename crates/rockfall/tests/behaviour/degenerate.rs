@@ -1,7 +1,8 @@
 //! Degenerate input: no NaN, and the push-out direction that is documented.
 //!
-//! Where two bodies have no distance the normal from A (the one added first; spheres before rods before boxes before polygons) to B is
-//! (0, 1, 0), for rods that cross their common normal A x B, at a box edge or vertex the outward direction reversed.
+//! Where two bodies have no distance the normal from A (the one added first; spheres before rods before boxes before
+//! polygons) to B is (0, 1, 0), for rods that cross their common normal A x B, at a box edge or vertex the outward
+//! direction reversed.
 
 use rockfall::glam::Vec3;
 use rockfall::{Backend, Cuboid, Polygon, Rod, Scene, Sphere, Spring, Tether};
@@ -39,7 +40,8 @@ fn coincident_centres(backend: Backend) {
     forces(&found, [[0.0, -500.0, 0.0], [0.0, 500.0, 0.0]], FORCE);
 }
 
-/// A ball whose centre lies on a rod's axis, at its middle: o = 0.6, m* = 1/(1 + 1/2) = 2/3: the ball goes down, the rod's ends up.
+/// A ball whose centre lies on a rod's axis, at its middle: o = 0.6, m* = 1/(1 + 1/2) = 2/3: the ball goes down, the
+/// rod's ends up.
 fn ball_on_the_axis_of_a_rod(backend: Backend) {
     let mut scene = smooth();
     rod(&mut scene, [-1.0, 1.0].map(|x| Sphere::new([x, 0.0, 0.0], 0.1)), 0.1);
@@ -58,8 +60,9 @@ fn rods_whose_axes_cross(backend: Backend) {
     forces(&found, [up, up, down, down], FORCE);
 }
 
-/// Parallel rods at the same height, side by side: they part along the line between them. o = 0.05; A from 0 to 4, B from 2 to 6: the
-/// middle of the shared stretch is a = 0.75, b = 0.25, m* = 1/(10/16 + 10/16) = 0.8: 40 shared as 1/4 and 3/4.
+/// Parallel rods at the same height, side by side: they part along the line between them. o = 0.05; A from 0 to 4, B
+/// from 2 to 6: the middle of the shared stretch is a = 0.75, b = 0.25, m* = 1/(10/16 + 10/16) = 0.8: 40 shared as 1/4
+/// and 3/4.
 fn parallel_rods(backend: Backend) {
     let mut scene = smooth();
     rod(&mut scene, [0.0, 4.0].map(|x| Sphere::new([x, 0.0, 0.0], 0.01)), 0.1);
@@ -72,8 +75,8 @@ fn parallel_rods(backend: Backend) {
     );
 }
 
-/// Collinear rods that overlap, o = 0.2: A goes down, B up, shared as above (160). Their ends lie on the other's axis, too: an end sphere on
-/// a rod, o = 0.11, m* = 1/(1 + 10/16) = 8/13: ball down, rod up (880/13, at the middle of each).
+/// Collinear rods that overlap, o = 0.2: A goes down, B up, shared as above (160). Their ends lie on the other's axis,
+/// too: an end sphere on a rod, o = 0.11, m* = 1/(1 + 10/16) = 8/13: ball down, rod up (880/13, at the middle of each).
 fn collinear_rods(backend: Backend) {
     let build = |gap: f32| {
         let mut scene = smooth();
@@ -98,8 +101,8 @@ fn collinear_rods(backend: Backend) {
     forces(&harmless_loads(build(4.5), backend), [[0.0; 3]; 4], 0.0);
 }
 
-/// A rod whose ends are at the same place has no axis and no contacts of its own; its ends have theirs. Held at a length, it is opened along
-/// (0, 1, 0): end 1 goes down, end 2 up.
+/// A rod whose ends are at the same place has no axis and no contacts of its own; its ends have theirs. Held at a
+/// length, it is opened along (0, 1, 0): end 1 goes down, end 2 up.
 fn rods_without_length(backend: Backend) {
     let mut scene = smooth();
     rod(&mut scene, [Sphere::new([0.0; 3], 0.1); 2].map(|end| end.group(1)), 0.4);
@@ -143,8 +146,8 @@ fn in_the_box(place: [f32; 3], backend: Backend) -> Vec<Load> {
     harmless_loads(scene, backend)
 }
 
-/// A centre on a face or inside leaves by the nearest face, o = r + depth; from the very middle by the first, the low end of edge I.
-/// A centre on an edge leaves by the first of its two faces, on a vertex by the first of three.
+/// A centre on a face or inside leaves by the nearest face, o = r + depth; from the very middle by the first, the low
+/// end of edge I. A centre on an edge leaves by the first of its two faces, on a vertex by the first of three.
 fn ball_centred_on_a_box_face_or_inside(backend: Backend) {
     for (place, force) in [
         ([0.25, 1.0, 0.5], [0.0, 500.0, 0.0]),
@@ -167,7 +170,8 @@ fn ball_centred_on_a_polygon(backend: Backend) {
     forces(&harmless_loads(scene, backend), [[0.0, 500.0, 0.0]], FORCE);
 }
 
-/// A rod whose axis cuts the edge x = y = 1 of a box, at its own middle: pushed outward, along (1, 1, 0)/sqrt 2, o = 0.1, m* = 2.
+/// A rod whose axis cuts the edge x = y = 1 of a box, at its own middle: pushed outward, along (1, 1, 0)/sqrt 2, o =
+/// 0.1, m* = 2.
 fn rod_whose_axis_cuts_a_box_edge(backend: Backend) {
     let mut scene = smooth();
     scene.add_box(Cuboid::between([-1.0; 3], [1.0; 3])).expect("a valid box");
@@ -180,8 +184,8 @@ fn rod_whose_axis_cuts_a_box_edge(backend: Backend) {
     forces(&harmless_loads(scene, backend), [[f, f, 0.0]; 2], FORCE);
 }
 
-/// A rod whose axis goes through a vertex: whether that counts as up to three edges or as the vertex is a matter of rounding, but
-/// outward it goes.
+/// A rod whose axis goes through a vertex: whether that counts as up to three edges or as the vertex is a matter of
+/// rounding, but outward it goes.
 fn rod_whose_axis_goes_through_a_box_vertex(backend: Backend) {
     let mut scene = smooth();
     scene.add_box(Cuboid::between([-1.0; 3], [1.0; 3])).expect("a valid box");

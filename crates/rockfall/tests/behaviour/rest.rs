@@ -42,8 +42,9 @@ fn pile(count: usize, side: usize, gravity: f32) -> Scene {
     scene
 }
 
-/// Comes to rest: in the mean a sphere's kinetic energy is less than a thousandth of what it gains by falling through its own diameter
-/// (friction falls off near rest, so that now and then one finds a better place). It takes longer where gravity is weak. None escapes: every centre lies between the walls and above the floor.
+/// Comes to rest: in the mean a sphere's kinetic energy is less than a thousandth of what it gains by falling through
+/// its own diameter (friction falls off near rest, so that now and then one finds a better place). It takes longer
+/// where gravity is weak. None escapes: every centre lies between the walls and above the floor.
 fn comes_to_rest(gravity: f32, backend: Backend) {
     let (count, side) = on(backend, (1000, 10), (150, 5));
     let steps = if gravity < 10.0 {
@@ -63,8 +64,9 @@ fn comes_to_rest(gravity: f32, backend: Backend) {
     let kinetic = simulation.energy().expect("energies").kinetic / count as f64;
     let scale = f64::from(gravity) * 2.0 * f64::from(RADIUS);
     assert!(kinetic < 1e-3 * scale, "kinetic energy a sphere: {kinetic:e}, scale {scale}");
-    // It has fallen together: a pile of height h over an area A is filled to V/(A h), and its mean height is h/2. Random packings are
-    // filled to 0.55..0.64, looser at walls; with gravity 10 a dozen layers press the lowest by 12 m G / (Cc m*) = 0.24 into each other.
+    // It has fallen together: a pile of height h over an area A is filled to V/(A h), and its mean height is h/2.
+    // Random packings are filled to 0.55..0.64, looser at walls; with gravity 10 a dozen layers press the lowest by 12
+    // m G / (Cc m*) = 0.24 into each other.
     let mean_height = spheres.iter().map(|sphere| f64::from(sphere.position.y)).sum::<f64>() / count as f64;
     let volume = count as f64 * 4.0 / 3.0 * PI * f64::from(RADIUS).powi(3);
     let filled = volume / (f64::from(4.0 * half * half) * 2.0 * mean_height);
@@ -94,9 +96,9 @@ fn cradle(gap: f32) -> Scene {
     scene
 }
 
-/// How far each ball goes from where it hangs at rest, once the first one has arrived. It arrives after a quarter of the period
-/// 2 pi sqrt(l/G) = 2.81 s, and the last one is farthest out after half of it, 1.405 s or 70 steps, give or take those that it takes to go
-/// through four contacts.
+/// How far each ball goes from where it hangs at rest, once the first one has arrived. It arrives after a quarter of
+/// the period 2 pi sqrt(l/G) = 2.81 s, and the last one is farthest out after half of it, 1.405 s or 70 steps, give or
+/// take those that it takes to go through four contacts.
 fn swings(gap: f32, backend: Backend) -> [f32; 5] {
     let mut simulation = simulation(cradle(gap), backend);
     simulation.run(48, 0.02).expect("steps");
@@ -112,9 +114,10 @@ fn swings(gap: f32, backend: Backend) -> [f32; 5] {
     farthest
 }
 
-/// The last ball goes as far as the first one was, 2 sin 0.4 = 0.779, and the others stay nearly still: so they do a hair's breadth apart.
-/// Where they touch, rounding decides whether an overlap of 1e-8 presses, so that the overlap of the blow (up to 20 ms of motion) is
-/// left to the contact forces; they are elastic too, and give up to a fifth of the energy to it.
+/// The last ball goes as far as the first one was, 2 sin 0.4 = 0.779, and the others stay nearly still: so they do a
+/// hair's breadth apart. Where they touch, rounding decides whether an overlap of 1e-8 presses, so that the overlap of
+/// the blow (up to 20 ms of motion) is left to the contact forces; they are elastic too, and give up to a fifth of the
+/// energy to it.
 fn cradle_passes_the_swing_on(backend: Backend) {
     for (gap, last, others) in [(5e-4, 0.98..1.02, 0.05), (0.0, 0.95..1.15, 0.25)] {
         let swings = swings(gap, backend).map(|swing| swing / 0.779);

@@ -45,7 +45,8 @@ fn symplectic_euler_falls_as_it_should(backend: Backend) {
     );
 }
 
-/// A spin of 2 rad/s about (2, 1, 2)/3 turns by 1 rad in 1/2 s, by the exponential map exactly; on top of what it was turned by.
+/// A spin of 2 rad/s about (2, 1, 2)/3 turns by 1 rad in 1/2 s, by the exponential map exactly; on top of what it was
+/// turned by.
 fn orientation_after_a_known_spin(backend: Backend) {
     let axis = Vec3::new(2.0, 1.0, 2.0) / 3.0;
     let start = Quat::from_rotation_x(0.7);
@@ -67,8 +68,8 @@ fn orientation_after_a_known_spin(backend: Backend) {
     near(state.spin(), (2.0 * axis).as_dvec3(), 1e-6, "spin");
 }
 
-/// A pendulum of length 1 under G = 1 from 0.05 rad: T = 2 pi (1 + 0.05^2 / 16). After half a period it is at -0.05 rad, after a whole
-/// one back. SHAKE's error, (2 pi / 64)^2 / 24 of the phase, does not show at a turning point.
+/// A pendulum of length 1 under G = 1 from 0.05 rad: T = 2 pi (1 + 0.05^2 / 16). After half a period it is at -0.05
+/// rad, after a whole one back. SHAKE's error, (2 pi / 64)^2 / 24 of the phase, does not show at a turning point.
 fn pendulum_on_a_rod(backend: Backend) {
     let mut scene = Scene::new();
     let (sin, cos) = 0.05_f32.sin_cos();
@@ -88,8 +89,8 @@ fn pendulum_on_a_rod(backend: Backend) {
     }
 }
 
-/// A rod of length 1 between spheres 1.2 apart, of masses 1 and 3: the first step moves them along it by 0.15 and 0.05, in positions only.
-/// A fixed end leaves it all to the other.
+/// A rod of length 1 between spheres 1.2 apart, of masses 1 and 3: the first step moves them along it by 0.15 and 0.05,
+/// in positions only. A fixed end leaves it all to the other.
 fn first_step_restores_lengths_in_positions_only(backend: Backend) {
     for (fixed, moved) in [(false, [0.15, -0.05]), (true, [0.0, -0.2])] {
         let mut scene = weightless();
@@ -122,7 +123,8 @@ fn rod_passes_a_pull_on(backend: Backend) {
     near(ends[1].position, [1.25, 0.0, 0.0], 1e-5, "end 2");
 }
 
-/// A chain of ten rods on a fixed sphere, let go from level (G = 1): every length stays within 1 %, at both time steps, all the way.
+/// A chain of ten rods on a fixed sphere, let go from level (G = 1): every length stays within 1 %, at both time steps,
+/// all the way.
 fn swinging_chain_keeps_its_lengths(backend: Backend) {
     for (dt, samples) in [(0.02, on(backend, 120, 6)), (0.005, on(backend, 120, 4))] {
         let mut scene = Scene::new();
@@ -169,7 +171,8 @@ fn set_turning(simulation: &mut Simulation) {
     }
 }
 
-/// At dt = 20 ms it keeps its angular momentum, 2 * (1 * 0.5 * 5 + 0.16) = 5.32, within 0.1 %, over 1,000 steps; and its momentum and length.
+/// At dt = 20 ms it keeps its angular momentum, 2 * (1 * 0.5 * 5 + 0.16) = 5.32, within 0.1 %, over 1,000 steps; and
+/// its momentum and length.
 fn free_capsule_keeps_its_angular_momentum(backend: Backend) {
     let mut simulation = simulation(spinning_capsule(), backend);
     set_turning(&mut simulation);
@@ -184,8 +187,8 @@ fn free_capsule_keeps_its_angular_momentum(backend: Backend) {
     }
 }
 
-/// It turns at the rate it should: SHAKE moves the ends by w dt across and brings them back along the old axis, so that a step turns
-/// by asin(w dt): a quarter turn in pi/20 s, but for (w dt)^2/6 of it.
+/// It turns at the rate it should: SHAKE moves the ends by w dt across and brings them back along the old axis, so that
+/// a step turns by asin(w dt): a quarter turn in pi/20 s, but for (w dt)^2/6 of it.
 fn free_capsule_turns_at_its_rate(backend: Backend) {
     let mut simulation = simulation(spinning_capsule(), backend);
     set_turning(&mut simulation);

@@ -9,8 +9,8 @@ use rockfall::{Backend, Scene, Sphere};
 
 use crate::common::*;
 
-/// Forces of up to 100, from velocities of the order of 1 that round by 1e-7, over dt = 1/64; and Cc = 1000 times an overlap that
-/// rounds by 6e-8, or by 5e-7 far from the origin.
+/// Forces of up to 100, from velocities of the order of 1 that round by 1e-7, over dt = 1/64; and Cc = 1000 times an
+/// overlap that rounds by 6e-8, or by 5e-7 far from the origin.
 const FORCE: f64 = 2e-3;
 
 fn smooth() -> Scene {
@@ -80,8 +80,8 @@ fn sphere_on_rod(backend: Backend) {
     );
 }
 
-/// Rods crossing at a = 0.25 and b = 0.5: 1/M = 19/32 and 7/12 as in the collision of the same rods, m* = 96/113; o = 0.01, at rest:
-/// 10 * 96/113, shared as (3/4, 1/4) and (1/2, 1/2).
+/// Rods crossing at a = 0.25 and b = 0.5: 1/M = 19/32 and 7/12 as in the collision of the same rods, m* = 96/113; o =
+/// 0.01, at rest: 10 * 96/113, shared as (3/4, 1/4) and (1/2, 1/2).
 fn rod_on_rod(backend: Backend) {
     let mut scene = smooth();
     let a = [
@@ -107,8 +107,8 @@ fn rod_on_rod(backend: Backend) {
     );
 }
 
-/// A rod at rest across the edge x = 5, y = 0 of the floor's box, its axis 0.09 outside (o = 0.01, pushed out) or 0.04 inside it
-/// (o = 0.14, pushed out, not through): Cc o m*, m* = 32/19 for masses 1 and 2 at a = 0.25.
+/// A rod at rest across the edge x = 5, y = 0 of the floor's box, its axis 0.09 outside (o = 0.01, pushed out) or 0.04
+/// inside it (o = 0.14, pushed out, not through): Cc o m*, m* = 32/19 for masses 1 and 2 at a = 0.25.
 fn rod_on_box_edge(backend: Backend) {
     for (distance, overlap) in [(0.09, 0.01), (-0.04, 0.14)] {
         let mut scene = smooth();
@@ -125,7 +125,8 @@ fn rod_on_box_edge(backend: Backend) {
         forces(
             &loads(scene, backend),
             [[0.75 * f, 0.75 * f, 0.0], [0.25 * f, 0.25 * f, 0.0]],
-            // The normal is made of a distance of 0.04 between points that round by 1e-6 (the edge is 10 long): 1e-6 / 0.04 * 200.
+            // The normal is made of a distance of 0.04 between points that round by 1e-6 (the edge is 10 long): 1e-6 /
+            // 0.04 * 200.
             6e-3,
         );
     }
@@ -215,8 +216,8 @@ fn force_in_phase_4(floor: fn(&mut Scene), overlap: f32, speed: f32, collisions:
     loads_between(&[ball], &[after])[0].force.y
 }
 
-/// While collisions are on, a pair with u above the threshold (0.5 here) and o < 2 u dt makes no contact force: phase 3 has yet to
-/// see it. At u = 0.64, 2 u dt = 0.02. With collisions off, below the threshold or deeper, Cc o + Cd u acts.
+/// While collisions are on, a pair with u above the threshold (0.5 here) and o < 2 u dt makes no contact force: phase 3
+/// has yet to see it. At u = 0.64, 2 u dt = 0.02. With collisions off, below the threshold or deeper, Cc o + Cd u acts.
 fn fresh_overlaps_are_left_to_phase_3(backend: Backend) {
     let force = |overlap, speed, collisions| force_in_phase_4(floor_box, overlap, speed, collisions, backend);
     close(force(0.0199, 0.64, true), 0.0, 0.0, "fresh");
@@ -226,8 +227,8 @@ fn fresh_overlaps_are_left_to_phase_3(backend: Backend) {
     close(force(0.004, 0.501, true), 0.0, 0.0, "fresh and fast");
 }
 
-/// A sphere that leaves a polygon faster than threshold x r (0.5) gets no force from it; a slower one does, and a box has no such
-/// rule. o = 0.05: Cc o - Cd * 0.501 = 43.7375 with the box, 50 - 12.5 * 0.499 = 43.7625 at 0.499.
+/// A sphere that leaves a polygon faster than threshold x r (0.5) gets no force from it; a slower one does, and a box
+/// has no such rule. o = 0.05: Cc o - Cd * 0.501 = 43.7375 with the box, 50 - 12.5 * 0.499 = 43.7625 at 0.499.
 fn leaving_a_polygon_there_is_no_force(backend: Backend) {
     let force = |floor: fn(&mut Scene), speed: f32| force_in_phase_4(floor, 0.05, -speed, true, backend);
     close(force(floor_polygon, 0.501), 0.0, 0.0, "leaving fast");

@@ -14,12 +14,13 @@ fn rough() -> Scene {
     })
 }
 
-/// Forces of the order of 1 from velocities that round by 6e-8, over dt = 1/64; mu o with an overlap of 0.02 that rounds by 6e-8.
+/// Forces of the order of 1 from velocities that round by 6e-8, over dt = 1/64; mu o with an overlap of 0.02 that
+/// rounds by 6e-8.
 const FORCE: f64 = 3e-5;
 
-/// o = 0.02, m* = 0.75, arms sA = sB = 0.5 - 0.01 = 0.49. A spins at (0, 0, 1): uA = w x (sA n) = 0.49 y. B moves at 0.25 y and spins
-/// at (0, 0, 2): uB = 0.25 - 2 * 0.49 = -0.73 y. t = uB - uA = -1.22 y: F on A = 50 * 0.75 * 0.02 * t / sqrt|t| = -0.75 sqrt 1.22 y.
-/// Both torques are s n x F = -0.49 * 0.75 sqrt 1.22 z.
+/// o = 0.02, m* = 0.75, arms sA = sB = 0.5 - 0.01 = 0.49. A spins at (0, 0, 1): uA = w x (sA n) = 0.49 y. B moves at
+/// 0.25 y and spins at (0, 0, 2): uB = 0.25 - 2 * 0.49 = -0.73 y. t = uB - uA = -1.22 y: F on A = 50 * 0.75 * 0.02 * t
+/// / sqrt|t| = -0.75 sqrt 1.22 y. Both torques are s n x F = -0.49 * 0.75 sqrt 1.22 z.
 fn spheres_rub(backend: Backend) {
     let mut scene = rough();
     let spin = |sphere: Sphere, z: f32| sphere.angular_momentum([0.0, 0.0, z * sphere.inertia()]);
@@ -32,9 +33,9 @@ fn spheres_rub(backend: Backend) {
     torques(&found, [[0.0, 0.0, -0.49 * f]; 2], FORCE);
 }
 
-/// Against what is static the whole overlap is on the sphere's side: s = 0.5 - 0.02 = 0.48, m* = 2. It slides at 0.3 x and spins at
-/// (0, 0, 1), n = -y: u = 0.3 + (z x (-y)) * 0.48 = 0.3 + 0.48 = 0.78 x. t = -0.78 x, F = 50 * 2 * 0.02 * t/sqrt|t| =
-/// -2 sqrt 0.78 x, torque = 0.48 (-y) x F = -0.48 * 2 sqrt 0.78 z.
+/// Against what is static the whole overlap is on the sphere's side: s = 0.5 - 0.02 = 0.48, m* = 2. It slides at 0.3 x
+/// and spins at (0, 0, 1), n = -y: u = 0.3 + (z x (-y)) * 0.48 = 0.3 + 0.48 = 0.78 x. t = -0.78 x, F = 50 * 2 * 0.02 *
+/// t/sqrt|t| = -2 sqrt 0.78 x, torque = 0.48 (-y) x F = -0.48 * 2 sqrt 0.78 z.
 fn sphere_rubs_on_box_and_polygon(backend: Backend) {
     for floor in [floor_box, floor_polygon] {
         let mut scene = rough();
@@ -48,9 +49,9 @@ fn sphere_rubs_on_box_and_polygon(backend: Backend) {
     }
 }
 
-/// Fixed spheres are conveyors: their velocity and spin count, nothing acts on them. The roller spins at (0, 0, -2) under a resting
-/// ball and moves at 0.1 x: arms 0.49, its surface at n = y... the ball is A or B by order; t = 0.1 + 2 * 0.49 = 1.08 x.
-/// m* = 3, o = 0.02: F = 3 sqrt 1.08 x on the ball, torque = 0.49 (-y) x F = 0.49 * 3 sqrt 1.08 z.
+/// Fixed spheres are conveyors: their velocity and spin count, nothing acts on them. A roller under a resting ball
+/// spins at (0, 0, -2) and moves at 0.1 x: with an arm of 0.49 its top moves at 0.1 + 2 * 0.49 = 1.08 x. m* = 3, o =
+/// 0.02: F = 3 sqrt 1.08 x on the ball, torque = 0.49 (-y) x F = 0.49 * 3 sqrt 1.08 z, whichever of the two is A.
 fn fixed_sphere_conveys(backend: Backend) {
     let roller = Sphere::new([0.0; 3], 0.5).velocity([0.1, 0.0, 0.0]).fixed();
     let roller = roller.angular_momentum([0.0, 0.0, -2.0 * roller.inertia()]);
@@ -68,10 +69,10 @@ fn fixed_sphere_conveys(backend: Backend) {
     }
 }
 
-/// A ball over a rod at a = 0.25 (masses 1, 3, 1/M = 7/12; ball 1/2; m* = 12/13), o = 0.02, n = -y, arms 0.5 - 0.01 and 0.1 - 0.01.
-/// The rod's ends spin at 4 and 0 about x, w(a) = 3 x; the ball slides at 0.3 z.
-/// uA = 0.3 z, uB = -(3 x) x (0.09 (-y)) = 0.27 z: t = -0.03 z, F on the ball = 50 * 12/13 * 0.02 t/sqrt|t| = -12/13 sqrt 0.03 z.
-/// Torque of the ball 0.49 (-y) x F = 0.49 f x, of the rod 0.09 f x (f = 12/13 sqrt 0.03), shared as 3/4 and 1/4 like the force.
+/// A ball over a rod at a = 0.25 (masses 1, 3, 1/M = 7/12; ball 1/2; m* = 12/13), o = 0.02, n = -y, arms 0.5 - 0.01 and
+/// 0.1 - 0.01. The rod's ends spin at 4 and 0 about x, w(a) = 3 x; the ball slides at 0.3 z. uA = 0.3 z, uB = -(3 x) x
+/// (0.09 (-y)) = 0.27 z: t = -0.03 z, F on the ball = 50 * 12/13 * 0.02 t/sqrt|t| = -12/13 sqrt 0.03 z. Torque of the
+/// ball 0.49 (-y) x F = 0.49 f x, of the rod 0.09 f x (f = 12/13 sqrt 0.03), shared as 3/4 and 1/4 like the force.
 fn sphere_rubs_on_rod(backend: Backend) {
     let mut scene = rough();
     let one = Sphere::new([0.0; 3], 0.2);
@@ -94,8 +95,9 @@ fn sphere_rubs_on_rod(backend: Backend) {
     );
 }
 
-/// Rods rub too. Unit masses, crossing at a = 0.25 and b = 0.5: 1/M = 10/16 and 1/2, m* = 8/9, o = 0.02, n = y, arms 0.09. A moves at
-/// 0.64 x: t = -0.64 x, F = 50 * 8/9 * 0.02 * (-0.8) x on A; torques 0.09 y x F = 0.09 f z, shared like the force.
+/// Rods rub too. Unit masses, crossing at a = 0.25 and b = 0.5: 1/M = 10/16 and 1/2, m* = 8/9, o = 0.02, n = y, arms
+/// 0.09. A moves at 0.64 x: t = -0.64 x, F = 50 * 8/9 * 0.02 * (-0.8) x on A; torques 0.09 y x F = 0.09 f z, shared
+/// like the force.
 fn rod_rubs_on_rod(backend: Backend) {
     let mut scene = rough();
     let a = [-1.0, 3.0].map(|x| Sphere::new([x, 0.0, 0.0], 0.05).velocity([0.64, 0.0, 0.0]));
@@ -119,8 +121,9 @@ fn rod_rubs_on_rod(backend: Backend) {
     torques(&found, torque, FORCE);
 }
 
-/// A rod along x lies with a = 0.5 on the edge of a box that runs along z below it, o = 0.02, n = -y, arm 0.1 - 0.02, m* = 2 of unit
-/// masses; both ends move at 0.36 z: F = 50 * 2 * 0.02 * (-0.6) z, torque = 0.08 (-y) x F = 0.08 * 1.2 x, halved.
+/// A rod along x lies with a = 0.5 on the edge of a box that runs along z below it, o = 0.02, n = -y, arm 0.1 - 0.02,
+/// m* = 2 of unit masses; both ends move at 0.36 z: F = 50 * 2 * 0.02 * (-0.6) z, torque = 0.08 (-y) x F = 0.08 * 1.2
+/// x, halved.
 fn rod_rubs_on_box_edge(backend: Backend) {
     let mut scene = rough();
     // A box on its edge: its upper edge runs along z through the origin.
@@ -135,8 +138,8 @@ fn rod_rubs_on_box_edge(backend: Backend) {
     torques(&found, [[0.048, 0.0, 0.0]; 2], FORCE);
 }
 
-/// An isolated pair, rubbing and pressing, keeps momentum and angular momentum: sum F = 0 and sum (x cross F + T) = 0. The bodies lie
-/// askew and move every way; friction and pressure are of the order of 10.
+/// An isolated pair, rubbing and pressing, keeps momentum and angular momentum: sum F = 0 and sum (x cross F + T) = 0.
+/// The bodies lie askew and move every way; friction and pressure are of the order of 10.
 fn isolated_pairs_keep_their_momenta(backend: Backend) {
     let ball = Sphere::new([1.1, 0.5, 0.3], 0.5)
         .mass(2.0)
@@ -185,8 +188,8 @@ fn isolated_pairs_keep_their_momenta(backend: Backend) {
     }
 }
 
-/// Steps after which all sliding is over, and the mean velocity along x over the last few (rolling is reached with a jitter that the
-/// law t / sqrt|t| leaves near rest).
+/// Steps after which all sliding is over, and the mean velocity along x over the last few (rolling is reached with a
+/// jitter that the law t / sqrt|t| leaves near rest).
 fn rolled(mut simulation: Simulation, steps: u64) -> f64 {
     simulation.run(steps, DT).expect("steps");
     let spheres = simulation.spheres().expect("spheres are read back");
@@ -198,9 +201,10 @@ fn rolled(mut simulation: Simulation, steps: u64) -> f64 {
     moving.iter().sum::<f64>() / moving.len() as f64
 }
 
-/// A ball of radius 1 that slides at 1 ends rolling, at 5/7: whatever the law of friction, its angular momentum about the line of
-/// contact is kept, m v s + L, and v = w s in the end. The arm is s = r - G/Cc = 0.999: v = k/(1 + k), k = 5/2 s^2, 3e-4 below 5/7.
-/// With mu = 500 the sliding ends when 7/2 * 0.25 t = 1 (d sqrt|t| / dt = -7/2 * mu/(2 Cc) G): after 1.14 s or 73 steps.
+/// A ball of radius 1 that slides at 1 ends rolling, at 5/7: whatever the law of friction, its angular momentum about
+/// the line of contact is kept, m v s + L, and v = w s in the end. The arm is s = r - G/Cc = 0.999: v = k/(1 + k), k =
+/// 5/2 s^2, 3e-4 below 5/7. With mu = 500 the sliding ends when 7/2 * 0.25 t = 1 (d sqrt|t| / dt = -7/2 * mu/(2 Cc) G):
+/// after 1.14 s or 73 steps.
 fn sliding_ball_ends_rolling(backend: Backend) {
     for floor in [floor_box, floor_polygon] {
         let mut scene = with(|settings| settings.friction = 500.0);
@@ -228,9 +232,10 @@ fn sliding_capsule_ends_rolling(backend: Backend) {
     );
 }
 
-/// A thick rod (radius 1) along z on two rails along x rolls on its own surface: its inertia is that of its end spheres (radius 0.5,
-/// mass 1 each), so k = R^2 / (2/5 r^2) = 10 and v = 10/11. The rails are rods between fixed spheres, met at a = 1/4 and 3/4,
-/// where 1/M = 10/16: the resting overlap is G / (Cc 1.6) = 6.25e-4, which shortens R by half of that.
+/// A thick rod (radius 1) along z on two rails along x rolls on its own surface: its inertia is that of its end spheres
+/// (radius 0.5, mass 1 each), so k = R^2 / (2/5 r^2) = 10 and v = 10/11. The rails are rods between fixed spheres, met
+/// at a = 1/4 and 3/4, where 1/M = 10/16: the resting overlap is G / (Cc 1.6) = 6.25e-4, which shortens R by half of
+/// that.
 fn sliding_rod_ends_rolling(backend: Backend) {
     let mut scene = with(|settings| settings.friction = 500.0);
     for z in [-1.0, 1.0] {

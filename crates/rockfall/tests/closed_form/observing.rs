@@ -27,8 +27,8 @@ fn force(contact: &Contact, expected: [f64; 3]) {
     near(force, expected, 1e-3, "force on B");
 }
 
-/// Two balls, o = 0.02, closing at 3, masses 1 and 3: j = 1.75 * 3 / (4/3) = 3.9375 on B. They share the point in the middle of the
-/// overlap, 0.5 - 0.01 from A's centre.
+/// Two balls, o = 0.02, closing at 3, masses 1 and 3: j = 1.75 * 3 / (4/3) = 3.9375 on B. They share the point in the
+/// middle of the overlap, 0.5 - 0.01 from A's centre.
 fn colliding_pair(backend: Backend) {
     let mut scene = weightless();
     let [a, b] = spheres(
@@ -82,8 +82,8 @@ fn ball_on_a_polygon(backend: Backend) {
     impulse(&contact, [0.0, -3.5, 0.0]);
 }
 
-/// A ball that hits two at once has s = 0.8 in both contacts (see `collisions`): 0.8 * sqrt 3 along each normal, with e = 1; and that
-/// is what phase 3 gives. The third contact, of the two it hits, is a force.
+/// A ball that hits two at once has s = 0.8 in both contacts (see `collisions`): 0.8 * sqrt 3 along each normal, with e
+/// = 1; and that is what phase 3 gives. The third contact, of the two it hits, is a force.
 fn impulses_are_those_of_the_next_phase(backend: Backend) {
     let mut scene = weightless();
     scene.settings.restitution = 1.0;
@@ -106,8 +106,9 @@ fn impulses_are_those_of_the_next_phase(backend: Backend) {
     near(hit.velocity, [1.2, 0.4 * 3.0_f64.sqrt(), 0.0], F32, "velocity");
 }
 
-/// A ball of mass 2 (gravity 20 down) on the floor with o = 0.03 (60 up), with a neighbour of mass 2 at o = 0.01 (m* = 1, 10 away)
-/// and an outside force of 5 along z. The neighbour is fixed: m* = 2, 20 away, and its own net force is told as 0.
+/// A ball of mass 2 (gravity 20 down) on the floor with o = 0.03 (60 up), with a neighbour of mass 2 at o = 0.01 (m* =
+/// 1, 10 away) and an outside force of 5 along z. The neighbour is fixed: m* = 2, 20 away, and its own net force is
+/// told as 0.
 fn diagnostics_of_a_ball(backend: Backend) {
     let mut scene = with(|settings| settings.gravity = 10.0);
     floor_box(&mut scene);
@@ -135,8 +136,9 @@ fn diagnostics_of_a_ball(backend: Backend) {
     assert_eq!(values[2].contacts, 0);
 }
 
-/// Kinetic: 2 * 9 / 2 + L^2/(2 I) = 9 + 0.04/(2 * 0.2) = 9.1. Potential (G = 10, the fixed one left out): 2 * 10 * 0.49 + 10 * 3.
-/// Spring: 10 * (2.51 - 2)^2 / 2. Contact: 1000 * 2 * 0.01^2 / 2. Angular momentum: 2 (0.49 y) x (3 x) + L = -2.94 z + 0.2 x.
+/// Kinetic: 2 * 9 / 2 + L^2/(2 I) = 9 + 0.04/(2 * 0.2) = 9.1. Potential (G = 10, the fixed one left out): 2 * 10 * 0.49
+/// + 10 * 3. Spring: 10 * (2.51 - 2)^2 / 2. Contact: 1000 * 2 * 0.01^2 / 2. Angular momentum: 2 (0.49 y) x (3 x) + L =
+/// -2.94 z + 0.2 x.
 fn energies(backend: Backend) {
     let mut scene = with(|settings| settings.gravity = 10.0);
     floor_box(&mut scene);
@@ -162,8 +164,8 @@ fn energies(backend: Backend) {
     near(energy.angular_momentum, [0.2, 0.0, -2.94], 1e-5, "angular momentum");
 }
 
-/// Steps, time, contacts, overlaps and collisions are told as they are: two balls collide in the first step, then fly apart over the floor
-/// that a third one lies on; rods' contacts count too, each pair once.
+/// Steps, time, contacts, overlaps and collisions are told as they are: two balls collide in the first step, then fly
+/// apart over the floor that a third one lies on; rods' contacts count too, each pair once.
 fn report_of_some_steps(backend: Backend) {
     let mut scene = with(|settings| settings.gravity = 0.0);
     floor_box(&mut scene);

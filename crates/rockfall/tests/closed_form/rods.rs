@@ -214,9 +214,9 @@ fn rod_off_a_box_edge(backend: Backend) {
     untouched(rod_across_the_edge(0.11, 0.1), backend);
 }
 
-/// A rod along (1, -1, 0)/sqrt 2 that passes the vertex (5, 0, 5) at 0.06 along (1, 1, 1)/sqrt 3. The closest points on the lines
-/// of all three edges lie beyond the vertex, so it is a vertex contact: a = 0.25, o = 0.04, n = -(1, 1, 1)/sqrt 3,
-/// u = 2/sqrt 3, w = 19/32 as above.
+/// A rod along (1, -1, 0)/sqrt 2 that passes the vertex (5, 0, 5) at 0.06 along (1, 1, 1)/sqrt 3. The closest points on
+/// the lines of all three edges lie beyond the vertex, so it is a vertex contact: a = 0.25, o = 0.04, n = -(1, 1,
+/// 1)/sqrt 3, u = 2/sqrt 3, w = 19/32 as above.
 fn rod_on_a_box_vertex(backend: Backend) {
     let mut scene = weightless();
     floor_box(&mut scene);

@@ -44,8 +44,8 @@ fn spring_period(backend: Backend) {
     close((a + 3.0 * b) / 4.0, 0.825, 1e-6, "centre of mass");
 }
 
-/// With damping c = 3 the amplitude shrinks as exp(-g t), g = c / (2 mu) = 2, w_d = sqrt(w^2 - g^2). Let go at rest, the turning
-/// points are the multiples of half the period 2 pi / w_d: the logarithmic decrement is g T.
+/// With damping c = 3 the amplitude shrinks as exp(-g t), g = c / (2 mu) = 2, w_d = sqrt(w^2 - g^2). Let go at rest,
+/// the turning points are the multiples of half the period 2 pi / w_d: the logarithmic decrement is g T.
 fn spring_damping(backend: Backend) {
     let (w, g) = ((100.0_f64 / 0.75).sqrt(), 2.0_f64);
     let period = TAU / (w * w - g * g).sqrt();
@@ -102,7 +102,8 @@ fn fixed_sphere_drags_through_a_damper(backend: Backend) {
     forces(&loads(scene, backend), [[4.0, 0.0, 0.0], [0.0; 3]], 1e-4);
 }
 
-/// Springs from one sphere to two others, and a tether: forces add up. 10 * (2 - 1) along x, 20 * (3 - 1) along y, 5 * 1 along -z.
+/// Springs from one sphere to two others, and a tether: forces add up. 10 * (2 - 1) along x, 20 * (3 - 1) along y, 5 *
+/// 1 along -z.
 fn springs_of_one_sphere_add_up(backend: Backend) {
     let mut scene = weightless();
     let [a, b, c] = spheres(
@@ -176,8 +177,8 @@ fn impulse_changes_the_velocity_once(backend: Backend) {
     near(state.position, [9.0, 0.0, 0.0], 0.0, "position of the fixed sphere");
 }
 
-/// Symplectic Euler on x'' = -w^2 x: x advances by the map with trace 2 - (w dt)^2, so x_n = A cos(n a + p), 2 cos a = 2 - (w dt)^2.
-/// From x = 0.1 at rest, v1 = -w^2 dt x0, x1 = x0 (1 - (w dt)^2): x_n = x0 cos((n + 1/2) a) / cos(a/2).
+/// Symplectic Euler on x'' = -w^2 x: x advances by the map with trace 2 - (w dt)^2, so x_n = A cos(n a + p), 2 cos a =
+/// 2 - (w dt)^2. From x = 0.1 at rest, v1 = -w^2 dt x0, x1 = x0 (1 - (w dt)^2): x_n = x0 cos((n + 1/2) a) / cos(a/2).
 fn spring_under_symplectic_euler(backend: Backend) {
     let mut scene = weightless();
     let [ball] = spheres(&mut scene, [Sphere::new([0.1, 0.0, 0.0], 0.1).mass(2.0)]);
