@@ -110,7 +110,7 @@ fn fixed_spheres_leave_each_other_alone(backend: Backend) {
             Sphere::new([0.5, 0.0, 0.0], 0.5).fixed(),
         ],
     );
-    untouched(scene, backend);
+    uncounted(scene, backend);
 }
 
 /// A ball meets two touching balls at 30 degrees to either side. n1.n2 = cos 60 = 0.5, G_kk = 2, G_kl = wA n1.n2 = 0.5:

@@ -149,7 +149,7 @@ fn nothing_collides_with_itself(backend: Backend) {
     ];
     let mut held = weightless();
     dumbbell(&mut held, ends, 0.3);
-    untouched(held, backend);
+    uncounted(held, backend);
 
     let mut free = weightless();
     rod(&mut free, ends, 0.3);
@@ -167,7 +167,7 @@ fn nothing_collides_with_itself(backend: Backend) {
     for end in [foot, hip] {
         angle.add_rod(rockfall::Rod::new(knee, end, 0.4)).expect("a valid rod");
     }
-    untouched(angle, backend);
+    uncounted(angle, backend);
 }
 
 /// A rod in the plane z = 0.3 across the edge x = 5, y = 0 of the floor's box, at right angles to it; its axis passes the edge

@@ -201,6 +201,15 @@ pub(crate) fn untouched(scene: Scene, backend: Backend) {
     assert_eq!(collide(scene, backend), before, "phase 3 must not change this scene");
 }
 
+/// Asserts that bodies ignore each other: no collision, and no contact either (a force between two parts of one body would cancel, and
+/// show in the count alone).
+#[track_caller]
+pub(crate) fn uncounted(scene: Scene, backend: Backend) {
+    untouched(scene.clone(), backend);
+    let report = simulation(scene, backend).step(DT).expect("a step");
+    assert_eq!((report.contacts, report.collisions), (0, 0), "nothing may touch here");
+}
+
 /// Forces that were found, in order of addition of the spheres.
 #[track_caller]
 pub(crate) fn forces<const N: usize>(loads: &[Load], expected: [[f64; 3]; N], tolerance: f64) {
