@@ -15,16 +15,14 @@ mod clear_cells;
 mod commit;
 mod constrain;
 mod count_cells;
-mod count_neighbours;
 mod count_pairs;
 mod end_collisions;
 mod end_step;
-mod fill_neighbours;
 mod fill_pairs;
 mod find_collisions;
+mod find_neighbours;
 mod finish;
 mod leap;
-mod order_pairs;
 mod restore_lengths;
 mod rod_forces;
 mod scan_cells;
@@ -245,9 +243,7 @@ impl Phase {
                         run(&scan_cells::SCAN),
                         run(&scan_cells::PLACE),
                         run(&sort_cells::STAGE),
-                        run(&count_neighbours::STAGE),
-                        run(&fill_neighbours::STAGE),
-                        run(&order_pairs::STAGE),
+                        run(&find_neighbours::STAGE),
                     ]
                 }
             }
@@ -299,7 +295,7 @@ impl Phase {
 }
 
 /// Every stage there is, once.
-pub const ALL: [&Stage; 27] = [
+pub const ALL: [&Stage; 25] = [
     &update_aabbs::STAGE,
     &count_pairs::STAGE,
     &scan_pairs::STAGE,
@@ -310,9 +306,7 @@ pub const ALL: [&Stage; 27] = [
     &scan_cells::SCAN,
     &scan_cells::PLACE,
     &sort_cells::STAGE,
-    &count_neighbours::STAGE,
-    &fill_neighbours::STAGE,
-    &order_pairs::STAGE,
+    &find_neighbours::STAGE,
     &find_collisions::STAGE,
     &weigh_collisions::STAGE,
     &apply_collisions::STAGE,

@@ -307,7 +307,7 @@ impl GpuWorld {
         for run in runs {
             let key = (run.stage.name, run.pass);
             if !self.groups.contains_key(&key) {
-                let kernel = self.gpu.kernel(run.stage)?;
+                let kernel = self.gpu.kernel(run.stage, self.step.rods > 0)?;
                 let group = catch(self.gpu.device(), || self.make_group(run.stage, run.pass, &kernel.layout))?;
                 self.groups.insert(key, group);
             }
@@ -329,7 +329,7 @@ impl GpuWorld {
             let Some(group) = self.groups.get(&(run.stage.name, run.pass)) else {
                 return Err(Error::Device(format!("stage {} was not prepared", run.stage.name)));
             };
-            table.push((self.gpu.kernel(run.stage)?, group, groups));
+            table.push((self.gpu.kernel(run.stage, self.step.rods > 0)?, group, groups));
         }
         let across = self.gpu.device().limits().max_compute_workgroups_per_dimension;
         for _ in 0..steps {

@@ -1,4 +1,4 @@
-//! Grid broad phase, 6 of 9: the objects in the order of their keys. Those of one cell come in any order; a cell's start
+//! Grid broad phase, 6 of 7: the objects in the order of their keys. Those of one cell come in any order; a cell's start
 //! moves on to its end, which is the start of the next.
 
 use crate::layout::CELLS_AT;
