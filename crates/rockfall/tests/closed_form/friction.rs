@@ -158,8 +158,11 @@ fn isolated_pairs_keep_their_momenta(backend: Backend) {
             .angular_momentum([0.0, 0.001, 0.003]),
     ];
     let other = Sphere::new([1.5, 1.2, 0.6], 0.4).mass(0.7).angular_momentum([0.0, 0.2, 0.1]);
-    let pairs: [fn(&mut Scene, [Sphere; 2], [Sphere; 2], [Sphere; 2]); 3] = [
-        |scene, _, _, balls| drop(spheres(scene, balls)),
+    type Ends = [Sphere; 2];
+    let pairs: [fn(&mut Scene, Ends, Ends, Ends); 3] = [
+        |scene, _, _, balls| {
+            spheres(scene, balls);
+        },
         |scene, ends, _, [ball, _]| {
             rod(scene, ends, 0.25);
             spheres(scene, [ball]);

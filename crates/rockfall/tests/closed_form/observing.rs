@@ -136,9 +136,9 @@ fn diagnostics_of_a_ball(backend: Backend) {
     assert_eq!(values[2].contacts, 0);
 }
 
-/// Kinetic: 2 * 9 / 2 + L^2/(2 I) = 9 + 0.04/(2 * 0.2) = 9.1. Potential (G = 10, the fixed one left out): 2 * 10 * 0.49
-/// + 10 * 3. Spring: 10 * (2.51 - 2)^2 / 2. Contact: 1000 * 2 * 0.01^2 / 2. Angular momentum: 2 (0.49 y) x (3 x) + L =
-/// -2.94 z + 0.2 x.
+/// Kinetic: 2 * 9 / 2 + L^2/(2 I) = 9 + 0.04/(2 * 0.2) = 9.1. Potential (G = 10, the fixed one left out): 2 * 10 * 0.49 +
+/// 10 * 3. Spring: 10 * (2.51 - 2)^2 / 2. Contact: 1000 * 2 * 0.01^2 / 2.
+/// Angular momentum: 2 (0.49 y) x (3 x) + L = (0.2, 0, -2.94).
 fn energies(backend: Backend) {
     let mut scene = with(|settings| settings.gravity = 10.0);
     floor_box(&mut scene);
