@@ -49,6 +49,8 @@ pub enum Buffer {
     Words,
     /// The grid: levels, cells, sums of blocks, keys, sorted objects.
     Cells,
+    /// Per object, in the order of the grid's keys: centre and largest half extent of its AABB.
+    Extents,
     /// The pair lists.
     Lists,
     /// A collision weight for each entry of the pair lists.
@@ -63,7 +65,7 @@ pub enum Buffer {
 
 impl Buffer {
     /// All buffers.
-    pub const ALL: [Self; 12] = [
+    pub const ALL: [Self; 13] = [
         Self::Start,
         Self::Y2,
         Self::Y3,
@@ -71,6 +73,7 @@ impl Buffer {
         Self::Aabbs,
         Self::Words,
         Self::Cells,
+        Self::Extents,
         Self::Lists,
         Self::Weights,
         Self::Wrenches,

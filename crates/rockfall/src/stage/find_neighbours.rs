@@ -23,6 +23,7 @@ pub(crate) const STAGE: Stage = Stage {
     bindings: &[
         read("aabbs", Buffer::Aabbs),
         read("cells", Buffer::Cells),
+        read("extents", Buffer::Extents),
         write("lists", Buffer::Lists),
         write("status", Buffer::Status),
     ],

@@ -1,7 +1,8 @@
 @group(0) @binding(2) var<storage, read> aabbs: array<Aabb>;
 @group(0) @binding(3) var<storage, read> cells: array<u32>;
-@group(0) @binding(4) var<storage, read_write> lists: array<u32>;
-@group(0) @binding(5) var<storage, read_write> status: StatusPairs;
+@group(0) @binding(4) var<storage, read> extents: array<vec4f>;
+@group(0) @binding(5) var<storage, read_write> lists: array<u32>;
+@group(0) @binding(6) var<storage, read_write> status: StatusPairs;
 
 // `Status` where the room for entries is given out.
 struct StatusPairs {
@@ -20,9 +21,9 @@ var<workgroup> offsets: array<u32, WORKGROUP / SLICE>;
 
 // The thread's place in its workgroup.
 var<private> own: u32;
-// Keys that are kept, each once.
+// Entries found; the first SHORT are kept.
 var<private> kept: u32;
-// First word of the list in the second round of a long one; 0 before.
+// First word of the list, once it has a place; 0 before.
 var<private> into: u32;
 
 // Orders entries by id, then feature.
@@ -34,36 +35,40 @@ fn entry_of(key: u32) -> u32 {
     return key >> 4u | (key & ENTRY_FEATURE_MASK) << ENTRY_ID_BITS;
 }
 
-fn emit(mover: u32, place: u32, entry: u32) {
-    let key = entry_key(entry);
+// Only put down here: neighbouring threads find at different times, and would wait for each other's sorting.
+fn emit(entry: u32) {
     if into != 0u {
-        lists[into + place * SLICE] = key;
+        lists[into + kept * SLICE] = entry_key(entry);
     } else if kept < SHORT {
-        insert(key);
-    } else {
-        // One too many to be short, unless it comes twice: then the list is taken for a long one all the same.
-        kept = SHORT + 1u;
+        keys[kept * WORKGROUP + own] = entry_key(entry);
     }
+    kept += 1u;
 }
 
-// Puts a key among those kept, unless it is there.
-fn insert(key: u32) {
-    var at = kept;
-    while at > 0u {
-        let before = keys[(at - 1u) * WORKGROUP + own];
-        if before == key {
-            return;
+// Insertion sort of the keys in workgroup memory, each kept once.
+fn order_short() {
+    var distinct = 0u;
+    for (var place = 0u; place < kept; place++) {
+        let key = keys[place * WORKGROUP + own];
+        var at = distinct;
+        var before = 0u;
+        while at > 0u {
+            before = keys[(at - 1u) * WORKGROUP + own];
+            if before <= key {
+                break;
+            }
+            at -= 1u;
         }
-        if before < key {
-            break;
+        if (at > 0u) & (before == key) {
+            continue;
         }
-        at -= 1u;
+        for (var k = distinct; k > at; k--) {
+            keys[k * WORKGROUP + own] = keys[(k - 1u) * WORKGROUP + own];
+        }
+        keys[at * WORKGROUP + own] = key;
+        distinct += 1u;
     }
-    for (var k = kept; k > at; k--) {
-        keys[k * WORKGROUP + own] = keys[(k - 1u) * WORKGROUP + own];
-    }
-    keys[at * WORKGROUP + own] = key;
-    kept += 1u;
+    kept = distinct;
 }
 
 fn sift_down(first: u32, top: u32, size: u32) {
@@ -123,19 +128,12 @@ fn allot(slice: u32, words: u32) -> u32 {
     return select(offset, NONE, (offset + words > step.pair_capacity) | (offset + words < offset));
 }
 
-fn write_list(mover: u32, offset: u32, count: u32) {
-    let first = step.entries_at + offset + mover % SLICE;
-    var written = count;
-    if kept > SHORT {
-        into = first;
-        emit_neighbours(mover);
-        written = order_long(first, count);
-    } else {
-        for (var place = 0u; place < count; place++) {
-            lists[first + place * SLICE] = entry_of(keys[place * WORKGROUP + own]);
-        }
+// Writes a list that is in order already.
+fn write_short(mover: u32, first: u32) {
+    for (var place = 0u; place < kept; place++) {
+        lists[first + place * SLICE] = entry_of(keys[place * WORKGROUP + own]);
     }
-    lists[mover] = written;
+    lists[mover] = kept;
 }
 
 @compute @workgroup_size(64)
@@ -145,28 +143,40 @@ fn find_neighbours(
     @builtin(local_invocation_index) local: u32,
 ) {
     let mover = linear_thread(group, groups, local);
-    let is_mover = mover < step.spheres + step.rods;
+    let slice = local / SLICE;
     own = local;
     if local < WORKGROUP / SLICE {
         atomicStore(&longest[local], 0u);
     }
     workgroupBarrier();
-    var count = 0u;
-    if is_mover {
-        count = emit_neighbours(mover);
-        if kept <= SHORT {
-            count = kept;
-        }
-        atomicMax(&longest[local / SLICE], count);
-    }
-    workgroupBarrier();
-    if (local % SLICE == 0u) & (mover < step.slices_at) {
-        offsets[local / SLICE] = allot(mover / SLICE, atomicLoad(&longest[local / SLICE]) * SLICE);
-    }
-    workgroupBarrier();
-    if is_mover & (offsets[local / SLICE] != NONE) {
-        write_list(mover, offsets[local / SLICE], count);
-    } else if mover < step.slices_at {
+    // Round 0 finds and counts; round 1 finds again what was too much to remember.
+    var searches = mover < step.spheres + step.rods;
+    if mover < step.slices_at {
         lists[mover] = 0u;
+    }
+    for (var round = 0u; round < 2u; round++) {
+        if searches {
+            kept = 0u;
+            emit_neighbours(mover);
+        }
+        if round == 0u {
+            if kept <= SHORT {
+                order_short();
+            }
+            atomicMax(&longest[slice], kept);
+            workgroupBarrier();
+            if (local % SLICE == 0u) & (mover < step.slices_at) {
+                offsets[slice] = allot(mover / SLICE, atomicLoad(&longest[slice]) * SLICE);
+            }
+            workgroupBarrier();
+            searches &= offsets[slice] != NONE;
+            into = step.entries_at + offsets[slice] + local % SLICE;
+            if searches & (kept <= SHORT) {
+                write_short(mover, into);
+                searches = false;
+            }
+        } else if searches {
+            lists[mover] = order_long(into, kept);
+        }
     }
 }
