@@ -1,0 +1,27 @@
+//! Cases whose outcome can be worked out on paper, on both backends.
+//!
+//! The expectation is derived beside each case. Nothing is compared with what the engine said before.
+
+#[macro_use]
+mod common;
+
+#[path = "closed_form/capsules.rs"]
+mod capsules;
+#[path = "closed_form/collisions.rs"]
+mod collisions;
+#[path = "closed_form/constraints.rs"]
+mod constraints;
+#[path = "closed_form/contacts.rs"]
+mod contacts;
+#[path = "closed_form/editing.rs"]
+mod editing;
+#[path = "closed_form/friction.rs"]
+mod friction;
+#[path = "closed_form/observing.rs"]
+mod observing;
+#[path = "closed_form/rods.rs"]
+mod rods;
+#[path = "closed_form/springs.rs"]
+mod springs;
+#[path = "closed_form/statics.rs"]
+mod statics;

@@ -1,0 +1,196 @@
+//! Capsules: rigid along their axis.
+
+use rockfall::glam::Vec3;
+use rockfall::{Backend, Capsule, Scene, Sphere, SphereState};
+
+use crate::common::*;
+
+/// A capsule of mass 2 that falls at 2 with o = 0.01 in the plane y = 0, and what it does in phase 3.
+fn drop_capsule(end2: [f32; 3], backend: Backend, floor: fn(&mut Scene)) -> (Vec<Sphere>, Vec<SphereState>) {
+    let mut scene = weightless();
+    floor(&mut scene);
+    let capsule = Capsule::new([0.0, 0.49, 0.0], end2, 0.5).mass(2.0).velocity([0.0, -2.0, 0.0]);
+    scene.add_capsule(capsule).expect("a valid capsule");
+    let before = scene.spheres().to_vec();
+    (before, collide(scene, backend))
+}
+
+/// Upright: n is the axis, w = 1/(m1 + m2) = 1/2, j = 1.75 * 2 * 2 = 7, shared by mass: each end gets 3.5, so both
+/// leave at 1.5 = e * 2, and both are lifted by the whole overlap. Flat: both ends are hit, at right angles to the
+/// axis, and do not weaken each other: the same.
+fn upright_and_flat_capsules_bounce_with_e(backend: Backend) {
+    for floor in [floor_box, floor_polygon] {
+        for end2 in [[0.0, 2.49, 0.0], [2.0, 0.49, 0.0]] {
+            let (before, after) = drop_capsule(end2, backend, floor);
+            velocities(&after, [[0.0, 1.5, 0.0]; 2]);
+            displacements(&before, &after, [[0.0, 0.01, 0.0]; 2]);
+        }
+    }
+}
+
+/// The same in a whole run: it arrives, bounces once and leaves at e times its speed, keeping its posture. What acts beside the
+/// impulse is the contact force on the rounding left of the removed overlap, some 1e-7 * Cc * dt.
+fn dropped_capsules_leave_at_e_times_their_speed(backend: Backend) {
+    for end2 in [[0.0, 2.6, 0.0], [2.0, 0.6, 0.0]] {
+        let mut scene = weightless();
+        floor_box(&mut scene);
+        let capsule = Capsule::new([0.0, 0.6, 0.0], end2, 0.5).mass(2.0).velocity([0.0, -2.0, 0.0]);
+        scene.add_capsule(capsule).expect("a valid capsule");
+        let mut simulation = simulation(scene, backend);
+        simulation.run(24, 0.005).expect("24 steps");
+        for end in simulation.spheres().expect("both ends") {
+            near(end.velocity, [0.0, 1.5, 0.0], 1e-4, "velocity after the bounce");
+        }
+    }
+}
+
+/// A dumbbell of masses 1 and `m2` with its axis along (0.8, 0.6, 0), length 2, falling at 2 with end 1 on the floor.
+fn slanted(m2: f32, fixed: bool) -> Scene {
+    let mut scene = weightless();
+    floor_box(&mut scene);
+    let fall = [0.0, -2.0, 0.0];
+    let mut far = Sphere::new([1.6, 1.69, 0.0], 0.5).mass(m2).velocity(fall);
+    if fixed {
+        far = far.velocity([0.0; 3]).fixed();
+    }
+    dumbbell(&mut scene, [Sphere::new([0.0, 0.49, 0.0], 0.5).velocity(fall), far], 0.5);
+    scene
+}
+
+/// n = -y, cos q = 0.6, so w = 0.36/(1 + 3) + 0.64/1 = 0.73. Both ends have the same velocity, u = 2, j = 3.5 / 0.73.
+/// n's axial part is 0.6 * (-0.8, -0.6, 0) = (-0.48, -0.36, 0), its rest (0.48, -0.64, 0). End 1 gets -j (rest + axial/4) / 1,
+/// end 2 -j (3/4 axial) / 3. Along the axis both change alike, by j * 0.6 / 4.
+fn slanted_capsule_with_unequal_masses(backend: Backend) {
+    let scene = slanted(3.0, false);
+    let before = scene.spheres().to_vec();
+    let after = collide(scene, backend);
+    let shared = |k: f64| {
+        let k = k / 0.73;
+        [
+            [-k * (0.48 - 0.12), k * (0.64 + 0.09), 0.0],
+            [k * 0.48 / 4.0, k * 0.36 / 4.0, 0.0],
+        ]
+    };
+    let [one, two] = shared(3.5);
+    velocities(&after, [[one[0], one[1] - 2.0, 0.0], [two[0], two[1] - 2.0, 0.0]]);
+    displacements(&before, &after, shared(0.01));
+    let axis = Vec3::new(0.8, 0.6, 0.0);
+    close(
+        (after[1].velocity - after[0].velocity).dot(axis),
+        0.0,
+        F32,
+        "opening velocity",
+    );
+}
+
+/// With end 2 fixed, 1/(m1 + m2) = 0: w = 0.64, and only what is across the axis counts: the share of end 1 is the rest
+/// (0.48, -0.64, 0). Its velocity in u is the part across the axis, u = v.rest = 1.28, j = 1.75 * 1.28 / 0.64 = 3.5.
+/// v' = v - 3.5 rest.
+fn capsule_with_a_fixed_end_turns_about_it(backend: Backend) {
+    let after = collide(slanted(3.0, true), backend);
+    velocities(&after, [[-1.68, 0.24, 0.0], [0.0; 3]]);
+}
+
+/// A ball that hits an end of a resting capsule along the axis meets the whole of its mass: with equal masses 2 and 1 +
+/// 1 and e = 1 it stops, and both ends go on at its speed. At n = (-0.6, 0.8, 0) from the end to the ball, w = 0.36/2 +
+/// 0.64 + 1/2 = 1.32, u = 3 * 0.8, j = 2 * 2.4 / 1.32 = 40/11: the ball gets j n / 2, the end -j (-0.3, 0.8), the other
+/// end -j (-0.3, 0).
+fn ball_hits_the_end_of_a_capsule(backend: Backend) {
+    let hit = |from: [f32; 3], velocity: [f32; 3]| {
+        let mut scene = weightless();
+        scene.settings.restitution = 1.0;
+        scene
+            .add_capsule(Capsule::new([0.0; 3], [2.0, 0.0, 0.0], 0.5).mass(2.0))
+            .expect("a valid capsule");
+        spheres(&mut scene, [Sphere::new(from, 0.5).mass(2.0).velocity(velocity)]);
+        collide(scene, backend)
+    };
+    let along = hit([-0.99, 0.0, 0.0], [3.0, 0.0, 0.0]);
+    velocities(&along, [[3.0, 0.0, 0.0], [3.0, 0.0, 0.0], [0.0; 3]]);
+    let aslant = hit([-0.594, 0.792, 0.0], [0.0, -3.0, 0.0]);
+    let j = 40.0 / 11.0;
+    velocities(
+        &aslant,
+        [[0.3 * j, -0.8 * j, 0.0], [0.3 * j, 0.0, 0.0], [-0.3 * j, 0.4 * j - 3.0, 0.0]],
+    );
+}
+
+/// A ball on the middle of a capsule's rod meets 1/M = 1/4 + 1/4 = 1/2 of masses 1 and 1, as for any rod: with mass 2 and e = 1
+/// it stops, and the capsule goes on at its speed.
+fn ball_hits_the_middle_of_a_capsule(backend: Backend) {
+    let mut scene = weightless();
+    scene.settings.restitution = 1.0;
+    scene
+        .add_capsule(Capsule::new([-1.0, 0.0, 0.0], [1.0, 0.0, 0.0], 0.25).mass(2.0))
+        .expect("a valid capsule");
+    let ball = Sphere::new([0.0, 0.74, 0.0], 0.5).mass(2.0).velocity([0.0, -3.0, 0.0]);
+    spheres(&mut scene, [ball]);
+    velocities(&collide(scene, backend), [[0.0, -3.0, 0.0], [0.0, -3.0, 0.0], [0.0; 3]]);
+}
+
+/// Two capsules end to end: w = 1/2 + 1/6 = 2/3 of total masses 2 and 6, u = 4, e = 0.75: j = 7 * 3/2 = 10.5.
+/// vA = 4 - 10.5/2 = -1.25, vB = 10.5/6 = 1.75, all four ends.
+fn capsules_collide_end_to_end(backend: Backend) {
+    let mut scene = weightless();
+    let first = Capsule::new([0.0; 3], [2.0, 0.0, 0.0], 0.5)
+        .mass(2.0)
+        .velocity([4.0, 0.0, 0.0]);
+    let second = Capsule::new([2.98, 0.0, 0.0], [5.0, 0.0, 0.0], 0.5).mass(6.0);
+    for capsule in [first, second] {
+        scene.add_capsule(capsule).expect("a valid capsule");
+    }
+    let before = scene.spheres().to_vec();
+    let after = collide(scene, backend);
+    let (a, b) = ([-1.25, 0.0, 0.0], [1.75, 0.0, 0.0]);
+    velocities(&after, [a, a, b, b]);
+    // o = 0.02 goes as 6 : 2.
+    let (a, b) = ([-0.015, 0.0, 0.0], [0.005, 0.0, 0.0]);
+    displacements(&before, &after, [a, a, b, b]);
+}
+
+/// About the axis both ends get the common spin (L1 + L2).axis / (I1 + I2), I = 2/5 * 1 * 0.25 = 0.1: spins 2 and 4 about
+/// the axis become 3, and the capsule rolls by 3 t.
+fn ends_share_the_spin_about_the_axis(backend: Backend) {
+    let mut scene = weightless();
+    let ends = [(0.0, 0.2), (2.0, 0.4)].map(|(z, l)| Sphere::new([0.0, 0.0, z], 0.5).angular_momentum([0.0, 0.0, l]));
+    dumbbell(&mut scene, ends, 0.5);
+    let mut simulation = simulation(scene, backend);
+    simulation.run(16, DT).expect("16 steps");
+    for end in simulation.spheres().expect("both ends") {
+        near(end.angular_momentum, [0.0, 0.0, 0.3], 1e-6, "spin about the axis");
+        // 3 rad/s for 1/4 s.
+        let turned = end.rotation() * Vec3::X;
+        near(turned, [0.75_f64.cos(), 0.75_f64.sin(), 0.0], 1e-5, "x axis of the capsule");
+    }
+}
+
+/// A capsule that turns with its axis turns its orientation with it: its own axis stays along its ends.
+fn orientation_follows_the_axis(backend: Backend) {
+    let mut scene = weightless();
+    let capsule = Capsule::new([-0.5, 0.0, 0.0], [0.5, 0.0, 0.0], 0.2);
+    let parts = scene.add_capsule(capsule).expect("a valid capsule");
+    let parts = *scene.capsule(parts).expect("the capsule");
+    let mut simulation = simulation(scene, backend);
+    simulation.set_velocity(parts.end1, [0.0, -1.5, 0.5]).expect("a sphere");
+    simulation.set_velocity(parts.end2, [0.0, 1.5, -0.5]).expect("a sphere");
+    simulation.run(on(backend, 300, 30), 0.02).expect("steps");
+    let ends = simulation.spheres().expect("both ends");
+    let axis = (ends[1].position - ends[0].position).normalize();
+    assert!(axis.x < 0.9, "it has turned: {axis}");
+    for end in ends {
+        // Each step's rotation is exact but for rounding: 300 times 1e-7.
+        near(end.rotation() * Vec3::X, axis.as_dvec3(), 5e-5, "the capsule's own axis");
+    }
+}
+
+both!(
+    upright_and_flat_capsules_bounce_with_e,
+    dropped_capsules_leave_at_e_times_their_speed,
+    slanted_capsule_with_unequal_masses,
+    capsule_with_a_fixed_end_turns_about_it,
+    ball_hits_the_end_of_a_capsule,
+    ball_hits_the_middle_of_a_capsule,
+    capsules_collide_end_to_end,
+    ends_share_the_spin_about_the_axis,
+    orientation_follows_the_axis,
+);

@@ -1,0 +1,268 @@
+//! Friction: its force, its torque, and what rolls because of it.
+
+use rockfall::glam::DVec3;
+use rockfall::{Backend, Capsule, Scene, Simulation, Sphere};
+
+use crate::common::*;
+
+/// Friction alone: no repulsion and no damping, so that all force is friction. mu = 50.
+fn rough() -> Scene {
+    with(|settings| {
+        settings.gravity = 0.0;
+        settings.contact_force = 0.0;
+        settings.contact_damping = 0.0;
+    })
+}
+
+/// Forces of the order of 1 from velocities that round by 6e-8, over dt = 1/64; mu o with an overlap of 0.02 that
+/// rounds by 6e-8.
+const FORCE: f64 = 3e-5;
+
+/// o = 0.02, m* = 0.75, arms sA = sB = 0.5 - 0.01 = 0.49. A spins at (0, 0, 1): uA = w x (sA n) = 0.49 y. B moves at
+/// 0.25 y and spins at (0, 0, 2): uB = 0.25 - 2 * 0.49 = -0.73 y. t = uB - uA = -1.22 y: F on A = 50 * 0.75 * 0.02 * t
+/// / sqrt|t| = -0.75 sqrt 1.22 y. Both torques are s n x F = -0.49 * 0.75 sqrt 1.22 z.
+fn spheres_rub(backend: Backend) {
+    let mut scene = rough();
+    let spin = |sphere: Sphere, z: f32| sphere.angular_momentum([0.0, 0.0, z * sphere.inertia()]);
+    let a = spin(Sphere::new([0.0; 3], 0.5), 1.0);
+    let b = spin(Sphere::new([0.98, 0.0, 0.0], 0.5).mass(3.0), 2.0).velocity([0.0, 0.25, 0.0]);
+    spheres(&mut scene, [a, b]);
+    let found = loads(scene, backend);
+    let f = 0.75 * 1.22_f64.sqrt();
+    forces(&found, [[0.0, -f, 0.0], [0.0, f, 0.0]], FORCE);
+    torques(&found, [[0.0, 0.0, -0.49 * f]; 2], FORCE);
+}
+
+/// Against what is static the whole overlap is on the sphere's side: s = 0.5 - 0.02 = 0.48, m* = 2. It slides at 0.3 x
+/// and spins at (0, 0, 1), n = -y: u = 0.3 + (z x (-y)) * 0.48 = 0.3 + 0.48 = 0.78 x. t = -0.78 x, F = 50 * 2 * 0.02 *
+/// t/sqrt|t| = -2 sqrt 0.78 x, torque = 0.48 (-y) x F = -0.48 * 2 sqrt 0.78 z.
+fn sphere_rubs_on_box_and_polygon(backend: Backend) {
+    for floor in [floor_box, floor_polygon] {
+        let mut scene = rough();
+        floor(&mut scene);
+        let ball = Sphere::new([0.0, 0.48, 0.0], 0.5).mass(2.0).velocity([0.3, 0.0, 0.0]);
+        spheres(&mut scene, [ball.angular_momentum([0.0, 0.0, ball.inertia()])]);
+        let found = loads(scene, backend);
+        let f = 2.0 * 0.78_f64.sqrt();
+        forces(&found, [[-f, 0.0, 0.0]], FORCE);
+        torques(&found, [[0.0, 0.0, -0.48 * f]], FORCE);
+    }
+}
+
+/// Fixed spheres are conveyors: their velocity and spin count, nothing acts on them. A roller under a resting ball
+/// spins at (0, 0, -2) and moves at 0.1 x: with an arm of 0.49 its top moves at 0.1 + 2 * 0.49 = 1.08 x. m* = 3, o =
+/// 0.02: F = 3 sqrt 1.08 x on the ball, torque = 0.49 (-y) x F = 0.49 * 3 sqrt 1.08 z, whichever of the two is A.
+fn fixed_sphere_conveys(backend: Backend) {
+    let roller = Sphere::new([0.0; 3], 0.5).velocity([0.1, 0.0, 0.0]).fixed();
+    let roller = roller.angular_momentum([0.0, 0.0, -2.0 * roller.inertia()]);
+    let ball = Sphere::new([0.0, 0.98, 0.0], 0.5).mass(3.0);
+    let f = 3.0 * 1.08_f64.sqrt();
+    for ball_first in [true, false] {
+        let mut scene = rough();
+        spheres(&mut scene, if ball_first { [ball, roller] } else { [roller, ball] });
+        let mut found = loads(scene, backend);
+        if !ball_first {
+            found.reverse();
+        }
+        forces(&found, [[f, 0.0, 0.0], [0.0; 3]], FORCE);
+        torques(&found, [[0.0, 0.0, 0.49 * f], [0.0; 3]], FORCE);
+    }
+}
+
+/// A ball over a rod at a = 0.25 (masses 1, 3, 1/M = 7/12; ball 1/2; m* = 12/13), o = 0.02, n = -y, arms 0.5 - 0.01 and
+/// 0.1 - 0.01. The rod's ends spin at 4 and 0 about x, w(a) = 3 x; the ball slides at 0.3 z. uA = 0.3 z, uB = -(3 x) x
+/// (0.09 (-y)) = 0.27 z: t = -0.03 z, F on the ball = 50 * 12/13 * 0.02 t/sqrt|t| = -12/13 sqrt 0.03 z. Torque of the
+/// ball 0.49 (-y) x F = 0.49 f x, of the rod 0.09 f x (f = 12/13 sqrt 0.03), shared as 3/4 and 1/4 like the force.
+fn sphere_rubs_on_rod(backend: Backend) {
+    let mut scene = rough();
+    let one = Sphere::new([0.0; 3], 0.2);
+    let ends = [
+        one.angular_momentum([4.0 * one.inertia(), 0.0, 0.0]),
+        Sphere::new([4.0, 0.0, 0.0], 0.2).mass(3.0),
+    ];
+    rod(&mut scene, ends, 0.1);
+    spheres(
+        &mut scene,
+        [Sphere::new([1.0, 0.58, 0.0], 0.5).mass(2.0).velocity([0.0, 0.0, 0.3])],
+    );
+    let found = loads(scene, backend);
+    let f = 12.0 / 13.0 * 0.03_f64.sqrt();
+    forces(&found, [[0.0, 0.0, 0.75 * f], [0.0, 0.0, 0.25 * f], [0.0, 0.0, -f]], FORCE);
+    torques(
+        &found,
+        [[0.09 * 0.75 * f, 0.0, 0.0], [0.09 * 0.25 * f, 0.0, 0.0], [0.49 * f, 0.0, 0.0]],
+        FORCE,
+    );
+}
+
+/// Rods rub too. Unit masses, crossing at a = 0.25 and b = 0.5: 1/M = 10/16 and 1/2, m* = 8/9, o = 0.02, n = y, arms
+/// 0.09. A moves at 0.64 x: t = -0.64 x, F = 50 * 8/9 * 0.02 * (-0.8) x on A; torques 0.09 y x F = 0.09 f z, shared
+/// like the force.
+fn rod_rubs_on_rod(backend: Backend) {
+    let mut scene = rough();
+    let a = [-1.0, 3.0].map(|x| Sphere::new([x, 0.0, 0.0], 0.05).velocity([0.64, 0.0, 0.0]));
+    let b = [-1.0, 1.0].map(|z| Sphere::new([0.0, 0.18, z], 0.05));
+    rod(&mut scene, a, 0.1);
+    rod(&mut scene, b, 0.1);
+    let found = loads(scene, backend);
+    let f = 8.0 / 9.0 * 0.8;
+    let (quarter, half) = (0.25 * f, 0.5 * f);
+    forces(
+        &found,
+        [
+            [-3.0 * quarter, 0.0, 0.0],
+            [-quarter, 0.0, 0.0],
+            [half, 0.0, 0.0],
+            [half, 0.0, 0.0],
+        ],
+        FORCE,
+    );
+    let torque = [3.0 * quarter, quarter, half, half].map(|f| [0.0, 0.0, 0.09 * f]);
+    torques(&found, torque, FORCE);
+}
+
+/// A rod along x lies with a = 0.5 on the edge of a box that runs along z below it, o = 0.02, n = -y, arm 0.1 - 0.02,
+/// m* = 2 of unit masses; both ends move at 0.36 z: F = 50 * 2 * 0.02 * (-0.6) z, torque = 0.08 (-y) x F = 0.08 * 1.2
+/// x, halved.
+fn rod_rubs_on_box_edge(backend: Backend) {
+    let mut scene = rough();
+    // A box on its edge: its upper edge runs along z through the origin.
+    let (i, j) = ([1.0, -1.0, 0.0], [-1.0, -1.0, 0.0]);
+    scene
+        .add_box(rockfall::Cuboid::new([0.0, 0.0, -2.0], i, j, [0.0, 0.0, 4.0]))
+        .expect("a valid box");
+    let ends = [-1.0, 1.0].map(|x| Sphere::new([x, 0.08, 0.0], 0.01).velocity([0.0, 0.0, 0.36]));
+    rod(&mut scene, ends, 0.1);
+    let found = loads(scene, backend);
+    forces(&found, [[0.0, 0.0, -0.6]; 2], FORCE);
+    torques(&found, [[0.048, 0.0, 0.0]; 2], FORCE);
+}
+
+/// An isolated pair, rubbing and pressing, keeps momentum and angular momentum: sum F = 0 and sum (x cross F + T) = 0.
+/// The bodies lie askew and move every way; friction and pressure are of the order of 10.
+fn isolated_pairs_keep_their_momenta(backend: Backend) {
+    let ball = Sphere::new([1.1, 0.5, 0.3], 0.5)
+        .mass(2.0)
+        .velocity([0.2, -0.3, 0.4])
+        .angular_momentum([0.3, 0.1, -0.2]);
+    let ends = [
+        Sphere::new([0.1, 0.0, -0.2], 0.1)
+            .velocity([0.1, 0.2, -0.3])
+            .angular_momentum([0.002, 0.001, 0.0]),
+        Sphere::new([4.0, 0.3, 0.2], 0.1).mass(3.0).velocity([-0.1, 0.1, 0.1]),
+    ];
+    let across = [
+        Sphere::new([1.5, 0.25, -1.7], 0.1).velocity([0.3, -0.2, 0.1]),
+        Sphere::new([1.2, 0.35, 2.1], 0.1)
+            .mass(0.5)
+            .angular_momentum([0.0, 0.001, 0.003]),
+    ];
+    let other = Sphere::new([1.5, 1.2, 0.6], 0.4).mass(0.7).angular_momentum([0.0, 0.2, 0.1]);
+    type Ends = [Sphere; 2];
+    let pairs: [fn(&mut Scene, Ends, Ends, Ends); 3] = [
+        |scene, _, _, balls| {
+            spheres(scene, balls);
+        },
+        |scene, ends, _, [ball, _]| {
+            rod(scene, ends, 0.25);
+            spheres(scene, [ball]);
+        },
+        |scene, ends, across, _| {
+            rod(scene, ends, 0.15);
+            rod(scene, across, 0.15);
+        },
+    ];
+    for build in pairs {
+        let mut scene = weightless();
+        build(&mut scene, ends, across, [ball, other]);
+        let places: Vec<DVec3> = scene.spheres().iter().map(|sphere| sphere.position.as_dvec3()).collect();
+        let found = loads(scene, backend);
+        assert!(
+            found[0].force.length() > 1.0 && found[0].torque.length() > 0.01,
+            "they must touch and rub"
+        );
+        let force: DVec3 = found.iter().map(|load| load.force).sum();
+        near(force, [0.0; 3], 1e-4, "sum of forces");
+        let moments = found
+            .iter()
+            .zip(places)
+            .map(|(load, place)| place.cross(load.force) + load.torque);
+        near(moments.sum::<DVec3>(), [0.0; 3], 1e-4, "sum of moments");
+    }
+}
+
+/// Steps after which all sliding is over, and the mean velocity along x over the last few (rolling is reached with a
+/// jitter that the law t / sqrt|t| leaves near rest).
+fn rolled(mut simulation: Simulation, steps: u64) -> f64 {
+    simulation.run(steps, DT).expect("steps");
+    let spheres = simulation.spheres().expect("spheres are read back");
+    let moving: Vec<f64> = spheres
+        .iter()
+        .filter(|sphere| !sphere.fixed)
+        .map(|sphere| sphere.velocity.x.into())
+        .collect();
+    moving.iter().sum::<f64>() / moving.len() as f64
+}
+
+/// A ball of radius 1 that slides at 1 ends rolling, at 5/7: whatever the law of friction, its angular momentum about
+/// the line of contact is kept, m v s + L, and v = w s in the end. The arm is s = r - G/Cc = 0.999: v = k/(1 + k), k =
+/// 5/2 s^2, 3e-4 below 5/7. With mu = 500 the sliding ends when 7/2 * 0.25 t = 1 (d sqrt|t| / dt = -7/2 * mu/(2 Cc) G):
+/// after 1.14 s or 73 steps.
+fn sliding_ball_ends_rolling(backend: Backend) {
+    for floor in [floor_box, floor_polygon] {
+        let mut scene = with(|settings| settings.friction = 500.0);
+        floor(&mut scene);
+        spheres(
+            &mut scene,
+            [Sphere::new([-2.0, 0.999, 0.0], 1.0).mass(2.0).velocity([1.0, 0.0, 0.0])],
+        );
+        let speed = rolled(simulation(scene, backend), 85);
+        close(speed, 5.0 / 7.0, 1e-3, "velocity when rolling");
+    }
+}
+
+/// So does a capsule that slides across its axis: both ends rub, and its spin about the axis is that of its two spheres.
+fn sliding_capsule_ends_rolling(backend: Backend) {
+    let mut scene = with(|settings| settings.friction = 500.0);
+    floor_box(&mut scene);
+    let capsule = Capsule::new([-2.0, 0.999, -1.0], [-2.0, 0.999, 1.0], 1.0).velocity([1.0, 0.0, 0.0]);
+    scene.add_capsule(capsule).expect("a valid capsule");
+    close(
+        rolled(simulation(scene, backend), 85),
+        5.0 / 7.0,
+        1e-3,
+        "velocity when rolling",
+    );
+}
+
+/// A thick rod (radius 1) along z on two rails along x rolls on its own surface: its inertia is that of its end spheres
+/// (radius 0.5, mass 1 each), so k = R^2 / (2/5 r^2) = 10 and v = 10/11. The rails are rods between fixed spheres, met
+/// at a = 1/4 and 3/4, where 1/M = 10/16: the resting overlap is G / (Cc 1.6) = 6.25e-4, which shortens R by half of
+/// that.
+fn sliding_rod_ends_rolling(backend: Backend) {
+    let mut scene = with(|settings| settings.friction = 500.0);
+    for z in [-1.0, 1.0] {
+        rod(&mut scene, [-3.0, 3.0].map(|x| Sphere::new([x, 0.0, z], 0.05).fixed()), 0.25);
+    }
+    let ends = [-2.0, 2.0].map(|z| Sphere::new([-2.0, 1.249_375, z], 0.5).velocity([1.0, 0.0, 0.0]));
+    rod(&mut scene, ends, 1.0);
+    close(
+        rolled(simulation(scene, backend), 64),
+        10.0 / 11.0,
+        1e-3,
+        "velocity when rolling",
+    );
+}
+
+both!(
+    spheres_rub,
+    sphere_rubs_on_box_and_polygon,
+    fixed_sphere_conveys,
+    sphere_rubs_on_rod,
+    rod_rubs_on_rod,
+    rod_rubs_on_box_edge,
+    isolated_pairs_keep_their_momenta,
+    sliding_ball_ends_rolling,
+    sliding_capsule_ends_rolling,
+    sliding_rod_ends_rolling,
+);

@@ -1,0 +1,207 @@
+//! `contacts()`, `diagnostics()`, `energy()` and the report, against values worked out by hand.
+
+use rockfall::{Backend, Body, Contact, ContactAction, Scene, Sphere, Spring};
+
+use crate::common::*;
+
+/// One contact of a scene, in which there is no other.
+fn only_contact(scene: Scene, backend: Backend) -> Contact {
+    let contacts = simulation(scene, backend).contacts().expect("contacts are found");
+    assert_eq!(contacts.len(), 1, "{contacts:?}");
+    contacts[0]
+}
+
+#[track_caller]
+fn impulse(contact: &Contact, expected: [f64; 3]) {
+    let ContactAction::Impulse(impulse) = contact.action else {
+        panic!("an impulse was expected, not {:?}", contact.action);
+    };
+    near(impulse, expected, 1e-4, "impulse on B");
+}
+
+#[track_caller]
+fn force(contact: &Contact, expected: [f64; 3]) {
+    let ContactAction::Force(force) = contact.action else {
+        panic!("a force was expected, not {:?}", contact.action);
+    };
+    near(force, expected, 1e-3, "force on B");
+}
+
+/// Two balls, o = 0.02, closing at 3, masses 1 and 3: j = 1.75 * 3 / (4/3) = 3.9375 on B. They share the point in the
+/// middle of the overlap, 0.5 - 0.01 from A's centre.
+fn colliding_pair(backend: Backend) {
+    let mut scene = weightless();
+    let [a, b] = spheres(
+        &mut scene,
+        [
+            Sphere::new([0.0; 3], 0.5).velocity([2.0, 0.0, 0.0]),
+            Sphere::new([0.98, 0.0, 0.0], 0.5).mass(3.0).velocity([-1.0, 0.0, 0.0]),
+        ],
+    );
+    let contact = only_contact(scene, backend);
+    assert_eq!((contact.a, contact.b), (Body::Sphere(a), Body::Sphere(b)));
+    near(contact.normal, [1.0, 0.0, 0.0], 1e-6, "normal");
+    near(contact.point, [0.49, 0.0, 0.0], 1e-6, "point");
+    close(contact.overlap, 0.02, 1e-6, "overlap");
+    impulse(&contact, [3.9375, 0.0, 0.0]);
+}
+
+/// A ball of mass 2 lying on the floor with o = 0.01: Cc o m* = 20 down on the box; the point is on its surface.
+fn resting_ball(backend: Backend) {
+    let mut scene = Scene::new();
+    floor_box(&mut scene);
+    let [ball] = spheres(&mut scene, [Sphere::new([0.3, 0.49, -0.2], 0.5).mass(2.0)]);
+    let floor = scene.box_ids().next().expect("a box");
+    let contact = only_contact(scene, backend);
+    assert_eq!((contact.a, contact.b), (Body::Sphere(ball), Body::Box(floor)));
+    near(contact.normal, [0.0, -1.0, 0.0], 1e-5, "normal");
+    near(contact.point, [0.3, 0.0, -0.2], 1e-5, "point");
+    force(&contact, [0.0, -20.0, 0.0]);
+}
+
+/// Crossing rods at rest, a = 0.25, b = 0.5, unit masses: m* = 1/(10/16 + 1/2) = 8/9, o = 0.02: 20 * 8/9 up on B.
+fn crossing_rods(backend: Backend) {
+    let mut scene = weightless();
+    let a = rod(&mut scene, [-1.0, 3.0].map(|x| Sphere::new([x, 0.0, 0.0], 0.05)), 0.1);
+    let b = rod(&mut scene, [-1.0, 1.0].map(|z| Sphere::new([0.0, 0.18, z], 0.05)), 0.1);
+    let contact = only_contact(scene, backend);
+    assert_eq!((contact.a, contact.b), (Body::Rod(a), Body::Rod(b)));
+    near(contact.normal, [0.0, 1.0, 0.0], 1e-6, "normal");
+    near(contact.point, [0.0, 0.09, 0.0], 1e-6, "point");
+    force(&contact, [0.0, 160.0 / 9.0, 0.0]);
+}
+
+/// A ball over a polygon: body B is the polygon.
+fn ball_on_a_polygon(backend: Backend) {
+    let mut scene = weightless();
+    floor_polygon(&mut scene);
+    let [ball] = spheres(&mut scene, [Sphere::new([0.3, 0.49, -0.2], 0.5).velocity([0.0, -2.0, 0.0])]);
+    let floor = scene.polygon_ids().next().expect("a polygon");
+    let contact = only_contact(scene, backend);
+    assert_eq!((contact.a, contact.b), (Body::Sphere(ball), Body::Polygon(floor)));
+    impulse(&contact, [0.0, -3.5, 0.0]);
+}
+
+/// A ball that hits two at once has s = 0.8 in both contacts (see `collisions`): 0.8 * sqrt 3 along each normal, with e
+/// = 1; and that is what phase 3 gives. The third contact, of the two it hits, is a force.
+fn impulses_are_those_of_the_next_phase(backend: Backend) {
+    let mut scene = weightless();
+    scene.settings.restitution = 1.0;
+    let (cos, sin) = (0.999 * 0.75_f32.sqrt(), 0.999 * 0.5);
+    let [_, b, _] = spheres(
+        &mut scene,
+        [
+            Sphere::new([0.0; 3], 0.5).velocity([2.0, 0.0, 0.0]),
+            Sphere::new([cos, sin, 0.0], 0.5),
+            Sphere::new([cos, -sin, 0.0], 0.5),
+        ],
+    );
+    let mut simulation = simulation(scene, backend);
+    let contacts = simulation.contacts().expect("contacts are found");
+    assert_eq!(contacts.len(), 3);
+    impulse(&contacts[0], [1.2, 0.4 * 3.0_f64.sqrt(), 0.0]);
+    assert!(matches!(contacts[2].action, ContactAction::Force(_)));
+    simulation.handle_collisions().expect("phase 3");
+    let hit = simulation.sphere(b).expect("a ball");
+    near(hit.velocity, [1.2, 0.4 * 3.0_f64.sqrt(), 0.0], F32, "velocity");
+}
+
+/// A ball of mass 2 (gravity 20 down) on the floor with o = 0.03 (60 up), with a neighbour of mass 2 at o = 0.01 (m* =
+/// 1, 10 away) and an outside force of 5 along z. The neighbour is fixed: m* = 2, 20 away, and its own net force is
+/// told as 0.
+fn diagnostics_of_a_ball(backend: Backend) {
+    let mut scene = with(|settings| settings.gravity = 10.0);
+    floor_box(&mut scene);
+    spheres(
+        &mut scene,
+        [
+            Sphere::new([0.0, 0.47, 0.0], 0.5).mass(2.0).force([0.0, 0.0, 5.0]),
+            Sphere::new([0.99, 0.47, 0.0], 0.5).mass(2.0).fixed(),
+            Sphere::new([0.0, 3.0, 0.0], 0.5),
+        ],
+    );
+    let mut simulation = simulation(scene, backend);
+    let values = simulation.diagnostics().expect("diagnostics");
+    near(values[0].net_force, [-20.0, 40.0, 5.0], 2e-3, "net force");
+    assert_eq!(values[0].contacts, 2);
+    close(values[0].deepest_overlap, 0.03, 1e-6, "deepest overlap");
+    near(values[1].net_force, [0.0; 3], 0.0, "net force on a fixed sphere");
+    close(
+        values[1].deepest_overlap,
+        0.01,
+        1e-6,
+        "deepest overlap, the fixed one's box left out",
+    );
+    near(values[2].net_force, [0.0, -10.0, 0.0], 1e-5, "net force in free fall");
+    assert_eq!(values[2].contacts, 0);
+}
+
+/// Kinetic: 2 * 9 / 2 + L^2/(2 I) = 9 + 0.04/(2 * 0.2) = 9.1. Potential (G = 10, the fixed one left out): 2 * 10 * 0.49 +
+/// 10 * 3. Spring: 10 * (2.51 - 2)^2 / 2. Contact: 1000 * 2 * 0.01^2 / 2.
+/// Angular momentum: 2 (0.49 y) x (3 x) + L = (0.2, 0, -2.94).
+fn energies(backend: Backend) {
+    let mut scene = with(|settings| settings.gravity = 10.0);
+    floor_box(&mut scene);
+    let [a, b, _] = spheres(
+        &mut scene,
+        [
+            Sphere::new([0.0, 0.49, 0.0], 0.5)
+                .mass(2.0)
+                .velocity([3.0, 0.0, 0.0])
+                .angular_momentum([0.2, 0.0, 0.0]),
+            Sphere::new([0.0, 3.0, 0.0], 0.5),
+            Sphere::new([9.0, 9.0, 9.0], 0.5).velocity([9.0, 9.0, 9.0]).fixed(),
+        ],
+    );
+    scene.add_spring(Spring::new(a, b, 10.0, 2.0)).expect("a valid spring");
+    let energy = simulation(scene, backend).energy().expect("energies");
+    close(energy.kinetic, 9.1, 1e-5, "kinetic energy");
+    close(energy.potential, 39.8, 1e-5, "potential energy");
+    close(energy.spring, 5.0 * 0.51 * 0.51, 1e-5, "energy of the spring");
+    close(energy.contact, 0.1, 1e-5, "energy of the contact");
+    close(energy.total(), 9.1 + 39.8 + 1.3005 + 0.1, 1e-4, "all energies");
+    near(energy.momentum, [6.0, 0.0, 0.0], 1e-6, "momentum");
+    near(energy.angular_momentum, [0.2, 0.0, -2.94], 1e-5, "angular momentum");
+}
+
+/// Steps, time, contacts, overlaps and collisions are told as they are: two balls collide in the first step, then fly
+/// apart over the floor that a third one lies on; rods' contacts count too, each pair once.
+fn report_of_some_steps(backend: Backend) {
+    let mut scene = with(|settings| settings.gravity = 0.0);
+    floor_box(&mut scene);
+    spheres(
+        &mut scene,
+        [
+            Sphere::new([0.0, 2.0, 0.0], 0.5).velocity([2.0, 0.0, 0.0]),
+            Sphere::new([0.99, 2.0, 0.0], 0.5).velocity([-2.0, 0.0, 0.0]),
+            Sphere::new([3.0, 0.5, 0.0], 0.5).force([0.0, -10.0, 0.0]),
+        ],
+    );
+    // A fixed rod lies across another fixed one: they have nothing to say to each other.
+    for axis in [[1.0, 0.0, 0.0], [0.0, 0.0, 1.0]] {
+        let [x, y, z] = axis;
+        let ends = [[-x, 3.9 + y, -z], [x, 3.9 + y, z]].map(|end| Sphere::new(end, 0.05).fixed());
+        rod(&mut scene, ends, 0.1);
+    }
+    let mut simulation = simulation(scene, backend);
+    let first = simulation.step(DT).expect("a step");
+    assert_eq!((first.steps, first.collisions, first.total_collisions), (1, 1, 1));
+    let later = simulation.run(63, DT).expect("63 steps");
+    assert_eq!((later.steps, later.collisions, later.total_collisions), (64, 0, 1));
+    close(later.time, 1.0, 0.0, "time");
+    // Pressed by 10 on a mass of 1, it rests at o = 10 / Cc = 0.01, up to exp(-Cd t / 2) = 2e-3 of that.
+    assert_eq!(later.contacts, 1);
+    close(later.max_overlap, 0.01, 4e-5, "overlap");
+    assert_eq!(later.non_finite, 0);
+}
+
+both!(
+    colliding_pair,
+    resting_ball,
+    crossing_rods,
+    ball_on_a_polygon,
+    impulses_are_those_of_the_next_phase,
+    diagnostics_of_a_ball,
+    energies,
+    report_of_some_steps,
+);

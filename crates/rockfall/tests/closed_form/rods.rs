@@ -1,0 +1,269 @@
+//! Collisions of rods: with spheres, with rods, with boxes.
+
+use rockfall::glam::Vec3;
+use rockfall::{Backend, Scene, Sphere};
+
+use crate::common::*;
+
+/// A rod along x from 0 to 4, masses 1 and 3, of radius 0.1.
+fn rod_along_x(scene: &mut Scene, velocities: [f32; 2]) {
+    let [v1, v2] = velocities;
+    let ends = [
+        Sphere::new([0.0; 3], 0.2).velocity([0.0, v1, 0.0]),
+        Sphere::new([4.0, 0.0, 0.0], 0.2).mass(3.0).velocity([0.0, v2, 0.0]),
+    ];
+    rod(scene, ends, 0.1);
+}
+
+/// a = 0.25, o = 0.6 - 0.55 = 0.05, 1/M = 0.75^2/1 + 0.25^2/3 = 7/12 (2.6), w = 1/2 + 7/12 = 13/12; n = -y from the ball
+/// to the rod. The rod's point moves at 0.75 * 0.4 + 0.25 * (-1.2) = 0 (2.7), u = 2, j = 1.75 * 2 / (13/12) = 42/13.
+/// The ball gets 42/13 / 2 up; the ends 0.75 * 42/13 / 1 and 0.25 * 42/13 / 3 down.
+fn ball_hits_a_rod_off_its_middle(backend: Backend) {
+    let mut scene = weightless();
+    rod_along_x(&mut scene, [0.4, -1.2]);
+    let ball = Sphere::new([1.0, 0.55, 0.0], 0.5).mass(2.0).velocity([0.3, -2.0, 0.0]);
+    spheres(&mut scene, [ball]);
+    let before = scene.spheres().to_vec();
+    let after = collide(scene, backend);
+    let j = 42.0 / 13.0;
+    velocities(
+        &after,
+        [
+            [0.0, 0.4 - 0.75 * j, 0.0],
+            [0.0, -1.2 - 0.25 * j / 3.0, 0.0],
+            [0.3, -2.0 + 0.5 * j, 0.0],
+        ],
+    );
+    // The overlap is removed by displacements that go as the impulse: o / w = 0.05 * 12/13 in place of j.
+    let d = 0.05 * 12.0 / 13.0;
+    displacements(
+        &before,
+        &after,
+        [[0.0, -0.75 * d, 0.0], [0.0, -0.25 * d / 3.0, 0.0], [0.0, 0.5 * d, 0.0]],
+    );
+}
+
+/// With end 1 fixed, 1/M = a^2/m2 = (1/16)/3 = 1/48: w = 1/2 + 1/48 = 25/48, u = 2, j = 3.5 * 48/25 = 6.72.
+/// Displaced by o = 0.05 in the same proportion: 0.05 * 48/25 = 0.096 in place of j.
+fn ball_hits_a_rod_with_a_fixed_end(backend: Backend) {
+    let mut scene = weightless();
+    let ends = [
+        Sphere::new([0.0; 3], 0.2).fixed(),
+        Sphere::new([4.0, 0.0, 0.0], 0.2).mass(3.0),
+    ];
+    rod(&mut scene, ends, 0.1);
+    let ball = Sphere::new([1.0, 0.55, 0.0], 0.5).mass(2.0).velocity([0.0, -2.0, 0.0]);
+    spheres(&mut scene, [ball]);
+    let before = scene.spheres().to_vec();
+    let after = collide(scene, backend);
+    velocities(&after, [[0.0; 3], [0.0, -0.25 * 6.72 / 3.0, 0.0], [0.0, -2.0 + 3.36, 0.0]]);
+    displacements(
+        &before,
+        &after,
+        [[0.0; 3], [0.0, -0.25 * 0.096 / 3.0, 0.0], [0.0, 0.048, 0.0]],
+    );
+}
+
+/// What lies beyond an end belongs to that end's sphere: 0.02 beyond, the thick rod (reach 0.9) is not met, and the thin end
+/// sphere (reach 0.7) is out of reach at 0.8.
+fn beyond_its_end_a_rod_is_not_met(backend: Backend) {
+    let build = |x: f32| {
+        let mut scene = weightless();
+        let ends = [[0.0; 3], [4.0, 0.0, 0.0]].map(|end| Sphere::new(end, 0.2));
+        rod(&mut scene, ends, 0.4);
+        spheres(&mut scene, [Sphere::new([x, 0.8, 0.0], 0.5).velocity([0.0, -2.0, 0.0])]);
+        scene
+    };
+    for x in [-0.02, 4.02] {
+        untouched(build(x), backend);
+    }
+    for x in [0.02, 3.98] {
+        assert!(collide(build(x), backend)[2].velocity.y > -1.0, "met at x = {x}");
+    }
+}
+
+/// Two rods that cross at a = 0.25, b = 0.5, 0.15 apart, o = 0.05, n = y.
+/// wA = 0.5625/1 + 0.0625/2 = 19/32, wB = 0.25/3 + 0.25/0.5 = 7/12, w = 113/96.
+/// vA = 0.75 * 2 + 0.25 * (-2) = 1, vB = (-1 - 3)/2 = -2: u = 3, j = 1.75 * 3 / w.
+fn crossing_rods(backend: Backend) {
+    let mut scene = weightless();
+    let a = [
+        Sphere::new([-1.0, 0.0, 0.0], 0.05).velocity([0.0, 2.0, 0.0]),
+        Sphere::new([3.0, 0.0, 0.0], 0.05).mass(2.0).velocity([0.0, -2.0, 0.0]),
+    ];
+    let b = [
+        Sphere::new([0.0, 0.15, -1.0], 0.05).mass(3.0).velocity([0.0, -1.0, 0.0]),
+        Sphere::new([0.0, 0.15, 1.0], 0.05).mass(0.5).velocity([0.0, -3.0, 0.0]),
+    ];
+    rod(&mut scene, a, 0.1);
+    rod(&mut scene, b, 0.1);
+    let before = scene.spheres().to_vec();
+    let after = collide(scene, backend);
+    let shared = |k: f64| {
+        [
+            [0.0, -0.75 * k, 0.0],
+            [0.0, -0.125 * k, 0.0],
+            [0.0, k / 6.0, 0.0],
+            [0.0, k, 0.0],
+        ]
+    };
+    let dv = shared(5.25 * 96.0 / 113.0);
+    velocities(
+        &after,
+        [
+            [0.0, 2.0 + dv[0][1], 0.0],
+            [0.0, -2.0 + dv[1][1], 0.0],
+            [0.0, -1.0 + dv[2][1], 0.0],
+            [0.0, -3.0 + dv[3][1], 0.0],
+        ],
+    );
+    displacements(&before, &after, shared(0.05 * 96.0 / 113.0));
+}
+
+/// Parallel rods, from 0 to 4 and from 5 to 3: they share the stretch 3..4 and meet in its middle, a = 3.5/4, b = 3/4.
+/// 1/MA = (1/8)^2 + (7/8)^2 = 50/64, 1/MB = 1/16 + 9/16 = 40/64, u = 2, e = 0.75: j = 3.5 * 64/90.
+fn parallel_rods_meet_in_the_middle_of_what_they_share(backend: Backend) {
+    let mut scene = weightless();
+    rod(&mut scene, [[0.0; 3], [4.0, 0.0, 0.0]].map(|end| Sphere::new(end, 0.01)), 0.1);
+    let b = [[5.0, 0.15, 0.0], [3.0, 0.15, 0.0]].map(|end| Sphere::new(end, 0.01).velocity([0.0, -2.0, 0.0]));
+    rod(&mut scene, b, 0.1);
+    let after = collide(scene, backend);
+    let j = 3.5 * 64.0 / 90.0;
+    velocities(
+        &after,
+        [
+            [0.0, -j / 8.0, 0.0],
+            [0.0, -7.0 * j / 8.0, 0.0],
+            [0.0, -2.0 + j / 4.0, 0.0],
+            [0.0, -2.0 + 3.0 * j / 4.0, 0.0],
+        ],
+    );
+}
+
+/// A rod whose end is shared ignores the other rod of that sphere, and its own spheres; fixed-length ends ignore each other.
+/// The control: two overlapping spheres without a rod, or with a rod of free length, do collide.
+fn nothing_collides_with_itself(backend: Backend) {
+    let ends = [
+        Sphere::new([0.0; 3], 0.5).velocity([2.0, 0.0, 0.0]),
+        Sphere::new([0.9, 0.0, 0.0], 0.5).velocity([-2.0, 0.0, 0.0]),
+    ];
+    let mut held = weightless();
+    dumbbell(&mut held, ends, 0.3);
+    uncounted(held, backend);
+
+    let mut free = weightless();
+    rod(&mut free, ends, 0.3);
+    velocities(&collide(free, backend), [[-1.5, 0.0, 0.0], [1.5, 0.0, 0.0]]);
+
+    let mut angle = weightless();
+    let [knee, foot, hip] = spheres(
+        &mut angle,
+        [
+            Sphere::new([0.0; 3], 0.1),
+            Sphere::new([2.0, 0.3, 0.0], 0.1).velocity([0.0, -3.0, 0.0]),
+            Sphere::new([2.0, -0.3, 0.0], 0.1).velocity([0.0, 3.0, 0.0]),
+        ],
+    );
+    for end in [foot, hip] {
+        angle.add_rod(rockfall::Rod::new(knee, end, 0.4)).expect("a valid rod");
+    }
+    uncounted(angle, backend);
+}
+
+/// A rod in the plane z = 0.3 across the edge x = 5, y = 0 of the floor's box, at right angles to it; its axis passes the edge
+/// at `distance` along the edge's outward normal (1, 1, 0)/sqrt 2, at a = 0.25. Masses 1 and 2.
+fn rod_across_the_edge(distance: f32, radius: f32) -> Scene {
+    let mut scene = weightless();
+    floor_box(&mut scene);
+    let root = 0.5_f32.sqrt();
+    let (out, along) = (Vec3::new(root, root, 0.0), Vec3::new(root, -root, 0.0));
+    let point = Vec3::new(5.0, 0.0, 0.3) + distance * out;
+    let ends = [
+        Sphere::new(point - along, 0.05).velocity([0.0, -2.0, 0.0]),
+        Sphere::new(point + 3.0 * along, 0.05).mass(2.0).velocity([0.0, -2.0, 0.0]),
+    ];
+    rod(&mut scene, ends, radius);
+    scene
+}
+
+/// Both ends move at (0, -2, 0), n = -(1, 1, 0)/sqrt 2: u = sqrt 2. w = 0.5625 + 0.0625/2 = 19/32, j = 1.75 sqrt 2 / w, along
+/// -n: the ends get 0.75 j and 0.25 j / 2 of it; the overlap goes in the same proportion.
+fn across_the_edge(scene: Scene, overlap: f64, backend: Backend) {
+    let before = scene.spheres().to_vec();
+    let after = collide(scene, backend);
+    let w = 19.0 / 32.0;
+    let shared = |k: f64| [0.75 * k / w / 2.0_f64.sqrt(), 0.125 * k / w / 2.0_f64.sqrt()];
+    let [dv1, dv2] = shared(1.75 * 2.0_f64.sqrt());
+    velocities(&after, [[dv1, dv1 - 2.0, 0.0], [dv2, dv2 - 2.0, 0.0]]);
+    let [dx1, dx2] = shared(overlap);
+    displacements(&before, &after, [[dx1, dx1, 0.0], [dx2, dx2, 0.0]]);
+}
+
+/// The axis passes 0.06 outside the edge, the radius is 0.1: o = 0.04.
+fn rod_on_a_box_edge(backend: Backend) {
+    across_the_edge(rod_across_the_edge(0.06, 0.1), 0.04, backend);
+}
+
+/// The axis passes 0.03 inside the edge: n is reversed, o = 0.1 + 0.03, so that the rod is pushed out, not through.
+fn rod_axis_inside_a_box_is_pushed_out(backend: Backend) {
+    across_the_edge(rod_across_the_edge(-0.03, 0.1), 0.13, backend);
+}
+
+/// Out of reach of the edge, though its AABB overlaps the box's.
+fn rod_off_a_box_edge(backend: Backend) {
+    untouched(rod_across_the_edge(0.11, 0.1), backend);
+}
+
+/// A rod along (1, -1, 0)/sqrt 2 that passes the vertex (5, 0, 5) at 0.06 along (1, 1, 1)/sqrt 3. The closest points on
+/// the lines of all three edges lie beyond the vertex, so it is a vertex contact: a = 0.25, o = 0.04, n = -(1, 1,
+/// 1)/sqrt 3, u = 2/sqrt 3, w = 19/32 as above.
+fn rod_on_a_box_vertex(backend: Backend) {
+    let mut scene = weightless();
+    floor_box(&mut scene);
+    let out = Vec3::ONE.normalize();
+    let along = Vec3::new(1.0, -1.0, 0.0).normalize();
+    let point = Vec3::new(5.0, 0.0, 5.0) + 0.06 * out;
+    let ends = [
+        Sphere::new(point - along, 0.05).velocity([0.0, -2.0, 0.0]),
+        Sphere::new(point + 3.0 * along, 0.05).mass(2.0).velocity([0.0, -2.0, 0.0]),
+    ];
+    rod(&mut scene, ends, 0.1);
+    let before = scene.spheres().to_vec();
+    let after = collide(scene, backend);
+    let w = 19.0 / 32.0;
+    // Each component of the unit vector (1, 1, 1)/sqrt 3 times k.
+    let shared = |k: f64| [0.75 * k / w / 3.0_f64.sqrt(), 0.125 * k / w / 3.0_f64.sqrt()];
+    let [dv1, dv2] = shared(1.75 * 2.0 / 3.0_f64.sqrt());
+    velocities(&after, [[dv1, dv1 - 2.0, dv1], [dv2, dv2 - 2.0, dv2]]);
+    let [dx1, dx2] = shared(0.04);
+    displacements(&before, &after, [[dx1; 3], [dx2; 3]]);
+}
+
+/// A rod flat across a narrow box rests on two edges at once, at a = 0.25 and 0.75. With equal masses G_11 = G_22 =
+/// 10/16, G_12 = 2 * 3/16 = 6/16: s = 1 / (1 + 0.6) = 5/8. Each j = 1.75 * 2 / (10/16) = 5.6, each end gets (0.75 + 0.25) s j
+/// = 3.5: it bounces flat, at 1.5, as a ball would. Both press, so nothing is displaced.
+fn rod_lands_flat_on_two_edges(backend: Backend) {
+    let mut scene = weightless();
+    scene
+        .add_box(rockfall::Cuboid::between([-1.0, -2.0, -3.0], [1.0, 0.0, 3.0]))
+        .expect("a valid box");
+    let ends = [-2.0, 2.0].map(|x| Sphere::new([x, 0.09, 0.0], 0.05).velocity([0.0, -2.0, 0.0]));
+    rod(&mut scene, ends, 0.1);
+    let after = collide(scene, backend);
+    velocities(&after, [[0.0, 1.5, 0.0], [0.0, 1.5, 0.0]]);
+    displacements(&ends, &after, [[0.0; 3]; 2]);
+}
+
+both!(
+    ball_hits_a_rod_off_its_middle,
+    ball_hits_a_rod_with_a_fixed_end,
+    beyond_its_end_a_rod_is_not_met,
+    crossing_rods,
+    parallel_rods_meet_in_the_middle_of_what_they_share,
+    nothing_collides_with_itself,
+    rod_on_a_box_edge,
+    rod_axis_inside_a_box_is_pushed_out,
+    rod_off_a_box_edge,
+    rod_on_a_box_vertex,
+    rod_lands_flat_on_two_edges,
+);

@@ -1,0 +1,218 @@
+//! Spheres against boxes and polygons.
+
+use rockfall::glam::{DVec3, Vec3};
+use rockfall::{Backend, Cuboid, Polygon, Scene, Sphere};
+
+use crate::common::*;
+
+/// A ball that meets the plane y = 0 at an angle: with e = 0.75 the normal velocity -2 becomes 1.5, the rest stays; the
+/// overlap of 0.02 is removed.
+fn ball_bounces(mut scene: Scene, backend: Backend) {
+    let ball = Sphere::new([0.3, 0.48, 0.2], 0.5).mass(2.0).velocity([1.0, -2.0, 0.5]);
+    spheres(&mut scene, [ball]);
+    let after = collide(scene, backend);
+    velocities(&after, [[1.0, 1.5, 0.5]]);
+    displacements(&[ball], &after, [[0.0, 0.02, 0.0]]);
+}
+
+fn restitution_on_a_box(backend: Backend) {
+    let mut scene = weightless();
+    floor_box(&mut scene);
+    ball_bounces(scene, backend);
+}
+
+fn restitution_on_a_polygon(backend: Backend) {
+    let mut scene = weightless();
+    floor_polygon(&mut scene);
+    ball_bounces(scene, backend);
+}
+
+/// One ball against the floor's box, with e = 0.75: what it does.
+fn on_floor_box(ball: Sphere, backend: Backend, velocity: [f64; 3], moved: [f64; 3]) {
+    let mut scene = weightless();
+    floor_box(&mut scene);
+    spheres(&mut scene, [ball]);
+    let after = collide(scene, backend);
+    velocities(&after, [velocity]);
+    displacements(&[ball], &after, [moved]);
+}
+
+/// The centre is (0.24, 0.32) beyond the edge x = 5, y = 0: distance 0.4, o = 0.1, n = (-0.6, -0.8, 0).
+/// u = (-1, -1, 3).n = 1.4, so v' = v + 1.75 * 1.4 * (0.6, 0.8, 0) = (0.47, 0.96, 3).
+fn ball_on_a_box_edge(backend: Backend) {
+    let ball = Sphere::new([5.24, 0.32, 0.2], 0.5).velocity([-1.0, -1.0, 3.0]);
+    on_floor_box(ball, backend, [0.47, 0.96, 3.0], [0.06, 0.08, 0.0]);
+}
+
+/// The centre is (0.2, 0.1, 0.2) beyond the vertex (5, 0, 5): distance 0.3, o = 0.2, n = -(2, 1, 2)/3.
+/// u = (0, -3, 0).n = 1, so v' = v + 1.75 (2, 1, 2)/3.
+fn ball_on_a_box_vertex(backend: Backend) {
+    let ball = Sphere::new([5.2, 0.1, 5.2], 0.5).velocity([0.0, -3.0, 0.0]);
+    let third = 1.75 / 3.0;
+    on_floor_box(
+        ball,
+        backend,
+        [2.0 * third, third - 3.0, 2.0 * third],
+        [0.4 / 3.0, 0.2 / 3.0, 0.4 / 3.0],
+    );
+}
+
+/// A box turned by 3-4-5: edges (3, 4, 0), (-4, 3, 0) and (0, 0, 5) from the origin. The face at the far end of the second
+/// edge has the normal (-0.8, 0.6, 0). A centre 0.45 off its middle: o = 0.05; v = 2 along -normal turns to 1.5.
+fn ball_on_a_turned_box(backend: Backend) {
+    let mut scene = weightless();
+    let (i, j, k) = (Vec3::new(3.0, 4.0, 0.0), Vec3::new(-4.0, 3.0, 0.0), Vec3::new(0.0, 0.0, 5.0));
+    scene.add_box(Cuboid::new([0.0; 3], i, j, k)).expect("a valid box");
+    let normal = Vec3::new(-0.8, 0.6, 0.0);
+    let ball = Sphere::new(0.5 * i + j + 0.5 * k + 0.45 * normal, 0.5).velocity(-2.0 * normal);
+    spheres(&mut scene, [ball]);
+    let after = collide(scene, backend);
+    velocities(&after, [[-1.2, 0.9, 0.0]]);
+    displacements(&[ball], &after, [[-0.04, 0.03, 0.0]]);
+}
+
+/// The skew polygon: corner 0, L = (1, 0, 2), R = (2, 0, 0), facing up. Its points have z = 2l, x = z/2 + 2k.
+fn over_the_skew_polygon(x: f32, z: f32) -> Scene {
+    let mut scene = weightless();
+    scene
+        .add_polygon(Polygon::new([0.0; 3], [1.0, 0.0, 2.0], [2.0, 0.0, 0.0]))
+        .expect("a valid polygon");
+    spheres(&mut scene, [Sphere::new([x, 0.25, z], 0.3).velocity([0.0, -2.0, 0.0])]);
+    scene
+}
+
+/// At z = 1.5 the slanted edges are at x = 0.75 and x = 2.75. Hit a little inside of them, missed a little outside, though
+/// both places lie over the bounding rectangle; likewise at the straight edges z = 0 and z = 2.
+fn skew_polygon_ends_at_its_edges(backend: Backend) {
+    for (x, z) in [(0.77, 1.5), (2.73, 1.5), (1.5, 0.02), (1.5, 1.98)] {
+        let after = collide(over_the_skew_polygon(x, z), backend);
+        velocities(&after, [[0.0, 1.5, 0.0]]);
+    }
+    for (x, z) in [(0.73, 1.5), (2.77, 1.5), (1.5, -0.02), (1.5, 2.02), (2.3, 0.5)] {
+        untouched(over_the_skew_polygon(x, z), backend);
+    }
+}
+
+/// Only 0 <= d < r counts: nothing from behind, nothing out of reach.
+fn polygon_is_one_sided(backend: Backend) {
+    for height in [-0.05, 0.51] {
+        for speed in [-2.0, 2.0] {
+            let mut scene = weightless();
+            floor_polygon(&mut scene);
+            spheres(&mut scene, [Sphere::new([0.0, height, 0.0], 0.5).velocity([0.0, speed, 0.0])]);
+            untouched(scene, backend);
+        }
+    }
+}
+
+/// From behind, a ball faster than threshold x radius passes through without any force: x = x0 + v t to the last bit,
+/// for all numbers here are binary fractions.
+fn ball_from_behind_passes_through_a_polygon(backend: Backend) {
+    let mut scene = weightless();
+    floor_polygon(&mut scene);
+    let [ball] = spheres(&mut scene, [Sphere::new([0.0, -0.5, 0.0], 0.25).velocity([0.0, 2.0, 0.0])]);
+    let mut simulation = simulation(scene, backend);
+    simulation.run(32, DT).expect("32 steps");
+    let ball = simulation.sphere(ball).expect("the ball");
+    near(ball.velocity, [0.0, 2.0, 0.0], 0.0, "velocity");
+    near(ball.position, [0.0, 0.5, 0.0], 1e-6, "position");
+    assert_eq!(simulation.report().total_collisions, 0);
+}
+
+/// Floor and wall at a right angle do not weaken each other: with e = 1 both components turn round, and each contact alone
+/// (row sum 1) removes its overlap of 0.01.
+fn ball_in_a_corner_leaves_at_its_speed(backend: Backend) {
+    let mut scene = weightless();
+    scene.settings.restitution = 1.0;
+    floor_polygon(&mut scene);
+    scene
+        .add_polygon(Polygon::new([0.0, -5.0, -5.0], [0.0, 10.0, 0.0], [0.0, 0.0, 10.0]))
+        .expect("a valid polygon");
+    let ball = Sphere::new([0.49, 0.49, 0.0], 0.5).velocity([-2.0, -3.0, 1.0]);
+    spheres(&mut scene, [ball]);
+    let after = collide(scene, backend);
+    velocities(&after, [[2.0, 3.0, 1.0]]);
+    displacements(&[ball], &after, [[0.01, 0.01, 0.0]]);
+}
+
+/// Two polygons whose normals are at 60 degrees, hit along the bisector: |G_12| / sqrt(G_11 G_22) = n1.n2 = 1/2, s = 2/3.
+/// u = 2 cos 30 at both, and with e = 1 the ball gets 2/3 * 2u (n1 + n2) = 2/3 * 4 * 2 cos^2 30 up = 4: from -2 to 2.
+/// Both press, so nothing is displaced.
+fn ball_in_a_sharp_groove(backend: Backend) {
+    let mut scene = weightless();
+    scene.settings.restitution = 1.0;
+    let (cos, sin) = (0.75_f32.sqrt(), 0.5);
+    for side in [-1.0, 1.0] {
+        // The face through the origin with normal (-side sin, cos, 0), across which z runs.
+        let along = Vec3::new(cos * side, sin, 0.0);
+        let [left, right] = if side > 0.0 { [Vec3::Z, along] } else { [along, Vec3::Z] };
+        let corner = -5.0 * Vec3::Z;
+        scene
+            .add_polygon(Polygon::new(corner, 10.0 * left, 10.0 * right))
+            .map(|_| ())
+            .unwrap_or_else(|error| panic!("{error}"));
+    }
+    let height = 0.49 / cos;
+    let ball = Sphere::new([0.0, height, 0.0], 0.5).velocity([0.0, -2.0, 0.0]);
+    spheres(&mut scene, [ball]);
+    let after = collide(scene, backend);
+    velocities(&after, [[0.0, 2.0, 0.0]]);
+    displacements(&[ball], &after, [[0.0; 3]]);
+}
+
+/// A ball that falls freely from rest bounces with e on the floor of a whole run: it arrives at sqrt(2 G h) and rises to e^2 h.
+/// G = 8, h = 1: it arrives after t = 0.5 s at 4, leaves at 3 and is back at rest after 3/8 s, 9/16 high. With time steps of
+/// 1/512 s the bounce is seen up to a step late, which displaces it by up to (1 + e) * 4 / 512 = 0.014.
+fn ball_rises_to_restitution_squared(backend: Backend) {
+    let dt = 1.0 / 512.0;
+    let mut scene = with(|settings| settings.gravity = 8.0);
+    floor_box(&mut scene);
+    let [ball] = spheres(&mut scene, [Sphere::new([0.0, 1.5, 0.0], 0.5)]);
+    let mut simulation = simulation(scene, backend);
+    simulation.run(448, dt).expect("7/8 s");
+    assert_eq!(simulation.report().total_collisions, 1);
+    let ball = simulation.sphere(ball).expect("the ball");
+    close(ball.position.y, 0.5 + 9.0 / 16.0, 0.014, "height");
+    // Beside the delay (8 * 1/512 * 1.75 = 0.027) the overlap's removal has an effect of the order of 8 * 0.008 / 4.
+    close(ball.velocity.y, 0.0, 0.05, "velocity at the top");
+}
+
+/// Walls in turn: a ball in a closed box of six polygons, elastic, without gravity, keeps its speed and stays inside.
+fn elastic_ball_stays_in_a_room(backend: Backend) {
+    let mut scene = weightless();
+    scene.settings.restitution = 1.0;
+    for axis in 0..3 {
+        let [x, y, z] = [0, 1, 2].map(|shift| Vec3::AXES[(axis + shift) % 3]);
+        // y x z = x: the low wall faces up along x, the high one down.
+        for (corner, left, right) in [(-y - z, y, z), (2.0 * x - y - z, z, y)] {
+            let polygon = Polygon::new(corner - x, 2.0 * left, 2.0 * right);
+            scene.add_polygon(polygon).expect("a valid polygon");
+        }
+    }
+    let velocity = DVec3::new(3.0, -4.0, 2.0);
+    let ball = Sphere::new([0.1, 0.2, -0.3], 0.25).velocity(velocity.as_vec3());
+    let [ball] = spheres(&mut scene, [ball]);
+    let mut simulation = simulation(scene, backend);
+    for _ in 0..on(backend, 60, 12) {
+        simulation.run(10, 0.01).expect("10 steps");
+        let ball = simulation.sphere(ball).expect("the ball");
+        near(ball.velocity.abs(), velocity.abs(), 1e-3, "speed along each axis");
+        assert!(ball.position.abs().max_element() < 0.8, "{}", ball.position);
+    }
+    assert!(simulation.report().total_collisions > 3);
+}
+
+both!(
+    restitution_on_a_box,
+    restitution_on_a_polygon,
+    ball_on_a_box_edge,
+    ball_on_a_box_vertex,
+    ball_on_a_turned_box,
+    skew_polygon_ends_at_its_edges,
+    polygon_is_one_sided,
+    ball_from_behind_passes_through_a_polygon,
+    ball_in_a_corner_leaves_at_its_speed,
+    ball_in_a_sharp_groove,
+    ball_rises_to_restitution_squared,
+    elastic_ball_stays_in_a_room,
+);
