@@ -63,6 +63,24 @@ fn time_step(text: &str) -> Result<f32, String> {
     }
 }
 
+/// A number as it was written: 0.02 does not become 0.019999999552965164.
+pub(crate) fn as_written(number: f32) -> f64 {
+    number.to_string().parse().unwrap_or(f64::from(number))
+}
+
+/// The objects of every kind, for programs.
+pub(crate) fn counts_json(counts: &rockfall::Counts) -> serde_json::Value {
+    serde_json::json!({
+        "spheres": counts.spheres,
+        "rods": counts.rods,
+        "capsules": counts.capsules,
+        "springs": counts.springs,
+        "tethers": counts.tethers,
+        "boxes": counts.boxes,
+        "polygons": counts.polygons,
+    })
+}
+
 /// `1 sphere`, `2 spheres`, `3 boxes`.
 pub(crate) fn counted(count: usize, one: &str, many: &str) -> String {
     format!("{count} {}", if count == 1 { one } else { many })
