@@ -5,8 +5,9 @@ use std::slice::from_ref;
 use crate::error::{Error, Result};
 use crate::gpu::device::Gpu;
 use crate::gpu::fault::catch;
+use crate::gpu::memory::make_buffer;
 use crate::gpu::wait::Mapped;
-use crate::gpu::world::{GpuWorld, make_buffer};
+use crate::gpu::world::GpuWorld;
 use crate::profile::{Clock, Times};
 use crate::stage::Run;
 
