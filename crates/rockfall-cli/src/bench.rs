@@ -44,7 +44,7 @@ pub(crate) struct Arguments {
     /// auto, gpu or cpu
     #[arg(long, default_value_t)]
     backend: Backend,
-    /// auto or brute-force
+    /// auto, brute-force or grid
     #[arg(long, default_value_t)]
     broad_phase: BroadPhase,
     /// The same seed makes the same scenes

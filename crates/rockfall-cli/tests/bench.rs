@@ -44,7 +44,7 @@ fn check_json(backend: &str) {
     assert!(object["copy_bytes_per_second"].as_f64().unwrap() > 1e6, "{out}");
     assert_eq!(object["sizes"].as_array().unwrap().len(), 2);
     let size = &object["sizes"][1];
-    let expected = "bodies objects seconds steps_per_second sphere_steps_per_second memory_bytes memory_bytes_per_sphere \
+    let expected = "bodies broad_phase objects seconds steps_per_second sphere_steps_per_second memory_bytes memory_bytes_per_sphere \
                     buffers least_bytes_per_sphere_step bandwidth_used contacts collisions replays profile";
     assert_eq!(keys(size), words(expected));
     assert_eq!(size["objects"]["spheres"], 64);

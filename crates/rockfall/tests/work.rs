@@ -9,7 +9,8 @@ use rockfall::stage::Phase;
 use rockfall::world::World;
 use rockfall::{Backend, Integrator, Options, Profile, Simulation, cpu};
 
-const BODIES: u32 = 1000;
+/// Enough for the broad phase of large scenes.
+const BODIES: u32 = 3000;
 const STEPS: u64 = 40;
 const DT: f32 = 0.02;
 
@@ -117,11 +118,12 @@ fn check_entries(benchmark: Benchmark, most: f64) {
     let mut world = World::build(simulation.sync().unwrap()).unwrap();
     world.step.dt = DT;
     for phase in [Phase::UpdateAabbs, Phase::BroadPhase] {
-        cpu::run(&mut world, phase.stages(Integrator::Rk4));
+        let stages = phase.stages(Integrator::Rk4, simulation.broad_phase_method());
+        cpu::run(&mut world, stages);
         while world.status.void != 0 {
             world.set_pair_capacity(world.status.pairs_needed.next_multiple_of(SLICE));
             world.status = Status::default();
-            cpu::run(&mut world, phase.stages(Integrator::Rk4));
+            cpu::run(&mut world, stages);
         }
     }
     let movers = world.movers();

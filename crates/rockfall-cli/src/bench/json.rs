@@ -43,6 +43,7 @@ fn size(size: &Measured) -> Value {
         .collect();
     json!({
         "bodies": size.bodies,
+        "broad_phase": size.broad_phase.to_string(),
         "objects": options::counts_json(&size.counts),
         "seconds": size.seconds.json(),
         "steps_per_second": size.steps_per_second().json(),

@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use rockfall::stage::Phase;
-use rockfall::{BackendInfo, BufferSize, Counts, Options, Profile, Report, Simulation};
+use rockfall::{BackendInfo, BroadPhase, BufferSize, Counts, Options, Profile, Report, Simulation};
 
 use crate::bench::Arguments;
 use crate::bench::spread::Spread;
@@ -16,6 +16,8 @@ pub(crate) struct Measured {
     pub(crate) bodies: u32,
     pub(crate) counts: Counts,
     pub(crate) backend: BackendInfo,
+    /// What was taken, where the choice was `auto`.
+    pub(crate) broad_phase: BroadPhase,
     /// Steps of a run.
     pub(crate) steps: u64,
     /// Wall time of a run, in s.
@@ -109,6 +111,7 @@ pub(crate) fn measure(arguments: &Arguments, bodies: u32) -> Result<Measured, Fa
         bodies,
         counts: simulation.scene().counts(),
         backend: simulation.backend().clone(),
+        broad_phase: simulation.broad_phase_method(),
         steps,
         seconds: Spread::of(seconds),
         report,

@@ -72,9 +72,9 @@ fn stages(text: &mut String, size: &Measured, profile: &Profile) {
     let total = profile.stage_seconds();
     let _ = writeln!(
         text,
-        "\n{} spheres, {} bodies: {} dispatches a step, by {}\n{:<34} {:>6} {:>12} {:>7} {:>15} {:>9}",
+        "\n{} spheres, broad phase {}: {} dispatches a step, by {}\n{:<34} {:>6} {:>12} {:>7} {:>15} {:>9}",
         size.counts.spheres,
-        size.bodies,
+        size.broad_phase,
         short(profile.runs() as f64 / steps),
         profile.clock.name(),
         "",
