@@ -61,7 +61,11 @@ fn main() -> Result<(), Failure> {
     };
     println!(
         "{} spheres settling in a walled box, {}, dt {} s, median (least to greatest) of {} runs of {} steps",
-        arguments.spheres, rockfall.backend().device, arguments.dt, arguments.runs, arguments.steps
+        arguments.spheres,
+        rockfall.backend().device,
+        arguments.dt,
+        arguments.runs,
+        arguments.steps
     );
     let mut print = |name: &str, seconds: &mut Vec<f64>| {
         let (median, least, greatest) = speed(seconds);
@@ -72,7 +76,10 @@ fn main() -> Result<(), Failure> {
     let theirs = print("rapier3d, 4 iterations", &mut theirs);
     println!("rockfall does {:.2} times the steps of rapier3d", ours / theirs);
     // Both must have done the same: a pile that lies in its box.
-    let heights = (mean_height(&rockfall.spheres()?.iter().map(|sphere| sphere.position.y).collect::<Vec<_>>()), rapier.mean_height());
+    let heights = (
+        mean_height(&rockfall.spheres()?.iter().map(|sphere| sphere.position.y).collect::<Vec<_>>()),
+        rapier.mean_height(),
+    );
     println!("mean height at the end: rockfall {:.3}, rapier3d {:.3}", heights.0, heights.1);
     Ok(())
 }
@@ -104,7 +111,9 @@ impl Rapier {
     fn add_sphere(world: &mut PhysicsWorld, sphere: &Sphere, restitution: f32) {
         let [x, y, z] = sphere.position.to_array();
         let body = RigidBodyBuilder::dynamic().translation(Vector::new(x, y, z)).can_sleep(false);
-        let ball = ColliderBuilder::ball(sphere.radius).mass(sphere.mass).restitution(restitution);
+        let ball = ColliderBuilder::ball(sphere.radius)
+            .mass(sphere.mass)
+            .restitution(restitution);
         world.insert(body, ball);
     }
 

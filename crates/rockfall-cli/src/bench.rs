@@ -7,10 +7,9 @@ use std::path::PathBuf;
 
 use rockfall::output::AtomicFile;
 use rockfall::scene::generate::Benchmark;
-use rockfall::{Backend, BroadPhase};
 
 use crate::failure::Failure;
-use crate::options::Physics;
+use crate::options::{Engine, Physics};
 use crate::output;
 
 mod chart;
@@ -41,12 +40,8 @@ pub(crate) struct Arguments {
     runs: u32,
     #[command(flatten)]
     physics: Physics,
-    /// auto, gpu or cpu
-    #[arg(long, default_value_t)]
-    backend: Backend,
-    /// auto, brute-force or grid
-    #[arg(long, default_value_t)]
-    broad_phase: BroadPhase,
+    #[command(flatten)]
+    engine: Engine,
     /// The same seed makes the same scenes
     #[arg(long, value_name = "S", default_value_t = 0)]
     seed: u64,

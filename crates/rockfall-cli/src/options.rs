@@ -3,7 +3,7 @@
 use std::fmt;
 use std::path::PathBuf;
 
-use rockfall::{Integrator, Settings};
+use rockfall::{Backend, BroadPhase, Integrator, Options, Settings};
 
 /// What decides how a scene behaves.
 #[derive(Debug, clap::Args)]
@@ -17,6 +17,26 @@ pub(crate) struct Physics {
     /// Change a constant, after the scene's own settings; may be repeated
     #[arg(long, value_name = "NAME=VALUE")]
     pub(crate) set: Vec<Setting>,
+}
+
+/// What moves a scene.
+#[derive(Debug, clap::Args)]
+pub(crate) struct Engine {
+    /// auto, gpu or cpu
+    #[arg(long, default_value_t)]
+    backend: Backend,
+    /// auto, brute-force or grid
+    #[arg(long, default_value_t)]
+    pub(crate) broad_phase: BroadPhase,
+}
+
+impl Engine {
+    pub(crate) fn options(&self, physics: &Physics) -> Options {
+        Options::new()
+            .backend(self.backend)
+            .broad_phase(self.broad_phase)
+            .integrator(physics.integrator)
+    }
 }
 
 /// The scene argument.

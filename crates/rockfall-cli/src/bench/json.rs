@@ -22,7 +22,7 @@ pub(crate) fn object(arguments: &Arguments, sizes: &[Measured]) -> String {
         "device": device,
         "driver": driver,
         "integrator": arguments.physics.integrator.to_string(),
-        "broad_phase": arguments.broad_phase.to_string(),
+        "broad_phase": arguments.engine.broad_phase.to_string(),
         "dt": options::as_written(arguments.physics.dt),
         "steps": arguments.steps,
         "warmup": arguments.warmup(),

@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use rockfall::stage::Phase;
-use rockfall::{BackendInfo, BroadPhase, BufferSize, Counts, Options, Profile, Report, Simulation};
+use rockfall::{BackendInfo, BroadPhase, BufferSize, Counts, Profile, Report, Simulation};
 
 use crate::bench::Arguments;
 use crate::bench::spread::Spread;
@@ -70,10 +70,7 @@ impl Measured {
 fn start(arguments: &Arguments, bodies: u32) -> Result<Simulation, Failure> {
     let mut scene = arguments.scene.generate(bodies, arguments.seed)?;
     arguments.physics.change(&mut scene.settings)?;
-    let options = Options::new()
-        .backend(arguments.backend)
-        .integrator(arguments.physics.integrator)
-        .broad_phase(arguments.broad_phase);
+    let options = arguments.engine.options(&arguments.physics);
     let mut simulation = Simulation::with_options(scene, options)?;
     simulation.run(arguments.warmup(), arguments.physics.dt)?;
     Ok(simulation)

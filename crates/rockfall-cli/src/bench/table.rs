@@ -25,7 +25,7 @@ pub(crate) fn tables(arguments: &Arguments, sizes: &[Measured]) -> String {
         arguments.steps,
         arguments.physics.dt,
         arguments.warmup(),
-        arguments.broad_phase,
+        arguments.engine.broad_phase,
         arguments.runs,
     );
     if let Some(best) = sizes.iter().filter_map(|size| size.copy_bandwidth).reduce(f64::max) {
@@ -33,8 +33,8 @@ pub(crate) fn tables(arguments: &Arguments, sizes: &[Measured]) -> String {
     }
     let _ = writeln!(
         text,
-        "\n{:>10} {:>34} {:>11} {:>16} {:>10} {:>10} {:>9}",
-        "spheres", "ms a step", "steps/s", "sphere-steps/s", "contacts", "bytes each", "bandwidth"
+        "\n{:>10} {:>34} {:>11} {:>16} {:>10} {:>8} {:>10} {:>9}",
+        "spheres", "ms a step", "steps/s", "sphere-steps/s", "contacts", "replays", "bytes each", "bandwidth"
     );
     for size in sizes {
         row(&mut text, size);
@@ -57,11 +57,12 @@ fn row(text: &mut String, size: &Measured) {
     );
     let _ = writeln!(
         text,
-        "{:>10} {spread:>34} {:>11} {:>14} M {:>10} {:>10.0} {:>9}",
+        "{:>10} {spread:>34} {:>11} {:>14} M {:>10} {:>8} {:>10.0} {:>9}",
         size.counts.spheres,
         short(size.steps_per_second().median),
         short(size.sphere_steps_per_second().median / 1e6),
         size.report.contacts,
+        size.report.replays,
         size.memory() as f64 / size.counts.spheres as f64,
         percent(size.bandwidth_used()),
     );
