@@ -62,6 +62,7 @@ fn draw(title: &str, bars: &[Bar], svg: &mut String) -> Result<(), Box<dyn std::
     chart
         .configure_mesh()
         .disable_x_mesh()
+        .light_line_style(WHITE)
         // Enough for a label at each bar; those between bars are empty.
         .x_labels(2 * bars.len() + 1)
         .x_label_formatter(&spheres)
@@ -91,4 +92,32 @@ fn draw(title: &str, bars: &[Bar], svg: &mut String) -> Result<(), Box<dyn std::
         .draw()?;
     root.present()?;
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_bar_has_its_number_below() {
+        for count in 1..12 {
+            let bars: Vec<Bar> = (0..count)
+                .map(|place| Bar {
+                    spheres: 1000 << place,
+                    phases: [1e-4, 2e-3, 1e-3, 0.0],
+                })
+                .collect();
+            let mut svg = String::new();
+            draw("title", &bars, &mut svg).unwrap();
+            for bar in &bars {
+                let label = format!("\n{}\n", bar.spheres);
+                assert!(svg.contains(&label), "{label} of {count}: {svg}");
+            }
+        }
+    }
+
+    #[test]
+    fn no_bars_are_no_panic() {
+        draw("title", &[], &mut String::new()).unwrap();
+    }
 }
