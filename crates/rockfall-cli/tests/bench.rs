@@ -70,7 +70,7 @@ fn check_json(backend: &str) {
     let mut sums = [0.0; 4];
     for stage in profile["stages"].as_array().unwrap() {
         assert_eq!(keys(stage), words("name phase runs seconds least_bytes"));
-        assert_eq!(stage["runs"].as_u64().unwrap() % 40, 0, "{stage}");
+        assert!(stage["runs"].as_u64().unwrap() >= 40, "{stage}");
         let phase = words(PHASES).into_iter().position(|phase| stage["phase"] == phase).unwrap();
         sums[phase] += stage["seconds"].as_f64().unwrap() / 40.0;
     }

@@ -28,6 +28,8 @@ struct Moves {
     cells: u64,
     /// Keys or ids of all objects in the grid, 4 bytes each.
     keys: u64,
+    /// Extents of all objects, 16 bytes each.
+    extents: u64,
     /// Records of the rods, 16 bytes each.
     rods: u64,
     /// Forces on rods, 64 bytes a rod.
@@ -43,6 +45,7 @@ const NONE: Moves = Moves {
     entries: 0,
     cells: 0,
     keys: 0,
+    extents: 0,
     rods: 0,
     wrenches: 0,
 };
@@ -68,11 +71,9 @@ fn moves(name: &str, pass: u32) -> Option<Moves> {
         // Adds to its cell, which reads and writes it; writes the key.
         "count_cells" => Moves { aabbs: 1, cells: 2, keys: 1, ..NONE },
         "place_cells" => Moves { cells: 2, ..NONE },
-        // Reads the key, writes the id.
-        "sort_cells" => Moves { cells: 2, keys: 2, ..NONE },
-        "count_neighbours" => Moves { aabbs: 1, cells: 1, keys: 1, counts: 1, ..NONE },
-        "fill_neighbours" => Moves { aabbs: 1, cells: 1, keys: 1, counts: 1, entries: 1, ..NONE },
-        "order_pairs" => Moves { counts: 1, entries: 2, ..NONE },
+        // Reads the key, writes the id and the extent.
+        "sort_cells" => Moves { aabbs: 1, cells: 2, keys: 2, extents: 1, ..NONE },
+        "find_neighbours" => Moves { aabbs: 1, cells: 1, keys: 1, extents: 1, counts: 1, entries: 1, ..NONE },
         // Reads position and velocity; reads and writes the entries.
         "find_collisions" => Moves { rows: 2, sphere_aabbs: 1, counts: 1, entries: 2, ..NONE },
         "weigh_collisions" => Moves { counts: 1, entries: 1, ..NONE },
@@ -104,6 +105,7 @@ fn moves_by_bindings(stage: &Stage, pass: u32) -> Moves {
             (Buffer::Lists, Access::Read) => (moves.counts, moves.entries) = (moves.counts + 1, moves.entries + 1),
             (Buffer::Lists, Access::Write) => moves.counts += 1,
             (Buffer::Cells, _) => moves.cells += 1,
+            (Buffer::Extents, _) => moves.extents += 1,
             (Buffer::Wrenches, _) => moves.wrenches += 1,
             _ => {}
         }
@@ -125,6 +127,7 @@ pub(crate) fn least_bytes(run: &Run, step: &Step, status: &Status) -> u64 {
         + moves.entries * 4 * u64::from(status.pairs_needed)
         + moves.cells * 4 * u64::from(step.cells)
         + moves.keys * 4 * objects
+        + moves.extents * 16 * objects
         + moves.rods * 16 * rods
         + moves.wrenches * 64 * rods
 }

@@ -41,12 +41,12 @@ fn check_dispatches(benchmark: Benchmark, integrator: Integrator, most: u64) {
 #[test]
 #[cfg(feature = "gpu")]
 fn dispatches_of_a_step() {
-    // Spheres alone: 1 for AABBs, 9 for lists, 5 for collisions; 3 advance, finish, turn, end_step.
-    check_dispatches(Benchmark::Pile, Integrator::Rk4, 21);
+    // Spheres alone: 1 for AABBs, 7 for lists, 5 for collisions; 3 advance, finish, turn, end_step.
+    check_dispatches(Benchmark::Pile, Integrator::Rk4, 19);
     // leap and commit_leap for the four evaluations.
-    check_dispatches(Benchmark::Pile, Integrator::SymplecticEuler, 19);
+    check_dispatches(Benchmark::Pile, Integrator::SymplecticEuler, 17);
     // With capsules and rods besides: rod_forces in each evaluation, restore_lengths, constrain.
-    check_dispatches(Benchmark::Mixed, Integrator::Rk4, 27);
+    check_dispatches(Benchmark::Mixed, Integrator::Rk4, 25);
 }
 
 #[test]
@@ -54,7 +54,8 @@ fn dispatches_of_a_step() {
 fn every_step_of_a_profile_is_a_step_that_was_done() {
     let profile = profile(Benchmark::Pile, Backend::Gpu, Integrator::Rk4);
     for stage in &profile.stages {
-        assert_eq!(stage.runs % STEPS, 0, "{stage:?}");
+        // Lists that do not fit any more are made once besides.
+        assert!(stage.runs >= STEPS && stage.runs % STEPS < STEPS / 4, "{stage:?}");
         assert!(stage.seconds > 0.0, "{stage:?}");
     }
     assert!(
@@ -86,7 +87,7 @@ fn void_steps_are_kept_apart() {
     assert!(profile.void_seconds > 0.0);
     assert_eq!(profile.steps, STEPS);
     assert!(
-        profile.stages.iter().all(|stage| stage.runs % STEPS == 0),
+        profile.stages.iter().all(|stage| stage.runs % STEPS < STEPS / 4),
         "{:?}",
         profile.stages
     );
@@ -145,9 +146,9 @@ fn listed(simulation: &mut Simulation) -> World {
     world
 }
 
-/// Four states of 48 bytes, an AABB of 32, an orientation of 16, a tag and a count of 4 each, about 13 of the grid, and 16
-/// list entries of 4 with a weight of 4 each.
-const FIRST_MEMORY: u64 = 393;
+/// Four states of 48 bytes, an AABB of 32, an orientation of 16, a tag and a count of 4 each, about 13 of the grid, an
+/// extent of 16, and 16 list entries of 4 with a weight of 4 each.
+const FIRST_MEMORY: u64 = 410;
 
 #[test]
 fn size_of_a_lattice() {

@@ -112,6 +112,7 @@ fn array_sizes(world: &World) -> Vec<BufferSize> {
         ("the AABBs", size_of_val(&world.aabbs[..])),
         ("topology and static objects", size_of_val(&world.words[..])),
         ("the grid", size_of_val(&world.cells[..])),
+        ("the extents of sorted objects", size_of_val(&world.extents[..])),
         ("the pair lists", size_of_val(&world.lists[..])),
         ("the collision weights", size_of_val(&world.weights[..])),
         ("the forces on rods", size_of_val(&world.wrenches[..])),
