@@ -4,6 +4,7 @@ use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
 
+mod bench;
 mod check;
 mod csv;
 mod devices;
@@ -36,6 +37,8 @@ enum Command {
     Run(run::Arguments),
     /// Read a scene: count its objects, tell what is odd, and whether the time step is short enough.
     Check(check::Arguments),
+    /// Measure how fast steps are, stage by stage.
+    Bench(bench::Arguments),
     /// List the devices that a scene can run on.
     Devices,
     /// Make a scene of any size.
@@ -46,6 +49,7 @@ fn main() -> ExitCode {
     let result = match Arguments::parse().command {
         Command::Run(arguments) => run::run(&arguments),
         Command::Check(arguments) => check::check(&arguments),
+        Command::Bench(arguments) => bench::bench(&arguments),
         Command::Devices => devices::devices(),
         Command::Generate(arguments) => generate::generate(&arguments),
     };

@@ -3,7 +3,7 @@
 use std::fmt;
 use std::path::PathBuf;
 
-use rockfall::{Integrator, Settings};
+use rockfall::{Backend, BroadPhase, Integrator, Options, Settings};
 
 /// What decides how a scene behaves.
 #[derive(Debug, clap::Args)]
@@ -17,6 +17,26 @@ pub(crate) struct Physics {
     /// Change a constant, after the scene's own settings; may be repeated
     #[arg(long, value_name = "NAME=VALUE")]
     pub(crate) set: Vec<Setting>,
+}
+
+/// What moves a scene.
+#[derive(Debug, clap::Args)]
+pub(crate) struct Engine {
+    /// auto, gpu or cpu
+    #[arg(long, default_value_t)]
+    backend: Backend,
+    /// auto, brute-force or grid
+    #[arg(long, default_value_t)]
+    pub(crate) broad_phase: BroadPhase,
+}
+
+impl Engine {
+    pub(crate) fn options(&self, physics: &Physics) -> Options {
+        Options::new()
+            .backend(self.backend)
+            .broad_phase(self.broad_phase)
+            .integrator(physics.integrator)
+    }
 }
 
 /// The scene argument.
@@ -61,6 +81,24 @@ fn time_step(text: &str) -> Result<f32, String> {
         Ok(dt) if dt.is_finite() && dt > 0.0 => Ok(dt),
         _ => Err("expected a finite number of seconds greater than 0".to_owned()),
     }
+}
+
+/// A number as it was written: 0.02 does not become 0.019999999552965164.
+pub(crate) fn as_written(number: f32) -> f64 {
+    number.to_string().parse().unwrap_or(f64::from(number))
+}
+
+/// The objects of every kind, for programs.
+pub(crate) fn counts_json(counts: &rockfall::Counts) -> serde_json::Value {
+    serde_json::json!({
+        "spheres": counts.spheres,
+        "rods": counts.rods,
+        "capsules": counts.capsules,
+        "springs": counts.springs,
+        "tethers": counts.tethers,
+        "boxes": counts.boxes,
+        "polygons": counts.polygons,
+    })
 }
 
 /// `1 sphere`, `2 spheres`, `3 boxes`.

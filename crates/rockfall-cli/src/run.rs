@@ -3,11 +3,11 @@
 use std::path::PathBuf;
 use std::time::Instant;
 
-use rockfall::{Backend, BroadPhase, Options, Simulation};
+use rockfall::Simulation;
 
 use crate::csv::Output;
 use crate::failure::Failure;
-use crate::options::Physics;
+use crate::options::{Engine, Physics};
 use crate::output;
 use crate::progress::Progress;
 use crate::source::Source;
@@ -22,12 +22,8 @@ pub(crate) struct Arguments {
     steps: u64,
     #[command(flatten)]
     physics: Physics,
-    /// auto, gpu or cpu
-    #[arg(long, default_value_t)]
-    backend: Backend,
-    /// auto or brute-force
-    #[arg(long, default_value_t)]
-    broad_phase: BroadPhase,
+    #[command(flatten)]
+    engine: Engine,
     /// Write the final state of every sphere, as CSV
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
@@ -58,11 +54,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let mut state = arguments.out.as_deref().map(Output::create).transpose()?;
     let mut trace = arguments.trace.as_deref().map(Output::create).transpose()?;
 
-    let mut options = Options::new()
-        .backend(arguments.backend)
-        .integrator(arguments.physics.integrator)
-        .broad_phase(arguments.broad_phase)
-        .keep_going(arguments.keep_going);
+    let mut options = arguments.engine.options(&arguments.physics).keep_going(arguments.keep_going);
     options.pair_capacity = arguments.capacity;
     let mut simulation = Simulation::with_options(scene, options)?;
     let before = simulation.energy()?;

@@ -6,7 +6,7 @@ use rockfall::{Energy, Scene, Simulation};
 use serde_json::json;
 
 use crate::failure::Failure;
-use crate::options::InWords;
+use crate::options::{self, InWords};
 use crate::picture;
 
 /// What the simulation itself does not know of the run.
@@ -33,25 +33,15 @@ impl Summary<'_> {
         let report = simulation.report();
         let backend = simulation.backend();
         let counts = simulation.scene().counts();
-        // Through its text, so that 0.02 does not become 0.019999999552965164.
-        let dt: f64 = self.dt.to_string().parse().unwrap_or(f64::from(self.dt));
         let object = json!({
             "scene": self.name,
             "backend": backend.kind.to_string(),
             "device": backend.device,
             "steps": report.steps,
-            "dt": dt,
+            "dt": options::as_written(self.dt),
             "seconds": self.seconds,
             "steps_per_second": self.steps_per_second(report.steps),
-            "objects": {
-                "spheres": counts.spheres,
-                "rods": counts.rods,
-                "capsules": counts.capsules,
-                "springs": counts.springs,
-                "tethers": counts.tethers,
-                "boxes": counts.boxes,
-                "polygons": counts.polygons,
-            },
+            "objects": options::counts_json(&counts),
             "contacts": report.contacts,
             "collisions": report.total_collisions,
             "replays": report.replays,

@@ -250,7 +250,7 @@ fn wrong_arguments_are_wrong_usage() {
     let rockfall = Rockfall::with(SCENE);
     let cases = [
         ("", "Usage"),
-        ("bench", "bench"),
+        ("bench heap", "thesis, lattice, pile, settled, shuffled, mixed or radii"),
         ("view", "view"),
         ("render scene.txt", "render"),
         ("run scene.txt more.txt", "more.txt"),

@@ -24,6 +24,12 @@ struct Moves {
     counts: u64,
     /// Entries of the pair lists, 4 bytes each.
     entries: u64,
+    /// Cells of the grid, 4 bytes each.
+    cells: u64,
+    /// Keys or ids of all objects in the grid, 4 bytes each.
+    keys: u64,
+    /// Extents of all objects, 16 bytes each.
+    extents: u64,
     /// Records of the rods, 16 bytes each.
     rods: u64,
     /// Forces on rods, 64 bytes a rod.
@@ -37,6 +43,9 @@ const NONE: Moves = Moves {
     tags: 0,
     counts: 0,
     entries: 0,
+    cells: 0,
+    keys: 0,
+    extents: 0,
     rods: 0,
     wrenches: 0,
 };
@@ -50,71 +59,37 @@ const FORCES: Moves = Moves {
 };
 
 /// The moves of a stage; `None` for one that this table does not know.
+#[rustfmt::skip]
 fn moves(name: &str, pass: u32) -> Option<Moves> {
     Some(match name {
         // Reads position and velocity.
-        "update_aabbs" => Moves {
-            rows: 2,
-            tags: 1,
-            aabbs: 1,
-            rods: 1,
-            ..NONE
-        },
-        "count_pairs" => Moves {
-            aabbs: 1,
-            counts: 1,
-            ..NONE
-        },
+        "update_aabbs" => Moves { rows: 2, tags: 1, aabbs: 1, rods: 1, ..NONE },
+        "count_pairs" => Moves { aabbs: 1, counts: 1, ..NONE },
         "scan_pairs" => Moves { counts: 1, ..NONE },
-        "fill_pairs" => Moves {
-            aabbs: 1,
-            counts: 1,
-            entries: 1,
-            ..NONE
-        },
+        "fill_pairs" => Moves { aabbs: 1, counts: 1, entries: 1, ..NONE },
+        "clear_cells" | "sum_blocks" => Moves { cells: 1, ..NONE },
+        // Adds to its cell, which reads and writes it; writes the key.
+        "count_cells" => Moves { aabbs: 1, cells: 2, keys: 1, ..NONE },
+        "place_cells" => Moves { cells: 2, ..NONE },
+        // Reads the key, writes the id and the extent.
+        "sort_cells" => Moves { aabbs: 1, cells: 2, keys: 2, extents: 1, ..NONE },
+        "find_neighbours" => Moves { aabbs: 1, cells: 1, keys: 1, extents: 1, counts: 1, entries: 1, ..NONE },
         // Reads position and velocity; reads and writes the entries.
-        "find_collisions" => Moves {
-            rows: 2,
-            sphere_aabbs: 1,
-            counts: 1,
-            entries: 2,
-            ..NONE
-        },
-        "weigh_collisions" => Moves {
-            counts: 1,
-            entries: 1,
-            ..NONE
-        },
+        "find_collisions" => Moves { rows: 2, sphere_aabbs: 1, counts: 1, entries: 2, ..NONE },
+        "weigh_collisions" => Moves { counts: 1, entries: 1, ..NONE },
         // Reads 3 rows, writes 3.
-        "apply_collisions" => Moves {
-            rows: 6,
-            counts: 1,
-            entries: 1,
-            ..NONE
-        },
+        "apply_collisions" => Moves { rows: 6, counts: 1, entries: 1, ..NONE },
         "commit_collisions" | "commit_leap" => Moves { rows: 6, ..NONE },
-        "rod_forces" => Moves {
-            rods: 1,
-            wrenches: 1,
-            ..NONE
-        },
+        "rod_forces" => Moves { rods: 1, wrenches: 1, ..NONE },
         // Reads 3 rows, writes 3; in later passes it reads the 3 of the starting state besides.
-        "advance" => Moves {
-            rows: if pass == 0 { 6 } else { 9 },
-            sphere_aabbs: 1,
-            ..FORCES
-        },
+        "advance" => Moves { rows: if pass == 0 { 6 } else { 9 }, sphere_aabbs: 1, ..FORCES },
         // Reads 3 rows of four states, writes 3, and the old position and mean spin.
         "finish" => Moves { rows: 17, ..FORCES },
         // Reads 3 rows, writes 3, and the old position and mean spin.
-        "leap" => Moves {
-            rows: 8,
-            sphere_aabbs: 1,
-            ..FORCES
-        },
+        "leap" => Moves { rows: 8, sphere_aabbs: 1, ..FORCES },
         // Reads the mean spin, reads and writes the orientation.
         "turn" => Moves { rows: 3, ..NONE },
-        "end_collisions" | "end_step" | "restore_lengths" | "constrain" => NONE,
+        "scan_blocks" | "end_collisions" | "end_step" | "restore_lengths" | "constrain" => NONE,
         _ => return None,
     })
 }
@@ -129,6 +104,8 @@ fn moves_by_bindings(stage: &Stage, pass: u32) -> Moves {
             (Buffer::Aabbs, _) => moves.aabbs += 1,
             (Buffer::Lists, Access::Read) => (moves.counts, moves.entries) = (moves.counts + 1, moves.entries + 1),
             (Buffer::Lists, Access::Write) => moves.counts += 1,
+            (Buffer::Cells, _) => moves.cells += 1,
+            (Buffer::Extents, _) => moves.extents += 1,
             (Buffer::Wrenches, _) => moves.wrenches += 1,
             _ => {}
         }
@@ -148,6 +125,9 @@ pub(crate) fn least_bytes(run: &Run, step: &Step, status: &Status) -> u64 {
         + moves.tags * 4 * objects
         + moves.counts * 4 * (movers + movers.div_ceil(u64::from(SLICE)))
         + moves.entries * 4 * u64::from(status.pairs_needed)
+        + moves.cells * 4 * u64::from(step.cells)
+        + moves.keys * 4 * objects
+        + moves.extents * 16 * objects
         + moves.rods * 16 * rods
         + moves.wrenches * 64 * rods
 }
@@ -155,12 +135,13 @@ pub(crate) fn least_bytes(run: &Run, step: &Step, status: &Status) -> u64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::settings::Integrator;
+    use crate::settings::{BroadPhase, Integrator};
     use crate::stage::{ALL, Phase};
 
     fn per_sphere(integrator: Integrator) -> u64 {
         let step = Step {
             spheres: 1 << 20,
+            cells: 1 << 20,
             ..Step::default()
         };
         // Six entries a sphere.
@@ -170,7 +151,7 @@ mod tests {
         };
         let runs = Phase::STEP
             .iter()
-            .flat_map(|phase| phase.stages(integrator, crate::BroadPhase::BruteForce));
+            .flat_map(|phase| phase.stages(integrator, BroadPhase::Grid));
         runs.map(|run| least_bytes(run, &step, &status)).sum::<u64>() >> 20
     }
 

@@ -253,3 +253,75 @@ pub(crate) async fn copy_bandwidth(gpu: &Gpu) -> Result<f64> {
     copied.destroy();
     Ok(2.0 * bytes as f64 / best)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::gpu::{adapters, block_on, drive};
+    use crate::scene::generate::Benchmark;
+    use crate::settings::{BroadPhase, Integrator};
+    use crate::stage::Phase;
+    use crate::world::World;
+
+    /// The first adapter's device with no more than these features.
+    fn device(features: wgpu::Features) -> Gpu {
+        let open = async {
+            assert!(!adapters().await.is_empty(), "no adapter; scripts/test installs one");
+            let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
+            let adapter = instance.enumerate_adapters(wgpu::Backends::VULKAN).await.remove(0);
+            let wish = wgpu::DeviceDescriptor {
+                required_features: features,
+                required_limits: adapter.limits(),
+                ..Default::default()
+            };
+            adapter.request_device(&wish).await.unwrap()
+        };
+        let (device, queue) = drive(open, || Ok(())).unwrap();
+        Gpu::on_device(device, queue)
+    }
+
+    /// Times of the AABB update, and of rods that there are none of.
+    fn times(gpu: &Gpu, steps: u32) -> Result<Times> {
+        let world = World::build(&Benchmark::Lattice.generate(100, 0)?)?;
+        let phases = [Phase::UpdateAabbs, Phase::UpdatePositions];
+        let stages = |phase: &Phase| phase.stages(Integrator::Rk4, BroadPhase::Grid).iter().take(2).copied();
+        let runs: Vec<Run> = phases.iter().flat_map(stages).collect();
+        let mut there = GpuWorld::new(gpu, &world)?;
+        let timer = there.run_timed(&runs, &world.step, steps)?;
+        block_on(gpu.device(), timer.read())
+    }
+
+    #[track_caller]
+    fn check(features: wgpu::Features, expected: Clock, steps: u32) {
+        let gpu = device(features);
+        assert_eq!(clock(&gpu).unwrap(), expected);
+        let times = times(&gpu, steps).unwrap();
+        assert_eq!(times.len(), steps as usize);
+        for step in &times {
+            assert!(step[0].is_some_and(|time| (0.0..1.0).contains(&time)), "{step:?}");
+            assert_eq!(step[1..], [None, None]);
+        }
+        assert!(times.iter().filter(|step| step[0] > Some(0.0)).count() > times.len() / 2);
+        let bandwidth = block_on(gpu.device(), copy_bandwidth(&gpu)).unwrap();
+        assert!((1e6..1e14).contains(&bandwidth), "{bandwidth}");
+    }
+
+    #[test]
+    fn timestamps_inside_passes_fill_more_than_one_set() {
+        let features = wgpu::Features::TIMESTAMP_QUERY | wgpu::Features::TIMESTAMP_QUERY_INSIDE_PASSES;
+        check(features, Clock::DeviceInPass, SET + 100);
+    }
+
+    #[test]
+    fn timestamps_around_passes_will_do() {
+        check(wgpu::Features::TIMESTAMP_QUERY, Clock::DeviceAroundPasses, SET / 2 + 50);
+    }
+
+    #[test]
+    fn a_device_without_timestamps_is_an_error() {
+        let gpu = device(wgpu::Features::empty());
+        let told = times(&gpu, 1).unwrap_err().to_string();
+        assert!(told.contains("no timestamp queries"), "{told}");
+        assert!(block_on(gpu.device(), copy_bandwidth(&gpu)).is_err());
+    }
+}

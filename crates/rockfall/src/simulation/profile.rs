@@ -111,6 +111,8 @@ fn array_sizes(world: &World) -> Vec<BufferSize> {
         ("stage state 4", y4),
         ("the AABBs", size_of_val(&world.aabbs[..])),
         ("topology and static objects", size_of_val(&world.words[..])),
+        ("the grid", size_of_val(&world.cells[..])),
+        ("the extents of sorted objects", size_of_val(&world.extents[..])),
         ("the pair lists", size_of_val(&world.lists[..])),
         ("the collision weights", size_of_val(&world.weights[..])),
         ("the forces on rods", size_of_val(&world.wrenches[..])),

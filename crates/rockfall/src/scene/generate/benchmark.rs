@@ -9,7 +9,7 @@ use rand_pcg::Pcg64Mcg;
 
 use super::{Random, ball_within, check_count, walled_box};
 use crate::error::{Error, Result};
-use crate::scene::{Capsule, Rod, Scene, Sphere, Spring};
+use crate::scene::{Capsule, Cuboid, Rod, Scene, Sphere, Spring};
 
 /// A scene to measure with. The numbers of bodies are exact.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -17,8 +17,8 @@ pub enum Benchmark {
     /// Section 2.9 of the thesis: nothing but spheres, placed randomly close to each other. They draw together slowly,
     /// without gravity, so that they go on meeting.
     Thesis,
-    /// Equal spheres at rest on a cubic lattice whose spacing is 0.97 of their diameter, without gravity: every inner
-    /// sphere has six contacts.
+    /// Equal spheres on a cubic lattice whose spacing is 0.97 of their diameter, in a closed box and without gravity: every
+    /// sphere has six contacts, whose forces cancel. Where the topmost layer is not full, its spheres drift.
     Lattice,
     /// Spheres of several sizes that fall into a walled box, at most [`LAYERS`] deep.
     Pile,
@@ -184,6 +184,10 @@ fn lattice(bodies: u32) -> Result<Scene> {
     for index in 0..bodies {
         scene.add_sphere(Sphere::new(block.centre(index), RADIUS))?;
     }
+    // Overlaps with walls are half of those between spheres, reduced masses twice: the forces are the same.
+    let (half, height) = (block.half(), block.height(bodies));
+    walled_box(&mut scene, half, half, height)?;
+    scene.add_box(Cuboid::between([-half, height, -half], [half, height + 2.0, half]))?;
     Ok(scene)
 }
 

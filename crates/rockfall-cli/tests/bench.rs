@@ -1,0 +1,165 @@
+//! `rockfall bench` with the real binary, on scenes of a few spheres.
+
+use std::collections::BTreeSet;
+use std::process::Command;
+
+use serde_json::Value;
+
+/// Runs `rockfall bench` with more arguments; gives standard output.
+#[track_caller]
+fn bench(arguments: &str, code: i32) -> String {
+    let output = Command::new(env!("CARGO_BIN_EXE_rockfall"))
+        .arg("bench")
+        .args(arguments.split_whitespace())
+        .output()
+        .unwrap();
+    let err = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(code), "{arguments}\n{err}");
+    assert!(!err.contains("panicked"), "{arguments}\n{err}");
+    String::from_utf8(output.stdout).unwrap()
+}
+
+fn keys(value: &Value) -> BTreeSet<&str> {
+    value.as_object().unwrap().keys().map(String::as_str).collect()
+}
+
+fn words(text: &str) -> BTreeSet<&str> {
+    text.split_whitespace().collect()
+}
+
+const PHASES: &str = "aabb_update collision_detection collision_response forces_and_integration";
+
+#[track_caller]
+fn check_json(backend: &str) {
+    let out = bench(
+        &format!("lattice --spheres 27,64 --steps 40 --runs 2 --warmup 2 --backend {backend} --json"),
+        0,
+    );
+    let object: Value = serde_json::from_str(&out).unwrap();
+    let expected = "version scene backend device driver integrator broad_phase dt steps warmup runs seed \
+                    copy_bytes_per_second sizes";
+    assert_eq!(keys(&object), words(expected));
+    assert_eq!(object["backend"], backend);
+    assert_eq!(object["dt"], 0.02);
+    assert!(object["copy_bytes_per_second"].as_f64().unwrap() > 1e6, "{out}");
+    assert_eq!(object["sizes"].as_array().unwrap().len(), 2);
+    let size = &object["sizes"][1];
+    let expected = "bodies broad_phase objects seconds steps_per_second sphere_steps_per_second memory_bytes memory_bytes_per_sphere \
+                    buffers least_bytes_per_sphere_step bandwidth_used contacts collisions replays profile";
+    assert_eq!(keys(size), words(expected));
+    assert_eq!(size["objects"]["spheres"], 64);
+    for spread in ["seconds", "steps_per_second", "sphere_steps_per_second"] {
+        let number = |key: &str| size[spread][key].as_f64().unwrap();
+        assert!(0.0 < number("min") && number("min") <= number("median") && number("median") <= number("max"));
+    }
+    let buffers = size["buffers"].as_object().unwrap();
+    let sum: u64 = buffers.values().map(|bytes| bytes.as_u64().unwrap()).sum();
+    assert_eq!(size["memory_bytes"].as_u64(), Some(sum));
+    // A lattice in contact: 3 n² (n - 1) contacts for n = 4, as long as nothing has moved far.
+    assert!(size["contacts"].as_u64().unwrap() > 0);
+    assert!(size["least_bytes_per_sphere_step"].as_f64().unwrap() > 500.0);
+
+    let profile = &size["profile"];
+    assert_eq!(
+        keys(profile),
+        words("clock steps seconds void_seconds phase_seconds_per_step stages")
+    );
+    assert_eq!(profile["steps"], 40);
+    let phases = &profile["phase_seconds_per_step"];
+    assert_eq!(keys(phases), words(PHASES));
+    let mut sums = [0.0; 4];
+    for stage in profile["stages"].as_array().unwrap() {
+        assert_eq!(keys(stage), words("name phase runs seconds least_bytes"));
+        assert!(stage["runs"].as_u64().unwrap() >= 40, "{stage}");
+        let phase = words(PHASES).into_iter().position(|phase| stage["phase"] == phase).unwrap();
+        sums[phase] += stage["seconds"].as_f64().unwrap() / 40.0;
+    }
+    for (phase, sum) in words(PHASES).into_iter().zip(sums) {
+        let told = phases[phase].as_f64().unwrap();
+        assert!(told > 0.0 && (told - sum).abs() < 1e-6 * sum, "{phase}: {told} and {sum}");
+    }
+}
+
+#[test]
+fn json_has_all_keys_on_the_cpu() {
+    check_json("cpu");
+}
+
+#[test]
+#[cfg(feature = "gpu")]
+fn json_has_all_keys_on_the_gpu() {
+    check_json("gpu");
+}
+
+#[test]
+fn every_scene_has_a_table_with_its_phases() {
+    for scene in ["thesis", "lattice", "pile", "settled", "shuffled", "mixed", "radii"] {
+        let out = bench(
+            &format!("{scene} --spheres 40 --steps 5 --runs 1 --warmup 5 --backend cpu --integrator symplectic-euler"),
+            0,
+        );
+        for line in [
+            "AABB update",
+            "Collision detection",
+            "Collision response",
+            "Force calculations & integration",
+            "  leap",
+            "sphere-steps/s",
+        ] {
+            assert!(out.contains(line), "{scene} {line}: {out}");
+        }
+    }
+}
+
+#[test]
+fn the_chart_has_a_bar_for_each_phase_of_each_size() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("bench.svg");
+    let sizes = "8,27,64";
+    bench(
+        &format!("--spheres {sizes} --steps 3 --runs 1 --backend cpu --plot {}", file.display()),
+        0,
+    );
+    let text = std::fs::read_to_string(file).unwrap();
+    let svg = roxmltree::Document::parse(&text).unwrap();
+    let nodes = || svg.descendants();
+    let texts: Vec<&str> = nodes().filter_map(|node| node.text()).map(str::trim).collect();
+    for label in [
+        "AABB update",
+        "Collision detection",
+        "Collision response",
+        "Force calculations & integration",
+        "spheres",
+        "ms a step",
+        "8",
+        "27",
+        "64",
+    ] {
+        assert!(texts.contains(&label), "{label}: {texts:?}");
+    }
+    // A bar for each size and one in the legend.
+    for colour in ["#4477AA", "#66CCEE", "#CCBB44", "#EE6677"] {
+        let bars = nodes().filter(|node| node.tag_name().name() == "rect" && node.attribute("fill") == Some(colour));
+        assert_eq!(bars.count(), 4, "{colour}: {text}");
+    }
+}
+
+#[test]
+fn wrong_arguments_are_wrong_usage() {
+    for arguments in [
+        "heap",
+        "--spheres 0",
+        "--spheres x",
+        "--steps 0",
+        "--runs 0",
+        "--dt 0",
+        "--backend abacus",
+        "--broad-phase none",
+    ] {
+        bench(arguments, 2);
+    }
+    bench(
+        "--spheres 8 --steps 1 --runs 1 --backend cpu --plot /no/such/folder/chart.svg",
+        1,
+    );
+}

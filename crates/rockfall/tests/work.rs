@@ -1,0 +1,200 @@
+//! How much a step does, counted and not timed, so that a machine of any speed sees when it becomes more.
+//!
+//! Every expectation is an upper bound on what was measured when it was written. Where a change makes a step do less, lower
+//! it; where one must do more, raise it and say why in the commit.
+
+use rockfall::layout::{SLICE, Status};
+use rockfall::scene::generate::Benchmark;
+use rockfall::stage::Phase;
+use rockfall::world::World;
+use rockfall::{Backend, Integrator, Options, Profile, Simulation, cpu};
+
+/// Enough for the broad phase of large scenes.
+const BODIES: u32 = 2500;
+const STEPS: u64 = 40;
+/// Steps after which piles have fallen into a heap.
+const FALL: u64 = 120;
+const DT: f32 = 0.02;
+
+fn simulation(benchmark: Benchmark, backend: Backend, integrator: Integrator) -> Simulation {
+    let scene = benchmark.generate(BODIES, 5).unwrap();
+    let options = Options::new().backend(backend).integrator(integrator);
+    Simulation::with_options(scene, options).unwrap()
+}
+
+fn profile(benchmark: Benchmark, backend: Backend, integrator: Integrator) -> Profile {
+    simulation(benchmark, backend, integrator).profile(STEPS, DT).unwrap()
+}
+
+/// Dispatches a step.
+#[cfg(feature = "gpu")]
+#[track_caller]
+fn check_dispatches(benchmark: Benchmark, integrator: Integrator, most: u64) {
+    let profile = profile(benchmark, Backend::Gpu, integrator);
+    assert_eq!(profile.steps, STEPS);
+    let runs = profile.runs() / STEPS;
+    let stages: Vec<_> = profile.stages.iter().map(|stage| (stage.name, stage.runs / STEPS)).collect();
+    println!("{benchmark} {integrator}: {runs} dispatches a step");
+    assert!(runs <= most, "{benchmark} {integrator}: {runs} dispatches a step, {stages:?}");
+}
+
+#[test]
+#[cfg(feature = "gpu")]
+fn dispatches_of_a_step() {
+    // Spheres alone: 1 for AABBs, 7 for lists, 5 for collisions; 3 advance, finish, turn, end_step.
+    check_dispatches(Benchmark::Pile, Integrator::Rk4, 19);
+    // leap and commit_leap for the four evaluations.
+    check_dispatches(Benchmark::Pile, Integrator::SymplecticEuler, 17);
+    // With capsules and rods besides: rod_forces in each evaluation, restore_lengths, constrain.
+    check_dispatches(Benchmark::Mixed, Integrator::Rk4, 25);
+}
+
+#[test]
+#[cfg(feature = "gpu")]
+fn every_step_of_a_profile_is_a_step_that_was_done() {
+    let profile = profile(Benchmark::Pile, Backend::Gpu, Integrator::Rk4);
+    for stage in &profile.stages {
+        // Lists that do not fit any more are made once besides.
+        assert!(stage.runs >= STEPS && stage.runs % STEPS < STEPS / 4, "{stage:?}");
+        assert!(stage.seconds > 0.0, "{stage:?}");
+    }
+    assert!(
+        profile.stage_seconds() + profile.void_seconds <= profile.seconds,
+        "{profile:?}"
+    );
+}
+
+#[test]
+fn profiling_changes_nothing() {
+    let mut plain = simulation(Benchmark::Mixed, Backend::Cpu, Integrator::Rk4);
+    let mut profiled = simulation(Benchmark::Mixed, Backend::Cpu, Integrator::Rk4);
+    plain.run(STEPS, DT).unwrap();
+    let profile = profiled.profile(STEPS, DT).unwrap();
+    assert_eq!(plain.report(), profiled.report());
+    assert_eq!(plain.spheres().unwrap(), profiled.spheres().unwrap());
+    assert_eq!(profile.steps, STEPS);
+    let advance = profile.stages.iter().find(|stage| stage.name == "advance").unwrap();
+    assert_eq!((advance.phase, advance.runs), (Phase::UpdatePositions, 3 * STEPS));
+}
+
+#[test]
+fn void_steps_are_kept_apart() {
+    let scene = Benchmark::Lattice.generate(BODIES, 0).unwrap();
+    let options = Options::new().backend(Backend::Cpu).pair_capacity(SLICE);
+    let mut simulation = Simulation::with_options(scene, options).unwrap();
+    let profile = simulation.profile(STEPS, DT).unwrap();
+    assert!(simulation.report().replays > 0);
+    assert!(profile.void_seconds > 0.0);
+    assert_eq!(profile.steps, STEPS);
+    assert!(
+        profile.stages.iter().all(|stage| stage.runs % STEPS < STEPS / 4),
+        "{:?}",
+        profile.stages
+    );
+}
+
+#[test]
+#[cfg(feature = "gpu")]
+fn the_device_holds_what_the_host_would() {
+    let [cpu, gpu] =
+        [Backend::Cpu, Backend::Gpu].map(|backend| simulation(Benchmark::Settled, backend, Integrator::Rk4).device_memory());
+    // The status and the uniform blocks are no arrays; what is empty has 16 bytes.
+    assert!((cpu..cpu + 512).contains(&gpu), "{cpu} and {gpu} bytes");
+}
+
+/// Bounds on a scene after [`FALL`] steps.
+struct Bounds {
+    /// Bytes of all buffers, per sphere.
+    memory: u64,
+    /// List entries a mover.
+    entries: f64,
+    /// Words of list entries a mover, with the padding of slices.
+    words: f64,
+}
+
+#[track_caller]
+fn check_size(benchmark: Benchmark, most: &Bounds) {
+    let mut simulation = simulation(benchmark, Backend::Cpu, Integrator::Rk4);
+    simulation.run(FALL, DT).unwrap();
+    let memory = simulation.device_memory() / simulation.scene().counts().spheres as u64;
+    let world = listed(&mut simulation);
+    let movers = world.movers();
+    let each = |sum: u64| sum as f64 / f64::from(movers);
+    let entries = each(world.lists[..movers as usize].iter().map(|count| u64::from(*count)).sum());
+    let words = each(world.status.pairs_needed.into());
+    let told = format!("{benchmark}: {memory} bytes a sphere; {entries:.2} entries and {words:.2} words of them a mover");
+    println!("{told}");
+    assert!(
+        memory <= most.memory && entries <= most.entries && words <= most.words,
+        "{told}"
+    );
+}
+
+/// The present state with lists of the least margin.
+fn listed(simulation: &mut Simulation) -> World {
+    let mut world = World::build(simulation.sync().unwrap()).unwrap();
+    world.step.dt = DT;
+    for phase in [Phase::UpdateAabbs, Phase::BroadPhase] {
+        let stages = phase.stages(Integrator::Rk4, simulation.broad_phase_method());
+        cpu::run(&mut world, stages);
+        while world.status.void != 0 {
+            world.set_pair_capacity(world.status.pairs_needed.next_multiple_of(SLICE));
+            world.status = Status::default();
+            cpu::run(&mut world, stages);
+        }
+    }
+    world
+}
+
+/// Four states of 48 bytes, an AABB of 32, an orientation of 16, a tag and a count of 4 each, about 13 of the grid, an
+/// extent of 16, and 16 list entries of 4 with a weight of 4 each.
+const FIRST_MEMORY: u64 = 410;
+
+#[test]
+fn size_of_a_lattice() {
+    // Six neighbours touch; the AABBs of those across edges and corners overlap too.
+    check_size(
+        Benchmark::Lattice,
+        &Bounds {
+            memory: 540,
+            entries: 12.5,
+            words: 17.5,
+        },
+    );
+}
+
+#[test]
+fn size_of_a_pile() {
+    check_size(
+        Benchmark::Pile,
+        &Bounds {
+            memory: 420,
+            entries: 8.0,
+            words: 14.0,
+        },
+    );
+}
+
+#[test]
+fn size_of_what_has_settled() {
+    check_size(
+        Benchmark::Settled,
+        &Bounds {
+            memory: FIRST_MEMORY,
+            entries: 14.0,
+            words: 16.0,
+        },
+    );
+}
+
+#[test]
+fn size_of_rods_and_capsules_among_spheres() {
+    check_size(
+        Benchmark::Mixed,
+        &Bounds {
+            memory: 530,
+            entries: 3.3,
+            words: 6.5,
+        },
+    );
+}
