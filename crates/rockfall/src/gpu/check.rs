@@ -3,7 +3,7 @@
 use crate::error::{Error, Result};
 use crate::layout::{
     BOX_WORDS, ENTRY_ID_MASK, FORCE_WORDS, KIND_FORCE, KIND_ROD, KIND_SHIFT, KIND_SPRING, KIND_TETHER, POLYGON_WORDS,
-    ROD_WORDS, SLICE, SPRING_WORDS, TETHER_WORDS,
+    ROD_WORDS, SLICE, SPRING_WORDS, TETHER_WORDS, VOID_PAIRS,
 };
 use crate::stage::Buffer;
 use crate::world::World;
@@ -115,6 +115,10 @@ fn check_lists(world: &World) -> Result<()> {
         world.lists.len() as u64 == u64::from(step.entries_at) + u64::from(step.pair_capacity),
         "length of the pair lists",
     )?;
+    if world.status.void & VOID_PAIRS != 0 {
+        // They did not fit, and until they are made again nobody reads them.
+        return Ok(());
+    }
     let (head, entries) = world.lists.split_at(step.entries_at as usize);
     for (mover, count) in head[..movers as usize].iter().enumerate() {
         let slice = u64::from(head[step.slices_at as usize + mover / SLICE as usize]);

@@ -237,16 +237,30 @@ impl GpuWorld {
         self.write_uniforms(&world.step)
     }
 
-    /// Makes room for the pair lists of a world whose capacity changed. What they held is void.
+    /// Takes over the pair capacity of `world`, after [`World::set_pair_capacity`]. The lists are empty after it.
     ///
     /// # Errors
     /// As for [`GpuWorld::new`].
     pub fn resize_lists(&mut self, world: &World) -> Result<()> {
         self.gpu.faults().check()?;
+        let sized = Step {
+            pair_capacity: world.step.pair_capacity,
+            ..self.step
+        };
+        if sized.entries_at != world.step.entries_at || sized.slices_at != world.step.slices_at {
+            return Err(Error::Device("the world's movers changed: upload it as a whole".to_owned()));
+        }
         self.fit(world, Buffer::Lists)?;
         self.fit(world, Buffer::Weights)?;
-        self.step = world.step;
-        self.write_uniforms(&world.step)
+        self.step = sized;
+        let gpu = self.gpu.clone();
+        catch(gpu.device(), || {
+            let mut encoder = gpu
+                .device()
+                .create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+            encoder.clear_buffer(self.buffer(Buffer::Lists), 0, Some(4 * u64::from(sized.entries_at)));
+            gpu.queue().submit([encoder.finish()]);
+        })
     }
 
     fn fit(&mut self, world: &World, buffer: Buffer) -> Result<()> {

@@ -8,17 +8,15 @@
 // A g² - 2 B g + C = 0, of which the smaller root is the right one.
 fn shake(rod: u32) -> f32 {
     let ends = rod_ends(rod);
-    let x1 = state[position_at(ends.x)];
-    let x2 = state[position_at(ends.y)];
-    let v1 = state[velocity_at(ends.x)];
-    let v2 = state[velocity_at(ends.y)];
-    let sum = v1.w + v2.w;
+    let w1 = inverse_mass(ends.x);
+    let w2 = inverse_mass(ends.y);
+    let sum = w1 + w2;
     if sum <= 0.0 {
         return 0.0;
     }
     let target_length = rod_length(rod);
     let old = y3[position_at(ends.y)].xyz - y3[position_at(ends.x)].xyz;
-    let d = x2.xyz - x1.xyz;
+    let d = state[position_at(ends.y)].xyz - state[position_at(ends.x)].xyz;
     let a = sum * sum * dot(old, old);
     let b = sum * dot(d, old);
     let c = dot(d, d) - target_length * target_length;
@@ -30,10 +28,10 @@ fn shake(rod: u32) -> f32 {
     let correction = old * (c / (b + sqrt(discriminant)));
     let kick = correction / step.dt;
     if finite(correction) & finite(kick) {
-        state[position_at(ends.x)] = vec4f(x1.xyz + v1.w * correction, x1.w);
-        state[position_at(ends.y)] = vec4f(x2.xyz - v2.w * correction, x2.w);
-        state[velocity_at(ends.x)] = vec4f(v1.xyz + v1.w * kick, v1.w);
-        state[velocity_at(ends.y)] = vec4f(v2.xyz - v2.w * kick, v2.w);
+        move_end(ends.x, w1, correction);
+        move_end(ends.y, -w2, correction);
+        kick_end(ends.x, w1, kick);
+        kick_end(ends.y, -w2, kick);
     }
     return abs(length(d) - target_length) / target_length;
 }
@@ -59,8 +57,8 @@ fn rattle(rod: u32) -> f32 {
     let opening = dot(moves_2 - moves_1, n);
     let impulse = n * (opening / sum);
     if finite(impulse) {
-        state[velocity_at(ends.x)] = vec4f(v1.xyz + v1.w * impulse, v1.w);
-        state[velocity_at(ends.y)] = vec4f(v2.xyz - v2.w * impulse, v2.w);
+        kick_end(ends.x, v1.w, impulse);
+        kick_end(ends.y, -v2.w, impulse);
     }
     return abs(opening) * step.dt / rod_length(rod);
 }

@@ -46,6 +46,6 @@ fn finish(
         start[velocity_at(i)] = vec4f(velocity, old_velocity.w);
         start[momentum_at(i)] = vec4f(momentum, old_momentum.w);
     }
-    y3[position_at(i)] = old_position;
+    y3[position_at(i)] = vec4f(old_position.xyz, 0.0);
     y3[momentum_at(i)] = vec4f(spin, 0.0);
 }

@@ -32,7 +32,7 @@ fn write_next(i: u32, net: Net) {
     next[position_at(i)] = vec4f(position, old_position.w);
     next[velocity_at(i)] = vec4f(velocity, old_velocity.w);
     next[momentum_at(i)] = vec4f(momentum, old_momentum.w);
-    y3[position_at(i)] = old_position;
+    y3[position_at(i)] = vec4f(old_position.xyz, 0.0);
     y3[momentum_at(i)] = vec4f(momentum * old_momentum.w, 0.0);
 }
 

@@ -1,5 +1,5 @@
 // Batches of fixed-length rods (physics.md section 5): a workgroup sweeps one batch colour by colour. The rods of one
-// colour share no sphere, so that its threads do not meet.
+// colour share no sphere that moves, so that its threads do not meet.
 
 // Relative error of a length, and the number of sweeps, at which sweeping ends.
 const TOLERANCE: f32 = 1e-3;
@@ -59,13 +59,23 @@ fn restore_length(rod: u32) -> f32 {
     }
     let correction = n * ((distance - target_length) / sum);
     if finite(correction) {
-        move_end(ends.x, w1 * correction);
-        move_end(ends.y, -w2 * correction);
+        move_end(ends.x, w1, correction);
+        move_end(ends.y, -w2, correction);
     }
     return abs(distance - target_length) / target_length;
 }
 
-fn move_end(sphere: u32, displacement: vec3f) {
-    let before = state[position_at(sphere)];
-    state[position_at(sphere)] = vec4f(before.xyz + displacement, before.w);
+// The rods of one colour may share a sphere that is fixed: it is not written at all.
+fn move_end(sphere: u32, weight: f32, displacement: vec3f) {
+    if weight != 0.0 {
+        let before = state[position_at(sphere)];
+        state[position_at(sphere)] = vec4f(before.xyz + weight * displacement, before.w);
+    }
+}
+
+fn kick_end(sphere: u32, weight: f32, impulse: vec3f) {
+    if weight != 0.0 {
+        let before = state[velocity_at(sphere)];
+        state[velocity_at(sphere)] = vec4f(before.xyz + weight * impulse, before.w);
+    }
 }

@@ -1,0 +1,240 @@
+//! The wgpu backend on whatever adapter there is, software too: whole steps, errors, and nothing that panics or blocks.
+
+#![cfg(feature = "gpu")]
+
+use std::pin::pin;
+use std::task::{Context, Poll, Waker};
+
+use glam::Vec3;
+use rockfall::gpu::{Gpu, GpuWorld, block_on};
+use rockfall::layout::VOID_PAIRS;
+use rockfall::scene::{Capsule, Cuboid, Sphere};
+use rockfall::stage::{Buffer, Phase, Run};
+use rockfall::world::World;
+use rockfall::{Error, Integrator, Scene};
+
+/// A test without an adapter fails: skipped it would prove nothing.
+fn open() -> Gpu {
+    Gpu::open_blocking(true).expect("these tests need a Vulkan driver, lavapipe will do")
+}
+
+fn step_stages(integrator: Integrator) -> Vec<Run> {
+    Phase::STEP
+        .iter()
+        .flat_map(|phase| phase.stages(integrator))
+        .copied()
+        .collect()
+}
+
+fn world(scene: &Scene) -> World {
+    let mut world = World::build(scene).unwrap();
+    world.step.dt = 0.02;
+    // Wide, so that no step is void for a body that left its AABB.
+    world.step.margin_scale = 30.0;
+    world
+}
+
+fn heap(count: u16) -> Scene {
+    let mut scene = Scene::new();
+    for k in 0..count {
+        let k = f32::from(k);
+        let place = Vec3::new(k % 5.0, 0.45 + (k / 25.0).floor() * 0.9, (k / 5.0).floor() % 5.0) * 0.95;
+        scene.add_sphere(Sphere::new(place, 0.5)).unwrap();
+    }
+    scene
+        .add_capsule(Capsule::new((1.0, 9.0, 1.0), (2.0, 9.5, 1.0), 0.3))
+        .unwrap();
+    scene.add_box(Cuboid::between((-5.0, -1.0, -5.0), (10.0, 0.0, 10.0))).unwrap();
+    scene
+}
+
+#[test]
+fn a_sphere_falls() {
+    for integrator in [Integrator::Rk4, Integrator::SymplecticEuler] {
+        let gpu = open();
+        let mut scene = Scene::new();
+        scene.add_sphere(Sphere::new((0.0, 10.0, 0.0), 0.5)).unwrap();
+        let mut world = world(&scene);
+        let mut device = GpuWorld::new(&gpu, &world).unwrap();
+        device.run(&step_stages(integrator), &world.step, 50).unwrap();
+        block_on(gpu.device(), device.download(&mut world, &Buffer::ALL)).unwrap();
+        assert_eq!((world.status.void, world.status.steps), (0, 50));
+        let fallen = 10.0 - world.states[0][0].y;
+        // 1 s of G = 1: half a unit; symplectic Euler falls half a step further.
+        let expected = if integrator == Integrator::Rk4 { 0.5 } else { 0.51 };
+        assert!((fallen - expected).abs() < 1e-5, "{fallen}");
+        assert!((world.states[0][1].y + 1.0).abs() < 1e-5);
+    }
+}
+
+#[test]
+fn the_same_input_gives_the_same_bits() {
+    let scene = heap(100);
+    let ends: Vec<World> = (0..2)
+        .map(|_| {
+            let gpu = open();
+            let mut world = world(&scene);
+            let mut device = GpuWorld::new(&gpu, &world).unwrap();
+            device.run(&step_stages(Integrator::Rk4), &world.step, 20).unwrap();
+            block_on(
+                gpu.device(),
+                device.download(&mut world, &[Buffer::Start, Buffer::Orientations, Buffer::Status]),
+            )
+            .unwrap();
+            world
+        })
+        .collect();
+    assert!(ends[0].status.steps > 0);
+    assert!(ends[0].status.last_contacts + ends[0].status.contacts > 50);
+    assert_eq!(ends[0].status, ends[1].status);
+    let bits = |world: &World| -> Vec<u32> {
+        let all = world.states[0].iter().chain(&world.orientations);
+        all.flat_map(|vector| vector.to_array().map(f32::to_bits)).collect()
+    };
+    assert_eq!(bits(&ends[0]), bits(&ends[1]));
+}
+
+#[test]
+fn lists_that_do_not_fit_void_the_step_and_grow() {
+    let gpu = open();
+    let mut world = world(&heap(100));
+    world.set_pair_capacity(32);
+    let mut device = GpuWorld::new(&gpu, &world).unwrap();
+    let stages = step_stages(Integrator::Rk4);
+    device.run(&stages, &world.step, 3).unwrap();
+    let status = block_on(gpu.device(), device.read_status()).unwrap();
+    assert_eq!((status.void, status.steps), (VOID_PAIRS, 0));
+    let mut after = world.clone();
+    block_on(gpu.device(), device.download(&mut after, &[Buffer::Start])).unwrap();
+    assert_eq!(after.states[0], world.states[0], "a void step moves nothing");
+
+    world.set_pair_capacity(status.pairs_needed);
+    device.resize_lists(&world).unwrap();
+    device.set_status(&world.status).unwrap();
+    device.run(&stages, &world.step, 1).unwrap();
+    let status = block_on(gpu.device(), device.read_status()).unwrap();
+    assert_eq!((status.void, status.steps), (0, 1));
+    assert!(status.last_contacts > 50);
+}
+
+#[test]
+fn a_device_that_is_destroyed_is_an_error() {
+    let gpu = open();
+    let mut world = world(&heap(100));
+    let mut device = GpuWorld::new(&gpu, &world).unwrap();
+    let stages = step_stages(Integrator::Rk4);
+    device.run(&stages, &world.step, 10).unwrap();
+    gpu.device().destroy();
+    let read = block_on(gpu.device(), device.read_status());
+    assert!(matches!(read, Err(Error::Device(_))), "{read:?}");
+    let read = block_on(gpu.device(), device.download(&mut world, &[Buffer::Start]));
+    assert!(matches!(read, Err(Error::Device(_))), "{read:?}");
+    let run = device.run(&stages, &world.step, 1);
+    assert!(matches!(run, Err(Error::Device(_))), "{run:?}");
+    assert!(matches!(GpuWorld::new(&gpu, &world), Err(Error::Device(_))));
+}
+
+#[test]
+fn so_is_a_caller_s_device() {
+    let opened = open();
+    let gpu = Gpu::on_device(opened.device().clone(), opened.queue().clone());
+    let world = world(&heap(10));
+    let mut device = GpuWorld::new(&gpu, &world).unwrap();
+    device.run(&step_stages(Integrator::Rk4), &world.step, 10).unwrap();
+    gpu.device().destroy();
+    let run = device.run(&step_stages(Integrator::Rk4), &world.step, 10);
+    let read = block_on(gpu.device(), device.read_status());
+    assert!(matches!(read, Err(Error::Device(_))), "{read:?}");
+    assert!(matches!(run, Ok(()) | Err(Error::Device(_))), "{run:?}");
+}
+
+#[test]
+fn destroyed_while_a_read_is_under_way() {
+    let gpu = open();
+    let world = world(&heap(100));
+    let mut device = GpuWorld::new(&gpu, &world).unwrap();
+    device.run(&step_stages(Integrator::Rk4), &world.step, 200).unwrap();
+    let mut read = pin!(device.read_status());
+    // Not blocked: the answer is not there yet, and the call comes back.
+    let first = read.as_mut().poll(&mut Context::from_waker(Waker::noop()));
+    assert!(matches!(first, Poll::Pending));
+    gpu.device().destroy();
+    let answer = block_on(gpu.device(), read);
+    assert!(matches!(answer, Err(Error::Device(_))), "{answer:?}");
+}
+
+#[test]
+fn what_does_not_fit_is_refused_before_it_is_allocated() {
+    let gpu = open();
+    let mut world = world(&heap(10));
+    // 16 GiB of list entries, of which the host holds none.
+    world.step.pair_capacity = u32::MAX - world.step.entries_at;
+    let refused = GpuWorld::new(&gpu, &world).map(|_| ());
+    assert!(
+        matches!(
+            refused,
+            Err(Error::DeviceLimit {
+                what: "the pair lists",
+                ..
+            })
+        ),
+        "{refused:?}"
+    );
+}
+
+#[test]
+fn indices_that_point_outside_are_refused() {
+    let gpu = open();
+    let mut world = world(&heap(10));
+    world.words[world.step.rods_at as usize] = world.step.spheres;
+    let refused = GpuWorld::new(&gpu, &world).map(|_| ());
+    assert!(
+        matches!(&refused, Err(Error::Device(text)) if text.contains("rod")),
+        "{refused:?}"
+    );
+}
+
+#[test]
+fn the_counts_of_a_world_cannot_be_changed_by_a_run() {
+    let gpu = open();
+    let world = world(&heap(10));
+    let mut device = GpuWorld::new(&gpu, &world).unwrap();
+    let mut step = world.step;
+    step.spheres += 1000;
+    step.dt = 0.01;
+    device.run(&step_stages(Integrator::Rk4), &step, 1).unwrap();
+    assert_eq!(device.step().spheres, world.step.spheres);
+    assert_eq!(device.step().dt, 0.01);
+}
+
+#[test]
+fn a_world_with_nothing_in_it_runs() {
+    let gpu = open();
+    let world = world(&Scene::new());
+    let mut device = GpuWorld::new(&gpu, &world).unwrap();
+    device.run(&step_stages(Integrator::Rk4), &world.step, 2).unwrap();
+    let status = block_on(gpu.device(), device.read_status()).unwrap();
+    assert_eq!((status.void, status.steps), (0, 2));
+}
+
+#[test]
+fn a_kernel_that_does_not_compile_names_its_own_file() {
+    use rockfall::stage::{ALL, Part, Stage};
+    let gpu = open();
+    let world = world(&heap(10));
+    let mut device = GpuWorld::new(&gpu, &world).unwrap();
+    let original = ALL.into_iter().find(|stage| stage.name == "turn").unwrap();
+    let mut parts: Vec<Part> = original.parts.to_vec();
+    let last = parts.last_mut().unwrap();
+    last.text = format!("{}\nfn broken() -> u32 {{ return 1.5; }}\n", last.text.trim_end()).leak();
+    let line = last.text.lines().count();
+    let stage = Box::leak(Box::new(Stage {
+        parts: parts.leak(),
+        ..*original
+    }));
+    let refused = device.prepare(&[Run { stage, pass: 0 }]);
+    let Err(Error::Device(text)) = refused else {
+        panic!("{refused:?}");
+    };
+    assert!(text.contains(&format!("stage/turn.wgsl:{line}")), "{text}");
+}
