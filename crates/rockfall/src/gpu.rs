@@ -9,6 +9,7 @@ mod check;
 mod device;
 mod fault;
 mod kernel;
+mod memory;
 mod wait;
 mod world;
 

@@ -42,9 +42,13 @@ impl Collision {
     fn of(view: &View, a: u32, b: u32, feature: u32, touch: Touch) -> Self {
         let mut shares = [Share::default(); 4];
         let mut len = 0;
-        let mut add = |share: Share| {
-            shares[len] = share;
-            len += 1;
+        // A sphere that stands on both sides, such as a chain's end that touches the next rod but one, has one share.
+        let mut add = |share: Share| match shares[..len].iter_mut().find(|known| known.sphere == share.sphere) {
+            Some(known) => known.g += share.g,
+            None => {
+                shares[len] = share;
+                len += 1;
+            }
         };
         side_shares(view, view.object(a), touch.a, -touch.normal, &mut add);
         side_shares(view, view.object(b), touch.b, touch.normal, &mut add);
@@ -66,7 +70,7 @@ impl Collision {
         }
     }
 
-    /// The spheres that share in the impulse, those of A first; the same sphere may stand twice.
+    /// The spheres that share in the impulse, those of A first, each once.
     pub(crate) fn shares(&self) -> &[Share] {
         &self.shares[..self.len]
     }
@@ -78,13 +82,12 @@ impl Collision {
         self.inverse_mass > 0.0 && self.approach > view.step.activation_threshold * smaller_radius(&a, &b)
     }
 
-    /// All of this contact's unit impulse that one sphere receives.
+    /// What one sphere receives of this contact's unit impulse.
     pub(crate) fn share_of(&self, sphere: u32) -> Vec3 {
         self.shares()
             .iter()
-            .filter(|share| share.sphere == sphere)
-            .map(|share| share.g)
-            .sum()
+            .find(|share| share.sphere == sphere)
+            .map_or(Vec3::ZERO, |share| share.g)
     }
 
     fn is_same(&self, other: &Self) -> bool {
@@ -197,7 +200,7 @@ pub(crate) fn row_sums<'a>(view: &View<'a>, lists: &Lists<'a>, k: &Collision) ->
     for (place, share) in k.shares().iter().enumerate() {
         let sphere = share.sphere;
         let before = &k.shares()[..place];
-        if view.is_fixed(sphere) || before.iter().any(|earlier| earlier.sphere == sphere) {
+        if view.is_fixed(sphere) {
             continue;
         }
         each_incident(view, lists, sphere, ENTRY_OVERLAPS, |l, entry| {

@@ -31,6 +31,11 @@ pub(crate) struct Ends {
     pub(crate) length: f32,
 }
 
+/// The velocity of a fixed sphere is that of its surface; it does not count in the length of rods.
+fn own_velocity(row: Vec4) -> Vec3 {
+    if row.w == 0.0 { Vec3::ZERO } else { row.truncate() }
+}
+
 fn unit(d: Vec3) -> (Vec3, f32) {
     let dd = d.length_squared();
     if dd <= TINY {
@@ -129,7 +134,7 @@ impl<'a> Batch<'a> {
         }
         let ends = Ends {
             d: (state[two] - state[one]).truncate(),
-            velocity: (state[n + two] - state[n + one]).truncate(),
+            velocity: own_velocity(state[n + two]) - own_velocity(state[n + one]),
             inverse_mass: w1 + w2,
             length: rod.length,
         };

@@ -2,6 +2,7 @@
 
 use glam::Vec3;
 
+use crate::cpu::contact::side;
 use crate::cpu::geometry::{box_contains, box_edge, box_vertex, point_box, point_polygon, point_segment, segment_segment};
 use crate::cpu::view::{BoxWords, Object, RodWords, TINY, View};
 use crate::layout::BOX_FEATURES;
@@ -25,7 +26,7 @@ pub(crate) fn touch(view: &View, id_a: u32, id_b: u32, feature: u32) -> Option<T
     if ignore(view, a, b) {
         return None;
     }
-    match (a, b) {
+    let touch = match (a, b) {
         (Object::Sphere(a), Object::Sphere(b)) => sphere_sphere(view, a, b),
         (Object::Sphere(a), Object::Rod(b)) => sphere_rod(view, a, view.rod(b)),
         (Object::Rod(a), Object::Rod(b)) => rod_rod(view, view.rod(a), view.rod(b)),
@@ -33,7 +34,10 @@ pub(crate) fn touch(view: &View, id_a: u32, id_b: u32, feature: u32) -> Option<T
         (Object::Sphere(a), Object::Polygon(b)) => sphere_polygon(view, a, b),
         (Object::Rod(a), Object::Cuboid(b)) => rod_box(view, view.rod(a), &view.cuboid(b), feature),
         _ => None,
-    }
+    }?;
+    // A rod that is touched right at its fixed end cannot give way there.
+    let inverse_mass = side(view, a, touch.a).inverse_mass + side(view, b, touch.b).inverse_mass;
+    (inverse_mass > 0.0).then_some(touch)
 }
 
 /// Nothing collides with itself, and two immovable things have nothing to say to each other.

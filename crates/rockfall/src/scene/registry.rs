@@ -173,10 +173,6 @@ impl<T> Registry<T> {
         &self.objects
     }
 
-    pub(crate) fn objects_mut(&mut self) -> &mut [T] {
-        &mut self.objects
-    }
-
     pub(crate) fn len(&self) -> usize {
         self.objects.len()
     }

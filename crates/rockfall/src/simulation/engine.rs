@@ -38,16 +38,14 @@ impl Engine {
             Backend::Gpu => Gpu::open(true).await?,
             Backend::Auto => match Gpu::open(false).await {
                 Ok(gpu) => gpu,
-                Err(error) => {
-                    return Ok((
-                        Self::Cpu,
-                        cpu_info(&format!("chosen because there is no hardware GPU: {error}")),
-                    ));
+                Err(crate::Error::NoAdapter(_)) => {
+                    return Ok((Self::Cpu, cpu_info("no hardware GPU was found")));
                 }
+                Err(error) => return Ok((Self::Cpu, cpu_info(&format!("no GPU could be opened: {error}")))),
             },
         };
         let reason = if backend == Backend::Auto {
-            "chosen as the best hardware GPU"
+            "the best hardware GPU"
         } else {
             "asked for"
         };
@@ -60,7 +58,7 @@ impl Engine {
         const WITHOUT: &str = "this build of rockfall is without the gpu feature";
         match backend {
             Backend::Cpu => Ok((Self::Cpu, cpu_info("asked for"))),
-            Backend::Auto => Ok((Self::Cpu, cpu_info(&format!("chosen because {WITHOUT}")))),
+            Backend::Auto => Ok((Self::Cpu, cpu_info(WITHOUT))),
             Backend::Gpu => Err(crate::Error::NoAdapter(WITHOUT.to_owned())),
         }
     }

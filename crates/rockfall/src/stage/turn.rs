@@ -102,10 +102,21 @@ fn turned_capsule(view: &View, ends: [u32; 2], d_old: Vec3) -> Capsule {
     let left = across - whole_inertia * turn;
     let momentum = left.cross(d) / d.length_squared();
     let old_axis = d_old.try_normalize().unwrap_or(axis);
-    let rotation = Quat::from_rotation_arc(old_axis, axis) * Quat::from_axis_angle(old_axis, roll * view.step.dt);
+    let rotation = shortest_arc(old_axis, axis) * Quat::from_axis_angle(old_axis, roll * view.step.dt);
     Capsule {
         momenta: [-momentum, momentum],
         angular_momenta: inertia.map(|inertia| inertia * (roll * axis + turn)),
         rotation,
     }
+}
+
+/// The shortest rotation that takes one unit vector to another. glam's own takes small angles for none, and a capsule
+/// turns by a small angle every step.
+fn shortest_arc(from: Vec3, to: Vec3) -> Quat {
+    let real = 1.0 + from.dot(to);
+    if real < 1e-6 {
+        // Opposite: about any perpendicular axis.
+        return Quat::from_rotation_arc(from, to);
+    }
+    Quat::from_vec4(from.cross(to).extend(real)).normalize()
 }
