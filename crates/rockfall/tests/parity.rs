@@ -8,12 +8,16 @@
 
 #[path = "parity/bodies.rs"]
 mod bodies;
+#[path = "parity/broken.rs"]
+mod broken;
 #[path = "parity/compare.rs"]
 mod compare;
 #[path = "parity/decisions.rs"]
 mod decisions;
 #[path = "parity/device.rs"]
 mod device;
+#[path = "parity/formulas.rs"]
+mod formulas;
 #[path = "parity/narrow.rs"]
 mod narrow;
 #[path = "parity/random.rs"]
@@ -22,56 +26,177 @@ mod random;
 mod sweeps;
 #[path = "parity/trace.rs"]
 mod trace;
+#[path = "parity/whole.rs"]
+mod whole;
 
 use std::collections::BTreeMap;
 
-use compare::differences;
+use compare::{MEASURED, differences};
 use device::{GPU, on_gpu};
+use rockfall::layout::{SLICE, VOID_PAIRS, WORKGROUP};
 use rockfall::{Integrator, Settings};
-use trace::{Plan, Trace, trace};
-
-/// A trace whose every stage is the same on both backends.
-fn compared(plan: &Plan) -> Trace {
-    let trace = trace(plan);
-    for scenario in &trace.scenarios {
-        let run = scenario.run;
-        let gpu = on_gpu(&GPU, &scenario.before, run);
-        let wrong = differences(&run, &scenario.before, &gpu);
-        let shown: Vec<_> = wrong.iter().take(12).collect();
-        assert!(
-            wrong.is_empty(),
-            "seed {}, {} pass {}: {} differences: {shown:#?}",
-            plan.seed,
-            run.stage.name,
-            run.pass,
-            wrong.len()
-        );
-    }
-    trace
-}
+use trace::{Plan, Scenario, Trace, trace};
 
 fn plan(seed: u64, integrator: Integrator) -> Plan {
     Plan {
         seed,
-        clusters: 50 + seed as usize,
+        clusters: 56 + seed as usize,
         integrator,
         settings: Settings::default(),
     }
 }
 
-/// What a set of traces decided; each of `wanted` at least once.
+/// Fails where the backends make different things of a stage.
+fn compare(seed: u64, Scenario { run, before }: &Scenario) {
+    let gpu = on_gpu(&GPU, before, *run);
+    let wrong = differences(run, before, &gpu, MEASURED);
+    let shown: Vec<_> = wrong.iter().take(12).collect();
+    let (stage, pass) = (run.stage.name, run.pass);
+    assert!(
+        wrong.is_empty(),
+        "seed {seed}, {stage} pass {pass}: {} differences: {shown:#?}",
+        wrong.len()
+    );
+}
+
+/// A trace whose every stage is the same on both backends.
+fn compared(plan: &Plan) -> Trace {
+    let trace = trace(plan);
+    for scenario in &trace.scenarios {
+        compare(plan.seed, scenario);
+    }
+    trace
+}
+
+/// Fails unless the traces decided each of `wanted` at least once: parity over nothing proves nothing.
 fn assert_seen(traces: &[Trace], wanted: &[&str]) {
     let mut seen = BTreeMap::new();
     for (what, count) in traces.iter().flat_map(|trace| &trace.findings.seen) {
         *seen.entry(what.as_str()).or_insert(0) += count;
     }
-    println!("{seen:#?}");
     let missing: Vec<_> = wanted.iter().filter(|what| !seen.contains_key(**what)).collect();
     assert!(missing.is_empty(), "never seen: {missing:?} in {seen:#?}");
 }
 
+const CONTACTS: [&str; 34] = [
+    "sphere-sphere overlapping",
+    "sphere-sphere colliding",
+    "sphere-sphere pressing",
+    "sphere-sphere not pulling",
+    "sphere-sphere unseen",
+    "sphere-rod overlapping",
+    "sphere-rod colliding",
+    "sphere-rod pressing",
+    "sphere-rod not pulling",
+    "sphere-rod unseen",
+    "rod-rod overlapping",
+    "rod-rod colliding",
+    "rod-rod pressing",
+    "rod-rod not pulling",
+    "rod-rod parallel pressing",
+    "sphere-box face colliding",
+    "sphere-box face pressing",
+    "sphere-box edge colliding",
+    "sphere-box edge pressing",
+    "sphere-box vertex colliding",
+    "sphere-box vertex pressing",
+    "sphere-box inside colliding",
+    "sphere-box inside pressing",
+    "sphere-polygon colliding",
+    "sphere-polygon pressing",
+    "sphere-polygon leaving",
+    "sphere-polygon unseen",
+    "rod-box edge colliding",
+    "rod-box edge pressing",
+    "rod-box edge inside colliding",
+    "rod-box edge inside pressing",
+    "rod-box vertex colliding",
+    "rod-box vertex pressing",
+    "alone",
+];
+
 #[test]
 fn every_stage_of_a_step_with_rk4() {
-    let traces: Vec<Trace> = (0..6).map(|seed| compared(&plan(seed, Integrator::Rk4))).collect();
-    assert_seen(&traces, &["alone", "pressed"]);
+    let traces: Vec<Trace> = (0..8).map(|seed| compared(&plan(seed, Integrator::Rk4))).collect();
+    assert_seen(&traces, &CONTACTS);
+    assert_seen(&traces, &["pressed", "swept once", "swept often", "turned too far"]);
+    for trace in &traces {
+        let step = &trace.after.step;
+        assert!(step.spheres % WORKGROUP != 0 && step.spheres % SLICE != 0, "{step:?}");
+        assert!((step.spheres + step.rods) % WORKGROUP != 0, "{step:?}");
+        assert!(step.spheres > 3 * WORKGROUP && step.rods > WORKGROUP && step.batches > 2, "{step:?}");
+    }
+}
+
+#[test]
+fn every_stage_of_a_step_with_symplectic_euler() {
+    let traces: Vec<Trace> = (10..13).map(|seed| compared(&plan(seed, Integrator::SymplecticEuler))).collect();
+    assert_seen(&traces, &CONTACTS[..4]);
+}
+
+/// Constants off their defaults, collisions off, pulling damping.
+#[test]
+fn every_stage_under_other_settings() {
+    let off = Settings {
+        collisions: false,
+        contact_pull: true,
+        gravity: 9.81,
+        gravity_direction: glam::Vec3::new(0.6, 0.0, 0.8),
+        ..Settings::default()
+    };
+    let odd = Settings {
+        activation_threshold: 0.3,
+        restitution: 0.2,
+        contact_damping: 30.0,
+        contact_force: 400.0,
+        friction: 20.0,
+        ..Settings::default()
+    };
+    for (seed, settings) in [(20, off), (21, odd)] {
+        for integrator in [Integrator::Rk4, Integrator::SymplecticEuler] {
+            compared(&Plan {
+                settings,
+                ..plan(seed, integrator)
+            });
+        }
+    }
+}
+
+/// In a void step the stages after the broad phase leave everything as it is; so they do after collisions that are done.
+#[test]
+fn every_stage_of_a_void_step() {
+    for integrator in [Integrator::Rk4, Integrator::SymplecticEuler] {
+        for Scenario { run, before } in trace(&plan(3, integrator)).scenarios {
+            let mut before = before;
+            before.status.void = VOID_PAIRS;
+            compare(3, &Scenario { run, before: before.clone() });
+            if run.stage.name.ends_with("_collisions") {
+                before.status.void = 0;
+                before.status.collided = 1;
+                compare(3, &Scenario { run, before });
+            }
+        }
+    }
+}
+
+/// Lists that do not fit void the step on both, and tell the same need.
+#[test]
+fn lists_that_do_not_fit() {
+    let scenarios = trace(&plan(4, Integrator::Rk4)).scenarios;
+    let scan = scenarios.into_iter().find(|scenario| scenario.run.stage.name == "scan_pairs");
+    let mut scenario = scan.unwrap();
+    let needed = {
+        let mut world = scenario.before.clone();
+        (scenario.run.stage.cpu)(&mut world, 0);
+        world.status.pairs_needed
+    };
+    for (capacity, void) in [(needed - 1, VOID_PAIRS), (needed, 0)] {
+        let before = &mut scenario.before;
+        before.step.pair_capacity = capacity;
+        before.lists.resize((before.step.entries_at + capacity) as usize, 0);
+        before.weights.resize(capacity as usize, 0.0);
+        let gpu = on_gpu(&GPU, &scenario.before, scenario.run);
+        assert_eq!((gpu.status.void, gpu.status.pairs_needed), (void, needed));
+        compare(4, &scenario);
+    }
 }

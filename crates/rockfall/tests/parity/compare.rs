@@ -15,12 +15,29 @@ use rockfall::world::World;
 
 use crate::decisions::entries;
 
-/// Relative to the largest value of a field: about ten units in the last place.
-const FLOOR: f32 = 1e-6;
 const FACTOR: f32 = 8.0;
 /// Relative to the largest component of a vector: about two units in the last place.
 const SHAKE: f32 = 2.5e-7;
-const SHAKEN: u64 = 6;
+
+/// How much two backends may differ.
+#[derive(Clone, Copy)]
+pub(crate) struct Tolerance {
+    /// Relative to the largest value of a field.
+    pub(crate) floor: f32,
+    /// How many shaken worlds tell what rounding can do.
+    pub(crate) shaken: u64,
+}
+
+/// Where no decision is near its switch: about ten units in the last place, and what shaking does.
+pub(crate) const MEASURED: Tolerance = Tolerance {
+    floor: 1e-6,
+    shaken: 6,
+};
+/// Where decisions are made by rule: they cannot be shaken, for a rule holds for exact values only.
+pub(crate) const BY_RULE: Tolerance = Tolerance {
+    floor: 3e-5,
+    shaken: 0,
+};
 
 struct Floats {
     buffer: Buffer,
@@ -113,7 +130,7 @@ fn shaken(world: &World, seed: u64) -> World {
 }
 
 /// Everything in which `gpu` differs from what the CPU twin makes of the world that the stage began with.
-pub(crate) fn differences(run: &Run, before: &World, gpu: &World) -> Vec<Difference> {
+pub(crate) fn differences(run: &Run, before: &World, gpu: &World, tolerance: Tolerance) -> Vec<Difference> {
     let after = |mut world: World| {
         (run.stage.cpu)(&mut world, run.pass);
         world
@@ -123,7 +140,7 @@ pub(crate) fn differences(run: &Run, before: &World, gpu: &World) -> Vec<Differe
     if !all.is_empty() {
         return all;
     }
-    let shaken: Vec<Vec<Floats>> = (0..SHAKEN)
+    let shaken: Vec<Vec<Floats>> = (0..tolerance.shaken)
         .map(|seed| {
             let world = after(shaken(before, seed));
             let wavering = different_words(&world, &cpu);
@@ -133,14 +150,14 @@ pub(crate) fn differences(run: &Run, before: &World, gpu: &World) -> Vec<Differe
         .collect();
     for (place, (gpu, cpu)) in floats(gpu).iter().zip(floats(&cpu)).enumerate() {
         let finite = cpu.values.iter().filter(|value| value.is_finite());
-        let floor = FLOOR * finite.fold(0.0_f32, |most, value| most.max(value.abs()));
+        let floor = tolerance.floor * finite.fold(0.0_f32, |most, value| most.max(value.abs()));
         for (at, (g, c)) in gpu.values.iter().zip(&cpu.values).enumerate() {
             let moved = shaken.iter().map(|shaken| (shaken[place].values[at] - c).abs());
-            let tolerance = floor + FACTOR * moved.fold(0.0, f32::max);
+            let allowed = floor + FACTOR * moved.fold(0.0, f32::max);
             // So written that what is not a number differs.
-            let near = (g - c).abs() <= tolerance;
+            let near = (g - c).abs() <= allowed;
             if !near {
-                let text = format!("{}[{at}]: GPU {g}, CPU {c}, tolerance {tolerance}", cpu.what);
+                let text = format!("{}[{at}]: GPU {g}, CPU {c}, tolerance {allowed}", cpu.what);
                 all.push(Difference { buffer: cpu.buffer, text });
             }
         }

@@ -42,13 +42,6 @@ impl Findings {
     fn see(&mut self, what: String) {
         *self.seen.entry(what).or_default() += 1;
     }
-
-    pub(crate) fn merge(&mut self, other: Self) {
-        self.near.extend(other.near);
-        for (what, count) in other.seen {
-            *self.seen.entry(what).or_default() += count;
-        }
-    }
 }
 
 /// An overlap of the objects `a < b`.

@@ -55,6 +55,7 @@ struct Closest {
     b: f64,
     d: DVec3,
     holds: f64,
+    parallel: bool,
     sure: f64,
 }
 
@@ -62,7 +63,8 @@ fn segments([a1, a2]: [DVec3; 2], [b1, b2]: [DVec3; 2]) -> Closest {
     let (u, v, c) = (a2 - a1, b2 - b1, b1 - a1);
     let n = u.cross(v);
     let sine = n.length() / (u.length() * v.length());
-    let (a, b, holds) = if sine <= 1e-4 {
+    let parallel = sine <= 1e-4;
+    let (a, b, holds) = if parallel {
         let [t0, t1] = [b1, b2].map(|end| (end - a1).dot(u) / u.length_squared());
         let (low, high) = (t0.min(t1).max(0.0), t0.max(t1).min(1.0));
         let a = 0.5 * (low + high);
@@ -82,6 +84,7 @@ fn segments([a1, a2]: [DVec3; 2], [b1, b2]: [DVec3; 2]) -> Closest {
         b,
         d,
         holds,
+        parallel,
         sure: parallel_sure(sine),
     }
 }
@@ -123,7 +126,7 @@ fn sphere_rod(bodies: &Bodies, ball: usize, bar: usize) -> Touch {
 fn rod_rod(bodies: &Bodies, a: usize, b: usize) -> Touch {
     let closest = segments(bodies.segment(a), bodies.segment(b));
     let overlap = bodies.bars[a].radius + bodies.bars[b].radius - closest.d.length();
-    let touch = Touch::new("rod-rod", closest.d.normalize(), overlap, overlap.min(closest.holds));
+    let touch = Touch::new(if closest.parallel { "rod-rod parallel" } else { "rod-rod" }, closest.d.normalize(), overlap, overlap.min(closest.holds));
     Touch {
         a: closest.a,
         b: closest.b,

@@ -1,5 +1,6 @@
 //! The worlds that the stages of a step begin with, with every decision of the step far from its switch.
 
+use rockfall::layout::ROD_WORDS;
 use rockfall::stage::{Phase, Run};
 use rockfall::world::World;
 use rockfall::{Integrator, Settings};
@@ -81,12 +82,19 @@ fn run(drawn: &Clusters, integrator: Integrator) -> Trace {
     let phases = Phase::STEP.iter().filter(|phase| drawn.scene.settings.collisions || **phase != Phase::HandleCollisions);
     let start = world.states[0].clone();
     for run in phases.flat_map(|phase| phase.stages(integrator)) {
+        if run.stage.name == "constrain" {
+            turn_some(&mut world);
+        }
         decide(&world, run, &mut findings);
         scenarios.push(Scenario {
             run: *run,
             before: world.clone(),
         });
         (run.stage.cpu)(&mut world, run.pass);
+        if run.stage.name == "constrain" {
+            // Axes that turn half around have no shortest rotation.
+            turn_some(&mut world);
+        }
         if run.stage.name == "end_collisions" {
             // A pair whose overlap was just removed touches, to the last bit: whether it still overlaps is for rounding
             // to say. So the integration goes on from the state before the collisions.
@@ -98,6 +106,15 @@ fn run(drawn: &Clusters, integrator: Integrator) -> Trace {
         scenarios,
         findings,
         after: world,
+    }
+}
+
+/// Swaps where the ends of every ninth rod were before the step: as if it had turned half around within it.
+fn turn_some(world: &mut World) {
+    for rod in (0..world.step.rods).step_by(9) {
+        let at = (world.step.rods_at + rod * ROD_WORDS) as usize;
+        let [one, two] = [world.words[at], world.words[at + 1]].map(|end| end as usize);
+        world.states[2].swap(one, two);
     }
 }
 
