@@ -22,6 +22,8 @@ mod formulas;
 mod narrow;
 #[path = "parity/random.rs"]
 mod random;
+#[path = "parity/rules.rs"]
+mod rules;
 #[path = "parity/sweeps.rs"]
 mod sweeps;
 #[path = "parity/trace.rs"]
