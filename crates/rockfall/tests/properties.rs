@@ -4,5 +4,11 @@
 
 #[path = "properties/crowd.rs"]
 mod crowd;
+#[path = "properties/lists.rs"]
+mod lists;
+#[path = "properties/rubbing.rs"]
+mod rubbing;
+#[path = "properties/symmetry.rs"]
+mod symmetry;
 #[path = "properties/things.rs"]
 mod things;
