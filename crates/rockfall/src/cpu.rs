@@ -7,6 +7,7 @@ pub(crate) mod collision;
 pub(crate) mod contact;
 pub(crate) mod forces;
 pub(crate) mod geometry;
+pub(crate) mod grid;
 pub(crate) mod lengths;
 pub(crate) mod lists;
 pub(crate) mod state;

@@ -73,10 +73,29 @@ pub const VOID_ESCAPED: u32 = 2;
 /// Bit of [`Status::void`]: a body's state stopped being finite in the step before; later steps do nothing.
 pub const VOID_NON_FINITE: u32 = 4;
 
+/// Bit of [`Status::void`]: the pair lists need more words than can be numbered.
+pub const VOID_COUNT: u32 = 8;
+
 /// [`Status::bad_body`] when every body is finite.
 pub const NO_BODY: u32 = u32::MAX;
 /// The place in a step where a body stopped being finite, the high bits of [`Status::bad_body`].
 pub const BAD_STAGE_SHIFT: u32 = 27;
+
+/// First word of the cells in the buffer `cells`; word 0 is a mask of the levels that have objects.
+pub const CELLS_AT: u32 = 4;
+/// Cells that one workgroup sums.
+pub const CELL_BLOCK: u32 = 4096;
+/// Level of the cells of size `cell_size`; cells of level l are `2^(l - LEVEL_BIAS)` times as large.
+pub const LEVEL_BIAS: u32 = 8;
+/// The level of what is too large for every other: all of it is in one cell.
+pub const TOP_LEVEL: u32 = 31;
+/// A row of cells begins at `y ROW_Y + z ROW_Z + level ROW_LEVEL + x` of the table, modulo its size. Odd numbers that
+/// scatter rows evenly, whatever the shape of the scene.
+pub const ROW_Y: u32 = 0x9e37_79b1;
+/// See [`ROW_Y`].
+pub const ROW_Z: u32 = 0x85eb_ca77;
+/// See [`ROW_Y`].
+pub const ROW_LEVEL: u32 = 0xc2b2_ae3d;
 
 /// What a step needs to know: the uniform block `step` of every kernel.
 #[repr(C)]
@@ -134,6 +153,18 @@ pub struct Step {
     pub slices_at: u32,
     /// First word of the entries in `lists`.
     pub entries_at: u32,
+    /// Size of the grid's cells at level [`LEVEL_BIAS`], in units: a little more than most bodies.
+    pub cell_size: f32,
+    /// Cells of the grid's table, a power of two and a multiple of [`CELL_BLOCK`].
+    pub cells: u32,
+    /// First word of the sums of blocks of cells in `cells`; the cells themselves are at [`CELLS_AT`].
+    pub sums_at: u32,
+    /// First word of the objects' keys in `cells`.
+    pub keys_at: u32,
+    /// First word of the objects' ids in the order of their keys, in `cells`.
+    pub sorted_at: u32,
+    /// Padding to a multiple of 16 bytes.
+    pub pad: [u32; 3],
 }
 
 /// The uniform block `pass_`: which force evaluation of the step this is.

@@ -75,7 +75,7 @@ pub use scene::{
     BoxId, Capsule, CapsuleId, CapsuleParts, Counts, Cuboid, LineWarning, Loaded, Polygon, PolygonId, Rod, RodId, Scene,
     Sphere, SphereId, Spring, SpringId, Tether, TetherId,
 };
-pub use settings::{Integrator, Settings};
-pub use simulation::{Backend, BackendInfo, Body, BroadPhase, Contact, ContactAction, Options, Simulation, SphereDiagnostics};
+pub use settings::{BroadPhase, Integrator, Settings};
+pub use simulation::{Backend, BackendInfo, Body, Contact, ContactAction, Options, Simulation, SphereDiagnostics};
 #[cfg(feature = "gpu")]
 pub use wgpu;

@@ -25,7 +25,7 @@ impl AtomicFile {
         // Through links, which a rename would replace.
         let target = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
         match fs::metadata(&target) {
-            Ok(found) if found.is_dir() => return Err(io::ErrorKind::IsADirectory.into()),
+            // A folder among them, which refuses to be opened.
             Ok(found) if !found.is_file() => {
                 return Ok(Self {
                     writer: BufWriter::new(OpenOptions::new().write(true).open(&target)?),

@@ -199,3 +199,53 @@ impl FromStr for Integrator {
         }
     }
 }
+
+/// How pairs that may touch are found. All ways give the same lists.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum BroadPhase {
+    /// The one that is faster for so many objects.
+    #[default]
+    Auto,
+    /// Every mover against every object, tile by tile (thesis section 2.5.1).
+    BruteForce,
+    /// A hashed grid of several levels: for any number of objects, of any sizes, however spread.
+    Grid,
+}
+
+/// Objects from which on the grid is faster than brute force.
+const GRID_FROM: usize = 2_000;
+
+impl BroadPhase {
+    /// This, or for `Auto` the one that suits so many objects.
+    pub fn resolve(self, objects: usize) -> Self {
+        match self {
+            Self::Auto if objects < GRID_FROM => Self::BruteForce,
+            Self::Auto => Self::Grid,
+            chosen => chosen,
+        }
+    }
+}
+
+impl fmt::Display for BroadPhase {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Auto => "auto",
+            Self::BruteForce => "brute-force",
+            Self::Grid => "grid",
+        })
+    }
+}
+
+impl FromStr for BroadPhase {
+    type Err = Error;
+
+    fn from_str(text: &str) -> Result<Self> {
+        match text {
+            "auto" => Ok(Self::Auto),
+            "brute-force" => Ok(Self::BruteForce),
+            "grid" => Ok(Self::Grid),
+            _ => Err(invalid("broad-phase", text, "auto, brute-force or grid")),
+        }
+    }
+}

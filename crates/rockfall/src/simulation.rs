@@ -6,7 +6,7 @@ use crate::error::Result;
 use crate::layout::Status;
 use crate::report::Report;
 use crate::scene::{Scene, SphereId};
-use crate::settings::{Integrator, Settings};
+use crate::settings::{BroadPhase, Integrator, Settings};
 use crate::stage::Phase;
 use crate::world::World;
 
@@ -21,7 +21,7 @@ pub use drive::DEFAULT_TIME_STEP;
 use edit::Dirty;
 use engine::Engine;
 pub use observe::{Body, Contact, ContactAction, SphereDiagnostics};
-pub use options::{Backend, BackendInfo, BroadPhase, Options};
+pub use options::{Backend, BackendInfo, Options};
 
 /// A scene and the machinery that moves it, on the GPU or on the CPU.
 ///
@@ -122,6 +122,11 @@ impl Simulation {
     /// How positions and velocities are advanced.
     pub fn integrator(&self) -> Integrator {
         self.options.integrator
+    }
+
+    /// How pairs are found: what was asked for, or what suits the number of objects.
+    pub fn broad_phase_method(&self) -> BroadPhase {
+        self.options.broad_phase.resolve(self.world.objects() as usize)
     }
 
     /// The physical constants.

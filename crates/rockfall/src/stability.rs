@@ -248,6 +248,14 @@ mod tests {
     }
 
     #[test]
+    fn the_bounds_are_those_of_the_documentation() {
+        assert_eq!(largest_dt(200.0, 0.0, Integrator::Rk4), 0.2);
+        assert_eq!(largest_dt(0.0, 100.0, Integrator::Rk4), 0.0278);
+        assert_eq!(largest_dt(400.0, 0.0, Integrator::SymplecticEuler), 0.1);
+        assert_eq!(largest_dt(0.0, 0.0, Integrator::SymplecticEuler), f64::INFINITY);
+    }
+
+    #[test]
     fn sums_run_over_all_springs_of_a_sphere_and_fixed_ones_do_not_count() {
         let mut scene = Scene::new();
         let fixed = scene.add_sphere(Sphere::new([0.0; 3], 0.1).fixed()).unwrap();

@@ -6,23 +6,30 @@
 //!
 //! This module is public for tools and tests; it may change between minor versions.
 
-use crate::settings::Integrator;
+use crate::settings::{BroadPhase, Integrator};
 use crate::world::World;
 
 mod advance;
 mod apply_collisions;
+mod clear_cells;
 mod commit;
 mod constrain;
+mod count_cells;
+mod count_neighbours;
 mod count_pairs;
 mod end_collisions;
 mod end_step;
+mod fill_neighbours;
 mod fill_pairs;
 mod find_collisions;
 mod finish;
 mod leap;
+mod order_pairs;
 mod restore_lengths;
 mod rod_forces;
+mod scan_cells;
 mod scan_pairs;
+mod sort_cells;
 mod turn;
 mod update_aabbs;
 mod weigh_collisions;
@@ -42,6 +49,8 @@ pub enum Buffer {
     Aabbs,
     /// Rods, springs, tethers, boxes, polygons, tags, adjacency, batches.
     Words,
+    /// The grid: levels, cells, sums of blocks, keys, sorted objects.
+    Cells,
     /// The pair lists.
     Lists,
     /// A collision weight for each entry of the pair lists.
@@ -56,13 +65,14 @@ pub enum Buffer {
 
 impl Buffer {
     /// All buffers.
-    pub const ALL: [Self; 11] = [
+    pub const ALL: [Self; 12] = [
         Self::Start,
         Self::Y2,
         Self::Y3,
         Self::Y4,
         Self::Aabbs,
         Self::Words,
+        Self::Cells,
         Self::Lists,
         Self::Weights,
         Self::Wrenches,
@@ -143,6 +153,8 @@ pub enum Threads {
     Rods,
     /// A workgroup per batch of fixed-length rods.
     Batches,
+    /// A workgroup per block of the grid's cells.
+    Blocks,
     /// One workgroup.
     One,
 }
@@ -220,12 +232,27 @@ impl Phase {
         Self::UpdatePositions,
     ];
 
-    /// The stages of this phase, in their order.
-    pub fn stages(self, integrator: Integrator) -> &'static [Run] {
-        match (self, integrator) {
-            (Self::UpdateAabbs, _) => const { &[run(&update_aabbs::STAGE)] },
-            (Self::BroadPhase, _) => const { &[run(&count_pairs::STAGE), run(&scan_pairs::STAGE), run(&fill_pairs::STAGE)] },
-            (Self::HandleCollisions, _) => {
+    /// The stages of this phase, in their order. [`BroadPhase::Auto`] stands for brute force here.
+    pub fn stages(self, integrator: Integrator, broad_phase: BroadPhase) -> &'static [Run] {
+        match (self, integrator, broad_phase) {
+            (Self::UpdateAabbs, _, _) => const { &[run(&update_aabbs::STAGE)] },
+            (Self::BroadPhase, _, BroadPhase::Grid) => {
+                const {
+                    &[
+                        run(&clear_cells::STAGE),
+                        run(&count_cells::STAGE),
+                        run(&scan_cells::SUM),
+                        run(&scan_cells::SCAN),
+                        run(&scan_cells::PLACE),
+                        run(&sort_cells::STAGE),
+                        run(&count_neighbours::STAGE),
+                        run(&fill_neighbours::STAGE),
+                        run(&order_pairs::STAGE),
+                    ]
+                }
+            }
+            (Self::BroadPhase, _, _) => const { &[run(&count_pairs::STAGE), run(&scan_pairs::STAGE), run(&fill_pairs::STAGE)] },
+            (Self::HandleCollisions, _, _) => {
                 const {
                     &[
                         run(&find_collisions::STAGE),
@@ -236,7 +263,7 @@ impl Phase {
                     ]
                 }
             }
-            (Self::UpdatePositions, Integrator::Rk4) => {
+            (Self::UpdatePositions, Integrator::Rk4, _) => {
                 const {
                     &[
                         run(&restore_lengths::STAGE),
@@ -254,7 +281,7 @@ impl Phase {
                     ]
                 }
             }
-            (Self::UpdatePositions, Integrator::SymplecticEuler) => {
+            (Self::UpdatePositions, Integrator::SymplecticEuler, _) => {
                 const {
                     &[
                         run(&restore_lengths::STAGE),
@@ -272,11 +299,20 @@ impl Phase {
 }
 
 /// Every stage there is, once.
-pub const ALL: [&Stage; 18] = [
+pub const ALL: [&Stage; 27] = [
     &update_aabbs::STAGE,
     &count_pairs::STAGE,
     &scan_pairs::STAGE,
     &fill_pairs::STAGE,
+    &clear_cells::STAGE,
+    &count_cells::STAGE,
+    &scan_cells::SUM,
+    &scan_cells::SCAN,
+    &scan_cells::PLACE,
+    &sort_cells::STAGE,
+    &count_neighbours::STAGE,
+    &fill_neighbours::STAGE,
+    &order_pairs::STAGE,
     &find_collisions::STAGE,
     &weigh_collisions::STAGE,
     &apply_collisions::STAGE,

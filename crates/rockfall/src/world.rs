@@ -20,6 +20,8 @@ pub struct World {
     pub aabbs: Vec<Aabb>,
     /// Topology and static objects.
     pub words: Vec<u32>,
+    /// The grid's levels, cells, sums of blocks, keys, sorted objects.
+    pub cells: Vec<u32>,
     /// Counts, slice offsets, entries: `step.entries_at + step.pair_capacity` words.
     pub lists: Vec<u32>,
     /// `step.pair_capacity` weights, one an entry (slot = word of the entry - `entries_at`).

@@ -11,7 +11,7 @@ use rockfall::layout::VOID_PAIRS;
 use rockfall::scene::{Capsule, Cuboid, Sphere};
 use rockfall::stage::{Buffer, Phase, Run};
 use rockfall::world::World;
-use rockfall::{Error, Integrator, Scene};
+use rockfall::{BroadPhase, Error, Integrator, Scene};
 
 /// A test without an adapter fails: skipped it would prove nothing.
 fn open() -> Gpu {
@@ -21,7 +21,7 @@ fn open() -> Gpu {
 fn step_stages(integrator: Integrator) -> Vec<Run> {
     Phase::STEP
         .iter()
-        .flat_map(|phase| phase.stages(integrator))
+        .flat_map(|phase| phase.stages(integrator, BroadPhase::BruteForce))
         .copied()
         .collect()
 }

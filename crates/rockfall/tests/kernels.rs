@@ -57,7 +57,7 @@ fn every_kernel_keeps_within_the_limits_of_webgpu() {
             "{}: {shared} bytes of workgroup memory",
             stage.name
         );
-        for entry in &module.entry_points {
+        for entry in module.entry_points.iter().filter(|entry| entry.name == stage.name) {
             let invocations: u32 = entry.workgroup_size.iter().product();
             assert!(invocations <= MAX_INVOCATIONS, "{}: {invocations} invocations", stage.name);
             let one_group = matches!(stage.threads, rockfall::stage::Threads::One);
@@ -104,10 +104,14 @@ fn the_bindings_are_those_of_the_stage() {
 /// A writable buffer must not stand in a dispatch twice.
 #[test]
 fn no_stage_writes_a_buffer_that_it_binds_twice() {
-    use rockfall::Integrator;
     use rockfall::stage::Phase;
-    for integrator in [Integrator::Rk4, Integrator::SymplecticEuler] {
-        for run in Phase::STEP.iter().flat_map(|phase| phase.stages(integrator)) {
+    use rockfall::{BroadPhase, Integrator};
+    let methods = [
+        (Integrator::Rk4, BroadPhase::BruteForce),
+        (Integrator::SymplecticEuler, BroadPhase::Grid),
+    ];
+    for (integrator, broad_phase) in methods {
+        for run in Phase::STEP.iter().flat_map(|phase| phase.stages(integrator, broad_phase)) {
             for (k, one) in run.stage.bindings.iter().enumerate() {
                 for other in &run.stage.bindings[k + 1..] {
                     let same = one.slot.buffer(run.pass) == other.slot.buffer(run.pass);
@@ -177,7 +181,9 @@ fn split(fields: Fields, name: &str) -> Fields {
 fn the_structs_are_those_of_layout() {
     let step = rust_fields!(Step: gravity, dt, activation_threshold, restitution, contact_damping, contact_force, friction,
         margin_scale, flags, pair_capacity, spheres, rods, boxes, polygons, rods_at, springs_at, tethers_at, forces_at,
-        boxes_at, polygons_at, tags_at, adjacency_at, batches, batches_at, slices_at, entries_at);
+        boxes_at, polygons_at, tags_at, adjacency_at, batches, batches_at, slices_at, entries_at, cell_size, cells, sums_at, keys_at,
+        sorted_at, pad);
+    let step = (split(step.0, "pad"), step.1);
     let (pass, pass_size) = rust_fields!(Pass: index, pad);
     let pass = (split(pass, "pad"), pass_size);
     let aabb = rust_fields!(Aabb: min, id, max, tag);
@@ -225,6 +231,14 @@ fn the_constants_are_those_of_layout() {
         VOID_PAIRS,
         VOID_ESCAPED,
         VOID_NON_FINITE,
+        VOID_COUNT,
+        CELLS_AT,
+        CELL_BLOCK,
+        LEVEL_BIAS,
+        TOP_LEVEL,
+        ROW_Y,
+        ROW_Z,
+        ROW_LEVEL,
         NO_BODY,
         BAD_STAGE_SHIFT,
     ];

@@ -10,6 +10,8 @@
 mod bodies;
 #[path = "parity/broken.rs"]
 mod broken;
+#[path = "parity/cells.rs"]
+mod cells;
 #[path = "parity/compare.rs"]
 mod compare;
 #[path = "parity/decisions.rs"]
@@ -20,6 +22,8 @@ mod device;
 mod formulas;
 #[path = "parity/narrow.rs"]
 mod narrow;
+#[path = "parity/order.rs"]
+mod order;
 #[path = "parity/random.rs"]
 mod random;
 #[path = "parity/rules.rs"]
@@ -36,7 +40,7 @@ use std::collections::BTreeMap;
 use compare::{MEASURED, differences};
 use device::{GPU, on_gpu};
 use rockfall::layout::{SLICE, VOID_PAIRS, WORKGROUP};
-use rockfall::{Integrator, Settings};
+use rockfall::{BroadPhase, Integrator, Settings};
 use trace::{Plan, Scenario, Trace, trace};
 
 fn plan(seed: u64, integrator: Integrator) -> Plan {
@@ -44,6 +48,7 @@ fn plan(seed: u64, integrator: Integrator) -> Plan {
         seed,
         clusters: 56 + seed as usize,
         integrator,
+        broad_phase: [BroadPhase::BruteForce, BroadPhase::Grid][seed as usize % 2],
         settings: Settings::default(),
     }
 }
@@ -126,13 +131,18 @@ fn every_stage_of_a_step_with_rk4() {
         let step = &trace.after.step;
         assert!(step.spheres % WORKGROUP != 0 && step.spheres % SLICE != 0, "{step:?}");
         assert!((step.spheres + step.rods) % WORKGROUP != 0, "{step:?}");
-        assert!(step.spheres > 3 * WORKGROUP && step.rods > WORKGROUP && step.batches > 2, "{step:?}");
+        assert!(
+            step.spheres > 3 * WORKGROUP && step.rods > WORKGROUP && step.batches > 2,
+            "{step:?}"
+        );
     }
 }
 
 #[test]
 fn every_stage_of_a_step_with_symplectic_euler() {
-    let traces: Vec<Trace> = (10..13).map(|seed| compared(&plan(seed, Integrator::SymplecticEuler))).collect();
+    let traces: Vec<Trace> = (10..13)
+        .map(|seed| compared(&plan(seed, Integrator::SymplecticEuler)))
+        .collect();
     assert_seen(&traces, &CONTACTS[..4]);
 }
 
@@ -171,7 +181,13 @@ fn every_stage_of_a_void_step() {
         for Scenario { run, before } in trace(&plan(3, integrator)).scenarios {
             let mut before = before;
             before.status.void = VOID_PAIRS;
-            compare(3, &Scenario { run, before: before.clone() });
+            compare(
+                3,
+                &Scenario {
+                    run,
+                    before: before.clone(),
+                },
+            );
             if run.stage.name.ends_with("_collisions") {
                 before.status.void = 0;
                 before.status.collided = 1;

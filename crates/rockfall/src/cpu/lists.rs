@@ -1,5 +1,7 @@
 //! Reading the pair lists.
 
+use rayon::prelude::*;
+
 use crate::layout::{ENTRY_FEATURE_MASK, ENTRY_ID_BITS, ENTRY_ID_MASK, SLICE, Step};
 
 /// One entry of a mover's list.
@@ -52,4 +54,30 @@ impl<'a> Lists<'a> {
 /// Slot of entry `place` of a mover.
 pub(crate) fn slot(step: &Step, lists: &[u32], mover: u32, place: u32) -> u32 {
     lists[(step.slices_at + mover / SLICE) as usize] + place * SLICE + mover % SLICE
+}
+
+/// Writes every mover's entries, which `entries` hands to the function it is given. Slices are filled side by side; they
+/// must stand in ascending order.
+pub(crate) fn fill_slices(step: &Step, lists: &mut [u32], entries: impl Fn(u32, &mut dyn FnMut(u32)) + Sync) {
+    let movers = step.spheres + step.rods;
+    let (index, mut rest) = lists.split_at_mut(step.entries_at as usize);
+    let (counts, offsets) = index.split_at(step.slices_at as usize);
+    let slices: Vec<&mut [u32]> = counts
+        .chunks(SLICE as usize)
+        .zip(offsets)
+        .map(|(counts, _)| {
+            let words = counts.iter().max().copied().unwrap_or(0) * SLICE;
+            rest.split_off_mut(..words as usize).unwrap_or_default()
+        })
+        .collect();
+    slices.into_par_iter().enumerate().for_each(|(slice, words)| {
+        let slice = slice as u32;
+        for mover in slice * SLICE..movers.min((slice + 1) * SLICE) {
+            let mut at = (mover % SLICE) as usize;
+            entries(mover, &mut |entry| {
+                words[at] = entry;
+                at += SLICE as usize;
+            });
+        }
+    });
 }

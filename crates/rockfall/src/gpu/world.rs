@@ -10,7 +10,7 @@ use crate::gpu::device::Gpu;
 use crate::gpu::fault::catch;
 use crate::gpu::memory::{bytes, bytes_mut, bytes_needed, check_size, make_buffer, make_storage, name};
 use crate::gpu::wait::Mapped;
-use crate::layout::{Pass, Status, Step, WORKGROUP};
+use crate::layout::{CELL_BLOCK, Pass, Status, Step, WORKGROUP};
 use crate::stage::{Buffer, Run, Stage, Threads};
 use crate::world::World;
 
@@ -253,6 +253,7 @@ impl GpuWorld {
             Threads::Spheres => step.spheres.div_ceil(WORKGROUP),
             Threads::Rods => step.rods.div_ceil(WORKGROUP),
             Threads::Batches => step.batches,
+            Threads::Blocks => step.cells / CELL_BLOCK,
             Threads::One => 1,
         }
     }

@@ -1,7 +1,7 @@
 //! Running phases until they are done: void steps are mended and run again.
 
 use crate::error::{Error, Result};
-use crate::layout::{BAD_STAGE_SHIFT, BadStage, NO_BODY, SLICE, Status, VOID_ESCAPED, VOID_NON_FINITE, VOID_PAIRS};
+use crate::layout::{BAD_STAGE_SHIFT, BadStage, NO_BODY, SLICE, Status, VOID_COUNT, VOID_ESCAPED, VOID_NON_FINITE, VOID_PAIRS};
 use crate::simulation::Simulation;
 use crate::stage::{Phase, Run};
 
@@ -68,9 +68,10 @@ impl Simulation {
 
     /// Hands a batch to the engine; returns how often its phases were done.
     async fn submit(&mut self, phases: &[Phase], batch: u64) -> Result<u64> {
+        let (integrator, broad_phase) = (self.options.integrator, self.broad_phase_method());
         let stages: Vec<Run> = phases
             .iter()
-            .flat_map(|phase| phase.stages(self.options.integrator))
+            .flat_map(|phase| phase.stages(integrator, broad_phase))
             .copied()
             .collect();
         self.world.step.dt = self.time_step;
@@ -126,13 +127,21 @@ impl Simulation {
                 reason,
             });
         }
-        if status.void & VOID_PAIRS != 0 {
+        if status.void & VOID_COUNT != 0 {
+            self.status.pairs_needed = u32::MAX;
+        }
+        if status.void & (VOID_PAIRS | VOID_COUNT) != 0 {
             self.grow_lists()?;
         }
         if status.void & VOID_ESCAPED != 0 {
             let ratio = f32::from_bits(status.escape_ratio).clamp(1.0, 1e9);
             let step = &mut self.world.step;
-            step.margin_scale = (step.margin_scale * ratio * 1.25).min(1e30);
+            // After so many tries no finite margin will do: some force is beyond all measure.
+            step.margin_scale = if attempts > 8 {
+                f32::INFINITY
+            } else {
+                step.margin_scale * ratio * 1.25
+            };
         }
         Ok(())
     }
@@ -156,7 +165,8 @@ impl Simulation {
             self.report.total_collisions += u64::from(total_collisions_high) << 32 | u64::from(total_collisions_low);
             self.report.non_finite += u64::from(self.status.total_bad);
             let step = &mut self.world.step;
-            step.margin_scale = (step.margin_scale * MARGIN_DECAY.powf(done as f32)).max(MIN_MARGIN);
+            let sunk = step.margin_scale * MARGIN_DECAY.powf(done as f32);
+            step.margin_scale = if sunk.is_finite() { sunk.max(MIN_MARGIN) } else { MIN_MARGIN };
         }
         self.status.steps = 0;
         self.status.total_collisions_low = 0;

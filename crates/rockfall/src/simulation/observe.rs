@@ -159,14 +159,15 @@ impl Simulation {
         self.sync()?;
         let mut world = World::build(&self.scene)?;
         world.step.dt = self.time_step;
+        let method = self.broad_phase_method();
         loop {
             world.status = Status::default();
             let collisions = world.step.flags & FLAG_COLLISIONS != 0;
             let phases = [Phase::UpdateAabbs, Phase::BroadPhase]
                 .iter()
-                .flat_map(|phase| phase.stages(Integrator::Rk4));
+                .flat_map(|phase| phase.stages(Integrator::Rk4, method));
             let stages: Vec<_> = phases
-                .chain(Phase::HandleCollisions.stages(Integrator::Rk4).first())
+                .chain(Phase::HandleCollisions.stages(Integrator::Rk4, method).first())
                 .copied()
                 .collect();
             cpu::run(&mut world, &stages);

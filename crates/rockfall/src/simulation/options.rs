@@ -4,7 +4,7 @@ use std::fmt;
 use std::str::FromStr;
 
 use crate::error::{Error, Result};
-use crate::settings::Integrator;
+use crate::settings::{BroadPhase, Integrator};
 
 /// Where a simulation runs.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -16,17 +16,6 @@ pub enum Backend {
     Gpu,
     /// The CPU, on all its threads.
     Cpu,
-}
-
-/// How pairs that may touch are found. All ways give the same lists.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-#[non_exhaustive]
-pub enum BroadPhase {
-    /// The one that is best for the scene; at present [`BroadPhase::BruteForce`].
-    #[default]
-    Auto,
-    /// Every mover against every object, tile by tile (thesis section 2.5.1).
-    BruteForce,
 }
 
 macro_rules! names {
@@ -57,7 +46,6 @@ macro_rules! names {
 }
 
 names!(Backend, "backend", Auto = "auto", Gpu = "gpu", Cpu = "cpu");
-names!(BroadPhase, "broad-phase", Auto = "auto", BruteForce = "brute-force");
 
 /// Choices that hold for a simulation's whole life.
 #[derive(Clone, Debug, Default)]

@@ -27,6 +27,14 @@ struct Step {
     batches_at: u32,
     slices_at: u32,
     entries_at: u32,
+    cell_size: f32,
+    cells: u32,
+    sums_at: u32,
+    keys_at: u32,
+    sorted_at: u32,
+    pad_0: u32,
+    pad_1: u32,
+    pad_2: u32,
 }
 
 // The padding is three words and not an array: arrays in uniform blocks have a stride of 16 bytes.
@@ -117,6 +125,14 @@ const ENTRY_OVERLAPS: u32 = 0x40000000u;
 const ENTRY_COLLIDES: u32 = 0x80000000u;
 const BOX_FEATURES: u32 = 12u;
 
+const CELLS_AT: u32 = 4u;
+const CELL_BLOCK: u32 = 4096u;
+const LEVEL_BIAS: u32 = 8u;
+const TOP_LEVEL: u32 = 31u;
+const ROW_Y: u32 = 0x9e3779b1u;
+const ROW_Z: u32 = 0x85ebca77u;
+const ROW_LEVEL: u32 = 0xc2b2ae3du;
+
 const FLAG_COLLISIONS: u32 = 1u;
 const FLAG_PULL: u32 = 2u;
 const FLAG_CONTINUE: u32 = 4u;
@@ -124,6 +140,7 @@ const FLAG_CONTINUE: u32 = 4u;
 const VOID_PAIRS: u32 = 1u;
 const VOID_ESCAPED: u32 = 2u;
 const VOID_NON_FINITE: u32 = 4u;
+const VOID_COUNT: u32 = 8u;
 
 const NO_BODY: u32 = 0xffffffffu;
 const BAD_STAGE_SHIFT: u32 = 27u;

@@ -4,8 +4,8 @@ use glam::{Vec3, Vec4};
 
 use crate::error::{Error, Result};
 use crate::layout::{
-    ENTRY_ID_MASK, FLAG_COLLISIONS, FLAG_CONTINUE, FLAG_PULL, KIND_FORCE, KIND_ROD, KIND_SHIFT, KIND_SPRING, KIND_TETHER,
-    SLICE, Step,
+    CELL_BLOCK, CELLS_AT, ENTRY_ID_MASK, FLAG_COLLISIONS, FLAG_CONTINUE, FLAG_PULL, KIND_FORCE, KIND_ROD, KIND_SHIFT,
+    KIND_SPRING, KIND_TETHER, SLICE, Step,
 };
 use crate::scene::{Scene, SphereId};
 use crate::settings::Settings;
@@ -16,6 +16,9 @@ use crate::world::frames::batches;
 const FIRST_ENTRIES: u64 = 16;
 /// How far AABBs are grown at the start: times what the velocity at hand makes necessary.
 const FIRST_MARGIN: f32 = 1.25;
+
+/// Cells are as large as AABBs of spheres at rest, and a little more.
+const CELL_PER_RADIUS: f32 = 2.1;
 
 impl World {
     /// The world of a scene before its first step.
@@ -33,6 +36,7 @@ impl World {
         world.set_settings(&scene.settings);
         world.set_words(scene)?;
         world.set_spheres(scene);
+        world.set_grid(scene);
         world.resize();
         let padded = u64::from(world.movers().next_multiple_of(SLICE));
         let capacity = (padded * FIRST_ENTRIES).clamp(u64::from(SLICE), u64::from(u32::MAX / 4)) as u32;
@@ -153,6 +157,24 @@ impl World {
         self.orientations = spheres.iter().map(|sphere| sphere.orientation.into()).collect();
     }
 
+    /// Chooses the grid's cells: a little larger than half of all spheres, and about as many as there are objects.
+    fn set_grid(&mut self, scene: &Scene) {
+        let mut radii: Vec<f32> = scene.spheres().iter().map(|sphere| sphere.radius).collect();
+        let middle = radii.len() / 2;
+        let median = if radii.is_empty() {
+            1.0
+        } else {
+            *radii.select_nth_unstable_by(middle, f32::total_cmp).1
+        };
+        let objects = self.objects();
+        let step = &mut self.step;
+        step.cell_size = (CELL_PER_RADIUS * median).clamp(1e-20, 1e20);
+        step.cells = objects.max(CELL_BLOCK).next_power_of_two();
+        step.sums_at = CELLS_AT + step.cells;
+        step.keys_at = step.sums_at + step.cells / CELL_BLOCK;
+        step.sorted_at = step.keys_at + objects;
+    }
+
     /// Gives scratch arrays the sizes that the counts ask for.
     pub(crate) fn resize(&mut self) {
         let rows = 3 * self.step.spheres as usize;
@@ -160,6 +182,7 @@ impl World {
             state.resize(rows, Vec4::ZERO);
         }
         self.aabbs.resize(self.objects() as usize, Default::default());
+        self.cells.resize((self.step.sorted_at + self.objects()) as usize, 0);
         self.wrenches.resize(4 * self.step.rods as usize, Vec4::ZERO);
     }
 

@@ -14,6 +14,7 @@ use rockfall::stage::{Buffer, Run};
 use rockfall::world::World;
 
 use crate::decisions::entries;
+use crate::order::canonical;
 
 const FACTOR: f32 = 8.0;
 /// Relative to the largest component of a vector: about two units in the last place.
@@ -29,15 +30,9 @@ pub(crate) struct Tolerance {
 }
 
 /// Where no decision is near its switch: about ten units in the last place, and what shaking does.
-pub(crate) const MEASURED: Tolerance = Tolerance {
-    floor: 1e-6,
-    shaken: 6,
-};
+pub(crate) const MEASURED: Tolerance = Tolerance { floor: 1e-6, shaken: 6 };
 /// Where decisions are made by rule: they cannot be shaken, for a rule holds for exact values only.
-pub(crate) const BY_RULE: Tolerance = Tolerance {
-    floor: 3e-5,
-    shaken: 0,
-};
+pub(crate) const BY_RULE: Tolerance = Tolerance { floor: 3e-5, shaken: 0 };
 
 struct Floats {
     buffer: Buffer,
@@ -67,7 +62,11 @@ fn floats(world: &World) -> Vec<Floats> {
     }
     field(Buffer::Orientations, "quaternion", flat(&world.orientations));
     let colliding = entries(world).into_iter().filter(|entry| entry.word & ENTRY_COLLIDES != 0);
-    field(Buffer::Weights, "weight", colliding.map(|entry| world.weights[entry.slot]).collect());
+    field(
+        Buffer::Weights,
+        "weight",
+        colliding.map(|entry| world.weights[entry.slot]).collect(),
+    );
     let status = &world.status;
     let measured = [status.escape_ratio, status.max_overlap, status.last_max_overlap];
     field(Buffer::Status, "overlaps and escapes", measured.map(f32::from_bits).to_vec());
@@ -87,9 +86,14 @@ fn words(world: &World) -> Vec<(Buffer, &'static str, Vec<u32>)> {
     vec![
         (Buffer::Aabbs, "ids and tags", tags),
         (Buffer::Words, "words", world.words.clone()),
+        (Buffer::Cells, "cells", world.cells.clone()),
         (Buffer::Lists, "counts and offsets", head),
         (Buffer::Lists, "entries", lists),
-        (Buffer::Status, "counters", bytemuck::cast_slice(bytemuck::bytes_of(&counters)).to_vec()),
+        (
+            Buffer::Status,
+            "counters",
+            bytemuck::cast_slice(bytemuck::bytes_of(&counters)).to_vec(),
+        ),
     ]
 }
 
@@ -130,11 +134,15 @@ fn shaken(world: &World, seed: u64) -> World {
 }
 
 /// Everything in which `gpu` differs from what the CPU twin makes of the world that the stage began with.
+///
+/// # Panics
+/// When the stage decides otherwise where its input is off by no more than rounding.
 pub(crate) fn differences(run: &Run, before: &World, gpu: &World, tolerance: Tolerance) -> Vec<Difference> {
     let after = |mut world: World| {
         (run.stage.cpu)(&mut world, run.pass);
-        world
+        canonical(&world, run.stage.name)
     };
+    let gpu = &canonical(gpu, run.stage.name);
     let cpu = after(before.clone());
     let mut all = different_words(gpu, &cpu);
     if !all.is_empty() {
@@ -158,7 +166,10 @@ pub(crate) fn differences(run: &Run, before: &World, gpu: &World, tolerance: Tol
             let near = (g - c).abs() <= allowed;
             if !near {
                 let text = format!("{}[{at}]: GPU {g}, CPU {c}, tolerance {allowed}", cpu.what);
-                all.push(Difference { buffer: cpu.buffer, text });
+                all.push(Difference {
+                    buffer: cpu.buffer,
+                    text,
+                });
             }
         }
     }

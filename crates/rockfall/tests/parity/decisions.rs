@@ -130,7 +130,10 @@ fn threshold(bodies: &Bodies, a: usize, b: usize) -> f64 {
 
 /// |G_kl| / sqrt(G_kk G_ll).
 fn coupling(bodies: &Bodies, k: &Contact, l: &Contact) -> f64 {
-    let shared = k.shares.iter().filter_map(|(ball, g)| Some((ball, g.dot(*l.shares.get(ball)?))));
+    let shared = k
+        .shares
+        .iter()
+        .filter_map(|(ball, g)| Some((ball, g.dot(*l.shares.get(ball)?))));
     let g: f64 = shared.map(|(ball, product)| bodies.balls[*ball].w * product).sum();
     g.abs() / (k.w * l.w).sqrt()
 }
@@ -214,7 +217,12 @@ pub(crate) fn forces(world: &World, state: usize, findings: &mut Findings) {
 
 /// Whether every moving sphere is within its AABB in stage state `state`.
 pub(crate) fn escapes(world: &World, state: usize, findings: &mut Findings) {
-    for (ball, id) in Bodies::new(world, state).balls.iter().zip(0..).filter(|(ball, _)| ball.w > 0.0) {
+    for (ball, id) in Bodies::new(world, state)
+        .balls
+        .iter()
+        .zip(0..)
+        .filter(|(ball, _)| ball.w > 0.0)
+    {
         let aabb = &world.aabbs[id];
         for (k, x) in ball.x.to_array().into_iter().enumerate() {
             let below = x - ball.radius - f64::from(aabb.min[k]);

@@ -126,7 +126,12 @@ fn sphere_rod(bodies: &Bodies, ball: usize, bar: usize) -> Touch {
 fn rod_rod(bodies: &Bodies, a: usize, b: usize) -> Touch {
     let closest = segments(bodies.segment(a), bodies.segment(b));
     let overlap = bodies.bars[a].radius + bodies.bars[b].radius - closest.d.length();
-    let touch = Touch::new(if closest.parallel { "rod-rod parallel" } else { "rod-rod" }, closest.d.normalize(), overlap, overlap.min(closest.holds));
+    let touch = Touch::new(
+        if closest.parallel { "rod-rod parallel" } else { "rod-rod" },
+        closest.d.normalize(),
+        overlap,
+        overlap.min(closest.holds),
+    );
     Touch {
         a: closest.a,
         b: closest.b,

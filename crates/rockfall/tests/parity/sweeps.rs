@@ -100,7 +100,10 @@ impl Sweeps {
             Rule::Shake => {
                 // The multiplier g of |d - g w old| = l that is next to 0.
                 let old = self.old[two] - self.old[one];
-                let (p, q) = (d.dot(old) / old.length_squared(), (d.length_squared() - length * length) / old.length_squared());
+                let (p, q) = (
+                    d.dot(old) / old.length_squared(),
+                    (d.length_squared() - length * length) / old.length_squared(),
+                );
                 let discriminant = p * p - q;
                 findings.decide("turned too far", one, discriminant.min(p));
                 if discriminant >= 0.0 && p > 0.0 {

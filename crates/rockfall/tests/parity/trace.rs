@@ -1,10 +1,11 @@
 //! The worlds that the stages of a step begin with, with every decision of the step far from its switch.
 
-use rockfall::layout::ROD_WORDS;
+use rockfall::layout::{CELLS_AT, ROD_WORDS};
 use rockfall::stage::{Phase, Run};
 use rockfall::world::World;
-use rockfall::{Integrator, Settings};
+use rockfall::{BroadPhase, Integrator, Settings};
 
+use crate::cells;
 use crate::decisions::{self, Findings};
 use crate::random::{Clusters, clusters};
 use crate::sweeps;
@@ -37,6 +38,7 @@ pub(crate) struct Plan {
     pub(crate) seed: u64,
     pub(crate) clusters: usize,
     pub(crate) integrator: Integrator,
+    pub(crate) broad_phase: BroadPhase,
     pub(crate) settings: Settings,
 }
 
@@ -45,7 +47,7 @@ pub(crate) fn trace(plan: &Plan) -> Trace {
     let mut attempts = vec![0; plan.clusters];
     loop {
         let drawn = clusters(plan.seed, plan.settings, &attempts);
-        let trace = run(&drawn, plan.integrator);
+        let trace = run(&drawn, plan);
         if trace.findings.near.is_empty() {
             assert_eq!(trace.after.status.void, 0, "the margins are too narrow for the forces");
             return trace;
@@ -55,7 +57,13 @@ pub(crate) fn trace(plan: &Plan) -> Trace {
         again.dedup();
         for cluster in again {
             attempts[cluster] += 1;
-            let why = || trace.findings.near.iter().find(|near| drawn.cluster_of[near.object] == cluster);
+            let why = || {
+                trace
+                    .findings
+                    .near
+                    .iter()
+                    .find(|near| drawn.cluster_of[near.object] == cluster)
+            };
             assert!(attempts[cluster] < MAX_ATTEMPTS, "cluster {cluster}: {:?}", why());
         }
     }
@@ -69,19 +77,22 @@ fn built(drawn: &Clusters) -> World {
     world.set_pair_capacity(world.movers() * 64);
     // Not 0, so that a word that a stage leaves out shows.
     world.weights.fill(-7.0);
+    world.cells[CELLS_AT as usize..].fill(3);
     for wrench in &mut world.wrenches {
         *wrench = glam::Vec4::splat(1e3);
     }
     world
 }
 
-fn run(drawn: &Clusters, integrator: Integrator) -> Trace {
+fn run(drawn: &Clusters, plan: &Plan) -> Trace {
     let mut world = built(drawn);
     let mut scenarios = Vec::new();
     let mut findings = Findings::default();
-    let phases = Phase::STEP.iter().filter(|phase| drawn.scene.settings.collisions || **phase != Phase::HandleCollisions);
+    let phases = Phase::STEP
+        .iter()
+        .filter(|phase| drawn.scene.settings.collisions || **phase != Phase::HandleCollisions);
     let start = world.states[0].clone();
-    for run in phases.flat_map(|phase| phase.stages(integrator)) {
+    for run in phases.flat_map(|phase| phase.stages(plan.integrator, plan.broad_phase)) {
         if run.stage.name == "constrain" {
             turn_some(&mut world);
         }
@@ -122,6 +133,7 @@ fn turn_some(world: &mut World) {
 fn decide(world: &World, run: &Run, findings: &mut Findings) {
     let state = run.pass as usize;
     match run.stage.name {
+        "count_cells" | "count_neighbours" => cells::decide(world, findings),
         "find_collisions" => {
             decisions::escapes(world, 0, findings);
             decisions::collisions(world, findings);

@@ -52,7 +52,11 @@ fn crowds_keep(backend: Backend, cases: u32, most: usize) {
         collisions.set(collisions.get() + kept(&things, restitution, backend)?);
         Ok(())
     });
-    assert!(collisions.get() > 5 * cases as usize, "{} collisions prove little", collisions.get());
+    assert!(
+        collisions.get() > 5 * cases as usize,
+        "{} collisions prove little",
+        collisions.get()
+    );
 }
 
 #[test]
@@ -88,7 +92,9 @@ fn crowds_gain_no_energy_from_what_is_static() {
         let mut scene = weightless(&things);
         scene.settings.restitution = restitution;
         scene.add_box(Cuboid::between((-1.0, -1.5, -1.0), (0.7, -0.1, 1.0))).unwrap();
-        scene.add_polygon(Polygon::new((0.2, -2.0, -2.0), (0.0, 0.5, 4.0), (0.3, 4.0, 0.0))).unwrap();
+        scene
+            .add_polygon(Polygon::new((0.2, -2.0, -2.0), (0.0, 0.5, 4.0), (0.3, 4.0, 0.0)))
+            .unwrap();
         scene.add_sphere(Sphere::new((0.2, 0.6, 0.1), 0.5).fixed()).unwrap();
         let (before, after, _) = collide(scene, Backend::Cpu);
         let (was, is) = (sums(&before).kinetic, sums(&after).kinetic);

@@ -68,7 +68,11 @@ fn assert_moved(placed: Placed, things: &[Thing], size: f32) -> Outcome {
         prop_assert!(f.position.distance(place) < 1e-5 * size, "{place} {} {e:?}", f.position);
         prop_assert!(f.velocity.distance(velocity) < 1e-4 * size, "{velocity} {} {e:?}", f.velocity);
         let spin = placed.turn * e.angular_momentum;
-        prop_assert!(f.angular_momentum.distance(spin) < 1e-4 * size, "{spin} {} {e:?}", f.angular_momentum);
+        prop_assert!(
+            f.angular_momentum.distance(spin) < 1e-4 * size,
+            "{spin} {} {e:?}",
+            f.angular_momentum
+        );
     }
     Ok(())
 }
@@ -96,23 +100,27 @@ fn the_unit_of_mass_does_not_matter() {
         turn: Quat::IDENTITY,
         shift: Vec3::ZERO,
     };
-    check(60, (few(), prop::sample::select(vec![0.25_f32, 8.0])), |(things, factor)| -> Outcome {
-        let heavier: Vec<_> = things
-            .iter()
-            .map(|thing| {
-                thing.map(|sphere| Sphere {
-                    mass: factor * sphere.mass,
-                    angular_momentum: factor * sphere.angular_momentum,
-                    ..sphere
+    check(
+        60,
+        (few(), prop::sample::select(vec![0.25_f32, 8.0])),
+        |(things, factor)| -> Outcome {
+            let heavier: Vec<_> = things
+                .iter()
+                .map(|thing| {
+                    thing.map(|sphere| Sphere {
+                        mass: factor * sphere.mass,
+                        angular_momentum: factor * sphere.angular_momentum,
+                        ..sphere
+                    })
                 })
-            })
-            .collect();
-        for (a, b) in after(still.scene(&things), 10).iter().zip(&after(still.scene(&heavier), 10)) {
-            prop_assert_eq!(a.position, b.position);
-            prop_assert_eq!(a.velocity, b.velocity);
-            prop_assert_eq!(a.orientation, b.orientation);
-            prop_assert_eq!(factor * a.angular_momentum, b.angular_momentum);
-        }
-        Ok(())
-    });
+                .collect();
+            for (a, b) in after(still.scene(&things), 10).iter().zip(&after(still.scene(&heavier), 10)) {
+                prop_assert_eq!(a.position, b.position);
+                prop_assert_eq!(a.velocity, b.velocity);
+                prop_assert_eq!(a.orientation, b.orientation);
+                prop_assert_eq!(factor * a.angular_momentum, b.angular_momentum);
+            }
+            Ok(())
+        },
+    );
 }

@@ -44,8 +44,16 @@ pub(crate) fn ball(spread: f32, speed: f32) -> impl Strategy<Value = Sphere> {
 #[derive(Clone, Debug)]
 pub(crate) enum Thing {
     Sphere(Sphere),
-    Rod { ends: [Sphere; 2], radius: f32, fixed: bool },
-    Capsule { capsule: Capsule, spins: [Vec3; 2], turning: Vec3 },
+    Rod {
+        ends: [Sphere; 2],
+        radius: f32,
+        fixed: bool,
+    },
+    Capsule {
+        capsule: Capsule,
+        spins: [Vec3; 2],
+        turning: Vec3,
+    },
 }
 
 pub(crate) fn rod(spread: f32, speed: f32, fixed: bool) -> impl Strategy<Value = Thing> {
@@ -57,7 +65,10 @@ pub(crate) fn rod(spread: f32, speed: f32, fixed: bool) -> impl Strategy<Value =
             angular_momentum: 0.5 * one.angular_momentum.turned(),
             ..one
         };
-        let ends = [one, other].map(|end| Sphere { radius: 0.5 * end.radius, ..end });
+        let ends = [one, other].map(|end| Sphere {
+            radius: 0.5 * end.radius,
+            ..end
+        });
         Thing::Rod { ends, radius, fixed }
     })
 }
@@ -76,11 +87,13 @@ impl Turned for Vec3 {
 pub(crate) fn capsule(spread: f32, speed: f32) -> impl Strategy<Value = Thing> {
     let place = (vector(spread), direction(), 0.5_f32..1.5, 0.2_f32..0.4);
     let motion = (0.3_f32..4.0, vector(speed), vector(0.05), vector(0.05), vector(speed));
-    (place, motion).prop_map(|((end, axis, length, radius), (mass, velocity, spin1, spin2, turning))| Thing::Capsule {
-        capsule: Capsule::new(end, end + length * axis, radius).mass(mass).velocity(velocity),
-        spins: [spin1, spin2],
-        turning: turning - turning.dot(axis) * axis,
-    })
+    (place, motion).prop_map(
+        |((end, axis, length, radius), (mass, velocity, spin1, spin2, turning))| Thing::Capsule {
+            capsule: Capsule::new(end, end + length * axis, radius).mass(mass).velocity(velocity),
+            spins: [spin1, spin2],
+            turning: turning - turning.dot(axis) * axis,
+        },
+    )
 }
 
 pub(crate) fn thing(spread: f32, speed: f32) -> impl Strategy<Value = Thing> {

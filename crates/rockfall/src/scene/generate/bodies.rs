@@ -117,8 +117,12 @@ pub(super) fn chain(spheres: u32, random: &mut Random) -> Result<Scene> {
     const LINKS: u32 = 10;
     const LINK: f32 = 0.5;
     /// Distances of the fixed spheres, along the swing and across it.
-    const ALONG: f32 = 1.5;
+    const ALONG: f32 = 1.2;
     const ACROSS: f32 = 0.8;
+    /// Chains side by side that are pulled apart like a fan, so that they meet when they swing back, and the room
+    /// that the outer ones of two fans need.
+    const FAN: u32 = 8;
+    const GAP: f32 = 9.0;
     let mut scene = Scene::new();
     let chains = spheres.div_ceil(LINKS);
     let mut rows = 1;
@@ -127,9 +131,12 @@ pub(super) fn chain(spheres: u32, random: &mut Random) -> Result<Scene> {
     }
     for chain in 0..chains {
         let (row, place) = (chain / rows, chain % rows);
-        let hook = Vec3::new(ALONG * place as f32, 6.0, ACROSS * row as f32);
-        // All to the same side, about 60 degrees from the vertical; no two alike, so that they knock together later.
-        let aside = Vec3::new(0.87 + random.between(-0.03, 0.03), -0.5, 0.0).normalize();
+        let along = ALONG * place as f32 + GAP * (place / FAN) as f32;
+        let hook = Vec3::new(along, 6.0, ACROSS * row as f32);
+        // Up to 60 degrees to either side, no two alike.
+        let middle = 0.5 * (FAN - 1) as f32;
+        let aside = 1.7 * ((place % FAN) as f32 - middle) / middle;
+        let aside = Vec3::new(aside + random.between(-0.05, 0.05), -1.0, random.between(-0.02, 0.02)).normalize();
         let mut above: Option<SphereId> = None;
         for link in 0..LINKS.min(spheres - chain * LINKS) {
             let mut sphere = Sphere::new(hook + link as f32 * LINK * aside, 0.15);

@@ -1,0 +1,179 @@
+//! The fields of the lines of a scene text, and the words of a line read as such.
+
+use crate::error::{Error, Result};
+
+/// What is wrong with a line.
+pub(super) struct Wrong {
+    pub(super) field: String,
+    pub(super) message: String,
+}
+
+pub(super) type Line<T> = Result<T, Wrong>;
+
+/// The fields of a kind of line: references first, then numbers, of which the last may be optional.
+pub(super) struct Kind {
+    word: &'static str,
+    pub(super) references: &'static [&'static str],
+    numbers: &'static [&'static str],
+    last_is_optional: bool,
+}
+
+pub(super) const SPHERE: Kind = Kind {
+    word: "S",
+    references: &["reference"],
+    numbers: &["x", "y", "z", "vx", "vy", "vz", "lx", "ly", "lz", "mass", "radius", "fixed"],
+    last_is_optional: true,
+};
+pub(super) const ROD: Kind = Kind {
+    word: "R",
+    references: &["end1", "end2"],
+    numbers: &["radius", "length"],
+    last_is_optional: true,
+};
+pub(super) const CAPSULE: Kind = Kind {
+    word: "C",
+    references: &[],
+    numbers: &["x1", "y1", "z1", "x2", "y2", "z2", "vx", "vy", "vz", "mass", "radius"],
+    last_is_optional: false,
+};
+pub(super) const POLYGON: Kind = Kind {
+    word: "P",
+    references: &[],
+    numbers: &["x", "y", "z", "left x", "left y", "left z", "right x", "right y", "right z"],
+    last_is_optional: false,
+};
+pub(super) const SPRING: Kind = Kind {
+    word: "K",
+    references: &["a", "b"],
+    numbers: &["stiffness", "length", "damping"],
+    last_is_optional: false,
+};
+pub(super) const BOX: Kind = Kind {
+    word: "B",
+    references: &[],
+    numbers: &["x", "y", "z", "i x", "i y", "i z", "j x", "j y", "j z", "k x", "k y", "k z"],
+    last_is_optional: false,
+};
+pub(super) const TETHER: Kind = Kind {
+    word: "T",
+    references: &["sphere"],
+    numbers: &["x", "y", "z", "stiffness", "length", "damping"],
+    last_is_optional: false,
+};
+pub(super) const GROUP: Kind = Kind {
+    word: "@group",
+    references: &["number"],
+    numbers: &[],
+    last_is_optional: false,
+};
+pub(super) const ORIENTATION: Kind = Kind {
+    word: "@orientation",
+    references: &["sphere"],
+    numbers: &["w", "x", "y", "z"],
+    last_is_optional: false,
+};
+pub(super) const FORCE: Kind = Kind {
+    word: "@force",
+    references: &["sphere"],
+    numbers: &["x", "y", "z"],
+    last_is_optional: false,
+};
+pub(super) const MARK: Kind = Kind {
+    word: "@capsule",
+    references: &["end1", "end2"],
+    numbers: &[],
+    last_is_optional: false,
+};
+
+impl Kind {
+    pub(super) fn wrong(&self, field: &str, message: impl Into<String>) -> Wrong {
+        Wrong {
+            field: format!("{} {field}", self.word),
+            message: message.into(),
+        }
+    }
+
+    /// What the library said about an object, in terms of the line: `sphere.mass` is `S mass`.
+    pub(super) fn refused(&self, error: &Error) -> Wrong {
+        match error {
+            Error::Invalid { field, value, expected } => {
+                let names: Vec<&str> = field
+                    .split(' ')
+                    .map(|word| word.split_once('.').map_or(word, |(_, name)| name))
+                    .collect();
+                self.wrong(
+                    &names.join(" "),
+                    format!("{} is not allowed, expected {expected}", value.trim_end_matches(".0")),
+                )
+            }
+            other => Wrong {
+                field: self.word.to_owned(),
+                message: other.to_string(),
+            },
+        }
+    }
+
+    /// How many words follow the first one, as a message says it.
+    fn length(&self) -> String {
+        let most = self.references.len() + self.numbers.len();
+        let plural = if most == 1 { "" } else { "s" };
+        if self.last_is_optional {
+            format!("{} or {most} numbers", most - 1)
+        } else {
+            format!("{most} number{plural}")
+        }
+    }
+
+    /// The references and numbers of a line; an optional number that is missing is 0.
+    pub(super) fn read<const R: usize, const N: usize>(&self, line: &str) -> Line<([u32; R], [f32; N])> {
+        debug_assert!(R == self.references.len() && N == self.numbers.len());
+        let mut words = line.split_ascii_whitespace().skip(1);
+        let missing = |name: &str| {
+            let found = line.split_ascii_whitespace().count() - 1;
+            let message = format!("missing, expected {} after {}, found {found}", self.length(), self.word);
+            self.wrong(name, message)
+        };
+        let mut references = [0; R];
+        for (reference, name) in references.iter_mut().zip(self.references) {
+            let word = words.next().ok_or_else(|| missing(name))?;
+            *reference = word
+                .parse()
+                .map_err(|_| self.wrong(name, format!("'{word}' is not a whole number from 0 to {}", u32::MAX)))?;
+        }
+        let mut numbers = [0.0; N];
+        for (index, (number, name)) in numbers.iter_mut().zip(self.numbers).enumerate() {
+            let Some(word) = words.next() else {
+                if self.last_is_optional && index == N - 1 {
+                    break;
+                }
+                return Err(missing(name));
+            };
+            *number = self.number(name, word)?;
+        }
+        match words.next() {
+            None => Ok((references, numbers)),
+            Some(word) => {
+                let message = format!("one too many, expected {} after {}", self.length(), self.word);
+                Err(self.wrong(&format!("'{word}'"), message))
+            }
+        }
+    }
+
+    fn number(&self, name: &str, word: &str) -> Line<f32> {
+        match word.parse::<f32>() {
+            Ok(number) if number.is_finite() => Ok(number),
+            Ok(_) => Err(self.wrong(name, format!("'{word}' is not finite (in f32), expected a finite number"))),
+            Err(_) => Err(self.wrong(name, format!("'{word}' is not a number, expected a finite number"))),
+        }
+    }
+
+    pub(super) fn positive(&self, name: &str, number: f32) -> Line<()> {
+        if number > 0.0 {
+            return Ok(());
+        }
+        Err(self.wrong(
+            name,
+            format!("{number} is not allowed, expected a finite number greater than 0"),
+        ))
+    }
+}

@@ -1,0 +1,19 @@
+//! Grid broad phase, 1 of 9: an empty table of cells.
+
+use crate::layout::CELLS_AT;
+use crate::stage::{Buffer, Stage, Threads, part, write};
+use crate::world::World;
+
+/// The stage.
+pub(crate) const STAGE: Stage = Stage {
+    name: "clear_cells",
+    parts: &[part!("wgsl/step.wgsl"), part!("stage/clear_cells.wgsl")],
+    bindings: &[write("cells", Buffer::Cells), write("status", Buffer::Status)],
+    threads: Threads::Blocks,
+    cpu: clear_cells,
+};
+
+fn clear_cells(world: &mut World, _pass: u32) {
+    world.cells[..(CELLS_AT + world.step.cells) as usize].fill(0);
+    world.status.pairs_needed = 0;
+}

@@ -1,0 +1,21 @@
+@group(0) @binding(2) var<storage, read_write> cells: array<u32>;
+@group(0) @binding(3) var<storage, read_write> status: Status;
+
+@compute @workgroup_size(64)
+fn clear_cells(
+    @builtin(workgroup_id) group: vec3u,
+    @builtin(num_workgroups) groups: vec3u,
+    @builtin(local_invocation_index) local: u32,
+) {
+    let block = linear_group(group, groups);
+    if block * CELL_BLOCK >= step.cells {
+        return;
+    }
+    if (block == 0u) & (local == 0u) {
+        cells[0] = 0u;
+        status.pairs_needed = 0u;
+    }
+    for (var k = local; k < CELL_BLOCK; k += WORKGROUP) {
+        cells[CELLS_AT + block * CELL_BLOCK + k] = 0u;
+    }
+}

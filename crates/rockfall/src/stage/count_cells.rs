@@ -1,0 +1,31 @@
+//! Grid broad phase, 2 of 9: the cell of every object, how many are in each, and which levels have any.
+
+use rayon::prelude::*;
+
+use crate::cpu::grid::key_of;
+use crate::layout::CELLS_AT;
+use crate::stage::{Buffer, Stage, Threads, part, read, write};
+use crate::world::World;
+
+/// The stage.
+pub(crate) const STAGE: Stage = Stage {
+    name: "count_cells",
+    parts: &[
+        part!("wgsl/step.wgsl"),
+        part!("wgsl/grid.wgsl"),
+        part!("stage/count_cells.wgsl"),
+    ],
+    bindings: &[read("aabbs", Buffer::Aabbs), write("cells", Buffer::Cells)],
+    threads: Threads::Objects,
+    cpu: count_cells,
+};
+
+fn count_cells(world: &mut World, _pass: u32) {
+    let step = &world.step;
+    let keys: Vec<(u32, u32)> = world.aabbs.par_iter().map(|aabb| key_of(step, aabb)).collect();
+    for (object, (key, level)) in keys.into_iter().enumerate() {
+        world.cells[0] |= 1 << level;
+        world.cells[(CELLS_AT + key) as usize] += 1;
+        world.cells[step.keys_at as usize + object] = key;
+    }
+}

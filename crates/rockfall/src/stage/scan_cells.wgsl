@@ -1,0 +1,89 @@
+@group(0) @binding(2) var<storage, read_write> cells: array<u32>;
+
+// Cells of a thread of a block's workgroup.
+const OWN: u32 = CELL_BLOCK / WORKGROUP;
+const SCAN: u32 = 256u;
+
+var<workgroup> sums: array<u32, SCAN>;
+
+// Makes `sums[0..size]` sums of all up to and with each.
+fn scan_sums(local: u32, size: u32) {
+    workgroupBarrier();
+    for (var reach = 1u; reach < size; reach *= 2u) {
+        var left = 0u;
+        if local >= reach {
+            left = sums[local - reach];
+        }
+        workgroupBarrier();
+        sums[local] += left;
+        workgroupBarrier();
+    }
+}
+
+fn own_sum(first: u32) -> u32 {
+    var sum = 0u;
+    for (var k = 0u; k < OWN; k++) {
+        sum += cells[first + k];
+    }
+    return sum;
+}
+
+@compute @workgroup_size(64)
+fn sum_blocks(
+    @builtin(workgroup_id) group: vec3u,
+    @builtin(num_workgroups) groups: vec3u,
+    @builtin(local_invocation_index) local: u32,
+) {
+    let block = linear_group(group, groups);
+    // The same for all threads of the workgroup.
+    if block * CELL_BLOCK >= step.cells {
+        return;
+    }
+    sums[local] = own_sum(CELLS_AT + block * CELL_BLOCK + local * OWN);
+    scan_sums(local, WORKGROUP);
+    if local == WORKGROUP - 1u {
+        cells[step.sums_at + block] = sums[local];
+    }
+}
+
+@compute @workgroup_size(256)
+fn scan_blocks(@builtin(local_invocation_index) local: u32) {
+    let blocks = step.cells / CELL_BLOCK;
+    var before = 0u;
+    for (var base = 0u; base < blocks; base += SCAN) {
+        let place = base + local;
+        var own = 0u;
+        if place < blocks {
+            own = cells[step.sums_at + place];
+        }
+        sums[local] = own;
+        scan_sums(local, SCAN);
+        if place < blocks {
+            cells[step.sums_at + place] = before + sums[local] - own;
+        }
+        before += sums[SCAN - 1u];
+        workgroupBarrier();
+    }
+}
+
+@compute @workgroup_size(64)
+fn place_cells(
+    @builtin(workgroup_id) group: vec3u,
+    @builtin(num_workgroups) groups: vec3u,
+    @builtin(local_invocation_index) local: u32,
+) {
+    let block = linear_group(group, groups);
+    if block * CELL_BLOCK >= step.cells {
+        return;
+    }
+    let first = CELLS_AT + block * CELL_BLOCK + local * OWN;
+    let own = own_sum(first);
+    sums[local] = own;
+    scan_sums(local, WORKGROUP);
+    var before = cells[step.sums_at + block] + sums[local] - own;
+    for (var k = 0u; k < OWN; k++) {
+        let count = cells[first + k];
+        cells[first + k] = before;
+        before += count;
+    }
+}

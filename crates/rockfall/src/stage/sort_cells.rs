@@ -1,0 +1,26 @@
+//! Grid broad phase, 6 of 9: the objects in the order of their keys. Those of one cell come in any order; a cell's start
+//! moves on to its end, which is the start of the next.
+
+use crate::layout::CELLS_AT;
+use crate::stage::{Buffer, Stage, Threads, part, write};
+use crate::world::World;
+
+/// The stage.
+pub(crate) const STAGE: Stage = Stage {
+    name: "sort_cells",
+    parts: &[part!("wgsl/step.wgsl"), part!("stage/sort_cells.wgsl")],
+    bindings: &[write("cells", Buffer::Cells)],
+    threads: Threads::Objects,
+    cpu: sort_cells,
+};
+
+fn sort_cells(world: &mut World, _pass: u32) {
+    let step = &world.step;
+    for object in 0..world.aabbs.len() {
+        let key = world.cells[step.keys_at as usize + object];
+        let cell = (CELLS_AT + key) as usize;
+        let place = world.cells[cell];
+        world.cells[cell] += 1;
+        world.cells[(step.sorted_at + place) as usize] = object as u32;
+    }
+}

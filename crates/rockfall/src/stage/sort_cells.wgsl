@@ -1,0 +1,16 @@
+@group(0) @binding(2) var<storage, read_write> cells: array<atomic<u32>>;
+
+@compute @workgroup_size(64)
+fn sort_cells(
+    @builtin(workgroup_id) group: vec3u,
+    @builtin(num_workgroups) groups: vec3u,
+    @builtin(local_invocation_index) local: u32,
+) {
+    let object = linear_thread(group, groups, local);
+    if object >= step.spheres + step.rods + step.boxes + step.polygons {
+        return;
+    }
+    let key = atomicLoad(&cells[step.keys_at + object]);
+    let place = atomicAdd(&cells[CELLS_AT + key], 1u);
+    atomicStore(&cells[step.sorted_at + place], object);
+}

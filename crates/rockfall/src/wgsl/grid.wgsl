@@ -1,0 +1,40 @@
+// The grid: which cell an object is in, and which cells it may find others in.
+//
+// Levels of cells, each twice as large as the one below. An object is in one cell: that of its centre, on the lowest level
+// whose cells are not smaller than it. So what overlaps an AABB has its centre within half a cell of it, on every level.
+// Cells live in a table of fixed size: along x they are neighbours, rows are scattered. Two rows may share places of the
+// table; that costs tests and makes duplicates, which `order_pairs` drops, but loses nothing.
+
+fn cell_size(level: u32) -> f32 {
+    return ldexp(step.cell_size, i32(level) - i32(LEVEL_BIAS));
+}
+
+fn level_of(aabb: Aabb) -> u32 {
+    let extent = aabb.max - aabb.min;
+    let largest = max(extent.x, max(extent.y, extent.z));
+    var level = 0u;
+    while level < TOP_LEVEL {
+        if largest <= cell_size(level) {
+            break;
+        }
+        level += 1u;
+    }
+    return level;
+}
+
+// Clamped, so that what is far out or infinite has a cell too: clamping keeps the order of coordinates.
+fn cell_coordinates(place: vec3f, level: u32) -> vec3i {
+    if level == TOP_LEVEL {
+        return vec3i(0);
+    }
+    let far = vec3f(1073741824.0);
+    return vec3i(clamp(floor(place / cell_size(level)), -far, far));
+}
+
+fn row_key(y: i32, z: i32, level: u32) -> u32 {
+    return u32(y) * ROW_Y + u32(z) * ROW_Z + level * ROW_LEVEL;
+}
+
+fn cell_key(x: i32, row: u32) -> u32 {
+    return (u32(x) + row) & (step.cells - 1u);
+}

@@ -1,0 +1,233 @@
+//! The grid finds exactly the pairs that brute force finds, whatever the scene looks like.
+
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64Mcg;
+use rockfall::layout::{ENTRY_ID_MASK, SLICE};
+use rockfall::stage::Phase;
+use rockfall::world::World;
+use rockfall::{BroadPhase, Capsule, Cuboid, Integrator, Polygon, Rod, Scene, Sphere, cpu};
+
+fn random() -> Pcg64Mcg {
+    Pcg64Mcg::seed_from_u64(7)
+}
+
+fn place(random: &mut Pcg64Mcg, size: [f32; 3]) -> [f32; 3] {
+    size.map(|size| random.random_range(-0.5..0.5) * size)
+}
+
+/// `count` spheres spread over a box, with radii from a range and some velocity.
+fn spheres(scene: &mut Scene, count: usize, size: [f32; 3], radii: [f32; 2]) {
+    let random = &mut random();
+    for _ in 0..count {
+        let radius = radii[0] * (radii[1] / radii[0]).powf(random.random_range(0.0..1.0));
+        let sphere = Sphere::new(place(random, size), radius).velocity(place(random, [2.0; 3]));
+        let group = u16::from(random.random_range(0..10) == 0);
+        scene.add_sphere(sphere.group(group)).unwrap();
+    }
+}
+
+fn equal_spheres(_part: usize) -> Scene {
+    let mut scene = Scene::new();
+    spheres(&mut scene, 1_500, [5.0; 3], [0.2, 0.2]);
+    scene
+}
+
+fn radii_1_to_50(part: usize) -> Scene {
+    let mut scene = Scene::new();
+    spheres(&mut scene, 1_600 / part, [6.0; 3], [0.05, 2.5]);
+    scene
+}
+
+fn long_rods_among_small_spheres(_part: usize) -> Scene {
+    let mut scene = Scene::new();
+    spheres(&mut scene, 700, [6.0; 3], [0.08, 0.1]);
+    let random = &mut random();
+    for _ in 0..120 {
+        let (one, two) = (place(random, [6.0; 3]), place(random, [6.0; 3]));
+        let ends = [one, two].map(|end| scene.add_sphere(Sphere::new(end, 0.05)).unwrap());
+        scene.add_rod(Rod::new(ends[0], ends[1], 0.04)).unwrap();
+        let one = place(random, [6.0; 3]);
+        scene
+            .add_capsule(Capsule::new(one, [one[0] + 1.0, one[1], one[2]], 0.1))
+            .unwrap();
+    }
+    scene
+}
+
+fn hundreds_of_large_boxes_and_polygons(part: usize) -> Scene {
+    let mut scene = long_rods_among_small_spheres(part);
+    let random = &mut random();
+    for _ in 0..240 / part {
+        let corner = place(random, [10.0; 3]);
+        let size = [0.1f32, 1.0, 4.0, 10.0][random.random_range(0..4)];
+        scene.add_box(Cuboid::between(corner, corner.map(|x| x + size))).unwrap();
+        scene
+            .add_polygon(Polygon::new(corner, [size, 0.0, 0.3], [0.0, 0.5 * size, 0.0]))
+            .unwrap();
+    }
+    scene
+}
+
+fn flat_layer(_part: usize) -> Scene {
+    let mut scene = Scene::new();
+    spheres(&mut scene, 1_500, [40.0, 0.0, 40.0], [0.4, 0.5]);
+    scene
+}
+
+fn tall_column(_part: usize) -> Scene {
+    let mut scene = Scene::new();
+    spheres(&mut scene, 1_000, [0.5, 400.0, 0.5], [0.2, 0.3]);
+    scene
+}
+
+fn two_clusters_far_apart(_part: usize) -> Scene {
+    let mut scene = Scene::new();
+    for centre in [-1e5f32, 1e5] {
+        let random = &mut random();
+        for _ in 0..400 {
+            let [x, y, z] = place(random, [3.0; 3]);
+            scene.add_sphere(Sphere::new([x + centre, y, z - centre], 0.2)).unwrap();
+        }
+    }
+    scene
+}
+
+fn one_flies_off(_part: usize) -> Scene {
+    let mut scene = equal_spheres(1);
+    scene
+        .add_sphere(Sphere::new([1e7, -1e7, 3.0], 0.2).velocity([1e6, 0.0, 0.0]))
+        .unwrap();
+    scene.add_sphere(Sphere::new([1e30, 0.0, 0.0], 0.2)).unwrap();
+    scene
+        .add_sphere(Sphere::new([0.0, 1e38, 0.0], 1e3).velocity([3e38, 0.0, 0.0]))
+        .unwrap();
+    scene
+}
+
+fn all_in_one_place(_part: usize) -> Scene {
+    let mut scene = Scene::new();
+    for _ in 0..150 {
+        scene.add_sphere(Sphere::new([0.3, 0.3, 0.3], 0.2)).unwrap();
+    }
+    scene
+}
+
+/// Software Vulkan (llvmpipe) ends a shader after 65,535 turns of all its loops: there, scenes with long lists, which are
+/// sorted, are made of a part only.
+const PART_ON_GPU: usize = 6;
+
+const SCENES: [(&str, fn(usize) -> Scene); 9] = [
+    ("equal spheres", equal_spheres),
+    ("radii 1:50", radii_1_to_50),
+    ("long rods among small spheres", long_rods_among_small_spheres),
+    ("hundreds of large boxes and polygons", hundreds_of_large_boxes_and_polygons),
+    ("flat layer", flat_layer),
+    ("tall column", tall_column),
+    ("two clusters far apart", two_clusters_far_apart),
+    ("one flies off", one_flies_off),
+    ("all in one place", all_in_one_place),
+];
+
+fn world(scene: &Scene) -> World {
+    let mut world = World::build(scene).unwrap();
+    world.step.dt = 0.02;
+    world
+}
+
+/// Runs the first two phases, with more room where it is asked for.
+fn detect(world: &mut World, method: BroadPhase, mut run: impl FnMut(&mut World, &[rockfall::stage::Run])) {
+    let phases = [Phase::UpdateAabbs, Phase::BroadPhase];
+    let stages: Vec<_> = phases
+        .iter()
+        .flat_map(|phase| phase.stages(Integrator::Rk4, method))
+        .copied()
+        .collect();
+    loop {
+        world.status.void = 0;
+        run(world, &stages);
+        if world.status.void == 0 {
+            return;
+        }
+        assert_eq!(world.status.void, rockfall::layout::VOID_PAIRS);
+        let needed = world.status.pairs_needed;
+        assert!(needed > world.step.pair_capacity);
+        world.set_pair_capacity(needed);
+    }
+}
+
+/// The list of every mover.
+fn lists(world: &World) -> Vec<Vec<u32>> {
+    let step = &world.step;
+    let row = |mover: u32| {
+        let offset = world.lists[(step.slices_at + mover / SLICE) as usize];
+        let word = |place: u32| world.lists[(step.entries_at + offset + place * SLICE + mover % SLICE) as usize];
+        (0..world.lists[mover as usize]).map(word).collect()
+    };
+    (0..world.movers()).map(row).collect()
+}
+
+fn assert_same(name: &str, expected: &[Vec<u32>], found: &[Vec<u32>]) {
+    for (mover, (expected, found)) in expected.iter().zip(found).enumerate() {
+        assert_eq!(expected, found, "{name}: the list of mover {mover}");
+    }
+    assert_eq!(expected.len(), found.len());
+    assert!(
+        expected.iter().map(Vec::len).sum::<usize>() > 0,
+        "{name}: no pairs at all prove nothing"
+    );
+}
+
+fn on_cpu(scene: &Scene, method: BroadPhase) -> World {
+    let mut world = world(scene);
+    detect(&mut world, method, |world, stages| cpu::run(world, stages));
+    world
+}
+
+#[test]
+fn the_grid_finds_what_brute_force_finds() {
+    for (name, scene) in SCENES {
+        let scene = scene(1);
+        let expected = lists(&on_cpu(&scene, BroadPhase::BruteForce));
+        let found = lists(&on_cpu(&scene, BroadPhase::Grid));
+        assert_same(name, &expected, &found);
+        let sorted = |row: &Vec<u32>| {
+            row.windows(2)
+                .all(|pair| (pair[0] & ENTRY_ID_MASK) <= (pair[1] & ENTRY_ID_MASK))
+        };
+        assert!(expected.iter().all(sorted), "{name}: not in ascending order");
+    }
+}
+
+#[cfg(feature = "gpu")]
+#[test]
+fn the_grid_on_the_gpu_finds_what_brute_force_finds() {
+    use rockfall::gpu::{Gpu, GpuWorld, block_on};
+    use rockfall::stage::Buffer;
+
+    let gpu = Gpu::open_blocking(true).expect("the tests need a Vulkan adapter, software will do");
+    for (name, scene) in SCENES {
+        let scene = scene(PART_ON_GPU);
+        let expected = lists(&on_cpu(&scene, BroadPhase::BruteForce));
+        let mut world = world(&scene);
+        let mut device = GpuWorld::new(&gpu, &world).unwrap();
+        detect(&mut world, BroadPhase::Grid, |world, stages| {
+            device.upload(world).unwrap();
+            device.run(stages, &world.step, 1).unwrap();
+            block_on(gpu.device(), device.download(world, &[Buffer::Status, Buffer::Lists])).unwrap();
+        });
+        assert_same(name, &expected, &lists(&world));
+    }
+}
+
+/// Large objects among many small ones must not cost a look at every cell that they cover, nor far ones at empty space.
+#[test]
+fn a_body_of_any_size_or_place_is_found_in_bounded_time() {
+    let mut scene = Scene::new();
+    spheres(&mut scene, 20_000, [60.0; 3], [0.1, 0.1]);
+    scene.add_sphere(Sphere::new([0.0; 3], 1e6)).unwrap();
+    scene.add_sphere(Sphere::new([1e12, 0.0, 0.0], 0.1)).unwrap();
+    let start = std::time::Instant::now();
+    let world = on_cpu(&scene, BroadPhase::Grid);
+    assert!(world.lists[20_000] > 17_000, "the large one meets all of its group");
+    assert!(start.elapsed().as_secs() < 20);
+}
