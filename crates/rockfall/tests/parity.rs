@@ -12,6 +12,8 @@ mod bodies;
 mod broken;
 #[path = "parity/cells.rs"]
 mod cells;
+#[path = "parity/clusters.rs"]
+mod clusters;
 #[path = "parity/compare.rs"]
 mod compare;
 #[path = "parity/decisions.rs"]
@@ -37,7 +39,7 @@ mod whole;
 
 use std::collections::BTreeMap;
 
-use compare::{MEASURED, differences};
+use compare::{MEASURED, differences, listed};
 use device::{GPU, on_gpu};
 use rockfall::layout::{SLICE, VOID_PAIRS, WORKGROUP};
 use rockfall::{BroadPhase, Integrator, Settings};
@@ -57,13 +59,8 @@ fn plan(seed: u64, integrator: Integrator) -> Plan {
 fn compare(seed: u64, Scenario { run, before }: &Scenario) {
     let gpu = on_gpu(&GPU, before, *run);
     let wrong = differences(run, before, &gpu, MEASURED);
-    let shown: Vec<_> = wrong.iter().take(12).collect();
     let (stage, pass) = (run.stage.name, run.pass);
-    assert!(
-        wrong.is_empty(),
-        "seed {seed}, {stage} pass {pass}: {} differences: {shown:#?}",
-        wrong.len()
-    );
+    assert!(wrong.is_empty(), "seed {seed}, {stage} pass {pass}: {}", listed(&wrong));
 }
 
 /// A trace whose every stage is the same on both backends.

@@ -98,10 +98,21 @@ fn words(world: &World) -> Vec<(Buffer, &'static str, Vec<u32>)> {
 }
 
 /// A buffer, and what in it differs.
-#[derive(Debug)]
 pub(crate) struct Difference {
     pub(crate) buffer: Buffer,
     pub(crate) text: String,
+}
+
+impl std::fmt::Display for Difference {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{:?} {}", self.buffer, self.text)
+    }
+}
+
+/// The first dozen, a line each.
+pub(crate) fn listed(differences: &[Difference]) -> String {
+    let lines: Vec<String> = differences.iter().take(12).map(ToString::to_string).collect();
+    format!("{} differences:\n{}", differences.len(), lines.join("\n"))
 }
 
 fn different_words(one: &World, other: &World) -> Vec<Difference> {
@@ -152,7 +163,12 @@ pub(crate) fn differences(run: &Run, before: &World, gpu: &World, tolerance: Tol
         .map(|seed| {
             let world = after(shaken(before, seed));
             let wavering = different_words(&world, &cpu);
-            assert!(wavering.is_empty(), "{}: rounding decides: {wavering:?}", run.stage.name);
+            assert!(
+                wavering.is_empty(),
+                "{}: rounding decides: {}",
+                run.stage.name,
+                listed(&wavering)
+            );
             floats(&world)
         })
         .collect();

@@ -17,7 +17,7 @@ pub(crate) const LIMIT: f64 = 1e-4;
 const ALONE: f64 = 1.001;
 
 /// A decision that is too close to call.
-#[derive(Clone, Debug)]
+#[derive(Clone)]
 pub(crate) struct Near {
     pub(crate) what: &'static str,
     /// One of the objects that it is about.
@@ -25,7 +25,7 @@ pub(crate) struct Near {
 }
 
 /// What a state holds, and what in it is too close to call.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Default)]
 pub(crate) struct Findings {
     pub(crate) near: Vec<Near>,
     pub(crate) seen: BTreeMap<String, usize>,
@@ -33,8 +33,7 @@ pub(crate) struct Findings {
 
 impl Findings {
     pub(crate) fn decide(&mut self, what: &'static str, object: usize, slack: f64) {
-        // Not a number is not sure either.
-        if !(slack.abs() >= LIMIT) {
+        if slack.is_nan() || slack.abs() < LIMIT {
             self.near.push(Near { what, object });
         }
     }

@@ -47,7 +47,7 @@ fn inside(t: f64) -> f64 {
 /// Distance of a pair of segments from the switch between parallel and crossing, as a condition on the sine of their angle
 /// (1e-4 is the switch). Crossing at less than a degree is badly conditioned and counts as near, too.
 fn parallel_sure(sine: f64) -> f64 {
-    if sine < 1e-5 || sine > 0.02 { 1.0 } else { 0.0 }
+    if (1e-5..=0.02).contains(&sine) { 0.0 } else { 1.0 }
 }
 
 struct Closest {

@@ -1,53 +1,19 @@
-//! Random scenes of many small clusters, far enough apart not to meet, so that a cluster with a decision too close to
-//! call can be drawn again alone.
+//! Random objects, cluster by cluster: one method a kind of cluster.
 
 use glam::{Vec3, Vec3Swizzles};
-use rand::{RngExt, SeedableRng};
+use rand::RngExt;
 use rand_pcg::Pcg64Mcg;
-use rockfall::{Capsule, Cuboid, Polygon, Rod, Scene, Settings, Sphere, SphereId, Spring, Tether};
+use rockfall::{Capsule, Cuboid, Polygon, Rod, Scene, Sphere, SphereId, Spring, Tether};
 
-/// Between the middles of neighbouring clusters, in units.
-const SPACING: f32 = 6.0;
 /// Everything of a cluster begins within this of its middle, in every direction.
 const EXTENT: f32 = 0.8;
 
 /// Draws the objects of one cluster.
 pub(crate) struct Draw<'a> {
-    scene: &'a mut Scene,
-    rng: Pcg64Mcg,
-    middle: Vec3,
+    pub(crate) scene: &'a mut Scene,
+    pub(crate) rng: Pcg64Mcg,
+    pub(crate) middle: Vec3,
 }
-
-type Recipe = fn(&mut Draw);
-
-/// Every kind of cluster; those that are rare to overlap stand more than once.
-const RECIPES: [Recipe; 25] = [
-    |d| d.duel(),
-    |d| d.duel(),
-    |d| d.capsule_duel(),
-    |d| d.floored(),
-    |d| d.spheres(6),
-    |d| d.grazing(),
-    |d| d.sphere_on_rod(false),
-    |d| d.sphere_on_rod(true),
-    |d| d.rods(2),
-    |d| d.rods(4),
-    |d| d.parallel_rods(),
-    |d| d.capsules(2),
-    |d| d.capsules(3),
-    |d| d.box_and_spheres(),
-    |d| d.box_and_spheres(),
-    |d| d.box_and_rods(2),
-    |d| d.box_and_rods(4),
-    |d| d.box_and_splinters(),
-    |d| d.polygon(),
-    |d| d.polygon(),
-    |d| d.chain(),
-    |d| d.frame(),
-    |d| d.attached(),
-    |d| d.groups(),
-    |d| d.crowd(),
-];
 
 impl Draw<'_> {
     fn unit(&mut self) -> f32 {
@@ -62,7 +28,7 @@ impl Draw<'_> {
         self.rng.random_bool(probability)
     }
 
-    fn vector(&mut self, size: f32) -> Vec3 {
+    pub(crate) fn vector(&mut self, size: f32) -> Vec3 {
         let [x, y, z] = [0; 3].map(|_| self.unit());
         size * Vec3::new(x, y, z)
     }
@@ -125,14 +91,14 @@ impl Draw<'_> {
         self.rod(point - part * length * direction, point + (1.0 - part) * length * direction);
     }
 
-    fn spheres(&mut self, count: usize) {
+    pub(crate) fn spheres(&mut self, count: usize) {
         for _ in 0..count {
             self.sphere();
         }
     }
 
     /// Two that overlap and nothing else.
-    fn duel(&mut self) {
+    pub(crate) fn duel(&mut self) {
         let (place, direction) = (self.place(), self.direction());
         let one = self.ball(place);
         self.add(one);
@@ -141,7 +107,7 @@ impl Draw<'_> {
         self.add(other.velocity(one.velocity - 2.0 * direction));
     }
 
-    fn capsule_duel(&mut self) {
+    pub(crate) fn capsule_duel(&mut self) {
         let (middle, direction) = (self.middle, self.direction());
         self.scene
             .add_capsule(Capsule::new(middle, middle + direction, 0.25).mass(1.5))
@@ -153,7 +119,7 @@ impl Draw<'_> {
     }
 
     /// A sphere that hits a floor, and nothing else.
-    fn floored(&mut self) {
+    pub(crate) fn floored(&mut self) {
         let floor = self.middle;
         self.floor(floor);
         let mut ball = self.ball(floor);
@@ -163,7 +129,7 @@ impl Draw<'_> {
     }
 
     /// Overlaps begun within the step.
-    fn grazing(&mut self) {
+    pub(crate) fn grazing(&mut self) {
         let (a, direction) = (self.place(), self.direction());
         let one = self.ball(a);
         let other = self.ball(a);
@@ -197,7 +163,7 @@ impl Draw<'_> {
             .unwrap();
     }
 
-    fn sphere_on_rod(&mut self, pushed: bool) {
+    pub(crate) fn sphere_on_rod(&mut self, pushed: bool) {
         let point = self.place();
         self.rod_through(point, 1.4);
         let offset = 0.3 * self.direction();
@@ -205,7 +171,7 @@ impl Draw<'_> {
         self.add(if pushed { ball.velocity(-8.0 * offset) } else { ball });
     }
 
-    fn rods(&mut self, count: usize) {
+    pub(crate) fn rods(&mut self, count: usize) {
         let point = self.place();
         for _ in 0..count {
             let offset = self.vector(0.15);
@@ -213,7 +179,7 @@ impl Draw<'_> {
         }
     }
 
-    fn parallel_rods(&mut self) {
+    pub(crate) fn parallel_rods(&mut self) {
         // Along an axis, so that they are parallel to the last bit.
         let along = [Vec3::X, Vec3::Y, Vec3::Z][self.rng.random_range(0..3)];
         let across = [along.yzx(), along.zxy()].map(|axis| axis * self.between(0.08, 0.15));
@@ -224,7 +190,7 @@ impl Draw<'_> {
         self.rod(start, start + 1.25 * along);
     }
 
-    fn capsules(&mut self, count: usize) {
+    pub(crate) fn capsules(&mut self, count: usize) {
         for _ in 0..count {
             let (point, axis, radius) = (self.place(), self.direction(), self.between(0.15, 0.3));
             let half = self.between(0.3, 0.7) * axis;
@@ -251,7 +217,7 @@ impl Draw<'_> {
         cuboid
     }
 
-    fn box_and_spheres(&mut self) {
+    pub(crate) fn box_and_spheres(&mut self) {
         let Cuboid {
             corner,
             edges: [i, j, k],
@@ -270,7 +236,7 @@ impl Draw<'_> {
         }
     }
 
-    fn box_and_rods(&mut self, count: usize) {
+    pub(crate) fn box_and_rods(&mut self, count: usize) {
         let Cuboid {
             corner,
             edges: [i, j, k],
@@ -290,7 +256,7 @@ impl Draw<'_> {
     }
 
     /// Rods that meet a box at a vertex alone: past it, or through it from within.
-    fn box_and_splinters(&mut self) {
+    pub(crate) fn box_and_splinters(&mut self) {
         let Cuboid { corner, edges, .. } = self.cuboid();
         let [i, j, k] = edges.map(Vec3::normalize);
         let out = -(i + j + k).normalize();
@@ -306,7 +272,7 @@ impl Draw<'_> {
         self.rod(last + 0.3 * out + jitter, last + 0.02 * out);
     }
 
-    fn polygon(&mut self) {
+    pub(crate) fn polygon(&mut self) {
         let (left, helper) = (self.direction(), self.direction());
         let right = (helper - 0.7 * helper.dot(left) * left).normalize();
         let (left, right) = (left * self.between(1.2, 2.0), right * self.between(1.2, 2.0));
@@ -323,7 +289,7 @@ impl Draw<'_> {
     }
 
     /// Fixed rods in a row, the first end fixed half of the time.
-    fn chain(&mut self) {
+    pub(crate) fn chain(&mut self) {
         let mut place = self.middle - Vec3::X * 1.2;
         let hung = self.chance(0.5);
         let first = self.ball(place);
@@ -342,7 +308,7 @@ impl Draw<'_> {
     }
 
     /// A tetrahedron of fixed rods, with a tail of a free rod.
-    fn frame(&mut self) {
+    pub(crate) fn frame(&mut self) {
         let corners = [
             Vec3::ONE,
             Vec3::new(1.0, -1.0, -1.0),
@@ -368,7 +334,7 @@ impl Draw<'_> {
     }
 
     /// Springs, tethers and outside forces.
-    fn attached(&mut self) {
+    pub(crate) fn attached(&mut self) {
         let spheres: Vec<SphereId> = (0..4)
             .map(|_| {
                 let position = self.place();
@@ -391,7 +357,7 @@ impl Draw<'_> {
     }
 
     /// Overlapping, in groups of their own.
-    fn groups(&mut self) {
+    pub(crate) fn groups(&mut self) {
         for number in 0..6 {
             let position = self.place();
             let ball = self.ball(position);
@@ -402,51 +368,11 @@ impl Draw<'_> {
     }
 
     /// A bit of everything in one place.
-    fn crowd(&mut self) {
+    pub(crate) fn crowd(&mut self) {
         self.capsules(2);
         self.rods(1);
         self.spheres(2);
         let floor = self.middle - 0.6 * Vec3::Y;
         self.floor(floor);
-    }
-}
-
-/// A scene of clusters, and which cluster each object belongs to.
-pub(crate) struct Clusters {
-    pub(crate) scene: Scene,
-    /// By object id.
-    pub(crate) cluster_of: Vec<usize>,
-}
-
-/// The scene of a seed in which cluster k was drawn `attempts[k]` times.
-pub(crate) fn clusters(seed: u64, settings: Settings, attempts: &[u64]) -> Clusters {
-    let mut scene = Scene::new();
-    scene.settings = settings;
-    let mut owners: [Vec<usize>; 4] = Default::default();
-    let side = (attempts.len() as f32).cbrt().ceil() as usize;
-    for (cluster, attempt) in attempts.iter().enumerate() {
-        let cell = [cluster % side, cluster / side % side, cluster / side / side];
-        let middle = SPACING * Vec3::from_array(cell.map(|k| k as f32 - 0.5 * (side - 1) as f32));
-        let draw_seed = seed << 40 | (cluster as u64) << 20 | attempt;
-        let mut draw = Draw {
-            scene: &mut scene,
-            rng: Pcg64Mcg::seed_from_u64(draw_seed),
-            middle,
-        };
-        // So that nothing lies where it is by design.
-        let jitter = draw.vector(0.1);
-        draw.middle += jitter;
-        RECIPES[(cluster + seed as usize) % RECIPES.len()](&mut draw);
-        let counts = scene.counts();
-        for (owner, count) in owners
-            .iter_mut()
-            .zip([counts.spheres, counts.rods, counts.boxes, counts.polygons])
-        {
-            owner.resize(count, cluster);
-        }
-    }
-    Clusters {
-        scene,
-        cluster_of: owners.concat(),
     }
 }

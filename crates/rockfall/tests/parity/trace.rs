@@ -6,8 +6,8 @@ use rockfall::world::World;
 use rockfall::{BroadPhase, Integrator, Settings};
 
 use crate::cells;
+use crate::clusters::{Clusters, clusters};
 use crate::decisions::{self, Findings};
-use crate::random::{Clusters, clusters};
 use crate::sweeps;
 
 /// Time step of all traces, in s: forces of deep overlaps are large.
@@ -57,14 +57,11 @@ pub(crate) fn trace(plan: &Plan) -> Trace {
         again.dedup();
         for cluster in again {
             attempts[cluster] += 1;
-            let why = || {
-                trace
-                    .findings
-                    .near
-                    .iter()
-                    .find(|near| drawn.cluster_of[near.object] == cluster)
-            };
-            assert!(attempts[cluster] < MAX_ATTEMPTS, "cluster {cluster}: {:?}", why());
+            let mut near = trace.findings.near.iter();
+            let why = near
+                .find(|near| drawn.cluster_of[near.object] == cluster)
+                .map(|near| near.what);
+            assert!(attempts[cluster] < MAX_ATTEMPTS, "cluster {cluster}: {why:?}");
         }
     }
 }
