@@ -16,14 +16,20 @@ pub struct DeviceInfo {
     pub software: bool,
 }
 
+/// Driver and its version.
+#[cfg(feature = "gpu")]
+pub(crate) fn driver(info: &wgpu::AdapterInfo) -> String {
+    format!("{} {}", info.driver, info.driver_info).trim().to_owned()
+}
+
 /// All adapters, the one that a simulation takes first; none without the feature `gpu`.
 #[cfg(all(feature = "gpu", not(target_family = "wasm")))]
 pub fn devices() -> Vec<DeviceInfo> {
     let info = |info: wgpu::AdapterInfo| DeviceInfo {
+        driver: driver(&info),
         name: info.name,
         backend: info.backend.to_string(),
         kind: format!("{:?}", info.device_type),
-        driver: format!("{} {}", info.driver, info.driver_info).trim().to_owned(),
         software: info.device_type == wgpu::DeviceType::Cpu,
     };
     crate::gpu::Gpu::adapters_blocking().into_iter().map(info).collect()

@@ -10,11 +10,13 @@ mod device;
 mod fault;
 mod kernel;
 mod memory;
+mod timer;
 mod wait;
 mod world;
 
 pub use device::{Gpu, adapters};
 pub use kernel::{join, locate_lines};
+pub(crate) use timer::{clock, copy_bandwidth};
 #[cfg(not(target_arch = "wasm32"))]
 pub use wait::block_on;
 #[cfg(not(target_arch = "wasm32"))]

@@ -59,17 +59,20 @@ pub mod error;
 pub mod gpu;
 pub mod layout;
 pub mod output;
+pub mod profile;
 pub mod report;
 pub mod scene;
 pub mod settings;
 pub mod simulation;
 pub mod stability;
 pub mod stage;
+mod traffic;
 pub mod world;
 
 pub use devices::{DeviceInfo, devices};
 pub use error::{Error, Result};
 pub use glam;
+pub use profile::{BufferSize, Clock, Profile, StageTime};
 pub use report::{Energy, Report, SphereState};
 pub use scene::{
     BoxId, Capsule, CapsuleId, CapsuleParts, Counts, Cuboid, LineWarning, Loaded, Polygon, PolygonId, Rod, RodId, Scene,

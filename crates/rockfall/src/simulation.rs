@@ -4,6 +4,7 @@ use glam::Vec3;
 
 use crate::error::Result;
 use crate::layout::Status;
+use crate::profile::Recorder;
 use crate::report::Report;
 use crate::scene::{Scene, SphereId};
 use crate::settings::{BroadPhase, Integrator, Settings};
@@ -15,6 +16,7 @@ mod edit;
 mod engine;
 mod observe;
 mod options;
+mod profile;
 mod read;
 
 pub use drive::DEFAULT_TIME_STEP;
@@ -181,14 +183,18 @@ impl Simulation {
     /// # Errors
     /// As there.
     pub async fn run_async(&mut self, steps: u64, dt: f32) -> Result<Report> {
+        self.run_recorded(steps, dt, None).await?;
+        Ok(self.report)
+    }
+
+    async fn run_recorded(&mut self, steps: u64, dt: f32, recorder: Option<&mut Recorder>) -> Result<()> {
         self.set_time_step(dt)?;
         let phases: &[Phase] = if self.scene.settings.collisions {
             &Phase::STEP
         } else {
             &[Phase::UpdateAabbs, Phase::BroadPhase, Phase::UpdatePositions]
         };
-        self.drive(phases, steps).await?;
-        Ok(self.report)
+        self.drive(phases, steps, recorder).await
     }
 
     /// Phase 1 alone: the AABBs of all objects, grown for the present time step.
@@ -241,7 +247,7 @@ impl Simulation {
     /// # Errors
     /// As for [`Simulation::step`].
     pub async fn phase_async(&mut self, phase: Phase) -> Result<()> {
-        self.drive(&[phase], 1).await
+        self.drive(&[phase], 1, None).await
     }
 
     /// Gravity's acceleration as the step sees it, in units/s².

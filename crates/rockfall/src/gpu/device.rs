@@ -20,7 +20,7 @@ struct Inner {
     device: wgpu::Device,
     queue: wgpu::Queue,
     faults: Faults,
-    kernels: Mutex<HashMap<&'static str, Arc<Kernel>>>,
+    kernels: Mutex<HashMap<(&'static str, bool), Arc<Kernel>>>,
 }
 
 /// Storage buffers that a stage may bind.
@@ -163,14 +163,14 @@ impl Gpu {
         &self.inner.faults
     }
 
-    /// The kernel of a stage, compiled at its first use.
-    pub(crate) fn kernel(&self, stage: &'static Stage) -> Result<Arc<Kernel>> {
+    /// The kernel of a stage, compiled at its first use, for scenes with or without rods.
+    pub(crate) fn kernel(&self, stage: &'static Stage, rods: bool) -> Result<Arc<Kernel>> {
         let mut kernels = self.inner.kernels.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(kernel) = kernels.get(stage.name) {
+        if let Some(kernel) = kernels.get(&(stage.name, rods)) {
             return Ok(Arc::clone(kernel));
         }
-        let kernel = Arc::new(Kernel::new(self.device(), stage)?);
-        kernels.insert(stage.name, Arc::clone(&kernel));
+        let kernel = Arc::new(Kernel::new(self.device(), stage, rods)?);
+        kernels.insert((stage.name, rods), Arc::clone(&kernel));
         Ok(kernel)
     }
 }

@@ -40,8 +40,8 @@ pub fn locate_lines(parts: &[Part], message: &str) -> String {
 }
 
 impl Kernel {
-    pub(crate) fn new(device: &wgpu::Device, stage: &Stage) -> Result<Self> {
-        catch(device, || build(device, stage)).map_err(|error| match error {
+    pub(crate) fn new(device: &wgpu::Device, stage: &Stage, rods: bool) -> Result<Self> {
+        catch(device, || build(device, stage, rods)).map_err(|error| match error {
             Error::Device(text) => Error::Device(format!("kernel {}: {}", stage.name, locate_lines(stage.parts, &text))),
             other => other,
         })
@@ -62,8 +62,10 @@ fn layout_entry(binding: u32, ty: wgpu::BufferBindingType) -> wgpu::BindGroupLay
 }
 
 #[allow(unsafe_code)]
-fn build(device: &wgpu::Device, stage: &Stage) -> Kernel {
+fn build(device: &wgpu::Device, stage: &Stage, rods: bool) -> Kernel {
     let text = join(stage.parts);
+    let uses_rods = text.contains("override RODS");
+    let constants = [("RODS", f64::from(u8::from(rods)))];
     let module = wgpu::ShaderModuleDescriptor {
         label: Some(stage.name),
         source: wgpu::ShaderSource::Wgsl(text.into()),
@@ -100,6 +102,7 @@ fn build(device: &wgpu::Device, stage: &Stage) -> Kernel {
         entry_point: Some(stage.name),
         compilation_options: wgpu::PipelineCompilationOptions {
             zero_initialize_workgroup_memory: false,
+            constants: if uses_rods { &constants } else { &[] },
             ..Default::default()
         },
         cache: None,

@@ -9,8 +9,10 @@ use crate::gpu::check::check_buffer;
 use crate::gpu::device::Gpu;
 use crate::gpu::fault::catch;
 use crate::gpu::memory::{bytes, bytes_mut, bytes_needed, check_size, make_buffer, make_storage, name};
+use crate::gpu::timer::Timer;
 use crate::gpu::wait::Mapped;
 use crate::layout::{CELL_BLOCK, Pass, Status, Step, WORKGROUP};
+use crate::profile::BufferSize;
 use crate::stage::{Buffer, Run, Stage, Threads};
 use crate::world::World;
 
@@ -86,6 +88,16 @@ impl GpuWorld {
     /// A buffer, for rendering and other kernels. It is replaced when an upload needs a larger one.
     pub fn buffer(&self, buffer: Buffer) -> &wgpu::Buffer {
         &self.buffers[buffer as usize]
+    }
+
+    /// The size of every buffer.
+    pub fn buffer_sizes(&self) -> Vec<BufferSize> {
+        let uniforms = self.uniform.size() + self.passes.iter().map(wgpu::Buffer::size).sum::<u64>();
+        let storage = Buffer::ALL.map(|buffer| BufferSize::new(name(buffer), self.buffer(buffer).size()));
+        storage
+            .into_iter()
+            .chain([BufferSize::new("the uniform blocks", uniforms)])
+            .collect()
     }
 
     /// The uniform block of the last upload or run.
@@ -258,6 +270,11 @@ impl GpuWorld {
         }
     }
 
+    /// Whether a stage has nothing to do for this world, so that it is not dispatched.
+    pub(crate) fn is_idle(&self, run: &Run) -> bool {
+        self.workgroups(run.stage.threads) == 0
+    }
+
     fn make_group(&self, stage: &Stage, pass: u32, layout: &wgpu::BindGroupLayout) -> wgpu::BindGroup {
         let mut entries = vec![
             wgpu::BindGroupEntry {
@@ -290,7 +307,7 @@ impl GpuWorld {
         for run in runs {
             let key = (run.stage.name, run.pass);
             if !self.groups.contains_key(&key) {
-                let kernel = self.gpu.kernel(run.stage)?;
+                let kernel = self.gpu.kernel(run.stage, self.step.rods > 0)?;
                 let group = catch(self.gpu.device(), || self.make_group(run.stage, run.pass, &kernel.layout))?;
                 self.groups.insert(key, group);
             }
@@ -312,7 +329,7 @@ impl GpuWorld {
             let Some(group) = self.groups.get(&(run.stage.name, run.pass)) else {
                 return Err(Error::Device(format!("stage {} was not prepared", run.stage.name)));
             };
-            table.push((self.gpu.kernel(run.stage)?, group, groups));
+            table.push((self.gpu.kernel(run.stage, self.step.rods > 0)?, group, groups));
         }
         let across = self.gpu.device().limits().max_compute_workgroups_per_dimension;
         for _ in 0..steps {
@@ -332,6 +349,20 @@ impl GpuWorld {
     /// [`Error::Device`] when a kernel does not compile, the device refuses or is lost. The loss of a device may show only
     /// when something is read.
     pub fn run(&mut self, runs: &[Run], step: &Step, steps: u32) -> Result<()> {
+        self.submit(runs, step, steps, None)
+    }
+
+    /// [`GpuWorld::run`] with every dispatch timed.
+    ///
+    /// # Errors
+    /// As there; and [`Error::Device`] when the device has no timestamps.
+    pub(crate) fn run_timed(&mut self, runs: &[Run], step: &Step, steps: u32) -> Result<Timer> {
+        let timer = Timer::new(self, runs, steps)?;
+        self.submit(runs, step, steps, Some(&timer))?;
+        Ok(timer)
+    }
+
+    fn submit(&mut self, runs: &[Run], step: &Step, steps: u32, timer: Option<&Timer>) -> Result<()> {
         self.gpu.faults().check()?;
         self.prepare(runs)?;
         self.write_uniforms(step)?;
@@ -340,7 +371,9 @@ impl GpuWorld {
             let mut encoder = gpu
                 .device()
                 .create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("steps") });
-            {
+            if let Some(timer) = timer {
+                timer.encode(&mut encoder, self, runs)?;
+            } else {
                 let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
                     label: Some("steps"),
                     timestamp_writes: None,

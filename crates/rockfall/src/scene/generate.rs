@@ -14,8 +14,11 @@ use super::{Cuboid, Scene, Sphere};
 use crate::error::{Error, Result};
 use crate::layout::ENTRY_ID_MASK;
 
+mod benchmark;
 mod bodies;
 mod hopper;
+
+pub use benchmark::{Benchmark, LAYERS};
 
 /// What to generate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -52,19 +55,7 @@ impl Kind {
     /// # Errors
     /// [`Error::Invalid`] for 0 spheres, [`Error::TooManyObjects`] for more than the engine can number.
     pub fn generate(self, spheres: u32, seed: u64) -> Result<Scene> {
-        if spheres == 0 {
-            return Err(Error::Invalid {
-                field: "spheres",
-                value: "0".to_owned(),
-                expected: "at least 1",
-            });
-        }
-        if spheres > ENTRY_ID_MASK {
-            return Err(Error::TooManyObjects {
-                count: spheres as usize,
-                limit: ENTRY_ID_MASK as usize,
-            });
-        }
+        check_count(spheres)?;
         let mut random = Random(Pcg64Mcg::seed_from_u64(seed));
         match self {
             Self::Pile => pile(spheres, &mut random),
@@ -95,6 +86,25 @@ impl FromStr for Kind {
                 expected: "pile, mixed, soft, chain or hopper",
             })
     }
+}
+
+/// # Errors
+/// [`Error::Invalid`] for 0, [`Error::TooManyObjects`] for more than the engine can number.
+fn check_count(spheres: u32) -> Result<()> {
+    if spheres == 0 {
+        return Err(Error::Invalid {
+            field: "spheres",
+            value: "0".to_owned(),
+            expected: "at least 1",
+        });
+    }
+    if spheres > ENTRY_ID_MASK {
+        return Err(Error::TooManyObjects {
+            count: spheres as usize,
+            limit: ENTRY_ID_MASK as usize,
+        });
+    }
+    Ok(())
 }
 
 /// Random numbers without trigonometry, so that all machines draw the same.
@@ -180,11 +190,16 @@ fn walled_box(scene: &mut Scene, x: f32, z: f32, height: f32) -> Result<()> {
     add([-x, 0.0, z], [x, height, z_out])
 }
 
-/// A sphere of the given sizes somewhere in its cell, its mass that of its volume (1 at radius 0.2).
+/// A sphere of the given sizes somewhere in its cell.
 fn ball(random: &mut Random, cells: &Cells, index: u32, radii: [f32; 2]) -> Sphere {
+    ball_within(random, cells.centre(index), cells.size, radii)
+}
+
+/// A sphere of the given sizes somewhere in a cell, its mass that of its volume (1 at radius 0.2).
+fn ball_within(random: &mut Random, centre: Vec3, cell: f32, radii: [f32; 2]) -> Sphere {
     let radius = random.between(radii[0], radii[1]);
-    let room = 0.49 * cells.size - radius;
-    let position = cells.centre(index) + random.offset(room);
+    let room = 0.49 * cell - radius;
+    let position = centre + random.offset(room);
     Sphere::new(position, radius).mass((radius / 0.2).powi(3))
 }
 

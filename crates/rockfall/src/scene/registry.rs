@@ -173,6 +173,10 @@ impl<T> Registry<T> {
         &self.objects
     }
 
+    pub(crate) fn objects_mut(&mut self) -> &mut [T] {
+        &mut self.objects
+    }
+
     pub(crate) fn len(&self) -> usize {
         self.objects.len()
     }

@@ -2,6 +2,7 @@
 
 use crate::error::{Error, Result};
 use crate::layout::{BAD_STAGE_SHIFT, BadStage, NO_BODY, SLICE, Status, VOID_COUNT, VOID_ESCAPED, VOID_NON_FINITE, VOID_PAIRS};
+use crate::profile::Recorder;
 use crate::simulation::Simulation;
 use crate::stage::{Phase, Run};
 
@@ -33,8 +34,8 @@ impl Simulation {
         Ok(())
     }
 
-    /// Runs `phases` in their order, `times` over.
-    pub(super) async fn drive(&mut self, phases: &[Phase], times: u64) -> Result<()> {
+    /// Runs `phases` in their order, `times` over, timed where there is a recorder.
+    pub(super) async fn drive(&mut self, phases: &[Phase], times: u64, mut recorder: Option<&mut Recorder>) -> Result<()> {
         self.flush().await?;
         if phases.contains(&Phase::HandleCollisions) {
             self.status.collided = 0;
@@ -44,7 +45,7 @@ impl Simulation {
         while left > 0 {
             let overdue = self.overdue(phases);
             let all: Vec<Phase> = overdue.iter().chain(phases).copied().collect();
-            let done = self.submit(&all, left.min(BATCH)).await?;
+            let done = self.submit(&all, left.min(BATCH), recorder.as_deref_mut()).await?;
             left -= done;
             attempts = if done > 0 { 0 } else { attempts + 1 };
             self.note_lists(&all, done);
@@ -67,17 +68,17 @@ impl Simulation {
     }
 
     /// Hands a batch to the engine; returns how often its phases were done.
-    async fn submit(&mut self, phases: &[Phase], batch: u64) -> Result<u64> {
+    async fn submit(&mut self, phases: &[Phase], batch: u64, mut recorder: Option<&mut Recorder>) -> Result<u64> {
         let (integrator, broad_phase) = (self.options.integrator, self.broad_phase_method());
-        let stages: Vec<Run> = phases
-            .iter()
-            .flat_map(|phase| phase.stages(integrator, broad_phase))
-            .copied()
-            .collect();
+        let runs = |phase: Phase| phase.stages(integrator, broad_phase).iter().map(move |run| (phase, *run));
+        let (owners, stages): (Vec<Phase>, Vec<Run>) = phases.iter().copied().flat_map(runs).unzip();
+        if let Some(recorder) = &mut recorder {
+            recorder.expect(owners);
+        }
         self.world.step.dt = self.time_step;
         self.world.status = resumed(self.status);
         self.synced = false;
-        self.engine.run(&mut self.world, &stages, batch as u32).await?;
+        self.engine.run(&mut self.world, &stages, batch as u32, recorder).await?;
         self.status = self.world.status;
         if phases.contains(&Phase::UpdatePositions) {
             let done = u64::from(self.status.steps);

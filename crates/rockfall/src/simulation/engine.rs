@@ -4,7 +4,9 @@ use std::future::Future;
 
 use crate::cpu;
 use crate::error::Result;
+use crate::profile::Recorder;
 use crate::simulation::options::{Backend, BackendInfo};
+use crate::simulation::profile;
 use crate::stage::Run;
 use crate::world::World;
 
@@ -87,22 +89,43 @@ impl Engine {
         }
     }
 
-    /// Runs `stages` up to `times` over with the status of `world`, and reads the status back into it.
-    pub(super) async fn run(&mut self, world: &mut World, stages: &[Run], times: u32) -> Result<()> {
-        match self {
-            Self::Cpu => {
+    /// Runs `stages` up to `times` over with the status of `world`, and reads the status back into it. With a recorder,
+    /// every stage is timed.
+    pub(super) async fn run(
+        &mut self,
+        world: &mut World,
+        stages: &[Run],
+        times: u32,
+        recorder: Option<&mut Recorder>,
+    ) -> Result<()> {
+        match (self, recorder) {
+            (Self::Cpu, recorder) => {
+                let mut taken = Vec::new();
                 for _ in 0..times {
-                    cpu::run(world, stages);
+                    match recorder {
+                        Some(_) => taken.push(profile::run_timed(world, stages)),
+                        None => cpu::run(world, stages),
+                    }
                     if world.status.void != 0 {
                         break;
                     }
                 }
+                if let Some(recorder) = recorder {
+                    recorder.book(stages, &taken, &world.step, &world.status);
+                }
             }
             #[cfg(feature = "gpu")]
-            Self::Gpu(gpu) => {
+            (Self::Gpu(gpu), None) => {
                 gpu.set_status(&world.status)?;
                 gpu.run(stages, &world.step, times)?;
                 world.status = gpu.read_status().await?;
+            }
+            #[cfg(feature = "gpu")]
+            (Self::Gpu(gpu), Some(recorder)) => {
+                gpu.set_status(&world.status)?;
+                let timer = gpu.run_timed(stages, &world.step, times)?;
+                world.status = gpu.read_status().await?;
+                recorder.book(stages, &timer.read().await?, &world.step, &world.status);
             }
         }
         Ok(())
@@ -173,6 +196,7 @@ fn cpu_info(reason: &str) -> BackendInfo {
     BackendInfo {
         kind: Backend::Cpu,
         device: format!("CPU, {threads} thread{plural}"),
+        driver: String::new(),
         reason: reason.to_owned(),
     }
 }
@@ -188,6 +212,7 @@ fn gpu_info(gpu: &Gpu, reason: &str) -> BackendInfo {
     BackendInfo {
         kind: Backend::Gpu,
         device: format!("{} ({}{software})", info.name, info.backend),
+        driver: crate::devices::driver(&info),
         reason: reason.to_owned(),
     }
 }

@@ -108,6 +108,8 @@ pub struct BackendInfo {
     pub kind: Backend,
     /// The device's name, for example `NVIDIA H200 (Vulkan)` or `CPU, 8 threads`.
     pub device: String,
+    /// Driver and its version; empty on the CPU.
+    pub driver: String,
     /// Why it was chosen.
     pub reason: String,
 }

@@ -10,6 +10,13 @@ struct Change {
     position: vec3f,
 }
 
+fn add_change(share: vec3f, approach: f32, overlap: f32, displaces: bool, change: ptr<function, Change>) {
+    (*change).velocity += share * ((1.0 + step.restitution) * approach);
+    if displaces {
+        (*change).position += share * overlap;
+    }
+}
+
 fn add_row(sphere: u32, row: u32, change: ptr<function, Change>) {
     for (var e = 0u; e < lists[row]; e++) {
         let slot = slot_of(row, e);
@@ -21,6 +28,17 @@ fn add_row(sphere: u32, row: u32, change: ptr<function, Change>) {
         if taken_elsewhere(sphere, row, id) {
             continue;
         }
+        if row == sphere {
+            if are_plain(min(row, id), max(row, id)) {
+                let k = plain_contact(sphere, id);
+                let share = -k.n * (abs(weights[slot]) / k.inverse_mass);
+                add_change(share, k.approach, k.overlap, weights[slot] < 0.0, change);
+                continue;
+            }
+        }
+        if !RODS {
+            continue;
+        }
         let a = min(row, id);
         let b = max(row, id);
         let found = touch(a, b, entry_feature(entry));
@@ -30,10 +48,7 @@ fn add_row(sphere: u32, row: u32, change: ptr<function, Change>) {
         var k = contact_of(a, b, found);
         let weight = weights[slot];
         let share = share_of(&k, sphere) * (abs(weight) / k.inverse_mass);
-        (*change).velocity += share * ((1.0 + step.restitution) * k.approach);
-        if weight < 0.0 {
-            (*change).position += share * k.overlap;
-        }
+        add_change(share, k.approach, k.overlap, weight < 0.0, change);
     }
 }
 
@@ -56,7 +71,8 @@ fn apply_collisions(
     @builtin(local_invocation_index) local: u32,
 ) {
     let i = linear_thread(group, groups, local);
-    if (i >= step.spheres) | (atomicLoad(&status.void) != 0u) | (status.collided != 0u) {
+    if (i >= step.spheres) | (atomicLoad(&status.void) != 0u) | (status.collided != 0u)
+        | (atomicLoad(&status.collisions) == 0u) {
         return;
     }
     let old_position = state[position_at(i)];

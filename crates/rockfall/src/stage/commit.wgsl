@@ -17,7 +17,7 @@ fn commit_collisions(
     @builtin(num_workgroups) groups: vec3u,
     @builtin(local_invocation_index) local: u32,
 ) {
-    if (status.void == 0u) & (status.collided == 0u) {
+    if (status.void == 0u) & (status.collided == 0u) & (status.collisions > 0u) {
         commit(linear_thread(group, groups, local));
     }
 }

@@ -23,6 +23,7 @@ pub(crate) const STAGE: Stage = Stage {
         part!("wgsl/geometry.wgsl"),
         part!("wgsl/contact.wgsl"),
         part!("wgsl/collision.wgsl"),
+        part!("wgsl/plain.wgsl"),
         part!("stage/find_collisions.wgsl"),
     ],
     bindings: &[

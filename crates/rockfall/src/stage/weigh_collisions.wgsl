@@ -57,8 +57,66 @@ fn add_row(k: ptr<function, Contact>, name: vec3u, slot: u32, row: u32, sums: pt
     }
 }
 
+// Adds the contacts of a plain sphere, `other` left out, coupled with a contact of normal `n` there and inverse mass G_kk.
+// False where one of them is not plain.
+fn add_plain(sphere: u32, other: u32, n: vec3f, inverse_mass: f32, sums: ptr<function, RowSums>) -> bool {
+    let own = state[velocity_at(sphere)].w;
+    if own <= 0.0 {
+        return true;
+    }
+    for (var e = 0u; e < lists[sphere]; e++) {
+        let entry = entry_at(slot_of(sphere, e));
+        let id = entry_id(entry);
+        if ((entry & ENTRY_OVERLAPS) == 0u) | (id == other) {
+            continue;
+        }
+        if !are_plain(sphere, id) {
+            return false;
+        }
+        let l = plain_contact(sphere, id);
+        if l.overlap <= 0.0 {
+            continue;
+        }
+        let term = own * abs(dot(n, l.n)) / (sqrt(inverse_mass) * sqrt(l.inverse_mass));
+        (*sums).overlapping += term;
+        if (entry & ENTRY_COLLIDES) != 0u {
+            (*sums).colliding += term;
+        }
+    }
+    return true;
+}
+
+// The weight of a plain contact among plain ones; 0 where one is not plain.
+fn weigh_plain(a: u32, b: u32) -> f32 {
+    let k = plain_contact(a, b);
+    var sums = RowSums(1.0, 1.0);
+    if !add_plain(a, b, k.n, k.inverse_mass, &sums) {
+        return 0.0;
+    }
+    if b < step.spheres {
+        if !add_plain(b, a, k.n, k.inverse_mass, &sums) {
+            return 0.0;
+        }
+    }
+    return weight_from(sums);
+}
+
+fn weight_from(sums: RowSums) -> f32 {
+    let weight = 1.0 / max(sums.colliding, 1.0);
+    return select(weight, -weight, sums.overlapping <= ALONE);
+}
+
 // s_k, negative where the overlap is to be removed.
 fn weigh(name: vec3u) -> f32 {
+    if are_plain(name.x, name.y) {
+        let weight = weigh_plain(name.x, name.y);
+        if weight != 0.0 {
+            return weight;
+        }
+    }
+    if !RODS {
+        return 0.0;
+    }
     var k = contact_of(name.x, name.y, touch(name.x, name.y, name.z));
     var sums = RowSums(0.0, 0.0);
     for (var slot = 0u; slot < 4u; slot++) {
@@ -75,8 +133,7 @@ fn weigh(name: vec3u) -> f32 {
             }
         }
     }
-    let weight = 1.0 / max(sums.colliding, 1.0);
-    return select(weight, -weight, sums.overlapping <= ALONE);
+    return weight_from(sums);
 }
 
 @compute @workgroup_size(64)
@@ -86,7 +143,7 @@ fn weigh_collisions(
     @builtin(local_invocation_index) local: u32,
 ) {
     let mover = linear_thread(group, groups, local);
-    if (mover >= step.spheres + step.rods) | (status.void != 0u) | (status.collided != 0u) {
+    if (mover >= step.spheres + step.rods) | (status.void != 0u) | (status.collided != 0u) | (status.collisions == 0u) {
         return;
     }
     for (var e = 0u; e < lists[mover]; e++) {

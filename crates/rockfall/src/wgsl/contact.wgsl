@@ -51,7 +51,7 @@ fn side_at(id: u32, at: f32) -> Side {
     if id < step.spheres {
         return sphere_side(id);
     }
-    if id - step.spheres < step.rods {
+    if RODS & (id - step.spheres < step.rods) {
         return rod_side(id - step.spheres, at);
     }
     return static_side();

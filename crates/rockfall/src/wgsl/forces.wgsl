@@ -31,10 +31,8 @@ fn add_contacts(i: u32, net: ptr<function, Net>) {
                 continue;
             }
             found = touch_at(distance, own.w + other.w, 0.0, 0.0, vec3f(0.0, select(-1.0, 1.0, i < id), 0.0));
-            if step.adjacency_at != 0u {
-                if joined(i, id) {
-                    continue;
-                }
+            if joined(i, id) {
+                continue;
             }
         } else {
             found = touch_static_or_rod(i, id, own);
@@ -59,7 +57,10 @@ fn add_contacts(i: u32, net: ptr<function, Net>) {
 fn touch_static_or_rod(i: u32, id: u32, own: vec4f) -> Touch {
     let boxes = step.spheres + step.rods;
     if id < boxes {
-        return touch_sphere_rod(i, id - step.spheres);
+        if RODS {
+            return touch_sphere_rod(i, id - step.spheres);
+        }
+        return no_touch();
     }
     if id < boxes + step.boxes {
         return touch_sphere_box(own, cuboid(id - boxes));
@@ -84,7 +85,7 @@ fn add_attachments(i: u32, net: ptr<function, Net>) {
     for (var at = range.x; at < range.y; at++) {
         let kind = kind_of(words[at]);
         let index = index_of(words[at]);
-        if kind == KIND_ROD {
+        if RODS & (kind == KIND_ROD) {
             let end = 4u * index + select(2u, 0u, rod_ends(index).x == i);
             (*net).force += wrenches[end].xyz;
             (*net).torque += wrenches[end + 1u].xyz;

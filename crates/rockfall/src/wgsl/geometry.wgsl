@@ -283,16 +283,20 @@ fn touch(a: u32, b: u32, feature: u32) -> Touch {
         }
     } else if a < step.spheres {
         if b < boxes {
-            found = touch_sphere_rod(a, b - step.spheres);
+            if RODS {
+                found = touch_sphere_rod(a, b - step.spheres);
+            }
         } else if b < boxes + step.boxes {
             found = touch_sphere_box(state[position_at(a)], cuboid(b - boxes));
         } else {
             found = touch_sphere_polygon(state[position_at(a)], polygon(b - boxes - step.boxes));
         }
-    } else if b < boxes {
-        found = touch_rods(a - step.spheres, b - step.spheres);
-    } else {
-        found = touch_rod_box(rod_axis(a - step.spheres), cuboid(b - boxes), feature);
+    } else if RODS {
+        if b < boxes {
+            found = touch_rods(a - step.spheres, b - step.spheres);
+        } else {
+            found = touch_rod_box(rod_axis(a - step.spheres), cuboid(b - boxes), feature);
+        }
     }
     if found.overlap > 0.0 {
         if inverse_mass_at(a, found.a) + inverse_mass_at(b, found.b) <= 0.0 {

@@ -91,6 +91,9 @@ fn index_of(attached: u32) -> u32 {
 
 // First word of a sphere's rods and their number.
 fn rods_of(sphere: u32) -> vec2u {
+    if !RODS {
+        return vec2u(0u);
+    }
     let range = adjacency(sphere);
     var end = range.x;
     while end < range.y {
@@ -104,6 +107,9 @@ fn rods_of(sphere: u32) -> vec2u {
 
 // The only rod of a sphere, if it has exactly one and that has a fixed length: then the sphere is the end of a capsule.
 fn capsule_rod(sphere: u32) -> u32 {
+    if !RODS {
+        return NONE;
+    }
     let range = adjacency(sphere);
     if range.x == range.y {
         return NONE;

@@ -102,6 +102,9 @@ struct StatusAtomic {
 @group(0) @binding(0) var<uniform> step: Step;
 @group(0) @binding(1) var<uniform> pass_: Pass;
 
+// Whether there are rods. Kernels for scenes without them are smaller and faster.
+override RODS: bool = true;
+
 const WORKGROUP: u32 = 64u;
 const SLICE: u32 = 32u;
 

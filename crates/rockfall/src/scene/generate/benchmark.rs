@@ -1,0 +1,375 @@
+//! Scenes to measure with: O(N) to make, in memory that the scene takes anyway, and such that bodies go on meeting.
+
+use std::fmt;
+use std::str::FromStr;
+
+use glam::{IVec3, Vec3};
+use rand::SeedableRng as _;
+use rand_pcg::Pcg64Mcg;
+
+use super::{Random, ball_within, check_count, walled_box};
+use crate::error::{Error, Result};
+use crate::scene::{Capsule, Rod, Scene, Sphere, Spring};
+
+/// A scene to measure with. The numbers of bodies are exact.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Benchmark {
+    /// Section 2.9 of the thesis: nothing but spheres, placed randomly close to each other. They draw together slowly,
+    /// without gravity, so that they go on meeting.
+    Thesis,
+    /// Equal spheres at rest on a cubic lattice whose spacing is 0.97 of their diameter, without gravity: every inner
+    /// sphere has six contacts.
+    Lattice,
+    /// Spheres of several sizes that fall into a walled box, at most [`LAYERS`] deep.
+    Pile,
+    /// Nearly equal spheres as they lie when all has settled: close-packed layers, at most [`LAYERS`] deep.
+    Settled,
+    /// The spheres of [`Benchmark::Pile`], added in random order.
+    Shuffled,
+    /// A quarter capsules, a quarter rods with a spring, half spheres, falling into a walled box. Here the number is that
+    /// of these bodies: capsules and rods have two spheres each.
+    Mixed,
+    /// Spheres of radii from 1 to 50 that fall into a walled box: few large ones among many small ones.
+    Radii,
+}
+
+/// Piles are no deeper than this, in spheres: with the default contact force the lowest bear so much with overlaps of a
+/// tenth of their size.
+pub const LAYERS: u32 = 32;
+
+impl Benchmark {
+    /// All of them.
+    pub const ALL: [Self; 7] = [
+        Self::Thesis,
+        Self::Lattice,
+        Self::Pile,
+        Self::Settled,
+        Self::Shuffled,
+        Self::Mixed,
+        Self::Radii,
+    ];
+
+    /// The name on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Thesis => "thesis",
+            Self::Lattice => "lattice",
+            Self::Pile => "pile",
+            Self::Settled => "settled",
+            Self::Shuffled => "shuffled",
+            Self::Mixed => "mixed",
+            Self::Radii => "radii",
+        }
+    }
+
+    /// Generates a scene with so many bodies; the same for the same seed.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] for 0 bodies, [`Error::TooManyObjects`] for more than the engine can number.
+    pub fn generate(self, bodies: u32, seed: u64) -> Result<Scene> {
+        check_count(bodies)?;
+        match self {
+            Self::Thesis => thesis(bodies, seed),
+            Self::Lattice => lattice(bodies),
+            Self::Pile => pile(bodies, seed, 0..bodies),
+            Self::Settled => settled(bodies, seed),
+            Self::Shuffled => pile(bodies, seed, shuffled(bodies, seed).into_iter()),
+            Self::Mixed => mixed(bodies, seed),
+            Self::Radii => radii(bodies, seed),
+        }
+    }
+}
+
+impl fmt::Display for Benchmark {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+impl FromStr for Benchmark {
+    type Err = Error;
+
+    fn from_str(text: &str) -> Result<Self> {
+        let known = Self::ALL.into_iter().find(|scene| scene.name() == text);
+        known.ok_or_else(|| Error::Invalid {
+            field: "scene",
+            value: format!("'{text}'"),
+            expected: "thesis, lattice, pile, settled, shuffled, mixed or radii",
+        })
+    }
+}
+
+/// The random numbers of one body, whatever the order in which bodies are added.
+fn random_of(seed: u64, index: u32) -> Random {
+    // Neighbouring seeds would begin alike.
+    let mixed = (u64::from(index) + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+    Random(Pcg64Mcg::seed_from_u64(seed ^ mixed))
+}
+
+/// Numbers in random order (Fisher and Yates).
+fn shuffled(count: u32, seed: u64) -> Vec<u32> {
+    let mut random = Random(Pcg64Mcg::seed_from_u64(seed));
+    let mut order: Vec<u32> = (0..count).collect();
+    for last in (1..count).rev() {
+        order.swap(last as usize, random.below(last + 1) as usize);
+    }
+    order
+}
+
+/// The least number whose power is not below `count`.
+fn root(count: u32, power: u32) -> u32 {
+    let mut side = (f64::from(count).powf(1.0 / f64::from(power)) as u32).max(1);
+    while u64::from(side).pow(power) < u64::from(count) {
+        side += 1;
+    }
+    side
+}
+
+/// A block of cells `across` wide either way, which stands about the y axis.
+struct Block {
+    across: u32,
+    cell: f32,
+}
+
+impl Block {
+    /// As wide as high, or, where that is deeper than `layers`, wider.
+    fn new(cells: u32, cell: f32, layers: u32) -> Self {
+        let across = root(cells, 3).max(root(cells.div_ceil(layers), 2));
+        Self { across, cell }
+    }
+
+    fn centre(&self, index: u32) -> Vec3 {
+        let (row, layer) = (index / self.across, index / (self.across * self.across));
+        let cell = IVec3::new((index % self.across) as i32, layer as i32, (row % self.across) as i32);
+        self.cell * (cell.as_vec3() + 0.5) - Vec3::new(self.half(), 0.0, self.half())
+    }
+
+    fn half(&self) -> f32 {
+        0.5 * self.cell * self.across as f32
+    }
+
+    fn height(&self, cells: u32) -> f32 {
+        self.cell * cells.div_ceil(self.across * self.across) as f32
+    }
+
+    /// Walls and a floor around it, with room above.
+    fn enclose(&self, scene: &mut Scene, cells: u32) -> Result<()> {
+        walled_box(scene, self.half(), self.half(), self.height(cells) + 2.0)
+    }
+}
+
+fn thesis(bodies: u32, seed: u64) -> Result<Scene> {
+    const RADIUS: f32 = 0.2;
+    const CELL: f32 = 0.45;
+    /// How fast they draw together, in 1/s: in 1,000 steps of 20 ms they have met and part again.
+    const TOGETHER: f32 = 0.1;
+    let mut scene = Scene::new();
+    scene.settings.gravity = 0.0;
+    let block = Block::new(bodies, CELL, u32::MAX);
+    let middle = Vec3::Y * (0.5 * block.height(bodies));
+    for index in 0..bodies {
+        let mut random = random_of(seed, index);
+        let position = block.centre(index) - middle + random.offset(0.5 * CELL - RADIUS);
+        let velocity = random.offset(0.2) - TOGETHER * position;
+        scene.add_sphere(Sphere::new(position, RADIUS).velocity(velocity))?;
+    }
+    Ok(scene)
+}
+
+fn lattice(bodies: u32) -> Result<Scene> {
+    const RADIUS: f32 = 0.2;
+    let mut scene = Scene::new();
+    scene.settings.gravity = 0.0;
+    let block = Block::new(bodies, 0.97 * 2.0 * RADIUS, u32::MAX);
+    for index in 0..bodies {
+        scene.add_sphere(Sphere::new(block.centre(index), RADIUS))?;
+    }
+    Ok(scene)
+}
+
+fn pile(bodies: u32, seed: u64, order: impl Iterator<Item = u32>) -> Result<Scene> {
+    const CELL: f32 = 0.56;
+    let mut scene = Scene::new();
+    let block = Block::new(bodies, CELL, LAYERS);
+    for index in order {
+        let mut random = random_of(seed, index);
+        scene.add_sphere(ball_within(&mut random, block.centre(index), CELL, [0.15, 0.25]))?;
+    }
+    block.enclose(&mut scene, bodies)?;
+    Ok(scene)
+}
+
+fn settled(bodies: u32, seed: u64) -> Result<Scene> {
+    const RADIUS: f32 = 0.2;
+    // Layers of squares, each sphere of the next in the dip between four: as dense as spheres can lie.
+    const APART: f32 = 2.0 * RADIUS;
+    const RISE: f32 = APART * std::f32::consts::FRAC_1_SQRT_2;
+    let mut scene = Scene::new();
+    let block = Block::new(bodies, APART, LAYERS);
+    for index in 0..bodies {
+        let mut random = random_of(seed, index);
+        let layer = index / (block.across * block.across);
+        let mut position = block.centre(index);
+        position.y = RADIUS + RISE * layer as f32;
+        if layer % 2 == 1 {
+            position += Vec3::new(0.5 * APART, 0.0, 0.5 * APART);
+        }
+        let radius = RADIUS * random.between(0.98, 1.0);
+        scene.add_sphere(Sphere::new(position, radius).mass((radius / RADIUS).powi(3)))?;
+    }
+    // Every other layer stands half a sphere aside.
+    let half = block.half() + 0.25 * APART;
+    for sphere in scene.spheres.objects_mut() {
+        sphere.position -= Vec3::new(0.25 * APART, 0.0, 0.25 * APART);
+    }
+    walled_box(&mut scene, half, half, block.height(bodies) + 2.0)?;
+    Ok(scene)
+}
+
+fn mixed(bodies: u32, seed: u64) -> Result<Scene> {
+    const CELL: f32 = 1.0;
+    /// Half the distance of two ends, and the greatest radius: with the cell's jitter they stay inside it.
+    const HALF: f32 = 0.25;
+    const RADIUS: f32 = 0.18;
+    let mut scene = Scene::new();
+    let block = Block::new(bodies, CELL, LAYERS / 2);
+    for index in 0..bodies {
+        let mut random = random_of(seed, index);
+        if index % 2 == 0 {
+            scene.add_sphere(ball_within(&mut random, block.centre(index), CELL, [0.15, 0.25]))?;
+            continue;
+        }
+        let centre = block.centre(index) + random.offset(0.49 * CELL - HALF - RADIUS);
+        let arm = HALF * random.direction();
+        if index % 4 == 1 {
+            scene.add_capsule(Capsule::new(centre - arm, centre + arm, RADIUS).mass(2.0))?;
+        } else {
+            let a = scene.add_sphere(Sphere::new(centre - arm, RADIUS))?;
+            let b = scene.add_sphere(Sphere::new(centre + arm, RADIUS))?;
+            scene.add_rod(Rod::new(a, b, 0.1))?;
+            scene.add_spring(Spring::new(a, b, 200.0, 2.0 * HALF).damping(1.0))?;
+        }
+    }
+    block.enclose(&mut scene, bodies)?;
+    Ok(scene)
+}
+
+/// Two cells in turn: one with a sphere of radius 50 (times [`UNIT`]), one that is divided into 7³ cells, every other one
+/// with a sphere of radius 7, the others divided into 7³ cells with a sphere of radius 1 to 1.2 each.
+fn radii(bodies: u32, seed: u64) -> Result<Scene> {
+    const UNIT: f32 = 0.05;
+    const SIDE: u32 = 7;
+    /// A cell for the largest, for the middle and for the smallest.
+    const CELLS: [f32; 3] = [120.0 * UNIT, 120.0 * UNIT / 7.0, 120.0 * UNIT / 49.0];
+    const SMALL: u32 = SIDE * SIDE * SIDE;
+    /// Spheres of two cells.
+    const PERIOD: u32 = 1 + SMALL.div_ceil(2) + SMALL / 2 * SMALL;
+    let mut scene = Scene::new();
+    let periods = bodies.div_ceil(PERIOD);
+    let block = Block::new(2 * periods, CELLS[0], 4);
+    let inside = |index: u32, cell: f32| {
+        let place = IVec3::new(
+            (index % SIDE) as i32,
+            (index / (SIDE * SIDE)) as i32,
+            (index / SIDE % SIDE) as i32,
+        );
+        cell * (place - SIDE as i32 / 2).as_vec3()
+    };
+    for index in 0..bodies {
+        let mut random = random_of(seed, index);
+        let (period, place) = (index / PERIOD, index % PERIOD);
+        // The rest of the period in the second cell: 1 of the middle and 343 of the smallest by turns.
+        let (middle, small) = (
+            place.saturating_sub(1) / (SMALL + 1) * 2,
+            place.saturating_sub(1) % (SMALL + 1),
+        );
+        let (centre, radius, cell) = if place == 0 {
+            (block.centre(2 * period), 50.0, CELLS[0])
+        } else if small == 0 {
+            let offset = inside(middle, CELLS[1]);
+            (block.centre(2 * period + 1) + offset, 7.0, CELLS[1])
+        } else {
+            let offset = inside(middle + 1, CELLS[1]) + inside(small - 1, CELLS[2]);
+            (block.centre(2 * period + 1) + offset, random.between(1.0, 1.2), CELLS[2])
+        };
+        let position = centre + random.offset(0.49 * cell - radius * UNIT);
+        // By radius and not by volume: contact forces go with the lighter body's mass, so small ones could never bear
+        // what is 125,000 times as heavy.
+        scene.add_sphere(Sphere::new(position, radius * UNIT).mass(radius))?;
+    }
+    block.enclose(&mut scene, 2 * periods)?;
+    Ok(scene)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SIZES: [u32; 8] = [1, 2, 5, 64, 345, 346, 1000, 4000];
+
+    #[test]
+    fn counts_are_exact_and_seeds_decide() {
+        for benchmark in Benchmark::ALL {
+            for bodies in SIZES {
+                let counts = benchmark.generate(bodies, 7).unwrap().counts();
+                let two_spheres = if benchmark == Benchmark::Mixed { bodies / 2 } else { 0 };
+                assert_eq!(counts.spheres as u32, bodies + two_spheres, "{benchmark}");
+                assert_eq!(counts.rods as u32, two_spheres, "{benchmark}");
+            }
+            let spheres = |seed| benchmark.generate(100, seed).unwrap().spheres().to_vec();
+            assert_eq!(spheres(1), spheres(1), "{benchmark}");
+            assert_eq!(spheres(1) == spheres(2), benchmark == Benchmark::Lattice, "{benchmark}");
+            assert!(benchmark.generate(0, 0).is_err());
+            assert_eq!(benchmark.name().parse::<Benchmark>().unwrap(), benchmark);
+        }
+        assert!("heap".parse::<Benchmark>().is_err());
+    }
+
+    #[test]
+    fn shuffled_is_the_pile_in_another_order() {
+        let sorted = |benchmark: Benchmark| {
+            let mut positions: Vec<_> = benchmark.generate(500, 3).unwrap().spheres().to_vec();
+            positions.sort_by(|a, b| a.position.x.total_cmp(&b.position.x));
+            positions
+        };
+        assert_eq!(sorted(Benchmark::Pile), sorted(Benchmark::Shuffled));
+        let first = |benchmark: Benchmark| benchmark.generate(500, 3).unwrap().spheres()[..20].to_vec();
+        assert_ne!(first(Benchmark::Pile), first(Benchmark::Shuffled));
+    }
+
+    /// The deepest overlap of two spheres, as a part of the smaller one's radius.
+    fn overlap(scene: &Scene) -> f32 {
+        let balls = scene.spheres();
+        let gap = |a: &Sphere, b: &Sphere| a.position.distance(b.position) - a.radius - b.radius;
+        let pairs = balls
+            .iter()
+            .enumerate()
+            .flat_map(|(at, a)| balls[at + 1..].iter().map(move |b| (a, b)));
+        pairs.map(|(a, b)| -gap(a, b) / a.radius.min(b.radius)).fold(0.0, f32::max)
+    }
+
+    #[test]
+    fn only_what_lies_touches_at_first() {
+        for benchmark in Benchmark::ALL {
+            for bodies in SIZES {
+                let deepest = overlap(&benchmark.generate(bodies, 11).unwrap());
+                let least = match benchmark {
+                    Benchmark::Lattice if bodies > 1 => 0.05..0.07,
+                    _ => 0.0..1e-4,
+                };
+                assert!(least.contains(&deepest), "{benchmark} {bodies}: {deepest}");
+            }
+        }
+    }
+
+    #[test]
+    fn radii_are_spread_fifty_times() {
+        let scene = Benchmark::Radii.generate(100_000, 1).unwrap();
+        let radii = || scene.spheres().iter().map(|sphere| sphere.radius);
+        let (least, greatest) = (radii().fold(f32::MAX, f32::min), radii().fold(0.0, f32::max));
+        assert!((49.0..=50.0).contains(&(greatest / least)), "{least} to {greatest}");
+        let many = |radius: f32| radii().filter(|r| *r > 0.9 * radius).count();
+        assert_eq!(many(2.5), 2);
+        assert!(many(0.35) > 200);
+    }
+}

@@ -1,0 +1,161 @@
+//! Measuring: the time of every stage, the memory, and what the memory can do.
+
+use std::mem::size_of_val;
+use std::slice::from_ref;
+
+use crate::cpu;
+use crate::error::Result;
+use crate::profile::{BufferSize, Clock, Profile, Recorder};
+use crate::simulation::{Simulation, engine};
+use crate::stage::Run;
+use crate::world::World;
+
+impl Simulation {
+    /// [`Simulation::run`] with every stage timed: on the GPU by timestamps around every dispatch, on the CPU by the
+    /// host's clock. The steps are those that `run` would do, but slower: measure throughput there.
+    ///
+    /// # Errors
+    /// As for [`Simulation::run`]; and [`Error::Device`](crate::Error::Device), before any step, when the GPU has no
+    /// timestamps or was opened without them ([`Simulation::clock`] tells).
+    #[cfg(not(target_family = "wasm"))]
+    pub fn profile(&mut self, steps: u64, dt: f32) -> Result<Profile> {
+        let device = self.engine.waiter();
+        engine::block_on(device, self.profile_async(steps, dt))
+    }
+
+    /// [`Simulation::profile`] without blocking.
+    ///
+    /// # Errors
+    /// As there.
+    pub async fn profile_async(&mut self, steps: u64, dt: f32) -> Result<Profile> {
+        let clock = self.clock()?;
+        let before = self.report.steps;
+        let mut recorder = Recorder::default();
+        let wall = Watch::start();
+        self.run_recorded(steps, dt, Some(&mut recorder)).await?;
+        Ok(Profile {
+            stages: recorder.stages,
+            seconds: wall.seconds(),
+            steps: self.report.steps - before,
+            void_seconds: recorder.void_seconds,
+            clock,
+        })
+    }
+
+    /// What [`Simulation::profile`] would time stages with.
+    ///
+    /// # Errors
+    /// [`Error::Device`](crate::Error::Device) when there is nothing to time them with.
+    pub fn clock(&self) -> Result<Clock> {
+        #[cfg(feature = "gpu")]
+        if let Some(world) = self.engine.gpu_world() {
+            return crate::gpu::clock(world.gpu());
+        }
+        Ok(Clock::Host)
+    }
+
+    /// Bytes of all buffers that the simulation has on the device; on the CPU backend, those of its arrays.
+    pub fn device_memory(&self) -> u64 {
+        self.buffer_sizes().iter().map(|buffer| buffer.bytes).sum()
+    }
+
+    /// The size of every buffer on the device; on the CPU backend, of every array.
+    pub fn buffer_sizes(&self) -> Vec<BufferSize> {
+        #[cfg(feature = "gpu")]
+        if let Some(world) = self.engine.gpu_world() {
+            return world.buffer_sizes();
+        }
+        array_sizes(&self.world)
+    }
+
+    /// What a plain copy of a large buffer reaches on the device (on the CPU backend: of a large array, on all threads), in
+    /// bytes read plus bytes written a second: the best of several. Takes memory for it, up to 1 GiB, for a moment.
+    ///
+    /// # Errors
+    /// [`Error::Device`](crate::Error::Device) when there is no memory for it, or nothing to time it with.
+    #[cfg(not(target_family = "wasm"))]
+    pub fn copy_bandwidth(&self) -> Result<f64> {
+        let device = self.engine.waiter();
+        engine::block_on(device, self.copy_bandwidth_async())
+    }
+
+    /// [`Simulation::copy_bandwidth`] without blocking.
+    ///
+    /// # Errors
+    /// As there.
+    pub async fn copy_bandwidth_async(&self) -> Result<f64> {
+        #[cfg(feature = "gpu")]
+        if let Some(world) = self.engine.gpu_world() {
+            return crate::gpu::copy_bandwidth(world.gpu()).await;
+        }
+        Ok(host_copy_bandwidth())
+    }
+}
+
+/// Runs stages in their order; gives the time of each, in s.
+pub(super) fn run_timed(world: &mut World, stages: &[Run]) -> Vec<Option<f64>> {
+    let timed = |run: &Run| {
+        let watch = Watch::start();
+        cpu::run(world, from_ref(run));
+        Some(watch.seconds())
+    };
+    stages.iter().map(timed).collect()
+}
+
+fn array_sizes(world: &World) -> Vec<BufferSize> {
+    let [start, y2, y3, y4] = world.states.each_ref().map(|state| size_of_val(&state[..]));
+    let sizes = [
+        ("the state", start),
+        ("stage state 2", y2),
+        ("stage state 3", y3),
+        ("stage state 4", y4),
+        ("the AABBs", size_of_val(&world.aabbs[..])),
+        ("topology and static objects", size_of_val(&world.words[..])),
+        ("the pair lists", size_of_val(&world.lists[..])),
+        ("the collision weights", size_of_val(&world.weights[..])),
+        ("the forces on rods", size_of_val(&world.wrenches[..])),
+        ("the orientations", size_of_val(&world.orientations[..])),
+    ];
+    sizes.map(|(name, bytes)| BufferSize::new(name, bytes as u64)).to_vec()
+}
+
+/// A copy on all threads, piece by piece.
+fn host_copy_bandwidth() -> f64 {
+    use rayon::prelude::*;
+    // Far beyond any cache.
+    const WORDS: usize = 32 << 20;
+    const PIECE: usize = 1 << 16;
+    const COPIES: u32 = 5;
+    let source = vec![1_u64; WORDS];
+    let mut copied = vec![0_u64; WORDS];
+    let mut best = f64::INFINITY;
+    for _ in 0..COPIES {
+        let watch = Watch::start();
+        let pieces = copied.par_chunks_mut(PIECE).zip(source.par_chunks(PIECE));
+        pieces.for_each(|(to, from)| to.copy_from_slice(from));
+        best = best.min(watch.seconds());
+    }
+    2.0 * size_of_val(&source[..]) as f64 / best
+}
+
+/// The host's clock, which stands still in a browser.
+struct Watch {
+    #[cfg(not(target_family = "wasm"))]
+    start: std::time::Instant,
+}
+
+impl Watch {
+    fn start() -> Self {
+        Self {
+            #[cfg(not(target_family = "wasm"))]
+            start: std::time::Instant::now(),
+        }
+    }
+
+    fn seconds(&self) -> f64 {
+        #[cfg(not(target_family = "wasm"))]
+        return self.start.elapsed().as_secs_f64();
+        #[cfg(target_family = "wasm")]
+        0.0
+    }
+}

@@ -1,0 +1,195 @@
+//! The bytes that a stage must move at least, from the counts alone.
+//!
+//! Every array that a stage has to read is counted once, every array that it has to write once, as if caches were
+//! perfect: that a neighbour's position is read by every contact costs nothing, for its cache line was needed anyway.
+//! The entries of the pair lists are counted with the padding of their slices, which is read with them. What only some
+//! bodies need (weights of collisions, constraints of fixed rods, springs) is left out, so the sums are lower bounds.
+
+use crate::layout::{SLICE, Status, Step};
+use crate::stage::{Access, Buffer, Run, Stage};
+
+/// How often a stage has to move what there is of each kind.
+#[derive(Clone, Copy, Default)]
+struct Moves {
+    /// Rows of 16 bytes a sphere: position and radius, velocity and inverse mass, angular momentum and inverse inertia,
+    /// orientation.
+    rows: u64,
+    /// AABBs of spheres, 32 bytes each.
+    sphere_aabbs: u64,
+    /// AABBs of all objects.
+    aabbs: u64,
+    /// Tags of all objects, 4 bytes each.
+    tags: u64,
+    /// Counts of the pair lists, 4 bytes a mover, and slice offsets.
+    counts: u64,
+    /// Entries of the pair lists, 4 bytes each.
+    entries: u64,
+    /// Records of the rods, 16 bytes each.
+    rods: u64,
+    /// Forces on rods, 64 bytes a rod.
+    wrenches: u64,
+}
+
+const NONE: Moves = Moves {
+    rows: 0,
+    sphere_aabbs: 0,
+    aabbs: 0,
+    tags: 0,
+    counts: 0,
+    entries: 0,
+    rods: 0,
+    wrenches: 0,
+};
+
+/// What every force evaluation reads besides the state.
+const FORCES: Moves = Moves {
+    counts: 1,
+    entries: 1,
+    wrenches: 1,
+    ..NONE
+};
+
+/// The moves of a stage; `None` for one that this table does not know.
+fn moves(name: &str, pass: u32) -> Option<Moves> {
+    Some(match name {
+        // Reads position and velocity.
+        "update_aabbs" => Moves {
+            rows: 2,
+            tags: 1,
+            aabbs: 1,
+            rods: 1,
+            ..NONE
+        },
+        "count_pairs" => Moves {
+            aabbs: 1,
+            counts: 1,
+            ..NONE
+        },
+        "scan_pairs" => Moves { counts: 1, ..NONE },
+        "fill_pairs" => Moves {
+            aabbs: 1,
+            counts: 1,
+            entries: 1,
+            ..NONE
+        },
+        // Reads position and velocity; reads and writes the entries.
+        "find_collisions" => Moves {
+            rows: 2,
+            sphere_aabbs: 1,
+            counts: 1,
+            entries: 2,
+            ..NONE
+        },
+        "weigh_collisions" => Moves {
+            counts: 1,
+            entries: 1,
+            ..NONE
+        },
+        // Reads 3 rows, writes 3.
+        "apply_collisions" => Moves {
+            rows: 6,
+            counts: 1,
+            entries: 1,
+            ..NONE
+        },
+        "commit_collisions" | "commit_leap" => Moves { rows: 6, ..NONE },
+        "rod_forces" => Moves {
+            rods: 1,
+            wrenches: 1,
+            ..NONE
+        },
+        // Reads 3 rows, writes 3; in later passes it reads the 3 of the starting state besides.
+        "advance" => Moves {
+            rows: if pass == 0 { 6 } else { 9 },
+            sphere_aabbs: 1,
+            ..FORCES
+        },
+        // Reads 3 rows of four states, writes 3, and the old position and mean spin.
+        "finish" => Moves { rows: 17, ..FORCES },
+        // Reads 3 rows, writes 3, and the old position and mean spin.
+        "leap" => Moves {
+            rows: 8,
+            sphere_aabbs: 1,
+            ..FORCES
+        },
+        // Reads the mean spin, reads and writes the orientation.
+        "turn" => Moves { rows: 3, ..NONE },
+        "end_collisions" | "end_step" | "restore_lengths" | "constrain" => NONE,
+        _ => return None,
+    })
+}
+
+/// For a stage without a line of its own: each of its bindings once, whole.
+fn moves_by_bindings(stage: &Stage, pass: u32) -> Moves {
+    let mut moves = NONE;
+    for binding in stage.bindings {
+        match (binding.slot.buffer(pass), binding.access) {
+            (Buffer::Start | Buffer::Y2 | Buffer::Y3 | Buffer::Y4, _) => moves.rows += 3,
+            (Buffer::Orientations, _) => moves.rows += 1,
+            (Buffer::Aabbs, _) => moves.aabbs += 1,
+            (Buffer::Lists, Access::Read) => (moves.counts, moves.entries) = (moves.counts + 1, moves.entries + 1),
+            (Buffer::Lists, Access::Write) => moves.counts += 1,
+            (Buffer::Wrenches, _) => moves.wrenches += 1,
+            _ => {}
+        }
+    }
+    moves
+}
+
+/// Bytes that a run must move at least, with the counts of `step` and the list entries of `status`.
+pub(crate) fn least_bytes(run: &Run, step: &Step, status: &Status) -> u64 {
+    let moves = moves(run.stage.name, run.pass).unwrap_or_else(|| moves_by_bindings(run.stage, run.pass));
+    let (spheres, rods) = (u64::from(step.spheres), u64::from(step.rods));
+    let movers = spheres + rods;
+    let objects = movers + u64::from(step.boxes) + u64::from(step.polygons);
+    moves.rows * 16 * spheres
+        + moves.sphere_aabbs * 32 * spheres
+        + moves.aabbs * 32 * objects
+        + moves.tags * 4 * objects
+        + moves.counts * 4 * (movers + movers.div_ceil(u64::from(SLICE)))
+        + moves.entries * 4 * u64::from(status.pairs_needed)
+        + moves.rods * 16 * rods
+        + moves.wrenches * 64 * rods
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::settings::Integrator;
+    use crate::stage::{ALL, Phase};
+
+    fn per_sphere(integrator: Integrator) -> u64 {
+        let step = Step {
+            spheres: 1 << 20,
+            ..Step::default()
+        };
+        // Six entries a sphere.
+        let status = Status {
+            pairs_needed: 6 << 20,
+            ..Status::default()
+        };
+        let runs = Phase::STEP.iter().flat_map(|phase| phase.stages(integrator));
+        runs.map(|run| least_bytes(run, &step, &status)).sum::<u64>() >> 20
+    }
+
+    #[test]
+    fn a_step_moves_what_its_arrays_hold() {
+        let (rk4, euler) = (per_sphere(Integrator::Rk4), per_sphere(Integrator::SymplecticEuler));
+        // Six states in and out of four evaluations come to more than 700 bytes; lists and AABBs follow.
+        assert!((1000..2500).contains(&rk4), "{rk4}");
+        assert!(euler < rk4 && euler > 500, "{euler}");
+    }
+
+    #[test]
+    fn stages_without_a_line_are_judged_by_their_bindings() {
+        let step = Step {
+            spheres: 100,
+            ..Step::default()
+        };
+        for stage in ALL.iter().filter(|stage| stage.name.starts_with("commit")) {
+            let by_bindings = moves_by_bindings(stage, 0).rows;
+            assert_eq!(Some(by_bindings), moves(stage.name, 0).map(|moves| moves.rows));
+            assert_eq!(least_bytes(&Run { stage, pass: 0 }, &step, &Status::default()), 9600);
+        }
+    }
+}
