@@ -14,7 +14,7 @@ use rockfall::{
 use crate::things::{Outcome, Thing, ball, check, direction, simulation, thing, vector, weightless};
 
 fn backends() -> Vec<(Backend, u32)> {
-    let cpu = (Backend::Cpu, 40);
+    let cpu = (Backend::Cpu, 200);
     if cfg!(feature = "gpu") {
         vec![cpu, (Backend::Gpu, 3)]
     } else {
@@ -130,8 +130,8 @@ fn edit() -> impl Strategy<Value = Edit> {
         1 => (vector(3.0), any::<bool>()).prop_map(|(place, is_box)| Edit::AddStatic(place, is_box)),
         3 => (index.clone(), 0..7_u8).prop_map(|(place, kind)| Edit::Remove(place, kind)),
         1 => (index.clone(), vector(2.0)).prop_map(|(place, to)| Edit::Move(place, to)),
-        1 => (index.clone(), vector(5.0)).prop_map(|(place, force)| Edit::Push(place, force)),
-        1 => (index, 1.0_f32..30.0).prop_map(|(place, stiffness)| Edit::Stiffen(place, stiffness)),
+        4 => (index.clone(), vector(5.0)).prop_map(|(place, force)| Edit::Push(place, force)),
+        2 => (index, 1.0_f32..30.0).prop_map(|(place, stiffness)| Edit::Stiffen(place, stiffness)),
         3 => Just(Edit::Step),
     ]
 }
