@@ -115,7 +115,7 @@ pub struct Step {
     pub contact_force: f32,
     /// Friction mu.
     pub friction: f32,
-    /// How far AABBs are grown, times (|v| dt + 0.02 r).
+    /// How far AABBs are grown for what accelerates within a step, in 0.02 r; 1.05 |v| dt comes on top.
     pub margin_scale: f32,
     /// `FLAG_*` bits.
     pub flags: u32,
@@ -199,7 +199,7 @@ pub struct Status {
     pub void: u32,
     /// Words that the entries of the pair lists need.
     pub pairs_needed: u32,
-    /// Bits of the largest (displacement / AABB margin) of a body that left its AABB; positive floats order like their bits.
+    /// Bits of the largest distance, in 0.02 r, by which a body left its AABB; positive floats order like their bits.
     pub escape_ratio: u32,
     /// Steps done since the status was last reset.
     pub steps: u32,

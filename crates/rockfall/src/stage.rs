@@ -15,16 +15,14 @@ mod clear_cells;
 mod commit;
 mod constrain;
 mod count_cells;
-mod count_neighbours;
 mod count_pairs;
 mod end_collisions;
 mod end_step;
-mod fill_neighbours;
 mod fill_pairs;
 mod find_collisions;
+mod find_neighbours;
 mod finish;
 mod leap;
-mod order_pairs;
 mod restore_lengths;
 mod rod_forces;
 mod scan_cells;
@@ -51,6 +49,8 @@ pub enum Buffer {
     Words,
     /// The grid: levels, cells, sums of blocks, keys, sorted objects.
     Cells,
+    /// Per object, in the order of the grid's keys: centre and largest half extent of its AABB.
+    Extents,
     /// The pair lists.
     Lists,
     /// A collision weight for each entry of the pair lists.
@@ -65,7 +65,7 @@ pub enum Buffer {
 
 impl Buffer {
     /// All buffers.
-    pub const ALL: [Self; 12] = [
+    pub const ALL: [Self; 13] = [
         Self::Start,
         Self::Y2,
         Self::Y3,
@@ -73,6 +73,7 @@ impl Buffer {
         Self::Aabbs,
         Self::Words,
         Self::Cells,
+        Self::Extents,
         Self::Lists,
         Self::Weights,
         Self::Wrenches,
@@ -245,9 +246,7 @@ impl Phase {
                         run(&scan_cells::SCAN),
                         run(&scan_cells::PLACE),
                         run(&sort_cells::STAGE),
-                        run(&count_neighbours::STAGE),
-                        run(&fill_neighbours::STAGE),
-                        run(&order_pairs::STAGE),
+                        run(&find_neighbours::STAGE),
                     ]
                 }
             }
@@ -299,7 +298,7 @@ impl Phase {
 }
 
 /// Every stage there is, once.
-pub const ALL: [&Stage; 27] = [
+pub const ALL: [&Stage; 25] = [
     &update_aabbs::STAGE,
     &count_pairs::STAGE,
     &scan_pairs::STAGE,
@@ -310,9 +309,7 @@ pub const ALL: [&Stage; 27] = [
     &scan_cells::SCAN,
     &scan_cells::PLACE,
     &sort_cells::STAGE,
-    &count_neighbours::STAGE,
-    &fill_neighbours::STAGE,
-    &order_pairs::STAGE,
+    &find_neighbours::STAGE,
     &find_collisions::STAGE,
     &weigh_collisions::STAGE,
     &apply_collisions::STAGE,

@@ -168,7 +168,9 @@ mod tests {
             pairs_needed: 6 << 20,
             ..Status::default()
         };
-        let runs = Phase::STEP.iter().flat_map(|phase| phase.stages(integrator));
+        let runs = Phase::STEP
+            .iter()
+            .flat_map(|phase| phase.stages(integrator, crate::BroadPhase::BruteForce));
         runs.map(|run| least_bytes(run, &step, &status)).sum::<u64>() >> 20
     }
 

@@ -38,12 +38,14 @@ fn radii_1_to_50(part: usize) -> Scene {
     scene
 }
 
-fn long_rods_among_small_spheres(_part: usize) -> Scene {
+fn long_rods_among_small_spheres(part: usize) -> Scene {
     let mut scene = Scene::new();
     spheres(&mut scene, 700, [6.0; 3], [0.08, 0.1]);
     let random = &mut random();
     for _ in 0..120 {
-        let (one, two) = (place(random, [6.0; 3]), place(random, [6.0; 3]));
+        let one = place(random, [6.0; 3]);
+        let along = place(random, [8.0 / part as f32; 3]);
+        let two = [one[0] + along[0], one[1] + along[1], one[2] + along[2]];
         let ends = [one, two].map(|end| scene.add_sphere(Sphere::new(end, 0.05)).unwrap());
         scene.add_rod(Rod::new(ends[0], ends[1], 0.04)).unwrap();
         let one = place(random, [6.0; 3]);

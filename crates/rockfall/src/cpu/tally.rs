@@ -12,7 +12,7 @@ pub(crate) struct Tally {
     /// Deepest overlap; not negative.
     pub(crate) max_overlap: f32,
     pub(crate) collisions: u32,
-    /// Largest displacement / margin of a body outside its AABB; 0: none is.
+    /// Largest distance, in 0.02 r, of a body out of its AABB; 0: none is.
     pub(crate) escape_ratio: f32,
     bad_count: u32,
     bad_body: u32,
@@ -69,7 +69,7 @@ impl Tally {
     }
 }
 
-/// How far, in AABB margins, a moving sphere is out of the AABB that its list was made for; 0: it is inside.
+/// How far, in 0.02 r, a moving sphere is out of the AABB that its list was made for; 0: it is inside.
 pub(crate) fn escape_ratio(view: &View, aabbs: &[Aabb], sphere: u32) -> f32 {
     if view.is_fixed(sphere) {
         0.0
@@ -81,11 +81,10 @@ pub(crate) fn escape_ratio(view: &View, aabbs: &[Aabb], sphere: u32) -> f32 {
 /// The same for a ball at a place where it may come to be.
 pub(crate) fn outside(aabb: &Aabb, centre: Vec3, radius: f32) -> f32 {
     let (min, max) = (Vec3::from_array(aabb.min), Vec3::from_array(aabb.max));
-    if min.cmple(centre - radius).all() && (centre + radius).cmple(max).all() {
-        return 0.0;
+    let out = (min - (centre - radius)).max((centre + radius) - max).max_element();
+    if out <= 0.0 {
+        0.0
+    } else {
+        (out / (0.02 * radius)).clamp(1e-3, 1e30)
     }
-    let displacement = (centre - 0.5 * (min + max)).abs().max_element();
-    let margin = (0.5 * (max - min) - radius).max_element();
-    // Only a hint for the next margin: any positive finite number will do.
-    (displacement / margin.max(1e-6 * radius)).clamp(1.0, 1e9)
 }

@@ -45,7 +45,9 @@ impl Simulation {
         while left > 0 {
             let overdue = self.overdue(phases);
             let all: Vec<Phase> = overdue.iter().chain(phases).copied().collect();
-            let done = self.submit(&all, left.min(BATCH), recorder.as_deref_mut()).await?;
+            // What is overdue is made once, not in every step of a batch.
+            let batch = if overdue.is_empty() { left.min(BATCH) } else { 1 };
+            let done = self.submit(&all, batch, recorder.as_deref_mut()).await?;
             left -= done;
             attempts = if done > 0 { 0 } else { attempts + 1 };
             self.note_lists(&all, done);
@@ -56,15 +58,17 @@ impl Simulation {
 
     /// What has to be made first, because it does not fit the scene any more.
     fn overdue(&self, phases: &[Phase]) -> &'static [Phase] {
-        let has = |phase| phases.contains(&phase);
-        let needs_lists = has(Phase::HandleCollisions) || has(Phase::UpdatePositions);
-        if needs_lists && self.lists_due && !has(Phase::BroadPhase) {
-            &[Phase::UpdateAabbs, Phase::BroadPhase]
-        } else if has(Phase::BroadPhase) && self.aabbs_due && !has(Phase::UpdateAabbs) {
-            &[Phase::UpdateAabbs]
-        } else {
-            &[]
+        let (mut aabbs_due, mut lists_due) = (self.aabbs_due, self.lists_due);
+        for phase in phases {
+            match phase {
+                Phase::UpdateAabbs => aabbs_due = false,
+                Phase::BroadPhase if aabbs_due => return &[Phase::UpdateAabbs],
+                Phase::BroadPhase => lists_due = false,
+                _ if lists_due => return &[Phase::UpdateAabbs, Phase::BroadPhase],
+                _ => {}
+            }
         }
+        &[]
     }
 
     /// Hands a batch to the engine; returns how often its phases were done.
@@ -135,13 +139,12 @@ impl Simulation {
             self.grow_lists()?;
         }
         if status.void & VOID_ESCAPED != 0 {
-            let ratio = f32::from_bits(status.escape_ratio).clamp(1.0, 1e9);
             let step = &mut self.world.step;
             // After so many tries no finite margin will do: some force is beyond all measure.
-            step.margin_scale = if attempts > 8 {
+            step.margin_scale = if attempts > 16 {
                 f32::INFINITY
             } else {
-                step.margin_scale * ratio * 1.25
+                (step.margin_scale + f32::from_bits(status.escape_ratio)) * 1.25
             };
         }
         Ok(())

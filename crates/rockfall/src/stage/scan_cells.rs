@@ -1,4 +1,4 @@
-//! Grid broad phase, 3 to 5 of 9: where every cell begins, the exclusive sums of the counts. In three dispatches: the sum
+//! Grid broad phase, 3 to 5 of 7: where every cell begins, the exclusive sums of the counts. In three dispatches: the sum
 //! of every block of cells, the sums of those, and the cells of every block from there.
 
 use crate::layout::{CELL_BLOCK, CELLS_AT};

@@ -1,15 +1,21 @@
-//! Grid broad phase, 6 of 9: the objects in the order of their keys. Those of one cell come in any order; a cell's start
+//! Grid broad phase, 6 of 7: the objects in the order of their keys. Those of one cell come in any order; a cell's start
 //! moves on to its end, which is the start of the next.
 
-use crate::layout::CELLS_AT;
-use crate::stage::{Buffer, Stage, Threads, part, write};
+use glam::{Vec3, Vec4};
+
+use crate::layout::{Aabb, CELLS_AT};
+use crate::stage::{Buffer, Stage, Threads, part, read, write};
 use crate::world::World;
 
 /// The stage.
 pub(crate) const STAGE: Stage = Stage {
     name: "sort_cells",
     parts: &[part!("wgsl/step.wgsl"), part!("stage/sort_cells.wgsl")],
-    bindings: &[write("cells", Buffer::Cells)],
+    bindings: &[
+        read("aabbs", Buffer::Aabbs),
+        write("cells", Buffer::Cells),
+        write("extents", Buffer::Extents),
+    ],
     threads: Threads::Objects,
     cpu: sort_cells,
 };
@@ -22,5 +28,12 @@ fn sort_cells(world: &mut World, _pass: u32) {
         let place = world.cells[cell];
         world.cells[cell] += 1;
         world.cells[(step.sorted_at + place) as usize] = object as u32;
+        world.extents[place as usize] = extent(&world.aabbs[object]);
     }
+}
+
+/// Centre and largest half extent, a little too large, so that no rounding makes it too small.
+fn extent(aabb: &Aabb) -> Vec4 {
+    let (min, max) = (0.5 * Vec3::from_array(aabb.min), 0.5 * Vec3::from_array(aabb.max));
+    (min + max).extend(1.000001 * (max - min).max_element())
 }

@@ -1,4 +1,6 @@
-@group(0) @binding(2) var<storage, read_write> cells: array<atomic<u32>>;
+@group(0) @binding(2) var<storage, read> aabbs: array<Aabb>;
+@group(0) @binding(3) var<storage, read_write> cells: array<atomic<u32>>;
+@group(0) @binding(4) var<storage, read_write> extents: array<vec4f>;
 
 @compute @workgroup_size(64)
 fn sort_cells(
@@ -13,4 +15,9 @@ fn sort_cells(
     let key = atomicLoad(&cells[step.keys_at + object]);
     let place = atomicAdd(&cells[CELLS_AT + key], 1u);
     atomicStore(&cells[step.sorted_at + place], object);
+    let aabb = aabbs[object];
+    let half = 0.5 * aabb.max - 0.5 * aabb.min;
+    // A little too large, so that no rounding makes it too small.
+    let largest = 1.000001 * max(half.x, max(half.y, half.z));
+    extents[place] = vec4f(0.5 * aabb.min + 0.5 * aabb.max, largest);
 }

@@ -1,6 +1,6 @@
 //! AABBs of all objects, static ones too, grown by the motion of the step.
 //!
-//! A sphere moves by at most its margin `margin_scale (|v| dt + 0.02 r)` before its list is made again; where it moves
+//! A sphere moves by at most its margin `1.05 |v| dt + margin_scale 0.02 r` before its list is made again; where it moves
 //! further, `find_collisions`, `advance` or `leap` void the step, the host raises `margin_scale`, and the step is run again.
 //! A rod takes the hull of its ends, each with its own margin and the radius of the rod.
 
@@ -74,7 +74,7 @@ fn margin(view: &View, sphere: u32) -> f32 {
     if view.is_fixed(sphere) {
         return 0.0;
     }
-    view.step.margin_scale * (view.velocity(sphere).length() * view.step.dt + 0.02 * view.radius(sphere))
+    1.05 * view.velocity(sphere).length() * view.step.dt + view.step.margin_scale * 0.02 * view.radius(sphere)
 }
 
 fn hull(corner: Vec3, edges: &[Vec3]) -> (Vec3, Vec3) {

@@ -10,7 +10,7 @@ struct Hull {
 // How far a sphere may move before its list is made again.
 fn margin(sphere: u32, radius: f32) -> f32 {
     let velocity = state[velocity_at(sphere)];
-    return select(0.0, step.margin_scale * (length(velocity.xyz) * step.dt + 0.02 * radius), velocity.w > 0.0);
+    return select(0.0, 1.05 * length(velocity.xyz) * step.dt + step.margin_scale * 0.02 * radius, velocity.w > 0.0);
 }
 
 // A sphere, or the end of a rod of another radius.

@@ -3,7 +3,7 @@
 // Levels of cells, each twice as large as the one below. An object is in one cell: that of its centre, on the lowest level
 // whose cells are not smaller than it. So what overlaps an AABB has its centre within half a cell of it, on every level.
 // Cells live in a table of fixed size: along x they are neighbours, rows are scattered. Two rows may share places of the
-// table; that costs tests and makes duplicates, which `order_pairs` drops, but loses nothing.
+// table; that costs tests and makes duplicates, which `find_neighbours` drops, but loses nothing.
 
 fn cell_size(level: u32) -> f32 {
     return ldexp(step.cell_size, i32(level) - i32(LEVEL_BIAS));

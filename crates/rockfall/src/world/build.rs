@@ -18,7 +18,7 @@ const FIRST_ENTRIES: u64 = 16;
 const FIRST_MARGIN: f32 = 1.25;
 
 /// Cells are as large as AABBs of spheres at rest, and a little more.
-const CELL_PER_RADIUS: f32 = 2.1;
+const CELL_PER_RADIUS: f32 = 2.4;
 
 impl World {
     /// The world of a scene before its first step.
@@ -157,18 +157,20 @@ impl World {
         self.orientations = spheres.iter().map(|sphere| sphere.orientation.into()).collect();
     }
 
-    /// Chooses the grid's cells: a little larger than half of all spheres, and about as many as there are objects.
+    /// Chooses the grid's cells: a little larger than most spheres, and about as many as there are objects.
     fn set_grid(&mut self, scene: &Scene) {
         let mut radii: Vec<f32> = scene.spheres().iter().map(|sphere| sphere.radius).collect();
-        let middle = radii.len() / 2;
-        let median = if radii.is_empty() {
-            1.0
-        } else {
-            *radii.select_nth_unstable_by(middle, f32::total_cmp).1
+        let count = radii.len();
+        let mut quantile = |place: usize| match count {
+            0 => 1.0,
+            _ => *radii.select_nth_unstable_by(place, f32::total_cmp).1,
         };
+        let (median, large) = (quantile(count / 2), quantile(count - count.min(1) - count / 50));
+        // Where radii differ little, all spheres fit the cells of one level.
+        let radius = if large < 2.0 * median { large } else { median };
         let objects = self.objects();
         let step = &mut self.step;
-        step.cell_size = (CELL_PER_RADIUS * median).clamp(1e-20, 1e20);
+        step.cell_size = (CELL_PER_RADIUS * radius).clamp(1e-20, 1e20);
         step.cells = objects.max(CELL_BLOCK).next_power_of_two();
         step.sums_at = CELLS_AT + step.cells;
         step.keys_at = step.sums_at + step.cells / CELL_BLOCK;
@@ -183,6 +185,7 @@ impl World {
         }
         self.aabbs.resize(self.objects() as usize, Default::default());
         self.cells.resize((self.step.sorted_at + self.objects()) as usize, 0);
+        self.extents.resize(self.objects() as usize, Vec4::ZERO);
         self.wrenches.resize(4 * self.step.rods as usize, Vec4::ZERO);
     }
 

@@ -1,0 +1,75 @@
+//! Grid broad phase, 7 of 7: the list of every mover, in ascending order of id, then feature.
+//!
+//! May meet: as in `count_pairs`. Where two rows of cells share places of the table an object is met twice; its entry is
+//! kept once. A slice gets its place in the order in which workgroups come to it; what is in a list does not depend on
+//! where it stands. More than `pair_capacity` voids the step, and its lists are empty.
+
+use rayon::prelude::*;
+
+use crate::cpu::grid::Grid;
+use crate::layout::{ENTRY_FEATURE_MASK, ENTRY_ID_BITS, ENTRY_ID_MASK, SLICE, VOID_COUNT, VOID_PAIRS};
+use crate::stage::{Buffer, Stage, Threads, part, read, write};
+use crate::world::World;
+
+/// The stage.
+pub(crate) const STAGE: Stage = Stage {
+    name: "find_neighbours",
+    parts: &[
+        part!("wgsl/step.wgsl"),
+        part!("wgsl/grid.wgsl"),
+        part!("wgsl/neighbours.wgsl"),
+        part!("stage/find_neighbours.wgsl"),
+    ],
+    bindings: &[
+        read("aabbs", Buffer::Aabbs),
+        read("cells", Buffer::Cells),
+        read("extents", Buffer::Extents),
+        write("lists", Buffer::Lists),
+        write("status", Buffer::Status),
+    ],
+    threads: Threads::Movers,
+    cpu: find_neighbours,
+};
+
+fn find_neighbours(world: &mut World, _pass: u32) {
+    let movers = world.step.spheres + world.step.rods;
+    let grid = Grid::new(&world.step, &world.aabbs, &world.cells);
+    let found: Vec<Vec<u32>> = (0..movers).into_par_iter().map(|mover| neighbours(&grid, mover)).collect();
+
+    let (step, status) = (&world.step, &mut world.status);
+    for (slice, lists) in found.chunks(SLICE as usize).enumerate() {
+        let longest = lists.iter().map(Vec::len).max().unwrap_or(0) as u32;
+        let offset = status.pairs_needed;
+        world.lists[step.slices_at as usize + slice] = offset;
+        let (needed, wrapped) = offset.overflowing_add(longest * SLICE);
+        status.pairs_needed = needed;
+        if wrapped {
+            status.void |= VOID_COUNT;
+        }
+        if needed > step.pair_capacity {
+            status.void |= VOID_PAIRS;
+        }
+    }
+    if status.void & (VOID_PAIRS | VOID_COUNT) != 0 {
+        world.lists[..step.slices_at as usize].fill(0);
+        return;
+    }
+    for (mover, entries) in found.into_iter().enumerate() {
+        let slice = mover / SLICE as usize;
+        let first = step.entries_at + world.lists[step.slices_at as usize + slice] + mover as u32 % SLICE;
+        world.lists[mover] = entries.len() as u32;
+        for (place, entry) in entries.into_iter().enumerate() {
+            world.lists[first as usize + place * SLICE as usize] = entry;
+        }
+    }
+    world.lists[movers as usize..step.slices_at as usize].fill(0);
+}
+
+/// The entries of a mover, each once, in ascending order.
+fn neighbours(grid: &Grid, mover: u32) -> Vec<u32> {
+    let mut entries = Vec::new();
+    grid.for_each_pair(mover, |entry| entries.push(entry));
+    entries.sort_unstable_by_key(|entry| (entry & ENTRY_ID_MASK, entry >> ENTRY_ID_BITS & ENTRY_FEATURE_MASK));
+    entries.dedup();
+    entries
+}
