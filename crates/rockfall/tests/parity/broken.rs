@@ -10,7 +10,7 @@ use crate::{plan, trace};
 /// A mistake: in which stage and pass, the file, the text and what it becomes, and the buffer that it shows in.
 struct Mistake(&'static str, u32, &'static str, &'static str, &'static str, Buffer);
 
-const MISTAKES: [Mistake; 33] = [
+const MISTAKES: [Mistake; 32] = [
     Mistake(
         "update_aabbs",
         0,
@@ -92,7 +92,7 @@ const MISTAKES: [Mistake; 33] = [
         Buffer::Cells,
     ),
     Mistake(
-        "count_neighbours",
+        "find_neighbours",
         0,
         "neighbours.wgsl",
         "(id == mover) |",
@@ -100,19 +100,11 @@ const MISTAKES: [Mistake; 33] = [
         Buffer::Lists,
     ),
     Mistake(
-        "fill_neighbours",
+        "find_neighbours",
         0,
-        "neighbours.wgsl",
-        "id | feature <<",
-        "id | (11u - feature) <<",
-        Buffer::Lists,
-    ),
-    Mistake(
-        "order_pairs",
-        0,
-        "order_pairs.wgsl",
-        "keys[at - 1u] <= key",
-        "keys[at - 1u] >= key",
+        "find_neighbours.wgsl",
+        "if before <= key",
+        "if before >= key",
         Buffer::Lists,
     ),
     Mistake(

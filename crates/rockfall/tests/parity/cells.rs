@@ -15,13 +15,8 @@ fn border(coordinate: f64) -> f64 {
 }
 
 pub(crate) fn decide(world: &World, findings: &mut Findings) {
-    let bounds = |id: usize| {
-        let aabb = &world.aabbs[id];
-        [aabb.min.map(f64::from), aabb.max.map(f64::from)]
-    };
-    let mut used = Vec::new();
-    for id in 0..world.aabbs.len() {
-        let [min, max] = bounds(id);
+    for (id, aabb) in world.aabbs.iter().enumerate() {
+        let (min, max) = (aabb.min.map(f64::from), aabb.max.map(f64::from));
         let largest = (0..3).map(|k| max[k] - min[k]).fold(0.0, f64::max);
         let level = (0..TOP_LEVEL).find(|level| largest <= cell_size(world, *level)).unwrap();
         let size = cell_size(world, level);
@@ -29,19 +24,6 @@ pub(crate) fn decide(world: &World, findings: &mut Findings) {
         findings.decide("level", id, 2.0 * largest / size - 1.0);
         for k in 0..3 {
             findings.decide("cell", id, border(0.5 * (min[k] + max[k]) / size));
-        }
-        used.push(level);
-    }
-    used.sort_unstable();
-    used.dedup();
-    for id in 0..world.movers() as usize {
-        let [min, max] = bounds(id);
-        for size in used.iter().map(|level| cell_size(world, *level)) {
-            for k in 0..3 {
-                let slack = 0.5005 * size + 1e-6 * min[k].abs().max(max[k].abs());
-                findings.decide("cells around", id, border((min[k] - slack) / size));
-                findings.decide("cells around", id, border((max[k] + slack) / size));
-            }
         }
     }
 }

@@ -56,6 +56,7 @@ fn floats(world: &World) -> Vec<Floats> {
     }
     let hulls = world.aabbs.iter().flat_map(|aabb| [aabb.min, aabb.max].concat()).collect();
     field(Buffer::Aabbs, "bounds", hulls);
+    field(Buffer::Extents, "extents", flat(&world.extents));
     for (place, what) in ["force 1", "couple 1", "force 2", "couple 2"].into_iter().enumerate() {
         let own: Vec<Vec4> = world.wrenches.iter().skip(place).step_by(4).copied().collect();
         field(Buffer::Wrenches, what, flat(&own));

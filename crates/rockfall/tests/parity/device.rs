@@ -22,7 +22,8 @@ pub(crate) fn on_gpu(gpu: &Gpu, before: &World, run: Run) -> World {
     device.run(&[run], &before.step, 1).unwrap();
     // Nothing of what comes back may be what was there before.
     let mut after = before.clone();
-    for buffer in after.states.iter_mut().chain([&mut after.wrenches, &mut after.orientations]) {
+    let vectors = [&mut after.wrenches, &mut after.orientations, &mut after.extents];
+    for buffer in after.states.iter_mut().chain(vectors) {
         buffer.fill(glam::Vec4::NAN);
     }
     after.aabbs.fill(bytemuck::Zeroable::zeroed());

@@ -8,55 +8,53 @@ pub(crate) fn canonical(world: &World, stage: &str) -> World {
     let mut world = world.clone();
     match stage {
         "sort_cells" => order_cells(&mut world),
-        "count_neighbours" => check_offsets(&mut world),
-        "fill_neighbours" => order_lists(&mut world),
+        "find_neighbours" if world.status.void == 0 => order_slices(&mut world),
         _ => {}
     }
     world
 }
 
-/// The objects of one cell come in any order.
+/// The objects of one cell come in any order, and with each its extent.
 fn order_cells(world: &mut World) {
     let (cells, sorted) = world.cells.split_at_mut(world.step.sorted_at as usize);
     let ends = &cells[CELLS_AT as usize..][..world.step.cells as usize];
     let mut start = 0;
     for end in ends.iter().map(|end| *end as usize) {
-        sorted[start..end].sort_unstable();
+        let extents = &mut world.extents[start..end];
+        let mut both: Vec<_> = sorted[start..end].iter().copied().zip(extents.iter().copied()).collect();
+        both.sort_unstable_by_key(|(object, _)| *object);
+        for ((object, extent), (id, place)) in both.into_iter().zip(sorted[start..end].iter_mut().zip(extents)) {
+            (*id, *place) = (object, extent);
+        }
         start = end;
     }
 }
 
-/// Slices lie in any order, but one beside the other, without gaps: then their offsets are made those of ascending order.
-fn check_offsets(world: &mut World) {
+/// Slices lie in any order, none upon another; here in that of the movers, one beside the other.
+fn order_slices(world: &mut World) {
     let step = world.step;
-    let (counts, rest) = world.lists.split_at_mut(step.slices_at as usize);
-    let offsets = &mut rest[..counts.len() / SLICE as usize];
+    let (index, entries) = world.lists.split_at_mut(step.entries_at as usize);
+    let (counts, offsets) = index.split_at_mut(step.slices_at as usize);
+    let offsets = &mut offsets[..counts.len() / SLICE as usize];
     let widths = counts.chunks(SLICE as usize).map(|slice| slice.iter().max().unwrap() * SLICE);
     let mut slices: Vec<(u32, u32)> = offsets.iter().copied().zip(widths.clone()).collect();
     slices.sort_unstable();
+    let ends = slices.iter().map(|(offset, width)| offset + width);
+    let next = slices
+        .iter()
+        .skip(1)
+        .map(|(offset, _)| *offset)
+        .chain([world.status.pairs_needed]);
+    assert!(
+        ends.zip(next).all(|(end, next)| end <= next),
+        "slices lie upon another: {slices:?}"
+    );
+    let before = entries.to_vec();
     let mut end = 0;
-    for (offset, width) in slices {
-        assert_eq!(offset, end, "slices overlap, or there is a gap between them");
-        end += width;
-    }
-    assert_eq!(end, world.status.pairs_needed);
-    end = 0;
     for (offset, width) in offsets.iter_mut().zip(widths) {
+        let (from, to, width) = (*offset as usize, end as usize, width as usize);
+        entries[to..to + width].copy_from_slice(&before[from..from + width]);
         *offset = end;
-        end += width;
-    }
-}
-
-/// The entries of a list come in any order.
-fn order_lists(world: &mut World) {
-    let step = world.step;
-    for mover in 0..world.movers() {
-        let first = step.entries_at + world.lists[(step.slices_at + mover / SLICE) as usize] + mover % SLICE;
-        let places = (0..world.lists[mover as usize]).map(|place| (first + place * SLICE) as usize);
-        let mut entries: Vec<u32> = places.clone().map(|at| world.lists[at]).collect();
-        entries.sort_unstable();
-        for (at, entry) in places.zip(entries) {
-            world.lists[at] = entry;
-        }
+        end += width as u32;
     }
 }

@@ -130,7 +130,7 @@ fn turn_some(world: &mut World) {
 fn decide(world: &World, run: &Run, findings: &mut Findings) {
     let state = run.pass as usize;
     match run.stage.name {
-        "count_cells" | "count_neighbours" => cells::decide(world, findings),
+        "count_cells" => cells::decide(world, findings),
         "find_collisions" => {
             decisions::escapes(world, 0, findings);
             decisions::collisions(world, findings);
