@@ -68,6 +68,10 @@ fn round_things(scene: &mut Scene) {
     rod(scene, at(11.5, 0.0, -1.0), at(11.5, 0.0, 1.0), Some(2.0));
     rod(scene, at(10.5, 0.25, 0.0), at(13.0, 0.25, 0.0), Some(2.4));
     rod(scene, at(12.0, 0.0, 0.0), at(14.0, 0.0, 0.0), None);
+    // In one point, too, and closing along the normal that is then taken.
+    for speed in [2.0, -2.0] {
+        sphere(scene, at(5.0, 0.0, 0.0), 0.25, at(0.0, speed, 0.0));
+    }
     // A heap, and a spring of no length.
     for k in 0..3_u8 {
         let k = f32::from(k);
