@@ -1,0 +1,83 @@
+//! Random scenes of many small clusters, far enough apart not to meet, so that a cluster with a decision too close to
+//! call can be drawn again alone.
+
+use glam::Vec3;
+use rand::SeedableRng;
+use rand_pcg::Pcg64Mcg;
+use rockfall::{Scene, Settings};
+
+use crate::random::Draw;
+
+/// Between the middles of neighbouring clusters, in units.
+const SPACING: f32 = 6.0;
+
+type Recipe = fn(&mut Draw);
+
+/// Every kind of cluster; those that are rare to overlap stand more than once.
+const RECIPES: [Recipe; 25] = [
+    |d| d.duel(),
+    |d| d.duel(),
+    |d| d.capsule_duel(),
+    |d| d.floored(),
+    |d| d.spheres(6),
+    |d| d.grazing(),
+    |d| d.sphere_on_rod(false),
+    |d| d.sphere_on_rod(true),
+    |d| d.rods(2),
+    |d| d.rods(4),
+    |d| d.parallel_rods(),
+    |d| d.capsules(2),
+    |d| d.capsules(3),
+    |d| d.box_and_spheres(),
+    |d| d.box_and_spheres(),
+    |d| d.box_and_rods(2),
+    |d| d.box_and_rods(4),
+    |d| d.box_and_splinters(),
+    |d| d.polygon(),
+    |d| d.polygon(),
+    |d| d.chain(),
+    |d| d.frame(),
+    |d| d.attached(),
+    |d| d.groups(),
+    |d| d.crowd(),
+];
+
+/// A scene of clusters, and which cluster each object belongs to.
+pub(crate) struct Clusters {
+    pub(crate) scene: Scene,
+    /// By object id.
+    pub(crate) cluster_of: Vec<usize>,
+}
+
+/// The scene of a seed in which cluster k was drawn `attempts[k]` times.
+pub(crate) fn clusters(seed: u64, settings: Settings, attempts: &[u64]) -> Clusters {
+    let mut scene = Scene::new();
+    scene.settings = settings;
+    let mut owners: [Vec<usize>; 4] = Default::default();
+    let side = (attempts.len() as f32).cbrt().ceil() as usize;
+    for (cluster, attempt) in attempts.iter().enumerate() {
+        let cell = [cluster % side, cluster / side % side, cluster / side / side];
+        let middle = SPACING * Vec3::from_array(cell.map(|k| k as f32 - 0.5 * (side - 1) as f32));
+        let draw_seed = seed << 40 | (cluster as u64) << 20 | attempt;
+        let mut draw = Draw {
+            scene: &mut scene,
+            rng: Pcg64Mcg::seed_from_u64(draw_seed),
+            middle,
+        };
+        // So that nothing lies where it is by design.
+        let jitter = draw.vector(0.1);
+        draw.middle += jitter;
+        RECIPES[(cluster + seed as usize) % RECIPES.len()](&mut draw);
+        let counts = scene.counts();
+        for (owner, count) in owners
+            .iter_mut()
+            .zip([counts.spheres, counts.rods, counts.boxes, counts.polygons])
+        {
+            owner.resize(count, cluster);
+        }
+    }
+    Clusters {
+        scene,
+        cluster_of: owners.concat(),
+    }
+}

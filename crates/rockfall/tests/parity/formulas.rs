@@ -1,0 +1,88 @@
+//! The CPU's collisions against the formulas of physics.md section 3 in f64: lists, flags, weights and the outcome.
+
+use std::collections::BTreeMap;
+
+use glam::DVec3;
+use rockfall::Integrator;
+use rockfall::layout::{ENTRY_COLLIDES, ENTRY_OVERLAPS};
+use rockfall::world::World;
+
+use crate::bodies::Bodies;
+use crate::decisions::{Findings, Weighed, collisions, entries};
+use crate::trace::Trace;
+use crate::{plan, trace};
+
+/// The world before the stage of this name.
+fn before<'a>(trace: &'a Trace, name: &str) -> &'a World {
+    let scenario = trace.scenarios.iter().find(|scenario| scenario.run.stage.name == name);
+    &scenario.expect(name).before
+}
+
+type Pair = (usize, usize, usize);
+
+fn by_pair(world: &World) -> BTreeMap<Pair, Weighed> {
+    let weighed = collisions(world, &mut Findings::default());
+    let pair = |weighed: &Weighed| (weighed.contact.a, weighed.contact.b, weighed.contact.touch.feature);
+    weighed.into_iter().map(|weighed| (pair(&weighed), weighed)).collect()
+}
+
+#[test]
+fn lists_flags_and_weights_are_those_of_the_formulas() {
+    for seed in 0..4 {
+        let trace = trace(&plan(seed, Integrator::Rk4));
+        let world = before(&trace, "apply_collisions");
+        let expected = by_pair(world);
+        let mut found = BTreeMap::new();
+        for entry in entries(world) {
+            let pair = (entry.mover.min(entry.other), entry.mover.max(entry.other), entry.feature);
+            let sides = found.entry(pair).or_insert(0);
+            *sides += 1;
+            let weighed = expected.get(&pair);
+            let collides = weighed.is_some_and(|weighed| weighed.contact.collides);
+            assert_eq!(entry.word & ENTRY_OVERLAPS != 0, weighed.is_some(), "{pair:?}");
+            assert_eq!(entry.word & ENTRY_COLLIDES != 0, collides, "{pair:?}");
+            if let Some(Weighed { weight, removed, .. }) = weighed.filter(|_| collides) {
+                let signed = if *removed { -weight } else { *weight };
+                let stored = f64::from(world.weights[entry.slot]);
+                assert!((stored - signed).abs() < 1e-3, "{pair:?}: {stored}, not {signed}");
+            }
+        }
+        // Every overlap stands in the list of each of its movers.
+        for (pair, weighed) in &expected {
+            let movers = 1 + usize::from(weighed.contact.b < world.movers() as usize);
+            assert_eq!(found.get(pair), Some(&movers), "{pair:?}");
+        }
+    }
+}
+
+#[test]
+fn impulses_and_displacements_are_those_of_the_formulas() {
+    for seed in 0..4 {
+        let trace = trace(&plan(seed, Integrator::Rk4));
+        let (world, after) = (before(&trace, "apply_collisions"), before(&trace, "commit_collisions"));
+        let (bodies, done) = (Bodies::new(world, 0), Bodies::new(after, 1));
+        let restitution = f64::from(world.step.restitution);
+        let mut kicks = vec![(DVec3::ZERO, DVec3::ZERO); bodies.balls.len()];
+        for Weighed {
+            contact: k,
+            weight,
+            removed,
+        } in by_pair(world).values().filter(|w| w.contact.collides)
+        {
+            for (ball, g) in &k.shares {
+                let share = bodies.balls[*ball].w * weight / k.w * *g;
+                kicks[*ball].0 += share * (1.0 + restitution) * k.u;
+                kicks[*ball].1 += if *removed { share * k.touch.overlap } else { DVec3::ZERO };
+            }
+        }
+        for ((ball, (dv, dx)), done) in bodies.balls.iter().zip(kicks).zip(&done.balls) {
+            assert!(
+                (ball.v + dv - done.v).length() < 1e-3 * (1.0 + dv.length()),
+                "{} {dv} {}",
+                ball.v,
+                done.v
+            );
+            assert!((ball.x + dx - done.x).length() < 1e-4, "{} {dx} {}", ball.x, done.x);
+        }
+    }
+}

@@ -1,0 +1,249 @@
+//! The narrow phase in f64, from physics.md section 2, with the slack of every decision.
+//!
+//! A condition is a number that is positive where it holds: `and` is the least, `or` the greatest of several, and the
+//! size of the result says how far the decision is from its switch.
+
+use glam::DVec3;
+
+use crate::bodies::{Block, Bodies, Kind};
+
+/// An overlap, or what comes near to one.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Touch {
+    pub(crate) kind: &'static str,
+    pub(crate) feature: usize,
+    /// Unit normal from A to B.
+    pub(crate) n: DVec3,
+    pub(crate) overlap: f64,
+    /// Parameter on A and B, where they are rods.
+    pub(crate) a: f64,
+    pub(crate) b: f64,
+    /// Whether it is one, as a condition.
+    pub(crate) holds: f64,
+    /// How far the decisions that its normal and overlap rest on are from their switches.
+    pub(crate) sure: f64,
+}
+
+impl Touch {
+    fn new(kind: &'static str, n: DVec3, overlap: f64, holds: f64) -> Self {
+        Self {
+            kind,
+            feature: 0,
+            n,
+            overlap,
+            a: 0.0,
+            b: 0.0,
+            holds,
+            sure: f64::INFINITY,
+        }
+    }
+}
+
+/// 0 <= t <= 1.
+fn inside(t: f64) -> f64 {
+    t.min(1.0 - t)
+}
+
+/// Distance of a pair of segments from the switch between parallel and crossing, as a condition on the sine of their angle
+/// (1e-4 is the switch). Crossing at less than a degree is badly conditioned and counts as near, too.
+fn parallel_sure(sine: f64) -> f64 {
+    if (1e-5..=0.02).contains(&sine) { 0.0 } else { 1.0 }
+}
+
+struct Closest {
+    a: f64,
+    b: f64,
+    d: DVec3,
+    holds: f64,
+    parallel: bool,
+    sure: f64,
+}
+
+fn segments([a1, a2]: [DVec3; 2], [b1, b2]: [DVec3; 2]) -> Closest {
+    let (u, v, c) = (a2 - a1, b2 - b1, b1 - a1);
+    let n = u.cross(v);
+    let sine = n.length() / (u.length() * v.length());
+    let parallel = sine <= 1e-4;
+    let (a, b, holds) = if parallel {
+        let [t0, t1] = [b1, b2].map(|end| (end - a1).dot(u) / u.length_squared());
+        let (low, high) = (t0.min(t1).max(0.0), t0.max(t1).min(1.0));
+        let a = 0.5 * (low + high);
+        let b = (a1 + a * u - b1).dot(v) / v.length_squared();
+        (a, b.clamp(0.0, 1.0), high - low)
+    } else {
+        // The point of either line that is closest to the other, from the two conditions D.u = 0 and D.v = 0.
+        let (uu, vv, uv) = (u.length_squared(), v.length_squared(), u.dot(v));
+        let det = uu * vv - uv * uv;
+        let (cu, cv) = (c.dot(u), c.dot(v));
+        let (a, b) = ((cu * vv - cv * uv) / det, (cu * uv - cv * uu) / det);
+        (a, b, inside(a).min(inside(b)))
+    };
+    let d = c + b * v - a * u;
+    Closest {
+        a,
+        b,
+        d,
+        holds,
+        parallel,
+        sure: parallel_sure(sine),
+    }
+}
+
+/// Everything that the objects `a < b` have in common: all touches that hold or might.
+pub(crate) fn touches(bodies: &Bodies, a: usize, b: usize) -> Vec<Touch> {
+    if !bodies.may_touch(a, b) {
+        return Vec::new();
+    }
+    match (bodies.kind(a), bodies.kind(b)) {
+        (Kind::Ball(a), Kind::Ball(b)) => vec![sphere_sphere(bodies, a, b)],
+        (Kind::Ball(a), Kind::Bar(b)) => vec![sphere_rod(bodies, a, b)],
+        (Kind::Bar(a), Kind::Bar(b)) => vec![rod_rod(bodies, a, b)],
+        (Kind::Ball(a), Kind::Block(b)) => vec![sphere_box(bodies, a, &bodies.blocks[b])],
+        (Kind::Ball(a), Kind::Face(b)) => vec![sphere_polygon(bodies, a, b)],
+        (Kind::Bar(a), Kind::Block(b)) => rod_box(bodies, a, &bodies.blocks[b]),
+        _ => Vec::new(),
+    }
+}
+
+fn sphere_sphere(bodies: &Bodies, a: usize, b: usize) -> Touch {
+    let (a, b) = (&bodies.balls[a], &bodies.balls[b]);
+    let d = b.x - a.x;
+    let overlap = a.radius + b.radius - d.length();
+    Touch::new("sphere-sphere", d.normalize(), overlap, overlap)
+}
+
+fn sphere_rod(bodies: &Bodies, ball: usize, bar: usize) -> Touch {
+    let (end1, end2) = (bodies.segment(bar)[0], bodies.segment(bar)[1]);
+    let (ball, bar) = (&bodies.balls[ball], &bodies.bars[bar]);
+    let axis = end2 - end1;
+    let b = axis.dot(ball.x - end1) / axis.length_squared();
+    let d = end1 + b * axis - ball.x;
+    let overlap = ball.radius + bar.radius - d.length();
+    let touch = Touch::new("sphere-rod", d.normalize(), overlap, overlap.min(inside(b)));
+    Touch { b, ..touch }
+}
+
+fn rod_rod(bodies: &Bodies, a: usize, b: usize) -> Touch {
+    let closest = segments(bodies.segment(a), bodies.segment(b));
+    let overlap = bodies.bars[a].radius + bodies.bars[b].radius - closest.d.length();
+    let touch = Touch::new(
+        if closest.parallel { "rod-rod parallel" } else { "rod-rod" },
+        closest.d.normalize(),
+        overlap,
+        overlap.min(closest.holds),
+    );
+    Touch {
+        a: closest.a,
+        b: closest.b,
+        sure: closest.sure,
+        ..touch
+    }
+}
+
+/// Parameters of a point along the edges of a box.
+fn parameters(block: &Block, p: DVec3) -> [f64; 3] {
+    block.edges.map(|edge| (p - block.corner).dot(edge) / edge.length_squared())
+}
+
+fn sphere_box(bodies: &Bodies, ball: usize, block: &Block) -> Touch {
+    let ball = &bodies.balls[ball];
+    let t = parameters(block, ball.x);
+    let within = t.map(inside).into_iter().fold(f64::INFINITY, f64::min);
+    if within < 0.0 {
+        let nearest: DVec3 = (0..3).map(|k| t[k].clamp(0.0, 1.0) * block.edges[k]).sum();
+        let d = block.corner + nearest - ball.x;
+        let overlap = ball.radius - d.length();
+        let outside = t.iter().filter(|t| inside(**t) < 0.0).count();
+        let kind = ["", "sphere-box face", "sphere-box edge", "sphere-box vertex"][outside];
+        let touch = Touch::new(kind, d.normalize(), overlap, overlap);
+        return Touch { sure: -within, ..touch };
+    }
+    let mut depths: Vec<(f64, DVec3)> = Vec::new();
+    for (t, edge) in t.into_iter().zip(block.edges) {
+        depths.push((t * edge.length(), -edge.normalize()));
+        depths.push(((1.0 - t) * edge.length(), edge.normalize()));
+    }
+    depths.sort_by(|one, other| one.0.total_cmp(&other.0));
+    let (depth, exit) = depths[0];
+    let touch = Touch::new("sphere-box inside", -exit, ball.radius + depth, ball.radius + depth);
+    Touch {
+        sure: within.min(depths[1].0 - depth),
+        ..touch
+    }
+}
+
+fn sphere_polygon(bodies: &Bodies, ball: usize, face: usize) -> Touch {
+    let (ball, face) = (&bodies.balls[ball], &bodies.faces[face]);
+    let t = ball.x - face.corner;
+    let n = face.left.cross(face.right).normalize();
+    // t - (t.n) n = l L + k R, by the components of both sides along L and R.
+    let (ll, rr, lr) = (
+        face.left.length_squared(),
+        face.right.length_squared(),
+        face.left.dot(face.right),
+    );
+    let (tl, tr) = (t.dot(face.left), t.dot(face.right));
+    let det = ll * rr - lr * lr;
+    let (l, k) = ((tl * rr - tr * lr) / det, (tr * ll - tl * lr) / det);
+    let d = t.dot(n);
+    let holds = inside(l).min(inside(k)).min(d).min(ball.radius - d);
+    Touch::new("sphere-polygon", -n, ball.radius - d, holds)
+}
+
+/// The corners and the twelve edges of a box, numbered as the list entries are: edge f runs along edge f/4 of the box.
+fn box_edge(block: &Block, feature: usize) -> [DVec3; 2] {
+    let along = feature / 4;
+    let mut start = block.corner;
+    for bit in 0..2 {
+        if feature >> bit & 1 == 1 {
+            start += block.edges[(along + 1 + bit) % 3];
+        }
+    }
+    [start, start + block.edges[along]]
+}
+
+fn box_vertex(block: &Block, feature: usize) -> DVec3 {
+    let steps = (0..3).filter(|axis| feature >> axis & 1 == 1);
+    block.corner + steps.map(|axis| block.edges[axis]).sum::<DVec3>()
+}
+
+fn rod_box(bodies: &Bodies, bar: usize, block: &Block) -> Vec<Touch> {
+    let (segment, radius) = (bodies.segment(bar), bodies.bars[bar].radius);
+    let at_feature = |feature: usize, a: f64, d: DVec3, kinds: [&'static str; 2], reach: f64| {
+        let point = segment[0].lerp(segment[1], a);
+        let within = parameters(block, point).map(inside).into_iter().fold(f64::INFINITY, f64::min);
+        let distance = d.length();
+        let holds = reach.min(radius - distance);
+        let touch = if within < 0.0 {
+            Touch::new(kinds[0], d.normalize(), radius - distance, holds)
+        } else {
+            Touch::new(kinds[1], -d.normalize(), radius + distance, holds)
+        };
+        Touch {
+            feature,
+            a,
+            sure: within.abs(),
+            ..touch
+        }
+    };
+    let mut all: Vec<Touch> = (0..12)
+        .map(|feature| {
+            let Closest { a, d, holds, sure, .. } = segments(segment, box_edge(block, feature));
+            let touch = at_feature(feature, a, d, ["rod-box edge", "rod-box edge inside"], holds);
+            Touch {
+                sure: touch.sure.min(sure),
+                ..touch
+            }
+        })
+        .collect();
+    let any_edge = all.iter().map(|touch| touch.holds).fold(f64::NEG_INFINITY, f64::max);
+    let axis = segment[1] - segment[0];
+    all.extend((0..8).map(|feature| {
+        let vertex = box_vertex(block, feature);
+        let a = axis.dot(vertex - segment[0]) / axis.length_squared();
+        let d = vertex - segment[0].lerp(segment[1], a);
+        let alone = inside(a).min(-any_edge);
+        at_feature(feature, a, d, ["rod-box vertex", "rod-box vertex inside"], alone)
+    }));
+    all
+}

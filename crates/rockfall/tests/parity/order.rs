@@ -1,0 +1,60 @@
+//! The grid broad phase leaves some things in any order. Here they are put into one, so that they can be compared.
+
+use rockfall::layout::{CELLS_AT, SLICE};
+use rockfall::world::World;
+
+/// The world after a stage, with what that stage leaves in any order put in order.
+pub(crate) fn canonical(world: &World, stage: &str) -> World {
+    let mut world = world.clone();
+    match stage {
+        "sort_cells" => order_cells(&mut world),
+        "find_neighbours" if world.status.void == 0 => order_slices(&mut world),
+        _ => {}
+    }
+    world
+}
+
+/// The objects of one cell come in any order, and with each its extent.
+fn order_cells(world: &mut World) {
+    let (cells, sorted) = world.cells.split_at_mut(world.step.sorted_at as usize);
+    let ends = &cells[CELLS_AT as usize..][..world.step.cells as usize];
+    let mut start = 0;
+    for end in ends.iter().map(|end| *end as usize) {
+        let extents = &mut world.extents[start..end];
+        let mut both: Vec<_> = sorted[start..end].iter().copied().zip(extents.iter().copied()).collect();
+        both.sort_unstable_by_key(|(object, _)| *object);
+        for ((object, extent), (id, place)) in both.into_iter().zip(sorted[start..end].iter_mut().zip(extents)) {
+            (*id, *place) = (object, extent);
+        }
+        start = end;
+    }
+}
+
+/// Slices lie in any order, none upon another; here in that of the movers, one beside the other.
+fn order_slices(world: &mut World) {
+    let step = world.step;
+    let (index, entries) = world.lists.split_at_mut(step.entries_at as usize);
+    let (counts, offsets) = index.split_at_mut(step.slices_at as usize);
+    let offsets = &mut offsets[..counts.len() / SLICE as usize];
+    let widths = counts.chunks(SLICE as usize).map(|slice| slice.iter().max().unwrap() * SLICE);
+    let mut slices: Vec<(u32, u32)> = offsets.iter().copied().zip(widths.clone()).collect();
+    slices.sort_unstable();
+    let ends = slices.iter().map(|(offset, width)| offset + width);
+    let next = slices
+        .iter()
+        .skip(1)
+        .map(|(offset, _)| *offset)
+        .chain([world.status.pairs_needed]);
+    assert!(
+        ends.zip(next).all(|(end, next)| end <= next),
+        "slices lie upon another: {slices:?}"
+    );
+    let before = entries.to_vec();
+    let mut end = 0;
+    for (offset, width) in offsets.iter_mut().zip(widths) {
+        let (from, to, width) = (*offset as usize, end as usize, width as usize);
+        entries[to..to + width].copy_from_slice(&before[from..from + width]);
+        *offset = end;
+        end += width as u32;
+    }
+}

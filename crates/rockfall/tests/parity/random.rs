@@ -1,0 +1,378 @@
+//! Random objects, cluster by cluster: one method a kind of cluster.
+
+use glam::{Vec3, Vec3Swizzles};
+use rand::RngExt;
+use rand_pcg::Pcg64Mcg;
+use rockfall::{Capsule, Cuboid, Polygon, Rod, Scene, Sphere, SphereId, Spring, Tether};
+
+/// Everything of a cluster begins within this of its middle, in every direction.
+const EXTENT: f32 = 0.8;
+
+/// Draws the objects of one cluster.
+pub(crate) struct Draw<'a> {
+    pub(crate) scene: &'a mut Scene,
+    pub(crate) rng: Pcg64Mcg,
+    pub(crate) middle: Vec3,
+}
+
+impl Draw<'_> {
+    fn unit(&mut self) -> f32 {
+        self.rng.random_range(-1.0..1.0)
+    }
+
+    fn between(&mut self, low: f32, high: f32) -> f32 {
+        self.rng.random_range(low..high)
+    }
+
+    fn chance(&mut self, probability: f64) -> bool {
+        self.rng.random_bool(probability)
+    }
+
+    pub(crate) fn vector(&mut self, size: f32) -> Vec3 {
+        let [x, y, z] = [0; 3].map(|_| self.unit());
+        size * Vec3::new(x, y, z)
+    }
+
+    fn place(&mut self) -> Vec3 {
+        let offset = self.vector(EXTENT);
+        self.middle + offset
+    }
+
+    fn direction(&mut self) -> Vec3 {
+        loop {
+            let v = self.vector(1.0);
+            if (0.1..1.0).contains(&v.length()) {
+                return v.normalize();
+            }
+        }
+    }
+
+    /// A sphere with every state and parameter at random.
+    fn ball(&mut self, position: Vec3) -> Sphere {
+        let (mass, radius) = (self.between(0.5, 3.0), self.between(0.25, 0.5));
+        let sphere = Sphere::new(position, radius).mass(mass).velocity(self.vector(2.0));
+        let spin = self.vector(4.0);
+        sphere.angular_momentum(spin * sphere.inertia())
+    }
+
+    fn sphere(&mut self) -> SphereId {
+        let position = self.place();
+        let ball = self.ball(position);
+        let fixed = self.chance(0.15);
+        self.add(if fixed { ball.fixed() } else { ball })
+    }
+
+    fn add(&mut self, sphere: Sphere) -> SphereId {
+        self.scene.add_sphere(sphere).unwrap()
+    }
+
+    /// A thin rod between two small spheres, fixed or free.
+    fn rod(&mut self, end1: Vec3, end2: Vec3) {
+        let ends = [end1, end2].map(|end| {
+            let mut ball = self.ball(end);
+            ball.radius *= 0.5;
+            if self.chance(0.1) { ball.fixed() } else { ball }
+        });
+        let added = ends.map(|end| self.add(end));
+        let radius = self.between(0.1, 0.25);
+        let rod = Rod::new(added[0], added[1], radius);
+        let strain = self.between(0.95, 1.05);
+        let rod = if self.chance(0.6) {
+            rod.length(end1.distance(end2) * strain)
+        } else {
+            rod
+        };
+        self.scene.add_rod(rod).unwrap();
+    }
+
+    /// A rod through a point, somewhere between its ends.
+    fn rod_through(&mut self, point: Vec3, length: f32) {
+        let (direction, part) = (self.direction(), self.between(0.2, 0.8));
+        self.rod(point - part * length * direction, point + (1.0 - part) * length * direction);
+    }
+
+    pub(crate) fn spheres(&mut self, count: usize) {
+        for _ in 0..count {
+            self.sphere();
+        }
+    }
+
+    /// Two that overlap and nothing else.
+    pub(crate) fn duel(&mut self) {
+        let (place, direction) = (self.place(), self.direction());
+        let one = self.ball(place);
+        self.add(one);
+        let mut other = self.ball(place);
+        other.position += self.between(0.85, 0.98) * (one.radius + other.radius) * direction;
+        self.add(other.velocity(one.velocity - 2.0 * direction));
+    }
+
+    pub(crate) fn capsule_duel(&mut self) {
+        let (middle, direction) = (self.middle, self.direction());
+        self.scene
+            .add_capsule(Capsule::new(middle, middle + direction, 0.25).mass(1.5))
+            .unwrap();
+        let across = self.vector(0.6);
+        let mut ball = self.ball(middle + direction);
+        ball.position += (0.2 + ball.radius) * (2.0 * direction + across).normalize();
+        self.add(ball.velocity(across - 2.0 * direction));
+    }
+
+    /// A sphere that hits a floor, and nothing else.
+    pub(crate) fn floored(&mut self) {
+        let floor = self.middle;
+        self.floor(floor);
+        let mut ball = self.ball(floor);
+        ball.position.y += 0.9 * ball.radius;
+        let velocity = Vec3::new(ball.velocity.x, -2.0, ball.velocity.z);
+        self.add(ball.velocity(velocity));
+    }
+
+    /// Overlaps begun within the step.
+    pub(crate) fn grazing(&mut self) {
+        let (a, direction) = (self.place(), self.direction());
+        let one = self.ball(a);
+        let other = self.ball(a);
+        let gap = one.radius + other.radius - self.between(0.0005, 0.01);
+        let speed = self.between(0.5, 3.0);
+        let other = Sphere {
+            position: a + gap * direction,
+            velocity: one.velocity - speed * direction,
+            ..other
+        };
+        self.add(one);
+        self.add(other);
+        let floor = self.middle - Vec3::Y * EXTENT;
+        let ball = self.ball(floor);
+        let height = ball.radius - self.between(0.0005, 0.01);
+        let sunk = Sphere {
+            position: floor + height * Vec3::Y,
+            velocity: Vec3::new(0.5, -speed, 0.1),
+            ..ball
+        };
+        self.add(sunk);
+        self.floor(floor);
+    }
+
+    /// A skew polygon that faces up, through a point.
+    fn floor(&mut self, point: Vec3) {
+        let [skew, tilt, other] = [self.between(-0.4, 0.4), self.between(-0.2, 0.2), self.between(-0.2, 0.2)];
+        let (left, right) = (Vec3::new(0.1, tilt, 2.4), Vec3::new(2.4, other, skew));
+        self.scene
+            .add_polygon(Polygon::new(point - 0.5 * (left + right), left, right))
+            .unwrap();
+    }
+
+    pub(crate) fn sphere_on_rod(&mut self, pushed: bool) {
+        let point = self.place();
+        self.rod_through(point, 1.4);
+        let offset = 0.3 * self.direction();
+        let ball = self.ball(point + offset);
+        self.add(if pushed { ball.velocity(-8.0 * offset) } else { ball });
+    }
+
+    pub(crate) fn rods(&mut self, count: usize) {
+        let point = self.place();
+        for _ in 0..count {
+            let offset = self.vector(0.15);
+            self.rod_through(point + offset, 1.6);
+        }
+    }
+
+    pub(crate) fn parallel_rods(&mut self) {
+        // Along an axis, so that they are parallel to the last bit.
+        let along = [Vec3::X, Vec3::Y, Vec3::Z][self.rng.random_range(0..3)];
+        let across = [along.yzx(), along.zxy()].map(|axis| axis * self.between(0.08, 0.15));
+        let start = self.place();
+        let shift = self.between(-0.6, 0.6);
+        self.rod(start, start + 1.25 * along);
+        let start = start + shift * along + across[0] + across[1];
+        self.rod(start, start + 1.25 * along);
+    }
+
+    pub(crate) fn capsules(&mut self, count: usize) {
+        for _ in 0..count {
+            let (point, axis, radius) = (self.place(), self.direction(), self.between(0.15, 0.3));
+            let half = self.between(0.3, 0.7) * axis;
+            let mass = self.between(0.5, 3.0);
+            let velocity = self.vector(2.0);
+            let capsule = Capsule::new(point - half, point + half, radius).mass(mass).velocity(velocity);
+            self.scene.add_capsule(capsule).unwrap();
+        }
+        self.sphere();
+    }
+
+    /// A box turned at random; its edges are of different lengths.
+    fn cuboid(&mut self) -> Cuboid {
+        let (i, helper) = (self.direction(), self.direction());
+        let j = i.cross(helper).normalize();
+        let edges = [i, j, i.cross(j)].map(|edge| edge * self.between(0.6, 1.4));
+        let cuboid = Cuboid::new(
+            self.middle - 0.5 * (edges[0] + edges[1] + edges[2]),
+            edges[0],
+            edges[1],
+            edges[2],
+        );
+        self.scene.add_box(cuboid).unwrap();
+        cuboid
+    }
+
+    pub(crate) fn box_and_spheres(&mut self) {
+        let Cuboid {
+            corner,
+            edges: [i, j, k],
+            ..
+        } = self.cuboid();
+        self.spheres(3);
+        let outward = -(i + j + k).normalize();
+        for place in [
+            corner + 0.15 * outward,
+            corner + 0.5 * i - 0.12 * (j + k).normalize(),
+            self.middle + 0.3 * i,
+        ] {
+            let jitter = self.vector(0.05);
+            let ball = self.ball(place + jitter);
+            self.add(ball);
+        }
+    }
+
+    pub(crate) fn box_and_rods(&mut self, count: usize) {
+        let Cuboid {
+            corner,
+            edges: [i, j, k],
+            ..
+        } = self.cuboid();
+        for number in 0..count {
+            // Across the edge along I, the axis outside or inside the box.
+            let out = -(j.normalize() + k.normalize()).normalize();
+            let depth = if number % 2 == 0 { 0.06 } else { -0.08 };
+            let (turn, jitter) = (self.between(-0.4, 0.4), self.vector(0.03));
+            let along = (j.normalize() - k.normalize() + turn * i.normalize()).normalize();
+            let point = corner + (0.3 + 0.1 * number as f32) * i + depth * out + jitter;
+            self.rod(point - 0.7 * along, point + 0.8 * along);
+        }
+        let point = self.place();
+        self.rod_through(point, 1.8);
+    }
+
+    /// Rods that meet a box at a vertex alone: past it, or through it from within.
+    pub(crate) fn box_and_splinters(&mut self) {
+        let Cuboid { corner, edges, .. } = self.cuboid();
+        let [i, j, k] = edges.map(Vec3::normalize);
+        let out = -(i + j + k).normalize();
+        for depth in [0.08, 0.12] {
+            let jitter = self.vector(0.02);
+            let along = out.cross(self.direction()).normalize();
+            let point = corner + depth * out + jitter;
+            self.rod(point - 0.6 * along, point + 0.7 * along);
+        }
+        let last = corner + edges[0] + edges[1] + edges[2];
+        // From inside, ending short of every edge: only the vertex is within its radius.
+        let jitter = self.vector(0.08);
+        self.rod(last + 0.3 * out + jitter, last + 0.02 * out);
+    }
+
+    pub(crate) fn polygon(&mut self) {
+        let (left, helper) = (self.direction(), self.direction());
+        let right = (helper - 0.7 * helper.dot(left) * left).normalize();
+        let (left, right) = (left * self.between(1.2, 2.0), right * self.between(1.2, 2.0));
+        let corner = self.middle - 0.5 * (left + right);
+        self.scene.add_polygon(Polygon::new(corner, left, right)).unwrap();
+        let up = left.cross(right).normalize();
+        for (height, speed) in [(0.15, -1.5), (0.1, 1.5), (0.15, 0.1), (-0.1, 1.0)] {
+            let (l, k, jitter) = (self.between(0.1, 0.9), self.between(0.1, 0.9), self.vector(0.1));
+            let ball = self.ball(corner + l * left + k * right + height * up + jitter);
+            let velocity = ball.velocity * 0.2 + speed * up;
+            self.add(ball.velocity(velocity));
+        }
+        self.capsules(1);
+    }
+
+    /// Fixed rods in a row, the first end fixed half of the time.
+    pub(crate) fn chain(&mut self) {
+        let mut place = self.middle - Vec3::X * 1.2;
+        let hung = self.chance(0.5);
+        let first = self.ball(place);
+        let mut last = self.add(if hung { first.fixed() } else { first });
+        for _ in 0..6 {
+            let step = Vec3::X * 0.4 + self.vector(0.15);
+            place += step;
+            let mut ball = self.ball(place);
+            ball.radius *= 0.4;
+            let next = self.add(ball);
+            let length = step.length() * self.between(0.97, 1.03);
+            self.scene.add_rod(Rod::new(last, next, 0.1).length(length)).unwrap();
+            last = next;
+        }
+        self.sphere();
+    }
+
+    /// A tetrahedron of fixed rods, with a tail of a free rod.
+    pub(crate) fn frame(&mut self) {
+        let corners = [
+            Vec3::ONE,
+            Vec3::new(1.0, -1.0, -1.0),
+            Vec3::new(-1.0, 1.0, -1.0),
+            Vec3::new(-1.0, -1.0, 1.0),
+        ];
+        let mut ends = Vec::new();
+        for corner in corners {
+            let jitter = self.vector(0.1);
+            let ball = self.ball(self.middle + 0.5 * corner + jitter);
+            let velocity = 0.2 * ball.velocity;
+            ends.push(self.add(ball.velocity(velocity)));
+        }
+        for (place, one) in ends.iter().enumerate() {
+            for two in &ends[..place] {
+                let [a, b] = [one, two].map(|end| self.scene.sphere(*end).unwrap().position);
+                let length = a.distance(b) * self.between(0.998, 1.002);
+                self.scene.add_rod(Rod::new(*one, *two, 0.15).length(length)).unwrap();
+            }
+        }
+        let tail = self.sphere();
+        self.scene.add_rod(Rod::new(ends[0], tail, 0.1)).unwrap();
+    }
+
+    /// Springs, tethers and outside forces.
+    pub(crate) fn attached(&mut self) {
+        let spheres: Vec<SphereId> = (0..4)
+            .map(|_| {
+                let position = self.place();
+                let ball = self.ball(position);
+                let force = self.vector(5.0);
+                self.add(ball.force(force))
+            })
+            .collect();
+        for (one, two) in [(0, 1), (1, 2), (0, 2), (3, 0)] {
+            let (stiffness, length) = (self.between(10.0, 100.0), self.between(0.2, 1.5));
+            let spring = Spring::new(spheres[one], spheres[two], stiffness, length);
+            let damping = self.between(0.0, 4.0);
+            self.scene.add_spring(spring.damping(damping)).unwrap();
+        }
+        let point = self.place();
+        let (stiffness, length) = (self.between(10.0, 100.0), self.between(0.0, 0.5));
+        let mut tether = Tether::new(spheres[2], point, stiffness).length(length);
+        tether.damping = self.between(0.0, 4.0);
+        self.scene.add_tether(tether).unwrap();
+    }
+
+    /// Overlapping, in groups of their own.
+    pub(crate) fn groups(&mut self) {
+        for number in 0..6 {
+            let position = self.place();
+            let ball = self.ball(position);
+            self.add(ball.group(number % 3));
+        }
+        let cuboid = self.cuboid();
+        self.scene.add_box(cuboid.group(2)).unwrap();
+    }
+
+    /// A bit of everything in one place.
+    pub(crate) fn crowd(&mut self) {
+        self.capsules(2);
+        self.rods(1);
+        self.spheres(2);
+        let floor = self.middle - 0.6 * Vec3::Y;
+        self.floor(floor);
+    }
+}

@@ -1,0 +1,244 @@
+//! Where no switch can be kept away from: rules, numbers that stop being finite, and thousands of bodies.
+
+use std::future::Future;
+
+use glam::Vec3;
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64Mcg;
+use rockfall::gpu::Gpu;
+use rockfall::layout::WORKGROUP;
+use rockfall::stage::{Phase, Run};
+use rockfall::world::World;
+use rockfall::{BroadPhase, Capsule, Cuboid, Integrator, Polygon, Rod, Scene, Sphere, SphereId, Spring, wgpu};
+
+use crate::compare::{BY_RULE, differences, listed};
+use crate::device::{GPU, on_gpu};
+
+/// Steps of the CPU, each stage compared with the kernel; the world after them.
+fn assert_alike(gpu: &Gpu, scene: &Scene, runs: &[Run], steps: u32, margin: f32) -> World {
+    let mut world = World::build(scene).unwrap();
+    world.step.dt = 0.005;
+    world.step.margin_scale = margin;
+    world.set_pair_capacity(world.movers().next_multiple_of(32) * 100);
+    for (step, run) in (0..steps).flat_map(|step| runs.iter().map(move |run| (step, run))) {
+        let after = on_gpu(gpu, &world, *run);
+        let wrong = differences(run, &world, &after, BY_RULE);
+        let (stage, pass) = (run.stage.name, run.pass);
+        assert!(wrong.is_empty(), "step {step}, {stage} pass {pass}: {}", listed(&wrong));
+        (run.stage.cpu)(&mut world, run.pass);
+    }
+    world
+}
+
+fn stages(phases: &[Phase], integrator: Integrator) -> Vec<Run> {
+    phases
+        .iter()
+        .flat_map(|phase| phase.stages(integrator, BroadPhase::BruteForce))
+        .copied()
+        .collect()
+}
+
+fn at(x: f32, y: f32, z: f32) -> Vec3 {
+    Vec3::new(x, y, z)
+}
+
+fn sphere(scene: &mut Scene, place: Vec3, radius: f32, velocity: Vec3) -> SphereId {
+    scene.add_sphere(Sphere::new(place, radius).velocity(velocity)).unwrap()
+}
+
+fn resting(scene: &mut Scene, places: &[(f32, f32, f32)]) {
+    for (x, y, z) in places {
+        sphere(scene, at(*x, *y, *z), 0.25, Vec3::ZERO);
+    }
+}
+
+fn rod(scene: &mut Scene, from: Vec3, to: Vec3, length: Option<f32>) {
+    let ends = [from, to].map(|end| {
+        let ball = Sphere::new(end, 0.1).mass(2.0).velocity(0.1 * end);
+        scene.add_sphere(ball).unwrap()
+    });
+    let rod = Rod::new(ends[0], ends[1], 0.2);
+    scene.add_rod(length.map_or(rod, |length| rod.length(length))).unwrap();
+}
+
+/// Spheres in one point, on a rod's axis and over its very end; rods that cross, in line, and parallel.
+fn round_things(scene: &mut Scene) {
+    resting(scene, &[(0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (11.0, 0.0, 0.0), (12.0, 0.3, 0.0)]);
+    rod(scene, at(10.0, 0.0, 0.0), at(12.0, 0.0, 0.0), None);
+    rod(scene, at(11.5, 0.0, -1.0), at(11.5, 0.0, 1.0), Some(2.0));
+    rod(scene, at(10.5, 0.25, 0.0), at(13.0, 0.25, 0.0), Some(2.4));
+    rod(scene, at(12.0, 0.0, 0.0), at(14.0, 0.0, 0.0), None);
+    // In one point, too, and closing along the normal that is then taken.
+    for speed in [2.0, -2.0] {
+        sphere(scene, at(5.0, 0.0, 0.0), 0.25, at(0.0, speed, 0.0));
+    }
+    // A heap, and a spring of no length.
+    for k in 0..3_u8 {
+        let k = f32::from(k);
+        sphere(scene, at(60.0, 0.39 * k, 0.0), 0.2, at(0.0, -3.0 * k, 0.0));
+    }
+    let ends = [0; 2].map(|_| sphere(scene, at(70.0, 0.0, 0.0), 0.25, Vec3::ZERO));
+    scene.add_spring(Spring::new(ends[0], ends[1], 10.0, 1.0)).unwrap();
+}
+
+/// A box with spheres inside, on a face and at an edge, and rods through an edge, along one, inside, and by a vertex.
+/// A polygon touched from the front, on the face, from behind, past its edge, and left fast.
+fn static_things(scene: &mut Scene) {
+    scene
+        .add_box(Cuboid::between(at(20.0, 0.0, 0.0), at(22.0, 2.0, 3.0)))
+        .unwrap();
+    resting(
+        scene,
+        &[(21.0, 1.0, 1.5), (20.1, 0.7, 1.0), (22.0, 1.0, 1.0), (22.1, 2.1, 1.0)],
+    );
+    rod(scene, at(19.0, 1.0, 1.0), at(21.0, -1.0, 1.0), Some(2.8));
+    rod(scene, at(20.5, 2.1, 0.0), at(21.5, 2.1, 0.0), None);
+    rod(scene, at(20.05, 0.05, 1.0), at(20.05, 0.05, 2.0), Some(1.0));
+    rod(scene, at(21.0, 2.1, 3.1), at(23.0, 2.1, 3.1), None);
+    rod(scene, at(21.9, 1.9, -1.0), at(21.9, 1.9, 1.0), None);
+    let face = Polygon::new(at(30.0, 0.0, 0.0), at(0.0, 0.0, 4.0), at(4.0, 0.0, 1.0));
+    scene.add_polygon(face).unwrap();
+    for (x, y, speed) in [
+        (31.0, 0.2, -1.0),
+        (32.0, 0.0, 0.0),
+        (33.0, -0.1, 0.0),
+        (29.9, 0.1, 0.0),
+        (32.5, 0.1, 9.0),
+    ] {
+        sphere(scene, at(x, y, 2.0), 0.25, at(0.0, speed, 0.0));
+    }
+}
+
+/// Capsules: two that collide end on; one with a fixed end, hit over that end and along its axis; and a chain.
+fn capsules(scene: &mut Scene) {
+    for (x, speed) in [(40.0, 3.0), (42.3, -3.0)] {
+        let capsule = Capsule::new(at(x, 0.0, 0.0), at(x + 2.0, 0.0, 0.0), 0.2);
+        scene.add_capsule(capsule.velocity(at(speed, 0.0, 0.0))).unwrap();
+    }
+    let held = Sphere::new(at(50.0, 0.0, 0.0), 0.2).fixed().velocity(at(0.0, 1.0, 0.0));
+    let held = scene.add_sphere(held).unwrap();
+    scene.add_sphere(Sphere::new(at(50.0, 0.3, 0.0), 0.2).fixed()).unwrap();
+    let [free, far, farther] =
+        [(51.0, 0.0), (51.0, 1.0), (52.0, 1.0)].map(|(x, y)| sphere(scene, at(x, y, 0.0), 0.2, Vec3::ZERO));
+    for (one, two, radius, length) in [(held, free, 0.2, 1.0), (free, far, 0.1, 1.0), (far, farther, 0.1, 1.1)] {
+        scene.add_rod(Rod::new(one, two, radius).length(length)).unwrap();
+    }
+    sphere(scene, at(51.3, 0.1, 0.0), 0.2, at(-4.0, 0.0, 0.0));
+    sphere(scene, at(52.3, 1.1, 0.1), 0.2, at(-4.0, 0.0, 0.0));
+}
+
+/// Where a distance is 0, two things are parallel, a parameter is exactly 0 or 1, or a body is inside another, what
+/// happens is decided by rule, and must be by the same rule.
+#[test]
+fn what_is_decided_by_rule() {
+    let mut scene = Scene::new();
+    round_things(&mut scene);
+    static_things(&mut scene);
+    capsules(&mut scene);
+    for integrator in [Integrator::Rk4, Integrator::SymplecticEuler] {
+        let last = assert_alike(&GPU, &scene, &stages(&Phase::STEP, integrator), 3, 1e6).status;
+        assert!(
+            last.void == 0 && last.last_contacts > 20 && last.total_collisions_low > 5,
+            "{last:?}"
+        );
+    }
+}
+
+/// Springs beyond all reason: their bodies are stopped and named alike, and the others go on.
+#[test]
+fn bodies_that_stop_being_finite() {
+    for integrator in [Integrator::Rk4, Integrator::SymplecticEuler] {
+        let mut scene = Scene::new();
+        round_things(&mut scene);
+        let ids: Vec<_> = scene.sphere_ids().collect();
+        for (one, two) in [(0, 9), (1, 12)] {
+            scene.add_spring(Spring::new(ids[one], ids[two], 3e38, 0.1)).unwrap();
+        }
+        let status = assert_alike(&GPU, &scene, &stages(&Phase::STEP, integrator), 1, 1e30).status;
+        assert!(
+            status.total_bad >= 4 && status.bad_step == 1 && status.void != 0,
+            "{status:?}"
+        );
+    }
+}
+
+/// A device that grants only thirteen workgroups in a dimension.
+fn narrow() -> Gpu {
+    let open = async {
+        let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
+        let adapter = instance.request_adapter(&Default::default()).await.unwrap();
+        let required_limits = wgpu::Limits {
+            max_compute_workgroups_per_dimension: 13,
+            ..adapter.limits()
+        };
+        let wanted = wgpu::DeviceDescriptor {
+            required_limits,
+            ..Default::default()
+        };
+        adapter.request_device(&wanted).await.unwrap()
+    };
+    let mut context = std::task::Context::from_waker(std::task::Waker::noop());
+    let std::task::Poll::Ready((device, queue)) = std::pin::pin!(open).poll(&mut context) else {
+        panic!("native devices are there at once");
+    };
+    Gpu::on_device(device, queue)
+}
+
+/// More workgroups than a dimension has, more slices than one round of the scan takes, and lists of very different lengths.
+#[test]
+fn thousands_in_two_dimensions_of_workgroups() {
+    let mut rng = Pcg64Mcg::seed_from_u64(5);
+    let mut scene = Scene::new();
+    static_things(&mut scene);
+    for k in 0..9000 {
+        let mut below = |most: f32| rng.random_range(0.0..most);
+        // Denser to one side.
+        let place = at(20.0 * below(1.0).powi(2), below(20.0), below(20.0));
+        let ball = Sphere::new(place, 0.4).velocity(at(below(2.0), below(2.0), below(2.0)));
+        scene.add_sphere(if k % 50 == 0 { ball.fixed() } else { ball }).unwrap();
+    }
+    let gpu = narrow();
+    let collide = [Phase::UpdateAabbs, Phase::BroadPhase, Phase::HandleCollisions];
+    // Not one after the other: where overlaps as deep as these are removed, bodies leave their AABBs.
+    let integrate = [Phase::UpdateAabbs, Phase::BroadPhase, Phase::UpdatePositions];
+    for phases in [collide, integrate] {
+        let runs = stages(&phases, Integrator::SymplecticEuler);
+        let World { step, status, .. } = assert_alike(&gpu, &scene, &runs, 1, 15.0);
+        assert!(step.spheres.div_ceil(WORKGROUP) > 10 * 13, "{step:?}");
+        assert!(
+            status.void == 0 && status.collisions + status.last_contacts > 1000,
+            "{status:?}"
+        );
+    }
+}
+
+/// A body outside of its AABB voids the step on both. How far the other threads of a stage get before they see that is
+/// not told, so neither is anything else of such a stage; the largest escape that was seen is one of those that there are.
+#[test]
+fn escapes_void_the_step() {
+    for integrator in [Integrator::Rk4, Integrator::SymplecticEuler] {
+        let mut scene = Scene::new();
+        round_things(&mut scene);
+        let mut world = World::build(&scene).unwrap();
+        world.step.dt = 0.02;
+        world.step.margin_scale = 1e-3;
+        world.set_pair_capacity(1 << 14);
+        let mut voided = 0;
+        for run in stages(&Phase::STEP, integrator) {
+            let before = world.clone();
+            (run.stage.cpu)(&mut world, run.pass);
+            let gpu = on_gpu(&GPU, &before, run).status;
+            assert_eq!(gpu.void, world.status.void, "{}", run.stage.name);
+            if world.status.void != 0 {
+                voided += 1;
+                let [found, largest] = [gpu, world.status].map(|status| f32::from_bits(status.escape_ratio));
+                assert!((1.0..largest * 1.001).contains(&found), "{found} {largest}");
+                assert_eq!(world.states[0], before.states[0]);
+                // On to the next stage, as if it had not been: the CPU goes through a stage to its end.
+                world.status.void = 0;
+                world.status.escape_ratio = 0;
+            }
+        }
+        assert!(voided > 0);
+    }
+}

@@ -1,0 +1,146 @@
+//! The worlds that the stages of a step begin with, with every decision of the step far from its switch.
+
+use rockfall::layout::{CELLS_AT, ROD_WORDS};
+use rockfall::stage::{Phase, Run};
+use rockfall::world::World;
+use rockfall::{BroadPhase, Integrator, Settings};
+
+use crate::cells;
+use crate::clusters::{Clusters, clusters};
+use crate::decisions::{self, Findings};
+use crate::sweeps;
+
+/// Time step of all traces, in s: forces of deep overlaps are large.
+pub(crate) const DT: f32 = 0.004;
+/// AABBs that hold what these forces do, and pairs that do not overlap besides.
+const MARGIN: f32 = 12.0;
+/// A cluster that still has a decision too close to call is wrong by design, not by chance.
+const MAX_ATTEMPTS: u64 = 200;
+
+/// A stage, and the world that it begins with.
+pub(crate) struct Scenario {
+    pub(crate) run: Run,
+    pub(crate) before: World,
+}
+
+/// One step of a random scene.
+pub(crate) struct Trace {
+    pub(crate) scenarios: Vec<Scenario>,
+    /// What the step decided, and how often.
+    pub(crate) findings: Findings,
+    /// The world after the step.
+    pub(crate) after: World,
+}
+
+/// What makes a trace.
+#[derive(Clone, Copy)]
+pub(crate) struct Plan {
+    pub(crate) seed: u64,
+    pub(crate) clusters: usize,
+    pub(crate) integrator: Integrator,
+    pub(crate) broad_phase: BroadPhase,
+    pub(crate) settings: Settings,
+}
+
+/// Draws clusters again until no decision of the step is near its switch.
+pub(crate) fn trace(plan: &Plan) -> Trace {
+    let mut attempts = vec![0; plan.clusters];
+    loop {
+        let drawn = clusters(plan.seed, plan.settings, &attempts);
+        let trace = run(&drawn, plan);
+        if trace.findings.near.is_empty() {
+            assert_eq!(trace.after.status.void, 0, "the margins are too narrow for the forces");
+            return trace;
+        }
+        let mut again: Vec<usize> = trace.findings.near.iter().map(|near| drawn.cluster_of[near.object]).collect();
+        again.sort_unstable();
+        again.dedup();
+        for cluster in again {
+            attempts[cluster] += 1;
+            let mut near = trace.findings.near.iter();
+            let why = near
+                .find(|near| drawn.cluster_of[near.object] == cluster)
+                .map(|near| near.what);
+            assert!(attempts[cluster] < MAX_ATTEMPTS, "cluster {cluster}: {why:?}");
+        }
+    }
+}
+
+/// A world of the scene, roomy enough for its lists.
+fn built(drawn: &Clusters) -> World {
+    let mut world = World::build(&drawn.scene).unwrap();
+    world.step.dt = DT;
+    world.step.margin_scale = MARGIN;
+    world.set_pair_capacity(world.movers() * 64);
+    // Not 0, so that a word that a stage leaves out shows.
+    world.weights.fill(-7.0);
+    world.cells[CELLS_AT as usize..].fill(3);
+    for wrench in &mut world.wrenches {
+        *wrench = glam::Vec4::splat(1e3);
+    }
+    world
+}
+
+fn run(drawn: &Clusters, plan: &Plan) -> Trace {
+    let mut world = built(drawn);
+    let mut scenarios = Vec::new();
+    let mut findings = Findings::default();
+    let phases = Phase::STEP
+        .iter()
+        .filter(|phase| drawn.scene.settings.collisions || **phase != Phase::HandleCollisions);
+    let start = world.states[0].clone();
+    for run in phases.flat_map(|phase| phase.stages(plan.integrator, plan.broad_phase)) {
+        if run.stage.name == "constrain" {
+            turn_some(&mut world);
+        }
+        decide(&world, run, &mut findings);
+        scenarios.push(Scenario {
+            run: *run,
+            before: world.clone(),
+        });
+        (run.stage.cpu)(&mut world, run.pass);
+        if run.stage.name == "constrain" {
+            // Axes that turn half around have no shortest rotation.
+            turn_some(&mut world);
+        }
+        if run.stage.name == "end_collisions" {
+            // A pair whose overlap was just removed touches, to the last bit: whether it still overlaps is for rounding
+            // to say. So the integration goes on from the state before the collisions.
+            world.states[0].clone_from(&start);
+        }
+    }
+    decisions::escapes(&world, 0, &mut findings);
+    Trace {
+        scenarios,
+        findings,
+        after: world,
+    }
+}
+
+/// Swaps where the ends of every ninth rod were before the step: as if it had turned half around within it.
+fn turn_some(world: &mut World) {
+    for rod in (0..world.step.rods).step_by(9) {
+        let at = (world.step.rods_at + rod * ROD_WORDS) as usize;
+        let [one, two] = [world.words[at], world.words[at + 1]].map(|end| end as usize);
+        world.states[2].swap(one, two);
+    }
+}
+
+/// The decisions that a stage is about to make.
+fn decide(world: &World, run: &Run, findings: &mut Findings) {
+    let state = run.pass as usize;
+    match run.stage.name {
+        "count_cells" => cells::decide(world, findings),
+        "find_collisions" => {
+            decisions::escapes(world, 0, findings);
+            decisions::collisions(world, findings);
+        }
+        "advance" | "finish" | "leap" => {
+            decisions::escapes(world, state, findings);
+            decisions::forces(world, state, findings);
+        }
+        "restore_lengths" => sweeps::restore(world, findings),
+        "constrain" => sweeps::constrain(world, findings),
+        _ => {}
+    }
+}
