@@ -226,6 +226,7 @@ impl GpuWorld {
             contact_force: step.contact_force,
             friction: step.friction,
             margin_scale: step.margin_scale,
+            lookahead: step.lookahead,
             flags: step.flags,
             ..self.step
         }
