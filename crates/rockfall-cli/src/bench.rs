@@ -74,11 +74,7 @@ pub(crate) fn bench(arguments: &Arguments) -> Result<(), Failure> {
     if let Some((path, file)) = plot {
         chart::write(&title(arguments, &sizes), &sizes, file).map_err(|error| Failure::file(path, &error))?;
     }
-    let text = if arguments.json {
-        json::object(arguments, &sizes)
-    } else {
-        table::tables(arguments, &sizes)
-    };
+    let text = if arguments.json { json::object(arguments, &sizes) } else { table::tables(arguments, &sizes) };
     output::print(&text)
 }
 

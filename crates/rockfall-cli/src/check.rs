@@ -30,18 +30,12 @@ pub(crate) fn check(arguments: &Arguments) -> Result<(), Failure> {
     let _ = writeln!(text, "{name}: {}", InWords(scene.counts()));
     let defaults = Settings::default();
     for setting in Settings::NAMES {
-        let value = scene
-            .settings
-            .get(setting)
-            .filter(|value| defaults.get(setting).as_ref() != Some(value));
+        let value = scene.settings.get(setting).filter(|value| defaults.get(setting).as_ref() != Some(value));
         if let Some(value) = value {
             let _ = writeln!(text, "set {setting} {value}");
         }
     }
-    let odd = loaded
-        .warnings
-        .iter()
-        .map(|warning| format!("{name}:{}: {}", warning.line, warning.text));
+    let odd = loaded.warnings.iter().map(|warning| format!("{name}:{}: {}", warning.line, warning.text));
     warnings(&mut text, odd);
     let stiff = scene.stability(dt, integrator);
     if stiff.is_empty() {

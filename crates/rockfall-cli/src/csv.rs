@@ -22,10 +22,7 @@ pub(crate) struct Output {
 impl Output {
     pub(crate) fn create(path: &Path) -> Result<Self, Failure> {
         let file = AtomicFile::create(path).map_err(|error| Failure::file(path, &error))?;
-        Ok(Self {
-            path: path.to_owned(),
-            file,
-        })
+        Ok(Self { path: path.to_owned(), file })
     }
 
     fn write(&mut self, write: impl FnOnce(&mut AtomicFile) -> io::Result<()>) -> Result<(), Failure> {
@@ -81,10 +78,6 @@ fn numbers<N: Copy + Display + LowerExp + Into<f64>>(file: &mut AtomicFile, numb
     numbers.iter().try_for_each(|number| {
         let size = Into::<f64>::into(*number).abs();
         // Without an exponent, 1e-300 would be three hundred zeros.
-        if size == 0.0 || (1e-6..1e16).contains(&size) {
-            write!(file, ",{number}")
-        } else {
-            write!(file, ",{number:e}")
-        }
+        if size == 0.0 || (1e-6..1e16).contains(&size) { write!(file, ",{number}") } else { write!(file, ",{number:e}") }
     })
 }

@@ -9,28 +9,12 @@ pub(crate) fn devices() -> Result<(), Failure> {
     let mut text = String::new();
     // Writing to a string cannot fail.
     for device in rockfall::devices() {
-        let software = if device.software {
-            ", software: only with --backend gpu"
-        } else {
-            ""
-        };
-        let driver = if device.driver.is_empty() {
-            "unknown driver"
-        } else {
-            &device.driver
-        };
-        let _ = writeln!(
-            text,
-            "gpu  {} ({}, {}, {driver}{software})",
-            device.name, device.backend, device.kind
-        );
+        let software = if device.software { ", software: only with --backend gpu" } else { "" };
+        let driver = if device.driver.is_empty() { "unknown driver" } else { &device.driver };
+        let _ = writeln!(text, "gpu  {} ({}, {}, {driver}{software})", device.name, device.backend, device.kind);
     }
     if text.is_empty() {
-        let why = if cfg!(feature = "gpu") {
-            "found"
-        } else {
-            "looked for: built without the feature `gpu`"
-        };
+        let why = if cfg!(feature = "gpu") { "found" } else { "looked for: built without the feature `gpu`" };
         let _ = writeln!(text, "gpu  none {why}");
     }
     let threads = std::thread::available_parallelism().map_or(1, usize::from);

@@ -25,15 +25,8 @@ pub(crate) struct Arguments {
 }
 
 pub(crate) fn generate(arguments: &Arguments) -> Result<(), Failure> {
-    let Arguments {
-        kind,
-        spheres,
-        seed,
-        out,
-    } = arguments;
-    let file = out
-        .as_ref()
-        .map(|path| AtomicFile::create(path).map_err(|error| Failure::file(path, &error)));
+    let Arguments { kind, spheres, seed, out } = arguments;
+    let file = out.as_ref().map(|path| AtomicFile::create(path).map_err(|error| Failure::file(path, &error)));
     let file = file.transpose()?;
     let scene = kind.generate(*spheres, *seed)?;
     let title = format!("rockfall generate {kind} --spheres {spheres} --seed {seed}\n\n");
@@ -41,7 +34,5 @@ pub(crate) fn generate(arguments: &Arguments) -> Result<(), Failure> {
     let (Some(mut file), Some(path)) = (file, out) else {
         return output::print(&text);
     };
-    file.write_all(text.as_bytes())
-        .and_then(|()| file.commit())
-        .map_err(|error| Failure::file(path, &error))
+    file.write_all(text.as_bytes()).and_then(|()| file.commit()).map_err(|error| Failure::file(path, &error))
 }

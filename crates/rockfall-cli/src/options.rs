@@ -32,10 +32,7 @@ pub(crate) struct Engine {
 
 impl Engine {
     pub(crate) fn options(&self, physics: &Physics) -> Options {
-        Options::new()
-            .backend(self.backend)
-            .broad_phase(self.broad_phase)
-            .integrator(physics.integrator)
+        Options::new().backend(self.backend).broad_phase(self.broad_phase).integrator(physics.integrator)
     }
 }
 
@@ -49,9 +46,7 @@ pub(crate) struct SceneArgument {
 impl Physics {
     /// Applies `--set` to a scene's settings.
     pub(crate) fn change(&self, settings: &mut Settings) -> Result<(), rockfall::Error> {
-        self.set
-            .iter()
-            .try_for_each(|setting| settings.set(&setting.name, &setting.value))
+        self.set.iter().try_for_each(|setting| settings.set(&setting.name, &setting.value))
     }
 }
 
@@ -69,10 +64,7 @@ impl std::str::FromStr for Setting {
         let (name, value) = text.split_once('=').ok_or("expected NAME=VALUE")?;
         let tried = Settings::default().set(name, value);
         tried.map_err(|error| error.to_string())?;
-        Ok(Self {
-            name: name.to_owned(),
-            value: value.to_owned(),
-        })
+        Ok(Self { name: name.to_owned(), value: value.to_owned() })
     }
 }
 
@@ -121,11 +113,8 @@ impl fmt::Display for InWords {
             (counts.boxes, "box", "boxes"),
             (counts.polygons, "polygon", "polygons"),
         ];
-        let there: Vec<String> = kinds
-            .into_iter()
-            .filter(|(count, ..)| *count > 0)
-            .map(|(count, one, many)| counted(count, one, many))
-            .collect();
+        let there: Vec<String> =
+            kinds.into_iter().filter(|(count, ..)| *count > 0).map(|(count, one, many)| counted(count, one, many)).collect();
         f.write_str(if there.is_empty() { "none" } else { "" })?;
         f.write_str(&there.join(", "))
     }

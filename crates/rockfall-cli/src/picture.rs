@@ -50,9 +50,7 @@ pub(crate) fn side_view(scene: &Scene) -> String {
         // A hair in front of the rods that end in it.
         dot(sphere.position + Vec3::Z * 1e-3 * frame.size, sphere.radius, None);
     }
-    let lines = cells
-        .into_iter()
-        .map(|line| String::from_utf8_lossy(&line).trim_end().to_owned() + "\n");
+    let lines = cells.into_iter().map(|line| String::from_utf8_lossy(&line).trim_end().to_owned() + "\n");
     lines.collect()
 }
 

@@ -27,23 +27,13 @@ impl Progress {
             .is_terminal()
             .then(|| ProgressBar::new(steps).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar())));
         let now = Instant::now();
-        Self {
-            bar,
-            steps,
-            done: 0,
-            start: now,
-            last_line: now,
-        }
+        Self { bar, steps, done: 0, start: now, last_line: now }
     }
 
     /// Steps to do until the next look, at least 1.
     pub(crate) fn chunk(&self) -> u64 {
         let elapsed = self.start.elapsed().as_secs_f64();
-        let speed = if self.done > 0 {
-            self.done as f64 / elapsed.max(1e-6)
-        } else {
-            0.0
-        };
+        let speed = if self.done > 0 { self.done as f64 / elapsed.max(1e-6) } else { 0.0 };
         // Twice what was done at most: the first steps may be slower or faster than the others.
         let wish = ((speed * LOOK.as_secs_f64()) as u64).min(2 * self.done);
         wish.clamp(1, (self.steps - self.done).max(1))

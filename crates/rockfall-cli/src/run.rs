@@ -68,17 +68,8 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     for file in [state, trace].into_iter().flatten() {
         file.commit()?;
     }
-    let summary = Summary {
-        name: &name,
-        dt: arguments.physics.dt,
-        seconds,
-        before,
-    };
-    let text = if arguments.json {
-        summary.json(&simulation)
-    } else {
-        summary.table(&mut simulation)?
-    };
+    let summary = Summary { name: &name, dt: arguments.physics.dt, seconds, before };
+    let text = if arguments.json { summary.json(&simulation) } else { summary.table(&mut simulation)? };
     output::print(&text)
 }
 

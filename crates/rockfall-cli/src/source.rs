@@ -28,17 +28,12 @@ impl Source {
             return Self::new(&path.display().to_string(), Scene::load(path));
         }
         let mut bytes = Vec::new();
-        std::io::stdin()
-            .read_to_end(&mut bytes)
-            .map_err(|error| Failure::usage(format!("{STDIN_NAME}: {error}")))?;
+        std::io::stdin().read_to_end(&mut bytes).map_err(|error| Failure::usage(format!("{STDIN_NAME}: {error}")))?;
         Self::new(STDIN_NAME, Scene::parse_bytes(&bytes, Path::new(STDIN_NAME)))
     }
 
     /// A scene that cannot be read is wrong usage, whatever the reason.
     fn new(name: &str, loaded: rockfall::Result<Loaded>) -> Result<Self, Failure> {
-        Ok(Self {
-            name: name.to_owned(),
-            loaded: loaded.map_err(Failure::usage)?,
-        })
+        Ok(Self { name: name.to_owned(), loaded: loaded.map_err(Failure::usage)? })
     }
 }

@@ -21,11 +21,7 @@ pub(crate) struct Summary<'a> {
 
 impl Summary<'_> {
     fn steps_per_second(&self, steps: u64) -> f64 {
-        if steps == 0 {
-            0.0
-        } else {
-            steps as f64 / self.seconds.max(1e-9)
-        }
+        if steps == 0 { 0.0 } else { steps as f64 / self.seconds.max(1e-9) }
     }
 
     /// One JSON object, for programs.
@@ -60,10 +56,7 @@ impl Summary<'_> {
             // Writing to a string cannot fail.
             let _ = writeln!(text, "  {name:<11} {value}");
         };
-        row(
-            "backend",
-            format!("{}: {} ({})", backend.kind, backend.device, backend.reason),
-        );
+        row("backend", format!("{}: {} ({})", backend.kind, backend.device, backend.reason));
         row("objects", InWords(simulation.scene().counts()).to_string());
         let speed = self.steps_per_second(report.steps);
         let real_time = if self.seconds > 0.0 { report.time / self.seconds } else { 0.0 };
@@ -82,18 +75,8 @@ impl Summary<'_> {
         };
         row("energy", format!("{} at the start", energies(&self.before)));
         row("", format!("{} at the end", energies(&after)));
-        row(
-            "contacts",
-            format!(
-                "{} in the last step, deepest overlap {}",
-                report.contacts,
-                short(report.max_overlap.into())
-            ),
-        );
-        row(
-            "collisions",
-            format!("{} in all, {} in the last step", report.total_collisions, report.collisions),
-        );
+        row("contacts", format!("{} in the last step, deepest overlap {}", report.contacts, short(report.max_overlap.into())));
+        row("collisions", format!("{} in all, {} in the last step", report.total_collisions, report.collisions));
         if report.replays > 0 {
             row("replays", format!("{} steps run again with longer lists", report.replays));
         }

@@ -8,11 +8,7 @@ use serde_json::Value;
 /// Runs `rockfall bench` with more arguments; gives standard output.
 #[track_caller]
 fn bench(arguments: &str, code: i32) -> String {
-    let output = Command::new(env!("CARGO_BIN_EXE_rockfall"))
-        .arg("bench")
-        .args(arguments.split_whitespace())
-        .output()
-        .unwrap();
+    let output = Command::new(env!("CARGO_BIN_EXE_rockfall")).arg("bench").args(arguments.split_whitespace()).output().unwrap();
     let err = String::from_utf8(output.stderr).unwrap();
     assert_eq!(output.status.code(), Some(code), "{arguments}\n{err}");
     assert!(!err.contains("panicked"), "{arguments}\n{err}");
@@ -31,10 +27,7 @@ const PHASES: &str = "aabb_update collision_detection collision_response forces_
 
 #[track_caller]
 fn check_json(backend: &str) {
-    let out = bench(
-        &format!("lattice --spheres 27,64 --steps 40 --runs 2 --warmup 2 --backend {backend} --json"),
-        0,
-    );
+    let out = bench(&format!("lattice --spheres 27,64 --steps 40 --runs 2 --warmup 2 --backend {backend} --json"), 0);
     let object: Value = serde_json::from_str(&out).unwrap();
     let expected = "version scene backend device driver integrator broad_phase dt steps warmup runs seed \
                     copy_bytes_per_second sizes";
@@ -60,10 +53,7 @@ fn check_json(backend: &str) {
     assert!(size["least_bytes_per_sphere_step"].as_f64().unwrap() > 500.0);
 
     let profile = &size["profile"];
-    assert_eq!(
-        keys(profile),
-        words("clock steps seconds void_seconds phase_seconds_per_step stages")
-    );
+    assert_eq!(keys(profile), words("clock steps seconds void_seconds phase_seconds_per_step stages"));
     assert_eq!(profile["steps"], 40);
     let phases = &profile["phase_seconds_per_step"];
     assert_eq!(keys(phases), words(PHASES));
@@ -116,10 +106,7 @@ fn the_chart_has_a_bar_for_each_phase_of_each_size() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("bench.svg");
     let sizes = "8,27,64";
-    bench(
-        &format!("--spheres {sizes} --steps 3 --runs 1 --backend cpu --plot {}", file.display()),
-        0,
-    );
+    bench(&format!("--spheres {sizes} --steps 3 --runs 1 --backend cpu --plot {}", file.display()), 0);
     let text = std::fs::read_to_string(file).unwrap();
     let svg = roxmltree::Document::parse(&text).unwrap();
     let nodes = || svg.descendants();
@@ -146,20 +133,10 @@ fn the_chart_has_a_bar_for_each_phase_of_each_size() {
 
 #[test]
 fn wrong_arguments_are_wrong_usage() {
-    for arguments in [
-        "heap",
-        "--spheres 0",
-        "--spheres x",
-        "--steps 0",
-        "--runs 0",
-        "--dt 0",
-        "--backend abacus",
-        "--broad-phase none",
-    ] {
+    for arguments in
+        ["heap", "--spheres 0", "--spheres x", "--steps 0", "--runs 0", "--dt 0", "--backend abacus", "--broad-phase none"]
+    {
         bench(arguments, 2);
     }
-    bench(
-        "--spheres 8 --steps 1 --runs 1 --backend cpu --plot /no/such/folder/chart.svg",
-        1,
-    );
+    bench("--spheres 8 --steps 1 --runs 1 --backend cpu --plot /no/such/folder/chart.svg", 1);
 }

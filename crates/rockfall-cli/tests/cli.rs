@@ -49,13 +49,8 @@ impl Rockfall {
 
     #[track_caller]
     fn run_with_input(&self, arguments: &str, input: &[u8], code: i32) -> (String, String) {
-        let mut child = self
-            .command(arguments)
-            .stdin(Stdio::piped())
-            .stdout(Stdio::piped())
-            .stderr(Stdio::piped())
-            .spawn()
-            .unwrap();
+        let mut child =
+            self.command(arguments).stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
         child.stdin.take().unwrap().write_all(input).unwrap();
         finish(child.wait_with_output().unwrap(), arguments, code)
     }
@@ -188,21 +183,12 @@ fn settings_and_steps_are_those_of_the_arguments() {
 #[test]
 fn bad_scenes_are_named_by_file_line_and_field() {
     let cases = [
-        (
-            "S 1 0 1 0 0 0 0 0 0 0 1",
-            "scene.txt:1: S radius: missing, expected 12 or 13 numbers after S, found 11",
-        ),
-        (
-            "x\nS 1 0 1 0 0 0 0 0 0 0 -1 1",
-            "scene.txt:2: S mass: -1 is not allowed, expected",
-        ),
+        ("S 1 0 1 0 0 0 0 0 0 0 1", "scene.txt:1: S radius: missing, expected 12 or 13 numbers after S, found 11"),
+        ("x\nS 1 0 1 0 0 0 0 0 0 0 -1 1", "scene.txt:2: S mass: -1 is not allowed, expected"),
         ("\n\nR 1 2 0.1", "scene.txt:3: R end1: no sphere with reference 1"),
         ("B 0 0 0 1 0 0 1 1 0 0 0 1", "scene.txt:1: B edges: "),
         ("S 1 nan", "scene.txt:1: S x: 'nan' is not finite"),
-        (
-            "set gravity x",
-            "scene.txt:1: set gravity: 'x' is not allowed, expected a finite number",
-        ),
+        ("set gravity x", "scene.txt:1: set gravity: 'x' is not allowed, expected a finite number"),
         ("a\0", "scene.txt:1: text: a NUL byte"),
     ];
     for (scene, message) in cases {
@@ -218,13 +204,7 @@ fn bad_scenes_are_named_by_file_line_and_field() {
 #[test]
 fn scenes_that_cannot_be_read_are_wrong_usage() {
     let rockfall = Rockfall::with(SCENE);
-    for command in [
-        "run nowhere.txt",
-        "check nowhere.txt",
-        "run .",
-        "check .",
-        "check scene.txt/below",
-    ] {
+    for command in ["run nowhere.txt", "check nowhere.txt", "run .", "check .", "check scene.txt/below"] {
         let (_, err) = rockfall.run(command, 2);
         let name = command.split(' ').nth(1).unwrap();
         assert!(err.starts_with(&format!("error: {name}: ")), "{err}");
@@ -267,10 +247,7 @@ fn wrong_arguments_are_wrong_usage() {
         ("run scene.txt --integrator euler", "rk4 or symplectic-euler"),
         ("run scene.txt --broad-phase luck", "brute-force"),
         ("run scene.txt --set gravity", "expected NAME=VALUE"),
-        (
-            "run scene.txt --set weight=1",
-            "'weight=1' for '--set <NAME=VALUE>': unknown setting 'weight'",
-        ),
+        ("run scene.txt --set weight=1", "'weight=1' for '--set <NAME=VALUE>': unknown setting 'weight'"),
         ("run scene.txt --set restitution=-1", "not negative"),
         ("run scene.txt --set gravity=", "a finite number"),
         ("run scene.txt --out same.csv --trace same.csv", "same file"),
@@ -338,10 +315,7 @@ fn check_tells_what_is_odd_and_too_stiff() {
     assert_eq!(lines[1], "set friction 7");
     assert!(lines[2].starts_with("warning: scene.txt:4: taken for a comment"), "{out}");
     // dt² (12000 + 12000) <= 8.
-    assert!(
-        lines[3].contains("spring 0 is too stiff") && lines[3].ends_with("0.0182 s"),
-        "{out}"
-    );
+    assert!(lines[3].contains("spring 0 is too stiff") && lines[3].ends_with("0.0182 s"), "{out}");
     assert_eq!(lines.len(), 4, "{out}");
     let (out, _) = rockfall.run("check scene.txt --dt 0.0182", 0);
     assert!(out.contains("stable at a time step of 0.0182 s (rk4)"), "{out}");
@@ -384,17 +358,7 @@ fn devices_always_lists_the_cpu() {
 fn help_and_version_are_no_errors() {
     let rockfall = Rockfall::with("");
     let (out, _) = rockfall.run("run --help", 0);
-    for option in [
-        "--steps",
-        "--dt",
-        "--backend",
-        "--integrator",
-        "--broad-phase",
-        "--set",
-        "--out",
-        "--trace",
-        "--json",
-    ] {
+    for option in ["--steps", "--dt", "--backend", "--integrator", "--broad-phase", "--set", "--out", "--trace", "--json"] {
         assert!(out.contains(option), "{option}: {out}");
     }
     let (out, _) = rockfall.run("--version", 0);
@@ -411,12 +375,7 @@ fn a_closed_standard_output_is_no_panic() {
         "devices",
         "generate pile --spheres 20000",
     ] {
-        let mut child = rockfall
-            .command(arguments)
-            .stdout(Stdio::piped())
-            .stderr(Stdio::piped())
-            .spawn()
-            .unwrap();
+        let mut child = rockfall.command(arguments).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
         drop(child.stdout.take());
         let output = child.wait_with_output().unwrap();
         let err = String::from_utf8(output.stderr).unwrap();

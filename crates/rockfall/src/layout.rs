@@ -81,8 +81,8 @@ pub const NO_BODY: u32 = u32::MAX;
 /// The place in a step where a body stopped being finite, the high bits of [`Status::bad_body`].
 pub const BAD_STAGE_SHIFT: u32 = 27;
 
-/// First word of the cells in the buffer `cells`; word 0 is a mask of the levels that have objects, word 1 a copy of
-/// `Status::rebuild`, words 2 and 3 are unused.
+/// First word of the cells in the buffer `cells`; word 0 is a mask of the levels that have objects, word 1 tells
+/// whether lists are to be made, words 2 and 3 are unused.
 pub const CELLS_AT: u32 = 4;
 /// Cells that one workgroup sums.
 pub const CELL_BLOCK: u32 = 4096;
@@ -242,13 +242,7 @@ pub struct Status {
 
 impl Default for Status {
     fn default() -> Self {
-        Self {
-            lengths_due: 1,
-            rebuild: 1,
-            bad_body: NO_BODY,
-            first_bad: NO_BODY,
-            ..Zeroable::zeroed()
-        }
+        Self { lengths_due: 1, rebuild: 1, bad_body: NO_BODY, first_bad: NO_BODY, ..Zeroable::zeroed() }
     }
 }
 

@@ -27,10 +27,7 @@ impl AtomicFile {
         match fs::metadata(&target) {
             // A folder among them, which refuses to be opened.
             Ok(found) if !found.is_file() => {
-                return Ok(Self {
-                    writer: BufWriter::new(OpenOptions::new().write(true).open(&target)?),
-                    places: None,
-                });
+                return Ok(Self { writer: BufWriter::new(OpenOptions::new().write(true).open(&target)?), places: None });
             }
             // A rename would go around a file's write protection.
             Ok(_) => drop(OpenOptions::new().append(true).open(&target)?),
@@ -45,10 +42,7 @@ impl AtomicFile {
             let beside = target.with_file_name(beside);
             match OpenOptions::new().write(true).create_new(true).open(&beside) {
                 Ok(file) => {
-                    return Ok(Self {
-                        writer: BufWriter::with_capacity(1 << 16, file),
-                        places: Some((beside, target)),
-                    });
+                    return Ok(Self { writer: BufWriter::with_capacity(1 << 16, file), places: Some((beside, target)) });
                 }
                 Err(error) if error.kind() == io::ErrorKind::AlreadyExists && tries < 1000 => tries += 1,
                 Err(error) => return Err(error),
@@ -104,10 +98,7 @@ mod tests {
         }
 
         fn names(&self) -> Vec<OsString> {
-            fs::read_dir(&self.0)
-                .unwrap()
-                .map(|entry| entry.unwrap().file_name())
-                .collect()
+            fs::read_dir(&self.0).unwrap().map(|entry| entry.unwrap().file_name()).collect()
         }
     }
 

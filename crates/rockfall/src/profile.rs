@@ -135,19 +135,10 @@ impl Recorder {
     }
 
     fn stage(&mut self, name: &'static str, phase: Phase) -> &mut StageTime {
-        let known = self
-            .stages
-            .iter()
-            .position(|stage| stage.name == name && stage.phase == phase);
+        let known = self.stages.iter().position(|stage| stage.name == name && stage.phase == phase);
         let at = known.unwrap_or(self.stages.len());
         if known.is_none() {
-            self.stages.push(StageTime {
-                name,
-                phase,
-                runs: 0,
-                seconds: 0.0,
-                least_bytes: 0,
-            });
+            self.stages.push(StageTime { name, phase, runs: 0, seconds: 0.0, least_bytes: 0 });
         }
         &mut self.stages[at]
     }

@@ -102,10 +102,7 @@ impl Scene {
     /// [`Error::Invalid`](crate::Error::Invalid) as for its spheres and its rod; the ends must not coincide.
     pub fn add_capsule(&mut self, capsule: Capsule) -> Result<CapsuleId> {
         let end = |position| {
-            Sphere::new(position, capsule.radius)
-                .mass(capsule.mass * 0.5)
-                .velocity(capsule.velocity)
-                .group(capsule.group)
+            Sphere::new(position, capsule.radius).mass(capsule.mass * 0.5).velocity(capsule.velocity).group(capsule.group)
         };
         let (first, second) = (end(capsule.end1), end(capsule.end2));
         first.validate()?;
@@ -121,9 +118,7 @@ impl Scene {
         }
         let end1 = self.spheres.add(first);
         let end2 = self.spheres.add(second);
-        let rod = self
-            .rods
-            .add(Rod::new(end1, end2, capsule.radius).length(length).group(capsule.group));
+        let rod = self.rods.add(Rod::new(end1, end2, capsule.radius).length(length).group(capsule.group));
         Ok(self.capsules.add(CapsuleParts { end1, end2, rod }))
     }
 

@@ -78,10 +78,7 @@ impl Settings {
             "gravity_direction" => self.gravity_direction = direction("gravity_direction", value)?,
             "contact_pull" => self.contact_pull = switch("contact_pull", value)?,
             _ => {
-                return Err(Error::UnknownSetting {
-                    name: name.to_owned(),
-                    expected: Self::NAMES.join(", "),
-                });
+                return Err(Error::UnknownSetting { name: name.to_owned(), expected: Self::NAMES.join(", ") });
             }
         }
         Ok(())
@@ -119,11 +116,7 @@ impl Settings {
 }
 
 fn invalid(field: &'static str, value: &str, expected: &'static str) -> Error {
-    Error::Invalid {
-        field,
-        value: format!("'{value}'"),
-        expected,
-    }
+    Error::Invalid { field, value: format!("'{value}'"), expected }
 }
 
 fn number(field: &'static str, value: &str, expected: &'static str) -> Result<f32> {
@@ -164,9 +157,7 @@ fn direction(field: &'static str, value: &str) -> Result<Vec3> {
     if (wide.length() - 1.0).abs() < 1e-6 {
         return Ok(Vec3::new(x, y, z));
     }
-    wide.try_normalize()
-        .map(|unit| unit.as_vec3())
-        .ok_or_else(|| invalid(field, value, EXPECTED))
+    wide.try_normalize().map(|unit| unit.as_vec3()).ok_or_else(|| invalid(field, value, EXPECTED))
 }
 
 /// How positions and velocities are advanced.

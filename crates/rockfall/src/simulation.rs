@@ -189,11 +189,8 @@ impl Simulation {
 
     async fn run_recorded(&mut self, steps: u64, dt: f32, recorder: Option<&mut Recorder>) -> Result<()> {
         self.set_time_step(dt)?;
-        let phases: &[Phase] = if self.scene.settings.collisions {
-            &drive::COLLISIONS_FIRST
-        } else {
-            &drive::WITHOUT_COLLISIONS
-        };
+        let phases: &[Phase] =
+            if self.scene.settings.collisions { &drive::COLLISIONS_FIRST } else { &drive::WITHOUT_COLLISIONS };
         self.drive(phases, steps, recorder).await
     }
 

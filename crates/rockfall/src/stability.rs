@@ -71,11 +71,7 @@ fn rounded_down(number: f64) -> f64 {
     let scale = 10_f64.powi(digits.abs());
     // A hair up before rounding down, for what is such a number already.
     let floor = |scaled: f64| (scaled * (1.0 + 1e-12)).floor();
-    if digits >= 0 {
-        floor(number * scale) / scale
-    } else {
-        floor(number / scale) * scale
-    }
+    if digits >= 0 { floor(number * scale) / scale } else { floor(number / scale) * scale }
 }
 
 impl Scene {
@@ -85,12 +81,7 @@ impl Scene {
         let dt = f64::from(dt);
         let warn = |what, [stiffness, damping]: [f64; 2]| {
             let largest_dt = largest_dt(stiffness, damping, integrator);
-            (dt > largest_dt).then_some(Warning {
-                what,
-                stiffness,
-                damping,
-                largest_dt,
-            })
+            (dt > largest_dt).then_some(Warning { what, stiffness, damping, largest_dt })
         };
         let springs = self.springs().iter().enumerate().filter_map(|(index, spring)| {
             let [a, b] = [spring.a, spring.b].map(|id| loads.on(self, id));
@@ -141,9 +132,7 @@ impl Loads {
     fn on(&self, scene: &Scene, id: crate::SphereId) -> [f64; 2] {
         let inverse_mass = |sphere: &Sphere| if sphere.fixed { 0.0 } else { 1.0 / f64::from(sphere.mass) };
         let index = scene.spheres.index(id);
-        index.map_or([0.0; 2], |index| {
-            self.0[index].map(|sum| sum * inverse_mass(&scene.spheres()[index]))
-        })
+        index.map_or([0.0; 2], |index| self.0[index].map(|sum| sum * inverse_mass(&scene.spheres()[index])))
     }
 }
 
@@ -261,9 +250,7 @@ mod tests {
         let fixed = scene.add_sphere(Sphere::new([0.0; 3], 0.1).fixed()).unwrap();
         let ball = scene.add_sphere(Sphere::new([1.0, 0.0, 0.0], 0.1).mass(0.5)).unwrap();
         scene.add_spring(Spring::new(fixed, ball, 4000.0, 1.0)).unwrap();
-        scene
-            .add_tether(Tether::new(ball, [2.0, 0.0, 0.0], 1000.0).damping(1.0))
-            .unwrap();
+        scene.add_tether(Tether::new(ball, [2.0, 0.0, 0.0], 1000.0).damping(1.0)).unwrap();
         // K = (4000 + 1000) / 0.5: the edge is sqrt(8 / 10000) = 0.0283.
         assert!(scene.stability(0.028, Integrator::Rk4).is_empty());
         let warnings = scene.stability(0.029, Integrator::Rk4);

@@ -126,19 +126,11 @@ pub struct Binding {
 }
 
 pub(crate) const fn read(name: &'static str, buffer: Buffer) -> Binding {
-    Binding {
-        name,
-        slot: Slot::Fixed(buffer),
-        access: Access::Read,
-    }
+    Binding { name, slot: Slot::Fixed(buffer), access: Access::Read }
 }
 
 pub(crate) const fn write(name: &'static str, buffer: Buffer) -> Binding {
-    Binding {
-        name,
-        slot: Slot::Fixed(buffer),
-        access: Access::Write,
-    }
+    Binding { name, slot: Slot::Fixed(buffer), access: Access::Write }
 }
 
 /// What a stage has a thread for.
@@ -171,10 +163,7 @@ pub struct Part {
 
 macro_rules! part {
     ($file:literal) => {
-        $crate::stage::Part {
-            file: $file,
-            text: include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/src/", $file)),
-        }
+        $crate::stage::Part { file: $file, text: include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/src/", $file)) }
     };
 }
 pub(crate) use part;
@@ -226,12 +215,7 @@ pub enum Phase {
 
 impl Phase {
     /// A step's phases, in their order.
-    pub const STEP: [Self; 4] = [
-        Self::UpdateAabbs,
-        Self::BroadPhase,
-        Self::HandleCollisions,
-        Self::UpdatePositions,
-    ];
+    pub const STEP: [Self; 4] = [Self::UpdateAabbs, Self::BroadPhase, Self::HandleCollisions, Self::UpdatePositions];
 
     /// The stages of this phase, in their order. [`BroadPhase::Auto`] stands for brute force here.
     pub fn stages(self, integrator: Integrator, broad_phase: BroadPhase) -> &'static [Run] {

@@ -51,12 +51,7 @@ const NONE: Moves = Moves {
 };
 
 /// What every force evaluation reads besides the state.
-const FORCES: Moves = Moves {
-    counts: 1,
-    entries: 1,
-    wrenches: 1,
-    ..NONE
-};
+const FORCES: Moves = Moves { counts: 1, entries: 1, wrenches: 1, ..NONE };
 
 /// The moves of a stage; `None` for one that this table does not know.
 #[rustfmt::skip]
@@ -139,19 +134,10 @@ mod tests {
     use crate::stage::{ALL, Phase};
 
     fn per_sphere(integrator: Integrator) -> u64 {
-        let step = Step {
-            spheres: 1 << 20,
-            cells: 1 << 20,
-            ..Step::default()
-        };
+        let step = Step { spheres: 1 << 20, cells: 1 << 20, ..Step::default() };
         // Six entries a sphere.
-        let status = Status {
-            pairs_needed: 6 << 20,
-            ..Status::default()
-        };
-        let runs = Phase::STEP
-            .iter()
-            .flat_map(|phase| phase.stages(integrator, BroadPhase::Grid));
+        let status = Status { pairs_needed: 6 << 20, ..Status::default() };
+        let runs = Phase::STEP.iter().flat_map(|phase| phase.stages(integrator, BroadPhase::Grid));
         runs.map(|run| least_bytes(run, &step, &status)).sum::<u64>() >> 20
     }
 
@@ -165,10 +151,7 @@ mod tests {
 
     #[test]
     fn stages_without_a_line_are_judged_by_their_bindings() {
-        let step = Step {
-            spheres: 100,
-            ..Step::default()
-        };
+        let step = Step { spheres: 100, ..Step::default() };
         for stage in ALL.iter().filter(|stage| stage.name.starts_with("commit")) {
             let by_bindings = moves_by_bindings(stage, 0).rows;
             assert_eq!(Some(by_bindings), moves(stage.name, 0).map(|moves| moves.rows));

@@ -49,9 +49,7 @@ fn long_rods_among_small_spheres(part: usize) -> Scene {
         let ends = [one, two].map(|end| scene.add_sphere(Sphere::new(end, 0.05)).unwrap());
         scene.add_rod(Rod::new(ends[0], ends[1], 0.04)).unwrap();
         let one = place(random, [6.0; 3]);
-        scene
-            .add_capsule(Capsule::new(one, [one[0] + 1.0, one[1], one[2]], 0.1))
-            .unwrap();
+        scene.add_capsule(Capsule::new(one, [one[0] + 1.0, one[1], one[2]], 0.1)).unwrap();
     }
     scene
 }
@@ -63,9 +61,7 @@ fn hundreds_of_large_boxes_and_polygons(part: usize) -> Scene {
         let corner = place(random, [10.0; 3]);
         let size = [0.1f32, 1.0, 4.0, 10.0][random.random_range(0..4)];
         scene.add_box(Cuboid::between(corner, corner.map(|x| x + size))).unwrap();
-        scene
-            .add_polygon(Polygon::new(corner, [size, 0.0, 0.3], [0.0, 0.5 * size, 0.0]))
-            .unwrap();
+        scene.add_polygon(Polygon::new(corner, [size, 0.0, 0.3], [0.0, 0.5 * size, 0.0])).unwrap();
     }
     scene
 }
@@ -96,13 +92,9 @@ fn two_clusters_far_apart(_part: usize) -> Scene {
 
 fn one_flies_off(_part: usize) -> Scene {
     let mut scene = equal_spheres(1);
-    scene
-        .add_sphere(Sphere::new([1e7, -1e7, 3.0], 0.2).velocity([1e6, 0.0, 0.0]))
-        .unwrap();
+    scene.add_sphere(Sphere::new([1e7, -1e7, 3.0], 0.2).velocity([1e6, 0.0, 0.0])).unwrap();
     scene.add_sphere(Sphere::new([1e30, 0.0, 0.0], 0.2)).unwrap();
-    scene
-        .add_sphere(Sphere::new([0.0, 1e38, 0.0], 1e3).velocity([3e38, 0.0, 0.0]))
-        .unwrap();
+    scene.add_sphere(Sphere::new([0.0, 1e38, 0.0], 1e3).velocity([3e38, 0.0, 0.0])).unwrap();
     scene
 }
 
@@ -139,11 +131,7 @@ fn world(scene: &Scene) -> World {
 /// Runs the first two phases, with more room where it is asked for.
 fn detect(world: &mut World, method: BroadPhase, mut run: impl FnMut(&mut World, &[rockfall::stage::Run])) {
     let phases = [Phase::UpdateAabbs, Phase::BroadPhase];
-    let stages: Vec<_> = phases
-        .iter()
-        .flat_map(|phase| phase.stages(Integrator::Rk4, method))
-        .copied()
-        .collect();
+    let stages: Vec<_> = phases.iter().flat_map(|phase| phase.stages(Integrator::Rk4, method)).copied().collect();
     loop {
         world.status.void = 0;
         run(world, &stages);
@@ -173,10 +161,7 @@ fn assert_same(name: &str, expected: &[Vec<u32>], found: &[Vec<u32>]) {
         assert_eq!(expected, found, "{name}: the list of mover {mover}");
     }
     assert_eq!(expected.len(), found.len());
-    assert!(
-        expected.iter().map(Vec::len).sum::<usize>() > 0,
-        "{name}: no pairs at all prove nothing"
-    );
+    assert!(expected.iter().map(Vec::len).sum::<usize>() > 0, "{name}: no pairs at all prove nothing");
 }
 
 fn on_cpu(scene: &Scene, method: BroadPhase) -> World {
@@ -192,10 +177,7 @@ fn the_grid_finds_what_brute_force_finds() {
         let expected = lists(&on_cpu(&scene, BroadPhase::BruteForce));
         let found = lists(&on_cpu(&scene, BroadPhase::Grid));
         assert_same(name, &expected, &found);
-        let sorted = |row: &Vec<u32>| {
-            row.windows(2)
-                .all(|pair| (pair[0] & ENTRY_ID_MASK) <= (pair[1] & ENTRY_ID_MASK))
-        };
+        let sorted = |row: &Vec<u32>| row.windows(2).all(|pair| (pair[0] & ENTRY_ID_MASK) <= (pair[1] & ENTRY_ID_MASK));
         assert!(expected.iter().all(sorted), "{name}: not in ascending order");
     }
 }

@@ -23,9 +23,7 @@ fn mixed(balls: usize) -> Scene {
     ] {
         scene.add_polygon(Polygon::new(corner, left, right)).expect("a valid polygon");
     }
-    scene
-        .add_box(Cuboid::between([-1.5, 0.0, 1.5], [1.5, 4.0, 2.5]))
-        .expect("a valid box");
+    scene.add_box(Cuboid::between([-1.5, 0.0, 1.5], [1.5, 4.0, 2.5])).expect("a valid box");
     for ball in 0..balls {
         let (column, layer) = (ball % 16, ball / 16);
         let place = Vec3::new((column % 4) as f32 * 0.6, layer as f32 * 0.52, (column / 4) as f32 * 0.6);
@@ -55,9 +53,7 @@ fn add_chain(scene: &mut Scene, height: f32) {
         })
         .collect();
     for pair in links.windows(2) {
-        scene
-            .add_rod(Rod::new(pair[0], pair[1], 0.05).length(0.4))
-            .expect("a valid rod");
+        scene.add_rod(Rod::new(pair[0], pair[1], 0.05).length(0.4)).expect("a valid rod");
     }
 }
 
@@ -101,17 +97,8 @@ fn same_bits(one: &Run, other: &Run) {
     };
     let (one_bits, other_bits) = (bits(one), bits(other));
     let differing: Vec<usize> = (0..one_bits.len()).filter(|&at| one_bits[at] != other_bits[at]).collect();
-    assert!(
-        differing.is_empty() && one_bits.len() == other_bits.len(),
-        "spheres {differing:?} differ"
-    );
-    let counts = |run: &Run| {
-        (
-            run.report.contacts,
-            run.report.max_overlap.to_bits(),
-            run.report.total_collisions,
-        )
-    };
+    assert!(differing.is_empty() && one_bits.len() == other_bits.len(), "spheres {differing:?} differ");
+    let counts = |run: &Run| (run.report.contacts, run.report.max_overlap.to_bits(), run.report.total_collisions);
     assert_eq!(counts(one), counts(other));
 }
 
@@ -131,10 +118,7 @@ fn steps_one_by_one_give_the_same_bits(backend: Backend) {
     for _ in 0..steps {
         simulation.step(0.01).expect("a step");
     }
-    let parts = Run {
-        spheres: simulation.spheres().expect("spheres are read back"),
-        report: simulation.report(),
-    };
+    let parts = Run { spheres: simulation.spheres().expect("spheres are read back"), report: simulation.report() };
     same_bits(&whole, &parts);
 }
 
@@ -161,26 +145,14 @@ fn a_start_without_room_gives_the_same_bits(backend: Backend) {
 fn a_jerk_out_of_the_aabb_loses_nothing(backend: Backend) {
     let mut scene = weightless();
     scene.settings.friction = 0.0;
-    let [jerked, other] = spheres(
-        &mut scene,
-        [
-            Sphere::new([0.0; 3], 0.5).force([1024.0, 0.0, 0.0]),
-            Sphere::new([1.0625, 0.0, 0.0], 0.5),
-        ],
-    );
+    let [jerked, other] =
+        spheres(&mut scene, [Sphere::new([0.0; 3], 0.5).force([1024.0, 0.0, 0.0]), Sphere::new([1.0625, 0.0, 0.0], 0.5)]);
     scene.settings.collisions = false;
     let mut simulation = simulation(scene, backend);
     let report = simulation.step(DT).expect("a step");
     assert!(report.replays > 0, "the ball must leave its AABB");
-    let (jerked, other) = (
-        simulation.sphere(jerked).expect("a ball"),
-        simulation.sphere(other).expect("a ball"),
-    );
-    assert!(
-        other.velocity.x > 0.1,
-        "the other must have been met in the later stages: {}",
-        other.velocity
-    );
+    let (jerked, other) = (simulation.sphere(jerked).expect("a ball"), simulation.sphere(other).expect("a ball"));
+    assert!(other.velocity.x > 0.1, "the other must have been met in the later stages: {}", other.velocity);
     // Momentum is F t whatever the contact did.
     close(jerked.velocity.x + other.velocity.x, 16.0, 1e-4, "momentum");
 }

@@ -15,10 +15,7 @@ fn struck_rod(backend: Backend) -> (Vec<Sphere>, Vec<SphereState>) {
     let mut scene = weightless();
     let ends = [Sphere::new([0.0; 3], 0.1), Sphere::new([4.0, 0.0, 0.0], 0.1).mass(3.0)];
     rod(&mut scene, ends, 0.1);
-    spheres(
-        &mut scene,
-        [Sphere::new([1.0, 0.55, 0.0], 0.5).velocity([0.0, -2.0, 0.0]).fixed()],
-    );
+    spheres(&mut scene, [Sphere::new([1.0, 0.55, 0.0], 0.5).velocity([0.0, -2.0, 0.0]).fixed()]);
     let before = scene.spheres().to_vec();
     (before, collide(scene, backend))
 }
@@ -44,15 +41,7 @@ fn e02_impulse_is_shared_once_and_by_the_own_masses(backend: Backend) {
 
     let after = collide(crossing_rods(2.0, 0.15, Vec3::ZERO), backend);
     let j = 3.5 * 16.0 / 11.0;
-    velocities(
-        &after,
-        [
-            [0.0, 2.0 - j / 2.0, 0.0],
-            [0.0, 2.0 - j / 8.0, 0.0],
-            [0.0, j / 2.0, 0.0],
-            [0.0, j / 4.0, 0.0],
-        ],
-    );
+    velocities(&after, [[0.0, 2.0 - j / 2.0, 0.0], [0.0, 2.0 - j / 8.0, 0.0], [0.0, j / 2.0, 0.0], [0.0, j / 4.0, 0.0]]);
 }
 
 /// Rods of radius 0.1 along x (masses 1 and 4) and, above it, along z (masses 1 and 2), that cross at their middles;
@@ -92,11 +81,7 @@ fn e04_vertex_meets_a_rod_where_the_distance_is_perpendicular(backend: Backend) 
     scene.add_box(Cuboid::between([-1.0; 3], [1.0; 3])).expect("a valid box");
     let along = Vec3::new(1.0, -1.0, 0.0).normalize();
     let point = Vec3::ONE + 0.08 * Vec3::ONE.normalize();
-    rod(
-        &mut scene,
-        [point - along, point + 3.0 * along].map(|end| Sphere::new(end, 0.01)),
-        0.1,
-    );
+    rod(&mut scene, [point - along, point + 3.0 * along].map(|end| Sphere::new(end, 0.01)), 0.1);
     let f = 32.0 / 3.0_f64.sqrt();
     forces(&loads(scene, backend), [[0.75 * f; 3], [0.25 * f; 3]], 2e-3);
 }
@@ -134,11 +119,7 @@ fn e06_arms_meet_in_one_point(backend: Backend) {
 /// they roll on each other, F = 0; the thesis has 4.472 there (or, but for E6, 5).
 fn e07_contact_point_of_b_lies_towards_a(backend: Backend) {
     let f = 5.0 * 0.8_f64.sqrt();
-    forces(
-        &rubbing_balls([1.0, 1.0], 0.0, backend),
-        [[0.0, -f, 0.0], [0.0, f, 0.0]],
-        1e-4,
-    );
+    forces(&rubbing_balls([1.0, 1.0], 0.0, backend), [[0.0, -f, 0.0], [0.0, f, 0.0]], 1e-4);
     forces(&rubbing_balls([1.0, -1.0], 0.0, backend), [[0.0; 3]; 2], 1e-3);
 }
 
@@ -153,12 +134,7 @@ fn e08_ball_and_rod_push_each_other_apart(backend: Backend) {
     let found = loads(scene, backend);
     let f = 50.0 * 12.0 / 13.0;
     forces(&found, [[0.0, -0.75 * f, 0.0], [0.0, -0.25 * f, 0.0], [0.0, f, 0.0]], 2e-3);
-    near(
-        found.iter().map(|load| load.force).sum::<DVec3>(),
-        [0.0; 3],
-        1e-4,
-        "sum of forces",
-    );
+    near(found.iter().map(|load| load.force).sum::<DVec3>(), [0.0; 3], 1e-4, "sum of forces");
 }
 
 /// A ball that spins on the spot at -1 about z, o = 0.02 in the floor, arm 0.48: its lowest point moves at -0.48 x, so
@@ -170,9 +146,7 @@ fn e09_static_friction_counts_spin(backend: Backend) {
             (settings.gravity, settings.contact_force, settings.contact_damping) = (0.0, 0.0, 0.0);
         });
         // Nothing here rounds but the sum: coordinates of the order of 1.
-        scene
-            .add_box(Cuboid::between([-1.0; 3], [1.0, 0.0, 1.0]))
-            .expect("a valid box");
+        scene.add_box(Cuboid::between([-1.0; 3], [1.0, 0.0, 1.0])).expect("a valid box");
         let ball = Sphere::new([0.0, 0.48, 0.0], 0.5).velocity([speed, 0.0, 0.0]);
         spheres(&mut scene, [ball.angular_momentum([0.0, 0.0, -ball.inertia()])]);
         loads(scene, backend)

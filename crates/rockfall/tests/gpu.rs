@@ -19,11 +19,7 @@ fn open() -> Gpu {
 }
 
 fn step_stages(integrator: Integrator) -> Vec<Run> {
-    Phase::STEP
-        .iter()
-        .flat_map(|phase| phase.stages(integrator, BroadPhase::BruteForce))
-        .copied()
-        .collect()
+    Phase::STEP.iter().flat_map(|phase| phase.stages(integrator, BroadPhase::BruteForce)).copied().collect()
 }
 
 fn world(scene: &Scene) -> World {
@@ -41,9 +37,7 @@ fn heap(count: u16) -> Scene {
         let place = Vec3::new(k % 5.0, 0.5 + (k / 25.0).floor(), (k / 5.0).floor() % 5.0) * 0.99;
         scene.add_sphere(Sphere::new(place, 0.5)).unwrap();
     }
-    scene
-        .add_capsule(Capsule::new((1.0, 9.0, 1.0), (2.0, 9.5, 1.0), 0.3))
-        .unwrap();
+    scene.add_capsule(Capsule::new((1.0, 9.0, 1.0), (2.0, 9.5, 1.0), 0.3)).unwrap();
     scene.add_box(Cuboid::between((-5.0, -1.0, -5.0), (10.0, 0.0, 10.0))).unwrap();
     scene
 }
@@ -77,11 +71,8 @@ fn the_same_input_gives_the_same_bits() {
             world.set_pair_capacity(1 << 16);
             let mut device = GpuWorld::new(&gpu, &world).unwrap();
             device.run(&step_stages(Integrator::Rk4), &world.step, 20).unwrap();
-            block_on(
-                gpu.device(),
-                device.download(&mut world, &[Buffer::Start, Buffer::Orientations, Buffer::Status]),
-            )
-            .unwrap();
+            block_on(gpu.device(), device.download(&mut world, &[Buffer::Start, Buffer::Orientations, Buffer::Status]))
+                .unwrap();
             world
         })
         .collect();
@@ -172,16 +163,7 @@ fn what_does_not_fit_is_refused_before_it_is_allocated() {
     // 16 GiB of list entries, of which the host holds none.
     world.step.pair_capacity = u32::MAX - world.step.entries_at;
     let refused = GpuWorld::new(&gpu, &world).map(|_| ());
-    assert!(
-        matches!(
-            refused,
-            Err(Error::DeviceLimit {
-                what: "the pair lists",
-                ..
-            })
-        ),
-        "{refused:?}"
-    );
+    assert!(matches!(refused, Err(Error::DeviceLimit { what: "the pair lists", .. })), "{refused:?}");
 }
 
 #[test]
@@ -190,10 +172,7 @@ fn indices_that_point_outside_are_refused() {
     let mut world = world(&heap(10));
     world.words[world.step.rods_at as usize] = world.step.spheres;
     let refused = GpuWorld::new(&gpu, &world).map(|_| ());
-    assert!(
-        matches!(&refused, Err(Error::Device(text)) if text.contains("rod")),
-        "{refused:?}"
-    );
+    assert!(matches!(&refused, Err(Error::Device(text)) if text.contains("rod")), "{refused:?}");
 }
 
 #[test]
@@ -230,10 +209,7 @@ fn a_kernel_that_does_not_compile_names_its_own_file() {
     let last = parts.last_mut().unwrap();
     last.text = format!("{}\nfn broken() -> u32 {{ return 1.5; }}\n", last.text.trim_end()).leak();
     let line = last.text.lines().count();
-    let stage = Box::leak(Box::new(Stage {
-        parts: parts.leak(),
-        ..*original
-    }));
+    let stage = Box::leak(Box::new(Stage { parts: parts.leak(), ..*original }));
     let refused = device.prepare(&[Run { stage, pass: 0 }]);
     let Err(Error::Device(text)) = refused else {
         panic!("{refused:?}");

@@ -28,23 +28,14 @@ fn every_kernel_is_valid() {
         Validator::new(ValidationFlags::all(), Capabilities::empty())
             .validate(&module)
             .unwrap_or_else(|e| panic!("{}: {}", stage.name, e.emit_to_string(&source(stage))));
-        assert!(
-            module.entry_points.iter().any(|entry| entry.name == stage.name),
-            "no entry point {}",
-            stage.name
-        );
+        assert!(module.entry_points.iter().any(|entry| entry.name == stage.name), "no entry point {}", stage.name);
     }
 }
 
 #[test]
 fn every_kernel_keeps_within_the_limits_of_webgpu() {
     for stage in ALL {
-        assert!(
-            stage.bindings.len() <= MAX_STORAGE_BUFFERS,
-            "{}: {} storage buffers",
-            stage.name,
-            stage.bindings.len()
-        );
+        assert!(stage.bindings.len() <= MAX_STORAGE_BUFFERS, "{}: {} storage buffers", stage.name, stage.bindings.len());
         let module = module(stage);
         let shared: u32 = module
             .global_variables
@@ -52,20 +43,12 @@ fn every_kernel_keeps_within_the_limits_of_webgpu() {
             .filter(|(_, variable)| variable.space == AddressSpace::WorkGroup)
             .map(|(_, variable)| module.types[variable.ty].inner.size(module.to_ctx()).next_multiple_of(16))
             .sum();
-        assert!(
-            shared <= MAX_WORKGROUP_BYTES,
-            "{}: {shared} bytes of workgroup memory",
-            stage.name
-        );
+        assert!(shared <= MAX_WORKGROUP_BYTES, "{}: {shared} bytes of workgroup memory", stage.name);
         for entry in module.entry_points.iter().filter(|entry| entry.name == stage.name) {
             let invocations: u32 = entry.workgroup_size.iter().product();
             assert!(invocations <= MAX_INVOCATIONS, "{}: {invocations} invocations", stage.name);
             let one_group = matches!(stage.threads, rockfall::stage::Threads::One);
-            assert!(
-                one_group || invocations == layout::WORKGROUP,
-                "{}: {invocations} invocations",
-                stage.name
-            );
+            assert!(one_group || invocations == layout::WORKGROUP, "{}: {invocations} invocations", stage.name);
         }
     }
 }
@@ -91,11 +74,7 @@ fn the_bindings_are_those_of_the_stage() {
         found.sort_by_key(|(number, ..)| *number);
         let mut expected = vec![(0, "step".to_owned(), None), (1, "pass_".to_owned(), None)];
         expected.extend(
-            stage
-                .bindings
-                .iter()
-                .zip(2..)
-                .map(|(binding, number)| (number, binding.name.to_owned(), Some(binding.access))),
+            stage.bindings.iter().zip(2..).map(|(binding, number)| (number, binding.name.to_owned(), Some(binding.access))),
         );
         assert_eq!(found, expected, "{}", stage.name);
     }
@@ -106,10 +85,7 @@ fn the_bindings_are_those_of_the_stage() {
 fn no_stage_writes_a_buffer_that_it_binds_twice() {
     use rockfall::stage::Phase;
     use rockfall::{BroadPhase, Integrator};
-    let methods = [
-        (Integrator::Rk4, BroadPhase::BruteForce),
-        (Integrator::SymplecticEuler, BroadPhase::Grid),
-    ];
+    let methods = [(Integrator::Rk4, BroadPhase::BruteForce), (Integrator::SymplecticEuler, BroadPhase::Grid)];
     for (integrator, broad_phase) in methods {
         for run in Phase::STEP.iter().flat_map(|phase| phase.stages(integrator, broad_phase)) {
             for (k, one) in run.stage.bindings.iter().enumerate() {
@@ -144,11 +120,8 @@ macro_rules! rust_fields {
 }
 
 fn wgsl_fields(module: &Module, name: &str) -> (Fields, u32) {
-    let (_, found) = module
-        .types
-        .iter()
-        .find(|(_, ty)| ty.name.as_deref() == Some(name))
-        .unwrap_or_else(|| panic!("no struct {name}"));
+    let (_, found) =
+        module.types.iter().find(|(_, ty)| ty.name.as_deref() == Some(name)).unwrap_or_else(|| panic!("no struct {name}"));
     let TypeInner::Struct { members, span } = &found.inner else {
         panic!("{name} is not a struct");
     };

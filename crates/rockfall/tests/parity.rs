@@ -128,18 +128,13 @@ fn every_stage_of_a_step_with_rk4() {
         let step = &trace.after.step;
         assert!(step.spheres % WORKGROUP != 0 && step.spheres % SLICE != 0, "{step:?}");
         assert!((step.spheres + step.rods) % WORKGROUP != 0, "{step:?}");
-        assert!(
-            step.spheres > 3 * WORKGROUP && step.rods > WORKGROUP && step.batches > 2,
-            "{step:?}"
-        );
+        assert!(step.spheres > 3 * WORKGROUP && step.rods > WORKGROUP && step.batches > 2, "{step:?}");
     }
 }
 
 #[test]
 fn every_stage_of_a_step_with_symplectic_euler() {
-    let traces: Vec<Trace> = (10..13)
-        .map(|seed| compared(&plan(seed, Integrator::SymplecticEuler)))
-        .collect();
+    let traces: Vec<Trace> = (10..13).map(|seed| compared(&plan(seed, Integrator::SymplecticEuler))).collect();
     assert_seen(&traces, &CONTACTS[..4]);
 }
 
@@ -163,10 +158,7 @@ fn every_stage_under_other_settings() {
     };
     for (seed, settings) in [(20, off), (21, odd)] {
         for integrator in [Integrator::Rk4, Integrator::SymplecticEuler] {
-            compared(&Plan {
-                settings,
-                ..plan(seed, integrator)
-            });
+            compared(&Plan { settings, ..plan(seed, integrator) });
         }
     }
 }
@@ -178,13 +170,7 @@ fn every_stage_of_a_void_step() {
         for Scenario { run, before } in trace(&plan(3, integrator)).scenarios {
             let mut before = before;
             before.status.void = VOID_NON_FINITE;
-            compare(
-                3,
-                &Scenario {
-                    run,
-                    before: before.clone(),
-                },
-            );
+            compare(3, &Scenario { run, before: before.clone() });
             if run.stage.name.ends_with("_collisions") {
                 before.status.void = 0;
                 before.status.collided = 1;

@@ -58,10 +58,7 @@ fn every_step_of_a_profile_is_a_step_that_was_done() {
         assert!(stage.runs >= STEPS && stage.runs % STEPS < STEPS / 4, "{stage:?}");
         assert!(stage.seconds > 0.0, "{stage:?}");
     }
-    assert!(
-        profile.stage_seconds() + profile.void_seconds <= profile.seconds,
-        "{profile:?}"
-    );
+    assert!(profile.stage_seconds() + profile.void_seconds <= profile.seconds, "{profile:?}");
 }
 
 #[test]
@@ -86,11 +83,7 @@ fn void_steps_are_kept_apart() {
     assert!(simulation.report().replays > 0);
     assert!(profile.void_seconds > 0.0);
     assert_eq!(profile.steps, STEPS);
-    assert!(
-        profile.stages.iter().all(|stage| stage.runs % STEPS < STEPS / 4),
-        "{:?}",
-        profile.stages
-    );
+    assert!(profile.stages.iter().all(|stage| stage.runs % STEPS < STEPS / 4), "{:?}", profile.stages);
 }
 
 #[test]
@@ -124,13 +117,10 @@ fn check_size(benchmark: Benchmark, most: &Bounds) {
     let words = each(world.status.pairs_needed.into());
     let told = format!("{benchmark}: {memory} bytes a sphere; {entries:.2} entries and {words:.2} words of them a mover");
     println!("{told}");
-    assert!(
-        memory <= most.memory && entries <= most.entries && words <= most.words,
-        "{told}"
-    );
+    assert!(memory <= most.memory && entries <= most.entries && words <= most.words, "{told}");
 }
 
-/// The present state with lists of the least margin.
+/// The present state with the lists of a fresh world.
 fn listed(simulation: &mut Simulation) -> World {
     let mut world = World::build(simulation.sync().unwrap()).unwrap();
     world.step.dt = DT;
@@ -146,55 +136,27 @@ fn listed(simulation: &mut Simulation) -> World {
     world
 }
 
-/// Four states of 48 bytes, an AABB of 32, an orientation of 16, a tag and a count of 4 each, about 13 of the grid, an
-/// extent of 16, and 16 list entries of 4 with a weight of 4 each.
-const FIRST_MEMORY: u64 = 410;
+// At the start: four states of 48 bytes, an AABB of 32, an orientation of 16, a tag and a count of 4 each, about 13 of the
+// grid, an extent of 16, and 16 list entries of 4 with a weight of 4 each make 408. AABBs are grown for some steps ahead,
+// as long as lists stay short, so that lists take more later.
 
 #[test]
 fn size_of_a_lattice() {
     // Six neighbours touch; the AABBs of those across edges and corners overlap too.
-    check_size(
-        Benchmark::Lattice,
-        &Bounds {
-            memory: 540,
-            entries: 12.5,
-            words: 17.5,
-        },
-    );
+    check_size(Benchmark::Lattice, &Bounds { memory: 540, entries: 13.5, words: 18.5 });
 }
 
 #[test]
 fn size_of_a_pile() {
-    check_size(
-        Benchmark::Pile,
-        &Bounds {
-            memory: 420,
-            entries: 8.0,
-            words: 14.0,
-        },
-    );
+    check_size(Benchmark::Pile, &Bounds { memory: 500, entries: 13.0, words: 21.0 });
 }
 
 #[test]
 fn size_of_what_has_settled() {
-    check_size(
-        Benchmark::Settled,
-        &Bounds {
-            memory: FIRST_MEMORY,
-            entries: 14.0,
-            words: 16.0,
-        },
-    );
+    check_size(Benchmark::Settled, &Bounds { memory: 460, entries: 14.5, words: 16.5 });
 }
 
 #[test]
 fn size_of_rods_and_capsules_among_spheres() {
-    check_size(
-        Benchmark::Mixed,
-        &Bounds {
-            memory: 530,
-            entries: 3.3,
-            words: 6.5,
-        },
-    );
+    check_size(Benchmark::Mixed, &Bounds { memory: 680, entries: 4.3, words: 9.5 });
 }

@@ -12,12 +12,8 @@ const SIZE: (u32, u32) = (900, 560);
 /// Half the width of a bar, where bars stand 1 apart.
 const HALF: f64 = 0.32;
 /// One a phase, told apart by those who do not see all colours too.
-const COLOURS: [RGBColor; 4] = [
-    RGBColor(0x44, 0x77, 0xaa),
-    RGBColor(0x66, 0xcc, 0xee),
-    RGBColor(0xcc, 0xbb, 0x44),
-    RGBColor(0xee, 0x66, 0x77),
-];
+const COLOURS: [RGBColor; 4] =
+    [RGBColor(0x44, 0x77, 0xaa), RGBColor(0x66, 0xcc, 0xee), RGBColor(0xcc, 0xbb, 0x44), RGBColor(0xee, 0x66, 0x77)];
 
 /// Draws the chart and puts the file in its place.
 pub(crate) fn write(title: &str, sizes: &[Measured], mut file: AtomicFile) -> io::Result<()> {
@@ -56,8 +52,7 @@ fn draw(title: &str, bars: &[Bar], svg: &mut String) -> Result<(), Box<dyn std::
         .build_cartesian_2d(-0.5..bars.len().max(1) as f64 - 0.5, 0.0..1.3 * highest)?;
     let spheres = |place: &f64| {
         let bar = bars.get(place.round().max(0.0) as usize);
-        bar.filter(|_| place.fract() == 0.0)
-            .map_or(String::new(), |bar| bar.spheres.to_string())
+        bar.filter(|_| place.fract() == 0.0).map_or(String::new(), |bar| bar.spheres.to_string())
     };
     chart
         .configure_mesh()
@@ -74,10 +69,7 @@ fn draw(title: &str, bars: &[Bar], svg: &mut String) -> Result<(), Box<dyn std::
         let rectangles = bars.iter().zip(0..).map(|(bar, place)| {
             let below: f64 = bar.phases[..phase].iter().sum();
             let place = f64::from(place);
-            Rectangle::new(
-                [(place - HALF, below), (place + HALF, below + bar.phases[phase])],
-                colour.filled(),
-            )
+            Rectangle::new([(place - HALF, below), (place + HALF, below + bar.phases[phase])], colour.filled())
         });
         chart
             .draw_series(rectangles)?
@@ -101,12 +93,8 @@ mod tests {
     #[test]
     fn every_bar_has_its_number_below() {
         for count in 1..12 {
-            let bars: Vec<Bar> = (0..count)
-                .map(|place| Bar {
-                    spheres: 1000 << place,
-                    phases: [1e-4, 2e-3, 1e-3, 0.0],
-                })
-                .collect();
+            let bars: Vec<Bar> =
+                (0..count).map(|place| Bar { spheres: 1000 << place, phases: [1e-4, 2e-3, 1e-3, 0.0] }).collect();
             let mut svg = String::new();
             draw("title", &bars, &mut svg).unwrap();
             for bar in &bars {

@@ -36,11 +36,7 @@ pub(crate) fn object(arguments: &Arguments, sizes: &[Measured]) -> String {
 
 fn size(size: &Measured) -> Value {
     let per_sphere = |bytes: f64| bytes / size.counts.spheres as f64;
-    let buffers: Map<String, Value> = size
-        .buffers
-        .iter()
-        .map(|buffer| (buffer.name.to_owned(), buffer.bytes.into()))
-        .collect();
+    let buffers: Map<String, Value> = size.buffers.iter().map(|buffer| (buffer.name.to_owned(), buffer.bytes.into())).collect();
     json!({
         "bodies": size.bodies,
         "broad_phase": size.broad_phase.to_string(),
@@ -61,10 +57,8 @@ fn size(size: &Measured) -> Value {
 }
 
 fn profile_of(size: &Measured, profile: &Profile) -> Value {
-    let phases: Map<String, Value> = PHASES
-        .into_iter()
-        .map(|(phase, _, key)| (key.to_owned(), size.phase_seconds(phase).into()))
-        .collect();
+    let phases: Map<String, Value> =
+        PHASES.into_iter().map(|(phase, _, key)| (key.to_owned(), size.phase_seconds(phase).into())).collect();
     let key = |phase| PHASES.iter().find(|known| known.0 == phase).map(|known| known.2);
     let stages: Vec<Value> = profile
         .stages

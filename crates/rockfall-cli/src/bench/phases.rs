@@ -7,9 +7,5 @@ pub(crate) const PHASES: [(Phase, &str, &str); 4] = [
     (Phase::UpdateAabbs, "AABB update", "aabb_update"),
     (Phase::BroadPhase, "Collision detection", "collision_detection"),
     (Phase::HandleCollisions, "Collision response", "collision_response"),
-    (
-        Phase::UpdatePositions,
-        "Force calculations & integration",
-        "forces_and_integration",
-    ),
+    (Phase::UpdatePositions, "Force calculations & integration", "forces_and_integration"),
 ];

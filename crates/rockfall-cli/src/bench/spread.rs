@@ -16,20 +16,12 @@ impl Spread {
         numbers.sort_by(f64::total_cmp);
         let at = |place: usize| numbers.get(place).copied().unwrap_or_default();
         let count = numbers.len();
-        Self {
-            median: 0.5 * (at(count.saturating_sub(1) / 2) + at(count / 2)),
-            min: at(0),
-            max: at(count.saturating_sub(1)),
-        }
+        Self { median: 0.5 * (at(count.saturating_sub(1) / 2) + at(count / 2)), min: at(0), max: at(count.saturating_sub(1)) }
     }
 
     /// The spread of a quantity that falls as this one rises, such as steps per second for seconds.
     pub(crate) fn inverse(self, one: f64) -> Self {
-        Self {
-            median: one / self.median,
-            min: one / self.max,
-            max: one / self.min,
-        }
+        Self { median: one / self.median, min: one / self.max, max: one / self.min }
     }
 
     pub(crate) fn json(self) -> Value {

@@ -12,11 +12,7 @@ use crate::bench::{Arguments, title};
 pub(crate) fn tables(arguments: &Arguments, sizes: &[Measured]) -> String {
     let mut text = format!("{}\n", title(arguments, sizes));
     // Writing to a string cannot fail.
-    if let Some(driver) = sizes
-        .first()
-        .map(|size| &size.backend.driver)
-        .filter(|driver| !driver.is_empty())
-    {
+    if let Some(driver) = sizes.first().map(|size| &size.backend.driver).filter(|driver| !driver.is_empty()) {
         let _ = writeln!(text, "driver {driver}");
     }
     let _ = writeln!(
@@ -49,12 +45,7 @@ pub(crate) fn tables(arguments: &Arguments, sizes: &[Measured]) -> String {
 
 fn row(text: &mut String, size: &Measured) {
     let ms = |seconds: f64| short(1e3 * seconds / size.steps as f64);
-    let spread = format!(
-        "{} ({} to {})",
-        ms(size.seconds.median),
-        ms(size.seconds.min),
-        ms(size.seconds.max)
-    );
+    let spread = format!("{} ({} to {})", ms(size.seconds.median), ms(size.seconds.min), ms(size.seconds.max));
     let _ = writeln!(
         text,
         "{:>10} {spread:>34} {:>11} {:>14} M {:>10} {:>8} {:>10.0} {:>9}",
@@ -86,10 +77,7 @@ fn stages(text: &mut String, size: &Measured, profile: &Profile) {
         "bandwidth",
     );
     let mut line = |name: &str, runs: u64, seconds: f64, bytes: u64| {
-        let bandwidth = size
-            .copy_bandwidth
-            .filter(|_| bytes > 0)
-            .map(|copy| bytes as f64 / seconds / copy);
+        let bandwidth = size.copy_bandwidth.filter(|_| bytes > 0).map(|copy| bytes as f64 / seconds / copy);
         let _ = writeln!(
             text,
             "{name:<34} {:>6} {:>12} {:>7} {:>15.0} {:>9}",
@@ -103,23 +91,14 @@ fn stages(text: &mut String, size: &Measured, profile: &Profile) {
     for (phase, name, _) in PHASES {
         let of_phase: Vec<&StageTime> = profile.stages.iter().filter(|stage| stage.phase == phase).collect();
         let sum = |number: fn(&StageTime) -> u64| of_phase.iter().map(|stage| number(stage)).sum();
-        line(
-            name,
-            sum(|stage| stage.runs),
-            profile.phase_seconds(phase),
-            sum(|stage| stage.least_bytes),
-        );
+        line(name, sum(|stage| stage.runs), profile.phase_seconds(phase), sum(|stage| stage.least_bytes));
         for stage in of_phase {
             line(&format!("  {}", stage.name), stage.runs, stage.seconds, stage.least_bytes);
         }
     }
     line("all", profile.runs(), total, profile.least_bytes());
     if profile.void_seconds > 0.0 {
-        let _ = writeln!(
-            text,
-            "and {} ms in all for steps that were run again",
-            short(1e3 * profile.void_seconds)
-        );
+        let _ = writeln!(text, "and {} ms in all for steps that were run again", short(1e3 * profile.void_seconds));
     }
 }
 
@@ -132,10 +111,6 @@ fn percent(part: Option<f64>) -> String {
 
 /// Four significant digits.
 fn short(number: f64) -> String {
-    let digits = if number.abs() >= 1e-3 {
-        (3 - number.abs().log10().floor() as i32).max(0)
-    } else {
-        4
-    };
+    let digits = if number.abs() >= 1e-3 { (3 - number.abs().log10().floor() as i32).max(0) } else { 4 };
     format!("{number:.*}", digits as usize)
 }

@@ -53,21 +53,9 @@ impl Collision {
         side_shares(view, view.object(a), touch.a, -touch.normal, &mut add);
         side_shares(view, view.object(b), touch.b, touch.normal, &mut add);
         let shares_of = &shares[..len];
-        let inverse_mass = shares_of
-            .iter()
-            .map(|s| view.inverse_mass(s.sphere) * s.g.length_squared())
-            .sum();
+        let inverse_mass = shares_of.iter().map(|s| view.inverse_mass(s.sphere) * s.g.length_squared()).sum();
         let approach = -shares_of.iter().map(|s| s.g.dot(view.velocity(s.sphere))).sum::<f32>();
-        Self {
-            a,
-            b,
-            feature,
-            touch,
-            shares,
-            len,
-            inverse_mass,
-            approach,
-        }
+        Self { a, b, feature, touch, shares, len, inverse_mass, approach }
     }
 
     /// The spheres that share in the impulse, those of A first, each once.
@@ -84,10 +72,7 @@ impl Collision {
 
     /// What one sphere receives of this contact's unit impulse.
     pub(crate) fn share_of(&self, sphere: u32) -> Vec3 {
-        self.shares()
-            .iter()
-            .find(|share| share.sphere == sphere)
-            .map_or(Vec3::ZERO, |share| share.g)
+        self.shares().iter().find(|share| share.sphere == sphere).map_or(Vec3::ZERO, |share| share.g)
     }
 
     fn is_same(&self, other: &Self) -> bool {
@@ -96,10 +81,7 @@ impl Collision {
 
     /// G_kl, over the spheres that both share in.
     fn coupling(&self, view: &View, other: &Self) -> f32 {
-        self.shares()
-            .iter()
-            .map(|share| view.inverse_mass(share.sphere) * share.g.dot(other.share_of(share.sphere)))
-            .sum()
+        self.shares().iter().map(|share| view.inverse_mass(share.sphere) * share.g.dot(other.share_of(share.sphere))).sum()
     }
 }
 
@@ -109,14 +91,8 @@ fn side_shares(view: &View, object: Object, parameter: f32, n: Vec3, add: &mut i
         Object::Sphere(sphere) => sphere_shares(view, sphere, n, add),
         Object::Rod(rod) => {
             let [one, two] = view.rod(rod).ends;
-            add(Share {
-                sphere: one,
-                g: (1.0 - parameter) * n,
-            });
-            add(Share {
-                sphere: two,
-                g: parameter * n,
-            });
+            add(Share { sphere: one, g: (1.0 - parameter) * n });
+            add(Share { sphere: two, g: parameter * n });
         }
         Object::Cuboid(_) | Object::Polygon(_) => {}
     }
@@ -138,14 +114,8 @@ fn sphere_shares(view: &View, sphere: u32, n: Vec3, add: &mut impl FnMut(Share))
     let (own, other) = (view.inverse_mass(sphere), view.inverse_mass(partner));
     // m1 / (m1 + m2), also where a mass is infinite.
     let fraction = if own == 0.0 { 1.0 } else { other / (own + other) };
-    add(Share {
-        sphere,
-        g: (n - axial) + fraction * axial,
-    });
-    add(Share {
-        sphere: partner,
-        g: (1.0 - fraction) * axial,
-    });
+    add(Share { sphere, g: (n - axial) + fraction * axial });
+    add(Share { sphere: partner, g: (1.0 - fraction) * axial });
 }
 
 /// The objects whose contacts may give a sphere a share: itself, its rods, and ends of capsules whose other end it is.
@@ -193,10 +163,7 @@ pub(crate) struct RowSums {
 
 /// The row sums of a colliding contact, itself included.
 pub(crate) fn row_sums<'a>(view: &View<'a>, lists: &Lists<'a>, k: &Collision) -> RowSums {
-    let mut sums = RowSums {
-        colliding: 1.0,
-        overlapping: 1.0,
-    };
+    let mut sums = RowSums { colliding: 1.0, overlapping: 1.0 };
     for (place, share) in k.shares().iter().enumerate() {
         let sphere = share.sphere;
         let before = &k.shares()[..place];

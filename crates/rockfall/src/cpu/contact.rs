@@ -37,12 +37,9 @@ pub(crate) fn side(view: &View, object: Object, parameter: f32) -> Side {
                 radius: Some(rod.radius),
             }
         }
-        Object::Cuboid(_) | Object::Polygon(_) => Side {
-            inverse_mass: 0.0,
-            velocity: Vec3::ZERO,
-            spin: Vec3::ZERO,
-            radius: None,
-        },
+        Object::Cuboid(_) | Object::Polygon(_) => {
+            Side { inverse_mass: 0.0, velocity: Vec3::ZERO, spin: Vec3::ZERO, radius: None }
+        }
     }
 }
 
@@ -93,19 +90,11 @@ pub(crate) fn contact_force(view: &View, object_a: Object, object_b: Object, tou
     let sliding = surface_b - surface_a;
     let friction = friction(sliding - n * sliding.dot(n), step.friction * reduced_mass * overlap);
     let couple = n.cross(friction);
-    ContactForce {
-        force: friction - pressure * reduced_mass * n,
-        torque_a: arm_a * couple,
-        torque_b: arm_b * couple,
-    }
+    ContactForce { force: friction - pressure * reduced_mass * n, torque_a: arm_a * couple, torque_b: arm_b * couple }
 }
 
 /// The thesis's method 3: t / sqrt(|t|).
 fn friction(t: Vec3, strength: f32) -> Vec3 {
     let tt = t.length_squared();
-    if tt <= TINY {
-        Vec3::ZERO
-    } else {
-        t * (strength / tt.sqrt().sqrt())
-    }
+    if tt <= TINY { Vec3::ZERO } else { t * (strength / tt.sqrt().sqrt()) }
 }

@@ -30,24 +30,14 @@ pub(crate) fn each_contact(
         let Some(touch) = touch(view, id_a, id_b, entry.feature()) else {
             continue;
         };
-        let ContactForce {
-            force,
-            torque_a,
-            torque_b,
-        } = contact_force(view, view.object(id_a), view.object(id_b), &touch);
+        let ContactForce { force, torque_a, torque_b } = contact_force(view, view.object(id_a), view.object(id_b), &touch);
         if mover == id_a {
             if let Some(tally) = tally.as_deref_mut() {
                 tally.count_contact(touch.overlap);
             }
             take(Load { force, couple: torque_a }, touch.a);
         } else {
-            take(
-                Load {
-                    force: -force,
-                    couple: torque_b,
-                },
-                touch.b,
-            );
+            take(Load { force: -force, couple: torque_b }, touch.b);
         }
     }
 }
@@ -101,11 +91,7 @@ fn hooke(d: Vec3, velocity: Vec3, stiffness: f32, length: f32, damping: f32) -> 
 
 fn spring_force(view: &View, spring: u32, sphere: u32) -> Vec3 {
     let spring = view.spring(spring);
-    let other = if spring.ends[0] == sphere {
-        spring.ends[1]
-    } else {
-        spring.ends[0]
-    };
+    let other = if spring.ends[0] == sphere { spring.ends[1] } else { spring.ends[0] };
     hooke(
         view.position(other) - view.position(sphere),
         view.velocity(other) - view.velocity(sphere),
@@ -124,10 +110,7 @@ fn tether_force(view: &View, tether: u32, sphere: u32) -> Vec3 {
 /// Rate of change of velocity and of angular momentum of a moving sphere.
 pub(crate) fn rates(view: &View, lists: &Lists, wrenches: &[Vec4], sphere: u32, tally: Option<&mut Tally>) -> (Vec3, Vec3) {
     let load = sphere_load(view, lists, wrenches, sphere, tally);
-    (
-        Vec3::from_array(view.step.gravity) + view.inverse_mass(sphere) * load.force,
-        load.couple,
-    )
+    (Vec3::from_array(view.step.gravity) + view.inverse_mass(sphere) * load.force, load.couple)
 }
 
 /// Counts the contacts of a sphere whose forces do not matter, because it is fixed.

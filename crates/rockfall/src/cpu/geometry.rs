@@ -32,12 +32,7 @@ pub(crate) fn segment_segment(a1: Vec3, a2: Vec3, b1: Vec3, b2: Vec3) -> Option<
     let a = c.dot(b_axis.cross(normal)) / nn;
     let b = c.dot(a_axis.cross(normal)) / nn;
     let inside = (0.0..=1.0).contains(&a) && (0.0..=1.0).contains(&b);
-    inside.then(|| SegmentPair {
-        a,
-        b,
-        d: c + b * b_axis - a * a_axis,
-        normal: Some(normal / nn.sqrt()),
-    })
+    inside.then(|| SegmentPair { a, b, d: c + b * b_axis - a * a_axis, normal: Some(normal / nn.sqrt()) })
 }
 
 /// The middle of the overlapping stretch.
@@ -52,12 +47,7 @@ fn parallel_segments(a_axis: Vec3, b_axis: Vec3, c: Vec3) -> Option<SegmentPair>
     }
     let a = 0.5 * (low + high);
     let b = ((a * a_axis - c).dot(b_axis) / b_axis.length_squared()).clamp(0.0, 1.0);
-    Some(SegmentPair {
-        a,
-        b,
-        d: c + b * b_axis - a * a_axis,
-        normal: None,
-    })
+    Some(SegmentPair { a, b, d: c + b * b_axis - a * a_axis, normal: None })
 }
 
 /// Parameter on the segment and the vector from the point to it (2.4, 2.5); `None` beyond the ends.
@@ -137,21 +127,13 @@ pub(crate) struct BoxEdge {
 pub(crate) fn box_edge(cuboid: &BoxWords, edge: u32) -> BoxEdge {
     let along = (edge / 4) as usize;
     let offset = |bit: u32, axis: usize| {
-        let set = edge % 4 >> bit & 1 == 1;
+        let set = ((edge % 4) >> bit) & 1 == 1;
         let side = cuboid.edges[axis % 3];
-        if set {
-            (side, side.normalize())
-        } else {
-            (Vec3::ZERO, -side.normalize())
-        }
+        if set { (side, side.normalize()) } else { (Vec3::ZERO, -side.normalize()) }
     };
     let ((shift1, out1), (shift2, out2)) = (offset(0, along + 1), offset(1, along + 2));
     let start = cuboid.corner + shift1 + shift2;
-    BoxEdge {
-        start,
-        end: start + cuboid.edges[along],
-        outward: (out1 + out2).normalize(),
-    }
+    BoxEdge { start, end: start + cuboid.edges[along], outward: (out1 + out2).normalize() }
 }
 
 /// Vertex 0..8 of a box, and which way is out at it.

@@ -16,26 +16,18 @@ fn cell_size(step: &Step, level: u32) -> f32 {
 
 fn level_of(step: &Step, aabb: &Aabb) -> u32 {
     let largest = (Vec3::from_array(aabb.max) - Vec3::from_array(aabb.min)).max_element();
-    (0..TOP_LEVEL)
-        .find(|level| largest <= cell_size(step, *level))
-        .unwrap_or(TOP_LEVEL)
+    (0..TOP_LEVEL).find(|level| largest <= cell_size(step, *level)).unwrap_or(TOP_LEVEL)
 }
 
 /// The cell of a place, along one axis. Casting clamps what is far out, which keeps the order of coordinates.
 fn coordinate(step: &Step, place: f32, level: u32) -> i32 {
-    if level == TOP_LEVEL {
-        0
-    } else {
-        ((place / cell_size(step, level)).floor() as i32).clamp(-(1 << 30), 1 << 30)
-    }
+    if level == TOP_LEVEL { 0 } else { ((place / cell_size(step, level)).floor() as i32).clamp(-(1 << 30), 1 << 30) }
 }
 
 /// Along x cells are neighbours in the table; rows are scattered.
 fn key(step: &Step, x: i32, y: i32, z: i32, level: u32) -> u32 {
-    let row = (y as u32)
-        .wrapping_mul(ROW_Y)
-        .wrapping_add((z as u32).wrapping_mul(ROW_Z))
-        .wrapping_add(level.wrapping_mul(ROW_LEVEL));
+    let row =
+        (y as u32).wrapping_mul(ROW_Y).wrapping_add((z as u32).wrapping_mul(ROW_Z)).wrapping_add(level.wrapping_mul(ROW_LEVEL));
     row.wrapping_add(x as u32) & (step.cells - 1)
 }
 
@@ -84,10 +76,7 @@ impl<'a> Grid<'a> {
             for z in z.0..=z.1 {
                 for y in y.0..=y.1 {
                     let (first, last) = (key(self.step, x.0, y, z, level), key(self.step, x.1, y, z, level));
-                    let (start, end) = (
-                        if first == 0 { 0 } else { self.ends[first as usize - 1] },
-                        self.ends[last as usize],
-                    );
+                    let (start, end) = (if first == 0 { 0 } else { self.ends[first as usize - 1] }, self.ends[last as usize]);
                     if first <= last {
                         self.test(mover, start, end, &mut take);
                     } else {
@@ -104,10 +93,7 @@ impl<'a> Grid<'a> {
     fn around(&self, own: &Aabb, axis: usize, level: u32) -> (i32, i32) {
         let (min, max) = (own.min[axis], own.max[axis]);
         let slack = 0.5005 * cell_size(self.step, level) + 1e-6 * min.abs().max(max.abs());
-        (
-            coordinate(self.step, min - slack, level),
-            coordinate(self.step, max + slack, level),
-        )
+        (coordinate(self.step, min - slack, level), coordinate(self.step, max + slack, level))
     }
 
     fn test(&self, mover: u32, start: u32, end: u32, take: &mut impl FnMut(u32)) {

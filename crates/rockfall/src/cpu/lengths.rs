@@ -38,22 +38,14 @@ fn own_velocity(row: Vec4) -> Vec3 {
 
 fn unit(d: Vec3) -> (Vec3, f32) {
     let dd = d.length_squared();
-    if dd <= TINY {
-        (Vec3::Y, 0.0)
-    } else {
-        (d / dd.sqrt(), dd.sqrt())
-    }
+    if dd <= TINY { (Vec3::Y, 0.0) } else { (d / dd.sqrt(), dd.sqrt()) }
 }
 
 /// Removes a length error along the rod's present direction.
 pub(crate) fn along_axis(ends: &Ends) -> Correction {
     let (n, distance) = unit(ends.d);
     let excess = distance - ends.length;
-    Correction {
-        position: n * (excess / ends.inverse_mass),
-        velocity: Vec3::ZERO,
-        error: excess.abs() / ends.length,
-    }
+    Correction { position: n * (excess / ends.inverse_mass), velocity: Vec3::ZERO, error: excess.abs() / ends.length }
 }
 
 /// SHAKE: removes it along the direction at the start of the step, in positions and velocities alike.
@@ -69,22 +61,14 @@ pub(crate) fn shake(ends: &Ends, d_old: Vec3, dt: f32) -> Correction {
         return along_axis(ends);
     }
     let g = c / (b + discriminant.sqrt());
-    Correction {
-        position: g * d_old,
-        velocity: (g / dt) * d_old,
-        error: (ends.d.length() - ends.length).abs() / ends.length,
-    }
+    Correction { position: g * d_old, velocity: (g / dt) * d_old, error: (ends.d.length() - ends.length).abs() / ends.length }
 }
 
 /// RATTLE: removes the velocity along the axis.
 pub(crate) fn rattle(ends: &Ends, dt: f32) -> Correction {
     let (n, _) = unit(ends.d);
     let opening = ends.velocity.dot(n);
-    Correction {
-        position: Vec3::ZERO,
-        velocity: n * (opening / ends.inverse_mass),
-        error: opening.abs() * dt / ends.length,
-    }
+    Correction { position: Vec3::ZERO, velocity: n * (opening / ends.inverse_mass), error: opening.abs() * dt / ends.length }
 }
 
 /// One batch: rods that are swept together, colour by colour. Rods of one colour share no sphere.
@@ -95,10 +79,7 @@ pub(crate) struct Batch<'a> {
 
 impl<'a> Batch<'a> {
     pub(crate) fn new(step: &Step, words: &'a [u32], batch: u32) -> Self {
-        Self {
-            words,
-            first: words[(step.batches_at + batch) as usize] as usize,
-        }
+        Self { words, first: words[(step.batches_at + batch) as usize] as usize }
     }
 
     fn colours(&self) -> usize {
@@ -138,11 +119,7 @@ impl<'a> Batch<'a> {
             inverse_mass: w1 + w2,
             length: rod.length,
         };
-        let Correction {
-            position,
-            velocity,
-            error,
-        } = correct(&ends, rod.ends);
+        let Correction { position, velocity, error } = correct(&ends, rod.ends);
         if position.is_finite() && velocity.is_finite() {
             state[one] += (w1 * position).extend(0.0);
             state[two] -= (w2 * position).extend(0.0);
@@ -155,10 +132,6 @@ impl<'a> Batch<'a> {
     fn rod(&self, step: &Step, rod: u32) -> RodWords {
         let at = (step.rods_at + rod * ROD_WORDS) as usize;
         let [end1, end2, radius, length] = std::array::from_fn(|word| self.words[at + word]);
-        RodWords {
-            ends: [end1, end2],
-            radius: f32::from_bits(radius),
-            length: f32::from_bits(length),
-        }
+        RodWords { ends: [end1, end2], radius: f32::from_bits(radius), length: f32::from_bits(length) }
     }
 }

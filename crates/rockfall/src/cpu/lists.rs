@@ -43,10 +43,7 @@ impl<'a> Lists<'a> {
         let entries = &self.words[self.step.entries_at as usize..];
         (0..count).map(move |place| {
             let slot = first + place * SLICE;
-            Entry {
-                slot,
-                word: entries[slot as usize],
-            }
+            Entry { slot, word: entries[slot as usize] }
         })
     }
 }

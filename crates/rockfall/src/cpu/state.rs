@@ -29,11 +29,7 @@ impl Motion {
             return self;
         }
         tally.count_bad(stage, sphere);
-        Self {
-            position: start,
-            velocity: Vec3::ZERO,
-            angular_momentum: Vec3::ZERO,
-        }
+        Self { position: start, velocity: Vec3::ZERO, angular_momentum: Vec3::ZERO }
     }
 }
 
@@ -53,13 +49,7 @@ impl Rows {
         let (positions, rest) = state.split_at_mut(spheres as usize);
         let (velocities, spins) = rest.split_at_mut(spheres as usize);
         let rows = positions.iter_mut().zip(velocities).zip(spins);
-        (0..)
-            .zip(rows.map(|((position, velocity), spin)| Row {
-                position,
-                velocity,
-                spin,
-            }))
-            .collect()
+        (0..).zip(rows.map(|((position, velocity), spin)| Row { position, velocity, spin })).collect()
     }
 }
 

@@ -76,22 +76,14 @@ impl Tally {
 
 /// How far, in 0.02 r, a moving sphere is out of the AABB that its list was made for; 0: it is inside.
 pub(crate) fn escape_ratio(view: &View, aabbs: &[Aabb], sphere: u32) -> f32 {
-    if view.is_fixed(sphere) {
-        0.0
-    } else {
-        outside(&aabbs[sphere as usize], view.position(sphere), view.radius(sphere))
-    }
+    if view.is_fixed(sphere) { 0.0 } else { outside(&aabbs[sphere as usize], view.position(sphere), view.radius(sphere)) }
 }
 
 /// The same for a ball at a place where it may come to be.
 pub(crate) fn outside(aabb: &Aabb, centre: Vec3, radius: f32) -> f32 {
     let (min, max) = (Vec3::from_array(aabb.min), Vec3::from_array(aabb.max));
     let out = (min - (centre - radius)).max((centre + radius) - max).max_element();
-    if out <= 0.0 {
-        0.0
-    } else {
-        (out / (0.02 * radius)).clamp(1e-3, 1e30)
-    }
+    if out <= 0.0 { 0.0 } else { (out / (0.02 * radius)).clamp(1e-3, 1e30) }
 }
 
 /// Whether a moving ball may be outside its AABB before the next step is done, at the velocity at hand.

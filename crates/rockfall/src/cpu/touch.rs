@@ -74,11 +74,7 @@ fn ends(view: &View, rod: RodWords) -> (Vec3, Vec3) {
 /// The touch of two round things `d` apart, whose radii sum to `reach`.
 fn round(d: Vec3, reach: f32, zero_normal: Vec3, a: f32, b: f32) -> Option<Touch> {
     let dd = d.length_squared();
-    let (normal, distance) = if dd <= TINY {
-        (zero_normal, 0.0)
-    } else {
-        (d / dd.sqrt(), dd.sqrt())
-    };
+    let (normal, distance) = if dd <= TINY { (zero_normal, 0.0) } else { (d / dd.sqrt(), dd.sqrt()) };
     let overlap = reach - distance;
     (overlap > 0.0).then_some(Touch { normal, overlap, a, b })
 }
@@ -103,24 +99,14 @@ fn rod_rod(view: &View, a: RodWords, b: RodWords) -> Option<Touch> {
 fn sphere_box(view: &View, sphere: u32, cuboid: &BoxWords) -> Option<Touch> {
     let (normal, distance) = point_box(cuboid, view.position(sphere));
     let overlap = view.radius(sphere) - distance;
-    (overlap > 0.0).then_some(Touch {
-        normal,
-        overlap,
-        a: 0.0,
-        b: 0.0,
-    })
+    (overlap > 0.0).then_some(Touch { normal, overlap, a: 0.0, b: 0.0 })
 }
 
 fn sphere_polygon(view: &View, sphere: u32, polygon: u32) -> Option<Touch> {
     let (face, height) = point_polygon(&view.polygon(polygon), view.position(sphere))?;
     let radius = view.radius(sphere);
     let hit = height >= 0.0 && height < radius;
-    hit.then(|| Touch {
-        normal: -face,
-        overlap: radius - height,
-        a: 0.0,
-        b: 0.0,
-    })
+    hit.then(|| Touch { normal: -face, overlap: radius - height, a: 0.0, b: 0.0 })
 }
 
 /// Feature f of a rod and a box: edge f, or, where no edge is hit, vertex f.
@@ -129,14 +115,7 @@ fn rod_box(view: &View, rod: RodWords, cuboid: &BoxWords, feature: u32) -> Optio
     let edge = |edge: u32| {
         let edge = box_edge(cuboid, edge);
         let pair = segment_segment(end1, end2, edge.start, edge.end)?;
-        near_feature(
-            cuboid,
-            rod.radius,
-            end1 + pair.a * (end2 - end1),
-            pair.a,
-            pair.d,
-            edge.outward,
-        )
+        near_feature(cuboid, rod.radius, end1 + pair.a * (end2 - end1), pair.a, pair.d, edge.outward)
     };
     if let Some(touch) = edge(feature) {
         return Some(touch);
@@ -153,26 +132,13 @@ fn rod_box(view: &View, rod: RodWords, cuboid: &BoxWords, feature: u32) -> Optio
 fn near_feature(cuboid: &BoxWords, radius: f32, on_axis: Vec3, a: f32, d: Vec3, outward: Vec3) -> Option<Touch> {
     let dd = d.length_squared();
     if dd <= TINY {
-        return Some(Touch {
-            normal: -outward,
-            overlap: radius,
-            a,
-            b: 0.0,
-        });
+        return Some(Touch { normal: -outward, overlap: radius, a, b: 0.0 });
     }
     let distance = dd.sqrt();
     if distance >= radius {
         return None;
     }
-    let (normal, overlap) = if box_contains(cuboid, on_axis) {
-        (-d / distance, radius + distance)
-    } else {
-        (d / distance, radius - distance)
-    };
-    Some(Touch {
-        normal,
-        overlap,
-        a,
-        b: 0.0,
-    })
+    let (normal, overlap) =
+        if box_contains(cuboid, on_axis) { (-d / distance, radius + distance) } else { (d / distance, radius - distance) };
+    Some(Touch { normal, overlap, a, b: 0.0 })
 }

@@ -114,9 +114,7 @@ impl<'a> View<'a> {
     }
 
     pub(crate) fn object(&self, id: u32) -> Object {
-        let Step {
-            spheres, rods, boxes, ..
-        } = *self.step;
+        let Step { spheres, rods, boxes, .. } = *self.step;
         match id {
             _ if id < spheres => Object::Sphere(id),
             _ if id < spheres + rods => Object::Rod(id - spheres),
@@ -136,31 +134,17 @@ impl<'a> View<'a> {
 
     pub(crate) fn rod(&self, rod: u32) -> RodWords {
         let [end1, end2, radius, length] = self.record(self.step.rods_at, rod, ROD_WORDS);
-        RodWords {
-            ends: [end1, end2],
-            radius: f32::from_bits(radius),
-            length: f32::from_bits(length),
-        }
+        RodWords { ends: [end1, end2], radius: f32::from_bits(radius), length: f32::from_bits(length) }
     }
 
     pub(crate) fn spring(&self, spring: u32) -> SpringWords {
         let [a, b, k, l, c] = self.record(self.step.springs_at, spring, SPRING_WORDS);
-        SpringWords {
-            ends: [a, b],
-            stiffness: f32::from_bits(k),
-            length: f32::from_bits(l),
-            damping: f32::from_bits(c),
-        }
+        SpringWords { ends: [a, b], stiffness: f32::from_bits(k), length: f32::from_bits(l), damping: f32::from_bits(c) }
     }
 
     pub(crate) fn tether(&self, tether: u32) -> TetherWords {
         let [_, x, y, z, stiffness, length, damping] = self.floats(self.step.tethers_at, tether, TETHER_WORDS);
-        TetherWords {
-            point: Vec3::new(x, y, z),
-            stiffness,
-            length,
-            damping,
-        }
+        TetherWords { point: Vec3::new(x, y, z), stiffness, length, damping }
     }
 
     pub(crate) fn outside_force(&self, force: u32) -> Vec3 {
@@ -169,19 +153,12 @@ impl<'a> View<'a> {
 
     pub(crate) fn cuboid(&self, cuboid: u32) -> BoxWords {
         let [px, py, pz, ix, iy, iz, jx, jy, jz, kx, ky, kz] = self.floats(self.step.boxes_at, cuboid, BOX_WORDS);
-        BoxWords {
-            corner: Vec3::new(px, py, pz),
-            edges: [Vec3::new(ix, iy, iz), Vec3::new(jx, jy, jz), Vec3::new(kx, ky, kz)],
-        }
+        BoxWords { corner: Vec3::new(px, py, pz), edges: [Vec3::new(ix, iy, iz), Vec3::new(jx, jy, jz), Vec3::new(kx, ky, kz)] }
     }
 
     pub(crate) fn polygon(&self, polygon: u32) -> PolygonWords {
         let [px, py, pz, lx, ly, lz, rx, ry, rz] = self.floats(self.step.polygons_at, polygon, POLYGON_WORDS);
-        PolygonWords {
-            corner: Vec3::new(px, py, pz),
-            left: Vec3::new(lx, ly, lz),
-            right: Vec3::new(rx, ry, rz),
-        }
+        PolygonWords { corner: Vec3::new(px, py, pz), left: Vec3::new(lx, ly, lz), right: Vec3::new(rx, ry, rz) }
     }
 
     /// Group (low 16 bits) and material (high 16 bits) of an object.
@@ -198,17 +175,12 @@ impl<'a> View<'a> {
             let offset = (at + sphere) as usize;
             self.words[offset] as usize..self.words[offset + 1] as usize
         };
-        self.words[range].iter().map(|word| Attachment {
-            kind: word >> KIND_SHIFT,
-            index: word & ((1 << KIND_SHIFT) - 1),
-        })
+        self.words[range].iter().map(|word| Attachment { kind: word >> KIND_SHIFT, index: word & ((1 << KIND_SHIFT) - 1) })
     }
 
     /// The rods that end in a sphere.
     pub(crate) fn rods_of(&self, sphere: u32) -> impl Iterator<Item = u32> + Clone + use<'a> {
-        self.attachments(sphere)
-            .take_while(|attachment| attachment.kind == KIND_ROD)
-            .map(|attachment| attachment.index)
+        self.attachments(sphere).take_while(|attachment| attachment.kind == KIND_ROD).map(|attachment| attachment.index)
     }
 
     /// The other end of the rod, when the sphere has exactly one rod and that one is of fixed length.

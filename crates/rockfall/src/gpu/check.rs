@@ -30,9 +30,7 @@ fn ensure(right: bool, what: &str) -> Result<()> {
 fn slice<'a>(world: &'a World, at: u32, count: u64, what: &str) -> Result<&'a [u32]> {
     let from = u64::from(at);
     let range = usize::try_from(from).ok().zip(usize::try_from(from + count).ok());
-    range
-        .and_then(|(from, to)| world.words.get(from..to))
-        .ok_or_else(|| wrong(what))
+    range.and_then(|(from, to)| world.words.get(from..to)).ok_or_else(|| wrong(what))
 }
 
 fn check_words(world: &World) -> Result<()> {
@@ -42,12 +40,7 @@ fn check_words(world: &World) -> Result<()> {
         ensure(rod[0] < step.spheres && rod[1] < step.spheres, "the end of a rod")?;
     }
     slice(world, step.boxes_at, u64::from(step.boxes) * u64::from(BOX_WORDS), "boxes")?;
-    slice(
-        world,
-        step.polygons_at,
-        u64::from(step.polygons) * u64::from(POLYGON_WORDS),
-        "polygons",
-    )?;
+    slice(world, step.polygons_at, u64::from(step.polygons) * u64::from(POLYGON_WORDS), "polygons")?;
     slice(world, step.tags_at, u64::from(world.objects()), "tags")?;
     if step.adjacency_at != 0 {
         check_adjacency(world)?;
@@ -107,14 +100,8 @@ fn check_lists(world: &World) -> Result<()> {
     let step = &world.step;
     let movers = world.movers();
     let slices = movers.div_ceil(SLICE);
-    ensure(
-        step.slices_at == slices * SLICE && step.entries_at == step.slices_at + slices + 1,
-        "offsets of the pair lists",
-    )?;
-    ensure(
-        world.lists.len() as u64 == u64::from(step.entries_at) + u64::from(step.pair_capacity),
-        "length of the pair lists",
-    )?;
+    ensure(step.slices_at == slices * SLICE && step.entries_at == step.slices_at + slices + 1, "offsets of the pair lists")?;
+    ensure(world.lists.len() as u64 == u64::from(step.entries_at) + u64::from(step.pair_capacity), "length of the pair lists")?;
     if world.status.void & VOID_PAIRS != 0 {
         // They did not fit, and until they are made again nobody reads them.
         return Ok(());

@@ -35,12 +35,8 @@ fn instance() -> wgpu::Instance {
 
 /// Every adapter there is, software ones too, the one that [`Gpu::open`] would take first.
 pub async fn adapters() -> Vec<wgpu::AdapterInfo> {
-    let mut found: Vec<_> = instance()
-        .enumerate_adapters(wgpu::Backends::all())
-        .await
-        .iter()
-        .map(wgpu::Adapter::get_info)
-        .collect();
+    let mut found: Vec<_> =
+        instance().enumerate_adapters(wgpu::Backends::all()).await.iter().map(wgpu::Adapter::get_info).collect();
     found.sort_by_key(|info| Reverse(preference(info)));
     found
 }
@@ -76,9 +72,7 @@ impl Gpu {
             .retain(|adapter| is_able(adapter) && (allow_software || adapter.get_info().device_type != wgpu::DeviceType::Cpu));
         candidates.sort_by_key(|adapter| Reverse(preference(&adapter.get_info())));
         if candidates.is_empty() {
-            return Err(Error::NoAdapter(format!(
-                "none of the {seen} adapters found is usable; {HELP}"
-            )));
+            return Err(Error::NoAdapter(format!("none of the {seen} adapters found is usable; {HELP}")));
         }
         let mut refused = String::new();
         for adapter in candidates {
@@ -134,14 +128,7 @@ impl Gpu {
     }
 
     fn with(device: wgpu::Device, queue: wgpu::Queue, faults: Faults) -> Self {
-        Self {
-            inner: Arc::new(Inner {
-                device,
-                queue,
-                faults,
-                kernels: Mutex::default(),
-            }),
-        }
+        Self { inner: Arc::new(Inner { device, queue, faults, kernels: Mutex::default() }) }
     }
 
     /// The device.

@@ -52,11 +52,7 @@ fn layout_entry(binding: u32, ty: wgpu::BufferBindingType) -> wgpu::BindGroupLay
     wgpu::BindGroupLayoutEntry {
         binding,
         visibility: wgpu::ShaderStages::COMPUTE,
-        ty: wgpu::BindingType::Buffer {
-            ty,
-            has_dynamic_offset: false,
-            min_binding_size: None,
-        },
+        ty: wgpu::BindingType::Buffer { ty, has_dynamic_offset: false, min_binding_size: None },
         count: None,
     }
 }
@@ -66,30 +62,24 @@ fn build(device: &wgpu::Device, stage: &Stage, rods: bool) -> Kernel {
     let text = join(stage.parts);
     let uses_rods = text.contains("override RODS");
     let constants = [("RODS", f64::from(u8::from(rods)))];
-    let module = wgpu::ShaderModuleDescriptor {
-        label: Some(stage.name),
-        source: wgpu::ShaderSource::Wgsl(text.into()),
-    };
+    let module = wgpu::ShaderModuleDescriptor { label: Some(stage.name), source: wgpu::ShaderSource::Wgsl(text.into()) };
     // SAFETY: without run-time checks the kernels must stay inside their buffers by themselves, and end. They do: threads
     // past the count of what they work on return; ids, offsets and indices in `words` are checked by `gpu::check` before
-    // they are uploaded, those in `lists` too, or were written by `fill_pairs`, whose ids are below the number of objects
-    // and whose slots are below `pair_capacity`, else the step is void and nobody reads them; the uniform block that
+    // they are uploaded, those in `lists` too, or were written by `fill_pairs` or `find_neighbours`, whose ids are below the
+    // number of objects and whose slots are below `pair_capacity`, else the step is void and nobody reads them; those in
+    // `cells` are sums of the counts of the objects, made from zero in the same step or not used; the uniform block that
     // holds counts and offsets is always that of the uploaded world, and the buffers are made to its sizes
     // (`GpuWorld::new`, `upload`). Loops run over counts from the same places, sweeps up to MAX_SWEEPS.
     // Workgroup memory is written before it is read. No integer is divided by anything but a constant.
     let module = unsafe { device.create_shader_module_trusted(module, wgpu::ShaderRuntimeChecks::unchecked()) };
-    let mut entries = vec![
-        layout_entry(0, wgpu::BufferBindingType::Uniform),
-        layout_entry(1, wgpu::BufferBindingType::Uniform),
-    ];
+    let mut entries =
+        vec![layout_entry(0, wgpu::BufferBindingType::Uniform), layout_entry(1, wgpu::BufferBindingType::Uniform)];
     for (binding, number) in stage.bindings.iter().zip(2..) {
         let read_only = binding.access == Access::Read;
         entries.push(layout_entry(number, wgpu::BufferBindingType::Storage { read_only }));
     }
-    let layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-        label: Some(stage.name),
-        entries: &entries,
-    });
+    let layout =
+        device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some(stage.name), entries: &entries });
     let pipeline_layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
         label: Some(stage.name),
         bind_group_layouts: &[Some(&layout)],
@@ -103,7 +93,6 @@ fn build(device: &wgpu::Device, stage: &Stage, rods: bool) -> Kernel {
         compilation_options: wgpu::PipelineCompilationOptions {
             zero_initialize_workgroup_memory: false,
             constants: if uses_rods { &constants } else { &[] },
-            ..Default::default()
         },
         cache: None,
     });
@@ -114,16 +103,7 @@ fn build(device: &wgpu::Device, stage: &Stage, rods: bool) -> Kernel {
 mod tests {
     use super::*;
 
-    const PARTS: &[Part] = &[
-        Part {
-            file: "one.wgsl",
-            text: "a\nb\n",
-        },
-        Part {
-            file: "two.wgsl",
-            text: "c\nd\n",
-        },
-    ];
+    const PARTS: &[Part] = &[Part { file: "one.wgsl", text: "a\nb\n" }, Part { file: "two.wgsl", text: "c\nd\n" }];
 
     #[test]
     fn lines_are_those_of_the_part() {

@@ -128,26 +128,15 @@ impl Timer {
             Clock::DeviceInPass => dispatches + 1,
             _ => 2 * dispatches,
         };
-        Ok(Self {
-            clock,
-            ticks: Ticks::new(world.gpu(), count.max(1))?,
-            live,
-            runs: runs.len(),
-            steps,
-        })
+        Ok(Self { clock, ticks: Ticks::new(world.gpu(), count.max(1))?, live, runs: runs.len(), steps })
     }
 
     /// Records the steps, timed.
     pub(crate) fn encode(&self, encoder: &mut wgpu::CommandEncoder, world: &GpuWorld, runs: &[Run]) -> Result<()> {
-        let all = (0..self.steps)
-            .flat_map(|_| &self.live)
-            .map(|at| from_ref(&runs[*at]))
-            .zip(0..);
+        let all = (0..self.steps).flat_map(|_| &self.live).map(|at| from_ref(&runs[*at])).zip(0..);
         if self.clock == Clock::DeviceInPass {
-            let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
-                label: Some("timed steps"),
-                timestamp_writes: None,
-            });
+            let mut pass =
+                encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some("timed steps"), timestamp_writes: None });
             self.ticks.write(&mut pass, 0);
             for (run, number) in all {
                 world.encode(&mut pass, run, 1)?;
@@ -169,11 +158,7 @@ impl Timer {
         let mut dispatch = 0;
         for step in &mut times {
             for at in &self.live {
-                let first = if self.clock == Clock::DeviceInPass {
-                    dispatch
-                } else {
-                    2 * dispatch
-                };
+                let first = if self.clock == Clock::DeviceInPass { dispatch } else { 2 * dispatch };
                 step[*at] = Some((ticks[first + 1] - ticks[first]).max(0.0));
                 dispatch += 1;
             }
@@ -229,10 +214,8 @@ pub(crate) async fn copy_bandwidth(gpu: &Gpu) -> Result<f64> {
         let group = device.create_bind_group(&wgpu::BindGroupDescriptor {
             label: Some("copy"),
             layout: &pipeline.get_bind_group_layout(0),
-            entries: &[(0, &source), (1, &copied)].map(|(binding, buffer)| wgpu::BindGroupEntry {
-                binding,
-                resource: buffer.as_entire_binding(),
-            }),
+            entries: &[(0, &source), (1, &copied)]
+                .map(|(binding, buffer)| wgpu::BindGroupEntry { binding, resource: buffer.as_entire_binding() }),
         });
         let groups = (bytes / 16).div_ceil(256) as u32;
         let across = groups.min(limits.max_compute_workgroups_per_dimension);
@@ -269,11 +252,8 @@ mod tests {
             assert!(!adapters().await.is_empty(), "no adapter; scripts/test installs one");
             let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
             let adapter = instance.enumerate_adapters(wgpu::Backends::VULKAN).await.remove(0);
-            let wish = wgpu::DeviceDescriptor {
-                required_features: features,
-                required_limits: adapter.limits(),
-                ..Default::default()
-            };
+            let wish =
+                wgpu::DeviceDescriptor { required_features: features, required_limits: adapter.limits(), ..Default::default() };
             adapter.request_device(&wish).await.unwrap()
         };
         let (device, queue) = drive(open, || Ok(())).unwrap();

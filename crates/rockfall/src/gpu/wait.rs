@@ -32,10 +32,7 @@ impl Mapped {
                 waker.wake();
             }
         });
-        Self {
-            shared,
-            faults: faults.clone(),
-        }
+        Self { shared, faults: faults.clone() }
     }
 }
 
@@ -48,9 +45,10 @@ impl Future for Mapped {
             // The device's own words, where there are any, tell more than "mapping failed".
             return Poll::Ready(match done {
                 Ok(()) => self.faults.check(),
-                Err(_) => self.faults.check().and(Err(Error::Device(
-                    "a buffer could not be read back: the device was lost".to_owned(),
-                ))),
+                Err(_) => self
+                    .faults
+                    .check()
+                    .and(Err(Error::Device("a buffer could not be read back: the device was lost".to_owned()))),
             });
         }
         if let Err(error) = self.faults.check() {
@@ -87,9 +85,7 @@ pub(crate) fn drive<T>(future: impl Future<Output = T>, mut when_pending: impl F
 #[cfg(not(target_arch = "wasm32"))]
 fn wait(device: &wgpu::Device) -> Result<()> {
     // wgpu panics where polling meets a lost device; that must not take the host program down.
-    let polled = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| {
-        device.poll(wgpu::PollType::wait_indefinitely())
-    }));
+    let polled = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| device.poll(wgpu::PollType::wait_indefinitely())));
     match polled {
         // What was waited for may belong to another thread: let it run.
         Ok(Ok(_)) => std::thread::yield_now(),

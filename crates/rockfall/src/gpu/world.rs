@@ -20,14 +20,7 @@ use crate::world::World;
 const PIECE: usize = 128 << 20;
 
 /// What a world's buffers hold when a step begins; everything else is written before it is read.
-const KEPT: [Buffer; 6] = [
-    Buffer::Start,
-    Buffer::Aabbs,
-    Buffer::Words,
-    Buffer::Lists,
-    Buffer::Orientations,
-    Buffer::Status,
-];
+const KEPT: [Buffer; 6] = [Buffer::Start, Buffer::Aabbs, Buffer::Words, Buffer::Lists, Buffer::Orientations, Buffer::Status];
 
 /// The buffers of a [`World`] on a device.
 #[derive(Debug)]
@@ -57,10 +50,7 @@ impl GpuWorld {
         let mut passes = Vec::new();
         for index in 0..4 {
             let pass = make_buffer(device, "pass", size_of::<Pass>() as u64, usage)?;
-            let block = Pass {
-                index,
-                ..Default::default()
-            };
+            let block = Pass { index, ..Default::default() };
             gpu.queue().write_buffer(&pass, 0, bytes_of(&block));
             passes.push(pass);
         }
@@ -68,14 +58,7 @@ impl GpuWorld {
         for buffer in Buffer::ALL {
             buffers.push(make_storage(device, buffer, bytes_needed(world, buffer))?);
         }
-        let mut made = Self {
-            gpu: gpu.clone(),
-            step: world.step,
-            uniform,
-            passes,
-            buffers,
-            groups: HashMap::new(),
-        };
+        let mut made = Self { gpu: gpu.clone(), step: world.step, uniform, passes, buffers, groups: HashMap::new() };
         made.upload(world)?;
         Ok(made)
     }
@@ -94,10 +77,7 @@ impl GpuWorld {
     pub fn buffer_sizes(&self) -> Vec<BufferSize> {
         let uniforms = self.uniform.size() + self.passes.iter().map(wgpu::Buffer::size).sum::<u64>();
         let storage = Buffer::ALL.map(|buffer| BufferSize::new(name(buffer), self.buffer(buffer).size()));
-        storage
-            .into_iter()
-            .chain([BufferSize::new("the uniform blocks", uniforms)])
-            .collect()
+        storage.into_iter().chain([BufferSize::new("the uniform blocks", uniforms)]).collect()
     }
 
     /// The uniform block of the last upload or run.
@@ -132,9 +112,7 @@ impl GpuWorld {
     pub fn upload_buffer(&mut self, world: &World, buffer: Buffer) -> Result<()> {
         self.gpu.faults().check()?;
         if self.with_constants(&world.step) != world.step {
-            return Err(Error::Device(
-                "the world's counts or offsets changed: upload it as a whole".to_owned(),
-            ));
+            return Err(Error::Device("the world's counts or offsets changed: upload it as a whole".to_owned()));
         }
         check_buffer(world, buffer)?;
         self.fit(world, buffer)?;
@@ -165,10 +143,7 @@ impl GpuWorld {
     /// As for [`GpuWorld::new`].
     pub fn resize_lists(&mut self, world: &World) -> Result<()> {
         self.gpu.faults().check()?;
-        let sized = Step {
-            pair_capacity: world.step.pair_capacity,
-            ..self.step
-        };
+        let sized = Step { pair_capacity: world.step.pair_capacity, ..self.step };
         if sized.entries_at != world.step.entries_at || sized.slices_at != world.step.slices_at {
             return Err(Error::Device("the world's movers changed: upload it as a whole".to_owned()));
         }
@@ -177,9 +152,7 @@ impl GpuWorld {
         self.step = sized;
         let gpu = self.gpu.clone();
         catch(gpu.device(), || {
-            let mut encoder = gpu
-                .device()
-                .create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+            let mut encoder = gpu.device().create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
             encoder.clear_buffer(self.buffer(Buffer::Lists), 0, Some(4 * u64::from(sized.entries_at)));
             gpu.queue().submit([encoder.finish()]);
         })
@@ -250,9 +223,7 @@ impl GpuWorld {
     /// [`Error::Device`] when the device is lost.
     pub fn set_status(&mut self, status: &Status) -> Result<()> {
         catch(self.gpu.device(), || {
-            self.gpu
-                .queue()
-                .write_buffer(self.buffer(Buffer::Status), 0, bytes_of(status));
+            self.gpu.queue().write_buffer(self.buffer(Buffer::Status), 0, bytes_of(status));
         })
     }
 
@@ -278,14 +249,8 @@ impl GpuWorld {
 
     fn make_group(&self, stage: &Stage, pass: u32, layout: &wgpu::BindGroupLayout) -> wgpu::BindGroup {
         let mut entries = vec![
-            wgpu::BindGroupEntry {
-                binding: 0,
-                resource: self.uniform.as_entire_binding(),
-            },
-            wgpu::BindGroupEntry {
-                binding: 1,
-                resource: self.passes[pass as usize].as_entire_binding(),
-            },
+            wgpu::BindGroupEntry { binding: 0, resource: self.uniform.as_entire_binding() },
+            wgpu::BindGroupEntry { binding: 1, resource: self.passes[pass as usize].as_entire_binding() },
         ];
         for (binding, number) in stage.bindings.iter().zip(2..) {
             entries.push(wgpu::BindGroupEntry {
@@ -293,11 +258,7 @@ impl GpuWorld {
                 resource: self.buffer(binding.slot.buffer(pass)).as_entire_binding(),
             });
         }
-        self.gpu.device().create_bind_group(&wgpu::BindGroupDescriptor {
-            label: Some(stage.name),
-            layout,
-            entries: &entries,
-        })
+        self.gpu.device().create_bind_group(&wgpu::BindGroupDescriptor { label: Some(stage.name), layout, entries: &entries })
     }
 
     /// Compiles what is missing and binds it. [`GpuWorld::run`] does so by itself; done before, no run has to wait for it.
@@ -369,16 +330,12 @@ impl GpuWorld {
         self.write_uniforms(step)?;
         let gpu = self.gpu.clone();
         catch(gpu.device(), || {
-            let mut encoder = gpu
-                .device()
-                .create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("steps") });
+            let mut encoder = gpu.device().create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("steps") });
             if let Some(timer) = timer {
                 timer.encode(&mut encoder, self, runs)?;
             } else {
-                let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
-                    label: Some("steps"),
-                    timestamp_writes: None,
-                });
+                let mut pass =
+                    encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some("steps"), timestamp_writes: None });
                 self.encode(&mut pass, runs, steps)?;
             }
             gpu.queue().submit([encoder.finish()]);
@@ -411,10 +368,7 @@ impl GpuWorld {
     async fn read(&self, buffer: Buffer, into: &mut [u8]) -> Result<()> {
         self.gpu.faults().check()?;
         if into.len() as u64 > self.buffer(buffer).size() {
-            return Err(Error::Device(format!(
-                "{} on the device is smaller than the host's",
-                name(buffer)
-            )));
+            return Err(Error::Device(format!("{} on the device is smaller than the host's", name(buffer))));
         }
         let mut offset = 0;
         for piece in into.chunks_mut(PIECE) {

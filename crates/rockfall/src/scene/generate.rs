@@ -77,14 +77,11 @@ impl FromStr for Kind {
     type Err = Error;
 
     fn from_str(text: &str) -> Result<Self> {
-        Self::ALL
-            .into_iter()
-            .find(|kind| kind.name() == text)
-            .ok_or_else(|| Error::Invalid {
-                field: "kind",
-                value: format!("'{text}'"),
-                expected: "pile, mixed, soft, chain or hopper",
-            })
+        Self::ALL.into_iter().find(|kind| kind.name() == text).ok_or_else(|| Error::Invalid {
+            field: "kind",
+            value: format!("'{text}'"),
+            expected: "pile, mixed, soft, chain or hopper",
+        })
     }
 }
 
@@ -92,17 +89,10 @@ impl FromStr for Kind {
 /// [`Error::Invalid`] for 0, [`Error::TooManyObjects`] for more than the engine can number.
 fn check_count(spheres: u32) -> Result<()> {
     if spheres == 0 {
-        return Err(Error::Invalid {
-            field: "spheres",
-            value: "0".to_owned(),
-            expected: "at least 1",
-        });
+        return Err(Error::Invalid { field: "spheres", value: "0".to_owned(), expected: "at least 1" });
     }
     if spheres > ENTRY_ID_MASK {
-        return Err(Error::TooManyObjects {
-            count: spheres as usize,
-            limit: ENTRY_ID_MASK as usize,
-        });
+        return Err(Error::TooManyObjects { count: spheres as usize, limit: ENTRY_ID_MASK as usize });
     }
     Ok(())
 }
@@ -152,12 +142,7 @@ impl Cells {
         while u64::from(across).pow(3) < u64::from(count) {
             across += 1;
         }
-        Self {
-            across,
-            layers: count.div_ceil(across * across).max(1),
-            size,
-            bottom,
-        }
+        Self { across, layers: count.div_ceil(across * across).max(1), size, bottom }
     }
 
     /// Half the width of the block, which stands about the y axis.

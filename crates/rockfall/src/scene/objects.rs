@@ -153,13 +153,7 @@ pub struct Rod {
 impl Rod {
     /// A rod of free length.
     pub fn new(end1: SphereId, end2: SphereId, radius: f32) -> Self {
-        Self {
-            end1,
-            end2,
-            radius,
-            length: None,
-            group: 0,
-        }
+        Self { end1, end2, radius, length: None, group: 0 }
     }
 
     /// Holds it at a length, in units, greater than 0.
@@ -206,14 +200,7 @@ pub struct Capsule {
 impl Capsule {
     /// A resting capsule of mass 1.
     pub fn new(end1: impl Into<Vec3>, end2: impl Into<Vec3>, radius: f32) -> Self {
-        Self {
-            end1: end1.into(),
-            end2: end2.into(),
-            velocity: Vec3::ZERO,
-            mass: 1.0,
-            radius,
-            group: 0,
-        }
+        Self { end1: end1.into(), end2: end2.into(), velocity: Vec3::ZERO, mass: 1.0, radius, group: 0 }
     }
 
     /// Sets the mass.
@@ -264,13 +251,7 @@ pub struct Spring {
 impl Spring {
     /// An undamped spring.
     pub fn new(a: SphereId, b: SphereId, stiffness: f32, length: f32) -> Self {
-        Self {
-            a,
-            b,
-            stiffness,
-            length,
-            damping: 0.0,
-        }
+        Self { a, b, stiffness, length, damping: 0.0 }
     }
 
     /// Sets the damping, in mass/s.
@@ -308,13 +289,7 @@ pub struct Tether {
 impl Tether {
     /// An undamped tether of rest length 0.
     pub fn new(sphere: SphereId, point: impl Into<Vec3>, stiffness: f32) -> Self {
-        Self {
-            sphere,
-            point: point.into(),
-            stiffness,
-            length: 0.0,
-            damping: 0.0,
-        }
+        Self { sphere, point: point.into(), stiffness, length: 0.0, damping: 0.0 }
     }
 
     /// Sets the rest length, in units.
@@ -351,11 +326,7 @@ pub struct Cuboid {
 impl Cuboid {
     /// A box from a corner and three orthogonal edges.
     pub fn new(corner: impl Into<Vec3>, i: impl Into<Vec3>, j: impl Into<Vec3>, k: impl Into<Vec3>) -> Self {
-        Self {
-            corner: corner.into(),
-            edges: [i.into(), j.into(), k.into()],
-            group: 0,
-        }
+        Self { corner: corner.into(), edges: [i.into(), j.into(), k.into()], group: 0 }
     }
 
     /// An axis-aligned box between two opposite corners.
@@ -406,12 +377,7 @@ pub struct Polygon {
 impl Polygon {
     /// A polygon from a corner and two edges that are not parallel.
     pub fn new(corner: impl Into<Vec3>, left: impl Into<Vec3>, right: impl Into<Vec3>) -> Self {
-        Self {
-            corner: corner.into(),
-            left: left.into(),
-            right: right.into(),
-            group: 0,
-        }
+        Self { corner: corner.into(), left: left.into(), right: right.into(), group: 0 }
     }
 
     /// Sets the group.
@@ -428,46 +394,26 @@ impl Polygon {
         let normal = left.cross(right).length();
         let in_range = (1e-30..1e30).contains(&(normal * normal));
         if normal < 1e-4 * left.length() * right.length() || !in_range {
-            return Err(invalid(
-                "polygon.right",
-                self.right,
-                "an edge that is not parallel to the first",
-            ));
+            return Err(invalid("polygon.right", self.right, "an edge that is not parallel to the first"));
         }
         Ok(())
     }
 }
 
 fn invalid(field: &'static str, value: impl std::fmt::Debug, expected: &'static str) -> Error {
-    Error::Invalid {
-        field,
-        value: format!("{value:?}"),
-        expected,
-    }
+    Error::Invalid { field, value: format!("{value:?}"), expected }
 }
 
 pub(crate) fn finite(field: &'static str, value: Vec3) -> Result<()> {
-    if value.is_finite() {
-        Ok(())
-    } else {
-        Err(invalid(field, value.to_array(), "three finite numbers"))
-    }
+    if value.is_finite() { Ok(()) } else { Err(invalid(field, value.to_array(), "three finite numbers")) }
 }
 
 fn positive(field: &'static str, value: f32) -> Result<()> {
-    if value.is_finite() && value > 0.0 {
-        Ok(())
-    } else {
-        Err(invalid(field, value, "a finite number greater than 0"))
-    }
+    if value.is_finite() && value > 0.0 { Ok(()) } else { Err(invalid(field, value, "a finite number greater than 0")) }
 }
 
 fn not_negative(field: &'static str, value: f32) -> Result<()> {
-    if value.is_finite() && value >= 0.0 {
-        Ok(())
-    } else {
-        Err(invalid(field, value, "a finite number, not negative"))
-    }
+    if value.is_finite() && value >= 0.0 { Ok(()) } else { Err(invalid(field, value, "a finite number, not negative")) }
 }
 
 /// The kernels divide by squared edge lengths, in f32.

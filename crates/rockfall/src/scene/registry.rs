@@ -79,14 +79,7 @@ pub(crate) struct Registry<T> {
 
 impl<T> Registry<T> {
     pub(crate) fn new(scene: u32, kind: &'static str) -> Self {
-        Self {
-            scene,
-            kind,
-            objects: Vec::new(),
-            owners: Vec::new(),
-            slots: Vec::new(),
-            free: Vec::new(),
-        }
+        Self { scene, kind, objects: Vec::new(), owners: Vec::new(), slots: Vec::new(), free: Vec::new() }
     }
 
     pub(crate) fn add(&mut self, object: T) -> Handle<T> {
@@ -107,22 +100,16 @@ impl<T> Registry<T> {
     }
 
     fn handle(&self, slot: u32) -> Handle<T> {
-        Handle {
-            scene: self.scene,
-            slot,
-            generation: self.slots[slot as usize].generation,
-            kind: PhantomData,
-        }
+        Handle { scene: self.scene, slot, generation: self.slots[slot as usize].generation, kind: PhantomData }
     }
 
     /// The object's place in order of addition.
     pub(crate) fn index(&self, handle: Handle<T>) -> Result<usize> {
         let slot = self.slots.get(handle.slot as usize);
         match slot {
-            Some(Slot {
-                generation,
-                index: Some(index),
-            }) if *generation == handle.generation && handle.scene == self.scene => Ok(*index as usize),
+            Some(Slot { generation, index: Some(index) }) if *generation == handle.generation && handle.scene == self.scene => {
+                Ok(*index as usize)
+            }
             _ => Err(Error::StaleHandle { kind: self.kind }),
         }
     }
@@ -204,10 +191,7 @@ mod tests {
         assert_eq!(registry.get(handles[3]).unwrap(), &3);
         assert!(registry.get(handles[1]).is_err());
         let reused = registry.add(9);
-        assert!(
-            registry.get(handles[1]).is_err(),
-            "the slot is reused, the old handle must stay stale"
-        );
+        assert!(registry.get(handles[1]).is_err(), "the slot is reused, the old handle must stay stale");
         assert_eq!(registry.get(reused).unwrap(), &9);
         assert_eq!(registry.objects(), [0, 2, 3, 9]);
     }

@@ -63,12 +63,7 @@ impl Scene {
     /// # Errors
     /// [`Error::SceneLine`] for the first line that is wrong, with the field and what was expected.
     pub fn parse(text: &str, name: &Path) -> Result<Loaded> {
-        let mut reader = Reader {
-            scene: Self::new(),
-            warnings: Vec::new(),
-            references: HashMap::new(),
-            group: 0,
-        };
+        let mut reader = Reader { scene: Self::new(), warnings: Vec::new(), references: HashMap::new(), group: 0 };
         let text = text.strip_prefix('\u{feff}').unwrap_or(text);
         for (index, line) in text.lines().enumerate() {
             reader.line(line, index + 1).map_err(|wrong| Error::SceneLine {
@@ -78,10 +73,7 @@ impl Scene {
                 message: wrong.message,
             })?;
         }
-        Ok(Loaded {
-            scene: reader.scene,
-            warnings: reader.warnings,
-        })
+        Ok(Loaded { scene: reader.scene, warnings: reader.warnings })
     }
 
     /// Reads a scene file. Bytes that are not UTF-8 (comments of an older encoding) do not matter outside of numbers.
@@ -90,10 +82,7 @@ impl Scene {
     /// [`Error::File`] when it cannot be read, [`Error::SceneLine`] as for [`Scene::parse`].
     pub fn load(path: impl AsRef<Path>) -> Result<Loaded> {
         let path = path.as_ref();
-        let bytes = std::fs::read(path).map_err(|source| Error::File {
-            file: path.to_owned(),
-            source,
-        })?;
+        let bytes = std::fs::read(path).map_err(|source| Error::File { file: path.to_owned(), source })?;
         Self::parse_bytes(&bytes, path)
     }
 
@@ -123,10 +112,7 @@ impl Reader {
     fn line(&mut self, line: &str, number: usize) -> Line<()> {
         // A file of 16-bit characters would otherwise be one long comment.
         if line.contains('\0') {
-            return Err(Wrong {
-                field: "text".to_owned(),
-                message: "a NUL byte, expected plain text (UTF-8)".to_owned(),
-            });
+            return Err(Wrong { field: "text".to_owned(), message: "a NUL byte, expected plain text (UTF-8)".to_owned() });
         }
         let mut words = line.split_ascii_whitespace();
         match words.next().unwrap_or_default() {
@@ -155,10 +141,7 @@ impl Reader {
     }
 
     fn comment(&mut self, line: usize, hint: &str) {
-        self.warnings.push(LineWarning {
-            line,
-            text: format!("taken for a comment; {hint}"),
-        });
+        self.warnings.push(LineWarning { line, text: format!("taken for a comment; {hint}") });
     }
 
     fn find(&self, kind: &Kind, name: &str, reference: u32) -> Line<SphereId> {
@@ -204,10 +187,8 @@ impl Reader {
         // Here and not by the spheres, whose masses are halves of the number on the line.
         CAPSULE.positive("mass", n[9])?;
         CAPSULE.positive("radius", n[10])?;
-        let capsule = Capsule::new(vector(&n[0..3]), vector(&n[3..6]), n[10])
-            .velocity(vector(&n[6..9]))
-            .mass(n[9])
-            .group(self.group);
+        let capsule =
+            Capsule::new(vector(&n[0..3]), vector(&n[3..6]), n[10]).velocity(vector(&n[6..9])).mass(n[9]).group(self.group);
         self.scene.add_capsule(capsule).map_err(|error| CAPSULE.refused(&error))?;
         Ok(())
     }
@@ -244,9 +225,8 @@ impl Reader {
 
     fn group(&mut self, line: &str) -> Line<()> {
         let ([group], []) = GROUP.read::<1, 0>(line)?;
-        self.group = group
-            .try_into()
-            .map_err(|_| GROUP.wrong("number", format!("{group} is too large, expected 0 to {}", u16::MAX)))?;
+        self.group =
+            group.try_into().map_err(|_| GROUP.wrong("number", format!("{group} is too large, expected 0 to {}", u16::MAX)))?;
         Ok(())
     }
 
@@ -275,10 +255,7 @@ impl Reader {
         let (end1, end2) = self.pair(&MARK, references)?;
         let rods = &self.scene.rods;
         let last = rods.len().checked_sub(1).map(|index| rods.handle_at(index));
-        let fits = rods
-            .objects()
-            .last()
-            .is_some_and(|rod| rod.end1 == end1 && rod.end2 == end2 && rod.length.is_some());
+        let fits = rods.objects().last().is_some_and(|rod| rod.end1 == end1 && rod.end2 == end2 && rod.length.is_some());
         let taken = self.scene.capsules.objects().last().map(|parts| parts.rod);
         match last {
             Some(rod) if fits && taken != last => {
@@ -302,10 +279,7 @@ impl Reader {
                 })
             }
             _ => {
-                let hint = format!(
-                    "a setting is `set NAME VALUE` with NAME one of {}",
-                    Settings::NAMES.join(", ")
-                );
+                let hint = format!("a setting is `set NAME VALUE` with NAME one of {}", Settings::NAMES.join(", "));
                 self.comment(number, &hint);
                 Ok(())
             }

@@ -53,16 +53,10 @@ fn every_kind_of_line() {
     assert_eq!(scene.polygons(), [Polygon::new([0.0; 3], Vec3::Z, Vec3::X)]);
     assert_eq!(scene.springs(), [Spring::new(ids[1], ids[0], 10.0, 3.0).damping(0.5)]);
     assert_eq!(scene.boxes(), [Cuboid::between([0.0, -1.0, 0.0], [1.0, 1.0, 3.0])]);
-    assert_eq!(
-        scene.tethers(),
-        [Tether::new(ids[1], [0.0, 9.0, 0.0], 20.0).length(1.0).damping(0.1)]
-    );
+    assert_eq!(scene.tethers(), [Tether::new(ids[1], [0.0, 9.0, 0.0], 20.0).length(1.0).damping(0.1)]);
     assert_eq!((scene.settings.gravity, scene.settings.collisions), (9.81, false));
-    let last = Sphere::new([9.0; 3], 1.0)
-        .group(7)
-        .fixed()
-        .orientation(Quat::from_xyzw(1.0, 0.0, 0.0, 0.0))
-        .force([1.0, 2.0, 3.0]);
+    let last =
+        Sphere::new([9.0; 3], 1.0).group(7).fixed().orientation(Quat::from_xyzw(1.0, 0.0, 0.0, 0.0)).force([1.0, 2.0, 3.0]);
     assert_eq!(scene.spheres()[4], last);
     assert_eq!((rods[3].group, rods[4].group), (0, 7));
 }
@@ -102,15 +96,7 @@ fn lines_that_only_look_like_extensions_are_comments_with_a_warning() {
         assert!(loaded.warnings[0].text.starts_with("taken for a comment"), "{line}");
         assert_eq!(loaded.scene.settings, Settings::default(), "{line}");
     }
-    for line in [
-        "setting gravity 1",
-        "Set gravity 2",
-        "s 1 2 3",
-        "Tether 1 2",
-        "SET",
-        "// S 1",
-        "#S 1 0",
-    ] {
+    for line in ["setting gravity 1", "Set gravity 2", "s 1 2 3", "Tether 1 2", "SET", "// S 1", "#S 1 0"] {
         assert_eq!(parse(line).unwrap().warnings, [], "{line}");
     }
 }
@@ -133,28 +119,16 @@ fn every_error_names_line_and_field_and_what_was_expected() {
     let cases = [
         ("S 1 0 0 0", "S vx: missing, expected 12 or 13 numbers after S, found 4"),
         ("S", "S reference: missing, expected 12 or 13 numbers after S, found 0"),
-        (
-            "S 1 0 0 0 0 0 0 0 0 0 1",
-            "S radius: missing, expected 12 or 13 numbers after S, found 11",
-        ),
-        (
-            "S 1 0 0 0 0 0 0 0 0 0 1 0.5 0 7",
-            "S '7': one too many, expected 12 or 13 numbers after S",
-        ),
+        ("S 1 0 0 0 0 0 0 0 0 0 1", "S radius: missing, expected 12 or 13 numbers after S, found 11"),
+        ("S 1 0 0 0 0 0 0 0 0 0 1 0.5 0 7", "S '7': one too many, expected 12 or 13 numbers after S"),
         ("S -1 0 0", "S reference: '-1' is not a whole number from 0 to 4294967295"),
         ("S 1.5 0 0", "S reference: '1.5' is not a whole number from 0 to 4294967295"),
         ("S 1 0 high 0", "S y: 'high' is not a number, expected a finite number"),
         ("S 1 0 0 NaN", "S z: 'NaN' is not finite (in f32), expected a finite number"),
         ("S 1 0 0 -inf", "S z: '-inf' is not finite (in f32), expected a finite number"),
         ("S 1 1e39 0 0", "S x: '1e39' is not finite (in f32), expected a finite number"),
-        (
-            "S 1 0 0 0 0 0 0 0 0 0 -1 0.5",
-            "S mass: -1 is not allowed, expected a finite number greater than 0",
-        ),
-        (
-            "S 1 0 0 0 0 0 0 0 0 0 1 0",
-            "S radius: 0 is not allowed, expected a finite number greater than 0",
-        ),
+        ("S 1 0 0 0 0 0 0 0 0 0 -1 0.5", "S mass: -1 is not allowed, expected a finite number greater than 0"),
+        ("S 1 0 0 0 0 0 0 0 0 0 1 0", "S radius: 0 is not allowed, expected a finite number greater than 0"),
         (
             "S 1 0 0 0 0 0 0 0 0 0 1e-30 1e-30",
             "S mass and radius: 0.000000000000000000000000000001 and 0.000000000000000000000000000001 is not allowed, \
@@ -162,38 +136,17 @@ fn every_error_names_line_and_field_and_what_was_expected() {
         ),
         ("R 1 2", "R radius: missing, expected 3 or 4 numbers after R, found 2"),
         ("R 1 2 0.1 1 1", "R '1': one too many, expected 3 or 4 numbers after R"),
-        (
-            "R 1 3 0.1",
-            "R end2: no sphere with reference 3 yet, expected one that a line above defined",
-        ),
+        ("R 1 3 0.1", "R end2: no sphere with reference 3 yet, expected one that a line above defined"),
         ("R 2 2 0.1", "R end2: 2 is the same sphere as end1, expected another one"),
-        (
-            "R 1 2 0",
-            "R radius: 0 is not allowed, expected a finite number greater than 0",
-        ),
+        ("R 1 2 0", "R radius: 0 is not allowed, expected a finite number greater than 0"),
         ("R 1 2 0.1 x", "R length: 'x' is not a number, expected a finite number"),
         ("K 1 2 1 1", "K damping: missing, expected 5 numbers after K, found 4"),
         ("K 1 1 1 1 1", "K b: 1 is the same sphere as a, expected another one"),
-        (
-            "K 9 1 1 1 1",
-            "K a: no sphere with reference 9 yet, expected one that a line above defined",
-        ),
-        (
-            "K 1 2 -1 1 1",
-            "K stiffness: -1 is not allowed, expected a finite number, not negative",
-        ),
-        (
-            "C 0 0 0 1 0 0 0 0 0 1",
-            "C radius: missing, expected 11 numbers after C, found 10",
-        ),
-        (
-            "C 0 0 0 1 0 0 0 0 0 -3 1",
-            "C mass: -3 is not allowed, expected a finite number greater than 0",
-        ),
-        (
-            "C 0 0 0 1 0 0 0 0 0 1 0",
-            "C radius: 0 is not allowed, expected a finite number greater than 0",
-        ),
+        ("K 9 1 1 1 1", "K a: no sphere with reference 9 yet, expected one that a line above defined"),
+        ("K 1 2 -1 1 1", "K stiffness: -1 is not allowed, expected a finite number, not negative"),
+        ("C 0 0 0 1 0 0 0 0 0 1", "C radius: missing, expected 11 numbers after C, found 10"),
+        ("C 0 0 0 1 0 0 0 0 0 -3 1", "C mass: -3 is not allowed, expected a finite number greater than 0"),
+        ("C 0 0 0 1 0 0 0 0 0 1 0", "C radius: 0 is not allowed, expected a finite number greater than 0"),
         (
             "C 1 0 0 1 0 0 0 0 0 1 1",
             "C end2: [1.0, 0.0, 0.0] is not allowed, expected another point than end 1, at a finite distance",
@@ -208,41 +161,20 @@ fn every_error_names_line_and_field_and_what_was_expected() {
             "B edges: [Vec3(1.0, 0.0, 0.0), Vec3(1.0, 1.0, 0.0), Vec3(0.0, 0.0, 1.0)] is not allowed, \
              expected three edges at right angles to each other",
         ),
-        (
-            "B 0 0 0 1 0 0 0 1 0 0 0 x",
-            "B k z: 'x' is not a number, expected a finite number",
-        ),
+        ("B 0 0 0 1 0 0 0 1 0 0 0 x", "B k z: 'x' is not a number, expected a finite number"),
         ("T 1 0 0 0 1 1", "T damping: missing, expected 7 numbers after T, found 6"),
-        (
-            "T 5 0 0 0 1 1 1",
-            "T sphere: no sphere with reference 5 yet, expected one that a line above defined",
-        ),
-        (
-            "T 1 0 0 0 1 -1 1",
-            "T length: -1 is not allowed, expected a finite number, not negative",
-        ),
+        ("T 5 0 0 0 1 1 1", "T sphere: no sphere with reference 5 yet, expected one that a line above defined"),
+        ("T 1 0 0 0 1 -1 1", "T length: -1 is not allowed, expected a finite number, not negative"),
         ("@group", "@group number: missing, expected 1 number after @group, found 0"),
         ("@group 70000", "@group number: 70000 is too large, expected 0 to 65535"),
         (
             "@orientation 1 1 1 0 0",
             "@orientation orientation: Quat(1.0, 0.0, 0.0, 1.0) is not allowed, expected a unit quaternion",
         ),
-        (
-            "@force 1 0 0 inf",
-            "@force z: 'inf' is not finite (in f32), expected a finite number",
-        ),
-        (
-            "@capsule 1 2",
-            "@capsule end1: expected right after the R line, with a length, of these two spheres",
-        ),
-        (
-            "set gravity fast",
-            "set gravity: 'fast' is not allowed, expected a finite number",
-        ),
-        (
-            "set restitution -1",
-            "set restitution: '-1' is not allowed, expected a finite number, not negative",
-        ),
+        ("@force 1 0 0 inf", "@force z: 'inf' is not finite (in f32), expected a finite number"),
+        ("@capsule 1 2", "@capsule end1: expected right after the R line, with a length, of these two spheres"),
+        ("set gravity fast", "set gravity: 'fast' is not allowed, expected a finite number"),
+        ("set restitution -1", "set restitution: '-1' is not allowed, expected a finite number, not negative"),
         ("a\0b", "text: a NUL byte, expected plain text (UTF-8)"),
     ];
     for (line, expected) in cases {

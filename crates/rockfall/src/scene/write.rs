@@ -43,10 +43,7 @@ impl Scene {
             file.write_all(self.to_text().as_bytes())?;
             file.commit()
         };
-        write().map_err(|source| Error::File {
-            file: path.to_owned(),
-            source,
-        })
+        write().map_err(|source| Error::File { file: path.to_owned(), source })
     }
 }
 
@@ -168,11 +165,7 @@ impl Writer<'_> {
         self.in_group(sphere.group);
         let [p, v, l] = [sphere.position, sphere.velocity, sphere.angular_momentum];
         let fixed = if sphere.fixed { 1.0 } else { 0.0 };
-        self.line(
-            "S",
-            &[index],
-            &[p.x, p.y, p.z, v.x, v.y, v.z, l.x, l.y, l.z, sphere.mass, sphere.radius, fixed],
-        );
+        self.line("S", &[index], &[p.x, p.y, p.z, v.x, v.y, v.z, l.x, l.y, l.z, sphere.mass, sphere.radius, fixed]);
         if turned(sphere.orientation) {
             let q = sphere.orientation;
             self.line("@orientation", &[index], &[q.w, q.x, q.y, q.z]);

@@ -27,10 +27,7 @@ fn contents(scene: &Scene) -> Vec<String> {
     }));
     all.extend(scene.springs().iter().map(|spring| {
         let ends = (index(spring.a), index(spring.b));
-        format!(
-            "spring {ends:?} {:?} {:?} {:?}",
-            spring.stiffness, spring.length, spring.damping
-        )
+        format!("spring {ends:?} {:?} {:?} {:?}", spring.stiffness, spring.length, spring.damping)
     }));
     all.extend(scene.tethers().iter().map(|tether| {
         let numbers = (tether.point, tether.stiffness, tether.length, tether.damping);
@@ -54,9 +51,7 @@ fn same_again(scene: &Scene) -> String {
 fn a_capsule_is_a_c_line_where_that_says_all() {
     let mut scene = Scene::new();
     scene.add_sphere(Sphere::new([5.0; 3], 0.5)).unwrap();
-    let capsule = Capsule::new([0.0; 3], [0.1, 0.7, 0.0], 0.3)
-        .mass(3.0)
-        .velocity([1.0, 0.0, -0.0]);
+    let capsule = Capsule::new([0.0; 3], [0.1, 0.7, 0.0], 0.3).mass(3.0).velocity([1.0, 0.0, -0.0]);
     let id = scene.add_capsule(capsule).unwrap();
     let plain = same_again(&scene);
     assert!(plain.contains("\nC 0 0 0 0.1 0.7 0 1 0 -0 3 0.3\n"), "{plain}");
@@ -140,18 +135,16 @@ fn sphere() -> impl Strategy<Value = Sphere> {
     let flags = (any::<bool>(), 0_u16..3, 0_u8..4);
     let sizes = (0.001_f32..100.0, 0.001_f32..100.0);
     let vectors = (vector(), vector(), vector(), vector());
-    (vectors, sizes, flags).prop_map(
-        |((position, velocity, momentum, force), (mass, radius), (fixed, group, plain))| {
-            let mut sphere = Sphere::new(position, radius).mass(mass).velocity(velocity).group(group);
-            sphere.fixed = fixed;
-            if plain != 0 {
-                sphere = sphere.angular_momentum(momentum).force(force);
-                let turn = Vec3::new(0.1, 0.2, 0.3) + momentum.clamp(-Vec3::ONE, Vec3::ONE);
-                sphere.orientation = Quat::from_xyzw(turn.x, turn.y, turn.z, 3.0).normalize();
-            }
-            sphere
-        },
-    )
+    (vectors, sizes, flags).prop_map(|((position, velocity, momentum, force), (mass, radius), (fixed, group, plain))| {
+        let mut sphere = Sphere::new(position, radius).mass(mass).velocity(velocity).group(group);
+        sphere.fixed = fixed;
+        if plain != 0 {
+            sphere = sphere.angular_momentum(momentum).force(force);
+            let turn = Vec3::new(0.1, 0.2, 0.3) + momentum.clamp(-Vec3::ONE, Vec3::ONE);
+            sphere.orientation = Quat::from_xyzw(turn.x, turn.y, turn.z, 3.0).normalize();
+        }
+        sphere
+    })
 }
 
 /// What to add to a scene next; numbers choose spheres that are there.
@@ -202,13 +195,7 @@ fn build(additions: Vec<Addition>) -> Scene {
                     continue;
                 };
                 let group = (a % 2) as u16;
-                let rod = Rod {
-                    end1,
-                    end2,
-                    radius,
-                    length,
-                    group,
-                };
+                let rod = Rod { end1, end2, radius, length, group };
                 scene.add_rod(rod).map(drop)
             }
             Addition::Spring(a, b, k, l, c) => {
@@ -219,12 +206,12 @@ fn build(additions: Vec<Addition>) -> Scene {
                 let Some(a) = pick(a) else { continue };
                 scene.add_tether(Tether::new(a, point, k).length(0.5)).map(drop)
             }
-            Addition::Box(corner, group) => scene
-                .add_box(Cuboid::new(corner, Vec3::X, Vec3::Y * 0.3, Vec3::Z * 7.0).group(group))
-                .map(drop),
-            Addition::Polygon(corner, group) => scene
-                .add_polygon(Polygon::new(corner, Vec3::X, Vec3::new(0.3, 0.1, 1.0)).group(group))
-                .map(drop),
+            Addition::Box(corner, group) => {
+                scene.add_box(Cuboid::new(corner, Vec3::X, Vec3::Y * 0.3, Vec3::Z * 7.0).group(group)).map(drop)
+            }
+            Addition::Polygon(corner, group) => {
+                scene.add_polygon(Polygon::new(corner, Vec3::X, Vec3::new(0.3, 0.1, 1.0)).group(group)).map(drop)
+            }
             Addition::Remove(number) => pick(number).map_or(Ok(()), |id| scene.remove_sphere(id)),
             Addition::Setting(number) => scene.settings.set("gravity", &number.to_string()),
         };

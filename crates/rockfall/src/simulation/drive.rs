@@ -17,20 +17,16 @@ const MAX_ATTEMPTS: u32 = 64;
 const MARGIN_DECAY: f32 = 0.995;
 const MIN_MARGIN: f32 = 2.0;
 /// List words a mover below and above which lists may be made for more or should be made for fewer steps ahead.
-const SHORT_LISTS: f32 = 36.0;
-const LONG_LISTS: f32 = 48.0;
+const SHORT_LISTS: f32 = 18.0;
+const LONG_LISTS: f32 = 26.0;
 const MAX_LOOKAHEAD: f32 = 16.0;
 
 /// The order in which a whole step runs its phases. Collisions come first, with the lists of the step before: those hold
 /// every pair that overlaps now (`find_collisions` sees to it), and AABBs that are made after the impulses need not be
 /// grown for what they do to velocities. Lists do not change results, so this is the same step as in the order of
 /// [`Phase::STEP`]. AABBs and lists are made only where some body asks for them (`rebuild`).
-pub(super) const COLLISIONS_FIRST: [Phase; 4] = [
-    Phase::HandleCollisions,
-    Phase::UpdateAabbs,
-    Phase::BroadPhase,
-    Phase::UpdatePositions,
-];
+pub(super) const COLLISIONS_FIRST: [Phase; 4] =
+    [Phase::HandleCollisions, Phase::UpdateAabbs, Phase::BroadPhase, Phase::UpdatePositions];
 /// The same with collisions switched off.
 pub(super) const WITHOUT_COLLISIONS: [Phase; 3] = [Phase::UpdateAabbs, Phase::BroadPhase, Phase::UpdatePositions];
 
@@ -143,15 +139,8 @@ impl Simulation {
         }
         self.report.replays += 1;
         if attempts > MAX_ATTEMPTS {
-            let reason = format!(
-                "{} words of pairs needed, AABB margin {}",
-                status.pairs_needed, self.world.step.margin_scale
-            );
-            return Err(Error::Stuck {
-                step: self.report.steps + 1,
-                attempts,
-                reason,
-            });
+            let reason = format!("{} words of pairs needed, AABB margin {}", status.pairs_needed, self.world.step.margin_scale);
+            return Err(Error::Stuck { step: self.report.steps + 1, attempts, reason });
         }
         if status.void & VOID_COUNT != 0 {
             self.status.pairs_needed = u32::MAX;
@@ -162,25 +151,16 @@ impl Simulation {
         if status.void & VOID_ESCAPED != 0 {
             let step = &mut self.world.step;
             // After so many tries no finite margin will do: some force is beyond all measure.
-            step.margin_scale = if attempts > 16 {
-                f32::INFINITY
-            } else {
-                (step.margin_scale + f32::from_bits(status.escape_ratio)) * 1.25
-            };
+            step.margin_scale =
+                if attempts > 16 { f32::INFINITY } else { (step.margin_scale + f32::from_bits(status.escape_ratio)) * 1.25 };
         }
         Ok(())
     }
 
     /// Moves the counters of `done` steps from the status to the report.
     fn book(&mut self, done: u64) {
-        let Status {
-            last_contacts,
-            last_max_overlap,
-            last_collisions,
-            total_collisions_low,
-            total_collisions_high,
-            ..
-        } = self.status;
+        let Status { last_contacts, last_max_overlap, last_collisions, total_collisions_low, total_collisions_high, .. } =
+            self.status;
         if done > 0 {
             self.report.steps += done;
             self.report.time += done as f64 * f64::from(self.time_step);
@@ -214,11 +194,7 @@ impl Simulation {
         let capacity = (needed + needed / 4).next_multiple_of(u64::from(SLICE));
         let index = u64::from(self.world.movers()) * 2 + 64;
         if self.status.pairs_needed == u32::MAX || capacity + index > u64::from(u32::MAX) {
-            return Err(Error::DeviceLimit {
-                what: "the pair lists",
-                needed: capacity * 4,
-                limit: u64::from(u32::MAX) * 4,
-            });
+            return Err(Error::DeviceLimit { what: "the pair lists", needed: capacity * 4, limit: u64::from(u32::MAX) * 4 });
         }
         self.world.set_pair_capacity(capacity as u32);
         self.engine.resize_lists(&self.world)

@@ -46,11 +46,7 @@ impl Engine {
                 Err(error) => return Ok((Self::Cpu, cpu_info(&format!("no GPU could be opened: {error}")))),
             },
         };
-        let reason = if backend == Backend::Auto {
-            "the best hardware GPU"
-        } else {
-            "asked for"
-        };
+        let reason = if backend == Backend::Auto { "the best hardware GPU" } else { "asked for" };
         let info = gpu_info(&gpu, reason);
         Ok((Self::Gpu(Box::new(GpuWorld::new(&gpu, world)?)), info))
     }
@@ -204,11 +200,7 @@ fn cpu_info(reason: &str) -> BackendInfo {
 #[cfg(feature = "gpu")]
 fn gpu_info(gpu: &Gpu, reason: &str) -> BackendInfo {
     let info = gpu.info();
-    let software = if info.device_type == wgpu::DeviceType::Cpu {
-        ", software"
-    } else {
-        ""
-    };
+    let software = if info.device_type == wgpu::DeviceType::Cpu { ", software" } else { "" };
     BackendInfo {
         kind: Backend::Gpu,
         device: format!("{} ({}{software})", info.name, info.backend),

@@ -86,9 +86,7 @@ impl Simulation {
         let found: Vec<(Collision, ContactAction)> = movers
             .into_par_iter()
             .flat_map_iter(|mover| {
-                let own = lists
-                    .row(mover)
-                    .filter(move |entry| entry.id() > mover && entry.word & ENTRY_OVERLAPS != 0);
+                let own = lists.row(mover).filter(move |entry| entry.id() > mover && entry.word & ENTRY_OVERLAPS != 0);
                 own.filter_map(move |entry| action(&view, &lists, mover, entry))
             })
             .collect();
@@ -163,13 +161,9 @@ impl Simulation {
         loop {
             world.status = Status::default();
             let collisions = world.step.flags & FLAG_COLLISIONS != 0;
-            let phases = [Phase::UpdateAabbs, Phase::BroadPhase]
-                .iter()
-                .flat_map(|phase| phase.stages(Integrator::Rk4, method));
-            let stages: Vec<_> = phases
-                .chain(Phase::HandleCollisions.stages(Integrator::Rk4, method).first())
-                .copied()
-                .collect();
+            let phases = [Phase::UpdateAabbs, Phase::BroadPhase].iter().flat_map(|phase| phase.stages(Integrator::Rk4, method));
+            let stages: Vec<_> =
+                phases.chain(Phase::HandleCollisions.stages(Integrator::Rk4, method).first()).copied().collect();
             cpu::run(&mut world, &stages);
             if world.status.void == 0 {
                 if !collisions {
@@ -194,10 +188,7 @@ impl Simulation {
 }
 
 fn seen(world: &World) -> (View<'_>, Lists<'_>) {
-    (
-        View::new(&world.step, &world.words, &world.states[0]),
-        Lists::new(&world.step, &world.lists),
-    )
+    (View::new(&world.step, &world.words, &world.states[0]), Lists::new(&world.step, &world.lists))
 }
 
 /// What the contact of an entry does at the beginning of the next step.

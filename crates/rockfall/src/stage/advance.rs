@@ -27,17 +27,9 @@ pub(crate) const STAGE: Stage = Stage {
         part!("stage/advance.wgsl"),
     ],
     bindings: &[
-        Binding {
-            name: "state",
-            slot: Slot::State,
-            access: Access::Read,
-        },
+        Binding { name: "state", slot: Slot::State, access: Access::Read },
         read("start", Buffer::Start),
-        Binding {
-            name: "next",
-            slot: Slot::Next,
-            access: Access::Write,
-        },
+        Binding { name: "next", slot: Slot::Next, access: Access::Write },
         read("words", Buffer::Words),
         read("lists", Buffer::Lists),
         read("wrenches", Buffer::Wrenches),

@@ -78,10 +78,10 @@ fn collided(view: &View, lists: &Lists, weights: &[f32], sphere: u32, tally: &mu
             dx += share * collision.touch.overlap;
         }
     });
-    Motion {
-        position: before.position + dx,
-        velocity: before.velocity + dv,
-        ..before
-    }
-    .or_stopped(before.position, BadStage::Collisions, sphere, tally)
+    Motion { position: before.position + dx, velocity: before.velocity + dv, ..before }.or_stopped(
+        before.position,
+        BadStage::Collisions,
+        sphere,
+        tally,
+    )
 }

@@ -8,21 +8,13 @@ use crate::world::World;
 pub(crate) const COLLISIONS: Stage = Stage {
     name: "commit_collisions",
     parts: &[part!("wgsl/step.wgsl"), part!("stage/commit.wgsl")],
-    bindings: &[
-        write("state", Buffer::Start),
-        read("next", Buffer::Y2),
-        read("status", Buffer::Status),
-    ],
+    bindings: &[write("state", Buffer::Start), read("next", Buffer::Y2), read("status", Buffer::Status)],
     threads: Threads::Spheres,
     cpu: commit_collisions,
 };
 
 /// After `leap`.
-pub(crate) const LEAP: Stage = Stage {
-    name: "commit_leap",
-    cpu: commit_leap,
-    ..COLLISIONS
-};
+pub(crate) const LEAP: Stage = Stage { name: "commit_leap", cpu: commit_leap, ..COLLISIONS };
 
 fn commit_collisions(world: &mut World, _pass: u32) {
     let status = &world.status;

@@ -10,12 +10,7 @@ use crate::world::World;
 /// The stage.
 pub(crate) const STAGE: Stage = Stage {
     name: "constrain",
-    parts: &[
-        part!("wgsl/step.wgsl"),
-        part!("wgsl/objects.wgsl"),
-        part!("wgsl/lengths.wgsl"),
-        part!("stage/constrain.wgsl"),
-    ],
+    parts: &[part!("wgsl/step.wgsl"), part!("wgsl/objects.wgsl"), part!("wgsl/lengths.wgsl"), part!("stage/constrain.wgsl")],
     bindings: &[
         write("state", Buffer::Start),
         read("y3", Buffer::Y3),
@@ -30,12 +25,7 @@ fn constrain(world: &mut World, _pass: u32) {
     if world.status.void != 0 {
         return;
     }
-    let World {
-        step,
-        words,
-        states: [state, _, old, _],
-        ..
-    } = world;
+    let World { step, words, states: [state, _, old, _], .. } = world;
     for batch in 0..step.batches {
         let batch = Batch::new(step, words, batch);
         let was = |end: u32| old[end as usize].truncate();

@@ -10,22 +10,14 @@ use crate::world::World;
 /// The stage.
 pub(crate) const STAGE: Stage = Stage {
     name: "count_cells",
-    parts: &[
-        part!("wgsl/step.wgsl"),
-        part!("wgsl/grid.wgsl"),
-        part!("stage/count_cells.wgsl"),
-    ],
-    bindings: &[
-        read("aabbs", Buffer::Aabbs),
-        write("cells", Buffer::Cells),
-        read("status", Buffer::Status),
-    ],
+    parts: &[part!("wgsl/step.wgsl"), part!("wgsl/grid.wgsl"), part!("stage/count_cells.wgsl")],
+    bindings: &[read("aabbs", Buffer::Aabbs), write("cells", Buffer::Cells), read("status", Buffer::Status)],
     threads: Threads::Objects,
     cpu: count_cells,
 };
 
 fn count_cells(world: &mut World, _pass: u32) {
-    if world.status.rebuild == 0 {
+    if world.status.rebuild == 0 || world.status.void != 0 {
         return;
     }
     let step = &world.step;

@@ -10,7 +10,7 @@ fn count_cells(
     @builtin(num_workgroups) groups: vec3u,
     @builtin(local_invocation_index) local: u32,
 ) {
-    if status.rebuild == 0u {
+    if (status.rebuild == 0u) | (status.void != 0u) {
         return;
     }
     let object = linear_thread(group, groups, local);

@@ -43,10 +43,8 @@ fn find_collisions(world: &mut World, _pass: u32) {
     }
     let view = View::new(&world.step, &world.words, &world.states[0]);
     let lists = Lists::new(&world.step, &world.lists);
-    let found: Vec<(Vec<(u32, u32)>, Tally)> = (0..world.step.spheres + world.step.rods)
-        .into_par_iter()
-        .map(|mover| find(&view, &lists, world, mover))
-        .collect();
+    let found: Vec<(Vec<(u32, u32)>, Tally)> =
+        (0..world.step.spheres + world.step.rods).into_par_iter().map(|mover| find(&view, &lists, world, mover)).collect();
     for (entries, tally) in found {
         for (slot, word) in entries {
             world.lists[(world.step.entries_at + slot) as usize] = word;

@@ -32,7 +32,7 @@ pub(crate) const STAGE: Stage = Stage {
 };
 
 fn find_neighbours(world: &mut World, _pass: u32) {
-    if world.status.rebuild == 0 {
+    if world.cells[1] == 0 {
         return;
     }
     let movers = world.step.spheres + world.step.rods;

@@ -10,65 +10,99 @@ struct StatusPairs {
     pairs_needed: atomic<u32>,
 }
 
-// Lists up to this long are put in order on the way, in workgroup memory; longer ones in place, afterwards.
-const SHORT: u32 = 48u;
+// So many objects are remembered and put in order in workgroup memory; more are looked for again, and put in order in
+// place.
+const SHORT: u32 = 32u;
 
-// Key `place` of a thread is at place * WORKGROUP + local.
-var<workgroup> keys: array<u32, SHORT * WORKGROUP>;
+// Object `place` of a thread is at place * WORKGROUP + local.
+var<workgroup> ids: array<u32, SHORT * WORKGROUP>;
 // The longest list of each slice of the workgroup, and where the slice begins.
 var<workgroup> longest: array<atomic<u32>, WORKGROUP / SLICE>;
 var<workgroup> offsets: array<u32, WORKGROUP / SLICE>;
 
 // The thread's place in its workgroup.
 var<private> own: u32;
-// Entries found; the first SHORT are kept.
-var<private> kept: u32;
+// Objects found; the first SHORT are remembered.
+var<private> found: u32;
+// Entries that they make, or may make.
+var<private> entries: u32;
 // First word of the list, once it has a place; 0 before.
 var<private> into: u32;
 
 // Orders entries by id, then feature.
-fn entry_key(entry: u32) -> u32 {
-    return (entry & ENTRY_ID_MASK) << 4u | entry >> ENTRY_ID_BITS & ENTRY_FEATURE_MASK;
+fn entry_key(id: u32, feature: u32) -> u32 {
+    return id << 4u | feature;
 }
 
 fn entry_of(key: u32) -> u32 {
     return key >> 4u | (key & ENTRY_FEATURE_MASK) << ENTRY_ID_BITS;
 }
 
-// Only put down here: neighbouring threads find at different times, and would wait for each other's sorting.
-fn emit(entry: u32) {
-    if into != 0u {
-        lists[into + kept * SLICE] = entry_key(entry);
-    } else if kept < SHORT {
-        keys[kept * WORKGROUP + own] = entry_key(entry);
-    }
-    kept += 1u;
+fn is_rod(mover: u32) -> bool {
+    return RODS & (mover >= step.spheres);
 }
 
-// Insertion sort of the keys in workgroup memory, each kept once.
-fn order_short() {
-    var distinct = 0u;
-    for (var place = 0u; place < kept; place++) {
-        let key = keys[place * WORKGROUP + own];
-        var at = distinct;
-        var before = 0u;
+// Entries that an object makes in the list of a mover: a rod has one for each feature of a box, and none for a polygon,
+// which its end spheres meet.
+fn entries_of(mover: u32, id: u32) -> u32 {
+    let movers = step.spheres + step.rods;
+    if !is_rod(mover) | (id < movers) {
+        return 1u;
+    }
+    return select(0u, BOX_FEATURES, id < movers + step.boxes);
+}
+
+fn may_meet(a: u32, b: u32) -> bool {
+    let one = aabbs[a];
+    let other = aabbs[b];
+    return all(one.min <= other.max) & all(other.min <= one.max) & (((one.tag ^ other.tag) & 0xffffu) == 0u);
+}
+
+fn emit(mover: u32, id: u32) {
+    if into == 0u {
+        if found < SHORT {
+            ids[found * WORKGROUP + own] = id;
+        }
+        found += 1u;
+        entries += entries_of(mover, id);
+    } else if may_meet(mover, id) {
+        let count = entries_of(mover, id);
+        for (var feature = 0u; feature < count; feature++) {
+            lists[into + entries * SLICE] = entry_key(id, feature);
+            entries += 1u;
+        }
+    }
+}
+
+// Of the objects remembered, those that the mover meets, in ascending order, each once.
+fn order_short(mover: u32) {
+    var kept = 0u;
+    entries = 0u;
+    for (var place = 0u; place < found; place++) {
+        let id = ids[place * WORKGROUP + own];
+        var at = kept;
+        var before = NONE;
         while at > 0u {
-            before = keys[(at - 1u) * WORKGROUP + own];
-            if before <= key {
+            before = ids[(at - 1u) * WORKGROUP + own];
+            if before <= id {
                 break;
             }
             at -= 1u;
         }
-        if (at > 0u) & (before == key) {
+        if (at > 0u) & (before == id) {
             continue;
         }
-        for (var k = distinct; k > at; k--) {
-            keys[k * WORKGROUP + own] = keys[(k - 1u) * WORKGROUP + own];
+        if !may_meet(mover, id) {
+            continue;
         }
-        keys[at * WORKGROUP + own] = key;
-        distinct += 1u;
+        for (var k = kept; k > at; k--) {
+            ids[k * WORKGROUP + own] = ids[(k - 1u) * WORKGROUP + own];
+        }
+        ids[at * WORKGROUP + own] = id;
+        kept += 1u;
+        entries += entries_of(mover, id);
     }
-    kept = distinct;
+    found = kept;
 }
 
 fn sift_down(first: u32, top: u32, size: u32) {
@@ -93,6 +127,9 @@ fn sift_down(first: u32, top: u32, size: u32) {
 
 // Heap sort in place; then every key once, as an entry. Gives their number.
 fn order_long(first: u32, count: u32) -> u32 {
+    if count == 0u {
+        return 0u;
+    }
     for (var root = count / 2u; root > 0u; root--) {
         sift_down(first, root - 1u, count);
     }
@@ -129,11 +166,17 @@ fn allot(slice: u32, words: u32) -> u32 {
 }
 
 // Writes a list that is in order already.
-fn write_short(mover: u32, first: u32) {
-    for (var place = 0u; place < kept; place++) {
-        lists[first + place * SLICE] = entry_of(keys[place * WORKGROUP + own]);
+fn write_short(mover: u32) {
+    var place = 0u;
+    for (var k = 0u; k < found; k++) {
+        let id = ids[k * WORKGROUP + own];
+        let count = entries_of(mover, id);
+        for (var feature = 0u; feature < count; feature++) {
+            lists[into + place * SLICE] = id | feature << ENTRY_ID_BITS;
+            place += 1u;
+        }
     }
-    lists[mover] = kept;
+    lists[mover] = place;
 }
 
 @compute @workgroup_size(64)
@@ -159,14 +202,13 @@ fn find_neighbours(
     }
     for (var round = 0u; round < 2u; round++) {
         if searches {
-            kept = 0u;
             emit_neighbours(mover);
         }
         if round == 0u {
-            if kept <= SHORT {
-                order_short();
+            if found <= SHORT {
+                order_short(mover);
             }
-            atomicMax(&longest[slice], kept);
+            atomicMax(&longest[slice], entries);
             workgroupBarrier();
             if (local % SLICE == 0u) & (mover < step.slices_at) {
                 offsets[slice] = allot(mover / SLICE, atomicLoad(&longest[slice]) * SLICE);
@@ -174,12 +216,13 @@ fn find_neighbours(
             workgroupBarrier();
             searches &= offsets[slice] != NONE;
             into = step.entries_at + offsets[slice] + local % SLICE;
-            if searches & (kept <= SHORT) {
-                write_short(mover, into);
+            if searches & (found <= SHORT) {
+                write_short(mover);
                 searches = false;
             }
+            entries = 0u;
         } else if searches {
-            lists[mover] = order_long(into, kept);
+            lists[mover] = order_long(into, entries);
         }
     }
 }

@@ -54,9 +54,7 @@ fn finish(world: &mut World, _pass: u32) {
             (finished(&views, &lists, &world.wrenches, sphere, &mut tally), tally)
         })
         .collect();
-    let rows = Rows::of(start, world.step.spheres)
-        .into_iter()
-        .zip(Rows::of(y3, world.step.spheres));
+    let rows = Rows::of(start, world.step.spheres).into_iter().zip(Rows::of(y3, world.step.spheres));
     for (((_, row), (_, memory)), (done, tally)) in rows.zip(done) {
         row.put(done.motion);
         memory.remember(done.old_position, done.spin);
@@ -77,11 +75,7 @@ fn finished(views: &[View; 4], lists: &Lists, wrenches: &[Vec4], sphere: u32, ta
     let spin = (w1 + 2.0 * w2 + 2.0 * w3 + w4) / 6.0;
     let last = &views[3];
     if last.is_fixed(sphere) {
-        return Done {
-            motion: y,
-            old_position: y.position,
-            spin: w1,
-        };
+        return Done { motion: y, old_position: y.position, spin: w1 };
     }
     let (acceleration, torque) = rates(last, lists, wrenches, sphere, None);
     let h = last.step.dt / 6.0;
@@ -90,17 +84,7 @@ fn finished(views: &[View; 4], lists: &Lists, wrenches: &[Vec4], sphere: u32, ta
     let motion = Motion {
         position: mean(y.position, y2.position, y3.position, y4.position, y4.velocity),
         velocity: mean(y.velocity, y2.velocity, y3.velocity, y4.velocity, acceleration),
-        angular_momentum: mean(
-            y.angular_momentum,
-            y2.angular_momentum,
-            y3.angular_momentum,
-            y4.angular_momentum,
-            torque,
-        ),
+        angular_momentum: mean(y.angular_momentum, y2.angular_momentum, y3.angular_momentum, y4.angular_momentum, torque),
     };
-    Done {
-        motion: motion.or_stopped(y.position, BadStage::Forces4, sphere, tally),
-        old_position: y.position,
-        spin,
-    }
+    Done { motion: motion.or_stopped(y.position, BadStage::Forces4, sphere, tally), old_position: y.position, spin }
 }

@@ -56,16 +56,11 @@ fn leap(world: &mut World, _pass: u32) {
         tally.escape_ratio = escape_ratio(&view, &world.aabbs, sphere);
         let (acceleration, torque) = rates(&view, &lists, &world.wrenches, sphere, Some(&mut *tally));
         let velocity = y.velocity + dt * acceleration;
-        let next = Motion {
-            position: y.position + dt * velocity,
-            velocity,
-            angular_momentum: y.angular_momentum + dt * torque,
-        };
+        let next =
+            Motion { position: y.position + dt * velocity, velocity, angular_momentum: y.angular_momentum + dt * torque };
         next.or_stopped(y.position, BadStage::Forces1, sphere, tally)
     };
-    let rows = Rows::of(y2, world.step.spheres)
-        .into_par_iter()
-        .zip(Rows::of(y3, world.step.spheres));
+    let rows = Rows::of(y2, world.step.spheres).into_par_iter().zip(Rows::of(y3, world.step.spheres));
     let tally = rows
         .map(|((sphere, row), (_, memory))| {
             let mut tally = Tally::default();

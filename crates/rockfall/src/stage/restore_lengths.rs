@@ -16,11 +16,7 @@ pub(crate) const STAGE: Stage = Stage {
         part!("wgsl/lengths.wgsl"),
         part!("stage/restore_lengths.wgsl"),
     ],
-    bindings: &[
-        write("state", Buffer::Start),
-        read("words", Buffer::Words),
-        read("status", Buffer::Status),
-    ],
+    bindings: &[write("state", Buffer::Start), read("words", Buffer::Words), read("status", Buffer::Status)],
     threads: Threads::Batches,
     cpu: restore_lengths,
 };

@@ -24,11 +24,7 @@ pub(crate) const STAGE: Stage = Stage {
         part!("stage/rod_forces.wgsl"),
     ],
     bindings: &[
-        Binding {
-            name: "state",
-            slot: Slot::State,
-            access: Access::Read,
-        },
+        Binding { name: "state", slot: Slot::State, access: Access::Read },
         read("words", Buffer::Words),
         read("lists", Buffer::Lists),
         write("wrenches", Buffer::Wrenches),

@@ -15,19 +15,10 @@ pub(crate) const SUM: Stage = Stage {
 };
 
 /// Where every block begins.
-pub(crate) const SCAN: Stage = Stage {
-    name: "scan_blocks",
-    threads: Threads::One,
-    cpu: scan_blocks,
-    ..SUM
-};
+pub(crate) const SCAN: Stage = Stage { name: "scan_blocks", threads: Threads::One, cpu: scan_blocks, ..SUM };
 
 /// Where every cell begins.
-pub(crate) const PLACE: Stage = Stage {
-    name: "place_cells",
-    cpu: place_cells,
-    ..SUM
-};
+pub(crate) const PLACE: Stage = Stage { name: "place_cells", cpu: place_cells, ..SUM };
 
 /// The cells, block by block, and the sums of the blocks.
 fn blocks(world: &mut World) -> impl Iterator<Item = (&mut [u32], &mut u32)> {
@@ -41,7 +32,7 @@ fn scan<'a>(numbers: impl Iterator<Item = &'a mut u32>, first: u32) {
 }
 
 fn sum_blocks(world: &mut World, _pass: u32) {
-    if world.status.rebuild == 0 {
+    if world.status.rebuild == 0 || world.status.void != 0 {
         return;
     }
     for (cells, sum) in blocks(world) {
@@ -50,14 +41,14 @@ fn sum_blocks(world: &mut World, _pass: u32) {
 }
 
 fn scan_blocks(world: &mut World, _pass: u32) {
-    if world.status.rebuild == 0 {
+    if world.status.rebuild == 0 || world.status.void != 0 {
         return;
     }
     scan(blocks(world).map(|(_, sum)| sum), 0);
 }
 
 fn place_cells(world: &mut World, _pass: u32) {
-    if world.status.rebuild == 0 {
+    if world.status.rebuild == 0 || world.status.void != 0 {
         return;
     }
     for (cells, sum) in blocks(world) {

@@ -37,7 +37,7 @@ fn sum_blocks(
 ) {
     let block = linear_group(group, groups);
     // The same for all threads of the workgroup.
-    if (status.rebuild == 0u) | (block * CELL_BLOCK >= step.cells) {
+    if (status.rebuild == 0u) | (status.void != 0u) | (block * CELL_BLOCK >= step.cells) {
         return;
     }
     sums[local] = own_sum(CELLS_AT + block * CELL_BLOCK + local * OWN);
@@ -49,7 +49,7 @@ fn sum_blocks(
 
 @compute @workgroup_size(256)
 fn scan_blocks(@builtin(local_invocation_index) local: u32) {
-    if status.rebuild == 0u {
+    if (status.rebuild == 0u) | (status.void != 0u) {
         return;
     }
     let blocks = step.cells / CELL_BLOCK;
@@ -77,7 +77,7 @@ fn place_cells(
     @builtin(local_invocation_index) local: u32,
 ) {
     let block = linear_group(group, groups);
-    if (status.rebuild == 0u) | (block * CELL_BLOCK >= step.cells) {
+    if (status.rebuild == 0u) | (status.void != 0u) | (block * CELL_BLOCK >= step.cells) {
         return;
     }
     let first = CELLS_AT + block * CELL_BLOCK + local * OWN;

@@ -10,7 +10,7 @@ fn sort_cells(
     @builtin(local_invocation_index) local: u32,
 ) {
     let object = linear_thread(group, groups, local);
-    if (status.rebuild == 0u) | (object >= step.spheres + step.rods + step.boxes + step.polygons) {
+    if (status.rebuild == 0u) | (status.void != 0u) | (object >= step.spheres + step.rods + step.boxes + step.polygons) {
         return;
     }
     let key = atomicLoad(&cells[step.keys_at + object]);

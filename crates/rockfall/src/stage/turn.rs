@@ -15,12 +15,7 @@ use crate::world::World;
 /// The stage.
 pub(crate) const STAGE: Stage = Stage {
     name: "turn",
-    parts: &[
-        part!("wgsl/step.wgsl"),
-        part!("wgsl/objects.wgsl"),
-        part!("wgsl/margin.wgsl"),
-        part!("stage/turn.wgsl"),
-    ],
+    parts: &[part!("wgsl/step.wgsl"), part!("wgsl/objects.wgsl"), part!("wgsl/margin.wgsl"), part!("stage/turn.wgsl")],
     bindings: &[
         write("state", Buffer::Start),
         read("y3", Buffer::Y3),
@@ -37,15 +32,7 @@ fn turn(world: &mut World, _pass: u32) {
     if world.status.void != 0 {
         return;
     }
-    let World {
-        step,
-        words,
-        states: [state, _, memory, _],
-        orientations,
-        aabbs,
-        status,
-        ..
-    } = world;
+    let World { step, words, states: [state, _, memory, _], orientations, aabbs, status, .. } = world;
     let n = step.spheres as usize;
     for sphere in 0..step.spheres {
         let view = View::new(step, words, state);
@@ -53,11 +40,7 @@ fn turn(world: &mut World, _pass: u32) {
             // The first end turns both.
             Some(ends) if ends[0] == sphere => {
                 let old = memory[ends[1] as usize].truncate() - memory[ends[0] as usize].truncate();
-                let Capsule {
-                    momenta,
-                    angular_momenta,
-                    rotation,
-                } = turned_capsule(&view, ends, old);
+                let Capsule { momenta, angular_momenta, rotation } = turned_capsule(&view, ends, old);
                 for (place, end) in ends.into_iter().enumerate() {
                     let end = end as usize;
                     let dv = momenta[place] * state[n + end].w;
@@ -122,11 +105,7 @@ fn turned_capsule(view: &View, ends: [u32; 2], d_old: Vec3) -> Capsule {
     let momentum = left.cross(d) / d.length_squared();
     let old_axis = d_old.try_normalize().unwrap_or(axis);
     let rotation = shortest_arc(old_axis, axis) * Quat::from_axis_angle(old_axis, roll * view.step.dt);
-    Capsule {
-        momenta: [-momentum, momentum],
-        angular_momenta: inertia.map(|inertia| inertia * (roll * axis + turn)),
-        rotation,
-    }
+    Capsule { momenta: [-momentum, momentum], angular_momenta: inertia.map(|inertia| inertia * (roll * axis + turn)), rotation }
 }
 
 /// The shortest rotation that takes one unit vector to another. glam's own takes small angles for none, and a capsule

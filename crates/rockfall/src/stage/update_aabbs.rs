@@ -15,11 +15,7 @@ use crate::world::World;
 /// The stage.
 pub(crate) const STAGE: Stage = Stage {
     name: "update_aabbs",
-    parts: &[
-        part!("wgsl/step.wgsl"),
-        part!("wgsl/objects.wgsl"),
-        part!("stage/update_aabbs.wgsl"),
-    ],
+    parts: &[part!("wgsl/step.wgsl"), part!("wgsl/objects.wgsl"), part!("stage/update_aabbs.wgsl")],
     bindings: &[
         read("state", Buffer::Start),
         read("words", Buffer::Words),
@@ -36,10 +32,7 @@ fn update_aabbs(world: &mut World, _pass: u32) {
     }
     let objects = world.objects();
     let view = View::new(&world.step, &world.words, &world.states[0]);
-    (0..objects)
-        .into_par_iter()
-        .map(|id| aabb(&view, id))
-        .collect_into_vec(&mut world.aabbs);
+    (0..objects).into_par_iter().map(|id| aabb(&view, id)).collect_into_vec(&mut world.aabbs);
 }
 
 fn aabb(view: &View, id: u32) -> Aabb {
@@ -59,12 +52,7 @@ fn aabb(view: &View, id: u32) -> Aabb {
             hull(polygon.corner, &[polygon.left, polygon.right])
         }
     };
-    Aabb {
-        min: min.to_array(),
-        id,
-        max: max.to_array(),
-        tag: view.tag(id),
-    }
+    Aabb { min: min.to_array(), id, max: max.to_array(), tag: view.tag(id) }
 }
 
 /// All places that a ball of this radius about a sphere's centre may be found in within the step.
@@ -83,7 +71,5 @@ fn margin(view: &View, sphere: u32) -> f32 {
 }
 
 fn hull(corner: Vec3, edges: &[Vec3]) -> (Vec3, Vec3) {
-    edges.iter().fold((corner, corner), |(min, max), edge| {
-        (min + edge.min(Vec3::ZERO), max + edge.max(Vec3::ZERO))
-    })
+    edges.iter().fold((corner, corner), |(min, max), edge| (min + edge.min(Vec3::ZERO), max + edge.max(Vec3::ZERO)))
 }

@@ -1,5 +1,5 @@
-// All objects that a mover may meet, from the cells around it. The stage says in `emit` what becomes of an entry. Entries
-// come in any order, and one may come twice.
+// All objects that a mover may meet, and some more, from the cells around it. The stage says in `emit` what becomes of
+// them. They come in any order, and one may come twice.
 //
 // One loop within another within a third, and each function called from one place: graphics compilers inline everything.
 
@@ -42,33 +42,16 @@ fn span_of_row(range: CellRange, y: i32, z: i32, level: u32, part: u32, objects:
     return Span(start, select(end, objects, first > last));
 }
 
-fn may_meet(a: Aabb, b: Aabb) -> bool {
-    return all(a.min <= b.max) & all(b.min <= a.max) & (((a.tag ^ b.tag) & 0xffffu) == 0u);
-}
-
-// Emits what of a span the mover may meet.
-fn test_span(mover: u32, own: Aabb, span: Span) {
-    let movers = step.spheres + step.rods;
-    let is_rod = RODS & (mover >= step.spheres);
-    let centre = 0.5 * own.min + 0.5 * own.max;
-    // Rounding of centres, which grows with the distance from the origin, must not lose a pair that AABBs decide on.
-    let reach = 0.500001 * (own.max - own.min) + 5e-7 * abs(centre);
+// Emits the objects of a span that are close to the mover. Neighbouring threads find at different times: what a find
+// makes one of them do, all wait for, so this loop only looks at what stands side by side and leaves the last word, the
+// AABBs themselves, for later.
+fn test_span(mover: u32, centre: vec3f, reach: vec3f, span: Span) {
     for (var k = span.start; k < span.end; k++) {
-        // Objects of a row stand side by side here; most are told apart by this alone.
         let other = extents[k];
-        if any(abs(other.xyz - centre) > reach + vec3f(other.w) + 5e-7 * abs(other.xyz)) {
-            continue;
-        }
         let id = cells[step.sorted_at + k];
-        if (id == mover) | (is_rod & (id >= movers + step.boxes)) {
-            continue;
-        }
-        if !may_meet(own, aabbs[id]) {
-            continue;
-        }
-        let features = select(1u, BOX_FEATURES, is_rod & (id >= movers));
-        for (var feature = 0u; feature < features; feature++) {
-            emit(id | feature << ENTRY_ID_BITS);
+        let far = any(abs(other.xyz - centre) > reach + vec3f(other.w) + 5e-7 * abs(other.xyz));
+        if !(far | (id == mover)) {
+            emit(mover, id);
         }
     }
 }
@@ -76,6 +59,9 @@ fn test_span(mover: u32, own: Aabb, span: Span) {
 fn emit_neighbours(mover: u32) {
     let own = aabbs[mover];
     let objects = step.spheres + step.rods + step.boxes + step.polygons;
+    let centre = 0.5 * own.min + 0.5 * own.max;
+    // Rounding of centres, which grows with the distance from the origin, must not lose a pair that AABBs decide on.
+    let reach = 0.500001 * (own.max - own.min) + 5e-7 * abs(centre);
     var all_of_them = false;
     for (var rest = cells[0]; rest != 0u; rest &= rest - 1u) {
         all_of_them |= covers_too_much(cells_around(own, firstTrailingBit(rest)), objects);
@@ -91,7 +77,7 @@ fn emit_neighbours(mover: u32) {
             if !all_of_them {
                 span = span_of_row(range, y, z, level, part, objects);
             }
-            test_span(mover, own, span);
+            test_span(mover, centre, reach, span);
             if all_of_them {
                 return;
             }

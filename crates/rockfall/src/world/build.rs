@@ -29,11 +29,7 @@ impl World {
     /// [`Error::TooManyObjects`] for more objects than list entries can number.
     pub fn build(scene: &Scene) -> Result<Self> {
         let mut world = Self {
-            step: Step {
-                margin_scale: FIRST_MARGIN,
-                lookahead: FIRST_LOOKAHEAD,
-                ..Step::default()
-            },
+            step: Step { margin_scale: FIRST_MARGIN, lookahead: FIRST_LOOKAHEAD, ..Step::default() },
             ..Self::default()
         };
         world.set_settings(&scene.settings);
@@ -71,10 +67,7 @@ impl World {
         let attached = counts.springs + counts.tethers;
         let limit = ENTRY_ID_MASK as usize;
         if objects > limit || attached > limit {
-            return Err(Error::TooManyObjects {
-                count: objects.max(attached),
-                limit,
-            });
+            return Err(Error::TooManyObjects { count: objects.max(attached), limit });
         }
         let index = |id: SphereId| scene.spheres.index(id).map(|index| index as u32);
         let mut adjacency = Adjacency::default();
@@ -111,11 +104,7 @@ impl World {
             adjacency.attach(KIND_TETHER, number, &[sphere]);
         }
         step.forces_at = words.len() as u32;
-        let pushed = scene
-            .spheres()
-            .iter()
-            .zip(0..)
-            .filter(|(sphere, _)| sphere.force != Vec3::ZERO);
+        let pushed = scene.spheres().iter().zip(0..).filter(|(sphere, _)| sphere.force != Vec3::ZERO);
         for ((sphere, number), force) in pushed.zip(0..) {
             push_vectors(&mut words, &[sphere.force]);
             adjacency.attach(KIND_FORCE, force, &[number]);
@@ -150,12 +139,8 @@ impl World {
         let spheres = scene.spheres();
         let inverse = |mass: f32, fixed: bool| if fixed { 0.0 } else { 1.0 / mass };
         let positions = spheres.iter().map(|sphere| sphere.position.extend(sphere.radius));
-        let velocities = spheres
-            .iter()
-            .map(|sphere| sphere.velocity.extend(inverse(sphere.mass, sphere.fixed)));
-        let spins = spheres
-            .iter()
-            .map(|sphere| sphere.angular_momentum.extend(1.0 / sphere.inertia()));
+        let velocities = spheres.iter().map(|sphere| sphere.velocity.extend(inverse(sphere.mass, sphere.fixed)));
+        let spins = spheres.iter().map(|sphere| sphere.angular_momentum.extend(1.0 / sphere.inertia()));
         self.states[0] = positions.chain(velocities).chain(spins).collect();
         self.orientations = spheres.iter().map(|sphere| sphere.orientation.into()).collect();
     }
@@ -236,8 +221,7 @@ struct Adjacency {
 
 impl Adjacency {
     fn attach(&mut self, kind: u32, index: u32, spheres: &[u32]) {
-        self.pairs
-            .extend(spheres.iter().map(|sphere| (*sphere, kind << KIND_SHIFT | index)));
+        self.pairs.extend(spheres.iter().map(|sphere| (*sphere, kind << KIND_SHIFT | index)));
     }
 
     /// Appends offsets and words; returns where the offsets stand, 0 when nothing is attached to any sphere.

@@ -38,9 +38,7 @@ fn colour(frame: &[(u32, [u32; 2])], fixed: &[bool]) -> Vec<Vec<u32>> {
     for (number, ends) in frame {
         let moving: Vec<u32> = ends.iter().copied().filter(|end| !fixed[*end as usize]).collect();
         let taken = |colour: usize| {
-            moving
-                .iter()
-                .any(|end| used.get(end).is_some_and(|used| used.get(colour).copied().unwrap_or(false)))
+            moving.iter().any(|end| used.get(end).is_some_and(|used| used.get(colour).copied().unwrap_or(false)))
         };
         let free = (0..).find(|colour| !taken(*colour)).unwrap_or(colours.len());
         if free == colours.len() {
@@ -63,9 +61,7 @@ struct Frames {
 
 impl Frames {
     fn new(spheres: usize) -> Self {
-        Self {
-            parent: (0..spheres as u32).collect(),
-        }
+        Self { parent: (0..spheres as u32).collect() }
     }
 
     fn root(&mut self, mut sphere: u32) -> u32 {

@@ -68,11 +68,7 @@ fn parallel_rods(backend: Backend) {
     rod(&mut scene, [0.0, 4.0].map(|x| Sphere::new([x, 0.0, 0.0], 0.01)), 0.1);
     rod(&mut scene, [2.0, 6.0].map(|x| Sphere::new([x, 0.0, 0.15], 0.01)), 0.1);
     let found = harmless_loads(scene, backend);
-    forces(
-        &found,
-        [[0.0, 0.0, -10.0], [0.0, 0.0, -30.0], [0.0, 0.0, 30.0], [0.0, 0.0, 10.0]],
-        FORCE,
-    );
+    forces(&found, [[0.0, 0.0, -10.0], [0.0, 0.0, -30.0], [0.0, 0.0, 30.0], [0.0, 0.0, 10.0]], FORCE);
 }
 
 /// Collinear rods that overlap, o = 0.2: A goes down, B up, shared as above (160). Their ends lie on the other's axis,
@@ -106,9 +102,7 @@ fn collinear_rods(backend: Backend) {
 fn rods_without_length(backend: Backend) {
     let mut scene = smooth();
     rod(&mut scene, [Sphere::new([0.0; 3], 0.1); 2].map(|end| end.group(1)), 0.4);
-    scene
-        .add_box(Cuboid::between([-1.0; 3], [1.0, -0.2, 1.0]))
-        .expect("a valid box");
+    scene.add_box(Cuboid::between([-1.0; 3], [1.0, -0.2, 1.0])).expect("a valid box");
     spheres(&mut scene, [Sphere::new([0.3, 0.0, 0.0], 0.1)]);
     // The ends of a free rod meet: o = 0.2, m* = 1/2.
     let found = harmless_loads(scene, backend);
@@ -129,12 +123,8 @@ fn rods_without_length(backend: Backend) {
 fn springs_without_length(backend: Backend) {
     let mut scene = smooth();
     let [a, b] = spheres(&mut scene, [1, 2].map(|group| Sphere::new([1.0; 3], 0.5).group(group)));
-    scene
-        .add_spring(Spring::new(a, b, 100.0, 2.0).damping(3.0))
-        .expect("a valid spring");
-    scene
-        .add_tether(Tether::new(a, [1.0; 3], 100.0).length(2.0))
-        .expect("a valid tether");
+    scene.add_spring(Spring::new(a, b, 100.0, 2.0).damping(3.0)).expect("a valid spring");
+    scene.add_tether(Tether::new(a, [1.0; 3], 100.0).length(2.0)).expect("a valid tether");
     forces(&harmless_loads(scene, backend), [[0.0; 3]; 2], 0.0);
 }
 
@@ -175,11 +165,7 @@ fn ball_centred_on_a_polygon(backend: Backend) {
 fn rod_whose_axis_cuts_a_box_edge(backend: Backend) {
     let mut scene = smooth();
     scene.add_box(Cuboid::between([-1.0; 3], [1.0; 3])).expect("a valid box");
-    rod(
-        &mut scene,
-        [[0.0, 2.0, 0.0], [2.0, 0.0, 0.0]].map(|end| Sphere::new(end, 0.01)),
-        0.1,
-    );
+    rod(&mut scene, [[0.0, 2.0, 0.0], [2.0, 0.0, 0.0]].map(|end| Sphere::new(end, 0.01)), 0.1);
     let f = 100.0 / 2.0_f64.sqrt();
     forces(&harmless_loads(scene, backend), [[f, f, 0.0]; 2], FORCE);
 }
@@ -189,11 +175,7 @@ fn rod_whose_axis_cuts_a_box_edge(backend: Backend) {
 fn rod_whose_axis_goes_through_a_box_vertex(backend: Backend) {
     let mut scene = smooth();
     scene.add_box(Cuboid::between([-1.0; 3], [1.0; 3])).expect("a valid box");
-    rod(
-        &mut scene,
-        [[0.0, 2.0, 1.0], [2.0, 0.0, 1.0]].map(|end| Sphere::new(end, 0.01)),
-        0.1,
-    );
+    rod(&mut scene, [[0.0, 2.0, 1.0], [2.0, 0.0, 1.0]].map(|end| Sphere::new(end, 0.01)), 0.1);
     let found = harmless_loads(scene, backend);
     let outward = (found[0].force + found[1].force).dot(Vec3::ONE.normalize().as_dvec3());
     assert!(outward > 50.0, "{found:?}");

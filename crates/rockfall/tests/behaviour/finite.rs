@@ -8,10 +8,7 @@ use crate::common::*;
 /// Three falling spheres; the middle one hangs on a tether, harmless at first.
 fn tethered(keep_going: bool, backend: Backend) -> (Simulation, [SphereId; 3], TetherId) {
     let mut scene = Scene::new();
-    let ids = spheres(
-        &mut scene,
-        [0.0, 4.0, 8.0].map(|x| Sphere::new([x, 0.0, 0.0], 0.5).velocity([1.0, 2.0, 3.0])),
-    );
+    let ids = spheres(&mut scene, [0.0, 4.0, 8.0].map(|x| Sphere::new([x, 0.0, 0.0], 0.5).velocity([1.0, 2.0, 3.0])));
     let tether = Tether::new(ids[1], [4.0, 50.0, 0.0], 0.0);
     let tether = scene.add_tether(tether).expect("a valid tether");
     let options = Options::new().backend(backend).keep_going(keep_going);
@@ -21,21 +18,14 @@ fn tethered(keep_going: bool, backend: Backend) -> (Simulation, [SphereId; 3], T
 
 /// 3e38 * 50 is more than f32 holds.
 fn make_it_burst(simulation: &mut Simulation, tether: TetherId) {
-    simulation
-        .update_tether(tether, |tether| tether.stiffness = 3e38)
-        .expect("a valid tether");
+    simulation.update_tether(tether, |tether| tether.stiffness = 3e38).expect("a valid tether");
 }
 
 /// The first and the last sphere fly on: x0 + v t - t^2/2, after 8 steps of 1/64 s.
 fn others_fly_on(simulation: &mut Simulation, ids: [SphereId; 3], t: f64) {
     for (id, x) in [(ids[0], 0.0), (ids[2], 8.0)] {
         let state = simulation.sphere(id).expect("a sphere");
-        near(
-            state.position,
-            [x + t, 2.0 * t - 0.5 * t * t, 3.0 * t],
-            5e-6,
-            "position of another",
-        );
+        near(state.position, [x + t, 2.0 * t - 0.5 * t * t, 3.0 * t], 5e-6, "position of another");
         near(state.velocity, [1.0, 2.0 - t, 3.0], 2e-6, "velocity of another");
     }
 }
@@ -98,8 +88,4 @@ fn collision_that_bursts_is_told(backend: Backend) {
     near(state.position, [50.0 + 1.0 / 64.0, 0.0, 0.0], 1e-5, "it flies on");
 }
 
-both!(
-    body_that_bursts_is_told,
-    told_to_go_on_it_goes_on,
-    collision_that_bursts_is_told
-);
+both!(body_that_bursts_is_told, told_to_go_on_it_goes_on, collision_that_bursts_is_told);

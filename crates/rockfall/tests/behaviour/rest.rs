@@ -35,9 +35,7 @@ fn pile(count: usize, side: usize, gravity: f32) -> Scene {
         let cell = Vec3::new((column % side) as f32, layer as f32, (column / side) as f32);
         let jitter = Vec3::new((number as f32 * 1.3).sin(), 0.0, (number as f32 * 2.1).cos());
         let corner = Vec3::new(0.3 - half, 0.3, 0.3 - half);
-        scene
-            .add_sphere(Sphere::new(corner + 0.58 * cell + 0.02 * jitter, RADIUS))
-            .expect("a valid sphere");
+        scene.add_sphere(Sphere::new(corner + 0.58 * cell + 0.02 * jitter, RADIUS)).expect("a valid sphere");
     }
     scene
 }
@@ -47,11 +45,7 @@ fn pile(count: usize, side: usize, gravity: f32) -> Scene {
 /// where gravity is weak. None escapes: every centre lies between the walls and above the floor.
 fn comes_to_rest(gravity: f32, backend: Backend) {
     let (count, side) = on(backend, (1000, 10), (150, 5));
-    let steps = if gravity < 10.0 {
-        on(backend, 1200, 900)
-    } else {
-        on(backend, 1200, 500)
-    };
+    let steps = if gravity < 10.0 { on(backend, 1200, 900) } else { on(backend, 1200, 500) };
     let half = HALF * side as f32 / 10.0;
     let mut simulation = simulation(pile(count, side, gravity), backend);
     simulation.run(steps, 0.02).expect("steps");
@@ -87,10 +81,7 @@ fn cradle(gap: f32) -> Scene {
     for number in 0..5 {
         let anchor = Vec3::new((0.2 + gap) * number as f32, 2.0, 0.0);
         let (sin, cos) = if number == 0 { 0.4_f32.sin_cos() } else { (0.0, 1.0) };
-        let ends = [
-            Sphere::new(anchor, 0.05).fixed(),
-            Sphere::new(anchor - 2.0 * Vec3::new(sin, cos, 0.0), 0.1),
-        ];
+        let ends = [Sphere::new(anchor, 0.05).fixed(), Sphere::new(anchor - 2.0 * Vec3::new(sin, cos, 0.0), 0.1)];
         dumbbell(&mut scene, ends, 0.01);
     }
     scene
@@ -156,27 +147,19 @@ fn capsule_lies_still_on_a_floor(backend: Backend) {
 fn rod_lies_still_on_a_floor(backend: Backend) {
     let mut scene = with(|settings| settings.gravity = 10.0);
     floor_box(&mut scene);
-    rod(
-        &mut scene,
-        [[-1.0, 0.3, 0.2], [1.0, 0.3, -0.3]].map(|end| Sphere::new(end, 0.3)),
-        0.3,
-    );
+    rod(&mut scene, [[-1.0, 0.3, 0.2], [1.0, 0.3, -0.3]].map(|end| Sphere::new(end, 0.3)), 0.3);
     lies_still(scene, backend);
 }
 
 /// A narrow box, from -1 to 1, whose upper face is y = 0.
 fn beam(scene: &mut Scene) {
-    scene
-        .add_box(Cuboid::between([-1.0, -1.0, -3.0], [1.0, 0.0, 3.0]))
-        .expect("a valid box");
+    scene.add_box(Cuboid::between([-1.0, -1.0, -3.0], [1.0, 0.0, 3.0])).expect("a valid box");
 }
 
 fn capsule_lies_still_across_a_box(backend: Backend) {
     let mut scene = with(|settings| settings.gravity = 10.0);
     beam(&mut scene);
-    scene
-        .add_capsule(Capsule::new([-2.0, 0.3, 0.0], [2.0, 0.3, 0.0], 0.3))
-        .expect("a valid capsule");
+    scene.add_capsule(Capsule::new([-2.0, 0.3, 0.0], [2.0, 0.3, 0.0], 0.3)).expect("a valid capsule");
     lies_still(scene, backend);
 }
 
@@ -184,9 +167,7 @@ fn rod_lies_still_across_a_box(backend: Backend) {
     let mut scene = with(|settings| settings.gravity = 10.0);
     beam(&mut scene);
     let ends = spheres(&mut scene, [-1.5, 1.5].map(|x| Sphere::new([x, 0.3, 0.0], 0.2)));
-    scene
-        .add_rod(Rod::new(ends[0], ends[1], 0.3).length(3.0))
-        .expect("a valid rod");
+    scene.add_rod(Rod::new(ends[0], ends[1], 0.3).length(3.0)).expect("a valid rod");
     lies_still(scene, backend);
 }
 

@@ -66,21 +66,13 @@ fn slanted_capsule_with_unequal_masses(backend: Backend) {
     let after = collide(scene, backend);
     let shared = |k: f64| {
         let k = k / 0.73;
-        [
-            [-k * (0.48 - 0.12), k * (0.64 + 0.09), 0.0],
-            [k * 0.48 / 4.0, k * 0.36 / 4.0, 0.0],
-        ]
+        [[-k * (0.48 - 0.12), k * (0.64 + 0.09), 0.0], [k * 0.48 / 4.0, k * 0.36 / 4.0, 0.0]]
     };
     let [one, two] = shared(3.5);
     velocities(&after, [[one[0], one[1] - 2.0, 0.0], [two[0], two[1] - 2.0, 0.0]]);
     displacements(&before, &after, shared(0.01));
     let axis = Vec3::new(0.8, 0.6, 0.0);
-    close(
-        (after[1].velocity - after[0].velocity).dot(axis),
-        0.0,
-        F32,
-        "opening velocity",
-    );
+    close((after[1].velocity - after[0].velocity).dot(axis), 0.0, F32, "opening velocity");
 }
 
 /// With end 2 fixed, 1/(m1 + m2) = 0: w = 0.64, and only what is across the axis counts: the share of end 1 is the rest
@@ -99,9 +91,7 @@ fn ball_hits_the_end_of_a_capsule(backend: Backend) {
     let hit = |from: [f32; 3], velocity: [f32; 3]| {
         let mut scene = weightless();
         scene.settings.restitution = 1.0;
-        scene
-            .add_capsule(Capsule::new([0.0; 3], [2.0, 0.0, 0.0], 0.5).mass(2.0))
-            .expect("a valid capsule");
+        scene.add_capsule(Capsule::new([0.0; 3], [2.0, 0.0, 0.0], 0.5).mass(2.0)).expect("a valid capsule");
         spheres(&mut scene, [Sphere::new(from, 0.5).mass(2.0).velocity(velocity)]);
         collide(scene, backend)
     };
@@ -109,10 +99,7 @@ fn ball_hits_the_end_of_a_capsule(backend: Backend) {
     velocities(&along, [[3.0, 0.0, 0.0], [3.0, 0.0, 0.0], [0.0; 3]]);
     let aslant = hit([-0.594, 0.792, 0.0], [0.0, -3.0, 0.0]);
     let j = 40.0 / 11.0;
-    velocities(
-        &aslant,
-        [[0.3 * j, -0.8 * j, 0.0], [0.3 * j, 0.0, 0.0], [-0.3 * j, 0.4 * j - 3.0, 0.0]],
-    );
+    velocities(&aslant, [[0.3 * j, -0.8 * j, 0.0], [0.3 * j, 0.0, 0.0], [-0.3 * j, 0.4 * j - 3.0, 0.0]]);
 }
 
 /// A ball on the middle of a capsule's rod meets 1/M = 1/4 + 1/4 = 1/2 of masses 1 and 1, as for any rod: with mass 2 and e = 1
@@ -120,9 +107,7 @@ fn ball_hits_the_end_of_a_capsule(backend: Backend) {
 fn ball_hits_the_middle_of_a_capsule(backend: Backend) {
     let mut scene = weightless();
     scene.settings.restitution = 1.0;
-    scene
-        .add_capsule(Capsule::new([-1.0, 0.0, 0.0], [1.0, 0.0, 0.0], 0.25).mass(2.0))
-        .expect("a valid capsule");
+    scene.add_capsule(Capsule::new([-1.0, 0.0, 0.0], [1.0, 0.0, 0.0], 0.25).mass(2.0)).expect("a valid capsule");
     let ball = Sphere::new([0.0, 0.74, 0.0], 0.5).mass(2.0).velocity([0.0, -3.0, 0.0]);
     spheres(&mut scene, [ball]);
     velocities(&collide(scene, backend), [[0.0, -3.0, 0.0], [0.0, -3.0, 0.0], [0.0; 3]]);
@@ -132,9 +117,7 @@ fn ball_hits_the_middle_of_a_capsule(backend: Backend) {
 /// vA = 4 - 10.5/2 = -1.25, vB = 10.5/6 = 1.75, all four ends.
 fn capsules_collide_end_to_end(backend: Backend) {
     let mut scene = weightless();
-    let first = Capsule::new([0.0; 3], [2.0, 0.0, 0.0], 0.5)
-        .mass(2.0)
-        .velocity([4.0, 0.0, 0.0]);
+    let first = Capsule::new([0.0; 3], [2.0, 0.0, 0.0], 0.5).mass(2.0).velocity([4.0, 0.0, 0.0]);
     let second = Capsule::new([2.98, 0.0, 0.0], [5.0, 0.0, 0.0], 0.5).mass(6.0);
     for capsule in [first, second] {
         scene.add_capsule(capsule).expect("a valid capsule");

@@ -30,10 +30,7 @@ fn oblique_with_unequal_masses(backend: Backend) {
     spheres(
         &mut scene,
         [
-            Sphere::new([0.0, 0.0, 0.0], 0.4)
-                .mass(2.0)
-                .velocity([1.0, 0.5, -2.0])
-                .angular_momentum([0.1, 0.2, 0.3]),
+            Sphere::new([0.0, 0.0, 0.0], 0.4).mass(2.0).velocity([1.0, 0.5, -2.0]).angular_momentum([0.1, 0.2, 0.3]),
             Sphere::new([0.57, 0.76, 0.0], 0.6).mass(0.5).velocity([-1.0, 0.0, 1.0]),
         ],
     );
@@ -51,10 +48,7 @@ fn inelastic_bodies_stay_together(backend: Backend) {
     scene.settings.restitution = 0.0;
     spheres(
         &mut scene,
-        [
-            Sphere::new([0.0, 0.0, 0.0], 0.5).velocity([0.0, 0.0, 3.0]),
-            Sphere::new([0.0, 0.0, 0.99], 0.5).mass(2.0),
-        ],
+        [Sphere::new([0.0, 0.0, 0.0], 0.5).velocity([0.0, 0.0, 3.0]), Sphere::new([0.0, 0.0, 0.99], 0.5).mass(2.0)],
     );
     velocities(&collide(scene, backend), [[0.0, 0.0, 1.0], [0.0, 0.0, 1.0]]);
 }
@@ -62,13 +56,7 @@ fn inelastic_bodies_stay_together(backend: Backend) {
 fn pair_closing_at(speed: f32, threshold: f32) -> Scene {
     let mut scene = weightless();
     scene.settings.activation_threshold = threshold;
-    spheres(
-        &mut scene,
-        [
-            Sphere::new([0.0, 0.0, 0.0], 0.5).velocity([speed, 0.0, 0.0]),
-            Sphere::new([0.74, 0.0, 0.0], 0.25),
-        ],
-    );
+    spheres(&mut scene, [Sphere::new([0.0, 0.0, 0.0], 0.5).velocity([speed, 0.0, 0.0]), Sphere::new([0.74, 0.0, 0.0], 0.25)]);
     scene
 }
 
@@ -90,10 +78,7 @@ fn fixed_sphere_with_a_velocity_strikes(backend: Backend) {
     let mut scene = weightless();
     spheres(
         &mut scene,
-        [
-            Sphere::new([0.0, 0.0, 0.0], 0.5).velocity([1.0, 0.0, 0.0]).fixed(),
-            Sphere::new([0.99, 0.0, 0.0], 0.5).mass(2.0),
-        ],
+        [Sphere::new([0.0, 0.0, 0.0], 0.5).velocity([1.0, 0.0, 0.0]).fixed(), Sphere::new([0.99, 0.0, 0.0], 0.5).mass(2.0)],
     );
     let before = scene.spheres().to_vec();
     let after = collide(scene, backend);
@@ -105,10 +90,7 @@ fn fixed_spheres_leave_each_other_alone(backend: Backend) {
     let mut scene = weightless();
     spheres(
         &mut scene,
-        [
-            Sphere::new([0.0, 0.0, 0.0], 0.5).velocity([3.0, 0.0, 0.0]).fixed(),
-            Sphere::new([0.5, 0.0, 0.0], 0.5).fixed(),
-        ],
+        [Sphere::new([0.0, 0.0, 0.0], 0.5).velocity([3.0, 0.0, 0.0]).fixed(), Sphere::new([0.5, 0.0, 0.0], 0.5).fixed()],
     );
     uncounted(scene, backend);
 }

@@ -37,12 +37,7 @@ fn symplectic_euler_falls_as_it_should(backend: Backend) {
     let ball = simulation.sphere(ball).expect("the ball");
     let longer = 33.0 / 32.0;
     near(ball.velocity, [2.5, 4.0, -4.0], 2e-6, "velocity");
-    near(
-        ball.position,
-        [1.5 + 0.375 * longer, 4.0, 2.0 - 0.5 * longer],
-        5e-6,
-        "position",
-    );
+    near(ball.position, [1.5 + 0.375 * longer, 4.0, 2.0 - 0.5 * longer], 5e-6, "position");
 }
 
 /// A spin of 2 rad/s about (2, 1, 2)/3 turns by 1 rad in 1/2 s, by the exponential map exactly; on top of what it was
@@ -57,11 +52,7 @@ fn orientation_after_a_known_spin(backend: Backend) {
     simulation.run(32, DT).expect("1/2 s");
     let state = simulation.sphere(id).expect("the ball");
     let expected = Quat::from_axis_angle(axis, 1.0) * start;
-    assert!(
-        state.orientation.dot(expected).abs() > 1.0 - 1e-6,
-        "{} and {expected}",
-        state.orientation
-    );
+    assert!(state.orientation.dot(expected).abs() > 1.0 - 1e-6, "{} and {expected}", state.orientation);
     for own in Vec3::AXES {
         near(state.rotation() * own, (expected * own).as_dvec3(), 5e-6, "an axis");
     }
@@ -73,10 +64,7 @@ fn orientation_after_a_known_spin(backend: Backend) {
 fn pendulum_on_a_rod(backend: Backend) {
     let mut scene = Scene::new();
     let (sin, cos) = 0.05_f32.sin_cos();
-    let ends = [
-        Sphere::new([0.0; 3], 0.1).fixed(),
-        Sphere::new([sin, -cos, 0.0], 0.1).mass(2.0),
-    ];
+    let ends = [Sphere::new([0.0; 3], 0.1).fixed(), Sphere::new([sin, -cos, 0.0], 0.1).mass(2.0)];
     dumbbell(&mut scene, ends, 0.01);
     let mut simulation = simulation(scene, backend);
     let dt = TAU * (1.0 + 0.0025 / 16.0) / 64.0;
@@ -113,10 +101,7 @@ fn restoring_a_length_leaves_the_velocities(backend: Backend) {
     let mut scene = weightless();
     let [one, two] = spheres(
         &mut scene,
-        [
-            Sphere::new([0.0; 3], 0.1),
-            Sphere::new([0.0, 1.2, 0.0], 0.1).mass(3.0).velocity([0.5, 0.0, 0.0]),
-        ],
+        [Sphere::new([0.0; 3], 0.1), Sphere::new([0.0, 1.2, 0.0], 0.1).mass(3.0).velocity([0.5, 0.0, 0.0])],
     );
     scene.add_rod(Rod::new(one, two, 0.05).length(1.0)).expect("a valid rod");
     let mut simulation = simulation(scene, backend);
@@ -132,10 +117,7 @@ fn restoring_a_length_leaves_the_velocities(backend: Backend) {
 /// What pulls along a rod pulls both its ends: masses 1 and 3, a force of 8 on one of them along the rod: both go at 2.
 fn rod_passes_a_pull_on(backend: Backend) {
     let mut scene = weightless();
-    let ends = [
-        Sphere::new([0.0; 3], 0.1),
-        Sphere::new([1.0, 0.0, 0.0], 0.1).mass(3.0).force([8.0, 0.0, 0.0]),
-    ];
+    let ends = [Sphere::new([0.0; 3], 0.1), Sphere::new([1.0, 0.0, 0.0], 0.1).mass(3.0).force([8.0, 0.0, 0.0])];
     dumbbell(&mut scene, ends, 0.05);
     let mut simulation = simulation(scene, backend);
     simulation.run(32, DT).expect("1/2 s");
@@ -157,9 +139,7 @@ fn swinging_chain_keeps_its_lengths(backend: Backend) {
             links.extend(spheres(&mut scene, [sphere]));
         }
         for pair in links.windows(2) {
-            scene
-                .add_rod(Rod::new(pair[0], pair[1], 0.02).length(0.5))
-                .expect("a valid rod");
+            scene.add_rod(Rod::new(pair[0], pair[1], 0.02).length(0.5)).expect("a valid rod");
         }
         let mut simulation = simulation(scene, backend);
         let mut lowest: f32 = 0.0;

@@ -38,10 +38,7 @@ fn sphere_on_fixed_sphere(backend: Backend) {
     let mut scene = smooth();
     spheres(
         &mut scene,
-        [
-            Sphere::new([0.0; 3], 0.5).velocity([0.4, 0.0, 0.0]).fixed(),
-            Sphere::new([0.99, 0.0, 0.0], 0.5).mass(2.0),
-        ],
+        [Sphere::new([0.0; 3], 0.5).velocity([0.4, 0.0, 0.0]).fixed(), Sphere::new([0.99, 0.0, 0.0], 0.5).mass(2.0)],
     );
     forces(&loads(scene, backend), [[0.0; 3], [30.0, 0.0, 0.0]], FORCE);
 }
@@ -51,10 +48,7 @@ fn sphere_on_box_and_polygon(backend: Backend) {
     for floor in [floor_box, floor_polygon] {
         let mut scene = smooth();
         floor(&mut scene);
-        spheres(
-            &mut scene,
-            [Sphere::new([0.0, 0.49, 0.0], 0.5).mass(2.0).velocity([0.7, -0.4, 0.0])],
-        );
+        spheres(&mut scene, [Sphere::new([0.0, 0.49, 0.0], 0.5).mass(2.0).velocity([0.7, -0.4, 0.0])]);
         forces(&loads(scene, backend), [[0.0, 30.0, 0.0]], FORCE);
     }
 }
@@ -68,41 +62,23 @@ fn sphere_on_rod(backend: Backend) {
         Sphere::new([4.0, 0.0, 0.0], 0.2).mass(3.0).velocity([0.0, 0.2, 0.0]),
     ];
     rod(&mut scene, ends, 0.1);
-    spheres(
-        &mut scene,
-        [Sphere::new([1.0, 0.59, 0.0], 0.5).mass(2.0).velocity([0.0, -0.2, 0.0])],
-    );
+    spheres(&mut scene, [Sphere::new([1.0, 0.59, 0.0], 0.5).mass(2.0).velocity([0.0, -0.2, 0.0])]);
     let f = 15.0 * 12.0 / 13.0;
-    forces(
-        &loads(scene, backend),
-        [[0.0, -0.75 * f, 0.0], [0.0, -0.25 * f, 0.0], [0.0, f, 0.0]],
-        FORCE,
-    );
+    forces(&loads(scene, backend), [[0.0, -0.75 * f, 0.0], [0.0, -0.25 * f, 0.0], [0.0, f, 0.0]], FORCE);
 }
 
 /// Rods crossing at a = 0.25 and b = 0.5: 1/M = 19/32 and 7/12 as in the collision of the same rods, m* = 96/113; o =
 /// 0.01, at rest: 10 * 96/113, shared as (3/4, 1/4) and (1/2, 1/2).
 fn rod_on_rod(backend: Backend) {
     let mut scene = smooth();
-    let a = [
-        Sphere::new([-1.0, 0.0, 0.0], 0.05),
-        Sphere::new([3.0, 0.0, 0.0], 0.05).mass(2.0),
-    ];
-    let b = [
-        Sphere::new([0.0, 0.19, -1.0], 0.05).mass(3.0),
-        Sphere::new([0.0, 0.19, 1.0], 0.05).mass(0.5),
-    ];
+    let a = [Sphere::new([-1.0, 0.0, 0.0], 0.05), Sphere::new([3.0, 0.0, 0.0], 0.05).mass(2.0)];
+    let b = [Sphere::new([0.0, 0.19, -1.0], 0.05).mass(3.0), Sphere::new([0.0, 0.19, 1.0], 0.05).mass(0.5)];
     rod(&mut scene, a, 0.1);
     rod(&mut scene, b, 0.1);
     let f = 960.0 / 113.0;
     forces(
         &loads(scene, backend),
-        [
-            [0.0, -0.75 * f, 0.0],
-            [0.0, -0.25 * f, 0.0],
-            [0.0, 0.5 * f, 0.0],
-            [0.0, 0.5 * f, 0.0],
-        ],
+        [[0.0, -0.75 * f, 0.0], [0.0, -0.25 * f, 0.0], [0.0, 0.5 * f, 0.0], [0.0, 0.5 * f, 0.0]],
         FORCE,
     );
 }
@@ -116,10 +92,7 @@ fn rod_on_box_edge(backend: Backend) {
         let root = 0.5_f32.sqrt();
         let along = Vec3::new(root, -root, 0.0);
         let point = Vec3::new(5.0, 0.0, 0.3) + distance * Vec3::new(root, root, 0.0);
-        let ends = [
-            Sphere::new(point - along, 0.05),
-            Sphere::new(point + 3.0 * along, 0.05).mass(2.0),
-        ];
+        let ends = [Sphere::new(point - along, 0.05), Sphere::new(point + 3.0 * along, 0.05).mass(2.0)];
         rod(&mut scene, ends, 0.1);
         let f = 1000.0 * overlap * 32.0 / 19.0 / 2.0_f64.sqrt();
         forces(
@@ -138,10 +111,7 @@ fn rod_on_box_vertex(backend: Backend) {
     floor_box(&mut scene);
     let along = Vec3::new(1.0, -1.0, 0.0).normalize();
     let point = Vec3::new(5.0, 0.0, 5.0) + 0.09 * Vec3::ONE.normalize();
-    let ends = [
-        Sphere::new(point - along, 0.05),
-        Sphere::new(point + 3.0 * along, 0.05).mass(2.0),
-    ];
+    let ends = [Sphere::new(point - along, 0.05), Sphere::new(point + 3.0 * along, 0.05).mass(2.0)];
     rod(&mut scene, ends, 0.1);
     let f = 10.0 * 32.0 / 19.0 / 3.0_f64.sqrt();
     forces(&loads(scene, backend), [[0.75 * f; 3], [0.25 * f; 3]], FORCE);
@@ -195,10 +165,7 @@ fn contact_pulls_only_when_told_to(backend: Backend) {
         let mut scene = smooth();
         scene.settings.contact_pull = pull;
         floor_box(&mut scene);
-        spheres(
-            &mut scene,
-            [Sphere::new([0.0, 0.49, 0.0], 0.5).mass(2.0).velocity([0.0, 2.0, 0.0])],
-        );
+        spheres(&mut scene, [Sphere::new([0.0, 0.49, 0.0], 0.5).mass(2.0).velocity([0.0, 2.0, 0.0])]);
         forces(&loads(scene, backend), [[0.0, -force, 0.0]], FORCE);
     }
 }

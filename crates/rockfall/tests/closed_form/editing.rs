@@ -51,20 +51,14 @@ fn crowded() -> Scene {
         &mut scene,
         [
             Sphere::new([-0.5, 0.48, 0.0], 0.5).velocity([-2.0, -1.0, 0.3]),
-            Sphere::new([0.45, 0.5, 0.0], 0.5)
-                .velocity([-1.0, 0.0, 0.0])
-                .angular_momentum([0.0, 0.1, 0.2]),
+            Sphere::new([0.45, 0.5, 0.0], 0.5).velocity([-1.0, 0.0, 0.0]).angular_momentum([0.0, 0.1, 0.2]),
             Sphere::new([0.3, 1.4, -0.6], 0.2),
             Sphere::new([0.2, 1.3, 0.9], 0.2).mass(2.0),
         ],
     );
     scene.add_rod(Rod::new(c, d, 0.1).length(1.5)).expect("a valid rod");
-    scene
-        .add_spring(Spring::new(a, c, 20.0, 1.0).damping(0.5))
-        .expect("a valid spring");
-    scene
-        .add_tether(Tether::new(b, [1.0, 1.0, 1.0], 5.0))
-        .expect("a valid tether");
+    scene.add_spring(Spring::new(a, c, 20.0, 1.0).damping(0.5)).expect("a valid spring");
+    scene.add_tether(Tether::new(b, [1.0, 1.0, 1.0], 5.0)).expect("a valid tether");
     let capsule = Capsule::new([1.3, 0.3, 0.0], [1.3, 1.2, 0.3], 0.3).velocity([-1.0, -1.0, 0.0]);
     scene.add_capsule(capsule).expect("a valid capsule");
     scene
@@ -87,11 +81,7 @@ fn phases_called_singly_are_a_step(backend: Backend) {
         assert_eq!(states(&mut whole), states(&mut parts), "after {steps} steps");
         assert_eq!(parts.report(), whole.report());
     }
-    assert!(
-        whole.report().total_collisions > 1 && whole.report().contacts > 1,
-        "{:?}",
-        whole.report()
-    );
+    assert!(whole.report().total_collisions > 1 && whole.report().contacts > 1, "{:?}", whole.report());
 }
 
 /// The first two phases may be left out: results do not depend on how the lists were made, to the bit.
@@ -150,46 +140,20 @@ fn objects_come_and_go(backend: Backend) {
         let spring = Spring::new(balls[a], balls[b], 0.0, 1.0);
         simulation.add_spring(spring).expect("a valid spring")
     });
-    let tether = simulation
-        .add_tether(Tether::new(balls[1], [0.0; 3], 0.0))
-        .expect("a valid tether");
+    let tether = simulation.add_tether(Tether::new(balls[1], [0.0; 3], 0.0)).expect("a valid tether");
     let capsule = Capsule::new([0.0, 0.0, 9.0], [1.0, 0.0, 9.0], 0.2);
     let capsule = simulation.add_capsule(capsule).expect("a valid capsule");
     simulation.step(0.5).expect("a step");
 
     simulation.remove_sphere(balls[1]).expect("a sphere");
-    let counts = Counts {
-        spheres: 5,
-        rods: 2,
-        capsules: 1,
-        springs: 1,
-        ..Counts::default()
-    };
+    let counts = Counts { spheres: 5, rods: 2, capsules: 1, springs: 1, ..Counts::default() };
     assert_eq!(simulation.scene().counts(), counts);
-    assert!(matches!(
-        simulation.sphere(balls[1]),
-        Err(Error::StaleHandle { kind: "sphere" })
-    ));
-    assert!(matches!(
-        simulation.remove_rod(rods[0]),
-        Err(Error::StaleHandle { kind: "rod" })
-    ));
-    assert!(matches!(
-        simulation.remove_spring(springs[0]),
-        Err(Error::StaleHandle { kind: "spring" })
-    ));
-    assert!(matches!(
-        simulation.remove_tether(tether),
-        Err(Error::StaleHandle { kind: "tether" })
-    ));
-    assert!(matches!(
-        simulation.set_velocity(balls[1], [0.0; 3]),
-        Err(Error::StaleHandle { .. })
-    ));
-    assert!(matches!(
-        simulation.set_force(balls[1], [0.0; 3]),
-        Err(Error::StaleHandle { .. })
-    ));
+    assert!(matches!(simulation.sphere(balls[1]), Err(Error::StaleHandle { kind: "sphere" })));
+    assert!(matches!(simulation.remove_rod(rods[0]), Err(Error::StaleHandle { kind: "rod" })));
+    assert!(matches!(simulation.remove_spring(springs[0]), Err(Error::StaleHandle { kind: "spring" })));
+    assert!(matches!(simulation.remove_tether(tether), Err(Error::StaleHandle { kind: "tether" })));
+    assert!(matches!(simulation.set_velocity(balls[1], [0.0; 3]), Err(Error::StaleHandle { .. })));
+    assert!(matches!(simulation.set_force(balls[1], [0.0; 3]), Err(Error::StaleHandle { .. })));
     let stale = Spring::new(balls[0], balls[1], 1.0, 1.0);
     assert!(matches!(simulation.add_spring(stale), Err(Error::StaleHandle { .. })));
 
@@ -198,21 +162,13 @@ fn objects_come_and_go(backend: Backend) {
     for (index, x) in [(0, 0.0), (1, 2.0), (2, 3.0)] {
         let place = states(&mut simulation)[index].position;
         near(place, [3.0 * x, 1.5 * x, 0.0], 1e-6, "position");
-        near(
-            simulation.sphere(balls[x as usize]).expect("a sphere").position,
-            place.as_dvec3(),
-            0.0,
-            "by handle",
-        );
+        near(simulation.sphere(balls[x as usize]).expect("a sphere").position, place.as_dvec3(), 0.0, "by handle");
     }
     let rod = *simulation.scene().rod(rods[1]).expect("the other rod");
     assert_eq!((rod.end1, rod.end2), (balls[2], balls[3]));
 
     simulation.remove_capsule(capsule).expect("a capsule");
-    assert!(matches!(
-        simulation.remove_capsule(capsule),
-        Err(Error::StaleHandle { kind: "capsule" })
-    ));
+    assert!(matches!(simulation.remove_capsule(capsule), Err(Error::StaleHandle { kind: "capsule" })));
     assert_eq!(simulation.scene().counts().spheres, 3);
     assert_eq!(simulation.scene().counts().rods, 1);
     assert_eq!(states(&mut simulation).len(), 3);
@@ -258,9 +214,7 @@ fn springs_tethers_and_rods_change(backend: Backend) {
     near(force_on_a(&mut simulation), [10.0, 0.0, 0.0], 1e-4, "at first");
     let change = |spring: &mut Spring| (spring.stiffness, spring.length) = (20.0, 1.5);
     simulation.update_spring(spring, change).expect("a valid spring");
-    simulation
-        .update_tether(tether, |tether| tether.point = Vec3::Y)
-        .expect("a valid tether");
+    simulation.update_tether(tether, |tether| tether.point = Vec3::Y).expect("a valid tether");
     near(force_on_a(&mut simulation), [10.0, 4.0, 0.0], 1e-4, "changed");
     let refused = simulation.update_spring(spring, |spring| spring.stiffness = -1.0);
     assert!(matches!(refused, Err(Error::Invalid { .. })));
@@ -294,20 +248,9 @@ fn states_are_set_and_read_back(backend: Backend) {
     let state = simulation.sphere(ball).expect("the ball");
     near(state.position, [2.0, 3.25, 4.5], 1e-6, "position");
     // w = 0.4 / (2/5 * 2 * 0.25) = 2 rad/s, for 1/4 s.
-    near(
-        state.rotation() * Vec3::X,
-        [1.0_f64.cos(), 0.0, -1.0_f64.sin()],
-        1e-6,
-        "orientation",
-    );
-    assert!(matches!(
-        simulation.set_position(ball, [f32::NAN; 3]),
-        Err(Error::Invalid { .. })
-    ));
-    assert!(matches!(
-        simulation.set_orientation(ball, Quat::from_xyzw(1.0, 1.0, 0.0, 0.0)),
-        Err(Error::Invalid { .. })
-    ));
+    near(state.rotation() * Vec3::X, [1.0_f64.cos(), 0.0, -1.0_f64.sin()], 1e-6, "orientation");
+    assert!(matches!(simulation.set_position(ball, [f32::NAN; 3]), Err(Error::Invalid { .. })));
+    assert!(matches!(simulation.set_orientation(ball, Quat::from_xyzw(1.0, 1.0, 0.0, 0.0)), Err(Error::Invalid { .. })));
 }
 
 both!(

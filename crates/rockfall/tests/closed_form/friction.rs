@@ -76,23 +76,13 @@ fn fixed_sphere_conveys(backend: Backend) {
 fn sphere_rubs_on_rod(backend: Backend) {
     let mut scene = rough();
     let one = Sphere::new([0.0; 3], 0.2);
-    let ends = [
-        one.angular_momentum([4.0 * one.inertia(), 0.0, 0.0]),
-        Sphere::new([4.0, 0.0, 0.0], 0.2).mass(3.0),
-    ];
+    let ends = [one.angular_momentum([4.0 * one.inertia(), 0.0, 0.0]), Sphere::new([4.0, 0.0, 0.0], 0.2).mass(3.0)];
     rod(&mut scene, ends, 0.1);
-    spheres(
-        &mut scene,
-        [Sphere::new([1.0, 0.58, 0.0], 0.5).mass(2.0).velocity([0.0, 0.0, 0.3])],
-    );
+    spheres(&mut scene, [Sphere::new([1.0, 0.58, 0.0], 0.5).mass(2.0).velocity([0.0, 0.0, 0.3])]);
     let found = loads(scene, backend);
     let f = 12.0 / 13.0 * 0.03_f64.sqrt();
     forces(&found, [[0.0, 0.0, 0.75 * f], [0.0, 0.0, 0.25 * f], [0.0, 0.0, -f]], FORCE);
-    torques(
-        &found,
-        [[0.09 * 0.75 * f, 0.0, 0.0], [0.09 * 0.25 * f, 0.0, 0.0], [0.49 * f, 0.0, 0.0]],
-        FORCE,
-    );
+    torques(&found, [[0.09 * 0.75 * f, 0.0, 0.0], [0.09 * 0.25 * f, 0.0, 0.0], [0.49 * f, 0.0, 0.0]], FORCE);
 }
 
 /// Rods rub too. Unit masses, crossing at a = 0.25 and b = 0.5: 1/M = 10/16 and 1/2, m* = 8/9, o = 0.02, n = y, arms
@@ -107,16 +97,7 @@ fn rod_rubs_on_rod(backend: Backend) {
     let found = loads(scene, backend);
     let f = 8.0 / 9.0 * 0.8;
     let (quarter, half) = (0.25 * f, 0.5 * f);
-    forces(
-        &found,
-        [
-            [-3.0 * quarter, 0.0, 0.0],
-            [-quarter, 0.0, 0.0],
-            [half, 0.0, 0.0],
-            [half, 0.0, 0.0],
-        ],
-        FORCE,
-    );
+    forces(&found, [[-3.0 * quarter, 0.0, 0.0], [-quarter, 0.0, 0.0], [half, 0.0, 0.0], [half, 0.0, 0.0]], FORCE);
     let torque = [3.0 * quarter, quarter, half, half].map(|f| [0.0, 0.0, 0.09 * f]);
     torques(&found, torque, FORCE);
 }
@@ -128,9 +109,7 @@ fn rod_rubs_on_box_edge(backend: Backend) {
     let mut scene = rough();
     // A box on its edge: its upper edge runs along z through the origin.
     let (i, j) = ([1.0, -1.0, 0.0], [-1.0, -1.0, 0.0]);
-    scene
-        .add_box(rockfall::Cuboid::new([0.0, 0.0, -2.0], i, j, [0.0, 0.0, 4.0]))
-        .expect("a valid box");
+    scene.add_box(rockfall::Cuboid::new([0.0, 0.0, -2.0], i, j, [0.0, 0.0, 4.0])).expect("a valid box");
     let ends = [-1.0, 1.0].map(|x| Sphere::new([x, 0.08, 0.0], 0.01).velocity([0.0, 0.0, 0.36]));
     rod(&mut scene, ends, 0.1);
     let found = loads(scene, backend);
@@ -141,21 +120,14 @@ fn rod_rubs_on_box_edge(backend: Backend) {
 /// An isolated pair, rubbing and pressing, keeps momentum and angular momentum: sum F = 0 and sum (x cross F + T) = 0.
 /// The bodies lie askew and move every way; friction and pressure are of the order of 10.
 fn isolated_pairs_keep_their_momenta(backend: Backend) {
-    let ball = Sphere::new([1.1, 0.5, 0.3], 0.5)
-        .mass(2.0)
-        .velocity([0.2, -0.3, 0.4])
-        .angular_momentum([0.3, 0.1, -0.2]);
+    let ball = Sphere::new([1.1, 0.5, 0.3], 0.5).mass(2.0).velocity([0.2, -0.3, 0.4]).angular_momentum([0.3, 0.1, -0.2]);
     let ends = [
-        Sphere::new([0.1, 0.0, -0.2], 0.1)
-            .velocity([0.1, 0.2, -0.3])
-            .angular_momentum([0.002, 0.001, 0.0]),
+        Sphere::new([0.1, 0.0, -0.2], 0.1).velocity([0.1, 0.2, -0.3]).angular_momentum([0.002, 0.001, 0.0]),
         Sphere::new([4.0, 0.3, 0.2], 0.1).mass(3.0).velocity([-0.1, 0.1, 0.1]),
     ];
     let across = [
         Sphere::new([1.5, 0.25, -1.7], 0.1).velocity([0.3, -0.2, 0.1]),
-        Sphere::new([1.2, 0.35, 2.1], 0.1)
-            .mass(0.5)
-            .angular_momentum([0.0, 0.001, 0.003]),
+        Sphere::new([1.2, 0.35, 2.1], 0.1).mass(0.5).angular_momentum([0.0, 0.001, 0.003]),
     ];
     let other = Sphere::new([1.5, 1.2, 0.6], 0.4).mass(0.7).angular_momentum([0.0, 0.2, 0.1]);
     type Ends = [Sphere; 2];
@@ -177,16 +149,10 @@ fn isolated_pairs_keep_their_momenta(backend: Backend) {
         build(&mut scene, ends, across, [ball, other]);
         let places: Vec<DVec3> = scene.spheres().iter().map(|sphere| sphere.position.as_dvec3()).collect();
         let found = loads(scene, backend);
-        assert!(
-            found[0].force.length() > 1.0 && found[0].torque.length() > 0.01,
-            "they must touch and rub"
-        );
+        assert!(found[0].force.length() > 1.0 && found[0].torque.length() > 0.01, "they must touch and rub");
         let force: DVec3 = found.iter().map(|load| load.force).sum();
         near(force, [0.0; 3], 1e-4, "sum of forces");
-        let moments = found
-            .iter()
-            .zip(places)
-            .map(|(load, place)| place.cross(load.force) + load.torque);
+        let moments = found.iter().zip(places).map(|(load, place)| place.cross(load.force) + load.torque);
         near(moments.sum::<DVec3>(), [0.0; 3], 1e-4, "sum of moments");
     }
 }
@@ -196,11 +162,7 @@ fn isolated_pairs_keep_their_momenta(backend: Backend) {
 fn rolled(mut simulation: Simulation, steps: u64) -> f64 {
     simulation.run(steps, DT).expect("steps");
     let spheres = simulation.spheres().expect("spheres are read back");
-    let moving: Vec<f64> = spheres
-        .iter()
-        .filter(|sphere| !sphere.fixed)
-        .map(|sphere| sphere.velocity.x.into())
-        .collect();
+    let moving: Vec<f64> = spheres.iter().filter(|sphere| !sphere.fixed).map(|sphere| sphere.velocity.x.into()).collect();
     moving.iter().sum::<f64>() / moving.len() as f64
 }
 
@@ -212,10 +174,7 @@ fn sliding_ball_ends_rolling(backend: Backend) {
     for floor in [floor_box, floor_polygon] {
         let mut scene = with(|settings| settings.friction = 500.0);
         floor(&mut scene);
-        spheres(
-            &mut scene,
-            [Sphere::new([-2.0, 0.999, 0.0], 1.0).mass(2.0).velocity([1.0, 0.0, 0.0])],
-        );
+        spheres(&mut scene, [Sphere::new([-2.0, 0.999, 0.0], 1.0).mass(2.0).velocity([1.0, 0.0, 0.0])]);
         let speed = rolled(simulation(scene, backend), 85);
         close(speed, 5.0 / 7.0, 1e-3, "velocity when rolling");
     }
@@ -227,12 +186,7 @@ fn sliding_capsule_ends_rolling(backend: Backend) {
     floor_box(&mut scene);
     let capsule = Capsule::new([-2.0, 0.999, -1.0], [-2.0, 0.999, 1.0], 1.0).velocity([1.0, 0.0, 0.0]);
     scene.add_capsule(capsule).expect("a valid capsule");
-    close(
-        rolled(simulation(scene, backend), 85),
-        5.0 / 7.0,
-        1e-3,
-        "velocity when rolling",
-    );
+    close(rolled(simulation(scene, backend), 85), 5.0 / 7.0, 1e-3, "velocity when rolling");
 }
 
 /// A thick rod (radius 1) along z on two rails along x rolls on its own surface: its inertia is that of its end spheres
@@ -246,12 +200,7 @@ fn sliding_rod_ends_rolling(backend: Backend) {
     }
     let ends = [-2.0, 2.0].map(|z| Sphere::new([-2.0, 1.249_375, z], 0.5).velocity([1.0, 0.0, 0.0]));
     rod(&mut scene, ends, 1.0);
-    close(
-        rolled(simulation(scene, backend), 64),
-        10.0 / 11.0,
-        1e-3,
-        "velocity when rolling",
-    );
+    close(rolled(simulation(scene, backend), 64), 10.0 / 11.0, 1e-3, "velocity when rolling");
 }
 
 both!(

@@ -126,12 +126,7 @@ fn diagnostics_of_a_ball(backend: Backend) {
     assert_eq!(values[0].contacts, 2);
     close(values[0].deepest_overlap, 0.03, 1e-6, "deepest overlap");
     near(values[1].net_force, [0.0; 3], 0.0, "net force on a fixed sphere");
-    close(
-        values[1].deepest_overlap,
-        0.01,
-        1e-6,
-        "deepest overlap, the fixed one's box left out",
-    );
+    close(values[1].deepest_overlap, 0.01, 1e-6, "deepest overlap, the fixed one's box left out");
     near(values[2].net_force, [0.0, -10.0, 0.0], 1e-5, "net force in free fall");
     assert_eq!(values[2].contacts, 0);
 }
@@ -145,10 +140,7 @@ fn energies(backend: Backend) {
     let [a, b, _] = spheres(
         &mut scene,
         [
-            Sphere::new([0.0, 0.49, 0.0], 0.5)
-                .mass(2.0)
-                .velocity([3.0, 0.0, 0.0])
-                .angular_momentum([0.2, 0.0, 0.0]),
+            Sphere::new([0.0, 0.49, 0.0], 0.5).mass(2.0).velocity([3.0, 0.0, 0.0]).angular_momentum([0.2, 0.0, 0.0]),
             Sphere::new([0.0, 3.0, 0.0], 0.5),
             Sphere::new([9.0, 9.0, 9.0], 0.5).velocity([9.0, 9.0, 9.0]).fixed(),
         ],

@@ -26,42 +26,24 @@ fn ball_hits_a_rod_off_its_middle(backend: Backend) {
     let before = scene.spheres().to_vec();
     let after = collide(scene, backend);
     let j = 42.0 / 13.0;
-    velocities(
-        &after,
-        [
-            [0.0, 0.4 - 0.75 * j, 0.0],
-            [0.0, -1.2 - 0.25 * j / 3.0, 0.0],
-            [0.3, -2.0 + 0.5 * j, 0.0],
-        ],
-    );
+    velocities(&after, [[0.0, 0.4 - 0.75 * j, 0.0], [0.0, -1.2 - 0.25 * j / 3.0, 0.0], [0.3, -2.0 + 0.5 * j, 0.0]]);
     // The overlap is removed by displacements that go as the impulse: o / w = 0.05 * 12/13 in place of j.
     let d = 0.05 * 12.0 / 13.0;
-    displacements(
-        &before,
-        &after,
-        [[0.0, -0.75 * d, 0.0], [0.0, -0.25 * d / 3.0, 0.0], [0.0, 0.5 * d, 0.0]],
-    );
+    displacements(&before, &after, [[0.0, -0.75 * d, 0.0], [0.0, -0.25 * d / 3.0, 0.0], [0.0, 0.5 * d, 0.0]]);
 }
 
 /// With end 1 fixed, 1/M = a^2/m2 = (1/16)/3 = 1/48: w = 1/2 + 1/48 = 25/48, u = 2, j = 3.5 * 48/25 = 6.72.
 /// Displaced by o = 0.05 in the same proportion: 0.05 * 48/25 = 0.096 in place of j.
 fn ball_hits_a_rod_with_a_fixed_end(backend: Backend) {
     let mut scene = weightless();
-    let ends = [
-        Sphere::new([0.0; 3], 0.2).fixed(),
-        Sphere::new([4.0, 0.0, 0.0], 0.2).mass(3.0),
-    ];
+    let ends = [Sphere::new([0.0; 3], 0.2).fixed(), Sphere::new([4.0, 0.0, 0.0], 0.2).mass(3.0)];
     rod(&mut scene, ends, 0.1);
     let ball = Sphere::new([1.0, 0.55, 0.0], 0.5).mass(2.0).velocity([0.0, -2.0, 0.0]);
     spheres(&mut scene, [ball]);
     let before = scene.spheres().to_vec();
     let after = collide(scene, backend);
     velocities(&after, [[0.0; 3], [0.0, -0.25 * 6.72 / 3.0, 0.0], [0.0, -2.0 + 3.36, 0.0]]);
-    displacements(
-        &before,
-        &after,
-        [[0.0; 3], [0.0, -0.25 * 0.096 / 3.0, 0.0], [0.0, 0.048, 0.0]],
-    );
+    displacements(&before, &after, [[0.0; 3], [0.0, -0.25 * 0.096 / 3.0, 0.0], [0.0, 0.048, 0.0]]);
 }
 
 /// What lies beyond an end belongs to that end's sphere: 0.02 beyond, the thick rod (reach 0.9) is not met, and the thin end
@@ -99,23 +81,11 @@ fn crossing_rods(backend: Backend) {
     rod(&mut scene, b, 0.1);
     let before = scene.spheres().to_vec();
     let after = collide(scene, backend);
-    let shared = |k: f64| {
-        [
-            [0.0, -0.75 * k, 0.0],
-            [0.0, -0.125 * k, 0.0],
-            [0.0, k / 6.0, 0.0],
-            [0.0, k, 0.0],
-        ]
-    };
+    let shared = |k: f64| [[0.0, -0.75 * k, 0.0], [0.0, -0.125 * k, 0.0], [0.0, k / 6.0, 0.0], [0.0, k, 0.0]];
     let dv = shared(5.25 * 96.0 / 113.0);
     velocities(
         &after,
-        [
-            [0.0, 2.0 + dv[0][1], 0.0],
-            [0.0, -2.0 + dv[1][1], 0.0],
-            [0.0, -1.0 + dv[2][1], 0.0],
-            [0.0, -3.0 + dv[3][1], 0.0],
-        ],
+        [[0.0, 2.0 + dv[0][1], 0.0], [0.0, -2.0 + dv[1][1], 0.0], [0.0, -1.0 + dv[2][1], 0.0], [0.0, -3.0 + dv[3][1], 0.0]],
     );
     displacements(&before, &after, shared(0.05 * 96.0 / 113.0));
 }
@@ -131,22 +101,15 @@ fn parallel_rods_meet_in_the_middle_of_what_they_share(backend: Backend) {
     let j = 3.5 * 64.0 / 90.0;
     velocities(
         &after,
-        [
-            [0.0, -j / 8.0, 0.0],
-            [0.0, -7.0 * j / 8.0, 0.0],
-            [0.0, -2.0 + j / 4.0, 0.0],
-            [0.0, -2.0 + 3.0 * j / 4.0, 0.0],
-        ],
+        [[0.0, -j / 8.0, 0.0], [0.0, -7.0 * j / 8.0, 0.0], [0.0, -2.0 + j / 4.0, 0.0], [0.0, -2.0 + 3.0 * j / 4.0, 0.0]],
     );
 }
 
 /// A rod whose end is shared ignores the other rod of that sphere, and its own spheres; fixed-length ends ignore each other.
 /// The control: two overlapping spheres without a rod, or with a rod of free length, do collide.
 fn nothing_collides_with_itself(backend: Backend) {
-    let ends = [
-        Sphere::new([0.0; 3], 0.5).velocity([2.0, 0.0, 0.0]),
-        Sphere::new([0.9, 0.0, 0.0], 0.5).velocity([-2.0, 0.0, 0.0]),
-    ];
+    let ends =
+        [Sphere::new([0.0; 3], 0.5).velocity([2.0, 0.0, 0.0]), Sphere::new([0.9, 0.0, 0.0], 0.5).velocity([-2.0, 0.0, 0.0])];
     let mut held = weightless();
     dumbbell(&mut held, ends, 0.3);
     uncounted(held, backend);
@@ -244,9 +207,7 @@ fn rod_on_a_box_vertex(backend: Backend) {
 /// = 3.5: it bounces flat, at 1.5, as a ball would. Both press, so nothing is displaced.
 fn rod_lands_flat_on_two_edges(backend: Backend) {
     let mut scene = weightless();
-    scene
-        .add_box(rockfall::Cuboid::between([-1.0, -2.0, -3.0], [1.0, 0.0, 3.0]))
-        .expect("a valid box");
+    scene.add_box(rockfall::Cuboid::between([-1.0, -2.0, -3.0], [1.0, 0.0, 3.0])).expect("a valid box");
     let ends = [-2.0, 2.0].map(|x| Sphere::new([x, 0.09, 0.0], 0.05).velocity([0.0, -2.0, 0.0]));
     rod(&mut scene, ends, 0.1);
     let after = collide(scene, backend);

@@ -9,10 +9,7 @@ use crate::common::*;
 /// Masses 1 and 3 on a spring of k = 100, l = 1, pulled to 1.1 and let go: mu = 3/4.
 fn stretched(damping: f32, backend: Backend) -> (Simulation, [SphereId; 2]) {
     let mut scene = weightless();
-    let ends = spheres(
-        &mut scene,
-        [Sphere::new([0.0; 3], 0.1), Sphere::new([1.1, 0.0, 0.0], 0.1).mass(3.0)],
-    );
+    let ends = spheres(&mut scene, [Sphere::new([0.0; 3], 0.1), Sphere::new([1.1, 0.0, 0.0], 0.1).mass(3.0)]);
     let [a, b] = ends;
     let spring = Spring::new(a, b, 100.0, 1.0).damping(damping);
     scene.add_spring(spring).expect("a valid spring");
@@ -96,9 +93,7 @@ fn fixed_sphere_drags_through_a_damper(backend: Backend) {
             Sphere::new([2.0, 0.0, 0.0], 0.1).velocity([3.0, 0.0, 0.0]).fixed(),
         ],
     );
-    scene
-        .add_spring(Spring::new(a, b, 5.0, 2.0).damping(2.0))
-        .expect("a valid spring");
+    scene.add_spring(Spring::new(a, b, 5.0, 2.0).damping(2.0)).expect("a valid spring");
     forces(&loads(scene, backend), [[4.0, 0.0, 0.0], [0.0; 3]], 1e-4);
 }
 
@@ -106,15 +101,10 @@ fn fixed_sphere_drags_through_a_damper(backend: Backend) {
 /// 1 along -z.
 fn springs_of_one_sphere_add_up(backend: Backend) {
     let mut scene = weightless();
-    let [a, b, c] = spheres(
-        &mut scene,
-        [[0.0; 3], [2.0, 0.0, 0.0], [0.0, 3.0, 0.0]].map(|place| Sphere::new(place, 0.1)),
-    );
+    let [a, b, c] = spheres(&mut scene, [[0.0; 3], [2.0, 0.0, 0.0], [0.0, 3.0, 0.0]].map(|place| Sphere::new(place, 0.1)));
     scene.add_spring(Spring::new(a, b, 10.0, 1.0)).expect("a valid spring");
     scene.add_spring(Spring::new(c, a, 20.0, 1.0)).expect("a valid spring");
-    scene
-        .add_tether(Tether::new(a, [0.0, 0.0, -1.0], 5.0))
-        .expect("a valid tether");
+    scene.add_tether(Tether::new(a, [0.0, 0.0, -1.0], 5.0)).expect("a valid tether");
     let found = loads(scene, backend);
     forces(&found, [[10.0, 40.0, -5.0], [-10.0, 0.0, 0.0], [0.0, -40.0, 0.0]], 1e-4);
 }
@@ -122,13 +112,8 @@ fn springs_of_one_sphere_add_up(backend: Backend) {
 /// A force of (4, 0, 0) on a mass of 2 that falls at G = 2: x = t^2, y = -t^2. Then it is changed to (0, 4, 0), which holds it.
 fn outside_force_acts_until_it_is_changed(backend: Backend) {
     let mut scene = with(|settings| settings.gravity = 2.0);
-    let [ball, bystander] = spheres(
-        &mut scene,
-        [
-            Sphere::new([0.0; 3], 0.1).mass(2.0).force([4.0, 0.0, 0.0]),
-            Sphere::new([9.0, 0.0, 0.0], 0.1),
-        ],
-    );
+    let [ball, bystander] =
+        spheres(&mut scene, [Sphere::new([0.0; 3], 0.1).mass(2.0).force([4.0, 0.0, 0.0]), Sphere::new([9.0, 0.0, 0.0], 0.1)]);
     let mut simulation = simulation(scene, backend);
     simulation.run(16, DT).expect("1/4 s");
     let state = simulation.sphere(ball).expect("the ball");
@@ -140,12 +125,7 @@ fn outside_force_acts_until_it_is_changed(backend: Backend) {
     near(state.position, [0.1875, -0.1875, 0.0], 1e-6, "position after 1/2 s");
     near(state.velocity, [0.5, -0.5, 0.0], 1e-6, "velocity after 1/2 s");
     let state = simulation.sphere(bystander).expect("the other");
-    near(
-        state.position,
-        [9.0, -0.25, 0.0],
-        1e-6,
-        "a sphere without a force falls by t^2",
-    );
+    near(state.position, [9.0, -0.25, 0.0], 1e-6, "a sphere without a force falls by t^2");
 }
 
 /// An impulse changes v by J/m, at once and once; a fixed sphere stays as it is.
@@ -153,21 +133,13 @@ fn impulse_changes_the_velocity_once(backend: Backend) {
     let mut scene = weightless();
     let [ball, fixed] = spheres(
         &mut scene,
-        [
-            Sphere::new([0.0; 3], 0.1).mass(4.0).velocity([1.0, 0.0, 0.0]),
-            Sphere::new([9.0, 0.0, 0.0], 0.1).fixed(),
-        ],
+        [Sphere::new([0.0; 3], 0.1).mass(4.0).velocity([1.0, 0.0, 0.0]), Sphere::new([9.0, 0.0, 0.0], 0.1).fixed()],
     );
     let mut simulation = simulation(scene, backend);
     for id in [ball, ball, fixed] {
         simulation.apply_impulse(id, [0.0, 2.0, 0.0]).expect("a sphere");
     }
-    near(
-        simulation.sphere(ball).expect("the ball").velocity,
-        [1.0, 1.0, 0.0],
-        1e-6,
-        "before the step",
-    );
+    near(simulation.sphere(ball).expect("the ball").velocity, [1.0, 1.0, 0.0], 1e-6, "before the step");
     simulation.run(8, DT).expect("8 steps");
     let state = simulation.sphere(ball).expect("the ball");
     near(state.velocity, [1.0, 1.0, 0.0], 1e-6, "velocity");

@@ -49,12 +49,7 @@ fn ball_on_a_box_edge(backend: Backend) {
 fn ball_on_a_box_vertex(backend: Backend) {
     let ball = Sphere::new([5.2, 0.1, 5.2], 0.5).velocity([0.0, -3.0, 0.0]);
     let third = 1.75 / 3.0;
-    on_floor_box(
-        ball,
-        backend,
-        [2.0 * third, third - 3.0, 2.0 * third],
-        [0.4 / 3.0, 0.2 / 3.0, 0.4 / 3.0],
-    );
+    on_floor_box(ball, backend, [2.0 * third, third - 3.0, 2.0 * third], [0.4 / 3.0, 0.2 / 3.0, 0.4 / 3.0]);
 }
 
 /// A box turned by 3-4-5: edges (3, 4, 0), (-4, 3, 0) and (0, 0, 5) from the origin. The face at the far end of the second
@@ -74,9 +69,7 @@ fn ball_on_a_turned_box(backend: Backend) {
 /// The skew polygon: corner 0, L = (1, 0, 2), R = (2, 0, 0), facing up. Its points have z = 2l, x = z/2 + 2k.
 fn over_the_skew_polygon(x: f32, z: f32) -> Scene {
     let mut scene = weightless();
-    scene
-        .add_polygon(Polygon::new([0.0; 3], [1.0, 0.0, 2.0], [2.0, 0.0, 0.0]))
-        .expect("a valid polygon");
+    scene.add_polygon(Polygon::new([0.0; 3], [1.0, 0.0, 2.0], [2.0, 0.0, 0.0])).expect("a valid polygon");
     spheres(&mut scene, [Sphere::new([x, 0.25, z], 0.3).velocity([0.0, -2.0, 0.0])]);
     scene
 }
@@ -125,9 +118,7 @@ fn ball_in_a_corner_leaves_at_its_speed(backend: Backend) {
     let mut scene = weightless();
     scene.settings.restitution = 1.0;
     floor_polygon(&mut scene);
-    scene
-        .add_polygon(Polygon::new([0.0, -5.0, -5.0], [0.0, 10.0, 0.0], [0.0, 0.0, 10.0]))
-        .expect("a valid polygon");
+    scene.add_polygon(Polygon::new([0.0, -5.0, -5.0], [0.0, 10.0, 0.0], [0.0, 0.0, 10.0])).expect("a valid polygon");
     let ball = Sphere::new([0.49, 0.49, 0.0], 0.5).velocity([-2.0, -3.0, 1.0]);
     spheres(&mut scene, [ball]);
     let after = collide(scene, backend);

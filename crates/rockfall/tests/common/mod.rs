@@ -91,16 +91,12 @@ pub(crate) fn dumbbell(scene: &mut Scene, ends: [Sphere; 2], radius: f32) -> Rod
 
 /// A box whose upper face is the plane y = 0, between -5 and 5.
 pub(crate) fn floor_box(scene: &mut Scene) {
-    scene
-        .add_box(Cuboid::between([-5.0, -1.0, -5.0], [5.0, 0.0, 5.0]))
-        .expect("a valid box");
+    scene.add_box(Cuboid::between([-5.0, -1.0, -5.0], [5.0, 0.0, 5.0])).expect("a valid box");
 }
 
 /// A polygon in the plane y = 0, between -5 and 5, that faces up.
 pub(crate) fn floor_polygon(scene: &mut Scene) {
-    scene
-        .add_polygon(Polygon::new([-5.0, 0.0, -5.0], [0.0, 0.0, 10.0], [10.0, 0.0, 0.0]))
-        .expect("a valid polygon");
+    scene.add_polygon(Polygon::new([-5.0, 0.0, -5.0], [0.0, 0.0, 10.0], [10.0, 0.0, 0.0])).expect("a valid polygon");
 }
 
 /// The spheres after phase 3 alone.
@@ -143,10 +139,7 @@ pub(crate) fn loads_between(before: &[Sphere], after: &[SphereState]) -> Vec<Loa
 #[track_caller]
 pub(crate) fn close(actual: impl Into<f64>, expected: f64, tolerance: f64, what: &str) {
     let actual = actual.into();
-    assert!(
-        (actual - expected).abs() <= tolerance,
-        "{what}: {actual}, expected {expected} within {tolerance}"
-    );
+    assert!((actual - expected).abs() <= tolerance, "{what}: {actual}, expected {expected} within {tolerance}");
 }
 
 /// A vector of f32 or f64, to compare.
@@ -169,10 +162,7 @@ impl Vector for DVec3 {
 #[track_caller]
 pub(crate) fn near(actual: impl Vector, expected: impl Into<DVec3>, tolerance: f64, what: &str) {
     let (actual, expected) = (actual.wide(), expected.into());
-    assert!(
-        (actual - expected).abs().max_element() <= tolerance,
-        "{what}: {actual}, expected {expected} within {tolerance}"
-    );
+    assert!((actual - expected).abs().max_element() <= tolerance, "{what}: {actual}, expected {expected} within {tolerance}");
 }
 
 /// Compares velocities of spheres, in order of addition.

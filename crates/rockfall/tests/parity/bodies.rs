@@ -102,9 +102,7 @@ impl Bodies {
                     right: triple(step.polygons_at, k, POLYGON_WORDS, 6),
                 })
                 .collect(),
-            groups: (0..objects)
-                .map(|id| world.words[(step.tags_at + id) as usize] & 0xffff)
-                .collect(),
+            groups: (0..objects).map(|id| world.words[(step.tags_at + id) as usize] & 0xffff).collect(),
             bars,
             bars_of,
             dt: f64::from(step.dt),

@@ -11,227 +11,38 @@ use crate::{plan, trace};
 struct Mistake(&'static str, u32, &'static str, &'static str, &'static str, Buffer);
 
 const MISTAKES: [Mistake; 32] = [
-    Mistake(
-        "update_aabbs",
-        0,
-        "update_aabbs.wgsl",
-        "0.02 * radius",
-        "0.03 * radius",
-        Buffer::Aabbs,
-    ),
-    Mistake(
-        "count_pairs",
-        0,
-        "pair_tiles.wgsl",
-        "(a.id != b.id)",
-        "(a.id < b.id)",
-        Buffer::Lists,
-    ),
-    Mistake(
-        "scan_pairs",
-        0,
-        "scan_pairs.wgsl",
-        "k < SLICE;",
-        "k < SLICE / 2u;",
-        Buffer::Lists,
-    ),
-    Mistake(
-        "fill_pairs",
-        0,
-        "pair_tiles.wgsl",
-        "id | feature <<",
-        "id | (11u - feature) <<",
-        Buffer::Lists,
-    ),
-    Mistake(
-        "clear_cells",
-        0,
-        "clear_cells.wgsl",
-        "k < CELL_BLOCK",
-        "k < CELL_BLOCK / 2u",
-        Buffer::Cells,
-    ),
-    Mistake(
-        "count_cells",
-        0,
-        "grid.wgsl",
-        "u32(z) * ROW_Z",
-        "u32(z) * ROW_Y",
-        Buffer::Cells,
-    ),
-    Mistake(
-        "sum_blocks",
-        0,
-        "scan_cells.wgsl",
-        "local == WORKGROUP - 1u",
-        "local == 0u",
-        Buffer::Cells,
-    ),
-    Mistake(
-        "scan_blocks",
-        0,
-        "scan_cells.wgsl",
-        "before + sums[local] - own;",
-        "before + sums[local];",
-        Buffer::Cells,
-    ),
-    Mistake(
-        "place_cells",
-        0,
-        "scan_cells.wgsl",
-        "before += count",
-        "before -= count",
-        Buffer::Cells,
-    ),
-    Mistake(
-        "sort_cells",
-        0,
-        "sort_cells.wgsl",
-        "CELLS_AT + key], 1u",
-        "CELLS_AT + key], 0u",
-        Buffer::Cells,
-    ),
-    Mistake(
-        "find_neighbours",
-        0,
-        "neighbours.wgsl",
-        "(id == mover) |",
-        "(id < mover) |",
-        Buffer::Lists,
-    ),
-    Mistake(
-        "find_neighbours",
-        0,
-        "find_neighbours.wgsl",
-        "if before <= key",
-        "if before >= key",
-        Buffer::Lists,
-    ),
-    Mistake(
-        "find_collisions",
-        0,
-        "find_collisions.wgsl",
-        "min(radius, ",
-        "max(radius, ",
-        Buffer::Lists,
-    ),
-    Mistake(
-        "find_collisions",
-        0,
-        "geometry.wgsl",
-        "nn <= 1e-8 * aa * bb",
-        "nn < 0.0",
-        Buffer::Lists,
-    ),
-    Mistake(
-        "weigh_collisions",
-        0,
-        "weigh_collisions.wgsl",
-        "ALONE: f32 = 1.001",
-        "ALONE: f32 = 1.5",
-        Buffer::Weights,
-    ),
-    Mistake(
-        "weigh_collisions",
-        0,
-        "weigh_collisions.wgsl",
-        "sqrt(l.inverse_mass)",
-        "l.inverse_mass",
-        Buffer::Weights,
-    ),
-    Mistake(
-        "apply_collisions",
-        0,
-        "apply_collisions.wgsl",
-        "1.0 + step.rest",
-        "1.0 - step.rest",
-        Buffer::Y2,
-    ),
-    Mistake(
-        "commit_collisions",
-        0,
-        "commit.wgsl",
-        "region < 3u",
-        "region < 1u",
-        Buffer::Start,
-    ),
-    Mistake(
-        "end_collisions",
-        0,
-        "end_collisions.wgsl",
-        "collided = 1u",
-        "collided = 2u",
-        Buffer::Status,
-    ),
-    Mistake(
-        "restore_lengths",
-        0,
-        "lengths.wgsl",
-        "move_end(ends.y, -w2",
-        "move_end(ends.y, w2",
-        Buffer::Start,
-    ),
-    Mistake(
-        "rod_forces",
-        0,
-        "rod_forces.wgsl",
-        "+= at * couple",
-        "+= (1.0 - at) * couple",
-        Buffer::Wrenches,
-    ),
-    Mistake(
-        "rod_forces",
-        3,
-        "geometry.wgsl",
-        "nn <= 1e-8 * aa * bb",
-        "nn <= 0.3 * aa * bb",
-        Buffer::Wrenches,
-    ),
-    Mistake(
-        "advance",
-        0,
-        "contact.wgsl",
-        "select(overlap, 0.5 *",
-        "select(overlap, 0.4 *",
-        Buffer::Y2,
-    ),
+    Mistake("update_aabbs", 0, "update_aabbs.wgsl", "0.02 * radius", "0.03 * radius", Buffer::Aabbs),
+    Mistake("count_pairs", 0, "pair_tiles.wgsl", "(a.id != b.id)", "(a.id < b.id)", Buffer::Lists),
+    Mistake("scan_pairs", 0, "scan_pairs.wgsl", "k < SLICE;", "k < SLICE / 2u;", Buffer::Lists),
+    Mistake("fill_pairs", 0, "pair_tiles.wgsl", "id | feature <<", "id | (11u - feature) <<", Buffer::Lists),
+    Mistake("clear_cells", 0, "clear_cells.wgsl", "k < CELL_BLOCK", "k < CELL_BLOCK / 2u", Buffer::Cells),
+    Mistake("count_cells", 0, "grid.wgsl", "u32(z) * ROW_Z", "u32(z) * ROW_Y", Buffer::Cells),
+    Mistake("sum_blocks", 0, "scan_cells.wgsl", "local == WORKGROUP - 1u", "local == 0u", Buffer::Cells),
+    Mistake("scan_blocks", 0, "scan_cells.wgsl", "before + sums[local] - own;", "before + sums[local];", Buffer::Cells),
+    Mistake("place_cells", 0, "scan_cells.wgsl", "before += count", "before -= count", Buffer::Cells),
+    Mistake("sort_cells", 0, "sort_cells.wgsl", "CELLS_AT + key], 1u", "CELLS_AT + key], 0u", Buffer::Cells),
+    Mistake("find_neighbours", 0, "neighbours.wgsl", "(id == mover)", "(id < mover)", Buffer::Lists),
+    Mistake("find_neighbours", 0, "find_neighbours.wgsl", "if before <= id", "if before >= id", Buffer::Lists),
+    Mistake("find_collisions", 0, "find_collisions.wgsl", "min(radius, ", "max(radius, ", Buffer::Lists),
+    Mistake("find_collisions", 0, "geometry.wgsl", "nn <= 1e-8 * aa * bb", "nn < 0.0", Buffer::Lists),
+    Mistake("weigh_collisions", 0, "weigh_collisions.wgsl", "ALONE: f32 = 1.001", "ALONE: f32 = 1.5", Buffer::Weights),
+    Mistake("weigh_collisions", 0, "weigh_collisions.wgsl", "sqrt(l.inverse_mass)", "l.inverse_mass", Buffer::Weights),
+    Mistake("apply_collisions", 0, "apply_collisions.wgsl", "1.0 + step.rest", "1.0 - step.rest", Buffer::Y2),
+    Mistake("commit_collisions", 0, "commit.wgsl", "region < 3u", "region < 1u", Buffer::Start),
+    Mistake("end_collisions", 0, "end_collisions.wgsl", "collided = 1u", "collided = 2u", Buffer::Status),
+    Mistake("restore_lengths", 0, "lengths.wgsl", "move_end(ends.y, -w2", "move_end(ends.y, w2", Buffer::Start),
+    Mistake("rod_forces", 0, "rod_forces.wgsl", "+= at * couple", "+= (1.0 - at) * couple", Buffer::Wrenches),
+    Mistake("rod_forces", 3, "geometry.wgsl", "nn <= 1e-8 * aa * bb", "nn <= 0.3 * aa * bb", Buffer::Wrenches),
+    Mistake("advance", 0, "contact.wgsl", "select(overlap, 0.5 *", "select(overlap, 0.4 *", Buffer::Y2),
     Mistake("advance", 1, "contact.wgsl", "sqrt(sqrt(tt))", "sqrt(tt)", Buffer::Y3),
     Mistake("advance", 2, "advance.wgsl", "index == 2u", "index == 1u", Buffer::Y4),
     Mistake("finish", 3, "finish.wgsl", "step.dt / 6.0", "step.dt / 3.0", Buffer::Start),
-    Mistake(
-        "leap",
-        0,
-        "leap.wgsl",
-        "step.dt * velocity",
-        "step.dt * old_velocity.xyz",
-        Buffer::Y2,
-    ),
+    Mistake("leap", 0, "leap.wgsl", "step.dt * velocity", "step.dt * old_velocity.xyz", Buffer::Y2),
     Mistake("commit_leap", 0, "commit.wgsl", "region < 3u", "region < 2u", Buffer::Start),
-    Mistake(
-        "constrain",
-        0,
-        "constrain.wgsl",
-        "correction / step.dt",
-        "correction * step.dt",
-        Buffer::Start,
-    ),
+    Mistake("constrain", 0, "constrain.wgsl", "correction / step.dt", "correction * step.dt", Buffer::Start),
     Mistake("turn", 0, "turn.wgsl", "cross(rest, d)", "cross(d, rest)", Buffer::Start),
-    Mistake(
-        "turn",
-        0,
-        "turn.wgsl",
-        "cross(a.xyz, b.xyz)",
-        "cross(b.xyz, a.xyz)",
-        Buffer::Orientations,
-    ),
-    Mistake(
-        "end_step",
-        0,
-        "end_step.wgsl",
-        "= status.max_overlap",
-        "= status.contacts",
-        Buffer::Status,
-    ),
+    Mistake("turn", 0, "turn.wgsl", "cross(a.xyz, b.xyz)", "cross(b.xyz, a.xyz)", Buffer::Orientations),
+    Mistake("end_step", 0, "end_step.wgsl", "= status.max_overlap", "= status.contacts", Buffer::Status),
 ];
 
 /// The stage of a run with a mistake in it. It lives as long as the process, as stages do.
@@ -241,14 +52,8 @@ fn broken(run: Run, Mistake(_, _, file, right, wrong, _): &Mistake) -> Run {
     let text = part.text.replacen(right, wrong, 1);
     assert_ne!(text, part.text, "{file} has no '{right}'");
     part.text = text.leak();
-    let stage = Stage {
-        parts: parts.leak(),
-        ..*run.stage
-    };
-    Run {
-        stage: Box::leak(Box::new(stage)),
-        ..run
-    }
+    let stage = Stage { parts: parts.leak(), ..*run.stage };
+    Run { stage: Box::leak(Box::new(stage)), ..run }
 }
 
 #[test]
@@ -259,9 +64,7 @@ fn a_kernel_with_a_mistake_is_told() {
     for mistake in &MISTAKES {
         let Mistake(stage, pass, file, _, wrong, buffer) = mistake;
         let mut scenarios = traces.iter().flat_map(|trace| &trace.scenarios);
-        let scenario = scenarios
-            .find(|scenario| scenario.run.stage.name == *stage && scenario.run.pass == *pass)
-            .expect(stage);
+        let scenario = scenarios.find(|scenario| scenario.run.stage.name == *stage && scenario.run.pass == *pass).expect(stage);
         // A device of its own: kernels are kept by name.
         let gpu = on_gpu(&open(), &scenario.before, broken(scenario.run, mistake));
         let told = differences(&scenario.run, &scenario.before, &gpu, MEASURED);

@@ -59,25 +59,15 @@ pub(crate) fn clusters(seed: u64, settings: Settings, attempts: &[u64]) -> Clust
         let cell = [cluster % side, cluster / side % side, cluster / side / side];
         let middle = SPACING * Vec3::from_array(cell.map(|k| k as f32 - 0.5 * (side - 1) as f32));
         let draw_seed = seed << 40 | (cluster as u64) << 20 | attempt;
-        let mut draw = Draw {
-            scene: &mut scene,
-            rng: Pcg64Mcg::seed_from_u64(draw_seed),
-            middle,
-        };
+        let mut draw = Draw { scene: &mut scene, rng: Pcg64Mcg::seed_from_u64(draw_seed), middle };
         // So that nothing lies where it is by design.
         let jitter = draw.vector(0.1);
         draw.middle += jitter;
         RECIPES[(cluster + seed as usize) % RECIPES.len()](&mut draw);
         let counts = scene.counts();
-        for (owner, count) in owners
-            .iter_mut()
-            .zip([counts.spheres, counts.rods, counts.boxes, counts.polygons])
-        {
+        for (owner, count) in owners.iter_mut().zip([counts.spheres, counts.rods, counts.boxes, counts.polygons]) {
             owner.resize(count, cluster);
         }
     }
-    Clusters {
-        scene,
-        cluster_of: owners.concat(),
-    }
+    Clusters { scene, cluster_of: owners.concat() }
 }

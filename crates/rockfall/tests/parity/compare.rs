@@ -63,11 +63,7 @@ fn floats(world: &World) -> Vec<Floats> {
     }
     field(Buffer::Orientations, "quaternion", flat(&world.orientations));
     let colliding = entries(world).into_iter().filter(|entry| entry.word & ENTRY_COLLIDES != 0);
-    field(
-        Buffer::Weights,
-        "weight",
-        colliding.map(|entry| world.weights[entry.slot]).collect(),
-    );
+    field(Buffer::Weights, "weight", colliding.map(|entry| world.weights[entry.slot]).collect());
     let status = &world.status;
     let measured = [status.escape_ratio, status.max_overlap, status.last_max_overlap];
     field(Buffer::Status, "overlaps and escapes", measured.map(f32::from_bits).to_vec());
@@ -78,23 +74,14 @@ fn words(world: &World) -> Vec<(Buffer, &'static str, Vec<u32>)> {
     let tags = world.aabbs.iter().flat_map(|aabb| [aabb.id, aabb.tag]).collect();
     let head = world.lists[..world.step.entries_at as usize].to_vec();
     let lists = entries(world).into_iter().map(|entry| entry.word).collect();
-    let counters = Status {
-        escape_ratio: 0,
-        max_overlap: 0,
-        last_max_overlap: 0,
-        ..world.status
-    };
+    let counters = Status { escape_ratio: 0, max_overlap: 0, last_max_overlap: 0, ..world.status };
     vec![
         (Buffer::Aabbs, "ids and tags", tags),
         (Buffer::Words, "words", world.words.clone()),
         (Buffer::Cells, "cells", world.cells.clone()),
         (Buffer::Lists, "counts and offsets", head),
         (Buffer::Lists, "entries", lists),
-        (
-            Buffer::Status,
-            "counters",
-            bytemuck::cast_slice(bytemuck::bytes_of(&counters)).to_vec(),
-        ),
+        (Buffer::Status, "counters", bytemuck::cast_slice(bytemuck::bytes_of(&counters)).to_vec()),
     ]
 }
 
@@ -164,12 +151,7 @@ pub(crate) fn differences(run: &Run, before: &World, gpu: &World, tolerance: Tol
         .map(|seed| {
             let world = after(shaken(before, seed));
             let wavering = different_words(&world, &cpu);
-            assert!(
-                wavering.is_empty(),
-                "{}: rounding decides: {}",
-                run.stage.name,
-                listed(&wavering)
-            );
+            assert!(wavering.is_empty(), "{}: rounding decides: {}", run.stage.name, listed(&wavering));
             floats(&world)
         })
         .collect();
@@ -183,10 +165,7 @@ pub(crate) fn differences(run: &Run, before: &World, gpu: &World, tolerance: Tol
             let near = (g - c).abs() <= allowed;
             if !near {
                 let text = format!("{}[{at}]: GPU {g}, CPU {c}, tolerance {allowed}", cpu.what);
-                all.push(Difference {
-                    buffer: cpu.buffer,
-                    text,
-                });
+                all.push(Difference { buffer: cpu.buffer, text });
             }
         }
     }

@@ -95,15 +95,7 @@ fn contact(bodies: &Bodies, a: usize, b: usize, touch: Touch) -> Contact {
     let over = |value: fn(&Bodies, usize, DVec3) -> f64| shares.iter().map(|(ball, g)| value(bodies, *ball, *g)).sum();
     let w: f64 = over(|bodies, ball, g| bodies.balls[ball].w * g.length_squared());
     let u: f64 = -over(|bodies, ball, g| bodies.balls[ball].v.dot(g));
-    Contact {
-        a,
-        b,
-        touch,
-        w,
-        u,
-        collides: w > 0.0 && u > threshold(bodies, a, b),
-        shares,
-    }
+    Contact { a, b, touch, w, u, collides: w > 0.0 && u > threshold(bodies, a, b), shares }
 }
 
 /// The end of a capsule passes the axial part on, by mass.
@@ -129,10 +121,7 @@ fn threshold(bodies: &Bodies, a: usize, b: usize) -> f64 {
 
 /// |G_kl| / sqrt(G_kk G_ll).
 fn coupling(bodies: &Bodies, k: &Contact, l: &Contact) -> f64 {
-    let shared = k
-        .shares
-        .iter()
-        .filter_map(|(ball, g)| Some((ball, g.dot(*l.shares.get(ball)?))));
+    let shared = k.shares.iter().filter_map(|(ball, g)| Some((ball, g.dot(*l.shares.get(ball)?))));
     let g: f64 = shared.map(|(ball, product)| bodies.balls[*ball].w * product).sum();
     g.abs() / (k.w * l.w).sqrt()
 }
@@ -166,11 +155,7 @@ pub(crate) fn collisions(world: &World, findings: &mut Findings) -> Vec<Weighed>
             findings.decide("row sum", k.a, overlapping - ALONE);
             findings.see(if overlapping <= ALONE { "alone" } else { "pressed" }.to_owned());
         }
-        all.push(Weighed {
-            contact: k.clone(),
-            weight: 1.0 / colliding,
-            removed: overlapping <= ALONE,
-        });
+        all.push(Weighed { contact: k.clone(), weight: 1.0 / colliding, removed: overlapping <= ALONE });
     }
     all
 }
@@ -216,12 +201,7 @@ pub(crate) fn forces(world: &World, state: usize, findings: &mut Findings) {
 
 /// Whether every moving sphere is within its AABB in stage state `state`.
 pub(crate) fn escapes(world: &World, state: usize, findings: &mut Findings) {
-    for (ball, id) in Bodies::new(world, state)
-        .balls
-        .iter()
-        .zip(0..)
-        .filter(|(ball, _)| ball.w > 0.0)
-    {
+    for (ball, id) in Bodies::new(world, state).balls.iter().zip(0..).filter(|(ball, _)| ball.w > 0.0) {
         let aabb = &world.aabbs[id];
         for (k, x) in ball.x.to_array().into_iter().enumerate() {
             let below = x - ball.radius - f64::from(aabb.min[k]);

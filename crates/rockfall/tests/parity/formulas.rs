@@ -63,12 +63,7 @@ fn impulses_and_displacements_are_those_of_the_formulas() {
         let (bodies, done) = (Bodies::new(world, 0), Bodies::new(after, 1));
         let restitution = f64::from(world.step.restitution);
         let mut kicks = vec![(DVec3::ZERO, DVec3::ZERO); bodies.balls.len()];
-        for Weighed {
-            contact: k,
-            weight,
-            removed,
-        } in by_pair(world).values().filter(|w| w.contact.collides)
-        {
+        for Weighed { contact: k, weight, removed } in by_pair(world).values().filter(|w| w.contact.collides) {
             for (ball, g) in &k.shares {
                 let share = bodies.balls[*ball].w * weight / k.w * *g;
                 kicks[*ball].0 += share * (1.0 + restitution) * k.u;
@@ -76,12 +71,7 @@ fn impulses_and_displacements_are_those_of_the_formulas() {
             }
         }
         for ((ball, (dv, dx)), done) in bodies.balls.iter().zip(kicks).zip(&done.balls) {
-            assert!(
-                (ball.v + dv - done.v).length() < 1e-3 * (1.0 + dv.length()),
-                "{} {dv} {}",
-                ball.v,
-                done.v
-            );
+            assert!((ball.v + dv - done.v).length() < 1e-3 * (1.0 + dv.length()), "{} {dv} {}", ball.v, done.v);
             assert!((ball.x + dx - done.x).length() < 1e-4, "{} {dx} {}", ball.x, done.x);
         }
     }

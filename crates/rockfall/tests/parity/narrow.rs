@@ -26,16 +26,7 @@ pub(crate) struct Touch {
 
 impl Touch {
     fn new(kind: &'static str, n: DVec3, overlap: f64, holds: f64) -> Self {
-        Self {
-            kind,
-            feature: 0,
-            n,
-            overlap,
-            a: 0.0,
-            b: 0.0,
-            holds,
-            sure: f64::INFINITY,
-        }
+        Self { kind, feature: 0, n, overlap, a: 0.0, b: 0.0, holds, sure: f64::INFINITY }
     }
 }
 
@@ -79,14 +70,7 @@ fn segments([a1, a2]: [DVec3; 2], [b1, b2]: [DVec3; 2]) -> Closest {
         (a, b, inside(a).min(inside(b)))
     };
     let d = c + b * v - a * u;
-    Closest {
-        a,
-        b,
-        d,
-        holds,
-        parallel,
-        sure: parallel_sure(sine),
-    }
+    Closest { a, b, d, holds, parallel, sure: parallel_sure(sine) }
 }
 
 /// Everything that the objects `a < b` have in common: all touches that hold or might.
@@ -132,12 +116,7 @@ fn rod_rod(bodies: &Bodies, a: usize, b: usize) -> Touch {
         overlap,
         overlap.min(closest.holds),
     );
-    Touch {
-        a: closest.a,
-        b: closest.b,
-        sure: closest.sure,
-        ..touch
-    }
+    Touch { a: closest.a, b: closest.b, sure: closest.sure, ..touch }
 }
 
 /// Parameters of a point along the edges of a box.
@@ -166,10 +145,7 @@ fn sphere_box(bodies: &Bodies, ball: usize, block: &Block) -> Touch {
     depths.sort_by(|one, other| one.0.total_cmp(&other.0));
     let (depth, exit) = depths[0];
     let touch = Touch::new("sphere-box inside", -exit, ball.radius + depth, ball.radius + depth);
-    Touch {
-        sure: within.min(depths[1].0 - depth),
-        ..touch
-    }
+    Touch { sure: within.min(depths[1].0 - depth), ..touch }
 }
 
 fn sphere_polygon(bodies: &Bodies, ball: usize, face: usize) -> Touch {
@@ -177,11 +153,7 @@ fn sphere_polygon(bodies: &Bodies, ball: usize, face: usize) -> Touch {
     let t = ball.x - face.corner;
     let n = face.left.cross(face.right).normalize();
     // t - (t.n) n = l L + k R, by the components of both sides along L and R.
-    let (ll, rr, lr) = (
-        face.left.length_squared(),
-        face.right.length_squared(),
-        face.left.dot(face.right),
-    );
+    let (ll, rr, lr) = (face.left.length_squared(), face.right.length_squared(), face.left.dot(face.right));
     let (tl, tr) = (t.dot(face.left), t.dot(face.right));
     let det = ll * rr - lr * lr;
     let (l, k) = ((tl * rr - tr * lr) / det, (tr * ll - tl * lr) / det);
@@ -219,21 +191,13 @@ fn rod_box(bodies: &Bodies, bar: usize, block: &Block) -> Vec<Touch> {
         } else {
             Touch::new(kinds[1], -d.normalize(), radius + distance, holds)
         };
-        Touch {
-            feature,
-            a,
-            sure: within.abs(),
-            ..touch
-        }
+        Touch { feature, a, sure: within.abs(), ..touch }
     };
     let mut all: Vec<Touch> = (0..12)
         .map(|feature| {
             let Closest { a, d, holds, sure, .. } = segments(segment, box_edge(block, feature));
             let touch = at_feature(feature, a, d, ["rod-box edge", "rod-box edge inside"], holds);
-            Touch {
-                sure: touch.sure.min(sure),
-                ..touch
-            }
+            Touch { sure: touch.sure.min(sure), ..touch }
         })
         .collect();
     let any_edge = all.iter().map(|touch| touch.holds).fold(f64::NEG_INFINITY, f64::max);

@@ -8,7 +8,7 @@ pub(crate) fn canonical(world: &World, stage: &str) -> World {
     let mut world = world.clone();
     match stage {
         "sort_cells" => order_cells(&mut world),
-        "find_neighbours" if world.status.void == 0 => order_slices(&mut world),
+        "find_neighbours" => order_slices(&mut world),
         _ => {}
     }
     world
@@ -40,15 +40,8 @@ fn order_slices(world: &mut World) {
     let mut slices: Vec<(u32, u32)> = offsets.iter().copied().zip(widths.clone()).collect();
     slices.sort_unstable();
     let ends = slices.iter().map(|(offset, width)| offset + width);
-    let next = slices
-        .iter()
-        .skip(1)
-        .map(|(offset, _)| *offset)
-        .chain([world.status.pairs_needed]);
-    assert!(
-        ends.zip(next).all(|(end, next)| end <= next),
-        "slices lie upon another: {slices:?}"
-    );
+    let next = slices.iter().skip(1).map(|(offset, _)| *offset).chain([world.status.pairs_needed]);
+    assert!(ends.zip(next).all(|(end, next)| end <= next), "slices lie upon another: {slices:?}");
     let before = entries.to_vec();
     let mut end = 0;
     for (offset, width) in offsets.iter_mut().zip(widths) {

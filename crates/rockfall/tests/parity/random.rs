@@ -77,11 +77,7 @@ impl Draw<'_> {
         let radius = self.between(0.1, 0.25);
         let rod = Rod::new(added[0], added[1], radius);
         let strain = self.between(0.95, 1.05);
-        let rod = if self.chance(0.6) {
-            rod.length(end1.distance(end2) * strain)
-        } else {
-            rod
-        };
+        let rod = if self.chance(0.6) { rod.length(end1.distance(end2) * strain) } else { rod };
         self.scene.add_rod(rod).unwrap();
     }
 
@@ -109,9 +105,7 @@ impl Draw<'_> {
 
     pub(crate) fn capsule_duel(&mut self) {
         let (middle, direction) = (self.middle, self.direction());
-        self.scene
-            .add_capsule(Capsule::new(middle, middle + direction, 0.25).mass(1.5))
-            .unwrap();
+        self.scene.add_capsule(Capsule::new(middle, middle + direction, 0.25).mass(1.5)).unwrap();
         let across = self.vector(0.6);
         let mut ball = self.ball(middle + direction);
         ball.position += (0.2 + ball.radius) * (2.0 * direction + across).normalize();
@@ -135,21 +129,13 @@ impl Draw<'_> {
         let other = self.ball(a);
         let gap = one.radius + other.radius - self.between(0.0005, 0.01);
         let speed = self.between(0.5, 3.0);
-        let other = Sphere {
-            position: a + gap * direction,
-            velocity: one.velocity - speed * direction,
-            ..other
-        };
+        let other = Sphere { position: a + gap * direction, velocity: one.velocity - speed * direction, ..other };
         self.add(one);
         self.add(other);
         let floor = self.middle - Vec3::Y * EXTENT;
         let ball = self.ball(floor);
         let height = ball.radius - self.between(0.0005, 0.01);
-        let sunk = Sphere {
-            position: floor + height * Vec3::Y,
-            velocity: Vec3::new(0.5, -speed, 0.1),
-            ..ball
-        };
+        let sunk = Sphere { position: floor + height * Vec3::Y, velocity: Vec3::new(0.5, -speed, 0.1), ..ball };
         self.add(sunk);
         self.floor(floor);
     }
@@ -158,9 +144,7 @@ impl Draw<'_> {
     fn floor(&mut self, point: Vec3) {
         let [skew, tilt, other] = [self.between(-0.4, 0.4), self.between(-0.2, 0.2), self.between(-0.2, 0.2)];
         let (left, right) = (Vec3::new(0.1, tilt, 2.4), Vec3::new(2.4, other, skew));
-        self.scene
-            .add_polygon(Polygon::new(point - 0.5 * (left + right), left, right))
-            .unwrap();
+        self.scene.add_polygon(Polygon::new(point - 0.5 * (left + right), left, right)).unwrap();
     }
 
     pub(crate) fn sphere_on_rod(&mut self, pushed: bool) {
@@ -207,29 +191,16 @@ impl Draw<'_> {
         let (i, helper) = (self.direction(), self.direction());
         let j = i.cross(helper).normalize();
         let edges = [i, j, i.cross(j)].map(|edge| edge * self.between(0.6, 1.4));
-        let cuboid = Cuboid::new(
-            self.middle - 0.5 * (edges[0] + edges[1] + edges[2]),
-            edges[0],
-            edges[1],
-            edges[2],
-        );
+        let cuboid = Cuboid::new(self.middle - 0.5 * (edges[0] + edges[1] + edges[2]), edges[0], edges[1], edges[2]);
         self.scene.add_box(cuboid).unwrap();
         cuboid
     }
 
     pub(crate) fn box_and_spheres(&mut self) {
-        let Cuboid {
-            corner,
-            edges: [i, j, k],
-            ..
-        } = self.cuboid();
+        let Cuboid { corner, edges: [i, j, k], .. } = self.cuboid();
         self.spheres(3);
         let outward = -(i + j + k).normalize();
-        for place in [
-            corner + 0.15 * outward,
-            corner + 0.5 * i - 0.12 * (j + k).normalize(),
-            self.middle + 0.3 * i,
-        ] {
+        for place in [corner + 0.15 * outward, corner + 0.5 * i - 0.12 * (j + k).normalize(), self.middle + 0.3 * i] {
             let jitter = self.vector(0.05);
             let ball = self.ball(place + jitter);
             self.add(ball);
@@ -237,11 +208,7 @@ impl Draw<'_> {
     }
 
     pub(crate) fn box_and_rods(&mut self, count: usize) {
-        let Cuboid {
-            corner,
-            edges: [i, j, k],
-            ..
-        } = self.cuboid();
+        let Cuboid { corner, edges: [i, j, k], .. } = self.cuboid();
         for number in 0..count {
             // Across the edge along I, the axis outside or inside the box.
             let out = -(j.normalize() + k.normalize()).normalize();
@@ -309,12 +276,7 @@ impl Draw<'_> {
 
     /// A tetrahedron of fixed rods, with a tail of a free rod.
     pub(crate) fn frame(&mut self) {
-        let corners = [
-            Vec3::ONE,
-            Vec3::new(1.0, -1.0, -1.0),
-            Vec3::new(-1.0, 1.0, -1.0),
-            Vec3::new(-1.0, -1.0, 1.0),
-        ];
+        let corners = [Vec3::ONE, Vec3::new(1.0, -1.0, -1.0), Vec3::new(-1.0, 1.0, -1.0), Vec3::new(-1.0, -1.0, 1.0)];
         let mut ends = Vec::new();
         for corner in corners {
             let jitter = self.vector(0.1);

@@ -31,11 +31,7 @@ fn assert_alike(gpu: &Gpu, scene: &Scene, runs: &[Run], steps: u32, margin: f32)
 }
 
 fn stages(phases: &[Phase], integrator: Integrator) -> Vec<Run> {
-    phases
-        .iter()
-        .flat_map(|phase| phase.stages(integrator, BroadPhase::BruteForce))
-        .copied()
-        .collect()
+    phases.iter().flat_map(|phase| phase.stages(integrator, BroadPhase::BruteForce)).copied().collect()
 }
 
 fn at(x: f32, y: f32, z: f32) -> Vec3 {
@@ -84,13 +80,8 @@ fn round_things(scene: &mut Scene) {
 /// A box with spheres inside, on a face and at an edge, and rods through an edge, along one, inside, and by a vertex.
 /// A polygon touched from the front, on the face, from behind, past its edge, and left fast.
 fn static_things(scene: &mut Scene) {
-    scene
-        .add_box(Cuboid::between(at(20.0, 0.0, 0.0), at(22.0, 2.0, 3.0)))
-        .unwrap();
-    resting(
-        scene,
-        &[(21.0, 1.0, 1.5), (20.1, 0.7, 1.0), (22.0, 1.0, 1.0), (22.1, 2.1, 1.0)],
-    );
+    scene.add_box(Cuboid::between(at(20.0, 0.0, 0.0), at(22.0, 2.0, 3.0))).unwrap();
+    resting(scene, &[(21.0, 1.0, 1.5), (20.1, 0.7, 1.0), (22.0, 1.0, 1.0), (22.1, 2.1, 1.0)]);
     rod(scene, at(19.0, 1.0, 1.0), at(21.0, -1.0, 1.0), Some(2.8));
     rod(scene, at(20.5, 2.1, 0.0), at(21.5, 2.1, 0.0), None);
     rod(scene, at(20.05, 0.05, 1.0), at(20.05, 0.05, 2.0), Some(1.0));
@@ -98,13 +89,7 @@ fn static_things(scene: &mut Scene) {
     rod(scene, at(21.9, 1.9, -1.0), at(21.9, 1.9, 1.0), None);
     let face = Polygon::new(at(30.0, 0.0, 0.0), at(0.0, 0.0, 4.0), at(4.0, 0.0, 1.0));
     scene.add_polygon(face).unwrap();
-    for (x, y, speed) in [
-        (31.0, 0.2, -1.0),
-        (32.0, 0.0, 0.0),
-        (33.0, -0.1, 0.0),
-        (29.9, 0.1, 0.0),
-        (32.5, 0.1, 9.0),
-    ] {
+    for (x, y, speed) in [(31.0, 0.2, -1.0), (32.0, 0.0, 0.0), (33.0, -0.1, 0.0), (29.9, 0.1, 0.0), (32.5, 0.1, 9.0)] {
         sphere(scene, at(x, y, 2.0), 0.25, at(0.0, speed, 0.0));
     }
 }
@@ -137,10 +122,7 @@ fn what_is_decided_by_rule() {
     capsules(&mut scene);
     for integrator in [Integrator::Rk4, Integrator::SymplecticEuler] {
         let last = assert_alike(&GPU, &scene, &stages(&Phase::STEP, integrator), 3, 1e6).status;
-        assert!(
-            last.void == 0 && last.last_contacts > 20 && last.total_collisions_low > 5,
-            "{last:?}"
-        );
+        assert!(last.void == 0 && last.last_contacts > 20 && last.total_collisions_low > 5, "{last:?}");
     }
 }
 
@@ -155,10 +137,7 @@ fn bodies_that_stop_being_finite() {
             scene.add_spring(Spring::new(ids[one], ids[two], 3e38, 0.1)).unwrap();
         }
         let status = assert_alike(&GPU, &scene, &stages(&Phase::STEP, integrator), 1, 1e30).status;
-        assert!(
-            status.total_bad >= 4 && status.bad_step == 1 && status.void != 0,
-            "{status:?}"
-        );
+        assert!(status.total_bad >= 4 && status.bad_step == 1 && status.void != 0, "{status:?}");
     }
 }
 
@@ -167,14 +146,8 @@ fn narrow() -> Gpu {
     let open = async {
         let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
         let adapter = instance.request_adapter(&Default::default()).await.unwrap();
-        let required_limits = wgpu::Limits {
-            max_compute_workgroups_per_dimension: 13,
-            ..adapter.limits()
-        };
-        let wanted = wgpu::DeviceDescriptor {
-            required_limits,
-            ..Default::default()
-        };
+        let required_limits = wgpu::Limits { max_compute_workgroups_per_dimension: 13, ..adapter.limits() };
+        let wanted = wgpu::DeviceDescriptor { required_limits, ..Default::default() };
         adapter.request_device(&wanted).await.unwrap()
     };
     let mut context = std::task::Context::from_waker(std::task::Waker::noop());
@@ -205,10 +178,7 @@ fn thousands_in_two_dimensions_of_workgroups() {
         let runs = stages(&phases, Integrator::SymplecticEuler);
         let World { step, status, .. } = assert_alike(&gpu, &scene, &runs, 1, 15.0);
         assert!(step.spheres.div_ceil(WORKGROUP) > 10 * 13, "{step:?}");
-        assert!(
-            status.void == 0 && status.collisions + status.last_contacts > 1000,
-            "{status:?}"
-        );
+        assert!(status.void == 0 && status.collisions + status.last_contacts > 1000, "{status:?}");
     }
 }
 

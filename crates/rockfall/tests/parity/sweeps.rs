@@ -53,11 +53,7 @@ impl Sweeps {
         for ball in bodies.balls.iter_mut().filter(|ball| ball.w == 0.0) {
             ball.v = DVec3::ZERO;
         }
-        Self {
-            bodies,
-            old: world.states[2].iter().map(|row| row.truncate().as_dvec3()).collect(),
-            colours: colours.collect(),
-        }
+        Self { bodies, old: world.states[2].iter().map(|row| row.truncate().as_dvec3()).collect(), colours: colours.collect() }
     }
 
     fn run(&mut self, rule: Rule, findings: &mut Findings) {
@@ -100,10 +96,7 @@ impl Sweeps {
             Rule::Shake => {
                 // The multiplier g of |d - g w old| = l that is next to 0.
                 let old = self.old[two] - self.old[one];
-                let (p, q) = (
-                    d.dot(old) / old.length_squared(),
-                    (d.length_squared() - length * length) / old.length_squared(),
-                );
+                let (p, q) = (d.dot(old) / old.length_squared(), (d.length_squared() - length * length) / old.length_squared());
                 let discriminant = p * p - q;
                 findings.decide("turned too far", one, discriminant.min(p));
                 if discriminant >= 0.0 && p > 0.0 {

@@ -58,9 +58,7 @@ pub(crate) fn trace(plan: &Plan) -> Trace {
         for cluster in again {
             attempts[cluster] += 1;
             let mut near = trace.findings.near.iter();
-            let why = near
-                .find(|near| drawn.cluster_of[near.object] == cluster)
-                .map(|near| near.what);
+            let why = near.find(|near| drawn.cluster_of[near.object] == cluster).map(|near| near.what);
             assert!(attempts[cluster] < MAX_ATTEMPTS, "cluster {cluster}: {why:?}");
         }
     }
@@ -85,19 +83,14 @@ fn run(drawn: &Clusters, plan: &Plan) -> Trace {
     let mut world = built(drawn);
     let mut scenarios = Vec::new();
     let mut findings = Findings::default();
-    let phases = Phase::STEP
-        .iter()
-        .filter(|phase| drawn.scene.settings.collisions || **phase != Phase::HandleCollisions);
+    let phases = Phase::STEP.iter().filter(|phase| drawn.scene.settings.collisions || **phase != Phase::HandleCollisions);
     let start = world.states[0].clone();
     for run in phases.flat_map(|phase| phase.stages(plan.integrator, plan.broad_phase)) {
         if run.stage.name == "constrain" {
             turn_some(&mut world);
         }
         decide(&world, run, &mut findings);
-        scenarios.push(Scenario {
-            run: *run,
-            before: world.clone(),
-        });
+        scenarios.push(Scenario { run: *run, before: world.clone() });
         (run.stage.cpu)(&mut world, run.pass);
         if run.stage.name == "constrain" {
             // Axes that turn half around have no shortest rotation.
@@ -110,11 +103,7 @@ fn run(drawn: &Clusters, plan: &Plan) -> Trace {
         }
     }
     decisions::escapes(&world, 0, &mut findings);
-    Trace {
-        scenarios,
-        findings,
-        after: world,
-    }
+    Trace { scenarios, findings, after: world }
 }
 
 /// Swaps where the ends of every ninth rod were before the step: as if it had turned half around within it.

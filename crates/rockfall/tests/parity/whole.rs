@@ -8,31 +8,17 @@ use rockfall::{
 fn scene() -> Scene {
     let mut scene = Scene::new();
     scene.add_box(Cuboid::between((-4.0, -1.0, -4.0), (4.0, 0.0, 4.0))).unwrap();
-    scene
-        .add_polygon(Polygon::new((5.0, 0.0, -4.0), (0.0, 0.0, 8.0), (8.0, 0.3, 0.0)))
-        .unwrap();
-    scene
-        .add_sphere(Sphere::new((-3.0, 0.53, 0.0), 0.5).velocity((0.7, -2.0, 0.2)))
-        .unwrap();
-    scene
-        .add_sphere(Sphere::new((8.0, 0.7, 0.0), 0.5).velocity((0.0, -2.0, 0.3)))
-        .unwrap();
+    scene.add_polygon(Polygon::new((5.0, 0.0, -4.0), (0.0, 0.0, 8.0), (8.0, 0.3, 0.0))).unwrap();
+    scene.add_sphere(Sphere::new((-3.0, 0.53, 0.0), 0.5).velocity((0.7, -2.0, 0.2))).unwrap();
+    scene.add_sphere(Sphere::new((8.0, 0.7, 0.0), 0.5).velocity((0.0, -2.0, 0.3))).unwrap();
     let ends = [(0.0, 3.0, 0.0), (1.0, 3.2, 0.1), (2.0, 3.1, 0.0)]
         .map(|place| scene.add_sphere(Sphere::new(place, 0.2).mass(0.8)).unwrap());
     scene.add_rod(Rod::new(ends[0], ends[1], 0.1).length(1.02)).unwrap();
     scene.add_rod(Rod::new(ends[1], ends[2], 0.1).length(1.0)).unwrap();
-    scene
-        .add_spring(Spring::new(ends[2], ends[0], 15.0, 1.5).damping(0.3))
-        .unwrap();
-    scene
-        .add_tether(Tether::new(ends[0], (0.0, 4.0, 0.0), 20.0).length(0.5))
-        .unwrap();
-    scene
-        .add_sphere(Sphere::new((0.55, 4.0, 0.1), 0.3).velocity((0.0, -5.0, 0.0)))
-        .unwrap();
-    scene
-        .add_capsule(Capsule::new((-2.0, 2.0, 2.0), (-1.0, 2.1, 2.0), 0.2).velocity((0.3, 0.0, 0.0)))
-        .unwrap();
+    scene.add_spring(Spring::new(ends[2], ends[0], 15.0, 1.5).damping(0.3)).unwrap();
+    scene.add_tether(Tether::new(ends[0], (0.0, 4.0, 0.0), 20.0).length(0.5)).unwrap();
+    scene.add_sphere(Sphere::new((0.55, 4.0, 0.1), 0.3).velocity((0.0, -5.0, 0.0))).unwrap();
+    scene.add_capsule(Capsule::new((-2.0, 2.0, 2.0), (-1.0, 2.1, 2.0), 0.2).velocity((0.3, 0.0, 0.0))).unwrap();
     scene
 }
 

@@ -52,11 +52,7 @@ fn crowds_keep(backend: Backend, cases: u32, most: usize) {
         collisions.set(collisions.get() + kept(&things, restitution, backend)?);
         Ok(())
     });
-    assert!(
-        collisions.get() > 5 * cases as usize,
-        "{} collisions prove little",
-        collisions.get()
-    );
+    assert!(collisions.get() > 5 * cases as usize, "{} collisions prove little", collisions.get());
 }
 
 #[test]
@@ -92,9 +88,7 @@ fn crowds_gain_no_energy_from_what_is_static() {
         let mut scene = weightless(&things);
         scene.settings.restitution = restitution;
         scene.add_box(Cuboid::between((-1.0, -1.5, -1.0), (0.7, -0.1, 1.0))).unwrap();
-        scene
-            .add_polygon(Polygon::new((0.2, -2.0, -2.0), (0.0, 0.5, 4.0), (0.3, 4.0, 0.0)))
-            .unwrap();
+        scene.add_polygon(Polygon::new((0.2, -2.0, -2.0), (0.0, 0.5, 4.0), (0.3, 4.0, 0.0))).unwrap();
         scene.add_sphere(Sphere::new((0.2, 0.6, 0.1), 0.5).fixed()).unwrap();
         let (before, after, _) = collide(scene, Backend::Cpu);
         let (was, is) = (sums(&before).kinetic, sums(&after).kinetic);
@@ -111,10 +105,8 @@ fn after_in_order(things: &[(usize, Thing)]) -> Vec<(usize, Vec<SphereState>)> {
     let ids: Vec<_> = things.iter().map(|(name, thing)| (*name, thing.add(&mut scene))).collect();
     let mut simulation = simulation(scene, Backend::Cpu);
     simulation.handle_collisions().unwrap();
-    let mut all: Vec<_> = ids
-        .into_iter()
-        .map(|(name, ids)| (name, ids.iter().map(|id| simulation.sphere(*id).unwrap()).collect()))
-        .collect();
+    let mut all: Vec<_> =
+        ids.into_iter().map(|(name, ids)| (name, ids.iter().map(|id| simulation.sphere(*id).unwrap()).collect())).collect();
     all.sort_by_key(|(name, _): &(usize, Vec<SphereState>)| *name);
     all
 }

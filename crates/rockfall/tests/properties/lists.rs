@@ -15,11 +15,7 @@ use crate::things::{Outcome, Thing, ball, check, direction, simulation, thing, v
 
 fn backends() -> Vec<(Backend, u32)> {
     let cpu = (Backend::Cpu, 200);
-    if cfg!(feature = "gpu") {
-        vec![cpu, (Backend::Gpu, 3)]
-    } else {
-        vec![cpu]
-    }
+    if cfg!(feature = "gpu") { vec![cpu, (Backend::Gpu, 3)] } else { vec![cpu] }
 }
 
 /// Forces that carry bodies out of AABBs, however they were grown.
@@ -34,9 +30,7 @@ fn with_all_pairs(scene: &Scene, steps: u32, dt: f32) -> World {
     world.step.dt = dt;
     world.step.margin_scale = 1e9;
     world.set_pair_capacity(world.movers().next_multiple_of(32) * world.objects() * 12);
-    let phases = Phase::STEP
-        .iter()
-        .flat_map(|phase| phase.stages(Integrator::Rk4, BroadPhase::BruteForce));
+    let phases = Phase::STEP.iter().flat_map(|phase| phase.stages(Integrator::Rk4, BroadPhase::BruteForce));
     let stages: Vec<_> = phases.copied().collect();
     for _ in 0..steps {
         cpu::run(&mut world, &stages);
@@ -84,26 +78,22 @@ fn neither_margins_nor_capacities_show_in_the_results() {
 fn a_body_at_a_thousand_units_a_second() {
     let crowd = prop::collection::vec(ball(2.0, 1.0), 3..12);
     let hits = Cell::new(0);
-    check(
-        40,
-        (crowd, direction(), -0.1_f32..0.1),
-        |(balls, direction, phase)| -> Outcome {
-            let things: Vec<_> = balls.into_iter().map(Thing::Sphere).collect();
-            let start = -(20.0 * phase + 20.0) * direction;
-            let flying = Sphere::new(start, 0.5).velocity(1000.0 * direction);
-            let mut scene = weightless(&things);
-            let id = scene.add_sphere(flying).unwrap();
-            let world = with_all_pairs(&scene, 3, 0.02);
-            let mut simulation = simulation(scene, Backend::Cpu);
-            simulation.run(3, 0.02).unwrap();
-            assert_same(&world, &simulation.spheres().unwrap())?;
-            let state = simulation.sphere(id).unwrap();
-            let met = state.velocity != flying.velocity;
-            prop_assert!(met || state.position.distance(start + 60.0 * direction) < 1e-4, "{state:?}");
-            hits.set(hits.get() + usize::from(met));
-            Ok(())
-        },
-    );
+    check(40, (crowd, direction(), -0.1_f32..0.1), |(balls, direction, phase)| -> Outcome {
+        let things: Vec<_> = balls.into_iter().map(Thing::Sphere).collect();
+        let start = -(20.0 * phase + 20.0) * direction;
+        let flying = Sphere::new(start, 0.5).velocity(1000.0 * direction);
+        let mut scene = weightless(&things);
+        let id = scene.add_sphere(flying).unwrap();
+        let world = with_all_pairs(&scene, 3, 0.02);
+        let mut simulation = simulation(scene, Backend::Cpu);
+        simulation.run(3, 0.02).unwrap();
+        assert_same(&world, &simulation.spheres().unwrap())?;
+        let state = simulation.sphere(id).unwrap();
+        let met = state.velocity != flying.velocity;
+        prop_assert!(met || state.position.distance(start + 60.0 * direction) < 1e-4, "{state:?}");
+        hits.set(hits.get() + usize::from(met));
+        Ok(())
+    });
     assert!((10..40).contains(&hits.get()), "{} hits", hits.get());
 }
 
@@ -182,24 +172,15 @@ impl Edited {
         match edit {
             Edit::Add(thing) => {
                 let scene = weightless(std::slice::from_ref(thing));
-                let ids: Vec<_> = scene
-                    .spheres()
-                    .iter()
-                    .map(|sphere| simulation.add_sphere(*sphere).unwrap())
-                    .collect();
+                let ids: Vec<_> = scene.spheres().iter().map(|sphere| simulation.add_sphere(*sphere).unwrap()).collect();
                 if let Some(rod) = scene.rods().first() {
-                    let rod = Rod {
-                        end1: ids[0],
-                        end2: ids[1],
-                        ..*rod
-                    };
+                    let rod = Rod { end1: ids[0], end2: ids[1], ..*rod };
                     self.rods.push(simulation.add_rod(rod).unwrap());
                 }
                 self.spheres.extend(ids);
             }
             Edit::AddCapsule(end1, end2) => {
-                self.capsules
-                    .push(simulation.add_capsule(Capsule::new(*end1, *end2, 0.3)).unwrap());
+                self.capsules.push(simulation.add_capsule(Capsule::new(*end1, *end2, 0.3)).unwrap());
             }
             Edit::Join(a, b, kind, length) => self.join(*a, *b, *kind, *length),
             Edit::AddStatic(place, true) => {
@@ -237,12 +218,8 @@ impl Edited {
         let simulation = &mut self.simulation;
         match kind {
             0 => self.rods.extend(or_stale(simulation.add_rod(Rod::new(one, other, 0.1)))),
-            1 => self
-                .springs
-                .extend(or_stale(simulation.add_spring(Spring::new(one, other, 20.0, length)))),
-            _ => self
-                .tethers
-                .extend(or_stale(simulation.add_tether(Tether::new(one, Vec3::ONE, 10.0)))),
+            1 => self.springs.extend(or_stale(simulation.add_spring(Spring::new(one, other, 20.0, length)))),
+            _ => self.tethers.extend(or_stale(simulation.add_tether(Tether::new(one, Vec3::ONE, 10.0)))),
         }
     }
 

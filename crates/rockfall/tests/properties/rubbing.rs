@@ -21,10 +21,7 @@ fn pair(one: impl Strategy<Value = Thing>, other: impl Strategy<Value = Thing>) 
         };
         let to = |thing: Thing, place: Vec3| {
             let shift = place - centre(&thing);
-            thing.map(|sphere| Sphere {
-                position: sphere.position + shift,
-                ..sphere
-            })
+            thing.map(|sphere| Sphere { position: sphere.position + shift, ..sphere })
         };
         [to(one, Vec3::ZERO), to(other, apart * direction)]
     })
@@ -49,20 +46,12 @@ fn keep_angular_momentum(kind: &str, pairs: impl Strategy<Value = [Thing; 2]>) {
         prop_assert!((is.angular - was.angular).length() < 1e-4 * size, "{was:?} {is:?}");
         let size = was.momentum_size + is.momentum_size;
         prop_assert!((is.momentum - was.momentum).length() < 1e-5 * size, "{was:?} {is:?}");
-        let turned = before
-            .iter()
-            .zip(&after)
-            .any(|(a, b)| a.angular_momentum.distance(b.angular_momentum) > 1e-3);
+        let turned = before.iter().zip(&after).any(|(a, b)| a.angular_momentum.distance(b.angular_momentum) > 1e-3);
         spun.set(spun.get() + usize::from(turned));
         Ok(())
     });
     // Friction did turn something, or nothing was tested.
-    assert!(
-        rubbed.get() >= 30 && spun.get() >= 30,
-        "{kind}: {} {}",
-        rubbed.get(),
-        spun.get()
-    );
+    assert!(rubbed.get() >= 30 && spun.get() >= 30, "{kind}: {} {}", rubbed.get(), spun.get());
 }
 
 fn sphere() -> impl Strategy<Value = Thing> {
@@ -117,16 +106,11 @@ fn friction_of_a_sphere_on_what_is_static() {
         let mut scene = weightless(&[Thing::Sphere(sphere)]);
         scene.settings.collisions = false;
         // Slow enough not to count as leaving a polygon.
-        let sphere = Sphere {
-            velocity: sphere.velocity.with_y(0.1 * sphere.velocity.y),
-            ..sphere
-        };
+        let sphere = Sphere { velocity: sphere.velocity.with_y(0.1 * sphere.velocity.y), ..sphere };
         let floor = sphere.position.y - sphere.radius + overlap;
         let exact = sphere.radius - (sphere.position.y - floor);
         if on_box {
-            scene
-                .add_box(Cuboid::between((-3.0, floor - 2.0, -3.0), (3.0, floor, 3.0)))
-                .unwrap();
+            scene.add_box(Cuboid::between((-3.0, floor - 2.0, -3.0), (3.0, floor, 3.0))).unwrap();
         } else {
             let face = Polygon::new((-3.0, floor, -3.0), Vec3::Z * 6.0, Vec3::X * 6.0);
             scene.add_polygon(face).unwrap();
@@ -148,11 +132,7 @@ fn spring_forces_are_internal() {
         let mut scene = weightless(&[]);
         scene.settings.collisions = false;
         // In groups of their own: nothing but the springs acts.
-        let ids: Vec<_> = balls
-            .iter()
-            .zip(0..)
-            .map(|(ball, group)| scene.add_sphere(ball.group(group)).unwrap())
-            .collect();
+        let ids: Vec<_> = balls.iter().zip(0..).map(|(ball, group)| scene.add_sphere(ball.group(group)).unwrap()).collect();
         for (from, step, stiffness, length, damping) in springs {
             let spring = Spring::new(ids[from], ids[(from + step) % 6], stiffness, length);
             scene.add_spring(spring.damping(damping)).unwrap();
@@ -162,14 +142,8 @@ fn spring_forces_are_internal() {
         simulation.run(50, 0.002).unwrap();
         let after = simulation.spheres().unwrap();
         let (was, is) = (sums(&before), sums(&after));
-        prop_assert!(
-            (is.momentum - was.momentum).length() < 1e-5 * was.momentum_size,
-            "{was:?} {is:?}"
-        );
-        prop_assert!(
-            (is.angular - was.angular).length() < 1e-5 * was.angular_size,
-            "{was:?} {is:?}"
-        );
+        prop_assert!((is.momentum - was.momentum).length() < 1e-5 * was.momentum_size, "{was:?} {is:?}");
+        prop_assert!((is.angular - was.angular).length() < 1e-5 * was.angular_size, "{was:?} {is:?}");
         prop_assert!(before.iter().zip(&after).any(|(a, b)| a.velocity.distance(b.velocity) > 1e-3));
         Ok(())
     });
@@ -187,16 +161,10 @@ fn a_free_capsule_keeps_its_spin() {
         let was = sums(&simulation.spheres().unwrap());
         simulation.run(300, 0.005).unwrap();
         let is = sums(&simulation.spheres().unwrap());
-        prop_assert!(
-            (is.angular - was.angular).length() < 1e-3 * was.angular_size,
-            "{was:?} {is:?}"
-        );
+        prop_assert!((is.angular - was.angular).length() < 1e-3 * was.angular_size, "{was:?} {is:?}");
         let gain = is.energy / was.energy - 1.0;
         prop_assert!(gain < 1e-4 && gain > -0.02, "{was:?} {is:?}");
-        prop_assert!(
-            (is.momentum - was.momentum).length() < 1e-4 * was.momentum_size.max(0.1),
-            "{was:?} {is:?}"
-        );
+        prop_assert!((is.momentum - was.momentum).length() < 1e-4 * was.momentum_size.max(0.1), "{was:?} {is:?}");
         Ok(())
     });
 }
@@ -204,13 +172,7 @@ fn a_free_capsule_keeps_its_spin() {
 /// What comes from behind a polygon does not notice it; what comes from the front is turned back.
 #[test]
 fn polygons_are_one_sided() {
-    let flight = (
-        direction(),
-        2.0_f32..8.0,
-        0.25_f32..0.5,
-        0.5_f32..0.95,
-        [0.3_f32..0.7, 0.3_f32..0.7],
-    );
+    let flight = (direction(), 2.0_f32..8.0, 0.25_f32..0.5, 0.5_f32..0.95, [0.3_f32..0.7, 0.3_f32..0.7]);
     check(100, flight, |(normal, speed, radius, e, [l, k])| -> Outcome {
         let left = 3.0 * normal.any_orthonormal_vector();
         let face = Polygon::new(l * -left - k * normal.cross(left), left, normal.cross(left));

@@ -58,21 +58,14 @@ fn after(scene: Scene, steps: u64) -> Vec<SphereState> {
 /// Rounding of places of up to `size` units, six stages of it, through Cc dt = 4/s into the velocities; and what a
 /// badly conditioned normal makes of that.
 fn assert_moved(placed: Placed, things: &[Thing], size: f32) -> Outcome {
-    let still = Placed {
-        turn: Quat::IDENTITY,
-        shift: Vec3::ZERO,
-    };
+    let still = Placed { turn: Quat::IDENTITY, shift: Vec3::ZERO };
     let (expected, found) = (after(still.scene(things), 1), after(placed.scene(things), 1));
     for (e, f) in expected.iter().zip(&found) {
         let (place, velocity) = (placed.point(e.position), placed.turn * e.velocity);
         prop_assert!(f.position.distance(place) < 1e-5 * size, "{place} {} {e:?}", f.position);
         prop_assert!(f.velocity.distance(velocity) < 1e-4 * size, "{velocity} {} {e:?}", f.velocity);
         let spin = placed.turn * e.angular_momentum;
-        prop_assert!(
-            f.angular_momentum.distance(spin) < 1e-4 * size,
-            "{spin} {} {e:?}",
-            f.angular_momentum
-        );
+        prop_assert!(f.angular_momentum.distance(spin) < 1e-4 * size, "{spin} {} {e:?}", f.angular_momentum);
     }
     Ok(())
 }
@@ -96,31 +89,24 @@ fn a_scene_turned_moves_alike() {
 /// Only ratios of masses count. A power of two changes no rounding, so the motion is the same to the last bit.
 #[test]
 fn the_unit_of_mass_does_not_matter() {
-    let still = Placed {
-        turn: Quat::IDENTITY,
-        shift: Vec3::ZERO,
-    };
-    check(
-        60,
-        (few(), prop::sample::select(vec![0.25_f32, 8.0])),
-        |(things, factor)| -> Outcome {
-            let heavier: Vec<_> = things
-                .iter()
-                .map(|thing| {
-                    thing.map(|sphere| Sphere {
-                        mass: factor * sphere.mass,
-                        angular_momentum: factor * sphere.angular_momentum,
-                        ..sphere
-                    })
+    let still = Placed { turn: Quat::IDENTITY, shift: Vec3::ZERO };
+    check(60, (few(), prop::sample::select(vec![0.25_f32, 8.0])), |(things, factor)| -> Outcome {
+        let heavier: Vec<_> = things
+            .iter()
+            .map(|thing| {
+                thing.map(|sphere| Sphere {
+                    mass: factor * sphere.mass,
+                    angular_momentum: factor * sphere.angular_momentum,
+                    ..sphere
                 })
-                .collect();
-            for (a, b) in after(still.scene(&things), 10).iter().zip(&after(still.scene(&heavier), 10)) {
-                prop_assert_eq!(a.position, b.position);
-                prop_assert_eq!(a.velocity, b.velocity);
-                prop_assert_eq!(a.orientation, b.orientation);
-                prop_assert_eq!(factor * a.angular_momentum, b.angular_momentum);
-            }
-            Ok(())
-        },
-    );
+            })
+            .collect();
+        for (a, b) in after(still.scene(&things), 10).iter().zip(&after(still.scene(&heavier), 10)) {
+            prop_assert_eq!(a.position, b.position);
+            prop_assert_eq!(a.velocity, b.velocity);
+            prop_assert_eq!(a.orientation, b.orientation);
+            prop_assert_eq!(factor * a.angular_momentum, b.angular_momentum);
+        }
+        Ok(())
+    });
 }

@@ -9,11 +9,7 @@ pub(crate) type Outcome = Result<(), TestCaseError>;
 
 /// Runs a property on cases that are the same every time; nothing is written to disk.
 pub(crate) fn check<S: Strategy>(cases: u32, strategy: S, property: impl Fn(S::Value) -> Outcome) {
-    let config = ProptestConfig {
-        cases,
-        failure_persistence: None,
-        ..ProptestConfig::default()
-    };
+    let config = ProptestConfig { cases, failure_persistence: None, ..ProptestConfig::default() };
     let rng = TestRng::deterministic_rng(RngAlgorithm::ChaCha);
     let result = TestRunner::new_with_rng(config, rng).run(&strategy, property);
     if let Err(error) = result {
@@ -26,9 +22,7 @@ pub(crate) fn vector(size: f32) -> impl Strategy<Value = Vec3> {
 }
 
 pub(crate) fn direction() -> impl Strategy<Value = Vec3> {
-    vector(1.0)
-        .prop_filter("a direction", |v| (0.1..1.0).contains(&v.length()))
-        .prop_map(Vec3::normalize)
+    vector(1.0).prop_filter("a direction", |v| (0.1..1.0).contains(&v.length())).prop_map(Vec3::normalize)
 }
 
 /// A sphere within `spread` of the origin, no faster than `speed` in any direction.
@@ -44,16 +38,8 @@ pub(crate) fn ball(spread: f32, speed: f32) -> impl Strategy<Value = Sphere> {
 #[derive(Clone, Debug)]
 pub(crate) enum Thing {
     Sphere(Sphere),
-    Rod {
-        ends: [Sphere; 2],
-        radius: f32,
-        fixed: bool,
-    },
-    Capsule {
-        capsule: Capsule,
-        spins: [Vec3; 2],
-        turning: Vec3,
-    },
+    Rod { ends: [Sphere; 2], radius: f32, fixed: bool },
+    Capsule { capsule: Capsule, spins: [Vec3; 2], turning: Vec3 },
 }
 
 pub(crate) fn rod(spread: f32, speed: f32, fixed: bool) -> impl Strategy<Value = Thing> {
@@ -65,10 +51,7 @@ pub(crate) fn rod(spread: f32, speed: f32, fixed: bool) -> impl Strategy<Value =
             angular_momentum: 0.5 * one.angular_momentum.turned(),
             ..one
         };
-        let ends = [one, other].map(|end| Sphere {
-            radius: 0.5 * end.radius,
-            ..end
-        });
+        let ends = [one, other].map(|end| Sphere { radius: 0.5 * end.radius, ..end });
         Thing::Rod { ends, radius, fixed }
     })
 }
@@ -87,13 +70,11 @@ impl Turned for Vec3 {
 pub(crate) fn capsule(spread: f32, speed: f32) -> impl Strategy<Value = Thing> {
     let place = (vector(spread), direction(), 0.5_f32..1.5, 0.2_f32..0.4);
     let motion = (0.3_f32..4.0, vector(speed), vector(0.05), vector(0.05), vector(speed));
-    (place, motion).prop_map(
-        |((end, axis, length, radius), (mass, velocity, spin1, spin2, turning))| Thing::Capsule {
-            capsule: Capsule::new(end, end + length * axis, radius).mass(mass).velocity(velocity),
-            spins: [spin1, spin2],
-            turning: turning - turning.dot(axis) * axis,
-        },
-    )
+    (place, motion).prop_map(|((end, axis, length, radius), (mass, velocity, spin1, spin2, turning))| Thing::Capsule {
+        capsule: Capsule::new(end, end + length * axis, radius).mass(mass).velocity(velocity),
+        spins: [spin1, spin2],
+        turning: turning - turning.dot(axis) * axis,
+    })
 }
 
 pub(crate) fn thing(spread: f32, speed: f32) -> impl Strategy<Value = Thing> {
@@ -138,11 +119,7 @@ impl Thing {
         let [one, other] = [0, 1].map(|k| change(scene.spheres()[k.min(scene.spheres().len() - 1)]));
         match scene.rods().first() {
             None => Self::Sphere(one),
-            Some(rod) => Self::Rod {
-                ends: [one, other],
-                radius: rod.radius,
-                fixed: rod.length.is_some(),
-            },
+            Some(rod) => Self::Rod { ends: [one, other], radius: rod.radius, fixed: rod.length.is_some() },
         }
     }
 }

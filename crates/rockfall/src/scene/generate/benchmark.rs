@@ -39,15 +39,8 @@ pub const LAYERS: u32 = 32;
 
 impl Benchmark {
     /// All of them.
-    pub const ALL: [Self; 7] = [
-        Self::Thesis,
-        Self::Lattice,
-        Self::Pile,
-        Self::Settled,
-        Self::Shuffled,
-        Self::Mixed,
-        Self::Radii,
-    ];
+    pub const ALL: [Self; 7] =
+        [Self::Thesis, Self::Lattice, Self::Pile, Self::Settled, Self::Shuffled, Self::Mixed, Self::Radii];
 
     /// The name on the command line.
     pub fn name(self) -> &'static str {
@@ -272,21 +265,14 @@ fn radii(bodies: u32, seed: u64) -> Result<Scene> {
     let periods = bodies.div_ceil(PERIOD);
     let block = Block::new(2 * periods, CELLS[0], 4);
     let inside = |index: u32, cell: f32| {
-        let place = IVec3::new(
-            (index % SIDE) as i32,
-            (index / (SIDE * SIDE)) as i32,
-            (index / SIDE % SIDE) as i32,
-        );
+        let place = IVec3::new((index % SIDE) as i32, (index / (SIDE * SIDE)) as i32, (index / SIDE % SIDE) as i32);
         cell * (place - SIDE as i32 / 2).as_vec3()
     };
     for index in 0..bodies {
         let mut random = random_of(seed, index);
         let (period, place) = (index / PERIOD, index % PERIOD);
         // The rest of the period in the second cell: 1 of the middle and 343 of the smallest by turns.
-        let (middle, small) = (
-            place.saturating_sub(1) / (SMALL + 1) * 2,
-            place.saturating_sub(1) % (SMALL + 1),
-        );
+        let (middle, small) = (place.saturating_sub(1) / (SMALL + 1) * 2, place.saturating_sub(1) % (SMALL + 1));
         let (centre, radius, cell) = if place == 0 {
             (block.centre(2 * period), 50.0, CELLS[0])
         } else if small == 0 {
@@ -345,10 +331,7 @@ mod tests {
     fn overlap(scene: &Scene) -> f32 {
         let balls = scene.spheres();
         let gap = |a: &Sphere, b: &Sphere| a.position.distance(b.position) - a.radius - b.radius;
-        let pairs = balls
-            .iter()
-            .enumerate()
-            .flat_map(|(at, a)| balls[at + 1..].iter().map(move |b| (a, b)));
+        let pairs = balls.iter().enumerate().flat_map(|(at, a)| balls[at + 1..].iter().map(move |b| (a, b)));
         pairs.map(|(a, b)| -gap(a, b) / a.radius.min(b.radius)).fold(0.0, f32::max)
     }
 

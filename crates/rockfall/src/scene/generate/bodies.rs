@@ -66,10 +66,7 @@ pub(super) fn soft(spheres: u32, random: &mut Random) -> Result<Scene> {
         let at = cells.centre(column) + random.offset(0.3);
         let size = random.between(0.2, 0.4);
         let corner = Vec3::new(at.x - size, 0.0, at.z - size);
-        scene.add_box(Cuboid::between(
-            corner,
-            corner + Vec3::new(2.0 * size, 2.0 * size, 2.0 * size),
-        ))?;
+        scene.add_box(Cuboid::between(corner, corner + Vec3::new(2.0 * size, 2.0 * size, 2.0 * size)))?;
     }
     Ok(scene)
 }
@@ -80,9 +77,8 @@ fn blob(scene: &mut Scene, random: &mut Random, centre: Vec3, count: u32) -> Res
     const SPACING: f32 = 0.42;
     const RADIUS: f32 = 0.16;
     let turn = turn(random);
-    let points: Vec<[i32; 3]> = (0..count as i32)
-        .map(|index| [index % SIDE, index / SIDE % SIDE, index / (SIDE * SIDE)])
-        .collect();
+    let points: Vec<[i32; 3]> =
+        (0..count as i32).map(|index| [index % SIDE, index / SIDE % SIDE, index / (SIDE * SIDE)]).collect();
     let mut ids: Vec<SphereId> = Vec::with_capacity(points.len());
     for (index, point) in points.iter().enumerate() {
         let place = Vec3::from_array(point.map(|part| SPACING * (part - SIDE / 2) as f32));

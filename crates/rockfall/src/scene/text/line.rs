@@ -24,12 +24,8 @@ pub(super) const SPHERE: Kind = Kind {
     numbers: &["x", "y", "z", "vx", "vy", "vz", "lx", "ly", "lz", "mass", "radius", "fixed"],
     last_is_optional: true,
 };
-pub(super) const ROD: Kind = Kind {
-    word: "R",
-    references: &["end1", "end2"],
-    numbers: &["radius", "length"],
-    last_is_optional: true,
-};
+pub(super) const ROD: Kind =
+    Kind { word: "R", references: &["end1", "end2"], numbers: &["radius", "length"], last_is_optional: true };
 pub(super) const CAPSULE: Kind = Kind {
     word: "C",
     references: &[],
@@ -42,12 +38,8 @@ pub(super) const POLYGON: Kind = Kind {
     numbers: &["x", "y", "z", "left x", "left y", "left z", "right x", "right y", "right z"],
     last_is_optional: false,
 };
-pub(super) const SPRING: Kind = Kind {
-    word: "K",
-    references: &["a", "b"],
-    numbers: &["stiffness", "length", "damping"],
-    last_is_optional: false,
-};
+pub(super) const SPRING: Kind =
+    Kind { word: "K", references: &["a", "b"], numbers: &["stiffness", "length", "damping"], last_is_optional: false };
 pub(super) const BOX: Kind = Kind {
     word: "B",
     references: &[],
@@ -60,56 +52,27 @@ pub(super) const TETHER: Kind = Kind {
     numbers: &["x", "y", "z", "stiffness", "length", "damping"],
     last_is_optional: false,
 };
-pub(super) const GROUP: Kind = Kind {
-    word: "@group",
-    references: &["number"],
-    numbers: &[],
-    last_is_optional: false,
-};
-pub(super) const ORIENTATION: Kind = Kind {
-    word: "@orientation",
-    references: &["sphere"],
-    numbers: &["w", "x", "y", "z"],
-    last_is_optional: false,
-};
-pub(super) const FORCE: Kind = Kind {
-    word: "@force",
-    references: &["sphere"],
-    numbers: &["x", "y", "z"],
-    last_is_optional: false,
-};
-pub(super) const MARK: Kind = Kind {
-    word: "@capsule",
-    references: &["end1", "end2"],
-    numbers: &[],
-    last_is_optional: false,
-};
+pub(super) const GROUP: Kind = Kind { word: "@group", references: &["number"], numbers: &[], last_is_optional: false };
+pub(super) const ORIENTATION: Kind =
+    Kind { word: "@orientation", references: &["sphere"], numbers: &["w", "x", "y", "z"], last_is_optional: false };
+pub(super) const FORCE: Kind =
+    Kind { word: "@force", references: &["sphere"], numbers: &["x", "y", "z"], last_is_optional: false };
+pub(super) const MARK: Kind = Kind { word: "@capsule", references: &["end1", "end2"], numbers: &[], last_is_optional: false };
 
 impl Kind {
     pub(super) fn wrong(&self, field: &str, message: impl Into<String>) -> Wrong {
-        Wrong {
-            field: format!("{} {field}", self.word),
-            message: message.into(),
-        }
+        Wrong { field: format!("{} {field}", self.word), message: message.into() }
     }
 
     /// What the library said about an object, in terms of the line: `sphere.mass` is `S mass`.
     pub(super) fn refused(&self, error: &Error) -> Wrong {
         match error {
             Error::Invalid { field, value, expected } => {
-                let names: Vec<&str> = field
-                    .split(' ')
-                    .map(|word| word.split_once('.').map_or(word, |(_, name)| name))
-                    .collect();
-                self.wrong(
-                    &names.join(" "),
-                    format!("{} is not allowed, expected {expected}", value.trim_end_matches(".0")),
-                )
+                let names: Vec<&str> =
+                    field.split(' ').map(|word| word.split_once('.').map_or(word, |(_, name)| name)).collect();
+                self.wrong(&names.join(" "), format!("{} is not allowed, expected {expected}", value.trim_end_matches(".0")))
             }
-            other => Wrong {
-                field: self.word.to_owned(),
-                message: other.to_string(),
-            },
+            other => Wrong { field: self.word.to_owned(), message: other.to_string() },
         }
     }
 
@@ -117,11 +80,7 @@ impl Kind {
     fn length(&self) -> String {
         let most = self.references.len() + self.numbers.len();
         let plural = if most == 1 { "" } else { "s" };
-        if self.last_is_optional {
-            format!("{} or {most} numbers", most - 1)
-        } else {
-            format!("{most} number{plural}")
-        }
+        if self.last_is_optional { format!("{} or {most} numbers", most - 1) } else { format!("{most} number{plural}") }
     }
 
     /// The references and numbers of a line; an optional number that is missing is 0.
@@ -136,9 +95,8 @@ impl Kind {
         let mut references = [0; R];
         for (reference, name) in references.iter_mut().zip(self.references) {
             let word = words.next().ok_or_else(|| missing(name))?;
-            *reference = word
-                .parse()
-                .map_err(|_| self.wrong(name, format!("'{word}' is not a whole number from 0 to {}", u32::MAX)))?;
+            *reference =
+                word.parse().map_err(|_| self.wrong(name, format!("'{word}' is not a whole number from 0 to {}", u32::MAX)))?;
         }
         let mut numbers = [0.0; N];
         for (index, (number, name)) in numbers.iter_mut().zip(self.numbers).enumerate() {
@@ -171,9 +129,6 @@ impl Kind {
         if number > 0.0 {
             return Ok(());
         }
-        Err(self.wrong(
-            name,
-            format!("{number} is not allowed, expected a finite number greater than 0"),
-        ))
+        Err(self.wrong(name, format!("{number} is not allowed, expected a finite number greater than 0")))
     }
 }
