@@ -110,7 +110,10 @@ fn all_in_one_place(_part: usize) -> Scene {
 /// sorted, are made of a part only.
 const PART_ON_GPU: usize = 6;
 
-const SCENES: [(&str, fn(usize) -> Scene); 9] = [
+/// Makes a scene, or one part in so many of it.
+type Make = fn(usize) -> Scene;
+
+const SCENES: [(&str, Make); 9] = [
     ("equal spheres", equal_spheres),
     ("radii 1:50", radii_1_to_50),
     ("long rods among small spheres", long_rods_among_small_spheres),
@@ -166,7 +169,7 @@ fn assert_same(name: &str, expected: &[Vec<u32>], found: &[Vec<u32>]) {
 
 fn on_cpu(scene: &Scene, method: BroadPhase) -> World {
     let mut world = world(scene);
-    detect(&mut world, method, |world, stages| cpu::run(world, stages));
+    detect(&mut world, method, cpu::run);
     world
 }
 
