@@ -80,6 +80,21 @@ fn the_bindings_are_those_of_the_stage() {
     }
 }
 
+/// The binding table of ARCHITECTURE.md is that of the stages.
+#[test]
+fn the_architecture_lists_the_bindings() {
+    let text = include_str!("../../../ARCHITECTURE.md");
+    for stage in ALL {
+        let name = |binding: &rockfall::stage::Binding| match binding.access {
+            Access::Read => binding.name.to_owned(),
+            Access::Write => format!("**{}**", binding.name),
+        };
+        let names: Vec<String> = stage.bindings.iter().map(name).collect();
+        let row = format!("| `{}` | {} |", stage.name, names.join(", "));
+        assert!(text.contains(&row), "ARCHITECTURE.md lacks the row {row}");
+    }
+}
+
 /// A writable buffer must not stand in a dispatch twice.
 #[test]
 fn no_stage_writes_a_buffer_that_it_binds_twice() {

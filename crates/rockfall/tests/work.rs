@@ -22,6 +22,7 @@ fn simulation(benchmark: Benchmark, backend: Backend, integrator: Integrator) ->
     Simulation::with_options(scene, options).unwrap()
 }
 
+#[cfg(feature = "gpu")]
 fn profile(benchmark: Benchmark, backend: Backend, integrator: Integrator) -> Profile {
     simulation(benchmark, backend, integrator).profile(STEPS, DT).unwrap()
 }
