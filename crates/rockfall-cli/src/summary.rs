@@ -78,7 +78,7 @@ impl Summary<'_> {
         row("contacts", format!("{} in the last step, deepest overlap {}", report.contacts, short(report.max_overlap.into())));
         row("collisions", format!("{} in all, {} in the last step", report.total_collisions, report.collisions));
         if report.replays > 0 {
-            row("replays", format!("{} steps run again with longer lists", report.replays));
+            row("replays", format!("{} steps run again, with longer lists or larger AABBs", report.replays));
         }
         if report.non_finite > 0 {
             row("not finite", format!("{} times a body was stopped", report.non_finite));

@@ -382,3 +382,18 @@ fn a_closed_standard_output_is_no_panic() {
         assert_eq!((output.status.code(), err.as_str()), (Some(0), ""), "{arguments}");
     }
 }
+
+/// An adapter request that cannot be met: Metal on anything but a Mac, Vulkan there.
+#[cfg(feature = "gpu")]
+#[test]
+fn without_an_adapter_gpu_is_an_error_and_auto_takes_the_cpu() {
+    let rockfall = Rockfall::with(SCENE);
+    let foreign = if cfg!(target_os = "macos") { "dx12" } else { "metal" };
+    let run = |arguments: &str, code| {
+        finish(rockfall.command(arguments).env("WGPU_BACKEND", foreign).output().unwrap(), arguments, code)
+    };
+    let (_, told) = run("run scene.txt --steps 1 --backend gpu", 1);
+    assert!(told.contains("no usable GPU") && told.contains("--backend cpu"), "{told}");
+    let (told, _) = run("run scene.txt --steps 1", 0);
+    assert!(told.contains("cpu: CPU") && told.contains("no hardware GPU was found"), "{told}");
+}

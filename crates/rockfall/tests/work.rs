@@ -3,11 +3,13 @@
 //! Every expectation is an upper bound on what was measured when it was written. Where a change makes a step do less, lower
 //! it; where one must do more, raise it and say why in the commit.
 
+#[cfg(feature = "gpu")]
+use rockfall::Profile;
 use rockfall::layout::{SLICE, Status};
 use rockfall::scene::generate::Benchmark;
 use rockfall::stage::Phase;
 use rockfall::world::World;
-use rockfall::{Backend, Integrator, Options, Profile, Simulation, cpu};
+use rockfall::{Backend, Integrator, Options, Simulation, cpu};
 
 /// Enough for the broad phase of large scenes.
 const BODIES: u32 = 2500;

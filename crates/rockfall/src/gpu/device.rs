@@ -30,13 +30,17 @@ const HELP: &str = "install a graphics driver with Vulkan, Metal or DX12 (on Lin
                     proprietary driver with its Vulkan part), see what `rockfall devices` lists, or take --backend cpu";
 
 fn instance() -> wgpu::Instance {
-    wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle())
+    wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env())
+}
+
+/// The graphics APIs to look at: all, or those that the environment variable `WGPU_BACKEND` names.
+fn apis() -> wgpu::Backends {
+    wgpu::Backends::from_env().unwrap_or(wgpu::Backends::all())
 }
 
 /// Every adapter there is, software ones too, the one that [`Gpu::open`] would take first.
 pub async fn adapters() -> Vec<wgpu::AdapterInfo> {
-    let mut found: Vec<_> =
-        instance().enumerate_adapters(wgpu::Backends::all()).await.iter().map(wgpu::Adapter::get_info).collect();
+    let mut found: Vec<_> = instance().enumerate_adapters(apis()).await.iter().map(wgpu::Adapter::get_info).collect();
     found.sort_by_key(|info| Reverse(preference(info)));
     found
 }
@@ -66,7 +70,7 @@ impl Gpu {
     /// # Errors
     /// [`Error::NoAdapter`] when there is none, [`Error::Device`] when it cannot be opened.
     pub async fn open(allow_software: bool) -> Result<Self> {
-        let mut candidates = instance().enumerate_adapters(wgpu::Backends::all()).await;
+        let mut candidates = instance().enumerate_adapters(apis()).await;
         let seen = candidates.len();
         candidates
             .retain(|adapter| is_able(adapter) && (allow_software || adapter.get_info().device_type != wgpu::DeviceType::Cpu));

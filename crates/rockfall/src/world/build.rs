@@ -69,7 +69,7 @@ impl World {
         if objects > limit || attached > limit {
             return Err(Error::TooManyObjects { count: objects.max(attached), limit });
         }
-        let index = |id: SphereId| scene.spheres.index(id).map(|index| index as u32);
+        let index = |id: SphereId| index_of(scene, id);
         let mut adjacency = Adjacency::default();
         let mut words = Vec::new();
         let step = &mut self.step;
@@ -88,41 +88,8 @@ impl World {
                 fixed_rods.push((number, ends));
             }
         }
-        step.springs_at = words.len() as u32;
-        for (spring, number) in scene.springs().iter().zip(0..) {
-            let ends = [index(spring.a)?, index(spring.b)?];
-            words.extend(ends);
-            words.extend([spring.stiffness, spring.length, spring.damping].map(f32::to_bits));
-            adjacency.attach(KIND_SPRING, number, &ends);
-        }
-        step.tethers_at = words.len() as u32;
-        for (tether, number) in scene.tethers().iter().zip(0..) {
-            let sphere = index(tether.sphere)?;
-            words.push(sphere);
-            push_vectors(&mut words, &[tether.point]);
-            words.extend([tether.stiffness, tether.length, tether.damping].map(f32::to_bits));
-            adjacency.attach(KIND_TETHER, number, &[sphere]);
-        }
-        step.forces_at = words.len() as u32;
-        let pushed = scene.spheres().iter().zip(0..).filter(|(sphere, _)| sphere.force != Vec3::ZERO);
-        for ((sphere, number), force) in pushed.zip(0..) {
-            push_vectors(&mut words, &[sphere.force]);
-            adjacency.attach(KIND_FORCE, force, &[number]);
-        }
-        step.boxes_at = words.len() as u32;
-        for cuboid in scene.boxes() {
-            let [i, j, k] = cuboid.edges;
-            push_vectors(&mut words, &[cuboid.corner, i, j, k]);
-        }
-        step.polygons_at = words.len() as u32;
-        for polygon in scene.polygons() {
-            push_vectors(&mut words, &[polygon.corner, polygon.left, polygon.right]);
-        }
-        step.tags_at = words.len() as u32;
-        words.extend(scene.spheres().iter().map(|sphere| u32::from(sphere.group)));
-        words.extend(scene.rods().iter().map(|rod| u32::from(rod.group)));
-        words.extend(scene.boxes().iter().map(|cuboid| u32::from(cuboid.group)));
-        words.extend(scene.polygons().iter().map(|polygon| u32::from(polygon.group)));
+        pack_attachments(scene, step, &mut words, &mut adjacency)?;
+        pack_static(scene, step, &mut words);
 
         let fixed: Vec<bool> = scene.spheres().iter().map(|sphere| sphere.fixed).collect();
         let batches = batches(&fixed, &fixed_rods);
@@ -191,6 +158,54 @@ impl World {
             }
         }
     }
+}
+
+fn index_of(scene: &Scene, id: SphereId) -> Result<u32> {
+    Ok(scene.spheres.index(id)? as u32)
+}
+
+/// Springs, tethers and outside forces.
+fn pack_attachments(scene: &Scene, step: &mut Step, words: &mut Vec<u32>, adjacency: &mut Adjacency) -> Result<()> {
+    step.springs_at = words.len() as u32;
+    for (spring, number) in scene.springs().iter().zip(0..) {
+        let ends = [index_of(scene, spring.a)?, index_of(scene, spring.b)?];
+        words.extend(ends);
+        words.extend([spring.stiffness, spring.length, spring.damping].map(f32::to_bits));
+        adjacency.attach(KIND_SPRING, number, &ends);
+    }
+    step.tethers_at = words.len() as u32;
+    for (tether, number) in scene.tethers().iter().zip(0..) {
+        let sphere = index_of(scene, tether.sphere)?;
+        words.push(sphere);
+        push_vectors(words, &[tether.point]);
+        words.extend([tether.stiffness, tether.length, tether.damping].map(f32::to_bits));
+        adjacency.attach(KIND_TETHER, number, &[sphere]);
+    }
+    step.forces_at = words.len() as u32;
+    let pushed = scene.spheres().iter().zip(0..).filter(|(sphere, _)| sphere.force != Vec3::ZERO);
+    for ((sphere, number), force) in pushed.zip(0..) {
+        push_vectors(words, &[sphere.force]);
+        adjacency.attach(KIND_FORCE, force, &[number]);
+    }
+    Ok(())
+}
+
+/// Boxes, polygons, and the tags of all objects.
+fn pack_static(scene: &Scene, step: &mut Step, words: &mut Vec<u32>) {
+    step.boxes_at = words.len() as u32;
+    for cuboid in scene.boxes() {
+        let [i, j, k] = cuboid.edges;
+        push_vectors(words, &[cuboid.corner, i, j, k]);
+    }
+    step.polygons_at = words.len() as u32;
+    for polygon in scene.polygons() {
+        push_vectors(words, &[polygon.corner, polygon.left, polygon.right]);
+    }
+    step.tags_at = words.len() as u32;
+    words.extend(scene.spheres().iter().map(|sphere| u32::from(sphere.group)));
+    words.extend(scene.rods().iter().map(|rod| u32::from(rod.group)));
+    words.extend(scene.boxes().iter().map(|cuboid| u32::from(cuboid.group)));
+    words.extend(scene.polygons().iter().map(|polygon| u32::from(polygon.group)));
 }
 
 fn push_vectors(words: &mut Vec<u32>, vectors: &[Vec3]) {
