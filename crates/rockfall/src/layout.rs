@@ -4,11 +4,13 @@
 //! these declarations is `wgsl/step.wgsl`; a test reflects it and compares names, offsets, types and sizes.
 //!
 //! ```text
-//! object ids   spheres, then rods, then boxes, then polygons, each in order of addition
+//! object ids   spheres, then rods, then boxes, then polygons, each in order of addition; spheres may stand in another
+//!              order in memory (`users_at`), then a sphere's id is its memory slot
 //! movers       spheres and rods: the objects that have a list of pairs
 //! state        3 n vec4 for n spheres: n x (position, radius), n x (velocity, inverse mass),
 //!              n x (angular momentum, inverse inertia)
-//! words        u32: rods, springs, tethers, boxes, polygons, tags, adjacency, batches (see the WORDS constants)
+//! words        u32: rods, springs, tethers, boxes, polygons, tags, users, slots, adjacency, batches (see the WORDS
+//!              constants)
 //! lists        u32: counts (one a mover, padded to whole slices), slice offsets (one a slice and the end), entries
 //! ```
 
@@ -166,8 +168,10 @@ pub struct Step {
     pub sorted_at: u32,
     /// Steps for which AABBs are grown, at the velocities at hand; the more, the longer lists last, and the longer they are.
     pub lookahead: f32,
-    /// Padding to a multiple of 16 bytes.
-    pub pad: [u32; 2],
+    /// First word of the users: the index in order of addition of the sphere in each memory slot; 0: they are the same.
+    pub users_at: u32,
+    /// First word of the slots: the memory slot of each sphere by its index in order of addition; 0: they are the same.
+    pub slots_at: u32,
 }
 
 /// The uniform block `pass_`: which force evaluation of the step this is.

@@ -43,6 +43,8 @@ pub struct Simulation {
     world: World,
     /// Spheres in the order in which they stand in `world`.
     packed: Vec<SphereId>,
+    /// Steps done when the scene was packed last.
+    packed_at: u64,
     status: Status,
     report: Report,
     time_step: f32,
@@ -100,6 +102,7 @@ impl Simulation {
     fn assemble(scene: Scene, options: Options, world: World, engine: Engine, info: BackendInfo) -> Self {
         Self {
             packed: scene.sphere_ids().collect(),
+            packed_at: 0,
             status: world.status,
             scene,
             options,
@@ -256,7 +259,7 @@ impl Simulation {
 /// The world of a scene, with what the options say of it.
 fn prepare(scene: &Scene, options: &Options) -> Result<World> {
     scene.settings.validate()?;
-    let mut world = World::build(scene)?;
+    let mut world = World::for_method(scene, options.broad_phase)?;
     if let Some(capacity) = options.pair_capacity {
         world.set_pair_capacity(capacity);
     }

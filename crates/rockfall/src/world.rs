@@ -4,6 +4,7 @@
 
 mod build;
 mod frames;
+mod order;
 
 use glam::Vec4;
 
@@ -30,6 +31,8 @@ pub struct World {
     pub weights: Vec<f32>,
     /// `4 * rods`: force and couple on end 1, force and couple on end 2.
     pub wrenches: Vec<Vec4>,
+    /// The index in order of addition of the sphere in each memory slot; empty: they are the same.
+    pub order: Vec<u32>,
     /// `spheres` unit quaternions x, y, z, w.
     pub orientations: Vec<Vec4>,
     /// The status block.
@@ -45,6 +48,11 @@ impl World {
     /// All objects.
     pub fn objects(&self) -> u32 {
         self.movers() + self.step.boxes + self.step.polygons
+    }
+
+    /// The index in order of addition of the sphere in a memory slot.
+    pub fn user(&self, slot: usize) -> usize {
+        self.order.get(slot).map_or(slot, |user| *user as usize)
     }
 
     /// Makes room for `capacity` words of list entries; the lists are void after it.

@@ -2,8 +2,8 @@
 
 use rockfall::glam::Vec3;
 use rockfall::{
-    Backend, Capsule, Cuboid, Integrator, Options, Polygon, Report, Rod, Scene, Simulation, Sphere, SphereId, SphereState,
-    Spring, Tether,
+    Backend, BroadPhase, Capsule, Cuboid, Integrator, Options, Polygon, Report, Rod, Scene, Simulation, Sphere, SphereId,
+    SphereState, Spring, Tether,
 };
 
 #[macro_use]
@@ -157,6 +157,30 @@ fn a_jerk_out_of_the_aabb_loses_nothing(backend: Backend) {
     close(jerked.velocity.x + other.velocity.x, 16.0, 1e-4, "momentum");
 }
 
+/// Brute force keeps spheres in order of addition, the grid in spatial order: results know nothing of either. The balls are
+/// added in an order that is far from a spatial one, with a hole in it that an edit left.
+fn the_broad_phase_and_the_order_of_memory_make_no_difference(backend: Backend) {
+    let shuffled = |method: BroadPhase| {
+        let options = Options::new().backend(backend).broad_phase(method);
+        let mut scene = mixed(0);
+        let balls: Vec<SphereId> = (0..200)
+            .map(|k| {
+                let k = k * 77 % 200;
+                let place = Vec3::new((k % 5) as f32 * 0.5 - 1.0, (k / 25) as f32 * 0.5 + 0.3, (k / 5 % 5) as f32 * 0.5 - 1.0);
+                scene.add_sphere(Sphere::new(place, 0.22).mass(1.0 + (k % 3) as f32)).expect("a valid sphere")
+            })
+            .collect();
+        let mut simulation = Simulation::with_options(scene, options).expect("the simulation opens");
+        simulation.run(on(backend, 40, 10), 0.01).expect("steps");
+        simulation.remove_sphere(balls[17]).expect("a ball to remove");
+        simulation.set_velocity(balls[3], [1.0, 2.0, 0.0]).expect("a ball to throw");
+        simulation.set_force(balls[5], [0.0, 30.0, 0.0]).expect("a ball to lift");
+        let report = simulation.run(on(backend, 110, 20), 0.01).expect("steps");
+        Run { spheres: simulation.spheres().expect("spheres are read back"), report }
+    };
+    same_bits(&shuffled(BroadPhase::BruteForce), &shuffled(BroadPhase::Grid));
+}
+
 /// CPU, one thread and four.
 #[test]
 fn threads_make_no_difference() {
@@ -174,4 +198,5 @@ both!(
     steps_one_by_one_give_the_same_bits,
     a_start_without_room_gives_the_same_bits,
     a_jerk_out_of_the_aabb_loses_nothing,
+    the_broad_phase_and_the_order_of_memory_make_no_difference,
 );

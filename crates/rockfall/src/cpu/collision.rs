@@ -35,7 +35,7 @@ pub(crate) struct Collision {
 impl Collision {
     /// The contact of two objects, in either order; `None` where they do not overlap.
     pub(crate) fn between(view: &View, one: u32, other: u32, feature: u32) -> Option<Self> {
-        let (a, b) = (one.min(other), one.max(other));
+        let (a, b) = view.ordered(one, other);
         Some(Self::of(view, a, b, feature, touch(view, a, b, feature)?))
     }
 
@@ -142,7 +142,7 @@ pub(crate) fn each_incident<'a>(
         for entry in lists.row(row).filter(|entry| entry.word & mask != 0) {
             let other = entry.id();
             // Met from both rows: taken in the one of the lower id.
-            if other < row && rows(view, sphere).any(|own| own == other) {
+            if view.user(other) < view.user(row) && rows(view, sphere).any(|own| own == other) {
                 continue;
             }
             if let Some(collision) = Collision::between(view, row, other, entry.feature()) {

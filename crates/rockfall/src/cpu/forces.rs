@@ -26,7 +26,7 @@ pub(crate) fn each_contact(
     mut take: impl FnMut(Load, f32),
 ) {
     for entry in lists.row(mover) {
-        let (id_a, id_b) = (mover.min(entry.id()), mover.max(entry.id()));
+        let (id_a, id_b) = view.ordered(mover, entry.id());
         let Some(touch) = touch(view, id_a, id_b, entry.feature()) else {
             continue;
         };
@@ -115,7 +115,7 @@ pub(crate) fn rates(view: &View, lists: &Lists, wrenches: &[Vec4], sphere: u32, 
 
 /// Counts the contacts of a sphere whose forces do not matter, because it is fixed.
 pub(crate) fn count_contacts(view: &View, lists: &Lists, sphere: u32, tally: &mut Tally) {
-    for entry in lists.row(sphere).filter(|entry| entry.id() > sphere) {
+    for entry in lists.row(sphere).filter(|entry| view.user(entry.id()) > view.user(sphere)) {
         if let Some(touch) = touch(view, sphere, entry.id(), entry.feature()) {
             tally.count_contact(touch.overlap);
         }

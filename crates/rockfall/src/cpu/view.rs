@@ -77,6 +77,16 @@ impl<'a> View<'a> {
         self.state[(region * self.step.spheres + sphere) as usize]
     }
 
+    /// Index of an object in order of addition. Whatever must not depend on the order of memory goes by it.
+    pub(crate) fn user(&self, id: u32) -> u32 {
+        if self.step.users_at == 0 || id >= self.step.spheres { id } else { self.words[(self.step.users_at + id) as usize] }
+    }
+
+    /// Two objects, the one that was added first before the other.
+    pub(crate) fn ordered(&self, a: u32, b: u32) -> (u32, u32) {
+        if self.user(a) < self.user(b) { (a, b) } else { (b, a) }
+    }
+
     pub(crate) fn position(&self, sphere: u32) -> Vec3 {
         self.row(0, sphere).truncate()
     }

@@ -193,7 +193,10 @@ impl Simulation {
             }
         }
         match std::mem::replace(&mut self.dirty, Dirty::Clean) {
-            Dirty::Everything => self.rebuild()?,
+            Dirty::Everything => {
+                self.rebuild()?;
+                self.moved_by_hand();
+            }
             Dirty::Words => {
                 self.world.set_words(&self.scene)?;
                 self.engine.upload_words(&self.world)?;
@@ -209,11 +212,11 @@ impl Simulation {
     }
 
     /// Packs the scene anew; room that lists had is kept.
-    fn rebuild(&mut self) -> Result<()> {
+    pub(super) fn rebuild(&mut self) -> Result<()> {
         let old = &self.world.step;
         let (flags, dt, capacity) = (old.flags, old.dt, old.pair_capacity);
         let (margin_scale, lookahead) = (old.margin_scale, old.lookahead);
-        self.world = World::build(&self.scene)?;
+        self.world = World::for_method(&self.scene, self.options.broad_phase)?;
         self.world.step.flags = flags;
         self.world.step.dt = dt;
         self.world.step.margin_scale = margin_scale;
@@ -221,7 +224,9 @@ impl Simulation {
         self.world.set_pair_capacity(capacity);
         self.packed = self.scene.sphere_ids().collect();
         self.engine.replace(&self.world)?;
-        self.moved_by_hand();
+        self.packed_at = self.report.steps;
+        self.aabbs_due = true;
+        self.lists_due = true;
         Ok(())
     }
 
@@ -242,7 +247,7 @@ impl Simulation {
     }
 
     /// Reads the state of the spheres back into the scene.
-    async fn pull(&mut self) -> Result<()> {
+    pub(super) async fn pull(&mut self) -> Result<()> {
         if !self.synced {
             self.engine.download_spheres(&mut self.world).await?;
             self.world.read_spheres(&mut self.scene, &self.packed);

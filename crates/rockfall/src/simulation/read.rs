@@ -33,7 +33,11 @@ impl Simulation {
 
     /// The memory slot of a sphere, by its index in order of addition, in every buffer that is indexed by spheres.
     pub fn slot(&self, sphere: usize) -> usize {
-        sphere
+        let step = &self.world.step;
+        match step.slots_at {
+            0 => sphere,
+            at => self.world.words[at as usize + sphere] as usize,
+        }
     }
 
     /// One sphere as it is now.

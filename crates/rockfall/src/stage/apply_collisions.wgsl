@@ -29,8 +29,9 @@ fn add_row(sphere: u32, row: u32, change: ptr<function, Change>) {
         if taken_elsewhere(sphere, row, id) {
             continue;
         }
+        let pair = ordered(row, id);
         if row == sphere {
-            if are_plain(min(row, id), max(row, id)) {
+            if are_plain(pair.x, pair.y) {
                 let k = plain_contact(sphere, id);
                 let share = -k.n * (abs(weights[slot]) / k.inverse_mass);
                 add_change(share, k.approach, k.overlap, weights[slot] < 0.0, change);
@@ -40,13 +41,11 @@ fn add_row(sphere: u32, row: u32, change: ptr<function, Change>) {
         if !RODS {
             continue;
         }
-        let a = min(row, id);
-        let b = max(row, id);
-        let found = touch(a, b, entry_feature(entry));
+        let found = touch(pair.x, pair.y, entry_feature(entry));
         if found.overlap <= 0.0 {
             continue;
         }
-        var k = contact_of(a, b, found);
+        var k = contact_of(pair.x, pair.y, found);
         let weight = weights[slot];
         let share = share_of(&k, sphere) * (abs(weight) / k.inverse_mass);
         add_change(share, k.approach, k.overlap, weight < 0.0, change);

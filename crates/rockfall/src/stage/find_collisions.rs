@@ -65,7 +65,7 @@ fn find(view: &View, lists: &Lists, world: &World, mover: u32) -> (Vec<(u32, u32
             word |= ENTRY_OVERLAPS;
             if collision.collides(view) {
                 word |= ENTRY_COLLIDES;
-                tally.collisions += u32::from(mover < entry.id());
+                tally.collisions += u32::from(view.user(mover) < view.user(entry.id()));
             }
         }
         (entry.slot, word)

@@ -59,9 +59,10 @@ fn mark_entries(mover: u32) -> u32 {
     for (var e = 0u; e < lists[mover]; e++) {
         let entry = lists[first + e * SLICE] & ~(ENTRY_OVERLAPS | ENTRY_COLLIDES);
         let id = entry_id(entry);
-        let bits = judge(min(mover, id), max(mover, id), entry_feature(entry));
+        let pair = ordered(mover, id);
+        let bits = judge(pair.x, pair.y, entry_feature(entry));
         lists[first + e * SLICE] = entry | bits;
-        collisions += select(0u, 1u, ((bits & ENTRY_COLLIDES) != 0u) & (mover < id));
+        collisions += select(0u, 1u, ((bits & ENTRY_COLLIDES) != 0u) & (pair.x == mover));
     }
     return collisions;
 }

@@ -1,4 +1,4 @@
-//! Grid broad phase, 7 of 7: the list of every mover, in ascending order of id, then feature.
+//! Grid broad phase, 7 of 7: the list of every mover, in ascending order of index (in order of addition), then feature.
 //!
 //! May meet: as in `count_pairs`. Where two rows of cells share places of the table an object is met twice; its entry is
 //! kept once. A slice gets its place in the order in which workgroups come to it; what is in a list does not depend on
@@ -7,6 +7,7 @@
 use rayon::prelude::*;
 
 use crate::cpu::grid::Grid;
+use crate::cpu::view::View;
 use crate::layout::{ENTRY_FEATURE_MASK, ENTRY_ID_BITS, ENTRY_ID_MASK, SLICE, VOID_COUNT, VOID_PAIRS};
 use crate::stage::{Buffer, Stage, Threads, part, read, write};
 use crate::world::World;
@@ -25,6 +26,7 @@ pub(crate) const STAGE: Stage = Stage {
         read("cells", Buffer::Cells),
         read("extents", Buffer::Extents),
         write("lists", Buffer::Lists),
+        read("words", Buffer::Words),
         write("status", Buffer::Status),
     ],
     threads: Threads::Movers,
@@ -36,8 +38,9 @@ fn find_neighbours(world: &mut World, _pass: u32) {
         return;
     }
     let movers = world.step.spheres + world.step.rods;
+    let view = View::new(&world.step, &world.words, &world.states[0]);
     let grid = Grid::new(&world.step, &world.aabbs, &world.cells);
-    let found: Vec<Vec<u32>> = (0..movers).into_par_iter().map(|mover| neighbours(&grid, mover)).collect();
+    let found: Vec<Vec<u32>> = (0..movers).into_par_iter().map(|mover| neighbours(&grid, &view, mover)).collect();
 
     let (step, status) = (&world.step, &mut world.status);
     for (slice, lists) in found.chunks(SLICE as usize).enumerate() {
@@ -69,10 +72,10 @@ fn find_neighbours(world: &mut World, _pass: u32) {
 }
 
 /// The entries of a mover, each once, in ascending order.
-fn neighbours(grid: &Grid, mover: u32) -> Vec<u32> {
+fn neighbours(grid: &Grid, view: &View, mover: u32) -> Vec<u32> {
     let mut entries = Vec::new();
     grid.for_each_pair(mover, |entry| entries.push(entry));
-    entries.sort_unstable_by_key(|entry| (entry & ENTRY_ID_MASK, entry >> ENTRY_ID_BITS & ENTRY_FEATURE_MASK));
+    entries.sort_unstable_by_key(|entry| (view.user(entry & ENTRY_ID_MASK), entry >> ENTRY_ID_BITS & ENTRY_FEATURE_MASK));
     entries.dedup();
     entries
 }

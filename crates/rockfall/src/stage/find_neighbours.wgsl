@@ -2,7 +2,8 @@
 @group(0) @binding(3) var<storage, read> cells: array<u32>;
 @group(0) @binding(4) var<storage, read> extents: array<vec4f>;
 @group(0) @binding(5) var<storage, read_write> lists: array<u32>;
-@group(0) @binding(6) var<storage, read_write> status: StatusPairs;
+@group(0) @binding(6) var<storage, read> words: array<u32>;
+@group(0) @binding(7) var<storage, read_write> status: StatusPairs;
 
 // `Status` where the room for entries is given out.
 struct StatusPairs {
@@ -14,7 +15,7 @@ struct StatusPairs {
 // place.
 const SHORT: u32 = 32u;
 
-// Object `place` of a thread is at place * WORKGROUP + local.
+// Object `place` of a thread is at place * WORKGROUP + local: its id, and once in order its index in order of addition.
 var<workgroup> ids: array<u32, SHORT * WORKGROUP>;
 // The longest list of each slice of the workgroup, and where the slice begins.
 var<workgroup> longest: array<atomic<u32>, WORKGROUP / SLICE>;
@@ -29,13 +30,27 @@ var<private> entries: u32;
 // First word of the list, once it has a place; 0 before.
 var<private> into: u32;
 
-// Orders entries by id, then feature.
+// Orders entries by index in order of addition, then feature: not by id, for the order of memory must not show.
 fn entry_key(id: u32, feature: u32) -> u32 {
-    return id << 4u | feature;
+    return user_of(id) << 4u | feature;
+}
+
+fn user_of(id: u32) -> u32 {
+    if (step.users_at == 0u) | (id >= step.spheres) {
+        return id;
+    }
+    return words[step.users_at + id];
+}
+
+fn id_of(user: u32) -> u32 {
+    if (step.slots_at == 0u) | (user >= step.spheres) {
+        return user;
+    }
+    return words[step.slots_at + user];
 }
 
 fn entry_of(key: u32) -> u32 {
-    return key >> 4u | (key & ENTRY_FEATURE_MASK) << ENTRY_ID_BITS;
+    return id_of(key >> 4u) | (key & ENTRY_FEATURE_MASK) << ENTRY_ID_BITS;
 }
 
 fn is_rod(mover: u32) -> bool {
@@ -74,22 +89,23 @@ fn emit(mover: u32, id: u32) {
     }
 }
 
-// Of the objects remembered, those that the mover meets, in ascending order, each once.
+// Of the objects remembered, those that the mover meets, by their index in order of addition, ascending, each once.
 fn order_short(mover: u32) {
     var kept = 0u;
     entries = 0u;
     for (var place = 0u; place < found; place++) {
         let id = ids[place * WORKGROUP + own];
+        let user = user_of(id);
         var at = kept;
         var before = NONE;
         while at > 0u {
             before = ids[(at - 1u) * WORKGROUP + own];
-            if before <= id {
+            if before <= user {
                 break;
             }
             at -= 1u;
         }
-        if (at > 0u) & (before == id) {
+        if (at > 0u) & (before == user) {
             continue;
         }
         if !may_meet(mover, id) {
@@ -98,7 +114,7 @@ fn order_short(mover: u32) {
         for (var k = kept; k > at; k--) {
             ids[k * WORKGROUP + own] = ids[(k - 1u) * WORKGROUP + own];
         }
-        ids[at * WORKGROUP + own] = id;
+        ids[at * WORKGROUP + own] = user;
         kept += 1u;
         entries += entries_of(mover, id);
     }
@@ -169,7 +185,7 @@ fn allot(slice: u32, words: u32) -> u32 {
 fn write_short(mover: u32) {
     var place = 0u;
     for (var k = 0u; k < found; k++) {
-        let id = ids[k * WORKGROUP + own];
+        let id = id_of(ids[k * WORKGROUP + own]);
         let count = entries_of(mover, id);
         for (var feature = 0u; feature < count; feature++) {
             lists[into + place * SLICE] = id | feature << ENTRY_ID_BITS;

@@ -37,7 +37,7 @@ fn add_row(k: ptr<function, Contact>, name: vec3u, slot: u32, row: u32, sums: pt
         if taken_elsewhere(sphere, row, id) {
             continue;
         }
-        let other = vec3u(min(row, id), max(row, id), entry_feature(entry));
+        let other = vec3u(ordered(row, id), entry_feature(entry));
         let found = touch(other.x, other.y, other.z);
         var l = contact_of(other.x, other.y, found);
         if (l.inverse_mass <= 0.0) | (found.overlap <= 0.0) {
@@ -151,7 +151,7 @@ fn weigh_collisions(
         let entry = entry_at(slot);
         if (entry & ENTRY_COLLIDES) != 0u {
             let id = entry_id(entry);
-            weights[slot] = weigh(vec3u(min(mover, id), max(mover, id), entry_feature(entry)));
+            weights[slot] = weigh(vec3u(ordered(mover, id), entry_feature(entry)));
         }
     }
 }

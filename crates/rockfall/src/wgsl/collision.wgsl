@@ -133,7 +133,7 @@ fn is_row_of(sphere: u32, id: u32) -> bool {
 
 // A contact between two rows of one sphere stands in both of their lists: it is taken in that of the lower id.
 fn taken_elsewhere(sphere: u32, row: u32, id: u32) -> bool {
-    if id > row {
+    if user_of(id) > user_of(row) {
         return false;
     }
     return is_row_of(sphere, id);

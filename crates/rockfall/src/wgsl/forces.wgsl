@@ -30,7 +30,11 @@ fn add_contacts(i: u32, net: ptr<function, Net>) {
             if dot(distance, distance) >= (own.w + other.w) * (own.w + other.w) {
                 continue;
             }
-            found = touch_at(distance, own.w + other.w, 0.0, 0.0, vec3f(0.0, select(-1.0, 1.0, i < id), 0.0));
+            var up = vec3f(0.0, 1.0, 0.0);
+            if dot(distance, distance) <= TINY {
+                up.y = select(-1.0, 1.0, ordered(i, id).x == i);
+            }
+            found = touch_at(distance, own.w + other.w, 0.0, 0.0, up);
             if joined(i, id) {
                 continue;
             }
@@ -47,7 +51,7 @@ fn add_contacts(i: u32, net: ptr<function, Net>) {
         let contact = contact_force(side, other_side, found, id);
         (*net).force += contact.force;
         (*net).torque += contact.couple_a;
-        if i < id {
+        if user_of(i) < user_of(id) {
             (*net).contacts += 1u;
             (*net).deepest = max((*net).deepest, found.overlap);
         }

@@ -49,8 +49,12 @@ fn plain_contact(sphere: u32, other: u32) -> Plain {
     if other < step.spheres {
         let place = state[position_at(other)];
         // Where the centres coincide the normal points up from the sphere of lower index to the other.
-        let up = vec3f(0.0, select(-1.0, 1.0, sphere < other), 0.0);
-        found = touch_at(place.xyz - own.xyz, own.w + place.w, 0.0, 0.0, up);
+        let distance = place.xyz - own.xyz;
+        var up = vec3f(0.0, 1.0, 0.0);
+        if dot(distance, distance) <= TINY {
+            up.y = select(-1.0, 1.0, ordered(sphere, other).x == sphere);
+        }
+        found = touch_at(distance, own.w + place.w, 0.0, 0.0, up);
         let other_velocity = state[velocity_at(other)];
         approach -= other_velocity.xyz;
         inverse_mass += other_velocity.w;

@@ -33,8 +33,8 @@ struct Step {
     keys_at: u32,
     sorted_at: u32,
     lookahead: f32,
-    pad_0: u32,
-    pad_1: u32,
+    users_at: u32,
+    slots_at: u32,
 }
 
 // The padding is three words and not an array: arrays in uniform blocks have a stride of 16 bytes.

@@ -7,10 +7,11 @@ use crate::layout::{
     CELL_BLOCK, CELLS_AT, ENTRY_ID_MASK, FLAG_COLLISIONS, FLAG_CONTINUE, FLAG_PULL, KIND_FORCE, KIND_ROD, KIND_SHIFT,
     KIND_SPRING, KIND_TETHER, SLICE, Step,
 };
-use crate::scene::{Scene, SphereId};
-use crate::settings::Settings;
+use crate::scene::{Scene, Sphere, SphereId};
+use crate::settings::{BroadPhase, Settings};
 use crate::world::World;
 use crate::world::frames::batches;
+use crate::world::order::{inverse, spatial_order};
 
 /// Entries that a mover's list has room for at the start; lists that need more grow.
 const FIRST_ENTRIES: u64 = 16;
@@ -23,15 +24,36 @@ const FIRST_LOOKAHEAD: f32 = 2.0;
 const CELL_PER_RADIUS: f32 = 2.4;
 
 impl World {
-    /// The world of a scene before its first step.
+    /// The world of a scene before its first step, spheres in order of addition.
     ///
     /// # Errors
     /// [`Error::TooManyObjects`] for more objects than list entries can number.
     pub fn build(scene: &Scene) -> Result<Self> {
-        let mut world = Self {
-            step: Step { margin_scale: FIRST_MARGIN, lookahead: FIRST_LOOKAHEAD, ..Step::default() },
-            ..Self::default()
-        };
+        Self::build_ordered(scene, Vec::new())
+    }
+
+    /// The same with spheres in spatial order, which the grid broad phase allows: its lists go by order of addition
+    /// whatever the order of memory.
+    ///
+    /// # Errors
+    /// As for [`World::build`].
+    pub fn build_in_space(scene: &Scene) -> Result<Self> {
+        let positions: Vec<Vec3> = scene.spheres().iter().map(|sphere| sphere.position).collect();
+        Self::build_ordered(scene, spatial_order(&positions, typical_cell(scene)))
+    }
+
+    /// The world in the order that suits a broad phase: brute force goes through memory in order of addition.
+    pub(crate) fn for_method(scene: &Scene, broad_phase: BroadPhase) -> Result<Self> {
+        let counts = scene.counts();
+        match broad_phase.resolve(counts.spheres + counts.rods + counts.boxes + counts.polygons) {
+            BroadPhase::Grid => Self::build_in_space(scene),
+            _ => Self::build(scene),
+        }
+    }
+
+    fn build_ordered(scene: &Scene, order: Vec<u32>) -> Result<Self> {
+        let step = Step { margin_scale: FIRST_MARGIN, lookahead: FIRST_LOOKAHEAD, ..Step::default() };
+        let mut world = Self { step, order, ..Self::default() };
         world.set_settings(&scene.settings);
         world.set_words(scene)?;
         world.set_spheres(scene);
@@ -69,7 +91,8 @@ impl World {
         if objects > limit || attached > limit {
             return Err(Error::TooManyObjects { count: objects.max(attached), limit });
         }
-        let index = |id: SphereId| index_of(scene, id);
+        let slots = inverse(&self.order);
+        let index = |id: SphereId| slot_of(scene, &slots, id);
         let mut adjacency = Adjacency::default();
         let mut words = Vec::new();
         let step = &mut self.step;
@@ -88,10 +111,11 @@ impl World {
                 fixed_rods.push((number, ends));
             }
         }
-        pack_attachments(scene, step, &mut words, &mut adjacency)?;
-        pack_static(scene, step, &mut words);
+        pack_attachments(scene, &slots, step, &mut words, &mut adjacency)?;
+        pack_static(scene, &self.order, step, &mut words);
+        pack_order(&self.order, &slots, step, &mut words);
 
-        let fixed: Vec<bool> = scene.spheres().iter().map(|sphere| sphere.fixed).collect();
+        let fixed: Vec<bool> = in_order(scene, &self.order).map(|sphere| sphere.fixed).collect();
         let batches = batches(&fixed, &fixed_rods);
         step.batches = batches.len() as u32;
         step.batches_at = words.len() as u32;
@@ -103,29 +127,20 @@ impl World {
 
     /// Packs the state of the spheres.
     pub fn set_spheres(&mut self, scene: &Scene) {
-        let spheres = scene.spheres();
+        let spheres = || in_order(scene, &self.order);
         let inverse = |mass: f32, fixed: bool| if fixed { 0.0 } else { 1.0 / mass };
-        let positions = spheres.iter().map(|sphere| sphere.position.extend(sphere.radius));
-        let velocities = spheres.iter().map(|sphere| sphere.velocity.extend(inverse(sphere.mass, sphere.fixed)));
-        let spins = spheres.iter().map(|sphere| sphere.angular_momentum.extend(1.0 / sphere.inertia()));
+        let positions = spheres().map(|sphere| sphere.position.extend(sphere.radius));
+        let velocities = spheres().map(|sphere| sphere.velocity.extend(inverse(sphere.mass, sphere.fixed)));
+        let spins = spheres().map(|sphere| sphere.angular_momentum.extend(1.0 / sphere.inertia()));
         self.states[0] = positions.chain(velocities).chain(spins).collect();
-        self.orientations = spheres.iter().map(|sphere| sphere.orientation.into()).collect();
+        self.orientations = spheres().map(|sphere| sphere.orientation.into()).collect();
     }
 
     /// Chooses the grid's cells: a little larger than most spheres, and about as many as there are objects.
     fn set_grid(&mut self, scene: &Scene) {
-        let mut radii: Vec<f32> = scene.spheres().iter().map(|sphere| sphere.radius).collect();
-        let count = radii.len();
-        let mut quantile = |place: usize| match count {
-            0 => 1.0,
-            _ => *radii.select_nth_unstable_by(place, f32::total_cmp).1,
-        };
-        let (median, large) = (quantile(count / 2), quantile(count - count.min(1) - count / 50));
-        // Where radii differ little, all spheres fit the cells of one level.
-        let radius = if large < 2.0 * median { large } else { median };
         let objects = self.objects();
         let step = &mut self.step;
-        step.cell_size = (CELL_PER_RADIUS * radius).clamp(1e-20, 1e20);
+        step.cell_size = typical_cell(scene);
         step.cells = objects.max(CELL_BLOCK).next_power_of_two();
         step.sums_at = CELLS_AT + step.cells;
         step.keys_at = step.sums_at + step.cells / CELL_BLOCK;
@@ -147,7 +162,8 @@ impl World {
     /// Writes the state of the spheres back into the scene it was packed from; `packed` are their handles then.
     pub(crate) fn read_spheres(&self, scene: &mut Scene, packed: &[SphereId]) {
         let n = packed.len();
-        for (place, id) in packed.iter().enumerate() {
+        for place in 0..n {
+            let id = &packed[self.user(place)];
             // Spheres that were removed since are gone; fixed ones have only turned.
             let Ok(sphere) = scene.spheres.get_mut(*id) else { continue };
             sphere.orientation = glam::Quat::from_vec4(self.orientations[place]);
@@ -160,22 +176,60 @@ impl World {
     }
 }
 
-fn index_of(scene: &Scene, id: SphereId) -> Result<u32> {
-    Ok(scene.spheres.index(id)? as u32)
+/// A little more than the AABBs of most spheres at rest.
+fn typical_cell(scene: &Scene) -> f32 {
+    let mut radii: Vec<f32> = scene.spheres().iter().map(|sphere| sphere.radius).collect();
+    let count = radii.len();
+    let mut quantile = |place: usize| match count {
+        0 => 1.0,
+        _ => *radii.select_nth_unstable_by(place, f32::total_cmp).1,
+    };
+    let (median, large) = (quantile(count / 2), quantile(count - count.min(1) - count / 50));
+    // Where radii differ little, all spheres fit the cells of one level.
+    let radius = if large < 2.0 * median { large } else { median };
+    (CELL_PER_RADIUS * radius).clamp(1e-20, 1e20)
+}
+
+/// The spheres in the order of memory.
+fn in_order<'a>(scene: &'a Scene, order: &'a [u32]) -> impl Iterator<Item = &'a Sphere> + 'a {
+    let spheres = scene.spheres();
+    (0..spheres.len()).map(move |slot| &spheres[order.get(slot).map_or(slot, |user| *user as usize)])
+}
+
+fn slot_of(scene: &Scene, slots: &[u32], id: SphereId) -> Result<u32> {
+    let index = scene.spheres.index(id)?;
+    Ok(slots.get(index).copied().unwrap_or(index as u32))
+}
+
+/// Which sphere stands where, unless they stand in order of addition.
+fn pack_order(order: &[u32], slots: &[u32], step: &mut Step, words: &mut Vec<u32>) {
+    (step.users_at, step.slots_at) = (0, 0);
+    if !order.is_empty() {
+        step.users_at = words.len() as u32;
+        words.extend(order);
+        step.slots_at = words.len() as u32;
+        words.extend(slots);
+    }
 }
 
 /// Springs, tethers and outside forces.
-fn pack_attachments(scene: &Scene, step: &mut Step, words: &mut Vec<u32>, adjacency: &mut Adjacency) -> Result<()> {
+fn pack_attachments(
+    scene: &Scene,
+    slots: &[u32],
+    step: &mut Step,
+    words: &mut Vec<u32>,
+    adjacency: &mut Adjacency,
+) -> Result<()> {
     step.springs_at = words.len() as u32;
     for (spring, number) in scene.springs().iter().zip(0..) {
-        let ends = [index_of(scene, spring.a)?, index_of(scene, spring.b)?];
+        let ends = [slot_of(scene, slots, spring.a)?, slot_of(scene, slots, spring.b)?];
         words.extend(ends);
         words.extend([spring.stiffness, spring.length, spring.damping].map(f32::to_bits));
         adjacency.attach(KIND_SPRING, number, &ends);
     }
     step.tethers_at = words.len() as u32;
     for (tether, number) in scene.tethers().iter().zip(0..) {
-        let sphere = index_of(scene, tether.sphere)?;
+        let sphere = slot_of(scene, slots, tether.sphere)?;
         words.push(sphere);
         push_vectors(words, &[tether.point]);
         words.extend([tether.stiffness, tether.length, tether.damping].map(f32::to_bits));
@@ -185,13 +239,13 @@ fn pack_attachments(scene: &Scene, step: &mut Step, words: &mut Vec<u32>, adjace
     let pushed = scene.spheres().iter().zip(0..).filter(|(sphere, _)| sphere.force != Vec3::ZERO);
     for ((sphere, number), force) in pushed.zip(0..) {
         push_vectors(words, &[sphere.force]);
-        adjacency.attach(KIND_FORCE, force, &[number]);
+        adjacency.attach(KIND_FORCE, force, &[slots.get(number as usize).copied().unwrap_or(number)]);
     }
     Ok(())
 }
 
 /// Boxes, polygons, and the tags of all objects.
-fn pack_static(scene: &Scene, step: &mut Step, words: &mut Vec<u32>) {
+fn pack_static(scene: &Scene, order: &[u32], step: &mut Step, words: &mut Vec<u32>) {
     step.boxes_at = words.len() as u32;
     for cuboid in scene.boxes() {
         let [i, j, k] = cuboid.edges;
@@ -202,7 +256,7 @@ fn pack_static(scene: &Scene, step: &mut Step, words: &mut Vec<u32>) {
         push_vectors(words, &[polygon.corner, polygon.left, polygon.right]);
     }
     step.tags_at = words.len() as u32;
-    words.extend(scene.spheres().iter().map(|sphere| u32::from(sphere.group)));
+    words.extend(in_order(scene, order).map(|sphere| u32::from(sphere.group)));
     words.extend(scene.rods().iter().map(|rod| u32::from(rod.group)));
     words.extend(scene.boxes().iter().map(|cuboid| u32::from(cuboid.group)));
     words.extend(scene.polygons().iter().map(|polygon| u32::from(polygon.group)));

@@ -1,0 +1,70 @@
+//! The order of spheres in memory: near one another where they are near in space, along a Z-order curve (Morton 1966).
+//!
+//! What is near is read together, and memory order is worth a multiple of the speed at a million bodies. No result depends
+//! on it: wherever order counts, objects go by their index in order of addition.
+
+use glam::Vec3;
+use rayon::prelude::*;
+
+/// Indices of the spheres at these places, in the order of the curve through cells of this size.
+pub(crate) fn spatial_order(positions: &[Vec3], cell: f32) -> Vec<u32> {
+    let mut keyed: Vec<(u64, u32)> =
+        positions.par_iter().zip(0..positions.len() as u32).map(|(position, index)| (curve(*position, cell), index)).collect();
+    keyed.par_sort_unstable();
+    keyed.into_iter().map(|(_, index)| index).collect()
+}
+
+/// The inverse of an order.
+pub(crate) fn inverse(order: &[u32]) -> Vec<u32> {
+    let mut places = vec![0; order.len()];
+    for (place, index) in order.iter().enumerate() {
+        places[*index as usize] = place as u32;
+    }
+    places
+}
+
+/// Place on the curve. Beyond 2^20 cells from the origin it begins again, which costs nothing but nearness.
+fn curve(position: Vec3, cell: f32) -> u64 {
+    let [x, y, z] = position.to_array().map(|x| spread(((x / cell).floor() as i64 + (1 << 20)) as u64 & 0x1f_ffff));
+    x | y << 1 | z << 2
+}
+
+/// The low 21 bits, two zeros after each.
+fn spread(bits: u64) -> u64 {
+    let mut x = bits;
+    for (shift, mask) in [
+        (32, 0x1f_0000_0000_ffff),
+        (16, 0x1f_0000_ff00_00ff),
+        (8, 0x100f_00f0_0f00_f00f),
+        (4, 0x10c3_0c30_c30c_30c3),
+        (2, 0x1249_2492_4924_9249),
+    ] {
+        x = (x | x << shift) & mask;
+    }
+    x
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bits_are_spread() {
+        for bit in 0..21 {
+            assert_eq!(spread(1 << bit), 1 << (3 * bit));
+        }
+        assert_eq!(spread(0x1f_ffff), 0x1249_2492_4924_9249);
+    }
+
+    #[test]
+    fn the_eight_cells_of_a_block_come_one_after_the_other() {
+        let places: Vec<Vec3> = (0..64).map(|k| Vec3::new((k % 4) as f32, (k / 4 % 4) as f32, (k / 16) as f32) + 0.5).collect();
+        let order = spatial_order(&places, 1.0);
+        for block in order.chunks(8) {
+            let corners: Vec<Vec3> = block.iter().map(|index| (places[*index as usize] / 2.0).floor()).collect();
+            assert!(corners.windows(2).all(|pair| pair[0] == pair[1]), "{corners:?}");
+        }
+        let back = inverse(&order);
+        assert!(order.iter().enumerate().all(|(place, index)| back[*index as usize] == place as u32));
+    }
+}
