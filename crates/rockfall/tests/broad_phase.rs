@@ -108,6 +108,7 @@ fn all_in_one_place(_part: usize) -> Scene {
 
 /// Software Vulkan (llvmpipe) ends a shader after 65,535 turns of all its loops: there, scenes with long lists, which are
 /// sorted, are made of a part only.
+#[cfg(feature = "gpu")]
 const PART_ON_GPU: usize = 6;
 
 /// Makes a scene, or one part in so many of it.

@@ -140,18 +140,19 @@ fn listed(simulation: &mut Simulation) -> World {
 }
 
 // At the start: four states of 48 bytes, an AABB of 32, an orientation of 16, a tag and a count of 4 each, about 13 of the
-// grid, an extent of 16, and 16 list entries of 4 with a weight of 4 each make 408. AABBs are grown for some steps ahead,
+// grid, an extent of 16, its two places in the order of memory of 4 each, and 16 list entries of 4 with a weight of 4 each make
+// 416. AABBs are grown for some steps ahead,
 // as long as lists stay short, so that lists take more later.
 
 #[test]
 fn size_of_a_lattice() {
     // Six neighbours touch; the AABBs of those across edges and corners overlap too.
-    check_size(Benchmark::Lattice, &Bounds { memory: 540, entries: 13.5, words: 18.5 });
+    check_size(Benchmark::Lattice, &Bounds { memory: 560, entries: 13.5, words: 18.5 });
 }
 
 #[test]
 fn size_of_a_pile() {
-    check_size(Benchmark::Pile, &Bounds { memory: 500, entries: 13.0, words: 21.0 });
+    check_size(Benchmark::Pile, &Bounds { memory: 560, entries: 13.0, words: 21.0 });
 }
 
 #[test]

@@ -22,7 +22,7 @@ const MISTAKES: [Mistake; 32] = [
     Mistake("place_cells", 0, "scan_cells.wgsl", "before += count", "before -= count", Buffer::Cells),
     Mistake("sort_cells", 0, "sort_cells.wgsl", "CELLS_AT + key], 1u", "CELLS_AT + key], 0u", Buffer::Cells),
     Mistake("find_neighbours", 0, "neighbours.wgsl", "(id == mover)", "(id < mover)", Buffer::Lists),
-    Mistake("find_neighbours", 0, "find_neighbours.wgsl", "if before <= id", "if before >= id", Buffer::Lists),
+    Mistake("find_neighbours", 0, "find_neighbours.wgsl", "if before <= user", "if before >= user", Buffer::Lists),
     Mistake("find_collisions", 0, "find_collisions.wgsl", "min(radius, ", "max(radius, ", Buffer::Lists),
     Mistake("find_collisions", 0, "geometry.wgsl", "nn <= 1e-8 * aa * bb", "nn < 0.0", Buffer::Lists),
     Mistake("weigh_collisions", 0, "weigh_collisions.wgsl", "ALONE: f32 = 1.001", "ALONE: f32 = 1.5", Buffer::Weights),
