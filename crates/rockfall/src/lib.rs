@@ -82,3 +82,8 @@ pub use settings::{BroadPhase, Integrator, Settings};
 pub use simulation::{Backend, BackendInfo, Body, Contact, ContactAction, Options, Simulation, SphereDiagnostics};
 #[cfg(feature = "gpu")]
 pub use wgpu;
+
+/// The README's example is a test.
+#[cfg(doctest)]
+#[doc = include_str!("../../../README.md")]
+struct Readme;

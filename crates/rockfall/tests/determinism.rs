@@ -181,6 +181,14 @@ fn the_broad_phase_and_the_order_of_memory_make_no_difference(backend: Backend) 
     same_bits(&shuffled(BroadPhase::BruteForce), &shuffled(BroadPhase::Grid));
 }
 
+/// After 2,000 steps spheres are put into spatial order again, which is not seen either.
+#[test]
+fn sorting_memory_again_makes_no_difference() {
+    let options = |method| Options::new().backend(Backend::Cpu).broad_phase(method);
+    let [brute, grid] = [BroadPhase::BruteForce, BroadPhase::Grid].map(|method| run(options(method), 2_100, 60));
+    same_bits(&brute, &grid);
+}
+
 /// CPU, one thread and four.
 #[test]
 fn threads_make_no_difference() {
