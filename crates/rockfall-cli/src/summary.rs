@@ -57,13 +57,14 @@ impl Summary<'_> {
             let _ = writeln!(text, "  {name:<11} {value}");
         };
         row("backend", format!("{}: {} ({})", backend.kind, backend.device, backend.reason));
+        row("pairs", format!("found by {}", simulation.broad_phase_method()));
         row("objects", InWords(simulation.scene().counts()).to_string());
         let speed = self.steps_per_second(report.steps);
         let real_time = if self.seconds > 0.0 { report.time / self.seconds } else { 0.0 };
         row(
             "steps",
             format!(
-                "{} of {} s = {:.6} s, done in {:.3} s: {speed:.0} steps/s, {real_time:.1} times real time",
+                "{} of {} s = {:.3} s, done in {:.3} s: {speed:.0} steps/s, {real_time:.1} times real time",
                 report.steps, self.dt, report.time, self.seconds
             ),
         );
