@@ -69,9 +69,9 @@ pub enum Error {
     /// The device refused, was lost or ran out of memory.
     #[error("GPU: {0}")]
     Device(String),
-    /// The scene does not fit the device's limits.
+    /// The scene does not fit the limits of the device, or of the engine.
     #[error(
-        "the scene does not fit this GPU: {what} needs {needed} bytes, its limit is {limit}; use fewer objects or --backend cpu"
+        "the scene does not fit: {what} would take {needed} bytes, the limit is {limit}; use fewer objects or another backend"
     )]
     DeviceLimit {
         /// The buffer that is too large.

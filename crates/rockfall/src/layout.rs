@@ -23,6 +23,9 @@ pub const WORKGROUP: u32 = 64;
 /// `entries_at + slice_offset[i / SLICE] + e * SLICE + i % SLICE`, so that neighbouring threads read neighbouring words.
 pub const SLICE: u32 = 32;
 
+/// The most words that the entries of the pair lists may take: 4 GiB, and as much again for their weights.
+pub const MAX_PAIR_WORDS: u32 = 1 << 30;
+
 /// Words of a rod: sphere 1, sphere 2, radius, length (`<= 0`: free).
 pub const ROD_WORDS: u32 = 4;
 /// Words of a spring: sphere A, sphere B, stiffness k, rest length l, damping c.

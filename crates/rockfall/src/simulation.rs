@@ -2,8 +2,8 @@
 
 use glam::Vec3;
 
-use crate::error::Result;
-use crate::layout::Status;
+use crate::error::{Error, Result};
+use crate::layout::{MAX_PAIR_WORDS, Status};
 use crate::profile::Recorder;
 use crate::report::Report;
 use crate::scene::{Scene, SphereId};
@@ -261,6 +261,9 @@ fn prepare(scene: &Scene, options: &Options) -> Result<World> {
     scene.settings.validate()?;
     let mut world = World::for_method(scene, options.broad_phase)?;
     if let Some(capacity) = options.pair_capacity {
+        if capacity > MAX_PAIR_WORDS {
+            return Err(Error::Invalid { field: "pair_capacity", value: capacity.to_string(), expected: "at most 2^30 words" });
+        }
         world.set_pair_capacity(capacity);
     }
     if options.keep_going {

@@ -1,7 +1,9 @@
 //! Running phases until they are done: void steps are mended and run again.
 
 use crate::error::{Error, Result};
-use crate::layout::{BAD_STAGE_SHIFT, BadStage, NO_BODY, SLICE, Status, VOID_COUNT, VOID_ESCAPED, VOID_NON_FINITE, VOID_PAIRS};
+use crate::layout::{
+    BAD_STAGE_SHIFT, BadStage, MAX_PAIR_WORDS, NO_BODY, SLICE, Status, VOID_COUNT, VOID_ESCAPED, VOID_NON_FINITE, VOID_PAIRS,
+};
 use crate::profile::Recorder;
 use crate::simulation::Simulation;
 use crate::stage::{Phase, Run};
@@ -202,13 +204,13 @@ impl Simulation {
 
     /// Makes the pair lists a quarter larger than what was needed.
     fn grow_lists(&mut self) -> Result<()> {
-        let needed = u64::from(self.status.pairs_needed);
-        let capacity = (needed + needed / 4).next_multiple_of(u64::from(SLICE));
-        let index = u64::from(self.world.movers()) * 2 + 64;
-        if self.status.pairs_needed == u32::MAX || capacity + index > u64::from(u32::MAX) {
-            return Err(Error::DeviceLimit { what: "the pair lists", needed: capacity * 4, limit: u64::from(u32::MAX) * 4 });
+        let needed = self.status.pairs_needed;
+        if needed > MAX_PAIR_WORDS {
+            let bytes = |words: u32| 4 * u64::from(words);
+            return Err(Error::DeviceLimit { what: "the pair lists", needed: bytes(needed), limit: bytes(MAX_PAIR_WORDS) });
         }
-        self.world.set_pair_capacity(capacity as u32);
+        let capacity = (needed + needed / 4).next_multiple_of(SLICE).min(MAX_PAIR_WORDS);
+        self.world.set_pair_capacity(capacity);
         self.engine.resize_lists(&self.world)
     }
 }
