@@ -8,6 +8,9 @@ use crate::cpu::touch::{Touch, touch};
 use crate::cpu::view::{Object, TINY, View};
 use crate::layout::{ENTRY_COLLIDES, ENTRY_OVERLAPS};
 
+/// Overlaps up to this times the smaller radius are rounding, to the collision phase.
+const ROUNDING: f32 = 1e-5;
+
 /// The share g of a contact's unit impulse that a sphere receives.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Share {
@@ -63,11 +66,21 @@ impl Collision {
         &self.shares[..self.len]
     }
 
-    /// Whether it is an impulse: closing faster than the threshold.
-    pub(crate) fn collides(&self, view: &View) -> bool {
+    /// The radius that thresholds refer to.
+    fn smaller_radius(&self, view: &View) -> f32 {
         let a = side(view, view.object(self.a), self.touch.a);
         let b = side(view, view.object(self.b), self.touch.b);
-        self.inverse_mass > 0.0 && self.approach > view.step.activation_threshold * smaller_radius(&a, &b)
+        smaller_radius(&a, &b)
+    }
+
+    /// Whether it overlaps by more than rounding.
+    pub(crate) fn is_pressed(&self, view: &View) -> bool {
+        self.touch.overlap > ROUNDING * self.smaller_radius(view)
+    }
+
+    /// Whether it is an impulse: closing faster than the threshold.
+    pub(crate) fn collides(&self, view: &View) -> bool {
+        self.inverse_mass > 0.0 && self.approach > view.step.activation_threshold * self.smaller_radius(view)
     }
 
     /// What one sphere receives of this contact's unit impulse.

@@ -1,5 +1,7 @@
 //! Collisions, 1 of 4: which pairs overlap, and which of them collide (physics.md section 3).
 //!
+//! Bodies that touch overlap by rounding; what is no deeper than 1e-5 of the smaller radius presses nothing. (Else the blow
+//! on a touching cradle would count as one in a crowd, and gain energy from the overlap that is left to the forces.)
 //! Sets `ENTRY_OVERLAPS` and `ENTRY_COLLIDES` in the entries of both sides, once, so that no later stage decides again;
 //! counts every collision once (at the mover of lower id). Voids the step when a sphere is outside its AABB
 //! (`VOID_ESCAPED`). Like the other three it does nothing when the step is void or its collisions are done.
@@ -61,7 +63,8 @@ fn find(view: &View, lists: &Lists, world: &World, mover: u32) -> (Vec<(u32, u32
     }
     let entries = lists.row(mover).map(|entry| {
         let mut word = entry.word & !(ENTRY_OVERLAPS | ENTRY_COLLIDES);
-        if let Some(collision) = Collision::between(view, mover, entry.id(), entry.feature()) {
+        let collision = Collision::between(view, mover, entry.id(), entry.feature());
+        if let Some(collision) = collision.filter(|collision| collision.is_pressed(view)) {
             word |= ENTRY_OVERLAPS;
             if collision.collides(view) {
                 word |= ENTRY_COLLIDES;

@@ -4,28 +4,40 @@
 @group(0) @binding(5) var<storage, read> aabbs: array<Aabb>;
 @group(0) @binding(6) var<storage, read_write> status: StatusAtomic;
 
+// Overlaps up to this times the smaller radius are rounding.
+const ROUNDING: f32 = 1e-5;
+
 var<workgroup> group_collisions: atomic<u32>;
 
 fn radius_of(id: u32) -> f32 {
     if id < step.spheres {
         return state[position_at(id)].w;
     }
-    return rod_radius(id - step.spheres);
+    if RODS {
+        return rod_radius(id - step.spheres);
+    }
+    return 0.0;
 }
 
-fn judge_plain(a: u32, b: u32) -> u32 {
-    let contact = plain_contact(a, b);
-    if (contact.overlap <= 0.0) | (contact.inverse_mass <= 0.0) {
+// The radius that thresholds refer to, of a pair, the first added first.
+fn pair_radius(a: u32, b: u32) -> f32 {
+    let radius = radius_of(a);
+    if b < step.spheres + step.rods {
+        return min(radius, radius_of(b));
+    }
+    return radius;
+}
+
+// The OVERLAPS and COLLIDES bits of what overlaps so deep, closes so fast and weighs so much.
+fn bits_of(overlap: f32, approach: f32, inverse_mass: f32, radius: f32) -> u32 {
+    if overlap <= ROUNDING * radius {
         return 0u;
     }
-    var radius = state[position_at(a)].w;
-    if b < step.spheres {
-        radius = min(radius, state[position_at(b)].w);
-    }
-    return ENTRY_OVERLAPS | select(0u, ENTRY_COLLIDES, contact.approach > step.activation_threshold * radius);
+    let collides = (inverse_mass > 0.0) & (approach > step.activation_threshold * radius);
+    return ENTRY_OVERLAPS | select(0u, ENTRY_COLLIDES, collides);
 }
 
-// The OVERLAPS and COLLIDES bits of a pair, a < b.
+// The bits of a pair, the first added first.
 fn judge(a: u32, b: u32, feature: u32) -> u32 {
     if b < step.spheres {
         // Most pairs of the lists do not touch. The slack leaves those near the edge to the test that counts.
@@ -36,20 +48,20 @@ fn judge(a: u32, b: u32, feature: u32) -> u32 {
             return 0u;
         }
     }
+    let radius = pair_radius(a, b);
     if are_plain(a, b) {
-        return judge_plain(a, b);
+        let contact = plain_contact(a, b);
+        if contact.inverse_mass <= 0.0 {
+            return 0u;
+        }
+        return bits_of(contact.overlap, contact.approach, contact.inverse_mass, radius);
     }
     let found = touch(a, b, feature);
     if found.overlap <= 0.0 {
         return 0u;
     }
     let contact = contact_of(a, b, found);
-    var radius = radius_of(a);
-    if b < step.spheres + step.rods {
-        radius = min(radius, radius_of(b));
-    }
-    let collides = (contact.inverse_mass > 0.0) & (contact.approach > step.activation_threshold * radius);
-    return ENTRY_OVERLAPS | select(0u, ENTRY_COLLIDES, collides);
+    return bits_of(found.overlap, contact.approach, contact.inverse_mass, radius);
 }
 
 // Marks the entries of a mover and gives the number of collisions with objects of higher id.
