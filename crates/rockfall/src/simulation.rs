@@ -72,7 +72,7 @@ impl Simulation {
     /// A simulation with a backend, an integrator and a broad phase of one's own choice.
     ///
     /// # Errors
-    /// As for [`Simulation::new`]; and [`Error::NoAdapter`](crate::Error::NoAdapter) when a GPU is asked for and there is none.
+    /// As for [`Simulation::new`]; and [`Error::NoAdapter`] when a GPU is asked for and there is none.
     #[cfg(not(target_family = "wasm"))]
     pub fn with_options(scene: Scene, options: Options) -> Result<Self> {
         engine::block_on(None, Self::with_options_async(scene, options))
@@ -91,7 +91,7 @@ impl Simulation {
     /// A simulation on the caller's wgpu device, whose buffers [`Simulation::gpu_view`] gives.
     ///
     /// # Errors
-    /// As for [`Simulation::new`], and [`Error::DeviceLimit`](crate::Error::DeviceLimit) for a scene that does not fit.
+    /// As for [`Simulation::new`], and [`Error::DeviceLimit`] for a scene that does not fit.
     #[cfg(feature = "gpu")]
     pub fn on_device(scene: Scene, options: Options, device: &wgpu::Device, queue: &wgpu::Queue) -> Result<Self> {
         let world = prepare(&scene, &options)?;
@@ -142,7 +142,7 @@ impl Simulation {
     /// Changes the physical constants, from the next step on.
     ///
     /// # Errors
-    /// [`Error::Invalid`](crate::Error::Invalid) when a value is not allowed; nothing is changed then.
+    /// [`Error::Invalid`] when a value is not allowed; nothing is changed then.
     pub fn set_settings(&mut self, settings: Settings) -> Result<()> {
         settings.validate()?;
         self.scene.settings = settings;
@@ -163,9 +163,9 @@ impl Simulation {
     /// One step of `dt` seconds: AABBs, broad phase, collisions unless they are switched off, forces and integration.
     ///
     /// # Errors
-    /// [`Error::Invalid`](crate::Error::Invalid) for a time step that is not positive and finite,
-    /// [`Error::NonFinite`](crate::Error::NonFinite) when a body's state stopped being finite in it (unless told to go on),
-    /// [`Error::Device`](crate::Error::Device) when the GPU failed.
+    /// [`Error::Invalid`] for a time step that is not positive and finite,
+    /// [`Error::NonFinite`] when a body's state stopped being finite in it (unless told to go on),
+    /// [`Error::Device`] when the GPU failed.
     #[cfg(not(target_family = "wasm"))]
     pub fn step(&mut self, dt: f32) -> Result<Report> {
         self.run(1, dt)
