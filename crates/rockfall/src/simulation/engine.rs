@@ -32,6 +32,20 @@ pub(super) type Waiter = Option<wgpu::Device>;
 #[cfg(not(feature = "gpu"))]
 pub(super) type Waiter = Option<std::convert::Infallible>;
 
+/// Does something on the device. The CPU backend runs on the host's world itself and has nothing to do.
+macro_rules! on_gpu {
+    ($engine:expr, $world:ident, $gpu:ident => $action:expr) => {{
+        match $engine {
+            Self::Cpu => {}
+            #[cfg(feature = "gpu")]
+            Self::Gpu($gpu) => $action,
+        }
+        // Without the GPU nobody asks for it.
+        let _ = $world;
+        Ok(())
+    }};
+}
+
 impl Engine {
     #[cfg(feature = "gpu")]
     pub(super) async fn open(backend: Backend, world: &World) -> Result<(Self, BackendInfo)> {
@@ -129,60 +143,30 @@ impl Engine {
 
     /// Takes over a world that was packed anew, or whose lists have a new capacity and are void.
     pub(super) fn replace(&mut self, world: &World) -> Result<()> {
-        match self {
-            Self::Cpu => {}
-            #[cfg(feature = "gpu")]
-            Self::Gpu(gpu) => gpu.upload(world)?,
-        }
-        let _ = world;
-        Ok(())
+        on_gpu!(self, world, gpu => gpu.upload(world)?)
     }
 
     /// The lists of the world have a new capacity; what they held is void.
     pub(super) fn resize_lists(&mut self, world: &World) -> Result<()> {
-        match self {
-            Self::Cpu => {}
-            #[cfg(feature = "gpu")]
-            Self::Gpu(gpu) => gpu.resize_lists(world)?,
-        }
-        let _ = world;
-        Ok(())
+        on_gpu!(self, world, gpu => gpu.resize_lists(world)?)
     }
 
     /// The words of the world changed, and with them offsets in the uniform block.
     pub(super) fn upload_words(&mut self, world: &World) -> Result<()> {
-        match self {
-            Self::Cpu => {}
-            #[cfg(feature = "gpu")]
-            Self::Gpu(gpu) => gpu.upload_words(world)?,
-        }
-        let _ = world;
-        Ok(())
+        on_gpu!(self, world, gpu => gpu.upload_words(world)?)
     }
 
     /// The state of the spheres changed.
     pub(super) fn upload_spheres(&mut self, world: &World) -> Result<()> {
-        match self {
-            Self::Cpu => {}
-            #[cfg(feature = "gpu")]
-            Self::Gpu(gpu) => {
-                gpu.upload_buffer(world, Buffer::Start)?;
-                gpu.upload_buffer(world, Buffer::Orientations)?;
-            }
-        }
-        let _ = world;
-        Ok(())
+        on_gpu!(self, world, gpu => {
+            gpu.upload_buffer(world, Buffer::Start)?;
+            gpu.upload_buffer(world, Buffer::Orientations)?;
+        })
     }
 
     /// Reads the state of the spheres back into `world`.
     pub(super) async fn download_spheres(&mut self, world: &mut World) -> Result<()> {
-        match self {
-            Self::Cpu => {}
-            #[cfg(feature = "gpu")]
-            Self::Gpu(gpu) => gpu.download(world, &[Buffer::Start, Buffer::Orientations]).await?,
-        }
-        let _ = world;
-        Ok(())
+        on_gpu!(self, world, gpu => gpu.download(world, &[Buffer::Start, Buffer::Orientations]).await?)
     }
 }
 

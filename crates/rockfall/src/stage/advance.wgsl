@@ -11,21 +11,16 @@ fn write_next(i: u32, net: Net) {
     let old_position = start[position_at(i)];
     let old_velocity = start[velocity_at(i)];
     let old_momentum = start[momentum_at(i)];
-    var position = old_position.xyz;
-    var velocity = old_velocity.xyz;
-    var momentum = old_momentum.xyz;
+    var after = Motion(old_position.xyz, old_velocity.xyz, old_momentum.xyz);
     if old_velocity.w > 0.0 {
         let c = select(0.5, 1.0, pass_.index == 2u) * step.dt;
-        position += c * state[velocity_at(i)].xyz;
-        velocity += c * (step.gravity + old_velocity.w * net.force);
-        momentum += c * net.torque;
-        if !(finite(position) & finite(velocity) & finite(momentum)) {
-            position = old_position.xyz;
-            velocity = vec3f(0.0);
-            momentum = vec3f(0.0);
-            tell_bad(pass_.index + 1u, i);
+        after.position += c * state[velocity_at(i)].xyz;
+        after.velocity += c * (step.gravity + old_velocity.w * net.force);
+        after.momentum += c * net.torque;
+        if !is_finite(after) {
+            after = stopped(old_position.xyz, pass_.index + 1u, i);
         }
-        var ratio = escape_ratio(position, old_position.w, aabbs[i]);
+        var ratio = escape_ratio(after.position, old_position.w, aabbs[i]);
         if pass_.index == 0u {
             ratio = max(ratio, escape_ratio(old_position.xyz, old_position.w, aabbs[i]));
         }
@@ -33,9 +28,9 @@ fn write_next(i: u32, net: Net) {
             tell_escape(ratio);
         }
     }
-    next[position_at(i)] = vec4f(position, old_position.w);
-    next[velocity_at(i)] = vec4f(velocity, old_velocity.w);
-    next[momentum_at(i)] = vec4f(momentum, old_momentum.w);
+    next[position_at(i)] = vec4f(after.position, old_position.w);
+    next[velocity_at(i)] = vec4f(after.velocity, old_velocity.w);
+    next[momentum_at(i)] = vec4f(after.momentum, old_momentum.w);
 }
 
 @compute @workgroup_size(64)

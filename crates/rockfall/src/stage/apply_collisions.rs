@@ -20,12 +20,14 @@ pub(crate) const STAGE: Stage = Stage {
     name: "apply_collisions",
     parts: &[
         part!("wgsl/step.wgsl"),
+        part!("wgsl/order.wgsl"),
         part!("wgsl/objects.wgsl"),
         part!("wgsl/geometry.wgsl"),
         part!("wgsl/contact.wgsl"),
         part!("wgsl/collision.wgsl"),
         part!("wgsl/plain.wgsl"),
         part!("wgsl/margin.wgsl"),
+        part!("wgsl/tell.wgsl"),
         part!("stage/apply_collisions.wgsl"),
     ],
     bindings: &[

@@ -77,26 +77,20 @@ fn apply_collisions(
     }
     let old_position = state[position_at(i)];
     let old_velocity = state[velocity_at(i)];
-    var position = old_position.xyz;
-    var velocity = old_velocity.xyz;
-    var momentum = state[momentum_at(i)];
+    let old_momentum = state[momentum_at(i)];
+    var after = Motion(old_position.xyz, old_velocity.xyz, old_momentum.xyz);
     if old_velocity.w > 0.0 {
         let change = changes_of(i);
-        velocity += old_velocity.w * change.velocity;
-        position += old_velocity.w * change.position;
-        if !(finite(position) & finite(velocity) & finite(momentum.xyz)) {
-            position = old_position.xyz;
-            velocity = vec3f(0.0);
-            momentum = vec4f(0.0, 0.0, 0.0, momentum.w);
-            // Place 0 in the step, so that the sphere alone is the report.
-            atomicAdd(&status.bad_count, 1u);
-            atomicMin(&status.bad_body, i);
+        after.velocity += old_velocity.w * change.velocity;
+        after.position += old_velocity.w * change.position;
+        if !is_finite(after) {
+            after = stopped(old_position.xyz, 0u, i);
         }
     }
-    if may_leave(i, vec4f(position, old_position.w), vec4f(velocity, old_velocity.w)) {
-        atomicStore(&status.rebuild, 1u);
-    }
-    next[position_at(i)] = vec4f(position, old_position.w);
-    next[velocity_at(i)] = vec4f(velocity, old_velocity.w);
-    next[momentum_at(i)] = momentum;
+    let position = vec4f(after.position, old_position.w);
+    let velocity = vec4f(after.velocity, old_velocity.w);
+    ask_for_lists(i, position, velocity);
+    next[position_at(i)] = position;
+    next[velocity_at(i)] = velocity;
+    next[momentum_at(i)] = vec4f(after.momentum, old_momentum.w);
 }

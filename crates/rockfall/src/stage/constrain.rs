@@ -10,7 +10,13 @@ use crate::world::World;
 /// The stage.
 pub(crate) const STAGE: Stage = Stage {
     name: "constrain",
-    parts: &[part!("wgsl/step.wgsl"), part!("wgsl/objects.wgsl"), part!("wgsl/lengths.wgsl"), part!("stage/constrain.wgsl")],
+    parts: &[
+        part!("wgsl/step.wgsl"),
+        part!("wgsl/order.wgsl"),
+        part!("wgsl/objects.wgsl"),
+        part!("wgsl/lengths.wgsl"),
+        part!("stage/constrain.wgsl"),
+    ],
     bindings: &[
         write("state", Buffer::Start),
         read("y3", Buffer::Y3),

@@ -21,11 +21,13 @@ pub(crate) const STAGE: Stage = Stage {
     name: "find_collisions",
     parts: &[
         part!("wgsl/step.wgsl"),
+        part!("wgsl/order.wgsl"),
         part!("wgsl/objects.wgsl"),
         part!("wgsl/geometry.wgsl"),
         part!("wgsl/contact.wgsl"),
         part!("wgsl/collision.wgsl"),
         part!("wgsl/plain.wgsl"),
+        part!("wgsl/tell.wgsl"),
         part!("stage/find_collisions.wgsl"),
     ],
     bindings: &[

@@ -83,8 +83,7 @@ fn check_escape(sphere: u32) {
     let own = state[position_at(sphere)];
     let ratio = escape_ratio(own.xyz, own.w, aabbs[sphere]);
     if (ratio > 0.0) & (inverse_mass(sphere) > 0.0) {
-        atomicOr(&status.void, VOID_ESCAPED);
-        atomicMax(&status.escape_ratio, bitcast<u32>(ratio));
+        tell_escape(ratio);
     }
 }
 

@@ -17,6 +17,7 @@ pub(crate) const STAGE: Stage = Stage {
     name: "find_neighbours",
     parts: &[
         part!("wgsl/step.wgsl"),
+        part!("wgsl/order.wgsl"),
         part!("wgsl/grid.wgsl"),
         part!("wgsl/neighbours.wgsl"),
         part!("stage/find_neighbours.wgsl"),

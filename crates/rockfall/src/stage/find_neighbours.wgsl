@@ -35,20 +35,6 @@ fn entry_key(id: u32, feature: u32) -> u32 {
     return user_of(id) << 4u | feature;
 }
 
-fn user_of(id: u32) -> u32 {
-    if (step.users_at == 0u) | (id >= step.spheres) {
-        return id;
-    }
-    return words[step.users_at + id];
-}
-
-fn id_of(user: u32) -> u32 {
-    if (step.slots_at == 0u) | (user >= step.spheres) {
-        return user;
-    }
-    return words[step.slots_at + user];
-}
-
 fn entry_of(key: u32) -> u32 {
     return id_of(key >> 4u) | (key & ENTRY_FEATURE_MASK) << ENTRY_ID_BITS;
 }

@@ -20,10 +20,12 @@ pub(crate) const STAGE: Stage = Stage {
     name: "finish",
     parts: &[
         part!("wgsl/step.wgsl"),
+        part!("wgsl/order.wgsl"),
         part!("wgsl/objects.wgsl"),
         part!("wgsl/geometry.wgsl"),
         part!("wgsl/contact.wgsl"),
         part!("wgsl/forces.wgsl"),
+        part!("wgsl/tell.wgsl"),
         part!("stage/finish.wgsl"),
     ],
     bindings: &[

@@ -30,21 +30,20 @@ fn finish(
     var spin = old_momentum.xyz * old_momentum.w;
     if old_velocity.w > 0.0 {
         let net = net_force(i);
-        var position = finished(position_at(i), state[velocity_at(i)].xyz);
-        var velocity = finished(velocity_at(i), step.gravity + old_velocity.w * net.force);
-        var momentum = finished(momentum_at(i), net.torque);
+        var after = Motion(
+            finished(position_at(i), state[velocity_at(i)].xyz),
+            finished(velocity_at(i), step.gravity + old_velocity.w * net.force),
+            finished(momentum_at(i), net.torque),
+        );
         let at = momentum_at(i);
         spin = (old_momentum.xyz + 2.0 * y2[at].xyz + 2.0 * y3[at].xyz + state[at].xyz) * (old_momentum.w / 6.0);
-        if !(finite(position) & finite(velocity) & finite(momentum)) {
-            position = old_position.xyz;
-            velocity = vec3f(0.0);
-            momentum = vec3f(0.0);
+        if !is_finite(after) {
+            after = stopped(old_position.xyz, 4u, i);
             spin = vec3f(0.0);
-            tell_bad(4u, i);
         }
-        start[position_at(i)] = vec4f(position, old_position.w);
-        start[velocity_at(i)] = vec4f(velocity, old_velocity.w);
-        start[momentum_at(i)] = vec4f(momentum, old_momentum.w);
+        start[position_at(i)] = vec4f(after.position, old_position.w);
+        start[velocity_at(i)] = vec4f(after.velocity, old_velocity.w);
+        start[momentum_at(i)] = vec4f(after.momentum, old_momentum.w);
     }
     y3[position_at(i)] = vec4f(old_position.xyz, 0.0);
     y3[momentum_at(i)] = vec4f(spin, 0.0);

@@ -11,29 +11,24 @@ fn write_next(i: u32, net: Net) {
     let old_position = state[position_at(i)];
     let old_velocity = state[velocity_at(i)];
     let old_momentum = state[momentum_at(i)];
-    var position = old_position.xyz;
-    var velocity = old_velocity.xyz;
-    var momentum = old_momentum.xyz;
+    var after = Motion(old_position.xyz, old_velocity.xyz, old_momentum.xyz);
     if old_velocity.w > 0.0 {
-        let ratio = escape_ratio(position, old_position.w, aabbs[i]);
+        let ratio = escape_ratio(old_position.xyz, old_position.w, aabbs[i]);
         if ratio > 0.0 {
             tell_escape(ratio);
         }
-        velocity += step.dt * (step.gravity + old_velocity.w * net.force);
-        momentum += step.dt * net.torque;
-        position += step.dt * velocity;
-        if !(finite(position) & finite(velocity) & finite(momentum)) {
-            position = old_position.xyz;
-            velocity = vec3f(0.0);
-            momentum = vec3f(0.0);
-            tell_bad(1u, i);
+        after.velocity += step.dt * (step.gravity + old_velocity.w * net.force);
+        after.momentum += step.dt * net.torque;
+        after.position += step.dt * after.velocity;
+        if !is_finite(after) {
+            after = stopped(old_position.xyz, 1u, i);
         }
     }
-    next[position_at(i)] = vec4f(position, old_position.w);
-    next[velocity_at(i)] = vec4f(velocity, old_velocity.w);
-    next[momentum_at(i)] = vec4f(momentum, old_momentum.w);
+    next[position_at(i)] = vec4f(after.position, old_position.w);
+    next[velocity_at(i)] = vec4f(after.velocity, old_velocity.w);
+    next[momentum_at(i)] = vec4f(after.momentum, old_momentum.w);
     y3[position_at(i)] = vec4f(old_position.xyz, 0.0);
-    y3[momentum_at(i)] = vec4f(momentum * old_momentum.w, 0.0);
+    y3[momentum_at(i)] = vec4f(after.momentum * old_momentum.w, 0.0);
 }
 
 @compute @workgroup_size(64)

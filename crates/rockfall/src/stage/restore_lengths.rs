@@ -12,6 +12,7 @@ pub(crate) const STAGE: Stage = Stage {
     name: "restore_lengths",
     parts: &[
         part!("wgsl/step.wgsl"),
+        part!("wgsl/order.wgsl"),
         part!("wgsl/objects.wgsl"),
         part!("wgsl/lengths.wgsl"),
         part!("stage/restore_lengths.wgsl"),

@@ -15,7 +15,13 @@ use crate::world::World;
 /// The stage.
 pub(crate) const STAGE: Stage = Stage {
     name: "turn",
-    parts: &[part!("wgsl/step.wgsl"), part!("wgsl/objects.wgsl"), part!("wgsl/margin.wgsl"), part!("stage/turn.wgsl")],
+    parts: &[
+        part!("wgsl/step.wgsl"),
+        part!("wgsl/order.wgsl"),
+        part!("wgsl/objects.wgsl"),
+        part!("wgsl/margin.wgsl"),
+        part!("stage/turn.wgsl"),
+    ],
     bindings: &[
         write("state", Buffer::Start),
         read("y3", Buffer::Y3),

@@ -105,11 +105,8 @@ fn turn_capsule(ends: vec2u) {
     turn_by(ends.y, by);
 }
 
-// A sphere that may leave its AABB within the next step asks for new lists.
-fn ask_for_lists(sphere: u32) {
-    if may_leave(sphere, state[position_at(sphere)], state[velocity_at(sphere)]) {
-        atomicStore(&status.rebuild, 1u);
-    }
+fn ask_for(sphere: u32) {
+    ask_for_lists(sphere, state[position_at(sphere)], state[velocity_at(sphere)]);
 }
 
 @compute @workgroup_size(64)
@@ -125,10 +122,10 @@ fn turn(
     let rod = free_capsule(i);
     if rod == NONE {
         turn_by(i, rotation(y3[momentum_at(i)].xyz));
-        ask_for_lists(i);
+        ask_for(i);
     } else if rod_ends(rod).x == i {
         turn_capsule(rod_ends(rod));
-        ask_for_lists(rod_ends(rod).x);
-        ask_for_lists(rod_ends(rod).y);
+        ask_for(rod_ends(rod).x);
+        ask_for(rod_ends(rod).y);
     }
 }

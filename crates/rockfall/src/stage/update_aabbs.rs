@@ -15,7 +15,7 @@ use crate::world::World;
 /// The stage.
 pub(crate) const STAGE: Stage = Stage {
     name: "update_aabbs",
-    parts: &[part!("wgsl/step.wgsl"), part!("wgsl/objects.wgsl"), part!("stage/update_aabbs.wgsl")],
+    parts: &[part!("wgsl/step.wgsl"), part!("wgsl/order.wgsl"), part!("wgsl/objects.wgsl"), part!("stage/update_aabbs.wgsl")],
     bindings: &[
         read("state", Buffer::Start),
         read("words", Buffer::Words),

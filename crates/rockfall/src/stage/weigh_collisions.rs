@@ -17,6 +17,7 @@ pub(crate) const STAGE: Stage = Stage {
     name: "weigh_collisions",
     parts: &[
         part!("wgsl/step.wgsl"),
+        part!("wgsl/order.wgsl"),
         part!("wgsl/objects.wgsl"),
         part!("wgsl/geometry.wgsl"),
         part!("wgsl/contact.wgsl"),

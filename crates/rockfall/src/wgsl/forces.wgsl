@@ -152,14 +152,3 @@ fn tell_contacts(local: u32, contacts: u32, deepest: f32) {
         }
     }
 }
-
-// A body whose state stopped being finite.
-fn tell_bad(stage: u32, sphere: u32) {
-    atomicAdd(&status.bad_count, 1u);
-    atomicMin(&status.bad_body, stage << BAD_STAGE_SHIFT | sphere);
-}
-
-fn tell_escape(ratio: f32) {
-    atomicOr(&status.void, VOID_ESCAPED);
-    atomicMax(&status.escape_ratio, bitcast<u32>(ratio));
-}

@@ -1,18 +1,5 @@
 // Reading objects out of `state` and `words`. A state has three regions of one vec4 a sphere.
 
-// Index of an object in order of addition. Whatever must not depend on the order of memory goes by it.
-fn user_of(id: u32) -> u32 {
-    if (step.users_at == 0u) | (id >= step.spheres) {
-        return id;
-    }
-    return words[step.users_at + id];
-}
-
-// Two objects, the one that was added first before the other.
-fn ordered(a: u32, b: u32) -> vec2u {
-    return select(vec2u(b, a), vec2u(a, b), user_of(a) < user_of(b));
-}
-
 fn position_at(sphere: u32) -> u32 {
     return sphere;
 }

@@ -37,7 +37,7 @@ const MISTAKES: [Mistake; 32] = [
     Mistake("advance", 1, "contact.wgsl", "sqrt(sqrt(tt))", "sqrt(tt)", Buffer::Y3),
     Mistake("advance", 2, "advance.wgsl", "index == 2u", "index == 1u", Buffer::Y4),
     Mistake("finish", 3, "finish.wgsl", "step.dt / 6.0", "step.dt / 3.0", Buffer::Start),
-    Mistake("leap", 0, "leap.wgsl", "step.dt * velocity", "step.dt * old_velocity.xyz", Buffer::Y2),
+    Mistake("leap", 0, "leap.wgsl", "step.dt * after.velocity", "step.dt * old_velocity.xyz", Buffer::Y2),
     Mistake("commit_leap", 0, "commit.wgsl", "region < 3u", "region < 2u", Buffer::Start),
     Mistake("constrain", 0, "constrain.wgsl", "correction / step.dt", "correction * step.dt", Buffer::Start),
     Mistake("turn", 0, "turn.wgsl", "cross(rest, d)", "cross(d, rest)", Buffer::Start),

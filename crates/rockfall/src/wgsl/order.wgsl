@@ -1,0 +1,22 @@
+// From the order of memory to the order of addition and back.
+
+// Index of an object in order of addition. Whatever must not depend on the order of memory goes by it.
+fn user_of(id: u32) -> u32 {
+    if (step.users_at == 0u) | (id >= step.spheres) {
+        return id;
+    }
+    return words[step.users_at + id];
+}
+
+// Two objects, the one that was added first before the other.
+fn ordered(a: u32, b: u32) -> vec2u {
+    return select(vec2u(b, a), vec2u(a, b), user_of(a) < user_of(b));
+}
+
+// The memory slot of a sphere, and every other object's id, by its index in order of addition.
+fn id_of(user: u32) -> u32 {
+    if (step.slots_at == 0u) | (user >= step.spheres) {
+        return user;
+    }
+    return words[step.slots_at + user];
+}
