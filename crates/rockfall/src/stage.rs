@@ -80,6 +80,25 @@ impl Buffer {
         Self::Orientations,
         Self::Status,
     ];
+
+    /// What it holds, in words.
+    pub fn label(self) -> &'static str {
+        match self {
+            Self::Start => "the state",
+            Self::Y2 => "stage state 2",
+            Self::Y3 => "stage state 3",
+            Self::Y4 => "stage state 4",
+            Self::Aabbs => "the AABBs",
+            Self::Words => "topology and static objects",
+            Self::Cells => "the grid",
+            Self::Extents => "the extents of sorted objects",
+            Self::Lists => "the pair lists",
+            Self::Weights => "the collision weights",
+            Self::Wrenches => "the forces on rods",
+            Self::Orientations => "the orientations",
+            Self::Status => "the status",
+        }
+    }
 }
 
 /// What a binding of a stage refers to.

@@ -6,9 +6,11 @@ mod build;
 mod frames;
 mod order;
 
+use bytemuck::{bytes_of, bytes_of_mut, cast_slice, cast_slice_mut};
 use glam::Vec4;
 
 use crate::layout::{Aabb, SLICE, Status, Step};
+use crate::stage::Buffer;
 
 /// The buffers of [`Buffer`](crate::stage::Buffer), on the host, and the uniform block.
 #[derive(Clone, Debug, Default)]
@@ -53,6 +55,44 @@ impl World {
     /// The index in order of addition of the sphere in a memory slot.
     pub fn user(&self, slot: usize) -> usize {
         self.order.get(slot).map_or(slot, |user| *user as usize)
+    }
+
+    /// The host's array of a buffer.
+    pub fn bytes(&self, buffer: Buffer) -> &[u8] {
+        match buffer {
+            Buffer::Start => cast_slice(&self.states[0]),
+            Buffer::Y2 => cast_slice(&self.states[1]),
+            Buffer::Y3 => cast_slice(&self.states[2]),
+            Buffer::Y4 => cast_slice(&self.states[3]),
+            Buffer::Aabbs => cast_slice(&self.aabbs),
+            Buffer::Words => cast_slice(&self.words),
+            Buffer::Cells => cast_slice(&self.cells),
+            Buffer::Extents => cast_slice(&self.extents),
+            Buffer::Lists => cast_slice(&self.lists),
+            Buffer::Weights => cast_slice(&self.weights),
+            Buffer::Wrenches => cast_slice(&self.wrenches),
+            Buffer::Orientations => cast_slice(&self.orientations),
+            Buffer::Status => bytes_of(&self.status),
+        }
+    }
+
+    /// The same, to write to.
+    pub fn bytes_mut(&mut self, buffer: Buffer) -> &mut [u8] {
+        match buffer {
+            Buffer::Start => cast_slice_mut(&mut self.states[0]),
+            Buffer::Y2 => cast_slice_mut(&mut self.states[1]),
+            Buffer::Y3 => cast_slice_mut(&mut self.states[2]),
+            Buffer::Y4 => cast_slice_mut(&mut self.states[3]),
+            Buffer::Aabbs => cast_slice_mut(&mut self.aabbs),
+            Buffer::Words => cast_slice_mut(&mut self.words),
+            Buffer::Cells => cast_slice_mut(&mut self.cells),
+            Buffer::Extents => cast_slice_mut(&mut self.extents),
+            Buffer::Lists => cast_slice_mut(&mut self.lists),
+            Buffer::Weights => cast_slice_mut(&mut self.weights),
+            Buffer::Wrenches => cast_slice_mut(&mut self.wrenches),
+            Buffer::Orientations => cast_slice_mut(&mut self.orientations),
+            Buffer::Status => bytes_of_mut(&mut self.status),
+        }
     }
 
     /// Makes room for `capacity` words of list entries; the lists are void after it.

@@ -8,7 +8,7 @@ use crate::error::{Error, Result};
 use crate::gpu::check::check_buffer;
 use crate::gpu::device::Gpu;
 use crate::gpu::fault::catch;
-use crate::gpu::memory::{bytes, bytes_mut, bytes_needed, check_size, make_buffer, make_storage, name};
+use crate::gpu::memory::{bytes_needed, check_size, make_buffer, make_storage};
 use crate::gpu::timer::Timer;
 use crate::gpu::wait::Mapped;
 use crate::layout::{CELL_BLOCK, Pass, Status, Step, WORKGROUP};
@@ -43,7 +43,7 @@ impl GpuWorld {
         gpu.faults().check()?;
         let device = gpu.device();
         for buffer in Buffer::ALL {
-            check_size(device, name(buffer), bytes_needed(world, buffer))?;
+            check_size(device, buffer.label(), bytes_needed(world, buffer))?;
         }
         let usage = wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST;
         let uniform = make_buffer(device, "step", size_of::<Step>() as u64, usage)?;
@@ -76,7 +76,7 @@ impl GpuWorld {
     /// The size of every buffer.
     pub fn buffer_sizes(&self) -> Vec<BufferSize> {
         let uniforms = self.uniform.size() + self.passes.iter().map(wgpu::Buffer::size).sum::<u64>();
-        let storage = Buffer::ALL.map(|buffer| BufferSize::new(name(buffer), self.buffer(buffer).size()));
+        let storage = Buffer::ALL.map(|buffer| BufferSize::new(buffer.label(), self.buffer(buffer).size()));
         storage.into_iter().chain([BufferSize::new("the uniform blocks", uniforms)]).collect()
     }
 
@@ -164,7 +164,7 @@ impl GpuWorld {
         if needed <= self.buffers[at].size() {
             return Ok(());
         }
-        check_size(self.gpu.device(), name(buffer), needed)?;
+        check_size(self.gpu.device(), buffer.label(), needed)?;
         self.groups.clear();
         // First, so that there is room for the new one.
         self.buffers[at].destroy();
@@ -175,7 +175,7 @@ impl GpuWorld {
     fn write(&self, world: &World, buffer: Buffer) -> Result<()> {
         let queue = self.gpu.queue();
         let mut offset = 0;
-        for piece in bytes(world, buffer).chunks(PIECE) {
+        for piece in world.bytes(buffer).chunks(PIECE) {
             catch(self.gpu.device(), || {
                 queue.write_buffer(self.buffer(buffer), offset, piece);
                 if piece.len() == PIECE {
@@ -360,7 +360,7 @@ impl GpuWorld {
     /// [`Error::Device`] when the device is lost or out of memory, or the world is larger than the one on the device.
     pub async fn download(&self, world: &mut World, buffers: &[Buffer]) -> Result<()> {
         for buffer in buffers {
-            self.read(*buffer, bytes_mut(world, *buffer)).await?;
+            self.read(*buffer, world.bytes_mut(*buffer)).await?;
         }
         Ok(())
     }
@@ -368,7 +368,7 @@ impl GpuWorld {
     async fn read(&self, buffer: Buffer, into: &mut [u8]) -> Result<()> {
         self.gpu.faults().check()?;
         if into.len() as u64 > self.buffer(buffer).size() {
-            return Err(Error::Device(format!("{} on the device is smaller than the host's", name(buffer))));
+            return Err(Error::Device(format!("{} on the device is smaller than the host's", buffer.label())));
         }
         let mut offset = 0;
         for piece in into.chunks_mut(PIECE) {
@@ -376,7 +376,7 @@ impl GpuWorld {
             Mapped::read(&staging, self.gpu.faults()).await?;
             let view = staging
                 .get_mapped_range(..)
-                .map_err(|error| Error::Device(format!("{} could not be read back: {error}", name(buffer))))?;
+                .map_err(|error| Error::Device(format!("{} could not be read back: {error}", buffer.label())))?;
             piece.copy_from_slice(&view);
             offset += piece.len() as u64;
         }

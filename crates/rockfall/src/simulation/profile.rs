@@ -7,7 +7,7 @@ use crate::cpu;
 use crate::error::Result;
 use crate::profile::{BufferSize, Clock, Profile, Recorder};
 use crate::simulation::{Simulation, engine};
-use crate::stage::Run;
+use crate::stage::{Buffer, Run};
 use crate::world::World;
 
 impl Simulation {
@@ -103,22 +103,8 @@ pub(super) fn run_timed(world: &mut World, stages: &[Run]) -> Vec<Option<f64>> {
 }
 
 fn array_sizes(world: &World) -> Vec<BufferSize> {
-    let [start, y2, y3, y4] = world.states.each_ref().map(|state| size_of_val(&state[..]));
-    let sizes = [
-        ("the state", start),
-        ("stage state 2", y2),
-        ("stage state 3", y3),
-        ("stage state 4", y4),
-        ("the AABBs", size_of_val(&world.aabbs[..])),
-        ("topology and static objects", size_of_val(&world.words[..])),
-        ("the grid", size_of_val(&world.cells[..])),
-        ("the extents of sorted objects", size_of_val(&world.extents[..])),
-        ("the pair lists", size_of_val(&world.lists[..])),
-        ("the collision weights", size_of_val(&world.weights[..])),
-        ("the forces on rods", size_of_val(&world.wrenches[..])),
-        ("the orientations", size_of_val(&world.orientations[..])),
-    ];
-    sizes.map(|(name, bytes)| BufferSize::new(name, bytes as u64)).to_vec()
+    let arrays = Buffer::ALL.into_iter().filter(|buffer| *buffer != Buffer::Status);
+    arrays.map(|buffer| BufferSize::new(buffer.label(), world.bytes(buffer).len() as u64)).collect()
 }
 
 /// A copy on all threads, piece by piece.
