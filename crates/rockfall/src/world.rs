@@ -12,7 +12,7 @@ use glam::Vec4;
 use crate::layout::{Aabb, SLICE, Status, Step};
 use crate::stage::Buffer;
 
-/// The buffers of [`Buffer`](crate::stage::Buffer), on the host, and the uniform block.
+/// The buffers of [`Buffer`], on the host, and the uniform block.
 #[derive(Clone, Debug, Default)]
 pub struct World {
     /// The uniform block.
