@@ -14,6 +14,8 @@ mod options;
 mod output;
 mod picture;
 mod progress;
+#[cfg(feature = "view")]
+mod render;
 mod run;
 mod source;
 mod summary;
@@ -43,6 +45,9 @@ enum Command {
     Devices,
     /// Make a scene of any size.
     Generate(generate::Arguments),
+    /// Draw a scene into a file.
+    #[cfg(feature = "view")]
+    Render(render::Arguments),
 }
 
 fn main() -> ExitCode {
@@ -52,6 +57,8 @@ fn main() -> ExitCode {
         Command::Bench(arguments) => bench::bench(&arguments),
         Command::Devices => devices::devices(),
         Command::Generate(arguments) => generate::generate(&arguments),
+        #[cfg(feature = "view")]
+        Command::Render(arguments) => render::render(&arguments),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,

@@ -45,6 +45,8 @@ pub struct Simulation {
     packed: Vec<SphereId>,
     /// Steps done when the scene was packed last.
     packed_at: u64,
+    /// How often the scene was packed.
+    packings: u64,
     status: Status,
     report: Report,
     time_step: f32,
@@ -103,6 +105,7 @@ impl Simulation {
         Self {
             packed: scene.sphere_ids().collect(),
             packed_at: 0,
+            packings: 1,
             status: world.status,
             scene,
             options,

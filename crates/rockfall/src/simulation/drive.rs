@@ -53,7 +53,7 @@ impl Simulation {
 
     /// Runs `phases` in their order, `times` over, timed where there is a recorder.
     pub(super) async fn drive(&mut self, phases: &[Phase], times: u64, mut recorder: Option<&mut Recorder>) -> Result<()> {
-        self.flush().await?;
+        self.flush_async().await?;
         if phases.contains(&Phase::HandleCollisions) {
             self.status.collided = 0;
         }

@@ -7,7 +7,7 @@ use crate::scene::{
     BoxId, Capsule, CapsuleId, Cuboid, Polygon, PolygonId, Rod, RodId, Scene, Sphere, SphereId, Spring, SpringId, Tether,
     TetherId, finite,
 };
-use crate::simulation::Simulation;
+use crate::simulation::{Simulation, engine};
 use crate::world::World;
 
 /// What the engine does not know yet.
@@ -177,8 +177,22 @@ impl Simulation {
         Ok(())
     }
 
-    /// Brings the engine up to date with the scene.
-    pub(super) async fn flush(&mut self) -> Result<()> {
+    /// Brings memory, the device's too, up to date with the edits that were made since the last step or read: what
+    /// [`Simulation::gpu_view`] and [`Simulation::cpu_view`] give holds them then. No state is read back.
+    ///
+    /// # Errors
+    /// [`Error::Device`] when the GPU failed, [`Error::DeviceLimit`] when the scene has become too large.
+    #[cfg(not(target_family = "wasm"))]
+    pub fn flush(&mut self) -> Result<()> {
+        let device = self.engine.waiter();
+        engine::block_on(device, self.flush_async())
+    }
+
+    /// [`Simulation::flush`] without blocking.
+    ///
+    /// # Errors
+    /// As there.
+    pub async fn flush_async(&mut self) -> Result<()> {
         if self.dirty == Dirty::Clean && self.edits.is_empty() {
             return Ok(());
         }
@@ -223,6 +237,7 @@ impl Simulation {
         self.world.step.lookahead = lookahead;
         self.world.set_pair_capacity(capacity);
         self.packed = self.scene.sphere_ids().collect();
+        self.packings += 1;
         self.engine.replace(&self.world)?;
         self.packed_at = self.report.steps;
         self.aabbs_due = true;
@@ -241,7 +256,7 @@ impl Simulation {
     /// # Errors
     /// [`Error::Device`] when the GPU failed.
     pub async fn sync_async(&mut self) -> Result<&Scene> {
-        self.flush().await?;
+        self.flush_async().await?;
         self.pull().await?;
         Ok(&self.scene)
     }

@@ -6,6 +6,7 @@ use crate::error::Result;
 use crate::report::{Energy, SphereState};
 use crate::scene::{Scene, SphereId};
 use crate::simulation::{Simulation, engine};
+use crate::world::World;
 
 impl Simulation {
     /// The scene: objects with their present parameters. The state of spheres is that of the last read; see
@@ -29,6 +30,22 @@ impl Simulation {
     #[cfg(feature = "gpu")]
     pub fn gpu_view(&self) -> Option<&crate::gpu::GpuWorld> {
         self.engine.gpu_world()
+    }
+
+    /// The memory that the CPU backend runs on, of the same layout as the GPU's; `None` on the GPU backend. Spheres stand in
+    /// it as in [`Simulation::gpu_view`].
+    pub fn cpu_view(&self) -> Option<&World> {
+        match self.engine {
+            engine::Engine::Cpu => Some(&self.world),
+            #[cfg(feature = "gpu")]
+            engine::Engine::Gpu(_) => None,
+        }
+    }
+
+    /// Changes whenever memory is packed anew: after objects were added or removed, and when spheres that have moved far are
+    /// put in order again. Slots and indices from before mean nothing then.
+    pub fn memory_version(&self) -> u64 {
+        self.packings
     }
 
     /// The memory slot of a sphere, by its index in order of addition, in every buffer that is indexed by spheres.

@@ -1,0 +1,152 @@
+//! Where the picture is taken from.
+
+use rockfall::Scene;
+use rockfall::glam::{Mat4, Vec3, Vec4};
+
+/// The default vertical field of view, in rad.
+const FIELD_OF_VIEW: f32 = 0.6;
+/// Where the default camera stands, seen from what it looks at: to the right, above, in front.
+const FROM: Vec3 = Vec3::new(0.42, 0.38, 1.0);
+/// Nearer than this times the distance of the target, nothing is drawn.
+const NEAR: f32 = 1e-3;
+
+/// A camera of perspective; up is +y.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Camera {
+    /// Where it stands, in units.
+    pub eye: Vec3,
+    /// The point in the middle of the picture, in units; not `eye`.
+    pub target: Vec3,
+    /// Vertical field of view in rad, greater than 0 and less than pi.
+    pub field_of_view: f32,
+}
+
+/// The camera's own unit vectors.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Axes {
+    /// To the right of the picture.
+    pub right: Vec3,
+    /// To the top of the picture.
+    pub up: Vec3,
+    /// Into the picture.
+    pub forward: Vec3,
+}
+
+impl Camera {
+    /// A camera that looks from one point at another.
+    pub fn new(eye: impl Into<Vec3>, target: impl Into<Vec3>) -> Self {
+        Self { eye: eye.into(), target: target.into(), field_of_view: FIELD_OF_VIEW }
+    }
+
+    /// A camera, a little from above, that has the whole of a bounding box in a picture of this width over height.
+    pub fn framing(min: Vec3, max: Vec3, aspect: f32) -> Self {
+        let middle = (min + max) * 0.5;
+        let camera = Self::new(middle + FROM.normalize(), middle);
+        let Axes { right, up, forward } = camera.axes();
+        let tangent = (0.5 * camera.field_of_view).tan();
+        let half = (max - min) * 0.5;
+        // As far away as every corner asks for to be inside all four sides of the picture.
+        let mut distance = 0.0_f32;
+        for corner in 0..8 {
+            let sign = |bit: u32| if corner >> bit & 1 == 1 { 1.0 } else { -1.0 };
+            let offset = half * Vec3::new(sign(0), sign(1), sign(2));
+            let across = (offset.dot(right).abs() / aspect).max(offset.dot(up).abs());
+            distance = distance.max(across / tangent - offset.dot(forward));
+        }
+        let distance = if distance > 0.0 { 1.06 * distance } else { 1.0 };
+        Self { eye: middle - distance * forward, ..camera }
+    }
+
+    /// A camera that has the moving bodies of a scene in the picture, and what they lie on or may fall on.
+    pub fn of_scene(scene: &Scene, aspect: f32) -> Self {
+        let (min, max) = crate::draw::bounds(scene);
+        Self::framing(min, max, aspect)
+    }
+
+    /// Its unit vectors.
+    pub fn axes(&self) -> Axes {
+        let forward = (self.target - self.eye).try_normalize().unwrap_or(Vec3::NEG_Z);
+        // Straight up or down, the picture's top is -z or +z.
+        let level = forward.cross(Vec3::Y);
+        let right = if level.length_squared() > 1e-10 { level.normalize() } else { Vec3::X };
+        Axes { right, up: right.cross(forward), forward }
+    }
+
+    /// Distance of the plane before which nothing is drawn, in units.
+    pub fn near(&self) -> f32 {
+        (NEAR * self.eye.distance(self.target)).max(f32::MIN_POSITIVE)
+    }
+
+    /// From the world to clip space: x to the right, y up, depth 1 on the near plane and 0 at infinity.
+    pub fn view_projection(&self, aspect: f32) -> Mat4 {
+        let Axes { right, up, forward } = self.axes();
+        let scale = 1.0 / (0.5 * self.field_of_view).tan();
+        let row = |axis: Vec3, scale: f32| (scale * axis).extend(-scale * axis.dot(self.eye));
+        let rows = [row(right, scale / aspect), row(up, scale), Vec4::new(0.0, 0.0, 0.0, self.near()), row(forward, 1.0)];
+        Mat4::from_cols(rows[0], rows[1], rows[2], rows[3]).transpose()
+    }
+
+    /// The ray through a point of the picture, from -1 to 1 to the right and from -1 to 1 upwards: where it begins, and its
+    /// unit direction.
+    pub fn ray(&self, ndc_x: f32, ndc_y: f32, aspect: f32) -> (Vec3, Vec3) {
+        let Axes { right, up, forward } = self.axes();
+        let tangent = (0.5 * self.field_of_view).tan();
+        (self.eye, (forward + tangent * (aspect * ndc_x * right + ndc_y * up)).normalize())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const ASPECT: f32 = 1.6;
+
+    fn camera() -> Camera {
+        Camera::new([3.0, 4.0, 5.0], [-1.0, 0.5, 0.25])
+    }
+
+    #[test]
+    fn rays_and_projection_are_inverses() {
+        let camera = camera();
+        for (x, y) in [(0.0, 0.0), (0.9, -0.7), (-0.3, 0.8)] {
+            let (origin, direction) = camera.ray(x, y, ASPECT);
+            let ndc = camera.view_projection(ASPECT).project_point3(origin + 3.5 * direction);
+            assert!((ndc.x - x).abs() < 1e-5 && (ndc.y - y).abs() < 1e-5, "{ndc}");
+        }
+    }
+
+    #[test]
+    fn depth_is_near_over_distance() {
+        let camera = camera();
+        let Axes { forward, .. } = camera.axes();
+        let at = |distance: f32| camera.view_projection(ASPECT).project_point3(camera.eye + distance * forward).z;
+        assert!((at(camera.near()) - 1.0).abs() < 1e-3);
+        assert!((at(2.0) * 2.0 - camera.near()).abs() < 1e-6);
+    }
+
+    #[test]
+    fn axes_are_right_handed_and_up_is_up() {
+        for target in [[-1.0, 0.5, 0.25], [3.0, 9.0, 5.0], [3.0, -9.0, 5.0]] {
+            let Axes { right, up, forward } = Camera::new([3.0, 4.0, 5.0], target).axes();
+            assert!((right.cross(up) + forward).length() < 1e-5);
+            assert!(up.y >= -1e-6);
+        }
+    }
+
+    #[test]
+    fn framed_boxes_are_inside_and_fill_the_picture() {
+        for (min, max) in [(Vec3::splat(-1.0), Vec3::ONE), (Vec3::new(-9.0, 0.0, 2.0), Vec3::new(30.0, 1.0, 3.0))] {
+            for aspect in [0.5, 1.0, 2.5] {
+                let projection = Camera::framing(min, max, aspect).view_projection(aspect);
+                let mut extent = 0.0_f32;
+                for corner in 0..8 {
+                    let pick = |bit: u32, low: f32, high: f32| if corner >> bit & 1 == 1 { high } else { low };
+                    let point = Vec3::new(pick(0, min.x, max.x), pick(1, min.y, max.y), pick(2, min.z, max.z));
+                    let ndc = projection.project_point3(point);
+                    extent = extent.max(ndc.x.abs()).max(ndc.y.abs());
+                }
+                assert!((0.85..=1.0).contains(&extent), "{min} {max} {aspect}: {extent}");
+            }
+        }
+    }
+}

@@ -1,0 +1,53 @@
+//! Colours, chosen so that eyes of every kind tell them apart.
+//!
+//! Kinds have the hues of Okabe and Ito, *Color Universal Design* (2008), toned down for large areas; scales are viridis (van
+//! der Walt and Smith 2015), whose lightness rises evenly. Colours are sRGB, 0 to 255.
+
+/// A colour in sRGB.
+pub type Rgb = [u8; 3];
+
+/// A kind of object, and its colour.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Kind {
+    /// What it is, in the plural.
+    pub name: &'static str,
+    /// Its colour.
+    pub colour: Rgb,
+}
+
+const fn kind(name: &'static str, colour: Rgb) -> Kind {
+    Kind { name, colour }
+}
+
+/// All kinds, in the order of the `KIND_` constants of the shaders.
+pub const KINDS: [Kind; 8] = [
+    kind("spheres", [0x3f, 0x94, 0xc9]),
+    kind("fixed spheres", [0x6d, 0x75, 0x7e]),
+    kind("rods", [0xe2, 0x9a, 0x1c]),
+    kind("capsules", [0x1a, 0x93, 0x70]),
+    kind("springs", [0xc8, 0x5a, 0x1b]),
+    kind("tethers", [0xb9, 0x6a, 0x98]),
+    kind("boxes", [0xc9, 0xc4, 0xba]),
+    kind("polygons", [0xd9, 0xcf, 0x8e]),
+];
+
+/// Viridis at 0, 1/8, ... 1.
+pub const SCALE: [Rgb; 9] = [
+    [0x44, 0x01, 0x54],
+    [0x47, 0x2d, 0x7b],
+    [0x3b, 0x52, 0x8b],
+    [0x2c, 0x72, 0x8e],
+    [0x21, 0x91, 0x8c],
+    [0x28, 0xae, 0x80],
+    [0x5e, 0xc9, 0x62],
+    [0xad, 0xdc, 0x30],
+    [0xfd, 0xe7, 0x25],
+];
+
+/// Linear light of a colour (IEC 61966-2-1).
+pub fn linear(colour: Rgb) -> [f32; 3] {
+    colour.map(|channel| {
+        let encoded = f32::from(channel) / 255.0;
+        if encoded <= 0.04045 { encoded / 12.92 } else { ((encoded + 0.055) / 1.055).powf(2.4) }
+    })
+}

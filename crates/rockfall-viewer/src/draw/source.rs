@@ -1,0 +1,133 @@
+//! The buffers that shaders read: the physics' own, or copies of the host's arrays on the CPU backend.
+
+use rockfall::layout::Step;
+use rockfall::stage::Buffer;
+use rockfall::{Simulation, wgpu};
+
+use crate::draw::pipelines::STORAGE;
+
+/// The buffers of the physics that are drawn from, in the order of their bindings.
+const READ: [Buffer; 3] = [Buffer::Start, Buffer::Orientations, Buffer::Words];
+
+/// What is bound to group 0.
+#[derive(Debug, Default)]
+pub(crate) struct Source {
+    /// State, orientations, words.
+    physics: Vec<wgpu::Buffer>,
+    /// Positions and orientations to blend from.
+    old: Vec<wgpu::Buffer>,
+    /// A value a sphere, by memory slot.
+    values: Option<wgpu::Buffer>,
+    /// Bits: spheres (in order of addition), then, from a new word on, rods, that are part of a capsule.
+    marks: Option<wgpu::Buffer>,
+    /// The memory version that the marks are of.
+    seen: Option<u64>,
+    /// The memory version that `old` is of.
+    remembered: Option<u64>,
+    /// What `group` was made of.
+    bound: Vec<wgpu::Buffer>,
+    pub(crate) group: Option<wgpu::BindGroup>,
+}
+
+const STORED: wgpu::BufferUsages =
+    wgpu::BufferUsages::STORAGE.union(wgpu::BufferUsages::COPY_DST).union(wgpu::BufferUsages::COPY_SRC);
+
+fn make(device: &wgpu::Device, label: &str, bytes: u64) -> wgpu::Buffer {
+    // WebGPU refuses to bind what is empty.
+    let size = bytes.next_multiple_of(16).max(16);
+    device.create_buffer(&wgpu::BufferDescriptor { label: Some(label), size, usage: STORED, mapped_at_creation: false })
+}
+
+impl Source {
+    /// Whether objects were added or removed since the capsules were marked.
+    pub(crate) fn is_stale(&self, simulation: &Simulation) -> bool {
+        self.seen != Some(simulation.memory_version())
+    }
+
+    pub(crate) fn mark_capsules(&mut self, device: &wgpu::Device, queue: &wgpu::Queue, simulation: &Simulation) {
+        let scene = simulation.scene();
+        let counts = scene.counts();
+        let rods_at = counts.spheres.div_ceil(32);
+        let mut bits = vec![0_u32; rods_at + counts.rods.div_ceil(32)];
+        let mut mark = |at: usize, index: usize| bits[at + index / 32] |= 1 << (index % 32);
+        if counts.capsules > 0 {
+            use std::collections::HashSet;
+            let capsules = scene.capsules();
+            let ends: HashSet<_> = capsules.iter().flat_map(|capsule| [capsule.end1, capsule.end2]).collect();
+            let rods: HashSet<_> = capsules.iter().map(|capsule| capsule.rod).collect();
+            scene.sphere_ids().zip(0..).filter(|(id, _)| ends.contains(id)).for_each(|(_, index)| mark(0, index));
+            scene.rod_ids().zip(0..).filter(|(id, _)| rods.contains(id)).for_each(|(_, index)| mark(rods_at, index));
+        }
+        let bytes: &[u8] = bytemuck::cast_slice(&bits);
+        let marks = make(device, "capsules", bytes.len() as u64);
+        queue.write_buffer(&marks, 0, bytes);
+        self.marks = Some(marks);
+        self.values = Some(make(device, "values", 4 * counts.spheres as u64));
+        let [positions, orientations] = ["old positions", "old orientations"];
+        self.old = [positions, orientations].map(|label| make(device, label, 16 * counts.spheres as u64)).to_vec();
+        self.remembered = None;
+        self.seen = Some(simulation.memory_version());
+    }
+
+    /// Takes in the present state; returns what describes the buffers.
+    pub(crate) fn take(&mut self, device: &wgpu::Device, queue: &wgpu::Queue, simulation: &Simulation) -> Step {
+        if let Some(view) = simulation.gpu_view() {
+            self.physics = READ.map(|buffer| view.buffer(buffer).clone()).to_vec();
+            return *view.step();
+        }
+        let Some(world) = simulation.cpu_view() else {
+            return Step::default();
+        };
+        self.physics.resize_with(READ.len(), || make(device, "empty", 0));
+        for (mine, buffer) in self.physics.iter_mut().zip(READ) {
+            let bytes = world.bytes(buffer);
+            if mine.size() < bytes.len() as u64 {
+                *mine = make(device, buffer.label(), bytes.len() as u64);
+            }
+            queue.write_buffer(mine, 0, bytes);
+        }
+        world.step
+    }
+
+    /// Sets the values of the spheres, in order of addition.
+    pub(crate) fn set_values(&self, queue: &wgpu::Queue, simulation: &Simulation, values: impl ExactSizeIterator<Item = f32>) {
+        let mut by_slot = vec![0.0_f32; values.len()];
+        for (index, value) in values.enumerate() {
+            by_slot[simulation.slot(index)] = value;
+        }
+        if let Some(buffer) = &self.values {
+            queue.write_buffer(buffer, 0, bytemuck::cast_slice(&by_slot));
+        }
+    }
+
+    pub(crate) fn remember(&mut self, encoder: &mut wgpu::CommandEncoder, spheres: u32) {
+        let bytes = 16 * u64::from(spheres);
+        for (from, to) in self.physics.iter().zip(&self.old) {
+            if bytes > 0 {
+                encoder.copy_buffer_to_buffer(from, 0, to, 0, bytes);
+            }
+        }
+        self.remembered = self.seen;
+    }
+
+    /// Whether there is a state to blend from, its spheres in the present order.
+    pub(crate) fn has_remembered(&self) -> bool {
+        self.remembered.is_some() && self.remembered == self.seen
+    }
+
+    /// Binds the buffers, if they are others than before.
+    pub(crate) fn bind(&mut self, device: &wgpu::Device, layout: &wgpu::BindGroupLayout, uniform: &wgpu::Buffer) {
+        let own = self.old.iter().chain(&self.values).chain(&self.marks);
+        let buffers: Vec<wgpu::Buffer> = self.physics.iter().chain(own).cloned().collect();
+        if buffers == self.bound && self.group.is_some() || buffers.len() != STORAGE as usize {
+            return;
+        }
+        let uniform = wgpu::BindGroupEntry { binding: 0, resource: uniform.as_entire_binding() };
+        let storage = (1..).zip(&buffers);
+        let storage = storage.map(|(binding, buffer)| wgpu::BindGroupEntry { binding, resource: buffer.as_entire_binding() });
+        let entries: Vec<_> = [uniform].into_iter().chain(storage).collect();
+        self.group =
+            Some(device.create_bind_group(&wgpu::BindGroupDescriptor { label: Some("bodies"), layout, entries: &entries }));
+        self.bound = buffers;
+    }
+}

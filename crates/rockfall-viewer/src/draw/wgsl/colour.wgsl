@@ -1,0 +1,55 @@
+// What colour a body has, and its pattern.
+
+/// PCG hash (Jarzynski and Olano 2020), from 0 to 1.
+fn hash(index: u32) -> f32 {
+    let state = index * 747796405u + 2891336453u;
+    let word = ((state >> ((state >> 28u) + 4u)) ^ state) * 277803737u;
+    return f32(((word >> 22u) ^ word) & 0xffffu) / 65535.0;
+}
+
+fn value_of(slot: u32) -> f32 {
+    if frame.colour_by == BY_SPEED {
+        return length(state[frame.spheres + slot].xyz);
+    }
+    return values[slot];
+}
+
+/// The colour of a value on the scale.
+fn scale_colour(value: f32) -> vec3f {
+    let place = 8.0 * clamp((value - frame.range.x) / max(frame.range.y - frame.range.x, 1e-30), 0.0, 1.0);
+    let stop = min(u32(place), 7u);
+    return mix(frame.scale[stop].rgb, frame.scale[stop + 1u].rgb, place - f32(stop));
+}
+
+fn sphere_colour(slot: u32) -> vec3f {
+    if frame.colour_by != BY_KIND {
+        return scale_colour(value_of(slot));
+    }
+    if is_fixed(slot) {
+        return frame.kinds[KIND_FIXED].rgb;
+    }
+    // No two neighbours quite alike.
+    return frame.kinds[KIND_SPHERE].rgb * (0.86 + 0.28 * hash(user_of(slot)));
+}
+
+/// The second tone of a body.
+fn second_tone(colour: vec3f) -> vec3f {
+    if frame.colour_by != BY_KIND {
+        return 0.62 * colour;
+    }
+    return mix(colour, vec3f(0.93, 0.90, 0.84), 0.82);
+}
+
+/// A beach ball: six sectors around the body's y axis in turn, and a cap on either pole. 1 in the second tone.
+/// `width` is that of a pixel on the unit sphere.
+fn beach_ball(n: vec3f, width: f32) -> f32 {
+    let ring = length(n.xz);
+    let angle = atan2(n.z, n.x);
+    // Distance from the edge of a sector, times the ring's radius: even blur from equator to pole.
+    let sector = sin(3.0 * angle) / 3.0 * ring;
+    let stripes = smoothstep(-width, width, sector);
+    let cap = smoothstep(0.30 + width, 0.30 - width, ring);
+    let upper = select(0.0, 1.0, n.y > 0.0);
+    // Far away, where a sector is no wider than a pixel, both tones mix.
+    return mix(mix(stripes, upper, cap), 0.5, smoothstep(0.15, 0.6, width));
+}

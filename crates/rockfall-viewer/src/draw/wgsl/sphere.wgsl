@@ -1,0 +1,66 @@
+// Spheres, ray-cast in a quad that covers their outline.
+
+struct SphereVertex {
+    @builtin(position) place: vec4f,
+    @location(0) @interpolate(flat) ball: vec4f,
+    @location(1) @interpolate(flat) orientation: vec4f,
+    @location(2) @interpolate(flat) colour: vec3f,
+}
+
+/// A corner of a quad that is perpendicular to the line of sight and holds the outline of a sphere: its tangent cone cuts
+/// the plane through its centre in a circle of radius r d / sqrt(d² - r²).
+fn outline_corner(ball: vec4f, corner: u32) -> vec4f {
+    let offset = ball.xyz - frame.eye;
+    let distance = length(offset);
+    if distance <= ball.w * 1.0001 {
+        return NOWHERE;
+    }
+    let reach = ball.w * distance / sqrt(distance * distance - ball.w * ball.w) + distance * pixel_width();
+    let axis = offset / distance;
+    let across = normalize(cross(axis, frame.up));
+    let side = vec2f(vec2u(corner & 1u, corner >> 1u)) * 2.0 - 1.0;
+    let point = ball.xyz + reach * (side.x * across + side.y * cross(across, axis));
+    return frame.view_projection * vec4f(point, 1.0);
+}
+
+@vertex
+fn sphere_vertex(@builtin(vertex_index) corner: u32, @builtin(instance_index) slot: u32) -> SphereVertex {
+    var vertex: SphereVertex;
+    vertex.ball = ball(slot);
+    vertex.place = outline_corner(vertex.ball, corner);
+    if in_capsule(slot) {
+        vertex.place = NOWHERE;
+    }
+    vertex.orientation = orientation(slot);
+    vertex.colour = sphere_colour(slot);
+    return vertex;
+}
+
+@fragment
+fn sphere_surface(vertex: SphereVertex) -> Surface {
+    let ball = vertex.ball;
+    let offset = ball.xyz - frame.eye;
+    let square = ball.w * ball.w;
+    var surface: Surface;
+    for (var index = 0u; index < 4u; index++) {
+        let ray = normalize(view_ray(vertex.place.xy + sample_place(index)));
+        if approach(offset, ray).x <= square {
+            surface.covered |= 1u << index;
+        }
+    }
+    if surface.covered == 0u {
+        discard;
+    }
+    let ray = normalize(view_ray(vertex.place.xy));
+    let found = approach(offset, ray);
+    // Where only some samples hit, the surface is that of the outline.
+    let distance = found.y - sqrt(max(square - found.x, 0.0));
+    let point = frame.eye + distance * ray;
+    let normal = normalize(point - ball.xyz);
+    let width = distance * pixel_width() / (ball.w * max(-dot(normal, ray), 0.15));
+    let tone = beach_ball(to_body(vertex.orientation, normal), width);
+    let colour = mix(vertex.colour, second_tone(vertex.colour), tone);
+    surface.colour = vec4f(lit(colour, point, normal, -ray), 1.0);
+    surface.depth = depth_at(point);
+    return surface;
+}

@@ -1,0 +1,122 @@
+//! Pictures without a window.
+
+use std::io::Write;
+
+use rockfall::{Error, Result, wgpu};
+
+use crate::camera::Camera;
+use crate::draw::{Renderer, Style};
+
+/// Format of the texture that pictures are drawn in.
+pub const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8UnormSrgb;
+
+/// Pixels, row by row from the top.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Picture {
+    /// Pixels in a row.
+    pub width: u32,
+    /// Rows.
+    pub height: u32,
+    /// Red, green, blue and opacity of every pixel, in sRGB.
+    pub pixels: Vec<[u8; 4]>,
+}
+
+impl Picture {
+    /// Writes it as a PNG file.
+    ///
+    /// # Errors
+    /// Those of the writer.
+    pub fn write_png(&self, to: impl Write) -> std::io::Result<()> {
+        let mut encoder = png::Encoder::new(to, self.width, self.height);
+        encoder.set_color(png::ColorType::Rgb);
+        encoder.set_depth(png::BitDepth::Eight);
+        encoder.set_compression(png::Compression::High);
+        encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
+        let rgb: Vec<u8> = self.pixels.iter().flat_map(|[r, g, b, _]| [*r, *g, *b]).collect();
+        let mut writer = encoder.write_header()?;
+        writer.write_image_data(&rgb)?;
+        Ok(writer.finish()?)
+    }
+}
+
+/// A texture to draw on, and a buffer to read it back through.
+#[derive(Debug)]
+pub struct Canvas {
+    device: wgpu::Device,
+    queue: wgpu::Queue,
+    texture: wgpu::Texture,
+    view: wgpu::TextureView,
+    staging: wgpu::Buffer,
+    stride: u32,
+}
+
+impl Canvas {
+    /// A canvas of this size, in pixels.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] for a size of 0, or larger than the device allows.
+    pub fn new(device: &wgpu::Device, queue: &wgpu::Queue, width: u32, height: u32) -> Result<Self> {
+        let limit = device.limits().max_texture_dimension_2d;
+        if width == 0 || height == 0 || width > limit || height > limit {
+            let value = format!("{width}x{height}");
+            return Err(Error::Invalid { field: "size", value, expected: "sides from 1 to what the device allows" });
+        }
+        let stride = (4 * width).next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
+        let texture = device.create_texture(&wgpu::TextureDescriptor {
+            label: Some("canvas"),
+            size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format: FORMAT,
+            usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC,
+            view_formats: &[],
+        });
+        let staging = device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("read back"),
+            size: u64::from(stride) * u64::from(height),
+            usage: wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST,
+            mapped_at_creation: false,
+        });
+        let view = texture.create_view(&wgpu::TextureViewDescriptor::default());
+        Ok(Self { device: device.clone(), queue: queue.clone(), texture, view, staging, stride })
+    }
+
+    /// Draws what the renderer took in last.
+    ///
+    /// # Errors
+    /// [`Error::Device`] when the device failed.
+    pub fn take(&self, renderer: &mut Renderer, camera: &Camera, style: &Style) -> Result<Picture> {
+        let (width, height) = (self.texture.width(), self.texture.height());
+        renderer.resize(width, height);
+        let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        renderer.draw(&mut encoder, &self.view, camera, style);
+        let layout = wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(self.stride), rows_per_image: None };
+        encoder.copy_texture_to_buffer(
+            self.texture.as_image_copy(),
+            wgpu::TexelCopyBufferInfo { buffer: &self.staging, layout },
+            self.texture.size(),
+        );
+        self.queue.submit([encoder.finish()]);
+        let pixels = self.read()?;
+        Ok(Picture { width, height, pixels })
+    }
+
+    fn read(&self) -> Result<Vec<[u8; 4]>> {
+        let failed = |why: &dyn std::fmt::Display| Error::Device(format!("the picture could not be read back: {why}"));
+        let (sender, receiver) = std::sync::mpsc::channel();
+        self.staging.map_async(wgpu::MapMode::Read, .., move |done| {
+            // Nobody to tell only when the wait below has failed.
+            let _ = sender.send(done);
+        });
+        self.device.poll(wgpu::PollType::wait_indefinitely()).map_err(|error| failed(&error))?;
+        receiver.recv().map_err(|error| failed(&error))?.map_err(|error| failed(&error))?;
+        let view = self.staging.get_mapped_range(..).map_err(|error| failed(&error))?;
+        let row = 4 * self.texture.width() as usize;
+        let rows = view.chunks_exact(self.stride as usize).map(|line| &line[..row]);
+        let pixels = rows.flat_map(|line| line.chunks_exact(4).map(|pixel| [pixel[0], pixel[1], pixel[2], pixel[3]])).collect();
+        drop(view);
+        self.staging.unmap();
+        Ok(pixels)
+    }
+}
