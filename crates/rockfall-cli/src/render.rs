@@ -76,7 +76,7 @@ pub(crate) fn render(arguments: &Arguments) -> Result<(), Failure> {
     };
     let [width, height] = arguments.size;
     let canvas = Canvas::new(gpu.device(), gpu.queue(), width, height)?;
-    let mut renderer = Renderer::new(gpu.device(), gpu.queue(), FORMAT);
+    let mut renderer = Renderer::new(gpu.device(), gpu.queue(), FORMAT)?;
     advance(&mut simulation, arguments)?;
     let style = Style::default();
     renderer.update(&mut simulation, &style)?;

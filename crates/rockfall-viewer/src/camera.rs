@@ -6,7 +6,7 @@ use rockfall::glam::{Mat4, Vec3, Vec4};
 /// The default vertical field of view, in rad.
 const FIELD_OF_VIEW: f32 = 0.6;
 /// Where the default camera stands, seen from what it looks at: to the right, above, in front.
-const FROM: Vec3 = Vec3::new(0.42, 0.38, 1.0);
+const FROM: Vec3 = Vec3::new(0.45, 0.50, 1.0);
 /// Nearer than this times the distance of the target, nothing is drawn.
 const NEAR: f32 = 1e-3;
 

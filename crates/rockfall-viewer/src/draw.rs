@@ -3,27 +3,32 @@
 //! On the GPU backend no body passes through the host: the shaders read state, orientations and topology where the kernels
 //! left them. On the CPU backend the same arrays are uploaded, so that there is one set of shaders. See [`Renderer`].
 
-use rockfall::glam::Vec4;
+use rockfall::gpu::catch;
 use rockfall::layout::Step;
 use rockfall::wgpu;
-use rockfall::{Result, Simulation};
+use rockfall::{Cuboid, Result, Simulation};
 
 use crate::camera::Camera;
 
 mod bounds;
+mod coil;
 mod frame;
+mod glass;
 pub mod palette;
+mod passes;
 mod pipelines;
 mod source;
 mod style;
 mod targets;
 
+use bounds::Setting;
 pub use bounds::bounds;
+use coil::{CoilMesh, Fineness};
 use frame::Frame;
 use pipelines::{Layouts, Pipelines};
 use source::Source;
-pub use style::{ColourBy, Range, Style};
-use targets::Targets;
+pub use style::{Background, ColourBy, Range, Style};
+use targets::{ShadowMap, Targets};
 
 /// Draws a simulation onto any texture of one format.
 ///
@@ -32,14 +37,16 @@ use targets::Targets;
 /// # use rockfall::{wgpu, Scene, Simulation};
 /// # use rockfall_viewer::{camera::Camera, draw::{Renderer, Style}};
 /// # let (device, queue, mut simulation, target): (wgpu::Device, wgpu::Queue, Simulation, wgpu::TextureView) = todo!();
-/// let mut renderer = Renderer::new(&device, &queue, wgpu::TextureFormat::Bgra8Unorm);
+/// let mut renderer = Renderer::new(&device, &queue, wgpu::TextureFormat::Bgra8Unorm)?;
 /// renderer.resize(800, 600);
+/// renderer.set_scene(&simulation);
 /// let camera = Camera::of_scene(simulation.scene(), 800.0 / 600.0);
+/// let style = Style::default();
 /// // For every frame:
 /// simulation.step(0.02)?;
-/// renderer.update(&mut simulation, &Style::default())?;
+/// renderer.update(&mut simulation, &style)?;
 /// let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-/// renderer.draw(&mut encoder, &target, &camera, &Style::default());
+/// renderer.draw(&mut encoder, &target, &camera, &style);
 /// queue.submit([encoder.finish()]);
 /// # Ok(())
 /// # }
@@ -56,14 +63,25 @@ pub struct Renderer {
     pipelines: Pipelines,
     uniform: wgpu::Buffer,
     source: Source,
+    shadows: ShadowMap,
+    coil: CoilMesh,
     targets: Option<Targets>,
+    setting: Option<Setting>,
+    boxes: Vec<Cuboid>,
     step: Step,
     blend: f32,
 }
 
 impl Renderer {
     /// A renderer for textures of this format.
-    pub fn new(device: &wgpu::Device, queue: &wgpu::Queue, format: wgpu::TextureFormat) -> Self {
+    ///
+    /// # Errors
+    /// [`rockfall::Error::Device`] when the device cannot run the shaders.
+    pub fn new(device: &wgpu::Device, queue: &wgpu::Queue, format: wgpu::TextureFormat) -> Result<Self> {
+        catch(device, || Self::make(device, queue, format))
+    }
+
+    fn make(device: &wgpu::Device, queue: &wgpu::Queue, format: wgpu::TextureFormat) -> Self {
         let layouts = Layouts::new(device);
         let uniform = device.create_buffer(&wgpu::BufferDescriptor {
             label: Some("frame"),
@@ -75,10 +93,14 @@ impl Renderer {
             device: device.clone(),
             queue: queue.clone(),
             pipelines: Pipelines::new(device, &layouts, format),
+            shadows: ShadowMap::new(device, &layouts),
+            coil: CoilMesh::new(device, Fineness::of(0)),
             layouts,
             uniform,
             source: Source::default(),
             targets: None,
+            setting: None,
+            boxes: Vec::new(),
             step: Step::default(),
             blend: 1.0,
         }
@@ -92,11 +114,16 @@ impl Renderer {
         }
     }
 
-    /// Takes in which rods and spheres are capsules. [`Renderer::update`] does so by itself where objects were added or
-    /// removed; this is for another simulation.
+    /// Takes in a scene that has not been drawn before: the height of its ground, how large its bodies are, and which
+    /// spheres and rods are capsules. What is added to it or removed later, [`Renderer::update`] finds by itself.
     pub fn set_scene(&mut self, simulation: &Simulation) {
+        self.setting = Some(Setting::of(simulation.scene()));
+        self.take_objects(simulation);
+    }
+
+    fn take_objects(&mut self, simulation: &Simulation) {
         self.source.mark_capsules(&self.device, &self.queue, simulation);
-        self.blend = 1.0;
+        self.boxes = simulation.scene().boxes().to_vec();
     }
 
     /// Takes in the simulation as it is now. On the GPU backend that is where its buffers are, and nothing is copied; on the
@@ -106,8 +133,10 @@ impl Renderer {
     /// [`rockfall::Error::Device`] when the GPU failed.
     pub fn update(&mut self, simulation: &mut Simulation, style: &Style) -> Result<()> {
         simulation.flush()?;
-        if self.source.is_stale(simulation) {
+        if self.setting.is_none() {
             self.set_scene(simulation);
+        } else if self.source.is_stale(simulation) {
+            self.take_objects(simulation);
         }
         self.step = self.source.take(&self.device, &self.queue, simulation);
         if style.colour_by.is_evaluated() {
@@ -115,6 +144,10 @@ impl Renderer {
             self.source.set_values(&self.queue, simulation, values.iter().map(|value| style.colour_by.of(value)));
         }
         self.source.bind(&self.device, &self.layouts.bodies, &self.uniform);
+        let fineness = Fineness::of(frame::springs(&self.step) + frame::tethers(&self.step));
+        if self.coil.fineness != fineness {
+            self.coil = CoilMesh::new(&self.device, fineness);
+        }
         Ok(())
     }
 
@@ -138,24 +171,17 @@ impl Renderer {
             return;
         };
         let blend = if self.source.has_remembered() { self.blend } else { 1.0 };
-        let frame = Frame::new(&self.step, camera, style, targets.size, blend);
+        let setting = self.setting.clone().unwrap_or_default();
+        self.source.set_opacities(&self.queue, &glass::opacities(&self.boxes, setting.spheres, camera.eye));
+        let frame = Frame::new(&self.step, camera, style, &setting, targets.size, blend);
         self.queue.write_buffer(&self.uniform, 0, bytemuck::bytes_of(&frame));
+        if style.shadows {
+            self.draw_shadows(encoder, bodies);
+        }
         self.draw_bodies(encoder, targets, bodies, style);
-        let mut pass = targets.onto(encoder, target);
-        pass.set_bind_group(0, bodies, &[]);
-        pass.set_bind_group(1, &targets.group, &[]);
-        pass.set_pipeline(&self.pipelines.finish);
-        pass.draw(0..3, 0..1);
+        if style.occlusion {
+            self.draw_occlusion(encoder, targets, bodies);
+        }
+        self.finish(encoder, targets, bodies, target);
     }
-
-    fn draw_bodies(&self, encoder: &mut wgpu::CommandEncoder, targets: &Targets, bodies: &wgpu::BindGroup, style: &Style) {
-        let mut pass = targets.light_pass(encoder, palette::linear(style.background.horizon));
-        pass.set_bind_group(0, bodies, &[]);
-        pass.set_pipeline(&self.pipelines.spheres);
-        pass.draw(0..4, 0..self.step.spheres);
-    }
-}
-
-fn opaque(colour: [f32; 3]) -> Vec4 {
-    Vec4::new(colour[0], colour[1], colour[2], 1.0)
 }

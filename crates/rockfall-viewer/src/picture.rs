@@ -2,6 +2,7 @@
 
 use std::io::Write;
 
+use rockfall::gpu::catch;
 use rockfall::{Error, Result, wgpu};
 
 use crate::camera::Camera;
@@ -54,13 +55,17 @@ impl Canvas {
     /// A canvas of this size, in pixels.
     ///
     /// # Errors
-    /// [`Error::Invalid`] for a size of 0, or larger than the device allows.
+    /// [`Error::Invalid`] for a size of 0, or larger than the device allows; [`Error::Device`] when memory runs out.
     pub fn new(device: &wgpu::Device, queue: &wgpu::Queue, width: u32, height: u32) -> Result<Self> {
         let limit = device.limits().max_texture_dimension_2d;
         if width == 0 || height == 0 || width > limit || height > limit {
             let value = format!("{width}x{height}");
             return Err(Error::Invalid { field: "size", value, expected: "sides from 1 to what the device allows" });
         }
+        catch(device, || Self::make(device, queue, width, height))
+    }
+
+    fn make(device: &wgpu::Device, queue: &wgpu::Queue, width: u32, height: u32) -> Self {
         let stride = (4 * width).next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
         let texture = device.create_texture(&wgpu::TextureDescriptor {
             label: Some("canvas"),
@@ -79,7 +84,7 @@ impl Canvas {
             mapped_at_creation: false,
         });
         let view = texture.create_view(&wgpu::TextureViewDescriptor::default());
-        Ok(Self { device: device.clone(), queue: queue.clone(), texture, view, staging, stride })
+        Self { device: device.clone(), queue: queue.clone(), texture, view, staging, stride }
     }
 
     /// Draws what the renderer took in last.
@@ -88,16 +93,18 @@ impl Canvas {
     /// [`Error::Device`] when the device failed.
     pub fn take(&self, renderer: &mut Renderer, camera: &Camera, style: &Style) -> Result<Picture> {
         let (width, height) = (self.texture.width(), self.texture.height());
-        renderer.resize(width, height);
-        let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-        renderer.draw(&mut encoder, &self.view, camera, style);
-        let layout = wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(self.stride), rows_per_image: None };
-        encoder.copy_texture_to_buffer(
-            self.texture.as_image_copy(),
-            wgpu::TexelCopyBufferInfo { buffer: &self.staging, layout },
-            self.texture.size(),
-        );
-        self.queue.submit([encoder.finish()]);
+        catch(&self.device, || {
+            renderer.resize(width, height);
+            let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+            renderer.draw(&mut encoder, &self.view, camera, style);
+            let layout = wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(self.stride), rows_per_image: None };
+            encoder.copy_texture_to_buffer(
+                self.texture.as_image_copy(),
+                wgpu::TexelCopyBufferInfo { buffer: &self.staging, layout },
+                self.texture.size(),
+            );
+            self.queue.submit([encoder.finish()]);
+        })?;
         let pixels = self.read()?;
         Ok(Picture { width, height, pixels })
     }

@@ -15,6 +15,7 @@ mod wait;
 mod world;
 
 pub use device::{Gpu, adapters};
+pub use fault::catch;
 pub use kernel::{join, locate_lines};
 pub(crate) use timer::{clock, copy_bandwidth};
 #[cfg(not(target_arch = "wasm32"))]

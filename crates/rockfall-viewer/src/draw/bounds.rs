@@ -1,10 +1,158 @@
-//! What a camera should have in its picture.
+//! What of a scene decides how it is shown: where it is, where the ground lies, how large bodies are.
 
 use rockfall::Scene;
 use rockfall::glam::Vec3;
 
-/// Least and greatest corner of what holds all spheres of a scene; of a scene without any, of its static objects.
+/// Static objects larger than this times the spheres' extent are what things stand on, not part of what is looked at.
+const SURROUNDINGS: f32 = 0.6;
+/// A body may fall this times the spheres' extent and stay in the picture.
+const FALL: f32 = 1.0;
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Extent {
+    min: Vec3,
+    max: Vec3,
+}
+
+impl Extent {
+    fn of(points: impl IntoIterator<Item = Vec3>) -> Option<Self> {
+        points.into_iter().map(|point| Self { min: point, max: point }).reduce(Self::with)
+    }
+
+    fn with(self, other: Self) -> Self {
+        Self { min: self.min.min(other.min), max: self.max.max(other.max) }
+    }
+
+    fn size(self) -> f32 {
+        (self.max - self.min).max_element()
+    }
+}
+
+fn of_spheres(scene: &Scene) -> Option<Extent> {
+    let spheres = scene.spheres().iter();
+    spheres
+        .map(|sphere| Extent { min: sphere.position - sphere.radius, max: sphere.position + sphere.radius })
+        .reduce(Extent::with)
+}
+
+/// The extents of boxes and polygons.
+fn of_static(scene: &Scene) -> impl Iterator<Item = Extent> {
+    let boxes = scene.boxes().iter().filter_map(|cuboid| {
+        let [i, j, k] = cuboid.edges;
+        let corner = |bits: u32| {
+            let part = |bit: u32, edge: Vec3| if bits >> bit & 1 == 1 { edge } else { Vec3::ZERO };
+            cuboid.corner + part(0, i) + part(1, j) + part(2, k)
+        };
+        Extent::of((0..8).map(corner))
+    });
+    let polygons = scene.polygons().iter().filter_map(|polygon| {
+        let (corner, left, right) = (polygon.corner, polygon.left, polygon.right);
+        Extent::of([corner, corner + left, corner + right, corner + left + right])
+    });
+    boxes.chain(polygons)
+}
+
+/// Least and greatest corner of what should be in a picture of a scene: its spheres, what of boxes and polygons is not much
+/// larger than they are together, and a part of what they may fall on.
 pub fn bounds(scene: &Scene) -> (Vec3, Vec3) {
-    let spheres = scene.spheres().iter().map(|sphere| (sphere.position - sphere.radius, sphere.position + sphere.radius));
-    spheres.reduce(|(min, max), (low, high)| (min.min(low), max.max(high))).unwrap_or((-Vec3::ONE, Vec3::ONE))
+    let Some(spheres) = of_spheres(scene) else {
+        let all = of_static(scene).reduce(Extent::with).unwrap_or(Extent { min: -Vec3::ONE, max: Vec3::ONE });
+        return (all.min, all.max);
+    };
+    let mut shown = spheres;
+    let tethers = scene.tethers().iter().map(|tether| tether.point);
+    shown = Extent::of(tethers).map_or(shown, |tethers| shown.with(tethers));
+    let size = spheres.size();
+    for object in of_static(scene) {
+        let under = object.max.y <= spheres.min.y + 0.1 * size
+            && object.min.x < spheres.max.x
+            && object.max.x > spheres.min.x
+            && object.min.z < spheres.max.z
+            && object.max.z > spheres.min.z;
+        if under {
+            shown.min.y = shown.min.y.min(object.max.y.max(spheres.min.y - FALL * size));
+        } else if object.size() < SURROUNDINGS * size {
+            let near = object.max.cmpge(spheres.min - 0.5 * size).all() && object.min.cmple(spheres.max + 0.5 * size).all();
+            shown = if near { shown.with(object) } else { shown };
+        }
+    }
+    (shown.min, shown.max)
+}
+
+/// What the renderer has to know of a scene besides the buffers.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Setting {
+    /// Least and greatest corner of all spheres.
+    pub(crate) spheres: (Vec3, Vec3),
+    /// Height of the ground: under all that is static, or at 0 where that is near below the spheres, else under them.
+    pub(crate) ground: f32,
+    /// The median of the spheres' radii.
+    pub(crate) typical_radius: f32,
+}
+
+impl Default for Setting {
+    fn default() -> Self {
+        Self { spheres: (-Vec3::ONE, Vec3::ONE), ground: 0.0, typical_radius: 1.0 }
+    }
+}
+
+impl Setting {
+    pub(crate) fn of(scene: &Scene) -> Self {
+        let mut radii: Vec<f32> = scene.spheres().iter().map(|sphere| sphere.radius).collect();
+        let middle = radii.len() / 2;
+        let typical_radius = match radii.len() {
+            0 => 1.0,
+            _ => *radii.select_nth_unstable_by(middle, f32::total_cmp).1,
+        };
+        let ground = match (of_static(scene).reduce(Extent::with), of_spheres(scene)) {
+            (Some(all), _) => all.min.y,
+            (None, Some(spheres)) if spheres.min.y >= 0.0 && spheres.min.y <= 2.0 * spheres.size() => 0.0,
+            (None, Some(spheres)) => spheres.min.y,
+            (None, None) => 0.0,
+        };
+        let spheres = of_spheres(scene).map_or((-Vec3::ONE, Vec3::ONE), |extent| (extent.min, extent.max));
+        Self { spheres, ground, typical_radius }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use rockfall::{Cuboid, Sphere};
+
+    use super::*;
+
+    fn scene(boxes: &[Cuboid]) -> Scene {
+        let mut scene = Scene::new();
+        scene.add_sphere(Sphere::new([0.0, 2.0, 0.0], 0.5)).unwrap();
+        scene.add_sphere(Sphere::new([3.0, 2.0, 0.0], 0.25)).unwrap();
+        for cuboid in boxes {
+            scene.add_box(*cuboid).unwrap();
+        }
+        scene
+    }
+
+    #[test]
+    fn spheres_are_in_the_picture_and_the_floor_below_them_only_in_height() {
+        let (min, max) = bounds(&scene(&[]));
+        assert_eq!((min, max), (Vec3::new(-0.5, 1.5, -0.5), Vec3::new(3.25, 2.5, 0.5)));
+        let (min, max) = bounds(&scene(&[Cuboid::between([-500.0, -1.0, -500.0], [500.0, 0.0, 500.0])]));
+        assert_eq!((min, max), (Vec3::new(-0.5, 0.0, -0.5), Vec3::new(3.25, 2.5, 0.5)));
+    }
+
+    #[test]
+    fn a_small_box_beside_the_spheres_is_in_the_picture_and_a_far_one_is_not() {
+        let beside = Cuboid::between([4.0, 1.6, 0.0], [4.5, 3.0, 1.0]);
+        assert_eq!(bounds(&scene(&[beside])).1, Vec3::new(4.5, 3.0, 1.0));
+        let far = Cuboid::between([40.0, 1.6, 0.0], [40.5, 3.0, 1.0]);
+        assert_eq!(bounds(&scene(&[far])).1, Vec3::new(3.25, 2.5, 0.5));
+    }
+
+    #[test]
+    fn the_ground_is_under_what_is_static() {
+        assert_eq!(Setting::of(&scene(&[])).ground, 0.0);
+        assert_eq!(Setting::of(&scene(&[Cuboid::between([-5.0, -1.0, -5.0], [5.0, 0.0, 5.0])])).ground, -1.0);
+        let mut deep = Scene::new();
+        deep.add_sphere(Sphere::new([0.0, -7.0, 0.0], 0.5)).unwrap();
+        assert_eq!((Setting::of(&deep).ground, Setting::of(&deep).typical_radius), (-7.5, 0.5));
+    }
 }

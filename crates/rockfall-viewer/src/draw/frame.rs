@@ -1,12 +1,15 @@
-//! The uniform block of every shader of the renderer. The WGSL side is `wgsl/frame.wgsl`.
+//! The uniform block of every shader of the renderer. The WGSL side is `wgsl/frame.wgsl`; a test compares the two.
 
 use bytemuck::{Pod, Zeroable};
 use rockfall::glam::{Mat4, Vec3, Vec4};
 use rockfall::layout::{SPRING_WORDS, Step, TETHER_WORDS};
 
 use crate::camera::{Axes, Camera};
+use crate::draw::bounds::Setting;
+use crate::draw::coil::Fineness;
 use crate::draw::palette;
 use crate::draw::style::{Range, Style};
+use crate::draw::targets::SHADOW_SIZE;
 
 /// What is the same for a whole frame.
 #[repr(C)]
@@ -25,7 +28,17 @@ pub(crate) struct Frame {
     blend: f32,
     /// Unit vector to the sun.
     light: Vec3,
+    /// Width of a pixel of the shadow map, in units.
     light_texel: f32,
+    light_right: Vec3,
+    /// Depth in the shadow map of a unit away from the sun.
+    light_depth: f32,
+    light_up: Vec3,
+    /// Of the ground's fine grid, in units.
+    cell: f32,
+    /// What the camera looks at.
+    centre: Vec3,
+    centre_distance: f32,
     horizon: [f32; 3],
     /// Height of the ground.
     ground: f32,
@@ -33,6 +46,11 @@ pub(crate) struct Frame {
     typical_radius: f32,
     viewport: [f32; 2],
     range: [f32; 2],
+    /// How far the fine grid has faded, from 0 to 1.
+    cell_fade: f32,
+    coil_pieces: u32,
+    coil_sides: u32,
+    flags: u32,
     spheres: u32,
     rods: u32,
     springs: u32,
@@ -44,26 +62,87 @@ pub(crate) struct Frame {
     polygons_at: u32,
     users_at: u32,
     colour_by: u32,
-    flags: u32,
+    pad: u32,
     kinds: [Vec4; 8],
     scale: [Vec4; 9],
 }
 
+const SHADOWS: u32 = 1;
+const OCCLUSION: u32 = 2;
+
 /// Where the sun stands.
 const SUN: Vec3 = Vec3::new(-0.45, 0.80, 0.40);
+/// The shadow map reaches so many times as far from what the camera looks at as the picture does.
+const SHADOW_REACH: f32 = 1.5;
+/// And so many times as far towards the sun and away from it.
+const SHADOW_DEPTH: f32 = 4.0;
+/// Distance of the camera in fine cells of the grid, at which they begin to fade.
+const CELLS_AWAY: f32 = 8.0;
+
+/// Springs of a step.
+pub(crate) fn springs(step: &Step) -> u32 {
+    (step.tethers_at - step.springs_at) / SPRING_WORDS
+}
+
+/// Tethers of a step.
+pub(crate) fn tethers(step: &Step) -> u32 {
+    (step.forces_at - step.tethers_at) / TETHER_WORDS
+}
+
+/// The sun, and the part of the world that its shadow map is of.
+struct Light {
+    towards: Vec3,
+    right: Vec3,
+    up: Vec3,
+    projection: Mat4,
+    texel: f32,
+    depth: f32,
+}
+
+impl Light {
+    fn new(camera: &Camera, aspect: f32) -> Self {
+        let towards = SUN.normalize();
+        let right = Vec3::Y.cross(towards).normalize();
+        let up = towards.cross(right);
+        let picture = camera.eye.distance(camera.target) * (0.5 * camera.field_of_view).tan() * aspect.max(1.0);
+        let reach = (SHADOW_REACH * picture).max(f32::MIN_POSITIVE);
+        let texel = 2.0 * reach / SHADOW_SIZE as f32;
+        let depth = 0.5 / (SHADOW_DEPTH * reach);
+        // In whole pixels of the map, so that shadows do not swim when the camera moves.
+        let snapped = |axis: Vec3| (camera.target.dot(axis) / texel).round() * texel;
+        let row = |axis: Vec3, scale: f32, middle: f32| (scale * axis).extend(-scale * middle);
+        let rows = [
+            row(right, 1.0 / reach, snapped(right)),
+            row(up, 1.0 / reach, snapped(up)),
+            row(towards, -depth, camera.target.dot(towards)) + Vec4::new(0.0, 0.0, 0.0, 0.5),
+            Vec4::W,
+        ];
+        let projection = Mat4::from_cols(rows[0], rows[1], rows[2], rows[3]).transpose();
+        Self { towards, right, up, projection, texel, depth }
+    }
+}
+
+fn opaque(colour: palette::Rgb) -> Vec4 {
+    Vec3::from_array(palette::linear(colour)).extend(1.0)
+}
 
 impl Frame {
-    pub(crate) fn new(step: &Step, camera: &Camera, style: &Style, size: [u32; 2], blend: f32) -> Self {
+    pub(crate) fn new(step: &Step, camera: &Camera, style: &Style, setting: &Setting, size: [u32; 2], blend: f32) -> Self {
         let viewport = size.map(|side| side as f32);
         let aspect = viewport[0] / viewport[1];
         let Axes { right, up, forward } = camera.axes();
+        let light = Light::new(camera, aspect);
+        let distance = camera.eye.distance(camera.target);
+        let level = (distance / CELLS_AWAY).max(1e-30).log10();
+        let coil = Fineness::of(springs(step) + tethers(step));
         let range = match style.range {
             Range::Auto => [0.0, 1.0],
             Range::Given(range) => range,
         };
+        let flag = |on: bool, flag: u32| if on { flag } else { 0 };
         Self {
             view_projection: camera.view_projection(aspect),
-            light_projection: Mat4::IDENTITY,
+            light_projection: light.projection,
             eye: camera.eye,
             near: camera.near(),
             right,
@@ -72,18 +151,28 @@ impl Frame {
             aspect,
             forward,
             blend,
-            light: SUN.normalize(),
-            light_texel: 0.0,
+            light: light.towards,
+            light_texel: light.texel,
+            light_right: light.right,
+            light_depth: light.depth,
+            light_up: light.up,
+            cell: 10_f32.powf(level.floor()),
+            centre: camera.target,
+            centre_distance: distance,
             horizon: palette::linear(style.background.horizon),
-            ground: 0.0,
+            ground: setting.ground,
             zenith: palette::linear(style.background.zenith),
-            typical_radius: 1.0,
+            typical_radius: setting.typical_radius,
             viewport,
             range,
+            cell_fade: level - level.floor(),
+            coil_pieces: coil.pieces,
+            coil_sides: coil.sides,
+            flags: flag(style.shadows, SHADOWS) | flag(style.occlusion, OCCLUSION),
             spheres: step.spheres,
             rods: step.rods,
-            springs: (step.tethers_at - step.springs_at) / SPRING_WORDS,
-            tethers: (step.forces_at - step.tethers_at) / TETHER_WORDS,
+            springs: springs(step),
+            tethers: tethers(step),
             rods_at: step.rods_at,
             springs_at: step.springs_at,
             tethers_at: step.tethers_at,
@@ -91,9 +180,9 @@ impl Frame {
             polygons_at: step.polygons_at,
             users_at: step.users_at,
             colour_by: style.colour_by as u32,
-            flags: 0,
-            kinds: palette::KINDS.map(|kind| super::opaque(palette::linear(kind.colour))),
-            scale: palette::SCALE.map(|stop| super::opaque(palette::linear(stop))),
+            pad: 0,
+            kinds: palette::KINDS.map(|kind| opaque(kind.colour)),
+            scale: palette::SCALE.map(opaque),
         }
     }
 }

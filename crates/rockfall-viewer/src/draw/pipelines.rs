@@ -1,24 +1,37 @@
 //! From WGSL parts to pipelines.
 
 use rockfall::wgpu;
+use wgpu::PrimitiveTopology::{TriangleList, TriangleStrip};
 
-use crate::draw::targets::{DEPTH_FORMAT, LIGHT_FORMAT, SAMPLES};
+use crate::draw::targets::{DEPTH_FORMAT, LIGHT_FORMAT, OPENNESS_FORMAT, SAMPLES};
 
 macro_rules! wgsl {
     ($($name:literal),*) => { concat!($(include_str!(concat!("wgsl/", $name, ".wgsl"))),*) };
 }
+
+/// What draws bodies and their shadows.
+pub(crate) const BODIES: &str =
+    wgsl!("frame", "colour", "light", "surface", "sphere", "capsule", "flat", "coil", "picture", "ground", "shadow");
+/// What looks at the whole picture, and makes it darker in corners.
+pub(crate) const OCCLUSION: &str = wgsl!("frame", "picture", "occlusion");
+/// What makes the picture that is shown.
+pub(crate) const FINISH: &str = wgsl!("frame", "picture", "finish");
 
 /// What shaders see.
 #[derive(Debug)]
 pub(crate) struct Layouts {
     /// Group 0: the frame and the physics' buffers.
     pub(crate) bodies: wgpu::BindGroupLayout,
+    /// Group 1 of what is lit: the shadow map.
+    pub(crate) shadows: wgpu::BindGroupLayout,
+    /// Group 1 of ambient occlusion.
+    pub(crate) occlusion: wgpu::BindGroupLayout,
     /// Group 1 of the last pass.
     pub(crate) finish: wgpu::BindGroupLayout,
 }
 
 /// Storage buffers of group 0, after the frame.
-pub(crate) const STORAGE: u32 = 7;
+pub(crate) const STORAGE: u32 = 8;
 
 fn entry(binding: u32, visibility: wgpu::ShaderStages, ty: wgpu::BindingType) -> wgpu::BindGroupLayoutEntry {
     wgpu::BindGroupLayoutEntry { binding, visibility, ty, count: None }
@@ -28,106 +41,197 @@ fn buffer(ty: wgpu::BufferBindingType) -> wgpu::BindingType {
     wgpu::BindingType::Buffer { ty, has_dynamic_offset: false, min_binding_size: None }
 }
 
+fn texture(sample_type: wgpu::TextureSampleType, multisampled: bool) -> wgpu::BindingType {
+    wgpu::BindingType::Texture { sample_type, view_dimension: wgpu::TextureViewDimension::D2, multisampled }
+}
+
 impl Layouts {
     pub(crate) fn new(device: &wgpu::Device) -> Self {
-        let stages = wgpu::ShaderStages::VERTEX_FRAGMENT | wgpu::ShaderStages::COMPUTE;
+        let stages = wgpu::ShaderStages::VERTEX_FRAGMENT;
+        let fragment = |binding, ty| entry(binding, wgpu::ShaderStages::FRAGMENT, ty);
         let mut bodies = vec![entry(0, stages, buffer(wgpu::BufferBindingType::Uniform))];
         let storage = buffer(wgpu::BufferBindingType::Storage { read_only: true });
         bodies.extend((1..=STORAGE).map(|binding| entry(binding, stages, storage)));
-        let light = wgpu::BindingType::Texture {
-            sample_type: wgpu::TextureSampleType::Float { filterable: false },
-            view_dimension: wgpu::TextureViewDimension::D2,
-            multisampled: false,
-        };
+        let colour = texture(wgpu::TextureSampleType::Float { filterable: false }, false);
+        let depth = texture(wgpu::TextureSampleType::Depth, false);
+        let depths = texture(wgpu::TextureSampleType::Depth, true);
+        let nearer = wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Comparison);
         let layout = |label, entries: &[_]| {
             device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some(label), entries })
         };
-        Self { bodies: layout("bodies", &bodies), finish: layout("finish", &[entry(0, wgpu::ShaderStages::FRAGMENT, light)]) }
+        Self {
+            bodies: layout("bodies", &bodies),
+            shadows: layout("shadows", &[fragment(0, depth), fragment(1, nearer)]),
+            occlusion: layout("occlusion", &[fragment(0, depths)]),
+            finish: layout("finish", &[fragment(0, colour), fragment(1, colour), fragment(2, depths)]),
+        }
     }
+}
+
+/// Where a pipeline draws.
+#[derive(Clone, Copy, Debug)]
+enum Onto {
+    /// The samples of light, with depth.
+    Bodies,
+    /// The same, behind everything.
+    Sky,
+    /// The same, over what is there, with an opacity.
+    Ground,
+    /// The same, over everything, without a depth of its own.
+    Glass,
+    /// The shadow map.
+    Shadows,
+    /// A plain texture.
+    Texture(wgpu::TextureFormat),
+}
+
+/// One kind of object: how it is drawn, and how its shadow is.
+#[derive(Debug)]
+pub(crate) struct Kind {
+    pub(crate) lit: wgpu::RenderPipeline,
+    pub(crate) shadow: wgpu::RenderPipeline,
 }
 
 /// Every way of drawing.
 #[derive(Debug)]
 pub(crate) struct Pipelines {
-    pub(crate) spheres: wgpu::RenderPipeline,
+    pub(crate) spheres: Kind,
+    pub(crate) capsules: Kind,
+    pub(crate) boxes: Kind,
+    pub(crate) polygons: Kind,
+    pub(crate) springs: Kind,
+    pub(crate) tethers: Kind,
+    pub(crate) anchors: Kind,
+    pub(crate) sky: wgpu::RenderPipeline,
+    pub(crate) ground: wgpu::RenderPipeline,
+    pub(crate) glass: wgpu::RenderPipeline,
+    pub(crate) occlusion: wgpu::RenderPipeline,
     pub(crate) finish: wgpu::RenderPipeline,
 }
 
-struct Recipe<'a> {
-    label: &'a str,
-    text: &'a str,
-    entries: [&'a str; 2],
-    layouts: &'a [Option<&'a wgpu::BindGroupLayout>],
-    format: wgpu::TextureFormat,
-    topology: wgpu::PrimitiveTopology,
-    /// Into the samples, with depth; else onto the caller's texture.
-    in_depth: bool,
+struct Maker<'a> {
+    device: &'a wgpu::Device,
+    module: wgpu::ShaderModule,
+    layouts: Vec<Option<&'a wgpu::BindGroupLayout>>,
     constants: &'a [(&'a str, f64)],
 }
 
-impl Recipe<'_> {
-    fn make(&self, device: &wgpu::Device) -> wgpu::RenderPipeline {
-        let source = wgpu::ShaderSource::Wgsl(self.text.into());
-        let module = device.create_shader_module(wgpu::ShaderModuleDescriptor { label: Some(self.label), source });
-        let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-            label: Some(self.label),
-            bind_group_layouts: self.layouts,
+impl<'a> Maker<'a> {
+    fn new(
+        device: &'a wgpu::Device,
+        label: &str,
+        text: &str,
+        layouts: &[&'a wgpu::BindGroupLayout],
+        constants: &'a [(&'a str, f64)],
+    ) -> Self {
+        let source = wgpu::ShaderSource::Wgsl(text.into());
+        let module = device.create_shader_module(wgpu::ShaderModuleDescriptor { label: Some(label), source });
+        Self { device, module, layouts: layouts.iter().map(|layout| Some(*layout)).collect(), constants }
+    }
+
+    fn make(
+        &self,
+        onto: Onto,
+        topology: wgpu::PrimitiveTopology,
+        vertex: &str,
+        fragment: Option<&str>,
+    ) -> wgpu::RenderPipeline {
+        let layouts = if matches!(onto, Onto::Shadows | Onto::Sky) { &self.layouts[..1] } else { &self.layouts };
+        let layout = self.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+            label: Some(vertex),
+            bind_group_layouts: layouts,
             immediate_size: 0,
         });
         let compilation_options = wgpu::PipelineCompilationOptions { constants: self.constants, ..Default::default() };
-        let depth = wgpu::DepthStencilState {
-            format: DEPTH_FORMAT,
-            depth_write_enabled: Some(true),
-            depth_compare: Some(wgpu::CompareFunction::Greater),
-            stencil: wgpu::StencilState::default(),
-            bias: wgpu::DepthBiasState::default(),
-        };
-        device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-            label: Some(self.label),
+        let target = onto.colour();
+        self.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+            label: Some(fragment.unwrap_or(vertex)),
             layout: Some(&layout),
             vertex: wgpu::VertexState {
-                module: &module,
-                entry_point: Some(self.entries[0]),
+                module: &self.module,
+                entry_point: Some(vertex),
                 compilation_options: compilation_options.clone(),
                 buffers: &[],
             },
-            primitive: wgpu::PrimitiveState { topology: self.topology, ..Default::default() },
-            depth_stencil: self.in_depth.then_some(depth),
-            multisample: wgpu::MultisampleState { count: if self.in_depth { SAMPLES } else { 1 }, ..Default::default() },
-            fragment: Some(wgpu::FragmentState {
-                module: &module,
-                entry_point: Some(self.entries[1]),
+            primitive: wgpu::PrimitiveState { topology, ..Default::default() },
+            depth_stencil: onto.depth(),
+            multisample: wgpu::MultisampleState { count: onto.samples(), ..Default::default() },
+            fragment: fragment.map(|entry| wgpu::FragmentState {
+                module: &self.module,
+                entry_point: Some(entry),
                 compilation_options,
-                targets: &[Some(self.format.into())],
+                targets: target.as_slice(),
             }),
             multiview_mask: None,
             cache: None,
+        })
+    }
+
+    /// A kind whose entry points are `NAME_vertex`, `SURFACE_surface`, `NAME_shadow_vertex` and, where its outline is
+    /// ray-cast, `SURFACE_shadow`.
+    fn kind(&self, topology: wgpu::PrimitiveTopology, name: &str, surface: &str, is_cast: bool) -> Kind {
+        let shadow = is_cast.then(|| format!("{surface}_shadow"));
+        Kind {
+            lit: self.make(Onto::Bodies, topology, &format!("{name}_vertex"), Some(&format!("{surface}_surface"))),
+            shadow: self.make(Onto::Shadows, topology, &format!("{name}_shadow_vertex"), shadow.as_deref()),
+        }
+    }
+}
+
+impl Onto {
+    fn colour(self) -> Option<Option<wgpu::ColorTargetState>> {
+        match self {
+            Self::Bodies | Self::Sky => Some(Some(LIGHT_FORMAT.into())),
+            Self::Ground | Self::Glass => Some(Some(wgpu::ColorTargetState {
+                format: LIGHT_FORMAT,
+                blend: Some(wgpu::BlendState::PREMULTIPLIED_ALPHA_BLENDING),
+                write_mask: wgpu::ColorWrites::ALL,
+            })),
+            Self::Shadows => None,
+            Self::Texture(format) => Some(Some(format.into())),
+        }
+    }
+
+    fn samples(self) -> u32 {
+        if matches!(self, Self::Shadows | Self::Texture(_)) { 1 } else { SAMPLES }
+    }
+
+    fn depth(self) -> Option<wgpu::DepthStencilState> {
+        let compare = match self {
+            Self::Bodies | Self::Ground | Self::Glass => wgpu::CompareFunction::Greater,
+            Self::Sky => wgpu::CompareFunction::Always,
+            Self::Shadows => wgpu::CompareFunction::Less,
+            Self::Texture(_) => return None,
+        };
+        Some(wgpu::DepthStencilState {
+            format: DEPTH_FORMAT,
+            depth_write_enabled: Some(!matches!(self, Self::Sky | Self::Glass)),
+            depth_compare: Some(compare),
+            stencil: wgpu::StencilState::default(),
+            bias: wgpu::DepthBiasState::default(),
         })
     }
 }
 
 impl Pipelines {
     pub(crate) fn new(device: &wgpu::Device, layouts: &Layouts, format: wgpu::TextureFormat) -> Self {
-        let spheres = Recipe {
-            label: "spheres",
-            text: wgsl!("frame", "colour", "light", "surface", "sphere"),
-            entries: ["sphere_vertex", "sphere_surface"],
-            layouts: &[Some(&layouts.bodies)],
-            format: LIGHT_FORMAT,
-            topology: wgpu::PrimitiveTopology::TriangleStrip,
-            in_depth: true,
-            constants: &[],
-        };
-        let finish = Recipe {
-            label: "finish",
-            text: wgsl!("frame", "finish"),
-            entries: ["whole_picture", "finish"],
-            layouts: &[Some(&layouts.bodies), Some(&layouts.finish)],
-            format,
-            topology: wgpu::PrimitiveTopology::TriangleList,
-            in_depth: false,
-            constants: &[("ENCODES", f64::from(u8::from(format.is_srgb())))],
-        };
-        Self { spheres: spheres.make(device), finish: finish.make(device) }
+        let bodies = Maker::new(device, "bodies", BODIES, &[&layouts.bodies, &layouts.shadows], &[]);
+        let occlusion = Maker::new(device, "occlusion", OCCLUSION, &[&layouts.bodies, &layouts.occlusion], &[]);
+        let encodes = [("ENCODES", f64::from(u8::from(format.is_srgb())))];
+        let finish = Maker::new(device, "finish", FINISH, &[&layouts.bodies, &layouts.finish], &encodes);
+        Self {
+            spheres: bodies.kind(TriangleStrip, "sphere", "sphere", true),
+            capsules: bodies.kind(TriangleStrip, "capsule", "capsule", true),
+            boxes: bodies.kind(TriangleList, "box", "box", false),
+            polygons: bodies.kind(TriangleList, "polygon", "polygon", false),
+            springs: bodies.kind(TriangleList, "spring", "coil", false),
+            tethers: bodies.kind(TriangleList, "tether", "coil", false),
+            anchors: bodies.kind(TriangleStrip, "anchor", "sphere", true),
+            sky: bodies.make(Onto::Sky, TriangleList, "whole_picture", Some("sky")),
+            ground: bodies.make(Onto::Ground, TriangleList, "whole_picture", Some("ground")),
+            glass: bodies.make(Onto::Glass, TriangleList, "glass_vertex", Some("glass_surface")),
+            occlusion: occlusion.make(Onto::Texture(OPENNESS_FORMAT), TriangleList, "whole_picture", Some("occlusion")),
+            finish: finish.make(Onto::Texture(format), TriangleList, "whole_picture", Some("finish")),
+        }
     }
 }

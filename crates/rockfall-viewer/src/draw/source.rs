@@ -20,6 +20,8 @@ pub(crate) struct Source {
     values: Option<wgpu::Buffer>,
     /// Bits: spheres (in order of addition), then, from a new word on, rods, that are part of a capsule.
     marks: Option<wgpu::Buffer>,
+    /// How opaque each box is.
+    opacities: Option<wgpu::Buffer>,
     /// The memory version that the marks are of.
     seen: Option<u64>,
     /// The memory version that `old` is of.
@@ -65,6 +67,8 @@ impl Source {
         self.values = Some(make(device, "values", 4 * counts.spheres as u64));
         let [positions, orientations] = ["old positions", "old orientations"];
         self.old = [positions, orientations].map(|label| make(device, label, 16 * counts.spheres as u64)).to_vec();
+        self.opacities = Some(make(device, "opacities", 4 * counts.boxes as u64));
+        self.set_opacities(queue, &vec![1.0; counts.boxes]);
         self.remembered = None;
         self.seen = Some(simulation.memory_version());
     }
@@ -100,6 +104,13 @@ impl Source {
         }
     }
 
+    /// Sets how opaque each box is, in order of addition.
+    pub(crate) fn set_opacities(&self, queue: &wgpu::Queue, opacities: &[f32]) {
+        if let Some(buffer) = &self.opacities {
+            queue.write_buffer(buffer, 0, bytemuck::cast_slice(opacities));
+        }
+    }
+
     pub(crate) fn remember(&mut self, encoder: &mut wgpu::CommandEncoder, spheres: u32) {
         let bytes = 16 * u64::from(spheres);
         for (from, to) in self.physics.iter().zip(&self.old) {
@@ -117,7 +128,7 @@ impl Source {
 
     /// Binds the buffers, if they are others than before.
     pub(crate) fn bind(&mut self, device: &wgpu::Device, layout: &wgpu::BindGroupLayout, uniform: &wgpu::Buffer) {
-        let own = self.old.iter().chain(&self.values).chain(&self.marks);
+        let own = self.old.iter().chain(&self.values).chain(&self.marks).chain(&self.opacities);
         let buffers: Vec<wgpu::Buffer> = self.physics.iter().chain(own).cloned().collect();
         if buffers == self.bound && self.group.is_some() || buffers.len() != STORAGE as usize {
             return;

@@ -8,18 +8,12 @@ use crate::draw::pipelines::Layouts;
 pub(crate) const SAMPLES: u32 = 4;
 /// Linear light.
 pub(crate) const LIGHT_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
+/// Of the picture (1 on the near plane, 0 at infinity) and of the shadow map (0 next to the sun).
 pub(crate) const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
-
-/// Textures of the size of the picture.
-#[derive(Debug)]
-pub(crate) struct Targets {
-    pub(crate) size: [u32; 2],
-    samples: wgpu::TextureView,
-    depth: wgpu::TextureView,
-    light: wgpu::TextureView,
-    /// What the last pass reads.
-    pub(crate) group: wgpu::BindGroup,
-}
+/// How open to the sky a pixel is.
+pub(crate) const OPENNESS_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::R8Unorm;
+/// Pixels along a side of the shadow map.
+pub(crate) const SHADOW_SIZE: u32 = 2048;
 
 fn texture(device: &wgpu::Device, label: &str, size: [u32; 2], samples: u32, format: wgpu::TextureFormat) -> wgpu::TextureView {
     let texture = device.create_texture(&wgpu::TextureDescriptor {
@@ -35,56 +29,106 @@ fn texture(device: &wgpu::Device, label: &str, size: [u32; 2], samples: u32, for
     texture.create_view(&wgpu::TextureViewDescriptor::default())
 }
 
+fn view(binding: u32, view: &wgpu::TextureView) -> wgpu::BindGroupEntry<'_> {
+    wgpu::BindGroupEntry { binding, resource: wgpu::BindingResource::TextureView(view) }
+}
+
+fn colour(view: &wgpu::TextureView) -> wgpu::RenderPassColorAttachment<'_> {
+    let ops = wgpu::Operations { load: wgpu::LoadOp::Clear(wgpu::Color::WHITE), store: wgpu::StoreOp::Store };
+    wgpu::RenderPassColorAttachment { view, depth_slice: None, resolve_target: None, ops }
+}
+
+fn depth(view: &wgpu::TextureView, clear: f32) -> wgpu::RenderPassDepthStencilAttachment<'_> {
+    let depth_ops = Some(wgpu::Operations { load: wgpu::LoadOp::Clear(clear), store: wgpu::StoreOp::Store });
+    wgpu::RenderPassDepthStencilAttachment { view, depth_ops, stencil_ops: None }
+}
+
+/// A pass that fills a texture.
+pub(crate) fn fill<'a>(encoder: &'a mut wgpu::CommandEncoder, label: &str, view: &wgpu::TextureView) -> wgpu::RenderPass<'a> {
+    encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+        label: Some(label),
+        color_attachments: &[Some(colour(view))],
+        ..Default::default()
+    })
+}
+
+/// Textures of the size of the picture.
+#[derive(Debug)]
+pub(crate) struct Targets {
+    pub(crate) size: [u32; 2],
+    samples: wgpu::TextureView,
+    depth: wgpu::TextureView,
+    light: wgpu::TextureView,
+    pub(crate) openness: wgpu::TextureView,
+    /// What ambient occlusion reads.
+    pub(crate) occlusion: wgpu::BindGroup,
+    /// What the last pass reads.
+    pub(crate) finish: wgpu::BindGroup,
+}
+
 impl Targets {
     pub(crate) fn new(device: &wgpu::Device, layouts: &Layouts, size: [u32; 2]) -> Self {
         let light = texture(device, "light", size, 1, LIGHT_FORMAT);
-        let group = device.create_bind_group(&wgpu::BindGroupDescriptor {
-            label: Some("finish"),
-            layout: &layouts.finish,
-            entries: &[wgpu::BindGroupEntry { binding: 0, resource: wgpu::BindingResource::TextureView(&light) }],
-        });
+        let depth = texture(device, "depth", size, SAMPLES, DEPTH_FORMAT);
+        let openness = texture(device, "openness", size, 1, OPENNESS_FORMAT);
+        let group = |label, layout, entries: &[_]| {
+            device.create_bind_group(&wgpu::BindGroupDescriptor { label: Some(label), layout, entries })
+        };
         Self {
             size,
+            occlusion: group("occlusion", &layouts.occlusion, &[view(0, &depth)]),
+            finish: group("finish", &layouts.finish, &[view(0, &light), view(1, &openness), view(2, &depth)]),
             samples: texture(device, "samples of light", size, SAMPLES, LIGHT_FORMAT),
-            depth: texture(device, "depth", size, SAMPLES, DEPTH_FORMAT),
+            depth,
             light,
-            group,
+            openness,
         }
     }
 
     /// The pass that draws bodies.
-    pub(crate) fn light_pass<'a>(&self, encoder: &'a mut wgpu::CommandEncoder, background: [f32; 3]) -> wgpu::RenderPass<'a> {
-        let [r, g, b] = background.map(f64::from);
+    pub(crate) fn bodies<'a>(&self, encoder: &'a mut wgpu::CommandEncoder) -> wgpu::RenderPass<'a> {
+        let ops = wgpu::Operations { load: wgpu::LoadOp::Clear(wgpu::Color::WHITE), store: wgpu::StoreOp::Discard };
+        let samples = wgpu::RenderPassColorAttachment { resolve_target: Some(&self.light), ops, ..colour(&self.samples) };
         encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("bodies"),
-            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
-                view: &self.samples,
-                depth_slice: None,
-                resolve_target: Some(&self.light),
-                ops: wgpu::Operations {
-                    load: wgpu::LoadOp::Clear(wgpu::Color { r, g, b, a: 1.0 }),
-                    store: wgpu::StoreOp::Discard,
-                },
-            })],
-            depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
-                view: &self.depth,
-                depth_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(0.0), store: wgpu::StoreOp::Store }),
-                stencil_ops: None,
-            }),
+            color_attachments: &[Some(samples)],
+            depth_stencil_attachment: Some(depth(&self.depth, 0.0)),
             ..Default::default()
         })
     }
+}
 
-    /// A pass that fills the caller's texture.
-    pub(crate) fn onto<'a>(&self, encoder: &'a mut wgpu::CommandEncoder, view: &wgpu::TextureView) -> wgpu::RenderPass<'a> {
+/// What the sun sees.
+#[derive(Debug)]
+pub(crate) struct ShadowMap {
+    depth: wgpu::TextureView,
+    /// What lit surfaces read.
+    pub(crate) group: wgpu::BindGroup,
+}
+
+impl ShadowMap {
+    pub(crate) fn new(device: &wgpu::Device, layouts: &Layouts) -> Self {
+        let depth = texture(device, "shadows", [SHADOW_SIZE; 2], 1, DEPTH_FORMAT);
+        let nearer = device.create_sampler(&wgpu::SamplerDescriptor {
+            label: Some("shadows"),
+            mag_filter: wgpu::FilterMode::Linear,
+            min_filter: wgpu::FilterMode::Linear,
+            compare: Some(wgpu::CompareFunction::LessEqual),
+            ..Default::default()
+        });
+        let entries = [view(0, &depth), wgpu::BindGroupEntry { binding: 1, resource: wgpu::BindingResource::Sampler(&nearer) }];
+        let group = device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some("shadows"),
+            layout: &layouts.shadows,
+            entries: &entries,
+        });
+        Self { depth, group }
+    }
+
+    pub(crate) fn pass<'a>(&self, encoder: &'a mut wgpu::CommandEncoder) -> wgpu::RenderPass<'a> {
         encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-            label: Some("finish"),
-            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
-                view,
-                depth_slice: None,
-                resolve_target: None,
-                ops: wgpu::Operations { load: wgpu::LoadOp::Clear(wgpu::Color::BLACK), store: wgpu::StoreOp::Store },
-            })],
+            label: Some("shadows"),
+            depth_stencil_attachment: Some(depth(&self.depth, 1.0)),
             ..Default::default()
         })
     }

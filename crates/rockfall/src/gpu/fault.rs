@@ -52,7 +52,7 @@ fn describe(error: &wgpu::Error) -> String {
 ///
 /// # Errors
 /// [`Error::Device`] with what was wrong. In a browser the answer comes too late for this; it is on the console.
-pub(crate) fn catch<T>(device: &wgpu::Device, work: impl FnOnce() -> T) -> Result<T> {
+pub fn catch<T>(device: &wgpu::Device, work: impl FnOnce() -> T) -> Result<T> {
     let scopes = [wgpu::ErrorFilter::Validation, wgpu::ErrorFilter::OutOfMemory, wgpu::ErrorFilter::Internal]
         .map(|filter| device.push_error_scope(filter));
     let done = work();

@@ -51,5 +51,5 @@ fn beach_ball(n: vec3f, width: f32) -> f32 {
     let cap = smoothstep(0.30 + width, 0.30 - width, ring);
     let upper = select(0.0, 1.0, n.y > 0.0);
     // Far away, where a sector is no wider than a pixel, both tones mix.
-    return mix(mix(stripes, upper, cap), 0.5, smoothstep(0.15, 0.6, width));
+    return mix(mix(stripes, upper, cap), 0.5, smoothstep(0.1, 0.5, width));
 }

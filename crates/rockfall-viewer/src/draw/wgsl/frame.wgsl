@@ -13,12 +13,22 @@ struct Frame {
     blend: f32,
     light: vec3f,
     light_texel: f32,
+    light_right: vec3f,
+    light_depth: f32,
+    light_up: vec3f,
+    cell: f32,
+    centre: vec3f,
+    centre_distance: f32,
     horizon: vec3f,
     ground: f32,
     zenith: vec3f,
     typical_radius: f32,
     viewport: vec2f,
     range: vec2f,
+    cell_fade: f32,
+    coil_pieces: u32,
+    coil_sides: u32,
+    flags: u32,
     spheres: u32,
     rods: u32,
     springs: u32,
@@ -30,14 +40,13 @@ struct Frame {
     polygons_at: u32,
     users_at: u32,
     colour_by: u32,
-    flags: u32,
+    pad: u32,
     kinds: array<vec4f, 8>,
     scale: array<vec4f, 9>,
 }
 
 const SHADOWS: u32 = 1u;
 const OCCLUSION: u32 = 2u;
-const GROUND: u32 = 4u;
 
 const BY_KIND: u32 = 0u;
 const BY_SPEED: u32 = 1u;
@@ -59,6 +68,8 @@ const KIND_POLYGON: u32 = 7u;
 @group(0) @binding(5) var<storage, read> old_orientations: array<vec4f>;
 @group(0) @binding(6) var<storage, read> values: array<f32>;
 @group(0) @binding(7) var<storage, read> marks: array<u32>;
+/// How opaque each box is.
+@group(0) @binding(8) var<storage, read> opacities: array<f32>;
 
 fn word_float(at: u32) -> f32 {
     return bitcast<f32>(words[at]);

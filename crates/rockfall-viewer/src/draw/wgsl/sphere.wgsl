@@ -5,6 +5,7 @@ struct SphereVertex {
     @location(0) @interpolate(flat) ball: vec4f,
     @location(1) @interpolate(flat) orientation: vec4f,
     @location(2) @interpolate(flat) colour: vec3f,
+    @location(3) @interpolate(flat) second: vec3f,
 }
 
 /// A corner of a quad that is perpendicular to the line of sight and holds the outline of a sphere: its tangent cone cuts
@@ -33,6 +34,24 @@ fn sphere_vertex(@builtin(vertex_index) corner: u32, @builtin(instance_index) sl
     }
     vertex.orientation = orientation(slot);
     vertex.colour = sphere_colour(slot);
+    vertex.second = second_tone(vertex.colour);
+    return vertex;
+}
+
+/// The point that a tether holds on to, as a knob.
+fn anchor_ball(tether: u32) -> vec4f {
+    let at = frame.tethers_at + 7u * tether;
+    return vec4f(word_vector(at + 1u), 0.22 * state[words[at]].w);
+}
+
+@vertex
+fn anchor_vertex(@builtin(vertex_index) corner: u32, @builtin(instance_index) tether: u32) -> SphereVertex {
+    var vertex: SphereVertex;
+    vertex.ball = anchor_ball(tether);
+    vertex.place = outline_corner(vertex.ball, corner);
+    vertex.orientation = vec4f(0.0, 0.0, 0.0, 1.0);
+    vertex.colour = frame.kinds[KIND_TETHER].rgb;
+    vertex.second = vertex.colour;
     return vertex;
 }
 
@@ -59,7 +78,7 @@ fn sphere_surface(vertex: SphereVertex) -> Surface {
     let normal = normalize(point - ball.xyz);
     let width = distance * pixel_width() / (ball.w * max(-dot(normal, ray), 0.15));
     let tone = beach_ball(to_body(vertex.orientation, normal), width);
-    let colour = mix(vertex.colour, second_tone(vertex.colour), tone);
+    let colour = mix(vertex.colour, vertex.second, tone);
     surface.colour = vec4f(lit(colour, point, normal, -ray), 1.0);
     surface.depth = depth_at(point);
     return surface;

@@ -1,0 +1,111 @@
+//! The passes of a frame: the shadow map, the bodies, what the corners see of the sky, the picture.
+
+use std::ops::Range;
+
+use rockfall::wgpu;
+
+use crate::draw::frame::{springs, tethers};
+use crate::draw::pipelines::{Kind, Pipelines};
+use crate::draw::targets::{Targets, fill};
+use crate::draw::{Renderer, Style};
+
+/// Vertices of a kind of object.
+#[derive(Clone, Copy)]
+enum Shape {
+    /// A quad, as a strip.
+    Quad,
+    /// A box around the object, as a strip.
+    Around,
+    /// So many corners of triangles.
+    Triangles(u32),
+    /// The mesh of a coil.
+    Coil,
+}
+
+impl Renderer {
+    /// All kinds of objects: what draws them, of what shape, and how many there are.
+    fn kinds(&self) -> [(&Kind, Shape, u32); 7] {
+        let Pipelines { spheres, capsules, boxes, polygons, springs: spring, tethers: tether, anchors, .. } = &self.pipelines;
+        let step = &self.step;
+        [
+            (boxes, Shape::Triangles(36), step.boxes),
+            (polygons, Shape::Triangles(6), step.polygons),
+            (spheres, Shape::Quad, step.spheres),
+            (capsules, Shape::Around, step.rods),
+            (spring, Shape::Coil, springs(step)),
+            (tether, Shape::Coil, tethers(step)),
+            (anchors, Shape::Quad, tethers(step)),
+        ]
+    }
+
+    fn draw_kinds(&self, pass: &mut wgpu::RenderPass<'_>, pipeline: impl Fn(&Kind) -> &wgpu::RenderPipeline) {
+        pass.set_index_buffer(self.coil.indices.slice(..), wgpu::IndexFormat::Uint32);
+        for (kind, shape, count) in self.kinds() {
+            if count == 0 {
+                continue;
+            }
+            pass.set_pipeline(pipeline(kind));
+            let vertices: Range<u32> = match shape {
+                Shape::Quad => 0..4,
+                Shape::Around => 0..14,
+                Shape::Triangles(corners) => 0..corners,
+                Shape::Coil => {
+                    pass.draw_indexed(0..self.coil.fineness.indices(), 0, 0..count);
+                    continue;
+                }
+            };
+            pass.draw(vertices, 0..count);
+        }
+    }
+
+    pub(super) fn draw_shadows(&self, encoder: &mut wgpu::CommandEncoder, bodies: &wgpu::BindGroup) {
+        let mut pass = self.shadows.pass(encoder);
+        pass.set_bind_group(0, bodies, &[]);
+        self.draw_kinds(&mut pass, |kind| &kind.shadow);
+    }
+
+    pub(super) fn draw_bodies(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        targets: &Targets,
+        bodies: &wgpu::BindGroup,
+        style: &Style,
+    ) {
+        let mut pass = targets.bodies(encoder);
+        pass.set_bind_group(0, bodies, &[]);
+        pass.set_bind_group(1, &self.shadows.group, &[]);
+        pass.set_pipeline(&self.pipelines.sky);
+        pass.draw(0..3, 0..1);
+        self.draw_kinds(&mut pass, |kind| &kind.lit);
+        if style.ground {
+            pass.set_pipeline(&self.pipelines.ground);
+            pass.draw(0..3, 0..1);
+        }
+        if self.step.boxes > 0 {
+            pass.set_pipeline(&self.pipelines.glass);
+            pass.draw(0..36, 0..self.step.boxes);
+        }
+    }
+
+    pub(super) fn draw_occlusion(&self, encoder: &mut wgpu::CommandEncoder, targets: &Targets, bodies: &wgpu::BindGroup) {
+        let mut pass = fill(encoder, "occlusion", &targets.openness);
+        pass.set_bind_group(0, bodies, &[]);
+        pass.set_bind_group(1, &targets.occlusion, &[]);
+        pass.set_pipeline(&self.pipelines.occlusion);
+        pass.draw(0..3, 0..1);
+    }
+
+    pub(super) fn finish(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        targets: &Targets,
+        bodies: &wgpu::BindGroup,
+        target: &wgpu::TextureView,
+    ) {
+        let mut pass = fill(encoder, "finish", target);
+        pass.set_bind_group(0, bodies, &[]);
+        pass.set_bind_group(1, &targets.finish, &[]);
+        pass.set_pipeline(&self.pipelines.finish);
+        pass.draw(0..3, 0..1);
+    }
+}

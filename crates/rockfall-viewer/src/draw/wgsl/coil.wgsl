@@ -1,0 +1,95 @@
+// Springs and tethers: a wire that winds around the line between their ends, with as many turns however long it is.
+
+struct CoilVertex {
+    @builtin(position) place: vec4f,
+    @location(0) point: vec3f,
+    @location(1) normal: vec3f,
+    @location(2) @interpolate(flat) colour: vec3f,
+}
+
+const TURNS: f32 = 6.0;
+const TURN: f32 = 6.2831853;
+
+/// From one surface to the other.
+struct Coil {
+    start: vec3f,
+    line: vec3f,
+    /// Of the turns.
+    radius: f32,
+    wire: f32,
+}
+
+fn coil_between(end1: vec4f, end2: vec4f, rest: f32) -> Coil {
+    let apart = end2.xyz - end1.xyz;
+    let distance = length(apart);
+    // A little inside of either sphere, so that no gap shows.
+    let sunk = 0.96 * vec2f(end1.w, end2.w);
+    let long = distance - sunk.x - sunk.y;
+    var coil: Coil;
+    if long <= 0.0 || distance <= 1e-20 {
+        return coil;
+    }
+    let axis = apart / distance;
+    coil.start = end1.xyz + sunk.x * axis;
+    coil.line = long * axis;
+    let least = select(min(end1.w, end2.w), max(end1.w, end2.w), min(end1.w, end2.w) == 0.0);
+    let room = max(rest - sunk.x - sunk.y, 0.25 * long);
+    coil.radius = min(0.36 * least, 0.5 * room);
+    // The turns of a spring at rest are well apart.
+    coil.wire = min(0.18 * coil.radius, 0.17 * room / TURNS);
+    return coil;
+}
+
+fn coil_vertex(coil: Coil, index: u32, colour: vec3f) -> CoilVertex {
+    var vertex: CoilVertex;
+    vertex.place = NOWHERE;
+    if coil.radius == 0.0 {
+        return vertex;
+    }
+    let part = f32(index / frame.coil_sides) / f32(frame.coil_pieces);
+    let angle = TURN * TURNS * part;
+    let axis = normalize(coil.line);
+    let u = aside_of(axis);
+    let v = cross(axis, u);
+    let outwards = cos(angle) * u + sin(angle) * v;
+    let around = cos(angle) * v - sin(angle) * u;
+    // It begins and ends on the axis.
+    let radius = coil.radius * smoothstep(0.0, 0.08, part) * smoothstep(1.0, 0.92, part);
+    let along = normalize(coil.line + TURN * TURNS * radius * around);
+    let side = TURN * f32(index % frame.coil_sides) / f32(frame.coil_sides);
+    vertex.normal = cos(side) * outwards + sin(side) * normalize(cross(along, outwards));
+    let middle = coil.start + part * coil.line + radius * outwards;
+    // Never thinner than a pixel can show.
+    let wire = max(coil.wire, 0.6 * pixel_width() * dot(middle - frame.eye, frame.forward));
+    vertex.point = middle + wire * vertex.normal;
+    vertex.place = frame.view_projection * vec4f(vertex.point, 1.0);
+    vertex.colour = colour;
+    return vertex;
+}
+
+@vertex
+fn spring_vertex(@builtin(vertex_index) index: u32, @builtin(instance_index) spring: u32) -> CoilVertex {
+    return spring_corner(index, spring);
+}
+
+fn spring_corner(index: u32, spring: u32) -> CoilVertex {
+    let at = frame.springs_at + 5u * spring;
+    let coil = coil_between(ball(words[at]), ball(words[at + 1u]), word_float(at + 3u));
+    return coil_vertex(coil, index, frame.kinds[KIND_SPRING].rgb);
+}
+
+@vertex
+fn tether_vertex(@builtin(vertex_index) index: u32, @builtin(instance_index) tether: u32) -> CoilVertex {
+    return tether_corner(index, tether);
+}
+
+fn tether_corner(index: u32, tether: u32) -> CoilVertex {
+    let at = frame.tethers_at + 7u * tether;
+    let coil = coil_between(ball(words[at]), vec4f(word_vector(at + 1u), 0.0), word_float(at + 5u));
+    return coil_vertex(coil, index, frame.kinds[KIND_TETHER].rgb);
+}
+
+@fragment
+fn coil_surface(vertex: CoilVertex) -> @location(0) vec4f {
+    return vec4f(lit(vertex.colour, vertex.point, normalize(vertex.normal), normalize(frame.eye - vertex.point)), 1.0);
+}

@@ -1,0 +1,140 @@
+// Boxes and polygons.
+
+struct FlatVertex {
+    @builtin(position) place: vec4f,
+    @location(0) point: vec3f,
+    @location(1) @interpolate(flat) normal: vec3f,
+    /// Place on the face, in units, from a corner.
+    @location(2) on_face: vec2f,
+    @location(3) @interpolate(flat) sides: vec2f,
+    @location(4) @interpolate(flat) colour: vec3f,
+    @location(5) @interpolate(flat) opacity: f32,
+}
+
+struct FlatSurface {
+    @location(0) colour: vec4f,
+    @builtin(sample_mask) covered: u32,
+}
+
+fn quad_corner(index: u32) -> vec2f {
+    // Two triangles.
+    let order = array<u32, 6>(0u, 1u, 2u, 2u, 1u, 3u);
+    let corner = order[index];
+    return vec2f(vec2u(corner & 1u, corner >> 1u));
+}
+
+fn face(corner: vec3f, first: vec3f, second: vec3f, normal: vec3f, index: u32) -> FlatVertex {
+    let on = quad_corner(index);
+    var vertex: FlatVertex;
+    vertex.point = corner + on.x * first + on.y * second;
+    vertex.place = frame.view_projection * vec4f(vertex.point, 1.0);
+    vertex.normal = normal;
+    vertex.sides = vec2f(length(first), length(second));
+    vertex.on_face = on * vertex.sides;
+    return vertex;
+}
+
+@vertex
+fn box_vertex(@builtin(vertex_index) index: u32, @builtin(instance_index) number: u32) -> FlatVertex {
+    var vertex = box_corner(index, number);
+    if opacities[number] < 1.0 {
+        vertex.place = NOWHERE;
+    }
+    return vertex;
+}
+
+/// Boxes that would hide what is looked at, as glass.
+@vertex
+fn glass_vertex(@builtin(vertex_index) index: u32, @builtin(instance_index) number: u32) -> FlatVertex {
+    var vertex = box_corner(index, number);
+    vertex.opacity = opacities[number];
+    if vertex.opacity >= 1.0 {
+        vertex.place = NOWHERE;
+    }
+    return vertex;
+}
+
+fn box_corner(index: u32, number: u32) -> FlatVertex {
+    let at = frame.boxes_at + 12u * number;
+    let edges = array<vec3f, 3>(word_vector(at + 3u), word_vector(at + 6u), word_vector(at + 9u));
+    let axis = index / 12u;
+    let far = index / 6u % 2u == 1u;
+    let through = edges[axis];
+    let corner = word_vector(at) + select(vec3f(0.0), through, far);
+    let normal = normalize(select(-through, through, far));
+    var vertex = face(corner, edges[(axis + 1u) % 3u], edges[(axis + 2u) % 3u], normal, index % 6u);
+    vertex.colour = frame.kinds[KIND_BOX].rgb;
+    return vertex;
+}
+
+@vertex
+fn polygon_vertex(@builtin(vertex_index) index: u32, @builtin(instance_index) number: u32) -> FlatVertex {
+    return polygon_corner(index, number);
+}
+
+fn polygon_corner(index: u32, number: u32) -> FlatVertex {
+    let at = frame.polygons_at + 9u * number;
+    let left = word_vector(at + 3u);
+    let right = word_vector(at + 6u);
+    var vertex = face(word_vector(at), left, right, normalize(cross(left, right)), index);
+    vertex.colour = frame.kinds[KIND_POLYGON].rgb;
+    return vertex;
+}
+
+/// 1 on a line that is `half` wide to either side, a pixel of `width` blurred.
+fn line_at(distance: f32, half: f32, width: f32) -> f32 {
+    // A line thinner than a pixel is fainter instead.
+    let shown = max(half, 0.5 * width);
+    return (1.0 - smoothstep(shown - 0.5 * width, shown + 0.5 * width, abs(distance))) * min(half / (0.5 * width), 1.0);
+}
+
+/// 1 on the lines of a square grid.
+fn grid_at(place: vec2f, width: vec2f, cell: f32) -> f32 {
+    let away = abs(fract(place / cell - 0.5) - 0.5) * cell;
+    let lines = vec2f(line_at(away.x, 0.012 * cell, width.x), line_at(away.y, 0.012 * cell, width.y));
+    let apart = vec2f(1.0) - smoothstep(vec2f(0.15), vec2f(0.5), width / cell);
+    return max(lines.x * apart.x, lines.y * apart.y);
+}
+
+/// 1 along the rim of a face.
+fn rim_at(vertex: FlatVertex, width: vec2f) -> f32 {
+    let away = min(vertex.on_face, vertex.sides - vertex.on_face);
+    return max(line_at(away.x, 0.75 * width.x, width.x), line_at(away.y, 0.75 * width.y, width.y));
+}
+
+@fragment
+fn box_surface(vertex: FlatVertex) -> @location(0) vec4f {
+    let width = fwidth(vertex.on_face);
+    let view = normalize(frame.eye - vertex.point);
+    let lines = 0.10 * grid_at(vertex.on_face, width, 1.0);
+    let colour = vertex.colour * (1.0 - lines - 0.25 * rim_at(vertex, width));
+    return vec4f(lit(colour, vertex.point, vertex.normal, view), 1.0);
+}
+
+@fragment
+fn glass_surface(vertex: FlatVertex) -> @location(0) vec4f {
+    let rim = rim_at(vertex, fwidth(vertex.on_face));
+    let opacity = mix(mix(0.015, 0.45, rim), 1.0, vertex.opacity);
+    return vec4f(mix(vec3f(0.75, 0.80, 0.84), vertex.colour, vertex.opacity) * (1.0 - 0.6 * rim), 1.0) * opacity;
+}
+
+@fragment
+fn polygon_surface(vertex: FlatVertex) -> FlatSurface {
+    let width = fwidth(vertex.on_face);
+    let view = normalize(frame.eye - vertex.point);
+    let outside = dot(vertex.normal, view) > 0.0;
+    let rim = rim_at(vertex, width);
+    let colour = vertex.colour * (1.0 - 0.35 * rim);
+    var surface: FlatSurface;
+    surface.colour = vec4f(lit(colour, vertex.point, select(-vertex.normal, vertex.normal, outside), view), 1.0);
+    surface.covered = 15u;
+    if !outside {
+        // Hatched, so that one sees through what lets bodies through.
+        let period = 0.08 * min(vertex.sides.x, vertex.sides.y);
+        let across = dot(vertex.on_face, vec2f(0.7071068));
+        let stripe = abs(fract(across / period) - 0.5) * period;
+        let there = max(line_at(stripe, 0.12 * period, dot(width, vec2f(0.7071068))), rim);
+        surface.covered = (1u << u32(round(4.0 * there))) - 1u;
+    }
+    return surface;
+}

@@ -1,0 +1,36 @@
+// What is behind everything, and under it.
+
+struct Ground {
+    @location(0) colour: vec4f,
+    @builtin(frag_depth) depth: f32,
+}
+
+@fragment
+fn sky(@builtin(position) place: vec4f) -> @location(0) vec4f {
+    let up = normalize(view_ray(place.xy)).y;
+    return vec4f(mix(frame.horizon, frame.zenith, smoothstep(0.0, 0.7, up)), 1.0);
+}
+
+/// The ground is clear but for its lines and the shadows on it, which fade with the distance from what is looked at.
+@fragment
+fn ground(@builtin(position) place: vec4f) -> Ground {
+    let ray = view_ray(place.xy);
+    let distance = (frame.ground - frame.eye.y) / ray.y;
+    let point = frame.eye + distance * ray;
+    // Before anything is left out: derivatives want all four pixels of a quad.
+    let width = fwidth(point.xz);
+    if distance <= 0.0 || ray.y == 0.0 {
+        discard;
+    }
+    let reach = length(point.xz - frame.centre.xz) / frame.centre_distance;
+    let fading = exp(-1.2 * reach * reach);
+    let fine = grid_at(point.xz, width, frame.cell) * (1.0 - frame.cell_fade);
+    let coarse = grid_at(point.xz, width, 10.0 * frame.cell) * (0.55 + 0.45 * (1.0 - frame.cell_fade));
+    let lines = 0.16 * max(0.6 * fine, coarse);
+    let shade = 0.55 * (1.0 - sunlight(point, vec3f(0.0, 1.0, 0.0)));
+    let dark = (1.0 - (1.0 - lines) * (1.0 - shade)) * fading;
+    var ground: Ground;
+    ground.colour = vec4f(vec3f(0.10, 0.12, 0.16) * dark, dark);
+    ground.depth = depth_at(point);
+    return ground;
+}
