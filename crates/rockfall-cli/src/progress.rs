@@ -14,6 +14,8 @@ const LINE: Duration = Duration::from_secs(30);
 
 pub(crate) struct Progress {
     bar: Option<ProgressBar>,
+    /// What is counted.
+    what: &'static str,
     steps: u64,
     done: u64,
     start: Instant,
@@ -22,12 +24,23 @@ pub(crate) struct Progress {
 
 impl Progress {
     pub(crate) fn new(steps: u64) -> Self {
-        let style = ProgressStyle::with_template("{bar:40} {human_pos}/{human_len} steps, {per_sec}, {eta} to go");
+        Self::of("steps", steps)
+    }
+
+    /// Of a film.
+    #[cfg(feature = "view")]
+    pub(crate) fn pictures(pictures: u64) -> Self {
+        Self::of("pictures", pictures)
+    }
+
+    fn of(what: &'static str, steps: u64) -> Self {
+        let template = format!("{{bar:40}} {{human_pos}}/{{human_len}} {what}, {{per_sec}}, {{eta}} to go");
+        let style = ProgressStyle::with_template(&template);
         let bar = std::io::stderr()
             .is_terminal()
             .then(|| ProgressBar::new(steps).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar())));
         let now = Instant::now();
-        Self { bar, steps, done: 0, start: now, last_line: now }
+        Self { bar, what, steps, done: 0, start: now, last_line: now }
     }
 
     /// Steps to do until the next look, at least 1.
@@ -45,7 +58,7 @@ impl Progress {
             bar.set_position(self.done);
         } else if self.last_line.elapsed() > LINE {
             self.last_line = Instant::now();
-            output::note(&format!("{} of {} steps", self.done, self.steps));
+            output::note(&format!("{} of {} {}", self.done, self.steps, self.what));
         }
     }
 

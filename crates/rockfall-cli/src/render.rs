@@ -1,4 +1,4 @@
-//! `rockfall render`: a picture of a scene, without a window.
+//! `rockfall render`: a picture or a film of a scene, without a window.
 
 use std::path::{Path, PathBuf};
 
@@ -6,8 +6,9 @@ use rockfall::gpu::Gpu;
 use rockfall::output::AtomicFile;
 use rockfall::{Scene, Simulation};
 use rockfall_viewer::camera::Camera;
-use rockfall_viewer::draw::{Renderer, Style};
-use rockfall_viewer::picture::{Canvas, FORMAT};
+use rockfall_viewer::draw::{ColourBy, Range, Renderer, Style};
+use rockfall_viewer::film::{self, Format, Player, Timing};
+use rockfall_viewer::picture::{Canvas, FORMAT, Picture};
 
 use crate::failure::Failure;
 use crate::options::{Engine, Physics};
@@ -19,12 +20,21 @@ use crate::source::Source;
 pub(crate) struct Arguments {
     /// Scene file, or - for standard input
     scene: PathBuf,
-    /// The picture to write: FILE.png
+    /// FILE.png for a picture; for a film FILE.gif, FILE.apng, FILE.mp4 (by the program ffmpeg) or FOLDER/
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
-    /// Steps before the picture is taken
+    /// Steps before the picture is taken, or the film begins
     #[arg(long, value_name = "STEP", default_value_t = 0)]
     at: u64,
+    /// Steps that the film is of
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
+    steps: Option<u64>,
+    /// Pictures a second of a film
+    #[arg(long, value_name = "F", default_value_t = 25, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    fps: u32,
+    /// Simulated seconds in a second of film: 1 for real time, less for slow motion
+    #[arg(long, value_name = "X", default_value_t = 1.0, value_parser = speed, allow_negative_numbers = true)]
+    speed: f64,
     /// Size in pixels
     #[arg(long, value_name = "WxH", default_value = "1280x720", value_parser = size)]
     size: [u32; 2],
@@ -34,6 +44,15 @@ pub(crate) struct Arguments {
     /// The point in the middle of the picture
     #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true)]
     look_at: Option<[f32; 3]>,
+    /// What colours tell, with a legend: kind, speed, contacts, overlap or force
+    #[arg(long, value_name = "WHAT", value_parser = colour_by)]
+    colour_by: Option<ColourBy>,
+    /// The values at the ends of the colour scale; from 0 to about the greatest there is if left out
+    #[arg(long, value_name = "FROM,TO", value_parser = range, allow_hyphen_values = true, requires = "colour_by")]
+    range: Option<[f32; 2]>,
+    /// Leave out shadows and the darkness of corners
+    #[arg(long)]
+    plain: bool,
     #[command(flatten)]
     physics: Physics,
     #[command(flatten)]
@@ -46,72 +65,168 @@ fn size(text: &str) -> Result<[u32; 2], String> {
     sides.ok_or_else(|| "expected two whole numbers greater than 0, as in 1280x720".to_owned())
 }
 
+fn numbers<const N: usize>(text: &str) -> Option<[f32; N]> {
+    let finite = |number: &str| number.trim().parse().ok().filter(|number: &f32| number.is_finite());
+    let numbers: Option<Vec<f32>> = text.split(',').map(finite).collect();
+    numbers?.try_into().ok()
+}
+
 fn point(text: &str) -> Result<[f32; 3], String> {
-    let numbers: Option<Vec<f32>> =
-        text.split(',').map(|number| number.trim().parse().ok().filter(|number: &f32| number.is_finite())).collect();
-    numbers
-        .and_then(|numbers| numbers.try_into().ok())
-        .ok_or_else(|| "expected three finite numbers, as in 4,2.5,-8".to_owned())
+    numbers(text).ok_or_else(|| "expected three finite numbers, as in 4,2.5,-8".to_owned())
+}
+
+fn range(text: &str) -> Result<[f32; 2], String> {
+    let found = numbers(text).filter(|[from, to]| from < to);
+    found.ok_or_else(|| "expected two finite numbers, the first less than the second, as in 0,2.5".to_owned())
+}
+
+fn speed(text: &str) -> Result<f64, String> {
+    let found = text.parse().ok().filter(|speed: &f64| speed.is_finite() && *speed > 0.0);
+    found.ok_or_else(|| "expected a finite number greater than 0".to_owned())
+}
+
+fn colour_by(text: &str) -> Result<ColourBy, String> {
+    let found = ColourBy::ALL.into_iter().find(|by| by.name() == text);
+    found.ok_or_else(|| format!("expected one of: {}", ColourBy::ALL.map(ColourBy::name).join(" ")))
+}
+
+/// What is written: a picture, or a film of so many steps.
+enum Product {
+    Picture,
+    Film(Format, Timing),
+}
+
+impl Arguments {
+    fn product(&self) -> Result<Product, Failure> {
+        let path = self.out.display();
+        let is_picture = self.out.extension().is_some_and(|extension| extension == "png");
+        match (is_picture, Format::of(&self.out), self.steps) {
+            (true, None, None) => Ok(Product::Picture),
+            (false, Some(Format::Gif), Some(_)) if self.fps > 50 => {
+                Err(Failure::usage(format!("--fps {}: a GIF has at most 50 pictures a second", self.fps)))
+            }
+            (false, Some(format), Some(steps)) => {
+                Ok(Product::Film(format, Timing { steps, dt: self.physics.dt, fps: self.fps, speed: self.speed }))
+            }
+            (true, ..) => Err(Failure::usage(format!(
+                "--out {path} is one picture and --steps asks for a film: name a .gif, .apng or .mp4 file or a folder, \
+                 or take --at for the step of the picture"
+            ))),
+            (false, Some(_), None) => Err(Failure::usage(format!("--out {path} is a film: --steps N has to say how long"))),
+            (false, None, _) => Err(Failure::usage(format!(
+                "--out {path}: expected a name that ends in .png, .gif, .apng or .mp4, or a folder with / at its end"
+            ))),
+        }
+    }
+
+    fn style(&self) -> Style {
+        let mut style = Style::default();
+        style.colour_by = self.colour_by.unwrap_or_default();
+        style.range = self.range.map_or(Range::Auto, Range::Given);
+        style.shadows = !self.plain;
+        style.occlusion = !self.plain;
+        style
+    }
+
+    /// The camera that was asked for; what was not is as in the default one.
+    fn camera(&self, scene: &Scene) -> Result<Camera, Failure> {
+        let [width, height] = self.size.map(|side| side as f32);
+        let framing = Camera::of_scene(scene, width / height);
+        let eye = self.camera.map_or(framing.eye, Into::into);
+        let target = self.look_at.map_or(framing.target, Into::into);
+        if eye == target {
+            return Err(Failure::usage("--camera and --look-at are the same point"));
+        }
+        Ok(Camera { eye, target, ..framing })
+    }
 }
 
 pub(crate) fn render(arguments: &Arguments) -> Result<(), Failure> {
-    let path = &arguments.out;
-    if path.extension().is_none_or(|extension| extension != "png") {
-        return Err(Failure::usage(format!("--out {}: expected a name that ends in .png", path.display())));
-    }
+    let product = arguments.product()?;
     let Source { name, loaded } = Source::read(Some(&arguments.scene))?;
     for warning in &loaded.warnings {
         output::note(&format!("warning: {name}:{}: {}", warning.line, warning.text));
     }
     let mut scene = loaded.scene;
     arguments.physics.change(&mut scene.settings)?;
-    // Opened first, so that a bad path shows before the long work.
-    let file = AtomicFile::create(path).map_err(|error| Failure::file(path, &error))?;
-
-    let mut simulation = Simulation::with_options(scene, arguments.engine.options(&arguments.physics))?;
-    // Bodies are drawn where they are moved, and on any device there is where that is the CPU.
-    let gpu = match simulation.gpu_view() {
-        Some(view) => view.gpu().clone(),
-        None => Gpu::open_blocking(true)?,
-    };
-    let [width, height] = arguments.size;
-    let canvas = Canvas::new(gpu.device(), gpu.queue(), width, height)?;
-    let mut renderer = Renderer::new(gpu.device(), gpu.queue(), FORMAT)?;
-    advance(&mut simulation, arguments)?;
-    let style = Style::default();
-    renderer.update(&mut simulation, &style)?;
-    let camera = camera(arguments, simulation.sync()?)?;
-    let picture = canvas.take(&mut renderer, &camera, &style)?;
-    write(path, file, |file| picture.write_png(file))
-}
-
-fn write(path: &Path, mut file: AtomicFile, write: impl FnOnce(&mut AtomicFile) -> std::io::Result<()>) -> Result<(), Failure> {
-    write(&mut file).and_then(|()| file.commit()).map_err(|error| Failure::file(path, &error))
-}
-
-/// Does the steps before the picture.
-fn advance(simulation: &mut Simulation, arguments: &Arguments) -> Result<(), Failure> {
-    let mut progress = Progress::new(arguments.at);
-    let mut left = arguments.at;
-    let mut result = Ok(());
-    while left > 0 && result.is_ok() {
-        let chunk = progress.chunk();
-        result = simulation.run(chunk, arguments.physics.dt).map(drop);
-        left -= chunk;
-        progress.advance(chunk);
+    let simulation = Simulation::with_options(scene, arguments.engine.options(&arguments.physics))?;
+    // Made first, so that a size that the device does not allow shows before the long work.
+    let mut studio = Studio::new(arguments, simulation)?;
+    match product {
+        Product::Picture => {
+            let path = &arguments.out;
+            let mut file = AtomicFile::create(path).map_err(|error| Failure::file(path, &error))?;
+            let picture = studio.picture(arguments)?;
+            picture.write_png(&mut file).and_then(|()| file.commit()).map_err(|error| Failure::file(path, &error))
+        }
+        Product::Film(format, timing) => studio.film(arguments, &arguments.out, format, timing),
     }
-    progress.finish();
-    Ok(result?)
 }
 
-/// The camera that was asked for; what was not is as in the default one.
-fn camera(arguments: &Arguments, scene: &Scene) -> Result<Camera, Failure> {
-    let [width, height] = arguments.size.map(|side| side as f32);
-    let framing = Camera::of_scene(scene, width / height);
-    let eye = arguments.camera.map_or(framing.eye, Into::into);
-    let target = arguments.look_at.map_or(framing.target, Into::into);
-    if eye == target {
-        return Err(Failure::usage("--camera and --look-at are the same point"));
+/// What it takes to take pictures.
+struct Studio {
+    simulation: Simulation,
+    renderer: Renderer,
+    canvas: Canvas,
+    style: Style,
+}
+
+impl Studio {
+    fn new(arguments: &Arguments, simulation: Simulation) -> Result<Self, Failure> {
+        // Bodies are drawn where they are moved, and on any device there is where that is the CPU.
+        let gpu = match simulation.gpu_view() {
+            Some(view) => view.gpu().clone(),
+            None => Gpu::open_blocking(true)?,
+        };
+        let [width, height] = arguments.size;
+        let canvas = Canvas::new(gpu.device(), gpu.queue(), width, height)?;
+        let renderer = Renderer::new(gpu.device(), gpu.queue(), FORMAT)?;
+        Ok(Self { simulation, renderer, canvas, style: arguments.style() })
     }
-    Ok(Camera { eye, target, ..framing })
+
+    fn picture(&mut self, arguments: &Arguments) -> Result<Picture, Failure> {
+        self.advance(arguments)?;
+        self.renderer.update(&mut self.simulation, &self.style)?;
+        let camera = arguments.camera(self.simulation.sync()?)?;
+        Ok(self.take(&camera, arguments)?)
+    }
+
+    fn take(&mut self, camera: &Camera, arguments: &Arguments) -> rockfall::Result<Picture> {
+        let mut picture = self.canvas.take(&mut self.renderer, camera, &self.style)?;
+        if arguments.colour_by.is_some() {
+            self.renderer.legend(&self.style).draw(&mut picture)?;
+        }
+        Ok(picture)
+    }
+
+    fn film(&mut self, arguments: &Arguments, path: &Path, format: Format, timing: Timing) -> Result<(), Failure> {
+        self.advance(arguments)?;
+        let camera = arguments.camera(self.simulation.sync()?)?;
+        let mut player = Player::new(timing.dt);
+        let mut progress = Progress::pictures(timing.pictures());
+        let pictures = (0..timing.pictures()).map(|index| {
+            player.show(&mut self.simulation, &mut self.renderer, &self.style, timing.moment(index))?;
+            let picture = self.take(&camera, arguments)?;
+            progress.advance(1);
+            Ok(picture)
+        });
+        let result = film::write(path, format, &timing, pictures);
+        progress.finish();
+        Ok(result?)
+    }
+
+    /// Does the steps before the picture or the film.
+    fn advance(&mut self, arguments: &Arguments) -> Result<(), Failure> {
+        let mut progress = Progress::new(arguments.at);
+        let mut left = arguments.at;
+        let mut result = Ok(());
+        while left > 0 && result.is_ok() {
+            let chunk = progress.chunk();
+            result = self.simulation.run(chunk, arguments.physics.dt).map(drop);
+            left -= chunk;
+            progress.advance(chunk);
+        }
+        progress.finish();
+        Ok(result?)
+    }
 }

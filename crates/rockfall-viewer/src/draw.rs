@@ -6,9 +6,10 @@
 use rockfall::gpu::catch;
 use rockfall::layout::Step;
 use rockfall::wgpu;
-use rockfall::{Cuboid, Result, Simulation};
+use rockfall::{Cuboid, Result, Scene, Simulation};
 
 use crate::camera::Camera;
+use crate::legend::Legend;
 
 mod bounds;
 mod coil;
@@ -17,6 +18,7 @@ mod glass;
 pub mod palette;
 mod passes;
 mod pipelines;
+mod range;
 mod source;
 mod style;
 mod targets;
@@ -26,6 +28,7 @@ pub use bounds::bounds;
 use coil::{CoilMesh, Fineness};
 use frame::Frame;
 use pipelines::{Layouts, Pipelines};
+use range::{FindGreatest, Greatest};
 use source::Source;
 pub use style::{Background, ColourBy, Range, Style};
 use targets::{ShadowMap, Targets};
@@ -68,6 +71,12 @@ pub struct Renderer {
     targets: Option<Targets>,
     setting: Option<Setting>,
     boxes: Vec<Cuboid>,
+    /// Whether there are objects of each of the palette's kinds.
+    present: [bool; 8],
+    find: FindGreatest,
+    greatest: Greatest,
+    /// What `greatest` is of.
+    coloured_by: ColourBy,
     step: Step,
     blend: f32,
 }
@@ -101,6 +110,10 @@ impl Renderer {
             targets: None,
             setting: None,
             boxes: Vec::new(),
+            present: [false; 8],
+            find: FindGreatest::new(device, queue),
+            greatest: Greatest::default(),
+            coloured_by: ColourBy::Kind,
             step: Step::default(),
             blend: 1.0,
         }
@@ -124,6 +137,7 @@ impl Renderer {
     fn take_objects(&mut self, simulation: &Simulation) {
         self.source.mark_capsules(&self.device, &self.queue, simulation);
         self.boxes = simulation.scene().boxes().to_vec();
+        self.present = present(simulation.scene());
     }
 
     /// Takes in the simulation as it is now. On the GPU backend that is where its buffers are, and nothing is copied; on the
@@ -139,16 +153,49 @@ impl Renderer {
             self.take_objects(simulation);
         }
         self.step = self.source.take(&self.device, &self.queue, simulation);
-        if style.colour_by.is_evaluated() {
-            let values = simulation.diagnostics()?;
-            self.source.set_values(&self.queue, simulation, values.iter().map(|value| style.colour_by.of(value)));
-        }
+        self.take_values(simulation, style)?;
         self.source.bind(&self.device, &self.layouts.bodies, &self.uniform);
         let fineness = Fineness::of(frame::springs(&self.step) + frame::tethers(&self.step));
         if self.coil.fineness != fineness {
             self.coil = CoilMesh::new(&self.device, fineness);
         }
         Ok(())
+    }
+
+    /// Finds what colours are to tell, and how great it is.
+    fn take_values(&mut self, simulation: &mut Simulation, style: &Style) -> Result<()> {
+        let by = style.colour_by;
+        if self.coloured_by != by {
+            (self.coloured_by, self.greatest) = (by, Greatest::default());
+        }
+        if by.is_evaluated() {
+            let values: Vec<f32> = simulation.diagnostics()?.iter().map(|found| by.of(found)).collect();
+            self.greatest.see(values.iter().copied().fold(0.0, f32::max));
+            self.source.set_values(&self.queue, simulation, values.into_iter());
+        } else if by == ColourBy::Speed && style.range == Range::Auto {
+            if let Some(state) = self.source.state() {
+                self.greatest.see(self.find.speed(state, self.step.spheres)?);
+            }
+        }
+        Ok(())
+    }
+
+    fn range(&self, style: &Style) -> [f32; 2] {
+        match style.range {
+            Range::Auto => self.greatest.range(),
+            Range::Given(range) => range,
+        }
+    }
+
+    /// What the colours of the next picture mean.
+    pub fn legend(&self, style: &Style) -> Legend {
+        match style.colour_by.title() {
+            Some(title) => Legend::scale(title, self.range(style)),
+            None => {
+                let kinds = palette::KINDS.into_iter().zip(self.present);
+                Legend::Kinds(kinds.filter(|(_, present)| *present).map(|(kind, _)| kind).collect())
+            }
+        }
     }
 
     /// Keeps the positions and orientations that [`Renderer::update`] took in last, on the device, as the ones to blend
@@ -173,7 +220,8 @@ impl Renderer {
         let blend = if self.source.has_remembered() { self.blend } else { 1.0 };
         let setting = self.setting.clone().unwrap_or_default();
         self.source.set_opacities(&self.queue, &glass::opacities(&self.boxes, setting.spheres, camera.eye));
-        let frame = Frame::new(&self.step, camera, style, &setting, targets.size, blend);
+        let mut frame = Frame::new(&self.step, camera, style, &setting, targets.size);
+        (frame.blend, frame.range) = (blend, self.range(style));
         self.queue.write_buffer(&self.uniform, 0, bytemuck::bytes_of(&frame));
         if style.shadows {
             self.draw_shadows(encoder, bodies);
@@ -184,4 +232,22 @@ impl Renderer {
         }
         self.finish(encoder, targets, bodies, target);
     }
+}
+
+/// Whether a scene has objects of each of the palette's kinds.
+fn present(scene: &Scene) -> [bool; 8] {
+    let counts = scene.counts();
+    let loose = counts.spheres - 2 * counts.capsules.min(counts.spheres / 2);
+    let fixed = scene.spheres().iter().filter(|sphere| sphere.fixed).count();
+    let kinds = [
+        loose.saturating_sub(fixed),
+        fixed,
+        counts.rods.saturating_sub(counts.capsules),
+        counts.capsules,
+        counts.springs,
+        counts.tethers,
+        counts.boxes,
+        counts.polygons,
+    ];
+    kinds.map(|count| count > 0)
 }

@@ -1,7 +1,8 @@
 //! Looking at a rockfall simulation: pictures, films and a window.
 //!
 //! [`draw::Renderer`] draws a [`Simulation`](rockfall::Simulation) straight from the buffers that the physics runs on;
-//! [`picture`] draws into memory instead of a window. There is no physics here: only rockfall's public interface is used.
+//! [`picture`] draws into memory
+//! instead of a window, [`film`] a row of pictures into a file. There is no physics here: only rockfall's public interface is used.
 //!
 //! # Features
 //! `gpu` (default): all of it. Drawing takes a graphics device, software Vulkan included, whichever backend moves the bodies.
@@ -9,4 +10,6 @@
 
 pub mod camera;
 pub mod draw;
+pub mod film;
+pub mod legend;
 pub mod picture;

@@ -33,10 +33,14 @@ impl Picture {
         encoder.set_depth(png::BitDepth::Eight);
         encoder.set_compression(png::Compression::High);
         encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
-        let rgb: Vec<u8> = self.pixels.iter().flat_map(|[r, g, b, _]| [*r, *g, *b]).collect();
         let mut writer = encoder.write_header()?;
-        writer.write_image_data(&rgb)?;
+        writer.write_image_data(&self.rgb())?;
         Ok(writer.finish()?)
+    }
+
+    /// Red, green and blue of every pixel, one after the other.
+    pub fn rgb(&self) -> Vec<u8> {
+        self.pixels.iter().flat_map(|[r, g, b, _]| [*r, *g, *b]).collect()
     }
 }
 
@@ -110,20 +114,27 @@ impl Canvas {
     }
 
     fn read(&self) -> Result<Vec<[u8; 4]>> {
-        let failed = |why: &dyn std::fmt::Display| Error::Device(format!("the picture could not be read back: {why}"));
-        let (sender, receiver) = std::sync::mpsc::channel();
-        self.staging.map_async(wgpu::MapMode::Read, .., move |done| {
-            // Nobody to tell only when the wait below has failed.
-            let _ = sender.send(done);
-        });
-        self.device.poll(wgpu::PollType::wait_indefinitely()).map_err(|error| failed(&error))?;
-        receiver.recv().map_err(|error| failed(&error))?.map_err(|error| failed(&error))?;
-        let view = self.staging.get_mapped_range(..).map_err(|error| failed(&error))?;
         let row = 4 * self.texture.width() as usize;
-        let rows = view.chunks_exact(self.stride as usize).map(|line| &line[..row]);
-        let pixels = rows.flat_map(|line| line.chunks_exact(4).map(|pixel| [pixel[0], pixel[1], pixel[2], pixel[3]])).collect();
-        drop(view);
-        self.staging.unmap();
-        Ok(pixels)
+        read_back(&self.device, &self.staging, |bytes| {
+            let rows = bytes.chunks_exact(self.stride as usize).map(|line| &line[..row]);
+            rows.flat_map(|line| line.chunks_exact(4).map(|pixel| [pixel[0], pixel[1], pixel[2], pixel[3]])).collect()
+        })
     }
+}
+
+/// Waits for the device, and reads what was copied to a buffer that can be mapped.
+pub(crate) fn read_back<T>(device: &wgpu::Device, staging: &wgpu::Buffer, read: impl FnOnce(&[u8]) -> T) -> Result<T> {
+    let failed = |why: &dyn std::fmt::Display| Error::Device(format!("a buffer could not be read back: {why}"));
+    let (sender, receiver) = std::sync::mpsc::channel();
+    staging.map_async(wgpu::MapMode::Read, .., move |done| {
+        // Nobody to tell only when the wait below has failed.
+        let _ = sender.send(done);
+    });
+    device.poll(wgpu::PollType::wait_indefinitely()).map_err(|error| failed(&error))?;
+    receiver.recv().map_err(|error| failed(&error))?.map_err(|error| failed(&error))?;
+    let view = staging.get_mapped_range(..).map_err(|error| failed(&error))?;
+    let value = read(&view);
+    drop(view);
+    staging.unmap();
+    Ok(value)
 }

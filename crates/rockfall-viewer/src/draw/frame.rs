@@ -8,7 +8,7 @@ use crate::camera::{Axes, Camera};
 use crate::draw::bounds::Setting;
 use crate::draw::coil::Fineness;
 use crate::draw::palette;
-use crate::draw::style::{Range, Style};
+use crate::draw::style::Style;
 use crate::draw::targets::SHADOW_SIZE;
 
 /// What is the same for a whole frame.
@@ -25,7 +25,7 @@ pub(crate) struct Frame {
     up: Vec3,
     aspect: f32,
     forward: Vec3,
-    blend: f32,
+    pub(crate) blend: f32,
     /// Unit vector to the sun.
     light: Vec3,
     /// Width of a pixel of the shadow map, in units.
@@ -45,7 +45,7 @@ pub(crate) struct Frame {
     zenith: [f32; 3],
     typical_radius: f32,
     viewport: [f32; 2],
-    range: [f32; 2],
+    pub(crate) range: [f32; 2],
     /// How far the fine grid has faded, from 0 to 1.
     cell_fade: f32,
     coil_pieces: u32,
@@ -127,7 +127,7 @@ fn opaque(colour: palette::Rgb) -> Vec4 {
 }
 
 impl Frame {
-    pub(crate) fn new(step: &Step, camera: &Camera, style: &Style, setting: &Setting, size: [u32; 2], blend: f32) -> Self {
+    pub(crate) fn new(step: &Step, camera: &Camera, style: &Style, setting: &Setting, size: [u32; 2]) -> Self {
         let viewport = size.map(|side| side as f32);
         let aspect = viewport[0] / viewport[1];
         let Axes { right, up, forward } = camera.axes();
@@ -135,10 +135,6 @@ impl Frame {
         let distance = camera.eye.distance(camera.target);
         let level = (distance / CELLS_AWAY).max(1e-30).log10();
         let coil = Fineness::of(springs(step) + tethers(step));
-        let range = match style.range {
-            Range::Auto => [0.0, 1.0],
-            Range::Given(range) => range,
-        };
         let flag = |on: bool, flag: u32| if on { flag } else { 0 };
         Self {
             view_projection: camera.view_projection(aspect),
@@ -150,7 +146,7 @@ impl Frame {
             up,
             aspect,
             forward,
-            blend,
+            blend: 1.0,
             light: light.towards,
             light_texel: light.texel,
             light_right: light.right,
@@ -164,7 +160,7 @@ impl Frame {
             zenith: palette::linear(style.background.zenith),
             typical_radius: setting.typical_radius,
             viewport,
-            range,
+            range: [0.0, 1.0],
             cell_fade: level - level.floor(),
             coil_pieces: coil.pieces,
             coil_sides: coil.sides,

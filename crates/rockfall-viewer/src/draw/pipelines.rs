@@ -66,6 +66,15 @@ impl Layouts {
             finish: layout("finish", &[fragment(0, colour), fragment(1, colour), fragment(2, depths)]),
         }
     }
+
+    /// The state, and what was found in it.
+    pub(crate) fn of_greatest(device: &wgpu::Device) -> wgpu::BindGroupLayout {
+        let storage = |binding, read_only| {
+            entry(binding, wgpu::ShaderStages::COMPUTE, buffer(wgpu::BufferBindingType::Storage { read_only }))
+        };
+        let entries = [storage(0, true), storage(1, false)];
+        device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some("greatest"), entries: &entries })
+    }
 }
 
 /// Where a pipeline draws.

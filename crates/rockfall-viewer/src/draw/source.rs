@@ -111,6 +111,11 @@ impl Source {
         }
     }
 
+    /// The present state on the device.
+    pub(crate) fn state(&self) -> Option<&wgpu::Buffer> {
+        self.physics.first()
+    }
+
     pub(crate) fn remember(&mut self, encoder: &mut wgpu::CommandEncoder, spheres: u32) {
         let bytes = 16 * u64::from(spheres);
         for (from, to) in self.physics.iter().zip(&self.old) {

@@ -27,6 +27,31 @@ impl ColourBy {
         matches!(self, Self::Contacts | Self::Overlap | Self::Force)
     }
 
+    /// What is measured, with its unit; `None` for kinds.
+    pub fn title(self) -> Option<&'static str> {
+        match self {
+            Self::Kind => None,
+            Self::Speed => Some("speed, units/s"),
+            Self::Contacts => Some("contacts"),
+            Self::Overlap => Some("deepest overlap, units"),
+            Self::Force => Some("net force, mass units/s²"),
+        }
+    }
+
+    /// All of them.
+    pub const ALL: [Self; 5] = [Self::Kind, Self::Speed, Self::Contacts, Self::Overlap, Self::Force];
+
+    /// Its name on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Kind => "kind",
+            Self::Speed => "speed",
+            Self::Contacts => "contacts",
+            Self::Overlap => "overlap",
+            Self::Force => "force",
+        }
+    }
+
     pub(crate) fn of(self, values: &SphereDiagnostics) -> f32 {
         match self {
             Self::Kind | Self::Speed => 0.0,
@@ -40,7 +65,7 @@ impl ColourBy {
 /// The values at the two ends of the colour scale.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Range {
-    /// From 0 to the greatest there is.
+    /// From 0 to the next round number above the greatest there was of late.
     #[default]
     Auto,
     /// From, to.

@@ -114,7 +114,7 @@ fn box_surface(vertex: FlatVertex) -> @location(0) vec4f {
 @fragment
 fn glass_surface(vertex: FlatVertex) -> @location(0) vec4f {
     let rim = rim_at(vertex, fwidth(vertex.on_face));
-    let opacity = mix(mix(0.015, 0.45, rim), 1.0, vertex.opacity);
+    let opacity = mix(mix(0.004, 0.4, rim), 1.0, vertex.opacity);
     return vec4f(mix(vec3f(0.75, 0.80, 0.84), vertex.colour, vertex.opacity) * (1.0 - 0.6 * rim), 1.0) * opacity;
 }
 

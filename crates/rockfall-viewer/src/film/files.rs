@@ -1,0 +1,57 @@
+//! Films as PNG: all pictures in one file, or a file each.
+
+use std::io;
+use std::path::Path;
+
+use rockfall::Result;
+use rockfall::output::AtomicFile;
+
+use crate::film::{Timing, failed};
+use crate::picture::Picture;
+
+/// PNG's own extension for films.
+pub(super) fn write_apng(path: &Path, timing: &Timing, pictures: impl Iterator<Item = Result<Picture>>) -> Result<()> {
+    let wrong = failed(path);
+    let mut file = AtomicFile::create(path).map_err(&wrong)?;
+    let mut pictures = pictures.peekable();
+    let Some(Ok(first)) = pictures.peek() else {
+        return pictures.next().transpose().map(drop);
+    };
+    let (width, height) = (first.width, first.height);
+    let mut writer = start(&mut file, width, height, timing).map_err(&wrong)?;
+    for picture in pictures {
+        writer.write_image_data(&picture?.rgb()).map_err(io::Error::from).map_err(&wrong)?;
+    }
+    writer.finish().map_err(io::Error::from).map_err(&wrong)?;
+    file.commit().map_err(&wrong)
+}
+
+fn start<'a>(
+    file: &'a mut AtomicFile,
+    width: u32,
+    height: u32,
+    timing: &Timing,
+) -> io::Result<png::Writer<&'a mut AtomicFile>> {
+    let mut encoder = png::Encoder::new(file, width, height);
+    encoder.set_color(png::ColorType::Rgb);
+    encoder.set_depth(png::BitDepth::Eight);
+    encoder.set_compression(png::Compression::Balanced);
+    encoder.set_animated(u32::try_from(timing.pictures()).unwrap_or(u32::MAX), 0)?;
+    encoder.set_frame_delay(1, u16::try_from(timing.fps).unwrap_or(u16::MAX))?;
+    Ok(encoder.write_header()?)
+}
+
+/// One file a picture, numbered with as many digits as the last one needs, and at least four.
+pub(super) fn write_folder(path: &Path, timing: &Timing, pictures: impl Iterator<Item = Result<Picture>>) -> Result<()> {
+    std::fs::create_dir_all(path).map_err(failed(path))?;
+    let digits = timing.pictures().to_string().len().max(4);
+    for (number, picture) in pictures.enumerate() {
+        let picture = picture?;
+        let path = path.join(format!("{number:0digits$}.png"));
+        let wrong = failed(&path);
+        let mut file = AtomicFile::create(&path).map_err(&wrong)?;
+        picture.write_png(&mut file).map_err(&wrong)?;
+        file.commit().map_err(&wrong)?;
+    }
+    Ok(())
+}

@@ -1,0 +1,210 @@
+//! What the colours of a picture mean.
+
+use ab_glyph::{Font as _, FontRef, PxScale, ScaleFont as _};
+use rockfall::Result;
+
+use crate::draw::palette::{Kind, Rgb, SCALE};
+use crate::picture::Picture;
+
+/// What the colours of a picture mean.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Legend {
+    /// A colour a kind of object.
+    Kinds(Vec<Kind>),
+    /// A scale of values.
+    Scale {
+        /// What is measured, with its unit.
+        title: &'static str,
+        /// The values at either end.
+        range: [f32; 2],
+        /// The colours from one end to the other, evenly spaced.
+        colours: [Rgb; 9],
+    },
+}
+
+const INK: [f32; 3] = [0.13, 0.16, 0.20];
+const PAPER: [f32; 3] = [1.0, 1.0, 1.0];
+/// How much of the picture the paper hides.
+const OPACITY: f32 = 0.82;
+
+impl Legend {
+    /// A scale from viridis.
+    pub fn scale(title: &'static str, range: [f32; 2]) -> Self {
+        Self::Scale { title, range, colours: SCALE }
+    }
+
+    /// Draws it into the lower left corner of a picture.
+    ///
+    /// # Errors
+    /// [`rockfall::Error::Device`] never in practice: only when the built-in font cannot be read.
+    pub fn draw(&self, picture: &mut Picture) -> Result<()> {
+        let font = FontRef::try_from_slice(epaint_default_fonts::UBUNTU_LIGHT)
+            .map_err(|error| rockfall::Error::Device(format!("the built-in font: {error}")))?;
+        let em = (picture.height as f32 / 26.0).clamp(11.0, 40.0);
+        let mut sheet = Sheet { picture, font, em };
+        match self {
+            Self::Kinds(kinds) => sheet.kinds(kinds),
+            Self::Scale { title, range, colours } => sheet.scale(title, *range, colours),
+        }
+        Ok(())
+    }
+}
+
+/// At most four significant digits, and none that say nothing.
+fn number(value: f32) -> String {
+    let size = value.abs();
+    if value == 0.0 {
+        "0".to_owned()
+    } else if (1e-3..1e5).contains(&size) {
+        let digits = (3 - size.log10().floor() as i32).max(0) as usize;
+        let text = format!("{value:.digits$}");
+        if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
+    } else {
+        format!("{value:.2e}")
+    }
+}
+
+/// A picture that is written on; lengths in pixels.
+struct Sheet<'a> {
+    picture: &'a mut Picture,
+    font: FontRef<'a>,
+    em: f32,
+}
+
+impl Sheet<'_> {
+    fn kinds(&mut self, kinds: &[Kind]) {
+        let em = self.em;
+        let widest = kinds.iter().map(|kind| self.width(kind.name)).fold(0.0, f32::max);
+        let [left, top] = self.paper(widest + 1.4 * em, 1.35 * em * kinds.len() as f32 - 0.35 * em);
+        for (row, kind) in kinds.iter().enumerate() {
+            let y = top + 1.35 * em * row as f32;
+            let middle = [left + 0.45 * em, y + 0.5 * em];
+            let ink = kind.colour.map(|channel| f32::from(channel) / 255.0);
+            self.fill([left, y, left + em, y + em], ink, |x, y| {
+                let distance = (x - middle[0]).hypot(y - middle[1]);
+                (0.42 * em - distance + 0.5).clamp(0.0, 1.0)
+            });
+            self.text(kind.name, left + 1.4 * em, y);
+        }
+    }
+
+    fn scale(&mut self, title: &str, range: [f32; 2], colours: &[Rgb]) {
+        let em = self.em;
+        let long = (12.0 * em).max(self.width(title));
+        let [left, top] = self.paper(long, 3.5 * em);
+        self.text(title, left, top);
+        let [bar, end] = [top + 1.45 * em, top + 2.25 * em];
+        for x in 0..long as u32 {
+            let part = (x as f32 + 0.5) / long * (colours.len() - 1) as f32;
+            let stop = (part as usize).min(colours.len() - 2);
+            let channel = |k: usize| {
+                let [low, high] = [colours[stop][k], colours[stop + 1][k]].map(|c| f32::from(c) / 255.0);
+                low + (high - low) * (part - stop as f32)
+            };
+            let x = left + x as f32;
+            self.fill([x, bar, x + 1.0, end], [channel(0), channel(1), channel(2)], |_, _| 1.0);
+        }
+        for (part, align) in [(0.0, 0.0), (0.5, 0.5), (1.0, 1.0)] {
+            let label = number(range[0] + part * (range[1] - range[0]));
+            let x = left + part * long - align * self.width(&label);
+            self.text(&label, x, top + 2.5 * em);
+        }
+    }
+
+    /// A sheet of paper with room for what is this large; where that begins.
+    fn paper(&mut self, width: f32, height: f32) -> [f32; 2] {
+        let (em, bottom) = (self.em, self.picture.height as f32);
+        let margin = 0.7 * em;
+        let sheet = [em, bottom - em - height - 2.0 * margin, em + width + 2.0 * margin, bottom - em];
+        let middle = [0.5 * (sheet[0] + sheet[2]), 0.5 * (sheet[1] + sheet[3])];
+        let half = [0.5 * (sheet[2] - sheet[0]), 0.5 * (sheet[3] - sheet[1])];
+        let round = 0.45 * em;
+        self.fill(sheet, PAPER, |x, y| {
+            let aside =
+                [((x - middle[0]).abs() - half[0] + round).max(0.0), ((y - middle[1]).abs() - half[1] + round).max(0.0)];
+            OPACITY * (round - aside[0].hypot(aside[1]) + 0.5).clamp(0.0, 1.0)
+        });
+        [sheet[0] + margin, sheet[1] + margin]
+    }
+
+    /// Mixes a colour into a rectangle (left, top, right, bottom), as much as `cover` says at the middle of each pixel.
+    fn fill(&mut self, [left, top, right, bottom]: [f32; 4], ink: [f32; 3], cover: impl Fn(f32, f32) -> f32) {
+        for y in top.max(0.0) as u32..(bottom.ceil().max(0.0) as u32).min(self.picture.height) {
+            for x in left.max(0.0) as u32..(right.ceil().max(0.0) as u32).min(self.picture.width) {
+                self.mix(x, y, ink, cover(x as f32 + 0.5, y as f32 + 0.5));
+            }
+        }
+    }
+
+    fn mix(&mut self, x: u32, y: u32, ink: [f32; 3], part: f32) {
+        let index = y as usize * self.picture.width as usize + x as usize;
+        let Some(pixel) = self.picture.pixels.get_mut(index).filter(|_| x < self.picture.width) else {
+            return;
+        };
+        for (channel, ink) in pixel.iter_mut().zip(ink) {
+            *channel = (f32::from(*channel) * (1.0 - part) + 255.0 * ink * part).round() as u8;
+        }
+    }
+
+    fn width(&self, text: &str) -> f32 {
+        let font = self.font.as_scaled(PxScale::from(self.em));
+        text.chars().map(|letter| font.h_advance(font.glyph_id(letter))).sum()
+    }
+
+    /// Writes a line whose top left corner is given.
+    fn text(&mut self, text: &str, left: f32, top: f32) {
+        let scale = PxScale::from(self.em);
+        let font = self.font.clone();
+        let scaled = font.as_scaled(scale);
+        let mut x = left;
+        for letter in text.chars() {
+            let id = scaled.glyph_id(letter);
+            let glyph = id.with_scale_and_position(scale, ab_glyph::point(x, top + 0.9 * scaled.ascent()));
+            x += scaled.h_advance(id);
+            let Some(outline) = font.outline_glyph(glyph) else { continue };
+            let corner = outline.px_bounds().min;
+            outline.draw(|dx, dy, part| {
+                let (px, py) = (corner.x + dx as f32, corner.y + dy as f32);
+                if px >= 0.0 && py >= 0.0 {
+                    self.mix(px as u32, py as u32, INK, part.min(1.0));
+                }
+            });
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_short() {
+        let shown = [0.0, 0.5, 2.0, 1234.5, 0.0125, 1e-6].map(number);
+        assert_eq!(shown, ["0", "0.5", "2", "1234", "0.0125", "1.00e-6"]);
+    }
+
+    fn blank() -> Picture {
+        Picture { width: 400, height: 300, pixels: vec![[90, 90, 90, 255]; 400 * 300] }
+    }
+
+    #[test]
+    fn the_scale_runs_from_left_to_right() {
+        let mut picture = blank();
+        Legend::scale("speed", [0.0, 2.0]).draw(&mut picture).unwrap();
+        let found = |colour: Rgb| {
+            let near = |pixel: &[u8; 4]| pixel.iter().zip(colour).all(|(a, b)| a.abs_diff(b) < 12);
+            picture.pixels.iter().position(near).map(|index| index % 400)
+        };
+        let (first, last) = (found(SCALE[0]).unwrap(), found(SCALE[8]).unwrap());
+        assert!(last > first + 100, "{first} {last}");
+        // What is not paper is as it was.
+        assert!(picture.pixels[..400 * 200].iter().all(|pixel| *pixel == [90, 90, 90, 255]));
+    }
+
+    #[test]
+    fn a_legend_larger_than_the_picture_does_no_harm() {
+        let mut picture = Picture { width: 5, height: 3, pixels: vec![[0; 4]; 15] };
+        Legend::scale("speed", [0.0, 2.0]).draw(&mut picture).unwrap();
+        Legend::Kinds(crate::draw::palette::KINDS.to_vec()).draw(&mut picture).unwrap();
+    }
+}
