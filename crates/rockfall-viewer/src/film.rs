@@ -65,16 +65,21 @@ pub struct Moment {
 }
 
 impl Timing {
+    /// The time step as it was written: 0.02, not 0.019999999552965164.
+    fn step_seconds(&self) -> f64 {
+        self.dt.to_string().parse().unwrap_or(f64::from(self.dt))
+    }
+
     /// Number of pictures: one at the start, and as many as begin before the last step has ended.
     pub fn pictures(&self) -> u64 {
-        let seconds = self.steps as f64 * f64::from(self.dt) / self.speed;
+        let seconds = self.steps as f64 * self.step_seconds() / self.speed;
         // A rounding error must not lose the last one.
         (seconds * f64::from(self.fps) + 1e-6).floor() as u64 + 1
     }
 
     /// When picture `index` is taken.
     pub fn moment(&self, index: u64) -> Moment {
-        let steps = index as f64 * self.speed / f64::from(self.fps) / f64::from(self.dt);
+        let steps = index as f64 * self.speed / f64::from(self.fps) / self.step_seconds();
         let step = (steps + 1e-5).floor();
         let blend = (steps - step) as f32;
         if step as u64 >= self.steps || blend < 1e-4 {

@@ -82,8 +82,8 @@ pub fn bounds(scene: &Scene) -> (Vec3, Vec3) {
 /// What the renderer has to know of a scene besides the buffers.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Setting {
-    /// Least and greatest corner of all spheres.
-    pub(crate) spheres: (Vec3, Vec3),
+    /// Least and greatest corner of all spheres, if there are any.
+    pub(crate) spheres: Option<(Vec3, Vec3)>,
     /// Height of the ground: under all that is static, or at 0 where that is near below the spheres, else under them.
     pub(crate) ground: f32,
     /// The median of the spheres' radii.
@@ -92,7 +92,7 @@ pub(crate) struct Setting {
 
 impl Default for Setting {
     fn default() -> Self {
-        Self { spheres: (-Vec3::ONE, Vec3::ONE), ground: 0.0, typical_radius: 1.0 }
+        Self { spheres: None, ground: 0.0, typical_radius: 1.0 }
     }
 }
 
@@ -110,7 +110,7 @@ impl Setting {
             (None, Some(spheres)) => spheres.min.y,
             (None, None) => 0.0,
         };
-        let spheres = of_spheres(scene).map_or((-Vec3::ONE, Vec3::ONE), |extent| (extent.min, extent.max));
+        let spheres = of_spheres(scene).map(|extent| (extent.min, extent.max));
         Self { spheres, ground, typical_radius }
     }
 }

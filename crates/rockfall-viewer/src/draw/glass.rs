@@ -11,11 +11,11 @@ const PLACES: u32 = 4;
 const FADES: [f32; 2] = [0.02, 0.12];
 
 /// How opaque each box is, seen from `eye`, for what lies between two corners to be visible.
-pub(crate) fn opacities(boxes: &[Cuboid], (min, max): (Vec3, Vec3), eye: Vec3) -> Vec<f32> {
-    if boxes.len() > MOST_BOXES {
-        return vec![1.0; boxes.len()];
+pub(crate) fn opacities(boxes: &[Cuboid], shown: Option<(Vec3, Vec3)>, eye: Vec3) -> Vec<f32> {
+    match shown {
+        Some((min, max)) if boxes.len() <= MOST_BOXES => boxes.iter().map(|cuboid| opacity(cuboid, min, max, eye)).collect(),
+        _ => vec![1.0; boxes.len()],
     }
-    boxes.iter().map(|cuboid| opacity(cuboid, min, max, eye)).collect()
 }
 
 fn opacity(cuboid: &Cuboid, min: Vec3, max: Vec3, eye: Vec3) -> f32 {
@@ -61,7 +61,7 @@ fn enters(from: Vec3, to: Vec3) -> bool {
 mod tests {
     use super::*;
 
-    const SHOWN: (Vec3, Vec3) = (Vec3::new(-1.0, 0.0, -1.0), Vec3::ONE);
+    const SHOWN: Option<(Vec3, Vec3)> = Some((Vec3::new(-1.0, 0.0, -1.0), Vec3::ONE));
     const EYE: Vec3 = Vec3::new(0.0, 1.0, 10.0);
 
     #[test]
