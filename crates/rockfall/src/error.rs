@@ -63,6 +63,14 @@ pub enum Error {
         /// What the operating system said.
         source: std::io::Error,
     },
+    /// A file is no checkpoint that a simulation can go on from.
+    #[error("{}: not a usable checkpoint: {reason}", file.display())]
+    Checkpoint {
+        /// The file, or a name for where the bytes came from.
+        file: PathBuf,
+        /// What is wrong with it.
+        reason: String,
+    },
     /// No graphics adapter could be used.
     #[error("no usable GPU: {0}")]
     NoAdapter(String),

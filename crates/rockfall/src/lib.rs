@@ -52,6 +52,7 @@
 //! # Features
 //! `gpu` (default): the wgpu backend. Without it only the CPU backend is built, and it needs no graphics library.
 
+pub mod checkpoint;
 pub mod cpu;
 mod devices;
 pub mod error;
@@ -69,6 +70,7 @@ pub mod stage;
 mod traffic;
 pub mod world;
 
+pub use checkpoint::Checkpoint;
 pub use devices::{DeviceInfo, devices};
 pub use error::{Error, Result};
 pub use glam;

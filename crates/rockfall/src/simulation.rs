@@ -14,6 +14,7 @@ use crate::world::World;
 mod drive;
 mod edit;
 mod engine;
+mod keep;
 mod observe;
 mod options;
 mod profile;

@@ -1,79 +1,13 @@
 //! Same input, same bits: whatever the threads, whatever room the lists had at the start.
 
 use rockfall::glam::Vec3;
-use rockfall::{
-    Backend, BroadPhase, Capsule, Cuboid, Integrator, Options, Polygon, Report, Rod, Scene, Simulation, Sphere, SphereId,
-    SphereState, Spring, Tether,
-};
+use rockfall::{Backend, BroadPhase, Integrator, Options, Simulation, Sphere, SphereId};
 
 #[macro_use]
 mod common;
 
+use common::mixed::{Run, mixed, same_bits};
 use common::*;
-
-/// Something of every kind, falling into a walled place: loose spheres, a chain on a fixed sphere, capsules, a springy
-/// triangle, a tether; so that there are collisions, contacts, rods on everything, and lengths to hold.
-fn mixed(balls: usize) -> Scene {
-    let mut scene = with(|settings| settings.gravity = 10.0);
-    floor_box(&mut scene);
-    for (corner, left, right) in [
-        ([-1.5, 0.0, -1.5], [0.0, 4.0, 0.0], [0.0, 0.0, 3.0]),
-        ([1.5, 0.0, -1.5], [0.0, 0.0, 3.0], [0.0, 4.0, 0.0]),
-        ([-1.5, 0.0, -1.5], [3.0, 0.0, 0.0], [0.0, 4.0, 0.0]),
-    ] {
-        scene.add_polygon(Polygon::new(corner, left, right)).expect("a valid polygon");
-    }
-    scene.add_box(Cuboid::between([-1.5, 0.0, 1.5], [1.5, 4.0, 2.5])).expect("a valid box");
-    for ball in 0..balls {
-        let (column, layer) = (ball % 16, ball / 16);
-        let place = Vec3::new((column % 4) as f32 * 0.6, layer as f32 * 0.52, (column / 4) as f32 * 0.6);
-        let jitter = 0.05 * Vec3::new((ball as f32).sin(), 0.0, (ball as f32 * 1.7).cos());
-        let radius = 0.2 + 0.05 * (ball as f32 * 0.9).sin();
-        let ball = Sphere::new(place + jitter + Vec3::new(-0.9, 0.3, -0.9), radius).mass(1.0 + layer as f32);
-        scene.add_sphere(ball.velocity([0.0, -2.0, 0.0])).expect("a valid sphere");
-    }
-    let top = 0.5 + 0.52 * balls.div_ceil(16) as f32;
-    add_chain(&mut scene, top);
-    add_triangle(&mut scene, top + 0.6);
-    for (x, z) in [(-0.8, -0.6), (0.3, 0.7), (0.9, -0.9)] {
-        let end = Vec3::new(x, top + 1.2, z);
-        let capsule = Capsule::new(end, end + Vec3::new(0.4, 0.2, -0.3), 0.15).velocity([0.0, -3.0, 0.0]);
-        scene.add_capsule(capsule).expect("a valid capsule");
-    }
-    scene
-}
-
-/// Five links on a fixed sphere, through the middle of the place.
-fn add_chain(scene: &mut Scene, height: f32) {
-    let links: Vec<SphereId> = (0..6)
-        .map(|link| {
-            let mut sphere = Sphere::new([-1.2 + 0.4 * link as f32, height, 0.1], 0.1);
-            sphere.fixed = link == 0;
-            scene.add_sphere(sphere).expect("a valid sphere")
-        })
-        .collect();
-    for pair in links.windows(2) {
-        scene.add_rod(Rod::new(pair[0], pair[1], 0.05).length(0.4)).expect("a valid rod");
-    }
-}
-
-/// Three spheres, three springs, one of the sides a rod of free length as well, one corner tethered.
-fn add_triangle(scene: &mut Scene, height: f32) {
-    let corners = [[0.0, height, 0.0], [0.6, height, 0.0], [0.3, height, 0.5]].map(|corner| Sphere::new(corner, 0.12));
-    let corners = spheres(scene, corners);
-    for (a, b) in [(0, 1), (1, 2), (2, 0)] {
-        let spring = Spring::new(corners[a], corners[b], 200.0, 0.6).damping(1.0);
-        scene.add_spring(spring).expect("a valid spring");
-    }
-    scene.add_rod(Rod::new(corners[0], corners[1], 0.1)).expect("a valid rod");
-    let tether = Tether::new(corners[2], [0.0, height + 0.5, 0.0], 20.0);
-    scene.add_tether(tether).expect("a valid tether");
-}
-
-struct Run {
-    spheres: Vec<SphereState>,
-    report: Report,
-}
 
 /// Steps of 10 ms, in which a lot must have happened.
 fn run(options: Options, steps: u64, balls: usize) -> Run {
@@ -82,24 +16,6 @@ fn run(options: Options, steps: u64, balls: usize) -> Run {
     assert!(report.total_collisions > 10 && report.contacts > 10, "{report:?}");
     let spheres = simulation.spheres().expect("spheres are read back");
     Run { spheres, report }
-}
-
-/// Equal to the last bit: `==` on floats would take 0 for -0 and miss equal NaNs.
-#[track_caller]
-fn same_bits(one: &Run, other: &Run) {
-    let bits = |run: &Run| -> Vec<Vec<u32>> {
-        let of = |sphere: &SphereState| {
-            let vectors = [sphere.position, sphere.velocity, sphere.angular_momentum];
-            let numbers = vectors.iter().flat_map(Vec3::to_array).chain(sphere.orientation.to_array());
-            numbers.map(f32::to_bits).collect()
-        };
-        run.spheres.iter().map(of).collect()
-    };
-    let (one_bits, other_bits) = (bits(one), bits(other));
-    let differing: Vec<usize> = (0..one_bits.len()).filter(|&at| one_bits[at] != other_bits[at]).collect();
-    assert!(differing.is_empty() && one_bits.len() == other_bits.len(), "spheres {differing:?} differ");
-    let counts = |run: &Run| (run.report.contacts, run.report.max_overlap.to_bits(), run.report.total_collisions);
-    assert_eq!(counts(one), counts(other));
 }
 
 fn two_runs_give_the_same_bits(backend: Backend) {

@@ -1,0 +1,115 @@
+//! What a checkpoint tells before its objects. Structs are taken apart field by field, so that a new field is not forgotten.
+
+use super::words::{Damage, Head, Words};
+use super::{Checkpoint, History};
+use crate::report::Report;
+use crate::scene::{Counts, Scene};
+use crate::settings::Settings;
+use crate::simulation::Options;
+
+pub(super) fn bytes(checkpoint: &Checkpoint) -> Vec<u8> {
+    let Checkpoint { scene, options, time_step, report, note, device, program, history } = checkpoint;
+    let mut head = Head::default();
+    for text in [program, device, note] {
+        head.text(text);
+    }
+    settings(&mut head, &scene.settings);
+
+    let Options { backend, integrator, broad_phase, pair_capacity, keep_going } = options;
+    for text in [backend.to_string(), integrator.to_string(), broad_phase.to_string()] {
+        head.text(&text);
+    }
+    head.u32(pair_capacity.is_some().into());
+    head.u32(pair_capacity.unwrap_or(0));
+    head.u32(u32::from(*keep_going));
+
+    let Report { steps, time, contacts, max_overlap, collisions, total_collisions, replays, non_finite } = report;
+    head.f32(*time_step);
+    head.u64(*steps);
+    head.f64(*time);
+    head.u32(*contacts);
+    head.f32(*max_overlap);
+    head.u32(*collisions);
+    for count in [total_collisions, replays, non_finite] {
+        head.u64(*count);
+    }
+
+    let History { lengths_due, margin_scale, lookahead } = history;
+    head.u32(u32::from(*lengths_due));
+    head.f32(*margin_scale);
+    head.f32(*lookahead);
+
+    let Counts { spheres, rods, capsules, springs, tethers, boxes, polygons } = scene.counts();
+    for count in [spheres, rods, capsules, springs, tethers, boxes, polygons] {
+        head.u64(count as u64);
+    }
+    head.bytes
+}
+
+/// The checkpoint but for its objects, and how many there are.
+pub(super) fn read(words: &mut Words) -> Result<(Checkpoint, Counts), Damage> {
+    let (program, device, note) = (words.text()?, words.text()?, words.text()?);
+    let mut scene = Scene::new();
+    scene.settings = read_settings(words)?;
+
+    let (backend, integrator, broad_phase) = (words.text()?.parse()?, words.text()?.parse()?, words.text()?.parse()?);
+    let (limited, capacity, keep_going) = (words.bool()?, words.u32()?, words.bool()?);
+    let options = Options { backend, integrator, broad_phase, pair_capacity: limited.then_some(capacity), keep_going };
+
+    let time_step = words.f32()?;
+    if !(time_step.is_finite() && time_step > 0.0) {
+        return Err(Damage::new(format!("a time step of {time_step} s")));
+    }
+    let report = Report {
+        steps: words.u64()?,
+        time: words.f64()?,
+        contacts: words.u32()?,
+        max_overlap: words.f32()?,
+        collisions: words.u32()?,
+        total_collisions: words.u64()?,
+        replays: words.u64()?,
+        non_finite: words.u64()?,
+    };
+    let history = History { lengths_due: words.bool()?, margin_scale: words.f32()?, lookahead: words.f32()? };
+    if !(history.margin_scale >= 0.0 && history.lookahead >= 1.0) {
+        return Err(Damage::new(format!("AABB margins of {} for {} steps", history.margin_scale, history.lookahead)));
+    }
+
+    let mut count = || -> Result<usize, Damage> {
+        usize::try_from(words.u64()?).map_err(|_| Damage::new("more objects than fit in memory"))
+    };
+    let counts = Counts {
+        spheres: count()?,
+        rods: count()?,
+        capsules: count()?,
+        springs: count()?,
+        tethers: count()?,
+        boxes: count()?,
+        polygons: count()?,
+    };
+    Ok((Checkpoint { scene, options, time_step, report, note, device, program, history }, counts))
+}
+
+/// The constants by name, as text that reads back bit for bit; the direction of gravity also as it is, for one that was
+/// filled in by hand need not have the length 1 that a name gives it.
+fn settings(head: &mut Head, settings: &Settings) {
+    head.u32(Settings::NAMES.len() as u32);
+    for name in Settings::NAMES {
+        head.text(name);
+        head.text(&settings.get(name).unwrap_or_default());
+    }
+    for number in settings.gravity_direction.to_array() {
+        head.f32(number);
+    }
+}
+
+fn read_settings(words: &mut Words) -> Result<Settings, Damage> {
+    let mut settings = Settings::default();
+    for _ in 0..words.u32()? {
+        let (name, value) = (words.text()?, words.text()?);
+        settings.set(&name, &value)?;
+    }
+    settings.gravity_direction = words.vec3()?;
+    settings.validate()?;
+    Ok(settings)
+}

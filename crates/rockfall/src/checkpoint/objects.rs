@@ -1,0 +1,229 @@
+//! The objects of a checkpoint, each in as many 32-bit words as its kind takes. Other objects are named by their index in
+//! order of addition.
+
+use std::io::{self, Write};
+
+use glam::{Quat, Vec3};
+
+use super::words::{Damage, Words};
+use crate::scene::{CapsuleParts, Counts, Cuboid, Handle, Polygon, Registry, Rod, Scene, Sphere, Spring, Tether};
+
+/// Bytes that are handed on at once.
+const CHUNK: usize = 1 << 16;
+
+/// An object as N words.
+trait Record<const N: usize>: Sized {
+    fn pack(&self, scene: &Scene) -> [u32; N];
+    fn unpack(words: [u32; N], scene: &Scene) -> Result<Self, Damage>;
+}
+
+/// Bytes of all objects.
+pub(super) fn length(counts: &Counts) -> usize {
+    let Counts { spheres, rods, capsules, springs, tethers, boxes, polygons } = counts;
+    4 * (19 * spheres + 5 * rods + 3 * capsules + 5 * springs + 7 * tethers + 13 * boxes + 10 * polygons)
+}
+
+pub(super) fn write(scene: &Scene, out: &mut impl Write) -> io::Result<()> {
+    write_all(scene.spheres(), scene, out)?;
+    write_all(scene.rods(), scene, out)?;
+    write_all(scene.capsules(), scene, out)?;
+    write_all(scene.springs(), scene, out)?;
+    write_all(scene.tethers(), scene, out)?;
+    write_all(scene.boxes(), scene, out)?;
+    write_all(scene.polygons(), scene, out)
+}
+
+fn write_all<const N: usize>(objects: &[impl Record<N>], scene: &Scene, out: &mut impl Write) -> io::Result<()> {
+    let mut bytes = Vec::with_capacity(CHUNK);
+    for chunk in objects.chunks((CHUNK / (4 * N)).max(1)) {
+        bytes.clear();
+        for object in chunk {
+            let words = object.pack(scene).map(u32::to_le);
+            bytes.extend_from_slice(bytemuck::cast_slice(&words));
+        }
+        out.write_all(&bytes)?;
+    }
+    Ok(())
+}
+
+pub(super) fn read(words: &mut Words, counts: &Counts, scene: &mut Scene) -> Result<(), Damage> {
+    read_all(words, counts.spheres, scene, |scene, sphere: Sphere| {
+        // What a step may leave of an orientation decides nothing else.
+        Sphere { orientation: Quat::IDENTITY, ..sphere }.validate()?;
+        scene.spheres.add(sphere);
+        Ok(())
+    })?;
+    read_all(words, counts.rods, scene, |scene, rod| Ok(scene.add_rod(rod).map(drop)?))?;
+    read_all(words, counts.capsules, scene, |scene, parts| {
+        scene.capsules.add(parts);
+        Ok(())
+    })?;
+    read_all(words, counts.springs, scene, |scene, spring| Ok(scene.add_spring(spring).map(drop)?))?;
+    read_all(words, counts.tethers, scene, |scene, tether| Ok(scene.add_tether(tether).map(drop)?))?;
+    read_all(words, counts.boxes, scene, |scene, cuboid| Ok(scene.add_box(cuboid).map(drop)?))?;
+    read_all(words, counts.polygons, scene, |scene, polygon| Ok(scene.add_polygon(polygon).map(drop)?))
+}
+
+fn read_all<T: Record<N>, const N: usize>(
+    words: &mut Words,
+    count: usize,
+    scene: &mut Scene,
+    add: impl Fn(&mut Scene, T) -> Result<(), Damage>,
+) -> Result<(), Damage> {
+    let length = count.checked_mul(4 * N).ok_or_else(|| Damage::new("more objects than fit in memory"))?;
+    for bytes in words.take(length)?.chunks_exact(4 * N) {
+        let mut record = Words::new(bytes);
+        let mut packed = [0; N];
+        for word in &mut packed {
+            *word = record.u32()?;
+        }
+        let object = T::unpack(packed, scene)?;
+        add(scene, object)?;
+    }
+    Ok(())
+}
+
+impl Record<19> for Sphere {
+    fn pack(&self, _scene: &Scene) -> [u32; 19] {
+        let Self { position: x, velocity: v, angular_momentum: l, orientation: q, mass, radius, fixed, force: f, group } =
+            *self;
+        let mut words = [0; 19];
+        let numbers =
+            [x.x, x.y, x.z, v.x, v.y, v.z, l.x, l.y, l.z, q.x, q.y, q.z, q.w, mass, radius, f.x, f.y, f.z].map(f32::to_bits);
+        words[..18].copy_from_slice(&numbers);
+        words[18] = u32::from(group) | u32::from(fixed) << 16;
+        words
+    }
+
+    fn unpack(words: [u32; 19], _scene: &Scene) -> Result<Self, Damage> {
+        let number = |place: usize| f32::from_bits(words[place]);
+        let (group, fixed) = grouped(words[18])?;
+        Ok(Self {
+            position: vector(&words[0..]),
+            velocity: vector(&words[3..]),
+            angular_momentum: vector(&words[6..]),
+            orientation: Quat::from_xyzw(number(9), number(10), number(11), number(12)),
+            mass: number(13),
+            radius: number(14),
+            fixed,
+            force: vector(&words[15..]),
+            group,
+        })
+    }
+}
+
+impl Record<5> for Rod {
+    fn pack(&self, scene: &Scene) -> [u32; 5] {
+        let Self { end1, end2, radius, length, group } = *self;
+        let held = u32::from(length.is_some()) << 16;
+        let (radius, length) = (radius.to_bits(), length.unwrap_or(0.0).to_bits());
+        [index(&scene.spheres, end1), index(&scene.spheres, end2), radius, length, u32::from(group) | held]
+    }
+
+    fn unpack([end1, end2, radius, length, group]: [u32; 5], scene: &Scene) -> Result<Self, Damage> {
+        let (group, held) = grouped(group)?;
+        Ok(Self {
+            end1: handle(&scene.spheres, end1)?,
+            end2: handle(&scene.spheres, end2)?,
+            radius: f32::from_bits(radius),
+            length: held.then_some(f32::from_bits(length)),
+            group,
+        })
+    }
+}
+
+impl Record<3> for CapsuleParts {
+    fn pack(&self, scene: &Scene) -> [u32; 3] {
+        let Self { end1, end2, rod } = *self;
+        [index(&scene.spheres, end1), index(&scene.spheres, end2), index(&scene.rods, rod)]
+    }
+
+    fn unpack([end1, end2, rod]: [u32; 3], scene: &Scene) -> Result<Self, Damage> {
+        Ok(Self { end1: handle(&scene.spheres, end1)?, end2: handle(&scene.spheres, end2)?, rod: handle(&scene.rods, rod)? })
+    }
+}
+
+impl Record<5> for Spring {
+    fn pack(&self, scene: &Scene) -> [u32; 5] {
+        let Self { a, b, stiffness, length, damping } = *self;
+        let [stiffness, length, damping] = [stiffness, length, damping].map(f32::to_bits);
+        [index(&scene.spheres, a), index(&scene.spheres, b), stiffness, length, damping]
+    }
+
+    fn unpack([a, b, stiffness, length, damping]: [u32; 5], scene: &Scene) -> Result<Self, Damage> {
+        let [stiffness, length, damping] = [stiffness, length, damping].map(f32::from_bits);
+        Ok(Self { a: handle(&scene.spheres, a)?, b: handle(&scene.spheres, b)?, stiffness, length, damping })
+    }
+}
+
+impl Record<7> for Tether {
+    fn pack(&self, scene: &Scene) -> [u32; 7] {
+        let Self { sphere, point, stiffness, length, damping } = *self;
+        let [x, y, z, stiffness, length, damping] = [point.x, point.y, point.z, stiffness, length, damping].map(f32::to_bits);
+        [index(&scene.spheres, sphere), x, y, z, stiffness, length, damping]
+    }
+
+    fn unpack(words: [u32; 7], scene: &Scene) -> Result<Self, Damage> {
+        let [stiffness, length, damping] = [words[4], words[5], words[6]].map(f32::from_bits);
+        Ok(Self { sphere: handle(&scene.spheres, words[0])?, point: vector(&words[1..]), stiffness, length, damping })
+    }
+}
+
+impl Record<13> for Cuboid {
+    fn pack(&self, _scene: &Scene) -> [u32; 13] {
+        let Self { corner, edges: [i, j, k], group } = *self;
+        let mut words = [u32::from(group); 13];
+        put(&mut words, [corner, i, j, k]);
+        words
+    }
+
+    fn unpack(words: [u32; 13], _scene: &Scene) -> Result<Self, Damage> {
+        let edges = [vector(&words[3..]), vector(&words[6..]), vector(&words[9..])];
+        Ok(Self { corner: vector(&words), edges, group: grouped(words[12])?.0 })
+    }
+}
+
+impl Record<10> for Polygon {
+    fn pack(&self, _scene: &Scene) -> [u32; 10] {
+        let Self { corner, left, right, group } = *self;
+        let mut words = [u32::from(group); 10];
+        put(&mut words, [corner, left, right]);
+        words
+    }
+
+    fn unpack(words: [u32; 10], _scene: &Scene) -> Result<Self, Damage> {
+        let (left, right) = (vector(&words[3..]), vector(&words[6..]));
+        Ok(Self { corner: vector(&words), left, right, group: grouped(words[9])?.0 })
+    }
+}
+
+/// Puts vectors into the first words.
+fn put<const V: usize>(words: &mut [u32], vectors: [Vec3; V]) {
+    for (place, number) in words.iter_mut().zip(vectors.iter().flat_map(|vector| vector.to_array())) {
+        *place = number.to_bits();
+    }
+}
+
+fn vector(words: &[u32]) -> Vec3 {
+    Vec3::new(f32::from_bits(words[0]), f32::from_bits(words[1]), f32::from_bits(words[2]))
+}
+
+/// A group, and the bit above it.
+fn grouped(word: u32) -> Result<(u16, bool), Damage> {
+    match word >> 16 {
+        bit @ (0 | 1) => Ok((word as u16, bit == 1)),
+        _ => Err(Damage::new(format!("an unknown mark {word:#x} on an object"))),
+    }
+}
+
+/// The index of an object that the scene itself refers to: it is there.
+fn index<T>(registry: &Registry<T>, handle: Handle<T>) -> u32 {
+    registry.index(handle).map_or(u32::MAX, |index| index as u32)
+}
+
+fn handle<T>(registry: &Registry<T>, index: u32) -> Result<Handle<T>, Damage> {
+    if (index as usize) < registry.len() {
+        return Ok(registry.handle_at(index as usize));
+    }
+    Err(Damage::new(format!("an object refers to number {index} of {} others", registry.len())))
+}

@@ -1,0 +1,117 @@
+//! Reading and writing little-endian numbers.
+
+use glam::Vec3;
+
+/// What is wrong with a checkpoint.
+#[derive(Debug)]
+pub(super) struct Damage(pub(super) String);
+
+impl Damage {
+    pub(super) fn new(reason: impl Into<String>) -> Self {
+        Self(reason.into())
+    }
+}
+
+/// An object or a constant that the scene refuses.
+impl From<crate::Error> for Damage {
+    fn from(error: crate::Error) -> Self {
+        Self(error.to_string())
+    }
+}
+
+/// What is left to read.
+pub(super) struct Words<'a> {
+    bytes: &'a [u8],
+}
+
+impl<'a> Words<'a> {
+    pub(super) fn new(bytes: &'a [u8]) -> Self {
+        Self { bytes }
+    }
+
+    pub(super) fn take(&mut self, length: usize) -> Result<&'a [u8], Damage> {
+        let (taken, rest) = self
+            .bytes
+            .split_at_checked(length)
+            .ok_or_else(|| Damage::new(format!("{length} bytes expected where {} are left", self.bytes.len())))?;
+        self.bytes = rest;
+        Ok(taken)
+    }
+
+    fn array<const N: usize>(&mut self) -> Result<[u8; N], Damage> {
+        let mut array = [0; N];
+        array.copy_from_slice(self.take(N)?);
+        Ok(array)
+    }
+
+    pub(super) fn u32(&mut self) -> Result<u32, Damage> {
+        Ok(u32::from_le_bytes(self.array()?))
+    }
+
+    pub(super) fn u64(&mut self) -> Result<u64, Damage> {
+        Ok(u64::from_le_bytes(self.array()?))
+    }
+
+    pub(super) fn f32(&mut self) -> Result<f32, Damage> {
+        Ok(f32::from_bits(self.u32()?))
+    }
+
+    pub(super) fn f64(&mut self) -> Result<f64, Damage> {
+        Ok(f64::from_bits(self.u64()?))
+    }
+
+    pub(super) fn bool(&mut self) -> Result<bool, Damage> {
+        match self.u32()? {
+            0 => Ok(false),
+            1 => Ok(true),
+            other => Err(Damage::new(format!("{other} where 0 or 1 is expected"))),
+        }
+    }
+
+    pub(super) fn vec3(&mut self) -> Result<Vec3, Damage> {
+        Ok(Vec3::new(self.f32()?, self.f32()?, self.f32()?))
+    }
+
+    pub(super) fn text(&mut self) -> Result<String, Damage> {
+        let length = usize::try_from(self.u64()?).map_err(|_| Damage::new("a text that is too long"))?;
+        let bytes = self.take(length)?.to_vec();
+        String::from_utf8(bytes).map_err(|_| Damage::new("a text that is not UTF-8"))
+    }
+
+    /// That nothing is left.
+    pub(super) fn end(&self) -> Result<(), Damage> {
+        match self.bytes.len() {
+            0 => Ok(()),
+            left => Err(Damage::new(format!("{left} bytes more than expected"))),
+        }
+    }
+}
+
+/// What is written before the objects.
+#[derive(Default)]
+pub(super) struct Head {
+    pub(super) bytes: Vec<u8>,
+}
+
+impl Head {
+    pub(super) fn u32(&mut self, number: u32) {
+        self.bytes.extend(number.to_le_bytes());
+    }
+
+    pub(super) fn u64(&mut self, number: u64) {
+        self.bytes.extend(number.to_le_bytes());
+    }
+
+    pub(super) fn f32(&mut self, number: f32) {
+        self.u32(number.to_bits());
+    }
+
+    pub(super) fn f64(&mut self, number: f64) {
+        self.u64(number.to_bits());
+    }
+
+    pub(super) fn text(&mut self, text: &str) {
+        self.u64(text.len() as u64);
+        self.bytes.extend(text.as_bytes());
+    }
+}
