@@ -6,7 +6,7 @@ use rockfall::gpu::Gpu;
 use rockfall::output::AtomicFile;
 use rockfall::{Scene, Simulation};
 use rockfall_viewer::camera::Camera;
-use rockfall_viewer::draw::{ColourBy, Range, Renderer, Style};
+use rockfall_viewer::draw::{ColourBy, FrameTimes, Pass, Range, Renderer, Style};
 use rockfall_viewer::film::{self, Format, Player, Timing};
 use rockfall_viewer::picture::{Canvas, FORMAT, Picture};
 
@@ -53,6 +53,9 @@ pub(crate) struct Arguments {
     /// Leave out shadows and the darkness of corners
     #[arg(long)]
     plain: bool,
+    /// Draw the picture so many times over, and print how long the passes take on the device
+    #[arg(long, value_name = "N", hide = true, value_parser = clap::value_parser!(u32).range(1..))]
+    bench: Option<u32>,
     #[command(flatten)]
     physics: Physics,
     #[command(flatten)]
@@ -157,6 +160,9 @@ pub(crate) fn render(arguments: &Arguments) -> Result<(), Failure> {
             let path = &arguments.out;
             let mut file = AtomicFile::create(path).map_err(|error| Failure::file(path, &error))?;
             let picture = studio.picture(arguments)?;
+            if let Some(frames) = arguments.bench {
+                studio.bench(arguments, frames)?;
+            }
             picture.write_png(&mut file).and_then(|()| file.commit()).map_err(|error| Failure::file(path, &error))
         }
         Product::Film(format, timing) => studio.film(arguments, &arguments.out, format, timing),
@@ -213,6 +219,31 @@ impl Studio {
         let result = film::write(path, format, &timing, pictures);
         progress.finish();
         Ok(result?)
+    }
+
+    /// Prints the median time of every pass, and what is drawn.
+    fn bench(&mut self, arguments: &Arguments, frames: u32) -> Result<(), Failure> {
+        let camera = arguments.camera(self.simulation.sync()?)?;
+        self.renderer.time_frames()?;
+        let mut found = Vec::new();
+        for _ in 0..frames {
+            self.canvas.draw(&mut self.renderer, &camera, &self.style)?;
+            found.extend(self.renderer.frame_times()?);
+        }
+        let median = |of: &dyn Fn(&FrameTimes) -> f64| {
+            let mut times: Vec<f64> = found.iter().map(of).collect();
+            times.sort_by(f64::total_cmp);
+            1e3 * times[times.len() / 2]
+        };
+        let last = found.last().copied().unwrap_or_default();
+        let [width, height] = arguments.size;
+        let mut text = format!("{frames} frames of {width}x{height}, medians\n");
+        for pass in Pass::ALL {
+            text += &format!("  {:<10} {:9.3} ms\n", pass.name(), median(&|times| times.passes[pass as usize]));
+        }
+        text += &format!("  {:<10} {:9.3} ms\n", "all", median(&FrameTimes::total));
+        text += &format!("  spheres    {} ray-cast, {} as discs, {} in shadows\n", last.near, last.far, last.shadows);
+        output::print(&text)
     }
 
     /// Does the steps before the picture or the film.

@@ -13,6 +13,7 @@ use crate::legend::Legend;
 
 mod bounds;
 mod coil;
+mod cull;
 mod frame;
 mod glass;
 pub mod palette;
@@ -22,16 +23,20 @@ mod range;
 mod source;
 mod style;
 mod targets;
+mod timing;
 
 use bounds::Setting;
 pub use bounds::bounds;
 use coil::{CoilMesh, Fineness};
+use cull::Cull;
 use frame::Frame;
 use pipelines::{Layouts, Pipelines};
 use range::{FindGreatest, Greatest};
 use source::Source;
 pub use style::{Background, ColourBy, Range, Style};
 use targets::{ShadowMap, Targets};
+use timing::Timer;
+pub use timing::{FrameTimes, Pass};
 
 /// Draws a simulation onto any texture of one format.
 ///
@@ -68,6 +73,8 @@ pub struct Renderer {
     source: Source,
     shadows: ShadowMap,
     coil: CoilMesh,
+    cull: Cull,
+    timer: Option<Timer>,
     targets: Option<Targets>,
     setting: Option<Setting>,
     boxes: Vec<Cuboid>,
@@ -104,6 +111,8 @@ impl Renderer {
             pipelines: Pipelines::new(device, &layouts, format),
             shadows: ShadowMap::new(device, &layouts),
             coil: CoilMesh::new(device, Fineness::of(0)),
+            cull: Cull::new(device),
+            timer: None,
             layouts,
             uniform,
             source: Source::default(),
@@ -154,7 +163,9 @@ impl Renderer {
         }
         self.step = self.source.take(&self.device, &self.queue, simulation);
         self.take_values(simulation, style)?;
-        self.source.bind(&self.device, &self.layouts.bodies, &self.uniform);
+        if self.source.bind(&self.device, &self.layouts.bodies, &self.uniform) {
+            self.cull.bind(&self.device, &self.uniform, self.source.bound(), self.step.spheres);
+        }
         let fineness = Fineness::of(frame::springs(&self.step) + frame::tethers(&self.step));
         if self.coil.fineness != fineness {
             self.coil = CoilMesh::new(&self.device, fineness);
@@ -223,6 +234,10 @@ impl Renderer {
         let mut frame = Frame::new(&self.step, camera, style, &setting, targets.size);
         (frame.blend, frame.range) = (blend, self.range(style));
         self.queue.write_buffer(&self.uniform, 0, bytemuck::bytes_of(&frame));
+        if let Some(timer) = &mut self.timer {
+            timer.begin([true, style.shadows, true, style.occlusion, true]);
+        }
+        self.choose_spheres(encoder);
         if style.shadows {
             self.draw_shadows(encoder, bodies);
         }
@@ -231,6 +246,27 @@ impl Renderer {
             self.draw_occlusion(encoder, targets, bodies);
         }
         self.finish(encoder, targets, bodies, target);
+        if let Some(timer) = &self.timer {
+            timer.end(encoder, self.cull.draws());
+        }
+    }
+
+    /// Has every frame timed, from now on.
+    ///
+    /// # Errors
+    /// [`rockfall::Error::Device`] when the device has no timestamps.
+    pub fn time_frames(&mut self) -> Result<()> {
+        self.timer = Some(Timer::new(&self.device, &self.queue)?);
+        Ok(())
+    }
+
+    /// What the last frame that was submitted took on the device, and how much was drawn; waits for it. `None` unless
+    /// frames are timed.
+    ///
+    /// # Errors
+    /// [`rockfall::Error::Device`] when the device failed.
+    pub fn frame_times(&self) -> Result<Option<FrameTimes>> {
+        self.timer.as_ref().map(|timer| timer.read(&self.device)).transpose()
     }
 }
 

@@ -91,16 +91,27 @@ impl Canvas {
         Self { device: device.clone(), queue: queue.clone(), texture, view, staging, stride }
     }
 
-    /// Draws what the renderer took in last.
+    /// Draws what the renderer took in last, and leaves it on the device.
+    ///
+    /// # Errors
+    /// [`Error::Device`] when the device failed.
+    pub fn draw(&self, renderer: &mut Renderer, camera: &Camera, style: &Style) -> Result<()> {
+        catch(&self.device, || {
+            renderer.resize(self.texture.width(), self.texture.height());
+            let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+            renderer.draw(&mut encoder, &self.view, camera, style);
+            self.queue.submit([encoder.finish()]);
+        })
+    }
+
+    /// A picture of what the renderer took in last.
     ///
     /// # Errors
     /// [`Error::Device`] when the device failed.
     pub fn take(&self, renderer: &mut Renderer, camera: &Camera, style: &Style) -> Result<Picture> {
-        let (width, height) = (self.texture.width(), self.texture.height());
+        self.draw(renderer, camera, style)?;
         catch(&self.device, || {
-            renderer.resize(width, height);
             let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-            renderer.draw(&mut encoder, &self.view, camera, style);
             let layout = wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(self.stride), rows_per_image: None };
             encoder.copy_texture_to_buffer(
                 self.texture.as_image_copy(),
@@ -109,8 +120,8 @@ impl Canvas {
             );
             self.queue.submit([encoder.finish()]);
         })?;
-        let pixels = self.read()?;
-        Ok(Picture { width, height, pixels })
+        let (width, height) = (self.texture.width(), self.texture.height());
+        Ok(Picture { width, height, pixels: self.read()? })
     }
 
     fn read(&self) -> Result<Vec<[u8; 4]>> {

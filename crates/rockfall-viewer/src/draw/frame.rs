@@ -62,7 +62,8 @@ pub(crate) struct Frame {
     polygons_at: u32,
     users_at: u32,
     colour_by: u32,
-    pad: u32,
+    /// Pixels along a side of the shadow map.
+    light_size: f32,
     kinds: [Vec4; 8],
     scale: [Vec4; 9],
 }
@@ -176,9 +177,49 @@ impl Frame {
             polygons_at: step.polygons_at,
             users_at: step.users_at,
             colour_by: style.colour_by as u32,
-            pad: 0,
+            light_size: SHADOW_SIZE as f32,
             kinds: palette::KINDS.map(|kind| opaque(kind.colour)),
             scale: palette::SCALE.map(opaque),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::mem::offset_of;
+
+    use naga::{Module, TypeInner};
+
+    use super::*;
+    use crate::draw::pipelines::{BODIES, CULL, FINISH, OCCLUSION};
+
+    fn module(text: &str) -> Module {
+        let module = naga::front::wgsl::parse_str(text).unwrap_or_else(|error| panic!("{}", error.emit_to_string(text)));
+        let mut validator = naga::valid::Validator::new(naga::valid::ValidationFlags::all(), naga::valid::Capabilities::default());
+        validator.validate(&module).unwrap_or_else(|error| panic!("{}", error.emit_to_string(text)));
+        module
+    }
+
+    macro_rules! offsets {
+        ($($name:ident),* $(,)?) => { [$((stringify!($name), offset_of!(Frame, $name))),*] };
+    }
+
+    #[test]
+    fn the_uniform_block_is_that_of_the_shaders() {
+        let expected = offsets![
+            view_projection, light_projection, eye, near, right, tangent, up, aspect, forward, blend, light, light_texel,
+            light_right, light_depth, light_up, cell, centre, centre_distance, horizon, ground, zenith, typical_radius,
+            viewport, range, cell_fade, coil_pieces, coil_sides, flags, spheres, rods, springs, tethers, rods_at,
+            springs_at, tethers_at, boxes_at, polygons_at, users_at, colour_by, light_size, kinds, scale,
+        ];
+        for text in [BODIES, CULL, OCCLUSION, FINISH] {
+            let module = module(text);
+            let mut types = module.types.iter().map(|(_, found)| found);
+            let found = types.find(|found| found.name.as_deref() == Some("Frame")).unwrap();
+            let TypeInner::Struct { members, span } = &found.inner else { panic!("Frame is no struct") };
+            assert_eq!(*span as usize, size_of::<Frame>());
+            let members: Vec<_> = members.iter().map(|member| (member.name.as_deref().unwrap(), member.offset as usize)).collect();
+            assert_eq!(members, expected);
         }
     }
 }

@@ -4,9 +4,11 @@ use std::ops::Range;
 
 use rockfall::wgpu;
 
+use crate::draw::cull::List;
 use crate::draw::frame::{springs, tethers};
 use crate::draw::pipelines::{Kind, Pipelines};
 use crate::draw::targets::{Targets, fill};
+use crate::draw::timing::Pass;
 use crate::draw::{Renderer, Style};
 
 /// Vertices of a kind of object.
@@ -23,14 +25,13 @@ enum Shape {
 }
 
 impl Renderer {
-    /// All kinds of objects: what draws them, of what shape, and how many there are.
-    fn kinds(&self) -> [(&Kind, Shape, u32); 7] {
-        let Pipelines { spheres, capsules, boxes, polygons, springs: spring, tethers: tether, anchors, .. } = &self.pipelines;
+    /// All kinds of objects but spheres: what draws them, of what shape, and how many there are.
+    fn kinds(&self) -> [(&Kind, Shape, u32); 6] {
+        let Pipelines { capsules, boxes, polygons, springs: spring, tethers: tether, anchors, .. } = &self.pipelines;
         let step = &self.step;
         [
             (boxes, Shape::Triangles(36), step.boxes),
             (polygons, Shape::Triangles(6), step.polygons),
-            (spheres, Shape::Quad, step.spheres),
             (capsules, Shape::Around, step.rods),
             (spring, Shape::Coil, springs(step)),
             (tether, Shape::Coil, tethers(step)),
@@ -58,9 +59,20 @@ impl Renderer {
         }
     }
 
+    fn stamps(&self, pass: Pass) -> Option<wgpu::RenderPassTimestampWrites<'_>> {
+        self.timer.as_ref().map(|timer| timer.render(pass))
+    }
+
+    pub(super) fn choose_spheres(&self, encoder: &mut wgpu::CommandEncoder) {
+        let stamps = self.timer.as_ref().map(|timer| timer.compute(Pass::Cull));
+        self.cull.run(&self.device, &self.queue, encoder, stamps);
+    }
+
     pub(super) fn draw_shadows(&self, encoder: &mut wgpu::CommandEncoder, bodies: &wgpu::BindGroup) {
-        let mut pass = self.shadows.pass(encoder);
+        let mut pass = self.shadows.pass(encoder, self.stamps(Pass::Shadows));
         pass.set_bind_group(0, bodies, &[]);
+        pass.set_pipeline(&self.pipelines.spheres.shadow);
+        self.cull.draw(&mut pass, List::Shadow);
         self.draw_kinds(&mut pass, |kind| &kind.shadow);
     }
 
@@ -71,12 +83,16 @@ impl Renderer {
         bodies: &wgpu::BindGroup,
         style: &Style,
     ) {
-        let mut pass = targets.bodies(encoder);
+        let mut pass = targets.bodies(encoder, self.stamps(Pass::Bodies));
         pass.set_bind_group(0, bodies, &[]);
         pass.set_bind_group(1, &self.shadows.group, &[]);
         pass.set_pipeline(&self.pipelines.sky);
         pass.draw(0..3, 0..1);
         self.draw_kinds(&mut pass, |kind| &kind.lit);
+        for (pipeline, list) in [(&self.pipelines.spheres.lit, List::Near), (&self.pipelines.far, List::Far)] {
+            pass.set_pipeline(pipeline);
+            self.cull.draw(&mut pass, list);
+        }
         if style.ground {
             pass.set_pipeline(&self.pipelines.ground);
             pass.draw(0..3, 0..1);
@@ -88,7 +104,7 @@ impl Renderer {
     }
 
     pub(super) fn draw_occlusion(&self, encoder: &mut wgpu::CommandEncoder, targets: &Targets, bodies: &wgpu::BindGroup) {
-        let mut pass = fill(encoder, "occlusion", &targets.openness);
+        let mut pass = fill(encoder, "occlusion", &targets.openness, self.stamps(Pass::Occlusion));
         pass.set_bind_group(0, bodies, &[]);
         pass.set_bind_group(1, &targets.occlusion, &[]);
         pass.set_pipeline(&self.pipelines.occlusion);
@@ -102,7 +118,7 @@ impl Renderer {
         bodies: &wgpu::BindGroup,
         target: &wgpu::TextureView,
     ) {
-        let mut pass = fill(encoder, "finish", target);
+        let mut pass = fill(encoder, "finish", target, self.stamps(Pass::Finish));
         pass.set_bind_group(0, bodies, &[]);
         pass.set_bind_group(1, &targets.finish, &[]);
         pass.set_pipeline(&self.pipelines.finish);

@@ -11,7 +11,9 @@ macro_rules! wgsl {
 
 /// What draws bodies and their shadows.
 pub(crate) const BODIES: &str =
-    wgsl!("frame", "colour", "light", "surface", "sphere", "capsule", "flat", "coil", "picture", "ground", "shadow");
+    wgsl!("frame", "colour", "light", "surface", "sphere", "capsule", "flat", "far", "coil", "picture", "ground", "shadow");
+/// What chooses the spheres that are drawn.
+pub(crate) const CULL: &str = wgsl!("frame", "colour", "cull");
 /// What looks at the whole picture, and makes it darker in corners.
 pub(crate) const OCCLUSION: &str = wgsl!("frame", "picture", "occlusion");
 /// What makes the picture that is shown.
@@ -67,6 +69,20 @@ impl Layouts {
         }
     }
 
+    /// Bindings of group 0 that choosing spheres reads: state, words, old positions, capsules.
+    pub(crate) const CULL_READS: [u32; 4] = [1, 3, 4, 7];
+
+    /// The frame and what is read of the bodies, and at 9 and 10 what is made of it.
+    pub(crate) fn of_cull(device: &wgpu::Device) -> wgpu::BindGroupLayout {
+        let storage = |binding, read_only| {
+            entry(binding, wgpu::ShaderStages::COMPUTE, buffer(wgpu::BufferBindingType::Storage { read_only }))
+        };
+        let mut entries = vec![entry(0, wgpu::ShaderStages::COMPUTE, buffer(wgpu::BufferBindingType::Uniform))];
+        entries.extend(Self::CULL_READS.map(|binding| storage(binding, true)));
+        entries.extend([9, 10].map(|binding| storage(binding, false)));
+        device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some("cull"), entries: &entries })
+    }
+
     /// The state, and what was found in it.
     pub(crate) fn of_greatest(device: &wgpu::Device) -> wgpu::BindGroupLayout {
         let storage = |binding, read_only| {
@@ -105,6 +121,7 @@ pub(crate) struct Kind {
 #[derive(Debug)]
 pub(crate) struct Pipelines {
     pub(crate) spheres: Kind,
+    pub(crate) far: wgpu::RenderPipeline,
     pub(crate) capsules: Kind,
     pub(crate) boxes: Kind,
     pub(crate) polygons: Kind,
@@ -118,12 +135,22 @@ pub(crate) struct Pipelines {
     pub(crate) finish: wgpu::RenderPipeline,
 }
 
+#[derive(Clone)]
 struct Maker<'a> {
     device: &'a wgpu::Device,
     module: wgpu::ShaderModule,
     layouts: Vec<Option<&'a wgpu::BindGroupLayout>>,
     constants: &'a [(&'a str, f64)],
+    /// Instances are spheres of a list.
+    listed: bool,
 }
+
+/// The slots of a list, one an instance.
+const SLOTS: wgpu::VertexBufferLayout<'_> = wgpu::VertexBufferLayout {
+    array_stride: 4,
+    step_mode: wgpu::VertexStepMode::Instance,
+    attributes: &[wgpu::VertexAttribute { format: wgpu::VertexFormat::Uint32, offset: 0, shader_location: 0 }],
+};
 
 impl<'a> Maker<'a> {
     fn new(
@@ -135,7 +162,7 @@ impl<'a> Maker<'a> {
     ) -> Self {
         let source = wgpu::ShaderSource::Wgsl(text.into());
         let module = device.create_shader_module(wgpu::ShaderModuleDescriptor { label: Some(label), source });
-        Self { device, module, layouts: layouts.iter().map(|layout| Some(*layout)).collect(), constants }
+        Self { device, module, layouts: layouts.iter().map(|layout| Some(*layout)).collect(), constants, listed: false }
     }
 
     fn make(
@@ -160,7 +187,7 @@ impl<'a> Maker<'a> {
                 module: &self.module,
                 entry_point: Some(vertex),
                 compilation_options: compilation_options.clone(),
-                buffers: &[],
+                buffers: if self.listed { &[Some(SLOTS)] } else { &[] },
             },
             primitive: wgpu::PrimitiveState { topology, ..Default::default() },
             depth_stencil: onto.depth(),
@@ -225,11 +252,13 @@ impl Onto {
 impl Pipelines {
     pub(crate) fn new(device: &wgpu::Device, layouts: &Layouts, format: wgpu::TextureFormat) -> Self {
         let bodies = Maker::new(device, "bodies", BODIES, &[&layouts.bodies, &layouts.shadows], &[]);
+        let listed = Maker { listed: true, ..bodies.clone() };
         let occlusion = Maker::new(device, "occlusion", OCCLUSION, &[&layouts.bodies, &layouts.occlusion], &[]);
         let encodes = [("ENCODES", f64::from(u8::from(format.is_srgb())))];
         let finish = Maker::new(device, "finish", FINISH, &[&layouts.bodies, &layouts.finish], &encodes);
         Self {
-            spheres: bodies.kind(TriangleStrip, "sphere", "sphere", true),
+            spheres: listed.kind(TriangleStrip, "sphere", "sphere", true),
+            far: listed.make(Onto::Bodies, TriangleStrip, "far_vertex", Some("far_surface")),
             capsules: bodies.kind(TriangleStrip, "capsule", "capsule", true),
             boxes: bodies.kind(TriangleList, "box", "box", false),
             polygons: bodies.kind(TriangleList, "polygon", "polygon", false),

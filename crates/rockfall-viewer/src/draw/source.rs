@@ -131,12 +131,17 @@ impl Source {
         self.remembered.is_some() && self.remembered == self.seen
     }
 
-    /// Binds the buffers, if they are others than before.
-    pub(crate) fn bind(&mut self, device: &wgpu::Device, layout: &wgpu::BindGroupLayout, uniform: &wgpu::Buffer) {
+    /// The buffers of group 0, in the order of their bindings from 1 on.
+    pub(crate) fn bound(&self) -> &[wgpu::Buffer] {
+        &self.bound
+    }
+
+    /// Binds the buffers, if they are others than before; tells whether they are.
+    pub(crate) fn bind(&mut self, device: &wgpu::Device, layout: &wgpu::BindGroupLayout, uniform: &wgpu::Buffer) -> bool {
         let own = self.old.iter().chain(&self.values).chain(&self.marks).chain(&self.opacities);
         let buffers: Vec<wgpu::Buffer> = self.physics.iter().chain(own).cloned().collect();
         if buffers == self.bound && self.group.is_some() || buffers.len() != STORAGE as usize {
-            return;
+            return false;
         }
         let uniform = wgpu::BindGroupEntry { binding: 0, resource: uniform.as_entire_binding() };
         let storage = (1..).zip(&buffers);
@@ -145,5 +150,6 @@ impl Source {
         self.group =
             Some(device.create_bind_group(&wgpu::BindGroupDescriptor { label: Some("bodies"), layout, entries: &entries }));
         self.bound = buffers;
+        true
     }
 }

@@ -44,10 +44,16 @@ fn depth(view: &wgpu::TextureView, clear: f32) -> wgpu::RenderPassDepthStencilAt
 }
 
 /// A pass that fills a texture.
-pub(crate) fn fill<'a>(encoder: &'a mut wgpu::CommandEncoder, label: &str, view: &wgpu::TextureView) -> wgpu::RenderPass<'a> {
+pub(crate) fn fill<'a>(
+    encoder: &'a mut wgpu::CommandEncoder,
+    label: &str,
+    view: &wgpu::TextureView,
+    timestamp_writes: Option<wgpu::RenderPassTimestampWrites<'_>>,
+) -> wgpu::RenderPass<'a> {
     encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
         label: Some(label),
         color_attachments: &[Some(colour(view))],
+        timestamp_writes,
         ..Default::default()
     })
 }
@@ -86,13 +92,18 @@ impl Targets {
     }
 
     /// The pass that draws bodies.
-    pub(crate) fn bodies<'a>(&self, encoder: &'a mut wgpu::CommandEncoder) -> wgpu::RenderPass<'a> {
+    pub(crate) fn bodies<'a>(
+        &self,
+        encoder: &'a mut wgpu::CommandEncoder,
+        timestamp_writes: Option<wgpu::RenderPassTimestampWrites<'_>>,
+    ) -> wgpu::RenderPass<'a> {
         let ops = wgpu::Operations { load: wgpu::LoadOp::Clear(wgpu::Color::WHITE), store: wgpu::StoreOp::Discard };
         let samples = wgpu::RenderPassColorAttachment { resolve_target: Some(&self.light), ops, ..colour(&self.samples) };
         encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("bodies"),
             color_attachments: &[Some(samples)],
             depth_stencil_attachment: Some(depth(&self.depth, 0.0)),
+            timestamp_writes,
             ..Default::default()
         })
     }
@@ -125,10 +136,15 @@ impl ShadowMap {
         Self { depth, group }
     }
 
-    pub(crate) fn pass<'a>(&self, encoder: &'a mut wgpu::CommandEncoder) -> wgpu::RenderPass<'a> {
+    pub(crate) fn pass<'a>(
+        &self,
+        encoder: &'a mut wgpu::CommandEncoder,
+        timestamp_writes: Option<wgpu::RenderPassTimestampWrites<'_>>,
+    ) -> wgpu::RenderPass<'a> {
         encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("shadows"),
             depth_stencil_attachment: Some(depth(&self.depth, 1.0)),
+            timestamp_writes,
             ..Default::default()
         })
     }

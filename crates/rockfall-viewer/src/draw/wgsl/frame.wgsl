@@ -40,7 +40,7 @@ struct Frame {
     polygons_at: u32,
     users_at: u32,
     colour_by: u32,
-    pad: u32,
+    light_size: f32,
     kinds: array<vec4f, 8>,
     scale: array<vec4f, 9>,
 }

@@ -25,12 +25,8 @@ fn ball_in_map(ball: vec4f, corner: u32) -> BallShadow {
 }
 
 @vertex
-fn sphere_shadow_vertex(@builtin(vertex_index) corner: u32, @builtin(instance_index) slot: u32) -> BallShadow {
-    var vertex = ball_in_map(ball(slot), corner);
-    if in_capsule(slot) {
-        vertex.place = NOWHERE;
-    }
-    return vertex;
+fn sphere_shadow_vertex(@builtin(vertex_index) corner: u32, @location(0) slot: u32) -> BallShadow {
+    return ball_in_map(ball(slot), corner);
 }
 
 @vertex

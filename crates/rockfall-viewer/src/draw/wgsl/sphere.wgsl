@@ -25,13 +25,10 @@ fn outline_corner(ball: vec4f, corner: u32) -> vec4f {
 }
 
 @vertex
-fn sphere_vertex(@builtin(vertex_index) corner: u32, @builtin(instance_index) slot: u32) -> SphereVertex {
+fn sphere_vertex(@builtin(vertex_index) corner: u32, @location(0) slot: u32) -> SphereVertex {
     var vertex: SphereVertex;
     vertex.ball = ball(slot);
     vertex.place = outline_corner(vertex.ball, corner);
-    if in_capsule(slot) {
-        vertex.place = NOWHERE;
-    }
     vertex.orientation = orientation(slot);
     vertex.colour = sphere_colour(slot);
     vertex.second = second_tone(vertex.colour);
