@@ -192,8 +192,9 @@ impl Studio {
 
     fn picture(&mut self, arguments: &Arguments) -> Result<Picture, Failure> {
         self.advance(arguments)?;
-        self.renderer.update(&mut self.simulation, &self.style)?;
+        // Where bodies are decides how they are shown.
         let camera = arguments.camera(self.simulation.sync()?)?;
+        self.renderer.update(&mut self.simulation, &self.style)?;
         Ok(self.take(&camera, arguments)?)
     }
 

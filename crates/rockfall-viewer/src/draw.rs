@@ -230,7 +230,7 @@ impl Renderer {
         };
         let blend = if self.source.has_remembered() { self.blend } else { 1.0 };
         let setting = self.setting.clone().unwrap_or_default();
-        self.source.set_opacities(&self.queue, &glass::opacities(&self.boxes, setting.spheres, camera.eye));
+        self.source.set_opacities(&self.queue, &glass::opacities(&self.boxes, &setting.places, camera.eye));
         let mut frame = Frame::new(&self.step, camera, style, &setting, targets.size);
         (frame.blend, frame.range) = (blend, self.range(style));
         self.queue.write_buffer(&self.uniform, 0, bytemuck::bytes_of(&frame));

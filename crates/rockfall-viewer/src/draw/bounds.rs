@@ -1,10 +1,12 @@
 //! What of a scene decides how it is shown: where it is, where the ground lies, how large bodies are.
 
-use rockfall::Scene;
 use rockfall::glam::Vec3;
+use rockfall::{Scene, Sphere};
 
 /// Static objects larger than this times the spheres' extent are what things stand on, not part of what is looked at.
 const SURROUNDINGS: f32 = 0.6;
+/// Spheres farther from most others than this times the extent of those have got away.
+const NEAR_MOST: f32 = 0.6;
 /// A body may fall this times the spheres' extent and stay in the picture.
 const FALL: f32 = 1.0;
 
@@ -29,10 +31,38 @@ impl Extent {
 }
 
 fn of_spheres(scene: &Scene) -> Option<Extent> {
-    let spheres = scene.spheres().iter();
+    extent(scene.spheres().iter())
+}
+
+fn extent<'a>(spheres: impl Iterator<Item = &'a Sphere>) -> Option<Extent> {
     spheres
         .map(|sphere| Extent { min: sphere.position - sphere.radius, max: sphere.position + sphere.radius })
         .reduce(Extent::with)
+}
+
+/// The extent of the spheres but for a few that have got away: what is nearer to the middle nine tenths than these are large
+/// counts, unless it fell below all that is static.
+fn of_most_spheres(scene: &Scene) -> Option<Extent> {
+    let spheres = scene.spheres();
+    let few = spheres.len() / 20;
+    if few == 0 {
+        return of_spheres(scene);
+    }
+    let mut quantiles = [Vec3::ZERO; 2];
+    for axis in 0..3 {
+        let mut places: Vec<f32> = spheres.iter().map(|sphere| sphere.position[axis]).collect();
+        for (quantile, at) in quantiles.iter_mut().zip([few, spheres.len() - 1 - few]) {
+            quantile[axis] = *places.select_nth_unstable_by(at, f32::total_cmp).1;
+        }
+    }
+    let [low, high] = quantiles;
+    let room = Vec3::splat((high - low).max_element()) * NEAR_MOST;
+    let lowest = of_static(scene).map(|object| object.min.y).reduce(f32::min).unwrap_or(f32::NEG_INFINITY);
+    let near = |sphere: &&Sphere| {
+        let place = sphere.position;
+        place.cmpge(low - room).all() && place.cmple(high + room).all() && place.y >= lowest
+    };
+    extent(spheres.iter().filter(near)).or_else(|| of_spheres(scene))
 }
 
 /// The extents of boxes and polygons.
@@ -52,10 +82,10 @@ fn of_static(scene: &Scene) -> impl Iterator<Item = Extent> {
     boxes.chain(polygons)
 }
 
-/// Least and greatest corner of what should be in a picture of a scene: its spheres, what of boxes and polygons is not much
+/// Least and greatest corner of what should be in a picture of a scene: its spheres but for a few that have got away, what of boxes and polygons is not much
 /// larger than they are together, and a part of what they may fall on.
 pub fn bounds(scene: &Scene) -> (Vec3, Vec3) {
-    let Some(spheres) = of_spheres(scene) else {
+    let Some(spheres) = of_most_spheres(scene) else {
         let all = of_static(scene).reduce(Extent::with).unwrap_or(Extent { min: -Vec3::ONE, max: Vec3::ONE });
         return (all.min, all.max);
     };
@@ -79,11 +109,14 @@ pub fn bounds(scene: &Scene) -> (Vec3, Vec3) {
     (shown.min, shown.max)
 }
 
+/// About so many places of spheres are kept.
+const PLACES: usize = 100;
+
 /// What the renderer has to know of a scene besides the buffers.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Setting {
-    /// Least and greatest corner of all spheres, if there are any.
-    pub(crate) spheres: Option<(Vec3, Vec3)>,
+    /// Where some of the spheres are, spread over all.
+    pub(crate) places: Vec<Vec3>,
     /// Height of the ground: under all that is static, or at 0 where that is near below the spheres, else under them.
     pub(crate) ground: f32,
     /// The median of the spheres' radii.
@@ -92,7 +125,7 @@ pub(crate) struct Setting {
 
 impl Default for Setting {
     fn default() -> Self {
-        Self { spheres: None, ground: 0.0, typical_radius: 1.0 }
+        Self { places: Vec::new(), ground: 0.0, typical_radius: 1.0 }
     }
 }
 
@@ -110,8 +143,9 @@ impl Setting {
             (None, Some(spheres)) => spheres.min.y,
             (None, None) => 0.0,
         };
-        let spheres = of_spheres(scene).map(|extent| (extent.min, extent.max));
-        Self { spheres, ground, typical_radius }
+        let apart = (scene.spheres().len() / PLACES).max(1);
+        let places = scene.spheres().iter().step_by(apart).map(|sphere| sphere.position).collect();
+        Self { places, ground, typical_radius }
     }
 }
 
@@ -145,6 +179,19 @@ mod tests {
         assert_eq!(bounds(&scene(&[beside])).1, Vec3::new(4.5, 3.0, 1.0));
         let far = Cuboid::between([40.0, 1.6, 0.0], [40.5, 3.0, 1.0]);
         assert_eq!(bounds(&scene(&[far])).1, Vec3::new(3.25, 2.5, 0.5));
+    }
+
+    #[test]
+    fn a_few_that_got_away_are_left_out() {
+        let mut scene = Scene::new();
+        for k in 0..100 {
+            scene.add_sphere(Sphere::new([k as f32 % 10.0, (k / 10) as f32, 0.0], 0.5)).unwrap();
+        }
+        let all = bounds(&scene);
+        assert_eq!(all, (Vec3::splat(-0.5), Vec3::new(9.5, 9.5, 0.5)));
+        scene.add_sphere(Sphere::new([4.0, -300.0, 0.0], 0.5)).unwrap();
+        scene.add_sphere(Sphere::new([90.0, 4.0, 0.0], 0.5)).unwrap();
+        assert_eq!(bounds(&scene), all);
     }
 
     #[test]

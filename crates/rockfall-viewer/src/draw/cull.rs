@@ -92,7 +92,8 @@ impl Cull {
             .map(|(binding, buffer)| wgpu::BindGroupEntry { binding, resource: buffer.as_entire_binding() })
             .collect();
         let layout = &self.layout;
-        self.group = Some(device.create_bind_group(&wgpu::BindGroupDescriptor { label: Some("cull"), layout, entries: &entries }));
+        self.group =
+            Some(device.create_bind_group(&wgpu::BindGroupDescriptor { label: Some("cull"), layout, entries: &entries }));
     }
 
     /// Makes the lists of the frame.

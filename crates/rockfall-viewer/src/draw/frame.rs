@@ -195,7 +195,8 @@ mod tests {
 
     fn module(text: &str) -> Module {
         let module = naga::front::wgsl::parse_str(text).unwrap_or_else(|error| panic!("{}", error.emit_to_string(text)));
-        let mut validator = naga::valid::Validator::new(naga::valid::ValidationFlags::all(), naga::valid::Capabilities::default());
+        let mut validator =
+            naga::valid::Validator::new(naga::valid::ValidationFlags::all(), naga::valid::Capabilities::default());
         validator.validate(&module).unwrap_or_else(|error| panic!("{}", error.emit_to_string(text)));
         module
     }
@@ -207,10 +208,48 @@ mod tests {
     #[test]
     fn the_uniform_block_is_that_of_the_shaders() {
         let expected = offsets![
-            view_projection, light_projection, eye, near, right, tangent, up, aspect, forward, blend, light, light_texel,
-            light_right, light_depth, light_up, cell, centre, centre_distance, horizon, ground, zenith, typical_radius,
-            viewport, range, cell_fade, coil_pieces, coil_sides, flags, spheres, rods, springs, tethers, rods_at,
-            springs_at, tethers_at, boxes_at, polygons_at, users_at, colour_by, light_size, kinds, scale,
+            view_projection,
+            light_projection,
+            eye,
+            near,
+            right,
+            tangent,
+            up,
+            aspect,
+            forward,
+            blend,
+            light,
+            light_texel,
+            light_right,
+            light_depth,
+            light_up,
+            cell,
+            centre,
+            centre_distance,
+            horizon,
+            ground,
+            zenith,
+            typical_radius,
+            viewport,
+            range,
+            cell_fade,
+            coil_pieces,
+            coil_sides,
+            flags,
+            spheres,
+            rods,
+            springs,
+            tethers,
+            rods_at,
+            springs_at,
+            tethers_at,
+            boxes_at,
+            polygons_at,
+            users_at,
+            colour_by,
+            light_size,
+            kinds,
+            scale,
         ];
         for text in [BODIES, CULL, OCCLUSION, FINISH] {
             let module = module(text);
@@ -218,7 +257,8 @@ mod tests {
             let found = types.find(|found| found.name.as_deref() == Some("Frame")).unwrap();
             let TypeInner::Struct { members, span } = &found.inner else { panic!("Frame is no struct") };
             assert_eq!(*span as usize, size_of::<Frame>());
-            let members: Vec<_> = members.iter().map(|member| (member.name.as_deref().unwrap(), member.offset as usize)).collect();
+            let members: Vec<_> =
+                members.iter().map(|member| (member.name.as_deref().unwrap(), member.offset as usize)).collect();
             assert_eq!(members, expected);
         }
     }

@@ -1,9 +1,11 @@
 //! Films as GIF. A picture has a palette of its own, made of the pixels that changed since the last one; the others are
 //! left as they were, which keeps both the colours and the file good.
 
+use std::collections::HashMap;
 use std::io;
 use std::path::Path;
 
+use color_quant::NeuQuant;
 use gif::{DisposalMethod, Encoder, Frame, Repeat};
 use rockfall::Result;
 use rockfall::output::AtomicFile;
@@ -12,9 +14,13 @@ use crate::film::failed;
 use crate::picture::Picture;
 
 /// 1 to 30, of NeuQuant (Dekker 1994): the higher, the faster and the worse.
-const SPEED: i32 = 8;
-/// What an unchanged pixel is called in a picture. Any colour that bodies do not have will do.
-const UNCHANGED: [u8; 4] = [255, 0, 255, 0];
+const SPEED: i32 = 3;
+/// Colours of a palette; one more place is for pixels that are left as they were.
+const COLOURS: usize = 255;
+/// As many of them are the most common ones, as they are: a large even area that is a little off is seen at once.
+const COMMON: usize = 55;
+/// Squared distance below which two colours need not both be among the common ones.
+const ALIKE: u32 = 20;
 
 pub(super) fn write(path: &Path, fps: u32, pictures: impl Iterator<Item = Result<Picture>>) -> Result<()> {
     let wrong = failed(path);
@@ -61,16 +67,71 @@ fn changes(before: Option<&Picture>, picture: &Picture) -> Frame<'static> {
         // Nothing changed: one pixel, which is as it was.
         (left, right, top, bottom) = (0, 1, 0, 1);
     }
-    let mut pixels = Vec::with_capacity(4 * (right - left) * (bottom - top));
-    for y in top..bottom {
-        for index in y * wide + left..y * wide + right {
-            pixels.extend(if differs(index) { picture.pixels[index] } else { UNCHANGED });
+    let rows = (top..bottom).map(|y| y * wide + left..y * wide + right);
+    let changed: Vec<Option<Rgb>> = rows.flatten().map(|index| differs(index).then(|| rgb(picture.pixels[index]))).collect();
+    let (palette, indices) = palette(&changed);
+    let buffer = changed.iter().map(|colour| colour.and_then(|colour| indices.get(&colour).copied()));
+    Frame {
+        // All of them fit: they are parts of the sides of a GIF.
+        left: left as u16,
+        top: top as u16,
+        width: (right - left) as u16,
+        height: (bottom - top) as u16,
+        buffer: buffer.map(|index| index.unwrap_or(UNCHANGED)).collect(),
+        palette: Some(palette),
+        transparent: Some(UNCHANGED),
+        ..Frame::default()
+    }
+}
+
+type Rgb = [u8; 3];
+
+/// The place in a palette of pixels that are left as they were.
+const UNCHANGED: u8 = COLOURS as u8;
+
+fn rgb([r, g, b, _]: [u8; 4]) -> Rgb {
+    [r, g, b]
+}
+
+fn apart(one: Rgb, two: Rgb) -> u32 {
+    one.iter().zip(two).map(|(a, b)| u32::from(a.abs_diff(b)).pow(2)).sum()
+}
+
+/// The most common of these colours that are not alike.
+fn common(counts: &[(Rgb, u32)]) -> Vec<Rgb> {
+    let mut by_count = counts.to_vec();
+    by_count.sort_by_key(|(_, count)| std::cmp::Reverse(*count));
+    let mut common: Vec<Rgb> = Vec::with_capacity(COMMON);
+    for (colour, _) in by_count {
+        if common.len() < COMMON && common.iter().all(|other| apart(*other, colour) > ALIKE) {
+            common.push(colour);
         }
     }
-    // All of them fit: they are parts of the sides of a GIF.
-    let mut frame = Frame::from_rgba_speed((right - left) as u16, (bottom - top) as u16, &mut pixels, SPEED);
-    (frame.left, frame.top) = (left as u16, top as u16);
-    frame
+    common
+}
+
+/// A palette for these colours, and the place in it of each. Beside the common ones, a colour counts for the more the more
+/// pixels have it, but not in proportion, or small bodies would take the colours of the background.
+fn palette(colours: &[Option<Rgb>]) -> (Vec<u8>, HashMap<Rgb, u8>) {
+    let mut counts: HashMap<Rgb, u32> = HashMap::new();
+    for colour in colours.iter().flatten() {
+        *counts.entry(*colour).or_default() += 1;
+    }
+    // In an order of their own, so that the same film is the same file.
+    let mut counts: Vec<(Rgb, u32)> = counts.into_iter().collect();
+    counts.sort_unstable();
+    let mut palette: Vec<Rgb> = if counts.len() <= COLOURS {
+        counts.iter().map(|(colour, _)| *colour).collect()
+    } else {
+        let weighted = counts.iter().flat_map(|(colour, count)| std::iter::repeat_n(*colour, count.isqrt() as usize));
+        let pixels: Vec<u8> = weighted.flat_map(|[r, g, b]| [r, g, b, 255]).collect();
+        let others = NeuQuant::new(SPEED, COLOURS - COMMON, &pixels).color_map_rgb();
+        common(&counts).into_iter().chain(others.chunks_exact(3).map(|rgb| [rgb[0], rgb[1], rgb[2]])).collect()
+    };
+    let nearest = |colour: Rgb| (0..palette.len()).min_by_key(|place| apart(palette[*place], colour)).unwrap_or(0);
+    let places = counts.iter().map(|(colour, _)| (*colour, nearest(*colour) as u8)).collect();
+    palette.resize(COLOURS + 1, [0; 3]);
+    (palette.into_iter().flatten().collect(), places)
 }
 
 #[cfg(test)]
@@ -91,6 +152,28 @@ mod tests {
         assert_eq!(shown, [true, false, false, true]);
         assert_eq!(changes(Some(&picture(&[9])), &picture(&[9])).buffer.len(), 1);
         assert_eq!(changes(None, &picture(&[9])).buffer.len(), 32);
+    }
+
+    #[test]
+    fn few_colours_stay_as_they_are_and_of_many_rare_ones_keep_their_hue() {
+        let exact = changes(None, &picture(&[9]));
+        let palette = exact.palette.clone().unwrap();
+        let shown = |frame: &Frame<'_>, palette: &[u8], index: usize| {
+            let at = 3 * usize::from(frame.buffer[index]);
+            [palette[at], palette[at + 1], palette[at + 2]]
+        };
+        assert_eq!([shown(&exact, &palette, 9), shown(&exact, &palette, 8)], [[200, 0, 0], [240; 3]]);
+
+        let (width, height) = (64, 64);
+        let grey = |index: usize| [(100 + index % 128) as u8, (100 + index % 128) as u8, (100 + index / 40 % 128) as u8, 255];
+        let mut pixels: Vec<[u8; 4]> = (0..width * height).map(grey).collect();
+        // A body of a hundredth of the picture.
+        for (index, pixel) in pixels[60..100].iter_mut().enumerate() {
+            *pixel = [10 + index as u8 / 4, 140 + index as u8, 90, 255];
+        }
+        let many = changes(None, &Picture { width: 64, height: 64, pixels });
+        let [r, g, b] = shown(&many, &many.palette.clone().unwrap(), 77);
+        assert!(g > r.saturating_add(60) && g > b.saturating_add(20), "{r} {g} {b}");
     }
 
     #[test]

@@ -1,0 +1,83 @@
+//! What is left out of a picture, or drawn in a cheaper way, does not show.
+#![cfg(feature = "gpu")]
+
+use rockfall::glam::{DVec3, Vec3};
+use rockfall::{Backend, Scene, Sphere};
+use rockfall_viewer::camera::{Axes, Camera};
+use rockfall_viewer::draw::FrameTimes;
+use rockfall_viewer::picture::Picture;
+
+mod common;
+use common::{HEIGHT, WIDTH, assert_covers, canvas, outlines, picture, renderer, simulation};
+
+#[test]
+fn spheres_on_the_edges_of_the_picture_are_drawn_as_far_as_they_are_in_it() {
+    let camera = Camera::new([1.0, 2.0, 6.0], [0.0, 0.0, 0.0]);
+    let Axes { right, up, .. } = camera.axes();
+    let half = camera.eye.length() * (0.5 * camera.field_of_view).tan();
+    let radius = 0.6_f32;
+    for (x, y) in [(-1.0, 0.0), (1.0, 0.2), (0.1, 1.0), (-0.3, -1.0), (1.0, 1.0)] {
+        // A sixth of the radius within.
+        let inset = |side: f32, half: f32| side * half + 0.84 * radius * side.trunc();
+        let centre = inset(x, half * common::ASPECT) * right + inset(y, half) * up;
+        let mut scene = Scene::new();
+        scene.add_sphere(Sphere::new(centre, radius)).unwrap();
+        // Something that is well within, so that the picture is not nearly empty.
+        scene.add_sphere(Sphere::new(Vec3::ZERO, 0.3)).unwrap();
+        let balls = [(centre.as_dvec3(), f64::from(radius)), (DVec3::ZERO, 0.3)];
+        let meets = move |origin: DVec3, direction: DVec3| {
+            balls.iter().any(|(centre, radius)| (*centre - origin).cross(direction).length() < *radius)
+        };
+        assert_covers(&picture(scene, &camera, &outlines()), &camera, meets);
+    }
+}
+
+/// A loose lattice of spheres of one size that fills much of the picture, none before another.
+fn lattice(side: u32, radius: f32) -> Scene {
+    let mut scene = Scene::new();
+    let apart = 2.0 / side as f32;
+    for k in 0..side * side {
+        let (x, y) = (k % side, k / side);
+        let place = Vec3::new((x as f32 + 0.5) * apart - 1.0, (y as f32 + 0.5) * apart - 1.0, 0.0);
+        // Off the grid of the pixels.
+        scene
+            .add_sphere(Sphere::new(place + 0.13 * apart * Vec3::new((k as f32).sin(), (1.7 * k as f32).cos(), 0.0), radius))
+            .unwrap();
+    }
+    scene
+}
+
+/// How dark a picture of a lattice is, all in all, and how its spheres were drawn; `pixels`: the radius.
+fn darkness(side: u32, pixels: f32) -> (f32, FrameTimes) {
+    let camera = Camera::new([0.0, 0.0, 5.0], [0.0, 0.0, 0.0]);
+    let pixel = 2.0 * 5.0 * (0.5 * camera.field_of_view).tan() / HEIGHT as f32;
+    let mut simulation = simulation(lattice(side, pixels * pixel), Backend::Cpu);
+    let (mut renderer, style) = (renderer(), outlines());
+    renderer.time_frames().unwrap();
+    renderer.update(&mut simulation, &style).unwrap();
+    let Picture { pixels, .. } = canvas().take(&mut renderer, &camera, &style).unwrap();
+    assert_eq!(pixels.len() as u32, WIDTH * HEIGHT);
+    // Linear in light, as coverage is.
+    let light = |channel: u8| (f32::from(channel) / 255.0).powf(2.2);
+    let dark = pixels.iter().map(|[r, g, b, _]| 3.0 - light(*r) - light(*g) - light(*b)).sum();
+    (dark, renderer.frame_times().unwrap().unwrap())
+}
+
+#[test]
+fn small_spheres_cover_what_their_discs_do() {
+    let (near, times) = darkness(20, 2.1);
+    assert_eq!((times.near, times.far), (400, 0));
+    // Seen from far away, the outline is a circle of the radius.
+    let per_pixel = near / (400.0 * 2.1_f32.powi(2));
+    for (side, radius, tolerance) in [(20, 1.9, 0.03), (30, 1.0, 0.05), (60, 0.4, 0.08)] {
+        let (dark, times) = darkness(side, radius);
+        assert_eq!((times.near, times.far), (0, side * side), "{radius}");
+        let expected = per_pixel * (side * side) as f32 * radius * radius;
+        assert!((dark / expected - 1.0).abs() < tolerance, "{radius}: {dark} {expected}");
+    }
+    // Of these, one in about 3.1 stands for all.
+    let (dark, times) = darkness(100, 0.2);
+    let share = times.far as f32 / 10_000.0;
+    assert!((share - (0.2_f32 / 0.35).powi(2)).abs() < 0.03, "{share}");
+    assert!((dark / (per_pixel * 400.0) - 1.0).abs() < 0.15, "{dark} {}", per_pixel * 400.0);
+}
