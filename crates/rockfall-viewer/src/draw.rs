@@ -183,10 +183,11 @@ impl Renderer {
             let values: Vec<f32> = simulation.diagnostics()?.iter().map(|found| by.of(found)).collect();
             self.greatest.see(values.iter().copied().fold(0.0, f32::max));
             self.source.set_values(&self.queue, simulation, values.into_iter());
-        } else if by == ColourBy::Speed && style.range == Range::Auto {
-            if let Some(state) = self.source.state() {
-                self.greatest.see(self.find.speed(state, self.step.spheres)?);
-            }
+        } else if by == ColourBy::Speed
+            && style.range == Range::Auto
+            && let Some(state) = self.source.state()
+        {
+            self.greatest.see(self.find.speed(state, self.step.spheres)?);
         }
         Ok(())
     }
