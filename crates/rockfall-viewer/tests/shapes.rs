@@ -14,7 +14,7 @@ fn camera() -> Camera {
     Camera::new([2.0, 3.0, 7.0], [0.3, 0.4, 0.0])
 }
 
-fn scene(fill: impl FnOnce(&mut Scene)) -> Scene {
+fn scene<T>(fill: impl FnOnce(&mut Scene) -> T) -> Scene {
     let mut scene = Scene::new();
     fill(&mut scene);
     scene
@@ -57,7 +57,7 @@ fn is_within(parts: [f64; 2]) -> bool {
 #[test]
 fn the_outline_of_a_sphere_is_its_ellipse() {
     let (camera, centre, radius) = (camera(), Vec3::new(1.4, 0.9, 1.0), 0.8);
-    let picture = picture(scene(|scene| drop(scene.add_sphere(Sphere::new(centre, radius)))), &camera, &outlines());
+    let picture = picture(scene(|scene| scene.add_sphere(Sphere::new(centre, radius)).unwrap()), &camera, &outlines());
     assert_covers(&picture, &camera, meets_ball(centre.as_dvec3(), radius.into()));
 
     // The planes through the eye that touch the sphere: slope (x z +- r sqrt(x² + z² - r²)) / (z² - r²), x aside, z ahead.
@@ -86,7 +86,7 @@ fn rods_and_capsules_are_round_along_their_length() {
         scene.add_rod(Rod::new(ends[0], ends[1], 0.3)).unwrap();
     });
     assert_covers(&picture(rod, &camera, &outlines()), &camera, meets());
-    let capsule = scene(|scene| drop(scene.add_capsule(Capsule::new(end1, end2, 0.3)).unwrap()));
+    let capsule = scene(|scene| scene.add_capsule(Capsule::new(end1, end2, 0.3)).unwrap());
     assert_covers(&picture(capsule, &camera, &outlines()), &camera, meets());
 }
 
@@ -104,7 +104,7 @@ fn boxes_are_the_hull_of_their_faces() {
             on_plane(corner, [a, b], origin, direction).is_some_and(is_within)
         })
     };
-    let boxed = scene(|scene| drop(scene.add_box(cuboid).unwrap()));
+    let boxed = scene(|scene| scene.add_box(cuboid).unwrap());
     assert_covers(&picture(boxed, &camera, &outlines()), &camera, faces);
 }
 
@@ -115,7 +115,7 @@ fn polygons_are_whole_from_the_solid_side_and_hatched_from_the_other() {
     let edges = [left.as_dvec3(), right.as_dvec3()];
     let meets = move |origin, direction| on_plane(corner.as_dvec3(), edges, origin, direction).is_some_and(is_within);
     let shown = |left, right| {
-        picture(scene(|scene| drop(scene.add_polygon(Polygon::new(corner, left, right)).unwrap())), &camera, &outlines())
+        picture(scene(|scene| scene.add_polygon(Polygon::new(corner, left, right)).unwrap()), &camera, &outlines())
     };
     // Left x right points to the camera.
     assert!(left.cross(right).dot(camera.eye - corner) > 0.0);
@@ -216,7 +216,7 @@ fn is_first_tone(orientation: Quat, aside: f32) -> bool {
     let camera = Camera::new([0.0, 0.0, 8.0], [0.0, 0.0, 0.0]);
     let mut style = outlines();
     style.colour_by = rockfall_viewer::draw::ColourBy::Kind;
-    let ball = scene(|scene| drop(scene.add_sphere(Sphere::new([0.0, 0.0, 0.0], 1.0).orientation(orientation)).unwrap()));
+    let ball = scene(|scene| scene.add_sphere(Sphere::new([0.0, 0.0, 0.0], 1.0).orientation(orientation)).unwrap());
     let shown = picture(ball, &camera, &style);
     let [x, y] = projected(&camera, Vec3::new(aside, 0.0, (1.0 - aside * aside).sqrt()));
     let [r, _, b] = pixel(&shown, x as u32, y as u32);
