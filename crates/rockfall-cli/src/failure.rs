@@ -9,6 +9,9 @@ use rockfall::Error;
 
 use crate::output;
 
+/// Exit code of a command that was ended by a signal, as shells give it for Ctrl-C.
+pub(crate) const INTERRUPTED: u8 = 130;
+
 /// A command's error.
 #[derive(Debug)]
 pub(crate) enum Failure {
@@ -16,6 +19,8 @@ pub(crate) enum Failure {
     Usage(String),
     /// The run failed: exit code 1.
     Run(String),
+    /// A signal ended the run, what it computed is written: exit code 130.
+    Interrupted(String),
     /// Nobody reads standard output any more, which is no error: exit code 0.
     ClosedPipe,
 }
@@ -35,6 +40,10 @@ impl Failure {
     pub(crate) fn report(self) -> ExitCode {
         let (code, message) = match self {
             Self::ClosedPipe => return ExitCode::SUCCESS,
+            Self::Interrupted(message) => {
+                output::note(&message);
+                return ExitCode::from(INTERRUPTED);
+            }
             Self::Usage(message) => (2, message),
             Self::Run(message) => (1, message),
         };

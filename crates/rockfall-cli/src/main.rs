@@ -2,14 +2,14 @@
 
 use std::process::ExitCode;
 
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory as _, FromArgMatches as _, Parser, Subcommand};
 
 mod bench;
 mod check;
-mod csv;
 mod devices;
 mod failure;
 mod generate;
+mod interrupt;
 mod options;
 mod output;
 mod picture;
@@ -26,7 +26,7 @@ mod summary;
     name = "rockfall",
     version,
     disable_help_subcommand = true,
-    after_help = "Exit code: 0 done, 1 the run failed, 2 wrong usage or a bad scene."
+    after_help = "Exit code: 0 done, 1 the run failed, 2 wrong usage or a bad scene, 130 ended by Ctrl-C or SIGTERM."
 )]
 struct Arguments {
     #[command(subcommand)]
@@ -51,8 +51,11 @@ enum Command {
 }
 
 fn main() -> ExitCode {
-    let result = match Arguments::parse().command {
-        Command::Run(arguments) => run::run(&arguments),
+    let matches = Arguments::command().get_matches();
+    let arguments = Arguments::from_arg_matches(&matches).unwrap_or_else(|error| error.exit());
+    let given = run::Given(matches.subcommand().map_or(&matches, |(_, matches)| matches));
+    let result = match arguments.command {
+        Command::Run(arguments) => run::run(&arguments, &given),
         Command::Check(arguments) => check::check(&arguments),
         Command::Bench(arguments) => bench::bench(&arguments),
         Command::Devices => devices::devices(),

@@ -53,8 +53,8 @@ impl Physics {
 /// A `--set` argument that was tried out.
 #[derive(Clone, Debug)]
 pub(crate) struct Setting {
-    name: String,
-    value: String,
+    pub(crate) name: String,
+    pub(crate) value: String,
 }
 
 impl std::str::FromStr for Setting {

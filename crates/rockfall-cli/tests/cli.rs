@@ -1,69 +1,20 @@
 //! The real binary, on good and bad scenes and arguments.
 
 use std::fs;
-use std::io::Write as _;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output, Stdio};
+use std::process::Stdio;
 
 use serde_json::Value;
-use tempfile::TempDir;
+
+mod common;
+
+use common::Rockfall;
+#[cfg(feature = "gpu")]
+use common::finish;
 
 /// Two balls and a box that they fall on.
 const SCENE: &str = "Two balls over a box.\nS 1 0 1 0 0 0 0 0 0 0 1 0.5 0\nS 2 0.25 2.5 -0 1e-40 0 1.2345679e-30 0 0 0 1 0.5\n\
                      B -5 -1 -5 10 0 0 0 1 0 0 0 10\n";
-
-/// A folder of a test's own, and commands that run in it.
-struct Rockfall {
-    folder: TempDir,
-}
-
-impl Rockfall {
-    /// An empty folder but for `scene.txt`.
-    fn with(scene: &str) -> Self {
-        let folder = tempfile::tempdir().unwrap();
-        fs::write(folder.path().join("scene.txt"), scene).unwrap();
-        Self { folder }
-    }
-
-    fn path(&self, name: &str) -> PathBuf {
-        self.folder.path().join(name)
-    }
-
-    fn read(&self, name: &str) -> String {
-        fs::read_to_string(self.path(name)).unwrap()
-    }
-
-    fn command(&self, arguments: &str) -> Command {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_rockfall"));
-        command.current_dir(self.folder.path()).args(arguments.split_whitespace());
-        // Without it, graphics drivers complain on standard error, which tests compare.
-        command.env("XDG_RUNTIME_DIR", self.folder.path());
-        command
-    }
-
-    /// Runs a command that must end with this exit code; gives standard output and standard error.
-    #[track_caller]
-    fn run(&self, arguments: &str, code: i32) -> (String, String) {
-        finish(self.command(arguments).output().unwrap(), arguments, code)
-    }
-
-    #[track_caller]
-    fn run_with_input(&self, arguments: &str, input: &[u8], code: i32) -> (String, String) {
-        let mut child =
-            self.command(arguments).stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
-        child.stdin.take().unwrap().write_all(input).unwrap();
-        finish(child.wait_with_output().unwrap(), arguments, code)
-    }
-}
-
-#[track_caller]
-fn finish(output: Output, arguments: &str, code: i32) -> (String, String) {
-    let out = String::from_utf8(output.stdout).unwrap();
-    let err = String::from_utf8(output.stderr).unwrap();
-    assert_eq!(output.status.code(), Some(code), "{arguments}\n{out}\n{err}");
-    assert!(!err.contains("panicked"), "{arguments}\n{err}");
-    (out, err)
-}
 
 fn scenes() -> Vec<PathBuf> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes");
@@ -252,6 +203,14 @@ fn wrong_arguments_are_wrong_usage() {
         ("run scene.txt --set restitution=-1", "not negative"),
         ("run scene.txt --set gravity=", "a finite number"),
         ("run scene.txt --out same.csv --trace same.csv", "same file"),
+        ("run scene.txt --trace same.csv --checkpoint same.csv", "same file"),
+        ("run scene.txt --every 5", "expected --out FILE"),
+        ("run scene.txt --out a.npz --every 0", "'0' for '--every"),
+        ("run scene.txt --out a.pvd", "expected --every"),
+        ("run scene.txt --checkpoint-every 5", "expected --checkpoint FILE"),
+        ("run scene.txt --resume a.ckpt", "cannot be used with"),
+        ("run --resume none.ckpt", "none.ckpt: "),
+        ("run --resume scene.txt", "scene.txt: not a usable checkpoint: it does not begin as"),
         ("check", "Usage"),
         ("check scene.txt --dt 0", "a finite number of seconds greater than 0"),
         ("generate", "Usage"),
@@ -288,17 +247,24 @@ fn bad_output_paths_show_before_the_run() {
 }
 
 #[test]
-fn a_run_that_fails_leaves_the_old_files_alone() {
+fn a_run_that_fails_writes_what_it_has() {
     let scene = "S 1 0 0 0 0 0 0 0 0 0 1 0.1\nS 2 9 0 0 0 0 0 0 0 0 1 0.1\nK 1 2 1e6 1 0\n";
     let rockfall = Rockfall::with(scene);
-    fs::write(rockfall.path("state.csv"), "old").unwrap();
-    let command = "run scene.txt --backend cpu --out state.csv --trace trace.csv";
-    let (out, err) = rockfall.run(command, 1);
-    assert!(err.contains("stopped being finite"), "{err}");
+    fs::write(rockfall.path("run.ckpt"), "old").unwrap();
+    let files = "--out state.csv --trace trace.csv --checkpoint run.ckpt";
+    let (out, err) = rockfall.run(&format!("run scene.txt --backend cpu {files}"), 1);
     assert_eq!(out, "");
-    assert_eq!(rockfall.read("state.csv"), "old");
-    assert_eq!(fs::read_dir(rockfall.folder.path()).unwrap().count(), 2, "no part files");
+    let (_, step) = err.split_once("written up to step ").unwrap();
+    let (step, files) = step.split_once(": ").unwrap();
+    assert!(files.starts_with("trace.csv, state.csv\nerror: sphere 0 stopped being finite in step "), "{err}");
+    assert!(files.contains(&format!("in step {step} ")), "{err}");
+    // The state that failed; of the trace, all but its line.
+    assert_eq!(rockfall.read("state.csv").lines().count(), 3);
+    assert_eq!(rockfall.read("trace.csv").lines().count(), 1 + step.parse::<usize>().unwrap());
+    assert_eq!(rockfall.read("run.ckpt"), "old", "a checkpoint of a failed run is of no use");
+    assert_eq!(fs::read_dir(rockfall.folder.path()).unwrap().count(), 4, "no part files");
 
+    let command = "run scene.txt --backend cpu --out state.csv --trace trace.csv";
     let (out, _) = rockfall.run(&format!("{command} --keep-going --steps 5"), 0);
     assert!(out.contains("times a body was stopped"), "{out}");
     assert_eq!(rockfall.read("state.csv").lines().count(), 3);

@@ -30,6 +30,8 @@ pub struct AtomicFile {
     crc32: Hasher,
     /// Something refers to what was written so far.
     marked: bool,
+    /// Something could not be written: the file has a gap.
+    failed: bool,
 }
 
 impl AtomicFile {
@@ -80,7 +82,8 @@ impl AtomicFile {
     }
 
     fn new(file: File, places: Option<(PathBuf, PathBuf)>) -> Self {
-        Self { writer: BufWriter::with_capacity(1 << 16, file), places, bytes: 0, crc32: Hasher::new(), marked: false }
+        let writer = BufWriter::with_capacity(1 << 16, file);
+        Self { writer, places, bytes: 0, crc32: Hasher::new(), marked: false, failed: false }
     }
 
     /// Puts on the disk what was written so far, and keeps it from now on, even unfinished. `None` for what is no regular
@@ -113,8 +116,11 @@ impl AtomicFile {
     /// Finishes the file, puts it on the disk and in its place.
     ///
     /// # Errors
-    /// What the operating system says; nothing is put in its place then.
+    /// What the operating system says, also where an earlier write failed; nothing is put in its place then.
     pub fn commit(mut self) -> io::Result<()> {
+        if self.failed {
+            return Err(io::Error::other("a part of it could not be written"));
+        }
         self.writer.flush()?;
         if let Some((beside, target)) = &self.places {
             sync(self.writer.get_ref())?;
@@ -133,7 +139,9 @@ impl AtomicFile {
 
 impl Write for AtomicFile {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        let written = self.writer.write(bytes)?;
+        let written = self.writer.write(bytes).inspect_err(|error| {
+            self.failed |= error.kind() != io::ErrorKind::Interrupted;
+        })?;
         self.crc32.update(&bytes[..written]);
         self.bytes += written as u64;
         Ok(written)

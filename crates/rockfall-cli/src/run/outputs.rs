@@ -1,0 +1,280 @@
+//! The files that a run writes: the final state or a trajectory, the trace, and checkpoints that refer to both.
+
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+
+use rockfall::output::{AtomicFile, Mark};
+use rockfall::{Error, Report, Simulation};
+use rockfall_trajectory::csv::{self, numbers};
+use rockfall_trajectory::{Format, Frame, Writer, vtp};
+
+use super::past::{Past, PastFile};
+use crate::failure::Failure;
+use crate::output;
+
+const TRACE_HEADER: &str = "step,time,kinetic,potential,spring,contact,momentum_x,momentum_y,momentum_z,\
+                            angular_x,angular_y,angular_z,max_overlap,contacts,collisions";
+
+/// What is asked for, by the command line or by the run that is gone on with.
+#[derive(Debug, Default)]
+pub(crate) struct Wanted {
+    pub(crate) out: Option<PathBuf>,
+    pub(crate) every: Option<u64>,
+    pub(crate) trace: Option<PathBuf>,
+    pub(crate) checkpoint: Option<PathBuf>,
+    pub(crate) checkpoint_every: Option<u64>,
+}
+
+impl Wanted {
+    /// That the wishes go together.
+    pub(super) fn check(&self) -> Result<(), Failure> {
+        let names = [("--out", &self.out), ("--trace", &self.trace), ("--checkpoint", &self.checkpoint)];
+        for (place, (one, path)) in names.iter().enumerate() {
+            if let Some((other, _)) = names[..place].iter().find(|(_, other)| path.is_some() && other == path) {
+                return Err(Failure::usage(format!("{other} and {one} name the same file")));
+            }
+        }
+        if self.every.is_some() && self.out.is_none() {
+            return Err(Failure::usage("--every: expected --out FILE with it"));
+        }
+        if self.checkpoint_every.is_some() && self.checkpoint.is_none() {
+            return Err(Failure::usage("--checkpoint-every: expected --checkpoint FILE with it"));
+        }
+        let pvd = |path: &PathBuf| path.extension().is_some_and(|extension| extension == "pvd");
+        if self.every.is_none() && self.out.as_ref().is_some_and(pvd) {
+            return Err(Failure::usage("--out: a .pvd is a series of states, expected --every K with it"));
+        }
+        Ok(())
+    }
+}
+
+/// What `--out` writes.
+enum Out {
+    /// The state at the end.
+    State(PathBuf, AtomicFile),
+    /// The state at the end, as a trajectory of one frame.
+    LastFrame(PathBuf, Writer),
+    /// A frame every so many steps.
+    Frames(PathBuf, Writer, u64),
+}
+
+/// Files that were opened before the run, so that a bad path shows before it.
+pub(crate) struct Outputs {
+    out: Option<Out>,
+    trace: Option<(PathBuf, AtomicFile)>,
+    checkpoint: Option<PathBuf>,
+    checkpoint_every: Option<u64>,
+    /// Nothing is there yet: a trace and a trajectory want their first line and frame.
+    begins: [bool; 2],
+    /// The step of the last checkpoint.
+    saved_at: Option<u64>,
+}
+
+impl Outputs {
+    /// Opens what is wanted. What `past` tells of a run that is gone on with is gone on with.
+    pub(crate) fn open(wanted: Wanted, past: Option<&Past>) -> Result<Self, Failure> {
+        let Wanted { out, every, trace, checkpoint, checkpoint_every } = wanted;
+        let marked = |path: &Path, past: Option<&PastFile>| -> Option<Mark> {
+            past.filter(|past| past.path == whole(path)).and_then(PastFile::mark)
+        };
+        let out_mark = out.as_deref().and_then(|path| marked(path, past.and_then(|past| past.out.as_ref())));
+        if let Some(begun) = past.and_then(|past| past.every).filter(|begun| out_mark.is_some() && every != Some(*begun)) {
+            let message = "give another --out, or leave --every out";
+            return Err(Failure::usage(format!("--every: the frames were begun with --every {begun}; {message}")));
+        }
+        let trace_mark = trace.as_deref().and_then(|path| marked(path, past.and_then(|past| past.trace.as_ref())));
+        let trace = trace.map(|path| open_trace(&path, trace_mark).map(|file| (path, file))).transpose()?;
+        if let Some(path) = &checkpoint {
+            // Only tried: each checkpoint is a file of its own.
+            AtomicFile::create(path).map_err(|error| Failure::file(path, &error))?.discard();
+        }
+        Ok(Self {
+            out: out.map(|path| Out::open(path, every, out_mark)).transpose()?,
+            trace,
+            checkpoint,
+            checkpoint_every,
+            begins: [trace_mark.is_none(), out_mark.is_none()],
+            saved_at: None,
+        })
+    }
+
+    /// Writes what comes before the first step.
+    pub(crate) fn begin(&mut self, simulation: &mut Simulation) -> Result<(), Failure> {
+        let [trace, frames] = self.begins;
+        if let Some((path, file)) = self.trace.as_mut().filter(|_| trace) {
+            writeln!(file, "{TRACE_HEADER}").map_err(|error| Failure::file(path, &error))?;
+            self.trace(simulation)?;
+        }
+        match &mut self.out {
+            Some(Out::Frames(_, writer, _)) if frames => Ok(written(writer.frame(simulation))?),
+            _ => Ok(()),
+        }
+    }
+
+    /// Steps until something is to be written, counted from a step; at most `most`.
+    pub(crate) fn steps_from(&self, step: u64, most: u64) -> u64 {
+        let every = match &self.out {
+            Some(Out::Frames(_, _, every)) => Some(*every),
+            _ => None,
+        };
+        let trace = self.trace.as_ref().map(|_| 1);
+        let until = |every: u64| every - step % every;
+        [every, trace, self.checkpoint_every].into_iter().flatten().map(until).fold(most, u64::min)
+    }
+
+    /// Writes what is due after a step.
+    pub(crate) fn after_step(&mut self, simulation: &mut Simulation, past: &mut Past) -> Result<(), Failure> {
+        self.trace(simulation)?;
+        let step = simulation.report().steps;
+        if let Some(Out::Frames(_, writer, every)) = &mut self.out
+            && step.is_multiple_of(*every)
+        {
+            written(writer.frame(simulation))?;
+        }
+        match self.checkpoint_every {
+            Some(every) if step.is_multiple_of(every) => self.save(simulation, past),
+            _ => Ok(()),
+        }
+    }
+
+    /// The line of the state that the simulation is in.
+    fn trace(&mut self, simulation: &mut Simulation) -> Result<(), Failure> {
+        let Some((path, file)) = &mut self.trace else { return Ok(()) };
+        let energy = simulation.energy()?;
+        let report: Report = simulation.report();
+        let mut write = || {
+            write!(file, "{}", report.steps)?;
+            let energies = [energy.kinetic, energy.potential, energy.spring, energy.contact];
+            numbers(file, &[report.time])?;
+            // An empty sum is -0, which nobody wants to read.
+            numbers(file, &energies.map(|energy| energy + 0.0))?;
+            numbers(file, &(energy.momentum + 0.0).to_array())?;
+            numbers(file, &(energy.angular_momentum + 0.0).to_array())?;
+            numbers(file, &[report.max_overlap])?;
+            writeln!(file, ",{},{}", report.contacts, report.collisions)
+        };
+        write().map_err(|error: io::Error| Failure::file(path, &error))
+    }
+
+    /// Writes a checkpoint, unless there is one of this step.
+    pub(crate) fn save(&mut self, simulation: &mut Simulation, past: &mut Past) -> Result<(), Failure> {
+        let step = simulation.report().steps;
+        let Some(path) = self.checkpoint.clone().filter(|_| self.saved_at != Some(step)) else { return Ok(()) };
+        (past.out, past.every) = match &mut self.out {
+            Some(Out::Frames(path, writer, every)) => (Some(PastFile::new(whole(path), written(writer.mark())?)), Some(*every)),
+            Some(Out::State(path, _) | Out::LastFrame(path, _)) => (Some(PastFile::new(whole(path), None)), None),
+            None => (None, None),
+        };
+        past.trace = match &mut self.trace {
+            Some((path, file)) => {
+                let mark = file.mark().map_err(|error| Failure::file(path, &error))?;
+                Some(PastFile::new(whole(path), mark))
+            }
+            None => None,
+        };
+        past.checkpoint_every = self.checkpoint_every;
+        let mut checkpoint = simulation.checkpoint()?;
+        checkpoint.note = serde_json::to_string(past).map_err(|error| Failure::Run(error.to_string()))?;
+        written(checkpoint.save(&path))?;
+        self.saved_at = Some(step);
+        Ok(())
+    }
+
+    /// Puts every file in its place, with what was computed; of several failures the first is told. Files that name what
+    /// they hold.
+    pub(crate) fn finish(self, simulation: &mut Simulation) -> Result<Vec<PathBuf>, Failure> {
+        let mut done = Vec::new();
+        let mut first = Ok(());
+        let mut note = |path: PathBuf, result: Result<(), Failure>| match result {
+            Ok(()) => done.push(path),
+            Err(failure) if first.is_ok() => first = Err(failure),
+            Err(failure) => drop(failure.report()),
+        };
+        if let Some((path, file)) = self.trace {
+            let result = file.commit().map_err(|error| Failure::file(&path, &error));
+            note(path, result);
+        }
+        match self.out {
+            Some(Out::State(path, file)) => {
+                let result = write_state(&path, file, simulation);
+                note(path, result);
+            }
+            Some(Out::LastFrame(path, mut writer)) => {
+                let result = writer.frame(simulation).and_then(|()| writer.finish(simulation.scene()));
+                note(path, written(result));
+            }
+            Some(Out::Frames(path, writer, _)) => note(path, written(writer.finish(simulation.scene()))),
+            None => {}
+        }
+        first.map(|()| done)
+    }
+
+    /// Whether checkpoints are written, and where the last one is.
+    pub(crate) fn checkpoint(&self) -> Option<&Path> {
+        self.checkpoint.as_deref()
+    }
+}
+
+impl Out {
+    fn open(path: PathBuf, every: Option<u64>, mark: Option<Mark>) -> Result<Self, Failure> {
+        let format = Format::of(&path);
+        if let Some(every) = every {
+            let writer = match mark {
+                Some(mark) => Writer::resume(&path, format, mark).map_err(|error| lost(&error, "--out"))?,
+                None => written(Writer::create(&path, format))?,
+            };
+            return Ok(Self::Frames(path, writer, every));
+        }
+        // One state of PolyData is a file of its own.
+        if format == Format::Npz {
+            let writer = written(Writer::create(&path, format))?;
+            return Ok(Self::LastFrame(path, writer));
+        }
+        let file = AtomicFile::create(&path).map_err(|error| Failure::file(&path, &error))?;
+        Ok(Self::State(path, file))
+    }
+}
+
+fn write_state(path: &Path, mut file: AtomicFile, simulation: &mut Simulation) -> Result<(), Failure> {
+    let frame = Frame::of(simulation, Format::of(path) == Format::Vtp)?;
+    let write = match Format::of(path) {
+        Format::Vtp => vtp::state(&mut file, &frame, simulation.scene()),
+        _ => csv::state(&mut file, &frame.spheres),
+    };
+    write.and_then(|()| file.commit()).map_err(|error| Failure::file(path, &error))
+}
+
+fn open_trace(path: &Path, mark: Option<Mark>) -> Result<AtomicFile, Failure> {
+    match mark {
+        Some(mark) => {
+            AtomicFile::resume(path, mark).map_err(|source| lost(&Error::File { file: path.to_owned(), source }, "--trace"))
+        }
+        None => AtomicFile::create(path).map_err(|error| Failure::file(path, &error)),
+    }
+}
+
+/// What an earlier run wrote cannot be gone on with.
+fn lost(error: &Error, option: &str) -> Failure {
+    Failure::usage(format!("{error}; give another {option} to begin a new one"))
+}
+
+/// Files are named with what is wrong with writing them.
+fn written<T>(result: rockfall::Result<T>) -> Result<T, Failure> {
+    result.map_err(|error| match error {
+        Error::File { file, source } => Failure::file(&file, &source),
+        error => error.into(),
+    })
+}
+
+/// The whole path, whether or not anything is there.
+pub(super) fn whole(path: &Path) -> PathBuf {
+    std::path::absolute(path).unwrap_or_else(|_| path.to_owned())
+}
+
+/// Tells where what was computed is.
+pub(super) fn tell(files: &[PathBuf], step: u64) {
+    let names: Vec<String> = files.iter().map(|path| path.display().to_string()).collect();
+    if !names.is_empty() {
+        output::note(&format!("written up to step {step}: {}", names.join(", ")));
+    }
+}

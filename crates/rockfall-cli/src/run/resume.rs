@@ -1,0 +1,105 @@
+//! Going on from a checkpoint.
+
+use std::path::Path;
+
+use clap::ArgMatches;
+use clap::parser::ValueSource;
+use rockfall::{Checkpoint, Error, Simulation};
+
+use super::outputs::{Outputs, Wanted, whole};
+use super::past::Past;
+use super::{Arguments, Run};
+use crate::failure::Failure;
+use crate::options::Setting;
+use crate::output;
+
+/// Which arguments stand on the command line; the others have their defaults.
+pub(crate) struct Given<'a>(pub(crate) &'a ArgMatches);
+
+impl Given<'_> {
+    fn has(&self, name: &str) -> bool {
+        self.0.value_source(name) == Some(ValueSource::CommandLine)
+    }
+}
+
+pub(super) fn open(arguments: &Arguments, given: &Given, path: &Path) -> Result<Run, Failure> {
+    let mut checkpoint = Checkpoint::load(path).map_err(Failure::usage)?;
+    let mut past: Past = serde_json::from_str(&checkpoint.note)
+        .map_err(|error| Failure::usage(format!("{}: not a checkpoint of `rockfall run`: {error}", path.display())))?;
+    let done = checkpoint.report.steps;
+    if given.has("steps") {
+        past.steps = arguments.steps;
+    }
+    if past.steps < done {
+        let message = format!("--steps {}: {} is at step {done} already", past.steps, path.display());
+        return Err(Failure::usage(message));
+    }
+    change(&mut checkpoint, arguments, given)?;
+
+    let wanted = wanted(arguments, &past, path)?;
+    let mut outputs = Outputs::open(wanted, Some(&past))?;
+    let (dt, device, program) = (checkpoint.time_step, checkpoint.device.clone(), checkpoint.program.clone());
+    let mut simulation = Simulation::resume(checkpoint).map_err(|error| match error {
+        Error::NoAdapter(_) if !given.has("backend") => Failure::Run(format!("{error}; {} ran on {device}", path.display())),
+        error => error.into(),
+    })?;
+    let now = [simulation.backend().device.as_str(), env!("CARGO_PKG_VERSION")];
+    for (what, then, now) in [("device", &device, now[0]), ("rockfall", &program, now[1])] {
+        // Threads of the CPU make no difference.
+        if then.split(',').next() != now.split(',').next() {
+            output::note(&format!("note: {what}: {now} instead of {then}, which may round differently"));
+        }
+    }
+    outputs.begin(&mut simulation)?;
+    Ok(Run { simulation, outputs, past, dt })
+}
+
+/// What is given comes before what the checkpoint has.
+fn change(checkpoint: &mut Checkpoint, arguments: &Arguments, given: &Given) -> Result<(), Failure> {
+    let differs = |what: &str, now: &str, then: &str| {
+        if now != then {
+            output::note(&format!("note: {what} {now} instead of {then} from step {} on", checkpoint.report.steps));
+        }
+    };
+    let (physics, options) = (&arguments.physics, &mut checkpoint.options);
+    if given.has("dt") {
+        differs("--dt", &physics.dt.to_string(), &checkpoint.time_step.to_string());
+        checkpoint.time_step = physics.dt;
+    }
+    if given.has("integrator") {
+        differs("--integrator", &physics.integrator.to_string(), &options.integrator.to_string());
+        options.integrator = physics.integrator;
+    }
+    for Setting { name, value } in &physics.set {
+        let settings = &mut checkpoint.scene.settings;
+        let then = settings.get(name).unwrap_or_default();
+        settings.set(name, value)?;
+        differs(&format!("--set {name}"), &settings.get(name).unwrap_or_default(), &then);
+    }
+    let engine = arguments.engine.options(physics);
+    if given.has("backend") {
+        options.backend = engine.backend;
+    }
+    if given.has("broad_phase") {
+        options.broad_phase = engine.broad_phase;
+    }
+    options.keep_going |= arguments.keep_going;
+    options.pair_capacity = arguments.capacity.or(options.pair_capacity);
+    Ok(())
+}
+
+/// The files of the run before, but for those that are given.
+fn wanted(arguments: &Arguments, past: &Past, path: &Path) -> Result<Wanted, Failure> {
+    let mut wanted = arguments.wanted()?;
+    let before = past.out.as_ref().map(|file| &file.path);
+    let same_out = wanted.out.as_deref().is_none_or(|out| Some(&whole(out)) == before);
+    if same_out {
+        wanted.out = wanted.out.or(before.cloned());
+        wanted.every = wanted.every.or(past.every);
+    }
+    wanted.trace = wanted.trace.or(past.trace.as_ref().map(|file| file.path.clone()));
+    wanted.checkpoint = wanted.checkpoint.or(Some(path.to_owned()));
+    wanted.checkpoint_every = wanted.checkpoint_every.or(past.checkpoint_every);
+    wanted.check()?;
+    Ok(wanted)
+}

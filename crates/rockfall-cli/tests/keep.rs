@@ -1,0 +1,219 @@
+//! Runs that are killed, interrupted and resumed, with the real binary: they end in the same bits as those that are not.
+
+use std::fs;
+use std::process::{Child, Command, Stdio};
+use std::time::{Duration, Instant};
+
+mod common;
+
+use common::{Rockfall, finish, mixed};
+
+/// Waits for a file, or for the end of the program.
+fn wait_for(rockfall: &Rockfall, name: &str, child: &mut Child) {
+    let start = Instant::now();
+    while !rockfall.path(name).exists() && child.try_wait().unwrap().is_none() {
+        assert!(start.elapsed() < Duration::from_secs(120), "no {name}");
+        std::thread::sleep(Duration::from_millis(1));
+    }
+}
+
+fn spawn(rockfall: &Rockfall, arguments: &str) -> Child {
+    rockfall.command(arguments).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap()
+}
+
+/// Starts a run and kills it again and again, each time a while after there is a checkpoint, and resumes it; until it ends.
+/// Tells how often it was killed.
+fn kill_and_resume(rockfall: &Rockfall, arguments: &str, delays: &[u64]) -> usize {
+    let mut kills = 0;
+    let mut child = spawn(rockfall, &format!("run scene.txt {arguments} --checkpoint run.ckpt"));
+    for delay in delays {
+        wait_for(rockfall, "run.ckpt", &mut child);
+        std::thread::sleep(Duration::from_millis(*delay));
+        let ended = child.try_wait().unwrap().is_some();
+        // SIGKILL: nothing is cleaned up.
+        child.kill().unwrap();
+        let output = child.wait_with_output().unwrap();
+        if ended {
+            finish(output, arguments, 0);
+        } else {
+            kills += 1;
+        }
+        child = spawn(rockfall, "run --resume run.ckpt");
+    }
+    finish(child.wait_with_output().unwrap(), arguments, 0);
+    kills
+}
+
+/// All of it at once: the state at the end is the last frame. Steps are slow enough for several kills.
+fn killed_runs_end_in_the_same_bits(engine: &str, steps: u32, balls: usize, delays: &[u64]) {
+    for integrator in ["rk4", "symplectic-euler"] {
+        for broad_phase in ["brute-force", "grid"] {
+            let rockfall = Rockfall::with(&mixed(balls));
+            let physics = format!("{engine} --integrator {integrator} --broad-phase {broad_phase} --steps {steps} --dt 0.01");
+            rockfall.run(&format!("run scene.txt {physics} --out whole.csv --every 20 --trace whole-trace.csv"), 0);
+            let files = "--out parts.csv --every 20 --trace parts-trace.csv --checkpoint-every 7";
+            let kills = kill_and_resume(&rockfall, &format!("{physics} {files}"), delays);
+            assert!(kills > delays.len() / 2, "{kills} kills: the run is too short");
+            assert!(rockfall.read("whole.csv") == rockfall.read("parts.csv"), "{physics}: states differ");
+            assert!(rockfall.read("whole-trace.csv") == rockfall.read("parts-trace.csv"), "{physics}: traces differ");
+            let mut left: Vec<_> =
+                fs::read_dir(rockfall.folder.path()).unwrap().map(|entry| entry.unwrap().file_name()).collect();
+            left.sort();
+            assert_eq!(left, ["parts-trace.csv", "parts.csv", "run.ckpt", "scene.txt", "whole-trace.csv", "whole.csv"]);
+        }
+    }
+}
+
+#[test]
+fn killed_on_the_cpu_and_resumed() {
+    killed_runs_end_in_the_same_bits("--backend cpu", 600, 96, &[0, 3, 11, 30, 47, 101]);
+}
+
+#[cfg(feature = "gpu")]
+#[test]
+fn killed_on_the_gpu_and_resumed() {
+    killed_runs_end_in_the_same_bits("--backend gpu", 60, 16, &[20, 150]);
+}
+
+/// Every format of trajectory is gone on with, unfinished and finished.
+#[test]
+fn trajectories_are_gone_on_with() {
+    for out in ["run.npz", "run.pvd", "run.csv"] {
+        let [whole, parts] = [0, 1].map(|_| Rockfall::with(&mixed(32)));
+        let run = format!("run scene.txt --backend cpu --dt 0.01 --out {out} --every 10");
+        whole.run(&format!("{run} --steps 100"), 0);
+        // To the end, further from what is finished, then killed and on from what is not.
+        parts.run(&format!("{run} --steps 35 --checkpoint run.ckpt"), 0);
+        parts.run("run --resume run.ckpt --steps 55", 0);
+        let mut child = spawn(&parts, "run --resume run.ckpt --steps 1000000000 --checkpoint-every 5");
+        let saved = fs::read(parts.path("run.ckpt")).unwrap();
+        while fs::read(parts.path("run.ckpt")).unwrap() == saved {
+            std::thread::sleep(Duration::from_millis(1));
+        }
+        child.kill().unwrap();
+        child.wait().unwrap();
+        let (_, err) = parts.run("run --resume run.ckpt --steps 56", 2);
+        assert!(err.contains("already"), "{err}");
+        let done: u64 = err.split(" is at step ").nth(1).unwrap().split(' ').next().unwrap().parse().unwrap();
+        parts.run(&format!("run --resume run.ckpt --steps {}", done.next_multiple_of(100)), 0);
+        if done > 100 {
+            whole.run(&format!("{run} --steps {}", done.next_multiple_of(100)), 0);
+        }
+        assert!(fs::read(whole.path(out)).unwrap() == fs::read(parts.path(out)).unwrap(), "{out} differs");
+        if out == "run.pvd" {
+            for frame in fs::read_dir(whole.path("run")).unwrap() {
+                let name = frame.unwrap().file_name();
+                let [whole, parts] = [&whole, &parts].map(|run| fs::read(run.path("run").join(&name)).unwrap());
+                assert!(whole == parts, "{name:?} differs");
+            }
+        }
+    }
+}
+
+#[cfg(unix)]
+fn signal(child: &Child, name: &str) {
+    assert!(Command::new("kill").args([name, &child.id().to_string()]).status().unwrap().success());
+}
+
+#[cfg(unix)]
+#[test]
+fn ctrl_c_ends_a_run_cleanly() {
+    for name in ["-INT", "-TERM"] {
+        let rockfall = Rockfall::with(&mixed(32));
+        let files = "--out state.csv --trace trace.csv --checkpoint run.ckpt --checkpoint-every 50";
+        let arguments = format!("run scene.txt --backend cpu --dt 0.01 --steps 1000000000 {files}");
+        let mut child = spawn(&rockfall, &arguments);
+        wait_for(&rockfall, "run.ckpt", &mut child);
+        std::thread::sleep(Duration::from_millis(30));
+        signal(&child, name);
+        let (out, err) = finish(child.wait_with_output().unwrap(), &arguments, 130);
+        assert!(out.contains("energy"), "{out}");
+        let (_, told) = err.split_once("stopped at step ").unwrap();
+        let step: u64 = told.split(' ').next().unwrap().parse().unwrap();
+        assert_eq!(
+            err,
+            format!(
+                "written up to step {step}: trace.csv, state.csv\nstopped at step {step} of 1000000000; \
+                 rockfall run --resume run.ckpt goes on\n"
+            )
+        );
+        assert!(step >= 50);
+        assert_eq!(rockfall.read("trace.csv").lines().count() as u64, step + 2);
+
+        // What was written is what a run of so many steps writes.
+        let whole = "--out whole.csv --trace whole-trace.csv";
+        rockfall.run(&format!("run scene.txt --backend cpu --dt 0.01 --steps {step} {whole}"), 0);
+        assert_eq!(rockfall.read("whole.csv"), rockfall.read("state.csv"));
+        assert_eq!(rockfall.read("whole-trace.csv"), rockfall.read("trace.csv"));
+        let (told, _) = rockfall.run(&format!("run --resume run.ckpt --steps {} --json", step + 10), 0);
+        assert!(told.contains(&format!("\"steps\":{}", step + 10)), "{told}");
+        assert_eq!(rockfall.read("trace.csv").lines().count() as u64, step + 12);
+    }
+}
+
+/// Two signals end it at once, even before its first step.
+#[cfg(unix)]
+#[test]
+fn a_second_ctrl_c_ends_it_at_once() {
+    let rockfall = Rockfall::with(&mixed(32));
+    let mut child = spawn(
+        &rockfall,
+        "run scene.txt --backend cpu --steps 1000000000 --trace trace.csv --checkpoint run.ckpt --checkpoint-every 5",
+    );
+    wait_for(&rockfall, "run.ckpt", &mut child);
+    // It ends in any case: this signal must not be lost while the first one is handled.
+    signal(&child, "-INT");
+    let _ = Command::new("kill").args(["-INT", &child.id().to_string()]).stderr(Stdio::null()).status().unwrap();
+    assert_eq!(child.wait().unwrap().code(), Some(130));
+}
+
+#[test]
+fn what_is_given_comes_before_the_checkpoint_and_is_noted() {
+    let rockfall = Rockfall::with(&mixed(16));
+    rockfall.run("run scene.txt --backend cpu --dt 0.01 --steps 20 --checkpoint run.ckpt --trace a.csv", 0);
+    let keep = fs::read(rockfall.path("run.ckpt")).unwrap();
+    let (_, err) = rockfall.run(
+        "run --resume run.ckpt --steps 30 --dt 0.005 --integrator symplectic-euler --set gravity=2 --set friction=50 --trace b.csv",
+        0,
+    );
+    assert_eq!(
+        err,
+        "note: --dt 0.005 instead of 0.01 from step 20 on\n\
+         note: --integrator symplectic-euler instead of rk4 from step 20 on\n\
+         note: --set gravity 2 instead of 9 from step 20 on\n"
+    );
+    // Another trace begins where the run goes on; the old one is left as it is.
+    let trace = rockfall.read("b.csv");
+    assert!(trace.lines().nth(1).unwrap().starts_with("20,"), "{trace}");
+    assert_eq!(trace.lines().count(), 12);
+    assert_eq!(rockfall.read("a.csv").lines().count(), 22);
+    let time: f64 = trace.lines().nth(11).unwrap().split(',').nth(1).unwrap().parse().unwrap();
+    assert!((time - 0.25).abs() < 1e-6, "{time}");
+
+    // A trace that is gone, or another one, is not gone on with.
+    fs::write(rockfall.path("run.ckpt"), &keep).unwrap();
+    fs::write(rockfall.path("a.csv"), "step\n").unwrap();
+    let (_, err) = rockfall.run("run --resume run.ckpt --steps 30", 2);
+    assert!(err.contains("a.csv: it is not what was written before; give another --trace"), "{err}");
+    fs::remove_file(rockfall.path("a.csv")).unwrap();
+    let (_, err) = rockfall.run("run --resume run.ckpt --steps 30", 2);
+    assert!(err.contains("a.csv: what was written of it before is not there any more"), "{err}");
+    assert!(!rockfall.path(".a.csv.part").exists());
+}
+
+#[test]
+fn a_damaged_checkpoint_is_refused_with_a_reason() {
+    let rockfall = Rockfall::with(&mixed(4));
+    rockfall.run("run scene.txt --backend cpu --steps 5 --checkpoint run.ckpt", 0);
+    let good = fs::read(rockfall.path("run.ckpt")).unwrap();
+    let mut bad = good.clone();
+    bad[good.len() / 2] ^= 1;
+    for (bytes, reason) in [(&good[..good.len() - 1], "bytes, expected"), (&bad, "its checksum is wrong"), (&[], "it is empty")]
+    {
+        fs::write(rockfall.path("run.ckpt"), bytes).unwrap();
+        let (out, err) = rockfall.run("run --resume run.ckpt --steps 9", 2);
+        assert_eq!(out, "");
+        assert!(err.starts_with("error: run.ckpt: not a usable checkpoint: ") && err.contains(reason), "{err}");
+        assert_eq!(fs::read(rockfall.path("run.ckpt")).unwrap(), bytes);
+    }
+}

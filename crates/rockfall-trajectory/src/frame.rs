@@ -1,0 +1,78 @@
+//! One state of a trajectory.
+
+use rockfall::{Result, Scene, Simulation, SphereId, SphereState};
+
+/// The state of all spheres at one time.
+#[derive(Clone, Debug)]
+#[non_exhaustive]
+pub struct Frame {
+    /// Steps done.
+    pub step: u64,
+    /// Time simulated, in s.
+    pub time: f64,
+    /// In order of addition.
+    pub spheres: Vec<SphereState>,
+    /// Contacts of every sphere's own, those of its rods left out; empty if they were not asked for.
+    pub contacts: Vec<u32>,
+}
+
+impl Frame {
+    /// The present state. Contacts are counted on the host, which costs about a step of the CPU backend.
+    ///
+    /// # Errors
+    /// [`rockfall::Error::Device`] when the GPU failed.
+    pub fn of(simulation: &mut Simulation, contacts: bool) -> Result<Self> {
+        let contacts = match contacts {
+            true => simulation.diagnostics()?.iter().map(|sphere| sphere.contacts).collect(),
+            false => Vec::new(),
+        };
+        let report = simulation.report();
+        Ok(Self { step: report.steps, time: report.time, spheres: simulation.spheres()?, contacts })
+    }
+}
+
+/// Where spheres stand in order of addition.
+pub(crate) struct Places(std::collections::HashMap<SphereId, u32>);
+
+impl Places {
+    pub(crate) fn of(scene: &Scene) -> Self {
+        Self(scene.sphere_ids().zip(0..).collect())
+    }
+
+    /// The places of spheres that the scene itself refers to.
+    pub(crate) fn pair(&self, a: SphereId, b: SphereId) -> [u32; 2] {
+        [a, b].map(|id| self.0.get(&id).copied().unwrap_or(u32::MAX))
+    }
+}
+
+/// Numbers as little-endian bytes.
+pub(crate) trait Bytes {
+    /// Appends them.
+    fn put(self, bytes: &mut Vec<u8>);
+}
+
+macro_rules! bytes {
+    ($($type:ty),*) => {
+        $(
+            impl Bytes for $type {
+                fn put(self, bytes: &mut Vec<u8>) {
+                    bytes.extend_from_slice(&self.to_le_bytes());
+                }
+            }
+        )*
+    };
+}
+
+bytes!(u8, u32, u64, i64, f32, f64);
+
+impl<T: Bytes, const N: usize> Bytes for [T; N] {
+    fn put(self, bytes: &mut Vec<u8>) {
+        self.into_iter().for_each(|number| number.put(bytes));
+    }
+}
+
+pub(crate) fn bytes_of<T: Bytes>(numbers: impl IntoIterator<Item = T>) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    numbers.into_iter().for_each(|number| number.put(&mut bytes));
+    bytes
+}

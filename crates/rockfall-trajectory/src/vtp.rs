@@ -1,0 +1,242 @@
+//! PolyData for ParaView and VTK: XML with the numbers appended as they are.
+//!
+//! A series `NAME.pvd` lists the frames, `NAME/STEP.vtp`, with their times, and beside every frame `NAME/static.vtp`, the boxes
+//! and polygons. A frame has a point and a vertex cell for every sphere in order of addition, then a line cell for every rod
+//! and every spring.
+//!
+//! | array | of | what |
+//! |---|---|---|
+//! | `velocity`, `angular_momentum` | points | 3 components |
+//! | `orientation` | points | unit quaternion w, x, y, z |
+//! | `radius`, `mass` | points | |
+//! | `fixed` | points | 1 for a fixed sphere |
+//! | `contacts` | points | contacts of the sphere's own |
+//! | `kind` | cells | 0 sphere, 1 rod, 2 spring; of static objects 3 box, 4 polygon |
+//! | `cell_radius` | cells | of spheres and rods, else 0 |
+//! | `TimeValue`, `step` | the whole | time in s, steps done |
+
+use std::fs;
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+
+use rockfall::Scene;
+use rockfall::output::{AtomicFile, Mark};
+
+use crate::Frame;
+use crate::frame::{Places, bytes_of};
+
+const HEAD: &str =
+    "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"1.0\" byte_order=\"LittleEndian\">\n<Collection>\n";
+const FOOT: &str = "</Collection>\n</VTKFile>\n";
+const STATIC: &str = "static.vtp";
+
+#[derive(Debug)]
+pub(crate) struct Series {
+    list: AtomicFile,
+    folder: PathBuf,
+    /// The folder's name in the list.
+    name: String,
+    static_written: bool,
+}
+
+impl Series {
+    pub(crate) fn create(path: &Path) -> io::Result<Self> {
+        let mut list = AtomicFile::create(&path.with_extension("pvd"))?;
+        list.write_all(HEAD.as_bytes())?;
+        Self::open(path, list)
+    }
+
+    pub(crate) fn resume(path: &Path, mark: Mark) -> io::Result<Self> {
+        Self::open(path, AtomicFile::resume(&path.with_extension("pvd"), mark)?)
+    }
+
+    fn open(path: &Path, list: AtomicFile) -> io::Result<Self> {
+        let folder = path.with_extension("");
+        let name = folder.file_name().and_then(|name| name.to_str()).map(escaped);
+        let name = name.ok_or_else(|| io::Error::new(io::ErrorKind::InvalidInput, "its name is not UTF-8"))?;
+        fs::create_dir_all(&folder)?;
+        Ok(Self { list, folder, name, static_written: false })
+    }
+
+    pub(crate) fn frame(&mut self, frame: &Frame, scene: &Scene) -> io::Result<()> {
+        let file = format!("{:010}.vtp", frame.step);
+        commit(&self.folder.join(&file), |out| state(out, frame, scene))?;
+        self.list(frame.time, 0, &file)?;
+        let counts = scene.counts();
+        if counts.boxes + counts.polygons > 0 {
+            if !self.static_written {
+                commit(&self.folder.join(STATIC), |out| static_objects(out, scene))?;
+                self.static_written = true;
+            }
+            self.list(frame.time, 1, STATIC)?;
+        }
+        Ok(())
+    }
+
+    fn list(&mut self, time: f64, part: u32, file: &str) -> io::Result<()> {
+        writeln!(self.list, "<DataSet timestep=\"{time}\" part=\"{part}\" file=\"{}/{file}\"/>", self.name)
+    }
+
+    pub(crate) fn mark(&mut self) -> io::Result<Option<Mark>> {
+        self.list.mark()
+    }
+
+    pub(crate) fn finish(mut self) -> io::Result<()> {
+        self.list.write_all(FOOT.as_bytes())?;
+        self.list.commit()
+    }
+}
+
+fn commit(path: &Path, write: impl FnOnce(&mut AtomicFile) -> io::Result<()>) -> io::Result<()> {
+    let mut file = AtomicFile::create(path)?;
+    write(&mut file)?;
+    file.commit()
+}
+
+fn escaped(text: &str) -> String {
+    text.replace('&', "&amp;").replace('<', "&lt;").replace('"', "&quot;")
+}
+
+/// Writes one state as a file of its own.
+///
+/// # Errors
+/// What the writer says.
+pub fn state(out: &mut impl Write, frame: &Frame, scene: &Scene) -> io::Result<()> {
+    let (spheres, rods, springs) = (&frame.spheres, scene.rods(), scene.springs());
+    let places = Places::of(scene);
+    let lines = rods.iter().map(|rod| places.pair(rod.end1, rod.end2));
+    let lines = lines.chain(springs.iter().map(|spring| places.pair(spring.a, spring.b)));
+    let lines: Vec<[i64; 2]> = lines.map(|line| line.map(i64::from)).collect();
+    let count = spheres.len() as i64;
+
+    let mut file = Appended::default();
+    file.open("PointData");
+    file.floats("velocity", 3, bytes_of(spheres.iter().map(|sphere| sphere.velocity.to_array())));
+    file.floats("angular_momentum", 3, bytes_of(spheres.iter().map(|sphere| sphere.angular_momentum.to_array())));
+    let quaternions = spheres.iter().map(|sphere| {
+        let q = sphere.orientation;
+        [q.w, q.x, q.y, q.z]
+    });
+    file.floats("orientation", 4, bytes_of(quaternions));
+    file.floats("radius", 1, bytes_of(spheres.iter().map(|sphere| sphere.radius)));
+    file.floats("mass", 1, bytes_of(spheres.iter().map(|sphere| sphere.mass)));
+    file.array("UInt8", "fixed", 1, bytes_of(spheres.iter().map(|sphere| u8::from(sphere.fixed))));
+    file.array("UInt32", "contacts", 1, bytes_of(frame.contacts.iter().copied()));
+    file.close("PointData");
+    file.open("CellData");
+    let kinds = [(0, spheres.len()), (1, rods.len()), (2, springs.len())];
+    let kinds = kinds.into_iter().flat_map(|(kind, count)| std::iter::repeat_n(kind, count));
+    file.array("UInt8", "kind", 1, bytes_of(kinds.map(|kind: u8| kind)));
+    let radii = spheres.iter().map(|sphere| sphere.radius).chain(rods.iter().map(|rod| rod.radius));
+    file.floats("cell_radius", 1, bytes_of(radii.chain(springs.iter().map(|_| 0.0))));
+    file.close("CellData");
+    file.open("Points");
+    file.floats("Points", 3, bytes_of(spheres.iter().map(|sphere| sphere.position.to_array())));
+    file.close("Points");
+    file.cells("Verts", bytes_of(0..count), bytes_of(1..=count));
+    file.cells("Lines", bytes_of(lines.iter().copied()), bytes_of((1..=lines.len() as i64).map(|line| 2 * line)));
+    let counts = [spheres.len(), spheres.len(), lines.len(), 0];
+    file.write(out, counts, Some((frame.step, frame.time)))
+}
+
+/// Writes boxes and polygons as a file of its own.
+fn static_objects(out: &mut impl Write, scene: &Scene) -> io::Result<()> {
+    // The corners of a box by which edges lead to them (I = 1, J = 2, K = 4), around every face.
+    const FACES: [[usize; 4]; 6] = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+    let (mut points, mut faces, mut kinds) = (Vec::new(), Vec::new(), Vec::new());
+    for cuboid in scene.boxes() {
+        let first = points.len() as i64;
+        let corner = |which: usize| {
+            let edges = cuboid.edges.iter().enumerate().filter(|(edge, _)| which >> edge & 1 == 1);
+            edges.fold(cuboid.corner, |corner, (_, edge)| corner + *edge).to_array()
+        };
+        points.extend((0..8).map(corner));
+        faces.extend(FACES.map(|face| face.map(|corner| first + corner as i64)));
+        kinds.extend([3_u8; 6]);
+    }
+    for polygon in scene.polygons() {
+        let first = points.len() as i64;
+        let far = polygon.corner + polygon.left + polygon.right;
+        let corners = [polygon.corner, polygon.corner + polygon.left, far, polygon.corner + polygon.right];
+        points.extend(corners.map(|corner| corner.to_array()));
+        faces.push([first, first + 1, first + 2, first + 3]);
+        kinds.push(4);
+    }
+    let mut file = Appended::default();
+    let counts = [points.len(), 0, 0, faces.len()];
+    file.open("CellData");
+    file.array("UInt8", "kind", 1, kinds);
+    file.close("CellData");
+    file.open("Points");
+    file.floats("Points", 3, bytes_of(points));
+    file.close("Points");
+    file.cells("Polys", bytes_of(faces.iter().copied()), bytes_of((1..=faces.len() as i64).map(|face| 4 * face)));
+    file.write(out, counts, None)
+}
+
+/// XML that describes arrays, and the arrays that follow it.
+#[derive(Default)]
+struct Appended {
+    xml: String,
+    arrays: Vec<Vec<u8>>,
+    /// Bytes of the arrays, each with its length before it.
+    length: usize,
+}
+
+impl Appended {
+    fn open(&mut self, name: &str) {
+        self.xml.push_str(&format!("<{name}>\n"));
+    }
+
+    fn close(&mut self, name: &str) {
+        self.xml.push_str(&format!("</{name}>\n"));
+    }
+
+    fn floats(&mut self, name: &str, components: u32, bytes: Vec<u8>) {
+        self.array("Float32", name, components, bytes);
+    }
+
+    fn array(&mut self, kind: &str, name: &str, components: u32, bytes: Vec<u8>) {
+        self.xml.push_str(&format!(
+            "<DataArray type=\"{kind}\" Name=\"{name}\" NumberOfComponents=\"{components}\" format=\"appended\" offset=\"{}\"/>\n",
+            self.length
+        ));
+        self.length += 8 + bytes.len();
+        self.arrays.push(bytes);
+    }
+
+    fn cells(&mut self, name: &str, connectivity: Vec<u8>, offsets: Vec<u8>) {
+        self.open(name);
+        self.array("Int64", "connectivity", 1, connectivity);
+        self.array("Int64", "offsets", 1, offsets);
+        self.close(name);
+    }
+
+    /// `counts` of points, vertices, lines, polygons.
+    fn write(self, out: &mut impl Write, counts: [usize; 4], time: Option<(u64, f64)>) -> io::Result<()> {
+        let [points, vertices, lines, polygons] = counts;
+        writeln!(
+            out,
+            "<?xml version=\"1.0\"?>\n<VTKFile type=\"PolyData\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">\n<PolyData>"
+        )?;
+        if let Some((step, time)) = time {
+            let field = |kind: &str, name: &str, value: &dyn std::fmt::Display| {
+                format!(
+                    "<DataArray type=\"{kind}\" Name=\"{name}\" NumberOfTuples=\"1\" format=\"ascii\">{value}</DataArray>\n"
+                )
+            };
+            let fields = field("Float64", "TimeValue", &time) + &field("UInt64", "step", &step);
+            write!(out, "<FieldData>\n{fields}</FieldData>\n")?;
+        }
+        writeln!(
+            out,
+            "<Piece NumberOfPoints=\"{points}\" NumberOfVerts=\"{vertices}\" NumberOfLines=\"{lines}\" NumberOfStrips=\"0\" NumberOfPolys=\"{polygons}\">"
+        )?;
+        write!(out, "{}</Piece>\n</PolyData>\n<AppendedData encoding=\"raw\">\n_", self.xml)?;
+        for array in &self.arrays {
+            out.write_all(&(array.len() as u64).to_le_bytes())?;
+            out.write_all(array)?;
+        }
+        write!(out, "\n</AppendedData>\n</VTKFile>\n")
+    }
+}
