@@ -11,7 +11,8 @@
 //!              n x (angular momentum, inverse inertia)
 //! words        u32: rods, springs, tethers, boxes, polygons, tags, users, slots, adjacency, batches (see the WORDS
 //!              constants)
-//! lists        u32: counts (one a mover, padded to whole slices), slice offsets (one a slice and the end), entries
+//! lists        u32: counts (one a mover, padded to whole slices; the top bit is a mark), slice offsets (one a slice and
+//!              the end), entries
 //! ```
 
 use bytemuck::{Pod, Zeroable};
@@ -64,12 +65,19 @@ pub const ENTRY_COLLIDES: u32 = 1 << 31;
 /// Entries of a rod-box pair: feature f is edge f, or, where no edge is hit, vertex f for f < 8.
 pub const BOX_FEATURES: u32 = 12;
 
+/// In a mover's count of list entries, set by `find_collisions`: some entry of it collides.
+pub const LIST_COLLIDES: u32 = 1 << 31;
+/// Mask of the number in a mover's count of list entries.
+pub const LIST_COUNT_MASK: u32 = LIST_COLLIDES - 1;
+
 /// Bit of [`Step::flags`]: phase 3 (collisions) is on.
 pub const FLAG_COLLISIONS: u32 = 1;
 /// Bit of [`Step::flags`]: contact damping may pull (the thesis's form).
 pub const FLAG_PULL: u32 = 2;
 /// Bit of [`Step::flags`]: go on when a body's state stops being finite.
 pub const FLAG_CONTINUE: u32 = 4;
+/// Bit of [`Step::flags`]: objects are in more than one group.
+pub const FLAG_GROUPS: u32 = 8;
 
 /// Bit of [`Status::void`]: the pair lists did not fit; [`Status::pairs_needed`] words are needed.
 pub const VOID_PAIRS: u32 = 1;
@@ -121,7 +129,8 @@ pub struct Step {
     pub contact_force: f32,
     /// Friction mu.
     pub friction: f32,
-    /// How far AABBs are grown for what accelerates within a step, in 0.02 r; 1.05 |v| dt comes on top.
+    /// How far AABBs are grown for what accelerates within a step, in 0.02 r; 1.05 |v| dt comes on top, and as much of both
+    /// for every further step of `lookahead`.
     pub margin_scale: f32,
     /// `FLAG_*` bits.
     pub flags: u32,
@@ -169,7 +178,7 @@ pub struct Step {
     pub keys_at: u32,
     /// First word of the objects' ids in the order of their keys, in `cells`.
     pub sorted_at: u32,
-    /// Steps for which AABBs are grown, at the velocities at hand; the more, the longer lists last, and the longer they are.
+    /// Steps for which AABBs are grown; the more, the longer lists last, and the longer they are.
     pub lookahead: f32,
     /// First word of the users: the index in order of addition of the sphere in each memory slot; 0: they are the same.
     pub users_at: u32,
@@ -245,6 +254,8 @@ pub struct Status {
     pub first_bad: u32,
     /// 1 when AABBs and lists are to be made anew; where it is 0, those of an earlier step still hold every pair.
     pub rebuild: u32,
+    /// Steps in which AABBs and lists were made anew, since the status was last reset.
+    pub builds: u32,
 }
 
 impl Default for Status {

@@ -22,6 +22,8 @@ pub struct Report {
     pub total_collisions: u64,
     /// Steps that were run again, because a list had to grow or a body left its AABB.
     pub replays: u64,
+    /// Steps in which AABBs and pair lists were made anew; in the others those of an earlier step still held every pair.
+    pub list_builds: u64,
     /// How often a body was stopped because its state was no longer finite.
     pub non_finite: u64,
 }

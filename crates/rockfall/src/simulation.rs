@@ -15,6 +15,7 @@ mod drive;
 mod edit;
 mod engine;
 mod keep;
+mod lookahead;
 mod observe;
 mod options;
 mod profile;
@@ -23,6 +24,7 @@ mod read;
 pub use drive::DEFAULT_TIME_STEP;
 use edit::Dirty;
 use engine::Engine;
+use lookahead::Lookahead;
 pub use observe::{Body, Contact, ContactAction, SphereDiagnostics};
 pub use options::{Backend, BackendInfo, Options};
 
@@ -51,6 +53,8 @@ pub struct Simulation {
     status: Status,
     report: Report,
     time_step: f32,
+    /// How far ahead lists are made.
+    lookahead: Lookahead,
     /// What has to reach the engine before it may run.
     dirty: Dirty,
     edits: Vec<edit::Edits>,
@@ -115,6 +119,7 @@ impl Simulation {
             world,
             report: Report::default(),
             time_step: DEFAULT_TIME_STEP,
+            lookahead: Lookahead::default(),
             dirty: Dirty::Clean,
             edits: Vec::new(),
             aabbs_due: true,

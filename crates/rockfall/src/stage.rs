@@ -12,7 +12,8 @@ use crate::world::World;
 mod advance;
 mod apply_collisions;
 mod clear_cells;
-mod commit;
+mod commit_collisions;
+mod commit_leap;
 mod constrain;
 mod count_cells;
 mod count_pairs;
@@ -260,7 +261,7 @@ impl Phase {
                         run(&find_collisions::STAGE),
                         run(&weigh_collisions::STAGE),
                         run(&apply_collisions::STAGE),
-                        run(&commit::COLLISIONS),
+                        run(&commit_collisions::STAGE),
                         run(&end_collisions::STAGE),
                     ]
                 }
@@ -289,7 +290,7 @@ impl Phase {
                         run(&restore_lengths::STAGE),
                         run(&rod_forces::STAGE),
                         run(&leap::STAGE),
-                        run(&commit::LEAP),
+                        run(&commit_leap::STAGE),
                         run(&constrain::STAGE),
                         run(&turn::STAGE),
                         run(&end_step::STAGE),
@@ -316,14 +317,14 @@ pub const ALL: [&Stage; 25] = [
     &find_collisions::STAGE,
     &weigh_collisions::STAGE,
     &apply_collisions::STAGE,
-    &commit::COLLISIONS,
+    &commit_collisions::STAGE,
     &end_collisions::STAGE,
     &restore_lengths::STAGE,
     &rod_forces::STAGE,
     &advance::STAGE,
     &finish::STAGE,
     &leap::STAGE,
-    &commit::LEAP,
+    &commit_leap::STAGE,
     &constrain::STAGE,
     &turn::STAGE,
     &end_step::STAGE,

@@ -69,12 +69,11 @@ fn moves(name: &str, pass: u32) -> Option<Moves> {
         // Reads the key, writes the id and the extent.
         "sort_cells" => Moves { aabbs: 1, cells: 2, keys: 2, extents: 1, ..NONE },
         "find_neighbours" => Moves { aabbs: 1, cells: 1, keys: 1, extents: 1, counts: 1, entries: 1, ..NONE },
-        // Reads position and velocity; reads and writes the entries.
-        "find_collisions" => Moves { rows: 2, sphere_aabbs: 1, counts: 1, entries: 2, ..NONE },
-        "weigh_collisions" => Moves { counts: 1, entries: 1, ..NONE },
-        // Reads 3 rows, writes 3.
-        "apply_collisions" => Moves { rows: 6, counts: 1, entries: 1, ..NONE },
-        "commit_collisions" | "commit_leap" => Moves { rows: 6, ..NONE },
+        // Reads position, velocity and entries; few of these change.
+        "find_collisions" => Moves { rows: 2, sphere_aabbs: 1, counts: 1, entries: 1, ..NONE },
+        // Few spheres collide; the others are told by their counts.
+        "weigh_collisions" | "apply_collisions" | "commit_collisions" => Moves { counts: 1, ..NONE },
+        "commit_leap" => Moves { rows: 6, ..NONE },
         "rod_forces" => Moves { rods: 1, wrenches: 1, ..NONE },
         // Reads 3 rows, writes 3; in later passes it reads the 3 of the starting state besides.
         "advance" => Moves { rows: if pass == 0 { 6 } else { 9 }, sphere_aabbs: 1, ..FORCES },
@@ -152,7 +151,7 @@ mod tests {
     #[test]
     fn stages_without_a_line_are_judged_by_their_bindings() {
         let step = Step { spheres: 100, ..Step::default() };
-        for stage in ALL.iter().filter(|stage| stage.name.starts_with("commit")) {
+        for stage in ALL.iter().filter(|stage| stage.name == "commit_leap") {
             let by_bindings = moves_by_bindings(stage, 0).rows;
             assert_eq!(Some(by_bindings), moves(stage.name, 0).map(|moves| moves.rows));
             assert_eq!(least_bytes(&Run { stage, pass: 0 }, &step, &Status::default()), 9600);

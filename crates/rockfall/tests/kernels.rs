@@ -176,7 +176,7 @@ fn the_structs_are_those_of_layout() {
     let aabb = rust_fields!(Aabb: min, id, max, tag);
     let status = rust_fields!(Status: void, pairs_needed, escape_ratio, steps, collided, lengths_due, contacts, max_overlap,
         collisions, last_contacts, last_max_overlap, last_collisions, total_collisions_low, total_collisions_high,
-        bad_body, bad_step, bad_count, total_bad, first_bad, rebuild);
+        bad_body, bad_step, bad_count, total_bad, first_bad, rebuild, builds);
     for stage in ALL {
         let module = module(stage);
         assert_eq!(wgsl_fields(&module, "Step"), step, "{}", stage.name);
@@ -211,10 +211,13 @@ fn the_constants_are_those_of_layout() {
         ENTRY_FEATURE_MASK,
         ENTRY_OVERLAPS,
         ENTRY_COLLIDES,
+        LIST_COLLIDES,
+        LIST_COUNT_MASK,
         BOX_FEATURES,
         FLAG_COLLISIONS,
         FLAG_PULL,
         FLAG_CONTINUE,
+        FLAG_GROUPS,
         VOID_PAIRS,
         VOID_ESCAPED,
         VOID_NON_FINITE,

@@ -143,6 +143,11 @@ pub(crate) fn rows<'a>(view: &View<'a>, sphere: u32) -> impl Iterator<Item = u32
     std::iter::once(sphere).chain(rods).chain(partners)
 }
 
+/// Whether a sphere has a share in some collision: only then its state changes.
+pub(crate) fn takes_part(view: &View, lists: &Lists, sphere: u32) -> bool {
+    rows(view, sphere).any(|row| lists.collides(row))
+}
+
 /// Every contact that may give a sphere a share, once, with its entry: those whose entry has a bit of `mask`.
 pub(crate) fn each_incident<'a>(
     view: &View<'a>,

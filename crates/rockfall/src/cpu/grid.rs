@@ -31,6 +31,17 @@ fn key(step: &Step, x: i32, y: i32, z: i32, level: u32) -> u32 {
     row.wrapping_add(x as u32) & (step.cells - 1)
 }
 
+/// Whether the balls that the AABBs of two spheres enclose meet, with room for rounding.
+fn balls_meet(a: &Aabb, b: &Aabb) -> bool {
+    let [a, b] = [a, b].map(|aabb| (Vec3::from_array(aabb.min) * 0.5, Vec3::from_array(aabb.max) * 0.5));
+    let middles = [a.0 + a.1, b.0 + b.1];
+    let slack = 1e-6 * (middles[0].abs().max_element() + middles[1].abs().max_element());
+    let reach = (a.1 - a.0).max_element() + (b.1 - b.0).max_element();
+    // Not the other way round: what has no bounds meets all.
+    let apart = middles[0].distance(middles[1]) > reach * 1.000_001 + slack;
+    !apart
+}
+
 /// The cell of an object in the table, and its level.
 pub(crate) fn key_of(step: &Step, aabb: &Aabb) -> (u32, u32) {
     let level = level_of(step, aabb);
@@ -99,7 +110,9 @@ impl<'a> Grid<'a> {
     fn test(&self, mover: u32, start: u32, end: u32, take: &mut impl FnMut(u32)) {
         let own = &self.aabbs[mover as usize];
         for id in &self.sorted[start as usize..end as usize] {
-            if may_meet(own, &self.aabbs[*id as usize]) {
+            let other = &self.aabbs[*id as usize];
+            let spheres = mover.max(*id) < self.step.spheres;
+            if may_meet(own, other) && (!spheres || balls_meet(own, other)) {
                 entries(self.step, mover, *id, &mut *take);
             }
         }

@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use crate::layout::{ENTRY_FEATURE_MASK, ENTRY_ID_BITS, ENTRY_ID_MASK, SLICE, Step};
+use crate::layout::{ENTRY_FEATURE_MASK, ENTRY_ID_BITS, ENTRY_ID_MASK, LIST_COLLIDES, LIST_COUNT_MASK, SLICE, Step};
 
 /// One entry of a mover's list.
 #[derive(Clone, Copy, Debug)]
@@ -38,13 +38,18 @@ impl<'a> Lists<'a> {
 
     /// The list of a mover, in its canonical order.
     pub(crate) fn row(&self, mover: u32) -> impl Iterator<Item = Entry> + use<'a> {
-        let count = self.words[mover as usize];
+        let count = self.words[mover as usize] & LIST_COUNT_MASK;
         let first = slot(self.step, self.words, mover, 0);
         let entries = &self.words[self.step.entries_at as usize..];
         (0..count).map(move |place| {
             let slot = first + place * SLICE;
             Entry { slot, word: entries[slot as usize] }
         })
+    }
+
+    /// Whether some entry of a mover collides.
+    pub(crate) fn collides(&self, mover: u32) -> bool {
+        self.words[mover as usize] & LIST_COLLIDES != 0
     }
 }
 

@@ -74,21 +74,31 @@ impl Tally {
     }
 }
 
-/// How far, in 0.02 r, a moving sphere is out of the AABB that its list was made for; 0: it is inside.
+/// How far, in 0.02 r, a moving sphere is out of the ball that its list was made for; 0: it is inside.
 pub(crate) fn escape_ratio(view: &View, aabbs: &[Aabb], sphere: u32) -> f32 {
     if view.is_fixed(sphere) { 0.0 } else { outside(&aabbs[sphere as usize], view.position(sphere), view.radius(sphere)) }
 }
 
 /// The same for a ball at a place where it may come to be.
 pub(crate) fn outside(aabb: &Aabb, centre: Vec3, radius: f32) -> f32 {
-    let (min, max) = (Vec3::from_array(aabb.min), Vec3::from_array(aabb.max));
-    let out = (min - (centre - radius)).max((centre + radius) - max).max_element();
+    let out = reach_out(aabb, centre, radius);
     if out <= 0.0 { 0.0 } else { (out / (0.02 * radius)).clamp(1e-3, 1e30) }
 }
 
-/// Whether a moving ball may be outside its AABB before the next step is done, at the velocity at hand.
+/// Whether a moving ball may be out of the ball that its AABB encloses before the next step is done, at the velocity at hand.
 pub(crate) fn may_leave(aabb: &Aabb, centre: Vec3, velocity: Vec3, radius: f32, dt: f32) -> bool {
     let reach = radius + 1.05 * velocity.length() * dt + 0.02 * radius;
-    let (min, max) = (Vec3::from_array(aabb.min), Vec3::from_array(aabb.max));
-    (centre - reach).cmplt(min).any() || (centre + reach).cmpgt(max).any()
+    reach_out(aabb, centre, reach) > 0.0
+}
+
+/// How far a ball reaches out of the ball that an AABB encloses; not positive: it is inside. Rounding far from the origin is
+/// forgiven: lists are made with more slack than that.
+fn reach_out(aabb: &Aabb, centre: Vec3, radius: f32) -> f32 {
+    let (min, max) = (Vec3::from_array(aabb.min) * 0.5, Vec3::from_array(aabb.max) * 0.5);
+    let (middle, room) = (min + max, (max - min).min_element());
+    // Without bounds; it has no middle.
+    if room > 1e37 {
+        return -1.0;
+    }
+    centre.distance(middle) + radius - room - 2.5e-7 * middle.abs().max_element()
 }

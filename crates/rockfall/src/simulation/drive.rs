@@ -6,6 +6,7 @@ use crate::layout::{
 };
 use crate::profile::Recorder;
 use crate::simulation::Simulation;
+use crate::simulation::lookahead::Lists;
 use crate::stage::{Phase, Run};
 
 /// The thesis's fixed time step, in s.
@@ -18,10 +19,6 @@ const MAX_ATTEMPTS: u32 = 64;
 /// How fast a margin that had to be raised sinks again, per step.
 const MARGIN_DECAY: f32 = 0.995;
 const MIN_MARGIN: f32 = 2.0;
-/// List words a mover below and above which lists may be made for more or should be made for fewer steps ahead.
-const SHORT_LISTS: f32 = 18.0;
-const LONG_LISTS: f32 = 26.0;
-const MAX_LOOKAHEAD: f32 = 16.0;
 /// Steps after which spheres that have moved about are put into spatial order again: on the host, so not often.
 const SORT_AFTER: u64 = 2_000;
 
@@ -160,7 +157,11 @@ impl Simulation {
             self.status.pairs_needed = u32::MAX;
         }
         if status.void & (VOID_PAIRS | VOID_COUNT) != 0 {
-            self.grow_lists()?;
+            let movers = (self.world.step.spheres + self.world.step.rods).max(1) as f32;
+            match self.lookahead.shorter(status.pairs_needed as f32 / movers) {
+                Some(steps) => self.world.step.lookahead = steps,
+                None => self.grow_lists()?,
+            }
         }
         if status.void & VOID_ESCAPED != 0 {
             let step = &mut self.world.step;
@@ -173,6 +174,7 @@ impl Simulation {
 
     /// Moves the counters of `done` steps from the status to the report.
     fn book(&mut self, done: u64) {
+        let method = self.broad_phase_method();
         let Status { last_contacts, last_max_overlap, last_collisions, total_collisions_low, total_collisions_high, .. } =
             self.status;
         if done > 0 {
@@ -186,16 +188,18 @@ impl Simulation {
             let step = &mut self.world.step;
             let sunk = step.margin_scale * MARGIN_DECAY.powf(done as f32);
             step.margin_scale = if sunk.is_finite() { sunk.max(MIN_MARGIN) } else { MIN_MARGIN };
-            let words = self.status.pairs_needed as f32 / (step.spheres + step.rods).max(1) as f32;
-            let change = if words > LONG_LISTS {
-                0.75
-            } else if words < SHORT_LISTS {
-                1.25
-            } else {
-                1.0
-            };
-            step.lookahead = (step.lookahead * change).clamp(1.0, MAX_LOOKAHEAD);
+            self.report.list_builds += u64::from(self.status.builds);
+            if done == BATCH {
+                let movers = (step.spheres + step.rods).max(1) as f32;
+                let seen = Lists {
+                    builds_per_step: self.status.builds as f32 / done as f32,
+                    words_per_mover: self.status.pairs_needed as f32 / movers,
+                    movers,
+                };
+                step.lookahead = self.lookahead.after(&seen, method);
+            }
         }
+        self.status.builds = 0;
         self.status.steps = 0;
         self.status.total_collisions_low = 0;
         self.status.total_collisions_high = 0;

@@ -3,6 +3,7 @@
 use glam::{Quat, Vec3};
 
 use crate::error::{Error, Result};
+use crate::layout::FLAG_CONTINUE;
 use crate::scene::{
     BoxId, Capsule, CapsuleId, Cuboid, Polygon, PolygonId, Rod, RodId, Scene, Sphere, SphereId, Spring, SpringId, Tether,
     TetherId, finite,
@@ -231,7 +232,7 @@ impl Simulation {
         let (flags, dt, capacity) = (old.flags, old.dt, old.pair_capacity);
         let (margin_scale, lookahead) = (old.margin_scale, old.lookahead);
         self.world = World::for_method(&self.scene, self.options.broad_phase)?;
-        self.world.step.flags = flags;
+        self.world.step.flags |= flags & FLAG_CONTINUE;
         self.world.step.dt = dt;
         self.world.step.margin_scale = margin_scale;
         self.world.step.lookahead = lookahead;

@@ -25,6 +25,7 @@ pub(crate) const STAGE: Stage = Stage {
         part!("wgsl/geometry.wgsl"),
         part!("wgsl/contact.wgsl"),
         part!("wgsl/forces.wgsl"),
+        part!("wgsl/margin.wgsl"),
         part!("wgsl/tell.wgsl"),
         part!("stage/advance.wgsl"),
     ],
@@ -49,7 +50,7 @@ fn advance(world: &mut World, pass: u32) {
         return;
     }
     if pass == 0 {
-        world.status.rebuild = 0;
+        world.status.builds += std::mem::take(&mut world.status.rebuild);
     }
     let (done, todo) = world.states.split_at_mut(pass as usize + 1);
     let start = View::new(&world.step, &world.words, &done[0]);

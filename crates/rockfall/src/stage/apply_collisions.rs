@@ -1,12 +1,12 @@
 //! Collisions, 3 of 4: every sphere gathers its shares of the weighted impulses and displacements (physics.md section 3).
 //!
-//! The new state goes to `Y2`, for the others still read the old one. A body that would stop being finite keeps its
+//! The new state of those that collide goes to `Y2`, for the others still read the old one. A body that would stop being finite keeps its
 //! position, loses velocity and spin, and is reported.
 
 use glam::Vec3;
 use rayon::prelude::*;
 
-use crate::cpu::collision::each_incident;
+use crate::cpu::collision::{each_incident, takes_part};
 use crate::cpu::lists::Lists;
 use crate::cpu::state::{Motion, Rows};
 use crate::cpu::tally::{Tally, may_leave};
@@ -24,6 +24,7 @@ pub(crate) const STAGE: Stage = Stage {
         part!("wgsl/objects.wgsl"),
         part!("wgsl/geometry.wgsl"),
         part!("wgsl/contact.wgsl"),
+        part!("wgsl/rows.wgsl"),
         part!("wgsl/collision.wgsl"),
         part!("wgsl/plain.wgsl"),
         part!("wgsl/margin.wgsl"),
@@ -54,6 +55,9 @@ fn apply_collisions(world: &mut World, _pass: u32) {
         .into_par_iter()
         .map(|(sphere, row)| {
             let mut tally = Tally::default();
+            if !takes_part(&view, &lists, sphere) {
+                return tally;
+            }
             let after = collided(&view, &lists, &world.weights, sphere, &mut tally);
             let aabb = &world.aabbs[sphere as usize];
             tally.rebuild =

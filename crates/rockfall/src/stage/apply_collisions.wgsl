@@ -19,7 +19,11 @@ fn add_change(share: vec3f, approach: f32, overlap: f32, displaces: bool, change
 }
 
 fn add_row(sphere: u32, row: u32, change: ptr<function, Change>) {
-    for (var e = 0u; e < lists[row]; e++) {
+    if !has_collisions(row) {
+        return;
+    }
+    let count = count_of(row);
+    for (var e = 0u; e < count; e++) {
         let slot = slot_of(row, e);
         let entry = entry_at(slot);
         let id = entry_id(entry);
@@ -73,6 +77,9 @@ fn apply_collisions(
     let i = linear_thread(group, groups, local);
     if (i >= step.spheres) | (atomicLoad(&status.void) != 0u) | (status.collided != 0u)
         | (atomicLoad(&status.collisions) == 0u) {
+        return;
+    }
+    if !takes_part_in_any(i) {
         return;
     }
     let old_position = state[position_at(i)];

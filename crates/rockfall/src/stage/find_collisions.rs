@@ -2,8 +2,8 @@
 //!
 //! Bodies that touch overlap by rounding; what is no deeper than 1e-5 of the smaller radius presses nothing. (Else the blow
 //! on a touching cradle would count as one in a crowd, and gain energy from the overlap that is left to the forces.)
-//! Sets `ENTRY_OVERLAPS` and `ENTRY_COLLIDES` in the entries of both sides, once, so that no later stage decides again;
-//! counts every collision once (at the mover of lower id). Voids the step when a sphere is outside its AABB
+//! Sets `ENTRY_OVERLAPS` and `ENTRY_COLLIDES` in the entries of both sides, once, so that no later stage decides again, and
+//! `LIST_COLLIDES` in the count of a mover with some colliding entry; counts every collision once (at the mover of lower id). Voids the step when a sphere is outside its AABB
 //! (`VOID_ESCAPED`). Like the other three it does nothing when the step is void or its collisions are done.
 
 use rayon::prelude::*;
@@ -12,7 +12,7 @@ use crate::cpu::collision::Collision;
 use crate::cpu::lists::Lists;
 use crate::cpu::tally::{Tally, escape_ratio};
 use crate::cpu::view::View;
-use crate::layout::{ENTRY_COLLIDES, ENTRY_OVERLAPS};
+use crate::layout::{ENTRY_COLLIDES, ENTRY_OVERLAPS, LIST_COLLIDES};
 use crate::stage::{Buffer, Stage, Threads, part, read, write};
 use crate::world::World;
 
@@ -27,6 +27,7 @@ pub(crate) const STAGE: Stage = Stage {
         part!("wgsl/contact.wgsl"),
         part!("wgsl/collision.wgsl"),
         part!("wgsl/plain.wgsl"),
+        part!("wgsl/margin.wgsl"),
         part!("wgsl/tell.wgsl"),
         part!("stage/find_collisions.wgsl"),
     ],
@@ -49,7 +50,9 @@ fn find_collisions(world: &mut World, _pass: u32) {
     let lists = Lists::new(&world.step, &world.lists);
     let found: Vec<(Vec<(u32, u32)>, Tally)> =
         (0..world.step.spheres + world.step.rods).into_par_iter().map(|mover| find(&view, &lists, world, mover)).collect();
-    for (entries, tally) in found {
+    for (mover, (entries, tally)) in found.into_iter().enumerate() {
+        let collides = entries.iter().any(|(_, word)| word & ENTRY_COLLIDES != 0);
+        world.lists[mover] = entries.len() as u32 | if collides { LIST_COLLIDES } else { 0 };
         for (slot, word) in entries {
             world.lists[(world.step.entries_at + slot) as usize] = word;
         }

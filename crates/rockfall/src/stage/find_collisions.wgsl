@@ -64,17 +64,28 @@ fn judge(a: u32, b: u32, feature: u32) -> u32 {
     return bits_of(found.overlap, contact.approach, contact.inverse_mass, radius);
 }
 
-// Marks the entries of a mover and gives the number of collisions with objects of higher id.
+// Marks the entries of a mover, and the mover where one of them collides, and gives the number of collisions with objects of higher id.
 fn mark_entries(mover: u32) -> u32 {
     let first = step.entries_at + slot_of(mover, 0u);
     var collisions = 0u;
-    for (var e = 0u; e < lists[mover]; e++) {
-        let entry = lists[first + e * SLICE] & ~(ENTRY_OVERLAPS | ENTRY_COLLIDES);
+    var any_bits = 0u;
+    let count = count_of(mover);
+    for (var e = 0u; e < count; e++) {
+        let old = lists[first + e * SLICE];
+        let entry = old & ~(ENTRY_OVERLAPS | ENTRY_COLLIDES);
         let id = entry_id(entry);
         let pair = ordered(mover, id);
         let bits = judge(pair.x, pair.y, entry_feature(entry));
-        lists[first + e * SLICE] = entry | bits;
+        // Few change from step to step.
+        if (entry | bits) != old {
+            lists[first + e * SLICE] = entry | bits;
+        }
+        any_bits |= bits;
         collisions += select(0u, 1u, ((bits & ENTRY_COLLIDES) != 0u) & (pair.x == mover));
+    }
+    let marked = count | select(0u, LIST_COLLIDES, (any_bits & ENTRY_COLLIDES) != 0u);
+    if marked != lists[mover] {
+        lists[mover] = marked;
     }
     return collisions;
 }

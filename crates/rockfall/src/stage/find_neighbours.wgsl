@@ -13,7 +13,7 @@ struct StatusPairs {
 
 // So many objects are remembered and put in order in workgroup memory; more are looked for again, and put in order in
 // place.
-const SHORT: u32 = 32u;
+const SHORT: u32 = 24u;
 
 // Object `place` of a thread is at place * WORKGROUP + local: its id, and once in order its index in order of addition.
 var<workgroup> ids: array<u32, SHORT * WORKGROUP>;
@@ -54,6 +54,13 @@ fn entries_of(mover: u32, id: u32) -> u32 {
 }
 
 fn may_meet(a: u32, b: u32) -> bool {
+    // Two spheres whose balls are apart are not found in the first place.
+    if (a < step.spheres) & (b < step.spheres) {
+        if (step.flags & FLAG_GROUPS) == 0u {
+            return true;
+        }
+        return ((words[step.tags_at + a] ^ words[step.tags_at + b]) & 0xffffu) == 0u;
+    }
     let one = aabbs[a];
     let other = aabbs[b];
     return all(one.min <= other.max) & all(other.min <= one.max) & (((one.tag ^ other.tag) & 0xffffu) == 0u);

@@ -23,6 +23,7 @@ pub(crate) const STAGE: Stage = Stage {
         part!("wgsl/geometry.wgsl"),
         part!("wgsl/contact.wgsl"),
         part!("wgsl/forces.wgsl"),
+        part!("wgsl/margin.wgsl"),
         part!("wgsl/tell.wgsl"),
         part!("stage/leap.wgsl"),
     ],
@@ -44,7 +45,7 @@ fn leap(world: &mut World, _pass: u32) {
     if world.status.void != 0 {
         return;
     }
-    world.status.rebuild = 0;
+    world.status.builds += std::mem::take(&mut world.status.rebuild);
     let [start, y2, y3, _] = &mut world.states;
     let view = View::new(&world.step, &world.words, start);
     let lists = Lists::new(&world.step, &world.lists);

@@ -21,7 +21,8 @@ fn no_wrench() -> Wrench {
 fn wrench_on(rod: u32) -> Wrench {
     var sum = no_wrench();
     let id = step.spheres + rod;
-    for (var e = 0u; e < lists[id]; e++) {
+    let count = count_of(id);
+    for (var e = 0u; e < count; e++) {
         let entry = entry_at(slot_of(id, e));
         let other = entry_id(entry);
         let a = min(id, other);

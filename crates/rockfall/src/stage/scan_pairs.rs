@@ -17,6 +17,9 @@ pub(crate) const STAGE: Stage = Stage {
 };
 
 fn scan_pairs(world: &mut World, _pass: u32) {
+    if world.status.rebuild == 0 {
+        return;
+    }
     let (counts, offsets) = world.lists.split_at_mut(world.step.slices_at as usize);
     let mut total = 0u32;
     for (slice, offset) in counts.chunks(SLICE as usize).zip(&mut *offsets) {

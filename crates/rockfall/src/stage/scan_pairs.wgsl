@@ -6,6 +6,7 @@ const SCAN: u32 = 256u;
 
 var<workgroup> sums: array<u32, SCAN>;
 var<workgroup> carried: u32;
+var<workgroup> due: u32;
 
 // More words than can be numbered count as all of them: they never fit.
 fn add_saturating(a: u32, b: u32) -> u32 {
@@ -29,6 +30,10 @@ fn scan_pairs(@builtin(local_invocation_index) local: u32) {
     let slices = step.slices_at / SLICE;
     if local == 0u {
         carried = 0u;
+        due = status.rebuild;
+    }
+    if workgroupUniformLoad(&due) == 0u {
+        return;
     }
     for (var base = 0u; base < slices; base += SCAN) {
         let own = slice_words(base + local, slices);

@@ -1,7 +1,8 @@
 //! AABBs of all objects, static ones too, grown by the motion of the step.
 //!
-//! A sphere moves by at most its margin `1.05 lookahead |v| dt + margin_scale 0.02 r` before its list is made again; where it moves
-//! further, `find_collisions`, `advance` or `leap` void the step, the host raises `margin_scale`, and the step is run again.
+//! A sphere moves by at most its margin, `lookahead (1.05 |v| dt + 0.02 r) + (margin_scale - 1) 0.02 r`, before its list is made
+//! again; where it moves further, `find_collisions`, `advance` or `leap` void the step, the host raises `margin_scale`, and the
+//! step is run again.
 //! A rod takes the hull of its ends, each with its own margin and the radius of the rod.
 
 use glam::Vec3;
@@ -66,8 +67,8 @@ fn margin(view: &View, sphere: u32) -> f32 {
     if view.is_fixed(sphere) {
         return 0.0;
     }
-    1.05 * view.step.lookahead * view.velocity(sphere).length() * view.step.dt
-        + view.step.margin_scale * 0.02 * view.radius(sphere)
+    let a_step = 1.05 * view.velocity(sphere).length() * view.step.dt + 0.02 * view.radius(sphere);
+    view.step.lookahead * a_step + (view.step.margin_scale - 1.0) * 0.02 * view.radius(sphere)
 }
 
 fn hull(corner: Vec3, edges: &[Vec3]) -> (Vec3, Vec3) {

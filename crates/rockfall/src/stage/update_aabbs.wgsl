@@ -11,7 +11,9 @@ struct Hull {
 // How far a sphere may move before its list is made again.
 fn margin(sphere: u32, radius: f32) -> f32 {
     let velocity = state[velocity_at(sphere)];
-    return select(0.0, 1.05 * step.lookahead * length(velocity.xyz) * step.dt + step.margin_scale * 0.02 * radius, velocity.w > 0.0);
+    let travel = step.lookahead * 1.05 * length(velocity.xyz) * step.dt;
+    let spare = (step.margin_scale + step.lookahead - 1.0) * 0.02 * radius;
+    return select(0.0, travel + spare, velocity.w > 0.0);
 }
 
 // A sphere, or the end of a rod of another radius.

@@ -21,6 +21,7 @@ pub(crate) const STAGE: Stage = Stage {
         part!("wgsl/objects.wgsl"),
         part!("wgsl/geometry.wgsl"),
         part!("wgsl/contact.wgsl"),
+        part!("wgsl/rows.wgsl"),
         part!("wgsl/collision.wgsl"),
         part!("wgsl/plain.wgsl"),
         part!("stage/weigh_collisions.wgsl"),
@@ -47,6 +48,7 @@ fn weigh_collisions(world: &mut World, _pass: u32) {
     let lists = Lists::new(&world.step, &world.lists);
     let weights: Vec<(u32, f32)> = (0..world.step.spheres + world.step.rods)
         .into_par_iter()
+        .filter(|mover| lists.collides(*mover))
         .flat_map_iter(|mover| {
             let colliding = lists.row(mover).filter(|entry| entry.word & ENTRY_COLLIDES != 0);
             colliding.filter_map(move |entry| {

@@ -28,7 +28,8 @@ fn counted(k: ptr<function, Contact>, slot: u32, l: ptr<function, Contact>) -> b
 // Adds the contacts in one row of the sphere in a slot of k. `name` is k's ids and feature.
 fn add_row(k: ptr<function, Contact>, name: vec3u, slot: u32, row: u32, sums: ptr<function, RowSums>) {
     let sphere = (*k).spheres[slot];
-    for (var e = 0u; e < lists[row]; e++) {
+    let count = count_of(row);
+    for (var e = 0u; e < count; e++) {
         let entry = entry_at(slot_of(row, e));
         let id = entry_id(entry);
         if (entry & ENTRY_OVERLAPS) == 0u {
@@ -64,7 +65,8 @@ fn add_plain(sphere: u32, other: u32, n: vec3f, inverse_mass: f32, sums: ptr<fun
     if own <= 0.0 {
         return true;
     }
-    for (var e = 0u; e < lists[sphere]; e++) {
+    let count = count_of(sphere);
+    for (var e = 0u; e < count; e++) {
         let entry = entry_at(slot_of(sphere, e));
         let id = entry_id(entry);
         if ((entry & ENTRY_OVERLAPS) == 0u) | (id == other) {
@@ -146,7 +148,11 @@ fn weigh_collisions(
     if (mover >= step.spheres + step.rods) | (status.void != 0u) | (status.collided != 0u) | (status.collisions == 0u) {
         return;
     }
-    for (var e = 0u; e < lists[mover]; e++) {
+    if !has_collisions(mover) {
+        return;
+    }
+    let count = count_of(mover);
+    for (var e = 0u; e < count; e++) {
         let slot = slot_of(mover, e);
         let entry = entry_at(slot);
         if (entry & ENTRY_COLLIDES) != 0u {

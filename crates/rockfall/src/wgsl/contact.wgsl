@@ -5,6 +5,11 @@ fn slot_of(mover: u32, entry: u32) -> u32 {
     return lists[step.slices_at + mover / SLICE] + entry * SLICE + mover % SLICE;
 }
 
+// Entries in a mover's list.
+fn count_of(mover: u32) -> u32 {
+    return lists[mover] & LIST_COUNT_MASK;
+}
+
 fn entry_at(slot: u32) -> u32 {
     return lists[step.entries_at + slot];
 }

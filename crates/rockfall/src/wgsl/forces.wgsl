@@ -12,7 +12,7 @@ struct Net {
 
 // The sphere is A: the other is of higher id, or also a sphere, and then all of the contact law mirrors exactly.
 fn add_contacts(i: u32, net: ptr<function, Net>) {
-    let count = lists[i];
+    let count = count_of(i);
     if count == 0u {
         return;
     }

@@ -305,14 +305,3 @@ fn touch(a: u32, b: u32, feature: u32) -> Touch {
     }
     return found;
 }
-
-// How far a sphere is outside its AABB, in 0.02 r; 0 where it is inside.
-fn escape_ratio(position: vec3f, radius: f32, aabb: Aabb) -> f32 {
-    let low = aabb.min - (position - vec3f(radius));
-    let high = position + vec3f(radius) - aabb.max;
-    let out = max(max(max(low.x, low.y), low.z), max(max(high.x, high.y), high.z));
-    if out <= 0.0 {
-        return 0.0;
-    }
-    return clamp(out / (0.02 * radius), 1e-3, 1e30);
-}

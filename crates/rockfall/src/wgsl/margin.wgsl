@@ -1,17 +1,34 @@
-// When the lists of an earlier step are no longer enough.
+// How far a sphere may move before its list is no longer enough.
 
-// Whether a sphere may be outside its AABB before the next step is done, at the velocity at hand.
-fn may_leave(sphere: u32, centre: vec4f, velocity: vec4f) -> bool {
-    if velocity.w <= 0.0 {
-        return false;
+// How far a ball reaches out of the ball that its AABB encloses; not positive where it is inside. For rounding far from the
+// origin there is a little room besides, which the lists allow for.
+fn reach_out(position: vec3f, radius: f32, aabb: Aabb) -> f32 {
+    let half = 0.5 * aabb.max - 0.5 * aabb.min;
+    let room = min(min(half.x, half.y), half.z);
+    // An AABB without bounds has no middle.
+    if room > 1e37 {
+        return -1.0;
     }
-    let reach = vec3f(centre.w + 1.05 * length(velocity.xyz) * step.dt + 0.02 * centre.w);
-    return any(centre.xyz - reach < aabbs[sphere].min) | any(centre.xyz + reach > aabbs[sphere].max);
+    let middle = 0.5 * aabb.min + 0.5 * aabb.max;
+    let far = abs(middle);
+    return length(position - middle) + radius - room - 2.5e-7 * max(max(far.x, far.y), far.z);
 }
 
-// A sphere that may leave its AABB asks for new lists.
+// How far a sphere is outside of where its list holds, in 0.02 r; 0 where it is inside.
+fn escape_ratio(position: vec3f, radius: f32, aabb: Aabb) -> f32 {
+    let out = reach_out(position, radius, aabb);
+    if out <= 0.0 {
+        return 0.0;
+    }
+    return clamp(out / (0.02 * radius), 1e-3, 1e30);
+}
+
+// A sphere that may be outside before the next step is done, at the velocity at hand, asks for new lists.
 fn ask_for_lists(sphere: u32, centre: vec4f, velocity: vec4f) {
-    if may_leave(sphere, centre, velocity) {
-        atomicStore(&status.rebuild, 1u);
+    let reach = centre.w + 1.05 * length(velocity.xyz) * step.dt + 0.02 * centre.w;
+    if velocity.w > 0.0 {
+        if reach_out(centre.xyz, reach, aabbs[sphere]) > 0.0 {
+            atomicStore(&status.rebuild, 1u);
+        }
     }
 }

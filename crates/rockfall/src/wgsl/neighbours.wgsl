@@ -42,14 +42,18 @@ fn span_of_row(range: CellRange, y: i32, z: i32, level: u32, part: u32, objects:
     return Span(start, select(end, objects, first > last));
 }
 
-// Emits the objects of a span that are close to the mover. Neighbouring threads find at different times: what a find
+// Emits the objects of a span that are close to the mover: two spheres where the balls that their AABBs enclose meet.
+// Neighbouring threads find at different times: what a find
 // makes one of them do, all wait for, so this loop only looks at what stands side by side and leaves the last word, the
 // AABBs themselves, for later.
-fn test_span(mover: u32, centre: vec3f, reach: vec3f, span: Span) {
+fn test_span(mover: u32, centre: vec3f, reach: vec3f, ball: f32, span: Span) {
     for (var k = span.start; k < span.end; k++) {
         let other = extents[k];
         let id = cells[step.sorted_at + k];
-        let far = any(abs(other.xyz - centre) > reach + vec3f(other.w) + 5e-7 * abs(other.xyz));
+        let apart = abs(other.xyz - centre);
+        let slack = 1e-6 * abs(other.xyz);
+        let touching = ball + other.w + max(max(slack.x, slack.y), slack.z);
+        let far = any(apart > reach + vec3f(other.w) + slack) | ((id < step.spheres) & (dot(apart, apart) > touching * touching));
         if !(far | (id == mover)) {
             emit(mover, id);
         }
@@ -61,7 +65,10 @@ fn emit_neighbours(mover: u32) {
     let objects = step.spheres + step.rods + step.boxes + step.polygons;
     let centre = 0.5 * own.min + 0.5 * own.max;
     // Rounding of centres, which grows with the distance from the origin, must not lose a pair that AABBs decide on.
-    let reach = 0.500001 * (own.max - own.min) + 5e-7 * abs(centre);
+    let slack = 1e-6 * abs(centre);
+    let reach = 0.500001 * (own.max - own.min) + slack;
+    // Half the size of a sphere's AABB is the radius of its ball; what is no sphere is no ball.
+    let ball = select(1e30, max(max(reach.x, reach.y), reach.z), mover < step.spheres);
     var all_of_them = false;
     for (var rest = cells[0]; rest != 0u; rest &= rest - 1u) {
         all_of_them |= covers_too_much(cells_around(own, firstTrailingBit(rest)), objects);
@@ -77,7 +84,7 @@ fn emit_neighbours(mover: u32) {
             if !all_of_them {
                 span = span_of_row(range, y, z, level, part, objects);
             }
-            test_span(mover, centre, reach, span);
+            test_span(mover, centre, reach, ball, span);
             if all_of_them {
                 return;
             }

@@ -73,6 +73,7 @@ struct Status {
     total_bad: u32,
     first_bad: u32,
     rebuild: u32,
+    builds: u32,
 }
 
 // `Status` where many threads of a dispatch write it.
@@ -97,6 +98,7 @@ struct StatusAtomic {
     total_bad: u32,
     first_bad: u32,
     rebuild: atomic<u32>,
+    builds: u32,
 }
 
 @group(0) @binding(0) var<uniform> step: Step;
@@ -126,6 +128,8 @@ const ENTRY_ID_MASK: u32 = 0x3ffffffu;
 const ENTRY_FEATURE_MASK: u32 = 0xfu;
 const ENTRY_OVERLAPS: u32 = 0x40000000u;
 const ENTRY_COLLIDES: u32 = 0x80000000u;
+const LIST_COLLIDES: u32 = 0x80000000u;
+const LIST_COUNT_MASK: u32 = 0x7fffffffu;
 const BOX_FEATURES: u32 = 12u;
 
 const CELLS_AT: u32 = 4u;
@@ -139,6 +143,7 @@ const ROW_LEVEL: u32 = 0xc2b2ae3du;
 const FLAG_COLLISIONS: u32 = 1u;
 const FLAG_PULL: u32 = 2u;
 const FLAG_CONTINUE: u32 = 4u;
+const FLAG_GROUPS: u32 = 8u;
 
 const VOID_PAIRS: u32 = 1u;
 const VOID_ESCAPED: u32 = 2u;

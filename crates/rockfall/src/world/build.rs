@@ -4,8 +4,8 @@ use glam::{Vec3, Vec4};
 
 use crate::error::{Error, Result};
 use crate::layout::{
-    CELL_BLOCK, CELLS_AT, ENTRY_ID_MASK, FLAG_COLLISIONS, FLAG_CONTINUE, FLAG_PULL, KIND_FORCE, KIND_ROD, KIND_SHIFT,
-    KIND_SPRING, KIND_TETHER, SLICE, Step,
+    CELL_BLOCK, CELLS_AT, ENTRY_ID_MASK, FLAG_COLLISIONS, FLAG_CONTINUE, FLAG_GROUPS, FLAG_PULL, KIND_FORCE, KIND_ROD,
+    KIND_SHIFT, KIND_SPRING, KIND_TETHER, SLICE, Step,
 };
 use crate::scene::{Scene, Sphere, SphereId};
 use crate::settings::{BroadPhase, Settings};
@@ -18,7 +18,7 @@ const FIRST_ENTRIES: u64 = 16;
 /// How far AABBs are grown at the start for what accelerates, in 0.02 r.
 const FIRST_MARGIN: f32 = 2.0;
 /// Steps for which AABBs are grown at the start.
-const FIRST_LOOKAHEAD: f32 = 2.0;
+const FIRST_LOOKAHEAD: f32 = 1.0;
 
 /// Cells are as large as AABBs of spheres at rest, and a little more.
 const CELL_PER_RADIUS: f32 = 2.4;
@@ -75,8 +75,9 @@ impl World {
         step.contact_force = settings.contact_force;
         step.friction = settings.friction;
         let bit = |on: bool, flag: u32| if on { flag } else { 0 };
-        step.flags =
-            step.flags & FLAG_CONTINUE | bit(settings.collisions, FLAG_COLLISIONS) | bit(settings.contact_pull, FLAG_PULL);
+        step.flags = step.flags & (FLAG_CONTINUE | FLAG_GROUPS)
+            | bit(settings.collisions, FLAG_COLLISIONS)
+            | bit(settings.contact_pull, FLAG_PULL);
     }
 
     /// Packs everything but the state of the spheres: `words`, and the counts and offsets of the uniform block.
@@ -256,10 +257,15 @@ fn pack_static(scene: &Scene, order: &[u32], step: &mut Step, words: &mut Vec<u3
         push_vectors(words, &[polygon.corner, polygon.left, polygon.right]);
     }
     step.tags_at = words.len() as u32;
+    let tags_at = words.len();
     words.extend(in_order(scene, order).map(|sphere| u32::from(sphere.group)));
     words.extend(scene.rods().iter().map(|rod| u32::from(rod.group)));
     words.extend(scene.boxes().iter().map(|cuboid| u32::from(cuboid.group)));
     words.extend(scene.polygons().iter().map(|polygon| u32::from(polygon.group)));
+    step.flags &= !FLAG_GROUPS;
+    if words[tags_at..].windows(2).any(|tags| tags[0] != tags[1]) {
+        step.flags |= FLAG_GROUPS;
+    }
 }
 
 fn push_vectors(words: &mut Vec<u32>, vectors: &[Vec3]) {

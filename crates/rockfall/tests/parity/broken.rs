@@ -10,7 +10,7 @@ use crate::{plan, trace};
 /// A mistake: in which stage and pass, the file, the text and what it becomes, and the buffer that it shows in.
 struct Mistake(&'static str, u32, &'static str, &'static str, &'static str, Buffer);
 
-const MISTAKES: [Mistake; 32] = [
+const MISTAKES: [Mistake; 35] = [
     Mistake("update_aabbs", 0, "update_aabbs.wgsl", "0.02 * radius", "0.03 * radius", Buffer::Aabbs),
     Mistake("count_pairs", 0, "pair_tiles.wgsl", "(a.id != b.id)", "(a.id < b.id)", Buffer::Lists),
     Mistake("scan_pairs", 0, "scan_pairs.wgsl", "k < SLICE;", "k < SLICE / 2u;", Buffer::Lists),
@@ -23,12 +23,22 @@ const MISTAKES: [Mistake; 32] = [
     Mistake("sort_cells", 0, "sort_cells.wgsl", "CELLS_AT + key], 1u", "CELLS_AT + key], 0u", Buffer::Cells),
     Mistake("find_neighbours", 0, "neighbours.wgsl", "(id == mover)", "(id < mover)", Buffer::Lists),
     Mistake("find_neighbours", 0, "find_neighbours.wgsl", "if before <= user", "if before >= user", Buffer::Lists),
+    Mistake("find_neighbours", 0, "neighbours.wgsl", "> touching * touching", "> 0.9 * touching * touching", Buffer::Lists),
+    Mistake("find_collisions", 0, "margin.wgsl", "radius - room", "radius - 0.5 * room", Buffer::Status),
+    Mistake(
+        "find_collisions",
+        0,
+        "find_collisions.wgsl",
+        "ENTRY_COLLIDES) != 0u);\n    if",
+        "ENTRY_OVERLAPS) != 0u);\n    if",
+        Buffer::Lists,
+    ),
     Mistake("find_collisions", 0, "find_collisions.wgsl", "min(radius, ", "max(radius, ", Buffer::Lists),
     Mistake("find_collisions", 0, "geometry.wgsl", "nn <= 1e-8 * aa * bb", "nn < 0.0", Buffer::Lists),
     Mistake("weigh_collisions", 0, "weigh_collisions.wgsl", "ALONE: f32 = 1.001", "ALONE: f32 = 1.5", Buffer::Weights),
     Mistake("weigh_collisions", 0, "weigh_collisions.wgsl", "sqrt(l.inverse_mass)", "l.inverse_mass", Buffer::Weights),
     Mistake("apply_collisions", 0, "apply_collisions.wgsl", "1.0 + step.rest", "1.0 - step.rest", Buffer::Y2),
-    Mistake("commit_collisions", 0, "commit.wgsl", "region < 3u", "region < 1u", Buffer::Start),
+    Mistake("commit_collisions", 0, "commit_collisions.wgsl", "region < 3u", "region < 1u", Buffer::Start),
     Mistake("end_collisions", 0, "end_collisions.wgsl", "collided = 1u", "collided = 2u", Buffer::Status),
     Mistake("restore_lengths", 0, "lengths.wgsl", "move_end(ends.y, -w2", "move_end(ends.y, w2", Buffer::Start),
     Mistake("rod_forces", 0, "rod_forces.wgsl", "+= at * couple", "+= (1.0 - at) * couple", Buffer::Wrenches),
@@ -38,7 +48,7 @@ const MISTAKES: [Mistake; 32] = [
     Mistake("advance", 2, "advance.wgsl", "index == 2u", "index == 1u", Buffer::Y4),
     Mistake("finish", 3, "finish.wgsl", "step.dt / 6.0", "step.dt / 3.0", Buffer::Start),
     Mistake("leap", 0, "leap.wgsl", "step.dt * after.velocity", "step.dt * old_velocity.xyz", Buffer::Y2),
-    Mistake("commit_leap", 0, "commit.wgsl", "region < 3u", "region < 2u", Buffer::Start),
+    Mistake("commit_leap", 0, "commit_leap.wgsl", "region < 3u", "region < 2u", Buffer::Start),
     Mistake("constrain", 0, "constrain.wgsl", "correction / step.dt", "correction * step.dt", Buffer::Start),
     Mistake("turn", 0, "turn.wgsl", "cross(rest, d)", "cross(d, rest)", Buffer::Start),
     Mistake("turn", 0, "turn.wgsl", "cross(a.xyz, b.xyz)", "cross(b.xyz, a.xyz)", Buffer::Orientations),

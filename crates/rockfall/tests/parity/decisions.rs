@@ -5,7 +5,7 @@
 use std::collections::BTreeMap;
 
 use glam::DVec3;
-use rockfall::layout::{ENTRY_FEATURE_MASK, ENTRY_ID_BITS, ENTRY_ID_MASK, SLICE};
+use rockfall::layout::{ENTRY_FEATURE_MASK, ENTRY_ID_BITS, ENTRY_ID_MASK, LIST_COUNT_MASK, SLICE};
 use rockfall::world::World;
 
 use crate::bodies::{Bodies, Kind};
@@ -199,16 +199,14 @@ pub(crate) fn forces(world: &World, state: usize, findings: &mut Findings) {
     }
 }
 
-/// Whether every moving sphere is within its AABB in stage state `state`.
+/// Whether every moving sphere is within the ball that its AABB encloses in stage state `state`.
 pub(crate) fn escapes(world: &World, state: usize, findings: &mut Findings) {
     for (ball, id) in Bodies::new(world, state).balls.iter().zip(0..).filter(|(ball, _)| ball.w > 0.0) {
         let aabb = &world.aabbs[id];
-        for (k, x) in ball.x.to_array().into_iter().enumerate() {
-            let below = x - ball.radius - f64::from(aabb.min[k]);
-            let above = f64::from(aabb.max[k]) - x - ball.radius;
-            // Outside is no better than near: it would void the step.
-            findings.decide("within its AABB", id, below.min(above).max(0.0));
-        }
+        let [min, max] = [aabb.min, aabb.max].map(|corner| DVec3::from_array(corner.map(f64::from)));
+        let room = 0.5 * (max - min).min_element() - ball.radius - ball.x.distance(0.5 * (min + max));
+        // Outside is no better than near: it would void the step.
+        findings.decide("within its AABB", id, room.max(0.0));
     }
 }
 
@@ -228,7 +226,7 @@ pub(crate) fn entries(world: &World) -> Vec<Entry> {
     let mut all = Vec::new();
     for mover in 0..world.movers() {
         let slice = world.lists[(step.slices_at + mover / SLICE) as usize];
-        for place in 0..world.lists[mover as usize] {
+        for place in 0..world.lists[mover as usize] & LIST_COUNT_MASK {
             let slot = (slice + place * SLICE + mover % SLICE) as usize;
             // Lists that did not fit are not to be read.
             let Some(word) = world.lists.get(step.entries_at as usize + slot).copied() else {

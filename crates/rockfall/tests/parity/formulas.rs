@@ -9,13 +9,16 @@ use rockfall::world::World;
 
 use crate::bodies::Bodies;
 use crate::decisions::{Findings, Weighed, collisions, entries};
-use crate::trace::Trace;
+use crate::trace::{Scenario, Trace};
 use crate::{plan, trace};
+
+fn scenario<'a>(trace: &'a Trace, name: &str) -> &'a Scenario {
+    trace.scenarios.iter().find(|scenario| scenario.run.stage.name == name).expect(name)
+}
 
 /// The world before the stage of this name.
 fn before<'a>(trace: &'a Trace, name: &str) -> &'a World {
-    let scenario = trace.scenarios.iter().find(|scenario| scenario.run.stage.name == name);
-    &scenario.expect(name).before
+    &scenario(trace, name).before
 }
 
 type Pair = (usize, usize, usize);
@@ -59,8 +62,10 @@ fn lists_flags_and_weights_are_those_of_the_formulas() {
 fn impulses_and_displacements_are_those_of_the_formulas() {
     for seed in 0..4 {
         let trace = trace(&plan(seed, Integrator::Rk4));
-        let (world, after) = (before(&trace, "apply_collisions"), before(&trace, "commit_collisions"));
-        let (bodies, done) = (Bodies::new(world, 0), Bodies::new(after, 1));
+        let world = before(&trace, "apply_collisions");
+        let mut after = before(&trace, "commit_collisions").clone();
+        (scenario(&trace, "commit_collisions").run.stage.cpu)(&mut after, 0);
+        let (bodies, done) = (Bodies::new(world, 0), Bodies::new(&after, 0));
         let restitution = f64::from(world.step.restitution);
         let mut kicks = vec![(DVec3::ZERO, DVec3::ZERO); bodies.balls.len()];
         for Weighed { contact: k, weight, removed } in by_pair(world).values().filter(|w| w.contact.collides) {

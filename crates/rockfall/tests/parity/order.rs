@@ -1,6 +1,6 @@
 //! The grid broad phase leaves some things in any order. Here they are put into one, so that they can be compared.
 
-use rockfall::layout::{CELLS_AT, SLICE};
+use rockfall::layout::{CELLS_AT, LIST_COUNT_MASK, SLICE};
 use rockfall::world::World;
 
 /// The world after a stage, with what that stage leaves in any order put in order.
@@ -36,7 +36,8 @@ fn order_slices(world: &mut World) {
     let (index, entries) = world.lists.split_at_mut(step.entries_at as usize);
     let (counts, offsets) = index.split_at_mut(step.slices_at as usize);
     let offsets = &mut offsets[..counts.len() / SLICE as usize];
-    let widths = counts.chunks(SLICE as usize).map(|slice| slice.iter().max().unwrap() * SLICE);
+    let widths =
+        counts.chunks(SLICE as usize).map(|slice| slice.iter().map(|count| count & LIST_COUNT_MASK).max().unwrap() * SLICE);
     let mut slices: Vec<(u32, u32)> = offsets.iter().copied().zip(widths.clone()).collect();
     slices.sort_unstable();
     let ends = slices.iter().map(|(offset, width)| offset + width);

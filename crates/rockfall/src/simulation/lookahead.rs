@@ -1,0 +1,168 @@
+//! How many steps ahead AABBs and lists are made: by trying, with counts and not with a clock, so that a run can be repeated.
+//!
+//! Lists for more steps are made more rarely, and cost more in every step, for they are longer. What that comes to depends
+//! on how a crowd moves: of bodies that fly about hardly any lists last, of bodies at rest nearly all do.
+
+use crate::settings::BroadPhase;
+
+/// Steps ahead; results do not depend on it.
+const MOST: f32 = 32.0;
+/// A change is kept when it makes a step so much cheaper.
+const WORTH: f32 = 0.97;
+/// Lists that take more words a mover are made for fewer steps ahead, before memory is made larger for them.
+const LONG: f32 = 20.0;
+/// Batches between two trials, after trials that did not pay.
+const LONGEST_PAUSE: u32 = 16;
+
+// Costs in ns a mover on a large GPU, by timestamps; only their ratios matter.
+/// Making lists, however short they are.
+const BUILD: f32 = 0.5;
+/// Finding an entry.
+const FIND: f32 = 0.03;
+/// Looking at an entry in all stages of a step.
+const LOOK: f32 = 0.03;
+/// Looking at another object, in brute force.
+const TEST: f32 = 0.004;
+
+/// What a batch of steps did with its lists.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Lists {
+    /// Part of the steps in which they were made anew.
+    pub(super) builds_per_step: f32,
+    /// Words that the entries take.
+    pub(super) words_per_mover: f32,
+    /// Spheres and rods.
+    pub(super) movers: f32,
+}
+
+impl Lists {
+    /// What a step cost, a mover.
+    fn cost(&self, method: BroadPhase) -> f32 {
+        let search = if method == BroadPhase::Grid { 0.0 } else { TEST * self.movers };
+        self.builds_per_step * (BUILD + search + FIND * self.words_per_mover) + LOOK * self.words_per_mover
+    }
+}
+
+/// The present number of steps, and what is being tried.
+#[derive(Clone, Debug)]
+pub(super) struct Lookahead {
+    steps: f32,
+    /// The factor of the present or the next trial.
+    factor: f32,
+    /// The steps and their cost before the trial that is under way.
+    before: Option<(f32, f32)>,
+    /// Batches until the next trial, and how many they were last time.
+    wait: u32,
+    pause: u32,
+}
+
+impl Default for Lookahead {
+    fn default() -> Self {
+        Self { steps: 1.0, factor: 2.0, before: None, wait: 1, pause: 1 }
+    }
+}
+
+impl Lookahead {
+    /// The number of steps for the next batch, after a batch that did as told.
+    pub(super) fn after(&mut self, seen: &Lists, method: BroadPhase) -> f32 {
+        let cost = seen.cost(method);
+        match self.before.take() {
+            Some((_, before)) if cost < WORTH * before => {
+                self.pause = 1;
+                self.begin_trial(cost);
+            }
+            Some((steps, _)) => {
+                self.steps = steps;
+                self.factor = 1.0 / self.factor;
+                self.wait = self.pause;
+                self.pause = (2 * self.pause).min(LONGEST_PAUSE);
+            }
+            None if self.wait > 0 => self.wait -= 1,
+            None => self.begin_trial(cost),
+        }
+        self.steps
+    }
+
+    /// The number of steps for lists that did not fit and would take so many words a mover; `None` where nothing is to be
+    /// gained by fewer.
+    pub(super) fn shorter(&mut self, words_per_mover: f32) -> Option<f32> {
+        if self.steps <= 1.0 || words_per_mover <= LONG {
+            return None;
+        }
+        self.before = None;
+        self.factor = 2.0;
+        self.wait = self.pause;
+        self.pause = (2 * self.pause).min(LONGEST_PAUSE);
+        self.steps = (0.5 * self.steps).max(1.0);
+        Some(self.steps)
+    }
+
+    fn begin_trial(&mut self, cost: f32) {
+        let tried = (self.steps * self.factor).clamp(1.0, MOST);
+        if tried == self.steps {
+            // At an end: the next trial goes the other way.
+            self.factor = 1.0 / self.factor;
+            self.wait = self.pause;
+            return;
+        }
+        self.before = Some((self.steps, cost));
+        self.steps = tried;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Goes on for so many batches with lists of `words` at one step ahead that `lasts` steps.
+    fn settled(batches: u32, words: fn(f32) -> f32, builds: fn(f32) -> f32) -> Vec<f32> {
+        let mut lookahead = Lookahead::default();
+        let mut steps = lookahead.steps;
+        let mut all = Vec::new();
+        for _ in 0..batches {
+            let seen = Lists { builds_per_step: builds(steps), words_per_mover: words(steps), movers: 1e6 };
+            steps = lookahead.after(&seen, BroadPhase::Grid);
+            all.push(steps);
+        }
+        all
+    }
+
+    fn share_at(all: &[f32], steps: f32) -> f32 {
+        let late = &all[all.len() / 2..];
+        late.iter().filter(|s| **s == steps).count() as f32 / late.len() as f32
+    }
+
+    #[test]
+    fn lists_that_never_last_are_made_for_one_step() {
+        let all = settled(200, |steps| 10.0 + 4.0 * steps, |_| 1.0);
+        assert!(share_at(&all, 1.0) > 0.9, "{all:?}");
+    }
+
+    #[test]
+    fn what_rests_is_looked_at_far_ahead() {
+        let all = settled(200, |steps| 10.0 + 0.01 * steps, |steps| 1.0 / steps);
+        assert!(share_at(&all, 32.0) > 0.8, "{all:?}");
+    }
+
+    #[test]
+    fn the_cheapest_in_between_is_found_and_held() {
+        // Cost 0.03 w + (0.5 + 0.03 w) / s with w = 8 + 2 s: least at s = 3.5, so at 4 of the powers of two.
+        let all = settled(400, |steps| 8.0 + 2.0 * steps, |steps| 1.0 / steps);
+        assert!(share_at(&all, 4.0) > 0.8, "{all:?}");
+    }
+
+    #[test]
+    fn lists_that_are_too_long_for_memory_are_made_shorter_first() {
+        let mut lookahead = Lookahead { steps: 3.0, ..Lookahead::default() };
+        assert_eq!(lookahead.shorter(10.0), None, "there is room for that many");
+        assert_eq!(lookahead.shorter(100.0), Some(1.5));
+        assert_eq!(lookahead.shorter(100.0), Some(1.0));
+        assert_eq!(lookahead.shorter(100.0), None, "they are what one step needs");
+    }
+
+    #[test]
+    fn brute_force_looks_further_ahead() {
+        let lists = Lists { builds_per_step: 1.0, words_per_mover: 10.0, movers: 10_000.0 };
+        assert!(lists.cost(BroadPhase::BruteForce) > 10.0 * lists.cost(BroadPhase::Grid));
+    }
+}

@@ -1,0 +1,45 @@
+//! Collisions, 4 of 4: `Y2` becomes the state of the spheres that collided. Does nothing in a void step, nor when the
+//! collisions of the step were done before.
+
+use crate::cpu::collision::takes_part;
+use crate::cpu::lists::Lists;
+use crate::cpu::view::View;
+use crate::stage::{Buffer, Stage, Threads, part, read, write};
+use crate::world::World;
+
+/// The stage.
+pub(crate) const STAGE: Stage = Stage {
+    name: "commit_collisions",
+    parts: &[
+        part!("wgsl/step.wgsl"),
+        part!("wgsl/order.wgsl"),
+        part!("wgsl/objects.wgsl"),
+        part!("wgsl/rows.wgsl"),
+        part!("stage/commit_collisions.wgsl"),
+    ],
+    bindings: &[
+        write("state", Buffer::Start),
+        read("next", Buffer::Y2),
+        read("words", Buffer::Words),
+        read("lists", Buffer::Lists),
+        read("status", Buffer::Status),
+    ],
+    threads: Threads::Spheres,
+    cpu: commit_collisions,
+};
+
+fn commit_collisions(world: &mut World, _pass: u32) {
+    let World { step, words, lists, states: [start, y2, ..], status, .. } = world;
+    if status.void != 0 || status.collided != 0 || status.collisions == 0 {
+        return;
+    }
+    let lists = Lists::new(step, lists);
+    let n = step.spheres as usize;
+    for sphere in 0..n {
+        if takes_part(&View::new(step, words, start), &lists, sphere as u32) {
+            for place in [sphere, n + sphere, 2 * n + sphere] {
+                start[place] = y2[place];
+            }
+        }
+    }
+}

@@ -1,0 +1,18 @@
+@group(0) @binding(2) var<storage, read_write> state: array<vec4f>;
+@group(0) @binding(3) var<storage, read> next: array<vec4f>;
+@group(0) @binding(4) var<storage, read> status: Status;
+
+@compute @workgroup_size(64)
+fn commit_leap(
+    @builtin(workgroup_id) group: vec3u,
+    @builtin(num_workgroups) groups: vec3u,
+    @builtin(local_invocation_index) local: u32,
+) {
+    let i = linear_thread(group, groups, local);
+    if (i >= step.spheres) | (status.void != 0u) {
+        return;
+    }
+    for (var region = 0u; region < 3u; region++) {
+        state[region * step.spheres + i] = next[region * step.spheres + i];
+    }
+}
