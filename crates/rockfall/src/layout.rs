@@ -24,7 +24,7 @@ pub const WORKGROUP: u32 = 64;
 /// `entries_at + slice_offset[i / SLICE] + e * SLICE + i % SLICE`, so that neighbouring threads read neighbouring words.
 pub const SLICE: u32 = 32;
 
-/// The most words that the entries of the pair lists may take: 4 GiB, and as much again for their weights.
+/// The most words that the entries of the pair lists may take: 4 GiB.
 pub const MAX_PAIR_WORDS: u32 = 1 << 30;
 
 /// Words of a rod: sphere 1, sphere 2, radius, length (`<= 0`: free).
@@ -222,7 +222,8 @@ pub struct Status {
     pub escape_ratio: u32,
     /// Steps done since the status was last reset.
     pub steps: u32,
-    /// 1 once the collisions of the step under way are done, so that a step that is run again does not repeat them.
+    /// 2 once the collisions of the step under way are done, 1 when they were done before the step was begun again, so that it
+    /// does not repeat them.
     pub collided: u32,
     /// 1 when rod lengths may be off before the integration (first step, a step with collisions).
     pub lengths_due: u32,

@@ -17,7 +17,6 @@ mod commit_leap;
 mod constrain;
 mod count_cells;
 mod count_pairs;
-mod end_collisions;
 mod end_step;
 mod fill_pairs;
 mod find_collisions;
@@ -31,7 +30,6 @@ mod scan_pairs;
 mod sort_cells;
 mod turn;
 mod update_aabbs;
-mod weigh_collisions;
 
 /// A buffer that stages bind. `Start` is the state; `Y2`, `Y3`, `Y4` are the stage states of RK4, and scratch besides.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -54,8 +52,6 @@ pub enum Buffer {
     Extents,
     /// The pair lists.
     Lists,
-    /// A collision weight for each entry of the pair lists.
-    Weights,
     /// Per rod: force and couple on end 1, force and couple on end 2.
     Wrenches,
     /// Unit quaternions (x, y, z, w) of the spheres' orientations.
@@ -66,7 +62,7 @@ pub enum Buffer {
 
 impl Buffer {
     /// All buffers.
-    pub const ALL: [Self; 13] = [
+    pub const ALL: [Self; 12] = [
         Self::Start,
         Self::Y2,
         Self::Y3,
@@ -76,7 +72,6 @@ impl Buffer {
         Self::Cells,
         Self::Extents,
         Self::Lists,
-        Self::Weights,
         Self::Wrenches,
         Self::Orientations,
         Self::Status,
@@ -94,7 +89,6 @@ impl Buffer {
             Self::Cells => "the grid",
             Self::Extents => "the extents of sorted objects",
             Self::Lists => "the pair lists",
-            Self::Weights => "the collision weights",
             Self::Wrenches => "the forces on rods",
             Self::Orientations => "the orientations",
             Self::Status => "the status",
@@ -247,7 +241,6 @@ impl Phase {
                         run(&clear_cells::STAGE),
                         run(&count_cells::STAGE),
                         run(&scan_cells::SUM),
-                        run(&scan_cells::SCAN),
                         run(&scan_cells::PLACE),
                         run(&sort_cells::STAGE),
                         run(&find_neighbours::STAGE),
@@ -256,15 +249,7 @@ impl Phase {
             }
             (Self::BroadPhase, _, _) => const { &[run(&count_pairs::STAGE), run(&scan_pairs::STAGE), run(&fill_pairs::STAGE)] },
             (Self::HandleCollisions, _, _) => {
-                const {
-                    &[
-                        run(&find_collisions::STAGE),
-                        run(&weigh_collisions::STAGE),
-                        run(&apply_collisions::STAGE),
-                        run(&commit_collisions::STAGE),
-                        run(&end_collisions::STAGE),
-                    ]
-                }
+                const { &[run(&find_collisions::STAGE), run(&apply_collisions::STAGE), run(&commit_collisions::STAGE)] }
             }
             (Self::UpdatePositions, Integrator::Rk4, _) => {
                 const {
@@ -302,7 +287,7 @@ impl Phase {
 }
 
 /// Every stage there is, once.
-pub const ALL: [&Stage; 25] = [
+pub const ALL: [&Stage; 22] = [
     &update_aabbs::STAGE,
     &count_pairs::STAGE,
     &scan_pairs::STAGE,
@@ -310,15 +295,12 @@ pub const ALL: [&Stage; 25] = [
     &clear_cells::STAGE,
     &count_cells::STAGE,
     &scan_cells::SUM,
-    &scan_cells::SCAN,
     &scan_cells::PLACE,
     &sort_cells::STAGE,
     &find_neighbours::STAGE,
     &find_collisions::STAGE,
-    &weigh_collisions::STAGE,
     &apply_collisions::STAGE,
     &commit_collisions::STAGE,
-    &end_collisions::STAGE,
     &restore_lengths::STAGE,
     &rod_forces::STAGE,
     &advance::STAGE,

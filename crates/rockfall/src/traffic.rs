@@ -72,7 +72,7 @@ fn moves(name: &str, pass: u32) -> Option<Moves> {
         // Reads position, velocity and entries; few of these change.
         "find_collisions" => Moves { rows: 2, sphere_aabbs: 1, counts: 1, entries: 1, ..NONE },
         // Few spheres collide; the others are told by their counts.
-        "weigh_collisions" | "apply_collisions" | "commit_collisions" => Moves { counts: 1, ..NONE },
+        "apply_collisions" | "commit_collisions" => Moves { counts: 1, ..NONE },
         "commit_leap" => Moves { rows: 6, ..NONE },
         "rod_forces" => Moves { rods: 1, wrenches: 1, ..NONE },
         // Reads 3 rows, writes 3; in later passes it reads the 3 of the starting state besides.
@@ -83,7 +83,7 @@ fn moves(name: &str, pass: u32) -> Option<Moves> {
         "leap" => Moves { rows: 8, sphere_aabbs: 1, ..FORCES },
         // Reads the mean spin, reads and writes the orientation.
         "turn" => Moves { rows: 3, ..NONE },
-        "scan_blocks" | "end_collisions" | "end_step" | "restore_lengths" | "constrain" => NONE,
+        "end_step" | "restore_lengths" | "constrain" => NONE,
         _ => return None,
     })
 }

@@ -29,8 +29,6 @@ pub struct World {
     pub extents: Vec<Vec4>,
     /// Counts, slice offsets, entries: `step.entries_at + step.pair_capacity` words.
     pub lists: Vec<u32>,
-    /// `step.pair_capacity` weights, one an entry (slot = word of the entry - `entries_at`).
-    pub weights: Vec<f32>,
     /// `4 * rods`: force and couple on end 1, force and couple on end 2.
     pub wrenches: Vec<Vec4>,
     /// The index in order of addition of the sphere in each memory slot; empty: they are the same.
@@ -69,7 +67,6 @@ impl World {
             Buffer::Cells => cast_slice(&self.cells),
             Buffer::Extents => cast_slice(&self.extents),
             Buffer::Lists => cast_slice(&self.lists),
-            Buffer::Weights => cast_slice(&self.weights),
             Buffer::Wrenches => cast_slice(&self.wrenches),
             Buffer::Orientations => cast_slice(&self.orientations),
             Buffer::Status => bytes_of(&self.status),
@@ -88,7 +85,6 @@ impl World {
             Buffer::Cells => cast_slice_mut(&mut self.cells),
             Buffer::Extents => cast_slice_mut(&mut self.extents),
             Buffer::Lists => cast_slice_mut(&mut self.lists),
-            Buffer::Weights => cast_slice_mut(&mut self.weights),
             Buffer::Wrenches => cast_slice_mut(&mut self.wrenches),
             Buffer::Orientations => cast_slice_mut(&mut self.orientations),
             Buffer::Status => bytes_of_mut(&mut self.status),
@@ -102,6 +98,5 @@ impl World {
         self.step.slices_at = slices * SLICE;
         self.step.entries_at = self.step.slices_at + slices + 1;
         self.lists = vec![0; (self.step.entries_at + capacity) as usize];
-        self.weights = vec![0.0; capacity as usize];
     }
 }

@@ -195,7 +195,6 @@ fn lists_that_do_not_fit() {
         let before = &mut scenario.before;
         before.step.pair_capacity = capacity;
         before.lists.resize((before.step.entries_at + capacity) as usize, 0);
-        before.weights.resize(capacity as usize, 0.0);
         let gpu = on_gpu(&GPU, &scenario.before, scenario.run);
         assert_eq!((gpu.status.void, gpu.status.pairs_needed), (void, needed));
         compare(4, &scenario);

@@ -18,7 +18,6 @@ pub(crate) fn bytes_needed(world: &World, buffer: Buffer) -> u64 {
         Buffer::Words | Buffer::Status => 0,
         Buffer::Cells => 4 * (u64::from(step.sorted_at) + u64::from(world.objects())),
         Buffer::Lists => 4 * (u64::from(step.entries_at) + u64::from(step.pair_capacity)),
-        Buffer::Weights => 4 * u64::from(step.pair_capacity),
         Buffer::Extents => vectors(u64::from(world.objects())),
         Buffer::Wrenches => vectors(4 * u64::from(step.rods)),
         Buffer::Orientations => vectors(u64::from(step.spheres)),

@@ -85,7 +85,7 @@ impl GpuWorld {
         &self.step
     }
 
-    /// Uploads all that a step begins with; scratch (stage states, weights, wrenches) is left as it is. Buffers that are
+    /// Uploads all that a step begins with; scratch (stage states, wrenches) is left as it is. Buffers that are
     /// too small for the world, for example after [`World::set_pair_capacity`], are made anew.
     ///
     /// # Errors
@@ -148,7 +148,6 @@ impl GpuWorld {
             return Err(Error::Device("the world's movers changed: upload it as a whole".to_owned()));
         }
         self.fit(world, Buffer::Lists)?;
-        self.fit(world, Buffer::Weights)?;
         self.step = sized;
         let gpu = self.gpu.clone();
         catch(gpu.device(), || {

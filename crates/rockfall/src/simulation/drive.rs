@@ -228,6 +228,7 @@ fn resumed(status: Status) -> Status {
         max_overlap: 0,
         bad_count: 0,
         bad_body: NO_BODY,
+        collided: status.collided.min(1),
         collisions: if status.collided == 0 { 0 } else { status.collisions },
         ..status
     }

@@ -1,4 +1,5 @@
-//! Collisions, 3 of 4: every sphere gathers its shares of the weighted impulses and displacements (physics.md section 3).
+//! Collisions, 2 of 3: every sphere gathers its shares of the weighted impulses and displacements (physics.md section 3). The
+//! overlap is removed too where nothing else presses: where the row sum over all overlapping contacts is 1 within 0.001.
 //!
 //! The new state of those that collide goes to `Y2`, for the others still read the old one. A body that would stop being finite keeps its
 //! position, loses velocity and spin, and is reported.
@@ -6,7 +7,7 @@
 use glam::Vec3;
 use rayon::prelude::*;
 
-use crate::cpu::collision::{each_incident, takes_part};
+use crate::cpu::collision::{each_incident, row_sums, takes_part};
 use crate::cpu::lists::Lists;
 use crate::cpu::state::{Motion, Rows};
 use crate::cpu::tally::{Tally, may_leave};
@@ -27,6 +28,7 @@ pub(crate) const STAGE: Stage = Stage {
         part!("wgsl/rows.wgsl"),
         part!("wgsl/collision.wgsl"),
         part!("wgsl/plain.wgsl"),
+        part!("wgsl/weights.wgsl"),
         part!("wgsl/margin.wgsl"),
         part!("wgsl/tell.wgsl"),
         part!("stage/apply_collisions.wgsl"),
@@ -36,13 +38,15 @@ pub(crate) const STAGE: Stage = Stage {
         write("next", Buffer::Y2),
         read("words", Buffer::Words),
         read("lists", Buffer::Lists),
-        read("weights", Buffer::Weights),
         read("aabbs", Buffer::Aabbs),
         write("status", Buffer::Status),
     ],
     threads: Threads::Spheres,
     cpu: apply_collisions,
 };
+
+/// Row sums up to this count as 1: nothing else presses, and the overlap is removed too.
+const ALONE: f32 = 1.001;
 
 fn apply_collisions(world: &mut World, _pass: u32) {
     if world.status.void != 0 || world.status.collided != 0 || world.status.collisions == 0 {
@@ -58,7 +62,7 @@ fn apply_collisions(world: &mut World, _pass: u32) {
             if !takes_part(&view, &lists, sphere) {
                 return tally;
             }
-            let after = collided(&view, &lists, &world.weights, sphere, &mut tally);
+            let after = collided(&view, &lists, sphere, &mut tally);
             let aabb = &world.aabbs[sphere as usize];
             tally.rebuild =
                 !view.is_fixed(sphere) && may_leave(aabb, after.position, after.velocity, view.radius(sphere), world.step.dt);
@@ -70,17 +74,17 @@ fn apply_collisions(world: &mut World, _pass: u32) {
 }
 
 /// The sphere after all its shares of impulses and displacements.
-fn collided(view: &View, lists: &Lists, weights: &[f32], sphere: u32, tally: &mut Tally) -> Motion {
+fn collided(view: &View, lists: &Lists, sphere: u32, tally: &mut Tally) -> Motion {
     let before = Motion::of(view, sphere);
     if view.is_fixed(sphere) {
         return before;
     }
     let (mut dv, mut dx) = (Vec3::ZERO, Vec3::ZERO);
-    each_incident(view, lists, sphere, ENTRY_COLLIDES, |collision, entry| {
-        let weight = weights[entry.slot as usize];
-        let share = collision.share_of(sphere) * (weight.abs() * view.inverse_mass(sphere) / collision.inverse_mass);
+    each_incident(view, lists, sphere, ENTRY_COLLIDES, |collision, _| {
+        let sums = row_sums(view, lists, collision);
+        let share = collision.share_of(sphere) * (view.inverse_mass(sphere) / (sums.colliding * collision.inverse_mass));
         dv += share * ((1.0 + view.step.restitution) * collision.approach);
-        if weight < 0.0 {
+        if sums.overlapping <= ALONE {
             dx += share * collision.touch.overlap;
         }
     });

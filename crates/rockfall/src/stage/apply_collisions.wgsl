@@ -2,9 +2,8 @@
 @group(0) @binding(3) var<storage, read_write> next: array<vec4f>;
 @group(0) @binding(4) var<storage, read> words: array<u32>;
 @group(0) @binding(5) var<storage, read> lists: array<u32>;
-@group(0) @binding(6) var<storage, read> weights: array<f32>;
-@group(0) @binding(7) var<storage, read> aabbs: array<Aabb>;
-@group(0) @binding(8) var<storage, read_write> status: StatusAtomic;
+@group(0) @binding(6) var<storage, read> aabbs: array<Aabb>;
+@group(0) @binding(7) var<storage, read_write> status: StatusAtomic;
 
 struct Change {
     velocity: vec3f,
@@ -24,8 +23,7 @@ fn add_row(sphere: u32, row: u32, change: ptr<function, Change>) {
     }
     let count = count_of(row);
     for (var e = 0u; e < count; e++) {
-        let slot = slot_of(row, e);
-        let entry = entry_at(slot);
+        let entry = entry_at(slot_of(row, e));
         let id = entry_id(entry);
         if (entry & ENTRY_COLLIDES) == 0u {
             continue;
@@ -37,8 +35,9 @@ fn add_row(sphere: u32, row: u32, change: ptr<function, Change>) {
         if row == sphere {
             if are_plain(pair.x, pair.y) {
                 let k = plain_contact(sphere, id);
-                let share = -k.n * (abs(weights[slot]) / k.inverse_mass);
-                add_change(share, k.approach, k.overlap, weights[slot] < 0.0, change);
+                let weight = weigh(vec3u(pair, 0u));
+                let share = -k.n * (abs(weight) / k.inverse_mass);
+                add_change(share, k.approach, k.overlap, weight < 0.0, change);
                 continue;
             }
         }
@@ -50,7 +49,7 @@ fn add_row(sphere: u32, row: u32, change: ptr<function, Change>) {
             continue;
         }
         var k = contact_of(pair.x, pair.y, found);
-        let weight = weights[slot];
+        let weight = weigh(vec3u(pair, entry_feature(entry)));
         let share = share_of(&k, sphere) * (abs(weight) / k.inverse_mass);
         add_change(share, k.approach, k.overlap, weight < 0.0, change);
     }
@@ -75,7 +74,7 @@ fn apply_collisions(
     @builtin(local_invocation_index) local: u32,
 ) {
     let i = linear_thread(group, groups, local);
-    if (i >= step.spheres) | (atomicLoad(&status.void) != 0u) | (status.collided != 0u)
+    if (i >= step.spheres) | (atomicLoad(&status.void) != 0u) | (atomicLoad(&status.collided) != 0u)
         | (atomicLoad(&status.collisions) == 0u) {
         return;
     }

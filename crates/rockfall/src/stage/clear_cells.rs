@@ -1,4 +1,4 @@
-//! Grid broad phase, 1 of 7: an empty table of cells.
+//! Grid broad phase, 1 of 6: an empty table of cells.
 
 use crate::layout::CELLS_AT;
 use crate::stage::{Buffer, Stage, Threads, part, write};

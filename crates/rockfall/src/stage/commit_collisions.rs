@@ -1,5 +1,5 @@
-//! Collisions, 4 of 4: `Y2` becomes the state of the spheres that collided. Does nothing in a void step, nor when the
-//! collisions of the step were done before.
+//! Collisions, 3 of 3: `Y2` becomes the state of the spheres that collided; sets `collided`, and `lengths_due` where there were
+//! any. Does nothing in a void step, nor when the collisions of the step were done before.
 
 use crate::cpu::collision::takes_part;
 use crate::cpu::lists::Lists;
@@ -22,7 +22,7 @@ pub(crate) const STAGE: Stage = Stage {
         read("next", Buffer::Y2),
         read("words", Buffer::Words),
         read("lists", Buffer::Lists),
-        read("status", Buffer::Status),
+        write("status", Buffer::Status),
     ],
     threads: Threads::Spheres,
     cpu: commit_collisions,
@@ -30,9 +30,14 @@ pub(crate) const STAGE: Stage = Stage {
 
 fn commit_collisions(world: &mut World, _pass: u32) {
     let World { step, words, lists, states: [start, y2, ..], status, .. } = world;
-    if status.void != 0 || status.collided != 0 || status.collisions == 0 {
+    if status.void != 0 || status.collided == 1 {
         return;
     }
+    status.collided = 2;
+    if status.collisions == 0 {
+        return;
+    }
+    status.lengths_due = 1;
     let lists = Lists::new(step, lists);
     let n = step.spheres as usize;
     for sphere in 0..n {

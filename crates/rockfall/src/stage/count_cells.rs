@@ -1,4 +1,4 @@
-//! Grid broad phase, 2 of 7: the cell of every object, how many are in each, and which levels have any.
+//! Grid broad phase, 2 of 6: the cell of every object, how many are in each, and which levels have any.
 
 use rayon::prelude::*;
 

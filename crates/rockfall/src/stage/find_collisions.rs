@@ -1,10 +1,10 @@
-//! Collisions, 1 of 4: which pairs overlap, and which of them collide (physics.md section 3).
+//! Collisions, 1 of 3: which pairs overlap, and which of them collide (physics.md section 3).
 //!
 //! Bodies that touch overlap by rounding; what is no deeper than 1e-5 of the smaller radius presses nothing. (Else the blow
 //! on a touching cradle would count as one in a crowd, and gain energy from the overlap that is left to the forces.)
 //! Sets `ENTRY_OVERLAPS` and `ENTRY_COLLIDES` in the entries of both sides, once, so that no later stage decides again, and
 //! `LIST_COLLIDES` in the count of a mover with some colliding entry; counts every collision once (at the mover of lower id). Voids the step when a sphere is outside its AABB
-//! (`VOID_ESCAPED`). Like the other three it does nothing when the step is void or its collisions are done.
+//! (`VOID_ESCAPED`). Like the other two it does nothing when the step is void or its collisions are done.
 
 use rayon::prelude::*;
 

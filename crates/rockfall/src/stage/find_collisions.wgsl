@@ -109,7 +109,7 @@ fn find_collisions(
         atomicStore(&group_collisions, 0u);
     }
     workgroupBarrier();
-    if (mover < step.spheres + step.rods) & (atomicLoad(&status.void) == 0u) & (status.collided == 0u) {
+    if (mover < step.spheres + step.rods) & (atomicLoad(&status.void) == 0u) & (atomicLoad(&status.collided) == 0u) {
         if mover < step.spheres {
             check_escape(mover);
         }

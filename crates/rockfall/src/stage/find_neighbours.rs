@@ -1,4 +1,4 @@
-//! Grid broad phase, 7 of 7: the list of every mover, in ascending order of index (in order of addition), then feature.
+//! Grid broad phase, 6 of 6: the list of every mover, in ascending order of index (in order of addition), then feature.
 //!
 //! May meet: as in `count_pairs`. Where two rows of cells share places of the table an object is met twice; its entry is
 //! kept once. A slice gets its place in the order in which workgroups come to it; what is in a list does not depend on

@@ -3,14 +3,13 @@
 
 // Cells of a thread of a block's workgroup.
 const OWN: u32 = CELL_BLOCK / WORKGROUP;
-const SCAN: u32 = 256u;
 
-var<workgroup> sums: array<u32, SCAN>;
+var<workgroup> sums: array<u32, WORKGROUP>;
 
-// Makes `sums[0..size]` sums of all up to and with each.
-fn scan_sums(local: u32, size: u32) {
+// Makes `sums` sums of all up to and with each.
+fn scan_sums(local: u32) {
     workgroupBarrier();
-    for (var reach = 1u; reach < size; reach *= 2u) {
+    for (var reach = 1u; reach < WORKGROUP; reach *= 2u) {
         var left = 0u;
         if local >= reach {
             left = sums[local - reach];
@@ -41,33 +40,23 @@ fn sum_blocks(
         return;
     }
     sums[local] = own_sum(CELLS_AT + block * CELL_BLOCK + local * OWN);
-    scan_sums(local, WORKGROUP);
+    scan_sums(local);
     if local == WORKGROUP - 1u {
         cells[step.sums_at + block] = sums[local];
     }
 }
 
-@compute @workgroup_size(256)
-fn scan_blocks(@builtin(local_invocation_index) local: u32) {
-    if (status.rebuild == 0u) | (status.void != 0u) {
-        return;
+// Objects in all blocks before one. Every block adds them up for itself, which takes less time than one more dispatch.
+fn sum_before(block: u32, local: u32) -> u32 {
+    var sum = 0u;
+    for (var k = local; k < block; k += WORKGROUP) {
+        sum += cells[step.sums_at + k];
     }
-    let blocks = step.cells / CELL_BLOCK;
-    var before = 0u;
-    for (var base = 0u; base < blocks; base += SCAN) {
-        let place = base + local;
-        var own = 0u;
-        if place < blocks {
-            own = cells[step.sums_at + place];
-        }
-        sums[local] = own;
-        scan_sums(local, SCAN);
-        if place < blocks {
-            cells[step.sums_at + place] = before + sums[local] - own;
-        }
-        before += sums[SCAN - 1u];
-        workgroupBarrier();
-    }
+    sums[local] = sum;
+    scan_sums(local);
+    let all = sums[WORKGROUP - 1u];
+    workgroupBarrier();
+    return all;
 }
 
 @compute @workgroup_size(64)
@@ -81,10 +70,11 @@ fn place_cells(
         return;
     }
     let first = CELLS_AT + block * CELL_BLOCK + local * OWN;
+    let all_before = sum_before(block, local);
     let own = own_sum(first);
     sums[local] = own;
-    scan_sums(local, WORKGROUP);
-    var before = cells[step.sums_at + block] + sums[local] - own;
+    scan_sums(local);
+    var before = all_before + sums[local] - own;
     for (var k = 0u; k < OWN; k++) {
         let count = cells[first + k];
         cells[first + k] = before;

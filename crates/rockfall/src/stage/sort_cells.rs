@@ -1,4 +1,4 @@
-//! Grid broad phase, 6 of 7: the objects in the order of their keys. Those of one cell come in any order; a cell's start
+//! Grid broad phase, 5 of 6: the objects in the order of their keys. Those of one cell come in any order; a cell's start
 //! moves on to its end, which is the start of the next.
 
 use glam::{Vec3, Vec4};

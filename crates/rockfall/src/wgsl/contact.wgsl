@@ -1,6 +1,6 @@
 // The contact law (physics.md section 4), and how the pair lists are read.
 
-// Place of entry e of a mover among the entries (and in the weights).
+// Place of entry e of a mover among the entries.
 fn slot_of(mover: u32, entry: u32) -> u32 {
     return lists[step.slices_at + mover / SLICE] + entry * SLICE + mover % SLICE;
 }

@@ -82,7 +82,7 @@ struct StatusAtomic {
     pairs_needed: u32,
     escape_ratio: atomic<u32>,
     steps: u32,
-    collided: u32,
+    collided: atomic<u32>,
     lengths_due: u32,
     contacts: atomic<u32>,
     max_overlap: atomic<u32>,

@@ -9,7 +9,7 @@
 use glam::{Vec3, Vec4};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
-use rockfall::layout::{ENTRY_COLLIDES, Status};
+use rockfall::layout::Status;
 use rockfall::stage::{Buffer, Run};
 use rockfall::world::World;
 
@@ -62,8 +62,6 @@ fn floats(world: &World) -> Vec<Floats> {
         field(Buffer::Wrenches, what, flat(&own));
     }
     field(Buffer::Orientations, "quaternion", flat(&world.orientations));
-    let colliding = entries(world).into_iter().filter(|entry| entry.word & ENTRY_COLLIDES != 0);
-    field(Buffer::Weights, "weight", colliding.map(|entry| world.weights[entry.slot]).collect());
     let status = &world.status;
     let measured = [status.escape_ratio, status.max_overlap, status.last_max_overlap];
     field(Buffer::Status, "overlaps and escapes", measured.map(f32::from_bits).to_vec());

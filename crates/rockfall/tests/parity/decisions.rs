@@ -135,7 +135,7 @@ pub(crate) struct Weighed {
     pub(crate) removed: bool,
 }
 
-/// The decisions of `find_collisions` and `weigh_collisions`, and their outcome.
+/// The decisions of `find_collisions` and `apply_collisions`, and their outcome.
 pub(crate) fn collisions(world: &World, findings: &mut Findings) -> Vec<Weighed> {
     let bodies = &Bodies::new(world, 0);
     let contacts = contacts(bodies, findings);
@@ -216,8 +216,6 @@ pub(crate) struct Entry {
     pub(crate) other: usize,
     pub(crate) feature: usize,
     pub(crate) word: u32,
-    /// Place among the entries, and of its weight.
-    pub(crate) slot: usize,
 }
 
 /// The pair lists, by their documented layout.
@@ -237,7 +235,6 @@ pub(crate) fn entries(world: &World) -> Vec<Entry> {
                 other: (word & ENTRY_ID_MASK) as usize,
                 feature: (word >> ENTRY_ID_BITS & ENTRY_FEATURE_MASK) as usize,
                 word,
-                slot,
             });
         }
     }

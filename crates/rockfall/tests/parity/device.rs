@@ -30,7 +30,6 @@ pub(crate) fn on_gpu(gpu: &Gpu, before: &World, run: Run) -> World {
     after.lists.fill(u32::MAX);
     after.words.fill(u32::MAX);
     after.cells.fill(u32::MAX);
-    after.weights.fill(f32::NAN);
     block_on(gpu.device(), device.download(&mut after, &Buffer::ALL)).unwrap();
     after
 }

@@ -1,4 +1,4 @@
-//! The CPU's collisions against the formulas of physics.md section 3 in f64: lists, flags, weights and the outcome.
+//! The CPU's collisions against the formulas of physics.md section 3 in f64: lists, flags and the outcome.
 
 use std::collections::BTreeMap;
 
@@ -30,7 +30,7 @@ fn by_pair(world: &World) -> BTreeMap<Pair, Weighed> {
 }
 
 #[test]
-fn lists_flags_and_weights_are_those_of_the_formulas() {
+fn lists_and_flags_are_those_of_the_formulas() {
     for seed in 0..4 {
         let trace = trace(&plan(seed, Integrator::Rk4));
         let world = before(&trace, "apply_collisions");
@@ -44,11 +44,6 @@ fn lists_flags_and_weights_are_those_of_the_formulas() {
             let collides = weighed.is_some_and(|weighed| weighed.contact.collides);
             assert_eq!(entry.word & ENTRY_OVERLAPS != 0, weighed.is_some(), "{pair:?}");
             assert_eq!(entry.word & ENTRY_COLLIDES != 0, collides, "{pair:?}");
-            if let Some(Weighed { weight, removed, .. }) = weighed.filter(|_| collides) {
-                let signed = if *removed { -weight } else { *weight };
-                let stored = f64::from(world.weights[entry.slot]);
-                assert!((stored - signed).abs() < 1e-3, "{pair:?}: {stored}, not {signed}");
-            }
         }
         // Every overlap stands in the list of each of its movers.
         for (pair, weighed) in &expected {

@@ -71,7 +71,6 @@ fn built(drawn: &Clusters) -> World {
     world.step.margin_scale = MARGIN;
     world.set_pair_capacity(world.movers() * 64);
     // Not 0, so that a word that a stage leaves out shows.
-    world.weights.fill(-7.0);
     world.cells[CELLS_AT as usize..].fill(3);
     for wrench in &mut world.wrenches {
         *wrench = glam::Vec4::splat(1e3);
@@ -96,7 +95,7 @@ fn run(drawn: &Clusters, plan: &Plan) -> Trace {
             // Axes that turn half around have no shortest rotation.
             turn_some(&mut world);
         }
-        if run.stage.name == "end_collisions" {
+        if run.stage.name == "commit_collisions" {
             // A pair whose overlap was just removed touches, to the last bit: whether it still overlaps is for rounding
             // to say. So the integration goes on from the state before the collisions.
             world.states[0].clone_from(&start);

@@ -1,8 +1,5 @@
-@group(0) @binding(2) var<storage, read> state: array<vec4f>;
-@group(0) @binding(3) var<storage, read> words: array<u32>;
-@group(0) @binding(4) var<storage, read> lists: array<u32>;
-@group(0) @binding(5) var<storage, read_write> weights: array<f32>;
-@group(0) @binding(6) var<storage, read> status: Status;
+// How much each of many collisions of one body weighs (physics.md section 3). Both sides of a contact work out its weight, by
+// the same sums in the same order.
 
 // Row sum up to which nothing else presses, so that the overlap may be removed.
 const ALONE: f32 = 1.001;
@@ -26,7 +23,7 @@ fn counted(k: ptr<function, Contact>, slot: u32, l: ptr<function, Contact>) -> b
 }
 
 // Adds the contacts in one row of the sphere in a slot of k. `name` is k's ids and feature.
-fn add_row(k: ptr<function, Contact>, name: vec3u, slot: u32, row: u32, sums: ptr<function, RowSums>) {
+fn add_coupled(k: ptr<function, Contact>, name: vec3u, slot: u32, row: u32, sums: ptr<function, RowSums>) {
     let sphere = (*k).spheres[slot];
     let count = count_of(row);
     for (var e = 0u; e < count; e++) {
@@ -60,7 +57,7 @@ fn add_row(k: ptr<function, Contact>, name: vec3u, slot: u32, row: u32, sums: pt
 
 // Adds the contacts of a plain sphere, `other` left out, coupled with a contact of normal `n` there and inverse mass G_kk.
 // False where one of them is not plain.
-fn add_plain(sphere: u32, other: u32, n: vec3f, inverse_mass: f32, sums: ptr<function, RowSums>) -> bool {
+fn add_coupled_plain(sphere: u32, other: u32, n: vec3f, inverse_mass: f32, sums: ptr<function, RowSums>) -> bool {
     let own = state[velocity_at(sphere)].w;
     if own <= 0.0 {
         return true;
@@ -92,11 +89,11 @@ fn add_plain(sphere: u32, other: u32, n: vec3f, inverse_mass: f32, sums: ptr<fun
 fn weigh_plain(a: u32, b: u32) -> f32 {
     let k = plain_contact(a, b);
     var sums = RowSums(1.0, 1.0);
-    if !add_plain(a, b, k.n, k.inverse_mass, &sums) {
+    if !add_coupled_plain(a, b, k.n, k.inverse_mass, &sums) {
         return 0.0;
     }
     if b < step.spheres {
-        if !add_plain(b, a, k.n, k.inverse_mass, &sums) {
+        if !add_coupled_plain(b, a, k.n, k.inverse_mass, &sums) {
             return 0.0;
         }
     }
@@ -131,33 +128,9 @@ fn weigh(name: vec3u) -> f32 {
         for (var r = 0u; r < 1u + 2u * rods.y; r++) {
             let row = row_of(sphere, rods, r);
             if row != NONE {
-                add_row(&k, name, slot, row, &sums);
+                add_coupled(&k, name, slot, row, &sums);
             }
         }
     }
     return weight_from(sums);
-}
-
-@compute @workgroup_size(64)
-fn weigh_collisions(
-    @builtin(workgroup_id) group: vec3u,
-    @builtin(num_workgroups) groups: vec3u,
-    @builtin(local_invocation_index) local: u32,
-) {
-    let mover = linear_thread(group, groups, local);
-    if (mover >= step.spheres + step.rods) | (status.void != 0u) | (status.collided != 0u) | (status.collisions == 0u) {
-        return;
-    }
-    if !has_collisions(mover) {
-        return;
-    }
-    let count = count_of(mover);
-    for (var e = 0u; e < count; e++) {
-        let slot = slot_of(mover, e);
-        let entry = entry_at(slot);
-        if (entry & ENTRY_COLLIDES) != 0u {
-            let id = entry_id(entry);
-            weights[slot] = weigh(vec3u(ordered(mover, id), entry_feature(entry)));
-        }
-    }
 }
