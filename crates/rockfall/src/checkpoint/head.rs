@@ -23,14 +23,14 @@ pub(super) fn bytes(checkpoint: &Checkpoint) -> Vec<u8> {
     head.u32(pair_capacity.unwrap_or(0));
     head.u32(u32::from(*keep_going));
 
-    let Report { steps, time, contacts, max_overlap, collisions, total_collisions, replays, non_finite } = report;
+    let Report { steps, time, contacts, max_overlap, collisions, total_collisions, replays, list_builds, non_finite } = report;
     head.f32(*time_step);
     head.u64(*steps);
     head.f64(*time);
     head.u32(*contacts);
     head.f32(*max_overlap);
     head.u32(*collisions);
-    for count in [total_collisions, replays, non_finite] {
+    for count in [total_collisions, replays, list_builds, non_finite] {
         head.u64(*count);
     }
 
@@ -68,6 +68,7 @@ pub(super) fn read(words: &mut Words) -> Result<(Checkpoint, Counts), Damage> {
         collisions: words.u32()?,
         total_collisions: words.u64()?,
         replays: words.u64()?,
+        list_builds: words.u64()?,
         non_finite: words.u64()?,
     };
     let history = History { lengths_due: words.bool()?, margin_scale: words.f32()?, lookahead: words.f32()? };

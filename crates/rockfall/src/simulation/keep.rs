@@ -5,6 +5,7 @@ use std::path::Path;
 use crate::checkpoint::{Checkpoint, History};
 use crate::error::{Error, Result};
 use crate::simulation::engine::Engine;
+use crate::simulation::lookahead::Lookahead;
 use crate::simulation::{Options, Simulation, engine, prepare};
 
 impl Simulation {
@@ -96,6 +97,7 @@ impl Simulation {
         self.status.lengths_due = u32::from(history.lengths_due);
         self.world.step.margin_scale = history.margin_scale;
         self.world.step.lookahead = history.lookahead;
+        self.lookahead = Lookahead::from_steps(history.lookahead);
         self
     }
 }

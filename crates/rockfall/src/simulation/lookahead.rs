@@ -63,6 +63,11 @@ impl Default for Lookahead {
 }
 
 impl Lookahead {
+    /// Goes on from so many steps.
+    pub(super) fn from_steps(steps: f32) -> Self {
+        Self { steps, ..Self::default() }
+    }
+
     /// The number of steps for the next batch, after a batch that did as told.
     pub(super) fn after(&mut self, seen: &Lists, method: BroadPhase) -> f32 {
         let cost = seen.cost(method);
