@@ -19,6 +19,7 @@ mod glass;
 pub mod palette;
 mod passes;
 mod pipelines;
+mod pyramid;
 mod range;
 mod source;
 mod style;
@@ -31,6 +32,7 @@ use coil::{CoilMesh, Fineness};
 use cull::Cull;
 use frame::Frame;
 use pipelines::{Layouts, Pipelines};
+use pyramid::MakePyramid;
 use range::{FindGreatest, Greatest};
 use source::Source;
 pub use style::{Background, ColourBy, Range, Style};
@@ -74,6 +76,7 @@ pub struct Renderer {
     shadows: ShadowMap,
     coil: CoilMesh,
     cull: Cull,
+    pyramid: MakePyramid,
     timer: Option<Timer>,
     targets: Option<Targets>,
     setting: Option<Setting>,
@@ -99,6 +102,7 @@ impl Renderer {
 
     fn make(device: &wgpu::Device, queue: &wgpu::Queue, format: wgpu::TextureFormat) -> Self {
         let layouts = Layouts::new(device);
+        let pyramid = MakePyramid::new(device);
         let uniform = device.create_buffer(&wgpu::BufferDescriptor {
             label: Some("frame"),
             size: size_of::<Frame>() as u64,
@@ -111,7 +115,8 @@ impl Renderer {
             pipelines: Pipelines::new(device, &layouts, format),
             shadows: ShadowMap::new(device, &layouts),
             coil: CoilMesh::new(device, Fineness::of(0)),
-            cull: Cull::new(device),
+            cull: Cull::new(device, &pyramid.read),
+            pyramid,
             timer: None,
             layouts,
             uniform,
@@ -132,7 +137,7 @@ impl Renderer {
     pub fn resize(&mut self, width: u32, height: u32) {
         let size = [width.max(1), height.max(1)];
         if self.targets.as_ref().is_none_or(|targets| targets.size != size) {
-            self.targets = Some(Targets::new(&self.device, &self.layouts, size));
+            self.targets = Some(Targets::new(&self.device, &self.layouts, &self.pyramid, size));
         }
     }
 
@@ -236,7 +241,8 @@ impl Renderer {
         (frame.blend, frame.range) = (blend, self.range(style));
         self.queue.write_buffer(&self.uniform, 0, bytemuck::bytes_of(&frame));
         if let Some(timer) = &mut self.timer {
-            timer.begin([true, style.shadows, true, style.occlusion, true]);
+            let covering = frame::is_covering(&self.step);
+            timer.begin([true, style.shadows, true, covering, covering, style.occlusion, true]);
         }
         self.choose_spheres(encoder);
         if style.shadows {

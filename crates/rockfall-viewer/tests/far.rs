@@ -1,10 +1,10 @@
 //! What is left out of a picture, or drawn in a cheaper way, does not show.
 #![cfg(feature = "gpu")]
 
-use rockfall::glam::{DVec3, Vec3};
+use rockfall::glam::{DVec3, UVec3, Vec3};
 use rockfall::{Backend, Scene, Sphere};
 use rockfall_viewer::camera::{Axes, Camera};
-use rockfall_viewer::draw::FrameTimes;
+use rockfall_viewer::draw::{FrameTimes, Renderer};
 use rockfall_viewer::picture::Picture;
 
 mod common;
@@ -80,4 +80,43 @@ fn small_spheres_cover_what_their_discs_do() {
     let share = times.far as f32 / 10_000.0;
     assert!((share - (0.2_f32 / 0.35).powi(2)).abs() < 0.03, "{share}");
     assert!((dark / (per_pixel * 400.0) - 1.0).abs() < 0.15, "{dark} {}", per_pixel * 400.0);
+}
+
+#[test]
+fn what_is_covered_is_left_out_and_missed_in_no_frame() {
+    const SIDE: u32 = 28;
+    let mut scene = Scene::new();
+    for k in 0..SIDE.pow(3) {
+        let place = UVec3::new(k % SIDE, k / SIDE % SIDE, k / SIDE.pow(2)).as_vec3();
+        // Not quite even, so that no two lie at the same depth.
+        let shift = Vec3::new((k as f32).sin(), (1.3 * k as f32).sin(), (1.7 * k as f32).sin());
+        scene.add_sphere(Sphere::new(place + 0.03 * shift, 0.5)).unwrap();
+    }
+    let middle = Vec3::splat(0.5 * (SIDE - 1) as f32);
+    let cameras = [[50.0, 40.0, 90.0], [-40.0, 60.0, -70.0], [20.0, 20.0, 36.0]].map(|eye| Camera::new(eye, middle));
+    let mut simulation = simulation(scene, Backend::Cpu);
+    let style = outlines();
+    let mut take = |renderer: &mut Renderer, camera: &Camera| {
+        renderer.update(&mut simulation, &style).unwrap();
+        let picture = canvas().take(renderer, camera, &style).unwrap();
+        let times = renderer.frame_times().unwrap().unwrap();
+        (picture, times.near + times.far)
+    };
+    let timed = || {
+        let mut renderer = renderer();
+        renderer.time_frames().unwrap();
+        renderer
+    };
+    let mut lasting = timed();
+    for camera in &cameras {
+        // Nothing was seen before: all that is in the picture is drawn.
+        let (whole, all) = take(&mut timed(), camera);
+        // What was seen in the last frame is drawn first, then what that does not cover: the first frame of all has nothing
+        // to cover with, the second one finds what is covered, the third one leaves it out.
+        for turn in 0..3 {
+            let (picture, drawn) = take(&mut lasting, camera);
+            assert!(picture == whole, "{camera:?}, turn {turn}");
+            assert!(turn < 2 || drawn < all / 2, "{drawn} of {all} are drawn");
+        }
+    }
 }

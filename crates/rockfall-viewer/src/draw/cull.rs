@@ -22,50 +22,59 @@ pub(crate) enum List {
     Far,
     /// Spheres in the shadow map.
     Shadow,
+    /// Near spheres that were covered in the last frame.
+    SecondNear,
+    /// Far spheres that were covered in the last frame.
+    SecondFar,
 }
 
-const LISTS: u64 = 3;
+const LISTS: u64 = 5;
 
 /// What makes the lists.
 #[derive(Debug)]
 pub(crate) struct Cull {
-    pipeline: wgpu::ComputePipeline,
+    cull: wgpu::ComputePipeline,
+    uncover: wgpu::ComputePipeline,
     layout: wgpu::BindGroupLayout,
     lists: wgpu::Buffer,
+    /// Which spheres were seen in the last frame.
+    seen: wgpu::Buffer,
     draws: wgpu::Buffer,
     spheres: u32,
     group: Option<wgpu::BindGroup>,
 }
 
-fn make_lists(device: &wgpu::Device, spheres: u32) -> wgpu::Buffer {
+/// A buffer of so many words a sphere, all 0.
+fn make(device: &wgpu::Device, label: &str, words: u64, spheres: u32) -> wgpu::Buffer {
     device.create_buffer(&wgpu::BufferDescriptor {
-        label: Some("spheres to draw"),
-        size: (LISTS * 4 * u64::from(spheres)).max(16),
+        label: Some(label),
+        size: (words * 4 * u64::from(spheres)).max(16),
         usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::VERTEX,
         mapped_at_creation: false,
     })
 }
 
 impl Cull {
-    pub(crate) fn new(device: &wgpu::Device) -> Self {
+    /// `pyramid` is the layout of what reads the farthest depths.
+    pub(crate) fn new(device: &wgpu::Device, pyramid: &wgpu::BindGroupLayout) -> Self {
         let layout = Layouts::of_cull(device);
         let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
             label: Some("cull"),
             source: wgpu::ShaderSource::Wgsl(CULL.into()),
         });
-        let pipeline_layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-            label: Some("cull"),
-            bind_group_layouts: &[Some(&layout)],
-            immediate_size: 0,
-        });
-        let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-            label: Some("cull"),
-            layout: Some(&pipeline_layout),
-            module: &module,
-            entry_point: Some("cull"),
-            compilation_options: wgpu::PipelineCompilationOptions::default(),
-            cache: None,
-        });
+        let pipeline = |name: &str, bind_group_layouts: &[_]| {
+            let descriptor = wgpu::PipelineLayoutDescriptor { label: Some(name), bind_group_layouts, immediate_size: 0 };
+            device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+                label: Some(name),
+                layout: Some(&device.create_pipeline_layout(&descriptor)),
+                module: &module,
+                entry_point: Some(name),
+                compilation_options: wgpu::PipelineCompilationOptions::default(),
+                cache: None,
+            })
+        };
+        let cull = pipeline("cull", &[Some(&layout)]);
+        let uncover = pipeline("uncover", &[Some(&layout), Some(pyramid)]);
         let draws = device.create_buffer(&wgpu::BufferDescriptor {
             label: Some("draws"),
             size: LISTS * DRAW_BYTES,
@@ -75,17 +84,19 @@ impl Cull {
                 | wgpu::BufferUsages::COPY_SRC,
             mapped_at_creation: false,
         });
-        Self { pipeline, layout, lists: make_lists(device, 0), draws, spheres: 0, group: None }
+        let [lists, seen] = ["spheres to draw", "seen spheres"].map(|label| make(device, label, 0, 0));
+        Self { cull, uncover, layout, lists, seen, draws, spheres: 0, group: None }
     }
 
     /// Binds the uniform block and the buffers of group 0 (state first) that the lists are made from.
     pub(crate) fn bind(&mut self, device: &wgpu::Device, uniform: &wgpu::Buffer, buffers: &[wgpu::Buffer], spheres: u32) {
         if self.spheres != spheres {
-            self.lists = make_lists(device, spheres);
+            self.lists = make(device, "spheres to draw", LISTS, spheres);
+            self.seen = make(device, "seen spheres", 1, spheres);
             self.spheres = spheres;
         }
         let of_bodies = Layouts::CULL_READS.map(|binding| (binding, &buffers[binding as usize - 1]));
-        let own = [(0, uniform), (9, &self.lists), (10, &self.draws)];
+        let own = [(0, uniform), (9, &self.lists), (10, &self.draws), (11, &self.seen)];
         let entries: Vec<_> = own
             .into_iter()
             .chain(of_bodies)
@@ -96,22 +107,30 @@ impl Cull {
             Some(device.create_bind_group(&wgpu::BindGroupDescriptor { label: Some("cull"), layout, entries: &entries }));
     }
 
-    /// Makes the lists of the frame.
-    pub(crate) fn run(
-        &self,
-        device: &wgpu::Device,
-        queue: &wgpu::Queue,
-        encoder: &mut wgpu::CommandEncoder,
-        timestamps: Option<wgpu::ComputePassTimestampWrites<'_>>,
-    ) {
+    /// Empties the lists.
+    pub(crate) fn begin(&self, queue: &wgpu::Queue) {
         let empty = [CORNERS, 0, 0, 0];
         queue.write_buffer(&self.draws, 0, bytemuck::cast_slice(&[empty; LISTS as usize]));
-        let descriptor = wgpu::ComputePassDescriptor { label: Some("cull"), timestamp_writes: timestamps };
-        let mut pass = encoder.begin_compute_pass(&descriptor);
+    }
+
+    /// Makes the lists that do not go by what is covered; in large scenes, of the spheres that were seen in the last frame.
+    pub(crate) fn choose(&self, pass: &mut wgpu::ComputePass<'_>, across: u32) {
+        pass.set_pipeline(&self.cull);
+        self.dispatch(pass, across);
+    }
+
+    /// Makes the lists of what was covered in the last frame and is not now, and remembers what is seen.
+    pub(crate) fn uncover(&self, pass: &mut wgpu::ComputePass<'_>, across: u32, pyramid: &wgpu::BindGroup) {
+        pass.set_pipeline(&self.uncover);
+        pass.set_bind_group(1, pyramid, &[]);
+        self.dispatch(pass, across);
+    }
+
+    /// A thread a sphere, in rows of at most `across` workgroups.
+    fn dispatch(&self, pass: &mut wgpu::ComputePass<'_>, across: u32) {
         let groups = self.spheres.div_ceil(WORKGROUP);
         if groups > 0 {
-            let across = groups.min(device.limits().max_compute_workgroups_per_dimension);
-            pass.set_pipeline(&self.pipeline);
+            let across = groups.min(across);
             pass.set_bind_group(0, &self.group, &[]);
             pass.dispatch_workgroups(across, groups.div_ceil(across), 1);
         }

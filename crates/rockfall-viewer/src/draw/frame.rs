@@ -70,6 +70,7 @@ pub(crate) struct Frame {
 
 const SHADOWS: u32 = 1;
 const OCCLUSION: u32 = 2;
+const COVERING: u32 = 4;
 
 /// Where the sun stands.
 const SUN: Vec3 = Vec3::new(-0.45, 0.80, 0.40);
@@ -79,6 +80,14 @@ const SHADOW_REACH: f32 = 1.5;
 const SHADOW_DEPTH: f32 = 4.0;
 /// Distance of the camera in fine cells of the grid, at which they begin to fade.
 const CELLS_AWAY: f32 = 8.0;
+
+/// From so many spheres on, those that others cover are left out: it takes two passes.
+const COVERING_FROM: u32 = 20_000;
+
+/// Whether what is covered is left out.
+pub(crate) fn is_covering(step: &Step) -> bool {
+    step.spheres >= COVERING_FROM
+}
 
 /// Springs of a step.
 pub(crate) fn springs(step: &Step) -> u32 {
@@ -165,7 +174,7 @@ impl Frame {
             cell_fade: level - level.floor(),
             coil_pieces: coil.pieces,
             coil_sides: coil.sides,
-            flags: flag(style.shadows, SHADOWS) | flag(style.occlusion, OCCLUSION),
+            flags: flag(style.shadows, SHADOWS) | flag(style.occlusion, OCCLUSION) | flag(is_covering(step), COVERING),
             spheres: step.spheres,
             rods: step.rods,
             springs: springs(step),

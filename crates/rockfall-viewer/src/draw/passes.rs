@@ -5,9 +5,9 @@ use std::ops::Range;
 use rockfall::wgpu;
 
 use crate::draw::cull::List;
-use crate::draw::frame::{springs, tethers};
+use crate::draw::frame::{is_covering, springs, tethers};
 use crate::draw::pipelines::{Kind, Pipelines};
-use crate::draw::targets::{Targets, fill};
+use crate::draw::targets::{Bodies, Targets, fill};
 use crate::draw::timing::Pass;
 use crate::draw::{Renderer, Style};
 
@@ -63,9 +63,24 @@ impl Renderer {
         self.timer.as_ref().map(|timer| timer.render(pass))
     }
 
+    fn compute<'a>(&self, encoder: &'a mut wgpu::CommandEncoder, pass: Pass) -> wgpu::ComputePass<'a> {
+        let timestamp_writes = self.timer.as_ref().map(|timer| timer.compute(pass));
+        encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some(pass.name()), timestamp_writes })
+    }
+
+    fn most_workgroups(&self) -> u32 {
+        self.device.limits().max_compute_workgroups_per_dimension
+    }
+
     pub(super) fn choose_spheres(&self, encoder: &mut wgpu::CommandEncoder) {
-        let stamps = self.timer.as_ref().map(|timer| timer.compute(Pass::Cull));
-        self.cull.run(&self.device, &self.queue, encoder, stamps);
+        self.cull.begin(&self.queue);
+        self.cull.choose(&mut self.compute(encoder, Pass::Cull), self.most_workgroups());
+    }
+
+    fn uncover_spheres(&self, encoder: &mut wgpu::CommandEncoder, targets: &Targets) {
+        let mut pass = self.compute(encoder, Pass::Uncover);
+        targets.pyramid.make(&mut pass, &self.pyramid);
+        self.cull.uncover(&mut pass, self.most_workgroups(), &targets.pyramid.group);
     }
 
     pub(super) fn draw_shadows(&self, encoder: &mut wgpu::CommandEncoder, bodies: &wgpu::BindGroup) {
@@ -76,6 +91,7 @@ impl Renderer {
         self.draw_kinds(&mut pass, |kind| &kind.shadow);
     }
 
+    /// Draws all bodies; in large scenes those first that were seen in the last frame, then what they do not cover.
     pub(super) fn draw_bodies(
         &self,
         encoder: &mut wgpu::CommandEncoder,
@@ -83,15 +99,20 @@ impl Renderer {
         bodies: &wgpu::BindGroup,
         style: &Style,
     ) {
-        let mut pass = targets.bodies(encoder, self.stamps(Pass::Bodies));
-        pass.set_bind_group(0, bodies, &[]);
-        pass.set_bind_group(1, &self.shadows.group, &[]);
+        let covering = is_covering(&self.step);
+        let which = if covering { Bodies::First } else { Bodies::All };
+        let mut pass = targets.bodies(encoder, which, self.stamps(Pass::Bodies));
+        self.bind(&mut pass, bodies);
         pass.set_pipeline(&self.pipelines.sky);
         pass.draw(0..3, 0..1);
         self.draw_kinds(&mut pass, |kind| &kind.lit);
-        for (pipeline, list) in [(&self.pipelines.spheres.lit, List::Near), (&self.pipelines.far, List::Far)] {
-            pass.set_pipeline(pipeline);
-            self.cull.draw(&mut pass, list);
+        self.draw_spheres(&mut pass, [List::Near, List::Far]);
+        if covering {
+            drop(pass);
+            self.uncover_spheres(encoder, targets);
+            pass = targets.bodies(encoder, Bodies::Second, self.stamps(Pass::Uncovered));
+            self.bind(&mut pass, bodies);
+            self.draw_spheres(&mut pass, [List::SecondNear, List::SecondFar]);
         }
         if style.ground {
             pass.set_pipeline(&self.pipelines.ground);
@@ -100,6 +121,18 @@ impl Renderer {
         if self.step.boxes > 0 {
             pass.set_pipeline(&self.pipelines.glass);
             pass.draw(0..36, 0..self.step.boxes);
+        }
+    }
+
+    fn bind(&self, pass: &mut wgpu::RenderPass<'_>, bodies: &wgpu::BindGroup) {
+        pass.set_bind_group(0, bodies, &[]);
+        pass.set_bind_group(1, &self.shadows.group, &[]);
+    }
+
+    fn draw_spheres(&self, pass: &mut wgpu::RenderPass<'_>, [near, far]: [List; 2]) {
+        for (pipeline, list) in [(&self.pipelines.spheres.lit, near), (&self.pipelines.far, far)] {
+            pass.set_pipeline(pipeline);
+            self.cull.draw(pass, list);
         }
     }
 

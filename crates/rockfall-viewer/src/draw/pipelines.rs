@@ -72,14 +72,14 @@ impl Layouts {
     /// Bindings of group 0 that choosing spheres reads: state, words, old positions, capsules.
     pub(crate) const CULL_READS: [u32; 4] = [1, 3, 4, 7];
 
-    /// The frame and what is read of the bodies, and at 9 and 10 what is made of it.
+    /// The frame and what is read of the bodies, and from 9 on what is made of it.
     pub(crate) fn of_cull(device: &wgpu::Device) -> wgpu::BindGroupLayout {
         let storage = |binding, read_only| {
             entry(binding, wgpu::ShaderStages::COMPUTE, buffer(wgpu::BufferBindingType::Storage { read_only }))
         };
         let mut entries = vec![entry(0, wgpu::ShaderStages::COMPUTE, buffer(wgpu::BufferBindingType::Uniform))];
         entries.extend(Self::CULL_READS.map(|binding| storage(binding, true)));
-        entries.extend([9, 10].map(|binding| storage(binding, false)));
+        entries.extend([9, 10, 11].map(|binding| storage(binding, false)));
         device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some("cull"), entries: &entries })
     }
 

@@ -3,6 +3,7 @@
 use rockfall::wgpu;
 
 use crate::draw::pipelines::Layouts;
+use crate::draw::pyramid::{MakePyramid, Pyramid};
 
 /// Samples of a pixel. `wgsl/frame.wgsl` knows where they lie.
 pub(crate) const SAMPLES: u32 = 4;
@@ -66,6 +67,7 @@ pub(crate) struct Targets {
     depth: wgpu::TextureView,
     light: wgpu::TextureView,
     pub(crate) openness: wgpu::TextureView,
+    pub(crate) pyramid: Pyramid,
     /// What ambient occlusion reads.
     pub(crate) occlusion: wgpu::BindGroup,
     /// What the last pass reads.
@@ -73,7 +75,7 @@ pub(crate) struct Targets {
 }
 
 impl Targets {
-    pub(crate) fn new(device: &wgpu::Device, layouts: &Layouts, size: [u32; 2]) -> Self {
+    pub(crate) fn new(device: &wgpu::Device, layouts: &Layouts, make: &MakePyramid, size: [u32; 2]) -> Self {
         let light = texture(device, "light", size, 1, LIGHT_FORMAT);
         let depth = texture(device, "depth", size, SAMPLES, DEPTH_FORMAT);
         let openness = texture(device, "openness", size, 1, OPENNESS_FORMAT);
@@ -82,6 +84,7 @@ impl Targets {
         };
         Self {
             size,
+            pyramid: Pyramid::new(device, make, &depth, size),
             occlusion: group("occlusion", &layouts.occlusion, &[view(0, &depth)]),
             finish: group("finish", &layouts.finish, &[view(0, &light), view(1, &openness), view(2, &depth)]),
             samples: texture(device, "samples of light", size, SAMPLES, LIGHT_FORMAT),
@@ -91,22 +94,41 @@ impl Targets {
         }
     }
 
-    /// The pass that draws bodies.
+    /// A pass that draws bodies: one draws them all, or a first and a second one do.
     pub(crate) fn bodies<'a>(
         &self,
         encoder: &'a mut wgpu::CommandEncoder,
+        which: Bodies,
         timestamp_writes: Option<wgpu::RenderPassTimestampWrites<'_>>,
     ) -> wgpu::RenderPass<'a> {
-        let ops = wgpu::Operations { load: wgpu::LoadOp::Clear(wgpu::Color::WHITE), store: wgpu::StoreOp::Discard };
-        let samples = wgpu::RenderPassColorAttachment { resolve_target: Some(&self.light), ops, ..colour(&self.samples) };
+        let mut samples = colour(&self.samples);
+        let mut depth = depth(&self.depth, 0.0);
+        if which != Bodies::First {
+            (samples.resolve_target, samples.ops.store) = (Some(&self.light), wgpu::StoreOp::Discard);
+        }
+        if which == Bodies::Second {
+            samples.ops.load = wgpu::LoadOp::Load;
+            depth.depth_ops = Some(wgpu::Operations { load: wgpu::LoadOp::Load, store: wgpu::StoreOp::Store });
+        }
         encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("bodies"),
             color_attachments: &[Some(samples)],
-            depth_stencil_attachment: Some(depth(&self.depth, 0.0)),
+            depth_stencil_attachment: Some(depth),
             timestamp_writes,
             ..Default::default()
         })
     }
+}
+
+/// Which of the passes that draw bodies.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Bodies {
+    /// The only one.
+    All,
+    /// What was seen in the last frame.
+    First,
+    /// What that does not cover.
+    Second,
 }
 
 /// What the sun sees.

@@ -11,8 +11,12 @@ pub enum Pass {
     Cull,
     /// The shadow map.
     Shadows,
-    /// The bodies.
+    /// The bodies; in large scenes, those seen in the last frame.
     Bodies,
+    /// In large scenes: finding what is not covered.
+    Uncover,
+    /// In large scenes: drawing it.
+    Uncovered,
     /// Ambient occlusion.
     Occlusion,
     /// The picture.
@@ -21,7 +25,8 @@ pub enum Pass {
 
 impl Pass {
     /// All of them.
-    pub const ALL: [Self; 5] = [Self::Cull, Self::Shadows, Self::Bodies, Self::Occlusion, Self::Finish];
+    pub const ALL: [Self; 7] =
+        [Self::Cull, Self::Shadows, Self::Bodies, Self::Uncover, Self::Uncovered, Self::Occlusion, Self::Finish];
 
     /// Its name.
     pub fn name(self) -> &'static str {
@@ -29,6 +34,8 @@ impl Pass {
             Self::Cull => "cull",
             Self::Shadows => "shadows",
             Self::Bodies => "bodies",
+            Self::Uncover => "uncover",
+            Self::Uncovered => "uncovered",
             Self::Occlusion => "occlusion",
             Self::Finish => "finish",
         }
@@ -42,7 +49,7 @@ const STAMPS: u32 = 2 * Pass::ALL.len() as u32;
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct FrameTimes {
     /// Seconds of every pass of [`Pass::ALL`]; 0 for a pass that was left out.
-    pub passes: [f64; 5],
+    pub passes: [f64; 7],
     /// Spheres that were ray-cast.
     pub near: u32,
     /// Spheres that were drawn as discs.
@@ -67,12 +74,12 @@ pub(crate) struct Timer {
     /// Nanoseconds of a tick.
     period: f64,
     /// Which passes the last frame had.
-    ran: [bool; 5],
+    ran: [bool; 7],
 }
 
 /// Bytes of the timestamps, and of the draws after them.
 const STAMP_BYTES: u64 = 8 * STAMPS as u64;
-const DRAW_BYTES: u64 = 48;
+const DRAW_BYTES: u64 = 80;
 
 impl Timer {
     /// # Errors
@@ -95,11 +102,11 @@ impl Timer {
             resolved: buffer("timestamps", STAMP_BYTES, Usage::QUERY_RESOLVE | Usage::COPY_SRC),
             staging: buffer("read back", STAMP_BYTES + DRAW_BYTES, Usage::MAP_READ | Usage::COPY_DST),
             period: f64::from(queue.get_timestamp_period()),
-            ran: [false; 5],
+            ran: [false; 7],
         })
     }
 
-    pub(crate) fn begin(&mut self, ran: [bool; 5]) {
+    pub(crate) fn begin(&mut self, ran: [bool; 7]) {
         self.ran = ran;
     }
 
@@ -140,7 +147,7 @@ impl Timer {
                 let ticks = stamp(2 * pass + 1).saturating_sub(stamp(2 * pass));
                 if self.ran[pass] { ticks as f64 * self.period * 1e-9 } else { 0.0 }
             });
-            FrameTimes { passes, near: drawn(0), far: drawn(1), shadows: drawn(2) }
+            FrameTimes { passes, near: drawn(0) + drawn(3), far: drawn(1) + drawn(4), shadows: drawn(2) }
         })
     }
 }

@@ -1,5 +1,6 @@
 // Which spheres are worth drawing: those in the picture, far ones in a cheaper way, and those that the sun sees. Where
-// spheres are smaller than a third of a pixel, some stand for all of them.
+// spheres are smaller than a third of a pixel, some stand for all of them. In large scenes, first come the spheres that were
+// seen in the last frame, then what they do not cover.
 
 struct Draw {
     vertices: u32,
@@ -8,21 +9,30 @@ struct Draw {
     first_instance: u32,
 }
 
-/// Slots of spheres: near ones, far ones, those with a shadow; each with room for all.
+const LISTS: u32 = 5u;
+
+/// Slots of spheres: near ones, far ones, those with a shadow, and near and far ones that were covered in the last frame;
+/// each with room for all.
 @group(0) @binding(9) var<storage, read_write> lists: array<u32>;
-@group(0) @binding(10) var<storage, read_write> draws: array<Draw, 3>;
+@group(0) @binding(10) var<storage, read_write> draws: array<Draw, LISTS>;
+/// 1 for the spheres that were seen in the last frame.
+@group(0) @binding(11) var<storage, read_write> seen: array<u32>;
+/// The farthest depth of blocks of pixels, 2 by 2 of them on level 0, 4 by 4 on level 1, ...
+@group(1) @binding(0) var farthest: texture_2d<f32>;
 
 const NEAR: u32 = 1u;
 const FAR: u32 = 2u;
 const SHADOW: u32 = 4u;
+/// From the bit of a list to that of its second one.
+const SECOND: u32 = 3u;
 
 /// In pixels: smaller spheres are drawn as discs.
 const FAR_RADIUS: f32 = 2.0;
 /// In pixels: of smaller spheres some are drawn, as if they were this large.
 const LEAST_RADIUS: f32 = 0.35;
 
-var<workgroup> counts: array<atomic<u32>, 3>;
-var<workgroup> firsts: array<u32, 3>;
+var<workgroup> counts: array<atomic<u32>, LISTS>;
+var<workgroup> firsts: array<u32, LISTS>;
 
 /// Whether a sphere of this radius in pixels is among those that are drawn.
 fn stands(slot: u32, radius: f32) -> bool {
@@ -54,32 +64,97 @@ fn in_light(slot: u32, ball: vec4f) -> u32 {
     return select(0u, SHADOW, seen);
 }
 
+/// Whether all of a sphere lies behind what has been drawn.
+fn is_covered(ball: vec4f) -> bool {
+    let offset = ball.xyz - frame.eye;
+    let ahead = dot(offset, frame.forward);
+    let front = ahead - ball.w;
+    if front <= frame.near {
+        return false;
+    }
+    let aside = vec2f(dot(offset, frame.right), -dot(offset, frame.up));
+    let slope = aside / ahead;
+    let centre = 0.5 * frame.viewport + slope / pixel_width();
+    // The outline is an ellipse that is the longer, the farther from the middle of the picture; a pixel more for edges.
+    let reach = ball.w * sqrt(1.0 + dot(slope, slope)) / (front * pixel_width()) + 1.0;
+    let low = max((centre - reach) * 0.5, vec2f(0.0));
+    let high = max((centre + reach) * 0.5, vec2f(0.0));
+    // Two blocks a side hold it.
+    let level = min(u32(ceil(log2(max(max(high.x - low.x, high.y - low.y), 1.0)))), textureNumLevels(farthest) - 1u);
+    let last = textureDimensions(farthest, level) - 1u;
+    let first_block = min(vec2u(low) >> vec2u(level), last);
+    let last_block = min(vec2u(high) >> vec2u(level), last);
+    var depth = 1.0;
+    for (var y = first_block.y; y <= last_block.y; y++) {
+        for (var x = first_block.x; x <= last_block.x; x++) {
+            depth = min(depth, textureLoad(farthest, vec2u(x, y), level).r);
+        }
+    }
+    return frame.near / front < depth;
+}
+
+fn slot_of_thread(group: vec3u, groups: vec3u, local: u32) -> u32 {
+    return 256u * (group.x + group.y * groups.x) + local;
+}
+
+/// Puts a sphere into the lists that it is wanted in.
+fn put(slot: u32, wanted: u32, local: u32) {
+    var places: array<u32, LISTS>;
+    for (var list = 0u; list < LISTS; list++) {
+        if (wanted & (1u << list)) != 0u {
+            places[list] = atomicAdd(&counts[list], 1u);
+        }
+    }
+    workgroupBarrier();
+    if local < LISTS {
+        firsts[local] = atomicAdd(&draws[local].instances, atomicLoad(&counts[local]));
+    }
+    workgroupBarrier();
+    for (var list = 0u; list < LISTS; list++) {
+        if (wanted & (1u << list)) != 0u {
+            lists[list * frame.spheres + firsts[list] + places[list]] = slot;
+        }
+    }
+}
+
 @compute @workgroup_size(256)
 fn cull(
     @builtin(workgroup_id) group: vec3u,
     @builtin(num_workgroups) groups: vec3u,
     @builtin(local_invocation_index) local: u32,
 ) {
-    let slot = 256u * (group.x + group.y * groups.x) + local;
+    let slot = slot_of_thread(group, groups, local);
     var wanted = 0u;
     if slot < frame.spheres && !in_capsule(slot) {
         let ball = ball(slot);
-        wanted = in_picture(slot, ball) | in_light(slot, ball);
-    }
-    var places: array<u32, 3>;
-    for (var list = 0u; list < 3u; list++) {
-        if (wanted & (1u << list)) != 0u {
-            places[list] = atomicAdd(&counts[list], 1u);
+        wanted = in_light(slot, ball);
+        if (frame.flags & COVERING) == 0u || seen[slot] != 0u {
+            wanted |= in_picture(slot, ball);
         }
     }
-    workgroupBarrier();
-    if local < 3u {
-        firsts[local] = atomicAdd(&draws[local].instances, atomicLoad(&counts[local]));
-    }
-    workgroupBarrier();
-    for (var list = 0u; list < 3u; list++) {
-        if (wanted & (1u << list)) != 0u {
-            lists[list * frame.spheres + firsts[list] + places[list]] = slot;
+    put(slot, wanted, local);
+}
+
+@compute @workgroup_size(256)
+fn uncover(
+    @builtin(workgroup_id) group: vec3u,
+    @builtin(num_workgroups) groups: vec3u,
+    @builtin(local_invocation_index) local: u32,
+) {
+    let slot = slot_of_thread(group, groups, local);
+    var wanted = 0u;
+    if slot < frame.spheres && !in_capsule(slot) {
+        let ball = ball(slot);
+        wanted = in_picture(slot, ball) << SECOND;
+        if wanted != 0u && is_covered(ball) {
+            wanted = 0u;
+        }
+        let was_seen = seen[slot] != 0u;
+        seen[slot] = select(0u, 1u, wanted != 0u);
+        if was_seen {
+            // Drawn already.
+            wanted = 0u;
         }
     }
+    put(slot, wanted, local);
 }

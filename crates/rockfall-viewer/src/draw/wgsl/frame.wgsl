@@ -47,6 +47,7 @@ struct Frame {
 
 const SHADOWS: u32 = 1u;
 const OCCLUSION: u32 = 2u;
+const COVERING: u32 = 4u;
 
 const BY_KIND: u32 = 0u;
 const BY_SPEED: u32 = 1u;
