@@ -53,7 +53,7 @@ impl Camera {
             let across = (offset.dot(right).abs() / aspect).max(offset.dot(up).abs());
             distance = distance.max(across / tangent - offset.dot(forward));
         }
-        let distance = if distance > 0.0 { 1.06 * distance } else { 1.0 };
+        let distance = if distance > 0.0 { 1.12 * distance } else { 1.0 };
         Self { eye: middle - distance * forward, ..camera }
     }
 

@@ -34,9 +34,9 @@ const LEAST_RADIUS: f32 = 0.35;
 var<workgroup> counts: array<atomic<u32>, LISTS>;
 var<workgroup> firsts: array<u32, LISTS>;
 
-/// Whether a sphere of this radius in pixels is among those that are drawn.
-fn stands(slot: u32, radius: f32) -> bool {
-    let part = radius / LEAST_RADIUS;
+/// Whether a sphere of this radius in pixels is among those that are drawn, none of them smaller than `least`.
+fn stands(slot: u32, radius: f32, least: f32) -> bool {
+    let part = radius / least;
     return part >= 1.0 || hash(user_of(slot)) < part * part;
 }
 
@@ -53,14 +53,14 @@ fn in_picture(slot: u32, ball: vec4f) -> u32 {
     if radius >= FAR_RADIUS {
         return NEAR;
     }
-    return select(0u, FAR, stands(slot, radius));
+    return select(0u, FAR, stands(slot, radius, LEAST_RADIUS));
 }
 
 fn in_light(slot: u32, ball: vec4f) -> u32 {
     let place = frame.light_projection * vec4f(ball.xyz, 1.0);
     let texels = ball.w / frame.light_texel;
     let room = 1.0 + 2.0 * texels / frame.light_size;
-    let seen = (frame.flags & SHADOWS) != 0u && all(abs(place.xy) < vec2f(room)) && stands(slot, texels);
+    let seen = (frame.flags & SHADOWS) != 0u && all(abs(place.xy) < vec2f(room)) && stands(slot, texels, LEAST_SHADOW);
     return select(0u, SHADOW, seen);
 }
 

@@ -49,6 +49,9 @@ const SHADOWS: u32 = 1u;
 const OCCLUSION: u32 = 2u;
 const COVERING: u32 = 4u;
 
+/// In pixels of the shadow map: of smaller spheres some cast a shadow, as if they were this large. The filter blurs more.
+const LEAST_SHADOW: f32 = 2.0;
+
 const BY_KIND: u32 = 0u;
 const BY_SPEED: u32 = 1u;
 

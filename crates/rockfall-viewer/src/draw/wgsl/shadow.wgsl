@@ -14,11 +14,12 @@ fn in_map(point: vec3f) -> vec4f {
     return vec4f(place.xy, clamp(place.z, 0.0, 1.0), 1.0);
 }
 
-fn ball_in_map(ball: vec4f, corner: u32) -> BallShadow {
+/// A ball that is as wide as `radius`, but no higher than it is.
+fn ball_in_map(ball: vec4f, radius: f32, corner: u32) -> BallShadow {
     var vertex: BallShadow;
     vertex.on_disc = vec2f(vec2u(corner & 1u, corner >> 1u)) * 2.0 - 1.0;
     let disc = vertex.on_disc.x * frame.light_right + vertex.on_disc.y * frame.light_up;
-    let place = frame.light_projection * vec4f(ball.xyz + ball.w * disc, 1.0);
+    let place = frame.light_projection * vec4f(ball.xyz + radius * disc, 1.0);
     vertex.depth = vec2f(place.z, ball.w * frame.light_depth);
     vertex.place = vec4f(place.xy, 0.5, 1.0);
     return vertex;
@@ -26,12 +27,15 @@ fn ball_in_map(ball: vec4f, corner: u32) -> BallShadow {
 
 @vertex
 fn sphere_shadow_vertex(@builtin(vertex_index) corner: u32, @location(0) slot: u32) -> BallShadow {
-    return ball_in_map(ball(slot), corner);
+    let ball = ball(slot);
+    // Those that stand for others are as large as the least.
+    return ball_in_map(ball, max(ball.w, LEAST_SHADOW * frame.light_texel), corner);
 }
 
 @vertex
 fn anchor_shadow_vertex(@builtin(vertex_index) corner: u32, @builtin(instance_index) tether: u32) -> BallShadow {
-    return ball_in_map(anchor_ball(tether), corner);
+    let ball = anchor_ball(tether);
+    return ball_in_map(ball, ball.w, corner);
 }
 
 @fragment
