@@ -11,7 +11,7 @@ use rockfall::layout::VOID_PAIRS;
 use rockfall::scene::{Capsule, Cuboid, Sphere};
 use rockfall::stage::{Buffer, Phase, Run};
 use rockfall::world::World;
-use rockfall::{BroadPhase, Error, Integrator, Scene};
+use rockfall::{Backend, BroadPhase, Error, Integrator, Options, Scene, Simulation};
 
 /// A test without an adapter fails: skipped it would prove nothing.
 fn open() -> Gpu {
@@ -215,4 +215,22 @@ fn a_kernel_that_does_not_compile_names_its_own_file() {
         panic!("{refused:?}");
     };
     assert!(text.contains(&format!("stage/turn.wgsl:{line}")), "{text}");
+}
+
+/// The memory of the process would say nothing: lavapipe (Mesa 22.3) itself keeps some 0.5 MB of every step until the device
+/// is dropped.
+#[test]
+fn many_steps_leave_nothing_allocated_on_the_device() {
+    let mut simulation = Simulation::with_options(heap(20), Options::new().backend(Backend::Gpu)).unwrap();
+    let allocated = [200, 800].map(|steps| {
+        while simulation.report().steps < steps {
+            simulation.run(50, 0.005).unwrap();
+            simulation.energy().unwrap();
+        }
+        let report = simulation.gpu_view().unwrap().gpu().device().generate_allocator_report();
+        let report = report.expect("a backend that counts its memory: Vulkan or DX12");
+        (report.allocations.len(), report.total_allocated_bytes)
+    });
+    assert!(allocated[0].0 > 10, "{allocated:?}");
+    assert_eq!(allocated[0], allocated[1], "allocations, and their bytes");
 }
