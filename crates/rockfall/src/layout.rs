@@ -129,6 +129,8 @@ pub struct Step {
     pub contact_force: f32,
     /// Friction mu.
     pub friction: f32,
+    /// Coulomb's coefficient mu_c, which caps friction; 0: no cap.
+    pub coulomb_friction: f32,
     /// How far AABBs are grown for what accelerates within a step, in 0.02 r; 1.05 |v| dt comes on top, and as much of both
     /// for every further step of `lookahead`.
     pub margin_scale: f32,
@@ -184,6 +186,8 @@ pub struct Step {
     pub users_at: u32,
     /// First word of the slots: the memory slot of each sphere by its index in order of addition; 0: they are the same.
     pub slots_at: u32,
+    /// Padding to a multiple of 16 bytes.
+    pub pad: [u32; 3],
 }
 
 /// The uniform block `pass_`: which force evaluation of the step this is.

@@ -46,8 +46,8 @@
 //! # What to know of the model
 //! Contacts are soft: a body rests with an overlap of about m G / (Cc m\*), m\* the reduced mass of the contact. Friction is
 //! proportional to the overlap and to the square root of the sliding velocity; with the default constants it is 0.05 sqrt(|t|)
-//! times the elastic normal force, so bodies creep on slopes. The time step must suit the stiffest spring
-//! ([`Scene::stability`] tells).
+//! times the elastic normal force, so bodies creep on slopes; [`Settings::coulomb_friction`] caps it. The time step must
+//! suit the stiffest spring ([`Scene::stability`] tells).
 //!
 //! # Features
 //! `gpu` (default): the wgpu backend. Without it only the CPU backend is built, and it needs no graphics library.

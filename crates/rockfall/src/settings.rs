@@ -21,6 +21,10 @@ pub struct Settings {
     /// Friction mu in 1/(s² sqrt(units/s)): force per overlap, reduced mass and square root of the sliding velocity.
     /// It falls off near rest, so bodies creep on slopes.
     pub friction: f32,
+    /// Coulomb's coefficient mu_c: caps friction at mu_c times the normal force; 0: no cap, the thesis's law. The cap is
+    /// reached at a sliding velocity of about (mu_c `contact_force` / `friction`)² units/s, below it the square root is
+    /// what regularises Coulomb's law: raise `friction` to about 5 `contact_force` with it, or it is seldom reached.
+    pub coulomb_friction: f32,
     /// Gravity G in units/s².
     pub gravity: f32,
     /// Direction of gravity g, a unit vector (made one when set by name).
@@ -39,6 +43,7 @@ impl Default for Settings {
             contact_damping: 12.5,
             contact_force: 1000.0,
             friction: 50.0,
+            coulomb_friction: 0.0,
             gravity: 1.0,
             gravity_direction: Vec3::NEG_Y,
             collisions: true,
@@ -49,12 +54,13 @@ impl Default for Settings {
 
 impl Settings {
     /// Names that [`Settings::set`] takes.
-    pub const NAMES: [&str; 9] = [
+    pub const NAMES: [&str; 10] = [
         "activation_threshold",
         "restitution",
         "contact_damping",
         "contact_force",
         "friction",
+        "coulomb_friction",
         "gravity",
         "collisions",
         "gravity_direction",
@@ -73,6 +79,7 @@ impl Settings {
             "contact_damping" => self.contact_damping = not_negative("contact_damping", value)?,
             "contact_force" => self.contact_force = not_negative("contact_force", value)?,
             "friction" => self.friction = not_negative("friction", value)?,
+            "coulomb_friction" => self.coulomb_friction = not_negative("coulomb_friction", value)?,
             "gravity" => self.gravity = number("gravity", value, "a finite number")?,
             "collisions" => self.collisions = switch("collisions", value)?,
             "gravity_direction" => self.gravity_direction = direction("gravity_direction", value)?,
@@ -94,6 +101,7 @@ impl Settings {
             "contact_damping" => self.contact_damping.to_string(),
             "contact_force" => self.contact_force.to_string(),
             "friction" => self.friction.to_string(),
+            "coulomb_friction" => self.coulomb_friction.to_string(),
             "gravity" => self.gravity.to_string(),
             "collisions" => on_off(self.collisions),
             "gravity_direction" => format!("{},{},{}", g.x, g.y, g.z),

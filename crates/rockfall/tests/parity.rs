@@ -154,6 +154,8 @@ fn every_stage_under_other_settings() {
         contact_damping: 30.0,
         contact_force: 400.0,
         friction: 20.0,
+        // Reached at a sliding velocity of 1: some rub by the one law, some by the other.
+        coulomb_friction: 0.05,
         ..Settings::default()
     };
     for (seed, settings) in [(20, off), (21, odd)] {

@@ -88,13 +88,22 @@ pub(crate) fn contact_force(view: &View, object_a: Object, object_b: Object, tou
     let surface_a = a.velocity + a.spin.cross(arm_a * n);
     let surface_b = b.velocity - b.spin.cross(arm_b * n);
     let sliding = surface_b - surface_a;
-    let friction = friction(sliding - n * sliding.dot(n), step.friction * reduced_mass * overlap);
+    let cap = (step.coulomb_friction > 0.0).then(|| step.coulomb_friction * reduced_mass * pressure.max(0.0));
+    let friction = friction(sliding - n * sliding.dot(n), step.friction * reduced_mass * overlap, cap);
     let couple = n.cross(friction);
     ContactForce { force: friction - pressure * reduced_mass * n, torque_a: arm_a * couple, torque_b: arm_b * couple }
 }
 
-/// The thesis's method 3: t / sqrt(|t|).
-fn friction(t: Vec3, strength: f32) -> Vec3 {
+/// The thesis's method 3, t / sqrt(|t|), no larger than the cap where there is one.
+///
+/// With f the strength, mu m* o, the square root gives |F| = f sqrt|t|; Coulomb's law mu_c N, in the direction of t, N the
+/// normal force. The lesser of the two is continuous, never does positive work on the sliding, and is Coulomb's law from |t|
+/// = (mu_c N / f)² on: without damping (N = Cc m* o) that is (mu_c Cc / mu)², whatever the overlap and the masses.
+fn friction(t: Vec3, strength: f32, cap: Option<f32>) -> Vec3 {
     let tt = t.length_squared();
-    if tt <= TINY { Vec3::ZERO } else { t * (strength / tt.sqrt().sqrt()) }
+    if tt <= TINY {
+        return Vec3::ZERO;
+    }
+    let per_velocity = strength / tt.sqrt().sqrt();
+    t * cap.map_or(per_velocity, |cap| per_velocity.min(cap / tt.sqrt()))
 }

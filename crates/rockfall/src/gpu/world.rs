@@ -197,6 +197,7 @@ impl GpuWorld {
             contact_damping: step.contact_damping,
             contact_force: step.contact_force,
             friction: step.friction,
+            coulomb_friction: step.coulomb_friction,
             margin_scale: step.margin_scale,
             lookahead: step.lookahead,
             flags: step.flags,

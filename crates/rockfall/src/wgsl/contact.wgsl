@@ -104,7 +104,12 @@ fn contact_force(a_side: Side, b_side: Side, touch: Touch, b: u32) -> ContactFor
     let tt = dot(t, t);
     var friction = vec3f(0.0);
     if tt > TINY {
-        friction = (step.friction * reduced_mass * overlap / sqrt(sqrt(tt))) * t;
+        var per_velocity = step.friction * reduced_mass * overlap / sqrt(sqrt(tt));
+        // Coulomb's cap, |F| <= mu_c N.
+        if step.coulomb_friction > 0.0 {
+            per_velocity = min(per_velocity, step.coulomb_friction * max(press, 0.0) * reduced_mass / sqrt(tt));
+        }
+        friction = per_velocity * t;
     }
     let couple = cross(n, friction);
     return ContactForce(friction - press * reduced_mass * n, arm_a * couple, arm_b * couple);

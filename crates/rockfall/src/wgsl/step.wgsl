@@ -8,6 +8,7 @@ struct Step {
     contact_damping: f32,
     contact_force: f32,
     friction: f32,
+    coulomb_friction: f32,
     margin_scale: f32,
     flags: u32,
     pair_capacity: u32,
@@ -35,9 +36,12 @@ struct Step {
     lookahead: f32,
     users_at: u32,
     slots_at: u32,
+    // The padding is three words and not an array: arrays in uniform blocks have a stride of 16 bytes.
+    pad_0: u32,
+    pad_1: u32,
+    pad_2: u32,
 }
 
-// The padding is three words and not an array: arrays in uniform blocks have a stride of 16 bytes.
 struct Pass {
     index: u32,
     pad_0: u32,

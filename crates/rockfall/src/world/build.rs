@@ -74,6 +74,7 @@ impl World {
         step.contact_damping = settings.contact_damping;
         step.contact_force = settings.contact_force;
         step.friction = settings.friction;
+        step.coulomb_friction = settings.coulomb_friction;
         let bit = |on: bool, flag: u32| if on { flag } else { 0 };
         step.flags = step.flags & (FLAG_CONTINUE | FLAG_GROUPS)
             | bit(settings.collisions, FLAG_COLLISIONS)

@@ -117,6 +117,56 @@ fn rod_rubs_on_box_edge(backend: Backend) {
     torques(&found, [[0.048, 0.0, 0.0]; 2], FORCE);
 }
 
+/// Coulomb's cap, mu_c = 0.25. o = 0.02, m* = 2, closing at 0.4 (Cd u = 5) or opening at 0.4, Cc o = 20: N = 2 (20 + 5) = 50 or
+/// 2 (20 - 5) = 30. The ball does not spin and slides at 0.64 x: the square root is mu m* o 0.8 = 0.04 mu 0.8 = 16 for
+/// mu = 500, the cap 12.5 or 7.5; at 0.09 x the square root, 0.04 mu 0.3 = 6, stays below both. Where damping outweighs the
+/// overlap (opening at 2: N = 0) nothing rubs, although mu m* o is as before. With damping that pulls (N = 2 (20 - 25) < 0) the
+/// cap is 0, too: friction never drives.
+fn coulomb_caps_friction(backend: Backend) {
+    let arm = 0.48;
+    let slides = [
+        (0.64, -0.4, false, 12.5),
+        (0.64, 0.4, false, 7.5),
+        (0.09, -0.4, false, 6.0),
+        (0.64, 2.0, false, 0.0),
+        (0.64, 2.0, true, 0.0),
+    ];
+    for (along, up, contact_pull, size) in slides {
+        let mut scene = with(|settings| {
+            settings.gravity = 0.0;
+            settings.friction = 500.0;
+            settings.coulomb_friction = 0.25;
+            settings.contact_pull = contact_pull;
+        });
+        floor_box(&mut scene);
+        spheres(&mut scene, [Sphere::new([0.0, arm, 0.0], 0.5).mass(2.0).velocity([along, up, 0.0])]);
+        let found = loads(scene, backend);
+        // Half a unit in the last place of a velocity up to 2, over dt, for a mass of 2.
+        close(found[0].force.x, -f64::from(size), 2e-4, "friction");
+        close(found[0].torque.z, -f64::from(arm * size), 2e-4, "torque");
+    }
+}
+
+/// A ball that slides at v0 under Coulomb's law alone rolls after 2 v0 / (7 mu_c g), at 5/7 v0, 12 v0^2 / (49 mu_c g) on. With
+/// mu = 20 Cc the cap of 0.25 is left only at (0.25 / 20)^2 = 1.6e-4 of sliding velocity. The ball rests at o = G/Cc = 0.001:
+/// the arm of 0.999 changes all that by some 3e-4.
+fn sliding_ball_under_coulombs_law(backend: Backend) {
+    let mut scene = with(|settings| (settings.friction, settings.coulomb_friction) = (20_000.0, 0.25));
+    floor_box(&mut scene);
+    spheres(&mut scene, [Sphere::new([-2.0, 0.999, 0.0], 1.0).velocity([1.0, 0.0, 0.0])]);
+    let mut simulation = simulation(scene, backend);
+    // Rolling begins after 8/7 s or 73.1 steps.
+    simulation.run(64, DT).expect("steps");
+    let sliding = simulation.spheres().expect("spheres are read back")[0];
+    close(sliding.velocity.x, 0.75, 1e-4, "velocity after 1 s");
+    close(sliding.position.x, -2.0 + 0.875, 1e-4, "place after 1 s");
+    simulation.run(32, DT).expect("steps");
+    let rolling = simulation.spheres().expect("spheres are read back")[0];
+    let way = 48.0 / 49.0 + 5.0 / 7.0 * (1.5 - 8.0 / 7.0);
+    close(rolling.velocity.x, 5.0 / 7.0, 2e-3, "velocity when rolling");
+    close(rolling.position.x, -2.0 + way, 2e-3, "place after 1.5 s");
+}
+
 /// An isolated pair, rubbing and pressing, keeps momentum and angular momentum: sum F = 0 and sum (x cross F + T) = 0.
 /// The bodies lie askew and move every way; friction and pressure are of the order of 10.
 fn isolated_pairs_keep_their_momenta(backend: Backend) {
@@ -210,6 +260,8 @@ both!(
     sphere_rubs_on_rod,
     rod_rubs_on_rod,
     rod_rubs_on_box_edge,
+    coulomb_caps_friction,
+    sliding_ball_under_coulombs_law,
     isolated_pairs_keep_their_momenta,
     sliding_ball_ends_rolling,
     sliding_capsule_ends_rolling,
