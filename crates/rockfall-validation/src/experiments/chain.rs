@@ -1,0 +1,117 @@
+//! A hanging chain of rods of fixed length.
+
+use rockfall::{Integrator, Rod, Scene, Sphere};
+
+use crate::chart::{Axis, Chart, Mark};
+use crate::measure::{alone, curve, on_cpu, with};
+use crate::{Effort, Outcome, Result};
+
+const LINKS: u32 = 20;
+const LINK: f64 = 0.1;
+const SPAN: f64 = 1.2;
+
+/// The argument at which a function that falls from `low` to `high` is `value`.
+fn solve(low: f64, high: f64, value: f64, of: impl Fn(f64) -> f64) -> f64 {
+    let (mut low, mut high) = (low, high);
+    for _ in 0..200 {
+        let middle = 0.5 * (low + high);
+        if of(middle) > value {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    0.5 * (low + high)
+}
+
+type Places = Vec<(f64, f64)>;
+
+/// Places of the joints, from link to link by their angles to the horizontal.
+fn places(angle: impl Fn(f64) -> f64) -> Places {
+    let mut all = vec![(-0.5 * SPAN, 0.0)];
+    for link in 0..LINKS {
+        let angle = angle(f64::from(link) - 0.5 * f64::from(LINKS - 1));
+        let (x, y) = all[all.len() - 1];
+        all.push((x + LINK * angle.cos(), y + LINK * angle.sin()));
+    }
+    all
+}
+
+fn width(angle: impl Fn(f64) -> f64) -> f64 {
+    let places = places(angle);
+    places[places.len() - 1].0 - places[0].0
+}
+
+/// An arc of a circle to begin with, which is not the shape at rest.
+fn arc() -> Places {
+    let turn = solve(0.0, 6.0 / f64::from(LINKS), SPAN, |turn| width(|link| link * turn));
+    places(|link| link * turn)
+}
+
+/// Each joint bears the weight of one sphere: tan(angle) grows by m G/H from link to link.
+fn at_rest() -> Places {
+    let ratio = solve(0.0, 100.0, SPAN, |ratio| width(|link| (link * ratio).atan()));
+    places(|link| (link * ratio).atan())
+}
+
+fn chain() -> Result<Scene> {
+    let mut scene = with(|settings| settings.gravity = 1.0);
+    let mut last = None;
+    for (index, (x, y)) in (0..).zip(arc()) {
+        let sphere = Sphere::new([x as f32, y as f32, 0.0], 0.02);
+        let next = scene.add_sphere(if index == 0 || index == LINKS { sphere.fixed() } else { sphere })?;
+        if let Some(last) = last {
+            scene.add_rod(Rod::new(last, next, 0.01).length(LINK as f32))?;
+        }
+        last = Some(next);
+    }
+    Ok(scene)
+}
+
+/// Rest by kinetic damping: whenever the kinetic energy has passed a maximum, everything is stopped.
+fn relaxed() -> Result<Places> {
+    let mut simulation = on_cpu(chain()?, Integrator::Rk4)?;
+    let ids: Vec<_> = simulation.scene().sphere_ids().collect();
+    let mut last = 0.0;
+    for _ in 0..2_000 {
+        simulation.run(2, 1.0 / 512.0)?;
+        let kinetic = simulation.energy()?.kinetic;
+        if kinetic < last {
+            for id in &ids {
+                simulation.set_velocity(*id, [0.0; 3])?;
+            }
+        }
+        last = if kinetic < last { 0.0 } else { kinetic };
+    }
+    let spheres = simulation.spheres()?;
+    Ok(spheres.iter().map(|sphere| (f64::from(sphere.position.x), f64::from(sphere.position.y))).collect())
+}
+
+pub(crate) fn run(_: Effort) -> Result<Outcome> {
+    alone(|| {
+        let found = relaxed()?;
+        let expected = at_rest();
+        let departure = |(a, b): (&(f64, f64), &(f64, f64))| (a.0 - b.0).hypot(a.1 - b.1);
+        let worst = found.iter().zip(&expected).map(departure).fold(0.0, f64::max);
+        let start = found.iter().zip(&arc()).map(departure).fold(0.0, f64::max);
+        let stretch = found.windows(2).map(|pair| (departure((&pair[0], &pair[1])) / LINK - 1.0).abs()).fold(0.0, f64::max);
+        // 2 c sinh(span / 2c) = length.
+        let length = f64::from(LINKS) * LINK;
+        let parameter = solve(0.1, 10.0, length, |c| 2.0 * c * (0.5 * SPAN / c).sinh());
+        let height = |x: f64| parameter * ((x / parameter).cosh() - (0.5 * SPAN / parameter).cosh());
+        let lowest = found.iter().map(|place| place.1).fold(0.0, f64::min);
+        let mut outcome = Outcome::default();
+        outcome.fact("moved", start);
+        outcome.check("joints: largest distance from their places of rest (units)", 0.0, worst, 3e-3);
+        outcome.check("sag (units), against the smooth catenary", -height(0.0), -lowest, 5e-3);
+        outcome.check("rods: largest relative error of the length", 0.0, stretch, 1.5e-3);
+        let axes = (Axis::linear("x (units)"), Axis::linear("y (units)"));
+        outcome.charts.push(
+            Chart::new("chain", "A hanging chain of 20 rods", axes.0, axes.1)
+                .add(0, Mark::Line, "catenary", curve(-0.5 * SPAN, 0.5 * SPAN, 61, height))
+                .add(5, Mark::Line, "where it began", arc())
+                .add(1, Mark::Points, "joints", found),
+        );
+        Ok(outcome)
+    })
+}

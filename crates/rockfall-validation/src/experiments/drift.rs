@@ -1,0 +1,67 @@
+//! Energy of a spring pair over many steps.
+
+use rockfall::Integrator::{self, Rk4, SymplecticEuler};
+use rockfall::{Sphere, Spring};
+
+use crate::chart::{Axis, Chart, Mark};
+use crate::measure::{alone, on_cpu, with};
+use crate::{Effort, Outcome, Result};
+
+/// h omega; exact in f32 with h = 1/64 and k = 2 (omega = 2).
+const STEP: f32 = 0.1;
+const OMEGA: f64 = 2.0;
+const SAMPLES: u64 = 50;
+
+/// By steps: the energy, and Euler's own invariant, both relative to their first values.
+type Sampled = Vec<(f64, f64, f64)>;
+
+fn sampled(integrator: Integrator, steps: u64) -> Result<Sampled> {
+    let mut scene = with(|settings| settings.gravity = 0.0);
+    let a = scene.add_sphere(Sphere::new([-0.75, 0.0, 0.0], 0.1))?;
+    let b = scene.add_sphere(Sphere::new([0.75, 0.0, 0.0], 0.1))?;
+    scene.add_spring(Spring::new(a, b, 2.0, 1.0))?;
+    let mut simulation = on_cpu(scene, integrator)?;
+    let mut all = Vec::new();
+    for sample in 0..=SAMPLES {
+        if sample > 0 {
+            simulation.run(steps / SAMPLES, STEP)?;
+        }
+        let spheres = simulation.spheres()?;
+        let x = f64::from(spheres[1].position.x) - f64::from(spheres[0].position.x) - 1.0;
+        let v = f64::from(spheres[1].velocity.x) - f64::from(spheres[0].velocity.x);
+        let energy = v * v + OMEGA * OMEGA * x * x;
+        all.push((simulation.report().steps as f64, energy, energy - f64::from(STEP) * OMEGA * OMEGA * x * v));
+    }
+    let first = all[0];
+    Ok(all.into_iter().map(|(step, energy, invariant)| (step, energy / first.1, invariant / first.2)).collect())
+}
+
+pub(crate) fn run(effort: Effort) -> Result<Outcome> {
+    let steps = effort.pick(20_000, 100_000);
+    alone(move || {
+        let z = f64::from(STEP) * OMEGA;
+        // |R(iz)|² of one step of RK4.
+        let kept = 1.0 - z.powi(6) / 72.0 + z.powi(8) / 576.0;
+        let rk4 = sampled(Rk4, steps)?;
+        let euler = sampled(SymplecticEuler, steps)?;
+        let last = rk4[rk4.len() - 1];
+        let worst = euler.iter().map(|sample| (sample.2 - 1.0).abs()).fold(0.0, f64::max);
+        let swing = euler.iter().map(|sample| (sample.1 - 1.0).abs()).fold(0.0, f64::max);
+        let mut outcome = Outcome::default();
+        outcome.fact("steps", steps as f64);
+        outcome.check(format!("RK4: energy left after {steps} steps, E/E0"), kept.powf(steps as f64), last.1, 2e-3);
+        outcome.check("Euler: drift of its invariant, relative, at worst", 0.0, worst, 2e-3);
+        // |x v| <= E / omega in these units.
+        outcome.check("Euler: swing of the energy, within h omega / (2 - h omega)", 0.0, swing, z / (2.0 - z));
+        let theory = rk4.iter().map(|sample| (sample.0, kept.powf(sample.0))).collect();
+        let measured = |samples: &Sampled| samples.iter().map(|sample| (sample.0, sample.1)).collect::<Vec<_>>();
+        let invariant: Vec<_> = euler.iter().map(|sample| (sample.0, sample.2)).collect();
+        let chart = Chart::new("drift", "Energy of a spring pair, h omega = 0.2", Axis::linear("step"), Axis::linear("E / E0"))
+            .add(0, Mark::Line, "RK4, |R|^(2n)", theory)
+            .add(0, Mark::Points, "RK4", measured(&rk4))
+            .add(1, Mark::Points, "symplectic Euler", measured(&euler))
+            .add(2, Mark::Points, "symplectic Euler, its invariant", invariant);
+        outcome.charts.push(chart);
+        Ok(outcome)
+    })
+}

@@ -1,0 +1,201 @@
+//! Haff's law: a gas of inelastic spheres cools as (1 + t/tau)^-2.
+
+use std::f64::consts::{PI, TAU};
+
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64Mcg;
+use rockfall::glam::{DVec3, Vec3};
+use rockfall::{Cuboid, Integrator, Scene, Simulation, Sphere};
+
+use crate::chart::{Axis, Chart, Mark};
+use crate::measure::{curve, on_cpu, with};
+use crate::{Effort, Outcome, Result};
+
+const RADIUS: f64 = 0.5;
+const FILLED: f64 = 0.1;
+const STEP: f32 = 0.01;
+
+/// A cube of side `side` walled by boxes, and spheres on a lattice in it, at random velocities of variance 1.
+fn gas(per_side: u32, side: f64) -> Result<Scene> {
+    // Every approach is a collision; nothing rubs.
+    let mut scene = with(|settings| {
+        (settings.gravity, settings.friction) = (0.0, 0.0);
+        settings.activation_threshold = 0.0;
+        settings.restitution = 1.0;
+    });
+    let (half, thick) = (0.5 * side as f32, 2.0);
+    for axis in [Vec3::X, Vec3::Y, Vec3::Z] {
+        for sign in [-1.0, 1.0] {
+            let middle = sign * (half + 0.5 * thick) * axis;
+            let reach = Vec3::splat(half + thick) * (Vec3::ONE - axis) + 0.5 * thick * axis;
+            scene.add_box(Cuboid::between(middle - reach, middle + reach))?;
+        }
+    }
+    let mut random = Pcg64Mcg::seed_from_u64(1);
+    let mut velocities: Vec<Vec3> = (0..per_side.pow(3)).map(|_| normal(&mut random)).collect();
+    let mean = velocities.iter().sum::<Vec3>() / velocities.len() as f32;
+    velocities.iter_mut().for_each(|velocity| *velocity -= mean);
+    let cell = side as f32 / per_side as f32;
+    for (index, velocity) in (0..).zip(velocities) {
+        let place = [index % per_side, index / per_side % per_side, index / per_side / per_side].map(|k| k as f32);
+        let position = Vec3::splat(-half) + cell * (Vec3::from_array(place) + 0.5);
+        scene.add_sphere(Sphere::new(position, RADIUS as f32).velocity(velocity))?;
+    }
+    Ok(scene)
+}
+
+/// Three normal deviates (Box and Muller).
+fn normal(random: &mut Pcg64Mcg) -> Vec3 {
+    let mut one = || {
+        let (radius, angle): (f64, f64) = (random.random_range(f64::MIN_POSITIVE..1.0), random.random_range(0.0..TAU));
+        ((-2.0 * radius.ln()).sqrt() * angle.cos()) as f32
+    };
+    Vec3::new(one(), one(), one())
+}
+
+/// Granular temperature over mass: a third of the mean square of the velocity.
+fn temperature(simulation: &mut Simulation) -> Result<f64> {
+    let spheres = simulation.spheres()?;
+    let sum: f64 = spheres.iter().map(|sphere| sphere.velocity.as_dvec3().length_squared()).sum();
+    Ok(sum / (3.0 * spheres.len() as f64))
+}
+
+/// Rates of kinetic theory for hard spheres in a cube.
+struct Theory {
+    /// Collisions of a sphere with others a second, on average, over the square root of the temperature.
+    frequency: f64,
+    /// The same of all spheres with the walls, per sphere.
+    walls: f64,
+}
+
+impl Theory {
+    fn new(count: f64, side: f64) -> Self {
+        let diameter = 2.0 * RADIUS;
+        // Where centres can be, and how they crowd at its walls (first order in the density).
+        let free = side - diameter;
+        let mean = count / free.powi(3);
+        let crowding = 1.0 + 6.0 / free * PI / 4.0 * mean * diameter.powi(4);
+        let filled = mean / crowding * PI / 6.0 * diameter.powi(3);
+        // Carnahan and Starling; over the mean density and the temperature.
+        let compressibility = (1.0 + filled + filled.powi(2) - filled.powi(3)) / (1.0 - filled).powi(3);
+        let pressure = compressibility / crowding;
+        Self { frequency: 6.0 / (PI.sqrt() * diameter) * (pressure - 1.0), walls: 6.0 / free * pressure / TAU.sqrt() }
+    }
+
+    /// 1/tau at this temperature, spheres alone and with the walls.
+    fn rates(&self, e: f64, temperature: f64) -> (f64, f64) {
+        let spheres = (1.0 - e * e) * self.frequency * temperature.sqrt() / 6.0;
+        (spheres, spheres + (1.0 - e * e) * self.walls * temperature.sqrt() / 3.0)
+    }
+}
+
+/// A gas that has forgotten its lattice.
+struct Elastic {
+    simulation: Simulation,
+    /// Collisions a second of all spheres together, with each other and with walls.
+    collisions: f64,
+    /// The mean energy left while they were counted, and that in the end, over that at first: 1 but for errors.
+    energies: [f64; 2],
+}
+
+/// 2 s of some three collisions each, then as many that are counted.
+fn elastic(per_side: u32, side: f64, step: f32) -> Result<Elastic> {
+    let mut simulation = on_cpu(gas(per_side, side)?, Integrator::SymplecticEuler)?;
+    let steps = (2.0 / step) as u64;
+    let first = temperature(&mut simulation)?;
+    let before = simulation.run(steps, step)?;
+    let middle = temperature(&mut simulation)? / first;
+    let after = simulation.run(steps, step)?;
+    let last = temperature(&mut simulation)? / first;
+    let collisions = (after.total_collisions - before.total_collisions) as f64 / (after.time - before.time);
+    Ok(Elastic { simulation, collisions, energies: [0.5 * (middle + last), last] })
+}
+
+/// Temperatures over time from the moment that the walls and spheres stop being elastic.
+fn cooled(mut simulation: Simulation, e: f32, seconds: f64) -> Result<Vec<(f64, f64)>> {
+    const SAMPLES: u64 = 40;
+    let mut settings = *simulation.settings();
+    settings.restitution = e;
+    simulation.set_settings(settings)?;
+    let mut temperatures = vec![(0.0, temperature(&mut simulation)?)];
+    let steps = (seconds / f64::from(STEP)) as u64 / SAMPLES;
+    for sample in 1..=SAMPLES {
+        simulation.run(steps, STEP)?;
+        let time = (sample * steps) as f64 * f64::from(STEP);
+        temperatures.push((time, temperature(&mut simulation)?));
+    }
+    Ok(temperatures)
+}
+
+/// tau from the slope of T^(-1/2), which Haff's law makes a line.
+fn fitted_rate(temperatures: &[(f64, f64)]) -> f64 {
+    let first = temperatures[0].1;
+    let roots: Vec<_> = temperatures.iter().map(|(t, temperature)| (*t, (first / temperature).sqrt())).collect();
+    crate::measure::line_fit(&roots).0
+}
+
+/// Momentum of a free cloud of colliding spheres, over the sum of its parts' sizes.
+fn momentum_error() -> Result<f64> {
+    let mut scene = gas(8, 12.0)?;
+    for id in scene.box_ids().collect::<Vec<_>>() {
+        scene.remove_box(id)?;
+    }
+    scene.settings.restitution = 0.8;
+    let mut simulation = on_cpu(scene, Integrator::SymplecticEuler)?;
+    let momentum = |simulation: &mut Simulation| -> Result<(DVec3, f64)> {
+        let spheres = simulation.spheres()?;
+        let velocities = spheres.iter().map(|sphere| sphere.velocity.as_dvec3());
+        Ok((velocities.clone().sum(), velocities.map(DVec3::length).sum()))
+    };
+    let (before, size) = momentum(&mut simulation)?;
+    let collisions = simulation.run(200, STEP)?.total_collisions;
+    if collisions < 200 {
+        return Err(format!("only {collisions} collisions").into());
+    }
+    Ok((momentum(&mut simulation)?.0 - before).length() / size)
+}
+
+/// The elastic gas: collisions a second, and the energy that steps of finite length lose.
+fn check_elastic(outcome: &mut Outcome, theory: &Theory, gas: &Elastic, per_side: u32, side: f64) -> Result<()> {
+    let count = f64::from(per_side.pow(3));
+    let rate = count * (0.5 * theory.frequency + theory.walls) * gas.energies[0].sqrt();
+    outcome.check("e = 1: collisions a second / theory", 1.0, gas.collisions / rate, 0.05);
+    outcome.check(format!("e = 1: energy left after 4 s, h = {STEP}"), 1.0, gas.energies[1], 0.05);
+    let half = elastic(per_side, side, 0.5 * STEP)?.energies[1];
+    outcome.check(format!("e = 1: energy left after 4 s, h = {}", 0.5 * STEP), 1.0, half, 0.025);
+    Ok(())
+}
+
+pub(crate) fn run(effort: Effort) -> Result<Outcome> {
+    let per_side: u32 = effort.pick(12, 22);
+    let count = f64::from(per_side.pow(3));
+    let side = (count * PI / 6.0 * (2.0 * RADIUS).powi(3) / FILLED).cbrt();
+    let theory = Theory::new(count, side);
+    let mut outcome = Outcome::default();
+    outcome.fact("count", count);
+    outcome.fact("side", side);
+    outcome.check("momentum of 512 free spheres, relative error", 0.0, momentum_error()?, 1e-6);
+    let axes = (Axis::linear("time / tau"), Axis::logarithmic("granular temperature T / T0"));
+    let mut chart = Chart::new("gas", "Cooling of a gas of inelastic spheres", axes.0, axes.1)
+        .add(0, Mark::Line, "Haff: (1 + t/tau)^-2", curve(0.0, 3.0, 60, |t| (1.0 + t).powi(-2)));
+    for (place, e) in effort.pick(&[0.8_f32][..], &[0.8, 0.9]).iter().enumerate() {
+        let gas = elastic(per_side, side, STEP)?;
+        if place == 0 {
+            check_elastic(&mut outcome, &theory, &gas, per_side, side)?;
+        }
+        let (spheres, rate) = theory.rates(f64::from(*e), gas.energies[1]);
+        let temperatures = cooled(gas.simulation, *e, effort.pick(2.0, 3.0) / rate)?;
+        let start = temperatures[0].1;
+        let name = format!("e = {e:.1}");
+        outcome.check(format!("{name}: cooling rate 1/tau (1/s)"), rate, fitted_rate(&temperatures), 0.08 * rate);
+        let departures = temperatures.iter().map(|(t, now)| (now / start * (1.0 + t * rate).powi(2)).ln().abs());
+        outcome.check(format!("{name}: ln(T / Haff), at worst"), 0.0, departures.fold(0.0, f64::max), 0.12);
+        if place == 0 {
+            outcome.fact("walls", 100.0 * (1.0 - spheres / rate));
+        }
+        let points = temperatures.iter().map(|(t, now)| (t * rate, now / start)).collect();
+        chart = chart.add(place + 1, Mark::Points, name, points);
+    }
+    outcome.charts.push(chart);
+    Ok(outcome)
+}

@@ -1,0 +1,103 @@
+//! Discharge through a hole in the floor: Beverloo's law.
+
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64Mcg;
+use rockfall::{BoxId, Cuboid, Integrator, Scene, Simulation, Sphere};
+
+use crate::chart::{Axis, Chart, Mark};
+use crate::measure::{curve, line_fit, on_cpu, with};
+use crate::{Effort, Outcome, Result};
+
+const STEP: f32 = 0.01;
+/// Half the width of the silo; the spheres have diameters of 1 on average.
+const HALF: f32 = 4.5;
+
+/// A square silo with a square hole of this width, which a last box closes.
+fn silo(count: u32, hole: f32) -> Result<(Scene, BoxId)> {
+    let mut scene = with(|settings| {
+        (settings.friction, settings.coulomb_friction) = (5_000.0, 0.5);
+        settings.collisions = false;
+    });
+    let (half, top) = (0.5 * hole, 2.0 * count as f32 / (4.0 * HALF * HALF) + 5.0);
+    let out = HALF + 1.0;
+    scene.add_box(Cuboid::between([-out, -1.0, -out], [-half, 0.0, out]))?;
+    scene.add_box(Cuboid::between([half, -1.0, -out], [out, 0.0, out]))?;
+    scene.add_box(Cuboid::between([-half, -1.0, -out], [half, 0.0, -half]))?;
+    scene.add_box(Cuboid::between([-half, -1.0, half], [half, 0.0, out]))?;
+    scene.add_box(Cuboid::between([-out, 0.0, -out], [-HALF, top, out]))?;
+    scene.add_box(Cuboid::between([HALF, 0.0, -out], [out, top, out]))?;
+    scene.add_box(Cuboid::between([-HALF, 0.0, -out], [HALF, top, -HALF]))?;
+    scene.add_box(Cuboid::between([-HALF, 0.0, HALF], [HALF, top, out]))?;
+    let plug = scene.add_box(Cuboid::between([-half, -1.0, -half], [half, 0.0, half]))?;
+    let mut random = Pcg64Mcg::seed_from_u64(7);
+    let across = (2.0 * HALF / 1.12) as u32;
+    for index in 0..count {
+        let cell = [index % across, index / across / across, index / across % across].map(|k| k as f32);
+        let jitter = [0; 3].map(|_| random.random_range(-0.005_f32..0.005));
+        let place = [0, 1, 2].map(|k| {
+            let from = if k == 1 { 0.56 } else { 0.56 - 0.56 * across as f32 };
+            from + 1.12 * cell[k] + jitter[k]
+        });
+        let radius = random.random_range(0.45_f32..0.55);
+        scene.add_sphere(Sphere::new(place, radius).mass((2.0 * radius).powi(3)))?;
+    }
+    Ok((scene, plug))
+}
+
+/// Spheres that have fallen out.
+fn out(simulation: &mut Simulation) -> Result<usize> {
+    Ok(simulation.spheres()?.iter().filter(|sphere| sphere.position.y < -1.0).count())
+}
+
+/// Spheres a second through a hole of this width.
+fn discharge(count: u32, hole: f32, seconds: u32) -> Result<f64> {
+    let (scene, plug) = silo(count, hole)?;
+    let mut simulation = on_cpu(scene, Integrator::SymplecticEuler)?;
+    simulation.run(800, STEP)?;
+    simulation.remove_box(plug)?;
+    // Until the flow is steady.
+    simulation.run(300, STEP)?;
+    let mut samples = Vec::new();
+    for sample in 0..=4 * seconds {
+        let gone = out(&mut simulation)?;
+        samples.push((0.25 * f64::from(sample), gone as f64));
+        if gone > count as usize / 2 {
+            break;
+        }
+        simulation.run(25, STEP)?;
+    }
+    Ok(line_fit(&samples).0)
+}
+
+/// Beverloo's constants for a square hole: C 4/pi with C = 0.58, and k = 1.4; spheres per volume of a loose flow.
+fn beverloo(hole: f64) -> f64 {
+    const LOOSE: f64 = 0.58 / (std::f64::consts::PI / 6.0);
+    0.58 * 4.0 / std::f64::consts::PI * LOOSE * (hole - 1.4).max(0.0).powf(2.5)
+}
+
+pub(crate) fn run(effort: Effort) -> Result<Outcome> {
+    let count = effort.pick(600, 1500);
+    let mut rates = Vec::new();
+    for hole in effort.pick(&[3.5_f32, 5.0][..], &[3.0, 3.5, 4.0, 4.5, 5.0, 5.5]) {
+        rates.push((f64::from(*hole), discharge(count, *hole, effort.pick(8, 30))?));
+    }
+    let mut outcome = Outcome::default();
+    outcome.fact("count", f64::from(count));
+    // W^(2/5) is a line that begins at k.
+    let roots: Vec<_> = rates.iter().map(|(hole, rate)| (*hole, rate.powf(0.4))).collect();
+    let (slope, intercept) = line_fit(&roots);
+    outcome.check("k: where W^(2/5) vanishes (diameters)", 1.4, -intercept / slope, 0.5);
+    let theory = curve(2.0, 3.0, 2, |hole| beverloo(hole).powf(0.4));
+    let expected = line_fit(&theory).0;
+    outcome.check("slope of W^(2/5) over the width of the hole", expected, slope, 0.2 * expected);
+    let departures = roots.iter().map(|(hole, root)| (root / (intercept + slope * hole) - 1.0).abs());
+    outcome.check("W^(2/5): largest relative departure from its line", 0.0, departures.fold(0.0, f64::max), 0.05);
+    let axes = (Axis::linear("width of the hole (diameters)"), Axis::linear("discharge (spheres/s)"));
+    outcome.charts.push(
+        Chart::new("hopper", "Discharge of a silo", axes.0, axes.1)
+            .add(0, Mark::Line, "Beverloo, C = 0.58, k = 1.4", curve(1.4, 5.7, 60, beverloo))
+            .add(2, Mark::Line, "power 5/2, fitted", curve(1.8, 5.7, 60, |hole| (intercept + slope * hole).max(0.0).powf(2.5)))
+            .add(1, Mark::Points, "measured", rates),
+    );
+    Ok(outcome)
+}

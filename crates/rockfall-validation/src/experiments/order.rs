@@ -1,0 +1,119 @@
+//! How the error falls with the time step.
+
+use std::f64::consts::TAU;
+
+use rockfall::Integrator::{self, Rk4, SymplecticEuler};
+use rockfall::{Scene, Sphere, Spring};
+
+use crate::chart::{Axis, Chart, Mark};
+use crate::measure::{alone, on_cpu, power_fit, with};
+use crate::{Effort, Outcome, Result};
+
+/// Distance of the first two spheres after some steps.
+fn distance(scene: Scene, integrator: Integrator, steps: u64, time: f64) -> Result<f64> {
+    let mut simulation = on_cpu(scene, integrator)?;
+    simulation.run(steps, (time / steps as f64) as f32)?;
+    let spheres = simulation.spheres()?;
+    Ok(spheres[0].position.as_dvec3().distance(spheres[1].position.as_dvec3()))
+}
+
+/// Two unit masses on a spring without damping, stretched by 1/2, one oscillation a second.
+fn spring_error(integrator: Integrator, steps: u64) -> Result<f64> {
+    // At a zero crossing, where errors of the phase show, and Euler's of the first order are largest.
+    const TIME: f64 = 1.25;
+    let stiffness = (0.5 * TAU * TAU) as f32;
+    let mut scene = with(|settings| settings.gravity = 0.0);
+    let [a, b] = [-0.75_f32, 0.75].map(|x| Sphere::new([x, 0.0, 0.0], 0.1));
+    let (a, b) = (scene.add_sphere(a)?, scene.add_sphere(b)?);
+    scene.add_spring(Spring::new(a, b, stiffness, 1.0))?;
+    let exact = 1.0 + 0.5 * ((2.0 * f64::from(stiffness)).sqrt() * TIME).cos();
+    Ok((distance(scene, integrator, steps, TIME)? - exact).abs())
+}
+
+const DURATION: f64 = 0.0625;
+const SPEED: f64 = 10.0;
+
+/// o'' = -Cc o - Cd o' from (o, u): the overlap after t, as long as nothing would have to pull.
+fn overlap_after(overlap: f64, speed: f64, t: f64) -> f64 {
+    let (stiffness, half_damping) = (1000.0_f64, 6.25);
+    let frequency = (stiffness - half_damping * half_damping).sqrt();
+    let (sin, cos) = (frequency * t).sin_cos();
+    (-half_damping * t).exp() * (overlap * cos + (speed + half_damping * overlap) / frequency * sin)
+}
+
+/// Two spheres that close at 10 units/s, `overlap` deep at first (negative: apart), collisions off.
+fn contact_error(integrator: Integrator, steps: u64, overlap: f64) -> Result<f64> {
+    let mut scene = with(|settings| (settings.gravity, settings.collisions) = (0.0, false));
+    let half = (1.0 - 0.5 * overlap) as f32;
+    let speed = 0.5 * SPEED as f32;
+    scene.add_sphere(Sphere::new([-half, 0.0, 0.0], 1.0).velocity([speed, 0.0, 0.0]))?;
+    scene.add_sphere(Sphere::new([half, 0.0, 0.0], 1.0).velocity([-speed, 0.0, 0.0]))?;
+    // What f32 made of it.
+    let overlap = 2.0 - 2.0 * f64::from(half);
+    let flight = (-overlap / SPEED).max(0.0);
+    let exact = 2.0 - overlap_after(overlap.max(0.0), SPEED, DURATION - flight);
+    Ok((distance(scene, integrator, steps, DURATION)? - exact).abs())
+}
+
+/// The same from before they touch: root mean square over where in a step the contact begins.
+fn onset_error(steps: u64) -> Result<f64> {
+    const PHASES: u32 = 16;
+    let step = SPEED * DURATION / steps as f64;
+    let mut squares = 0.0;
+    for phase in 0..PHASES {
+        let gap = 0.02 + step * (f64::from(phase) + 0.5) / f64::from(PHASES);
+        squares += contact_error(Rk4, steps, -gap)?.powi(2);
+    }
+    Ok((squares / f64::from(PHASES)).sqrt())
+}
+
+type Points = Vec<(f64, f64)>;
+
+fn errors(time: f64, steps: &[u64], error: impl Fn(u64) -> Result<f64>) -> Result<Points> {
+    steps.iter().map(|steps| Ok((time / *steps as f64, error(*steps)?))).collect()
+}
+
+/// The line of a power through the middle of what was measured.
+fn power_line(points: &Points, power: i32) -> Points {
+    let middle = points[points.len() / 2];
+    points.iter().map(|(h, _)| (*h, middle.1 * (h / middle.0).powi(power))).collect()
+}
+
+pub(crate) fn run(_: Effort) -> Result<Outcome> {
+    alone(|| {
+        let series = [
+            ("spring, RK4", 4, 0.1, errors(1.25, &[16, 24, 36, 54, 81], |steps| spring_error(Rk4, steps))?),
+            (
+                "spring, symplectic Euler",
+                1,
+                0.1,
+                errors(1.25, &[40, 80, 160, 320, 640], |steps| spring_error(SymplecticEuler, steps))?,
+            ),
+            ("contact, RK4", 4, 0.3, errors(DURATION, &[2, 4, 8, 16], |steps| contact_error(Rk4, steps, 0.1))?),
+            (
+                "contact, symplectic Euler",
+                1,
+                0.15,
+                errors(DURATION, &[8, 16, 32, 64, 128], |steps| contact_error(SymplecticEuler, steps, 0.1))?,
+            ),
+            ("contact from its onset, RK4", 1, 0.4, errors(DURATION, &[8, 16, 32, 64, 128], onset_error)?),
+        ];
+        let mut outcome = Outcome::default();
+        let axes = || (Axis::logarithmic("time step h (s)"), Axis::logarithmic("error of the distance (units)"));
+        let mut charts = [
+            Chart::new("order-spring", "Error of a spring pair after 1.25 periods", axes().0, axes().1),
+            Chart::new("order-contact", "Error of a contact after 0.0625 s", axes().0, axes().1),
+        ];
+        for (place, (name, power, bound, points)) in series.into_iter().enumerate() {
+            outcome.check(format!("order, {name}"), f64::from(power), power_fit(&points), bound);
+            let chart = &mut charts[usize::from(place > 1)];
+            let line = power_line(&points, power);
+            *chart = chart
+                .clone()
+                .add(place, Mark::Line, format!("h^{power}"), line)
+                .add(place, Mark::Points, name, points);
+        }
+        outcome.charts.extend(charts);
+        Ok(outcome)
+    })
+}

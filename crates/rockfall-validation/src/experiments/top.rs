@@ -1,0 +1,136 @@
+//! A thrown, spinning capsule: the free motion of a symmetric top.
+
+use rockfall::glam::{DQuat, DVec3};
+use rockfall::{Capsule, Integrator, SphereState};
+
+use crate::chart::{Axis, Chart, Mark};
+use crate::measure::{alone, curve, line_fit, on_cpu, with};
+use crate::{Effort, Outcome, Result};
+
+const RADIUS: f64 = 0.25;
+/// Each end has mass 1, and they are 1 apart.
+const ALONG: f64 = 2.0 * 0.4 * RADIUS * RADIUS;
+const ACROSS: f64 = ALONG + 0.5;
+/// Spin about the axis, which is x at first, and across it.
+const SPIN: DVec3 = DVec3::new(20.0, 0.0, 2.0);
+const VELOCITY: DVec3 = DVec3::new(1.0, 3.0, -0.5);
+const SECONDS: f64 = 10.0;
+
+fn angular_momentum() -> DVec3 {
+    DVec3::new(ALONG * SPIN.x, 0.0, ACROSS * SPIN.z)
+}
+
+/// The axis.
+fn exact(t: f64) -> DVec3 {
+    let momentum = angular_momentum();
+    DQuat::from_axis_angle(momentum.normalize(), momentum.length() / ACROSS * t) * DVec3::X
+}
+
+fn angle(a: DVec3, b: DVec3) -> f64 {
+    a.cross(b).length().atan2(a.dot(b))
+}
+
+struct Flight {
+    /// Axis over time.
+    axes: Vec<(f64, DVec3)>,
+    /// Spin about the axis over time.
+    spins: Vec<(f64, f64)>,
+    /// Largest angle of the axis from where it should be, in rad.
+    worst: f64,
+    /// Largest relative error of the angular momentum about the centre of mass.
+    momentum: f64,
+    /// Distance of the centre of mass from its parabola in the end.
+    miss: f64,
+}
+
+fn thrown(steps_a_second: u32) -> Result<Flight> {
+    let mut scene = with(|settings| settings.gravity = 1.0);
+    let capsule = Capsule::new([-0.5, 0.0, 0.0], [0.5, 0.0, 0.0], RADIUS as f32).mass(2.0);
+    let id = scene.add_capsule(capsule)?;
+    let parts = *scene.capsule(id)?;
+    let mut simulation = on_cpu(scene, Integrator::Rk4)?;
+    for (end, x) in [(parts.end1, -0.5), (parts.end2, 0.5)] {
+        let velocity = VELOCITY + SPIN.cross(DVec3::X * x);
+        simulation.set_velocity(end, velocity.as_vec3())?;
+        simulation.set_angular_momentum(end, (0.5 * ALONG * SPIN).as_vec3())?;
+    }
+    let step = 1.0 / f64::from(steps_a_second);
+    let mut flight = Flight { axes: Vec::new(), spins: vec![(0.0, SPIN.x)], worst: 0.0, momentum: 0.0, miss: 0.0 };
+    let samples = 100;
+    for sample in 1..=samples {
+        simulation.run(u64::from(steps_a_second) * SECONDS as u64 / samples, step as f32)?;
+        let t = simulation.report().time;
+        let spheres = simulation.spheres()?;
+        let place = |end: &SphereState| end.position.as_dvec3();
+        let axis = (place(&spheres[1]) - place(&spheres[0])).normalize();
+        let [one, two] = [spheres[0], spheres[1]];
+        let spins = one.angular_momentum.as_dvec3() + two.angular_momentum.as_dvec3();
+        let apart = place(&two) - place(&one);
+        let momentum = spins + 0.5 * apart.cross(two.velocity.as_dvec3() - one.velocity.as_dvec3());
+        let error = (momentum - angular_momentum()).length() / angular_momentum().length();
+        flight.momentum = flight.momentum.max(error);
+        flight.worst = flight.worst.max(angle(axis, exact(t)));
+        flight.spins.push((t, spins.dot(axis) / ALONG));
+        flight.axes.push((t, axis));
+        if sample == samples {
+            let middle = 0.5 * (place(&spheres[0]) + place(&spheres[1]));
+            flight.miss = middle.distance(VELOCITY * t - 0.5 * t * t * DVec3::Y);
+        }
+    }
+    Ok(flight)
+}
+
+/// Rate at which a spin decays, in 1/s.
+fn decay(spins: &[(f64, f64)]) -> f64 {
+    -line_fit(&spins.iter().map(|(t, spin)| (*t, spin.ln())).collect::<Vec<_>>()).0
+}
+
+type Component = fn(DVec3) -> f64;
+
+fn plots(steps: &[u32], flights: &[Flight]) -> [Chart; 2] {
+    let finest = &flights[flights.len() - 1];
+    let axes = (Axis::linear("time (s)"), Axis::linear("component of the axis"));
+    let mut components = Chart::new("top", "The axis of a thrown capsule, h = 1/1024 s", axes.0, axes.1);
+    let parts: [(&str, Component); 3] = [("x", |v| v.x), ("y", |v| v.y), ("z", |v| v.z)];
+    for (colour, (name, of)) in parts.into_iter().enumerate() {
+        let measured = finest.axes.iter().map(|(t, axis)| (*t, of(*axis))).collect();
+        components = components
+            .add(colour, Mark::Line, format!("{name}, exact"), curve(0.0, SECONDS, 201, |t| of(exact(t))))
+            .add(colour, Mark::Points, name, measured);
+    }
+    let axes = (Axis::linear("time (s)"), Axis::linear("spin about the axis (rad/s)"));
+    let mut spins = Chart::new("top-spin", "What the time step takes of the spin", axes.0, axes.1);
+    for (colour, (steps, flight)) in steps.iter().zip(flights).enumerate() {
+        let rate = loss(*steps);
+        spins = spins
+            .add(colour, Mark::Line, format!("h = 1/{steps} s, first order"), curve(0.0, SECONDS, 50, |t| SPIN.x * (-rate * t).exp()))
+            .add(colour, Mark::Points, format!("h = 1/{steps} s"), flight.spins.iter().step_by(5).copied().collect());
+    }
+    [components, spins]
+}
+
+/// 1 - cos(h w) a step, in 1/s.
+fn loss(steps_a_second: u32) -> f64 {
+    0.5 * SPIN.z.powi(2) / f64::from(steps_a_second)
+}
+
+pub(crate) fn run(_: Effort) -> Result<Outcome> {
+    alone(|| {
+        let mut outcome = Outcome::default();
+        let steps = [64, 256, 1024];
+        let flights: Vec<Flight> = steps.iter().map(|steps| thrown(*steps)).collect::<Result<_>>()?;
+        let finest = &flights[2];
+        outcome.fact("turns", angular_momentum().length() / ACROSS * SECONDS / std::f64::consts::TAU);
+        outcome.check("h = 1/1024 s: axis, largest angle from the exact motion (rad)", 0.0, finest.worst, 0.03);
+        outcome.check("centre of mass from its parabola after 10 s (units)", 0.0, finest.miss, 1e-3);
+        for (steps, flight) in steps.iter().zip(&flights) {
+            let name = format!("h = 1/{steps} s: angular momentum, largest relative error");
+            outcome.check(name, 0.0, flight.momentum, 1e-3);
+            let name = format!("h = 1/{steps} s: decay of the spin about the axis in the first 2 s (1/s)");
+            // The first 2 s: as the spin goes over, the turning gets faster.
+            outcome.check(name, loss(*steps), decay(&flight.spins[..=20]), 0.15 * loss(*steps));
+        }
+        outcome.charts.extend(plots(&steps, &flights));
+        Ok(outcome)
+    })
+}

@@ -1,0 +1,76 @@
+//! `cargo xtask validate`: writes `docs/validation.md` and the plots beside it.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::time::Instant;
+
+use clap::Parser;
+use rockfall_validation::{ALL, Effort, Experiment, Outcome, Result, page, section};
+
+/// Tasks of the project.
+#[derive(Parser)]
+#[command(name = "cargo xtask")]
+enum Task {
+    /// Holds the engine against theory and writes docs/validation.md; takes some minutes
+    Validate {
+        /// Only these experiments, printed and plotted; the page is left as it is
+        names: Vec<String>,
+        /// Where the page and its plots go
+        #[arg(long, default_value = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs"))]
+        out: PathBuf,
+    },
+}
+
+fn main() -> ExitCode {
+    let Task::Validate { names, out } = Task::parse();
+    let unknown = names.iter().find(|name| !ALL.iter().any(|experiment| experiment.name == *name));
+    if let Some(unknown) = unknown {
+        let known: Vec<&str> = ALL.iter().map(|experiment| experiment.name).collect();
+        eprintln!("error: no experiment '{unknown}'; expected some of: {}", known.join(", "));
+        return ExitCode::from(2);
+    }
+    match validate(&names, &out) {
+        Ok(true) => ExitCode::SUCCESS,
+        Ok(false) => ExitCode::FAILURE,
+        Err(error) => {
+            eprintln!("error: {error}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+/// Whether every check held.
+fn validate(names: &[String], out: &Path) -> Result<bool> {
+    fs::create_dir_all(out.join("validation"))?;
+    let mut sections = Vec::new();
+    let mut all_hold = true;
+    for experiment in ALL.iter().filter(|experiment| names.is_empty() || names.iter().any(|name| name == experiment.name)) {
+        let start = Instant::now();
+        let outcome = (experiment.run)(Effort::Page)?;
+        eprintln!("{:12} {:6.1} s", experiment.name, start.elapsed().as_secs_f64());
+        let failures = outcome.failures();
+        if !failures.is_empty() {
+            eprint!("{failures}");
+            all_hold = false;
+        }
+        plot(experiment, &outcome, out)?;
+        let section = section(experiment, &outcome)?;
+        if !names.is_empty() {
+            println!("{section}");
+        }
+        sections.push(section);
+    }
+    if names.is_empty() {
+        fs::write(out.join("validation.md"), page(&sections))?;
+    }
+    Ok(all_hold)
+}
+
+fn plot(experiment: &Experiment, outcome: &Outcome, out: &Path) -> Result<()> {
+    for chart in &outcome.charts {
+        let svg = chart.svg().map_err(|error| format!("{}: {error}", experiment.name))?;
+        fs::write(out.join("validation").join(chart.name).with_extension("svg"), svg)?;
+    }
+    Ok(())
+}

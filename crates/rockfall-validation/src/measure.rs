@@ -1,0 +1,84 @@
+//! What the experiments share: opening simulations, fits, frequencies.
+
+use rockfall::{Backend, Integrator, Options, Scene, Settings, Simulation};
+
+use crate::Result;
+
+/// Runs an experiment of few bodies on this thread alone: waking others for them takes longer than their steps.
+pub(crate) fn alone<T: Send>(run: impl FnOnce() -> Result<T> + Send) -> Result<T> {
+    rayon::ThreadPoolBuilder::new().num_threads(1).build()?.install(run)
+}
+
+/// An empty scene with changed settings.
+pub(crate) fn with(change: impl FnOnce(&mut Settings)) -> Scene {
+    let mut scene = Scene::new();
+    change(&mut scene.settings);
+    scene
+}
+
+/// A simulation on the CPU.
+pub(crate) fn on_cpu(scene: Scene, integrator: Integrator) -> Result<Simulation> {
+    let options = Options::new().backend(Backend::Cpu).integrator(integrator);
+    Ok(Simulation::with_options(scene, options)?)
+}
+
+/// Slope and intercept of the line of least squares.
+pub(crate) fn line_fit(points: &[(f64, f64)]) -> (f64, f64) {
+    let n = points.len() as f64;
+    let (x, y) = points.iter().fold((0.0, 0.0), |(x, y), point| (x + point.0 / n, y + point.1 / n));
+    let (xy, xx) = points.iter().fold((0.0, 0.0), |(xy, xx), point| {
+        let dx = point.0 - x;
+        (xy + dx * (point.1 - y), xx + dx * dx)
+    });
+    (xy / xx, y - xy / xx * x)
+}
+
+/// The power p of y = a x^p, by a line through the logarithms.
+pub(crate) fn power_fit(points: &[(f64, f64)]) -> f64 {
+    line_fit(&points.iter().map(|(x, y)| (x.ln(), y.ln())).collect::<Vec<_>>()).0
+}
+
+/// Times at which a sampled signal rises through 0, interpolated by a line.
+pub(crate) fn rises(samples: &[(f64, f64)]) -> Vec<f64> {
+    let pairs = samples.windows(2).filter(|pair| pair[0].1 < 0.0 && pair[1].1 >= 0.0);
+    pairs.map(|pair| pair[0].0 + (pair[1].0 - pair[0].0) * pair[0].1 / (pair[0].1 - pair[1].1)).collect()
+}
+
+/// The mean period of a sampled signal, from its first to its last rise through 0.
+pub(crate) fn period(samples: &[(f64, f64)]) -> f64 {
+    let rises = rises(samples);
+    match rises[..] {
+        [first, .., last] => (last - first) / (rises.len() - 1) as f64,
+        _ => f64::NAN,
+    }
+}
+
+/// Mean of what is given.
+pub(crate) fn mean(values: &[f64]) -> f64 {
+    values.iter().sum::<f64>() / values.len() as f64
+}
+
+/// `count` points of a curve from `from` to `to`.
+pub(crate) fn curve(from: f64, to: f64, count: u32, of: impl Fn(f64) -> f64) -> Vec<(f64, f64)> {
+    let place = |k: u32| from + (to - from) * f64::from(k) / f64::from(count - 1);
+    (0..count).map(place).map(|x| (x, of(x))).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_power_is_found() {
+        let points: Vec<_> = [1.0, 2.0, 4.0].map(|x: f64| (x, 3.0 * x.powi(4))).to_vec();
+        assert!((power_fit(&points) - 4.0).abs() < 1e-12);
+        assert_eq!(line_fit(&[(0.0, 1.0), (2.0, 5.0)]), (2.0, 1.0));
+    }
+
+    #[test]
+    fn a_period_is_found() {
+        let samples = curve(0.0, 10.0, 1001, |t| (2.0 * t + 0.3).sin());
+        assert!((period(&samples) - std::f64::consts::PI).abs() < 1e-4);
+        assert!(period(&samples[..10]).is_nan());
+    }
+}

@@ -1,0 +1,93 @@
+//! What an experiment found.
+
+use std::fmt::Write as _;
+
+use crate::chart::Chart;
+
+/// A number that theory knows.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Check {
+    /// What it is, with its unit.
+    pub what: String,
+    /// What theory says.
+    pub theory: f64,
+    /// What was measured.
+    pub measured: f64,
+    /// How far the two may lie apart.
+    pub bound: f64,
+}
+
+impl Check {
+    /// Whether the measured number is within the bound.
+    pub fn holds(&self) -> bool {
+        (self.measured - self.theory).abs() <= self.bound
+    }
+}
+
+/// Numbers and plots of an experiment.
+#[derive(Clone, Debug, Default)]
+pub struct Outcome {
+    /// What theory knows.
+    pub checks: Vec<Check>,
+    /// Plots, in the order of the page.
+    pub charts: Vec<Chart>,
+    /// Numbers for the text of the page, by the name that stands there in double braces.
+    pub facts: Vec<(&'static str, String)>,
+}
+
+impl Outcome {
+    /// Adds a number that may lie `bound` from what theory says.
+    pub fn check(&mut self, what: impl Into<String>, theory: f64, measured: f64, bound: f64) {
+        self.checks.push(Check { what: what.into(), theory, measured, bound });
+    }
+
+    /// Adds a number for the text.
+    pub fn fact(&mut self, name: &'static str, number: f64) {
+        self.facts.push((name, digits(number)));
+    }
+
+    /// The checks that do not hold, a line each; empty when all do.
+    pub fn failures(&self) -> String {
+        let mut text = String::new();
+        for Check { what, theory, measured, bound } in self.checks.iter().filter(|check| !check.holds()) {
+            let _ = writeln!(text, "{what}: {measured}, expected {theory} within {bound}");
+        }
+        text
+    }
+}
+
+/// Four significant digits, without the zeros at the end.
+pub(crate) fn digits(number: f64) -> String {
+    if number == 0.0 || !number.is_finite() {
+        return format!("{number}");
+    }
+    let size = number.abs().log10().floor() as i32;
+    if !(-4..6).contains(&size) {
+        return format!("{number:.2e}");
+    }
+    let text = format!("{number:.*}", (3 - size).max(0) as usize);
+    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_have_four_digits() {
+        let texts = [0.0, 1.0, 0.123_456, 12_345.6, 1e-7, -0.000_123_456, 3.0e9].map(digits);
+        assert_eq!(texts, ["0", "1", "0.1235", "12346", "1.00e-7", "-0.0001235", "3.00e9"]);
+    }
+
+    #[test]
+    fn a_check_holds_within_its_bound_and_a_nan_never() {
+        let check = |measured| Check { what: String::new(), theory: 1.0, measured, bound: 0.5 };
+        assert!(check(1.5).holds() && check(0.5).holds());
+        assert!(!check(1.6).holds() && !check(f64::NAN).holds());
+        let mut outcome = Outcome::default();
+        outcome.check("a speed", 1.0, 1.2, 0.5);
+        assert_eq!(outcome.failures(), "");
+        outcome.check("a length", 1.0, 2.0, 0.5);
+        assert_eq!(outcome.failures(), "a length: 2, expected 1 within 0.5\n");
+    }
+}
