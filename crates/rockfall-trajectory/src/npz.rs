@@ -119,7 +119,7 @@ impl Series {
             return Err(io::Error::new(io::ErrorKind::InvalidData, "the number of spheres has changed between frames"));
         }
         let count = self.bytes / whole;
-        let mut frames = self.frames.reader()?;
+        let frames = self.frames.reader()?;
         let mut zip = ZipWriter::new_stream(&mut self.archive);
         let mut at = 0;
         for array in &FRAMED {
@@ -132,7 +132,7 @@ impl Series {
             start(&mut zip, array.name, array.kind, &shape, count * part)?;
             for frame in 0..count {
                 frames.seek(SeekFrom::Start(frame * whole + at))?;
-                let copied = io::copy(&mut (&mut frames).take(part), &mut zip)?;
+                let copied = io::copy(&mut (&*frames).take(part), &mut zip)?;
                 if copied != part {
                     return Err(io::ErrorKind::UnexpectedEof.into());
                 }

@@ -32,6 +32,8 @@ pub struct AtomicFile {
     marked: bool,
     /// Something could not be written: the file has a gap.
     failed: bool,
+    /// Its end is to be found again before anything is written.
+    read: bool,
 }
 
 impl AtomicFile {
@@ -83,7 +85,7 @@ impl AtomicFile {
 
     fn new(file: File, places: Option<(PathBuf, PathBuf)>) -> Self {
         let writer = BufWriter::with_capacity(1 << 16, file);
-        Self { writer, places, bytes: 0, crc32: Hasher::new(), marked: false, failed: false }
+        Self { writer, places, bytes: 0, crc32: Hasher::new(), marked: false, failed: false, read: false }
     }
 
     /// Puts on the disk what was written so far, and keeps it from now on, even unfinished. `None` for what is no regular
@@ -101,16 +103,20 @@ impl AtomicFile {
         Ok(Some(Mark { bytes: self.bytes, crc32: self.crc32.clone().finalize() }))
     }
 
-    /// Reads what was written so far, from its beginning.
+    /// What was written so far, to be read from its beginning. What is written later comes after it all the same.
     ///
     /// # Errors
-    /// What the operating system says; for what is no regular file, that it cannot be read.
-    pub fn reader(&mut self) -> io::Result<File> {
+    /// What the operating system says; [`io::ErrorKind::Unsupported`] for what is no regular file.
+    pub fn reader(&mut self) -> io::Result<&mut File> {
         self.writer.flush()?;
-        match &self.places {
-            Some((beside, _)) => File::open(beside),
-            None => Err(io::ErrorKind::Unsupported.into()),
+        if self.places.is_none() {
+            return Err(io::ErrorKind::Unsupported.into());
         }
+        // No second handle: some systems keep those out of what is locked.
+        self.read = true;
+        let file = self.writer.get_mut();
+        file.seek(SeekFrom::Start(0))?;
+        Ok(file)
     }
 
     /// Finishes the file, puts it on the disk and in its place.
@@ -139,6 +145,9 @@ impl AtomicFile {
 
 impl Write for AtomicFile {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        if std::mem::take(&mut self.read) {
+            self.writer.get_mut().seek(SeekFrom::End(0))?;
+        }
         let written = self.writer.write(bytes).inspect_err(|error| {
             self.failed |= error.kind() != io::ErrorKind::Interrupted;
         })?;
@@ -363,6 +372,20 @@ mod tests {
         assert_eq!(AtomicFile::resume(&path, mark).unwrap_err().kind(), io::ErrorKind::InvalidData);
         assert_eq!(folder.names(), ["a.txt"], "nothing is left behind");
         assert_eq!(fs::read_to_string(&path).unwrap(), "one");
+    }
+
+    #[test]
+    fn what_was_written_can_be_read_and_gone_on_with() {
+        let folder = Folder::new("read");
+        let path = folder.0.join("a.txt");
+        let mut file = AtomicFile::create(&path).unwrap();
+        file.write_all(b"one,two,").unwrap();
+        let mut start = [0; 3];
+        file.reader().unwrap().read_exact(&mut start).unwrap();
+        assert_eq!(&start, b"one");
+        file.write_all(b"three").unwrap();
+        file.commit().unwrap();
+        assert_eq!(fs::read_to_string(&path).unwrap(), "one,two,three");
     }
 
     #[test]

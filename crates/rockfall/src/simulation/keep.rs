@@ -60,7 +60,7 @@ impl Simulation {
     }
 
     /// Goes on from a checkpoint: with the same options on the same device, in the same bits as if it had never stopped.
-    /// [`Report::replays`](crate::Report::replays) alone may differ, for lists are made anew.
+    /// Of the [`Report`](crate::Report) alone `replays` and `list_builds` may differ, for lists are made anew.
     ///
     /// # Errors
     /// As for [`Simulation::with_options`]; among them [`Error::NoAdapter`] for one that ran on a GPU where there is none.
