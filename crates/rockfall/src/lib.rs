@@ -81,7 +81,7 @@ pub use scene::{
     Sphere, SphereId, Spring, SpringId, Tether, TetherId,
 };
 pub use settings::{BroadPhase, Integrator, Settings};
-pub use simulation::{Backend, BackendInfo, Body, Contact, ContactAction, Options, Simulation, SphereDiagnostics};
+pub use simulation::{Backend, BackendInfo, Body, Contact, ContactAction, Options, RayHit, Simulation, SphereDiagnostics};
 #[cfg(feature = "gpu")]
 pub use wgpu;
 

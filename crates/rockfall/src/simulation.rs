@@ -19,6 +19,7 @@ mod lookahead;
 mod observe;
 mod options;
 mod profile;
+mod ray;
 mod read;
 
 pub use drive::DEFAULT_TIME_STEP;
@@ -27,6 +28,7 @@ use engine::Engine;
 use lookahead::Lookahead;
 pub use observe::{Body, Contact, ContactAction, SphereDiagnostics};
 pub use options::{Backend, BackendInfo, Options};
+pub use ray::RayHit;
 
 /// A scene and the machinery that moves it, on the GPU or on the CPU.
 ///

@@ -1,0 +1,9 @@
+//! Ray queries, against values worked out by hand and against walking along the ray in small steps.
+
+#[macro_use]
+mod common;
+
+#[path = "ray/closed_form.rs"]
+mod closed_form;
+#[path = "ray/walk.rs"]
+mod walk;
