@@ -19,6 +19,8 @@ mod render;
 mod run;
 mod source;
 mod summary;
+#[cfg(feature = "window")]
+mod view;
 
 /// A rigid-body physics engine that lives on the GPU.
 #[derive(Debug, Parser)]
@@ -48,6 +50,9 @@ enum Command {
     /// Draw a scene into a file.
     #[cfg(feature = "view")]
     Render(render::Arguments),
+    /// Open a window on a scene: look, play, change constants; F1 shows the keys.
+    #[cfg(feature = "window")]
+    View(view::Arguments),
 }
 
 fn main() -> ExitCode {
@@ -62,6 +67,8 @@ fn main() -> ExitCode {
         Command::Generate(arguments) => generate::generate(&arguments),
         #[cfg(feature = "view")]
         Command::Render(arguments) => render::render(&arguments),
+        #[cfg(feature = "window")]
+        Command::View(arguments) => view::view(&arguments),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,

@@ -50,6 +50,14 @@ impl Physics {
     }
 }
 
+#[cfg(feature = "window")]
+impl Physics {
+    /// Names and values of `--set`, for scenes that are still to be read.
+    pub(crate) fn overrides(&self) -> Vec<(String, String)> {
+        self.set.iter().map(|setting| (setting.name.clone(), setting.value.clone())).collect()
+    }
+}
+
 /// A `--set` argument that was tried out.
 #[derive(Clone, Debug)]
 pub(crate) struct Setting {

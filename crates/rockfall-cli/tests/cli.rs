@@ -182,7 +182,7 @@ fn wrong_arguments_are_wrong_usage() {
     let cases = [
         ("", "Usage"),
         ("bench heap", "thesis, lattice, pile, settled, shuffled, mixed or radii"),
-        ("view", "view"),
+        ("look", "look"),
         ("render scene.txt", "render"),
         ("run scene.txt more.txt", "more.txt"),
         ("run scene.txt --dt 0", "a finite number of seconds greater than 0"),

@@ -5,7 +5,9 @@
 //! instead of a window, [`film`] a row of pictures into a file. There is no physics here: only rockfall's public interface is used.
 //!
 //! # Features
-//! `gpu` (default): all of it. Drawing takes a graphics device, software Vulkan included, whichever backend moves the bodies.
+//! `window` (default): the window, on winit and egui.
+//!
+//! `gpu` (default): all but that. Drawing takes a graphics device, software Vulkan included, whichever backend moves the bodies.
 #![cfg(feature = "gpu")]
 
 pub mod camera;
@@ -13,3 +15,5 @@ pub mod draw;
 pub mod film;
 pub mod legend;
 pub mod picture;
+#[cfg(feature = "window")]
+pub mod window;

@@ -1,0 +1,402 @@
+//! The window itself: events in, frames out.
+
+use std::fmt;
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use rockfall::glam::Vec2;
+use rockfall::output::AtomicFile;
+use rockfall::{Error, Options};
+use serde_json::json;
+use winit::application::ApplicationHandler;
+use winit::dpi::LogicalSize;
+use winit::event::{StartCause, WindowEvent};
+use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoop};
+use winit::window::{Window, WindowId};
+
+use super::graphics::{Graphics, Widgets};
+use super::message::Level;
+use super::session::{Session, Source};
+use super::viewer::Viewer;
+use super::{report, ui};
+
+/// Size of a new window, in points.
+const SIZE: (f64, f64) = (1280.0, 800.0);
+/// A device that fails more often than this in one session is given up.
+const REOPENED: u32 = 3;
+
+/// What a window is opened with.
+pub struct Launch {
+    /// The scene to begin with.
+    pub source: Source,
+    /// Odd lines of it, to be told.
+    pub warnings: Vec<String>,
+    /// What moves it.
+    pub options: Options,
+    /// The fixed time step, in s.
+    pub time_step: f32,
+    /// Constants to change after a scene's own: name and value.
+    pub overrides: Vec<(String, String)>,
+    /// Where to write the state after every frame and on exit, as JSON.
+    pub report: Option<PathBuf>,
+    /// Lose the device after so many frames, as a test.
+    pub lose_device_after: Option<u64>,
+}
+
+/// Why a window ended early.
+#[derive(Debug)]
+pub enum Failure {
+    /// There is nothing to open a window on.
+    NoDisplay(String),
+    /// The scene could not be opened, or the device failed for good.
+    Rockfall(Error),
+    /// The report could not be written.
+    Report(PathBuf, std::io::Error),
+}
+
+impl fmt::Display for Failure {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NoDisplay(why) => {
+                write!(f, "no window can be opened here: {why}; `rockfall render` makes pictures and films without one")
+            }
+            Self::Rockfall(error) => error.fmt(f),
+            Self::Report(path, error) => write!(f, "{}: cannot be written: {error}", path.display()),
+        }
+    }
+}
+
+impl std::error::Error for Failure {}
+
+impl From<Error> for Failure {
+    fn from(error: Error) -> Self {
+        Self::Rockfall(error)
+    }
+}
+
+/// Opens a window and returns when it is closed.
+///
+/// # Errors
+/// [`Failure`]; what goes wrong while the window is open is told there instead.
+pub fn run(launch: Launch) -> Result<(), Failure> {
+    let events = EventLoop::new().map_err(no_display)?;
+    let mut app = App { launch, open: None, failure: None, started: Instant::now() };
+    events.run_app(&mut app).map_err(no_display)?;
+    if let Some(failure) = app.failure {
+        return Err(failure);
+    }
+    match (&mut app.open, &app.launch.report) {
+        (Some(open), Some(path)) => open.write_report(path),
+        _ => Ok(()),
+    }
+}
+
+/// The reason alone: the window library puts the place in its source before it.
+fn no_display(error: impl fmt::Display) -> Failure {
+    let text = error.to_string();
+    let reason = text.split_once(".rs:").and_then(|(_, rest)| rest.split_once(": ")).map_or(&*text, |(_, reason)| reason);
+    Failure::NoDisplay(reason.trim_end_matches('.').to_owned())
+}
+
+struct App {
+    launch: Launch,
+    open: Option<Open>,
+    failure: Option<Failure>,
+    started: Instant,
+}
+
+/// A window that is open.
+struct Open {
+    window: Arc<Window>,
+    /// There always, but for the moment between a lost device and the next one.
+    graphics: Option<Graphics>,
+    widgets: egui_winit::State,
+    viewer: Viewer,
+    started: Instant,
+    /// When the last frame began, while the picture moved by itself.
+    last_frame: Option<Instant>,
+    frames: u64,
+    first_frame: Option<f64>,
+    /// Wall time of all frames but the first, in s, from their beginning to being handed over.
+    frame_seconds: f64,
+    /// Camera, style, size, steps and objects of the picture drawn last.
+    drawn: Option<Drawn>,
+    reopened: u32,
+}
+
+/// What a picture depends on.
+#[derive(Clone, Debug, PartialEq)]
+struct Drawn {
+    camera: crate::camera::Camera,
+    style: crate::draw::Style,
+    size: [u32; 2],
+    steps: u64,
+    objects: u64,
+    simulation: u64,
+    blend: f32,
+    held: bool,
+}
+
+impl ApplicationHandler for App {
+    fn resumed(&mut self, events: &ActiveEventLoop) {
+        if self.open.is_some() {
+            return;
+        }
+        match Open::new(events, &self.launch, self.started) {
+            Ok(open) => self.open = Some(open),
+            Err(failure) => {
+                self.failure = Some(failure);
+                events.exit();
+            }
+        }
+    }
+
+    fn new_events(&mut self, _: &ActiveEventLoop, cause: StartCause) {
+        if let (StartCause::ResumeTimeReached { .. }, Some(open)) = (cause, &self.open) {
+            open.window.request_redraw();
+        }
+    }
+
+    fn window_event(&mut self, events: &ActiveEventLoop, _: WindowId, event: WindowEvent) {
+        let Some(open) = &mut self.open else {
+            return;
+        };
+        if open.widgets.on_window_event(&open.window, &event).repaint {
+            open.window.request_redraw();
+        }
+        match event {
+            WindowEvent::CloseRequested => open.viewer.quit = true,
+            WindowEvent::Resized(size) => {
+                if let Some(graphics) = &mut open.graphics {
+                    graphics.resize(size.width, size.height);
+                }
+            }
+            WindowEvent::RedrawRequested => {
+                let lose = self.launch.lose_device_after == Some(open.frames);
+                let shown = open.frame(events, &self.launch.options, lose);
+                let written = self.launch.report.as_ref().map_or(Ok(()), |path| open.write_report(path));
+                if let Err(failure) = shown.and(written) {
+                    self.failure = Some(failure);
+                    events.exit();
+                }
+            }
+            _ => {}
+        }
+        if open.viewer.quit {
+            events.exit();
+        }
+    }
+}
+
+impl Open {
+    fn new(events: &ActiveEventLoop, launch: &Launch, started: Instant) -> Result<Self, Failure> {
+        let attributes = Window::default_attributes()
+            .with_title(title(&launch.source.name))
+            .with_inner_size(LogicalSize::new(SIZE.0, SIZE.1));
+        let window = events.create_window(attributes).map_err(no_display)?;
+        let window = Arc::new(window);
+        let graphics = Graphics::open(&window, events.owned_display_handle())?;
+        let opener = graphics.opener(&launch.options);
+        let mut session = Session::open(launch.source.clone(), launch.overrides.clone(), launch.time_step, opener)?;
+        for warning in &launch.warnings {
+            session.tell(Level::Warning, warning);
+        }
+        let size = window.inner_size();
+        let widgets = widgets(&window);
+        let viewer = Viewer::new(session, Vec2::new(size.width as f32, size.height as f32).max(Vec2::ONE));
+        window.request_redraw();
+        let (last_frame, first_frame, drawn) = (None, None, None);
+        Ok(Self {
+            window,
+            graphics: Some(graphics),
+            widgets,
+            viewer,
+            started,
+            last_frame,
+            frames: 0,
+            first_frame,
+            frame_seconds: 0.0,
+            drawn,
+            reopened: 0,
+        })
+    }
+
+    /// Steps that are due, widgets, the picture.
+    fn frame(&mut self, events: &ActiveEventLoop, options: &Options, lose: bool) -> Result<(), Failure> {
+        let start = Instant::now();
+        let elapsed = self.last_frame.map_or(0.0, |last| (start - last).as_secs_f64());
+        self.mend(events, options, lose)?;
+        self.move_on(elapsed);
+        let repaint_after = self.draw();
+        self.frames += 1;
+        match self.first_frame {
+            None => self.first_frame = Some(self.started.elapsed().as_secs_f64()),
+            Some(_) => self.frame_seconds += start.elapsed().as_secs_f64(),
+        }
+        if self.viewer.is_moving() || self.viewer.session.device_failed() {
+            self.last_frame = Some(start);
+            self.window.request_redraw();
+        } else {
+            self.last_frame = None;
+            // Nothing changes but what was asked for.
+            events.set_control_flow(match Instant::now().checked_add(repaint_after) {
+                Some(then) if repaint_after < Duration::from_secs(3600) => ControlFlow::WaitUntil(then),
+                _ => ControlFlow::Wait,
+            });
+        }
+        Ok(())
+    }
+
+    fn move_on(&mut self, elapsed: f64) {
+        let now = self.started.elapsed().as_secs_f64();
+        self.viewer.walk(elapsed);
+        let Some(graphics) = &mut self.graphics else {
+            return;
+        };
+        let (renderer, style) = (&mut graphics.renderer, self.viewer.style);
+        let mut trouble = None;
+        self.viewer.session.frame(now, elapsed, |simulation| {
+            // What was drawn last may be several steps ago.
+            trouble = renderer.update(simulation, &style).err();
+            renderer.remember();
+        });
+        if let Some(error) = trouble {
+            self.viewer.session.fail(&error);
+        }
+        self.viewer.session.sample(false);
+        let steps = self.viewer.session.simulation_ref().report().steps;
+        self.viewer.rates.frame(now, steps);
+    }
+
+    /// After how long the widgets want to be drawn again.
+    fn draw(&mut self) -> Duration {
+        let input = self.widgets.take_egui_input(&self.window);
+        let context = self.widgets.egui_ctx().clone();
+        let Some(graphics) = &mut self.graphics else {
+            return Duration::ZERO;
+        };
+        let output = context.run_ui(input, |ui| {
+            ui::show(ui, &mut self.viewer, &mut |size, moving| graphics.picture(size, moving));
+        });
+        self.widgets.handle_platform_output(&self.window, output.platform_output);
+        let widgets = Widgets {
+            primitives: context.tessellate(output.shapes, output.pixels_per_point),
+            textures: output.textures_delta,
+            pixels_per_point: output.pixels_per_point,
+        };
+        let (camera, style) = (self.viewer.camera, self.viewer.style);
+        let is_new = self.take_in();
+        if let Some(graphics) = &mut self.graphics {
+            graphics.show(&self.window, is_new.then_some((&camera, &style)), widgets);
+        }
+        let root = output.viewport_output.get(&egui::ViewportId::ROOT);
+        root.map_or(Duration::MAX, |viewport| viewport.repaint_delay)
+    }
+
+    /// Hands the present state to the renderer, if the picture would be another one than the last.
+    fn take_in(&mut self) -> bool {
+        let Some(Graphics { renderer, picture, .. }) = &mut self.graphics else {
+            return false;
+        };
+        let size = picture.as_ref().map_or([0; 2], |picture| picture.size);
+        let session = &mut self.viewer.session;
+        if session.device_failed() {
+            return false;
+        }
+        let drawn = Drawn {
+            camera: self.viewer.camera,
+            style: self.viewer.style,
+            size,
+            steps: session.simulation_ref().report().steps,
+            objects: session.objects_version(),
+            simulation: session.simulation_version(),
+            blend: if session.running() { session.pace.alpha() } else { 1.0 },
+            held: session.held().is_some(),
+        };
+        // What is held moves with the pointer.
+        if self.drawn.as_ref() == Some(&drawn) && !drawn.held {
+            return false;
+        }
+        if self.drawn.as_ref().is_none_or(|last| last.simulation != drawn.simulation) {
+            renderer.set_scene(session.simulation_ref());
+            self.window.set_title(&title(&session.source().name));
+        }
+        if let Err(error) = renderer.update(session.simulation(), &drawn.style) {
+            session.fail(&error);
+            return false;
+        }
+        renderer.set_blend(drawn.blend);
+        let legend = Some(renderer.legend(&drawn.style));
+        if self.viewer.legend != legend {
+            self.viewer.legend = legend;
+            // The widgets of this frame are made already.
+            self.window.request_redraw();
+        }
+        self.drawn = Some(drawn);
+        true
+    }
+
+    /// Opens the device again where it was lost.
+    fn mend(&mut self, events: &ActiveEventLoop, options: &Options, lose: bool) -> Result<(), Failure> {
+        if let Some(graphics) = &self.graphics {
+            if lose {
+                graphics.lose();
+            }
+            if let Some(fault) = graphics.fault() {
+                self.viewer.session.fail(&Error::Device(fault));
+            }
+        }
+        if !self.viewer.session.device_failed() {
+            return Ok(());
+        }
+        self.reopened += 1;
+        if self.reopened > REOPENED {
+            return Err(Error::Device("the device failed again and again".to_owned()).into());
+        }
+        // A window has one surface at a time.
+        self.graphics = None;
+        let graphics = Graphics::open(&self.window, events.owned_display_handle())?;
+        self.viewer.session.reopen(graphics.opener(options));
+        self.graphics = Some(graphics);
+        self.drawn = None;
+        // The new device has no textures of the widgets yet.
+        self.widgets = widgets(&self.window);
+        Ok(())
+    }
+
+    /// All of it at once, for whoever is reading.
+    fn write_report(&mut self, path: &Path) -> Result<(), Failure> {
+        let text = format!("{:#}\n", self.report());
+        let write = || {
+            let mut file = AtomicFile::create(path)?;
+            file.write_all(text.as_bytes())?;
+            file.commit()
+        };
+        write().map_err(|error| Failure::Report(path.to_owned(), error))
+    }
+
+    fn report(&mut self) -> serde_json::Value {
+        let run = json!({
+            "frames": self.frames,
+            "first_frame_seconds": self.first_frame,
+            "mean_frame_seconds": self.frame_seconds / self.frames.saturating_sub(1).max(1) as f64,
+            "devices_reopened": self.reopened,
+        });
+        let device = self.graphics.as_ref().map_or("", |graphics| &graphics.name);
+        report::report(&mut self.viewer, device, &run)
+    }
+}
+
+fn widgets(window: &Window) -> egui_winit::State {
+    let context = egui::Context::default();
+    context.set_theme(egui::Theme::Light);
+    // Ctrl and + mean something else here.
+    context.options_mut(|options| options.zoom_with_keyboard = false);
+    egui_winit::State::new(context, egui::ViewportId::ROOT, window, Some(window.scale_factor() as f32), None, None)
+}
+
+fn title(scene: &str) -> String {
+    format!("{scene} - rockfall")
+}

@@ -1,0 +1,178 @@
+//! The constants that keys and sliders change, in one table: the thesis's six (section 2.12.1).
+
+use std::ops::RangeInclusive;
+
+use rockfall::Settings;
+
+/// A constant of [`Settings`].
+#[derive(Debug)]
+pub struct Constant {
+    /// Its name in [`Settings::NAMES`].
+    pub name: &'static str,
+    /// What the slider is called.
+    pub label: &'static str,
+    /// Its unit.
+    pub unit: &'static str,
+    /// The key that raises it.
+    pub up: char,
+    /// The key that lowers it.
+    pub down: char,
+    /// How far a key press goes.
+    pub step: f32,
+    /// How far the slider goes, and keys.
+    pub range: RangeInclusive<f32>,
+    /// What it does, in a sentence.
+    pub about: &'static str,
+    field: fn(&mut Settings) -> &mut f32,
+}
+
+/// The six constants, in the thesis's order.
+pub const CONSTANTS: [Constant; 6] = [
+    Constant {
+        name: "activation_threshold",
+        label: "contact threshold",
+        unit: "1/s",
+        up: 'd',
+        down: 'c',
+        step: 0.1,
+        range: 0.0..=10.0,
+        about: "Bodies that approach faster than this times the smaller radius collide; slower ones press.",
+        field: |settings| &mut settings.activation_threshold,
+    },
+    Constant {
+        name: "contact_damping",
+        label: "contact damping",
+        unit: "1/s",
+        up: 'f',
+        down: 'v',
+        step: 0.5,
+        range: 0.0..=50.0,
+        about: "What slows bodies that press into each other.",
+        field: |settings| &mut settings.contact_damping,
+    },
+    Constant {
+        name: "contact_force",
+        label: "contact force",
+        unit: "1/s²",
+        up: 'g',
+        down: 'b',
+        step: 50.0,
+        range: 0.0..=5000.0,
+        about: "How strongly an overlap is pushed apart. Too much for the time step blows piles up.",
+        field: |settings| &mut settings.contact_force,
+    },
+    Constant {
+        name: "friction",
+        label: "friction",
+        unit: "1/(s² √(units/s))",
+        up: 'h',
+        down: 'n',
+        step: 5.0,
+        range: 0.0..=500.0,
+        about: "Against sliding; it grows with the root of the sliding velocity, so bodies creep on slopes.",
+        field: |settings| &mut settings.friction,
+    },
+    Constant {
+        name: "gravity",
+        label: "gravity",
+        unit: "units/s²",
+        up: 'j',
+        down: 'm',
+        step: 0.25,
+        range: -10.0..=20.0,
+        about: "What everything falls with; negative lifts.",
+        field: |settings| &mut settings.gravity,
+    },
+    Constant {
+        name: "restitution",
+        label: "restitution",
+        unit: "",
+        up: 'z',
+        down: 'x',
+        step: 0.05,
+        range: 0.0..=1.0,
+        about: "What of the approach velocity a collision gives back: 0 nothing, 1 all.",
+        field: |settings| &mut settings.restitution,
+    },
+];
+
+impl Constant {
+    /// Its value.
+    pub fn get(&self, settings: &Settings) -> f32 {
+        let mut copy = *settings;
+        *(self.field)(&mut copy)
+    }
+
+    /// Sets it, to any value; the simulation refuses what is not allowed.
+    pub fn set(&self, settings: &mut Settings, value: f32) {
+        *(self.field)(settings) = value;
+    }
+
+    /// Its value in a fresh scene.
+    pub fn default_value(&self) -> f32 {
+        self.get(&Settings::default())
+    }
+
+    /// A key press up or down: a step, within the range, where a scene's own value has not left it.
+    pub fn nudge(&self, settings: &mut Settings, up: bool) {
+        let value = self.get(settings);
+        let moved = f64::from(value) + f64::from(if up { self.step } else { -self.step });
+        // Decimal steps would add up to 1.0000001.
+        let moved = ((moved * 1e4).round() / 1e4) as f32;
+        let (low, high) = (value.min(*self.range.start()), value.max(*self.range.end()));
+        self.set(settings, moved.clamp(low, high));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_constant_is_the_setting_of_its_name() {
+        for constant in &CONSTANTS {
+            let mut settings = Settings::default();
+            settings.set(constant.name, "0.5").unwrap();
+            assert_eq!(constant.get(&settings), 0.5, "{}", constant.name);
+            assert_eq!(constant.default_value().to_string(), Settings::default().get(constant.name).unwrap());
+            assert!(constant.range.contains(&constant.default_value()));
+            settings.validate().unwrap();
+        }
+    }
+
+    #[test]
+    fn a_press_moves_one_constant_by_its_step() {
+        for (index, constant) in CONSTANTS.iter().enumerate() {
+            for (up, sign) in [(true, 1.0), (false, -1.0)] {
+                let mut settings = Settings::default();
+                constant.nudge(&mut settings, up);
+                for (other, of) in CONSTANTS.iter().enumerate() {
+                    let expected = of.default_value() + if other == index { sign * of.step } else { 0.0 };
+                    assert!((of.get(&settings) - expected).abs() < 1e-6, "{}", of.name);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn presses_end_at_the_range_and_leave_alone_what_lies_beyond() {
+        let restitution = &CONSTANTS[5];
+        let mut settings = Settings::default();
+        (0..100).for_each(|_| restitution.nudge(&mut settings, true));
+        assert_eq!(settings.restitution, 1.0);
+        (0..100).for_each(|_| restitution.nudge(&mut settings, false));
+        assert_eq!(settings.restitution, 0.0);
+        settings.restitution = 1.3;
+        restitution.nudge(&mut settings, true);
+        assert_eq!(settings.restitution, 1.3);
+        restitution.nudge(&mut settings, false);
+        assert_eq!(settings.restitution, 1.25);
+    }
+
+    #[test]
+    fn steps_do_not_add_rounding() {
+        let mut settings = Settings::default();
+        (0..7).for_each(|_| CONSTANTS[0].nudge(&mut settings, true));
+        assert_eq!(settings.activation_threshold, 1.7);
+    }
+}

@@ -1,0 +1,120 @@
+//! From the events of the widget library to commands and to what the mouse does.
+
+use egui::{Event, MouseWheelUnit, PointerButton, Pos2, Rect};
+use rockfall::glam::Vec2;
+
+use super::controls::{self, Command, Key, Modifiers};
+use super::navigation::Arrow;
+use super::viewer::{Button, Viewer};
+
+/// Points that the wheel's finer steps count as a notch.
+const NOTCH: f32 = 40.0;
+
+/// What happened in a frame, to the scene's picture in `area`. Events are taken one by one, for a slow frame may hold a
+/// whole drag.
+pub(super) fn take(ui: &egui::Ui, area: Rect, viewer: &mut Viewer) {
+    let context = ui.ctx();
+    let pixels = context.pixels_per_point();
+    let typing = context.egui_wants_keyboard_input();
+    let in_picture = |place: Pos2| {
+        let free = context.layer_id_at(place).is_none_or(|layer| layer.order == egui::Order::Background);
+        area.contains(place) && free && !context.egui_is_using_pointer()
+    };
+    let pixel = |place: Pos2| Vec2::new(place.x - area.min.x, place.y - area.min.y) * pixels;
+    let (events, focused) = context.input(|input| (input.events.clone(), input.focused));
+    for event in events {
+        match event {
+            Event::Key { key, pressed, repeat, modifiers, .. } => match arrow_of(key) {
+                Some(arrow) => viewer.arrow(arrow, pressed && !typing),
+                None if pressed && !typing => press(viewer, key, repeat, modifiers),
+                None => {}
+            },
+            Event::PointerMoved(place) => viewer.point((area.contains(place) || viewer.is_dragging()).then(|| pixel(place))),
+            Event::PointerGone if !viewer.is_dragging() => viewer.point(None),
+            Event::PointerButton { pos, button, pressed, modifiers } => match button_of(button) {
+                Some(button) if pressed && in_picture(pos) => {
+                    viewer.point(Some(pixel(pos)));
+                    viewer.press(button, modifiers.command || modifiers.ctrl);
+                }
+                Some(button) if !pressed => viewer.release(button),
+                _ => {}
+            },
+            Event::MouseWheel { unit, delta, .. } if context.pointer_hover_pos().is_some_and(in_picture) => {
+                viewer.scroll(match unit {
+                    MouseWheelUnit::Point => delta.y / NOTCH,
+                    MouseWheelUnit::Line => delta.y,
+                    MouseWheelUnit::Page => delta.y * 5.0,
+                });
+            }
+            _ => {}
+        }
+    }
+    if !focused {
+        viewer.release_arrows();
+    }
+}
+
+fn button_of(button: PointerButton) -> Option<Button> {
+    match button {
+        PointerButton::Primary => Some(Button::Left),
+        PointerButton::Middle => Some(Button::Middle),
+        PointerButton::Secondary => Some(Button::Right),
+        _ => None,
+    }
+}
+
+fn arrow_of(key: egui::Key) -> Option<Arrow> {
+    match key {
+        egui::Key::ArrowUp => Some(Arrow::Up),
+        egui::Key::ArrowDown => Some(Arrow::Down),
+        egui::Key::ArrowLeft => Some(Arrow::Left),
+        egui::Key::ArrowRight => Some(Arrow::Right),
+        _ => None,
+    }
+}
+
+fn press(viewer: &mut Viewer, key: egui::Key, repeat: bool, held: egui::Modifiers) {
+    let held = Modifiers { shift: held.shift, ctrl: held.ctrl || held.command };
+    let asked = key_of(key).and_then(|key| controls::command(key, held));
+    // A key that is kept down goes on stepping and turning up, but does not switch to and fro.
+    let goes_on = matches!(asked, Some(Command::Nudge { .. } | Command::SingleStep));
+    if let Some(command) = asked.filter(|_| !repeat || goes_on) {
+        viewer.command(command);
+    }
+}
+
+fn key_of(key: egui::Key) -> Option<Key> {
+    Some(match key {
+        egui::Key::F1 => Key::F1,
+        egui::Key::Escape => Key::Escape,
+        egui::Key::Space => Key::Space,
+        egui::Key::Backspace => Key::Backspace,
+        egui::Key::Home => Key::Home,
+        egui::Key::Minus => Key::Char('-'),
+        egui::Key::Plus => Key::Char('+'),
+        egui::Key::Equals => Key::Char('='),
+        other => {
+            let mut name = other.name().chars();
+            match (name.next(), name.next()) {
+                (Some(letter), None) if letter.is_ascii_alphabetic() => Key::Char(letter.to_ascii_lowercase()),
+                _ => return None,
+            }
+        }
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn keys_have_the_names_of_their_letters() {
+        let keys = [(egui::Key::A, 'a'), (egui::Key::Z, 'z'), (egui::Key::Minus, '-'), (egui::Key::Plus, '+')];
+        for (key, letter) in keys {
+            assert_eq!(key_of(key), Some(Key::Char(letter)));
+        }
+        assert_eq!(key_of(egui::Key::F1), Some(Key::F1));
+        assert_eq!(key_of(egui::Key::F2), None);
+        assert_eq!(key_of(egui::Key::Num1), None);
+    }
+}

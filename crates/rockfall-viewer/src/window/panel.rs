@@ -1,0 +1,241 @@
+//! The panel: constants, time, colours, plots, and what is known of a body.
+
+use egui::{Color32, RichText, Ui};
+use egui_plot::{Line, Plot, PlotPoints};
+use rockfall::Energy;
+
+use super::constants::CONSTANTS;
+use super::viewer::Viewer;
+use crate::draw::palette::{Kind, Rgb};
+use crate::draw::{ColourBy, Style};
+use crate::legend::Legend;
+
+/// Names and colours of the energies, and of the phases: Okabe and Ito's, which all eyes tell apart.
+const ENERGIES: [(&str, Rgb); 5] = [
+    ("total", [0x30, 0x30, 0x30]),
+    ("kinetic", [0xd5, 0x5e, 0x00]),
+    ("potential", [0x00, 0x72, 0xb2]),
+    ("springs", [0x00, 0x9e, 0x73]),
+    ("contacts", [0xcc, 0x79, 0xa7]),
+];
+const PHASES: [(&str, Rgb); 4] = [
+    ("AABBs", [0x56, 0xb4, 0xe9]),
+    ("broad phase", [0x00, 0x72, 0xb2]),
+    ("collisions", [0xd5, 0x5e, 0x00]),
+    ("positions", [0x00, 0x9e, 0x73]),
+];
+const PLOT_HEIGHT: f32 = 130.0;
+
+/// All of it.
+pub(super) fn show(ui: &mut Ui, viewer: &mut Viewer) {
+    numbers(ui, viewer);
+    let section = |ui: &mut Ui, title: &str, open: bool, add: &mut dyn FnMut(&mut Ui)| {
+        egui::CollapsingHeader::new(RichText::new(title).strong()).default_open(open).show(ui, add);
+    };
+    if viewer.session.watch.facts().is_some() {
+        section(ui, "Picked body", true, &mut |ui| picked(ui, viewer));
+    }
+    section(ui, "Constants", true, &mut |ui| constants(ui, viewer));
+    section(ui, "Colours", true, &mut |ui| colours(ui, viewer));
+    section(ui, "Energy over time", true, &mut |ui| energies(ui, viewer));
+    section(ui, "Time of the phases", true, &mut |ui| phases(ui, viewer));
+}
+
+/// Steps, rates, counts.
+fn numbers(ui: &mut Ui, viewer: &mut Viewer) {
+    let session = &viewer.session;
+    let simulation = session.simulation_ref();
+    let (report, counts) = (simulation.report(), simulation.scene().counts());
+    ui.label(RichText::new(&session.source().name).strong());
+    ui.label(RichText::new(format!("{} · {}", simulation.backend().device, simulation.broad_phase_method())).weak());
+    egui::Grid::new("numbers").num_columns(4).spacing([10.0, 2.0]).show(ui, |ui| {
+        let pair = |ui: &mut Ui, name: &str, value: String, last: bool| {
+            ui.label(RichText::new(name).weak());
+            ui.monospace(value);
+            if last {
+                ui.end_row();
+            }
+        };
+        pair(ui, "time", format!("{:.2} s", report.time), false);
+        pair(ui, "steps", report.steps.to_string(), true);
+        pair(ui, "steps/s", format!("{:.0}", viewer.rates.steps), false);
+        pair(ui, "frames/s", format!("{:.0}", viewer.rates.frames), true);
+        pair(ui, "bodies", counts.spheres.to_string(), false);
+        pair(ui, "contacts", report.contacts.to_string(), true);
+        pair(ui, "rods", counts.rods.to_string(), false);
+        pair(ui, "collisions", report.collisions.to_string(), true);
+    });
+    if let Some(lag) = session.pace.lag() {
+        let text = format!("cannot keep up: {:.0} % of the speed asked for", 100.0 * lag);
+        ui.label(RichText::new(text).color(Color32::from_rgb(0xa8, 0x1e, 0x1e)));
+    }
+}
+
+fn constants(ui: &mut Ui, viewer: &mut Viewer) {
+    let before = *viewer.session.settings();
+    let mut settings = before;
+    ui.spacing_mut().slider_width = 90.0;
+    egui::Grid::new("constants").num_columns(3).spacing([6.0, 4.0]).show(ui, |ui| {
+        for constant in &CONSTANTS {
+            let [up, down] = [constant.up, constant.down].map(|key| key.to_ascii_uppercase());
+            let default = constant.default_value();
+            let about = format!("{}\nDefault: {default} {}. Keys: {up} up, {down} down.", constant.about, constant.unit);
+            ui.label(constant.label).on_hover_text(&about);
+            let mut value = constant.get(&settings);
+            let slider = egui::Slider::new(&mut value, constant.range.clone())
+                .clamping(egui::SliderClamping::Edits)
+                .step_by(f64::from(constant.step) / 10.0)
+                .max_decimals(3);
+            if ui.add(slider).on_hover_text(about).changed() {
+                constant.set(&mut settings, value);
+            }
+            ui.label(RichText::new(constant.unit).weak().small());
+            ui.end_row();
+        }
+    });
+    let differs = CONSTANTS.iter().any(|constant| constant.get(&settings) != constant.default_value());
+    if ui.add_enabled(differs, egui::Button::new("Defaults").small()).clicked() {
+        CONSTANTS.iter().for_each(|constant| constant.set(&mut settings, constant.default_value()));
+    }
+    ui.checkbox(&mut settings.collisions, "collisions (K)").on_hover_text("Off: contact forces do everything.");
+    ui.checkbox(&mut settings.contact_pull, "damping may pull").on_hover_text("The thesis's form of contact damping.");
+    let mut time_step = viewer.session.pace.time_step * 1000.0;
+    ui.horizontal(|ui| {
+        ui.label("time step");
+        let field = egui::DragValue::new(&mut time_step).range(0.01..=100.0).speed(0.1).suffix(" ms");
+        if ui.add(field).changed() {
+            viewer.session.set_time_step(time_step / 1000.0);
+        }
+    });
+    if settings != before {
+        viewer.session.change_settings(|present| *present = settings);
+    }
+}
+
+/// Switches of the picture's style.
+pub(super) fn style_switches(ui: &mut Ui, viewer: &mut Viewer) {
+    let Style { shadows, occlusion, ground, .. } = &mut viewer.style;
+    ui.checkbox(shadows, "Shadows");
+    ui.checkbox(occlusion, "Ambient occlusion");
+    ui.checkbox(ground, "Ground");
+}
+
+fn colours(ui: &mut Ui, viewer: &mut Viewer) {
+    ui.horizontal_wrapped(|ui| {
+        for by in ColourBy::ALL {
+            ui.selectable_value(&mut viewer.style.colour_by, by, by.name());
+        }
+    });
+    match &viewer.legend {
+        Some(Legend::Kinds(kinds)) => {
+            ui.horizontal_wrapped(|ui| kinds.iter().for_each(|kind| swatch(ui, kind)));
+        }
+        Some(Legend::Scale { title, range, colours }) => scale(ui, title, *range, colours),
+        None => {}
+    }
+}
+
+fn colour(rgb: Rgb) -> Color32 {
+    Color32::from_rgb(rgb[0], rgb[1], rgb[2])
+}
+
+fn swatch(ui: &mut Ui, kind: &Kind) {
+    let (place, _) = ui.allocate_exact_size(egui::vec2(12.0, 12.0), egui::Sense::hover());
+    ui.painter().rect_filled(place, 3.0, colour(kind.colour));
+    ui.label(kind.name);
+}
+
+/// A bar of the colours, with the values at its ends.
+fn scale(ui: &mut Ui, title: &str, range: [f32; 2], colours: &[Rgb]) {
+    let (bar, _) = ui.allocate_exact_size(egui::vec2(ui.available_width(), 12.0), egui::Sense::hover());
+    let mut mesh = egui::Mesh::default();
+    let last = colours.len().saturating_sub(1).max(1) as f32;
+    for (index, rgb) in colours.iter().enumerate() {
+        let x = egui::lerp(bar.x_range(), index as f32 / last);
+        for y in [bar.top(), bar.bottom()] {
+            mesh.colored_vertex(egui::pos2(x, y), colour(*rgb));
+        }
+    }
+    for left in (0..2 * (colours.len() as u32).saturating_sub(1)).step_by(2) {
+        mesh.add_triangle(left, left + 1, left + 2);
+        mesh.add_triangle(left + 1, left + 2, left + 3);
+    }
+    ui.painter().add(mesh);
+    ui.horizontal(|ui| {
+        ui.monospace(format!("{}", range[0]));
+        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+            ui.monospace(format!("{}", range[1]));
+            ui.centered_and_justified(|ui| ui.label(RichText::new(title).weak()));
+        });
+    });
+}
+
+fn stroke(rgb: Rgb) -> egui::Stroke {
+    egui::Stroke::new(1.5, colour(rgb))
+}
+
+fn plot(name: &str) -> Plot<'_> {
+    Plot::new(name)
+        .height(PLOT_HEIGHT)
+        .allow_scroll(false)
+        .allow_zoom(false)
+        .allow_drag(false)
+        .allow_boxed_zoom(false)
+        .show_crosshair(false)
+}
+
+fn energies(ui: &mut Ui, viewer: &mut Viewer) {
+    let watch = &viewer.session.watch;
+    let all = |energy: &Energy| [energy.total(), energy.kinetic, energy.potential, energy.spring, energy.contact];
+    if let Some(last) = watch.energies().back() {
+        values(ui, &ENERGIES, all(&last.energy).map(|energy| format!("{energy:.4}")));
+    }
+    let lines = ENERGIES.iter().enumerate().map(|(index, (name, colour))| {
+        let points = watch.energies().iter().map(|sample| [sample.time, all(&sample.energy)[index]]);
+        Line::new(*name, points.collect::<PlotPoints>()).stroke(stroke(*colour))
+    });
+    plot("energy").show(ui, |plot| lines.for_each(|line| plot.line(line)));
+    if !watch.is_unasked() {
+        ui.label(RichText::new("The scene is too large to look at its energy all the time.").weak());
+    }
+    if ui.small_button("measure now").clicked() {
+        viewer.session.sample(true);
+    }
+}
+
+/// Names in their colours, with the last values.
+fn values<const N: usize>(ui: &mut Ui, names: &[(&str, Rgb); N], values: [String; N]) {
+    ui.horizontal_wrapped(|ui| {
+        for ((name, rgb), value) in names.iter().zip(values) {
+            ui.label(RichText::new(format!("{name} {value}")).color(colour(*rgb)).small());
+        }
+    });
+}
+
+fn phases(ui: &mut Ui, viewer: &mut Viewer) {
+    let samples = viewer.session.watch.phases();
+    if let Some(last) = samples.back() {
+        values(ui, &PHASES, last.seconds.map(|seconds| format!("{:.3} ms", 1e3 * seconds)));
+    } else if viewer.session.simulation_ref().clock().is_err() {
+        ui.label(RichText::new("This device has no timestamps.").weak());
+    }
+    let lines = PHASES.iter().enumerate().map(|(index, (name, colour))| {
+        let points = samples.iter().map(|sample| [sample.time, 1e3 * sample.seconds[index]]);
+        Line::new(*name, points.collect::<PlotPoints>()).stroke(stroke(*colour))
+    });
+    plot("phases").include_y(0.0).show(ui, |plot| lines.for_each(|line| plot.line(line)));
+}
+
+fn picked(ui: &mut Ui, viewer: &mut Viewer) {
+    let Some(facts) = viewer.session.watch.facts() else {
+        return;
+    };
+    ui.strong(&facts.title);
+    egui::Grid::new("picked").num_columns(2).spacing([8.0, 2.0]).show(ui, |ui| {
+        for (name, value) in &facts.values {
+            ui.label(RichText::new(*name).weak());
+            ui.monospace(value);
+            ui.end_row();
+        }
+    });
+}

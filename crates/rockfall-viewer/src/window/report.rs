@@ -1,0 +1,61 @@
+//! The state of a window as JSON, for tests and for reports of faults.
+
+use rockfall::Settings;
+use rockfall::glam::Vec3;
+use serde_json::{Map, Value, json};
+
+use super::viewer::Viewer;
+
+fn vector(v: Vec3) -> Value {
+    json!(v.to_array())
+}
+
+/// All that keys and the mouse change.
+pub(super) fn report(viewer: &mut Viewer, device: &str, run: &Value) -> Value {
+    let session = &mut viewer.session;
+    let positions: Vec<Value> = match session.simulation().sync() {
+        Ok(scene) => scene.spheres().iter().take(100).map(|sphere| vector(sphere.position)).collect(),
+        Err(_) => Vec::new(),
+    };
+    let simulation = session.simulation_ref();
+    let (report, counts, settings) = (simulation.report(), simulation.scene().counts(), *simulation.settings());
+    let constants: Map<String, Value> =
+        Settings::NAMES.iter().map(|name| ((*name).to_owned(), json!(settings.get(name).unwrap_or_default()))).collect();
+    let messages: Vec<Value> = session
+        .messages
+        .all()
+        .iter()
+        .map(|message| json!({ "level": message.level.name(), "text": message.text, "at": message.at }))
+        .collect();
+    json!({
+        "scene": session.source().name,
+        "backend": simulation.backend().device,
+        "device": device,
+        "constants": constants,
+        "running": session.running(),
+        "real_time": session.pace.real_time,
+        "speed": session.pace.speed(),
+        "time_step": session.pace.time_step.to_string().parse::<f64>().unwrap_or_default(),
+        "keeps_up": session.pace.lag().is_none(),
+        "steps": report.steps,
+        "time": report.time,
+        "contacts": report.contacts,
+        "spheres": counts.spheres,
+        "rods": counts.rods,
+        "tethers": counts.tethers,
+        "positions": positions,
+        "picked": session.watch.facts().map(|facts| facts.title.clone()),
+        "held": session.held().is_some(),
+        "energy_samples": session.watch.energies().len(),
+        "phase_samples": session.watch.phases().len(),
+        "messages": messages,
+        "camera": { "eye": vector(viewer.camera.eye), "target": vector(viewer.camera.target) },
+        "picture": viewer.size().to_array(),
+        "help": viewer.help,
+        "panel": viewer.panel,
+        "colour_by": format!("{:?}", viewer.style.colour_by).to_lowercase(),
+        "frames_per_second": viewer.rates.frames,
+        "steps_per_second": viewer.rates.steps,
+        "run": run,
+    })
+}

@@ -1,0 +1,212 @@
+//! Values that are sampled now and then: energies, the time of the phases, what is known of the picked body.
+//!
+//! Energies and contacts are evaluated on the host, which takes long for large scenes: the more it costs the less often it
+//! is done, and for the largest only when asked.
+
+use std::collections::VecDeque;
+
+use rockfall::glam::Vec3;
+use rockfall::stage::Phase;
+use rockfall::{Body, Energy, Profile, Simulation};
+
+/// Samples a second, at most.
+const EVERY: f64 = 0.25;
+/// What sampling may take of all time.
+const SHARE: f64 = 0.05;
+/// A sample that took longer, in s, is the last that is taken unasked.
+const AT_MOST: f64 = 0.2;
+/// Objects beyond which none is taken unasked.
+const LARGE: usize = 100_000;
+/// The time of the phases is measured so often, in s.
+const PHASES_EVERY: f64 = 0.5;
+/// Samples that are kept.
+const KEPT: usize = 600;
+
+/// The energies at a time.
+#[derive(Clone, Copy, Debug)]
+pub struct EnergySample {
+    /// Time simulated, in s.
+    pub time: f64,
+    /// The energies.
+    pub energy: Energy,
+}
+
+/// The wall time of the four phases of one step, in s, in the order of [`Phase::STEP`].
+#[derive(Clone, Copy, Debug)]
+pub struct PhaseSample {
+    /// Time simulated, in s.
+    pub time: f64,
+    /// Wall times, in s.
+    pub seconds: [f64; 4],
+}
+
+/// What is known of the picked body: its name, and values with their names and units.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Facts {
+    /// What it is.
+    pub title: String,
+    /// Values, by name.
+    pub values: Vec<(&'static str, String)>,
+}
+
+/// What was sampled.
+#[derive(Clone, Debug)]
+pub struct Watch {
+    energies: VecDeque<EnergySample>,
+    phases: VecDeque<PhaseSample>,
+    facts: Option<Facts>,
+    /// Steps done at the last sample, which need no other.
+    sampled_at: Option<u64>,
+    next_at: f64,
+    next_phases_at: f64,
+    unasked: bool,
+}
+
+impl Default for Watch {
+    fn default() -> Self {
+        let (energies, phases) = Default::default();
+        Self { energies, phases, facts: None, sampled_at: None, next_at: 0.0, next_phases_at: 0.0, unasked: true }
+    }
+}
+
+impl Watch {
+    /// Energies over time.
+    pub fn energies(&self) -> &VecDeque<EnergySample> {
+        &self.energies
+    }
+
+    /// Times of the phases over time.
+    pub fn phases(&self) -> &VecDeque<PhaseSample> {
+        &self.phases
+    }
+
+    /// What is known of the picked body.
+    pub fn facts(&self) -> Option<&Facts> {
+        self.facts.as_ref()
+    }
+
+    /// Whether samples are taken unasked; if not, the scene is too large for it.
+    pub fn is_unasked(&self) -> bool {
+        self.unasked
+    }
+
+    /// Whether it is time for a sample.
+    pub(super) fn due(&mut self, now: f64, simulation: &Simulation) -> bool {
+        let counts = simulation.scene().counts();
+        self.unasked &= counts.spheres + counts.rods + counts.boxes + counts.polygons <= LARGE;
+        self.unasked && now >= self.next_at && self.sampled_at != Some(simulation.report().steps)
+    }
+
+    /// Whether it is time to measure the phases.
+    pub(super) fn phases_due(&mut self, now: f64) -> bool {
+        let due = now >= self.next_phases_at;
+        if due {
+            self.next_phases_at = now + PHASES_EVERY;
+        }
+        due
+    }
+
+    /// The last sample took `seconds`; the next one waits accordingly.
+    pub(super) fn rest(&mut self, now: f64, seconds: f64) {
+        self.next_at = now + (seconds / SHARE).max(EVERY);
+        self.unasked &= seconds <= AT_MOST;
+    }
+
+    /// Nothing is sampled unasked any more.
+    pub(super) fn give_up(&mut self) {
+        self.unasked = false;
+    }
+
+    pub(super) fn note_phases(&mut self, profile: &Profile, time: f64) {
+        let seconds = Phase::STEP.map(|phase| profile.phase_seconds(phase));
+        keep(&mut self.phases, PhaseSample { time, seconds });
+    }
+
+    pub(super) fn sample(&mut self, simulation: &mut Simulation, picked: Option<Body>) -> rockfall::Result<()> {
+        let energy = simulation.energy()?;
+        let report = simulation.report();
+        if self.sampled_at != Some(report.steps) {
+            keep(&mut self.energies, EnergySample { time: report.time, energy });
+        }
+        self.sampled_at = Some(report.steps);
+        let picked = picked.filter(|body| super::hold::is_there(simulation, *body));
+        self.facts = picked.map(|body| facts(simulation, body)).transpose()?;
+        Ok(())
+    }
+}
+
+fn keep<T>(samples: &mut VecDeque<T>, sample: T) {
+    samples.push_back(sample);
+    if samples.len() > KEPT {
+        samples.pop_front();
+    }
+}
+
+/// Index of a handle among those of its kind.
+fn index<T: PartialEq>(mut ids: impl Iterator<Item = T>, id: T) -> usize {
+    ids.position(|other| other == id).unwrap_or(usize::MAX)
+}
+
+fn vector(v: Vec3, unit: &str) -> String {
+    format!("{:.3} {:.3} {:.3} {unit}", v.x, v.y, v.z)
+}
+
+/// Everything that there is to know of a body.
+fn facts(simulation: &mut Simulation, body: Body) -> rockfall::Result<Facts> {
+    let mut values = Vec::new();
+    let title = match body {
+        Body::Sphere(id) => {
+            let diagnostics = simulation.diagnostics()?;
+            let scene = simulation.scene();
+            let number = index(scene.sphere_ids(), id);
+            let (sphere, known) = (scene.sphere(id)?, diagnostics[number]);
+            values.push(("position", vector(sphere.position, "units")));
+            values.push(("velocity", vector(sphere.velocity, "units/s")));
+            values.push(("speed", format!("{:.3} units/s", sphere.velocity.length())));
+            values.push(("spin", vector(sphere.spin(), "rad/s")));
+            values.push(("angular momentum", vector(sphere.angular_momentum, "mass units²/s")));
+            values.push(("mass", format!("{}", sphere.mass)));
+            values.push(("radius", format!("{} units", sphere.radius)));
+            values.push(("net force", vector(known.net_force, "mass units/s²")));
+            values.push(("contacts", known.contacts.to_string()));
+            values.push(("deepest overlap", format!("{:.5} units", known.deepest_overlap)));
+            format!("{} {number}", if sphere.fixed { "fixed sphere" } else { "sphere" })
+        }
+        Body::Rod(id) => {
+            let scene = simulation.scene();
+            let rod = scene.rod(id)?;
+            let ends = [scene.sphere(rod.end1)?.position, scene.sphere(rod.end2)?.position];
+            values.push(("from", vector(ends[0], "units")));
+            values.push(("to", vector(ends[1], "units")));
+            values.push(("length", format!("{:.4} units", ends[0].distance(ends[1]))));
+            values.push(("held at", rod.length.map_or("free".to_owned(), |length| format!("{length} units"))));
+            values.push(("radius", format!("{} units", rod.radius)));
+            let capsule = scene.capsules().iter().any(|parts| parts.rod == id);
+            format!("{} {}", if capsule { "capsule, rod" } else { "rod" }, index(scene.rod_ids(), id))
+        }
+        Body::Box(id) => {
+            let scene = simulation.scene();
+            let cuboid = scene.cuboid(id)?;
+            values.push(("corner", vector(cuboid.corner, "units")));
+            for (name, edge) in ["edge i", "edge j", "edge k"].into_iter().zip(cuboid.edges) {
+                values.push((name, vector(edge, "units")));
+            }
+            format!("box {}", index(scene.box_ids(), id))
+        }
+        Body::Polygon(id) => {
+            let scene = simulation.scene();
+            let polygon = scene.polygon(id)?;
+            values.push(("corner", vector(polygon.corner, "units")));
+            values.push(("edge l", vector(polygon.left, "units")));
+            values.push(("edge r", vector(polygon.right, "units")));
+            values.push(("solid towards", vector(polygon.left.cross(polygon.right).normalize(), "")));
+            format!("polygon {}", index(scene.polygon_ids(), id))
+        }
+        _ => "a body".to_owned(),
+    };
+    if let Body::Rod(_) | Body::Box(_) | Body::Polygon(_) = body {
+        let touching = simulation.contacts()?.iter().filter(|contact| contact.a == body || contact.b == body).count();
+        values.push(("contacts", touching.to_string()));
+    }
+    Ok(Facts { title, values })
+}

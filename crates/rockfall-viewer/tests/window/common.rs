@@ -1,0 +1,44 @@
+//! Viewers on small scenes.
+
+use std::path::{Path, PathBuf};
+
+use rockfall::glam::Vec2;
+use rockfall::{Backend, Options, Scene, Simulation};
+use rockfall_viewer::window::session::{Opener, Session, Source};
+use rockfall_viewer::window::viewer::Viewer;
+
+/// A ball above a box, at rest.
+pub(crate) const BALL: &str = "S 1 0 3 0 0 0 0 0 0 0 1 0.5\nB -5 -1 -5 10 0 0 0 1 0 0 0 10\n";
+
+/// Two balls without weight, 4 apart.
+pub(crate) const FLOATING: &str = "set gravity 0\nS 1 -2 0 0 0 0 0 0 0 0 1 0.5\nS 2 2 0 0 0 0 0 0 0 0 1 0.5\n";
+
+pub(crate) fn on_cpu() -> Opener {
+    Box::new(|scene: Scene| Simulation::with_options(scene, Options::new().backend(Backend::Cpu)))
+}
+
+pub(crate) fn source(text: &str, path: Option<PathBuf>) -> Source {
+    let scene = Scene::parse(text, Path::new("test")).expect("a good scene").scene;
+    Source { name: "test".to_owned(), path, scene }
+}
+
+pub(crate) fn session(text: &str) -> Session {
+    Session::open(source(text, None), Vec::new(), 0.02, on_cpu()).expect("it opens")
+}
+
+/// A viewer with a picture of 800 x 600.
+pub(crate) fn viewer(text: &str) -> Viewer {
+    let mut viewer = Viewer::new(session(text), Vec2::new(800.0, 600.0));
+    viewer.input_folders = Vec::new();
+    viewer
+}
+
+/// What the session told, the last first.
+pub(crate) fn told(session: &Session) -> Vec<&str> {
+    session.messages.all().iter().rev().map(|message| message.text.as_str()).collect()
+}
+
+/// Heights of all spheres.
+pub(crate) fn heights(session: &mut Session) -> Vec<f32> {
+    session.simulation().spheres().expect("spheres are read").iter().map(|sphere| sphere.position.y).collect()
+}

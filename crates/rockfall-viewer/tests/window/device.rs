@@ -1,0 +1,41 @@
+//! A graphics device that is lost while it moves the scene.
+
+use rockfall::gpu::Gpu;
+use rockfall::{Options, Scene, Simulation};
+use rockfall_viewer::window::session::{Opener, Session};
+
+use crate::common::*;
+
+fn on(gpu: &Gpu) -> Opener {
+    let (device, queue) = (gpu.device().clone(), gpu.queue().clone());
+    Box::new(move |scene: Scene| Simulation::on_device(scene, Options::new(), &device, &queue))
+}
+
+/// It is told, nothing runs on the lost one, and on another it goes on from the state that was read back last.
+#[test]
+fn a_lost_device_is_told_and_it_goes_on_with_another() {
+    let gpu = Gpu::open_blocking(true).expect("a Vulkan driver; scripts/test installs one");
+    let mut session = Session::open(source(BALL, None), Vec::new(), 0.02, on(&gpu)).expect("it opens");
+    session.set_running(true);
+    for frame in 0..5 {
+        session.frame(f64::from(frame), 0.02, |_| ());
+    }
+    session.sample(true);
+    let sampled = heights(&mut session);
+    assert!(sampled[0] < 3.0);
+    session.frame(6.0, 0.02, |_| ());
+
+    gpu.device().destroy();
+    session.frame(7.0, 0.02, |_| ());
+    assert!(session.device_failed(), "{:?}", told(&session));
+    session.frame(8.0, 0.02, |_| panic!("nothing runs on a lost device"));
+
+    let another = Gpu::open_blocking(true).expect("it was there before");
+    session.reopen(on(&another));
+    assert!(!session.device_failed());
+    assert!(told(&session)[0].contains("lost"), "{:?}", told(&session));
+    assert_eq!(heights(&mut session), sampled);
+    session.set_running(true);
+    session.frame(9.0, 0.02, |_| ());
+    assert!(heights(&mut session)[0] < sampled[0]);
+}

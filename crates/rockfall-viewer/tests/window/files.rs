@@ -1,0 +1,118 @@
+//! Scenes that are read and written; bad ones are told, and it goes on.
+
+use std::fs;
+use std::path::PathBuf;
+
+use rockfall::Scene;
+use rockfall_viewer::window::controls::Command;
+use rockfall_viewer::window::message::Level;
+use rockfall_viewer::window::session::Session;
+
+use crate::common::*;
+
+/// A folder with these files.
+fn folder(files: &[(&str, &str)]) -> tempfile::TempDir {
+    let folder = tempfile::tempdir().expect("a folder");
+    for (name, text) in files {
+        fs::write(folder.path().join(name), text).expect("a file");
+    }
+    folder
+}
+
+#[test]
+fn a_bad_scene_is_told_and_the_present_one_goes_on() {
+    let folder = folder(&[("bad.txt", "B 0 0 0 1 0 0 0 1 0 0 0 1\nS 1 0 0 0 0 0 0 0 0 0 -1 0.5\n")]);
+    let mut viewer = viewer(BALL);
+    viewer.command(Command::ToggleRunning);
+    viewer.session.frame(0.0, 0.0, |_| ());
+    viewer.load(&folder.path().join("bad.txt"));
+    let [text, ..] = told(&viewer.session)[..] else { panic!("nothing was told") };
+    assert!(text.contains("bad.txt:2: ") && text.contains("mass"), "{text}");
+    assert_eq!(viewer.session.messages.all()[0].level, Level::Error);
+    assert!(viewer.session.running() && !viewer.session.device_failed());
+    viewer.session.frame(0.1, 0.1, |_| ());
+    assert_eq!(viewer.session.simulation().report().steps, 2);
+    viewer.load(&folder.path().join("none.txt"));
+    assert!(told(&viewer.session)[0].contains("none.txt"));
+}
+
+#[test]
+fn a_good_scene_replaces_the_present_one_and_is_seen_whole() {
+    let folder = folder(&[("far.txt", "S 1 1000 0 0 0 0 0 0 0 0 1 0.5\nX\nset gravit 3\n")]);
+    let mut viewer = viewer(BALL);
+    viewer.command(Command::SingleStep);
+    let path = folder.path().join("far.txt");
+    viewer.load(&path);
+    assert_eq!(viewer.session.source().name, path.display().to_string());
+    assert_eq!(viewer.session.simulation().report().steps, 0);
+    assert!(viewer.camera.target.x > 900.0);
+    assert!(told(&viewer.session).iter().any(|text| text.contains("far.txt:3: ")), "odd lines are told");
+    // The same again is seen from where it was seen.
+    viewer.scroll(3.0);
+    let camera = viewer.camera;
+    viewer.load(&path);
+    assert_eq!(viewer.camera, camera);
+}
+
+/// R: the working directory first, then the folder of the program.
+#[test]
+fn input_is_read_from_the_first_folder_that_has_it() {
+    let with = folder(&[("input.txt", FLOATING)]);
+    let (without, other) = (folder(&[]), folder(&[("input.txt", BALL)]));
+    let mut viewer = viewer(BALL);
+    let paths = |folders: [&tempfile::TempDir; 2]| folders.map(|folder| folder.path().to_owned()).to_vec();
+    viewer.input_folders = paths([&with, &other]);
+    viewer.command(Command::LoadInput);
+    assert_eq!(viewer.session.simulation().scene().counts().spheres, 2);
+    viewer.input_folders = paths([&without, &other]);
+    viewer.command(Command::LoadInput);
+    assert_eq!(viewer.session.simulation().scene().counts().spheres, 1);
+    viewer.input_folders = paths([&without, &without]);
+    viewer.command(Command::LoadInput);
+    assert!(told(&viewer.session)[0].contains("there is no input.txt"), "{:?}", told(&viewer.session));
+    assert_eq!(viewer.session.simulation().scene().counts().spheres, 1);
+}
+
+/// Shift+R: what the command line gave, whatever was looked at since, with its constants.
+#[test]
+fn the_given_file_is_read_again() {
+    let folder = folder(&[("given.txt", BALL), ("other.txt", FLOATING)]);
+    let given = folder.path().join("given.txt");
+    let overrides = vec![("friction".to_owned(), "7".to_owned())];
+    let mut session = Session::open(source(BALL, Some(given.clone())), overrides, 0.02, on_cpu()).expect("it opens");
+    session.load(&folder.path().join("other.txt"));
+    assert_eq!((session.settings().gravity, session.settings().friction), (0.0, 7.0));
+    fs::write(&given, format!("{BALL}S 2 2 3 0 0 0 0 0 0 0 1 0.5\n")).expect("a file");
+    session.load_given();
+    assert_eq!(session.simulation().scene().counts().spheres, 2);
+    assert_eq!((session.settings().gravity, session.settings().friction), (1.0, 7.0));
+
+    let mut without = crate::common::session(BALL);
+    without.load_given();
+    assert!(told(&without)[0].contains("no scene file was given"));
+}
+
+/// What is saved is the present state, bit for bit, without what the pointer holds.
+#[test]
+fn the_present_state_is_saved() {
+    let folder = folder(&[]);
+    let mut viewer = viewer(BALL);
+    viewer.command(Command::Throw);
+    viewer.command(Command::Nudge { constant: 3, up: true });
+    for _ in 0..10 {
+        viewer.command(Command::SingleStep);
+    }
+    viewer.save_as = folder.path().join("saved.txt");
+    let sight = crate::hands::sight_of(&mut viewer.session, 0);
+    viewer.session.hold(&sight);
+    assert_eq!(viewer.session.simulation().scene().counts().tethers, 1);
+    viewer.command(Command::Save);
+    let saved = Scene::load(&viewer.save_as).expect("it reads back").scene;
+    assert_eq!(saved.counts().tethers, 0);
+    assert_eq!(saved.spheres(), viewer.session.simulation().scene().spheres());
+    assert_eq!(saved.settings, *viewer.session.settings());
+    // It cannot be written there: that is told.
+    viewer.save_as = PathBuf::from("/no/such/folder/saved.txt");
+    viewer.command(Command::Save);
+    assert!(told(&viewer.session)[0].contains("/no/such/folder/saved.txt"));
+}

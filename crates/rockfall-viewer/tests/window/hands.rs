@@ -1,0 +1,173 @@
+//! Picking, holding, and the mouse.
+
+use rockfall::Body;
+use rockfall::glam::{Vec2, Vec3};
+use rockfall_viewer::window::hold::Sight;
+use rockfall_viewer::window::session::Session;
+use rockfall_viewer::window::viewer::{Button, Viewer};
+
+use crate::common::*;
+
+/// From 10 in front of a sphere's centre, straight at it.
+pub(crate) fn sight_of(session: &mut Session, sphere: usize) -> Sight {
+    let centre = session.simulation().spheres().expect("spheres are read")[sphere].position;
+    Sight { origin: centre + 10.0 * Vec3::Z, direction: Vec3::NEG_Z, forward: Vec3::NEG_Z }
+}
+
+fn positions(session: &mut Session) -> Vec<Vec3> {
+    session.simulation().spheres().expect("spheres are read").iter().map(|sphere| sphere.position).collect()
+}
+
+/// Where a point of the scene is in the picture, in pixels.
+fn pixel(viewer: &Viewer, point: Vec3) -> Vec2 {
+    let ndc = viewer.camera.view_projection(viewer.aspect()).project_point3(point);
+    (Vec2::new(ndc.x, -ndc.y) + 1.0) * 0.5 * viewer.size()
+}
+
+#[test]
+fn a_held_body_follows_the_pointer_and_no_other_does() {
+    let mut session = session(FLOATING);
+    let sight = sight_of(&mut session, 0);
+    session.hold(&sight);
+    assert!(session.held().is_some());
+    // Three units up and one to the left, at the same depth.
+    let moved = Sight { origin: sight.origin, direction: Vec3::new(-1.0, 3.0, -9.5).normalize(), forward: sight.forward };
+    session.drag(&moved);
+    session.set_running(true);
+    for frame in 0..200 {
+        session.frame(f64::from(frame) * 0.02, 0.02, |_| ());
+    }
+    let now = positions(&mut session);
+    assert!(now[0].distance(Vec3::new(-3.0, 3.0, 0.0)) < 0.02, "{}", now[0]);
+    assert_eq!(now[1], Vec3::new(2.0, 0.0, 0.0));
+    session.release();
+    assert!(session.held().is_none());
+    assert_eq!(session.simulation().scene().counts().tethers, 0);
+}
+
+/// A body that is held does not fly off, whatever the time step, and falls when let go.
+#[test]
+fn holding_is_stable() {
+    for time_step in [0.001, 0.02, 0.05] {
+        let mut session = session("set gravity 5\nS 1 0 9 0 0 0 0 0 0 0 1 0.5\n");
+        session.set_time_step(time_step);
+        let sight = sight_of(&mut session, 0);
+        session.hold(&sight);
+        session.set_running(true);
+        let steps = (4.0 / time_step) as u32;
+        (0..steps).for_each(|_| session.frame(0.0, 0.0, |_| ()));
+        // It hangs m g / k = 5 / 100 below.
+        let height = heights(&mut session)[0];
+        assert!((height - 8.95).abs() < 1e-3, "{height} at a time step of {time_step}");
+    }
+}
+
+/// Ten balls on springs, the last one held: it carries all of them.
+#[test]
+fn a_held_body_carries_what_hangs_on_it() {
+    let mut text = "set gravity 1\n".to_owned();
+    for ball in 0..10 {
+        text += &format!("S {ball} 0 {} 0 0 0 0 0 0 0 1 0.2\n", 20 - ball);
+    }
+    for ball in 1..10 {
+        text += &format!("K {} {ball} 500 1 5\n", ball - 1);
+    }
+    let mut session = session(&text);
+    let sight = sight_of(&mut session, 0);
+    session.hold(&sight);
+    session.set_running(true);
+    (0..1000).for_each(|_| session.frame(0.0, 0.0, |_| ()));
+    let heights = heights(&mut session);
+    assert!((heights[0] - 20.0).abs() < 0.05, "{heights:?}");
+}
+
+#[test]
+fn what_cannot_be_held_is_told() {
+    let mut session = session("S 1 0 0 0 0 0 0 0 0 0 1 0.5 1\nB 5 -1 -1 2 0 0 0 2 0 0 0 2\n");
+    let sight = sight_of(&mut session, 0);
+    session.hold(&sight);
+    assert!(session.held().is_none() && told(&session)[0].contains("fixed"));
+    session.hold(&Sight { origin: Vec3::new(6.0, 0.0, 9.0), ..sight });
+    assert!(session.held().is_none() && told(&session)[0].contains("never move"));
+    session.hold(&Sight { origin: Vec3::new(90.0, 0.0, 9.0), ..sight });
+    assert!(session.held().is_none());
+}
+
+/// Of a rod that was seized, the end which is nearer follows, but never a fixed one.
+#[test]
+fn of_a_rod_the_nearer_end_is_held() {
+    let text =
+        |fixed: u8| format!("set gravity 0\nS 1 -3 0 0 0 0 0 0 0 0 1 0.1 {fixed}\nS 2 3 0 0 0 0 0 0 0 0 1 0.1\nR 1 2 0.3 6\n");
+    for (fixed, at, held) in [(0, -1.0, 0), (0, 1.0, 1), (1, -1.0, 1)] {
+        let mut session = session(&text(fixed));
+        session.hold(&Sight { origin: Vec3::new(at, 0.0, 9.0), direction: Vec3::NEG_Z, forward: Vec3::NEG_Z });
+        let ids: Vec<_> = session.simulation().scene().sphere_ids().collect();
+        assert_eq!(session.held().map(|held| held.sphere), Some(ids[held]));
+    }
+}
+
+#[test]
+fn a_click_picks_and_tells_what_it_is() {
+    let mut viewer = viewer(BALL);
+    let at = pixel(&viewer, Vec3::new(0.0, 3.0, 0.0));
+    viewer.point(Some(at));
+    viewer.press(Button::Left, false);
+    viewer.point(Some(at + 1.0));
+    viewer.release(Button::Left);
+    assert!(matches!(viewer.session.picked(), Some(Body::Sphere(_))));
+    let facts = viewer.session.watch.facts().expect("facts").clone();
+    assert_eq!(facts.title, "sphere 0");
+    let value = |name: &str| facts.values.iter().find(|(at, _)| *at == name).expect("a value").1.clone();
+    assert_eq!(value("position"), "0.000 3.000 0.000 units");
+    assert_eq!(value("net force"), "0.000 -1.000 0.000 mass units/s²");
+    assert_eq!(value("contacts"), "0");
+    // A click beside everything picks nothing.
+    viewer.point(Some(Vec2::new(2.0, 2.0)));
+    viewer.press(Button::Left, false);
+    viewer.release(Button::Left);
+    assert_eq!((viewer.session.picked(), viewer.session.watch.facts()), (None, None));
+}
+
+#[test]
+fn drags_move_the_camera_and_pick_nothing() {
+    let start = Vec2::new(400.0, 300.0);
+    let cases = [(Button::Left, true, false), (Button::Right, true, true), (Button::Middle, false, true)];
+    for (button, target_moves, eye_moves) in cases {
+        let mut viewer = viewer(BALL);
+        let before = viewer.camera;
+        viewer.point(Some(start));
+        viewer.press(button, false);
+        for step in 1..=10 {
+            viewer.point(Some(start + step as f32 * Vec2::new(3.0, -5.0)));
+        }
+        viewer.release(button);
+        let moved = [viewer.camera.target != before.target, viewer.camera.eye != before.eye];
+        assert_eq!(moved, [target_moves, eye_moves], "{button:?}");
+        assert_eq!(viewer.session.picked(), None);
+        // Let go, the pointer moves nothing.
+        let after = viewer.camera;
+        viewer.point(Some(start));
+        assert_eq!(viewer.camera, after);
+    }
+}
+
+/// The point where the ball was seized, half a unit in front of its centre, is pulled to where the pointer is.
+#[test]
+fn ctrl_and_drag_pull_the_ball_under_the_pointer() {
+    let mut viewer = viewer(FLOATING);
+    let camera = viewer.camera;
+    let before = Vec3::new(-2.0, 0.0, 0.0);
+    viewer.point(Some(pixel(&viewer, before)));
+    viewer.press(Button::Left, true);
+    let to = Vec2::new(500.0, 150.0);
+    viewer.point(Some(to));
+    viewer.session.set_running(true);
+    for _ in 0..200 {
+        viewer.session.frame(0.0, 0.0, |_| ());
+    }
+    assert_eq!(viewer.camera, camera);
+    let seized = positions(&mut viewer.session)[0] + 0.5 * (camera.eye - before).normalize();
+    assert!(pixel(&viewer, seized).distance(to) < 2.0, "it is at {}", pixel(&viewer, seized));
+    viewer.release(Button::Left);
+    assert!(viewer.session.held().is_none());
+}

@@ -1,0 +1,135 @@
+//! Each command changes what it should and nothing else.
+
+use std::collections::BTreeMap;
+
+use rockfall::Settings;
+use rockfall_viewer::window::constants::CONSTANTS;
+use rockfall_viewer::window::controls::Command;
+use rockfall_viewer::window::viewer::Viewer;
+
+use crate::common::*;
+
+/// All state that a command may change, by name.
+fn state(viewer: &mut Viewer) -> BTreeMap<String, String> {
+    let session = &mut viewer.session;
+    let settings = *session.settings();
+    let mut state: BTreeMap<String, String> =
+        Settings::NAMES.iter().map(|name| ((*name).to_owned(), settings.get(name).expect("a setting"))).collect();
+    let mut add = |name: &str, value: String| drop(state.insert(name.to_owned(), value));
+    add("running", session.running().to_string());
+    add("real time", session.pace.real_time.to_string());
+    add("speed", session.pace.speed().to_string());
+    add("time step", session.pace.time_step.to_string());
+    add("spheres", session.simulation().scene().counts().spheres.to_string());
+    add("steps", session.simulation().report().steps.to_string());
+    add("positions", format!("{:?}", heights(session)));
+    add("held", session.held().is_some().to_string());
+    add("scene", session.scene_version().to_string());
+    add("errors", session.messages.all().len().to_string());
+    add("camera", format!("{:?}", viewer.camera));
+    add("help", viewer.help.to_string());
+    add("panel", viewer.panel.to_string());
+    add("dialog", viewer.dialog.is_shown().to_string());
+    add("style", format!("{:?}", viewer.style));
+    add("quit", viewer.quit.to_string());
+    state
+}
+
+#[track_caller]
+fn changes(viewer: &mut Viewer, command: Command, expected: &[(&str, &str)]) {
+    let before = state(viewer);
+    viewer.command(command);
+    let after = state(viewer);
+    let changed: Vec<(&str, &str)> = after
+        .iter()
+        .filter(|(name, value)| before[*name] != **value)
+        .map(|(name, value)| (name.as_str(), value.as_str()))
+        .collect();
+    assert_eq!(changed, expected, "{command:?}");
+}
+
+#[test]
+fn switches_switch_and_switch_back() {
+    let cases: [(Command, &str, [&str; 2]); 6] = [
+        (Command::Help, "help", ["true", "false"]),
+        (Command::TogglePanel, "panel", ["false", "true"]),
+        (Command::ToggleRunning, "running", ["true", "false"]),
+        (Command::ToggleCollisions, "collisions", ["off", "on"]),
+        (Command::ToggleRealTime, "real time", ["true", "false"]),
+        (Command::Open, "dialog", ["true", ""]),
+    ];
+    for (command, name, [on, off]) in cases {
+        let mut viewer = viewer(BALL);
+        changes(&mut viewer, command, &[(name, on)]);
+        if !off.is_empty() {
+            changes(&mut viewer, command, &[(name, off)]);
+        }
+    }
+}
+
+#[test]
+fn constants_go_up_and_down() {
+    for (constant, at) in CONSTANTS.iter().enumerate() {
+        let mut viewer = viewer(BALL);
+        let value = |steps: f32| (at.default_value() + steps * at.step).to_string();
+        changes(&mut viewer, Command::Nudge { constant, up: true }, &[(at.name, &value(1.0))]);
+        changes(&mut viewer, Command::Nudge { constant, up: false }, &[(at.name, &value(0.0))]);
+        changes(&mut viewer, Command::Nudge { constant, up: false }, &[(at.name, &value(-1.0))]);
+    }
+}
+
+/// One step of free fall from rest: g dt² / 2 = 2e-4.
+#[test]
+fn a_single_step_is_one_and_stops() {
+    let mut viewer = viewer(BALL);
+    changes(&mut viewer, Command::SingleStep, &[("positions", "[2.9998]"), ("steps", "1")]);
+    viewer.command(Command::ToggleRunning);
+    viewer.command(Command::SingleStep);
+    assert!(!viewer.session.running());
+}
+
+#[test]
+fn speed_goes_down_and_up() {
+    let mut viewer = viewer(BALL);
+    changes(&mut viewer, Command::ChangeSpeed { faster: false }, &[("speed", "0.5")]);
+    changes(&mut viewer, Command::ChangeSpeed { faster: true }, &[("speed", "1")]);
+}
+
+/// The scene comes back, the camera stays, and so does what was switched on.
+#[test]
+fn a_reset_brings_the_scene_back() {
+    let mut viewer = viewer(BALL);
+    viewer.command(Command::Throw);
+    (0..3).for_each(|_| viewer.command(Command::SingleStep));
+    viewer.command(Command::Nudge { constant: 4, up: true });
+    viewer.scroll(2.0);
+    let camera = viewer.camera;
+    changes(
+        &mut viewer,
+        Command::Reset,
+        &[("errors", "1"), ("gravity", "1"), ("positions", "[3.0]"), ("spheres", "1"), ("steps", "0")],
+    );
+    assert_eq!(viewer.camera, camera);
+    changes(&mut viewer, Command::ResetCamera, &[("camera", &format!("{:?}", crate::common::viewer(BALL).camera))]);
+}
+
+#[test]
+fn escape_quits_but_closes_the_dialog_first() {
+    let mut viewer = viewer(BALL);
+    viewer.command(Command::Open);
+    changes(&mut viewer, Command::Quit, &[("dialog", "false")]);
+    changes(&mut viewer, Command::Quit, &[("quit", "true")]);
+}
+
+/// It is as large and heavy as the others, and comes to where the camera looks at.
+#[test]
+fn a_thrown_sphere_flies_where_the_camera_looks() {
+    let mut viewer = viewer(FLOATING);
+    let target = viewer.camera.target;
+    viewer.command(Command::Throw);
+    let spheres = viewer.session.simulation().spheres().expect("spheres are read");
+    let (thrown, other) = (spheres[2], spheres[0]);
+    assert_eq!((thrown.radius, thrown.mass), (other.radius, other.mass));
+    let closest = (target - thrown.position).reject_from(thrown.velocity).length();
+    assert!(closest < 1e-3 && thrown.velocity.dot(target - thrown.position) > 0.0, "{thrown:?} misses {target}");
+}

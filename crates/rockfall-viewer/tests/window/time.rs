@@ -1,0 +1,104 @@
+//! Running: frames, steps, samples.
+
+use rockfall_viewer::window::session::Session;
+
+use crate::common::*;
+
+fn steps(session: &mut Session) -> u64 {
+    session.simulation().report().steps
+}
+
+#[test]
+fn a_stopped_scene_stands_still() {
+    let mut session = session(BALL);
+    for frame in 0..10 {
+        session.frame(f64::from(frame), 1.0, |_| panic!("nothing is stepped"));
+    }
+    assert_eq!(steps(&mut session), 0);
+}
+
+#[test]
+fn each_frame_is_a_step_or_follows_the_clock() {
+    let mut session = session(BALL);
+    session.set_running(true);
+    (0..10).for_each(|frame| session.frame(f64::from(frame), 0.1, |_| ()));
+    assert_eq!(steps(&mut session), 10);
+    session.pace.real_time = true;
+    (0..10).for_each(|frame| session.frame(f64::from(frame), 0.05, |_| ()));
+    // 0.5 s at 20 ms; the first frame knew nothing of what a step costs.
+    let done = steps(&mut session) - 10;
+    assert!((23..=25).contains(&done), "{done}");
+}
+
+/// The state before the last step is what drawing blends from.
+#[test]
+fn before_the_last_step_the_renderer_is_asked() {
+    let mut session = session(BALL);
+    session.set_running(true);
+    session.frame(0.0, 0.02, |_| ());
+    session.pace.real_time = true;
+    let mut seen = Vec::new();
+    for _ in 0..5 {
+        session.frame(0.0, 0.06001, |simulation| seen.push(simulation.report().steps));
+    }
+    assert_eq!(seen.len(), 5);
+    assert_eq!(seen[4] + 1, steps(&mut session));
+}
+
+/// 3e38 * 50 is more than f32 holds: the ball on that tether stops being finite in the first step. The other one is not
+/// harmed, and the scene can go on without the first.
+#[test]
+fn what_bursts_stops_the_scene_and_is_told() {
+    let mut session = session("S 1 0 0 0 0 0 0 0 0 0 1 0.5\nS 2 9 0 0 0 0 0 0 0 0 1 0.5\nT 1 0 50 0 3e38 0 0\n");
+    session.set_running(true);
+    (0..5).for_each(|frame| session.frame(f64::from(frame), 0.02, |_| ()));
+    assert!(!session.running() && !session.device_failed());
+    assert!(told(&session)[0].starts_with("sphere 0 stopped being finite in step 1"), "{:?}", told(&session));
+    assert_eq!(steps(&mut session), 1);
+    session.reset();
+    assert_eq!((steps(&mut session), heights(&mut session)), (0, vec![0.0, 0.0]));
+}
+
+/// Kinetic and potential energy of a falling ball change places, and are sampled four times a second at most.
+#[test]
+fn energies_are_sampled_now_and_then() {
+    let mut session = session(BALL);
+    session.set_running(true);
+    for frame in 0..100 {
+        session.frame(f64::from(frame) * 0.01, 0.01, |_| ());
+        session.sample(false);
+    }
+    let samples: Vec<_> = session.watch.energies().iter().copied().collect();
+    assert!((3..=5).contains(&samples.len()), "{} samples in a second", samples.len());
+    assert!((samples[0].energy.total() - samples[3].energy.total()).abs() < 1e-4);
+    assert!(samples[3].energy.kinetic > 0.1);
+    assert!(!session.watch.phases().is_empty());
+    // Stopped, there is nothing new to look at.
+    session.set_running(false);
+    (0..100).for_each(|frame| {
+        session.frame(5.0 + f64::from(frame), 0.01, |_| ());
+        session.sample(false);
+    });
+    assert!(session.watch.energies().len() <= samples.len() + 1);
+}
+
+/// Energies of many bodies take long to evaluate: they are not, unless asked.
+#[test]
+fn large_scenes_are_sampled_only_when_asked() {
+    let scene = rockfall::scene::generate::Kind::Pile.generate(100_001, 1).expect("a scene");
+    let source = rockfall_viewer::window::session::Source { name: "pile".to_owned(), path: None, scene };
+    let mut session = Session::open(source, Vec::new(), 0.02, on_cpu()).expect("it opens");
+    session.frame(1.0, 0.0, |_| ());
+    session.sample(false);
+    assert!(session.watch.energies().is_empty() && !session.watch.is_unasked());
+    session.sample(true);
+    assert_eq!(session.watch.energies().len(), 1);
+}
+
+#[test]
+fn a_bad_time_step_is_told_and_the_old_one_stays() {
+    let mut session = session(BALL);
+    session.set_time_step(f32::NAN);
+    assert!(told(&session)[0].contains("dt"));
+    assert_eq!(session.pace.time_step, 0.02);
+}
