@@ -182,7 +182,11 @@ impl Studio {
         // Bodies are drawn where they are moved, and on any device there is where that is the CPU.
         let gpu = match simulation.gpu_view() {
             Some(view) => view.gpu().clone(),
-            None => Gpu::open_blocking(true)?,
+            None => Gpu::open_blocking(true).map_err(|error| {
+                Failure::Run(format!(
+                    "drawing takes a graphics adapter, whatever moves the bodies; software Vulkan will do: {error}"
+                ))
+            })?,
         };
         let [width, height] = arguments.size;
         let canvas = Canvas::new(gpu.device(), gpu.queue(), width, height)?;

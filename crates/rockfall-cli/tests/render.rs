@@ -190,3 +190,14 @@ fn odd_arguments_are_refused_and_leave_nothing() {
     let err = folder.render("--out no/a.png", 1);
     assert!(err.contains("no/a.png"), "{err}");
 }
+
+#[test]
+#[cfg(not(target_os = "macos"))]
+fn without_an_adapter_it_is_said_what_is_missing() {
+    let folder = Folder::new();
+    // There is none of Apple's kind here.
+    let output = folder.command("--out a.png").env("WGPU_BACKEND", "metal").output().unwrap();
+    let err = finish(&output, "", 1);
+    assert!(err.contains("drawing takes a graphics adapter") && err.contains("mesa-vulkan-drivers"), "{err}");
+    assert!(folder.names().is_empty());
+}

@@ -35,7 +35,7 @@ pub(crate) struct Layouts {
 /// Storage buffers of group 0, after the frame.
 pub(crate) const STORAGE: u32 = 8;
 
-fn entry(binding: u32, visibility: wgpu::ShaderStages, ty: wgpu::BindingType) -> wgpu::BindGroupLayoutEntry {
+pub(crate) fn entry(binding: u32, visibility: wgpu::ShaderStages, ty: wgpu::BindingType) -> wgpu::BindGroupLayoutEntry {
     wgpu::BindGroupLayoutEntry { binding, visibility, ty, count: None }
 }
 
@@ -43,7 +43,7 @@ fn buffer(ty: wgpu::BufferBindingType) -> wgpu::BindingType {
     wgpu::BindingType::Buffer { ty, has_dynamic_offset: false, min_binding_size: None }
 }
 
-fn texture(sample_type: wgpu::TextureSampleType, multisampled: bool) -> wgpu::BindingType {
+pub(crate) fn texture(sample_type: wgpu::TextureSampleType, multisampled: bool) -> wgpu::BindingType {
     wgpu::BindingType::Texture { sample_type, view_dimension: wgpu::TextureViewDimension::D2, multisampled }
 }
 

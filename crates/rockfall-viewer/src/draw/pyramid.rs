@@ -3,6 +3,8 @@
 
 use rockfall::wgpu;
 
+use crate::draw::pipelines::{entry, texture};
+
 const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::R32Float;
 /// Blocks along a side of a workgroup.
 const WORKGROUP: u32 = 8;
@@ -17,18 +19,11 @@ pub(crate) struct MakePyramid {
     pub(crate) read: wgpu::BindGroupLayout,
 }
 
-fn entry(binding: u32, ty: wgpu::BindingType) -> wgpu::BindGroupLayoutEntry {
-    wgpu::BindGroupLayoutEntry { binding, visibility: wgpu::ShaderStages::COMPUTE, ty, count: None }
-}
-
-fn texture(sample_type: wgpu::TextureSampleType, multisampled: bool) -> wgpu::BindingType {
-    wgpu::BindingType::Texture { sample_type, view_dimension: wgpu::TextureViewDimension::D2, multisampled }
-}
-
 impl MakePyramid {
     pub(crate) fn new(device: &wgpu::Device) -> Self {
-        let samples = entry(0, texture(wgpu::TextureSampleType::Depth, true));
-        let blocks = |binding| entry(binding, texture(wgpu::TextureSampleType::Float { filterable: false }, false));
+        let compute = |binding, ty| entry(binding, wgpu::ShaderStages::COMPUTE, ty);
+        let samples = compute(0, texture(wgpu::TextureSampleType::Depth, true));
+        let blocks = |binding| compute(binding, texture(wgpu::TextureSampleType::Float { filterable: false }, false));
         let made = wgpu::BindingType::StorageTexture {
             access: wgpu::StorageTextureAccess::WriteOnly,
             format: FORMAT,
@@ -37,7 +32,7 @@ impl MakePyramid {
         let layout = |entries: &[_]| {
             device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some("pyramid"), entries })
         };
-        let layouts = [layout(&[samples, entry(2, made)]), layout(&[blocks(1), entry(2, made)])];
+        let layouts = [layout(&[samples, compute(2, made)]), layout(&[blocks(1), compute(2, made)])];
         let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
             label: Some("pyramid"),
             source: wgpu::ShaderSource::Wgsl(include_str!("wgsl/pyramid.wgsl").into()),

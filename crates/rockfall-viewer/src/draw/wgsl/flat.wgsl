@@ -89,11 +89,18 @@ fn line_at(distance: f32, half: f32, width: f32) -> f32 {
 }
 
 /// 1 on the lines of a square grid.
-fn grid_at(place: vec2f, width: vec2f, cell: f32) -> f32 {
+fn lines_at(place: vec2f, width: vec2f, cell: f32, half: f32) -> f32 {
     let away = abs(fract(place / cell - 0.5) - 0.5) * cell;
-    let lines = vec2f(line_at(away.x, 0.012 * cell, width.x), line_at(away.y, 0.012 * cell, width.y));
+    let lines = vec2f(line_at(away.x, half, width.x), line_at(away.y, half, width.y));
     let apart = vec2f(1.0) - smoothstep(vec2f(0.15), vec2f(0.5), width / cell);
     return max(lines.x * apart.x, lines.y * apart.y);
+}
+
+/// How dark the lines of the grid are: fine ones that fade as the camera goes away, and coarse ones that take their place.
+fn grid_at(place: vec2f, width: vec2f) -> f32 {
+    let half = frame.cell * mix(0.01, 0.05, frame.cell_fade);
+    let fine = lines_at(place, width, frame.cell, half) * (1.0 - frame.cell_fade);
+    return max(0.6 * fine, lines_at(place, width, 10.0 * frame.cell, half));
 }
 
 /// 1 along the rim of a face.
@@ -106,7 +113,7 @@ fn rim_at(vertex: FlatVertex, width: vec2f) -> f32 {
 fn box_surface(vertex: FlatVertex) -> @location(0) vec4f {
     let width = fwidth(vertex.on_face);
     let view = normalize(frame.eye - vertex.point);
-    let lines = 0.10 * grid_at(vertex.on_face, width, 1.0);
+    let lines = 0.14 * grid_at(vertex.on_face, width);
     let colour = vertex.colour * (1.0 - lines - 0.25 * rim_at(vertex, width));
     return vec4f(lit(colour, vertex.point, vertex.normal, view), 1.0);
 }

@@ -24,9 +24,7 @@ fn ground(@builtin(position) place: vec4f) -> Ground {
     }
     let reach = length(point.xz - frame.centre.xz) / frame.centre_distance;
     let fading = exp(-1.2 * reach * reach);
-    let fine = grid_at(point.xz, width, frame.cell) * (1.0 - frame.cell_fade);
-    let coarse = grid_at(point.xz, width, 10.0 * frame.cell) * (0.55 + 0.45 * (1.0 - frame.cell_fade));
-    let lines = 0.16 * max(0.6 * fine, coarse);
+    let lines = 0.18 * grid_at(point.xz, width);
     let shade = 0.55 * (1.0 - sunlight(point, vec3f(0.0, 1.0, 0.0)));
     let dark = (1.0 - (1.0 - lines) * (1.0 - shade)) * fading;
     var ground: Ground;
