@@ -32,6 +32,10 @@ experiments! {
     top: "A thrown capsule",
     heap: "Heaps",
     hopper: "Discharge of a silo",
+    column: "Pressure below a column of grains",
+    mixing: "Sizes shaken together",
+    #[cfg(feature = "gpu")]
+    pile: "A pile on the CPU and on the GPU",
 }
 
 /// Something of which theory knows the outcome.

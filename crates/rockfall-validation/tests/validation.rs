@@ -25,7 +25,24 @@ macro_rules! experiments {
     };
 }
 
-experiments!(order, drift, contact, bounce, gas, friction, pendulum, chain, string, top, heap, hopper);
+experiments!(
+    order,
+    drift,
+    contact,
+    bounce,
+    gas,
+    friction,
+    pendulum,
+    chain,
+    string,
+    top,
+    heap,
+    hopper,
+    column,
+    mixing,
+    #[cfg(feature = "gpu")]
+    pile
+);
 
 /// The page in the repository has the experiment's heading and plots. (Its numbers come from longer runs.)
 fn on_the_page(experiment: &Experiment, outcome: &Outcome) {

@@ -1,0 +1,153 @@
+//! Pressure at the bottom of a column of grains: hydrostatic without friction, Janssen's with it.
+
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64Mcg;
+use rockfall::{Body, ContactAction, Cuboid, Integrator, Scene, Simulation, Sphere, SphereId};
+
+use crate::chart::{Axis, Chart, Mark};
+use crate::measure::{alone, curve, on_cpu, with};
+use crate::{Effort, Outcome, Result};
+
+const WIDTH: f32 = 8.0;
+const STEP: f32 = 0.01;
+/// Velocity of the sinking floor, so that the walls rub upwards as strongly as they can.
+const SINKING: f32 = 0.1;
+/// Step while it sinks: friction on the lowest grains is stiff.
+const FINE: f32 = 0.002;
+
+/// A tube in a plane between two boxes, `layers` of spheres in it, on a floor of fixed spheres.
+fn tube(layers: u32, coulomb: f32) -> Result<(Scene, Vec<SphereId>)> {
+    let mut scene = with(|settings| {
+        (settings.friction, settings.coulomb_friction) = (if coulomb > 0.0 { 2_000.0 } else { 0.0 }, coulomb);
+        settings.collisions = false;
+        // Else the waves of a column that has fallen into place go on for minutes.
+        settings.contact_damping = 60.0;
+        // Else the waves of a column that has fallen into place go on for minutes.
+        settings.contact_damping = 60.0;
+    });
+    let floor: Vec<SphereId> = (0..WIDTH as u32)
+        .map(|place| {
+            let x = place as f32 + 0.5 - 0.5 * WIDTH;
+            // A little apart from the walls.
+            Ok(scene.add_sphere(Sphere::new([0.99 * x, -0.5, 0.0], 0.49).velocity([0.0, -SINKING, 0.0]).fixed())?)
+        })
+        .collect::<Result<_>>()?;
+    for (left, right) in [(-10.0 - WIDTH, -0.5 * WIDTH), (0.5 * WIDTH, 10.0 + WIDTH)] {
+        scene.add_box(Cuboid::between([left, -20.0, -5.0], [right, 100.0, 5.0]))?;
+    }
+    let mut random = Pcg64Mcg::seed_from_u64(3);
+    for index in 0..7 * layers {
+        let place = [1.12 * ((index % 7) as f32 - 3.0), 0.6 + 1.12 * (index / 7) as f32, 0.0];
+        let radius = random.random_range(0.42_f32..0.54);
+        let jitter = random.random_range(-0.02_f32..0.02);
+        let sphere = Sphere::new([place[0] + jitter, place[1], 0.0], radius).mass((2.0 * radius).powi(3));
+        scene.add_sphere(sphere)?;
+    }
+    Ok((scene, floor))
+}
+
+/// Vertical forces on the grains: from the floor, and from the walls.
+fn loads(simulation: &mut Simulation, floor: &[SphereId]) -> Result<[f64; 2]> {
+    let on_floor = |body: Body| matches!(body, Body::Sphere(id) if floor.contains(&id));
+    let mut sums = [0.0; 2];
+    for contact in simulation.contacts()? {
+        let ContactAction::Force(force) = contact.action else { continue };
+        if matches!(contact.b, Body::Box(_)) {
+            sums[1] -= f64::from(force.y);
+        } else if on_floor(contact.a) && !on_floor(contact.b) {
+            sums[0] += f64::from(force.y);
+        }
+    }
+    Ok(sums)
+}
+
+/// A column while the floor sinks.
+struct Column {
+    weight: f64,
+    /// Mean loads on the floor and on the walls.
+    floor: f64,
+    walls: f64,
+}
+
+/// Sinking for `pieces` times 100 steps; the second half counts.
+fn weighed(layers: u32, coulomb: f32, pieces: u32) -> Result<Column> {
+    let (scene, floor) = tube(layers, coulomb)?;
+    let mut simulation = on_cpu(scene, Integrator::SymplecticEuler)?;
+    let weight = simulation.spheres()?.iter().filter(|sphere| !sphere.fixed).map(|sphere| f64::from(sphere.mass)).sum();
+    // The grains fall into place, and waves die away.
+    simulation.run(3_000, STEP)?;
+    let mut sums = [0.0; 2];
+    let mut samples = 0.0;
+    for piece in 0..pieces {
+        for part in 0..20 {
+            for id in &floor {
+                let place = simulation.scene().sphere(*id)?.position;
+                simulation.set_position(*id, place - rockfall::glam::Vec3::Y * (5.0 * SINKING * FINE))?;
+            }
+            // Not always as long after a move of the floor, and after even and odd steps alike.
+            let before = part % 5;
+            simulation.run(before, FINE)?;
+            if piece >= pieces / 2 {
+                for (sum, load) in sums.iter_mut().zip(loads(&mut simulation, &floor)?) {
+                    *sum += load;
+                }
+                samples += 1.0;
+            }
+            simulation.run(5 - before, FINE)?;
+        }
+    }
+    Ok(Column { weight, floor: sums[0] / samples, walls: sums[1] / samples })
+}
+
+/// Load on the floor by the weight above it; at most `most`.
+fn janssen(weight: f64, most: f64) -> f64 {
+    most * (1.0 - (-weight / most).exp())
+}
+
+/// The greatest load that suits best, by the squares of the departures.
+fn janssen_fit(points: &[(f64, f64)]) -> f64 {
+    let error = |most: f64| points.iter().map(|(weight, load)| (janssen(*weight, most) - load).powi(2)).sum::<f64>();
+    let (mut low, mut high) = (1.0, 2_000.0);
+    for _ in 0..200 {
+        let (one, two) = (low + (high - low) / 3.0, high - (high - low) / 3.0);
+        if error(one) < error(two) {
+            high = two;
+        } else {
+            low = one;
+        }
+    }
+    0.5 * (low + high)
+}
+
+pub(crate) fn run(effort: Effort) -> Result<Outcome> {
+    alone(move || {
+        let layers = effort.pick(&[5_u32, 12, 25][..], &[3, 6, 10, 15, 20, 30, 40, 50]);
+        let pieces = effort.pick(70, 150);
+        let all = |coulomb: f32| layers.iter().map(|layers| weighed(*layers, coulomb, pieces)).collect::<Result<Vec<_>>>();
+        let (smooth, rough) = (all(0.0)?, all(0.5)?);
+        let worst = |of: &dyn Fn(&Column) -> f64, columns: &[Column]| columns.iter().map(|c| of(c).abs()).fold(0.0, f64::max);
+        let mut outcome = Outcome::default();
+        let bare = worst(&|column| column.floor / column.weight - 1.0, &smooth);
+        outcome.check("no friction: load on the floor / weight - 1, at worst", 0.0, bare, 0.05);
+        let borne = worst(&|column| (column.floor + column.walls) / column.weight - 1.0, &rough);
+        outcome.check("mu_c = 0.5: load on floor and walls / weight - 1, at worst", 0.0, borne, 0.02);
+        let points: Vec<(f64, f64)> = rough.iter().map(|column| (column.weight, column.floor)).collect();
+        let most = janssen_fit(&points);
+        let departure = worst(&|column| (column.floor - janssen(column.weight, most)) / most, &rough);
+        outcome.check("mu_c = 0.5: (load on the floor - Janssen's) / W_max, at worst", 0.0, departure, 0.15);
+        let (last, load) = points[points.len() - 1];
+        outcome.check("mu_c = 0.5: load on the floor / weight of the highest column", janssen(last, most) / last, load / last, 0.15);
+        outcome.fact("most", most);
+        outcome.fact("layers", most / (rough[0].weight / f64::from(layers[0])));
+        let axes = (Axis::linear("weight of the grains (mass units/s²)"), Axis::linear("load on the floor (mass units/s²)"));
+        let smooth = smooth.iter().map(|column| (column.weight, column.floor)).collect();
+        outcome.charts.push(
+            Chart::new("column", "A column of grains between two walls", axes.0, axes.1)
+                .add(0, Mark::Line, "hydrostatic: the weight", vec![(0.0, 0.0), (last, last)])
+                .add(0, Mark::Points, "no friction", smooth)
+                .add(1, Mark::Line, "Janssen, fitted", curve(0.0, last, 60, |weight| janssen(weight, most)))
+                .add(1, Mark::Points, "Coulomb, mu_c = 0.5", points),
+        );
+        Ok(outcome)
+    })
+}

@@ -1,0 +1,87 @@
+//! Sizes shaken together: the large one rises.
+
+use std::f64::consts::TAU;
+
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64Mcg;
+use rockfall::{Cuboid, Integrator, Scene, Sphere};
+
+use crate::chart::{Axis, Chart, Mark};
+use crate::measure::{alone, mean, on_cpu, with};
+use crate::{Effort, Outcome, Result};
+
+/// Amplitude of the box's acceleration, over G, and its period in s.
+const SHAKING: f64 = 4.0;
+const PERIOD: f64 = 4.0;
+/// Friction below so many layers is stiff.
+const STEP: f64 = 0.004;
+
+
+/// A box in a plane, a sphere of radius `large` on its floor and many of about 0.5 about and above.
+fn shaken(large: f32) -> Result<Scene> {
+    const HALF: f32 = 6.0;
+    let mut scene = with(|settings| {
+        (settings.friction, settings.coulomb_friction) = (5_000.0, 0.5);
+        settings.collisions = false;
+    });
+    scene.add_box(Cuboid::between([-20.0, -5.0, -5.0], [20.0, 0.0, 5.0]))?;
+    scene.add_box(Cuboid::between([-20.0, 0.0, -5.0], [-HALF, 100.0, 5.0]))?;
+    scene.add_box(Cuboid::between([HALF, 0.0, -5.0], [20.0, 100.0, 5.0]))?;
+    scene.add_sphere(Sphere::new([0.0, large, 0.0], large).mass((2.0 * large).powi(3)))?;
+    let mut random = Pcg64Mcg::seed_from_u64(5);
+    for index in 0..160 {
+        let place = [1.12 * ((index % 10) as f32 - 4.5), 0.6 + 1.12 * (index / 10) as f32];
+        // Where the large one is there is no room.
+        let raised = if place[0].hypot(place[1] - large) < large + 0.56 { 20.0 } else { 0.0 };
+        let radius = random.random_range(0.4_f32..0.56);
+        let x = place[0] + random.random_range(-0.01_f32..0.01);
+        scene.add_sphere(Sphere::new([x, place[1] + raised, 0.0], radius).mass((2.0 * radius).powi(3)))?;
+    }
+    Ok(scene)
+}
+
+/// Height of the marked sphere over twice the mean height of the others, after each period: 0 at the floor, 1 at the top.
+fn heights(large: f32, periods: u32) -> Result<Vec<(f64, f64)>> {
+    const PIECES: u32 = 25;
+    let mut simulation = on_cpu(shaken(large)?, Integrator::SymplecticEuler)?;
+    simulation.run(3_000, 0.01)?;
+    let mut heights = Vec::new();
+    for period in 0..=periods {
+        let spheres = simulation.spheres()?;
+        let others: Vec<f64> = spheres[1..].iter().map(|sphere| f64::from(sphere.position.y)).collect();
+        heights.push((f64::from(period), f64::from(spheres[0].position.y) / (2.0 * mean(&others))));
+        for piece in 0..PIECES {
+            let phase = (f64::from(piece) + 0.5) / f64::from(PIECES);
+            let mut settings = *simulation.settings();
+            settings.gravity = (1.0 + SHAKING * (TAU * phase).sin()) as f32;
+            simulation.set_settings(settings)?;
+            simulation.run((PERIOD / STEP) as u64 / u64::from(PIECES), STEP as f32)?;
+        }
+    }
+    Ok(heights)
+}
+
+/// Mean over the second half.
+fn last(heights: &[(f64, f64)]) -> f64 {
+    mean(&heights[heights.len() / 2..].iter().map(|height| height.1).collect::<Vec<_>>())
+}
+
+pub(crate) fn run(effort: Effort) -> Result<Outcome> {
+    let periods = effort.pick(40, 120);
+    alone(move || {
+        let large = heights(1.5, periods)?;
+        // For comparison; nothing is asked of it.
+        let small = heights(0.5, effort.pick(2, periods))?;
+        let mut outcome = Outcome::default();
+        outcome.fact("periods", f64::from(periods));
+        outcome.check("large sphere: height at first (0: floor, 1: top)", 0.15, large[0].1, 0.15);
+        outcome.check("large sphere: mean height in the second half", 0.7, last(&large), 0.2);
+        let axes = (Axis::linear("period of the shaking"), Axis::linear("height (0: floor, 1: top of the bed)"));
+        outcome.charts.push(
+            Chart::new("mixing", "A sphere in a shaken bed of spheres of radius 0.5", axes.0, axes.1)
+                .add(1, Mark::Points, "radius 1.5", large)
+                .add(0, Mark::Points, "radius 0.5, like the others", small),
+        );
+        Ok(outcome)
+    })
+}
