@@ -69,12 +69,14 @@ pub(crate) struct Series {
     /// Frame after frame, each with its part of every array.
     frames: AtomicFile,
     bytes: u64,
+    /// Of the frames before.
+    spheres: Option<usize>,
 }
 
 impl Series {
     pub(crate) fn create(path: &Path) -> io::Result<Self> {
         let archive = AtomicFile::create(path)?;
-        Ok(Self { archive, frames: AtomicFile::create(&frames_path(path)?)?, bytes: 0 })
+        Ok(Self { archive, frames: AtomicFile::create(&frames_path(path)?)?, bytes: 0, spheres: None })
     }
 
     pub(crate) fn resume(path: &Path, mark: Mark) -> io::Result<Self> {
@@ -84,11 +86,16 @@ impl Series {
             Err(error) if error.kind() == io::ErrorKind::NotFound => unpack(path, &scratch, mark)?,
             result => result?,
         };
-        Ok(Self { archive, frames, bytes: mark.bytes })
+        Ok(Self { archive, frames, bytes: mark.bytes, spheres: None })
     }
 
     pub(crate) fn frame(&mut self, frame: &Frame) -> io::Result<()> {
         let spheres = &frame.spheres;
+        let whole = self.bytes.is_multiple_of(frame_bytes(spheres.len() as u64));
+        if !whole || self.spheres.is_some_and(|before| before != spheres.len()) {
+            return Err(changed());
+        }
+        self.spheres = Some(spheres.len());
         let parts = [
             bytes_of([frame.step]),
             bytes_of([frame.time]),
@@ -116,7 +123,7 @@ impl Series {
         let spheres = scene.counts().spheres as u64;
         let whole = frame_bytes(spheres);
         if !self.bytes.is_multiple_of(whole) {
-            return Err(io::Error::new(io::ErrorKind::InvalidData, "the number of spheres has changed between frames"));
+            return Err(changed());
         }
         let count = self.bytes / whole;
         let frames = self.frames.reader()?;
@@ -145,6 +152,10 @@ impl Series {
         self.frames.discard();
         Ok(())
     }
+}
+
+fn changed() -> io::Error {
+    io::Error::new(io::ErrorKind::InvalidData, "the number of spheres has changed between frames")
 }
 
 fn frames_path(path: &Path) -> io::Result<PathBuf> {

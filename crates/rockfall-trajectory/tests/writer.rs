@@ -1,0 +1,106 @@
+//! Trajectories that programs write: begun, gone on with, and refused.
+
+use std::path::Path;
+
+use rockfall::output::Mark;
+use rockfall::{Backend, Error, Integrator, Options, Scene, Simulation, Sphere};
+use rockfall_trajectory::{Format, Writer};
+
+/// Two balls of which one moves, without gravity.
+fn simulation() -> Simulation {
+    let mut scene = Scene::new();
+    scene.settings.gravity = 0.0;
+    for (x, speed) in [(0.0, 0.5), (5.0, 0.0)] {
+        scene.add_sphere(Sphere::new([x, 0.0, 0.0], 1.0).velocity([0.0, speed, 0.0])).expect("a valid sphere");
+    }
+    // Euler, for it divides by nothing.
+    let options = Options::new().backend(Backend::Cpu).integrator(Integrator::SymplecticEuler);
+    Simulation::with_options(scene, options).expect("it opens")
+}
+
+fn names(folder: &Path) -> Vec<String> {
+    let entries = std::fs::read_dir(folder).expect("a folder");
+    let mut names: Vec<String> =
+        entries.map(|entry| entry.expect("an entry").file_name().to_string_lossy().into_owned()).collect();
+    names.sort();
+    names
+}
+
+#[test]
+fn the_extension_tells_the_format() {
+    for (name, format) in [("a.npz", Format::Npz), ("a.VTP", Format::Vtp), ("a.pvd", Format::Vtp), ("a", Format::Csv)] {
+        assert_eq!(Format::of(Path::new(name)), format, "{name}");
+    }
+}
+
+/// Uniform motion: y is half the time, in numbers that are exact.
+#[test]
+fn lines_are_those_of_the_state() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("run.csv");
+    let mut simulation = simulation();
+    let mut writer = Writer::create(&path, Format::Csv).expect("it is begun");
+    writer.frame(&mut simulation).expect("a frame");
+    simulation.run(2, 0.25).expect("steps");
+    writer.frame(&mut simulation).expect("a frame");
+    assert!(!path.exists(), "not before it is complete");
+    writer.finish(simulation.scene()).expect("it is finished");
+    assert_eq!(
+        std::fs::read_to_string(&path).expect("a file"),
+        "step,time,sphere,x,y,z,vx,vy,vz,qw,qx,qy,qz,lx,ly,lz\n\
+         0,0,0,0,0,0,0,0.5,0,1,0,0,0,0,0,0\n0,0,1,5,0,0,0,0,0,1,0,0,0,0,0,0\n\
+         2,0.5,0,0,0.25,0,0,0.5,0,1,0,0,0,0,0,0\n2,0.5,1,5,0,0,0,0,0,1,0,0,0,0,0,0\n"
+    );
+    assert_eq!(names(folder.path()), ["run.csv"]);
+}
+
+#[test]
+fn an_unfinished_one_leaves_nothing_unless_it_was_marked() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for format in [Format::Csv, Format::Npz] {
+        let mut simulation = simulation();
+        let mut writer = Writer::create(folder.path().join("run"), format).expect("it is begun");
+        writer.frame(&mut simulation).expect("a frame");
+        drop(writer);
+        assert!(names(folder.path()).is_empty());
+    }
+    let path = folder.path().join("run.npz");
+    let mut writer = Writer::create(&path, Format::Npz).expect("it is begun");
+    writer.frame(&mut simulation()).expect("a frame");
+    let mark = writer.mark().expect("it is marked").expect("a regular file");
+    drop(writer);
+    assert_eq!(names(folder.path()), [".run.npz.frames.part"]);
+    Writer::resume(&path, Format::Npz, mark).expect("it goes on").finish(simulation().scene()).expect("it is finished");
+    assert_eq!(names(folder.path()), ["run.npz"]);
+}
+
+#[test]
+fn what_is_something_else_is_not_gone_on_with() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("run.npz");
+    let mut writer = Writer::create(&path, Format::Npz).expect("it is begun");
+    writer.frame(&mut simulation()).expect("a frame");
+    writer.finish(simulation().scene()).expect("it is finished");
+    let frame = 16 + 2 * 56;
+    for mark in [Mark { bytes: frame, crc32: 1 }, Mark { bytes: 2 * frame, crc32: 0 }, Mark { bytes: 7, crc32: 0 }] {
+        let error = Writer::resume(&path, Format::Npz, mark).expect_err("another trajectory");
+        assert!(matches!(error, Error::File { .. }) && error.to_string().contains("before"), "{error}");
+        assert_eq!(names(folder.path()), ["run.npz"], "nothing is left behind");
+    }
+    std::fs::write(&path, "no archive").expect("a file");
+    assert!(Writer::resume(&path, Format::Npz, Mark { bytes: frame, crc32: 1 }).is_err());
+}
+
+/// An array has one shape for all frames.
+#[test]
+fn a_change_of_the_number_of_spheres_is_refused() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut simulation = simulation();
+    let mut writer = Writer::create(folder.path().join("run.npz"), Format::Npz).expect("it is begun");
+    writer.frame(&mut simulation).expect("a frame");
+    simulation.add_sphere(Sphere::new([9.0, 0.0, 0.0], 1.0)).expect("a valid sphere");
+    let error = writer.frame(&mut simulation).expect_err("two shapes");
+    assert!(error.to_string().contains("the number of spheres has changed"), "{error}");
+    drop(writer);
+    assert!(names(folder.path()).is_empty());
+}
