@@ -188,7 +188,8 @@ fn energies(ui: &mut Ui, viewer: &mut Viewer) {
     let watch = &viewer.session.watch;
     let all = |energy: &Energy| [energy.total(), energy.kinetic, energy.potential, energy.spring, energy.contact];
     if let Some(last) = watch.energies().back() {
-        values(ui, &ENERGIES, all(&last.energy).map(|energy| format!("{energy:.4}")));
+        // No contacts at all have an energy of -0, which 0 makes 0.
+        values(ui, &ENERGIES, all(&last.energy).map(|energy| format!("{:.4}", energy + 0.0)));
     }
     let lines = ENERGIES.iter().enumerate().map(|(index, (name, colour))| {
         let points = watch.energies().iter().map(|sample| [sample.time, all(&sample.energy)[index]]);
