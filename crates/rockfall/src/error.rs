@@ -28,7 +28,7 @@ pub enum Error {
         kind: &'static str,
     },
     /// A setting with this name does not exist.
-    #[error("unknown setting '{name}', expected one of: {expected}")]
+    #[error("unknown setting {}, expected one of: {expected}", quoted(name))]
     UnknownSetting {
         /// The name that was given.
         name: String,
@@ -111,4 +111,38 @@ pub enum Error {
         /// Why it was void.
         reason: String,
     },
+}
+
+/// Characters of a quoted text that are shown.
+const SHOWN: usize = 40;
+
+/// What somebody wrote, for a message: quoted, cut where it is long, and without characters that a terminal would obey.
+pub(crate) fn quoted(text: &str) -> String {
+    let mut shown = String::from("'");
+    for (count, character) in text.chars().enumerate() {
+        if count == SHOWN {
+            shown.push_str("...");
+            break;
+        }
+        if character.is_control() {
+            shown.extend(character.escape_default());
+        } else {
+            shown.push(character);
+        }
+    }
+    shown.push('\'');
+    shown
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn quotes_are_short_and_harmless() {
+        assert_eq!(quoted("1,5 \u{f6}"), "'1,5 \u{f6}'");
+        assert_eq!(quoted("\u{1b}[2J\u{9b}\r"), "'\\u{1b}[2J\\u{9b}\\r'");
+        assert_eq!(quoted(&"\u{fffd}".repeat(40)).chars().count(), 42);
+        assert_eq!(quoted(&"x".repeat(1000)), format!("'{}...'", "x".repeat(40)));
+    }
 }

@@ -247,7 +247,8 @@ pub struct Status {
     pub total_collisions_low: u32,
     /// Collisions of all steps done, high word.
     pub total_collisions_high: u32,
-    /// Least `stage << BAD_STAGE_SHIFT | sphere` (see [`BadStage`]) over the bodies that stopped being finite, or [`NO_BODY`].
+    /// Least `stage << BAD_STAGE_SHIFT | sphere` (see [`BadStage`]; the sphere's index in order of addition) over the bodies that
+    /// stopped being finite, or [`NO_BODY`].
     pub bad_body: u32,
     /// Value of `steps` when the first body stopped being finite (that step counted); 0 while there is none.
     pub bad_step: u32,

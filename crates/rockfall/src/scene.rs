@@ -104,20 +104,9 @@ impl Scene {
         let end = |position| {
             Sphere::new(position, capsule.radius).mass(capsule.mass * 0.5).velocity(capsule.velocity).group(capsule.group)
         };
-        let (first, second) = (end(capsule.end1), end(capsule.end2));
-        first.validate()?;
-        second.validate()?;
-        let length = capsule.end1.distance(capsule.end2);
-        // Checked before anything is added, with handles that stand for the spheres to come.
-        if !(length.is_normal() && length > 0.0) {
-            return Err(crate::Error::Invalid {
-                field: "capsule.end2",
-                value: format!("{:?}", capsule.end2.to_array()),
-                expected: "another point than end 1, at a finite distance",
-            });
-        }
-        let end1 = self.spheres.add(first);
-        let end2 = self.spheres.add(second);
+        let length = capsule.validate()?;
+        let end1 = self.spheres.add(end(capsule.end1));
+        let end2 = self.spheres.add(end(capsule.end2));
         let rod = self.rods.add(Rod::new(end1, end2, capsule.radius).length(length).group(capsule.group));
         Ok(self.capsules.add(CapsuleParts { end1, end2, rod }))
     }

@@ -5,7 +5,7 @@ use std::str::FromStr;
 
 use glam::Vec3;
 
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, quoted};
 
 /// The physical constants of a simulation.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -124,7 +124,7 @@ impl Settings {
 }
 
 fn invalid(field: &'static str, value: &str, expected: &'static str) -> Error {
-    Error::Invalid { field, value: format!("'{value}'"), expected }
+    Error::Invalid { field, value: quoted(value), expected }
 }
 
 fn number(field: &'static str, value: &str, expected: &'static str) -> Result<f32> {

@@ -71,6 +71,14 @@ pub(crate) fn rattle(ends: &Ends, dt: f32) -> Correction {
     Correction { position: Vec3::ZERO, velocity: n * (opening / ends.inverse_mass), error: opening.abs() * dt / ends.length }
 }
 
+/// An end that would leave what f32 holds stays as it is.
+fn add(row: &mut Vec4, change: Vec3) {
+    let sum = row.truncate() + change;
+    if sum.is_finite() {
+        *row = sum.extend(row.w);
+    }
+}
+
 /// One batch: rods that are swept together, colour by colour. Rods of one colour share no sphere.
 pub(crate) struct Batch<'a> {
     words: &'a [u32],
@@ -121,10 +129,10 @@ impl<'a> Batch<'a> {
         };
         let Correction { position, velocity, error } = correct(&ends, rod.ends);
         if position.is_finite() && velocity.is_finite() {
-            state[one] += (w1 * position).extend(0.0);
-            state[two] -= (w2 * position).extend(0.0);
-            state[n + one] += (w1 * velocity).extend(0.0);
-            state[n + two] -= (w2 * velocity).extend(0.0);
+            add(&mut state[one], w1 * position);
+            add(&mut state[two], -w2 * position);
+            add(&mut state[n + one], w1 * velocity);
+            add(&mut state[n + two], -w2 * velocity);
         }
         error
     }

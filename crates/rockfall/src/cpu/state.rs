@@ -23,12 +23,12 @@ impl Motion {
         }
     }
 
-    /// This, or, where it is not finite, rest at `start`, which is told.
-    pub(crate) fn or_stopped(self, start: Vec3, stage: BadStage, sphere: u32, tally: &mut Tally) -> Self {
+    /// This, or, where it is not finite, rest at `start`, which is told of the sphere with this index in order of addition.
+    pub(crate) fn or_stopped(self, start: Vec3, stage: BadStage, user: u32, tally: &mut Tally) -> Self {
         if self.position.is_finite() && self.velocity.is_finite() && self.angular_momentum.is_finite() {
             return self;
         }
-        tally.count_bad(stage, sphere);
+        tally.count_bad(stage, user);
         Self { position: start, velocity: Vec3::ZERO, angular_momentum: Vec3::ZERO }
     }
 }

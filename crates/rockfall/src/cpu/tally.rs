@@ -53,10 +53,10 @@ impl Tally {
         self.max_overlap = self.max_overlap.max(overlap);
     }
 
-    /// A body that would have stopped being finite.
-    pub(crate) fn count_bad(&mut self, stage: BadStage, sphere: u32) {
+    /// A body that would have stopped being finite, by its index in order of addition.
+    pub(crate) fn count_bad(&mut self, stage: BadStage, user: u32) {
         self.bad_count += 1;
-        self.bad_body = self.bad_body.min((stage as u32) << BAD_STAGE_SHIFT | sphere);
+        self.bad_body = self.bad_body.min((stage as u32) << BAD_STAGE_SHIFT | user);
     }
 
     /// Adds this to the counters of the step under way.

@@ -11,7 +11,7 @@ use rand::{Rng as _, RngExt as _, SeedableRng as _};
 use rand_pcg::Pcg64Mcg;
 
 use super::{Cuboid, Scene, Sphere};
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, quoted};
 use crate::layout::ENTRY_ID_MASK;
 
 mod benchmark;
@@ -79,7 +79,7 @@ impl FromStr for Kind {
     fn from_str(text: &str) -> Result<Self> {
         Self::ALL.into_iter().find(|kind| kind.name() == text).ok_or_else(|| Error::Invalid {
             field: "kind",
-            value: format!("'{text}'"),
+            value: quoted(text),
             expected: "pile, mixed, soft, chain or hopper",
         })
     }

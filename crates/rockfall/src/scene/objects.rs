@@ -113,6 +113,12 @@ impl Sphere {
         self.angular_momentum / self.inertia()
     }
 
+    /// The kernels take inverses of mass and inertia.
+    fn has_usable_inertia(&self) -> bool {
+        let usable = |number: f32| number.is_normal() && number > 0.0;
+        usable(self.inertia()) && usable(1.0 / self.inertia()) && usable(1.0 / self.mass)
+    }
+
     pub(crate) fn validate(&self) -> Result<()> {
         finite("sphere.position", self.position)?;
         finite("sphere.velocity", self.velocity)?;
@@ -120,8 +126,7 @@ impl Sphere {
         finite("sphere.force", self.force)?;
         positive("sphere.mass", self.mass)?;
         positive("sphere.radius", self.radius)?;
-        let usable = |number: f32| number.is_normal() && number > 0.0;
-        if !usable(self.inertia()) || !usable(1.0 / self.inertia()) || !usable(1.0 / self.mass) {
+        if !self.has_usable_inertia() {
             return Err(Error::Invalid {
                 field: "sphere.mass and sphere.radius",
                 value: format!("{} and {}", self.mass, self.radius),
@@ -219,6 +224,31 @@ impl Capsule {
     pub fn group(mut self, group: u16) -> Self {
         self.group = group;
         self
+    }
+
+    /// Its length, when all is well.
+    pub(crate) fn validate(&self) -> Result<f32> {
+        finite("capsule.end1", self.end1)?;
+        finite("capsule.end2", self.end2)?;
+        finite("capsule.velocity", self.velocity)?;
+        positive("capsule.mass", self.mass)?;
+        positive("capsule.radius", self.radius)?;
+        if !Sphere::new(self.end1, self.radius).mass(0.5 * self.mass).has_usable_inertia() {
+            return Err(Error::Invalid {
+                field: "capsule.mass and capsule.radius",
+                value: format!("{} and {}", self.mass, self.radius),
+                expected: "an inertia 2/5 m r² of its ends and inverses that are neither 0 nor infinite in f32",
+            });
+        }
+        let length = self.end1.distance(self.end2);
+        if !(length.is_normal() && length > 0.0) {
+            return Err(Error::Invalid {
+                field: "capsule.end1 and capsule.end2",
+                value: format!("{:?} and {:?}", self.end1.to_array(), self.end2.to_array()),
+                expected: "two points at a distance that is neither 0 nor infinite in f32",
+            });
+        }
+        Ok(length)
     }
 }
 

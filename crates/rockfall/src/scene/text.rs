@@ -184,9 +184,6 @@ impl Reader {
 
     fn capsule(&mut self, line: &str) -> Line<()> {
         let ([], n) = CAPSULE.read::<0, 11>(line)?;
-        // Here and not by the spheres, whose masses are halves of the number on the line.
-        CAPSULE.positive("mass", n[9])?;
-        CAPSULE.positive("radius", n[10])?;
         let capsule =
             Capsule::new(vector(&n[0..3]), vector(&n[3..6]), n[10]).velocity(vector(&n[6..9])).mass(n[9]).group(self.group);
         self.scene.add_capsule(capsule).map_err(|error| CAPSULE.refused(&error))?;

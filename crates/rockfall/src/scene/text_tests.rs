@@ -149,7 +149,8 @@ fn every_error_names_line_and_field_and_what_was_expected() {
         ("C 0 0 0 1 0 0 0 0 0 1 0", "C radius: 0 is not allowed, expected a finite number greater than 0"),
         (
             "C 1 0 0 1 0 0 0 0 0 1 1",
-            "C end2: [1.0, 0.0, 0.0] is not allowed, expected another point than end 1, at a finite distance",
+            "C end1 and end2: [1.0, 0.0, 0.0] and [1.0, 0.0, 0.0] is not allowed, expected two points at a distance that is \
+             neither 0 nor infinite in f32",
         ),
         ("P 0 0 0 1 0 0 0 1", "P right z: missing, expected 9 numbers after P, found 8"),
         (

@@ -140,7 +140,7 @@ impl Simulation {
             self.status.void = 0;
             let bad = std::mem::replace(&mut self.status.first_bad, NO_BODY);
             return Err(Error::NonFinite {
-                sphere: self.world.user((bad & ((1 << BAD_STAGE_SHIFT) - 1)) as usize),
+                sphere: (bad & ((1 << BAD_STAGE_SHIFT) - 1)) as usize,
                 step: self.report.steps,
                 stage: BadStage::from_number(bad >> BAD_STAGE_SHIFT),
             });

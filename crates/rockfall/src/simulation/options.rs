@@ -3,7 +3,7 @@
 use std::fmt;
 use std::str::FromStr;
 
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, quoted};
 use crate::settings::{BroadPhase, Integrator};
 
 /// Where a simulation runs.
@@ -36,7 +36,7 @@ macro_rules! names {
                     $($name => Ok(Self::$variant),)*
                     _ => Err(Error::Invalid {
                         field: $field,
-                        value: format!("'{text}'"),
+                        value: quoted(text),
                         expected: concat!("one of:", $(" ", $name),*),
                     }),
                 }

@@ -74,7 +74,7 @@ fn advance(world: &mut World, pass: u32) {
         if pass == 0 {
             tally.escape_ratio = escape_ratio(&view, &world.aabbs, sphere);
         }
-        let next = next.or_stopped(origin.position, BAD[pass as usize], sphere, tally);
+        let next = next.or_stopped(origin.position, BAD[pass as usize], view.user(sphere), tally);
         let escaped = outside(&world.aabbs[sphere as usize], next.position, view.radius(sphere));
         tally.escape_ratio = tally.escape_ratio.max(escaped);
         next

@@ -91,7 +91,7 @@ fn collided(view: &View, lists: &Lists, sphere: u32, tally: &mut Tally) -> Motio
     Motion { position: before.position + dx, velocity: before.velocity + dv, ..before }.or_stopped(
         before.position,
         BadStage::Collisions,
-        sphere,
+        view.user(sphere),
         tally,
     )
 }

@@ -21,7 +21,7 @@ fn shake(rod: u32) -> f32 {
     let b = sum * dot(d, old);
     let c = dot(d, d) - target_length * target_length;
     let discriminant = b * b - a * c;
-    if (discriminant < 0.0) | (b <= 0.0) {
+    if !((discriminant >= 0.0) & (b > 0.0)) {
         // Turned too far in one step.
         return restore_length(rod);
     }

@@ -88,5 +88,5 @@ fn finished(views: &[View; 4], lists: &Lists, wrenches: &[Vec4], sphere: u32, ta
         velocity: mean(y.velocity, y2.velocity, y3.velocity, y4.velocity, acceleration),
         angular_momentum: mean(y.angular_momentum, y2.angular_momentum, y3.angular_momentum, y4.angular_momentum, torque),
     };
-    Done { motion: motion.or_stopped(y.position, BadStage::Forces4, sphere, tally), old_position: y.position, spin }
+    Done { motion: motion.or_stopped(y.position, BadStage::Forces4, last.user(sphere), tally), old_position: y.position, spin }
 }

@@ -61,7 +61,7 @@ fn leap(world: &mut World, _pass: u32) {
         let velocity = y.velocity + dt * acceleration;
         let next =
             Motion { position: y.position + dt * velocity, velocity, angular_momentum: y.angular_momentum + dt * torque };
-        next.or_stopped(y.position, BadStage::Forces1, sphere, tally)
+        next.or_stopped(y.position, BadStage::Forces1, view.user(sphere), tally)
     };
     let rows = Rows::of(y2, world.step.spheres).into_par_iter().zip(Rows::of(y3, world.step.spheres));
     let tally = rows

@@ -46,20 +46,20 @@ fn turn(world: &mut World, _pass: u32) {
             // The first end turns both.
             Some(ends) if ends[0] == sphere => {
                 let old = memory[ends[1] as usize].truncate() - memory[ends[0] as usize].truncate();
-                let Capsule { momenta, angular_momenta, rotation } = turned_capsule(&view, ends, old);
-                for (place, end) in ends.into_iter().enumerate() {
-                    let end = end as usize;
-                    let dv = momenta[place] * state[n + end].w;
-                    state[n + end] += dv.extend(0.0);
-                    state[2 * n + end] = angular_momenta[place].extend(state[2 * n + end].w);
-                    orientations[end] = turned(orientations[end], rotation);
+                let capsule = turned_capsule(&view, ends, old);
+                for (place, end) in ends.map(|end| end as usize).into_iter().enumerate() {
+                    if capsule.is_finite() {
+                        state[n + end] = capsule.velocities[place].extend(state[n + end].w);
+                        state[2 * n + end] = capsule.angular_momenta[place].extend(state[2 * n + end].w);
+                    }
+                    turn_by(&mut orientations[end], capsule.rotation);
                 }
             }
             Some(_) => {}
             None => {
                 let spin = memory[2 * n + sphere as usize].truncate();
                 let rotation = Quat::from_scaled_axis(spin * step.dt);
-                orientations[sphere as usize] = turned(orientations[sphere as usize], rotation);
+                turn_by(&mut orientations[sphere as usize], rotation);
             }
         }
     }
@@ -73,8 +73,12 @@ fn turn(world: &mut World, _pass: u32) {
     }
 }
 
-fn turned(orientation: Vec4, rotation: Quat) -> Vec4 {
-    (rotation * Quat::from_vec4(orientation)).normalize().into()
+/// An angle beyond all numbers turns nothing.
+fn turn_by(orientation: &mut Vec4, rotation: Quat) {
+    let turned = (rotation * Quat::from_vec4(*orientation)).normalize();
+    if turned.is_finite() {
+        *orientation = turned.into();
+    }
 }
 
 /// The ends of the capsule that a sphere is an end of: two moving spheres, each with this one rod, of fixed length.
@@ -88,10 +92,16 @@ fn capsule_of(view: &View, sphere: u32) -> Option<[u32; 2]> {
 
 /// What becomes of a capsule's spin; one value an end.
 struct Capsule {
-    /// Change of momentum.
-    momenta: [Vec3; 2],
+    velocities: [Vec3; 2],
     angular_momenta: [Vec3; 2],
     rotation: Quat,
+}
+
+impl Capsule {
+    /// Where one spin for both ends is beyond all numbers, each end keeps its own.
+    fn is_finite(&self) -> bool {
+        self.velocities.iter().chain(&self.angular_momenta).all(|vector| vector.is_finite())
+    }
 }
 
 fn turned_capsule(view: &View, ends: [u32; 2], d_old: Vec3) -> Capsule {
@@ -111,7 +121,12 @@ fn turned_capsule(view: &View, ends: [u32; 2], d_old: Vec3) -> Capsule {
     let momentum = left.cross(d) / d.length_squared();
     let old_axis = d_old.try_normalize().unwrap_or(axis);
     let rotation = shortest_arc(old_axis, axis) * Quat::from_axis_angle(old_axis, roll * view.step.dt);
-    Capsule { momenta: [-momentum, momentum], angular_momenta: inertia.map(|inertia| inertia * (roll * axis + turn)), rotation }
+    let pushed = |end: u32, momentum: Vec3| view.velocity(end) + view.inverse_mass(end) * momentum;
+    Capsule {
+        velocities: [pushed(one, -momentum), pushed(two, momentum)],
+        angular_momenta: inertia.map(|inertia| inertia * (roll * axis + turn)),
+        rotation,
+    }
 }
 
 /// The shortest rotation that takes one unit vector to another. glam's own takes small angles for none, and a capsule

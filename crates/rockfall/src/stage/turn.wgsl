@@ -90,10 +90,15 @@ fn turn_capsule(ends: vec2u) {
     let spin = axial * axis + spin_across;
     let rest = across - both * spin_across;
     let momentum = cross(rest, d) / dd;
-    state[momentum_at(ends.x)] = vec4f(inertia.x * spin, l1.w);
-    state[momentum_at(ends.y)] = vec4f(inertia.y * spin, l2.w);
-    state[velocity_at(ends.x)] = vec4f(v1.xyz - v1.w * momentum, v1.w);
-    state[velocity_at(ends.y)] = vec4f(v2.xyz + v2.w * momentum, v2.w);
+    let new_v1 = v1.xyz - v1.w * momentum;
+    let new_v2 = v2.xyz + v2.w * momentum;
+    // Where one spin for both ends is beyond all numbers, each end keeps its own.
+    if finite(new_v1) & finite(new_v2) & finite(inertia.x * spin) & finite(inertia.y * spin) {
+        state[momentum_at(ends.x)] = vec4f(inertia.x * spin, l1.w);
+        state[momentum_at(ends.y)] = vec4f(inertia.y * spin, l2.w);
+        state[velocity_at(ends.x)] = vec4f(new_v1, v1.w);
+        state[velocity_at(ends.y)] = vec4f(new_v2, v2.w);
+    }
 
     let old = y3[position_at(ends.y)].xyz - y3[position_at(ends.x)].xyz;
     var old_axis = axis;

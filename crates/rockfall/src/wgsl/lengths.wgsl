@@ -65,17 +65,20 @@ fn restore_length(rod: u32) -> f32 {
     return abs(distance - target_length) / target_length;
 }
 
-// The rods of one colour may share a sphere that is fixed: it is not written at all.
+// The rods of one colour may share a sphere that is fixed: it is not written at all. An end that would leave what f32 holds
+// stays as it is.
 fn move_end(sphere: u32, weight: f32, displacement: vec3f) {
-    if weight != 0.0 {
-        let before = state[position_at(sphere)];
-        state[position_at(sphere)] = vec4f(before.xyz + weight * displacement, before.w);
+    let before = state[position_at(sphere)];
+    let after = before.xyz + weight * displacement;
+    if (weight != 0.0) & finite(after) {
+        state[position_at(sphere)] = vec4f(after, before.w);
     }
 }
 
 fn kick_end(sphere: u32, weight: f32, impulse: vec3f) {
-    if weight != 0.0 {
-        let before = state[velocity_at(sphere)];
-        state[velocity_at(sphere)] = vec4f(before.xyz + weight * impulse, before.w);
+    let before = state[velocity_at(sphere)];
+    let after = before.xyz + weight * impulse;
+    if (weight != 0.0) & finite(after) {
+        state[velocity_at(sphere)] = vec4f(after, before.w);
     }
 }

@@ -18,6 +18,6 @@ fn is_finite(motion: Motion) -> bool {
 // Rest where a sphere was, for one whose state stopped being finite in this stage (see BadStage in layout.rs).
 fn stopped(position: vec3f, stage: u32, sphere: u32) -> Motion {
     atomicAdd(&status.bad_count, 1u);
-    atomicMin(&status.bad_body, stage << BAD_STAGE_SHIFT | sphere);
+    atomicMin(&status.bad_body, stage << BAD_STAGE_SHIFT | user_of(sphere));
     return Motion(position, vec3f(0.0), vec3f(0.0));
 }

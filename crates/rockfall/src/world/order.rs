@@ -25,7 +25,8 @@ pub(crate) fn inverse(order: &[u32]) -> Vec<u32> {
 
 /// Place on the curve. Beyond 2^20 cells from the origin it begins again, which costs nothing but nearness.
 fn curve(position: Vec3, cell: f32) -> u64 {
-    let [x, y, z] = position.to_array().map(|x| spread(((x / cell).floor() as i64 + (1 << 20)) as u64 & 0x1f_ffff));
+    // Casting clamps what is far out, so that the sum may go around too.
+    let [x, y, z] = position.to_array().map(|x| spread(((x / cell).floor() as i64).wrapping_add(1 << 20) as u64 & 0x1f_ffff));
     x | y << 1 | z << 2
 }
 
@@ -54,6 +55,14 @@ mod tests {
             assert_eq!(spread(1 << bit), 1 << (3 * bit));
         }
         assert_eq!(spread(0x1f_ffff), 0x1249_2492_4924_9249);
+    }
+
+    #[test]
+    fn places_beyond_all_cells_have_a_place() {
+        let places = [f32::MAX, f32::MIN, 1e30, 0.0].map(Vec3::splat);
+        let mut order = spatial_order(&places, 1e-20);
+        order.sort_unstable();
+        assert_eq!(order, [0, 1, 2, 3]);
     }
 
     #[test]

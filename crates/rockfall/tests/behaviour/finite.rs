@@ -1,7 +1,7 @@
 //! A body that stops being finite is told, with its index, step and stage; the others stay as they are.
 
 use rockfall::layout::BadStage;
-use rockfall::{Backend, Error, Options, Scene, Simulation, Sphere, SphereId, Tether, TetherId};
+use rockfall::{Backend, BroadPhase, Error, Options, Scene, Simulation, Sphere, SphereId, Tether, TetherId};
 
 use crate::common::*;
 
@@ -88,4 +88,20 @@ fn collision_that_bursts_is_told(backend: Backend) {
     near(state.position, [50.0 + 1.0 / 64.0, 0.0, 0.0], 1e-5, "it flies on");
 }
 
-both!(body_that_bursts_is_told, told_to_go_on_it_goes_on, collision_that_bursts_is_told);
+/// Of several that burst in one stage the one that was added first is told, wherever in memory it stands: the grid puts it
+/// last.
+fn first_of_several_is_told(backend: Backend) {
+    for broad_phase in [BroadPhase::BruteForce, BroadPhase::Grid] {
+        let mut scene = Scene::new();
+        let ids = spheres(&mut scene, [8.0, 4.0, 0.0].map(|x| Sphere::new([x, 0.0, 0.0], 0.5)));
+        for id in ids {
+            scene.add_tether(Tether::new(id, [0.0, 50.0, 0.0], 3e38)).expect("a valid tether");
+        }
+        let options = Options::new().backend(backend).broad_phase(broad_phase);
+        let mut simulation = Simulation::with_options(scene, options).expect("the simulation opens");
+        let error = simulation.step(DT).expect_err("all burst");
+        assert!(matches!(error, Error::NonFinite { sphere: 0, step: 1, .. }), "{broad_phase}: {error}");
+    }
+}
+
+both!(body_that_bursts_is_told, told_to_go_on_it_goes_on, collision_that_bursts_is_told, first_of_several_is_told);

@@ -8,7 +8,7 @@ use rand::SeedableRng as _;
 use rand_pcg::Pcg64Mcg;
 
 use super::{Random, ball_within, check_count, walled_box};
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, quoted};
 use crate::scene::{Capsule, Cuboid, Rod, Scene, Sphere, Spring};
 
 /// A scene to measure with. The numbers of bodies are exact.
@@ -86,7 +86,7 @@ impl FromStr for Benchmark {
         let known = Self::ALL.into_iter().find(|scene| scene.name() == text);
         known.ok_or_else(|| Error::Invalid {
             field: "scene",
-            value: format!("'{text}'"),
+            value: quoted(text),
             expected: "thesis, lattice, pile, settled, shuffled, mixed or radii",
         })
     }

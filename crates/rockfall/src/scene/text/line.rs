@@ -1,6 +1,6 @@
 //! The fields of the lines of a scene text, and the words of a line read as such.
 
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, quoted};
 
 /// What is wrong with a line.
 pub(super) struct Wrong {
@@ -95,8 +95,8 @@ impl Kind {
         let mut references = [0; R];
         for (reference, name) in references.iter_mut().zip(self.references) {
             let word = words.next().ok_or_else(|| missing(name))?;
-            *reference =
-                word.parse().map_err(|_| self.wrong(name, format!("'{word}' is not a whole number from 0 to {}", u32::MAX)))?;
+            let not_whole = |_| self.wrong(name, format!("{} is not a whole number from 0 to {}", quoted(word), u32::MAX));
+            *reference = word.parse().map_err(not_whole)?;
         }
         let mut numbers = [0.0; N];
         for (index, (number, name)) in numbers.iter_mut().zip(self.numbers).enumerate() {
@@ -112,7 +112,7 @@ impl Kind {
             None => Ok((references, numbers)),
             Some(word) => {
                 let message = format!("one too many, expected {} after {}", self.length(), self.word);
-                Err(self.wrong(&format!("'{word}'"), message))
+                Err(self.wrong(&quoted(word), message))
             }
         }
     }
@@ -120,15 +120,8 @@ impl Kind {
     fn number(&self, name: &str, word: &str) -> Line<f32> {
         match word.parse::<f32>() {
             Ok(number) if number.is_finite() => Ok(number),
-            Ok(_) => Err(self.wrong(name, format!("'{word}' is not finite (in f32), expected a finite number"))),
-            Err(_) => Err(self.wrong(name, format!("'{word}' is not a number, expected a finite number"))),
+            Ok(_) => Err(self.wrong(name, format!("{} is not finite (in f32), expected a finite number", quoted(word)))),
+            Err(_) => Err(self.wrong(name, format!("{} is not a number, expected a finite number", quoted(word)))),
         }
-    }
-
-    pub(super) fn positive(&self, name: &str, number: f32) -> Line<()> {
-        if number > 0.0 {
-            return Ok(());
-        }
-        Err(self.wrong(name, format!("{number} is not allowed, expected a finite number greater than 0")))
     }
 }

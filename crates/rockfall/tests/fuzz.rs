@@ -1,0 +1,44 @@
+//! The corpus of the fuzz targets (docs/fuzzing.md), put through the same code that the fuzzer calls: what it found stays
+//! mended.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+#[allow(unreachable_pub, reason = "public for the fuzzer")]
+#[path = "../../../fuzz/src/lib.rs"]
+mod targets;
+
+/// A case takes some milliseconds; one that hangs would take far more.
+const LONGEST: Duration = Duration::from_secs(60);
+
+/// The files of a corpus by name.
+fn corpus(target: &str) -> BTreeMap<String, Vec<u8>> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fuzz/corpus").join(target);
+    let files = fs::read_dir(&folder).unwrap_or_else(|error| panic!("{}: {error}", folder.display()));
+    let read = |entry: fs::DirEntry| (entry.file_name().into_string().unwrap(), fs::read(entry.path()).unwrap());
+    files.map(|entry| read(entry.unwrap())).collect()
+}
+
+fn replay(target: &str, least: usize, entry: fn(&[u8])) {
+    let corpus = corpus(target);
+    assert!(corpus.len() >= least, "{} files are too few", corpus.len());
+    for (name, bytes) in corpus {
+        // Shown with the panic of a case that fails.
+        println!("fuzz/corpus/{target}/{name}");
+        let start = Instant::now();
+        entry(&bytes);
+        assert!(start.elapsed() < LONGEST, "{:?}", start.elapsed());
+    }
+}
+
+#[test]
+fn scene_texts() {
+    replay("scene_text", 50, targets::scene_text);
+}
+
+#[test]
+fn motions() {
+    replay("motion", 50, targets::motion);
+}

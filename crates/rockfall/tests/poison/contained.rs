@@ -1,0 +1,119 @@
+//! What is taken stays with the poisoned body: others that do not touch it move as if it were not there.
+
+use rockfall::glam::Vec3;
+use rockfall::{
+    Backend, BroadPhase, Capsule, Cuboid, Error, Integrator, Options, Scene, Simulation, Sphere, SphereState, Spring,
+};
+
+use crate::fields::{FIELDS, POISONS, is_taken};
+
+const STEPS: u64 = 6;
+const DT: f32 = 0.02;
+
+/// Bodies that meet: two balls that collide, one that rests, a capsule that hits a box, a ball on a spring.
+fn witnesses() -> Scene {
+    let mut scene = Scene::new();
+    let at = Vec3::new(-3.0, 100.0, -70.0);
+    let ball = |x: f32, y: f32, z: f32| Sphere::new(at + Vec3::new(x, y, z), 0.5);
+    let two = [ball(0.0, 3.0, 0.0).velocity([4.0, 0.0, 0.0]), ball(1.05, 3.0, 0.1).velocity([-4.0, 0.0, 0.0])];
+    let ids = [two[0], two[1], ball(3.0, 0.49, 0.0), ball(5.0, 3.0, 0.0)].map(|sphere| scene.add_sphere(sphere).unwrap());
+    scene.add_capsule(Capsule::new(at + Vec3::new(0.0, 0.55, 3.0), at + Vec3::new(2.0, 0.8, 3.0), 0.5)).unwrap();
+    scene.add_box(Cuboid::between(at - Vec3::new(9.0, 1.0, 9.0), at + Vec3::new(9.0, 0.0, 9.0))).unwrap();
+    scene.add_spring(Spring::new(ids[2], ids[3], 30.0, 2.0)).unwrap();
+    scene
+}
+
+const WITNESSES: usize = 6;
+
+fn options(backend: Backend, integrator: Integrator, broad_phase: BroadPhase, keep_going: bool) -> Options {
+    Options::new().backend(backend).integrator(integrator).broad_phase(broad_phase).keep_going(keep_going)
+}
+
+/// The witnesses after the steps. Where told to stop at a body that is not finite, it says so once and goes on.
+fn run(scene: Scene, options: Options, what: &str) -> Vec<SphereState> {
+    let mut simulation = Simulation::with_options(scene, options.clone()).unwrap();
+    while simulation.report().steps < STEPS {
+        match simulation.run(STEPS - simulation.report().steps, DT) {
+            Ok(_) => {}
+            Err(Error::NonFinite { sphere, .. }) if !options.keep_going => {
+                assert!(sphere >= WITNESSES, "{what}: {sphere} is told, a witness");
+            }
+            Err(error) => panic!("{what}: {error}"),
+        }
+    }
+    let mut states = simulation.spheres().unwrap();
+    for (index, state) in states.iter().enumerate() {
+        let vectors = [state.position, state.velocity, state.angular_momentum];
+        assert!(vectors.iter().all(|vector| vector.is_finite()), "{what}: sphere {index}: {state:?}");
+        assert!(state.orientation.is_finite(), "{what}: sphere {index}: {state:?}");
+    }
+    states.truncate(WITNESSES);
+    states
+}
+
+fn bits(states: &[SphereState]) -> Vec<u32> {
+    let numbers = states.iter().flat_map(|state| {
+        let q = state.orientation.to_array();
+        let vectors = [state.position, state.velocity, state.angular_momentum].map(|vector| vector.to_array());
+        vectors.concat().into_iter().chain(q).collect::<Vec<f32>>()
+    });
+    numbers.map(f32::to_bits).collect()
+}
+
+/// Every field with every poison, one at a time.
+#[test]
+fn every_field_refuses_or_contains_every_poison() {
+    let ways = |keep_going| {
+        let integrators = [Integrator::Rk4, Integrator::SymplecticEuler];
+        let broad_phases = [BroadPhase::BruteForce, BroadPhase::Grid];
+        integrators.into_iter().flat_map(move |integrator| {
+            broad_phases.map(|broad_phase| options(Backend::Cpu, integrator, broad_phase, keep_going))
+        })
+    };
+    for options in ways(false).chain(ways(true)) {
+        let alone = bits(&run(witnesses(), options.clone(), "no poison"));
+        for field in FIELDS {
+            for poison in POISONS {
+                let mut scene = witnesses();
+                let added = (field.add)(&mut scene, Vec3::ZERO, field.reaches.into(), poison);
+                if is_taken(field.name, poison, (field.takes)(poison), &added) {
+                    let what = format!("{} = {poison:e}, {options:?}", field.name);
+                    let beside = bits(&run(scene, options.clone(), &what));
+                    assert!(beside == alone, "{what}: a witness moves otherwise");
+                }
+            }
+        }
+    }
+}
+
+/// All that is taken in one scene, 40 apart; what reaches everything has a group of its own.
+fn crowd() -> Scene {
+    let mut scene = witnesses();
+    let mut place = 0_u16;
+    for field in FIELDS {
+        for poison in POISONS.into_iter().filter(|poison| (field.takes)(*poison)) {
+            place += 1;
+            let group = if field.reaches { place } else { 0 };
+            (field.add)(&mut scene, Vec3::Z * 40.0 * f32::from(place), group, poison).unwrap();
+        }
+    }
+    assert!(place > 200, "{place}");
+    scene
+}
+
+fn all_at_once(backend: Backend) {
+    let options = options(backend, Integrator::Rk4, BroadPhase::Auto, true);
+    let alone = bits(&run(witnesses(), options.clone(), "no poison"));
+    assert!(bits(&run(crowd(), options, "all poisons")) == alone, "a witness moves otherwise");
+}
+
+#[test]
+fn so_do_all_at_once() {
+    all_at_once(Backend::Cpu);
+}
+
+#[cfg(feature = "gpu")]
+#[test]
+fn so_do_all_at_once_on_the_gpu() {
+    all_at_once(Backend::Gpu);
+}

@@ -1,0 +1,200 @@
+//! Every edit of a simulation, and the time step.
+
+use rockfall::glam::Quat;
+use rockfall::{Backend, Error, Result, Rod, Scene, Simulation, Sphere, SphereId, Spring, Tether};
+
+use crate::common::*;
+use crate::fields::{POISONS, finite, is_taken, not_negative, positive};
+
+/// An edit, or a call with a number.
+struct Edit {
+    name: &'static str,
+    takes: fn(f32) -> bool,
+    make: fn(&mut Simulation, SphereId, f32) -> Result<()>,
+}
+
+/// Two balls that rest on each other with a rod, a spring and a tether, and one that falls. That one is in a group of its own:
+/// ends that a spring throws 1e20 apart make a rod that f32 cannot tell from anything.
+fn scene() -> (Scene, SphereId) {
+    let mut scene = Scene::new();
+    let ball = |x: f32, y: f32| Sphere::new([x, y, 0.0], 0.5).velocity([0.0, 0.5, 0.0]);
+    let [a, b, _] = spheres(&mut scene, [ball(0.0, 0.0), ball(0.9, 0.0), ball(0.0, 500.0).group(1)]);
+    scene.add_rod(Rod::new(a, b, 0.1)).unwrap();
+    scene.add_spring(Spring::new(a, b, 10.0, 1.0)).unwrap();
+    scene.add_tether(Tether::new(b, [0.0; 3], 10.0)).unwrap();
+    (scene, a)
+}
+
+macro_rules! first {
+    ($simulation:ident, $ids:ident) => {
+        $simulation.scene().$ids().next().unwrap()
+    };
+}
+
+const EDITS: &[Edit] = &[
+    Edit { name: "position", takes: finite, make: |simulation, id, p| simulation.set_position(id, [p, 0.0, 0.0]) },
+    Edit { name: "velocity", takes: finite, make: |simulation, id, p| simulation.set_velocity(id, [p, 0.0, 0.0]) },
+    Edit {
+        name: "angular_momentum",
+        takes: finite,
+        make: |simulation, id, p| simulation.set_angular_momentum(id, [0.0, p, 0.0]),
+    },
+    Edit {
+        name: "orientation",
+        takes: |_| false,
+        make: |simulation, id, p| simulation.set_orientation(id, Quat::from_xyzw(p, 0.6, 0.6, 0.0)),
+    },
+    Edit { name: "impulse", takes: finite, make: |simulation, id, p| simulation.apply_impulse(id, [p, 0.0, 0.0]) },
+    Edit { name: "force", takes: finite, make: |simulation, id, p| simulation.set_force(id, [0.0, p, 0.0]) },
+    Edit {
+        name: "rod.radius",
+        takes: positive,
+        make: |simulation, _, p| {
+            let id = first!(simulation, rod_ids);
+            simulation.update_rod(id, |rod| rod.radius = p)
+        },
+    },
+    Edit {
+        name: "rod.length",
+        takes: positive,
+        make: |simulation, _, p| {
+            let id = first!(simulation, rod_ids);
+            simulation.update_rod(id, |rod| rod.length = Some(p))
+        },
+    },
+    Edit {
+        name: "spring.stiffness",
+        takes: not_negative,
+        make: |simulation, _, p| {
+            let id = first!(simulation, spring_ids);
+            simulation.update_spring(id, |spring| spring.stiffness = p)
+        },
+    },
+    Edit {
+        name: "spring.length",
+        takes: not_negative,
+        make: |simulation, _, p| {
+            let id = first!(simulation, spring_ids);
+            simulation.update_spring(id, |spring| spring.length = p)
+        },
+    },
+    Edit {
+        name: "spring.damping",
+        takes: not_negative,
+        make: |simulation, _, p| {
+            let id = first!(simulation, spring_ids);
+            simulation.update_spring(id, |spring| spring.damping = p)
+        },
+    },
+    Edit {
+        name: "tether.point",
+        takes: finite,
+        make: |simulation, _, p| {
+            let id = first!(simulation, tether_ids);
+            simulation.update_tether(id, |tether| tether.point.z = p)
+        },
+    },
+    Edit {
+        name: "tether.stiffness",
+        takes: not_negative,
+        make: |simulation, _, p| {
+            let id = first!(simulation, tether_ids);
+            simulation.update_tether(id, |tether| tether.stiffness = p)
+        },
+    },
+    Edit {
+        name: "tether.length",
+        takes: not_negative,
+        make: |simulation, _, p| {
+            let id = first!(simulation, tether_ids);
+            simulation.update_tether(id, |tether| tether.length = p)
+        },
+    },
+    Edit {
+        name: "tether.damping",
+        takes: not_negative,
+        make: |simulation, _, p| {
+            let id = first!(simulation, tether_ids);
+            simulation.update_tether(id, |tether| tether.damping = p)
+        },
+    },
+];
+
+/// Makes an edit and goes on for some steps; the ball that falls must not know of it.
+fn edit(simulation: &mut Simulation, make: impl FnOnce(&mut Simulation) -> Result<()>) -> Result<()> {
+    simulation.step(DT)?;
+    make(simulation)?;
+    for _ in 0..3 {
+        match simulation.step(DT) {
+            Ok(_) => {}
+            Err(Error::NonFinite { sphere, .. }) => assert!(sphere < 2, "the ball that falls is told"),
+            Err(error) => panic!("{error}"),
+        }
+    }
+    for state in simulation.spheres()? {
+        let finite = state.position.is_finite() && state.velocity.is_finite() && state.angular_momentum.is_finite();
+        assert!(finite && state.orientation.is_finite(), "{state:?}");
+    }
+    Ok(())
+}
+
+fn every_edit(backend: Backend, poisons: &[f32]) {
+    let (scene, id) = scene();
+    let open = || simulation(scene.clone(), backend);
+    let mut quiet = open();
+    quiet.step(DT).unwrap();
+    let after_a_step = quiet.spheres().unwrap();
+    let mut quiet = open();
+    edit(&mut quiet, |_| Ok(())).unwrap();
+    let alone = quiet.spheres().unwrap()[2];
+    for Edit { name, takes, make } in EDITS {
+        for poison in poisons {
+            let mut simulation = open();
+            let made = edit(&mut simulation, |simulation| make(simulation, id, *poison));
+            if is_taken(name, *poison, takes(*poison), &made) {
+                let beside = simulation.spheres().unwrap()[2];
+                assert_eq!(beside, alone, "{name} = {poison:e}: the ball that falls moves otherwise");
+            } else {
+                assert_eq!(simulation.spheres().unwrap(), after_a_step, "{name} = {poison:e}: refused, but not without effect");
+            }
+        }
+    }
+}
+
+#[test]
+fn every_edit_refuses_or_contains_every_poison() {
+    every_edit(Backend::Cpu, &POISONS);
+}
+
+#[cfg(feature = "gpu")]
+#[test]
+fn every_edit_refuses_or_contains_the_worst_poisons_on_the_gpu() {
+    every_edit(Backend::Gpu, &[f32::NAN, f32::MAX]);
+}
+
+/// Whatever the time step, the states stay finite.
+#[test]
+fn the_time_step_refuses_or_contains_every_poison() {
+    type Call = fn(&mut Simulation, f32) -> Result<()>;
+    let calls: [Call; 4] = [
+        |simulation, dt| simulation.step(dt).map(drop),
+        |simulation, dt| simulation.run(3, dt).map(drop),
+        |simulation, dt| simulation.update_positions(dt),
+        |simulation, dt| simulation.set_time_step(dt).and_then(|()| simulation.update_aabbs()),
+    ];
+    for call in calls {
+        for poison in POISONS {
+            let mut simulation = simulation(scene().0, Backend::Cpu);
+            let before = simulation.spheres().unwrap();
+            let told = match call(&mut simulation, poison) {
+                // Gravity alone may carry a body beyond f32, or a spring that is too stiff for it.
+                Err(Error::NonFinite { .. }) => Ok(()),
+                told => told,
+            };
+            if !is_taken("dt", poison, positive(poison), &told) {
+                assert_eq!(simulation.spheres().unwrap(), before);
+            }
+            assert!(simulation.spheres().unwrap().iter().all(|state| state.position.is_finite()));
+        }
+    }
+}

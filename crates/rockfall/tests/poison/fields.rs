@@ -1,0 +1,227 @@
+//! Every field of every object, each named once, and which numbers it takes.
+
+use rockfall::glam::{Quat, Vec3};
+use rockfall::{Capsule, Cuboid, Error, Polygon, Result, Rod, Scene, Sphere, Spring, Tether};
+
+/// What every field is given.
+pub(crate) const POISONS: [f32; 18] = [
+    f32::NAN,
+    f32::INFINITY,
+    f32::NEG_INFINITY,
+    f32::MAX,
+    f32::MIN,
+    1e30,
+    -1e30,
+    1e18,
+    1e10,
+    1e-10,
+    1e-30,
+    -1e-30,
+    f32::MIN_POSITIVE,
+    1e-45,
+    -1e-40,
+    0.0,
+    -0.0,
+    -1.0,
+];
+
+/// A field of an object, as it is given a number through the API.
+pub(crate) struct Field {
+    pub(crate) name: &'static str,
+    /// The numbers that it takes; all others are refused.
+    pub(crate) takes: fn(f32) -> bool,
+    /// With a large number the object reaches everything there is, so that nothing is out of its touch. (A rod that is 1e18
+    /// long lies no better than f32 has it: within 1e11.)
+    pub(crate) reaches: bool,
+    /// Adds the object near a place, in a group.
+    pub(crate) add: fn(&mut Scene, Vec3, u16, f32) -> Result<()>,
+}
+
+pub(crate) fn finite(number: f32) -> bool {
+    number.is_finite()
+}
+
+pub(crate) fn positive(number: f32) -> bool {
+    number.is_finite() && number > 0.0
+}
+
+pub(crate) fn not_negative(number: f32) -> bool {
+    number.is_finite() && number >= 0.0
+}
+
+/// A positive number whose inverse is one, too, neither of them a denormal.
+fn usable(number: f32) -> bool {
+    number > 0.0 && number.is_normal() && (1.0 / number).is_normal()
+}
+
+/// Of a ball of radius 0.5: mass and inertia.
+fn mass(number: f32) -> bool {
+    positive(number) && (1.0 / number).is_normal() && usable(0.1 * number)
+}
+
+/// Half of it is that of an end of radius 0.5.
+fn capsule_mass(number: f32) -> bool {
+    mass(0.5 * number)
+}
+
+/// Of a ball of mass 1.
+fn radius(number: f32) -> bool {
+    positive(number) && usable(0.4 * number * number)
+}
+
+/// Of half the mass.
+fn capsule_radius(number: f32) -> bool {
+    positive(number) && usable(0.2 * number * number)
+}
+
+/// Edges of 1e-15 to 1e15.
+fn edge(number: f32) -> bool {
+    number.is_finite() && (1e-30..1e30).contains(&(number * number))
+}
+
+/// Whether f32 has the length of this.
+fn length(number: f32) -> bool {
+    (number * number).sqrt().is_normal()
+}
+
+/// The other end is at 2.1.
+fn end1(number: f32) -> bool {
+    length(number - 2.1)
+}
+
+/// The other end is at 0.
+fn end2(number: f32) -> bool {
+    length(number)
+}
+
+fn sphere(at: Vec3, group: u16) -> Sphere {
+    Sphere::new(at, 0.5).group(group).velocity([0.0, -2.0, 0.0])
+}
+
+/// Adds a sphere that touches another.
+fn add_sphere(scene: &mut Scene, at: Vec3, group: u16, poison: impl FnOnce(&mut Sphere)) -> Result<()> {
+    scene.add_sphere(sphere(at - 0.9 * Vec3::Y, group).velocity([0.0; 3]))?;
+    let mut poisoned = sphere(at, group);
+    poison(&mut poisoned);
+    scene.add_sphere(poisoned).map(drop)
+}
+
+/// Adds what hangs on two spheres.
+fn add_pair<T>(
+    scene: &mut Scene,
+    at: Vec3,
+    group: u16,
+    add: impl FnOnce(&mut Scene, rockfall::SphereId, rockfall::SphereId) -> Result<T>,
+) -> Result<()> {
+    let a = scene.add_sphere(sphere(at, group))?;
+    let b = scene.add_sphere(sphere(at + 1.5 * Vec3::X, group))?;
+    // Something to touch for a rod.
+    scene.add_sphere(sphere(at + Vec3::new(0.7, 0.7, 0.0), group))?;
+    add(scene, a, b).map(drop)
+}
+
+fn add_capsule(scene: &mut Scene, at: Vec3, group: u16, poison: impl FnOnce(&mut Capsule)) -> Result<()> {
+    scene.add_sphere(sphere(at + Vec3::Y, group))?;
+    let mut capsule = Capsule::new(at, at + 2.1 * Vec3::X, 0.5).group(group);
+    poison(&mut capsule);
+    scene.add_capsule(capsule).map(drop)
+}
+
+fn add_box(scene: &mut Scene, at: Vec3, group: u16, poison: impl FnOnce(&mut Cuboid)) -> Result<()> {
+    add_pair(scene, at + Vec3::Y, group, |scene, a, b| scene.add_rod(Rod::new(a, b, 0.2).group(group)))?;
+    let mut cuboid = Cuboid::new(at, 2.0 * Vec3::X, Vec3::Y, Vec3::Z).group(group);
+    poison(&mut cuboid);
+    scene.add_box(cuboid).map(drop)
+}
+
+fn add_polygon(scene: &mut Scene, at: Vec3, group: u16, poison: impl FnOnce(&mut Polygon)) -> Result<()> {
+    add_pair(scene, at + 0.4 * Vec3::Y, group, |scene, a, b| scene.add_rod(Rod::new(a, b, 0.2).group(group)))?;
+    let mut polygon = Polygon::new(at, Vec3::Z, 2.0 * Vec3::X).group(group);
+    poison(&mut polygon);
+    scene.add_polygon(polygon).map(drop)
+}
+
+fn add_spring(scene: &mut Scene, at: Vec3, group: u16, poison: impl FnOnce(&mut Spring)) -> Result<()> {
+    add_pair(scene, at, group, |scene, a, b| {
+        let mut spring = Spring::new(a, b, 10.0, 1.0).damping(1.0);
+        poison(&mut spring);
+        scene.add_spring(spring)
+    })
+}
+
+fn add_tether(scene: &mut Scene, at: Vec3, group: u16, poison: impl FnOnce(&mut Tether)) -> Result<()> {
+    add_pair(scene, at, group, |scene, a, _| {
+        let mut tether = Tether::new(a, at + Vec3::Y, 10.0).damping(1.0);
+        poison(&mut tether);
+        scene.add_tether(tether)
+    })
+}
+
+fn add_rod(scene: &mut Scene, at: Vec3, group: u16, poison: impl FnOnce(&mut Rod)) -> Result<()> {
+    add_pair(scene, at, group, |scene, a, b| {
+        let mut rod = Rod::new(a, b, 0.2).group(group);
+        poison(&mut rod);
+        scene.add_rod(rod)
+    })
+}
+
+macro_rules! fields {
+    ($($add:ident $name:literal $takes:ident $reaches:literal |$object:ident, $number:ident| $poison:expr;)*) => {
+        pub(crate) const FIELDS: &[Field] = &[$(
+            Field {
+                name: $name,
+                takes: $takes,
+                reaches: $reaches,
+                add: |scene, at, group, $number| $add(scene, at, group, |$object| $poison),
+            },
+        )*];
+    };
+}
+
+fields! {
+    add_sphere "sphere.position" finite false |sphere, p| sphere.position.x = p;
+    add_sphere "sphere.velocity" finite false |sphere, p| sphere.velocity.x = p;
+    add_sphere "sphere.angular_momentum" finite false |sphere, p| sphere.angular_momentum.x = p;
+    add_sphere "sphere.orientation" never false |sphere, p| sphere.orientation = Quat::from_xyzw(p, 0.0, 0.6, 0.6);
+    add_sphere "sphere.mass" mass false |sphere, p| sphere.mass = p;
+    add_sphere "sphere.radius" radius true |sphere, p| sphere.radius = p;
+    add_sphere "sphere.force" finite false |sphere, p| sphere.force.x = p;
+    add_rod "rod.radius" positive true |rod, p| rod.radius = p;
+    add_rod "rod.length" positive true |rod, p| rod.length = Some(p);
+    add_capsule "capsule.end1" end1 false |capsule, p| capsule.end1.x = p;
+    add_capsule "capsule.end2" end2 false |capsule, p| capsule.end2.x = p;
+    add_capsule "capsule.velocity" finite false |capsule, p| capsule.velocity.x = p;
+    add_capsule "capsule.mass" capsule_mass false |capsule, p| capsule.mass = p;
+    add_capsule "capsule.radius" capsule_radius true |capsule, p| capsule.radius = p;
+    add_spring "spring.stiffness" not_negative false |spring, p| spring.stiffness = p;
+    add_spring "spring.length" not_negative false |spring, p| spring.length = p;
+    add_spring "spring.damping" not_negative false |spring, p| spring.damping = p;
+    add_tether "tether.point" finite false |tether, p| tether.point.x = p;
+    add_tether "tether.stiffness" not_negative false |tether, p| tether.stiffness = p;
+    add_tether "tether.length" not_negative false |tether, p| tether.length = p;
+    add_tether "tether.damping" not_negative false |tether, p| tether.damping = p;
+    add_box "box.corner" finite false |cuboid, p| cuboid.corner.x = p;
+    add_box "box.edge" edge false |cuboid, p| cuboid.edges[0].x = p;
+    add_polygon "polygon.corner" finite false |polygon, p| polygon.corner.x = p;
+    add_polygon "polygon.left" edge false |polygon, p| polygon.left.z = p;
+    add_polygon "polygon.right" edge false |polygon, p| polygon.right.x = p;
+}
+
+/// No number fits: none of them makes a unit quaternion of what is there.
+fn never(_: f32) -> bool {
+    false
+}
+
+/// What must come of a number: `true` where it is taken, else an error that names the field.
+#[track_caller]
+pub(crate) fn is_taken<T>(name: &str, number: f32, takes: bool, answer: &Result<T>) -> bool {
+    match answer {
+        Ok(_) => assert!(takes, "{name} = {number:e} must be refused"),
+        Err(Error::Invalid { field, .. }) => {
+            assert!(!takes, "{name} = {number:e} must be taken: {:?}", answer.as_ref().err());
+            assert!(field.contains(name), "{name} = {number:e} is told as {field}");
+        }
+        Err(error) => panic!("{name} = {number:e}: {error}"),
+    }
+    takes
+}

@@ -1,0 +1,84 @@
+//! Every setting, by its field and by its name.
+
+use rockfall::glam::Vec3;
+use rockfall::{Backend, Error, Settings, Sphere};
+
+use crate::common::*;
+use crate::fields::{POISONS, finite, is_taken, not_negative};
+
+struct Constant {
+    name: &'static str,
+    takes: fn(f32) -> bool,
+    put: fn(&mut Settings, f32),
+}
+
+const CONSTANTS: &[Constant] = &[
+    Constant { name: "activation_threshold", takes: not_negative, put: |settings, p| settings.activation_threshold = p },
+    Constant { name: "restitution", takes: not_negative, put: |settings, p| settings.restitution = p },
+    Constant { name: "contact_damping", takes: not_negative, put: |settings, p| settings.contact_damping = p },
+    Constant { name: "contact_force", takes: not_negative, put: |settings, p| settings.contact_force = p },
+    Constant { name: "friction", takes: not_negative, put: |settings, p| settings.friction = p },
+    Constant { name: "gravity", takes: finite, put: |settings, p| settings.gravity = p },
+    Constant {
+        name: "gravity_direction",
+        takes: |p| p.is_finite() && p != 0.0,
+        put: |settings, p| settings.gravity_direction = Vec3::new(0.0, p, 0.0),
+    },
+];
+
+fn heap(backend: Backend) -> rockfall::Simulation {
+    let mut scene = rockfall::Scene::new();
+    floor_box(&mut scene);
+    spheres(&mut scene, [0.45, 1.4, 2.3].map(|y| Sphere::new([0.0, y, 0.0], 0.5).velocity([0.5, -2.0, 0.0])));
+    dumbbell(&mut scene, [1.0, 2.0].map(|x| Sphere::new([x, 0.4, 0.0], 0.5)), 0.3);
+    simulation(scene, backend)
+}
+
+fn every_setting(backend: Backend, poisons: &[f32]) {
+    for Constant { name, takes, put } in CONSTANTS {
+        for poison in poisons {
+            let mut simulation = heap(backend);
+            let before = *simulation.settings();
+            let mut settings = before;
+            put(&mut settings, *poison);
+            let answer = simulation.set_settings(settings);
+            if !is_taken(name, *poison, takes(*poison), &answer) {
+                assert_eq!(*simulation.settings(), before, "{name}");
+                continue;
+            }
+            for _ in 0..4 {
+                match simulation.step(0.02) {
+                    Ok(_) | Err(Error::NonFinite { .. }) => {}
+                    Err(error) => panic!("{name} = {poison:e}: {error}"),
+                }
+            }
+            for state in simulation.spheres().unwrap() {
+                let finite = state.position.is_finite() && state.velocity.is_finite() && state.angular_momentum.is_finite();
+                assert!(finite && state.orientation.is_finite(), "{name} = {poison:e}: {state:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn every_setting_refuses_or_contains_every_poison() {
+    every_setting(Backend::Cpu, &POISONS);
+}
+
+#[cfg(feature = "gpu")]
+#[test]
+fn every_setting_refuses_or_contains_the_worst_poisons_on_the_gpu() {
+    every_setting(Backend::Gpu, &[f32::NAN, f32::MAX]);
+}
+
+#[test]
+fn by_name_they_take_the_same_numbers() {
+    for Constant { name, takes, .. } in CONSTANTS {
+        for poison in POISONS {
+            let value = if *name == "gravity_direction" { format!("0,{poison},0") } else { poison.to_string() };
+            is_taken(name, poison, takes(poison), &Settings::default().set(name, &value));
+        }
+    }
+    let numbers = Settings::NAMES.len() - ["collisions", "contact_pull"].len();
+    assert_eq!(CONSTANTS.len(), numbers, "a setting is without a line here");
+}

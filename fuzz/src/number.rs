@@ -1,0 +1,68 @@
+//! Numbers that are worth trying: mostly such that bodies meet, now and then such that arithmetic breaks.
+
+use arbitrary::{Arbitrary, Result, Unstructured};
+
+/// Any f32.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Number(pub(crate) f32);
+
+/// A length, mass or constant: mostly positive and of the order of 1.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Size(pub(crate) f32);
+
+const ODD: [f32; 24] = [
+    0.0,
+    -0.0,
+    1.0,
+    -1.0,
+    f32::NAN,
+    f32::INFINITY,
+    f32::NEG_INFINITY,
+    f32::MAX,
+    f32::MIN,
+    f32::MIN_POSITIVE,
+    1e-45,
+    -1e-40,
+    1e-30,
+    -1e-15,
+    1e-10,
+    1e10,
+    -1e15,
+    1e18,
+    3e18,
+    -1e19,
+    1e30,
+    -1e30,
+    16_777_216.0,
+    1e-5,
+];
+
+impl<'a> Arbitrary<'a> for Number {
+    fn arbitrary(source: &mut Unstructured<'a>) -> Result<Self> {
+        Ok(Self(match u8::arbitrary(source)? {
+            // A quarter apart, so that bodies touch, coincide and line up.
+            small @ 0..200 => f32::from(i16::from(small) - 100) * 0.25,
+            200..208 => f32::from(i16::arbitrary(source)?) / 4096.0,
+            208..216 => f32::from_bits(u32::arbitrary(source)?),
+            odd => ODD[usize::from(odd - 216) % ODD.len()],
+        }))
+    }
+}
+
+impl<'a> Arbitrary<'a> for Size {
+    fn arbitrary(source: &mut Unstructured<'a>) -> Result<Self> {
+        Ok(Self(match u8::arbitrary(source)? {
+            // 0.125 to 4.
+            small @ 0..160 => f32::from(small % 32 + 1) * 0.125,
+            // 1e-3 to 1e4, by decades.
+            decade @ 160..208 => 10_f32.powi(i32::from(decade % 8) - 3),
+            _ => Number::arbitrary(source)?.0,
+        }))
+    }
+}
+
+pub(crate) type Vector = [Number; 3];
+
+pub(crate) fn vector(numbers: Vector) -> [f32; 3] {
+    numbers.map(|number| number.0)
+}

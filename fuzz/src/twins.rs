@@ -1,0 +1,92 @@
+//! One scene in two simulations that must not differ: brute force on one thread, the grid on three.
+
+use std::fmt::Debug;
+use std::sync::OnceLock;
+
+use rayon::{ThreadPool, ThreadPoolBuilder};
+use rockfall::{Backend, BroadPhase, Error, Options, Result, Scene, Simulation};
+
+/// Words of lists and bytes of everything else that so small a scene may take: far above what is needed, far below what
+/// would hurt.
+const MEMORY: u64 = 64 << 20;
+/// Times that one step may be void.
+const REPLAYS: u64 = 64;
+
+pub(crate) struct Twins {
+    simulations: Vec<(Simulation, &'static ThreadPool)>,
+}
+
+fn pool(threads: usize) -> &'static ThreadPool {
+    static POOLS: [OnceLock<ThreadPool>; 4] = [const { OnceLock::new() }; 4];
+    POOLS[threads].get_or_init(|| ThreadPoolBuilder::new().num_threads(threads).build().expect("threads start"))
+}
+
+impl Twins {
+    pub(crate) fn new(options: &Options) -> Self {
+        // Handles are good for all copies of a scene.
+        let scene = Scene::new();
+        let open = |broad_phase, threads| {
+            let options = options.clone().backend(Backend::Cpu).broad_phase(broad_phase);
+            (Simulation::with_options(scene.clone(), options).expect("an empty scene opens"), pool(threads))
+        };
+        Self { simulations: vec![open(BroadPhase::BruteForce, 1), open(BroadPhase::Grid, 3)] }
+    }
+
+    /// The scene of the first, for handles.
+    pub(crate) fn scene(&self) -> &Scene {
+        self.simulations[0].0.scene()
+    }
+
+    /// Does something to both, which must say the same of it.
+    pub(crate) fn both<T: Debug + Send>(&mut self, what: impl Fn(&mut Simulation) -> Result<T> + Sync) -> Option<T> {
+        let mut all = self.simulations.iter_mut().map(|(simulation, pool)| pool.install(|| what(simulation)));
+        let first = all.next().expect("there are two");
+        for other in all {
+            assert_eq!(told(&other), told(&first));
+        }
+        first.ok()
+    }
+
+    /// Lets time go on in both, and compares them.
+    pub(crate) fn advance(&mut self, most_steps: u64, what: impl Fn(&mut Simulation) -> Result<()> + Sync) {
+        let before: Vec<u64> = self.simulations.iter().map(|(simulation, _)| simulation.report().replays).collect();
+        self.both(what);
+        for ((simulation, _), before) in self.simulations.iter().zip(before) {
+            let replays = simulation.report().replays - before;
+            assert!(replays <= REPLAYS * most_steps.max(1), "{replays} replays of {most_steps} steps");
+            assert!(simulation.device_memory() < MEMORY, "{} bytes", simulation.device_memory());
+        }
+        self.compare();
+    }
+
+    /// The same bits, and all of them finite.
+    pub(crate) fn compare(&mut self) {
+        let states = self.both(Simulation::spheres).expect("a scene can be read");
+        for (index, state) in states.iter().enumerate() {
+            let finite = state.position.is_finite() && state.velocity.is_finite() && state.angular_momentum.is_finite();
+            assert!(finite && state.orientation.is_finite(), "sphere {index}: {state:?}");
+        }
+        self.both(|simulation| {
+            let report = simulation.report();
+            let met = (report.contacts, report.max_overlap.to_bits(), report.collisions, report.total_collisions);
+            Ok((report.steps, report.time.to_bits(), report.non_finite, met))
+        });
+    }
+
+    /// Everything that can be asked about the present state.
+    pub(crate) fn observe(&mut self) {
+        self.both(Simulation::contacts);
+        self.both(Simulation::diagnostics);
+        self.both(Simulation::energy);
+        self.both(|simulation| Ok(simulation.sync()?.to_text()));
+    }
+}
+
+/// What a call answered, to compare; of a step that is given up, only that. Numbers are printed to the last bit.
+fn told<T: Debug>(result: &Result<T>) -> String {
+    match result {
+        Ok(value) => format!("{value:?}"),
+        Err(Error::Stuck { step, attempts, reason }) => panic!("step {step} was void {attempts} times: {reason}"),
+        Err(error) => format!("{error}"),
+    }
+}
