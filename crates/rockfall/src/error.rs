@@ -79,7 +79,8 @@ pub enum Error {
     Device(String),
     /// The scene does not fit the limits of the device, or of the engine.
     #[error(
-        "the scene does not fit: {what} would take {needed} bytes, the limit is {limit}; use fewer objects or another backend"
+        "the scene does not fit: {what} would take {needed} bytes, the limit is {limit}; use fewer objects or, where the limit \
+         is the GPU's, --backend cpu"
     )]
     DeviceLimit {
         /// The buffer that is too large.
@@ -102,7 +103,7 @@ pub enum Error {
         stage: BadStage,
     },
     /// A step was run again so often that it cannot succeed.
-    #[error("step {step} was void {attempts} times in a row: {reason}")]
+    #[error("step {step} was void {attempts} times in a row: {reason}; a shorter time step may help")]
     Stuck {
         /// The step, from 1.
         step: u64,

@@ -7,6 +7,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use crate::error::{Error, Result};
 use crate::gpu::fault::Faults;
 use crate::gpu::kernel::Kernel;
+use crate::layout::WORKGROUP;
 use crate::stage::Stage;
 
 /// An opened device and the kernels compiled for it. Clones share both.
@@ -23,8 +24,15 @@ struct Inner {
     kernels: Mutex<HashMap<(&'static str, bool), Arc<Kernel>>>,
 }
 
-/// Storage buffers that a stage may bind.
-const STORAGE_BUFFERS: u32 = 8;
+/// A limit of a device by its name in WebGPU.
+type Limit = (&'static str, fn(&wgpu::Limits) -> u32);
+
+/// What the kernels need, which is what WebGPU promises or less.
+const NEEDED: [(Limit, u32); 3] = [
+    (("max_storage_buffers_per_shader_stage", |limits| limits.max_storage_buffers_per_shader_stage), 8),
+    (("max_compute_invocations_per_workgroup", |limits| limits.max_compute_invocations_per_workgroup), WORKGROUP),
+    (("max_compute_workgroup_size_x", |limits| limits.max_compute_workgroup_size_x), WORKGROUP),
+];
 
 const HELP: &str = "install a graphics driver with Vulkan, Metal or DX12 (on Linux: mesa-vulkan-drivers, or the \
                     proprietary driver with its Vulkan part), see what `rockfall devices` lists, or take --backend cpu";
@@ -57,10 +65,24 @@ fn preference(info: &wgpu::AdapterInfo) -> (u32, u32) {
     (kind, u32::from(info.backend != wgpu::Backend::Gl))
 }
 
-fn is_able(adapter: &wgpu::Adapter) -> bool {
-    let compute = wgpu::DownlevelFlags::COMPUTE_SHADERS;
-    adapter.get_downlevel_capabilities().flags.contains(compute)
-        && adapter.limits().max_storage_buffers_per_shader_stage >= STORAGE_BUFFERS
+/// The first limit that is too low for the kernels.
+fn lacks(limits: &wgpu::Limits) -> Option<String> {
+    let low = NEEDED.into_iter().find(|((_, limit), needed)| limit(limits) < *needed);
+    low.map(|((name, limit), needed)| format!("{name} is {}, rockfall needs {needed}", limit(limits)))
+}
+
+/// Why an adapter cannot be used.
+fn unable(adapter: &wgpu::Adapter, allow_software: bool) -> Option<String> {
+    let info = adapter.get_info();
+    let computes = adapter.get_downlevel_capabilities().flags.contains(wgpu::DownlevelFlags::COMPUTE_SHADERS);
+    let why = if !computes {
+        Some("it has no compute shaders".to_owned())
+    } else if !allow_software && info.device_type == wgpu::DeviceType::Cpu {
+        Some("it is software".to_owned())
+    } else {
+        lacks(&adapter.limits())
+    };
+    why.map(|why| format!("{} ({}): {why}", info.name, info.backend))
 }
 
 impl Gpu {
@@ -71,12 +93,16 @@ impl Gpu {
     /// [`Error::NoAdapter`] when there is none, [`Error::Device`] when it cannot be opened.
     pub async fn open(allow_software: bool) -> Result<Self> {
         let mut candidates = instance().enumerate_adapters(apis()).await;
-        let seen = candidates.len();
-        candidates
-            .retain(|adapter| is_able(adapter) && (allow_software || adapter.get_info().device_type != wgpu::DeviceType::Cpu));
+        let mut reasons = Vec::new();
+        candidates.retain(|adapter| {
+            let reason = unable(adapter, allow_software);
+            reasons.extend(reason.clone());
+            reason.is_none()
+        });
         candidates.sort_by_key(|adapter| Reverse(preference(&adapter.get_info())));
         if candidates.is_empty() {
-            return Err(Error::NoAdapter(format!("none of the {seen} adapters found is usable; {HELP}")));
+            let found = if reasons.is_empty() { "no adapter was found".to_owned() } else { reasons.join("; ") };
+            return Err(Error::NoAdapter(format!("{found}; {HELP}")));
         }
         let mut refused = String::new();
         for adapter in candidates {
@@ -150,6 +176,18 @@ impl Gpu {
         self.inner.device.adapter_info()
     }
 
+    /// # Errors
+    /// [`Error::Device`] when the device, which may be the caller's, was opened with limits that are too low.
+    pub(crate) fn check_limits(&self) -> Result<()> {
+        match lacks(&self.device().limits()) {
+            None => Ok(()),
+            Some(low) => Err(Error::Device(format!(
+                "the device does not do: {low}; open it with `wgpu::Limits::default()` or the adapter's own, or take the CPU \
+                 backend"
+            ))),
+        }
+    }
+
     pub(crate) fn faults(&self) -> &Faults {
         &self.inner.faults
     }
@@ -163,5 +201,20 @@ impl Gpu {
         let kernel = Arc::new(Kernel::new(self.device(), stage, rods)?);
         kernels.insert((stage.name, rods), Arc::clone(&kernel));
         Ok(kernel)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn limits_that_are_too_low_are_named() {
+        assert_eq!(lacks(&wgpu::Limits::default()), None);
+        let limits = wgpu::Limits { max_storage_buffers_per_shader_stage: 4, ..Default::default() };
+        let told = lacks(&limits).unwrap();
+        assert_eq!(told, "max_storage_buffers_per_shader_stage is 4, rockfall needs 8");
+        let limits = wgpu::Limits { max_compute_workgroup_size_x: 0, ..Default::default() };
+        assert!(lacks(&limits).is_some());
     }
 }

@@ -34,7 +34,7 @@ impl Faults {
         device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| faults.record(describe(&error))));
         let faults = self.clone();
         device.set_device_lost_callback(move |reason, message| {
-            faults.record(format!("the device was lost ({reason:?}): {message}"));
+            faults.record(lost(&format!("{reason:?}: {message}")));
         });
     }
 }
@@ -44,8 +44,20 @@ fn describe(error: &wgpu::Error) -> String {
         wgpu::Error::OutOfMemory { .. } => {
             "out of memory; use fewer objects, close other programs, or take --backend cpu".to_owned()
         }
-        other => other.to_string(),
+        other => match other.to_string() {
+            // A lost device makes invalid objects without a word, and wgpu complains of the first use of one.
+            text if text.contains("device is lost") || text.contains("label is invalid") => lost(text.trim()),
+            text => text,
+        },
     }
+}
+
+/// What is told of a device that is no more.
+pub(crate) fn lost(why: &str) -> String {
+    format!(
+        "the device was lost ({why}); its driver was reset or removed, or ran out of time or memory: run again, with fewer \
+         objects if it happens again, or take --backend cpu"
+    )
 }
 
 /// Runs `work`, and gives what the device had to say about it.
@@ -67,5 +79,23 @@ pub fn catch<T>(device: &wgpu::Device, work: impl FnOnce() -> T) -> Result<T> {
     match first {
         Some(text) => Err(Error::Device(text)),
         None => Ok(done),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_told_says_what_to_do() {
+        let of = |text: &str| -> Box<dyn std::error::Error + Send + Sync> { text.into() };
+        let memory = describe(&wgpu::Error::OutOfMemory { source: of("no memory") });
+        assert!(memory.contains("fewer objects") && memory.contains("--backend cpu"), "{memory}");
+        let description = "Buffer with 'x' label is invalid".to_owned();
+        let invalid = describe(&wgpu::Error::Validation { source: of("x"), description: description.clone() });
+        assert!(invalid.contains(&description) && invalid.contains("--backend cpu"), "{invalid}");
+        // What is wrong with a kernel is told as it is.
+        let description = "a kernel".to_owned();
+        assert_eq!(describe(&wgpu::Error::Validation { source: of("x"), description: description.clone() }), description);
     }
 }

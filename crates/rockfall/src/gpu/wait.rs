@@ -6,7 +6,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::task::{Context, Poll, Waker};
 
 use crate::error::{Error, Result};
-use crate::gpu::fault::Faults;
+use crate::gpu::fault::{Faults, lost};
 
 #[derive(Default)]
 struct Shared {
@@ -45,10 +45,7 @@ impl Future for Mapped {
             // The device's own words, where there are any, tell more than "mapping failed".
             return Poll::Ready(match done {
                 Ok(()) => self.faults.check(),
-                Err(_) => self
-                    .faults
-                    .check()
-                    .and(Err(Error::Device("a buffer could not be read back: the device was lost".to_owned()))),
+                Err(_) => self.faults.check().and(Err(Error::Device(lost("a buffer could not be read back")))),
             });
         }
         if let Err(error) = self.faults.check() {
@@ -90,7 +87,7 @@ fn wait(device: &wgpu::Device) -> Result<()> {
         // What was waited for may belong to another thread: let it run.
         Ok(Ok(_)) => std::thread::yield_now(),
         Ok(Err(error)) => return Err(Error::Device(format!("waiting for the device failed: {error}"))),
-        Err(_) => return Err(Error::Device("the device was lost while waiting for it".to_owned())),
+        Err(_) => return Err(Error::Device(lost("while it was waited for"))),
     }
     Ok(())
 }

@@ -38,9 +38,11 @@ impl GpuWorld {
     ///
     /// # Errors
     /// [`Error::DeviceLimit`] when a buffer would be larger than the device allows (nothing is allocated then),
-    /// [`Error::Device`] when memory runs out, the device is lost, or the world's indices point outside of it.
+    /// [`Error::Device`] when memory runs out, the device is lost or its limits are too low, or the world's indices point
+    /// outside of it.
     pub fn new(gpu: &Gpu, world: &World) -> Result<Self> {
         gpu.faults().check()?;
+        gpu.check_limits()?;
         let device = gpu.device();
         for buffer in Buffer::ALL {
             check_size(device, buffer.label(), bytes_needed(world, buffer))?;
@@ -51,7 +53,7 @@ impl GpuWorld {
         for index in 0..4 {
             let pass = make_buffer(device, "pass", size_of::<Pass>() as u64, usage)?;
             let block = Pass { index, ..Default::default() };
-            gpu.queue().write_buffer(&pass, 0, bytes_of(&block));
+            catch(device, || gpu.queue().write_buffer(&pass, 0, bytes_of(&block)))?;
             passes.push(pass);
         }
         let mut buffers = Vec::new();
@@ -167,7 +169,12 @@ impl GpuWorld {
         self.groups.clear();
         // First, so that there is room for the new one.
         self.buffers[at].destroy();
-        self.buffers[at] = make_storage(self.gpu.device(), buffer, needed)?;
+        let made = make_storage(self.gpu.device(), buffer, needed);
+        if let Err(Error::Device(text)) = &made {
+            // The old one is gone: whatever is asked of this world from now on is answered by this.
+            self.gpu.faults().record(text.clone());
+        }
+        self.buffers[at] = made?;
         Ok(())
     }
 

@@ -214,8 +214,14 @@ impl Simulation {
             return Err(Error::DeviceLimit { what: "the pair lists", needed: bytes(needed), limit: bytes(MAX_PAIR_WORDS) });
         }
         let capacity = (needed + needed / 4).next_multiple_of(SLICE).min(MAX_PAIR_WORDS);
+        let before = self.world.step.pair_capacity;
         self.world.set_pair_capacity(capacity);
-        self.engine.resize_lists(&self.world)
+        let grown = self.engine.resize_lists(&self.world);
+        if grown.is_err() {
+            // With fewer objects it may go on: they must not ask for the room that there is not.
+            self.world.set_pair_capacity(before);
+        }
+        grown
     }
 }
 
