@@ -25,7 +25,7 @@ pub(crate) struct Engine {
     /// auto, gpu or cpu
     #[arg(long, default_value_t)]
     backend: Backend,
-    /// auto, brute-force or grid
+    /// auto, brute-force, sort-and-skip or grid
     #[arg(long, default_value_t)]
     pub(crate) broad_phase: BroadPhase,
 }

@@ -95,7 +95,7 @@ pub const NO_BODY: u32 = u32::MAX;
 pub const BAD_STAGE_SHIFT: u32 = 27;
 
 /// First word of the cells in the buffer `cells`; word 0 is a mask of the levels that have objects, word 1 tells
-/// whether lists are to be made, words 2 and 3 are unused.
+/// whether lists are to be made, word 2 the number of objects that sort-and-skip has put in order; word 3 is unused.
 pub const CELLS_AT: u32 = 4;
 /// Cells that one workgroup sums.
 pub const CELL_BLOCK: u32 = 4096;
@@ -194,7 +194,7 @@ pub struct Step {
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
 pub struct Pass {
-    /// 0..4 for the stages of RK4; 0 for symplectic Euler and everything else.
+    /// 0..4 for the stages of RK4, 0 and 1 for `sort_axis`; 0 for symplectic Euler and everything else.
     pub index: u32,
     /// Padding to 16 bytes.
     pub pad: [u32; 3],

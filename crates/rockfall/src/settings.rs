@@ -208,6 +208,9 @@ pub enum BroadPhase {
     Auto,
     /// Every mover against every object, tile by tile (thesis section 2.5.1).
     BruteForce,
+    /// The same with objects kept roughly in the order of their x, in blocks that each know their interval: blocks that cannot
+    /// meet are skipped (what the thesis proposes in section 2.5.1).
+    SortAndSkip,
     /// A hashed grid of several levels: for any number of objects, of any sizes, however spread.
     Grid,
 }
@@ -232,6 +235,7 @@ impl fmt::Display for BroadPhase {
         f.write_str(match self {
             Self::Auto => "auto",
             Self::BruteForce => "brute-force",
+            Self::SortAndSkip => "sort-and-skip",
             Self::Grid => "grid",
         })
     }
@@ -244,8 +248,9 @@ impl FromStr for BroadPhase {
         match text {
             "auto" => Ok(Self::Auto),
             "brute-force" => Ok(Self::BruteForce),
+            "sort-and-skip" => Ok(Self::SortAndSkip),
             "grid" => Ok(Self::Grid),
-            _ => Err(invalid("broad-phase", text, "auto, brute-force or grid")),
+            _ => Err(invalid("broad-phase", text, "auto, brute-force, sort-and-skip or grid")),
         }
     }
 }

@@ -11,13 +11,16 @@ use crate::world::World;
 
 mod advance;
 mod apply_collisions;
+mod bound_blocks;
 mod clear_cells;
 mod commit_collisions;
 mod commit_leap;
 mod constrain;
 mod count_cells;
+mod count_near;
 mod count_pairs;
 mod end_step;
+mod fill_near;
 mod fill_pairs;
 mod find_collisions;
 mod find_neighbours;
@@ -27,6 +30,7 @@ mod restore_lengths;
 mod rod_forces;
 mod scan_cells;
 mod scan_pairs;
+mod sort_axis;
 mod sort_cells;
 mod turn;
 mod update_aabbs;
@@ -202,7 +206,7 @@ pub struct Stage {
 pub struct Run {
     /// The stage.
     pub stage: &'static Stage,
-    /// 0..4 for the force evaluations of RK4, else 0.
+    /// 0..4 for the force evaluations of RK4, 0 and 1 for `sort_axis`, else 0.
     pub pass: u32,
 }
 
@@ -247,6 +251,18 @@ impl Phase {
                     ]
                 }
             }
+            (Self::BroadPhase, _, BroadPhase::SortAndSkip) => {
+                const {
+                    &[
+                        pass(&sort_axis::STAGE, 0),
+                        pass(&sort_axis::STAGE, 1),
+                        run(&bound_blocks::STAGE),
+                        run(&count_near::STAGE),
+                        run(&scan_pairs::STAGE),
+                        run(&fill_near::STAGE),
+                    ]
+                }
+            }
             (Self::BroadPhase, _, _) => const { &[run(&count_pairs::STAGE), run(&scan_pairs::STAGE), run(&fill_pairs::STAGE)] },
             (Self::HandleCollisions, _, _) => {
                 const { &[run(&find_collisions::STAGE), run(&apply_collisions::STAGE), run(&commit_collisions::STAGE)] }
@@ -287,11 +303,15 @@ impl Phase {
 }
 
 /// Every stage there is, once.
-pub const ALL: [&Stage; 22] = [
+pub const ALL: [&Stage; 26] = [
     &update_aabbs::STAGE,
     &count_pairs::STAGE,
     &scan_pairs::STAGE,
     &fill_pairs::STAGE,
+    &sort_axis::STAGE,
+    &bound_blocks::STAGE,
+    &count_near::STAGE,
+    &fill_near::STAGE,
     &clear_cells::STAGE,
     &count_cells::STAGE,
     &scan_cells::SUM,

@@ -62,6 +62,10 @@ fn moves(name: &str, pass: u32) -> Option<Moves> {
         "count_pairs" => Moves { aabbs: 1, counts: 1, ..NONE },
         "scan_pairs" => Moves { counts: 1, ..NONE },
         "fill_pairs" => Moves { aabbs: 1, counts: 1, entries: 1, ..NONE },
+        "sort_axis" => Moves { aabbs: 1, keys: 2, ..NONE },
+        "bound_blocks" => Moves { aabbs: 1, keys: 1, ..NONE },
+        "count_near" => Moves { aabbs: 1, keys: 1, counts: 1, ..NONE },
+        "fill_near" => Moves { aabbs: 1, keys: 1, counts: 1, entries: 1, ..NONE },
         "clear_cells" | "sum_blocks" => Moves { cells: 1, ..NONE },
         // Adds to its cell, which reads and writes it; writes the key.
         "count_cells" => Moves { aabbs: 1, cells: 2, keys: 1, ..NONE },

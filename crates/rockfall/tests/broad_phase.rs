@@ -4,7 +4,11 @@
 use glam::DVec3;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
+#[cfg(feature = "gpu")]
+use rockfall::gpu::{Gpu, GpuWorld, block_on};
 use rockfall::layout::{ENTRY_ID_MASK, SLICE};
+#[cfg(feature = "gpu")]
+use rockfall::stage::Buffer;
 use rockfall::stage::Phase;
 use rockfall::world::World;
 use rockfall::{BroadPhase, Capsule, Cuboid, Integrator, Polygon, Rod, Scene, Sphere, cpu};
@@ -210,6 +214,18 @@ fn on_cpu(scene: &Scene, method: BroadPhase) -> World {
     world
 }
 
+#[cfg(feature = "gpu")]
+fn on_gpu(gpu: &Gpu, scene: &Scene, method: BroadPhase) -> World {
+    let mut world = world(scene);
+    let mut device = GpuWorld::new(gpu, &world).unwrap();
+    detect(&mut world, method, |world, stages| {
+        device.upload(world).unwrap();
+        device.run(stages, &world.step, 1).unwrap();
+        block_on(gpu.device(), device.download(world, &[Buffer::Status, Buffer::Lists])).unwrap();
+    });
+    world
+}
+
 #[test]
 fn the_grid_finds_what_brute_force_finds() {
     for (name, scene) in SCENES {
@@ -223,24 +239,36 @@ fn the_grid_finds_what_brute_force_finds() {
     }
 }
 
+#[test]
+fn sort_and_skip_finds_what_brute_force_finds() {
+    for (name, scene) in SCENES {
+        let scene = scene(1);
+        let expected = lists(&on_cpu(&scene, BroadPhase::BruteForce));
+        assert_same(name, &expected, &lists(&on_cpu(&scene, BroadPhase::SortAndSkip)));
+    }
+}
+
 #[cfg(feature = "gpu")]
 #[test]
 fn the_grid_on_the_gpu_finds_what_brute_force_finds() {
-    use rockfall::gpu::{Gpu, GpuWorld, block_on};
-    use rockfall::stage::Buffer;
-
     let gpu = Gpu::open_blocking(true).expect("the tests need a Vulkan adapter, software will do");
     for (name, scene) in SCENES {
         let scene = scene(PART_ON_GPU);
         let brute = on_cpu(&scene, BroadPhase::BruteForce);
-        let mut world = world(&scene);
-        let mut device = GpuWorld::new(&gpu, &world).unwrap();
-        detect(&mut world, BroadPhase::Grid, |world, stages| {
-            device.upload(world).unwrap();
-            device.run(stages, &world.step, 1).unwrap();
-            block_on(gpu.device(), device.download(world, &[Buffer::Status, Buffer::Lists])).unwrap();
-        });
+        let world = on_gpu(&gpu, &scene, BroadPhase::Grid);
         assert_the_grids(name, &brute, &lists(&brute), &lists(&world));
+    }
+}
+
+#[cfg(feature = "gpu")]
+#[test]
+fn sort_and_skip_on_the_gpu_finds_what_brute_force_finds() {
+    let gpu = Gpu::open_blocking(true).expect("the tests need a Vulkan adapter, software will do");
+    for (name, scene) in SCENES {
+        let scene = scene(PART_ON_GPU);
+        let brute = on_cpu(&scene, BroadPhase::BruteForce);
+        let world = on_gpu(&gpu, &scene, BroadPhase::SortAndSkip);
+        assert_same(name, &lists(&brute), &lists(&world));
     }
 }
 

@@ -23,7 +23,7 @@ fn resumed(simulation: &mut Simulation) -> Simulation {
 fn a_resumed_run_ends_in_the_same_bits(backend: Backend) {
     let (steps, stops) = on(backend, (120, vec![0, 1, 37, 60, 61, 100]), (24, vec![9, 14]));
     for integrator in [Integrator::Rk4, Integrator::SymplecticEuler] {
-        for method in [BroadPhase::BruteForce, BroadPhase::Grid] {
+        for method in [BroadPhase::BruteForce, BroadPhase::SortAndSkip, BroadPhase::Grid] {
             let options = Options::new().backend(backend).integrator(integrator).broad_phase(method);
             let start = || Simulation::with_options(mixed(80), options.clone()).expect("the simulation opens");
             let mut whole = start();

@@ -1,6 +1,8 @@
 //! The broad phase's question, asked of one mover: what may it meet?
 
-use crate::layout::{Aabb, BOX_FEATURES, ENTRY_ID_BITS, Step};
+use glam::Vec4;
+
+use crate::layout::{Aabb, BOX_FEATURES, ENTRY_ID_BITS, Step, WORKGROUP};
 
 /// The list entries of a mover, in ascending order of id, then feature.
 pub(crate) fn for_each_pair(step: &Step, aabbs: &[Aabb], mover: u32, mut take: impl FnMut(u32)) {
@@ -8,6 +10,30 @@ pub(crate) fn for_each_pair(step: &Step, aabbs: &[Aabb], mover: u32, mut take: i
     for (id, other) in (0..).zip(aabbs) {
         if may_meet(own, other) {
             entries(step, mover, id, &mut take);
+        }
+    }
+}
+
+/// The same in any order, of the blocks whose intervals in x meet the mover's own. `cells` holds the order that the blocks are
+/// of, `intervals` one a block.
+pub(crate) fn for_each_near(
+    step: &Step,
+    aabbs: &[Aabb],
+    cells: &[u32],
+    intervals: &[Vec4],
+    mover: u32,
+    mut take: impl FnMut(u32),
+) {
+    let own = &aabbs[mover as usize];
+    let order = &cells[step.sorted_at as usize..][..aabbs.len()];
+    for (block, interval) in order.chunks(WORKGROUP as usize).zip(intervals) {
+        if interval.x > own.max[0] || own.min[0] > interval.y {
+            continue;
+        }
+        for id in block {
+            if may_meet(own, &aabbs[*id as usize]) {
+                entries(step, mover, *id, &mut take);
+            }
         }
     }
 }

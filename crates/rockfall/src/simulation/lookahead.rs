@@ -38,7 +38,12 @@ pub(super) struct Lists {
 impl Lists {
     /// What a step cost, a mover.
     fn cost(&self, method: BroadPhase) -> f32 {
-        let search = if method == BroadPhase::Grid { 0.0 } else { TEST * self.movers };
+        let search = match method {
+            BroadPhase::Grid => 0.0,
+            // The slab of a crowd that a block of it meets.
+            BroadPhase::SortAndSkip => TEST * 8.0 * self.movers.powf(2.0 / 3.0),
+            _ => TEST * self.movers,
+        };
         self.builds_per_step * (BUILD + search + FIND * self.words_per_mover) + LOOK * self.words_per_mover
     }
 }

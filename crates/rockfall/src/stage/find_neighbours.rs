@@ -18,6 +18,7 @@ pub(crate) const STAGE: Stage = Stage {
     parts: &[
         part!("wgsl/step.wgsl"),
         part!("wgsl/order.wgsl"),
+        part!("wgsl/heap.wgsl"),
         part!("wgsl/grid.wgsl"),
         part!("wgsl/neighbours.wgsl"),
         part!("stage/find_neighbours.wgsl"),

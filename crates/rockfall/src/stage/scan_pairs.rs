@@ -17,7 +17,7 @@ pub(crate) const STAGE: Stage = Stage {
 };
 
 fn scan_pairs(world: &mut World, _pass: u32) {
-    if world.status.rebuild == 0 {
+    if world.status.rebuild == 0 || world.status.void != 0 {
         return;
     }
     let (counts, offsets) = world.lists.split_at_mut(world.step.slices_at as usize);

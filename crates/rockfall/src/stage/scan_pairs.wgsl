@@ -30,7 +30,7 @@ fn scan_pairs(@builtin(local_invocation_index) local: u32) {
     let slices = step.slices_at / SLICE;
     if local == 0u {
         carried = 0u;
-        due = status.rebuild;
+        due = select(0u, status.rebuild, status.void == 0u);
     }
     if workgroupUniformLoad(&due) == 0u {
         return;

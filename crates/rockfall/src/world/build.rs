@@ -42,11 +42,24 @@ impl World {
         Self::build_ordered(scene, spatial_order(&positions, typical_cell(scene)))
     }
 
+    /// The same with spheres in the order of their x, which sort-and-skip begins with.
+    ///
+    /// # Errors
+    /// As for [`World::build`].
+    pub fn build_along_x(scene: &Scene) -> Result<Self> {
+        let spheres = scene.spheres();
+        let mut order: Vec<u32> = (0..spheres.len() as u32).collect();
+        let x = |index: u32| spheres[index as usize].position.x;
+        order.sort_by(|a, b| x(*a).total_cmp(&x(*b)));
+        Self::build_ordered(scene, order)
+    }
+
     /// The world in the order that suits a broad phase: brute force goes through memory in order of addition.
     pub(crate) fn for_method(scene: &Scene, broad_phase: BroadPhase) -> Result<Self> {
         let counts = scene.counts();
         match broad_phase.resolve(counts.spheres + counts.rods + counts.boxes + counts.polygons) {
             BroadPhase::Grid => Self::build_in_space(scene),
+            BroadPhase::SortAndSkip => Self::build_along_x(scene),
             _ => Self::build(scene),
         }
     }

@@ -11,11 +11,15 @@ use crate::trace::{Plan, trace};
 /// A mistake: in which stage and pass, the file, the text and what it becomes, and the buffer that it shows in.
 struct Mistake(&'static str, u32, &'static str, &'static str, &'static str, Buffer);
 
-const MISTAKES: [Mistake; 37] = [
+const MISTAKES: [Mistake; 41] = [
     Mistake("update_aabbs", 0, "update_aabbs.wgsl", "0.02 * radius", "0.03 * radius", Buffer::Aabbs),
     Mistake("count_pairs", 0, "pair_tiles.wgsl", "(a.id != b.id)", "(a.id < b.id)", Buffer::Lists),
     Mistake("scan_pairs", 0, "scan_pairs.wgsl", "k < SLICE;", "k < SLICE / 2u;", Buffer::Lists),
     Mistake("fill_pairs", 0, "pair_tiles.wgsl", "id | feature <<", "id | (11u - feature) <<", Buffer::Lists),
+    Mistake("sort_axis", 1, "sort_axis.wgsl", "pass_.index * WORKGROUP", "0u", Buffer::Cells),
+    Mistake("bound_blocks", 0, "bound_blocks.wgsl", "max(greatest[local]", "min(greatest[local]", Buffer::Extents),
+    Mistake("count_near", 0, "near_tiles.wgsl", "their.x > interval.y", "their.x > interval.x", Buffer::Lists),
+    Mistake("fill_near", 0, "heap.wgsl", "<= key {", ">= key {", Buffer::Lists),
     Mistake("clear_cells", 0, "clear_cells.wgsl", "k < CELL_BLOCK", "k < CELL_BLOCK / 2u", Buffer::Cells),
     Mistake("count_cells", 0, "grid.wgsl", "u32(z) * ROW_Z", "u32(z) * ROW_Y", Buffer::Cells),
     Mistake("sum_blocks", 0, "scan_cells.wgsl", "local == WORKGROUP - 1u", "local == 0u", Buffer::Cells),
@@ -71,7 +75,7 @@ fn broken(run: Run, Mistake(_, _, file, right, wrong, _): &Mistake) -> Run {
 
 #[test]
 fn a_kernel_with_a_mistake_is_told() {
-    let integrators = [(0, Integrator::Rk4), (1, Integrator::SymplecticEuler)];
+    let integrators = [(0, Integrator::Rk4), (1, Integrator::SymplecticEuler), (2, Integrator::Rk4)];
     // Coulomb's cap is reached at a sliding velocity of 1, which some contacts exceed and some do not.
     let settings = Settings { coulomb_friction: 0.05, ..Settings::default() };
     let traces = integrators.map(|(seed, integrator)| trace(&Plan { settings, ..plan(seed, integrator) }));
