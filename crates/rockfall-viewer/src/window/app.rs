@@ -163,7 +163,8 @@ impl ApplicationHandler for App {
         let Some(open) = &mut self.open else {
             return;
         };
-        if open.widgets.on_window_event(&open.window, &event).repaint {
+        // A frame is no reason for another one.
+        if open.widgets.on_window_event(&open.window, &event).repaint && event != WindowEvent::RedrawRequested {
             open.window.request_redraw();
         }
         match event {
