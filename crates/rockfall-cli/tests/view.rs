@@ -308,6 +308,22 @@ fn a_lost_device_is_opened_again() {
     assert!(told(&report).contains("lost and opened again"), "{report:#}");
 }
 
+/// Where nothing changes nothing is drawn, and nothing computed.
+#[test]
+fn a_stopped_scene_is_not_drawn_again_and_again() {
+    let mut session = Session::open(&[("scene.txt", BALL)], "--backend cpu");
+    session.wait("a frame", |report| number(&report["run"]["frames"]) >= 1.0);
+    let frames = |session: &Session| {
+        sleep(Duration::from_secs(4));
+        let text = fs::read_to_string(session.path("report.json")).expect("a report");
+        let report: Value = serde_json::from_str(&text).expect("good JSON");
+        number(&report["run"]["frames"])
+    };
+    let before = frames(&session);
+    assert_eq!(frames(&session), before);
+    session.quit();
+}
+
 #[test]
 fn without_a_display_it_says_so_and_what_to_do_instead() {
     let folder = folder(&[("scene.txt", BALL)]);
