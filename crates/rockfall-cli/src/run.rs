@@ -117,6 +117,12 @@ pub(crate) fn run(arguments: &Arguments, given: &Given) -> Result<(), Failure> {
 fn begin(arguments: &Arguments) -> Result<Run, Failure> {
     let wanted = arguments.wanted()?;
     let Source { name, loaded } = Source::read(arguments.scene.as_deref())?;
+    for file in [&arguments.out, &arguments.trace].into_iter().flatten() {
+        Source::is_not(arguments.scene.as_deref(), file)?;
+    }
+    if loaded.scene.counts().spheres == 0 {
+        output::note(&format!("warning: {name}: no spheres, so nothing will move"));
+    }
     for warning in &loaded.warnings {
         output::note(&format!("warning: {name}:{}: {}", warning.line, warning.text));
     }

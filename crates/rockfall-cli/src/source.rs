@@ -32,6 +32,17 @@ impl Source {
         Self::new(STDIN_NAME, Scene::parse_bytes(&bytes, Path::new(STDIN_NAME)))
     }
 
+    /// A scene must not be written over by what becomes of it.
+    pub(crate) fn is_not(scene: Option<&Path>, file: &Path) -> Result<(), Failure> {
+        let place = |path: &Path| path.canonicalize().ok();
+        match scene.and_then(place) {
+            Some(scene) if place(file).as_ref() == Some(&scene) && scene.is_file() => {
+                Err(Failure::usage(format!("{}: the scene itself would be written over", file.display())))
+            }
+            _ => Ok(()),
+        }
+    }
+
     /// A scene that cannot be read is wrong usage, whatever the reason.
     fn new(name: &str, loaded: rockfall::Result<Loaded>) -> Result<Self, Failure> {
         Ok(Self { name: name.to_owned(), loaded: loaded.map_err(Failure::usage)? })

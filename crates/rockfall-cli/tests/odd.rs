@@ -1,0 +1,139 @@
+//! The real binary used oddly: odd files for scenes, odd places for what is written, no graphics driver. Every case ends
+//! with an exit code of the three and a message in words; `bad_scenes...` and `wrong_arguments...` in cli.rs have the rest.
+
+use std::ffi::OsStr;
+use std::fs;
+use std::io::{BufRead as _, BufReader};
+use std::path::Path;
+use std::process::{Command, Stdio};
+
+/// One ball over a box.
+const SCENE: &str = "S 1 0 1 0 0 0 0 0 0 0 1 0.5\nB -5 -1 -5 10 0 0 0 1 0 0 0 10\n";
+
+fn command(folder: &Path, arguments: impl IntoIterator<Item = impl AsRef<OsStr>>) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_rockfall"));
+    command.current_dir(folder).args(arguments).env("XDG_RUNTIME_DIR", folder).stdin(Stdio::null());
+    command
+}
+
+/// Exit code, standard output and standard error.
+fn run(mut command: Command) -> (i32, String, String) {
+    let output = command.output().unwrap();
+    let text = |bytes: Vec<u8>| String::from_utf8_lossy(&bytes).into_owned();
+    let (out, err) = (text(output.stdout), text(output.stderr));
+    assert!(!err.contains("panicked"), "{err}");
+    (output.status.code().expect("no signal ends it"), out, err)
+}
+
+/// A folder with odd files.
+fn folder() -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    let write = |name: &str, bytes: &[u8]| fs::write(folder.path().join(name), bytes).unwrap();
+    write("scene.txt", SCENE.as_bytes());
+    write("empty.txt", b"");
+    write("prose.txt", "Balls, some of them in the air, and not one line that says so.\n".repeat(50).as_bytes());
+    write("binary.txt", &fs::read(env!("CARGO_BIN_EXE_rockfall")).unwrap()[..5000]);
+    write("noise.txt", &(0..5000_u32).map(|k| (k.wrapping_mul(2_654_435_761) >> 24) as u8 | 1).collect::<Vec<u8>>());
+    write("static.txt", b"B -5 -1 -5 10 0 0 0 1 0 0 0 10\nP 0 0 0 0 0 1 1 0 0\n");
+    write("fixed.txt", b"S 1 0 1 0 0 0 0 0 0 0 1 0.5 1\n");
+    write("one.txt", b"S 1 0 1 0 0 0 0 0 0 0 1 0.5\n");
+    write("escape.txt", b"S 1 0\x1b[2J 0\n");
+    fs::create_dir(folder.path().join("folder")).unwrap();
+    folder
+}
+
+#[test]
+fn odd_files_and_arguments() {
+    let folder = folder();
+    let cases = [
+        ("run empty.txt --steps 3", 0, "warning: empty.txt: no spheres, so nothing will move"),
+        ("run prose.txt --steps 3", 0, "warning: prose.txt: no spheres"),
+        ("run static.txt --steps 3", 0, "warning: static.txt: no spheres"),
+        ("run noise.txt --steps 3", 0, "warning: noise.txt: no spheres"),
+        ("run binary.txt", 2, "binary.txt:1: text: a NUL byte"),
+        ("run escape.txt", 2, "escape.txt:1: S y: '0\\u{1b}[2J' is not a number"),
+        ("run folder", 2, "folder: "),
+        ("run fixed.txt --steps 3", 0, ""),
+        ("run one.txt --steps 3", 0, ""),
+        ("run scene.txt --steps 0", 0, ""),
+        ("run scene.txt --steps 5 --steps 6", 2, "cannot be used multiple times"),
+        ("run scene.txt --steps 18446744073709551616", 2, "18446744073709551616"),
+        ("run scene.txt --json --json", 2, "cannot be used multiple times"),
+        ("run scene.txt --out= --steps 1", 2, "a value is required"),
+        ("run scene.txt --out scene.txt", 2, "scene.txt: the scene itself would be written over"),
+        ("run scene.txt --trace folder/../scene.txt", 2, "scene.txt: the scene itself would be written over"),
+        ("run scene.txt --steps 1 --out folder", 1, "folder: cannot be written"),
+        ("run scene.txt --steps 1 --out ..", 1, "..: cannot be written"),
+        ("run scene.txt --steps 1 --out scene.txt/state.csv", 1, "cannot be written"),
+        ("run scene.txt --steps 2 --dt 1e38", 1, "stopped being finite"),
+        ("run scene.txt --steps 2 --dt 1e-38", 0, ""),
+        ("check --dt 0.01 scene.txt scene.txt", 2, "unexpected argument"),
+        ("--backend cpu run scene.txt", 2, "'run --backend' exists"),
+    ];
+    for (arguments, code, message) in cases {
+        let cpu = if arguments.starts_with("run") { " --backend cpu" } else { "" };
+        let line = format!("{arguments}{cpu}");
+        let (found, _, err) = run(command(folder.path(), line.split(' ')));
+        assert!(found == code && err.contains(message), "{line}: {found}\n{err}");
+        assert!(!message.is_empty() || err.is_empty(), "{line}: {err}");
+        assert!(!err.contains('\u{1b}'), "{line}: {err:?}");
+    }
+    assert_eq!(fs::read_to_string(folder.path().join("scene.txt")).unwrap(), SCENE);
+}
+
+/// A link to the scene is the scene, a device is not.
+#[cfg(unix)]
+#[test]
+fn links_devices_and_names_that_are_not_text() {
+    use std::os::unix::ffi::OsStrExt as _;
+    let folder = folder();
+    std::os::unix::fs::symlink("scene.txt", folder.path().join("link.csv")).unwrap();
+    let steps = ["--backend", "cpu", "--steps", "1"];
+    let (code, _, err) = run(command(folder.path(), ["run", "scene.txt", "--out", "link.csv"].iter().chain(&steps)));
+    assert!(code == 2 && err.contains("written over"), "{err}");
+    let (code, _, err) = run(command(folder.path(), ["run", "/dev/null", "--out", "/dev/null"].iter().chain(&steps)));
+    assert_eq!(code, 0, "{err}");
+
+    let odd = OsStr::from_bytes(b"\xff\xfe.txt");
+    fs::write(folder.path().join(odd), SCENE).unwrap();
+    let (code, _, err) = run(command(folder.path(), [OsStr::new("run"), odd].into_iter().chain(steps.map(OsStr::new))));
+    assert_eq!((code, err.as_str()), (0, ""));
+    let missing = OsStr::from_bytes(b"\xff.txt");
+    let (code, _, err) = run(command(folder.path(), [OsStr::new("check"), missing]));
+    assert!(code == 2 && err.contains("No such file"), "{err}");
+}
+
+/// As `| head -1`: the first line is read, then the reader goes away.
+#[test]
+fn a_reader_that_goes_away_is_no_error() {
+    let folder = folder();
+    let mut child = command(folder.path(), ["generate", "pile", "--spheres", "50000"])
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let mut first = String::new();
+    BufReader::new(child.stdout.take().unwrap()).read_line(&mut first).unwrap();
+    assert!(first.starts_with("rockfall generate pile"), "{first}");
+    let output = child.wait_with_output().unwrap();
+    assert_eq!((output.status.code(), String::from_utf8_lossy(&output.stderr).as_ref()), (Some(0), ""));
+}
+
+/// No Vulkan driver is to be found, as on a machine without one.
+#[cfg(all(feature = "gpu", target_os = "linux"))]
+#[test]
+fn without_a_driver_the_message_says_what_to_do() {
+    let folder = folder();
+    let bare = |backend: &str| {
+        let mut command = command(folder.path(), ["run", "scene.txt", "--steps", "1", "--backend", backend]);
+        command.env("VK_DRIVER_FILES", "/nonexistent").env("VK_ICD_FILENAMES", "/nonexistent").env("WGPU_BACKEND", "vulkan");
+        run(command)
+    };
+    let (code, out, err) = bare("gpu");
+    assert_eq!((code, out.as_str()), (1, ""));
+    for word in ["no usable GPU", "no adapter was found", "install a graphics driver", "--backend cpu"] {
+        assert!(err.contains(word), "{err}");
+    }
+    let (code, out, err) = bare("auto");
+    assert!(code == 0 && out.contains("cpu: CPU"), "{out}{err}");
+}
