@@ -117,7 +117,7 @@ pub(crate) fn run(arguments: &Arguments, given: &Given) -> Result<(), Failure> {
 fn begin(arguments: &Arguments) -> Result<Run, Failure> {
     let wanted = arguments.wanted()?;
     let Source { name, loaded } = Source::read(arguments.scene.as_deref())?;
-    for file in [&arguments.out, &arguments.trace].into_iter().flatten() {
+    for file in [&arguments.out, &arguments.trace, &arguments.checkpoint].into_iter().flatten() {
         Source::is_not(arguments.scene.as_deref(), file)?;
     }
     if loaded.scene.counts().spheres == 0 {
