@@ -51,7 +51,7 @@ fn odd_files_and_arguments() {
         ("run static.txt --steps 3", 0, "warning: static.txt: no spheres"),
         ("run noise.txt --steps 3", 0, "warning: noise.txt: no spheres"),
         ("run binary.txt", 2, "binary.txt:1: text: a NUL byte"),
-        ("run escape.txt", 2, "escape.txt:1: S y: '0\\u{1b}[2J' is not a number"),
+        ("run escape.txt", 2, "escape.txt:1: S x: '0\\u{1b}[2J' is not a number"),
         ("run folder", 2, "folder: "),
         ("run fixed.txt --steps 3", 0, ""),
         ("run one.txt --steps 3", 0, ""),
