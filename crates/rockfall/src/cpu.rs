@@ -18,6 +18,9 @@ pub(crate) mod view;
 use crate::stage::Run;
 use crate::world::World;
 
+/// Bodies that a thread takes at least: handing over fewer costs more than doing them.
+pub(crate) const GRAIN: usize = 64;
+
 /// Runs stages in their order.
 pub fn run(world: &mut World, runs: &[Run]) {
     for run in runs {

@@ -2,6 +2,7 @@
 
 use rayon::prelude::*;
 
+use crate::cpu::GRAIN;
 use crate::layout::{ENTRY_FEATURE_MASK, ENTRY_ID_BITS, ENTRY_ID_MASK, LIST_COLLIDES, LIST_COUNT_MASK, SLICE, Step};
 
 /// One entry of a mover's list.
@@ -72,7 +73,7 @@ pub(crate) fn fill_slices(step: &Step, lists: &mut [u32], entries: impl Fn(u32, 
             rest.split_off_mut(..words as usize).unwrap_or_default()
         })
         .collect();
-    slices.into_par_iter().enumerate().for_each(|(slice, words)| {
+    slices.into_par_iter().enumerate().with_min_len(GRAIN / SLICE as usize).for_each(|(slice, words)| {
         let slice = slice as u32;
         for mover in slice * SLICE..movers.min((slice + 1) * SLICE) {
             let mut at = (mover % SLICE) as usize;

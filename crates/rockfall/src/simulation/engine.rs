@@ -110,16 +110,20 @@ impl Engine {
     ) -> Result<()> {
         match (self, recorder) {
             (Self::Cpu, recorder) => {
-                let mut taken = Vec::new();
-                for _ in 0..times {
-                    match recorder {
-                        Some(_) => taken.push(profile::run_timed(world, stages)),
-                        None => cpu::run(world, stages),
+                let (mut taken, timed) = (Vec::new(), recorder.is_some());
+                // On a thread of the pool from the start: to wake one in every stage costs more than a small scene's step.
+                rayon::scope(|_| {
+                    for _ in 0..times {
+                        if timed {
+                            taken.push(profile::run_timed(world, stages));
+                        } else {
+                            cpu::run(world, stages);
+                        }
+                        if world.status.void != 0 {
+                            break;
+                        }
                     }
-                    if world.status.void != 0 {
-                        break;
-                    }
-                }
+                });
                 if let Some(recorder) = recorder {
                     recorder.book(stages, &taken, &world.step, &world.status);
                 }

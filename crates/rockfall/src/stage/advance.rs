@@ -6,6 +6,7 @@
 
 use rayon::prelude::*;
 
+use crate::cpu::GRAIN;
 use crate::cpu::forces::{count_contacts, rates};
 use crate::cpu::lists::Lists;
 use crate::cpu::state::{Motion, Rows};
@@ -81,6 +82,7 @@ fn advance(world: &mut World, pass: u32) {
     };
     let tally = Rows::of(&mut todo[0], world.step.spheres)
         .into_par_iter()
+        .with_min_len(GRAIN)
         .map(|(sphere, row)| {
             let mut tally = Tally::default();
             row.set(&start, sphere, next(sphere, &mut tally));

@@ -7,6 +7,7 @@
 use glam::Vec3;
 use rayon::prelude::*;
 
+use crate::cpu::GRAIN;
 use crate::cpu::collision::{each_incident, row_sums, takes_part};
 use crate::cpu::lists::Lists;
 use crate::cpu::state::{Motion, Rows};
@@ -57,6 +58,7 @@ fn apply_collisions(world: &mut World, _pass: u32) {
     let lists = Lists::new(&world.step, &world.lists);
     let tally = Rows::of(y2, world.step.spheres)
         .into_par_iter()
+        .with_min_len(GRAIN)
         .map(|(sphere, row)| {
             let mut tally = Tally::default();
             if !takes_part(&view, &lists, sphere) {

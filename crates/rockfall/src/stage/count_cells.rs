@@ -2,6 +2,7 @@
 
 use rayon::prelude::*;
 
+use crate::cpu::GRAIN;
 use crate::cpu::grid::key_of;
 use crate::layout::CELLS_AT;
 use crate::stage::{Buffer, Stage, Threads, part, read, write};
@@ -21,7 +22,7 @@ fn count_cells(world: &mut World, _pass: u32) {
         return;
     }
     let step = &world.step;
-    let keys: Vec<(u32, u32)> = world.aabbs.par_iter().map(|aabb| key_of(step, aabb)).collect();
+    let keys: Vec<(u32, u32)> = world.aabbs.par_iter().with_min_len(GRAIN).map(|aabb| key_of(step, aabb)).collect();
     for (object, (key, level)) in keys.into_iter().enumerate() {
         world.cells[0] |= 1 << level;
         world.cells[(CELLS_AT + key) as usize] += 1;

@@ -3,6 +3,7 @@
 
 use rayon::prelude::*;
 
+use crate::cpu::GRAIN;
 use crate::cpu::broad::for_each_near;
 use crate::stage::{Buffer, Stage, Threads, part, read, write};
 use crate::world::World;
@@ -28,7 +29,7 @@ fn count_near(world: &mut World, _pass: u32) {
     }
     let World { step, cells, extents, aabbs, lists, .. } = world;
     let (counts, padding) = lists[..step.slices_at as usize].split_at_mut((step.spheres + step.rods) as usize);
-    counts.par_iter_mut().zip(0..step.spheres + step.rods).for_each(|(count, mover)| {
+    counts.par_iter_mut().zip(0..step.spheres + step.rods).with_min_len(GRAIN).for_each(|(count, mover)| {
         *count = 0;
         for_each_near(step, aabbs, cells, extents, mover, |_| *count += 1);
     });

@@ -7,6 +7,7 @@
 
 use rayon::prelude::*;
 
+use crate::cpu::GRAIN;
 use crate::cpu::broad::for_each_pair;
 use crate::stage::{Buffer, Stage, Threads, part, read, write};
 use crate::world::World;
@@ -27,7 +28,7 @@ fn count_pairs(world: &mut World, _pass: u32) {
     let (step, aabbs) = (&world.step, &world.aabbs);
     let movers = world.step.spheres + world.step.rods;
     let (counts, padding) = world.lists[..step.slices_at as usize].split_at_mut(movers as usize);
-    counts.par_iter_mut().enumerate().for_each(|(mover, count)| {
+    counts.par_iter_mut().enumerate().with_min_len(GRAIN).for_each(|(mover, count)| {
         *count = 0;
         for_each_pair(step, aabbs, mover as u32, |_| *count += 1);
     });

@@ -8,11 +8,12 @@
 
 use rayon::prelude::*;
 
+use crate::cpu::GRAIN;
 use crate::cpu::collision::Collision;
 use crate::cpu::lists::Lists;
 use crate::cpu::tally::{Tally, escape_ratio};
 use crate::cpu::view::View;
-use crate::layout::{ENTRY_COLLIDES, ENTRY_OVERLAPS, LIST_COLLIDES};
+use crate::layout::{ENTRY_COLLIDES, ENTRY_OVERLAPS, LIST_COLLIDES, LIST_COUNT_MASK};
 use crate::stage::{Buffer, Stage, Threads, part, read, write};
 use crate::world::World;
 
@@ -48,25 +49,35 @@ fn find_collisions(world: &mut World, _pass: u32) {
     }
     let view = View::new(&world.step, &world.words, &world.states[0]);
     let lists = Lists::new(&world.step, &world.lists);
-    let found: Vec<(Vec<(u32, u32)>, Tally)> =
-        (0..world.step.spheres + world.step.rods).into_par_iter().map(|mover| find(&view, &lists, world, mover)).collect();
-    for (mover, (entries, tally)) in found.into_iter().enumerate() {
-        let collides = entries.iter().any(|(_, word)| word & ENTRY_COLLIDES != 0);
-        world.lists[mover] = entries.len() as u32 | if collides { LIST_COLLIDES } else { 0 };
-        for (slot, word) in entries {
-            world.lists[(world.step.entries_at + slot) as usize] = word;
-        }
+    let found: Vec<Found> = (0..world.step.spheres + world.step.rods)
+        .into_par_iter()
+        .with_min_len(GRAIN)
+        .map(|mover| find(&view, &lists, world, mover))
+        .collect();
+    for (count, Found { collides, tally, .. }) in world.lists.iter_mut().zip(&found) {
+        *count = *count & LIST_COUNT_MASK | if *collides { LIST_COLLIDES } else { 0 };
         tally.tell(&mut world.status);
+    }
+    for (slot, word) in found.into_iter().flat_map(|found| found.changed) {
+        world.lists[(world.step.entries_at + slot) as usize] = word;
     }
 }
 
-/// The slots and new words of a mover's entries.
-fn find(view: &View, lists: &Lists, world: &World, mover: u32) -> (Vec<(u32, u32)>, Tally) {
-    let mut tally = Tally::default();
+/// What was found of a mover.
+struct Found {
+    /// Slots and new words of the entries that are no longer what they were.
+    changed: Vec<(u32, u32)>,
+    /// Some entry collides.
+    collides: bool,
+    tally: Tally,
+}
+
+fn find(view: &View, lists: &Lists, world: &World, mover: u32) -> Found {
+    let (mut tally, mut collides) = (Tally::default(), false);
     if mover < world.step.spheres {
         tally.escape_ratio = escape_ratio(view, &world.aabbs, mover);
     }
-    let entries = lists.row(mover).map(|entry| {
+    let entries = lists.row(mover).filter_map(|entry| {
         let mut word = entry.word & !(ENTRY_OVERLAPS | ENTRY_COLLIDES);
         let collision = Collision::between(view, mover, entry.id(), entry.feature());
         if let Some(collision) = collision.filter(|collision| collision.is_pressed(view)) {
@@ -76,7 +87,9 @@ fn find(view: &View, lists: &Lists, world: &World, mover: u32) -> (Vec<(u32, u32
                 tally.collisions += u32::from(view.user(mover) < view.user(entry.id()));
             }
         }
-        (entry.slot, word)
+        collides |= word & ENTRY_COLLIDES != 0;
+        (word != entry.word).then_some((entry.slot, word))
     });
-    (entries.collect(), tally)
+    let changed = entries.collect();
+    Found { changed, collides, tally }
 }

@@ -6,6 +6,7 @@
 
 use rayon::prelude::*;
 
+use crate::cpu::GRAIN;
 use crate::cpu::grid::Grid;
 use crate::cpu::view::View;
 use crate::layout::{ENTRY_FEATURE_MASK, ENTRY_ID_BITS, ENTRY_ID_MASK, SLICE, VOID_COUNT, VOID_PAIRS};
@@ -42,7 +43,8 @@ fn find_neighbours(world: &mut World, _pass: u32) {
     let movers = world.step.spheres + world.step.rods;
     let view = View::new(&world.step, &world.words, &world.states[0]);
     let grid = Grid::new(&world.step, &world.aabbs, &world.cells);
-    let found: Vec<Vec<u32>> = (0..movers).into_par_iter().map(|mover| neighbours(&grid, &view, mover)).collect();
+    let found: Vec<Vec<u32>> =
+        (0..movers).into_par_iter().with_min_len(GRAIN).map(|mover| neighbours(&grid, &view, mover)).collect();
 
     let (step, status) = (&world.step, &mut world.status);
     for (slice, lists) in found.chunks(SLICE as usize).enumerate() {

@@ -6,6 +6,7 @@
 use glam::{Vec3, Vec4};
 use rayon::prelude::*;
 
+use crate::cpu::GRAIN;
 use crate::cpu::forces::rates;
 use crate::cpu::lists::Lists;
 use crate::cpu::state::{Motion, Rows};
@@ -51,6 +52,7 @@ fn finish(world: &mut World, _pass: u32) {
     let lists = Lists::new(&world.step, &world.lists);
     let done: Vec<(Done, Tally)> = (0..world.step.spheres)
         .into_par_iter()
+        .with_min_len(GRAIN)
         .map(|sphere| {
             let mut tally = Tally::default();
             (finished(&views, &lists, &world.wrenches, sphere, &mut tally), tally)

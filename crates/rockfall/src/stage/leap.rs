@@ -4,6 +4,7 @@
 
 use rayon::prelude::*;
 
+use crate::cpu::GRAIN;
 use crate::cpu::forces::{count_contacts, rates};
 use crate::cpu::lists::Lists;
 use crate::cpu::state::{Motion, Rows};
@@ -63,7 +64,7 @@ fn leap(world: &mut World, _pass: u32) {
             Motion { position: y.position + dt * velocity, velocity, angular_momentum: y.angular_momentum + dt * torque };
         next.or_stopped(y.position, BadStage::Forces1, view.user(sphere), tally)
     };
-    let rows = Rows::of(y2, world.step.spheres).into_par_iter().zip(Rows::of(y3, world.step.spheres));
+    let rows = Rows::of(y2, world.step.spheres).into_par_iter().zip(Rows::of(y3, world.step.spheres)).with_min_len(GRAIN);
     let tally = rows
         .map(|((sphere, row), (_, memory))| {
             let mut tally = Tally::default();

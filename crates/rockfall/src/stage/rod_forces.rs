@@ -5,6 +5,7 @@
 
 use rayon::prelude::*;
 
+use crate::cpu::GRAIN;
 use crate::cpu::forces::rod_loads;
 use crate::cpu::lists::Lists;
 use crate::cpu::tally::Tally;
@@ -44,6 +45,7 @@ fn rod_forces(world: &mut World, pass: u32) {
     let tally = world
         .wrenches
         .par_chunks_mut(4)
+        .with_min_len(GRAIN)
         .take(world.step.rods as usize)
         .enumerate()
         .map(|(rod, wrench)| {

@@ -8,6 +8,7 @@
 use glam::Vec3;
 use rayon::prelude::*;
 
+use crate::cpu::GRAIN;
 use crate::cpu::view::{Object, View};
 use crate::layout::Aabb;
 use crate::stage::{Buffer, Stage, Threads, part, read, write};
@@ -33,7 +34,7 @@ fn update_aabbs(world: &mut World, _pass: u32) {
     }
     let objects = world.objects();
     let view = View::new(&world.step, &world.words, &world.states[0]);
-    (0..objects).into_par_iter().map(|id| aabb(&view, id)).collect_into_vec(&mut world.aabbs);
+    (0..objects).into_par_iter().with_min_len(GRAIN).map(|id| aabb(&view, id)).collect_into_vec(&mut world.aabbs);
 }
 
 fn aabb(view: &View, id: u32) -> Aabb {
