@@ -3,6 +3,7 @@
 use rayon::prelude::*;
 
 use crate::cpu::GRAIN;
+use crate::cpu::view::View;
 use crate::layout::{ENTRY_FEATURE_MASK, ENTRY_ID_BITS, ENTRY_ID_MASK, LIST_COLLIDES, LIST_COUNT_MASK, SLICE, Step};
 
 /// One entry of a mover's list.
@@ -52,6 +53,11 @@ impl<'a> Lists<'a> {
     pub(crate) fn collides(&self, mover: u32) -> bool {
         self.words[mover as usize] & LIST_COLLIDES != 0
     }
+}
+
+/// Puts a mover's entries into their canonical order: by index in order of addition, then feature.
+pub(crate) fn put_in_order(view: &View, entries: &mut [u32]) {
+    entries.sort_unstable_by_key(|entry| (view.user(entry & ENTRY_ID_MASK), entry >> ENTRY_ID_BITS & ENTRY_FEATURE_MASK));
 }
 
 /// Slot of entry `place` of a mover.

@@ -11,7 +11,13 @@ use crate::world::World;
 /// The stage.
 pub(crate) const STAGE: Stage = Stage {
     name: "count_near",
-    parts: &[part!("wgsl/step.wgsl"), part!("wgsl/axis.wgsl"), part!("wgsl/near_tiles.wgsl"), part!("stage/count_near.wgsl")],
+    parts: &[
+        part!("wgsl/step.wgsl"),
+        part!("wgsl/meet.wgsl"),
+        part!("wgsl/axis.wgsl"),
+        part!("wgsl/near_tiles.wgsl"),
+        part!("stage/count_near.wgsl"),
+    ],
     bindings: &[
         read("aabbs", Buffer::Aabbs),
         read("cells", Buffer::Cells),

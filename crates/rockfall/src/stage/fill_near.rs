@@ -2,9 +2,8 @@
 //! of addition), then feature.
 
 use crate::cpu::broad::for_each_near;
-use crate::cpu::lists::fill_slices;
+use crate::cpu::lists::{fill_slices, put_in_order};
 use crate::cpu::view::View;
-use crate::layout::{ENTRY_FEATURE_MASK, ENTRY_ID_BITS, ENTRY_ID_MASK};
 use crate::stage::{Buffer, Stage, Threads, part, read, write};
 use crate::world::World;
 
@@ -13,6 +12,7 @@ pub(crate) const STAGE: Stage = Stage {
     name: "fill_near",
     parts: &[
         part!("wgsl/step.wgsl"),
+        part!("wgsl/meet.wgsl"),
         part!("wgsl/order.wgsl"),
         part!("wgsl/heap.wgsl"),
         part!("wgsl/axis.wgsl"),
@@ -40,7 +40,7 @@ fn fill_near(world: &mut World, _pass: u32) {
     fill_slices(step, lists, |mover, take| {
         let mut entries = Vec::new();
         for_each_near(step, aabbs, cells, extents, mover, |entry| entries.push(entry));
-        entries.sort_unstable_by_key(|entry| (view.user(entry & ENTRY_ID_MASK), entry >> ENTRY_ID_BITS & ENTRY_FEATURE_MASK));
+        put_in_order(&view, &mut entries);
         entries.into_iter().for_each(take);
     });
 }

@@ -8,8 +8,9 @@ use rayon::prelude::*;
 
 use crate::cpu::GRAIN;
 use crate::cpu::grid::Grid;
+use crate::cpu::lists::put_in_order;
 use crate::cpu::view::View;
-use crate::layout::{ENTRY_FEATURE_MASK, ENTRY_ID_BITS, ENTRY_ID_MASK, SLICE, VOID_COUNT, VOID_PAIRS};
+use crate::layout::{SLICE, VOID_COUNT, VOID_PAIRS};
 use crate::stage::{Buffer, Stage, Threads, part, read, write};
 use crate::world::World;
 
@@ -18,6 +19,7 @@ pub(crate) const STAGE: Stage = Stage {
     name: "find_neighbours",
     parts: &[
         part!("wgsl/step.wgsl"),
+        part!("wgsl/meet.wgsl"),
         part!("wgsl/order.wgsl"),
         part!("wgsl/heap.wgsl"),
         part!("wgsl/grid.wgsl"),
@@ -79,7 +81,7 @@ fn find_neighbours(world: &mut World, _pass: u32) {
 fn neighbours(grid: &Grid, view: &View, mover: u32) -> Vec<u32> {
     let mut entries = Vec::new();
     grid.for_each_pair(mover, |entry| entries.push(entry));
-    entries.sort_unstable_by_key(|entry| (view.user(entry & ENTRY_ID_MASK), entry >> ENTRY_ID_BITS & ENTRY_FEATURE_MASK));
+    put_in_order(view, &mut entries);
     entries.dedup();
     entries
 }

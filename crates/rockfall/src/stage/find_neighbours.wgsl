@@ -30,20 +30,6 @@ var<private> entries: u32;
 // First word of the list, once it has a place; 0 before.
 var<private> into: u32;
 
-fn is_rod(mover: u32) -> bool {
-    return RODS & (mover >= step.spheres);
-}
-
-// Entries that an object makes in the list of a mover: a rod has one for each feature of a box, and none for a polygon,
-// which its end spheres meet.
-fn entries_of(mover: u32, id: u32) -> u32 {
-    let movers = step.spheres + step.rods;
-    if !is_rod(mover) | (id < movers) {
-        return 1u;
-    }
-    return select(0u, BOX_FEATURES, id < movers + step.boxes);
-}
-
 fn may_meet(a: u32, b: u32) -> bool {
     // Two spheres whose balls are apart are not found in the first place.
     if (a < step.spheres) & (b < step.spheres) {
@@ -52,9 +38,7 @@ fn may_meet(a: u32, b: u32) -> bool {
         }
         return ((words[step.tags_at + a] ^ words[step.tags_at + b]) & 0xffffu) == 0u;
     }
-    let one = aabbs[a];
-    let other = aabbs[b];
-    return all(one.min <= other.max) & all(other.min <= one.max) & (((one.tag ^ other.tag) & 0xffffu) == 0u);
+    return aabbs_meet(aabbs[a], aabbs[b]);
 }
 
 fn emit(mover: u32, id: u32) {

@@ -3,14 +3,9 @@
 
 var<workgroup> tile: array<Aabb, WORKGROUP>;
 
-fn may_meet(a: Aabb, b: Aabb) -> bool {
-    return all(a.min <= b.max) & all(b.min <= a.max) & (((a.tag ^ b.tag) & 0xffffu) == 0u) & (a.id != b.id);
-}
-
 // Emits the entries of the mover in a place of the order, in any order. All threads of a workgroup must come here.
 fn emit_near(block: u32, local: u32) {
     let movers = step.spheres + step.rods;
-    let polygons_from = movers + step.boxes;
     let interval = extents[min(block, blocks() - 1u)].xy;
     let place = block * WORKGROUP + local;
     var own: Aabb;
@@ -18,7 +13,6 @@ fn emit_near(block: u32, local: u32) {
     if place < objects() {
         own = aabbs[cells[step.sorted_at + place]];
     }
-    let is_rod = own.id >= step.spheres;
     for (var other = 0u; other < blocks(); other++) {
         // The same for the whole workgroup.
         let their = extents[other].xy;
@@ -34,9 +28,8 @@ fn emit_near(block: u32, local: u32) {
         if own.id < movers {
             let end = min(WORKGROUP, objects() - first);
             for (var k = 0u; k < end; k++) {
-                let id = tile[k].id;
-                if may_meet(own, tile[k]) & !(is_rod & (id >= polygons_from)) {
-                    emit(own.id, id, select(1u, BOX_FEATURES, is_rod & (id >= movers)));
+                if aabbs_meet(own, tile[k]) & (own.id != tile[k].id) {
+                    emit(own.id, tile[k].id, entries_of(own.id, tile[k].id));
                 }
             }
         }

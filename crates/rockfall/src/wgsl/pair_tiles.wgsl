@@ -2,17 +2,11 @@
 
 var<workgroup> tile: array<Aabb, WORKGROUP>;
 
-fn may_meet(a: Aabb, b: Aabb) -> bool {
-    return all(a.min <= b.max) & all(b.min <= a.max) & (((a.tag ^ b.tag) & 0xffffu) == 0u) & (a.id != b.id);
-}
-
 // Emits the entries of a mover in ascending order of id, then feature, and gives their number. All threads of a
 // workgroup must come here; those past the last mover only help to load tiles.
 fn emit_pairs(mover: u32, local: u32) -> u32 {
     let movers = step.spheres + step.rods;
-    let polygons_from = movers + step.boxes;
-    let objects = polygons_from + step.polygons;
-    let is_rod = mover >= step.spheres;
+    let objects = movers + step.boxes + step.polygons;
     var own: Aabb;
     if mover < movers {
         own = aabbs[mover];
@@ -27,14 +21,11 @@ fn emit_pairs(mover: u32, local: u32) -> u32 {
         if mover < movers {
             let end = min(WORKGROUP, objects - base);
             for (var k = 0u; k < end; k++) {
-                if !may_meet(own, tile[k]) {
+                if !(aabbs_meet(own, tile[k]) & (own.id != tile[k].id)) {
                     continue;
                 }
                 let id = base + k;
-                if is_rod & (id >= polygons_from) {
-                    continue;
-                }
-                let features = select(1u, BOX_FEATURES, is_rod & (id >= movers));
+                let features = entries_of(mover, id);
                 for (var feature = 0u; feature < features; feature++) {
                     emit(mover, count, id | feature << ENTRY_ID_BITS);
                     count += 1u;

@@ -13,7 +13,7 @@ struct Mistake(&'static str, u32, &'static str, &'static str, &'static str, Buff
 
 const MISTAKES: [Mistake; 41] = [
     Mistake("update_aabbs", 0, "update_aabbs.wgsl", "0.02 * radius", "0.03 * radius", Buffer::Aabbs),
-    Mistake("count_pairs", 0, "pair_tiles.wgsl", "(a.id != b.id)", "(a.id < b.id)", Buffer::Lists),
+    Mistake("count_pairs", 0, "pair_tiles.wgsl", "(own.id != tile[k].id)", "(own.id < tile[k].id)", Buffer::Lists),
     Mistake("scan_pairs", 0, "scan_pairs.wgsl", "k < SLICE;", "k < SLICE / 2u;", Buffer::Lists),
     Mistake("fill_pairs", 0, "pair_tiles.wgsl", "id | feature <<", "id | (11u - feature) <<", Buffer::Lists),
     Mistake("sort_axis", 1, "sort_axis.wgsl", "pass_.index * WORKGROUP", "0u", Buffer::Cells),
