@@ -6,6 +6,7 @@
 //!
 //! This module is public for tools and tests; it may change between minor versions.
 
+use crate::layout::{CELL_BLOCK, Step, WORKGROUP};
 use crate::settings::{BroadPhase, Integrator};
 use crate::world::World;
 
@@ -13,6 +14,7 @@ mod advance;
 mod apply_collisions;
 mod bound_blocks;
 mod clear_cells;
+mod commit_and_turn;
 mod commit_collisions;
 mod commit_leap;
 mod constrain;
@@ -25,6 +27,7 @@ mod fill_pairs;
 mod find_collisions;
 mod find_neighbours;
 mod finish;
+mod finish_and_turn;
 mod leap;
 mod restore_lengths;
 mod rod_forces;
@@ -160,6 +163,10 @@ pub enum Threads {
     Movers,
     /// A thread per sphere.
     Spheres,
+    /// A thread per sphere in scenes with rods; in others the stage has nothing to do.
+    SpheresWithRods,
+    /// A thread per sphere in scenes without rods; in others the stage has nothing to do.
+    SpheresWithoutRods,
     /// A thread per rod.
     Rods,
     /// A workgroup per batch of fixed-length rods.
@@ -168,6 +175,25 @@ pub enum Threads {
     Blocks,
     /// One workgroup.
     One,
+}
+
+impl Threads {
+    /// Workgroups that a stage has in a world of these counts; 0: it has nothing to do.
+    pub fn workgroups(self, step: &Step) -> u32 {
+        let movers = step.spheres + step.rods;
+        let spheres = step.spheres.div_ceil(WORKGROUP);
+        match self {
+            Self::Objects => (movers + step.boxes + step.polygons).div_ceil(WORKGROUP),
+            Self::Movers => movers.div_ceil(WORKGROUP),
+            Self::Spheres => spheres,
+            Self::SpheresWithRods => spheres * u32::from(step.rods > 0),
+            Self::SpheresWithoutRods => spheres * u32::from(step.rods == 0),
+            Self::Rods => step.rods.div_ceil(WORKGROUP),
+            Self::Batches => step.batches,
+            Self::Blocks => step.cells / CELL_BLOCK,
+            Self::One => 1,
+        }
+    }
 }
 
 /// A piece of WGSL and the file it stands in.
@@ -281,6 +307,7 @@ impl Phase {
                         pass(&finish::STAGE, 3),
                         run(&constrain::STAGE),
                         run(&turn::STAGE),
+                        pass(&finish_and_turn::STAGE, 3),
                         run(&end_step::STAGE),
                     ]
                 }
@@ -294,6 +321,7 @@ impl Phase {
                         run(&commit_leap::STAGE),
                         run(&constrain::STAGE),
                         run(&turn::STAGE),
+                        run(&commit_and_turn::STAGE),
                         run(&end_step::STAGE),
                     ]
                 }
@@ -303,7 +331,7 @@ impl Phase {
 }
 
 /// Every stage there is, once.
-pub const ALL: [&Stage; 26] = [
+pub const ALL: [&Stage; 28] = [
     &update_aabbs::STAGE,
     &count_pairs::STAGE,
     &scan_pairs::STAGE,
@@ -325,8 +353,10 @@ pub const ALL: [&Stage; 26] = [
     &rod_forces::STAGE,
     &advance::STAGE,
     &finish::STAGE,
+    &finish_and_turn::STAGE,
     &leap::STAGE,
     &commit_leap::STAGE,
+    &commit_and_turn::STAGE,
     &constrain::STAGE,
     &turn::STAGE,
     &end_step::STAGE,

@@ -52,6 +52,7 @@ fn plan(seed: u64, integrator: Integrator) -> Plan {
         integrator,
         broad_phase: [BroadPhase::BruteForce, BroadPhase::Grid, BroadPhase::SortAndSkip][seed as usize % 3],
         settings: Settings::default(),
+        rods: true,
     }
 }
 
@@ -136,6 +137,22 @@ fn every_stage_of_a_step_with_rk4() {
 fn every_stage_of_a_step_with_symplectic_euler() {
     let traces: Vec<Trace> = (10..13).map(|seed| compared(&plan(seed, Integrator::SymplecticEuler))).collect();
     assert_seen(&traces, &CONTACTS[..4]);
+}
+
+/// The stages that do what two others do in scenes with rods.
+#[test]
+fn every_stage_without_rods() {
+    for (seed, integrator) in [(30, Integrator::Rk4), (31, Integrator::SymplecticEuler)] {
+        let trace = compared(&Plan { rods: false, ..plan(seed, integrator) });
+        let changed = |name: &str| {
+            let scenario = trace.scenarios.iter().find(|scenario| scenario.run.stage.name == name).expect(name);
+            let mut after = scenario.before.clone();
+            (scenario.run.stage.cpu)(&mut after, scenario.run.pass);
+            after.orientations != scenario.before.orientations
+        };
+        assert!(changed(if integrator == Integrator::Rk4 { "finish_and_turn" } else { "commit_and_turn" }));
+        assert!(!changed("turn"), "spheres turned twice");
+    }
 }
 
 /// Constants off their defaults, collisions off, pulling damping.

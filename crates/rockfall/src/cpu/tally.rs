@@ -85,10 +85,12 @@ pub(crate) fn outside(aabb: &Aabb, centre: Vec3, radius: f32) -> f32 {
     if out <= 0.0 { 0.0 } else { (out / (0.02 * radius)).clamp(1e-3, 1e30) }
 }
 
-/// Whether a moving ball may be out of the ball that its AABB encloses before the next step is done, at the velocity at hand.
-pub(crate) fn may_leave(aabb: &Aabb, centre: Vec3, velocity: Vec3, radius: f32, dt: f32) -> bool {
-    let reach = radius + 1.05 * velocity.length() * dt + 0.02 * radius;
-    reach_out(aabb, centre, reach) > 0.0
+/// Whether a moving sphere, come to be here and so fast, may be out of the ball that its AABB encloses before the next step is
+/// done.
+pub(crate) fn asks_for_lists(view: &View, aabbs: &[Aabb], sphere: u32, centre: Vec3, velocity: Vec3) -> bool {
+    let radius = view.radius(sphere);
+    let reach = radius + 1.05 * velocity.length() * view.step.dt + 0.02 * radius;
+    !view.is_fixed(sphere) && reach_out(&aabbs[sphere as usize], centre, reach) > 0.0
 }
 
 /// How far a ball reaches out of the ball that an AABB encloses; not positive: it is inside. Rounding far from the origin is

@@ -11,9 +11,9 @@ use crate::gpu::fault::catch;
 use crate::gpu::memory::{bytes_needed, check_size, make_buffer, make_storage};
 use crate::gpu::timer::Timer;
 use crate::gpu::wait::Mapped;
-use crate::layout::{CELL_BLOCK, Pass, Status, Step, WORKGROUP};
+use crate::layout::{Pass, Status, Step};
 use crate::profile::BufferSize;
-use crate::stage::{Buffer, Run, Stage, Threads};
+use crate::stage::{Buffer, Run, Stage};
 use crate::world::World;
 
 /// Bytes written or read in one piece, so that staging memory stays small beside the buffers.
@@ -234,24 +234,9 @@ impl GpuWorld {
         })
     }
 
-    /// Threads or, for batches, workgroups.
-    fn workgroups(&self, threads: Threads) -> u32 {
-        let step = &self.step;
-        let movers = step.spheres + step.rods;
-        match threads {
-            Threads::Objects => (movers + step.boxes + step.polygons).div_ceil(WORKGROUP),
-            Threads::Movers => movers.div_ceil(WORKGROUP),
-            Threads::Spheres => step.spheres.div_ceil(WORKGROUP),
-            Threads::Rods => step.rods.div_ceil(WORKGROUP),
-            Threads::Batches => step.batches,
-            Threads::Blocks => step.cells / CELL_BLOCK,
-            Threads::One => 1,
-        }
-    }
-
     /// Whether a stage has nothing to do for this world, so that it is not dispatched.
     pub(crate) fn is_idle(&self, run: &Run) -> bool {
-        self.workgroups(run.stage.threads) == 0
+        run.stage.threads.workgroups(&self.step) == 0
     }
 
     fn make_group(&self, stage: &Stage, pass: u32, layout: &wgpu::BindGroupLayout) -> wgpu::BindGroup {
@@ -291,7 +276,7 @@ impl GpuWorld {
     pub fn encode(&self, pass: &mut wgpu::ComputePass<'_>, runs: &[Run], steps: u32) -> Result<()> {
         let mut table = Vec::with_capacity(runs.len());
         for run in runs {
-            let groups = self.workgroups(run.stage.threads);
+            let groups = run.stage.threads.workgroups(&self.step);
             if groups == 0 {
                 continue;
             }

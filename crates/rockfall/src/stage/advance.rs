@@ -2,7 +2,8 @@
 //!
 //! With f the right side at stage state Y(p+1): Y(p+2) = y + c f, c = dt/2, dt/2, dt. Pass 0 counts contacts. A sphere
 //! whose stage state leaves its AABB voids the step; one whose next state is not finite gets its starting position,
-//! no velocity and no spin there, and is reported.
+//! no velocity and no spin there, and is reported. In pass 2 a sphere that may leave its AABB within the next step asks for new
+//! lists (`rebuild`): its stage state 4 is about where this step will end.
 
 use rayon::prelude::*;
 
@@ -10,7 +11,7 @@ use crate::cpu::GRAIN;
 use crate::cpu::forces::{count_contacts, rates};
 use crate::cpu::lists::Lists;
 use crate::cpu::state::{Motion, Rows};
-use crate::cpu::tally::{Tally, escape_ratio, outside};
+use crate::cpu::tally::{Tally, asks_for_lists, escape_ratio, outside};
 use crate::cpu::view::View;
 use crate::layout::BadStage;
 use crate::stage::{Access, Binding, Buffer, Slot, Stage, Threads, part, read, write};
@@ -25,6 +26,7 @@ pub(crate) const STAGE: Stage = Stage {
         part!("wgsl/objects.wgsl"),
         part!("wgsl/geometry.wgsl"),
         part!("wgsl/contact.wgsl"),
+        part!("wgsl/wrenches.wgsl"),
         part!("wgsl/forces.wgsl"),
         part!("wgsl/margin.wgsl"),
         part!("wgsl/tell.wgsl"),
@@ -78,6 +80,7 @@ fn advance(world: &mut World, pass: u32) {
         let next = next.or_stopped(origin.position, BAD[pass as usize], view.user(sphere), tally);
         let escaped = outside(&world.aabbs[sphere as usize], next.position, view.radius(sphere));
         tally.escape_ratio = tally.escape_ratio.max(escaped);
+        tally.rebuild = pass == 2 && asks_for_lists(&view, &world.aabbs, sphere, next.position, next.velocity);
         next
     };
     let tally = Rows::of(&mut todo[0], world.step.spheres)

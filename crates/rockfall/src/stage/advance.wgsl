@@ -27,6 +27,10 @@ fn write_next(i: u32, net: Net) {
         if ratio > 0.0 {
             tell_escape(ratio);
         }
+        // Stage state 4 is about where the step will end, which is good enough: whoever leaves unannounced voids a step.
+        if pass_.index == 2u {
+            ask_for_lists(i, vec4f(after.position, old_position.w), vec4f(after.velocity, old_velocity.w));
+        }
     }
     next[position_at(i)] = vec4f(after.position, old_position.w);
     next[velocity_at(i)] = vec4f(after.velocity, old_velocity.w);

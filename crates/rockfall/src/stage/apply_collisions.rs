@@ -11,7 +11,7 @@ use crate::cpu::GRAIN;
 use crate::cpu::collision::{each_incident, row_sums, takes_part};
 use crate::cpu::lists::Lists;
 use crate::cpu::state::{Motion, Rows};
-use crate::cpu::tally::{Tally, may_leave};
+use crate::cpu::tally::{Tally, asks_for_lists};
 use crate::cpu::view::View;
 use crate::layout::{BadStage, ENTRY_COLLIDES};
 use crate::stage::{Buffer, Stage, Threads, part, read, write};
@@ -65,9 +65,7 @@ fn apply_collisions(world: &mut World, _pass: u32) {
                 return tally;
             }
             let after = collided(&view, &lists, sphere, &mut tally);
-            let aabb = &world.aabbs[sphere as usize];
-            tally.rebuild =
-                !view.is_fixed(sphere) && may_leave(aabb, after.position, after.velocity, view.radius(sphere), world.step.dt);
+            tally.rebuild = asks_for_lists(&view, &world.aabbs, sphere, after.position, after.velocity);
             row.set(&view, sphere, after);
             tally
         })

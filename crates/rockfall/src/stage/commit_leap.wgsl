@@ -1,6 +1,7 @@
 @group(0) @binding(2) var<storage, read_write> state: array<vec4f>;
 @group(0) @binding(3) var<storage, read> next: array<vec4f>;
-@group(0) @binding(4) var<storage, read> status: Status;
+@group(0) @binding(4) var<storage, read> aabbs: array<Aabb>;
+@group(0) @binding(5) var<storage, read_write> status: StatusAtomic;
 
 @compute @workgroup_size(64)
 fn commit_leap(
@@ -9,10 +10,8 @@ fn commit_leap(
     @builtin(local_invocation_index) local: u32,
 ) {
     let i = linear_thread(group, groups, local);
-    if (i >= step.spheres) | (status.void != 0u) {
+    if (i >= step.spheres) | (atomicLoad(&status.void) != 0u) {
         return;
     }
-    for (var region = 0u; region < 3u; region++) {
-        state[region * step.spheres + i] = next[region * step.spheres + i];
-    }
+    commit(i);
 }

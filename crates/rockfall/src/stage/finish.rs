@@ -1,7 +1,8 @@
 //! RK4, pass 3: the last force evaluation and the new state, without a running sum:
 //! y + [(Y2 - y) + 2 (Y3 - y) + (Y4 - y)] / 3 + dt/6 f(Y4).
 //!
-//! Leaves the old position in region 0 of `Y3` and the mean spin (w1 + 2 w2 + 2 w3 + w4) / 6 in its region 2.
+//! Leaves the old position in region 0 of `Y3` and the mean spin (w1 + 2 w2 + 2 w3 + w4) / 6 in its region 2, for `constrain`
+//! and `turn`; where there are no rods, and so neither of them, `finish_and_turn` does it all.
 
 use glam::{Vec3, Vec4};
 use rayon::prelude::*;
@@ -25,8 +26,10 @@ pub(crate) const STAGE: Stage = Stage {
         part!("wgsl/objects.wgsl"),
         part!("wgsl/geometry.wgsl"),
         part!("wgsl/contact.wgsl"),
+        part!("wgsl/wrenches.wgsl"),
         part!("wgsl/forces.wgsl"),
         part!("wgsl/tell.wgsl"),
+        part!("wgsl/finished.wgsl"),
         part!("stage/finish.wgsl"),
     ],
     bindings: &[
@@ -39,38 +42,46 @@ pub(crate) const STAGE: Stage = Stage {
         read("wrenches", Buffer::Wrenches),
         write("status", Buffer::Status),
     ],
-    threads: Threads::Spheres,
+    threads: Threads::SpheresWithRods,
     cpu: finish,
 };
 
 fn finish(world: &mut World, _pass: u32) {
-    if world.status.void != 0 {
+    if world.status.void != 0 || world.step.rods == 0 {
         return;
     }
+    let done = finish_all(world);
+    for ((_, memory), done) in Rows::of(&mut world.states[2], world.step.spheres).into_iter().zip(done) {
+        memory.remember(done.old_position, done.spin);
+    }
+}
+
+/// A sphere after the step, and what the rest of it needs to know.
+pub(super) struct Done {
+    motion: Motion,
+    old_position: Vec3,
+    /// The mean over the step, in rad/s.
+    pub(super) spin: Vec3,
+}
+
+/// Makes the new state of all spheres.
+pub(super) fn finish_all(world: &mut World) -> Vec<Done> {
     let [start, y2, y3, y4] = &mut world.states;
     let views = [&*start, y2, y3, y4].map(|state| View::new(&world.step, &world.words, state));
     let lists = Lists::new(&world.step, &world.lists);
-    let done: Vec<(Done, Tally)> = (0..world.step.spheres)
+    let (done, tallies): (Vec<Done>, Vec<Tally>) = (0..world.step.spheres)
         .into_par_iter()
         .with_min_len(GRAIN)
         .map(|sphere| {
             let mut tally = Tally::default();
             (finished(&views, &lists, &world.wrenches, sphere, &mut tally), tally)
         })
-        .collect();
-    let rows = Rows::of(start, world.step.spheres).into_iter().zip(Rows::of(y3, world.step.spheres));
-    for (((_, row), (_, memory)), (done, tally)) in rows.zip(done) {
+        .unzip();
+    for ((_, row), done) in Rows::of(start, world.step.spheres).into_iter().zip(&done) {
         row.put(done.motion);
-        memory.remember(done.old_position, done.spin);
-        tally.tell(&mut world.status);
     }
-}
-
-/// A sphere after the step, and what the constraints need to know of the step.
-struct Done {
-    motion: Motion,
-    old_position: Vec3,
-    spin: Vec3,
+    tallies.into_iter().fold(Tally::default(), Tally::merge).tell(&mut world.status);
+    done
 }
 
 fn finished(views: &[View; 4], lists: &Lists, wrenches: &[Vec4], sphere: u32, tally: &mut Tally) -> Done {

@@ -1,6 +1,6 @@
 //! Symplectic Euler: v += dt a(x, v), L += dt T, x += dt v, the new state to `Y2`.
 //!
-//! Leaves the old position in region 0 of `Y3` and the new spin in its region 2. Counts, voids and reports as `advance` does.
+//! With rods, leaves the old position in region 0 of `Y3` and the new spin in its region 2. Counts, voids and reports as `advance` does.
 
 use rayon::prelude::*;
 
@@ -23,6 +23,7 @@ pub(crate) const STAGE: Stage = Stage {
         part!("wgsl/objects.wgsl"),
         part!("wgsl/geometry.wgsl"),
         part!("wgsl/contact.wgsl"),
+        part!("wgsl/wrenches.wgsl"),
         part!("wgsl/forces.wgsl"),
         part!("wgsl/margin.wgsl"),
         part!("wgsl/tell.wgsl"),
@@ -70,7 +71,9 @@ fn leap(world: &mut World, _pass: u32) {
             let mut tally = Tally::default();
             let next = next(sphere, &mut tally);
             row.set(&view, sphere, next);
-            memory.remember(view.position(sphere), next.angular_momentum * view.inverse_inertia(sphere));
+            if view.step.rods > 0 {
+                memory.remember(view.position(sphere), next.angular_momentum * view.inverse_inertia(sphere));
+            }
             tally
         })
         .reduce(Tally::default, Tally::merge);

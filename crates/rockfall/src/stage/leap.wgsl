@@ -27,8 +27,10 @@ fn write_next(i: u32, net: Net) {
     next[position_at(i)] = vec4f(after.position, old_position.w);
     next[velocity_at(i)] = vec4f(after.velocity, old_velocity.w);
     next[momentum_at(i)] = vec4f(after.momentum, old_momentum.w);
-    y3[position_at(i)] = vec4f(old_position.xyz, 0.0);
-    y3[momentum_at(i)] = vec4f(after.momentum * old_momentum.w, 0.0);
+    if RODS {
+        y3[position_at(i)] = vec4f(old_position.xyz, 0.0);
+        y3[momentum_at(i)] = vec4f(after.momentum * old_momentum.w, 0.0);
+    }
 }
 
 @compute @workgroup_size(64)

@@ -22,6 +22,7 @@ pub(crate) const STAGE: Stage = Stage {
         part!("wgsl/objects.wgsl"),
         part!("wgsl/geometry.wgsl"),
         part!("wgsl/contact.wgsl"),
+        part!("wgsl/wrenches.wgsl"),
         part!("wgsl/forces.wgsl"),
         part!("stage/rod_forces.wgsl"),
     ],

@@ -1,13 +1,11 @@
 //! Orientations, and the spin of capsules (physics.md section 5, E18).
 //!
-//! A sphere that may leave its AABB within the next step asks for new lists (`rebuild`).
-//!
+//! In scenes with rods; in others `finish_and_turn` or `commit_and_turn` has done it.
 //! A sphere turns by its mean spin (exponential map). The first end of a capsule does both ends: common roll about
 //! the axis, both turn with the axis, and what is left of their angular momentum returns as momentum of the ends.
 
 use glam::{Quat, Vec3, Vec4};
 
-use crate::cpu::tally::may_leave;
 use crate::cpu::view::{TINY, View};
 use crate::stage::{Buffer, Stage, Threads, part, read, write};
 use crate::world::World;
@@ -19,7 +17,7 @@ pub(crate) const STAGE: Stage = Stage {
         part!("wgsl/step.wgsl"),
         part!("wgsl/order.wgsl"),
         part!("wgsl/objects.wgsl"),
-        part!("wgsl/margin.wgsl"),
+        part!("wgsl/rotation.wgsl"),
         part!("stage/turn.wgsl"),
     ],
     bindings: &[
@@ -27,18 +25,17 @@ pub(crate) const STAGE: Stage = Stage {
         read("y3", Buffer::Y3),
         write("orientations", Buffer::Orientations),
         read("words", Buffer::Words),
-        read("aabbs", Buffer::Aabbs),
-        write("status", Buffer::Status),
+        read("status", Buffer::Status),
     ],
-    threads: Threads::Spheres,
+    threads: Threads::SpheresWithRods,
     cpu: turn,
 };
 
 fn turn(world: &mut World, _pass: u32) {
-    if world.status.void != 0 {
+    if world.status.void != 0 || world.step.rods == 0 {
         return;
     }
-    let World { step, words, states: [state, _, memory, _], orientations, aabbs, status, .. } = world;
+    let World { step, words, states: [state, _, memory, _], orientations, .. } = world;
     let n = step.spheres as usize;
     for sphere in 0..step.spheres {
         let view = View::new(step, words, state);
@@ -57,20 +54,15 @@ fn turn(world: &mut World, _pass: u32) {
             }
             Some(_) => {}
             None => {
-                let spin = memory[2 * n + sphere as usize].truncate();
-                let rotation = Quat::from_scaled_axis(spin * step.dt);
-                turn_by(&mut orientations[sphere as usize], rotation);
+                turn_for(&mut orientations[sphere as usize], memory[2 * n + sphere as usize].truncate(), step.dt);
             }
         }
     }
-    let view = View::new(step, words, state);
-    let leaves = |sphere: u32| {
-        let (centre, velocity, radius) = (view.position(sphere), view.velocity(sphere), view.radius(sphere));
-        !view.is_fixed(sphere) && may_leave(&aabbs[sphere as usize], centre, velocity, radius, step.dt)
-    };
-    if (0..step.spheres).any(leaves) {
-        status.rebuild = 1;
-    }
+}
+
+/// Turns an orientation by a spin, in rad/s, for a time, in s.
+pub(super) fn turn_for(orientation: &mut Vec4, spin: Vec3, time: f32) {
+    turn_by(orientation, Quat::from_scaled_axis(spin * time));
 }
 
 /// An angle beyond all numbers turns nothing.

@@ -2,36 +2,7 @@
 @group(0) @binding(3) var<storage, read> y3: array<vec4f>;
 @group(0) @binding(4) var<storage, read_write> orientations: array<vec4f>;
 @group(0) @binding(5) var<storage, read> words: array<u32>;
-@group(0) @binding(6) var<storage, read> aabbs: array<Aabb>;
-@group(0) @binding(7) var<storage, read_write> status: StatusAtomic;
-
-fn multiply(a: vec4f, b: vec4f) -> vec4f {
-    return vec4f(a.w * b.xyz + b.w * a.xyz + cross(a.xyz, b.xyz), a.w * b.w - dot(a.xyz, b.xyz));
-}
-
-// Sine and cosine to f32 accuracy: those built in are good to 2^-11 only, too little for the small angle of a step.
-// Brought to [-pi/4, pi/4] by multiples of pi/2, then Taylor's series.
-fn sine_cosine(angle: f32) -> vec2f {
-    let quarters = round(angle * 0.636619772);
-    let x = (angle - quarters * 1.5707964) + quarters * 4.371139e-8;
-    let xx = x * x;
-    let s = x * (1.0 + xx * (-1.0 / 6.0 + xx * (1.0 / 120.0 + xx * (-1.0 / 5040.0 + xx * (1.0 / 362880.0)))));
-    let c = 1.0 + xx * (-0.5 + xx * (1.0 / 24.0 + xx * (-1.0 / 720.0 + xx * (1.0 / 40320.0))));
-    let quarter = i32(quarters - 4.0 * floor(quarters * 0.25));
-    let swapped = select(vec2f(s, c), vec2f(c, s), (quarter & 1) == 1);
-    return vec2f(select(swapped.x, -swapped.x, quarter >= 2), select(swapped.y, -swapped.y, (quarter == 1) | (quarter == 2)));
-}
-
-// Rotation by an angular velocity over the step: the exponential map.
-fn rotation(spin: vec3f) -> vec4f {
-    let squared = dot(spin, spin);
-    if squared <= TINY {
-        return vec4f(0.0, 0.0, 0.0, 1.0);
-    }
-    let rate = sqrt(squared);
-    let half = sine_cosine(0.5 * rate * step.dt);
-    return vec4f(spin * (half.x / rate), half.y);
-}
+@group(0) @binding(6) var<storage, read> status: Status;
 
 // The shortest rotation of one unit vector to another; of opposite ones about any axis across them.
 fn shortest_rotation(old: vec3f, new_: vec3f) -> vec4f {
@@ -41,15 +12,6 @@ fn shortest_rotation(old: vec3f, new_: vec3f) -> vec4f {
     }
     let across = select(vec3f(1.0, 0.0, 0.0), vec3f(0.0, 1.0, 0.0), abs(old.x) > 0.7);
     return vec4f(normalize(cross(old, across)), 0.0);
-}
-
-fn turn_by(sphere: u32, by: vec4f) {
-    let turned = multiply(by, orientations[sphere]);
-    let q = turned / sqrt(dot(turned, turned));
-    // An angle beyond all numbers turns nothing.
-    if finite(q.xyz) & finite(q.www) {
-        orientations[sphere] = q;
-    }
 }
 
 // The rod of the free capsule that a sphere is an end of: a fixed rod, the only one of both ends, neither of them fixed.
@@ -110,10 +72,6 @@ fn turn_capsule(ends: vec2u) {
     turn_by(ends.y, by);
 }
 
-fn ask_for(sphere: u32) {
-    ask_for_lists(sphere, state[position_at(sphere)], state[velocity_at(sphere)]);
-}
-
 @compute @workgroup_size(64)
 fn turn(
     @builtin(workgroup_id) group: vec3u,
@@ -121,16 +79,13 @@ fn turn(
     @builtin(local_invocation_index) local: u32,
 ) {
     let i = linear_thread(group, groups, local);
-    if (i >= step.spheres) | (atomicLoad(&status.void) != 0u) {
+    if (i >= step.spheres) | (status.void != 0u) {
         return;
     }
     let rod = free_capsule(i);
     if rod == NONE {
         turn_by(i, rotation(y3[momentum_at(i)].xyz));
-        ask_for(i);
     } else if rod_ends(rod).x == i {
         turn_capsule(rod_ends(rod));
-        ask_for(rod_ends(rod).x);
-        ask_for(rod_ends(rod).y);
     }
 }

@@ -90,9 +90,7 @@ fn add_attachments(i: u32, net: ptr<function, Net>) {
         let kind = kind_of(words[at]);
         let index = index_of(words[at]);
         if RODS & (kind == KIND_ROD) {
-            let end = 4u * index + select(2u, 0u, rod_ends(index).x == i);
-            (*net).force += wrenches[end].xyz;
-            (*net).torque += wrenches[end + 1u].xyz;
+            add_wrench(i, index, net);
         } else if kind == KIND_SPRING {
             let spring = step.springs_at + index * SPRING_WORDS;
             let other = select(words[spring], words[spring + 1u], words[spring] == i);

@@ -4,9 +4,10 @@
 use glam::Vec3;
 use rand::SeedableRng;
 use rand_pcg::Pcg64Mcg;
-use rockfall::{Scene, Settings};
+use rockfall::Scene;
 
 use crate::random::Draw;
+use crate::trace::Plan;
 
 /// Between the middles of neighbouring clusters, in units.
 const SPACING: f32 = 6.0;
@@ -42,6 +43,17 @@ const RECIPES: [Recipe; 25] = [
     |d| d.crowd(),
 ];
 
+/// The kinds without rods.
+const WITHOUT_RODS: [Recipe; 7] = [
+    |d| d.duel(),
+    |d| d.floored(),
+    |d| d.spheres(6),
+    |d| d.grazing(),
+    |d| d.box_and_spheres(),
+    |d| d.attached(),
+    |d| d.groups(),
+];
+
 /// A scene of clusters, and which cluster each object belongs to.
 pub(crate) struct Clusters {
     pub(crate) scene: Scene,
@@ -49,8 +61,10 @@ pub(crate) struct Clusters {
     pub(crate) cluster_of: Vec<usize>,
 }
 
-/// The scene of a seed in which cluster k was drawn `attempts[k]` times.
-pub(crate) fn clusters(seed: u64, settings: Settings, attempts: &[u64]) -> Clusters {
+/// The scene of a plan in which cluster k was drawn `attempts[k]` times.
+pub(crate) fn clusters(plan: &Plan, attempts: &[u64]) -> Clusters {
+    let Plan { seed, settings, rods, .. } = *plan;
+    let recipes: &[Recipe] = if rods { &RECIPES } else { &WITHOUT_RODS };
     let mut scene = Scene::new();
     scene.settings = settings;
     let mut owners: [Vec<usize>; 4] = Default::default();
@@ -63,7 +77,7 @@ pub(crate) fn clusters(seed: u64, settings: Settings, attempts: &[u64]) -> Clust
         // So that nothing lies where it is by design.
         let jitter = draw.vector(0.1);
         draw.middle += jitter;
-        RECIPES[(cluster + seed as usize) % RECIPES.len()](&mut draw);
+        recipes[(cluster + seed as usize) % recipes.len()](&mut draw);
         let counts = scene.counts();
         for (owner, count) in owners.iter_mut().zip([counts.spheres, counts.rods, counts.boxes, counts.polygons]) {
             owner.resize(count, cluster);

@@ -40,13 +40,15 @@ pub(crate) struct Plan {
     pub(crate) integrator: Integrator,
     pub(crate) broad_phase: BroadPhase,
     pub(crate) settings: Settings,
+    /// With rods and capsules among the clusters.
+    pub(crate) rods: bool,
 }
 
 /// Draws clusters again until no decision of the step is near its switch.
 pub(crate) fn trace(plan: &Plan) -> Trace {
     let mut attempts = vec![0; plan.clusters];
     loop {
-        let drawn = clusters(plan.seed, plan.settings, &attempts);
+        let drawn = clusters(plan, &attempts);
         let trace = run(&drawn, plan);
         if trace.findings.near.is_empty() {
             assert_eq!(trace.after.status.void, 0, "the margins are too narrow for the forces");
@@ -123,7 +125,7 @@ fn decide(world: &World, run: &Run, findings: &mut Findings) {
             decisions::escapes(world, 0, findings);
             decisions::collisions(world, findings);
         }
-        "advance" | "finish" | "leap" => {
+        "advance" | "finish" | "finish_and_turn" | "leap" => {
             decisions::escapes(world, state, findings);
             decisions::forces(world, state, findings);
         }

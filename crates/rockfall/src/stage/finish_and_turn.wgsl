@@ -1,0 +1,24 @@
+@group(0) @binding(2) var<storage, read> state: array<vec4f>;
+@group(0) @binding(3) var<storage, read> y2: array<vec4f>;
+@group(0) @binding(4) var<storage, read> y3: array<vec4f>;
+@group(0) @binding(5) var<storage, read_write> start: array<vec4f>;
+@group(0) @binding(6) var<storage, read> words: array<u32>;
+@group(0) @binding(7) var<storage, read> lists: array<u32>;
+@group(0) @binding(8) var<storage, read_write> orientations: array<vec4f>;
+@group(0) @binding(9) var<storage, read_write> status: StatusAtomic;
+
+// There are no rods here.
+fn add_wrench(i: u32, rod: u32, net: ptr<function, Net>) {}
+
+@compute @workgroup_size(64)
+fn finish_and_turn(
+    @builtin(workgroup_id) group: vec3u,
+    @builtin(num_workgroups) groups: vec3u,
+    @builtin(local_invocation_index) local: u32,
+) {
+    let i = linear_thread(group, groups, local);
+    if (i >= step.spheres) | (atomicLoad(&status.void) != 0u) {
+        return;
+    }
+    turn_by(i, rotation(finish_sphere(i).spin));
+}
