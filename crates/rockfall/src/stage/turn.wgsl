@@ -32,42 +32,59 @@ fn free_capsule(sphere: u32) -> u32 {
 }
 
 // E18: one spin for both ends; across the axis it is that of the capsule as a whole, and what is left of the ends' angular
-// momentum there returns as momentum of the ends.
+// momentum there returns as momentum of the ends. It does so all through the step: half of the change of velocity moves
+// the axis, and the spin is taken about the axis where it comes to be.
 fn turn_capsule(ends: vec2u) {
+    let x1 = state[position_at(ends.x)];
+    let x2 = state[position_at(ends.y)];
     let v1 = state[velocity_at(ends.x)];
     let v2 = state[velocity_at(ends.y)];
     let l1 = state[momentum_at(ends.x)];
     let l2 = state[momentum_at(ends.y)];
-    let d = state[position_at(ends.y)].xyz - state[position_at(ends.x)].xyz;
+    let d = x2.xyz - x1.xyz;
     let dd = dot(d, d);
-    let axis = d / sqrt(dd);
+    let v = v2.xyz - v1.xyz;
     let inertia = vec2f(1.0 / l1.w, 1.0 / l2.w);
-    let both = inertia.x + inertia.y;
-    let reduced_mass = 1.0 / (v1.w + v2.w);
+    let along = inertia.x + inertia.y;
+    let mass = 1.0 / (v1.w + v2.w);
+    let across = along + mass * dd;
 
-    let sum = l1.xyz + l2.xyz;
-    let axial = dot(sum, axis) / both;
-    let across = sum - dot(sum, axis) * axis;
-    let spin_across = (across + reduced_mass * cross(d, v2.xyz - v1.xyz)) / (reduced_mass * dd + both);
-    let spin = axial * axis + spin_across;
-    let rest = across - both * spin_across;
-    let momentum = cross(rest, d) / dd;
-    let new_v1 = v1.xyz - v1.w * momentum;
-    let new_v2 = v2.xyz + v2.w * momentum;
+    let spins = l1.xyz + l2.xyz;
+    let orbit = mass * cross(d, v);
+    // Of the end 2 against the end 1, as it should move about the axis, and as it should move along it.
+    let opening = dot(v, d) / dd;
+    let change = cross(spins + orbit, d) / across + opening * d - v;
+    let there = d + 0.5 * step.dt * (change - (dot(change, d) / dd) * d);
+    let new_d = there * sqrt(dd / dot(there, there));
+    let square = dot(new_d, new_d);
+
+    // The orbit stands across d, so that of the new direction only what has moved counts. Dividing by the square keeps
+    // rounding of a unit vector's length out of the spin.
+    let roll = (dot(spins, new_d) + dot(orbit, new_d - d)) / (along * square);
+    let spin_across = (spins + orbit - (dot(spins + orbit, new_d) / square) * new_d) / across;
+    let spin = roll * new_d + spin_across;
+    let new_v = cross(spin_across, new_d) + opening * new_d;
+    let new_x1 = x1.xyz - (v1.w * mass) * (new_d - d);
+    let new_x2 = x2.xyz + (v2.w * mass) * (new_d - d);
+    let new_v1 = v1.xyz - (v1.w * mass) * (new_v - v);
+    let new_v2 = v2.xyz + (v2.w * mass) * (new_v - v);
     // Where one spin for both ends is beyond all numbers, each end keeps its own.
-    if finite(new_v1) & finite(new_v2) & finite(inertia.x * spin) & finite(inertia.y * spin) {
-        state[momentum_at(ends.x)] = vec4f(inertia.x * spin, l1.w);
-        state[momentum_at(ends.y)] = vec4f(inertia.y * spin, l2.w);
+    let places = finite(new_x1) & finite(new_x2) & finite(new_v1) & finite(new_v2);
+    if places & finite(inertia.x * spin) & finite(inertia.y * spin) {
+        state[position_at(ends.x)] = vec4f(new_x1, x1.w);
+        state[position_at(ends.y)] = vec4f(new_x2, x2.w);
         state[velocity_at(ends.x)] = vec4f(new_v1, v1.w);
         state[velocity_at(ends.y)] = vec4f(new_v2, v2.w);
+        state[momentum_at(ends.x)] = vec4f(inertia.x * spin, l1.w);
+        state[momentum_at(ends.y)] = vec4f(inertia.y * spin, l2.w);
     }
 
     let old = y3[position_at(ends.y)].xyz - y3[position_at(ends.x)].xyz;
-    var old_axis = axis;
+    var old_axis = d / sqrt(dd);
     if dot(old, old) > TINY {
         old_axis = normalize(old);
     }
-    let by = multiply(shortest_rotation(old_axis, axis), rotation(axial * old_axis));
+    let by = multiply(shortest_rotation(old_axis, new_d / sqrt(square)), rotation(roll * sqrt(square) * old_axis));
     turn_by(ends.x, by);
     turn_by(ends.y, by);
 }

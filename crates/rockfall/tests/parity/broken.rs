@@ -11,7 +11,7 @@ use crate::trace::{Plan, Scenario, trace};
 /// A mistake: in which stage and pass, the file, the text and what it becomes, and the buffer that it shows in.
 struct Mistake(&'static str, u32, &'static str, &'static str, &'static str, Buffer);
 
-const MISTAKES: [Mistake; 44] = [
+const MISTAKES: [Mistake; 45] = [
     Mistake("update_aabbs", 0, "update_aabbs.wgsl", "0.02 * radius", "0.03 * radius", Buffer::Aabbs),
     Mistake("count_pairs", 0, "pair_tiles.wgsl", "(own.id != tile[k].id)", "(own.id < tile[k].id)", Buffer::Lists),
     Mistake("scan_pairs", 0, "scan_pairs.wgsl", "k < SLICE;", "k < SLICE / 2u;", Buffer::Lists),
@@ -60,7 +60,8 @@ const MISTAKES: [Mistake; 44] = [
     Mistake("commit_leap", 0, "commit.wgsl", "region < 3u", "region < 2u", Buffer::Start),
     Mistake("commit_and_turn", 0, "commit_and_turn.wgsl", "momentum.xyz * momentum.w", "momentum.xyz", Buffer::Orientations),
     Mistake("constrain", 0, "constrain.wgsl", "correction / step.dt", "correction * step.dt", Buffer::Start),
-    Mistake("turn", 0, "turn.wgsl", "cross(rest, d)", "cross(d, rest)", Buffer::Start),
+    Mistake("turn", 0, "turn.wgsl", "cross(spins + orbit, d)", "cross(spins - orbit, d)", Buffer::Start),
+    Mistake("turn", 0, "turn.wgsl", "0.5 * step.dt * (change", "step.dt * (change", Buffer::Start),
     Mistake("turn", 0, "rotation.wgsl", "cross(a.xyz, b.xyz)", "cross(b.xyz, a.xyz)", Buffer::Orientations),
     Mistake("end_step", 0, "end_step.wgsl", "= status.max_overlap", "= status.contacts", Buffer::Status),
 ];
