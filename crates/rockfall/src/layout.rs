@@ -99,6 +99,14 @@ pub const BAD_STAGE_SHIFT: u32 = 27;
 pub const CELLS_AT: u32 = 4;
 /// Cells that one workgroup sums.
 pub const CELL_BLOCK: u32 = 4096;
+/// Spheres whose keys one workgroup counts and scatters, digit by digit.
+pub const DIGIT_BLOCK: u32 = 1024;
+/// Values of a digit of a key.
+pub const DIGITS: u32 = 16;
+/// Binary digits of one.
+pub const DIGIT_BITS: u32 = 4;
+/// About so many spheres tell how well memory is ordered.
+pub const ORDER_SAMPLE: u32 = 1 << 16;
 /// Level of the cells of size `cell_size`; cells of level l are `2^(l - LEVEL_BIAS)` times as large.
 pub const LEVEL_BIAS: u32 = 8;
 /// The level of what is too large for every other: all of it is in one cell.
@@ -160,7 +168,8 @@ pub struct Step {
     pub polygons_at: u32,
     /// First word of the tags: group (low 16 bits) and material (high 16 bits) of every object, by id.
     pub tags_at: u32,
-    /// First word of the adjacency offsets (`spheres + 1` absolute word offsets); 0 when nothing is attached to any sphere.
+    /// First word of the adjacency ranges (two absolute word offsets a sphere: where its words begin and end); 0 when nothing is
+    /// attached to any sphere.
     pub adjacency_at: u32,
     /// Number of batches of fixed-length rods.
     pub batches: u32,
@@ -194,7 +203,7 @@ pub struct Step {
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
 pub struct Pass {
-    /// 0..4 for the stages of RK4, 0 and 1 for `sort_axis`; 0 for symplectic Euler and everything else.
+    /// 0..4 for the stages of RK4, 0 and 1 for `sort_axis`, 0..8 for the digits of a sort; 0 for symplectic Euler and everything else.
     pub index: u32,
     /// Padding to 16 bytes.
     pub pad: [u32; 3],
@@ -262,6 +271,10 @@ pub struct Status {
     pub rebuild: u32,
     /// Steps in which AABBs and lists were made anew, since the status was last reset.
     pub builds: u32,
+    /// List entries that `measure_order` looked at.
+    pub order_entries: u32,
+    /// Sum of the binary digits of the distances in memory between their two spheres.
+    pub order_digits: u32,
 }
 
 impl Default for Status {

@@ -18,6 +18,7 @@ mod keep;
 mod lookahead;
 mod observe;
 mod options;
+mod order;
 mod profile;
 mod ray;
 mod read;
@@ -28,6 +29,7 @@ use engine::Engine;
 use lookahead::Lookahead;
 pub use observe::{Body, Contact, ContactAction, SphereDiagnostics};
 pub use options::{Backend, BackendInfo, Options};
+use order::Disorder;
 pub use ray::RayHit;
 
 /// A scene and the machinery that moves it, on the GPU or on the CPU.
@@ -48,9 +50,8 @@ pub struct Simulation {
     world: World,
     /// Spheres in the order in which they stand in `world`.
     packed: Vec<SphereId>,
-    /// Steps done when the scene was packed last.
-    packed_at: u64,
-    /// How often the scene was packed.
+    disorder: Disorder,
+    /// How often the scene was packed or put in order.
     packings: u64,
     status: Status,
     report: Report,
@@ -111,7 +112,7 @@ impl Simulation {
     fn assemble(scene: Scene, options: Options, world: World, engine: Engine, info: BackendInfo) -> Self {
         Self {
             packed: scene.sphere_ids().collect(),
-            packed_at: 0,
+            disorder: Disorder::default(),
             packings: 1,
             status: world.status,
             scene,

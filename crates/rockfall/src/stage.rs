@@ -6,7 +6,7 @@
 //!
 //! This module is public for tools and tests; it may change between minor versions.
 
-use crate::layout::{CELL_BLOCK, Step, WORKGROUP};
+use crate::layout::{CELL_BLOCK, DIGIT_BLOCK, Step, WORKGROUP};
 use crate::settings::{BroadPhase, Integrator};
 use crate::world::World;
 
@@ -19,6 +19,7 @@ mod commit_collisions;
 mod commit_leap;
 mod constrain;
 mod count_cells;
+mod count_digits;
 mod count_near;
 mod count_pairs;
 mod end_step;
@@ -28,11 +29,16 @@ mod find_collisions;
 mod find_neighbours;
 mod finish;
 mod finish_and_turn;
+mod key_spheres;
 mod leap;
+mod measure_order;
+mod permute_spheres;
 mod restore_lengths;
 mod rod_forces;
 mod scan_cells;
 mod scan_pairs;
+mod scatter_digits;
+mod settle_spheres;
 mod sort_axis;
 mod sort_cells;
 mod turn;
@@ -112,6 +118,10 @@ pub enum Slot {
     State,
     /// The stage state that pass p makes: `Y2`, `Y3`, `Y4` for p = 0, 1, 2.
     Next,
+    /// What pass p of a sort begins with: `Y2` and `Y3` in turn.
+    Unsorted,
+    /// What it makes: the other one.
+    Sorted,
 }
 
 impl Slot {
@@ -122,6 +132,8 @@ impl Slot {
             Self::Fixed(buffer) => buffer,
             Self::State => STATES[pass as usize],
             Self::Next => STATES[pass as usize + 1],
+            Self::Unsorted => STATES[1 + pass as usize % 2],
+            Self::Sorted => STATES[2 - pass as usize % 2],
         }
     }
 }
@@ -173,6 +185,8 @@ pub enum Threads {
     Batches,
     /// A workgroup per block of the grid's cells.
     Blocks,
+    /// A workgroup per block of spheres that are sorted.
+    DigitBlocks,
     /// One workgroup.
     One,
 }
@@ -191,6 +205,7 @@ impl Threads {
             Self::Rods => step.rods.div_ceil(WORKGROUP),
             Self::Batches => step.batches,
             Self::Blocks => step.cells / CELL_BLOCK,
+            Self::DigitBlocks => step.spheres.div_ceil(DIGIT_BLOCK),
             Self::One => 1,
         }
     }
@@ -232,7 +247,7 @@ pub struct Stage {
 pub struct Run {
     /// The stage.
     pub stage: &'static Stage,
-    /// 0..4 for the force evaluations of RK4, 0 and 1 for `sort_axis`, else 0.
+    /// 0..4 for the force evaluations of RK4, 0 and 1 for `sort_axis`, 0..8 for the digits of a sort, else 0.
     pub pass: u32,
 }
 
@@ -330,8 +345,29 @@ impl Phase {
     }
 }
 
+/// Puts spheres into spatial order in memory; lists and AABBs are void after it. Not part of a step.
+pub const SORT_MEMORY: &[Run] = &{
+    // 3 x 10 binary digits in eight passes; an even number ends where it began.
+    let mut runs = [run(&key_spheres::STAGE); 35];
+    let mut digit = 0;
+    while digit < 8 {
+        let at = 1 + 4 * digit;
+        runs[at] = pass(&count_digits::STAGE, digit as u32);
+        runs[at + 1] = run(&scan_cells::SUM);
+        runs[at + 2] = run(&scan_cells::PLACE);
+        runs[at + 3] = pass(&scatter_digits::STAGE, digit as u32);
+        digit += 1;
+    }
+    runs[33] = run(&permute_spheres::STAGE);
+    runs[34] = run(&settle_spheres::STAGE);
+    runs
+};
+
+/// Tells how good the order of memory is, by the lists as they are. Not part of a step.
+pub const MEASURE_ORDER: &[Run] = &[run(&measure_order::STAGE)];
+
 /// Every stage there is, once.
-pub const ALL: [&Stage; 28] = [
+pub const ALL: [&Stage; 34] = [
     &update_aabbs::STAGE,
     &count_pairs::STAGE,
     &scan_pairs::STAGE,
@@ -360,4 +396,10 @@ pub const ALL: [&Stage; 28] = [
     &constrain::STAGE,
     &turn::STAGE,
     &end_step::STAGE,
+    &key_spheres::STAGE,
+    &count_digits::STAGE,
+    &scatter_digits::STAGE,
+    &permute_spheres::STAGE,
+    &settle_spheres::STAGE,
+    &measure_order::STAGE,
 ];

@@ -55,6 +55,14 @@ impl World {
         self.order.get(slot).map_or(slot, |user| *user as usize)
     }
 
+    /// Takes the order of memory from the words.
+    pub(crate) fn take_order(&mut self) {
+        if self.step.users_at != 0 {
+            let users = self.step.users_at as usize..self.step.slots_at as usize;
+            self.order.copy_from_slice(&self.words[users]);
+        }
+    }
+
     /// The host's array of a buffer.
     pub fn bytes(&self, buffer: Buffer) -> &[u8] {
         match buffer {

@@ -99,12 +99,57 @@ fn the_broad_phase_and_the_order_of_memory_make_no_difference(backend: Backend) 
     same_bits(&brute, &shuffled(BroadPhase::SortAndSkip));
 }
 
-/// After 2,000 steps spheres are put into spatial order again, which is not seen either.
-#[test]
-fn sorting_memory_again_makes_no_difference() {
-    let options = |method| Options::new().backend(Backend::Cpu).broad_phase(method);
-    let [brute, grid] = [BroadPhase::BruteForce, BroadPhase::Grid].map(|method| run(options(method), 2_100, 60));
-    same_bits(&brute, &grid);
+/// The place in memory of every sphere; no two are in one.
+fn slots(simulation: &Simulation, spheres: usize) -> Vec<usize> {
+    let slots: Vec<usize> = (0..spheres).map(|sphere| simulation.slot(sphere)).collect();
+    let mut places = slots.clone();
+    places.sort_unstable();
+    assert!(places.into_iter().eq(0..spheres), "{slots:?}");
+    slots
+}
+
+/// Memory is sorted, in a scene of everything, while it runs and is changed: nobody sees it.
+fn sorting_memory_makes_no_difference(backend: Backend) {
+    let (rounds, steps) = on(backend, (8, 20), (3, 8));
+    let run = |method: BroadPhase| {
+        let options = Options::new().backend(backend).broad_phase(method);
+        let mut simulation = Simulation::with_options(mixed(60), options).expect("the simulation opens");
+        let ids: Vec<SphereId> = simulation.scene().sphere_ids().collect();
+        let (count, mut moves) = (ids.len(), 0);
+        for round in 0..rounds {
+            simulation.run(steps, 0.01).expect("steps");
+            let before = slots(&simulation, count);
+            simulation.sort_memory().expect("a sort");
+            moves += usize::from(slots(&simulation, count) != before);
+            // What follows refers to spheres by where they are now.
+            simulation.set_velocity(ids[round * 7], [1.0, 2.0, 0.0]).expect("a ball to throw");
+            simulation.set_force(ids[round * 5], [0.0, 30.0, 0.0]).expect("a ball to lift");
+        }
+        simulation.run(steps, 0.01).expect("steps");
+        assert_eq!(moves > 0, method == BroadPhase::Grid, "{moves} sorts moved something");
+        Run::of(&mut simulation)
+    };
+    same_bits(&run(BroadPhase::BruteForce), &run(BroadPhase::Grid));
+}
+
+/// Bodies that were all moved by hand stand in memory in no order at all; that is noticed.
+fn memory_is_sorted_when_it_pays(backend: Backend) {
+    // At rest, as near as can be without touching.
+    let mut scene = weightless();
+    let place = |k: usize| Vec3::new((k % 8) as f32, (k / 64) as f32, (k / 8 % 8) as f32);
+    let balls: Vec<SphereId> =
+        (0..512).map(|k| scene.add_sphere(Sphere::new(place(k), 0.499)).expect("a valid sphere")).collect();
+    let options = Options::new().backend(backend).broad_phase(BroadPhase::Grid);
+    let mut simulation = Simulation::with_options(scene, options).expect("the simulation opens");
+    // Four looks at the order, which is good.
+    simulation.run(on(backend, 1100, 300), 0.001).expect("steps");
+    let version = simulation.memory_version();
+    assert_eq!(version, 1, "sorted although there was no need");
+    for (k, ball) in balls.iter().enumerate() {
+        simulation.set_position(*ball, place(k * 197 % 512)).expect("a ball to move");
+    }
+    simulation.run(300, 0.001).expect("steps");
+    assert!(simulation.memory_version() > version, "disorder was not noticed");
 }
 
 /// CPU, one thread and four.
@@ -125,4 +170,6 @@ both!(
     a_start_without_room_gives_the_same_bits,
     a_jerk_out_of_the_aabb_loses_nothing,
     the_broad_phase_and_the_order_of_memory_make_no_difference,
+    sorting_memory_makes_no_difference,
+    memory_is_sorted_when_it_pays,
 );

@@ -177,7 +177,7 @@ fn the_structs_are_those_of_layout() {
     let aabb = rust_fields!(Aabb: min, id, max, tag);
     let status = rust_fields!(Status: void, pairs_needed, escape_ratio, steps, collided, lengths_due, contacts, max_overlap,
         collisions, last_contacts, last_max_overlap, last_collisions, total_collisions_low, total_collisions_high,
-        bad_body, bad_step, bad_count, total_bad, first_bad, rebuild, builds);
+        bad_body, bad_step, bad_count, total_bad, first_bad, rebuild, builds, order_entries, order_digits);
     for stage in ALL {
         let module = module(stage);
         assert_eq!(wgsl_fields(&module, "Step"), step, "{}", stage.name);
@@ -227,6 +227,10 @@ fn the_constants_are_those_of_layout() {
         CELL_BLOCK,
         LEVEL_BIAS,
         TOP_LEVEL,
+        DIGIT_BLOCK,
+        DIGITS,
+        DIGIT_BITS,
+        ORDER_SAMPLE,
         ROW_Y,
         ROW_Z,
         ROW_LEVEL,

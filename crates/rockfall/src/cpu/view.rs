@@ -182,7 +182,7 @@ impl<'a> View<'a> {
         let range = if at == 0 {
             0..0
         } else {
-            let offset = (at + sphere) as usize;
+            let offset = (at + 2 * sphere) as usize;
             self.words[offset] as usize..self.words[offset + 1] as usize
         };
         self.words[range].iter().map(|word| Attachment { kind: word >> KIND_SHIFT, index: word & ((1 << KIND_SHIFT) - 1) })

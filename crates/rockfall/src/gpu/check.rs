@@ -50,9 +50,9 @@ fn check_words(world: &World) -> Result<()> {
 
 fn check_adjacency(world: &World) -> Result<()> {
     let step = &world.step;
-    let offsets = slice(world, step.adjacency_at, u64::from(step.spheres) + 1, "adjacency offsets")?;
-    for pair in offsets.windows(2) {
-        ensure(pair[0] <= pair[1], "adjacency offsets")?;
+    let ranges = slice(world, step.adjacency_at, 2 * u64::from(step.spheres), "adjacency ranges")?;
+    for pair in ranges.chunks_exact(2) {
+        ensure(pair[0] <= pair[1], "adjacency ranges")?;
         for word in slice(world, pair[0], u64::from(pair[1] - pair[0]), "adjacency")? {
             check_attached(world, *word)?;
         }

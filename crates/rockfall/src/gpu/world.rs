@@ -19,6 +19,9 @@ use crate::world::World;
 /// Bytes written or read in one piece, so that staging memory stays small beside the buffers.
 const PIECE: usize = 128 << 20;
 
+/// The most passes that a stage has: the digits of a sort.
+const PASSES: u32 = 8;
+
 /// What a world's buffers hold when a step begins; everything else is written before it is read.
 const KEPT: [Buffer; 6] = [Buffer::Start, Buffer::Aabbs, Buffer::Words, Buffer::Lists, Buffer::Orientations, Buffer::Status];
 
@@ -50,7 +53,7 @@ impl GpuWorld {
         let usage = wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST;
         let uniform = make_buffer(device, "step", size_of::<Step>() as u64, usage)?;
         let mut passes = Vec::new();
-        for index in 0..4 {
+        for index in 0..PASSES {
             let pass = make_buffer(device, "pass", size_of::<Pass>() as u64, usage)?;
             let block = Pass { index, ..Default::default() };
             catch(device, || gpu.queue().write_buffer(&pass, 0, bytes_of(&block)))?;

@@ -19,8 +19,6 @@ const MAX_ATTEMPTS: u32 = 64;
 /// How fast a margin that had to be raised sinks again, per step.
 const MARGIN_DECAY: f32 = 0.995;
 const MIN_MARGIN: f32 = 2.0;
-/// Steps after which spheres that have moved about are put into spatial order again: on the host, so not often.
-const SORT_AFTER: u64 = 2_000;
 
 /// The order in which a whole step runs its phases. Collisions come first, with the lists of the step before: those hold
 /// every pair that overlaps now (`find_collisions` sees to it), and AABBs that are made after the impulses need not be
@@ -57,7 +55,7 @@ impl Simulation {
         let mut left = times;
         let mut attempts = 0;
         while left > 0 {
-            self.sort_memory().await?;
+            self.keep_order().await?;
             let overdue = self.overdue(phases);
             let all: Vec<Phase> = overdue.iter().chain(phases).copied().collect();
             // What is overdue is made once, not in every step of a batch.
@@ -67,15 +65,6 @@ impl Simulation {
             attempts = if done > 0 { 0 } else { attempts + 1 };
             self.note_lists(&all, done);
             self.mend(attempts)?;
-        }
-        Ok(())
-    }
-
-    /// Puts the spheres into spatial order again, where they stand in such an order and have moved for long.
-    async fn sort_memory(&mut self) -> Result<()> {
-        if !self.world.order.is_empty() && self.report.steps >= self.packed_at + SORT_AFTER {
-            self.pull().await?;
-            self.rebuild()?;
         }
         Ok(())
     }

@@ -8,6 +8,7 @@ use crate::scene::{
     BoxId, Capsule, CapsuleId, Cuboid, Polygon, PolygonId, Rod, RodId, Scene, Sphere, SphereId, Spring, SpringId, Tether,
     TetherId, finite,
 };
+use crate::simulation::order::Disorder;
 use crate::simulation::{Simulation, engine};
 use crate::world::World;
 
@@ -240,7 +241,7 @@ impl Simulation {
         self.packed = self.scene.sphere_ids().collect();
         self.packings += 1;
         self.engine.replace(&self.world)?;
-        self.packed_at = self.report.steps;
+        self.disorder = Disorder::sorted_at(self.report.steps);
         self.aabbs_due = true;
         self.lists_due = true;
         Ok(())

@@ -168,6 +168,11 @@ impl Engine {
         })
     }
 
+    /// Reads the words back into `world`.
+    pub(super) async fn download_words(&mut self, world: &mut World) -> Result<()> {
+        on_gpu!(self, world, gpu => gpu.download(world, &[Buffer::Words]).await?)
+    }
+
     /// Reads the state of the spheres back into `world`.
     pub(super) async fn download_spheres(&mut self, world: &mut World) -> Result<()> {
         on_gpu!(self, world, gpu => gpu.download(world, &[Buffer::Start, Buffer::Orientations]).await?)

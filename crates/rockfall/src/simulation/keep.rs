@@ -6,6 +6,7 @@ use crate::checkpoint::{Checkpoint, History};
 use crate::error::{Error, Result};
 use crate::simulation::engine::Engine;
 use crate::simulation::lookahead::Lookahead;
+use crate::simulation::order::Disorder;
 use crate::simulation::{Options, Simulation, engine, prepare};
 
 impl Simulation {
@@ -93,7 +94,7 @@ impl Simulation {
     fn with_past(mut self, time_step: f32, report: crate::Report, history: History) -> Self {
         self.time_step = time_step;
         self.report = report;
-        self.packed_at = report.steps;
+        self.disorder = Disorder::sorted_at(report.steps);
         self.status.lengths_due = u32::from(history.lengths_due);
         self.world.step.margin_scale = history.margin_scale;
         self.world.step.lookahead = history.lookahead;

@@ -42,8 +42,8 @@ impl Simulation {
         }
     }
 
-    /// Changes whenever memory is packed anew: after objects were added or removed, and when spheres that have moved far are
-    /// put in order again. Slots and indices from before mean nothing then.
+    /// Changes whenever memory is packed anew or put in order: after objects were added or removed, and when spheres have moved
+    /// far. Slots and indices from before mean nothing then.
     pub fn memory_version(&self) -> u64 {
         self.packings
     }

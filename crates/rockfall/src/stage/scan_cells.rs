@@ -28,7 +28,8 @@ fn sum_blocks(world: &mut World, _pass: u32) {
         return;
     }
     for (cells, sum) in blocks(world) {
-        *sum = cells.iter().sum();
+        // When digits are sorted, what stands beyond their counts is of no meaning.
+        *sum = cells.iter().fold(0, |sum, count| sum.wrapping_add(*count));
     }
 }
 
@@ -36,10 +37,10 @@ fn place_cells(world: &mut World, _pass: u32) {
     if world.status.rebuild == 0 || world.status.void != 0 {
         return;
     }
-    let mut before = 0;
+    let mut before = 0_u32;
     for (cells, sum) in blocks(world) {
         // Every count becomes the sum of those before it.
-        cells.iter_mut().fold(before, |before, count| before + std::mem::replace(count, before));
-        before += *sum;
+        cells.iter_mut().fold(before, |before, count| before.wrapping_add(std::mem::replace(count, before)));
+        before = before.wrapping_add(*sum);
     }
 }

@@ -77,7 +77,7 @@ fn adjacency(sphere: u32) -> vec2u {
     if step.adjacency_at == 0u {
         return vec2u(0u);
     }
-    let at = step.adjacency_at + sphere;
+    let at = step.adjacency_at + 2u * sphere;
     return vec2u(words[at], words[at + 1u]);
 }
 

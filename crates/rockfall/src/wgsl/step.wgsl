@@ -78,6 +78,8 @@ struct Status {
     first_bad: u32,
     rebuild: u32,
     builds: u32,
+    order_entries: u32,
+    order_digits: u32,
 }
 
 // `Status` where many threads of a dispatch write it.
@@ -103,6 +105,8 @@ struct StatusAtomic {
     first_bad: u32,
     rebuild: atomic<u32>,
     builds: u32,
+    order_entries: atomic<u32>,
+    order_digits: atomic<u32>,
 }
 
 @group(0) @binding(0) var<uniform> step: Step;
@@ -138,6 +142,10 @@ const BOX_FEATURES: u32 = 12u;
 
 const CELLS_AT: u32 = 4u;
 const CELL_BLOCK: u32 = 4096u;
+const DIGIT_BLOCK: u32 = 1024u;
+const DIGITS: u32 = 16u;
+const DIGIT_BITS: u32 = 4u;
+const ORDER_SAMPLE: u32 = 65536u;
 const LEVEL_BIAS: u32 = 8u;
 const TOP_LEVEL: u32 = 31u;
 const ROW_Y: u32 = 0x9e3779b1u;

@@ -313,17 +313,18 @@ impl Adjacency {
         self.pairs.extend(spheres.iter().map(|sphere| (*sphere, kind << KIND_SHIFT | index)));
     }
 
-    /// Appends offsets and words; returns where the offsets stand, 0 when nothing is attached to any sphere.
+    /// Appends ranges and words; returns where the ranges stand, 0 when nothing is attached to any sphere.
     fn push(mut self, words: &mut Vec<u32>, spheres: u32) -> u32 {
         if self.pairs.is_empty() {
             return 0;
         }
         self.pairs.sort_unstable();
         let at = words.len() as u32;
-        let first = at + spheres + 1;
+        let first = at + 2 * spheres;
         let mut place = 0;
-        for sphere in 0..=spheres {
-            while place < self.pairs.len() && self.pairs[place].0 < sphere {
+        for sphere in 0..spheres {
+            words.push(first + place as u32);
+            while place < self.pairs.len() && self.pairs[place].0 == sphere {
                 place += 1;
             }
             words.push(first + place as u32);

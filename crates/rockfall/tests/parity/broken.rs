@@ -11,7 +11,7 @@ use crate::trace::{Plan, Scenario, trace};
 /// A mistake: in which stage and pass, the file, the text and what it becomes, and the buffer that it shows in.
 struct Mistake(&'static str, u32, &'static str, &'static str, &'static str, Buffer);
 
-const MISTAKES: [Mistake; 45] = [
+const MISTAKES: [Mistake; 53] = [
     Mistake("update_aabbs", 0, "update_aabbs.wgsl", "0.02 * radius", "0.03 * radius", Buffer::Aabbs),
     Mistake("count_pairs", 0, "pair_tiles.wgsl", "(own.id != tile[k].id)", "(own.id < tile[k].id)", Buffer::Lists),
     Mistake("scan_pairs", 0, "scan_pairs.wgsl", "k < SLICE;", "k < SLICE / 2u;", Buffer::Lists),
@@ -63,6 +63,21 @@ const MISTAKES: [Mistake; 45] = [
     Mistake("turn", 0, "turn.wgsl", "cross(spins + orbit, d)", "cross(spins - orbit, d)", Buffer::Start),
     Mistake("turn", 0, "turn.wgsl", "0.5 * step.dt * (change", "step.dt * (change", Buffer::Start),
     Mistake("turn", 0, "rotation.wgsl", "cross(a.xyz, b.xyz)", "cross(b.xyz, a.xyz)", Buffer::Orientations),
+    Mistake("key_spheres", 0, "key_spheres.wgsl", "axes.y << 1u", "axes.y << 2u", Buffer::Y2),
+    Mistake("count_digits", 1, "digits.wgsl", "digit * ((step", "digit + ((step", Buffer::Cells),
+    Mistake("scatter_digits", 0, "scatter_digits.wgsl", "counts[at] += 1u", "counts[at] += 0u", Buffer::Y3),
+    Mistake("scatter_digits", 7, "digits.wgsl", "* DIGIT_BITS", "* 3u", Buffer::Y2),
+    Mistake("permute_spheres", 0, "permute_spheres.wgsl", "words[step.users_at + from_]", "from_", Buffer::Y4),
+    Mistake("settle_spheres", 0, "settle_spheres.wgsl", "follow(at + 1u);", "", Buffer::Words),
+    Mistake(
+        "settle_spheres",
+        0,
+        "settle_spheres.wgsl",
+        "step.slots_at + own.y] = i",
+        "step.slots_at + i] = own.y",
+        Buffer::Words,
+    ),
+    Mistake("measure_order", 0, "measure_order.wgsl", "32u - count", "31u - count", Buffer::Status),
     Mistake("end_step", 0, "end_step.wgsl", "= status.max_overlap", "= status.contacts", Buffer::Status),
 ];
 

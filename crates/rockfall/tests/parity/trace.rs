@@ -1,7 +1,7 @@
 //! The worlds that the stages of a step begin with, with every decision of the step far from its switch.
 
 use rockfall::layout::{CELLS_AT, ROD_WORDS};
-use rockfall::stage::{Phase, Run};
+use rockfall::stage::{MEASURE_ORDER, Phase, Run, SORT_MEMORY};
 use rockfall::world::World;
 use rockfall::{BroadPhase, Integrator, Settings};
 
@@ -68,7 +68,10 @@ pub(crate) fn trace(plan: &Plan) -> Trace {
 
 /// A world of the scene, roomy enough for its lists.
 fn built(drawn: &Clusters) -> World {
-    let mut world = World::build(&drawn.scene).unwrap();
+    sized(World::build(&drawn.scene).unwrap())
+}
+
+fn sized(mut world: World) -> World {
     world.step.dt = DT;
     world.step.margin_scale = MARGIN;
     world.set_pair_capacity(world.movers() * 64);
@@ -104,7 +107,23 @@ fn run(drawn: &Clusters, plan: &Plan) -> Trace {
         }
     }
     decisions::escapes(&world, 0, &mut findings);
+    scenarios.extend(sorting(drawn));
     Trace { scenarios, findings, after: world }
+}
+
+/// Putting memory in order, from the order of x.
+fn sorting(drawn: &Clusters) -> Vec<Scenario> {
+    let mut world = sized(World::build_along_x(&drawn.scene).unwrap());
+    let phases = [Phase::UpdateAabbs, Phase::BroadPhase];
+    for run in phases.iter().flat_map(|phase| phase.stages(Integrator::Rk4, BroadPhase::BruteForce)) {
+        (run.stage.cpu)(&mut world, run.pass);
+    }
+    let mut scenarios = Vec::new();
+    for run in MEASURE_ORDER.iter().chain(SORT_MEMORY) {
+        scenarios.push(Scenario { run: *run, before: world.clone() });
+        (run.stage.cpu)(&mut world, run.pass);
+    }
+    scenarios
 }
 
 /// Swaps where the ends of every ninth rod were before the step: as if it had turned half around within it.

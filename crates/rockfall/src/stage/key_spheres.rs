@@ -1,0 +1,37 @@
+//! Memory order, 1 of 5: the place of every sphere on a Z-order curve through cells of the grid's size (Morton 1966).
+//!
+//! Ten binary digits an axis: beyond 1,024 cells the curve begins again, which costs nothing but nearness. Leaves pairs of key
+//! and memory slot in `Y2`.
+
+use bytemuck::cast_slice_mut;
+
+use crate::stage::{Buffer, Stage, Threads, part, read, write};
+use crate::world::World;
+
+/// The stage.
+pub(crate) const STAGE: Stage = Stage {
+    name: "key_spheres",
+    parts: &[part!("wgsl/step.wgsl"), part!("stage/key_spheres.wgsl")],
+    bindings: &[read("state", Buffer::Start), write("pairs", Buffer::Y2), read("status", Buffer::Status)],
+    threads: Threads::Spheres,
+    cpu: key_spheres,
+};
+
+fn key_spheres(world: &mut World, _pass: u32) {
+    if world.status.void != 0 {
+        return;
+    }
+    let n = world.step.spheres;
+    let [start, y2, ..] = &mut world.states;
+    let pairs: &mut [[u32; 2]] = cast_slice_mut(y2);
+    for ((position, slot), pair) in start.iter().zip(0..n).zip(pairs) {
+        let axes = position.truncate().to_array().map(|x| spread((x / world.step.cell_size).floor()));
+        *pair = [axes[0] | axes[1] << 1 | axes[2] << 2, slot];
+    }
+}
+
+/// The low 10 binary digits of a cell's coordinate, each at three times its place.
+fn spread(cell: f32) -> u32 {
+    let cell = (cell as i32).clamp(-(1 << 30), 1 << 30);
+    (0..10).map(|digit| (cell as u32 >> digit & 1) << (3 * digit)).sum()
+}

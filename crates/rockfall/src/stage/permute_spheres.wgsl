@@ -1,0 +1,31 @@
+// All that is moved are words: no float may change on the way.
+@group(0) @binding(2) var<storage, read> start: array<vec4u>;
+@group(0) @binding(3) var<storage, read> pairs: array<vec2u>;
+@group(0) @binding(4) var<storage, read> orientations: array<vec4u>;
+@group(0) @binding(5) var<storage, read> words: array<u32>;
+@group(0) @binding(6) var<storage, read_write> y3: array<vec4u>;
+@group(0) @binding(7) var<storage, read_write> y4: array<vec4u>;
+@group(0) @binding(8) var<storage, read> status: Status;
+
+@compute @workgroup_size(64)
+fn permute_spheres(
+    @builtin(workgroup_id) group: vec3u,
+    @builtin(num_workgroups) groups: vec3u,
+    @builtin(local_invocation_index) local: u32,
+) {
+    let i = linear_thread(group, groups, local);
+    if (i >= step.spheres) | (status.void != 0u) {
+        return;
+    }
+    let from_ = pairs[i].y;
+    for (var region = 0u; region < 3u; region++) {
+        y3[region * step.spheres + i] = start[region * step.spheres + from_];
+    }
+    var attached = vec2u(0u);
+    if step.adjacency_at != 0u {
+        attached = vec2u(words[step.adjacency_at + 2u * from_], words[step.adjacency_at + 2u * from_ + 1u]);
+    }
+    y4[i] = orientations[from_];
+    y4[step.spheres + i] = vec4u(words[step.tags_at + from_], words[step.users_at + from_], attached);
+    y4[2u * step.spheres + from_] = vec4u(i, 0u, 0u, 0u);
+}
