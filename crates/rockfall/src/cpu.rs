@@ -24,6 +24,6 @@ pub(crate) const GRAIN: usize = 64;
 /// Runs stages in their order.
 pub fn run(world: &mut World, runs: &[Run]) {
     for run in runs {
-        (run.stage.cpu)(world, run.pass);
+        run.on_cpu(world);
     }
 }

@@ -13,6 +13,7 @@ use crate::world::World;
 mod advance;
 mod apply_collisions;
 mod bound_blocks;
+mod build_grid;
 mod clear_cells;
 mod commit_and_turn;
 mod commit_collisions;
@@ -175,10 +176,6 @@ pub enum Threads {
     Movers,
     /// A thread per sphere.
     Spheres,
-    /// A thread per sphere in scenes with rods; in others the stage has nothing to do.
-    SpheresWithRods,
-    /// A thread per sphere in scenes without rods; in others the stage has nothing to do.
-    SpheresWithoutRods,
     /// A thread per rod.
     Rods,
     /// A workgroup per batch of fixed-length rods.
@@ -195,13 +192,10 @@ impl Threads {
     /// Workgroups that a stage has in a world of these counts; 0: it has nothing to do.
     pub fn workgroups(self, step: &Step) -> u32 {
         let movers = step.spheres + step.rods;
-        let spheres = step.spheres.div_ceil(WORKGROUP);
         match self {
             Self::Objects => (movers + step.boxes + step.polygons).div_ceil(WORKGROUP),
             Self::Movers => movers.div_ceil(WORKGROUP),
-            Self::Spheres => spheres,
-            Self::SpheresWithRods => spheres * u32::from(step.rods > 0),
-            Self::SpheresWithoutRods => spheres * u32::from(step.rods == 0),
+            Self::Spheres => step.spheres.div_ceil(WORKGROUP),
             Self::Rods => step.rods.div_ceil(WORKGROUP),
             Self::Batches => step.batches,
             Self::Blocks => step.cells / CELL_BLOCK,
@@ -242,21 +236,67 @@ pub struct Stage {
     pub cpu: fn(&mut World, u32),
 }
 
-/// A stage and the pass it is run for.
+/// In which scenes a run has something to do.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum When {
+    /// In all.
+    Always,
+    /// In those with rods.
+    Rods,
+    /// In those without.
+    NoRods,
+    /// In small ones, whose grid is one block of cells.
+    OneBlock,
+    /// In larger ones.
+    ManyBlocks,
+}
+
+/// A stage, the pass it is run for, and in which scenes.
 #[derive(Clone, Copy, Debug)]
 pub struct Run {
     /// The stage.
     pub stage: &'static Stage,
     /// 0..4 for the force evaluations of RK4, 0 and 1 for `sort_axis`, 0..8 for the digits of a sort, else 0.
     pub pass: u32,
+    /// Where it is left out.
+    pub when: When,
+}
+
+impl Run {
+    /// Whether it is part of the step in a world of these counts.
+    pub fn applies(&self, step: &Step) -> bool {
+        match self.when {
+            When::Always => true,
+            When::Rods => step.rods > 0,
+            When::NoRods => step.rods == 0,
+            When::OneBlock => step.cells == CELL_BLOCK,
+            When::ManyBlocks => step.cells != CELL_BLOCK,
+        }
+    }
+
+    /// Workgroups in a world of these counts; 0: there is nothing to do.
+    pub fn workgroups(&self, step: &Step) -> u32 {
+        if self.applies(step) { self.stage.threads.workgroups(step) } else { 0 }
+    }
+
+    /// The CPU twin, where it applies.
+    pub fn on_cpu(&self, world: &mut World) {
+        if self.applies(&world.step) {
+            (self.stage.cpu)(world, self.pass);
+        }
+    }
+
+    const fn when(self, when: When) -> Self {
+        Self { when, ..self }
+    }
 }
 
 const fn run(stage: &'static Stage) -> Run {
-    Run { stage, pass: 0 }
+    pass(stage, 0)
 }
 
 const fn pass(stage: &'static Stage, pass: u32) -> Run {
-    Run { stage, pass }
+    Run { stage, pass, when: When::Always }
 }
 
 /// The phases of a step, each callable alone.
@@ -283,11 +323,12 @@ impl Phase {
             (Self::BroadPhase, _, BroadPhase::Grid) => {
                 const {
                     &[
-                        run(&clear_cells::STAGE),
-                        run(&count_cells::STAGE),
-                        run(&scan_cells::SUM),
-                        run(&scan_cells::PLACE),
-                        run(&sort_cells::STAGE),
+                        run(&build_grid::STAGE).when(When::OneBlock),
+                        run(&clear_cells::STAGE).when(When::ManyBlocks),
+                        run(&count_cells::STAGE).when(When::ManyBlocks),
+                        run(&scan_cells::SUM).when(When::ManyBlocks),
+                        run(&scan_cells::PLACE).when(When::ManyBlocks),
+                        run(&sort_cells::STAGE).when(When::ManyBlocks),
                         run(&find_neighbours::STAGE),
                     ]
                 }
@@ -319,10 +360,10 @@ impl Phase {
                         pass(&rod_forces::STAGE, 2),
                         pass(&advance::STAGE, 2),
                         pass(&rod_forces::STAGE, 3),
-                        pass(&finish::STAGE, 3),
+                        pass(&finish::STAGE, 3).when(When::Rods),
                         run(&constrain::STAGE),
-                        run(&turn::STAGE),
-                        pass(&finish_and_turn::STAGE, 3),
+                        run(&turn::STAGE).when(When::Rods),
+                        pass(&finish_and_turn::STAGE, 3).when(When::NoRods),
                         run(&end_step::STAGE),
                     ]
                 }
@@ -333,10 +374,10 @@ impl Phase {
                         run(&restore_lengths::STAGE),
                         run(&rod_forces::STAGE),
                         run(&leap::STAGE),
-                        run(&commit_leap::STAGE),
+                        run(&commit_leap::STAGE).when(When::Rods),
                         run(&constrain::STAGE),
-                        run(&turn::STAGE),
-                        run(&commit_and_turn::STAGE),
+                        run(&turn::STAGE).when(When::Rods),
+                        run(&commit_and_turn::STAGE).when(When::NoRods),
                         run(&end_step::STAGE),
                     ]
                 }
@@ -367,7 +408,7 @@ pub const SORT_MEMORY: &[Run] = &{
 pub const MEASURE_ORDER: &[Run] = &[run(&measure_order::STAGE)];
 
 /// Every stage there is, once.
-pub const ALL: [&Stage; 34] = [
+pub const ALL: [&Stage; 35] = [
     &update_aabbs::STAGE,
     &count_pairs::STAGE,
     &scan_pairs::STAGE,
@@ -376,6 +417,7 @@ pub const ALL: [&Stage; 34] = [
     &bound_blocks::STAGE,
     &count_near::STAGE,
     &fill_near::STAGE,
+    &build_grid::STAGE,
     &clear_cells::STAGE,
     &count_cells::STAGE,
     &scan_cells::SUM,

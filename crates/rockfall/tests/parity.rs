@@ -147,7 +147,7 @@ fn every_stage_without_rods() {
         let changed = |name: &str| {
             let scenario = trace.scenarios.iter().find(|scenario| scenario.run.stage.name == name).expect(name);
             let mut after = scenario.before.clone();
-            (scenario.run.stage.cpu)(&mut after, scenario.run.pass);
+            scenario.run.on_cpu(&mut after);
             after.orientations != scenario.before.orientations
         };
         assert!(changed(if integrator == Integrator::Rk4 { "finish_and_turn" } else { "commit_and_turn" }));
@@ -207,7 +207,7 @@ fn lists_that_do_not_fit() {
     let mut scenario = scan.unwrap();
     let needed = {
         let mut world = scenario.before.clone();
-        (scenario.run.stage.cpu)(&mut world, 0);
+        scenario.run.on_cpu(&mut world);
         world.status.pairs_needed
     };
     for (capacity, void) in [(needed - 1, VOID_PAIRS), (needed, 0)] {

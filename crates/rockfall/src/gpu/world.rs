@@ -239,7 +239,7 @@ impl GpuWorld {
 
     /// Whether a stage has nothing to do for this world, so that it is not dispatched.
     pub(crate) fn is_idle(&self, run: &Run) -> bool {
-        run.stage.threads.workgroups(&self.step) == 0
+        run.workgroups(&self.step) == 0
     }
 
     fn make_group(&self, stage: &Stage, pass: u32, layout: &wgpu::BindGroupLayout) -> wgpu::BindGroup {
@@ -279,7 +279,7 @@ impl GpuWorld {
     pub fn encode(&self, pass: &mut wgpu::ComputePass<'_>, runs: &[Run], steps: u32) -> Result<()> {
         let mut table = Vec::with_capacity(runs.len());
         for run in runs {
-            let groups = run.stage.threads.workgroups(&self.step);
+            let groups = run.workgroups(&self.step);
             if groups == 0 {
                 continue;
             }

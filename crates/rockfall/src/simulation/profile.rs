@@ -95,7 +95,7 @@ impl Simulation {
 /// Runs stages in their order; gives the time of each, in s.
 pub(super) fn run_timed(world: &mut World, stages: &[Run]) -> Vec<Option<f64>> {
     let timed = |run: &Run| {
-        if run.stage.threads.workgroups(&world.step) == 0 {
+        if run.workgroups(&world.step) == 0 {
             return None;
         }
         let watch = Watch::start();

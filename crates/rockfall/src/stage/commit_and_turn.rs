@@ -27,12 +27,12 @@ pub(crate) const STAGE: Stage = Stage {
         read("aabbs", Buffer::Aabbs),
         write("status", Buffer::Status),
     ],
-    threads: Threads::SpheresWithoutRods,
+    threads: Threads::Spheres,
     cpu: commit_and_turn,
 };
 
 fn commit_and_turn(world: &mut World, _pass: u32) {
-    if world.status.void != 0 || world.step.rods > 0 {
+    if world.status.void != 0 {
         return;
     }
     commit(world);

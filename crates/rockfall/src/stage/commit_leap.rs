@@ -19,12 +19,12 @@ pub(crate) const STAGE: Stage = Stage {
         read("aabbs", Buffer::Aabbs),
         write("status", Buffer::Status),
     ],
-    threads: Threads::SpheresWithRods,
+    threads: Threads::Spheres,
     cpu: commit_leap,
 };
 
 fn commit_leap(world: &mut World, _pass: u32) {
-    if world.status.void == 0 && world.step.rods > 0 {
+    if world.status.void == 0 {
         commit(world);
     }
 }

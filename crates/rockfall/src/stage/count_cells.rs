@@ -11,7 +11,12 @@ use crate::world::World;
 /// The stage.
 pub(crate) const STAGE: Stage = Stage {
     name: "count_cells",
-    parts: &[part!("wgsl/step.wgsl"), part!("wgsl/grid.wgsl"), part!("stage/count_cells.wgsl")],
+    parts: &[
+        part!("wgsl/step.wgsl"),
+        part!("wgsl/grid.wgsl"),
+        part!("wgsl/count_object.wgsl"),
+        part!("stage/count_cells.wgsl"),
+    ],
     bindings: &[read("aabbs", Buffer::Aabbs), write("cells", Buffer::Cells), read("status", Buffer::Status)],
     threads: Threads::Objects,
     cpu: count_cells,

@@ -18,14 +18,8 @@ fn count_cells(
         atomicStore(&levels, 0u);
     }
     workgroupBarrier();
-    if object < step.spheres + step.rods + step.boxes + step.polygons {
-        let aabb = aabbs[object];
-        let level = level_of(aabb);
-        let cell = cell_coordinates(0.5 * aabb.min + 0.5 * aabb.max, level);
-        let key = cell_key(cell.x, row_key(cell.y, cell.z, level));
-        atomicOr(&levels, 1u << level);
-        atomicAdd(&cells[CELLS_AT + key], 1u);
-        atomicStore(&cells[step.keys_at + object], key);
+    if object < objects() {
+        atomicOr(&levels, count_object(object));
     }
     workgroupBarrier();
     if local == 0u {

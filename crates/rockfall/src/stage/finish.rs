@@ -42,12 +42,12 @@ pub(crate) const STAGE: Stage = Stage {
         read("wrenches", Buffer::Wrenches),
         write("status", Buffer::Status),
     ],
-    threads: Threads::SpheresWithRods,
+    threads: Threads::Spheres,
     cpu: finish,
 };
 
 fn finish(world: &mut World, _pass: u32) {
-    if world.status.void != 0 || world.step.rods == 0 {
+    if world.status.void != 0 {
         return;
     }
     let done = finish_all(world);

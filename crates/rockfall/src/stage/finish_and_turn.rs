@@ -34,12 +34,12 @@ pub(crate) const STAGE: Stage = Stage {
         write("orientations", Buffer::Orientations),
         write("status", Buffer::Status),
     ],
-    threads: Threads::SpheresWithoutRods,
+    threads: Threads::Spheres,
     cpu: finish_and_turn,
 };
 
 fn finish_and_turn(world: &mut World, _pass: u32) {
-    if world.status.void != 0 || world.step.rods > 0 {
+    if world.status.void != 0 {
         return;
     }
     let done = finish_all(world);

@@ -8,7 +8,7 @@ use crate::world::World;
 /// The sum of every block.
 pub(crate) const SUM: Stage = Stage {
     name: "sum_blocks",
-    parts: &[part!("wgsl/step.wgsl"), part!("stage/scan_cells.wgsl")],
+    parts: &[part!("wgsl/step.wgsl"), part!("wgsl/scan.wgsl"), part!("stage/scan_cells.wgsl")],
     bindings: &[write("cells", Buffer::Cells), read("status", Buffer::Status)],
     threads: Threads::Blocks,
     cpu: sum_blocks,

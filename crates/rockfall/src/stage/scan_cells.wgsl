@@ -4,21 +4,8 @@
 // Cells of a thread of a block's workgroup.
 const OWN: u32 = CELL_BLOCK / WORKGROUP;
 
-var<workgroup> sums: array<u32, WORKGROUP>;
-
-// Makes `sums` sums of all up to and with each.
-fn scan_sums(local: u32) {
-    workgroupBarrier();
-    for (var reach = 1u; reach < WORKGROUP; reach *= 2u) {
-        var left = 0u;
-        if local >= reach {
-            left = sums[local - reach];
-        }
-        workgroupBarrier();
-        sums[local] += left;
-        workgroupBarrier();
-    }
-}
+// Threads that share out a block.
+const TEAM: u32 = WORKGROUP;
 
 fn own_sum(first: u32) -> u32 {
     var sum = 0u;

@@ -10,7 +10,7 @@ use crate::world::World;
 /// The stage.
 pub(crate) const STAGE: Stage = Stage {
     name: "sort_cells",
-    parts: &[part!("wgsl/step.wgsl"), part!("stage/sort_cells.wgsl")],
+    parts: &[part!("wgsl/step.wgsl"), part!("wgsl/place_object.wgsl"), part!("stage/sort_cells.wgsl")],
     bindings: &[
         read("aabbs", Buffer::Aabbs),
         write("cells", Buffer::Cells),

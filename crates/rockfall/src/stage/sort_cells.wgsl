@@ -10,15 +10,8 @@ fn sort_cells(
     @builtin(local_invocation_index) local: u32,
 ) {
     let object = linear_thread(group, groups, local);
-    if (status.rebuild == 0u) | (status.void != 0u) | (object >= step.spheres + step.rods + step.boxes + step.polygons) {
+    if (status.rebuild == 0u) | (status.void != 0u) | (object >= objects()) {
         return;
     }
-    let key = atomicLoad(&cells[step.keys_at + object]);
-    let place = atomicAdd(&cells[CELLS_AT + key], 1u);
-    atomicStore(&cells[step.sorted_at + place], object);
-    let aabb = aabbs[object];
-    let half = 0.5 * aabb.max - 0.5 * aabb.min;
-    // A little too large, so that no rounding makes it too small.
-    let largest = 1.000001 * max(half.x, max(half.y, half.z));
-    extents[place] = vec4f(0.5 * aabb.min + 0.5 * aabb.max, largest);
+    place_object(object);
 }

@@ -37,12 +37,12 @@ pub(crate) const STAGE: Stage = Stage {
         read("words", Buffer::Words),
         read("status", Buffer::Status),
     ],
-    threads: Threads::SpheresWithRods,
+    threads: Threads::Spheres,
     cpu: turn,
 };
 
 fn turn(world: &mut World, _pass: u32) {
-    if world.status.void != 0 || world.step.rods == 0 {
+    if world.status.void != 0 {
         return;
     }
     let World { step, words, states: [state, _, memory, _], orientations, .. } = world;

@@ -58,7 +58,7 @@ fn update_aabbs(
     @builtin(local_invocation_index) local: u32,
 ) {
     let id = linear_thread(group, groups, local);
-    if (status.rebuild == 0u) | (id >= step.spheres + step.rods + step.boxes + step.polygons) {
+    if (status.rebuild == 0u) | (id >= objects()) {
         return;
     }
     let hull = hull_of(id);

@@ -171,6 +171,10 @@ const NONE: u32 = 0xffffffffu;
 // A squared length up to this counts as 0: what its direction would be is decided by rule, not by rounding.
 const TINY: f32 = 1e-30;
 
+fn objects() -> u32 {
+    return step.spheres + step.rods + step.boxes + step.polygons;
+}
+
 // A dispatch has two dimensions, so that there may be more than 65,535 workgroups.
 fn linear_group(group: vec3u, groups: vec3u) -> u32 {
     return group.x + group.y * groups.x;

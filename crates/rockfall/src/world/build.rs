@@ -153,13 +153,19 @@ impl World {
 
     /// Chooses the grid's cells: a little larger than most spheres, and about as many as there are objects.
     fn set_grid(&mut self, scene: &Scene) {
+        self.step.cell_size = typical_cell(scene);
+        self.set_cells(self.objects());
+    }
+
+    /// Gives the grid's table room for at least so many cells; what it holds is void after it.
+    pub fn set_cells(&mut self, cells: u32) {
         let objects = self.objects();
         let step = &mut self.step;
-        step.cell_size = typical_cell(scene);
-        step.cells = objects.max(CELL_BLOCK).next_power_of_two();
+        step.cells = cells.max(CELL_BLOCK).next_power_of_two();
         step.sums_at = CELLS_AT + step.cells;
         step.keys_at = step.sums_at + step.cells / CELL_BLOCK;
         step.sorted_at = step.keys_at + objects;
+        self.cells.resize((step.sorted_at + objects) as usize, 0);
     }
 
     /// Gives scratch arrays the sizes that the counts ask for.
@@ -169,7 +175,6 @@ impl World {
             state.resize(rows, Vec4::ZERO);
         }
         self.aabbs.resize(self.objects() as usize, Default::default());
-        self.cells.resize((self.step.sorted_at + self.objects()) as usize, 0);
         self.extents.resize(self.objects() as usize, Vec4::ZERO);
         self.wrenches.resize(4 * self.step.rods as usize, Vec4::ZERO);
     }

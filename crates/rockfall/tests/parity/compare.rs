@@ -152,7 +152,7 @@ fn shaken(world: &World, seed: u64) -> World {
 /// When the stage decides otherwise where its input is off by no more than rounding.
 pub(crate) fn differences(run: &Run, before: &World, gpu: &World, tolerance: Tolerance) -> Vec<Difference> {
     let after = |mut world: World| {
-        (run.stage.cpu)(&mut world, run.pass);
+        run.on_cpu(&mut world);
         canonical(&world, run.stage.name)
     };
     let gpu = &canonical(gpu, run.stage.name);

@@ -59,7 +59,7 @@ fn impulses_and_displacements_are_those_of_the_formulas() {
         let trace = trace(&plan(seed, Integrator::Rk4));
         let world = before(&trace, "apply_collisions");
         let mut after = before(&trace, "commit_collisions").clone();
-        (scenario(&trace, "commit_collisions").run.stage.cpu)(&mut after, 0);
+        scenario(&trace, "commit_collisions").run.on_cpu(&mut after);
         let (bodies, done) = (Bodies::new(world, 0), Bodies::new(&after, 0));
         let restitution = f64::from(world.step.restitution);
         let mut kicks = vec![(DVec3::ZERO, DVec3::ZERO); bodies.balls.len()];

@@ -7,7 +7,7 @@ use rockfall::world::World;
 pub(crate) fn canonical(world: &World, stage: &str) -> World {
     let mut world = world.clone();
     match stage {
-        "sort_cells" => order_cells(&mut world),
+        "build_grid" | "sort_cells" => order_cells(&mut world),
         "find_neighbours" => order_slices(&mut world),
         _ => {}
     }

@@ -25,7 +25,7 @@ fn assert_alike(gpu: &Gpu, scene: &Scene, runs: &[Run], steps: u32, margin: f32)
         let wrong = differences(run, &world, &after, BY_RULE);
         let (stage, pass) = (run.stage.name, run.pass);
         assert!(wrong.is_empty(), "step {step}, {stage} pass {pass}: {}", listed(&wrong));
-        (run.stage.cpu)(&mut world, run.pass);
+        run.on_cpu(&mut world);
     }
     world
 }
@@ -196,7 +196,7 @@ fn escapes_void_the_step() {
         let mut voided = 0;
         for run in stages(&Phase::STEP, integrator) {
             let before = world.clone();
-            (run.stage.cpu)(&mut world, run.pass);
+            run.on_cpu(&mut world);
             let gpu = on_gpu(&GPU, &before, run).status;
             assert_eq!(gpu.void, world.status.void, "{}", run.stage.name);
             if world.status.void != 0 {

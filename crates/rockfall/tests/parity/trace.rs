@@ -1,6 +1,6 @@
 //! The worlds that the stages of a step begin with, with every decision of the step far from its switch.
 
-use rockfall::layout::{CELLS_AT, ROD_WORDS};
+use rockfall::layout::{CELL_BLOCK, CELLS_AT, ROD_WORDS};
 use rockfall::stage::{MEASURE_ORDER, Phase, Run, SORT_MEMORY};
 use rockfall::world::World;
 use rockfall::{BroadPhase, Integrator, Settings};
@@ -67,8 +67,11 @@ pub(crate) fn trace(plan: &Plan) -> Trace {
 }
 
 /// A world of the scene, roomy enough for its lists.
-fn built(drawn: &Clusters) -> World {
-    sized(World::build(&drawn.scene).unwrap())
+fn built(drawn: &Clusters, plan: &Plan) -> World {
+    let mut world = World::build(&drawn.scene).unwrap();
+    // The grid of one block of cells, which so few objects get, and the grid of more.
+    world.set_cells(CELL_BLOCK * (1 + plan.seed % 2) as u32);
+    sized(world)
 }
 
 fn sized(mut world: World) -> World {
@@ -84,7 +87,7 @@ fn sized(mut world: World) -> World {
 }
 
 fn run(drawn: &Clusters, plan: &Plan) -> Trace {
-    let mut world = built(drawn);
+    let mut world = built(drawn, plan);
     let mut scenarios = Vec::new();
     let mut findings = Findings::default();
     let phases = Phase::STEP.iter().filter(|phase| drawn.scene.settings.collisions || **phase != Phase::HandleCollisions);
@@ -95,7 +98,7 @@ fn run(drawn: &Clusters, plan: &Plan) -> Trace {
         }
         decide(&world, run, &mut findings);
         scenarios.push(Scenario { run: *run, before: world.clone() });
-        (run.stage.cpu)(&mut world, run.pass);
+        run.on_cpu(&mut world);
         if run.stage.name == "constrain" {
             // Axes that turn half around have no shortest rotation.
             turn_some(&mut world);
@@ -116,12 +119,12 @@ fn sorting(drawn: &Clusters) -> Vec<Scenario> {
     let mut world = sized(World::build_along_x(&drawn.scene).unwrap());
     let phases = [Phase::UpdateAabbs, Phase::BroadPhase];
     for run in phases.iter().flat_map(|phase| phase.stages(Integrator::Rk4, BroadPhase::BruteForce)) {
-        (run.stage.cpu)(&mut world, run.pass);
+        run.on_cpu(&mut world);
     }
     let mut scenarios = Vec::new();
     for run in MEASURE_ORDER.iter().chain(SORT_MEMORY) {
         scenarios.push(Scenario { run: *run, before: world.clone() });
-        (run.stage.cpu)(&mut world, run.pass);
+        run.on_cpu(&mut world);
     }
     scenarios
 }
@@ -139,7 +142,7 @@ fn turn_some(world: &mut World) {
 fn decide(world: &World, run: &Run, findings: &mut Findings) {
     let state = run.pass as usize;
     match run.stage.name {
-        "count_cells" => cells::decide(world, findings),
+        "build_grid" | "count_cells" => cells::decide(world, findings),
         "find_collisions" => {
             decisions::escapes(world, 0, findings);
             decisions::collisions(world, findings);

@@ -1,0 +1,59 @@
+@group(0) @binding(2) var<storage, read> aabbs: array<Aabb>;
+@group(0) @binding(3) var<storage, read_write> cells: array<atomic<u32>>;
+@group(0) @binding(4) var<storage, read_write> extents: array<vec4f>;
+@group(0) @binding(5) var<storage, read_write> status: Status;
+
+// One workgroup does it all, so it is as large as WebGPU promises.
+const TEAM: u32 = 256u;
+const OWN: u32 = CELL_BLOCK / TEAM;
+
+var<workgroup> due: u32;
+var<workgroup> levels: atomic<u32>;
+
+// Where every cell begins: after all objects in the cells before it.
+fn place_cells(local: u32) {
+    let first = CELLS_AT + local * OWN;
+    var own = 0u;
+    for (var k = 0u; k < OWN; k++) {
+        own += atomicLoad(&cells[first + k]);
+    }
+    sums[local] = own;
+    scan_sums(local);
+    if local == TEAM - 1u {
+        atomicStore(&cells[step.sums_at], sums[local]);
+    }
+    var before = sums[local] - own;
+    for (var k = 0u; k < OWN; k++) {
+        before += atomicExchange(&cells[first + k], before);
+    }
+}
+
+@compute @workgroup_size(256)
+fn build_grid(@builtin(local_invocation_index) local: u32) {
+    if local == 0u {
+        due = select(0u, status.rebuild, status.void == 0u);
+        atomicStore(&cells[1], due);
+        atomicStore(&levels, 0u);
+    }
+    if workgroupUniformLoad(&due) == 0u {
+        return;
+    }
+    for (var k = local; k < CELL_BLOCK; k += TEAM) {
+        atomicStore(&cells[CELLS_AT + k], 0u);
+    }
+    storageBarrier();
+    for (var object = local; object < objects(); object += TEAM) {
+        atomicOr(&levels, count_object(object));
+    }
+    storageBarrier();
+    place_cells(local);
+    storageBarrier();
+    for (var object = local; object < objects(); object += TEAM) {
+        place_object(object);
+    }
+    workgroupBarrier();
+    if local == 0u {
+        atomicStore(&cells[0], atomicLoad(&levels));
+        status.pairs_needed = 0u;
+    }
+}

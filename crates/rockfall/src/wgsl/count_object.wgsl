@@ -1,0 +1,10 @@
+// Counts an object in its cell; gives its level, as a bit.
+fn count_object(object: u32) -> u32 {
+    let aabb = aabbs[object];
+    let level = level_of(aabb);
+    let cell = cell_coordinates(0.5 * aabb.min + 0.5 * aabb.max, level);
+    let key = cell_key(cell.x, row_key(cell.y, cell.z, level));
+    atomicAdd(&cells[CELLS_AT + key], 1u);
+    atomicStore(&cells[step.keys_at + object], key);
+    return 1u << level;
+}
