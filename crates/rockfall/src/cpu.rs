@@ -2,12 +2,14 @@
 //!
 //! It is written from the formulas of physics.md, never translated from the WGSL, so that the two can catch each other.
 
+pub(crate) mod balls;
 pub(crate) mod broad;
 pub(crate) mod collision;
 pub(crate) mod contact;
 pub(crate) mod forces;
 pub(crate) mod geometry;
 pub(crate) mod grid;
+pub(crate) mod lanes;
 pub(crate) mod lengths;
 pub(crate) mod lists;
 pub(crate) mod state;

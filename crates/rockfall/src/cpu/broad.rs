@@ -41,7 +41,12 @@ pub(crate) fn for_each_near(
 /// AABBs overlap (touching counts) and groups are equal. Without branches, for it is asked in the hottest of all loops.
 pub(crate) fn may_meet(a: &Aabb, b: &Aabb) -> bool {
     let axis = |k: usize| (a.min[k] <= b.max[k]) & (b.min[k] <= a.max[k]);
-    axis(0) & axis(1) & axis(2) & (a.tag & 0xffff == b.tag & 0xffff)
+    axis(0) & axis(1) & axis(2) & same_group(a, b)
+}
+
+/// Groups are the low 16 bits of the tags.
+pub(crate) fn same_group(a: &Aabb, b: &Aabb) -> bool {
+    a.tag & 0xffff == b.tag & 0xffff
 }
 
 /// The entries that a mover's list has for an object that it may meet: one for each feature of a box that a rod may touch,

@@ -9,7 +9,7 @@ use crate::cpu::view::{Object, TINY, View};
 use crate::layout::{ENTRY_COLLIDES, ENTRY_OVERLAPS};
 
 /// Overlaps up to this times the smaller radius are rounding, to the collision phase.
-const ROUNDING: f32 = 1e-5;
+pub(crate) const ROUNDING: f32 = 1e-5;
 
 /// The share g of a contact's unit impulse that a sphere receives.
 #[derive(Clone, Copy, Debug, Default)]

@@ -2,8 +2,9 @@
 
 use glam::{Vec3, Vec4};
 
-use crate::cpu::contact::{ContactForce, contact_force};
-use crate::cpu::lists::Lists;
+use crate::cpu::balls::{Ball, Group, Meeting};
+use crate::cpu::contact::{ContactForce, contact_force, contact_forces};
+use crate::cpu::lists::{Entry, Lists};
 use crate::cpu::tally::Tally;
 use crate::cpu::touch::touch;
 use crate::cpu::view::{TINY, View};
@@ -25,7 +26,20 @@ pub(crate) fn each_contact(
     mut tally: Option<&mut Tally>,
     mut take: impl FnMut(Load, f32),
 ) {
-    for entry in lists.row(mover) {
+    let mut entries = lists.row(mover);
+    let mut next = entries.next();
+    if let Some(ball) = Ball::new(view, mover) {
+        let mut group = Group::default();
+        // Spheres come first in every list.
+        while let Some(entry) = next.filter(|entry| entry.id() < view.step.spheres) {
+            if ball.is_near(entry.id()) && group.add(entry) {
+                ball_loads(&ball, group.take(), tally.as_deref_mut(), &mut take);
+            }
+            next = entries.next();
+        }
+        ball_loads(&ball, group.take(), tally.as_deref_mut(), &mut take);
+    }
+    for entry in next.into_iter().chain(entries) {
         let (id_a, id_b) = view.ordered(mover, entry.id());
         let Some(touch) = touch(view, id_a, id_b, entry.feature()) else {
             continue;
@@ -39,6 +53,26 @@ pub(crate) fn each_contact(
         } else {
             take(Load { force: -force, couple: torque_b }, touch.b);
         }
+    }
+}
+
+/// The loads of up to four contacts with other spheres, in their order.
+#[inline]
+fn ball_loads(ball: &Ball, others: &[Entry], mut tally: Option<&mut Tally>, take: &mut impl FnMut(Load, f32)) {
+    if others.is_empty() {
+        return;
+    }
+    let Meeting { a, b, touches } = ball.meet(others);
+    let loads = contact_forces(ball.view.step, &a, &b, &touches);
+    let loads = loads.force.to_rows().into_iter().zip(loads.torque_a.to_rows());
+    let each = others.iter().zip(touches.overlap.to_array()).zip(loads).filter(|((_, overlap), _)| *overlap > 0.0);
+    for ((other, overlap), (force, couple)) in each {
+        if let Some(tally) = &mut tally
+            && ball.is_first(other.id())
+        {
+            tally.count_contact(overlap);
+        }
+        take(Load { force, couple }, 0.0);
     }
 }
 

@@ -5,23 +5,22 @@
 //! radii of all sizes, long rods and large boxes are found with a few rows of cells a level. Cells live in a hashed table,
 //! so that the extent of the scene costs nothing.
 
-use glam::Vec3;
+use std::ops::Range;
 
-use crate::cpu::broad::{entries, may_meet};
-use crate::layout::{Aabb, CELLS_AT, LEVEL_BIAS, ROW_LEVEL, ROW_Y, ROW_Z, Step, TOP_LEVEL};
+use glam::{IVec3, Vec3, Vec4};
 
-fn cell_size(step: &Step, level: u32) -> f32 {
-    step.cell_size * 2f32.powi(level as i32 - LEVEL_BIAS as i32)
-}
+use crate::cpu::broad::{entries, may_meet, same_group};
+use crate::cpu::lanes::{LANES, Vec3x4};
+use crate::layout::{Aabb, CELLS_AT, FLAG_GROUPS, LEVEL_BIAS, ROW_LEVEL, ROW_Y, ROW_Z, Step, TOP_LEVEL};
 
-fn level_of(step: &Step, aabb: &Aabb) -> u32 {
-    let largest = (Vec3::from_array(aabb.max) - Vec3::from_array(aabb.min)).max_element();
-    (0..TOP_LEVEL).find(|level| largest <= cell_size(step, *level)).unwrap_or(TOP_LEVEL)
-}
+/// Movers look around together when all their AABBs fit into a cube so many times as large as the smallest.
+const TOGETHER: f32 = 5.0;
 
-/// The cell of a place, along one axis. Casting clamps what is far out, which keeps the order of coordinates.
-fn coordinate(step: &Step, place: f32, level: u32) -> i32 {
-    if level == TOP_LEVEL { 0 } else { ((place / cell_size(step, level)).floor() as i32).clamp(-(1 << 30), 1 << 30) }
+/// Cells of one size.
+#[derive(Clone, Copy, Debug)]
+struct Level {
+    number: u32,
+    size: f32,
 }
 
 /// Along x cells are neighbours in the table; rows are scattered.
@@ -31,90 +30,234 @@ fn key(step: &Step, x: i32, y: i32, z: i32, level: u32) -> u32 {
     row.wrapping_add(x as u32) & (step.cells - 1)
 }
 
-/// Whether the balls that the AABBs of two spheres enclose meet, with room for rounding.
-fn balls_meet(a: &Aabb, b: &Aabb) -> bool {
-    let [a, b] = [a, b].map(|aabb| (Vec3::from_array(aabb.min) * 0.5, Vec3::from_array(aabb.max) * 0.5));
-    let middles = [a.0 + a.1, b.0 + b.1];
-    let slack = 1e-6 * (middles[0].abs().max_element() + middles[1].abs().max_element());
-    let reach = (a.1 - a.0).max_element() + (b.1 - b.0).max_element();
-    // Not the other way round: what has no bounds meets all.
-    let apart = middles[0].distance(middles[1]) > reach * 1.000_001 + slack;
-    !apart
-}
-
 /// The cell of an object in the table, and its level.
 pub(crate) fn key_of(step: &Step, aabb: &Aabb) -> (u32, u32) {
-    let level = level_of(step, aabb);
-    let [x, y, z] = std::array::from_fn(|axis| coordinate(step, 0.5 * aabb.min[axis] + 0.5 * aabb.max[axis], level));
-    (key(step, x, y, z, level), level)
+    let largest = largest_edge(aabb);
+    let levels = (0..TOP_LEVEL).map(|number| Level::new(step, number));
+    let level = levels.into_iter().find(|level| largest <= level.size).unwrap_or(Level::new(step, TOP_LEVEL));
+    let [min, max] = [aabb.min, aabb.max].map(|bound| Vec3::from_array(bound).extend(0.0));
+    let IVec3 { x, y, z } = level.cell(0.5 * min + 0.5 * max);
+    (key(step, x, y, z, level.number), level.number)
+}
+
+/// Centre and largest half extent of an AABB, a little too large, so that no rounding makes it too small.
+pub(crate) fn extent(aabb: &Aabb) -> Vec4 {
+    let (min, max) = (0.5 * Vec3::from_array(aabb.min), 0.5 * Vec3::from_array(aabb.max));
+    (min + max).extend(1.000001 * (max - min).max_element())
 }
 
 /// The sorted objects, for finding neighbours.
-#[derive(Clone, Copy)]
+#[derive(Clone)]
 pub(crate) struct Grid<'a> {
     step: &'a Step,
     aabbs: &'a [Aabb],
-    levels: u32,
+    /// The levels that have objects.
+    levels: Vec<Level>,
     /// Where every cell ends.
     ends: &'a [u32],
     sorted: &'a [u32],
+    /// Extents of the sorted objects.
+    extents: &'a [Vec4],
+}
+
+/// What some movers that are close together may meet.
+#[derive(Default)]
+pub(crate) struct Around {
+    spans: Vec<(u32, u32)>,
+    /// Extents of the spheres, and which they are.
+    extents: Vec<Vec4>,
+    ids: Vec<u32>,
+    /// The same extents, four centres and half sizes side by side.
+    lanes: Vec<(Vec3x4, Vec4)>,
+    /// Rods, boxes, polygons.
+    others: Vec<u32>,
+    entries: Vec<u32>,
 }
 
 impl<'a> Grid<'a> {
-    pub(crate) fn new(step: &'a Step, aabbs: &'a [Aabb], cells: &'a [u32]) -> Self {
+    pub(crate) fn new(step: &'a Step, aabbs: &'a [Aabb], cells: &'a [u32], extents: &'a [Vec4]) -> Self {
+        let levels = (0..=TOP_LEVEL).filter(|level| cells[0] >> level & 1 == 1);
         Self {
             step,
             aabbs,
-            levels: cells[0],
+            levels: levels.map(|level| Level::new(step, level)).collect(),
             ends: &cells[CELLS_AT as usize..][..step.cells as usize],
             sorted: &cells[step.sorted_at as usize..][..aabbs.len()],
+            extents: &extents[..aabbs.len()],
         }
     }
 
-    /// The list entries of a mover, in any order; one may come twice, where two rows share places of the table.
-    pub(crate) fn for_each_pair(&self, mover: u32, mut take: impl FnMut(u32)) {
-        let own = &self.aabbs[mover as usize];
-        let levels = (0..=TOP_LEVEL).filter(|level| self.levels >> level & 1 == 1);
-        let ranges = levels.map(|level| (level, [0, 1, 2].map(|axis| self.around(own, axis, level))));
-        let too_many = |(_, [x, y, z]): (u32, [(i32, i32); 3])| {
-            let size = |(low, high): (i32, i32)| i64::from(high) - i64::from(low) + 1;
-            size(y) * size(z) > self.aabbs.len() as i64 || size(x) >= i64::from(self.step.cells)
+    /// Hands over the entries of each of some movers, in any order. Movers that stand together look around together.
+    pub(crate) fn for_each_list(&self, movers: Range<u32>, around: &mut Around, take: &mut impl FnMut(&mut Vec<u32>)) {
+        let aabbs = &self.aabbs[movers.start as usize..movers.end as usize];
+        let Some(hull) = aabbs.iter().copied().reduce(hull) else {
+            return;
         };
-        if ranges.clone().any(too_many) {
-            return self.test(mover, 0, self.sorted.len() as u32, &mut take);
+        let smallest = aabbs.iter().map(largest_edge).fold(f32::INFINITY, f32::min);
+        if aabbs.len() > 1 && largest_edge(&hull) > TOGETHER * smallest {
+            let middle = movers.start + (movers.end - movers.start) / 2;
+            self.for_each_list(movers.start..middle, around, take);
+            return self.for_each_list(middle..movers.end, around, take);
         }
-        for (level, [x, y, z]) in ranges {
-            for z in z.0..=z.1 {
-                for y in y.0..=y.1 {
-                    let (first, last) = (key(self.step, x.0, y, z, level), key(self.step, x.1, y, z, level));
-                    let (start, end) = (if first == 0 { 0 } else { self.ends[first as usize - 1] }, self.ends[last as usize]);
+        around.gather(self, &hull);
+        for mover in movers {
+            around.find(self, mover);
+            take(&mut around.entries);
+        }
+    }
+
+    /// The sorted objects in the cells around an AABB, from `start` to before `end`, each once.
+    fn spans(&self, aabb: &Aabb, spans: &mut Vec<(u32, u32)>) {
+        let all = self.sorted.len() as u32;
+        spans.clear();
+        for level in &self.levels {
+            let block = level.around(aabb);
+            if block.is_more_than(all, self.step.cells) {
+                spans.clear();
+                return spans.push((0, all));
+            }
+            let Block { low, high } = block;
+            for z in low.z..=high.z {
+                for y in low.y..=high.y {
+                    let (first, last) = (key(self.step, low.x, y, z, level.number), key(self.step, high.x, y, z, level.number));
+                    let start = if first == 0 { 0 } else { self.ends[first as usize - 1] };
+                    let end = self.ends[last as usize];
                     if first <= last {
-                        self.test(mover, start, end, &mut take);
+                        spans.push((start, end));
                     } else {
                         // Around the end of the table.
-                        self.test(mover, start, self.sorted.len() as u32, &mut take);
-                        self.test(mover, 0, end, &mut take);
+                        spans.extend([(start, all), (0, end)]);
                     }
                 }
             }
         }
+        // Rows may share places of the table.
+        spans.sort_unstable();
+        let mut done = 0;
+        for (start, end) in spans {
+            *start = done.max(*start);
+            *end = (*end).max(*start);
+            done = *end;
+        }
     }
+}
 
-    /// The cells of a level that the centre of an overlapping object may be in, along one axis. The slack covers rounding.
-    fn around(&self, own: &Aabb, axis: usize, level: u32) -> (i32, i32) {
-        let (min, max) = (own.min[axis], own.max[axis]);
-        let slack = 0.5005 * cell_size(self.step, level) + 1e-6 * min.abs().max(max.abs());
-        (coordinate(self.step, min - slack, level), coordinate(self.step, max + slack, level))
-    }
-
-    fn test(&self, mover: u32, start: u32, end: u32, take: &mut impl FnMut(u32)) {
-        let own = &self.aabbs[mover as usize];
-        for id in &self.sorted[start as usize..end as usize] {
-            let other = &self.aabbs[*id as usize];
-            let spheres = mover.max(*id) < self.step.spheres;
-            if may_meet(own, other) && (!spheres || balls_meet(own, other)) {
-                entries(self.step, mover, *id, &mut *take);
+impl Around {
+    /// Takes what may meet an AABB, by extents.
+    fn gather(&mut self, grid: &Grid, aabb: &Aabb) {
+        self.others.clear();
+        grid.spans(aabb, &mut self.spans);
+        let most = self.spans.iter().map(|(start, end)| (end - start) as usize).sum();
+        self.extents.resize(most, Vec4::ZERO);
+        self.ids.resize(most, 0);
+        let (centre, half) = centre_and_half(aabb);
+        let mut count = 0;
+        for (start, end) in &self.spans {
+            let span = *start as usize..*end as usize;
+            for (extent, id) in grid.extents[span.clone()].iter().zip(&grid.sorted[span]) {
+                if *id >= grid.step.spheres {
+                    self.others.push(*id);
+                    continue;
+                }
+                // Without branches, for processors guess badly here. What has no bounds is apart from nothing.
+                let apart = (*extent - centre).abs().truncate().cmpgt(Vec3::splat(extent.w + half)).any();
+                (self.extents[count], self.ids[count]) = (*extent, *id);
+                count += usize::from(!apart);
             }
         }
+        self.extents.truncate(count);
+        self.ids.truncate(count);
+        self.lanes.clear();
+        let filled = |extents: &[Vec4]| std::array::from_fn(|lane| extents.get(lane).copied().unwrap_or_default());
+        self.lanes.extend(self.extents.chunks(LANES).map(|extents| Vec3x4::from_rows(filled(extents))));
+    }
+
+    /// The entries of a mover.
+    fn find(&mut self, grid: &Grid, mover: u32) {
+        let Self { ids, lanes, others, entries: found, .. } = self;
+        let own = &grid.aabbs[mover as usize];
+        found.clear();
+        let is_sphere = mover < grid.step.spheres;
+        if is_sphere {
+            let (centre, half) = centre_and_half(own);
+            let (centre, half) = (Vec3x4::splat(centre.truncate()), Vec4::splat(half));
+            found.resize(lanes.len() * LANES, 0);
+            let mut count = 0;
+            for ((centres, halves), ids) in lanes.iter().zip(ids.chunks(LANES)) {
+                let (d, reach) = (*centres - centre, *halves + half);
+                let apart = d.dot(d).cmpgt(reach * reach).bitmask();
+                for (lane, id) in ids.iter().enumerate() {
+                    found[count] = *id;
+                    count += usize::from(apart >> lane & 1 == 0);
+                }
+            }
+            found.truncate(count);
+            if let Some(own) = found.iter().position(|id| *id == mover) {
+                found.swap_remove(own);
+            }
+            if grid.step.flags & FLAG_GROUPS != 0 {
+                found.retain(|id| same_group(own, &grid.aabbs[*id as usize]));
+            }
+        }
+        let spheres: &[u32] = if is_sphere { &[] } else { ids };
+        for id in others.iter().chain(spheres) {
+            if may_meet(own, &grid.aabbs[*id as usize]) {
+                entries(grid.step, mover, *id, |entry| found.push(entry));
+            }
+        }
+    }
+}
+
+/// The middle of an AABB, and half its largest edge with room for the rounding of centres.
+fn centre_and_half(aabb: &Aabb) -> (Vec4, f32) {
+    let extent = extent(aabb);
+    (extent, extent.w + 2e-6 * extent.truncate().abs().max_element())
+}
+
+fn hull(a: Aabb, b: Aabb) -> Aabb {
+    let min = Vec3::from_array(a.min).min(Vec3::from_array(b.min));
+    let max = Vec3::from_array(a.max).max(Vec3::from_array(b.max));
+    Aabb { min: min.to_array(), max: max.to_array(), ..a }
+}
+
+fn largest_edge(aabb: &Aabb) -> f32 {
+    (Vec3::from_array(aabb.max) - Vec3::from_array(aabb.min)).max_element()
+}
+
+/// Cells of one level, from the lowest to the highest along each axis.
+struct Block {
+    low: IVec3,
+    high: IVec3,
+}
+
+impl Block {
+    /// Whether it has more rows than there are objects, or the whole table in a row.
+    fn is_more_than(&self, objects: u32, cells: u32) -> bool {
+        let size = |axis: usize| i64::from(self.high[axis]) - i64::from(self.low[axis]) + 1;
+        size(1) * size(2) > i64::from(objects) || size(0) >= i64::from(cells)
+    }
+}
+
+impl Level {
+    fn new(step: &Step, number: u32) -> Self {
+        Self { number, size: step.cell_size * 2f32.powi(number as i32 - LEVEL_BIAS as i32) }
+    }
+
+    /// The cells that the centre of an overlapping object may be in. The slack covers rounding.
+    fn around(&self, aabb: &Aabb) -> Block {
+        let [min, max] = [aabb.min, aabb.max].map(|bound| Vec3::from_array(bound).extend(0.0));
+        let slack = 0.5005 * self.size + 1e-6 * min.abs().max(max.abs());
+        Block { low: self.cell(min - slack), high: self.cell(max + slack) }
+    }
+
+    /// The cell of a place. What is far out is clamped, which keeps the order of coordinates.
+    fn cell(&self, place: Vec4) -> IVec3 {
+        if self.number == TOP_LEVEL {
+            return IVec3::ZERO;
+        }
+        let far = Vec4::splat((1 << 30) as f32);
+        // `floor`, which not every processor has.
+        let floor = |x: f32| x as i32 - i32::from(x < (x as i32) as f32);
+        IVec3::from_array((place / self.size).clamp(-far, far).truncate().to_array().map(floor))
     }
 }

@@ -3,13 +3,14 @@
 use rayon::prelude::*;
 
 use crate::cpu::GRAIN;
+use crate::cpu::lanes::LANES;
 use crate::cpu::view::View;
 use crate::layout::{ENTRY_FEATURE_MASK, ENTRY_ID_BITS, ENTRY_ID_MASK, LIST_COLLIDES, LIST_COUNT_MASK, SLICE, Step};
 
 /// One entry of a mover's list.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Entry {
-    /// Place among the entries, and of its weight.
+    /// Place among the entries, or among those of its slice.
     pub(crate) slot: u32,
     pub(crate) word: u32,
 }
@@ -55,9 +56,25 @@ impl<'a> Lists<'a> {
     }
 }
 
-/// Puts a mover's entries into their canonical order: by index in order of addition, then feature.
+/// Lists up to this length are put in order by comparing each entry with each other: that needs no branches.
+const SHORT: usize = 24;
+
+/// Puts a mover's entries, no two the same, into their canonical order: by index in order of addition, then feature.
 pub(crate) fn put_in_order(view: &View, entries: &mut [u32]) {
-    entries.sort_unstable_by_key(|entry| (view.user(entry & ENTRY_ID_MASK), entry >> ENTRY_ID_BITS & ENTRY_FEATURE_MASK));
+    // 26 bits and 4 bits: as signed numbers, which SSE2 can compare.
+    let key = |entry: u32| (view.user(entry & ENTRY_ID_MASK) << 4 | entry >> ENTRY_ID_BITS & ENTRY_FEATURE_MASK) as i32;
+    if entries.len() > SHORT {
+        return entries.sort_unstable_by_key(|entry| key(*entry));
+    }
+    let (mut keys, mut before) = ([i32::MAX; SHORT], [0; SHORT]);
+    let len = entries.len();
+    before[..len].copy_from_slice(entries);
+    keys.iter_mut().zip(&*entries).for_each(|(place, entry)| *place = key(*entry));
+    let compared = &keys[..len.next_multiple_of(LANES)];
+    for (entry, key) in before.iter().zip(keys).take(len) {
+        let rank: i32 = compared.iter().map(|other| i32::from(*other < key)).sum();
+        entries[rank as usize] = *entry;
+    }
 }
 
 /// Slot of entry `place` of a mover.
@@ -65,27 +82,38 @@ pub(crate) fn slot(step: &Step, lists: &[u32], mover: u32, place: u32) -> u32 {
     lists[(step.slices_at + mover / SLICE) as usize] + place * SLICE + mover % SLICE
 }
 
-/// Writes every mover's entries, which `entries` hands to the function it is given. Slices are filled side by side; they
-/// must stand in ascending order.
-pub(crate) fn fill_slices(step: &Step, lists: &mut [u32], entries: impl Fn(u32, &mut dyn FnMut(u32)) + Sync) {
-    let movers = step.spheres + step.rods;
+/// The lists of neighbouring movers, to write to.
+pub(crate) struct Slice<'a> {
+    /// The first of the movers.
+    pub(crate) first: u32,
+    /// Their counts, those that pad the last slice left out.
+    pub(crate) counts: &'a mut [u32],
+    /// Their entries: entry e of the mover at place p is word `32 e + p`.
+    pub(crate) words: &'a mut [u32],
+}
+
+/// All slices, as wide as their counts ask for, to be written side by side. They must stand in ascending order.
+pub(crate) fn slices<'a>(step: &Step, lists: &'a mut [u32]) -> Vec<Slice<'a>> {
+    let movers = (step.spheres + step.rods) as usize;
     let (index, mut rest) = lists.split_at_mut(step.entries_at as usize);
-    let (counts, offsets) = index.split_at(step.slices_at as usize);
-    let slices: Vec<&mut [u32]> = counts
-        .chunks(SLICE as usize)
-        .zip(offsets)
-        .map(|(counts, _)| {
-            let words = counts.iter().max().copied().unwrap_or(0) * SLICE;
-            rest.split_off_mut(..words as usize).unwrap_or_default()
-        })
-        .collect();
-    slices.into_par_iter().enumerate().with_min_len(GRAIN / SLICE as usize).for_each(|(slice, words)| {
-        let slice = slice as u32;
-        for mover in slice * SLICE..movers.min((slice + 1) * SLICE) {
-            let mut at = (mover % SLICE) as usize;
+    let counts = index[..movers].chunks_mut(SLICE as usize);
+    let slice = |(first, counts): (usize, &'a mut [u32])| {
+        let widest = counts.iter().map(|count| *count & LIST_COUNT_MASK).max().unwrap_or(0);
+        let words = rest.split_off_mut(..(widest * SLICE) as usize).unwrap_or_default();
+        Slice { first: first as u32 * SLICE, counts, words }
+    };
+    counts.enumerate().map(slice).collect()
+}
+
+/// Writes every mover's entries, which `entries` hands to the function it is given.
+pub(crate) fn fill_slices(step: &Step, lists: &mut [u32], entries: impl Fn(u32, &mut dyn FnMut(u32)) + Sync) {
+    slices(step, lists).into_par_iter().with_min_len(GRAIN / SLICE as usize).for_each(|slice| {
+        for place in 0..slice.counts.len() {
+            let mover = slice.first + place as u32;
+            let mut slot = place;
             entries(mover, &mut |entry| {
-                words[at] = entry;
-                at += SLICE as usize;
+                slice.words[slot] = entry;
+                slot += SLICE as usize;
             });
         }
     });

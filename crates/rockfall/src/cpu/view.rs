@@ -65,26 +65,48 @@ pub(crate) struct Attachment {
 pub(crate) struct View<'a> {
     pub(crate) step: &'a Step,
     words: &'a [u32],
-    state: &'a [Vec4],
+    /// Index in order of addition of the sphere in each memory slot; empty: they are the same.
+    users: &'a [u32],
+    /// Position and radius, velocity and inverse mass, angular momentum and inverse inertia of every sphere.
+    rows: [&'a [Vec4]; 3],
 }
 
 impl<'a> View<'a> {
     pub(crate) fn new(step: &'a Step, words: &'a [u32], state: &'a [Vec4]) -> Self {
-        Self { step, words, state }
+        let spheres = step.spheres as usize;
+        let users = if step.users_at == 0 { &[] } else { &words[step.users_at as usize..][..spheres] };
+        let (positions, rest) = state.split_at(spheres);
+        let (velocities, spins) = rest.split_at(spheres);
+        Self { step, words, users, rows: [positions, velocities, spins] }
     }
 
-    fn row(&self, region: u32, sphere: u32) -> Vec4 {
-        self.state[(region * self.step.spheres + sphere) as usize]
+    fn row(&self, region: usize, sphere: u32) -> Vec4 {
+        self.rows[region][sphere as usize]
     }
 
     /// Index of an object in order of addition. Whatever must not depend on the order of memory goes by it.
     pub(crate) fn user(&self, id: u32) -> u32 {
-        if self.step.users_at == 0 || id >= self.step.spheres { id } else { self.words[(self.step.users_at + id) as usize] }
+        self.users.get(id as usize).copied().unwrap_or(id)
     }
 
     /// Two objects, the one that was added first before the other.
     pub(crate) fn ordered(&self, a: u32, b: u32) -> (u32, u32) {
         if self.user(a) < self.user(b) { (a, b) } else { (b, a) }
+    }
+
+    /// Position and radius.
+    pub(crate) fn place(&self, sphere: u32) -> Vec4 {
+        self.row(0, sphere)
+    }
+
+    /// Velocity and inverse mass.
+    pub(crate) fn motion(&self, sphere: u32) -> Vec4 {
+        self.row(1, sphere)
+    }
+
+    /// Angular momentum and inverse inertia.
+    pub(crate) fn rotation(&self, sphere: u32) -> Vec4 {
+        self.row(2, sphere)
     }
 
     pub(crate) fn position(&self, sphere: u32) -> Vec3 {
@@ -191,6 +213,11 @@ impl<'a> View<'a> {
     /// The rods that end in a sphere.
     pub(crate) fn rods_of(&self, sphere: u32) -> impl Iterator<Item = u32> + Clone + use<'a> {
         self.attachments(sphere).take_while(|attachment| attachment.kind == KIND_ROD).map(|attachment| attachment.index)
+    }
+
+    /// Whether an object is a sphere that no rod ends in.
+    pub(crate) fn is_ball(&self, id: u32) -> bool {
+        id < self.step.spheres && self.rods_of(id).next().is_none()
     }
 
     /// The other end of the rod, when the sphere has exactly one rod and that one is of fixed length.

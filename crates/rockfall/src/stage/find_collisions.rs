@@ -9,11 +9,12 @@
 use rayon::prelude::*;
 
 use crate::cpu::GRAIN;
+use crate::cpu::balls::{Ball, Group};
 use crate::cpu::collision::Collision;
-use crate::cpu::lists::Lists;
+use crate::cpu::lists::{Entry, slices};
 use crate::cpu::tally::{Tally, escape_ratio};
 use crate::cpu::view::View;
-use crate::layout::{ENTRY_COLLIDES, ENTRY_OVERLAPS, LIST_COLLIDES, LIST_COUNT_MASK};
+use crate::layout::{ENTRY_COLLIDES, ENTRY_OVERLAPS, LIST_COLLIDES, LIST_COUNT_MASK, SLICE};
 use crate::stage::{Buffer, Stage, Threads, part, read, write};
 use crate::world::World;
 
@@ -47,49 +48,84 @@ fn find_collisions(world: &mut World, _pass: u32) {
     if world.status.void != 0 || world.status.collided != 0 {
         return;
     }
-    let view = View::new(&world.step, &world.words, &world.states[0]);
-    let lists = Lists::new(&world.step, &world.lists);
-    let found: Vec<Found> = (0..world.step.spheres + world.step.rods)
+    let World { step, words, states: [state, ..], lists, aabbs, status, .. } = world;
+    let view = View::new(step, words, state);
+    let tally = slices(step, lists)
         .into_par_iter()
-        .with_min_len(GRAIN)
-        .map(|mover| find(&view, &lists, world, mover))
-        .collect();
-    for (count, Found { collides, tally, .. }) in world.lists.iter_mut().zip(&found) {
-        *count = *count & LIST_COUNT_MASK | if *collides { LIST_COLLIDES } else { 0 };
-        tally.tell(&mut world.status);
-    }
-    for (slot, word) in found.into_iter().flat_map(|found| found.changed) {
-        world.lists[(world.step.entries_at + slot) as usize] = word;
-    }
-}
-
-/// What was found of a mover.
-struct Found {
-    /// Slots and new words of the entries that are no longer what they were.
-    changed: Vec<(u32, u32)>,
-    /// Some entry collides.
-    collides: bool,
-    tally: Tally,
-}
-
-fn find(view: &View, lists: &Lists, world: &World, mover: u32) -> Found {
-    let (mut tally, mut collides) = (Tally::default(), false);
-    if mover < world.step.spheres {
-        tally.escape_ratio = escape_ratio(view, &world.aabbs, mover);
-    }
-    let entries = lists.row(mover).filter_map(|entry| {
-        let mut word = entry.word & !(ENTRY_OVERLAPS | ENTRY_COLLIDES);
-        let collision = Collision::between(view, mover, entry.id(), entry.feature());
-        if let Some(collision) = collision.filter(|collision| collision.is_pressed(view)) {
-            word |= ENTRY_OVERLAPS;
-            if collision.collides(view) {
-                word |= ENTRY_COLLIDES;
-                tally.collisions += u32::from(view.user(mover) < view.user(entry.id()));
+        .with_min_len(GRAIN / SLICE as usize)
+        .map(|slice| {
+            let mut tally = Tally::default();
+            for place in 0..slice.counts.len() {
+                let mover = slice.first + place as u32;
+                if mover < step.spheres {
+                    tally.escape_ratio = tally.escape_ratio.max(escape_ratio(&view, aabbs, mover));
+                }
+                let count = slice.counts[place] & LIST_COUNT_MASK;
+                let slots = (place as u32..).step_by(SLICE as usize).take(count as usize);
+                let collides = mark(&view, mover, slice.words, slots, &mut tally);
+                slice.counts[place] = count | if collides { LIST_COLLIDES } else { 0 };
             }
+            tally
+        })
+        .reduce(Tally::default, Tally::merge);
+    tally.tell(status);
+}
+
+/// Marks the entries of a mover, which stand in these slots; tells whether some of them collide.
+fn mark(view: &View, mover: u32, words: &mut [u32], slots: impl Iterator<Item = u32>, tally: &mut Tally) -> bool {
+    let ball = Ball::new(view, mover);
+    let mut group = Group::default();
+    let mut collides = false;
+    let mut set = |words: &mut [u32], entry: &Entry, bits: u32| {
+        words[entry.slot as usize] |= bits;
+        if bits & ENTRY_COLLIDES != 0 {
+            collides = true;
+            tally.collisions += u32::from(view.user(mover) < view.user(entry.id()));
         }
-        collides |= word & ENTRY_COLLIDES != 0;
-        (word != entry.word).then_some((entry.slot, word))
-    });
-    let changed = entries.collect();
-    Found { changed, collides, tally }
+    };
+    for slot in slots {
+        let word = &mut words[slot as usize];
+        *word &= !(ENTRY_OVERLAPS | ENTRY_COLLIDES);
+        let entry = Entry { slot, word: *word };
+        let Some(ball) = ball.as_ref().filter(|_| view.is_ball(entry.id())) else {
+            set(words, &entry, judge(view, mover, entry));
+            continue;
+        };
+        if ball.is_near(entry.id()) && group.add(entry) {
+            judge_group(ball, group.take(), |entry, bits| set(words, entry, bits));
+        }
+    }
+    if let Some(ball) = &ball {
+        judge_group(ball, group.take(), |entry, bits| set(words, entry, bits));
+    }
+    collides
+}
+
+/// The decisions on a pair.
+fn judge(view: &View, mover: u32, entry: Entry) -> u32 {
+    let collision = Collision::between(view, mover, entry.id(), entry.feature());
+    collision.map_or(0, |collision| decide(collision.is_pressed(view), collision.collides(view)))
+}
+
+/// The decisions on up to four pairs of spheres without rods.
+#[inline]
+fn judge_group(ball: &Ball, others: &[Entry], mut take: impl FnMut(&Entry, u32)) {
+    if others.is_empty() {
+        return;
+    }
+    let meeting = ball.meet(others);
+    let pressed = meeting.are_pressed().bitmask();
+    let collide = meeting.collide(ball.view).bitmask();
+    for (lane, other) in others.iter().enumerate() {
+        take(other, decide(pressed >> lane & 1 == 1, collide >> lane & 1 == 1));
+    }
+}
+
+/// The bits of a pair that overlaps by more than rounding, and of one that closes fast besides.
+fn decide(is_pressed: bool, collides: bool) -> u32 {
+    match (is_pressed, collides) {
+        (false, _) => 0,
+        (true, false) => ENTRY_OVERLAPS,
+        (true, true) => ENTRY_OVERLAPS | ENTRY_COLLIDES,
+    }
 }

@@ -7,8 +7,8 @@
 use rayon::prelude::*;
 
 use crate::cpu::GRAIN;
-use crate::cpu::grid::Grid;
-use crate::cpu::lists::put_in_order;
+use crate::cpu::grid::{Around, Grid};
+use crate::cpu::lists::{put_in_order, slices};
 use crate::cpu::view::View;
 use crate::layout::{SLICE, VOID_COUNT, VOID_PAIRS};
 use crate::stage::{Buffer, Stage, Threads, part, read, write};
@@ -38,21 +38,41 @@ pub(crate) const STAGE: Stage = Stage {
     cpu: find_neighbours,
 };
 
+/// Movers that stand side by side in memory, and so in space if they are in order, look around together.
+const TOGETHER: usize = 16;
+
 fn find_neighbours(world: &mut World, _pass: u32) {
     if world.cells[1] == 0 {
         return;
     }
-    let movers = world.step.spheres + world.step.rods;
     let view = View::new(&world.step, &world.words, &world.states[0]);
-    let grid = Grid::new(&world.step, &world.aabbs, &world.cells);
-    let found: Vec<Vec<u32>> =
-        (0..movers).into_par_iter().with_min_len(GRAIN).map(|mover| neighbours(&grid, &view, mover)).collect();
+    let grid = Grid::new(&world.step, &world.aabbs, &world.cells, &world.extents);
+    let movers = world.step.spheres + world.step.rods;
+    let found: Vec<Found> = (0..movers.div_ceil(SLICE))
+        .into_par_iter()
+        .with_min_len(GRAIN / SLICE as usize)
+        .map_init(Around::default, |around, slice| {
+            let mut found = Found::default();
+            let mut counts = found.counts.iter_mut();
+            for first in (slice * SLICE..movers.min((slice + 1) * SLICE)).step_by(TOGETHER) {
+                grid.for_each_list(first..movers.min(first + TOGETHER as u32), around, &mut |entries| {
+                    put_in_order(&view, entries);
+                    found.entries.extend_from_slice(entries);
+                    if let Some(count) = counts.next() {
+                        *count = entries.len() as u32;
+                    }
+                });
+            }
+            found
+        })
+        .collect();
 
     let (step, status) = (&world.step, &mut world.status);
-    for (slice, lists) in found.chunks(SLICE as usize).enumerate() {
-        let longest = lists.iter().map(Vec::len).max().unwrap_or(0) as u32;
-        let offset = status.pairs_needed;
-        world.lists[step.slices_at as usize + slice] = offset;
+    let (counts, offsets) = world.lists.split_at_mut(step.slices_at as usize);
+    for ((found, counts), offset) in found.iter().zip(counts.chunks_mut(SLICE as usize)).zip(offsets) {
+        counts.copy_from_slice(&found.counts);
+        *offset = status.pairs_needed;
+        let longest = found.counts.iter().max().copied().unwrap_or(0);
         let (needed, wrapped) = offset.overflowing_add(longest * SLICE);
         status.pairs_needed = needed;
         if wrapped {
@@ -63,25 +83,24 @@ fn find_neighbours(world: &mut World, _pass: u32) {
         }
     }
     if status.void & (VOID_PAIRS | VOID_COUNT) != 0 {
-        world.lists[..step.slices_at as usize].fill(0);
+        counts.fill(0);
         return;
     }
-    for (mover, entries) in found.into_iter().enumerate() {
-        let slice = mover / SLICE as usize;
-        let first = step.entries_at + world.lists[step.slices_at as usize + slice] + mover as u32 % SLICE;
-        world.lists[mover] = entries.len() as u32;
-        for (place, entry) in entries.into_iter().enumerate() {
-            world.lists[first as usize + place * SLICE as usize] = entry;
-        }
-    }
-    world.lists[movers as usize..step.slices_at as usize].fill(0);
+    slices(step, &mut world.lists).into_par_iter().zip(found).with_min_len(GRAIN / SLICE as usize).for_each(
+        |(slice, found)| {
+            let mut entries = found.entries.into_iter();
+            for (place, count) in slice.counts.iter().enumerate() {
+                let words = slice.words.iter_mut().skip(place).step_by(SLICE as usize);
+                words.zip(entries.by_ref().take(*count as usize)).for_each(|(word, entry)| *word = entry);
+            }
+        },
+    );
 }
 
-/// The entries of a mover, each once, in ascending order.
-fn neighbours(grid: &Grid, view: &View, mover: u32) -> Vec<u32> {
-    let mut entries = Vec::new();
-    grid.for_each_pair(mover, |entry| entries.push(entry));
-    put_in_order(view, &mut entries);
-    entries.dedup();
-    entries
+/// What the movers of a slice may meet.
+#[derive(Default)]
+struct Found {
+    counts: [u32; SLICE as usize],
+    /// The lists, one after the other.
+    entries: Vec<u32>,
 }

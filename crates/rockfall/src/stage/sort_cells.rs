@@ -1,9 +1,8 @@
 //! Grid broad phase, 5 of 6: the objects in the order of their keys. Those of one cell come in any order; a cell's start
 //! moves on to its end, which is the start of the next.
 
-use glam::{Vec3, Vec4};
-
-use crate::layout::{Aabb, CELLS_AT};
+use crate::cpu::grid::extent;
+use crate::layout::CELLS_AT;
 use crate::stage::{Buffer, Stage, Threads, part, read, write};
 use crate::world::World;
 
@@ -34,10 +33,4 @@ fn sort_cells(world: &mut World, _pass: u32) {
         world.cells[(step.sorted_at + place) as usize] = object as u32;
         world.extents[place as usize] = extent(&world.aabbs[object]);
     }
-}
-
-/// Centre and largest half extent, a little too large, so that no rounding makes it too small.
-fn extent(aabb: &Aabb) -> Vec4 {
-    let (min, max) = (0.5 * Vec3::from_array(aabb.min), 0.5 * Vec3::from_array(aabb.max));
-    (min + max).extend(1.000001 * (max - min).max_element())
 }

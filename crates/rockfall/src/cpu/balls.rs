@@ -1,0 +1,129 @@
+//! Contacts of one sphere with others, four at a time. Nearly all contacts of most scenes are of this kind; where no rod joins
+//! the two there are no cases to tell apart.
+
+use glam::{BVec4A, Vec4};
+
+use crate::cpu::collision::ROUNDING;
+use crate::cpu::contact::{Sides, Touches, approach, side};
+use crate::cpu::lanes::{LANES, Vec3x4};
+use crate::cpu::lists::Entry;
+use crate::cpu::view::{Object, TINY, View};
+
+/// A sphere without rods, and those of its list that it touches, or nearly so.
+pub(crate) struct Ball<'a, 'b> {
+    pub(crate) view: &'b View<'a>,
+    sphere: u32,
+    place: Vec4,
+    sides: Sides,
+}
+
+/// Up to four entries of a list that are spheres.
+#[derive(Default)]
+pub(crate) struct Group {
+    entries: [Entry; LANES],
+    len: usize,
+}
+
+impl Group {
+    /// Adds one more; true when the group is full.
+    #[inline]
+    pub(crate) fn add(&mut self, entry: Entry) -> bool {
+        self.entries[self.len] = entry;
+        self.len += 1;
+        self.len == LANES
+    }
+
+    /// The entries, of which there are none from now on.
+    #[inline]
+    pub(crate) fn take(&mut self) -> &[Entry] {
+        let len = std::mem::take(&mut self.len);
+        &self.entries[..len]
+    }
+}
+
+/// A sphere beside up to four others.
+pub(crate) struct Meeting {
+    /// The sphere itself, four times.
+    pub(crate) a: Sides,
+    pub(crate) b: Sides,
+    /// Normals from the sphere to the others; an overlap may be 0 or less.
+    pub(crate) touches: Touches,
+}
+
+impl<'a, 'b> Ball<'a, 'b> {
+    /// The sphere, unless it has rods: then it does not meet those at the other end.
+    #[inline]
+    pub(crate) fn new(view: &'b View<'a>, mover: u32) -> Option<Self> {
+        view.is_ball(mover).then(|| Self {
+            view,
+            sphere: mover,
+            place: view.place(mover),
+            sides: Sides::splat(&side(view, Object::Sphere(mover), 0.0)),
+        })
+    }
+
+    /// Whether a sphere is so near that it may overlap: most of a list are not. The slack leaves those near the edge to the
+    /// test that counts.
+    #[inline]
+    pub(crate) fn is_near(&self, other: u32) -> bool {
+        let other = self.view.place(other);
+        let reach = self.place.w + other.w;
+        (other - self.place).truncate().length_squared() <= 1.00001 * (reach * reach)
+    }
+
+    /// Whether the sphere was added before another object.
+    pub(crate) fn is_first(&self, other: u32) -> bool {
+        self.view.user(self.sphere) < self.view.user(other)
+    }
+
+    /// The sphere beside up to four others, at least one; the first stands in for those that are missing.
+    #[inline]
+    pub(crate) fn meet(&self, others: &[Entry]) -> Meeting {
+        let view = self.view;
+        let others = std::array::from_fn(|lane| others.get(lane).unwrap_or(&others[0]).id());
+        let (position, radius) = Vec3x4::from_rows(others.map(|other: u32| view.place(other)));
+        let (velocity, inverse_mass) = Vec3x4::from_rows(others.map(|other| view.motion(other)));
+        let (momentum, inverse_inertia) = Vec3x4::from_rows(others.map(|other| view.rotation(other)));
+        let d = position - Vec3x4::splat(self.place.truncate());
+        let dd = d.dot(d);
+        let at_once = dd.cmple(Vec4::splat(TINY));
+        let distance = Vec4::select(at_once, Vec4::ZERO, dd.sqrt());
+        let mut normal = d * (1.0 / distance);
+        if at_once.any() {
+            // From the one that was added first up to the other.
+            let up = others.map(|other| if self.is_first(other) { 1.0 } else { -1.0 });
+            normal = Vec3x4 {
+                x: Vec4::select(at_once, Vec4::ZERO, normal.x),
+                y: Vec4::select(at_once, Vec4::from_array(up), normal.y),
+                z: Vec4::select(at_once, Vec4::ZERO, normal.z),
+            };
+        }
+        Meeting {
+            a: self.sides,
+            b: Sides { inverse_mass, velocity, spin: momentum * inverse_inertia, radius: Some(radius) },
+            touches: Touches { normal, overlap: Vec4::splat(self.place.w) + radius - distance },
+        }
+    }
+}
+
+impl Meeting {
+    /// The radii that thresholds refer to.
+    fn smaller_radius(&self) -> Vec4 {
+        let [a, b] = [&self.a, &self.b].map(|sides| sides.radius.unwrap_or(Vec4::ZERO));
+        a.min(b)
+    }
+
+    /// Which overlap by more than rounding, and can give way.
+    #[inline]
+    pub(crate) fn are_pressed(&self) -> BVec4A {
+        let can_move = (self.a.inverse_mass + self.b.inverse_mass).cmpgt(Vec4::ZERO);
+        self.touches.overlap.cmpgt(ROUNDING * self.smaller_radius()) & can_move
+    }
+
+    /// Which close faster than the threshold.
+    #[inline]
+    pub(crate) fn collide(&self, view: &View) -> BVec4A {
+        let threshold = view.step.activation_threshold * self.smaller_radius();
+        approach(&self.a, &self.b, self.touches.normal).cmpgt(threshold)
+    }
+}

@@ -1,0 +1,79 @@
+//! Vectors four at a time, one a lane: processors do four numbers as fast as one.
+
+use std::ops::{Add, Mul, Sub};
+
+use glam::{Mat4, Vec3, Vec4};
+
+/// How many go side by side.
+pub(crate) const LANES: usize = 4;
+
+/// Four vectors.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Vec3x4 {
+    pub(crate) x: Vec4,
+    pub(crate) y: Vec4,
+    pub(crate) z: Vec4,
+}
+
+impl Vec3x4 {
+    /// The same vector four times.
+    pub(crate) fn splat(v: Vec3) -> Self {
+        Self { x: Vec4::splat(v.x), y: Vec4::splat(v.y), z: Vec4::splat(v.z) }
+    }
+
+    /// The first three components of four rows, and the fourth ones.
+    #[inline]
+    pub(crate) fn from_rows(rows: [Vec4; LANES]) -> (Self, Vec4) {
+        let [a, b, c, d] = rows;
+        let Mat4 { x_axis, y_axis, z_axis, w_axis } = Mat4::from_cols(a, b, c, d).transpose();
+        (Self { x: x_axis, y: y_axis, z: z_axis }, w_axis)
+    }
+
+    /// The four vectors one by one.
+    #[inline]
+    pub(crate) fn to_rows(self) -> [Vec3; LANES] {
+        let rows = Mat4::from_cols(self.x, self.y, self.z, Vec4::ZERO).transpose();
+        [rows.x_axis, rows.y_axis, rows.z_axis, rows.w_axis].map(Vec4::truncate)
+    }
+
+    #[inline]
+    pub(crate) fn dot(self, other: Self) -> Vec4 {
+        self.x * other.x + self.y * other.y + self.z * other.z
+    }
+
+    #[inline]
+    pub(crate) fn cross(self, other: Self) -> Self {
+        Self {
+            x: self.y * other.z - self.z * other.y,
+            y: self.z * other.x - self.x * other.z,
+            z: self.x * other.y - self.y * other.x,
+        }
+    }
+}
+
+impl Add for Vec3x4 {
+    type Output = Self;
+
+    #[inline]
+    fn add(self, other: Self) -> Self {
+        Self { x: self.x + other.x, y: self.y + other.y, z: self.z + other.z }
+    }
+}
+
+impl Sub for Vec3x4 {
+    type Output = Self;
+
+    #[inline]
+    fn sub(self, other: Self) -> Self {
+        Self { x: self.x - other.x, y: self.y - other.y, z: self.z - other.z }
+    }
+}
+
+impl Mul<Vec4> for Vec3x4 {
+    type Output = Self;
+
+    #[inline]
+    fn mul(self, factor: Vec4) -> Self {
+        Self { x: self.x * factor, y: self.y * factor, z: self.z * factor }
+    }
+}
