@@ -102,9 +102,11 @@ fn crowd() -> Scene {
 }
 
 fn all_at_once(backend: Backend) {
-    let options = options(backend, Integrator::Rk4, BroadPhase::Auto, true);
-    let alone = bits(&run(witnesses(), options.clone(), "no poison"));
-    assert!(bits(&run(crowd(), options, "all poisons")) == alone, "a witness moves otherwise");
+    for integrator in [Integrator::Rk4, Integrator::SymplecticEuler] {
+        let options = options(backend, integrator, BroadPhase::Auto, true);
+        let alone = bits(&run(witnesses(), options.clone(), "no poison"));
+        assert!(bits(&run(crowd(), options, "all poisons")) == alone, "{integrator:?}: a witness moves otherwise");
+    }
 }
 
 #[test]
