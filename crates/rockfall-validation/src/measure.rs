@@ -1,6 +1,8 @@
 //! What the experiments share: opening simulations, fits, frequencies.
 
-use rockfall::{Backend, Integrator, Options, Scene, Settings, Simulation};
+use std::collections::HashMap;
+
+use rockfall::{Backend, Body, Contact, ContactAction, Integrator, Options, Scene, Settings, Simulation, SphereState};
 
 use crate::Result;
 
@@ -20,6 +22,51 @@ pub(crate) fn with(change: impl FnOnce(&mut Settings)) -> Scene {
 pub(crate) fn on_cpu(scene: Scene, integrator: Integrator) -> Result<Simulation> {
     let options = Options::new().backend(Backend::Cpu).integrator(integrator);
     Ok(Simulation::with_options(scene, options)?)
+}
+
+/// What bears the weight of bodies at rest, by the depths of the overlaps: a contact presses with Cc m* o, whatever the engine says.
+pub(crate) struct Borne {
+    /// Upward force of all that does not move.
+    pub(crate) up: f64,
+    /// The sum over the contacts of upward force times the difference in height that it holds up, that of a floor being 0: at
+    /// rest that of weight times height (the virial theorem).
+    pub(crate) virial: f64,
+}
+
+/// With friction left out, and spheres alone.
+pub(crate) fn borne(simulation: &mut Simulation, contact_force: f64) -> Result<Borne> {
+    let spheres = simulation.spheres()?;
+    let index: HashMap<_, usize> = simulation.scene().sphere_ids().zip(0..).collect();
+    let sphere = |body: Body| if let Body::Sphere(id) = body { index.get(&id).map(|at| &spheres[*at]) } else { None };
+    let moving = |body: Body| sphere(body).filter(|sphere| !sphere.fixed);
+    let inverse_mass = |sphere: Option<&SphereState>| sphere.map_or(0.0, |sphere| 1.0 / f64::from(sphere.mass));
+    let height = |sphere: Option<&SphereState>| sphere.map_or(0.0, |sphere| f64::from(sphere.position.y));
+    let mut borne = Borne { up: 0.0, virial: 0.0 };
+    for contact in simulation.contacts()? {
+        let (a, b) = (moving(contact.a), moving(contact.b));
+        let reduced_mass = 1.0 / (inverse_mass(a) + inverse_mass(b));
+        // On B; A gets the opposite.
+        let up = contact_force * reduced_mass * f64::from(contact.overlap) * f64::from(contact.normal.y);
+        match (a, b) {
+            (Some(_), None) => borne.up -= up,
+            (None, Some(_)) => borne.up += up,
+            _ => {}
+        }
+        borne.virial += up * (height(b) - height(a));
+    }
+    Ok(borne)
+}
+
+/// The largest ratio of friction to normal force among the contact forces of a state.
+pub(crate) fn largest_friction(contacts: &[Contact]) -> f64 {
+    let ratio = |contact: &Contact| {
+        let ContactAction::Force(force) = contact.action else { return 0.0 };
+        let (force, normal) = (force.as_dvec3(), contact.normal.as_dvec3());
+        let pressure = force.dot(normal);
+        // Of a weak one rounding makes anything.
+        if pressure < 1e-3 { 0.0 } else { (force - pressure * normal).length() / pressure }
+    };
+    contacts.iter().map(ratio).fold(0.0, f64::max)
 }
 
 /// Slope and intercept of the line of least squares.

@@ -1,9 +1,9 @@
 //! A hanging chain of rods of fixed length.
 
-use rockfall::{Integrator, Rod, Scene, Sphere};
+use rockfall::{Integrator, Rod, Scene, Simulation, Sphere};
 
 use crate::chart::{Axis, Chart, Mark};
-use crate::measure::{alone, curve, on_cpu, with};
+use crate::measure::{alone, curve, on_cpu, period, with};
 use crate::{Effort, Outcome, Result};
 
 const LINKS: u32 = 20;
@@ -68,8 +68,52 @@ fn chain() -> Result<Scene> {
     Ok(scene)
 }
 
+/// How the chain swings out of its plane in its slowest mode: the angular frequency over the root of G, and the shape.
+///
+/// The pull H / cos(angle) of a rod of length l brings a joint back by pull / l times what its neighbours are away from it, so
+/// that m omega^2 z = K z; K's least eigenvalue by iteration with its inverse.
+fn slowest() -> (f64, Vec<f64>) {
+    let ratio = solve(0.0, 100.0, SPAN, |ratio| width(|link| (link * ratio).atan()));
+    let pull = |link: usize| (1.0 + (ratio * (link as f64 - 0.5 * f64::from(LINKS - 1))).powi(2)).sqrt() / (ratio * LINK);
+    let joints = LINKS as usize - 1;
+    let mut shape = vec![1.0; joints];
+    let mut least = 0.0;
+    for _ in 0..100 {
+        // Thomas's algorithm for K x = shape.
+        let (mut over, mut x) = (vec![0.0; joints], vec![0.0; joints]);
+        for k in 0..joints {
+            let (before, value) = if k == 0 { (0.0, 0.0) } else { (over[k - 1], x[k - 1]) };
+            let pivot = pull(k) + pull(k + 1) - pull(k) * before;
+            over[k] = pull(k + 1) / pivot;
+            x[k] = (shape[k] + pull(k) * value) / pivot;
+        }
+        for k in (0..joints - 1).rev() {
+            x[k] += over[k] * x[k + 1];
+        }
+        let largest = x.iter().copied().fold(0.0, f64::max);
+        least = 1.0 / largest;
+        shape = x.iter().map(|value| value / largest).collect();
+    }
+    (least.sqrt(), shape)
+}
+
+/// The period of that swing from rest, over four periods.
+fn swing(mut simulation: Simulation, shape: &[f64]) -> Result<f64> {
+    let ids: Vec<_> = simulation.scene().sphere_ids().collect();
+    for (id, part) in ids[1..].iter().zip(shape) {
+        simulation.set_velocity(*id, [0.0, 0.0, 0.01 * *part as f32])?;
+    }
+    let middle = ids[ids.len() / 2];
+    let mut samples = Vec::new();
+    for sample in 0..1_200_u32 {
+        samples.push((f64::from(sample) / 64.0, f64::from(simulation.sphere(middle)?.position.z)));
+        simulation.run(8, 1.0 / 512.0)?;
+    }
+    Ok(period(&samples))
+}
+
 /// Rest by kinetic damping: whenever the kinetic energy has passed a maximum, everything is stopped.
-fn relaxed() -> Result<Places> {
+fn relaxed() -> Result<(Simulation, Places)> {
     let mut simulation = on_cpu(chain()?, Integrator::Rk4)?;
     let ids: Vec<_> = simulation.scene().sphere_ids().collect();
     let mut last = 0.0;
@@ -84,12 +128,13 @@ fn relaxed() -> Result<Places> {
         last = if kinetic < last { 0.0 } else { kinetic };
     }
     let spheres = simulation.spheres()?;
-    Ok(spheres.iter().map(|sphere| (f64::from(sphere.position.x), f64::from(sphere.position.y))).collect())
+    let places = spheres.iter().map(|sphere| (f64::from(sphere.position.x), f64::from(sphere.position.y))).collect();
+    Ok((simulation, places))
 }
 
 pub(crate) fn run(_: Effort) -> Result<Outcome> {
     alone(|| {
-        let found = relaxed()?;
+        let (simulation, found) = relaxed()?;
         let expected = at_rest();
         let departure = |(a, b): (&(f64, f64), &(f64, f64))| (a.0 - b.0).hypot(a.1 - b.1);
         let worst = found.iter().zip(&expected).map(departure).fold(0.0, f64::max);
@@ -105,6 +150,9 @@ pub(crate) fn run(_: Effort) -> Result<Outcome> {
         outcome.check("joints: largest distance from their places of rest (units)", 0.0, worst, 3e-3);
         outcome.check("sag (units), against the smooth catenary", -height(0.0), -lowest, 5e-3);
         outcome.check("rods: largest relative error of the length", 0.0, stretch, 1.5e-3);
+        let (frequency, shape) = slowest();
+        let expected = std::f64::consts::TAU / frequency;
+        outcome.check("swing out of the plane: period (s)", expected, swing(simulation, &shape)?, 5e-4 * expected);
         let axes = (Axis::linear("x (units)"), Axis::linear("y (units)"));
         outcome.charts.push(
             Chart::new("chain", "A hanging chain of 20 rods", axes.0, axes.1)

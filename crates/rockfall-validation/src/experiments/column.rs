@@ -5,7 +5,7 @@ use rand_pcg::Pcg64Mcg;
 use rockfall::{Body, ContactAction, Cuboid, Integrator, Scene, Simulation, Sphere, SphereId};
 
 use crate::chart::{Axis, Chart, Mark};
-use crate::measure::{alone, curve, on_cpu, with};
+use crate::measure::{alone, borne, curve, largest_friction, on_cpu, with};
 use crate::{Effort, Outcome, Result};
 
 const WIDTH: f32 = 8.0;
@@ -20,8 +20,6 @@ fn tube(layers: u32, coulomb: f32) -> Result<(Scene, Vec<SphereId>)> {
     let mut scene = with(|settings| {
         (settings.friction, settings.coulomb_friction) = (if coulomb > 0.0 { 2_000.0 } else { 0.0 }, coulomb);
         settings.collisions = false;
-        // Else the waves of a column that has fallen into place go on for minutes.
-        settings.contact_damping = 60.0;
         // Else the waves of a column that has fallen into place go on for minutes.
         settings.contact_damping = 60.0;
     });
@@ -46,11 +44,13 @@ fn tube(layers: u32, coulomb: f32) -> Result<(Scene, Vec<SphereId>)> {
     Ok((scene, floor))
 }
 
-/// Vertical forces on the grains: from the floor, and from the walls.
-fn loads(simulation: &mut Simulation, floor: &[SphereId]) -> Result<[f64; 2]> {
+/// Vertical forces on the grains, from the floor and from the walls; what the floor bears by overlaps; the largest ratio of
+/// friction to pressure.
+fn loads(simulation: &mut Simulation, floor: &[SphereId]) -> Result<[f64; 4]> {
     let on_floor = |body: Body| matches!(body, Body::Sphere(id) if floor.contains(&id));
-    let mut sums = [0.0; 2];
-    for contact in simulation.contacts()? {
+    let mut sums = [0.0; 4];
+    let contacts = simulation.contacts()?;
+    for contact in &contacts {
         let ContactAction::Force(force) = contact.action else { continue };
         if matches!(contact.b, Body::Box(_)) {
             sums[1] -= f64::from(force.y);
@@ -58,6 +58,9 @@ fn loads(simulation: &mut Simulation, floor: &[SphereId]) -> Result<[f64; 2]> {
             sums[0] += f64::from(force.y);
         }
     }
+    // Cc, as the settings have it by default.
+    sums[2] = borne(simulation, 1_000.0)?.up;
+    sums[3] = largest_friction(&contacts);
     Ok(sums)
 }
 
@@ -67,6 +70,10 @@ struct Column {
     /// Mean loads on the floor and on the walls.
     floor: f64,
     walls: f64,
+    /// Mean load on the floor by the depths of its overlaps.
+    overlaps: f64,
+    /// Largest friction of a contact over its pressure, mean over time.
+    friction: f64,
 }
 
 /// Sinking for `pieces` times 100 steps; the second half counts.
@@ -76,7 +83,7 @@ fn weighed(layers: u32, coulomb: f32, pieces: u32) -> Result<Column> {
     let weight = simulation.spheres()?.iter().filter(|sphere| !sphere.fixed).map(|sphere| f64::from(sphere.mass)).sum();
     // The grains fall into place, and waves die away.
     simulation.run(3_000, STEP)?;
-    let mut sums = [0.0; 2];
+    let mut sums = [0.0; 4];
     let mut samples = 0.0;
     for piece in 0..pieces {
         for part in 0..20 {
@@ -96,7 +103,8 @@ fn weighed(layers: u32, coulomb: f32, pieces: u32) -> Result<Column> {
             simulation.run(5 - before, FINE)?;
         }
     }
-    Ok(Column { weight, floor: sums[0] / samples, walls: sums[1] / samples })
+    let [floor, walls, overlaps, friction] = sums.map(|sum| sum / samples);
+    Ok(Column { weight, floor, walls, overlaps, friction })
 }
 
 /// Load on the floor by the weight above it; at most `most`.
@@ -129,6 +137,8 @@ pub(crate) fn run(effort: Effort) -> Result<Outcome> {
         let mut outcome = Outcome::default();
         let bare = worst(&|column| column.floor / column.weight - 1.0, &smooth);
         outcome.check("no friction: load on the floor / weight - 1, at worst", 0.0, bare, 0.05);
+        let deep = worst(&|column| column.overlaps / column.weight - 1.0, &smooth);
+        outcome.check("no friction: overlaps on the floor, in force / weight - 1, at worst", 0.0, deep, 0.05);
         let borne = worst(&|column| (column.floor + column.walls) / column.weight - 1.0, &rough);
         outcome.check("mu_c = 0.5: load on floor and walls / weight - 1, at worst", 0.0, borne, 0.02);
         let points: Vec<(f64, f64)> = rough.iter().map(|column| (column.weight, column.floor)).collect();
@@ -137,6 +147,8 @@ pub(crate) fn run(effort: Effort) -> Result<Outcome> {
         outcome.check("mu_c = 0.5: (load on the floor - Janssen's) / W_max, at worst", 0.0, departure, 0.15);
         let (last, load) = points[points.len() - 1];
         outcome.check("mu_c = 0.5: load on the floor / weight of the highest column", janssen(last, most) / last, load / last, 0.15);
+        let slides = worst(&|column| column.friction - 0.5, &rough);
+        outcome.check("mu_c = 0.5: largest friction of a contact / pressure - 0.5, at worst", 0.0, slides, 0.01);
         outcome.fact("most", most);
         outcome.fact("layers", most / (rough[0].weight / f64::from(layers[0])));
         let axes = (Axis::linear("weight of the grains (mass units/s²)"), Axis::linear("load on the floor (mass units/s²)"));

@@ -1,14 +1,17 @@
-//! Haff's law: a gas of inelastic spheres cools as (1 + t/tau)^-2.
+//! Haff's law: a gas of inelastic spheres cools as (1 + t/tau)^-2; and how warm it stays when it is shaken.
+
+mod hits;
+mod shaken;
 
 use std::f64::consts::{PI, TAU};
 
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use rockfall::glam::{DVec3, Vec3};
-use rockfall::{Cuboid, Integrator, Scene, Simulation, Sphere};
+use rockfall::{Checkpoint, Cuboid, Integrator, Scene, Simulation, Sphere};
 
 use crate::chart::{Axis, Chart, Mark};
-use crate::measure::{curve, on_cpu, with};
+use crate::measure::{curve, line_fit, on_cpu, power_fit, with};
 use crate::{Effort, Outcome, Result};
 
 const RADIUS: f64 = 0.5;
@@ -91,7 +94,7 @@ impl Theory {
 
 /// A gas that has forgotten its lattice.
 struct Elastic {
-    simulation: Simulation,
+    state: Checkpoint,
     /// Collisions a second of all spheres together, with each other and with walls.
     collisions: f64,
     /// The mean energy left while they were counted, and that in the end, over that at first: 1 but for errors.
@@ -108,15 +111,21 @@ fn elastic(per_side: u32, side: f64, step: f32) -> Result<Elastic> {
     let after = simulation.run(steps, step)?;
     let last = temperature(&mut simulation)? / first;
     let collisions = (after.total_collisions - before.total_collisions) as f64 / (after.time - before.time);
-    Ok(Elastic { simulation, collisions, energies: [0.5 * (middle + last), last] })
+    Ok(Elastic { state: simulation.checkpoint()?, collisions, energies: [0.5 * (middle + last), last] })
 }
 
-/// Temperatures over time from the moment that the walls and spheres stop being elastic.
-fn cooled(mut simulation: Simulation, e: f32, seconds: f64) -> Result<Vec<(f64, f64)>> {
-    const SAMPLES: u64 = 40;
+/// The gas with walls and spheres that are not elastic.
+fn inelastic(state: &Checkpoint, e: f64) -> Result<Simulation> {
+    let mut simulation = Simulation::resume(state.clone())?;
     let mut settings = *simulation.settings();
-    settings.restitution = e;
+    settings.restitution = e as f32;
     simulation.set_settings(settings)?;
+    Ok(simulation)
+}
+
+/// Temperatures over time.
+fn cooled(mut simulation: Simulation, seconds: f64) -> Result<Vec<(f64, f64)>> {
+    const SAMPLES: u64 = 40;
     let mut temperatures = vec![(0.0, temperature(&mut simulation)?)];
     let steps = (seconds / f64::from(STEP)) as u64 / SAMPLES;
     for sample in 1..=SAMPLES {
@@ -131,7 +140,7 @@ fn cooled(mut simulation: Simulation, e: f32, seconds: f64) -> Result<Vec<(f64, 
 fn fitted_rate(temperatures: &[(f64, f64)]) -> f64 {
     let first = temperatures[0].1;
     let roots: Vec<_> = temperatures.iter().map(|(t, temperature)| (*t, (first / temperature).sqrt())).collect();
-    crate::measure::line_fit(&roots).0
+    line_fit(&roots).0
 }
 
 /// Momentum of a free cloud of colliding spheres, over the sum of its parts' sizes.
@@ -155,15 +164,45 @@ fn momentum_error() -> Result<f64> {
     Ok((momentum(&mut simulation)?.0 - before).length() / size)
 }
 
-/// The elastic gas: collisions a second, and the energy that steps of finite length lose.
-fn check_elastic(outcome: &mut Outcome, theory: &Theory, gas: &Elastic, per_side: u32, side: f64) -> Result<()> {
+/// The elastic gas: collisions a second, and the energy that steps of finite length lose, of theory within a part `noise`.
+fn check_elastic(outcome: &mut Outcome, theory: &Theory, gas: &Elastic, per_side: u32, side: f64, noise: f64) -> Result<()> {
     let count = f64::from(per_side.pow(3));
     let rate = count * (0.5 * theory.frequency + theory.walls) * gas.energies[0].sqrt();
     outcome.check("e = 1: collisions a second / theory", 1.0, gas.collisions / rate, 0.05);
-    outcome.check(format!("e = 1: energy left after 4 s, h = {STEP}"), 1.0, gas.energies[1], 0.05);
-    let half = elastic(per_side, side, 0.5 * STEP)?.energies[1];
-    outcome.check(format!("e = 1: energy left after 4 s, h = {}", 0.5 * STEP), 1.0, half, 0.025);
+    let half = elastic(per_side, side, 0.5 * STEP)?;
+    for (step, energies) in [(STEP, gas.energies), (0.5 * STEP, half.energies)] {
+        let met = (theory.frequency + theory.walls).powi(2) * energies[0];
+        let theory = 4.0 * hits::LOSS / 3.0 * met * f64::from(step);
+        outcome.check(format!("e = 1: energy lost in 4 s, h = {step}"), theory, 1.0 - energies[1], noise * theory);
+    }
+    let losses = hits::losses(8, 12.0, 200)?;
+    outcome.fact("alone", losses.counts[0] as f64);
+    outcome.fact("crowded", losses.counts[1] as f64);
+    outcome.fact("lost", -100.0 * losses.crowded);
+    outcome.check("e = 1: energy gained in collisions of two bodies alone", 0.0, losses.alone, 1e-5);
+    outcome.check("e = 1: energy gained in the rest of the step", 0.0, losses.forces, 0.003);
     Ok(())
+}
+
+/// What the gas does at one restitution.
+struct Cooling {
+    e: f64,
+    /// 1/tau of theory at the temperature at first.
+    theory: f64,
+    /// The same as measured.
+    rate: f64,
+    temperatures: Vec<(f64, f64)>,
+}
+
+fn check_cooling(outcome: &mut Outcome, cooling: &Cooling, bound: f64) {
+    let Cooling { e, theory, rate, temperatures } = cooling;
+    let (name, start) = (format!("e = {e:.1}"), temperatures[0].1);
+    outcome.check(format!("{name}: cooling rate 1/tau (1/s)"), *theory, *rate, bound * theory);
+    let now = |(t, now): &(f64, f64)| (1.0 + t * theory, now / start);
+    let power = power_fit(&temperatures.iter().map(now).collect::<Vec<_>>());
+    outcome.check(format!("{name}: power of 1 + t/tau in T"), -2.0, power, 0.15);
+    let departures = temperatures.iter().map(now).map(|(time, now)| (now * time * time).ln().abs());
+    outcome.check(format!("{name}: ln(T / Haff), at worst"), 0.0, departures.fold(0.0, f64::max), 0.12);
 }
 
 pub(crate) fn run(effort: Effort) -> Result<Outcome> {
@@ -175,27 +214,26 @@ pub(crate) fn run(effort: Effort) -> Result<Outcome> {
     outcome.fact("count", count);
     outcome.fact("side", side);
     outcome.check("momentum of 512 free spheres, relative error", 0.0, momentum_error()?, 1e-6);
+    let gas = elastic(per_side, side, STEP)?;
+    check_elastic(&mut outcome, &theory, &gas, per_side, side, effort.pick(0.8, 0.3))?;
     let axes = (Axis::linear("time / tau"), Axis::logarithmic("granular temperature T / T0"));
     let mut chart = Chart::new("gas", "Cooling of a gas of inelastic spheres", axes.0, axes.1)
         .add(0, Mark::Line, "Haff: (1 + t/tau)^-2", curve(0.0, 3.0, 60, |t| (1.0 + t).powi(-2)));
-    for (place, e) in effort.pick(&[0.8_f32][..], &[0.8, 0.9]).iter().enumerate() {
-        let gas = elastic(per_side, side, STEP)?;
-        if place == 0 {
-            check_elastic(&mut outcome, &theory, &gas, per_side, side)?;
-        }
-        let (spheres, rate) = theory.rates(f64::from(*e), gas.energies[1]);
-        let temperatures = cooled(gas.simulation, *e, effort.pick(2.0, 3.0) / rate)?;
-        let start = temperatures[0].1;
-        let name = format!("e = {e:.1}");
-        outcome.check(format!("{name}: cooling rate 1/tau (1/s)"), rate, fitted_rate(&temperatures), 0.08 * rate);
-        let departures = temperatures.iter().map(|(t, now)| (now / start * (1.0 + t * rate).powi(2)).ln().abs());
-        outcome.check(format!("{name}: ln(T / Haff), at worst"), 0.0, departures.fold(0.0, f64::max), 0.12);
-        if place == 0 {
-            outcome.fact("walls", 100.0 * (1.0 - spheres / rate));
-        }
-        let points = temperatures.iter().map(|(t, now)| (t * rate, now / start)).collect();
-        chart = chart.add(place + 1, Mark::Points, name, points);
+    let mut powers = Vec::new();
+    let restitutions = effort.pick(&[0.7, 0.9][..], &[0.7, 0.8, 0.9]);
+    for (place, e) in restitutions.iter().copied().enumerate() {
+        let (spheres, rate) = theory.rates(e, gas.energies[1]);
+        let temperatures = cooled(inelastic(&gas.state, e)?, effort.pick(1.0, 3.0) / rate)?;
+        let cooling = Cooling { e, theory: rate, rate: fitted_rate(&temperatures), temperatures };
+        check_cooling(&mut outcome, &cooling, effort.pick(0.1, 0.05));
+        outcome.fact("walls", 100.0 * (1.0 - spheres / rate));
+        powers.push((1.0 - e * e, cooling.rate));
+        let points = cooling.temperatures.iter().map(|(t, now)| (t * rate, now / gas.energies[1])).collect();
+        chart = chart.add(place + 1, Mark::Points, format!("e = {e:.1}"), points);
     }
+    outcome.check("power of 1 - e² in 1/tau", 1.0, power_fit(&powers), 0.1);
+    outcome.charts.push(chart);
+    let chart = shaken::check(&mut outcome, &theory, &gas.state, effort.pick(&[0.7][..], restitutions))?;
     outcome.charts.push(chart);
     Ok(outcome)
 }

@@ -7,7 +7,7 @@ use rand_pcg::Pcg64Mcg;
 use rockfall::{Cuboid, Integrator, Scene, Sphere};
 
 use crate::chart::{Axis, Chart, Mark};
-use crate::measure::{alone, mean, on_cpu, with};
+use crate::measure::{alone, borne, largest_friction, mean, on_cpu, with};
 use crate::{Effort, Outcome, Result};
 
 /// Amplitude of the box's acceleration, over G, and its period in s.
@@ -15,7 +15,6 @@ const SHAKING: f64 = 4.0;
 const PERIOD: f64 = 4.0;
 /// Friction below so many layers is stiff.
 const STEP: f64 = 0.004;
-
 
 /// A box in a plane, a sphere of radius `large` on its floor and many of about 0.5 about and above.
 fn shaken(large: f32) -> Result<Scene> {
@@ -40,16 +39,27 @@ fn shaken(large: f32) -> Result<Scene> {
     Ok(scene)
 }
 
+/// What the bed did.
+struct Bed {
+    /// Overlaps on the floor at rest, in force over the weight.
+    floor: f64,
+    /// Largest friction of a contact over its pressure, mean over the periods.
+    friction: f64,
+    heights: Vec<(f64, f64)>,
+}
+
 /// Height of the marked sphere over twice the mean height of the others, after each period: 0 at the floor, 1 at the top.
-fn heights(large: f32, periods: u32) -> Result<Vec<(f64, f64)>> {
+fn bed(large: f32, periods: u32) -> Result<Bed> {
     const PIECES: u32 = 25;
     let mut simulation = on_cpu(shaken(large)?, Integrator::SymplecticEuler)?;
     simulation.run(3_000, 0.01)?;
-    let mut heights = Vec::new();
+    let mass: f64 = simulation.spheres()?.iter().map(|sphere| f64::from(sphere.mass)).sum();
+    let mut bed = Bed { floor: borne(&mut simulation, 1_000.0)?.up / mass, friction: 0.0, heights: Vec::new() };
     for period in 0..=periods {
         let spheres = simulation.spheres()?;
         let others: Vec<f64> = spheres[1..].iter().map(|sphere| f64::from(sphere.position.y)).collect();
-        heights.push((f64::from(period), f64::from(spheres[0].position.y) / (2.0 * mean(&others))));
+        bed.heights.push((f64::from(period), f64::from(spheres[0].position.y) / (2.0 * mean(&others))));
+        bed.friction += largest_friction(&simulation.contacts()?) / f64::from(periods + 1);
         for piece in 0..PIECES {
             let phase = (f64::from(piece) + 0.5) / f64::from(PIECES);
             let mut settings = *simulation.settings();
@@ -58,7 +68,7 @@ fn heights(large: f32, periods: u32) -> Result<Vec<(f64, f64)>> {
             simulation.run((PERIOD / STEP) as u64 / u64::from(PIECES), STEP as f32)?;
         }
     }
-    Ok(heights)
+    Ok(bed)
 }
 
 /// Mean over the second half.
@@ -69,13 +79,16 @@ fn last(heights: &[(f64, f64)]) -> f64 {
 pub(crate) fn run(effort: Effort) -> Result<Outcome> {
     let periods = effort.pick(40, 120);
     alone(move || {
-        let large = heights(1.5, periods)?;
+        let bed_of_large = bed(1.5, periods)?;
+        let large = bed_of_large.heights;
         // For comparison; nothing is asked of it.
-        let small = heights(0.5, effort.pick(2, periods))?;
+        let small = bed(0.5, effort.pick(2, periods))?.heights;
         let mut outcome = Outcome::default();
         outcome.fact("periods", f64::from(periods));
         outcome.check("large sphere: height at first (0: floor, 1: top)", 0.15, large[0].1, 0.15);
         outcome.check("large sphere: mean height in the second half", 0.7, last(&large), 0.2);
+        outcome.check("overlaps on the floor at rest, in force / weight", 1.0, bed_of_large.floor, 0.02);
+        outcome.check("largest friction of a contact / pressure", 0.5, bed_of_large.friction, 0.01);
         let axes = (Axis::linear("period of the shaking"), Axis::linear("height (0: floor, 1: top of the bed)"));
         outcome.charts.push(
             Chart::new("mixing", "A sphere in a shaken bed of spheres of radius 0.5", axes.0, axes.1)

@@ -1,10 +1,10 @@
 //! A pile on the CPU and on the GPU: chaos parts their trajectories, not their statistics.
 
 use rockfall::scene::generate::Kind;
-use rockfall::{Backend, Options, Simulation};
+use rockfall::{Backend, Options, Simulation, SphereState};
 
 use crate::chart::{Axis, Chart, Mark};
-use crate::measure::mean;
+use crate::measure::{borne, mean};
 use crate::{Effort, Outcome, Result};
 
 /// What a pile is like, whichever spheres lie where.
@@ -15,6 +15,10 @@ struct Statistics {
     contacts: f64,
     /// Of all contacts, sorted.
     overlaps: Vec<f64>,
+    /// What the floor bears by the overlaps on it, over the weight.
+    floor: f64,
+    /// The same of the virial of all contacts.
+    virial: f64,
 }
 
 fn settled(backend: Backend, stiffness: f32, spheres: u32, seed: u64, steps: u64) -> Result<Statistics> {
@@ -25,8 +29,17 @@ fn settled(backend: Backend, stiffness: f32, spheres: u32, seed: u64, steps: u64
     let contacts = simulation.contacts()?;
     let mut overlaps: Vec<f64> = contacts.iter().map(|contact| f64::from(contact.overlap)).collect();
     overlaps.sort_by(f64::total_cmp);
-    let heights: Vec<f64> = simulation.spheres()?.iter().map(|sphere| f64::from(sphere.position.y)).collect();
-    Ok(Statistics { height: mean(&heights), contacts: overlaps.len() as f64 / f64::from(spheres), overlaps })
+    let states = simulation.spheres()?;
+    let weighted = |of: fn(&SphereState) -> f32| states.iter().map(|sphere| f64::from(sphere.mass * of(sphere))).sum::<f64>();
+    let (weight, moment) = (weighted(|_| 1.0), weighted(|sphere| sphere.position.y));
+    let borne = borne(&mut simulation, f64::from(stiffness))?;
+    Ok(Statistics {
+        height: moment / weight,
+        contacts: overlaps.len() as f64 / f64::from(spheres),
+        overlaps,
+        floor: borne.up / weight,
+        virial: borne.virial / moment,
+    })
 }
 
 /// Largest distance of two empirical distributions (Kolmogorov and Smirnov).
@@ -73,6 +86,12 @@ pub(crate) fn run(effort: Effort) -> Result<Outcome> {
     let (n, m) = (all.len() as f64, gpu.overlaps.len() as f64);
     let critical = 1.95 * ((n + m) / (n * m)).sqrt();
     outcome.check("overlaps: Kolmogorov-Smirnov distance, level 0.1 %", 0.0, distance(&all, &gpu.overlaps), critical);
+    let bound = effort.pick(0.12, 0.05);
+    let of_cpu = |of: fn(&Statistics) -> f64| mean(&cpu.iter().map(of).collect::<Vec<_>>());
+    for (name, floor, virial) in [("CPU", of_cpu(|pile| pile.floor), of_cpu(|pile| pile.virial)), ("GPU", gpu.floor, gpu.virial)] {
+        outcome.check(format!("{name}: overlaps on the floor, in force / weight"), 1.0, floor, bound);
+        outcome.check(format!("{name}: virial of all overlaps / that of the weight"), 1.0, virial, bound);
+    }
     let soft = settled(Backend::Cpu, 600.0, spheres, seeds, steps)?;
     let told = distance(&all, &soft.overlaps) > critical;
     outcome.check("the same tells a pile of Cc = 600 (1: yes)", 1.0, f64::from(u8::from(told)), 0.0);
