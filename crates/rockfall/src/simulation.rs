@@ -109,7 +109,8 @@ impl Simulation {
         Ok(Self::assemble(scene, options, world, engine, info))
     }
 
-    fn assemble(scene: Scene, options: Options, world: World, engine: Engine, info: BackendInfo) -> Self {
+    fn assemble(scene: Scene, options: Options, mut world: World, engine: Engine, info: BackendInfo) -> Self {
+        engine.complete(&mut world);
         Self {
             packed: scene.sphere_ids().collect(),
             disorder: Disorder::default(),
@@ -268,7 +269,7 @@ impl Simulation {
     }
 }
 
-/// The world of a scene, with what the options say of it.
+/// The world of a scene, with what the options say of it and without scratch.
 fn prepare(scene: &Scene, options: &Options) -> Result<World> {
     scene.settings.validate()?;
     let mut world = World::for_method(scene, options.broad_phase)?;
@@ -276,7 +277,7 @@ fn prepare(scene: &Scene, options: &Options) -> Result<World> {
         if capacity > MAX_PAIR_WORDS {
             return Err(Error::Invalid { field: "pair_capacity", value: capacity.to_string(), expected: "at most 2^30 words" });
         }
-        world.set_pair_capacity(capacity);
+        world.set_pair_room(capacity);
     }
     if options.keep_going {
         world.step.flags |= crate::layout::FLAG_CONTINUE;

@@ -13,6 +13,9 @@ use crate::layout::{Aabb, SLICE, Status, Step};
 use crate::stage::Buffer;
 
 /// The buffers of [`Buffer`], on the host, and the uniform block.
+///
+/// What is scratch (stage states 2 to 4, AABBs, cells, extents, lists, wrenches) may be empty in a world that runs on a device:
+/// that one has room for it from the counts.
 #[derive(Clone, Debug, Default)]
 pub struct World {
     /// The uniform block.
@@ -101,10 +104,17 @@ impl World {
 
     /// Makes room for `capacity` words of list entries; the lists are void after it.
     pub fn set_pair_capacity(&mut self, capacity: u32) {
+        self.set_pair_room(capacity);
+        self.lists = Vec::new();
+        self.lists = vec![0; (self.step.entries_at + capacity) as usize];
+    }
+
+    /// [`World::set_pair_capacity`] for a world that runs on a device: the host's lists are empty.
+    pub(crate) fn set_pair_room(&mut self, capacity: u32) {
         let slices = self.movers().div_ceil(SLICE);
         self.step.pair_capacity = capacity;
         self.step.slices_at = slices * SLICE;
         self.step.entries_at = self.step.slices_at + slices + 1;
-        self.lists = vec![0; (self.step.entries_at + capacity) as usize];
+        self.lists = Vec::new();
     }
 }

@@ -90,8 +90,9 @@ impl GpuWorld {
         &self.step
     }
 
-    /// Uploads all that a step begins with; scratch (stage states, wrenches) is left as it is. Buffers that are
-    /// too small for the world, for example after [`World::set_pair_capacity`], are made anew.
+    /// Uploads all that a step begins with; scratch (stage states, wrenches) is left as it is, and so are AABBs that the world
+    /// does not have. Lists that it does not have are empty after it. Buffers that are too small for the world, for example
+    /// after [`World::set_pair_capacity`], are made anew.
     ///
     /// # Errors
     /// As for [`GpuWorld::new`].
@@ -106,6 +107,9 @@ impl GpuWorld {
         self.step = world.step;
         for buffer in KEPT {
             self.write(world, buffer)?;
+        }
+        if world.lists.is_empty() {
+            self.clear_lists()?;
         }
         self.write_uniforms(&world.step)
     }
@@ -154,11 +158,16 @@ impl GpuWorld {
         }
         self.fit(world, Buffer::Lists)?;
         self.step = sized;
-        let gpu = self.gpu.clone();
-        catch(gpu.device(), || {
-            let mut encoder = gpu.device().create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-            encoder.clear_buffer(self.buffer(Buffer::Lists), 0, Some(4 * u64::from(sized.entries_at)));
-            gpu.queue().submit([encoder.finish()]);
+        self.clear_lists()
+    }
+
+    /// Every mover's list is empty after it.
+    fn clear_lists(&self) -> Result<()> {
+        let device = self.gpu.device();
+        catch(device, || {
+            let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+            encoder.clear_buffer(self.buffer(Buffer::Lists), 0, Some(4 * u64::from(self.step.entries_at)));
+            self.gpu.queue().submit([encoder.finish()]);
         })
     }
 

@@ -204,11 +204,12 @@ impl Simulation {
         }
         let capacity = (needed + needed / 4).next_multiple_of(SLICE).min(MAX_PAIR_WORDS);
         let before = self.world.step.pair_capacity;
-        self.world.set_pair_capacity(capacity);
+        self.world.set_pair_room(capacity);
+        self.engine.complete(&mut self.world);
         let grown = self.engine.resize_lists(&self.world);
         if grown.is_err() {
             // With fewer objects it may go on: they must not ask for the room that there is not.
-            self.world.set_pair_capacity(before);
+            self.world.set_pair_room(before);
         }
         grown
     }

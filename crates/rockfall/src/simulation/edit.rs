@@ -237,7 +237,8 @@ impl Simulation {
         self.world.step.dt = dt;
         self.world.step.margin_scale = margin_scale;
         self.world.step.lookahead = lookahead;
-        self.world.set_pair_capacity(capacity);
+        self.world.set_pair_room(capacity);
+        self.engine.complete(&mut self.world);
         self.packed = self.scene.sphere_ids().collect();
         self.packings += 1;
         self.engine.replace(&self.world)?;

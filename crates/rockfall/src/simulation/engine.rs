@@ -145,6 +145,15 @@ impl Engine {
         Ok(())
     }
 
+    /// Gives a world the scratch that the CPU backend runs on; a device has its own.
+    pub(super) fn complete(&self, world: &mut World) {
+        match self {
+            Self::Cpu => world.add_scratch(),
+            #[cfg(feature = "gpu")]
+            Self::Gpu(_) => {}
+        }
+    }
+
     /// Takes over a world that was packed anew, or whose lists have a new capacity and are void.
     pub(super) fn replace(&mut self, world: &World) -> Result<()> {
         on_gpu!(self, world, gpu => gpu.upload(world)?)

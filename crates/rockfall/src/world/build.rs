@@ -29,7 +29,7 @@ impl World {
     /// # Errors
     /// [`Error::TooManyObjects`] for more objects than list entries can number.
     pub fn build(scene: &Scene) -> Result<Self> {
-        Self::build_ordered(scene, Vec::new())
+        Ok(Self::pack(scene, Vec::new())?.with_scratch())
     }
 
     /// The same with spheres in spatial order, which the grid broad phase allows: its lists go by order of addition
@@ -38,8 +38,7 @@ impl World {
     /// # Errors
     /// As for [`World::build`].
     pub fn build_in_space(scene: &Scene) -> Result<Self> {
-        let positions: Vec<Vec3> = scene.spheres().iter().map(|sphere| sphere.position).collect();
-        Self::build_ordered(scene, spatial_order(&positions, typical_cell(scene)))
+        Ok(Self::pack(scene, order_in_space(scene))?.with_scratch())
     }
 
     /// The same with spheres in the order of their x, which sort-and-skip begins with.
@@ -47,34 +46,31 @@ impl World {
     /// # Errors
     /// As for [`World::build`].
     pub fn build_along_x(scene: &Scene) -> Result<Self> {
-        let spheres = scene.spheres();
-        let mut order: Vec<u32> = (0..spheres.len() as u32).collect();
-        let x = |index: u32| spheres[index as usize].position.x;
-        order.sort_by(|a, b| x(*a).total_cmp(&x(*b)));
-        Self::build_ordered(scene, order)
+        Ok(Self::pack(scene, order_along_x(scene))?.with_scratch())
     }
 
-    /// The world in the order that suits a broad phase: brute force goes through memory in order of addition.
+    /// The world in the order that suits a broad phase: brute force goes through memory in order of addition. It is without
+    /// scratch, which a device has for itself.
     pub(crate) fn for_method(scene: &Scene, broad_phase: BroadPhase) -> Result<Self> {
         let counts = scene.counts();
-        match broad_phase.resolve(counts.spheres + counts.rods + counts.boxes + counts.polygons) {
-            BroadPhase::Grid => Self::build_in_space(scene),
-            BroadPhase::SortAndSkip => Self::build_along_x(scene),
-            _ => Self::build(scene),
-        }
+        let order = match broad_phase.resolve(counts.spheres + counts.rods + counts.boxes + counts.polygons) {
+            BroadPhase::Grid => order_in_space(scene),
+            BroadPhase::SortAndSkip => order_along_x(scene),
+            _ => Vec::new(),
+        };
+        Self::pack(scene, order)
     }
 
-    fn build_ordered(scene: &Scene, order: Vec<u32>) -> Result<Self> {
+    fn pack(scene: &Scene, order: Vec<u32>) -> Result<Self> {
         let step = Step { margin_scale: FIRST_MARGIN, lookahead: FIRST_LOOKAHEAD, ..Step::default() };
         let mut world = Self { step, order, ..Self::default() };
         world.set_settings(&scene.settings);
         world.set_words(scene)?;
         world.set_spheres(scene);
         world.set_grid(scene);
-        world.resize();
         let padded = u64::from(world.movers().next_multiple_of(SLICE));
         let capacity = (padded * FIRST_ENTRIES).clamp(u64::from(SLICE), u64::from(u32::MAX / 4)) as u32;
-        world.set_pair_capacity(capacity);
+        world.set_pair_room(capacity);
         Ok(world)
     }
 
@@ -154,29 +150,46 @@ impl World {
     /// Chooses the grid's cells: a little larger than most spheres, and about as many as there are objects.
     fn set_grid(&mut self, scene: &Scene) {
         self.step.cell_size = typical_cell(scene);
-        self.set_cells(self.objects());
+        self.place_cells(self.objects());
     }
 
     /// Gives the grid's table room for at least so many cells; what it holds is void after it.
     pub fn set_cells(&mut self, cells: u32) {
+        self.place_cells(cells);
+        self.resize_cells();
+    }
+
+    fn resize_cells(&mut self) {
+        self.cells.resize((self.step.sorted_at + self.objects()) as usize, 0);
+    }
+
+    /// [`World::set_cells`] without the table.
+    fn place_cells(&mut self, cells: u32) {
         let objects = self.objects();
         let step = &mut self.step;
         step.cells = cells.max(CELL_BLOCK).next_power_of_two();
         step.sums_at = CELLS_AT + step.cells;
         step.keys_at = step.sums_at + step.cells / CELL_BLOCK;
         step.sorted_at = step.keys_at + objects;
-        self.cells.resize((step.sorted_at + objects) as usize, 0);
     }
 
-    /// Gives scratch arrays the sizes that the counts ask for.
-    pub(crate) fn resize(&mut self) {
+    /// With scratch arrays of the sizes that the counts ask for, as the CPU backend needs them.
+    pub(crate) fn with_scratch(mut self) -> Self {
+        self.add_scratch();
+        self
+    }
+
+    /// See [`World::with_scratch`].
+    pub(crate) fn add_scratch(&mut self) {
         let rows = 3 * self.step.spheres as usize;
         for state in &mut self.states[1..] {
             state.resize(rows, Vec4::ZERO);
         }
         self.aabbs.resize(self.objects() as usize, Default::default());
+        self.resize_cells();
         self.extents.resize(self.objects() as usize, Vec4::ZERO);
         self.wrenches.resize(4 * self.step.rods as usize, Vec4::ZERO);
+        self.set_pair_capacity(self.step.pair_capacity);
     }
 
     /// Writes the state of the spheres back into the scene it was packed from; `packed` are their handles then.
@@ -208,6 +221,19 @@ fn typical_cell(scene: &Scene) -> f32 {
     // Where radii differ little, all spheres fit the cells of one level.
     let radius = if large < 2.0 * median { large } else { median };
     (CELL_PER_RADIUS * radius).clamp(1e-20, 1e20)
+}
+
+fn order_in_space(scene: &Scene) -> Vec<u32> {
+    let positions: Vec<Vec3> = scene.spheres().iter().map(|sphere| sphere.position).collect();
+    spatial_order(&positions, typical_cell(scene))
+}
+
+fn order_along_x(scene: &Scene) -> Vec<u32> {
+    let spheres = scene.spheres();
+    let mut order: Vec<u32> = (0..spheres.len() as u32).collect();
+    let x = |index: u32| spheres[index as usize].position.x;
+    order.sort_by(|a, b| x(*a).total_cmp(&x(*b)));
+    order
 }
 
 /// The spheres in the order of memory.
@@ -336,5 +362,27 @@ impl Adjacency {
         }
         words.extend(self.pairs.iter().map(|(_, word)| *word));
         at
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::generate::Benchmark;
+    use crate::stage::Buffer;
+
+    #[test]
+    fn a_world_for_a_device_carries_no_scratch() {
+        let scene = Benchmark::Mixed.generate(100, 0).unwrap();
+        let mut world = World::for_method(&scene, BroadPhase::Grid).unwrap();
+        let held: Vec<Buffer> = Buffer::ALL.into_iter().filter(|buffer| !world.bytes(*buffer).is_empty()).collect();
+        assert_eq!(held, [Buffer::Start, Buffer::Words, Buffer::Orientations, Buffer::Status]);
+        world.set_pair_room(64);
+        assert!(world.lists.is_empty());
+        // As large as the counts say, whatever the capacity was before.
+        let whole = world.with_scratch();
+        assert_eq!(whole.lists.len(), (whole.step.entries_at + 64) as usize);
+        assert_eq!(whole.aabbs.len(), whole.objects() as usize);
+        assert_eq!(whole.states[3].len(), whole.states[0].len());
     }
 }
