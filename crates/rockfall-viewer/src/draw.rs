@@ -158,7 +158,7 @@ impl Renderer {
     /// CPU backend the state is uploaded. What [`Style::colour_by`] asks for beyond the state is evaluated on the host.
     ///
     /// # Errors
-    /// [`rockfall::Error::Device`] when the GPU failed.
+    /// [`rockfall::Error::Device`] when the GPU failed, or the scene is so large that its state does not fit one binding.
     pub fn update(&mut self, simulation: &mut Simulation, style: &Style) -> Result<()> {
         simulation.flush()?;
         if self.setting.is_none() {
@@ -166,7 +166,7 @@ impl Renderer {
         } else if self.source.is_stale(simulation) {
             self.take_objects(simulation);
         }
-        self.step = self.source.take(&self.device, &self.queue, simulation);
+        self.step = self.source.take(&self.device, &self.queue, simulation)?;
         self.take_values(simulation, style)?;
         if self.source.bind(&self.device, &self.layouts.bodies, &self.uniform) {
             self.cull.bind(&self.device, &self.uniform, self.source.bound(), self.step.spheres);

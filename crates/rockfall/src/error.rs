@@ -80,7 +80,8 @@ pub enum Error {
     /// The scene does not fit the limits of the device, or of the engine.
     #[error(
         "the scene does not fit: {what} would take {needed} bytes, the limit is {limit}; use fewer objects or, where the limit \
-         is the GPU's, --backend cpu"
+         is the GPU's, a device with a higher max_storage_buffers_per_shader_stage (what is larger than one binding takes \
+         several) or --backend cpu"
     )]
     DeviceLimit {
         /// The buffer that is too large.

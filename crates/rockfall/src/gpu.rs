@@ -5,18 +5,22 @@
 //!
 //! This module is public for tools and tests; it may change between minor versions.
 
+mod array;
 mod check;
 mod device;
 mod fault;
 mod kernel;
 mod memory;
+mod split;
 mod timer;
+mod transfer;
 mod wait;
 mod world;
 
 pub use device::{Gpu, adapters};
 pub use fault::catch;
 pub use kernel::{join, locate_lines};
+pub use split::{Split, split};
 pub(crate) use timer::{clock, copy_bandwidth};
 #[cfg(not(target_arch = "wasm32"))]
 pub use wait::block_on;

@@ -2,32 +2,10 @@
 
 #![cfg(feature = "gpu")]
 
-use std::pin::pin;
-use std::task::{Context, Poll, Waker};
+mod common;
 
+use common::device::device;
 use rockfall::{BroadPhase, Error, Options, Result, Scene, Simulation, Sphere};
-
-/// What wgpu gives at once on native targets.
-fn ready<T>(future: impl Future<Output = T>) -> T {
-    match pin!(future).poll(&mut Context::from_waker(Waker::noop())) {
-        Poll::Ready(value) => value,
-        Poll::Pending => panic!("it does not wait"),
-    }
-}
-
-/// A device of the first Vulkan adapter with limits of the test's choice.
-fn device(change: impl FnOnce(&mut wgpu::Limits)) -> (wgpu::Device, wgpu::Queue) {
-    let descriptor = wgpu::InstanceDescriptor::new_without_display_handle();
-    let adapters = ready(wgpu::Instance::new(descriptor).enumerate_adapters(wgpu::Backends::VULKAN));
-    let adapter = adapters.first().expect("these tests need a Vulkan driver, lavapipe will do");
-    let mut required_limits = adapter.limits();
-    change(&mut required_limits);
-    let (device, queue) =
-        ready(adapter.request_device(&wgpu::DeviceDescriptor { required_limits, ..Default::default() })).expect("a device");
-    // wgpu panics where nobody hears of an error.
-    device.on_uncaptured_error(std::sync::Arc::new(|error| println!("told to nobody: {error}")));
-    (device, queue)
-}
 
 /// Balls that all touch each other.
 fn heap(count: u16) -> Scene {
@@ -60,14 +38,22 @@ fn limits_that_are_too_low_are_named() {
 
 #[test]
 fn a_scene_that_is_larger_than_the_device_allows_is_refused() {
-    let device = device(|limits| limits.max_storage_buffer_binding_size = 1 << 16);
-    is_told(open(heap(3000), &device), &["the scene does not fit", "65536"]);
+    // No room for more bindings than the arrays have.
+    let device = device(|limits| {
+        limits.max_storage_buffer_binding_size = 1 << 16;
+        limits.max_storage_buffers_per_shader_stage = 8;
+    });
+    let told = ["the scene does not fit", "the pair lists", "65536", "max_storage_buffers_per_shader_stage"];
+    is_told(open(heap(3000), &device), &told);
 }
 
 /// The lists of 32 balls fit, those of 600 that all meet do not: 600 x 600 entries of 4 bytes.
 #[test]
 fn lists_that_outgrow_the_device_leave_the_bodies_as_they_were() {
-    let device = device(|limits| limits.max_storage_buffer_binding_size = 1 << 18);
+    let device = device(|limits| {
+        limits.max_storage_buffer_binding_size = 1 << 18;
+        limits.max_storage_buffers_per_shader_stage = 8;
+    });
     let mut simulation = open(heap(600), &device).unwrap();
     let before = simulation.spheres().unwrap();
     is_told(simulation.run(3, 0.01), &["the pair lists", "262144"]);

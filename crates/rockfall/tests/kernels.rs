@@ -32,6 +32,56 @@ fn every_kernel_is_valid() {
     }
 }
 
+/// Where arrays are larger than one binding may be: each alone, and all of them.
+#[cfg(feature = "gpu")]
+#[test]
+fn every_kernel_is_valid_with_its_arrays_in_chunks() {
+    use rockfall::gpu::{Split, split};
+    use rockfall::stage::Buffer;
+    for stage in ALL {
+        let count = stage.bindings.len();
+        let alone = (0..count).map(|split| (0..count).map(|binding| if binding == split { 3 } else { 1 }).collect());
+        let text = source(stage);
+        for mut chunks in alone.chain([vec![2; count]]) {
+            for (chunks, binding) in chunks.iter_mut().zip(stage.bindings) {
+                if binding.slot.buffer(0) == Buffer::Status {
+                    *chunks = 1;
+                }
+            }
+            let split = split(&text, &Split::of(stage, &chunks, 1 << 20));
+            let told = |error: &dyn std::fmt::Display| format!("{} in chunks {chunks:?}: {error}", stage.name);
+            let module = naga::front::wgsl::parse_str(&split).unwrap_or_else(|e| panic!("{}", told(&e.emit_to_string(&split))));
+            let valid = Validator::new(ValidationFlags::all(), Capabilities::empty()).validate(&module);
+            valid.unwrap_or_else(|e| panic!("{}", told(&e.emit_to_string(&split))));
+            let bound = module.global_variables.iter().filter(|(_, variable)| variable.binding.is_some()).count();
+            assert_eq!(bound, 2 + chunks.iter().sum::<u32>() as usize, "{}", told(&"bindings"));
+            // Errors of the compiler name lines.
+            assert_eq!(split.lines().zip(text.lines()).count(), text.lines().count());
+            let moved = text.lines().zip(split.lines()).any(|(one, other)| one.is_empty() != other.is_empty());
+            assert!(!moved, "{}", told(&"lines have moved"));
+        }
+    }
+}
+
+/// The element that a chunk begins with goes by the size that the kernels declare.
+#[cfg(feature = "gpu")]
+#[test]
+fn chunks_begin_where_elements_do() {
+    use rockfall::gpu::{Split, split};
+    for stage in ALL {
+        let module = module(stage);
+        for binding in stage.bindings {
+            let named = |variable: &&naga::GlobalVariable| variable.name.as_deref() == Some(binding.name);
+            let variable = module.global_variables.iter().map(|(_, variable)| variable).find(named).expect("a binding");
+            let TypeInner::Array { stride, .. } = module.types[variable.ty].inner else { continue };
+            let chunks: Vec<u32> = stage.bindings.iter().map(|one| if one.name == binding.name { 2 } else { 1 }).collect();
+            let text = split(&source(stage), &Split::of(stage, &chunks, 1 << 20));
+            let second = format!("{}_1[i - {}u]", binding.name, (1 << 20) / stride);
+            assert!(text.contains(&second), "{}: no {second}", stage.name);
+        }
+    }
+}
+
 #[test]
 fn every_kernel_keeps_within_the_limits_of_webgpu() {
     for stage in ALL {

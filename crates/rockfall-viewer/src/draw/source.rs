@@ -2,7 +2,7 @@
 
 use rockfall::layout::Step;
 use rockfall::stage::Buffer;
-use rockfall::{Simulation, wgpu};
+use rockfall::{Result, Simulation, wgpu};
 
 use crate::draw::pipelines::STORAGE;
 
@@ -73,14 +73,14 @@ impl Source {
         self.seen = Some(simulation.memory_version());
     }
 
-    /// Takes in the present state; returns what describes the buffers.
-    pub(crate) fn take(&mut self, device: &wgpu::Device, queue: &wgpu::Queue, simulation: &Simulation) -> Step {
+    /// Takes in the present state; returns what describes the buffers. One that stands in several is refused.
+    pub(crate) fn take(&mut self, device: &wgpu::Device, queue: &wgpu::Queue, simulation: &Simulation) -> Result<Step> {
         if let Some(view) = simulation.gpu_view() {
-            self.physics = READ.map(|buffer| view.buffer(buffer).clone()).to_vec();
-            return *view.step();
+            self.physics = READ.into_iter().map(|buffer| view.buffer(buffer).cloned()).collect::<Result<_>>()?;
+            return Ok(*view.step());
         }
         let Some(world) = simulation.cpu_view() else {
-            return Step::default();
+            return Ok(Step::default());
         };
         self.physics.resize_with(READ.len(), || make(device, "empty", 0));
         for (mine, buffer) in self.physics.iter_mut().zip(READ) {
@@ -90,7 +90,7 @@ impl Source {
             }
             queue.write_buffer(mine, 0, bytes);
         }
-        world.step
+        Ok(world.step)
     }
 
     /// Sets the values of the spheres, in order of addition.

@@ -21,8 +21,11 @@ struct Inner {
     device: wgpu::Device,
     queue: wgpu::Queue,
     faults: Faults,
-    kernels: Mutex<HashMap<(&'static str, bool), Arc<Kernel>>>,
+    kernels: Mutex<HashMap<KernelKey, Arc<Kernel>>>,
 }
+
+/// Stage, whether there are rods, chunks of each array.
+type KernelKey = (&'static str, bool, Vec<u32>);
 
 /// A limit of a device by its name in WebGPU.
 type Limit = (&'static str, fn(&wgpu::Limits) -> u32);
@@ -192,14 +195,15 @@ impl Gpu {
         &self.inner.faults
     }
 
-    /// The kernel of a stage, compiled at its first use, for scenes with or without rods.
-    pub(crate) fn kernel(&self, stage: &'static Stage, rods: bool) -> Result<Arc<Kernel>> {
+    /// The kernel of a stage, compiled at its first use, for scenes with or without rods, and for arrays of so many chunks.
+    pub(crate) fn kernel(&self, stage: &'static Stage, rods: bool, chunks: Vec<u32>) -> Result<Arc<Kernel>> {
         let mut kernels = self.inner.kernels.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(kernel) = kernels.get(&(stage.name, rods)) {
+        let key = (stage.name, rods, chunks);
+        if let Some(kernel) = kernels.get(&key) {
             return Ok(Arc::clone(kernel));
         }
-        let kernel = Arc::new(Kernel::new(self.device(), stage, rods)?);
-        kernels.insert((stage.name, rods), Arc::clone(&kernel));
+        let kernel = Arc::new(Kernel::new(self.device(), stage, rods, &key.2)?);
+        kernels.insert(key, Arc::clone(&kernel));
         Ok(kernel)
     }
 }

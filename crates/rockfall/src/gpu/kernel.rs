@@ -4,6 +4,8 @@ use std::fmt::Write;
 
 use crate::error::{Error, Result};
 use crate::gpu::fault::catch;
+use crate::gpu::memory::chunk_bytes;
+use crate::gpu::split::{Split, binding_numbers, split};
 use crate::stage::{Access, Part, Stage};
 
 /// A compiled stage.
@@ -40,8 +42,9 @@ pub fn locate_lines(parts: &[Part], message: &str) -> String {
 }
 
 impl Kernel {
-    pub(crate) fn new(device: &wgpu::Device, stage: &Stage, rods: bool) -> Result<Self> {
-        catch(device, || build(device, stage, rods)).map_err(|error| match error {
+    /// The kernel of a stage, for scenes with or without rods, and for arrays of so many chunks, in the order of its bindings.
+    pub(crate) fn new(device: &wgpu::Device, stage: &Stage, rods: bool, chunks: &[u32]) -> Result<Self> {
+        catch(device, || build(device, stage, rods, chunks)).map_err(|error| match error {
             Error::Device(text) => Error::Device(format!("kernel {}: {}", stage.name, locate_lines(stage.parts, &text))),
             other => other,
         })
@@ -58,8 +61,8 @@ fn layout_entry(binding: u32, ty: wgpu::BufferBindingType) -> wgpu::BindGroupLay
 }
 
 #[allow(unsafe_code)]
-fn build(device: &wgpu::Device, stage: &Stage, rods: bool) -> Kernel {
-    let text = join(stage.parts);
+fn build(device: &wgpu::Device, stage: &Stage, rods: bool, chunks: &[u32]) -> Kernel {
+    let text = split(&join(stage.parts), &Split::of(stage, chunks, chunk_bytes(&device.limits())));
     let uses_rods = text.contains("override RODS");
     let constants = [("RODS", f64::from(u8::from(rods)))];
     let module = wgpu::ShaderModuleDescriptor { label: Some(stage.name), source: wgpu::ShaderSource::Wgsl(text.into()) };
@@ -69,14 +72,15 @@ fn build(device: &wgpu::Device, stage: &Stage, rods: bool) -> Kernel {
     // number of objects and whose slots are below `pair_capacity`, else the step is void and nobody reads them; those in
     // `cells` are sums of the counts of the objects, made from zero in the same step or not used; the uniform block that
     // holds counts and offsets is always that of the uploaded world, and the buffers are made to its sizes
-    // (`GpuWorld::new`, `upload`). Loops run over counts from the same places, sweeps up to MAX_SWEEPS.
+    // (`GpuWorld::new`, `upload`); an index of an array in chunks that is inside the array is inside the chunk that `split` has
+    // chosen for it. Loops run over counts from the same places, sweeps up to MAX_SWEEPS.
     // Workgroup memory is written before it is read. No integer is divided by anything but a constant.
     let module = unsafe { device.create_shader_module_trusted(module, wgpu::ShaderRuntimeChecks::unchecked()) };
     let mut entries =
         vec![layout_entry(0, wgpu::BufferBindingType::Uniform), layout_entry(1, wgpu::BufferBindingType::Uniform)];
-    for (binding, number) in stage.bindings.iter().zip(2..) {
+    for (binding, numbers) in stage.bindings.iter().zip(binding_numbers(chunks)) {
         let read_only = binding.access == Access::Read;
-        entries.push(layout_entry(number, wgpu::BufferBindingType::Storage { read_only }));
+        entries.extend(numbers.iter().map(|number| layout_entry(*number, wgpu::BufferBindingType::Storage { read_only })));
     }
     let layout =
         device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some(stage.name), entries: &entries });

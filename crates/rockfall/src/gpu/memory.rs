@@ -1,12 +1,14 @@
-//! What a world's buffers are on the device: sizes and limits.
+//! What a world's arrays are on the device: sizes, chunks and limits.
 
 use crate::error::{Error, Result};
 use crate::gpu::fault::catch;
-use crate::stage::Buffer;
+use crate::stage::{ALL, Buffer, Stage};
 use crate::world::World;
 
 /// No buffer is smaller: WebGPU refuses to bind what is empty.
 const LEAST_BYTES: u64 = 16;
+/// The largest element of an array: chunks hold whole ones.
+const ELEMENT_BYTES: u64 = 32;
 
 /// Bytes that the kernels address in a buffer, from the counts and offsets alone: a hand-made world may hold less.
 pub(crate) fn bytes_needed(world: &World, buffer: Buffer) -> u64 {
@@ -25,15 +27,36 @@ pub(crate) fn bytes_needed(world: &World, buffer: Buffer) -> u64 {
     addressed.max(world.bytes(buffer).len() as u64).max(LEAST_BYTES)
 }
 
+/// Bytes of the chunks of an array that is larger than a binding may be.
+pub(crate) fn chunk_bytes(limits: &wgpu::Limits) -> u64 {
+    let most = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
+    (most - most % ELEMENT_BYTES).max(ELEMENT_BYTES)
+}
+
+/// Whether every stage can bind arrays of these sizes. One that is larger than a binding may be takes several.
+///
 /// # Errors
-/// [`Error::DeviceLimit`] for a buffer that the device cannot bind or allocate.
-pub(crate) fn check_size(device: &wgpu::Device, what: &'static str, needed: u64) -> Result<()> {
-    let limits = device.limits();
-    let limit = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
-    if needed > limit {
-        return Err(Error::DeviceLimit { what, needed, limit });
+/// [`Error::DeviceLimit`] for the array that takes the most bindings in a stage that has too many.
+pub(crate) fn check_sizes(limits: &wgpu::Limits, needed: impl Fn(Buffer) -> u64) -> Result<()> {
+    let chunk = chunk_bytes(limits);
+    let most = u64::from(limits.max_storage_buffers_per_shader_stage);
+    let excess =
+        |stage: &Stage| stage_buffers(stage).map(|buffer| needed(buffer).div_ceil(chunk)).sum::<u64>().saturating_sub(most);
+    let Some(worst) = ALL.into_iter().max_by_key(|stage| excess(stage)) else { return Ok(()) };
+    let excess = excess(worst);
+    let largest = stage_buffers(worst).max_by_key(|buffer| needed(*buffer));
+    match largest {
+        Some(buffer) if excess > 0 => {
+            let chunks = needed(buffer).div_ceil(chunk).saturating_sub(excess).max(1);
+            Err(Error::DeviceLimit { what: buffer.label(), needed: needed(buffer), limit: chunks * chunk })
+        }
+        _ => Ok(()),
     }
-    Ok(())
+}
+
+/// The buffers that a stage binds; in every pass they are as large.
+fn stage_buffers(stage: &Stage) -> impl Iterator<Item = Buffer> {
+    stage.bindings.iter().map(|binding| binding.slot.buffer(0))
 }
 
 pub(crate) fn make_buffer(device: &wgpu::Device, label: &str, size: u64, usage: wgpu::BufferUsages) -> Result<wgpu::Buffer> {
@@ -42,7 +65,38 @@ pub(crate) fn make_buffer(device: &wgpu::Device, label: &str, size: u64, usage: 
     })
 }
 
-pub(crate) fn make_storage(device: &wgpu::Device, buffer: Buffer, size: u64) -> Result<wgpu::Buffer> {
-    let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC | wgpu::BufferUsages::COPY_DST;
-    make_buffer(device, buffer.label(), size, usage)
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn limits(binding: u64, buffers: u32) -> wgpu::Limits {
+        wgpu::Limits {
+            max_storage_buffer_binding_size: binding,
+            max_storage_buffers_per_shader_stage: buffers,
+            max_buffer_size: 1 << 32,
+            ..Default::default()
+        }
+    }
+
+    #[test]
+    fn chunks_hold_whole_elements() {
+        assert_eq!(chunk_bytes(&limits((1 << 31) - 4, 8)), (1 << 31) - 32);
+        assert_eq!(chunk_bytes(&limits(100, 8)), 96);
+        assert_eq!(chunk_bytes(&wgpu::Limits { max_buffer_size: 64, ..limits(100, 8) }), 64);
+    }
+
+    /// `advance` binds eight arrays, three of them states.
+    #[test]
+    fn what_a_stage_cannot_bind_is_refused() {
+        let sizes = |large: u64| move |buffer: Buffer| if buffer == Buffer::Lists { large } else { 16 };
+        assert!(check_sizes(&limits(1024, 8), sizes(1024)).is_ok());
+        let refused = check_sizes(&limits(1024, 8), sizes(1025));
+        assert!(
+            matches!(refused, Err(Error::DeviceLimit { what: "the pair lists", needed: 1025, limit: 1024 })),
+            "{refused:?}"
+        );
+        assert!(check_sizes(&limits(1024, 11), sizes(4096)).is_ok());
+        let refused = check_sizes(&limits(1024, 11), sizes(5000));
+        assert!(matches!(refused, Err(Error::DeviceLimit { needed: 5000, limit: 4096, .. })), "{refused:?}");
+    }
 }

@@ -1,23 +1,23 @@
 //! A [`World`] on the GPU: its buffers, and the stages run over them.
 
 use std::collections::HashMap;
+use std::sync::Arc;
 
-use bytemuck::{bytes_of, bytes_of_mut};
+use bytemuck::bytes_of;
 
 use crate::error::{Error, Result};
+use crate::gpu::array::Array;
 use crate::gpu::check::check_buffer;
 use crate::gpu::device::Gpu;
 use crate::gpu::fault::catch;
-use crate::gpu::memory::{bytes_needed, check_size, make_buffer, make_storage};
+use crate::gpu::kernel::Kernel;
+use crate::gpu::memory::{bytes_needed, check_sizes, chunk_bytes, make_buffer};
+use crate::gpu::split::binding_numbers;
 use crate::gpu::timer::Timer;
-use crate::gpu::wait::Mapped;
 use crate::layout::{Pass, Status, Step};
 use crate::profile::BufferSize;
 use crate::stage::{Buffer, Run, Stage};
 use crate::world::World;
-
-/// Bytes written or read in one piece, so that staging memory stays small beside the buffers.
-const PIECE: usize = 128 << 20;
 
 /// The most passes that a stage has: the digits of a sort.
 const PASSES: u32 = 8;
@@ -32,24 +32,24 @@ pub struct GpuWorld {
     step: Step,
     uniform: wgpu::Buffer,
     passes: Vec<wgpu::Buffer>,
-    buffers: Vec<wgpu::Buffer>,
-    groups: HashMap<(&'static str, u32), wgpu::BindGroup>,
+    arrays: Vec<Array>,
+    /// What was prepared: by stage and pass.
+    ready: HashMap<(&'static str, u32), (Arc<Kernel>, wgpu::BindGroup)>,
 }
 
 impl GpuWorld {
     /// Makes the buffers of a world and fills them.
     ///
     /// # Errors
-    /// [`Error::DeviceLimit`] when a buffer would be larger than the device allows (nothing is allocated then),
+    /// [`Error::DeviceLimit`] when an array would be larger than the device allows (nothing is allocated then),
     /// [`Error::Device`] when memory runs out, the device is lost or its limits are too low, or the world's indices point
     /// outside of it.
     pub fn new(gpu: &Gpu, world: &World) -> Result<Self> {
         gpu.faults().check()?;
         gpu.check_limits()?;
         let device = gpu.device();
-        for buffer in Buffer::ALL {
-            check_size(device, buffer.label(), bytes_needed(world, buffer))?;
-        }
+        let limits = device.limits();
+        check_sizes(&limits, |buffer| bytes_needed(world, buffer))?;
         let usage = wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST;
         let uniform = make_buffer(device, "step", size_of::<Step>() as u64, usage)?;
         let mut passes = Vec::new();
@@ -59,11 +59,11 @@ impl GpuWorld {
             catch(device, || gpu.queue().write_buffer(&pass, 0, bytes_of(&block)))?;
             passes.push(pass);
         }
-        let mut buffers = Vec::new();
+        let mut arrays = Vec::new();
         for buffer in Buffer::ALL {
-            buffers.push(make_storage(device, buffer, bytes_needed(world, buffer))?);
+            arrays.push(Array::new(device, buffer, bytes_needed(world, buffer), chunk_bytes(&limits))?);
         }
-        let mut made = Self { gpu: gpu.clone(), step: world.step, uniform, passes, buffers, groups: HashMap::new() };
+        let mut made = Self { gpu: gpu.clone(), step: world.step, uniform, passes, arrays, ready: HashMap::new() };
         made.upload(world)?;
         Ok(made)
     }
@@ -74,14 +74,35 @@ impl GpuWorld {
     }
 
     /// A buffer, for rendering and other kernels. It is replaced when an upload needs a larger one.
-    pub fn buffer(&self, buffer: Buffer) -> &wgpu::Buffer {
-        &self.buffers[buffer as usize]
+    ///
+    /// # Errors
+    /// [`Error::Device`] when it is larger than one binding may be and stands in several, which [`GpuWorld::chunks`] gives.
+    pub fn buffer(&self, buffer: Buffer) -> Result<&wgpu::Buffer> {
+        match self.chunks(buffer) {
+            [whole] => Ok(whole),
+            chunks => Err(Error::Device(format!(
+                "{} is larger than one binding may be and stands in {} buffers, which must be bound side by side; use fewer \
+                 objects, or the CPU backend",
+                buffer.label(),
+                chunks.len()
+            ))),
+        }
+    }
+
+    /// The buffers of an array, one after the other: more than one where it is larger than the device's
+    /// `max_storage_buffer_binding_size`. All have as many elements as the first but the last, which may have fewer.
+    pub fn chunks(&self, buffer: Buffer) -> &[wgpu::Buffer] {
+        self.array(buffer).chunks()
+    }
+
+    pub(super) fn array(&self, buffer: Buffer) -> &Array {
+        &self.arrays[buffer as usize]
     }
 
     /// The size of every buffer.
     pub fn buffer_sizes(&self) -> Vec<BufferSize> {
         let uniforms = self.uniform.size() + self.passes.iter().map(wgpu::Buffer::size).sum::<u64>();
-        let storage = Buffer::ALL.map(|buffer| BufferSize::new(buffer.label(), self.buffer(buffer).size()));
+        let storage = Buffer::ALL.map(|buffer| BufferSize::new(buffer.label(), self.array(buffer).size()));
         storage.into_iter().chain([BufferSize::new("the uniform blocks", uniforms)]).collect()
     }
 
@@ -104,9 +125,13 @@ impl GpuWorld {
         for buffer in Buffer::ALL {
             self.fit(world, buffer)?;
         }
+        if (world.step.rods > 0) != (self.step.rods > 0) {
+            // They have kernels of their own.
+            self.ready.clear();
+        }
         self.step = world.step;
         for buffer in KEPT {
-            self.write(world, buffer)?;
+            self.write(buffer, world.bytes(buffer))?;
         }
         if world.lists.is_empty() {
             self.clear_lists()?;
@@ -125,7 +150,7 @@ impl GpuWorld {
         }
         check_buffer(world, buffer)?;
         self.fit(world, buffer)?;
-        self.write(world, buffer)
+        self.write(buffer, world.bytes(buffer))
     }
 
     /// Uploads words whose offsets in the uniform block may have changed; the counts of spheres and of objects, and the
@@ -141,7 +166,7 @@ impl GpuWorld {
         }
         check_buffer(world, Buffer::Words)?;
         self.fit(world, Buffer::Words)?;
-        self.write(world, Buffer::Words)?;
+        self.write(Buffer::Words, world.bytes(Buffer::Words))?;
         self.step = world.step;
         self.write_uniforms(&world.step)
     }
@@ -161,48 +186,22 @@ impl GpuWorld {
         self.clear_lists()
     }
 
-    /// Every mover's list is empty after it.
-    fn clear_lists(&self) -> Result<()> {
-        let device = self.gpu.device();
-        catch(device, || {
-            let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-            encoder.clear_buffer(self.buffer(Buffer::Lists), 0, Some(4 * u64::from(self.step.entries_at)));
-            self.gpu.queue().submit([encoder.finish()]);
-        })
-    }
-
     fn fit(&mut self, world: &World, buffer: Buffer) -> Result<()> {
         let needed = bytes_needed(world, buffer);
-        let at = buffer as usize;
-        if needed <= self.buffers[at].size() {
+        if needed <= self.array(buffer).size() {
             return Ok(());
         }
-        check_size(self.gpu.device(), buffer.label(), needed)?;
-        self.groups.clear();
+        let limits = self.gpu.device().limits();
+        check_sizes(&limits, |other| if other == buffer { needed } else { self.array(other).size() })?;
+        self.ready.clear();
         // First, so that there is room for the new one.
-        self.buffers[at].destroy();
-        let made = make_storage(self.gpu.device(), buffer, needed);
+        self.array(buffer).chunks().iter().for_each(wgpu::Buffer::destroy);
+        let made = Array::new(self.gpu.device(), buffer, needed, chunk_bytes(&limits));
         if let Err(Error::Device(text)) = &made {
             // The old one is gone: whatever is asked of this world from now on is answered by this.
             self.gpu.faults().record(text.clone());
         }
-        self.buffers[at] = made?;
-        Ok(())
-    }
-
-    fn write(&self, world: &World, buffer: Buffer) -> Result<()> {
-        let queue = self.gpu.queue();
-        let mut offset = 0;
-        for piece in world.bytes(buffer).chunks(PIECE) {
-            catch(self.gpu.device(), || {
-                queue.write_buffer(self.buffer(buffer), offset, piece);
-                if piece.len() == PIECE {
-                    // Lets go of the staging memory.
-                    queue.submit([]);
-                }
-            })?;
-            offset += piece.len() as u64;
-        }
+        self.arrays[buffer as usize] = made?;
         Ok(())
     }
 
@@ -242,7 +241,9 @@ impl GpuWorld {
     /// [`Error::Device`] when the device is lost.
     pub fn set_status(&mut self, status: &Status) -> Result<()> {
         catch(self.gpu.device(), || {
-            self.gpu.queue().write_buffer(self.buffer(Buffer::Status), 0, bytes_of(status));
+            for buffer in self.chunks(Buffer::Status) {
+                self.gpu.queue().write_buffer(buffer, 0, bytes_of(status));
+            }
         })
     }
 
@@ -251,16 +252,16 @@ impl GpuWorld {
         run.workgroups(&self.step) == 0
     }
 
-    fn make_group(&self, stage: &Stage, pass: u32, layout: &wgpu::BindGroupLayout) -> wgpu::BindGroup {
+    fn make_group(&self, stage: &Stage, pass: u32, chunks: &[u32], layout: &wgpu::BindGroupLayout) -> wgpu::BindGroup {
         let mut entries = vec![
             wgpu::BindGroupEntry { binding: 0, resource: self.uniform.as_entire_binding() },
             wgpu::BindGroupEntry { binding: 1, resource: self.passes[pass as usize].as_entire_binding() },
         ];
-        for (binding, number) in stage.bindings.iter().zip(2..) {
-            entries.push(wgpu::BindGroupEntry {
-                binding: number,
-                resource: self.buffer(binding.slot.buffer(pass)).as_entire_binding(),
-            });
+        for (binding, numbers) in stage.bindings.iter().zip(binding_numbers(chunks)) {
+            let buffers = self.chunks(binding.slot.buffer(pass)).iter().zip(numbers);
+            entries.extend(
+                buffers.map(|(buffer, binding)| wgpu::BindGroupEntry { binding, resource: buffer.as_entire_binding() }),
+            );
         }
         self.gpu.device().create_bind_group(&wgpu::BindGroupDescriptor { label: Some(stage.name), layout, entries: &entries })
     }
@@ -272,10 +273,12 @@ impl GpuWorld {
     pub fn prepare(&mut self, runs: &[Run]) -> Result<()> {
         for run in runs {
             let key = (run.stage.name, run.pass);
-            if !self.groups.contains_key(&key) {
-                let kernel = self.gpu.kernel(run.stage, self.step.rods > 0)?;
-                let group = catch(self.gpu.device(), || self.make_group(run.stage, run.pass, &kernel.layout))?;
-                self.groups.insert(key, group);
+            if !self.ready.contains_key(&key) {
+                let slots = run.stage.bindings.iter().map(|binding| binding.slot.buffer(run.pass));
+                let chunks: Vec<u32> = slots.map(|buffer| self.chunks(buffer).len() as u32).collect();
+                let kernel = self.gpu.kernel(run.stage, self.step.rods > 0, chunks.clone())?;
+                let group = catch(self.gpu.device(), || self.make_group(run.stage, run.pass, &chunks, &kernel.layout))?;
+                self.ready.insert(key, (kernel, group));
             }
         }
         Ok(())
@@ -292,10 +295,10 @@ impl GpuWorld {
             if groups == 0 {
                 continue;
             }
-            let Some(group) = self.groups.get(&(run.stage.name, run.pass)) else {
+            let Some((kernel, group)) = self.ready.get(&(run.stage.name, run.pass)) else {
                 return Err(Error::Device(format!("stage {} was not prepared", run.stage.name)));
             };
-            table.push((self.gpu.kernel(run.stage, self.step.rods > 0)?, group, groups));
+            table.push((kernel, group, groups));
         }
         let across = self.gpu.device().limits().max_compute_workgroups_per_dimension;
         for _ in 0..steps {
@@ -346,57 +349,5 @@ impl GpuWorld {
             Ok(())
         })??;
         self.gpu.faults().check()
-    }
-
-    /// Reads the status block.
-    ///
-    /// # Errors
-    /// [`Error::Device`] when the device is lost.
-    pub async fn read_status(&self) -> Result<Status> {
-        let mut status = Status::default();
-        self.read(Buffer::Status, bytes_of_mut(&mut status)).await?;
-        Ok(status)
-    }
-
-    /// Reads buffers back into a world of the same sizes.
-    ///
-    /// # Errors
-    /// [`Error::Device`] when the device is lost or out of memory, or the world is larger than the one on the device.
-    pub async fn download(&self, world: &mut World, buffers: &[Buffer]) -> Result<()> {
-        for buffer in buffers {
-            self.read(*buffer, world.bytes_mut(*buffer)).await?;
-        }
-        Ok(())
-    }
-
-    async fn read(&self, buffer: Buffer, into: &mut [u8]) -> Result<()> {
-        self.gpu.faults().check()?;
-        if into.len() as u64 > self.buffer(buffer).size() {
-            return Err(Error::Device(format!("{} on the device is smaller than the host's", buffer.label())));
-        }
-        let mut offset = 0;
-        for piece in into.chunks_mut(PIECE) {
-            let staging = self.stage(buffer, offset, piece.len() as u64)?;
-            Mapped::read(&staging, self.gpu.faults()).await?;
-            let view = staging
-                .get_mapped_range(..)
-                .map_err(|error| Error::Device(format!("{} could not be read back: {error}", buffer.label())))?;
-            piece.copy_from_slice(&view);
-            offset += piece.len() as u64;
-        }
-        Ok(())
-    }
-
-    /// Copies a piece of a buffer to one that the host can read.
-    fn stage(&self, buffer: Buffer, offset: u64, size: u64) -> Result<wgpu::Buffer> {
-        let device = self.gpu.device();
-        let usage = wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST;
-        let staging = make_buffer(device, "read back", size, usage)?;
-        catch(device, || {
-            let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-            encoder.copy_buffer_to_buffer(self.buffer(buffer), offset, &staging, 0, size);
-            self.gpu.queue().submit([encoder.finish()]);
-        })?;
-        Ok(staging)
     }
 }

@@ -26,7 +26,8 @@ impl Simulation {
 
     /// The buffers on the GPU, for rendering and other kernels; `None` on the CPU backend. Their layout is that of
     /// [`layout`](crate::layout) and [`Buffer`](crate::stage::Buffer). Sphere i in order of addition stands at memory slot
-    /// [`Simulation::slot`]`(i)`.
+    /// [`Simulation::slot`]`(i)`. An array that is larger than one binding may be stands in several buffers
+    /// ([`GpuWorld::chunks`](crate::gpu::GpuWorld::chunks)).
     #[cfg(feature = "gpu")]
     pub fn gpu_view(&self) -> Option<&crate::gpu::GpuWorld> {
         self.engine.gpu_world()

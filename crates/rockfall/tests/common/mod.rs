@@ -10,6 +10,8 @@ use rockfall::{
     Backend, Cuboid, Integrator, Options, Polygon, Rod, RodId, Scene, Settings, Simulation, Sphere, SphereId, SphereState,
 };
 
+#[cfg(feature = "gpu")]
+pub(crate) mod device;
 pub(crate) mod mixed;
 
 /// Tests of all these functions of a backend, in the modules `cpu` and `gpu`. A function that is left out is dead code,

@@ -1,0 +1,143 @@
+//! Arrays that are larger than one binding may be: they stand in chunks, and nothing of it shows in the results.
+
+#![cfg(feature = "gpu")]
+
+mod common;
+
+use common::device::device;
+use common::mixed::{Run, mixed, same_bits};
+use rockfall::stage::Buffer;
+use rockfall::{Backend, BroadPhase, Error, Integrator, Options, Rod, Scene, Simulation, Sphere, SphereId, Tether};
+
+/// The mixed scene without its rods, whose kernels take software Vulkan long to compile, and with so many tethers more that
+/// `words` fills more than a chunk.
+fn without_rods() -> Scene {
+    let mut scene = mixed(120);
+    let rods: Vec<_> = scene.rod_ids().collect();
+    rods.into_iter().for_each(|rod| scene.remove_rod(rod).expect("a rod of the scene"));
+    let balls: Vec<SphereId> = scene.sphere_ids().take(120).collect();
+    for ball in balls {
+        scene.add_tether(Tether::new(ball, [0.0, 1.0, 0.0], 5.0)).expect("a valid tether");
+    }
+    scene
+}
+
+/// The mixed scene, with so many rods more that the forces on them fill more than a chunk.
+fn with_rods() -> Scene {
+    let mut scene = mixed(120);
+    let balls: Vec<SphereId> = scene.sphere_ids().take(120).collect();
+    for pair in balls.chunks_exact(2) {
+        scene.add_rod(Rod::new(pair[0], pair[1], 0.03)).expect("a valid rod");
+    }
+    scene
+}
+
+/// On a device whose bindings may have so many bytes.
+fn in_chunks(bytes: u64, scene: Scene, options: Options) -> Simulation {
+    let (device, queue) = device(|limits| limits.max_storage_buffer_binding_size = bytes);
+    Simulation::on_device(scene, options, &device, &queue).expect("a scene that fits, in chunks")
+}
+
+fn whole(scene: Scene, options: Options) -> Simulation {
+    Simulation::with_options(scene, options.backend(Backend::Gpu)).expect("a scene that fits")
+}
+
+fn chunks_of(simulation: &Simulation, buffer: Buffer) -> usize {
+    simulation.gpu_view().expect("the GPU backend").chunks(buffer).len()
+}
+
+#[track_caller]
+fn are_split(simulation: &Simulation, but: &[Buffer]) {
+    for buffer in Buffer::ALL {
+        let chunks = chunks_of(simulation, buffer);
+        assert_eq!(chunks > 1, !but.contains(&buffer), "{buffer:?}: {chunks}");
+    }
+}
+
+/// Lists outgrow their room, so that steps are void and lists are made anew, in more chunks than they began with.
+#[test]
+fn chunks_of_every_array_give_the_same_bits() {
+    for (broad_phase, integrator) in [
+        (BroadPhase::BruteForce, Integrator::Rk4),
+        (BroadPhase::SortAndSkip, Integrator::Rk4),
+        (BroadPhase::Grid, Integrator::Rk4),
+        (BroadPhase::Grid, Integrator::SymplecticEuler),
+    ] {
+        let options = Options::new().integrator(integrator).broad_phase(broad_phase).pair_capacity(1);
+        let mut chunked = in_chunks(2048, without_rods(), options.clone());
+        assert_eq!(chunks_of(&chunked, Buffer::Lists), 1);
+        let mut whole = whole(without_rods(), options);
+        for simulation in [&mut chunked, &mut whole] {
+            let report = simulation.run(20, 0.01).expect("steps");
+            assert!(report.replays > 0 && report.total_collisions > 10 && report.contacts > 0, "{report:?}");
+        }
+        are_split(&chunked, &[Buffer::Wrenches, Buffer::Status]);
+        are_split(&whole, &Buffer::ALL);
+        same_bits(&Run::of(&mut chunked), &Run::of(&mut whole));
+    }
+}
+
+/// Without collisions, for the kernel of those is the one that takes a minute; `tests/kernels.rs` has it valid in chunks.
+#[test]
+fn rods_in_chunks_give_the_same_bits() {
+    for integrator in [Integrator::Rk4, Integrator::SymplecticEuler] {
+        let mut scene = with_rods();
+        scene.settings.collisions = false;
+        let options = Options::new().integrator(integrator).broad_phase(BroadPhase::Grid);
+        let mut chunked = in_chunks(3300, scene.clone(), options.clone());
+        let mut whole = whole(scene, options);
+        for simulation in [&mut chunked, &mut whole] {
+            let report = simulation.run(20, 0.01).expect("steps");
+            assert!(report.contacts > 20, "{report:?}");
+        }
+        are_split(&chunked, &[Buffer::Orientations, Buffer::Status]);
+        same_bits(&Run::of(&mut chunked), &Run::of(&mut whole));
+    }
+}
+
+/// What changes between steps reaches the right chunks, and what is read comes out of them.
+#[test]
+fn edits_and_reads_go_through_all_chunks() {
+    let options = || Options::new().broad_phase(BroadPhase::Grid);
+    let [chunked, whole] =
+        [in_chunks(2048, without_rods(), options()), whole(without_rods(), options())].map(|mut simulation| {
+            let ids: Vec<SphereId> = simulation.scene().sphere_ids().collect();
+            simulation.run(2, 0.01).expect("steps");
+            for id in ids.iter().step_by(7) {
+                simulation.apply_impulse(*id, [0.3, 1.0, -0.2]).expect("a sphere");
+                simulation.set_force(*id, [0.0, 20.0, 1.0]).expect("a sphere");
+            }
+            simulation.run(2, 0.01).expect("steps");
+            for (number, id) in (0_u8..).zip(ids.iter().rev().step_by(9)) {
+                simulation.remove_sphere(*id).expect("a sphere");
+                for side in [-0.3, 0.3] {
+                    let place = [0.13 * f32::from(number) - 1.0, 6.0, side];
+                    simulation.add_sphere(Sphere::new(place, 0.2)).expect("a valid sphere");
+                }
+            }
+            simulation.run(2, 0.01).expect("steps");
+            simulation.sort_memory().expect("memory is put in order");
+            simulation.run(2, 0.01).expect("steps");
+            Run::of(&mut simulation)
+        });
+    assert!(chunked.spheres.len() > 130);
+    same_bits(&chunked, &whole);
+}
+
+#[test]
+fn a_view_gives_the_chunks() {
+    let simulation = in_chunks(2048, without_rods(), Options::new());
+    let view = simulation.gpu_view().expect("the GPU backend");
+    // 135 spheres of 48 bytes.
+    let sizes: Vec<u64> = view.chunks(Buffer::Start).iter().map(|chunk| chunk.size()).collect();
+    assert_eq!(sizes, [2048, 2048, 2048, 135 * 48 - 3 * 2048]);
+    assert!(view.buffer(Buffer::Status).is_ok());
+    let refused = view.buffer(Buffer::Start);
+    assert!(
+        matches!(&refused, Err(Error::Device(text)) if text.contains("the state") && text.contains("4 buffers")),
+        "{refused:?}"
+    );
+    let sizes = view.buffer_sizes();
+    let state = sizes.iter().find(|size| size.name == "the state").expect("the state is told");
+    assert_eq!(state.bytes, 135 * 48);
+}
