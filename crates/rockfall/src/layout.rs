@@ -24,8 +24,9 @@ pub const WORKGROUP: u32 = 64;
 /// `entries_at + slice_offset[i / SLICE] + e * SLICE + i % SLICE`, so that neighbouring threads read neighbouring words.
 pub const SLICE: u32 = 32;
 
-/// The most words that the entries of the pair lists may take: 4 GiB.
-pub const MAX_PAIR_WORDS: u32 = 1 << 30;
+/// The most words that the entries of the pair lists may take: 15 GiB. With the counts and offsets before them they are still
+/// numbered in 32 bits.
+pub const MAX_PAIR_WORDS: u32 = 15 << 28;
 
 /// Words of a rod: sphere 1, sphere 2, radius, length (`<= 0`: free).
 pub const ROD_WORDS: u32 = 4;

@@ -275,7 +275,11 @@ fn prepare(scene: &Scene, options: &Options) -> Result<World> {
     let mut world = World::for_method(scene, options.broad_phase)?;
     if let Some(capacity) = options.pair_capacity {
         if capacity > MAX_PAIR_WORDS {
-            return Err(Error::Invalid { field: "pair_capacity", value: capacity.to_string(), expected: "at most 2^30 words" });
+            return Err(Error::Invalid {
+                field: "pair_capacity",
+                value: capacity.to_string(),
+                expected: "at most 15 * 2^28 words",
+            });
         }
         world.set_pair_room(capacity);
     }

@@ -198,11 +198,7 @@ impl Simulation {
     /// Makes the pair lists a quarter larger than what was needed.
     fn grow_lists(&mut self) -> Result<()> {
         let needed = self.status.pairs_needed;
-        if needed > MAX_PAIR_WORDS {
-            let bytes = |words: u32| 4 * u64::from(words);
-            return Err(Error::DeviceLimit { what: "the pair lists", needed: bytes(needed), limit: bytes(MAX_PAIR_WORDS) });
-        }
-        let capacity = (needed + needed / 4).next_multiple_of(SLICE).min(MAX_PAIR_WORDS);
+        let capacity = room_for(needed)?;
         let before = self.world.step.pair_capacity;
         self.world.set_pair_room(capacity);
         self.engine.complete(&mut self.world);
@@ -213,6 +209,15 @@ impl Simulation {
         }
         grown
     }
+}
+
+/// Words for entries where so many are needed.
+fn room_for(needed: u32) -> Result<u32> {
+    if needed > MAX_PAIR_WORDS {
+        let bytes = |words: u32| 4 * u64::from(words);
+        return Err(Error::DeviceLimit { what: "the pair lists", needed: bytes(needed), limit: bytes(MAX_PAIR_WORDS) });
+    }
+    Ok(needed.saturating_add(needed / 4).min(MAX_PAIR_WORDS).next_multiple_of(SLICE))
 }
 
 /// The status with which a step is tried again: counters of the void attempt are dropped, what was done stays done.
@@ -227,5 +232,25 @@ fn resumed(status: Status) -> Status {
         collided: status.collided.min(1),
         collisions: if status.collided == 0 { 0 } else { status.collisions },
         ..status
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::layout::ENTRY_ID_MASK;
+
+    #[test]
+    fn lists_grow_up_to_what_32_bits_can_number() {
+        assert_eq!(room_for(1_000).unwrap(), 1_280);
+        // A quarter more is more than there may be, or than 32 bits hold.
+        for needed in [MAX_PAIR_WORDS / 8 * 7, MAX_PAIR_WORDS] {
+            assert_eq!(room_for(needed).unwrap(), MAX_PAIR_WORDS);
+        }
+        assert!(matches!(room_for(MAX_PAIR_WORDS + 1), Err(Error::DeviceLimit { .. })));
+        assert!(matches!(room_for(u32::MAX), Err(Error::DeviceLimit { .. })));
+        // Counts and slice offsets of as many movers as there may be stand before the entries.
+        let before = ENTRY_ID_MASK.next_multiple_of(SLICE) + ENTRY_ID_MASK.div_ceil(SLICE) + 1;
+        assert!(MAX_PAIR_WORDS.checked_add(before).is_some());
     }
 }
