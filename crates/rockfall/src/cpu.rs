@@ -23,6 +23,12 @@ use crate::world::World;
 /// Bodies that a thread takes at least: handing over fewer costs more than doing them.
 pub(crate) const GRAIN: usize = 64;
 
+/// How many pairs of objects the grid compares to make the lists of a world, after the stages of its broad phase. It grows as
+/// the number of objects, and a test counts that it does.
+pub fn pair_tests(world: &World) -> u64 {
+    grid::pair_tests(world)
+}
+
 /// Runs stages in their order.
 pub fn run(world: &mut World, runs: &[Run]) {
     for run in runs {

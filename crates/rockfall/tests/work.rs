@@ -9,7 +9,7 @@ use rockfall::layout::{LIST_COUNT_MASK, SLICE, Status};
 use rockfall::scene::generate::Benchmark;
 use rockfall::stage::Phase;
 use rockfall::world::World;
-use rockfall::{Backend, Integrator, Options, Simulation, cpu};
+use rockfall::{Backend, BroadPhase, Integrator, Options, Scene, Simulation, cpu};
 
 /// Enough for the broad phase of large scenes.
 const BODIES: u32 = 2500;
@@ -113,7 +113,7 @@ fn check_size(benchmark: Benchmark, most: &Bounds) {
     let mut simulation = simulation(benchmark, Backend::Cpu, Integrator::Rk4);
     simulation.run(FALL, DT).unwrap();
     let memory = simulation.device_memory() / simulation.scene().counts().spheres as u64;
-    let world = listed(&mut simulation);
+    let world = listed(&mut simulation, World::build);
     let movers = world.movers();
     let each = |sum: u64| sum as f64 / f64::from(movers);
     let entries = each(world.lists[..movers as usize].iter().map(|count| u64::from(*count & LIST_COUNT_MASK)).sum());
@@ -124,8 +124,8 @@ fn check_size(benchmark: Benchmark, most: &Bounds) {
 }
 
 /// The present state with the lists of a fresh world.
-fn listed(simulation: &mut Simulation) -> World {
-    let mut world = World::build(simulation.sync().unwrap()).unwrap();
+fn listed(simulation: &mut Simulation, build: fn(&Scene) -> rockfall::Result<World>) -> World {
+    let mut world = build(simulation.sync().unwrap()).unwrap();
     world.step.dt = DT;
     for phase in [Phase::UpdateAabbs, Phase::BroadPhase] {
         let stages = phase.stages(Integrator::Rk4, simulation.broad_phase_method());
@@ -161,4 +161,40 @@ fn size_of_what_has_settled() {
 #[test]
 fn size_of_rods_and_capsules_among_spheres() {
     check_size(Benchmark::Mixed, &Bounds { memory: 470, entries: 2.5, words: 5.2 });
+}
+
+/// Pair tests of the grid and words of list entries, both per sphere, of so many spheres after some steps.
+fn work_of(benchmark: Benchmark, spheres: u32, steps: u64) -> [f64; 2] {
+    let scene = benchmark.generate(spheres, 5).unwrap();
+    let options = Options::new().backend(Backend::Cpu).broad_phase(BroadPhase::Grid);
+    let mut simulation = Simulation::with_options(scene, options).unwrap();
+    simulation.run(steps, DT).unwrap();
+    let world = listed(&mut simulation, World::build_in_space);
+    [cpu::pair_tests(&world), world.status.pairs_needed.into()].map(|sum| sum as f64 / f64::from(spheres))
+}
+
+/// Ten times the spheres, each with as much to do: those inside have more neighbours than those on the surface, of which a
+/// small crowd has more.
+#[track_caller]
+fn check_growth(benchmark: Benchmark, steps: u64, most: [f64; 2], growth: f64) {
+    let [small, large] = [1_000, 10_000].map(|spheres| work_of(benchmark, spheres, steps));
+    let told = format!("{benchmark}: {small:.1?} and {large:.1?} pair tests and words of entries a sphere");
+    println!("{told}");
+    let is_bounded = |place: usize| large[place] <= most[place] && large[place] <= growth * small[place];
+    assert!(is_bounded(0) && is_bounded(1), "{told}");
+}
+
+#[test]
+fn work_a_sphere_does_not_grow_in_a_lattice() {
+    check_growth(Benchmark::Lattice, 0, [185.0, 6.2], 1.3);
+}
+
+#[test]
+fn work_a_sphere_does_not_grow_in_a_pile() {
+    check_growth(Benchmark::Pile, 60, [63.0, 3.0], 1.3);
+}
+
+#[test]
+fn work_a_sphere_does_not_grow_where_radii_differ() {
+    check_growth(Benchmark::Radii, 0, [58.0, 2.6], 1.3);
 }

@@ -11,10 +11,13 @@ use glam::{IVec3, Vec3, Vec4};
 
 use crate::cpu::broad::{entries, may_meet, same_group};
 use crate::cpu::lanes::{LANES, Vec3x4};
-use crate::layout::{Aabb, CELLS_AT, FLAG_GROUPS, LEVEL_BIAS, ROW_LEVEL, ROW_Y, ROW_Z, Step, TOP_LEVEL};
+use crate::layout::{Aabb, CELLS_AT, FLAG_GROUPS, LEVEL_BIAS, ROW_LEVEL, ROW_Y, ROW_Z, SLICE, Step, TOP_LEVEL};
+use crate::world::World;
 
-/// Movers look around together when all their AABBs fit into a cube so many times as large as the smallest.
-const TOGETHER: f32 = 5.0;
+/// So many movers at most look around together,
+const TOGETHER: usize = 16;
+/// and only where all their AABBs fit into a cube so many times as large as the smallest.
+const NARROW: f32 = 5.0;
 
 /// Cells of one size.
 #[derive(Clone, Copy, Debug)]
@@ -72,6 +75,8 @@ pub(crate) struct Around {
     /// Rods, boxes, polygons.
     others: Vec<u32>,
     entries: Vec<u32>,
+    /// Pairs compared so far.
+    tests: u64,
 }
 
 impl<'a> Grid<'a> {
@@ -87,14 +92,16 @@ impl<'a> Grid<'a> {
         }
     }
 
-    /// Hands over the entries of each of some movers, in any order. Movers that stand together look around together.
+    /// Hands over the entries of each of some movers, in any order. Movers that stand side by side in memory, and so in space
+    /// if they are in order, look around together.
     pub(crate) fn for_each_list(&self, movers: Range<u32>, around: &mut Around, take: &mut impl FnMut(&mut Vec<u32>)) {
         let aabbs = &self.aabbs[movers.start as usize..movers.end as usize];
         let Some(hull) = aabbs.iter().copied().reduce(hull) else {
             return;
         };
         let smallest = aabbs.iter().map(largest_edge).fold(f32::INFINITY, f32::min);
-        if aabbs.len() > 1 && largest_edge(&hull) > TOGETHER * smallest {
+        let is_narrow = largest_edge(&hull) <= NARROW * smallest;
+        if aabbs.len() > TOGETHER || (aabbs.len() > 1 && !is_narrow) {
             let middle = movers.start + (movers.end - movers.start) / 2;
             self.for_each_list(movers.start..middle, around, take);
             return self.for_each_list(middle..movers.end, around, take);
@@ -147,7 +154,8 @@ impl Around {
     fn gather(&mut self, grid: &Grid, aabb: &Aabb) {
         self.others.clear();
         grid.spans(aabb, &mut self.spans);
-        let most = self.spans.iter().map(|(start, end)| (end - start) as usize).sum();
+        let most: usize = self.spans.iter().map(|(start, end)| (end - start) as usize).sum();
+        self.tests += most as u64;
         self.extents.resize(most, Vec4::ZERO);
         self.ids.resize(most, 0);
         let (centre, half) = centre_and_half(aabb);
@@ -174,7 +182,8 @@ impl Around {
 
     /// The entries of a mover.
     fn find(&mut self, grid: &Grid, mover: u32) {
-        let Self { ids, lanes, others, entries: found, .. } = self;
+        let Self { ids, lanes, others, entries: found, tests, .. } = self;
+        *tests += (ids.len() + others.len()) as u64;
         let own = &grid.aabbs[mover as usize];
         found.clear();
         let is_sphere = mover < grid.step.spheres;
@@ -206,6 +215,16 @@ impl Around {
             }
         }
     }
+}
+
+/// How many pairs of objects are compared to make the lists of a world whose grid is made.
+pub(crate) fn pair_tests(world: &World) -> u64 {
+    let grid = Grid::new(&world.step, &world.aabbs, &world.cells, &world.extents);
+    let mut around = Around::default();
+    for first in (0..world.movers()).step_by(SLICE as usize) {
+        grid.for_each_list(first..world.movers().min(first + SLICE), &mut around, &mut |_| {});
+    }
+    around.tests
 }
 
 /// The middle of an AABB, and half its largest edge with room for the rounding of centres.

@@ -1,10 +1,14 @@
 //! One sphere's state, and writing it row by row from many threads.
 
-use glam::{Vec3, Vec4};
+use std::ops::Range;
 
+use glam::{Vec3, Vec4};
+use rayon::prelude::*;
+
+use crate::cpu::GRAIN;
 use crate::cpu::tally::Tally;
 use crate::cpu::view::View;
-use crate::layout::BadStage;
+use crate::layout::{BadStage, SLICE};
 
 /// Position, velocity and angular momentum of one sphere.
 #[derive(Clone, Copy, Debug)]
@@ -33,44 +37,55 @@ impl Motion {
     }
 }
 
-/// The three words of one sphere in a state array.
-pub(crate) struct Row<'a> {
-    position: &'a mut Vec4,
-    velocity: &'a mut Vec4,
-    spin: &'a mut Vec4,
+/// The rows of the spheres of a slice in a state array.
+pub(crate) struct Rows<'a> {
+    first: u32,
+    positions: &'a mut [Vec4],
+    velocities: &'a mut [Vec4],
+    spins: &'a mut [Vec4],
 }
 
-/// The rows of a state array.
-pub(crate) struct Rows;
-
-impl Rows {
-    /// Every sphere's index and row.
-    pub(crate) fn of(state: &mut [Vec4], spheres: u32) -> Vec<(u32, Row<'_>)> {
+impl<'a> Rows<'a> {
+    /// All rows, slice by slice.
+    pub(crate) fn of(state: &'a mut [Vec4], spheres: u32) -> impl IndexedParallelIterator<Item = Self> {
+        const LENGTH: usize = SLICE as usize;
         let (positions, rest) = state.split_at_mut(spheres as usize);
         let (velocities, spins) = rest.split_at_mut(spheres as usize);
-        let rows = positions.iter_mut().zip(velocities).zip(spins);
-        (0..).zip(rows.map(|((position, velocity), spin)| Row { position, velocity, spin })).collect()
+        let slices = positions.par_chunks_mut(LENGTH).zip(velocities.par_chunks_mut(LENGTH)).zip(spins.par_chunks_mut(LENGTH));
+        let rows = slices.enumerate().map(|(slice, ((positions, velocities), spins))| Self {
+            first: slice as u32 * SLICE,
+            positions,
+            velocities,
+            spins,
+        });
+        rows.with_min_len(GRAIN / LENGTH)
     }
-}
 
-impl Row<'_> {
+    /// All spheres.
+    pub(crate) fn spheres(&self) -> Range<u32> {
+        self.first..self.first + self.positions.len() as u32
+    }
+
+    /// What a sphere's row holds.
+    pub(crate) fn get(&self, sphere: u32) -> Motion {
+        let place = (sphere - self.first) as usize;
+        let [position, velocity, angular_momentum] =
+            [&self.positions, &self.velocities, &self.spins].map(|rows| rows[place].truncate());
+        Motion { position, velocity, angular_momentum }
+    }
+
     /// Writes the motion, and radius, inverse mass and inverse inertia of the sphere in `view`.
-    pub(crate) fn set(self, view: &View, sphere: u32, motion: Motion) {
-        *self.position = motion.position.extend(view.radius(sphere));
-        *self.velocity = motion.velocity.extend(view.inverse_mass(sphere));
-        *self.spin = motion.angular_momentum.extend(view.inverse_inertia(sphere));
-    }
-
-    /// Writes the motion; radius, inverse mass and inverse inertia stay.
-    pub(crate) fn put(self, motion: Motion) {
-        *self.position = motion.position.extend(self.position.w);
-        *self.velocity = motion.velocity.extend(self.velocity.w);
-        *self.spin = motion.angular_momentum.extend(self.spin.w);
+    pub(crate) fn set(&mut self, view: &View, sphere: u32, motion: Motion) {
+        let place = (sphere - self.first) as usize;
+        self.positions[place] = motion.position.extend(view.radius(sphere));
+        self.velocities[place] = motion.velocity.extend(view.inverse_mass(sphere));
+        self.spins[place] = motion.angular_momentum.extend(view.inverse_inertia(sphere));
     }
 
     /// What the constraints need to know: region 0 gets the position before the step, region 2 the mean spin.
-    pub(crate) fn remember(self, old_position: Vec3, mean_spin: Vec3) {
-        *self.position = old_position.extend(0.0);
-        *self.spin = mean_spin.extend(0.0);
+    pub(crate) fn remember(&mut self, sphere: u32, old_position: Vec3, mean_spin: Vec3) {
+        let place = (sphere - self.first) as usize;
+        self.positions[place] = old_position.extend(0.0);
+        self.spins[place] = mean_spin.extend(0.0);
     }
 }

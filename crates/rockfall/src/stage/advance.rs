@@ -7,7 +7,6 @@
 
 use rayon::prelude::*;
 
-use crate::cpu::GRAIN;
 use crate::cpu::forces::{count_contacts, rates};
 use crate::cpu::lists::Lists;
 use crate::cpu::state::{Motion, Rows};
@@ -75,20 +74,20 @@ fn advance(world: &mut World, pass: u32) {
             angular_momentum: origin.angular_momentum + h * torque,
         };
         if pass == 0 {
-            tally.escape_ratio = escape_ratio(&view, &world.aabbs, sphere);
+            tally.escape_ratio = tally.escape_ratio.max(escape_ratio(&view, &world.aabbs, sphere));
         }
         let next = next.or_stopped(origin.position, BAD[pass as usize], view.user(sphere), tally);
         let escaped = outside(&world.aabbs[sphere as usize], next.position, view.radius(sphere));
         tally.escape_ratio = tally.escape_ratio.max(escaped);
-        tally.rebuild = pass == 2 && asks_for_lists(&view, &world.aabbs, sphere, next.position, next.velocity);
+        tally.rebuild |= pass == 2 && asks_for_lists(&view, &world.aabbs, sphere, next.position, next.velocity);
         next
     };
     let tally = Rows::of(&mut todo[0], world.step.spheres)
-        .into_par_iter()
-        .with_min_len(GRAIN)
-        .map(|(sphere, row)| {
+        .map(|mut rows| {
             let mut tally = Tally::default();
-            row.set(&start, sphere, next(sphere, &mut tally));
+            for sphere in rows.spheres() {
+                rows.set(&start, sphere, next(sphere, &mut tally));
+            }
             tally
         })
         .reduce(Tally::default, Tally::merge);

@@ -7,7 +7,6 @@
 use glam::Vec3;
 use rayon::prelude::*;
 
-use crate::cpu::GRAIN;
 use crate::cpu::collision::{each_incident, row_sums, takes_part};
 use crate::cpu::lists::Lists;
 use crate::cpu::state::{Motion, Rows};
@@ -57,16 +56,13 @@ fn apply_collisions(world: &mut World, _pass: u32) {
     let view = View::new(&world.step, &world.words, start);
     let lists = Lists::new(&world.step, &world.lists);
     let tally = Rows::of(y2, world.step.spheres)
-        .into_par_iter()
-        .with_min_len(GRAIN)
-        .map(|(sphere, row)| {
+        .map(|mut rows| {
             let mut tally = Tally::default();
-            if !takes_part(&view, &lists, sphere) {
-                return tally;
+            for sphere in rows.spheres().filter(|sphere| takes_part(&view, &lists, *sphere)) {
+                let after = collided(&view, &lists, sphere, &mut tally);
+                tally.rebuild |= asks_for_lists(&view, &world.aabbs, sphere, after.position, after.velocity);
+                rows.set(&view, sphere, after);
             }
-            let after = collided(&view, &lists, sphere, &mut tally);
-            tally.rebuild = asks_for_lists(&view, &world.aabbs, sphere, after.position, after.velocity);
-            row.set(&view, sphere, after);
             tally
         })
         .reduce(Tally::default, Tally::merge);

@@ -38,9 +38,6 @@ pub(crate) const STAGE: Stage = Stage {
     cpu: find_neighbours,
 };
 
-/// Movers that stand side by side in memory, and so in space if they are in order, look around together.
-const TOGETHER: usize = 16;
-
 fn find_neighbours(world: &mut World, _pass: u32) {
     if world.cells[1] == 0 {
         return;
@@ -54,15 +51,13 @@ fn find_neighbours(world: &mut World, _pass: u32) {
         .map_init(Around::default, |around, slice| {
             let mut found = Found::default();
             let mut counts = found.counts.iter_mut();
-            for first in (slice * SLICE..movers.min((slice + 1) * SLICE)).step_by(TOGETHER) {
-                grid.for_each_list(first..movers.min(first + TOGETHER as u32), around, &mut |entries| {
-                    put_in_order(&view, entries);
-                    found.entries.extend_from_slice(entries);
-                    if let Some(count) = counts.next() {
-                        *count = entries.len() as u32;
-                    }
-                });
-            }
+            grid.for_each_list(slice * SLICE..movers.min((slice + 1) * SLICE), around, &mut |entries| {
+                put_in_order(&view, entries);
+                found.entries.extend_from_slice(entries);
+                if let Some(count) = counts.next() {
+                    *count = entries.len() as u32;
+                }
+            });
             found
         })
         .collect();

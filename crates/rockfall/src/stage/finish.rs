@@ -7,13 +7,12 @@
 use glam::{Vec3, Vec4};
 use rayon::prelude::*;
 
-use crate::cpu::GRAIN;
 use crate::cpu::forces::rates;
 use crate::cpu::lists::Lists;
 use crate::cpu::state::{Motion, Rows};
 use crate::cpu::tally::Tally;
 use crate::cpu::view::View;
-use crate::layout::BadStage;
+use crate::layout::{BadStage, SLICE};
 use crate::stage::{Buffer, Stage, Threads, part, read, write};
 use crate::world::World;
 
@@ -51,14 +50,18 @@ fn finish(world: &mut World, _pass: u32) {
         return;
     }
     let done = finish_all(world);
-    for ((_, memory), done) in Rows::of(&mut world.states[2], world.step.spheres).into_iter().zip(done) {
-        memory.remember(done.old_position, done.spin);
-    }
+    let step = &world.step;
+    Rows::of(&mut world.states[2], step.spheres).for_each(|mut memory| {
+        for sphere in memory.spheres() {
+            let Done { old_position, spin } = done[sphere as usize];
+            memory.remember(sphere, old_position, spin);
+        }
+    });
 }
 
-/// A sphere after the step, and what the rest of it needs to know.
+/// What the rest of a step needs to know of a sphere.
+#[derive(Clone, Copy, Default)]
 pub(super) struct Done {
-    motion: Motion,
     old_position: Vec3,
     /// The mean over the step, in rad/s.
     pub(super) spin: Vec3,
@@ -67,31 +70,35 @@ pub(super) struct Done {
 /// Makes the new state of all spheres.
 pub(super) fn finish_all(world: &mut World) -> Vec<Done> {
     let [start, y2, y3, y4] = &mut world.states;
-    let views = [&*start, y2, y3, y4].map(|state| View::new(&world.step, &world.words, state));
+    let views = [&*y2, y3, y4].map(|state| View::new(&world.step, &world.words, state));
     let lists = Lists::new(&world.step, &world.lists);
-    let (done, tallies): (Vec<Done>, Vec<Tally>) = (0..world.step.spheres)
-        .into_par_iter()
-        .with_min_len(GRAIN)
-        .map(|sphere| {
+    let mut all = vec![Done::default(); world.step.spheres as usize];
+    let tally = Rows::of(start, world.step.spheres)
+        .zip(all.par_chunks_mut(SLICE as usize))
+        .map(|(mut rows, all)| {
             let mut tally = Tally::default();
-            (finished(&views, &lists, &world.wrenches, sphere, &mut tally), tally)
+            for (sphere, done) in rows.spheres().zip(all) {
+                let start = rows.get(sphere);
+                let (motion, spin) = finished(start, &views, &lists, &world.wrenches, sphere, &mut tally);
+                rows.set(&views[2], sphere, motion);
+                *done = Done { old_position: start.position, spin };
+            }
+            tally
         })
-        .unzip();
-    for ((_, row), done) in Rows::of(start, world.step.spheres).into_iter().zip(&done) {
-        row.put(done.motion);
-    }
-    tallies.into_iter().fold(Tally::default(), Tally::merge).tell(&mut world.status);
-    done
+        .reduce(Tally::default, Tally::merge);
+    tally.tell(&mut world.status);
+    all
 }
 
-fn finished(views: &[View; 4], lists: &Lists, wrenches: &[Vec4], sphere: u32, tally: &mut Tally) -> Done {
-    let [y, y2, y3, y4] = views.map(|view| Motion::of(&view, sphere));
-    let [w1, w2, w3, w4] = views.map(|view| view.spin(sphere));
-    let spin = (w1 + 2.0 * w2 + 2.0 * w3 + w4) / 6.0;
-    let last = &views[3];
+/// The new state of a sphere, and its mean spin over the step.
+fn finished(y: Motion, views: &[View; 3], lists: &Lists, wrenches: &[Vec4], sphere: u32, tally: &mut Tally) -> (Motion, Vec3) {
+    let [y2, y3, y4] = views.map(|view| Motion::of(&view, sphere));
+    let last = &views[2];
+    let [w1, w2, w3, w4] = [y, y2, y3, y4].map(|motion| motion.angular_momentum * last.inverse_inertia(sphere));
     if last.is_fixed(sphere) {
-        return Done { motion: y, old_position: y.position, spin: w1 };
+        return (y, w1);
     }
+    let spin = (w1 + 2.0 * w2 + 2.0 * w3 + w4) / 6.0;
     let (acceleration, torque) = rates(last, lists, wrenches, sphere, None);
     let h = last.step.dt / 6.0;
     // y' = y + [(Y2 - y) + 2 (Y3 - y) + (Y4 - y)] / 3 + h/6 k4: the stage states hold k1, k2, k3.
@@ -101,5 +108,5 @@ fn finished(views: &[View; 4], lists: &Lists, wrenches: &[Vec4], sphere: u32, ta
         velocity: mean(y.velocity, y2.velocity, y3.velocity, y4.velocity, acceleration),
         angular_momentum: mean(y.angular_momentum, y2.angular_momentum, y3.angular_momentum, y4.angular_momentum, torque),
     };
-    Done { motion: motion.or_stopped(y.position, BadStage::Forces4, last.user(sphere), tally), old_position: y.position, spin }
+    (motion.or_stopped(y.position, BadStage::Forces4, last.user(sphere), tally), spin)
 }

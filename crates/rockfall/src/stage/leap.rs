@@ -4,7 +4,6 @@
 
 use rayon::prelude::*;
 
-use crate::cpu::GRAIN;
 use crate::cpu::forces::{count_contacts, rates};
 use crate::cpu::lists::Lists;
 use crate::cpu::state::{Motion, Rows};
@@ -58,21 +57,23 @@ fn leap(world: &mut World, _pass: u32) {
             count_contacts(&view, &lists, sphere, tally);
             return y;
         }
-        tally.escape_ratio = escape_ratio(&view, &world.aabbs, sphere);
+        tally.escape_ratio = tally.escape_ratio.max(escape_ratio(&view, &world.aabbs, sphere));
         let (acceleration, torque) = rates(&view, &lists, &world.wrenches, sphere, Some(&mut *tally));
         let velocity = y.velocity + dt * acceleration;
         let next =
             Motion { position: y.position + dt * velocity, velocity, angular_momentum: y.angular_momentum + dt * torque };
         next.or_stopped(y.position, BadStage::Forces1, view.user(sphere), tally)
     };
-    let rows = Rows::of(y2, world.step.spheres).into_par_iter().zip(Rows::of(y3, world.step.spheres)).with_min_len(GRAIN);
-    let tally = rows
-        .map(|((sphere, row), (_, memory))| {
+    let tally = Rows::of(y2, world.step.spheres)
+        .zip(Rows::of(y3, world.step.spheres))
+        .map(|(mut rows, mut memory)| {
             let mut tally = Tally::default();
-            let next = next(sphere, &mut tally);
-            row.set(&view, sphere, next);
-            if view.step.rods > 0 {
-                memory.remember(view.position(sphere), next.angular_momentum * view.inverse_inertia(sphere));
+            for sphere in rows.spheres() {
+                let next = next(sphere, &mut tally);
+                rows.set(&view, sphere, next);
+                if view.step.rods > 0 {
+                    memory.remember(sphere, view.position(sphere), next.angular_momentum * view.inverse_inertia(sphere));
+                }
             }
             tally
         })
