@@ -17,30 +17,6 @@ pub(crate) struct Ball<'a, 'b> {
     sides: Sides,
 }
 
-/// Up to four entries of a list that are spheres.
-#[derive(Default)]
-pub(crate) struct Group {
-    entries: [Entry; LANES],
-    len: usize,
-}
-
-impl Group {
-    /// Adds one more; true when the group is full.
-    #[inline]
-    pub(crate) fn add(&mut self, entry: Entry) -> bool {
-        self.entries[self.len] = entry;
-        self.len += 1;
-        self.len == LANES
-    }
-
-    /// The entries, of which there are none from now on.
-    #[inline]
-    pub(crate) fn take(&mut self) -> &[Entry] {
-        let len = std::mem::take(&mut self.len);
-        &self.entries[..len]
-    }
-}
-
 /// A sphere beside up to four others.
 pub(crate) struct Meeting {
     /// The sphere itself, four times.
@@ -62,13 +38,36 @@ impl<'a, 'b> Ball<'a, 'b> {
         })
     }
 
-    /// Whether a sphere is so near that it may overlap: most of a list are not. The slack leaves those near the edge to the
-    /// test that counts.
+    /// Those spheres of a list of `count` entries that are so near that they may overlap, up to four at a time: most are not.
+    /// The slack leaves those near the edge to the test that counts. Gives the number of spheres, which come first in a list.
     #[inline]
-    pub(crate) fn is_near(&self, other: u32) -> bool {
-        let other = self.view.place(other);
-        let reach = self.place.w + other.w;
-        (other - self.place).truncate().length_squared() <= 1.00001 * (reach * reach)
+    pub(crate) fn for_each_near(&self, mut count: u32, entry: impl Fn(u32) -> Entry, mut take: impl FnMut(&[Entry])) -> u32 {
+        while count > 0 && entry(count - 1).id() >= self.view.step.spheres {
+            count -= 1;
+        }
+        let (own, radius) = (Vec3x4::splat(self.place.truncate()), Vec4::splat(self.place.w));
+        let mut near = [Entry::default(); 2 * LANES];
+        let mut found = 0;
+        for place in (0..count).step_by(LANES) {
+            let four: [Entry; LANES] = std::array::from_fn(|lane| entry((place + lane as u32).min(count - 1)));
+            let (others, radii) = Vec3x4::from_rows(four.map(|entry| self.view.place(entry.id())));
+            let (d, reach) = (others - own, radii + radius);
+            let bits = d.dot(d).cmple(1.00001 * (reach * reach)).bitmask();
+            // Without branches, for processors guess badly here.
+            for (lane, entry) in (0..).zip(four) {
+                near[found % (2 * LANES)] = entry;
+                found += usize::from((bits >> lane & 1 == 1) & (place + lane < count));
+            }
+            if found >= LANES {
+                take(&near[..LANES]);
+                near.copy_within(LANES.., 0);
+                found -= LANES;
+            }
+        }
+        if found > 0 {
+            take(&near[..found]);
+        }
+        count
     }
 
     /// Whether the sphere was added before another object.

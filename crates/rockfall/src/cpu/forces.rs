@@ -2,7 +2,7 @@
 
 use glam::{Vec3, Vec4};
 
-use crate::cpu::balls::{Ball, Group, Meeting};
+use crate::cpu::balls::{Ball, Meeting};
 use crate::cpu::contact::{ContactForce, contact_force, contact_forces};
 use crate::cpu::lists::{Entry, Lists};
 use crate::cpu::tally::Tally;
@@ -26,20 +26,11 @@ pub(crate) fn each_contact(
     mut tally: Option<&mut Tally>,
     mut take: impl FnMut(Load, f32),
 ) {
-    let mut entries = lists.row(mover);
-    let mut next = entries.next();
-    if let Some(ball) = Ball::new(view, mover) {
-        let mut group = Group::default();
-        // Spheres come first in every list.
-        while let Some(entry) = next.filter(|entry| entry.id() < view.step.spheres) {
-            if ball.is_near(entry.id()) && group.add(entry) {
-                ball_loads(&ball, group.take(), tally.as_deref_mut(), &mut take);
-            }
-            next = entries.next();
-        }
-        ball_loads(&ball, group.take(), tally.as_deref_mut(), &mut take);
-    }
-    for entry in next.into_iter().chain(entries) {
+    let (count, list) = lists.list(mover);
+    let done = Ball::new(view, mover).map_or(0, |ball| {
+        ball.for_each_near(count, &list, |others| ball_loads(&ball, others, tally.as_deref_mut(), &mut take))
+    });
+    for entry in (done..count).map(list) {
         let (id_a, id_b) = view.ordered(mover, entry.id());
         let Some(touch) = touch(view, id_a, id_b, entry.feature()) else {
             continue;
@@ -59,9 +50,6 @@ pub(crate) fn each_contact(
 /// The loads of up to four contacts with other spheres, in their order.
 #[inline]
 fn ball_loads(ball: &Ball, others: &[Entry], mut tally: Option<&mut Tally>, take: &mut impl FnMut(Load, f32)) {
-    if others.is_empty() {
-        return;
-    }
     let Meeting { a, b, touches } = ball.meet(others);
     let loads = contact_forces(ball.view.step, &a, &b, &touches);
     let loads = loads.force.to_rows().into_iter().zip(loads.torque_a.to_rows());

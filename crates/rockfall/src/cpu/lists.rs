@@ -10,8 +10,8 @@ use crate::layout::{ENTRY_FEATURE_MASK, ENTRY_ID_BITS, ENTRY_ID_MASK, LIST_COLLI
 /// One entry of a mover's list.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Entry {
-    /// Place among the entries, or among those of its slice.
-    pub(crate) slot: u32,
+    /// Place in the list.
+    pub(crate) place: u32,
     pub(crate) word: u32,
 }
 
@@ -41,13 +41,17 @@ impl<'a> Lists<'a> {
 
     /// The list of a mover, in its canonical order.
     pub(crate) fn row(&self, mover: u32) -> impl Iterator<Item = Entry> + use<'a> {
+        let (count, list) = self.list(mover);
+        (0..count).map(list)
+    }
+
+    /// How long the list of a mover is, and its entries by their places.
+    pub(crate) fn list(&self, mover: u32) -> (u32, impl Fn(u32) -> Entry + use<'a>) {
         let count = self.words[mover as usize] & LIST_COUNT_MASK;
-        let first = slot(self.step, self.words, mover, 0);
-        let entries = &self.words[self.step.entries_at as usize..];
-        (0..count).map(move |place| {
-            let slot = first + place * SLICE;
-            Entry { slot, word: entries[slot as usize] }
-        })
+        let first = self.step.entries_at + slot(self.step, self.words, mover, 0);
+        // An empty slice may stand at the end of all.
+        let words = self.words.get(first as usize..).unwrap_or_default();
+        (count, move |place| Entry { word: words[(place * SLICE) as usize], place })
     }
 
     /// Whether some entry of a mover collides.

@@ -6,12 +6,14 @@
 //! `LIST_COLLIDES` in the count of a mover with some colliding entry; counts every collision once (at the mover of lower id). Voids the step when a sphere is outside its AABB
 //! (`VOID_ESCAPED`). Like the other two it does nothing when the step is void or its collisions are done.
 
+use std::cell::Cell;
+
 use rayon::prelude::*;
 
 use crate::cpu::GRAIN;
-use crate::cpu::balls::{Ball, Group};
+use crate::cpu::balls::Ball;
 use crate::cpu::collision::Collision;
-use crate::cpu::lists::{Entry, slices};
+use crate::cpu::lists::{Entry, Slice, slices};
 use crate::cpu::tally::{Tally, escape_ratio};
 use crate::cpu::view::View;
 use crate::layout::{ENTRY_COLLIDES, ENTRY_OVERLAPS, LIST_COLLIDES, LIST_COUNT_MASK, SLICE};
@@ -53,17 +55,14 @@ fn find_collisions(world: &mut World, _pass: u32) {
     let tally = slices(step, lists)
         .into_par_iter()
         .with_min_len(GRAIN / SLICE as usize)
-        .map(|slice| {
+        .map(|mut slice| {
             let mut tally = Tally::default();
             for place in 0..slice.counts.len() {
                 let mover = slice.first + place as u32;
                 if mover < step.spheres {
                     tally.escape_ratio = tally.escape_ratio.max(escape_ratio(&view, aabbs, mover));
                 }
-                let count = slice.counts[place] & LIST_COUNT_MASK;
-                let slots = (place as u32..).step_by(SLICE as usize).take(count as usize);
-                let collides = mark(&view, mover, slice.words, slots, &mut tally);
-                slice.counts[place] = count | if collides { LIST_COLLIDES } else { 0 };
+                mark(&view, &mut slice, place, &mut tally);
             }
             tally
         })
@@ -71,34 +70,27 @@ fn find_collisions(world: &mut World, _pass: u32) {
     tally.tell(status);
 }
 
-/// Marks the entries of a mover, which stand in these slots; tells whether some of them collide.
-fn mark(view: &View, mover: u32, words: &mut [u32], slots: impl Iterator<Item = u32>, tally: &mut Tally) -> bool {
-    let ball = Ball::new(view, mover);
-    let mut group = Group::default();
-    let mut collides = false;
-    let mut set = |words: &mut [u32], entry: &Entry, bits: u32| {
-        words[entry.slot as usize] |= bits;
+/// Marks the entries of the mover at this place of a slice, and its count where some of them collide.
+fn mark(view: &View, slice: &mut Slice, place: usize, tally: &mut Tally) {
+    let mover = slice.first + place as u32;
+    let count = slice.counts[place] & LIST_COUNT_MASK;
+    let words = Cell::from_mut(&mut *slice.words).as_slice_of_cells();
+    let word = |entry: u32| &words[(entry * SLICE) as usize + place];
+    let list = |place: u32| Entry { place, word: word(place).get() & !(ENTRY_OVERLAPS | ENTRY_COLLIDES) };
+    (0..count).for_each(|place| word(place).set(list(place).word));
+    slice.counts[place] = count;
+    let mut set = |entry: &Entry, bits: u32| {
+        word(entry.place).set(entry.word | bits);
         if bits & ENTRY_COLLIDES != 0 {
-            collides = true;
+            slice.counts[place] |= LIST_COLLIDES;
             tally.collisions += u32::from(view.user(mover) < view.user(entry.id()));
         }
     };
-    for slot in slots {
-        let word = &mut words[slot as usize];
-        *word &= !(ENTRY_OVERLAPS | ENTRY_COLLIDES);
-        let entry = Entry { slot, word: *word };
-        let Some(ball) = ball.as_ref().filter(|_| view.is_ball(entry.id())) else {
-            set(words, &entry, judge(view, mover, entry));
-            continue;
-        };
-        if ball.is_near(entry.id()) && group.add(entry) {
-            judge_group(ball, group.take(), |entry, bits| set(words, entry, bits));
-        }
+    let done = Ball::new(view, mover)
+        .map_or(0, |ball| ball.for_each_near(count, list, |others| judge_group(&ball, mover, others, &mut set)));
+    for entry in (done..count).map(list) {
+        set(&entry, judge(view, mover, entry));
     }
-    if let Some(ball) = &ball {
-        judge_group(ball, group.take(), |entry, bits| set(words, entry, bits));
-    }
-    collides
 }
 
 /// The decisions on a pair.
@@ -107,17 +99,19 @@ fn judge(view: &View, mover: u32, entry: Entry) -> u32 {
     collision.map_or(0, |collision| decide(collision.is_pressed(view), collision.collides(view)))
 }
 
-/// The decisions on up to four pairs of spheres without rods.
+/// The decisions on a sphere without rods and up to four others.
 #[inline]
-fn judge_group(ball: &Ball, others: &[Entry], mut take: impl FnMut(&Entry, u32)) {
-    if others.is_empty() {
-        return;
-    }
+fn judge_group(ball: &Ball, mover: u32, others: &[Entry], set: &mut impl FnMut(&Entry, u32)) {
     let meeting = ball.meet(others);
     let pressed = meeting.are_pressed().bitmask();
     let collide = meeting.collide(ball.view).bitmask();
     for (lane, other) in others.iter().enumerate() {
-        take(other, decide(pressed >> lane & 1 == 1, collide >> lane & 1 == 1));
+        let bits = if ball.view.is_ball(other.id()) {
+            decide(pressed >> lane & 1 == 1, collide >> lane & 1 == 1)
+        } else {
+            judge(ball.view, mover, *other)
+        };
+        set(other, bits);
     }
 }
 
