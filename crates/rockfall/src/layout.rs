@@ -90,6 +90,11 @@ pub const VOID_NON_FINITE: u32 = 4;
 /// Bit of [`Status::void`]: the pair lists need more words than can be numbered.
 pub const VOID_COUNT: u32 = 8;
 
+/// Bit of [`Status::rebuild`]: some body asks for new lists.
+pub const LISTS_ASKED: u32 = 1;
+/// Bit of [`Status::rebuild`]: they were made in this step.
+pub const LISTS_MADE: u32 = 2;
+
 /// [`Status::bad_body`] when every body is finite.
 pub const NO_BODY: u32 = u32::MAX;
 /// The place in a step where a body stopped being finite, the high bits of [`Status::bad_body`].
@@ -196,8 +201,10 @@ pub struct Step {
     pub users_at: u32,
     /// First word of the slots: the memory slot of each sphere by its index in order of addition; 0: they are the same.
     pub slots_at: u32,
+    /// Steps from one chance of making lists to the next: for so many lists have to last.
+    pub list_interval: f32,
     /// Padding to a multiple of 16 bytes.
-    pub pad: [u32; 3],
+    pub pad: [u32; 2],
 }
 
 /// The uniform block `pass_`: which force evaluation of the step this is.
@@ -268,7 +275,7 @@ pub struct Status {
     pub total_bad: u32,
     /// Value of `bad_body` in the step `bad_step`: the first body that stopped being finite, or [`NO_BODY`].
     pub first_bad: u32,
-    /// 1 when AABBs and lists are to be made anew; where it is 0, those of an earlier step still hold every pair.
+    /// `LISTS_*` bits; while it is 0, AABBs and lists of an earlier step still hold every pair.
     pub rebuild: u32,
     /// Steps in which AABBs and lists were made anew, since the status was last reset.
     pub builds: u32,
@@ -280,7 +287,7 @@ pub struct Status {
 
 impl Default for Status {
     fn default() -> Self {
-        Self { lengths_due: 1, rebuild: 1, bad_body: NO_BODY, first_bad: NO_BODY, ..Zeroable::zeroed() }
+        Self { lengths_due: 1, rebuild: LISTS_ASKED, bad_body: NO_BODY, first_bad: NO_BODY, ..Zeroable::zeroed() }
     }
 }
 

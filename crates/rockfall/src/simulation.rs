@@ -14,6 +14,7 @@ use crate::world::World;
 mod drive;
 mod edit;
 mod engine;
+mod interval;
 mod keep;
 mod lookahead;
 mod observe;
@@ -26,6 +27,7 @@ mod read;
 pub use drive::DEFAULT_TIME_STEP;
 use edit::Dirty;
 use engine::Engine;
+use interval::Interval;
 use lookahead::Lookahead;
 pub use observe::{Body, Contact, ContactAction, SphereDiagnostics};
 pub use options::{Backend, BackendInfo, Options};
@@ -58,6 +60,10 @@ pub struct Simulation {
     time_step: f32,
     /// How far ahead lists are made.
     lookahead: Lookahead,
+    /// How often they may be made.
+    interval: Interval,
+    /// Dispatches a step of the last batch that made lists, or looked whether to.
+    list_dispatches: f32,
     /// What has to reach the engine before it may run.
     dirty: Dirty,
     edits: Vec<edit::Edits>,
@@ -124,6 +130,8 @@ impl Simulation {
             report: Report::default(),
             time_step: DEFAULT_TIME_STEP,
             lookahead: Lookahead::default(),
+            interval: Interval::default(),
+            list_dispatches: 0.0,
             dirty: Dirty::Clean,
             edits: Vec::new(),
             aabbs_due: true,

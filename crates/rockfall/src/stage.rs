@@ -251,7 +251,7 @@ pub enum When {
     ManyBlocks,
 }
 
-/// A stage, the pass it is run for, and in which scenes.
+/// A stage, the pass it is run for, in which scenes and how often.
 #[derive(Clone, Copy, Debug)]
 pub struct Run {
     /// The stage.
@@ -260,6 +260,8 @@ pub struct Run {
     pub pass: u32,
     /// Where it is left out.
     pub when: When,
+    /// In which steps of a batch: every so many-th, from the first on.
+    pub every: u32,
 }
 
 impl Run {
@@ -279,6 +281,11 @@ impl Run {
         if self.applies(step) { self.stage.threads.workgroups(step) } else { 0 }
     }
 
+    /// Whether it is part of a step of a batch, counted from 0.
+    pub fn is_in(&self, step: u32) -> bool {
+        step.is_multiple_of(self.every)
+    }
+
     /// The CPU twin, where it applies.
     pub fn on_cpu(&self, world: &mut World) {
         if self.applies(&world.step) {
@@ -296,7 +303,7 @@ const fn run(stage: &'static Stage) -> Run {
 }
 
 const fn pass(stage: &'static Stage, pass: u32) -> Run {
-    Run { stage, pass, when: When::Always }
+    Run { stage, pass, when: When::Always, every: 1 }
 }
 
 /// The phases of a step, each callable alone.
@@ -315,6 +322,11 @@ pub enum Phase {
 impl Phase {
     /// A step's phases, in their order.
     pub const STEP: [Self; 4] = [Self::UpdateAabbs, Self::BroadPhase, Self::HandleCollisions, Self::UpdatePositions];
+
+    /// Whether it only makes what later phases look up: no result depends on how often.
+    pub fn makes_lists(self) -> bool {
+        matches!(self, Self::UpdateAabbs | Self::BroadPhase)
+    }
 
     /// The stages of this phase, in their order. [`BroadPhase::Auto`] stands for brute force here.
     pub fn stages(self, integrator: Integrator, broad_phase: BroadPhase) -> &'static [Run] {

@@ -170,7 +170,7 @@ mod tests {
             let by_bindings = moves_by_bindings(stage, 0).rows;
             assert_eq!(Some(by_bindings), moves(stage.name, 0).map(|moves| moves.rows));
             // Six rows of 16 bytes and an AABB of 32.
-            assert_eq!(least_bytes(&Run { stage, pass: 0, when: When::Rods }, &step, &Status::default()), 12_800);
+            assert_eq!(least_bytes(&Run { stage, pass: 0, when: When::Rods, every: 1 }, &step, &Status::default()), 12_800);
         }
     }
 }

@@ -132,6 +132,36 @@ fn sorting_memory_makes_no_difference(backend: Backend) {
     same_bits(&run(BroadPhase::BruteForce), &run(BroadPhase::Grid));
 }
 
+/// On a device lists that last are made in few steps of a batch only, until a ball comes flying: what it hits leaves its AABB
+/// where no list can be made. Steps that are submitted one by one may make lists in each.
+#[test]
+#[cfg(feature = "gpu")]
+fn lists_that_are_made_rarely_lose_nothing() {
+    let scene = || {
+        let mut scene = weightless();
+        let crowd = (0..60).map(|k| Vec3::new((k % 4) as f32, (k / 16) as f32, (k / 4 % 4) as f32));
+        for place in crowd {
+            scene.add_sphere(Sphere::new(place, 0.499)).expect("a valid sphere");
+        }
+        // There after 3 s.
+        scene.add_sphere(Sphere::new([-25.0, 1.1, 0.9], 0.5).mass(5.0).velocity([8.0, 0.0, 0.0])).expect("a valid sphere");
+        let options = Options::new().backend(Backend::Gpu).broad_phase(BroadPhase::Grid);
+        Simulation::with_options(scene, options).expect("the simulation opens")
+    };
+    let (mut whole, mut parts) = (scene(), scene());
+    whole.run(256, 0.01).expect("steps before the ball is there");
+    let before = whole.profile(32, 0.01).expect("a profile");
+    let builds = before.stages.iter().find(|stage| stage.name == "find_neighbours").expect("the stage that makes lists").runs;
+    assert!(builds <= 32 / 4, "lists may be made in {builds} of 32 steps");
+    whole.run(72, 0.01).expect("steps");
+    for _ in 0..360 {
+        parts.step(0.01).expect("a step");
+    }
+    let [whole, parts] = [&mut whole, &mut parts].map(Run::of);
+    assert!(whole.report.replays > parts.report.replays, "nobody was pushed out: {:?}", whole.report);
+    same_bits(&whole, &parts);
+}
+
 /// Bodies that were all moved by hand stand in memory in no order at all; that is noticed.
 fn memory_is_sorted_when_it_pays(backend: Backend) {
     // At rest, as near as can be without touching.

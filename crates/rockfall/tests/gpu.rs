@@ -210,7 +210,7 @@ fn a_kernel_that_does_not_compile_names_its_own_file() {
     last.text = format!("{}\nfn broken() -> u32 {{ return 1.5; }}\n", last.text.trim_end()).leak();
     let line = last.text.lines().count();
     let stage = Box::leak(Box::new(Stage { parts: parts.leak(), ..*original }));
-    let refused = device.prepare(&[Run { stage, pass: 0, when: rockfall::stage::When::Always }]);
+    let refused = device.prepare(&[Run { stage, pass: 0, when: rockfall::stage::When::Always, every: 1 }]);
     let Err(Error::Device(text)) = refused else {
         panic!("{refused:?}");
     };

@@ -3,7 +3,7 @@
 use glam::Vec3;
 
 use crate::cpu::view::View;
-use crate::layout::{Aabb, BAD_STAGE_SHIFT, BadStage, NO_BODY, Status, VOID_ESCAPED};
+use crate::layout::{Aabb, BAD_STAGE_SHIFT, BadStage, LISTS_ASKED, LISTS_MADE, NO_BODY, Status, VOID_ESCAPED};
 
 /// Counts of one body or of many.
 #[derive(Clone, Copy, Debug)]
@@ -66,11 +66,21 @@ impl Tally {
         status.collisions += self.collisions;
         status.bad_count += self.bad_count;
         status.bad_body = status.bad_body.min(self.bad_body);
-        status.rebuild |= u32::from(self.rebuild);
+        if self.rebuild {
+            status.rebuild |= LISTS_ASKED;
+        }
         if self.escape_ratio > 0.0 {
             status.void |= VOID_ESCAPED;
             status.escape_ratio = status.escape_ratio.max(self.escape_ratio.to_bits());
         }
+    }
+}
+
+/// Counts the lists that were made in this step; those that were asked for where none are made are still due.
+pub(crate) fn count_builds(status: &mut Status) {
+    if status.rebuild & LISTS_MADE != 0 {
+        status.rebuild &= !LISTS_MADE;
+        status.builds += 1;
     }
 }
 
@@ -85,11 +95,12 @@ pub(crate) fn outside(aabb: &Aabb, centre: Vec3, radius: f32) -> f32 {
     if out <= 0.0 { 0.0 } else { (out / (0.02 * radius)).clamp(1e-3, 1e30) }
 }
 
-/// Whether a moving sphere, come to be here and so fast, may be out of the ball that its AABB encloses before the next step is
-/// done.
+/// Whether a moving sphere, come to be here and so fast, may be out of the ball that its AABB encloses within the steps that lists
+/// have to last for.
 pub(crate) fn asks_for_lists(view: &View, aabbs: &[Aabb], sphere: u32, centre: Vec3, velocity: Vec3) -> bool {
     let radius = view.radius(sphere);
-    let reach = radius + 1.05 * velocity.length() * view.step.dt + 0.02 * radius;
+    let a_step = 1.05 * velocity.length() * view.step.dt + 0.02 * radius;
+    let reach = radius + view.step.list_interval * a_step;
     !view.is_fixed(sphere) && reach_out(&aabbs[sphere as usize], centre, reach) > 0.0
 }
 

@@ -113,7 +113,6 @@ pub(crate) struct Timer {
     ticks: Ticks,
     /// Which runs of a step have something to do.
     live: Vec<usize>,
-    runs: usize,
     steps: u32,
 }
 
@@ -123,17 +122,17 @@ impl Timer {
     pub(crate) fn new(world: &GpuWorld, runs: &[Run], steps: u32) -> Result<Self> {
         let clock = clock(world.gpu())?;
         let live: Vec<usize> = (0..runs.len()).filter(|at| !world.is_idle(&runs[*at])).collect();
-        let dispatches = live.len() as u32 * steps;
+        let dispatches = live.iter().map(|at| steps.div_ceil(runs[*at].every)).sum::<u32>();
         let count = match clock {
             Clock::DeviceInPass => dispatches + 1,
             _ => 2 * dispatches,
         };
-        Ok(Self { clock, ticks: Ticks::new(world.gpu(), count.max(1))?, live, runs: runs.len(), steps })
+        Ok(Self { clock, ticks: Ticks::new(world.gpu(), count.max(1))?, live, steps })
     }
 
     /// Records the steps, timed.
     pub(crate) fn encode(&self, encoder: &mut wgpu::CommandEncoder, world: &GpuWorld, runs: &[Run]) -> Result<()> {
-        let all = (0..self.steps).flat_map(|_| &self.live).map(|at| from_ref(&runs[*at])).zip(0..);
+        let all = (0..self.steps).flat_map(|step| self.live_in(runs, step)).map(|at| from_ref(&runs[at])).zip(0..);
         if self.clock == Clock::DeviceInPass {
             let mut pass =
                 encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some("timed steps"), timestamp_writes: None });
@@ -151,15 +150,20 @@ impl Timer {
         Ok(())
     }
 
-    /// The time of every dispatch, once the device is done with them.
-    pub(crate) async fn read(&self) -> Result<Times> {
+    /// The runs that are dispatched in a step.
+    fn live_in<'a>(&'a self, runs: &'a [Run], step: u32) -> impl Iterator<Item = usize> + 'a {
+        self.live.iter().copied().filter(move |at| runs[*at].is_in(step))
+    }
+
+    /// The time of every dispatch of the runs that were recorded, once the device is done with them.
+    pub(crate) async fn read(&self, runs: &[Run]) -> Result<Times> {
         let ticks = self.ticks.read().await?;
-        let mut times = vec![vec![None; self.runs]; self.steps as usize];
+        let mut times = vec![vec![None; runs.len()]; self.steps as usize];
         let mut dispatch = 0;
-        for step in &mut times {
-            for at in &self.live {
+        for (step, times) in (0..).zip(&mut times) {
+            for at in self.live_in(runs, step) {
                 let first = if self.clock == Clock::DeviceInPass { dispatch } else { 2 * dispatch };
-                step[*at] = Some((ticks[first + 1] - ticks[first]).max(0.0));
+                times[at] = Some((ticks[first + 1] - ticks[first]).max(0.0));
                 dispatch += 1;
             }
         }
@@ -268,7 +272,7 @@ mod tests {
         let runs: Vec<Run> = phases.iter().flat_map(stages).collect();
         let mut there = GpuWorld::new(gpu, &world)?;
         let timer = there.run_timed(&runs, &world.step, steps)?;
-        block_on(gpu.device(), timer.read())
+        block_on(gpu.device(), timer.read(&runs))
     }
 
     #[track_caller]

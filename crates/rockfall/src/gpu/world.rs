@@ -218,6 +218,7 @@ impl GpuWorld {
             coulomb_friction: step.coulomb_friction,
             margin_scale: step.margin_scale,
             lookahead: step.lookahead,
+            list_interval: step.list_interval,
             flags: step.flags,
             ..self.step
         }
@@ -284,7 +285,7 @@ impl GpuWorld {
         Ok(())
     }
 
-    /// Records stages, `steps` times over, into a compute pass. [`GpuWorld::prepare`] must have seen them.
+    /// Records the stages of so many steps into a compute pass. [`GpuWorld::prepare`] must have seen them.
     ///
     /// # Errors
     /// [`Error::Device`] for a stage that was not prepared.
@@ -298,11 +299,11 @@ impl GpuWorld {
             let Some((kernel, group)) = self.ready.get(&(run.stage.name, run.pass)) else {
                 return Err(Error::Device(format!("stage {} was not prepared", run.stage.name)));
             };
-            table.push((kernel, group, groups));
+            table.push((run, kernel, group, groups));
         }
         let across = self.gpu.device().limits().max_compute_workgroups_per_dimension;
-        for _ in 0..steps {
-            for (kernel, group, groups) in &table {
+        for step in 0..steps {
+            for (_, kernel, group, groups) in table.iter().filter(|(run, ..)| run.is_in(step)) {
                 pass.set_pipeline(&kernel.pipeline);
                 pass.set_bind_group(0, *group, &[]);
                 let x = (*groups).min(across);

@@ -2,7 +2,8 @@
 
 use crate::error::{Error, Result};
 use crate::layout::{
-    BAD_STAGE_SHIFT, BadStage, MAX_PAIR_WORDS, NO_BODY, SLICE, Status, VOID_COUNT, VOID_ESCAPED, VOID_NON_FINITE, VOID_PAIRS,
+    BAD_STAGE_SHIFT, BadStage, LISTS_ASKED, MAX_PAIR_WORDS, NO_BODY, SLICE, Status, VOID_COUNT, VOID_ESCAPED, VOID_NON_FINITE,
+    VOID_PAIRS,
 };
 use crate::profile::Recorder;
 use crate::simulation::Simulation;
@@ -87,15 +88,22 @@ impl Simulation {
     /// Hands a batch to the engine; returns how often its phases were done.
     async fn submit(&mut self, phases: &[Phase], batch: u64, mut recorder: Option<&mut Recorder>) -> Result<u64> {
         let (integrator, broad_phase) = (self.options.integrator, self.broad_phase_method());
-        let runs = |phase: Phase| phase.stages(integrator, broad_phase).iter().map(move |run| (phase, *run));
+        let is_step = phases.starts_with(&COLLISIONS_FIRST) || phases.starts_with(&WITHOUT_COLLISIONS);
+        let interval = self.list_interval(is_step);
+        let runs = |phase: Phase| {
+            let every = if phase.makes_lists() { interval } else { 1 };
+            phase.stages(integrator, broad_phase).iter().map(move |run| (phase, Run { every, ..*run }))
+        };
         let (owners, stages): (Vec<Phase>, Vec<Run>) = phases.iter().copied().flat_map(runs).unzip();
+        self.list_dispatches = self.dispatches(phases, interval);
         if let Some(recorder) = &mut recorder {
             recorder.expect(owners);
         }
         self.world.step.dt = self.time_step;
-        let is_step = phases.starts_with(&COLLISIONS_FIRST) || phases.starts_with(&WITHOUT_COLLISIONS);
-        if !is_step || self.status.void != 0 || self.lists_due || self.aabbs_due {
-            self.status.rebuild = 1;
+        self.world.step.list_interval = interval as f32;
+        let makes_lists = phases.iter().any(|phase| phase.makes_lists());
+        if (makes_lists && !is_step) || self.status.void != 0 || self.lists_due || self.aabbs_due {
+            self.status.rebuild = LISTS_ASKED;
         }
         self.world.status = resumed(self.status);
         self.synced = false;
@@ -107,6 +115,22 @@ impl Simulation {
             return Ok(done);
         }
         Ok(if self.status.void == 0 { batch } else { 0 })
+    }
+
+    /// Steps from one chance of making lists to the next.
+    fn list_interval(&self, is_step: bool) -> u32 {
+        let may_wait = is_step && self.engine.dispatches();
+        if may_wait { self.interval.steps(self.world.step.lookahead) } else { 1 }
+    }
+
+    /// Dispatches a step that make lists, or look whether to.
+    fn dispatches(&self, phases: &[Phase], interval: u32) -> f32 {
+        if !self.engine.dispatches() {
+            return 0.0;
+        }
+        let making = phases.iter().filter(|phase| phase.makes_lists());
+        let runs = making.flat_map(|phase| phase.stages(self.options.integrator, self.broad_phase_method()));
+        runs.filter(|run| run.workgroups(&self.world.step) > 0).count() as f32 / interval as f32
     }
 
     /// Keeps account of whether AABBs and lists fit the scene.
@@ -152,7 +176,7 @@ impl Simulation {
                 None => self.grow_lists()?,
             }
         }
-        if status.void & VOID_ESCAPED != 0 {
+        if status.void & VOID_ESCAPED != 0 && !self.interval.failed(self.world.step.list_interval as u32) {
             let step = &mut self.world.step;
             // After so many tries no finite margin will do: some force is beyond all measure.
             step.margin_scale =
@@ -184,8 +208,10 @@ impl Simulation {
                     builds_per_step: self.status.builds as f32 / done as f32,
                     words_per_mover: self.status.pairs_needed as f32 / movers,
                     movers,
+                    dispatches: self.list_dispatches,
                 };
                 step.lookahead = self.lookahead.after(&seen, method);
+                self.interval.lasted();
             }
         }
         self.status.builds = 0;

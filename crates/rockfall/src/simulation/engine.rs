@@ -90,6 +90,11 @@ impl Engine {
         }
     }
 
+    /// Whether a stage costs something where it has nothing to do.
+    pub(super) fn dispatches(&self) -> bool {
+        !matches!(self, Self::Cpu)
+    }
+
     /// The world on the device.
     #[cfg(feature = "gpu")]
     pub(super) fn gpu_world(&self) -> Option<&GpuWorld> {
@@ -139,7 +144,7 @@ impl Engine {
                 gpu.set_status(&world.status)?;
                 let timer = gpu.run_timed(stages, &world.step, times)?;
                 world.status = gpu.read_status().await?;
-                recorder.book(stages, &timer.read().await?, &world.step, &world.status);
+                recorder.book(stages, &timer.read(stages).await?, &world.step, &world.status);
             }
         }
         Ok(())

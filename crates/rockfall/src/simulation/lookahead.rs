@@ -24,6 +24,12 @@ const LOOK: f32 = 0.03;
 /// Looking at another object, in brute force.
 const TEST: f32 = 0.004;
 
+// Costs in ns a step, however many movers there are.
+/// Dispatching a stage, whatever it has to do.
+const DISPATCH: f32 = 4_000.0;
+/// Waiting for memory for one entry more in every list, in all stages of a step.
+const WAIT: f32 = 1_500.0;
+
 /// What a batch of steps did with its lists.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Lists {
@@ -33,6 +39,8 @@ pub(super) struct Lists {
     pub(super) words_per_mover: f32,
     /// Spheres and rods.
     pub(super) movers: f32,
+    /// Dispatches a step that make lists, or look whether to; 0 without a device.
+    pub(super) dispatches: f32,
 }
 
 impl Lists {
@@ -44,7 +52,10 @@ impl Lists {
             BroadPhase::SortAndSkip => TEST * 8.0 * self.movers.powf(2.0 / 3.0),
             _ => TEST * self.movers,
         };
-        self.builds_per_step * (BUILD + search + FIND * self.words_per_mover) + LOOK * self.words_per_mover
+        let wait = if self.dispatches > 0.0 { WAIT * self.words_per_mover } else { 0.0 };
+        self.builds_per_step * (BUILD + search + FIND * self.words_per_mover)
+            + LOOK * self.words_per_mover
+            + (DISPATCH * self.dispatches + wait) / self.movers
     }
 }
 
@@ -130,7 +141,7 @@ mod tests {
         let mut steps = lookahead.steps;
         let mut all = Vec::new();
         for _ in 0..batches {
-            let seen = Lists { builds_per_step: builds(steps), words_per_mover: words(steps), movers: 1e6 };
+            let seen = Lists { builds_per_step: builds(steps), words_per_mover: words(steps), movers: 1e6, dispatches: 0.0 };
             steps = lookahead.after(&seen, BroadPhase::Grid);
             all.push(steps);
         }
@@ -171,8 +182,19 @@ mod tests {
     }
 
     #[test]
+    fn few_bodies_on_a_device_are_looked_at_further_ahead() {
+        // Twice the words, a quarter of seven dispatches: that pays for a thousand movers and not for a million.
+        let cost = |movers: f32, words: f32, dispatches: f32| {
+            let lists = Lists { builds_per_step: 1.0, words_per_mover: words, movers, dispatches };
+            lists.cost(BroadPhase::Grid)
+        };
+        assert!(cost(1e3, 16.0, 1.75) < cost(1e3, 8.0, 7.0));
+        assert!(cost(1e6, 16.0, 1.75) > cost(1e6, 8.0, 7.0));
+    }
+
+    #[test]
     fn brute_force_looks_further_ahead() {
-        let lists = Lists { builds_per_step: 1.0, words_per_mover: 10.0, movers: 10_000.0 };
+        let lists = Lists { builds_per_step: 1.0, words_per_mover: 10.0, movers: 10_000.0, dispatches: 0.0 };
         assert!(lists.cost(BroadPhase::BruteForce) > 10.0 * lists.cost(BroadPhase::Grid));
     }
 }

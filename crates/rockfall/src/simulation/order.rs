@@ -1,7 +1,7 @@
 //! When memory is put in order again: once the disorder since the last time has cost more than the sorting will.
 
 use crate::error::Result;
-use crate::layout::{ORDER_SAMPLE, Status};
+use crate::layout::{LISTS_ASKED, ORDER_SAMPLE, Status};
 use crate::settings::BroadPhase;
 use crate::simulation::{Simulation, engine};
 use crate::stage::{MEASURE_ORDER, SORT_MEMORY};
@@ -99,7 +99,7 @@ impl Simulation {
 
     /// On the device, where the state is; the host learns the new order alone.
     async fn sort_where_it_is(&mut self) -> Result<()> {
-        self.world.status = Status { void: 0, rebuild: 1, ..self.status };
+        self.world.status = Status { void: 0, rebuild: LISTS_ASKED, ..self.status };
         self.engine.run(&mut self.world, SORT_MEMORY, 1, None).await?;
         self.engine.download_words(&mut self.world).await?;
         self.world.take_order();

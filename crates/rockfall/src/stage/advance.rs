@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use crate::cpu::forces::{count_contacts, rates};
 use crate::cpu::lists::Lists;
 use crate::cpu::state::{Motion, Rows};
-use crate::cpu::tally::{Tally, asks_for_lists, escape_ratio, outside};
+use crate::cpu::tally::{Tally, asks_for_lists, count_builds, escape_ratio, outside};
 use crate::cpu::view::View;
 use crate::layout::BadStage;
 use crate::stage::{Access, Binding, Buffer, Slot, Stage, Threads, part, read, write};
@@ -52,7 +52,7 @@ fn advance(world: &mut World, pass: u32) {
         return;
     }
     if pass == 0 {
-        world.status.builds += std::mem::take(&mut world.status.rebuild);
+        count_builds(&mut world.status);
     }
     let (done, todo) = world.states.split_at_mut(pass as usize + 1);
     let start = View::new(&world.step, &world.words, &done[0]);

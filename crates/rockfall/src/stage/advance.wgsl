@@ -54,7 +54,7 @@ fn advance(
     }
     if pass_.index == 0u {
         if (i == 0u) & (atomicLoad(&status.void) == 0u) {
-            status.builds += atomicExchange(&status.rebuild, 0u);
+            tell_builds();
         }
         tell_contacts(local, net.contacts, net.deepest);
     }

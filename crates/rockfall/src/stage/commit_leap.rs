@@ -6,6 +6,7 @@ use rayon::prelude::*;
 use crate::cpu::GRAIN;
 use crate::cpu::tally::asks_for_lists;
 use crate::cpu::view::View;
+use crate::layout::LISTS_ASKED;
 use crate::stage::{Buffer, Stage, Threads, part, read, write};
 use crate::world::World;
 
@@ -36,6 +37,6 @@ pub(super) fn commit(world: &mut World) {
     let view = View::new(&world.step, &world.words, start);
     let spheres = (0..world.step.spheres).into_par_iter().with_min_len(GRAIN);
     if spheres.any(|sphere| asks_for_lists(&view, &world.aabbs, sphere, view.position(sphere), view.velocity(sphere))) {
-        world.status.rebuild = 1;
+        world.status.rebuild |= LISTS_ASKED;
     }
 }

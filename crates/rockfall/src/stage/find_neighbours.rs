@@ -10,7 +10,7 @@ use crate::cpu::GRAIN;
 use crate::cpu::grid::{Around, Grid};
 use crate::cpu::lists::{put_in_order, slices};
 use crate::cpu::view::View;
-use crate::layout::{SLICE, VOID_COUNT, VOID_PAIRS};
+use crate::layout::{LISTS_MADE, SLICE, VOID_COUNT, VOID_PAIRS};
 use crate::stage::{Buffer, Stage, Threads, part, read, write};
 use crate::world::World;
 
@@ -63,6 +63,7 @@ fn find_neighbours(world: &mut World, _pass: u32) {
         .collect();
 
     let (step, status) = (&world.step, &mut world.status);
+    status.rebuild = LISTS_MADE;
     let (counts, offsets) = world.lists.split_at_mut(step.slices_at as usize);
     for ((found, counts), offset) in found.iter().zip(counts.chunks_mut(SLICE as usize)).zip(offsets) {
         counts.copy_from_slice(&found.counts);

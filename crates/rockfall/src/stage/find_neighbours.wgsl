@@ -3,13 +3,7 @@
 @group(0) @binding(4) var<storage, read> extents: array<vec4f>;
 @group(0) @binding(5) var<storage, read_write> lists: array<u32>;
 @group(0) @binding(6) var<storage, read> words: array<u32>;
-@group(0) @binding(7) var<storage, read_write> status: StatusPairs;
-
-// `Status` where the room for entries is given out.
-struct StatusPairs {
-    void: atomic<u32>,
-    pairs_needed: atomic<u32>,
-}
+@group(0) @binding(7) var<storage, read_write> status: StatusAtomic;
 
 // So many objects are remembered and put in order in workgroup memory; more are looked for again, and put in order in
 // place.
@@ -126,6 +120,9 @@ fn find_neighbours(
         return;
     }
     let mover = linear_thread(group, groups, local);
+    if mover == 0u {
+        atomicStore(&status.rebuild, LISTS_MADE);
+    }
     let slice = local / SLICE;
     own = local;
     if local < WORKGROUP / SLICE {

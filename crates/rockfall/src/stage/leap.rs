@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use crate::cpu::forces::{count_contacts, rates};
 use crate::cpu::lists::Lists;
 use crate::cpu::state::{Motion, Rows};
-use crate::cpu::tally::{Tally, escape_ratio};
+use crate::cpu::tally::{Tally, count_builds, escape_ratio};
 use crate::cpu::view::View;
 use crate::layout::BadStage;
 use crate::stage::{Buffer, Stage, Threads, part, read, write};
@@ -46,7 +46,7 @@ fn leap(world: &mut World, _pass: u32) {
     if world.status.void != 0 {
         return;
     }
-    world.status.builds += std::mem::take(&mut world.status.rebuild);
+    count_builds(&mut world.status);
     let [start, y2, y3, _] = &mut world.states;
     let view = View::new(&world.step, &world.words, start);
     let lists = Lists::new(&world.step, &world.lists);

@@ -46,7 +46,7 @@ fn leap(
         write_next(i, net);
     }
     if (i == 0u) & (atomicLoad(&status.void) == 0u) {
-        status.builds += atomicExchange(&status.rebuild, 0u);
+        tell_builds();
     }
     tell_contacts(local, net.contacts, net.deepest);
 }

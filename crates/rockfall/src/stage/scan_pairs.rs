@@ -3,7 +3,7 @@
 //! A slice is as wide as its longest list: slice offsets are the exclusive sums of `SLICE * max(counts of the slice)`,
 //! the last one is the total. More than `pair_capacity` voids the step (`VOID_PAIRS`, `pairs_needed`).
 
-use crate::layout::{SLICE, VOID_PAIRS};
+use crate::layout::{LISTS_MADE, SLICE, VOID_PAIRS};
 use crate::stage::{Buffer, Stage, Threads, part, write};
 use crate::world::World;
 
@@ -28,6 +28,7 @@ fn scan_pairs(world: &mut World, _pass: u32) {
     }
     offsets[counts.len() / SLICE as usize] = total;
     world.status.pairs_needed = total;
+    world.status.rebuild = LISTS_MADE;
     if total > world.step.pair_capacity {
         world.status.void |= VOID_PAIRS;
     }

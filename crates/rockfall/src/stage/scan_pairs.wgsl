@@ -66,6 +66,7 @@ fn scan_pairs(@builtin(local_invocation_index) local: u32) {
     if local == 0u {
         lists[step.slices_at + slices] = carried;
         status.pairs_needed = carried;
+        status.rebuild = LISTS_MADE;
         if carried > step.pair_capacity {
             status.void |= VOID_PAIRS;
         }

@@ -23,12 +23,20 @@ fn escape_ratio(position: vec3f, radius: f32, aabb: Aabb) -> f32 {
     return clamp(out / (0.02 * radius), 1e-3, 1e30);
 }
 
-// A sphere that may be outside before the next step is done, at the velocity at hand, asks for new lists.
+// A sphere that may be outside before the lists made at the next chance hold, at the velocity at hand, asks for new ones.
 fn ask_for_lists(sphere: u32, centre: vec4f, velocity: vec4f) {
-    let reach = centre.w + 1.05 * length(velocity.xyz) * step.dt + 0.02 * centre.w;
+    let reach = centre.w + step.list_interval * (1.05 * length(velocity.xyz) * step.dt + 0.02 * centre.w);
     if velocity.w > 0.0 {
         if reach_out(centre.xyz, reach, aabbs[sphere]) > 0.0 {
-            atomicStore(&status.rebuild, 1u);
+            atomicOr(&status.rebuild, LISTS_ASKED);
         }
+    }
+}
+
+// The lists that were made in this step are counted; those that were asked for where none are made are still due.
+fn tell_builds() {
+    if (atomicLoad(&status.rebuild) & LISTS_MADE) != 0u {
+        atomicAnd(&status.rebuild, ~LISTS_MADE);
+        status.builds += 1u;
     }
 }

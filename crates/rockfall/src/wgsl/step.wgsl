@@ -36,10 +36,10 @@ struct Step {
     lookahead: f32,
     users_at: u32,
     slots_at: u32,
-    // The padding is three words and not an array: arrays in uniform blocks have a stride of 16 bytes.
+    list_interval: f32,
+    // The padding is words and not an array: arrays in uniform blocks have a stride of 16 bytes.
     pad_0: u32,
     pad_1: u32,
-    pad_2: u32,
 }
 
 struct Pass {
@@ -85,7 +85,7 @@ struct Status {
 // `Status` where many threads of a dispatch write it.
 struct StatusAtomic {
     void: atomic<u32>,
-    pairs_needed: u32,
+    pairs_needed: atomic<u32>,
     escape_ratio: atomic<u32>,
     steps: u32,
     collided: atomic<u32>,
@@ -161,6 +161,9 @@ const VOID_PAIRS: u32 = 1u;
 const VOID_ESCAPED: u32 = 2u;
 const VOID_NON_FINITE: u32 = 4u;
 const VOID_COUNT: u32 = 8u;
+
+const LISTS_ASKED: u32 = 1u;
+const LISTS_MADE: u32 = 2u;
 
 const NO_BODY: u32 = 0xffffffffu;
 const BAD_STAGE_SHIFT: u32 = 27u;

@@ -62,7 +62,7 @@ impl World {
     }
 
     fn pack(scene: &Scene, order: Vec<u32>) -> Result<Self> {
-        let step = Step { margin_scale: FIRST_MARGIN, lookahead: FIRST_LOOKAHEAD, ..Step::default() };
+        let step = Step { margin_scale: FIRST_MARGIN, lookahead: FIRST_LOOKAHEAD, list_interval: 1.0, ..Step::default() };
         let mut world = Self { step, order, ..Self::default() };
         world.set_settings(&scene.settings);
         world.set_words(scene)?;
