@@ -7,7 +7,6 @@
 //! This module is public for tools and tests; it may change between minor versions.
 
 use crate::layout::{CELL_BLOCK, DIGIT_BLOCK, Step, WORKGROUP};
-use crate::settings::{BroadPhase, Integrator};
 use crate::world::World;
 
 mod advance;
@@ -39,11 +38,14 @@ mod rod_forces;
 mod scan_cells;
 mod scan_pairs;
 mod scatter_digits;
+mod schedule;
 mod settle_spheres;
 mod sort_axis;
 mod sort_cells;
 mod turn;
 mod update_aabbs;
+
+pub use schedule::{MEASURE_ORDER, Phase, Run, SORT_MEMORY, When};
 
 /// A buffer that stages bind. `Start` is the state; `Y2`, `Y3`, `Y4` are the stage states of RK4, and scratch besides.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -235,189 +237,6 @@ pub struct Stage {
     /// The CPU twin; the second argument is the pass.
     pub cpu: fn(&mut World, u32),
 }
-
-/// In which scenes a run has something to do.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum When {
-    /// In all.
-    Always,
-    /// In those with rods.
-    Rods,
-    /// In those without.
-    NoRods,
-    /// In small ones, whose grid is one block of cells.
-    OneBlock,
-    /// In larger ones.
-    ManyBlocks,
-}
-
-/// A stage, the pass it is run for, in which scenes and how often.
-#[derive(Clone, Copy, Debug)]
-pub struct Run {
-    /// The stage.
-    pub stage: &'static Stage,
-    /// 0..4 for the force evaluations of RK4, 0 and 1 for `sort_axis`, 0..8 for the digits of a sort, else 0.
-    pub pass: u32,
-    /// Where it is left out.
-    pub when: When,
-    /// In which steps of a batch: every so many-th, from the first on.
-    pub every: u32,
-}
-
-impl Run {
-    /// Whether it is part of the step in a world of these counts.
-    pub fn applies(&self, step: &Step) -> bool {
-        match self.when {
-            When::Always => true,
-            When::Rods => step.rods > 0,
-            When::NoRods => step.rods == 0,
-            When::OneBlock => step.cells == CELL_BLOCK,
-            When::ManyBlocks => step.cells != CELL_BLOCK,
-        }
-    }
-
-    /// Workgroups in a world of these counts; 0: there is nothing to do.
-    pub fn workgroups(&self, step: &Step) -> u32 {
-        if self.applies(step) { self.stage.threads.workgroups(step) } else { 0 }
-    }
-
-    /// Whether it is part of a step of a batch, counted from 0.
-    pub fn is_in(&self, step: u32) -> bool {
-        step.is_multiple_of(self.every)
-    }
-
-    /// The CPU twin, where it applies.
-    pub fn on_cpu(&self, world: &mut World) {
-        if self.applies(&world.step) {
-            (self.stage.cpu)(world, self.pass);
-        }
-    }
-
-    const fn when(self, when: When) -> Self {
-        Self { when, ..self }
-    }
-}
-
-const fn run(stage: &'static Stage) -> Run {
-    pass(stage, 0)
-}
-
-const fn pass(stage: &'static Stage, pass: u32) -> Run {
-    Run { stage, pass, when: When::Always, every: 1 }
-}
-
-/// The phases of a step, each callable alone.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Phase {
-    /// AABBs of all objects.
-    UpdateAabbs,
-    /// Pair lists.
-    BroadPhase,
-    /// Impulses.
-    HandleCollisions,
-    /// Forces, integration, constraints.
-    UpdatePositions,
-}
-
-impl Phase {
-    /// A step's phases, in their order.
-    pub const STEP: [Self; 4] = [Self::UpdateAabbs, Self::BroadPhase, Self::HandleCollisions, Self::UpdatePositions];
-
-    /// Whether it only makes what later phases look up: no result depends on how often.
-    pub fn makes_lists(self) -> bool {
-        matches!(self, Self::UpdateAabbs | Self::BroadPhase)
-    }
-
-    /// The stages of this phase, in their order. [`BroadPhase::Auto`] stands for brute force here.
-    pub fn stages(self, integrator: Integrator, broad_phase: BroadPhase) -> &'static [Run] {
-        match (self, integrator, broad_phase) {
-            (Self::UpdateAabbs, _, _) => const { &[run(&update_aabbs::STAGE)] },
-            (Self::BroadPhase, _, BroadPhase::Grid) => {
-                const {
-                    &[
-                        run(&build_grid::STAGE).when(When::OneBlock),
-                        run(&clear_cells::STAGE).when(When::ManyBlocks),
-                        run(&count_cells::STAGE).when(When::ManyBlocks),
-                        run(&scan_cells::SUM).when(When::ManyBlocks),
-                        run(&scan_cells::PLACE).when(When::ManyBlocks),
-                        run(&sort_cells::STAGE).when(When::ManyBlocks),
-                        run(&find_neighbours::STAGE),
-                    ]
-                }
-            }
-            (Self::BroadPhase, _, BroadPhase::SortAndSkip) => {
-                const {
-                    &[
-                        pass(&sort_axis::STAGE, 0),
-                        pass(&sort_axis::STAGE, 1),
-                        run(&bound_blocks::STAGE),
-                        run(&count_near::STAGE),
-                        run(&scan_pairs::STAGE),
-                        run(&fill_near::STAGE),
-                    ]
-                }
-            }
-            (Self::BroadPhase, _, _) => const { &[run(&count_pairs::STAGE), run(&scan_pairs::STAGE), run(&fill_pairs::STAGE)] },
-            (Self::HandleCollisions, _, _) => {
-                const { &[run(&find_collisions::STAGE), run(&apply_collisions::STAGE), run(&commit_collisions::STAGE)] }
-            }
-            (Self::UpdatePositions, Integrator::Rk4, _) => {
-                const {
-                    &[
-                        run(&restore_lengths::STAGE),
-                        pass(&rod_forces::STAGE, 0),
-                        pass(&advance::STAGE, 0),
-                        pass(&rod_forces::STAGE, 1),
-                        pass(&advance::STAGE, 1),
-                        pass(&rod_forces::STAGE, 2),
-                        pass(&advance::STAGE, 2),
-                        pass(&rod_forces::STAGE, 3),
-                        pass(&finish::STAGE, 3).when(When::Rods),
-                        run(&constrain::STAGE),
-                        run(&turn::STAGE).when(When::Rods),
-                        pass(&finish_and_turn::STAGE, 3).when(When::NoRods),
-                        run(&end_step::STAGE),
-                    ]
-                }
-            }
-            (Self::UpdatePositions, Integrator::SymplecticEuler, _) => {
-                const {
-                    &[
-                        run(&restore_lengths::STAGE),
-                        run(&rod_forces::STAGE),
-                        run(&leap::STAGE),
-                        run(&commit_leap::STAGE).when(When::Rods),
-                        run(&constrain::STAGE),
-                        run(&turn::STAGE).when(When::Rods),
-                        run(&commit_and_turn::STAGE).when(When::NoRods),
-                        run(&end_step::STAGE),
-                    ]
-                }
-            }
-        }
-    }
-}
-
-/// Puts spheres into spatial order in memory; lists and AABBs are void after it. Not part of a step.
-pub const SORT_MEMORY: &[Run] = &{
-    // 3 x 10 binary digits in eight passes; an even number ends where it began.
-    let mut runs = [run(&key_spheres::STAGE); 35];
-    let mut digit = 0;
-    while digit < 8 {
-        let at = 1 + 4 * digit;
-        runs[at] = pass(&count_digits::STAGE, digit as u32);
-        runs[at + 1] = run(&scan_cells::SUM);
-        runs[at + 2] = run(&scan_cells::PLACE);
-        runs[at + 3] = pass(&scatter_digits::STAGE, digit as u32);
-        digit += 1;
-    }
-    runs[33] = run(&permute_spheres::STAGE);
-    runs[34] = run(&settle_spheres::STAGE);
-    runs
-};
-
-/// Tells how good the order of memory is, by the lists as they are. Not part of a step.
-pub const MEASURE_ORDER: &[Run] = &[run(&measure_order::STAGE)];
 
 /// Every stage there is, once.
 pub const ALL: [&Stage; 35] = [
