@@ -87,7 +87,7 @@ impl<'a, 'b> Ball<'a, 'b> {
         let dd = d.dot(d);
         let at_once = dd.cmple(Vec4::splat(TINY));
         let distance = Vec4::select(at_once, Vec4::ZERO, dd.sqrt());
-        let mut normal = d * (1.0 / distance);
+        let mut normal = d / distance;
         if at_once.any() {
             // From the one that was added first up to the other.
             let up = others.map(|other| if self.is_first(other) { 1.0 } else { -1.0 });

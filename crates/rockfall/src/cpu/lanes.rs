@@ -1,6 +1,6 @@
 //! Vectors four at a time, one a lane: processors do four numbers as fast as one.
 
-use std::ops::{Add, Mul, Sub};
+use std::ops::{Add, Div, Mul, Sub};
 
 use glam::{Mat4, Vec3, Vec4};
 
@@ -75,5 +75,15 @@ impl Mul<Vec4> for Vec3x4 {
     #[inline]
     fn mul(self, factor: Vec4) -> Self {
         Self { x: self.x * factor, y: self.y * factor, z: self.z * factor }
+    }
+}
+
+impl Div<Vec4> for Vec3x4 {
+    type Output = Self;
+
+    /// Not by the reciprocal, which rounds twice: what lies along an axis is exact.
+    #[inline]
+    fn div(self, divisor: Vec4) -> Self {
+        Self { x: self.x / divisor, y: self.y / divisor, z: self.z / divisor }
     }
 }
