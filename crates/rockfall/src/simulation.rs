@@ -62,8 +62,6 @@ pub struct Simulation {
     lookahead: Lookahead,
     /// How often they may be made.
     interval: Interval,
-    /// Dispatches a step of the last batch that made lists, or looked whether to.
-    list_dispatches: f32,
     /// What has to reach the engine before it may run.
     dirty: Dirty,
     edits: Vec<edit::Edits>,
@@ -131,7 +129,6 @@ impl Simulation {
             time_step: DEFAULT_TIME_STEP,
             lookahead: Lookahead::default(),
             interval: Interval::default(),
-            list_dispatches: 0.0,
             dirty: Dirty::Clean,
             edits: Vec::new(),
             aabbs_due: true,

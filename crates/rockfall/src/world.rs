@@ -6,6 +6,8 @@ mod build;
 mod frames;
 mod order;
 
+pub(crate) use order::spread;
+
 use bytemuck::{bytes_of, bytes_of_mut, cast_slice, cast_slice_mut};
 use glam::Vec4;
 
@@ -105,7 +107,6 @@ impl World {
     /// Makes room for `capacity` words of list entries; the lists are void after it.
     pub fn set_pair_capacity(&mut self, capacity: u32) {
         self.set_pair_room(capacity);
-        self.lists = Vec::new();
         self.lists = vec![0; (self.step.entries_at + capacity) as usize];
     }
 

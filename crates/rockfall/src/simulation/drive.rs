@@ -95,7 +95,6 @@ impl Simulation {
             phase.stages(integrator, broad_phase).iter().map(move |run| (phase, Run { every, ..*run }))
         };
         let (owners, stages): (Vec<Phase>, Vec<Run>) = phases.iter().copied().flat_map(runs).unzip();
-        self.list_dispatches = self.dispatches(phases, interval);
         if let Some(recorder) = &mut recorder {
             recorder.expect(owners);
         }
@@ -123,14 +122,14 @@ impl Simulation {
         if may_wait { self.interval.steps(self.world.step.lookahead) } else { 1 }
     }
 
-    /// Dispatches a step that make lists, or look whether to.
-    fn dispatches(&self, phases: &[Phase], interval: u32) -> f32 {
+    /// Dispatches a step of the last batch that made lists, or looked whether to.
+    fn list_dispatches(&self) -> f32 {
         if !self.engine.dispatches() {
             return 0.0;
         }
-        let making = phases.iter().filter(|phase| phase.makes_lists());
+        let making = Phase::STEP.into_iter().filter(|phase| phase.makes_lists());
         let runs = making.flat_map(|phase| phase.stages(self.options.integrator, self.broad_phase_method()));
-        runs.filter(|run| run.workgroups(&self.world.step) > 0).count() as f32 / interval as f32
+        runs.filter(|run| run.workgroups(&self.world.step) > 0).count() as f32 / self.world.step.list_interval
     }
 
     /// Keeps account of whether AABBs and lists fit the scene.
@@ -187,7 +186,7 @@ impl Simulation {
 
     /// Moves the counters of `done` steps from the status to the report.
     fn book(&mut self, done: u64) {
-        let method = self.broad_phase_method();
+        let (method, dispatches) = (self.broad_phase_method(), self.list_dispatches());
         let Status { last_contacts, last_max_overlap, last_collisions, total_collisions_low, total_collisions_high, .. } =
             self.status;
         if done > 0 {
@@ -208,7 +207,7 @@ impl Simulation {
                     builds_per_step: self.status.builds as f32 / done as f32,
                     words_per_mover: self.status.pairs_needed as f32 / movers,
                     movers,
-                    dispatches: self.list_dispatches,
+                    dispatches,
                 };
                 step.lookahead = self.lookahead.after(&seen, method);
                 self.interval.lasted();

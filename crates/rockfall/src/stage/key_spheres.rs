@@ -6,7 +6,7 @@
 use bytemuck::cast_slice_mut;
 
 use crate::stage::{Buffer, Stage, Threads, part, read, write};
-use crate::world::World;
+use crate::world::{World, spread};
 
 /// The stage.
 pub(crate) const STAGE: Stage = Stage {
@@ -25,13 +25,8 @@ fn key_spheres(world: &mut World, _pass: u32) {
     let [start, y2, ..] = &mut world.states;
     let pairs: &mut [[u32; 2]] = cast_slice_mut(y2);
     for ((position, slot), pair) in start.iter().zip(0..n).zip(pairs) {
-        let axes = position.truncate().to_array().map(|x| spread((x / world.step.cell_size).floor()));
+        let cell = |x: f32| ((x / world.step.cell_size).floor() as i32).clamp(-(1 << 30), 1 << 30);
+        let axes = position.truncate().to_array().map(|x| spread(cell(x) as u64 & 0x3ff) as u32);
         *pair = [axes[0] | axes[1] << 1 | axes[2] << 2, slot];
     }
-}
-
-/// The low 10 binary digits of a cell's coordinate, each at three times its place.
-fn spread(cell: f32) -> u32 {
-    let cell = (cell as i32).clamp(-(1 << 30), 1 << 30);
-    (0..10).map(|digit| (cell as u32 >> digit & 1) << (3 * digit)).sum()
 }

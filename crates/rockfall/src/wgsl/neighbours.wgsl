@@ -21,13 +21,13 @@ fn cells_around(own: Aabb, level: u32) -> CellRange {
 }
 
 // Whether there are more rows of cells to look at than objects. In floats, for the product of very large counts.
-fn covers_too_much(range: CellRange, objects: u32) -> bool {
+fn covers_too_much(range: CellRange) -> bool {
     let size = vec3f(range.high) - vec3f(range.low) + 1.0;
-    return (size.y * size.z > f32(objects)) | (size.x >= f32(step.cells));
+    return (size.y * size.z > f32(objects())) | (size.x >= f32(step.cells));
 }
 
 // A row of cells, which may go around the end of the table: then it has a second part.
-fn span_of_row(range: CellRange, y: i32, z: i32, level: u32, part: u32, objects: u32) -> Span {
+fn span_of_row(range: CellRange, y: i32, z: i32, level: u32, part: u32) -> Span {
     let row = row_key(y, z, level);
     let first = cell_key(range.low.x, row);
     let last = cell_key(range.high.x, row);
@@ -39,7 +39,7 @@ fn span_of_row(range: CellRange, y: i32, z: i32, level: u32, part: u32, objects:
     if first > 0u {
         start = cells[CELLS_AT + first - 1u];
     }
-    return Span(start, select(end, objects, first > last));
+    return Span(start, select(end, objects(), first > last));
 }
 
 // Emits the objects of a span that are close to the mover: two spheres where the balls that their AABBs enclose meet.
@@ -62,7 +62,6 @@ fn test_span(mover: u32, centre: vec3f, reach: vec3f, ball: f32, span: Span) {
 
 fn emit_neighbours(mover: u32) {
     let own = aabbs[mover];
-    let objects = step.spheres + step.rods + step.boxes + step.polygons;
     let centre = 0.5 * own.min + 0.5 * own.max;
     // Rounding of centres, which grows with the distance from the origin, must not lose a pair that AABBs decide on.
     let slack = 1e-6 * abs(centre);
@@ -71,7 +70,7 @@ fn emit_neighbours(mover: u32) {
     let ball = select(1e30, max(max(reach.x, reach.y), reach.z), mover < step.spheres);
     var all_of_them = false;
     for (var rest = cells[0]; rest != 0u; rest &= rest - 1u) {
-        all_of_them |= covers_too_much(cells_around(own, firstTrailingBit(rest)), objects);
+        all_of_them |= covers_too_much(cells_around(own, firstTrailingBit(rest)));
     }
     for (var rest = cells[0]; rest != 0u; rest &= rest - 1u) {
         let level = firstTrailingBit(rest);
@@ -80,9 +79,9 @@ fn emit_neighbours(mover: u32) {
         var z = range.low.z;
         var part = 0u;
         while z <= range.high.z {
-            var span = Span(0u, objects);
+            var span = Span(0u, objects());
             if !all_of_them {
-                span = span_of_row(range, y, z, level, part, objects);
+                span = span_of_row(range, y, z, level, part);
             }
             test_span(mover, centre, reach, ball, span);
             if all_of_them {

@@ -6,20 +6,19 @@ var<workgroup> tile: array<Aabb, WORKGROUP>;
 // workgroup must come here; those past the last mover only help to load tiles.
 fn emit_pairs(mover: u32, local: u32) -> u32 {
     let movers = step.spheres + step.rods;
-    let objects = movers + step.boxes + step.polygons;
     var own: Aabb;
     if mover < movers {
         own = aabbs[mover];
     }
     var count = 0u;
-    for (var base = 0u; base < objects; base += WORKGROUP) {
+    for (var base = 0u; base < objects(); base += WORKGROUP) {
         workgroupBarrier();
-        if base + local < objects {
+        if base + local < objects() {
             tile[local] = aabbs[base + local];
         }
         workgroupBarrier();
         if mover < movers {
-            let end = min(WORKGROUP, objects - base);
+            let end = min(WORKGROUP, objects() - base);
             for (var k = 0u; k < end; k++) {
                 if !(aabbs_meet(own, tile[k]) & (own.id != tile[k].id)) {
                     continue;

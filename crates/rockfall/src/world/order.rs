@@ -31,7 +31,7 @@ fn curve(position: Vec3, cell: f32) -> u64 {
 }
 
 /// The low 21 bits, two zeros after each.
-fn spread(bits: u64) -> u64 {
+pub(crate) fn spread(bits: u64) -> u64 {
     let mut x = bits;
     for (shift, mask) in [
         (32, 0x1f_0000_0000_ffff),
