@@ -118,12 +118,12 @@ fn sorting_memory_makes_no_difference(backend: Backend) {
         let (count, mut moves) = (ids.len(), 0);
         for round in 0..rounds {
             simulation.run(steps, 0.01).expect("steps");
+            // Before the sort: changes pack what refers to spheres anew, and would hide whether it followed them.
+            simulation.set_velocity(ids[round * 7], [1.0, 2.0, 0.0]).expect("a ball to throw");
+            simulation.set_force(ids[round * 5], [0.0, 30.0, 0.0]).expect("a ball to lift");
             let before = slots(&simulation, count);
             simulation.sort_memory().expect("a sort");
             moves += usize::from(slots(&simulation, count) != before);
-            // What follows refers to spheres by where they are now.
-            simulation.set_velocity(ids[round * 7], [1.0, 2.0, 0.0]).expect("a ball to throw");
-            simulation.set_force(ids[round * 5], [0.0, 30.0, 0.0]).expect("a ball to lift");
         }
         simulation.run(steps, 0.01).expect("steps");
         assert_eq!(moves > 0, method == BroadPhase::Grid, "{moves} sorts moved something");
