@@ -15,6 +15,7 @@ pub(crate) mod lists;
 pub(crate) mod state;
 pub(crate) mod tally;
 pub(crate) mod touch;
+pub(crate) mod travel;
 pub(crate) mod view;
 
 use crate::stage::Run;

@@ -105,6 +105,8 @@ pub const BAD_STAGE_SHIFT: u32 = 27;
 pub const CELLS_AT: u32 = 4;
 /// Cells that one workgroup sums.
 pub const CELL_BLOCK: u32 = 4096;
+/// Words that the sum of a block takes, of which the first holds it: the kernels read and write rows of four words.
+pub const SUM_WORDS: u32 = 4;
 /// Spheres whose keys one workgroup counts and scatters, digit by digit.
 pub const DIGIT_BLOCK: u32 = 1024;
 /// Values of a digit of a key.
@@ -113,6 +115,8 @@ pub const DIGITS: u32 = 16;
 pub const DIGIT_BITS: u32 = 4;
 /// About so many spheres tell how well memory is ordered.
 pub const ORDER_SAMPLE: u32 = 1 << 16;
+/// So many boxes and polygons are tested one by one, by every mover; more have levels of the grid of their own.
+pub const FEW_STATICS: u32 = 32;
 /// Level of the cells of size `cell_size`; cells of level l are `2^(l - LEVEL_BIAS)` times as large.
 pub const LEVEL_BIAS: u32 = 8;
 /// The level of what is too large for every other: all of it is in one cell.
@@ -203,8 +207,10 @@ pub struct Step {
     pub slots_at: u32,
     /// Steps from one chance of making lists to the next: for so many lists have to last.
     pub list_interval: f32,
+    /// Steps, or a part of one, by which AABBs stand ahead of moving spheres.
+    pub lead: f32,
     /// Padding to a multiple of 16 bytes.
-    pub pad: [u32; 2],
+    pub pad: [u32; 1],
 }
 
 /// The uniform block `pass_`: which force evaluation of the step this is.

@@ -64,7 +64,7 @@ pub enum Buffer {
     Words,
     /// The grid: levels, cells, sums of blocks, keys, sorted objects.
     Cells,
-    /// Per object, in the order of the grid's keys: centre and largest half extent of its AABB.
+    /// Per object, in the order of the grid's keys: centre and largest half extent of its AABB, negative of what is no sphere.
     Extents,
     /// The pair lists.
     Lists,

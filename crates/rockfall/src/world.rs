@@ -30,7 +30,7 @@ pub struct World {
     pub words: Vec<u32>,
     /// The grid's levels, cells, sums of blocks, keys, sorted objects.
     pub cells: Vec<u32>,
-    /// One an object, in the order of the grid's keys: centre and largest half extent of its AABB.
+    /// One an object, in the order of the grid's keys: centre and largest half extent of its AABB, negative of what is no sphere.
     pub extents: Vec<Vec4>,
     /// Counts, slice offsets, entries: `step.entries_at + step.pair_capacity` words.
     pub lists: Vec<u32>,

@@ -11,7 +11,7 @@ use glam::{IVec3, Vec3, Vec4};
 
 use crate::cpu::broad::{entries, may_meet, same_group};
 use crate::cpu::lanes::{LANES, Vec3x4};
-use crate::layout::{Aabb, CELLS_AT, FLAG_GROUPS, LEVEL_BIAS, ROW_LEVEL, ROW_Y, ROW_Z, SLICE, Step, TOP_LEVEL};
+use crate::layout::{Aabb, CELLS_AT, FEW_STATICS, FLAG_GROUPS, LEVEL_BIAS, ROW_LEVEL, ROW_Y, ROW_Z, SLICE, Step, TOP_LEVEL};
 use crate::world::World;
 
 /// So many movers at most look around together,
@@ -43,8 +43,19 @@ pub(crate) fn key_of(step: &Step, aabb: &Aabb) -> (u32, u32) {
     (key(step, x, y, z, level.number), level.number)
 }
 
+/// Whether an object is no mover, and one of few: then every mover tests it, for levels of their own would cost more.
+pub(crate) fn stands_apart(step: &Step, object: u32) -> bool {
+    object >= step.spheres + step.rods && step.boxes + step.polygons <= FEW_STATICS
+}
+
+/// The extent of a sorted object; the sign of its size tells spheres from others.
+pub(crate) fn sorted_extent(step: &Step, object: u32, aabb: &Aabb) -> Vec4 {
+    let extent = extent(aabb);
+    if object < step.spheres { extent } else { extent.truncate().extend(-extent.w) }
+}
+
 /// Centre and largest half extent of an AABB, a little too large, so that no rounding makes it too small.
-pub(crate) fn extent(aabb: &Aabb) -> Vec4 {
+fn extent(aabb: &Aabb) -> Vec4 {
     let (min, max) = (0.5 * Vec3::from_array(aabb.min), 0.5 * Vec3::from_array(aabb.max));
     (min + max).extend(1.000001 * (max - min).max_element())
 }
@@ -153,6 +164,10 @@ impl Around {
     /// Takes what may meet an AABB, by extents.
     fn gather(&mut self, grid: &Grid, aabb: &Aabb) {
         self.others.clear();
+        let movers = grid.step.spheres + grid.step.rods;
+        if stands_apart(grid.step, movers) {
+            self.others.extend(movers..grid.aabbs.len() as u32);
+        }
         grid.spans(aabb, &mut self.spans);
         let most: usize = self.spans.iter().map(|(start, end)| (end - start) as usize).sum();
         self.tests += most as u64;
@@ -164,7 +179,9 @@ impl Around {
             let span = *start as usize..*end as usize;
             for (extent, id) in grid.extents[span.clone()].iter().zip(&grid.sorted[span]) {
                 if *id >= grid.step.spheres {
-                    self.others.push(*id);
+                    if !stands_apart(grid.step, *id) {
+                        self.others.push(*id);
+                    }
                     continue;
                 }
                 // Without branches, for processors guess badly here. What has no bounds is apart from nothing.

@@ -2,6 +2,7 @@
 
 use glam::Vec3;
 
+use crate::cpu::travel::{may_travel, place_ahead};
 use crate::cpu::view::View;
 use crate::layout::{Aabb, BAD_STAGE_SHIFT, BadStage, LISTS_ASKED, LISTS_MADE, NO_BODY, Status, VOID_ESCAPED};
 
@@ -98,10 +99,10 @@ pub(crate) fn outside(aabb: &Aabb, centre: Vec3, radius: f32) -> f32 {
 /// Whether a moving sphere, come to be here and so fast, may be out of the ball that its AABB encloses within the steps that lists
 /// have to last for.
 pub(crate) fn asks_for_lists(view: &View, aabbs: &[Aabb], sphere: u32, centre: Vec3, velocity: Vec3) -> bool {
-    let radius = view.radius(sphere);
-    let a_step = 1.05 * velocity.length() * view.step.dt + 0.02 * radius;
-    let reach = radius + view.step.list_interval * a_step;
-    !view.is_fixed(sphere) && reach_out(&aabbs[sphere as usize], centre, reach) > 0.0
+    let (step, radius) = (view.step, view.radius(sphere));
+    let middle = place_ahead(step, centre, velocity.extend(view.inverse_mass(sphere)));
+    let reach = radius + may_travel(step, velocity, radius, step.list_interval);
+    !view.is_fixed(sphere) && reach_out(&aabbs[sphere as usize], middle, reach) > 0.0
 }
 
 /// How far a ball reaches out of the ball that an AABB encloses; not positive: it is inside. Rounding far from the origin is

@@ -219,6 +219,7 @@ impl GpuWorld {
             margin_scale: step.margin_scale,
             lookahead: step.lookahead,
             list_interval: step.list_interval,
+            lead: step.lead,
             flags: step.flags,
             ..self.step
         }

@@ -20,6 +20,8 @@ const MAX_ATTEMPTS: u32 = 64;
 /// How fast a margin that had to be raised sinks again, per step.
 const MARGIN_DECAY: f32 = 0.995;
 const MIN_MARGIN: f32 = 2.0;
+/// AABBs stand half a step ahead: then they need to reach half as far for its way.
+const LEAD: f32 = 0.5;
 
 /// The order in which a whole step runs its phases. Collisions come first, with the lists of the step before: those hold
 /// every pair that overlaps now (`find_collisions` sees to it), and AABBs that are made after the impulses need not be
@@ -100,6 +102,8 @@ impl Simulation {
         }
         self.world.step.dt = self.time_step;
         self.world.step.list_interval = interval as f32;
+        // Where impulses come after the lists, a body may turn back at once.
+        self.world.step.lead = if is_step { LEAD } else { 0.0 };
         let makes_lists = phases.iter().any(|phase| phase.makes_lists());
         if (makes_lists && !is_step) || self.status.void != 0 || self.lists_due || self.aabbs_due {
             self.status.rebuild = LISTS_ASKED;

@@ -26,9 +26,9 @@ const TEST: f32 = 0.004;
 
 // Costs in ns a step, however many movers there are.
 /// Dispatching a stage, whatever it has to do.
-const DISPATCH: f32 = 4_000.0;
+const DISPATCH: f32 = 7_000.0;
 /// Waiting for memory for one entry more in every list, in all stages of a step.
-const WAIT: f32 = 1_500.0;
+const WAIT: f32 = 500.0;
 
 /// What a batch of steps did with its lists.
 #[derive(Clone, Copy, Debug)]

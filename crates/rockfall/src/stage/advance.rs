@@ -27,6 +27,7 @@ pub(crate) const STAGE: Stage = Stage {
         part!("wgsl/contact.wgsl"),
         part!("wgsl/wrenches.wgsl"),
         part!("wgsl/forces.wgsl"),
+        part!("wgsl/travel.wgsl"),
         part!("wgsl/margin.wgsl"),
         part!("wgsl/tell.wgsl"),
         part!("stage/advance.wgsl"),

@@ -29,6 +29,7 @@ pub(crate) const STAGE: Stage = Stage {
         part!("wgsl/collision.wgsl"),
         part!("wgsl/plain.wgsl"),
         part!("wgsl/weights.wgsl"),
+        part!("wgsl/travel.wgsl"),
         part!("wgsl/margin.wgsl"),
         part!("wgsl/tell.wgsl"),
         part!("stage/apply_collisions.wgsl"),

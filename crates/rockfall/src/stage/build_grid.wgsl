@@ -20,7 +20,9 @@ fn place_cells(local: u32) {
     sums[local] = own;
     scan_sums(local);
     if local == TEAM - 1u {
-        atomicStore(&cells[step.sums_at], sums[local]);
+        for (var k = 0u; k < SUM_WORDS; k++) {
+            atomicStore(&cells[step.sums_at + k], select(0u, sums[local], k == 0u));
+        }
     }
     var before = sums[local] - own;
     for (var k = 0u; k < OWN; k++) {

@@ -15,6 +15,7 @@ pub(crate) const STAGE: Stage = Stage {
     name: "commit_and_turn",
     parts: &[
         part!("wgsl/step.wgsl"),
+        part!("wgsl/travel.wgsl"),
         part!("wgsl/margin.wgsl"),
         part!("wgsl/commit.wgsl"),
         part!("wgsl/rotation.wgsl"),

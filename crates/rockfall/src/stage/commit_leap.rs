@@ -13,7 +13,13 @@ use crate::world::World;
 /// The stage.
 pub(crate) const STAGE: Stage = Stage {
     name: "commit_leap",
-    parts: &[part!("wgsl/step.wgsl"), part!("wgsl/margin.wgsl"), part!("wgsl/commit.wgsl"), part!("stage/commit_leap.wgsl")],
+    parts: &[
+        part!("wgsl/step.wgsl"),
+        part!("wgsl/travel.wgsl"),
+        part!("wgsl/margin.wgsl"),
+        part!("wgsl/commit.wgsl"),
+        part!("stage/commit_leap.wgsl"),
+    ],
     bindings: &[
         write("state", Buffer::Start),
         read("next", Buffer::Y2),

@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use crate::cpu::GRAIN;
-use crate::cpu::grid::key_of;
+use crate::cpu::grid::{key_of, stands_apart};
 use crate::layout::CELLS_AT;
 use crate::stage::{Buffer, Stage, Threads, part, read, write};
 use crate::world::World;
@@ -29,7 +29,9 @@ fn count_cells(world: &mut World, _pass: u32) {
     let step = &world.step;
     let keys: Vec<(u32, u32)> = world.aabbs.par_iter().with_min_len(GRAIN).map(|aabb| key_of(step, aabb)).collect();
     for (object, (key, level)) in keys.into_iter().enumerate() {
-        world.cells[0] |= 1 << level;
+        if !stands_apart(step, object as u32) {
+            world.cells[0] |= 1 << level;
+        }
         world.cells[(CELLS_AT + key) as usize] += 1;
         world.cells[step.keys_at as usize + object] = key;
     }

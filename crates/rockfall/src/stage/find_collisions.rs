@@ -31,6 +31,7 @@ pub(crate) const STAGE: Stage = Stage {
         part!("wgsl/contact.wgsl"),
         part!("wgsl/collision.wgsl"),
         part!("wgsl/plain.wgsl"),
+        part!("wgsl/travel.wgsl"),
         part!("wgsl/margin.wgsl"),
         part!("wgsl/tell.wgsl"),
         part!("stage/find_collisions.wgsl"),

@@ -39,15 +39,6 @@ fn bits_of(overlap: f32, approach: f32, inverse_mass: f32, radius: f32) -> u32 {
 
 // The bits of a pair, the first added first.
 fn judge(a: u32, b: u32, feature: u32) -> u32 {
-    if b < step.spheres {
-        // Most pairs of the lists do not touch. The slack leaves those near the edge to the test that counts.
-        let one = state[position_at(a)];
-        let other = state[position_at(b)];
-        let distance = other.xyz - one.xyz;
-        if dot(distance, distance) > 1.00001 * (one.w + other.w) * (one.w + other.w) {
-            return 0u;
-        }
-    }
     let radius = pair_radius(a, b);
     if are_plain(a, b) {
         let contact = plain_contact(a, b);
@@ -64,24 +55,38 @@ fn judge(a: u32, b: u32, feature: u32) -> u32 {
     return bits_of(found.overlap, contact.approach, contact.inverse_mass, radius);
 }
 
+// Which of four entries are judged: all but spheres without bits that are too far from this one. The slack leaves those near the
+// edge to the test that counts.
+fn which_to_judge(mover: u32, entries: vec4u, e: u32, count: u32) -> u32 {
+    let marked = (entries & vec4u(ENTRY_OVERLAPS | ENTRY_COLLIDES)) != vec4u(0u);
+    let others = (entries & vec4u(ENTRY_ID_MASK)) >= vec4u(step.spheres);
+    if mover >= step.spheres {
+        return which(vec4<bool>(true), e, count);
+    }
+    return which(marked | others | close(state[position_at(mover)], four_spheres(entries, mover), 1.00001), e, count);
+}
+
 // Marks the entries of a mover, and the mover where one of them collides, and gives the number of collisions with objects of higher id.
 fn mark_entries(mover: u32) -> u32 {
-    let first = step.entries_at + slot_of(mover, 0u);
+    let first = slot_of(mover, 0u);
     var collisions = 0u;
     var any_bits = 0u;
     let count = count_of(mover);
-    for (var e = 0u; e < count; e++) {
-        let old = lists[first + e * SLICE];
-        let entry = old & ~(ENTRY_OVERLAPS | ENTRY_COLLIDES);
-        let id = entry_id(entry);
-        let pair = ordered(mover, id);
-        let bits = judge(pair.x, pair.y, entry_feature(entry));
-        // Few change from step to step.
-        if (entry | bits) != old {
-            lists[first + e * SLICE] = entry | bits;
+    for (var e = 0u; e < count; e += 4u) {
+        let entries = four_entries(first, e, count);
+        for (var rest = which_to_judge(mover, entries, e, count); rest != 0u; rest &= rest - 1u) {
+            let at = firstTrailingBit(rest);
+            let old = one_of(entries, at);
+            let entry = old & ~(ENTRY_OVERLAPS | ENTRY_COLLIDES);
+            let pair = ordered(mover, entry_id(entry));
+            let bits = judge(pair.x, pair.y, entry_feature(entry));
+            // Few change from step to step.
+            if (entry | bits) != old {
+                lists[step.entries_at + first + (e + at) * SLICE] = entry | bits;
+            }
+            any_bits |= bits;
+            collisions += select(0u, 1u, ((bits & ENTRY_COLLIDES) != 0u) & (pair.x == mover));
         }
-        any_bits |= bits;
-        collisions += select(0u, 1u, ((bits & ENTRY_COLLIDES) != 0u) & (pair.x == mover));
     }
     let marked = count | select(0u, LIST_COLLIDES, (any_bits & ENTRY_COLLIDES) != 0u);
     if marked != lists[mover] {

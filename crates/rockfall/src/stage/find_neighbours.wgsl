@@ -5,18 +5,17 @@
 @group(0) @binding(6) var<storage, read> words: array<u32>;
 @group(0) @binding(7) var<storage, read_write> status: StatusAtomic;
 
-// So many objects are remembered and put in order in workgroup memory; more are looked for again, and put in order in
-// place.
+// So many objects are remembered and put in order by their thread; more are looked for again, and put in order in place.
 const SHORT: u32 = 24u;
 
-// Object `place` of a thread is at place * WORKGROUP + local: its id, and once in order its index in order of addition.
-var<workgroup> ids: array<u32, SHORT * WORKGROUP>;
+// What was found: places (see `id_at`); once in order, ids and their indices in order of addition. Not in workgroup memory, for
+// that is taken from the cache, which matters more here.
+var<private> ids: array<u32, SHORT>;
+var<private> users: array<u32, SHORT>;
 // The longest list of each slice of the workgroup, and where the slice begins.
 var<workgroup> longest: array<atomic<u32>, WORKGROUP / SLICE>;
 var<workgroup> offsets: array<u32, WORKGROUP / SLICE>;
 
-// The thread's place in its workgroup.
-var<private> own: u32;
 // Objects found; the first SHORT are remembered.
 var<private> found: u32;
 // Entries that they make, or may make.
@@ -35,14 +34,21 @@ fn may_meet(a: u32, b: u32) -> bool {
     return aabbs_meet(aabbs[a], aabbs[b]);
 }
 
-fn emit(mover: u32, id: u32) {
+fn emit(mover: u32, place: u32) {
     if into == 0u {
         if found < SHORT {
-            ids[found * WORKGROUP + own] = id;
+            ids[found] = place;
         }
         found += 1u;
-        entries += entries_of(mover, id);
-    } else if may_meet(mover, id) {
+        if RODS & (mover >= step.spheres) {
+            entries += entries_of(mover, id_at(place));
+        } else {
+            entries += 1u;
+        }
+        return;
+    }
+    let id = id_at(place);
+    if (id != mover) & may_meet(mover, id) {
         let count = entries_of(mover, id);
         for (var feature = 0u; feature < count; feature++) {
             lists[into + entries * SLICE] = entry_key(id, feature);
@@ -56,27 +62,29 @@ fn order_short(mover: u32) {
     var kept = 0u;
     entries = 0u;
     for (var place = 0u; place < found; place++) {
-        let id = ids[place * WORKGROUP + own];
+        let id = id_at(ids[place]);
         let user = user_of(id);
         var at = kept;
         var before = NONE;
         while at > 0u {
-            before = ids[(at - 1u) * WORKGROUP + own];
+            before = users[at - 1u];
             if before <= user {
                 break;
             }
             at -= 1u;
         }
-        if (at > 0u) & (before == user) {
+        if (id == mover) | ((at > 0u) & (before == user)) {
             continue;
         }
         if !may_meet(mover, id) {
             continue;
         }
         for (var k = kept; k > at; k--) {
-            ids[k * WORKGROUP + own] = ids[(k - 1u) * WORKGROUP + own];
+            ids[k] = ids[k - 1u];
+            users[k] = users[k - 1u];
         }
-        ids[at * WORKGROUP + own] = user;
+        ids[at] = id;
+        users[at] = user;
         kept += 1u;
         entries += entries_of(mover, id);
     }
@@ -100,7 +108,7 @@ fn allot(slice: u32, words: u32) -> u32 {
 fn write_short(mover: u32) {
     var place = 0u;
     for (var k = 0u; k < found; k++) {
-        let id = id_of(ids[k * WORKGROUP + own]);
+        let id = ids[k];
         let count = entries_of(mover, id);
         for (var feature = 0u; feature < count; feature++) {
             lists[into + place * SLICE] = id | feature << ENTRY_ID_BITS;
@@ -124,7 +132,6 @@ fn find_neighbours(
         atomicStore(&status.rebuild, LISTS_MADE);
     }
     let slice = local / SLICE;
-    own = local;
     if local < WORKGROUP / SLICE {
         atomicStore(&longest[local], 0u);
     }

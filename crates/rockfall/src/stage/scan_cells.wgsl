@@ -1,21 +1,25 @@
-@group(0) @binding(2) var<storage, read_write> cells: array<u32>;
+// Four cells a row: neighbouring threads read and write neighbouring rows.
+@group(0) @binding(2) var<storage, read_write> cells: array<vec4u>;
 @group(0) @binding(3) var<storage, read> status: Status;
 
-// Cells of a thread of a block's workgroup.
-const OWN: u32 = CELL_BLOCK / WORKGROUP;
+// Threads that share out a block: TILES times a row each.
+const TEAM: u32 = 256u;
+const TILES: u32 = CELL_BLOCK / (4u * TEAM);
 
-// Threads that share out a block.
-const TEAM: u32 = WORKGROUP;
-
-fn own_sum(first: u32) -> u32 {
-    var sum = 0u;
-    for (var k = 0u; k < OWN; k++) {
-        sum += cells[first + k];
-    }
-    return sum;
+fn total(row: vec4u) -> u32 {
+    return row.x + row.y + row.z + row.w;
 }
 
-@compute @workgroup_size(64)
+fn first_row(block: u32) -> u32 {
+    return (CELLS_AT + block * CELL_BLOCK) / 4u;
+}
+
+// A sum has a row, of which it is the first word: no two blocks write into one row.
+fn sum_row(block: u32) -> u32 {
+    return (step.sums_at + block * SUM_WORDS) / 4u;
+}
+
+@compute @workgroup_size(256)
 fn sum_blocks(
     @builtin(workgroup_id) group: vec3u,
     @builtin(num_workgroups) groups: vec3u,
@@ -26,27 +30,31 @@ fn sum_blocks(
     if (status.rebuild == 0u) | (status.void != 0u) | (block * CELL_BLOCK >= step.cells) {
         return;
     }
-    sums[local] = own_sum(CELLS_AT + block * CELL_BLOCK + local * OWN);
+    var own = vec4u(0u);
+    for (var tile = 0u; tile < TILES; tile++) {
+        own += cells[first_row(block) + tile * TEAM + local];
+    }
+    sums[local] = total(own);
     scan_sums(local);
-    if local == WORKGROUP - 1u {
-        cells[step.sums_at + block] = sums[local];
+    if local == TEAM - 1u {
+        cells[sum_row(block)] = vec4u(sums[local], 0u, 0u, 0u);
     }
 }
 
 // Objects in all blocks before one. Every block adds them up for itself, which takes less time than one more dispatch.
 fn sum_before(block: u32, local: u32) -> u32 {
     var sum = 0u;
-    for (var k = local; k < block; k += WORKGROUP) {
-        sum += cells[step.sums_at + k];
+    for (var k = local; k < block; k += TEAM) {
+        sum += cells[sum_row(k)].x;
     }
     sums[local] = sum;
     scan_sums(local);
-    let all = sums[WORKGROUP - 1u];
+    let all = sums[TEAM - 1u];
     workgroupBarrier();
     return all;
 }
 
-@compute @workgroup_size(64)
+@compute @workgroup_size(256)
 fn place_cells(
     @builtin(workgroup_id) group: vec3u,
     @builtin(num_workgroups) groups: vec3u,
@@ -56,15 +64,15 @@ fn place_cells(
     if (status.rebuild == 0u) | (status.void != 0u) | (block * CELL_BLOCK >= step.cells) {
         return;
     }
-    let first = CELLS_AT + block * CELL_BLOCK + local * OWN;
-    let all_before = sum_before(block, local);
-    let own = own_sum(first);
-    sums[local] = own;
-    scan_sums(local);
-    var before = all_before + sums[local] - own;
-    for (var k = 0u; k < OWN; k++) {
-        let count = cells[first + k];
-        cells[first + k] = before;
-        before += count;
+    var before = sum_before(block, local);
+    for (var tile = 0u; tile < TILES; tile++) {
+        let at = first_row(block) + tile * TEAM + local;
+        let counts = cells[at];
+        sums[local] = total(counts);
+        scan_sums(local);
+        let own = before + sums[local] - total(counts);
+        cells[at] = vec4u(own) + vec4u(0u, counts.x, counts.x + counts.y, counts.x + counts.y + counts.z);
+        before += sums[TEAM - 1u];
+        workgroupBarrier();
     }
 }

@@ -1,7 +1,7 @@
 //! Grid broad phase, 5 of 6: the objects in the order of their keys. Those of one cell come in any order; a cell's start
 //! moves on to its end, which is the start of the next.
 
-use crate::cpu::grid::extent;
+use crate::cpu::grid::sorted_extent;
 use crate::layout::CELLS_AT;
 use crate::stage::{Buffer, Stage, Threads, part, read, write};
 use crate::world::World;
@@ -31,6 +31,6 @@ fn sort_cells(world: &mut World, _pass: u32) {
         let place = world.cells[cell];
         world.cells[cell] += 1;
         world.cells[(step.sorted_at + place) as usize] = object as u32;
-        world.extents[place as usize] = extent(&world.aabbs[object]);
+        world.extents[place as usize] = sorted_extent(step, object as u32, &world.aabbs[object]);
     }
 }

@@ -9,6 +9,7 @@ use glam::Vec3;
 use rayon::prelude::*;
 
 use crate::cpu::GRAIN;
+use crate::cpu::travel::{may_travel, place_ahead};
 use crate::cpu::view::{Object, View};
 use crate::layout::Aabb;
 use crate::stage::{Buffer, Stage, Threads, part, read, write};
@@ -17,7 +18,13 @@ use crate::world::World;
 /// The stage.
 pub(crate) const STAGE: Stage = Stage {
     name: "update_aabbs",
-    parts: &[part!("wgsl/step.wgsl"), part!("wgsl/order.wgsl"), part!("wgsl/objects.wgsl"), part!("stage/update_aabbs.wgsl")],
+    parts: &[
+        part!("wgsl/step.wgsl"),
+        part!("wgsl/order.wgsl"),
+        part!("wgsl/objects.wgsl"),
+        part!("wgsl/travel.wgsl"),
+        part!("stage/update_aabbs.wgsl"),
+    ],
     bindings: &[
         read("state", Buffer::Start),
         read("words", Buffer::Words),
@@ -60,16 +67,17 @@ fn aabb(view: &View, id: u32) -> Aabb {
 /// All places that a ball of this radius about a sphere's centre may be found in within the step.
 fn ball(view: &View, sphere: u32, radius: f32) -> (Vec3, Vec3) {
     let reach = radius + margin(view, sphere);
-    let centre = view.position(sphere);
-    (centre - reach, centre + reach)
+    let middle = place_ahead(view.step, view.position(sphere), view.motion(sphere));
+    (middle - reach, middle + reach)
 }
 
 fn margin(view: &View, sphere: u32) -> f32 {
     if view.is_fixed(sphere) {
         return 0.0;
     }
-    let a_step = 1.05 * view.velocity(sphere).length() * view.step.dt + 0.02 * view.radius(sphere);
-    view.step.lookahead * a_step + (view.step.margin_scale - 1.0) * 0.02 * view.radius(sphere)
+    let radius = view.radius(sphere);
+    let travel = may_travel(view.step, view.velocity(sphere), radius, view.step.lookahead);
+    travel + (view.step.margin_scale - 1.0) * 0.02 * radius
 }
 
 fn hull(corner: Vec3, edges: &[Vec3]) -> (Vec3, Vec3) {

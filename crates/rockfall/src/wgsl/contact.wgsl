@@ -22,6 +22,51 @@ fn entry_feature(entry: u32) -> u32 {
     return entry >> ENTRY_ID_BITS & ENTRY_FEATURE_MASK;
 }
 
+// Entries are gone through four at a time, so that memory is asked for all of them at once. Past the last one it is repeated.
+fn four_entries(first: u32, e: u32, count: u32) -> vec4u {
+    let places = first + min(vec4u(e, e + 1u, e + 2u, e + 3u), vec4u(count - 1u)) * SLICE;
+    return vec4u(entry_at(places.x), entry_at(places.y), entry_at(places.z), entry_at(places.w));
+}
+
+// The bits of those of four that are there and for which it is true.
+fn which(yes: vec4<bool>, e: u32, count: u32) -> u32 {
+    let bits = select(vec4u(0u), vec4u(1u, 2u, 4u, 8u), yes & (vec4u(e, e + 1u, e + 2u, e + 3u) < vec4u(count)));
+    return bits.x | bits.y | bits.z | bits.w;
+}
+
+// One of four, without a place in memory that an index would need.
+fn one_of(four: vec4u, at: u32) -> u32 {
+    return select(select(four.x, four.y, at == 1u), select(four.z, four.w, at == 3u), at >= 2u);
+}
+
+// Positions and radii of the spheres of four entries; of what is no sphere that of `instead`.
+struct Four {
+    a: vec4f,
+    b: vec4f,
+    c: vec4f,
+    d: vec4f,
+}
+
+fn four_spheres(entries: vec4u, instead: u32) -> Four {
+    let ids = entries & vec4u(ENTRY_ID_MASK);
+    let at = select(vec4u(instead), ids, ids < vec4u(step.spheres));
+    return Four(state[position_at(at.x)], state[position_at(at.y)], state[position_at(at.z)], state[position_at(at.w)]);
+}
+
+fn one_sphere(four: Four, at: u32) -> vec4f {
+    return select(select(four.a, four.b, at == 1u), select(four.c, four.d, at == 3u), at >= 2u);
+}
+
+// Which of four spheres are so close to one that they touch, were the sum of the radii so many times as large.
+fn close(own: vec4f, four: Four, slack: f32) -> vec4<bool> {
+    let a = four.a.xyz - own.xyz;
+    let b = four.b.xyz - own.xyz;
+    let c = four.c.xyz - own.xyz;
+    let d = four.d.xyz - own.xyz;
+    let reach = vec4f(own.w) + vec4f(four.a.w, four.b.w, four.c.w, four.d.w);
+    return vec4f(dot(a, a), dot(b, b), dot(c, c), dot(d, d)) < slack * reach * reach;
+}
+
 // One side of a contact. What cannot move has inverse mass 0 and is at rest.
 struct Side {
     velocity: vec3f,

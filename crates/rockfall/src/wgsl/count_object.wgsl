@@ -1,4 +1,4 @@
-// Counts an object in its cell; gives its level, as a bit.
+// Counts an object in its cell; gives its level, as a bit, 0 where nobody looks for it there.
 fn count_object(object: u32) -> u32 {
     let aabb = aabbs[object];
     let level = level_of(aabb);
@@ -6,5 +6,5 @@ fn count_object(object: u32) -> u32 {
     let key = cell_key(cell.x, row_key(cell.y, cell.z, level));
     atomicAdd(&cells[CELLS_AT + key], 1u);
     atomicStore(&cells[step.keys_at + object], key);
-    return 1u << level;
+    return select(1u << level, 0u, (object >= step.spheres + step.rods) & statics_stand_apart());
 }

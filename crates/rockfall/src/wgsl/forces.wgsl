@@ -4,7 +4,7 @@ struct Net {
     // Without gravity.
     force: vec3f,
     torque: vec3f,
-    // Contacts with objects of higher id.
+    // Contacts with objects of higher id; in pass 0.
     contacts: u32,
     // Deepest overlap among them.
     deepest: f32,
@@ -19,42 +19,51 @@ fn add_contacts(i: u32, net: ptr<function, Net>) {
     let own = state[position_at(i)];
     let side = sphere_side(i);
     let first = slot_of(i, 0u);
-    for (var e = 0u; e < count; e++) {
-        let entry = entry_at(first + e * SLICE);
-        let id = entry_id(entry);
-        var found = no_touch();
-        if id < step.spheres {
-            let other = state[position_at(id)];
-            let distance = other.xyz - own.xyz;
-            // Most pairs of the lists do not touch: they cost one position.
-            if dot(distance, distance) >= (own.w + other.w) * (own.w + other.w) {
-                continue;
-            }
-            var up = vec3f(0.0, 1.0, 0.0);
-            if dot(distance, distance) <= TINY {
-                up.y = select(-1.0, 1.0, ordered(i, id).x == i);
-            }
-            found = touch_at(distance, own.w + other.w, 0.0, 0.0, up);
-            if joined(i, id) {
-                continue;
-            }
-        } else {
-            found = touch_static_or_rod(i, id, own);
+    for (var e = 0u; e < count; e += 4u) {
+        let entries = four_entries(first, e, count);
+        let spheres = four_spheres(entries, i);
+        // Pairs of spheres that do not touch cost one position.
+        let others = (entries & vec4u(ENTRY_ID_MASK)) >= vec4u(step.spheres);
+        for (var rest = which(others | close(own, spheres, 1.0), e, count); rest != 0u; rest &= rest - 1u) {
+            let at = firstTrailingBit(rest);
+            add_contact(i, own, side, entry_id(one_of(entries, at)), one_sphere(spheres, at), net);
         }
-        if found.overlap <= 0.0 {
-            continue;
+    }
+}
+
+// `place` is the position and radius of the other where that is a sphere.
+fn add_contact(i: u32, own: vec4f, side: Side, id: u32, place: vec4f, net: ptr<function, Net>) {
+    var found = no_touch();
+    if id < step.spheres {
+        let distance = place.xyz - own.xyz;
+        var up = vec3f(0.0, 1.0, 0.0);
+        if dot(distance, distance) <= TINY {
+            up.y = select(-1.0, 1.0, ordered(i, id).x == i);
         }
-        let other_side = side_at(id, found.b);
-        if side.inverse_mass + other_side.inverse_mass <= 0.0 {
-            continue;
+        found = touch_at(distance, own.w + place.w, 0.0, 0.0, up);
+        if joined(i, id) {
+            return;
         }
-        let contact = contact_force(side, other_side, found, id);
-        (*net).force += contact.force;
-        (*net).torque += contact.couple_a;
-        if user_of(i) < user_of(id) {
-            (*net).contacts += 1u;
-            (*net).deepest = max((*net).deepest, found.overlap);
-        }
+    } else {
+        found = touch_static_or_rod(i, id, own);
+    }
+    if found.overlap <= 0.0 {
+        return;
+    }
+    let other_side = side_at(id, found.b);
+    if side.inverse_mass + other_side.inverse_mass <= 0.0 {
+        return;
+    }
+    let contact = contact_force(side, other_side, found, id);
+    (*net).force += contact.force;
+    (*net).torque += contact.couple_a;
+    // They are told of in the first pass alone.
+    if pass_.index != 0u {
+        return;
+    }
+    if user_of(i) < user_of(id) {
+        (*net).contacts += 1u;
+        (*net).deepest = max((*net).deepest, found.overlap);
     }
 }
 

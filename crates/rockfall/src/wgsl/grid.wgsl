@@ -5,6 +5,11 @@
 // Cells live in a table of fixed size: along x they are neighbours, rows are scattered. Two rows may share places of the
 // table; that costs tests and makes duplicates, which `find_neighbours` drops, but loses nothing.
 
+// Few boxes and polygons are tested one by one: levels of their own would cost every mover more.
+fn statics_stand_apart() -> bool {
+    return step.boxes + step.polygons <= FEW_STATICS;
+}
+
 fn cell_size(level: u32) -> f32 {
     return ldexp(step.cell_size, i32(level) - i32(LEVEL_BIAS));
 }

@@ -25,9 +25,9 @@ fn escape_ratio(position: vec3f, radius: f32, aabb: Aabb) -> f32 {
 
 // A sphere that may be outside before the lists made at the next chance hold, at the velocity at hand, asks for new ones.
 fn ask_for_lists(sphere: u32, centre: vec4f, velocity: vec4f) {
-    let reach = centre.w + step.list_interval * (1.05 * length(velocity.xyz) * step.dt + 0.02 * centre.w);
+    let reach = centre.w + may_travel(velocity, centre.w, step.list_interval);
     if velocity.w > 0.0 {
-        if reach_out(centre.xyz, reach, aabbs[sphere]) > 0.0 {
+        if reach_out(place_ahead(centre.xyz, velocity), reach, aabbs[sphere]) > 0.0 {
             atomicOr(&status.rebuild, LISTS_ASKED);
         }
     }

@@ -7,5 +7,6 @@ fn place_object(object: u32) {
     let half = 0.5 * aabb.max - 0.5 * aabb.min;
     // A little too large, so that no rounding makes it too small.
     let largest = 1.000001 * max(half.x, max(half.y, half.z));
-    extents[place] = vec4f(0.5 * aabb.min + 0.5 * aabb.max, largest);
+    // The sign tells spheres from others.
+    extents[place] = vec4f(0.5 * aabb.min + 0.5 * aabb.max, select(-largest, largest, object < step.spheres));
 }

@@ -37,9 +37,9 @@ struct Step {
     users_at: u32,
     slots_at: u32,
     list_interval: f32,
+    lead: f32,
     // The padding is words and not an array: arrays in uniform blocks have a stride of 16 bytes.
     pad_0: u32,
-    pad_1: u32,
 }
 
 struct Pass {
@@ -142,10 +142,12 @@ const BOX_FEATURES: u32 = 12u;
 
 const CELLS_AT: u32 = 4u;
 const CELL_BLOCK: u32 = 4096u;
+const SUM_WORDS: u32 = 4u;
 const DIGIT_BLOCK: u32 = 1024u;
 const DIGITS: u32 = 16u;
 const DIGIT_BITS: u32 = 4u;
 const ORDER_SAMPLE: u32 = 65536u;
+const FEW_STATICS: u32 = 32u;
 const LEVEL_BIAS: u32 = 8u;
 const TOP_LEVEL: u32 = 31u;
 const ROW_Y: u32 = 0x9e3779b1u;

@@ -5,7 +5,7 @@ use glam::{Vec3, Vec4};
 use crate::error::{Error, Result};
 use crate::layout::{
     CELL_BLOCK, CELLS_AT, ENTRY_ID_MASK, FLAG_COLLISIONS, FLAG_CONTINUE, FLAG_GROUPS, FLAG_PULL, KIND_FORCE, KIND_ROD,
-    KIND_SHIFT, KIND_SPRING, KIND_TETHER, SLICE, Step,
+    KIND_SHIFT, KIND_SPRING, KIND_TETHER, SLICE, SUM_WORDS, Step,
 };
 use crate::scene::{Scene, Sphere, SphereId};
 use crate::settings::{BroadPhase, Settings};
@@ -169,7 +169,7 @@ impl World {
         let step = &mut self.step;
         step.cells = cells.max(CELL_BLOCK).next_power_of_two();
         step.sums_at = CELLS_AT + step.cells;
-        step.keys_at = step.sums_at + step.cells / CELL_BLOCK;
+        step.keys_at = step.sums_at + SUM_WORDS * (step.cells / CELL_BLOCK);
         step.sorted_at = step.keys_at + objects;
     }
 

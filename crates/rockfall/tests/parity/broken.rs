@@ -11,8 +11,9 @@ use crate::trace::{Plan, Scenario, trace};
 /// A mistake: in which stage and pass, the file, the text and what it becomes, and the buffer that it shows in.
 struct Mistake(&'static str, u32, &'static str, &'static str, &'static str, Buffer);
 
-const MISTAKES: [Mistake; 54] = [
+const MISTAKES: [Mistake; 56] = [
     Mistake("update_aabbs", 0, "update_aabbs.wgsl", "0.02 * radius", "0.03 * radius", Buffer::Aabbs),
+    Mistake("update_aabbs", 0, "travel.wgsl", "position + way", "position - way", Buffer::Aabbs),
     Mistake("count_pairs", 0, "pair_tiles.wgsl", "(own.id != tile[k].id)", "(own.id < tile[k].id)", Buffer::Lists),
     Mistake("scan_pairs", 0, "scan_pairs.wgsl", "k < SLICE;", "k < SLICE / 2u;", Buffer::Lists),
     Mistake("fill_pairs", 0, "pair_tiles.wgsl", "id | feature <<", "id | (11u - feature) <<", Buffer::Lists),
@@ -23,11 +24,19 @@ const MISTAKES: [Mistake; 54] = [
     Mistake("clear_cells", 0, "clear_cells.wgsl", "k < CELL_BLOCK", "k < CELL_BLOCK / 2u", Buffer::Cells),
     Mistake("count_cells", 0, "grid.wgsl", "u32(z) * ROW_Z", "u32(z) * ROW_Y", Buffer::Cells),
     Mistake("build_grid", 0, "build_grid.wgsl", "cells[0], atomicLoad(&levels)", "cells[0], 1u", Buffer::Cells),
-    Mistake("sum_blocks", 0, "scan_cells.wgsl", "local == WORKGROUP - 1u", "local == 0u", Buffer::Cells),
-    Mistake("place_cells", 0, "scan_cells.wgsl", "all_before + sums[local] - own;", "all_before + sums[local];", Buffer::Cells),
-    Mistake("place_cells", 0, "scan_cells.wgsl", "before += count", "before -= count", Buffer::Cells),
+    Mistake("sum_blocks", 0, "scan_cells.wgsl", "local == TEAM - 1u", "local == 0u", Buffer::Cells),
+    Mistake(
+        "place_cells",
+        0,
+        "scan_cells.wgsl",
+        "before + sums[local] - total(counts);",
+        "before + sums[local];",
+        Buffer::Cells,
+    ),
+    Mistake("place_cells", 0, "scan_cells.wgsl", "before += sums", "before -= sums", Buffer::Cells),
     Mistake("sort_cells", 0, "place_object.wgsl", "CELLS_AT + key], 1u", "CELLS_AT + key], 0u", Buffer::Cells),
-    Mistake("find_neighbours", 0, "neighbours.wgsl", "(id == mover)", "(id < mover)", Buffer::Lists),
+    Mistake("find_neighbours", 0, "find_neighbours.wgsl", "(id == mover) |", "(id < mover) |", Buffer::Lists),
+    Mistake("find_neighbours", 0, "neighbours.wgsl", "if statics_stand_apart", "if !statics_stand_apart", Buffer::Lists),
     Mistake("find_neighbours", 0, "find_neighbours.wgsl", "if before <= user", "if before >= user", Buffer::Lists),
     Mistake("find_neighbours", 0, "neighbours.wgsl", "> touching * touching", "> 0.9 * touching * touching", Buffer::Lists),
     Mistake("find_collisions", 0, "margin.wgsl", "radius - room", "radius - 0.5 * room", Buffer::Status),

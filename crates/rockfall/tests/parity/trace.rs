@@ -77,6 +77,7 @@ fn built(drawn: &Clusters, plan: &Plan) -> World {
 fn sized(mut world: World) -> World {
     world.step.dt = DT;
     world.step.margin_scale = MARGIN;
+    world.step.lead = 0.5;
     world.set_pair_capacity(world.movers() * 64);
     // Not 0, so that a word that a stage leaves out shows.
     world.cells[CELLS_AT as usize..].fill(3);

@@ -1,0 +1,19 @@
+//! Where a sphere may be within some steps: in a ball about the place that it comes to in a part of the first one, if nothing
+//! happens. Forwards and backwards that ball need not reach as far as one about the sphere itself.
+
+use glam::{Vec3, Vec4};
+
+use crate::layout::Step;
+
+/// The place that a sphere of this position, velocity and inverse mass comes to; of what cannot move, or is faster than all
+/// measure, where it is.
+pub(crate) fn place_ahead(step: &Step, position: Vec3, motion: Vec4) -> Vec3 {
+    let way = motion.truncate() * (step.lead * step.dt);
+    let known = motion.w > 0.0 && way.abs().max_element() < 1e30;
+    if known { position + way } else { position }
+}
+
+/// How far it may come from there in so many steps, with a little room for what accelerates.
+pub(crate) fn may_travel(step: &Step, velocity: Vec3, radius: f32, steps: f32) -> f32 {
+    (steps - step.lead) * (1.05 * velocity.length() * step.dt) + steps * 0.02 * radius
+}

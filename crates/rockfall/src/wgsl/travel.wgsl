@@ -1,0 +1,13 @@
+// Where a sphere may be within some steps: in a ball about the place that it comes to in a part of the first one, if nothing
+// happens. Forwards and backwards that ball need not reach as far as one about the sphere itself.
+
+fn place_ahead(position: vec3f, velocity: vec4f) -> vec3f {
+    let way = step.lead * step.dt * velocity.xyz;
+    // What is faster than all measure has no such place.
+    return select(position, position + way, (velocity.w > 0.0) & all(abs(way) < vec3f(1e30)));
+}
+
+// How far it may come from there, with a little room for what accelerates.
+fn may_travel(velocity: vec4f, radius: f32, steps: f32) -> f32 {
+    return (steps - step.lead) * 1.05 * length(velocity.xyz) * step.dt + steps * 0.02 * radius;
+}
