@@ -34,6 +34,11 @@ pub use options::{Backend, BackendInfo, Options};
 use order::Disorder;
 pub use ray::RayHit;
 
+/// On a device, up to so many movers are bound by dispatches more than by what they do:
+const FEW_MOVERS: u32 = 32_768;
+/// their lists are made for so many steps from the start, which others try first.
+const FEW_STEPS: u32 = 4;
+
 /// A scene and the machinery that moves it, on the GPU or on the CPU.
 ///
 /// A step is four phases, each callable alone: [`update_aabbs`](Self::update_aabbs),
@@ -115,6 +120,11 @@ impl Simulation {
 
     fn assemble(scene: Scene, options: Options, mut world: World, engine: Engine, info: BackendInfo) -> Self {
         engine.complete(&mut world);
+        let (mut lookahead, mut interval) = (Lookahead::default(), Interval::default());
+        if engine.dispatches() && world.movers() <= FEW_MOVERS {
+            (lookahead, interval) = (Lookahead::from_steps(FEW_STEPS as f32), Interval::from_steps(FEW_STEPS));
+            world.step.lookahead = FEW_STEPS as f32;
+        }
         Self {
             packed: scene.sphere_ids().collect(),
             disorder: Disorder::default(),
@@ -127,8 +137,8 @@ impl Simulation {
             world,
             report: Report::default(),
             time_step: DEFAULT_TIME_STEP,
-            lookahead: Lookahead::default(),
-            interval: Interval::default(),
+            lookahead,
+            interval,
             dirty: Dirty::Clean,
             edits: Vec::new(),
             aabbs_due: true,

@@ -44,13 +44,13 @@ fn check_dispatches(benchmark: Benchmark, integrator: Integrator, most: u64) {
 #[test]
 #[cfg(feature = "gpu")]
 fn dispatches_of_a_step() {
-    // Spheres alone, few: 1 for AABBs, 2 for lists, 3 for collisions; 3 advance, finish_and_turn, end_step.
-    check_dispatches(Benchmark::Pile, Integrator::Rk4, 11);
+    // Spheres alone, few: 3 for collisions; 3 advance, finish_and_turn, end_step. In some steps 1 for AABBs and 2 for lists.
+    check_dispatches(Benchmark::Pile, Integrator::Rk4, 9);
     // leap and commit_and_turn for the four evaluations.
-    check_dispatches(Benchmark::Pile, Integrator::SymplecticEuler, 9);
+    check_dispatches(Benchmark::Pile, Integrator::SymplecticEuler, 7);
     // With capsules and rods besides: rod_forces in each evaluation, restore_lengths, constrain; twice as many objects as bodies,
     // too many for a grid that is built in one dispatch.
-    check_dispatches(Benchmark::Mixed, Integrator::Rk4, 22);
+    check_dispatches(Benchmark::Mixed, Integrator::Rk4, 18);
 }
 
 #[test]
@@ -58,8 +58,12 @@ fn dispatches_of_a_step() {
 fn every_step_of_a_profile_is_a_step_that_was_done() {
     let profile = profile(Benchmark::Pile, Backend::Gpu, Integrator::Rk4);
     for stage in &profile.stages {
-        // Lists that do not fit any more are made once besides.
-        assert!(stage.runs >= STEPS && stage.runs % STEPS < STEPS / 4, "{stage:?}");
+        // Lists are made in every eighth step at least; those that do not fit any more are made once besides.
+        let fits = match stage.phase {
+            Phase::UpdateAabbs | Phase::BroadPhase => (STEPS / 8..STEPS + STEPS / 4).contains(&stage.runs),
+            _ => stage.runs >= STEPS && stage.runs % STEPS < STEPS / 4,
+        };
+        assert!(fits, "{stage:?}");
         assert!(stage.seconds > 0.0, "{stage:?}");
     }
     assert!(profile.stage_seconds() + profile.void_seconds <= profile.seconds, "{profile:?}");

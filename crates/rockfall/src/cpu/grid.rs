@@ -19,6 +19,9 @@ const TOGETHER: usize = 16;
 /// and only where all their AABBs fit into a cube so many times as large as the smallest.
 const NARROW: f32 = 5.0;
 
+/// Cells are half as wide along x: a row of them is one span of memory, which so is cut closer.
+const CELL_SHAPE: Vec4 = Vec4::new(0.5, 1.0, 1.0, 1.0);
+
 /// Cells of one size.
 #[derive(Clone, Copy, Debug)]
 struct Level {
@@ -294,6 +297,6 @@ impl Level {
         let far = Vec4::splat((1 << 30) as f32);
         // `floor`, which not every processor has.
         let floor = |x: f32| x as i32 - i32::from(x < (x as i32) as f32);
-        IVec3::from_array((place / self.size).clamp(-far, far).truncate().to_array().map(floor))
+        IVec3::from_array((place / (self.size * CELL_SHAPE)).clamp(-far, far).truncate().to_array().map(floor))
     }
 }

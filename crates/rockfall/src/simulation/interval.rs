@@ -26,6 +26,11 @@ impl Default for Interval {
 }
 
 impl Interval {
+    /// Goes on from so many steps, a power of two.
+    pub(super) fn from_steps(steps: u32) -> Self {
+        Self { steps, ..Self::default() }
+    }
+
     /// Steps, for lists that are made for so many steps ahead.
     pub(super) fn steps(&self, lookahead: f32) -> u32 {
         // 1, 2, 4 or 8, not more than the lookahead.

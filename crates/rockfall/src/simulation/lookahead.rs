@@ -9,6 +9,8 @@ use crate::settings::BroadPhase;
 const MOST: f32 = 32.0;
 /// A change is kept when it makes a step so much cheaper.
 const WORTH: f32 = 0.97;
+/// Lists that are made so many times as often as they should be are made for as long as they last, without a trial.
+const SHORT_LIVED: f32 = 3.0;
 /// Lists that take more words a mover are made for fewer steps ahead, before memory is made larger for them.
 const LONG: f32 = 20.0;
 /// Batches between two trials, after trials that did not pay.
@@ -29,6 +31,8 @@ const TEST: f32 = 0.004;
 const DISPATCH: f32 = 7_000.0;
 /// Waiting for memory for one entry more in every list, in all stages of a step.
 const WAIT: f32 = 500.0;
+/// The same where lists are made, for an entry has to find its place in the order.
+const WAIT_TO_FIND: f32 = 4_000.0;
 
 /// What a batch of steps did with its lists.
 #[derive(Clone, Copy, Debug)]
@@ -52,10 +56,11 @@ impl Lists {
             BroadPhase::SortAndSkip => TEST * 8.0 * self.movers.powf(2.0 / 3.0),
             _ => TEST * self.movers,
         };
-        let wait = if self.dispatches > 0.0 { WAIT * self.words_per_mover } else { 0.0 };
+        let wait = WAIT + self.builds_per_step * WAIT_TO_FIND;
+        let alone = if self.dispatches > 0.0 { DISPATCH * self.dispatches + wait * self.words_per_mover } else { 0.0 };
         self.builds_per_step * (BUILD + search + FIND * self.words_per_mover)
             + LOOK * self.words_per_mover
-            + (DISPATCH * self.dispatches + wait) / self.movers
+            + alone / self.movers
     }
 }
 
@@ -88,6 +93,11 @@ impl Lookahead {
     pub(super) fn after(&mut self, seen: &Lists, method: BroadPhase) -> f32 {
         let cost = seen.cost(method);
         match self.before.take() {
+            _ if seen.builds_per_step * self.steps > SHORT_LIVED => {
+                self.steps = (1.0 / seen.builds_per_step).max(1.0);
+                self.factor = 2.0;
+                self.rest();
+            }
             Some((_, before)) if cost < WORTH * before => {
                 self.pause = 1;
                 self.begin_trial(cost);
@@ -95,8 +105,7 @@ impl Lookahead {
             Some((steps, _)) => {
                 self.steps = steps;
                 self.factor = 1.0 / self.factor;
-                self.wait = self.pause;
-                self.pause = (2 * self.pause).min(LONGEST_PAUSE);
+                self.rest();
             }
             None if self.wait > 0 => self.wait -= 1,
             None => self.begin_trial(cost),
@@ -112,10 +121,15 @@ impl Lookahead {
         }
         self.before = None;
         self.factor = 2.0;
-        self.wait = self.pause;
-        self.pause = (2 * self.pause).min(LONGEST_PAUSE);
+        self.rest();
         self.steps = (0.5 * self.steps).max(1.0);
         Some(self.steps)
+    }
+
+    /// Longer than the last time.
+    fn rest(&mut self) {
+        self.wait = self.pause;
+        self.pause = (2 * self.pause).min(LONGEST_PAUSE);
     }
 
     fn begin_trial(&mut self, cost: f32) {
@@ -157,6 +171,15 @@ mod tests {
     fn lists_that_never_last_are_made_for_one_step() {
         let all = settled(200, |steps| 10.0 + 4.0 * steps, |_| 1.0);
         assert!(share_at(&all, 1.0) > 0.9, "{all:?}");
+    }
+
+    #[test]
+    fn lists_that_last_much_shorter_than_meant_are_given_up_at_once() {
+        let mut lookahead = Lookahead::from_steps(8.0);
+        let seen = Lists { builds_per_step: 0.5, words_per_mover: 20.0, movers: 1e6, dispatches: 0.0 };
+        assert_eq!(lookahead.after(&seen, BroadPhase::Grid), 2.0);
+        let seen = Lists { builds_per_step: 0.9, ..seen };
+        assert_eq!(lookahead.after(&seen, BroadPhase::Grid), 2.0, "that is nearly as often as meant");
     }
 
     #[test]

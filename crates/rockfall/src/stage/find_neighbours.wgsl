@@ -8,10 +8,9 @@
 // So many objects are remembered and put in order by their thread; more are looked for again, and put in order in place.
 const SHORT: u32 = 24u;
 
-// What was found: places (see `id_at`); once in order, ids and their indices in order of addition. Not in workgroup memory, for
-// that is taken from the cache, which matters more here.
+// What was found: places (see `id_at`); once in order, indices in order of addition. Not in workgroup memory, for that is taken
+// from the cache, which matters more here; and short, for it is set to 0 first.
 var<private> ids: array<u32, SHORT>;
-var<private> users: array<u32, SHORT>;
 // The longest list of each slice of the workgroup, and where the slice begins.
 var<workgroup> longest: array<atomic<u32>, WORKGROUP / SLICE>;
 var<workgroup> offsets: array<u32, WORKGROUP / SLICE>;
@@ -67,7 +66,7 @@ fn order_short(mover: u32) {
         var at = kept;
         var before = NONE;
         while at > 0u {
-            before = users[at - 1u];
+            before = ids[at - 1u];
             if before <= user {
                 break;
             }
@@ -81,10 +80,8 @@ fn order_short(mover: u32) {
         }
         for (var k = kept; k > at; k--) {
             ids[k] = ids[k - 1u];
-            users[k] = users[k - 1u];
         }
-        ids[at] = id;
-        users[at] = user;
+        ids[at] = user;
         kept += 1u;
         entries += entries_of(mover, id);
     }
@@ -108,7 +105,7 @@ fn allot(slice: u32, words: u32) -> u32 {
 fn write_short(mover: u32) {
     var place = 0u;
     for (var k = 0u; k < found; k++) {
-        let id = ids[k];
+        let id = id_of(ids[k]);
         let count = entries_of(mover, id);
         for (var feature = 0u; feature < count; feature++) {
             lists[into + place * SLICE] = id | feature << ENTRY_ID_BITS;

@@ -1,6 +1,7 @@
 // The grid: which cell an object is in, and which cells it may find others in.
 //
-// Levels of cells, each twice as large as the one below. An object is in one cell: that of its centre, on the lowest level
+// Levels of cells, each twice as large as the one below, and half as wide along x: a row of them is one span of memory, which so is
+// cut closer. An object is in one cell: that of its centre, on the lowest level
 // whose cells are not smaller than it. So what overlaps an AABB has its centre within half a cell of it, on every level.
 // Cells live in a table of fixed size: along x they are neighbours, rows are scattered. Two rows may share places of the
 // table; that costs tests and makes duplicates, which `find_neighbours` drops, but loses nothing.
@@ -9,6 +10,8 @@
 fn statics_stand_apart() -> bool {
     return step.boxes + step.polygons <= FEW_STATICS;
 }
+
+const CELL_SHAPE: vec3f = vec3f(0.5, 1.0, 1.0);
 
 fn cell_size(level: u32) -> f32 {
     return ldexp(step.cell_size, i32(level) - i32(LEVEL_BIAS));
@@ -33,7 +36,7 @@ fn cell_coordinates(place: vec3f, level: u32) -> vec3i {
         return vec3i(0);
     }
     let far = vec3f(1073741824.0);
-    return vec3i(clamp(floor(place / cell_size(level)), -far, far));
+    return vec3i(clamp(floor(place / (cell_size(level) * CELL_SHAPE)), -far, far));
 }
 
 fn row_key(y: i32, z: i32, level: u32) -> u32 {

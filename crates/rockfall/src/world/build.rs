@@ -147,10 +147,12 @@ impl World {
         self.orientations = spheres().map(|sphere| sphere.orientation.into()).collect();
     }
 
-    /// Chooses the grid's cells: a little larger than most spheres, and about as many as there are objects.
+    /// Chooses the grid's cells: a little larger than most spheres. They are at least twice as many as there are objects, so that rows
+    /// of them seldom share places of the table, if not one block, which is made in one dispatch, will do.
     fn set_grid(&mut self, scene: &Scene) {
         self.step.cell_size = typical_cell(scene);
-        self.place_cells(self.objects());
+        let objects = self.objects();
+        self.place_cells(if objects <= CELL_BLOCK { CELL_BLOCK } else { 2 * objects });
     }
 
     /// Gives the grid's table room for at least so many cells; what it holds is void after it.

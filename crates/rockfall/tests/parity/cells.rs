@@ -23,7 +23,8 @@ pub(crate) fn decide(world: &World, findings: &mut Findings) {
         findings.decide("level", id, largest / size - 1.0);
         findings.decide("level", id, 2.0 * largest / size - 1.0);
         for k in 0..3 {
-            findings.decide("cell", id, border(0.5 * (min[k] + max[k]) / size));
+            let width = if k == 0 { 0.5 * size } else { size };
+            findings.decide("cell", id, border(0.5 * (min[k] + max[k]) / width));
         }
     }
 }
