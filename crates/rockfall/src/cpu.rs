@@ -30,6 +30,12 @@ pub fn pair_tests(world: &World) -> u64 {
     grid::pair_tests(world)
 }
 
+/// The most objects that a thread of a kernel looks at to make the list of its mover, after the stages of the grid broad phase. Long
+/// movers are left out: a workgroup looks around for each.
+pub fn longest_search(world: &World) -> u64 {
+    grid::longest_search(world)
+}
+
 /// Runs stages in their order.
 pub fn run(world: &mut World, runs: &[Run]) {
     for run in runs {

@@ -101,7 +101,8 @@ pub const NO_BODY: u32 = u32::MAX;
 pub const BAD_STAGE_SHIFT: u32 = 27;
 
 /// First word of the cells in the buffer `cells`; word 0 is a mask of the levels that have objects, word 1 tells
-/// whether lists are to be made, word 2 the number of objects that sort-and-skip has put in order; word 3 is unused.
+/// whether lists are to be made, word 2 the number of objects that sort-and-skip has put in order, word 3 the number of long
+/// movers.
 pub const CELLS_AT: u32 = 4;
 /// Cells that one workgroup sums.
 pub const CELL_BLOCK: u32 = 4096;
@@ -119,6 +120,9 @@ pub const ORDER_SAMPLE: u32 = 1 << 16;
 pub const FEW_STATICS: u32 = 32;
 /// Level of the cells of size `cell_size`; cells of level l are `2^(l - LEVEL_BIAS)` times as large.
 pub const LEVEL_BIAS: u32 = 8;
+/// Movers on this level of the grid and above are long: their AABB is more than four cells of size `cell_size` wide, so that they
+/// look at hundreds of objects, and a workgroup makes the list of each.
+pub const LONG_LEVEL: u32 = LEVEL_BIAS + 3;
 /// The level of what is too large for every other: all of it is in one cell.
 pub const TOP_LEVEL: u32 = 31;
 /// A row of cells begins at `y ROW_Y + z ROW_Z + level ROW_LEVEL + x` of the table, modulo its size. Odd numbers that
@@ -209,8 +213,8 @@ pub struct Step {
     pub list_interval: f32,
     /// Steps, or a part of one, by which AABBs stand ahead of moving spheres.
     pub lead: f32,
-    /// Padding to a multiple of 16 bytes.
-    pub pad: [u32; 1],
+    /// First word of the long movers, in `cells`; 0: all lists are made by one thread each, for radii differ little.
+    pub long_at: u32,
 }
 
 /// The uniform block `pass_`: which force evaluation of the step this is.

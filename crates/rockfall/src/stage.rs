@@ -20,9 +20,11 @@ mod commit_leap;
 mod constrain;
 mod count_cells;
 mod count_digits;
+mod count_long;
 mod count_near;
 mod count_pairs;
 mod end_step;
+mod fill_long;
 mod fill_near;
 mod fill_pairs;
 mod find_collisions;
@@ -169,6 +171,9 @@ pub(crate) const fn write(name: &'static str, buffer: Buffer) -> Binding {
     Binding { name, slot: Slot::Fixed(buffer), access: Access::Write }
 }
 
+/// Workgroups that take turns, at most: as many as a large device runs side by side.
+const MOST_TURNING: u32 = 512;
+
 /// What a stage has a thread for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Threads {
@@ -186,6 +191,8 @@ pub enum Threads {
     Blocks,
     /// A workgroup per block of spheres that are sorted.
     DigitBlocks,
+    /// A workgroup per so many movers: they take turns over the long ones, of which the device alone knows how many there are.
+    LongMovers,
     /// One workgroup.
     One,
 }
@@ -202,6 +209,7 @@ impl Threads {
             Self::Batches => step.batches,
             Self::Blocks => step.cells / CELL_BLOCK,
             Self::DigitBlocks => step.spheres.div_ceil(DIGIT_BLOCK),
+            Self::LongMovers => movers.div_ceil(WORKGROUP).min(MOST_TURNING),
             Self::One => 1,
         }
     }
@@ -239,7 +247,7 @@ pub struct Stage {
 }
 
 /// Every stage there is, once.
-pub const ALL: [&Stage; 35] = [
+pub const ALL: [&Stage; 37] = [
     &update_aabbs::STAGE,
     &count_pairs::STAGE,
     &scan_pairs::STAGE,
@@ -254,7 +262,9 @@ pub const ALL: [&Stage; 35] = [
     &scan_cells::SUM,
     &scan_cells::PLACE,
     &sort_cells::STAGE,
+    &count_long::STAGE,
     &find_neighbours::STAGE,
+    &fill_long::STAGE,
     &find_collisions::STAGE,
     &apply_collisions::STAGE,
     &commit_collisions::STAGE,

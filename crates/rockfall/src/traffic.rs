@@ -75,6 +75,8 @@ fn moves(name: &str, pass: u32) -> Option<Moves> {
         // Reads the key, writes the id and the extent.
         "sort_cells" => Moves { aabbs: 1, cells: 2, keys: 2, extents: 1, ..NONE },
         "find_neighbours" => Moves { aabbs: 1, cells: 1, keys: 1, extents: 1, counts: 1, entries: 1, ..NONE },
+        // Few movers are long.
+        "count_long" | "fill_long" => NONE,
         // Reads position, velocity and entries; few of these change.
         "find_collisions" => Moves { rows: 2, sphere_aabbs: 1, counts: 1, entries: 1, ..NONE },
         // Few spheres collide; the others are told by their counts.

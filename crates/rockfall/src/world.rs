@@ -6,7 +6,7 @@ mod build;
 mod frames;
 mod order;
 
-pub(crate) use order::spread;
+pub(crate) use order::{size_class, spread};
 
 use bytemuck::{bytes_of, bytes_of_mut, cast_slice, cast_slice_mut};
 use glam::Vec4;

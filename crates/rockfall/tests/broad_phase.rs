@@ -221,7 +221,7 @@ fn on_gpu(gpu: &Gpu, scene: &Scene, method: BroadPhase) -> World {
     detect(&mut world, method, |world, stages| {
         device.upload(world).unwrap();
         device.run(stages, &world.step, 1).unwrap();
-        block_on(gpu.device(), device.download(world, &[Buffer::Status, Buffer::Lists])).unwrap();
+        block_on(gpu.device(), device.download(world, &[Buffer::Status, Buffer::Cells, Buffer::Lists])).unwrap();
     });
     world
 }
@@ -257,6 +257,28 @@ fn the_grid_on_the_gpu_finds_what_brute_force_finds() {
         let brute = on_cpu(&scene, BroadPhase::BruteForce);
         let world = on_gpu(&gpu, &scene, BroadPhase::Grid);
         assert_the_grids(name, &brute, &lists(&brute), &lists(&world));
+    }
+}
+
+/// Lists of 8 up to 5,000 entries, made by workgroups: in workgroup memory, and where they stand.
+#[cfg(feature = "gpu")]
+#[test]
+fn long_lists_on_the_gpu_are_those_of_brute_force() {
+    let gpu = Gpu::open_blocking(true).expect("the tests need a Vulkan adapter, software will do");
+    let mut scene = Scene::new();
+    spheres(&mut scene, 6_000, [6.0; 3], [0.04, 0.05]);
+    let random = &mut random();
+    for radius in [4.0, 2.9, 2.0, 1.0, 0.6, 0.5, 0.4, 0.4, 0.3, 0.3] {
+        scene.add_sphere(Sphere::new(place(random, [4.0; 3]), radius)).unwrap();
+    }
+    let brute = on_cpu(&scene, BroadPhase::BruteForce);
+    let expected = lists(&brute);
+    let mut lengths: Vec<usize> = expected[6_000..].iter().map(Vec::len).collect();
+    lengths.sort_unstable();
+    assert!(lengths[0] < 24 && (1_000..2_048).contains(&lengths[7]) && lengths[8] > 4_096, "{lengths:?}");
+    for world in [on_cpu(&scene, BroadPhase::Grid), on_gpu(&gpu, &scene, BroadPhase::Grid)] {
+        assert_eq!(world.cells[3], 10, "long movers");
+        assert_the_grids("large among thousands", &brute, &expected, &lists(&world));
     }
 }
 

@@ -1,7 +1,7 @@
 //! Same input, same bits: whatever the threads, whatever room the lists had at the start.
 
 use rockfall::glam::Vec3;
-use rockfall::{Backend, BroadPhase, Integrator, Options, Simulation, Sphere, SphereId};
+use rockfall::{Backend, BroadPhase, Integrator, Options, Rod, Simulation, Sphere, SphereId};
 
 #[macro_use]
 mod common;
@@ -132,6 +132,34 @@ fn sorting_memory_makes_no_difference(backend: Backend) {
     same_bits(&run(BroadPhase::BruteForce), &run(BroadPhase::Grid));
 }
 
+/// A few large spheres and a long rod, whose lists are made by workgroups on a device, in a heap of small ones; at first there is no
+/// room for lists.
+fn long_lists_make_no_difference(backend: Backend) {
+    let run = |method: BroadPhase| {
+        let mut scene = with(|settings| settings.gravity = 10.0);
+        floor_box(&mut scene);
+        for k in 0..180 {
+            let place = Vec3::new((k % 6) as f32 * 0.21 - 0.5, (k / 36) as f32 * 0.21 + 1.3, (k / 6 % 6) as f32 * 0.21 - 0.5);
+            let ball = Sphere::new(place, 0.1).velocity([0.0, -2.0, 0.0]);
+            scene.add_sphere(ball).expect("a valid sphere");
+            if k % 60 == 10 {
+                let place = [0.55 * (k / 60) as f32 - 0.6, 0.6, 0.5 * (k / 60 % 2) as f32];
+                scene.add_sphere(Sphere::new(place, 0.6).mass(5.0)).expect("a valid sphere");
+            }
+        }
+        let ends = [-0.8, 0.8].map(|x| scene.add_sphere(Sphere::new([x, 1.2, 0.7], 0.1)).expect("a valid sphere"));
+        scene.add_rod(Rod::new(ends[0], ends[1], 0.05).length(1.6)).expect("a valid rod");
+        let options = Options::new().backend(backend).broad_phase(method).pair_capacity(1);
+        let mut simulation = Simulation::with_options(scene, options).expect("the simulation opens");
+        simulation.run(on(backend, 60, 10), 0.01).expect("steps");
+        simulation.sort_memory().expect("a sort");
+        let report = simulation.run(on(backend, 60, 10), 0.01).expect("steps");
+        assert!(report.replays > 0 && report.total_collisions > 10 && report.contacts > 0, "{report:?}");
+        Run::of(&mut simulation)
+    };
+    same_bits(&run(BroadPhase::BruteForce), &run(BroadPhase::Grid));
+}
+
 /// On a device lists that last are made in few steps of a batch only, until a ball comes flying: what it hits leaves its AABB
 /// where no list can be made. Steps that are submitted one by one may make lists in each.
 #[test]
@@ -201,5 +229,6 @@ both!(
     a_jerk_out_of_the_aabb_loses_nothing,
     the_broad_phase_and_the_order_of_memory_make_no_difference,
     sorting_memory_makes_no_difference,
+    long_lists_make_no_difference,
     memory_is_sorted_when_it_pays,
 );

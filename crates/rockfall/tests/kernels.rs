@@ -5,7 +5,7 @@ use std::mem::{offset_of, size_of};
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 use naga::{AddressSpace, Module, StorageAccess, TypeInner};
 use rockfall::layout::{self, Aabb, Pass, Status, Step};
-use rockfall::stage::{ALL, Access, Stage};
+use rockfall::stage::{ALL, Access, Stage, Threads};
 
 /// What WebGPU grants everywhere.
 const MAX_STORAGE_BUFFERS: usize = 8;
@@ -98,7 +98,7 @@ fn every_kernel_keeps_within_the_limits_of_webgpu() {
             let invocations: u32 = entry.workgroup_size.iter().product();
             assert!(invocations <= MAX_INVOCATIONS, "{}: {invocations} invocations", stage.name);
             // Stages that have workgroups, not threads, for what they work on.
-            let groups = matches!(stage.threads, rockfall::stage::Threads::One | rockfall::stage::Threads::Blocks);
+            let groups = matches!(stage.threads, Threads::One | Threads::Blocks | Threads::LongMovers);
             assert!(groups || invocations == layout::WORKGROUP, "{}: {invocations} invocations", stage.name);
         }
     }
@@ -221,8 +221,7 @@ fn the_structs_are_those_of_layout() {
     let step = rust_fields!(Step: gravity, dt, activation_threshold, restitution, contact_damping, contact_force, friction,
         coulomb_friction, margin_scale, flags, pair_capacity, spheres, rods, boxes, polygons, rods_at, springs_at, tethers_at,
         forces_at, boxes_at, polygons_at, tags_at, adjacency_at, batches, batches_at, slices_at, entries_at, cell_size, cells, sums_at, keys_at,
-        sorted_at, lookahead, users_at, slots_at, list_interval, lead, pad);
-    let step = (split(step.0, "pad"), step.1);
+        sorted_at, lookahead, users_at, slots_at, list_interval, lead, long_at);
     let (pass, pass_size) = rust_fields!(Pass: index, pad);
     let pass = (split(pass, "pad"), pass_size);
     let aabb = rust_fields!(Aabb: min, id, max, tag);
@@ -279,6 +278,7 @@ fn the_constants_are_those_of_layout() {
         SUM_WORDS,
         FEW_STATICS,
         LEVEL_BIAS,
+        LONG_LEVEL,
         TOP_LEVEL,
         DIGIT_BLOCK,
         DIGITS,

@@ -9,7 +9,7 @@ use rockfall::layout::{LIST_COUNT_MASK, SLICE, Status};
 use rockfall::scene::generate::Benchmark;
 use rockfall::stage::Phase;
 use rockfall::world::World;
-use rockfall::{Backend, BroadPhase, Integrator, Options, Scene, Simulation, cpu};
+use rockfall::{Backend, BroadPhase, Integrator, Options, Scene, Simulation, Sphere, cpu};
 
 /// Enough for the broad phase of large scenes.
 const BODIES: u32 = 2500;
@@ -51,6 +51,8 @@ fn dispatches_of_a_step() {
     // With capsules and rods besides: rod_forces in each evaluation, restore_lengths, constrain; twice as many objects as bodies,
     // too many for a grid that is built in one dispatch.
     check_dispatches(Benchmark::Mixed, Integrator::Rk4, 18);
+    // Two more for long lists, where lists are made.
+    check_dispatches(Benchmark::Radii, Integrator::Rk4, 12);
 }
 
 #[test]
@@ -176,6 +178,30 @@ fn work_of(benchmark: Benchmark, spheres: u32, steps: u64) -> [f64; 2] {
     simulation.run(steps, DT).unwrap();
     let world = listed(&mut simulation, World::build_in_space);
     [cpu::pair_tests(&world), world.status.pairs_needed.into()].map(|sum| sum as f64 / f64::from(spheres))
+}
+
+/// Large spheres all over a lattice of small ones: no thread looks at more than some hundred objects, and slices of the pair lists
+/// are wide where large spheres stand side by side, and nowhere else.
+#[test]
+fn few_large_spheres_do_not_hold_up_many_small_ones() {
+    let mut scene = Scene::new();
+    for k in 0..20_000 {
+        let place = [k % 27, k / 27 % 27, k / 729].map(|x| 0.1 * x as f32);
+        scene.add_sphere(Sphere::new(place, 0.049)).unwrap();
+        if k % 700 == 0 {
+            scene.add_sphere(Sphere::new(place, 0.3)).unwrap();
+        }
+    }
+    let options = Options::new().backend(Backend::Cpu).broad_phase(BroadPhase::Grid);
+    let mut simulation = Simulation::with_options(scene, options).unwrap();
+    let world = listed(&mut simulation, World::build_in_space);
+    let movers = world.movers() as usize;
+    let longest = world.lists[..movers].iter().max().copied().unwrap();
+    let entries: u64 = world.lists[..movers].iter().map(|count| u64::from(*count)).sum();
+    let (looked_at, words) = (cpu::longest_search(&world), world.status.pairs_needed);
+    let told = format!("{looked_at} objects at most, lists of up to {longest}, {words} words for {entries} entries");
+    println!("{told}");
+    assert!(longest > 100 && looked_at <= 110 && f64::from(words) <= 1.2 * entries as f64, "{told}");
 }
 
 /// Ten times the spheres, each with as much to do: those inside have more neighbours than those on the surface, of which a

@@ -11,7 +11,10 @@ use glam::{IVec3, Vec3, Vec4};
 
 use crate::cpu::broad::{entries, may_meet, same_group};
 use crate::cpu::lanes::{LANES, Vec3x4};
-use crate::layout::{Aabb, CELLS_AT, FEW_STATICS, FLAG_GROUPS, LEVEL_BIAS, ROW_LEVEL, ROW_Y, ROW_Z, SLICE, Step, TOP_LEVEL};
+use crate::layout::{
+    Aabb, CELLS_AT, ENTRY_ID_MASK, FEW_STATICS, FLAG_GROUPS, LEVEL_BIAS, LONG_LEVEL, ROW_LEVEL, ROW_Y, ROW_Z, SLICE, Step,
+    TOP_LEVEL,
+};
 use crate::world::World;
 
 /// So many movers at most look around together,
@@ -73,6 +76,7 @@ pub(crate) struct Grid<'a> {
     /// Where every cell ends.
     ends: &'a [u32],
     sorted: &'a [u32],
+    long_movers: &'a [u32],
     /// Extents of the sorted objects.
     extents: &'a [Vec4],
 }
@@ -102,6 +106,7 @@ impl<'a> Grid<'a> {
             levels: levels.map(|level| Level::new(step, level)).collect(),
             ends: &cells[CELLS_AT as usize..][..step.cells as usize],
             sorted: &cells[step.sorted_at as usize..][..aabbs.len()],
+            long_movers: &cells[step.long_at as usize..][..if step.long_at == 0 { 0 } else { cells[3] as usize }],
             extents: &extents[..aabbs.len()],
         }
     }
@@ -120,15 +125,64 @@ impl<'a> Grid<'a> {
             self.for_each_list(movers.start..middle, around, take);
             return self.for_each_list(middle..movers.end, around, take);
         }
+        around.entries.clear();
+        if aabbs.iter().all(|aabb| self.is_long(aabb)) {
+            return movers.for_each(|_| take(&mut around.entries));
+        }
+        self.spans(&hull, &mut around.spans);
         around.gather(self, &hull);
-        for mover in movers {
-            around.find(self, mover);
+        for (mover, aabb) in movers.zip(aabbs) {
+            if self.is_long(aabb) {
+                around.entries.clear();
+            } else {
+                around.find(self, mover);
+            }
             take(&mut around.entries);
         }
     }
 
+    /// The long movers, in any order.
+    pub(crate) fn long_movers(&self) -> &'a [u32] {
+        self.long_movers
+    }
+
+    /// Whether a mover with this AABB is one of them.
+    pub(crate) fn is_long(&self, aabb: &Aabb) -> bool {
+        self.step.long_at != 0 && largest_edge(aabb) > Level::new(self.step, LONG_LEVEL - 1).size
+    }
+
+    /// The entries of a long mover, in any order.
+    pub(crate) fn long_list<'b>(&self, mover: u32, around: &'b mut Around) -> &'b mut [u32] {
+        let own = &self.aabbs[mover as usize];
+        self.spans(own, &mut around.spans);
+        around.gather(self, own);
+        around.find(self, mover);
+        &mut around.entries
+    }
+
+    /// How many there may be: what is in rows of cells that share places of the table counts as often as it is met there.
+    pub(crate) fn count_long(&self, mover: u32, around: &mut Around) -> u32 {
+        let own = &self.aabbs[mover as usize];
+        self.rows(own, &mut around.spans);
+        around.gather(self, own);
+        around.find(self, mover);
+        around.entries.iter().filter(|entry| *entry & ENTRY_ID_MASK != mover).count() as u32
+    }
+
     /// The sorted objects in the cells around an AABB, from `start` to before `end`, each once.
     fn spans(&self, aabb: &Aabb, spans: &mut Vec<(u32, u32)>) {
+        self.rows(aabb, spans);
+        spans.sort_unstable();
+        let mut done = 0;
+        for (start, end) in spans {
+            *start = done.max(*start);
+            *end = (*end).max(*start);
+            done = *end;
+        }
+    }
+
+    /// The sorted objects in every row of cells around an AABB. Rows may share places of the table.
+    fn rows(&self, aabb: &Aabb, spans: &mut Vec<(u32, u32)>) {
         let all = self.sorted.len() as u32;
         spans.clear();
         for level in &self.levels {
@@ -152,26 +206,17 @@ impl<'a> Grid<'a> {
                 }
             }
         }
-        // Rows may share places of the table.
-        spans.sort_unstable();
-        let mut done = 0;
-        for (start, end) in spans {
-            *start = done.max(*start);
-            *end = (*end).max(*start);
-            done = *end;
-        }
     }
 }
 
 impl Around {
-    /// Takes what may meet an AABB, by extents.
+    /// Takes of the objects in `spans` what may meet an AABB, by extents.
     fn gather(&mut self, grid: &Grid, aabb: &Aabb) {
         self.others.clear();
         let movers = grid.step.spheres + grid.step.rods;
         if stands_apart(grid.step, movers) {
             self.others.extend(movers..grid.aabbs.len() as u32);
         }
-        grid.spans(aabb, &mut self.spans);
         let most: usize = self.spans.iter().map(|(start, end)| (end - start) as usize).sum();
         self.tests += most as u64;
         self.extents.resize(most, Vec4::ZERO);
@@ -244,7 +289,22 @@ pub(crate) fn pair_tests(world: &World) -> u64 {
     for first in (0..world.movers()).step_by(SLICE as usize) {
         grid.for_each_list(first..world.movers().min(first + SLICE), &mut around, &mut |_| {});
     }
+    for mover in grid.long_movers() {
+        grid.long_list(*mover, &mut around);
+    }
     around.tests
+}
+
+/// The most objects in the rows of cells around a mover that is not long.
+pub(crate) fn longest_search(world: &World) -> u64 {
+    let grid = Grid::new(&world.step, &world.aabbs, &world.cells, &world.extents);
+    let mut spans = Vec::new();
+    let mut looked_at = |aabb: &Aabb| {
+        grid.rows(aabb, &mut spans);
+        spans.iter().map(|(start, end)| u64::from(end - start)).sum()
+    };
+    let movers = &world.aabbs[..world.movers() as usize];
+    movers.iter().filter(|aabb| !grid.is_long(aabb)).map(&mut looked_at).max().unwrap_or(0)
 }
 
 /// The middle of an AABB, and half its largest edge with room for the rounding of centres.
@@ -270,10 +330,10 @@ struct Block {
 }
 
 impl Block {
-    /// Whether it has more rows than there are objects, or the whole table in a row.
+    /// Whether it has more rows than there are objects, or more cells than the table.
     fn is_more_than(&self, objects: u32, cells: u32) -> bool {
-        let size = |axis: usize| i64::from(self.high[axis]) - i64::from(self.low[axis]) + 1;
-        size(1) * size(2) > i64::from(objects) || size(0) >= i64::from(cells)
+        let [x, y, z] = [0, 1, 2].map(|axis| f64::from(self.high[axis]) - f64::from(self.low[axis]) + 1.0);
+        y * z > f64::from(objects) || x * y * z >= f64::from(cells)
     }
 }
 

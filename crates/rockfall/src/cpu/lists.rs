@@ -96,15 +96,18 @@ pub(crate) struct Slice<'a> {
     pub(crate) words: &'a mut [u32],
 }
 
-/// All slices, as wide as their counts ask for, to be written side by side. They must stand in ascending order.
+/// All slices, to be written side by side. They must stand in ascending order.
 pub(crate) fn slices<'a>(step: &Step, lists: &'a mut [u32]) -> Vec<Slice<'a>> {
     let movers = (step.spheres + step.rods) as usize;
     let (index, mut rest) = lists.split_at_mut(step.entries_at as usize);
-    let counts = index[..movers].chunks_mut(SLICE as usize);
-    let slice = |(first, counts): (usize, &'a mut [u32])| {
-        let widest = counts.iter().map(|count| *count & LIST_COUNT_MASK).max().unwrap_or(0);
-        let words = rest.split_off_mut(..(widest * SLICE) as usize).unwrap_or_default();
-        Slice { first: first as u32 * SLICE, counts, words }
+    let (counts, offsets) = index.split_at_mut(step.slices_at as usize);
+    let counts = counts[..movers].chunks_mut(SLICE as usize);
+    let last = counts.len() - usize::from(counts.len() > 0);
+    let slice = |(number, counts): (usize, &'a mut [u32])| {
+        // Not by the counts: a slice may be wider than its longest list.
+        let end = if number < last { (offsets[number + 1].saturating_sub(offsets[number])) as usize } else { rest.len() };
+        let words = rest.split_off_mut(..end).unwrap_or_default();
+        Slice { first: number as u32 * SLICE, counts, words }
     };
     counts.enumerate().map(slice).collect()
 }

@@ -67,14 +67,14 @@ fn build(device: &wgpu::Device, stage: &Stage, rods: bool, chunks: &[u32]) -> Ke
     let constants = [("RODS", f64::from(u8::from(rods)))];
     let module = wgpu::ShaderModuleDescriptor { label: Some(stage.name), source: wgpu::ShaderSource::Wgsl(text.into()) };
     // SAFETY: without run-time checks the kernels must stay inside their buffers by themselves, and end. They do: threads
-    // past the count of what they work on return; ids, offsets and indices in `words` are checked by `gpu::check` before
-    // they are uploaded, those in `lists` too, or were written by `fill_pairs` or `find_neighbours`, whose ids are below the
-    // number of objects and whose slots are below `pair_capacity`, else the step is void and nobody reads them; those in
-    // `cells` are sums of the counts of the objects, made from zero in the same step or not used; the uniform block that
-    // holds counts and offsets is always that of the uploaded world, and the buffers are made to its sizes
-    // (`GpuWorld::new`, `upload`); an index of an array in chunks that is inside the array is inside the chunk that `split` has
-    // chosen for it. Loops run over counts from the same places, sweeps up to MAX_SWEEPS.
-    // Workgroup memory is written before it is read. No integer is divided by anything but a constant.
+    // past the count of what they work on return; ids, offsets and indices in `words` are checked by `gpu::check` before they
+    // are uploaded, those in `lists` too, or were written by `fill_pairs`, `find_neighbours` or `fill_long`, whose ids are
+    // below the number of objects and whose slots are below `pair_capacity`, else the step is void and nobody reads them;
+    // those in `cells` are sums of the counts of the objects, made from zero in the same step or not used; the uniform block
+    // that holds counts and offsets is always that of the uploaded world, and the buffers are made to its sizes
+    // (`GpuWorld::new`, `upload`); an index of an array in chunks that is inside the array is inside the chunk that `split`
+    // has chosen for it. Loops run over counts from the same places, sweeps up to MAX_SWEEPS. Workgroup memory is written
+    // before it is read. No integer is divided by anything but a constant.
     let module = unsafe { device.create_shader_module_trusted(module, wgpu::ShaderRuntimeChecks::unchecked()) };
     let mut entries =
         vec![layout_entry(0, wgpu::BufferBindingType::Uniform), layout_entry(1, wgpu::BufferBindingType::Uniform)];

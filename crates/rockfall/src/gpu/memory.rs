@@ -18,7 +18,7 @@ pub(crate) fn bytes_needed(world: &World, buffer: Buffer) -> u64 {
         Buffer::Start | Buffer::Y2 | Buffer::Y3 | Buffer::Y4 => vectors(3 * u64::from(step.spheres)),
         Buffer::Aabbs => 32 * u64::from(world.objects()),
         Buffer::Words | Buffer::Status => 0,
-        Buffer::Cells => 4 * (u64::from(step.sorted_at) + u64::from(world.objects())),
+        Buffer::Cells => 4 * world.cell_words(),
         Buffer::Lists => 4 * (u64::from(step.entries_at) + u64::from(step.pair_capacity)),
         Buffer::Extents => vectors(u64::from(world.objects())),
         Buffer::Wrenches => vectors(4 * u64::from(step.rods)),

@@ -35,6 +35,9 @@ fn build_grid(@builtin(local_invocation_index) local: u32) {
     if local == 0u {
         due = select(0u, status.rebuild, status.void == 0u);
         atomicStore(&cells[1], due);
+        if due != 0u {
+            atomicStore(&cells[3], 0u);
+        }
         atomicStore(&levels, 0u);
     }
     if workgroupUniformLoad(&due) == 0u {

@@ -19,6 +19,7 @@ fn clear_cells(world: &mut World, _pass: u32) {
         return;
     }
     world.cells[0] = 0;
+    world.cells[3] = 0;
     world.cells[CELLS_AT as usize..(CELLS_AT + world.step.cells) as usize].fill(0);
     world.status.pairs_needed = 0;
 }

@@ -1,10 +1,11 @@
-//! Grid broad phase, 2 of 6: the cell of every object, how many are in each, and which levels have any.
+//! Grid broad phase, 2 of 6: the cell of every object, how many are in each, and which levels have any; and
+//! the long movers, where there may be some, in any order.
 
 use rayon::prelude::*;
 
 use crate::cpu::GRAIN;
 use crate::cpu::grid::{key_of, stands_apart};
-use crate::layout::CELLS_AT;
+use crate::layout::{CELLS_AT, LONG_LEVEL};
 use crate::stage::{Buffer, Stage, Threads, part, read, write};
 use crate::world::World;
 
@@ -31,6 +32,11 @@ fn count_cells(world: &mut World, _pass: u32) {
     for (object, (key, level)) in keys.into_iter().enumerate() {
         if !stands_apart(step, object as u32) {
             world.cells[0] |= 1 << level;
+        }
+        if step.long_at != 0 && level >= LONG_LEVEL && (object as u32) < step.spheres + step.rods {
+            let at = step.long_at + world.cells[3];
+            world.cells[at as usize] = object as u32;
+            world.cells[3] += 1;
         }
         world.cells[(CELLS_AT + key) as usize] += 1;
         world.cells[step.keys_at as usize + object] = key;

@@ -1,8 +1,8 @@
-//! Grid broad phase, 6 of 6: the list of every mover, in ascending order of index (in order of addition), then feature.
+//! Grid broad phase, 6 of 6: the list of every mover but the long ones, in ascending order of index (in order of addition), then feature.
 //!
 //! May meet: as in `count_pairs`. Where two rows of cells share places of the table an object is met twice; its entry is
 //! kept once. A slice gets its place in the order in which workgroups come to it; what is in a list does not depend on
-//! where it stands. More than `pair_capacity` voids the step, and its lists are empty.
+//! where it stands. Long movers get room for what `count_long` has counted. More than `pair_capacity` voids the step, and its lists are empty.
 
 use rayon::prelude::*;
 
@@ -44,18 +44,19 @@ fn find_neighbours(world: &mut World, _pass: u32) {
     }
     let view = View::new(&world.step, &world.words, &world.states[0]);
     let grid = Grid::new(&world.step, &world.aabbs, &world.cells, &world.extents);
+    let is_long = |mover: u32| grid.is_long(&world.aabbs[mover as usize]);
     let movers = world.step.spheres + world.step.rods;
     let found: Vec<Found> = (0..movers.div_ceil(SLICE))
         .into_par_iter()
         .with_min_len(GRAIN / SLICE as usize)
         .map_init(Around::default, |around, slice| {
             let mut found = Found::default();
-            let mut counts = found.counts.iter_mut();
+            let mut counts = found.counts.iter_mut().zip(slice * SLICE..);
             grid.for_each_list(slice * SLICE..movers.min((slice + 1) * SLICE), around, &mut |entries| {
                 put_in_order(&view, entries);
                 found.entries.extend_from_slice(entries);
-                if let Some(count) = counts.next() {
-                    *count = entries.len() as u32;
+                if let Some((count, mover)) = counts.next() {
+                    *count = if is_long(mover) { world.lists[mover as usize] } else { entries.len() as u32 };
                 }
             });
             found
@@ -86,8 +87,9 @@ fn find_neighbours(world: &mut World, _pass: u32) {
         |(slice, found)| {
             let mut entries = found.entries.into_iter();
             for (place, count) in slice.counts.iter().enumerate() {
+                let count = if is_long(slice.first + place as u32) { 0 } else { *count };
                 let words = slice.words.iter_mut().skip(place).step_by(SLICE as usize);
-                words.zip(entries.by_ref().take(*count as usize)).for_each(|(word, entry)| *word = entry);
+                words.zip(entries.by_ref().take(count as usize)).for_each(|(word, entry)| *word = entry);
             }
         },
     );

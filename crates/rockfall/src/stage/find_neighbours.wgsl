@@ -22,17 +22,6 @@ var<private> entries: u32;
 // First word of the list, once it has a place; 0 before.
 var<private> into: u32;
 
-fn may_meet(a: u32, b: u32) -> bool {
-    // Two spheres whose balls are apart are not found in the first place.
-    if (a < step.spheres) & (b < step.spheres) {
-        if (step.flags & FLAG_GROUPS) == 0u {
-            return true;
-        }
-        return ((words[step.tags_at + a] ^ words[step.tags_at + b]) & 0xffffu) == 0u;
-    }
-    return aabbs_meet(aabbs[a], aabbs[b]);
-}
-
 fn emit(mover: u32, place: u32) {
     if into == 0u {
         if found < SHORT {
@@ -135,15 +124,23 @@ fn find_neighbours(
     workgroupBarrier();
     // Round 0 finds and counts; round 1 finds again what was too much to remember.
     var searches = mover < step.spheres + step.rods;
+    if searches {
+        searches = !is_long(aabbs[mover]);
+    }
     if mover < step.slices_at {
-        lists[mover] = 0u;
+        if searches | (mover >= step.spheres + step.rods) {
+            lists[mover] = 0u;
+        } else {
+            // `count_long` has counted them, and `fill_long` will write them.
+            entries = lists[mover];
+        }
     }
     for (var round = 0u; round < 2u; round++) {
         if searches {
-            emit_neighbours(mover);
+            emit_neighbours(mover, ALL_OF_IT);
         }
         if round == 0u {
-            if found <= SHORT {
+            if searches & (found <= SHORT) {
                 order_short(mover);
             }
             atomicMax(&longest[slice], entries);

@@ -1,4 +1,4 @@
-//! Memory order, 1 of 5: the place of every sphere on a Z-order curve through cells of the grid's size (Morton 1966).
+//! Memory order, 1 of 5: the size of every sphere, and its place on a Z-order curve through cells of the grid's size (Morton 1966).
 //!
 //! Ten binary digits an axis: beyond 1,024 cells the curve begins again, which costs nothing but nearness. Leaves pairs of key
 //! and memory slot in `Y2`.
@@ -6,7 +6,7 @@
 use bytemuck::cast_slice_mut;
 
 use crate::stage::{Buffer, Stage, Threads, part, read, write};
-use crate::world::{World, spread};
+use crate::world::{World, size_class, spread};
 
 /// The stage.
 pub(crate) const STAGE: Stage = Stage {
@@ -27,6 +27,6 @@ fn key_spheres(world: &mut World, _pass: u32) {
     for ((position, slot), pair) in start.iter().zip(0..n).zip(pairs) {
         let cell = |x: f32| ((x / world.step.cell_size).floor() as i32).clamp(-(1 << 30), 1 << 30);
         let axes = position.truncate().to_array().map(|x| spread(cell(x) as u64 & 0x3ff) as u32);
-        *pair = [axes[0] | axes[1] << 1 | axes[2] << 2, slot];
+        *pair = [axes[0] | axes[1] << 1 | axes[2] << 2 | size_class(position.w, world.step.cell_size) << 30, slot];
     }
 }

@@ -4,9 +4,10 @@ use crate::layout::{CELL_BLOCK, Step};
 use crate::settings::{BroadPhase, Integrator};
 use crate::stage::{
     Stage, advance, apply_collisions, bound_blocks, build_grid, clear_cells, commit_and_turn, commit_collisions, commit_leap,
-    constrain, count_cells, count_digits, count_near, count_pairs, end_step, fill_near, fill_pairs, find_collisions,
-    find_neighbours, finish, finish_and_turn, key_spheres, leap, measure_order, permute_spheres, restore_lengths, rod_forces,
-    scan_cells, scan_pairs, scatter_digits, settle_spheres, sort_axis, sort_cells, turn, update_aabbs,
+    constrain, count_cells, count_digits, count_long, count_near, count_pairs, end_step, fill_long, fill_near, fill_pairs,
+    find_collisions, find_neighbours, finish, finish_and_turn, key_spheres, leap, measure_order, permute_spheres,
+    restore_lengths, rod_forces, scan_cells, scan_pairs, scatter_digits, settle_spheres, sort_axis, sort_cells, turn,
+    update_aabbs,
 };
 use crate::world::World;
 
@@ -23,6 +24,8 @@ pub enum When {
     OneBlock,
     /// In larger ones.
     ManyBlocks,
+    /// In those with bodies much larger than most.
+    LongMovers,
 }
 
 /// A stage, the pass it is run for, in which scenes and how often.
@@ -47,6 +50,7 @@ impl Run {
             When::NoRods => step.rods == 0,
             When::OneBlock => step.cells == CELL_BLOCK,
             When::ManyBlocks => step.cells != CELL_BLOCK,
+            When::LongMovers => step.long_at != 0,
         }
     }
 
@@ -115,7 +119,9 @@ impl Phase {
                         run(&scan_cells::SUM).when(When::ManyBlocks),
                         run(&scan_cells::PLACE).when(When::ManyBlocks),
                         run(&sort_cells::STAGE).when(When::ManyBlocks),
+                        run(&count_long::STAGE).when(When::LongMovers),
                         run(&find_neighbours::STAGE),
+                        run(&fill_long::STAGE).when(When::LongMovers),
                     ]
                 }
             }

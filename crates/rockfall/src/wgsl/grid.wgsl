@@ -30,6 +30,13 @@ fn level_of(aabb: Aabb) -> u32 {
     return level;
 }
 
+// Whether a mover looks at hundreds of objects: its AABB is on LONG_LEVEL or above. A workgroup makes its list.
+fn is_long(aabb: Aabb) -> bool {
+    let extent = aabb.max - aabb.min;
+    let largest = max(extent.x, max(extent.y, extent.z));
+    return (step.long_at != 0u) & !(largest <= cell_size(LONG_LEVEL - 1u));
+}
+
 // Clamped, so that what is far out or infinite has a cell too: clamping keeps the order of coordinates.
 fn cell_coordinates(place: vec3f, level: u32) -> vec3i {
     if level == TOP_LEVEL {

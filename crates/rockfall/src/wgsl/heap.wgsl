@@ -1,14 +1,5 @@
 // Putting a list in order where it stands.
 
-// Orders entries by index in order of addition, then feature: not by id, for the order of memory must not show.
-fn entry_key(id: u32, feature: u32) -> u32 {
-    return user_of(id) << 4u | feature;
-}
-
-fn entry_of(key: u32) -> u32 {
-    return id_of(key >> 4u) | (key & ENTRY_FEATURE_MASK) << ENTRY_ID_BITS;
-}
-
 fn sift_down(first: u32, top: u32, size: u32) {
     var root = top;
     let key = lists[first + root * SLICE];

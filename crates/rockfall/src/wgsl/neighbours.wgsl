@@ -20,10 +20,11 @@ fn cells_around(own: Aabb, level: u32) -> CellRange {
     return CellRange(cell_coordinates(own.min - slack, level), cell_coordinates(own.max + slack, level));
 }
 
-// Whether there are more rows of cells to look at than objects. In floats, for the product of very large counts.
+// Whether there are more rows of cells to look at than objects, or more cells than the table has. In floats, for the product of very
+// large counts.
 fn covers_too_much(range: CellRange) -> bool {
     let size = vec3f(range.high) - vec3f(range.low) + 1.0;
-    return (size.y * size.z > f32(objects())) | (size.x >= f32(step.cells));
+    return (size.y * size.z > f32(objects())) | (size.x * size.y * size.z >= f32(step.cells));
 }
 
 // A row of cells, which may go around the end of the table: then it has a second part.
@@ -51,6 +52,40 @@ fn id_at(place: u32) -> u32 {
     }
     return cells[step.sorted_at + place];
 }
+
+fn may_meet(a: u32, b: u32) -> bool {
+    // Two spheres whose balls are apart are not found in the first place.
+    if (a < step.spheres) & (b < step.spheres) {
+        if (step.flags & FLAG_GROUPS) == 0u {
+            return true;
+        }
+        return ((words[step.tags_at + a] ^ words[step.tags_at + b]) & 0xffffu) == 0u;
+    }
+    return aabbs_meet(aabbs[a], aabbs[b]);
+}
+
+// Entries that what was found makes in the list of a mover: none for itself, nor for one of few statics that was met in a cell,
+// for those are tested one by one.
+fn entries_found(mover: u32, place: u32) -> u32 {
+    let id = id_at(place);
+    let is_known = ((place & AN_ID) == 0u) & (id >= step.spheres + step.rods) & statics_stand_apart();
+    if (id == mover) | is_known {
+        return 0u;
+    }
+    if !may_meet(mover, id) {
+        return 0u;
+    }
+    return entries_of(mover, id);
+}
+
+// What of a search a thread does, where `across` times `across` threads share it: rows of cells so far apart along y and z.
+struct Share {
+    y: i32,
+    z: i32,
+    across: i32,
+}
+
+const ALL_OF_IT = Share(0, 0, 1);
 
 // What a mover looks around with. Rounding of centres, which grows with the distance from the origin, must not lose a pair that
 // AABBs decide on.
@@ -93,19 +128,21 @@ fn close_in(probe: Probe, first: u32, count: u32) -> u32 {
 
 // Emits what is close in a span. Neighbouring threads find at different times, and what a find makes one of them do all wait for:
 // so they look first, and then go through what they found together.
-fn test_span(mover: u32, probe: Probe, span: Span) {
-    for (var first = span.start; first < span.end; first += 32u) {
+fn test_span(mover: u32, probe: Probe, span: Span, stride: u32) {
+    for (var first = span.start; first < span.end; first += stride) {
         for (var rest = close_in(probe, first, min(span.end - first, 32u)); rest != 0u; rest &= rest - 1u) {
             emit(mover, first + firstTrailingBit(rest));
         }
     }
 }
 
-fn emit_neighbours(mover: u32) {
+fn emit_neighbours(mover: u32, share: Share) {
     let own = aabbs[mover];
     let probe = probe_of(mover, own);
+    let thread = u32(share.y + share.z * share.across);
+    let threads = u32(share.across * share.across);
     if statics_stand_apart() {
-        for (var id = step.spheres + step.rods; id < objects(); id++) {
+        for (var id = step.spheres + step.rods + thread; id < objects(); id += threads) {
             if aabbs_meet(own, aabbs[id]) {
                 emit(mover, id | AN_ID);
             }
@@ -118,25 +155,25 @@ fn emit_neighbours(mover: u32) {
     for (var rest = cells[0]; rest != 0u; rest &= rest - 1u) {
         let level = firstTrailingBit(rest);
         let range = cells_around(own, level);
-        var y = range.low.y;
-        var z = range.low.z;
+        var y = range.low.y + share.y;
+        var z = range.low.z + share.z;
         var part = 0u;
-        while z <= range.high.z {
-            var span = Span(0u, objects());
+        while all_of_them | ((y <= range.high.y) & (z <= range.high.z)) {
+            var span = Span(32u * thread, objects());
             if !all_of_them {
                 span = span_of_row(range, y, z, level, part);
             }
-            test_span(mover, probe, span);
+            test_span(mover, probe, span, select(32u, 32u * threads, all_of_them));
             if all_of_them {
                 return;
             }
             part += 1u;
             if part == 2u {
                 part = 0u;
-                y += 1;
+                y += share.across;
                 if y > range.high.y {
-                    y = range.low.y;
-                    z += 1;
+                    y = range.low.y + share.y;
+                    z += share.across;
                 }
             }
         }

@@ -38,12 +38,12 @@ struct Step {
     slots_at: u32,
     list_interval: f32,
     lead: f32,
-    // The padding is words and not an array: arrays in uniform blocks have a stride of 16 bytes.
-    pad_0: u32,
+    long_at: u32,
 }
 
 struct Pass {
     index: u32,
+    // The padding is words and not an array: arrays in uniform blocks have a stride of 16 bytes.
     pad_0: u32,
     pad_1: u32,
     pad_2: u32,
@@ -149,6 +149,7 @@ const DIGIT_BITS: u32 = 4u;
 const ORDER_SAMPLE: u32 = 65536u;
 const FEW_STATICS: u32 = 32u;
 const LEVEL_BIAS: u32 = 8u;
+const LONG_LEVEL: u32 = 11u;
 const TOP_LEVEL: u32 = 31u;
 const ROW_Y: u32 = 0x9e3779b1u;
 const ROW_Z: u32 = 0x85ebca77u;

@@ -7,11 +7,11 @@ use crate::layout::{
     CELL_BLOCK, CELLS_AT, ENTRY_ID_MASK, FLAG_COLLISIONS, FLAG_CONTINUE, FLAG_GROUPS, FLAG_PULL, KIND_FORCE, KIND_ROD,
     KIND_SHIFT, KIND_SPRING, KIND_TETHER, SLICE, SUM_WORDS, Step,
 };
-use crate::scene::{Scene, Sphere, SphereId};
+use crate::scene::{Rod, Scene, Sphere, SphereId};
 use crate::settings::{BroadPhase, Settings};
 use crate::world::World;
 use crate::world::frames::batches;
-use crate::world::order::{inverse, spatial_order};
+use crate::world::order::{inverse, size_class, spatial_order};
 
 /// Entries that a mover's list has room for at the start; lists that need more grow.
 const FIRST_ENTRIES: u64 = 16;
@@ -152,27 +152,35 @@ impl World {
     fn set_grid(&mut self, scene: &Scene) {
         self.step.cell_size = typical_cell(scene);
         let objects = self.objects();
-        self.place_cells(if objects <= CELL_BLOCK { CELL_BLOCK } else { 2 * objects });
+        let cells = if objects <= CELL_BLOCK { CELL_BLOCK } else { 2 * objects };
+        self.place_cells(cells, has_long_movers(scene, self.step.cell_size));
     }
 
     /// Gives the grid's table room for at least so many cells; what it holds is void after it.
     pub fn set_cells(&mut self, cells: u32) {
-        self.place_cells(cells);
+        self.place_cells(cells, self.step.long_at != 0);
         self.resize_cells();
     }
 
     fn resize_cells(&mut self) {
-        self.cells.resize((self.step.sorted_at + self.objects()) as usize, 0);
+        self.cells.resize(self.cell_words() as usize, 0);
     }
 
-    /// [`World::set_cells`] without the table.
-    fn place_cells(&mut self, cells: u32) {
+    /// Words of the grid.
+    pub(crate) fn cell_words(&self) -> u64 {
+        let long_movers = if self.step.long_at == 0 { 0 } else { self.movers() };
+        u64::from(self.step.sorted_at) + u64::from(self.objects()) + u64::from(long_movers)
+    }
+
+    /// [`World::set_cells`] without the table; with room for long movers, where there may be some.
+    fn place_cells(&mut self, cells: u32, long_movers: bool) {
         let objects = self.objects();
         let step = &mut self.step;
         step.cells = cells.max(CELL_BLOCK).next_power_of_two();
         step.sums_at = CELLS_AT + step.cells;
         step.keys_at = step.sums_at + SUM_WORDS * (step.cells / CELL_BLOCK);
         step.sorted_at = step.keys_at + objects;
+        step.long_at = if long_movers { step.sorted_at + objects } else { 0 };
     }
 
     /// With scratch arrays of the sizes that the counts ask for, as the CPU backend needs them.
@@ -225,9 +233,19 @@ fn typical_cell(scene: &Scene) -> f32 {
     (CELL_PER_RADIUS * radius).clamp(1e-20, 1e20)
 }
 
+/// Whether some sphere or rod at rest is so large that it stands on [`LONG_LEVEL`](crate::layout::LONG_LEVEL) or above.
+fn has_long_movers(scene: &Scene, cell: f32) -> bool {
+    let place = |id| scene.sphere(id).map(|sphere| sphere.position);
+    let is_long = |rod: &Rod| match (place(rod.end1), place(rod.end2)) {
+        (Ok(one), Ok(two)) => size_class(0.5 * one.distance(two) + rod.radius, cell) > 0,
+        _ => false,
+    };
+    scene.spheres().iter().any(|sphere| size_class(sphere.radius, cell) > 0) || scene.rods().iter().any(is_long)
+}
+
 fn order_in_space(scene: &Scene) -> Vec<u32> {
-    let positions: Vec<Vec3> = scene.spheres().iter().map(|sphere| sphere.position).collect();
-    spatial_order(&positions, typical_cell(scene))
+    let balls: Vec<Vec4> = scene.spheres().iter().map(|sphere| sphere.position.extend(sphere.radius)).collect();
+    spatial_order(&balls, typical_cell(scene))
 }
 
 fn order_along_x(scene: &Scene) -> Vec<u32> {

@@ -1,17 +1,23 @@
 //! The order of spheres in memory: near one another where they are near in space, along a Z-order curve (Morton 1966).
 //!
-//! What is near is read together, and memory order is worth a multiple of the speed at a million bodies. No result depends
-//! on it: wherever order counts, objects go by their index in order of addition.
+//! What is near is read together, and memory order is worth a multiple of the speed at a million bodies. Large spheres come after
+//! all small ones: a slice of the pair lists is as wide as its longest list, so long lists stand side by side. No result depends on
+//! the order: wherever it counts, objects go by their index in order of addition.
 
-use glam::Vec3;
+use glam::{Vec3, Vec4};
 use rayon::prelude::*;
 
-/// Indices of the spheres at these places, in the order of the curve through cells of this size.
-pub(crate) fn spatial_order(positions: &[Vec3], cell: f32) -> Vec<u32> {
-    let mut keyed: Vec<(u64, u32)> =
-        positions.par_iter().zip(0..positions.len() as u32).map(|(position, index)| (curve(*position, cell), index)).collect();
+/// Indices of these spheres (centre and radius) by size, and those of a size in the order of the curve through cells of this size.
+pub(crate) fn spatial_order(balls: &[Vec4], cell: f32) -> Vec<u32> {
+    let keyed = |(ball, index): (&Vec4, u32)| (size_class(ball.w, cell), curve(ball.truncate(), cell), index);
+    let mut keyed: Vec<(u32, u64, u32)> = balls.par_iter().zip(0..balls.len() as u32).map(keyed).collect();
     keyed.par_sort_unstable();
-    keyed.into_iter().map(|(_, index)| index).collect()
+    keyed.into_iter().map(|(.., index)| index).collect()
+}
+
+/// 0 for a sphere up to 4 cells wide, 1 up to 16, 2 up to 64, 3 for what is larger still.
+pub(crate) fn size_class(radius: f32, cell: f32) -> u32 {
+    [4.0, 16.0, 64.0].into_iter().filter(|cells| 2.0 * radius > cells * cell).count() as u32
 }
 
 /// The inverse of an order.
@@ -59,7 +65,7 @@ mod tests {
 
     #[test]
     fn places_beyond_all_cells_have_a_place() {
-        let places = [f32::MAX, f32::MIN, 1e30, 0.0].map(Vec3::splat);
+        let places = [f32::MAX, f32::MIN, 1e30, 0.0].map(|x| Vec3::splat(x).extend(1.0));
         let mut order = spatial_order(&places, 1e-20);
         order.sort_unstable();
         assert_eq!(order, [0, 1, 2, 3]);
@@ -67,13 +73,20 @@ mod tests {
 
     #[test]
     fn the_eight_cells_of_a_block_come_one_after_the_other() {
-        let places: Vec<Vec3> = (0..64).map(|k| Vec3::new((k % 4) as f32, (k / 4 % 4) as f32, (k / 16) as f32) + 0.5).collect();
-        let order = spatial_order(&places, 1.0);
+        let place = |k| Vec3::new((k % 4) as f32, (k / 4 % 4) as f32, (k / 16) as f32) + 0.5;
+        let balls: Vec<Vec4> = (0..64).map(|k| place(k).extend(0.5)).collect();
+        let order = spatial_order(&balls, 1.0);
         for block in order.chunks(8) {
-            let corners: Vec<Vec3> = block.iter().map(|index| (places[*index as usize] / 2.0).floor()).collect();
+            let corners: Vec<Vec3> = block.iter().map(|index| (balls[*index as usize].truncate() / 2.0).floor()).collect();
             assert!(corners.windows(2).all(|pair| pair[0] == pair[1]), "{corners:?}");
         }
         let back = inverse(&order);
         assert!(order.iter().enumerate().all(|(place, index)| back[*index as usize] == place as u32));
+    }
+
+    #[test]
+    fn large_spheres_come_last() {
+        let balls: Vec<Vec4> = [0.5, 40.0, 2.0, 2.1, 0.1, 9.0].map(|radius| Vec3::X.extend(radius)).to_vec();
+        assert_eq!(spatial_order(&balls, 1.0), [0, 2, 4, 3, 5, 1]);
     }
 }

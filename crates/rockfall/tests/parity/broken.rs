@@ -11,7 +11,7 @@ use crate::trace::{Plan, Scenario, trace};
 /// A mistake: in which stage and pass, the file, the text and what it becomes, and the buffer that it shows in.
 struct Mistake(&'static str, u32, &'static str, &'static str, &'static str, Buffer);
 
-const MISTAKES: [Mistake; 56] = [
+const MISTAKES: [Mistake; 62] = [
     Mistake("update_aabbs", 0, "update_aabbs.wgsl", "0.02 * radius", "0.03 * radius", Buffer::Aabbs),
     Mistake("update_aabbs", 0, "travel.wgsl", "position + way", "position - way", Buffer::Aabbs),
     Mistake("count_pairs", 0, "pair_tiles.wgsl", "(own.id != tile[k].id)", "(own.id < tile[k].id)", Buffer::Lists),
@@ -39,6 +39,19 @@ const MISTAKES: [Mistake; 56] = [
     Mistake("find_neighbours", 0, "neighbours.wgsl", "if statics_stand_apart", "if !statics_stand_apart", Buffer::Lists),
     Mistake("find_neighbours", 0, "find_neighbours.wgsl", "if before <= user", "if before >= user", Buffer::Lists),
     Mistake("find_neighbours", 0, "neighbours.wgsl", "> touching * touching", "> 0.9 * touching * touching", Buffer::Lists),
+    Mistake("count_cells", 0, "grid.wgsl", "!(largest <= cell_size", "(largest <= cell_size", Buffer::Cells),
+    Mistake("count_long", 0, "count_long.wgsl", "atomicStore(&all_found, 0u)", "atomicStore(&all_found, 1u)", Buffer::Lists),
+    Mistake("count_long", 0, "neighbours.wgsl", "Span(32u * thread, objects())", "Span(0u, objects())", Buffer::Lists),
+    Mistake(
+        "find_neighbours",
+        0,
+        "find_neighbours.wgsl",
+        "entries = lists[mover]",
+        "entries = lists[mover] + 1u",
+        Buffer::Status,
+    ),
+    Mistake("fill_long", 0, "bitonic.wgsl", "2u * stride - 1u", "stride", Buffer::Lists),
+    Mistake("fill_long", 0, "fill_long.wgsl", "sums[local] - 1u", "sums[local]", Buffer::Lists),
     Mistake("find_collisions", 0, "margin.wgsl", "radius - room", "radius - 0.5 * room", Buffer::Status),
     Mistake(
         "find_collisions",

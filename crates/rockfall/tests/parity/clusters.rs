@@ -15,7 +15,7 @@ const SPACING: f32 = 6.0;
 type Recipe = fn(&mut Draw);
 
 /// Every kind of cluster; those that are rare to overlap stand more than once.
-const RECIPES: [Recipe; 25] = [
+const RECIPES: [Recipe; 26] = [
     |d| d.duel(),
     |d| d.duel(),
     |d| d.capsule_duel(),
@@ -41,10 +41,11 @@ const RECIPES: [Recipe; 25] = [
     |d| d.attached(),
     |d| d.groups(),
     |d| d.crowd(),
+    |d| d.giant(),
 ];
 
 /// The kinds without rods.
-const WITHOUT_RODS: [Recipe; 7] = [
+const WITHOUT_RODS: [Recipe; 8] = [
     |d| d.duel(),
     |d| d.floored(),
     |d| d.spheres(6),
@@ -52,6 +53,7 @@ const WITHOUT_RODS: [Recipe; 7] = [
     |d| d.box_and_spheres(),
     |d| d.attached(),
     |d| d.groups(),
+    |d| d.giant(),
 ];
 
 /// A scene of clusters, and which cluster each object belongs to.

@@ -7,11 +7,41 @@ use rockfall::world::World;
 pub(crate) fn canonical(world: &World, stage: &str) -> World {
     let mut world = world.clone();
     match stage {
-        "build_grid" | "sort_cells" => order_cells(&mut world),
-        "find_neighbours" => order_slices(&mut world),
+        "build_grid" => {
+            order_cells(&mut world);
+            order_long_movers(&mut world);
+        }
+        "count_cells" => order_long_movers(&mut world),
+        "sort_cells" => order_cells(&mut world),
+        "find_neighbours" => {
+            order_slices(&mut world);
+            clear_long_lists(&mut world);
+        }
         _ => {}
     }
     world
+}
+
+/// The long movers come in any order.
+fn order_long_movers(world: &mut World) {
+    if world.step.long_at != 0 {
+        let count = world.cells[3] as usize;
+        world.cells[world.step.long_at as usize..][..count].sort_unstable();
+    }
+}
+
+/// The lists of long movers have their room, but nothing is in it yet.
+fn clear_long_lists(world: &mut World) {
+    if world.step.long_at == 0 {
+        return;
+    }
+    let step = world.step;
+    for mover in world.cells[step.long_at as usize..][..world.cells[3] as usize].iter().copied() {
+        let first = step.entries_at + world.lists[(step.slices_at + mover / SLICE) as usize] + mover % SLICE;
+        for place in 0..world.lists[mover as usize] {
+            world.lists[(first + place * SLICE) as usize] = 0;
+        }
+    }
 }
 
 /// The objects of one cell come in any order, and with each its extent.

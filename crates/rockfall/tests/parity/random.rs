@@ -103,6 +103,19 @@ impl Draw<'_> {
         self.add(other.velocity(one.velocity - 2.0 * direction));
     }
 
+    /// One much larger than all others, and some of those about its surface.
+    pub(crate) fn giant(&mut self) {
+        let mut giant = self.ball(self.middle);
+        giant.radius = self.between(2.5, 2.7);
+        self.add(giant);
+        for _ in 0..13 {
+            let direction = self.direction();
+            let mut ball = self.ball(self.middle);
+            ball.position += (giant.radius + self.between(0.6, 1.5) * ball.radius) * direction;
+            self.add(ball);
+        }
+    }
+
     pub(crate) fn capsule_duel(&mut self) {
         let (middle, direction) = (self.middle, self.direction());
         self.scene.add_capsule(Capsule::new(middle, middle + direction, 0.25).mass(1.5)).unwrap();
