@@ -9,6 +9,7 @@ mod array;
 mod check;
 mod device;
 mod fault;
+mod fuse;
 mod kernel;
 mod memory;
 mod split;

@@ -95,6 +95,14 @@ pub const LISTS_ASKED: u32 = 1;
 /// Bit of [`Status::rebuild`]: they were made in this step.
 pub const LISTS_MADE: u32 = 2;
 
+/// The pass of `run_steps` is `phases << PHASES_SHIFT | order`: how many phases it runs, and in which order. Collisions and
+/// positions take turns, collisions first where the order is 0.
+pub const PHASES_SHIFT: u32 = 2;
+/// Order of `run_steps`: positions come first.
+pub const POSITIONS_FIRST: u32 = 1;
+/// Order of `run_steps`: there are no collisions.
+pub const POSITIONS_ALONE: u32 = 2;
+
 /// [`Status::bad_body`] when every body is finite.
 pub const NO_BODY: u32 = u32::MAX;
 /// The place in a step where a body stopped being finite, the high bits of [`Status::bad_body`].
@@ -221,7 +229,8 @@ pub struct Step {
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
 pub struct Pass {
-    /// 0..4 for the stages of RK4, 0 and 1 for `sort_axis`, 0..8 for the digits of a sort; 0 for symplectic Euler and everything else.
+    /// 0..4 for the stages of RK4, 0 and 1 for `sort_axis`, 0..8 for the digits of a sort, what [`PHASES_SHIFT`] tells for
+    /// `run_steps`; 0 for symplectic Euler and everything else.
     pub index: u32,
     /// Padding to 16 bytes.
     pub pad: [u32; 3],

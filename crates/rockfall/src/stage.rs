@@ -37,6 +37,7 @@ mod measure_order;
 mod permute_spheres;
 mod restore_lengths;
 mod rod_forces;
+mod run_steps;
 mod scan_cells;
 mod scan_pairs;
 mod scatter_digits;
@@ -47,6 +48,7 @@ mod sort_cells;
 mod turn;
 mod update_aabbs;
 
+pub(crate) use run_steps::{STAGE as RUN_STEPS, begun_with, followed_by, suits};
 pub use schedule::{MEASURE_ORDER, Phase, Run, SORT_MEMORY, When};
 
 /// A buffer that stages bind. `Start` is the state; `Y2`, `Y3`, `Y4` are the stage states of RK4, and scratch besides.
@@ -60,6 +62,8 @@ pub enum Buffer {
     Y3,
     /// Stage state 4.
     Y4,
+    /// In small scenes without rods: all four side by side, for `run_steps`.
+    States,
     /// AABBs of all objects.
     Aabbs,
     /// Rods, springs, tethers, boxes, polygons, tags, adjacency, batches.
@@ -80,11 +84,12 @@ pub enum Buffer {
 
 impl Buffer {
     /// All buffers.
-    pub const ALL: [Self; 12] = [
+    pub const ALL: [Self; 13] = [
         Self::Start,
         Self::Y2,
         Self::Y3,
         Self::Y4,
+        Self::States,
         Self::Aabbs,
         Self::Words,
         Self::Cells,
@@ -102,6 +107,7 @@ impl Buffer {
             Self::Y2 => "stage state 2",
             Self::Y3 => "stage state 3",
             Self::Y4 => "stage state 4",
+            Self::States => "the stage states of a small scene",
             Self::Aabbs => "the AABBs",
             Self::Words => "topology and static objects",
             Self::Cells => "the grid",
@@ -247,7 +253,7 @@ pub struct Stage {
 }
 
 /// Every stage there is, once.
-pub const ALL: [&Stage; 37] = [
+pub const ALL: [&Stage; 38] = [
     &update_aabbs::STAGE,
     &count_pairs::STAGE,
     &scan_pairs::STAGE,
@@ -279,6 +285,7 @@ pub const ALL: [&Stage; 37] = [
     &constrain::STAGE,
     &turn::STAGE,
     &end_step::STAGE,
+    &run_steps::STAGE,
     &key_spheres::STAGE,
     &count_digits::STAGE,
     &scatter_digits::STAGE,

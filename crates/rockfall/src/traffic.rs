@@ -95,8 +95,8 @@ fn moves(name: &str, pass: u32) -> Option<Moves> {
         "leap" => Moves { rows: 6, sphere_aabbs: 1, ..FORCES },
         // Reads the mean spin, reads and writes the orientation.
         "turn" => Moves { rows: 3, ..NONE },
-        // Not part of a step, and not timed.
-        "key_spheres" | "count_digits" | "scatter_digits" | "permute_spheres" | "settle_spheres" | "measure_order" => NONE,
+        // Not part of a step, or in the place of other stages, and not timed.
+        "run_steps" | "key_spheres" | "count_digits" | "scatter_digits" | "permute_spheres" | "settle_spheres" | "measure_order" => NONE,
         "end_step" | "restore_lengths" | "constrain" => NONE,
         _ => return None,
     })

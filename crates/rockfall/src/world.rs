@@ -75,6 +75,8 @@ impl World {
             Buffer::Y2 => cast_slice(&self.states[1]),
             Buffer::Y3 => cast_slice(&self.states[2]),
             Buffer::Y4 => cast_slice(&self.states[3]),
+            // A device alone has them.
+            Buffer::States => &[],
             Buffer::Aabbs => cast_slice(&self.aabbs),
             Buffer::Words => cast_slice(&self.words),
             Buffer::Cells => cast_slice(&self.cells),
@@ -93,6 +95,7 @@ impl World {
             Buffer::Y2 => cast_slice_mut(&mut self.states[1]),
             Buffer::Y3 => cast_slice_mut(&mut self.states[2]),
             Buffer::Y4 => cast_slice_mut(&mut self.states[3]),
+            Buffer::States => &mut [],
             Buffer::Aabbs => cast_slice_mut(&mut self.aabbs),
             Buffer::Words => cast_slice_mut(&mut self.words),
             Buffer::Cells => cast_slice_mut(&mut self.cells),

@@ -90,7 +90,7 @@ fn rods_in_chunks_give_the_same_bits() {
             let report = simulation.run(20, 0.01).expect("steps");
             assert!(report.contacts > 20, "{report:?}");
         }
-        are_split(&chunked, &[Buffer::Orientations, Buffer::Status]);
+        are_split(&chunked, &[Buffer::States, Buffer::Orientations, Buffer::Status]);
         same_bits(&Run::of(&mut chunked), &Run::of(&mut whole));
     }
 }

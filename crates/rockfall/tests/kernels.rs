@@ -289,6 +289,9 @@ fn the_constants_are_those_of_layout() {
         ROW_LEVEL,
         LISTS_ASKED,
         LISTS_MADE,
+        PHASES_SHIFT,
+        POSITIONS_FIRST,
+        POSITIONS_ALONE,
         NO_BODY,
         BAD_STAGE_SHIFT,
     ];

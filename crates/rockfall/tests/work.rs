@@ -55,6 +55,29 @@ fn dispatches_of_a_step() {
     check_dispatches(Benchmark::Radii, Integrator::Rk4, 12);
 }
 
+/// Dispatches of so many plain steps of a small scene without rods, after some others.
+#[cfg(feature = "gpu")]
+fn joined_dispatches(benchmark: Benchmark, before: u64, steps: u64) -> u64 {
+    let scene = benchmark.generate(1_000, 5).unwrap();
+    let options = Options::new().backend(Backend::Gpu).broad_phase(BroadPhase::Grid);
+    let mut simulation = Simulation::with_options(scene, options).unwrap();
+    simulation.run(before, DT).unwrap();
+    let count = |simulation: &Simulation| simulation.gpu_view().unwrap().dispatches();
+    let first = count(&simulation);
+    simulation.run(steps, DT).unwrap();
+    println!("{benchmark}: {} dispatches in {steps} steps", count(&simulation) - first);
+    count(&simulation) - first
+}
+
+#[test]
+#[cfg(feature = "gpu")]
+fn dispatches_of_the_steps_of_a_small_scene() {
+    // Three that make lists, and one for all else; one more begins a batch, of which the first is one step that makes lists twice.
+    assert!(joined_dispatches(Benchmark::Pile, 0, 32) <= 4 * 32 + 1 + 4);
+    // The same in every eighth step.
+    assert!(joined_dispatches(Benchmark::Lattice, 192, 32) <= 4 * 4 + 1);
+}
+
 #[test]
 #[cfg(feature = "gpu")]
 fn every_step_of_a_profile_is_a_step_that_was_done() {

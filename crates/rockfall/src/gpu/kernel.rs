@@ -6,7 +6,13 @@ use crate::error::{Error, Result};
 use crate::gpu::fault::catch;
 use crate::gpu::memory::chunk_bytes;
 use crate::gpu::split::{Split, binding_numbers, split};
+use crate::layout::WORKGROUP;
 use crate::stage::{Access, Part, Stage};
+
+/// Subgroups of a workgroup that does whole steps, where the device allows so many: every barrier waits for all of them.
+const TEAM_SUBGROUPS: u32 = 32;
+/// The most threads of such a workgroup.
+const MOST_THREADS: u32 = 1024;
 
 /// A compiled stage.
 #[derive(Debug)]
@@ -60,11 +66,18 @@ fn layout_entry(binding: u32, ty: wgpu::BufferBindingType) -> wgpu::BindGroupLay
     }
 }
 
+/// Threads of a workgroup of a stage that leaves their number to the device.
+fn team(device: &wgpu::Device) -> u32 {
+    let limits = device.limits();
+    let wish = (TEAM_SUBGROUPS * device.adapter_info().subgroup_max_size).clamp(WORKGROUP, MOST_THREADS);
+    wish.min(limits.max_compute_invocations_per_workgroup).min(limits.max_compute_workgroup_size_x)
+}
+
 #[allow(unsafe_code)]
 fn build(device: &wgpu::Device, stage: &Stage, rods: bool, chunks: &[u32]) -> Kernel {
     let text = split(&join(stage.parts), &Split::of(stage, chunks, chunk_bytes(&device.limits())));
-    let uses_rods = text.contains("override RODS");
-    let constants = [("RODS", f64::from(u8::from(rods)))];
+    let mut constants = vec![("RODS", f64::from(u8::from(rods))), ("TEAM", f64::from(team(device)))];
+    constants.retain(|(name, _)| text.contains(&format!("override {name}:")));
     let module = wgpu::ShaderModuleDescriptor { label: Some(stage.name), source: wgpu::ShaderSource::Wgsl(text.into()) };
     // SAFETY: without run-time checks the kernels must stay inside their buffers by themselves, and end. They do: threads
     // past the count of what they work on return; ids, offsets and indices in `words` are checked by `gpu::check` before they
@@ -96,7 +109,7 @@ fn build(device: &wgpu::Device, stage: &Stage, rods: bool, chunks: &[u32]) -> Ke
         entry_point: Some(stage.name),
         compilation_options: wgpu::PipelineCompilationOptions {
             zero_initialize_workgroup_memory: false,
-            constants: if uses_rods { &constants } else { &[] },
+            constants: &constants,
         },
         cache: None,
     });

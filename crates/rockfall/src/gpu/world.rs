@@ -10,17 +10,17 @@ use crate::gpu::array::Array;
 use crate::gpu::check::check_buffer;
 use crate::gpu::device::Gpu;
 use crate::gpu::fault::catch;
+use crate::gpu::fuse::fused;
 use crate::gpu::kernel::Kernel;
 use crate::gpu::memory::{bytes_needed, check_sizes, chunk_bytes, make_buffer};
 use crate::gpu::split::binding_numbers;
 use crate::gpu::timer::Timer;
 use crate::layout::{Pass, Status, Step};
 use crate::profile::BufferSize;
-use crate::stage::{Buffer, Run, Stage};
+use crate::stage::{Buffer, RUN_STEPS, Run, suits};
 use crate::world::World;
 
-/// The most passes that a stage has: the digits of a sort.
-const PASSES: u32 = 8;
+const UNIFORM: wgpu::BufferUsages = wgpu::BufferUsages::UNIFORM.union(wgpu::BufferUsages::COPY_DST);
 
 /// What a world's buffers hold when a step begins; everything else is written before it is read.
 const KEPT: [Buffer; 6] = [Buffer::Start, Buffer::Aabbs, Buffer::Words, Buffer::Lists, Buffer::Orientations, Buffer::Status];
@@ -31,10 +31,13 @@ pub struct GpuWorld {
     gpu: Gpu,
     step: Step,
     uniform: wgpu::Buffer,
-    passes: Vec<wgpu::Buffer>,
+    /// The blocks `pass_` that were needed so far, by pass.
+    passes: HashMap<u32, wgpu::Buffer>,
     arrays: Vec<Array>,
     /// What was prepared: by stage and pass.
     ready: HashMap<(&'static str, u32), (Arc<Kernel>, wgpu::BindGroup)>,
+    /// Those that were submitted so far.
+    dispatches: u64,
 }
 
 impl GpuWorld {
@@ -50,20 +53,20 @@ impl GpuWorld {
         let device = gpu.device();
         let limits = device.limits();
         check_sizes(&limits, |buffer| bytes_needed(world, buffer))?;
-        let usage = wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST;
-        let uniform = make_buffer(device, "step", size_of::<Step>() as u64, usage)?;
-        let mut passes = Vec::new();
-        for index in 0..PASSES {
-            let pass = make_buffer(device, "pass", size_of::<Pass>() as u64, usage)?;
-            let block = Pass { index, ..Default::default() };
-            catch(device, || gpu.queue().write_buffer(&pass, 0, bytes_of(&block)))?;
-            passes.push(pass);
-        }
+        let uniform = make_buffer(device, "step", size_of::<Step>() as u64, UNIFORM)?;
         let mut arrays = Vec::new();
         for buffer in Buffer::ALL {
             arrays.push(Array::new(device, buffer, bytes_needed(world, buffer), chunk_bytes(&limits))?);
         }
-        let mut made = Self { gpu: gpu.clone(), step: world.step, uniform, passes, arrays, ready: HashMap::new() };
+        let mut made = Self {
+            gpu: gpu.clone(),
+            step: world.step,
+            uniform,
+            passes: HashMap::new(),
+            arrays,
+            ready: HashMap::new(),
+            dispatches: 0,
+        };
         made.upload(world)?;
         Ok(made)
     }
@@ -101,9 +104,14 @@ impl GpuWorld {
 
     /// The size of every buffer.
     pub fn buffer_sizes(&self) -> Vec<BufferSize> {
-        let uniforms = self.uniform.size() + self.passes.iter().map(wgpu::Buffer::size).sum::<u64>();
+        let uniforms = self.uniform.size() + self.passes.values().map(wgpu::Buffer::size).sum::<u64>();
         let storage = Buffer::ALL.map(|buffer| BufferSize::new(buffer.label(), self.array(buffer).size()));
         storage.into_iter().chain([BufferSize::new("the uniform blocks", uniforms)]).collect()
+    }
+
+    /// Dispatches that were submitted so far: what a small scene's step costs.
+    pub fn dispatches(&self) -> u64 {
+        self.dispatches
     }
 
     /// The uniform block of the last upload or run.
@@ -254,10 +262,23 @@ impl GpuWorld {
         run.workgroups(&self.step) == 0
     }
 
-    fn make_group(&self, stage: &Stage, pass: u32, chunks: &[u32], layout: &wgpu::BindGroupLayout) -> wgpu::BindGroup {
+    /// The block `pass_` of a pass, made at its first use.
+    fn pass_block(&mut self, index: u32) -> Result<wgpu::Buffer> {
+        if let Some(known) = self.passes.get(&index) {
+            return Ok(known.clone());
+        }
+        let made = make_buffer(self.gpu.device(), "pass", size_of::<Pass>() as u64, UNIFORM)?;
+        let block = Pass { index, ..Default::default() };
+        catch(self.gpu.device(), || self.gpu.queue().write_buffer(&made, 0, bytes_of(&block)))?;
+        self.passes.insert(index, made.clone());
+        Ok(made)
+    }
+
+    fn make_group(&self, run: &Run, block: &wgpu::Buffer, chunks: &[u32], layout: &wgpu::BindGroupLayout) -> wgpu::BindGroup {
+        let Run { stage, pass, .. } = *run;
         let mut entries = vec![
             wgpu::BindGroupEntry { binding: 0, resource: self.uniform.as_entire_binding() },
-            wgpu::BindGroupEntry { binding: 1, resource: self.passes[pass as usize].as_entire_binding() },
+            wgpu::BindGroupEntry { binding: 1, resource: block.as_entire_binding() },
         ];
         for (binding, numbers) in stage.bindings.iter().zip(binding_numbers(chunks)) {
             let buffers = self.chunks(binding.slot.buffer(pass)).iter().zip(numbers);
@@ -279,7 +300,8 @@ impl GpuWorld {
                 let slots = run.stage.bindings.iter().map(|binding| binding.slot.buffer(run.pass));
                 let chunks: Vec<u32> = slots.map(|buffer| self.chunks(buffer).len() as u32).collect();
                 let kernel = self.gpu.kernel(run.stage, self.step.rods > 0, chunks.clone())?;
-                let group = catch(self.gpu.device(), || self.make_group(run.stage, run.pass, &chunks, &kernel.layout))?;
+                let block = self.pass_block(run.pass)?;
+                let group = catch(self.gpu.device(), || self.make_group(run, &block, &chunks, &kernel.layout))?;
                 self.ready.insert(key, (kernel, group));
             }
         }
@@ -320,7 +342,17 @@ impl GpuWorld {
     /// [`Error::Device`] when a kernel does not compile, the device refuses or is lost. The loss of a device may show only
     /// when something is read.
     pub fn run(&mut self, runs: &[Run], step: &Step, steps: u32) -> Result<()> {
-        self.submit(runs, step, steps, None)
+        if !self.fuses() {
+            return self.submit(runs, step, steps, None);
+        }
+        let dispatches = fused(runs, &self.step, steps);
+        self.submit(&dispatches, step, 1, None)
+    }
+
+    /// Whether `run_steps` takes the place of other stages: in small scenes without rods, the arrays of which are whole.
+    fn fuses(&self) -> bool {
+        let is_whole = |buffer: Buffer| self.chunks(buffer).len() == 1;
+        suits(&self.step) && RUN_STEPS.bindings.iter().all(|binding| is_whole(binding.slot.buffer(0)))
     }
 
     /// [`GpuWorld::run`] with every dispatch timed.
@@ -337,6 +369,8 @@ impl GpuWorld {
         self.gpu.faults().check()?;
         self.prepare(runs)?;
         self.write_uniforms(step)?;
+        let dispatched = |at: u32| runs.iter().filter(|run| run.is_in(at) && !self.is_idle(run)).count() as u64;
+        self.dispatches += (0..steps).map(dispatched).sum::<u64>();
         let gpu = self.gpu.clone();
         catch(gpu.device(), || {
             let mut encoder = gpu.device().create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("steps") });

@@ -12,7 +12,8 @@ use crate::world::World;
 
 impl Simulation {
     /// [`Simulation::run`] with every stage timed: on the GPU by timestamps around every dispatch, on the CPU by the
-    /// host's clock. The steps are those that `run` would do, but slower: measure throughput there.
+    /// host's clock. The steps are those that `run` would do, but slower: measure throughput there. Most of all so in small
+    /// scenes on a GPU, where `run` does many stages in one dispatch and this one does them one by one.
     ///
     /// # Errors
     /// As for [`Simulation::run`]; and [`Error::Device`](crate::Error::Device), before any step, when the GPU has no

@@ -7,34 +7,12 @@
 @group(0) @binding(8) var<storage, read> aabbs: array<Aabb>;
 @group(0) @binding(9) var<storage, read_write> status: StatusAtomic;
 
-fn write_next(i: u32, net: Net) {
-    let old_position = start[position_at(i)];
-    let old_velocity = start[velocity_at(i)];
-    let old_momentum = start[momentum_at(i)];
-    var after = Motion(old_position.xyz, old_velocity.xyz, old_momentum.xyz);
-    if old_velocity.w > 0.0 {
-        let c = select(0.5, 1.0, pass_.index == 2u) * step.dt;
-        after.position += c * state[velocity_at(i)].xyz;
-        after.velocity += c * (step.gravity + old_velocity.w * net.force);
-        after.momentum += c * net.torque;
-        if !is_finite(after) {
-            after = stopped(old_position.xyz, pass_.index + 1u, i);
-        }
-        var ratio = escape_ratio(after.position, old_position.w, aabbs[i]);
-        if pass_.index == 0u {
-            ratio = max(ratio, escape_ratio(old_position.xyz, old_position.w, aabbs[i]));
-        }
-        if ratio > 0.0 {
-            tell_escape(ratio);
-        }
-        // Stage state 4 is about where the step will end, which is good enough: whoever leaves unannounced voids a step.
-        if pass_.index == 2u {
-            ask_for_lists(i, vec4f(after.position, old_position.w), vec4f(after.velocity, old_velocity.w));
-        }
-    }
-    next[position_at(i)] = vec4f(after.position, old_position.w);
-    next[velocity_at(i)] = vec4f(after.velocity, old_velocity.w);
-    next[momentum_at(i)] = vec4f(after.momentum, old_momentum.w);
+fn start_row(region: u32, i: u32) -> vec4f {
+    return start[region * step.spheres + i];
+}
+
+fn put_next(region: u32, i: u32, row: vec4f) {
+    next[region * step.spheres + i] = row;
 }
 
 @compute @workgroup_size(64)
@@ -46,10 +24,7 @@ fn advance(
     let i = linear_thread(group, groups, local);
     var net = no_force();
     if (i < step.spheres) & (atomicLoad(&status.void) == 0u) {
-        // A fixed sphere's contacts are only counted.
-        if (pass_.index == 0u) | (inverse_mass(i) > 0.0) {
-            net = net_force(i);
-        }
+        net = net_in_pass(i);
         write_next(i, net);
     }
     if pass_.index == 0u {

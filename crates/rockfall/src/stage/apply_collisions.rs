@@ -22,6 +22,7 @@ pub(crate) const STAGE: Stage = Stage {
     parts: &[
         part!("wgsl/step.wgsl"),
         part!("wgsl/order.wgsl"),
+        part!("wgsl/one_state.wgsl"),
         part!("wgsl/objects.wgsl"),
         part!("wgsl/geometry.wgsl"),
         part!("wgsl/contact.wgsl"),
@@ -32,6 +33,7 @@ pub(crate) const STAGE: Stage = Stage {
         part!("wgsl/travel.wgsl"),
         part!("wgsl/margin.wgsl"),
         part!("wgsl/tell.wgsl"),
+        part!("wgsl/changes.wgsl"),
         part!("stage/apply_collisions.wgsl"),
     ],
     bindings: &[

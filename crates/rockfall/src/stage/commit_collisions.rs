@@ -13,8 +13,10 @@ pub(crate) const STAGE: Stage = Stage {
     parts: &[
         part!("wgsl/step.wgsl"),
         part!("wgsl/order.wgsl"),
+        part!("wgsl/one_state.wgsl"),
         part!("wgsl/objects.wgsl"),
         part!("wgsl/rows.wgsl"),
+        part!("wgsl/collided.wgsl"),
         part!("stage/commit_collisions.wgsl"),
     ],
     bindings: &[

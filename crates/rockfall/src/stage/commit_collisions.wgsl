@@ -4,6 +4,14 @@
 @group(0) @binding(5) var<storage, read> lists: array<u32>;
 @group(0) @binding(6) var<storage, read_write> status: StatusAtomic;
 
+fn put_start(region: u32, i: u32, row: vec4f) {
+    state[region * step.spheres + i] = row;
+}
+
+fn next_row(region: u32, i: u32) -> vec4f {
+    return next[region * step.spheres + i];
+}
+
 @compute @workgroup_size(64)
 fn commit_collisions(
     @builtin(workgroup_id) group: vec3u,
@@ -11,22 +19,7 @@ fn commit_collisions(
     @builtin(local_invocation_index) local: u32,
 ) {
     let i = linear_thread(group, groups, local);
-    // 1: done before this attempt at the step; 2, which the first thread writes meanwhile, is as good as 0 here.
-    if (i >= step.spheres) | (atomicLoad(&status.void) != 0u) | (atomicLoad(&status.collided) == 1u) {
-        return;
-    }
-    if i == 0u {
-        atomicStore(&status.collided, 2u);
-    }
-    if atomicLoad(&status.collisions) == 0u {
-        return;
-    }
-    if i == 0u {
-        status.lengths_due = 1u;
-    }
-    if takes_part_in_any(i) {
-        for (var region = 0u; region < 3u; region++) {
-            state[region * step.spheres + i] = next[region * step.spheres + i];
-        }
+    if i < step.spheres {
+        commit_change(i);
     }
 }

@@ -8,7 +8,7 @@ use crate::world::World;
 /// The stage.
 pub(crate) const STAGE: Stage = Stage {
     name: "end_step",
-    parts: &[part!("wgsl/step.wgsl"), part!("stage/end_step.wgsl")],
+    parts: &[part!("wgsl/step.wgsl"), part!("wgsl/close_step.wgsl"), part!("stage/end_step.wgsl")],
     bindings: &[write("status", Buffer::Status)],
     threads: Threads::One,
     cpu: end_step,

@@ -26,6 +26,7 @@ pub(crate) const STAGE: Stage = Stage {
     parts: &[
         part!("wgsl/step.wgsl"),
         part!("wgsl/order.wgsl"),
+        part!("wgsl/one_state.wgsl"),
         part!("wgsl/objects.wgsl"),
         part!("wgsl/geometry.wgsl"),
         part!("wgsl/contact.wgsl"),
@@ -34,6 +35,7 @@ pub(crate) const STAGE: Stage = Stage {
         part!("wgsl/travel.wgsl"),
         part!("wgsl/margin.wgsl"),
         part!("wgsl/tell.wgsl"),
+        part!("wgsl/judge.wgsl"),
         part!("stage/find_collisions.wgsl"),
     ],
     bindings: &[

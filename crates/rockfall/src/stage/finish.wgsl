@@ -17,7 +17,7 @@ fn finish(
     if (i >= step.spheres) | (atomicLoad(&status.void) != 0u) {
         return;
     }
-    let done = finish_sphere(i);
+    let done = finish_sphere(i, net_in_pass(i));
     y3[position_at(i)] = vec4f(done.old_position, 0.0);
     y3[momentum_at(i)] = vec4f(done.spin, 0.0);
 }

@@ -15,11 +15,13 @@ pub(crate) const STAGE: Stage = Stage {
     parts: &[
         part!("wgsl/step.wgsl"),
         part!("wgsl/order.wgsl"),
+        part!("wgsl/one_state.wgsl"),
         part!("wgsl/objects.wgsl"),
         part!("wgsl/geometry.wgsl"),
         part!("wgsl/contact.wgsl"),
         part!("wgsl/forces.wgsl"),
         part!("wgsl/tell.wgsl"),
+        part!("wgsl/stage_states.wgsl"),
         part!("wgsl/finished.wgsl"),
         part!("wgsl/rotation.wgsl"),
         part!("stage/finish_and_turn.wgsl"),

@@ -20,5 +20,5 @@ fn finish_and_turn(
     if (i >= step.spheres) | (atomicLoad(&status.void) != 0u) {
         return;
     }
-    turn_by(i, rotation(finish_sphere(i).spin));
+    turn_by(i, rotation(finish_sphere(i, net_in_pass(i)).spin));
 }

@@ -19,11 +19,13 @@ pub(crate) const STAGE: Stage = Stage {
     parts: &[
         part!("wgsl/step.wgsl"),
         part!("wgsl/order.wgsl"),
+        part!("wgsl/one_state.wgsl"),
         part!("wgsl/objects.wgsl"),
         part!("wgsl/geometry.wgsl"),
         part!("wgsl/contact.wgsl"),
         part!("wgsl/wrenches.wgsl"),
         part!("wgsl/forces.wgsl"),
+        part!("wgsl/tell.wgsl"),
         part!("stage/rod_forces.wgsl"),
     ],
     bindings: &[

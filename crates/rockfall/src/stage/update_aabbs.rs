@@ -21,6 +21,7 @@ pub(crate) const STAGE: Stage = Stage {
     parts: &[
         part!("wgsl/step.wgsl"),
         part!("wgsl/order.wgsl"),
+        part!("wgsl/one_state.wgsl"),
         part!("wgsl/objects.wgsl"),
         part!("wgsl/travel.wgsl"),
         part!("stage/update_aabbs.wgsl"),

@@ -150,8 +150,8 @@ fn contact_force(a_side: Side, b_side: Side, touch: Touch, b: u32) -> ContactFor
     var friction = vec3f(0.0);
     if tt > TINY {
         var per_velocity = step.friction * reduced_mass * overlap / sqrt(sqrt(tt));
-        // Coulomb's cap, |F| <= mu_c N.
-        if step.coulomb_friction > 0.0 {
+        // Coulomb's cap, |F| <= mu_c N; asked together for the reason in objects.wgsl.
+        if (step.coulomb_friction > 0.0) & (overlap > 0.0) {
             per_velocity = min(per_velocity, step.coulomb_friction * max(press, 0.0) * reduced_mass / sqrt(tt));
         }
         friction = per_velocity * t;

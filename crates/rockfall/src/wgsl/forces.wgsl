@@ -58,7 +58,7 @@ fn add_contact(i: u32, own: vec4f, side: Side, id: u32, place: vec4f, net: ptr<f
     (*net).force += contact.force;
     (*net).torque += contact.couple_a;
     // They are told of in the first pass alone.
-    if pass_.index != 0u {
+    if evaluation() != 0u {
         return;
     }
     if user_of(i) < user_of(id) {
@@ -136,23 +136,30 @@ fn net_force(i: u32) -> Net {
     return net;
 }
 
-var<workgroup> group_contacts: atomic<u32>;
+// What a pass of RK4 needs to know of a sphere: a fixed one's contacts are only counted.
+fn net_in_pass(i: u32) -> Net {
+    if (evaluation() == 0u) | (inverse_mass(i) > 0.0) {
+        return net_force(i);
+    }
+    return no_force();
+}
+
 var<workgroup> group_deepest: atomic<u32>;
 
 // Adds a workgroup's contacts to the status; all its threads must come here. Positive floats order like their bits.
 fn tell_contacts(local: u32, contacts: u32, deepest: f32) {
     if local == 0u {
-        atomicStore(&group_contacts, 0u);
+        atomicStore(&group_count, 0u);
         atomicStore(&group_deepest, 0u);
     }
     workgroupBarrier();
     if contacts > 0u {
-        atomicAdd(&group_contacts, contacts);
+        atomicAdd(&group_count, contacts);
         atomicMax(&group_deepest, bitcast<u32>(deepest));
     }
     workgroupBarrier();
     if local == 0u {
-        let sum = atomicLoad(&group_contacts);
+        let sum = atomicLoad(&group_count);
         if sum > 0u {
             atomicAdd(&status.contacts, sum);
             atomicMax(&status.max_overlap, atomicLoad(&group_deepest));

@@ -1,16 +1,4 @@
-// Reading objects out of `state` and `words`. A state has three regions of one vec4 a sphere.
-
-fn position_at(sphere: u32) -> u32 {
-    return sphere;
-}
-
-fn velocity_at(sphere: u32) -> u32 {
-    return step.spheres + sphere;
-}
-
-fn momentum_at(sphere: u32) -> u32 {
-    return 2u * step.spheres + sphere;
-}
+// Reading objects out of `state` and `words`.
 
 fn inverse_mass(sphere: u32) -> f32 {
     return state[velocity_at(sphere)].w;
@@ -74,7 +62,8 @@ fn polygon(index: u32) -> Polygon {
 
 // First and one past the last word of what is attached to a sphere: rods first, for a rod is kind 0.
 fn adjacency(sphere: u32) -> vec2u {
-    if step.adjacency_at == 0u {
+    // There is no such sphere; but where the uniform block alone decides, software Vulkan works the kernel over in every dispatch.
+    if (step.adjacency_at == 0u) | (sphere >= step.spheres) {
         return vec2u(0u);
     }
     let at = step.adjacency_at + 2u * sphere;

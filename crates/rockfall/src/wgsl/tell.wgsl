@@ -1,4 +1,6 @@
-// What a stage tells of a sphere that left its AABB, or whose state stopped being finite.
+// What a stage tells: a count of its workgroup, a sphere that left its AABB, or one whose state stopped being finite.
+
+var<workgroup> group_count: atomic<u32>;
 
 fn tell_escape(ratio: f32) {
     atomicOr(&status.void, VOID_ESCAPED);

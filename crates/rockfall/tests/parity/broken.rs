@@ -6,12 +6,12 @@ use rockfall::{Integrator, Settings};
 use crate::compare::{MEASURED, differences};
 use crate::device::{on_gpu, open};
 use crate::plan;
-use crate::trace::{Plan, Scenario, trace};
+use crate::trace::{COLLISIONS, POSITIONS, Plan, Scenario, trace};
 
 /// A mistake: in which stage and pass, the file, the text and what it becomes, and the buffer that it shows in.
 struct Mistake(&'static str, u32, &'static str, &'static str, &'static str, Buffer);
 
-const MISTAKES: [Mistake; 62] = [
+const MISTAKES: [Mistake; 66] = [
     Mistake("update_aabbs", 0, "update_aabbs.wgsl", "0.02 * radius", "0.03 * radius", Buffer::Aabbs),
     Mistake("update_aabbs", 0, "travel.wgsl", "position + way", "position - way", Buffer::Aabbs),
     Mistake("count_pairs", 0, "pair_tiles.wgsl", "(own.id != tile[k].id)", "(own.id < tile[k].id)", Buffer::Lists),
@@ -56,18 +56,18 @@ const MISTAKES: [Mistake; 62] = [
     Mistake(
         "find_collisions",
         0,
-        "find_collisions.wgsl",
+        "judge.wgsl",
         "ENTRY_COLLIDES) != 0u);\n    if",
         "ENTRY_OVERLAPS) != 0u);\n    if",
         Buffer::Lists,
     ),
-    Mistake("find_collisions", 0, "find_collisions.wgsl", "min(radius, ", "max(radius, ", Buffer::Lists),
+    Mistake("find_collisions", 0, "judge.wgsl", "min(radius, ", "max(radius, ", Buffer::Lists),
     Mistake("find_collisions", 0, "geometry.wgsl", "nn <= 1e-8 * aa * bb", "nn < 0.0", Buffer::Lists),
     Mistake("apply_collisions", 0, "weights.wgsl", "ALONE: f32 = 1.001", "ALONE: f32 = 1.5", Buffer::Y2),
     Mistake("apply_collisions", 0, "weights.wgsl", "sqrt(l.inverse_mass)", "l.inverse_mass", Buffer::Y2),
-    Mistake("apply_collisions", 0, "apply_collisions.wgsl", "1.0 + step.rest", "1.0 - step.rest", Buffer::Y2),
-    Mistake("commit_collisions", 0, "commit_collisions.wgsl", "region < 3u", "region < 1u", Buffer::Start),
-    Mistake("commit_collisions", 0, "commit_collisions.wgsl", "collided, 2u", "collided, 1u", Buffer::Status),
+    Mistake("apply_collisions", 0, "changes.wgsl", "1.0 + step.rest", "1.0 - step.rest", Buffer::Y2),
+    Mistake("commit_collisions", 0, "collided.wgsl", "region < 3u", "region < 1u", Buffer::Start),
+    Mistake("commit_collisions", 0, "collided.wgsl", "collided, 2u", "collided, 1u", Buffer::Status),
     Mistake("restore_lengths", 0, "lengths.wgsl", "move_end(ends.y, -w2", "move_end(ends.y, w2", Buffer::Start),
     Mistake("rod_forces", 0, "rod_forces.wgsl", "+= at * couple", "+= (1.0 - at) * couple", Buffer::Wrenches),
     Mistake("rod_forces", 3, "geometry.wgsl", "nn <= 1e-8 * aa * bb", "nn <= 0.3 * aa * bb", Buffer::Wrenches),
@@ -75,7 +75,7 @@ const MISTAKES: [Mistake; 62] = [
     Mistake("advance", 1, "contact.wgsl", "sqrt(sqrt(tt))", "sqrt(tt)", Buffer::Y3),
     Mistake("advance", 1, "contact.wgsl", "min(per_velocity,", "max(per_velocity,", Buffer::Y3),
     Mistake("leap", 0, "contact.wgsl", "* reduced_mass / sqrt(tt)", "* reduced_mass / tt", Buffer::Y2),
-    Mistake("advance", 2, "advance.wgsl", "index == 2u", "index == 1u", Buffer::Y4),
+    Mistake("advance", 2, "next_state.wgsl", "() == 2u", "() == 1u", Buffer::Y4),
     Mistake("finish", 3, "finished.wgsl", "step.dt / 6.0", "step.dt / 3.0", Buffer::Start),
     Mistake("finish_and_turn", 3, "finished.wgsl", "step.dt / 6.0", "step.dt / 3.0", Buffer::Start),
     Mistake("finish_and_turn", 3, "rotation.wgsl", "0.5 * rate", "rate", Buffer::Orientations),
@@ -101,7 +101,11 @@ const MISTAKES: [Mistake; 62] = [
         Buffer::Words,
     ),
     Mistake("measure_order", 0, "measure_order.wgsl", "32u - count", "31u - count", Buffer::Status),
-    Mistake("end_step", 0, "end_step.wgsl", "= status.max_overlap", "= status.contacts", Buffer::Status),
+    Mistake("end_step", 0, "close_step.wgsl", "&status.max_overlap)", "&status.contacts)", Buffer::Status),
+    Mistake("run_steps", COLLISIONS, "run_steps.wgsl", "(k + order) % 2u", "(k + order + 1u) % 2u", Buffer::Status),
+    Mistake("run_steps", COLLISIONS, "four_states.wgsl", "(0u, region, i)] = row", "(1u, region, i)] = row", Buffer::Start),
+    Mistake("run_steps", POSITIONS, "run_steps.wgsl", "evaluated = evaluation", "evaluated = evaluation / 2u", Buffer::Start),
+    Mistake("run_steps", POSITIONS, "four_states.wgsl", "(2u, region", "(1u, region", Buffer::Start),
 ];
 
 /// The stage of a run with a mistake in it. It lives as long as the process, as stages do.

@@ -1,7 +1,7 @@
 //! The worlds that the stages of a step begin with, with every decision of the step far from its switch.
 
-use rockfall::layout::{CELL_BLOCK, CELLS_AT, ROD_WORDS};
-use rockfall::stage::{MEASURE_ORDER, Phase, Run, SORT_MEMORY};
+use rockfall::layout::{CELL_BLOCK, CELLS_AT, PHASES_SHIFT, POSITIONS_FIRST, ROD_WORDS};
+use rockfall::stage::{ALL, MEASURE_ORDER, Phase, Run, SORT_MEMORY, When};
 use rockfall::world::World;
 use rockfall::{BroadPhase, Integrator, Settings};
 
@@ -16,6 +16,11 @@ pub(crate) const DT: f32 = 0.004;
 const MARGIN: f32 = 12.0;
 /// A cluster that still has a decision too close to call is wrong by design, not by chance.
 const MAX_ATTEMPTS: u64 = 200;
+
+/// The pass of `run_steps` that does the collisions of a step.
+pub(crate) const COLLISIONS: u32 = 1 << PHASES_SHIFT;
+/// The one that does the rest of it.
+pub(crate) const POSITIONS: u32 = 1 << PHASES_SHIFT | POSITIONS_FIRST;
 
 /// A stage, and the world that it begins with.
 pub(crate) struct Scenario {
@@ -97,6 +102,7 @@ fn run(drawn: &Clusters, plan: &Plan) -> Trace {
         if run.stage.name == "constrain" {
             turn_some(&mut world);
         }
+        scenarios.extend(joined(&world, run));
         decide(&world, run, &mut findings);
         scenarios.push(Scenario { run: *run, before: world.clone() });
         run.on_cpu(&mut world);
@@ -113,6 +119,18 @@ fn run(drawn: &Clusters, plan: &Plan) -> Trace {
     decisions::escapes(&world, 0, &mut findings);
     scenarios.extend(sorting(drawn));
     Trace { scenarios, findings, after: world }
+}
+
+/// The dispatch that stands for a phase of a small scene, where this run is the first of it.
+fn joined(world: &World, first: &Run) -> Option<Scenario> {
+    let pass = match (first.stage.name, first.pass) {
+        ("find_collisions", 0) => COLLISIONS,
+        ("advance", 0) => POSITIONS,
+        _ => return None,
+    };
+    let stage = ALL.into_iter().find(|stage| stage.name == "run_steps").expect("the stage of small scenes");
+    let run = Run { stage, pass, when: When::NoRods, every: 1 };
+    run.applies(&world.step).then(|| Scenario { run, before: world.clone() })
 }
 
 /// Putting memory in order, from the order of x.

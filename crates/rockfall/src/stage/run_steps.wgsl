@@ -1,0 +1,113 @@
+@group(0) @binding(2) var<storage, read_write> start: array<vec4f>;
+@group(0) @binding(3) var<storage, read_write> state: array<vec4f>;
+@group(0) @binding(4) var<storage, read> words: array<u32>;
+@group(0) @binding(5) var<storage, read_write> lists: array<u32>;
+@group(0) @binding(6) var<storage, read> aabbs: array<Aabb>;
+@group(0) @binding(7) var<storage, read_write> orientations: array<vec4f>;
+@group(0) @binding(8) var<storage, read_write> status: StatusAtomic;
+
+// As many threads as the device lets a workgroup have; each has every so many-th sphere.
+override TEAM: u32 = 256u;
+
+// What the dispatch does, read once: see "The kernels" in ARCHITECTURE.md.
+var<workgroup> told: u32;
+
+// There are no rods here.
+fn add_wrench(i: u32, rod: u32, net: ptr<function, Net>) {}
+
+fn is_void() -> bool {
+    return atomicLoad(&status.void) != 0u;
+}
+
+fn find_collisions(local: u32) {
+    var collisions = 0u;
+    if !is_void() & (atomicLoad(&status.collided) == 0u) {
+        for (var i = local; i < step.spheres; i += TEAM) {
+            check_escape(i);
+            collisions += mark_entries(i);
+        }
+    }
+    tell_collisions(local, collisions);
+}
+
+fn handle_collisions(local: u32) {
+    evaluated = 0u;
+    find_collisions(local);
+    storageBarrier();
+    if has_changes() {
+        for (var i = local; i < step.spheres; i += TEAM) {
+            write_change(i);
+        }
+    }
+    storageBarrier();
+    for (var i = local; i < step.spheres; i += TEAM) {
+        commit_change(i);
+    }
+    storageBarrier();
+}
+
+// One force evaluation, and what follows from it.
+fn evaluate(local: u32, evaluation: u32) {
+    evaluated = evaluation;
+    var contacts = 0u;
+    var deepest = 0.0;
+    if !is_void() {
+        for (var i = local; i < step.spheres; i += TEAM) {
+            let net = net_in_pass(i);
+            if evaluation == 3u {
+                turn_by(i, rotation(finish_sphere(i, net).spin));
+            } else {
+                write_next(i, net);
+            }
+            contacts += net.contacts;
+            deepest = max(deepest, net.deepest);
+        }
+    }
+    if evaluation == 0u {
+        if (local == 0u) & !is_void() {
+            tell_builds();
+        }
+        tell_contacts(local, contacts, deepest);
+    }
+}
+
+fn update_positions(local: u32) {
+    for (var evaluation = 0u; evaluation < 4u; evaluation++) {
+        evaluate(local, evaluation);
+        storageBarrier();
+    }
+    if local == 0u {
+        close_step();
+    }
+    storageBarrier();
+}
+
+// Whether phase k of a dispatch with this pass is that of collisions.
+fn is_collisions(k: u32, index: u32) -> bool {
+    let order = index % (1u << PHASES_SHIFT);
+    return (order != POSITIONS_ALONE) & ((k + order) % 2u == 0u);
+}
+
+// Barriers stand where all threads come by, void or not: a void step does nothing between them, nor do those after it.
+@compute @workgroup_size(TEAM)
+fn run_steps(@builtin(local_invocation_index) local: u32) {
+    for (var i = local; i < 3u * step.spheres; i += TEAM) {
+        state[i] = start[i];
+    }
+    storageBarrier();
+    if local == 0u {
+        told = pass_.index;
+    }
+    let index = workgroupUniformLoad(&told);
+    let count = index >> PHASES_SHIFT;
+    for (var k = 0u; k < count; k++) {
+        if is_collisions(k, index) {
+            handle_collisions(local);
+        } else {
+            update_positions(local);
+        }
+    }
+    for (var i = local; i < 3u * step.spheres; i += TEAM) {
+        start[i] = state[i];
+    }
+}

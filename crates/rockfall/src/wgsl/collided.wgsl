@@ -1,0 +1,22 @@
+// What collisions made of a sphere becomes its state.
+
+fn commit_change(i: u32) {
+    // 1: done before this attempt at the step; 2, which the first thread writes meanwhile, is as good as 0 here.
+    if (atomicLoad(&status.void) != 0u) | (atomicLoad(&status.collided) == 1u) {
+        return;
+    }
+    if i == 0u {
+        atomicStore(&status.collided, 2u);
+    }
+    if atomicLoad(&status.collisions) == 0u {
+        return;
+    }
+    if i == 0u {
+        status.lengths_due = 1u;
+    }
+    if takes_part_in_any(i) {
+        for (var region = 0u; region < 3u; region++) {
+            put_start(region, i, next_row(region, i));
+        }
+    }
+}

@@ -1,0 +1,190 @@
+//! Small scenes without rods run whole steps in one dispatch; profiles run the stages one by one. Both are the same steps, bit for bit.
+
+#![cfg(feature = "gpu")]
+
+mod common;
+
+use std::cell::Cell;
+
+use common::mixed::{Run, same_bits};
+use common::{floor_box, spheres, weightless, with};
+use rockfall::glam::Vec3;
+use rockfall::{Backend, BroadPhase, Error, Integrator, Options, Polygon, Scene, Simulation, Sphere, SphereId, Spring, Tether};
+
+/// Spheres that fall onto each other, a box and a polygon, with springs, tethers and forces on some. More than a workgroup of software Vulkan
+/// has threads, and no multiple of them.
+fn crowd(balls: usize) -> Scene {
+    let mut scene = with(|settings| settings.gravity = 10.0);
+    floor_box(&mut scene);
+    scene.add_polygon(Polygon::new([-2.0, 0.0, -2.0], [0.0, 4.0, 0.0], [0.0, 0.0, 4.0])).expect("a valid polygon");
+    let ball = |ball: usize| {
+        let place = Vec3::new((ball % 6) as f32 * 0.5, (ball / 36) as f32 * 0.48 + 0.25, (ball / 6 % 6) as f32 * 0.5);
+        let jitter = 0.05 * Vec3::new((ball as f32).sin(), 0.0, (ball as f32 * 1.7).cos());
+        let mut sphere = Sphere::new(place + jitter - Vec3::new(1.5, 0.0, 1.5), 0.24 + 0.03 * (ball as f32 * 0.9).sin());
+        sphere.fixed = ball == 40;
+        sphere.mass(1.0 + (ball % 3) as f32).velocity([0.0, -2.0, 0.3])
+    };
+    let ids: Vec<SphereId> = (0..balls).map(|place| scene.add_sphere(ball(place)).expect("a valid sphere")).collect();
+    for pair in ids.chunks_exact(2).step_by(9) {
+        scene.add_spring(Spring::new(pair[0], pair[1], 200.0, 0.5).damping(1.0)).expect("a valid spring");
+        scene.add_tether(Tether::new(pair[1], [0.0, 3.0, 0.0], 5.0)).expect("a valid tether");
+    }
+    scene
+}
+
+fn simulation(scene: Scene, options: Options) -> Simulation {
+    Simulation::with_options(scene, options.backend(Backend::Gpu)).expect("the simulation opens")
+}
+
+fn dispatches(simulation: &Simulation) -> u64 {
+    simulation.gpu_view().expect("the GPU backend").dispatches()
+}
+
+/// Steps of 10 ms, in few dispatches or one by one.
+fn run(simulation: &mut Simulation, steps: u64, joined: bool) -> u64 {
+    let before = dispatches(simulation);
+    if joined {
+        simulation.run(steps, 0.01).expect("steps");
+    } else {
+        simulation.profile(steps, 0.01).expect("steps, timed");
+    }
+    dispatches(simulation) - before
+}
+
+/// The same done with a scene in both ways.
+#[track_caller]
+fn both_ways(scene: &Scene, options: &Options, act: impl Fn(&mut Simulation, bool)) -> [Run; 2] {
+    let runs = [true, false].map(|joined| {
+        let mut simulation = simulation(scene.clone(), options.clone());
+        act(&mut simulation, joined);
+        Run::of(&mut simulation)
+    });
+    let counts = |run: &Run| (run.report.steps, run.report.collisions, run.report.non_finite);
+    assert_eq!(counts(&runs[0]), counts(&runs[1]));
+    same_bits(&runs[0], &runs[1]);
+    runs
+}
+
+#[test]
+fn steps_in_one_dispatch_are_those_of_the_stages() {
+    for broad_phase in [BroadPhase::BruteForce, BroadPhase::Grid] {
+        for collisions in [true, false] {
+            let mut scene = crowd(300);
+            scene.settings.collisions = collisions;
+            let options = Options::new().broad_phase(broad_phase);
+            let dispatches = [Cell::new(0), Cell::new(0)];
+            let [joined, _] = both_ways(&scene, &options, |simulation, joined| {
+                dispatches[usize::from(joined)].set(run(simulation, 40, joined));
+            });
+            // Lists are up to four of them, and what is joined at least five.
+            let [apart, together] = dispatches.map(Cell::into_inner);
+            assert!(together > 0 && 5 * apart > 8 * together, "{apart} dispatches and {together}");
+            assert!(joined.report.contacts > 300, "{:?}", joined.report);
+            assert_eq!(joined.report.total_collisions > 300, collisions, "{:?}", joined.report);
+        }
+    }
+}
+
+/// Lists that do not fit, and a ball that leaves its AABB, void a step: those after it in the dispatch are left out.
+#[test]
+fn void_steps_are_run_again() {
+    let [joined, apart] = both_ways(&crowd(300), &Options::new().pair_capacity(1), |simulation, joined| {
+        run(simulation, 20, joined);
+    });
+    assert!(joined.report.replays > 0 && apart.report.replays > 0);
+
+    // There after 3 s, when lists are made in every eighth step.
+    let mut scene = weightless();
+    for k in 0..60 {
+        let place = Vec3::new((k % 4) as f32, (k / 16) as f32, (k / 4 % 4) as f32);
+        scene.add_sphere(Sphere::new(place, 0.499)).expect("a valid sphere");
+    }
+    scene.add_sphere(Sphere::new([-25.0, 1.1, 0.9], 0.5).mass(5.0).velocity([8.0, 0.0, 0.0])).expect("a valid sphere");
+    let [joined, apart] = both_ways(&scene, &Options::new().broad_phase(BroadPhase::Grid), |simulation, joined| {
+        run(simulation, 256, joined);
+        let dispatches = run(simulation, 32, joined);
+        // Three for lists and one for the eight steps between them; one that begins the batch, and one that looks at the order of memory.
+        assert_eq!(dispatches <= 18, joined, "{dispatches} in 32 steps");
+        run(simulation, 72, joined);
+    });
+    for run in [joined, apart] {
+        assert!(run.report.replays > 0 && run.report.total_collisions > 10, "{:?}", run.report);
+    }
+}
+
+/// An acceleration that no float holds: the ball is stopped and told, and nothing is run after that step unless it is asked for.
+#[test]
+fn what_stops_being_finite_is_told_as_by_the_stages() {
+    let scene = |force: f32| {
+        let mut scene = crowd(40);
+        scene.add_sphere(Sphere::new([0.0, 9.0, 0.0], 0.2).mass(1e-3).force([force, 0.0, 0.0])).expect("a valid sphere");
+        scene
+    };
+    let [joined, _] = both_ways(&scene(3e38), &Options::new().keep_going(true), |simulation, joined| {
+        run(simulation, 10, joined);
+    });
+    assert!(joined.report.non_finite > 0, "{:?}", joined.report);
+    let told = [true, false].map(|joined| {
+        let mut simulation = simulation(scene(3e38), Options::new());
+        let error = if joined { simulation.run(10, 0.01).map(|_| ()) } else { simulation.profile(10, 0.01).map(|_| ()) };
+        let Err(Error::NonFinite { sphere, step, stage }) = error else { panic!("{error:?}") };
+        (sphere, step, stage, simulation.report().steps, simulation.spheres().expect("spheres are read back"))
+    });
+    assert_eq!((told[0].0, told[0].3), (40, told[0].1));
+    assert_eq!(told[0], told[1]);
+}
+
+/// What changes between steps, and steps and phases one by one.
+#[test]
+fn edits_and_single_phases_reach_what_runs_in_one_dispatch() {
+    let act = |simulation: &mut Simulation, joined: bool| {
+        let ids: Vec<SphereId> = simulation.scene().sphere_ids().collect();
+        run(simulation, 5, joined);
+        for id in ids.iter().step_by(7) {
+            simulation.apply_impulse(*id, [0.3, 1.0, -0.2]).expect("a sphere");
+            simulation.set_force(*id, [0.0, 20.0, 1.0]).expect("a sphere");
+        }
+        run(simulation, 5, joined);
+        for (number, id) in (0_u8..).zip(ids.iter().rev().step_by(9)) {
+            simulation.remove_sphere(*id).expect("a sphere");
+            simulation.add_sphere(Sphere::new([0.13 * f32::from(number) - 1.0, 6.0, 0.3], 0.2)).expect("a valid sphere");
+        }
+        simulation.update_aabbs().expect("AABBs");
+        simulation.broad_phase().expect("lists");
+        simulation.handle_collisions().expect("collisions");
+        simulation.update_positions(0.01).expect("positions");
+        for _ in 0..3 {
+            run(simulation, 1, joined);
+        }
+    };
+    let [joined, _] = both_ways(&crowd(150), &Options::new().broad_phase(BroadPhase::Grid), act);
+    assert!(joined.report.total_collisions > 100, "{:?}", joined.report);
+}
+
+/// The stages run one by one where there are too many spheres, and where there is a rod.
+#[test]
+fn larger_scenes_and_those_with_rods_run_the_stages() {
+    let mut scene = weightless();
+    let balls = |from: u16, to: u16| (from..to).map(|k| Sphere::new([f32::from(k % 64), f32::from(k / 64), 0.0], 0.4));
+    spheres_of(&mut scene, balls(0, 2048));
+    let mut simulation = simulation(scene, Options::new().broad_phase(BroadPhase::Grid));
+    // Three for lists, which are made before the first step besides, one for collisions and one for positions.
+    assert_eq!(run(&mut simulation, 2, true), 3 + 2 * 5);
+    let last = simulation.add_sphere(Sphere::new([0.0, 0.0, 9.0], 0.4)).expect("a valid sphere");
+    assert!(run(&mut simulation, 2, true) >= 2 * 10, "2,049 spheres");
+    simulation.remove_sphere(last).expect("the last sphere");
+    assert!(run(&mut simulation, 2, true) <= 13, "2,048 spheres again");
+
+    let mut scene = weightless();
+    let ends = spheres(&mut scene, [Sphere::new([0.0; 3], 0.2), Sphere::new([1.0, 0.0, 0.0], 0.2)]);
+    scene.add_rod(rockfall::Rod::new(ends[0], ends[1], 0.1)).expect("a valid rod");
+    scene.settings.collisions = false;
+    let mut simulation = self::simulation(scene, Options::new().integrator(Integrator::Rk4));
+    assert!(run(&mut simulation, 2, true) > 2 * 8, "a rod");
+}
+
+fn spheres_of(scene: &mut Scene, balls: impl Iterator<Item = Sphere>) {
+    for ball in balls {
+        scene.add_sphere(ball).expect("a valid sphere");
+    }
+}
