@@ -68,8 +68,10 @@ pub const BOX_FEATURES: u32 = 12;
 
 /// In a mover's count of list entries, set by `find_collisions`: some entry of it collides.
 pub const LIST_COLLIDES: u32 = 1 << 31;
+/// In a mover's count of list entries, set by `fill_long`: it is among the long movers.
+pub const LIST_LONG: u32 = 1 << 30;
 /// Mask of the number in a mover's count of list entries.
-pub const LIST_COUNT_MASK: u32 = LIST_COLLIDES - 1;
+pub const LIST_COUNT_MASK: u32 = LIST_LONG - 1;
 
 /// Bit of [`Step::flags`]: phase 3 (collisions) is on.
 pub const FLAG_COLLISIONS: u32 = 1;

@@ -11,6 +11,7 @@ use crate::world::World;
 
 mod advance;
 mod apply_collisions;
+mod apply_long;
 mod bound_blocks;
 mod build_grid;
 mod clear_cells;
@@ -179,6 +180,8 @@ pub(crate) const fn write(name: &'static str, buffer: Buffer) -> Binding {
 
 /// Workgroups that take turns, at most: as many as a large device runs side by side.
 const MOST_TURNING: u32 = 512;
+/// In smaller scenes one for so many movers, of which few are long.
+const MOVERS_A_TURN: u32 = 256;
 
 /// What a stage has a thread for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -215,7 +218,7 @@ impl Threads {
             Self::Batches => step.batches,
             Self::Blocks => step.cells / CELL_BLOCK,
             Self::DigitBlocks => step.spheres.div_ceil(DIGIT_BLOCK),
-            Self::LongMovers => movers.div_ceil(WORKGROUP).min(MOST_TURNING),
+            Self::LongMovers => movers.div_ceil(MOVERS_A_TURN).min(MOST_TURNING),
             Self::One => 1,
         }
     }
@@ -253,7 +256,7 @@ pub struct Stage {
 }
 
 /// Every stage there is, once.
-pub const ALL: [&Stage; 38] = [
+pub const ALL: [&Stage; 39] = [
     &update_aabbs::STAGE,
     &count_pairs::STAGE,
     &scan_pairs::STAGE,
@@ -273,6 +276,7 @@ pub const ALL: [&Stage; 38] = [
     &fill_long::STAGE,
     &find_collisions::STAGE,
     &apply_collisions::STAGE,
+    &apply_long::STAGE,
     &commit_collisions::STAGE,
     &restore_lengths::STAGE,
     &rod_forces::STAGE,

@@ -263,6 +263,7 @@ fn the_constants_are_those_of_layout() {
         ENTRY_OVERLAPS,
         ENTRY_COLLIDES,
         LIST_COLLIDES,
+        LIST_LONG,
         LIST_COUNT_MASK,
         BOX_FEATURES,
         FLAG_COLLISIONS,

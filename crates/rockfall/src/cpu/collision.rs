@@ -148,25 +148,33 @@ pub(crate) fn takes_part(view: &View, lists: &Lists, sphere: u32) -> bool {
     rows(view, sphere).any(|row| lists.collides(row))
 }
 
-/// Every contact that may give a sphere a share, once, with its entry: those whose entry has a bit of `mask`.
-pub(crate) fn each_incident<'a>(
-    view: &View<'a>,
-    lists: &Lists<'a>,
+/// The contacts that may give a sphere a share, each once, with its entry.
+pub(crate) struct Incident {
     sphere: u32,
-    mask: u32,
-    mut take: impl FnMut(&Collision, Entry),
-) {
-    for row in rows(view, sphere) {
-        for entry in lists.row(row).filter(|entry| entry.word & mask != 0) {
-            let other = entry.id();
-            // Met from both rows: taken in the one of the lower id.
-            if view.user(other) < view.user(row) && rows(view, sphere).any(|own| own == other) {
-                continue;
-            }
-            if let Some(collision) = Collision::between(view, row, other, entry.feature()) {
-                take(&collision, entry);
+    contacts: Vec<(Collision, Entry)>,
+}
+
+impl Incident {
+    /// Those whose entry has a bit of `mask`.
+    pub(crate) fn of(view: &View, lists: &Lists, sphere: u32, mask: u32) -> Self {
+        let mut contacts = Vec::new();
+        for row in rows(view, sphere) {
+            for entry in lists.row(row).filter(|entry| entry.word & mask != 0) {
+                let other = entry.id();
+                // Met from both rows: taken in the one of the lower id.
+                if view.user(other) < view.user(row) && rows(view, sphere).any(|own| own == other) {
+                    continue;
+                }
+                if let Some(collision) = Collision::between(view, row, other, entry.feature()) {
+                    contacts.push((collision, entry));
+                }
             }
         }
+        Self { sphere, contacts }
+    }
+
+    pub(crate) fn each(&self, mut take: impl FnMut(&Collision, Entry)) {
+        self.contacts.iter().for_each(|(collision, entry)| take(collision, *entry));
     }
 }
 
@@ -179,8 +187,9 @@ pub(crate) struct RowSums {
     pub(crate) overlapping: f32,
 }
 
-/// The row sums of a colliding contact, itself included.
-pub(crate) fn row_sums<'a>(view: &View<'a>, lists: &Lists<'a>, k: &Collision) -> RowSums {
+/// The row sums of a colliding contact, itself included. Where the overlapping contacts of one sphere are known, as of many collisions
+/// of that sphere, they need not be found for each.
+pub(crate) fn row_sums(view: &View, lists: &Lists, k: &Collision, known: Option<&Incident>) -> RowSums {
     let mut sums = RowSums { colliding: 1.0, overlapping: 1.0 };
     for (place, share) in k.shares().iter().enumerate() {
         let sphere = share.sphere;
@@ -188,7 +197,7 @@ pub(crate) fn row_sums<'a>(view: &View<'a>, lists: &Lists<'a>, k: &Collision) ->
         if view.is_fixed(sphere) {
             continue;
         }
-        each_incident(view, lists, sphere, ENTRY_OVERLAPS, |l, entry| {
+        let add = |l: &Collision, entry: Entry| {
             // Counted at the first sphere that both share in.
             let met = |earlier: &Share| !view.is_fixed(earlier.sphere) && l.shares().iter().any(|s| s.sphere == earlier.sphere);
             if l.is_same(k) || l.inverse_mass <= 0.0 || before.iter().any(met) {
@@ -199,7 +208,11 @@ pub(crate) fn row_sums<'a>(view: &View<'a>, lists: &Lists<'a>, k: &Collision) ->
             if entry.word & ENTRY_COLLIDES != 0 {
                 sums.colliding += coupling;
             }
-        });
+        };
+        match known {
+            Some(known) if known.sphere == sphere => known.each(add),
+            _ => Incident::of(view, lists, sphere, ENTRY_OVERLAPS).each(add),
+        }
     }
     sums
 }

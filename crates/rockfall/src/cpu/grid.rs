@@ -106,7 +106,7 @@ impl<'a> Grid<'a> {
             levels: levels.map(|level| Level::new(step, level)).collect(),
             ends: &cells[CELLS_AT as usize..][..step.cells as usize],
             sorted: &cells[step.sorted_at as usize..][..aabbs.len()],
-            long_movers: &cells[step.long_at as usize..][..if step.long_at == 0 { 0 } else { cells[3] as usize }],
+            long_movers: long_movers(step, cells),
             extents: &extents[..aabbs.len()],
         }
     }
@@ -280,6 +280,12 @@ impl Around {
             }
         }
     }
+}
+
+/// The long movers of the grid that the lists were made with, in any order.
+pub(crate) fn long_movers<'a>(step: &Step, cells: &'a [u32]) -> &'a [u32] {
+    let count = if step.long_at == 0 { 0 } else { cells[3].min(step.spheres + step.rods) };
+    &cells[step.long_at as usize..][..count as usize]
 }
 
 /// How many pairs of objects are compared to make the lists of a world whose grid is made.

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use crate::cpu::GRAIN;
 use crate::cpu::lanes::LANES;
 use crate::cpu::view::View;
-use crate::layout::{ENTRY_FEATURE_MASK, ENTRY_ID_BITS, ENTRY_ID_MASK, LIST_COLLIDES, LIST_COUNT_MASK, SLICE, Step};
+use crate::layout::{ENTRY_FEATURE_MASK, ENTRY_ID_BITS, ENTRY_ID_MASK, LIST_COLLIDES, LIST_COUNT_MASK, LIST_LONG, SLICE, Step};
 
 /// One entry of a mover's list.
 #[derive(Clone, Copy, Debug, Default)]
@@ -52,6 +52,11 @@ impl<'a> Lists<'a> {
         // An empty slice may stand at the end of all.
         let words = self.words.get(first as usize..).unwrap_or_default();
         (count, move |place| Entry { word: words[(place * SLICE) as usize], place })
+    }
+
+    /// Whether a mover is among the long ones.
+    pub(crate) fn is_long(&self, mover: u32) -> bool {
+        self.words[mover as usize] & LIST_LONG != 0
     }
 
     /// Whether some entry of a mover collides.

@@ -294,7 +294,9 @@ impl GpuWorld {
     /// # Errors
     /// [`Error::Device`] with the compiler's message and the place in the stage's own file.
     pub fn prepare(&mut self, runs: &[Run]) -> Result<()> {
-        for run in runs {
+        // Others would only take time to compile.
+        let step = self.step;
+        for run in runs.iter().filter(|run| run.applies(&step)) {
             let key = (run.stage.name, run.pass);
             if !self.ready.contains_key(&key) {
                 let slots = run.stage.bindings.iter().map(|binding| binding.slot.buffer(run.pass));

@@ -196,7 +196,7 @@ fn action(view: &View, lists: &Lists, mover: u32, entry: Entry) -> Option<(Colli
     let collision = Collision::between(view, mover, entry.id(), entry.feature())?;
     let normal = collision.touch.normal;
     if entry.word & ENTRY_COLLIDES != 0 {
-        let weight = 1.0 / row_sums(view, lists, &collision).colliding;
+        let weight = 1.0 / row_sums(view, lists, &collision, None).colliding;
         let impulse = weight * (1.0 + view.step.restitution) * collision.approach / collision.inverse_mass;
         return Some((collision, ContactAction::Impulse(impulse * normal)));
     }

@@ -7,12 +7,12 @@
 use glam::Vec3;
 use rayon::prelude::*;
 
-use crate::cpu::collision::{each_incident, row_sums, takes_part};
+use crate::cpu::collision::{Incident, row_sums, takes_part};
 use crate::cpu::lists::Lists;
 use crate::cpu::state::{Motion, Rows};
 use crate::cpu::tally::{Tally, asks_for_lists};
 use crate::cpu::view::View;
-use crate::layout::{BadStage, ENTRY_COLLIDES};
+use crate::layout::{Aabb, BadStage, ENTRY_COLLIDES, ENTRY_OVERLAPS};
 use crate::stage::{Buffer, Stage, Threads, part, read, write};
 use crate::world::World;
 
@@ -61,9 +61,9 @@ fn apply_collisions(world: &mut World, _pass: u32) {
     let tally = Rows::of(y2, world.step.spheres)
         .map(|mut rows| {
             let mut tally = Tally::default();
-            for sphere in rows.spheres().filter(|sphere| takes_part(&view, &lists, *sphere)) {
-                let after = collided(&view, &lists, sphere, &mut tally);
-                tally.rebuild |= asks_for_lists(&view, &world.aabbs, sphere, after.position, after.velocity);
+            let applied_here = |sphere: &u32| takes_part(&view, &lists, *sphere) && !is_shared_out(&view, &lists, *sphere);
+            for sphere in rows.spheres().filter(applied_here) {
+                let after = collided(&view, &lists, &world.aabbs, sphere, &mut tally);
                 rows.set(&view, sphere, after);
             }
             tally
@@ -72,15 +72,30 @@ fn apply_collisions(world: &mut World, _pass: u32) {
     tally.tell(&mut world.status);
 }
 
-/// The sphere after all its shares of impulses and displacements.
-fn collided(view: &View, lists: &Lists, sphere: u32, tally: &mut Tally) -> Motion {
+/// Whether a workgroup works out the collisions of a sphere, in `apply_long`: its list is long, and the only one.
+pub(crate) fn is_shared_out(view: &View, lists: &Lists, sphere: u32) -> bool {
+    lists.is_long(sphere) && view.is_ball(sphere)
+}
+
+/// The sphere after all its shares of impulses and displacements; tells whether it may leave its AABB so.
+pub(crate) fn collided(view: &View, lists: &Lists, aabbs: &[Aabb], sphere: u32, tally: &mut Tally) -> Motion {
+    let after = after_collisions(view, lists, sphere, tally);
+    tally.rebuild |= asks_for_lists(view, aabbs, sphere, after.position, after.velocity);
+    after
+}
+
+fn after_collisions(view: &View, lists: &Lists, sphere: u32, tally: &mut Tally) -> Motion {
     let before = Motion::of(view, sphere);
     if view.is_fixed(sphere) {
         return before;
     }
     let (mut dv, mut dx) = (Vec3::ZERO, Vec3::ZERO);
-    each_incident(view, lists, sphere, ENTRY_COLLIDES, |collision, _| {
-        let sums = row_sums(view, lists, collision);
+    let pressing = Incident::of(view, lists, sphere, ENTRY_OVERLAPS);
+    pressing.each(|collision, entry| {
+        if entry.word & ENTRY_COLLIDES == 0 {
+            return;
+        }
+        let sums = row_sums(view, lists, collision, Some(&pressing));
         let share = collision.share_of(sphere) * (view.inverse_mass(sphere) / (sums.colliding * collision.inverse_mass));
         dv += share * ((1.0 + view.step.restitution) * collision.approach);
         if sums.overlapping <= ALONE {

@@ -18,7 +18,9 @@ fn apply_collisions(
     let i = linear_thread(group, groups, local);
     if i < step.spheres {
         if has_changes() {
-            write_change(i);
+            if !is_shared_out(i) {
+                write_change(i);
+            }
         }
     }
 }

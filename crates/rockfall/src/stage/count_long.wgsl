@@ -27,7 +27,7 @@ fn count_long(
         }
         workgroupBarrier();
         found = 0u;
-        emit_neighbours(mover, share_of(local));
+        emit_neighbours(mover, portion_of(local));
         atomicAdd(&all_found, found);
         workgroupBarrier();
         if local == 0u {

@@ -70,7 +70,7 @@ fn fill_long(
         workgroupBarrier();
         if fits {
             into = step.entries_at + lists[step.slices_at + mover / SLICE] + mover % SLICE;
-            emit_neighbours(mover, share_of(local));
+            emit_neighbours(mover, portion_of(local));
         }
         workgroupBarrier();
         if local == 0u {
@@ -79,7 +79,7 @@ fn fill_long(
         order_keys(local);
         let kept = drop_doubles(local);
         if local == 0u {
-            lists[mover] = kept;
+            lists[mover] = kept | LIST_LONG;
         }
     }
 }

@@ -81,7 +81,7 @@ fn mark(view: &View, slice: &mut Slice, place: usize, tally: &mut Tally) {
     let word = |entry: u32| &words[(entry * SLICE) as usize + place];
     let list = |place: u32| Entry { place, word: word(place).get() & !(ENTRY_OVERLAPS | ENTRY_COLLIDES) };
     (0..count).for_each(|place| word(place).set(list(place).word));
-    slice.counts[place] = count;
+    slice.counts[place] &= !LIST_COLLIDES;
     let mut set = |entry: &Entry, bits: u32| {
         word(entry.place).set(entry.word | bits);
         if bits & ENTRY_COLLIDES != 0 {

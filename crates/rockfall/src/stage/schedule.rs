@@ -3,9 +3,9 @@
 use crate::layout::{CELL_BLOCK, Step};
 use crate::settings::{BroadPhase, Integrator};
 use crate::stage::{
-    Stage, advance, apply_collisions, bound_blocks, build_grid, clear_cells, commit_and_turn, commit_collisions, commit_leap,
-    constrain, count_cells, count_digits, count_long, count_near, count_pairs, end_step, fill_long, fill_near, fill_pairs,
-    find_collisions, find_neighbours, finish, finish_and_turn, key_spheres, leap, measure_order, permute_spheres,
+    Stage, advance, apply_collisions, apply_long, bound_blocks, build_grid, clear_cells, commit_and_turn, commit_collisions,
+    commit_leap, constrain, count_cells, count_digits, count_long, count_near, count_pairs, end_step, fill_long, fill_near,
+    fill_pairs, find_collisions, find_neighbours, finish, finish_and_turn, key_spheres, leap, measure_order, permute_spheres,
     restore_lengths, rod_forces, scan_cells, scan_pairs, scatter_digits, settle_spheres, sort_axis, sort_cells, turn,
     update_aabbs,
 };
@@ -139,7 +139,14 @@ impl Phase {
             }
             (Self::BroadPhase, _, _) => const { &[run(&count_pairs::STAGE), run(&scan_pairs::STAGE), run(&fill_pairs::STAGE)] },
             (Self::HandleCollisions, _, _) => {
-                const { &[run(&find_collisions::STAGE), run(&apply_collisions::STAGE), run(&commit_collisions::STAGE)] }
+                const {
+                    &[
+                        run(&find_collisions::STAGE),
+                        run(&apply_collisions::STAGE),
+                        run(&apply_long::STAGE).when(When::LongMovers),
+                        run(&commit_collisions::STAGE),
+                    ]
+                }
             }
             (Self::UpdatePositions, Integrator::Rk4, _) => {
                 const {

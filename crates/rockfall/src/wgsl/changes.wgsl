@@ -5,11 +5,51 @@ struct Change {
     position: vec3f,
 }
 
-fn add_change(share: vec3f, approach: f32, overlap: f32, displaces: bool, change: ptr<function, Change>) {
-    (*change).velocity += share * ((1.0 + step.restitution) * approach);
-    if displaces {
-        (*change).position += share * overlap;
+// What a collision gives a sphere: its share of the unit impulse, so many times into the velocity, so many times into the position.
+struct Part {
+    share: vec3f,
+    velocity: f32,
+    position: f32,
+}
+
+// Told to be one operation: whoever adds up, the same bits come of it.
+fn add_part(part: Part, change: ptr<function, Change>) {
+    (*change).velocity = fma(part.share, vec3f(part.velocity), (*change).velocity);
+    (*change).position = fma(part.share, vec3f(part.position), (*change).position);
+}
+
+fn no_part() -> Part {
+    return Part(vec3f(0.0), 0.0, 0.0);
+}
+
+fn part_of(share: vec3f, approach: f32, overlap: f32, weight: f32) -> Part {
+    return Part(share, (1.0 + step.restitution) * approach, select(0.0, overlap, weight < 0.0));
+}
+
+// What a colliding entry in one of a sphere's rows gives it.
+fn part_of_entry(sphere: u32, row: u32, entry: u32) -> Part {
+    let id = entry_id(entry);
+    if taken_elsewhere(sphere, row, id) {
+        return no_part();
     }
+    let pair = ordered(row, id);
+    if row == sphere {
+        if are_plain(pair.x, pair.y) {
+            let k = plain_contact(sphere, id);
+            let weight = weigh(vec3u(pair, 0u));
+            return part_of(-k.n * (abs(weight) / k.inverse_mass), k.approach, k.overlap, weight);
+        }
+    }
+    if !RODS {
+        return no_part();
+    }
+    let found = touch(pair.x, pair.y, entry_feature(entry));
+    if found.overlap <= 0.0 {
+        return no_part();
+    }
+    var k = contact_of(pair.x, pair.y, found);
+    let weight = weigh(vec3u(pair, entry_feature(entry)));
+    return part_of(share_of(&k, sphere) * (abs(weight) / k.inverse_mass), k.approach, k.overlap, weight);
 }
 
 fn add_row(sphere: u32, row: u32, change: ptr<function, Change>) {
@@ -17,36 +57,13 @@ fn add_row(sphere: u32, row: u32, change: ptr<function, Change>) {
         return;
     }
     let count = count_of(row);
-    for (var e = 0u; e < count; e++) {
-        let entry = entry_at(slot_of(row, e));
-        let id = entry_id(entry);
-        if (entry & ENTRY_COLLIDES) == 0u {
-            continue;
+    let first = slot_of(row, 0u);
+    for (var e = 0u; e < count; e += 4u) {
+        let entries = four_entries(first, e, count);
+        let collides = (entries & vec4u(ENTRY_COLLIDES)) != vec4u(0u);
+        for (var rest = which(collides, e, count); rest != 0u; rest &= rest - 1u) {
+            add_part(part_of_entry(sphere, row, one_of(entries, firstTrailingBit(rest))), change);
         }
-        if taken_elsewhere(sphere, row, id) {
-            continue;
-        }
-        let pair = ordered(row, id);
-        if row == sphere {
-            if are_plain(pair.x, pair.y) {
-                let k = plain_contact(sphere, id);
-                let weight = weigh(vec3u(pair, 0u));
-                let share = -k.n * (abs(weight) / k.inverse_mass);
-                add_change(share, k.approach, k.overlap, weight < 0.0, change);
-                continue;
-            }
-        }
-        if !RODS {
-            continue;
-        }
-        let found = touch(pair.x, pair.y, entry_feature(entry));
-        if found.overlap <= 0.0 {
-            continue;
-        }
-        var k = contact_of(pair.x, pair.y, found);
-        let weight = weigh(vec3u(pair, entry_feature(entry)));
-        let share = share_of(&k, sphere) * (abs(weight) / k.inverse_mass);
-        add_change(share, k.approach, k.overlap, weight < 0.0, change);
     }
 }
 
@@ -67,17 +84,29 @@ fn has_changes() -> bool {
     return (atomicLoad(&status.void) == 0u) & (atomicLoad(&status.collided) == 0u) & (atomicLoad(&status.collisions) != 0u);
 }
 
+// Whether the collisions of a sphere are for a workgroup to work out, in `apply_long`: its list is long, and the only one.
+fn is_shared_out(sphere: u32) -> bool {
+    return ((lists[sphere] & LIST_LONG) != 0u) & is_plain(sphere);
+}
+
 // The state of a sphere after its collisions, where it takes part in some.
 fn write_change(i: u32) {
     if !takes_part_in_any(i) {
         return;
     }
+    var change = Change(vec3f(0.0), vec3f(0.0));
+    if inverse_mass(i) > 0.0 {
+        change = changes_of(i);
+    }
+    write_changed(i, change);
+}
+
+fn write_changed(i: u32, change: Change) {
     let old_position = state[position_at(i)];
     let old_velocity = state[velocity_at(i)];
     let old_momentum = state[momentum_at(i)];
     var after = Motion(old_position.xyz, old_velocity.xyz, old_momentum.xyz);
     if old_velocity.w > 0.0 {
-        let change = changes_of(i);
         after.velocity += old_velocity.w * change.velocity;
         after.position += old_velocity.w * change.position;
         if !is_finite(after) {

@@ -1,4 +1,5 @@
-// Counts an object in its cell, and notes it if it is a long mover, in any order; gives its level, as a bit, 0 where nobody looks for it there.
+// Counts an object in its cell, and notes it if it is a long mover, in any order; gives its level, as a bit, 0 where nobody looks
+// for it there.
 fn count_object(object: u32) -> u32 {
     let aabb = aabbs[object];
     let level = level_of(aabb);

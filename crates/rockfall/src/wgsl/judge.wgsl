@@ -82,7 +82,8 @@ fn mark_entries(mover: u32) -> u32 {
             collisions += select(0u, 1u, ((bits & ENTRY_COLLIDES) != 0u) & (pair.x == mover));
         }
     }
-    let marked = count | select(0u, LIST_COLLIDES, (any_bits & ENTRY_COLLIDES) != 0u);
+    let unmarked = lists[mover] & ~LIST_COLLIDES;
+    let marked = unmarked | select(0u, LIST_COLLIDES, (any_bits & ENTRY_COLLIDES) != 0u);
     if marked != lists[mover] {
         lists[mover] = marked;
     }

@@ -79,13 +79,19 @@ fn entries_found(mover: u32, place: u32) -> u32 {
 }
 
 // What of a search a thread does, where `across` times `across` threads share it: rows of cells so far apart along y and z.
-struct Share {
+struct Portion {
     y: i32,
     z: i32,
     across: i32,
 }
 
-const ALL_OF_IT = Share(0, 0, 1);
+const ALL_OF_IT = Portion(0, 0, 1);
+const TEAM_ACROSS: i32 = 16;
+
+// That of a thread of a workgroup of 256.
+fn portion_of(local: u32) -> Portion {
+    return Portion(i32(local) % TEAM_ACROSS, i32(local) / TEAM_ACROSS, TEAM_ACROSS);
+}
 
 // What a mover looks around with. Rounding of centres, which grows with the distance from the origin, must not lose a pair that
 // AABBs decide on.
@@ -136,11 +142,11 @@ fn test_span(mover: u32, probe: Probe, span: Span, stride: u32) {
     }
 }
 
-fn emit_neighbours(mover: u32, share: Share) {
+fn emit_neighbours(mover: u32, portion: Portion) {
     let own = aabbs[mover];
     let probe = probe_of(mover, own);
-    let thread = u32(share.y + share.z * share.across);
-    let threads = u32(share.across * share.across);
+    let thread = u32(portion.y + portion.z * portion.across);
+    let threads = u32(portion.across * portion.across);
     if statics_stand_apart() {
         for (var id = step.spheres + step.rods + thread; id < objects(); id += threads) {
             if aabbs_meet(own, aabbs[id]) {
@@ -155,8 +161,8 @@ fn emit_neighbours(mover: u32, share: Share) {
     for (var rest = cells[0]; rest != 0u; rest &= rest - 1u) {
         let level = firstTrailingBit(rest);
         let range = cells_around(own, level);
-        var y = range.low.y + share.y;
-        var z = range.low.z + share.z;
+        var y = range.low.y + portion.y;
+        var z = range.low.z + portion.z;
         var part = 0u;
         while all_of_them | ((y <= range.high.y) & (z <= range.high.z)) {
             var span = Span(32u * thread, objects());
@@ -170,10 +176,10 @@ fn emit_neighbours(mover: u32, share: Share) {
             part += 1u;
             if part == 2u {
                 part = 0u;
-                y += share.across;
+                y += portion.across;
                 if y > range.high.y {
-                    y = range.low.y + share.y;
-                    z += share.across;
+                    y = range.low.y + portion.y;
+                    z += portion.across;
                 }
             }
         }

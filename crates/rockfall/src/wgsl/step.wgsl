@@ -137,7 +137,8 @@ const ENTRY_FEATURE_MASK: u32 = 0xfu;
 const ENTRY_OVERLAPS: u32 = 0x40000000u;
 const ENTRY_COLLIDES: u32 = 0x80000000u;
 const LIST_COLLIDES: u32 = 0x80000000u;
-const LIST_COUNT_MASK: u32 = 0x7fffffffu;
+const LIST_LONG: u32 = 0x40000000u;
+const LIST_COUNT_MASK: u32 = 0x3fffffffu;
 const BOX_FEATURES: u32 = 12u;
 
 const CELLS_AT: u32 = 4u;

@@ -63,23 +63,24 @@ fn add_coupled_plain(sphere: u32, other: u32, n: vec3f, inverse_mass: f32, sums:
         return true;
     }
     let count = count_of(sphere);
-    for (var e = 0u; e < count; e++) {
-        let entry = entry_at(slot_of(sphere, e));
-        let id = entry_id(entry);
-        if ((entry & ENTRY_OVERLAPS) == 0u) | (id == other) {
-            continue;
-        }
-        if !are_plain(sphere, id) {
-            return false;
-        }
-        let l = plain_contact(sphere, id);
-        if l.overlap <= 0.0 {
-            continue;
-        }
-        let term = own * abs(dot(n, l.n)) / (sqrt(inverse_mass) * sqrt(l.inverse_mass));
-        (*sums).overlapping += term;
-        if (entry & ENTRY_COLLIDES) != 0u {
-            (*sums).colliding += term;
+    let first = slot_of(sphere, 0u);
+    for (var e = 0u; e < count; e += 4u) {
+        let entries = four_entries(first, e, count);
+        let presses = ((entries & vec4u(ENTRY_OVERLAPS)) != vec4u(0u)) & ((entries & vec4u(ENTRY_ID_MASK)) != vec4u(other));
+        for (var rest = which(presses, e, count); rest != 0u; rest &= rest - 1u) {
+            let entry = one_of(entries, firstTrailingBit(rest));
+            if !are_plain(sphere, entry_id(entry)) {
+                return false;
+            }
+            let l = plain_contact(sphere, entry_id(entry));
+            if l.overlap <= 0.0 {
+                continue;
+            }
+            let term = own * abs(dot(n, l.n)) / (sqrt(inverse_mass) * sqrt(l.inverse_mass));
+            (*sums).overlapping += term;
+            if (entry & ENTRY_COLLIDES) != 0u {
+                (*sums).colliding += term;
+            }
         }
     }
     return true;

@@ -1,6 +1,6 @@
 //! Kernels with one plausible mistake each, which the comparison must tell: a comparison is worth what it rejects.
 
-use rockfall::stage::{Buffer, Part, Run, Stage};
+use rockfall::stage::{Buffer, Part, Run, Stage, Threads};
 use rockfall::{Integrator, Settings};
 
 use crate::compare::{MEASURED, differences};
@@ -11,7 +11,7 @@ use crate::trace::{COLLISIONS, POSITIONS, Plan, Scenario, trace};
 /// A mistake: in which stage and pass, the file, the text and what it becomes, and the buffer that it shows in.
 struct Mistake(&'static str, u32, &'static str, &'static str, &'static str, Buffer);
 
-const MISTAKES: [Mistake; 66] = [
+const MISTAKES: [Mistake; 69] = [
     Mistake("update_aabbs", 0, "update_aabbs.wgsl", "0.02 * radius", "0.03 * radius", Buffer::Aabbs),
     Mistake("update_aabbs", 0, "travel.wgsl", "position + way", "position - way", Buffer::Aabbs),
     Mistake("count_pairs", 0, "pair_tiles.wgsl", "(own.id != tile[k].id)", "(own.id < tile[k].id)", Buffer::Lists),
@@ -66,6 +66,16 @@ const MISTAKES: [Mistake; 66] = [
     Mistake("apply_collisions", 0, "weights.wgsl", "ALONE: f32 = 1.001", "ALONE: f32 = 1.5", Buffer::Y2),
     Mistake("apply_collisions", 0, "weights.wgsl", "sqrt(l.inverse_mass)", "l.inverse_mass", Buffer::Y2),
     Mistake("apply_collisions", 0, "changes.wgsl", "1.0 + step.rest", "1.0 - step.rest", Buffer::Y2),
+    Mistake("apply_long", 0, "apply_long.wgsl", "local / 3u * TEAM", "0u", Buffer::Y2),
+    Mistake(
+        "apply_long",
+        0,
+        "apply_long.wgsl",
+        "shares[TEAM + local] = part.share.y",
+        "shares[TEAM + local] = part.share.x",
+        Buffer::Y2,
+    ),
+    Mistake("apply_long", 0, "changes.wgsl", "LIST_LONG) != 0u", "LIST_LONG) == 0u", Buffer::Y2),
     Mistake("commit_collisions", 0, "collided.wgsl", "region < 3u", "region < 1u", Buffer::Start),
     Mistake("commit_collisions", 0, "collided.wgsl", "collided, 2u", "collided, 1u", Buffer::Status),
     Mistake("restore_lengths", 0, "lengths.wgsl", "move_end(ends.y, -w2", "move_end(ends.y, w2", Buffer::Start),
@@ -131,8 +141,10 @@ fn a_kernel_with_a_mistake_is_told() {
     for mistake in &MISTAKES {
         let Mistake(stage, pass, file, _, wrong, buffer) = mistake;
         let mut scenarios = traces.iter().flat_map(|trace| &trace.scenarios);
-        let does =
-            |Scenario { run, before }: &&Scenario| run.stage.name == *stage && run.pass == *pass && run.applies(&before.step);
+        let does = |Scenario { run, before }: &&Scenario| {
+            let has_work = run.stage.threads != Threads::LongMovers || before.cells[3] > 0;
+            run.stage.name == *stage && run.pass == *pass && run.applies(&before.step) && has_work
+        };
         let scenario = scenarios.find(does).expect(stage);
         // A device of its own: kernels are kept by name.
         let gpu = on_gpu(&open(), &scenario.before, broken(scenario.run, mistake));
