@@ -126,6 +126,8 @@ pub const DIGITS: u32 = 16;
 pub const DIGIT_BITS: u32 = 4;
 /// About so many spheres tell how well memory is ordered.
 pub const ORDER_SAMPLE: u32 = 1 << 16;
+/// Up to so many movers are bound by the dispatches of a device more than by what they do: their lists may be longer.
+pub const FEW_MOVERS: u32 = 1 << 15;
 /// So many boxes and polygons are tested one by one, by every mover; more have levels of the grid of their own.
 pub const FEW_STATICS: u32 = 32;
 /// Level of the cells of size `cell_size`; cells of level l are `2^(l - LEVEL_BIAS)` times as large.

@@ -3,7 +3,7 @@
 use glam::Vec3;
 
 use crate::error::{Error, Result};
-use crate::layout::{MAX_PAIR_WORDS, Status};
+use crate::layout::{FEW_MOVERS, MAX_PAIR_WORDS, Status};
 use crate::profile::Recorder;
 use crate::report::Report;
 use crate::scene::{Scene, SphereId};
@@ -34,10 +34,8 @@ pub use options::{Backend, BackendInfo, Options};
 use order::Disorder;
 pub use ray::RayHit;
 
-/// On a device, up to so many movers are bound by dispatches more than by what they do:
-const FEW_MOVERS: u32 = 32_768;
-/// their lists are made for so many steps from the start, which others try first.
-const FEW_STEPS: u32 = 4;
+/// Lists of few movers on a device are made for so many steps from the start, which others try first.
+const FEW_STEPS: f32 = 4.0;
 
 /// A scene and the machinery that moves it, on the GPU or on the CPU.
 ///
@@ -120,10 +118,10 @@ impl Simulation {
 
     fn assemble(scene: Scene, options: Options, mut world: World, engine: Engine, info: BackendInfo) -> Self {
         engine.complete(&mut world);
-        let (mut lookahead, mut interval) = (Lookahead::default(), Interval::default());
+        let mut lookahead = Lookahead::default();
         if engine.dispatches() && world.movers() <= FEW_MOVERS {
-            (lookahead, interval) = (Lookahead::from_steps(FEW_STEPS as f32), Interval::from_steps(FEW_STEPS));
-            world.step.lookahead = FEW_STEPS as f32;
+            lookahead = Lookahead::from_steps(FEW_STEPS);
+            world.step.lookahead = FEW_STEPS;
         }
         Self {
             packed: scene.sphere_ids().collect(),
@@ -138,7 +136,7 @@ impl Simulation {
             report: Report::default(),
             time_step: DEFAULT_TIME_STEP,
             lookahead,
-            interval,
+            interval: Interval::default(),
             dirty: Dirty::Clean,
             edits: Vec::new(),
             aabbs_due: true,

@@ -170,27 +170,28 @@ fn listed(simulation: &mut Simulation, build: fn(&Scene) -> rockfall::Result<Wor
 }
 
 // At the start: four states of 48 bytes, an AABB of 32, an orientation of 16, a tag and a count of 4 each, about 13 of the
-// grid, an extent of 16, its two places in the order of memory of 4 each, and 16 list entries of 4 make 352. Where lists get longer by looking ahead, they are made for fewer steps before they take more memory.
+// grid, an extent of 16, its two places in the order of memory of 4 each, and 24 list entries of 4 (16 in large scenes) make 384. Where
+// lists get longer by looking ahead, they are made for fewer steps before they take more memory.
 
 #[test]
 fn size_of_a_lattice() {
     // Six neighbours touch; a rim of others is close.
-    check_size(Benchmark::Lattice, &Bounds { memory: 356, entries: 6.4, words: 9.0 });
+    check_size(Benchmark::Lattice, &Bounds { memory: 388, entries: 6.4, words: 9.0 });
 }
 
 #[test]
 fn size_of_a_pile() {
-    check_size(Benchmark::Pile, &Bounds { memory: 356, entries: 4.9, words: 8.4 });
+    check_size(Benchmark::Pile, &Bounds { memory: 388, entries: 4.9, words: 8.4 });
 }
 
 #[test]
 fn size_of_what_has_settled() {
-    check_size(Benchmark::Settled, &Bounds { memory: 356, entries: 10.2, words: 11.6 });
+    check_size(Benchmark::Settled, &Bounds { memory: 388, entries: 10.2, words: 11.6 });
 }
 
 #[test]
 fn size_of_rods_and_capsules_among_spheres() {
-    check_size(Benchmark::Mixed, &Bounds { memory: 470, entries: 2.5, words: 5.2 });
+    check_size(Benchmark::Mixed, &Bounds { memory: 496, entries: 2.5, words: 5.2 });
 }
 
 /// Pair tests of the grid and words of list entries, both per sphere, of so many spheres after some steps.

@@ -13,7 +13,7 @@ pub(crate) fn place_ahead(step: &Step, position: Vec3, motion: Vec4) -> Vec3 {
     if known { position + way } else { position }
 }
 
-/// How far it may come from there in so many steps, with a little room for what accelerates.
+/// How far it may come from there in so many steps, with a little room for what accelerates, the more the longer it may do so.
 pub(crate) fn may_travel(step: &Step, velocity: Vec3, radius: f32, steps: f32) -> f32 {
-    (steps - step.lead) * (1.05 * velocity.length() * step.dt) + steps * 0.02 * radius
+    (steps - step.lead) * (1.05 * velocity.length() * step.dt) + (0.05 * steps - 0.03) * radius
 }

@@ -50,8 +50,8 @@ pub(crate) const STAGE: Stage = Stage {
     cpu: run_steps,
 };
 
-/// Up to so many spheres one workgroup is faster than many dispatches: a thread has two of them, where a workgroup has 1,024.
-const FEW: u32 = 2048;
+/// Up to so many spheres one workgroup is faster than many dispatches: a thread has one of them, where a workgroup has 1,024.
+const FEW: u32 = 1024;
 
 /// Whether the stage may take the place of others in a world of these counts.
 pub(crate) fn suits(step: &Step) -> bool {

@@ -1,8 +1,8 @@
 //! AABBs of all objects, static ones too, grown by the motion of the step.
 //!
-//! A sphere moves by at most its margin, `lookahead (1.05 |v| dt + 0.02 r) + (margin_scale - 1) 0.02 r`, before its list is made
-//! again; where it moves further, `find_collisions`, `advance` or `leap` void the step, the host raises `margin_scale`, and the
-//! step is run again.
+//! A sphere moves by at most its margin, `(lookahead - lead) 1.05 |v| dt + (0.05 lookahead - 0.03) r + (margin_scale - 1) 0.02 r`,
+//! before its list is made again; where it moves further, `find_collisions`, `advance` or `leap` void the step, the host raises
+//! `margin_scale`, and the step is run again.
 //! A rod takes the hull of its ends, each with its own margin and the radius of the rod.
 
 use glam::Vec3;

@@ -7,7 +7,7 @@ fn place_ahead(position: vec3f, velocity: vec4f) -> vec3f {
     return select(position, position + way, (velocity.w > 0.0) & all(abs(way) < vec3f(1e30)));
 }
 
-// How far it may come from there, with a little room for what accelerates.
+// How far it may come from there, with a little room for what accelerates, the more the longer it may do so.
 fn may_travel(velocity: vec4f, radius: f32, steps: f32) -> f32 {
-    return (steps - step.lead) * 1.05 * length(velocity.xyz) * step.dt + steps * 0.02 * radius;
+    return (steps - step.lead) * 1.05 * length(velocity.xyz) * step.dt + (0.05 * steps - 0.03) * radius;
 }

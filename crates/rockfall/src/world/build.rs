@@ -4,8 +4,8 @@ use glam::{Vec3, Vec4};
 
 use crate::error::{Error, Result};
 use crate::layout::{
-    CELL_BLOCK, CELLS_AT, ENTRY_ID_MASK, FLAG_COLLISIONS, FLAG_CONTINUE, FLAG_GROUPS, FLAG_PULL, KIND_FORCE, KIND_ROD,
-    KIND_SHIFT, KIND_SPRING, KIND_TETHER, SLICE, SUM_WORDS, Step,
+    CELL_BLOCK, CELLS_AT, ENTRY_ID_MASK, FEW_MOVERS, FLAG_COLLISIONS, FLAG_CONTINUE, FLAG_GROUPS, FLAG_PULL, KIND_FORCE,
+    KIND_ROD, KIND_SHIFT, KIND_SPRING, KIND_TETHER, SLICE, SUM_WORDS, Step,
 };
 use crate::scene::{Rod, Scene, Sphere, SphereId};
 use crate::settings::{BroadPhase, Settings};
@@ -15,6 +15,8 @@ use crate::world::order::{inverse, size_class, spatial_order};
 
 /// Entries that a mover's list has room for at the start; lists that need more grow.
 const FIRST_ENTRIES: u64 = 16;
+/// The same where movers are few.
+const FIRST_ENTRIES_OF_FEW: u64 = 24;
 /// How far AABBs are grown at the start for what accelerates, in 0.02 r.
 const FIRST_MARGIN: f32 = 2.0;
 /// Steps for which AABBs are grown at the start.
@@ -69,7 +71,8 @@ impl World {
         world.set_spheres(scene);
         world.set_grid(scene);
         let padded = u64::from(world.movers().next_multiple_of(SLICE));
-        let capacity = (padded * FIRST_ENTRIES).clamp(u64::from(SLICE), u64::from(u32::MAX / 4)) as u32;
+        let entries = if world.movers() <= FEW_MOVERS { FIRST_ENTRIES_OF_FEW } else { FIRST_ENTRIES };
+        let capacity = (padded * entries).clamp(u64::from(SLICE), u64::from(u32::MAX / 4)) as u32;
         world.set_pair_room(capacity);
         Ok(world)
     }
