@@ -97,13 +97,17 @@ pub const LISTS_ASKED: u32 = 1;
 /// Bit of [`Status::rebuild`]: they were made in this step.
 pub const LISTS_MADE: u32 = 2;
 
-/// The pass of `run_steps` is `phases << PHASES_SHIFT | order`: how many phases it runs, and in which order. Collisions and
+/// The pass of `run_steps` is `phases << PHASES_SHIFT | LEAPS | order`, the second for symplectic Euler alone: how many phases it runs, and in which order. Collisions and
 /// positions take turns, collisions first where the order is 0.
-pub const PHASES_SHIFT: u32 = 2;
+pub const PHASES_SHIFT: u32 = 3;
 /// Order of `run_steps`: positions come first.
 pub const POSITIONS_FIRST: u32 = 1;
 /// Order of `run_steps`: there are no collisions.
 pub const POSITIONS_ALONE: u32 = 2;
+/// The bits of the order in the pass of `run_steps`.
+pub const ORDER_MASK: u32 = 3;
+/// Bit of the pass of `run_steps`: symplectic Euler, not RK4.
+pub const LEAPS: u32 = 4;
 
 /// [`Status::bad_body`] when every body is finite.
 pub const NO_BODY: u32 = u32::MAX;

@@ -293,6 +293,8 @@ fn the_constants_are_those_of_layout() {
         PHASES_SHIFT,
         POSITIONS_FIRST,
         POSITIONS_ALONE,
+        ORDER_MASK,
+        LEAPS,
         NO_BODY,
         BAD_STAGE_SHIFT,
     ];

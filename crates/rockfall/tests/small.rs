@@ -68,15 +68,16 @@ fn both_ways(scene: &Scene, options: &Options, act: impl Fn(&mut Simulation, boo
 #[test]
 fn steps_in_one_dispatch_are_those_of_the_stages() {
     for broad_phase in [BroadPhase::BruteForce, BroadPhase::Grid] {
-        for collisions in [true, false] {
+        for (collisions, integrator) in [(true, Integrator::Rk4), (false, Integrator::Rk4), (true, Integrator::SymplecticEuler)]
+        {
             let mut scene = crowd(300);
             scene.settings.collisions = collisions;
-            let options = Options::new().broad_phase(broad_phase);
+            let options = Options::new().broad_phase(broad_phase).integrator(integrator);
             let dispatches = [Cell::new(0), Cell::new(0)];
             let [joined, _] = both_ways(&scene, &options, |simulation, joined| {
                 dispatches[usize::from(joined)].set(run(simulation, 40, joined));
             });
-            // Lists are up to four of them, and what is joined at least five.
+            // Lists are up to four of them, and what is joined five to eight.
             let [apart, together] = dispatches.map(Cell::into_inner);
             assert!(together > 0 && 5 * apart > 8 * together, "{apart} dispatches and {together}");
             assert!(joined.report.contacts > 300, "{:?}", joined.report);
@@ -88,10 +89,13 @@ fn steps_in_one_dispatch_are_those_of_the_stages() {
 /// Lists that do not fit, and a ball that leaves its AABB, void a step: those after it in the dispatch are left out.
 #[test]
 fn void_steps_are_run_again() {
-    let [joined, apart] = both_ways(&crowd(300), &Options::new().pair_capacity(1), |simulation, joined| {
-        run(simulation, 20, joined);
-    });
-    assert!(joined.report.replays > 0 && apart.report.replays > 0);
+    for integrator in [Integrator::Rk4, Integrator::SymplecticEuler] {
+        let options = Options::new().integrator(integrator).pair_capacity(1);
+        let [joined, apart] = both_ways(&crowd(300), &options, |simulation, joined| {
+            run(simulation, 20, joined);
+        });
+        assert!(joined.report.replays > 0 && apart.report.replays > 0);
+    }
 
     // There after 3 s, when lists are made in every eighth step.
     let mut scene = weightless();
@@ -161,7 +165,7 @@ fn edits_and_single_phases_reach_what_runs_in_one_dispatch() {
     assert!(joined.report.total_collisions > 100, "{:?}", joined.report);
 }
 
-/// The stages run one by one where there are too many spheres, and where there is a rod.
+/// The stages run one by one where there are too many spheres, a long list or a rod.
 #[test]
 fn larger_scenes_and_those_with_rods_run_the_stages() {
     let mut scene = weightless();
@@ -174,6 +178,11 @@ fn larger_scenes_and_those_with_rods_run_the_stages() {
     assert!(run(&mut simulation, 2, true) >= 2 * 10, "1,025 spheres");
     simulation.remove_sphere(last).expect("the last sphere");
     assert!(run(&mut simulation, 2, true) <= 13, "1,024 spheres again");
+
+    let mut scene = crowd(100);
+    scene.add_sphere(Sphere::new([0.0, 30.0, 0.0], 20.0)).expect("a valid sphere");
+    let mut simulation = self::simulation(scene, Options::new().broad_phase(BroadPhase::Grid));
+    assert!(run(&mut simulation, 2, true) >= 2 * 12, "a long list");
 
     let mut scene = weightless();
     let ends = spheres(&mut scene, [Sphere::new([0.0; 3], 0.2), Sphere::new([1.0, 0.0, 0.0], 0.2)]);

@@ -8,8 +8,10 @@ use crate::stage::{Phase, RUN_STEPS, Run, When, begun_with, followed_by};
 pub(crate) fn fused(runs: &[Run], step: &Step, steps: u32) -> Vec<Run> {
     let live = |run: &&Run| run.workgroups(step) > 0;
     let all: Vec<Run> = (0..steps).flat_map(|at| runs.iter().filter(move |run| run.is_in(at)).filter(live)).copied().collect();
+    let leaps = all.iter().any(|run| run.stage.name == "leap");
+    let integrator = if leaps { Integrator::SymplecticEuler } else { Integrator::Rk4 };
     let phases = [Phase::HandleCollisions, Phase::UpdatePositions].map(|phase| {
-        let stages = phase.stages(Integrator::Rk4, BroadPhase::BruteForce);
+        let stages = phase.stages(integrator, BroadPhase::BruteForce);
         (phase, stages.iter().filter(live).map(name).collect::<Vec<_>>())
     });
     let mut dispatches: Vec<Run> = Vec::new();
@@ -25,7 +27,7 @@ pub(crate) fn fused(runs: &[Run], step: &Step, steps: u32) -> Vec<Run> {
         if let Some((run, pass)) = last.and_then(|run| followed_by(run.pass, *phase).map(|pass| (run, pass))) {
             run.pass = pass;
         } else {
-            dispatches.push(Run { stage: &RUN_STEPS, pass: begun_with(*phase), when: When::NoRods, every: 1 });
+            dispatches.push(Run { stage: &RUN_STEPS, pass: begun_with(*phase, integrator), when: When::NoRods, every: 1 });
         }
         rest = &rest[stages.len()..];
     }

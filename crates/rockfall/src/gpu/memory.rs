@@ -2,7 +2,7 @@
 
 use crate::error::{Error, Result};
 use crate::gpu::fault::catch;
-use crate::stage::{ALL, Buffer, RUN_STEPS, Stage, suits};
+use crate::stage::{ALL, Buffer, RUN_STEPS, Stage, is_small};
 use crate::world::World;
 
 /// No buffer is smaller: WebGPU refuses to bind what is empty.
@@ -16,7 +16,7 @@ pub(crate) fn bytes_needed(world: &World, buffer: Buffer) -> u64 {
     let vectors = |count: u64| 16 * count;
     let addressed = match buffer {
         Buffer::Start | Buffer::Y2 | Buffer::Y3 | Buffer::Y4 => vectors(3 * u64::from(step.spheres)),
-        Buffer::States if suits(step) => vectors(12 * u64::from(step.spheres)),
+        Buffer::States if is_small(step) => vectors(12 * u64::from(step.spheres)),
         Buffer::Aabbs => 32 * u64::from(world.objects()),
         Buffer::States | Buffer::Words | Buffer::Status => 0,
         Buffer::Cells => 4 * world.cell_words(),

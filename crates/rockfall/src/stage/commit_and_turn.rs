@@ -17,6 +17,8 @@ pub(crate) const STAGE: Stage = Stage {
         part!("wgsl/step.wgsl"),
         part!("wgsl/travel.wgsl"),
         part!("wgsl/margin.wgsl"),
+        part!("wgsl/two_states.wgsl"),
+        part!("wgsl/take_next.wgsl"),
         part!("wgsl/commit.wgsl"),
         part!("wgsl/rotation.wgsl"),
         part!("stage/commit_and_turn.wgsl"),

@@ -15,6 +15,6 @@ fn commit_and_turn(
         return;
     }
     commit(i);
-    let momentum = next[2u * step.spheres + i];
+    let momentum = next_row(2u, i);
     turn_by(i, rotation(momentum.xyz * momentum.w));
 }

@@ -16,6 +16,8 @@ pub(crate) const STAGE: Stage = Stage {
         part!("wgsl/one_state.wgsl"),
         part!("wgsl/objects.wgsl"),
         part!("wgsl/rows.wgsl"),
+        part!("wgsl/two_states.wgsl"),
+        part!("wgsl/take_next.wgsl"),
         part!("wgsl/collided.wgsl"),
         part!("stage/commit_collisions.wgsl"),
     ],

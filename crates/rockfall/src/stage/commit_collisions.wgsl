@@ -4,14 +4,6 @@
 @group(0) @binding(5) var<storage, read> lists: array<u32>;
 @group(0) @binding(6) var<storage, read_write> status: StatusAtomic;
 
-fn put_start(region: u32, i: u32, row: vec4f) {
-    state[region * step.spheres + i] = row;
-}
-
-fn next_row(region: u32, i: u32) -> vec4f {
-    return next[region * step.spheres + i];
-}
-
 @compute @workgroup_size(64)
 fn commit_collisions(
     @builtin(workgroup_id) group: vec3u,

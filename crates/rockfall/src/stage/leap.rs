@@ -28,6 +28,7 @@ pub(crate) const STAGE: Stage = Stage {
         part!("wgsl/travel.wgsl"),
         part!("wgsl/margin.wgsl"),
         part!("wgsl/tell.wgsl"),
+        part!("wgsl/leap_state.wgsl"),
         part!("stage/leap.wgsl"),
     ],
     bindings: &[

@@ -1,11 +1,11 @@
-//! Whole steps of a small scene without rods in one dispatch, of one workgroup: collisions and positions (RK4), as often as the
+//! Whole steps of a small scene without rods in one dispatch, of one workgroup: collisions and positions, as often as the
 //! pass tells, with barriers in the place of the ends of dispatches.
 //!
 //! What a dispatch costs on a device, some microseconds whatever it does, is most of a small scene's step. The kernel is
 //! made of the parts of the stages that it stands for, so that it does what they do; see `gpu/fuse.rs` for where it takes their place.
 //! Status, void steps and replays are theirs.
 
-use crate::layout::{PHASES_SHIFT, POSITIONS_ALONE, POSITIONS_FIRST, Step};
+use crate::layout::{LEAPS, ORDER_MASK, PHASES_SHIFT, POSITIONS_ALONE, POSITIONS_FIRST, Step};
 use crate::settings::{BroadPhase, Integrator};
 use crate::stage::{Buffer, Phase, Stage, Threads, part, read, write};
 use crate::world::World;
@@ -29,9 +29,12 @@ pub(crate) const STAGE: Stage = Stage {
         part!("wgsl/tell.wgsl"),
         part!("wgsl/judge.wgsl"),
         part!("wgsl/changes.wgsl"),
+        part!("wgsl/take_next.wgsl"),
         part!("wgsl/collided.wgsl"),
         part!("wgsl/forces.wgsl"),
         part!("wgsl/next_state.wgsl"),
+        part!("wgsl/leap_state.wgsl"),
+        part!("wgsl/commit.wgsl"),
         part!("wgsl/finished.wgsl"),
         part!("wgsl/rotation.wgsl"),
         part!("wgsl/close_step.wgsl"),
@@ -53,27 +56,32 @@ pub(crate) const STAGE: Stage = Stage {
 /// Up to so many spheres one workgroup is faster than many dispatches: a thread has one of them, where a workgroup has 1,024.
 const FEW: u32 = 1024;
 
-/// Whether the stage may take the place of others in a world of these counts.
-pub(crate) fn suits(step: &Step) -> bool {
+/// Whether a world of these counts has room for the stage's states.
+pub(crate) fn is_small(step: &Step) -> bool {
     step.rods == 0 && (1..=FEW).contains(&step.spheres)
 }
 
+/// Whether the stage may take the place of others in such a world. Long lists want more than a thread each.
+pub(crate) fn suits(step: &Step) -> bool {
+    is_small(step) && step.long_at == 0
+}
+
 /// The pass of a dispatch of this phase alone: of collisions or of positions.
-pub(crate) fn begun_with(phase: Phase) -> u32 {
-    1 << PHASES_SHIFT | if phase == Phase::HandleCollisions { 0 } else { POSITIONS_FIRST }
+pub(crate) fn begun_with(phase: Phase, integrator: Integrator) -> u32 {
+    let order = if phase == Phase::HandleCollisions { 0 } else { POSITIONS_FIRST };
+    1 << PHASES_SHIFT | order | if integrator == Integrator::Rk4 { 0 } else { LEAPS }
 }
 
 /// The pass of a dispatch that does this phase after all of `pass`, if there is one.
 pub(crate) fn followed_by(pass: u32, phase: Phase) -> Option<u32> {
-    let count = pass >> PHASES_SHIFT;
-    let orders = [pass & ((1 << PHASES_SHIFT) - 1), POSITIONS_ALONE];
-    let longer = orders.map(|order| (count + 1) << PHASES_SHIFT | order);
-    longer.into_iter().find(|longer| phases(*longer).eq(phases(pass).chain([phase])))
+    let orders = [pass, pass & !ORDER_MASK | POSITIONS_ALONE];
+    let mut longer = orders.into_iter().map(|pass| pass + (1 << PHASES_SHIFT));
+    longer.find(|longer| phases(*longer).eq(phases(pass).chain([phase])))
 }
 
 /// The phases of a dispatch. They take turns, or there are no collisions.
 fn phases(pass: u32) -> impl Iterator<Item = Phase> {
-    let order = pass & ((1 << PHASES_SHIFT) - 1);
+    let order = pass & ORDER_MASK;
     (0..pass >> PHASES_SHIFT).map(move |k| {
         if order != POSITIONS_ALONE && (k + order).is_multiple_of(2) { Phase::HandleCollisions } else { Phase::UpdatePositions }
     })
@@ -81,7 +89,8 @@ fn phases(pass: u32) -> impl Iterator<Item = Phase> {
 
 /// The twins of the stages that it stands for.
 fn run_steps(world: &mut World, pass: u32) {
-    for run in phases(pass).flat_map(|phase| phase.stages(Integrator::Rk4, BroadPhase::BruteForce)) {
+    let integrator = if pass & LEAPS == 0 { Integrator::Rk4 } else { Integrator::SymplecticEuler };
+    for run in phases(pass).flat_map(|phase| phase.stages(integrator, BroadPhase::BruteForce)) {
         run.on_cpu(world);
     }
 }
@@ -93,9 +102,9 @@ mod tests {
     #[test]
     fn phases_join_where_they_take_turns_or_are_positions_alone() {
         let [collisions, positions] = [Phase::HandleCollisions, Phase::UpdatePositions];
-        let joined = |phases: &[Phase]| {
+        let joined = |phases: &[Phase], integrator: Integrator| {
             let (first, rest) = phases.split_first()?;
-            rest.iter().try_fold(begun_with(*first), |pass, phase| followed_by(pass, *phase))
+            rest.iter().try_fold(begun_with(*first, integrator), |pass, phase| followed_by(pass, *phase))
         };
         for all in [
             vec![collisions],
@@ -104,10 +113,13 @@ mod tests {
             vec![positions, collisions, positions, collisions],
             vec![positions; 5],
         ] {
-            assert_eq!(joined(&all).map(|pass| phases(pass).collect()), Some(all));
+            for (integrator, leaps) in [(Integrator::Rk4, 0), (Integrator::SymplecticEuler, LEAPS)] {
+                let pass = joined(&all, integrator);
+                assert_eq!(pass.map(|pass| (phases(pass).collect(), pass & LEAPS)), Some((all.clone(), leaps)));
+            }
         }
         for none in [vec![collisions; 2], vec![positions, positions, collisions], vec![collisions, positions, positions]] {
-            assert_eq!(joined(&none), None);
+            assert_eq!(joined(&none, Integrator::Rk4), None);
         }
     }
 }

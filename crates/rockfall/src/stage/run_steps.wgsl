@@ -15,6 +15,8 @@ var<workgroup> told: u32;
 // There are no rods here.
 fn add_wrench(i: u32, rod: u32, net: ptr<function, Net>) {}
 
+fn remember(i: u32, old_position: vec3f, spin: vec3f) {}
+
 fn is_void() -> bool {
     return atomicLoad(&status.void) != 0u;
 }
@@ -47,14 +49,16 @@ fn handle_collisions(local: u32) {
 }
 
 // One force evaluation, and what follows from it.
-fn evaluate(local: u32, evaluation: u32) {
+fn evaluate(local: u32, evaluation: u32, leaps: bool) {
     evaluated = evaluation;
     var contacts = 0u;
     var deepest = 0.0;
     if !is_void() {
         for (var i = local; i < step.spheres; i += TEAM) {
             let net = net_in_pass(i);
-            if evaluation == 3u {
+            if leaps {
+                write_leap(i, net);
+            } else if evaluation == 3u {
                 turn_by(i, rotation(finish_sphere(i, net).spin));
             } else {
                 write_next(i, net);
@@ -71,9 +75,26 @@ fn evaluate(local: u32, evaluation: u32) {
     }
 }
 
-fn update_positions(local: u32) {
-    for (var evaluation = 0u; evaluation < 4u; evaluation++) {
-        evaluate(local, evaluation);
+// What the force evaluation of symplectic Euler made becomes the state.
+fn take_leaps(local: u32) {
+    if is_void() {
+        return;
+    }
+    for (var i = local; i < step.spheres; i += TEAM) {
+        commit(i);
+        let momentum = next_row(2u, i);
+        turn_by(i, rotation(momentum.xyz * momentum.w));
+    }
+}
+
+fn update_positions(local: u32, leaps: bool) {
+    let evaluations = select(4u, 1u, leaps);
+    for (var evaluation = 0u; evaluation < evaluations; evaluation++) {
+        evaluate(local, evaluation, leaps);
+        storageBarrier();
+    }
+    if leaps {
+        take_leaps(local);
         storageBarrier();
     }
     if local == 0u {
@@ -84,7 +105,7 @@ fn update_positions(local: u32) {
 
 // Whether phase k of a dispatch with this pass is that of collisions.
 fn is_collisions(k: u32, index: u32) -> bool {
-    let order = index % (1u << PHASES_SHIFT);
+    let order = index & ORDER_MASK;
     return (order != POSITIONS_ALONE) & ((k + order) % 2u == 0u);
 }
 
@@ -104,7 +125,7 @@ fn run_steps(@builtin(local_invocation_index) local: u32) {
         if is_collisions(k, index) {
             handle_collisions(local);
         } else {
-            update_positions(local);
+            update_positions(local, (index & LEAPS) != 0u);
         }
     }
     for (var i = local; i < 3u * step.spheres; i += TEAM) {

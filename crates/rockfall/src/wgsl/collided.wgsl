@@ -15,8 +15,6 @@ fn commit_change(i: u32) {
         status.lengths_due = 1u;
     }
     if takes_part_in_any(i) {
-        for (var region = 0u; region < 3u; region++) {
-            put_start(region, i, next_row(region, i));
-        }
+        take_next(i);
     }
 }

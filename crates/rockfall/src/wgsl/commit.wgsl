@@ -1,8 +1,6 @@
 // The state that `leap` made becomes the state of a sphere.
 
 fn commit(i: u32) {
-    for (var region = 0u; region < 3u; region++) {
-        state[region * step.spheres + i] = next[region * step.spheres + i];
-    }
-    ask_for_lists(i, next[i], next[step.spheres + i]);
+    take_next(i);
+    ask_for_lists(i, next_row(0u, i), next_row(1u, i));
 }

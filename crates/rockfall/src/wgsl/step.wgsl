@@ -169,9 +169,11 @@ const VOID_COUNT: u32 = 8u;
 const LISTS_ASKED: u32 = 1u;
 const LISTS_MADE: u32 = 2u;
 
-const PHASES_SHIFT: u32 = 2u;
+const PHASES_SHIFT: u32 = 3u;
 const POSITIONS_FIRST: u32 = 1u;
 const POSITIONS_ALONE: u32 = 2u;
+const ORDER_MASK: u32 = 3u;
+const LEAPS: u32 = 4u;
 
 const NO_BODY: u32 = 0xffffffffu;
 const BAD_STAGE_SHIFT: u32 = 27u;

@@ -1,5 +1,6 @@
 //! Kernels with one plausible mistake each, which the comparison must tell: a comparison is worth what it rejects.
 
+use rockfall::layout::LEAPS;
 use rockfall::stage::{Buffer, Part, Run, Stage, Threads};
 use rockfall::{Integrator, Settings};
 
@@ -11,7 +12,7 @@ use crate::trace::{COLLISIONS, POSITIONS, Plan, Scenario, trace};
 /// A mistake: in which stage and pass, the file, the text and what it becomes, and the buffer that it shows in.
 struct Mistake(&'static str, u32, &'static str, &'static str, &'static str, Buffer);
 
-const MISTAKES: [Mistake; 69] = [
+const MISTAKES: [Mistake; 70] = [
     Mistake("update_aabbs", 0, "update_aabbs.wgsl", "0.02 * radius", "0.03 * radius", Buffer::Aabbs),
     Mistake("update_aabbs", 0, "travel.wgsl", "position + way", "position - way", Buffer::Aabbs),
     Mistake("count_pairs", 0, "pair_tiles.wgsl", "(own.id != tile[k].id)", "(own.id < tile[k].id)", Buffer::Lists),
@@ -76,7 +77,7 @@ const MISTAKES: [Mistake; 69] = [
         Buffer::Y2,
     ),
     Mistake("apply_long", 0, "changes.wgsl", "LIST_LONG) != 0u", "LIST_LONG) == 0u", Buffer::Y2),
-    Mistake("commit_collisions", 0, "collided.wgsl", "region < 3u", "region < 1u", Buffer::Start),
+    Mistake("commit_collisions", 0, "take_next.wgsl", "region < 3u", "region < 1u", Buffer::Start),
     Mistake("commit_collisions", 0, "collided.wgsl", "collided, 2u", "collided, 1u", Buffer::Status),
     Mistake("restore_lengths", 0, "lengths.wgsl", "move_end(ends.y, -w2", "move_end(ends.y, w2", Buffer::Start),
     Mistake("rod_forces", 0, "rod_forces.wgsl", "+= at * couple", "+= (1.0 - at) * couple", Buffer::Wrenches),
@@ -89,8 +90,8 @@ const MISTAKES: [Mistake; 69] = [
     Mistake("finish", 3, "finished.wgsl", "step.dt / 6.0", "step.dt / 3.0", Buffer::Start),
     Mistake("finish_and_turn", 3, "finished.wgsl", "step.dt / 6.0", "step.dt / 3.0", Buffer::Start),
     Mistake("finish_and_turn", 3, "rotation.wgsl", "0.5 * rate", "rate", Buffer::Orientations),
-    Mistake("leap", 0, "leap.wgsl", "step.dt * after.velocity", "step.dt * old_velocity.xyz", Buffer::Y2),
-    Mistake("commit_leap", 0, "commit.wgsl", "region < 3u", "region < 2u", Buffer::Start),
+    Mistake("leap", 0, "leap_state.wgsl", "step.dt * after.velocity", "step.dt * old_velocity.xyz", Buffer::Y2),
+    Mistake("commit_leap", 0, "take_next.wgsl", "region < 3u", "region < 2u", Buffer::Start),
     Mistake("commit_and_turn", 0, "commit_and_turn.wgsl", "momentum.xyz * momentum.w", "momentum.xyz", Buffer::Orientations),
     Mistake("constrain", 0, "constrain.wgsl", "correction / step.dt", "correction * step.dt", Buffer::Start),
     Mistake("turn", 0, "turn.wgsl", "cross(spins + orbit, d)", "cross(spins - orbit, d)", Buffer::Start),
@@ -115,6 +116,7 @@ const MISTAKES: [Mistake; 69] = [
     Mistake("run_steps", COLLISIONS, "run_steps.wgsl", "(k + order) % 2u", "(k + order + 1u) % 2u", Buffer::Status),
     Mistake("run_steps", COLLISIONS, "four_states.wgsl", "(0u, region, i)] = row", "(1u, region, i)] = row", Buffer::Start),
     Mistake("run_steps", POSITIONS, "run_steps.wgsl", "evaluated = evaluation", "evaluated = evaluation / 2u", Buffer::Start),
+    Mistake("run_steps", POSITIONS | LEAPS, "run_steps.wgsl", "next_row(2u, i)", "next_row(1u, i)", Buffer::Orientations),
     Mistake("run_steps", POSITIONS, "four_states.wgsl", "(2u, region", "(1u, region", Buffer::Start),
 ];
 

@@ -1,6 +1,6 @@
 //! The worlds that the stages of a step begin with, with every decision of the step far from its switch.
 
-use rockfall::layout::{CELL_BLOCK, CELLS_AT, PHASES_SHIFT, POSITIONS_FIRST, ROD_WORDS};
+use rockfall::layout::{CELL_BLOCK, CELLS_AT, LEAPS, PHASES_SHIFT, POSITIONS_FIRST, ROD_WORDS};
 use rockfall::stage::{ALL, MEASURE_ORDER, Phase, Run, SORT_MEMORY, When};
 use rockfall::world::World;
 use rockfall::{BroadPhase, Integrator, Settings};
@@ -126,6 +126,7 @@ fn joined(world: &World, first: &Run) -> Option<Scenario> {
     let pass = match (first.stage.name, first.pass) {
         ("find_collisions", 0) => COLLISIONS,
         ("advance", 0) => POSITIONS,
+        ("leap", 0) => POSITIONS | LEAPS,
         _ => return None,
     };
     let stage = ALL.into_iter().find(|stage| stage.name == "run_steps").expect("the stage of small scenes");

@@ -1,0 +1,6 @@
+// The next state of a sphere becomes its state.
+fn take_next(i: u32) {
+    for (var region = 0u; region < 3u; region++) {
+        put_start(region, i, next_row(region, i));
+    }
+}
