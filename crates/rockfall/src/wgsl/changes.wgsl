@@ -58,11 +58,10 @@ fn add_row(sphere: u32, row: u32, change: ptr<function, Change>) {
     }
     let count = count_of(row);
     let first = slot_of(row, 0u);
-    for (var e = 0u; e < count; e += 4u) {
-        let entries = four_entries(first, e, count);
-        let collides = (entries & vec4u(ENTRY_COLLIDES)) != vec4u(0u);
-        for (var rest = which(collides, e, count); rest != 0u; rest &= rest - 1u) {
-            add_part(part_of_entry(sphere, row, one_of(entries, firstTrailingBit(rest))), change);
+    for (var begin = 0u; begin < count; begin += LOOK) {
+        for (var rest = entries_with(ENTRY_COLLIDES, first, begin, count); rest != 0u; rest &= rest - 1u) {
+            let entry = entry_at(first + (begin + firstTrailingBit(rest)) * SLICE);
+            add_part(part_of_entry(sphere, row, entry), change);
         }
     }
 }

@@ -22,6 +22,8 @@ fn entry_feature(entry: u32) -> u32 {
     return entry >> ENTRY_ID_BITS & ENTRY_FEATURE_MASK;
 }
 
+const LOOK: u32 = 32u;
+
 // Entries are gone through four at a time, so that memory is asked for all of them at once. Past the last one it is repeated.
 fn four_entries(first: u32, e: u32, count: u32) -> vec4u {
     let places = first + min(vec4u(e, e + 1u, e + 2u, e + 3u), vec4u(count - 1u)) * SLICE;
@@ -32,6 +34,17 @@ fn four_entries(first: u32, e: u32, count: u32) -> vec4u {
 fn which(yes: vec4<bool>, e: u32, count: u32) -> u32 {
     let bits = select(vec4u(0u), vec4u(1u, 2u, 4u, 8u), yes & (vec4u(e, e + 1u, e + 2u, e + 3u) < vec4u(count)));
     return bits.x | bits.y | bits.z | bits.w;
+}
+
+// Which of LOOK entries from `begin` on have one of these bits. They are looked for first and worked out then, so that neighbouring
+// threads, whose lists differ, do so together.
+fn entries_with(bits: u32, first: u32, begin: u32, count: u32) -> u32 {
+    var found = 0u;
+    for (var e = begin; e < min(count, begin + LOOK); e += 4u) {
+        let marked = (four_entries(first, e, count) & vec4u(bits)) != vec4u(0u);
+        found |= which(marked, e, count) << (e - begin);
+    }
+    return found;
 }
 
 // One of four, without a place in memory that an index would need.

@@ -24,34 +24,37 @@ fn counted(k: ptr<function, Contact>, slot: u32, l: ptr<function, Contact>) -> b
 
 // Adds the contacts in one row of the sphere in a slot of k. `name` is k's ids and feature.
 fn add_coupled(k: ptr<function, Contact>, name: vec3u, slot: u32, row: u32, sums: ptr<function, RowSums>) {
-    let sphere = (*k).spheres[slot];
     let count = count_of(row);
-    for (var e = 0u; e < count; e++) {
-        let entry = entry_at(slot_of(row, e));
-        let id = entry_id(entry);
-        if (entry & ENTRY_OVERLAPS) == 0u {
-            continue;
+    let first = slot_of(row, 0u);
+    for (var begin = 0u; begin < count; begin += LOOK) {
+        for (var rest = entries_with(ENTRY_OVERLAPS, first, begin, count); rest != 0u; rest &= rest - 1u) {
+            let entry = entry_at(first + (begin + firstTrailingBit(rest)) * SLICE);
+            add_coupled_entry(k, name, slot, row, entry, sums);
         }
-        if taken_elsewhere(sphere, row, id) {
-            continue;
-        }
-        let other = vec3u(ordered(row, id), entry_feature(entry));
-        let found = touch(other.x, other.y, other.z);
-        var l = contact_of(other.x, other.y, found);
-        if (l.inverse_mass <= 0.0) | (found.overlap <= 0.0) {
-            continue;
-        }
-        if counted(k, slot, &l) {
-            continue;
-        }
-        var term = 1.0;
-        if any(other != name) {
-            term = abs(coupling(k, &l)) / (sqrt((*k).inverse_mass) * sqrt(l.inverse_mass));
-        }
-        (*sums).overlapping += term;
-        if (entry & ENTRY_COLLIDES) != 0u {
-            (*sums).colliding += term;
-        }
+    }
+}
+
+fn add_coupled_entry(k: ptr<function, Contact>, name: vec3u, slot: u32, row: u32, entry: u32, sums: ptr<function, RowSums>) {
+    let id = entry_id(entry);
+    if taken_elsewhere((*k).spheres[slot], row, id) {
+        return;
+    }
+    let other = vec3u(ordered(row, id), entry_feature(entry));
+    let found = touch(other.x, other.y, other.z);
+    var l = contact_of(other.x, other.y, found);
+    if (l.inverse_mass <= 0.0) | (found.overlap <= 0.0) {
+        return;
+    }
+    if counted(k, slot, &l) {
+        return;
+    }
+    var term = 1.0;
+    if any(other != name) {
+        term = abs(coupling(k, &l)) / (sqrt((*k).inverse_mass) * sqrt(l.inverse_mass));
+    }
+    (*sums).overlapping += term;
+    if (entry & ENTRY_COLLIDES) != 0u {
+        (*sums).colliding += term;
     }
 }
 
