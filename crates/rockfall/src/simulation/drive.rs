@@ -15,6 +15,11 @@ pub const DEFAULT_TIME_STEP: f32 = 0.02;
 
 /// Steps that are handed to the engine at once; the status is looked at after each such batch.
 const BATCH: u64 = 32;
+/// The same where so few movers are on a device that a look takes as long as a step, for each step from one chance of making lists
+/// to the next.
+const BATCH_OF_FEW: u64 = 16;
+/// Movers that are so few.
+const FEW: u32 = 1024;
 /// A step that was void so often in a row is given up.
 const MAX_ATTEMPTS: u32 = 64;
 /// How fast a margin that had to be raised sinks again, per step.
@@ -62,7 +67,7 @@ impl Simulation {
             let overdue = self.overdue(phases);
             let all: Vec<Phase> = overdue.iter().chain(phases).copied().collect();
             // What is overdue is made once, not in every step of a batch.
-            let batch = if overdue.is_empty() { left.min(BATCH) } else { 1 };
+            let batch = if overdue.is_empty() { left.min(self.batch()) } else { 1 };
             let done = self.submit(&all, batch, recorder.as_deref_mut()).await?;
             left -= done;
             attempts = if done > 0 { 0 } else { attempts + 1 };
@@ -114,10 +119,18 @@ impl Simulation {
         self.status = self.world.status;
         if phases.contains(&Phase::UpdatePositions) {
             let done = u64::from(self.status.steps);
-            self.book(done);
+            self.book(done, batch);
             return Ok(done);
         }
         Ok(if self.status.void == 0 { batch } else { 0 })
+    }
+
+    /// Steps to hand over.
+    fn batch(&self) -> u64 {
+        if self.world.movers() > FEW {
+            return BATCH;
+        }
+        BATCH.max(BATCH_OF_FEW * u64::from(self.list_interval(true)))
     }
 
     /// Steps from one chance of making lists to the next.
@@ -188,8 +201,8 @@ impl Simulation {
         Ok(())
     }
 
-    /// Moves the counters of `done` steps from the status to the report.
-    fn book(&mut self, done: u64) {
+    /// Moves the counters of `done` steps of a batch from the status to the report.
+    fn book(&mut self, done: u64, batch: u64) {
         let (method, dispatches) = (self.broad_phase_method(), self.list_dispatches());
         let Status { last_contacts, last_max_overlap, last_collisions, total_collisions_low, total_collisions_high, .. } =
             self.status;
@@ -205,7 +218,7 @@ impl Simulation {
             let sunk = step.margin_scale * MARGIN_DECAY.powf(done as f32);
             step.margin_scale = if sunk.is_finite() { sunk.max(MIN_MARGIN) } else { MIN_MARGIN };
             self.report.list_builds += u64::from(self.status.builds);
-            if done == BATCH {
+            if done == batch && batch >= BATCH {
                 let movers = (step.spheres + step.rods).max(1) as f32;
                 let seen = Lists {
                     builds_per_step: self.status.builds as f32 / done as f32,

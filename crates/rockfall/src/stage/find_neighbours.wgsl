@@ -6,7 +6,7 @@
 @group(0) @binding(7) var<storage, read_write> status: StatusAtomic;
 
 // So many objects are remembered and put in order by their thread; more are looked for again, and put in order in place.
-const SHORT: u32 = 24u;
+const SHORT: u32 = 32u;
 
 // What was found: places (see `id_at`); once in order, indices in order of addition. Not in workgroup memory, for that is taken
 // from the cache, which matters more here; and short, for it is set to 0 first.
