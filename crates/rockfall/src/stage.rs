@@ -49,7 +49,9 @@ mod sort_cells;
 mod turn;
 mod update_aabbs;
 
-pub(crate) use run_steps::{STAGE as RUN_STEPS, begun_with, followed_by, is_small, suits};
+pub(crate) use run_steps::is_small;
+#[cfg(feature = "gpu")]
+pub(crate) use run_steps::{STAGE as RUN_STEPS, begun_with, followed_by, suits};
 pub use schedule::{MEASURE_ORDER, Phase, Run, SORT_MEMORY, When};
 
 /// A buffer that stages bind. `Start` is the state; `Y2`, `Y3`, `Y4` are the stage states of RK4, and scratch besides.

@@ -8,18 +8,16 @@ use crate::layout::{
 use crate::profile::Recorder;
 use crate::simulation::Simulation;
 use crate::simulation::lookahead::Lists;
-use crate::stage::{Phase, Run};
+use crate::stage::{Phase, Run, is_small};
 
 /// The thesis's fixed time step, in s.
 pub const DEFAULT_TIME_STEP: f32 = 0.02;
 
 /// Steps that are handed to the engine at once; the status is looked at after each such batch.
 const BATCH: u64 = 32;
-/// The same where so few movers are on a device that a look takes as long as a step, for each step from one chance of making lists
+/// The same where a scene is so small that a look takes a device as long as a step, for each step from one chance of making lists
 /// to the next.
-const BATCH_OF_FEW: u64 = 16;
-/// Movers that are so few.
-const FEW: u32 = 1024;
+const BATCH_OF_SMALL: u64 = 16;
 /// A step that was void so often in a row is given up.
 const MAX_ATTEMPTS: u32 = 64;
 /// How fast a margin that had to be raised sinks again, per step.
@@ -127,10 +125,10 @@ impl Simulation {
 
     /// Steps to hand over.
     fn batch(&self) -> u64 {
-        if self.world.movers() > FEW {
+        if !is_small(&self.world.step) {
             return BATCH;
         }
-        BATCH.max(BATCH_OF_FEW * u64::from(self.list_interval(true)))
+        BATCH.max(BATCH_OF_SMALL * u64::from(self.list_interval(true)))
     }
 
     /// Steps from one chance of making lists to the next.

@@ -5,7 +5,9 @@
 //! made of the parts of the stages that it stands for, so that it does what they do; see `gpu/fuse.rs` for where it takes their place.
 //! Status, void steps and replays are theirs.
 
-use crate::layout::{LEAPS, ORDER_MASK, PHASES_SHIFT, POSITIONS_ALONE, POSITIONS_FIRST, Step};
+#[cfg(feature = "gpu")]
+use crate::layout::POSITIONS_FIRST;
+use crate::layout::{LEAPS, ORDER_MASK, PHASES_SHIFT, POSITIONS_ALONE, Step};
 use crate::settings::{BroadPhase, Integrator};
 use crate::stage::{Buffer, Phase, Stage, Threads, part, read, write};
 use crate::world::World;
@@ -62,17 +64,20 @@ pub(crate) fn is_small(step: &Step) -> bool {
 }
 
 /// Whether the stage may take the place of others in such a world. Long lists want more than a thread each.
+#[cfg(feature = "gpu")]
 pub(crate) fn suits(step: &Step) -> bool {
     is_small(step) && step.long_at == 0
 }
 
 /// The pass of a dispatch of this phase alone: of collisions or of positions.
+#[cfg(feature = "gpu")]
 pub(crate) fn begun_with(phase: Phase, integrator: Integrator) -> u32 {
     let order = if phase == Phase::HandleCollisions { 0 } else { POSITIONS_FIRST };
     1 << PHASES_SHIFT | order | if integrator == Integrator::Rk4 { 0 } else { LEAPS }
 }
 
 /// The pass of a dispatch that does this phase after all of `pass`, if there is one.
+#[cfg(feature = "gpu")]
 pub(crate) fn followed_by(pass: u32, phase: Phase) -> Option<u32> {
     let orders = [pass, pass & !ORDER_MASK | POSITIONS_ALONE];
     let mut longer = orders.into_iter().map(|pass| pass + (1 << PHASES_SHIFT));
@@ -95,7 +100,7 @@ fn run_steps(world: &mut World, pass: u32) {
     }
 }
 
-#[cfg(test)]
+#[cfg(all(test, feature = "gpu"))]
 mod tests {
     use super::*;
 
