@@ -79,7 +79,13 @@ fn phases_called_singly_are_a_step(backend: Backend) {
         parts.handle_collisions().expect("phase 3");
         parts.update_positions(0.01).expect("phase 4");
         assert_eq!(states(&mut whole), states(&mut parts), "after {steps} steps");
-        assert_eq!(parts.report(), whole.report());
+        // How often lists are made is for a whole step to choose.
+        let counted = |simulation: &Simulation| {
+            let mut report = simulation.report();
+            report.list_builds = 0;
+            report
+        };
+        assert_eq!(counted(&parts), counted(&whole));
     }
     assert!(whole.report().total_collisions > 1 && whole.report().contacts > 1, "{:?}", whole.report());
 }
