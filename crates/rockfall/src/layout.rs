@@ -97,8 +97,8 @@ pub const LISTS_ASKED: u32 = 1;
 /// Bit of [`Status::rebuild`]: they were made in this step.
 pub const LISTS_MADE: u32 = 2;
 
-/// The pass of `run_steps` is `phases << PHASES_SHIFT | LEAPS | order`, the second for symplectic Euler alone: how many phases it runs, and in which order. Collisions and
-/// positions take turns, collisions first where the order is 0.
+/// The pass of `run_steps` is `phases << PHASES_SHIFT | LEAPS | order`, the second for symplectic Euler alone: how many phases it
+/// runs, and in which order. Collisions and positions take turns, collisions first where the order is 0.
 pub const PHASES_SHIFT: u32 = 3;
 /// Order of `run_steps`: positions come first.
 pub const POSITIONS_FIRST: u32 = 1;

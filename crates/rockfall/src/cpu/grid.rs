@@ -54,6 +54,11 @@ pub(crate) fn stands_apart(step: &Step, object: u32) -> bool {
     object >= step.spheres + step.rods && step.boxes + step.polygons <= FEW_STATICS
 }
 
+/// Whether a mover with this AABB looks at hundreds of objects: it is on `LONG_LEVEL` or above.
+pub(crate) fn is_long(step: &Step, aabb: &Aabb) -> bool {
+    step.long_at != 0 && largest_edge(aabb) > Level::new(step, LONG_LEVEL - 1).size
+}
+
 /// The extent of a sorted object; the sign of its size tells spheres from others.
 pub(crate) fn sorted_extent(step: &Step, object: u32, aabb: &Aabb) -> Vec4 {
     let extent = extent(aabb);
@@ -148,7 +153,7 @@ impl<'a> Grid<'a> {
 
     /// Whether a mover with this AABB is one of them.
     pub(crate) fn is_long(&self, aabb: &Aabb) -> bool {
-        self.step.long_at != 0 && largest_edge(aabb) > Level::new(self.step, LONG_LEVEL - 1).size
+        is_long(self.step, aabb)
     }
 
     /// The entries of a long mover, in any order.

@@ -4,8 +4,8 @@
 use rayon::prelude::*;
 
 use crate::cpu::GRAIN;
-use crate::cpu::grid::{key_of, stands_apart};
-use crate::layout::{CELLS_AT, LONG_LEVEL};
+use crate::cpu::grid::{is_long, key_of, stands_apart};
+use crate::layout::CELLS_AT;
 use crate::stage::{Buffer, Stage, Threads, part, read, write};
 use crate::world::World;
 
@@ -33,7 +33,7 @@ fn count_cells(world: &mut World, _pass: u32) {
         if !stands_apart(step, object as u32) {
             world.cells[0] |= 1 << level;
         }
-        if step.long_at != 0 && level >= LONG_LEVEL && (object as u32) < step.spheres + step.rods {
+        if (object as u32) < step.spheres + step.rods && is_long(step, &world.aabbs[object]) {
             let at = step.long_at + world.cells[3];
             world.cells[at as usize] = object as u32;
             world.cells[3] += 1;

@@ -1,8 +1,10 @@
-//! Grid broad phase, 6 of 6: the list of every mover but the long ones, in ascending order of index (in order of addition), then feature.
+//! Grid broad phase, 6 of 6: the list of every mover but the long ones, in ascending order of index (in order of addition), then
+//! feature.
 //!
 //! May meet: as in `count_pairs`. Where two rows of cells share places of the table an object is met twice; its entry is
 //! kept once. A slice gets its place in the order in which workgroups come to it; what is in a list does not depend on
-//! where it stands. Long movers get room for what `count_long` has counted. More than `pair_capacity` voids the step, and its lists are empty.
+//! where it stands. Long movers get room for what `count_long` has counted. More than `pair_capacity` voids the step, and its
+//! lists are empty.
 
 use rayon::prelude::*;
 

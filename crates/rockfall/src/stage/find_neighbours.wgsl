@@ -35,13 +35,10 @@ fn emit(mover: u32, place: u32) {
         }
         return;
     }
-    let id = id_at(place);
-    if (id != mover) & may_meet(mover, id) {
-        let count = entries_of(mover, id);
-        for (var feature = 0u; feature < count; feature++) {
-            lists[into + entries * SLICE] = entry_key(id, feature);
-            entries += 1u;
-        }
+    let count = entries_found(mover, place);
+    for (var feature = 0u; feature < count; feature++) {
+        lists[into + entries * SLICE] = entry_key(id_at(place), feature);
+        entries += 1u;
     }
 }
 

@@ -17,9 +17,13 @@ fn cell_size(level: u32) -> f32 {
     return ldexp(step.cell_size, i32(level) - i32(LEVEL_BIAS));
 }
 
-fn level_of(aabb: Aabb) -> u32 {
+fn largest_edge(aabb: Aabb) -> f32 {
     let extent = aabb.max - aabb.min;
-    let largest = max(extent.x, max(extent.y, extent.z));
+    return max(extent.x, max(extent.y, extent.z));
+}
+
+fn level_of(aabb: Aabb) -> u32 {
+    let largest = largest_edge(aabb);
     var level = 0u;
     while level < TOP_LEVEL {
         if largest <= cell_size(level) {
@@ -32,9 +36,7 @@ fn level_of(aabb: Aabb) -> u32 {
 
 // Whether a mover looks at hundreds of objects: its AABB is on LONG_LEVEL or above. A workgroup makes its list.
 fn is_long(aabb: Aabb) -> bool {
-    let extent = aabb.max - aabb.min;
-    let largest = max(extent.x, max(extent.y, extent.z));
-    return (step.long_at != 0u) & !(largest <= cell_size(LONG_LEVEL - 1u));
+    return (step.long_at != 0u) & !(largest_edge(aabb) <= cell_size(LONG_LEVEL - 1u));
 }
 
 // Clamped, so that what is far out or infinite has a cell too: clamping keeps the order of coordinates.

@@ -40,7 +40,14 @@ const MISTAKES: [Mistake; 70] = [
     Mistake("find_neighbours", 0, "neighbours.wgsl", "if statics_stand_apart", "if !statics_stand_apart", Buffer::Lists),
     Mistake("find_neighbours", 0, "find_neighbours.wgsl", "if before <= user", "if before >= user", Buffer::Lists),
     Mistake("find_neighbours", 0, "neighbours.wgsl", "> touching * touching", "> 0.9 * touching * touching", Buffer::Lists),
-    Mistake("count_cells", 0, "grid.wgsl", "!(largest <= cell_size", "(largest <= cell_size", Buffer::Cells),
+    Mistake(
+        "count_cells",
+        0,
+        "grid.wgsl",
+        "!(largest_edge(aabb) <= cell_size",
+        "(largest_edge(aabb) <= cell_size",
+        Buffer::Cells,
+    ),
     Mistake("count_long", 0, "count_long.wgsl", "atomicStore(&all_found, 0u)", "atomicStore(&all_found, 1u)", Buffer::Lists),
     Mistake("count_long", 0, "neighbours.wgsl", "Span(32u * thread, objects())", "Span(0u, objects())", Buffer::Lists),
     Mistake(
