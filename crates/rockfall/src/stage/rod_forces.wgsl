@@ -18,6 +18,13 @@ fn no_wrench() -> Wrench {
     return Wrench(vec3f(0.0), vec3f(0.0), vec3f(0.0), vec3f(0.0), 0u, 0.0);
 }
 
+fn side_at(id: u32, at: f32) -> Side {
+    if id < step.spheres {
+        return sphere_side(state[position_at(id)], state[velocity_at(id)], state[momentum_at(id)]);
+    }
+    return other_side(id, at);
+}
+
 fn wrench_on(rod: u32) -> Wrench {
     var sum = no_wrench();
     let id = step.spheres + rod;

@@ -47,12 +47,7 @@ fn entries_with(bits: u32, first: u32, begin: u32, count: u32) -> u32 {
     return found;
 }
 
-// One of four, without a place in memory that an index would need.
-fn one_of(four: vec4u, at: u32) -> u32 {
-    return select(select(four.x, four.y, at == 1u), select(four.z, four.w, at == 3u), at >= 2u);
-}
-
-// Positions and radii of the spheres of four entries; of what is no sphere that of `instead`.
+// Positions and radii of the spheres of those of four entries for which it is true; else that of sphere 0, for nothing.
 struct Four {
     a: vec4f,
     b: vec4f,
@@ -60,14 +55,9 @@ struct Four {
     d: vec4f,
 }
 
-fn four_spheres(entries: vec4u, instead: u32) -> Four {
-    let ids = entries & vec4u(ENTRY_ID_MASK);
-    let at = select(vec4u(instead), ids, ids < vec4u(step.spheres));
+fn four_spheres(entries: vec4u, are_asked: vec4<bool>) -> Four {
+    let at = select(vec4u(0u), entries & vec4u(ENTRY_ID_MASK), are_asked);
     return Four(state[position_at(at.x)], state[position_at(at.y)], state[position_at(at.z)], state[position_at(at.w)]);
-}
-
-fn one_sphere(four: Four, at: u32) -> vec4f {
-    return select(select(four.a, four.b, at == 1u), select(four.c, four.d, at == 3u), at >= 2u);
 }
 
 // Which of four spheres are so close to one that they touch, were the sum of the radii so many times as large.
@@ -80,6 +70,48 @@ fn close(own: vec4f, four: Four, slack: f32) -> vec4<bool> {
     return vec4f(dot(a, a), dot(b, b), dot(c, c), dot(d, d)) < slack * reach * reach;
 }
 
+// Which of LOOK entries from `begin` on are close to a sphere, have one of these bits or are no spheres. Of the others alone
+// the position is read: what costs most here is memory from many places at once.
+fn entries_near(own: vec4f, slack: f32, bits: u32, first: u32, begin: u32, count: u32) -> u32 {
+    var found = 0u;
+    for (var e = begin; e < min(count, begin + LOOK); e += 4u) {
+        let entries = four_entries(first, e, count);
+        let asked = ((entries & vec4u(bits)) == vec4u(0u)) & ((entries & vec4u(ENTRY_ID_MASK)) < vec4u(step.spheres));
+        found |= which(!asked | close(own, four_spheres(entries, asked), slack), e, count) << (e - begin);
+    }
+    return found;
+}
+
+// What is read of an entry while the one before it is worked out: memory takes longer to answer than that.
+struct Met {
+    entry: u32,
+    // The rows of a sphere; of what is none, those of sphere 0.
+    place: vec4f,
+    velocity: vec4f,
+    momentum: vec4f,
+}
+
+// The first of those that are left of LOOK entries from `begin` on; where none is left, any.
+fn meet(first: u32, begin: u32, rest: u32) -> Met {
+    let entry = entry_at(first + (begin + select(0u, firstTrailingBit(rest), rest != 0u)) * SLICE);
+    return met(entry, rest != 0u);
+}
+
+fn met(entry: u32, is_needed: bool) -> Met {
+    let id = select(0u, entry_id(entry), is_needed & (entry_id(entry) < step.spheres));
+    return Met(entry, state[position_at(id)], state[velocity_at(id)], state[momentum_at(id)]);
+}
+
+// Two spheres, as the first sees it. Where the centres coincide the normal points up from the sphere of lower index to the other.
+fn touch_two(sphere: u32, own: vec4f, other: u32, place: vec4f) -> Touch {
+    let distance = place.xyz - own.xyz;
+    var up = vec3f(0.0, 1.0, 0.0);
+    if dot(distance, distance) <= TINY {
+        up.y = select(-1.0, 1.0, ordered(sphere, other).x == sphere);
+    }
+    return touch_at(distance, own.w + place.w, 0.0, 0.0, up);
+}
+
 // One side of a contact. What cannot move has inverse mass 0 and is at rest.
 struct Side {
     velocity: vec3f,
@@ -88,9 +120,8 @@ struct Side {
     radius: f32,
 }
 
-fn sphere_side(sphere: u32) -> Side {
-    let velocity = state[velocity_at(sphere)];
-    return Side(velocity.xyz, velocity.w, spin_of(sphere), state[position_at(sphere)].w);
+fn sphere_side(place: vec4f, velocity: vec4f, momentum: vec4f) -> Side {
+    return Side(velocity.xyz, velocity.w, momentum.xyz * momentum.w, place.w);
 }
 
 // The point of a rod at a parameter: (2.6) and (2.7).
@@ -110,10 +141,8 @@ fn static_side() -> Side {
     return Side(vec3f(0.0), 0.0, vec3f(0.0), 0.0);
 }
 
-fn side_at(id: u32, at: f32) -> Side {
-    if id < step.spheres {
-        return sphere_side(id);
-    }
+// That of what is no sphere.
+fn other_side(id: u32, at: f32) -> Side {
     if RODS & (id - step.spheres < step.rods) {
         return rod_side(id - step.spheres, at);
     }

@@ -17,44 +17,38 @@ fn add_contacts(i: u32, net: ptr<function, Net>) {
         return;
     }
     let own = state[position_at(i)];
-    let side = sphere_side(i);
+    let side = sphere_side(own, state[velocity_at(i)], state[momentum_at(i)]);
     let first = slot_of(i, 0u);
-    for (var e = 0u; e < count; e += 4u) {
-        let entries = four_entries(first, e, count);
-        let spheres = four_spheres(entries, i);
-        // Pairs of spheres that do not touch cost one position.
-        let others = (entries & vec4u(ENTRY_ID_MASK)) >= vec4u(step.spheres);
-        for (var rest = which(others | close(own, spheres, 1.0), e, count); rest != 0u; rest &= rest - 1u) {
-            let at = firstTrailingBit(rest);
-            add_contact(i, own, side, entry_id(one_of(entries, at)), one_sphere(spheres, at), net);
+    for (var begin = 0u; begin < count; begin += LOOK) {
+        // What overlapped when the step began most likely still does; other pairs of spheres that do not touch cost one position.
+        var rest = entries_near(own, 1.0, ENTRY_OVERLAPS, first, begin, count);
+        var now = meet(first, begin, rest);
+        while rest != 0u {
+            rest &= rest - 1u;
+            let ahead = meet(first, begin, rest);
+            add_contact(i, own, side, now, net);
+            now = ahead;
         }
     }
 }
 
-// `place` is the position and radius of the other where that is a sphere.
-fn add_contact(i: u32, own: vec4f, side: Side, id: u32, place: vec4f, net: ptr<function, Net>) {
+fn add_contact(i: u32, own: vec4f, side: Side, other: Met, net: ptr<function, Net>) {
+    let id = entry_id(other.entry);
     var found = no_touch();
+    var their_side = sphere_side(other.place, other.velocity, other.momentum);
     if id < step.spheres {
-        let distance = place.xyz - own.xyz;
-        var up = vec3f(0.0, 1.0, 0.0);
-        if dot(distance, distance) <= TINY {
-            up.y = select(-1.0, 1.0, ordered(i, id).x == i);
-        }
-        found = touch_at(distance, own.w + place.w, 0.0, 0.0, up);
+        found = touch_two(i, own, id, other.place);
         if joined(i, id) {
             return;
         }
     } else {
         found = touch_static_or_rod(i, id, own);
+        their_side = other_side(id, found.b);
     }
-    if found.overlap <= 0.0 {
+    if (found.overlap <= 0.0) | (side.inverse_mass + their_side.inverse_mass <= 0.0) {
         return;
     }
-    let other_side = side_at(id, found.b);
-    if side.inverse_mass + other_side.inverse_mass <= 0.0 {
-        return;
-    }
-    let contact = contact_force(side, other_side, found, id);
+    let contact = contact_force(side, their_side, found, id);
     (*net).force += contact.force;
     (*net).torque += contact.couple_a;
     // They are told of in the first pass alone.

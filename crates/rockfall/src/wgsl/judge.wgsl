@@ -13,7 +13,7 @@ fn radius_of(id: u32) -> f32 {
     return 0.0;
 }
 
-// The radius that thresholds refer to, of a pair, the first added first.
+// The radius that thresholds refer to, of a pair whose first is a mover.
 fn pair_radius(a: u32, b: u32) -> f32 {
     let radius = radius_of(a);
     if b < step.spheres + step.rods {
@@ -31,33 +31,46 @@ fn bits_of(overlap: f32, approach: f32, inverse_mass: f32, radius: f32) -> u32 {
     return ENTRY_OVERLAPS | select(0u, ENTRY_COLLIDES, collides);
 }
 
-// The bits of a pair, the first added first.
-fn judge(a: u32, b: u32, feature: u32) -> u32 {
-    let radius = pair_radius(a, b);
-    if are_plain(a, b) {
-        let contact = plain_contact(a, b);
+// The bits of an entry of a mover; `own` and `velocity` are its rows where it is a sphere.
+fn judge(mover: u32, own: vec4f, velocity: vec4f, other: Met) -> u32 {
+    let id = entry_id(other.entry);
+    if are_plain(mover, id) {
+        let contact = plain_with(mover, own, velocity, other);
         if contact.inverse_mass <= 0.0 {
             return 0u;
         }
+        let radius = select(own.w, min(own.w, other.place.w), id < step.spheres);
         return bits_of(contact.overlap, contact.approach, contact.inverse_mass, radius);
     }
-    let found = touch(a, b, feature);
+    if !RODS {
+        return 0u;
+    }
+    let pair = ordered(mover, id);
+    let found = touch(pair.x, pair.y, entry_feature(other.entry));
     if found.overlap <= 0.0 {
         return 0u;
     }
-    let contact = contact_of(a, b, found);
-    return bits_of(found.overlap, contact.approach, contact.inverse_mass, radius);
+    let contact = contact_of(pair.x, pair.y, found);
+    return bits_of(found.overlap, contact.approach, contact.inverse_mass, pair_radius(pair.x, pair.y));
 }
 
-// Which of four entries are judged: all but spheres without bits that are too far from this one. The slack leaves those near the
+// Which of LOOK entries are judged: all but spheres without bits that are too far from this one. The slack leaves those near the
 // edge to the test that counts.
-fn which_to_judge(mover: u32, entries: vec4u, e: u32, count: u32) -> u32 {
-    let marked = (entries & vec4u(ENTRY_OVERLAPS | ENTRY_COLLIDES)) != vec4u(0u);
-    let others = (entries & vec4u(ENTRY_ID_MASK)) >= vec4u(step.spheres);
+fn which_to_judge(mover: u32, own: vec4f, first: u32, begin: u32, count: u32) -> u32 {
     if mover >= step.spheres {
-        return which(vec4<bool>(true), e, count);
+        return 0xffffffffu >> (LOOK - min(count - begin, LOOK));
     }
-    return which(marked | others | close(state[position_at(mover)], four_spheres(entries, mover), 1.00001), e, count);
+    return entries_near(own, 1.00001, ENTRY_OVERLAPS | ENTRY_COLLIDES, first, begin, count);
+}
+
+// Judges an entry, writes its bits where they changed, which they seldom do, and gives them.
+fn mark_entry(mover: u32, own: vec4f, velocity: vec4f, other: Met, slot: u32) -> u32 {
+    let entry = other.entry & ~(ENTRY_OVERLAPS | ENTRY_COLLIDES);
+    let bits = judge(mover, own, velocity, other);
+    if (entry | bits) != other.entry {
+        lists[step.entries_at + slot] = entry | bits;
+    }
+    return bits;
 }
 
 // Marks the entries of a mover, and the mover where one of them collides, and gives the number of collisions with objects of higher id.
@@ -66,20 +79,23 @@ fn mark_entries(mover: u32) -> u32 {
     var collisions = 0u;
     var any_bits = 0u;
     let count = count_of(mover);
-    for (var e = 0u; e < count; e += 4u) {
-        let entries = four_entries(first, e, count);
-        for (var rest = which_to_judge(mover, entries, e, count); rest != 0u; rest &= rest - 1u) {
-            let at = firstTrailingBit(rest);
-            let old = one_of(entries, at);
-            let entry = old & ~(ENTRY_OVERLAPS | ENTRY_COLLIDES);
-            let pair = ordered(mover, entry_id(entry));
-            let bits = judge(pair.x, pair.y, entry_feature(entry));
-            // Few change from step to step.
-            if (entry | bits) != old {
-                lists[step.entries_at + first + (e + at) * SLICE] = entry | bits;
-            }
+    // Of a rod nothing is read of these.
+    let sphere = min(mover, step.spheres - 1u);
+    let own = state[position_at(sphere)];
+    let velocity = state[velocity_at(sphere)];
+    for (var begin = 0u; begin < count; begin += LOOK) {
+        var rest = which_to_judge(mover, own, first, begin, count);
+        var now = meet(first, begin, rest);
+        while rest != 0u {
+            let slot = first + (begin + firstTrailingBit(rest)) * SLICE;
+            rest &= rest - 1u;
+            let ahead = meet(first, begin, rest);
+            let bits = mark_entry(mover, own, velocity, now, slot);
             any_bits |= bits;
-            collisions += select(0u, 1u, ((bits & ENTRY_COLLIDES) != 0u) & (pair.x == mover));
+            if (bits & ENTRY_COLLIDES) != 0u {
+                collisions += select(0u, 1u, ordered(mover, entry_id(now.entry)).x == mover);
+            }
+            now = ahead;
         }
     }
     let unmarked = lists[mover] & ~LIST_COLLIDES;

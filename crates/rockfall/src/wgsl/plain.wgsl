@@ -39,25 +39,20 @@ fn are_plain(a: u32, b: u32) -> bool {
     return is_plain(a);
 }
 
-// The contact of a plain sphere, as that sphere sees it.
 fn plain_contact(sphere: u32, other: u32) -> Plain {
-    let own = state[position_at(sphere)];
-    let velocity = state[velocity_at(sphere)];
+    return plain_with(sphere, state[position_at(sphere)], state[velocity_at(sphere)], met(other, true));
+}
+
+// The contact of a plain sphere, as that sphere sees it: the other sees the same, but for the sign of the normal.
+fn plain_with(sphere: u32, own: vec4f, velocity: vec4f, other_met: Met) -> Plain {
+    let other = entry_id(other_met.entry);
     var approach = velocity.xyz;
     var inverse_mass = velocity.w;
     var found = no_touch();
     if other < step.spheres {
-        let place = state[position_at(other)];
-        // Where the centres coincide the normal points up from the sphere of lower index to the other.
-        let distance = place.xyz - own.xyz;
-        var up = vec3f(0.0, 1.0, 0.0);
-        if dot(distance, distance) <= TINY {
-            up.y = select(-1.0, 1.0, ordered(sphere, other).x == sphere);
-        }
-        found = touch_at(distance, own.w + place.w, 0.0, 0.0, up);
-        let other_velocity = state[velocity_at(other)];
-        approach -= other_velocity.xyz;
-        inverse_mass += other_velocity.w;
+        found = touch_two(sphere, own, other, other_met.place);
+        approach -= other_met.velocity.xyz;
+        inverse_mass += other_met.velocity.w;
     } else {
         let boxes = step.spheres + step.rods;
         if other < boxes + step.boxes {

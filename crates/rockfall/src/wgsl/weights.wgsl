@@ -52,6 +52,10 @@ fn add_coupled_entry(k: ptr<function, Contact>, name: vec3u, slot: u32, row: u32
     if any(other != name) {
         term = abs(coupling(k, &l)) / (sqrt((*k).inverse_mass) * sqrt(l.inverse_mass));
     }
+    add_term(term, entry, sums);
+}
+
+fn add_term(term: f32, entry: u32, sums: ptr<function, RowSums>) {
     (*sums).overlapping += term;
     if (entry & ENTRY_COLLIDES) != 0u {
         (*sums).colliding += term;
@@ -61,29 +65,28 @@ fn add_coupled_entry(k: ptr<function, Contact>, name: vec3u, slot: u32, row: u32
 // Adds the contacts of a plain sphere, `other` left out, coupled with a contact of normal `n` there and inverse mass G_kk.
 // False where one of them is not plain.
 fn add_coupled_plain(sphere: u32, other: u32, n: vec3f, inverse_mass: f32, sums: ptr<function, RowSums>) -> bool {
-    let own = state[velocity_at(sphere)].w;
-    if own <= 0.0 {
+    let velocity = state[velocity_at(sphere)];
+    if velocity.w <= 0.0 {
         return true;
     }
+    let own = state[position_at(sphere)];
     let count = count_of(sphere);
     let first = slot_of(sphere, 0u);
-    for (var e = 0u; e < count; e += 4u) {
-        let entries = four_entries(first, e, count);
-        let presses = ((entries & vec4u(ENTRY_OVERLAPS)) != vec4u(0u)) & ((entries & vec4u(ENTRY_ID_MASK)) != vec4u(other));
-        for (var rest = which(presses, e, count); rest != 0u; rest &= rest - 1u) {
-            let entry = one_of(entries, firstTrailingBit(rest));
-            if !are_plain(sphere, entry_id(entry)) {
+    for (var begin = 0u; begin < count; begin += LOOK) {
+        var rest = entries_with(ENTRY_OVERLAPS, first, begin, count);
+        var now = meet(first, begin, rest);
+        while rest != 0u {
+            rest &= rest - 1u;
+            let ahead = meet(first, begin, rest);
+            let id = entry_id(now.entry);
+            if !are_plain(sphere, id) {
                 return false;
             }
-            let l = plain_contact(sphere, entry_id(entry));
-            if l.overlap <= 0.0 {
-                continue;
+            let l = plain_with(sphere, own, velocity, now);
+            if (id != other) & (l.overlap > 0.0) {
+                add_term(velocity.w * abs(dot(n, l.n)) / (sqrt(inverse_mass) * sqrt(l.inverse_mass)), now.entry, sums);
             }
-            let term = own * abs(dot(n, l.n)) / (sqrt(inverse_mass) * sqrt(l.inverse_mass));
-            (*sums).overlapping += term;
-            if (entry & ENTRY_COLLIDES) != 0u {
-                (*sums).colliding += term;
-            }
+            now = ahead;
         }
     }
     return true;
