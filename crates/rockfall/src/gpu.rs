@@ -13,6 +13,7 @@ mod fuse;
 mod kernel;
 mod memory;
 mod split;
+mod submit;
 mod timer;
 mod transfer;
 mod wait;
@@ -22,6 +23,7 @@ pub use device::{Gpu, adapters};
 pub use fault::catch;
 pub use kernel::{join, locate_lines};
 pub use split::{Split, split};
+pub(crate) use submit::StatusOnItsWay;
 pub(crate) use timer::{clock, copy_bandwidth};
 #[cfg(not(target_arch = "wasm32"))]
 pub use wait::block_on;

@@ -117,9 +117,9 @@ impl Recorder {
         self.phases = phases;
     }
 
-    /// Takes the times of a batch. Of its steps, the first `status.steps` were done; what came after was void.
-    pub(crate) fn book(&mut self, runs: &[Run], times: &Times, step: &Step, status: &Status) {
-        let (done, void) = times.split_at(times.len().min(status.steps as usize));
+    /// Takes the times of a batch. Of its steps, the first were `done`; what came after was void.
+    pub(crate) fn book(&mut self, runs: &[Run], times: &Times, done: u32, step: &Step, status: &Status) {
+        let (done, void) = times.split_at(times.len().min(done as usize));
         self.void_seconds += void.iter().flatten().flatten().sum::<f64>();
         for (index, run) in runs.iter().enumerate() {
             let taken: Vec<f64> = done.iter().filter_map(|step| step[index]).collect();

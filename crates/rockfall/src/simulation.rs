@@ -14,6 +14,7 @@ use crate::world::World;
 mod drive;
 mod edit;
 mod engine;
+mod flight;
 mod interval;
 mod keep;
 mod lookahead;
@@ -25,6 +26,7 @@ mod ray;
 mod read;
 
 pub use drive::DEFAULT_TIME_STEP;
+use drive::Window;
 use edit::Dirty;
 use engine::Engine;
 use interval::Interval;
@@ -65,6 +67,8 @@ pub struct Simulation {
     lookahead: Lookahead,
     /// How often they may be made.
     interval: Interval,
+    /// What came of these two.
+    window: Window,
     /// What has to reach the engine before it may run.
     dirty: Dirty,
     edits: Vec<edit::Edits>,
@@ -137,6 +141,7 @@ impl Simulation {
             time_step: DEFAULT_TIME_STEP,
             lookahead,
             interval: Interval::default(),
+            window: Window::default(),
             dirty: Dirty::Clean,
             edits: Vec::new(),
             aabbs_due: true,

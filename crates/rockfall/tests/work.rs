@@ -75,7 +75,7 @@ fn dispatches_of_the_steps_of_a_small_scene() {
     // Three that make lists, and one for all else; one more begins a batch, of which the first is one step that makes lists twice.
     assert!(joined_dispatches(Benchmark::Pile, 0, 32) <= 4 * 32 + 1 + 4);
     // The same in every eighth step.
-    assert!(joined_dispatches(Benchmark::Lattice, 192, 32) <= 4 * 4 + 1);
+    assert!(joined_dispatches(Benchmark::Lattice, 320, 32) <= 4 * 4 + 1);
 }
 
 #[test]

@@ -1,13 +1,15 @@
 //! The dispatches of a batch of steps, those of a small scene joined into few.
 
+use std::ops::Range;
+
 use crate::layout::Step;
 use crate::settings::{BroadPhase, Integrator};
 use crate::stage::{Phase, RUN_STEPS, Run, When, begun_with, followed_by};
 
-/// What is dispatched for so many steps, one after the other, where `run_steps` does all phases but those that make lists.
-pub(crate) fn fused(runs: &[Run], step: &Step, steps: u32) -> Vec<Run> {
+/// What is dispatched for some steps, one after the other, where `run_steps` does all phases but those that make lists.
+pub(crate) fn fused(runs: &[Run], step: &Step, steps: Range<u32>) -> Vec<Run> {
     let live = |run: &&Run| run.workgroups(step) > 0;
-    let all: Vec<Run> = (0..steps).flat_map(|at| runs.iter().filter(move |run| run.is_in(at)).filter(live)).copied().collect();
+    let all: Vec<Run> = steps.flat_map(|at| runs.iter().filter(move |run| run.is_in(at)).filter(live)).copied().collect();
     let leaps = all.iter().any(|run| run.stage.name == "leap");
     let integrator = if leaps { Integrator::SymplecticEuler } else { Integrator::Rk4 };
     let phases = [Phase::HandleCollisions, Phase::UpdatePositions].map(|phase| {

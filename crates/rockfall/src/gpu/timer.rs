@@ -1,5 +1,6 @@
 //! The device's own clock: timestamps around dispatches, and what a plain copy makes of its memory.
 
+use std::ops::Range;
 use std::slice::from_ref;
 
 use crate::error::{Error, Result};
@@ -113,16 +114,16 @@ pub(crate) struct Timer {
     ticks: Ticks,
     /// Which runs of a step have something to do.
     live: Vec<usize>,
-    steps: u32,
+    steps: Range<u32>,
 }
 
 impl Timer {
     /// # Errors
     /// [`Error::Device`] when the device has no timestamps or no memory for them.
-    pub(crate) fn new(world: &GpuWorld, runs: &[Run], steps: u32) -> Result<Self> {
+    pub(crate) fn new(world: &GpuWorld, runs: &[Run], steps: Range<u32>) -> Result<Self> {
         let clock = clock(world.gpu())?;
         let live: Vec<usize> = (0..runs.len()).filter(|at| !world.is_idle(&runs[*at])).collect();
-        let dispatches = live.iter().map(|at| steps.div_ceil(runs[*at].every)).sum::<u32>();
+        let dispatches = live.iter().map(|at| steps.clone().filter(|step| runs[*at].is_in(*step)).count() as u32).sum::<u32>();
         let count = match clock {
             Clock::DeviceInPass => dispatches + 1,
             _ => 2 * dispatches,
@@ -132,18 +133,18 @@ impl Timer {
 
     /// Records the steps, timed.
     pub(crate) fn encode(&self, encoder: &mut wgpu::CommandEncoder, world: &GpuWorld, runs: &[Run]) -> Result<()> {
-        let all = (0..self.steps).flat_map(|step| self.live_in(runs, step)).map(|at| from_ref(&runs[at])).zip(0..);
+        let all = self.steps.clone().flat_map(|step| self.live_in(runs, step)).map(|at| from_ref(&runs[at])).zip(0..);
         if self.clock == Clock::DeviceInPass {
             let mut pass =
                 encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some("timed steps"), timestamp_writes: None });
             self.ticks.write(&mut pass, 0);
             for (run, number) in all {
-                world.encode(&mut pass, run, 1)?;
+                world.encode(&mut pass, run, 0..1)?;
                 self.ticks.write(&mut pass, number + 1);
             }
         } else {
             for (run, number) in all {
-                world.encode(&mut self.ticks.begin_pass(encoder, 2 * number), run, 1)?;
+                world.encode(&mut self.ticks.begin_pass(encoder, 2 * number), run, 0..1)?;
             }
         }
         self.ticks.resolve(encoder);
@@ -158,9 +159,9 @@ impl Timer {
     /// The time of every dispatch of the runs that were recorded, once the device is done with them.
     pub(crate) async fn read(&self, runs: &[Run]) -> Result<Times> {
         let ticks = self.ticks.read().await?;
-        let mut times = vec![vec![None; runs.len()]; self.steps as usize];
+        let mut times = vec![vec![None; runs.len()]; self.steps.len()];
         let mut dispatch = 0;
-        for (step, times) in (0..).zip(&mut times) {
+        for (step, times) in self.steps.clone().zip(&mut times) {
             for at in self.live_in(runs, step) {
                 let first = if self.clock == Clock::DeviceInPass { dispatch } else { 2 * dispatch };
                 times[at] = Some((ticks[first + 1] - ticks[first]).max(0.0));
@@ -271,7 +272,7 @@ mod tests {
         let stages = |phase: &Phase| phase.stages(Integrator::Rk4, BroadPhase::Grid).iter().take(2).copied();
         let runs: Vec<Run> = phases.iter().flat_map(stages).collect();
         let mut there = GpuWorld::new(gpu, &world)?;
-        let timer = there.run_timed(&runs, &world.step, steps)?;
+        let timer = there.run_timed(&runs, &world.step, 0..steps)?;
         block_on(gpu.device(), timer.read(&runs))
     }
 

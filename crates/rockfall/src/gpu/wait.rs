@@ -8,13 +8,14 @@ use std::task::{Context, Poll, Waker};
 use crate::error::{Error, Result};
 use crate::gpu::fault::{Faults, lost};
 
-#[derive(Default)]
+#[derive(Debug, Default)]
 struct Shared {
     done: Option<Result<(), wgpu::BufferAsyncError>>,
     waker: Option<Waker>,
 }
 
 /// Resolves when a buffer is mapped for reading.
+#[derive(Debug)]
 pub(crate) struct Mapped {
     shared: Arc<Mutex<Shared>>,
     faults: Faults,

@@ -1,4 +1,4 @@
-//! A [`World`] on the GPU: its buffers, and the stages run over them.
+//! A [`World`] on the GPU: its buffers.
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -10,17 +10,14 @@ use crate::gpu::array::Array;
 use crate::gpu::check::check_buffer;
 use crate::gpu::device::Gpu;
 use crate::gpu::fault::catch;
-use crate::gpu::fuse::fused;
 use crate::gpu::kernel::Kernel;
 use crate::gpu::memory::{bytes_needed, check_sizes, chunk_bytes, make_buffer};
-use crate::gpu::split::binding_numbers;
-use crate::gpu::timer::Timer;
-use crate::layout::{Pass, Status, Step};
+use crate::layout::{Status, Step};
 use crate::profile::BufferSize;
-use crate::stage::{Buffer, RUN_STEPS, Run, suits};
+use crate::stage::{Buffer, Run};
 use crate::world::World;
 
-const UNIFORM: wgpu::BufferUsages = wgpu::BufferUsages::UNIFORM.union(wgpu::BufferUsages::COPY_DST);
+pub(super) const UNIFORM: wgpu::BufferUsages = wgpu::BufferUsages::UNIFORM.union(wgpu::BufferUsages::COPY_DST);
 
 /// What a world's buffers hold when a step begins; everything else is written before it is read.
 const KEPT: [Buffer; 6] = [Buffer::Start, Buffer::Aabbs, Buffer::Words, Buffer::Lists, Buffer::Orientations, Buffer::Status];
@@ -30,14 +27,14 @@ const KEPT: [Buffer; 6] = [Buffer::Start, Buffer::Aabbs, Buffer::Words, Buffer::
 pub struct GpuWorld {
     gpu: Gpu,
     step: Step,
-    uniform: wgpu::Buffer,
+    pub(super) uniform: wgpu::Buffer,
     /// The blocks `pass_` that were needed so far, by pass.
-    passes: HashMap<u32, wgpu::Buffer>,
+    pub(super) passes: HashMap<u32, wgpu::Buffer>,
     arrays: Vec<Array>,
     /// What was prepared: by stage and pass.
-    ready: HashMap<(&'static str, u32), (Arc<Kernel>, wgpu::BindGroup)>,
+    pub(super) ready: HashMap<(&'static str, u32), (Arc<Kernel>, wgpu::BindGroup)>,
     /// Those that were submitted so far.
-    dispatches: u64,
+    pub(super) dispatches: u64,
 }
 
 impl GpuWorld {
@@ -260,132 +257,5 @@ impl GpuWorld {
     /// Whether a stage has nothing to do for this world, so that it is not dispatched.
     pub(crate) fn is_idle(&self, run: &Run) -> bool {
         run.workgroups(&self.step) == 0
-    }
-
-    /// The block `pass_` of a pass, made at its first use.
-    fn pass_block(&mut self, index: u32) -> Result<wgpu::Buffer> {
-        if let Some(known) = self.passes.get(&index) {
-            return Ok(known.clone());
-        }
-        let made = make_buffer(self.gpu.device(), "pass", size_of::<Pass>() as u64, UNIFORM)?;
-        let block = Pass { index, ..Default::default() };
-        catch(self.gpu.device(), || self.gpu.queue().write_buffer(&made, 0, bytes_of(&block)))?;
-        self.passes.insert(index, made.clone());
-        Ok(made)
-    }
-
-    fn make_group(&self, run: &Run, block: &wgpu::Buffer, chunks: &[u32], layout: &wgpu::BindGroupLayout) -> wgpu::BindGroup {
-        let Run { stage, pass, .. } = *run;
-        let mut entries = vec![
-            wgpu::BindGroupEntry { binding: 0, resource: self.uniform.as_entire_binding() },
-            wgpu::BindGroupEntry { binding: 1, resource: block.as_entire_binding() },
-        ];
-        for (binding, numbers) in stage.bindings.iter().zip(binding_numbers(chunks)) {
-            let buffers = self.chunks(binding.slot.buffer(pass)).iter().zip(numbers);
-            entries.extend(
-                buffers.map(|(buffer, binding)| wgpu::BindGroupEntry { binding, resource: buffer.as_entire_binding() }),
-            );
-        }
-        self.gpu.device().create_bind_group(&wgpu::BindGroupDescriptor { label: Some(stage.name), layout, entries: &entries })
-    }
-
-    /// Compiles what is missing and binds it. [`GpuWorld::run`] does so by itself; done before, no run has to wait for it.
-    ///
-    /// # Errors
-    /// [`Error::Device`] with the compiler's message and the place in the stage's own file.
-    pub fn prepare(&mut self, runs: &[Run]) -> Result<()> {
-        // Others would only take time to compile.
-        let step = self.step;
-        for run in runs.iter().filter(|run| run.applies(&step)) {
-            let key = (run.stage.name, run.pass);
-            if !self.ready.contains_key(&key) {
-                let slots = run.stage.bindings.iter().map(|binding| binding.slot.buffer(run.pass));
-                let chunks: Vec<u32> = slots.map(|buffer| self.chunks(buffer).len() as u32).collect();
-                let kernel = self.gpu.kernel(run.stage, self.step.rods > 0, chunks.clone())?;
-                let block = self.pass_block(run.pass)?;
-                let group = catch(self.gpu.device(), || self.make_group(run, &block, &chunks, &kernel.layout))?;
-                self.ready.insert(key, (kernel, group));
-            }
-        }
-        Ok(())
-    }
-
-    /// Records the stages of so many steps into a compute pass. [`GpuWorld::prepare`] must have seen them.
-    ///
-    /// # Errors
-    /// [`Error::Device`] for a stage that was not prepared.
-    pub fn encode(&self, pass: &mut wgpu::ComputePass<'_>, runs: &[Run], steps: u32) -> Result<()> {
-        let mut table = Vec::with_capacity(runs.len());
-        for run in runs {
-            let groups = run.workgroups(&self.step);
-            if groups == 0 {
-                continue;
-            }
-            let Some((kernel, group)) = self.ready.get(&(run.stage.name, run.pass)) else {
-                return Err(Error::Device(format!("stage {} was not prepared", run.stage.name)));
-            };
-            table.push((run, kernel, group, groups));
-        }
-        let across = self.gpu.device().limits().max_compute_workgroups_per_dimension;
-        for step in 0..steps {
-            for (_, kernel, group, groups) in table.iter().filter(|(run, ..)| run.is_in(step)) {
-                pass.set_pipeline(&kernel.pipeline);
-                pass.set_bind_group(0, *group, &[]);
-                let x = (*groups).min(across);
-                pass.dispatch_workgroups(x, groups.div_ceil(x), 1);
-            }
-        }
-        Ok(())
-    }
-
-    /// Runs a list of stages `steps` times over, in one submission, with the constants of `step`. Does not wait.
-    ///
-    /// # Errors
-    /// [`Error::Device`] when a kernel does not compile, the device refuses or is lost. The loss of a device may show only
-    /// when something is read.
-    pub fn run(&mut self, runs: &[Run], step: &Step, steps: u32) -> Result<()> {
-        if !self.fuses() {
-            return self.submit(runs, step, steps, None);
-        }
-        let dispatches = fused(runs, &self.step, steps);
-        self.submit(&dispatches, step, 1, None)
-    }
-
-    /// Whether `run_steps` takes the place of other stages: in small scenes without rods, the arrays of which are whole.
-    fn fuses(&self) -> bool {
-        let is_whole = |buffer: Buffer| self.chunks(buffer).len() == 1;
-        suits(&self.step) && RUN_STEPS.bindings.iter().all(|binding| is_whole(binding.slot.buffer(0)))
-    }
-
-    /// [`GpuWorld::run`] with every dispatch timed.
-    ///
-    /// # Errors
-    /// As there; and [`Error::Device`] when the device has no timestamps.
-    pub(crate) fn run_timed(&mut self, runs: &[Run], step: &Step, steps: u32) -> Result<Timer> {
-        let timer = Timer::new(self, runs, steps)?;
-        self.submit(runs, step, steps, Some(&timer))?;
-        Ok(timer)
-    }
-
-    fn submit(&mut self, runs: &[Run], step: &Step, steps: u32, timer: Option<&Timer>) -> Result<()> {
-        self.gpu.faults().check()?;
-        self.prepare(runs)?;
-        self.write_uniforms(step)?;
-        let dispatched = |at: u32| runs.iter().filter(|run| run.is_in(at) && !self.is_idle(run)).count() as u64;
-        self.dispatches += (0..steps).map(dispatched).sum::<u64>();
-        let gpu = self.gpu.clone();
-        catch(gpu.device(), || {
-            let mut encoder = gpu.device().create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("steps") });
-            if let Some(timer) = timer {
-                timer.encode(&mut encoder, self, runs)?;
-            } else {
-                let mut pass =
-                    encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some("steps"), timestamp_writes: None });
-                self.encode(&mut pass, runs, steps)?;
-            }
-            gpu.queue().submit([encoder.finish()]);
-            Ok(())
-        })??;
-        self.gpu.faults().check()
     }
 }

@@ -2,29 +2,26 @@
 
 use crate::error::{Error, Result};
 use crate::layout::{
-    BAD_STAGE_SHIFT, BadStage, LISTS_ASKED, MAX_PAIR_WORDS, NO_BODY, SLICE, Status, VOID_COUNT, VOID_ESCAPED, VOID_NON_FINITE,
-    VOID_PAIRS,
+    BAD_STAGE_SHIFT, BadStage, MAX_PAIR_WORDS, NO_BODY, SLICE, Status, VOID_COUNT, VOID_ESCAPED, VOID_NON_FINITE, VOID_PAIRS,
 };
 use crate::profile::Recorder;
 use crate::simulation::Simulation;
 use crate::simulation::lookahead::Lists;
-use crate::stage::{Phase, Run, is_small};
+use crate::stage::{Phase, is_small};
 
 /// The thesis's fixed time step, in s.
 pub const DEFAULT_TIME_STEP: f32 = 0.02;
 
-/// Steps that are handed to the engine at once; the status is looked at after each such batch.
+/// Steps after which lookahead and interval are looked at anew.
 const BATCH: u64 = 32;
-/// The same where a scene is so small that a look takes a device as long as a step, for each step from one chance of making lists
-/// to the next.
+/// The same where a scene is so small that every other interval changes much, for each step from one chance of making lists to
+/// the next.
 const BATCH_OF_SMALL: u64 = 16;
 /// A step that was void so often in a row is given up.
 const MAX_ATTEMPTS: u32 = 64;
 /// How fast a margin that had to be raised sinks again, per step.
 const MARGIN_DECAY: f32 = 0.995;
 const MIN_MARGIN: f32 = 2.0;
-/// AABBs stand half a step ahead: then they need to reach half as far for its way.
-const LEAD: f32 = 0.5;
 
 /// The order in which a whole step runs its phases. Collisions come first, with the lists of the step before: those hold
 /// every pair that overlaps now (`find_collisions` sees to it), and AABBs that are made after the impulses need not be
@@ -34,6 +31,22 @@ pub(super) const COLLISIONS_FIRST: [Phase; 4] =
     [Phase::HandleCollisions, Phase::UpdateAabbs, Phase::BroadPhase, Phase::UpdatePositions];
 /// The same with collisions switched off.
 pub(super) const WITHOUT_COLLISIONS: [Phase; 3] = [Phase::UpdateAabbs, Phase::BroadPhase, Phase::UpdatePositions];
+
+/// What was seen since lookahead or interval may have changed.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Window {
+    steps: u64,
+    builds: u32,
+    /// Which lookahead and interval these are.
+    pub(super) settings: u32,
+}
+
+impl Window {
+    /// With another lookahead or interval: portions under way with the last ones do not count.
+    fn restart(&mut self) {
+        *self = Self { settings: self.settings.wrapping_add(1), ..Self::default() };
+    }
+}
 
 impl Simulation {
     /// Sets the time step that AABBs are grown for.
@@ -64,9 +77,9 @@ impl Simulation {
             self.keep_order().await?;
             let overdue = self.overdue(phases);
             let all: Vec<Phase> = overdue.iter().chain(phases).copied().collect();
-            // What is overdue is made once, not in every step of a batch.
-            let batch = if overdue.is_empty() { left.min(self.batch()) } else { 1 };
-            let done = self.submit(&all, batch, recorder.as_deref_mut()).await?;
+            // What is overdue is made once, not in every step.
+            let most = if overdue.is_empty() { left.min(self.in_order_for()) } else { 1 };
+            let done = self.stretch(&all, most, recorder.as_deref_mut()).await?;
             left -= done;
             attempts = if done > 0 { 0 } else { attempts + 1 };
             self.note_lists(&all, done);
@@ -88,53 +101,6 @@ impl Simulation {
             }
         }
         &[]
-    }
-
-    /// Hands a batch to the engine; returns how often its phases were done.
-    async fn submit(&mut self, phases: &[Phase], batch: u64, mut recorder: Option<&mut Recorder>) -> Result<u64> {
-        let (integrator, broad_phase) = (self.options.integrator, self.broad_phase_method());
-        let is_step = phases.starts_with(&COLLISIONS_FIRST) || phases.starts_with(&WITHOUT_COLLISIONS);
-        let interval = self.list_interval(is_step);
-        let runs = |phase: Phase| {
-            let every = if phase.makes_lists() { interval } else { 1 };
-            phase.stages(integrator, broad_phase).iter().map(move |run| (phase, Run { every, ..*run }))
-        };
-        let (owners, stages): (Vec<Phase>, Vec<Run>) = phases.iter().copied().flat_map(runs).unzip();
-        if let Some(recorder) = &mut recorder {
-            recorder.expect(owners);
-        }
-        self.world.step.dt = self.time_step;
-        self.world.step.list_interval = interval as f32;
-        // Where impulses come after the lists, a body may turn back at once.
-        self.world.step.lead = if is_step { LEAD } else { 0.0 };
-        let makes_lists = phases.iter().any(|phase| phase.makes_lists());
-        if (makes_lists && !is_step) || self.status.void != 0 || self.lists_due || self.aabbs_due {
-            self.status.rebuild = LISTS_ASKED;
-        }
-        self.world.status = resumed(self.status);
-        self.synced = false;
-        self.engine.run(&mut self.world, &stages, batch as u32, recorder).await?;
-        self.status = self.world.status;
-        if phases.contains(&Phase::UpdatePositions) {
-            let done = u64::from(self.status.steps);
-            self.book(done, batch);
-            return Ok(done);
-        }
-        Ok(if self.status.void == 0 { batch } else { 0 })
-    }
-
-    /// Steps to hand over.
-    fn batch(&self) -> u64 {
-        if !is_small(&self.world.step) {
-            return BATCH;
-        }
-        BATCH.max(BATCH_OF_SMALL * u64::from(self.list_interval(true)))
-    }
-
-    /// Steps from one chance of making lists to the next.
-    fn list_interval(&self, is_step: bool) -> u32 {
-        let may_wait = is_step && self.engine.dispatches();
-        if may_wait { self.interval.steps(self.world.step.lookahead) } else { 1 }
     }
 
     /// Dispatches a step of the last batch that made lists, or looked whether to.
@@ -176,6 +142,7 @@ impl Simulation {
             return Ok(());
         }
         self.report.replays += 1;
+        self.window.restart();
         if attempts > MAX_ATTEMPTS {
             let reason = format!("{} words of pairs needed, AABB margin {}", status.pairs_needed, self.world.step.margin_scale);
             return Err(Error::Stuck { step: self.report.steps + 1, attempts, reason });
@@ -199,40 +166,52 @@ impl Simulation {
         Ok(())
     }
 
-    /// Moves the counters of `done` steps of a batch from the status to the report.
-    fn book(&mut self, done: u64, batch: u64) {
-        let (method, dispatches) = (self.broad_phase_method(), self.list_dispatches());
-        let Status { last_contacts, last_max_overlap, last_collisions, total_collisions_low, total_collisions_high, .. } =
-            self.status;
-        if done > 0 {
-            self.report.steps += done;
-            self.report.time += done as f64 * f64::from(self.time_step);
-            self.report.contacts = last_contacts;
-            self.report.max_overlap = f32::from_bits(last_max_overlap);
-            self.report.collisions = last_collisions;
-            self.report.total_collisions += u64::from(total_collisions_high) << 32 | u64::from(total_collisions_low);
-            self.report.non_finite += u64::from(self.status.total_bad);
-            let step = &mut self.world.step;
-            let sunk = step.margin_scale * MARGIN_DECAY.powf(done as f32);
-            step.margin_scale = if sunk.is_finite() { sunk.max(MIN_MARGIN) } else { MIN_MARGIN };
-            self.report.list_builds += u64::from(self.status.builds);
-            if done == batch && batch >= BATCH {
-                let movers = (step.spheres + step.rods).max(1) as f32;
-                let seen = Lists {
-                    builds_per_step: self.status.builds as f32 / done as f32,
-                    words_per_mover: self.status.pairs_needed as f32 / movers,
-                    movers,
-                    dispatches,
-                };
-                step.lookahead = self.lookahead.after(&seen, method);
-                self.interval.lasted();
-            }
+    /// Adds what a portion did, since the status before it, to the report.
+    pub(super) fn book(&mut self, done: u64, before: &Status) {
+        let status = &self.status;
+        if done == 0 {
+            return;
         }
-        self.status.builds = 0;
-        self.status.steps = 0;
-        self.status.total_collisions_low = 0;
-        self.status.total_collisions_high = 0;
-        self.status.total_bad = 0;
+        let total = |status: &Status| u64::from(status.total_collisions_high) << 32 | u64::from(status.total_collisions_low);
+        self.report.steps += done;
+        self.report.time += done as f64 * f64::from(self.time_step);
+        self.report.contacts = status.last_contacts;
+        self.report.max_overlap = f32::from_bits(status.last_max_overlap);
+        self.report.collisions = status.last_collisions;
+        self.report.total_collisions += total(status) - total(before);
+        self.report.non_finite += u64::from(status.total_bad.wrapping_sub(before.total_bad));
+        self.report.list_builds += u64::from(status.builds.wrapping_sub(before.builds));
+        let step = &mut self.world.step;
+        let sunk = step.margin_scale * MARGIN_DECAY.powf(done as f32);
+        step.margin_scale = if sunk.is_finite() { sunk.max(MIN_MARGIN) } else { MIN_MARGIN };
+    }
+
+    /// Looks at lookahead and interval anew, once enough steps were done with them.
+    pub(super) fn adapt(&mut self, done: u64, builds: u32) {
+        self.window.steps += done;
+        self.window.builds += builds;
+        if self.window.steps < self.batch() {
+            return;
+        }
+        let step = &self.world.step;
+        let movers = (step.spheres + step.rods).max(1) as f32;
+        let seen = Lists {
+            builds_per_step: self.window.builds as f32 / self.window.steps as f32,
+            words_per_mover: self.status.pairs_needed as f32 / movers,
+            movers,
+            dispatches: self.list_dispatches(),
+        };
+        self.world.step.lookahead = self.lookahead.after(&seen, self.broad_phase_method());
+        self.interval.lasted();
+        self.window.restart();
+    }
+
+    /// Steps of a window.
+    fn batch(&self) -> u64 {
+        if !is_small(&self.world.step) {
+            return BATCH;
+        }
+        BATCH.max(BATCH_OF_SMALL * u64::from(self.list_interval(true)))
     }
 
     /// Makes the pair lists a quarter larger than what was needed.
@@ -258,21 +237,6 @@ fn room_for(needed: u32) -> Result<u32> {
         return Err(Error::DeviceLimit { what: "the pair lists", needed: bytes(needed), limit: bytes(MAX_PAIR_WORDS) });
     }
     Ok(needed.saturating_add(needed / 4).min(MAX_PAIR_WORDS).next_multiple_of(SLICE))
-}
-
-/// The status with which a step is tried again: counters of the void attempt are dropped, what was done stays done.
-fn resumed(status: Status) -> Status {
-    Status {
-        void: 0,
-        escape_ratio: 0,
-        contacts: 0,
-        max_overlap: 0,
-        bad_count: 0,
-        bad_body: NO_BODY,
-        collided: status.collided.min(1),
-        collisions: if status.collided == 0 { 0 } else { status.collisions },
-        ..status
-    }
 }
 
 #[cfg(test)]

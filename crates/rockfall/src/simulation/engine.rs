@@ -1,9 +1,11 @@
 //! The backend of a simulation, behind one set of calls.
 
 use std::future::Future;
+use std::ops::Range;
 
 use crate::cpu;
 use crate::error::Result;
+use crate::layout::Status;
 use crate::profile::Recorder;
 use crate::simulation::options::{Backend, BackendInfo};
 use crate::simulation::profile;
@@ -11,7 +13,7 @@ use crate::stage::Run;
 use crate::world::World;
 
 #[cfg(feature = "gpu")]
-use crate::gpu::{Gpu, GpuWorld};
+use crate::gpu::{Gpu, GpuWorld, StatusOnItsWay};
 #[cfg(feature = "gpu")]
 use crate::stage::Buffer;
 
@@ -23,6 +25,27 @@ pub(super) enum Engine {
     /// On a device, on buffers of the same layout.
     #[cfg(feature = "gpu")]
     Gpu(Box<GpuWorld>),
+}
+
+/// The status after steps that were submitted.
+#[derive(Debug)]
+pub(super) enum Look {
+    /// They are done.
+    Known(Status),
+    /// On its way from the device.
+    #[cfg(feature = "gpu")]
+    Coming(StatusOnItsWay),
+}
+
+impl Look {
+    /// Waits for it, where it is not there yet.
+    pub(super) async fn status(self) -> Result<Status> {
+        match self {
+            Self::Known(status) => Ok(status),
+            #[cfg(feature = "gpu")]
+            Self::Coming(status) => status.read().await,
+        }
+    }
 }
 
 /// What a blocking call has to poll while it waits.
@@ -104,50 +127,43 @@ impl Engine {
         }
     }
 
-    /// Runs `stages` up to `times` over with the status of `world`, and reads the status back into it. With a recorder,
-    /// every stage is timed.
-    pub(super) async fn run(
+    /// Runs `stages` once with the status of `world`, and reads the status back into it.
+    pub(super) async fn run(&mut self, world: &mut World, stages: &[Run]) -> Result<()> {
+        self.begin(world)?;
+        world.status = self.submit(world, stages, 0..1, None).await?.status().await?;
+        Ok(())
+    }
+
+    /// Takes over the status of `world`.
+    pub(super) fn begin(&mut self, world: &World) -> Result<()> {
+        on_gpu!(self, world, gpu => gpu.set_status(&world.status)?)
+    }
+
+    /// Runs `stages` so many steps on, numbered for [`Run::is_in`], or until one is void. With a recorder, every stage is timed,
+    /// which takes waiting.
+    pub(super) async fn submit(
         &mut self,
         world: &mut World,
         stages: &[Run],
-        times: u32,
+        steps: Range<u32>,
         recorder: Option<&mut Recorder>,
-    ) -> Result<()> {
+    ) -> Result<Look> {
         match (self, recorder) {
             (Self::Cpu, recorder) => {
-                let (mut taken, timed) = (Vec::new(), recorder.is_some());
-                // On a thread of the pool from the start: to wake one in every stage costs more than a small scene's step.
-                rayon::scope(|_| {
-                    for _ in 0..times {
-                        if timed {
-                            taken.push(profile::run_timed(world, stages));
-                        } else {
-                            cpu::run(world, stages);
-                        }
-                        if world.status.void != 0 {
-                            break;
-                        }
-                    }
-                });
-                if let Some(recorder) = recorder {
-                    recorder.book(stages, &taken, &world.step, &world.status);
-                }
+                run_on_cpu(world, stages, steps, recorder);
+                Ok(Look::Known(world.status))
             }
             #[cfg(feature = "gpu")]
-            (Self::Gpu(gpu), None) => {
-                gpu.set_status(&world.status)?;
-                gpu.run(stages, &world.step, times)?;
-                world.status = gpu.read_status().await?;
-            }
+            (Self::Gpu(gpu), None) => Ok(Look::Coming(gpu.run_and_look(stages, &world.step, steps)?)),
             #[cfg(feature = "gpu")]
             (Self::Gpu(gpu), Some(recorder)) => {
-                gpu.set_status(&world.status)?;
-                let timer = gpu.run_timed(stages, &world.step, times)?;
-                world.status = gpu.read_status().await?;
-                recorder.book(stages, &timer.read(stages).await?, &world.step, &world.status);
+                let timer = gpu.run_timed(stages, &world.step, steps)?;
+                let before = std::mem::replace(&mut world.status, gpu.read_status().await?);
+                let done = world.status.steps.wrapping_sub(before.steps);
+                recorder.book(stages, &timer.read(stages).await?, done, &world.step, &world.status);
+                Ok(Look::Known(world.status))
             }
         }
-        Ok(())
     }
 
     /// Gives a world the scratch that the CPU backend runs on; a device has its own.
@@ -190,6 +206,27 @@ impl Engine {
     /// Reads the state of the spheres back into `world`.
     pub(super) async fn download_spheres(&mut self, world: &mut World) -> Result<()> {
         on_gpu!(self, world, gpu => gpu.download(world, &[Buffer::Start, Buffer::Orientations]).await?)
+    }
+}
+
+fn run_on_cpu(world: &mut World, stages: &[Run], steps: Range<u32>, recorder: Option<&mut Recorder>) {
+    let (before, mut taken, timed) = (world.status.steps, Vec::new(), recorder.is_some());
+    // On a thread of the pool from the start: to wake one in every stage costs more than a small scene's step.
+    rayon::scope(|_| {
+        for _ in steps {
+            if timed {
+                taken.push(profile::run_timed(world, stages));
+            } else {
+                cpu::run(world, stages);
+            }
+            if world.status.void != 0 {
+                break;
+            }
+        }
+    });
+    if let Some(recorder) = recorder {
+        let done = world.status.steps.wrapping_sub(before);
+        recorder.book(stages, &taken, done, &world.step, &world.status);
     }
 }
 

@@ -79,6 +79,14 @@ impl Simulation {
         }
     }
 
+    /// Steps until that is due, at least 1.
+    pub(super) fn in_order_for(&self) -> u64 {
+        if self.world.order.is_empty() {
+            return u64::MAX;
+        }
+        (self.disorder.looked_at + LOOK_AFTER).saturating_sub(self.report.steps).max(1)
+    }
+
     /// Looks at the order of memory now and then, and puts it right where that pays.
     pub(super) async fn keep_order(&mut self) -> Result<()> {
         let step = self.report.steps;
@@ -86,7 +94,7 @@ impl Simulation {
             return Ok(());
         }
         self.world.status = Status { void: 0, order_entries: 0, order_digits: 0, ..self.status };
-        self.engine.run(&mut self.world, MEASURE_ORDER, 1, None).await?;
+        self.engine.run(&mut self.world, MEASURE_ORDER).await?;
         let Status { order_entries, order_digits, .. } = self.world.status;
         let sampled = self.world.step.spheres.min(ORDER_SAMPLE) / 2;
         // Where few have neighbours, order costs nothing and shows in nothing.
@@ -100,7 +108,7 @@ impl Simulation {
     /// On the device, where the state is; the host learns the new order alone.
     async fn sort_where_it_is(&mut self) -> Result<()> {
         self.world.status = Status { void: 0, rebuild: LISTS_ASKED, ..self.status };
-        self.engine.run(&mut self.world, SORT_MEMORY, 1, None).await?;
+        self.engine.run(&mut self.world, SORT_MEMORY).await?;
         self.engine.download_words(&mut self.world).await?;
         self.world.take_order();
         self.packings += 1;

@@ -38,7 +38,9 @@ fn handle_collisions(local: u32) {
     storageBarrier();
     if has_changes() {
         for (var i = local; i < step.spheres; i += TEAM) {
-            write_change(i);
+            if takes_part_in_any(i) {
+                write_change(i);
+            }
         }
     }
     storageBarrier();

@@ -88,11 +88,8 @@ fn is_shared_out(sphere: u32) -> bool {
     return ((lists[sphere] & LIST_LONG) != 0u) & is_plain(sphere);
 }
 
-// The state of a sphere after its collisions, where it takes part in some.
+// The state of a sphere after its collisions.
 fn write_change(i: u32) {
-    if !takes_part_in_any(i) {
-        return;
-    }
     var change = Change(vec3f(0.0), vec3f(0.0));
     if inverse_mass(i) > 0.0 {
         change = changes_of(i);

@@ -1,0 +1,198 @@
+//! Stages on their way to the device: compiled, bound, recorded and submitted, and the status on its way back.
+
+use std::ops::Range;
+
+use bytemuck::{bytes_of, bytes_of_mut};
+
+use crate::error::{Error, Result};
+use crate::gpu::fault::{Faults, catch};
+use crate::gpu::fuse::fused;
+use crate::gpu::memory::make_buffer;
+use crate::gpu::split::binding_numbers;
+use crate::gpu::timer::Timer;
+use crate::gpu::wait::Mapped;
+use crate::gpu::world::{GpuWorld, UNIFORM};
+use crate::layout::{Pass, Status, Step};
+use crate::stage::{Buffer, RUN_STEPS, Run, suits};
+
+/// A status that was copied after steps, and is on its way to the host.
+#[derive(Debug)]
+pub(crate) struct StatusOnItsWay {
+    staging: wgpu::Buffer,
+    mapped: Mapped,
+}
+
+impl StatusOnItsWay {
+    fn new(staging: wgpu::Buffer, faults: &Faults) -> Self {
+        Self { mapped: Mapped::read(&staging, faults), staging }
+    }
+
+    /// Waits for it.
+    ///
+    /// # Errors
+    /// [`Error::Device`] when the device is lost.
+    pub(crate) async fn read(self) -> Result<Status> {
+        self.mapped.await?;
+        let view = self
+            .staging
+            .get_mapped_range(..)
+            .map_err(|error| Error::Device(format!("the status could not be read back: {error}")))?;
+        let mut status = Status::default();
+        bytes_of_mut(&mut status).copy_from_slice(&view);
+        Ok(status)
+    }
+}
+
+impl GpuWorld {
+    /// The block `pass_` of a pass, made at its first use.
+    fn pass_block(&mut self, index: u32) -> Result<wgpu::Buffer> {
+        if let Some(known) = self.passes.get(&index) {
+            return Ok(known.clone());
+        }
+        let made = make_buffer(self.gpu().device(), "pass", size_of::<Pass>() as u64, UNIFORM)?;
+        let block = Pass { index, ..Default::default() };
+        catch(self.gpu().device(), || self.gpu().queue().write_buffer(&made, 0, bytes_of(&block)))?;
+        self.passes.insert(index, made.clone());
+        Ok(made)
+    }
+
+    fn make_group(&self, run: &Run, block: &wgpu::Buffer, chunks: &[u32], layout: &wgpu::BindGroupLayout) -> wgpu::BindGroup {
+        let Run { stage, pass, .. } = *run;
+        let mut entries = vec![
+            wgpu::BindGroupEntry { binding: 0, resource: self.uniform.as_entire_binding() },
+            wgpu::BindGroupEntry { binding: 1, resource: block.as_entire_binding() },
+        ];
+        for (binding, numbers) in stage.bindings.iter().zip(binding_numbers(chunks)) {
+            let buffers = self.chunks(binding.slot.buffer(pass)).iter().zip(numbers);
+            entries.extend(
+                buffers.map(|(buffer, binding)| wgpu::BindGroupEntry { binding, resource: buffer.as_entire_binding() }),
+            );
+        }
+        self.gpu().device().create_bind_group(&wgpu::BindGroupDescriptor { label: Some(stage.name), layout, entries: &entries })
+    }
+
+    /// Compiles what is missing and binds it. [`GpuWorld::run`] does so by itself; done before, no run has to wait for it.
+    ///
+    /// # Errors
+    /// [`Error::Device`] with the compiler's message and the place in the stage's own file.
+    pub fn prepare(&mut self, runs: &[Run]) -> Result<()> {
+        // Others would only take time to compile.
+        let step = *self.step();
+        for run in runs.iter().filter(|run| run.applies(&step)) {
+            let key = (run.stage.name, run.pass);
+            if !self.ready.contains_key(&key) {
+                let slots = run.stage.bindings.iter().map(|binding| binding.slot.buffer(run.pass));
+                let chunks: Vec<u32> = slots.map(|buffer| self.chunks(buffer).len() as u32).collect();
+                let kernel = self.gpu().kernel(run.stage, self.step().rods > 0, chunks.clone())?;
+                let block = self.pass_block(run.pass)?;
+                let group = catch(self.gpu().device(), || self.make_group(run, &block, &chunks, &kernel.layout))?;
+                self.ready.insert(key, (kernel, group));
+            }
+        }
+        Ok(())
+    }
+
+    /// Records the stages of some steps, numbered for [`Run::is_in`], into a compute pass. [`GpuWorld::prepare`] must have seen
+    /// them.
+    ///
+    /// # Errors
+    /// [`Error::Device`] for a stage that was not prepared.
+    pub fn encode(&self, pass: &mut wgpu::ComputePass<'_>, runs: &[Run], steps: Range<u32>) -> Result<()> {
+        let mut table = Vec::with_capacity(runs.len());
+        for run in runs {
+            let groups = run.workgroups(self.step());
+            if groups == 0 {
+                continue;
+            }
+            let Some((kernel, group)) = self.ready.get(&(run.stage.name, run.pass)) else {
+                return Err(Error::Device(format!("stage {} was not prepared", run.stage.name)));
+            };
+            table.push((run, kernel, group, groups));
+        }
+        let across = self.gpu().device().limits().max_compute_workgroups_per_dimension;
+        for step in steps {
+            for (_, kernel, group, groups) in table.iter().filter(|(run, ..)| run.is_in(step)) {
+                pass.set_pipeline(&kernel.pipeline);
+                pass.set_bind_group(0, *group, &[]);
+                let x = (*groups).min(across);
+                pass.dispatch_workgroups(x, groups.div_ceil(x), 1);
+            }
+        }
+        Ok(())
+    }
+
+    /// Runs a list of stages `steps` times over, in one submission, with the constants of `step`. Does not wait.
+    ///
+    /// # Errors
+    /// [`Error::Device`] when a kernel does not compile, the device refuses or is lost. The loss of a device may show only
+    /// when something is read.
+    pub fn run(&mut self, runs: &[Run], step: &Step, steps: u32) -> Result<()> {
+        self.submit_plain(runs, step, 0..steps, None)
+    }
+
+    /// [`GpuWorld::run`] of steps numbered for [`Run::is_in`], with the status after them sent to the host.
+    pub(crate) fn run_and_look(&mut self, runs: &[Run], step: &Step, steps: Range<u32>) -> Result<StatusOnItsWay> {
+        let usage = wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST;
+        let staging = make_buffer(self.gpu().device(), "status", size_of::<Status>() as u64, usage)?;
+        self.submit_plain(runs, step, steps, Some(&staging))?;
+        Ok(StatusOnItsWay::new(staging, self.gpu().faults()))
+    }
+
+    fn submit_plain(&mut self, runs: &[Run], step: &Step, steps: Range<u32>, staging: Option<&wgpu::Buffer>) -> Result<()> {
+        if !self.fuses() {
+            return self.submit(runs, step, steps, staging, None);
+        }
+        let dispatches = fused(runs, self.step(), steps);
+        self.submit(&dispatches, step, 0..1, staging, None)
+    }
+
+    /// Whether `run_steps` takes the place of other stages: in small scenes without rods, the arrays of which are whole.
+    fn fuses(&self) -> bool {
+        let is_whole = |buffer: Buffer| self.chunks(buffer).len() == 1;
+        suits(self.step()) && RUN_STEPS.bindings.iter().all(|binding| is_whole(binding.slot.buffer(0)))
+    }
+
+    /// [`GpuWorld::run`] of steps numbered for [`Run::is_in`], with every dispatch timed.
+    ///
+    /// # Errors
+    /// As for [`GpuWorld::run`]; and [`Error::Device`] when the device has no timestamps.
+    pub(crate) fn run_timed(&mut self, runs: &[Run], step: &Step, steps: Range<u32>) -> Result<Timer> {
+        let timer = Timer::new(self, runs, steps.clone())?;
+        self.submit(runs, step, steps, None, Some(&timer))?;
+        Ok(timer)
+    }
+
+    fn submit(
+        &mut self,
+        runs: &[Run],
+        step: &Step,
+        steps: Range<u32>,
+        staging: Option<&wgpu::Buffer>,
+        timer: Option<&Timer>,
+    ) -> Result<()> {
+        self.gpu().faults().check()?;
+        self.prepare(runs)?;
+        self.write_uniforms(step)?;
+        let dispatched = |at: u32| runs.iter().filter(|run| run.is_in(at) && !self.is_idle(run)).count() as u64;
+        let dispatches = steps.clone().map(dispatched).sum::<u64>();
+        self.dispatches += dispatches;
+        let gpu = self.gpu().clone();
+        catch(gpu.device(), || {
+            let mut encoder = gpu.device().create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("steps") });
+            if let Some(timer) = timer {
+                timer.encode(&mut encoder, self, runs)?;
+            } else {
+                let mut pass =
+                    encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some("steps"), timestamp_writes: None });
+                self.encode(&mut pass, runs, steps)?;
+            }
+            if let Some(staging) = staging {
+                let status = &self.chunks(Buffer::Status)[0];
+                encoder.copy_buffer_to_buffer(status, 0, staging, 0, staging.size());
+            }
+            gpu.queue().submit([encoder.finish()]);
+            Ok(())
+        })??;
+        self.gpu().faults().check()
+    }
+}
