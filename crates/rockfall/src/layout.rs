@@ -19,6 +19,8 @@ use bytemuck::{Pod, Zeroable};
 
 /// Threads in a workgroup of every stage.
 pub const WORKGROUP: u32 = 64;
+/// The same of stages whose threads have little to do each.
+pub const WIDE: u32 = 256;
 
 /// Movers in a slice of the pair lists. Entry `e` of mover `i` is word
 /// `entries_at + slice_offset[i / SLICE] + e * SLICE + i % SLICE`, so that neighbouring threads read neighbouring words.

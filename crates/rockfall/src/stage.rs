@@ -6,7 +6,7 @@
 //!
 //! This module is public for tools and tests; it may change between minor versions.
 
-use crate::layout::{CELL_BLOCK, DIGIT_BLOCK, Step, WORKGROUP};
+use crate::layout::{CELL_BLOCK, DIGIT_BLOCK, Step, WIDE, WORKGROUP};
 use crate::world::World;
 
 mod advance;
@@ -190,10 +190,14 @@ const MOVERS_A_TURN: u32 = 256;
 pub enum Threads {
     /// A thread per object.
     Objects,
+    /// The same in workgroups of [`WIDE`]: where threads have little to do, it is workgroups that take the time.
+    WideObjects,
     /// A thread per mover (sphere or rod).
     Movers,
     /// A thread per sphere.
     Spheres,
+    /// The same in workgroups of [`WIDE`].
+    WideSpheres,
     /// A thread per rod.
     Rods,
     /// A workgroup per batch of fixed-length rods.
@@ -214,8 +218,10 @@ impl Threads {
         let movers = step.spheres + step.rods;
         match self {
             Self::Objects => (movers + step.boxes + step.polygons).div_ceil(WORKGROUP),
+            Self::WideObjects => (movers + step.boxes + step.polygons).div_ceil(WIDE),
             Self::Movers => movers.div_ceil(WORKGROUP),
             Self::Spheres => step.spheres.div_ceil(WORKGROUP),
+            Self::WideSpheres => step.spheres.div_ceil(WIDE),
             Self::Rods => step.rods.div_ceil(WORKGROUP),
             Self::Batches => step.batches,
             Self::Blocks => step.cells / CELL_BLOCK,

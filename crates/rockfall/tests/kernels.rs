@@ -99,7 +99,9 @@ fn every_kernel_keeps_within_the_limits_of_webgpu() {
             assert!(invocations <= MAX_INVOCATIONS, "{}: {invocations} invocations", stage.name);
             // Stages that have workgroups, not threads, for what they work on.
             let groups = matches!(stage.threads, Threads::One | Threads::Blocks | Threads::LongMovers);
-            assert!(groups || invocations == layout::WORKGROUP, "{}: {invocations} invocations", stage.name);
+            let wide = matches!(stage.threads, Threads::WideObjects | Threads::WideSpheres);
+            let expected = if wide { layout::WIDE } else { layout::WORKGROUP };
+            assert!(groups || invocations == expected, "{}: {invocations} invocations", stage.name);
         }
     }
 }
@@ -245,6 +247,7 @@ fn the_constants_are_those_of_layout() {
     }
     let expected = constants![
         WORKGROUP,
+        WIDE,
         SLICE,
         ROD_WORDS,
         SPRING_WORDS,

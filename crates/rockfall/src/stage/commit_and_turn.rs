@@ -30,7 +30,7 @@ pub(crate) const STAGE: Stage = Stage {
         read("aabbs", Buffer::Aabbs),
         write("status", Buffer::Status),
     ],
-    threads: Threads::Spheres,
+    threads: Threads::WideSpheres,
     cpu: commit_and_turn,
 };
 

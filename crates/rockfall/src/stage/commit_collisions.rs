@@ -28,7 +28,7 @@ pub(crate) const STAGE: Stage = Stage {
         read("lists", Buffer::Lists),
         write("status", Buffer::Status),
     ],
-    threads: Threads::Spheres,
+    threads: Threads::WideSpheres,
     cpu: commit_collisions,
 };
 

@@ -4,13 +4,13 @@
 @group(0) @binding(5) var<storage, read> lists: array<u32>;
 @group(0) @binding(6) var<storage, read_write> status: StatusAtomic;
 
-@compute @workgroup_size(64)
+@compute @workgroup_size(256)
 fn commit_collisions(
     @builtin(workgroup_id) group: vec3u,
     @builtin(num_workgroups) groups: vec3u,
     @builtin(local_invocation_index) local: u32,
 ) {
-    let i = linear_thread(group, groups, local);
+    let i = wide_thread(group, groups, local);
     if i < step.spheres {
         commit_change(i);
     }

@@ -19,7 +19,7 @@ pub(crate) const STAGE: Stage = Stage {
         part!("stage/count_cells.wgsl"),
     ],
     bindings: &[read("aabbs", Buffer::Aabbs), write("cells", Buffer::Cells), read("status", Buffer::Status)],
-    threads: Threads::Objects,
+    threads: Threads::WideObjects,
     cpu: count_cells,
 };
 

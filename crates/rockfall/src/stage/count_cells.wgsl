@@ -4,7 +4,7 @@
 
 var<workgroup> levels: atomic<u32>;
 
-@compute @workgroup_size(64)
+@compute @workgroup_size(256)
 fn count_cells(
     @builtin(workgroup_id) group: vec3u,
     @builtin(num_workgroups) groups: vec3u,
@@ -13,7 +13,7 @@ fn count_cells(
     if (status.rebuild == 0u) | (status.void != 0u) {
         return;
     }
-    let object = linear_thread(group, groups, local);
+    let object = wide_thread(group, groups, local);
     if local == 0u {
         atomicStore(&levels, 0u);
     }

@@ -16,7 +16,7 @@ pub(crate) const STAGE: Stage = Stage {
         write("extents", Buffer::Extents),
         read("status", Buffer::Status),
     ],
-    threads: Threads::Objects,
+    threads: Threads::WideObjects,
     cpu: sort_cells,
 };
 

@@ -3,13 +3,13 @@
 @group(0) @binding(4) var<storage, read_write> extents: array<vec4f>;
 @group(0) @binding(5) var<storage, read> status: Status;
 
-@compute @workgroup_size(64)
+@compute @workgroup_size(256)
 fn sort_cells(
     @builtin(workgroup_id) group: vec3u,
     @builtin(num_workgroups) groups: vec3u,
     @builtin(local_invocation_index) local: u32,
 ) {
-    let object = linear_thread(group, groups, local);
+    let object = wide_thread(group, groups, local);
     if (status.rebuild == 0u) | (status.void != 0u) | (object >= objects()) {
         return;
     }

@@ -32,7 +32,7 @@ pub(crate) const STAGE: Stage = Stage {
         write("aabbs", Buffer::Aabbs),
         read("status", Buffer::Status),
     ],
-    threads: Threads::Objects,
+    threads: Threads::WideObjects,
     cpu: update_aabbs,
 };
 

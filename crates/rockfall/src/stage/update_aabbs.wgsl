@@ -52,13 +52,13 @@ fn hull_of(id: u32) -> Hull {
     );
 }
 
-@compute @workgroup_size(64)
+@compute @workgroup_size(256)
 fn update_aabbs(
     @builtin(workgroup_id) group: vec3u,
     @builtin(num_workgroups) groups: vec3u,
     @builtin(local_invocation_index) local: u32,
 ) {
-    let id = linear_thread(group, groups, local);
+    let id = wide_thread(group, groups, local);
     if (status.rebuild == 0u) | (id >= objects()) {
         return;
     }

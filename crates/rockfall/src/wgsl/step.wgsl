@@ -116,6 +116,7 @@ struct StatusAtomic {
 override RODS: bool = true;
 
 const WORKGROUP: u32 = 64u;
+const WIDE: u32 = 256u;
 const SLICE: u32 = 32u;
 
 const ROD_WORDS: u32 = 4u;
@@ -195,6 +196,11 @@ fn linear_group(group: vec3u, groups: vec3u) -> u32 {
 
 fn linear_thread(group: vec3u, groups: vec3u, local: u32) -> u32 {
     return linear_group(group, groups) * WORKGROUP + local;
+}
+
+// In workgroups of WIDE.
+fn wide_thread(group: vec3u, groups: vec3u, local: u32) -> u32 {
+    return linear_group(group, groups) * WIDE + local;
 }
 
 // By the exponent bits: compilers may assume that there is no infinity and no NaN, and drop other tests.
