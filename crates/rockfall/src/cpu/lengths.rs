@@ -128,12 +128,10 @@ impl<'a> Batch<'a> {
             length: rod.length,
         };
         let Correction { position, velocity, error } = correct(&ends, rod.ends);
-        if position.is_finite() && velocity.is_finite() {
-            add(&mut state[one], w1 * position);
-            add(&mut state[two], -w2 * position);
-            add(&mut state[n + one], w1 * velocity);
-            add(&mut state[n + two], -w2 * velocity);
-        }
+        add(&mut state[one], w1 * position);
+        add(&mut state[two], -w2 * position);
+        add(&mut state[n + one], w1 * velocity);
+        add(&mut state[n + two], -w2 * velocity);
         error
     }
 

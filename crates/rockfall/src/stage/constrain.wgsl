@@ -27,12 +27,10 @@ fn shake(rod: u32) -> f32 {
     }
     let correction = old * (c / (b + sqrt(discriminant)));
     let kick = correction / step.dt;
-    if finite(correction) & finite(kick) {
-        move_end(ends.x, w1, correction);
-        move_end(ends.y, -w2, correction);
-        kick_end(ends.x, w1, kick);
-        kick_end(ends.y, -w2, kick);
-    }
+    move_end(ends.x, w1, correction);
+    move_end(ends.y, -w2, correction);
+    kick_end(ends.x, w1, kick);
+    kick_end(ends.y, -w2, kick);
     return abs(length(d) - target_length) / target_length;
 }
 
@@ -56,10 +54,8 @@ fn rattle(rod: u32) -> f32 {
     let moves_2 = select(vec3f(0.0), v2.xyz, v2.w > 0.0);
     let opening = dot(moves_2 - moves_1, n);
     let impulse = n * (opening / sum);
-    if finite(impulse) {
-        kick_end(ends.x, v1.w, impulse);
-        kick_end(ends.y, -v2.w, impulse);
-    }
+    kick_end(ends.x, v1.w, impulse);
+    kick_end(ends.y, -v2.w, impulse);
     return abs(opening) * step.dt / rod_length(rod);
 }
 

@@ -58,10 +58,8 @@ fn restore_length(rod: u32) -> f32 {
         n = d / distance;
     }
     let correction = n * ((distance - target_length) / sum);
-    if finite(correction) {
-        move_end(ends.x, w1, correction);
-        move_end(ends.y, -w2, correction);
-    }
+    move_end(ends.x, w1, correction);
+    move_end(ends.y, -w2, correction);
     return abs(distance - target_length) / target_length;
 }
 

@@ -176,9 +176,10 @@ fn every_edit_refuses_or_contains_the_worst_poisons_on_the_gpu() {
 #[test]
 fn the_time_step_refuses_or_contains_every_poison() {
     type Call = fn(&mut Simulation, f32) -> Result<()>;
-    let calls: [Call; 4] = [
+    let calls: [Call; 5] = [
         |simulation, dt| simulation.step(dt).map(drop),
         |simulation, dt| simulation.run(3, dt).map(drop),
+        |simulation, dt| simulation.profile(3, dt).map(drop),
         |simulation, dt| simulation.update_positions(dt),
         |simulation, dt| simulation.set_time_step(dt).and_then(|()| simulation.update_aabbs()),
     ];
