@@ -14,6 +14,10 @@
 //! | `kind` | cells | 0 sphere, 1 rod, 2 spring; of static objects 3 box, 4 polygon |
 //! | `cell_radius` | cells | of spheres and rods, else 0 |
 //! | `TimeValue`, `step` | the whole | time in s, steps done |
+//!
+//! In ParaView (seen with 5.11) a series has two blocks, the frame and what is static. Extract Block of the first, then Glyph:
+//! spheres scaled by `radius`, factor 2, at all points; Threshold of `kind` from 1 to 2 leaves the rods and springs. A
+//! test opens the files with VTK.
 
 use std::fs;
 use std::io::{self, Write};
