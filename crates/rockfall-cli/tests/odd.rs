@@ -137,3 +137,25 @@ fn without_a_driver_the_message_says_what_to_do() {
     let (code, out, err) = bare("auto");
     assert!(code == 0 && out.contains("cpu: CPU"), "{out}{err}");
 }
+
+/// Mesa's OpenGL can be told to do without compute shaders, which the kernels are.
+#[cfg(all(feature = "gpu", target_os = "linux"))]
+#[test]
+fn a_driver_that_cannot_compute_is_named_with_the_reason() {
+    let folder = folder();
+    let on_gl = |arguments: &[&str]| {
+        let mut command = command(folder.path(), arguments);
+        command.env("WGPU_BACKEND", "gl").env("MESA_EXTENSION_OVERRIDE", "-GL_ARB_compute_shader");
+        run(command)
+    };
+    let (_, devices, _) = on_gl(&["devices"]);
+    if !devices.contains("Mesa") {
+        println!("NOT TESTED: there is no OpenGL of Mesa's here\n{devices}");
+        return;
+    }
+    let (code, out, err) = on_gl(&["run", "scene.txt", "--steps", "1", "--backend", "gpu"]);
+    assert_eq!((code, out.as_str()), (1, ""));
+    for word in ["no usable GPU", "(gl): it has no compute shaders", "install a graphics driver", "--backend cpu"] {
+        assert!(err.contains(word), "{err}");
+    }
+}

@@ -1,4 +1,4 @@
-//! Devices that are too small, out of memory or lost: an error that says what to do, and nothing that panics.
+//! Devices that are too small or lost: an error that says what to do, and nothing that panics. (`memory.rs` has one without memory.)
 
 #![cfg(feature = "gpu")]
 
