@@ -122,10 +122,11 @@ impl Simulation {
 
     fn assemble(scene: Scene, options: Options, mut world: World, engine: Engine, info: BackendInfo) -> Self {
         engine.complete(&mut world);
-        let mut lookahead = Lookahead::default();
+        let (mut lookahead, mut interval) = (Lookahead::default(), Interval::default());
         if engine.dispatches() && world.movers() <= FEW_MOVERS {
             lookahead = Lookahead::from_steps(FEW_STEPS);
             world.step.lookahead = FEW_STEPS;
+            interval = Interval::long();
         }
         Self {
             packed: scene.sphere_ids().collect(),
@@ -140,7 +141,7 @@ impl Simulation {
             report: Report::default(),
             time_step: DEFAULT_TIME_STEP,
             lookahead,
-            interval: Interval::default(),
+            interval,
             window: Window::default(),
             dirty: Dirty::Clean,
             edits: Vec::new(),

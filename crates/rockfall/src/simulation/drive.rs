@@ -6,7 +6,7 @@ use crate::layout::{
 };
 use crate::profile::Recorder;
 use crate::simulation::Simulation;
-use crate::simulation::lookahead::Lists;
+use crate::simulation::lookahead::{Lists, Lookahead};
 use crate::stage::{Phase, is_small};
 
 /// The thesis's fixed time step, in s.
@@ -198,6 +198,7 @@ impl Simulation {
         let seen = Lists {
             builds_per_step: self.window.builds as f32 / self.window.steps as f32,
             words_per_mover: self.status.pairs_needed as f32 / movers,
+            room_per_mover: Lookahead::room(step.pair_capacity as f32 / movers),
             movers,
             dispatches: self.list_dispatches(),
         };

@@ -27,6 +27,11 @@ impl Default for Interval {
 }
 
 impl Interval {
+    /// Begins with the lookahead that there is.
+    pub(super) fn long() -> Self {
+        Self { steps: MOST, ..Self::default() }
+    }
+
     /// Steps, for lists that are made for so many steps ahead.
     pub(super) fn steps(&self, lookahead: f32) -> u32 {
         // 1, 2, 4 or 8, not more than the lookahead.

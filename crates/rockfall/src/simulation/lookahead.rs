@@ -13,6 +13,8 @@ const WORTH: f32 = 0.97;
 const SHORT_LIVED: f32 = 3.0;
 /// Lists that take more words a mover are made for fewer steps ahead, before memory is made larger for them.
 const LONG: f32 = 20.0;
+/// Twice the steps make lists longer by about this part for each of the present steps, where bodies fly about.
+const GROWTH: f32 = 0.1;
 /// Batches between two trials, after trials that did not pay.
 const LONGEST_PAUSE: u32 = 16;
 
@@ -41,6 +43,8 @@ pub(super) struct Lists {
     pub(super) builds_per_step: f32,
     /// Words that the entries take.
     pub(super) words_per_mover: f32,
+    /// The most that they may take: more would make a step void.
+    pub(super) room_per_mover: f32,
     /// Spheres and rods.
     pub(super) movers: f32,
     /// Dispatches a step that make lists, or look whether to; 0 without a device.
@@ -48,6 +52,11 @@ pub(super) struct Lists {
 }
 
 impl Lists {
+    /// Whether lists for twice so many steps ahead are sure to fit.
+    fn may_double(&self, steps: f32) -> bool {
+        self.words_per_mover * (1.0 + GROWTH * steps) <= self.room_per_mover
+    }
+
     /// What a step cost, a mover.
     fn cost(&self, method: BroadPhase) -> f32 {
         let search = match method {
@@ -100,7 +109,7 @@ impl Lookahead {
             }
             Some((_, before)) if cost < WORTH * before => {
                 self.pause = 1;
-                self.begin_trial(cost);
+                self.begin_trial(cost, seen.may_double(self.steps));
             }
             Some((steps, _)) => {
                 self.steps = steps;
@@ -108,9 +117,14 @@ impl Lookahead {
                 self.rest();
             }
             None if self.wait > 0 => self.wait -= 1,
-            None => self.begin_trial(cost),
+            None => self.begin_trial(cost, seen.may_double(self.steps)),
         }
         self.steps
+    }
+
+    /// Words a mover that lists may take where memory holds so many.
+    pub(super) fn room(capacity: f32) -> f32 {
+        capacity.max(LONG)
     }
 
     /// The number of steps for lists that did not fit and would take so many words a mover; `None` where nothing is to be
@@ -132,9 +146,9 @@ impl Lookahead {
         self.pause = (2 * self.pause).min(LONGEST_PAUSE);
     }
 
-    fn begin_trial(&mut self, cost: f32) {
+    fn begin_trial(&mut self, cost: f32, has_room: bool) {
         let tried = (self.steps * self.factor).clamp(1.0, MOST);
-        if tried == self.steps {
+        if tried == self.steps || (tried > self.steps && !has_room) {
             // At an end: the next trial goes the other way.
             self.factor = 1.0 / self.factor;
             self.wait = self.pause;
@@ -155,7 +169,13 @@ mod tests {
         let mut steps = lookahead.steps;
         let mut all = Vec::new();
         for _ in 0..batches {
-            let seen = Lists { builds_per_step: builds(steps), words_per_mover: words(steps), movers: 1e6, dispatches: 0.0 };
+            let seen = Lists {
+                builds_per_step: builds(steps),
+                words_per_mover: words(steps),
+                room_per_mover: 50.0,
+                movers: 1e6,
+                dispatches: 0.0,
+            };
             steps = lookahead.after(&seen, BroadPhase::Grid);
             all.push(steps);
         }
@@ -176,7 +196,7 @@ mod tests {
     #[test]
     fn lists_that_last_much_shorter_than_meant_are_given_up_at_once() {
         let mut lookahead = Lookahead::from_steps(8.0);
-        let seen = Lists { builds_per_step: 0.5, words_per_mover: 20.0, movers: 1e6, dispatches: 0.0 };
+        let seen = Lists { builds_per_step: 0.5, words_per_mover: 20.0, room_per_mover: 50.0, movers: 1e6, dispatches: 0.0 };
         assert_eq!(lookahead.after(&seen, BroadPhase::Grid), 2.0);
         let seen = Lists { builds_per_step: 0.9, ..seen };
         assert_eq!(lookahead.after(&seen, BroadPhase::Grid), 2.0, "that is nearly as often as meant");
@@ -205,10 +225,18 @@ mod tests {
     }
 
     #[test]
+    fn lists_that_would_be_too_long_are_not_tried() {
+        // 28 words at 8 steps, 32 at 16: that would make each step cheaper, but it is not sure to fit.
+        let all = settled(200, |steps| 24.0 + 0.5 * steps, |steps| 1.0 / steps);
+        assert!(all.iter().all(|steps| *steps <= 8.0), "{all:?}");
+        assert!(share_at(&all, 8.0) > 0.8, "{all:?}");
+    }
+
+    #[test]
     fn few_bodies_on_a_device_are_looked_at_further_ahead() {
         // Twice the words, a quarter of seven dispatches: that pays for a thousand movers and not for a million.
         let cost = |movers: f32, words: f32, dispatches: f32| {
-            let lists = Lists { builds_per_step: 1.0, words_per_mover: words, movers, dispatches };
+            let lists = Lists { builds_per_step: 1.0, words_per_mover: words, room_per_mover: 50.0, movers, dispatches };
             lists.cost(BroadPhase::Grid)
         };
         assert!(cost(1e3, 16.0, 1.75) < cost(1e3, 8.0, 7.0));
@@ -217,7 +245,8 @@ mod tests {
 
     #[test]
     fn brute_force_looks_further_ahead() {
-        let lists = Lists { builds_per_step: 1.0, words_per_mover: 10.0, movers: 10_000.0, dispatches: 0.0 };
+        let lists =
+            Lists { builds_per_step: 1.0, words_per_mover: 10.0, room_per_mover: 50.0, movers: 10_000.0, dispatches: 0.0 };
         assert!(lists.cost(BroadPhase::BruteForce) > 10.0 * lists.cost(BroadPhase::Grid));
     }
 }

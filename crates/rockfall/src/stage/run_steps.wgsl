@@ -6,7 +6,9 @@
 @group(0) @binding(7) var<storage, read_write> orientations: array<vec4f>;
 @group(0) @binding(8) var<storage, read_write> status: StatusAtomic;
 
-// As many threads as the device lets a workgroup have; each has every so many-th sphere.
+// As many threads as the device lets a workgroup have; each has every so many-th sphere. Loops have as many rounds for all of
+// them: a driver was seen to let threads that leave a loop early run through the barrier after it, while their neighbours were
+// still at work.
 override TEAM: u32 = 256u;
 
 // What the dispatch does, read once: see "The kernels" in ARCHITECTURE.md.
@@ -24,9 +26,12 @@ fn is_void() -> bool {
 fn find_collisions(local: u32) {
     var collisions = 0u;
     if !is_void() & (atomicLoad(&status.collided) == 0u) {
-        for (var i = local; i < step.spheres; i += TEAM) {
-            check_escape(i);
-            collisions += mark_entries(i);
+        for (var first = 0u; first < step.spheres; first += TEAM) {
+            let i = first + local;
+            if i < step.spheres {
+                check_escape(i);
+                collisions += mark_entries(i);
+            }
         }
     }
     tell_collisions(local, collisions);
@@ -37,15 +42,21 @@ fn handle_collisions(local: u32) {
     find_collisions(local);
     storageBarrier();
     if has_changes() {
-        for (var i = local; i < step.spheres; i += TEAM) {
-            if takes_part_in_any(i) {
-                write_change(i);
+        for (var first = 0u; first < step.spheres; first += TEAM) {
+            let i = first + local;
+            if i < step.spheres {
+                if takes_part_in_any(i) {
+                    write_change(i);
+                }
             }
         }
     }
     storageBarrier();
-    for (var i = local; i < step.spheres; i += TEAM) {
-        commit_change(i);
+    for (var first = 0u; first < step.spheres; first += TEAM) {
+        let i = first + local;
+        if i < step.spheres {
+            commit_change(i);
+        }
     }
     storageBarrier();
 }
@@ -56,17 +67,20 @@ fn evaluate(local: u32, evaluation: u32, leaps: bool) {
     var contacts = 0u;
     var deepest = 0.0;
     if !is_void() {
-        for (var i = local; i < step.spheres; i += TEAM) {
-            let net = net_in_pass(i);
-            if leaps {
-                write_leap(i, net);
-            } else if evaluation == 3u {
-                turn_by(i, rotation(finish_sphere(i, net).spin));
-            } else {
-                write_next(i, net);
+        for (var first = 0u; first < step.spheres; first += TEAM) {
+            let i = first + local;
+            if i < step.spheres {
+                let net = net_in_pass(i);
+                if leaps {
+                    write_leap(i, net);
+                } else if evaluation == 3u {
+                    turn_by(i, rotation(finish_sphere(i, net).spin));
+                } else {
+                    write_next(i, net);
+                }
+                contacts += net.contacts;
+                deepest = max(deepest, net.deepest);
             }
-            contacts += net.contacts;
-            deepest = max(deepest, net.deepest);
         }
     }
     if evaluation == 0u {
@@ -82,10 +96,13 @@ fn take_leaps(local: u32) {
     if is_void() {
         return;
     }
-    for (var i = local; i < step.spheres; i += TEAM) {
-        commit(i);
-        let momentum = next_row(2u, i);
-        turn_by(i, rotation(momentum.xyz * momentum.w));
+    for (var first = 0u; first < step.spheres; first += TEAM) {
+        let i = first + local;
+        if i < step.spheres {
+            commit(i);
+            let momentum = next_row(2u, i);
+            turn_by(i, rotation(momentum.xyz * momentum.w));
+        }
     }
 }
 
@@ -114,8 +131,11 @@ fn is_collisions(k: u32, index: u32) -> bool {
 // Barriers stand where all threads come by, void or not: a void step does nothing between them, nor do those after it.
 @compute @workgroup_size(TEAM)
 fn run_steps(@builtin(local_invocation_index) local: u32) {
-    for (var i = local; i < 3u * step.spheres; i += TEAM) {
-        state[i] = start[i];
+    for (var first = 0u; first < 3u * step.spheres; first += TEAM) {
+        let i = first + local;
+        if i < 3u * step.spheres {
+            state[i] = start[i];
+        }
     }
     storageBarrier();
     if local == 0u {
@@ -130,7 +150,10 @@ fn run_steps(@builtin(local_invocation_index) local: u32) {
             update_positions(local, (index & LEAPS) != 0u);
         }
     }
-    for (var i = local; i < 3u * step.spheres; i += TEAM) {
-        start[i] = state[i];
+    for (var first = 0u; first < 3u * step.spheres; first += TEAM) {
+        let i = first + local;
+        if i < 3u * step.spheres {
+            start[i] = state[i];
+        }
     }
 }

@@ -27,23 +27,20 @@ fn covers_too_much(range: CellRange) -> bool {
     return (size.y * size.z > f32(objects())) | (size.x * size.y * size.z >= f32(step.cells));
 }
 
-// The objects of a row of cells. It may go around the end of the table: then those before `more` belong to it, too.
-struct RowSpan {
-    span: Span,
-    more: u32,
-}
-
-fn span_of_row(range: CellRange, y: i32, z: i32, level: u32) -> RowSpan {
+// A row of cells, which may go around the end of the table: then it has a second part.
+fn span_of_row(range: CellRange, y: i32, z: i32, level: u32, part: u32) -> Span {
     let row = row_key(y, z, level);
     let first = cell_key(range.low.x, row);
     let last = cell_key(range.high.x, row);
     let end = cells[CELLS_AT + last];
+    if part == 1u {
+        return Span(0u, select(0u, end, first > last));
+    }
     var start = 0u;
     if first > 0u {
         start = cells[CELLS_AT + first - 1u];
     }
-    let wraps = first > last;
-    return RowSpan(Span(start, select(end, objects(), wraps)), select(0u, end, wraps));
+    return Span(start, select(end, objects(), first > last));
 }
 
 // Marks an id among places of sorted objects.
@@ -166,26 +163,24 @@ fn emit_neighbours(mover: u32, portion: Portion) {
         let range = cells_around(own, level);
         var y = range.low.y + portion.y;
         var z = range.low.z + portion.z;
-        var row = span_of_row(range, y, z, level);
-        if all_of_them {
-            row = RowSpan(Span(32u * thread, objects()), 0u);
-        }
+        var part = 0u;
         while all_of_them | ((y <= range.high.y) & (z <= range.high.z)) {
-            let now = row.span;
-            if row.more > 0u {
-                row = RowSpan(Span(0u, row.more), 0u);
-            } else {
+            var span = Span(32u * thread, objects());
+            if !all_of_them {
+                span = span_of_row(range, y, z, level, part);
+            }
+            test_span(mover, probe, span, select(32u, 32u * threads, all_of_them));
+            if all_of_them {
+                return;
+            }
+            part += 1u;
+            if part == 2u {
+                part = 0u;
                 y += portion.across;
                 if y > range.high.y {
                     y = range.low.y + portion.y;
                     z += portion.across;
                 }
-                // The next row is asked for before this one is gone through, even past the last.
-                row = span_of_row(range, y, z, level);
-            }
-            test_span(mover, probe, now, select(32u, 32u * threads, all_of_them));
-            if all_of_them {
-                return;
             }
         }
     }
