@@ -13,6 +13,7 @@
 //!              constants)
 //! lists        u32: counts (one a mover, padded to whole slices; the top bit is a mark), slice offsets (one a slice and
 //!              the end), entries
+//! row sums     f32, in scenes with rods: one a word of the list entries, of those that collide
 //! ```
 
 use bytemuck::{Pod, Zeroable};

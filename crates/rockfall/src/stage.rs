@@ -48,6 +48,7 @@ mod sort_axis;
 mod sort_cells;
 mod turn;
 mod update_aabbs;
+mod weigh_collisions;
 
 pub(crate) use run_steps::is_small;
 #[cfg(feature = "gpu")]
@@ -77,6 +78,8 @@ pub enum Buffer {
     Extents,
     /// The pair lists.
     Lists,
+    /// In scenes with rods, by list entry: the row sums of collisions, which their weights are the inverse of.
+    RowSums,
     /// Per rod: force and couple on end 1, force and couple on end 2.
     Wrenches,
     /// Unit quaternions (x, y, z, w) of the spheres' orientations.
@@ -87,7 +90,7 @@ pub enum Buffer {
 
 impl Buffer {
     /// All buffers.
-    pub const ALL: [Self; 13] = [
+    pub const ALL: [Self; 14] = [
         Self::Start,
         Self::Y2,
         Self::Y3,
@@ -98,6 +101,7 @@ impl Buffer {
         Self::Cells,
         Self::Extents,
         Self::Lists,
+        Self::RowSums,
         Self::Wrenches,
         Self::Orientations,
         Self::Status,
@@ -116,6 +120,7 @@ impl Buffer {
             Self::Cells => "the grid",
             Self::Extents => "the extents of sorted objects",
             Self::Lists => "the pair lists",
+            Self::RowSums => "the row sums of collisions",
             Self::Wrenches => "the forces on rods",
             Self::Orientations => "the orientations",
             Self::Status => "the status",
@@ -264,7 +269,7 @@ pub struct Stage {
 }
 
 /// Every stage there is, once.
-pub const ALL: [&Stage; 39] = [
+pub const ALL: [&Stage; 40] = [
     &update_aabbs::STAGE,
     &count_pairs::STAGE,
     &scan_pairs::STAGE,
@@ -283,6 +288,7 @@ pub const ALL: [&Stage; 39] = [
     &find_neighbours::STAGE,
     &fill_long::STAGE,
     &find_collisions::STAGE,
+    &weigh_collisions::STAGE,
     &apply_collisions::STAGE,
     &apply_long::STAGE,
     &commit_collisions::STAGE,

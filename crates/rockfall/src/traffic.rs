@@ -79,8 +79,8 @@ fn moves(name: &str, pass: u32) -> Option<Moves> {
         "count_long" | "fill_long" | "apply_long" => NONE,
         // Reads position, velocity and entries; few of these change.
         "find_collisions" => Moves { rows: 2, sphere_aabbs: 1, counts: 1, entries: 1, ..NONE },
-        // Few spheres collide; the others are told by their counts.
-        "apply_collisions" | "commit_collisions" => Moves { counts: 1, ..NONE },
+        // Few bodies collide; the others are told by their counts.
+        "weigh_collisions" | "apply_collisions" | "commit_collisions" => Moves { counts: 1, ..NONE },
         "commit_leap" => Moves { rows: 6, sphere_aabbs: 1, ..NONE },
         // And reads and writes the orientation.
         "commit_and_turn" => Moves { rows: 8, sphere_aabbs: 1, ..NONE },
@@ -112,6 +112,7 @@ fn moves_by_bindings(stage: &Stage, pass: u32) -> Moves {
             (Buffer::Aabbs, _) => moves.aabbs += 1,
             (Buffer::Lists, Access::Read) => (moves.counts, moves.entries) = (moves.counts + 1, moves.entries + 1),
             (Buffer::Lists, Access::Write) => moves.counts += 1,
+            (Buffer::RowSums, _) => moves.entries += 1,
             (Buffer::Cells, _) => moves.cells += 1,
             (Buffer::Extents, _) => moves.extents += 1,
             (Buffer::Wrenches, _) => moves.wrenches += 1,

@@ -16,7 +16,7 @@ use crate::stage::Buffer;
 
 /// The buffers of [`Buffer`], on the host, and the uniform block.
 ///
-/// What is scratch (stage states 2 to 4, AABBs, cells, extents, lists, wrenches) may be empty in a world that runs on a device:
+/// What is scratch (stage states 2 to 4, AABBs, cells, extents, lists, row sums, wrenches) may be empty in a world that runs on a device:
 /// that one has room for it from the counts.
 #[derive(Clone, Debug, Default)]
 pub struct World {
@@ -34,6 +34,8 @@ pub struct World {
     pub extents: Vec<Vec4>,
     /// Counts, slice offsets, entries: `step.entries_at + step.pair_capacity` words.
     pub lists: Vec<u32>,
+    /// By list entry, in scenes with rods: the row sum of a collision, negative where nothing else presses.
+    pub row_sums: Vec<f32>,
     /// `4 * rods`: force and couple on end 1, force and couple on end 2.
     pub wrenches: Vec<Vec4>,
     /// The index in order of addition of the sphere in each memory slot; empty: they are the same.
@@ -82,6 +84,7 @@ impl World {
             Buffer::Cells => cast_slice(&self.cells),
             Buffer::Extents => cast_slice(&self.extents),
             Buffer::Lists => cast_slice(&self.lists),
+            Buffer::RowSums => cast_slice(&self.row_sums),
             Buffer::Wrenches => cast_slice(&self.wrenches),
             Buffer::Orientations => cast_slice(&self.orientations),
             Buffer::Status => bytes_of(&self.status),
@@ -101,6 +104,7 @@ impl World {
             Buffer::Cells => cast_slice_mut(&mut self.cells),
             Buffer::Extents => cast_slice_mut(&mut self.extents),
             Buffer::Lists => cast_slice_mut(&mut self.lists),
+            Buffer::RowSums => cast_slice_mut(&mut self.row_sums),
             Buffer::Wrenches => cast_slice_mut(&mut self.wrenches),
             Buffer::Orientations => cast_slice_mut(&mut self.orientations),
             Buffer::Status => bytes_of_mut(&mut self.status),
@@ -111,6 +115,12 @@ impl World {
     pub fn set_pair_capacity(&mut self, capacity: u32) {
         self.set_pair_room(capacity);
         self.lists = vec![0; (self.step.entries_at + capacity) as usize];
+        self.row_sums = vec![0.0; self.row_sum_words() as usize];
+    }
+
+    /// Words of the row sums: as many as of list entries, but where there are no rods.
+    pub(crate) fn row_sum_words(&self) -> u32 {
+        if self.step.rods > 0 { self.step.pair_capacity } else { 0 }
     }
 
     /// [`World::set_pair_capacity`] for a world that runs on a device: the host's lists are empty.
@@ -120,5 +130,6 @@ impl World {
         self.step.slices_at = slices * SLICE;
         self.step.entries_at = self.step.slices_at + slices + 1;
         self.lists = Vec::new();
+        self.row_sums = Vec::new();
     }
 }

@@ -12,7 +12,7 @@ use rockfall::{Backend, BroadPhase, Error, Integrator, Options, Rod, Scene, Simu
 /// The mixed scene without its rods, whose kernels take software Vulkan long to compile, and with so many tethers more that
 /// `words` fills more than a chunk.
 fn without_rods() -> Scene {
-    let mut scene = mixed(120);
+    let mut scene = mixed(135);
     let rods: Vec<_> = scene.rod_ids().collect();
     rods.into_iter().for_each(|rod| scene.remove_rod(rod).expect("a rod of the scene"));
     let balls: Vec<SphereId> = scene.sphere_ids().take(120).collect();
@@ -64,14 +64,14 @@ fn chunks_of_every_array_give_the_same_bits() {
         (BroadPhase::Grid, Integrator::SymplecticEuler),
     ] {
         let options = Options::new().integrator(integrator).broad_phase(broad_phase).pair_capacity(1);
-        let mut chunked = in_chunks(2048, without_rods(), options.clone());
+        let mut chunked = in_chunks(2304, without_rods(), options.clone());
         assert_eq!(chunks_of(&chunked, Buffer::Lists), 1);
         let mut whole = whole(without_rods(), options);
         for simulation in [&mut chunked, &mut whole] {
             let report = simulation.run(20, 0.01).expect("steps");
             assert!(report.replays > 0 && report.total_collisions > 10 && report.contacts > 0, "{report:?}");
         }
-        are_split(&chunked, &[Buffer::Wrenches, Buffer::Status]);
+        are_split(&chunked, &[Buffer::RowSums, Buffer::Wrenches, Buffer::Status]);
         are_split(&whole, &Buffer::ALL);
         same_bits(&Run::of(&mut chunked), &Run::of(&mut whole));
     }
@@ -101,7 +101,7 @@ fn edits_and_reads_go_through_all_chunks() {
     // Lists of 8 KiB: a device has bindings for so many chunks.
     let options = || Options::new().broad_phase(BroadPhase::Grid).pair_capacity(2048);
     let [chunked, whole] =
-        [in_chunks(2048, without_rods(), options()), whole(without_rods(), options())].map(|mut simulation| {
+        [in_chunks(2304, without_rods(), options()), whole(without_rods(), options())].map(|mut simulation| {
             let ids: Vec<SphereId> = simulation.scene().sphere_ids().collect();
             simulation.run(2, 0.01).expect("steps");
             for id in ids.iter().step_by(7) {
@@ -121,17 +121,17 @@ fn edits_and_reads_go_through_all_chunks() {
             simulation.run(2, 0.01).expect("steps");
             Run::of(&mut simulation)
         });
-    assert!(chunked.spheres.len() > 130);
+    assert!(chunked.spheres.len() > 145);
     same_bits(&chunked, &whole);
 }
 
 #[test]
 fn a_view_gives_the_chunks() {
-    let simulation = in_chunks(2048, without_rods(), Options::new());
+    let simulation = in_chunks(2304, without_rods(), Options::new());
     let view = simulation.gpu_view().expect("the GPU backend");
-    // 135 spheres of 48 bytes.
+    // 150 spheres of 48 bytes.
     let sizes: Vec<u64> = view.chunks(Buffer::Start).iter().map(|chunk| chunk.size()).collect();
-    assert_eq!(sizes, [2048, 2048, 2048, 135 * 48 - 3 * 2048]);
+    assert_eq!(sizes, [2304, 2304, 2304, 150 * 48 - 3 * 2304]);
     assert!(view.buffer(Buffer::Status).is_ok());
     let refused = view.buffer(Buffer::Start);
     assert!(
@@ -140,5 +140,5 @@ fn a_view_gives_the_chunks() {
     );
     let sizes = view.buffer_sizes();
     let state = sizes.iter().find(|size| size.name == "the state").expect("the state is told");
-    assert_eq!(state.bytes, 135 * 48);
+    assert_eq!(state.bytes, 150 * 48);
 }

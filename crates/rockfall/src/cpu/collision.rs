@@ -10,6 +10,8 @@ use crate::layout::{ENTRY_COLLIDES, ENTRY_OVERLAPS};
 
 /// Overlaps up to this times the smaller radius are rounding, to the collision phase.
 pub(crate) const ROUNDING: f32 = 1e-5;
+/// Row sums up to this count as 1: nothing else presses.
+const ALONE: f32 = 1.001;
 
 /// The share g of a contact's unit impulse that a sphere receives.
 #[derive(Clone, Copy, Debug, Default)]
@@ -148,10 +150,10 @@ pub(crate) fn takes_part(view: &View, lists: &Lists, sphere: u32) -> bool {
     rows(view, sphere).any(|row| lists.collides(row))
 }
 
-/// The contacts that may give a sphere a share, each once, with its entry.
+/// The contacts that may give a sphere a share, each once, with the row that it is taken in and its entry there.
 pub(crate) struct Incident {
     sphere: u32,
-    contacts: Vec<(Collision, Entry)>,
+    contacts: Vec<(Collision, u32, Entry)>,
 }
 
 impl Incident {
@@ -166,15 +168,15 @@ impl Incident {
                     continue;
                 }
                 if let Some(collision) = Collision::between(view, row, other, entry.feature()) {
-                    contacts.push((collision, entry));
+                    contacts.push((collision, row, entry));
                 }
             }
         }
         Self { sphere, contacts }
     }
 
-    pub(crate) fn each(&self, mut take: impl FnMut(&Collision, Entry)) {
-        self.contacts.iter().for_each(|(collision, entry)| take(collision, *entry));
+    pub(crate) fn each(&self, mut take: impl FnMut(&Collision, u32, Entry)) {
+        self.contacts.iter().for_each(|(collision, row, entry)| take(collision, *row, *entry));
     }
 }
 
@@ -184,7 +186,14 @@ pub(crate) struct RowSums {
     /// Over all colliding contacts: 1 / s_k.
     pub(crate) colliding: f32,
     /// Over all overlapping contacts: 1 where nothing else presses.
-    pub(crate) overlapping: f32,
+    overlapping: f32,
+}
+
+impl RowSums {
+    /// As one number: that of the colliding ones, negative where nothing else presses, so that the overlap is removed too.
+    pub(crate) fn told(self) -> f32 {
+        if self.overlapping <= ALONE { -self.colliding } else { self.colliding }
+    }
 }
 
 /// The row sums of a colliding contact, itself included. Where the overlapping contacts of one sphere are known, as of many collisions
@@ -197,7 +206,7 @@ pub(crate) fn row_sums(view: &View, lists: &Lists, k: &Collision, known: Option<
         if view.is_fixed(sphere) {
             continue;
         }
-        let add = |l: &Collision, entry: Entry| {
+        let add = |l: &Collision, _row: u32, entry: Entry| {
             // Counted at the first sphere that both share in.
             let met = |earlier: &Share| !view.is_fixed(earlier.sphere) && l.shares().iter().any(|s| s.sphere == earlier.sphere);
             if l.is_same(k) || l.inverse_mass <= 0.0 || before.iter().any(met) {

@@ -54,6 +54,11 @@ impl<'a> Lists<'a> {
         (count, move |place| Entry { word: words[(place * SLICE) as usize], place })
     }
 
+    /// The place of an entry of a mover among all entries.
+    pub(crate) fn slot(&self, mover: u32, entry: Entry) -> u32 {
+        slot(self.step, self.words, mover, entry.place)
+    }
+
     /// Whether a mover is among the long ones.
     pub(crate) fn is_long(&self, mover: u32) -> bool {
         self.words[mover as usize] & LIST_LONG != 0

@@ -87,7 +87,7 @@ fn build(device: &wgpu::Device, stage: &Stage, rods: bool, chunks: &[u32]) -> Ke
     // that holds counts and offsets is always that of the uploaded world, and the buffers are made to its sizes
     // (`GpuWorld::new`, `upload`); an index of an array in chunks that is inside the array is inside the chunk that `split`
     // has chosen for it. Loops run over counts from the same places, sweeps up to MAX_SWEEPS. Workgroup memory is written
-    // before it is read. No integer is divided by anything but a constant.
+    // before it is read. No integer is divided by anything that may be 0.
     let module = unsafe { device.create_shader_module_trusted(module, wgpu::ShaderRuntimeChecks::unchecked()) };
     let mut entries =
         vec![layout_entry(0, wgpu::BufferBindingType::Uniform), layout_entry(1, wgpu::BufferBindingType::Uniform)];

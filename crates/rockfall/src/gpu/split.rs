@@ -154,7 +154,7 @@ struct Declared {
 /// Bytes of an element of one of the types that arrays have.
 fn size_of_element(element: &str) -> Option<u64> {
     match element {
-        "u32" | "atomic<u32>" => Some(4),
+        "u32" | "f32" | "atomic<u32>" => Some(4),
         "vec2u" => Some(8),
         "vec4f" | "vec4u" => Some(16),
         "Aabb" => Some(32),

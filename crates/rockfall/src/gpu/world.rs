@@ -187,6 +187,7 @@ impl GpuWorld {
             return Err(Error::Device("the world's movers changed: upload it as a whole".to_owned()));
         }
         self.fit(world, Buffer::Lists)?;
+        self.fit(world, Buffer::RowSums)?;
         self.step = sized;
         self.clear_lists()
     }

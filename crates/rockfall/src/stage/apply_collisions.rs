@@ -30,6 +30,7 @@ pub(crate) const STAGE: Stage = Stage {
         part!("wgsl/collision.wgsl"),
         part!("wgsl/plain.wgsl"),
         part!("wgsl/weights.wgsl"),
+        part!("wgsl/stored_sums.wgsl"),
         part!("wgsl/travel.wgsl"),
         part!("wgsl/margin.wgsl"),
         part!("wgsl/tell.wgsl"),
@@ -42,14 +43,12 @@ pub(crate) const STAGE: Stage = Stage {
         read("words", Buffer::Words),
         read("lists", Buffer::Lists),
         read("aabbs", Buffer::Aabbs),
+        read("row_sums", Buffer::RowSums),
         write("status", Buffer::Status),
     ],
     threads: Threads::WideSpheres,
     cpu: apply_collisions,
 };
-
-/// Row sums up to this count as 1: nothing else presses, and the overlap is removed too.
-const ALONE: f32 = 1.001;
 
 fn apply_collisions(world: &mut World, _pass: u32) {
     if world.status.void != 0 || world.status.collided != 0 || world.status.collisions == 0 {
@@ -63,7 +62,7 @@ fn apply_collisions(world: &mut World, _pass: u32) {
             let mut tally = Tally::default();
             let applied_here = |sphere: &u32| takes_part(&view, &lists, *sphere) && !is_shared_out(&view, &lists, *sphere);
             for sphere in rows.spheres().filter(applied_here) {
-                let after = collided(&view, &lists, &world.aabbs, sphere, &mut tally);
+                let after = collided(&view, &lists, &world.row_sums, &world.aabbs, sphere, &mut tally);
                 rows.set(&view, sphere, after);
             }
             tally
@@ -77,28 +76,33 @@ pub(crate) fn is_shared_out(view: &View, lists: &Lists, sphere: u32) -> bool {
     lists.is_long(sphere) && view.is_ball(sphere)
 }
 
-/// The sphere after all its shares of impulses and displacements; tells whether it may leave its AABB so.
-pub(crate) fn collided(view: &View, lists: &Lists, aabbs: &[Aabb], sphere: u32, tally: &mut Tally) -> Motion {
-    let after = after_collisions(view, lists, sphere, tally);
+/// The sphere after all its shares of impulses and displacements; tells whether it may leave its AABB so. `stored` are the row sums of
+/// collisions, in scenes with rods.
+pub(crate) fn collided(view: &View, lists: &Lists, stored: &[f32], aabbs: &[Aabb], sphere: u32, tally: &mut Tally) -> Motion {
+    let after = after_collisions(view, lists, stored, sphere, tally);
     tally.rebuild |= asks_for_lists(view, aabbs, sphere, after.position, after.velocity);
     after
 }
 
-fn after_collisions(view: &View, lists: &Lists, sphere: u32, tally: &mut Tally) -> Motion {
+fn after_collisions(view: &View, lists: &Lists, stored: &[f32], sphere: u32, tally: &mut Tally) -> Motion {
     let before = Motion::of(view, sphere);
     if view.is_fixed(sphere) {
         return before;
     }
     let (mut dv, mut dx) = (Vec3::ZERO, Vec3::ZERO);
-    let pressing = Incident::of(view, lists, sphere, ENTRY_OVERLAPS);
-    pressing.each(|collision, entry| {
+    // What overlaps without colliding is needed for row sums alone.
+    let incident = Incident::of(view, lists, sphere, if stored.is_empty() { ENTRY_OVERLAPS } else { ENTRY_COLLIDES });
+    incident.each(|collision, row, entry| {
         if entry.word & ENTRY_COLLIDES == 0 {
             return;
         }
-        let sums = row_sums(view, lists, collision, Some(&pressing));
-        let share = collision.share_of(sphere) * (view.inverse_mass(sphere) / (sums.colliding * collision.inverse_mass));
+        let sum = match stored.get(lists.slot(row, entry) as usize) {
+            Some(sum) => *sum,
+            None => row_sums(view, lists, collision, Some(&incident)).told(),
+        };
+        let share = collision.share_of(sphere) * (view.inverse_mass(sphere) / (sum.abs() * collision.inverse_mass));
         dv += share * ((1.0 + view.step.restitution) * collision.approach);
-        if sums.overlapping <= ALONE {
+        if sum < 0.0 {
             dx += share * collision.touch.overlap;
         }
     });

@@ -27,6 +27,7 @@ pub(crate) const STAGE: Stage = Stage {
         part!("wgsl/collision.wgsl"),
         part!("wgsl/plain.wgsl"),
         part!("wgsl/weights.wgsl"),
+        part!("wgsl/stored_sums.wgsl"),
         part!("wgsl/travel.wgsl"),
         part!("wgsl/margin.wgsl"),
         part!("wgsl/tell.wgsl"),
@@ -41,6 +42,7 @@ pub(crate) const STAGE: Stage = Stage {
         read("lists", Buffer::Lists),
         read("aabbs", Buffer::Aabbs),
         read("cells", Buffer::Cells),
+        read("row_sums", Buffer::RowSums),
         write("status", Buffer::Status),
     ],
     threads: Threads::LongMovers,
@@ -60,7 +62,7 @@ fn apply_long(world: &mut World, _pass: u32) {
         .filter(applied_here)
         .map(|sphere| {
             let mut tally = Tally::default();
-            (*sphere, collided(&view, &lists, &world.aabbs, *sphere, &mut tally), tally)
+            (*sphere, collided(&view, &lists, &world.row_sums, &world.aabbs, *sphere, &mut tally), tally)
         })
         .collect();
     for (sphere, after, tally) in changed {

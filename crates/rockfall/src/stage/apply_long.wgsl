@@ -4,7 +4,8 @@
 @group(0) @binding(5) var<storage, read> lists: array<u32>;
 @group(0) @binding(6) var<storage, read> aabbs: array<Aabb>;
 @group(0) @binding(7) var<storage, read> cells: array<u32>;
-@group(0) @binding(8) var<storage, read_write> status: StatusAtomic;
+@group(0) @binding(8) var<storage, read> row_sums: array<f32>;
+@group(0) @binding(9) var<storage, read_write> status: StatusAtomic;
 
 var<workgroup> due: u32;
 // What so many entries give, array by array: x, y and z of the shares; factors into velocity and position.
@@ -40,9 +41,9 @@ fn sum_changes(sphere: u32, local: u32) {
     for (var first = 0u; first < count; first += TEAM) {
         var part = no_part();
         if first + local < count {
-            let entry = entry_at(slot_of(sphere, first + local));
-            if (entry & ENTRY_COLLIDES) != 0u {
-                part = part_of_entry(sphere, sphere, entry);
+            let slot = slot_of(sphere, first + local);
+            if (entry_at(slot) & ENTRY_COLLIDES) != 0u {
+                part = part_of_entry(sphere, sphere, slot);
             }
         }
         shares[local] = part.share.x;

@@ -7,7 +7,7 @@ use crate::stage::{
     commit_leap, constrain, count_cells, count_digits, count_long, count_near, count_pairs, end_step, fill_long, fill_near,
     fill_pairs, find_collisions, find_neighbours, finish, finish_and_turn, key_spheres, leap, measure_order, permute_spheres,
     restore_lengths, rod_forces, scan_cells, scan_pairs, scatter_digits, settle_spheres, sort_axis, sort_cells, turn,
-    update_aabbs,
+    update_aabbs, weigh_collisions,
 };
 use crate::world::World;
 
@@ -142,6 +142,7 @@ impl Phase {
                 const {
                     &[
                         run(&find_collisions::STAGE),
+                        run(&weigh_collisions::STAGE).when(When::Rods),
                         run(&apply_collisions::STAGE),
                         run(&apply_long::STAGE).when(When::LongMovers),
                         run(&commit_collisions::STAGE),

@@ -22,12 +22,13 @@ fn no_part() -> Part {
     return Part(vec3f(0.0), 0.0, 0.0);
 }
 
-fn part_of(share: vec3f, approach: f32, overlap: f32, weight: f32) -> Part {
-    return Part(share, (1.0 + step.restitution) * approach, select(0.0, overlap, weight < 0.0));
+fn part_of(share: vec3f, approach: f32, overlap: f32, row_sum: f32) -> Part {
+    return Part(share, (1.0 + step.restitution) * approach, select(0.0, overlap, row_sum < 0.0));
 }
 
-// What a colliding entry in one of a sphere's rows gives it.
-fn part_of_entry(sphere: u32, row: u32, entry: u32) -> Part {
+// What the colliding entry in this slot, of one of a sphere's rows, gives it.
+fn part_of_entry(sphere: u32, row: u32, slot: u32) -> Part {
+    let entry = entry_at(slot);
     let id = entry_id(entry);
     if taken_elsewhere(sphere, row, id) {
         return no_part();
@@ -36,8 +37,8 @@ fn part_of_entry(sphere: u32, row: u32, entry: u32) -> Part {
     if row == sphere {
         if are_plain(pair.x, pair.y) {
             let k = plain_contact(sphere, id);
-            let weight = weigh(vec3u(pair, 0u));
-            return part_of(-k.n * (abs(weight) / k.inverse_mass), k.approach, k.overlap, weight);
+            let row_sum = row_sum_of(pair, slot);
+            return part_of(-k.n * (1.0 / abs(row_sum) / k.inverse_mass), k.approach, k.overlap, row_sum);
         }
     }
     if !RODS {
@@ -48,8 +49,8 @@ fn part_of_entry(sphere: u32, row: u32, entry: u32) -> Part {
         return no_part();
     }
     var k = contact_of(pair.x, pair.y, found);
-    let weight = weigh(vec3u(pair, entry_feature(entry)));
-    return part_of(share_of(&k, sphere) * (abs(weight) / k.inverse_mass), k.approach, k.overlap, weight);
+    let row_sum = row_sum_of(pair, slot);
+    return part_of(share_of(&k, sphere) * (1.0 / abs(row_sum) / k.inverse_mass), k.approach, k.overlap, row_sum);
 }
 
 fn add_row(sphere: u32, row: u32, change: ptr<function, Change>) {
@@ -60,8 +61,7 @@ fn add_row(sphere: u32, row: u32, change: ptr<function, Change>) {
     let first = slot_of(row, 0u);
     for (var begin = 0u; begin < count; begin += LOOK) {
         for (var rest = entries_with(ENTRY_COLLIDES, first, begin, count); rest != 0u; rest &= rest - 1u) {
-            let entry = entry_at(first + (begin + firstTrailingBit(rest)) * SLICE);
-            add_part(part_of_entry(sphere, row, entry), change);
+            add_part(part_of_entry(sphere, row, first + (begin + firstTrailingBit(rest)) * SLICE), change);
         }
     }
 }
@@ -76,11 +76,6 @@ fn changes_of(sphere: u32) -> Change {
         }
     }
     return change;
-}
-
-// Whether there are collisions to apply in this attempt at the step.
-fn has_changes() -> bool {
-    return (atomicLoad(&status.void) == 0u) & (atomicLoad(&status.collided) == 0u) & (atomicLoad(&status.collisions) != 0u);
 }
 
 // Whether the collisions of a sphere are for a workgroup to work out, in `apply_long`: its list is long, and the only one.

@@ -1,5 +1,10 @@
 // In which lists the contacts of a sphere stand.
 
+// Whether there are collisions to apply in this attempt at the step.
+fn has_changes() -> bool {
+    return (atomicLoad(&status.void) == 0u) & (atomicLoad(&status.collided) == 0u) & (atomicLoad(&status.collisions) != 0u);
+}
+
 // Whether some entry of a mover collides.
 fn has_collisions(mover: u32) -> bool {
     return (lists[mover] & LIST_COLLIDES) != 0u;

@@ -1,5 +1,5 @@
-// How much each of many collisions of one body weighs (physics.md section 3). Both sides of a contact work out its weight, by
-// the same sums in the same order.
+// How much each of many collisions of one body weighs (physics.md section 3): s_k is 1 over a row sum. Where there are no rods
+// both sides of a contact work it out, by the same sums in the same order.
 
 // Row sum up to which nothing else presses, so that the overlap may be removed.
 const ALONE: f32 = 1.001;
@@ -8,51 +8,6 @@ const ALONE: f32 = 1.001;
 struct RowSums {
     colliding: f32,
     overlapping: f32,
-}
-
-// Whether a sphere that moves stands in an earlier slot of k and takes part in l: then l is counted already.
-fn counted(k: ptr<function, Contact>, slot: u32, l: ptr<function, Contact>) -> bool {
-    for (var s = 0u; s < slot; s++) {
-        if ((*k).inverse_masses[s] > 0.0) & ((*k).spheres[s] != NONE) {
-            if takes_part(l, (*k).spheres[s]) {
-                return true;
-            }
-        }
-    }
-    return false;
-}
-
-// Adds the contacts in one row of the sphere in a slot of k. `name` is k's ids and feature.
-fn add_coupled(k: ptr<function, Contact>, name: vec3u, slot: u32, row: u32, sums: ptr<function, RowSums>) {
-    let count = count_of(row);
-    let first = slot_of(row, 0u);
-    for (var begin = 0u; begin < count; begin += LOOK) {
-        for (var rest = entries_with(ENTRY_OVERLAPS, first, begin, count); rest != 0u; rest &= rest - 1u) {
-            let entry = entry_at(first + (begin + firstTrailingBit(rest)) * SLICE);
-            add_coupled_entry(k, name, slot, row, entry, sums);
-        }
-    }
-}
-
-fn add_coupled_entry(k: ptr<function, Contact>, name: vec3u, slot: u32, row: u32, entry: u32, sums: ptr<function, RowSums>) {
-    let id = entry_id(entry);
-    if taken_elsewhere((*k).spheres[slot], row, id) {
-        return;
-    }
-    let other = vec3u(ordered(row, id), entry_feature(entry));
-    let found = touch(other.x, other.y, other.z);
-    var l = contact_of(other.x, other.y, found);
-    if (l.inverse_mass <= 0.0) | (found.overlap <= 0.0) {
-        return;
-    }
-    if counted(k, slot, &l) {
-        return;
-    }
-    var term = 1.0;
-    if any(other != name) {
-        term = abs(coupling(k, &l)) / (sqrt((*k).inverse_mass) * sqrt(l.inverse_mass));
-    }
-    add_term(term, entry, sums);
 }
 
 fn add_term(term: f32, entry: u32, sums: ptr<function, RowSums>) {
@@ -92,8 +47,14 @@ fn add_coupled_plain(sphere: u32, other: u32, n: vec3f, inverse_mass: f32, sums:
     return true;
 }
 
-// The weight of a plain contact among plain ones; 0 where one is not plain.
-fn weigh_plain(a: u32, b: u32) -> f32 {
+// A row sum as one number, never 0: negative where nothing else presses, so that the overlap is to be removed.
+fn signed_sum(sums: RowSums) -> f32 {
+    let sum = max(sums.colliding, 1.0);
+    return select(sum, -sum, sums.overlapping <= ALONE);
+}
+
+// The row sum of a plain contact among plain ones; 0 where one is not plain.
+fn plain_row_sum(a: u32, b: u32) -> f32 {
     let k = plain_contact(a, b);
     var sums = RowSums(1.0, 1.0);
     if !add_coupled_plain(a, b, k.n, k.inverse_mass, &sums) {
@@ -104,40 +65,5 @@ fn weigh_plain(a: u32, b: u32) -> f32 {
             return 0.0;
         }
     }
-    return weight_from(sums);
-}
-
-fn weight_from(sums: RowSums) -> f32 {
-    let weight = 1.0 / max(sums.colliding, 1.0);
-    return select(weight, -weight, sums.overlapping <= ALONE);
-}
-
-// s_k, negative where the overlap is to be removed.
-fn weigh(name: vec3u) -> f32 {
-    if are_plain(name.x, name.y) {
-        let weight = weigh_plain(name.x, name.y);
-        if weight != 0.0 {
-            return weight;
-        }
-    }
-    if !RODS {
-        return 0.0;
-    }
-    var k = contact_of(name.x, name.y, touch(name.x, name.y, name.z));
-    var sums = RowSums(0.0, 0.0);
-    for (var slot = 0u; slot < 4u; slot++) {
-        let sphere = k.spheres[slot];
-        // What cannot move couples nothing.
-        if (sphere == NONE) | (k.inverse_masses[slot] <= 0.0) {
-            continue;
-        }
-        let rods = rods_of(sphere);
-        for (var r = 0u; r < 1u + 2u * rods.y; r++) {
-            let row = row_of(sphere, rods, r);
-            if row != NONE {
-                add_coupled(&k, name, slot, row, &sums);
-            }
-        }
-    }
-    return weight_from(sums);
+    return signed_sum(sums);
 }

@@ -405,6 +405,7 @@ mod tests {
         // As large as the counts say, whatever the capacity was before.
         let whole = world.with_scratch();
         assert_eq!(whole.lists.len(), (whole.step.entries_at + 64) as usize);
+        assert_eq!(whole.row_sums.len(), 64);
         assert_eq!(whole.aabbs.len(), whole.objects() as usize);
         assert_eq!(whole.states[3].len(), whole.states[0].len());
     }

@@ -12,7 +12,7 @@ use crate::trace::{COLLISIONS, POSITIONS, Plan, Scenario, trace};
 /// A mistake: in which stage and pass, the file, the text and what it becomes, and the buffer that it shows in.
 struct Mistake(&'static str, u32, &'static str, &'static str, &'static str, Buffer);
 
-const MISTAKES: [Mistake; 70] = [
+const MISTAKES: [Mistake; 75] = [
     Mistake("update_aabbs", 0, "update_aabbs.wgsl", "0.02 * radius", "0.03 * radius", Buffer::Aabbs),
     Mistake("update_aabbs", 0, "travel.wgsl", "position + way", "position - way", Buffer::Aabbs),
     Mistake("count_pairs", 0, "pair_tiles.wgsl", "(own.id != tile[k].id)", "(own.id < tile[k].id)", Buffer::Lists),
@@ -71,8 +71,12 @@ const MISTAKES: [Mistake; 70] = [
     ),
     Mistake("find_collisions", 0, "judge.wgsl", "min(radius, ", "max(radius, ", Buffer::Lists),
     Mistake("find_collisions", 0, "geometry.wgsl", "nn <= 1e-8 * aa * bb", "nn < 0.0", Buffer::Lists),
-    Mistake("apply_collisions", 0, "weights.wgsl", "ALONE: f32 = 1.001", "ALONE: f32 = 1.5", Buffer::Y2),
-    Mistake("apply_collisions", 0, "weights.wgsl", "sqrt(l.inverse_mass)", "l.inverse_mass", Buffer::Y2),
+    Mistake("weigh_collisions", 0, "weights.wgsl", "ALONE: f32 = 1.001", "ALONE: f32 = 1.5", Buffer::RowSums),
+    Mistake("weigh_collisions", 0, "weights.wgsl", "own * abs(dot", "abs(dot", Buffer::RowSums),
+    Mistake("weigh_collisions", 0, "coupled.wgsl", "sqrt(l.inverse_mass)", "l.inverse_mass", Buffer::RowSums),
+    Mistake("weigh_collisions", 0, "weigh_collisions.wgsl", "low = middle + 1u", "high = middle", Buffer::RowSums),
+    Mistake("weigh_collisions", 0, "weigh_collisions.wgsl", "(*task).next = 0u", "(*task).next = 1u", Buffer::RowSums),
+    Mistake("apply_collisions", 0, "stored_sums.wgsl", "row_sums[slot]", "1.01 * row_sums[slot]", Buffer::Y2),
     Mistake("apply_collisions", 0, "changes.wgsl", "1.0 + step.rest", "1.0 - step.rest", Buffer::Y2),
     Mistake("apply_long", 0, "apply_long.wgsl", "local / 3u * TEAM", "0u", Buffer::Y2),
     Mistake(
@@ -121,6 +125,7 @@ const MISTAKES: [Mistake; 70] = [
     Mistake("measure_order", 0, "measure_order.wgsl", "32u - count", "31u - count", Buffer::Status),
     Mistake("end_step", 0, "close_step.wgsl", "&status.max_overlap)", "&status.contacts)", Buffer::Status),
     Mistake("run_steps", COLLISIONS, "run_steps.wgsl", "(k + order) % 2u", "(k + order + 1u) % 2u", Buffer::Status),
+    Mistake("run_steps", COLLISIONS, "weights.wgsl", "sqrt(l.inverse_mass)", "l.inverse_mass", Buffer::Start),
     Mistake("run_steps", COLLISIONS, "four_states.wgsl", "(0u, region, i)] = row", "(1u, region, i)] = row", Buffer::Start),
     Mistake("run_steps", POSITIONS, "run_steps.wgsl", "evaluated = evaluation", "evaluated = evaluation / 2u", Buffer::Start),
     Mistake("run_steps", POSITIONS | LEAPS, "run_steps.wgsl", "next_row(2u, i)", "next_row(1u, i)", Buffer::Orientations),
@@ -170,4 +175,18 @@ fn there_is_a_mistake_for_every_stage() {
     for stage in rockfall::stage::ALL {
         assert!(MISTAKES.iter().any(|mistake| mistake.0 == stage.name), "{}", stage.name);
     }
+}
+
+/// Where there is no room for all contacts that are coupled with a workgroup's collisions, they are worked out part by part.
+#[test]
+fn the_room_for_coupled_contacts_does_not_show() {
+    let trace = trace(&plan(0, Integrator::Rk4));
+    let Scenario { run, before } =
+        trace.scenarios.iter().find(|scenario| scenario.run.stage.name == "weigh_collisions").expect("a stage");
+    let less = Mistake("", 0, "weigh_collisions.wgsl", "ROOM: u32 = 512u", "ROOM: u32 = WORKGROUP", Buffer::RowSums);
+    let part_by_part = on_gpu(&open(), before, broken(*run, &less)).row_sums;
+    let bits = |sums: &[f32]| sums.iter().map(|sum| sum.to_bits()).collect::<Vec<_>>();
+    let at_once = on_gpu(&open(), before, *run).row_sums;
+    assert!(at_once.iter().filter(|sum| sum.abs() > 1.5).count() > 50, "few collisions are coupled with others");
+    assert_eq!(bits(&part_by_part), bits(&at_once));
 }

@@ -64,6 +64,7 @@ fn floats(world: &World) -> Vec<Floats> {
         let own: Vec<Vec4> = world.wrenches.iter().skip(place).step_by(4).copied().collect();
         field(Buffer::Wrenches, what, flat(&own));
     }
+    field(Buffer::RowSums, "row sums", world.row_sums.clone());
     field(Buffer::Orientations, "quaternion", flat(&world.orientations));
     let status = &world.status;
     let measured = [status.escape_ratio, status.max_overlap, status.last_max_overlap];
@@ -143,6 +144,9 @@ fn shaken(world: &World, seed: u64) -> World {
     world.states.iter_mut().flatten().for_each(&mut shake);
     world.wrenches.iter_mut().for_each(&mut shake);
     world.orientations.iter_mut().for_each(&mut shake);
+    for sum in &mut world.row_sums {
+        *sum *= 1.0 + SHAKE * rng.random_range(-1.0_f32..1.0);
+    }
     world
 }
 

@@ -26,6 +26,7 @@ pub(crate) fn on_gpu(gpu: &Gpu, before: &World, run: Run) -> World {
     for buffer in after.states.iter_mut().chain(vectors) {
         buffer.fill(glam::Vec4::NAN);
     }
+    after.row_sums.fill(f32::NAN);
     after.aabbs.fill(bytemuck::Zeroable::zeroed());
     after.lists.fill(u32::MAX);
     after.words.fill(u32::MAX);
