@@ -60,24 +60,28 @@ fn four_spheres(entries: vec4u, are_asked: vec4<bool>) -> Four {
     return Four(state[position_at(at.x)], state[position_at(at.y)], state[position_at(at.z)], state[position_at(at.w)]);
 }
 
-// Which of four spheres are so close to one that they touch, were the sum of the radii so many times as large.
-fn close(own: vec4f, four: Four, slack: f32) -> vec4<bool> {
+// Squares of distances are compared with a little slack, which leaves pairs near the edge to the test that counts: what it says
+// must not depend on whether an entry has a bit already, for bits are lost when lists are made.
+const SLACK: f32 = 1.00001;
+
+// Which of four spheres are so close to one that they may touch.
+fn close(own: vec4f, four: Four) -> vec4<bool> {
     let a = four.a.xyz - own.xyz;
     let b = four.b.xyz - own.xyz;
     let c = four.c.xyz - own.xyz;
     let d = four.d.xyz - own.xyz;
     let reach = vec4f(own.w) + vec4f(four.a.w, four.b.w, four.c.w, four.d.w);
-    return vec4f(dot(a, a), dot(b, b), dot(c, c), dot(d, d)) < slack * reach * reach;
+    return vec4f(dot(a, a), dot(b, b), dot(c, c), dot(d, d)) < SLACK * reach * reach;
 }
 
 // Which of LOOK entries from `begin` on are close to a sphere, have one of these bits or are no spheres. Of the others alone
 // the position is read: what costs most here is memory from many places at once.
-fn entries_near(own: vec4f, slack: f32, bits: u32, first: u32, begin: u32, count: u32) -> u32 {
+fn entries_near(own: vec4f, bits: u32, first: u32, begin: u32, count: u32) -> u32 {
     var found = 0u;
     for (var e = begin; e < min(count, begin + LOOK); e += 4u) {
         let entries = four_entries(first, e, count);
         let asked = ((entries & vec4u(bits)) == vec4u(0u)) & ((entries & vec4u(ENTRY_ID_MASK)) < vec4u(step.spheres));
-        found |= which(!asked | close(own, four_spheres(entries, asked), slack), e, count) << (e - begin);
+        found |= which(!asked | close(own, four_spheres(entries, asked)), e, count) << (e - begin);
     }
     return found;
 }

@@ -21,7 +21,7 @@ fn add_contacts(i: u32, net: ptr<function, Net>) {
     let first = slot_of(i, 0u);
     for (var begin = 0u; begin < count; begin += LOOK) {
         // What overlapped when the step began most likely still does; other pairs of spheres that do not touch cost one position.
-        var rest = entries_near(own, 1.0, ENTRY_OVERLAPS, first, begin, count);
+        var rest = entries_near(own, ENTRY_OVERLAPS, first, begin, count);
         var now = meet(first, begin, rest);
         while rest != 0u {
             rest &= rest - 1u;

@@ -54,13 +54,12 @@ fn judge(mover: u32, own: vec4f, velocity: vec4f, other: Met) -> u32 {
     return bits_of(found.overlap, contact.approach, contact.inverse_mass, pair_radius(pair.x, pair.y));
 }
 
-// Which of LOOK entries are judged: all but spheres without bits that are too far from this one. The slack leaves those near the
-// edge to the test that counts.
+// Which of LOOK entries are judged: all but spheres without bits that are too far from this one.
 fn which_to_judge(mover: u32, own: vec4f, first: u32, begin: u32, count: u32) -> u32 {
     if mover >= step.spheres {
         return 0xffffffffu >> (LOOK - min(count - begin, LOOK));
     }
-    return entries_near(own, 1.00001, ENTRY_OVERLAPS | ENTRY_COLLIDES, first, begin, count);
+    return entries_near(own, ENTRY_OVERLAPS | ENTRY_COLLIDES, first, begin, count);
 }
 
 // Judges an entry, writes its bits where they changed, which they seldom do, and gives them.
