@@ -17,8 +17,8 @@ use crate::stage::{Phase, Run, is_small};
 const DEPTH: usize = 2;
 /// Steps of a portion of a small scene, and on the CPU: there a void step costs little.
 const LARGE_PORTION: u64 = 32;
-/// The most of any other: to submit it takes the host about as long as the device.
-const PORTION: u64 = 4;
+/// The most of any other: with fewer the device waits between two portions for some per cent of the time.
+const PORTION: u64 = 8;
 /// Movers times steps of one that takes a device much longer than the status takes to come.
 const MOVED: u32 = 1 << 21;
 /// AABBs stand half a step ahead: then they need to reach half as far for its way.

@@ -14,7 +14,7 @@ const SHORT_LIVED: f32 = 3.0;
 /// Lists that take more words a mover are made for fewer steps ahead, before memory is made larger for them.
 const LONG: f32 = 20.0;
 /// Twice the steps make lists longer by about this part for each of the present steps, where bodies fly about.
-const GROWTH: f32 = 0.1;
+const GROWTH: f32 = 0.15;
 /// Batches between two trials, after trials that did not pay.
 const LONGEST_PAUSE: u32 = 16;
 
