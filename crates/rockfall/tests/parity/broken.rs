@@ -72,7 +72,7 @@ const MISTAKES: [Mistake; 75] = [
     Mistake("find_collisions", 0, "judge.wgsl", "min(radius, ", "max(radius, ", Buffer::Lists),
     Mistake("find_collisions", 0, "geometry.wgsl", "nn <= 1e-8 * aa * bb", "nn < 0.0", Buffer::Lists),
     Mistake("weigh_collisions", 0, "weights.wgsl", "ALONE: f32 = 1.001", "ALONE: f32 = 1.5", Buffer::RowSums),
-    Mistake("weigh_collisions", 0, "weights.wgsl", "own * abs(dot", "abs(dot", Buffer::RowSums),
+    Mistake("weigh_collisions", 0, "weights.wgsl", "velocity.w * abs(dot", "abs(dot", Buffer::RowSums),
     Mistake("weigh_collisions", 0, "coupled.wgsl", "sqrt(l.inverse_mass)", "l.inverse_mass", Buffer::RowSums),
     Mistake("weigh_collisions", 0, "weigh_collisions.wgsl", "low = middle + 1u", "high = middle", Buffer::RowSums),
     Mistake("weigh_collisions", 0, "weigh_collisions.wgsl", "(*task).next = 0u", "(*task).next = 1u", Buffer::RowSums),
