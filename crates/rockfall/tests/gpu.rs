@@ -162,7 +162,10 @@ fn destroyed_while_a_read_is_under_way() {
 #[test]
 fn what_does_not_fit_is_refused_before_it_is_allocated() {
     // The least that WebGPU promises; there are devices on which they would fit.
-    let (device, queue) = device::device(|limits| limits.max_storage_buffer_binding_size = 128 << 20);
+    let (device, queue) = device::device(|limits| {
+        limits.max_storage_buffer_binding_size = 128 << 20;
+        limits.max_storage_buffers_per_shader_stage = 8;
+    });
     let gpu = Gpu::on_device(device, queue);
     let mut world = world(&heap(10));
     // 16 GiB of list entries, of which the host holds none.
