@@ -67,7 +67,7 @@ fn main() -> Result<(), Failure> {
         arguments.runs,
         arguments.steps
     );
-    let mut print = |name: &str, seconds: &mut Vec<f64>| {
+    let print = |name: &str, seconds: &mut Vec<f64>| {
         let (median, least, greatest) = speed(seconds);
         println!("{name:<28} {median:9.1} steps/s ({least:.1} to {greatest:.1})");
         median
