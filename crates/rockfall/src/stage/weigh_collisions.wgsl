@@ -184,11 +184,13 @@ fn gather(local: u32, task: ptr<function, Task>, at: u32, room: u32) -> u32 {
     return count;
 }
 
-// Works out what was gathered for all collisions, by all threads: neighbours take one of each collision in turn.
+// Works out what was gathered for all collisions, by all threads: neighbours take one of each collision in turn. All have as many
+// rounds, for a barrier follows (see run_steps.wgsl).
 fn work_out(local: u32, owned: u32, room: u32) {
-    for (var turn = local; turn < owned * room; turn += WORKGROUP) {
+    for (var first = 0u; first < owned * room; first += WORKGROUP) {
+        let turn = first + local;
         let owner = turn % owned;
-        if turn / owned < gathered[owner] {
+        if (turn < owned * room) & (turn / owned < gathered[owner]) {
             let at = owner * room + turn / owned;
             let what = coupled[at];
             var k = collisions[owner];
