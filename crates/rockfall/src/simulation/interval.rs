@@ -5,7 +5,7 @@
 //! that last for S. Where a body is pushed out of its AABB in between, the step is void and run again, lists first, and for some
 //! time they are made twice as often. Among a million bodies some always ask for lists; most of those do not leave after all.
 
-/// Least common multiple of all intervals: a batch is a multiple of it.
+/// The longest.
 const MOST: u32 = 8;
 /// Batches without such a step before the next trial, after trials that failed.
 const LONGEST_PAUSE: u32 = 64;
