@@ -23,8 +23,8 @@ pub use device::{Gpu, adapters};
 pub use fault::catch;
 pub use kernel::{join, locate_lines};
 pub use split::{Split, split};
-pub(crate) use submit::StatusOnItsWay;
 pub(crate) use timer::{clock, copy_bandwidth};
+pub(crate) use wait::Mapped;
 #[cfg(not(target_arch = "wasm32"))]
 pub use wait::block_on;
 #[cfg(not(target_arch = "wasm32"))]

@@ -63,6 +63,9 @@ fn stage_buffers(stage: &Stage) -> impl Iterator<Item = Buffer> {
     stage.bindings.iter().map(|binding| binding.slot.buffer(0))
 }
 
+/// Of a buffer that the host reads.
+pub(crate) const READ_BACK: wgpu::BufferUsages = wgpu::BufferUsages::MAP_READ.union(wgpu::BufferUsages::COPY_DST);
+
 pub(crate) fn make_buffer(device: &wgpu::Device, label: &str, size: u64, usage: wgpu::BufferUsages) -> Result<wgpu::Buffer> {
     catch(device, || {
         device.create_buffer(&wgpu::BufferDescriptor { label: Some(label), size, usage, mapped_at_creation: false })

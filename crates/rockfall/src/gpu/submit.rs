@@ -1,47 +1,19 @@
-//! Stages on their way to the device: compiled, bound, recorded and submitted, and the status on its way back.
+//! Stages on their way to the device: compiled, bound, recorded and submitted.
 
 use std::ops::Range;
 
-use bytemuck::{bytes_of, bytes_of_mut};
+use bytemuck::bytes_of;
 
 use crate::error::{Error, Result};
-use crate::gpu::fault::{Faults, catch};
+use crate::gpu::fault::catch;
 use crate::gpu::fuse::fused;
-use crate::gpu::memory::make_buffer;
+use crate::gpu::memory::{READ_BACK, make_buffer};
 use crate::gpu::split::binding_numbers;
 use crate::gpu::timer::Timer;
 use crate::gpu::wait::Mapped;
 use crate::gpu::world::{GpuWorld, UNIFORM};
 use crate::layout::{Pass, Status, Step};
 use crate::stage::{Buffer, RUN_STEPS, Run, suits};
-
-/// A status that was copied after steps, and is on its way to the host.
-#[derive(Debug)]
-pub(crate) struct StatusOnItsWay {
-    staging: wgpu::Buffer,
-    mapped: Mapped,
-}
-
-impl StatusOnItsWay {
-    fn new(staging: wgpu::Buffer, faults: &Faults) -> Self {
-        Self { mapped: Mapped::read(&staging, faults), staging }
-    }
-
-    /// Waits for it.
-    ///
-    /// # Errors
-    /// [`Error::Device`] when the device is lost.
-    pub(crate) async fn read(self) -> Result<Status> {
-        self.mapped.await?;
-        let view = self
-            .staging
-            .get_mapped_range(..)
-            .map_err(|error| Error::Device(format!("the status could not be read back: {error}")))?;
-        let mut status = Status::default();
-        bytes_of_mut(&mut status).copy_from_slice(&view);
-        Ok(status)
-    }
-}
 
 impl GpuWorld {
     /// The block `pass_` of a pass, made at its first use.
@@ -131,11 +103,10 @@ impl GpuWorld {
     }
 
     /// [`GpuWorld::run`] of steps numbered for [`Run::is_in`], with the status after them sent to the host.
-    pub(crate) fn run_and_look(&mut self, runs: &[Run], step: &Step, steps: Range<u32>) -> Result<StatusOnItsWay> {
-        let usage = wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST;
-        let staging = make_buffer(self.gpu().device(), "status", size_of::<Status>() as u64, usage)?;
+    pub(crate) fn run_and_look(&mut self, runs: &[Run], step: &Step, steps: Range<u32>) -> Result<Mapped> {
+        let staging = make_buffer(self.gpu().device(), "status", size_of::<Status>() as u64, READ_BACK)?;
         self.submit_plain(runs, step, steps, Some(&staging))?;
-        Ok(StatusOnItsWay::new(staging, self.gpu().faults()))
+        Ok(Mapped::read(&staging, self.gpu().faults()))
     }
 
     fn submit_plain(&mut self, runs: &[Run], step: &Step, steps: Range<u32>, staging: Option<&wgpu::Buffer>) -> Result<()> {

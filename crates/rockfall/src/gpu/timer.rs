@@ -6,7 +6,7 @@ use std::slice::from_ref;
 use crate::error::{Error, Result};
 use crate::gpu::device::Gpu;
 use crate::gpu::fault::catch;
-use crate::gpu::memory::make_buffer;
+use crate::gpu::memory::{READ_BACK, make_buffer};
 use crate::gpu::wait::Mapped;
 use crate::gpu::world::GpuWorld;
 use crate::profile::{Clock, Times};
@@ -30,7 +30,6 @@ impl Ticks {
         let device = gpu.device();
         let bytes = u64::from(count) * TICK_BYTES;
         let resolve = wgpu::BufferUsages::QUERY_RESOLVE | wgpu::BufferUsages::COPY_SRC;
-        let map = wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST;
         let make_set = |first: u32| {
             catch(device, || {
                 device.create_query_set(&wgpu::QuerySetDescriptor {
@@ -45,7 +44,7 @@ impl Ticks {
             sets: (0..count).step_by(SET as usize).map(make_set).collect::<Result<_>>()?,
             count,
             resolved: make_buffer(device, "timestamps", bytes, resolve)?,
-            staging: make_buffer(device, "timestamps read back", bytes, map)?,
+            staging: make_buffer(device, "timestamps read back", bytes, READ_BACK)?,
         })
     }
 
@@ -77,11 +76,7 @@ impl Ticks {
 
     /// The timestamps, in s since some moment.
     async fn read(&self) -> Result<Vec<f64>> {
-        Mapped::read(&self.staging, self.gpu.faults()).await?;
-        let view = self
-            .staging
-            .get_mapped_range(..)
-            .map_err(|error| Error::Device(format!("timestamps could not be read back: {error}")))?;
+        let view = Mapped::read(&self.staging, self.gpu.faults()).bytes("timestamps").await?;
         let ticks: Vec<u64> = bytemuck::pod_collect_to_vec(&view);
         // From the first one on, so that no digits are lost.
         let seconds = 1e-9 * f64::from(self.gpu.queue().get_timestamp_period());

@@ -5,7 +5,7 @@ use bytemuck::bytes_of_mut;
 use crate::error::{Error, Result};
 use crate::gpu::array::Piece;
 use crate::gpu::fault::catch;
-use crate::gpu::memory::make_buffer;
+use crate::gpu::memory::{READ_BACK, make_buffer};
 use crate::gpu::wait::Mapped;
 use crate::gpu::world::GpuWorld;
 use crate::layout::Status;
@@ -72,10 +72,7 @@ impl GpuWorld {
         }
         for piece in self.array(buffer).pieces(into.len() as u64, PIECE) {
             let staging = self.stage(&piece)?;
-            Mapped::read(&staging, self.gpu().faults()).await?;
-            let view = staging
-                .get_mapped_range(..)
-                .map_err(|error| Error::Device(format!("{} could not be read back: {error}", buffer.label())))?;
+            let view = Mapped::read(&staging, self.gpu().faults()).bytes(buffer.label()).await?;
             into[piece.range.start as usize..piece.range.end as usize].copy_from_slice(&view);
         }
         Ok(())
@@ -85,8 +82,7 @@ impl GpuWorld {
     fn stage(&self, piece: &Piece) -> Result<wgpu::Buffer> {
         let device = self.gpu().device();
         let size = piece.range.end - piece.range.start;
-        let usage = wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST;
-        let staging = make_buffer(device, "read back", size, usage)?;
+        let staging = make_buffer(device, "read back", size, READ_BACK)?;
         catch(device, || {
             let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
             encoder.copy_buffer_to_buffer(piece.buffer, piece.offset, &staging, 0, size);

@@ -17,6 +17,7 @@ struct Shared {
 /// Resolves when a buffer is mapped for reading.
 #[derive(Debug)]
 pub(crate) struct Mapped {
+    buffer: wgpu::Buffer,
     shared: Arc<Mutex<Shared>>,
     faults: Faults,
 }
@@ -33,7 +34,17 @@ impl Mapped {
                 waker.wake();
             }
         });
-        Self { shared, faults: faults.clone() }
+        Self { buffer: buffer.clone(), shared, faults: faults.clone() }
+    }
+
+    /// Waits until it is, and gives its bytes. `what` tells in errors what they are.
+    ///
+    /// # Errors
+    /// [`Error::Device`] when the device is lost.
+    pub(crate) async fn bytes(mut self, what: &str) -> Result<wgpu::BufferView> {
+        (&mut self).await?;
+        let view = self.buffer.get_mapped_range(..);
+        view.map_err(|error| Error::Device(format!("{what} could not be read back: {error}")))
     }
 }
 

@@ -13,7 +13,7 @@ use crate::stage::Run;
 use crate::world::World;
 
 #[cfg(feature = "gpu")]
-use crate::gpu::{Gpu, GpuWorld, StatusOnItsWay};
+use crate::gpu::{Gpu, GpuWorld, Mapped};
 #[cfg(feature = "gpu")]
 use crate::stage::Buffer;
 
@@ -34,7 +34,7 @@ pub(super) enum Look {
     Known(Status),
     /// On its way from the device.
     #[cfg(feature = "gpu")]
-    Coming(StatusOnItsWay),
+    Coming(Mapped),
 }
 
 impl Look {
@@ -43,7 +43,7 @@ impl Look {
         match self {
             Self::Known(status) => Ok(status),
             #[cfg(feature = "gpu")]
-            Self::Coming(status) => status.read().await,
+            Self::Coming(status) => Ok(bytemuck::pod_read_unaligned(&status.bytes("the status").await?)),
         }
     }
 }

@@ -33,8 +33,9 @@ impl Disorder {
         Self { looked_at: step, ..Self::default() }
     }
 
-    fn is_due(&self, step: u64) -> bool {
-        step >= self.looked_at + LOOK_AFTER
+    /// Steps until it is looked at next; 0: it is due.
+    fn due_in(&self, step: u64) -> u64 {
+        (self.looked_at + LOOK_AFTER).saturating_sub(step)
     }
 
     /// Takes what was found at a step, if anything; whether to sort now.
@@ -79,18 +80,10 @@ impl Simulation {
         }
     }
 
-    /// Steps until that is due, at least 1.
-    pub(super) fn in_order_for(&self) -> u64 {
-        if self.world.order.is_empty() {
-            return u64::MAX;
-        }
-        (self.disorder.looked_at + LOOK_AFTER).saturating_sub(self.report.steps).max(1)
-    }
-
     /// Looks at the order of memory now and then, and puts it right where that pays.
     pub(super) async fn keep_order(&mut self) -> Result<()> {
         let step = self.report.steps;
-        if self.world.order.is_empty() || self.lists_due || !self.disorder.is_due(step) {
+        if self.world.order.is_empty() || self.lists_due || self.disorder.due_in(step) > 0 {
             return Ok(());
         }
         self.world.status = Status { void: 0, order_entries: 0, order_digits: 0, ..self.status };
@@ -103,6 +96,11 @@ impl Simulation {
             self.sort_memory_async().await?;
         }
         Ok(())
+    }
+
+    /// Steps that may be done before [`Simulation::keep_order`] is called again, at least 1.
+    pub(super) fn in_order_for(&self) -> u64 {
+        if self.world.order.is_empty() { u64::MAX } else { self.disorder.due_in(self.report.steps).max(1) }
     }
 
     /// On the device, where the state is; the host learns the new order alone.

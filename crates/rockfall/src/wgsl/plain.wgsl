@@ -39,10 +39,6 @@ fn are_plain(a: u32, b: u32) -> bool {
     return is_plain(a);
 }
 
-fn plain_contact(sphere: u32, other: u32) -> Plain {
-    return plain_with(sphere, state[position_at(sphere)], state[velocity_at(sphere)], met(other, true));
-}
-
 // The contact of a plain sphere, as that sphere sees it: the other sees the same, but for the sign of the normal.
 fn plain_with(sphere: u32, own: vec4f, velocity: vec4f, other_met: Met) -> Plain {
     let other = entry_id(other_met.entry);
@@ -62,4 +58,9 @@ fn plain_with(sphere: u32, own: vec4f, velocity: vec4f, other_met: Met) -> Plain
         }
     }
     return Plain(found.n, found.overlap, dot(approach, found.n), inverse_mass);
+}
+
+// The same, of what nothing was read yet.
+fn plain_contact(sphere: u32, other: u32) -> Plain {
+    return plain_with(sphere, state[position_at(sphere)], state[velocity_at(sphere)], met(other, true));
 }
