@@ -117,10 +117,16 @@ pub const NO_BODY: u32 = u32::MAX;
 /// The place in a step where a body stopped being finite, the high bits of [`Status::bad_body`].
 pub const BAD_STAGE_SHIFT: u32 = 27;
 
+/// How many [`Told`] there are.
+pub const TELLERS: u32 = 64;
+/// Words of a line of a device's cache: what neighbouring threads read together begins with one.
+pub const LINE: u32 = 32;
+/// First word of the largest edges of AABBs in the buffer `cells`: for each level the bits of that of the objects on it, not negative.
+pub const EDGES_AT: u32 = LINE;
 /// First word of the cells in the buffer `cells`; word 0 is a mask of the levels that have objects, word 1 tells
 /// whether lists are to be made, word 2 the number of objects that sort-and-skip has put in order, word 3 the number of long
 /// movers.
-pub const CELLS_AT: u32 = 4;
+pub const CELLS_AT: u32 = EDGES_AT + LINE;
 /// Cells that one workgroup sums.
 pub const CELL_BLOCK: u32 = 4096;
 /// Words that the sum of a block takes, of which the first holds it: the kernels read and write rows of four words.
@@ -142,8 +148,10 @@ pub const LEVEL_BIAS: u32 = 8;
 /// Movers on this level of the grid and above are long: their AABB is more than four cells of size `cell_size` wide, so that they
 /// look at hundreds of objects, and a workgroup makes the list of each.
 pub const LONG_LEVEL: u32 = LEVEL_BIAS + 3;
+/// Levels of cells.
+pub const LEVELS: u32 = 32;
 /// The level of what is too large for every other: all of it is in one cell.
-pub const TOP_LEVEL: u32 = 31;
+pub const TOP_LEVEL: u32 = LEVELS - 1;
 /// A row of cells begins at `y ROW_Y + z ROW_Z + level ROW_LEVEL + x` of the table, modulo its size. Odd numbers that
 /// scatter rows evenly, whatever the shape of the scene.
 pub const ROW_Y: u32 = 0x9e37_79b1;
@@ -214,6 +222,8 @@ pub struct Step {
     pub entries_at: u32,
     /// Size of the grid's cells at level [`LEVEL_BIAS`], in units: a little more than most bodies.
     pub cell_size: f32,
+    /// The lowest level that objects are on, however small they are.
+    pub least_level: u32,
     /// Cells of the grid's table, a power of two and a multiple of [`CELL_BLOCK`].
     pub cells: u32,
     /// First word of the sums of blocks of cells in `cells`; the cells themselves are at [`CELLS_AT`].
@@ -234,6 +244,8 @@ pub struct Step {
     pub lead: f32,
     /// First word of the long movers, in `cells`; 0: all lists are made by one thread each, for radii differ little.
     pub long_at: u32,
+    /// Padding to a multiple of 16 bytes.
+    pub pad: [u32; 3],
 }
 
 /// The uniform block `pass_`: which force evaluation of the step this is.
@@ -261,10 +273,39 @@ pub struct Aabb {
     pub tag: u32,
 }
 
+/// What some workgroups have counted in the step under way. A device adds to one word for one workgroup after the other, some
+/// nanoseconds each, so they share out [`TELLERS`] of these, a sector of the cache each; `end_step` adds them up.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
+pub struct Told {
+    /// Contacts of the step's first force evaluation.
+    pub contacts: u32,
+    /// Bits of the deepest overlap of the step's first force evaluation.
+    pub max_overlap: u32,
+    /// Collisions handled.
+    pub collisions: u32,
+    /// Padding to 32 bytes.
+    pub pad: [u32; 5],
+}
+
+impl Told {
+    /// Both together.
+    pub fn and(self, other: Self) -> Self {
+        Self {
+            contacts: self.contacts + other.contacts,
+            max_overlap: self.max_overlap.max(other.max_overlap),
+            collisions: self.collisions + other.collisions,
+            pad: self.pad,
+        }
+    }
+}
+
 /// What the kernels tell the host, and each other. Counters are of the step under way unless they say `last` or `total`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable)]
 pub struct Status {
+    /// What is counted; on the CPU the first holds all of it.
+    pub told: [Told; TELLERS as usize],
     /// `VOID_*` bits; not 0: later stages leave the bodies alone, until the host has seen to it.
     pub void: u32,
     /// Words that the entries of the pair lists need.
@@ -278,12 +319,8 @@ pub struct Status {
     pub collided: u32,
     /// 1 when rod lengths may be off before the integration (first step, a step with collisions).
     pub lengths_due: u32,
-    /// Contacts of the step's first force evaluation.
-    pub contacts: u32,
-    /// Bits of the deepest overlap of the step's first force evaluation.
-    pub max_overlap: u32,
-    /// Collisions handled.
-    pub collisions: u32,
+    /// 1 where there are collisions in the step under way.
+    pub collides: u32,
     /// Contacts of the last step done.
     pub last_contacts: u32,
     /// Bits of the deepest overlap of the last step done.
@@ -318,6 +355,13 @@ pub struct Status {
 impl Default for Status {
     fn default() -> Self {
         Self { lengths_due: 1, rebuild: LISTS_ASKED, bad_body: NO_BODY, first_bad: NO_BODY, ..Zeroable::zeroed() }
+    }
+}
+
+impl Status {
+    /// All that was told in the step under way.
+    pub fn told(&self) -> Told {
+        self.told.iter().copied().fold(Told::default(), Told::and)
     }
 }
 

@@ -85,8 +85,8 @@ fn moves(name: &str, pass: u32) -> Option<Moves> {
         // And reads and writes the orientation.
         "commit_and_turn" => Moves { rows: 8, sphere_aabbs: 1, ..NONE },
         "rod_forces" => Moves { rods: 1, wrenches: 1, ..NONE },
-        // Reads 3 rows, writes 3; in later passes it reads the 3 of the starting state besides.
-        "advance" => Moves { rows: if pass == 0 { 6 } else { 9 }, sphere_aabbs: 1, ..FORCES },
+        // Reads 3 rows, writes 3; in later passes it reads the 3 of the starting state besides, in the last one AABBs.
+        "advance" => Moves { rows: if pass == 0 { 6 } else { 9 }, sphere_aabbs: u64::from(pass == 2), ..FORCES },
         // Reads 3 rows of four states, writes 3, and the old position and mean spin.
         "finish" => Moves { rows: 17, ..FORCES },
         // The same without those, and with the orientation, which it reads and writes.

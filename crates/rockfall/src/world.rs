@@ -11,7 +11,7 @@ pub(crate) use order::{size_class, spread};
 use bytemuck::{bytes_of, bytes_of_mut, cast_slice, cast_slice_mut};
 use glam::Vec4;
 
-use crate::layout::{Aabb, SLICE, Status, Step};
+use crate::layout::{Aabb, LINE, SLICE, Status, Step};
 use crate::stage::Buffer;
 
 /// The buffers of [`Buffer`], on the host, and the uniform block.
@@ -65,8 +65,8 @@ impl World {
     /// Takes the order of memory from the words.
     pub(crate) fn take_order(&mut self) {
         if self.step.users_at != 0 {
-            let users = self.step.users_at as usize..self.step.slots_at as usize;
-            self.order.copy_from_slice(&self.words[users]);
+            let count = self.order.len();
+            self.order.copy_from_slice(&self.words[self.step.users_at as usize..][..count]);
         }
     }
 
@@ -128,7 +128,7 @@ impl World {
         let slices = self.movers().div_ceil(SLICE);
         self.step.pair_capacity = capacity;
         self.step.slices_at = slices * SLICE;
-        self.step.entries_at = self.step.slices_at + slices + 1;
+        self.step.entries_at = (self.step.slices_at + slices + 1).next_multiple_of(LINE);
         self.lists = Vec::new();
         self.row_sums = Vec::new();
     }

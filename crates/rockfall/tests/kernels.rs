@@ -4,7 +4,7 @@ use std::mem::{offset_of, size_of};
 
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 use naga::{AddressSpace, Module, StorageAccess, TypeInner};
-use rockfall::layout::{self, Aabb, Pass, Status, Step};
+use rockfall::layout::{self, Aabb, Pass, Status, Step, Told};
 use rockfall::stage::{ALL, Access, Stage, Threads};
 
 /// What WebGPU grants everywhere.
@@ -222,19 +222,23 @@ fn split(fields: Fields, name: &str) -> Fields {
 fn the_structs_are_those_of_layout() {
     let step = rust_fields!(Step: gravity, dt, activation_threshold, restitution, contact_damping, contact_force, friction,
         coulomb_friction, margin_scale, flags, pair_capacity, spheres, rods, boxes, polygons, rods_at, springs_at, tethers_at,
-        forces_at, boxes_at, polygons_at, tags_at, adjacency_at, batches, batches_at, slices_at, entries_at, cell_size, cells, sums_at, keys_at,
-        sorted_at, lookahead, users_at, slots_at, list_interval, lead, long_at);
+        forces_at, boxes_at, polygons_at, tags_at, adjacency_at, batches, batches_at, slices_at, entries_at, cell_size, least_level, cells,
+        sums_at, keys_at, sorted_at, lookahead, users_at, slots_at, list_interval, lead, long_at, pad);
+    let step = (split(step.0, "pad"), step.1);
     let (pass, pass_size) = rust_fields!(Pass: index, pad);
     let pass = (split(pass, "pad"), pass_size);
     let aabb = rust_fields!(Aabb: min, id, max, tag);
-    let status = rust_fields!(Status: void, pairs_needed, escape_ratio, steps, collided, lengths_due, contacts, max_overlap,
-        collisions, last_contacts, last_max_overlap, last_collisions, total_collisions_low, total_collisions_high,
+    let told = rust_fields!(Told: contacts, max_overlap, collisions, pad);
+    let told = (split(told.0, "pad"), told.1);
+    let status = rust_fields!(Status: told, void, pairs_needed, escape_ratio, steps, collided, lengths_due, collides, last_contacts, last_max_overlap, last_collisions, total_collisions_low, total_collisions_high,
         bad_body, bad_step, bad_count, total_bad, first_bad, rebuild, builds, order_entries, order_digits);
     for stage in ALL {
         let module = module(stage);
         assert_eq!(wgsl_fields(&module, "Step"), step, "{}", stage.name);
         assert_eq!(wgsl_fields(&module, "Pass"), pass, "{}", stage.name);
         assert_eq!(wgsl_fields(&module, "Aabb"), aabb, "{}", stage.name);
+        assert_eq!(wgsl_fields(&module, "Told"), told, "{}", stage.name);
+        assert_eq!(wgsl_fields(&module, "ToldAtomic"), told, "{}", stage.name);
         assert_eq!(wgsl_fields(&module, "Status"), status, "{}", stage.name);
         assert_eq!(wgsl_fields(&module, "StatusAtomic"), status, "{}", stage.name);
     }
@@ -277,7 +281,10 @@ fn the_constants_are_those_of_layout() {
         VOID_ESCAPED,
         VOID_NON_FINITE,
         VOID_COUNT,
+        TELLERS,
+        EDGES_AT,
         CELLS_AT,
+        LEVELS,
         CELL_BLOCK,
         SUM_WORDS,
         FEW_STATICS,

@@ -125,7 +125,8 @@ fn the_device_holds_what_the_host_would() {
     let [cpu, gpu] =
         [Backend::Cpu, Backend::Gpu].map(|backend| simulation(Benchmark::Settled, backend, Integrator::Rk4).device_memory());
     // The status and the uniform blocks are no arrays; what is empty has 16 bytes.
-    assert!((cpu..cpu + 512).contains(&gpu), "{cpu} and {gpu} bytes");
+    let besides = size_of::<Status>() as u64 + 512;
+    assert!((cpu..cpu + besides).contains(&gpu), "{cpu} and {gpu} bytes");
 }
 
 /// Bounds on a scene after [`FALL`] steps.
@@ -225,7 +226,7 @@ fn few_large_spheres_do_not_hold_up_many_small_ones() {
     let (looked_at, words) = (cpu::longest_search(&world), world.status.pairs_needed);
     let told = format!("{looked_at} objects at most, lists of up to {longest}, {words} words for {entries} entries");
     println!("{told}");
-    assert!(longest > 100 && looked_at <= 110 && f64::from(words) <= 1.2 * entries as f64, "{told}");
+    assert!(longest > 100 && looked_at <= 125 && f64::from(words) <= 1.2 * entries as f64, "{told}");
 }
 
 /// Ten times the spheres, each with as much to do: those inside have more neighbours than those on the surface, of which a

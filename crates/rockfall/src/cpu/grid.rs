@@ -1,9 +1,9 @@
 //! The grid: which cell an object is in, and which cells it may find others in.
 //!
 //! Levels of cells, each twice as large as the one below. An object is in one cell: that of its centre, on the lowest level
-//! whose cells are not smaller than it. So what overlaps an AABB has its centre within half a cell of it, on every level:
-//! radii of all sizes, long rods and large boxes are found with a few rows of cells a level. Cells live in a hashed table,
-//! so that the extent of the scene costs nothing.
+//! (from `least_level` on) whose cells are not smaller than it. So what overlaps an AABB has its centre within half a cell of
+//! it, or half the largest edge on a level: radii of all sizes, long rods and large boxes are found with a few rows of cells a
+//! level. Cells live in a hashed table, so that the extent of the scene costs nothing.
 
 use std::ops::Range;
 
@@ -12,8 +12,8 @@ use glam::{IVec3, Vec3, Vec4};
 use crate::cpu::broad::{entries, may_meet, same_group};
 use crate::cpu::lanes::{LANES, Vec3x4};
 use crate::layout::{
-    Aabb, CELLS_AT, ENTRY_ID_MASK, FEW_STATICS, FLAG_GROUPS, LEVEL_BIAS, LONG_LEVEL, ROW_LEVEL, ROW_Y, ROW_Z, SLICE, Step,
-    TOP_LEVEL,
+    Aabb, CELLS_AT, EDGES_AT, ENTRY_ID_MASK, FEW_STATICS, FLAG_GROUPS, LEVEL_BIAS, LONG_LEVEL, ROW_LEVEL, ROW_Y, ROW_Z, SLICE,
+    Step, TOP_LEVEL,
 };
 use crate::world::World;
 
@@ -30,6 +30,8 @@ const CELL_SHAPE: Vec4 = Vec4::new(0.5, 1.0, 1.0, 1.0);
 struct Level {
     number: u32,
     size: f32,
+    /// Largest edge of the AABBs on it.
+    edge: f32,
 }
 
 /// Along x cells are neighbours in the table; rows are scattered.
@@ -42,7 +44,7 @@ fn key(step: &Step, x: i32, y: i32, z: i32, level: u32) -> u32 {
 /// The cell of an object in the table, and its level.
 pub(crate) fn key_of(step: &Step, aabb: &Aabb) -> (u32, u32) {
     let largest = largest_edge(aabb);
-    let levels = (0..TOP_LEVEL).map(|number| Level::new(step, number));
+    let levels = (step.least_level..TOP_LEVEL).map(|number| Level::new(step, number));
     let level = levels.into_iter().find(|level| largest <= level.size).unwrap_or(Level::new(step, TOP_LEVEL));
     let [min, max] = [aabb.min, aabb.max].map(|bound| Vec3::from_array(bound).extend(0.0));
     let IVec3 { x, y, z } = level.cell(0.5 * min + 0.5 * max);
@@ -108,7 +110,7 @@ impl<'a> Grid<'a> {
         Self {
             step,
             aabbs,
-            levels: levels.map(|level| Level::new(step, level)).collect(),
+            levels: levels.map(|level| Level::new(step, level).holding(cells)).collect(),
             ends: &cells[CELLS_AT as usize..][..step.cells as usize],
             sorted: &cells[step.sorted_at as usize..][..aabbs.len()],
             long_movers: long_movers(step, cells),
@@ -330,7 +332,7 @@ fn hull(a: Aabb, b: Aabb) -> Aabb {
     Aabb { min: min.to_array(), max: max.to_array(), ..a }
 }
 
-fn largest_edge(aabb: &Aabb) -> f32 {
+pub(crate) fn largest_edge(aabb: &Aabb) -> f32 {
     (Vec3::from_array(aabb.max) - Vec3::from_array(aabb.min)).max_element()
 }
 
@@ -350,13 +352,19 @@ impl Block {
 
 impl Level {
     fn new(step: &Step, number: u32) -> Self {
-        Self { number, size: step.cell_size * 2f32.powi(number as i32 - LEVEL_BIAS as i32) }
+        let size = step.cell_size * 2f32.powi(number as i32 - LEVEL_BIAS as i32);
+        Self { number, size, edge: size }
+    }
+
+    /// The same once all objects are counted.
+    fn holding(self, cells: &[u32]) -> Self {
+        Self { edge: f32::from_bits(cells[(EDGES_AT + self.number) as usize]), ..self }
     }
 
     /// The cells that the centre of an overlapping object may be in. The slack covers rounding.
     fn around(&self, aabb: &Aabb) -> Block {
         let [min, max] = [aabb.min, aabb.max].map(|bound| Vec3::from_array(bound).extend(0.0));
-        let slack = 0.5005 * self.size + 1e-6 * min.abs().max(max.abs());
+        let slack = 0.5005 * self.edge + 1e-6 * min.abs().max(max.abs());
         Block { low: self.cell(min - slack), high: self.cell(max + slack) }
     }
 

@@ -4,7 +4,7 @@ use glam::Vec3;
 
 use crate::cpu::travel::{may_travel, place_ahead};
 use crate::cpu::view::View;
-use crate::layout::{Aabb, BAD_STAGE_SHIFT, BadStage, LISTS_ASKED, LISTS_MADE, NO_BODY, Status, VOID_ESCAPED};
+use crate::layout::{Aabb, BAD_STAGE_SHIFT, BadStage, LISTS_ASKED, LISTS_MADE, NO_BODY, Status, Told, VOID_ESCAPED};
 
 /// Counts of one body or of many.
 #[derive(Clone, Copy, Debug)]
@@ -62,9 +62,14 @@ impl Tally {
 
     /// Adds this to the counters of the step under way.
     pub(crate) fn tell(self, status: &mut Status) {
-        status.contacts += self.contacts;
-        status.max_overlap = status.max_overlap.max(self.max_overlap.to_bits());
-        status.collisions += self.collisions;
+        let told = Told {
+            contacts: self.contacts,
+            max_overlap: self.max_overlap.to_bits(),
+            collisions: self.collisions,
+            ..Told::default()
+        };
+        status.told[0] = status.told[0].and(told);
+        status.collides |= u32::from(self.collisions > 0);
         status.bad_count += self.bad_count;
         status.bad_body = status.bad_body.min(self.bad_body);
         if self.rebuild {

@@ -2,7 +2,7 @@
 
 use crate::error::{Error, Result};
 use crate::layout::{
-    BOX_WORDS, ENTRY_ID_MASK, FORCE_WORDS, KIND_FORCE, KIND_ROD, KIND_SHIFT, KIND_SPRING, KIND_TETHER, LIST_COUNT_MASK,
+    BOX_WORDS, ENTRY_ID_MASK, FORCE_WORDS, KIND_FORCE, KIND_ROD, KIND_SHIFT, KIND_SPRING, KIND_TETHER, LINE, LIST_COUNT_MASK,
     POLYGON_WORDS, ROD_WORDS, SLICE, SPRING_WORDS, TETHER_WORDS, VOID_PAIRS,
 };
 use crate::stage::Buffer;
@@ -100,7 +100,10 @@ fn check_lists(world: &World) -> Result<()> {
     let step = &world.step;
     let movers = world.movers();
     let slices = movers.div_ceil(SLICE);
-    ensure(step.slices_at == slices * SLICE && step.entries_at == step.slices_at + slices + 1, "offsets of the pair lists")?;
+    ensure(
+        step.slices_at == slices * SLICE && step.entries_at == (step.slices_at + slices + 1).next_multiple_of(LINE),
+        "offsets of the pair lists",
+    )?;
     if world.lists.is_empty() {
         // They are the device's alone.
         return Ok(());

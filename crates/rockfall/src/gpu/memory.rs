@@ -22,7 +22,8 @@ pub(crate) fn bytes_needed(world: &World, buffer: Buffer) -> u64 {
         Buffer::Cells => 4 * world.cell_words(),
         Buffer::Lists => 4 * (u64::from(step.entries_at) + u64::from(step.pair_capacity)),
         Buffer::RowSums => 4 * u64::from(world.row_sum_words()),
-        Buffer::Extents => vectors(u64::from(world.objects())),
+        // Rows are read four at a time.
+        Buffer::Extents => vectors(u64::from(world.objects()) + 3),
         Buffer::Wrenches => vectors(4 * u64::from(step.rods)),
         Buffer::Orientations => vectors(u64::from(step.spheres)),
     };

@@ -86,8 +86,9 @@ impl GpuWorld {
             for (_, kernel, group, groups) in table.iter().filter(|(run, ..)| run.is_in(step)) {
                 pass.set_pipeline(&kernel.pipeline);
                 pass.set_bind_group(0, *group, &[]);
-                let x = (*groups).min(across);
-                pass.dispatch_workgroups(x, groups.div_ceil(x), 1);
+                // Rows of nearly the same length: what is too much in the last one is begun, too.
+                let rows = groups.div_ceil(across);
+                pass.dispatch_workgroups(groups.div_ceil(rows), rows, 1);
             }
         }
         Ok(())

@@ -31,7 +31,7 @@ pub(super) enum Engine {
 #[derive(Debug)]
 pub(super) enum Look {
     /// They are done.
-    Known(Status),
+    Known(Box<Status>),
     /// On its way from the device.
     #[cfg(feature = "gpu")]
     Coming(Mapped),
@@ -41,7 +41,7 @@ impl Look {
     /// Waits for it, where it is not there yet.
     pub(super) async fn status(self) -> Result<Status> {
         match self {
-            Self::Known(status) => Ok(status),
+            Self::Known(status) => Ok(*status),
             #[cfg(feature = "gpu")]
             Self::Coming(status) => Ok(bytemuck::pod_read_unaligned(&status.bytes("the status").await?)),
         }
@@ -151,7 +151,7 @@ impl Engine {
         match (self, recorder) {
             (Self::Cpu, recorder) => {
                 run_on_cpu(world, stages, steps, recorder);
-                Ok(Look::Known(world.status))
+                Ok(Look::Known(Box::new(world.status)))
             }
             #[cfg(feature = "gpu")]
             (Self::Gpu(gpu), None) => Ok(Look::Coming(gpu.run_and_look(stages, &world.step, steps)?)),
@@ -161,7 +161,7 @@ impl Engine {
                 let before = std::mem::replace(&mut world.status, gpu.read_status().await?);
                 let done = world.status.steps.wrapping_sub(before.steps);
                 recorder.book(stages, &timer.read(stages).await?, done, &world.step, &world.status);
-                Ok(Look::Known(world.status))
+                Ok(Look::Known(Box::new(world.status)))
             }
         }
     }

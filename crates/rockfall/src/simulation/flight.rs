@@ -6,7 +6,7 @@
 use std::collections::VecDeque;
 
 use crate::error::Result;
-use crate::layout::{LISTS_ASKED, NO_BODY, Status};
+use crate::layout::{LISTS_ASKED, NO_BODY, Status, Told};
 use crate::profile::Recorder;
 use crate::simulation::Simulation;
 use crate::simulation::drive::{COLLISIONS_FIRST, WITHOUT_COLLISIONS};
@@ -135,15 +135,15 @@ impl Simulation {
 /// The status with which steps are begun, or tried again: counters begin at zero, those of a void attempt are dropped, what was
 /// done stays done.
 fn resumed(status: Status) -> Status {
+    let is_done = status.collided != 0;
     Status {
+        told: status.told.map(|told| Told { collisions: if is_done { told.collisions } else { 0 }, ..Told::default() }),
+        collides: if is_done { status.collides } else { 0 },
         void: 0,
         escape_ratio: 0,
-        contacts: 0,
-        max_overlap: 0,
         bad_count: 0,
         bad_body: NO_BODY,
         collided: status.collided.min(1),
-        collisions: if status.collided == 0 { 0 } else { status.collisions },
         steps: 0,
         builds: 0,
         total_collisions_low: 0,

@@ -1,8 +1,8 @@
 //! RK4, passes 0 to 2: net force on every sphere, and the next stage state from it (physics.md sections 4, 5).
 //!
 //! With f the right side at stage state Y(p+1): Y(p+2) = y + c f, c = dt/2, dt/2, dt. Pass 0 counts contacts. A sphere
-//! whose stage state leaves its AABB voids the step; one whose next state is not finite gets its starting position,
-//! no velocity and no spin there, and is reported. In pass 2 a sphere that may leave its AABB within the next step asks for new
+//! of which a stage state is outside of its AABB voids the step, in pass 2; one whose next state is not finite gets its
+//! starting position, no velocity and no spin there, and is reported. In pass 2 a sphere that may leave its AABB within the next step asks for new
 //! lists (`rebuild`): its stage state 4 is about where this step will end.
 
 use rayon::prelude::*;
@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use crate::cpu::forces::{count_contacts, rates};
 use crate::cpu::lists::Lists;
 use crate::cpu::state::{Motion, Rows};
-use crate::cpu::tally::{Tally, asks_for_lists, count_builds, escape_ratio, outside};
+use crate::cpu::tally::{Tally, asks_for_lists, count_builds, outside};
 use crate::cpu::view::View;
 use crate::layout::BadStage;
 use crate::stage::{Access, Binding, Buffer, Slot, Stage, Threads, part, read, write};
@@ -76,13 +76,17 @@ fn advance(world: &mut World, pass: u32) {
             velocity: origin.velocity + h * acceleration,
             angular_momentum: origin.angular_momentum + h * torque,
         };
-        if pass == 0 {
-            tally.escape_ratio = tally.escape_ratio.max(escape_ratio(&view, &world.aabbs, sphere));
-        }
         let next = next.or_stopped(origin.position, BAD[pass as usize], view.user(sphere), tally);
-        let escaped = outside(&world.aabbs[sphere as usize], next.position, view.radius(sphere));
-        tally.escape_ratio = tally.escape_ratio.max(escaped);
-        tally.rebuild |= pass == 2 && asks_for_lists(&view, &world.aabbs, sphere, next.position, next.velocity);
+        if pass == 2 {
+            // All four stage states at once, in time for a void step to be nobody's state.
+            let second = origin.position + 0.5 * world.step.dt * origin.velocity;
+            let second = if second.is_finite() { second } else { origin.position };
+            for position in [origin.position, second, view.position(sphere), next.position] {
+                let escaped = outside(&world.aabbs[sphere as usize], position, view.radius(sphere));
+                tally.escape_ratio = tally.escape_ratio.max(escaped);
+            }
+            tally.rebuild |= asks_for_lists(&view, &world.aabbs, sphere, next.position, next.velocity);
+        }
         next
     };
     let tally = Rows::of(&mut todo[0], world.step.spheres)

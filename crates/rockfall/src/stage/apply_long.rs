@@ -50,7 +50,7 @@ pub(crate) const STAGE: Stage = Stage {
 };
 
 fn apply_long(world: &mut World, _pass: u32) {
-    if world.status.void != 0 || world.status.collided != 0 || world.status.collisions == 0 {
+    if world.status.void != 0 || world.status.collided != 0 || world.status.collides == 0 {
         return;
     }
     let [start, y2, ..] = &mut world.states;

@@ -8,7 +8,6 @@ const TEAM: u32 = 256u;
 const OWN: u32 = CELL_BLOCK / TEAM;
 
 var<workgroup> due: u32;
-var<workgroup> levels: atomic<u32>;
 
 // Where every cell begins: after all objects in the cells before it.
 fn place_cells(local: u32) {
@@ -36,19 +35,23 @@ fn build_grid(@builtin(local_invocation_index) local: u32) {
         due = select(0u, status.rebuild, status.void == 0u);
         atomicStore(&cells[1], due);
         if due != 0u {
+            atomicStore(&cells[0], 0u);
             atomicStore(&cells[3], 0u);
         }
-        atomicStore(&levels, 0u);
     }
+    clear_levels(local);
     if workgroupUniformLoad(&due) == 0u {
         return;
+    }
+    if local < LEVELS {
+        atomicStore(&cells[EDGES_AT + local], 0u);
     }
     for (var k = local; k < CELL_BLOCK; k += TEAM) {
         atomicStore(&cells[CELLS_AT + k], 0u);
     }
     storageBarrier();
     for (var object = local; object < objects(); object += TEAM) {
-        atomicOr(&levels, count_object(object));
+        count_object(object);
     }
     storageBarrier();
     place_cells(local);
@@ -57,8 +60,8 @@ fn build_grid(@builtin(local_invocation_index) local: u32) {
         place_object(object);
     }
     workgroupBarrier();
+    tell_levels(local);
     if local == 0u {
-        atomicStore(&cells[0], atomicLoad(&levels));
         status.pairs_needed = 0u;
     }
 }

@@ -1,6 +1,6 @@
 //! Grid broad phase, 1 of 6: an empty table of cells.
 
-use crate::layout::CELLS_AT;
+use crate::layout::{CELLS_AT, EDGES_AT};
 use crate::stage::{Buffer, Stage, Threads, part, write};
 use crate::world::World;
 
@@ -20,6 +20,6 @@ fn clear_cells(world: &mut World, _pass: u32) {
     }
     world.cells[0] = 0;
     world.cells[3] = 0;
-    world.cells[CELLS_AT as usize..(CELLS_AT + world.step.cells) as usize].fill(0);
+    world.cells[EDGES_AT as usize..(CELLS_AT + world.step.cells) as usize].fill(0);
     world.status.pairs_needed = 0;
 }

@@ -17,6 +17,9 @@ fn clear_cells(
     if (status.rebuild == 0u) | (status.void != 0u) {
         return;
     }
+    if (block == 0u) & (local < LEVELS) {
+        cells[EDGES_AT + local] = 0u;
+    }
     if (block == 0u) & (local == 0u) {
         cells[0] = 0u;
         cells[3] = 0u;

@@ -38,7 +38,7 @@ fn commit_collisions(world: &mut World, _pass: u32) {
         return;
     }
     status.collided = 2;
-    if status.collisions == 0 {
+    if status.collides == 0 {
         return;
     }
     status.lengths_due = 1;

@@ -4,8 +4,8 @@
 use rayon::prelude::*;
 
 use crate::cpu::GRAIN;
-use crate::cpu::grid::{is_long, key_of, stands_apart};
-use crate::layout::CELLS_AT;
+use crate::cpu::grid::{is_long, key_of, largest_edge, stands_apart};
+use crate::layout::{CELLS_AT, EDGES_AT};
 use crate::stage::{Buffer, Stage, Threads, part, read, write};
 use crate::world::World;
 
@@ -32,6 +32,9 @@ fn count_cells(world: &mut World, _pass: u32) {
     for (object, (key, level)) in keys.into_iter().enumerate() {
         if !stands_apart(step, object as u32) {
             world.cells[0] |= 1 << level;
+            let edge = &mut world.cells[(EDGES_AT + level) as usize];
+            // Positive floats order like their bits.
+            *edge = (*edge).max(largest_edge(&world.aabbs[object]).max(0.0).to_bits());
         }
         if (object as u32) < step.spheres + step.rods && is_long(step, &world.aabbs[object]) {
             let at = step.long_at + world.cells[3];

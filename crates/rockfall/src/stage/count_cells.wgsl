@@ -2,8 +2,6 @@
 @group(0) @binding(3) var<storage, read_write> cells: array<atomic<u32>>;
 @group(0) @binding(4) var<storage, read> status: Status;
 
-var<workgroup> levels: atomic<u32>;
-
 @compute @workgroup_size(256)
 fn count_cells(
     @builtin(workgroup_id) group: vec3u,
@@ -14,19 +12,11 @@ fn count_cells(
         return;
     }
     let object = wide_thread(group, groups, local);
-    if local == 0u {
-        atomicStore(&levels, 0u);
-    }
+    clear_levels(local);
     workgroupBarrier();
     if object < objects() {
-        atomicOr(&levels, count_object(object));
+        count_object(object);
     }
     workgroupBarrier();
-    if local == 0u {
-        // Most workgroups find their levels there already.
-        let mine = atomicLoad(&levels);
-        if (mine & ~atomicLoad(&cells[0])) != 0u {
-            atomicOr(&cells[0], mine);
-        }
-    }
+    tell_levels(local);
 }

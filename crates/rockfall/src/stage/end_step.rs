@@ -1,7 +1,7 @@
 //! Closes the step: counters move to `last_*` and the totals, `collided` is cleared, and a body that stopped being finite
 //! voids the steps after this one unless `FLAG_CONTINUE` is set. Does nothing in a void step.
 
-use crate::layout::{FLAG_CONTINUE, NO_BODY, VOID_NON_FINITE};
+use crate::layout::{FLAG_CONTINUE, NO_BODY, Told, VOID_NON_FINITE};
 use crate::stage::{Buffer, Stage, Threads, part, write};
 use crate::world::World;
 
@@ -20,9 +20,11 @@ fn end_step(world: &mut World, _pass: u32) {
         return;
     }
     status.steps += 1;
-    status.last_contacts = std::mem::take(&mut status.contacts);
-    status.last_max_overlap = std::mem::take(&mut status.max_overlap);
-    status.last_collisions = std::mem::take(&mut status.collisions);
+    let told = status.told();
+    status.told.fill(Told::default());
+    status.collides = 0;
+    (status.last_contacts, status.last_max_overlap, status.last_collisions) =
+        (told.contacts, told.max_overlap, told.collisions);
     let (low, carry) = status.total_collisions_low.overflowing_add(status.last_collisions);
     status.total_collisions_low = low;
     status.total_collisions_high += u32::from(carry);

@@ -2,7 +2,5 @@
 
 @compute @workgroup_size(64)
 fn end_step(@builtin(local_invocation_index) local: u32) {
-    if local == 0u {
-        close_step();
-    }
+    close_step(local);
 }

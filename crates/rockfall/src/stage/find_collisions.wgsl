@@ -18,5 +18,5 @@ fn find_collisions(
         }
         collisions = mark_entries(mover);
     }
-    tell_collisions(local, collisions);
+    tell_collisions(linear_group(group, groups), local, collisions);
 }

@@ -26,6 +26,7 @@ pub(crate) const STAGE: Stage = Stage {
         part!("wgsl/heap.wgsl"),
         part!("wgsl/grid.wgsl"),
         part!("wgsl/neighbours.wgsl"),
+        part!("wgsl/sort.wgsl"),
         part!("stage/find_neighbours.wgsl"),
     ],
     bindings: &[

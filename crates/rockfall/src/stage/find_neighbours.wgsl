@@ -7,9 +7,10 @@
 
 // So many objects are remembered and put in order by their thread; more are looked for again, and put in order in place.
 const SHORT: u32 = 32u;
+const KEY_BITS: u32 = 5u;
 
-// What was found: places (see `id_at`); once in order, indices in order of addition. Not in workgroup memory, for that is taken
-// from the cache, which matters more here; and short, for it is set to 0 first.
+// What was found: places (see `id_at`), then ids; once in order, those that are kept. Not in workgroup memory, for that is taken from
+// the cache, which matters more here; and short, for all of it is set to 0 first, which takes time.
 var<private> ids: array<u32, SHORT>;
 // The longest list of each slice of the workgroup, and where the slice begins.
 var<workgroup> longest: array<atomic<u32>, WORKGROUP / SLICE>;
@@ -23,6 +24,11 @@ var<private> entries: u32;
 var<private> into: u32;
 
 fn emit(mover: u32, place: u32) {
+    if is_remote {
+        if !may_meet(mover, id_at(place)) {
+            return;
+        }
+    }
     if into == 0u {
         if found < SHORT {
             ids[found] = place;
@@ -42,34 +48,86 @@ fn emit(mover: u32, place: u32) {
     }
 }
 
-// Of the objects remembered, those that the mover meets, by their index in order of addition, ascending, each once.
-fn order_short(mover: u32) {
-    var kept = 0u;
-    entries = 0u;
-    for (var place = 0u; place < found; place++) {
-        let id = id_at(ids[place]);
-        let user = user_of(id);
-        var at = kept;
-        var before = NONE;
-        while at > 0u {
-            before = ids[at - 1u];
-            if before <= user {
-                break;
-            }
-            at -= 1u;
-        }
-        if (id == mover) | ((at > 0u) & (before == user)) {
-            continue;
-        }
-        if !may_meet(mover, id) {
-            continue;
-        }
-        for (var k = kept; k > at; k--) {
-            ids[k] = ids[k - 1u];
-        }
-        ids[at] = user;
+// Index in order of addition, and which of the objects remembered it is; NONE where the mover does not meet it, or there is none.
+fn key_of(mover: u32, place: u32) -> u32 {
+    if place >= found {
+        return NONE;
+    }
+    let id = id_at(ids[place]);
+    ids[place] = id;
+    if (id == mover) | !may_meet(mover, id) {
+        return NONE;
+    }
+    return user_of(id) << KEY_BITS | place;
+}
+
+fn four_keys(mover: u32, place: u32) -> vec4u {
+    if place >= found {
+        return vec4u(NONE);
+    }
+    return vec4u(key_of(mover, place), key_of(mover, place + 1u), key_of(mover, place + 2u), key_of(mover, place + 3u));
+}
+
+// Keys in their order, and the ids that they stand for.
+struct Run {
+    keys: Sixteen,
+    ids: Sixteen,
+}
+
+fn ids_of(keys: vec4u) -> vec4u {
+    return vec4u(ids[keys.x % SHORT], ids[keys.y % SHORT], ids[keys.z % SHORT], ids[keys.w % SHORT]);
+}
+
+fn run_of(keys: Sixteen) -> Run {
+    return Run(keys, Sixteen(ids_of(keys.a), ids_of(keys.b), ids_of(keys.c), ids_of(keys.d)));
+}
+
+// How many ids are kept, and the index in order of addition of the last one.
+var<private> kept: u32;
+var<private> before: u32;
+
+fn keep(mover: u32, key: u32, id: u32) {
+    if (key != NONE) & ((key >> KEY_BITS) != before) {
+        before = key >> KEY_BITS;
+        ids[kept] = id;
         kept += 1u;
         entries += entries_of(mover, id);
+    }
+}
+
+fn keep_4(mover: u32, keys: vec4u, four: vec4u) {
+    keep(mover, keys.x, four.x);
+    keep(mover, keys.y, four.y);
+    keep(mover, keys.z, four.z);
+    keep(mover, keys.w, four.w);
+}
+
+fn keep_run(mover: u32, run: Run) {
+    keep_4(mover, run.keys.a, run.ids.a);
+    keep_4(mover, run.keys.b, run.ids.b);
+    keep_4(mover, run.keys.c, run.ids.c);
+    keep_4(mover, run.keys.d, run.ids.d);
+}
+
+// Of the objects remembered, those that the mover meets, by their index in order of addition, ascending, each once.
+fn order_short(mover: u32) {
+    kept = 0u;
+    before = NONE;
+    entries = 0u;
+    if found <= 4u {
+        let keys = sorted_4(four_keys(mover, 0u));
+        keep_4(mover, keys, ids_of(keys));
+        found = kept;
+        return;
+    }
+    var low = sorted_16(Sixteen(four_keys(mover, 0u), four_keys(mover, 4u), four_keys(mover, 8u), four_keys(mover, 12u)));
+    if found > 16u {
+        let rest = Sixteen(four_keys(mover, 16u), four_keys(mover, 20u), four_keys(mover, 24u), four_keys(mover, 28u));
+        let high = run_of(merged(&low, sorted_16(rest)));
+        keep_run(mover, run_of(low));
+        keep_run(mover, high);
+    } else {
+        keep_run(mover, run_of(low));
     }
     found = kept;
 }
@@ -91,7 +149,7 @@ fn allot(slice: u32, words: u32) -> u32 {
 fn write_short(mover: u32) {
     var place = 0u;
     for (var k = 0u; k < found; k++) {
-        let id = id_of(ids[k]);
+        let id = ids[k];
         let count = entries_of(mover, id);
         for (var feature = 0u; feature < count; feature++) {
             lists[into + place * SLICE] = id | feature << ENTRY_ID_BITS;

@@ -32,5 +32,5 @@ fn leap(
     if (i == 0u) & (atomicLoad(&status.void) == 0u) {
         tell_builds();
     }
-    tell_contacts(local, net.contacts, net.deepest);
+    tell_contacts(linear_group(group, groups), local, net.contacts, net.deepest);
 }

@@ -72,7 +72,7 @@ fn rod_forces(
         wrenches[4u * rod + 3u] = vec4f(wrench.couple_2, 0.0);
     }
     if pass_.index == 0u {
-        tell_contacts(local, wrench.contacts, wrench.deepest);
+        tell_contacts(linear_group(group, groups), local, wrench.contacts, wrench.deepest);
         if alive & (rod == 0u) {
             status.lengths_due = 0u;
         }

@@ -39,7 +39,7 @@ fn find_collisions(local: u32) {
             }
         }
     }
-    tell_collisions(local, collisions);
+    tell_collisions(0u, local, collisions);
 }
 
 fn handle_collisions(local: u32) {
@@ -92,7 +92,7 @@ fn evaluate(local: u32, evaluation: u32, leaps: bool) {
         if (local == 0u) & !is_void() {
             tell_builds();
         }
-        tell_contacts(local, contacts, deepest);
+        tell_contacts(0u, local, contacts, deepest);
     }
 }
 
@@ -121,9 +121,7 @@ fn update_positions(local: u32, leaps: bool) {
         take_leaps(local);
         storageBarrier();
     }
-    if local == 0u {
-        close_step();
-    }
+    close_step(local);
     storageBarrier();
 }
 

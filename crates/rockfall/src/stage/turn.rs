@@ -77,8 +77,11 @@ pub(super) fn turn_for(orientation: &mut Vec4, spin: Vec3, time: f32) {
     turn_by(orientation, Quat::from_scaled_axis(spin * time));
 }
 
-/// An angle beyond all numbers turns nothing.
+/// An angle beyond all numbers turns nothing, no angle leaves everything as it is.
 fn turn_by(orientation: &mut Vec4, rotation: Quat) {
+    if rotation.xyz() == Vec3::ZERO {
+        return;
+    }
     let turned = (rotation * Quat::from_vec4(*orientation)).normalize();
     if turned.is_finite() {
         *orientation = turned.into();

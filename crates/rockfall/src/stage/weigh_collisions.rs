@@ -46,7 +46,7 @@ pub(crate) const STAGE: Stage = Stage {
 };
 
 fn weigh_collisions(world: &mut World, _pass: u32) {
-    if world.status.void != 0 || world.status.collided != 0 || world.status.collisions == 0 {
+    if world.status.void != 0 || world.status.collided != 0 || world.status.collides == 0 {
         return;
     }
     let view = View::new(&world.step, &world.words, &world.states[0]);

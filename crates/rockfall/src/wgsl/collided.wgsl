@@ -13,7 +13,7 @@ fn commit_change(i: u32) {
     if i == 0u {
         atomicStore(&status.collided, 2u);
     }
-    if atomicLoad(&status.collisions) == 0u {
+    if atomicLoad(&status.collides) == 0u {
         return;
     }
     if i == 0u {

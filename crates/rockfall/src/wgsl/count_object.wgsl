@@ -1,6 +1,19 @@
-// Counts an object in its cell, and notes it if it is a long mover, in any order; gives its level, as a bit, 0 where nobody looks
-// for it there.
-fn count_object(object: u32) -> u32 {
+// What the objects of a workgroup tell of the levels: a mask of those that have objects, and the bits of the largest edge on each.
+// Positive floats order like their bits.
+var<workgroup> levels: atomic<u32>;
+var<workgroup> edges: array<atomic<u32>, LEVELS>;
+
+fn clear_levels(local: u32) {
+    if local == 0u {
+        atomicStore(&levels, 0u);
+    }
+    if local < LEVELS {
+        atomicStore(&edges[local], 0u);
+    }
+}
+
+// Counts an object in its cell, and notes it if it is a long mover, in any order; and its level, but where nobody looks for it there.
+fn count_object(object: u32) {
     let aabb = aabbs[object];
     let level = level_of(aabb);
     let cell = cell_coordinates(0.5 * aabb.min + 0.5 * aabb.max, level);
@@ -10,5 +23,31 @@ fn count_object(object: u32) -> u32 {
     if (object < step.spheres + step.rods) & is_long(aabb) {
         atomicStore(&cells[step.long_at + atomicAdd(&cells[3], 1u)], object);
     }
-    return select(1u << level, 0u, (object >= step.spheres + step.rods) & statics_stand_apart());
+    if (object < step.spheres + step.rods) | !statics_stand_apart() {
+        let edge = bitcast<u32>(max(largest_edge(aabb), 0.0));
+        if (atomicLoad(&levels) >> level & 1u) == 0u {
+            atomicOr(&levels, 1u << level);
+        }
+        if edge > atomicLoad(&edges[level]) {
+            atomicMax(&edges[level], edge);
+        }
+    }
+}
+
+// Once all objects of the workgroup are counted. Most workgroups find that others have told as much, and to look takes less.
+fn tell_levels(local: u32) {
+    if local == 0u {
+        let mine = atomicLoad(&levels);
+        if (mine & ~atomicLoad(&cells[0])) != 0u {
+            atomicOr(&cells[0], mine);
+        }
+    }
+    if local < LEVELS {
+        let mine = atomicLoad(&edges[local]);
+        if mine > 0u {
+            if mine > atomicLoad(&cells[EDGES_AT + local]) {
+                atomicMax(&cells[EDGES_AT + local], mine);
+            }
+        }
+    }
 }

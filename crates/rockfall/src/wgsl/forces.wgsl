@@ -140,8 +140,9 @@ fn net_in_pass(i: u32) -> Net {
 
 var<workgroup> group_deepest: atomic<u32>;
 
-// Adds a workgroup's contacts to the status; all its threads must come here. Positive floats order like their bits.
-fn tell_contacts(local: u32, contacts: u32, deepest: f32) {
+// Adds the contacts of a workgroup of this number to what is told; all its threads must come here. Positive floats order like their
+// bits.
+fn tell_contacts(workgroup: u32, local: u32, contacts: u32, deepest: f32) {
     if local == 0u {
         atomicStore(&group_count, 0u);
         atomicStore(&group_deepest, 0u);
@@ -155,8 +156,9 @@ fn tell_contacts(local: u32, contacts: u32, deepest: f32) {
     if local == 0u {
         let sum = atomicLoad(&group_count);
         if sum > 0u {
-            atomicAdd(&status.contacts, sum);
-            atomicMax(&status.max_overlap, atomicLoad(&group_deepest));
+            let told = workgroup % TELLERS;
+            atomicAdd(&status.told[told].contacts, sum);
+            atomicMax(&status.told[told].max_overlap, atomicLoad(&group_deepest));
         }
     }
 }

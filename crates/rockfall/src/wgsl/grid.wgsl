@@ -1,7 +1,7 @@
 // The grid: which cell an object is in, and which cells it may find others in.
 //
 // Levels of cells, each twice as large as the one below, and half as wide along x: a row of them is one span of memory, which so is
-// cut closer. An object is in one cell: that of its centre, on the lowest level
+// cut closer. An object is in one cell: that of its centre, on the lowest level (from `least_level` on)
 // whose cells are not smaller than it. So what overlaps an AABB has its centre within half a cell of it, on every level.
 // Cells live in a table of fixed size: along x they are neighbours, rows are scattered. Two rows may share places of the
 // table; that costs tests and makes duplicates, which `find_neighbours` drops, but loses nothing.
@@ -24,7 +24,7 @@ fn largest_edge(aabb: Aabb) -> f32 {
 
 fn level_of(aabb: Aabb) -> u32 {
     let largest = largest_edge(aabb);
-    var level = 0u;
+    var level = step.least_level;
     while level < TOP_LEVEL {
         if largest <= cell_size(level) {
             break;

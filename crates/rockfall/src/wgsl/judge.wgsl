@@ -113,8 +113,8 @@ fn check_escape(sphere: u32) {
     }
 }
 
-// Adds a workgroup's collisions to the status; all its threads must come here.
-fn tell_collisions(local: u32, collisions: u32) {
+// Adds the collisions of a workgroup of this number to what is told; all its threads must come here.
+fn tell_collisions(workgroup: u32, local: u32, collisions: u32) {
     if local == 0u {
         atomicStore(&group_count, 0u);
     }
@@ -126,7 +126,11 @@ fn tell_collisions(local: u32, collisions: u32) {
     if local == 0u {
         let sum = atomicLoad(&group_count);
         if sum > 0u {
-            atomicAdd(&status.collisions, sum);
+            atomicAdd(&status.told[workgroup % TELLERS].collisions, sum);
+            // To look takes less than to write.
+            if atomicLoad(&status.collides) == 0u {
+                atomicStore(&status.collides, 1u);
+            }
         }
     }
 }

@@ -28,7 +28,10 @@ fn ask_for_lists(sphere: u32, centre: vec4f, velocity: vec4f) {
     let reach = centre.w + may_travel(velocity, centre.w, step.list_interval);
     if velocity.w > 0.0 {
         if reach_out(place_ahead(centre.xyz, velocity), reach, aabbs[sphere]) > 0.0 {
-            atomicOr(&status.rebuild, LISTS_ASKED);
+            // Among millions most find that somebody has asked before, and to look takes less than to ask.
+            if (atomicLoad(&status.rebuild) & LISTS_ASKED) == 0u {
+                atomicOr(&status.rebuild, LISTS_ASKED);
+            }
         }
     }
 }

@@ -3,10 +3,10 @@
 //
 // One loop within another within a third, and each function called from one place: graphics compilers inline everything.
 
-// Objects `sorted[start..end]`.
+// So many sorted objects from the first one on; after the last of all comes the first, for a row may go around the end of the table.
 struct Span {
-    start: u32,
-    end: u32,
+    first: u32,
+    count: u32,
 }
 
 // Cells on a level within which the centre of an overlapping object lies. The slack covers rounding.
@@ -16,7 +16,7 @@ struct CellRange {
 }
 
 fn cells_around(own: Aabb, level: u32) -> CellRange {
-    let slack = 0.5005 * cell_size(level) + 1e-6 * max(abs(own.min), abs(own.max));
+    let slack = 0.5005 * bitcast<f32>(cells[EDGES_AT + level]) + 1e-6 * max(abs(own.min), abs(own.max));
     return CellRange(cell_coordinates(own.min - slack, level), cell_coordinates(own.max + slack, level));
 }
 
@@ -27,20 +27,15 @@ fn covers_too_much(range: CellRange) -> bool {
     return (size.y * size.z > f32(objects())) | (size.x * size.y * size.z >= f32(step.cells));
 }
 
-// A row of cells, which may go around the end of the table: then it has a second part.
-fn span_of_row(range: CellRange, y: i32, z: i32, level: u32, part: u32) -> Span {
+fn span_of_row(range: CellRange, y: i32, z: i32, level: u32) -> Span {
     let row = row_key(y, z, level);
     let first = cell_key(range.low.x, row);
     let last = cell_key(range.high.x, row);
-    let end = cells[CELLS_AT + last];
-    if part == 1u {
-        return Span(0u, select(0u, end, first > last));
-    }
     var start = 0u;
     if first > 0u {
         start = cells[CELLS_AT + first - 1u];
     }
-    return Span(start, select(end, objects(), first > last));
+    return Span(start, cells[CELLS_AT + last] - start + select(0u, objects(), first > last));
 }
 
 // Marks an id among places of sorted objects.
@@ -53,9 +48,16 @@ fn id_at(place: u32) -> u32 {
     return cells[step.sorted_at + place];
 }
 
+// Where the rounding of centres, which grows with the distance from the origin, comes to so much, squares of distances may be beyond
+// all numbers: then everything is found, and the AABBs have the last word on spheres, too.
+const REMOTE: f32 = 1e12;
+
+// Whether the mover that looks around is there.
+var<private> is_remote: bool;
+
 fn may_meet(a: u32, b: u32) -> bool {
     // Two spheres whose balls are apart are not found in the first place.
-    if (a < step.spheres) & (b < step.spheres) {
+    if (a < step.spheres) & (b < step.spheres) & !is_remote {
         if (step.flags & FLAG_GROUPS) == 0u {
             return true;
         }
@@ -98,35 +100,46 @@ fn portion_of(local: u32) -> Portion {
 struct Probe {
     centre: vec3f,
     reach: vec3f,
-    // Radius of the ball that a sphere's AABB encloses, half its size; negative: no sphere.
+    // Radius of the ball that a sphere's AABB encloses, half its size.
     ball: f32,
+    is_sphere: bool,
 }
 
 fn probe_of(mover: u32, own: Aabb) -> Probe {
     let centre = 0.5 * own.min + 0.5 * own.max;
     let reach = 0.500002 * (own.max - own.min) + 1e-6 * abs(centre);
-    return Probe(centre, reach, select(-1.0, max(max(reach.x, reach.y), reach.z), mover < step.spheres));
+    let ball = max(max(reach.x, reach.y), reach.z);
+    is_remote = !(ball < REMOTE);
+    return Probe(centre, reach, ball, mover < step.spheres);
 }
+
+// A cube about a ball of radius 1 is in one of this radius.
+const CORNER: f32 = 1.7320509;
 
 // 1 where a sorted object is not known to be far: of two spheres, where the balls meet. What has no bounds has no centre, and is
 // far from nothing. The AABBs themselves have the last word, later.
 fn is_close(probe: Probe, other: vec4f) -> u32 {
     let apart = other.xyz - probe.centre;
-    let touching = probe.ball + other.w;
-    let boxes_apart = any(abs(apart) > probe.reach + vec3f(abs(other.w)));
-    let balls_apart = dot(apart, apart) > touching * touching;
-    return select(1u, 0u, boxes_apart | (balls_apart & (other.w >= 0.0) & (probe.ball >= 0.0)));
+    let touching = probe.ball + abs(other.w);
+    let squared = dot(apart, apart);
+    if RODS {
+        let boxes_apart = any(abs(apart) > probe.reach + vec3f(abs(other.w)));
+        return select(1u, 0u, boxes_apart | ((squared > touching * touching) & (other.w >= 0.0) & probe.is_sphere));
+    }
+    // Of spheres and few others a ball about the cube will do: this is where most of the time goes.
+    let enough = touching * select(CORNER, 1.0, other.w >= 0.0);
+    return select(1u, 0u, squared > enough * enough);
 }
 
-// Which of up to 32 sorted objects are close. Four at a time, so that memory is asked for all of them at once.
+// Which of up to 32 sorted objects are close. Four at a time, so that memory is asked for all of them at once: `extents` has three
+// rows to spare.
 fn close_in(probe: Probe, first: u32, count: u32) -> u32 {
     var close = 0u;
-    let last = first + count - 1u;
     for (var k = 0u; k < count; k += 4u) {
         let a = extents[first + k];
-        let b = extents[min(first + k + 1u, last)];
-        let c = extents[min(first + k + 2u, last)];
-        let d = extents[min(first + k + 3u, last)];
+        let b = extents[first + k + 1u];
+        let c = extents[first + k + 2u];
+        let d = extents[first + k + 3u];
         close |= (is_close(probe, a) | is_close(probe, b) << 1u | is_close(probe, c) << 2u | is_close(probe, d) << 3u) << k;
     }
     return close & (0xffffffffu >> (32u - count));
@@ -134,11 +147,17 @@ fn close_in(probe: Probe, first: u32, count: u32) -> u32 {
 
 // Emits what is close in a span. Neighbouring threads find at different times, and what a find makes one of them do all wait for:
 // so they look first, and then go through what they found together.
-fn test_span(mover: u32, probe: Probe, span: Span, stride: u32) {
-    for (var first = span.start; first < span.end; first += stride) {
-        for (var rest = close_in(probe, first, min(span.end - first, 32u)); rest != 0u; rest &= rest - 1u) {
+fn test_span(mover: u32, probe: Probe, span: Span) {
+    var first = span.first;
+    var left = span.count;
+    while left > 0u {
+        first = select(first, 0u, first == objects());
+        let count = min(min(left, 32u), objects() - first);
+        for (var rest = close_in(probe, first, count); rest != 0u; rest &= rest - 1u) {
             emit(mover, first + firstTrailingBit(rest));
         }
+        first += count;
+        left -= count;
     }
 }
 
@@ -163,25 +182,22 @@ fn emit_neighbours(mover: u32, portion: Portion) {
         let range = cells_around(own, level);
         var y = range.low.y + portion.y;
         var z = range.low.z + portion.z;
-        var part = 0u;
-        while all_of_them | ((y <= range.high.y) & (z <= range.high.z)) {
-            var span = Span(32u * thread, objects());
+        var next = 32u * thread;
+        while select((y <= range.high.y) & (z <= range.high.z), next < objects(), all_of_them) {
+            var span = Span(next, min(32u, objects() - next));
             if !all_of_them {
-                span = span_of_row(range, y, z, level, part);
+                span = span_of_row(range, y, z, level);
             }
-            test_span(mover, probe, span, select(32u, 32u * threads, all_of_them));
-            if all_of_them {
-                return;
+            test_span(mover, probe, span);
+            next += 32u * threads;
+            y += portion.across;
+            if y > range.high.y {
+                y = range.low.y + portion.y;
+                z += portion.across;
             }
-            part += 1u;
-            if part == 2u {
-                part = 0u;
-                y += portion.across;
-                if y > range.high.y {
-                    y = range.low.y + portion.y;
-                    z += portion.across;
-                }
-            }
+        }
+        if all_of_them {
+            return;
         }
     }
 }

@@ -1,5 +1,20 @@
 // The next stage state of a sphere, from the forces on it in the one that is evaluated.
 
+// All four stage states are looked at once, in time for a void step to be nobody's state: AABBs are read once.
+fn check_escapes(i: u32, start: vec4f, velocity: vec3f, last: vec3f) {
+    let aabb = aabbs[i];
+    let second = start.xyz + 0.5 * step.dt * velocity;
+    var ratio = max(escape_ratio(start.xyz, start.w, aabb), escape_ratio(last, start.w, aabb));
+    ratio = max(ratio, escape_ratio(state[position_at(i)].xyz, start.w, aabb));
+    // One that was not finite was put back to the start.
+    if finite(second) {
+        ratio = max(ratio, escape_ratio(second, start.w, aabb));
+    }
+    if ratio > 0.0 {
+        tell_escape(ratio);
+    }
+}
+
 fn write_next(i: u32, net: Net) {
     let old_position = start_row(0u, i);
     let old_velocity = start_row(1u, i);
@@ -13,15 +28,9 @@ fn write_next(i: u32, net: Net) {
         if !is_finite(after) {
             after = stopped(old_position.xyz, evaluation() + 1u, i);
         }
-        var ratio = escape_ratio(after.position, old_position.w, aabbs[i]);
-        if evaluation() == 0u {
-            ratio = max(ratio, escape_ratio(old_position.xyz, old_position.w, aabbs[i]));
-        }
-        if ratio > 0.0 {
-            tell_escape(ratio);
-        }
-        // Stage state 4 is about where the step will end, which is good enough: whoever leaves unannounced voids a step.
         if evaluation() == 2u {
+            check_escapes(i, old_position, old_velocity.xyz, after.position);
+            // Stage state 4 is about where the step will end, which is good enough: whoever leaves unannounced voids a step.
             ask_for_lists(i, vec4f(after.position, old_position.w), vec4f(after.velocity, old_velocity.w));
         }
     }

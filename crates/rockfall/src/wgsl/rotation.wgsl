@@ -29,6 +29,10 @@ fn rotation(spin: vec3f) -> vec4f {
 }
 
 fn turn_by(sphere: u32, by: vec4f) {
+    // What does not spin need not be read.
+    if all(by.xyz == vec3f(0.0)) {
+        return;
+    }
     let turned = multiply(by, orientations[sphere]);
     let q = turned / sqrt(dot(turned, turned));
     // An angle beyond all numbers turns nothing.

@@ -29,6 +29,7 @@ struct Step {
     slices_at: u32,
     entries_at: u32,
     cell_size: f32,
+    least_level: u32,
     cells: u32,
     sums_at: u32,
     keys_at: u32,
@@ -39,11 +40,14 @@ struct Step {
     list_interval: f32,
     lead: f32,
     long_at: u32,
+    // The padding is words and not an array: arrays in uniform blocks have a stride of 16 bytes.
+    pad_0: u32,
+    pad_1: u32,
+    pad_2: u32,
 }
 
 struct Pass {
     index: u32,
-    // The padding is words and not an array: arrays in uniform blocks have a stride of 16 bytes.
     pad_0: u32,
     pad_1: u32,
     pad_2: u32,
@@ -56,16 +60,26 @@ struct Aabb {
     tag: u32,
 }
 
+struct Told {
+    contacts: u32,
+    max_overlap: u32,
+    collisions: u32,
+    pad_0: u32,
+    pad_1: u32,
+    pad_2: u32,
+    pad_3: u32,
+    pad_4: u32,
+}
+
 struct Status {
+    told: array<Told, TELLERS>,
     void: u32,
     pairs_needed: u32,
     escape_ratio: u32,
     steps: u32,
     collided: u32,
     lengths_due: u32,
-    contacts: u32,
-    max_overlap: u32,
-    collisions: u32,
+    collides: u32,
     last_contacts: u32,
     last_max_overlap: u32,
     last_collisions: u32,
@@ -82,17 +96,27 @@ struct Status {
     order_digits: u32,
 }
 
-// `Status` where many threads of a dispatch write it.
+// Both where many threads of a dispatch write them.
+struct ToldAtomic {
+    contacts: atomic<u32>,
+    max_overlap: atomic<u32>,
+    collisions: atomic<u32>,
+    pad_0: u32,
+    pad_1: u32,
+    pad_2: u32,
+    pad_3: u32,
+    pad_4: u32,
+}
+
 struct StatusAtomic {
+    told: array<ToldAtomic, TELLERS>,
     void: atomic<u32>,
     pairs_needed: atomic<u32>,
     escape_ratio: atomic<u32>,
     steps: u32,
     collided: atomic<u32>,
     lengths_due: u32,
-    contacts: atomic<u32>,
-    max_overlap: atomic<u32>,
-    collisions: atomic<u32>,
+    collides: atomic<u32>,
     last_contacts: u32,
     last_max_overlap: u32,
     last_collisions: u32,
@@ -132,6 +156,8 @@ const KIND_SPRING: u32 = 1u;
 const KIND_TETHER: u32 = 2u;
 const KIND_FORCE: u32 = 3u;
 
+const TELLERS: u32 = 64u;
+
 const ENTRY_ID_BITS: u32 = 26u;
 const ENTRY_ID_MASK: u32 = 0x3ffffffu;
 const ENTRY_FEATURE_MASK: u32 = 0xfu;
@@ -142,7 +168,9 @@ const LIST_LONG: u32 = 0x40000000u;
 const LIST_COUNT_MASK: u32 = 0x3fffffffu;
 const BOX_FEATURES: u32 = 12u;
 
-const CELLS_AT: u32 = 4u;
+const EDGES_AT: u32 = 32u;
+const CELLS_AT: u32 = 64u;
+const LEVELS: u32 = 32u;
 const CELL_BLOCK: u32 = 4096u;
 const SUM_WORDS: u32 = 4u;
 const DIGIT_BLOCK: u32 = 1024u;

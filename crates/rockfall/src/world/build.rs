@@ -5,7 +5,7 @@ use glam::{Vec3, Vec4};
 use crate::error::{Error, Result};
 use crate::layout::{
     CELL_BLOCK, CELLS_AT, ENTRY_ID_MASK, FEW_MOVERS, FLAG_COLLISIONS, FLAG_CONTINUE, FLAG_GROUPS, FLAG_PULL, KIND_FORCE,
-    KIND_ROD, KIND_SHIFT, KIND_SPRING, KIND_TETHER, SLICE, SUM_WORDS, Step,
+    KIND_ROD, KIND_SHIFT, KIND_SPRING, KIND_TETHER, LEVEL_BIAS, LINE, SLICE, SUM_WORDS, Step,
 };
 use crate::scene::{Rod, Scene, Sphere, SphereId};
 use crate::settings::{BroadPhase, Settings};
@@ -22,8 +22,10 @@ const FIRST_MARGIN: f32 = 2.0;
 /// Steps for which AABBs are grown at the start.
 const FIRST_LOOKAHEAD: f32 = 1.0;
 
-/// Cells are as large as AABBs of spheres at rest, and a little more.
+/// Cells are as large as AABBs of spheres at rest, and a little more, for what moves has larger ones;
 const CELL_PER_RADIUS: f32 = 2.4;
+/// a little more still where all stand on one level.
+const CELL_OF_ALL: f32 = 2.75;
 
 impl World {
     /// The world of a scene before its first step, spheres in order of addition.
@@ -153,7 +155,7 @@ impl World {
     /// Chooses the grid's cells: a little larger than most spheres. They are at least twice as many as there are objects, so that rows
     /// of them seldom share places of the table, if not one block, which is made in one dispatch, will do.
     fn set_grid(&mut self, scene: &Scene) {
-        self.step.cell_size = typical_cell(scene);
+        (self.step.cell_size, self.step.least_level) = typical_cell(scene);
         let objects = self.objects();
         let cells = if objects <= CELL_BLOCK { CELL_BLOCK } else { 2 * objects };
         self.place_cells(cells, has_long_movers(scene, self.step.cell_size));
@@ -181,8 +183,8 @@ impl World {
         let step = &mut self.step;
         step.cells = cells.max(CELL_BLOCK).next_power_of_two();
         step.sums_at = CELLS_AT + step.cells;
-        step.keys_at = step.sums_at + SUM_WORDS * (step.cells / CELL_BLOCK);
-        step.sorted_at = step.keys_at + objects;
+        step.keys_at = (step.sums_at + SUM_WORDS * (step.cells / CELL_BLOCK)).next_multiple_of(LINE);
+        step.sorted_at = (step.keys_at + objects).next_multiple_of(LINE);
         step.long_at = if long_movers { step.sorted_at + objects } else { 0 };
     }
 
@@ -222,8 +224,9 @@ impl World {
     }
 }
 
-/// A little more than the AABBs of most spheres at rest.
-fn typical_cell(scene: &Scene) -> f32 {
+/// A little more than the AABBs of most spheres at rest, and the least level of the grid: each level of cells costs every mover a
+/// search, so where radii differ little all that are not too large stand on one.
+fn typical_cell(scene: &Scene) -> (f32, u32) {
     let mut radii: Vec<f32> = scene.spheres().iter().map(|sphere| sphere.radius).collect();
     let count = radii.len();
     let mut quantile = |place: usize| match count {
@@ -231,9 +234,9 @@ fn typical_cell(scene: &Scene) -> f32 {
         _ => *radii.select_nth_unstable_by(place, f32::total_cmp).1,
     };
     let (median, large) = (quantile(count / 2), quantile(count - count.min(1) - count / 50));
-    // Where radii differ little, all spheres fit the cells of one level.
-    let radius = if large < 2.0 * median { large } else { median };
-    (CELL_PER_RADIUS * radius).clamp(1e-20, 1e20)
+    let (size, least_level) =
+        if large < 2.0 * median { (CELL_OF_ALL * large, LEVEL_BIAS) } else { (CELL_PER_RADIUS * median, 0) };
+    (size.clamp(1e-20, 1e20), least_level)
 }
 
 /// Whether some sphere or rod at rest is so large that it stands on [`LONG_LEVEL`](crate::layout::LONG_LEVEL) or above.
@@ -248,7 +251,7 @@ fn has_long_movers(scene: &Scene, cell: f32) -> bool {
 
 fn order_in_space(scene: &Scene) -> Vec<u32> {
     let balls: Vec<Vec4> = scene.spheres().iter().map(|sphere| sphere.position.extend(sphere.radius)).collect();
-    spatial_order(&balls, typical_cell(scene))
+    spatial_order(&balls, typical_cell(scene).0)
 }
 
 fn order_along_x(scene: &Scene) -> Vec<u32> {
@@ -273,11 +276,13 @@ fn slot_of(scene: &Scene, slots: &[u32], id: SphereId) -> Result<u32> {
 /// Which sphere stands where, unless they stand in order of addition.
 fn pack_order(order: &[u32], slots: &[u32], step: &mut Step, words: &mut Vec<u32>) {
     (step.users_at, step.slots_at) = (0, 0);
+    let mut append = |table: &[u32]| {
+        words.resize(words.len().next_multiple_of(LINE as usize), 0);
+        words.extend(table);
+        (words.len() - table.len()) as u32
+    };
     if !order.is_empty() {
-        step.users_at = words.len() as u32;
-        words.extend(order);
-        step.slots_at = words.len() as u32;
-        words.extend(slots);
+        (step.users_at, step.slots_at) = (append(order), append(slots));
     }
 }
 

@@ -18,7 +18,7 @@ pub(crate) fn decide(world: &World, findings: &mut Findings) {
     for (id, aabb) in world.aabbs.iter().enumerate() {
         let (min, max) = (aabb.min.map(f64::from), aabb.max.map(f64::from));
         let largest = (0..3).map(|k| max[k] - min[k]).fold(0.0, f64::max);
-        let level = (0..TOP_LEVEL).find(|level| largest <= cell_size(world, *level)).unwrap();
+        let level = (world.step.least_level..TOP_LEVEL).find(|level| largest <= cell_size(world, *level)).unwrap();
         let size = cell_size(world, level);
         findings.decide("level", id, largest / size - 1.0);
         findings.decide("level", id, 2.0 * largest / size - 1.0);

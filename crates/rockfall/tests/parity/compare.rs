@@ -9,7 +9,7 @@
 use glam::{Vec3, Vec4};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
-use rockfall::layout::Status;
+use rockfall::layout::{Status, TELLERS, Told};
 use rockfall::stage::{Buffer, Run};
 use rockfall::world::World;
 
@@ -67,7 +67,7 @@ fn floats(world: &World) -> Vec<Floats> {
     field(Buffer::RowSums, "row sums", world.row_sums.clone());
     field(Buffer::Orientations, "quaternion", flat(&world.orientations));
     let status = &world.status;
-    let measured = [status.escape_ratio, status.max_overlap, status.last_max_overlap];
+    let measured = [status.escape_ratio, status.told().max_overlap, status.last_max_overlap];
     field(Buffer::Status, "overlaps and escapes", measured.map(f32::from_bits).to_vec());
     all
 }
@@ -76,7 +76,10 @@ fn words(world: &World) -> Vec<(Buffer, &'static str, Vec<u32>)> {
     let tags = world.aabbs.iter().flat_map(|aabb| [aabb.id, aabb.tag]).collect();
     let head = world.lists[..world.step.entries_at as usize].to_vec();
     let lists = entries(world).into_iter().map(|entry| entry.word).collect();
-    let counters = Status { escape_ratio: 0, max_overlap: 0, last_max_overlap: 0, ..world.status };
+    // Who has told what is left to the devices.
+    let mut told = [Told::default(); TELLERS as usize];
+    told[0] = Told { max_overlap: 0, ..world.status.told() };
+    let counters = Status { told, escape_ratio: 0, last_max_overlap: 0, ..world.status };
     vec![
         (Buffer::Aabbs, "ids and tags", tags),
         (Buffer::Words, "words", world.words.clone()),
