@@ -117,6 +117,12 @@ pub const NO_BODY: u32 = u32::MAX;
 /// The place in a step where a body stopped being finite, the high bits of [`Status::bad_body`].
 pub const BAD_STAGE_SHIFT: u32 = 27;
 
+/// Words of the sizes of dispatches that make lists: x, y and z for each of [`Threads::PLANNED`](crate::stage::Threads::PLANNED).
+pub const SIZE_WORDS: u32 = 12;
+/// From so many objects on the device decides how many workgroups the stages have that make lists.
+pub const PLANNED_FROM: u32 = 1 << 22;
+/// Workgroups of a dispatch along one dimension that WebGPU promises.
+pub const MOST_ACROSS: u32 = 65_535;
 /// How many [`Told`] there are.
 pub const TELLERS: u32 = 64;
 /// Words of a line of a device's cache: what neighbouring threads read together begins with one.
@@ -244,8 +250,10 @@ pub struct Step {
     pub lead: f32,
     /// First word of the long movers, in `cells`; 0: all lists are made by one thread each, for radii differ little.
     pub long_at: u32,
+    /// 1: `plan_lists` decides how many workgroups the stages have that make lists.
+    pub planned: u32,
     /// Padding to a multiple of 16 bytes.
-    pub pad: [u32; 3],
+    pub pad: [u32; 2],
 }
 
 /// The uniform block `pass_`: which force evaluation of the step this is.

@@ -6,7 +6,7 @@
 //!
 //! This module is public for tools and tests; it may change between minor versions.
 
-use crate::layout::{CELL_BLOCK, DIGIT_BLOCK, Step, WIDE, WORKGROUP};
+use crate::layout::{CELL_BLOCK, DIGIT_BLOCK, SIZE_WORDS, Step, WIDE, WORKGROUP};
 use crate::world::World;
 
 mod advance;
@@ -36,6 +36,7 @@ mod key_spheres;
 mod leap;
 mod measure_order;
 mod permute_spheres;
+mod plan_lists;
 mod restore_lengths;
 mod rod_forces;
 mod run_steps;
@@ -84,13 +85,16 @@ pub enum Buffer {
     Wrenches,
     /// Unit quaternions (x, y, z, w) of the spheres' orientations.
     Orientations,
+    /// In large scenes: workgroups of the dispatches that make lists, as they are in this step, then as they are when there is
+    /// something to do.
+    Sizes,
     /// The [`Status`](crate::layout::Status) block.
     Status,
 }
 
 impl Buffer {
     /// All buffers.
-    pub const ALL: [Self; 14] = [
+    pub const ALL: [Self; 15] = [
         Self::Start,
         Self::Y2,
         Self::Y3,
@@ -104,6 +108,7 @@ impl Buffer {
         Self::RowSums,
         Self::Wrenches,
         Self::Orientations,
+        Self::Sizes,
         Self::Status,
     ];
 
@@ -123,6 +128,7 @@ impl Buffer {
             Self::RowSums => "the row sums of collisions",
             Self::Wrenches => "the forces on rods",
             Self::Orientations => "the orientations",
+            Self::Sizes => "the sizes of dispatches",
             Self::Status => "the status",
         }
     }
@@ -218,6 +224,14 @@ pub enum Threads {
 }
 
 impl Threads {
+    /// Those of the stages that make lists in large scenes.
+    pub const PLANNED: [Self; SIZE_WORDS as usize / 3] = [Self::WideObjects, Self::Blocks, Self::Movers, Self::LongMovers];
+
+    /// Where the size of a dispatch of such a stage stands among [`Buffer::Sizes`], in bytes.
+    pub fn size_at(self) -> Option<u64> {
+        Self::PLANNED.iter().position(|threads| *threads == self).map(|place| 12 * place as u64)
+    }
+
     /// Workgroups that a stage has in a world of these counts; 0: it has nothing to do.
     pub fn workgroups(self, step: &Step) -> u32 {
         let movers = step.spheres + step.rods;
@@ -235,6 +249,12 @@ impl Threads {
             Self::One => 1,
         }
     }
+}
+
+/// So many workgroups as rows of nearly the same length, of at most `across`: what is too much in the last one is begun, too.
+pub(crate) fn rows(workgroups: u32, across: u32) -> [u32; 3] {
+    let rows = workgroups.div_ceil(across).max(1);
+    [workgroups.div_ceil(rows), rows, 1]
 }
 
 /// A piece of WGSL and the file it stands in.
@@ -269,7 +289,7 @@ pub struct Stage {
 }
 
 /// Every stage there is, once.
-pub const ALL: [&Stage; 40] = [
+pub const ALL: [&Stage; 41] = [
     &update_aabbs::STAGE,
     &count_pairs::STAGE,
     &scan_pairs::STAGE,
@@ -278,6 +298,7 @@ pub const ALL: [&Stage; 40] = [
     &bound_blocks::STAGE,
     &count_near::STAGE,
     &fill_near::STAGE,
+    &plan_lists::STAGE,
     &build_grid::STAGE,
     &clear_cells::STAGE,
     &count_cells::STAGE,

@@ -6,6 +6,8 @@ mod build;
 mod frames;
 mod order;
 
+#[cfg(feature = "gpu")]
+pub(crate) use build::sizes;
 pub(crate) use order::{size_class, spread};
 
 use bytemuck::{bytes_of, bytes_of_mut, cast_slice, cast_slice_mut};
@@ -42,6 +44,9 @@ pub struct World {
     pub order: Vec<u32>,
     /// `spheres` unit quaternions x, y, z, w.
     pub orientations: Vec<Vec4>,
+    /// Sizes of the dispatches that make lists, x, y and z each: as they are in this step, then as they are when there is something
+    /// to do.
+    pub sizes: Vec<u32>,
     /// The status block.
     pub status: Status,
 }
@@ -87,6 +92,7 @@ impl World {
             Buffer::RowSums => cast_slice(&self.row_sums),
             Buffer::Wrenches => cast_slice(&self.wrenches),
             Buffer::Orientations => cast_slice(&self.orientations),
+            Buffer::Sizes => cast_slice(&self.sizes),
             Buffer::Status => bytes_of(&self.status),
         }
     }
@@ -107,6 +113,7 @@ impl World {
             Buffer::RowSums => cast_slice_mut(&mut self.row_sums),
             Buffer::Wrenches => cast_slice_mut(&mut self.wrenches),
             Buffer::Orientations => cast_slice_mut(&mut self.orientations),
+            Buffer::Sizes => cast_slice_mut(&mut self.sizes),
             Buffer::Status => bytes_of_mut(&mut self.status),
         }
     }

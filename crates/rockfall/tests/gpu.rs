@@ -10,7 +10,7 @@ use std::task::{Context, Poll, Waker};
 
 use glam::Vec3;
 use rockfall::gpu::{Gpu, GpuWorld, block_on};
-use rockfall::layout::VOID_PAIRS;
+use rockfall::layout::{CELL_BLOCK, SIZE_WORDS, VOID_PAIRS};
 use rockfall::scene::{Capsule, Cuboid, Sphere};
 use rockfall::stage::{Buffer, Phase, Run};
 use rockfall::world::World;
@@ -88,6 +88,32 @@ fn the_same_input_gives_the_same_bits() {
         all.flat_map(|vector| vector.to_array().map(f32::to_bits)).collect()
     };
     assert_eq!(bits(&ends[0]), bits(&ends[1]));
+}
+
+/// As in scenes of millions: lists are made in some steps, and in the others the stages that make them have no workgroups.
+#[test]
+fn the_device_decides_how_much_there_is_to_do() {
+    let stages: Vec<Run> =
+        Phase::STEP.iter().flat_map(|phase| phase.stages(Integrator::Rk4, BroadPhase::Grid)).copied().collect();
+    let gpu = open();
+    let [told, planned] = [0, 1].map(|planned| {
+        let mut world = world(&heap(100));
+        world.set_cells(2 * CELL_BLOCK);
+        world.step.planned = planned;
+        world.step.lookahead = 4.0;
+        world.set_pair_capacity(1 << 16);
+        let mut device = GpuWorld::new(&gpu, &world).unwrap();
+        device.run(&stages, &world.step, 20).unwrap();
+        let bodies = [Buffer::Start, Buffer::Orientations, Buffer::Status, Buffer::Sizes];
+        block_on(gpu.device(), device.download(&mut world, &bodies)).unwrap();
+        world
+    });
+    assert_eq!((planned.status.void, planned.status.steps), (0, 20));
+    assert!((1..15).contains(&planned.status.builds), "{:?}", planned.status);
+    assert_eq!(told.status, planned.status);
+    assert_eq!((told.states[0].clone(), told.orientations), (planned.states[0].clone(), planned.orientations));
+    let (present, all) = planned.sizes.split_at(SIZE_WORDS as usize);
+    assert!(present.iter().all(|size| *size == 0) && all.iter().all(|size| *size > 0), "{:?}", planned.sizes);
 }
 
 #[test]
@@ -218,7 +244,7 @@ fn a_kernel_that_does_not_compile_names_its_own_file() {
     last.text = format!("{}\nfn broken() -> u32 {{ return 1.5; }}\n", last.text.trim_end()).leak();
     let line = last.text.lines().count();
     let stage = Box::leak(Box::new(Stage { parts: parts.leak(), ..*original }));
-    let refused = device.prepare(&[Run { stage, pass: 0, when: rockfall::stage::When::Always, every: 1 }]);
+    let refused = device.prepare(&[Run { stage, pass: 0, when: rockfall::stage::When::Always, every: 1, planned: false }]);
     let Err(Error::Device(text)) = refused else {
         panic!("{refused:?}");
     };

@@ -223,7 +223,7 @@ fn the_structs_are_those_of_layout() {
     let step = rust_fields!(Step: gravity, dt, activation_threshold, restitution, contact_damping, contact_force, friction,
         coulomb_friction, margin_scale, flags, pair_capacity, spheres, rods, boxes, polygons, rods_at, springs_at, tethers_at,
         forces_at, boxes_at, polygons_at, tags_at, adjacency_at, batches, batches_at, slices_at, entries_at, cell_size, least_level, cells,
-        sums_at, keys_at, sorted_at, lookahead, users_at, slots_at, list_interval, lead, long_at, pad);
+        sums_at, keys_at, sorted_at, lookahead, users_at, slots_at, list_interval, lead, long_at, planned, pad);
     let step = (split(step.0, "pad"), step.1);
     let (pass, pass_size) = rust_fields!(Pass: index, pad);
     let pass = (split(pass, "pad"), pass_size);
@@ -282,6 +282,7 @@ fn the_constants_are_those_of_layout() {
         VOID_NON_FINITE,
         VOID_COUNT,
         TELLERS,
+        SIZE_WORDS,
         EDGES_AT,
         CELLS_AT,
         LEVELS,

@@ -6,7 +6,7 @@ use crate::layout::{
     POLYGON_WORDS, ROD_WORDS, SLICE, SPRING_WORDS, TETHER_WORDS, VOID_PAIRS,
 };
 use crate::stage::Buffer;
-use crate::world::World;
+use crate::world::{World, sizes};
 
 /// # Errors
 /// [`Error::Device`] naming the word that points outside of the world.
@@ -14,8 +14,17 @@ pub(crate) fn check_buffer(world: &World, buffer: Buffer) -> Result<()> {
     match buffer {
         Buffer::Words => check_words(world),
         Buffer::Lists => check_lists(world),
+        Buffer::Sizes => check_sizes(world),
         _ => Ok(()),
     }
+}
+
+/// What a device takes for the size of a dispatch is that, or nothing.
+fn check_sizes(world: &World) -> Result<()> {
+    let all = sizes(&world.step);
+    let is_known = |words: &[u32]| words.iter().zip(&all).all(|(word, known)| word == known || *word == 0);
+    let halves = world.sizes.chunks_exact(all.len());
+    ensure(world.sizes.len() == 2 * all.len() && halves.into_iter().all(is_known), "sizes of dispatches")
 }
 
 fn wrong(what: &str) -> Error {

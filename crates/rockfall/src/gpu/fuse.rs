@@ -29,7 +29,8 @@ pub(crate) fn fused(runs: &[Run], step: &Step, steps: Range<u32>) -> Vec<Run> {
         if let Some((run, pass)) = last.and_then(|run| followed_by(run.pass, *phase).map(|pass| (run, pass))) {
             run.pass = pass;
         } else {
-            dispatches.push(Run { stage: &RUN_STEPS, pass: begun_with(*phase, integrator), when: When::NoRods, every: 1 });
+            let pass = begun_with(*phase, integrator);
+            dispatches.push(Run { stage: &RUN_STEPS, pass, when: When::NoRods, every: 1, planned: false });
         }
         rest = &rest[stages.len()..];
     }

@@ -13,7 +13,14 @@ use crate::gpu::timer::Timer;
 use crate::gpu::wait::Mapped;
 use crate::gpu::world::{GpuWorld, UNIFORM};
 use crate::layout::{Pass, Status, Step};
-use crate::stage::{Buffer, RUN_STEPS, Run, suits};
+use crate::stage::{Buffer, RUN_STEPS, Run, rows, suits};
+
+/// How many workgroups a dispatch has.
+enum Size {
+    Known([u32; 3]),
+    /// Told by the device, at this place among its sizes, in bytes.
+    Planned(u64),
+}
 
 impl GpuWorld {
     /// The block `pass_` of a pass, made at its first use.
@@ -79,19 +86,25 @@ impl GpuWorld {
             let Some((kernel, group)) = self.ready.get(&(run.stage.name, run.pass)) else {
                 return Err(Error::Device(format!("stage {} was not prepared", run.stage.name)));
             };
-            table.push((run, kernel, group, groups));
+            table.push((run, kernel, group, self.size(run, groups)));
         }
-        let across = self.gpu().device().limits().max_compute_workgroups_per_dimension;
         for step in steps {
-            for (_, kernel, group, groups) in table.iter().filter(|(run, ..)| run.is_in(step)) {
+            for (_, kernel, group, size) in table.iter().filter(|(run, ..)| run.is_in(step)) {
                 pass.set_pipeline(&kernel.pipeline);
                 pass.set_bind_group(0, *group, &[]);
-                // Rows of nearly the same length: what is too much in the last one is begun, too.
-                let rows = groups.div_ceil(across);
-                pass.dispatch_workgroups(groups.div_ceil(rows), rows, 1);
+                match *size {
+                    Size::Known([x, y, z]) => pass.dispatch_workgroups(x, y, z),
+                    Size::Planned(at) => pass.dispatch_workgroups_indirect(&self.chunks(Buffer::Sizes)[0], at),
+                }
             }
         }
         Ok(())
+    }
+
+    fn size(&self, run: &Run, workgroups: u32) -> Size {
+        let planned = if run.planned && self.step().planned != 0 { run.stage.threads.size_at() } else { None };
+        let across = self.gpu().device().limits().max_compute_workgroups_per_dimension;
+        planned.map_or_else(|| Size::Known(rows(workgroups, across)), Size::Planned)
     }
 
     /// Runs a list of stages `steps` times over, in one submission, with the constants of `step`. Does not wait.

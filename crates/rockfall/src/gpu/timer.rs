@@ -264,7 +264,7 @@ mod tests {
     fn times(gpu: &Gpu, steps: u32) -> Result<Times> {
         let world = World::build(&Benchmark::Lattice.generate(100, 0)?)?;
         let phases = [Phase::UpdateAabbs, Phase::UpdatePositions];
-        let stages = |phase: &Phase| phase.stages(Integrator::Rk4, BroadPhase::Grid).iter().take(2).copied();
+        let stages = |phase: &Phase| phase.stages(Integrator::Rk4, BroadPhase::BruteForce).iter().take(2).copied();
         let runs: Vec<Run> = phases.iter().flat_map(stages).collect();
         let mut there = GpuWorld::new(gpu, &world)?;
         let timer = there.run_timed(&runs, &world.step, 0..steps)?;

@@ -20,7 +20,8 @@ use crate::world::World;
 pub(super) const UNIFORM: wgpu::BufferUsages = wgpu::BufferUsages::UNIFORM.union(wgpu::BufferUsages::COPY_DST);
 
 /// What a world's buffers hold when a step begins; everything else is written before it is read.
-const KEPT: [Buffer; 6] = [Buffer::Start, Buffer::Aabbs, Buffer::Words, Buffer::Lists, Buffer::Orientations, Buffer::Status];
+const KEPT: [Buffer; 7] =
+    [Buffer::Start, Buffer::Aabbs, Buffer::Words, Buffer::Lists, Buffer::Orientations, Buffer::Sizes, Buffer::Status];
 
 /// The buffers of a [`World`] on a device.
 #[derive(Debug)]

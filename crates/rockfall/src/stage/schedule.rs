@@ -6,8 +6,8 @@ use crate::stage::{
     Stage, advance, apply_collisions, apply_long, bound_blocks, build_grid, clear_cells, commit_and_turn, commit_collisions,
     commit_leap, constrain, count_cells, count_digits, count_long, count_near, count_pairs, end_step, fill_long, fill_near,
     fill_pairs, find_collisions, find_neighbours, finish, finish_and_turn, key_spheres, leap, measure_order, permute_spheres,
-    restore_lengths, rod_forces, scan_cells, scan_pairs, scatter_digits, settle_spheres, sort_axis, sort_cells, turn,
-    update_aabbs, weigh_collisions,
+    plan_lists, restore_lengths, rod_forces, scan_cells, scan_pairs, scatter_digits, settle_spheres, sort_axis, sort_cells,
+    turn, update_aabbs, weigh_collisions,
 };
 use crate::world::World;
 
@@ -26,6 +26,8 @@ pub enum When {
     ManyBlocks,
     /// In those with bodies much larger than most.
     LongMovers,
+    /// In those so large that stages with nothing to do take time.
+    Planned,
 }
 
 /// A stage, the pass it is run for, in which scenes and how often.
@@ -39,6 +41,8 @@ pub struct Run {
     pub when: When,
     /// In which steps of a batch: every so many-th, from the first on.
     pub every: u32,
+    /// Whether `plan_lists` decides how many workgroups there are, where it is part of the step.
+    pub planned: bool,
 }
 
 impl Run {
@@ -51,6 +55,7 @@ impl Run {
             When::OneBlock => step.cells == CELL_BLOCK,
             When::ManyBlocks => step.cells != CELL_BLOCK,
             When::LongMovers => step.long_at != 0,
+            When::Planned => step.planned != 0,
         }
     }
 
@@ -74,6 +79,10 @@ impl Run {
     const fn when(self, when: When) -> Self {
         Self { when, ..self }
     }
+
+    const fn planned(self) -> Self {
+        Self { planned: true, ..self }
+    }
 }
 
 const fn run(stage: &'static Stage) -> Run {
@@ -81,7 +90,7 @@ const fn run(stage: &'static Stage) -> Run {
 }
 
 const fn pass(stage: &'static Stage, pass: u32) -> Run {
-    Run { stage, pass, when: When::Always, every: 1 }
+    Run { stage, pass, when: When::Always, every: 1, planned: false }
 }
 
 /// The phases of a step, each callable alone.
@@ -109,19 +118,23 @@ impl Phase {
     /// The stages of this phase, in their order. [`BroadPhase::Auto`] stands for brute force here.
     pub fn stages(self, integrator: Integrator, broad_phase: BroadPhase) -> &'static [Run] {
         match (self, integrator, broad_phase) {
+            (Self::UpdateAabbs, _, BroadPhase::Grid) => {
+                const { &[run(&plan_lists::STAGE).when(When::Planned), run(&update_aabbs::STAGE).planned()] }
+            }
             (Self::UpdateAabbs, _, _) => const { &[run(&update_aabbs::STAGE)] },
             (Self::BroadPhase, _, BroadPhase::Grid) => {
                 const {
                     &[
+                        run(&plan_lists::STAGE).when(When::Planned),
                         run(&build_grid::STAGE).when(When::OneBlock),
-                        run(&clear_cells::STAGE).when(When::ManyBlocks),
-                        run(&count_cells::STAGE).when(When::ManyBlocks),
-                        run(&scan_cells::SUM).when(When::ManyBlocks),
-                        run(&scan_cells::PLACE).when(When::ManyBlocks),
-                        run(&sort_cells::STAGE).when(When::ManyBlocks),
-                        run(&count_long::STAGE).when(When::LongMovers),
-                        run(&find_neighbours::STAGE),
-                        run(&fill_long::STAGE).when(When::LongMovers),
+                        run(&clear_cells::STAGE).when(When::ManyBlocks).planned(),
+                        run(&count_cells::STAGE).when(When::ManyBlocks).planned(),
+                        run(&scan_cells::SUM).when(When::ManyBlocks).planned(),
+                        run(&scan_cells::PLACE).when(When::ManyBlocks).planned(),
+                        run(&sort_cells::STAGE).when(When::ManyBlocks).planned(),
+                        run(&count_long::STAGE).when(When::LongMovers).planned(),
+                        run(&find_neighbours::STAGE).planned(),
+                        run(&fill_long::STAGE).when(When::LongMovers).planned(),
                     ]
                 }
             }

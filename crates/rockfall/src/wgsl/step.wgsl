@@ -40,10 +40,10 @@ struct Step {
     list_interval: f32,
     lead: f32,
     long_at: u32,
+    planned: u32,
     // The padding is words and not an array: arrays in uniform blocks have a stride of 16 bytes.
     pad_0: u32,
     pad_1: u32,
-    pad_2: u32,
 }
 
 struct Pass {
@@ -157,6 +157,7 @@ const KIND_TETHER: u32 = 2u;
 const KIND_FORCE: u32 = 3u;
 
 const TELLERS: u32 = 64u;
+const SIZE_WORDS: u32 = 12u;
 
 const ENTRY_ID_BITS: u32 = 26u;
 const ENTRY_ID_MASK: u32 = 0x3ffffffu;

@@ -5,10 +5,11 @@ use glam::{Vec3, Vec4};
 use crate::error::{Error, Result};
 use crate::layout::{
     CELL_BLOCK, CELLS_AT, ENTRY_ID_MASK, FEW_MOVERS, FLAG_COLLISIONS, FLAG_CONTINUE, FLAG_GROUPS, FLAG_PULL, KIND_FORCE,
-    KIND_ROD, KIND_SHIFT, KIND_SPRING, KIND_TETHER, LEVEL_BIAS, LINE, SLICE, SUM_WORDS, Step,
+    KIND_ROD, KIND_SHIFT, KIND_SPRING, KIND_TETHER, LEVEL_BIAS, LINE, MOST_ACROSS, PLANNED_FROM, SLICE, SUM_WORDS, Step,
 };
 use crate::scene::{Rod, Scene, Sphere, SphereId};
 use crate::settings::{BroadPhase, Settings};
+use crate::stage::{Threads, rows};
 use crate::world::World;
 use crate::world::frames::batches;
 use crate::world::order::{inverse, size_class, spatial_order};
@@ -186,6 +187,8 @@ impl World {
         step.keys_at = (step.sums_at + SUM_WORDS * (step.cells / CELL_BLOCK)).next_multiple_of(LINE);
         step.sorted_at = (step.keys_at + objects).next_multiple_of(LINE);
         step.long_at = if long_movers { step.sorted_at + objects } else { 0 };
+        step.planned = u32::from(objects >= PLANNED_FROM);
+        self.sizes = sizes(step).repeat(2);
     }
 
     /// With scratch arrays of the sizes that the counts ask for, as the CPU backend needs them.
@@ -222,6 +225,11 @@ impl World {
             }
         }
     }
+}
+
+/// Workgroups of the dispatches that make lists, in rows that every device allows.
+pub(crate) fn sizes(step: &Step) -> Vec<u32> {
+    Threads::PLANNED.iter().flat_map(|threads| rows(threads.workgroups(step), MOST_ACROSS)).collect()
 }
 
 /// A little more than the AABBs of most spheres at rest, and the least level of the grid: each level of cells costs every mover a
@@ -404,7 +412,7 @@ mod tests {
         let scene = Benchmark::Mixed.generate(100, 0).unwrap();
         let mut world = World::for_method(&scene, BroadPhase::Grid).unwrap();
         let held: Vec<Buffer> = Buffer::ALL.into_iter().filter(|buffer| !world.bytes(*buffer).is_empty()).collect();
-        assert_eq!(held, [Buffer::Start, Buffer::Words, Buffer::Orientations, Buffer::Status]);
+        assert_eq!(held, [Buffer::Start, Buffer::Words, Buffer::Orientations, Buffer::Sizes, Buffer::Status]);
         world.set_pair_room(64);
         assert!(world.lists.is_empty());
         // As large as the counts say, whatever the capacity was before.

@@ -83,6 +83,7 @@ fn words(world: &World) -> Vec<(Buffer, &'static str, Vec<u32>)> {
     vec![
         (Buffer::Aabbs, "ids and tags", tags),
         (Buffer::Words, "words", world.words.clone()),
+        (Buffer::Sizes, "sizes", world.sizes.clone()),
         (Buffer::Cells, "cells", world.cells.clone()),
         (Buffer::Lists, "counts and offsets", head),
         (Buffer::Lists, "entries", lists),

@@ -83,6 +83,8 @@ fn sized(mut world: World) -> World {
     world.step.dt = DT;
     world.step.margin_scale = MARGIN;
     world.step.lead = 0.5;
+    // As in a large scene.
+    world.step.planned = 1;
     world.set_pair_capacity(world.movers() * 64);
     // Not 0, so that a word that a stage leaves out shows.
     world.cells[CELLS_AT as usize..].fill(3);
@@ -130,7 +132,7 @@ fn joined(world: &World, first: &Run) -> Option<Scenario> {
         _ => return None,
     };
     let stage = ALL.into_iter().find(|stage| stage.name == "run_steps").expect("the stage of small scenes");
-    let run = Run { stage, pass, when: When::NoRods, every: 1 };
+    let run = Run { stage, pass, when: When::NoRods, every: 1, planned: false };
     run.applies(&world.step).then(|| Scenario { run, before: world.clone() })
 }
 
