@@ -46,7 +46,7 @@ pub(crate) const STAGE: Stage = Stage {
         read("row_sums", Buffer::RowSums),
         write("status", Buffer::Status),
     ],
-    threads: Threads::WideSpheres,
+    threads: Threads::Spheres,
     cpu: apply_collisions,
 };
 

@@ -10,13 +10,13 @@ fn put_next(region: u32, i: u32, row: vec4f) {
     next[region * step.spheres + i] = row;
 }
 
-@compute @workgroup_size(256)
+@compute @workgroup_size(64)
 fn apply_collisions(
     @builtin(workgroup_id) group: vec3u,
     @builtin(num_workgroups) groups: vec3u,
     @builtin(local_invocation_index) local: u32,
 ) {
-    let i = wide_thread(group, groups, local);
+    let i = linear_thread(group, groups, local);
     if i < step.spheres {
         // Nearly all are told by one word of the lists that they have nothing to do; the status takes several times as long to read.
         if takes_part_in_any(i) {
