@@ -252,7 +252,7 @@ impl Threads {
 }
 
 /// So many workgroups as rows of nearly the same length, of at most `across`: what is too much in the last one is begun, too.
-pub(crate) fn rows(workgroups: u32, across: u32) -> [u32; 3] {
+pub fn rows(workgroups: u32, across: u32) -> [u32; 3] {
     let rows = workgroups.div_ceil(across).max(1);
     [workgroups.div_ceil(rows), rows, 1]
 }

@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 
+use rockfall::stage::rows;
 use rockfall::wgpu;
 
 use crate::draw::pipelines::{CULL, Layouts};
@@ -130,9 +131,9 @@ impl Cull {
     fn dispatch(&self, pass: &mut wgpu::ComputePass<'_>, across: u32) {
         let groups = self.spheres.div_ceil(WORKGROUP);
         if groups > 0 {
-            let across = groups.min(across);
+            let [x, y, z] = rows(groups, across);
             pass.set_bind_group(0, &self.group, &[]);
-            pass.dispatch_workgroups(across, groups.div_ceil(across), 1);
+            pass.dispatch_workgroups(x, y, z);
         }
     }
 

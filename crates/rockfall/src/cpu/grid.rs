@@ -41,14 +41,14 @@ fn key(step: &Step, x: i32, y: i32, z: i32, level: u32) -> u32 {
     row.wrapping_add(x as u32) & (step.cells - 1)
 }
 
-/// The cell of an object in the table, and its level.
-pub(crate) fn key_of(step: &Step, aabb: &Aabb) -> (u32, u32) {
+/// The cell of an object in the table, its level, and its largest edge.
+pub(crate) fn key_of(step: &Step, aabb: &Aabb) -> (u32, u32, f32) {
     let largest = largest_edge(aabb);
     let levels = (step.least_level..TOP_LEVEL).map(|number| Level::new(step, number));
     let level = levels.into_iter().find(|level| largest <= level.size).unwrap_or(Level::new(step, TOP_LEVEL));
     let [min, max] = [aabb.min, aabb.max].map(|bound| Vec3::from_array(bound).extend(0.0));
     let IVec3 { x, y, z } = level.cell(0.5 * min + 0.5 * max);
-    (key(step, x, y, z, level.number), level.number)
+    (key(step, x, y, z, level.number), level.number, largest)
 }
 
 /// Whether an object is no mover, and one of few: then every mover tests it, for levels of their own would cost more.
@@ -332,7 +332,7 @@ fn hull(a: Aabb, b: Aabb) -> Aabb {
     Aabb { min: min.to_array(), max: max.to_array(), ..a }
 }
 
-pub(crate) fn largest_edge(aabb: &Aabb) -> f32 {
+fn largest_edge(aabb: &Aabb) -> f32 {
     (Vec3::from_array(aabb.max) - Vec3::from_array(aabb.min)).max_element()
 }
 

@@ -14,13 +14,13 @@ pub(crate) fn check_buffer(world: &World, buffer: Buffer) -> Result<()> {
     match buffer {
         Buffer::Words => check_words(world),
         Buffer::Lists => check_lists(world),
-        Buffer::Sizes => check_sizes(world),
+        Buffer::Sizes => check_dispatches(world),
         _ => Ok(()),
     }
 }
 
 /// What a device takes for the size of a dispatch is that, or nothing.
-fn check_sizes(world: &World) -> Result<()> {
+fn check_dispatches(world: &World) -> Result<()> {
     let all = sizes(&world.step);
     let is_known = |words: &[u32]| words.iter().zip(&all).all(|(word, known)| word == known || *word == 0);
     let halves = world.sizes.chunks_exact(all.len());

@@ -86,7 +86,8 @@ fn build(device: &wgpu::Device, stage: &Stage, rods: bool, chunks: &[u32]) -> Ke
     // those in `cells` are sums of the counts of the objects, made from zero in the same step or not used; the uniform block
     // that holds counts and offsets is always that of the uploaded world, and the buffers are made to its sizes
     // (`GpuWorld::new`, `upload`); an index of an array in chunks that is inside the array is inside the chunk that `split`
-    // has chosen for it. Loops run over counts from the same places, sweeps up to MAX_SWEEPS. Workgroup memory is written
+    // has chosen for it. `extents` is read up to three rows past the last object, for which it has room. Sizes of dispatches that the
+    // device tells are zero or those that `gpu::check` has seen. Loops run over counts from the same places, sweeps up to MAX_SWEEPS. Workgroup memory is written
     // before it is read. No integer is divided by anything that may be 0.
     let module = unsafe { device.create_shader_module_trusted(module, wgpu::ShaderRuntimeChecks::unchecked()) };
     let mut entries =

@@ -2,7 +2,6 @@
 
 use crate::error::{Error, Result};
 use crate::gpu::fault::catch;
-use crate::layout::SIZE_WORDS;
 use crate::stage::{ALL, Buffer, RUN_STEPS, Stage, is_small};
 use crate::world::World;
 
@@ -19,8 +18,7 @@ pub(crate) fn bytes_needed(world: &World, buffer: Buffer) -> u64 {
         Buffer::Start | Buffer::Y2 | Buffer::Y3 | Buffer::Y4 => vectors(3 * u64::from(step.spheres)),
         Buffer::States if is_small(step) => vectors(12 * u64::from(step.spheres)),
         Buffer::Aabbs => 32 * u64::from(world.objects()),
-        Buffer::States | Buffer::Words | Buffer::Status => 0,
-        Buffer::Sizes => 8 * u64::from(SIZE_WORDS),
+        Buffer::States | Buffer::Words | Buffer::Sizes | Buffer::Status => 0,
         Buffer::Cells => 4 * world.cell_words(),
         Buffer::Lists => 4 * (u64::from(step.entries_at) + u64::from(step.pair_capacity)),
         Buffer::RowSums => 4 * u64::from(world.row_sum_words()),

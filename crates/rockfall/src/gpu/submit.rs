@@ -77,6 +77,7 @@ impl GpuWorld {
     /// # Errors
     /// [`Error::Device`] for a stage that was not prepared.
     pub fn encode(&self, pass: &mut wgpu::ComputePass<'_>, runs: &[Run], steps: Range<u32>) -> Result<()> {
+        let across = self.gpu().device().limits().max_compute_workgroups_per_dimension;
         let mut table = Vec::with_capacity(runs.len());
         for run in runs {
             let groups = run.workgroups(self.step());
@@ -86,7 +87,7 @@ impl GpuWorld {
             let Some((kernel, group)) = self.ready.get(&(run.stage.name, run.pass)) else {
                 return Err(Error::Device(format!("stage {} was not prepared", run.stage.name)));
             };
-            table.push((run, kernel, group, self.size(run, groups)));
+            table.push((run, kernel, group, self.size(run, groups, across)));
         }
         for step in steps {
             for (_, kernel, group, size) in table.iter().filter(|(run, ..)| run.is_in(step)) {
@@ -101,9 +102,8 @@ impl GpuWorld {
         Ok(())
     }
 
-    fn size(&self, run: &Run, workgroups: u32) -> Size {
+    fn size(&self, run: &Run, workgroups: u32, across: u32) -> Size {
         let planned = if run.planned && self.step().planned != 0 { run.stage.threads.size_at() } else { None };
-        let across = self.gpu().device().limits().max_compute_workgroups_per_dimension;
         planned.map_or_else(|| Size::Known(rows(workgroups, across)), Size::Planned)
     }
 

@@ -10,7 +10,7 @@ use crate::gpu::memory::{READ_BACK, make_buffer};
 use crate::gpu::wait::Mapped;
 use crate::gpu::world::GpuWorld;
 use crate::profile::{Clock, Times};
-use crate::stage::Run;
+use crate::stage::{Run, rows};
 
 /// Timestamps that one query set may hold.
 const SET: u32 = wgpu::QUERY_SET_MAX_QUERIES;
@@ -218,13 +218,13 @@ pub(crate) async fn copy_bandwidth(gpu: &Gpu) -> Result<f64> {
                 .map(|(binding, buffer)| wgpu::BindGroupEntry { binding, resource: buffer.as_entire_binding() }),
         });
         let groups = (bytes / 16).div_ceil(256) as u32;
-        let across = groups.min(limits.max_compute_workgroups_per_dimension);
+        let [x, y, z] = rows(groups, limits.max_compute_workgroups_per_dimension);
         let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         for number in 0..COPIES {
             let mut pass = ticks.begin_pass(&mut encoder, 2 * number);
             pass.set_pipeline(&pipeline);
             pass.set_bind_group(0, &group, &[]);
-            pass.dispatch_workgroups(across, groups.div_ceil(across), 1);
+            pass.dispatch_workgroups(x, y, z);
         }
         ticks.resolve(&mut encoder);
         gpu.queue().submit([encoder.finish()]);

@@ -2,8 +2,8 @@
 //!
 //! With f the right side at stage state Y(p+1): Y(p+2) = y + c f, c = dt/2, dt/2, dt. Pass 0 counts contacts. A sphere
 //! of which a stage state is outside of its AABB voids the step, in pass 2; one whose next state is not finite gets its
-//! starting position, no velocity and no spin there, and is reported. In pass 2 a sphere that may leave its AABB within the next step asks for new
-//! lists (`rebuild`): its stage state 4 is about where this step will end.
+//! starting position, no velocity and no spin there, and is reported. In pass 2 a sphere that may leave its AABB within the
+//! next step asks for new lists (`rebuild`): its stage state 4 is about where this step will end.
 
 use rayon::prelude::*;
 

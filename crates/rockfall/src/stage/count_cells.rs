@@ -4,7 +4,7 @@
 use rayon::prelude::*;
 
 use crate::cpu::GRAIN;
-use crate::cpu::grid::{is_long, key_of, largest_edge, stands_apart};
+use crate::cpu::grid::{is_long, key_of, stands_apart};
 use crate::layout::{CELLS_AT, EDGES_AT};
 use crate::stage::{Buffer, Stage, Threads, part, read, write};
 use crate::world::World;
@@ -28,13 +28,13 @@ fn count_cells(world: &mut World, _pass: u32) {
         return;
     }
     let step = &world.step;
-    let keys: Vec<(u32, u32)> = world.aabbs.par_iter().with_min_len(GRAIN).map(|aabb| key_of(step, aabb)).collect();
-    for (object, (key, level)) in keys.into_iter().enumerate() {
+    let keys: Vec<_> = world.aabbs.par_iter().with_min_len(GRAIN).map(|aabb| key_of(step, aabb)).collect();
+    for (object, (key, level, largest)) in keys.into_iter().enumerate() {
         if !stands_apart(step, object as u32) {
             world.cells[0] |= 1 << level;
             let edge = &mut world.cells[(EDGES_AT + level) as usize];
             // Positive floats order like their bits.
-            *edge = (*edge).max(largest_edge(&world.aabbs[object]).max(0.0).to_bits());
+            *edge = (*edge).max(largest.max(0.0).to_bits());
         }
         if (object as u32) < step.spheres + step.rods && is_long(step, &world.aabbs[object]) {
             let at = step.long_at + world.cells[3];

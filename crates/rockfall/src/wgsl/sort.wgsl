@@ -1,11 +1,6 @@
 // Up to 32 keys put in order in registers, by networks: few instructions, none of which depends on what the keys are, so that
 // neighbouring threads do the same. (Batcher 1968.)
 
-struct Eight {
-    a: vec4u,
-    b: vec4u,
-}
-
 struct Sixteen {
     a: vec4u,
     b: vec4u,
@@ -57,8 +52,8 @@ fn sorted_16(s: Sixteen) -> Sixteen {
     let b = vec4u(last.y, third.y, second.y, first.y);
     let c = vec4u(first.z, second.z, third.z, last.z);
     let d = vec4u(last.w, third.w, second.w, first.w);
-    // Two eights, of which the second is to fall.
-    let rising = Eight(ordered_4(min(a, b)), ordered_4(max(a, b)));
-    let falling = Eight(ordered_4(max(c, d)).wzyx, ordered_4(min(c, d)).wzyx);
-    return ordered_16(Sixteen(rising.a, rising.b, falling.a, falling.b));
+    // Two eights, of which the second falls.
+    return ordered_16(
+        Sixteen(ordered_4(min(a, b)), ordered_4(max(a, b)), ordered_4(max(c, d)).wzyx, ordered_4(min(c, d)).wzyx),
+    );
 }
