@@ -4,13 +4,16 @@
 @group(0) @binding(5) var<storage, read_write> row_sums: array<f32>;
 @group(0) @binding(6) var<storage, read_write> status: StatusAtomic;
 
-// So many coupled contacts are worked out between two barriers, shared out evenly among the collisions at hand.
-const ROOM: u32 = 512u;
+// So many collisions are weighed at once, and so many coupled contacts worked out between two barriers, shared out evenly among them.
+// Both are small: what takes time is that one load waits for another, so as many workgroups as may be should find room beside each
+// other, which workgroup memory bounds.
+const AT_ONCE: u32 = 16u;
+const ROOM: u32 = 128u;
 
 // The collisions at hand: which mover of the workgroup has it, and where in its list; ids and feature.
-var<workgroup> places: array<vec2u, WORKGROUP>;
-var<workgroup> names: array<vec3u, WORKGROUP>;
-var<workgroup> collisions: array<Contact, WORKGROUP>;
+var<workgroup> places: array<vec2u, AT_ONCE>;
+var<workgroup> names: array<vec3u, AT_ONCE>;
+var<workgroup> collisions: array<Contact, AT_ONCE>;
 // How many coupled contacts each has put down.
 var<workgroup> gathered: array<u32, WORKGROUP>;
 // Slot in the collision << SLOT_SHIFT | row, and the entry in that row; the bits of the term take the place of the first.
@@ -117,7 +120,7 @@ fn put_down(mover: u32, begin: u32, local: u32) -> u32 {
     var e = next_collision(mover, begin);
     while e < count {
         let place = atomicAdd(&count_up, 1u);
-        if place >= WORKGROUP {
+        if place >= AT_ONCE {
             break;
         }
         places[place] = vec2u(local, e);
@@ -211,11 +214,11 @@ fn add_terms(at: u32, count: u32, task: ptr<function, Task>) {
     }
 }
 
-// What `count_up` has come to, up to WORKGROUP; it is 0 then. All threads of the workgroup must come here.
+// What `count_up` has come to, up to AT_ONCE; it is 0 then. All threads of the workgroup must come here.
 fn counted_up(local: u32) -> u32 {
     workgroupBarrier();
     if local == 0u {
-        told_to_all = min(atomicLoad(&count_up), WORKGROUP);
+        told_to_all = min(atomicLoad(&count_up), AT_ONCE);
         atomicStore(&count_up, 0u);
     }
     return workgroupUniformLoad(&told_to_all);

@@ -185,7 +185,7 @@ fn the_room_for_coupled_contacts_does_not_show() {
     let trace = trace(&plan(0, Integrator::Rk4));
     let Scenario { run, before } =
         trace.scenarios.iter().find(|scenario| scenario.run.stage.name == "weigh_collisions").expect("a stage");
-    let less = Mistake("", 0, "weigh_collisions.wgsl", "ROOM: u32 = 512u", "ROOM: u32 = WORKGROUP", Buffer::RowSums);
+    let less = Mistake("", 0, "weigh_collisions.wgsl", "ROOM: u32 = 128u", "ROOM: u32 = AT_ONCE", Buffer::RowSums);
     let part_by_part = on_gpu(&open(), before, broken(*run, &less)).row_sums;
     let bits = |sums: &[f32]| sums.iter().map(|sum| sum.to_bits()).collect::<Vec<_>>();
     let at_once = on_gpu(&open(), before, *run).row_sums;
