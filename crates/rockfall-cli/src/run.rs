@@ -74,7 +74,7 @@ pub(crate) struct Arguments {
     #[arg(long)]
     keep_going: bool,
     /// Words that the pair lists may take at the start
-    #[arg(long, value_name = "N", hide = true, value_parser = clap::value_parser!(u32).range(..=i64::from(rockfall::layout::MAX_PAIR_WORDS)))]
+    #[arg(long, value_name = "N", hide = true)]
     capacity: Option<u32>,
 }
 

@@ -194,7 +194,7 @@ fn wrong_arguments_are_wrong_usage() {
         ("run scene.txt --steps -1", "-1"),
         ("run scene.txt --steps 1e3", "1e3"),
         ("run scene.txt --steps 99999999999999999999999", "99999999999999999999999"),
-        ("run scene.txt --backend cpu --capacity 4294967295", "4026531840"),
+        ("run scene.txt --backend cpu --capacity 4294967296", "4294967295"),
         ("run scene.txt --backend tpu", "one of: auto gpu cpu"),
         ("run scene.txt --integrator euler", "rk4 or symplectic-euler"),
         ("run scene.txt --broad-phase luck", "brute-force"),

@@ -11,8 +11,8 @@
 //!              n x (angular momentum, inverse inertia)
 //! words        u32: rods, springs, tethers, boxes, polygons, tags, users, slots, adjacency, batches (see the WORDS
 //!              constants)
-//! lists        u32: counts (one a mover, padded to whole slices; the top bit is a mark), slice offsets (one a slice and
-//!              the end), entries
+//! lists        u32, in rows of SLICE words: counts (one a mover, padded to whole slices; the top bit is a mark), slice
+//!              offsets in rows (one a slice and the end, padded to whole rows), entries
 //! row sums     f32, in scenes with rods: one a word of the list entries, of those that collide
 //! ```
 
@@ -23,13 +23,18 @@ pub const WORKGROUP: u32 = 64;
 /// The same of stages whose threads have little to do each.
 pub const WIDE: u32 = 256;
 
-/// Movers in a slice of the pair lists. Entry `e` of mover `i` is word
-/// `entries_at + slice_offset[i / SLICE] + e * SLICE + i % SLICE`, so that neighbouring threads read neighbouring words.
+/// Movers in a slice of the pair lists, and words in a row of them: entry `e` of mover `i` is word `i % SLICE` of row
+/// `entries_at / SLICE + slice_offset[i / SLICE] + e`, so that neighbouring threads read neighbouring words.
 pub const SLICE: u32 = 32;
 
-/// The most words that the entries of the pair lists may take: 15 GiB. With the counts and offsets before them they are still
-/// numbered in 32 bits.
-pub const MAX_PAIR_WORDS: u32 = 15 << 28;
+/// The most rows that the entries of the pair lists may take: 480 GiB. With the rows of counts and offsets before them they are
+/// still numbered in 32 bits.
+pub const MAX_PAIR_ROWS: u32 = 15 << 28;
+
+/// Words of so many rows of the pair lists.
+pub const fn words_of(rows: u32) -> u64 {
+    SLICE as u64 * rows as u64
+}
 
 /// Words of a rod: sphere 1, sphere 2, radius, length (`<= 0`: free).
 pub const ROD_WORDS: u32 = 4;
@@ -55,13 +60,11 @@ pub const KIND_TETHER: u32 = 2;
 /// Adjacency kind: an outside force on the sphere.
 pub const KIND_FORCE: u32 = 3;
 
-/// Low bits of a list entry: the id of the other object.
-pub const ENTRY_ID_BITS: u32 = 26;
-/// Mask of the id in a list entry. No scene may have more objects than this.
-pub const ENTRY_ID_MASK: u32 = (1 << ENTRY_ID_BITS) - 1;
-/// Mask, after shifting by [`ENTRY_ID_BITS`], of the feature in a list entry: a rod meets a box in up to
+/// Low bits of a list entry: the id of the other object, and above it the feature.
+pub const ENTRY_BITS: u32 = 30;
+/// Bits of the feature in a list entry, in scenes with rods (see [`Step::entry_id_bits`]): a rod meets a box in up to
 /// [`BOX_FEATURES`] contacts, each an entry of its own; 0 for every other pair.
-pub const ENTRY_FEATURE_MASK: u32 = 0xf;
+pub const FEATURE_BITS: u32 = 4;
 /// Set in a list entry by `find_collisions`: the pair overlaps.
 pub const ENTRY_OVERLAPS: u32 = 1 << 30;
 /// Set in a list entry by `find_collisions`: the pair overlaps and closes fast enough to collide.
@@ -85,7 +88,7 @@ pub const FLAG_CONTINUE: u32 = 4;
 /// Bit of [`Step::flags`]: objects are in more than one group.
 pub const FLAG_GROUPS: u32 = 8;
 
-/// Bit of [`Status::void`]: the pair lists did not fit; [`Status::pairs_needed`] words are needed.
+/// Bit of [`Status::void`]: the pair lists did not fit; [`Status::pair_rows_needed`] words are needed.
 pub const VOID_PAIRS: u32 = 1;
 /// Bit of [`Status::void`]: a body left its AABB before or within the step, so its list may lack a pair.
 pub const VOID_ESCAPED: u32 = 2;
@@ -115,7 +118,7 @@ pub const LEAPS: u32 = 4;
 /// [`Status::bad_body`] when every body is finite.
 pub const NO_BODY: u32 = u32::MAX;
 /// The place in a step where a body stopped being finite, the high bits of [`Status::bad_body`].
-pub const BAD_STAGE_SHIFT: u32 = 27;
+pub const BAD_STAGE_SHIFT: u32 = 29;
 
 /// Words of the sizes of dispatches that make lists: x, y and z for each of [`Threads::PLANNED`](crate::stage::Threads::PLANNED).
 pub const SIZE_WORDS: u32 = 12;
@@ -192,7 +195,7 @@ pub struct Step {
     /// `FLAG_*` bits.
     pub flags: u32,
     /// Words that the entries of the pair lists may take.
-    pub pair_capacity: u32,
+    pub pair_rows: u32,
     /// Number of spheres.
     pub spheres: u32,
     /// Number of rods.
@@ -256,6 +259,27 @@ pub struct Step {
     pub pad: [u32; 2],
 }
 
+impl Step {
+    /// Bits of the id in a list entry: 26 in scenes with rods; without there are no features, and all 30.
+    pub const fn entry_id_bits(&self) -> u32 {
+        if self.rods > 0 { ENTRY_BITS - FEATURE_BITS } else { ENTRY_BITS }
+    }
+
+    /// Mask of the id in a list entry.
+    pub const fn entry_id_mask(&self) -> u32 {
+        (1 << self.entry_id_bits()) - 1
+    }
+}
+
+/// From so many objects on there is no room beside an index in order of addition for five bits more (`find_neighbours`).
+pub const MANY_OBJECTS: u64 = 1 << 27;
+
+/// The most objects that a scene may have, with rods or without: ids are numbers in list entries, and in the word that tells which
+/// body stopped being finite.
+pub const fn most_objects(has_rods: bool) -> u32 {
+    if has_rods { (1 << (ENTRY_BITS - FEATURE_BITS)) - 1 } else { (1 << BAD_STAGE_SHIFT) - 1 }
+}
+
 /// The uniform block `pass_`: which force evaluation of the step this is.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
@@ -317,7 +341,7 @@ pub struct Status {
     /// `VOID_*` bits; not 0: later stages leave the bodies alone, until the host has seen to it.
     pub void: u32,
     /// Words that the entries of the pair lists need.
-    pub pairs_needed: u32,
+    pub pair_rows_needed: u32,
     /// Bits of the largest distance, in 0.02 r, by which a body left its AABB; positive floats order like their bits.
     pub escape_ratio: u32,
     /// Steps done since the status was last reset.

@@ -2,8 +2,8 @@
 
 use glam::Vec3;
 
-use crate::error::{Error, Result};
-use crate::layout::{FEW_MOVERS, MAX_PAIR_WORDS, Status};
+use crate::error::Result;
+use crate::layout::{FEW_MOVERS, SLICE, Status};
 use crate::profile::Recorder;
 use crate::report::Report;
 use crate::scene::{Scene, SphereId};
@@ -93,7 +93,7 @@ impl Simulation {
     /// A simulation with a backend, an integrator and a broad phase of one's own choice.
     ///
     /// # Errors
-    /// As for [`Simulation::new`]; and [`Error::NoAdapter`] when a GPU is asked for and there is none.
+    /// As for [`Simulation::new`]; and [`Error::NoAdapter`](crate::Error::NoAdapter) when a GPU is asked for and there is none.
     #[cfg(not(target_family = "wasm"))]
     pub fn with_options(scene: Scene, options: Options) -> Result<Self> {
         engine::block_on(None, Self::with_options_async(scene, options))
@@ -112,7 +112,7 @@ impl Simulation {
     /// A simulation on the caller's wgpu device, whose buffers [`Simulation::gpu_view`] gives.
     ///
     /// # Errors
-    /// As for [`Simulation::new`], and [`Error::DeviceLimit`] for a scene that does not fit.
+    /// As for [`Simulation::new`], and [`Error::DeviceLimit`](crate::Error::DeviceLimit) for a scene that does not fit.
     #[cfg(feature = "gpu")]
     pub fn on_device(scene: Scene, options: Options, device: &wgpu::Device, queue: &wgpu::Queue) -> Result<Self> {
         let world = prepare(&scene, &options)?;
@@ -174,7 +174,7 @@ impl Simulation {
     /// Changes the physical constants, from the next step on.
     ///
     /// # Errors
-    /// [`Error::Invalid`] when a value is not allowed; nothing is changed then.
+    /// [`Error::Invalid`](crate::Error::Invalid) when a value is not allowed; nothing is changed then.
     pub fn set_settings(&mut self, settings: Settings) -> Result<()> {
         settings.validate()?;
         self.scene.settings = settings;
@@ -195,9 +195,9 @@ impl Simulation {
     /// One step of `dt` seconds: AABBs, broad phase, collisions unless they are switched off, forces and integration.
     ///
     /// # Errors
-    /// [`Error::Invalid`] for a time step that is not positive and finite,
-    /// [`Error::NonFinite`] when a body's state stopped being finite in it (unless told to go on),
-    /// [`Error::Device`] when the GPU failed.
+    /// [`Error::Invalid`](crate::Error::Invalid) for a time step that is not positive and finite,
+    /// [`Error::NonFinite`](crate::Error::NonFinite) when a body's state stopped being finite in it (unless told to go on),
+    /// [`Error::Device`](crate::Error::Device) when the GPU failed.
     #[cfg(not(target_family = "wasm"))]
     pub fn step(&mut self, dt: f32) -> Result<Report> {
         self.run(1, dt)
@@ -293,14 +293,7 @@ fn prepare(scene: &Scene, options: &Options) -> Result<World> {
     scene.settings.validate()?;
     let mut world = World::for_method(scene, options.broad_phase)?;
     if let Some(capacity) = options.pair_capacity {
-        if capacity > MAX_PAIR_WORDS {
-            return Err(Error::Invalid {
-                field: "pair_capacity",
-                value: capacity.to_string(),
-                expected: "at most 15 * 2^28 words",
-            });
-        }
-        world.set_pair_room(capacity);
+        world.set_pair_room(capacity.div_ceil(SLICE));
     }
     if options.keep_going {
         world.step.flags |= crate::layout::FLAG_CONTINUE;

@@ -5,7 +5,7 @@
 //! The entries of the pair lists are counted with the padding of their slices, which is read with them. What only some
 //! bodies need (weights of collisions, constraints of fixed rods, springs) is left out, so the sums are lower bounds.
 
-use crate::layout::{SLICE, Status, Step};
+use crate::layout::{SLICE, Status, Step, words_of};
 use crate::stage::{Access, Buffer, Run, Stage};
 
 /// How often a stage has to move what there is of each kind.
@@ -136,7 +136,7 @@ pub(crate) fn least_bytes(run: &Run, step: &Step, status: &Status) -> u64 {
         + moves.aabbs * 32 * objects
         + moves.tags * 4 * objects
         + moves.counts * 4 * (movers + movers.div_ceil(u64::from(SLICE)))
-        + moves.entries * 4 * u64::from(status.pairs_needed)
+        + moves.entries * 4 * words_of(status.pair_rows_needed)
         + moves.cells * 4 * u64::from(step.cells)
         + moves.keys * 4 * objects
         + moves.extents * 16 * objects
@@ -153,7 +153,7 @@ mod tests {
     fn per_sphere(integrator: Integrator) -> u64 {
         let step = Step { spheres: 1 << 20, cells: 1 << 20, ..Step::default() };
         // Six entries a sphere.
-        let status = Status { pairs_needed: 6 << 20, ..Status::default() };
+        let status = Status { pair_rows_needed: (6 << 20) / SLICE, ..Status::default() };
         let runs = Phase::STEP.iter().flat_map(|phase| phase.stages(integrator, BroadPhase::Grid));
         runs.map(|run| least_bytes(run, &step, &status)).sum::<u64>() >> 20
     }

@@ -13,7 +13,7 @@ pub(crate) use order::{size_class, spread};
 use bytemuck::{bytes_of, bytes_of_mut, cast_slice, cast_slice_mut};
 use glam::Vec4;
 
-use crate::layout::{Aabb, LINE, SLICE, Status, Step};
+use crate::layout::{Aabb, LINE, SLICE, Status, Step, words_of};
 use crate::stage::Buffer;
 
 /// The buffers of [`Buffer`], on the host, and the uniform block.
@@ -34,7 +34,7 @@ pub struct World {
     pub cells: Vec<u32>,
     /// One an object, in the order of the grid's keys: centre and largest half extent of its AABB, negative of what is no sphere.
     pub extents: Vec<Vec4>,
-    /// Counts, slice offsets, entries: `step.entries_at + step.pair_capacity` words.
+    /// Counts, slice offsets, entries: `step.entries_at` words and `step.pair_rows` rows of [`SLICE`].
     pub lists: Vec<u32>,
     /// By list entry, in scenes with rods: the row sum of a collision, negative where nothing else presses.
     pub row_sums: Vec<f32>,
@@ -118,22 +118,27 @@ impl World {
         }
     }
 
-    /// Makes room for `capacity` words of list entries; the lists are void after it.
-    pub fn set_pair_capacity(&mut self, capacity: u32) {
-        self.set_pair_room(capacity);
-        self.lists = vec![0; (self.step.entries_at + capacity) as usize];
+    /// Makes room for so many rows of list entries; the lists are void after it.
+    pub fn set_pair_rows(&mut self, rows: u32) {
+        self.set_pair_room(rows);
+        self.lists = vec![0; self.list_words() as usize];
         self.row_sums = vec![0.0; self.row_sum_words() as usize];
     }
 
-    /// Words of the row sums: as many as of list entries, but where there are no rods.
-    pub(crate) fn row_sum_words(&self) -> u32 {
-        if self.step.rods > 0 { self.step.pair_capacity } else { 0 }
+    /// Words of the pair lists.
+    pub(crate) fn list_words(&self) -> u64 {
+        u64::from(self.step.entries_at) + words_of(self.step.pair_rows)
     }
 
-    /// [`World::set_pair_capacity`] for a world that runs on a device: the host's lists are empty.
-    pub(crate) fn set_pair_room(&mut self, capacity: u32) {
+    /// Words of the row sums: as many as of list entries, but where there are no rods.
+    pub(crate) fn row_sum_words(&self) -> u64 {
+        if self.step.rods > 0 { words_of(self.step.pair_rows) } else { 0 }
+    }
+
+    /// [`World::set_pair_rows`] for a world that runs on a device: the host's lists are empty.
+    pub(crate) fn set_pair_room(&mut self, rows: u32) {
         let slices = self.movers().div_ceil(SLICE);
-        self.step.pair_capacity = capacity;
+        self.step.pair_rows = rows;
         self.step.slices_at = slices * SLICE;
         self.step.entries_at = (self.step.slices_at + slices + 1).next_multiple_of(LINE);
         self.lists = Vec::new();

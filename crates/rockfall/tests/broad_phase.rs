@@ -6,7 +6,7 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 #[cfg(feature = "gpu")]
 use rockfall::gpu::{Gpu, GpuWorld, block_on};
-use rockfall::layout::{ENTRY_ID_MASK, LIST_COUNT_MASK, SLICE};
+use rockfall::layout::{LIST_COUNT_MASK, SLICE};
 #[cfg(feature = "gpu")]
 use rockfall::stage::Buffer;
 use rockfall::stage::Phase;
@@ -149,9 +149,9 @@ fn detect(world: &mut World, method: BroadPhase, mut run: impl FnMut(&mut World,
             return;
         }
         assert_eq!(world.status.void, rockfall::layout::VOID_PAIRS);
-        let needed = world.status.pairs_needed;
-        assert!(needed > world.step.pair_capacity);
-        world.set_pair_capacity(needed);
+        let needed = world.status.pair_rows_needed;
+        assert!(needed > world.step.pair_rows);
+        world.set_pair_rows(needed);
     }
 }
 
@@ -160,7 +160,7 @@ fn lists(world: &World) -> Vec<Vec<u32>> {
     let step = &world.step;
     let row = |mover: u32| {
         let offset = world.lists[(step.slices_at + mover / SLICE) as usize];
-        let word = |place: u32| world.lists[(step.entries_at + offset + place * SLICE + mover % SLICE) as usize];
+        let word = |place: u32| world.lists[(step.entries_at + (offset + place) * SLICE + mover % SLICE) as usize];
         (0..world.lists[mover as usize] & LIST_COUNT_MASK).map(word).collect()
     };
     (0..world.movers()).map(row).collect()
@@ -169,7 +169,7 @@ fn lists(world: &World) -> Vec<Vec<u32>> {
 /// What the grid's lists hold of those of brute force: of two spheres whose AABBs overlap only those whose balls, as large as
 /// their AABBs, meet. `None`: apart, but by no more than rounding; then they may be listed.
 fn balls_meet(world: &World, one: u32, entry: u32) -> Option<bool> {
-    let other = entry & ENTRY_ID_MASK;
+    let other = entry & world.step.entry_id_mask();
     if one.max(other) >= world.step.spheres {
         return Some(true);
     }
@@ -234,7 +234,8 @@ fn the_grid_finds_what_brute_force_finds() {
         let expected = lists(&world);
         let found = lists(&on_cpu(&scene, BroadPhase::Grid));
         assert_the_grids(name, &world, &expected, &found);
-        let sorted = |row: &Vec<u32>| row.windows(2).all(|pair| (pair[0] & ENTRY_ID_MASK) <= (pair[1] & ENTRY_ID_MASK));
+        let id = |entry: u32| entry & world.step.entry_id_mask();
+        let sorted = |row: &Vec<u32>| row.windows(2).all(|pair| id(pair[0]) <= id(pair[1]));
         assert!(expected.iter().all(sorted), "{name}: not in ascending order");
     }
 }

@@ -71,7 +71,7 @@ fn the_same_input_gives_the_same_bits() {
         .map(|_| {
             let gpu = open();
             let mut world = world(&scene);
-            world.set_pair_capacity(1 << 16);
+            world.set_pair_rows(1 << 11);
             let mut device = GpuWorld::new(&gpu, &world).unwrap();
             device.run(&step_stages(Integrator::Rk4), &world.step, 20).unwrap();
             block_on(gpu.device(), device.download(&mut world, &[Buffer::Start, Buffer::Orientations, Buffer::Status]))
@@ -101,7 +101,7 @@ fn the_device_decides_how_much_there_is_to_do() {
         world.set_cells(2 * CELL_BLOCK);
         world.step.planned = planned;
         world.step.lookahead = 4.0;
-        world.set_pair_capacity(1 << 16);
+        world.set_pair_rows(1 << 11);
         let mut device = GpuWorld::new(&gpu, &world).unwrap();
         device.run(&stages, &world.step, 20).unwrap();
         let bodies = [Buffer::Start, Buffer::Orientations, Buffer::Status, Buffer::Sizes];
@@ -120,7 +120,7 @@ fn the_device_decides_how_much_there_is_to_do() {
 fn lists_that_do_not_fit_void_the_step_and_grow() {
     let gpu = open();
     let mut world = world(&heap(100));
-    world.set_pair_capacity(32);
+    world.set_pair_rows(1);
     let mut device = GpuWorld::new(&gpu, &world).unwrap();
     let stages = step_stages(Integrator::Rk4);
     device.run(&stages, &world.step, 3).unwrap();
@@ -130,7 +130,7 @@ fn lists_that_do_not_fit_void_the_step_and_grow() {
     block_on(gpu.device(), device.download(&mut after, &[Buffer::Start])).unwrap();
     assert_eq!(after.states[0], world.states[0], "a void step moves nothing");
 
-    world.set_pair_capacity(status.pairs_needed);
+    world.set_pair_rows(status.pair_rows_needed);
     device.resize_lists(&world).unwrap();
     device.set_status(&world.status).unwrap();
     device.run(&stages, &world.step, 1).unwrap();
@@ -195,7 +195,7 @@ fn what_does_not_fit_is_refused_before_it_is_allocated() {
     let gpu = Gpu::on_device(device, queue);
     let mut world = world(&heap(10));
     // 16 GiB of list entries, of which the host holds none.
-    world.step.pair_capacity = u32::MAX - world.step.entries_at;
+    world.step.pair_rows = 1 << 27;
     let refused = GpuWorld::new(&gpu, &world).map(|_| ());
     assert!(matches!(refused, Err(Error::DeviceLimit { what: "the pair lists", .. })), "{refused:?}");
 }

@@ -2,6 +2,7 @@
 
 use std::mem::{offset_of, size_of};
 
+use naga::back::pipeline_constants::process_overrides;
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 use naga::{AddressSpace, Module, StorageAccess, TypeInner};
 use rockfall::layout::{self, Aabb, Pass, Status, Step, Told};
@@ -221,7 +222,7 @@ fn split(fields: Fields, name: &str) -> Fields {
 #[test]
 fn the_structs_are_those_of_layout() {
     let step = rust_fields!(Step: gravity, dt, activation_threshold, restitution, contact_damping, contact_force, friction,
-        coulomb_friction, margin_scale, flags, pair_capacity, spheres, rods, boxes, polygons, rods_at, springs_at, tethers_at,
+        coulomb_friction, margin_scale, flags, pair_rows, spheres, rods, boxes, polygons, rods_at, springs_at, tethers_at,
         forces_at, boxes_at, polygons_at, tags_at, adjacency_at, batches, batches_at, slices_at, entries_at, cell_size, least_level, cells,
         sums_at, keys_at, sorted_at, lookahead, users_at, slots_at, list_interval, lead, long_at, planned, pad);
     let step = (split(step.0, "pad"), step.1);
@@ -230,7 +231,7 @@ fn the_structs_are_those_of_layout() {
     let aabb = rust_fields!(Aabb: min, id, max, tag);
     let told = rust_fields!(Told: contacts, max_overlap, collisions, pad);
     let told = (split(told.0, "pad"), told.1);
-    let status = rust_fields!(Status: told, void, pairs_needed, escape_ratio, steps, collided, lengths_due, collides, last_contacts, last_max_overlap, last_collisions, total_collisions_low, total_collisions_high,
+    let status = rust_fields!(Status: told, void, pair_rows_needed, escape_ratio, steps, collided, lengths_due, collides, last_contacts, last_max_overlap, last_collisions, total_collisions_low, total_collisions_high,
         bad_body, bad_step, bad_count, total_bad, first_bad, rebuild, builds, order_entries, order_digits);
     for stage in ALL {
         let module = module(stage);
@@ -264,9 +265,6 @@ fn the_constants_are_those_of_layout() {
         KIND_SPRING,
         KIND_TETHER,
         KIND_FORCE,
-        ENTRY_ID_BITS,
-        ENTRY_ID_MASK,
-        ENTRY_FEATURE_MASK,
         ENTRY_OVERLAPS,
         ENTRY_COLLIDES,
         LIST_COLLIDES,
@@ -320,5 +318,37 @@ fn the_constants_are_those_of_layout() {
             panic!("{name} is not a u32");
         };
         assert_eq!(found, value, "{name}");
+    }
+}
+
+/// What a list entry is made of depends on whether there are rods.
+#[test]
+fn the_parts_of_a_list_entry_are_those_of_layout() {
+    for rods in [0, 1] {
+        let step = Step { rods, ..Step::default() };
+        let feature_bits = layout::ENTRY_BITS - step.entry_id_bits();
+        for (name, expected) in [
+            ("ENTRY_ID_BITS", step.entry_id_bits()),
+            ("ENTRY_ID_MASK", step.entry_id_mask()),
+            ("FEATURE_BITS", feature_bits),
+            ("FEATURE_MASK", (1 << feature_bits) - 1),
+        ] {
+            let found: Vec<u32> = ALL.into_iter().filter_map(|stage| constant_with(stage, rods, name)).collect();
+            assert!(!found.is_empty() && found.iter().all(|value| *value == expected), "{name}: {found:?}, not {expected}");
+        }
+    }
+}
+
+/// A constant that depends on whether there are rods, where a stage uses it.
+fn constant_with(stage: &Stage, rods: u32, name: &str) -> Option<u32> {
+    let module = module(stage);
+    let info = Validator::new(ValidationFlags::all(), Capabilities::all()).validate(&module).expect("a valid module");
+    let constants = [("RODS".to_owned(), f64::from(rods))].into_iter().collect();
+    let (module, _) = process_overrides(&module, &info, None, &constants).expect("constants");
+    let mut constants = module.constants.iter().map(|(_, constant)| constant);
+    let init = constants.find(|constant| constant.name.as_deref() == Some(name))?.init;
+    match module.global_expressions[init] {
+        naga::Expression::Literal(naga::Literal::U32(value)) => Some(value),
+        ref other => panic!("{name} is {other:?}"),
     }
 }

@@ -41,7 +41,7 @@ use std::collections::BTreeMap;
 
 use compare::{MEASURED, differences, listed};
 use device::{GPU, on_gpu};
-use rockfall::layout::{SLICE, VOID_NON_FINITE, VOID_PAIRS, WORKGROUP};
+use rockfall::layout::{SLICE, VOID_NON_FINITE, VOID_PAIRS, WORKGROUP, words_of};
 use rockfall::{BroadPhase, Integrator, Settings};
 use trace::{Plan, Scenario, Trace, trace};
 
@@ -208,14 +208,14 @@ fn lists_that_do_not_fit() {
     let needed = {
         let mut world = scenario.before.clone();
         scenario.run.on_cpu(&mut world);
-        world.status.pairs_needed
+        world.status.pair_rows_needed
     };
-    for (capacity, void) in [(needed - 1, VOID_PAIRS), (needed, 0)] {
+    for (rows, void) in [(needed - 1, VOID_PAIRS), (needed, 0)] {
         let before = &mut scenario.before;
-        before.step.pair_capacity = capacity;
-        before.lists.resize((before.step.entries_at + capacity) as usize, 0);
+        before.step.pair_rows = rows;
+        before.lists.resize(before.step.entries_at as usize + words_of(rows) as usize, 0);
         let gpu = on_gpu(&GPU, &scenario.before, scenario.run);
-        assert_eq!((gpu.status.void, gpu.status.pairs_needed), (void, needed));
+        assert_eq!((gpu.status.void, gpu.status.pair_rows_needed), (void, needed));
         compare(4, &scenario);
     }
 }

@@ -2,7 +2,7 @@
 
 use glam::Vec4;
 
-use crate::layout::{Aabb, BOX_FEATURES, ENTRY_ID_BITS, Step, WORKGROUP};
+use crate::layout::{Aabb, BOX_FEATURES, ENTRY_BITS, FEATURE_BITS, Step, WORKGROUP};
 
 /// The list entries of a mover, in ascending order of id, then feature.
 pub(crate) fn for_each_pair(step: &Step, aabbs: &[Aabb], mover: u32, mut take: impl FnMut(u32)) {
@@ -59,6 +59,6 @@ pub(crate) fn entries(step: &Step, mover: u32, id: u32, mut take: impl FnMut(u32
     }
     let features = if is_rod && boxes.contains(&id) { BOX_FEATURES } else { 1 };
     for feature in 0..features {
-        take(feature << ENTRY_ID_BITS | id);
+        take(feature << (ENTRY_BITS - FEATURE_BITS) | id);
     }
 }

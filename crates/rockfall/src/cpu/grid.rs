@@ -12,8 +12,7 @@ use glam::{IVec3, Vec3, Vec4};
 use crate::cpu::broad::{entries, may_meet, same_group};
 use crate::cpu::lanes::{LANES, Vec3x4};
 use crate::layout::{
-    Aabb, CELLS_AT, EDGES_AT, ENTRY_ID_MASK, FEW_STATICS, FLAG_GROUPS, LEVEL_BIAS, LONG_LEVEL, ROW_LEVEL, ROW_Y, ROW_Z, SLICE,
-    Step, TOP_LEVEL,
+    Aabb, CELLS_AT, EDGES_AT, FEW_STATICS, FLAG_GROUPS, LEVEL_BIAS, LONG_LEVEL, ROW_LEVEL, ROW_Y, ROW_Z, SLICE, Step, TOP_LEVEL,
 };
 use crate::world::World;
 
@@ -173,7 +172,7 @@ impl<'a> Grid<'a> {
         self.rows(own, &mut around.spans);
         around.gather(self, own);
         around.find(self, mover);
-        around.entries.iter().filter(|entry| *entry & ENTRY_ID_MASK != mover).count() as u32
+        around.entries.iter().filter(|entry| *entry & self.step.entry_id_mask() != mover).count() as u32
     }
 
     /// The sorted objects in the cells around an AABB, from `start` to before `end`, each once.

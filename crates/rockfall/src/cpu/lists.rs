@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use crate::cpu::GRAIN;
 use crate::cpu::lanes::LANES;
 use crate::cpu::view::View;
-use crate::layout::{ENTRY_FEATURE_MASK, ENTRY_ID_BITS, ENTRY_ID_MASK, LIST_COLLIDES, LIST_COUNT_MASK, LIST_LONG, SLICE, Step};
+use crate::layout::{ENTRY_BITS, FEATURE_BITS, LIST_COLLIDES, LIST_COUNT_MASK, LIST_LONG, SLICE, Step};
 
 /// One entry of a mover's list.
 #[derive(Clone, Copy, Debug, Default)]
@@ -13,18 +13,28 @@ pub(crate) struct Entry {
     /// Place in the list.
     pub(crate) place: u32,
     pub(crate) word: u32,
+    id: u32,
 }
 
 impl Entry {
+    pub(crate) fn new(step: &Step, place: u32, word: u32) -> Self {
+        Self { place, word, id: word & step.entry_id_mask() }
+    }
+
     /// Id of the other object.
     pub(crate) fn id(self) -> u32 {
-        self.word & ENTRY_ID_MASK
+        self.id
     }
 
     /// Which of the possible contacts of a rod and a box.
     pub(crate) fn feature(self) -> u32 {
-        self.word >> ENTRY_ID_BITS & ENTRY_FEATURE_MASK
+        feature_of(self.word ^ self.id)
     }
+}
+
+/// The feature in what is left of an entry without its id.
+fn feature_of(rest: u32) -> u32 {
+    (rest & ((1 << ENTRY_BITS) - 1)) >> (ENTRY_BITS - FEATURE_BITS)
 }
 
 /// The pair lists.
@@ -48,14 +58,15 @@ impl<'a> Lists<'a> {
     /// How long the list of a mover is, and its entries by their places.
     pub(crate) fn list(&self, mover: u32) -> (u32, impl Fn(u32) -> Entry + use<'a>) {
         let count = self.words[mover as usize] & LIST_COUNT_MASK;
-        let first = self.step.entries_at + slot(self.step, self.words, mover, 0);
+        let first = self.step.entries_at as usize + slot(self.step, self.words, mover, 0);
         // An empty slice may stand at the end of all.
-        let words = self.words.get(first as usize..).unwrap_or_default();
-        (count, move |place| Entry { word: words[(place * SLICE) as usize], place })
+        let words = self.words.get(first..).unwrap_or_default();
+        let step = self.step;
+        (count, move |place| Entry::new(step, place, words[(place * SLICE) as usize]))
     }
 
     /// The place of an entry of a mover among all entries.
-    pub(crate) fn slot(&self, mover: u32, entry: Entry) -> u32 {
+    pub(crate) fn slot(&self, mover: u32, entry: Entry) -> usize {
         slot(self.step, self.words, mover, entry.place)
     }
 
@@ -75,8 +86,9 @@ const SHORT: usize = 24;
 
 /// Puts a mover's entries, no two the same, into their canonical order: by index in order of addition, then feature.
 pub(crate) fn put_in_order(view: &View, entries: &mut [u32]) {
-    // 26 bits and 4 bits: as signed numbers, which SSE2 can compare.
-    let key = |entry: u32| (view.user(entry & ENTRY_ID_MASK) << 4 | entry >> ENTRY_ID_BITS & ENTRY_FEATURE_MASK) as i32;
+    // Of ENTRY_BITS bits: as signed numbers, which SSE2 can compare.
+    let (mask, bits) = (view.step.entry_id_mask(), ENTRY_BITS - view.step.entry_id_bits());
+    let key = |entry: u32| (view.user(entry & mask) << bits | feature_of(entry & !mask)) as i32;
     if entries.len() > SHORT {
         return entries.sort_unstable_by_key(|entry| key(*entry));
     }
@@ -91,9 +103,10 @@ pub(crate) fn put_in_order(view: &View, entries: &mut [u32]) {
     }
 }
 
-/// Slot of entry `place` of a mover.
-pub(crate) fn slot(step: &Step, lists: &[u32], mover: u32, place: u32) -> u32 {
-    lists[(step.slices_at + mover / SLICE) as usize] + place * SLICE + mover % SLICE
+/// Slot of entry `place` of a mover: its place among the words of all entries.
+pub(crate) fn slot(step: &Step, lists: &[u32], mover: u32, place: u32) -> usize {
+    let row = lists[(step.slices_at + mover / SLICE) as usize] + place;
+    row as usize * SLICE as usize + (mover % SLICE) as usize
 }
 
 /// The lists of neighbouring movers, to write to.
@@ -115,7 +128,11 @@ pub(crate) fn slices<'a>(step: &Step, lists: &'a mut [u32]) -> Vec<Slice<'a>> {
     let last = counts.len() - usize::from(counts.len() > 0);
     let slice = |(number, counts): (usize, &'a mut [u32])| {
         // Not by the counts: a slice may be wider than its longest list.
-        let end = if number < last { (offsets[number + 1].saturating_sub(offsets[number])) as usize } else { rest.len() };
+        let end = if number < last {
+            offsets[number + 1].saturating_sub(offsets[number]) as usize * SLICE as usize
+        } else {
+            rest.len()
+        };
         let words = rest.split_off_mut(..end).unwrap_or_default();
         Slice { first: number as u32 * SLICE, counts, words }
     };

@@ -2,8 +2,8 @@
 
 use crate::error::{Error, Result};
 use crate::layout::{
-    BOX_WORDS, ENTRY_ID_MASK, FORCE_WORDS, KIND_FORCE, KIND_ROD, KIND_SHIFT, KIND_SPRING, KIND_TETHER, LINE, LIST_COUNT_MASK,
-    POLYGON_WORDS, ROD_WORDS, SLICE, SPRING_WORDS, TETHER_WORDS, VOID_PAIRS,
+    BOX_WORDS, FORCE_WORDS, KIND_FORCE, KIND_ROD, KIND_SHIFT, KIND_SPRING, KIND_TETHER, LINE, LIST_COUNT_MASK, POLYGON_WORDS,
+    ROD_WORDS, SLICE, SPRING_WORDS, TETHER_WORDS, VOID_PAIRS, words_of,
 };
 use crate::stage::Buffer;
 use crate::world::{World, sizes};
@@ -117,18 +117,18 @@ fn check_lists(world: &World) -> Result<()> {
         // They are the device's alone.
         return Ok(());
     }
-    ensure(world.lists.len() as u64 == u64::from(step.entries_at) + u64::from(step.pair_capacity), "length of the pair lists")?;
+    ensure(world.lists.len() as u64 == world.list_words(), "length of the pair lists")?;
     if world.status.void & VOID_PAIRS != 0 {
         // They did not fit, and until they are made again nobody reads them.
         return Ok(());
     }
     let (head, entries) = world.lists.split_at(step.entries_at as usize);
     for (mover, count) in head[..movers as usize].iter().enumerate() {
-        let slice = u64::from(head[step.slices_at as usize + mover / SLICE as usize]);
+        let slice = words_of(head[step.slices_at as usize + mover / SLICE as usize]);
         for entry in 0..u64::from(*count & LIST_COUNT_MASK) {
             let slot = slice + entry * u64::from(SLICE) + mover as u64 % u64::from(SLICE);
             let word = usize::try_from(slot).ok().and_then(|slot| entries.get(slot));
-            let known = word.is_some_and(|word| word & ENTRY_ID_MASK < world.objects());
+            let known = word.is_some_and(|word| word & step.entry_id_mask() < world.objects());
             ensure(known, "an entry of the pair lists")?;
         }
     }

@@ -6,7 +6,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use crate::error::{Error, Result};
 use crate::gpu::fault::Faults;
-use crate::gpu::kernel::Kernel;
+use crate::gpu::kernel::{Kernel, Variant};
 use crate::layout::WORKGROUP;
 use crate::stage::Stage;
 
@@ -25,7 +25,7 @@ struct Inner {
 }
 
 /// Stage, whether there are rods, chunks of each array.
-type KernelKey = (&'static str, bool, Vec<u32>);
+type KernelKey = (&'static str, Variant, Vec<u32>);
 
 /// A limit of a device by its name in WebGPU.
 type Limit = (&'static str, fn(&wgpu::Limits) -> u32);
@@ -195,14 +195,14 @@ impl Gpu {
         &self.inner.faults
     }
 
-    /// The kernel of a stage, compiled at its first use, for scenes with or without rods, and for arrays of so many chunks.
-    pub(crate) fn kernel(&self, stage: &'static Stage, rods: bool, chunks: Vec<u32>) -> Result<Arc<Kernel>> {
+    /// The kernel of a stage, compiled at its first use, for such scenes, and for arrays of so many chunks.
+    pub(crate) fn kernel(&self, stage: &'static Stage, variant: Variant, chunks: Vec<u32>) -> Result<Arc<Kernel>> {
         let mut kernels = self.inner.kernels.lock().unwrap_or_else(PoisonError::into_inner);
-        let key = (stage.name, rods, chunks);
+        let key = (stage.name, variant, chunks);
         if let Some(kernel) = kernels.get(&key) {
             return Ok(Arc::clone(kernel));
         }
-        let kernel = Arc::new(Kernel::new(self.device(), stage, rods, &key.2)?);
+        let kernel = Arc::new(Kernel::new(self.device(), stage, variant, &key.2)?);
         kernels.insert(key, Arc::clone(&kernel));
         Ok(kernel)
     }

@@ -6,13 +6,28 @@ use crate::error::{Error, Result};
 use crate::gpu::fault::catch;
 use crate::gpu::memory::chunk_bytes;
 use crate::gpu::split::{Split, binding_numbers, split};
-use crate::layout::WORKGROUP;
+use crate::layout::{MANY_OBJECTS, Step, WORKGROUP};
 use crate::stage::{Access, Part, Stage};
 
 /// Subgroups of a workgroup that does whole steps, where the device allows so many: every barrier waits for all of them.
 const TEAM_SUBGROUPS: u32 = 32;
 /// The most threads of such a workgroup.
 const MOST_THREADS: u32 = 1024;
+
+/// The scenes that a kernel is compiled for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) struct Variant {
+    rods: bool,
+    many: bool,
+}
+
+impl Variant {
+    /// That of a scene with these counts.
+    pub(crate) fn of(step: &Step) -> Self {
+        let objects = u64::from(step.spheres) + u64::from(step.rods) + u64::from(step.boxes) + u64::from(step.polygons);
+        Self { rods: step.rods > 0, many: objects >= MANY_OBJECTS }
+    }
+}
 
 /// A compiled stage.
 #[derive(Debug)]
@@ -48,9 +63,9 @@ pub fn locate_lines(parts: &[Part], message: &str) -> String {
 }
 
 impl Kernel {
-    /// The kernel of a stage, for scenes with or without rods, and for arrays of so many chunks, in the order of its bindings.
-    pub(crate) fn new(device: &wgpu::Device, stage: &Stage, rods: bool, chunks: &[u32]) -> Result<Self> {
-        catch(device, || build(device, stage, rods, chunks)).map_err(|error| match error {
+    /// The kernel of a stage, for such scenes, and for arrays of so many chunks, in the order of its bindings.
+    pub(crate) fn new(device: &wgpu::Device, stage: &Stage, variant: Variant, chunks: &[u32]) -> Result<Self> {
+        catch(device, || build(device, stage, variant, chunks)).map_err(|error| match error {
             Error::Device(text) => Error::Device(format!("kernel {}: {}", stage.name, locate_lines(stage.parts, &text))),
             other => other,
         })
@@ -74,15 +89,16 @@ fn team(device: &wgpu::Device) -> u32 {
 }
 
 #[allow(unsafe_code)]
-fn build(device: &wgpu::Device, stage: &Stage, rods: bool, chunks: &[u32]) -> Kernel {
+fn build(device: &wgpu::Device, stage: &Stage, variant: Variant, chunks: &[u32]) -> Kernel {
     let text = split(&join(stage.parts), &Split::of(stage, chunks, chunk_bytes(&device.limits())));
-    let mut constants = vec![("RODS", f64::from(u8::from(rods))), ("TEAM", f64::from(team(device)))];
+    let flag = |is_set: bool| f64::from(u8::from(is_set));
+    let mut constants = vec![("RODS", flag(variant.rods)), ("MANY", flag(variant.many)), ("TEAM", f64::from(team(device)))];
     constants.retain(|(name, _)| text.contains(&format!("override {name}:")));
     let module = wgpu::ShaderModuleDescriptor { label: Some(stage.name), source: wgpu::ShaderSource::Wgsl(text.into()) };
     // SAFETY: without run-time checks the kernels must stay inside their buffers by themselves, and end. They do: threads
     // past the count of what they work on return; ids, offsets and indices in `words` are checked by `gpu::check` before they
     // are uploaded, those in `lists` too, or were written by `fill_pairs`, `find_neighbours` or `fill_long`, whose ids are
-    // below the number of objects and whose slots are below `pair_capacity`, else the step is void and nobody reads them;
+    // below the number of objects and whose rows are below `pair_rows`, else the step is void and nobody reads them;
     // those in `cells` are sums of the counts of the objects, made from zero in the same step or not used; the uniform block
     // that holds counts and offsets is always that of the uploaded world, and the buffers are made to its sizes
     // (`GpuWorld::new`, `upload`); an index of an array in chunks that is inside the array is inside the chunk that `split`

@@ -5,10 +5,10 @@ use crate::gpu::fault::catch;
 use crate::stage::{ALL, Buffer, RUN_STEPS, Stage, is_small};
 use crate::world::World;
 
-/// No buffer is smaller: WebGPU refuses to bind what is empty.
-const LEAST_BYTES: u64 = 16;
-/// The largest element of an array: chunks hold whole ones.
-const ELEMENT_BYTES: u64 = 32;
+/// No buffer is smaller: WebGPU refuses to bind what holds no element.
+const LEAST_BYTES: u64 = ELEMENT_BYTES;
+/// The largest element of an array, a row of the pair lists: chunks hold whole ones.
+const ELEMENT_BYTES: u64 = 128;
 
 /// Bytes that the kernels address in a buffer, from the counts and offsets alone: a hand-made world may hold less.
 pub(crate) fn bytes_needed(world: &World, buffer: Buffer) -> u64 {
@@ -20,8 +20,8 @@ pub(crate) fn bytes_needed(world: &World, buffer: Buffer) -> u64 {
         Buffer::Aabbs => 32 * u64::from(world.objects()),
         Buffer::States | Buffer::Words | Buffer::Sizes | Buffer::Status => 0,
         Buffer::Cells => 4 * world.cell_words(),
-        Buffer::Lists => 4 * (u64::from(step.entries_at) + u64::from(step.pair_capacity)),
-        Buffer::RowSums => 4 * u64::from(world.row_sum_words()),
+        Buffer::Lists => 4 * world.list_words(),
+        Buffer::RowSums => 4 * world.row_sum_words(),
         // Rows are read four at a time.
         Buffer::Extents => vectors(u64::from(world.objects()) + 3),
         Buffer::Wrenches => vectors(4 * u64::from(step.rods)),
@@ -88,9 +88,9 @@ mod tests {
 
     #[test]
     fn chunks_hold_whole_elements() {
-        assert_eq!(chunk_bytes(&limits((1 << 31) - 4, 8)), (1 << 31) - 32);
-        assert_eq!(chunk_bytes(&limits(100, 8)), 96);
-        assert_eq!(chunk_bytes(&wgpu::Limits { max_buffer_size: 64, ..limits(100, 8) }), 64);
+        assert_eq!(chunk_bytes(&limits((1 << 31) - 4, 8)), (1 << 31) - 128);
+        assert_eq!(chunk_bytes(&limits(300, 8)), 256);
+        assert_eq!(chunk_bytes(&wgpu::Limits { max_buffer_size: 128, ..limits(300, 8) }), 128);
     }
 
     /// `advance` binds eight arrays, three of them states.

@@ -2,13 +2,14 @@
 //!
 //! A chunk is a buffer and a binding of its own, all of one size but the last. The kernels do not know of them: where `a` is
 //! split, `a[e]` becomes a call of `a_get`, `a[e] = v` one of `a_put`, `atomicAdd(&a[e], v)` one of `a_atomicAdd`, functions that
-//! choose the chunk by the index and are added at the end. So lines keep their numbers, and kernels whose arrays fit one binding
+//! choose the chunk by the index and are added at the end; of an array of rows `a[r][e]` becomes `a_get(r, e)`. So lines keep their numbers, and kernels whose arrays fit one binding
 //! are compiled as they stand. Arrays of bindings (`binding_array`) would need no such functions, but few devices have them.
 
 use std::collections::BTreeSet;
 use std::fmt::Write;
 use std::ops::Range;
 
+use crate::layout::SLICE;
 use crate::stage::Stage;
 
 /// An array of a kernel that is split.
@@ -16,7 +17,7 @@ use crate::stage::Stage;
 pub struct Split {
     /// Its name in the WGSL.
     pub name: &'static str,
-    /// Bytes of each chunk but the last, which has no more: a multiple of 32, the largest element.
+    /// Bytes of each chunk but the last, which has no more: a multiple of 128, the largest element.
     pub chunk_bytes: u64,
     /// The binding numbers of the chunks from the second on; the first one keeps that of the array.
     pub bindings: Vec<u32>,
@@ -47,7 +48,8 @@ pub fn split(text: &str, arrays: &[Split]) -> String {
     if arrays.is_empty() {
         return text.to_owned();
     }
-    let mut rewriter = Rewriter { arrays, atomics: BTreeSet::new() };
+    let rows = arrays.iter().map(|array| array.name).filter(|name| text.contains(&format!("> {name}: array<array<"))).collect();
+    let mut rewriter = Rewriter { arrays, rows, atomics: BTreeSet::new() };
     let mut result = rewriter.rewrite(text);
     for array in arrays {
         if let Some(declared) = declare_chunks(&mut result, array) {
@@ -59,6 +61,8 @@ pub fn split(text: &str, arrays: &[Split]) -> String {
 
 struct Rewriter<'a> {
     arrays: &'a [Split],
+    /// Those whose elements are rows.
+    rows: BTreeSet<&'static str>,
     /// Atomic functions that are called on elements: array, function.
     atomics: BTreeSet<(&'static str, String)>,
 }
@@ -95,8 +99,13 @@ impl Rewriter<'_> {
 
     /// Writes an access, of which `text` begins with the bracket; returns what follows.
     fn access<'t>(&mut self, name: &'static str, text: &'t str, out: &mut String) -> &'t str {
-        let (index, after) = enclosed(text);
-        let index = self.rewrite(index);
+        let (index, mut after) = enclosed(text);
+        let mut index = self.rewrite(index);
+        if self.rows.contains(name) {
+            let (place, rest) = enclosed(after);
+            index = format!("{index}, {}", self.rewrite(place));
+            after = rest;
+        }
         if let Some((at, function)) = address_taken(out) {
             out.truncate(at);
             out.push_str(&format!("{name}_{function}({index}"));
@@ -121,7 +130,13 @@ impl Rewriter<'_> {
     fn add_functions(&self, out: &mut String, array: &Split, declared: &Declared) {
         let Declared { element, size, written } = declared;
         let mut functions = Vec::new();
-        if let Some(inner) = element.strip_prefix("atomic<").and_then(|element| element.strip_suffix('>')) {
+        let row = element.strip_prefix("array<").and_then(|element| element.strip_suffix(", SLICE>"));
+        if let Some(inner) = row {
+            functions.push((format!("get(i: u32, k: u32) -> {inner}"), "return @[k]".to_owned()));
+            if *written {
+                functions.push((format!("put(i: u32, k: u32, v: {inner})"), "@[k] = v".to_owned()));
+            }
+        } else if let Some(inner) = element.strip_prefix("atomic<").and_then(|element| element.strip_suffix('>')) {
             for (_, called) in self.atomics.iter().filter(|(name, _)| *name == array.name) {
                 functions.push(match called.as_str() {
                     "atomicLoad" => (format!("{called}(i: u32) -> {inner}"), format!("return {called}(&@)")),
@@ -158,6 +173,7 @@ fn size_of_element(element: &str) -> Option<u64> {
         "vec2u" => Some(8),
         "vec4f" | "vec4u" => Some(16),
         "Aabb" => Some(32),
+        "array<u32, SLICE>" | "array<f32, SLICE>" => Some(4 * u64::from(SLICE)),
         _ => None,
     }
 }
@@ -281,6 +297,20 @@ mod tests {
     fn atomics_become_calls() {
         assert_eq!(rewritten("x = atomicAdd(&a[b + 1u], 2u);"), "x = a_atomicAdd(b + 1u, 2u);");
         assert_eq!(rewritten("(mine & ~atomicLoad(&a[0]))"), "(mine & ~a_atomicLoad(0))");
+    }
+
+    #[test]
+    fn elements_of_rows_are_got_and_put_one_by_one() {
+        let text = "@group(0) @binding(2) var<storage, read_write> a: array<array<u32, SLICE>>;\na[i + 1u][k % 2u] = a[a[0][1]][2] | b[3];\n";
+        let found = split(text, &[array("a", 256, &[3])]);
+        assert_eq!(
+            found,
+            "@group(0) @binding(2) var<storage, read_write> a_0: array<array<u32, SLICE>>; @group(0) @binding(3) var<storage, read_write> a_1: array<array<u32, SLICE>>;
+a_put(i + 1u, k % 2u, a_get(a_get(0, 1), 2) | b[3]);
+fn a_get(i: u32, k: u32) -> u32 { if i < 2u { return a_0[i][k]; } else { return a_1[i - 2u][k]; } }
+fn a_put(i: u32, k: u32, v: u32) { if i < 2u { a_0[i][k] = v; } else { a_1[i - 2u][k] = v; } }
+"
+        );
     }
 
     #[test]

@@ -7,6 +7,7 @@ use bytemuck::bytes_of;
 use crate::error::{Error, Result};
 use crate::gpu::fault::catch;
 use crate::gpu::fuse::fused;
+use crate::gpu::kernel::Variant;
 use crate::gpu::memory::{READ_BACK, make_buffer};
 use crate::gpu::split::binding_numbers;
 use crate::gpu::timer::Timer;
@@ -62,7 +63,7 @@ impl GpuWorld {
             if !self.ready.contains_key(&key) {
                 let slots = run.stage.bindings.iter().map(|binding| binding.slot.buffer(run.pass));
                 let chunks: Vec<u32> = slots.map(|buffer| self.chunks(buffer).len() as u32).collect();
-                let kernel = self.gpu().kernel(run.stage, self.step().rods > 0, chunks.clone())?;
+                let kernel = self.gpu().kernel(run.stage, Variant::of(&step), chunks.clone())?;
                 let block = self.pass_block(run.pass)?;
                 let group = catch(self.gpu().device(), || self.make_group(run, &block, &chunks, &kernel.layout))?;
                 self.ready.insert(key, (kernel, group));

@@ -10,7 +10,7 @@ use crate::gpu::array::Array;
 use crate::gpu::check::check_buffer;
 use crate::gpu::device::Gpu;
 use crate::gpu::fault::catch;
-use crate::gpu::kernel::Kernel;
+use crate::gpu::kernel::{Kernel, Variant};
 use crate::gpu::memory::{bytes_needed, check_sizes, chunk_bytes, make_buffer};
 use crate::layout::{Status, Step};
 use crate::profile::BufferSize;
@@ -119,7 +119,7 @@ impl GpuWorld {
 
     /// Uploads all that a step begins with; scratch (stage states, wrenches) is left as it is, and so are AABBs that the world
     /// does not have. Lists that it does not have are empty after it. Buffers that are too small for the world, for example
-    /// after [`World::set_pair_capacity`], are made anew.
+    /// after [`World::set_pair_rows`], are made anew.
     ///
     /// # Errors
     /// As for [`GpuWorld::new`].
@@ -131,7 +131,7 @@ impl GpuWorld {
         for buffer in Buffer::ALL {
             self.fit(world, buffer)?;
         }
-        if (world.step.rods > 0) != (self.step.rods > 0) {
+        if Variant::of(&world.step) != Variant::of(&self.step) {
             // They have kernels of their own.
             self.ready.clear();
         }
@@ -166,7 +166,7 @@ impl GpuWorld {
     /// As for [`GpuWorld::upload_buffer`].
     pub fn upload_words(&mut self, world: &World) -> Result<()> {
         self.gpu.faults().check()?;
-        let counts = |step: &Step| (step.spheres, step.rods, step.boxes, step.polygons, step.pair_capacity);
+        let counts = |step: &Step| (step.spheres, step.rods, step.boxes, step.polygons, step.pair_rows);
         if counts(&world.step) != counts(&self.step) {
             return Err(Error::Device("the world's counts changed: upload it as a whole".to_owned()));
         }
@@ -177,13 +177,13 @@ impl GpuWorld {
         self.write_uniforms(&world.step)
     }
 
-    /// Takes over the pair capacity of `world`, after [`World::set_pair_capacity`]. The lists are empty after it.
+    /// Takes over the pair capacity of `world`, after [`World::set_pair_rows`]. The lists are empty after it.
     ///
     /// # Errors
     /// As for [`GpuWorld::new`].
     pub fn resize_lists(&mut self, world: &World) -> Result<()> {
         self.gpu.faults().check()?;
-        let sized = Step { pair_capacity: world.step.pair_capacity, ..self.step };
+        let sized = Step { pair_rows: world.step.pair_rows, ..self.step };
         if sized.entries_at != world.step.entries_at || sized.slices_at != world.step.slices_at {
             return Err(Error::Device("the world's movers changed: upload it as a whole".to_owned()));
         }

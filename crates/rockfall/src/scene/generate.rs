@@ -12,7 +12,7 @@ use rand_pcg::Pcg64Mcg;
 
 use super::{Cuboid, Scene, Sphere};
 use crate::error::{Error, Result, quoted};
-use crate::layout::ENTRY_ID_MASK;
+use crate::layout::most_objects;
 
 mod benchmark;
 mod bodies;
@@ -91,8 +91,9 @@ fn check_count(spheres: u32) -> Result<()> {
     if spheres == 0 {
         return Err(Error::Invalid { field: "spheres", value: "0".to_owned(), expected: "at least 1" });
     }
-    if spheres > ENTRY_ID_MASK {
-        return Err(Error::TooManyObjects { count: spheres as usize, limit: ENTRY_ID_MASK as usize });
+    let limit = most_objects(false);
+    if spheres > limit {
+        return Err(Error::TooManyObjects { count: spheres as usize, limit: limit as usize });
     }
     Ok(())
 }

@@ -2,7 +2,7 @@
 
 use crate::error::{Error, Result};
 use crate::layout::{
-    BAD_STAGE_SHIFT, BadStage, MAX_PAIR_WORDS, NO_BODY, SLICE, Status, VOID_COUNT, VOID_ESCAPED, VOID_NON_FINITE, VOID_PAIRS,
+    BAD_STAGE_SHIFT, BadStage, MAX_PAIR_ROWS, NO_BODY, Status, VOID_COUNT, VOID_ESCAPED, VOID_NON_FINITE, VOID_PAIRS, words_of,
 };
 use crate::profile::Recorder;
 use crate::simulation::Simulation;
@@ -144,15 +144,16 @@ impl Simulation {
         self.report.replays += 1;
         self.window.restart();
         if attempts > MAX_ATTEMPTS {
-            let reason = format!("{} words of pairs needed, AABB margin {}", status.pairs_needed, self.world.step.margin_scale);
+            let reason =
+                format!("{} rows of pairs needed, AABB margin {}", status.pair_rows_needed, self.world.step.margin_scale);
             return Err(Error::Stuck { step: self.report.steps + 1, attempts, reason });
         }
         if status.void & VOID_COUNT != 0 {
-            self.status.pairs_needed = u32::MAX;
+            self.status.pair_rows_needed = u32::MAX;
         }
         if status.void & (VOID_PAIRS | VOID_COUNT) != 0 {
             let movers = (self.world.step.spheres + self.world.step.rods).max(1) as f32;
-            match self.lookahead.shorter(status.pairs_needed as f32 / movers) {
+            match self.lookahead.shorter(words_of(status.pair_rows_needed) as f32 / movers) {
                 Some(steps) => self.world.step.lookahead = steps,
                 None => self.grow_lists()?,
             }
@@ -197,8 +198,8 @@ impl Simulation {
         let movers = (step.spheres + step.rods).max(1) as f32;
         let seen = Lists {
             builds_per_step: self.window.builds as f32 / self.window.steps as f32,
-            words_per_mover: self.status.pairs_needed as f32 / movers,
-            room_per_mover: Lookahead::room(step.pair_capacity as f32 / movers),
+            words_per_mover: words_of(self.status.pair_rows_needed) as f32 / movers,
+            room_per_mover: Lookahead::room(words_of(step.pair_rows) as f32 / movers),
             movers,
             dispatches: self.list_dispatches(),
         };
@@ -217,10 +218,10 @@ impl Simulation {
 
     /// Makes the pair lists a quarter larger than what was needed.
     fn grow_lists(&mut self) -> Result<()> {
-        let needed = self.status.pairs_needed;
-        let capacity = room_for(needed)?;
-        let before = self.world.step.pair_capacity;
-        self.world.set_pair_room(capacity);
+        let needed = self.status.pair_rows_needed;
+        let rows = room_for(needed)?;
+        let before = self.world.step.pair_rows;
+        self.world.set_pair_room(rows);
         self.engine.complete(&mut self.world);
         let grown = self.engine.resize_lists(&self.world);
         if grown.is_err() {
@@ -231,31 +232,31 @@ impl Simulation {
     }
 }
 
-/// Words for entries where so many are needed.
+/// Rows for entries where so many are needed.
 fn room_for(needed: u32) -> Result<u32> {
-    if needed > MAX_PAIR_WORDS {
-        let bytes = |words: u32| 4 * u64::from(words);
-        return Err(Error::DeviceLimit { what: "the pair lists", needed: bytes(needed), limit: bytes(MAX_PAIR_WORDS) });
+    if needed > MAX_PAIR_ROWS {
+        let bytes = |rows: u32| 4 * words_of(rows);
+        return Err(Error::DeviceLimit { what: "the pair lists", needed: bytes(needed), limit: bytes(MAX_PAIR_ROWS) });
     }
-    Ok(needed.saturating_add(needed / 4).min(MAX_PAIR_WORDS).next_multiple_of(SLICE))
+    Ok(needed.saturating_add(needed.div_ceil(4)).min(MAX_PAIR_ROWS))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::layout::ENTRY_ID_MASK;
+    use crate::layout::{SLICE, most_objects};
 
     #[test]
     fn lists_grow_up_to_what_32_bits_can_number() {
-        assert_eq!(room_for(1_000).unwrap(), 1_280);
+        assert_eq!(room_for(1_000).unwrap(), 1_250);
         // A quarter more is more than there may be, or than 32 bits hold.
-        for needed in [MAX_PAIR_WORDS / 8 * 7, MAX_PAIR_WORDS] {
-            assert_eq!(room_for(needed).unwrap(), MAX_PAIR_WORDS);
+        for needed in [MAX_PAIR_ROWS / 8 * 7, MAX_PAIR_ROWS] {
+            assert_eq!(room_for(needed).unwrap(), MAX_PAIR_ROWS);
         }
-        assert!(matches!(room_for(MAX_PAIR_WORDS + 1), Err(Error::DeviceLimit { .. })));
+        assert!(matches!(room_for(MAX_PAIR_ROWS + 1), Err(Error::DeviceLimit { .. })));
         assert!(matches!(room_for(u32::MAX), Err(Error::DeviceLimit { .. })));
         // Counts and slice offsets of as many movers as there may be stand before the entries.
-        let before = ENTRY_ID_MASK.next_multiple_of(SLICE) + ENTRY_ID_MASK.div_ceil(SLICE) + 1;
-        assert!(MAX_PAIR_WORDS.checked_add(before).is_some());
+        let slices = most_objects(false).div_ceil(SLICE);
+        assert!(MAX_PAIR_ROWS.checked_add(slices + slices.div_ceil(SLICE) + 1).is_some());
     }
 }

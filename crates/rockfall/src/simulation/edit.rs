@@ -230,14 +230,14 @@ impl Simulation {
     /// Packs the scene anew; room that lists had is kept.
     pub(super) fn rebuild(&mut self) -> Result<()> {
         let old = &self.world.step;
-        let (flags, dt, capacity) = (old.flags, old.dt, old.pair_capacity);
+        let (flags, dt, rows) = (old.flags, old.dt, old.pair_rows);
         let (margin_scale, lookahead) = (old.margin_scale, old.lookahead);
         self.world = World::for_method(&self.scene, self.options.broad_phase)?;
         self.world.step.flags |= flags & FLAG_CONTINUE;
         self.world.step.dt = dt;
         self.world.step.margin_scale = margin_scale;
         self.world.step.lookahead = lookahead;
-        self.world.set_pair_room(capacity);
+        self.world.set_pair_room(rows);
         self.engine.complete(&mut self.world);
         self.packed = self.scene.sphere_ids().collect();
         self.packings += 1;

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use crate::checkpoint::{Checkpoint, History};
 use crate::error::{Error, Result};
+use crate::layout::SLICE;
 use crate::simulation::engine::Engine;
 use crate::simulation::lookahead::Lookahead;
 use crate::simulation::order::Disorder;
@@ -37,7 +38,11 @@ impl Simulation {
         let step = &self.world.step;
         Ok(Checkpoint {
             scene: self.scene.clone(),
-            options: Options { backend: self.info.kind, pair_capacity: Some(step.pair_capacity), ..self.options.clone() },
+            options: Options {
+                backend: self.info.kind,
+                pair_capacity: Some(step.pair_rows.saturating_mul(SLICE)),
+                ..self.options.clone()
+            },
             time_step: self.time_step,
             report: self.report,
             note: String::new(),

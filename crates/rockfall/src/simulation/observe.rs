@@ -13,7 +13,7 @@ use crate::cpu::lists::{Entry, Lists};
 use crate::cpu::touch::touch;
 use crate::cpu::view::{Object, View};
 use crate::error::Result;
-use crate::layout::{ENTRY_COLLIDES, ENTRY_OVERLAPS, FLAG_COLLISIONS, SLICE, Status};
+use crate::layout::{ENTRY_COLLIDES, ENTRY_OVERLAPS, FLAG_COLLISIONS, Status};
 use crate::scene::{BoxId, PolygonId, RodId, SphereId};
 use crate::settings::Integrator;
 use crate::simulation::Simulation;
@@ -173,7 +173,7 @@ impl Simulation {
                 }
                 return Ok(world);
             }
-            world.set_pair_capacity(world.status.pairs_needed.next_multiple_of(SLICE));
+            world.set_pair_rows(world.status.pair_rows_needed);
         }
     }
 

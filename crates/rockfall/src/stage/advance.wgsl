@@ -2,7 +2,7 @@
 @group(0) @binding(3) var<storage, read> start: array<vec4f>;
 @group(0) @binding(4) var<storage, read_write> next: array<vec4f>;
 @group(0) @binding(5) var<storage, read> words: array<u32>;
-@group(0) @binding(6) var<storage, read> lists: array<u32>;
+@group(0) @binding(6) var<storage, read> lists: array<array<u32, SLICE>>;
 @group(0) @binding(7) var<storage, read> wrenches: array<vec4f>;
 @group(0) @binding(8) var<storage, read> aabbs: array<Aabb>;
 @group(0) @binding(9) var<storage, read_write> status: StatusAtomic;

@@ -21,6 +21,7 @@ pub(crate) const STAGE: Stage = Stage {
     name: "apply_collisions",
     parts: &[
         part!("wgsl/step.wgsl"),
+        part!("wgsl/lists.wgsl"),
         part!("wgsl/order.wgsl"),
         part!("wgsl/one_state.wgsl"),
         part!("wgsl/objects.wgsl"),
@@ -96,7 +97,7 @@ fn after_collisions(view: &View, lists: &Lists, stored: &[f32], sphere: u32, tal
         if entry.word & ENTRY_COLLIDES == 0 {
             return;
         }
-        let sum = match stored.get(lists.slot(row, entry) as usize) {
+        let sum = match stored.get(lists.slot(row, entry)) {
             Some(sum) => *sum,
             None => row_sums(view, lists, collision, Some(&incident)).told(),
         };

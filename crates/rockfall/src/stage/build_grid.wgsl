@@ -62,6 +62,6 @@ fn build_grid(@builtin(local_invocation_index) local: u32) {
     workgroupBarrier();
     tell_levels(local);
     if local == 0u {
-        status.pairs_needed = 0u;
+        status.pair_rows_needed = 0u;
     }
 }

@@ -23,7 +23,7 @@ fn clear_cells(
     if (block == 0u) & (local == 0u) {
         cells[0] = 0u;
         cells[3] = 0u;
-        status.pairs_needed = 0u;
+        status.pair_rows_needed = 0u;
     }
     for (var k = local; k < CELL_BLOCK; k += WORKGROUP) {
         cells[CELLS_AT + block * CELL_BLOCK + k] = 0u;

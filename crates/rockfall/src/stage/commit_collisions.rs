@@ -12,6 +12,7 @@ pub(crate) const STAGE: Stage = Stage {
     name: "commit_collisions",
     parts: &[
         part!("wgsl/step.wgsl"),
+        part!("wgsl/lists.wgsl"),
         part!("wgsl/order.wgsl"),
         part!("wgsl/one_state.wgsl"),
         part!("wgsl/objects.wgsl"),

@@ -14,6 +14,7 @@ pub(crate) const STAGE: Stage = Stage {
     name: "count_long",
     parts: &[
         part!("wgsl/step.wgsl"),
+        part!("wgsl/lists.wgsl"),
         part!("wgsl/meet.wgsl"),
         part!("wgsl/grid.wgsl"),
         part!("wgsl/neighbours.wgsl"),

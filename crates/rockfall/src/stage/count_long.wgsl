@@ -1,7 +1,7 @@
 @group(0) @binding(2) var<storage, read> aabbs: array<Aabb>;
 @group(0) @binding(3) var<storage, read> cells: array<u32>;
 @group(0) @binding(4) var<storage, read> extents: array<vec4f>;
-@group(0) @binding(5) var<storage, read_write> lists: array<u32>;
+@group(0) @binding(5) var<storage, read_write> lists: array<array<u32, SLICE>>;
 @group(0) @binding(6) var<storage, read> words: array<u32>;
 
 var<private> found: u32;
@@ -31,7 +31,7 @@ fn count_long(
         atomicAdd(&all_found, found);
         workgroupBarrier();
         if local == 0u {
-            lists[mover] = atomicLoad(&all_found);
+            lists[mover / SLICE][mover % SLICE] = atomicLoad(&all_found);
         }
     }
 }

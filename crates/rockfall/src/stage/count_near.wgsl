@@ -1,7 +1,7 @@
 @group(0) @binding(2) var<storage, read> aabbs: array<Aabb>;
 @group(0) @binding(3) var<storage, read> cells: array<u32>;
 @group(0) @binding(4) var<storage, read> extents: array<vec4f>;
-@group(0) @binding(5) var<storage, read_write> lists: array<u32>;
+@group(0) @binding(5) var<storage, read_write> lists: array<array<u32, SLICE>>;
 @group(0) @binding(6) var<storage, read> status: Status;
 
 var<private> count: u32;
@@ -24,10 +24,10 @@ fn count_near(
     let place = block * WORKGROUP + local;
     let mover = mover_at(place);
     if mover != NONE {
-        lists[mover] = count;
+        lists[mover / SLICE][mover % SLICE] = count;
     }
     // Past the last mover the count is 0, to the end of its slice.
     if (place >= step.spheres + step.rods) & (place < step.slices_at) {
-        lists[place] = 0u;
+        lists[place / SLICE][place % SLICE] = 0u;
     }
 }

@@ -1,5 +1,5 @@
 @group(0) @binding(2) var<storage, read> aabbs: array<Aabb>;
-@group(0) @binding(3) var<storage, read_write> lists: array<u32>;
+@group(0) @binding(3) var<storage, read_write> lists: array<array<u32, SLICE>>;
 @group(0) @binding(4) var<storage, read> status: Status;
 
 fn emit(mover: u32, place: u32, entry: u32) {}
@@ -17,6 +17,6 @@ fn count_pairs(
     let count = emit_pairs(mover, local);
     // Past the last mover the count is 0, to the end of its slice.
     if mover < step.slices_at {
-        lists[mover] = count;
+        lists[mover / SLICE][mover % SLICE] = count;
     }
 }

@@ -17,6 +17,7 @@ pub(crate) const STAGE: Stage = Stage {
     name: "fill_long",
     parts: &[
         part!("wgsl/step.wgsl"),
+        part!("wgsl/lists.wgsl"),
         part!("wgsl/meet.wgsl"),
         part!("wgsl/order.wgsl"),
         part!("wgsl/grid.wgsl"),
@@ -60,7 +61,7 @@ fn fill_long(world: &mut World, _pass: u32) {
         .collect();
     for (mover, entries) in grid.long_movers().iter().zip(found) {
         world.lists[*mover as usize] = entries.len() as u32 | LIST_LONG;
-        let first = (step.entries_at + slot(step, &world.lists, *mover, 0)) as usize;
+        let first = step.entries_at as usize + slot(step, &world.lists, *mover, 0);
         for (place, entry) in entries.into_iter().enumerate() {
             world.lists[first + place * SLICE as usize] = entry;
         }

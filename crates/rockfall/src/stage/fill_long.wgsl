@@ -1,12 +1,12 @@
 @group(0) @binding(2) var<storage, read> aabbs: array<Aabb>;
 @group(0) @binding(3) var<storage, read> cells: array<u32>;
 @group(0) @binding(4) var<storage, read> extents: array<vec4f>;
-@group(0) @binding(5) var<storage, read_write> lists: array<u32>;
+@group(0) @binding(5) var<storage, read_write> lists: array<array<u32, SLICE>>;
 @group(0) @binding(6) var<storage, read> words: array<u32>;
 @group(0) @binding(7) var<storage, read> status: Status;
 
-// First word of the list.
-var<private> into: u32;
+// Slot of the first entry.
+var<private> into: vec2u;
 var<workgroup> found: atomic<u32>;
 // The same, once all is found.
 var<workgroup> count: u32;
@@ -19,7 +19,7 @@ fn emit(mover: u32, place: u32) {
     let id = id_at(place);
     let at = atomicAdd(&found, entries);
     for (var feature = 0u; feature < entries; feature++) {
-        lists[into + (at + feature) * SLICE] = entry_key(id, feature);
+        lists[into.x + at + feature][into.y] = entry_key(id, feature);
     }
 }
 
@@ -31,7 +31,7 @@ fn drop_doubles(local: u32) -> u32 {
     for (var first = 0u; first < keys; first += TEAM) {
         var key = NONE;
         if first + local < keys {
-            key = lists[into + (first + local) * SLICE];
+            key = lists[into.x + first + local][into.y];
         }
         tile[local] = key;
         workgroupBarrier();
@@ -43,7 +43,7 @@ fn drop_doubles(local: u32) -> u32 {
         sums[local] = u32(is_kept);
         scan_sums(local);
         if is_kept {
-            lists[into + (kept + sums[local] - 1u) * SLICE] = entry_of(key);
+            lists[into.x + kept + sums[local] - 1u][into.y] = entry_of(key);
         }
         last = tile[TEAM - 1u];
         kept += sums[TEAM - 1u];
@@ -69,7 +69,7 @@ fn fill_long(
         }
         workgroupBarrier();
         if fits {
-            into = step.entries_at + lists[step.slices_at + mover / SLICE] + mover % SLICE;
+            into = first_of(mover);
             emit_neighbours(mover, portion_of(local));
         }
         workgroupBarrier();
@@ -79,7 +79,7 @@ fn fill_long(
         order_keys(local);
         let kept = drop_doubles(local);
         if local == 0u {
-            lists[mover] = kept | LIST_LONG;
+            lists[mover / SLICE][mover % SLICE] = kept | LIST_LONG;
         }
     }
 }

@@ -1,19 +1,16 @@
 @group(0) @binding(2) var<storage, read> aabbs: array<Aabb>;
 @group(0) @binding(3) var<storage, read> cells: array<u32>;
 @group(0) @binding(4) var<storage, read> extents: array<vec4f>;
-@group(0) @binding(5) var<storage, read_write> lists: array<u32>;
+@group(0) @binding(5) var<storage, read_write> lists: array<array<u32, SLICE>>;
 @group(0) @binding(6) var<storage, read> words: array<u32>;
 @group(0) @binding(7) var<storage, read> status: Status;
 
 var<private> count: u32;
 
-fn first_of(mover: u32) -> u32 {
-    return step.entries_at + lists[step.slices_at + mover / SLICE] + mover % SLICE;
-}
-
 fn emit(mover: u32, id: u32, features: u32) {
     for (var feature = 0u; feature < features; feature++) {
-        lists[first_of(mover) + count * SLICE] = entry_key(id, feature);
+        let slot = slot_of(mover, count);
+        lists[slot.x][slot.y] = entry_key(id, feature);
         count += 1u;
     }
 }

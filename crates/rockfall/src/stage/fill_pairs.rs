@@ -8,7 +8,13 @@ use crate::world::World;
 /// The stage.
 pub(crate) const STAGE: Stage = Stage {
     name: "fill_pairs",
-    parts: &[part!("wgsl/step.wgsl"), part!("wgsl/meet.wgsl"), part!("wgsl/pair_tiles.wgsl"), part!("stage/fill_pairs.wgsl")],
+    parts: &[
+        part!("wgsl/step.wgsl"),
+        part!("wgsl/lists.wgsl"),
+        part!("wgsl/meet.wgsl"),
+        part!("wgsl/pair_tiles.wgsl"),
+        part!("stage/fill_pairs.wgsl"),
+    ],
     bindings: &[read("aabbs", Buffer::Aabbs), write("lists", Buffer::Lists), read("status", Buffer::Status)],
     threads: Threads::Movers,
     cpu: fill_pairs,

@@ -1,9 +1,10 @@
 @group(0) @binding(2) var<storage, read> aabbs: array<Aabb>;
-@group(0) @binding(3) var<storage, read_write> lists: array<u32>;
+@group(0) @binding(3) var<storage, read_write> lists: array<array<u32, SLICE>>;
 @group(0) @binding(4) var<storage, read> status: Status;
 
 fn emit(mover: u32, place: u32, entry: u32) {
-    lists[step.entries_at + lists[step.slices_at + mover / SLICE] + place * SLICE + mover % SLICE] = entry;
+    let slot = slot_of(mover, place);
+    lists[slot.x][slot.y] = entry;
 }
 
 @compute @workgroup_size(64)

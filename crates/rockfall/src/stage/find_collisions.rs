@@ -25,6 +25,7 @@ pub(crate) const STAGE: Stage = Stage {
     name: "find_collisions",
     parts: &[
         part!("wgsl/step.wgsl"),
+        part!("wgsl/lists.wgsl"),
         part!("wgsl/order.wgsl"),
         part!("wgsl/one_state.wgsl"),
         part!("wgsl/objects.wgsl"),
@@ -79,7 +80,7 @@ fn mark(view: &View, slice: &mut Slice, place: usize, tally: &mut Tally) {
     let count = slice.counts[place] & LIST_COUNT_MASK;
     let words = Cell::from_mut(&mut *slice.words).as_slice_of_cells();
     let word = |entry: u32| &words[(entry * SLICE) as usize + place];
-    let list = |place: u32| Entry { place, word: word(place).get() & !(ENTRY_OVERLAPS | ENTRY_COLLIDES) };
+    let list = |place: u32| Entry::new(view.step, place, word(place).get() & !(ENTRY_OVERLAPS | ENTRY_COLLIDES));
     (0..count).for_each(|place| word(place).set(list(place).word));
     slice.counts[place] &= !LIST_COLLIDES;
     let mut set = |entry: &Entry, bits: u32| {

@@ -1,6 +1,6 @@
 @group(0) @binding(2) var<storage, read> state: array<vec4f>;
 @group(0) @binding(3) var<storage, read> words: array<u32>;
-@group(0) @binding(4) var<storage, read_write> lists: array<u32>;
+@group(0) @binding(4) var<storage, read_write> lists: array<array<u32, SLICE>>;
 @group(0) @binding(5) var<storage, read> aabbs: array<Aabb>;
 @group(0) @binding(6) var<storage, read_write> status: StatusAtomic;
 

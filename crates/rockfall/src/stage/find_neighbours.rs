@@ -3,7 +3,7 @@
 //!
 //! May meet: as in `count_pairs`. Where two rows of cells share places of the table an object is met twice; its entry is
 //! kept once. A slice gets its place in the order in which workgroups come to it; what is in a list does not depend on
-//! where it stands. Long movers get room for what `count_long` has counted. More than `pair_capacity` voids the step, and its
+//! where it stands. Long movers get room for what `count_long` has counted. More than `pair_rows` voids the step, and its
 //! lists are empty.
 
 use rayon::prelude::*;
@@ -21,6 +21,7 @@ pub(crate) const STAGE: Stage = Stage {
     name: "find_neighbours",
     parts: &[
         part!("wgsl/step.wgsl"),
+        part!("wgsl/lists.wgsl"),
         part!("wgsl/meet.wgsl"),
         part!("wgsl/order.wgsl"),
         part!("wgsl/heap.wgsl"),
@@ -71,14 +72,14 @@ fn find_neighbours(world: &mut World, _pass: u32) {
     let (counts, offsets) = world.lists.split_at_mut(step.slices_at as usize);
     for ((found, counts), offset) in found.iter().zip(counts.chunks_mut(SLICE as usize)).zip(offsets) {
         counts.copy_from_slice(&found.counts);
-        *offset = status.pairs_needed;
+        *offset = status.pair_rows_needed;
         let longest = found.counts.iter().max().copied().unwrap_or(0);
-        let (needed, wrapped) = offset.overflowing_add(longest * SLICE);
-        status.pairs_needed = needed;
+        let (needed, wrapped) = offset.overflowing_add(longest);
+        status.pair_rows_needed = needed;
         if wrapped {
             status.void |= VOID_COUNT;
         }
-        if needed > step.pair_capacity {
+        if needed > step.pair_rows {
             status.void |= VOID_PAIRS;
         }
     }

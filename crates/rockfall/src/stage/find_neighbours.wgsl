@@ -1,13 +1,16 @@
 @group(0) @binding(2) var<storage, read> aabbs: array<Aabb>;
 @group(0) @binding(3) var<storage, read> cells: array<u32>;
 @group(0) @binding(4) var<storage, read> extents: array<vec4f>;
-@group(0) @binding(5) var<storage, read_write> lists: array<u32>;
+@group(0) @binding(5) var<storage, read_write> lists: array<array<u32, SLICE>>;
 @group(0) @binding(6) var<storage, read> words: array<u32>;
 @group(0) @binding(7) var<storage, read_write> status: StatusAtomic;
 
 // So many objects are remembered and put in order by their thread; more are looked for again, and put in order in place.
 const SHORT: u32 = 32u;
-const KEY_BITS: u32 = 5u;
+// Whether there are so many objects that a key has no room for the place beside the index: then ids are looked up.
+override MANY: bool = false;
+override PLACE_BITS: u32 = 5u * u32(!MANY);
+override PLACE_MASK: u32 = (1u << PLACE_BITS) - 1u;
 
 // What was found: places (see `id_at`), then ids; once in order, those that are kept. Not in workgroup memory, for that is taken from
 // the cache, which matters more here; and short, for all of it is set to 0 first, which takes time.
@@ -20,8 +23,8 @@ var<workgroup> offsets: array<u32, WORKGROUP / SLICE>;
 var<private> found: u32;
 // Entries that they make, or may make.
 var<private> entries: u32;
-// First word of the list, once it has a place; 0 before.
-var<private> into: u32;
+// Slot of the first entry, once it has a place; row 0 before.
+var<private> into: vec2u;
 
 fn emit(mover: u32, place: u32) {
     if is_remote {
@@ -29,7 +32,7 @@ fn emit(mover: u32, place: u32) {
             return;
         }
     }
-    if into == 0u {
+    if into.x == 0u {
         if found < SHORT {
             ids[found] = place;
         }
@@ -43,12 +46,12 @@ fn emit(mover: u32, place: u32) {
     }
     let count = entries_found(mover, place);
     for (var feature = 0u; feature < count; feature++) {
-        lists[into + entries * SLICE] = entry_key(id_at(place), feature);
+        lists[into.x + entries][into.y] = entry_key(id_at(place), feature);
         entries += 1u;
     }
 }
 
-// Index in order of addition, and which of the objects remembered it is; NONE where the mover does not meet it, or there is none.
+// Index in order of addition and, but where there are MANY, which of the objects remembered it is; NONE where the mover does not meet it, or there is none.
 fn key_of(mover: u32, place: u32) -> u32 {
     if place >= found {
         return NONE;
@@ -58,7 +61,7 @@ fn key_of(mover: u32, place: u32) -> u32 {
     if (id == mover) | !may_meet(mover, id) {
         return NONE;
     }
-    return user_of(id) << KEY_BITS | place;
+    return user_of(id) << PLACE_BITS | (place & PLACE_MASK);
 }
 
 fn four_keys(mover: u32, place: u32) -> vec4u {
@@ -75,6 +78,9 @@ struct Run {
 }
 
 fn ids_of(keys: vec4u) -> vec4u {
+    if MANY {
+        return vec4u(id_of(keys.x), id_of(keys.y), id_of(keys.z), id_of(keys.w));
+    }
     return vec4u(ids[keys.x % SHORT], ids[keys.y % SHORT], ids[keys.z % SHORT], ids[keys.w % SHORT]);
 }
 
@@ -87,8 +93,8 @@ var<private> kept: u32;
 var<private> before: u32;
 
 fn keep(mover: u32, key: u32, id: u32) {
-    if (key != NONE) & ((key >> KEY_BITS) != before) {
-        before = key >> KEY_BITS;
+    if (key != NONE) & ((key >> PLACE_BITS) != before) {
+        before = key >> PLACE_BITS;
         ids[kept] = id;
         kept += 1u;
         entries += entries_of(mover, id);
@@ -133,16 +139,17 @@ fn order_short(mover: u32) {
 }
 
 // Room for a slice as wide as its longest list. A step without room for all is void, and nothing is written past the end.
-fn allot(slice: u32, words: u32) -> u32 {
-    let offset = atomicAdd(&status.pairs_needed, words);
-    lists[step.slices_at + slice] = offset;
-    if offset + words > step.pair_capacity {
+fn allot(slice: u32, rows: u32) -> u32 {
+    let offset = atomicAdd(&status.pair_rows_needed, rows);
+    let at = step.slices_at + slice;
+    lists[at / SLICE][at % SLICE] = offset;
+    if offset + rows > step.pair_rows {
         atomicOr(&status.void, VOID_PAIRS);
     }
-    if offset + words < offset {
+    if offset + rows < offset {
         atomicOr(&status.void, VOID_COUNT);
     }
-    return select(offset, NONE, (offset + words > step.pair_capacity) | (offset + words < offset));
+    return select(offset, NONE, (offset + rows > step.pair_rows) | (offset + rows < offset));
 }
 
 // Writes a list that is in order already.
@@ -152,11 +159,11 @@ fn write_short(mover: u32) {
         let id = ids[k];
         let count = entries_of(mover, id);
         for (var feature = 0u; feature < count; feature++) {
-            lists[into + place * SLICE] = id | feature << ENTRY_ID_BITS;
+            lists[into.x + place][into.y] = id | feature << ENTRY_ID_BITS;
             place += 1u;
         }
     }
-    lists[mover] = place;
+    lists[mover / SLICE][mover % SLICE] = place;
 }
 
 @compute @workgroup_size(64)
@@ -184,10 +191,10 @@ fn find_neighbours(
     }
     if mover < step.slices_at {
         if searches | (mover >= step.spheres + step.rods) {
-            lists[mover] = 0u;
+            lists[mover / SLICE][mover % SLICE] = 0u;
         } else {
             // `count_long` has counted them, and `fill_long` will write them.
-            entries = lists[mover];
+            entries = head_of(mover);
         }
     }
     for (var round = 0u; round < 2u; round++) {
@@ -201,18 +208,18 @@ fn find_neighbours(
             atomicMax(&longest[slice], entries);
             workgroupBarrier();
             if (local % SLICE == 0u) & (mover < step.slices_at) {
-                offsets[slice] = allot(mover / SLICE, atomicLoad(&longest[slice]) * SLICE);
+                offsets[slice] = allot(mover / SLICE, atomicLoad(&longest[slice]));
             }
             workgroupBarrier();
             searches &= offsets[slice] != NONE;
-            into = step.entries_at + offsets[slice] + local % SLICE;
+            into = vec2u(step.entries_at / SLICE + offsets[slice], local % SLICE);
             if searches & (found <= SHORT) {
                 write_short(mover);
                 searches = false;
             }
             entries = 0u;
         } else if searches {
-            lists[mover] = order_long(into, entries);
+            lists[mover / SLICE][mover % SLICE] = order_long(into, entries);
         }
     }
 }

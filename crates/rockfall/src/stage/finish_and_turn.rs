@@ -14,6 +14,7 @@ pub(crate) const STAGE: Stage = Stage {
     name: "finish_and_turn",
     parts: &[
         part!("wgsl/step.wgsl"),
+        part!("wgsl/lists.wgsl"),
         part!("wgsl/order.wgsl"),
         part!("wgsl/one_state.wgsl"),
         part!("wgsl/objects.wgsl"),

@@ -18,6 +18,7 @@ pub(crate) const STAGE: Stage = Stage {
     name: "leap",
     parts: &[
         part!("wgsl/step.wgsl"),
+        part!("wgsl/lists.wgsl"),
         part!("wgsl/order.wgsl"),
         part!("wgsl/one_state.wgsl"),
         part!("wgsl/objects.wgsl"),

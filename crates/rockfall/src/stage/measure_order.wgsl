@@ -1,4 +1,4 @@
-@group(0) @binding(2) var<storage, read> lists: array<u32>;
+@group(0) @binding(2) var<storage, read> lists: array<array<u32, SLICE>>;
 @group(0) @binding(3) var<storage, read_write> status: StatusAtomic;
 
 var<workgroup> group_entries: atomic<u32>;
@@ -6,12 +6,12 @@ var<workgroup> group_digits: atomic<u32>;
 
 // Adds up the binary digits of how far apart a sphere and those in its list stand.
 fn measure(i: u32) {
-    let first = step.entries_at + lists[step.slices_at + i / SLICE] + i % SLICE;
-    let count = lists[i] & LIST_COUNT_MASK;
+    let first = first_of(i);
+    let count = count_of(i);
     var entries = 0u;
     var digits = 0u;
     for (var e = 0u; e < count; e++) {
-        let id = lists[first + e * SLICE] & ENTRY_ID_MASK;
+        let id = entry_id(entry_at(slot_at(first, e)));
         if id < step.spheres {
             entries += 1u;
             digits += 32u - countLeadingZeros(max(i, id) - min(i, id));

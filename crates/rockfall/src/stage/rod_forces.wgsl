@@ -1,6 +1,6 @@
 @group(0) @binding(2) var<storage, read> state: array<vec4f>;
 @group(0) @binding(3) var<storage, read> words: array<u32>;
-@group(0) @binding(4) var<storage, read> lists: array<u32>;
+@group(0) @binding(4) var<storage, read> lists: array<array<u32, SLICE>>;
 @group(0) @binding(5) var<storage, read_write> wrenches: array<vec4f>;
 @group(0) @binding(6) var<storage, read_write> status: StatusAtomic;
 
@@ -29,8 +29,9 @@ fn wrench_on(rod: u32) -> Wrench {
     var sum = no_wrench();
     let id = step.spheres + rod;
     let count = count_of(id);
+    let first = first_of(id);
     for (var e = 0u; e < count; e++) {
-        let entry = entry_at(slot_of(id, e));
+        let entry = entry_at(slot_at(first, e));
         let other = entry_id(entry);
         let a = min(id, other);
         let b = max(id, other);

@@ -17,6 +17,7 @@ pub(crate) const STAGE: Stage = Stage {
     name: "run_steps",
     parts: &[
         part!("wgsl/step.wgsl"),
+        part!("wgsl/lists.wgsl"),
         part!("wgsl/order.wgsl"),
         part!("wgsl/four_states.wgsl"),
         part!("wgsl/objects.wgsl"),

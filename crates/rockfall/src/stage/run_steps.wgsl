@@ -1,7 +1,7 @@
 @group(0) @binding(2) var<storage, read_write> start: array<vec4f>;
 @group(0) @binding(3) var<storage, read_write> state: array<vec4f>;
 @group(0) @binding(4) var<storage, read> words: array<u32>;
-@group(0) @binding(5) var<storage, read_write> lists: array<u32>;
+@group(0) @binding(5) var<storage, read_write> lists: array<array<u32, SLICE>>;
 @group(0) @binding(6) var<storage, read> aabbs: array<Aabb>;
 @group(0) @binding(7) var<storage, read_write> orientations: array<vec4f>;
 @group(0) @binding(8) var<storage, read_write> status: StatusAtomic;
@@ -20,7 +20,7 @@ fn add_wrench(i: u32, rod: u32, net: ptr<function, Net>) {}
 fn remember(i: u32, old_position: vec3f, spin: vec3f) {}
 
 // Nobody has stored them.
-fn row_sum_of(pair: vec2u, slot: u32) -> f32 {
+fn row_sum_of(pair: vec2u, slot: vec2u) -> f32 {
     return plain_row_sum(pair.x, pair.y);
 }
 

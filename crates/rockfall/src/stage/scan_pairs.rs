@@ -1,7 +1,7 @@
 //! Broad phase, 2 of 3: where the slices begin, and whether the entries fit.
 //!
-//! A slice is as wide as its longest list: slice offsets are the exclusive sums of `SLICE * max(counts of the slice)`,
-//! the last one is the total. More than `pair_capacity` voids the step (`VOID_PAIRS`, `pairs_needed`).
+//! A slice is as wide as its longest list: slice offsets are the exclusive sums of `max(counts of the slice)`,
+//! the last one is the total. More than `pair_rows` voids the step (`VOID_PAIRS`, `pair_rows_needed`).
 
 use crate::layout::{LISTS_MADE, SLICE, VOID_PAIRS};
 use crate::stage::{Buffer, Stage, Threads, part, write};
@@ -24,12 +24,12 @@ fn scan_pairs(world: &mut World, _pass: u32) {
     let mut total = 0u32;
     for (slice, offset) in counts.chunks(SLICE as usize).zip(&mut *offsets) {
         *offset = total;
-        total = total.saturating_add(slice.iter().max().map_or(0, |widest| SLICE.saturating_mul(*widest)));
+        total = total.saturating_add(slice.iter().max().copied().unwrap_or(0));
     }
     offsets[counts.len() / SLICE as usize] = total;
-    world.status.pairs_needed = total;
+    world.status.pair_rows_needed = total;
     world.status.rebuild = LISTS_MADE;
-    if total > world.step.pair_capacity {
+    if total > world.step.pair_rows {
         world.status.void |= VOID_PAIRS;
     }
 }

@@ -1,4 +1,4 @@
-@group(0) @binding(2) var<storage, read_write> lists: array<u32>;
+@group(0) @binding(2) var<storage, read_write> lists: array<array<u32, SLICE>>;
 @group(0) @binding(3) var<storage, read_write> status: Status;
 
 // One workgroup does all slices, so it is as large as WebGPU promises.
@@ -8,21 +8,21 @@ var<workgroup> sums: array<u32, SCAN>;
 var<workgroup> carried: u32;
 var<workgroup> due: u32;
 
-// More words than can be numbered count as all of them: they never fit.
+// More rows than can be numbered count as all of them: they never fit.
 fn add_saturating(a: u32, b: u32) -> u32 {
     let sum = a + b;
     return select(sum, 0xffffffffu, sum < a);
 }
 
-fn slice_words(slice: u32, slices: u32) -> u32 {
+fn slice_rows(slice: u32, slices: u32) -> u32 {
     if slice >= slices {
         return 0u;
     }
     var longest = 0u;
     for (var k = 0u; k < SLICE; k++) {
-        longest = max(longest, lists[slice * SLICE + k]);
+        longest = max(longest, lists[slice][k]);
     }
-    return select(longest * SLICE, 0xffffffffu, longest > 0xffffffffu / SLICE);
+    return longest;
 }
 
 @compute @workgroup_size(256)
@@ -36,7 +36,7 @@ fn scan_pairs(@builtin(local_invocation_index) local: u32) {
         return;
     }
     for (var base = 0u; base < slices; base += SCAN) {
-        let own = slice_words(base + local, slices);
+        let own = slice_rows(base + local, slices);
         sums[local] = own;
         workgroupBarrier();
         for (var reach = 1u; reach < SCAN; reach *= 2u) {
@@ -54,7 +54,7 @@ fn scan_pairs(@builtin(local_invocation_index) local: u32) {
             left = sums[local - 1u];
         }
         if base + local < slices {
-            lists[step.slices_at + base + local] = add_saturating(before, left);
+            lists[(step.slices_at + base + local) / SLICE][(base + local) % SLICE] = add_saturating(before, left);
         }
         let all_of_them = sums[SCAN - 1u];
         workgroupBarrier();
@@ -64,10 +64,10 @@ fn scan_pairs(@builtin(local_invocation_index) local: u32) {
     }
     workgroupBarrier();
     if local == 0u {
-        lists[step.slices_at + slices] = carried;
-        status.pairs_needed = carried;
+        lists[(step.slices_at + slices) / SLICE][slices % SLICE] = carried;
+        status.pair_rows_needed = carried;
         status.rebuild = LISTS_MADE;
-        if carried > step.pair_capacity {
+        if carried > step.pair_rows {
             status.void |= VOID_PAIRS;
         }
     }

@@ -22,6 +22,7 @@ pub(crate) const STAGE: Stage = Stage {
     name: "weigh_collisions",
     parts: &[
         part!("wgsl/step.wgsl"),
+        part!("wgsl/lists.wgsl"),
         part!("wgsl/order.wgsl"),
         part!("wgsl/one_state.wgsl"),
         part!("wgsl/objects.wgsl"),
@@ -55,12 +56,12 @@ fn weigh_collisions(world: &mut World, _pass: u32) {
     let weighed: Vec<_> =
         movers.filter(|mover| lists.collides(*mover)).flat_map_iter(|mover| weigh(&view, &lists, mover)).collect();
     for (slot, sum) in weighed {
-        world.row_sums[slot as usize] = sum;
+        world.row_sums[slot] = sum;
     }
 }
 
 /// The row sums of the collisions in a mover's list, and where they belong.
-fn weigh(view: &View, lists: &Lists, mover: u32) -> Vec<(u32, f32)> {
+fn weigh(view: &View, lists: &Lists, mover: u32) -> Vec<(usize, f32)> {
     // Of a sphere they have many of the coupled contacts in common.
     let known = (mover < view.step.spheres).then(|| Incident::of(view, lists, mover, ENTRY_OVERLAPS));
     let colliding = lists.row(mover).filter(|entry| entry.word & ENTRY_COLLIDES != 0);

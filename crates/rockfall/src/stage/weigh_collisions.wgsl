@@ -1,7 +1,7 @@
 @group(0) @binding(2) var<storage, read> state: array<vec4f>;
 @group(0) @binding(3) var<storage, read> words: array<u32>;
-@group(0) @binding(4) var<storage, read> lists: array<u32>;
-@group(0) @binding(5) var<storage, read_write> row_sums: array<f32>;
+@group(0) @binding(4) var<storage, read> lists: array<array<u32, SLICE>>;
+@group(0) @binding(5) var<storage, read_write> row_sums: array<array<f32, SLICE>>;
 @group(0) @binding(6) var<storage, read_write> status: StatusAtomic;
 
 // So many collisions are weighed at once, and so many coupled contacts worked out between two barriers, shared out evenly among them.
@@ -33,7 +33,7 @@ struct Task {
 }
 
 // The first entry from `begin` on that has one of these bits; `count`: there is none.
-fn next_with(bits: u32, first: u32, begin: u32, count: u32) -> u32 {
+fn next_with(bits: u32, first: vec2u, begin: u32, count: u32) -> u32 {
     for (var e = begin; e < count; e += 4u) {
         let marked = which((four_entries(first, e, count) & vec4u(bits)) != vec4u(0u), e, count);
         if marked != 0u {
@@ -43,17 +43,17 @@ fn next_with(bits: u32, first: u32, begin: u32, count: u32) -> u32 {
     return count;
 }
 
-// The slot of a mover in the list of another, which is in order; NONE: it is not there.
-fn slot_in(row: u32, mover: u32) -> u32 {
+// The slot of a mover in the list of another, which is in order; of row NONE: it is not there.
+fn slot_in(row: u32, mover: u32) -> vec2u {
     let key = entry_key(mover, 0u);
-    let first = slot_of(row, 0u);
+    let first = first_of(row);
     var low = 0u;
     var high = count_of(row);
     while low < high {
         let middle = (low + high) / 2u;
-        let entry = entry_at(first + middle * SLICE);
+        let entry = entry_at(slot_at(first, middle));
         if entry_id(entry) == mover {
-            return first + middle * SLICE;
+            return slot_at(first, middle);
         }
         if entry_key(entry_id(entry), 0u) < key {
             low = middle + 1u;
@@ -61,7 +61,7 @@ fn slot_in(row: u32, mover: u32) -> u32 {
             high = middle;
         }
     }
-    return NONE;
+    return vec2u(NONE);
 }
 
 // A body that has a long list may have many collisions: so of two movers the one with the shorter list weighs theirs.
@@ -75,13 +75,13 @@ fn is_own(mover: u32, id: u32) -> bool {
 }
 
 // Stores a row sum with the entries of both sides.
-fn put_sum(mover: u32, slot: u32, row_sum: f32) {
-    row_sums[slot] = row_sum;
+fn put_sum(mover: u32, slot: vec2u, row_sum: f32) {
+    row_sums[row_of_sums(slot)][slot.y] = row_sum;
     let id = entry_id(entry_at(slot));
     if id < step.spheres + step.rods {
         let other = slot_in(id, mover);
-        if other != NONE {
-            row_sums[other] = row_sum;
+        if other.x != NONE {
+            row_sums[row_of_sums(other)][other.y] = row_sum;
         }
     }
 }
@@ -90,13 +90,13 @@ fn put_sum(mover: u32, slot: u32, row_sum: f32) {
 // on the way. The length of the list: there is none.
 fn next_collision(mover: u32, begin: u32) -> u32 {
     let count = count_of(mover);
-    let first = slot_of(mover, 0u);
+    let first = first_of(mover);
     for (var e = begin; ; e++) {
         e = next_with(ENTRY_COLLIDES, first, e, count);
         if e >= count {
             break;
         }
-        let slot = first + e * SLICE;
+        let slot = slot_at(first, e);
         let id = entry_id(entry_at(slot));
         if !is_own(mover, id) {
             continue;
@@ -165,7 +165,7 @@ fn gather(local: u32, task: ptr<function, Task>, at: u32, room: u32) -> u32 {
                 let row = row_of(sphere, rods, (*task).row);
                 if row != NONE {
                     let length = count_of(row);
-                    let first = slot_of(row, 0u);
+                    let first = first_of(row);
                     loop {
                         let e = next_with(ENTRY_OVERLAPS, first, (*task).next, length);
                         if e >= length {
@@ -174,7 +174,7 @@ fn gather(local: u32, task: ptr<function, Task>, at: u32, room: u32) -> u32 {
                         if count == room {
                             return count;
                         }
-                        coupled[at + count] = vec2u((*task).slot << SLOT_SHIFT | row, entry_at(first + e * SLICE));
+                        coupled[at + count] = vec2u((*task).slot << SLOT_SHIFT | row, entry_at(slot_at(first, e)));
                         count += 1u;
                         (*task).next = e + 1u;
                     }

@@ -1,7 +1,7 @@
 // Puts the keys of a list in order where it stands, by a workgroup: a bitonic sort (Batcher 1968) of which each round begins with
 // mirror images. So all its comparators point the same way, and keys that are not there, greater than all, never move.
 //
-// The stage has `into`, the first word of the list, and `count`, its keys.
+// The stage has `into`, the slot of the first entry, and `count`, its keys.
 
 // Keys that are ordered in workgroup memory.
 const TILE_BITS: u32 = 11u;
@@ -19,11 +19,11 @@ fn compare_in_list(keys: u32, bits: u32, mirrored: bool, local: u32) {
     for (var pair = local; 2u * pair < keys + (2u << bits); pair += TEAM) {
         let places = places_of(pair, bits, mirrored);
         if places.y < keys {
-            let low = lists[into + places.x * SLICE];
-            let high = lists[into + places.y * SLICE];
+            let low = lists[into.x + places.x][into.y];
+            let high = lists[into.x + places.y][into.y];
             if high < low {
-                lists[into + places.x * SLICE] = high;
-                lists[into + places.y * SLICE] = low;
+                lists[into.x + places.x][into.y] = high;
+                lists[into.x + places.y][into.y] = low;
             }
         }
     }
@@ -49,7 +49,7 @@ fn order_tiles(first_round: u32, last_round: u32, local: u32) {
     for (var first = 0u; first < keys; first += TILE) {
         let there = min(TILE, keys - first);
         for (var k = local; k < there; k += TEAM) {
-            tile[k] = lists[into + (first + k) * SLICE];
+            tile[k] = lists[into.x + first + k][into.y];
         }
         workgroupBarrier();
         for (var round = first_round; round <= last_round; round++) {
@@ -58,7 +58,7 @@ fn order_tiles(first_round: u32, last_round: u32, local: u32) {
             }
         }
         for (var k = local; k < there; k += TEAM) {
-            lists[into + (first + k) * SLICE] = tile[k];
+            lists[into.x + first + k][into.y] = tile[k];
         }
         workgroupBarrier();
     }

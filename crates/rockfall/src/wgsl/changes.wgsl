@@ -27,7 +27,7 @@ fn part_of(share: vec3f, approach: f32, overlap: f32, row_sum: f32) -> Part {
 }
 
 // What the colliding entry in this slot, of one of a sphere's rows, gives it.
-fn part_of_entry(sphere: u32, row: u32, slot: u32) -> Part {
+fn part_of_entry(sphere: u32, row: u32, slot: vec2u) -> Part {
     let entry = entry_at(slot);
     let id = entry_id(entry);
     if taken_elsewhere(sphere, row, id) {
@@ -58,10 +58,10 @@ fn add_row(sphere: u32, row: u32, change: ptr<function, Change>) {
         return;
     }
     let count = count_of(row);
-    let first = slot_of(row, 0u);
+    let first = first_of(row);
     for (var begin = 0u; begin < count; begin += LOOK) {
         for (var rest = entries_with(ENTRY_COLLIDES, first, begin, count); rest != 0u; rest &= rest - 1u) {
-            add_part(part_of_entry(sphere, row, first + (begin + firstTrailingBit(rest)) * SLICE), change);
+            add_part(part_of_entry(sphere, row, slot_at(first, begin + firstTrailingBit(rest))), change);
         }
     }
 }
@@ -80,7 +80,7 @@ fn changes_of(sphere: u32) -> Change {
 
 // Whether the collisions of a sphere are for a workgroup to work out, in `apply_long`: its list is long, and the only one.
 fn is_shared_out(sphere: u32) -> bool {
-    return ((lists[sphere] & LIST_LONG) != 0u) & is_plain(sphere);
+    return ((head_of(sphere) & LIST_LONG) != 0u) & is_plain(sphere);
 }
 
 // The state of a sphere after its collisions.

@@ -1,33 +1,11 @@
-// The contact law (physics.md section 4), and how the pair lists are read.
-
-// Place of entry e of a mover among the entries.
-fn slot_of(mover: u32, entry: u32) -> u32 {
-    return lists[step.slices_at + mover / SLICE] + entry * SLICE + mover % SLICE;
-}
-
-// Entries in a mover's list.
-fn count_of(mover: u32) -> u32 {
-    return lists[mover] & LIST_COUNT_MASK;
-}
-
-fn entry_at(slot: u32) -> u32 {
-    return lists[step.entries_at + slot];
-}
-
-fn entry_id(entry: u32) -> u32 {
-    return entry & ENTRY_ID_MASK;
-}
-
-fn entry_feature(entry: u32) -> u32 {
-    return entry >> ENTRY_ID_BITS & ENTRY_FEATURE_MASK;
-}
+// The contact law (physics.md section 4), and going through the pair lists.
 
 const LOOK: u32 = 32u;
 
 // Entries are gone through four at a time, so that memory is asked for all of them at once. Past the last one it is repeated.
-fn four_entries(first: u32, e: u32, count: u32) -> vec4u {
-    let places = first + min(vec4u(e, e + 1u, e + 2u, e + 3u), vec4u(count - 1u)) * SLICE;
-    return vec4u(entry_at(places.x), entry_at(places.y), entry_at(places.z), entry_at(places.w));
+fn four_entries(first: vec2u, e: u32, count: u32) -> vec4u {
+    let rows = first.x + min(vec4u(e, e + 1u, e + 2u, e + 3u), vec4u(count - 1u));
+    return vec4u(lists[rows.x][first.y], lists[rows.y][first.y], lists[rows.z][first.y], lists[rows.w][first.y]);
 }
 
 // The bits of those of four that are there and for which it is true.
@@ -38,7 +16,7 @@ fn which(yes: vec4<bool>, e: u32, count: u32) -> u32 {
 
 // Which of LOOK entries from `begin` on have one of these bits. They are looked for first and worked out then, so that neighbouring
 // threads, whose lists differ, do so together.
-fn entries_with(bits: u32, first: u32, begin: u32, count: u32) -> u32 {
+fn entries_with(bits: u32, first: vec2u, begin: u32, count: u32) -> u32 {
     var found = 0u;
     for (var e = begin; e < min(count, begin + LOOK); e += 4u) {
         let marked = (four_entries(first, e, count) & vec4u(bits)) != vec4u(0u);
@@ -76,7 +54,7 @@ fn close(own: vec4f, four: Four) -> vec4<bool> {
 
 // Which of LOOK entries from `begin` on are close to a sphere, have one of these bits or are no spheres. Of the others alone
 // the position is read: what costs most here is memory from many places at once.
-fn entries_near(own: vec4f, bits: u32, first: u32, begin: u32, count: u32) -> u32 {
+fn entries_near(own: vec4f, bits: u32, first: vec2u, begin: u32, count: u32) -> u32 {
     var found = 0u;
     for (var e = begin; e < min(count, begin + LOOK); e += 4u) {
         let entries = four_entries(first, e, count);
@@ -96,8 +74,8 @@ struct Met {
 }
 
 // The first of those that are left of LOOK entries from `begin` on; where none is left, any.
-fn meet(first: u32, begin: u32, rest: u32) -> Met {
-    let entry = entry_at(first + (begin + select(0u, firstTrailingBit(rest), rest != 0u)) * SLICE);
+fn meet(first: vec2u, begin: u32, rest: u32) -> Met {
+    let entry = entry_at(slot_at(first, begin + select(0u, firstTrailingBit(rest), rest != 0u)));
     return met(entry, rest != 0u);
 }
 

@@ -18,7 +18,7 @@ fn add_contacts(i: u32, net: ptr<function, Net>) {
     }
     let own = state[position_at(i)];
     let side = sphere_side(own, state[velocity_at(i)], state[momentum_at(i)]);
-    let first = slot_of(i, 0u);
+    let first = first_of(i);
     for (var begin = 0u; begin < count; begin += LOOK) {
         // What overlapped when the step began most likely still does; other pairs of spheres that do not touch cost one position.
         var rest = entries_near(own, ENTRY_OVERLAPS, first, begin, count);

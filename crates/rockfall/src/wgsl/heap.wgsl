@@ -1,27 +1,27 @@
 // Putting a list in order where it stands.
 
-fn sift_down(first: u32, top: u32, size: u32) {
+fn sift_down(first: vec2u, top: u32, size: u32) {
     var root = top;
-    let key = lists[first + root * SLICE];
+    let key = lists[first.x + root][first.y];
     loop {
         var child = 2u * root + 1u;
         if child >= size {
             break;
         }
         if child + 1u < size {
-            child += u32(lists[first + child * SLICE] < lists[first + (child + 1u) * SLICE]);
+            child += u32(lists[first.x + child][first.y] < lists[first.x + child + 1u][first.y]);
         }
-        if lists[first + child * SLICE] <= key {
+        if lists[first.x + child][first.y] <= key {
             break;
         }
-        lists[first + root * SLICE] = lists[first + child * SLICE];
+        lists[first.x + root][first.y] = lists[first.x + child][first.y];
         root = child;
     }
-    lists[first + root * SLICE] = key;
+    lists[first.x + root][first.y] = key;
 }
 
 // Heap sort in place; then every key once, as an entry. Gives their number.
-fn order_long(first: u32, count: u32) -> u32 {
+fn order_long(first: vec2u, count: u32) -> u32 {
     if count == 0u {
         return 0u;
     }
@@ -29,17 +29,17 @@ fn order_long(first: u32, count: u32) -> u32 {
         sift_down(first, root - 1u, count);
     }
     for (var size = count - 1u; size > 0u; size--) {
-        let greatest = lists[first];
-        lists[first] = lists[first + size * SLICE];
-        lists[first + size * SLICE] = greatest;
+        let greatest = lists[first.x][first.y];
+        lists[first.x][first.y] = lists[first.x + size][first.y];
+        lists[first.x + size][first.y] = greatest;
         sift_down(first, 0u, size);
     }
     var distinct = 0u;
     var previous = NONE;
     for (var place = 0u; place < count; place++) {
-        let key = lists[first + place * SLICE];
+        let key = lists[first.x + place][first.y];
         if key != previous {
-            lists[first + distinct * SLICE] = entry_of(key);
+            lists[first.x + distinct][first.y] = entry_of(key);
             distinct += 1u;
         }
         previous = key;

@@ -55,7 +55,7 @@ fn judge(mover: u32, own: vec4f, velocity: vec4f, other: Met) -> u32 {
 }
 
 // Which of LOOK entries are judged: all but spheres without bits that are too far from this one.
-fn which_to_judge(mover: u32, own: vec4f, first: u32, begin: u32, count: u32) -> u32 {
+fn which_to_judge(mover: u32, own: vec4f, first: vec2u, begin: u32, count: u32) -> u32 {
     if mover >= step.spheres {
         return 0xffffffffu >> (LOOK - min(count - begin, LOOK));
     }
@@ -63,18 +63,18 @@ fn which_to_judge(mover: u32, own: vec4f, first: u32, begin: u32, count: u32) ->
 }
 
 // Judges an entry, writes its bits where they changed, which they seldom do, and gives them.
-fn mark_entry(mover: u32, own: vec4f, velocity: vec4f, other: Met, slot: u32) -> u32 {
+fn mark_entry(mover: u32, own: vec4f, velocity: vec4f, other: Met, slot: vec2u) -> u32 {
     let entry = other.entry & ~(ENTRY_OVERLAPS | ENTRY_COLLIDES);
     let bits = judge(mover, own, velocity, other);
     if (entry | bits) != other.entry {
-        lists[step.entries_at + slot] = entry | bits;
+        lists[slot.x][slot.y] = entry | bits;
     }
     return bits;
 }
 
 // Marks the entries of a mover, and the mover where one of them collides, and gives the number of collisions with objects of higher id.
 fn mark_entries(mover: u32) -> u32 {
-    let first = slot_of(mover, 0u);
+    let first = first_of(mover);
     var collisions = 0u;
     var any_bits = 0u;
     let count = count_of(mover);
@@ -86,7 +86,7 @@ fn mark_entries(mover: u32) -> u32 {
         var rest = which_to_judge(mover, own, first, begin, count);
         var now = meet(first, begin, rest);
         while rest != 0u {
-            let slot = first + (begin + firstTrailingBit(rest)) * SLICE;
+            let slot = slot_at(first, begin + firstTrailingBit(rest));
             rest &= rest - 1u;
             let ahead = meet(first, begin, rest);
             let bits = mark_entry(mover, own, velocity, now, slot);
@@ -97,10 +97,11 @@ fn mark_entries(mover: u32) -> u32 {
             now = ahead;
         }
     }
-    let unmarked = lists[mover] & ~LIST_COLLIDES;
+    let head = head_of(mover);
+    let unmarked = head & ~LIST_COLLIDES;
     let marked = unmarked | select(0u, LIST_COLLIDES, (any_bits & ENTRY_COLLIDES) != 0u);
-    if marked != lists[mover] {
-        lists[mover] = marked;
+    if marked != head {
+        lists[mover / SLICE][mover % SLICE] = marked;
     }
     return collisions;
 }

@@ -23,9 +23,9 @@ fn id_of(user: u32) -> u32 {
 
 // Orders entries by index in order of addition, then feature: not by id, for the order of memory must not show.
 fn entry_key(id: u32, feature: u32) -> u32 {
-    return user_of(id) << 4u | feature;
+    return user_of(id) << FEATURE_BITS | feature;
 }
 
 fn entry_of(key: u32) -> u32 {
-    return id_of(key >> 4u) | (key & ENTRY_FEATURE_MASK) << ENTRY_ID_BITS;
+    return id_of(key >> FEATURE_BITS) | (key & FEATURE_MASK) << ENTRY_ID_BITS;
 }

@@ -7,7 +7,7 @@ fn has_changes() -> bool {
 
 // Whether some entry of a mover collides.
 fn has_collisions(mover: u32) -> bool {
-    return (lists[mover] & LIST_COLLIDES) != 0u;
+    return (head_of(mover) & LIST_COLLIDES) != 0u;
 }
 
 // The objects whose lists hold the contacts in which a sphere takes part ("rows"): the sphere itself, its rods, and the

@@ -11,7 +11,7 @@ struct Step {
     coulomb_friction: f32,
     margin_scale: f32,
     flags: u32,
-    pair_capacity: u32,
+    pair_rows: u32,
     spheres: u32,
     rods: u32,
     boxes: u32,
@@ -74,7 +74,7 @@ struct Told {
 struct Status {
     told: array<Told, TELLERS>,
     void: u32,
-    pairs_needed: u32,
+    pair_rows_needed: u32,
     escape_ratio: u32,
     steps: u32,
     collided: u32,
@@ -111,7 +111,7 @@ struct ToldAtomic {
 struct StatusAtomic {
     told: array<ToldAtomic, TELLERS>,
     void: atomic<u32>,
-    pairs_needed: atomic<u32>,
+    pair_rows_needed: atomic<u32>,
     escape_ratio: atomic<u32>,
     steps: u32,
     collided: atomic<u32>,
@@ -159,9 +159,11 @@ const KIND_FORCE: u32 = 3u;
 const TELLERS: u32 = 64u;
 const SIZE_WORDS: u32 = 12u;
 
-const ENTRY_ID_BITS: u32 = 26u;
-const ENTRY_ID_MASK: u32 = 0x3ffffffu;
-const ENTRY_FEATURE_MASK: u32 = 0xfu;
+// Without rods all contacts have feature 0, and ids the more bits.
+override FEATURE_BITS: u32 = 4u * u32(RODS);
+override FEATURE_MASK: u32 = (1u << FEATURE_BITS) - 1u;
+override ENTRY_ID_BITS: u32 = 30u - FEATURE_BITS;
+override ENTRY_ID_MASK: u32 = (1u << ENTRY_ID_BITS) - 1u;
 const ENTRY_OVERLAPS: u32 = 0x40000000u;
 const ENTRY_COLLIDES: u32 = 0x80000000u;
 const LIST_COLLIDES: u32 = 0x80000000u;
@@ -206,7 +208,7 @@ const ORDER_MASK: u32 = 3u;
 const LEAPS: u32 = 4u;
 
 const NO_BODY: u32 = 0xffffffffu;
-const BAD_STAGE_SHIFT: u32 = 27u;
+const BAD_STAGE_SHIFT: u32 = 29u;
 
 // "No such object" where an id or an index is expected.
 const NONE: u32 = 0xffffffffu;

@@ -1,8 +1,8 @@
 // Where row sums of collisions come from: with rods `weigh_collisions` has stored them, entry by entry.
 
-fn row_sum_of(pair: vec2u, slot: u32) -> f32 {
+fn row_sum_of(pair: vec2u, slot: vec2u) -> f32 {
     if RODS {
-        return row_sums[slot];
+        return row_sums[row_of_sums(slot)][slot.y];
     }
     return plain_row_sum(pair.x, pair.y);
 }

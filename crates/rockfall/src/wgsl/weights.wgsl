@@ -26,7 +26,7 @@ fn add_coupled_plain(sphere: u32, other: u32, n: vec3f, inverse_mass: f32, sums:
     }
     let own = state[position_at(sphere)];
     let count = count_of(sphere);
-    let first = slot_of(sphere, 0u);
+    let first = first_of(sphere);
     for (var begin = 0u; begin < count; begin += LOOK) {
         var rest = entries_with(ENTRY_OVERLAPS, first, begin, count);
         var now = meet(first, begin, rest);

@@ -4,8 +4,8 @@ use glam::{Vec3, Vec4};
 
 use crate::error::{Error, Result};
 use crate::layout::{
-    CELL_BLOCK, CELLS_AT, ENTRY_ID_MASK, FEW_MOVERS, FLAG_COLLISIONS, FLAG_CONTINUE, FLAG_GROUPS, FLAG_PULL, KIND_FORCE,
-    KIND_ROD, KIND_SHIFT, KIND_SPRING, KIND_TETHER, LEVEL_BIAS, LINE, MOST_ACROSS, PLANNED_FROM, SLICE, SUM_WORDS, Step,
+    CELL_BLOCK, CELLS_AT, FEW_MOVERS, FLAG_COLLISIONS, FLAG_CONTINUE, FLAG_GROUPS, FLAG_PULL, KIND_FORCE, KIND_ROD, KIND_SHIFT,
+    KIND_SPRING, KIND_TETHER, LEVEL_BIAS, LINE, MOST_ACROSS, PLANNED_FROM, SLICE, SUM_WORDS, Step, most_objects,
 };
 use crate::scene::{Rod, Scene, Sphere, SphereId};
 use crate::settings::{BroadPhase, Settings};
@@ -15,9 +15,9 @@ use crate::world::frames::batches;
 use crate::world::order::{inverse, size_class, spatial_order};
 
 /// Entries that a mover's list has room for at the start; lists that need more grow.
-const FIRST_ENTRIES: u64 = 16;
+const FIRST_ENTRIES: u32 = 16;
 /// The same where movers are few.
-const FIRST_ENTRIES_OF_FEW: u64 = 24;
+const FIRST_ENTRIES_OF_FEW: u32 = 24;
 /// How far AABBs are grown at the start for what accelerates, in 0.02 r.
 const FIRST_MARGIN: f32 = 2.0;
 /// Steps for which AABBs are grown at the start.
@@ -73,10 +73,8 @@ impl World {
         world.set_words(scene)?;
         world.set_spheres(scene);
         world.set_grid(scene);
-        let padded = u64::from(world.movers().next_multiple_of(SLICE));
         let entries = if world.movers() <= FEW_MOVERS { FIRST_ENTRIES_OF_FEW } else { FIRST_ENTRIES };
-        let capacity = (padded * entries).clamp(u64::from(SLICE), u64::from(u32::MAX / 4)) as u32;
-        world.set_pair_room(capacity);
+        world.set_pair_room((entries * world.movers().div_ceil(SLICE)).max(1));
         Ok(world)
     }
 
@@ -104,7 +102,7 @@ impl World {
         let counts = scene.counts();
         let objects = counts.spheres + counts.rods + counts.boxes + counts.polygons;
         let attached = counts.springs + counts.tethers;
-        let limit = ENTRY_ID_MASK as usize;
+        let limit = most_objects(counts.rods > 0) as usize;
         if objects > limit || attached > limit {
             return Err(Error::TooManyObjects { count: objects.max(attached), limit });
         }
@@ -207,7 +205,7 @@ impl World {
         self.resize_cells();
         self.extents.resize(self.objects() as usize, Vec4::ZERO);
         self.wrenches.resize(4 * self.step.rods as usize, Vec4::ZERO);
-        self.set_pair_capacity(self.step.pair_capacity);
+        self.set_pair_rows(self.step.pair_rows);
     }
 
     /// Writes the state of the spheres back into the scene it was packed from; `packed` are their handles then.
@@ -413,7 +411,7 @@ mod tests {
         let mut world = World::for_method(&scene, BroadPhase::Grid).unwrap();
         let held: Vec<Buffer> = Buffer::ALL.into_iter().filter(|buffer| !world.bytes(*buffer).is_empty()).collect();
         assert_eq!(held, [Buffer::Start, Buffer::Words, Buffer::Orientations, Buffer::Sizes, Buffer::Status]);
-        world.set_pair_room(64);
+        world.set_pair_room(2);
         assert!(world.lists.is_empty());
         // As large as the counts say, whatever the capacity was before.
         let whole = world.with_scratch();

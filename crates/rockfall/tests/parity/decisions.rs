@@ -5,7 +5,7 @@
 use std::collections::BTreeMap;
 
 use glam::DVec3;
-use rockfall::layout::{ENTRY_FEATURE_MASK, ENTRY_ID_BITS, ENTRY_ID_MASK, LIST_COUNT_MASK, SLICE};
+use rockfall::layout::{ENTRY_BITS, LIST_COUNT_MASK, SLICE};
 use rockfall::world::World;
 
 use crate::bodies::{Bodies, Kind};
@@ -225,15 +225,15 @@ pub(crate) fn entries(world: &World) -> Vec<Entry> {
     for mover in 0..world.movers() {
         let slice = world.lists[(step.slices_at + mover / SLICE) as usize];
         for place in 0..world.lists[mover as usize] & LIST_COUNT_MASK {
-            let slot = (slice + place * SLICE + mover % SLICE) as usize;
+            let slot = ((slice + place) * SLICE + mover % SLICE) as usize;
             // Lists that did not fit are not to be read.
             let Some(word) = world.lists.get(step.entries_at as usize + slot).copied() else {
                 return all;
             };
             all.push(Entry {
                 mover: mover as usize,
-                other: (word & ENTRY_ID_MASK) as usize,
-                feature: (word >> ENTRY_ID_BITS & ENTRY_FEATURE_MASK) as usize,
+                other: (word & step.entry_id_mask()) as usize,
+                feature: ((word & ((1 << ENTRY_BITS) - 1)) >> step.entry_id_bits()) as usize,
                 word,
             });
         }

@@ -1,7 +1,7 @@
 //! The grid broad phase leaves some things in any order. Here they are put into one, so that they can be compared; and scratch that
 //! a stage does not share with its twin is left out.
 
-use rockfall::layout::{CELLS_AT, LIST_COUNT_MASK, SLICE};
+use rockfall::layout::{CELLS_AT, LIST_COUNT_MASK, SLICE, words_of};
 use rockfall::world::World;
 
 /// The world after a stage, with what that stage leaves in any order put in order.
@@ -40,7 +40,8 @@ fn clear_long_lists(world: &mut World) {
     }
     let step = world.step;
     for mover in world.cells[step.long_at as usize..][..world.cells[3] as usize].iter().copied() {
-        let first = step.entries_at + world.lists[(step.slices_at + mover / SLICE) as usize] + mover % SLICE;
+        let row = world.lists[(step.slices_at + mover / SLICE) as usize];
+        let first = step.entries_at + row * SLICE + mover % SLICE;
         for place in 0..world.lists[mover as usize] {
             world.lists[(first + place * SLICE) as usize] = 0;
         }
@@ -69,19 +70,18 @@ fn order_slices(world: &mut World) {
     let (index, entries) = world.lists.split_at_mut(step.entries_at as usize);
     let (counts, offsets) = index.split_at_mut(step.slices_at as usize);
     let offsets = &mut offsets[..counts.len() / SLICE as usize];
-    let widths =
-        counts.chunks(SLICE as usize).map(|slice| slice.iter().map(|count| count & LIST_COUNT_MASK).max().unwrap() * SLICE);
+    let widths = counts.chunks(SLICE as usize).map(|slice| slice.iter().map(|count| count & LIST_COUNT_MASK).max().unwrap());
     let mut slices: Vec<(u32, u32)> = offsets.iter().copied().zip(widths.clone()).collect();
     slices.sort_unstable();
     let ends = slices.iter().map(|(offset, width)| offset + width);
-    let next = slices.iter().skip(1).map(|(offset, _)| *offset).chain([world.status.pairs_needed]);
+    let next = slices.iter().skip(1).map(|(offset, _)| *offset).chain([world.status.pair_rows_needed]);
     assert!(ends.zip(next).all(|(end, next)| end <= next), "slices lie upon another: {slices:?}");
     let before = entries.to_vec();
     let mut end = 0;
     for (offset, width) in offsets.iter_mut().zip(widths) {
-        let (from, to, width) = (*offset as usize, end as usize, width as usize);
-        entries[to..to + width].copy_from_slice(&before[from..from + width]);
+        let [from, to, words] = [*offset, end, width].map(|rows| words_of(rows) as usize);
+        entries[to..to + words].copy_from_slice(&before[from..from + words]);
         *offset = end;
-        end += width as u32;
+        end += width;
     }
 }

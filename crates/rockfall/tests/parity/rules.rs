@@ -6,7 +6,7 @@ use glam::Vec3;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use rockfall::gpu::Gpu;
-use rockfall::layout::WORKGROUP;
+use rockfall::layout::{SLICE, WORKGROUP};
 use rockfall::stage::{Phase, Run};
 use rockfall::world::World;
 use rockfall::{BroadPhase, Capsule, Cuboid, Integrator, Polygon, Rod, Scene, Sphere, SphereId, Spring, wgpu};
@@ -19,7 +19,7 @@ fn assert_alike(gpu: &Gpu, scene: &Scene, runs: &[Run], steps: u32, margin: f32)
     let mut world = World::build(scene).unwrap();
     world.step.dt = 0.005;
     world.step.margin_scale = margin;
-    world.set_pair_capacity(world.movers().next_multiple_of(32) * 100);
+    world.set_pair_rows(world.movers().div_ceil(SLICE) * 100);
     for (step, run) in (0..steps).flat_map(|step| runs.iter().map(move |run| (step, run))) {
         let after = on_gpu(gpu, &world, *run);
         let wrong = differences(run, &world, &after, BY_RULE);
@@ -192,7 +192,7 @@ fn escapes_void_the_step() {
         let mut world = World::build(&scene).unwrap();
         world.step.dt = 0.02;
         world.step.margin_scale = 1e-3;
-        world.set_pair_capacity(1 << 14);
+        world.set_pair_rows(1 << 9);
         let mut voided = 0;
         for run in stages(&Phase::STEP, integrator) {
             let before = world.clone();

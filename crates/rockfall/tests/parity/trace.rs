@@ -1,6 +1,6 @@
 //! The worlds that the stages of a step begin with, with every decision of the step far from its switch.
 
-use rockfall::layout::{CELL_BLOCK, CELLS_AT, LEAPS, PHASES_SHIFT, POSITIONS_FIRST, ROD_WORDS};
+use rockfall::layout::{CELL_BLOCK, CELLS_AT, LEAPS, PHASES_SHIFT, POSITIONS_FIRST, ROD_WORDS, SLICE};
 use rockfall::stage::{ALL, MEASURE_ORDER, Phase, Run, SORT_MEMORY, When};
 use rockfall::world::World;
 use rockfall::{BroadPhase, Integrator, Settings};
@@ -85,7 +85,7 @@ fn sized(mut world: World) -> World {
     world.step.lead = 0.5;
     // As in a large scene.
     world.step.planned = 1;
-    world.set_pair_capacity(world.movers() * 64);
+    world.set_pair_rows(world.movers().div_ceil(SLICE) * 64);
     // Not 0, so that a word that a stage leaves out shows.
     world.cells[CELLS_AT as usize..].fill(3);
     for wrench in &mut world.wrenches {

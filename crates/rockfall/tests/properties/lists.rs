@@ -4,6 +4,7 @@ use std::cell::Cell;
 
 use glam::Vec3;
 use proptest::prelude::*;
+use rockfall::layout::SLICE;
 use rockfall::stage::Phase;
 use rockfall::world::World;
 use rockfall::{
@@ -29,7 +30,7 @@ fn with_all_pairs(scene: &Scene, steps: u32, dt: f32) -> World {
     let mut world = World::build(scene).unwrap();
     world.step.dt = dt;
     world.step.margin_scale = 1e9;
-    world.set_pair_capacity(world.movers().next_multiple_of(32) * world.objects() * 12);
+    world.set_pair_rows(world.movers().div_ceil(SLICE) * world.objects() * 12);
     let phases = Phase::STEP.iter().flat_map(|phase| phase.stages(Integrator::Rk4, BroadPhase::BruteForce));
     let stages: Vec<_> = phases.copied().collect();
     for _ in 0..steps {

@@ -1,0 +1,43 @@
+// How the pair lists are read. They stand in rows of SLICE words, for their words may be more than 32 bits can number.
+
+// What stands at the head of a mover's list: how many entries it has, and LIST_* bits.
+fn head_of(mover: u32) -> u32 {
+    return lists[mover / SLICE][mover % SLICE];
+}
+
+// Entries in a mover's list.
+fn count_of(mover: u32) -> u32 {
+    return head_of(mover) & LIST_COUNT_MASK;
+}
+
+// Slot of the first entry of a mover: its row, and its place in the row.
+fn first_of(mover: u32) -> vec2u {
+    let slice = step.slices_at + mover / SLICE;
+    return vec2u(step.entries_at / SLICE + lists[slice / SLICE][slice % SLICE], mover % SLICE);
+}
+
+// Slot of entry e of the list whose first is there.
+fn slot_at(first: vec2u, e: u32) -> vec2u {
+    return vec2u(first.x + e, first.y);
+}
+
+fn slot_of(mover: u32, e: u32) -> vec2u {
+    return slot_at(first_of(mover), e);
+}
+
+fn entry_at(slot: vec2u) -> u32 {
+    return lists[slot.x][slot.y];
+}
+
+fn entry_id(entry: u32) -> u32 {
+    return entry & ENTRY_ID_MASK;
+}
+
+fn entry_feature(entry: u32) -> u32 {
+    return entry >> ENTRY_ID_BITS & FEATURE_MASK;
+}
+
+// Row of the sums of collisions that belong to the row of a slot.
+fn row_of_sums(slot: vec2u) -> u32 {
+    return slot.x - step.entries_at / SLICE;
+}
