@@ -17,8 +17,9 @@ pub(crate) struct Entry {
 }
 
 impl Entry {
-    pub(crate) fn new(step: &Step, place: u32, word: u32) -> Self {
-        Self { place, word, id: word & step.entry_id_mask() }
+    /// `id_mask`: see [`Step::entry_id_mask`].
+    pub(crate) fn new(id_mask: u32, place: u32, word: u32) -> Self {
+        Self { place, word, id: word & id_mask }
     }
 
     /// Id of the other object.
@@ -61,8 +62,8 @@ impl<'a> Lists<'a> {
         let first = self.step.entries_at as usize + slot(self.step, self.words, mover, 0);
         // An empty slice may stand at the end of all.
         let words = self.words.get(first..).unwrap_or_default();
-        let step = self.step;
-        (count, move |place| Entry::new(step, place, words[(place * SLICE) as usize]))
+        let id_mask = self.step.entry_id_mask();
+        (count, move |place| Entry::new(id_mask, place, words[(place * SLICE) as usize]))
     }
 
     /// The place of an entry of a mover among all entries.

@@ -80,7 +80,8 @@ fn mark(view: &View, slice: &mut Slice, place: usize, tally: &mut Tally) {
     let count = slice.counts[place] & LIST_COUNT_MASK;
     let words = Cell::from_mut(&mut *slice.words).as_slice_of_cells();
     let word = |entry: u32| &words[(entry * SLICE) as usize + place];
-    let list = |place: u32| Entry::new(view.step, place, word(place).get() & !(ENTRY_OVERLAPS | ENTRY_COLLIDES));
+    let id_mask = view.step.entry_id_mask();
+    let list = |place: u32| Entry::new(id_mask, place, word(place).get() & !(ENTRY_OVERLAPS | ENTRY_COLLIDES));
     (0..count).for_each(|place| word(place).set(list(place).word));
     slice.counts[place] &= !LIST_COLLIDES;
     let mut set = |entry: &Entry, bits: u32| {
