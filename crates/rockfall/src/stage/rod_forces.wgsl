@@ -30,30 +30,35 @@ fn wrench_on(rod: u32) -> Wrench {
     let id = step.spheres + rod;
     let count = count_of(id);
     let first = first_of(id);
-    for (var e = 0u; e < count; e++) {
-        let entry = entry_at(slot_at(first, e));
-        let other = entry_id(entry);
-        let a = min(id, other);
-        let b = max(id, other);
-        let found = touch(a, b, entry_feature(entry));
-        if found.overlap <= 0.0 {
-            continue;
-        }
-        let contact = contact_force(side_at(a, found.a), side_at(b, found.b), found, b);
-        let is_a = id < other;
-        let at = select(found.b, found.a, is_a);
-        let force = select(-contact.force, contact.force, is_a);
-        let couple = select(contact.couple_b, contact.couple_a, is_a);
-        sum.force_1 += (1.0 - at) * force;
-        sum.couple_1 += (1.0 - at) * couple;
-        sum.force_2 += at * force;
-        sum.couple_2 += at * couple;
-        if is_a {
-            sum.contacts += 1u;
-            sum.deepest = max(sum.deepest, found.overlap);
+    for (var begin = 0u; begin < count; begin += LOOK) {
+        for (var rest = touching(id, 0u, first, begin, all_entries(begin, count)); rest != 0u; rest &= rest - 1u) {
+            add_rod_contact(id, entry_at(slot_at(first, begin + firstTrailingBit(rest))), &sum);
         }
     }
     return sum;
+}
+
+fn add_rod_contact(id: u32, entry: u32, sum: ptr<function, Wrench>) {
+    let other = entry_id(entry);
+    let a = min(id, other);
+    let b = max(id, other);
+    let found = touch(a, b, entry_feature(entry));
+    if found.overlap <= 0.0 {
+        return;
+    }
+    let contact = contact_force(side_at(a, found.a), side_at(b, found.b), found, b);
+    let is_a = id < other;
+    let at = select(found.b, found.a, is_a);
+    let force = select(-contact.force, contact.force, is_a);
+    let couple = select(contact.couple_b, contact.couple_a, is_a);
+    (*sum).force_1 += (1.0 - at) * force;
+    (*sum).couple_1 += (1.0 - at) * couple;
+    (*sum).force_2 += at * force;
+    (*sum).couple_2 += at * couple;
+    if is_a {
+        (*sum).contacts += 1u;
+        (*sum).deepest = max((*sum).deepest, found.overlap);
+    }
 }
 
 @compute @workgroup_size(64)

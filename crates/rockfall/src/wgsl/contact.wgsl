@@ -64,6 +64,28 @@ fn entries_near(own: vec4f, bits: u32, first: vec2u, begin: u32, count: u32) -> 
     return found;
 }
 
+// Bits of LOOK entries from `begin` on, as many as there are.
+fn all_entries(begin: u32, count: u32) -> u32 {
+    return 0xffffffffu >> (LOOK - min(count - begin, LOOK));
+}
+
+// Of LOOK entries from `begin` on those that are asked for, but for contacts that a rod has part in, have none of these bits and do not
+// touch: rods have many neighbours and few contacts, which neighbouring threads, whose lists differ, then work out together.
+fn touching(mover: u32, bits: u32, first: vec2u, begin: u32, asked: u32) -> u32 {
+    var kept = asked;
+    for (var rest = asked; rest != 0u; rest &= rest - 1u) {
+        let place = firstTrailingBit(rest);
+        let entry = entry_at(slot_at(first, begin + place));
+        let id = entry_id(entry);
+        if ((entry & bits) == 0u) & ((mover >= step.spheres) | ((id >= step.spheres) & (id - step.spheres < step.rods))) {
+            if touch(min(mover, id), max(mover, id), entry_feature(entry)).overlap <= 0.0 {
+                kept &= ~(1u << place);
+            }
+        }
+    }
+    return kept;
+}
+
 // What is read of an entry while the one before it is worked out: memory takes longer to answer than that.
 struct Met {
     entry: u32,

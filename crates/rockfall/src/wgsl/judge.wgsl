@@ -54,12 +54,17 @@ fn judge(mover: u32, own: vec4f, velocity: vec4f, other: Met) -> u32 {
     return bits_of(found.overlap, contact.approach, contact.inverse_mass, pair_radius(pair.x, pair.y));
 }
 
-// Which of LOOK entries are judged: all but spheres without bits that are too far from this one.
+// Which of LOOK entries are judged: all but those without bits that are too far away.
 fn which_to_judge(mover: u32, own: vec4f, first: vec2u, begin: u32, count: u32) -> u32 {
-    if mover >= step.spheres {
-        return 0xffffffffu >> (LOOK - min(count - begin, LOOK));
+    let bits = ENTRY_OVERLAPS | ENTRY_COLLIDES;
+    if !RODS {
+        return entries_near(own, bits, first, begin, count);
     }
-    return entries_near(own, ENTRY_OVERLAPS | ENTRY_COLLIDES, first, begin, count);
+    var near = all_entries(begin, count);
+    if mover < step.spheres {
+        near = entries_near(own, bits, first, begin, count);
+    }
+    return touching(mover, bits, first, begin, near);
 }
 
 // Judges an entry, writes its bits where they changed, which they seldom do, and gives them.
