@@ -153,7 +153,7 @@ impl Simulation {
         }
         if status.void & (VOID_PAIRS | VOID_COUNT) != 0 {
             let movers = (self.world.step.spheres + self.world.step.rods).max(1) as f32;
-            match self.lookahead.shorter(words_of(status.pair_rows_needed) as f32 / movers) {
+            match self.lookahead.shorter(words_of(status.pair_rows_needed) as f32 / movers, self.world.step.rods > 0) {
                 Some(steps) => self.world.step.lookahead = steps,
                 None => self.grow_lists()?,
             }
@@ -199,7 +199,7 @@ impl Simulation {
         let seen = Lists {
             builds_per_step: self.window.builds as f32 / self.window.steps as f32,
             words_per_mover: words_of(self.status.pair_rows_needed) as f32 / movers,
-            room_per_mover: Lookahead::room(words_of(step.pair_rows) as f32 / movers),
+            room_per_mover: Lookahead::room(words_of(step.pair_rows) as f32 / movers, step.rods > 0),
             movers,
             dispatches: self.list_dispatches(),
         };

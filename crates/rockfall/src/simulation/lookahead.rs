@@ -13,10 +13,13 @@ const WORTH: f32 = 0.97;
 const SHORT_LIVED: f32 = 3.0;
 /// Lists that take more words a mover are made for fewer steps ahead, before memory is made larger for them.
 const LONG: f32 = 20.0;
+/// The same where there are rods, whose neighbours are many and cost much to find: at rest lists of 21 words have to be made in every
+/// step, of 29 in every tenth.
+const LONG_OF_RODS: f32 = 36.0;
 /// Twice the steps make lists longer by about this part for each of the present steps, where bodies fly about.
 const GROWTH: f32 = 0.15;
 /// Batches between two trials, after trials that did not pay.
-const LONGEST_PAUSE: u32 = 16;
+const LONGEST_PAUSE: u32 = 8;
 
 // Costs in ns a mover on a large GPU, by timestamps; only their ratios matter.
 /// Making lists, however short they are.
@@ -35,6 +38,10 @@ const DISPATCH: f32 = 7_000.0;
 const WAIT: f32 = 500.0;
 /// The same where lists are made, for an entry has to find its place in the order.
 const WAIT_TO_FIND: f32 = 4_000.0;
+
+fn long(has_rods: bool) -> f32 {
+    if has_rods { LONG_OF_RODS } else { LONG }
+}
 
 /// What a batch of steps did with its lists.
 #[derive(Clone, Copy, Debug)]
@@ -122,15 +129,15 @@ impl Lookahead {
         self.steps
     }
 
-    /// Words a mover that lists may take where memory holds so many.
-    pub(super) fn room(capacity: f32) -> f32 {
-        capacity.max(LONG)
+    /// Words a mover that lists may take where memory holds so many, in a scene with or without rods.
+    pub(super) fn room(capacity: f32, has_rods: bool) -> f32 {
+        capacity.max(long(has_rods))
     }
 
     /// The number of steps for lists that did not fit and would take so many words a mover; `None` where nothing is to be
     /// gained by fewer.
-    pub(super) fn shorter(&mut self, words_per_mover: f32) -> Option<f32> {
-        if self.steps <= 1.0 || words_per_mover <= LONG {
+    pub(super) fn shorter(&mut self, words_per_mover: f32, has_rods: bool) -> Option<f32> {
+        if self.steps <= 1.0 || words_per_mover <= long(has_rods) {
             return None;
         }
         self.before = None;
@@ -218,10 +225,10 @@ mod tests {
     #[test]
     fn lists_that_are_too_long_for_memory_are_made_shorter_first() {
         let mut lookahead = Lookahead { steps: 3.0, ..Lookahead::default() };
-        assert_eq!(lookahead.shorter(10.0), None, "there is room for that many");
-        assert_eq!(lookahead.shorter(100.0), Some(1.5));
-        assert_eq!(lookahead.shorter(100.0), Some(1.0));
-        assert_eq!(lookahead.shorter(100.0), None, "they are what one step needs");
+        assert_eq!(lookahead.shorter(10.0, false), None, "there is room for that many");
+        assert_eq!(lookahead.shorter(100.0, true), Some(1.5));
+        assert_eq!(lookahead.shorter(100.0, true), Some(1.0));
+        assert_eq!(lookahead.shorter(100.0, true), None, "they are what one step needs");
     }
 
     #[test]
