@@ -132,10 +132,13 @@ pub const TELLERS: u32 = 64;
 pub const LINE: u32 = 32;
 /// First word of the largest edges of AABBs in the buffer `cells`: for each level the bits of that of the objects on it, not negative.
 pub const EDGES_AT: u32 = LINE;
+/// First word, in the buffer `cells`, of how far objects stand from the origin: for each level the bits of the greatest coordinate,
+/// without its sign, of a centre on it.
+pub const FARTHEST_AT: u32 = EDGES_AT + LINE;
 /// First word of the cells in the buffer `cells`; word 0 is a mask of the levels that have objects, word 1 tells
 /// whether lists are to be made, word 2 the number of objects that sort-and-skip has put in order, word 3 the number of long
 /// movers.
-pub const CELLS_AT: u32 = EDGES_AT + LINE;
+pub const CELLS_AT: u32 = FARTHEST_AT + LINE;
 /// Cells that one workgroup sums.
 pub const CELL_BLOCK: u32 = 4096;
 /// Words that the sum of a block takes, of which the first holds it: the kernels read and write rows of four words.

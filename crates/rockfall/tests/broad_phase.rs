@@ -104,6 +104,14 @@ fn one_flies_off(_part: usize) -> Scene {
     scene
 }
 
+/// One is past all others, one begins among them.
+fn two_fly_off_fast(_part: usize) -> Scene {
+    let mut scene = equal_spheres(1);
+    scene.add_sphere(Sphere::new([3.0, 1e5, 1.0], 0.2).velocity([0.0, 1e5, 0.0])).unwrap();
+    scene.add_sphere(Sphere::new([-1.0, 0.5, 1.0], 0.2).velocity([0.0, -1e5, 0.0])).unwrap();
+    scene
+}
+
 fn all_in_one_place(_part: usize) -> Scene {
     let mut scene = Scene::new();
     for _ in 0..150 {
@@ -120,7 +128,7 @@ const PART_ON_GPU: usize = 6;
 /// Makes a scene, or one part in so many of it.
 type Make = fn(usize) -> Scene;
 
-const SCENES: [(&str, Make); 9] = [
+const SCENES: [(&str, Make); 10] = [
     ("equal spheres", equal_spheres),
     ("radii 1:50", radii_1_to_50),
     ("long rods among small spheres", long_rods_among_small_spheres),
@@ -129,6 +137,7 @@ const SCENES: [(&str, Make); 9] = [
     ("tall column", tall_column),
     ("two clusters far apart", two_clusters_far_apart),
     ("one flies off", one_flies_off),
+    ("two fly off fast", two_fly_off_fast),
     ("all in one place", all_in_one_place),
 ];
 

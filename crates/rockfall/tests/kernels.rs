@@ -282,6 +282,7 @@ fn the_constants_are_those_of_layout() {
         TELLERS,
         SIZE_WORDS,
         EDGES_AT,
+        FARTHEST_AT,
         CELLS_AT,
         LEVELS,
         CELL_BLOCK,

@@ -229,6 +229,23 @@ fn few_large_spheres_do_not_hold_up_many_small_ones() {
     assert!(longest > 100 && looked_at <= 125 && words as f64 <= 1.2 * entries as f64, "{told}");
 }
 
+/// What flies off, so fast that its AABB is a thousand times as large as the others, has nobody to look at but itself: for a device it
+/// is one thread that looks.
+#[test]
+fn a_body_that_flies_off_does_not_hold_up_the_others() {
+    let mut scene = Scene::new();
+    for k in 0..8_000 {
+        scene.add_sphere(Sphere::new([k % 20, k / 20 % 20, k / 400].map(|x| 0.1 * x as f32), 0.049)).unwrap();
+    }
+    scene.add_sphere(Sphere::new([0.0, 1e6, 0.0], 0.049).velocity([0.0, 1e4, 0.0])).unwrap();
+    let options = Options::new().backend(Backend::Cpu).broad_phase(BroadPhase::Grid);
+    let mut simulation = Simulation::with_options(scene, options).unwrap();
+    let world = listed(&mut simulation, World::build_in_space);
+    let looked_at = cpu::longest_search(&world);
+    println!("{looked_at} objects at most");
+    assert!(looked_at <= 125, "{looked_at} objects");
+}
+
 /// Ten times the spheres, each with as much to do: those inside have more neighbours than those on the surface, of which a
 /// small crowd has more.
 #[track_caller]

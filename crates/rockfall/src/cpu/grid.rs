@@ -12,7 +12,8 @@ use glam::{IVec3, Vec3, Vec4};
 use crate::cpu::broad::{entries, may_meet, same_group};
 use crate::cpu::lanes::{LANES, Vec3x4};
 use crate::layout::{
-    Aabb, CELLS_AT, EDGES_AT, FEW_STATICS, FLAG_GROUPS, LEVEL_BIAS, LONG_LEVEL, ROW_LEVEL, ROW_Y, ROW_Z, SLICE, Step, TOP_LEVEL,
+    Aabb, CELLS_AT, EDGES_AT, FARTHEST_AT, FEW_STATICS, FLAG_GROUPS, LEVEL_BIAS, LONG_LEVEL, ROW_LEVEL, ROW_Y, ROW_Z, SLICE,
+    Step, TOP_LEVEL,
 };
 use crate::world::World;
 
@@ -31,6 +32,8 @@ struct Level {
     size: f32,
     /// Largest edge of the AABBs on it.
     edge: f32,
+    /// Greatest coordinate, without its sign, of a centre on it.
+    farthest: f32,
 }
 
 /// Along x cells are neighbours in the table; rows are scattered.
@@ -48,6 +51,11 @@ pub(crate) fn key_of(step: &Step, aabb: &Aabb) -> (u32, u32, f32) {
     let [min, max] = [aabb.min, aabb.max].map(|bound| Vec3::from_array(bound).extend(0.0));
     let IVec3 { x, y, z } = level.cell(0.5 * min + 0.5 * max);
     (key(step, x, y, z, level.number), level.number, largest)
+}
+
+/// Greatest coordinate, without its sign, of the centre of an AABB.
+pub(crate) fn greatest_coordinate(aabb: &Aabb) -> f32 {
+    extent(aabb).truncate().abs().max_element()
 }
 
 /// Whether an object is no mover, and one of few: then every mover tests it, for levels of their own would cost more.
@@ -194,6 +202,9 @@ impl<'a> Grid<'a> {
         for level in &self.levels {
             let block = level.around(aabb);
             if block.is_more_than(all, self.step.cells) {
+                if level.is_within(aabb) {
+                    continue;
+                }
                 spans.clear();
                 return spans.push((0, all));
             }
@@ -352,19 +363,33 @@ impl Block {
 impl Level {
     fn new(step: &Step, number: u32) -> Self {
         let size = step.cell_size * 2f32.powi(number as i32 - LEVEL_BIAS as i32);
-        Self { number, size, edge: size }
+        Self { number, size, edge: size, farthest: f32::INFINITY }
     }
 
     /// The same once all objects are counted.
     fn holding(self, cells: &[u32]) -> Self {
-        Self { edge: f32::from_bits(cells[(EDGES_AT + self.number) as usize]), ..self }
+        let of_level = |first: u32| f32::from_bits(cells[(first + self.number) as usize]);
+        Self { edge: of_level(EDGES_AT), farthest: of_level(FARTHEST_AT), ..self }
     }
 
-    /// The cells that the centre of an overlapping object may be in. The slack covers rounding.
+    /// The cells that the centre of an overlapping object may be in.
     fn around(&self, aabb: &Aabb) -> Block {
+        let [low, high] = self.places_around(aabb);
+        Block { low: self.cell(low), high: self.cell(high) }
+    }
+
+    /// Whether all of its objects are so near the origin that this AABB cannot overlap them.
+    fn is_within(&self, aabb: &Aabb) -> bool {
+        let [low, high] = self.places_around(aabb);
+        let far = Vec4::splat(self.farthest);
+        low.cmpgt(far).any() || high.cmplt(-far).any()
+    }
+
+    /// Between which places the centre of an overlapping object may be. The slack covers rounding.
+    fn places_around(&self, aabb: &Aabb) -> [Vec4; 2] {
         let [min, max] = [aabb.min, aabb.max].map(|bound| Vec3::from_array(bound).extend(0.0));
         let slack = 0.5005 * self.edge + 1e-6 * min.abs().max(max.abs());
-        Block { low: self.cell(min - slack), high: self.cell(max + slack) }
+        [min - slack, max + slack]
     }
 
     /// The cell of a place. What is far out is clamped, which keeps the order of coordinates.

@@ -45,6 +45,7 @@ fn build_grid(@builtin(local_invocation_index) local: u32) {
     }
     if local < LEVELS {
         atomicStore(&cells[EDGES_AT + local], 0u);
+        atomicStore(&cells[FARTHEST_AT + local], 0u);
     }
     for (var k = local; k < CELL_BLOCK; k += TEAM) {
         atomicStore(&cells[CELLS_AT + k], 0u);

@@ -19,6 +19,7 @@ fn clear_cells(
     }
     if (block == 0u) & (local < LEVELS) {
         cells[EDGES_AT + local] = 0u;
+        cells[FARTHEST_AT + local] = 0u;
     }
     if (block == 0u) & (local == 0u) {
         cells[0] = 0u;

@@ -4,8 +4,8 @@
 use rayon::prelude::*;
 
 use crate::cpu::GRAIN;
-use crate::cpu::grid::{is_long, key_of, stands_apart};
-use crate::layout::{CELLS_AT, EDGES_AT};
+use crate::cpu::grid::{greatest_coordinate, is_long, key_of, stands_apart};
+use crate::layout::{CELLS_AT, EDGES_AT, FARTHEST_AT};
 use crate::stage::{Buffer, Stage, Threads, part, read, write};
 use crate::world::World;
 
@@ -35,6 +35,8 @@ fn count_cells(world: &mut World, _pass: u32) {
             let edge = &mut world.cells[(EDGES_AT + level) as usize];
             // Positive floats order like their bits.
             *edge = (*edge).max(largest.max(0.0).to_bits());
+            let far = &mut world.cells[(FARTHEST_AT + level) as usize];
+            *far = (*far).max(greatest_coordinate(&world.aabbs[object]).to_bits());
         }
         if (object as u32) < step.spheres + step.rods && is_long(step, &world.aabbs[object]) {
             let at = step.long_at + world.cells[3];

@@ -1,7 +1,8 @@
-// What the objects of a workgroup tell of the levels: a mask of those that have objects, and the bits of the largest edge on each.
-// Positive floats order like their bits.
+// What the objects of a workgroup tell of the levels: a mask of those that have objects, and the bits of the largest edge and of the
+// greatest coordinate on each. Positive floats order like their bits.
 var<workgroup> levels: atomic<u32>;
 var<workgroup> edges: array<atomic<u32>, LEVELS>;
+var<workgroup> farthest: array<atomic<u32>, LEVELS>;
 
 fn clear_levels(local: u32) {
     if local == 0u {
@@ -9,6 +10,7 @@ fn clear_levels(local: u32) {
     }
     if local < LEVELS {
         atomicStore(&edges[local], 0u);
+        atomicStore(&farthest[local], 0u);
     }
 }
 
@@ -16,7 +18,8 @@ fn clear_levels(local: u32) {
 fn count_object(object: u32) {
     let aabb = aabbs[object];
     let level = level_of(aabb);
-    let cell = cell_coordinates(0.5 * aabb.min + 0.5 * aabb.max, level);
+    let centre = 0.5 * aabb.min + 0.5 * aabb.max;
+    let cell = cell_coordinates(centre, level);
     let key = cell_key(cell.x, row_key(cell.y, cell.z, level));
     atomicAdd(&cells[CELLS_AT + key], 1u);
     atomicStore(&cells[step.keys_at + object], key);
@@ -30,6 +33,11 @@ fn count_object(object: u32) {
         }
         if edge > atomicLoad(&edges[level]) {
             atomicMax(&edges[level], edge);
+        }
+        let out = abs(centre);
+        let far = bitcast<u32>(max(out.x, max(out.y, out.z)));
+        if far > atomicLoad(&farthest[level]) {
+            atomicMax(&farthest[level], far);
         }
     }
 }
@@ -48,6 +56,10 @@ fn tell_levels(local: u32) {
             if mine > atomicLoad(&cells[EDGES_AT + local]) {
                 atomicMax(&cells[EDGES_AT + local], mine);
             }
+        }
+        let far = atomicLoad(&farthest[local]);
+        if far > atomicLoad(&cells[FARTHEST_AT + local]) {
+            atomicMax(&cells[FARTHEST_AT + local], far);
         }
     }
 }

@@ -15,9 +15,21 @@ struct CellRange {
     high: vec3i,
 }
 
+fn slack_around(own: Aabb, level: u32) -> vec3f {
+    return 0.5005 * bitcast<f32>(cells[EDGES_AT + level]) + 1e-6 * max(abs(own.min), abs(own.max));
+}
+
 fn cells_around(own: Aabb, level: u32) -> CellRange {
-    let slack = 0.5005 * bitcast<f32>(cells[EDGES_AT + level]) + 1e-6 * max(abs(own.min), abs(own.max));
+    let slack = slack_around(own, level);
     return CellRange(cell_coordinates(own.min - slack, level), cell_coordinates(own.max + slack, level));
+}
+
+// Whether all objects on a level are so near the origin that an AABB cannot overlap them: what flies off as fast as it can, all alone,
+// would have too many cells to look at.
+fn is_beyond(own: Aabb, level: u32) -> bool {
+    let slack = slack_around(own, level);
+    let far = vec3f(bitcast<f32>(cells[FARTHEST_AT + level]));
+    return any(own.min - slack > far) | any(own.max + slack < -far);
 }
 
 // Whether there are more rows of cells to look at than objects, or more cells than the table has. In floats, for the product of very
@@ -174,10 +186,16 @@ fn emit_neighbours(mover: u32, portion: Portion) {
         }
     }
     var all_of_them = false;
-    for (var rest = cells[0]; rest != 0u; rest &= rest - 1u) {
-        all_of_them |= covers_too_much(cells_around(own, firstTrailingBit(rest)));
+    var levels = cells[0];
+    for (var rest = levels; rest != 0u; rest &= rest - 1u) {
+        let level = firstTrailingBit(rest);
+        if covers_too_much(cells_around(own, level)) {
+            let beyond = is_beyond(own, level);
+            levels &= ~select(0u, 1u << level, beyond);
+            all_of_them |= !beyond;
+        }
     }
-    for (var rest = cells[0]; rest != 0u; rest &= rest - 1u) {
+    for (var rest = levels; rest != 0u; rest &= rest - 1u) {
         let level = firstTrailingBit(rest);
         let range = cells_around(own, level);
         var y = range.low.y + portion.y;

@@ -172,7 +172,8 @@ const LIST_COUNT_MASK: u32 = 0x3fffffffu;
 const BOX_FEATURES: u32 = 12u;
 
 const EDGES_AT: u32 = 32u;
-const CELLS_AT: u32 = 64u;
+const FARTHEST_AT: u32 = 64u;
+const CELLS_AT: u32 = 96u;
 const LEVELS: u32 = 32u;
 const CELL_BLOCK: u32 = 4096u;
 const SUM_WORDS: u32 = 4u;

@@ -14,7 +14,7 @@ use crate::trace::{COLLISIONS, POSITIONS, Plan, Scenario, trace};
 /// A mistake: in which stage and pass, the file, the text and what it becomes, and the buffer that it shows in.
 struct Mistake(&'static str, u32, &'static str, &'static str, &'static str, Buffer);
 
-const MISTAKES: [Mistake; 78] = [
+const MISTAKES: [Mistake; 79] = [
     Mistake("update_aabbs", 0, "update_aabbs.wgsl", "0.02 * radius", "0.03 * radius", Buffer::Aabbs),
     Mistake("update_aabbs", 0, "travel.wgsl", "position + way", "position - way", Buffer::Aabbs),
     Mistake("count_pairs", 0, "pair_tiles.wgsl", "(own.id != tile[k].id)", "(own.id < tile[k].id)", Buffer::Lists),
@@ -26,6 +26,7 @@ const MISTAKES: [Mistake; 78] = [
     Mistake("fill_near", 0, "heap.wgsl", "<= key {", ">= key {", Buffer::Lists),
     Mistake("clear_cells", 0, "clear_cells.wgsl", "k < CELL_BLOCK", "k < CELL_BLOCK / 2u", Buffer::Cells),
     Mistake("count_cells", 0, "grid.wgsl", "u32(z) * ROW_Z", "u32(z) * ROW_Y", Buffer::Cells),
+    Mistake("count_cells", 0, "count_object.wgsl", "max(out.x, max(out.y", "max(out.x, min(out.y", Buffer::Cells),
     Mistake("build_grid", 0, "count_object.wgsl", "1u << level);", "1u);", Buffer::Cells),
     Mistake("plan_lists", 0, "plan_lists.wgsl", "status.rebuild != 0u", "status.rebuild == 0u", Buffer::Sizes),
     Mistake("sum_blocks", 0, "scan_cells.wgsl", "local == TEAM - 1u", "local == 0u", Buffer::Cells),
