@@ -31,7 +31,8 @@ fn wrench_on(rod: u32) -> Wrench {
     let count = count_of(id);
     let first = first_of(id);
     for (var begin = 0u; begin < count; begin += LOOK) {
-        for (var rest = touching(id, 0u, first, begin, all_entries(begin, count)); rest != 0u; rest &= rest - 1u) {
+        let all = all_entries(begin, count);
+        for (var rest = touching(id, 0u, first, begin, count, all); rest != 0u; rest &= rest - 1u) {
             add_rod_contact(id, entry_at(slot_at(first, begin + firstTrailingBit(rest))), &sum);
         }
     }

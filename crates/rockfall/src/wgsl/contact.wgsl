@@ -71,13 +71,14 @@ fn all_entries(begin: u32, count: u32) -> u32 {
 
 // Of LOOK entries from `begin` on those that are asked for, but for contacts that a rod has part in, have none of these bits and do not
 // touch: rods have many neighbours and few contacts, which neighbouring threads, whose lists differ, then work out together.
-fn touching(mover: u32, bits: u32, first: vec2u, begin: u32, asked: u32) -> u32 {
+fn touching(mover: u32, bits: u32, first: vec2u, begin: u32, count: u32, asked: u32) -> u32 {
     var kept = asked;
-    for (var rest = asked; rest != 0u; rest &= rest - 1u) {
-        let place = firstTrailingBit(rest);
-        let entry = entry_at(slot_at(first, begin + place));
+    for (var e = begin; e < min(count, begin + LOOK); e++) {
+        let place = e - begin;
+        let entry = entry_at(slot_at(first, e));
         let id = entry_id(entry);
-        if ((entry & bits) == 0u) & ((mover >= step.spheres) | ((id >= step.spheres) & (id - step.spheres < step.rods))) {
+        let has_rod = (mover >= step.spheres) | ((id >= step.spheres) & (id - step.spheres < step.rods));
+        if ((asked >> place & 1u) != 0u) & ((entry & bits) == 0u) & has_rod {
             if touch(min(mover, id), max(mover, id), entry_feature(entry)).overlap <= 0.0 {
                 kept &= ~(1u << place);
             }

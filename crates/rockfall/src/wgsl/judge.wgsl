@@ -64,7 +64,7 @@ fn which_to_judge(mover: u32, own: vec4f, first: vec2u, begin: u32, count: u32) 
     if mover < step.spheres {
         near = entries_near(own, bits, first, begin, count);
     }
-    return touching(mover, bits, first, begin, near);
+    return touching(mover, bits, first, begin, count, near);
 }
 
 // Judges an entry, writes its bits where they changed, which they seldom do, and gives them.
