@@ -88,14 +88,14 @@ pub const FLAG_CONTINUE: u32 = 4;
 /// Bit of [`Step::flags`]: objects are in more than one group.
 pub const FLAG_GROUPS: u32 = 8;
 
-/// Bit of [`Status::void`]: the pair lists did not fit; [`Status::pair_rows_needed`] words are needed.
+/// Bit of [`Status::void`]: the pair lists did not fit; [`Status::pair_rows_needed`] rows are needed.
 pub const VOID_PAIRS: u32 = 1;
 /// Bit of [`Status::void`]: a body left its AABB before or within the step, so its list may lack a pair.
 pub const VOID_ESCAPED: u32 = 2;
 /// Bit of [`Status::void`]: a body's state stopped being finite in the step before; later steps do nothing.
 pub const VOID_NON_FINITE: u32 = 4;
 
-/// Bit of [`Status::void`]: the pair lists need more words than can be numbered.
+/// Bit of [`Status::void`]: the pair lists need more rows than can be numbered.
 pub const VOID_COUNT: u32 = 8;
 
 /// Bit of [`Status::rebuild`]: some body asks for new lists.
@@ -197,7 +197,7 @@ pub struct Step {
     pub margin_scale: f32,
     /// `FLAG_*` bits.
     pub flags: u32,
-    /// Words that the entries of the pair lists may take.
+    /// Rows that the entries of the pair lists may take.
     pub pair_rows: u32,
     /// Number of spheres.
     pub spheres: u32,
@@ -274,7 +274,7 @@ impl Step {
     }
 }
 
-/// From so many objects on there is no room beside an index in order of addition for five bits more (`find_neighbours`).
+/// From so many objects on a key of `find_neighbours` has no room beside an index in order of addition for five bits more.
 pub const MANY_OBJECTS: u64 = 1 << 27;
 
 /// The most objects that a scene may have, with rods or without: ids are numbers in list entries, and in the word that tells which
@@ -343,7 +343,7 @@ pub struct Status {
     pub told: [Told; TELLERS as usize],
     /// `VOID_*` bits; not 0: later stages leave the bodies alone, until the host has seen to it.
     pub void: u32,
-    /// Words that the entries of the pair lists need.
+    /// Rows that the entries of the pair lists need.
     pub pair_rows_needed: u32,
     /// Bits of the largest distance, in 0.02 r, by which a body left its AABB; positive floats order like their bits.
     pub escape_ratio: u32,

@@ -2,8 +2,9 @@
 //!
 //! A chunk is a buffer and a binding of its own, all of one size but the last. The kernels do not know of them: where `a` is
 //! split, `a[e]` becomes a call of `a_get`, `a[e] = v` one of `a_put`, `atomicAdd(&a[e], v)` one of `a_atomicAdd`, functions that
-//! choose the chunk by the index and are added at the end; of an array of rows `a[r][e]` becomes `a_get(r, e)`. So lines keep their numbers, and kernels whose arrays fit one binding
-//! are compiled as they stand. Arrays of bindings (`binding_array`) would need no such functions, but few devices have them.
+//! choose the chunk by the index and are added at the end; of an array of rows `a[r][e]` becomes `a_get(r, e)`. So lines keep
+//! their numbers, and kernels whose arrays fit one binding are compiled as they stand. Arrays of bindings (`binding_array`) would
+//! need no such functions, but few devices have them.
 
 use std::collections::BTreeSet;
 use std::fmt::Write;

@@ -145,7 +145,7 @@ impl GpuWorld {
         self.write_uniforms(&world.step)
     }
 
-    /// Uploads one buffer, scratch or not, of a world of the same counts, offsets and pair capacity.
+    /// Uploads one buffer, scratch or not, of a world of the same counts, offsets and room for pairs.
     ///
     /// # Errors
     /// [`Error::Device`] when the world is another one or its indices point outside of it, or for the device's reasons.
@@ -177,7 +177,7 @@ impl GpuWorld {
         self.write_uniforms(&world.step)
     }
 
-    /// Takes over the pair capacity of `world`, after [`World::set_pair_rows`]. The lists are empty after it.
+    /// Takes over the room for pairs of `world`, after [`World::set_pair_rows`]. The lists are empty after it.
     ///
     /// # Errors
     /// As for [`GpuWorld::new`].

@@ -13,8 +13,8 @@ const WORTH: f32 = 0.97;
 const SHORT_LIVED: f32 = 3.0;
 /// Lists that take more words a mover are made for fewer steps ahead, before memory is made larger for them.
 const LONG: f32 = 20.0;
-/// The same where there are rods, whose neighbours are many and cost much to find: at rest lists of 21 words have to be made in every
-/// step, of 29 in every tenth.
+/// The same where there are rods, whose neighbours are many and cost much to find: at rest lists of 23 words have to be made in every
+/// step, of 29 in every fourth.
 const LONG_OF_RODS: f32 = 36.0;
 /// Twice the steps make lists longer by about this part for each of the present steps, where bodies fly about.
 const GROWTH: f32 = 0.15;
