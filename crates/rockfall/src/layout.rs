@@ -263,6 +263,16 @@ pub struct Step {
 }
 
 impl Step {
+    /// Objects that have a list: spheres and rods.
+    pub const fn movers(&self) -> u32 {
+        self.spheres + self.rods
+    }
+
+    /// All objects.
+    pub const fn objects(&self) -> u32 {
+        self.movers() + self.boxes + self.polygons
+    }
+
     /// Bits of the id in a list entry: 26 in scenes with rods; without there are no features, and all 30.
     pub const fn entry_id_bits(&self) -> u32 {
         if self.rods > 0 { ENTRY_BITS - FEATURE_BITS } else { ENTRY_BITS }
@@ -275,7 +285,7 @@ impl Step {
 }
 
 /// From so many objects on a key of `find_neighbours` has no room beside an index in order of addition for five bits more.
-pub const MANY_OBJECTS: u64 = 1 << 27;
+pub const MANY_OBJECTS: u32 = 1 << 27;
 
 /// The most objects that a scene may have, with rods or without: ids are numbers in list entries, and in the word that tells which
 /// body stopped being finite.

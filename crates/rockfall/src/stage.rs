@@ -234,10 +234,10 @@ impl Threads {
 
     /// Workgroups that a stage has in a world of these counts; 0: it has nothing to do.
     pub fn workgroups(self, step: &Step) -> u32 {
-        let movers = step.spheres + step.rods;
+        let movers = step.movers();
         match self {
-            Self::Objects => (movers + step.boxes + step.polygons).div_ceil(WORKGROUP),
-            Self::WideObjects => (movers + step.boxes + step.polygons).div_ceil(WIDE),
+            Self::Objects => step.objects().div_ceil(WORKGROUP),
+            Self::WideObjects => step.objects().div_ceil(WIDE),
             Self::Movers => movers.div_ceil(WORKGROUP),
             Self::Spheres => step.spheres.div_ceil(WORKGROUP),
             Self::WideSpheres => step.spheres.div_ceil(WIDE),

@@ -129,8 +129,7 @@ pub(crate) fn least_bytes(run: &Run, step: &Step, status: &Status) -> u64 {
     }
     let moves = moves(run.stage.name, run.pass).unwrap_or_else(|| moves_by_bindings(run.stage, run.pass));
     let (spheres, rods) = (u64::from(step.spheres), u64::from(step.rods));
-    let movers = spheres + rods;
-    let objects = movers + u64::from(step.boxes) + u64::from(step.polygons);
+    let (movers, objects) = (u64::from(step.movers()), u64::from(step.objects()));
     moves.rows * 16 * spheres
         + moves.sphere_aabbs * 32 * spheres
         + moves.aabbs * 32 * objects

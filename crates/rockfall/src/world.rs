@@ -54,12 +54,12 @@ pub struct World {
 impl World {
     /// Objects that have a list: spheres and rods.
     pub fn movers(&self) -> u32 {
-        self.step.spheres + self.step.rods
+        self.step.movers()
     }
 
     /// All objects.
     pub fn objects(&self) -> u32 {
-        self.movers() + self.step.boxes + self.step.polygons
+        self.step.objects()
     }
 
     /// The index in order of addition of the sphere in a memory slot.

@@ -24,8 +24,7 @@ pub(crate) struct Variant {
 impl Variant {
     /// That of a scene with these counts.
     pub(crate) fn of(step: &Step) -> Self {
-        let objects = u64::from(step.spheres) + u64::from(step.rods) + u64::from(step.boxes) + u64::from(step.polygons);
-        Self { rods: step.rods > 0, many: objects >= MANY_OBJECTS }
+        Self { rods: step.rods > 0, many: step.objects() >= MANY_OBJECTS }
     }
 }
 

@@ -15,6 +15,7 @@ pub(crate) const STAGE: Stage = Stage {
     parts: &[
         part!("wgsl/step.wgsl"),
         part!("wgsl/lists.wgsl"),
+        part!("wgsl/put_head.wgsl"),
         part!("wgsl/meet.wgsl"),
         part!("wgsl/grid.wgsl"),
         part!("wgsl/neighbours.wgsl"),

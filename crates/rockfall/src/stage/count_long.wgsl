@@ -31,7 +31,7 @@ fn count_long(
         atomicAdd(&all_found, found);
         workgroupBarrier();
         if local == 0u {
-            lists[mover / SLICE][mover % SLICE] = atomicLoad(&all_found);
+            put_head(mover, atomicLoad(&all_found));
         }
     }
 }

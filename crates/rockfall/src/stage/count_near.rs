@@ -14,6 +14,7 @@ pub(crate) const STAGE: Stage = Stage {
     parts: &[
         part!("wgsl/step.wgsl"),
         part!("wgsl/lists.wgsl"),
+        part!("wgsl/put_head.wgsl"),
         part!("wgsl/meet.wgsl"),
         part!("wgsl/axis.wgsl"),
         part!("wgsl/near_tiles.wgsl"),

@@ -24,10 +24,10 @@ fn count_near(
     let place = block * WORKGROUP + local;
     let mover = mover_at(place);
     if mover != NONE {
-        lists[mover / SLICE][mover % SLICE] = count;
+        put_head(mover, count);
     }
     // Past the last mover the count is 0, to the end of its slice.
     if (place >= step.spheres + step.rods) & (place < step.slices_at) {
-        lists[place / SLICE][place % SLICE] = 0u;
+        put_head(place, 0u);
     }
 }

@@ -15,7 +15,13 @@ use crate::world::World;
 /// The stage.
 pub(crate) const STAGE: Stage = Stage {
     name: "count_pairs",
-    parts: &[part!("wgsl/step.wgsl"), part!("wgsl/meet.wgsl"), part!("wgsl/pair_tiles.wgsl"), part!("stage/count_pairs.wgsl")],
+    parts: &[
+        part!("wgsl/step.wgsl"),
+        part!("wgsl/put_head.wgsl"),
+        part!("wgsl/meet.wgsl"),
+        part!("wgsl/pair_tiles.wgsl"),
+        part!("stage/count_pairs.wgsl"),
+    ],
     bindings: &[read("aabbs", Buffer::Aabbs), write("lists", Buffer::Lists), read("status", Buffer::Status)],
     threads: Threads::Movers,
     cpu: count_pairs,

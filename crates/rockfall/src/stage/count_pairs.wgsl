@@ -17,6 +17,6 @@ fn count_pairs(
     let count = emit_pairs(mover, local);
     // Past the last mover the count is 0, to the end of its slice.
     if mover < step.slices_at {
-        lists[mover / SLICE][mover % SLICE] = count;
+        put_head(mover, count);
     }
 }

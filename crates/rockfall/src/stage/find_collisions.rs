@@ -26,6 +26,7 @@ pub(crate) const STAGE: Stage = Stage {
     parts: &[
         part!("wgsl/step.wgsl"),
         part!("wgsl/lists.wgsl"),
+        part!("wgsl/put_head.wgsl"),
         part!("wgsl/order.wgsl"),
         part!("wgsl/one_state.wgsl"),
         part!("wgsl/objects.wgsl"),

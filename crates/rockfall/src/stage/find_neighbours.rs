@@ -22,6 +22,7 @@ pub(crate) const STAGE: Stage = Stage {
     parts: &[
         part!("wgsl/step.wgsl"),
         part!("wgsl/lists.wgsl"),
+        part!("wgsl/put_head.wgsl"),
         part!("wgsl/meet.wgsl"),
         part!("wgsl/order.wgsl"),
         part!("wgsl/heap.wgsl"),

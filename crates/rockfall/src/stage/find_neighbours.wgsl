@@ -141,8 +141,7 @@ fn order_short(mover: u32) {
 // Room for a slice as wide as its longest list. A step without room for all is void, and nothing is written past the end.
 fn allot(slice: u32, rows: u32) -> u32 {
     let offset = atomicAdd(&status.pair_rows_needed, rows);
-    let at = step.slices_at + slice;
-    lists[at / SLICE][at % SLICE] = offset;
+    put_head(step.slices_at + slice, offset);
     if offset + rows > step.pair_rows {
         atomicOr(&status.void, VOID_PAIRS);
     }
@@ -163,7 +162,7 @@ fn write_short(mover: u32) {
             place += 1u;
         }
     }
-    lists[mover / SLICE][mover % SLICE] = place;
+    put_head(mover, place);
 }
 
 @compute @workgroup_size(64)
@@ -191,7 +190,7 @@ fn find_neighbours(
     }
     if mover < step.slices_at {
         if searches | (mover >= step.spheres + step.rods) {
-            lists[mover / SLICE][mover % SLICE] = 0u;
+            put_head(mover, 0u);
         } else {
             // `count_long` has counted them, and `fill_long` will write them.
             entries = head_of(mover);
@@ -219,7 +218,7 @@ fn find_neighbours(
             }
             entries = 0u;
         } else if searches {
-            lists[mover / SLICE][mover % SLICE] = order_long(into, entries);
+            put_head(mover, order_long(into, entries));
         }
     }
 }

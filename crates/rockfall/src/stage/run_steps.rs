@@ -18,6 +18,7 @@ pub(crate) const STAGE: Stage = Stage {
     parts: &[
         part!("wgsl/step.wgsl"),
         part!("wgsl/lists.wgsl"),
+        part!("wgsl/put_head.wgsl"),
         part!("wgsl/order.wgsl"),
         part!("wgsl/four_states.wgsl"),
         part!("wgsl/objects.wgsl"),

@@ -10,7 +10,7 @@ use crate::world::World;
 /// The stage.
 pub(crate) const STAGE: Stage = Stage {
     name: "scan_pairs",
-    parts: &[part!("wgsl/step.wgsl"), part!("stage/scan_pairs.wgsl")],
+    parts: &[part!("wgsl/step.wgsl"), part!("wgsl/put_head.wgsl"), part!("stage/scan_pairs.wgsl")],
     bindings: &[write("lists", Buffer::Lists), write("status", Buffer::Status)],
     threads: Threads::One,
     cpu: scan_pairs,

@@ -54,7 +54,7 @@ fn scan_pairs(@builtin(local_invocation_index) local: u32) {
             left = sums[local - 1u];
         }
         if base + local < slices {
-            lists[(step.slices_at + base + local) / SLICE][(base + local) % SLICE] = add_saturating(before, left);
+            put_head(step.slices_at + base + local, add_saturating(before, left));
         }
         let all_of_them = sums[SCAN - 1u];
         workgroupBarrier();
@@ -64,7 +64,7 @@ fn scan_pairs(@builtin(local_invocation_index) local: u32) {
     }
     workgroupBarrier();
     if local == 0u {
-        lists[(step.slices_at + slices) / SLICE][slices % SLICE] = carried;
+        put_head(step.slices_at + slices, carried);
         status.pair_rows_needed = carried;
         status.rebuild = LISTS_MADE;
         if carried > step.pair_rows {

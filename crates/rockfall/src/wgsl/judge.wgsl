@@ -106,7 +106,7 @@ fn mark_entries(mover: u32) -> u32 {
     let unmarked = head & ~LIST_COLLIDES;
     let marked = unmarked | select(0u, LIST_COLLIDES, (any_bits & ENTRY_COLLIDES) != 0u);
     if marked != head {
-        lists[mover / SLICE][mover % SLICE] = marked;
+        put_head(mover, marked);
     }
     return collisions;
 }

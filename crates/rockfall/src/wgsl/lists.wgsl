@@ -1,6 +1,7 @@
 // How the pair lists are read. They stand in rows of SLICE words, for their words may be more than 32 bits can number.
 
-// What stands at the head of a mover's list: how many entries it has, and LIST_* bits.
+// A word before the entries. By its mover, the head of a list: how many entries it has, and LIST_* bits; from `slices_at` on, the
+// rows in which slices begin.
 fn head_of(mover: u32) -> u32 {
     return lists[mover / SLICE][mover % SLICE];
 }
@@ -12,8 +13,7 @@ fn count_of(mover: u32) -> u32 {
 
 // Slot of the first entry of a mover: its row, and its place in the row.
 fn first_of(mover: u32) -> vec2u {
-    let slice = step.slices_at + mover / SLICE;
-    return vec2u(step.entries_at / SLICE + lists[slice / SLICE][slice % SLICE], mover % SLICE);
+    return vec2u(step.entries_at / SLICE + head_of(step.slices_at + mover / SLICE), mover % SLICE);
 }
 
 // Slot of entry e of the list whose first is there.
