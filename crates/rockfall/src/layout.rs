@@ -9,7 +9,7 @@
 //! movers       spheres and rods: the objects that have a list of pairs
 //! state        3 n vec4 for n spheres: n x (position, radius), n x (velocity, inverse mass),
 //!              n x (angular momentum, inverse inertia)
-//! words        u32: rods, springs, tethers, boxes, polygons, tags, users, slots, adjacency, batches (see the WORDS
+//! words        u32: rods, springs, tethers, boxes, polygons, tags, users, slots, batches, ends, adjacency (see the WORDS
 //!              constants)
 //! lists        u32, in rows of SLICE words: counts (one a mover, padded to whole slices; the top bit is a mark), slice
 //!              offsets in rows (one a slice and the end, padded to whole rows), entries
@@ -53,6 +53,10 @@ pub const POLYGON_WORDS: u32 = 9;
 pub const KIND_SHIFT: u32 = 30;
 /// Adjacency kind: a rod that ends in the sphere.
 pub const KIND_ROD: u32 = 0;
+/// What the word of a sphere's end tells: no rod ends in it;
+pub const NO_ROD: u32 = u32::MAX;
+/// several do, or one that may change its length. Of any other sphere, a capsule's end, it is the number of its only rod.
+pub const SOME_RODS: u32 = u32::MAX - 1;
 /// Adjacency kind: a spring on the sphere.
 pub const KIND_SPRING: u32 = 1;
 /// Adjacency kind: a tether on the sphere.
@@ -258,8 +262,11 @@ pub struct Step {
     pub long_at: u32,
     /// 1: `plan_lists` decides how many workgroups the stages have that make lists.
     pub planned: u32,
+    /// First word of the ends: what rods end in each sphere ([`NO_ROD`], [`SOME_RODS`], or of a capsule's end its rod); 0 without
+    /// rods.
+    pub ends_at: u32,
     /// Padding to a multiple of 16 bytes.
-    pub pad: [u32; 2],
+    pub pad: u32,
 }
 
 impl Step {

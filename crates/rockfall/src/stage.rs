@@ -71,7 +71,7 @@ pub enum Buffer {
     States,
     /// AABBs of all objects.
     Aabbs,
-    /// Rods, springs, tethers, boxes, polygons, tags, adjacency, batches.
+    /// Rods, springs, tethers, boxes, polygons, tags, users, slots, batches, ends, adjacency.
     Words,
     /// The grid: levels, cells, sums of blocks, keys, sorted objects.
     Cells,
@@ -272,6 +272,11 @@ macro_rules! part {
     };
 }
 pub(crate) use part;
+
+/// The WGSL for scenes with or without rods. Not by a constant of the pipeline, for the sizes of arrays depend on it.
+pub fn for_scenes(text: &str, rods: bool) -> String {
+    text.replace("const RODS: bool = true;", &format!("const RODS: bool = {rods};"))
+}
 
 /// One stage of the step.
 #[derive(Clone, Copy, Debug)]

@@ -2,11 +2,10 @@
 
 use std::mem::{offset_of, size_of};
 
-use naga::back::pipeline_constants::process_overrides;
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 use naga::{AddressSpace, Module, StorageAccess, TypeInner};
 use rockfall::layout::{self, Aabb, Pass, Status, Step, Told};
-use rockfall::stage::{ALL, Access, Stage, Threads};
+use rockfall::stage::{ALL, Access, Stage, Threads, for_scenes};
 
 /// What WebGPU grants everywhere.
 const MAX_STORAGE_BUFFERS: usize = 8;
@@ -18,14 +17,19 @@ fn source(stage: &Stage) -> String {
 }
 
 fn module(stage: &Stage) -> Module {
-    let text = source(stage);
+    module_for(stage, true)
+}
+
+/// For scenes with or without rods.
+fn module_for(stage: &Stage, rods: bool) -> Module {
+    let text = for_scenes(&source(stage), rods);
     naga::front::wgsl::parse_str(&text).unwrap_or_else(|e| panic!("{}: {}", stage.name, e.emit_to_string(&text)))
 }
 
 #[test]
 fn every_kernel_is_valid() {
-    for stage in ALL {
-        let module = module(stage);
+    for (stage, rods) in ALL.into_iter().flat_map(|stage| [(stage, false), (stage, true)]) {
+        let module = module_for(stage, rods);
         Validator::new(ValidationFlags::all(), Capabilities::empty())
             .validate(&module)
             .unwrap_or_else(|e| panic!("{}: {}", stage.name, e.emit_to_string(&source(stage))));
@@ -224,8 +228,7 @@ fn the_structs_are_those_of_layout() {
     let step = rust_fields!(Step: gravity, dt, activation_threshold, restitution, contact_damping, contact_force, friction,
         coulomb_friction, margin_scale, flags, pair_rows, spheres, rods, boxes, polygons, rods_at, springs_at, tethers_at,
         forces_at, boxes_at, polygons_at, tags_at, adjacency_at, batches, batches_at, slices_at, entries_at, cell_size, least_level, cells,
-        sums_at, keys_at, sorted_at, lookahead, users_at, slots_at, list_interval, lead, long_at, planned, pad);
-    let step = (split(step.0, "pad"), step.1);
+        sums_at, keys_at, sorted_at, lookahead, users_at, slots_at, list_interval, lead, long_at, planned, ends_at, pad);
     let (pass, pass_size) = rust_fields!(Pass: index, pad);
     let pass = (split(pass, "pad"), pass_size);
     let aabb = rust_fields!(Aabb: min, id, max, tag);
@@ -325,8 +328,8 @@ fn the_constants_are_those_of_layout() {
 /// What a list entry is made of depends on whether there are rods.
 #[test]
 fn the_parts_of_a_list_entry_are_those_of_layout() {
-    for rods in [0, 1] {
-        let step = Step { rods, ..Step::default() };
+    for rods in [false, true] {
+        let step = Step { rods: u32::from(rods), ..Step::default() };
         let feature_bits = layout::ENTRY_BITS - step.entry_id_bits();
         for (name, expected) in [
             ("ENTRY_ID_BITS", step.entry_id_bits()),
@@ -341,11 +344,8 @@ fn the_parts_of_a_list_entry_are_those_of_layout() {
 }
 
 /// A constant that depends on whether there are rods, where a stage uses it.
-fn constant_with(stage: &Stage, rods: u32, name: &str) -> Option<u32> {
-    let module = module(stage);
-    let info = Validator::new(ValidationFlags::all(), Capabilities::all()).validate(&module).expect("a valid module");
-    let constants = [("RODS".to_owned(), f64::from(rods))].into_iter().collect();
-    let (module, _) = process_overrides(&module, &info, None, &constants).expect("constants");
+fn constant_with(stage: &Stage, rods: bool, name: &str) -> Option<u32> {
+    let module = module_for(stage, rods);
     let mut constants = module.constants.iter().map(|(_, constant)| constant);
     let init = constants.find(|constant| constant.name.as_deref() == Some(name))?.init;
     match module.global_expressions[init] {

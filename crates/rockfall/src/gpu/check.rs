@@ -2,8 +2,8 @@
 
 use crate::error::{Error, Result};
 use crate::layout::{
-    BOX_WORDS, FORCE_WORDS, KIND_FORCE, KIND_ROD, KIND_SHIFT, KIND_SPRING, KIND_TETHER, LINE, LIST_COUNT_MASK, POLYGON_WORDS,
-    ROD_WORDS, SLICE, SPRING_WORDS, TETHER_WORDS, VOID_PAIRS, words_of,
+    BOX_WORDS, FORCE_WORDS, KIND_FORCE, KIND_ROD, KIND_SHIFT, KIND_SPRING, KIND_TETHER, LINE, LIST_COUNT_MASK, NO_ROD,
+    POLYGON_WORDS, ROD_WORDS, SLICE, SOME_RODS, SPRING_WORDS, TETHER_WORDS, VOID_PAIRS, words_of,
 };
 use crate::stage::Buffer;
 use crate::world::{World, sizes};
@@ -53,6 +53,12 @@ fn check_words(world: &World) -> Result<()> {
     slice(world, step.tags_at, u64::from(world.objects()), "tags")?;
     if step.adjacency_at != 0 {
         check_adjacency(world)?;
+    }
+    if step.rods > 0 {
+        ensure(step.adjacency_at != 0 && step.ends_at != 0, "where ends and adjacency stand")?;
+        for end in slice(world, step.ends_at, u64::from(step.spheres), "ends")? {
+            ensure(*end < step.rods || [NO_ROD, SOME_RODS].contains(end), "an end")?;
+        }
     }
     check_batches(world)
 }

@@ -7,7 +7,7 @@ use crate::gpu::fault::catch;
 use crate::gpu::memory::chunk_bytes;
 use crate::gpu::split::{Split, binding_numbers, split};
 use crate::layout::{MANY_OBJECTS, Step, WORKGROUP};
-use crate::stage::{Access, Part, Stage};
+use crate::stage::{Access, Part, Stage, for_scenes};
 
 /// Subgroups of a workgroup that does whole steps, where the device allows so many: every barrier waits for all of them.
 const TEAM_SUBGROUPS: u32 = 32;
@@ -89,9 +89,9 @@ fn team(device: &wgpu::Device) -> u32 {
 
 #[allow(unsafe_code)]
 fn build(device: &wgpu::Device, stage: &Stage, variant: Variant, chunks: &[u32]) -> Kernel {
-    let text = split(&join(stage.parts), &Split::of(stage, chunks, chunk_bytes(&device.limits())));
+    let text = split(&for_scenes(&join(stage.parts), variant.rods), &Split::of(stage, chunks, chunk_bytes(&device.limits())));
     let flag = |is_set: bool| f64::from(u8::from(is_set));
-    let mut constants = vec![("RODS", flag(variant.rods)), ("MANY", flag(variant.many)), ("TEAM", f64::from(team(device)))];
+    let mut constants = vec![("MANY", flag(variant.many)), ("TEAM", f64::from(team(device)))];
     constants.retain(|(name, _)| text.contains(&format!("override {name}:")));
     let module = wgpu::ShaderModuleDescriptor { label: Some(stage.name), source: wgpu::ShaderSource::Wgsl(text.into()) };
     // SAFETY: without run-time checks the kernels must stay inside their buffers by themselves, and end. They do: threads

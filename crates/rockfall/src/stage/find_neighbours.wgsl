@@ -5,8 +5,12 @@
 @group(0) @binding(6) var<storage, read> words: array<u32>;
 @group(0) @binding(7) var<storage, read_write> status: StatusAtomic;
 
-// So many objects are remembered and put in order by their thread; more are looked for again, and put in order in place.
+// So many objects are put in order at once.
 const SHORT: u32 = 32u;
+// So many are remembered, in two runs where there are rods, which have many neighbours; more are looked for again, and put in order in
+// place.
+const RUNS: u32 = 1u + u32(RODS);
+const REMEMBERED: u32 = RUNS * SHORT;
 // Whether there are so many objects that a key has no room for the place beside the index: then ids are looked up.
 override MANY: bool = false;
 override PLACE_BITS: u32 = 5u * u32(!MANY);
@@ -14,12 +18,12 @@ override PLACE_MASK: u32 = (1u << PLACE_BITS) - 1u;
 
 // What was found: places (see `id_at`), then ids; once in order, those that are kept. Not in workgroup memory, for that is taken from
 // the cache, which matters more here; and short, for all of it is set to 0 first, which takes time.
-var<private> ids: array<u32, SHORT>;
+var<private> ids: array<u32, REMEMBERED>;
 // The longest list of each slice of the workgroup, and where the slice begins.
 var<workgroup> longest: array<atomic<u32>, WORKGROUP / SLICE>;
 var<workgroup> offsets: array<u32, WORKGROUP / SLICE>;
 
-// Objects found; the first SHORT are remembered.
+// Objects found; the first of them are remembered.
 var<private> found: u32;
 // Entries that they make, or may make.
 var<private> entries: u32;
@@ -33,7 +37,7 @@ fn emit(mover: u32, place: u32) {
         }
     }
     if into.x == 0u {
-        if found < SHORT {
+        if found < REMEMBERED {
             ids[found] = place;
         }
         found += 1u;
@@ -51,24 +55,40 @@ fn emit(mover: u32, place: u32) {
     }
 }
 
-// Index in order of addition and, but where there are MANY, which of the objects remembered it is; NONE where the mover does not meet it, or there is none.
+// The run at hand: where it begins among those remembered, and how many there are in it.
+var<private> run_at: u32;
+var<private> in_run: u32;
+// The mover's AABB, in scenes with rods.
+var<private> own_aabb: Aabb;
+
+// Index in order of addition and, but where there are MANY, which of the run it is; NONE where the mover does not meet it, or there is
+// none.
 fn key_of(mover: u32, place: u32) -> u32 {
-    if place >= found {
+    if place >= in_run {
         return NONE;
     }
-    let id = id_at(ids[place]);
-    ids[place] = id;
+    let id = id_at(ids[run_at + place]);
+    ids[run_at + place] = id;
+    let key = user_of(id) << PLACE_BITS | (place & PLACE_MASK);
+    if RODS {
+        // The same, but without a branch: memory is asked for several at a time.
+        return select(NONE, key, (id != mover) & aabbs_meet(own_aabb, aabbs[id]));
+    }
     if (id == mover) | !may_meet(mover, id) {
         return NONE;
     }
-    return user_of(id) << PLACE_BITS | (place & PLACE_MASK);
+    return key;
 }
 
 fn four_keys(mover: u32, place: u32) -> vec4u {
-    if place >= found {
+    if place >= in_run {
         return vec4u(NONE);
     }
     return vec4u(key_of(mover, place), key_of(mover, place + 1u), key_of(mover, place + 2u), key_of(mover, place + 3u));
+}
+
+fn run_id(key: u32) -> u32 {
+    return ids[run_at + key % SHORT];
 }
 
 // Keys in their order, and the ids that they stand for.
@@ -81,7 +101,7 @@ fn ids_of(keys: vec4u) -> vec4u {
     if MANY {
         return vec4u(id_of(keys.x), id_of(keys.y), id_of(keys.z), id_of(keys.w));
     }
-    return vec4u(ids[keys.x % SHORT], ids[keys.y % SHORT], ids[keys.z % SHORT], ids[keys.w % SHORT]);
+    return vec4u(run_id(keys.x), run_id(keys.y), run_id(keys.z), run_id(keys.w));
 }
 
 fn run_of(keys: Sixteen) -> Run {
@@ -95,7 +115,7 @@ var<private> before: u32;
 fn keep(mover: u32, key: u32, id: u32) {
     if (key != NONE) & ((key >> PLACE_BITS) != before) {
         before = key >> PLACE_BITS;
-        ids[kept] = id;
+        ids[run_at + kept] = id;
         kept += 1u;
         entries += entries_of(mover, id);
     }
@@ -115,19 +135,17 @@ fn keep_run(mover: u32, run: Run) {
     keep_4(mover, run.keys.d, run.ids.d);
 }
 
-// Of the objects remembered, those that the mover meets, by their index in order of addition, ascending, each once.
-fn order_short(mover: u32) {
+// Of the run at hand those that the mover meets, by their index in order of addition, ascending, each once.
+fn order_run(mover: u32) {
     kept = 0u;
     before = NONE;
-    entries = 0u;
-    if found <= 4u {
+    if in_run <= 4u {
         let keys = sorted_4(four_keys(mover, 0u));
         keep_4(mover, keys, ids_of(keys));
-        found = kept;
         return;
     }
     var low = sorted_16(Sixteen(four_keys(mover, 0u), four_keys(mover, 4u), four_keys(mover, 8u), four_keys(mover, 12u)));
-    if found > 16u {
+    if in_run > 16u {
         let rest = Sixteen(four_keys(mover, 16u), four_keys(mover, 20u), four_keys(mover, 24u), four_keys(mover, 28u));
         let high = run_of(merged(&low, sorted_16(rest)));
         keep_run(mover, run_of(low));
@@ -135,7 +153,24 @@ fn order_short(mover: u32) {
     } else {
         keep_run(mover, run_of(low));
     }
-    found = kept;
+}
+
+// So many of each run are kept, in order.
+var<private> kept_of: vec2u;
+
+fn order_runs(mover: u32) {
+    if RODS {
+        own_aabb = aabbs[mover];
+    }
+    entries = 0u;
+    for (var k = 0u; k < RUNS; k++) {
+        run_at = k * SHORT;
+        in_run = min(found - min(found, run_at), SHORT);
+        if (k == 0u) | (in_run > 0u) {
+            order_run(mover);
+            kept_of[k] = kept;
+        }
+    }
 }
 
 // Room for a slice as wide as its longest list. A step without room for all is void, and nothing is written past the end.
@@ -151,11 +186,31 @@ fn allot(slice: u32, rows: u32) -> u32 {
     return select(offset, NONE, (offset + rows > step.pair_rows) | (offset + rows < offset));
 }
 
-// Writes a list that is in order already.
-fn write_short(mover: u32) {
+// The next object of the two runs, of which so many are taken already. One may stand in both.
+fn take_first(taken: ptr<function, vec2u>) -> u32 {
+    let k = *taken;
+    if k.y < kept_of.y {
+        let id = ids[(REMEMBERED - SHORT) + k.y];
+        if k.x < kept_of.x {
+            if user_of(ids[k.x]) < user_of(id) {
+                (*taken).x += 1u;
+                return ids[k.x];
+            }
+            (*taken).x += u32(ids[k.x] == id);
+        }
+        (*taken).y += 1u;
+        return id;
+    }
+    (*taken).x += 1u;
+    return ids[k.x];
+}
+
+// Writes a list of which the runs are in order.
+fn write_runs(mover: u32) {
     var place = 0u;
-    for (var k = 0u; k < found; k++) {
-        let id = ids[k];
+    var taken = vec2u(0u);
+    while any(taken < kept_of) {
+        let id = take_first(&taken);
         let count = entries_of(mover, id);
         for (var feature = 0u; feature < count; feature++) {
             lists[into.x + place][into.y] = id | feature << ENTRY_ID_BITS;
@@ -201,8 +256,8 @@ fn find_neighbours(
             emit_neighbours(mover, ALL_OF_IT);
         }
         if round == 0u {
-            if searches & (found <= SHORT) {
-                order_short(mover);
+            if searches & (found <= REMEMBERED) {
+                order_runs(mover);
             }
             atomicMax(&longest[slice], entries);
             workgroupBarrier();
@@ -212,8 +267,8 @@ fn find_neighbours(
             workgroupBarrier();
             searches &= offsets[slice] != NONE;
             into = vec2u(step.entries_at / SLICE + offsets[slice], local % SLICE);
-            if searches & (found <= SHORT) {
-                write_short(mover);
+            if searches & (found <= REMEMBERED) {
+                write_runs(mover);
                 searches = false;
             }
             entries = 0u;

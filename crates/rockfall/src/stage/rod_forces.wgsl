@@ -30,24 +30,26 @@ fn wrench_on(rod: u32) -> Wrench {
     let id = step.spheres + rod;
     let count = count_of(id);
     let first = first_of(id);
+    let own = bar_of(rod);
     for (var begin = 0u; begin < count; begin += LOOK) {
-        let all = all_entries(begin, count);
-        for (var rest = touching(id, 0u, first, begin, count, all); rest != 0u; rest &= rest - 1u) {
-            add_rod_contact(id, entry_at(slot_at(first, begin + firstTrailingBit(rest))), &sum);
+        for (var rest = touching_rod(id, own, 0u, first, begin, count); rest != 0u; rest &= rest - 1u) {
+            add_rod_contact(id, own, entry_at(slot_at(first, begin + firstTrailingBit(rest))), &sum);
         }
     }
     return sum;
 }
 
-fn add_rod_contact(id: u32, entry: u32, sum: ptr<function, Wrench>) {
+fn add_rod_contact(id: u32, own: Bar, entry: u32, sum: ptr<function, Wrench>) {
     let other = entry_id(entry);
     let a = min(id, other);
     let b = max(id, other);
-    let found = touch(a, b, entry_feature(entry));
-    if found.overlap <= 0.0 {
+    let found = touch_bar(id, own, other, entry_feature(entry));
+    let a_side = side_at(a, found.a);
+    let b_side = side_at(b, found.b);
+    if (found.overlap <= 0.0) | (a_side.inverse_mass + b_side.inverse_mass <= 0.0) {
         return;
     }
-    let contact = contact_force(side_at(a, found.a), side_at(b, found.b), found, b);
+    let contact = contact_force(a_side, b_side, found, b);
     let is_a = id < other;
     let at = select(found.b, found.a, is_a);
     let force = select(-contact.force, contact.force, is_a);

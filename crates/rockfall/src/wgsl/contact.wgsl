@@ -64,27 +64,36 @@ fn entries_near(own: vec4f, bits: u32, first: vec2u, begin: u32, count: u32) -> 
     return found;
 }
 
-// Bits of LOOK entries from `begin` on, as many as there are.
-fn all_entries(begin: u32, count: u32) -> u32 {
-    return 0xffffffffu >> (LOOK - min(count - begin, LOOK));
-}
+// Rods have many neighbours and few contacts: these are looked for first and worked out then, by neighbouring threads, whose lists
+// differ, together.
 
-// Of LOOK entries from `begin` on those that are asked for, but for contacts that a rod has part in, have none of these bits and do not
-// touch: rods have many neighbours and few contacts, which neighbouring threads, whose lists differ, then work out together.
-fn touching(mover: u32, bits: u32, first: vec2u, begin: u32, count: u32, asked: u32) -> u32 {
+// Of those of LOOK entries of a sphere from `begin` on that are asked for, all but rods that have none of these bits and do not touch it.
+fn but_rods_apart(sphere: u32, own: vec4f, bits: u32, first: vec2u, begin: u32, count: u32, asked: u32) -> u32 {
     var kept = asked;
     for (var e = begin; e < min(count, begin + LOOK); e++) {
-        let place = e - begin;
         let entry = entry_at(slot_at(first, e));
         let id = entry_id(entry);
-        let has_rod = (mover >= step.spheres) | ((id >= step.spheres) & (id - step.spheres < step.rods));
-        if ((asked >> place & 1u) != 0u) & ((entry & bits) == 0u) & has_rod {
-            if touch(min(mover, id), max(mover, id), entry_feature(entry)).overlap <= 0.0 {
-                kept &= ~(1u << place);
+        if ((asked >> (e - begin) & 1u) != 0u) & ((entry & bits) == 0u) & (id >= step.spheres) & (id - step.spheres < step.rods) {
+            if touch_sphere_rod(sphere, own, bar_of(id - step.spheres)).overlap <= 0.0 {
+                kept &= ~(1u << (e - begin));
             }
         }
     }
     return kept;
+}
+
+// Of LOOK entries of a rod from `begin` on those that have one of these bits or touch it.
+fn touching_rod(rod: u32, own: Bar, bits: u32, first: vec2u, begin: u32, count: u32) -> u32 {
+    var found = 0u;
+    for (var e = begin; e < min(count, begin + LOOK); e++) {
+        let entry = entry_at(slot_at(first, e));
+        var touches = (entry & bits) != 0u;
+        if !touches {
+            touches = touch_bar(rod, own, entry_id(entry), entry_feature(entry)).overlap > 0.0;
+        }
+        found |= u32(touches) << (e - begin);
+    }
+    return found;
 }
 
 // What is read of an entry while the one before it is worked out: memory takes longer to answer than that.

@@ -22,6 +22,9 @@ fn add_contacts(i: u32, net: ptr<function, Net>) {
     for (var begin = 0u; begin < count; begin += LOOK) {
         // What overlapped when the step began most likely still does; other pairs of spheres that do not touch cost one position.
         var rest = entries_near(own, ENTRY_OVERLAPS, first, begin, count);
+        if RODS {
+            rest = but_rods_apart(i, own, ENTRY_OVERLAPS, first, begin, count, rest);
+        }
         var now = meet(first, begin, rest);
         while rest != 0u {
             rest &= rest - 1u;
@@ -65,7 +68,7 @@ fn touch_static_or_rod(i: u32, id: u32, own: vec4f) -> Touch {
     let boxes = step.spheres + step.rods;
     if id < boxes {
         if RODS {
-            return touch_sphere_rod(i, id - step.spheres);
+            return touch_sphere_rod(i, own, bar_of(id - step.spheres));
         }
         return no_touch();
     }

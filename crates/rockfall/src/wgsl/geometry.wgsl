@@ -1,4 +1,4 @@
-// Where two objects touch (physics.md section 2). A is the object of lower id, n points from A to B.
+// Where two objects touch (physics.md section 2). A is the object that was added first, n points from A to B.
 
 struct Touch {
     n: vec3f,
@@ -30,10 +30,16 @@ struct Axis {
     radius: f32,
 }
 
-fn rod_axis(rod: u32) -> Axis {
+// A rod: the spheres at its ends, and its axis.
+struct Bar {
+    ends: vec2u,
+    axis: Axis,
+}
+
+fn bar_of(rod: u32) -> Bar {
     let ends = rod_ends(rod);
     let start = state[position_at(ends.x)].xyz;
-    return Axis(start, state[position_at(ends.y)].xyz - start, rod_radius(rod));
+    return Bar(ends, Axis(start, state[position_at(ends.y)].xyz - start, rod_radius(rod)));
 }
 
 struct Closest {
@@ -73,6 +79,9 @@ fn closest_points(a_start: vec3f, a_along: vec3f, b_start: vec3f, b_along: vec3f
         closest.a = dot(between, cross(b_along, normal)) / nn;
         closest.b = dot(between, cross(a_along, normal)) / nn;
         closest.hit = unit_interval(closest.a) & unit_interval(closest.b);
+        if !closest.hit {
+            return closest;
+        }
         closest.crossing = normal / sqrt(nn);
     }
     closest.distance = between + closest.b * b_along - closest.a * a_along;
@@ -85,6 +94,13 @@ fn touch_spheres(a: vec4f, b: vec4f) -> Touch {
 
 // Whether a rod of fixed length joins two spheres: they are one body and ignore each other.
 fn joined(a: u32, b: u32) -> bool {
+    let end = end_of(a);
+    if end == NO_ROD {
+        return false;
+    }
+    if end != SOME_RODS {
+        return other_end(end, a) == b;
+    }
     let rods = rods_of(a);
     for (var k = 0u; k < rods.y; k++) {
         let rod = index_of(words[rods.x + k]);
@@ -95,12 +111,11 @@ fn joined(a: u32, b: u32) -> bool {
     return false;
 }
 
-fn touch_sphere_rod(sphere: u32, rod: u32) -> Touch {
-    if any(rod_ends(rod) == vec2u(sphere)) {
+fn touch_sphere_rod(sphere: u32, centre: vec4f, rod: Bar) -> Touch {
+    if any(rod.ends == vec2u(sphere)) {
         return no_touch();
     }
-    let centre = state[position_at(sphere)];
-    let axis = rod_axis(rod);
+    let axis = rod.axis;
     let squared = dot(axis.along, axis.along);
     let b = dot(axis.along, centre.xyz - axis.start) / squared;
     if (squared <= TINY) | !unit_interval(b) {
@@ -110,19 +125,15 @@ fn touch_sphere_rod(sphere: u32, rod: u32) -> Touch {
     return touch_at(distance, centre.w + axis.radius, 0.0, b, vec3f(0.0, 1.0, 0.0));
 }
 
-fn touch_rods(a: u32, b: u32) -> Touch {
-    let a_ends = rod_ends(a);
-    let b_ends = rod_ends(b);
-    if any(a_ends == b_ends) | any(a_ends == b_ends.yx) {
+fn touch_rods(a: Bar, b: Bar) -> Touch {
+    if any(a.ends == b.ends) | any(a.ends == b.ends.yx) {
         return no_touch();
     }
-    let a_axis = rod_axis(a);
-    let b_axis = rod_axis(b);
-    let closest = closest_points(a_axis.start, a_axis.along, b_axis.start, b_axis.along);
+    let closest = closest_points(a.axis.start, a.axis.along, b.axis.start, b.axis.along);
     if !closest.hit {
         return no_touch();
     }
-    return touch_at(closest.distance, a_axis.radius + b_axis.radius, closest.a, closest.b, closest.crossing);
+    return touch_at(closest.distance, a.axis.radius + b.axis.radius, closest.a, closest.b, closest.crossing);
 }
 
 fn box_parameters(point: vec3f, box: Cuboid) -> vec3f {
@@ -270,38 +281,80 @@ fn inverse_mass_at(id: u32, at: f32) -> f32 {
     return (1.0 - at) * (1.0 - at) * inverse_mass(ends.x) + at * at * inverse_mass(ends.y);
 }
 
-// Any two objects that may meet, a < b. Whoever asks gets the same bits.
-fn touch(a: u32, b: u32, feature: u32) -> Touch {
+// A rod, by its id and as it was read, and another object.
+fn touch_bar(id: u32, own: Bar, other: u32, feature: u32) -> Touch {
     let boxes = step.spheres + step.rods;
-    var found = no_touch();
-    if b < step.spheres {
-        found = touch_spheres(state[position_at(a)], state[position_at(b)]);
+    if other < step.spheres {
+        return touch_sphere_rod(other, state[position_at(other)], own);
+    }
+    if other >= boxes {
+        return touch_rod_box(own.axis, cuboid(other - boxes), feature);
+    }
+    let bar = bar_of(other - step.spheres);
+    var a = own;
+    var b = bar;
+    if other < id {
+        a = bar;
+        b = own;
+    }
+    return touch_rods(a, b);
+}
+
+// A sphere, as it was read, and another object.
+fn touch_ball(id: u32, own: vec4f, other: u32) -> Touch {
+    let boxes = step.spheres + step.rods;
+    if other < step.spheres {
+        let ball = state[position_at(other)];
+        let first = ordered(id, other).x == id;
+        let found = touch_spheres(select(ball, own, first), select(own, ball, first));
         if found.overlap > 0.0 {
-            if joined(a, b) {
+            if joined(id, other) {
                 return no_touch();
             }
         }
-    } else if a < step.spheres {
-        if b < boxes {
-            if RODS {
-                found = touch_sphere_rod(a, b - step.spheres);
-            }
-        } else if b < boxes + step.boxes {
-            found = touch_sphere_box(state[position_at(a)], cuboid(b - boxes));
-        } else {
-            found = touch_sphere_polygon(state[position_at(a)], polygon(b - boxes - step.boxes));
+        return found;
+    }
+    if other < boxes {
+        if RODS {
+            return touch_sphere_rod(id, own, bar_of(other - step.spheres));
         }
+        return no_touch();
+    }
+    if other < boxes + step.boxes {
+        return touch_sphere_box(own, cuboid(other - boxes));
+    }
+    return touch_sphere_polygon(own, polygon(other - boxes - step.boxes));
+}
+
+// What is read of a mover once, and asked of it for every entry of its list: a sphere's position and radius, or a rod.
+struct Own {
+    id: u32,
+    place: vec4f,
+    bar: Bar,
+}
+
+fn own_of(mover: u32) -> Own {
+    var own = Own(mover, vec4f(0.0), Bar(vec2u(NONE), Axis(vec3f(0.0), vec3f(0.0), 0.0)));
+    if mover < step.spheres {
+        own.place = state[position_at(mover)];
     } else if RODS {
-        if b < boxes {
-            found = touch_rods(a - step.spheres, b - step.spheres);
-        } else {
-            found = touch_rod_box(rod_axis(a - step.spheres), cuboid(b - boxes), feature);
-        }
+        own.bar = bar_of(mover - step.spheres);
     }
-    if found.overlap > 0.0 {
-        if inverse_mass_at(a, found.a) + inverse_mass_at(b, found.b) <= 0.0 {
-            return no_touch();
-        }
+    return own;
+}
+
+// A mover and any object that it may meet, whatever they weigh. Whoever asks gets the same bits.
+fn touch_with(own: Own, id: u32, feature: u32) -> Touch {
+    if own.id < step.spheres {
+        return touch_ball(own.id, own.place, id);
     }
-    return found;
+    if RODS {
+        return touch_bar(own.id, own.bar, id, feature);
+    }
+    return no_touch();
+}
+
+// Any two objects that may meet, of which the first is a mover.
+fn touch(a: u32, b: u32, feature: u32) -> Touch {
+    return touch_with(own_of(a), b, feature);
 }

@@ -31,23 +31,26 @@ fn bits_of(overlap: f32, approach: f32, inverse_mass: f32, radius: f32) -> u32 {
     return ENTRY_OVERLAPS | select(0u, ENTRY_COLLIDES, collides);
 }
 
-// The bits of an entry of a mover; `own` and `velocity` are its rows where it is a sphere.
-fn judge(mover: u32, own: vec4f, velocity: vec4f, other: Met) -> u32 {
+// The bits of an entry of a mover; `velocity` is its row where it is a sphere.
+fn judge(own: Own, velocity: vec4f, other: Met) -> u32 {
     let id = entry_id(other.entry);
-    if are_plain(mover, id) {
-        let contact = plain_with(mover, own, velocity, other);
+    if are_plain(own.id, id) {
+        let contact = plain_with(own.id, own.place, velocity, other);
         if contact.inverse_mass <= 0.0 {
             return 0u;
         }
-        let radius = select(own.w, min(own.w, other.place.w), id < step.spheres);
+        let radius = select(own.place.w, min(own.place.w, other.place.w), id < step.spheres);
         return bits_of(contact.overlap, contact.approach, contact.inverse_mass, radius);
     }
     if !RODS {
         return 0u;
     }
-    let pair = ordered(mover, id);
-    let found = touch(pair.x, pair.y, entry_feature(other.entry));
+    let pair = ordered(own.id, id);
+    let found = touch_with(own, id, entry_feature(other.entry));
     if found.overlap <= 0.0 {
+        return 0u;
+    }
+    if inverse_mass_at(pair.x, found.a) + inverse_mass_at(pair.y, found.b) <= 0.0 {
         return 0u;
     }
     let contact = contact_of(pair.x, pair.y, found);
@@ -55,22 +58,22 @@ fn judge(mover: u32, own: vec4f, velocity: vec4f, other: Met) -> u32 {
 }
 
 // Which of LOOK entries are judged: all but those without bits that are too far away.
-fn which_to_judge(mover: u32, own: vec4f, first: vec2u, begin: u32, count: u32) -> u32 {
+fn which_to_judge(own: Own, first: vec2u, begin: u32, count: u32) -> u32 {
     let bits = ENTRY_OVERLAPS | ENTRY_COLLIDES;
     if !RODS {
-        return entries_near(own, bits, first, begin, count);
+        return entries_near(own.place, bits, first, begin, count);
     }
-    var near = all_entries(begin, count);
-    if mover < step.spheres {
-        near = entries_near(own, bits, first, begin, count);
+    if own.id < step.spheres {
+        let near = entries_near(own.place, bits, first, begin, count);
+        return but_rods_apart(own.id, own.place, bits, first, begin, count, near);
     }
-    return touching(mover, bits, first, begin, count, near);
+    return touching_rod(own.id, own.bar, bits, first, begin, count);
 }
 
 // Judges an entry, writes its bits where they changed, which they seldom do, and gives them.
-fn mark_entry(mover: u32, own: vec4f, velocity: vec4f, other: Met, slot: vec2u) -> u32 {
+fn mark_entry(own: Own, velocity: vec4f, other: Met, slot: vec2u) -> u32 {
     let entry = other.entry & ~(ENTRY_OVERLAPS | ENTRY_COLLIDES);
-    let bits = judge(mover, own, velocity, other);
+    let bits = judge(own, velocity, other);
     if (entry | bits) != other.entry {
         lists[slot.x][slot.y] = entry | bits;
     }
@@ -85,16 +88,16 @@ fn mark_entries(mover: u32) -> u32 {
     let count = count_of(mover);
     // Of a rod nothing is read of these.
     let sphere = min(mover, step.spheres - 1u);
-    let own = state[position_at(sphere)];
+    let own = own_of(mover);
     let velocity = state[velocity_at(sphere)];
     for (var begin = 0u; begin < count; begin += LOOK) {
-        var rest = which_to_judge(mover, own, first, begin, count);
+        var rest = which_to_judge(own, first, begin, count);
         var now = meet(first, begin, rest);
         while rest != 0u {
             let slot = slot_at(first, begin + firstTrailingBit(rest));
             rest &= rest - 1u;
             let ahead = meet(first, begin, rest);
-            let bits = mark_entry(mover, own, velocity, now, slot);
+            let bits = mark_entry(own, velocity, now, slot);
             any_bits |= bits;
             if (bits & ENTRY_COLLIDES) != 0u {
                 collisions += select(0u, 1u, ordered(mover, entry_id(now.entry)).x == mover);

@@ -78,9 +78,17 @@ fn index_of(attached: u32) -> u32 {
     return attached & ((1u << KIND_SHIFT) - 1u);
 }
 
+// What rods end in a sphere: NO_ROD, SOME_RODS, or the only one, of fixed length, of a capsule's end. One word, for many wait for it.
+fn end_of(sphere: u32) -> u32 {
+    if !RODS {
+        return NO_ROD;
+    }
+    return words[step.ends_at + sphere];
+}
+
 // First word of a sphere's rods and their number.
 fn rods_of(sphere: u32) -> vec2u {
-    if !RODS {
+    if end_of(sphere) == NO_ROD {
         return vec2u(0u);
     }
     let range = adjacency(sphere);
@@ -96,27 +104,8 @@ fn rods_of(sphere: u32) -> vec2u {
 
 // The only rod of a sphere, if it has exactly one and that has a fixed length: then the sphere is the end of a capsule.
 fn capsule_rod(sphere: u32) -> u32 {
-    if !RODS {
-        return NONE;
-    }
-    let range = adjacency(sphere);
-    if range.x == range.y {
-        return NONE;
-    }
-    let first = words[range.x];
-    if kind_of(first) != KIND_ROD {
-        return NONE;
-    }
-    if range.x + 1u < range.y {
-        if kind_of(words[range.x + 1u]) == KIND_ROD {
-            return NONE;
-        }
-    }
-    let rod = index_of(first);
-    if rod_length(rod) > 0.0 {
-        return rod;
-    }
-    return NONE;
+    let end = end_of(sphere);
+    return select(end, NONE, end == SOME_RODS);
 }
 
 // The other end of the capsule that a sphere is an end of.

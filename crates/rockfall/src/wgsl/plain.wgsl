@@ -13,14 +13,7 @@ struct Plain {
 }
 
 fn is_plain(sphere: u32) -> bool {
-    if !RODS {
-        return true;
-    }
-    let range = adjacency(sphere);
-    if range.x == range.y {
-        return true;
-    }
-    return kind_of(words[range.x]) != KIND_ROD;
+    return end_of(sphere) == NO_ROD;
 }
 
 // Whether the contact of two objects is a plain one.

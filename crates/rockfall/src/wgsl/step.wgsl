@@ -41,9 +41,8 @@ struct Step {
     lead: f32,
     long_at: u32,
     planned: u32,
-    // The padding is words and not an array: arrays in uniform blocks have a stride of 16 bytes.
-    pad_0: u32,
-    pad_1: u32,
+    ends_at: u32,
+    pad: u32,
 }
 
 struct Pass {
@@ -137,7 +136,7 @@ struct StatusAtomic {
 @group(0) @binding(1) var<uniform> pass_: Pass;
 
 // Whether there are rods. Kernels for scenes without them are smaller and faster.
-override RODS: bool = true;
+const RODS: bool = true;
 
 const WORKGROUP: u32 = 64u;
 const WIDE: u32 = 256u;
@@ -151,6 +150,8 @@ const BOX_WORDS: u32 = 12u;
 const POLYGON_WORDS: u32 = 9u;
 
 const KIND_SHIFT: u32 = 30u;
+const NO_ROD: u32 = 0xffffffffu;
+const SOME_RODS: u32 = 0xfffffffeu;
 const KIND_ROD: u32 = 0u;
 const KIND_SPRING: u32 = 1u;
 const KIND_TETHER: u32 = 2u;
@@ -160,10 +161,10 @@ const TELLERS: u32 = 64u;
 const SIZE_WORDS: u32 = 12u;
 
 // Without rods all contacts have feature 0, and ids the more bits.
-override FEATURE_BITS: u32 = 4u * u32(RODS);
-override FEATURE_MASK: u32 = (1u << FEATURE_BITS) - 1u;
-override ENTRY_ID_BITS: u32 = 30u - FEATURE_BITS;
-override ENTRY_ID_MASK: u32 = (1u << ENTRY_ID_BITS) - 1u;
+const FEATURE_BITS: u32 = 4u * u32(RODS);
+const FEATURE_MASK: u32 = (1u << FEATURE_BITS) - 1u;
+const ENTRY_ID_BITS: u32 = 30u - FEATURE_BITS;
+const ENTRY_ID_MASK: u32 = (1u << ENTRY_ID_BITS) - 1u;
 const ENTRY_OVERLAPS: u32 = 0x40000000u;
 const ENTRY_COLLIDES: u32 = 0x80000000u;
 const LIST_COLLIDES: u32 = 0x80000000u;

@@ -5,7 +5,8 @@ use glam::{Vec3, Vec4};
 use crate::error::{Error, Result};
 use crate::layout::{
     CELL_BLOCK, CELLS_AT, FEW_MOVERS, FLAG_COLLISIONS, FLAG_CONTINUE, FLAG_GROUPS, FLAG_PULL, KIND_FORCE, KIND_ROD, KIND_SHIFT,
-    KIND_SPRING, KIND_TETHER, LEVEL_BIAS, LINE, MOST_ACROSS, PLANNED_FROM, SLICE, SUM_WORDS, Step, most_objects,
+    KIND_SPRING, KIND_TETHER, LEVEL_BIAS, LINE, MOST_ACROSS, NO_ROD, PLANNED_FROM, ROD_WORDS, SLICE, SOME_RODS, SUM_WORDS,
+    Step, most_objects,
 };
 use crate::scene::{Rod, Scene, Sphere, SphereId};
 use crate::settings::{BroadPhase, Settings};
@@ -135,6 +136,7 @@ impl World {
         step.batches = batches.len() as u32;
         step.batches_at = words.len() as u32;
         push_batches(&mut words, &batches);
+        step.ends_at = push_ends(step, &mut words);
         step.adjacency_at = adjacency.push(&mut words, step.spheres);
         self.words = words;
         Ok(())
@@ -365,6 +367,25 @@ fn push_batches(words: &mut Vec<u32>, batches: &[Vec<Vec<u32>>]) {
         }
         words.extend(colours.iter().flatten());
     }
+}
+
+/// Appends what rods end in each sphere; returns where that stands, 0 without rods.
+fn push_ends(step: &Step, words: &mut Vec<u32>) -> u32 {
+    if step.rods == 0 {
+        return 0;
+    }
+    let mut ends = vec![NO_ROD; step.spheres as usize];
+    let rods = &words[step.rods_at as usize..][..(step.rods * ROD_WORDS) as usize];
+    for (rod, number) in rods.chunks_exact(ROD_WORDS as usize).zip(0..) {
+        let is_fixed = f32::from_bits(rod[3]) > 0.0;
+        for end in &rod[..2] {
+            let known = &mut ends[*end as usize];
+            *known = if *known == NO_ROD && is_fixed { number } else { SOME_RODS };
+        }
+    }
+    let at = words.len() as u32;
+    words.extend(ends);
+    at
 }
 
 /// Pairs of (sphere, adjacency word).
