@@ -62,19 +62,18 @@ var<private> in_run: u32;
 var<private> own_aabb: Aabb;
 
 // Index in order of addition and, but where there are MANY, which of the run it is; NONE where the mover does not meet it, or there is
-// none.
+// none. With few branches, so that memory is asked for several at a time: past the last one stands what stood there before, or 0.
 fn key_of(mover: u32, place: u32) -> u32 {
-    if place >= in_run {
-        return NONE;
-    }
-    let id = id_at(ids[run_at + place]);
+    let known = ids[run_at + place];
+    let sorted = known & ~AN_ID;
+    let id = select(cells[step.sorted_at + sorted], sorted, (known & AN_ID) != 0u);
     ids[run_at + place] = id;
     let key = user_of(id) << PLACE_BITS | (place & PLACE_MASK);
+    let is_other = (place < in_run) & (id != mover);
     if RODS {
-        // The same, but without a branch: memory is asked for several at a time.
-        return select(NONE, key, (id != mover) & aabbs_meet(own_aabb, aabbs[id]));
+        return select(NONE, key, is_other & aabbs_meet(own_aabb, aabbs[id]));
     }
-    if (id == mover) | !may_meet(mover, id) {
+    if !is_other | !may_meet(mover, id) {
         return NONE;
     }
     return key;
@@ -112,27 +111,26 @@ fn run_of(keys: Sixteen) -> Run {
 var<private> kept: u32;
 var<private> before: u32;
 
-fn keep(mover: u32, key: u32, id: u32) {
+fn keep(key: u32, id: u32) {
     if (key != NONE) & ((key >> PLACE_BITS) != before) {
         before = key >> PLACE_BITS;
         ids[run_at + kept] = id;
         kept += 1u;
-        entries += entries_of(mover, id);
     }
 }
 
-fn keep_4(mover: u32, keys: vec4u, four: vec4u) {
-    keep(mover, keys.x, four.x);
-    keep(mover, keys.y, four.y);
-    keep(mover, keys.z, four.z);
-    keep(mover, keys.w, four.w);
+fn keep_4(keys: vec4u, four: vec4u) {
+    keep(keys.x, four.x);
+    keep(keys.y, four.y);
+    keep(keys.z, four.z);
+    keep(keys.w, four.w);
 }
 
-fn keep_run(mover: u32, run: Run) {
-    keep_4(mover, run.keys.a, run.ids.a);
-    keep_4(mover, run.keys.b, run.ids.b);
-    keep_4(mover, run.keys.c, run.ids.c);
-    keep_4(mover, run.keys.d, run.ids.d);
+fn keep_run(run: Run) {
+    keep_4(run.keys.a, run.ids.a);
+    keep_4(run.keys.b, run.ids.b);
+    keep_4(run.keys.c, run.ids.c);
+    keep_4(run.keys.d, run.ids.d);
 }
 
 // Of the run at hand those that the mover meets, by their index in order of addition, ascending, each once.
@@ -141,18 +139,30 @@ fn order_run(mover: u32) {
     before = NONE;
     if in_run <= 4u {
         let keys = sorted_4(four_keys(mover, 0u));
-        keep_4(mover, keys, ids_of(keys));
+        keep_4(keys, ids_of(keys));
         return;
     }
     var low = sorted_16(Sixteen(four_keys(mover, 0u), four_keys(mover, 4u), four_keys(mover, 8u), four_keys(mover, 12u)));
     if in_run > 16u {
         let rest = Sixteen(four_keys(mover, 16u), four_keys(mover, 20u), four_keys(mover, 24u), four_keys(mover, 28u));
         let high = run_of(merged(&low, sorted_16(rest)));
-        keep_run(mover, run_of(low));
-        keep_run(mover, high);
+        keep_run(run_of(low));
+        keep_run(high);
     } else {
-        keep_run(mover, run_of(low));
+        keep_run(run_of(low));
     }
+}
+
+// Entries that the kept ones of the run make.
+fn entries_of_run(mover: u32) -> u32 {
+    var sum = kept;
+    if RODS & (mover >= step.spheres) {
+        sum = 0u;
+        for (var k = 0u; k < kept; k++) {
+            sum += entries_of(mover, ids[run_at + k]);
+        }
+    }
+    return sum;
 }
 
 // So many of each run are kept, in order.
@@ -169,6 +179,7 @@ fn order_runs(mover: u32) {
         if (k == 0u) | (in_run > 0u) {
             order_run(mover);
             kept_of[k] = kept;
+            entries += entries_of_run(mover);
         }
     }
 }

@@ -19,6 +19,7 @@ fn add_contacts(i: u32, net: ptr<function, Net>) {
     let own = state[position_at(i)];
     let side = sphere_side(own, state[velocity_at(i)], state[momentum_at(i)]);
     let first = first_of(i);
+    let kin = kin_of(i);
     for (var begin = 0u; begin < count; begin += LOOK) {
         // What overlapped when the step began most likely still does; other pairs of spheres that do not touch cost one position.
         var rest = entries_near(own, ENTRY_OVERLAPS, first, begin, count);
@@ -29,19 +30,19 @@ fn add_contacts(i: u32, net: ptr<function, Net>) {
         while rest != 0u {
             rest &= rest - 1u;
             let ahead = meet(first, begin, rest);
-            add_contact(i, own, side, now, net);
+            add_contact(i, kin, own, side, now, net);
             now = ahead;
         }
     }
 }
 
-fn add_contact(i: u32, own: vec4f, side: Side, other: Met, net: ptr<function, Net>) {
+fn add_contact(i: u32, kin: u32, own: vec4f, side: Side, other: Met, net: ptr<function, Net>) {
     let id = entry_id(other.entry);
     var found = no_touch();
     var their_side = sphere_side(other.place, other.velocity, other.momentum);
     if id < step.spheres {
         found = touch_two(i, own, id, other.place);
-        if joined(i, id) {
+        if joined(i, kin, id) {
             return;
         }
     } else {

@@ -92,14 +92,20 @@ fn touch_spheres(a: vec4f, b: vec4f) -> Touch {
     return touch_at(b.xyz - a.xyz, a.w + b.w, 0.0, 0.0, vec3f(0.0, 1.0, 0.0));
 }
 
-// Whether a rod of fixed length joins two spheres: they are one body and ignore each other.
-fn joined(a: u32, b: u32) -> bool {
-    let end = end_of(a);
-    if end == NO_ROD {
-        return false;
+// To whom rods of fixed length join a sphere: they are one body and ignore each other. NONE, the other end of its capsule, or,
+// where more rods end in it, SOME_RODS.
+fn kin_of(sphere: u32) -> u32 {
+    let end = end_of(sphere);
+    if (end == NO_ROD) | (end == SOME_RODS) {
+        return end;
     }
-    if end != SOME_RODS {
-        return other_end(end, a) == b;
+    return other_end(end, sphere);
+}
+
+// Whether a sphere of such kin is joined to another.
+fn joined(a: u32, kin: u32, b: u32) -> bool {
+    if kin != SOME_RODS {
+        return kin == b;
     }
     let rods = rods_of(a);
     for (var k = 0u; k < rods.y; k++) {
@@ -308,7 +314,7 @@ fn touch_ball(id: u32, own: vec4f, other: u32) -> Touch {
         let first = ordered(id, other).x == id;
         let found = touch_spheres(select(ball, own, first), select(own, ball, first));
         if found.overlap > 0.0 {
-            if joined(id, other) {
+            if joined(id, kin_of(id), other) {
                 return no_touch();
             }
         }
