@@ -37,6 +37,8 @@ pub(super) const WITHOUT_COLLISIONS: [Phase; 3] = [Phase::UpdateAabbs, Phase::Br
 pub(super) struct Window {
     steps: u64,
     builds: u32,
+    /// Steps in which a body left its AABB, and which changed nothing.
+    voids: u32,
     /// Which lookahead and interval these are.
     pub(super) settings: u32,
 }
@@ -142,6 +144,10 @@ impl Simulation {
             return Ok(());
         }
         self.report.replays += 1;
+        if status.void == VOID_ESCAPED && self.interval.forgives(self.world.step.list_interval as u32) {
+            self.window.voids += 1;
+            return Ok(());
+        }
         self.window.restart();
         if attempts > MAX_ATTEMPTS {
             let reason =
@@ -158,13 +164,21 @@ impl Simulation {
                 None => self.grow_lists()?,
             }
         }
-        if status.void & VOID_ESCAPED != 0 && !self.interval.failed(self.world.step.list_interval as u32) {
-            let step = &mut self.world.step;
-            // After so many tries no finite margin will do: some force is beyond all measure.
-            step.margin_scale =
-                if attempts > 16 { f32::INFINITY } else { (step.margin_scale + f32::from_bits(status.escape_ratio)) * 1.25 };
+        if status.void & VOID_ESCAPED != 0 {
+            self.make_room(f32::from_bits(status.escape_ratio), attempts);
         }
         Ok(())
+    }
+
+    /// After a step in which a body was so far outside of its AABB, in 0.02 r.
+    fn make_room(&mut self, escape: f32, attempts: u32) {
+        let step = &mut self.world.step;
+        if self.interval.failed(step.list_interval as u32) {
+            step.lookahead = self.lookahead.give_up().unwrap_or(step.lookahead);
+            return;
+        }
+        // After so many tries no finite margin will do: some force is beyond all measure.
+        step.margin_scale = if attempts > 16 { f32::INFINITY } else { (step.margin_scale + escape) * 1.25 };
     }
 
     /// Adds what a portion did, since the status before it, to the report.
@@ -198,13 +212,16 @@ impl Simulation {
         let movers = (step.spheres + step.rods).max(1) as f32;
         let seen = Lists {
             builds_per_step: self.window.builds as f32 / self.window.steps as f32,
+            voids_per_step: self.window.voids as f32 / self.window.steps as f32,
             words_per_mover: words_of(self.status.pair_rows_needed) as f32 / movers,
             room_per_mover: Lookahead::room(words_of(step.pair_rows) as f32 / movers, step.rods > 0),
             movers,
             dispatches: self.list_dispatches(),
         };
         self.world.step.lookahead = self.lookahead.after(&seen, self.broad_phase_method());
-        self.interval.lasted();
+        if self.interval.lasted() {
+            self.lookahead.hurry();
+        }
         self.window.restart();
     }
 

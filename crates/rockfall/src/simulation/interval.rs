@@ -2,13 +2,14 @@
 //!
 //! On a device every stage of a step costs a dispatch, whether or not it has something to do, and where lists last for some
 //! steps those that make lists have nothing to do in most. They may be left out of all but every S-th step, if lists are made
-//! that last for S. Where a body is pushed out of its AABB in between, the step is void and run again, lists first, and for some
-//! time they are made twice as often. Among a million bodies some always ask for lists; most of those do not leave after all.
+//! that last for S. Where a body is pushed out of its AABB in between, the step is void and run again, lists first. Once in a batch of
+//! steps that costs less than lists that are made more often; after a second time they are made twice as often for a while. Among a
+//! million bodies some always ask for lists; most of those do not leave after all.
 
 /// The longest.
 const MOST: u32 = 8;
 /// Batches without such a step before the next trial, after trials that failed.
-const LONGEST_PAUSE: u32 = 64;
+const LONGEST_PAUSE: u32 = 8;
 
 /// The present interval, and what came of it.
 #[derive(Clone, Debug)]
@@ -18,11 +19,13 @@ pub(super) struct Interval {
     calm: u32,
     /// Batches before the next trial.
     pause: u32,
+    /// Whether they did not last in one step of this batch.
+    forgiven: bool,
 }
 
 impl Default for Interval {
     fn default() -> Self {
-        Self { steps: 1, calm: 0, pause: 1 }
+        Self { steps: 1, calm: 0, pause: 1, forgiven: false }
     }
 }
 
@@ -39,24 +42,31 @@ impl Interval {
         self.steps.min(1 << least.ilog2())
     }
 
-    /// After a batch in which lists lasted.
-    pub(super) fn lasted(&mut self) {
+    /// After a batch in which lists lasted. Whether they may be made more rarely now.
+    pub(super) fn lasted(&mut self) -> bool {
+        self.forgiven = false;
         self.calm += 1;
         if self.calm < self.pause {
-            return;
+            return false;
         }
         self.calm = 0;
-        if self.steps < MOST {
-            self.steps *= 2;
-        } else {
+        if self.steps == MOST {
             self.pause = (self.pause / 2).max(1);
+            return false;
         }
+        self.steps *= 2;
+        true
+    }
+
+    /// Whether a step in which they did not last, at this interval, changes nothing: the first one of a batch.
+    pub(super) fn forgives(&mut self, interval: u32) -> bool {
+        interval > 1 && !std::mem::replace(&mut self.forgiven, true)
     }
 
     /// After a step in which they did not, at this interval. Whether that may have come of it.
     pub(super) fn failed(&mut self, interval: u32) -> bool {
         if interval > 1 {
-            *self = Self { steps: interval / 2, calm: 0, pause: (2 * self.pause).min(LONGEST_PAUSE) };
+            *self = Self { steps: interval / 2, pause: (2 * self.pause).min(LONGEST_PAUSE), ..Self::default() };
         }
         interval > 1
     }
@@ -78,6 +88,17 @@ mod tests {
     }
 
     #[test]
+    fn one_failure_in_a_batch_is_forgiven() {
+        let mut interval = Interval::long();
+        for _ in 0..10 {
+            assert!(interval.forgives(8) && !interval.forgives(8));
+            interval.lasted();
+        }
+        assert_eq!(interval.steps(32.0), MOST);
+        assert!(!interval.forgives(1), "no interval is to blame");
+    }
+
+    #[test]
     fn trials_that_fail_become_rare() {
         let mut interval = Interval::default();
         let mut failures = 0;
@@ -89,6 +110,6 @@ mod tests {
                 interval.lasted();
             }
         }
-        assert!((5..30).contains(&failures), "{failures}");
+        assert!((50..150).contains(&failures), "{failures}");
     }
 }

@@ -28,6 +28,8 @@ const BUILD: f32 = 0.2;
 const FIND: f32 = 0.04;
 /// Looking at an entry in all stages of a step.
 const LOOK: f32 = 0.008;
+/// Running a step again, and what was under way after it, some three steps in all.
+const VOID: f32 = 4.0;
 /// Looking at another object, in brute force.
 const TEST: f32 = 0.004;
 
@@ -48,6 +50,8 @@ fn long(has_rods: bool) -> f32 {
 pub(super) struct Lists {
     /// Part of the steps in which they were made anew.
     pub(super) builds_per_step: f32,
+    /// Part of the steps in which a body left its AABB, and the interval did not change.
+    pub(super) voids_per_step: f32,
     /// Words that the entries take.
     pub(super) words_per_mover: f32,
     /// The most that they may take: more would make a step void.
@@ -76,6 +80,7 @@ impl Lists {
         let alone = if self.dispatches > 0.0 { DISPATCH * self.dispatches + wait * self.words_per_mover } else { 0.0 };
         self.builds_per_step * (BUILD + search + FIND * self.words_per_mover)
             + LOOK * self.words_per_mover
+            + VOID * self.voids_per_step
             + alone / self.movers
     }
 }
@@ -147,6 +152,21 @@ impl Lookahead {
         Some(self.steps)
     }
 
+    /// The number of steps to return to, where lists for more were being tried and did not last.
+    pub(super) fn give_up(&mut self) -> Option<f32> {
+        let (steps, _) = self.before.take_if(|(steps, _)| *steps < self.steps)?;
+        self.steps = steps;
+        self.rest();
+        Some(steps)
+    }
+
+    /// Lists for more steps are tried at the next chance: they may be made more rarely.
+    pub(super) fn hurry(&mut self) {
+        if self.before.is_none() {
+            (self.factor, self.wait, self.pause) = (2.0, 0, 1);
+        }
+    }
+
     /// Longer than the last time.
     fn rest(&mut self) {
         self.wait = self.pause;
@@ -178,6 +198,7 @@ mod tests {
         for _ in 0..batches {
             let seen = Lists {
                 builds_per_step: builds(steps),
+                voids_per_step: 0.0,
                 words_per_mover: words(steps),
                 room_per_mover: 50.0,
                 movers: 1e6,
@@ -203,7 +224,14 @@ mod tests {
     #[test]
     fn lists_that_last_much_shorter_than_meant_are_given_up_at_once() {
         let mut lookahead = Lookahead::from_steps(8.0);
-        let seen = Lists { builds_per_step: 0.5, words_per_mover: 20.0, room_per_mover: 50.0, movers: 1e6, dispatches: 0.0 };
+        let seen = Lists {
+            builds_per_step: 0.5,
+            voids_per_step: 0.0,
+            words_per_mover: 20.0,
+            room_per_mover: 50.0,
+            movers: 1e6,
+            dispatches: 0.0,
+        };
         assert_eq!(lookahead.after(&seen, BroadPhase::Grid), 2.0);
         let seen = Lists { builds_per_step: 0.9, ..seen };
         assert_eq!(lookahead.after(&seen, BroadPhase::Grid), 2.0, "that is nearly as often as meant");
@@ -243,7 +271,14 @@ mod tests {
     fn few_bodies_on_a_device_are_looked_at_further_ahead() {
         // Twice the words, a quarter of seven dispatches: that pays for a thousand movers and not for a million.
         let cost = |movers: f32, words: f32, dispatches: f32| {
-            let lists = Lists { builds_per_step: 1.0, words_per_mover: words, room_per_mover: 50.0, movers, dispatches };
+            let lists = Lists {
+                builds_per_step: 1.0,
+                voids_per_step: 0.0,
+                words_per_mover: words,
+                room_per_mover: 50.0,
+                movers,
+                dispatches,
+            };
             lists.cost(BroadPhase::Grid)
         };
         assert!(cost(1e3, 16.0, 1.75) < cost(1e3, 8.0, 7.0));
@@ -251,9 +286,54 @@ mod tests {
     }
 
     #[test]
+    fn steps_that_are_run_again_cost_more_than_lists() {
+        let lists = |builds_per_step: f32, voids_per_step: f32| {
+            let lists = Lists {
+                builds_per_step,
+                voids_per_step,
+                words_per_mover: 14.0,
+                room_per_mover: 50.0,
+                movers: 1e6,
+                dispatches: 0.0,
+            };
+            lists.cost(BroadPhase::Grid)
+        };
+        // One in 32 for half of the lists pays, one in ten does not.
+        assert!(lists(0.5, 1.0 / 32.0) < lists(1.0, 0.0));
+        assert!(lists(0.5, 0.1) > lists(1.0, 0.0));
+    }
+
+    #[test]
+    fn a_trial_is_given_up_and_comes_again_when_it_may_pay() {
+        let mut lookahead = Lookahead::default();
+        assert_eq!(lookahead.give_up(), None, "nothing is being tried");
+        let seen = Lists {
+            builds_per_step: 1.0,
+            voids_per_step: 0.0,
+            words_per_mover: 10.0,
+            room_per_mover: 50.0,
+            movers: 1e6,
+            dispatches: 0.0,
+        };
+        let mut until_trial = |lookahead: &mut Lookahead| (1..).find(|_| lookahead.after(&seen, BroadPhase::Grid) == 2.0);
+        until_trial(&mut lookahead);
+        assert_eq!(lookahead.give_up(), Some(1.0));
+        let after_rest = until_trial(&mut lookahead);
+        assert_eq!(lookahead.give_up(), Some(1.0));
+        lookahead.hurry();
+        assert!(until_trial(&mut lookahead) < after_rest);
+    }
+
+    #[test]
     fn brute_force_looks_further_ahead() {
-        let lists =
-            Lists { builds_per_step: 1.0, words_per_mover: 10.0, room_per_mover: 50.0, movers: 10_000.0, dispatches: 0.0 };
+        let lists = Lists {
+            builds_per_step: 1.0,
+            voids_per_step: 0.0,
+            words_per_mover: 10.0,
+            room_per_mover: 50.0,
+            movers: 10_000.0,
+            dispatches: 0.0,
+        };
         assert!(lists.cost(BroadPhase::BruteForce) > 10.0 * lists.cost(BroadPhase::Grid));
     }
 }
