@@ -315,7 +315,7 @@ mod tests {
             movers: 1e6,
             dispatches: 0.0,
         };
-        let mut until_trial = |lookahead: &mut Lookahead| (1..).find(|_| lookahead.after(&seen, BroadPhase::Grid) == 2.0);
+        let until_trial = |lookahead: &mut Lookahead| (1..).find(|_| lookahead.after(&seen, BroadPhase::Grid) == 2.0);
         until_trial(&mut lookahead);
         assert_eq!(lookahead.give_up(), Some(1.0));
         let after_rest = until_trial(&mut lookahead);
