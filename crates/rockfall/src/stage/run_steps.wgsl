@@ -10,6 +10,8 @@
 // them: a driver was seen to let threads that leave a loop early run through the barrier after it, while their neighbours were
 // still at work.
 override TEAM: u32 = 256u;
+// Threads of a subgroup of the device with that driver.
+const LANES: u32 = 32u;
 
 // What the dispatch does, read once: see "The kernels" in ARCHITECTURE.md.
 var<workgroup> told: u32;
@@ -49,9 +51,13 @@ fn handle_collisions(local: u32) {
     if has_changes() {
         for (var first = 0u; first < step.spheres; first += TEAM) {
             let i = first + local;
-            if i < step.spheres {
-                if takes_part_in_any(i) {
-                    write_change(i);
+            // One lane after another: with several at work, in loops within loops of lengths of their own, that driver was seen to let
+            // whole subgroups through the barriers below before they had written. Few spheres collide in a step.
+            for (var lane = 0u; lane < LANES; lane++) {
+                if (i < step.spheres) & (local % LANES == lane) {
+                    if takes_part_in_any(i) {
+                        write_change(i);
+                    }
                 }
             }
         }
