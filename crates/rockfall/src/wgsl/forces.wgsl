@@ -65,20 +65,6 @@ fn add_contact(i: u32, kin: u32, own: vec4f, side: Side, other: Met, net: ptr<fu
     }
 }
 
-fn touch_static_or_rod(i: u32, id: u32, own: vec4f) -> Touch {
-    let boxes = step.spheres + step.rods;
-    if id < boxes {
-        if RODS {
-            return touch_sphere_rod(i, own, bar_of(id - step.spheres));
-        }
-        return no_touch();
-    }
-    if id < boxes + step.boxes {
-        return touch_sphere_box(own, cuboid(id - boxes));
-    }
-    return touch_sphere_polygon(own, polygon(id - boxes - step.boxes));
-}
-
 // Pull of a spring on the end at `position` towards the other end.
 fn spring_force(position: vec3f, velocity: vec3f, other: vec3f, other_velocity: vec3f, constants: vec3f) -> vec3f {
     let distance = other - position;

@@ -306,30 +306,35 @@ fn touch_bar(id: u32, own: Bar, other: u32, feature: u32) -> Touch {
     return touch_rods(a, b);
 }
 
-// A sphere, as it was read, and another object.
-fn touch_ball(id: u32, own: vec4f, other: u32) -> Touch {
+// A sphere, as it was read, and what is no sphere.
+fn touch_static_or_rod(i: u32, id: u32, own: vec4f) -> Touch {
     let boxes = step.spheres + step.rods;
-    if other < step.spheres {
-        let ball = state[position_at(other)];
-        let first = ordered(id, other).x == id;
-        let found = touch_spheres(select(ball, own, first), select(own, ball, first));
-        if found.overlap > 0.0 {
-            if joined(id, kin_of(id), other) {
-                return no_touch();
-            }
-        }
-        return found;
-    }
-    if other < boxes {
+    if id < boxes {
         if RODS {
-            return touch_sphere_rod(id, own, bar_of(other - step.spheres));
+            return touch_sphere_rod(i, own, bar_of(id - step.spheres));
         }
         return no_touch();
     }
-    if other < boxes + step.boxes {
-        return touch_sphere_box(own, cuboid(other - boxes));
+    if id < boxes + step.boxes {
+        return touch_sphere_box(own, cuboid(id - boxes));
     }
-    return touch_sphere_polygon(own, polygon(other - boxes - step.boxes));
+    return touch_sphere_polygon(own, polygon(id - boxes - step.boxes));
+}
+
+// A sphere, as it was read, and another object.
+fn touch_ball(id: u32, own: vec4f, other: u32) -> Touch {
+    if other >= step.spheres {
+        return touch_static_or_rod(id, other, own);
+    }
+    let ball = state[position_at(other)];
+    let first = ordered(id, other).x == id;
+    let found = touch_spheres(select(ball, own, first), select(own, ball, first));
+    if found.overlap > 0.0 {
+        if joined(id, kin_of(id), other) {
+            return no_touch();
+        }
+    }
+    return found;
 }
 
 // What is read of a mover once, and asked of it for every entry of its list: a sphere's position and radius, or a rod.
