@@ -64,9 +64,7 @@ var<private> own_aabb: Aabb;
 // Index in order of addition and, but where there are MANY, which of the run it is; NONE where the mover does not meet it, or there is
 // none. With few branches, so that memory is asked for several at a time: past the last one stands what stood there before, or 0.
 fn key_of(mover: u32, place: u32) -> u32 {
-    let known = ids[run_at + place];
-    let sorted = known & ~AN_ID;
-    let id = select(cells[step.sorted_at + sorted], sorted, (known & AN_ID) != 0u);
+    let id = id_at(ids[run_at + place]);
     ids[run_at + place] = id;
     let key = user_of(id) << PLACE_BITS | (place & PLACE_MASK);
     let is_other = (place < in_run) & (id != mover);

@@ -1,7 +1,7 @@
 //! Memory order, 4 of 5: everything that memory holds of a sphere, in its new place.
 //!
 //! Leaves the states in `Y3`; in `Y4` the orientations, then (tag, user, begin and end of the adjacency words), then by old slot
-//! the new one.
+//! (the new one, what rods end in the sphere).
 
 use bytemuck::{cast_slice, cast_slice_mut};
 
@@ -45,6 +45,7 @@ fn permute_spheres(world: &mut World, _pass: u32) {
         };
         memory[slot] = orientations[old].to_array().map(f32::to_bits);
         memory[n + slot] = [word(step.tags_at, old), word(step.users_at, old), attached[0], attached[1]];
-        memory[2 * n + old] = [slot as u32, 0, 0, 0];
+        let end = if step.ends_at == 0 { 0 } else { word(step.ends_at, old) };
+        memory[2 * n + old] = [slot as u32, end, 0, 0];
     }
 }

@@ -25,7 +25,11 @@ fn permute_spheres(
     if step.adjacency_at != 0u {
         attached = vec2u(words[step.adjacency_at + 2u * from_], words[step.adjacency_at + 2u * from_ + 1u]);
     }
+    var end = 0u;
+    if step.ends_at != 0u {
+        end = words[step.ends_at + from_];
+    }
     y4[i] = orientations[from_];
     y4[step.spheres + i] = vec4u(words[step.tags_at + from_], words[step.users_at + from_], attached);
-    y4[2u * step.spheres + from_] = vec4u(i, 0u, 0u, 0u);
+    y4[2u * step.spheres + from_] = vec4u(i, end, 0u, 0u);
 }

@@ -1,12 +1,10 @@
 //! Memory order, 5 of 5: spheres settle in their new places, and what refers to them by memory slot follows: rods, springs,
-//! tethers, and the maps between slots and the order of addition. What rods end in each sphere is told anew.
-
-use std::ops::Range;
+//! tethers, and the maps between slots and the order of addition.
 
 use bytemuck::cast_slice;
 use glam::Vec4;
 
-use crate::layout::{KIND_ROD, KIND_SHIFT, NO_ROD, ROD_WORDS, SOME_RODS, SPRING_WORDS, Step, TETHER_WORDS};
+use crate::layout::{ROD_WORDS, SPRING_WORDS, TETHER_WORDS};
 use crate::stage::{Buffer, Stage, Threads, part, read, write};
 use crate::world::World;
 
@@ -45,8 +43,10 @@ fn settle_spheres(world: &mut World, _pass: u32) {
             set(step.adjacency_at, 2 * slot, *begin);
             set(step.adjacency_at, 2 * slot + 1, *end);
         }
-        if step.ends_at != 0 {
-            words[step.ends_at as usize + slot] = end_among(step, words, *begin as usize..*end as usize);
+    }
+    if step.ends_at != 0 {
+        for [slot, end, ..] in &memory[2 * n..3 * n] {
+            words[(step.ends_at + slot) as usize] = *end;
         }
     }
     // Records that begin with so many spheres.
@@ -59,16 +59,5 @@ fn settle_spheres(world: &mut World, _pass: u32) {
         for record in words[first as usize..end as usize].chunks_exact_mut(size as usize) {
             record[..spheres].iter_mut().for_each(|sphere| *sphere = memory[2 * n + *sphere as usize][0]);
         }
-    }
-}
-
-/// What rods end in a sphere, as its adjacency words tell.
-fn end_among(step: &Step, words: &[u32], adjacency: Range<usize>) -> u32 {
-    let is_rod = |word: &&u32| **word >> KIND_SHIFT == KIND_ROD;
-    let mut rods = words[adjacency].iter().take_while(is_rod);
-    match (rods.next(), rods.next()) {
-        (None, _) => NO_ROD,
-        (Some(rod), None) if f32::from_bits(words[(step.rods_at + rod * ROD_WORDS) as usize + 3]) > 0.0 => *rod,
-        _ => SOME_RODS,
     }
 }

@@ -10,20 +10,6 @@ fn follow(at: u32) {
     words[at] = y4[2u * step.spheres + words[at]].x;
 }
 
-// What rods end in a sphere, as its adjacency words tell.
-fn end_among(begin: u32, end: u32) -> u32 {
-    var rods = 0u;
-    for (var at = begin; at < min(begin + 2u, end); at++) {
-        rods += u32(words[at] >> KIND_SHIFT == KIND_ROD);
-    }
-    if rods == 0u {
-        return NO_ROD;
-    }
-    let rod = words[begin] & ((1u << KIND_SHIFT) - 1u);
-    let is_fixed = bitcast<f32>(words[step.rods_at + rod * ROD_WORDS + 3u]) > 0.0;
-    return select(SOME_RODS, rod, (rods == 1u) & is_fixed);
-}
-
 // What refers to spheres, shared out among their threads.
 fn follow_all(thread: u32) {
     for (var rod = thread; rod < step.rods; rod += step.spheres) {
@@ -62,7 +48,8 @@ fn settle_spheres(
         words[step.adjacency_at + 2u * i + 1u] = own.w;
     }
     if step.ends_at != 0u {
-        words[step.ends_at + i] = end_among(own.z, own.w);
+        let moved = y4[2u * step.spheres + i];
+        words[step.ends_at + moved.x] = moved.y;
     }
     follow_all(i);
 }

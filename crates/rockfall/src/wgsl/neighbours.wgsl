@@ -53,11 +53,10 @@ fn span_of_row(range: CellRange, y: i32, z: i32, level: u32) -> Span {
 // Marks an id among places of sorted objects.
 const AN_ID: u32 = 0x80000000u;
 
+// Without a branch, so that memory is asked for several at a time; an id is a place, too, of some object.
 fn id_at(place: u32) -> u32 {
-    if (place & AN_ID) != 0u {
-        return place & ~AN_ID;
-    }
-    return cells[step.sorted_at + place];
+    let bare = place & ~AN_ID;
+    return select(cells[step.sorted_at + bare], bare, (place & AN_ID) != 0u);
 }
 
 // Where the rounding of centres, which grows with the distance from the origin, comes to so much, squares of distances may be beyond

@@ -120,7 +120,7 @@ const MISTAKES: [Mistake; 81] = [
     Mistake("scatter_digits", 7, "digits.wgsl", "* DIGIT_BITS", "* 3u", Buffer::Y2),
     Mistake("permute_spheres", 0, "permute_spheres.wgsl", "words[step.users_at + from_]", "from_", Buffer::Y4),
     Mistake("settle_spheres", 0, "settle_spheres.wgsl", "follow(at + 1u);", "", Buffer::Words),
-    Mistake("settle_spheres", 0, "settle_spheres.wgsl", "(rods == 1u) & is_fixed", "rods == 1u", Buffer::Words),
+    Mistake("settle_spheres", 0, "settle_spheres.wgsl", "= moved.y", "= moved.x", Buffer::Words),
     Mistake("apply_collisions", 0, "objects.wgsl", "select(end, NONE, end == SOME_RODS)", "NONE", Buffer::Y2),
     Mistake(
         "settle_spheres",
