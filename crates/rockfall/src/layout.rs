@@ -78,10 +78,8 @@ pub const BOX_FEATURES: u32 = 12;
 
 /// In a mover's count of list entries, set by `find_collisions`: some entry of it collides.
 pub const LIST_COLLIDES: u32 = 1 << 31;
-/// In a mover's count of list entries, set by `fill_long`: it is among the long movers.
-pub const LIST_LONG: u32 = 1 << 30;
 /// Mask of the number in a mover's count of list entries.
-pub const LIST_COUNT_MASK: u32 = LIST_LONG - 1;
+pub const LIST_COUNT_MASK: u32 = LIST_COLLIDES - 1;
 
 /// Bit of [`Step::flags`]: phase 3 (collisions) is on.
 pub const FLAG_COLLISIONS: u32 = 1;
@@ -265,8 +263,8 @@ pub struct Step {
     /// First word of the ends: what rods end in each sphere ([`NO_ROD`], [`SOME_RODS`], or of a capsule's end its rod); 0 without
     /// rods.
     pub ends_at: u32,
-    /// Padding to a multiple of 16 bytes.
-    pub pad: u32,
+    /// The last so many spheres in memory are large: in stages that go through lists a workgroup works on each of them.
+    pub large: u32,
 }
 
 impl Step {
@@ -278,6 +276,11 @@ impl Step {
     /// All objects.
     pub const fn objects(&self) -> u32 {
         self.movers() + self.boxes + self.polygons
+    }
+
+    /// Whether what each collision weighs is stored with it: with rods or large spheres it takes long to work out.
+    pub const fn stores_row_sums(&self) -> bool {
+        self.rods > 0 || self.large > 0
     }
 
     /// Bits of the id in a list entry: 26 in scenes with rods; without there are no features, and all 30.

@@ -11,7 +11,6 @@ use crate::world::World;
 
 mod advance;
 mod apply_collisions;
-mod apply_long;
 mod bound_blocks;
 mod build_grid;
 mod clear_cells;
@@ -79,7 +78,7 @@ pub enum Buffer {
     Extents,
     /// The pair lists.
     Lists,
-    /// In scenes with rods, by list entry: the row sums of collisions, which their weights are the inverse of.
+    /// In scenes with rods or large spheres, by list entry: the row sums of collisions, which their weights are the inverse of.
     RowSums,
     /// Per rod: force and couple on end 1, force and couple on end 2.
     Wrenches,
@@ -207,6 +206,10 @@ pub enum Threads {
     Movers,
     /// A thread per sphere.
     Spheres,
+    /// A thread per sphere, but a workgroup for each of the large ones.
+    SharedSpheres,
+    /// A thread per mover, but a workgroup for each of the large spheres.
+    SharedMovers,
     /// The same in workgroups of [`WIDE`].
     WideSpheres,
     /// A thread per rod.
@@ -240,6 +243,8 @@ impl Threads {
             Self::WideObjects => step.objects().div_ceil(WIDE),
             Self::Movers => movers.div_ceil(WORKGROUP),
             Self::Spheres => step.spheres.div_ceil(WORKGROUP),
+            Self::SharedSpheres => step.large + (step.spheres - step.large).div_ceil(WORKGROUP),
+            Self::SharedMovers => step.large + (movers - step.large).div_ceil(WORKGROUP),
             Self::WideSpheres => step.spheres.div_ceil(WIDE),
             Self::Rods => step.rods.div_ceil(WORKGROUP),
             Self::Batches => step.batches,
@@ -273,9 +278,11 @@ macro_rules! part {
 }
 pub(crate) use part;
 
-/// The WGSL for scenes with or without rods. Not by a constant of the pipeline, for the sizes of arrays depend on it.
-pub fn for_scenes(text: &str, rods: bool) -> String {
-    text.replace("const RODS: bool = true;", &format!("const RODS: bool = {rods};"))
+/// The WGSL for scenes with or without rods, and with or without large spheres. Not by constants of the pipeline, for the sizes of
+/// arrays depend on them.
+pub fn for_scenes(text: &str, rods: bool, large: bool) -> String {
+    let told = |name: &str, is_so: bool| (format!("const {name}: bool = true;"), format!("const {name}: bool = {is_so};"));
+    [told("RODS", rods), told("LARGE", large)].iter().fold(text.to_owned(), |text, (from, to)| text.replace(from, to))
 }
 
 /// One stage of the step.
@@ -294,7 +301,7 @@ pub struct Stage {
 }
 
 /// Every stage there is, once.
-pub const ALL: [&Stage; 41] = [
+pub const ALL: [&Stage; 40] = [
     &update_aabbs::STAGE,
     &count_pairs::STAGE,
     &scan_pairs::STAGE,
@@ -316,7 +323,6 @@ pub const ALL: [&Stage; 41] = [
     &find_collisions::STAGE,
     &weigh_collisions::STAGE,
     &apply_collisions::STAGE,
-    &apply_long::STAGE,
     &commit_collisions::STAGE,
     &restore_lengths::STAGE,
     &rod_forces::STAGE,

@@ -76,7 +76,7 @@ fn moves(name: &str, pass: u32) -> Option<Moves> {
         "sort_cells" => Moves { aabbs: 1, cells: 2, keys: 2, extents: 1, ..NONE },
         "find_neighbours" => Moves { aabbs: 1, cells: 1, keys: 1, extents: 1, counts: 1, entries: 1, ..NONE },
         // Few movers are long.
-        "count_long" | "fill_long" | "apply_long" => NONE,
+        "count_long" | "fill_long" => NONE,
         // Reads position, velocity and entries; few of these change.
         "find_collisions" => Moves { rows: 2, sphere_aabbs: 1, counts: 1, entries: 1, ..NONE },
         // Few bodies collide; the others are told by their counts.

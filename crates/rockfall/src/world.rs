@@ -36,7 +36,7 @@ pub struct World {
     pub extents: Vec<Vec4>,
     /// Counts, slice offsets, entries: `step.entries_at` words and `step.pair_rows` rows of [`SLICE`].
     pub lists: Vec<u32>,
-    /// By list entry, in scenes with rods: the row sum of a collision, negative where nothing else presses.
+    /// By list entry, in scenes with rods or large spheres: the row sum of a collision, negative where nothing else presses.
     pub row_sums: Vec<f32>,
     /// `4 * rods`: force and couple on end 1, force and couple on end 2.
     pub wrenches: Vec<Vec4>,
@@ -130,9 +130,9 @@ impl World {
         u64::from(self.step.entries_at) + words_of(self.step.pair_rows)
     }
 
-    /// Words of the row sums: as many as of list entries, but where there are no rods.
+    /// Words of the row sums: as many as of list entries, where they are stored.
     pub(crate) fn row_sum_words(&self) -> u64 {
-        if self.step.rods > 0 { words_of(self.step.pair_rows) } else { 0 }
+        if self.step.stores_row_sums() { words_of(self.step.pair_rows) } else { 0 }
     }
 
     /// [`World::set_pair_rows`] for a world that runs on a device: the host's lists are empty.

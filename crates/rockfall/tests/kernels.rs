@@ -17,19 +17,20 @@ fn source(stage: &Stage) -> String {
 }
 
 fn module(stage: &Stage) -> Module {
-    module_for(stage, true)
+    module_for(stage, true, true)
 }
 
-/// For scenes with or without rods.
-fn module_for(stage: &Stage, rods: bool) -> Module {
-    let text = for_scenes(&source(stage), rods);
+/// For scenes with or without rods and large spheres.
+fn module_for(stage: &Stage, rods: bool, large: bool) -> Module {
+    let text = for_scenes(&source(stage), rods, large);
     naga::front::wgsl::parse_str(&text).unwrap_or_else(|e| panic!("{}: {}", stage.name, e.emit_to_string(&text)))
 }
 
 #[test]
 fn every_kernel_is_valid() {
-    for (stage, rods) in ALL.into_iter().flat_map(|stage| [(stage, false), (stage, true)]) {
-        let module = module_for(stage, rods);
+    let scenes = [(false, false), (false, true), (true, false), (true, true)];
+    for (stage, (rods, large)) in ALL.into_iter().flat_map(|stage| scenes.map(|scene| (stage, scene))) {
+        let module = module_for(stage, rods, large);
         Validator::new(ValidationFlags::all(), Capabilities::empty())
             .validate(&module)
             .unwrap_or_else(|e| panic!("{}: {}", stage.name, e.emit_to_string(&source(stage))));
@@ -228,7 +229,7 @@ fn the_structs_are_those_of_layout() {
     let step = rust_fields!(Step: gravity, dt, activation_threshold, restitution, contact_damping, contact_force, friction,
         coulomb_friction, margin_scale, flags, pair_rows, spheres, rods, boxes, polygons, rods_at, springs_at, tethers_at,
         forces_at, boxes_at, polygons_at, tags_at, adjacency_at, batches, batches_at, slices_at, entries_at, cell_size, least_level, cells,
-        sums_at, keys_at, sorted_at, lookahead, users_at, slots_at, list_interval, lead, long_at, planned, ends_at, pad);
+        sums_at, keys_at, sorted_at, lookahead, users_at, slots_at, list_interval, lead, long_at, planned, ends_at, large);
     let (pass, pass_size) = rust_fields!(Pass: index, pad);
     let pass = (split(pass, "pad"), pass_size);
     let aabb = rust_fields!(Aabb: min, id, max, tag);
@@ -271,7 +272,6 @@ fn the_constants_are_those_of_layout() {
         ENTRY_OVERLAPS,
         ENTRY_COLLIDES,
         LIST_COLLIDES,
-        LIST_LONG,
         LIST_COUNT_MASK,
         BOX_FEATURES,
         FLAG_COLLISIONS,
@@ -345,7 +345,7 @@ fn the_parts_of_a_list_entry_are_those_of_layout() {
 
 /// A constant that depends on whether there are rods, where a stage uses it.
 fn constant_with(stage: &Stage, rods: bool, name: &str) -> Option<u32> {
-    let module = module_for(stage, rods);
+    let module = module_for(stage, rods, true);
     let mut constants = module.constants.iter().map(|(_, constant)| constant);
     let init = constants.find(|constant| constant.name.as_deref() == Some(name))?.init;
     match module.global_expressions[init] {

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use crate::cpu::GRAIN;
 use crate::cpu::lanes::LANES;
 use crate::cpu::view::View;
-use crate::layout::{ENTRY_BITS, FEATURE_BITS, LIST_COLLIDES, LIST_COUNT_MASK, LIST_LONG, SLICE, Step};
+use crate::layout::{ENTRY_BITS, FEATURE_BITS, LIST_COLLIDES, LIST_COUNT_MASK, SLICE, Step};
 
 /// One entry of a mover's list.
 #[derive(Clone, Copy, Debug, Default)]
@@ -69,11 +69,6 @@ impl<'a> Lists<'a> {
     /// The place of an entry of a mover among all entries.
     pub(crate) fn slot(&self, mover: u32, entry: Entry) -> usize {
         slot(self.step, self.words, mover, entry.place)
-    }
-
-    /// Whether a mover is among the long ones.
-    pub(crate) fn is_long(&self, mover: u32) -> bool {
-        self.words[mover as usize] & LIST_LONG != 0
     }
 
     /// Whether some entry of a mover collides.

@@ -61,15 +61,6 @@ impl<'a> Rows<'a> {
         rows.with_min_len(GRAIN / LENGTH)
     }
 
-    /// The row of one sphere.
-    pub(crate) fn of_one(state: &'a mut [Vec4], spheres: u32, sphere: u32) -> Self {
-        let (positions, rest) = state.split_at_mut(spheres as usize);
-        let (velocities, spins) = rest.split_at_mut(spheres as usize);
-        let [positions, velocities, spins] =
-            [positions, velocities, spins].map(|rows| &mut rows[sphere as usize..=sphere as usize]);
-        Self { first: sphere, positions, velocities, spins }
-    }
-
     /// All spheres.
     pub(crate) fn spheres(&self) -> Range<u32> {
         self.first..self.first + self.positions.len() as u32

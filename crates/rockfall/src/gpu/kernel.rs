@@ -18,13 +18,14 @@ const MOST_THREADS: u32 = 1024;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) struct Variant {
     rods: bool,
+    large: bool,
     many: bool,
 }
 
 impl Variant {
     /// That of a scene with these counts.
     pub(crate) fn of(step: &Step) -> Self {
-        Self { rods: step.rods > 0, many: step.objects() >= MANY_OBJECTS }
+        Self { rods: step.rods > 0, large: step.large > 0, many: step.objects() >= MANY_OBJECTS }
     }
 }
 
@@ -89,7 +90,10 @@ fn team(device: &wgpu::Device) -> u32 {
 
 #[allow(unsafe_code)]
 fn build(device: &wgpu::Device, stage: &Stage, variant: Variant, chunks: &[u32]) -> Kernel {
-    let text = split(&for_scenes(&join(stage.parts), variant.rods), &Split::of(stage, chunks, chunk_bytes(&device.limits())));
+    let text = split(
+        &for_scenes(&join(stage.parts), variant.rods, variant.large),
+        &Split::of(stage, chunks, chunk_bytes(&device.limits())),
+    );
     let flag = |is_set: bool| f64::from(u8::from(is_set));
     let mut constants = vec![("MANY", flag(variant.many)), ("TEAM", f64::from(team(device)))];
     constants.retain(|(name, _)| text.contains(&format!("override {name}:")));

@@ -36,6 +36,8 @@ pub(crate) const STAGE: Stage = Stage {
         part!("wgsl/margin.wgsl"),
         part!("wgsl/tell.wgsl"),
         part!("wgsl/changes.wgsl"),
+        part!("wgsl/teams.wgsl"),
+        part!("wgsl/ordered_sums.wgsl"),
         part!("stage/apply_collisions.wgsl"),
     ],
     bindings: &[
@@ -47,7 +49,7 @@ pub(crate) const STAGE: Stage = Stage {
         read("row_sums", Buffer::RowSums),
         write("status", Buffer::Status),
     ],
-    threads: Threads::Spheres,
+    threads: Threads::SharedSpheres,
     cpu: apply_collisions,
 };
 
@@ -61,7 +63,7 @@ fn apply_collisions(world: &mut World, _pass: u32) {
     let tally = Rows::of(y2, world.step.spheres)
         .map(|mut rows| {
             let mut tally = Tally::default();
-            let applied_here = |sphere: &u32| takes_part(&view, &lists, *sphere) && !is_shared_out(&view, &lists, *sphere);
+            let applied_here = |sphere: &u32| takes_part(&view, &lists, *sphere);
             for sphere in rows.spheres().filter(applied_here) {
                 let after = collided(&view, &lists, &world.row_sums, &world.aabbs, sphere, &mut tally);
                 rows.set(&view, sphere, after);
@@ -72,14 +74,9 @@ fn apply_collisions(world: &mut World, _pass: u32) {
     tally.tell(&mut world.status);
 }
 
-/// Whether a workgroup works out the collisions of a sphere, in `apply_long`: its list is long, and the only one.
-pub(crate) fn is_shared_out(view: &View, lists: &Lists, sphere: u32) -> bool {
-    lists.is_long(sphere) && view.is_ball(sphere)
-}
-
 /// The sphere after all its shares of impulses and displacements; tells whether it may leave its AABB so. `stored` are the row sums of
-/// collisions, in scenes with rods.
-pub(crate) fn collided(view: &View, lists: &Lists, stored: &[f32], aabbs: &[Aabb], sphere: u32, tally: &mut Tally) -> Motion {
+/// collisions, where they are.
+fn collided(view: &View, lists: &Lists, stored: &[f32], aabbs: &[Aabb], sphere: u32, tally: &mut Tally) -> Motion {
     let after = after_collisions(view, lists, stored, sphere, tally);
     tally.rebuild |= asks_for_lists(view, aabbs, sphere, after.position, after.velocity);
     after

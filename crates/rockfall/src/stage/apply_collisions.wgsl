@@ -10,17 +10,62 @@ fn put_next(region: u32, i: u32, row: vec4f) {
     next[region * step.spheres + i] = row;
 }
 
+// Of a team's sphere: 0 where nothing changes, 1 where a thread goes through its lists, 2 where the team does.
+var<workgroup> is_due: u32;
+
+// `changes_of` a team's sphere, of which there is one list.
+fn changes_together(sphere: u32, local: u32) -> Change {
+    let count = count_of(sphere);
+    let first = first_of(sphere);
+    begin_sums(local);
+    for (var begin = 0u; begin < count; begin += WORKGROUP) {
+        var part = no_part();
+        if begin + local < count {
+            let slot = slot_at(first, begin + local);
+            if (entry_at(slot) & ENTRY_COLLIDES) != 0u {
+                part = part_of_entry(sphere, sphere, slot);
+            }
+        }
+        add_in_order(local, min(count - begin, WORKGROUP), part.share, part.velocity, part.share, part.position);
+    }
+    workgroupBarrier();
+    return Change(first_sum(), second_sum());
+}
+
+fn apply_together(sphere: u32, local: u32) {
+    if local == 0u {
+        is_due = 0u;
+        if takes_part_in_any(sphere) & has_changes() {
+            is_due = select(1u, 2u, is_plain(sphere) & (inverse_mass(sphere) > 0.0));
+        }
+    }
+    let due = workgroupUniformLoad(&is_due);
+    if due == 2u {
+        let change = changes_together(sphere, local);
+        if local == 0u {
+            write_changed(sphere, change);
+        }
+    } else if (due == 1u) & (local == 0u) {
+        write_change(sphere);
+    }
+}
+
 @compute @workgroup_size(64)
 fn apply_collisions(
     @builtin(workgroup_id) group: vec3u,
     @builtin(num_workgroups) groups: vec3u,
     @builtin(local_invocation_index) local: u32,
 ) {
-    let i = linear_thread(group, groups, local);
+    let workgroup = linear_group(group, groups);
+    if is_team(workgroup) {
+        apply_together(sphere_of_team(workgroup), local);
+        return;
+    }
+    let i = mover_of(workgroup, local);
     if i < step.spheres {
         // Nearly all are told by one word of the lists that they have nothing to do; the status takes several times as long to read.
         if takes_part_in_any(i) {
-            if has_changes() & !is_shared_out(i) {
+            if has_changes() {
                 write_change(i);
             }
         }

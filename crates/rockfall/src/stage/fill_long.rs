@@ -1,14 +1,14 @@
 //! Grid broad phase, after the last: the lists of long movers, each found and put in order by a workgroup.
 //!
 //! The threads share out the rows of cells; what they find comes in any order, is ordered by index (in order of addition), then
-//! feature, and kept once. Their counts are marked (`LIST_LONG`).
+//! feature, and kept once.
 
 use rayon::prelude::*;
 
 use crate::cpu::grid::{Around, Grid};
 use crate::cpu::lists::{put_in_order, slot};
 use crate::cpu::view::View;
-use crate::layout::{LIST_LONG, SLICE, VOID_COUNT, VOID_PAIRS};
+use crate::layout::{SLICE, VOID_COUNT, VOID_PAIRS};
 use crate::stage::{Buffer, Stage, Threads, part, read, write};
 use crate::world::World;
 
@@ -61,7 +61,7 @@ fn fill_long(world: &mut World, _pass: u32) {
         })
         .collect();
     for (mover, entries) in grid.long_movers().iter().zip(found) {
-        world.lists[*mover as usize] = entries.len() as u32 | LIST_LONG;
+        world.lists[*mover as usize] = entries.len() as u32;
         let first = step.entries_at as usize + slot(step, &world.lists, *mover, 0);
         for (place, entry) in entries.into_iter().enumerate() {
             world.lists[first + place * SLICE as usize] = entry;

@@ -79,7 +79,7 @@ fn fill_long(
         order_keys(local);
         let kept = drop_doubles(local);
         if local == 0u {
-            put_head(mover, kept | LIST_LONG);
+            put_head(mover, kept);
         }
     }
 }

@@ -38,6 +38,7 @@ pub(crate) const STAGE: Stage = Stage {
         part!("wgsl/margin.wgsl"),
         part!("wgsl/tell.wgsl"),
         part!("wgsl/judge.wgsl"),
+        part!("wgsl/teams.wgsl"),
         part!("stage/find_collisions.wgsl"),
     ],
     bindings: &[
@@ -47,7 +48,7 @@ pub(crate) const STAGE: Stage = Stage {
         read("aabbs", Buffer::Aabbs),
         write("status", Buffer::Status),
     ],
-    threads: Threads::Movers,
+    threads: Threads::SharedMovers,
     cpu: find_collisions,
 };
 

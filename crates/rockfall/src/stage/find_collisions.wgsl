@@ -4,19 +4,64 @@
 @group(0) @binding(5) var<storage, read> aabbs: array<Aabb>;
 @group(0) @binding(6) var<storage, read_write> status: StatusAtomic;
 
+// Entries of a team's sphere, as long as the list is written to; and whether one of them collides.
+var<workgroup> entries: u32;
+var<workgroup> any_collides: atomic<u32>;
+
+// What `mark_entries` does, by a team: a thread marks one entry of many. Gives the number of collisions that it has counted itself.
+fn mark_together(sphere: u32, local: u32) -> u32 {
+    if local == 0u {
+        entries = count_of(sphere);
+        atomicStore(&any_collides, 0u);
+    }
+    let count = workgroupUniformLoad(&entries);
+    let first = first_of(sphere);
+    let own = own_of(sphere);
+    let velocity = state[velocity_at(sphere)];
+    var collisions = 0u;
+    for (var e = local; e < count; e += WORKGROUP) {
+        let slot = slot_at(first, e);
+        let other = met(entry_at(slot), true);
+        if (mark_entry(own, velocity, other, slot) & ENTRY_COLLIDES) != 0u {
+            atomicStore(&any_collides, 1u);
+            collisions += select(0u, 1u, ordered(sphere, entry_id(other.entry)).x == sphere);
+        }
+    }
+    workgroupBarrier();
+    if local == 0u {
+        mark_head(sphere, atomicLoad(&any_collides) != 0u);
+    }
+    return collisions;
+}
+
+// Whether a team goes on.
+var<workgroup> is_due: u32;
+
 @compute @workgroup_size(64)
 fn find_collisions(
     @builtin(workgroup_id) group: vec3u,
     @builtin(num_workgroups) groups: vec3u,
     @builtin(local_invocation_index) local: u32,
 ) {
-    let mover = linear_thread(group, groups, local);
+    let workgroup = linear_group(group, groups);
+    let mover = mover_of(workgroup, local);
+    let is_first_attempt = (atomicLoad(&status.void) == 0u) & (atomicLoad(&status.collided) == 0u);
     var collisions = 0u;
-    if (mover < step.spheres + step.rods) & (atomicLoad(&status.void) == 0u) & (atomicLoad(&status.collided) == 0u) {
+    if is_team(workgroup) {
+        if local == 0u {
+            is_due = u32(is_first_attempt);
+        }
+        if workgroupUniformLoad(&is_due) != 0u {
+            if local == 0u {
+                check_escape(mover);
+            }
+            collisions = mark_together(sphere_of_team(workgroup), local);
+        }
+    } else if (mover < step.spheres + step.rods) & is_first_attempt {
         if mover < step.spheres {
             check_escape(mover);
         }
         collisions = mark_entries(mover);
     }
-    tell_collisions(linear_group(group, groups), local, collisions);
+    tell_collisions(workgroup, local, collisions);
 }

@@ -7,9 +7,9 @@
 
 // So many objects are put in order at once.
 const SHORT: u32 = 32u;
-// So many are remembered, in two runs where there are rods, which have many neighbours; more are looked for again, and put in order in
-// place.
-const RUNS: u32 = 1u + u32(RODS);
+// So many are remembered, in two runs where there are rods, which have many neighbours, or large spheres, which press small ones
+// together; more are looked for again, and put in order in place.
+const RUNS: u32 = 1u + u32(RODS | LARGE);
 const REMEMBERED: u32 = RUNS * SHORT;
 // Whether there are so many objects that a key has no room for the place beside the index: then ids are looked up.
 override MANY: bool = false;
@@ -19,6 +19,8 @@ override PLACE_MASK: u32 = (1u << PLACE_BITS) - 1u;
 // What was found: places (see `id_at`), then ids; once in order, those that are kept. Not in workgroup memory, for that is taken from
 // the cache, which matters more here; and short, for all of it is set to 0 first, which takes time.
 var<private> ids: array<u32, REMEMBERED>;
+// Where there are two runs, the indices in order of addition of those that are kept.
+var<private> users: array<u32, 1u + (RUNS - 1u) * (REMEMBERED - 1u)>;
 // The longest list of each slice of the workgroup, and where the slice begins.
 var<workgroup> longest: array<atomic<u32>, WORKGROUP / SLICE>;
 var<workgroup> offsets: array<u32, WORKGROUP / SLICE>;
@@ -113,6 +115,9 @@ fn keep(key: u32, id: u32) {
     if (key != NONE) & ((key >> PLACE_BITS) != before) {
         before = key >> PLACE_BITS;
         ids[run_at + kept] = id;
+        if RUNS > 1u {
+            users[run_at + kept] = before;
+        }
         kept += 1u;
     }
 }
@@ -195,23 +200,22 @@ fn allot(slice: u32, rows: u32) -> u32 {
     return select(offset, NONE, (offset + rows > step.pair_rows) | (offset + rows < offset));
 }
 
-// The next object of the two runs, of which so many are taken already. One may stand in both.
+// Where the next object of the two runs stands, of which so many are taken already. One may stand in both.
 fn take_first(taken: ptr<function, vec2u>) -> u32 {
     let k = *taken;
-    if k.y < kept_of.y {
-        let id = ids[(REMEMBERED - SHORT) + k.y];
-        if k.x < kept_of.x {
-            if user_of(ids[k.x]) < user_of(id) {
-                (*taken).x += 1u;
-                return ids[k.x];
-            }
-            (*taken).x += u32(ids[k.x] == id);
-        }
-        (*taken).y += 1u;
-        return id;
+    let second = (REMEMBERED - SHORT) + k.y;
+    if k.y >= kept_of.y {
+        (*taken).x += 1u;
+        return k.x;
     }
-    (*taken).x += 1u;
-    return ids[k.x];
+    if k.x >= kept_of.x {
+        (*taken).y += 1u;
+        return second;
+    }
+    let is_first = users[k.x] <= users[second];
+    (*taken).x += u32(is_first);
+    (*taken).y += u32(users[second] <= users[k.x]);
+    return select(second, k.x, is_first);
 }
 
 // Writes a list of which the runs are in order.
@@ -219,7 +223,7 @@ fn write_runs(mover: u32) {
     var place = 0u;
     var taken = vec2u(0u);
     while any(taken < kept_of) {
-        let id = take_first(&taken);
+        let id = ids[take_first(&taken)];
         let count = entries_of(mover, id);
         for (var feature = 0u; feature < count; feature++) {
             lists[into.x + place][into.y] = id | feature << ENTRY_ID_BITS;

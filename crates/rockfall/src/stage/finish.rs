@@ -29,6 +29,9 @@ pub(crate) const STAGE: Stage = Stage {
         part!("wgsl/contact.wgsl"),
         part!("wgsl/wrenches.wgsl"),
         part!("wgsl/forces.wgsl"),
+        part!("wgsl/teams.wgsl"),
+        part!("wgsl/ordered_sums.wgsl"),
+        part!("wgsl/team_forces.wgsl"),
         part!("wgsl/tell.wgsl"),
         part!("wgsl/stage_states.wgsl"),
         part!("wgsl/finished.wgsl"),
@@ -44,7 +47,7 @@ pub(crate) const STAGE: Stage = Stage {
         read("wrenches", Buffer::Wrenches),
         write("status", Buffer::Status),
     ],
-    threads: Threads::Spheres,
+    threads: Threads::SharedSpheres,
     cpu: finish,
 };
 

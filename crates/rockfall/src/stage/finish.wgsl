@@ -13,11 +13,13 @@ fn finish(
     @builtin(num_workgroups) groups: vec3u,
     @builtin(local_invocation_index) local: u32,
 ) {
-    let i = linear_thread(group, groups, local);
-    if (i >= step.spheres) | (atomicLoad(&status.void) != 0u) {
+    let workgroup = linear_group(group, groups);
+    let i = mover_of(workgroup, local);
+    let net = net_of(workgroup, local);
+    if (i >= step.spheres) | !is_writer(workgroup, local) | (atomicLoad(&status.void) != 0u) {
         return;
     }
-    let done = finish_sphere(i, net_in_pass(i));
+    let done = finish_sphere(i, net);
     y3[position_at(i)] = vec4f(done.old_position, 0.0);
     y3[momentum_at(i)] = vec4f(done.spin, 0.0);
 }

@@ -21,6 +21,9 @@ pub(crate) const STAGE: Stage = Stage {
         part!("wgsl/geometry.wgsl"),
         part!("wgsl/contact.wgsl"),
         part!("wgsl/forces.wgsl"),
+        part!("wgsl/teams.wgsl"),
+        part!("wgsl/ordered_sums.wgsl"),
+        part!("wgsl/team_forces.wgsl"),
         part!("wgsl/tell.wgsl"),
         part!("wgsl/stage_states.wgsl"),
         part!("wgsl/finished.wgsl"),
@@ -37,7 +40,7 @@ pub(crate) const STAGE: Stage = Stage {
         write("orientations", Buffer::Orientations),
         write("status", Buffer::Status),
     ],
-    threads: Threads::Spheres,
+    threads: Threads::SharedSpheres,
     cpu: finish_and_turn,
 };
 

@@ -16,9 +16,11 @@ fn finish_and_turn(
     @builtin(num_workgroups) groups: vec3u,
     @builtin(local_invocation_index) local: u32,
 ) {
-    let i = linear_thread(group, groups, local);
-    if (i >= step.spheres) | (atomicLoad(&status.void) != 0u) {
+    let workgroup = linear_group(group, groups);
+    let i = mover_of(workgroup, local);
+    let net = net_of(workgroup, local);
+    if (i >= step.spheres) | !is_writer(workgroup, local) | (atomicLoad(&status.void) != 0u) {
         return;
     }
-    turn_by(i, rotation(finish_sphere(i, net_in_pass(i)).spin));
+    turn_by(i, rotation(finish_sphere(i, net).spin));
 }

@@ -26,6 +26,9 @@ pub(crate) const STAGE: Stage = Stage {
         part!("wgsl/contact.wgsl"),
         part!("wgsl/wrenches.wgsl"),
         part!("wgsl/forces.wgsl"),
+        part!("wgsl/teams.wgsl"),
+        part!("wgsl/ordered_sums.wgsl"),
+        part!("wgsl/team_forces.wgsl"),
         part!("wgsl/travel.wgsl"),
         part!("wgsl/margin.wgsl"),
         part!("wgsl/tell.wgsl"),
@@ -42,7 +45,7 @@ pub(crate) const STAGE: Stage = Stage {
         read("aabbs", Buffer::Aabbs),
         write("status", Buffer::Status),
     ],
-    threads: Threads::Spheres,
+    threads: Threads::SharedSpheres,
     cpu: leap,
 };
 

@@ -23,14 +23,14 @@ fn leap(
     @builtin(num_workgroups) groups: vec3u,
     @builtin(local_invocation_index) local: u32,
 ) {
-    let i = linear_thread(group, groups, local);
-    var net = no_force();
-    if (i < step.spheres) & (atomicLoad(&status.void) == 0u) {
-        net = net_force(i);
+    let workgroup = linear_group(group, groups);
+    let i = mover_of(workgroup, local);
+    let net = net_of(workgroup, local);
+    if (i < step.spheres) & is_writer(workgroup, local) & (atomicLoad(&status.void) == 0u) {
         write_leap(i, net);
     }
     if (i == 0u) & (atomicLoad(&status.void) == 0u) {
         tell_builds();
     }
-    tell_contacts(linear_group(group, groups), local, net.contacts, net.deepest);
+    tell_contacts(workgroup, local, net.contacts, net.deepest);
 }

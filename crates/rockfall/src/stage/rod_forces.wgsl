@@ -53,7 +53,7 @@ fn add_rod_contact(id: u32, own: Bar, entry: u32, sum: ptr<function, Wrench>) {
     let is_a = id < other;
     let at = select(found.b, found.a, is_a);
     let force = select(-contact.force, contact.force, is_a);
-    let couple = select(contact.couple_b, contact.couple_a, is_a);
+    let couple = select(contact.arm_b, contact.arm_a, is_a) * contact.couple;
     (*sum).force_1 += (1.0 - at) * force;
     (*sum).couple_1 += (1.0 - at) * couple;
     (*sum).force_2 += at * force;

@@ -3,11 +3,11 @@
 use crate::layout::{CELL_BLOCK, Step};
 use crate::settings::{BroadPhase, Integrator};
 use crate::stage::{
-    Stage, advance, apply_collisions, apply_long, bound_blocks, build_grid, clear_cells, commit_and_turn, commit_collisions,
-    commit_leap, constrain, count_cells, count_digits, count_long, count_near, count_pairs, end_step, fill_long, fill_near,
-    fill_pairs, find_collisions, find_neighbours, finish, finish_and_turn, key_spheres, leap, measure_order, permute_spheres,
-    plan_lists, restore_lengths, rod_forces, scan_cells, scan_pairs, scatter_digits, settle_spheres, sort_axis, sort_cells,
-    turn, update_aabbs, weigh_collisions,
+    Stage, advance, apply_collisions, bound_blocks, build_grid, clear_cells, commit_and_turn, commit_collisions, commit_leap,
+    constrain, count_cells, count_digits, count_long, count_near, count_pairs, end_step, fill_long, fill_near, fill_pairs,
+    find_collisions, find_neighbours, finish, finish_and_turn, key_spheres, leap, measure_order, permute_spheres, plan_lists,
+    restore_lengths, rod_forces, scan_cells, scan_pairs, scatter_digits, settle_spheres, sort_axis, sort_cells, turn,
+    update_aabbs, weigh_collisions,
 };
 use crate::world::World;
 
@@ -20,6 +20,8 @@ pub enum When {
     Rods,
     /// In those without.
     NoRods,
+    /// In those whose collisions are weighed before they are applied.
+    Weighed,
     /// In small ones, whose grid is one block of cells.
     OneBlock,
     /// In larger ones.
@@ -52,6 +54,7 @@ impl Run {
             When::Always => true,
             When::Rods => step.rods > 0,
             When::NoRods => step.rods == 0,
+            When::Weighed => step.stores_row_sums(),
             When::OneBlock => step.cells == CELL_BLOCK,
             When::ManyBlocks => step.cells != CELL_BLOCK,
             When::LongMovers => step.long_at != 0,
@@ -155,9 +158,8 @@ impl Phase {
                 const {
                     &[
                         run(&find_collisions::STAGE),
-                        run(&weigh_collisions::STAGE).when(When::Rods),
+                        run(&weigh_collisions::STAGE).when(When::Weighed),
                         run(&apply_collisions::STAGE),
-                        run(&apply_long::STAGE).when(When::LongMovers),
                         run(&commit_collisions::STAGE),
                     ]
                 }

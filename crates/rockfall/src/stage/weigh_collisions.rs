@@ -1,5 +1,6 @@
-//! Collisions, in scenes with rods, after 1 of 3: how much every collision weighs, worked out once and stored with the entries of both
-//! sides, for up to four spheres share in one, each of which may have dozens of contacts coupled with it (physics.md section 3).
+//! Collisions, in scenes with rods or large spheres, after 1 of 3: how much every collision weighs, worked out once and stored with the
+//! entries of both sides, for up to four spheres share in one, each of which may have dozens of contacts coupled with it, a large one
+//! hundreds (physics.md section 3).
 //!
 //! Stored is the row sum 1 / s_k over the colliding contacts, negative where the one over all that overlap is 1 within 0.001: there
 //! nothing else presses, and the overlap is removed too. Entries that do not collide keep what was there.
@@ -33,6 +34,8 @@ pub(crate) const STAGE: Stage = Stage {
         part!("wgsl/plain.wgsl"),
         part!("wgsl/weights.wgsl"),
         part!("wgsl/coupled.wgsl"),
+        part!("wgsl/teams.wgsl"),
+        part!("wgsl/weigh_large.wgsl"),
         part!("stage/weigh_collisions.wgsl"),
     ],
     bindings: &[
@@ -42,7 +45,7 @@ pub(crate) const STAGE: Stage = Stage {
         write("row_sums", Buffer::RowSums),
         write("status", Buffer::Status),
     ],
-    threads: Threads::Movers,
+    threads: Threads::SharedMovers,
     cpu: weigh_collisions,
 };
 

@@ -64,10 +64,14 @@ fn slot_in(row: u32, mover: u32) -> vec2u {
     return vec2u(NONE);
 }
 
-// A body that has a long list may have many collisions: so of two movers the one with the shorter list weighs theirs.
+// A body that has a long list may have many collisions: so of two movers the one with the shorter list weighs theirs. But those of a
+// large sphere are left to its team.
 fn is_own(mover: u32, id: u32) -> bool {
     if id >= step.spheres + step.rods {
         return true;
+    }
+    if !RODS & is_large(id) {
+        return false;
     }
     let own = count_of(mover);
     let other = count_of(id);
@@ -252,6 +256,20 @@ fn weigh_all(first: u32, local: u32, owned: u32) {
     }
 }
 
+// Without rods collisions are plain: a thread weighs those of its sphere, or a team those of a large one.
+fn weigh_plain(workgroup: u32, local: u32) {
+    if is_team(workgroup) {
+        weigh_together(sphere_of_team(workgroup), local);
+        return;
+    }
+    let mover = mover_of(workgroup, local);
+    if mover < step.spheres {
+        if has_collisions(mover) {
+            next_collision(mover, 0u);
+        }
+    }
+}
+
 // What takes long is that one load waits for another, tens of them for each coupled contact. So a collision is weighed by one thread,
 // whosever it is, and its coupled contacts are worked out by all of them side by side.
 @compute @workgroup_size(64)
@@ -267,7 +285,12 @@ fn weigh_collisions(
     if workgroupUniformLoad(&told_to_all) == 0u {
         return;
     }
-    let first = linear_group(group, groups) * WORKGROUP;
+    let workgroup = linear_group(group, groups);
+    if !RODS {
+        weigh_plain(workgroup, local);
+        return;
+    }
+    let first = workgroup * WORKGROUP;
     let mover = first + local;
     var works = false;
     if mover < step.spheres + step.rods {

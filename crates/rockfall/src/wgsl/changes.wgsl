@@ -78,11 +78,6 @@ fn changes_of(sphere: u32) -> Change {
     return change;
 }
 
-// Whether the collisions of a sphere are for a workgroup to work out, in `apply_long`: its list is long, and the only one.
-fn is_shared_out(sphere: u32) -> bool {
-    return ((head_of(sphere) & LIST_LONG) != 0u) & is_plain(sphere);
-}
-
 // The state of a sphere after its collisions.
 fn write_change(i: u32) {
     var change = Change(vec3f(0.0), vec3f(0.0));

@@ -166,8 +166,10 @@ fn other_side(id: u32, at: f32) -> Side {
 struct ContactForce {
     // On A; B gets the opposite.
     force: vec3f,
-    couple_a: vec3f,
-    couple_b: vec3f,
+    // On a side of arm 1.
+    couple: vec3f,
+    arm_a: f32,
+    arm_b: f32,
 }
 
 // Smaller radius of a contact; boxes and polygons have none.
@@ -189,7 +191,7 @@ fn contact_force(a_side: Side, b_side: Side, touch: Touch, b: u32) -> ContactFor
     // What came through a polygon from behind is not shot out.
     let leaves = (b >= movers + step.boxes) & (approach < -threshold);
     if fresh | leaves {
-        return ContactForce(vec3f(0.0), vec3f(0.0), vec3f(0.0));
+        return ContactForce(vec3f(0.0), vec3f(0.0), 0.0, 0.0);
     }
     var press = step.contact_force * overlap + step.contact_damping * approach;
     if (step.flags & FLAG_PULL) == 0u {
@@ -212,6 +214,5 @@ fn contact_force(a_side: Side, b_side: Side, touch: Touch, b: u32) -> ContactFor
         }
         friction = per_velocity * t;
     }
-    let couple = cross(n, friction);
-    return ContactForce(friction - press * reduced_mass * n, arm_a * couple, arm_b * couple);
+    return ContactForce(friction - press * reduced_mass * n, cross(n, friction), arm_a, arm_b);
 }

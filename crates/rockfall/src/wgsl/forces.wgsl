@@ -10,7 +10,20 @@ struct Net {
     deepest: f32,
 }
 
-// The sphere is A: the other is of higher id, or also a sphere, and then all of the contact law mirrors exactly.
+// What a contact does to a sphere.
+struct Push {
+    force: vec3f,
+    // So many times into the torque.
+    couple: vec3f,
+    arm: f32,
+    // 0: they are apart.
+    overlap: f32,
+}
+
+fn no_push() -> Push {
+    return Push(vec3f(0.0), vec3f(0.0), 0.0, 0.0);
+}
+
 fn add_contacts(i: u32, net: ptr<function, Net>) {
     let count = count_of(i);
     if count == 0u {
@@ -30,38 +43,45 @@ fn add_contacts(i: u32, net: ptr<function, Net>) {
         while rest != 0u {
             rest &= rest - 1u;
             let ahead = meet(first, begin, rest);
-            add_contact(i, kin, own, side, now, net);
+            let push = push_of(i, kin, own, side, now);
+            // Told to be one operation: whoever adds up, the same bits come of it.
+            (*net).force += push.force;
+            (*net).torque = fma(push.couple, vec3f(push.arm), (*net).torque);
+            count_push(i, now.entry, push, net);
             now = ahead;
         }
     }
 }
 
-fn add_contact(i: u32, kin: u32, own: vec4f, side: Side, other: Met, net: ptr<function, Net>) {
+// The sphere is A: the other is of higher id, or also a sphere, and then all of the contact law mirrors exactly.
+fn push_of(i: u32, kin: u32, own: vec4f, side: Side, other: Met) -> Push {
     let id = entry_id(other.entry);
     var found = no_touch();
     var their_side = sphere_side(other.place, other.velocity, other.momentum);
     if id < step.spheres {
         found = touch_two(i, own, id, other.place);
         if joined(i, kin, id) {
-            return;
+            return no_push();
         }
     } else {
         found = touch_static_or_rod(i, id, own);
         their_side = other_side(id, found.b);
     }
     if (found.overlap <= 0.0) | (side.inverse_mass + their_side.inverse_mass <= 0.0) {
-        return;
+        return no_push();
     }
     let contact = contact_force(side, their_side, found, id);
-    (*net).force += contact.force;
-    (*net).torque += contact.couple_a;
-    // They are told of in the first pass alone.
-    if evaluation() != 0u {
+    return Push(contact.force, contact.couple, contact.arm_a, found.overlap);
+}
+
+// Contacts are told of in the first pass alone, by the side that comes first.
+fn count_push(i: u32, entry: u32, push: Push, net: ptr<function, Net>) {
+    if (evaluation() != 0u) | (push.overlap <= 0.0) {
         return;
     }
-    if user_of(i) < user_of(id) {
+    if user_of(i) < user_of(entry_id(entry)) {
         (*net).contacts += 1u;
-        (*net).deepest = max((*net).deepest, found.overlap);
+        (*net).deepest = max((*net).deepest, push.overlap);
     }
 }
 

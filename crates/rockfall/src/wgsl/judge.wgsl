@@ -105,13 +105,17 @@ fn mark_entries(mover: u32) -> u32 {
             now = ahead;
         }
     }
+    mark_head(mover, (any_bits & ENTRY_COLLIDES) != 0u);
+    return collisions;
+}
+
+// Marks a mover where some entry of it collides.
+fn mark_head(mover: u32, collides: bool) {
     let head = head_of(mover);
-    let unmarked = head & ~LIST_COLLIDES;
-    let marked = unmarked | select(0u, LIST_COLLIDES, (any_bits & ENTRY_COLLIDES) != 0u);
+    let marked = (head & ~LIST_COLLIDES) | select(0u, LIST_COLLIDES, collides);
     if marked != head {
         put_head(mover, marked);
     }
-    return collisions;
 }
 
 fn check_escape(sphere: u32) {

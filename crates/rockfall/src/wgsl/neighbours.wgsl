@@ -91,19 +91,35 @@ fn entries_found(mover: u32, place: u32) -> u32 {
     return entries_of(mover, id);
 }
 
-// What of a search a thread does, where `across` times `across` threads share it: rows of cells so far apart along y and z.
+// What of a search a thread does, where a team shares it: of `across` times `across` rows of cells one, and of that one of so many parts.
 struct Portion {
     y: i32,
     z: i32,
     across: i32,
+    part: u32,
+    parts: u32,
 }
 
-const ALL_OF_IT = Portion(0, 0, 1);
-const TEAM_ACROSS: i32 = 16;
+const ALL_OF_IT = Portion(0, 0, 1, 0u, 1u);
+// Most long movers see some 8 times 8 rows.
+const TEAM_ACROSS: u32 = 8u;
+const TEAM_PARTS: u32 = 4u;
 
 // That of a thread of a workgroup of 256.
 fn portion_of(local: u32) -> Portion {
-    return Portion(i32(local) % TEAM_ACROSS, i32(local) / TEAM_ACROSS, TEAM_ACROSS);
+    let row = local / TEAM_PARTS;
+    return Portion(i32(row % TEAM_ACROSS), i32(row / TEAM_ACROSS), i32(TEAM_ACROSS), local % TEAM_PARTS, TEAM_PARTS);
+}
+
+// What of a span is a thread's.
+fn share_of_span(span: Span, portion: Portion) -> Span {
+    if portion.parts == 1u {
+        return span;
+    }
+    let size = (span.count + portion.parts - 1u) / portion.parts;
+    let begin = min(portion.part * size, span.count);
+    let first = span.first + begin;
+    return Span(first - select(0u, objects(), first >= objects()), min(size, span.count - begin));
 }
 
 // What a mover looks around with. Rounding of centres, which grows with the distance from the origin, must not lose a pair that
@@ -175,8 +191,8 @@ fn test_span(mover: u32, probe: Probe, span: Span) {
 fn emit_neighbours(mover: u32, portion: Portion) {
     let own = aabbs[mover];
     let probe = probe_of(mover, own);
-    let thread = u32(portion.y + portion.z * portion.across);
-    let threads = u32(portion.across * portion.across);
+    let thread = u32(portion.y + portion.z * portion.across) * portion.parts + portion.part;
+    let threads = u32(portion.across * portion.across) * portion.parts;
     if statics_stand_apart() {
         for (var id = step.spheres + step.rods + thread; id < objects(); id += threads) {
             if aabbs_meet(own, aabbs[id]) {
@@ -203,7 +219,7 @@ fn emit_neighbours(mover: u32, portion: Portion) {
         while select((y <= range.high.y) & (z <= range.high.z), next < objects(), all_of_them) {
             var span = Span(next, min(32u, objects() - next));
             if !all_of_them {
-                span = span_of_row(range, y, z, level);
+                span = share_of_span(span_of_row(range, y, z, level), portion);
             }
             test_span(mover, probe, span);
             next += 32u * threads;

@@ -42,7 +42,7 @@ struct Step {
     long_at: u32,
     planned: u32,
     ends_at: u32,
-    pad: u32,
+    large: u32,
 }
 
 struct Pass {
@@ -135,8 +135,10 @@ struct StatusAtomic {
 @group(0) @binding(0) var<uniform> step: Step;
 @group(0) @binding(1) var<uniform> pass_: Pass;
 
-// Whether there are rods. Kernels for scenes without them are smaller and faster.
+// Whether there are rods, and spheres so large that a workgroup works on each. Kernels for scenes without them are smaller and
+// faster.
 const RODS: bool = true;
+const LARGE: bool = true;
 
 const WORKGROUP: u32 = 64u;
 const WIDE: u32 = 256u;
@@ -168,8 +170,7 @@ const ENTRY_ID_MASK: u32 = (1u << ENTRY_ID_BITS) - 1u;
 const ENTRY_OVERLAPS: u32 = 0x40000000u;
 const ENTRY_COLLIDES: u32 = 0x80000000u;
 const LIST_COLLIDES: u32 = 0x80000000u;
-const LIST_LONG: u32 = 0x40000000u;
-const LIST_COUNT_MASK: u32 = 0x3fffffffu;
+const LIST_COUNT_MASK: u32 = 0x7fffffffu;
 const BOX_FEATURES: u32 = 12u;
 
 const EDGES_AT: u32 = 32u;

@@ -28,6 +28,8 @@ const FIRST_LOOKAHEAD: f32 = 1.0;
 const CELL_PER_RADIUS: f32 = 2.4;
 /// a little more still where all stand on one level.
 const CELL_OF_ALL: f32 = 2.75;
+/// One sphere of so many is large, at most.
+const SPHERES_A_TEAM: u32 = 8;
 
 impl World {
     /// The world of a scene before its first step, spheres in order of addition.
@@ -74,6 +76,7 @@ impl World {
         world.set_words(scene)?;
         world.set_spheres(scene);
         world.set_grid(scene);
+        world.step.large = world.large_spheres(scene);
         let entries = if world.movers() <= FEW_MOVERS { FIRST_ENTRIES_OF_FEW } else { FIRST_ENTRIES };
         world.set_pair_room((entries * world.movers().div_ceil(SLICE)).max(1));
         Ok(world)
@@ -160,6 +163,13 @@ impl World {
         let objects = self.objects();
         let cells = if objects <= CELL_BLOCK { CELL_BLOCK } else { 2 * objects };
         self.place_cells(cells, has_long_movers(scene, self.step.cell_size));
+    }
+
+    /// How many of the last spheres in memory are large; so many of them that a workgroup for each is not too much.
+    fn large_spheres(&self, scene: &Scene) -> u32 {
+        let from_last = (0..self.step.spheres as usize).rev().map(|place| &scene.spheres()[self.user(place)]);
+        let is_large = |sphere: &&Sphere| size_class(sphere.radius, self.step.cell_size) > 0;
+        from_last.take((self.step.spheres / SPHERES_A_TEAM) as usize).take_while(is_large).count() as u32
     }
 
     /// Gives the grid's table room for at least so many cells; what it holds is void after it.

@@ -10,7 +10,7 @@ use crate::random::Draw;
 use crate::trace::Plan;
 
 /// Between the middles of neighbouring clusters, in units.
-const SPACING: f32 = 6.0;
+const SPACING: f32 = 9.0;
 
 type Recipe = fn(&mut Draw);
 
@@ -70,12 +70,14 @@ pub(crate) fn clusters(plan: &Plan, attempts: &[u64]) -> Clusters {
     let mut scene = Scene::new();
     scene.settings = settings;
     let mut owners: [Vec<usize>; 4] = Default::default();
+    let mut giants = Vec::new();
+    let mut clusters_of_giants = Vec::new();
     let side = (attempts.len() as f32).cbrt().ceil() as usize;
     for (cluster, attempt) in attempts.iter().enumerate() {
         let cell = [cluster % side, cluster / side % side, cluster / side / side];
         let middle = SPACING * Vec3::from_array(cell.map(|k| k as f32 - 0.5 * (side - 1) as f32));
         let draw_seed = seed << 40 | (cluster as u64) << 20 | attempt;
-        let mut draw = Draw { scene: &mut scene, rng: Pcg64Mcg::seed_from_u64(draw_seed), middle };
+        let mut draw = Draw { scene: &mut scene, rng: Pcg64Mcg::seed_from_u64(draw_seed), middle, giants: &mut giants };
         // So that nothing lies where it is by design.
         let jitter = draw.vector(0.1);
         draw.middle += jitter;
@@ -84,6 +86,11 @@ pub(crate) fn clusters(plan: &Plan, attempts: &[u64]) -> Clusters {
         for (owner, count) in owners.iter_mut().zip([counts.spheres, counts.rods, counts.boxes, counts.polygons]) {
             owner.resize(count, cluster);
         }
+        clusters_of_giants.resize(giants.len(), cluster);
     }
+    for giant in giants {
+        scene.add_sphere(giant).unwrap();
+    }
+    owners[0].extend(clusters_of_giants);
     Clusters { scene, cluster_of: owners.concat() }
 }

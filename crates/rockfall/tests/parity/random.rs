@@ -13,6 +13,8 @@ pub(crate) struct Draw<'a> {
     pub(crate) scene: &'a mut Scene,
     pub(crate) rng: Pcg64Mcg,
     pub(crate) middle: Vec3,
+    /// Added after everything else: large spheres are the last in memory.
+    pub(crate) giants: &'a mut Vec<Sphere>,
 }
 
 impl Draw<'_> {
@@ -106,14 +108,25 @@ impl Draw<'_> {
     /// One much larger than all others, and some of those about its surface.
     pub(crate) fn giant(&mut self) {
         let mut giant = self.ball(self.middle);
-        giant.radius = self.between(2.5, 2.7);
-        self.add(giant);
+        giant.radius = self.between(3.0, 3.2);
+        self.giants.push(giant);
         for _ in 0..13 {
             let direction = self.direction();
-            let mut ball = self.ball(self.middle);
-            ball.position += (giant.radius + self.between(0.6, 1.5) * ball.radius) * direction;
-            self.add(ball);
+            self.ball_about(&giant, direction);
         }
+        // About some of them more than a workgroup has threads, in places of their own, so that few of their decisions hang together.
+        let ring = if self.giants.len() < 3 { 70 } else { 0 };
+        for k in 0..ring {
+            let (height, turn) = (1.0 - (k as f32 + 0.5) / 35.0, 2.399_963_2 * k as f32);
+            let across = (1.0 - height * height).sqrt();
+            self.ball_about(&giant, Vec3::new(across * turn.cos(), height, across * turn.sin()));
+        }
+    }
+
+    fn ball_about(&mut self, giant: &Sphere, direction: Vec3) {
+        let mut ball = self.ball(self.middle);
+        ball.position += (giant.radius + self.between(0.6, 1.5) * ball.radius) * direction;
+        self.add(ball);
     }
 
     pub(crate) fn capsule_duel(&mut self) {

@@ -1,0 +1,51 @@
+// Net forces by teams: a thread works out one contact of many, and they are added up in the order of the list.
+
+// Whether a team goes on.
+var<workgroup> is_due: u32;
+
+fn add_contacts_together(i: u32, local: u32, net: ptr<function, Net>) {
+    let own = state[position_at(i)];
+    let side = sphere_side(own, state[velocity_at(i)], state[momentum_at(i)]);
+    let first = first_of(i);
+    let kin = kin_of(i);
+    let count = count_of(i);
+    begin_sums(local);
+    for (var begin = 0u; begin < count; begin += WORKGROUP) {
+        var push = no_push();
+        if begin + local < count {
+            let entry = entry_at(slot_at(first, begin + local));
+            push = push_of(i, kin, own, side, met(entry, true));
+            count_push(i, entry, push, net);
+        }
+        add_in_order(local, min(count - begin, WORKGROUP), push.force, 1.0, push.couple, push.arm);
+    }
+    workgroupBarrier();
+    (*net).force = first_sum();
+    (*net).torque = second_sum();
+}
+
+// `net_in_pass` of the sphere of a team; every thread gets the sums, and the contacts that it has counted itself.
+fn net_together(i: u32, local: u32) -> Net {
+    var net = no_force();
+    add_contacts_together(i, local, &net);
+    add_attachments(i, &net);
+    return net;
+}
+
+// The net force on the sphere of a thread or of a team. All threads of a workgroup must come here.
+fn net_of(workgroup: u32, local: u32) -> Net {
+    if is_team(workgroup) {
+        if local == 0u {
+            is_due = u32(atomicLoad(&status.void) == 0u);
+        }
+        if workgroupUniformLoad(&is_due) == 0u {
+            return no_force();
+        }
+        return net_together(sphere_of_team(workgroup), local);
+    }
+    let i = mover_of(workgroup, local);
+    if (i < step.spheres) & (atomicLoad(&status.void) == 0u) {
+        return net_in_pass(i);
+    }
+    return no_force();
+}

@@ -1,0 +1,29 @@
+// Who works on what in stages that go through lists: a thread on each mover, but a workgroup on each large sphere, which has hundreds of
+// neighbours. Large spheres are the last in memory. Their workgroups come first, for what takes longest should begin first.
+
+// Whether all of a workgroup works on one sphere.
+fn is_team(workgroup: u32) -> bool {
+    return LARGE & (workgroup < step.large);
+}
+
+// The large sphere of a team.
+fn sphere_of_team(workgroup: u32) -> u32 {
+    return step.spheres - step.large + workgroup;
+}
+
+// Of a thread of another workgroup its mover, of one of a team the sphere of all.
+fn mover_of(workgroup: u32, local: u32) -> u32 {
+    if is_team(workgroup) {
+        return sphere_of_team(workgroup);
+    }
+    if !LARGE {
+        return workgroup * WORKGROUP + local;
+    }
+    let mover = (workgroup - step.large) * WORKGROUP + local;
+    return mover + select(0u, step.large, mover >= step.spheres - step.large);
+}
+
+// Whether a thread writes what becomes of its mover: of a team one does.
+fn is_writer(workgroup: u32, local: u32) -> bool {
+    return !is_team(workgroup) | (local == 0u);
+}
