@@ -191,7 +191,7 @@ pub(crate) const fn write(name: &'static str, buffer: Buffer) -> Binding {
 }
 
 /// Workgroups that take turns, at most: as many as a large device runs side by side.
-const MOST_TURNING: u32 = 512;
+const MOST_TURNING: u32 = 1024;
 /// In smaller scenes one for so many movers, of which few are long.
 const MOVERS_A_TURN: u32 = 256;
 

@@ -7,9 +7,9 @@
 
 // So many objects are put in order at once.
 const SHORT: u32 = 32u;
-// So many are remembered, in two runs where there are rods, which have many neighbours, or large spheres, which press small ones
-// together; more are looked for again, and put in order in place.
-const RUNS: u32 = 1u + u32(RODS | LARGE);
+// So many are remembered, in two runs where there are rods, which have many neighbours, in four where there are large spheres, which
+// press small ones together; more are looked for again, and put in order in place.
+const RUNS: u32 = select(1u + u32(RODS), 4u, LARGE);
 const REMEMBERED: u32 = RUNS * SHORT;
 // Whether there are so many objects that a key has no room for the place beside the index: then ids are looked up.
 override MANY: bool = false;
@@ -19,8 +19,6 @@ override PLACE_MASK: u32 = (1u << PLACE_BITS) - 1u;
 // What was found: places (see `id_at`), then ids; once in order, those that are kept. Not in workgroup memory, for that is taken from
 // the cache, which matters more here; and short, for all of it is set to 0 first, which takes time.
 var<private> ids: array<u32, REMEMBERED>;
-// Where there are two runs, the indices in order of addition of those that are kept.
-var<private> users: array<u32, 1u + (RUNS - 1u) * (REMEMBERED - 1u)>;
 // The longest list of each slice of the workgroup, and where the slice begins.
 var<workgroup> longest: array<atomic<u32>, WORKGROUP / SLICE>;
 var<workgroup> offsets: array<u32, WORKGROUP / SLICE>;
@@ -115,9 +113,6 @@ fn keep(key: u32, id: u32) {
     if (key != NONE) & ((key >> PLACE_BITS) != before) {
         before = key >> PLACE_BITS;
         ids[run_at + kept] = id;
-        if RUNS > 1u {
-            users[run_at + kept] = before;
-        }
         kept += 1u;
     }
 }
@@ -169,7 +164,7 @@ fn entries_of_run(mover: u32) -> u32 {
 }
 
 // So many of each run are kept, in order.
-var<private> kept_of: vec2u;
+var<private> kept_of: vec4u;
 
 fn order_runs(mover: u32) {
     if RODS {
@@ -200,30 +195,40 @@ fn allot(slice: u32, rows: u32) -> u32 {
     return select(offset, NONE, (offset + rows > step.pair_rows) | (offset + rows < offset));
 }
 
-// Where the next object of the two runs stands, of which so many are taken already. One may stand in both.
-fn take_first(taken: ptr<function, vec2u>) -> u32 {
-    let k = *taken;
-    let second = (REMEMBERED - SHORT) + k.y;
-    if k.y >= kept_of.y {
-        (*taken).x += 1u;
-        return k.x;
-    }
-    if k.x >= kept_of.x {
-        (*taken).y += 1u;
-        return second;
-    }
-    let is_first = users[k.x] <= users[second];
-    (*taken).x += u32(is_first);
-    (*taken).y += u32(users[second] <= users[k.x]);
-    return select(second, k.x, is_first);
+// The index in order of addition of the next object of a run of which so many are taken already; NONE: there is none.
+fn head_of_run(run: u32, taken: u32) -> u32 {
+    let id = ids[run * SHORT + min(taken, SHORT - 1u)];
+    return select(NONE, user_of(id), taken < kept_of[run]);
 }
 
-// Writes a list of which the runs are in order.
+// Writes a list of which the runs are in order. An object may stand in several of them.
 fn write_runs(mover: u32) {
     var place = 0u;
-    var taken = vec2u(0u);
-    while any(taken < kept_of) {
-        let id = ids[take_first(&taken)];
+    if RUNS == 1u {
+        for (; place < kept_of.x; place++) {
+            lists[into.x + place][into.y] = ids[place];
+        }
+        put_head(mover, place);
+        return;
+    }
+    var taken = vec4u(0u);
+    var heads = vec4u(NONE);
+    for (var run = 0u; run < RUNS; run++) {
+        heads[run] = head_of_run(run, 0u);
+    }
+    loop {
+        let least = min(min(heads.x, heads.y), min(heads.z, heads.w));
+        if least == NONE {
+            break;
+        }
+        var id = 0u;
+        for (var run = 0u; run < RUNS; run++) {
+            if heads[run] == least {
+                id = ids[run * SHORT + taken[run]];
+                taken[run] += 1u;
+                heads[run] = head_of_run(run, taken[run]);
+            }
+        }
         let count = entries_of(mover, id);
         for (var feature = 0u; feature < count; feature++) {
             lists[into.x + place][into.y] = id | feature << ENTRY_ID_BITS;

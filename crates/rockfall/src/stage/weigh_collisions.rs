@@ -35,6 +35,7 @@ pub(crate) const STAGE: Stage = Stage {
         part!("wgsl/weights.wgsl"),
         part!("wgsl/coupled.wgsl"),
         part!("wgsl/teams.wgsl"),
+        part!("wgsl/weigh_plain.wgsl"),
         part!("wgsl/weigh_large.wgsl"),
         part!("stage/weigh_collisions.wgsl"),
     ],

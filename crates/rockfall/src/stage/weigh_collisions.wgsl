@@ -90,9 +90,8 @@ fn put_sum(mover: u32, slot: vec2u, row_sum: f32) {
     }
 }
 
-// The next collision, from an entry on, that is this mover's to weigh and that is no plain one among plain ones: those are weighed
-// on the way. The length of the list: there is none.
-fn next_collision(mover: u32, begin: u32) -> u32 {
+// The next collision, from an entry on, that is this mover's to weigh. The length of the list: there is none.
+fn next_own(mover: u32, begin: u32) -> u32 {
     let count = count_of(mover);
     let first = first_of(mover);
     for (var e = begin; ; e++) {
@@ -100,22 +99,39 @@ fn next_collision(mover: u32, begin: u32) -> u32 {
         if e >= count {
             break;
         }
-        let slot = slot_at(first, e);
-        let id = entry_id(entry_at(slot));
-        if !is_own(mover, id) {
-            continue;
-        }
-        let pair = ordered(mover, id);
-        if !are_plain(pair.x, pair.y) {
+        if is_own(mover, entry_id(entry_at(slot_at(first, e)))) {
             return e;
         }
-        let row_sum = plain_row_sum(pair.x, pair.y);
-        if row_sum == 0.0 {
-            return e;
-        }
-        put_sum(mover, slot, row_sum);
     }
     return count;
+}
+
+// Weighs the collision of this entry, if it is a plain one among plain ones.
+fn weighs_plain(mover: u32, e: u32) -> bool {
+    let slot = slot_of(mover, e);
+    let pair = ordered(mover, entry_id(entry_at(slot)));
+    if !are_plain(pair.x, pair.y) {
+        return false;
+    }
+    let row_sum = plain_row_sum(pair.x, pair.y);
+    if row_sum == 0.0 {
+        return false;
+    }
+    put_sum(mover, slot, row_sum);
+    return true;
+}
+
+// The next of them, from an entry on, that is no plain one among plain ones: those are weighed on the way.
+fn next_collision(mover: u32, begin: u32) -> u32 {
+    let count = count_of(mover);
+    var e = next_own(mover, begin);
+    while e < count {
+        if !weighs_plain(mover, e) {
+            break;
+        }
+        e = next_own(mover, e + 1u);
+    }
+    return e;
 }
 
 // Puts down a mover's collisions from an entry on, as many as there is room for; gives the entry to go on from.
@@ -218,11 +234,11 @@ fn add_terms(at: u32, count: u32, task: ptr<function, Task>) {
     }
 }
 
-// What `count_up` has come to, up to AT_ONCE; it is 0 then. All threads of the workgroup must come here.
-fn counted_up(local: u32) -> u32 {
+// What `count_up` has come to, up to so many; it is 0 then. All threads of the workgroup must come here.
+fn counted_up(local: u32, most: u32) -> u32 {
     workgroupBarrier();
     if local == 0u {
-        told_to_all = min(atomicLoad(&count_up), AT_ONCE);
+        told_to_all = min(atomicLoad(&count_up), most);
         atomicStore(&count_up, 0u);
     }
     return workgroupUniformLoad(&told_to_all);
@@ -247,26 +263,12 @@ fn weigh_all(first: u32, local: u32, owned: u32) {
         if task.slot < 4u {
             atomicAdd(&count_up, 1u);
         }
-        if counted_up(local) == 0u {
+        if counted_up(local, WORKGROUP) == 0u {
             break;
         }
     }
     if local < owned {
         put_sum(mover, slot_of(mover, e), signed_sum(task.sums));
-    }
-}
-
-// Without rods collisions are plain: a thread weighs those of its sphere, or a team those of a large one.
-fn weigh_plain(workgroup: u32, local: u32) {
-    if is_team(workgroup) {
-        weigh_together(sphere_of_team(workgroup), local);
-        return;
-    }
-    let mover = mover_of(workgroup, local);
-    if mover < step.spheres {
-        if has_collisions(mover) {
-            next_collision(mover, 0u);
-        }
     }
 }
 
@@ -287,7 +289,11 @@ fn weigh_collisions(
     }
     let workgroup = linear_group(group, groups);
     if !RODS {
-        weigh_plain(workgroup, local);
+        if is_team(workgroup) {
+            weigh_together(sphere_of_team(workgroup), local);
+        } else {
+            weigh_plain(mover_of(workgroup, local), local);
+        }
         return;
     }
     let first = workgroup * WORKGROUP;
@@ -302,7 +308,7 @@ fn weigh_collisions(
             next = put_down(mover, next, local);
             works = next < count_of(mover);
         }
-        let owned = counted_up(local);
+        let owned = counted_up(local, AT_ONCE);
         if owned == 0u {
             break;
         }

@@ -101,9 +101,9 @@ struct Portion {
 }
 
 const ALL_OF_IT = Portion(0, 0, 1, 0u, 1u);
-// Most long movers see some 8 times 8 rows.
-const TEAM_ACROSS: u32 = 8u;
-const TEAM_PARTS: u32 = 4u;
+// Most long movers see some 8 times 8 rows, of dozens of objects each.
+const TEAM_ACROSS: u32 = 4u;
+const TEAM_PARTS: u32 = 16u;
 
 // That of a thread of a workgroup of 256.
 fn portion_of(local: u32) -> Portion {

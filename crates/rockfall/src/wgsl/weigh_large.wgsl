@@ -1,7 +1,7 @@
 // What the collisions of a large sphere weigh, where there are no rods. A thread weighs one of them; the contacts of the sphere, which all
 // of them are coupled with, are worked out once for the team, so many at a time.
 
-// Normals of the contacts, and their G_kk; 0 where there is none. Their entries.
+// Normals of the contacts, and the roots of their G_kk; 0 where there is none. Their entries.
 var<workgroup> tile: array<vec4f, WORKGROUP>;
 var<workgroup> tile_entries: array<u32, WORKGROUP>;
 
@@ -16,7 +16,7 @@ fn put_tile(sphere: u32, own: vec4f, velocity: vec4f, slot: vec2u, is_there: boo
         tile_entries[local] = entry;
         if (entry & ENTRY_OVERLAPS) != 0u {
             let contact = plain_with(sphere, own, velocity, met(entry, true));
-            row = vec4f(contact.n, select(0.0, contact.inverse_mass, contact.overlap > 0.0));
+            row = vec4f(contact.n, select(0.0, sqrt(contact.inverse_mass), contact.overlap > 0.0));
         }
     }
     tile[local] = row;
@@ -26,21 +26,13 @@ fn put_tile(sphere: u32, own: vec4f, velocity: vec4f, slot: vec2u, is_there: boo
 fn add_tile(inverse_mass: f32, other: u32, k: Plain, sums: ptr<function, RowSums>) {
     for (var c = 0u; c < WORKGROUP; c++) {
         let l = tile[c];
-        let entry = tile_entries[c];
-        if (l.w > 0.0) & (entry_id(entry) != other) {
-            add_term(inverse_mass * abs(dot(k.n, l.xyz)) / (sqrt(k.inverse_mass) * sqrt(l.w)), entry, sums);
+        if l.w > 0.0 {
+            let entry = tile_entries[c];
+            if entry_id(entry) != other {
+                add_term(inverse_mass * abs(dot(k.n, l.xyz)) / (sqrt(k.inverse_mass) * l.w), entry, sums);
+            }
         }
     }
-}
-
-// From an entry on, in steps of a team, the first that collides; the length of the list: there is none.
-fn next_of_thread(first: vec2u, begin: u32, count: u32) -> u32 {
-    for (var e = begin; e < count; e += WORKGROUP) {
-        if (entry_at(slot_at(first, e)) & ENTRY_COLLIDES) != 0u {
-            return e;
-        }
-    }
-    return count;
 }
 
 // Weighs a collision of each thread that has one, as `plain_row_sum` does: in the order of both lists, that of the first before that
@@ -77,20 +69,35 @@ fn weigh_one_each(sphere: u32, slot: vec2u, has_one: bool, local: u32) {
     }
 }
 
-fn weigh_together(sphere: u32, local: u32) {
+// Puts down the collisions among every so many-th entry from one on, as many as there is room for; gives the entry to go on from.
+fn queue_up_share(sphere: u32, begin: u32) -> u32 {
     let count = count_of(sphere);
     let first = first_of(sphere);
-    var e = local;
-    loop {
-        e = next_of_thread(first, e, count);
-        let has_one = e < count;
-        if has_one {
-            atomicAdd(&count_up, 1u);
+    for (var e = begin; e < count; e += WORKGROUP) {
+        if (entry_at(slot_at(first, e)) & ENTRY_COLLIDES) != 0u {
+            let place = atomicAdd(&count_up, 1u);
+            if place >= QUEUE {
+                return e;
+            }
+            queue[place] = vec2u(sphere, e);
         }
-        if counted_up(local) == 0u {
+    }
+    return count;
+}
+
+fn weigh_together(sphere: u32, local: u32) {
+    let begin = first_of(sphere);
+    var next = local;
+    loop {
+        next = queue_up_share(sphere, next);
+        let queued = counted_up(local, QUEUE);
+        if queued == 0u {
             break;
         }
-        weigh_one_each(sphere, slot_at(first, min(e, count - 1u)), has_one, local);
-        e += WORKGROUP;
+        for (var first = 0u; first < queued; first += WORKGROUP) {
+            let e = queue[min(first + local, queued - 1u)].y;
+            weigh_one_each(sphere, slot_at(begin, e), first + local < queued, local);
+        }
+        workgroupBarrier();
     }
 }

@@ -437,6 +437,24 @@ mod tests {
     use crate::stage::Buffer;
 
     #[test]
+    fn large_spheres_are_counted_where_they_are_the_last() {
+        let scene = Benchmark::Radii.generate(2000, 0).unwrap();
+        let in_space = World::build_in_space(&scene).unwrap();
+        let is_large = |sphere: &&Sphere| sphere.radius > 0.3;
+        assert_eq!(in_space.step.large as usize, scene.spheres().iter().filter(is_large).count());
+        assert!(in_space.step.large > 3 && in_space.step.stores_row_sums());
+        // The last that was added is a small one.
+        assert_eq!(World::build(&scene).unwrap().step.large, 0);
+        // Were most of them large, a workgroup for each would be too much.
+        let mut mixed = Scene::new();
+        for k in 0..100_u8 {
+            let radius = if k < 60 { 0.1 } else { 1.0 };
+            mixed.add_sphere(Sphere::new([f32::from(k), 0.0, 0.0], radius)).unwrap();
+        }
+        assert_eq!(World::build(&mixed).unwrap().step.large, 100 / SPHERES_A_TEAM);
+    }
+
+    #[test]
     fn a_world_for_a_device_carries_no_scratch() {
         let scene = Benchmark::Mixed.generate(100, 0).unwrap();
         let mut world = World::for_method(&scene, BroadPhase::Grid).unwrap();

@@ -67,7 +67,7 @@ const MISTAKES: [Mistake; 85] = [
     Mistake("find_collisions", 0, "geometry.wgsl", "nn <= 1e-8 * aa * bb", "nn < 0.0", Buffer::Lists),
     Mistake("weigh_collisions", 0, "weights.wgsl", "ALONE: f32 = 1.001", "ALONE: f32 = 1.5", Buffer::RowSums),
     Mistake("weigh_collisions", 0, "weights.wgsl", "velocity.w * abs(dot", "abs(dot", Buffer::RowSums),
-    Mistake("weigh_collisions", 0, "weigh_large.wgsl", "& (entry_id(entry) != other)", "", Buffer::RowSums),
+    Mistake("weigh_collisions", 0, "weigh_large.wgsl", "if entry_id(entry) != other", "if entry != NONE", Buffer::RowSums),
     Mistake("weigh_collisions", 0, "weigh_large.wgsl", "if is_second {", "if !has_one {", Buffer::RowSums),
     Mistake("weigh_collisions", 0, "coupled.wgsl", "sqrt(l.inverse_mass)", "l.inverse_mass", Buffer::RowSums),
     Mistake("weigh_collisions", 0, "weigh_collisions.wgsl", "low = middle + 1u", "high = middle", Buffer::RowSums),
