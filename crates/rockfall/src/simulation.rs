@@ -76,6 +76,8 @@ pub struct Simulation {
     aabbs_due: bool,
     /// The pair lists do not fit the scene.
     lists_due: bool,
+    /// Stage states are those of a step of RK4 of the spheres as they are: they tell how these accelerate.
+    has_stages: bool,
     /// `scene` holds the present state.
     synced: bool,
 }
@@ -147,6 +149,7 @@ impl Simulation {
             edits: Vec::new(),
             aabbs_due: true,
             lists_due: true,
+            has_stages: false,
             synced: true,
         }
     }

@@ -278,6 +278,7 @@ fn the_constants_are_those_of_layout() {
         FLAG_PULL,
         FLAG_CONTINUE,
         FLAG_GROUPS,
+        FLAG_STAGES,
         VOID_PAIRS,
         VOID_ESCAPED,
         VOID_NON_FINITE,

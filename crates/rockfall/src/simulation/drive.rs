@@ -5,6 +5,7 @@ use crate::layout::{
     BAD_STAGE_SHIFT, BadStage, MAX_PAIR_ROWS, NO_BODY, Status, VOID_COUNT, VOID_ESCAPED, VOID_NON_FINITE, VOID_PAIRS, words_of,
 };
 use crate::profile::Recorder;
+use crate::settings::Integrator;
 use crate::simulation::Simulation;
 use crate::simulation::lookahead::{Lists, Lookahead};
 use crate::stage::{Phase, is_small};
@@ -20,8 +21,12 @@ const BATCH_OF_SMALL: u64 = 16;
 /// A step that was void so often in a row is given up.
 const MAX_ATTEMPTS: u32 = 64;
 /// How fast a margin that had to be raised sinks again, per step.
-const MARGIN_DECAY: f32 = 0.995;
+const MARGIN_DECAY: f32 = 0.99;
 const MIN_MARGIN: f32 = 2.0;
+/// What it is raised by at least, in 0.02 r.
+const MARGIN_STEP: f32 = 0.5;
+/// A body that was less far outside of its AABB, in 0.02 r, is an exception; lists for too many steps are told by one that was further.
+const NEAR: f32 = 1.0;
 
 /// The order in which a whole step runs its phases. Collisions come first, with the lists of the step before: those hold
 /// every pair that overlaps now (`find_collisions` sees to it), and AABBs that are made after the impulses need not be
@@ -98,6 +103,8 @@ impl Simulation {
                 Phase::UpdateAabbs => aabbs_due = false,
                 Phase::BroadPhase if aabbs_due => return &[Phase::UpdateAabbs],
                 Phase::BroadPhase => lists_due = false,
+                // Those of this step are done: nobody looks at lists.
+                Phase::HandleCollisions if self.status.collided != 0 => {}
                 _ if lists_due => return &[Phase::UpdateAabbs, Phase::BroadPhase],
                 _ => {}
             }
@@ -144,7 +151,8 @@ impl Simulation {
             return Ok(());
         }
         self.report.replays += 1;
-        if status.void == VOID_ESCAPED && self.interval.forgives(self.world.step.list_interval as u32) {
+        let escape = f32::from_bits(status.escape_ratio);
+        if status.void == VOID_ESCAPED && escape < NEAR && self.interval.forgives(self.world.step.list_interval as u32) {
             self.window.voids += 1;
             return Ok(());
         }
@@ -165,7 +173,7 @@ impl Simulation {
             }
         }
         if status.void & VOID_ESCAPED != 0 {
-            self.make_room(f32::from_bits(status.escape_ratio), attempts);
+            self.make_room(escape, attempts);
         }
         Ok(())
     }
@@ -177,8 +185,13 @@ impl Simulation {
             step.lookahead = self.lookahead.give_up().unwrap_or(step.lookahead);
             return;
         }
-        // After so many tries no finite margin will do: some force is beyond all measure.
-        step.margin_scale = if attempts > 16 { f32::INFINITY } else { (step.margin_scale + escape) * 1.25 };
+        // One that accelerates has the more room in the next attempt by itself. After so many no finite margin will do: some force is
+        // beyond all measure.
+        step.margin_scale = match attempts {
+            0 => step.margin_scale + 1.25 * escape + MARGIN_STEP,
+            1..=16 => (step.margin_scale + escape) * 1.25,
+            _ => f32::INFINITY,
+        };
     }
 
     /// Adds what a portion did, since the status before it, to the report.
@@ -187,6 +200,8 @@ impl Simulation {
         if done == 0 {
             return;
         }
+        // Where one dispatch does whole steps it has stage states of its own.
+        self.has_stages = self.options.integrator == Integrator::Rk4 && !is_small(&self.world.step);
         let total = |status: &Status| u64::from(status.total_collisions_high) << 32 | u64::from(status.total_collisions_low);
         self.report.steps += done;
         self.report.time += done as f64 * f64::from(self.time_step);
@@ -262,6 +277,20 @@ fn room_for(needed: u32) -> Result<u32> {
 mod tests {
     use super::*;
     use crate::layout::{SLICE, most_objects};
+
+    /// In the second attempt at a step whose collisions are done, lists are not made twice, and not for bodies that may turn back.
+    #[test]
+    #[cfg(not(target_family = "wasm"))]
+    fn done_collisions_need_no_lists() {
+        let mut scene = crate::Scene::new();
+        scene.add_sphere(crate::Sphere::new([0.0; 3], 1.0)).unwrap();
+        let mut simulation = Simulation::with_options(scene, crate::Options::new().backend(crate::Backend::Cpu)).unwrap();
+        (simulation.aabbs_due, simulation.lists_due) = (true, true);
+        assert_eq!(simulation.overdue(&COLLISIONS_FIRST), [Phase::UpdateAabbs, Phase::BroadPhase]);
+        simulation.status.collided = 1;
+        assert!(simulation.overdue(&COLLISIONS_FIRST).is_empty());
+        assert_eq!(simulation.overdue(&[Phase::UpdatePositions]), [Phase::UpdateAabbs, Phase::BroadPhase]);
+    }
 
     #[test]
     fn lists_grow_up_to_what_32_bits_can_number() {

@@ -245,6 +245,7 @@ impl Simulation {
         self.disorder = Disorder::sorted_at(self.report.steps);
         self.aabbs_due = true;
         self.lists_due = true;
+        self.has_stages = false;
         Ok(())
     }
 
@@ -252,6 +253,7 @@ impl Simulation {
         self.status.lengths_due = 1;
         self.aabbs_due = true;
         self.lists_due = true;
+        self.has_stages = false;
     }
 
     /// The scene as it is now, with all edits and the present state of every sphere.

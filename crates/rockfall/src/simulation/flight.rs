@@ -6,7 +6,7 @@
 use std::collections::VecDeque;
 
 use crate::error::Result;
-use crate::layout::{LISTS_ASKED, NO_BODY, Status, Told};
+use crate::layout::{FLAG_STAGES, LISTS_ASKED, NO_BODY, Status, Told};
 use crate::profile::Recorder;
 use crate::simulation::Simulation;
 use crate::simulation::drive::{COLLISIONS_FIRST, WITHOUT_COLLISIONS};
@@ -89,6 +89,7 @@ impl Simulation {
         let step = &mut self.world.step;
         step.dt = self.time_step;
         step.list_interval = interval as f32;
+        step.flags = step.flags & !FLAG_STAGES | if self.has_stages { FLAG_STAGES } else { 0 };
         // Where impulses come after the lists, a body may turn back at once.
         step.lead = if stretch.is_step { LEAD } else { 0.0 };
         self.synced = false;

@@ -1,17 +1,17 @@
 //! AABBs of all objects, static ones too, grown by the motion of the step.
 //!
-//! A sphere moves by at most its margin, `(lookahead - lead) 1.05 |v| dt + (0.05 lookahead - 0.03) r + (margin_scale - 1) 0.02 r`,
-//! before its list is made again; where it moves further, `find_collisions`, `advance` or `leap` void the step, the host raises
-//! `margin_scale`, and the step is run again.
+//! A sphere moves by at most its margin, `(lookahead - lead) 1.05 |v| dt + lookahead |a| dt^2 / 2 + (0.05 lookahead - 0.03) r +
+//! (margin_scale - 1) 0.02 r`, before its list is made again, where a is its acceleration in the last step of RK4 (`FLAG_STAGES`); where
+//! it moves further, `find_collisions`, `advance` or `leap` void the step, the host raises `margin_scale`, and the step is run again.
 //! A rod takes the hull of its ends, each with its own margin and the radius of the rod.
 
 use glam::Vec3;
 use rayon::prelude::*;
 
 use crate::cpu::GRAIN;
-use crate::cpu::travel::{may_travel, place_ahead};
+use crate::cpu::travel::{may_gain, may_travel, place_ahead};
 use crate::cpu::view::{Object, View};
-use crate::layout::Aabb;
+use crate::layout::{Aabb, FLAG_STAGES};
 use crate::stage::{Buffer, Stage, Threads, part, read, write};
 use crate::world::World;
 
@@ -30,6 +30,8 @@ pub(crate) const STAGE: Stage = Stage {
         read("state", Buffer::Start),
         read("words", Buffer::Words),
         write("aabbs", Buffer::Aabbs),
+        read("y3", Buffer::Y3),
+        read("y4", Buffer::Y4),
         read("status", Buffer::Status),
     ],
     threads: Threads::WideObjects,
@@ -41,16 +43,28 @@ fn update_aabbs(world: &mut World, _pass: u32) {
         return;
     }
     let objects = world.objects();
-    let view = View::new(&world.step, &world.words, &world.states[0]);
-    (0..objects).into_par_iter().with_min_len(GRAIN).map(|id| aabb(&view, id)).collect_into_vec(&mut world.aabbs);
+    let [start, _, third, fourth] = &world.states;
+    let [view, third, fourth] = [start, third, fourth].map(|state| View::new(&world.step, &world.words, state));
+    let knows_stages = world.step.flags & FLAG_STAGES != 0;
+    let gain = |sphere: u32| {
+        if knows_stages {
+            may_gain(&world.step, third.velocity(sphere), fourth.velocity(sphere), world.step.lookahead)
+        } else {
+            0.0
+        }
+    };
+    let aabbs = (0..objects).into_par_iter().with_min_len(GRAIN).map(|id| aabb(&view, &gain, id));
+    aabbs.collect_into_vec(&mut world.aabbs);
 }
 
-fn aabb(view: &View, id: u32) -> Aabb {
+/// `gain` is what a sphere comes further because it accelerates.
+fn aabb(view: &View, gain: &impl Fn(u32) -> f32, id: u32) -> Aabb {
+    let ball = |sphere: u32, radius: f32| ball(view, gain(sphere), sphere, radius);
     let (min, max) = match view.object(id) {
-        Object::Sphere(sphere) => ball(view, sphere, view.radius(sphere)),
+        Object::Sphere(sphere) => ball(sphere, view.radius(sphere)),
         Object::Rod(rod) => {
             let rod = view.rod(rod);
-            let [one, two] = rod.ends.map(|end| ball(view, end, rod.radius));
+            let [one, two] = rod.ends.map(|end| ball(end, rod.radius));
             (one.0.min(two.0), one.1.max(two.1))
         }
         Object::Cuboid(cuboid) => {
@@ -66,19 +80,19 @@ fn aabb(view: &View, id: u32) -> Aabb {
 }
 
 /// All places that a ball of this radius about a sphere's centre may be found in within the step.
-fn ball(view: &View, sphere: u32, radius: f32) -> (Vec3, Vec3) {
-    let reach = radius + margin(view, sphere);
+fn ball(view: &View, gain: f32, sphere: u32, radius: f32) -> (Vec3, Vec3) {
+    let reach = radius + margin(view, gain, sphere);
     let middle = place_ahead(view.step, view.position(sphere), view.motion(sphere));
     (middle - reach, middle + reach)
 }
 
-fn margin(view: &View, sphere: u32) -> f32 {
+fn margin(view: &View, gain: f32, sphere: u32) -> f32 {
     if view.is_fixed(sphere) {
         return 0.0;
     }
     let radius = view.radius(sphere);
     let travel = may_travel(view.step, view.velocity(sphere), radius, view.step.lookahead);
-    travel + (view.step.margin_scale - 1.0) * 0.02 * radius
+    travel + gain + (view.step.margin_scale - 1.0) * 0.02 * radius
 }
 
 fn hull(corner: Vec3, edges: &[Vec3]) -> (Vec3, Vec3) {

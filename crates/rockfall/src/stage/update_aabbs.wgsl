@@ -2,7 +2,9 @@
 @group(0) @binding(3) var<storage, read> words: array<u32>;
 // Two rows an AABB (see Aabb): written row by row, it takes half as long as field by field.
 @group(0) @binding(4) var<storage, read_write> aabbs: array<vec4u>;
-@group(0) @binding(5) var<storage, read> status: Status;
+@group(0) @binding(5) var<storage, read> y3: array<vec4f>;
+@group(0) @binding(6) var<storage, read> y4: array<vec4f>;
+@group(0) @binding(7) var<storage, read> status: Status;
 
 struct Hull {
     min: vec3f,
@@ -10,16 +12,18 @@ struct Hull {
 }
 
 // How far a sphere may move before its list is made again.
-fn margin(velocity: vec4f, radius: f32) -> f32 {
+fn margin(sphere: u32, velocity: vec4f, radius: f32) -> f32 {
+    let at = velocity_at(sphere);
+    let gain = select(0.0, may_gain(y3[at].xyz, y4[at].xyz, step.lookahead), (step.flags & FLAG_STAGES) != 0u);
     let spare = (step.margin_scale - 1.0) * 0.02 * radius;
-    return select(0.0, may_travel(velocity, radius, step.lookahead) + spare, velocity.w > 0.0);
+    return select(0.0, may_travel(velocity, radius, step.lookahead) + gain + spare, velocity.w > 0.0);
 }
 
 // A sphere, or the end of a rod of another radius.
 fn end_hull(sphere: u32, radius: f32) -> Hull {
     let centre = state[position_at(sphere)];
     let velocity = state[velocity_at(sphere)];
-    let reach = vec3f(radius + margin(velocity, centre.w));
+    let reach = vec3f(radius + margin(sphere, velocity, centre.w));
     let middle = place_ahead(centre.xyz, velocity);
     return Hull(middle - reach, middle + reach);
 }

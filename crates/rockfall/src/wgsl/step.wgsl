@@ -195,6 +195,7 @@ const FLAG_COLLISIONS: u32 = 1u;
 const FLAG_PULL: u32 = 2u;
 const FLAG_CONTINUE: u32 = 4u;
 const FLAG_GROUPS: u32 = 8u;
+const FLAG_STAGES: u32 = 16u;
 
 const VOID_PAIRS: u32 = 1u;
 const VOID_ESCAPED: u32 = 2u;

@@ -14,8 +14,9 @@ use crate::trace::{COLLISIONS, POSITIONS, Plan, Scenario, trace};
 /// A mistake: in which stage and pass, the file, the text and what it becomes, and the buffer that it shows in.
 struct Mistake(&'static str, u32, &'static str, &'static str, &'static str, Buffer);
 
-const MISTAKES: [Mistake; 85] = [
+const MISTAKES: [Mistake; 86] = [
     Mistake("update_aabbs", 0, "update_aabbs.wgsl", "0.02 * radius", "0.03 * radius", Buffer::Aabbs),
+    Mistake("update_aabbs", 0, "travel.wgsl", "length(fourth - third)", "length(fourth)", Buffer::Aabbs),
     Mistake("update_aabbs", 0, "travel.wgsl", "position + way", "position - way", Buffer::Aabbs),
     Mistake("count_pairs", 0, "pair_tiles.wgsl", "(own.id != tile[k].id)", "(own.id < tile[k].id)", Buffer::Lists),
     Mistake("scan_pairs", 0, "scan_pairs.wgsl", "k < SLICE;", "k < SLICE / 2u;", Buffer::Lists),

@@ -1,6 +1,6 @@
 //! The worlds that the stages of a step begin with, with every decision of the step far from its switch.
 
-use rockfall::layout::{CELL_BLOCK, CELLS_AT, LEAPS, PHASES_SHIFT, POSITIONS_FIRST, ROD_WORDS, SLICE};
+use rockfall::layout::{CELL_BLOCK, CELLS_AT, FLAG_STAGES, LEAPS, PHASES_SHIFT, POSITIONS_FIRST, ROD_WORDS, SLICE};
 use rockfall::stage::{ALL, MEASURE_ORDER, Phase, Run, SORT_MEMORY, When};
 use rockfall::world::World;
 use rockfall::{BroadPhase, Integrator, Settings};
@@ -88,6 +88,14 @@ fn sized(mut world: World) -> World {
     world.set_pair_rows(world.movers().div_ceil(SLICE) * 64);
     // Not 0, so that a word that a stage leaves out shows.
     world.cells[CELLS_AT as usize..].fill(3);
+    // As if a step of RK4 had been done in which some accelerated.
+    world.step.flags |= FLAG_STAGES;
+    let spheres = world.step.spheres as usize;
+    for sphere in 0..spheres {
+        let change = glam::Vec4::new(0.1, -0.2, 0.3, 0.0) * (sphere % 5) as f32;
+        world.states[2][spheres + sphere] = world.states[0][spheres + sphere];
+        world.states[3][spheres + sphere] = world.states[0][spheres + sphere] + change;
+    }
     for wrench in &mut world.wrenches {
         *wrench = glam::Vec4::splat(1e3);
     }
