@@ -19,8 +19,8 @@ const DEPTH: usize = 2;
 const LARGE_PORTION: u64 = 32;
 /// The most of any other: with fewer the device waits between two portions for some per cent of the time.
 const PORTION: u64 = 8;
-/// Movers times steps of one that takes a device much longer than the status takes to come.
-const MOVED: u32 = 1 << 21;
+/// Movers times steps of one that takes a large device some milliseconds, many times as long as the status takes to come.
+const MOVED: u32 = 1 << 23;
 /// AABBs stand half a step ahead: then they need to reach half as far for its way.
 const LEAD: f32 = 0.5;
 
