@@ -89,7 +89,7 @@ pub const FLAG_PULL: u32 = 2;
 pub const FLAG_CONTINUE: u32 = 4;
 /// Bit of [`Step::flags`]: objects are in more than one group.
 pub const FLAG_GROUPS: u32 = 8;
-/// Bit of [`Step::flags`]: stage states 3 and 4 are those of an RK4 step not long ago, of the same spheres.
+/// Bit of [`Step::flags`], in scenes with large spheres: stage states 3 and 4 are those of an RK4 step not long ago, of the same spheres.
 pub const FLAG_STAGES: u32 = 16;
 
 /// Bit of [`Status::void`]: the pair lists did not fit; [`Status::pair_rows_needed`] rows are needed.

@@ -57,8 +57,8 @@ const FORCES: Moves = Moves { counts: 1, entries: 1, wrenches: 1, ..NONE };
 #[rustfmt::skip]
 fn moves(name: &str, pass: u32) -> Option<Moves> {
     Some(match name {
-        // Reads position and three velocities.
-        "update_aabbs" => Moves { rows: 4, tags: 1, aabbs: 1, rods: 1, ..NONE },
+        // Reads position and velocity.
+        "update_aabbs" => Moves { rows: 2, tags: 1, aabbs: 1, rods: 1, ..NONE },
         "count_pairs" => Moves { aabbs: 1, counts: 1, ..NONE },
         "scan_pairs" => Moves { counts: 1, ..NONE },
         "fill_pairs" => Moves { aabbs: 1, counts: 1, entries: 1, ..NONE },

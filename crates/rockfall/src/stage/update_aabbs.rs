@@ -1,9 +1,9 @@
 //! AABBs of all objects, static ones too, grown by the motion of the step.
 //!
 //! A sphere moves by at most its margin, `(lookahead - lead) 1.05 |v| dt + lookahead |a| dt^2 / 2 + (0.05 lookahead - 0.03) r +
-//! (margin_scale - 1) 0.02 r`, before its list is made again, where a is its acceleration in the last step of RK4 (`FLAG_STAGES`); where
-//! it moves further, `find_collisions`, `advance` or `leap` void the step, the host raises `margin_scale`, and the step is run again.
-//! A rod takes the hull of its ends, each with its own margin and the radius of the rod.
+//! (margin_scale - 1) 0.02 r`, before its list is made again; where it moves further, `find_collisions`, `advance` or `leap` void the
+//! step, the host raises `margin_scale`, and the step is run again. Here a is, in scenes with large spheres, the acceleration in the last
+//! step of RK4 (`FLAG_STAGES`), else 0. A rod takes the hull of its ends, each with its own margin and the radius of the rod.
 
 use glam::Vec3;
 use rayon::prelude::*;

@@ -13,8 +13,11 @@ struct Hull {
 
 // How far a sphere may move before its list is made again.
 fn margin(sphere: u32, velocity: vec4f, radius: f32) -> f32 {
-    let at = velocity_at(sphere);
-    let gain = select(0.0, may_gain(y3[at].xyz, y4[at].xyz, step.lookahead), (step.flags & FLAG_STAGES) != 0u);
+    var gain = 0.0;
+    if LARGE {
+        let at = velocity_at(sphere);
+        gain = select(0.0, may_gain(y3[at].xyz, y4[at].xyz, step.lookahead), (step.flags & FLAG_STAGES) != 0u);
+    }
     let spare = (step.margin_scale - 1.0) * 0.02 * radius;
     return select(0.0, may_travel(velocity, radius, step.lookahead) + gain + spare, velocity.w > 0.0);
 }

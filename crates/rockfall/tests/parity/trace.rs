@@ -89,7 +89,7 @@ fn sized(mut world: World) -> World {
     // Not 0, so that a word that a stage leaves out shows.
     world.cells[CELLS_AT as usize..].fill(3);
     // As if a step of RK4 had been done in which some accelerated.
-    world.step.flags |= FLAG_STAGES;
+    world.step.flags |= if world.step.large > 0 { FLAG_STAGES } else { 0 };
     let spheres = world.step.spheres as usize;
     for sphere in 0..spheres {
         let change = glam::Vec4::new(0.1, -0.2, 0.3, 0.0) * (sphere % 5) as f32;
