@@ -207,6 +207,10 @@ fn indices_that_point_outside_are_refused() {
     world.words[world.step.rods_at as usize] = world.step.spheres;
     let refused = GpuWorld::new(&gpu, &world).map(|_| ());
     assert!(matches!(&refused, Err(Error::Device(text)) if text.contains("rod")), "{refused:?}");
+    let mut world = self::world(&heap(10));
+    world.step.large = world.step.spheres + 1;
+    let refused = GpuWorld::new(&gpu, &world).map(|_| ());
+    assert!(matches!(&refused, Err(Error::Device(text)) if text.contains("large")), "{refused:?}");
 }
 
 #[test]

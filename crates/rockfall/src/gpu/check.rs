@@ -44,6 +44,7 @@ fn slice<'a>(world: &'a World, at: u32, count: u64, what: &str) -> Result<&'a [u
 
 fn check_words(world: &World) -> Result<()> {
     let step = &world.step;
+    ensure(step.large <= step.spheres, "the number of large spheres")?;
     let rods = slice(world, step.rods_at, u64::from(step.rods) * u64::from(ROD_WORDS), "rods")?;
     for rod in rods.chunks_exact(ROD_WORDS as usize) {
         ensure(rod[0] < step.spheres && rod[1] < step.spheres, "the end of a rod")?;

@@ -185,8 +185,8 @@ impl Simulation {
             step.lookahead = self.lookahead.give_up().unwrap_or(step.lookahead);
             return;
         }
-        // One that accelerates has the more room in the next attempt by itself. After so many no finite margin will do: some force is
-        // beyond all measure.
+        // At first a little more: all AABBs become so much larger. After so many attempts no finite margin will do: some force is beyond all
+        // measure.
         step.margin_scale = match attempts {
             0 => step.margin_scale + 1.25 * escape + MARGIN_STEP,
             1..=16 => (step.margin_scale + escape) * 1.25,

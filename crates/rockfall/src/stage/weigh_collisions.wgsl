@@ -10,8 +10,11 @@
 const AT_ONCE: u32 = 16u;
 const ROOM: u32 = 128u;
 
-// The collisions at hand: which mover of the workgroup has it, and where in its list; ids and feature.
-var<workgroup> places: array<vec2u, AT_ONCE>;
+// So many collisions are put down at once: without rods they take little room.
+const QUEUE: u32 = select(256u, AT_ONCE, RODS);
+
+// The collisions at hand: which mover has it, and where in its list; ids and feature.
+var<workgroup> places: array<vec2u, QUEUE>;
 var<workgroup> names: array<vec3u, AT_ONCE>;
 var<workgroup> collisions: array<Contact, AT_ONCE>;
 // How many coupled contacts each has put down.
@@ -134,17 +137,31 @@ fn next_collision(mover: u32, begin: u32) -> u32 {
     return e;
 }
 
+fn next_to_put_down(mover: u32, begin: u32) -> u32 {
+    if RODS {
+        return next_collision(mover, begin);
+    }
+    return next_own(mover, begin);
+}
+
+// False where there is no room for it.
+fn put_down_one(mover: u32, e: u32) -> bool {
+    let place = atomicAdd(&count_up, 1u);
+    if place < QUEUE {
+        places[place] = vec2u(mover, e);
+    }
+    return place < QUEUE;
+}
+
 // Puts down a mover's collisions from an entry on, as many as there is room for; gives the entry to go on from.
-fn put_down(mover: u32, begin: u32, local: u32) -> u32 {
+fn put_down(mover: u32, begin: u32) -> u32 {
     let count = count_of(mover);
-    var e = next_collision(mover, begin);
+    var e = next_to_put_down(mover, begin);
     while e < count {
-        let place = atomicAdd(&count_up, 1u);
-        if place >= AT_ONCE {
+        if !put_down_one(mover, e) {
             break;
         }
-        places[place] = vec2u(local, e);
-        e = next_collision(mover, e + 1u);
+        e = next_to_put_down(mover, e + 1u);
     }
     return e;
 }
@@ -245,9 +262,9 @@ fn counted_up(local: u32, most: u32) -> u32 {
 }
 
 // Weighs the collisions at hand. All threads of the workgroup must come here, and get the same.
-fn weigh_all(first: u32, local: u32, owned: u32) {
+fn weigh_all(local: u32, owned: u32) {
     let room = ROOM / owned;
-    let mover = first + places[local % owned].x;
+    let mover = places[local % owned].x;
     let e = places[local % owned].y;
     var task = Task(4u, 0u, 0u, RowSums(0.0, 0.0));
     if local < owned {
@@ -296,8 +313,7 @@ fn weigh_collisions(
         }
         return;
     }
-    let first = workgroup * WORKGROUP;
-    let mover = first + local;
+    let mover = workgroup * WORKGROUP + local;
     var works = false;
     if mover < step.spheres + step.rods {
         works = has_collisions(mover);
@@ -305,13 +321,13 @@ fn weigh_collisions(
     var next = 0u;
     loop {
         if works {
-            next = put_down(mover, next, local);
+            next = put_down(mover, next);
             works = next < count_of(mover);
         }
-        let owned = counted_up(local, AT_ONCE);
+        let owned = counted_up(local, QUEUE);
         if owned == 0u {
             break;
         }
-        weigh_all(first, local, owned);
+        weigh_all(local, owned);
     }
 }

@@ -6,6 +6,10 @@ fn is_team(workgroup: u32) -> bool {
     return LARGE & (workgroup < step.large);
 }
 
+fn is_large(id: u32) -> bool {
+    return LARGE & (id < step.spheres) & (id >= step.spheres - step.large);
+}
+
 // The large sphere of a team.
 fn sphere_of_team(workgroup: u32) -> u32 {
     return step.spheres - step.large + workgroup;

@@ -5,10 +5,6 @@
 var<workgroup> tile: array<vec4f, WORKGROUP>;
 var<workgroup> tile_entries: array<u32, WORKGROUP>;
 
-fn is_large(id: u32) -> bool {
-    return LARGE & (id < step.spheres) & (id >= step.spheres - step.large);
-}
-
 fn put_tile(sphere: u32, own: vec4f, velocity: vec4f, slot: vec2u, is_there: bool, local: u32) {
     var row = vec4f(0.0);
     if is_there {
@@ -70,16 +66,14 @@ fn weigh_one_each(sphere: u32, slot: vec2u, has_one: bool, local: u32) {
 }
 
 // Puts down the collisions among every so many-th entry from one on, as many as there is room for; gives the entry to go on from.
-fn queue_up_share(sphere: u32, begin: u32) -> u32 {
+fn put_down_share(sphere: u32, begin: u32) -> u32 {
     let count = count_of(sphere);
     let first = first_of(sphere);
     for (var e = begin; e < count; e += WORKGROUP) {
         if (entry_at(slot_at(first, e)) & ENTRY_COLLIDES) != 0u {
-            let place = atomicAdd(&count_up, 1u);
-            if place >= QUEUE {
+            if !put_down_one(sphere, e) {
                 return e;
             }
-            queue[place] = vec2u(sphere, e);
         }
     }
     return count;
@@ -89,13 +83,13 @@ fn weigh_together(sphere: u32, local: u32) {
     let begin = first_of(sphere);
     var next = local;
     loop {
-        next = queue_up_share(sphere, next);
+        next = put_down_share(sphere, next);
         let queued = counted_up(local, QUEUE);
         if queued == 0u {
             break;
         }
         for (var first = 0u; first < queued; first += WORKGROUP) {
-            let e = queue[min(first + local, queued - 1u)].y;
+            let e = places[min(first + local, queued - 1u)].y;
             weigh_one_each(sphere, slot_at(begin, e), first + local < queued, local);
         }
         workgroupBarrier();
