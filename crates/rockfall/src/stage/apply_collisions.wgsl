@@ -10,9 +10,6 @@ fn put_next(region: u32, i: u32, row: vec4f) {
     next[region * step.spheres + i] = row;
 }
 
-// Of a team's sphere: 0 where nothing changes, 1 where a thread goes through its lists, 2 where the team does.
-var<workgroup> is_due: u32;
-
 // `changes_of` a team's sphere, of which there is one list.
 fn changes_together(sphere: u32, local: u32) -> Change {
     let count = count_of(sphere);
@@ -33,20 +30,19 @@ fn changes_together(sphere: u32, local: u32) -> Change {
 }
 
 fn apply_together(sphere: u32, local: u32) {
-    if local == 0u {
-        is_due = 0u;
-        if takes_part_in_any(sphere) & has_changes() {
-            is_due = select(1u, 2u, is_plain(sphere) & (inverse_mass(sphere) > 0.0));
-        }
+    if told_to_team(local, u32(takes_part_in_any(sphere) & has_changes())) == 0u {
+        return;
     }
-    let due = workgroupUniformLoad(&is_due);
-    if due == 2u {
-        let change = changes_together(sphere, local);
+    // Where there are several lists one thread goes through all of them.
+    if told_to_team(local, u32(is_plain(sphere) & (inverse_mass(sphere) > 0.0))) == 0u {
         if local == 0u {
-            write_changed(sphere, change);
+            write_change(sphere);
         }
-    } else if (due == 1u) & (local == 0u) {
-        write_change(sphere);
+        return;
+    }
+    let change = changes_together(sphere, local);
+    if local == 0u {
+        write_changed(sphere, change);
     }
 }
 

@@ -4,17 +4,15 @@
 @group(0) @binding(5) var<storage, read> aabbs: array<Aabb>;
 @group(0) @binding(6) var<storage, read_write> status: StatusAtomic;
 
-// Entries of a team's sphere, as long as the list is written to; and whether one of them collides.
-var<workgroup> entries: u32;
+// Whether an entry of a team's sphere collides.
 var<workgroup> any_collides: atomic<u32>;
 
 // What `mark_entries` does, by a team: a thread marks one entry of many. Gives the number of collisions that it has counted itself.
 fn mark_together(sphere: u32, local: u32) -> u32 {
     if local == 0u {
-        entries = count_of(sphere);
         atomicStore(&any_collides, 0u);
     }
-    let count = workgroupUniformLoad(&entries);
+    let count = told_to_team(local, count_of(sphere));
     let first = first_of(sphere);
     let own = own_of(sphere);
     let velocity = state[velocity_at(sphere)];
@@ -34,9 +32,6 @@ fn mark_together(sphere: u32, local: u32) -> u32 {
     return collisions;
 }
 
-// Whether a team goes on.
-var<workgroup> is_due: u32;
-
 @compute @workgroup_size(64)
 fn find_collisions(
     @builtin(workgroup_id) group: vec3u,
@@ -48,10 +43,7 @@ fn find_collisions(
     let is_first_attempt = (atomicLoad(&status.void) == 0u) & (atomicLoad(&status.collided) == 0u);
     var collisions = 0u;
     if is_team(workgroup) {
-        if local == 0u {
-            is_due = u32(is_first_attempt);
-        }
-        if workgroupUniformLoad(&is_due) != 0u {
+        if told_to_team(local, u32(is_first_attempt)) != 0u {
             if local == 0u {
                 check_escape(mover);
             }

@@ -305,15 +305,15 @@ fn weigh_collisions(
         return;
     }
     let workgroup = linear_group(group, groups);
+    // Among rods large spheres have no teams here.
+    var mover = workgroup * WORKGROUP + local;
     if !RODS {
         if is_team(workgroup) {
             weigh_together(sphere_of_team(workgroup), local);
-        } else {
-            weigh_plain(mover_of(workgroup, local), local);
+            return;
         }
-        return;
+        mover = mover_of(workgroup, local);
     }
-    let mover = workgroup * WORKGROUP + local;
     var works = false;
     if mover < step.spheres + step.rods {
         works = has_collisions(mover);
@@ -328,6 +328,10 @@ fn weigh_collisions(
         if owned == 0u {
             break;
         }
-        weigh_all(local, owned);
+        if RODS {
+            weigh_all(local, owned);
+        } else {
+            weigh_plain(local, owned);
+        }
     }
 }

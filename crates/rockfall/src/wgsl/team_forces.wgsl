@@ -1,8 +1,5 @@
 // Net forces by teams: a thread works out one contact of many, and they are added up in the order of the list.
 
-// Whether a team goes on.
-var<workgroup> is_due: u32;
-
 fn add_contacts_together(i: u32, local: u32, net: ptr<function, Net>) {
     let own = state[position_at(i)];
     let side = sphere_side(own, state[velocity_at(i)], state[momentum_at(i)]);
@@ -35,10 +32,7 @@ fn net_together(i: u32, local: u32) -> Net {
 // The net force on the sphere of a thread or of a team. All threads of a workgroup must come here.
 fn net_of(workgroup: u32, local: u32) -> Net {
     if is_team(workgroup) {
-        if local == 0u {
-            is_due = u32(atomicLoad(&status.void) == 0u);
-        }
-        if workgroupUniformLoad(&is_due) == 0u {
+        if told_to_team(local, atomicLoad(&status.void)) != 0u {
             return no_force();
         }
         return net_together(sphere_of_team(workgroup), local);

@@ -15,6 +15,16 @@ fn sphere_of_team(workgroup: u32) -> u32 {
     return step.spheres - step.large + workgroup;
 }
 
+var<workgroup> told: u32;
+
+// What the first thread of a team says, for all of them: what they loop over and wait at must be the same. All must come here.
+fn told_to_team(local: u32, word: u32) -> u32 {
+    if local == 0u {
+        told = word;
+    }
+    return workgroupUniformLoad(&told);
+}
+
 // Of a thread of another workgroup its mover, of one of a team the sphere of all.
 fn mover_of(workgroup: u32, local: u32) -> u32 {
     if is_team(workgroup) {
