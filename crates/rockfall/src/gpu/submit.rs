@@ -114,17 +114,23 @@ impl GpuWorld {
     /// [`Error::Device`] when a kernel does not compile, the device refuses or is lost. The loss of a device may show only
     /// when something is read.
     pub fn run(&mut self, runs: &[Run], step: &Step, steps: u32) -> Result<()> {
-        self.submit_plain(runs, step, 0..steps, None)
+        self.submit_plain(runs, step, 0..steps, None).map(drop)
     }
 
     /// [`GpuWorld::run`] of steps numbered for [`Run::is_in`], with the status after them sent to the host.
     pub(crate) fn run_and_look(&mut self, runs: &[Run], step: &Step, steps: Range<u32>) -> Result<Mapped> {
         let staging = make_buffer(self.gpu().device(), "status", size_of::<Status>() as u64, READ_BACK)?;
-        self.submit_plain(runs, step, steps, Some(&staging))?;
-        Ok(Mapped::read(&staging, self.gpu().faults()))
+        let submission = self.submit_plain(runs, step, steps, Some(&staging))?;
+        Ok(Mapped::read(&staging, self.gpu().faults()).after(submission))
     }
 
-    fn submit_plain(&mut self, runs: &[Run], step: &Step, steps: Range<u32>, staging: Option<&wgpu::Buffer>) -> Result<()> {
+    fn submit_plain(
+        &mut self,
+        runs: &[Run],
+        step: &Step,
+        steps: Range<u32>,
+        staging: Option<&wgpu::Buffer>,
+    ) -> Result<wgpu::SubmissionIndex> {
         if !self.fuses() {
             return self.submit(runs, step, steps, staging, None);
         }
@@ -155,7 +161,7 @@ impl GpuWorld {
         steps: Range<u32>,
         staging: Option<&wgpu::Buffer>,
         timer: Option<&Timer>,
-    ) -> Result<()> {
+    ) -> Result<wgpu::SubmissionIndex> {
         self.gpu().faults().check()?;
         self.prepare(runs)?;
         self.write_uniforms(step)?;
@@ -163,7 +169,7 @@ impl GpuWorld {
         let dispatches = steps.clone().map(dispatched).sum::<u64>();
         self.dispatches += dispatches;
         let gpu = self.gpu().clone();
-        catch(gpu.device(), || {
+        let submission = catch(gpu.device(), || {
             let mut encoder = gpu.device().create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("steps") });
             if let Some(timer) = timer {
                 timer.encode(&mut encoder, self, runs)?;
@@ -176,9 +182,9 @@ impl GpuWorld {
                 let status = &self.chunks(Buffer::Status)[0];
                 encoder.copy_buffer_to_buffer(status, 0, staging, 0, staging.size());
             }
-            gpu.queue().submit([encoder.finish()]);
-            Ok(())
+            Ok::<_, Error>(gpu.queue().submit([encoder.finish()]))
         })??;
-        self.gpu().faults().check()
+        self.gpu().faults().check()?;
+        Ok(submission)
     }
 }

@@ -1,5 +1,6 @@
 //! Waiting for the device: futures that a browser drives, and a small executor for everything else.
 
+use std::cell::RefCell;
 use std::future::Future;
 use std::pin::Pin;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -7,6 +8,12 @@ use std::task::{Context, Poll, Waker};
 
 use crate::error::{Error, Result};
 use crate::gpu::fault::{Faults, lost};
+
+thread_local! {
+    /// What the future that was polled last on this thread waits for, where that is not all that was submitted: later submissions
+    /// keep the device busy meanwhile, and whoever waited for those, too, would have it idle afterwards.
+    static AWAITED: RefCell<Option<wgpu::SubmissionIndex>> = const { RefCell::new(None) };
+}
 
 #[derive(Debug, Default)]
 struct Shared {
@@ -20,6 +27,7 @@ pub(crate) struct Mapped {
     buffer: wgpu::Buffer,
     shared: Arc<Mutex<Shared>>,
     faults: Faults,
+    submission: Option<wgpu::SubmissionIndex>,
 }
 
 impl Mapped {
@@ -34,7 +42,12 @@ impl Mapped {
                 waker.wake();
             }
         });
-        Self { buffer: buffer.clone(), shared, faults: faults.clone() }
+        Self { buffer: buffer.clone(), shared, faults: faults.clone(), submission: None }
+    }
+
+    /// Has no later submission waited for than this one, which writes the buffer.
+    pub(crate) fn after(self, submission: wgpu::SubmissionIndex) -> Self {
+        Self { submission: Some(submission), ..self }
     }
 
     /// Waits until it is, and gives its bytes. `what` tells in errors what they are.
@@ -64,6 +77,7 @@ impl Future for Mapped {
             return Poll::Ready(Err(error));
         }
         shared.waker = Some(context.waker().clone());
+        AWAITED.set(self.submission.clone());
         Poll::Pending
     }
 }
@@ -84,6 +98,7 @@ pub(crate) fn drive<T>(future: impl Future<Output = T>, mut when_pending: impl F
     // Nobody needs to wake this thread: it comes back from `when_pending` by itself.
     let mut context = Context::from_waker(Waker::noop());
     loop {
+        AWAITED.set(None);
         if let Poll::Ready(value) = future.as_mut().poll(&mut context) {
             return Ok(value);
         }
@@ -91,10 +106,17 @@ pub(crate) fn drive<T>(future: impl Future<Output = T>, mut when_pending: impl F
     }
 }
 
+/// What the future that was just polled waits for.
+#[cfg(not(target_arch = "wasm32"))]
+fn awaited() -> wgpu::PollType {
+    wgpu::PollType::Wait { submission_index: AWAITED.take(), timeout: None }
+}
+
 #[cfg(not(target_arch = "wasm32"))]
 fn wait(device: &wgpu::Device) -> Result<()> {
+    let until = awaited();
     // wgpu panics where polling meets a lost device; that must not take the host program down.
-    let polled = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| device.poll(wgpu::PollType::wait_indefinitely())));
+    let polled = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| device.poll(until)));
     match polled {
         // What was waited for may belong to another thread: let it run.
         Ok(Ok(_)) => std::thread::yield_now(),
@@ -102,4 +124,34 @@ fn wait(device: &wgpu::Device) -> Result<()> {
         Err(_) => return Err(Error::Device(lost("while it was waited for"))),
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::gpu::{Gpu, GpuWorld};
+    use crate::scene::generate::Benchmark;
+    use crate::settings::{BroadPhase, Integrator};
+    use crate::stage::{Phase, Run};
+    use crate::world::World;
+
+    /// While the device works on the next steps, the host looks at the status after these. (That it is not late was seen on a GPU:
+    /// software Vulkan begins with a submission when the one before is done, and blocks until then.)
+    #[test]
+    fn steps_are_waited_for_and_not_what_comes_after_them() {
+        let gpu = Gpu::open_blocking(true).expect("the tests need an adapter, software will do");
+        let world = World::build(&Benchmark::Lattice.generate(2_000, 0).unwrap()).unwrap();
+        let mut there = GpuWorld::new(&gpu, &world).unwrap();
+        let stages = |phase: Phase| phase.stages(Integrator::Rk4, BroadPhase::Grid).iter().copied();
+        let runs: Vec<Run> = Phase::STEP.into_iter().flat_map(stages).collect();
+        let status = there.run_and_look(&runs, &world.step, 0..30).unwrap();
+        let mut waited_for = Vec::new();
+        let wait_and_note = || {
+            waited_for.push(awaited());
+            wait(gpu.device())
+        };
+        drive(status, wait_and_note).unwrap().unwrap();
+        let is_one = |until: &wgpu::PollType| matches!(until, wgpu::PollType::Wait { submission_index: Some(_), .. });
+        assert!(!waited_for.is_empty() && waited_for.iter().all(is_one), "{waited_for:?}");
+    }
 }

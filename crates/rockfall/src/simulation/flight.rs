@@ -17,10 +17,10 @@ use crate::stage::{Phase, Run, is_small};
 const DEPTH: usize = 2;
 /// Steps of a portion of a small scene, and on the CPU: there a void step costs little.
 const LARGE_PORTION: u64 = 32;
-/// The most of any other: with fewer the device waits between two portions for some per cent of the time.
-const PORTION: u64 = 8;
+/// The most of any other: after a void step what is left of two portions is void, and costs a dispatch a stage.
+const PORTION: u64 = 4;
 /// Movers times steps of one that takes a large device some milliseconds, many times as long as the status takes to come.
-const MOVED: u32 = 1 << 23;
+const MOVED: u32 = 1 << 21;
 /// AABBs stand half a step ahead: then they need to reach half as far for its way.
 const LEAD: f32 = 0.5;
 
