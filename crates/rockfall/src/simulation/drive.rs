@@ -21,10 +21,10 @@ const BATCH_OF_SMALL: u64 = 16;
 /// A step that was void so often in a row is given up.
 const MAX_ATTEMPTS: u32 = 64;
 /// How fast a margin that had to be raised sinks again, per step.
-const MARGIN_DECAY: f32 = 0.99;
+const MARGIN_DECAY: f32 = 0.997;
 const MIN_MARGIN: f32 = 2.0;
 /// What it is raised by at least, in 0.02 r.
-const MARGIN_STEP: f32 = 0.5;
+const MARGIN_STEP: f32 = 1.0;
 /// A body that was less far outside of its AABB, in 0.02 r, is an exception; lists for too many steps are told by one that was further.
 const NEAR: f32 = 1.0;
 
