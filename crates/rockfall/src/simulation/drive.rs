@@ -231,6 +231,7 @@ impl Simulation {
             words_per_mover: words_of(self.status.pair_rows_needed) as f32 / movers,
             room_per_mover: Lookahead::room(words_of(step.pair_rows) as f32 / movers, step.rods > 0),
             movers,
+            has_rods: step.rods > 0,
             dispatches: self.list_dispatches(),
         };
         self.world.step.lookahead = self.lookahead.after(&seen, self.broad_phase_method());

@@ -16,7 +16,8 @@ const LONG: f32 = 20.0;
 /// The same where there are rods, whose neighbours are many and cost much to find: at rest lists of 23 words have to be made in every
 /// step, of 29 in every fourth.
 const LONG_OF_RODS: f32 = 36.0;
-/// Twice the steps make lists longer by about this part for each of the present steps, where bodies fly about.
+/// Twice the steps make lists longer by about this part; where there are rods, for each of the present steps. Lists that do not fit cost
+/// a void step.
 const GROWTH: f32 = 0.15;
 /// Batches between two trials, after trials that did not pay.
 const LONGEST_PAUSE: u32 = 8;
@@ -58,13 +59,15 @@ pub(super) struct Lists {
     pub(super) room_per_mover: f32,
     /// Spheres and rods.
     pub(super) movers: f32,
+    pub(super) has_rods: bool,
     /// Dispatches a step that make lists, or look whether to; 0 without a device.
     pub(super) dispatches: f32,
 }
 
 impl Lists {
-    /// Whether lists for twice so many steps ahead are sure to fit.
+    /// Whether lists for twice so many steps ahead may be expected to fit.
     fn may_double(&self, steps: f32) -> bool {
+        let steps = if self.has_rods { steps } else { 1.0 };
         self.words_per_mover * (1.0 + GROWTH * steps) <= self.room_per_mover
     }
 
@@ -190,20 +193,24 @@ impl Lookahead {
 mod tests {
     use super::*;
 
+    /// What a batch of a million did that made lists in every step.
+    const SEEN: Lists = Lists {
+        builds_per_step: 1.0,
+        voids_per_step: 0.0,
+        words_per_mover: 10.0,
+        room_per_mover: 50.0,
+        movers: 1e6,
+        has_rods: false,
+        dispatches: 0.0,
+    };
+
     /// Goes on for so many batches with lists of `words` at one step ahead that `lasts` steps.
     fn settled(batches: u32, words: fn(f32) -> f32, builds: fn(f32) -> f32) -> Vec<f32> {
         let mut lookahead = Lookahead::default();
         let mut steps = lookahead.steps;
         let mut all = Vec::new();
         for _ in 0..batches {
-            let seen = Lists {
-                builds_per_step: builds(steps),
-                voids_per_step: 0.0,
-                words_per_mover: words(steps),
-                room_per_mover: 50.0,
-                movers: 1e6,
-                dispatches: 0.0,
-            };
+            let seen = Lists { builds_per_step: builds(steps), words_per_mover: words(steps), ..SEEN };
             steps = lookahead.after(&seen, BroadPhase::Grid);
             all.push(steps);
         }
@@ -224,14 +231,7 @@ mod tests {
     #[test]
     fn lists_that_last_much_shorter_than_meant_are_given_up_at_once() {
         let mut lookahead = Lookahead::from_steps(8.0);
-        let seen = Lists {
-            builds_per_step: 0.5,
-            voids_per_step: 0.0,
-            words_per_mover: 20.0,
-            room_per_mover: 50.0,
-            movers: 1e6,
-            dispatches: 0.0,
-        };
+        let seen = Lists { builds_per_step: 0.5, words_per_mover: 20.0, ..SEEN };
         assert_eq!(lookahead.after(&seen, BroadPhase::Grid), 2.0);
         let seen = Lists { builds_per_step: 0.9, ..seen };
         assert_eq!(lookahead.after(&seen, BroadPhase::Grid), 2.0, "that is nearly as often as meant");
@@ -261,24 +261,20 @@ mod tests {
 
     #[test]
     fn lists_that_would_be_too_long_are_not_tried() {
-        // 28 words at 8 steps, 32 at 16: that would make each step cheaper, but it is not sure to fit.
-        let all = settled(200, |steps| 24.0 + 0.5 * steps, |steps| 1.0 / steps);
+        // 44 words at 8 steps, 48 at 16: that would make each step cheaper, but it is not sure to fit.
+        let all = settled(200, |steps| 40.0 + 0.5 * steps, |steps| 1.0 / steps);
         assert!(all.iter().all(|steps| *steps <= 8.0), "{all:?}");
         assert!(share_at(&all, 8.0) > 0.8, "{all:?}");
+        let lists = Lists { builds_per_step: 0.25, words_per_mover: 29.0, room_per_mover: 36.0, ..SEEN };
+        assert!(lists.may_double(4.0));
+        assert!(!Lists { has_rods: true, ..lists }.may_double(4.0), "lists of rods grow faster");
     }
 
     #[test]
     fn few_bodies_on_a_device_are_looked_at_further_ahead() {
         // Twice the words, a quarter of seven dispatches: that pays for a thousand movers and not for a million.
         let cost = |movers: f32, words: f32, dispatches: f32| {
-            let lists = Lists {
-                builds_per_step: 1.0,
-                voids_per_step: 0.0,
-                words_per_mover: words,
-                room_per_mover: 50.0,
-                movers,
-                dispatches,
-            };
+            let lists = Lists { words_per_mover: words, movers, dispatches, ..SEEN };
             lists.cost(BroadPhase::Grid)
         };
         assert!(cost(1e3, 16.0, 1.75) < cost(1e3, 8.0, 7.0));
@@ -288,14 +284,7 @@ mod tests {
     #[test]
     fn steps_that_are_run_again_cost_more_than_lists() {
         let lists = |builds_per_step: f32, voids_per_step: f32| {
-            let lists = Lists {
-                builds_per_step,
-                voids_per_step,
-                words_per_mover: 14.0,
-                room_per_mover: 50.0,
-                movers: 1e6,
-                dispatches: 0.0,
-            };
+            let lists = Lists { builds_per_step, voids_per_step, words_per_mover: 14.0, ..SEEN };
             lists.cost(BroadPhase::Grid)
         };
         // One in 32 for half of the lists pays, one in ten does not.
@@ -307,14 +296,7 @@ mod tests {
     fn a_trial_is_given_up_and_comes_again_when_it_may_pay() {
         let mut lookahead = Lookahead::default();
         assert_eq!(lookahead.give_up(), None, "nothing is being tried");
-        let seen = Lists {
-            builds_per_step: 1.0,
-            voids_per_step: 0.0,
-            words_per_mover: 10.0,
-            room_per_mover: 50.0,
-            movers: 1e6,
-            dispatches: 0.0,
-        };
+        let seen = SEEN;
         let until_trial = |lookahead: &mut Lookahead| (1..).find(|_| lookahead.after(&seen, BroadPhase::Grid) == 2.0);
         until_trial(&mut lookahead);
         assert_eq!(lookahead.give_up(), Some(1.0));
@@ -326,14 +308,7 @@ mod tests {
 
     #[test]
     fn brute_force_looks_further_ahead() {
-        let lists = Lists {
-            builds_per_step: 1.0,
-            voids_per_step: 0.0,
-            words_per_mover: 10.0,
-            room_per_mover: 50.0,
-            movers: 10_000.0,
-            dispatches: 0.0,
-        };
+        let lists = Lists { movers: 10_000.0, ..SEEN };
         assert!(lists.cost(BroadPhase::BruteForce) > 10.0 * lists.cost(BroadPhase::Grid));
     }
 }
