@@ -147,7 +147,8 @@ pub(crate) fn rows<'a>(view: &View<'a>, sphere: u32) -> impl Iterator<Item = u32
 
 /// Whether a sphere has a share in some collision: only then its state changes.
 pub(crate) fn takes_part(view: &View, lists: &Lists, sphere: u32) -> bool {
-    rows(view, sphere).any(|row| lists.collides(row))
+    // Nearly all are told by their own list.
+    lists.collides(sphere) || (view.step.rods > 0 && rows(view, sphere).any(|row| lists.collides(row)))
 }
 
 /// The contacts that may give a sphere a share, each once, with the row that it is taken in and its entry there.
@@ -159,24 +160,30 @@ pub(crate) struct Incident {
 impl Incident {
     /// Those whose entry has a bit of `mask`.
     pub(crate) fn of(view: &View, lists: &Lists, sphere: u32, mask: u32) -> Self {
-        let mut contacts = Vec::new();
-        for row in rows(view, sphere) {
-            for entry in lists.row(row).filter(|entry| entry.word & mask != 0) {
-                let other = entry.id();
-                // Met from both rows: taken in the one of the lower id.
-                if view.user(other) < view.user(row) && rows(view, sphere).any(|own| own == other) {
-                    continue;
-                }
-                if let Some(collision) = Collision::between(view, row, other, entry.feature()) {
-                    contacts.push((collision, row, entry));
-                }
-            }
-        }
+        // Room for as many as most spheres have: threads that need more of the same memory wait for each other.
+        let mut contacts = Vec::with_capacity(16);
+        each_incident(view, lists, sphere, mask, |collision, row, entry| contacts.push((*collision, row, entry)));
         Self { sphere, contacts }
     }
 
     pub(crate) fn each(&self, mut take: impl FnMut(&Collision, u32, Entry)) {
         self.contacts.iter().for_each(|(collision, row, entry)| take(collision, *row, *entry));
+    }
+}
+
+/// The contacts of [`Incident::of`], one after the other.
+fn each_incident(view: &View, lists: &Lists, sphere: u32, mask: u32, mut take: impl FnMut(&Collision, u32, Entry)) {
+    for row in rows(view, sphere) {
+        for entry in lists.row(row).filter(|entry| entry.word & mask != 0) {
+            let other = entry.id();
+            // Met from both rows: taken in the one of the lower id.
+            if view.user(other) < view.user(row) && rows(view, sphere).any(|own| own == other) {
+                continue;
+            }
+            if let Some(collision) = Collision::between(view, row, other, entry.feature()) {
+                take(&collision, row, entry);
+            }
+        }
     }
 }
 
@@ -220,7 +227,7 @@ pub(crate) fn row_sums(view: &View, lists: &Lists, k: &Collision, known: Option<
         };
         match known {
             Some(known) if known.sphere == sphere => known.each(add),
-            _ => Incident::of(view, lists, sphere, ENTRY_OVERLAPS).each(add),
+            _ => each_incident(view, lists, sphere, ENTRY_OVERLAPS, add),
         }
     }
     sums

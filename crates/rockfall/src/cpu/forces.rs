@@ -4,6 +4,7 @@ use glam::{Vec3, Vec4};
 
 use crate::cpu::balls::{Ball, Meeting};
 use crate::cpu::contact::{ContactForce, contact_force, contact_forces};
+use crate::cpu::lanes::first_lanes;
 use crate::cpu::lists::{Entry, Lists};
 use crate::cpu::tally::Tally;
 use crate::cpu::touch::touch;
@@ -17,20 +18,18 @@ pub(crate) struct Load {
     pub(crate) couple: Vec3,
 }
 
-/// Every contact of a mover, in its list's order: its own load and its parameter on the contact if it is a rod.
-/// `tally`, where given, counts those in which the mover is A.
-pub(crate) fn each_contact(
+/// Every contact of a mover from an entry of its list on, in the list's order: its own load and its parameter on the contact if it is a
+/// rod.
+fn each_contact(
     view: &View,
     lists: &Lists,
     mover: u32,
+    from: u32,
     mut tally: Option<&mut Tally>,
     mut take: impl FnMut(Load, f32),
 ) {
     let (count, list) = lists.list(mover);
-    let done = Ball::new(view, mover).map_or(0, |ball| {
-        ball.for_each_near(count, &list, |others| ball_loads(&ball, others, tally.as_deref_mut(), &mut take))
-    });
-    for entry in (done..count).map(list) {
+    for entry in (from..count).map(list) {
         let (id_a, id_b) = view.ordered(mover, entry.id());
         let Some(touch) = touch(view, id_a, id_b, entry.feature()) else {
             continue;
@@ -47,27 +46,27 @@ pub(crate) fn each_contact(
     }
 }
 
-/// The loads of up to four contacts with other spheres, in their order.
+/// Adds the loads of up to four contacts of a sphere with others, in their order, to `force` and `couple`. Without branches, for
+/// processors guess badly which of them overlap: to add 0 changes nothing.
 #[inline]
-fn ball_loads(ball: &Ball, others: &[Entry], mut tally: Option<&mut Tally>, take: &mut impl FnMut(Load, f32)) {
+fn add_ball_loads(ball: &Ball, others: &[Entry], tally: Option<&mut Tally>, [force, couple]: &mut [Vec4; 2]) {
     let Meeting { a, b, touches } = ball.meet(others);
     let loads = contact_forces(ball.view.step, &a, &b, &touches);
-    let loads = loads.force.to_rows().into_iter().zip(loads.torque_a.to_rows());
-    let each = others.iter().zip(touches.overlap.to_array()).zip(loads).filter(|((_, overlap), _)| *overlap > 0.0);
-    for ((other, overlap), (force, couple)) in each {
-        if let Some(tally) = &mut tally
-            && ball.is_first(other.id())
-        {
+    let touch = touches.overlap.cmpgt(Vec4::ZERO) & first_lanes(others.len());
+    *force = loads.force.or_zero(touch).add_lanes_to(*force);
+    *couple = loads.torque_a.or_zero(touch).add_lanes_to(*couple);
+    if let Some(tally) = tally {
+        let overlaps = others.iter().zip(touches.overlap.to_array());
+        for (_, overlap) in overlaps.filter(|(other, overlap)| *overlap > 0.0 && ball.is_first(other.id())) {
             tally.count_contact(overlap);
         }
-        take(Load { force, couple }, 0.0);
     }
 }
 
 /// The loads on both ends of a rod: each contact is evaluated once and shared by (1 - a), a.
 pub(crate) fn rod_loads(view: &View, lists: &Lists, rod: u32, tally: Option<&mut Tally>) -> [Load; 2] {
     let mut ends = [Load::default(); 2];
-    each_contact(view, lists, view.step.spheres + rod, tally, |load, parameter| {
+    each_contact(view, lists, view.step.spheres + rod, 0, tally, |load, parameter| {
         for (end, share) in ends.iter_mut().zip([1.0 - parameter, parameter]) {
             end.force += share * load.force;
             end.couple += share * load.couple;
@@ -77,9 +76,15 @@ pub(crate) fn rod_loads(view: &View, lists: &Lists, rod: u32, tally: Option<&mut
 }
 
 /// The load on a sphere, gravity left out: contacts, then what is attached to it. `wrenches` are those of `rod_forces`.
-pub(crate) fn sphere_load(view: &View, lists: &Lists, wrenches: &[Vec4], sphere: u32, tally: Option<&mut Tally>) -> Load {
-    let mut total = Load::default();
-    each_contact(view, lists, sphere, tally, |load, _| {
+pub(crate) fn sphere_load(view: &View, lists: &Lists, wrenches: &[Vec4], sphere: u32, mut tally: Option<&mut Tally>) -> Load {
+    let (count, list) = lists.list(sphere);
+    let mut sums = [Vec4::ZERO; 2];
+    let done = Ball::new(view, sphere).map_or(0, |ball| {
+        ball.for_each_near(count, list, |others| add_ball_loads(&ball, others, tally.as_deref_mut(), &mut sums))
+    });
+    let [force, couple] = sums.map(Vec4::truncate);
+    let mut total = Load { force, couple };
+    each_contact(view, lists, sphere, done, tally, |load, _| {
         total.force += load.force;
         total.couple += load.couple;
     });

@@ -2,10 +2,16 @@
 
 use std::ops::{Add, Div, Mul, Sub};
 
-use glam::{Mat4, Vec3, Vec4};
+use glam::{BVec4A, Mat4, Vec3, Vec4};
 
 /// How many go side by side.
 pub(crate) const LANES: usize = 4;
+
+/// The first so many lanes.
+#[inline]
+pub(crate) fn first_lanes(count: usize) -> BVec4A {
+    Vec4::new(0.0, 1.0, 2.0, 3.0).cmplt(Vec4::splat(count as f32))
+}
 
 /// Four vectors.
 #[derive(Clone, Copy, Debug, Default)]
@@ -34,6 +40,20 @@ impl Vec3x4 {
     pub(crate) fn to_rows(self) -> [Vec3; LANES] {
         let rows = Mat4::from_cols(self.x, self.y, self.z, Vec4::ZERO).transpose();
         [rows.x_axis, rows.y_axis, rows.z_axis, rows.w_axis].map(Vec4::truncate)
+    }
+
+    /// 0 in the lanes that are not told.
+    #[inline]
+    pub(crate) fn or_zero(self, lanes: BVec4A) -> Self {
+        let of = |v: Vec4| Vec4::select(lanes, v, Vec4::ZERO);
+        Self { x: of(self.x), y: of(self.y), z: of(self.z) }
+    }
+
+    /// A sum, of which the last component is of no meaning, and the four vectors after it, one after the other.
+    #[inline]
+    pub(crate) fn add_lanes_to(self, sum: Vec4) -> Vec4 {
+        let rows = Mat4::from_cols(self.x, self.y, self.z, Vec4::ZERO).transpose();
+        sum + rows.x_axis + rows.y_axis + rows.z_axis + rows.w_axis
     }
 
     #[inline]

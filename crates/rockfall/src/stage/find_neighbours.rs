@@ -43,6 +43,9 @@ pub(crate) const STAGE: Stage = Stage {
     cpu: find_neighbours,
 };
 
+/// Entries that a slice of lists has room for before memory is asked for more: threads that do so wait for each other.
+const USUAL: usize = 20 * SLICE as usize;
+
 fn find_neighbours(world: &mut World, _pass: u32) {
     if world.cells[1] == 0 {
         return;
@@ -55,7 +58,7 @@ fn find_neighbours(world: &mut World, _pass: u32) {
         .into_par_iter()
         .with_min_len(GRAIN / SLICE as usize)
         .map_init(Around::default, |around, slice| {
-            let mut found = Found::default();
+            let mut found = Found { entries: Vec::with_capacity(USUAL), ..Found::default() };
             let mut counts = found.counts.iter_mut().zip(slice * SLICE..);
             grid.for_each_list(slice * SLICE..movers.min((slice + 1) * SLICE), around, &mut |entries| {
                 put_in_order(&view, entries);
