@@ -7,9 +7,9 @@
 
 // So many objects are put in order at once.
 const SHORT: u32 = 32u;
-// So many are remembered, in two runs where there are rods, which have many neighbours, in four where there are large spheres, which
+// So many are remembered, in two runs where there are rods, which have many neighbours, in three where there are large spheres, which
 // press small ones together; more are looked for again, and put in order in place.
-const RUNS: u32 = select(1u + u32(RODS), 4u, LARGE);
+const RUNS: u32 = select(1u + u32(RODS), 3u, LARGE);
 const REMEMBERED: u32 = RUNS * SHORT;
 // Whether there are so many objects that a key has no room for the place beside the index: then ids are looked up.
 override MANY: bool = false;
