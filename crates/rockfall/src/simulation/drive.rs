@@ -20,8 +20,10 @@ const BATCH: u64 = 32;
 const BATCH_OF_SMALL: u64 = 16;
 /// A step that was void so often in a row is given up.
 const MAX_ATTEMPTS: u32 = 64;
-/// How fast a margin that had to be raised sinks again, per step.
+/// How fast a margin that had to be raised sinks again, per step: what has sunk too far makes a step void.
 const MARGIN_DECAY: f32 = 0.997;
+/// The same where there are rods or large spheres: their lists are so long that to make them longer costs more than a void step.
+const MARGIN_DECAY_OF_LONG: f32 = 0.99;
 const MIN_MARGIN: f32 = 2.0;
 /// What it is raised by at least, in 0.02 r.
 const MARGIN_STEP: f32 = 1.0;
@@ -212,7 +214,8 @@ impl Simulation {
         self.report.non_finite += u64::from(status.total_bad.wrapping_sub(before.total_bad));
         self.report.list_builds += u64::from(status.builds.wrapping_sub(before.builds));
         let step = &mut self.world.step;
-        let sunk = step.margin_scale * MARGIN_DECAY.powf(done as f32);
+        let decay = if step.stores_row_sums() { MARGIN_DECAY_OF_LONG } else { MARGIN_DECAY };
+        let sunk = step.margin_scale * decay.powf(done as f32);
         step.margin_scale = if sunk.is_finite() { sunk.max(MIN_MARGIN) } else { MIN_MARGIN };
     }
 
