@@ -19,7 +19,7 @@ mod transfer;
 mod wait;
 mod world;
 
-pub use device::{Gpu, adapters};
+pub use device::{Gpu, adapters, instance};
 pub use fault::catch;
 pub use kernel::{join, locate_lines};
 pub use split::{Split, split};

@@ -40,8 +40,13 @@ const NEEDED: [(Limit, u32); 3] = [
 const HELP: &str = "install a graphics driver with Vulkan, Metal or DX12 (on Linux: mesa-vulkan-drivers, or the \
                     proprietary driver with its Vulkan part), see what `rockfall devices` lists, or take --backend cpu";
 
-fn instance() -> wgpu::Instance {
-    wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env())
+/// What adapters are asked for from, as the environment variables of wgpu wish.
+pub fn instance() -> wgpu::Instance {
+    let mut descriptor = wgpu::InstanceDescriptor::new_without_display_handle();
+    // Debug builds would name every object, which the Vulkan loader now and then does not survive while another thread closes a
+    // device: it walks its list of devices without a lock (issue 5270 of wgpu). WGPU_DEBUG=1 asks for names all the same.
+    descriptor.flags.remove(wgpu::InstanceFlags::DEBUG);
+    wgpu::Instance::new(descriptor.with_env())
 }
 
 /// The graphics APIs to look at: all, or those that the environment variable `WGPU_BACKEND` names.

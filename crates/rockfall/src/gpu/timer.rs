@@ -240,7 +240,7 @@ pub(crate) async fn copy_bandwidth(gpu: &Gpu) -> Result<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::gpu::{adapters, block_on, drive};
+    use crate::gpu::{adapters, block_on, drive, instance};
     use crate::scene::generate::Benchmark;
     use crate::settings::{BroadPhase, Integrator};
     use crate::stage::Phase;
@@ -250,8 +250,7 @@ mod tests {
     fn device(features: wgpu::Features) -> Gpu {
         let open = async {
             assert!(!adapters().await.is_empty(), "no adapter; scripts/test installs one");
-            let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
-            let adapter = instance.enumerate_adapters(wgpu::Backends::VULKAN).await.remove(0);
+            let adapter = instance().enumerate_adapters(wgpu::Backends::VULKAN).await.remove(0);
             let wish =
                 wgpu::DeviceDescriptor { required_features: features, required_limits: adapter.limits(), ..Default::default() };
             adapter.request_device(&wish).await.unwrap()

@@ -144,8 +144,7 @@ fn bodies_that_stop_being_finite() {
 /// A device that grants only thirteen workgroups in a dimension.
 fn narrow() -> Gpu {
     let open = async {
-        let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
-        let adapter = instance.request_adapter(&Default::default()).await.unwrap();
+        let adapter = rockfall::gpu::instance().request_adapter(&Default::default()).await.unwrap();
         let required_limits = wgpu::Limits { max_compute_workgroups_per_dimension: 13, ..adapter.limits() };
         let wanted = wgpu::DeviceDescriptor { required_limits, ..Default::default() };
         adapter.request_device(&wanted).await.unwrap()
