@@ -19,7 +19,7 @@ pub(crate) struct Load {
 }
 
 /// Every contact of a mover from an entry of its list on, in the list's order: its own load and its parameter on the contact if it is a
-/// rod.
+/// rod. `tally`, where given, counts those in which the mover is A.
 fn each_contact(
     view: &View,
     lists: &Lists,

@@ -1,6 +1,6 @@
 //! Waiting for the device: futures that a browser drives, and a small executor for everything else.
 
-use std::cell::RefCell;
+use std::cell::Cell;
 use std::future::Future;
 use std::pin::Pin;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -12,7 +12,7 @@ use crate::gpu::fault::{Faults, lost};
 thread_local! {
     /// What the future that was polled last on this thread waits for, where that is not all that was submitted: later submissions
     /// keep the device busy meanwhile, and whoever waited for those, too, would have it idle afterwards.
-    static AWAITED: RefCell<Option<wgpu::SubmissionIndex>> = const { RefCell::new(None) };
+    static AWAITED: Cell<Option<wgpu::SubmissionIndex>> = const { Cell::new(None) };
 }
 
 #[derive(Debug, Default)]
