@@ -21,6 +21,7 @@ mod lookahead;
 mod observe;
 mod options;
 mod order;
+mod prepare;
 mod profile;
 mod ray;
 mod read;
@@ -227,9 +228,12 @@ impl Simulation {
 
     async fn run_recorded(&mut self, steps: u64, dt: f32, recorder: Option<&mut Recorder>) -> Result<()> {
         self.set_time_step(dt)?;
-        let phases: &[Phase] =
-            if self.scene.settings.collisions { &drive::COLLISIONS_FIRST } else { &drive::WITHOUT_COLLISIONS };
-        self.drive(phases, steps, recorder).await
+        self.drive(self.step_phases(), steps, recorder).await
+    }
+
+    /// The phases of a whole step, in the order in which it runs them.
+    fn step_phases(&self) -> &'static [Phase] {
+        if self.scene.settings.collisions { &drive::COLLISIONS_FIRST } else { &drive::WITHOUT_COLLISIONS }
     }
 
     /// Phase 1 alone: the AABBs of all objects, grown for the present time step.

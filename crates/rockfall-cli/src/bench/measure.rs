@@ -66,12 +66,13 @@ impl Measured {
     }
 }
 
-/// A simulation of the scene, past its warm-up.
+/// A simulation of the scene, its kernels compiled, past its warm-up.
 fn start(arguments: &Arguments, bodies: u32) -> Result<Simulation, Failure> {
     let mut scene = arguments.scene.generate(bodies, arguments.seed)?;
     arguments.physics.change(&mut scene.settings)?;
     let options = arguments.engine.options(&arguments.physics);
     let mut simulation = Simulation::with_options(scene, options)?;
+    simulation.prepare()?;
     simulation.run(arguments.warmup(), arguments.physics.dt)?;
     Ok(simulation)
 }

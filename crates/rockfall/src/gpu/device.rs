@@ -200,6 +200,12 @@ impl Gpu {
         &self.inner.faults
     }
 
+    /// How many kernels were compiled so far.
+    #[cfg(test)]
+    pub(crate) fn compiled(&self) -> usize {
+        self.inner.kernels.lock().unwrap_or_else(PoisonError::into_inner).len()
+    }
+
     /// The kernel of a stage, compiled at its first use, for such scenes, and for arrays of so many chunks.
     pub(crate) fn kernel(&self, stage: &'static Stage, variant: Variant, chunks: Vec<u32>) -> Result<Arc<Kernel>> {
         let mut kernels = self.inner.kernels.lock().unwrap_or_else(PoisonError::into_inner);

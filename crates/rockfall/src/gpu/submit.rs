@@ -138,6 +138,16 @@ impl GpuWorld {
         self.submit(&dispatches, step, 0..1, staging, None)
     }
 
+    /// [`GpuWorld::prepare`] for what runs without timestamps.
+    pub(crate) fn prepare_plain(&mut self, runs: &[Run]) -> Result<()> {
+        if !self.fuses() {
+            return self.prepare(runs);
+        }
+        // What follows upon a step may be joined with it in another way than the first.
+        let dispatches = fused(runs, self.step(), 0..2);
+        self.prepare(&dispatches)
+    }
+
     /// Whether `run_steps` takes the place of other stages: in small scenes without rods, the arrays of which are whole.
     fn fuses(&self) -> bool {
         let is_whole = |buffer: Buffer| self.chunks(buffer).len() == 1;

@@ -57,14 +57,14 @@ pub(super) type Waiter = Option<std::convert::Infallible>;
 
 /// Does something on the device. The CPU backend runs on the host's world itself and has nothing to do.
 macro_rules! on_gpu {
-    ($engine:expr, $world:ident, $gpu:ident => $action:expr) => {{
+    ($engine:expr, $told:ident, $gpu:ident => $action:expr) => {{
         match $engine {
             Self::Cpu => {}
             #[cfg(feature = "gpu")]
             Self::Gpu($gpu) => $action,
         }
         // Without the GPU nobody asks for it.
-        let _ = $world;
+        let _ = $told;
         Ok(())
     }};
 }
@@ -132,6 +132,11 @@ impl Engine {
         self.begin(world)?;
         world.status = self.submit(world, stages, 0..1, None).await?.status().await?;
         Ok(())
+    }
+
+    /// Compiles what these stages need.
+    pub(super) fn prepare(&mut self, stages: &[Run]) -> Result<()> {
+        on_gpu!(self, stages, gpu => gpu.prepare_plain(stages)?)
     }
 
     /// Takes over the status of `world`.
