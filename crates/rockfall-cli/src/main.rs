@@ -26,7 +26,7 @@ mod view;
 #[derive(Debug, Parser)]
 #[command(
     name = "rockfall",
-    version,
+    version = env!("ROCKFALL_VERSION"),
     disable_help_subcommand = true,
     after_help = "Exit code: 0 done, 1 the run failed, 2 wrong usage or a bad scene, 130 ended by Ctrl-C or SIGTERM."
 )]

@@ -17,6 +17,8 @@ pub(crate) fn object(arguments: &Arguments, sizes: &[Measured]) -> String {
     let best_copy = sizes.iter().filter_map(|size| size.copy_bandwidth).reduce(f64::max);
     let object = json!({
         "version": env!("CARGO_PKG_VERSION"),
+        // Of the repository that the program was built in, with "-dirty" where something had changed since; null without one.
+        "commit": option_env!("ROCKFALL_COMMIT"),
         "scene": arguments.scene.to_string(),
         "backend": backend,
         "device": device,
