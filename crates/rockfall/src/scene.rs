@@ -8,17 +8,16 @@ use crate::settings::Settings;
 pub mod generate;
 mod objects;
 mod registry;
+mod statics;
 mod text;
 mod write;
 
 pub(crate) use objects::finite;
-pub use objects::{
-    BoxId, Capsule, CapsuleId, CapsuleParts, Cuboid, Polygon, PolygonId, Rod, RodId, Sphere, SphereId, Spring, SpringId,
-    Tether, TetherId,
-};
+pub use objects::{Capsule, CapsuleId, CapsuleParts, Rod, RodId, Sphere, SphereId, Spring, SpringId, Tether, TetherId};
 pub use registry::Handle;
 pub(crate) use registry::Registry;
 use registry::new_scene_number;
+pub use statics::{BoxId, Cuboid, Polygon, PolygonId};
 pub use text::{LineWarning, Loaded};
 
 /// Objects and settings.

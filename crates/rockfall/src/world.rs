@@ -5,6 +5,7 @@
 mod build;
 mod frames;
 mod order;
+mod words;
 
 #[cfg(feature = "gpu")]
 pub(crate) use build::sizes;

@@ -1,4 +1,4 @@
-//! The objects of a scene, as builders: `Sphere::new([0.0, 1.0, 0.0], 0.5).mass(2.0)`.
+//! What moves in a scene, and what pulls at it, as builders: `Sphere::new([0.0, 1.0, 0.0], 0.5).mass(2.0)`.
 //!
 //! Lengths and masses are in arbitrary units, times in seconds.
 
@@ -17,10 +17,6 @@ pub type CapsuleId = Handle<CapsuleParts>;
 pub type SpringId = Handle<Spring>;
 /// Handle of a [`Tether`].
 pub type TetherId = Handle<Tether>;
-/// Handle of a [`Cuboid`].
-pub type BoxId = Handle<Cuboid>;
-/// Handle of a [`Polygon`].
-pub type PolygonId = Handle<Polygon>;
 
 /// A ball, moving or fixed. Its inertia is 2/5 m r².
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -342,95 +338,7 @@ impl Tether {
     }
 }
 
-/// A static box: a corner and the three orthogonal edges that meet there.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Cuboid {
-    /// A corner P, in units.
-    pub corner: Vec3,
-    /// The edges I, J, K from that corner, in units.
-    pub edges: [Vec3; 3],
-    /// Objects of different groups never meet.
-    pub group: u16,
-}
-
-impl Cuboid {
-    /// A box from a corner and three orthogonal edges.
-    pub fn new(corner: impl Into<Vec3>, i: impl Into<Vec3>, j: impl Into<Vec3>, k: impl Into<Vec3>) -> Self {
-        Self { corner: corner.into(), edges: [i.into(), j.into(), k.into()], group: 0 }
-    }
-
-    /// An axis-aligned box between two opposite corners.
-    pub fn between(min: impl Into<Vec3>, max: impl Into<Vec3>) -> Self {
-        let min = min.into();
-        let size = max.into() - min;
-        Self::new(min, Vec3::X * size.x, Vec3::Y * size.y, Vec3::Z * size.z)
-    }
-
-    /// Sets the group.
-    pub fn group(mut self, group: u16) -> Self {
-        self.group = group;
-        self
-    }
-
-    pub(crate) fn validate(&self) -> Result<()> {
-        finite("box.corner", self.corner)?;
-        for edge in self.edges {
-            usable_edge("box.edge", edge)?;
-        }
-        let [i, j, k] = self.edges.map(Vec3::as_dvec3);
-        for (one, other) in [(i, j), (j, k), (k, i)] {
-            if one.dot(other).abs() > 1e-4 * one.length() * other.length() {
-                return Err(Error::Invalid {
-                    field: "box.edges",
-                    value: format!("{:?}", self.edges),
-                    expected: "three edges at right angles to each other",
-                });
-            }
-        }
-        Ok(())
-    }
-}
-
-/// A static parallelogram: a corner and two edges. It can be hit only from the side that L x R points to, and not at its edges.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Polygon {
-    /// A corner P, in units.
-    pub corner: Vec3,
-    /// Edge L from that corner, in units.
-    pub left: Vec3,
-    /// Edge R from that corner, in units.
-    pub right: Vec3,
-    /// Objects of different groups never meet.
-    pub group: u16,
-}
-
-impl Polygon {
-    /// A polygon from a corner and two edges that are not parallel.
-    pub fn new(corner: impl Into<Vec3>, left: impl Into<Vec3>, right: impl Into<Vec3>) -> Self {
-        Self { corner: corner.into(), left: left.into(), right: right.into(), group: 0 }
-    }
-
-    /// Sets the group.
-    pub fn group(mut self, group: u16) -> Self {
-        self.group = group;
-        self
-    }
-
-    pub(crate) fn validate(&self) -> Result<()> {
-        finite("polygon.corner", self.corner)?;
-        usable_edge("polygon.left", self.left)?;
-        usable_edge("polygon.right", self.right)?;
-        let (left, right) = (self.left.as_dvec3(), self.right.as_dvec3());
-        let normal = left.cross(right).length();
-        let in_range = (1e-30..1e30).contains(&(normal * normal));
-        if normal < 1e-4 * left.length() * right.length() || !in_range {
-            return Err(invalid("polygon.right", self.right, "an edge that is not parallel to the first"));
-        }
-        Ok(())
-    }
-}
-
-fn invalid(field: &'static str, value: impl std::fmt::Debug, expected: &'static str) -> Error {
+pub(crate) fn invalid(field: &'static str, value: impl std::fmt::Debug, expected: &'static str) -> Error {
     Error::Invalid { field, value: format!("{value:?}"), expected }
 }
 
@@ -444,14 +352,4 @@ fn positive(field: &'static str, value: f32) -> Result<()> {
 
 fn not_negative(field: &'static str, value: f32) -> Result<()> {
     if value.is_finite() && value >= 0.0 { Ok(()) } else { Err(invalid(field, value, "a finite number, not negative")) }
-}
-
-/// The kernels divide by squared edge lengths, in f32.
-fn usable_edge(field: &'static str, edge: Vec3) -> Result<()> {
-    let square = edge.length_squared();
-    if edge.is_finite() && (1e-30..1e30).contains(&square) {
-        Ok(())
-    } else {
-        Err(invalid(field, edge.to_array(), "an edge of a length between 1e-15 and 1e15"))
-    }
 }

@@ -1,19 +1,17 @@
 //! Packing a scene into the arrays of a [`World`].
 
-use glam::{Vec3, Vec4};
+use glam::Vec4;
 
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::layout::{
-    CELL_BLOCK, CELLS_AT, FEW_MOVERS, FLAG_COLLISIONS, FLAG_CONTINUE, FLAG_GROUPS, FLAG_PULL, KIND_FORCE, KIND_ROD, KIND_SHIFT,
-    KIND_SPRING, KIND_TETHER, LEVEL_BIAS, LINE, MOST_ACROSS, NO_ROD, PLANNED_FROM, ROD_WORDS, SLICE, SOME_RODS, SUM_WORDS,
-    Step, most_objects,
+    CELL_BLOCK, CELLS_AT, FEW_MOVERS, FLAG_COLLISIONS, FLAG_CONTINUE, FLAG_GROUPS, FLAG_PULL, LEVEL_BIAS, LINE, MOST_ACROSS,
+    PLANNED_FROM, SLICE, SUM_WORDS, Step,
 };
 use crate::scene::{Rod, Scene, Sphere, SphereId};
 use crate::settings::{BroadPhase, Settings};
 use crate::stage::{Threads, rows};
 use crate::world::World;
-use crate::world::frames::batches;
-use crate::world::order::{inverse, size_class, spatial_order};
+use crate::world::order::{size_class, spatial_order};
 
 /// Entries that a mover's list has room for at the start; lists that need more grow.
 const FIRST_ENTRIES: u32 = 16;
@@ -35,7 +33,7 @@ impl World {
     /// The world of a scene before its first step, spheres in order of addition.
     ///
     /// # Errors
-    /// [`Error::TooManyObjects`] for more objects than list entries can number.
+    /// [`Error::TooManyObjects`](crate::Error::TooManyObjects) for more objects than list entries can number.
     pub fn build(scene: &Scene) -> Result<Self> {
         Ok(Self::pack(scene, Vec::new())?.with_scratch())
     }
@@ -96,53 +94,6 @@ impl World {
         step.flags = step.flags & (FLAG_CONTINUE | FLAG_GROUPS)
             | bit(settings.collisions, FLAG_COLLISIONS)
             | bit(settings.contact_pull, FLAG_PULL);
-    }
-
-    /// Packs everything but the state of the spheres: `words`, and the counts and offsets of the uniform block.
-    ///
-    /// # Errors
-    /// [`Error::TooManyObjects`] for more objects than list entries can number.
-    pub fn set_words(&mut self, scene: &Scene) -> Result<()> {
-        let counts = scene.counts();
-        let objects = counts.spheres + counts.rods + counts.boxes + counts.polygons;
-        let attached = counts.springs + counts.tethers;
-        let limit = most_objects(counts.rods > 0) as usize;
-        if objects > limit || attached > limit {
-            return Err(Error::TooManyObjects { count: objects.max(attached), limit });
-        }
-        let slots = inverse(&self.order);
-        let index = |id: SphereId| slot_of(scene, &slots, id);
-        let mut adjacency = Adjacency::default();
-        let mut words = Vec::new();
-        let step = &mut self.step;
-        step.spheres = counts.spheres as u32;
-        step.rods = counts.rods as u32;
-        step.boxes = counts.boxes as u32;
-        step.polygons = counts.polygons as u32;
-
-        step.rods_at = words.len() as u32;
-        let mut fixed_rods = Vec::new();
-        for (rod, number) in scene.rods().iter().zip(0..) {
-            let ends = [index(rod.end1)?, index(rod.end2)?];
-            words.extend([ends[0], ends[1], rod.radius.to_bits(), rod.length.unwrap_or(0.0).to_bits()]);
-            adjacency.attach(KIND_ROD, number, &ends);
-            if rod.length.is_some() {
-                fixed_rods.push((number, ends));
-            }
-        }
-        pack_attachments(scene, &slots, step, &mut words, &mut adjacency)?;
-        pack_static(scene, &self.order, step, &mut words);
-        pack_order(&self.order, &slots, step, &mut words);
-
-        let fixed: Vec<bool> = in_order(scene, &self.order).map(|sphere| sphere.fixed).collect();
-        let batches = batches(&fixed, &fixed_rods);
-        step.batches = batches.len() as u32;
-        step.batches_at = words.len() as u32;
-        push_batches(&mut words, &batches);
-        step.ends_at = push_ends(step, &mut words);
-        step.adjacency_at = adjacency.push(&mut words, step.spheres);
-        self.words = words;
-        Ok(())
     }
 
     /// Packs the state of the spheres.
@@ -281,153 +232,9 @@ fn order_along_x(scene: &Scene) -> Vec<u32> {
 }
 
 /// The spheres in the order of memory.
-fn in_order<'a>(scene: &'a Scene, order: &'a [u32]) -> impl Iterator<Item = &'a Sphere> + 'a {
+pub(crate) fn in_order<'a>(scene: &'a Scene, order: &'a [u32]) -> impl Iterator<Item = &'a Sphere> + 'a {
     let spheres = scene.spheres();
     (0..spheres.len()).map(move |slot| &spheres[order.get(slot).map_or(slot, |user| *user as usize)])
-}
-
-fn slot_of(scene: &Scene, slots: &[u32], id: SphereId) -> Result<u32> {
-    let index = scene.spheres.index(id)?;
-    Ok(slots.get(index).copied().unwrap_or(index as u32))
-}
-
-/// Which sphere stands where, unless they stand in order of addition.
-fn pack_order(order: &[u32], slots: &[u32], step: &mut Step, words: &mut Vec<u32>) {
-    (step.users_at, step.slots_at) = (0, 0);
-    let mut append = |table: &[u32]| {
-        words.resize(words.len().next_multiple_of(LINE as usize), 0);
-        words.extend(table);
-        (words.len() - table.len()) as u32
-    };
-    if !order.is_empty() {
-        (step.users_at, step.slots_at) = (append(order), append(slots));
-    }
-}
-
-/// Springs, tethers and outside forces.
-fn pack_attachments(
-    scene: &Scene,
-    slots: &[u32],
-    step: &mut Step,
-    words: &mut Vec<u32>,
-    adjacency: &mut Adjacency,
-) -> Result<()> {
-    step.springs_at = words.len() as u32;
-    for (spring, number) in scene.springs().iter().zip(0..) {
-        let ends = [slot_of(scene, slots, spring.a)?, slot_of(scene, slots, spring.b)?];
-        words.extend(ends);
-        words.extend([spring.stiffness, spring.length, spring.damping].map(f32::to_bits));
-        adjacency.attach(KIND_SPRING, number, &ends);
-    }
-    step.tethers_at = words.len() as u32;
-    for (tether, number) in scene.tethers().iter().zip(0..) {
-        let sphere = slot_of(scene, slots, tether.sphere)?;
-        words.push(sphere);
-        push_vectors(words, &[tether.point]);
-        words.extend([tether.stiffness, tether.length, tether.damping].map(f32::to_bits));
-        adjacency.attach(KIND_TETHER, number, &[sphere]);
-    }
-    step.forces_at = words.len() as u32;
-    let pushed = scene.spheres().iter().zip(0..).filter(|(sphere, _)| sphere.force != Vec3::ZERO);
-    for ((sphere, number), force) in pushed.zip(0..) {
-        push_vectors(words, &[sphere.force]);
-        adjacency.attach(KIND_FORCE, force, &[slots.get(number as usize).copied().unwrap_or(number)]);
-    }
-    Ok(())
-}
-
-/// Boxes, polygons, and the tags of all objects.
-fn pack_static(scene: &Scene, order: &[u32], step: &mut Step, words: &mut Vec<u32>) {
-    step.boxes_at = words.len() as u32;
-    for cuboid in scene.boxes() {
-        let [i, j, k] = cuboid.edges;
-        push_vectors(words, &[cuboid.corner, i, j, k]);
-    }
-    step.polygons_at = words.len() as u32;
-    for polygon in scene.polygons() {
-        push_vectors(words, &[polygon.corner, polygon.left, polygon.right]);
-    }
-    step.tags_at = words.len() as u32;
-    let tags_at = words.len();
-    words.extend(in_order(scene, order).map(|sphere| u32::from(sphere.group)));
-    words.extend(scene.rods().iter().map(|rod| u32::from(rod.group)));
-    words.extend(scene.boxes().iter().map(|cuboid| u32::from(cuboid.group)));
-    words.extend(scene.polygons().iter().map(|polygon| u32::from(polygon.group)));
-    step.flags &= !FLAG_GROUPS;
-    if words[tags_at..].windows(2).any(|tags| tags[0] != tags[1]) {
-        step.flags |= FLAG_GROUPS;
-    }
-}
-
-fn push_vectors(words: &mut Vec<u32>, vectors: &[Vec3]) {
-    words.extend(vectors.iter().flat_map(|vector| vector.to_array().map(f32::to_bits)));
-}
-
-fn push_batches(words: &mut Vec<u32>, batches: &[Vec<Vec<u32>>]) {
-    let table = words.len();
-    words.resize(table + batches.len(), 0);
-    for (place, colours) in batches.iter().enumerate() {
-        words[table + place] = words.len() as u32;
-        words.push(colours.len() as u32);
-        let mut at = (words.len() + colours.len() + 1) as u32;
-        words.push(at);
-        for colour in colours {
-            at += colour.len() as u32;
-            words.push(at);
-        }
-        words.extend(colours.iter().flatten());
-    }
-}
-
-/// Appends what rods end in each sphere; returns where that stands, 0 without rods.
-fn push_ends(step: &Step, words: &mut Vec<u32>) -> u32 {
-    if step.rods == 0 {
-        return 0;
-    }
-    let mut ends = vec![NO_ROD; step.spheres as usize];
-    let rods = &words[step.rods_at as usize..][..(step.rods * ROD_WORDS) as usize];
-    for (rod, number) in rods.chunks_exact(ROD_WORDS as usize).zip(0..) {
-        let is_fixed = f32::from_bits(rod[3]) > 0.0;
-        for end in &rod[..2] {
-            let known = &mut ends[*end as usize];
-            *known = if *known == NO_ROD && is_fixed { number } else { SOME_RODS };
-        }
-    }
-    let at = words.len() as u32;
-    words.extend(ends);
-    at
-}
-
-/// Pairs of (sphere, adjacency word).
-#[derive(Default)]
-struct Adjacency {
-    pairs: Vec<(u32, u32)>,
-}
-
-impl Adjacency {
-    fn attach(&mut self, kind: u32, index: u32, spheres: &[u32]) {
-        self.pairs.extend(spheres.iter().map(|sphere| (*sphere, kind << KIND_SHIFT | index)));
-    }
-
-    /// Appends ranges and words; returns where the ranges stand, 0 when nothing is attached to any sphere.
-    fn push(mut self, words: &mut Vec<u32>, spheres: u32) -> u32 {
-        if self.pairs.is_empty() {
-            return 0;
-        }
-        self.pairs.sort_unstable();
-        let at = words.len() as u32;
-        let first = at + 2 * spheres;
-        let mut place = 0;
-        for sphere in 0..spheres {
-            words.push(first + place as u32);
-            while place < self.pairs.len() && self.pairs[place].0 == sphere {
-                place += 1;
-            }
-            words.push(first + place as u32);
-        }
-        words.extend(self.pairs.iter().map(|(_, word)| *word));
-        at
-    }
 }
 
 #[cfg(test)]
