@@ -6,8 +6,8 @@ use crate::layout::{
 };
 use crate::profile::Recorder;
 use crate::settings::Integrator;
-use crate::simulation::Simulation;
 use crate::simulation::lookahead::{Lists, Lookahead};
+use crate::simulation::{Simulation, interval};
 use crate::stage::{Phase, is_small};
 
 /// The thesis's fixed time step, in s.
@@ -29,6 +29,9 @@ const MIN_MARGIN: f32 = 2.0;
 const MARGIN_STEP: f32 = 1.0;
 /// A body that was less far outside of its AABB, in 0.02 r, is an exception; lists for too many steps are told by one that was further.
 const NEAR: f32 = 1.0;
+/// What the margin is raised by after such an exception besides, in 0.02 r, where lists last longest: of many millions at rest there
+/// would be another soon, and what is added to lists that are seldom made costs less.
+const NEAR_STEP: f32 = 0.5;
 
 /// The order in which a whole step runs its phases. Collisions come first, with the lists of the step before: those hold
 /// every pair that overlaps now (`find_collisions` sees to it), and AABBs that are made after the impulses need not be
@@ -154,8 +157,12 @@ impl Simulation {
         }
         self.report.replays += 1;
         let escape = f32::from_bits(status.escape_ratio);
-        if status.void == VOID_ESCAPED && escape < NEAR && self.interval.forgives(self.world.step.list_interval as u32) {
+        let interval = self.world.step.list_interval as u32;
+        if status.void == VOID_ESCAPED && escape < NEAR && self.interval.forgives(interval) {
             self.window.voids += 1;
+            if interval == interval::MOST {
+                self.world.step.margin_scale += escape + NEAR_STEP;
+            }
             return Ok(());
         }
         self.window.restart();
@@ -294,6 +301,24 @@ mod tests {
         simulation.status.collided = 1;
         assert!(simulation.overdue(&COLLISIONS_FIRST).is_empty());
         assert_eq!(simulation.overdue(&[Phase::UpdatePositions]), [Phase::UpdateAabbs, Phase::BroadPhase]);
+    }
+
+    /// The margin after a step in which a body left its AABB by half of what an exception may.
+    #[cfg(not(target_family = "wasm"))]
+    fn margin_after_exception(interval: u32) -> f32 {
+        let options = crate::Options::new().backend(crate::Backend::Cpu);
+        let mut simulation = Simulation::with_options(crate::Scene::new(), options).unwrap();
+        simulation.world.step.list_interval = interval as f32;
+        (simulation.status.void, simulation.status.escape_ratio) = (VOID_ESCAPED, (0.5 * NEAR).to_bits());
+        simulation.mend(0).unwrap();
+        simulation.world.step.margin_scale
+    }
+
+    #[test]
+    #[cfg(not(target_family = "wasm"))]
+    fn an_exception_raises_margins_where_lists_last_longest() {
+        assert_eq!(margin_after_exception(interval::MOST / 2), MIN_MARGIN);
+        assert_eq!(margin_after_exception(interval::MOST), MIN_MARGIN + 0.5 * NEAR + NEAR_STEP);
     }
 
     #[test]

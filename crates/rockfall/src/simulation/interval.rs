@@ -7,7 +7,7 @@
 //! million bodies some always ask for lists; most of those do not leave after all.
 
 /// The longest.
-const MOST: u32 = 8;
+pub(super) const MOST: u32 = 8;
 /// Batches without such a step before the next trial, after trials that failed: one costs a void step, little beside what a batch gains
 /// whose lists last.
 const LONGEST_PAUSE: u32 = 2;
