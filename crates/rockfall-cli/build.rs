@@ -1,6 +1,7 @@
 //! Tells the program which commit it is built from, where that is known: results of a benchmark are worth little without it.
 
 use std::env;
+use std::fs;
 use std::path::Path;
 use std::process::Command;
 
@@ -12,8 +13,12 @@ fn main() {
         return;
     }
     // All that the program may depend on: with a part alone it would not be noticed that something has changed since the commit.
-    for changed in ["..", "../../Cargo.lock", "../../Cargo.toml"] {
-        println!("cargo::rerun-if-changed={changed}");
+    println!("cargo::rerun-if-changed=../../Cargo.toml");
+    println!("cargo::rerun-if-changed=../../Cargo.lock");
+    for package in fs::read_dir("..").expect("the packages of the workspace").flatten() {
+        for part in ["Cargo.toml", "src"] {
+            println!("cargo::rerun-if-changed={}", package.path().join(part).display());
+        }
     }
     for moved in ["HEAD", "logs/HEAD"] {
         if let Some(path) = git(&["rev-parse", "--git-path", moved]) {
