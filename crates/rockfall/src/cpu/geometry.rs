@@ -4,6 +4,24 @@ use glam::Vec3;
 
 use crate::cpu::view::{BoxWords, PolygonWords, TINY};
 
+/// A distance that is so short beside the vectors it is the difference of is their rounding, and has no direction.
+const ROUNDED: f32 = 5e-7;
+
+/// A distance vector of things that touch within `reach`, 0 where it is but the rounding of vectors of this squared length.
+fn unrounded(d: Vec3, squared: f32, reach: f32) -> Vec3 {
+    // What does not touch is left so.
+    let rounded = (ROUNDED * ROUNDED * squared).min(0.9 * reach * reach);
+    if d.length_squared() <= rounded { Vec3::ZERO } else { d }
+}
+
+/// A parameter that is less far beyond an end is at the end, which belongs to the segment: rounding must not decide.
+const AT_END: f32 = 5e-7;
+
+/// Whether a parameter is that of a point of a segment.
+fn on_segment(parameter: f32) -> bool {
+    (-AT_END..=1.0 + AT_END).contains(&parameter)
+}
+
 /// Where two segments come closest.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct SegmentPair {
@@ -17,8 +35,8 @@ pub(crate) struct SegmentPair {
     pub(crate) normal: Option<Vec3>,
 }
 
-/// `None` where the closest points of the lines lie beyond an end, or a segment has no length.
-pub(crate) fn segment_segment(a1: Vec3, a2: Vec3, b1: Vec3, b2: Vec3) -> Option<SegmentPair> {
+/// `None` where the closest points of the lines lie beyond an end, or a segment has no length. What is nearer than `reach` touches.
+pub(crate) fn segment_segment([a1, a2]: [Vec3; 2], [b1, b2]: [Vec3; 2], reach: f32) -> Option<SegmentPair> {
     let (a_axis, b_axis, c) = (a2 - a1, b2 - b1, b1 - a1);
     let (aa, bb) = (a_axis.length_squared(), b_axis.length_squared());
     if aa <= TINY || bb <= TINY {
@@ -27,31 +45,37 @@ pub(crate) fn segment_segment(a1: Vec3, a2: Vec3, b1: Vec3, b2: Vec3) -> Option<
     let normal = a_axis.cross(b_axis);
     let nn = normal.length_squared();
     if nn <= 1e-8 * aa * bb {
-        return parallel_segments(a_axis, b_axis, c);
+        return parallel_segments(a_axis, b_axis, c, reach);
     }
     let a = c.dot(b_axis.cross(normal)) / nn;
     let b = c.dot(a_axis.cross(normal)) / nn;
-    let inside = (0.0..=1.0).contains(&a) && (0.0..=1.0).contains(&b);
-    inside.then(|| SegmentPair { a, b, d: c + b * b_axis - a * a_axis, normal: Some(normal / nn.sqrt()) })
+    let inside = on_segment(a) && on_segment(b);
+    inside.then(|| SegmentPair { a, b, d: apart([a_axis, b_axis, c], a, b, reach), normal: Some(normal / nn.sqrt()) })
 }
 
 /// The middle of the overlapping stretch.
-fn parallel_segments(a_axis: Vec3, b_axis: Vec3, c: Vec3) -> Option<SegmentPair> {
+fn parallel_segments(a_axis: Vec3, b_axis: Vec3, c: Vec3, reach: f32) -> Option<SegmentPair> {
     let aa = a_axis.length_squared();
     let t0 = c.dot(a_axis) / aa;
     let t1 = (c + b_axis).dot(a_axis) / aa;
     let low = t0.min(t1).max(0.0);
     let high = t0.max(t1).min(1.0);
-    if low > high {
+    if low > high + AT_END {
         return None;
     }
     let a = 0.5 * (low + high);
     let b = ((a * a_axis - c).dot(b_axis) / b_axis.length_squared()).clamp(0.0, 1.0);
-    Some(SegmentPair { a, b, d: c + b * b_axis - a * a_axis, normal: None })
+    Some(SegmentPair { a, b, d: apart([a_axis, b_axis, c], a, b, reach), normal: None })
 }
 
-/// Parameter on the segment and the vector from the point to it (2.4, 2.5); `None` beyond the ends.
-pub(crate) fn point_segment(p: Vec3, a1: Vec3, a2: Vec3) -> Option<(f32, Vec3)> {
+/// From the point at `a` on one axis to that at `b` on another, which begins at `c` from the first.
+fn apart([a_axis, b_axis, c]: [Vec3; 3], a: f32, b: f32, reach: f32) -> Vec3 {
+    let longest = c.length_squared().max(a_axis.length_squared()).max(b_axis.length_squared());
+    unrounded(c + b * b_axis - a * a_axis, longest, reach)
+}
+
+/// Parameter on the segment and the vector from the point to it (2.4, 2.5); `None` beyond the ends. What is nearer than `reach` touches.
+pub(crate) fn point_segment(p: Vec3, [a1, a2]: [Vec3; 2], reach: f32) -> Option<(f32, Vec3)> {
     let axis = a2 - a1;
     let aa = axis.length_squared();
     if aa <= TINY {
@@ -59,7 +83,7 @@ pub(crate) fn point_segment(p: Vec3, a1: Vec3, a2: Vec3) -> Option<(f32, Vec3)> 
     }
     let c = p - a1;
     let a = axis.dot(c) / aa;
-    (0.0..=1.0).contains(&a).then(|| (a, a * axis - c))
+    on_segment(a).then(|| (a, unrounded(a * axis - c, c.length_squared(), reach)))
 }
 
 /// Parameters of a point along the three edges of a box.
@@ -68,19 +92,21 @@ pub(crate) fn box_parameters(cuboid: &BoxWords, p: Vec3) -> Vec3 {
     Vec3::from_array(cuboid.edges.map(|edge| t.dot(edge) / edge.length_squared()))
 }
 
-/// Whether a point lies in a box, its surface included.
+/// Whether a point lies in a box, its surface included, and what is outside by rounding alone.
 pub(crate) fn box_contains(cuboid: &BoxWords, p: Vec3) -> bool {
     let t = box_parameters(cuboid, p);
-    t.cmpge(Vec3::ZERO).all() && t.cmple(Vec3::ONE).all()
+    let rounded = ROUNDED * p.distance(cuboid.corner) / Vec3::from_array(cuboid.edges.map(Vec3::length));
+    t.cmpge(-rounded).all() && t.cmple(Vec3::ONE + rounded).all()
 }
 
 /// Unit vector from a sphere's centre into the box along which they touch, and the centre's distance from the surface,
 /// negative inside.
-pub(crate) fn point_box(cuboid: &BoxWords, p: Vec3) -> (Vec3, f32) {
+pub(crate) fn point_box(cuboid: &BoxWords, p: Vec3, radius: f32) -> (Vec3, f32) {
     let t = box_parameters(cuboid, p);
     let clamped = t.clamp(Vec3::ZERO, Vec3::ONE);
     let [i, j, k] = cuboid.edges;
-    let d = cuboid.corner + clamped.x * i + clamped.y * j + clamped.z * k - p;
+    let longest = cuboid.edges.map(Vec3::length_squared).into_iter().fold(0.0, f32::max);
+    let d = unrounded(cuboid.corner + clamped.x * i + clamped.y * j + clamped.z * k - p, longest, radius);
     let dd = d.length_squared();
     if clamped == t || dd <= TINY {
         return nearest_face(cuboid, clamped);
@@ -96,7 +122,7 @@ fn nearest_face(cuboid: &BoxWords, t: Vec3) -> (Vec3, f32) {
         let length = edge.length();
         let outward = edge / length;
         for (inward, depth) in [(outward, t[axis] * length), (-outward, (1.0 - t[axis]) * length)] {
-            if depth < nearest.1 {
+            if depth < (1.0 - AT_END) * nearest.1 {
                 nearest = (inward, depth);
             }
         }
@@ -112,7 +138,7 @@ pub(crate) fn point_polygon(polygon: &PolygonWords, p: Vec3) -> Option<(Vec3, f3
     let l = t.cross(polygon.right).dot(normal) / nn;
     let k = polygon.left.cross(t).dot(normal) / nn;
     let face = normal / nn.sqrt();
-    let inside = (0.0..=1.0).contains(&l) && (0.0..=1.0).contains(&k);
+    let inside = on_segment(l) && on_segment(k);
     inside.then(|| (face, t.dot(face)))
 }
 

@@ -86,18 +86,20 @@ fn sphere_sphere(view: &View, a: u32, b: u32) -> Option<Touch> {
 
 fn sphere_rod(view: &View, sphere: u32, rod: RodWords) -> Option<Touch> {
     let (end1, end2) = ends(view, rod);
-    let (parameter, d) = point_segment(view.position(sphere), end1, end2)?;
-    round(d, view.radius(sphere) + rod.radius, Vec3::Y, 0.0, parameter)
+    let reach = view.radius(sphere) + rod.radius;
+    let (parameter, d) = point_segment(view.position(sphere), [end1, end2], reach)?;
+    round(d, reach, Vec3::Y, 0.0, parameter)
 }
 
 fn rod_rod(view: &View, a: RodWords, b: RodWords) -> Option<Touch> {
     let ((a1, a2), (b1, b2)) = (ends(view, a), ends(view, b));
-    let pair = segment_segment(a1, a2, b1, b2)?;
-    round(pair.d, a.radius + b.radius, pair.normal.unwrap_or(Vec3::Y), pair.a, pair.b)
+    let reach = a.radius + b.radius;
+    let pair = segment_segment([a1, a2], [b1, b2], reach)?;
+    round(pair.d, reach, pair.normal.unwrap_or(Vec3::Y), pair.a, pair.b)
 }
 
 fn sphere_box(view: &View, sphere: u32, cuboid: &BoxWords) -> Option<Touch> {
-    let (normal, distance) = point_box(cuboid, view.position(sphere));
+    let (normal, distance) = point_box(cuboid, view.position(sphere), view.radius(sphere));
     let overlap = view.radius(sphere) - distance;
     (overlap > 0.0).then_some(Touch { normal, overlap, a: 0.0, b: 0.0 })
 }
@@ -114,7 +116,7 @@ fn rod_box(view: &View, rod: RodWords, cuboid: &BoxWords, feature: u32) -> Optio
     let (end1, end2) = ends(view, rod);
     let edge = |edge: u32| {
         let edge = box_edge(cuboid, edge);
-        let pair = segment_segment(end1, end2, edge.start, edge.end)?;
+        let pair = segment_segment([end1, end2], [edge.start, edge.end], rod.radius)?;
         near_feature(cuboid, rod.radius, end1 + pair.a * (end2 - end1), pair.a, pair.d, edge.outward)
     };
     if let Some(touch) = edge(feature) {
@@ -124,7 +126,7 @@ fn rod_box(view: &View, rod: RodWords, cuboid: &BoxWords, feature: u32) -> Optio
         return None;
     }
     let (vertex, outward) = box_vertex(cuboid, feature);
-    let (a, to_rod) = point_segment(vertex, end1, end2)?;
+    let (a, to_rod) = point_segment(vertex, [end1, end2], rod.radius)?;
     near_feature(cuboid, rod.radius, end1 + a * (end2 - end1), a, -to_rod, outward)
 }
 

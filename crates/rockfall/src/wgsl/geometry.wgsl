@@ -14,6 +14,14 @@ fn no_touch() -> Touch {
     return Touch(vec3f(0.0, 1.0, 0.0), 0.0, 0.0, 0.0);
 }
 
+// A distance that is so short beside the vectors it is the difference of is their rounding, and has no direction.
+const ROUNDED: f32 = 5e-7;
+
+// A distance vector, 0 where it is but the rounding of vectors of this squared length; but what does not touch is left so.
+fn unrounded(distance: vec3f, squared: f32, reach: f32) -> vec3f {
+    return select(distance, vec3f(0.0), dot(distance, distance) <= min(ROUNDED * ROUNDED * squared, 0.9 * reach * reach));
+}
+
 // From the distance vector, which points from A to B, and the sum of the radii.
 fn touch_at(distance: vec3f, reach: f32, a: f32, b: f32, normal_at_zero: vec3f) -> Touch {
     let squared = dot(distance, distance);
@@ -52,12 +60,15 @@ struct Closest {
     crossing: vec3f,
 }
 
+// A parameter that is less far beyond an end is at the end, which belongs to the segment: rounding must not decide.
+const AT_END: f32 = 5e-7;
+
 fn unit_interval(x: f32) -> bool {
-    return (x >= 0.0) & (x <= 1.0);
+    return abs(x - 0.5) <= 0.5 + AT_END;
 }
 
 // Closest points of two segments, (2.1) to (2.3). Parallel ones meet at the middle of the stretch they share.
-fn closest_points(a_start: vec3f, a_along: vec3f, b_start: vec3f, b_along: vec3f) -> Closest {
+fn closest_points(a_start: vec3f, a_along: vec3f, b_start: vec3f, b_along: vec3f, reach: f32) -> Closest {
     let aa = dot(a_along, a_along);
     let bb = dot(b_along, b_along);
     var closest = Closest(false, 0.0, 0.0, vec3f(0.0), vec3f(0.0, 1.0, 0.0));
@@ -72,7 +83,7 @@ fn closest_points(a_start: vec3f, a_along: vec3f, b_start: vec3f, b_along: vec3f
         let t1 = dot(between + b_along, a_along) / aa;
         let low = max(0.0, min(t0, t1));
         let high = min(1.0, max(t0, t1));
-        closest.hit = low <= high;
+        closest.hit = low <= high + AT_END;
         closest.a = 0.5 * (low + high);
         closest.b = clamp(dot(closest.a * a_along - between, b_along) / bb, 0.0, 1.0);
     } else {
@@ -84,7 +95,8 @@ fn closest_points(a_start: vec3f, a_along: vec3f, b_start: vec3f, b_along: vec3f
         }
         closest.crossing = normal / sqrt(nn);
     }
-    closest.distance = between + closest.b * b_along - closest.a * a_along;
+    let distance = between + closest.b * b_along - closest.a * a_along;
+    closest.distance = unrounded(distance, max(dot(between, between), max(aa, bb)), reach);
     return closest;
 }
 
@@ -123,68 +135,85 @@ fn touch_sphere_rod(sphere: u32, centre: vec4f, rod: Bar) -> Touch {
     }
     let axis = rod.axis;
     let squared = dot(axis.along, axis.along);
-    let b = dot(axis.along, centre.xyz - axis.start) / squared;
+    let from_start = centre.xyz - axis.start;
+    let b = dot(axis.along, from_start) / squared;
     if (squared <= TINY) | !unit_interval(b) {
         return no_touch();
     }
-    let distance = b * axis.along - (centre.xyz - axis.start);
-    return touch_at(distance, centre.w + axis.radius, 0.0, b, vec3f(0.0, 1.0, 0.0));
+    let reach = centre.w + axis.radius;
+    let distance = unrounded(b * axis.along - from_start, dot(from_start, from_start), reach);
+    return touch_at(distance, reach, 0.0, b, vec3f(0.0, 1.0, 0.0));
 }
 
 fn touch_rods(a: Bar, b: Bar) -> Touch {
     if any(a.ends == b.ends) | any(a.ends == b.ends.yx) {
         return no_touch();
     }
-    let closest = closest_points(a.axis.start, a.axis.along, b.axis.start, b.axis.along);
+    let reach = a.axis.radius + b.axis.radius;
+    let closest = closest_points(a.axis.start, a.axis.along, b.axis.start, b.axis.along, reach);
     if !closest.hit {
         return no_touch();
     }
-    return touch_at(closest.distance, a.axis.radius + b.axis.radius, closest.a, closest.b, closest.crossing);
+    return touch_at(closest.distance, reach, closest.a, closest.b, closest.crossing);
+}
+
+fn squared_edges(box: Cuboid) -> vec3f {
+    return vec3f(dot(box.i, box.i), dot(box.j, box.j), dot(box.k, box.k));
 }
 
 fn box_parameters(point: vec3f, box: Cuboid) -> vec3f {
     let from_corner = point - box.corner;
     let along = vec3f(dot(from_corner, box.i), dot(from_corner, box.j), dot(from_corner, box.k));
-    return along / vec3f(dot(box.i, box.i), dot(box.j, box.j), dot(box.k, box.k));
+    return along / squared_edges(box);
 }
 
 fn in_unit_cube(t: vec3f) -> bool {
     return all(t >= vec3f(0.0)) & all(t <= vec3f(1.0));
 }
 
+// Whether a point is in a box, or but for rounding on its surface.
+fn in_box(point: vec3f, box: Cuboid) -> bool {
+    let rounded = ROUNDED * length(point - box.corner) / sqrt(squared_edges(box));
+    return all(abs(box_parameters(point, box) - 0.5) <= 0.5 + rounded);
+}
+
 // A centre inside the box leaves by the nearest face.
 fn touch_sphere_box(centre: vec4f, box: Cuboid) -> Touch {
     let t = box_parameters(centre.xyz, box);
     let c = clamp(t, vec3f(0.0), vec3f(1.0));
-    let distance = box.corner + c.x * box.i + c.y * box.j + c.z * box.k - centre.xyz;
+    let edges = squared_edges(box);
+    let from_surface = box.corner + c.x * box.i + c.y * box.j + c.z * box.k - centre.xyz;
+    let distance = unrounded(from_surface, max(edges.x, max(edges.y, edges.z)), centre.w);
     let squared = dot(distance, distance);
     if !(in_unit_cube(t) | (squared <= TINY)) {
         let d = sqrt(squared);
         return Touch(distance / d, centre.w - d, 0.0, 0.0);
     }
-    let lengths = vec3f(length(box.i), length(box.j), length(box.k));
-    let low = t * lengths;
-    let high = (vec3f(1.0) - t) * lengths;
+    let lengths = sqrt(edges);
+    let low = c * lengths;
+    let high = (vec3f(1.0) - c) * lengths;
+    // Of faces equally far the first one counts.
+    let nearer = 1.0 - AT_END;
     // n points into the box, against the way out.
     var depth = low.x;
     var n = box.i / lengths.x;
-    if high.x < depth {
+    if high.x < nearer * depth {
         depth = high.x;
         n = -box.i / lengths.x;
     }
-    if low.y < depth {
+    if low.y < nearer * depth {
         depth = low.y;
         n = box.j / lengths.y;
     }
-    if high.y < depth {
+    if high.y < nearer * depth {
         depth = high.y;
         n = -box.j / lengths.y;
     }
-    if low.z < depth {
+    if low.z < nearer * depth {
         depth = low.z;
         n = box.k / lengths.z;
     }
-    if high.z < depth {
+    if high.z < nearer * depth {
         depth = high.z;
         n = -box.k / lengths.z;
     }
@@ -224,7 +253,7 @@ fn touch_box_feature(rod: Axis, box: Cuboid, a: f32, distance: vec3f, outward: v
         return no_touch();
     }
     let n = distance / d;
-    if in_unit_cube(box_parameters(rod.start + a * rod.along, box)) {
+    if in_box(rod.start + a * rod.along, box) {
         return Touch(-n, rod.radius + d, a, 0.0);
     }
     return Touch(n, rod.radius - d, a, 0.0);
@@ -235,7 +264,8 @@ fn touch_rod_edge(rod: Axis, box: Cuboid, feature: u32) -> Touch {
     let offset = vec2f(f32(feature & 1u), f32(feature >> 1u & 1u));
     let next = box_edge(box, g + 1u);
     let last = box_edge(box, g + 2u);
-    let closest = closest_points(rod.start, rod.along, box.corner + offset.x * next + offset.y * last, box_edge(box, g));
+    let corner = box.corner + offset.x * next + offset.y * last;
+    let closest = closest_points(rod.start, rod.along, corner, box_edge(box, g), rod.radius);
     if !closest.hit {
         return no_touch();
     }
@@ -248,13 +278,15 @@ fn touch_rod_vertex(rod: Axis, box: Cuboid, feature: u32) -> Touch {
     let offset = vec3f(f32(feature & 1u), f32(feature >> 1u & 1u), f32(feature >> 2u & 1u));
     let vertex = box.corner + offset.x * box.i + offset.y * box.j + offset.z * box.k;
     let squared = dot(rod.along, rod.along);
-    let a = dot(rod.along, vertex - rod.start) / squared;
+    let from_start = vertex - rod.start;
+    let a = dot(rod.along, from_start) / squared;
     if (squared <= TINY) | !unit_interval(a) {
         return no_touch();
     }
     let side = 2.0 * offset - 1.0;
     let outward = side.x * normalize(box.i) + side.y * normalize(box.j) + side.z * normalize(box.k);
-    return touch_box_feature(rod, box, a, vertex - rod.start - a * rod.along, outward);
+    let distance = unrounded(from_start - a * rod.along, dot(from_start, from_start), rod.radius);
+    return touch_box_feature(rod, box, a, distance, outward);
 }
 
 // Feature f is edge f; where no edge at all is hit, vertex f. The vertex is asked first: it is cheap, and where it is
