@@ -21,6 +21,8 @@ mod friction;
 mod observing;
 #[path = "closed_form/rods.rs"]
 mod rods;
+#[path = "closed_form/rules.rs"]
+mod rules;
 #[path = "closed_form/springs.rs"]
 mod springs;
 #[path = "closed_form/statics.rs"]

@@ -4,13 +4,14 @@ use glam::Vec3;
 
 use crate::cpu::view::{BoxWords, PolygonWords, TINY};
 
-/// A distance that is so short beside the vectors it is the difference of is their rounding, and has no direction.
+/// A distance that is so short beside the vectors it is the difference of is their rounding, and has no direction;
 const ROUNDED: f32 = 5e-7;
+/// but where things are so small that rounding is more than this part of them, there is nothing else to go by.
+const SMALL: f32 = 0.01;
 
 /// A distance vector of things that touch within `reach`, 0 where it is but the rounding of vectors of this squared length.
 fn unrounded(d: Vec3, squared: f32, reach: f32) -> Vec3 {
-    // What does not touch is left so.
-    let rounded = (ROUNDED * ROUNDED * squared).min(0.9 * reach * reach);
+    let rounded = (ROUNDED * ROUNDED * squared).min(SMALL * SMALL * reach * reach);
     if d.length_squared() <= rounded { Vec3::ZERO } else { d }
 }
 
@@ -92,10 +93,11 @@ pub(crate) fn box_parameters(cuboid: &BoxWords, p: Vec3) -> Vec3 {
     Vec3::from_array(cuboid.edges.map(|edge| t.dot(edge) / edge.length_squared()))
 }
 
-/// Whether a point lies in a box, its surface included, and what is outside by rounding alone.
-pub(crate) fn box_contains(cuboid: &BoxWords, p: Vec3) -> bool {
+/// Whether a point, so far from an edge of a box, lies in the box, its surface included, and what is outside by rounding alone.
+pub(crate) fn box_contains(cuboid: &BoxWords, p: Vec3, distance: f32) -> bool {
     let t = box_parameters(cuboid, p);
-    let rounded = ROUNDED * p.distance(cuboid.corner) / Vec3::from_array(cuboid.edges.map(Vec3::length));
+    let rounded =
+        (ROUNDED * p.distance(cuboid.corner)).min(SMALL * distance) / Vec3::from_array(cuboid.edges.map(Vec3::length));
     t.cmpge(-rounded).all() && t.cmple(Vec3::ONE + rounded).all()
 }
 

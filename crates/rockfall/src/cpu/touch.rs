@@ -140,7 +140,10 @@ fn near_feature(cuboid: &BoxWords, radius: f32, on_axis: Vec3, a: f32, d: Vec3, 
     if distance >= radius {
         return None;
     }
-    let (normal, overlap) =
-        if box_contains(cuboid, on_axis) { (-d / distance, radius + distance) } else { (d / distance, radius - distance) };
+    let (normal, overlap) = if box_contains(cuboid, on_axis, distance) {
+        (-d / distance, radius + distance)
+    } else {
+        (d / distance, radius - distance)
+    };
     Some(Touch { normal, overlap, a, b: 0.0 })
 }

@@ -14,12 +14,15 @@ fn no_touch() -> Touch {
     return Touch(vec3f(0.0, 1.0, 0.0), 0.0, 0.0, 0.0);
 }
 
-// A distance that is so short beside the vectors it is the difference of is their rounding, and has no direction.
+// A distance that is so short beside the vectors it is the difference of is their rounding, and has no direction;
 const ROUNDED: f32 = 5e-7;
+// but where things are so small that rounding is more than this part of them, there is nothing else to go by.
+const SMALL: f32 = 0.01;
 
-// A distance vector, 0 where it is but the rounding of vectors of this squared length; but what does not touch is left so.
+// A distance vector of things that touch within a reach, 0 where it is but the rounding of vectors of this squared length.
 fn unrounded(distance: vec3f, squared: f32, reach: f32) -> vec3f {
-    return select(distance, vec3f(0.0), dot(distance, distance) <= min(ROUNDED * ROUNDED * squared, 0.9 * reach * reach));
+    let rounded = min(ROUNDED * ROUNDED * squared, SMALL * SMALL * reach * reach);
+    return select(distance, vec3f(0.0), dot(distance, distance) <= rounded);
 }
 
 // From the distance vector, which points from A to B, and the sum of the radii.
@@ -171,9 +174,9 @@ fn in_unit_cube(t: vec3f) -> bool {
     return all(t >= vec3f(0.0)) & all(t <= vec3f(1.0));
 }
 
-// Whether a point is in a box, or but for rounding on its surface.
-fn in_box(point: vec3f, box: Cuboid) -> bool {
-    let rounded = ROUNDED * length(point - box.corner) / sqrt(squared_edges(box));
+// Whether a point, so far from an edge of a box, is in the box, or but for rounding on its surface.
+fn in_box(point: vec3f, box: Cuboid, distance: f32) -> bool {
+    let rounded = min(ROUNDED * length(point - box.corner), SMALL * distance) / sqrt(squared_edges(box));
     return all(abs(box_parameters(point, box) - 0.5) <= 0.5 + rounded);
 }
 
@@ -253,7 +256,7 @@ fn touch_box_feature(rod: Axis, box: Cuboid, a: f32, distance: vec3f, outward: v
         return no_touch();
     }
     let n = distance / d;
-    if in_box(rod.start + a * rod.along, box) {
+    if in_box(rod.start + a * rod.along, box, d) {
         return Touch(-n, rod.radius + d, a, 0.0);
     }
     return Touch(n, rod.radius - d, a, 0.0);

@@ -1,0 +1,58 @@
+//! Touches that have no normal of their own, for the distance is 0 but for rounding: a rule gives it (physics.md section 2).
+
+use rockfall::{Backend, Contact, Cuboid, Scene, Sphere};
+
+use crate::common::*;
+
+/// One contact of a scene, in which there is no other.
+fn only_contact(scene: Scene, backend: Backend) -> Contact {
+    let contacts = simulation(scene, backend).contacts().expect("contacts are found");
+    assert_eq!(contacts.len(), 1, "{contacts:?}");
+    contacts[0]
+}
+
+#[track_caller]
+fn touch(contact: &Contact, normal: [f64; 3], overlap: f64) {
+    near(contact.normal, normal, 1e-5, "normal");
+    assert!((f64::from(contact.overlap) / overlap - 1.0).abs() < 0.02, "{contact:?}, expected an overlap of {overlap}");
+}
+
+/// The axis meets the edge x = y = 0 at a third of its length, which is no binary fraction. Outward there is (-1, 1, 0) / sqrt(2).
+fn rod_through_a_box_edge(backend: Backend) {
+    let mut scene = weightless();
+    scene.add_box(Cuboid::between([0.0, -2.0, -3.0], [2.0, 0.0, 3.0])).expect("a valid box");
+    let ends = [[-1.0, -1.0, 0.3], [2.0, 2.0, 0.3]].map(|end| Sphere::new(end, 0.05));
+    rod(&mut scene, ends, 0.1);
+    let half = 0.5_f64.sqrt();
+    touch(&only_contact(scene, backend), [half, -half, 0.0], 0.1);
+}
+
+/// Two axes that cross at a third of one and three fourteenths of the other: the normal is that of both.
+fn rods_whose_axes_cross(backend: Backend) {
+    let mut scene = weightless();
+    rod(&mut scene, [[-1.0, 0.2, 0.7], [2.0, 0.2, 0.7]].map(|end| Sphere::new(end, 0.05)), 0.1);
+    rod(&mut scene, [[0.0, 0.2, 0.4], [0.0, 0.2, 1.8]].map(|end| Sphere::new(end, 0.05)), 0.2);
+    touch(&only_contact(scene, backend), [0.0, -1.0, 0.0], 0.3);
+}
+
+/// A ball whose centre is on the far face of a box leaves through it.
+fn centre_on_a_face_of_a_box(backend: Backend) {
+    for width in [0.3, 0.7, 2.3, 4.9] {
+        let mut scene = weightless();
+        scene.add_box(Cuboid::between([20.1, 0.1, 0.1], [20.1 + width, 9.3, 7.7])).expect("a valid box");
+        spheres(&mut scene, [Sphere::new([20.1 + width, 4.7, 3.3], 0.25)]);
+        touch(&only_contact(scene, backend), [-1.0, 0.0, 0.0], 0.25);
+    }
+}
+
+/// A rule is for what has no normal alone: a grain on a floor a million times as wide sinks in as deep as it does.
+fn grain_on_a_wide_floor(backend: Backend) {
+    for height in [0.0002, 0.0004, 0.0009] {
+        let mut scene = weightless();
+        scene.add_box(Cuboid::between([-500.0, -1.0, -500.0], [500.0, 0.0, 500.0])).expect("a valid box");
+        spheres(&mut scene, [Sphere::new([0.0, height, 0.0], 0.001)]);
+        touch(&only_contact(scene, backend), [0.0, -1.0, 0.0], 0.001 - f64::from(height));
+    }
+}
+
+both!(rod_through_a_box_edge, rods_whose_axes_cross, centre_on_a_face_of_a_box, grain_on_a_wide_floor);
