@@ -26,9 +26,9 @@ fn on_segment(parameter: f32) -> bool {
 /// Where two segments come closest.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct SegmentPair {
-    /// Parameter on A, in [0, 1].
+    /// Parameter on A, in [0, 1] but for rounding.
     pub(crate) a: f32,
-    /// Parameter on B, in [0, 1].
+    /// Parameter on B, likewise.
     pub(crate) b: f32,
     /// From A's point to B's.
     pub(crate) d: Vec3,
