@@ -50,8 +50,11 @@ pub(crate) fn segment_segment([a1, a2]: [Vec3; 2], [b1, b2]: [Vec3; 2], reach: f
     }
     let a = c.dot(b_axis.cross(normal)) / nn;
     let b = c.dot(a_axis.cross(normal)) / nn;
-    let inside = on_segment(a) && on_segment(b);
-    inside.then(|| SegmentPair { a, b, d: apart([a_axis, b_axis, c], a, b, reach), normal: Some(normal / nn.sqrt()) })
+    let normal = normal / nn.sqrt();
+    // It is along the common normal: what else there is of it comes from the rounding of a and b.
+    let d = (c + b * b_axis - a * a_axis).dot(normal) * normal;
+    let d = unrounded(d, c.length_squared().max(aa).max(bb), reach);
+    (on_segment(a) && on_segment(b)).then_some(SegmentPair { a, b, d, normal: Some(normal) })
 }
 
 /// The middle of the overlapping stretch.
@@ -66,13 +69,9 @@ fn parallel_segments(a_axis: Vec3, b_axis: Vec3, c: Vec3, reach: f32) -> Option<
     }
     let a = 0.5 * (low + high);
     let b = ((a * a_axis - c).dot(b_axis) / b_axis.length_squared()).clamp(0.0, 1.0);
-    Some(SegmentPair { a, b, d: apart([a_axis, b_axis, c], a, b, reach), normal: None })
-}
-
-/// From the point at `a` on one axis to that at `b` on another, which begins at `c` from the first.
-fn apart([a_axis, b_axis, c]: [Vec3; 3], a: f32, b: f32, reach: f32) -> Vec3 {
-    let longest = c.length_squared().max(a_axis.length_squared()).max(b_axis.length_squared());
-    unrounded(c + b * b_axis - a * a_axis, longest, reach)
+    let longest = c.length_squared().max(aa).max(b_axis.length_squared());
+    let d = unrounded(c + b * b_axis - a * a_axis, longest, reach);
+    Some(SegmentPair { a, b, d, normal: None })
 }
 
 /// Parameter on the segment and the vector from the point to it (2.4, 2.5); `None` beyond the ends. What is nearer than `reach` touches.

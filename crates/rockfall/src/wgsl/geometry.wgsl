@@ -81,7 +81,8 @@ fn closest_points(a_start: vec3f, a_along: vec3f, b_start: vec3f, b_along: vec3f
     let between = b_start - a_start;
     let normal = cross(a_along, b_along);
     let nn = dot(normal, normal);
-    if nn <= 1e-8 * aa * bb {
+    let is_crossing = !(nn <= 1e-8 * aa * bb);
+    if !is_crossing {
         let t0 = dot(between, a_along) / aa;
         let t1 = dot(between + b_along, a_along) / aa;
         let low = max(0.0, min(t0, t1));
@@ -98,7 +99,11 @@ fn closest_points(a_start: vec3f, a_along: vec3f, b_start: vec3f, b_along: vec3f
         }
         closest.crossing = normal / sqrt(nn);
     }
-    let distance = between + closest.b * b_along - closest.a * a_along;
+    var distance = between + closest.b * b_along - closest.a * a_along;
+    if is_crossing {
+        // It is along the common normal: what else there is of it comes from the rounding of a and b.
+        distance = dot(distance, closest.crossing) * closest.crossing;
+    }
     closest.distance = unrounded(distance, max(dot(between, between), max(aa, bb)), reach);
     return closest;
 }

@@ -1,5 +1,6 @@
 //! Touches that have no normal of their own, for the distance is 0 but for rounding: a rule gives it (physics.md section 2).
 
+use rockfall::glam::{EulerRot, Quat, Vec3};
 use rockfall::{Backend, Contact, Cuboid, Scene, Sphere};
 
 use crate::common::*;
@@ -14,6 +15,11 @@ fn only_contact(scene: Scene, backend: Backend) -> Contact {
 #[track_caller]
 fn touch(contact: &Contact, normal: [f64; 3], overlap: f64) {
     near(contact.normal, normal, 1e-5, "normal");
+    depth(contact, overlap);
+}
+
+#[track_caller]
+fn depth(contact: &Contact, overlap: f64) {
     assert!((f64::from(contact.overlap) / overlap - 1.0).abs() < 0.02, "{contact:?}, expected an overlap of {overlap}");
 }
 
@@ -33,6 +39,32 @@ fn rods_whose_axes_cross(backend: Backend) {
     rod(&mut scene, [[-1.0, 0.2, 0.7], [2.0, 0.2, 0.7]].map(|end| Sphere::new(end, 0.05)), 0.1);
     rod(&mut scene, [[0.0, 0.2, 0.4], [0.0, 0.2, 1.8]].map(|end| Sphere::new(end, 0.05)), 0.2);
     touch(&only_contact(scene, backend), [0.0, -1.0, 0.0], 0.3);
+}
+
+/// The same with 1e-4 between the axes, of lengths of 3 and 1.4: it lies along the common normal all the same.
+fn rods_whose_axes_all_but_cross(backend: Backend) {
+    for gap in [1e-4_f32, -1e-4] {
+        let mut scene = weightless();
+        rod(&mut scene, [[-1.0, 0.0, 0.7], [2.0, 0.0, 0.7]].map(|end| Sphere::new(end, 0.05)), 0.1);
+        rod(&mut scene, [[0.1, gap, 0.4], [0.3, gap, 1.8]].map(|end| Sphere::new(end, 0.05)), 0.2);
+        let contact = only_contact(scene, backend);
+        touch(&contact, [0.0, f64::from(gap.signum()), 0.0], 0.2999);
+    }
+}
+
+/// Logs that are all but parallel, at angles from 1e-3 to 1e-1 and askew in space, touch where they cross, as deep as they do: 0.3 -
+/// 0.299.
+fn logs_all_but_parallel(backend: Backend) {
+    let askew = Quat::from_euler(EulerRot::XYZ, 0.7, -0.4, 1.1);
+    for angle in [1e-3_f32, 3e-3, 1e-2, 3e-2, 1e-1] {
+        let mut scene = weightless();
+        let end = |place: [f32; 3]| Sphere::new(askew * Vec3::from_array(place), 0.05);
+        rod(&mut scene, [[-1.7, 0.0, 0.1], [2.3, 0.0, 0.1]].map(end), 0.1);
+        rod(&mut scene, [-1.9_f32, 1.6].map(|x| end([0.2 + x * angle.cos(), 0.299, 0.1 + x * angle.sin()])), 0.2);
+        let contact = only_contact(scene, backend);
+        near(contact.normal, (askew * Vec3::Y).as_dvec3(), 2e-3, "normal");
+        depth(&contact, 0.001);
+    }
 }
 
 /// A ball whose centre is on the far face of a box leaves through it.
@@ -55,4 +87,11 @@ fn grain_on_a_wide_floor(backend: Backend) {
     }
 }
 
-both!(rod_through_a_box_edge, rods_whose_axes_cross, centre_on_a_face_of_a_box, grain_on_a_wide_floor);
+both!(
+    rod_through_a_box_edge,
+    rods_whose_axes_cross,
+    rods_whose_axes_all_but_cross,
+    logs_all_but_parallel,
+    centre_on_a_face_of_a_box,
+    grain_on_a_wide_floor,
+);
