@@ -6,8 +6,9 @@ use crate::layout::{
 };
 use crate::profile::Recorder;
 use crate::settings::Integrator;
+use crate::simulation::Simulation;
+use crate::simulation::interval::LONGEST;
 use crate::simulation::lookahead::{Lists, Lookahead};
-use crate::simulation::{Simulation, interval};
 use crate::stage::{Phase, is_small};
 
 /// The thesis's fixed time step, in s.
@@ -160,7 +161,7 @@ impl Simulation {
         let interval = self.world.step.list_interval as u32;
         if status.void == VOID_ESCAPED && escape < NEAR && self.interval.forgives(interval) {
             self.window.voids += 1;
-            if interval == interval::MOST {
+            if interval == LONGEST {
                 self.world.step.margin_scale += escape + NEAR_STEP;
             }
             return Ok(());
@@ -317,8 +318,8 @@ mod tests {
     #[test]
     #[cfg(not(target_family = "wasm"))]
     fn an_exception_raises_margins_where_lists_last_longest() {
-        assert_eq!(margin_after_exception(interval::MOST / 2), MIN_MARGIN);
-        assert_eq!(margin_after_exception(interval::MOST), MIN_MARGIN + 0.5 * NEAR + NEAR_STEP);
+        assert_eq!(margin_after_exception(LONGEST / 2), MIN_MARGIN);
+        assert_eq!(margin_after_exception(LONGEST), MIN_MARGIN + 0.5 * NEAR + NEAR_STEP);
     }
 
     #[test]

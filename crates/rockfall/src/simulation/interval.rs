@@ -7,7 +7,7 @@
 //! million bodies some always ask for lists; most of those do not leave after all.
 
 /// The longest.
-pub(super) const MOST: u32 = 8;
+pub(super) const LONGEST: u32 = 8;
 /// Batches without such a step before the next trial, after trials that failed: one costs a void step, little beside what a batch gains
 /// whose lists last.
 const LONGEST_PAUSE: u32 = 2;
@@ -33,7 +33,7 @@ impl Default for Interval {
 impl Interval {
     /// Begins with the lookahead that there is.
     pub(super) fn long() -> Self {
-        Self { steps: MOST, ..Self::default() }
+        Self { steps: LONGEST, ..Self::default() }
     }
 
     /// Steps, for lists that are made for so many steps ahead.
@@ -51,7 +51,7 @@ impl Interval {
             return false;
         }
         self.calm = 0;
-        if self.steps == MOST {
+        if self.steps == LONGEST {
             self.pause = (self.pause / 2).max(1);
             return false;
         }
@@ -95,7 +95,7 @@ mod tests {
             assert!(interval.forgives(8) && !interval.forgives(8));
             interval.lasted();
         }
-        assert_eq!(interval.steps(32.0), MOST);
+        assert_eq!(interval.steps(32.0), LONGEST);
         assert!(!interval.forgives(1), "no interval is to blame");
     }
 

@@ -5,7 +5,7 @@ use rockfall::{Backend, Body, Contact, ContactAction, Scene, Sphere, Spring};
 use crate::common::*;
 
 /// One contact of a scene, in which there is no other.
-fn only_contact(scene: Scene, backend: Backend) -> Contact {
+pub(crate) fn only_contact(scene: Scene, backend: Backend) -> Contact {
     let contacts = simulation(scene, backend).contacts().expect("contacts are found");
     assert_eq!(contacts.len(), 1, "{contacts:?}");
     contacts[0]

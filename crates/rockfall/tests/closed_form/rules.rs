@@ -1,16 +1,10 @@
 //! Touches that have no normal of their own, for the distance is 0 but for rounding: a rule gives it (physics.md section 2).
 
 use rockfall::glam::{EulerRot, Quat, Vec3};
-use rockfall::{Backend, Contact, Cuboid, Scene, Sphere};
+use rockfall::{Backend, Contact, Cuboid, Sphere};
 
 use crate::common::*;
-
-/// One contact of a scene, in which there is no other.
-fn only_contact(scene: Scene, backend: Backend) -> Contact {
-    let contacts = simulation(scene, backend).contacts().expect("contacts are found");
-    assert_eq!(contacts.len(), 1, "{contacts:?}");
-    contacts[0]
-}
+use crate::observing::only_contact;
 
 #[track_caller]
 fn touch(contact: &Contact, normal: [f64; 3], overlap: f64) {

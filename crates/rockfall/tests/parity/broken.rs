@@ -131,15 +131,24 @@ const MISTAKES: [Mistake; 86] = [
     Mistake("run_steps", POSITIONS, "four_states.wgsl", "(2u, region", "(1u, region", Buffer::Start),
 ];
 
-/// The stage of a run with a mistake in it. It lives as long as the process, as stages do.
-fn broken(run: Run, Mistake(_, _, file, right, wrong, _): &Mistake) -> Run {
+/// A run whose stage has another text in a file, if the file is part of it. It lives as long as the process, as stages do.
+pub(crate) fn rewritten(run: Run, file: &str, rewrite: impl Fn(&str) -> String) -> Run {
     let mut parts: Vec<Part> = run.stage.parts.to_vec();
-    let part = parts.iter_mut().find(|part| part.file.ends_with(file)).expect(file);
-    let text = part.text.replacen(right, wrong, 1);
-    assert_ne!(text, part.text, "{file} has no '{right}'");
-    part.text = text.leak();
+    if let Some(part) = parts.iter_mut().find(|part| part.file.ends_with(file)) {
+        part.text = rewrite(part.text).leak();
+    }
     let stage = Stage { parts: parts.leak(), ..*run.stage };
     Run { stage: Box::leak(Box::new(stage)), ..run }
+}
+
+/// The stage of a run with a mistake in it.
+fn broken(run: Run, Mistake(_, _, file, right, wrong, _): &Mistake) -> Run {
+    assert!(run.stage.parts.iter().any(|part| part.file.ends_with(file)), "{file}");
+    rewritten(run, file, |text| {
+        let mistaken = text.replacen(right, wrong, 1);
+        assert_ne!(mistaken, text, "{file} has no '{right}'");
+        mistaken
+    })
 }
 
 #[test]

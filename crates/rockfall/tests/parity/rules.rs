@@ -7,10 +7,11 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use rockfall::gpu::Gpu;
 use rockfall::layout::{SLICE, WORKGROUP};
-use rockfall::stage::{Phase, Run, Stage};
+use rockfall::stage::{Phase, Run};
 use rockfall::world::World;
 use rockfall::{BroadPhase, Capsule, Cuboid, Integrator, Polygon, Rod, Scene, Sphere, SphereId, Spring, wgpu};
 
+use crate::broken::rewritten;
 use crate::compare::{BY_RULE, Tolerance, differences, listed};
 use crate::device::{GPU, on_gpu, open};
 
@@ -139,20 +140,15 @@ fn what_is_decided_by_rule() {
     }
 }
 
-/// A stage whose divisions in `geometry.wgsl` are off by a factor. It lives as long as the process, as stages do.
+/// A stage whose divisions in `geometry.wgsl` are off by a factor.
 fn dividing_by(factor: &str, run: Run) -> Run {
-    let mut parts = run.stage.parts.to_vec();
-    if let Some(part) = parts.iter_mut().find(|part| part.file.ends_with("geometry.wgsl")) {
-        let divisors = ["nn", "aa", "squared", "squared_edges(box)"];
-        let text = divisors.iter().fold(part.text.to_owned(), |text, divisor| {
+    rewritten(run, "geometry.wgsl", |text| {
+        ["nn", "aa", "squared", "squared_edges(box)"].iter().fold(text.to_owned(), |text, divisor| {
             let exact = format!(" / {divisor};");
             assert!(text.contains(&exact), "nothing is divided by {divisor}");
             text.replace(&exact, &format!(" / ({factor} * {divisor});"))
-        });
-        part.text = text.leak();
-    }
-    let stage = Stage { parts: parts.leak(), ..*run.stage };
-    Run { stage: Box::leak(Box::new(stage)), ..run }
+        })
+    })
 }
 
 /// WGSL lets a device divide with an error of 2.5 units in the last place, and many do. Where a rule decides, that must not.
