@@ -2,6 +2,7 @@
 
 use glam::{BVec4A, Vec3, Vec4};
 
+use crate::cpu::geometry::ROUNDED;
 use crate::cpu::lanes::Vec3x4;
 use crate::cpu::touch::Touch;
 use crate::cpu::view::{Object, TINY, View};
@@ -133,8 +134,10 @@ pub(crate) fn contact_forces(step: &Step, a: &Sides, b: &Sides, touches: &Touche
     let surface_a = a.velocity + a.spin.cross(n * arm_a);
     let surface_b = b.velocity - b.spin.cross(n * arm_b);
     let sliding = surface_b - surface_a;
+    let made_of = [a.velocity, b.velocity, surface_a, surface_b].map(|v| v.dot(v));
+    let rounded = ROUNDED * ROUNDED * made_of.into_iter().sum::<Vec4>();
     let cap = (step.coulomb_friction > 0.0).then(|| step.coulomb_friction * reduced_mass * pressure.max(Vec4::ZERO));
-    let friction = friction(sliding - n * sliding.dot(n), step.friction * reduced_mass * overlap, cap);
+    let friction = friction(sliding - n * sliding.dot(n), rounded, step.friction * reduced_mass * overlap, cap);
     let couple = n.cross(friction);
     let force = friction - n * (pressure * reduced_mass);
 
@@ -154,11 +157,14 @@ pub(crate) fn contact_forces(step: &Step, a: &Sides, b: &Sides, touches: &Touche
 /// With f the strength, mu m* o, the square root gives |F| = f sqrt|t|; Coulomb's law mu_c N, in the direction of t, N the
 /// normal force. The lesser of the two is continuous, never does positive work on the sliding, and is Coulomb's law from |t|
 /// = (mu_c N / f)² on: without damping (N = Cc m* o) that is (mu_c Cc / mu)², whatever the overlap and the masses.
+///
+/// A slip whose square is no more than `rounded` is but the rounding of what it is made of, and is none: the root would make a
+/// thousandth of it.
 #[inline]
-fn friction(t: Vec3x4, strength: Vec4, cap: Option<Vec4>) -> Vec3x4 {
+fn friction(t: Vec3x4, rounded: Vec4, strength: Vec4, cap: Option<Vec4>) -> Vec3x4 {
     let tt = t.dot(t);
     let speed = tt.sqrt();
     let per_velocity = strength / speed.sqrt();
     let per_velocity = cap.map_or(per_velocity, |cap| per_velocity.min(cap / speed));
-    t * Vec4::select(tt.cmple(Vec4::splat(TINY)), Vec4::ZERO, per_velocity)
+    t * Vec4::select(tt.cmple(rounded.max(Vec4::splat(TINY))), Vec4::ZERO, per_velocity)
 }

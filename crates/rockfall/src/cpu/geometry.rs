@@ -5,7 +5,7 @@ use glam::Vec3;
 use crate::cpu::view::{BoxWords, PolygonWords, TINY};
 
 /// A distance that is so short beside the vectors it is the difference of is their rounding, and has no direction;
-const ROUNDED: f32 = 5e-7;
+pub(crate) const ROUNDED: f32 = 5e-7;
 /// but where things are so small that rounding is more than this part of them, there is nothing else to go by.
 const SMALL: f32 = 0.01;
 
@@ -15,8 +15,14 @@ fn unrounded(d: Vec3, squared: f32, reach: f32) -> Vec3 {
     if d.length_squared() <= rounded { Vec3::ZERO } else { d }
 }
 
+/// A vector without what it has along an axis of this squared length. The distance of a point from a line has nothing along
+/// it but what the rounding of the parameter adds, which would turn the normal of things that all but meet.
+fn across(v: Vec3, axis: Vec3, squared: f32) -> Vec3 {
+    v - v.dot(axis) / squared * axis
+}
+
 /// A parameter that is less far beyond an end is at the end, which belongs to the segment: rounding must not decide.
-const AT_END: f32 = 5e-7;
+const AT_END: f32 = 1e-6;
 
 /// Whether a parameter is that of a point of a segment.
 fn on_segment(parameter: f32) -> bool {
@@ -83,7 +89,7 @@ pub(crate) fn point_segment(p: Vec3, [a1, a2]: [Vec3; 2], reach: f32) -> Option<
     }
     let c = p - a1;
     let a = axis.dot(c) / aa;
-    on_segment(a).then(|| (a, unrounded(a * axis - c, c.length_squared(), reach)))
+    on_segment(a).then(|| (a, unrounded(across(a * axis - c, axis, aa), c.length_squared(), reach)))
 }
 
 /// Parameters of a point along the three edges of a box.
@@ -107,7 +113,13 @@ pub(crate) fn point_box(cuboid: &BoxWords, p: Vec3, radius: f32) -> (Vec3, f32) 
     let clamped = t.clamp(Vec3::ZERO, Vec3::ONE);
     let [i, j, k] = cuboid.edges;
     let longest = cuboid.edges.map(Vec3::length_squared).into_iter().fold(0.0, f32::max);
-    let d = unrounded(cuboid.corner + clamped.x * i + clamped.y * j + clamped.z * k - p, longest, radius);
+    let mut d = cuboid.corner + clamped.x * i + clamped.y * j + clamped.z * k - p;
+    for (axis, edge) in cuboid.edges.into_iter().enumerate() {
+        if clamped[axis] == t[axis] {
+            d = across(d, edge, edge.length_squared());
+        }
+    }
+    let d = unrounded(d, longest, radius);
     let dd = d.length_squared();
     if clamped == t || dd <= TINY {
         return nearest_face(cuboid, clamped);

@@ -205,8 +205,11 @@ fn contact_force(a_side: Side, b_side: Side, touch: Touch, b: u32) -> ContactFor
     let slip = surface_b - surface_a;
     let t = slip - n * dot(slip, n);
     let tt = dot(t, t);
+    // A slip that is but the rounding of what it is made of is none: the root would make a thousandth of it.
+    let speeds = dot(a_side.velocity, a_side.velocity) + dot(b_side.velocity, b_side.velocity);
+    let rounded = ROUNDED * ROUNDED * (speeds + dot(surface_a, surface_a) + dot(surface_b, surface_b));
     var friction = vec3f(0.0);
-    if tt > TINY {
+    if tt > max(TINY, rounded) {
         var per_velocity = step.friction * reduced_mass * overlap / sqrt(sqrt(tt));
         // Coulomb's cap, |F| <= mu_c N; asked together for the reason in objects.wgsl.
         if (step.coulomb_friction > 0.0) & (overlap > 0.0) {

@@ -25,6 +25,12 @@ fn unrounded(distance: vec3f, squared: f32, reach: f32) -> vec3f {
     return select(distance, vec3f(0.0), dot(distance, distance) <= rounded);
 }
 
+// A vector without what it has along an axis of this squared length. The distance of a point from a line has nothing along it but
+// what the rounding of the parameter adds, which would turn the normal of things that all but meet.
+fn across(v: vec3f, axis: vec3f, squared: f32) -> vec3f {
+    return v - dot(v, axis) / squared * axis;
+}
+
 // From the distance vector, which points from A to B, and the sum of the radii.
 fn touch_at(distance: vec3f, reach: f32, a: f32, b: f32, normal_at_zero: vec3f) -> Touch {
     let squared = dot(distance, distance);
@@ -64,7 +70,7 @@ struct Closest {
 }
 
 // A parameter that is less far beyond an end is at the end, which belongs to the segment: rounding must not decide.
-const AT_END: f32 = 5e-7;
+const AT_END: f32 = 1e-6;
 
 fn unit_interval(x: f32) -> bool {
     return abs(x - 0.5) <= 0.5 + AT_END;
@@ -149,7 +155,8 @@ fn touch_sphere_rod(sphere: u32, centre: vec4f, rod: Bar) -> Touch {
         return no_touch();
     }
     let reach = centre.w + axis.radius;
-    let distance = unrounded(b * axis.along - from_start, dot(from_start, from_start), reach);
+    let apart = across(b * axis.along - from_start, axis.along, squared);
+    let distance = unrounded(apart, dot(from_start, from_start), reach);
     return touch_at(distance, reach, 0.0, b, vec3f(0.0, 1.0, 0.0));
 }
 
@@ -190,8 +197,12 @@ fn touch_sphere_box(centre: vec4f, box: Cuboid) -> Touch {
     let t = box_parameters(centre.xyz, box);
     let c = clamp(t, vec3f(0.0), vec3f(1.0));
     let edges = squared_edges(box);
-    let from_surface = box.corner + c.x * box.i + c.y * box.j + c.z * box.k - centre.xyz;
-    let distance = unrounded(from_surface, max(edges.x, max(edges.y, edges.z)), centre.w);
+    var apart = box.corner + c.x * box.i + c.y * box.j + c.z * box.k - centre.xyz;
+    let beside = c == t;
+    apart = select(apart, across(apart, box.i, edges.x), beside.x);
+    apart = select(apart, across(apart, box.j, edges.y), beside.y);
+    apart = select(apart, across(apart, box.k, edges.z), beside.z);
+    let distance = unrounded(apart, max(edges.x, max(edges.y, edges.z)), centre.w);
     let squared = dot(distance, distance);
     if !(in_unit_cube(t) | (squared <= TINY)) {
         let d = sqrt(squared);
@@ -293,7 +304,8 @@ fn touch_rod_vertex(rod: Axis, box: Cuboid, feature: u32) -> Touch {
     }
     let side = 2.0 * offset - 1.0;
     let outward = side.x * normalize(box.i) + side.y * normalize(box.j) + side.z * normalize(box.k);
-    let distance = unrounded(from_start - a * rod.along, dot(from_start, from_start), rod.radius);
+    let apart = across(from_start - a * rod.along, rod.along, squared);
+    let distance = unrounded(apart, dot(from_start, from_start), rod.radius);
     return touch_box_feature(rod, box, a, distance, outward);
 }
 

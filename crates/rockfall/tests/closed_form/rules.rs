@@ -1,4 +1,5 @@
-//! Touches that have no normal of their own, for the distance is 0 but for rounding: a rule gives it (physics.md section 2).
+//! Touches that have no normal of their own, for the distance is 0 but for rounding: a rule gives it (physics.md section 2). And slips that
+//! are.
 
 use rockfall::glam::{EulerRot, Quat, Vec3};
 use rockfall::{Backend, Contact, Cuboid, Sphere};
@@ -81,6 +82,50 @@ fn grain_on_a_wide_floor(backend: Backend) {
     }
 }
 
+/// Balls 1e-5 away from an axis and from a face are pushed straight away from it. Where their foot is, is rounded, and that by
+/// a hundredth of the distance.
+fn centres_all_but_on_an_axis_and_on_a_face(backend: Backend) {
+    for place in [-0.7_f32, 0.1, 0.3, 1.1, 1.7] {
+        let mut scene = weightless();
+        rod(&mut scene, [[-1.0, 0.0, 0.7], [2.0, 0.0, 0.7]].map(|end| Sphere::new(end, 0.05)), 0.1);
+        spheres(&mut scene, [Sphere::new([place, 1e-5, 0.7], 0.2)]);
+        let contact = only_contact(scene, backend);
+        // From the sphere or from the rod: whichever was added first is A.
+        touch(&contact, [0.0, f64::from(contact.normal.y.signum()), 0.0], 0.3);
+
+        let mut scene = weightless();
+        scene.add_box(Cuboid::between([-1.3, -1.0, -0.9], [2.3, 0.0, 2.9])).expect("a valid box");
+        spheres(&mut scene, [Sphere::new([place, 1e-5, 0.7], 0.2)]);
+        touch(&only_contact(scene, backend), [0.0, -1.0, 0.0], 0.2);
+    }
+}
+
+/// What moves alike does not rub, nor what moves along the normal alone, and what rolls: all there is of a slip comes from
+/// rounding, and friction goes with its root.
+fn rounding_does_not_rub(backend: Backend) {
+    for velocity in [[0.3, 0.7, 1.1], [2.3, -0.7, 0.1], [-0.1, 0.9, -7.3]] {
+        let mut scene = weightless();
+        let end = |place: [f32; 3]| Sphere::new(place, 0.05).velocity(velocity);
+        rod(&mut scene, [[-1.0, 0.0, 0.7], [2.0, 0.0, 0.7]].map(end), 0.1);
+        rod(&mut scene, [[0.1, 0.2, 0.4], [0.3, 0.2, 1.8]].map(end), 0.15);
+        torques(&loads(scene, backend), [[0.0; 3]; 4], 0.0);
+    }
+    let place = Vec3::new(0.3, -0.4, 0.7);
+    for speed in [0.3, 1.7, 3.1] {
+        let mut scene = weightless();
+        let falling = Sphere::new(place, 0.5).velocity(speed * place.normalize());
+        spheres(&mut scene, [Sphere::new(Vec3::ZERO, 0.5).fixed(), falling]);
+        torques(&loads(scene, backend), [[0.0; 3]; 2], 0.0);
+
+        let mut scene = weightless();
+        floor_box(&mut scene);
+        // The arm is the height: 0.48.
+        let ball = Sphere::new([0.0, 0.48, 0.0], 0.5).velocity([speed, 0.0, 0.0]);
+        spheres(&mut scene, [ball.angular_momentum([0.0, 0.0, -speed / 0.48 * ball.inertia()])]);
+        torques(&loads(scene, backend), [[0.0; 3]], 0.0);
+    }
+}
+
 both!(
     rod_through_a_box_edge,
     rods_whose_axes_cross,
@@ -88,4 +133,6 @@ both!(
     logs_all_but_parallel,
     centre_on_a_face_of_a_box,
     grain_on_a_wide_floor,
+    centres_all_but_on_an_axis_and_on_a_face,
+    rounding_does_not_rub,
 );
