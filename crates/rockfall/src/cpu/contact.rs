@@ -134,10 +134,12 @@ pub(crate) fn contact_forces(step: &Step, a: &Sides, b: &Sides, touches: &Touche
     let surface_a = a.velocity + a.spin.cross(n * arm_a);
     let surface_b = b.velocity - b.spin.cross(n * arm_b);
     let sliding = surface_b - surface_a;
-    let made_of = [a.velocity, b.velocity, surface_a, surface_b].map(|v| v.dot(v));
-    let rounded = ROUNDED * ROUNDED * made_of.into_iter().sum::<Vec4>();
+    let along = sliding.dot(n);
+    // How large velocities are, by their sum, which is cheaper than each; opposite ones close or slip.
+    let sum = a.velocity + b.velocity;
     let cap = (step.coulomb_friction > 0.0).then(|| step.coulomb_friction * reduced_mass * pressure.max(Vec4::ZERO));
-    let friction = friction(sliding - n * sliding.dot(n), rounded, step.friction * reduced_mass * overlap, cap);
+    let rounded = ROUNDED * ROUNDED * (sum.dot(sum) + along * along);
+    let friction = friction(sliding - n * along, rounded, step.friction * reduced_mass * overlap, cap);
     let couple = n.cross(friction);
     let force = friction - n * (pressure * reduced_mass);
 
@@ -158,8 +160,8 @@ pub(crate) fn contact_forces(step: &Step, a: &Sides, b: &Sides, touches: &Touche
 /// normal force. The lesser of the two is continuous, never does positive work on the sliding, and is Coulomb's law from |t|
 /// = (mu_c N / f)² on: without damping (N = Cc m* o) that is (mu_c Cc / mu)², whatever the overlap and the masses.
 ///
-/// A slip whose square is no more than `rounded` is but the rounding of what it is made of, and is none: the root would make a
-/// thousandth of it.
+/// A slip whose square is no more than `rounded` is but the rounding of what it is the difference of, and is none: the root would
+/// make a thousandth of it.
 #[inline]
 fn friction(t: Vec3x4, rounded: Vec4, strength: Vec4, cap: Option<Vec4>) -> Vec3x4 {
     let tt = t.dot(t);

@@ -9,7 +9,8 @@ pub(crate) const ROUNDED: f32 = 5e-7;
 /// but where things are so small that rounding is more than this part of them, there is nothing else to go by.
 const SMALL: f32 = 0.01;
 
-/// A distance vector of things that touch within `reach`, 0 where it is but the rounding of vectors of this squared length.
+/// A distance vector of things that touch within `reach`, 0 where it is but the rounding of vectors of this squared length: where
+/// it is nearly 0, what it is the difference of is no longer than the segments.
 fn unrounded(d: Vec3, squared: f32, reach: f32) -> Vec3 {
     let rounded = (ROUNDED * ROUNDED * squared).min(SMALL * SMALL * reach * reach);
     if d.length_squared() <= rounded { Vec3::ZERO } else { d }
@@ -59,7 +60,7 @@ pub(crate) fn segment_segment([a1, a2]: [Vec3; 2], [b1, b2]: [Vec3; 2], reach: f
     let normal = normal / nn.sqrt();
     // It is along the common normal: what else there is of it comes from the rounding of a and b.
     let d = (c + b * b_axis - a * a_axis).dot(normal) * normal;
-    let d = unrounded(d, c.length_squared().max(aa).max(bb), reach);
+    let d = unrounded(d, aa + bb, reach);
     (on_segment(a) && on_segment(b)).then_some(SegmentPair { a, b, d, normal: Some(normal) })
 }
 
@@ -75,8 +76,7 @@ fn parallel_segments(a_axis: Vec3, b_axis: Vec3, c: Vec3, reach: f32) -> Option<
     }
     let a = 0.5 * (low + high);
     let b = ((a * a_axis - c).dot(b_axis) / b_axis.length_squared()).clamp(0.0, 1.0);
-    let longest = c.length_squared().max(aa).max(b_axis.length_squared());
-    let d = unrounded(c + b * b_axis - a * a_axis, longest, reach);
+    let d = unrounded(c + b * b_axis - a * a_axis, aa + b_axis.length_squared(), reach);
     Some(SegmentPair { a, b, d, normal: None })
 }
 
@@ -89,7 +89,7 @@ pub(crate) fn point_segment(p: Vec3, [a1, a2]: [Vec3; 2], reach: f32) -> Option<
     }
     let c = p - a1;
     let a = axis.dot(c) / aa;
-    on_segment(a).then(|| (a, unrounded(across(a * axis - c, axis, aa), c.length_squared(), reach)))
+    on_segment(a).then(|| (a, unrounded(across(a * axis - c, axis, aa), aa, reach)))
 }
 
 /// Parameters of a point along the three edges of a box.

@@ -203,11 +203,13 @@ fn contact_force(a_side: Side, b_side: Side, touch: Touch, b: u32) -> ContactFor
     let surface_a = a_side.velocity + cross(a_side.spin, arm_a * n);
     let surface_b = b_side.velocity - cross(b_side.spin, arm_b * n);
     let slip = surface_b - surface_a;
-    let t = slip - n * dot(slip, n);
+    let along = dot(slip, n);
+    let t = slip - n * along;
     let tt = dot(t, t);
-    // A slip that is but the rounding of what it is made of is none: the root would make a thousandth of it.
-    let speeds = dot(a_side.velocity, a_side.velocity) + dot(b_side.velocity, b_side.velocity);
-    let rounded = ROUNDED * ROUNDED * (speeds + dot(surface_a, surface_a) + dot(surface_b, surface_b));
+    // A slip that is but the rounding of what it is the difference of is none: the root would make a thousandth of it. How large
+    // velocities are is told by their sum, which is cheaper than each; opposite ones close or slip.
+    let sum = a_side.velocity + b_side.velocity;
+    let rounded = ROUNDED * ROUNDED * (dot(sum, sum) + along * along);
     var friction = vec3f(0.0);
     if tt > max(TINY, rounded) {
         var per_velocity = step.friction * reduced_mass * overlap / sqrt(sqrt(tt));

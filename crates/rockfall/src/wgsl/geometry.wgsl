@@ -19,7 +19,8 @@ const ROUNDED: f32 = 5e-7;
 // but where things are so small that rounding is more than this part of them, there is nothing else to go by.
 const SMALL: f32 = 0.01;
 
-// A distance vector of things that touch within a reach, 0 where it is but the rounding of vectors of this squared length.
+// A distance vector of things that touch within a reach, 0 where it is but the rounding of vectors of this squared length: where it
+// is nearly 0, what it is the difference of is no longer than the segments.
 fn unrounded(distance: vec3f, squared: f32, reach: f32) -> vec3f {
     let rounded = min(ROUNDED * ROUNDED * squared, SMALL * SMALL * reach * reach);
     return select(distance, vec3f(0.0), dot(distance, distance) <= rounded);
@@ -110,7 +111,7 @@ fn closest_points(a_start: vec3f, a_along: vec3f, b_start: vec3f, b_along: vec3f
         // It is along the common normal: what else there is of it comes from the rounding of a and b.
         distance = dot(distance, closest.crossing) * closest.crossing;
     }
-    closest.distance = unrounded(distance, max(dot(between, between), max(aa, bb)), reach);
+    closest.distance = unrounded(distance, aa + bb, reach);
     return closest;
 }
 
@@ -156,7 +157,7 @@ fn touch_sphere_rod(sphere: u32, centre: vec4f, rod: Bar) -> Touch {
     }
     let reach = centre.w + axis.radius;
     let apart = across(b * axis.along - from_start, axis.along, squared);
-    let distance = unrounded(apart, dot(from_start, from_start), reach);
+    let distance = unrounded(apart, squared, reach);
     return touch_at(distance, reach, 0.0, b, vec3f(0.0, 1.0, 0.0));
 }
 
@@ -305,7 +306,7 @@ fn touch_rod_vertex(rod: Axis, box: Cuboid, feature: u32) -> Touch {
     let side = 2.0 * offset - 1.0;
     let outward = side.x * normalize(box.i) + side.y * normalize(box.j) + side.z * normalize(box.k);
     let apart = across(from_start - a * rod.along, rod.along, squared);
-    let distance = unrounded(apart, dot(from_start, from_start), rod.radius);
+    let distance = unrounded(apart, squared, rod.radius);
     return touch_box_feature(rod, box, a, distance, outward);
 }
 
