@@ -118,7 +118,8 @@ pub(crate) fn approach(a: &Sides, b: &Sides, normal: Vec3x4) -> Vec4 {
 #[inline]
 pub(crate) fn contact_forces(step: &Step, a: &Sides, b: &Sides, touches: &Touches) -> ContactForce<Vec3x4> {
     let (n, overlap) = (touches.normal, touches.overlap);
-    let approach = approach(a, b, n);
+    let relative = a.velocity - b.velocity;
+    let approach = relative.dot(n);
     let reduced_mass = 1.0 / (a.inverse_mass + b.inverse_mass);
     let mut pressure = step.contact_force * overlap + step.contact_damping * approach;
     if step.flags & FLAG_PULL == 0 {
@@ -131,15 +132,13 @@ pub(crate) fn contact_forces(step: &Step, a: &Sides, b: &Sides, touches: &Touche
         Some(radius_b) => (radius_a - 0.5 * overlap, radius_b - 0.5 * overlap),
         None => (radius_a - overlap, Vec4::ZERO),
     };
-    let surface_a = a.velocity + a.spin.cross(n * arm_a);
-    let surface_b = b.velocity - b.spin.cross(n * arm_b);
-    let sliding = surface_b - surface_a;
-    let along = sliding.dot(n);
+    // t = uB - uA without what it has along n, to which spins add nothing.
+    let t = n * approach - relative - (a.spin * arm_a + b.spin * arm_b).cross(n);
     // How large velocities are, by their sum, which is cheaper than each; opposite ones close or slip.
     let sum = a.velocity + b.velocity;
     let cap = (step.coulomb_friction > 0.0).then(|| step.coulomb_friction * reduced_mass * pressure.max(Vec4::ZERO));
-    let rounded = ROUNDED * ROUNDED * (sum.dot(sum) + along * along);
-    let friction = friction(sliding - n * along, rounded, step.friction * reduced_mass * overlap, cap);
+    let rounded = ROUNDED * ROUNDED * (sum.dot(sum) + approach * approach);
+    let friction = friction(t, rounded, step.friction * reduced_mass * overlap, cap);
     let couple = n.cross(friction);
     let force = friction - n * (pressure * reduced_mass);
 

@@ -184,7 +184,8 @@ fn contact_force(a_side: Side, b_side: Side, touch: Touch, b: u32) -> ContactFor
     let n = touch.n;
     let overlap = touch.overlap;
     let reduced_mass = 1.0 / (a_side.inverse_mass + b_side.inverse_mass);
-    let approach = dot(a_side.velocity - b_side.velocity, n);
+    let relative = a_side.velocity - b_side.velocity;
+    let approach = dot(relative, n);
     let threshold = step.activation_threshold * smaller_radius(a_side.radius, b_side.radius, b_moves);
     // An overlap begun within this step is left to the next step's collisions.
     let fresh = ((step.flags & FLAG_COLLISIONS) != 0u) & (approach > threshold) & (overlap < 2.0 * approach * step.dt);
@@ -200,16 +201,13 @@ fn contact_force(a_side: Side, b_side: Side, touch: Touch, b: u32) -> ContactFor
     // The arms meet in one point, so that the pair's angular momentum is kept.
     let arm_a = a_side.radius - select(overlap, 0.5 * overlap, b_moves);
     let arm_b = select(0.0, b_side.radius - 0.5 * overlap, b_moves);
-    let surface_a = a_side.velocity + cross(a_side.spin, arm_a * n);
-    let surface_b = b_side.velocity - cross(b_side.spin, arm_b * n);
-    let slip = surface_b - surface_a;
-    let along = dot(slip, n);
-    let t = slip - n * along;
+    // t = uB - uA without what it has along n, to which spins add nothing.
+    let t = approach * n - relative - cross(arm_a * a_side.spin + arm_b * b_side.spin, n);
     let tt = dot(t, t);
     // A slip that is but the rounding of what it is the difference of is none: the root would make a thousandth of it. How large
     // velocities are is told by their sum, which is cheaper than each; opposite ones close or slip.
     let sum = a_side.velocity + b_side.velocity;
-    let rounded = ROUNDED * ROUNDED * (dot(sum, sum) + along * along);
+    let rounded = ROUNDED * ROUNDED * (dot(sum, sum) + approach * approach);
     var friction = vec3f(0.0);
     if tt > max(TINY, rounded) {
         var per_velocity = step.friction * reduced_mass * overlap / sqrt(sqrt(tt));

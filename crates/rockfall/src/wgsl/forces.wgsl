@@ -53,7 +53,8 @@ fn add_contacts(i: u32, net: ptr<function, Net>) {
     }
 }
 
-// The sphere is A: the other is of higher id, or also a sphere, and then all of the contact law mirrors exactly.
+// The sphere is A: the other is of higher id, or also a sphere, and then all of the contact law mirrors, but for the rounding of the
+// slip.
 fn push_of(i: u32, kin: u32, own: vec4f, side: Side, other: Met) -> Push {
     let id = entry_id(other.entry);
     var found = no_touch();
