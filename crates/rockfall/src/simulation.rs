@@ -108,7 +108,7 @@ impl Simulation {
     /// As there.
     pub async fn with_options_async(scene: Scene, options: Options) -> Result<Self> {
         let world = prepare(&scene, &options)?;
-        let (engine, info) = Engine::open(options.backend, &world).await?;
+        let (engine, info) = Engine::open(&options, &world).await?;
         Ok(Self::assemble(scene, options, world, engine, info))
     }
 
@@ -119,7 +119,7 @@ impl Simulation {
     #[cfg(feature = "gpu")]
     pub fn on_device(scene: Scene, options: Options, device: &wgpu::Device, queue: &wgpu::Queue) -> Result<Self> {
         let world = prepare(&scene, &options)?;
-        let (engine, info) = Engine::on_device(device, queue, &world)?;
+        let (engine, info) = Engine::on_device(&options, device, queue, &world)?;
         Ok(Self::assemble(scene, options, world, engine, info))
     }
 

@@ -34,7 +34,7 @@ fn crowd(balls: usize) -> Scene {
 }
 
 fn simulation(scene: Scene, options: Options) -> Simulation {
-    Simulation::with_options(scene, options.backend(Backend::Gpu)).expect("the simulation opens")
+    Simulation::with_options(scene, options.backend(Backend::Gpu).join_steps(true)).expect("the simulation opens")
 }
 
 fn dispatches(simulation: &Simulation) -> u64 {
@@ -87,6 +87,22 @@ fn steps_in_one_dispatch_are_those_of_the_stages() {
             assert_eq!(joined.report.total_collisions > 300, collisions, "{:?}", joined.report);
         }
     }
+}
+
+/// By default a device joins them, and a CPU that plays one does not, for there one workgroup is one thread.
+#[test]
+fn software_runs_stage_by_stage() {
+    let plain = Options::new().backend(Backend::Gpu);
+    let options = [plain.clone(), plain.clone().join_steps(true), plain.join_steps(false)];
+    let mut software = false;
+    let [default, joined, apart] = options.map(|options| {
+        let mut simulation = Simulation::with_options(crowd(300), options).expect("the simulation opens");
+        software = simulation.gpu_view().expect("the GPU backend").gpu().is_software();
+        run(&mut simulation, 8, true);
+        run(&mut simulation, 32, true)
+    });
+    assert!(joined < apart, "{joined} dispatches and {apart}");
+    assert_eq!(default, if software { apart } else { joined });
 }
 
 /// Many at once, of which some have several collisions and most have none: each thread comes to its barriers by another way.

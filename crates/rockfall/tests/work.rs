@@ -59,7 +59,7 @@ fn dispatches_of_a_step() {
 #[cfg(feature = "gpu")]
 fn joined_dispatches(benchmark: Benchmark, before: u64, steps: u64) -> u64 {
     let scene = benchmark.generate(1_000, 5).unwrap();
-    let options = Options::new().backend(Backend::Gpu).broad_phase(BroadPhase::Grid);
+    let options = Options::new().backend(Backend::Gpu).broad_phase(BroadPhase::Grid).join_steps(true);
     let mut simulation = Simulation::with_options(scene, options).unwrap();
     simulation.run(before, DT).unwrap();
     let count = |simulation: &Simulation| simulation.gpu_view().unwrap().dispatches();

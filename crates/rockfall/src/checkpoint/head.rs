@@ -15,7 +15,8 @@ pub(super) fn bytes(checkpoint: &Checkpoint) -> Vec<u8> {
     }
     settings(&mut head, &scene.settings);
 
-    let Options { backend, integrator, broad_phase, pair_capacity, keep_going } = options;
+    // How steps are dispatched changes no result, and is left to the device that goes on.
+    let Options { backend, integrator, broad_phase, pair_capacity, keep_going, join_steps: _ } = options;
     for text in [backend.to_string(), integrator.to_string(), broad_phase.to_string()] {
         head.text(&text);
     }
@@ -54,7 +55,8 @@ pub(super) fn read(words: &mut Words) -> Result<(Checkpoint, Counts), Damage> {
 
     let (backend, integrator, broad_phase) = (words.text()?.parse()?, words.text()?.parse()?, words.text()?.parse()?);
     let (limited, capacity, keep_going) = (words.bool()?, words.u32()?, words.bool()?);
-    let options = Options { backend, integrator, broad_phase, pair_capacity: limited.then_some(capacity), keep_going };
+    let options =
+        Options { backend, integrator, broad_phase, pair_capacity: limited.then_some(capacity), keep_going, join_steps: None };
 
     let time_step = words.f32()?;
     if !(time_step.is_finite() && time_step > 0.0) {

@@ -184,6 +184,11 @@ impl Gpu {
         self.inner.device.adapter_info()
     }
 
+    /// Whether it is a CPU that plays GPU.
+    pub fn is_software(&self) -> bool {
+        self.info().device_type == wgpu::DeviceType::Cpu
+    }
+
     /// # Errors
     /// [`Error::Device`] when the device, which may be the caller's, was opened with limits that are too low.
     pub(crate) fn check_limits(&self) -> Result<()> {

@@ -148,10 +148,11 @@ impl GpuWorld {
         self.prepare(&dispatches)
     }
 
-    /// Whether `run_steps` takes the place of other stages: in small scenes without rods, the arrays of which are whole.
+    /// Whether `run_steps` takes the place of other stages: in small scenes without rods, the arrays of which are whole, where that is
+    /// faster.
     fn fuses(&self) -> bool {
         let is_whole = |buffer: Buffer| self.chunks(buffer).len() == 1;
-        suits(self.step()) && RUN_STEPS.bindings.iter().all(|binding| is_whole(binding.slot.buffer(0)))
+        self.joins_steps && suits(self.step()) && RUN_STEPS.bindings.iter().all(|binding| is_whole(binding.slot.buffer(0)))
     }
 
     /// [`GpuWorld::run`] of steps numbered for [`Run::is_in`], with every dispatch timed.

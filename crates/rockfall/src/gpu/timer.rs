@@ -192,8 +192,7 @@ const COPIES: u32 = 10;
 pub(crate) async fn copy_bandwidth(gpu: &Gpu) -> Result<f64> {
     clock(gpu)?;
     let (device, limits) = (gpu.device(), gpu.device().limits());
-    let software = gpu.info().device_type == wgpu::DeviceType::Cpu;
-    let wish = if software { SOFTWARE_COPY_BYTES } else { COPY_BYTES };
+    let wish = if gpu.is_software() { SOFTWARE_COPY_BYTES } else { COPY_BYTES };
     let bytes = wish.min(limits.max_storage_buffer_binding_size).min(limits.max_buffer_size) & !0xffff;
     let source = make_buffer(device, "copy source", bytes, wgpu::BufferUsages::STORAGE)?;
     let copied = make_buffer(device, "copy target", bytes, wgpu::BufferUsages::STORAGE)?;

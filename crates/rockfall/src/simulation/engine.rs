@@ -7,7 +7,7 @@ use crate::cpu;
 use crate::error::Result;
 use crate::layout::Status;
 use crate::profile::Recorder;
-use crate::simulation::options::{Backend, BackendInfo};
+use crate::simulation::options::{Backend, BackendInfo, Options};
 use crate::simulation::profile;
 use crate::stage::Run;
 use crate::world::World;
@@ -71,8 +71,8 @@ macro_rules! on_gpu {
 
 impl Engine {
     #[cfg(feature = "gpu")]
-    pub(super) async fn open(backend: Backend, world: &World) -> Result<(Self, BackendInfo)> {
-        let gpu = match backend {
+    pub(super) async fn open(options: &Options, world: &World) -> Result<(Self, BackendInfo)> {
+        let gpu = match options.backend {
             Backend::Cpu => return Ok((Self::Cpu, cpu_info("asked for"))),
             Backend::Gpu => Gpu::open(true).await?,
             Backend::Auto => match Gpu::open(false).await {
@@ -83,15 +83,14 @@ impl Engine {
                 Err(error) => return Ok((Self::Cpu, cpu_info(&format!("no GPU could be opened: {error}")))),
             },
         };
-        let reason = if backend == Backend::Auto { "the best hardware GPU" } else { "asked for" };
-        let info = gpu_info(&gpu, reason);
-        Ok((Self::Gpu(Box::new(GpuWorld::new(&gpu, world)?)), info))
+        let reason = if options.backend == Backend::Auto { "the best hardware GPU" } else { "asked for" };
+        Self::on(&gpu, options, world, reason)
     }
 
     #[cfg(not(feature = "gpu"))]
-    pub(super) async fn open(backend: Backend, _world: &World) -> Result<(Self, BackendInfo)> {
+    pub(super) async fn open(options: &Options, _world: &World) -> Result<(Self, BackendInfo)> {
         const WITHOUT: &str = "this build of rockfall is without the gpu feature";
-        match backend {
+        match options.backend {
             Backend::Cpu => Ok((Self::Cpu, cpu_info("asked for"))),
             Backend::Auto => Ok((Self::Cpu, cpu_info(WITHOUT))),
             Backend::Gpu => Err(crate::Error::NoAdapter(WITHOUT.to_owned())),
@@ -99,10 +98,22 @@ impl Engine {
     }
 
     #[cfg(feature = "gpu")]
-    pub(super) fn on_device(device: &wgpu::Device, queue: &wgpu::Queue, world: &World) -> Result<(Self, BackendInfo)> {
-        let gpu = Gpu::on_device(device.clone(), queue.clone());
-        let info = gpu_info(&gpu, "the caller's device");
-        Ok((Self::Gpu(Box::new(GpuWorld::new(&gpu, world)?)), info))
+    pub(super) fn on_device(
+        options: &Options,
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        world: &World,
+    ) -> Result<(Self, BackendInfo)> {
+        Self::on(&Gpu::on_device(device.clone(), queue.clone()), options, world, "the caller's device")
+    }
+
+    #[cfg(feature = "gpu")]
+    fn on(gpu: &Gpu, options: &Options, world: &World, reason: &str) -> Result<(Self, BackendInfo)> {
+        let mut there = GpuWorld::new(gpu, world)?;
+        if let Some(join) = options.join_steps {
+            there.join_steps(join);
+        }
+        Ok((Self::Gpu(Box::new(there)), gpu_info(gpu, reason)))
     }
 
     pub(super) fn waiter(&self) -> Waiter {
@@ -249,7 +260,7 @@ fn cpu_info(reason: &str) -> BackendInfo {
 #[cfg(feature = "gpu")]
 fn gpu_info(gpu: &Gpu, reason: &str) -> BackendInfo {
     let info = gpu.info();
-    let software = if info.device_type == wgpu::DeviceType::Cpu { ", software" } else { "" };
+    let software = if gpu.is_software() { ", software" } else { "" };
     BackendInfo {
         kind: Backend::Gpu,
         device: format!("{} ({}{software})", info.name, info.backend),

@@ -81,7 +81,7 @@ impl Simulation {
     /// As there.
     pub async fn resume_async(checkpoint: Checkpoint) -> Result<Self> {
         let world = prepare(&checkpoint.scene, &checkpoint.options)?;
-        let (engine, info) = Engine::open(checkpoint.options.backend, &world).await?;
+        let (engine, info) = Engine::open(&checkpoint.options, &world).await?;
         let simulation = Self::assemble(checkpoint.scene, checkpoint.options, world, engine, info);
         Ok(simulation.with_past(checkpoint.time_step, checkpoint.report, checkpoint.history))
     }

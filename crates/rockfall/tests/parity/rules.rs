@@ -154,7 +154,6 @@ fn dividing_by(factor: &str, run: Run) -> Run {
 /// WGSL lets a device divide with an error of 2.5 units in the last place, and many do. Where a rule decides, that must not.
 #[test]
 fn rounding_does_not_decide() {
-    const COARSE: Tolerance = Tolerance { floor: 5e-4, shaken: 0 };
     let mut scene = Scene::new();
     round_things(&mut scene);
     static_things(&mut scene);
