@@ -101,8 +101,10 @@ fn software_runs_stage_by_stage() {
         run(&mut simulation, 8, true);
         run(&mut simulation, 32, true)
     });
-    assert!(joined < apart, "{joined} dispatches and {apart}");
-    assert_eq!(default, if software { apart } else { joined });
+    // How far a body was seen to leave its AABB depends on who looked first, and so does how often lists are made.
+    let is_joined = |dispatches| 8 * dispatches < 5 * apart;
+    assert!(is_joined(joined), "{joined} dispatches and {apart}");
+    assert_eq!(is_joined(default), !software, "{default} dispatches, {joined} joined, {apart} not");
 }
 
 /// Many at once, of which some have several collisions and most have none: each thread comes to its barriers by another way.
