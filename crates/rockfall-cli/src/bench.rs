@@ -9,7 +9,7 @@ use rockfall::output::AtomicFile;
 use rockfall::scene::generate::Benchmark;
 
 use crate::failure::Failure;
-use crate::options::{Engine, Physics};
+use crate::options::{Engine, Physics, whole};
 use crate::output;
 
 mod chart;
@@ -26,24 +26,25 @@ pub(crate) struct Arguments {
     /// thesis, lattice, pile, settled, shuffled, mixed or radii
     #[arg(default_value_t = Benchmark::Thesis)]
     scene: Benchmark,
-    /// Numbers of spheres (of mixed: of bodies), one measurement each
-    #[arg(long, value_name = "N", value_delimiter = ',', default_values_t = [1024, 2048, 4096, 8192, 16384])]
+    /// Numbers of spheres (of mixed: of bodies), with commas between; one measurement each
+    #[arg(long, value_name = "N", value_delimiter = ',', default_value = "1024,2048,4096,8192,16384",
+        value_parser = whole(0, u32::MAX), allow_negative_numbers = true)]
     spheres: Vec<u32>,
     /// Steps of a run
-    #[arg(long, value_name = "N", default_value_t = 1000, value_parser = clap::value_parser!(u64).range(1..))]
+    #[arg(long, value_name = "N", default_value_t = 1000, value_parser = whole(1, u64::MAX), allow_negative_numbers = true)]
     steps: u64,
     /// Steps before the clock starts; 200 for settled, else 20
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = whole(0, u64::MAX), allow_negative_numbers = true)]
     warmup: Option<u64>,
     /// Runs of each size, of which the median is taken
-    #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..))]
+    #[arg(long, value_name = "N", default_value_t = 3, value_parser = whole(1, u32::MAX), allow_negative_numbers = true)]
     runs: u32,
     #[command(flatten)]
     physics: Physics,
     #[command(flatten)]
     engine: Engine,
     /// The same seed makes the same scenes
-    #[arg(long, value_name = "S", default_value_t = 0)]
+    #[arg(long, value_name = "S", default_value_t = 0, value_parser = whole(0, u64::MAX), allow_negative_numbers = true)]
     seed: u64,
     /// Print one JSON object instead of the tables
     #[arg(long)]
@@ -61,6 +62,9 @@ impl Arguments {
 }
 
 pub(crate) fn bench(arguments: &Arguments) -> Result<(), Failure> {
+    if let Some(path) = arguments.plot.as_deref().filter(|path| path.extension().is_none_or(|extension| extension != "svg")) {
+        return Err(Failure::usage(format!("--plot {}: expected a FILE.svg", path.display())));
+    }
     // Opened first, so that a bad path shows before the long work.
     let plot = arguments.plot.as_deref().map(|path| {
         let file = AtomicFile::create(path).map_err(|error| Failure::file(path, &error));

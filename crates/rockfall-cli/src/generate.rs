@@ -7,6 +7,7 @@ use rockfall::output::AtomicFile;
 use rockfall::scene::generate::Kind;
 
 use crate::failure::Failure;
+use crate::options::whole;
 use crate::output;
 
 #[derive(Debug, clap::Args)]
@@ -14,10 +15,10 @@ pub(crate) struct Arguments {
     /// pile, mixed, soft, chain or hopper
     kind: Kind,
     /// Number of spheres, those of rods and capsules included
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = whole(0, u32::MAX), allow_negative_numbers = true)]
     spheres: u32,
     /// The same seed makes the same scene
-    #[arg(long, value_name = "S", default_value_t = 0)]
+    #[arg(long, value_name = "S", default_value_t = 0, value_parser = whole(0, u64::MAX), allow_negative_numbers = true)]
     seed: u64,
     /// Scene file to write; standard output if left out
     #[arg(long, value_name = "FILE")]

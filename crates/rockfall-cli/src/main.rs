@@ -28,7 +28,7 @@ mod view;
     name = "rockfall",
     version = env!("ROCKFALL_VERSION"),
     disable_help_subcommand = true,
-    after_help = "Exit code: 0 done, 1 the run failed, 2 wrong usage or a bad scene, 130 ended by Ctrl-C or SIGTERM."
+    after_help = "Exit code: 0 done, 1 the run failed, 2 wrong usage or a bad scene, 130 a run that Ctrl-C or SIGTERM ended."
 )]
 struct Arguments {
     #[command(subcommand)]

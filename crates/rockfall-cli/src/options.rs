@@ -76,6 +76,17 @@ impl std::str::FromStr for Setting {
     }
 }
 
+/// Reads whole numbers of a range.
+pub(crate) fn whole<T>(least: T, most: T) -> impl Fn(&str) -> Result<T, String> + Clone
+where
+    T: std::str::FromStr + PartialOrd + fmt::Display + Copy + Send + Sync + 'static,
+{
+    move |text| {
+        let number = text.parse().ok().filter(|number| (least..=most).contains(number));
+        number.ok_or_else(|| format!("expected a whole number from {least} to {most}"))
+    }
+}
+
 fn time_step(text: &str) -> Result<f32, String> {
     match text.parse::<f32>() {
         Ok(dt) if dt.is_finite() && dt > 0.0 => Ok(dt),

@@ -11,7 +11,7 @@ use rockfall_viewer::film::{self, Format, Player, Timing};
 use rockfall_viewer::picture::{Canvas, FORMAT, Picture};
 
 use crate::failure::Failure;
-use crate::options::{Engine, Physics};
+use crate::options::{Engine, Physics, whole};
 use crate::output;
 use crate::progress::Progress;
 use crate::source::Source;
@@ -24,19 +24,19 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
     /// Steps before the picture is taken, or the film begins
-    #[arg(long, value_name = "STEP", default_value_t = 0)]
+    #[arg(long, value_name = "STEP", default_value_t = 0, value_parser = whole(0, u64::MAX), allow_negative_numbers = true)]
     at: u64,
     /// Steps that the film is of
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
+    #[arg(long, value_name = "N", value_parser = whole(1, u64::MAX), allow_negative_numbers = true)]
     steps: Option<u64>,
     /// Pictures a second of a film
-    #[arg(long, value_name = "F", default_value_t = 25, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    #[arg(long, value_name = "F", default_value_t = 25, value_parser = whole(1_u32, 1000), allow_negative_numbers = true)]
     fps: u32,
     /// Simulated seconds in a second of film: 1 for real time, less for slow motion
     #[arg(long, value_name = "X", default_value_t = 1.0, value_parser = speed, allow_negative_numbers = true)]
     speed: f64,
     /// Size in pixels
-    #[arg(long, value_name = "WxH", default_value = "1280x720", value_parser = size)]
+    #[arg(long, value_name = "WxH", default_value = "1280x720", value_parser = size, allow_hyphen_values = true)]
     size: [u32; 2],
     /// Where the camera stands; chosen to have the scene in the picture if left out
     #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true)]
@@ -54,7 +54,7 @@ pub(crate) struct Arguments {
     #[arg(long)]
     plain: bool,
     /// Draw the picture so many times over, and print how long the passes take on the device
-    #[arg(long, value_name = "N", hide = true, value_parser = clap::value_parser!(u32).range(1..))]
+    #[arg(long, value_name = "N", hide = true, value_parser = whole(1, u32::MAX), allow_negative_numbers = true)]
     bench: Option<u32>,
     #[command(flatten)]
     physics: Physics,

@@ -7,7 +7,7 @@ use rockfall::Simulation;
 
 use crate::failure::Failure;
 use crate::interrupt::Interrupt;
-use crate::options::{Engine, Physics};
+use crate::options::{Engine, Physics, whole};
 use crate::output;
 use crate::progress::Progress;
 use crate::source::Source;
@@ -43,7 +43,7 @@ pub(crate) struct Arguments {
     /// Scene file, or - for standard input; a built-in scene if left out
     scene: Option<PathBuf>,
     /// Number of steps; with --resume those before the checkpoint count
-    #[arg(long, value_name = "N", default_value_t = 1000)]
+    #[arg(long, value_name = "N", default_value_t = 1000, value_parser = whole(0, u64::MAX), allow_negative_numbers = true)]
     steps: u64,
     #[command(flatten)]
     physics: Physics,
@@ -53,7 +53,7 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
     /// Write the state to --out every K steps instead: .npz, .pvd, else CSV
-    #[arg(long, value_name = "K", value_parser = clap::value_parser!(u64).range(1..))]
+    #[arg(long, value_name = "K", value_parser = whole(1, u64::MAX), allow_negative_numbers = true)]
     every: Option<u64>,
     /// Write energies and momenta of every step, as CSV
     #[arg(long, value_name = "FILE")]
@@ -62,7 +62,7 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "FILE")]
     checkpoint: Option<PathBuf>,
     /// Write the checkpoint every N steps too, over the one before
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
+    #[arg(long, value_name = "N", value_parser = whole(1, u64::MAX), allow_negative_numbers = true)]
     checkpoint_every: Option<u64>,
     /// Go on from a checkpoint
     #[arg(long, value_name = "FILE", conflicts_with = "scene")]

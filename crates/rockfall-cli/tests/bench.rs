@@ -117,6 +117,7 @@ fn the_chart_has_a_bar_for_each_phase_of_each_size() {
         "Collision detection",
         "Collision response",
         "Force calculations & integration",
+        "A step, not timed by stage",
         "spheres",
         "ms a step",
         "8",
@@ -130,13 +131,25 @@ fn the_chart_has_a_bar_for_each_phase_of_each_size() {
         let bars = nodes().filter(|node| node.tag_name().name() == "rect" && node.attribute("fill") == Some(colour));
         assert_eq!(bars.count(), 4, "{colour}: {text}");
     }
+    // So has the whole step: wider than an axis.
+    let wide = nodes().filter(|node| node.tag_name().name() == "polyline" && node.attribute("stroke-width") == Some("2"));
+    assert_eq!(wide.count(), 4, "{text}");
 }
 
 #[test]
 fn wrong_arguments_are_wrong_usage() {
-    for arguments in
-        ["heap", "--spheres 0", "--spheres x", "--steps 0", "--runs 0", "--dt 0", "--backend abacus", "--broad-phase none"]
-    {
+    for arguments in [
+        "heap",
+        "--spheres 0",
+        "--spheres x",
+        "--spheres -1",
+        "--plot chart.png",
+        "--steps 0",
+        "--runs 0",
+        "--dt 0",
+        "--backend abacus",
+        "--broad-phase none",
+    ] {
         bench(arguments, 2);
     }
     bench("--spheres 8 --steps 1 --runs 1 --backend cpu --plot /no/such/folder/chart.svg", 1);

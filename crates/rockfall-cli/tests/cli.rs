@@ -282,7 +282,10 @@ fn check_tells_what_is_odd_and_too_stiff() {
     assert_eq!(lines[1], "set friction 7");
     assert!(lines[2].starts_with("warning: scene.txt:4: taken for a comment"), "{out}");
     // dt² (12000 + 12000) <= 8.
-    assert!(lines[3].contains("spring 0 is too stiff") && lines[3].ends_with("0.0182 s"), "{out}");
+    assert!(
+        lines[3].contains("spring 0, with all others at its ends, is too stiff") && lines[3].ends_with("0.0182 s"),
+        "{out}"
+    );
     assert_eq!(lines.len(), 4, "{out}");
     let (out, _) = rockfall.run("check scene.txt --dt 0.0182", 0);
     assert!(out.contains("stable at a time step of 0.0182 s (rk4)"), "{out}");

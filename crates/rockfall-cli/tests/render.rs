@@ -89,8 +89,8 @@ fn a_picture_is_of_the_step_the_camera_and_the_colours_asked_for() {
 #[test]
 fn films_have_as_many_pictures_as_their_time_asks_for() {
     let folder = Folder::new();
-    // 0.2 s: at 25 a second 6 pictures with the first one, at half the speed 11.
-    for (more, pictures) in [("", 6), ("--speed 0.5", 11)] {
+    // 0.2 s: at 25 a second 6 pictures with the first one, at half the speed 11. Of the longer film nothing is left in the folder.
+    for (more, pictures) in [("--speed 0.5", 11), ("", 6)] {
         let film = format!("--steps 10 --size 64x48 {more}");
         folder.render(&format!("--out a.gif {film}"), 0);
         let mut options = gif::DecodeOptions::new();
@@ -111,7 +111,6 @@ fn films_have_as_many_pictures_as_their_time_asks_for() {
         assert_eq!(fs::read_dir(folder.path("all")).unwrap().count(), pictures);
         let last = format!("all/{:04}.png", pictures - 1);
         assert_ne!(folder.picture("all/0000.png"), folder.picture(&last));
-        fs::remove_dir_all(folder.path("all")).unwrap();
     }
 }
 

@@ -93,7 +93,7 @@ pub enum Error {
     },
     /// A body's state stopped being finite.
     #[error(
-        "sphere {sphere} stopped being finite in step {step} ({stage:?}); a spring or the contact force may be too stiff for the time step, `rockfall check` tells"
+        "sphere {sphere} stopped being finite in step {step} ({stage}); a spring or the contact force may be too stiff for the time step, `rockfall check` tells"
     )]
     NonFinite {
         /// Index of the sphere, in order of addition.

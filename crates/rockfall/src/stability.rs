@@ -48,8 +48,8 @@ pub struct Warning {
 impl fmt::Display for Warning {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self.what {
-            Stiff::Spring(index) => write!(f, "spring {index}")?,
-            Stiff::Tether(index) => write!(f, "tether {index}")?,
+            Stiff::Spring(index) => write!(f, "spring {index}, with all others at its ends,")?,
+            Stiff::Tether(index) => write!(f, "tether {index}, with all others at its sphere,")?,
             Stiff::Contact => write!(f, "the contact force")?,
         }
         let [k, c] = [self.stiffness, self.damping].map(rounded_down);

@@ -28,9 +28,12 @@ pub(crate) struct Wanted {
 impl Wanted {
     /// That the wishes go together.
     pub(super) fn check(&self) -> Result<(), Failure> {
+        let place_of = |path: &Option<PathBuf>| path.as_deref().map(whole);
         let names = [("--out", &self.out), ("--trace", &self.trace), ("--checkpoint", &self.checkpoint)];
         for (place, (one, path)) in names.iter().enumerate() {
-            if let Some((other, _)) = names[..place].iter().find(|(_, other)| path.is_some() && other == path) {
+            if let Some((other, _)) =
+                names[..place].iter().find(|(_, other)| path.is_some() && place_of(other) == place_of(path))
+            {
                 return Err(Failure::usage(format!("{other} and {one} name the same file")));
             }
         }

@@ -1,5 +1,7 @@
 //! The block `status`: what kernels tell the host, and each other.
 
+use std::fmt;
+
 use bytemuck::{Pod, Zeroable};
 
 /// Bit of [`Status::void`]: the pair lists did not fit; [`Status::pair_rows_needed`] rows are needed.
@@ -131,6 +133,18 @@ pub enum BadStage {
     Forces3 = 3,
     /// The fourth force evaluation of RK4.
     Forces4 = 4,
+}
+
+impl fmt::Display for BadStage {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Collisions => "in its collisions",
+            Self::Forces1 => "in its first force evaluation",
+            Self::Forces2 => "in its second force evaluation",
+            Self::Forces3 => "in its third force evaluation",
+            Self::Forces4 => "in its fourth force evaluation",
+        })
+    }
 }
 
 impl BadStage {

@@ -130,7 +130,8 @@ impl Sphere {
             });
         }
         if !self.orientation.is_normalized() {
-            return Err(invalid("sphere.orientation", self.orientation, "a unit quaternion"));
+            let q = self.orientation;
+            return Err(invalid("sphere.orientation", [q.w, q.x, q.y, q.z], "a unit quaternion w, x, y, z"));
         }
         Ok(())
     }

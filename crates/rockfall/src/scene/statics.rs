@@ -51,7 +51,7 @@ impl Cuboid {
             if one.dot(other).abs() > 1e-4 * one.length() * other.length() {
                 return Err(Error::Invalid {
                     field: "box.edges",
-                    value: format!("{:?}", self.edges),
+                    value: format!("{:?}", self.edges.map(|edge| edge.to_array())),
                     expected: "three edges at right angles to each other",
                 });
             }
@@ -93,7 +93,7 @@ impl Polygon {
         let normal = left.cross(right).length();
         let in_range = (1e-30..1e30).contains(&(normal * normal));
         if normal < 1e-4 * left.length() * right.length() || !in_range {
-            return Err(invalid("polygon.right", self.right, "an edge that is not parallel to the first"));
+            return Err(invalid("polygon.right", self.right.to_array(), "an edge that is not parallel to the first"));
         }
         Ok(())
     }

@@ -264,23 +264,23 @@ impl Reader {
     }
 
     fn set(&mut self, line: &str, number: usize) -> Line<()> {
-        let words: Vec<&str> = line.split_ascii_whitespace().take(4).collect();
-        match words[..] {
-            [_, name, value] if Settings::NAMES.contains(&name) => {
-                self.scene.settings.set(name, value).map_err(|error| Wrong {
-                    field: format!("set {name}"),
-                    message: match error {
-                        Error::Invalid { value, expected, .. } => format!("{value} is not allowed, expected {expected}"),
-                        other => other.to_string(),
-                    },
-                })
-            }
-            _ => {
-                let hint = format!("a setting is `set NAME VALUE` with NAME one of {}", Settings::NAMES.join(", "));
-                self.comment(number, &hint);
-                Ok(())
-            }
-        }
+        let mut words = line.split_ascii_whitespace().skip(1);
+        let Some(name) = words.next().filter(|name| Settings::NAMES.contains(name)) else {
+            let hint = format!("a setting is `set NAME VALUE` with NAME one of {}", Settings::NAMES.join(", "));
+            self.comment(number, &hint);
+            return Ok(());
+        };
+        // A direction may stand with spaces, as vectors do elsewhere, or with commas.
+        let value = words.collect::<Vec<_>>().join(",");
+        let wrong = |error| Wrong {
+            field: format!("set {name}"),
+            message: match error {
+                Error::Invalid { expected, .. } if value.is_empty() => format!("no value, expected {expected}"),
+                Error::Invalid { value, expected, .. } => format!("{value} is not allowed, expected {expected}"),
+                other => other.to_string(),
+            },
+        };
+        self.scene.settings.set(name, &value).map_err(wrong)
     }
 }
 
