@@ -367,3 +367,19 @@ fn without_an_adapter_gpu_is_an_error_and_auto_takes_the_cpu() {
     let (told, _) = run("run scene.txt --steps 1", 0);
     assert!(told.contains("cpu: CPU") && told.contains("no hardware GPU was found"), "{told}");
 }
+
+/// What the README says that its first command prints, but for the speed; libraries of other systems round sines another way.
+#[test]
+#[cfg(all(target_os = "linux", target_arch = "x86_64"))]
+fn the_readme_shows_what_its_first_command_prints() {
+    let root = concat!(env!("CARGO_MANIFEST_DIR"), "/../..");
+    let readme = std::fs::read_to_string(format!("{root}/README.md")).unwrap();
+    let shown = readme.split("```text\n").nth(1).and_then(|rest| rest.split("\n```").next()).expect("a block of text");
+    let (out, _) = Rockfall::with("").run(&format!("run {root}/scenes/bridge.txt --steps 500 --backend cpu"), 0);
+    let lines = |text: &str| -> Vec<String> {
+        let lines = text.lines().skip_while(|line| !line.starts_with("  objects"));
+        lines.map(|line| line.split(", done in").next().unwrap_or_default().trim_end().to_owned()).collect()
+    };
+    assert!(lines(shown).len() > 10, "{shown}");
+    assert_eq!(lines(shown), lines(out.trim_end()));
+}
