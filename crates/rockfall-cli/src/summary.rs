@@ -24,6 +24,16 @@ impl Summary<'_> {
         if steps == 0 { 0.0 } else { steps as f64 / self.seconds.max(1e-9) }
     }
 
+    /// How many steps, and how long; those before a checkpoint may have been of another length.
+    fn length(&self, steps: u64, time: f64) -> String {
+        let alike = steps as f64 * options::as_written(self.dt);
+        if (time - alike).abs() <= 1e-5 * alike {
+            format!("{steps} of {} s = {time:.3} s", self.dt)
+        } else {
+            format!("{steps}, the last of {} s, {time:.3} s in all", self.dt)
+        }
+    }
+
     /// One JSON object, for programs.
     pub(crate) fn json(&self, simulation: &Simulation) -> String {
         let report = simulation.report();
@@ -61,13 +71,8 @@ impl Summary<'_> {
         row("objects", InWords(simulation.scene().counts()).to_string());
         let speed = self.steps_per_second(report.steps);
         let real_time = if self.seconds > 0.0 { report.time / self.seconds } else { 0.0 };
-        row(
-            "steps",
-            format!(
-                "{} of {} s = {:.3} s, done in {:.3} s: {speed:.0} steps/s, {real_time:.1} times real time",
-                report.steps, self.dt, report.time, self.seconds
-            ),
-        );
+        let did = self.length(report.steps, report.time);
+        row("steps", format!("{did}, done in {:.3} s: {speed:.0} steps/s, {real_time:.1} times real time", self.seconds));
         let energies = |energy: &Energy| {
             let [kinetic, potential, spring, contact] =
                 [energy.kinetic, energy.potential, energy.spring, energy.contact].map(short);

@@ -179,9 +179,10 @@ fn a_second_ctrl_c_ends_it_at_once() {
 #[test]
 fn what_is_given_comes_before_the_checkpoint_and_is_noted() {
     let rockfall = Rockfall::with(&mixed(16));
-    rockfall.run("run scene.txt --backend cpu --dt 0.01 --steps 20 --checkpoint run.ckpt --trace a.csv", 0);
+    let (out, _) = rockfall.run("run scene.txt --backend cpu --dt 0.01 --steps 20 --checkpoint run.ckpt --trace a.csv", 0);
+    assert!(out.contains("20 of 0.01 s = 0.200 s,"), "{out}");
     let keep = fs::read(rockfall.path("run.ckpt")).unwrap();
-    let (_, err) = rockfall.run(
+    let (out, err) = rockfall.run(
         "run --resume run.ckpt --steps 30 --dt 0.005 --integrator symplectic-euler --set gravity=2 --set friction=50 --trace b.csv",
         0,
     );
@@ -191,6 +192,7 @@ fn what_is_given_comes_before_the_checkpoint_and_is_noted() {
          note: --integrator symplectic-euler instead of rk4 from step 20 on\n\
          note: --set gravity 2 instead of 9 from step 20 on\n"
     );
+    assert!(out.contains("30, the last of 0.005 s, 0.250 s in all,"), "{out}");
     // Another trace begins where the run goes on; the old one is left as it is.
     let trace = rockfall.read("b.csv");
     assert!(trace.lines().nth(1).unwrap().starts_with("20,"), "{trace}");
