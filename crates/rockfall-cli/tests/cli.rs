@@ -373,7 +373,7 @@ fn without_an_adapter_gpu_is_an_error_and_auto_takes_the_cpu() {
 #[cfg(all(target_os = "linux", target_arch = "x86_64"))]
 fn the_readme_shows_what_its_first_command_prints() {
     let root = concat!(env!("CARGO_MANIFEST_DIR"), "/../..");
-    let readme = std::fs::read_to_string(format!("{root}/README.md")).unwrap();
+    let readme = fs::read_to_string(format!("{root}/README.md")).unwrap();
     let shown = readme.split("```text\n").nth(1).and_then(|rest| rest.split("\n```").next()).expect("a block of text");
     let (out, _) = Rockfall::with("").run(&format!("run {root}/scenes/bridge.txt --steps 500 --backend cpu"), 0);
     let lines = |text: &str| -> Vec<String> {

@@ -104,9 +104,14 @@ impl Graphics {
             Backend::Auto => self.software,
         };
         let (device, queue, options) = (self.device.clone(), self.queue.clone(), options.clone());
-        Box::new(move |scene: Scene| match on_cpu {
-            true => Simulation::with_options(scene, options.clone().backend(Backend::Cpu)),
-            false => Simulation::on_device(scene, options.clone(), &device, &queue),
+        Box::new(move |scene: Scene| {
+            if on_cpu {
+                return Simulation::with_options(scene, options.clone().backend(Backend::Cpu));
+            }
+            let mut simulation = Simulation::on_device(scene, options.clone(), &device, &queue)?;
+            // What would be compiled in the middle of a run would be seen as a jerk.
+            simulation.prepare()?;
+            Ok(simulation)
         })
     }
 
