@@ -151,9 +151,11 @@ fn switch(field: &'static str, value: &str) -> Result<bool> {
 }
 
 fn direction(field: &'static str, value: &str) -> Result<Vec3> {
-    const EXPECTED: &str = "three numbers x,y,z, not all zero";
-    let numbers: Vec<f32> = value
-        .split(',')
+    const EXPECTED: &str = "three numbers, as in 0,-1,0 or 0 -1 0, not all zero";
+    // With commas, or with spaces as vectors stand in scene files.
+    let parts: Vec<&str> = if value.contains(',') { value.split(',').collect() } else { value.split_whitespace().collect() };
+    let numbers: Vec<f32> = parts
+        .into_iter()
         .map(|part| number(field, part, EXPECTED))
         .collect::<Result<_>>()
         .map_err(|_| invalid(field, value, EXPECTED))?;

@@ -270,8 +270,7 @@ impl Reader {
             self.comment(number, &hint);
             return Ok(());
         };
-        // A direction may stand with spaces, as vectors do elsewhere, or with commas.
-        let value = words.collect::<Vec<_>>().join(",");
+        let value = words.collect::<Vec<_>>().join(" ");
         let wrong = |error| Wrong {
             field: format!("set {name}"),
             message: match error {

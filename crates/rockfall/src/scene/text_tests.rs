@@ -77,6 +77,15 @@ fn odd_files_that_are_fine() {
 }
 
 #[test]
+fn a_direction_stands_with_spaces_or_commas() {
+    for line in ["set gravity_direction 0  0 -1", "set gravity_direction 0,0,-1"] {
+        let loaded = parse(line).unwrap();
+        assert_eq!(loaded.warnings, [], "{line}");
+        assert_eq!(loaded.scene.settings.gravity_direction, Vec3::NEG_Z, "{line}");
+    }
+}
+
+#[test]
 fn lines_that_only_look_like_extensions_are_comments_with_a_warning() {
     for line in ["set", "set colour red", "set the table", "T is for tether", "T", "@groups 1", "@"] {
         let loaded = parse(&format!("\n{line}\n")).unwrap();
@@ -161,7 +170,7 @@ fn every_error_names_line_and_field_and_what_was_expected() {
         ("@force 1 0 0 inf", "@force z: 'inf' is not finite (in f32), expected a finite number"),
         ("@capsule 1 2", "@capsule end1: expected right after the R line, with a length, of these two spheres"),
         ("set gravity", "set gravity: no value, expected a finite number"),
-        ("set gravity 1 2", "set gravity: '1,2' is not allowed, expected a finite number"),
+        ("set gravity 1 2", "set gravity: '1 2' is not allowed, expected a finite number"),
         ("set gravity fast", "set gravity: 'fast' is not allowed, expected a finite number"),
         ("set restitution -1", "set restitution: '-1' is not allowed, expected a finite number, not negative"),
         ("a\0b", "text: a NUL byte, expected plain text (UTF-8)"),
