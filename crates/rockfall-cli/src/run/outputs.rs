@@ -28,12 +28,10 @@ pub(crate) struct Wanted {
 impl Wanted {
     /// That the wishes go together.
     pub(super) fn check(&self) -> Result<(), Failure> {
-        let place_of = |path: &Option<PathBuf>| path.as_deref().map(whole);
         let names = [("--out", &self.out), ("--trace", &self.trace), ("--checkpoint", &self.checkpoint)];
+        let names = names.map(|(name, path)| (name, path.as_deref().map(whole)));
         for (place, (one, path)) in names.iter().enumerate() {
-            if let Some((other, _)) =
-                names[..place].iter().find(|(_, other)| path.is_some() && place_of(other) == place_of(path))
-            {
+            if let Some((other, _)) = names[..place].iter().find(|(_, other)| path.is_some() && other == path) {
                 return Err(Failure::usage(format!("{other} and {one} name the same file")));
             }
         }

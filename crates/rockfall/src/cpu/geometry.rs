@@ -112,14 +112,14 @@ pub(crate) fn point_box(cuboid: &BoxWords, p: Vec3, radius: f32) -> (Vec3, f32) 
     let t = box_parameters(cuboid, p);
     let clamped = t.clamp(Vec3::ZERO, Vec3::ONE);
     let [i, j, k] = cuboid.edges;
-    let longest = cuboid.edges.map(Vec3::length_squared).into_iter().fold(0.0, f32::max);
+    let squares = cuboid.edges.map(Vec3::length_squared);
     let mut d = cuboid.corner + clamped.x * i + clamped.y * j + clamped.z * k - p;
     for (axis, edge) in cuboid.edges.into_iter().enumerate() {
         if clamped[axis] == t[axis] {
-            d = across(d, edge, edge.length_squared());
+            d = across(d, edge, squares[axis]);
         }
     }
-    let d = unrounded(d, longest, radius);
+    let d = unrounded(d, squares.into_iter().fold(0.0, f32::max), radius);
     let dd = d.length_squared();
     if clamped == t || dd <= TINY {
         return nearest_face(cuboid, clamped);

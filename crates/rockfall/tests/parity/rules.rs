@@ -12,31 +12,23 @@ use rockfall::world::World;
 use rockfall::{BroadPhase, Capsule, Cuboid, Integrator, Polygon, Rod, Scene, Sphere, SphereId, Spring, wgpu};
 
 use crate::broken::rewritten;
-use crate::compare::{BY_RULE, Tolerance, differences, listed};
+use crate::compare::{BY_RULE, differences, listed};
 use crate::device::{GPU, on_gpu, open};
 
 /// Steps of the CPU, each stage compared with the kernel; the world after them.
 fn assert_alike(gpu: &Gpu, scene: &Scene, runs: &[Run], steps: u32, margin: f32) -> World {
-    assert_alike_but(gpu, scene, runs, steps, margin, &|run| run, BY_RULE)
+    assert_alike_but(gpu, scene, runs, steps, margin, &|run| run)
 }
 
-/// The same with other kernels, and another tolerance.
-fn assert_alike_but(
-    gpu: &Gpu,
-    scene: &Scene,
-    runs: &[Run],
-    steps: u32,
-    margin: f32,
-    kernel: &dyn Fn(Run) -> Run,
-    tolerance: Tolerance,
-) -> World {
+/// The same with other kernels.
+fn assert_alike_but(gpu: &Gpu, scene: &Scene, runs: &[Run], steps: u32, margin: f32, kernel: &dyn Fn(Run) -> Run) -> World {
     let mut world = World::build(scene).unwrap();
     world.step.dt = 0.005;
     world.step.margin_scale = margin;
     world.set_pair_rows(world.movers().div_ceil(SLICE) * 100);
     for (step, run) in (0..steps).flat_map(|step| runs.iter().map(move |run| (step, run))) {
         let after = on_gpu(gpu, &world, kernel(*run));
-        let wrong = differences(run, &world, &after, tolerance);
+        let wrong = differences(run, &world, &after, BY_RULE);
         let (stage, pass) = (run.stage.name, run.pass);
         assert!(wrong.is_empty(), "step {step}, {stage} pass {pass}: {}", listed(&wrong));
         run.on_cpu(&mut world);
@@ -162,7 +154,7 @@ fn rounding_does_not_decide() {
         // Of its own, for kernels are kept by name.
         let gpu = open();
         let stages = stages(&Phase::STEP, Integrator::Rk4);
-        let world = assert_alike_but(&gpu, &scene, &stages, 3, 1e6, &|run| dividing_by(factor, run), BY_RULE);
+        let world = assert_alike_but(&gpu, &scene, &stages, 3, 1e6, &|run| dividing_by(factor, run));
         assert!(world.status.last_contacts > 20, "{:?}", world.status);
     }
 }
