@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use rockfall::Settings;
+use rockfall::{Integrator, Scene, Settings};
 
 use crate::failure::Failure;
 use crate::options::{InWords, Physics, SceneArgument, counted};
@@ -37,15 +37,41 @@ pub(crate) fn check(arguments: &Arguments) -> Result<(), Failure> {
     }
     let odd = loaded.warnings.iter().map(|warning| format!("{name}:{}: {}", warning.line, warning.text));
     warnings(&mut text, odd);
+    if let Some(chosen) = chosen_contact(&scene.resolved_settings()) {
+        let _ = writeln!(text, "{chosen}");
+    }
     let stiff = scene.stability(dt, integrator);
     if stiff.is_empty() {
         let _ = writeln!(text, "stable at a time step of {dt} s ({integrator})");
     }
-    warnings(&mut text, stiff.iter().map(|warning| format!("{name}: {warning}")));
+    text.push_str(&concerns(&name, &scene, dt, integrator));
+    if !stiff.is_empty() {
+        let parts = scene.substeps_for(dt, integrator);
+        let _ = writeln!(text, "run --substeps {parts} divides the time step as far as springs and contacts need it");
+    }
     if scene.counts().spheres == 0 {
         warnings(&mut text, [format!("{name}: no spheres, so nothing will move")].into_iter());
     }
     output::print(&text)
+}
+
+/// The contact force that `resting_overlap` chose.
+pub(crate) fn chosen_contact(settings: &Settings) -> Option<String> {
+    let [force, damping, share] = [settings.contact_force, settings.contact_damping, settings.resting_overlap];
+    (share > 0.0).then(|| format!("contact_force {force}, contact_damping {damping}, chosen for resting_overlap {share}"))
+}
+
+/// Warnings of what a time step is too long for and of what sinks, a line each.
+pub(crate) fn concerns(name: &str, scene: &Scene, dt: f32, integrator: Integrator) -> String {
+    let mut text = String::new();
+    let stiff = scene.stability(dt, integrator);
+    warnings(&mut text, stiff.iter().map(|warning| format!("{name}: {warning}")));
+    let sinking = scene.sinking(integrator).map(|sinking| format!("{name}: {sinking}"));
+    let tunnelling = scene.tunnelling(dt).map(|tunnelling| format!("{name}: {tunnelling}"));
+    for warning in [sinking, tunnelling].into_iter().flatten() {
+        let _ = writeln!(text, "warning: {warning}");
+    }
+    text
 }
 
 fn warnings(text: &mut String, warnings: impl ExactSizeIterator<Item = String>) {

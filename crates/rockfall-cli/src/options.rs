@@ -3,7 +3,7 @@
 use std::fmt;
 use std::path::PathBuf;
 
-use rockfall::{Backend, BroadPhase, Integrator, Options, Settings};
+use rockfall::{Backend, BroadPhase, Integrator, Options, Scene, Settings};
 
 /// What decides how a scene behaves.
 #[derive(Debug, clap::Args)]
@@ -18,6 +18,38 @@ pub(crate) struct Physics {
     #[arg(long, value_name = "NAME=VALUE")]
     pub(crate) set: Vec<Setting>,
 }
+
+/// How many equal parts every step is divided into.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Substeps {
+    /// As few as the springs and contacts of the scene bear.
+    Auto,
+    Parts(u32),
+}
+
+impl Substeps {
+    /// The number of parts of a step of `dt` seconds.
+    pub(crate) fn of(self, scene: &Scene, dt: f32, integrator: Integrator) -> u32 {
+        match self {
+            Self::Auto => scene.substeps_for(dt, integrator),
+            Self::Parts(parts) => parts,
+        }
+    }
+}
+
+impl std::str::FromStr for Substeps {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text {
+            "auto" => Ok(Self::Auto),
+            _ => whole(1, MOST_SUBSTEPS)(text).map(Self::Parts).map_err(|message| format!("{message}, or auto")),
+        }
+    }
+}
+
+/// A part of a step must not vanish beside it.
+const MOST_SUBSTEPS: u32 = 1_000_000;
 
 /// What moves a scene.
 #[derive(Debug, clap::Args)]

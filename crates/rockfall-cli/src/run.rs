@@ -5,9 +5,10 @@ use std::time::Instant;
 
 use rockfall::Simulation;
 
+use crate::check;
 use crate::failure::Failure;
 use crate::interrupt::Interrupt;
-use crate::options::{Engine, Physics, whole};
+use crate::options::{Engine, Physics, Substeps, whole};
 use crate::output;
 use crate::progress::Progress;
 use crate::source::Source;
@@ -33,6 +34,10 @@ line comes before that; a change of what decides the motion is noted. With the s
 same bits as one that was never stopped, and its trace and trajectory are the same files. Until a run ends, they are beside \
 their places as .NAME.part; a run that was killed leaves them there, for --resume or for the next run that writes to that place.
 
+--substeps N divides every step into N equal parts; auto takes as few as the springs and the contact force of the scene bear \
+(rockfall check tells). Steps and the time step keep their meaning everywhere else. A line of the trace counts the collisions of \
+all parts; its contacts and overlap are those of the last one.
+
 --out goes by the extension. Without --every: .npz (NumPy) and .vtp (ParaView), else CSV, hold the final state. With --every K: \
 every K steps from the first state on, .npz holds arrays [frames, spheres, ...], .vtp or .pvd makes NAME.pvd and a folder NAME \
 of frames, else CSV has the columns step,time before the others.";
@@ -45,6 +50,9 @@ pub(crate) struct Arguments {
     /// Number of steps; with --resume those before the checkpoint count
     #[arg(long, value_name = "N", default_value_t = 1000, value_parser = whole(0, u64::MAX), allow_negative_numbers = true)]
     steps: u64,
+    /// Divide every step into N equal parts, or auto: as few as springs and contacts bear
+    #[arg(long, value_name = "N", default_value = "1", allow_negative_numbers = true)]
+    substeps: Substeps,
     #[command(flatten)]
     physics: Physics,
     #[command(flatten)]
@@ -83,7 +91,6 @@ struct Run {
     simulation: Simulation,
     outputs: Outputs,
     past: Past,
-    dt: f32,
 }
 
 pub(crate) fn run(arguments: &Arguments, given: &Given) -> Result<(), Failure> {
@@ -93,9 +100,9 @@ pub(crate) fn run(arguments: &Arguments, given: &Given) -> Result<(), Failure> {
         None => begin(arguments)?,
     };
     let result = steps(&mut run, &interrupt);
-    let Run { mut simulation, outputs, past, dt } = run;
+    let Run { mut simulation, outputs, past } = run;
 
-    let step = simulation.report().steps;
+    let step = past.step(simulation.report().steps);
     let checkpoint = outputs.checkpoint().map(|path| path.display().to_string());
     let finished = outputs.finish(&mut simulation);
     let stopped = step < past.steps;
@@ -104,7 +111,8 @@ pub(crate) fn run(arguments: &Arguments, given: &Given) -> Result<(), Failure> {
     }
     // The first failure is the one that explains the others.
     result.and(finished.map(drop))?;
-    let summary = Summary { name: &past.scene, dt, seconds: past.seconds, before: past.before() };
+    let (dt, substeps) = (past.dt, past.parts());
+    let summary = Summary { name: &past.scene, steps: step, dt, substeps, seconds: past.seconds, before: past.before() };
     output::print(&if arguments.json { summary.json(&simulation) } else { summary.table(&mut simulation)? })?;
     if stopped {
         let how = checkpoint.map_or(String::new(), |path| format!("; rockfall run --resume {path} goes on"));
@@ -128,14 +136,19 @@ fn begin(arguments: &Arguments) -> Result<Run, Failure> {
     }
     let mut scene = loaded.scene;
     arguments.physics.change(&mut scene.settings)?;
+    let (dt, integrator) = (arguments.physics.dt, arguments.physics.integrator);
+    let substeps = arguments.substeps.of(&scene, dt, integrator);
+    let mut past = Past { scene: name, steps: arguments.steps, dt, substeps, ..Past::default() };
+    for line in check::concerns(&past.scene, &scene, past.part(), integrator).lines() {
+        output::note(line);
+    }
     let mut outputs = Outputs::open(wanted, None)?;
     let mut options = arguments.engine.options(&arguments.physics).keep_going(arguments.keep_going);
     options.pair_capacity = arguments.capacity;
     let mut simulation = Simulation::with_options(scene, options)?;
-    let mut past = Past { scene: name, steps: arguments.steps, ..Past::default() };
     past.set_before(&simulation.energy()?);
-    outputs.begin(&mut simulation)?;
-    Ok(Run { simulation, outputs, past, dt: arguments.physics.dt })
+    outputs.begin(&mut simulation, &past)?;
+    Ok(Run { simulation, outputs, past })
 }
 
 impl Arguments {
@@ -158,12 +171,14 @@ impl Arguments {
 /// Does the steps that are left, until the run is asked to end; the checkpoint is that of the last one.
 fn steps(run: &mut Run, interrupt: &Interrupt) -> Result<(), Failure> {
     let (start, seconds) = (Instant::now(), run.past.seconds);
-    let mut progress = Progress::new(run.past.steps - run.simulation.report().steps);
+    let parts = u64::from(run.past.parts());
+    let done = |run: &Run| run.past.step(run.simulation.report().steps);
+    let mut progress = Progress::new(run.past.steps - done(run));
     let mut result = Ok(());
-    while result.is_ok() && !interrupt.is_asked() && run.simulation.report().steps < run.past.steps {
-        let step = run.simulation.report().steps;
-        let chunk = run.outputs.steps_from(step, progress.chunk());
-        result = run.simulation.run(chunk, run.dt).map(drop).map_err(Failure::from);
+    while result.is_ok() && !interrupt.is_asked() && done(run) < run.past.steps {
+        let chunk = run.outputs.steps_from(done(run), progress.chunk());
+        let moved = run.simulation.run(chunk.saturating_mul(parts), run.past.part());
+        result = moved.map(drop).map_err(|error| Failure::from(run.past.in_steps(error)));
         run.past.seconds = seconds + start.elapsed().as_secs_f64();
         result = result.and_then(|()| run.outputs.after_step(&mut run.simulation, &mut run.past));
         progress.advance(chunk);

@@ -5,6 +5,7 @@ use std::fmt::Write as _;
 use rockfall::{Energy, Scene, Simulation};
 use serde_json::json;
 
+use crate::check;
 use crate::failure::Failure;
 use crate::options::{self, InWords};
 use crate::picture;
@@ -12,7 +13,11 @@ use crate::picture;
 /// What the simulation itself does not know of the run.
 pub(crate) struct Summary<'a> {
     pub(crate) name: &'a str,
+    /// Whole steps done.
+    pub(crate) steps: u64,
     pub(crate) dt: f32,
+    /// Parts that a step is divided into.
+    pub(crate) substeps: u32,
     /// Wall time of the steps, in s.
     pub(crate) seconds: f64,
     /// Energy at the start.
@@ -28,10 +33,14 @@ impl Summary<'_> {
     fn length(&self, steps: u64, time: f64) -> String {
         let alike = steps as f64 * options::as_written(self.dt);
         if (time - alike).abs() <= 1e-5 * alike {
-            format!("{steps} of {} s = {time:.3} s", self.dt)
+            format!("{steps} of {} s = {time:.3} s{}", self.dt, self.parts())
         } else {
-            format!("{steps}, the last of {} s, {time:.3} s in all", self.dt)
+            format!("{steps}, the last of {} s{}, {time:.3} s in all", self.dt, self.parts())
         }
+    }
+
+    fn parts(&self) -> String {
+        if self.substeps > 1 { format!(" in {} parts each", self.substeps) } else { String::new() }
     }
 
     /// One JSON object, for programs.
@@ -43,10 +52,11 @@ impl Summary<'_> {
             "scene": self.name,
             "backend": backend.kind.to_string(),
             "device": backend.device,
-            "steps": report.steps,
+            "steps": self.steps,
             "dt": options::as_written(self.dt),
+            "substeps": self.substeps,
             "seconds": self.seconds,
-            "steps_per_second": self.steps_per_second(report.steps),
+            "steps_per_second": self.steps_per_second(self.steps),
             "objects": options::counts_json(&counts),
             "contacts": report.contacts,
             "collisions": report.total_collisions,
@@ -69,9 +79,12 @@ impl Summary<'_> {
         row("backend", format!("{}: {} ({})", backend.kind, backend.device, backend.reason));
         row("pairs", format!("found by {}", simulation.broad_phase_method()));
         row("objects", InWords(simulation.scene().counts()).to_string());
-        let speed = self.steps_per_second(report.steps);
+        if let Some(chosen) = check::chosen_contact(simulation.settings()) {
+            row("constants", chosen);
+        }
+        let speed = self.steps_per_second(self.steps);
         let real_time = if self.seconds > 0.0 { report.time / self.seconds } else { 0.0 };
-        let did = self.length(report.steps, report.time);
+        let did = self.length(self.steps, report.time);
         row("steps", format!("{did}, done in {:.3} s: {speed:.0} steps/s, {real_time:.1} times real time", self.seconds));
         let energies = |energy: &Energy| {
             let [kinetic, potential, spring, contact] =

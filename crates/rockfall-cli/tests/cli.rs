@@ -54,11 +54,13 @@ fn json_is_one_object_with_all_keys() {
     let object: Value = serde_json::from_str(&out).unwrap();
     let mut keys: Vec<&str> = object.as_object().unwrap().keys().map(String::as_str).collect();
     keys.sort_unstable();
-    let expected = "backend collisions contacts device dt non_finite objects replays scene seconds steps steps_per_second";
+    let expected = "backend collisions contacts device dt non_finite objects replays scene seconds steps \
+                    steps_per_second substeps";
     assert_eq!(keys, expected.split(' ').collect::<Vec<_>>());
     assert_eq!(object["scene"], "scene.txt");
     assert_eq!(object["backend"], "cpu");
     assert_eq!(object["steps"], 60);
+    assert_eq!(object["substeps"], 1);
     assert_eq!(object["dt"], 0.02);
     assert_eq!(object["objects"]["spheres"], 2);
     assert_eq!(object["objects"]["boxes"], 1);
@@ -283,19 +285,101 @@ fn check_tells_what_is_odd_and_too_stiff() {
     assert!(lines[2].starts_with("warning: scene.txt:4: taken for a comment"), "{out}");
     // dt² (12000 + 12000) <= 8.
     assert!(
-        lines[3].contains("spring 0, with all others at its ends, is too stiff") && lines[3].ends_with("0.0182 s"),
+        lines[3].contains("spring 0, with all others at its ends, is too stiff")
+            && lines[3].contains("it is unstable")
+            && lines[3].ends_with("0.0182 s"),
         "{out}"
     );
-    assert_eq!(lines.len(), 4, "{out}");
+    assert_eq!(lines[4], "run --substeps 2 divides the time step as far as springs and contacts need it");
+    assert_eq!(lines.len(), 5, "{out}");
     let (out, _) = rockfall.run("check scene.txt --dt 0.0182", 0);
     assert!(out.contains("stable at a time step of 0.0182 s (rk4)"), "{out}");
     let (out, _) = rockfall.run("check scene.txt --dt 0.0182 --integrator symplectic-euler", 0);
-    assert!(out.contains("0.0129 s"), "{out}");
+    // dt² 24000 <= 1 without damping.
+    assert!(out.contains("the largest that would do is 0.00645 s"), "{out}");
     let (out, _) = rockfall.run("check scene.txt --dt 0.001 --set contact_force=1e8", 0);
     assert!(out.contains("the contact force is too stiff"), "{out}");
     // `run` tells of odd lines too.
     let (_, err) = rockfall.run("run scene.txt --backend cpu --steps 1 --json", 0);
-    assert!(err.starts_with("warning: scene.txt:4: "), "{err}");
+    assert!(err.starts_with("warning: scene.txt:4: ") && err.contains("spring 0, with all others"), "{err}");
+}
+
+/// A handful of marbles in SI units over a plate that is thinner than what they move by in a step.
+fn marbles() -> String {
+    let mut scene = String::from("set gravity 9.81\nB -1 -0.001 -1 2 0 0 0 0.001 0 0 0 2\n");
+    for ball in 0..8 {
+        scene += &format!("S {ball} 0 {} 0 0 0 0 0 0 0 0.01 0.005 0\n", 0.01 + 0.02 * f64::from(ball));
+    }
+    scene
+}
+
+#[test]
+fn check_and_run_warn_of_what_sinks_and_of_what_is_passed_through() {
+    let rockfall = Rockfall::with(&marbles());
+    let (out, _) = rockfall.run("check scene.txt", 0);
+    let (_, err) = rockfall.run("run scene.txt --backend cpu --steps 1", 0);
+    for told in [&out, &err] {
+        let sinks = "warning: scene.txt: bodies at rest overlap by 0.00981 (gravity / contact_force), 196 % of the smallest radius 0.005";
+        assert!(told.contains(sinks) && told.contains("`set resting_overlap 0.02`"), "{told}");
+        // From 0.145 m down: 1.687 m/s; the plate and a marble bear 0.0055.
+        let passes = "bodies may reach 1.69 units/s, 0.0337 units a step, and pass through box 0";
+        assert!(told.contains(passes) && told.contains("the largest time step that would do is 0.00326 s"), "{told}");
+    }
+    let (out, _) = rockfall.run("check scene.txt --set resting_overlap=0.02 --dt 0.0001", 0);
+    assert!(!out.contains("warning") && out.contains("chosen for resting_overlap 0.02"), "{out}");
+}
+
+#[test]
+fn substeps_divide_the_steps() {
+    let rockfall = Rockfall::with(SCENE);
+    let run = |arguments: &str| rockfall.run(&format!("run scene.txt --backend cpu {arguments}"), 0).0;
+    let divided = run("--steps 100 --substeps 4 --out a.csv --trace t.csv");
+    assert!(divided.contains("100 of 0.02 s = 2.000 s in 4 parts each,"), "{divided}");
+    run("--steps 400 --dt 0.005 --out b.csv --trace u.csv");
+    assert_eq!(rockfall.read("a.csv"), rockfall.read("b.csv"), "the same steps");
+    // Every fourth line of the finer trace, with the collisions of the four.
+    let lines = |name: &str| -> Vec<Vec<String>> {
+        let text = rockfall.read(name);
+        text.lines().skip(1).map(|line| line.split(',').map(str::to_owned).collect()).collect()
+    };
+    let (coarse, fine) = (lines("t.csv"), lines("u.csv"));
+    assert_eq!((coarse.len(), fine.len()), (101, 401));
+    let mut collisions = 0;
+    for (step, line) in coarse.iter().enumerate() {
+        assert_eq!(line[0], step.to_string());
+        assert_eq!(line[1..14], fine[4 * step][1..14]);
+        let of_parts = fine[(4 * step).saturating_sub(3)..=4 * step].iter().map(|line| line[14].parse::<u64>().unwrap());
+        assert_eq!(line[14].parse::<u64>().unwrap(), of_parts.sum::<u64>());
+        collisions += line[14].parse::<u64>().unwrap();
+    }
+    assert!(collisions > 0);
+    // Frames count whole steps.
+    run("--steps 50 --substeps 4 --out frames.csv --every 25");
+    let frames = rockfall.read("frames.csv");
+    let steps: Vec<&str> = frames.lines().skip(1).map(|line| line.split(',').next().unwrap()).collect();
+    assert_eq!(steps, ["0", "0", "25", "25", "50", "50"]);
+}
+
+#[test]
+fn auto_takes_as_few_substeps_as_will_do() {
+    let rockfall = Rockfall::with("");
+    rockfall.run("generate pile --spheres 30 --out scene.txt", 0);
+    let substeps = |arguments: &str| -> u64 {
+        let (out, err) = rockfall.run(&format!("run scene.txt --backend cpu --steps 2 --substeps auto --json {arguments}"), 0);
+        assert_eq!(err, "");
+        let object: Value = serde_json::from_str(&out).unwrap();
+        assert_eq!((&object["steps"], &object["dt"]), (&Value::from(2), &Value::from(0.02)));
+        object["substeps"].as_u64().unwrap()
+    };
+    assert_eq!(substeps(""), 1);
+    // dt² Cc <= 0.5: 0.02 / sqrt(0.5 / 4000) = 1.8; of 40000: 5.7.
+    assert_eq!(substeps("--set contact_force=4000"), 2);
+    assert_eq!(substeps("--set contact_force=40000"), 6);
+    assert!(substeps("--set gravity=5 --set resting_overlap=0.02") > 2);
+    for bad in ["0", "-1", "many", "2000000"] {
+        let (_, err) = rockfall.run(&format!("run scene.txt --substeps {bad}"), 2);
+        assert!(err.contains("or auto"), "{err}");
+    }
 }
 
 #[test]
@@ -328,7 +412,9 @@ fn devices_always_lists_the_cpu() {
 fn help_and_version_are_no_errors() {
     let rockfall = Rockfall::with("");
     let (out, _) = rockfall.run("run --help", 0);
-    for option in ["--steps", "--dt", "--backend", "--integrator", "--broad-phase", "--set", "--out", "--trace", "--json"] {
+    for option in
+        ["--steps", "--dt", "--backend", "--integrator", "--broad-phase", "--set", "--out", "--trace", "--json", "--substeps"]
+    {
         assert!(out.contains(option), "{option}: {out}");
     }
     let (out, _) = rockfall.run("--version", 0);

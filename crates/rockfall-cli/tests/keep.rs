@@ -213,6 +213,28 @@ fn what_is_given_comes_before_the_checkpoint_and_is_noted() {
 }
 
 #[test]
+fn a_divided_run_is_gone_on_with() {
+    let rockfall = Rockfall::with(&mixed(16));
+    let run = "run scene.txt --backend cpu --dt 0.02 --substeps 3 --every 5";
+    rockfall.run(&format!("{run} --steps 40 --out whole.csv --trace whole-trace.csv"), 0);
+    rockfall.run(&format!("{run} --steps 17 --out parts.csv --trace parts-trace.csv --checkpoint run.ckpt"), 0);
+    let (out, _) = rockfall.run("run --resume run.ckpt --steps 40 --json", 0);
+    assert!(out.contains("\"steps\":40") && out.contains("\"substeps\":3") && out.contains("\"dt\":0.02,"), "{out}");
+    assert_eq!(rockfall.read("whole.csv"), rockfall.read("parts.csv"));
+    assert_eq!(rockfall.read("whole-trace.csv"), rockfall.read("parts-trace.csv"));
+
+    // Divided otherwise, it goes on from the same step.
+    let (out, err) = rockfall.run("run --resume run.ckpt --steps 44 --substeps 2 --trace b.csv", 0);
+    assert_eq!(err, "note: --substeps 2 instead of 3 from step 40 on\n");
+    assert!(out.contains("44 of 0.02 s = 0.880 s in 2 parts each,"), "{out}");
+    let trace = rockfall.read("b.csv");
+    let steps: Vec<&str> = trace.lines().skip(1).map(|line| line.split(',').next().unwrap()).collect();
+    assert_eq!(steps, ["40", "41", "42", "43", "44"]);
+    let (_, err) = rockfall.run("run --resume run.ckpt --steps 43", 2);
+    assert!(err.contains("is at step 44 already"), "{err}");
+}
+
+#[test]
 fn a_damaged_checkpoint_is_refused_with_a_reason() {
     let rockfall = Rockfall::with(&mixed(4));
     rockfall.run("run scene.txt --backend cpu --steps 5 --checkpoint run.ckpt", 0);

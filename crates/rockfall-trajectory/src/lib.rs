@@ -108,7 +108,16 @@ impl Writer {
     /// # Errors
     /// [`Error::Device`] when the GPU failed, [`Error::File`] when the file cannot be written.
     pub fn frame(&mut self, simulation: &mut Simulation) -> Result<()> {
-        let frame = Frame::of(simulation, !matches!(self.file, File::Csv(_)))?;
+        self.frame_of_step(simulation, simulation.report().steps)
+    }
+
+    /// The same under another number of steps, for a program that divides its steps.
+    ///
+    /// # Errors
+    /// As for [`Writer::frame`].
+    pub fn frame_of_step(&mut self, simulation: &mut Simulation, step: u64) -> Result<()> {
+        let mut frame = Frame::of(simulation, !matches!(self.file, File::Csv(_)))?;
+        frame.step = step;
         let written = match &mut self.file {
             File::Csv(series) => series.frame(&frame),
             File::Npz(series) => series.frame(&frame),

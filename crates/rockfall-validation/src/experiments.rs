@@ -34,6 +34,13 @@ experiments! {
     hopper: "Discharge of a silo",
     column: "Pressure below a column of grains",
     mixing: "Sizes shaken together",
+    rebound: "Rebound with friction",
+    cradle: "Newton's cradle",
+    spinning: "A top, and a frame that flips",
+    moving: "Belt, turntable, loop",
+    zigzag: "A zigzag stack",
+    collapse: "Collapse of a column",
+    rest: "Rest",
     #[cfg(feature = "gpu")]
     pile: "A pile on the CPU and on the GPU",
 }

@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use rockfall::{Backend, Body, Contact, ContactAction, Integrator, Options, Scene, Settings, Simulation, SphereState};
+use rockfall::{Backend, Body, ContactAction, Integrator, Options, Scene, Settings, Simulation, SphereState};
 
 use crate::Result;
 
@@ -57,16 +57,49 @@ pub(crate) fn borne(simulation: &mut Simulation, contact_force: f64) -> Result<B
     Ok(borne)
 }
 
-/// The largest ratio of friction to normal force among the contact forces of a state.
-pub(crate) fn largest_friction(contacts: &[Contact]) -> f64 {
-    let ratio = |contact: &Contact| {
-        let ContactAction::Force(force) = contact.action else { return 0.0 };
-        let (force, normal) = (force.as_dvec3(), contact.normal.as_dvec3());
-        let pressure = force.dot(normal);
+/// What the friction impulses of one step do.
+pub(crate) struct Rubbed {
+    /// The largest friction on a moving sphere over the pressure of all its contacts: at most mu_c, and mu_c where one contact
+    /// slides alone.
+    pub(crate) ratio: f64,
+    /// Upward force of friction on all that moves, by what does not move.
+    pub(crate) up: f64,
+}
+
+/// An activation threshold above which nothing collides, for scenes with collisions off: then phase 3 alone, which collides
+/// whether or not collisions are on, gives the friction impulses and nothing else.
+pub(crate) const NOTHING_COLLIDES: f32 = 1e9;
+
+/// Does a step phase by phase, and compares the state before and after phase 3. Spheres alone.
+pub(crate) fn rubbed(simulation: &mut Simulation, step: f32) -> Result<Rubbed> {
+    simulation.set_time_step(step)?;
+    simulation.update_aabbs()?;
+    simulation.broad_phase()?;
+    let before = simulation.spheres()?;
+    let index: HashMap<_, usize> = simulation.scene().sphere_ids().zip(0..).collect();
+    let mut pressures = vec![0.0; before.len()];
+    for contact in simulation.contacts()? {
+        let ContactAction::Force(force) = contact.action else { continue };
+        let pressure = force.as_dvec3().dot(contact.normal.as_dvec3());
+        for body in [contact.a, contact.b] {
+            if let Body::Sphere(id) = body {
+                pressures[index[&id]] += pressure;
+            }
+        }
+    }
+    simulation.handle_collisions()?;
+    let after = simulation.spheres()?;
+    simulation.update_positions(step)?;
+    let mut rubbed = Rubbed { ratio: 0.0, up: 0.0 };
+    for ((old, new), pressure) in before.iter().zip(&after).zip(pressures).filter(|((old, _), _)| !old.fixed) {
+        let force = f64::from(old.mass) * (new.velocity - old.velocity).as_dvec3() / f64::from(step);
+        rubbed.up += force.y;
         // Of a weak one rounding makes anything.
-        if pressure < 1e-3 { 0.0 } else { (force - pressure * normal).length() / pressure }
-    };
-    contacts.iter().map(ratio).fold(0.0, f64::max)
+        if pressure > 0.05 {
+            rubbed.ratio = rubbed.ratio.max(force.length() / pressure);
+        }
+    }
+    Ok(rubbed)
 }
 
 /// Slope and intercept of the line of least squares.

@@ -40,6 +40,13 @@ experiments!(
     hopper,
     column,
     mixing,
+    rebound,
+    cradle,
+    spinning,
+    moving,
+    zigzag,
+    collapse,
+    rest,
     #[cfg(feature = "gpu")]
     pile
 );

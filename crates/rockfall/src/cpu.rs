@@ -12,6 +12,7 @@ pub(crate) mod grid;
 pub(crate) mod lanes;
 pub(crate) mod lengths;
 pub(crate) mod lists;
+pub(crate) mod rubbing;
 pub(crate) mod state;
 pub(crate) mod tally;
 pub(crate) mod touch;

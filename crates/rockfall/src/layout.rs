@@ -21,8 +21,8 @@ use bytemuck::{Pod, Zeroable};
 mod status;
 
 pub use status::{
-    BAD_STAGE_SHIFT, BadStage, LISTS_ASKED, LISTS_MADE, NO_BODY, Status, TELLERS, Told, VOID_COUNT, VOID_ESCAPED,
-    VOID_NON_FINITE, VOID_PAIRS,
+    BAD_STAGE_SHIFT, BadStage, LISTS_ASKED, LISTS_MADE, NO_BODY, Status, TELLERS, Told, VOID_COLLISIONS, VOID_COUNT,
+    VOID_ESCAPED, VOID_MANY, VOID_NON_FINITE, VOID_PAIRS,
 };
 
 /// Threads in a workgroup of every stage.
@@ -64,6 +64,8 @@ pub const KIND_ROD: u32 = 0;
 pub const NO_ROD: u32 = u32::MAX;
 /// several do, or one that may change its length. Of any other sphere, a capsule's end, it is the number of its only rod.
 pub const SOME_RODS: u32 = u32::MAX - 1;
+/// The network of a rod that is in none: one of free length, a rigid capsule's, or one between two fixed spheres.
+pub const NO_NETWORK: u32 = u32::MAX;
 /// Adjacency kind: a spring on the sphere.
 pub const KIND_SPRING: u32 = 1;
 /// Adjacency kind: a tether on the sphere.
@@ -98,6 +100,22 @@ pub const FLAG_CONTINUE: u32 = 4;
 pub const FLAG_GROUPS: u32 = 8;
 /// Bit of [`Step::flags`], in scenes with large spheres: stage states 3 and 4 are those of an RK4 step not long ago, of the same spheres.
 pub const FLAG_STAGES: u32 = 16;
+
+/// [`Step::sweeps`]: every sphere works out its collisions itself. The step is void where one shares a body with another.
+pub const SWEEPS_OFF: u32 = 0;
+/// [`Step::sweeps`]: collisions are listed. The step is void where one shares a body with another.
+pub const SWEEPS_LISTED: u32 = 1;
+/// [`Step::sweeps`]: collisions are listed, and one workgroup makes all sweeps over those that share bodies. The step is void where there
+/// are more than [`FEW_COLLISIONS`], or one has more neighbours than its record has room for.
+pub const SWEEPS_FEW: u32 = 2;
+/// [`Step::sweeps`]: collisions are listed, and every sweep over those that share bodies is a dispatch.
+pub const SWEEPS_ON: u32 = 3;
+/// Up to so many collisions one workgroup makes all sweeps faster than a dispatch each.
+pub const FEW_COLLISIONS: u32 = 2048;
+/// Sweeps over the impulses of collisions that share bodies.
+pub const SWEEPS: u32 = 16;
+/// Words of a collision in the buffer of collisions.
+pub const COLLISION_WORDS: u32 = 48;
 
 /// The pass of `run_steps` is `phases << PHASES_SHIFT | LEAPS | order`, the second for symplectic Euler alone: how many phases it
 /// runs, and in which order. Collisions and positions take turns, collisions first where the order is 0.
@@ -179,8 +197,12 @@ pub struct Step {
     pub contact_force: f32,
     /// Friction mu.
     pub friction: f32,
-    /// Coulomb's coefficient mu_c, which caps friction; 0: no cap.
+    /// Coefficient mu_c of Coulomb friction in contacts; 0: the friction force of the thesis.
     pub coulomb_friction: f32,
+    /// Coefficient of Coulomb friction in collisions.
+    pub collision_friction: f32,
+    /// Magnitude of `gravity`, in units/s².
+    pub gravity_size: f32,
     /// How far AABBs are grown for what accelerates within a step, in 0.02 r; 1.05 |v| dt comes on top, and as much of both
     /// for every further step of `lookahead`.
     pub margin_scale: f32,
@@ -252,6 +274,17 @@ pub struct Step {
     pub ends_at: u32,
     /// The last so many spheres in memory are large: in stages that go through lists a workgroup works on each of them.
     pub large: u32,
+    /// Number of networks: connected sets of fixed-length rods that are not rigid capsules.
+    pub networks: u32,
+    /// First word of the network table: per network the absolute offset of: sphere count, rod count, spheres (as `2 rod + end`, for
+    /// a rod that ends in the sphere), rods. Before the table stands one word a rod: its network, or [`NO_NETWORK`].
+    pub networks_at: u32,
+    /// How collisions are solved ([`SWEEPS_OFF`], [`SWEEPS_LISTED`], [`SWEEPS_ON`]). Results do not depend on it.
+    pub sweeps: u32,
+    /// Collisions that the buffer of collisions has room for.
+    pub collision_room: u32,
+    /// Padding to 16 bytes.
+    pub pad: [u32; 2],
 }
 
 impl Step {
@@ -265,9 +298,37 @@ impl Step {
         self.movers() + self.boxes + self.polygons
     }
 
-    /// Whether what each collision weighs is stored with it: with rods or large spheres it takes long to work out.
-    pub const fn stores_row_sums(&self) -> bool {
+    /// Whether bodies may have long lists: in scenes with rods or large spheres.
+    pub const fn has_long_lists(&self) -> bool {
         self.rods > 0 || self.large > 0
+    }
+
+    /// [`Step::sweeps`] where no collisions are known to share bodies. Networks are solved by sweeps alone, and friction in collisions
+    /// needs to know their impulses.
+    pub fn calm_sweeps(&self) -> u32 {
+        if self.networks > 0 {
+            SWEEPS_ON
+        } else if self.has_long_lists() || self.collision_friction > 0.0 {
+            SWEEPS_LISTED
+        } else {
+            SWEEPS_OFF
+        }
+    }
+
+    /// Whether one workgroup may make all sweeps, where collisions are few.
+    pub const fn may_sweep_at_once(&self) -> bool {
+        self.networks == 0 && self.large == 0
+    }
+
+    /// Whether contacts get friction impulses.
+    pub fn has_friction_impulses(&self) -> bool {
+        self.coulomb_friction > 0.0 || self.collision_friction > 0.0
+    }
+
+    /// The approach velocity, in units/s, above which a contact of this smaller radius collides: erratum E19. Gravity gives a body
+    /// at rest up to `|gravity| dt` within a step.
+    pub fn collision_velocity(&self, smaller_radius: f32) -> f32 {
+        (self.activation_threshold * smaller_radius).max(2.0 * self.gravity_size * self.dt)
     }
 
     /// Bits of the id in a list entry: 26 in scenes with rods; without there are no features, and all 30.

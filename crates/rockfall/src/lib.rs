@@ -46,8 +46,10 @@
 //! # What to know of the model
 //! Contacts are soft: a body rests with an overlap of about m G / (Cc m\*), m\* the reduced mass of the contact. Friction is
 //! proportional to the overlap and to the square root of the sliding velocity; with the default constants it is 0.05 sqrt(|t|)
-//! times the elastic normal force, so bodies creep on slopes; [`Settings::coulomb_friction`] caps it. The time step must
-//! suit the stiffest spring ([`Scene::stability`] tells).
+//! times the elastic normal force, so bodies creep on slopes; with [`Settings::coulomb_friction`] there is Coulomb friction in its place. The time step must
+//! suit springs, contacts and speeds ([`Scene::stability`], [`Scene::tunnelling`]), the contact force the radii
+//! ([`Scene::sinking`], [`Settings::resting_overlap`]).
+//! `docs/physics.md` in the repository specifies the model in full: its sections and errata are what comments cite.
 //!
 //! # Features
 //! `gpu` (default): the wgpu backend. Without it only the CPU backend is built, and it needs no graphics library.

@@ -21,10 +21,13 @@ pub struct Settings {
     /// Friction mu in 1/(s² sqrt(units/s)): force per overlap, reduced mass and square root of the sliding velocity.
     /// It falls off near rest, so bodies creep on slopes.
     pub friction: f32,
-    /// Coulomb's coefficient mu_c: caps friction at mu_c times the normal force; 0: no cap, the thesis's law. The cap is
-    /// reached at a sliding velocity of about (mu_c `contact_force` / `friction`)² units/s, below it the square root is
-    /// what regularises Coulomb's law: raise `friction` to about 5 `contact_force` with it, or it is seldom reached.
+    /// Coefficient mu_c of Coulomb friction in contacts; 0: the thesis's friction force, which `friction` scales. Where it is
+    /// positive, every contact gets a friction impulse of at most mu_c times its normal force times the time step, once a step,
+    /// in the place of that force.
     pub coulomb_friction: f32,
+    /// Coefficient of Coulomb friction in collisions: limits the tangential impulse of a collision to this times its normal
+    /// impulse; 0: collisions are smooth.
+    pub collision_friction: f32,
     /// Gravity G in units/s².
     pub gravity: f32,
     /// Direction of gravity g, a unit vector (made one when set by name).
@@ -33,6 +36,10 @@ pub struct Settings {
     pub collisions: bool,
     /// Whether contact damping may pull bodies together (the thesis's form).
     pub contact_pull: bool,
+    /// Overlap at rest in radii, F: where it is positive, `contact_force` and `contact_damping` are chosen from gravity, sizes
+    /// and depth of the scene, so that bodies at rest overlap by less than F of the smaller radius
+    /// ([`Scene::resolved_settings`](crate::Scene::resolved_settings)). 0: they stay as they are.
+    pub resting_overlap: f32,
 }
 
 impl Default for Settings {
@@ -44,27 +51,36 @@ impl Default for Settings {
             contact_force: 1000.0,
             friction: 50.0,
             coulomb_friction: 0.0,
+            collision_friction: 0.0,
             gravity: 1.0,
             gravity_direction: Vec3::NEG_Y,
             collisions: true,
             contact_pull: false,
+            resting_overlap: 0.0,
         }
     }
 }
 
 impl Settings {
+    /// Whether contacts get friction impulses.
+    pub(crate) fn has_friction_impulses(&self) -> bool {
+        self.coulomb_friction > 0.0 || self.collision_friction > 0.0
+    }
+
     /// Names that [`Settings::set`] takes.
-    pub const NAMES: [&str; 10] = [
+    pub const NAMES: [&str; 12] = [
         "activation_threshold",
         "restitution",
         "contact_damping",
         "contact_force",
         "friction",
         "coulomb_friction",
+        "collision_friction",
         "gravity",
         "collisions",
         "gravity_direction",
         "contact_pull",
+        "resting_overlap",
     ];
 
     /// Sets a constant by its name, from text: a number, `on` or `off`, or for the direction `x,y,z`.
@@ -80,10 +96,12 @@ impl Settings {
             "contact_force" => self.contact_force = not_negative("contact_force", value)?,
             "friction" => self.friction = not_negative("friction", value)?,
             "coulomb_friction" => self.coulomb_friction = not_negative("coulomb_friction", value)?,
+            "collision_friction" => self.collision_friction = not_negative("collision_friction", value)?,
             "gravity" => self.gravity = number("gravity", value, "a finite number")?,
             "collisions" => self.collisions = switch("collisions", value)?,
             "gravity_direction" => self.gravity_direction = direction("gravity_direction", value)?,
             "contact_pull" => self.contact_pull = switch("contact_pull", value)?,
+            "resting_overlap" => self.resting_overlap = share("resting_overlap", value)?,
             _ => {
                 return Err(Error::UnknownSetting { name: name.to_owned(), expected: Self::NAMES.join(", ") });
             }
@@ -102,10 +120,12 @@ impl Settings {
             "contact_force" => self.contact_force.to_string(),
             "friction" => self.friction.to_string(),
             "coulomb_friction" => self.coulomb_friction.to_string(),
+            "collision_friction" => self.collision_friction.to_string(),
             "gravity" => self.gravity.to_string(),
             "collisions" => on_off(self.collisions),
             "gravity_direction" => format!("{},{},{}", g.x, g.y, g.z),
             "contact_pull" => on_off(self.contact_pull),
+            "resting_overlap" => self.resting_overlap.to_string(),
             _ => return None,
         })
     }
@@ -138,6 +158,16 @@ fn not_negative(field: &'static str, value: &str) -> Result<f32> {
     const EXPECTED: &str = "a finite number, not negative";
     match number(field, value, EXPECTED)? {
         number if number >= 0.0 => Ok(number),
+        _ => Err(invalid(field, value, EXPECTED)),
+    }
+}
+
+/// A share of a radius. Below a millionth of it, overlaps are lost in the rounding of coordinates; bodies that overlap by half
+/// their radius pass through each other.
+fn share(field: &'static str, value: &str) -> Result<f32> {
+    const EXPECTED: &str = "0, or a number from 0.000001 to 0.5";
+    match number(field, value, EXPECTED)? {
+        number if number == 0.0 || (1e-6..=0.5).contains(&number) => Ok(number),
         _ => Err(invalid(field, value, EXPECTED)),
     }
 }

@@ -25,6 +25,7 @@ mod prepare;
 mod profile;
 mod ray;
 mod read;
+mod sweeps;
 
 pub use drive::DEFAULT_TIME_STEP;
 use drive::Window;
@@ -81,6 +82,10 @@ pub struct Simulation {
     has_stages: bool,
     /// `scene` holds the present state.
     synced: bool,
+    /// Steps since collisions shared bodies.
+    calm_steps: u64,
+    /// Steps since many did.
+    few_steps: u64,
 }
 
 impl Simulation {
@@ -107,6 +112,7 @@ impl Simulation {
     /// # Errors
     /// As there.
     pub async fn with_options_async(scene: Scene, options: Options) -> Result<Self> {
+        let scene = resolve(scene)?;
         let world = prepare(&scene, &options)?;
         let (engine, info) = Engine::open(&options, &world).await?;
         Ok(Self::assemble(scene, options, world, engine, info))
@@ -118,6 +124,12 @@ impl Simulation {
     /// As for [`Simulation::new`], and [`Error::DeviceLimit`](crate::Error::DeviceLimit) for a scene that does not fit.
     #[cfg(feature = "gpu")]
     pub fn on_device(scene: Scene, options: Options, device: &wgpu::Device, queue: &wgpu::Queue) -> Result<Self> {
+        Self::on_device_as_is(resolve(scene)?, options, device, queue)
+    }
+
+    /// The same with constants that are resolved already.
+    #[cfg(feature = "gpu")]
+    fn on_device_as_is(scene: Scene, options: Options, device: &wgpu::Device, queue: &wgpu::Queue) -> Result<Self> {
         let world = prepare(&scene, &options)?;
         let (engine, info) = Engine::on_device(&options, device, queue, &world)?;
         Ok(Self::assemble(scene, options, world, engine, info))
@@ -152,6 +164,8 @@ impl Simulation {
             lists_due: true,
             has_stages: false,
             synced: true,
+            calm_steps: 0,
+            few_steps: 0,
         }
     }
 
@@ -170,19 +184,27 @@ impl Simulation {
         self.options.broad_phase.resolve(self.world.objects() as usize)
     }
 
-    /// The physical constants.
+    /// The physical constants; with [`Settings::resting_overlap`] those that were chosen for it.
     pub fn settings(&self) -> &Settings {
         &self.scene.settings
     }
 
-    /// Changes the physical constants, from the next step on.
+    /// Changes the physical constants, from the next step on. Where [`Settings::resting_overlap`] is positive and it, gravity or
+    /// the constants of contacts are changed, contact force and damping are chosen anew, from the positions that were
+    /// read back last. Nothing else chooses them anew: they stay as they are while bodies move, are added and removed, and in a
+    /// simulation that is resumed.
     ///
     /// # Errors
     /// [`Error::Invalid`](crate::Error::Invalid) when a value is not allowed; nothing is changed then.
     pub fn set_settings(&mut self, settings: Settings) -> Result<()> {
         settings.validate()?;
+        let decides = |s: &Settings| (s.resting_overlap, s.gravity, s.gravity_direction, s.contact_force, s.contact_damping);
+        let same = decides(&settings) == decides(&self.scene.settings);
         self.scene.settings = settings;
-        self.world.set_settings(&settings);
+        if !same {
+            self.scene.settings = self.scene.resolved_settings();
+        }
+        self.world.set_settings(&self.scene.settings);
         Ok(())
     }
 
@@ -233,7 +255,8 @@ impl Simulation {
 
     /// The phases of a whole step, in the order in which it runs them.
     fn step_phases(&self) -> &'static [Phase] {
-        if self.scene.settings.collisions { &drive::COLLISIONS_FIRST } else { &drive::WITHOUT_COLLISIONS }
+        let has_phase = self.scene.settings.collisions || self.scene.settings.has_friction_impulses();
+        if has_phase { &drive::COLLISIONS_FIRST } else { &drive::WITHOUT_COLLISIONS }
     }
 
     /// Phase 1 alone: the AABBs of all objects, grown for the present time step.
@@ -293,6 +316,13 @@ impl Simulation {
     pub fn gravity(&self) -> Vec3 {
         Vec3::from_array(self.world.step.gravity)
     }
+}
+
+/// A scene with the constants that its own choose.
+fn resolve(mut scene: Scene) -> Result<Scene> {
+    scene.settings.validate()?;
+    scene.settings = scene.resolved_settings();
+    Ok(scene)
 }
 
 /// The world of a scene, with what the options say of it and without scratch.

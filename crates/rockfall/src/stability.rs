@@ -1,4 +1,4 @@
-//! Which time step the springs and the contact force of a scene bear.
+//! Which time step the springs and the contact force of a scene bear, and what else a time step is too long for.
 //!
 //! A spring of stiffness k and damping c between spheres of inverse masses wA and wB moves along its axis like an oscillator
 //! x'' = -K x - C x' with K = wA k + wB k, C = wA c + wB c. With several springs on a sphere the sums of their k and c
@@ -9,10 +9,21 @@
 //!   are all but used up;
 //! - symplectic Euler: dt² K + 2 dt C <= 4 (Jury's criterion for λ² - (2 - dt C - dt² K) λ + 1 - dt C).
 //!
-//! A contact has stiffness Cc m* and damping Cd m* with m* = 1/(wA + wB), so K = Cc and C = Cd whatever the masses.
-//! That is for one contact, the bound below which nothing helps. Several contacts of one body add up where they point the same
-//! way: two opposite ones (a ball in a tight slot) make 2 Cc, the stiffest wave in a dense packing of equal
-//! spheres (each has twelve) 4 Cc. So half the step that a single contact bears is safe for piles.
+//! Springs that are far from their rest length turn as well as swing. With symplectic Euler they gain energy slowly where
+//! dt² K exceeds 1 + 2 dt C.
+//!
+//! A contact has stiffness Cc m* and damping Cd m* with m* = 1/(wA + wB), so K = Cc and C = Cd whatever the masses. Several
+//! contacts of one body add up where they point the same way: 2 Cc for a body between two others, 4 Cc at most in
+//! a crowd of equal spheres. A crowd has two bounds. Above the larger one it is unstable: its energy grows without end. Between the
+//! two it is restless: the energy stays bounded, but the bodies of a pile shake and never come to rest, because
+//! contacts that open and close within a step add energy. `stability/bounds.rs` has the bounds and where they come from.
+//!
+//! | | comes to rest where | unstable where |
+//! |---|---|---|
+//! | RK4 | dt² Cc <= 0.5, and 4 Cc and 4 Cd are stable (dt Cd <= 0.69) | 2 Cc and 2 Cd are not stable: dt² Cc > 4 or less |
+//! | symplectic Euler | dt² Cc <= 1/4 + 2/3 dt Cd, dt² Cc + 2 dt Cd <= 1, 2 dt Cd <= 3/4 | dt² Cc + 2 dt Cd > 2 |
+//!
+//! The second column leaves a margin: the piles that were measured explode at up to twice that time step.
 //!
 //! Fixed-length rods only add mass to a sphere, and outside forces do not matter.
 
@@ -20,6 +31,14 @@ use std::fmt;
 
 use crate::scene::{Scene, Sphere};
 use crate::settings::Integrator;
+
+mod bounds;
+mod depth;
+mod speed;
+
+use bounds::{Steps, crowd_steps, few_steps, spring_steps};
+pub use depth::Sinking;
+pub use speed::{Thin, Tunnelling};
 
 /// What does not bear the time step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -32,16 +51,27 @@ pub enum Stiff {
     Contact,
 }
 
+/// What a time step that is too long does.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Effect {
+    /// Energy grows without end.
+    Unstable,
+    /// Energy stays bounded, but bodies do not come to rest. Springs that are far from their rest length gain energy slowly.
+    Restless,
+}
+
 /// A time step that is too long for something.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Warning {
     /// What is too stiff or too strongly damped.
     pub what: Stiff,
-    /// Stiffness per mass K, in 1/s².
+    /// What it leads to.
+    pub effect: Effect,
+    /// Stiffness per mass K, in 1/s²; of the contact force that of one contact.
     pub stiffness: f64,
-    /// Damping per mass C, in 1/s.
+    /// Damping per mass C, in 1/s; of the contact force that of one contact.
     pub damping: f64,
-    /// The largest time step that it bears, in seconds.
+    /// The largest time step that has neither effect, in seconds.
     pub largest_dt: f64,
 }
 
@@ -53,62 +83,144 @@ impl fmt::Display for Warning {
             Stiff::Contact => write!(f, "the contact force")?,
         }
         let [k, c] = [self.stiffness, self.damping].map(rounded_down);
-        let largest = rounded_down(self.largest_dt);
-        write!(
-            f,
-            " is too stiff for the time step (stiffness per mass {k} /s², damping per mass {c} /s): the largest that would do is {largest} s"
-        )
+        write!(f, " is too stiff for the time step (stiffness per mass {k} /s², damping per mass {c} /s): ")?;
+        f.write_str(match (self.effect, self.what) {
+            (Effect::Unstable, _) => "it is unstable, energy grows without end",
+            (Effect::Restless, Stiff::Contact) => "bodies do not come to rest",
+            (Effect::Restless, _) => "it gains energy where it is far from its rest length",
+        })?;
+        write!(f, "; the largest that would do is {} s", rounded_down(self.largest_dt))
     }
 }
 
 /// Three significant digits, never more than the number itself.
 fn rounded_down(number: f64) -> f64 {
+    // A hair up before rounding down, for what is such a number already.
+    rounded(number, |scaled| (scaled * (1.0 + 1e-12)).floor())
+}
+
+/// Three significant digits, never less than the number itself.
+fn rounded_up(number: f64) -> f64 {
+    rounded(number, |scaled| (scaled * (1.0 - 1e-12)).ceil())
+}
+
+/// Three significant digits.
+fn nearest(number: f64) -> f64 {
+    rounded(number, f64::round)
+}
+
+fn rounded(number: f64, to_whole: impl Fn(f64) -> f64) -> f64 {
     if number == 0.0 || !number.is_finite() {
         return number;
     }
     let digits = 2 - number.abs().log10().floor() as i32;
     // Scaled by a power of ten that is itself exact, so that 0.02 stays 0.02.
     let scale = 10_f64.powi(digits.abs());
-    // A hair up before rounding down, for what is such a number already.
-    let floor = |scaled: f64| (scaled * (1.0 + 1e-12)).floor();
-    if digits >= 0 { floor(number * scale) / scale } else { floor(number / scale) * scale }
+    if digits >= 0 { to_whole(number * scale) / scale } else { to_whole(number / scale) * scale }
 }
 
 impl Scene {
-    /// What a time step of `dt` seconds is too long for: springs, tethers, then the contact force.
+    /// What a time step of `dt` seconds is too long for: springs, tethers, then the contact force (the one that
+    /// [`Scene::resolved_settings`] has).
     pub fn stability(&self, dt: f32, integrator: Integrator) -> Vec<Warning> {
         let loads = Loads::of(self);
         let dt = f64::from(dt);
-        let warn = |what, [stiffness, damping]: [f64; 2]| {
-            let largest_dt = largest_dt(stiffness, damping, integrator);
-            (dt > largest_dt).then_some(Warning { what, stiffness, damping, largest_dt })
+        let warn = |what, [stiffness, damping]: [f64; 2], steps: Steps| {
+            let effect = if dt > steps.bounded { Effect::Unstable } else { Effect::Restless };
+            (dt > steps.rest).then_some(Warning { what, effect, stiffness, damping, largest_dt: steps.rest })
         };
-        let springs = self.springs().iter().enumerate().filter_map(|(index, spring)| {
-            let [a, b] = [spring.a, spring.b].map(|id| loads.on(self, id));
-            warn(Stiff::Spring(index), [a[0] + b[0], a[1] + b[1]])
+        let spring = |[stiffness, damping]: [f64; 2]| spring_steps(stiffness, damping, integrator);
+        let springs = self.springs().iter().enumerate().filter_map(|(index, ends)| {
+            let [a, b] = [ends.a, ends.b].map(|id| loads.on(self, id));
+            let load = [a[0] + b[0], a[1] + b[1]];
+            warn(Stiff::Spring(index), load, spring(load))
         });
-        let tethers = self.tethers().iter().enumerate();
-        let tethers = tethers.filter_map(|(index, tether)| warn(Stiff::Tether(index), loads.on(self, tether.sphere)));
+        let tethers = self.tethers().iter().enumerate().filter_map(|(index, tether)| {
+            let load = loads.on(self, tether.sphere);
+            warn(Stiff::Tether(index), load, spring(load))
+        });
         let mut warnings: Vec<Warning> = springs.chain(tethers).collect();
-        if self.can_touch() {
-            let contact = [self.settings.contact_force, self.settings.contact_damping].map(f64::from);
-            warnings.extend(warn(Stiff::Contact, contact));
-        }
+        let settings = self.resolved_settings();
+        let contact = [settings.contact_force, settings.contact_damping].map(f64::from);
+        let steps = self.contact_steps(contact, integrator);
+        warnings.extend(steps.and_then(|steps| warn(Stiff::Contact, contact, steps)));
         warnings
     }
 
-    /// Whether there is anything to touch for something that moves.
-    fn can_touch(&self) -> bool {
-        let others = self.spheres().len() + self.boxes().len() + self.polygons().len();
-        others > 1 && self.spheres().iter().any(|sphere| !sphere.fixed)
+    /// The least number of equal parts that a time step of `dt` seconds has to be divided into for [`Scene::stability`] to have
+    /// nothing to tell.
+    pub fn substeps_for(&self, dt: f32, integrator: Integrator) -> u32 {
+        let warnings = self.stability(dt, integrator);
+        let largest = warnings.iter().map(|warning| warning.largest_dt).fold(f64::INFINITY, f64::min);
+        // Every warning has a bound below dt: their least one is that of the scene.
+        let mut parts = (f64::from(dt) / largest).ceil().clamp(1.0, f64::from(u32::MAX)) as u32;
+        // The part is a number of f32, which may be rounded up.
+        while f64::from(dt / parts as f32) > largest && parts < u32::MAX {
+            parts += 1;
+        }
+        parts
+    }
+
+    /// The bounds of the contact force; `None` where nothing can touch something that moves.
+    fn contact_steps(&self, [force, damping]: [f64; 2], integrator: Integrator) -> Option<Steps> {
+        match self.crowd() {
+            Crowd::None => None,
+            Crowd::Pair => Some(few_steps(1.0, force, damping, integrator)),
+            Crowd::Few => Some(few_steps(2.0, force, damping, integrator)),
+            Crowd::Many => {
+                let elastic = self.settings.collisions && self.settings.restitution >= 1.0;
+                let steps = crowd_steps(force, damping, integrator, elastic);
+                // Without any loss of energy nothing ever comes to rest, whatever the time step.
+                let lossless = damping == 0.0 && (elastic || !self.settings.collisions);
+                Some(if lossless { Steps { rest: steps.bounded, ..steps } } else { steps })
+            }
+        }
+    }
+
+    /// How many bodies can touch each other.
+    fn crowd(&self) -> Crowd {
+        // Movers and everything else, by group.
+        let mut groups = vec![[0_usize; 2]; 1 << 16];
+        for sphere in self.spheres() {
+            groups[usize::from(sphere.group)][usize::from(sphere.fixed)] += 1;
+        }
+        let boxes = self.boxes().iter().map(|cuboid| cuboid.group);
+        let polygons = self.polygons().iter().map(|polygon| polygon.group);
+        let rods = self.rods().iter().map(|rod| rod.group);
+        for group in boxes.chain(polygons).chain(rods) {
+            groups[usize::from(group)][1] += 1;
+        }
+        let of_group = |[movers, others]: &[usize; 2]| match (*movers, movers + others) {
+            (0, _) | (_, 1) => Crowd::None,
+            (_, 2) => Crowd::Pair,
+            (1 | 2, _) => Crowd::Few,
+            _ => Crowd::Many,
+        };
+        groups.iter().map(of_group).max().unwrap_or(Crowd::None)
     }
 }
 
-/// For each sphere, the sums of k and c over its springs and tethers.
+/// How many bodies can touch each other.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum Crowd {
+    /// None that move.
+    None,
+    /// One pair.
+    Pair,
+    /// One or two that move, among things that do not.
+    Few,
+    /// Three or more that move.
+    Many,
+}
+
+/// For each sphere, the sums of k and c over its springs and tethers; empty where there are none.
 struct Loads(Vec<[f64; 2]>);
 
 impl Loads {
     fn of(scene: &Scene) -> Self {
+        if scene.springs().is_empty() && scene.tethers().is_empty() {
+            return Self(Vec::new());
+        }
         let mut sums = vec![[0.0; 2]; scene.spheres().len()];
         let mut add = |id, stiffness: f32, damping: f32| {
             // Every end is in the scene: with a sphere go its springs.
@@ -136,152 +248,6 @@ impl Loads {
     }
 }
 
-/// The largest step that keeps x'' = -K x - C x' bounded; infinite when nothing limits it.
-fn largest_dt(stiffness: f64, damping: f64, integrator: Integrator) -> f64 {
-    match integrator {
-        Integrator::Rk4 => {
-            let sides = (8.0 / stiffness).sqrt().min(2.78 / damping);
-            if !sides.is_finite() || rk4_is_stable(stiffness, damping, sides) {
-                return sides;
-            }
-            // The stable region is star-shaped about 0 in the left half plane: halve down to its edge.
-            let (mut good, mut bad) = (0.0, sides);
-            for _ in 0..60 {
-                let middle = 0.5 * (good + bad);
-                if rk4_is_stable(stiffness, damping, middle) {
-                    good = middle;
-                } else {
-                    bad = middle;
-                }
-            }
-            good
-        }
-        // dt² K + 2 dt C = 4, solved without cancellation.
-        Integrator::SymplecticEuler => 4.0 / (damping + (damping * damping + 4.0 * stiffness).sqrt()),
-    }
-}
-
-/// Whether both modes of x'' = -K x - C x' stay within |R(λ dt)| <= 1, R(z) = 1 + z + z²/2 + z³/6 + z⁴/24.
-fn rk4_is_stable(stiffness: f64, damping: f64, dt: f64) -> bool {
-    let half = -0.5 * damping * dt;
-    let root = half * half - stiffness * dt * dt;
-    let growth = |re: f64, im: f64| {
-        // Horner's scheme over complex numbers.
-        let times = |(a, b): (f64, f64), by: f64| (1.0 + (a * re - b * im) / by, (a * im + b * re) / by);
-        let (a, b) = times(times(times(times((1.0, 0.0), 4.0), 3.0), 2.0), 1.0);
-        a.hypot(b)
-    };
-    let largest = if root < 0.0 {
-        growth(half, (-root).sqrt())
-    } else {
-        growth(half - root.sqrt(), 0.0).max(growth(half + root.sqrt(), 0.0))
-    };
-    // On the imaginary axis the edge itself is 1 up to rounding.
-    largest <= 1.0 + 1e-9
-}
-
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::{Spring, Tether};
-
-    /// Largest |x| after many steps of the oscillator itself, to hold the bounds against.
-    fn amplitude(stiffness: f64, damping: f64, dt: f64, integrator: Integrator) -> f64 {
-        let force = |x: f64, v: f64| -stiffness * x - damping * v;
-        let (mut x, mut v) = (1.0, 0.3);
-        for _ in 0..4000 {
-            match integrator {
-                Integrator::SymplecticEuler => {
-                    v += dt * force(x, v);
-                    x += dt * v;
-                }
-                Integrator::Rk4 => {
-                    let slope = |x: f64, v: f64| (v, force(x, v));
-                    let k1 = slope(x, v);
-                    let k2 = slope(x + 0.5 * dt * k1.0, v + 0.5 * dt * k1.1);
-                    let k3 = slope(x + 0.5 * dt * k2.0, v + 0.5 * dt * k2.1);
-                    let k4 = slope(x + dt * k3.0, v + dt * k3.1);
-                    x += dt / 6.0 * (k1.0 + 2.0 * k2.0 + 2.0 * k3.0 + k4.0);
-                    v += dt / 6.0 * (k1.1 + 2.0 * k2.1 + 2.0 * k3.1 + k4.1);
-                }
-            }
-            if !x.is_finite() {
-                return f64::INFINITY;
-            }
-        }
-        x.abs()
-    }
-
-    #[test]
-    fn the_largest_step_is_bounded_and_at_the_edge_where_it_claims_to_be() {
-        // Stiffness, damping, and whether RK4's bound is its edge: on both axes, and between them near the corner.
-        let cases = [
-            (1000.0, 0.0, true),
-            (0.5, 100.0, true),
-            (1000.0, 12.5, false),
-            (100.0, 8.0, true),
-            (100.0, 10.0, true),
-            (100.0, 25.0, false),
-        ];
-        for (stiffness, damping, rk4_edge) in cases {
-            for (integrator, edge) in [(Integrator::Rk4, rk4_edge), (Integrator::SymplecticEuler, true)] {
-                let largest = largest_dt(stiffness, damping, integrator);
-                let below = amplitude(stiffness, damping, 0.99 * largest, integrator);
-                let above = amplitude(stiffness, damping, 1.02 * largest, integrator);
-                assert!(
-                    below < 10.0 && (above > 10.0 || !edge),
-                    "{stiffness} {damping} {integrator}: {below} {above} about {largest}"
-                );
-            }
-        }
-    }
-
-    #[test]
-    fn the_bounds_are_those_of_the_documentation() {
-        assert_eq!(largest_dt(200.0, 0.0, Integrator::Rk4), 0.2);
-        assert_eq!(largest_dt(0.0, 100.0, Integrator::Rk4), 0.0278);
-        assert_eq!(largest_dt(400.0, 0.0, Integrator::SymplecticEuler), 0.1);
-        assert_eq!(largest_dt(0.0, 0.0, Integrator::SymplecticEuler), f64::INFINITY);
-    }
-
-    #[test]
-    fn sums_run_over_all_springs_of_a_sphere_and_fixed_ones_do_not_count() {
-        let mut scene = Scene::new();
-        let fixed = scene.add_sphere(Sphere::new([0.0; 3], 0.1).fixed()).unwrap();
-        let ball = scene.add_sphere(Sphere::new([1.0, 0.0, 0.0], 0.1).mass(0.5)).unwrap();
-        scene.add_spring(Spring::new(fixed, ball, 4000.0, 1.0)).unwrap();
-        scene.add_tether(Tether::new(ball, [2.0, 0.0, 0.0], 1000.0).damping(1.0)).unwrap();
-        // K = (4000 + 1000) / 0.5: the edge is sqrt(8 / 10000) = 0.0283.
-        assert!(scene.stability(0.028, Integrator::Rk4).is_empty());
-        let warnings = scene.stability(0.029, Integrator::Rk4);
-        let whats: Vec<Stiff> = warnings.iter().map(|warning| warning.what).collect();
-        assert_eq!(whats, [Stiff::Spring(0), Stiff::Tether(0)]);
-        assert_eq!((warnings[0].stiffness, warnings[0].damping), (10000.0, 2.0));
-        assert!((warnings[0].largest_dt - 0.0008_f64.sqrt()).abs() < 1e-9);
-    }
-
-    #[test]
-    fn the_contact_force_has_its_own_bound() {
-        let mut scene = Scene::new();
-        scene.add_sphere(Sphere::new([0.0; 3], 0.1)).unwrap();
-        scene.settings.contact_force = 30000.0;
-        assert!(scene.stability(0.02, Integrator::Rk4).is_empty(), "nothing to touch");
-        scene.add_sphere(Sphere::new([1.0; 3], 0.1)).unwrap();
-        let warnings = scene.stability(0.02, Integrator::Rk4);
-        assert_eq!(warnings.len(), 1);
-        assert_eq!(warnings[0].what, Stiff::Contact);
-        let text = warnings[0].to_string();
-        assert!(text.contains("the largest that would do is 0.0163 s"), "{text}");
-        scene.settings.contact_force = 19000.0;
-        assert!(scene.stability(0.02, Integrator::Rk4).is_empty());
-        assert_eq!(scene.stability(0.02, Integrator::SymplecticEuler).len(), 1);
-        scene.settings.contact_damping = 140.0;
-        assert_eq!(scene.stability(0.02, Integrator::Rk4).len(), 1);
-    }
-
-    #[test]
-    fn printed_numbers_are_never_rounded_up() {
-        let rounded = [0.02, 0.0282843, 0.01999, 1.0, 12345.0, 0.0].map(rounded_down);
-        assert_eq!(rounded, [0.02, 0.0282, 0.0199, 1.0, 12300.0, 0.0]);
-    }
-}
+#[path = "stability/tests.rs"]
+mod tests;

@@ -17,6 +17,7 @@ mod clear_cells;
 mod commit_and_turn;
 mod commit_collisions;
 mod commit_leap;
+mod commit_rubs;
 mod constrain;
 mod count_cells;
 mod count_digits;
@@ -31,13 +32,17 @@ mod find_collisions;
 mod find_neighbours;
 mod finish;
 mod finish_and_turn;
+mod gather_impulses;
 mod key_spheres;
 mod leap;
+mod list_collisions;
 mod measure_order;
 mod permute_spheres;
 mod plan_lists;
+mod project_networks;
 mod restore_lengths;
 mod rod_forces;
+mod rub_contacts;
 mod run_steps;
 mod scan_cells;
 mod scan_pairs;
@@ -46,9 +51,12 @@ mod schedule;
 mod settle_spheres;
 mod sort_axis;
 mod sort_cells;
+mod sweep_at_once;
+mod sweep_collisions;
 mod turn;
 mod update_aabbs;
 mod weigh_collisions;
+mod weigh_networks;
 
 pub(crate) use run_steps::is_small;
 #[cfg(feature = "gpu")]
@@ -78,8 +86,10 @@ pub enum Buffer {
     Extents,
     /// The pair lists.
     Lists,
-    /// In scenes with rods or large spheres, by list entry: the row sums of collisions, which their weights are the inverse of.
-    RowSums,
+    /// Where collisions are listed, by list entry: the number of the collision in [`Buffer::Collisions`].
+    Slots,
+    /// Where collisions are listed: a record of [`COLLISION_WORDS`](crate::layout::COLLISION_WORDS) words each.
+    Collisions,
     /// Per rod: force and couple on end 1, force and couple on end 2.
     Wrenches,
     /// Unit quaternions (x, y, z, w) of the spheres' orientations.
@@ -93,7 +103,7 @@ pub enum Buffer {
 
 impl Buffer {
     /// All buffers.
-    pub const ALL: [Self; 15] = [
+    pub const ALL: [Self; 16] = [
         Self::Start,
         Self::Y2,
         Self::Y3,
@@ -104,7 +114,8 @@ impl Buffer {
         Self::Cells,
         Self::Extents,
         Self::Lists,
-        Self::RowSums,
+        Self::Slots,
+        Self::Collisions,
         Self::Wrenches,
         Self::Orientations,
         Self::Sizes,
@@ -124,7 +135,8 @@ impl Buffer {
             Self::Cells => "the grid",
             Self::Extents => "the extents of sorted objects",
             Self::Lists => "the pair lists",
-            Self::RowSums => "the row sums of collisions",
+            Self::Slots => "the numbers of listed collisions",
+            Self::Collisions => "the listed collisions",
             Self::Wrenches => "the forces on rods",
             Self::Orientations => "the orientations",
             Self::Sizes => "the sizes of dispatches",
@@ -192,6 +204,8 @@ pub(crate) const fn write(name: &'static str, buffer: Buffer) -> Binding {
 
 /// Workgroups that take turns, at most: as many as a large device runs side by side.
 const MOST_TURNING: u32 = 1024;
+/// The same over listed collisions, each of which is little work.
+const MOST_AT_COLLISIONS: u32 = 4096;
 /// In smaller scenes one for so many movers, of which few are long.
 const MOVERS_A_TURN: u32 = 256;
 
@@ -216,6 +230,12 @@ pub enum Threads {
     Rods,
     /// A workgroup per batch of fixed-length rods.
     Batches,
+    /// A workgroup per network of fixed-length rods.
+    Networks,
+    /// A workgroup per large sphere.
+    LargeSpheres,
+    /// Workgroups that take turns over the listed collisions, of which the device alone knows how many there are.
+    Collisions,
     /// A workgroup per block of the grid's cells.
     Blocks,
     /// A workgroup per block of spheres that are sorted.
@@ -248,6 +268,9 @@ impl Threads {
             Self::WideSpheres => step.spheres.div_ceil(WIDE),
             Self::Rods => step.rods.div_ceil(WORKGROUP),
             Self::Batches => step.batches,
+            Self::Networks => step.networks,
+            Self::LargeSpheres => step.large,
+            Self::Collisions => step.collision_room.div_ceil(WORKGROUP).min(MOST_AT_COLLISIONS),
             Self::Blocks => step.cells / CELL_BLOCK,
             Self::DigitBlocks => step.spheres.div_ceil(DIGIT_BLOCK),
             Self::LongMovers => movers.div_ceil(MOVERS_A_TURN).min(MOST_TURNING),
@@ -301,7 +324,7 @@ pub struct Stage {
 }
 
 /// Every stage there is, once.
-pub const ALL: [&Stage; 40] = [
+pub const ALL: [&Stage; 48] = [
     &update_aabbs::STAGE,
     &count_pairs::STAGE,
     &scan_pairs::STAGE,
@@ -321,9 +344,17 @@ pub const ALL: [&Stage; 40] = [
     &find_neighbours::STAGE,
     &fill_long::STAGE,
     &find_collisions::STAGE,
+    &list_collisions::STAGE,
+    &weigh_networks::STAGE,
     &weigh_collisions::STAGE,
+    &sweep_at_once::STAGE,
+    &sweep_collisions::STAGE,
+    &gather_impulses::STAGE,
+    &project_networks::STAGE,
     &apply_collisions::STAGE,
     &commit_collisions::STAGE,
+    &rub_contacts::STAGE,
+    &commit_rubs::STAGE,
     &restore_lengths::STAGE,
     &rod_forces::STAGE,
     &advance::STAGE,

@@ -80,8 +80,12 @@ fn moves(name: &str, pass: u32) -> Option<Moves> {
         // Reads position, velocity and entries; few of these change.
         "find_collisions" => Moves { rows: 2, sphere_aabbs: 1, counts: 1, entries: 1, ..NONE },
         // Few bodies collide; the others are told by their counts.
-        "weigh_collisions" | "apply_collisions" | "commit_collisions" => Moves { counts: 1, ..NONE },
-        "commit_leap" => Moves { rows: 6, sphere_aabbs: 1, ..NONE },
+        "list_collisions" | "apply_collisions" | "commit_collisions" => Moves { counts: 1, ..NONE },
+        // What there is of collisions alone.
+        "weigh_collisions" | "sweep_at_once" | "sweep_collisions" | "weigh_networks" | "project_networks" | "gather_impulses" => NONE,
+        // Reads and writes 3 rows; looks at the entries for those that press.
+        "rub_contacts" => Moves { rows: 6, counts: 1, entries: 1, ..NONE },
+        "commit_leap" | "commit_rubs" => Moves { rows: 6, sphere_aabbs: 1, ..NONE },
         // And reads and writes the orientation.
         "commit_and_turn" => Moves { rows: 8, sphere_aabbs: 1, ..NONE },
         "rod_forces" => Moves { rods: 1, wrenches: 1, ..NONE },
@@ -112,7 +116,6 @@ fn moves_by_bindings(stage: &Stage, pass: u32) -> Moves {
             (Buffer::Aabbs, _) => moves.aabbs += 1,
             (Buffer::Lists, Access::Read) => (moves.counts, moves.entries) = (moves.counts + 1, moves.entries + 1),
             (Buffer::Lists, Access::Write) => moves.counts += 1,
-            (Buffer::RowSums, _) => moves.entries += 1,
             (Buffer::Cells, _) => moves.cells += 1,
             (Buffer::Extents, _) => moves.extents += 1,
             (Buffer::Wrenches, _) => moves.wrenches += 1,

@@ -14,12 +14,13 @@ pub(crate) use order::{size_class, spread};
 use bytemuck::{bytes_of, bytes_of_mut, cast_slice, cast_slice_mut};
 use glam::Vec4;
 
+use crate::cpu::collision::Impulse;
 use crate::layout::{Aabb, LINE, SLICE, Status, Step, words_of};
 use crate::stage::Buffer;
 
 /// The buffers of [`Buffer`], on the host, and the uniform block.
 ///
-/// What is scratch (stage states 2 to 4, AABBs, cells, extents, lists, row sums, wrenches) may be empty in a world that runs on a device:
+/// What is scratch (stage states 2 to 4, AABBs, cells, extents, lists, wrenches) may be empty in a world that runs on a device:
 /// that one has room for it from the counts.
 #[derive(Clone, Debug, Default)]
 pub struct World {
@@ -37,8 +38,8 @@ pub struct World {
     pub extents: Vec<Vec4>,
     /// Counts, slice offsets, entries: `step.entries_at` words and `step.pair_rows` rows of [`SLICE`].
     pub lists: Vec<u32>,
-    /// By list entry, in scenes with rods or large spheres: the row sum of a collision, negative where nothing else presses.
-    pub row_sums: Vec<f32>,
+    /// What the collision phase of the CPU backend gave its contacts; scratch, which no device has.
+    pub impulses: Vec<Impulse>,
     /// `4 * rods`: force and couple on end 1, force and couple on end 2.
     pub wrenches: Vec<Vec4>,
     /// The index in order of addition of the sphere in each memory slot; empty: they are the same.
@@ -84,13 +85,12 @@ impl World {
             Buffer::Y3 => cast_slice(&self.states[2]),
             Buffer::Y4 => cast_slice(&self.states[3]),
             // A device alone has them.
-            Buffer::States => &[],
+            Buffer::States | Buffer::Slots | Buffer::Collisions => &[],
             Buffer::Aabbs => cast_slice(&self.aabbs),
             Buffer::Words => cast_slice(&self.words),
             Buffer::Cells => cast_slice(&self.cells),
             Buffer::Extents => cast_slice(&self.extents),
             Buffer::Lists => cast_slice(&self.lists),
-            Buffer::RowSums => cast_slice(&self.row_sums),
             Buffer::Wrenches => cast_slice(&self.wrenches),
             Buffer::Orientations => cast_slice(&self.orientations),
             Buffer::Sizes => cast_slice(&self.sizes),
@@ -105,13 +105,12 @@ impl World {
             Buffer::Y2 => cast_slice_mut(&mut self.states[1]),
             Buffer::Y3 => cast_slice_mut(&mut self.states[2]),
             Buffer::Y4 => cast_slice_mut(&mut self.states[3]),
-            Buffer::States => &mut [],
+            Buffer::States | Buffer::Slots | Buffer::Collisions => &mut [],
             Buffer::Aabbs => cast_slice_mut(&mut self.aabbs),
             Buffer::Words => cast_slice_mut(&mut self.words),
             Buffer::Cells => cast_slice_mut(&mut self.cells),
             Buffer::Extents => cast_slice_mut(&mut self.extents),
             Buffer::Lists => cast_slice_mut(&mut self.lists),
-            Buffer::RowSums => cast_slice_mut(&mut self.row_sums),
             Buffer::Wrenches => cast_slice_mut(&mut self.wrenches),
             Buffer::Orientations => cast_slice_mut(&mut self.orientations),
             Buffer::Sizes => cast_slice_mut(&mut self.sizes),
@@ -123,7 +122,6 @@ impl World {
     pub fn set_pair_rows(&mut self, rows: u32) {
         self.set_pair_room(rows);
         self.lists = vec![0; self.list_words() as usize];
-        self.row_sums = vec![0.0; self.row_sum_words() as usize];
     }
 
     /// Words of the pair lists.
@@ -131,9 +129,10 @@ impl World {
         u64::from(self.step.entries_at) + words_of(self.step.pair_rows)
     }
 
-    /// Words of the row sums: as many as of list entries, where they are stored.
-    pub(crate) fn row_sum_words(&self) -> u64 {
-        if self.step.stores_row_sums() { words_of(self.step.pair_rows) } else { 0 }
+    /// Words of the numbers of listed collisions: as many as of list entries, where there is room for collisions.
+    #[cfg(feature = "gpu")]
+    pub(crate) fn slot_words(&self) -> u64 {
+        if self.step.collision_room > 0 { words_of(self.step.pair_rows) } else { 0 }
     }
 
     /// [`World::set_pair_rows`] for a world that runs on a device: the host's lists are empty.
@@ -143,6 +142,5 @@ impl World {
         self.step.slices_at = slices * SLICE;
         self.step.entries_at = (self.step.slices_at + slices + 1).next_multiple_of(LINE);
         self.lists = Vec::new();
-        self.row_sums = Vec::new();
     }
 }

@@ -6,18 +6,25 @@ mod common;
 
 use common::device::device;
 use common::mixed::{Run, mixed, same_bits};
+use common::{floor_box, with};
+use rockfall::glam::Vec3;
 use rockfall::stage::Buffer;
 use rockfall::{Backend, BroadPhase, Error, Integrator, Options, Rod, Scene, Simulation, Sphere, SphereId, Tether};
 
-/// The mixed scene without its rods, whose kernels take software Vulkan long to compile, and with so many tethers more that
-/// `words` fills more than a chunk.
+/// Balls side by side that fall on a floor, with so many tethers that `words` fills more than a chunk. No collision shares a body with
+/// another: records of those would fill more chunks than a stage can bind. And no rods, whose kernels take software Vulkan long to compile.
 fn without_rods() -> Scene {
-    let mut scene = mixed(135);
-    let rods: Vec<_> = scene.rod_ids().collect();
-    rods.into_iter().for_each(|rod| scene.remove_rod(rod).expect("a rod of the scene"));
+    let mut scene = with(|settings| settings.gravity = 10.0);
+    floor_box(&mut scene);
+    for ball in 0..150_u8 {
+        let place = [f32::from(ball % 15), f32::from(ball / 15)].map(|k| 0.45 * k - 3.0);
+        let fall = Sphere::new([place[0], 0.22 + 0.005 * f32::from(ball % 7), place[1]], 0.2).velocity([0.0, -2.0, 0.0]);
+        scene.add_sphere(fall).expect("a valid sphere");
+    }
     let balls: Vec<SphereId> = scene.sphere_ids().take(120).collect();
     for ball in balls {
-        scene.add_tether(Tether::new(ball, [0.0, 1.0, 0.0], 5.0)).expect("a valid tether");
+        let above = scene.sphere(ball).expect("a ball").position + Vec3::Y;
+        scene.add_tether(Tether::new(ball, above, 5.0)).expect("a valid tether");
     }
     scene
 }
@@ -69,9 +76,9 @@ fn chunks_of_every_array_give_the_same_bits() {
         let mut whole = whole(without_rods(), options);
         for simulation in [&mut chunked, &mut whole] {
             let report = simulation.run(20, 0.01).expect("steps");
-            assert!(report.replays > 0 && report.total_collisions > 10 && report.contacts > 0, "{report:?}");
+            assert!(report.replays > 0 && report.total_collisions > 10, "{report:?}");
         }
-        are_split(&chunked, &[Buffer::RowSums, Buffer::Wrenches, Buffer::Sizes, Buffer::Status]);
+        are_split(&chunked, &[Buffer::Slots, Buffer::Collisions, Buffer::Wrenches, Buffer::Sizes, Buffer::Status]);
         are_split(&whole, &Buffer::ALL);
         same_bits(&Run::of(&mut chunked), &Run::of(&mut whole));
     }
@@ -112,7 +119,7 @@ fn edits_and_reads_go_through_all_chunks() {
             for (number, id) in (0_u8..).zip(ids.iter().rev().step_by(9)) {
                 simulation.remove_sphere(*id).expect("a sphere");
                 for side in [-0.3, 0.3] {
-                    let place = [0.13 * f32::from(number) - 1.0, 6.0, side];
+                    let place = [0.45 * f32::from(number) - 4.0, 6.0, side];
                     simulation.add_sphere(Sphere::new(place, 0.2)).expect("a valid sphere");
                 }
             }

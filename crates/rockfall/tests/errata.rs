@@ -9,25 +9,25 @@ mod common;
 
 use common::*;
 
-/// A rod along x from 0 to 4 (masses 1 and 3, radius 0.1) under a fixed sphere (radius 0.5) that comes down on it at 2,
-/// at a = 0.25 with o = 0.05. M = 12/7, since 1/M = 0.75^2/1 + 0.25^2/3 = 7/12.
+/// A rod along x from 0 to 4 (masses 1 and 3, radius 0.1) that has come up at 2 to a fixed sphere (radius 0.5), at a = 0.25, `LATE` ago.
+/// M = 12/7, since 1/M = 0.75^2/1 + 0.25^2/3 = 7/12.
 fn struck_rod(backend: Backend) -> (Vec<Sphere>, Vec<SphereState>) {
     let mut scene = weightless();
     let ends = [Sphere::new([0.0; 3], 0.1), Sphere::new([4.0, 0.0, 0.0], 0.1).mass(3.0)];
-    rod(&mut scene, ends, 0.1);
-    spheres(&mut scene, [Sphere::new([1.0, 0.55, 0.0], 0.5).velocity([0.0, -2.0, 0.0]).fixed()]);
+    rod(&mut scene, ends.map(|end| late(end.velocity([0.0, 2.0, 0.0]))), 0.1);
+    spheres(&mut scene, [Sphere::new([1.0, 0.6, 0.0], 0.5).fixed()]);
     let before = scene.spheres().to_vec();
     (before, collide(scene, backend))
 }
 
-/// Shares (1-a) M/m1 and a M/m2 of d = 0.05: 0.0642857 and 0.0071429, so that the contact point moves by d.
-/// The thesis, with (m1 + m2) for M: 0.15 and 0.0166667, and the contact point moves by 0.117.
+/// The point's velocity changes by 3.5, so that it is displaced by d = 3.5 `LATE`: shares (1-a) M/m1 and a M/m2 of it, 9/7 d and d/7.
+/// The thesis, with (m1 + m2) for M: 3 d and d/3, and the contact point moves by 7/3 d.
 fn e01_displacement_of_a_rod_is_shared_by_its_effective_mass(backend: Backend) {
     let (before, after) = struck_rod(backend);
-    let (one, two) = (-0.05 * 0.75 * 12.0 / 7.0, -0.05 * 0.25 * 12.0 / 7.0 / 3.0);
-    displacements(&before, &after, [[0.0, one, 0.0], [0.0, two, 0.0], [0.0; 3]]);
+    let d = 3.5 * f64::from(LATE);
+    displacements(&before, &after, [[0.0, -0.75 * 12.0 / 7.0 * d, 0.0], [0.0, -0.25 * 12.0 / 7.0 / 3.0 * d, 0.0], [0.0; 3]]);
     let contact_point = after[0].position.lerp(after[1].position, 0.25);
-    close(contact_point.y, -0.05, F32_PLACE, "displacement of the contact point");
+    close(contact_point.y, 2.0 * f64::from(LATE) - d, F32_PLACE, "place of the contact point");
 }
 
 /// j = (1 + e) u M = 1.75 * 2 * 12/7 = 6: the ends get 0.75 * 6 / 1 = 4.5 and 0.25 * 6 / 3 = 0.5, and the rod's point leaves at
@@ -37,7 +37,7 @@ fn e01_displacement_of_a_rod_is_shared_by_its_effective_mass(backend: Backend) {
 /// (thesis 2.545), B2 j/4 = 1.273 (thesis 2.545).
 fn e02_impulse_is_shared_once_and_by_the_own_masses(backend: Backend) {
     let (_, after) = struck_rod(backend);
-    velocities(&after, [[0.0, -4.5, 0.0], [0.0, -0.5, 0.0], [0.0, -2.0, 0.0]]);
+    velocities(&after, [[0.0, 2.0 - 4.5, 0.0], [0.0, 2.0 - 0.5, 0.0], [0.0; 3]]);
 
     let after = collide(crossing_rods(2.0, 0.15, Vec3::ZERO), backend);
     let j = 3.5 * 16.0 / 11.0;
@@ -105,13 +105,13 @@ fn rubbing_balls(spins: [f32; 2], slip: f32, backend: Backend) -> Vec<Load> {
     loads(scene, backend)
 }
 
-/// t = 0.25 y: F on A = 50 * 0.5 * 0.2 * 0.5 = 2.5 y, arms 0.5 - 0.1: both torques are 0.4 * 2.5 = 1 (about z), which
-/// balances the moment of the forces, -0.8 * 2.5. With the thesis's arms of 0.5 they are 1.25 each, and the pair would
-/// gain 0.5 every second.
+/// t = y: F on A = 50 * 0.5 * 0.2 = 5 y, arms 0.5 - 0.1: both torques are 0.4 * 5 = 2 (about z), which
+/// balances the moment of the forces, -0.8 * 5. With the thesis's arms of 0.5 they are 2.5 each, and the pair would
+/// gain 1 every second.
 fn e06_arms_meet_in_one_point(backend: Backend) {
-    let found = rubbing_balls([0.0, 0.0], 0.25, backend);
-    forces(&found, [[0.0, 2.5, 0.0], [0.0, -2.5, 0.0]], 1e-4);
-    torques(&found, [[0.0, 0.0, 1.0]; 2], 1e-4);
+    let found = rubbing_balls([0.0, 0.0], 1.0, backend);
+    forces(&found, [[0.0, 5.0, 0.0], [0.0, -5.0, 0.0]], 1e-4);
+    torques(&found, [[0.0, 0.0, 2.0]; 2], 1e-4);
 }
 
 /// Both spin at 1 about z: the surfaces meet at 0.4 up (A) and 0.4 down (B), t = -0.8 y, F on A = 5 * -sqrt 0.8 y =
@@ -195,15 +195,15 @@ fn e12_velocity_changes_are_opposite(backend: Backend) {
     close(momentum, 10.0, 1e-4, "momentum");
 }
 
-/// Rods that cross at (8, 8, 8), o = 0.05, wA = 5/16, wB = 6/16: A1 goes down by 0.05 * 16/11 / 2 = 0.0364, B1 up by as
+/// Rods that cross at (8, 8, 8), o = 0.03, 15 ms old, wA = 5/16, wB = 6/16: j = 3.5 * 16/11, A1 goes down by 0.015 j / 2 = 0.038, B1 up by as
 /// much. The thesis moves them by shares of the contact point (8, 8, 8) itself.
 fn e13_rods_are_displaced_by_a_displacement(backend: Backend) {
-    let scene = crossing_rods(2.0, 0.15, Vec3::splat(8.0));
+    let scene = crossing_rods(2.0, 0.17, Vec3::splat(8.0));
     let before = scene.spheres().to_vec();
     let after = collide(scene, backend);
-    let d = 0.05 * 16.0 / 11.0;
-    let expected = [-d / 2.0, -d / 8.0, d / 2.0, d / 4.0].map(|y| [0.0, y, 0.0]);
-    displacements(&before, &after, expected);
+    let j = 3.5 * 16.0 / 11.0;
+    let expected = [-j / 2.0, -j / 8.0, j / 2.0, j / 4.0].map(|y| [0.0, y, 0.0]);
+    displacements(&before, &after, over(0.015, expected));
 }
 
 /// Crossing rods meet. With the thesis's C = B - A (the axes' difference, here (-4, 0, 2)) a = -1, and nothing happens.

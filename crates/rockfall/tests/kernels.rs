@@ -227,16 +227,18 @@ fn split(fields: Fields, name: &str) -> Fields {
 #[test]
 fn the_structs_are_those_of_layout() {
     let step = rust_fields!(Step: gravity, dt, activation_threshold, restitution, contact_damping, contact_force, friction,
-        coulomb_friction, margin_scale, flags, pair_rows, spheres, rods, boxes, polygons, rods_at, springs_at, tethers_at,
+        coulomb_friction, collision_friction, gravity_size, margin_scale, flags, pair_rows, spheres, rods, boxes, polygons, rods_at, springs_at, tethers_at,
         forces_at, boxes_at, polygons_at, tags_at, adjacency_at, batches, batches_at, slices_at, entries_at, cell_size, least_level, cells,
-        sums_at, keys_at, sorted_at, lookahead, users_at, slots_at, list_interval, lead, long_at, planned, ends_at, large);
+        sums_at, keys_at, sorted_at, lookahead, users_at, slots_at, list_interval, lead, long_at, planned, ends_at, large, networks, networks_at, sweeps,
+        collision_room, pad);
+    let step = (split(step.0, "pad"), step.1);
     let (pass, pass_size) = rust_fields!(Pass: index, pad);
     let pass = (split(pass, "pad"), pass_size);
     let aabb = rust_fields!(Aabb: min, id, max, tag);
     let told = rust_fields!(Told: contacts, max_overlap, collisions, pad);
     let told = (split(told.0, "pad"), told.1);
     let status = rust_fields!(Status: told, void, pair_rows_needed, escape_ratio, steps, collided, lengths_due, collides, last_contacts, last_max_overlap, last_collisions, total_collisions_low, total_collisions_high,
-        bad_body, bad_step, bad_count, total_bad, first_bad, rebuild, builds, order_entries, order_digits);
+        bad_body, bad_step, bad_count, total_bad, first_bad, rebuild, builds, order_entries, order_digits, listed, clustered, clustered_steps, many_steps);
     for stage in ALL {
         let module = module(stage);
         assert_eq!(wgsl_fields(&module, "Step"), step, "{}", stage.name);
@@ -283,6 +285,18 @@ fn the_constants_are_those_of_layout() {
         VOID_ESCAPED,
         VOID_NON_FINITE,
         VOID_COUNT,
+        VOID_COLLISIONS,
+        VOID_MANY,
+        SWEEPS_OFF,
+        SWEEPS_LISTED,
+        SWEEPS_FEW,
+        SWEEPS_ON,
+        SWEEPS,
+        FEW_COLLISIONS,
+        COLLISION_WORDS,
+        NO_NETWORK,
+        NO_ROD,
+        SOME_RODS,
         TELLERS,
         SIZE_WORDS,
         EDGES_AT,

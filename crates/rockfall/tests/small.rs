@@ -33,6 +33,26 @@ fn crowd(balls: usize) -> Scene {
     scene
 }
 
+/// The same side by side on the floor, so that no collision shares a body with another one: `run_steps` solves none that do.
+fn side_by_side(balls: usize) -> Scene {
+    let mut scene = with(|settings| settings.gravity = 10.0);
+    scene.add_box(rockfall::Cuboid::between([-20.0, -1.0, -20.0], [20.0, 0.0, 20.0])).expect("a valid box");
+    let ball = |ball: usize| {
+        let place = Vec3::new((ball % 18) as f32 - 9.0, 0.22 + 0.01 * (ball % 7) as f32, (ball / 18) as f32 - 9.0);
+        let mut sphere = Sphere::new(place, 0.2 + 0.03 * (ball as f32 * 0.9).sin());
+        sphere.fixed = ball == 40;
+        sphere.mass(1.0 + (ball % 3) as f32).velocity([0.02, -2.0, 0.01])
+    };
+    let ids: Vec<SphereId> = (0..balls).map(|place| scene.add_sphere(ball(place)).expect("a valid sphere")).collect();
+    for pair in ids.chunks_exact(2).step_by(9) {
+        scene.add_spring(Spring::new(pair[0], pair[1], 20.0, 1.0).damping(1.0)).expect("a valid spring");
+        // Straight up, or it would pull them together.
+        let above = Vec3::new(0.0, 3.0, 0.0) + scene.sphere(pair[1]).expect("a ball").position;
+        scene.add_tether(Tether::new(pair[1], above, 0.5)).expect("a valid tether");
+    }
+    scene
+}
+
 fn simulation(scene: Scene, options: Options) -> Simulation {
     Simulation::with_options(scene, options.backend(Backend::Gpu).join_steps(true)).expect("the simulation opens")
 }
@@ -71,7 +91,7 @@ fn steps_in_one_dispatch_are_those_of_the_stages() {
     for broad_phase in [BroadPhase::BruteForce, BroadPhase::Grid] {
         for (collisions, integrator) in [(true, Integrator::Rk4), (false, Integrator::Rk4), (true, Integrator::SymplecticEuler)]
         {
-            let mut scene = crowd(300);
+            let mut scene = side_by_side(300);
             scene.settings.collisions = collisions;
             let options = Options::new().broad_phase(broad_phase).integrator(integrator);
             let dispatches = [Cell::new(0), Cell::new(0)];
@@ -83,10 +103,32 @@ fn steps_in_one_dispatch_are_those_of_the_stages() {
             // Lists are up to four of them, and what is joined five to eight.
             let [apart, together] = dispatches.map(Cell::into_inner);
             assert!(together > 0 && 5 * apart > 8 * together, "{apart} dispatches and {together}");
-            assert!(joined.report.contacts > 300, "{:?}", joined.report);
             assert_eq!(joined.report.total_collisions > 300, collisions, "{:?}", joined.report);
         }
     }
+}
+
+/// Collisions that share bodies are for the stages, until there have been none for a while.
+#[test]
+fn clusters_are_left_to_the_stages() {
+    let mut scene = side_by_side(60);
+    // Three in a row meet in the air, at once; nothing else does.
+    for (x, speed) in [(0.0, 1.0), (0.41, 0.0), (0.82, -1.0)] {
+        scene.add_sphere(Sphere::new([x, 30.0, 0.0], 0.2).velocity([speed, 0.0, 0.0])).expect("a valid sphere");
+    }
+    let dispatches = Cell::new([0; 2]);
+    let [joined, _] = both_ways(&scene, &Options::new().broad_phase(BroadPhase::Grid), |simulation, joined| {
+        let first = run(simulation, 20, joined);
+        // 128 steps without such collisions.
+        run(simulation, 160, joined);
+        let later = run(simulation, 20, joined);
+        if joined {
+            dispatches.set([first, later]);
+        }
+    });
+    let [first, later] = dispatches.get();
+    assert!(first > 2 * later, "{first} dispatches and {later}");
+    assert!(joined.report.total_collisions > 60 && joined.report.replays > 0, "{:?}", joined.report);
 }
 
 /// By default a device joins them, and a CPU that plays one does not, for there one workgroup is one thread.
@@ -96,7 +138,7 @@ fn software_runs_stage_by_stage() {
     let options = [plain.clone(), plain.clone().join_steps(true), plain.join_steps(false)];
     let mut software = false;
     let [default, joined, apart] = options.map(|options| {
-        let mut simulation = Simulation::with_options(crowd(300), options).expect("the simulation opens");
+        let mut simulation = Simulation::with_options(side_by_side(300), options).expect("the simulation opens");
         software = simulation.gpu_view().expect("the GPU backend").gpu().is_software();
         run(&mut simulation, 8, true);
         run(&mut simulation, 32, true)

@@ -51,8 +51,9 @@ fn dispatches_of_a_step() {
     // With capsules and rods besides: weigh_collisions, rod_forces in each evaluation, restore_lengths, constrain; twice as many
     // objects as bodies, too many for a grid that is built in one dispatch.
     check_dispatches(Benchmark::Mixed, Integrator::Rk4, 23);
-    // One more for the collisions of large spheres, and, where lists are made, two for theirs.
-    check_dispatches(Benchmark::Radii, Integrator::Rk4, 14);
+    // Two for the collisions of large spheres, two for every sweep in steps in which some share bodies, and, where lists are made, two
+    // for theirs.
+    check_dispatches(Benchmark::Radii, Integrator::Rk4, 44);
 }
 
 /// Dispatches of so many plain steps of a small scene without rods, after some others.
@@ -86,6 +87,10 @@ fn every_step_of_a_profile_is_a_step_that_was_done() {
         // Lists are made in every eighth step at least; those that do not fit any more are made once besides.
         let fits = match stage.phase {
             Phase::UpdateAabbs | Phase::BroadPhase => (STEPS / 8..STEPS + STEPS / 4).contains(&stage.runs),
+            // These stand in steps with collisions that share bodies alone.
+            _ if ["list_collisions", "weigh_collisions", "sweep_at_once"].contains(&stage.name) => {
+                stage.runs <= STEPS + STEPS / 4
+            }
             _ => stage.runs >= STEPS && stage.runs % STEPS < STEPS / 4,
         };
         assert!(fits, "{stage:?}");
@@ -176,8 +181,8 @@ fn listed(simulation: &mut Simulation, build: fn(&Scene) -> rockfall::Result<Wor
 
 #[test]
 fn size_of_a_lattice() {
-    // Six neighbours touch; a rim of others is close.
-    check_size(Benchmark::Lattice, &Bounds { memory: 388, entries: 6.4, words: 9.0 });
+    // Six neighbours touch; a rim of others is close. Elastic collisions are no longer lost: it spreads a little more.
+    check_size(Benchmark::Lattice, &Bounds { memory: 388, entries: 6.5, words: 9.0 });
 }
 
 #[test]

@@ -69,6 +69,8 @@ pub(crate) struct Outputs {
     begins: [bool; 2],
     /// The step of the last checkpoint.
     saved_at: Option<u64>,
+    /// Collisions in all at the last line of the trace.
+    collisions: u64,
 }
 
 impl Outputs {
@@ -96,18 +98,21 @@ impl Outputs {
             checkpoint_every,
             begins: [trace_mark.is_none(), out_mark.is_none()],
             saved_at: None,
+            collisions: 0,
         })
     }
 
     /// Writes what comes before the first step.
-    pub(crate) fn begin(&mut self, simulation: &mut Simulation) -> Result<(), Failure> {
+    pub(crate) fn begin(&mut self, simulation: &mut Simulation, past: &Past) -> Result<(), Failure> {
+        self.collisions = simulation.report().total_collisions;
         let [trace, frames] = self.begins;
         if let Some((path, file)) = self.trace.as_mut().filter(|_| trace) {
             writeln!(file, "{TRACE_HEADER}").map_err(|error| Failure::file(path, &error))?;
-            self.trace(simulation)?;
+            self.trace(simulation, past)?;
         }
+        let step = past.step(simulation.report().steps);
         match &mut self.out {
-            Some(Out::Frames(_, writer, _)) if frames => Ok(written(writer.frame(simulation))?),
+            Some(Out::Frames(_, writer, _)) if frames => Ok(written(writer.frame_of_step(simulation, step))?),
             _ => Ok(()),
         }
     }
@@ -125,12 +130,12 @@ impl Outputs {
 
     /// Writes what is due after a step.
     pub(crate) fn after_step(&mut self, simulation: &mut Simulation, past: &mut Past) -> Result<(), Failure> {
-        self.trace(simulation)?;
-        let step = simulation.report().steps;
+        self.trace(simulation, past)?;
+        let step = past.step(simulation.report().steps);
         if let Some(Out::Frames(_, writer, every)) = &mut self.out
             && step.is_multiple_of(*every)
         {
-            written(writer.frame(simulation))?;
+            written(writer.frame_of_step(simulation, step))?;
         }
         match self.checkpoint_every {
             Some(every) if step.is_multiple_of(every) => self.save(simulation, past),
@@ -139,12 +144,16 @@ impl Outputs {
     }
 
     /// The line of the state that the simulation is in.
-    fn trace(&mut self, simulation: &mut Simulation) -> Result<(), Failure> {
+    fn trace(&mut self, simulation: &mut Simulation, past: &Past) -> Result<(), Failure> {
         let Some((path, file)) = &mut self.trace else { return Ok(()) };
         let energy = simulation.energy()?;
         let report: Report = simulation.report();
+        // The simulation tells those of its own last step, of which a divided step has several.
+        let of_parts = report.total_collisions.saturating_sub(self.collisions);
+        let collisions = if past.parts() > 1 { of_parts } else { report.collisions.into() };
+        self.collisions = report.total_collisions;
         let mut write = || {
-            write!(file, "{}", report.steps)?;
+            write!(file, "{}", past.step(report.steps))?;
             let energies = [energy.kinetic, energy.potential, energy.spring, energy.contact];
             numbers(file, &[report.time])?;
             // An empty sum is -0, which nobody wants to read.
@@ -152,14 +161,14 @@ impl Outputs {
             numbers(file, &(energy.momentum + 0.0).to_array())?;
             numbers(file, &(energy.angular_momentum + 0.0).to_array())?;
             numbers(file, &[report.max_overlap])?;
-            writeln!(file, ",{},{}", report.contacts, report.collisions)
+            writeln!(file, ",{},{collisions}", report.contacts)
         };
         write().map_err(|error: io::Error| Failure::file(path, &error))
     }
 
     /// Writes a checkpoint, unless there is one of this step.
     pub(crate) fn save(&mut self, simulation: &mut Simulation, past: &mut Past) -> Result<(), Failure> {
-        let step = simulation.report().steps;
+        let step = past.step(simulation.report().steps);
         let Some(path) = self.checkpoint.clone().filter(|_| self.saved_at != Some(step)) else { return Ok(()) };
         (past.out, past.every) = match &mut self.out {
             Some(Out::Frames(path, writer, every)) => (Some(PastFile::new(whole(path), written(writer.mark())?)), Some(*every)),

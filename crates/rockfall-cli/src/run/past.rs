@@ -2,8 +2,8 @@
 
 use std::path::PathBuf;
 
-use rockfall::Energy;
 use rockfall::output::Mark;
+use rockfall::{Energy, Error};
 use serde::{Deserialize, Serialize};
 
 /// The note of a checkpoint, as JSON.
@@ -23,6 +23,12 @@ pub(crate) struct Past {
     pub(crate) every: Option<u64>,
     pub(crate) trace: Option<PastFile>,
     pub(crate) checkpoint_every: Option<u64>,
+    /// Time step in s, before it is divided.
+    pub(crate) dt: f32,
+    /// Equal parts that a step is divided into; each of them is a step of the simulation.
+    pub(crate) substeps: u32,
+    /// The step from which on it is divided so, and how many steps the simulation had done then.
+    pub(crate) divided_from: [u64; 2],
 }
 
 /// An output, and how far it was written.
@@ -46,6 +52,36 @@ impl PastFile {
 }
 
 impl Past {
+    /// How many whole steps were done when the simulation had done so many.
+    pub(crate) fn step(&self, simulated: u64) -> u64 {
+        let [step, before] = self.divided_from;
+        step + simulated.saturating_sub(before) / u64::from(self.parts())
+    }
+
+    /// Parts of a step; a checkpoint of an older program does not tell them.
+    pub(crate) fn parts(&self) -> u32 {
+        self.substeps.max(1)
+    }
+
+    /// The time step of the simulation.
+    pub(crate) fn part(&self) -> f32 {
+        self.dt / self.parts() as f32
+    }
+
+    /// Divides steps otherwise from now on.
+    pub(crate) fn divide(&mut self, substeps: u32, simulated: u64) {
+        self.divided_from = [self.step(simulated), simulated];
+        self.substeps = substeps;
+    }
+
+    /// An error of the simulation that names the whole step.
+    pub(crate) fn in_steps(&self, error: Error) -> Error {
+        match error {
+            Error::NonFinite { sphere, step, stage } => Error::NonFinite { sphere, step: self.step(step), stage },
+            other => other,
+        }
+    }
+
     pub(crate) fn before(&self) -> Energy {
         let mut energy = Energy::default();
         [energy.kinetic, energy.potential, energy.spring, energy.contact] = self.before;

@@ -26,7 +26,10 @@ pub(super) fn open(arguments: &Arguments, given: &Given, path: &Path) -> Result<
     let mut checkpoint = Checkpoint::load(path).map_err(Failure::usage)?;
     let mut past: Past = serde_json::from_str(&checkpoint.note)
         .map_err(|error| Failure::usage(format!("{}: not a checkpoint of `rockfall run`: {error}", path.display())))?;
-    let done = checkpoint.report.steps;
+    if past.dt <= 0.0 {
+        past.dt = checkpoint.time_step;
+    }
+    let done = past.step(checkpoint.report.steps);
     if given.has("steps") {
         past.steps = arguments.steps;
     }
@@ -34,11 +37,11 @@ pub(super) fn open(arguments: &Arguments, given: &Given, path: &Path) -> Result<
         let message = format!("--steps {}: {} is at step {done} already", past.steps, path.display());
         return Err(Failure::usage(message));
     }
-    change(&mut checkpoint, arguments, given)?;
+    change(&mut checkpoint, &mut past, arguments, given)?;
 
     let wanted = wanted(arguments, &past, path)?;
     let mut outputs = Outputs::open(wanted, Some(&past))?;
-    let (dt, device, program) = (checkpoint.time_step, checkpoint.device.clone(), checkpoint.program.clone());
+    let (device, program) = (checkpoint.device.clone(), checkpoint.program.clone());
     let mut simulation = Simulation::resume(checkpoint).map_err(|error| match error {
         Error::NoAdapter(_) if !given.has("backend") => Failure::Run(format!("{error}; {} ran on {device}", path.display())),
         error => error.into(),
@@ -50,21 +53,23 @@ pub(super) fn open(arguments: &Arguments, given: &Given, path: &Path) -> Result<
             output::note(&format!("note: {what}: {now} instead of {then}, which may round differently"));
         }
     }
-    outputs.begin(&mut simulation)?;
-    Ok(Run { simulation, outputs, past, dt })
+    outputs.begin(&mut simulation, &past)?;
+    Ok(Run { simulation, outputs, past })
 }
 
 /// What is given comes before what the checkpoint has.
-fn change(checkpoint: &mut Checkpoint, arguments: &Arguments, given: &Given) -> Result<(), Failure> {
+fn change(checkpoint: &mut Checkpoint, past: &mut Past, arguments: &Arguments, given: &Given) -> Result<(), Failure> {
+    let simulated = checkpoint.report.steps;
+    let step = past.step(simulated);
     let differs = |what: &str, now: &str, then: &str| {
         if now != then {
-            output::note(&format!("note: {what} {now} instead of {then} from step {} on", checkpoint.report.steps));
+            output::note(&format!("note: {what} {now} instead of {then} from step {step} on"));
         }
     };
     let (physics, options) = (&arguments.physics, &mut checkpoint.options);
     if given.has("dt") {
-        differs("--dt", &physics.dt.to_string(), &checkpoint.time_step.to_string());
-        checkpoint.time_step = physics.dt;
+        differs("--dt", &physics.dt.to_string(), &past.dt.to_string());
+        past.dt = physics.dt;
     }
     if given.has("integrator") {
         differs("--integrator", &physics.integrator.to_string(), &options.integrator.to_string());
@@ -76,6 +81,16 @@ fn change(checkpoint: &mut Checkpoint, arguments: &Arguments, given: &Given) -> 
         settings.set(name, value)?;
         differs(&format!("--set {name}"), &settings.get(name).unwrap_or_default(), &then);
     }
+    if !physics.set.is_empty() {
+        // A simulation that is resumed takes its constants as they are.
+        checkpoint.scene.settings = checkpoint.scene.resolved_settings();
+    }
+    if given.has("substeps") {
+        let substeps = arguments.substeps.of(&checkpoint.scene, past.dt, options.integrator);
+        differs("--substeps", &substeps.to_string(), &past.parts().to_string());
+        past.divide(substeps, simulated);
+    }
+    checkpoint.time_step = past.part();
     let engine = arguments.engine.options(physics);
     if given.has("backend") {
         options.backend = engine.backend;

@@ -5,7 +5,7 @@ use rand_pcg::Pcg64Mcg;
 use rockfall::{BoxId, Cuboid, Integrator, Scene, Sphere, SphereState};
 
 use crate::chart::{Axis, Chart, Mark};
-use crate::measure::{curve, largest_friction, line_fit, mean, on_cpu, with};
+use crate::measure::{NOTHING_COLLIDES, curve, line_fit, mean, on_cpu, rubbed, with};
 use crate::{Effort, Outcome, Result};
 
 const STEP: f32 = 0.01;
@@ -15,8 +15,8 @@ const HALF: f32 = 4.5;
 /// A square silo with a square hole of this width, which a last box closes.
 fn silo(count: u32, hole: f32) -> Result<(Scene, BoxId)> {
     let mut scene = with(|settings| {
-        (settings.friction, settings.coulomb_friction) = (5_000.0, 0.5);
-        settings.collisions = false;
+        settings.coulomb_friction = 0.5;
+        (settings.collisions, settings.activation_threshold) = (false, NOTHING_COLLIDES);
     });
     let (half, top) = (0.5 * hole, 2.0 * count as f32 / (4.0 * HALF * HALF) + 5.0);
     let out = HALF + 1.0;
@@ -52,7 +52,7 @@ struct Discharge {
     later: f64,
     /// Mean acceleration downward of those that are out.
     fall: f64,
-    /// Largest friction of a contact over its pressure, mean over time.
+    /// Largest friction on a sphere over its pressure, of all times.
     friction: f64,
 }
 
@@ -73,15 +73,15 @@ fn discharge(count: u32, hole: f32, seconds: u32) -> Result<Discharge> {
         if gone > count as usize / 2 {
             break;
         }
-        frictions.push(largest_friction(&simulation.contacts()?));
-        simulation.run(25, STEP)?;
+        frictions.push(rubbed(&mut simulation, STEP)?.ratio);
+        simulation.run(24, STEP)?;
         let before = std::mem::replace(&mut spheres, simulation.spheres()?);
         let fall = |(then, now): (&SphereState, &SphereState)| f64::from(then.velocity.y - now.velocity.y) / 0.25;
         falls.extend(before.iter().zip(&spheres).filter(|(then, _)| is_out(then)).map(fall));
     }
     let (first, second) = samples.split_at(samples.len() / 2);
     let later = line_fit(second).0 / line_fit(first).0;
-    Ok(Discharge { rate: line_fit(&samples).0, later, fall: mean(&falls), friction: mean(&frictions) })
+    Ok(Discharge { rate: line_fit(&samples).0, later, fall: mean(&falls), friction: frictions.into_iter().fold(0.0, f64::max) })
 }
 
 /// Beverloo's constants for a square hole: C 4/pi with C = 0.58, and k = 1.4; spheres per volume of a loose flow.
@@ -112,7 +112,7 @@ pub(crate) fn run(effort: Effort) -> Result<Outcome> {
     let all = |of: fn(&Discharge) -> f64| mean(&out.iter().map(of).collect::<Vec<_>>());
     outcome.check("discharge in the second half of the time / in the first", 1.0, all(|out| out.later), effort.pick(0.5, 0.15));
     outcome.check("acceleration of what has fallen out (units/s²)", 1.0, all(|out| out.fall), 0.01);
-    outcome.check("largest friction of a contact / pressure", 0.5, all(|out| out.friction), 0.01);
+    outcome.check("largest friction on a sphere / pressure", 0.5, out.iter().map(|out| out.friction).fold(0.0, f64::max), 0.01);
     let axes = (Axis::linear("width of the hole (diameters)"), Axis::linear("discharge (spheres/s)"));
     outcome.charts.push(
         Chart::new("hopper", "Discharge of a silo", axes.0, axes.1)

@@ -4,7 +4,7 @@
 use glam::{BVec4A, Vec4};
 
 use crate::cpu::collision::ROUNDING;
-use crate::cpu::contact::{Sides, Touches, approach, side};
+use crate::cpu::contact::{Approach, Sides, Touches, side};
 use crate::cpu::lanes::{LANES, Vec3x4};
 use crate::cpu::lists::Entry;
 use crate::cpu::view::{Object, TINY, View};
@@ -99,7 +99,13 @@ impl<'a, 'b> Ball<'a, 'b> {
         }
         Meeting {
             a: self.sides,
-            b: Sides { inverse_mass, velocity, spin: momentum * inverse_inertia, radius: Some(radius) },
+            b: Sides {
+                inverse_mass,
+                inverse_inertia: Vec4::select(inverse_mass.cmpgt(Vec4::ZERO), inverse_inertia, Vec4::ZERO),
+                velocity,
+                spin: momentum * inverse_inertia,
+                radius: Some(radius),
+            },
             touches: Touches { normal, overlap: Vec4::splat(self.place.w) + radius - distance },
         }
     }
@@ -122,7 +128,7 @@ impl Meeting {
     /// Which close faster than the threshold.
     #[inline]
     pub(crate) fn collide(&self, view: &View) -> BVec4A {
-        let threshold = view.step.activation_threshold * self.smaller_radius();
-        approach(&self.a, &self.b, self.touches.normal).cmpgt(threshold)
+        let approach = Approach::of(view.step, &self.a, &self.b, self.touches.normal);
+        approach.velocity.cmpgt(approach.threshold)
     }
 }

@@ -1,4 +1,4 @@
-//! The net force on a sphere and on the ends of a rod (physics.md section 4).
+//! The net force on a sphere and on the ends of a rod (docs/physics.md section 4).
 
 use glam::{Vec3, Vec4};
 
@@ -8,7 +8,7 @@ use crate::cpu::lanes::first_lanes;
 use crate::cpu::lists::{Entry, Lists};
 use crate::cpu::tally::Tally;
 use crate::cpu::touch::touch;
-use crate::cpu::view::{TINY, View};
+use crate::cpu::view::{Attachment, TINY, View};
 use crate::layout::{KIND_FORCE, KIND_ROD, KIND_SPRING, KIND_TETHER};
 
 /// Force and couple on one body.
@@ -105,6 +105,17 @@ pub(crate) fn sphere_load(view: &View, lists: &Lists, wrenches: &[Vec4], sphere:
     total
 }
 
+/// The force of all that is attached to a sphere, rods left out.
+pub(crate) fn attached_force(view: &View, sphere: u32) -> Vec3 {
+    let of = |attachment: Attachment| match attachment.kind {
+        KIND_SPRING => spring_force(view, attachment.index, sphere),
+        KIND_TETHER => tether_force(view, attachment.index, sphere),
+        KIND_FORCE => view.outside_force(attachment.index),
+        _ => Vec3::ZERO,
+    };
+    view.attachments(sphere).map(of).sum()
+}
+
 /// Hooke's law with damping along the axis (2.16, 2.17, E5), on the end that `d` and `velocity` are seen from.
 fn hooke(d: Vec3, velocity: Vec3, stiffness: f32, length: f32, damping: f32) -> Vec3 {
     let dd = d.length_squared();
@@ -114,6 +125,38 @@ fn hooke(d: Vec3, velocity: Vec3, stiffness: f32, length: f32, damping: f32) -> 
     let distance = dd.sqrt();
     let n = d / distance;
     (stiffness * (distance - length) + damping * velocity.dot(n)) * n
+}
+
+/// Second derivative of the energy of what is attached to a sphere, in energy per square of the displacement, where it is displaced by `own`
+/// and others by what `of` gives. A spring between two that are displaced is counted by half, for both of them have it.
+pub(crate) fn attached_curvature(view: &View, sphere: u32, own: Vec3, of: impl Fn(u32) -> Option<Vec3>) -> f32 {
+    let curvature = |d: Vec3, stretch: Vec3, stiffness: f32, length: f32| {
+        let dd = d.length_squared();
+        if dd <= TINY {
+            return 0.0;
+        }
+        let (along, slack) = (stretch.dot(d), length / dd.sqrt());
+        stiffness * ((1.0 - slack) * stretch.length_squared() + slack * along * along / dd)
+    };
+    let mut sum = 0.0;
+    for attachment in view.attachments(sphere) {
+        match attachment.kind {
+            KIND_SPRING => {
+                let spring = view.spring(attachment.index);
+                let other = if spring.ends[0] == sphere { spring.ends[1] } else { spring.ends[0] };
+                let theirs = of(other);
+                let d = view.position(other) - view.position(sphere);
+                let part = if theirs.is_some() { 0.5 } else { 1.0 };
+                sum += part * curvature(d, theirs.unwrap_or_default() - own, spring.stiffness, spring.length);
+            }
+            KIND_TETHER => {
+                let tether = view.tether(attachment.index);
+                sum += curvature(tether.point - view.position(sphere), own, tether.stiffness, tether.length);
+            }
+            _ => {}
+        }
+    }
+    sum
 }
 
 fn spring_force(view: &View, spring: u32, sphere: u32) -> Vec3 {

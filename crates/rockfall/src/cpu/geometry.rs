@@ -1,4 +1,4 @@
-//! Closest points (physics.md section 2; thesis 2.1-2.5).
+//! Closest points (docs/physics.md sections 2.3 to 2.9; thesis 2.1-2.5).
 
 use glam::Vec3;
 
@@ -143,16 +143,15 @@ fn nearest_face(cuboid: &BoxWords, t: Vec3) -> (Vec3, f32) {
     (nearest.0, -nearest.1)
 }
 
-/// Unit normal of a polygon's face and the height of a point above it; `None` beside the polygon.
-pub(crate) fn point_polygon(polygon: &PolygonWords, p: Vec3) -> Option<(Vec3, f32)> {
+/// Unit normal of a polygon's face, the height of a point above it, and whether that is over the polygon, not beside it.
+pub(crate) fn point_polygon(polygon: &PolygonWords, p: Vec3) -> (Vec3, f32, bool) {
     let normal = polygon.left.cross(polygon.right);
     let nn = normal.length_squared();
     let t = p - polygon.corner;
     let l = t.cross(polygon.right).dot(normal) / nn;
     let k = polygon.left.cross(t).dot(normal) / nn;
     let face = normal / nn.sqrt();
-    let inside = on_segment(l) && on_segment(k);
-    inside.then(|| (face, t.dot(face)))
+    (face, t.dot(face), on_segment(l) && on_segment(k))
 }
 
 /// An edge of a box, and which way is out at it.

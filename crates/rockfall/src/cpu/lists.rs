@@ -66,11 +66,6 @@ impl<'a> Lists<'a> {
         (count, move |place| Entry::new(id_mask, place, words[(place * SLICE) as usize]))
     }
 
-    /// The place of an entry of a mover among all entries.
-    pub(crate) fn slot(&self, mover: u32, entry: Entry) -> usize {
-        slot(self.step, self.words, mover, entry.place)
-    }
-
     /// Whether some entry of a mover collides.
     pub(crate) fn collides(&self, mover: u32) -> bool {
         self.words[mover as usize] & LIST_COLLIDES != 0

@@ -2,7 +2,9 @@
 
 use glam::{Vec3, Vec4};
 
-use crate::layout::{BOX_WORDS, FORCE_WORDS, KIND_ROD, KIND_SHIFT, POLYGON_WORDS, ROD_WORDS, SPRING_WORDS, Step, TETHER_WORDS};
+use crate::layout::{
+    BOX_WORDS, FORCE_WORDS, KIND_ROD, KIND_SHIFT, NO_NETWORK, POLYGON_WORDS, ROD_WORDS, SPRING_WORDS, Step, TETHER_WORDS,
+};
 
 /// A squared distance up to this counts as zero.
 pub(crate) const TINY: f32 = 1e-30;
@@ -145,6 +147,21 @@ impl<'a> View<'a> {
         row.truncate() * row.w
     }
 
+    /// 1 / I, 0 for a fixed sphere.
+    pub(crate) fn mobility(&self, sphere: u32) -> f32 {
+        if self.is_fixed(sphere) { 0.0 } else { self.inverse_inertia(sphere) }
+    }
+
+    /// The velocity of the sphere's middle. What is given of a fixed sphere is the velocity of its surface; it is at rest itself.
+    pub(crate) fn own_velocity(&self, sphere: u32) -> Vec3 {
+        if self.is_fixed(sphere) { Vec3::ZERO } else { self.velocity(sphere) }
+    }
+
+    /// The same for the angular velocity.
+    pub(crate) fn own_spin(&self, sphere: u32) -> Vec3 {
+        if self.is_fixed(sphere) { Vec3::ZERO } else { self.spin(sphere) }
+    }
+
     pub(crate) fn object(&self, id: u32) -> Object {
         let Step { spheres, rods, boxes, .. } = *self.step;
         match id {
@@ -220,13 +237,34 @@ impl<'a> View<'a> {
         id < self.step.spheres && self.rods_of(id).next().is_none()
     }
 
-    /// The other end of the rod, when the sphere has exactly one rod and that one is of fixed length.
-    pub(crate) fn capsule_partner(&self, sphere: u32) -> Option<u32> {
+    /// The rod of the rigid capsule that a sphere is an end of: two moving spheres apart from each other, each with this one rod, of
+    /// fixed length.
+    pub(crate) fn capsule_of(&self, sphere: u32) -> Option<u32> {
         let mut rods = self.rods_of(sphere);
-        let rod = self.rod(rods.next()?);
-        if rods.next().is_some() || rod.length <= 0.0 {
-            return None;
-        }
-        Some(if rod.ends[0] == sphere { rod.ends[1] } else { rod.ends[0] })
+        let rod = rods.next()?;
+        (rods.next().is_none() && self.is_capsule(rod)).then_some(rod)
+    }
+
+    /// Whether a rod is that of a rigid capsule.
+    pub(crate) fn is_capsule(&self, rod: u32) -> bool {
+        let RodWords { ends: [one, two], length, .. } = self.rod(rod);
+        let is_end = |sphere: u32| self.rods_of(sphere).nth(1).is_none() && !self.is_fixed(sphere);
+        length > 0.0 && is_end(one) && is_end(two) && self.position(one).distance_squared(self.position(two)) > TINY
+    }
+
+    /// The network that a rod belongs to.
+    pub(crate) fn network_of(&self, rod: u32) -> Option<u32> {
+        let network = self.words[(self.step.networks_at - self.step.rods + rod) as usize];
+        (network != NO_NETWORK).then_some(network)
+    }
+
+    /// The moving spheres of a network, and its rods.
+    pub(crate) fn network(&self, network: u32) -> (impl ExactSizeIterator<Item = u32> + Clone + use<'a>, &'a [u32]) {
+        let words = self.words;
+        let first = words[(self.step.networks_at + network) as usize] as usize;
+        let (spheres, rods) = (words[first] as usize, words[first + 1] as usize);
+        let (spheres, rest) = words[first + 2..].split_at(spheres);
+        let view = *self;
+        (spheres.iter().map(move |place| view.rod(place / 2).ends[(place % 2) as usize]), &rest[..rods])
     }
 }

@@ -2,8 +2,8 @@
 
 use crate::error::{Error, Result};
 use crate::layout::{
-    BOX_WORDS, FORCE_WORDS, KIND_FORCE, KIND_ROD, KIND_SHIFT, KIND_SPRING, KIND_TETHER, LINE, LIST_COUNT_MASK, NO_ROD,
-    POLYGON_WORDS, ROD_WORDS, SLICE, SOME_RODS, SPRING_WORDS, TETHER_WORDS, VOID_PAIRS, words_of,
+    BOX_WORDS, FORCE_WORDS, KIND_FORCE, KIND_ROD, KIND_SHIFT, KIND_SPRING, KIND_TETHER, LINE, LIST_COUNT_MASK, NO_NETWORK,
+    NO_ROD, POLYGON_WORDS, ROD_WORDS, SLICE, SOME_RODS, SPRING_WORDS, SWEEPS_OFF, TETHER_WORDS, VOID_PAIRS, words_of,
 };
 use crate::stage::Buffer;
 use crate::world::{World, sizes};
@@ -60,8 +60,29 @@ fn check_words(world: &World) -> Result<()> {
         for end in slice(world, step.ends_at, u64::from(step.spheres), "ends")? {
             ensure(*end < step.rods || [NO_ROD, SOME_RODS].contains(end), "an end")?;
         }
+        check_networks(world)?;
     }
+    ensure(step.rods > 0 || step.networks == 0, "the number of networks")?;
+    // Kernels for such scenes read the records of collisions.
+    ensure(step.sweeps != SWEEPS_OFF || !step.has_long_lists(), "how collisions are solved")?;
     check_batches(world)
+}
+
+fn check_networks(world: &World) -> Result<()> {
+    let step = &world.step;
+    let table = step.networks_at.checked_sub(step.rods).ok_or_else(|| wrong("networks"))?;
+    for network in slice(world, table, u64::from(step.rods), "networks of rods")? {
+        ensure(*network < step.networks || *network == NO_NETWORK, "the network of a rod")?;
+    }
+    for at in slice(world, step.networks_at, u64::from(step.networks), "networks")? {
+        let counts = slice(world, *at, 2, "a network")?;
+        // The slice of both is there.
+        let names = slice(world, at + 2, u64::from(counts[0]) + u64::from(counts[1]), "members of a network")?;
+        let (spheres, rods) = names.split_at(counts[0] as usize);
+        ensure(spheres.iter().all(|end| end / 2 < step.rods), "a sphere of a network")?;
+        ensure(rods.iter().all(|rod| *rod < step.rods), "a rod of a network")?;
+    }
+    Ok(())
 }
 
 fn check_adjacency(world: &World) -> Result<()> {

@@ -2,6 +2,7 @@
 
 use crate::error::{Error, Result};
 use crate::gpu::fault::catch;
+use crate::layout::COLLISION_WORDS;
 use crate::stage::{ALL, Buffer, RUN_STEPS, Stage, is_small};
 use crate::world::World;
 
@@ -21,7 +22,8 @@ pub(crate) fn bytes_needed(world: &World, buffer: Buffer) -> u64 {
         Buffer::States | Buffer::Words | Buffer::Sizes | Buffer::Status => 0,
         Buffer::Cells => 4 * world.cell_words(),
         Buffer::Lists => 4 * world.list_words(),
-        Buffer::RowSums => 4 * world.row_sum_words(),
+        Buffer::Slots => 4 * world.slot_words(),
+        Buffer::Collisions => 4 * u64::from(COLLISION_WORDS) * u64::from(step.collision_room),
         // Rows are read four at a time.
         Buffer::Extents => vectors(u64::from(world.objects()) + 3),
         Buffer::Wrenches => vectors(4 * u64::from(step.rods)),

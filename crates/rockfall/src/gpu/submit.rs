@@ -13,7 +13,7 @@ use crate::gpu::split::binding_numbers;
 use crate::gpu::timer::Timer;
 use crate::gpu::wait::Mapped;
 use crate::gpu::world::{GpuWorld, UNIFORM};
-use crate::layout::{Pass, Status, Step};
+use crate::layout::{Pass, SWEEPS_FEW, SWEEPS_OFF, SWEEPS_ON, Status, Step};
 use crate::stage::{Buffer, RUN_STEPS, Run, rows, suits};
 
 /// How many workgroups a dispatch has.
@@ -131,6 +131,7 @@ impl GpuWorld {
         steps: Range<u32>,
         staging: Option<&wgpu::Buffer>,
     ) -> Result<wgpu::SubmissionIndex> {
+        self.write_uniforms(step)?;
         if !self.fuses() {
             return self.submit(runs, step, steps, staging, None);
         }
@@ -138,8 +139,17 @@ impl GpuWorld {
         self.submit(&dispatches, step, 0..1, staging, None)
     }
 
-    /// [`GpuWorld::prepare`] for what runs without timestamps.
+    /// [`GpuWorld::prepare`] for what runs without timestamps, now or once collisions share bodies.
     pub(crate) fn prepare_plain(&mut self, runs: &[Run]) -> Result<()> {
+        let sweeps = self.step.sweeps;
+        for wanted in [SWEEPS_FEW, SWEEPS_ON] {
+            if wanted > sweeps && (wanted == SWEEPS_ON || self.step.may_sweep_at_once()) {
+                self.step.sweeps = wanted;
+                let prepared = self.prepare(runs);
+                self.step.sweeps = sweeps;
+                prepared?;
+            }
+        }
         if !self.fuses() {
             return self.prepare(runs);
         }
@@ -149,10 +159,12 @@ impl GpuWorld {
     }
 
     /// Whether `run_steps` takes the place of other stages: in small scenes without rods, the arrays of which are whole, where that is
-    /// faster.
+    /// faster. It solves no collisions that share bodies, and makes no friction impulses.
     fn fuses(&self) -> bool {
         let is_whole = |buffer: Buffer| self.chunks(buffer).len() == 1;
-        self.joins_steps && suits(self.step()) && RUN_STEPS.bindings.iter().all(|binding| is_whole(binding.slot.buffer(0)))
+        let step = self.step();
+        let is_plain = step.sweeps == SWEEPS_OFF && !step.has_friction_impulses() && suits(step);
+        self.joins_steps && is_plain && RUN_STEPS.bindings.iter().all(|binding| is_whole(binding.slot.buffer(0)))
     }
 
     /// [`GpuWorld::run`] of steps numbered for [`Run::is_in`], with every dispatch timed.
@@ -160,6 +172,8 @@ impl GpuWorld {
     /// # Errors
     /// As for [`GpuWorld::run`]; and [`Error::Device`] when the device has no timestamps.
     pub(crate) fn run_timed(&mut self, runs: &[Run], step: &Step, steps: Range<u32>) -> Result<Timer> {
+        // First, for they tell which runs have something to do.
+        self.write_uniforms(step)?;
         let timer = Timer::new(self, runs, steps.clone())?;
         self.submit(runs, step, steps, None, Some(&timer))?;
         Ok(timer)
@@ -174,8 +188,8 @@ impl GpuWorld {
         timer: Option<&Timer>,
     ) -> Result<wgpu::SubmissionIndex> {
         self.gpu().faults().check()?;
-        self.prepare(runs)?;
         self.write_uniforms(step)?;
+        self.prepare(runs)?;
         let dispatched = |at: u32| runs.iter().filter(|run| run.is_in(at) && !self.is_idle(run)).count() as u64;
         let dispatches = steps.clone().map(dispatched).sum::<u64>();
         self.dispatches += dispatches;

@@ -27,7 +27,7 @@ const KEPT: [Buffer; 7] =
 #[derive(Debug)]
 pub struct GpuWorld {
     gpu: Gpu,
-    step: Step,
+    pub(super) step: Step,
     pub(super) uniform: wgpu::Buffer,
     /// The blocks `pass_` that were needed so far, by pass.
     pub(super) passes: HashMap<u32, wgpu::Buffer>,
@@ -197,9 +197,21 @@ impl GpuWorld {
             return Err(Error::Device("the world's movers changed: upload it as a whole".to_owned()));
         }
         self.fit(world, Buffer::Lists)?;
-        self.fit(world, Buffer::RowSums)?;
+        self.fit(world, Buffer::Slots)?;
         self.step = sized;
         self.clear_lists()
+    }
+
+    /// Takes over the room for listed collisions of `world`.
+    ///
+    /// # Errors
+    /// As for [`GpuWorld::new`].
+    pub(crate) fn resize_collisions(&mut self, world: &World) -> Result<()> {
+        self.gpu.faults().check()?;
+        self.fit(world, Buffer::Slots)?;
+        self.fit(world, Buffer::Collisions)?;
+        self.step.collision_room = world.step.collision_room;
+        Ok(())
     }
 
     fn fit(&mut self, world: &World, buffer: Buffer) -> Result<()> {
@@ -232,6 +244,9 @@ impl GpuWorld {
             contact_force: step.contact_force,
             friction: step.friction,
             coulomb_friction: step.coulomb_friction,
+            collision_friction: step.collision_friction,
+            gravity_size: step.gravity_size,
+            sweeps: step.sweeps,
             margin_scale: step.margin_scale,
             lookahead: step.lookahead,
             list_interval: step.list_interval,

@@ -14,6 +14,11 @@ pub const VOID_NON_FINITE: u32 = 4;
 /// Bit of [`Status::void`]: the pair lists need more rows than can be numbered.
 pub const VOID_COUNT: u32 = 8;
 
+/// Bit of [`Status::void`]: collisions share bodies and the step was begun without sweeps, or there is no room for them.
+pub const VOID_COLLISIONS: u32 = 16;
+/// Bit of [`Status::void`], beside [`VOID_COLLISIONS`]: one workgroup cannot make all sweeps.
+pub const VOID_MANY: u32 = 32;
+
 /// Bit of [`Status::rebuild`]: some body asks for new lists.
 pub const LISTS_ASKED: u32 = 1;
 /// Bit of [`Status::rebuild`]: they were made in this step.
@@ -104,6 +109,14 @@ pub struct Status {
     pub order_entries: u32,
     /// Sum of the binary digits of the distances in memory between their two spheres.
     pub order_digits: u32,
+    /// Collisions that were listed in the step under way; more than there is room for void it.
+    pub listed: u32,
+    /// 1 where collisions share bodies in the step under way.
+    pub clustered: u32,
+    /// Steps in which collisions shared bodies, since the status was last reset.
+    pub clustered_steps: u32,
+    /// Those of them with more collisions than [`FEW_COLLISIONS`](crate::layout::FEW_COLLISIONS).
+    pub many_steps: u32,
 }
 
 impl Default for Status {

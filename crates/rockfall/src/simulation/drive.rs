@@ -2,7 +2,8 @@
 
 use crate::error::{Error, Result};
 use crate::layout::{
-    BAD_STAGE_SHIFT, BadStage, MAX_PAIR_ROWS, NO_BODY, Status, VOID_COUNT, VOID_ESCAPED, VOID_NON_FINITE, VOID_PAIRS, words_of,
+    BAD_STAGE_SHIFT, BadStage, MAX_PAIR_ROWS, NO_BODY, Status, VOID_COLLISIONS, VOID_COUNT, VOID_ESCAPED, VOID_MANY,
+    VOID_NON_FINITE, VOID_PAIRS, words_of,
 };
 use crate::profile::Recorder;
 use crate::settings::Integrator;
@@ -40,7 +41,7 @@ const NEAR_STEP: f32 = 0.5;
 /// [`Phase::STEP`]. AABBs and lists are made only where some body asks for them (`rebuild`).
 pub(super) const COLLISIONS_FIRST: [Phase; 4] =
     [Phase::HandleCollisions, Phase::UpdateAabbs, Phase::BroadPhase, Phase::UpdatePositions];
-/// The same with collisions switched off.
+/// The same with collisions switched off and without friction impulses, which that phase gives too.
 pub(super) const WITHOUT_COLLISIONS: [Phase; 3] = [Phase::UpdateAabbs, Phase::BroadPhase, Phase::UpdatePositions];
 
 /// What was seen since lookahead or interval may have changed.
@@ -137,8 +138,9 @@ impl Simulation {
         if phases.contains(&Phase::BroadPhase) && (done > 0 || void & VOID_PAIRS == 0) {
             self.lists_due = false;
         }
-        self.lists_due |= void & (VOID_PAIRS | VOID_ESCAPED) != 0;
-        self.aabbs_due |= void & VOID_ESCAPED != 0;
+        // A step that is void from its collisions on may have begun to make AABBs and lists.
+        self.lists_due |= void & (VOID_PAIRS | VOID_ESCAPED | VOID_COLLISIONS) != 0;
+        self.aabbs_due |= void & (VOID_ESCAPED | VOID_COLLISIONS) != 0;
     }
 
     /// Mends what made a step void, for it to be run again.
@@ -157,6 +159,12 @@ impl Simulation {
             return Ok(());
         }
         self.report.replays += 1;
+        if status.void & VOID_COLLISIONS != 0 {
+            self.begin_sweeps()?;
+            if status.void & !VOID_MANY == VOID_COLLISIONS {
+                return Ok(());
+            }
+        }
         let escape = f32::from_bits(status.escape_ratio);
         let interval = self.world.step.list_interval as u32;
         if status.void == VOID_ESCAPED && escape < NEAR && self.interval.forgives(interval) {
@@ -206,10 +214,11 @@ impl Simulation {
 
     /// Adds what a portion did, since the status before it, to the report.
     pub(super) fn book(&mut self, done: u64, before: &Status) {
-        let status = &self.status;
         if done == 0 {
             return;
         }
+        self.count_calm(done, before);
+        let status = &self.status;
         // Small spheres between large ones are pushed hard. Among others to look at it would take longer than it saves.
         self.has_stages = self.options.integrator == Integrator::Rk4 && self.world.step.large > 0;
         let total = |status: &Status| u64::from(status.total_collisions_high) << 32 | u64::from(status.total_collisions_low);
@@ -222,7 +231,7 @@ impl Simulation {
         self.report.non_finite += u64::from(status.total_bad.wrapping_sub(before.total_bad));
         self.report.list_builds += u64::from(status.builds.wrapping_sub(before.builds));
         let step = &mut self.world.step;
-        let decay = if step.stores_row_sums() { MARGIN_DECAY_OF_LONG } else { MARGIN_DECAY };
+        let decay = if step.has_long_lists() { MARGIN_DECAY_OF_LONG } else { MARGIN_DECAY };
         let sunk = step.margin_scale * decay.powf(done as f32);
         step.margin_scale = if sunk.is_finite() { sunk.max(MIN_MARGIN) } else { MIN_MARGIN };
     }

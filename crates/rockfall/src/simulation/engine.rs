@@ -201,6 +201,11 @@ impl Engine {
         on_gpu!(self, world, gpu => gpu.resize_lists(world)?)
     }
 
+    /// The world has another room for listed collisions.
+    pub(super) fn resize_collisions(&mut self, world: &World) -> Result<()> {
+        on_gpu!(self, world, gpu => gpu.resize_collisions(world)?)
+    }
+
     /// The words of the world changed, and with them offsets in the uniform block.
     pub(super) fn upload_words(&mut self, world: &World) -> Result<()> {
         on_gpu!(self, world, gpu => gpu.upload_words(world)?)

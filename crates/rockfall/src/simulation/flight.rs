@@ -140,6 +140,10 @@ fn resumed(status: Status) -> Status {
     Status {
         told: status.told.map(|told| Told { collisions: if is_done { told.collisions } else { 0 }, ..Told::default() }),
         collides: if is_done { status.collides } else { 0 },
+        listed: 0,
+        clustered: if is_done { status.clustered } else { 0 },
+        clustered_steps: 0,
+        many_steps: 0,
         void: 0,
         escape_ratio: 0,
         bad_count: 0,

@@ -92,7 +92,7 @@ impl Simulation {
     /// As there.
     #[cfg(feature = "gpu")]
     pub fn resume_on_device(checkpoint: Checkpoint, device: &wgpu::Device, queue: &wgpu::Queue) -> Result<Self> {
-        let simulation = Self::on_device(checkpoint.scene, checkpoint.options, device, queue)?;
+        let simulation = Self::on_device_as_is(checkpoint.scene, checkpoint.options, device, queue)?;
         Ok(simulation.with_past(checkpoint.time_step, checkpoint.report, checkpoint.history))
     }
 

@@ -6,14 +6,15 @@ use glam::Vec3;
 use rayon::prelude::*;
 
 use crate::cpu;
-use crate::cpu::collision::{Collision, row_sums};
+use crate::cpu::collision::all::{impulse_in, solve};
+use crate::cpu::collision::{Collision, Impulse};
 use crate::cpu::contact::contact_force;
 use crate::cpu::forces::{rates, rod_loads};
 use crate::cpu::lists::{Entry, Lists};
 use crate::cpu::touch::touch;
 use crate::cpu::view::{Object, View};
 use crate::error::Result;
-use crate::layout::{ENTRY_COLLIDES, ENTRY_OVERLAPS, FLAG_COLLISIONS, Status};
+use crate::layout::{ENTRY_COLLIDES, ENTRY_OVERLAPS, Status};
 use crate::scene::{BoxId, PolygonId, RodId, SphereId};
 use crate::settings::Integrator;
 use crate::simulation::Simulation;
@@ -38,9 +39,11 @@ pub enum Body {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum ContactAction {
-    /// The bodies close fast: the impulse that the next collision phase gives, in mass units/s.
+    /// The bodies close fast: the normal impulse that the next collision phase gives, in mass units/s. It is along the normal at the
+    /// time of contact where no other contact touches the bodies; zero where the impulses of others leave nothing to do.
     Impulse(Vec3),
-    /// A contact force with friction, in mass units/s²; zero where the contact is too fresh or a sphere leaves a polygon.
+    /// A contact force with friction, in mass units/s²; zero where the contact is too fresh or the bodies separate fast. Friction impulses
+    /// (`coulomb_friction`) are no part of it.
     Force(Vec3),
 }
 
@@ -82,12 +85,14 @@ impl Simulation {
     pub fn contacts(&mut self) -> Result<Vec<Contact>> {
         let world = self.observed()?;
         let (view, lists) = seen(&world);
+        let impulses = solve(&view, &lists).impulses;
+        let impulses = impulses.as_slice();
         let movers = 0..world.movers();
         let found: Vec<(Collision, ContactAction)> = movers
             .into_par_iter()
             .flat_map_iter(|mover| {
                 let own = lists.row(mover).filter(move |entry| entry.id() > mover && entry.word & ENTRY_OVERLAPS != 0);
-                own.filter_map(move |entry| action(&view, &lists, mover, entry))
+                own.filter_map(move |entry| action(&view, impulses, mover, entry))
             })
             .collect();
         Ok(found
@@ -160,17 +165,11 @@ impl Simulation {
         let method = self.broad_phase_method();
         loop {
             world.status = Status::default();
-            let collisions = world.step.flags & FLAG_COLLISIONS != 0;
             let phases = [Phase::UpdateAabbs, Phase::BroadPhase].iter().flat_map(|phase| phase.stages(Integrator::Rk4, method));
             let stages: Vec<_> =
                 phases.chain(Phase::HandleCollisions.stages(Integrator::Rk4, method).first()).copied().collect();
             cpu::run(&mut world, &stages);
             if world.status.void == 0 {
-                if !collisions {
-                    for word in &mut world.lists[world.step.entries_at as usize..] {
-                        *word &= !ENTRY_COLLIDES;
-                    }
-                }
                 return Ok(world);
             }
             world.set_pair_rows(world.status.pair_rows_needed);
@@ -192,13 +191,11 @@ fn seen(world: &World) -> (View<'_>, Lists<'_>) {
 }
 
 /// What the contact of an entry does at the beginning of the next step.
-fn action(view: &View, lists: &Lists, mover: u32, entry: Entry) -> Option<(Collision, ContactAction)> {
+fn action(view: &View, impulses: &[Impulse], mover: u32, entry: Entry) -> Option<(Collision, ContactAction)> {
     let collision = Collision::between(view, mover, entry.id(), entry.feature())?;
-    let normal = collision.touch.normal;
     if entry.word & ENTRY_COLLIDES != 0 {
-        let weight = 1.0 / row_sums(view, lists, &collision, None).colliding;
-        let impulse = weight * (1.0 + view.step.restitution) * collision.approach / collision.inverse_mass;
-        return Some((collision, ContactAction::Impulse(impulse * normal)));
+        let impulse = impulse_in(impulses, collision.key(view)).map_or(Vec3::ZERO, |known| known.size * known.direction);
+        return Some((collision, ContactAction::Impulse(impulse)));
     }
     let force = contact_force(view, view.object(collision.a), view.object(collision.b), &collision.touch).force;
     Some((collision, ContactAction::Force(-force)))

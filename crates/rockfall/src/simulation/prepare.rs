@@ -70,7 +70,8 @@ mod tests {
         ] {
             let [prepared, used] = kernels(scene, integrator, broad_phase);
             assert!(prepared > 5, "{scene}, {integrator}, {broad_phase}: {prepared}");
-            assert_eq!(prepared, used, "{scene}, {integrator}, {broad_phase}");
+            // Sweeps over collisions are prepared, too, and may not be needed.
+            assert!(prepared >= used, "{scene}, {integrator}, {broad_phase}: {prepared} {used}");
         }
     }
 }

@@ -3,11 +3,25 @@
 @group(0) @binding(4) var<storage, read> words: array<u32>;
 @group(0) @binding(5) var<storage, read> lists: array<array<u32, SLICE>>;
 @group(0) @binding(6) var<storage, read> aabbs: array<Aabb>;
-@group(0) @binding(7) var<storage, read> row_sums: array<array<f32, SLICE>>;
-@group(0) @binding(8) var<storage, read_write> status: StatusAtomic;
+@group(0) @binding(7) var<storage, read> slots: array<array<u32, SLICE>>;
+@group(0) @binding(8) var<storage, read> collisions: array<vec4u>;
+@group(0) @binding(9) var<storage, read_write> status: StatusAtomic;
 
 fn put_next(region: u32, i: u32, row: vec4f) {
     next[region * step.spheres + i] = row;
+}
+
+// What the colliding entry in this slot, of one of a sphere's rows, gives it.
+fn part_of_entry(sphere: u32, row: u32, slot: vec2u) -> Part {
+    if !RODS & !LARGE {
+        if step.sweeps == SWEEPS_OFF {
+            return part_by_itself(sphere, entry_id(entry_at(slot)));
+        }
+    }
+    let r = record_of(slot);
+    let impulse = impulse_at(r);
+    let velocity = part_on(sphere, row, r) * impulse.even;
+    return Part(impulse_normal(r), velocity, velocity * max(impulse.tau, 0.0));
 }
 
 // `changes_of` a team's sphere, of which there is one list.
@@ -23,10 +37,32 @@ fn changes_together(sphere: u32, local: u32) -> Change {
                 part = part_of_entry(sphere, sphere, slot);
             }
         }
-        add_in_order(local, min(count - begin, WORKGROUP), part.share, part.velocity, part.share, part.position);
+        add_in_order(local, min(count - begin, WORKGROUP), part.n, part.velocity, part.n, part.position);
     }
     workgroupBarrier();
     return Change(first_sum(), second_sum());
+}
+
+// The state of a sphere after its collisions.
+fn write_change(i: u32) {
+    if RODS {
+        if network_of(i) != NO_NETWORK {
+            let change = next[velocity_at(i)].xyz;
+            let old = state[velocity_at(i)].xyz;
+            write_motion(i, Motion(state[position_at(i)].xyz, old + change, state[momentum_at(i)].xyz));
+            return;
+        }
+        let rod = capsule_with(i);
+        if rod != NONE {
+            write_capsule_end(i, rod);
+            return;
+        }
+    }
+    var change = Change(vec3f(0.0), vec3f(0.0));
+    if inverse_mass(i) > 0.0 {
+        change = changes_of(i);
+    }
+    write_changed(i, change);
 }
 
 fn apply_together(sphere: u32, local: u32) {
@@ -34,7 +70,7 @@ fn apply_together(sphere: u32, local: u32) {
         return;
     }
     // Where there are several lists one thread goes through all of them.
-    if told_to_team(local, u32(is_plain(sphere) & (inverse_mass(sphere) > 0.0))) == 0u {
+    if told_to_team(local, u32((end_of(sphere) == NO_ROD) & (inverse_mass(sphere) > 0.0))) == 0u {
         if local == 0u {
             write_change(sphere);
         }
@@ -59,7 +95,7 @@ fn apply_collisions(
     }
     let i = mover_of(workgroup, local);
     if i < step.spheres {
-        // Nearly all are told by one word of the lists that they have nothing to do; the status takes several times as long to read.
+        // One word of the lists tells nearly all spheres that they have nothing to do; the status takes several times as long to read.
         if takes_part_in_any(i) {
             if has_changes() {
                 write_change(i);

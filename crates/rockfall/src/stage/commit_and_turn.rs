@@ -20,6 +20,7 @@ pub(crate) const STAGE: Stage = Stage {
         part!("wgsl/two_states.wgsl"),
         part!("wgsl/take_next.wgsl"),
         part!("wgsl/commit.wgsl"),
+        part!("wgsl/sine.wgsl"),
         part!("wgsl/rotation.wgsl"),
         part!("stage/commit_and_turn.wgsl"),
     ],

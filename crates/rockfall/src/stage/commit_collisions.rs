@@ -1,7 +1,10 @@
-//! Collisions, 3 of 3: `Y2` becomes the state of the spheres that collided; sets `collided`, and `lengths_due` where there were
+//! Collisions, 3 of 4: `Y2` becomes the state of the spheres that collided; sets `collided`, and `lengths_due` where there were
 //! any. Does nothing in a void step, nor when the collisions of the step were done before.
 
-use crate::cpu::collision::takes_part;
+use rayon::prelude::*;
+
+use crate::cpu::GRAIN;
+use crate::cpu::collision::body::TakingPart;
 use crate::cpu::lists::Lists;
 use crate::cpu::view::View;
 use crate::stage::{Buffer, Stage, Threads, part, read, write};
@@ -12,10 +15,12 @@ pub(crate) const STAGE: Stage = Stage {
     name: "commit_collisions",
     parts: &[
         part!("wgsl/step.wgsl"),
+        part!("wgsl/entries.wgsl"),
         part!("wgsl/lists.wgsl"),
         part!("wgsl/order.wgsl"),
         part!("wgsl/one_state.wgsl"),
         part!("wgsl/objects.wgsl"),
+        part!("wgsl/has_changes.wgsl"),
         part!("wgsl/rows.wgsl"),
         part!("wgsl/two_states.wgsl"),
         part!("wgsl/take_next.wgsl"),
@@ -44,12 +49,12 @@ fn commit_collisions(world: &mut World, _pass: u32) {
     }
     status.lengths_due = 1;
     let lists = Lists::new(step, lists);
+    let view = View::new(step, words, start);
+    let taking_part = TakingPart::new(&view, &lists);
     let n = step.spheres as usize;
-    for sphere in 0..n {
-        if takes_part(&View::new(step, words, start), &lists, sphere as u32) {
-            for place in [sphere, n + sphere, 2 * n + sphere] {
-                start[place] = y2[place];
-            }
-        }
+    let spheres = (0..n).into_par_iter().with_min_len(GRAIN);
+    let changed: Vec<usize> = spheres.filter(|sphere| taking_part.has(*sphere as u32)).collect();
+    for place in changed.into_iter().flat_map(|sphere| [sphere, n + sphere, 2 * n + sphere]) {
+        start[place] = y2[place];
     }
 }

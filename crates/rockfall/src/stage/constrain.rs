@@ -1,7 +1,7 @@
-//! Fixed lengths after the integration: SHAKE along the old directions, then RATTLE (physics.md section 5).
+//! Fixed lengths after the integration: SHAKE along the old directions, then RATTLE (docs/physics.md section 5.4).
 //!
 //! A batch is one connected frame of fixed-length rods (or many small ones); its rods are coloured so that those of one
-//! colour share no sphere. Swept colour by colour until every length is within 0.1 %, at most 80 times.
+//! colour share no sphere. Swept colour by colour until every length is within 1e-5, or its error is rounding, at most 400 times.
 
 use crate::cpu::lengths::{Batch, rattle, shake};
 use crate::stage::{Buffer, Stage, Threads, part, read, write};

@@ -16,7 +16,9 @@ fn shake(rod: u32) -> f32 {
     }
     let target_length = rod_length(rod);
     let old = y3[position_at(ends.y)].xyz - y3[position_at(ends.x)].xyz;
-    let d = state[position_at(ends.y)].xyz - state[position_at(ends.x)].xyz;
+    let one = state[position_at(ends.x)].xyz;
+    let two = state[position_at(ends.y)].xyz;
+    let d = two - one;
     let a = sum * sum * dot(old, old);
     let b = sum * dot(d, old);
     let c = dot(d, d) - target_length * target_length;
@@ -31,7 +33,7 @@ fn shake(rod: u32) -> f32 {
     move_end(ends.y, -w2, correction);
     kick_end(ends.x, w1, kick);
     kick_end(ends.y, -w2, kick);
-    return abs(length(d) - target_length) / target_length;
+    return but_rounding(length(d) - target_length, one, two) / target_length;
 }
 
 // Sets the closing velocity along the rod to 0 (RATTLE); gives the length it would have closed in a step, relative.
@@ -56,7 +58,7 @@ fn rattle(rod: u32) -> f32 {
     let impulse = n * (opening / sum);
     kick_end(ends.x, v1.w, impulse);
     kick_end(ends.y, -v2.w, impulse);
-    return abs(opening) * step.dt / rod_length(rod);
+    return but_rounding(opening, moves_1, moves_2) * step.dt / rod_length(rod);
 }
 
 @compute @workgroup_size(64)

@@ -23,6 +23,8 @@ fn end_step(world: &mut World, _pass: u32) {
     let told = status.told();
     status.told.fill(Told::default());
     status.collides = 0;
+    status.listed = 0;
+    status.clustered_steps += std::mem::take(&mut status.clustered);
     (status.last_contacts, status.last_max_overlap, status.last_collisions) =
         (told.contacts, told.max_overlap, told.collisions);
     let (low, carry) = status.total_collisions_low.overflowing_add(status.last_collisions);

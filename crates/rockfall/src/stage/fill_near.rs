@@ -12,6 +12,7 @@ pub(crate) const STAGE: Stage = Stage {
     name: "fill_near",
     parts: &[
         part!("wgsl/step.wgsl"),
+        part!("wgsl/entries.wgsl"),
         part!("wgsl/lists.wgsl"),
         part!("wgsl/meet.wgsl"),
         part!("wgsl/order.wgsl"),

@@ -10,6 +10,7 @@ pub(crate) const STAGE: Stage = Stage {
     name: "fill_pairs",
     parts: &[
         part!("wgsl/step.wgsl"),
+        part!("wgsl/entries.wgsl"),
         part!("wgsl/lists.wgsl"),
         part!("wgsl/meet.wgsl"),
         part!("wgsl/pair_tiles.wgsl"),

@@ -1,10 +1,11 @@
-//! Collisions, 1 of 3: which pairs overlap, and which of them collide (physics.md section 3).
+//! Collisions, 1 of 4: which pairs overlap, and which of them collide (docs/physics.md section 3.1).
 //!
 //! Bodies that touch overlap by rounding; what is no deeper than 1e-5 of the smaller radius presses nothing. (Else the blow
-//! on a touching cradle would count as one in a crowd, and gain energy from the overlap that is left to the forces.)
+//! on a touching cradle would count as one in a crowd.) Where collisions are switched off nothing collides; what presses still gets
+//! friction impulses.
 //! Sets `ENTRY_OVERLAPS` and `ENTRY_COLLIDES` in the entries of both sides, once, so that no later stage decides again, and
 //! `LIST_COLLIDES` in the count of a mover with some colliding entry; counts every collision once (at the mover of lower id). Voids the step when a sphere is outside its AABB
-//! (`VOID_ESCAPED`). Like the other two it does nothing when the step is void or its collisions are done.
+//! (`VOID_ESCAPED`). Like the others it does nothing when the step is void or its collisions are done.
 
 use std::cell::Cell;
 
@@ -16,7 +17,7 @@ use crate::cpu::collision::Collision;
 use crate::cpu::lists::{Entry, Slice, slices};
 use crate::cpu::tally::{Tally, escape_ratio};
 use crate::cpu::view::View;
-use crate::layout::{ENTRY_COLLIDES, ENTRY_OVERLAPS, LIST_COLLIDES, LIST_COUNT_MASK, SLICE};
+use crate::layout::{ENTRY_COLLIDES, ENTRY_OVERLAPS, FLAG_COLLISIONS, LIST_COLLIDES, LIST_COUNT_MASK, SLICE};
 use crate::stage::{Buffer, Stage, Threads, part, read, write};
 use crate::world::World;
 
@@ -25,6 +26,7 @@ pub(crate) const STAGE: Stage = Stage {
     name: "find_collisions",
     parts: &[
         part!("wgsl/step.wgsl"),
+        part!("wgsl/entries.wgsl"),
         part!("wgsl/lists.wgsl"),
         part!("wgsl/put_head.wgsl"),
         part!("wgsl/order.wgsl"),
@@ -32,6 +34,8 @@ pub(crate) const STAGE: Stage = Stage {
         part!("wgsl/objects.wgsl"),
         part!("wgsl/geometry.wgsl"),
         part!("wgsl/contact.wgsl"),
+        part!("wgsl/has_changes.wgsl"),
+        part!("wgsl/rows.wgsl"),
         part!("wgsl/collision.wgsl"),
         part!("wgsl/plain.wgsl"),
         part!("wgsl/travel.wgsl"),
@@ -103,7 +107,7 @@ fn mark(view: &View, slice: &mut Slice, place: usize, tally: &mut Tally) {
 /// The decisions on a pair.
 fn judge(view: &View, mover: u32, entry: Entry) -> u32 {
     let collision = Collision::between(view, mover, entry.id(), entry.feature());
-    collision.map_or(0, |collision| decide(collision.is_pressed(view), collision.collides(view)))
+    collision.map_or(0, |collision| decide(view, collision.is_pressed(view), collision.collides(view)))
 }
 
 /// The decisions on a sphere without rods and up to four others.
@@ -114,7 +118,7 @@ fn judge_group(ball: &Ball, mover: u32, others: &[Entry], set: &mut impl FnMut(&
     let collide = meeting.collide(ball.view).bitmask();
     for (lane, other) in others.iter().enumerate() {
         let bits = if ball.view.is_ball(other.id()) {
-            decide(pressed >> lane & 1 == 1, collide >> lane & 1 == 1)
+            decide(ball.view, pressed >> lane & 1 == 1, collide >> lane & 1 == 1)
         } else {
             judge(ball.view, mover, *other)
         };
@@ -123,8 +127,8 @@ fn judge_group(ball: &Ball, mover: u32, others: &[Entry], set: &mut impl FnMut(&
 }
 
 /// The bits of a pair that overlaps by more than rounding, and of one that closes fast besides.
-fn decide(is_pressed: bool, collides: bool) -> u32 {
-    match (is_pressed, collides) {
+fn decide(view: &View, is_pressed: bool, collides: bool) -> u32 {
+    match (is_pressed, collides && view.step.flags & FLAG_COLLISIONS != 0) {
         (false, _) => 0,
         (true, false) => ENTRY_OVERLAPS,
         (true, true) => ENTRY_OVERLAPS | ENTRY_COLLIDES,

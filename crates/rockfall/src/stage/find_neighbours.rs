@@ -21,6 +21,7 @@ pub(crate) const STAGE: Stage = Stage {
     name: "find_neighbours",
     parts: &[
         part!("wgsl/step.wgsl"),
+        part!("wgsl/entries.wgsl"),
         part!("wgsl/lists.wgsl"),
         part!("wgsl/put_head.wgsl"),
         part!("wgsl/meet.wgsl"),

@@ -21,6 +21,7 @@ pub(crate) const STAGE: Stage = Stage {
     name: "finish",
     parts: &[
         part!("wgsl/step.wgsl"),
+        part!("wgsl/entries.wgsl"),
         part!("wgsl/lists.wgsl"),
         part!("wgsl/order.wgsl"),
         part!("wgsl/one_state.wgsl"),
@@ -28,6 +29,7 @@ pub(crate) const STAGE: Stage = Stage {
         part!("wgsl/geometry.wgsl"),
         part!("wgsl/contact.wgsl"),
         part!("wgsl/wrenches.wgsl"),
+        part!("wgsl/attached.wgsl"),
         part!("wgsl/forces.wgsl"),
         part!("wgsl/teams.wgsl"),
         part!("wgsl/ordered_sums.wgsl"),

@@ -10,7 +10,7 @@ use crate::world::World;
 /// The stage.
 pub(crate) const STAGE: Stage = Stage {
     name: "measure_order",
-    parts: &[part!("wgsl/step.wgsl"), part!("wgsl/lists.wgsl"), part!("stage/measure_order.wgsl")],
+    parts: &[part!("wgsl/step.wgsl"), part!("wgsl/entries.wgsl"), part!("wgsl/lists.wgsl"), part!("stage/measure_order.wgsl")],
     bindings: &[read("lists", Buffer::Lists), write("status", Buffer::Status)],
     threads: Threads::Spheres,
     cpu: measure_order,

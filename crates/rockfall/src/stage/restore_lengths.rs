@@ -1,4 +1,4 @@
-//! Removes the errors of rod lengths that were there before the integration, in positions only (physics.md section 5).
+//! Removes the errors of rod lengths that were there before the integration, in positions only (docs/physics.md section 5.4).
 //!
 //! Runs where `lengths_due` is set; the first pass of `rod_forces` clears it, so that a step that is run again does not
 //! repeat it.

@@ -21,9 +21,17 @@ fn add_wrench(i: u32, rod: u32, net: ptr<function, Net>) {}
 
 fn remember(i: u32, old_position: vec3f, spin: vec3f) {}
 
-// Nobody has stored them.
-fn row_sum_of(pair: vec2u, slot: vec2u) -> f32 {
-    return plain_row_sum(pair.x, pair.y);
+// Every sphere works out its collisions itself. Where they share bodies the step is void, and stages take the place of this kernel.
+fn part_of_entry(sphere: u32, row: u32, slot: vec2u) -> Part {
+    return part_by_itself(sphere, entry_id(entry_at(slot)));
+}
+
+fn write_change(i: u32) {
+    var change = Change(vec3f(0.0), vec3f(0.0));
+    if inverse_mass(i) > 0.0 {
+        change = changes_of(i);
+    }
+    write_changed(i, change);
 }
 
 fn is_void() -> bool {

@@ -1,13 +1,14 @@
 //! Which stages run when: [`Phase::stages`] is the step's table of contents.
 
-use crate::layout::{CELL_BLOCK, Step};
+use crate::layout::{CELL_BLOCK, SWEEPS, SWEEPS_FEW, SWEEPS_OFF, SWEEPS_ON, Step};
 use crate::settings::{BroadPhase, Integrator};
 use crate::stage::{
     Stage, advance, apply_collisions, bound_blocks, build_grid, clear_cells, commit_and_turn, commit_collisions, commit_leap,
-    constrain, count_cells, count_digits, count_long, count_near, count_pairs, end_step, fill_long, fill_near, fill_pairs,
-    find_collisions, find_neighbours, finish, finish_and_turn, key_spheres, leap, measure_order, permute_spheres, plan_lists,
-    restore_lengths, rod_forces, scan_cells, scan_pairs, scatter_digits, settle_spheres, sort_axis, sort_cells, turn,
-    update_aabbs, weigh_collisions,
+    commit_rubs, constrain, count_cells, count_digits, count_long, count_near, count_pairs, end_step, fill_long, fill_near,
+    fill_pairs, find_collisions, find_neighbours, finish, finish_and_turn, gather_impulses, key_spheres, leap, list_collisions,
+    measure_order, permute_spheres, plan_lists, project_networks, restore_lengths, rod_forces, rub_contacts, scan_cells,
+    scan_pairs, scatter_digits, settle_spheres, sort_axis, sort_cells, sweep_at_once, sweep_collisions, turn, update_aabbs,
+    weigh_collisions, weigh_networks,
 };
 use crate::world::World;
 
@@ -20,8 +21,18 @@ pub enum When {
     Rods,
     /// In those without.
     NoRods,
-    /// In those whose collisions are weighed before they are applied.
-    Weighed,
+    /// In those whose collisions are listed before they are applied.
+    Listed,
+    /// In those with networks of fixed-length rods, whose collisions are solved by sweeps.
+    Networks,
+    /// In those whose collisions share bodies, or did so not long ago: a dispatch a sweep.
+    Swept,
+    /// The same where they are few: one dispatch for all sweeps.
+    SweptAtOnce,
+    /// In those with large spheres, whose collisions are solved by sweeps.
+    LargeSwept,
+    /// In those whose contacts get friction impulses.
+    Rubs,
     /// In small ones, whose grid is one block of cells.
     OneBlock,
     /// In larger ones.
@@ -54,7 +65,12 @@ impl Run {
             When::Always => true,
             When::Rods => step.rods > 0,
             When::NoRods => step.rods == 0,
-            When::Weighed => step.stores_row_sums(),
+            When::Listed => step.sweeps != SWEEPS_OFF,
+            When::Networks => step.networks > 0 && step.sweeps == SWEEPS_ON,
+            When::Swept => step.sweeps == SWEEPS_ON,
+            When::SweptAtOnce => step.sweeps == SWEEPS_FEW,
+            When::LargeSwept => step.large > 0 && step.sweeps == SWEEPS_ON,
+            When::Rubs => step.has_friction_impulses(),
             When::OneBlock => step.cells == CELL_BLOCK,
             When::ManyBlocks => step.cells != CELL_BLOCK,
             When::LongMovers => step.long_at != 0,
@@ -154,16 +170,7 @@ impl Phase {
                 }
             }
             (Self::BroadPhase, _, _) => const { &[run(&count_pairs::STAGE), run(&scan_pairs::STAGE), run(&fill_pairs::STAGE)] },
-            (Self::HandleCollisions, _, _) => {
-                const {
-                    &[
-                        run(&find_collisions::STAGE),
-                        run(&weigh_collisions::STAGE).when(When::Weighed),
-                        run(&apply_collisions::STAGE),
-                        run(&commit_collisions::STAGE),
-                    ]
-                }
-            }
+            (Self::HandleCollisions, _, _) => HANDLE_COLLISIONS,
             (Self::UpdatePositions, Integrator::Rk4, _) => {
                 const {
                     &[
@@ -200,6 +207,30 @@ impl Phase {
         }
     }
 }
+
+/// Finds collisions, and solves those that share bodies by sweeps: each is followed by what it makes of networks.
+const HANDLE_COLLISIONS: &[Run] = &{
+    const FIRST: usize = 5;
+    const LAST: usize = FIRST + 3 * SWEEPS as usize;
+    let mut runs = [run(&find_collisions::STAGE); LAST + 4];
+    runs[1] = run(&list_collisions::STAGE).when(When::Listed);
+    runs[2] = run(&weigh_networks::STAGE).when(When::Networks);
+    runs[3] = run(&weigh_collisions::STAGE).when(When::Listed);
+    runs[4] = run(&sweep_at_once::STAGE).when(When::SweptAtOnce);
+    let mut sweep = 0;
+    while sweep < SWEEPS as usize {
+        let at = FIRST + 3 * sweep;
+        runs[at] = pass(&sweep_collisions::STAGE, sweep as u32).when(When::Swept);
+        runs[at + 1] = pass(&project_networks::STAGE, sweep as u32 + 1).when(When::Networks);
+        runs[at + 2] = pass(&gather_impulses::STAGE, sweep as u32 + 1).when(When::LargeSwept);
+        sweep += 1;
+    }
+    runs[LAST] = run(&apply_collisions::STAGE);
+    runs[LAST + 1] = run(&commit_collisions::STAGE);
+    runs[LAST + 2] = run(&rub_contacts::STAGE).when(When::Rubs);
+    runs[LAST + 3] = run(&commit_rubs::STAGE).when(When::Rubs);
+    runs
+};
 
 /// Puts spheres into spatial order in memory; lists and AABBs are void after it. Not part of a step.
 pub const SORT_MEMORY: &[Run] = &{

@@ -1,4 +1,4 @@
-//! Orientations, and the spin of capsules (physics.md section 5, E18).
+//! Orientations, and the spin of capsules (docs/physics.md sections 5.3 and 5.5, E18).
 //!
 //! In scenes with rods; in others `finish_and_turn` or `commit_and_turn` has done it.
 //! A sphere turns by its mean spin (exponential map). The first end of a capsule does both ends: common roll about
@@ -16,7 +16,7 @@
 
 use glam::{Quat, Vec3, Vec4};
 
-use crate::cpu::view::{TINY, View};
+use crate::cpu::view::View;
 use crate::stage::{Buffer, Stage, Threads, part, read, write};
 use crate::world::World;
 
@@ -28,6 +28,7 @@ pub(crate) const STAGE: Stage = Stage {
         part!("wgsl/order.wgsl"),
         part!("wgsl/one_state.wgsl"),
         part!("wgsl/objects.wgsl"),
+        part!("wgsl/sine.wgsl"),
         part!("wgsl/rotation.wgsl"),
         part!("stage/turn.wgsl"),
     ],
@@ -50,7 +51,7 @@ fn turn(world: &mut World, _pass: u32) {
     let n = step.spheres as usize;
     for sphere in 0..step.spheres {
         let view = View::new(step, words, state);
-        match capsule_of(&view, sphere) {
+        match view.capsule_of(sphere).map(|rod| view.rod(rod).ends) {
             // The first end turns both.
             Some(ends) if ends[0] == sphere => {
                 let old = memory[ends[1] as usize].truncate() - memory[ends[0] as usize].truncate();
@@ -86,15 +87,6 @@ fn turn_by(orientation: &mut Vec4, rotation: Quat) {
     if turned.is_finite() {
         *orientation = turned.into();
     }
-}
-
-/// The ends of the capsule that a sphere is an end of: two moving spheres, each with this one rod, of fixed length.
-fn capsule_of(view: &View, sphere: u32) -> Option<[u32; 2]> {
-    let partner = view.capsule_partner(sphere)?;
-    let rod = view.rod(view.rods_of(sphere).next()?);
-    let apart = view.position(sphere).distance_squared(view.position(partner)) > TINY;
-    let free = !view.is_fixed(sphere) && !view.is_fixed(partner);
-    (apart && free && view.capsule_partner(partner) == Some(sphere)).then_some(rod.ends)
 }
 
 /// What becomes of a capsule; one value an end.

@@ -31,6 +31,11 @@ fn count_step() {
     }
     status.total_collisions_low = low;
     status.total_bad += atomicLoad(&status.bad_count);
+    let listed = atomicExchange(&status.listed, 0u);
+    if atomicExchange(&status.clustered, 0u) != 0u {
+        status.clustered_steps += 1u;
+        status.many_steps += u32(listed > FEW_COLLISIONS);
+    }
 }
 
 // Notes the first body that stopped being finite, and voids what comes after it unless that is to go on.

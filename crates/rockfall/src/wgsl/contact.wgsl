@@ -126,33 +126,40 @@ fn touch_two(sphere: u32, own: vec4f, other: u32, place: vec4f) -> Touch {
     return touch_at(distance, own.w + place.w, 0.0, 0.0, up);
 }
 
-// One side of a contact. What cannot move has inverse mass 0 and is at rest.
+// One side of a contact. What cannot move has inverse mass 0 and inverse inertia 0; a static object is at rest besides.
 struct Side {
     velocity: vec3f,
     inverse_mass: f32,
     spin: vec3f,
+    inverse_inertia: f32,
     radius: f32,
 }
 
 fn sphere_side(place: vec4f, velocity: vec4f, momentum: vec4f) -> Side {
-    return Side(velocity.xyz, velocity.w, momentum.xyz * momentum.w, place.w);
+    let inverse_inertia = select(0.0, momentum.w, velocity.w > 0.0);
+    return Side(velocity.xyz, velocity.w, momentum.xyz * momentum.w, inverse_inertia, place.w);
 }
 
-// The point of a rod at a parameter: (2.6) and (2.7).
+// The point of a rod at a parameter: (2.6) and (2.7). A fixed end is at rest there: its surface velocity is not the rod's.
 fn rod_side(rod: u32, at: f32) -> Side {
     let ends = rod_ends(rod);
     let v1 = state[velocity_at(ends.x)];
     let v2 = state[velocity_at(ends.y)];
+    let l1 = state[momentum_at(ends.x)];
+    let l2 = state[momentum_at(ends.y)];
+    let s = select(0.0, 1.0 - at, v1.w > 0.0);
+    let t = select(0.0, at, v2.w > 0.0);
     return Side(
-        (1.0 - at) * v1.xyz + at * v2.xyz,
-        (1.0 - at) * (1.0 - at) * v1.w + at * at * v2.w,
-        (1.0 - at) * spin_of(ends.x) + at * spin_of(ends.y),
+        s * v1.xyz + t * v2.xyz,
+        s * s * v1.w + t * t * v2.w,
+        s * l1.w * l1.xyz + t * l2.w * l2.xyz,
+        s * s * l1.w + t * t * l2.w,
         rod_radius(rod),
     );
 }
 
 fn static_side() -> Side {
-    return Side(vec3f(0.0), 0.0, vec3f(0.0), 0.0);
+    return Side(vec3f(0.0), 0.0, vec3f(0.0), 0.0, 0.0);
 }
 
 // That of what is no sphere.
@@ -177,45 +184,66 @@ fn smaller_radius(a: f32, b: f32, b_moves: bool) -> f32 {
     return select(a, min(a, b), b_moves);
 }
 
-// `b` is the id of B. The masses must not both be infinite.
-fn contact_force(a_side: Side, b_side: Side, touch: Touch, b: u32) -> ContactForce {
-    let movers = step.spheres + step.rods;
-    let b_moves = b < movers;
-    let n = touch.n;
-    let overlap = touch.overlap;
-    let reduced_mass = 1.0 / (a_side.inverse_mass + b_side.inverse_mass);
+// The approach velocity above which a contact of this smaller radius collides: erratum E19.
+fn collision_velocity(radius: f32) -> f32 {
+    return max(step.activation_threshold * radius, 2.0 * step.gravity_size * step.dt);
+}
+
+// Where the sides of a contact touch: arms to one common point, so that the pair's angular momentum is kept.
+fn arms_of(a_side: Side, b_side: Side, overlap: f32, b_moves: bool) -> vec2f {
+    return vec2f(a_side.radius - select(overlap, 0.5 * overlap, b_moves), select(0.0, b_side.radius - 0.5 * overlap, b_moves));
+}
+
+// The slip at the contact point, t = uB - uA without what it has along n, to which spins add nothing; 0 where it is only the rounding
+// of what it is the difference of: the square root of the friction law would make a thousandth of it. The sum of both velocities
+// tells how large they are, and is cheaper than each; opposite ones close or slip.
+fn slip_of(a_side: Side, b_side: Side, arms: vec2f, n: vec3f, approach: f32) -> vec3f {
     let relative = a_side.velocity - b_side.velocity;
-    let approach = dot(relative, n);
-    let threshold = step.activation_threshold * smaller_radius(a_side.radius, b_side.radius, b_moves);
-    // An overlap begun within this step is left to the next step's collisions.
-    let fresh = ((step.flags & FLAG_COLLISIONS) != 0u) & (approach > threshold) & (overlap < 2.0 * approach * step.dt);
-    // What came through a polygon from behind is not shot out.
-    let leaves = (b >= movers + step.boxes) & (approach < -threshold);
-    if fresh | leaves {
-        return ContactForce(vec3f(0.0), vec3f(0.0), 0.0, 0.0);
-    }
-    var press = step.contact_force * overlap + step.contact_damping * approach;
-    if (step.flags & FLAG_PULL) == 0u {
-        press = max(press, 0.0);
-    }
-    // The arms meet in one point, so that the pair's angular momentum is kept.
-    let arm_a = a_side.radius - select(overlap, 0.5 * overlap, b_moves);
-    let arm_b = select(0.0, b_side.radius - 0.5 * overlap, b_moves);
-    // t = uB - uA without what it has along n, to which spins add nothing.
-    let t = approach * n - relative - cross(arm_a * a_side.spin + arm_b * b_side.spin, n);
-    let tt = dot(t, t);
-    // A slip that is but the rounding of what it is the difference of is none: the root would make a thousandth of it. How large
-    // velocities are is told by their sum, which is cheaper than each; opposite ones close or slip.
+    let t = approach * n - relative - cross(arms.x * a_side.spin + arms.y * b_side.spin, n);
     let sum = a_side.velocity + b_side.velocity;
     let rounded = ROUNDED * ROUNDED * (dot(sum, sum) + approach * approach);
-    var friction = vec3f(0.0);
-    if tt > max(TINY, rounded) {
-        var per_velocity = step.friction * reduced_mass * overlap / sqrt(sqrt(tt));
-        // Coulomb's cap, |F| <= mu_c N; asked together for the reason in objects.wgsl.
-        if (step.coulomb_friction > 0.0) & (overlap > 0.0) {
-            per_velocity = min(per_velocity, step.coulomb_friction * max(press, 0.0) * reduced_mass / sqrt(tt));
-        }
-        friction = per_velocity * t;
+    return select(t, vec3f(0.0), dot(t, t) <= max(TINY, rounded));
+}
+
+// Whether a pair makes a contact force. While collisions are on it does not where it separates fast, which is its rebound, nor where
+// the overlap began within this step, which the next one's collisions will find.
+fn has_force(overlap: f32, approach: f32, radius: f32) -> bool {
+    let threshold = collision_velocity(radius);
+    let fresh = (approach > threshold) & (overlap < 2.0 * approach * step.dt);
+    return ((step.flags & FLAG_COLLISIONS) == 0u) | !(fresh | (approach < -threshold));
+}
+
+// Repulsion and damping per reduced mass: (2.18, 2.19).
+fn pressure_of(overlap: f32, approach: f32) -> f32 {
+    let press = step.contact_force * overlap + step.contact_damping * approach;
+    return select(max(press, 0.0), press, (step.flags & FLAG_PULL) != 0u);
+}
+
+// `b` is the id of B. The masses must not both be infinite.
+fn contact_force(a_side: Side, b_side: Side, touch: Touch, b: u32) -> ContactForce {
+    let b_moves = b < step.spheres + step.rods;
+    let n = touch.n;
+    let overlap = touch.overlap;
+    let inverse_mass = a_side.inverse_mass + b_side.inverse_mass;
+    let reduced_mass = 1.0 / inverse_mass;
+    let approach = dot(a_side.velocity - b_side.velocity, n);
+    let radius = smaller_radius(a_side.radius, b_side.radius, b_moves);
+    if !has_force(overlap, approach, radius) {
+        return ContactForce(vec3f(0.0), vec3f(0.0), 0.0, 0.0);
     }
-    return ContactForce(friction - press * reduced_mass * n, cross(n, friction), arm_a, arm_b);
+    let press = pressure_of(overlap, approach);
+    let arms = arms_of(a_side, b_side, overlap, b_moves);
+    var friction = vec3f(0.0);
+    // With Coulomb's friction there are impulses in its place; asked together for the reason in objects.wgsl.
+    if (step.coulomb_friction <= 0.0) & (overlap > 0.0) {
+        let t = slip_of(a_side, b_side, arms, n, approach);
+        let tt = dot(t, t);
+        if tt > 0.0 {
+            // No more than half of what would stop the slip within the step, or the integration is not stable.
+            let turning = arms.x * arms.x * a_side.inverse_inertia + arms.y * arms.y * b_side.inverse_inertia;
+            let most = 0.5 / ((inverse_mass + turning) * step.dt);
+            friction = min(step.friction * reduced_mass * overlap / sqrt(sqrt(tt)), most) * t;
+        }
+    }
+    return ContactForce(friction - press * reduced_mass * n, cross(n, friction), arms.x, arms.y);
 }

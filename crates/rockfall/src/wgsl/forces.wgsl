@@ -86,18 +86,6 @@ fn count_push(i: u32, entry: u32, push: Push, net: ptr<function, Net>) {
     }
 }
 
-// Pull of a spring on the end at `position` towards the other end.
-fn spring_force(position: vec3f, velocity: vec3f, other: vec3f, other_velocity: vec3f, constants: vec3f) -> vec3f {
-    let distance = other - position;
-    let squared = dot(distance, distance);
-    if squared <= TINY {
-        return vec3f(0.0);
-    }
-    let d = sqrt(squared);
-    let n = distance / d;
-    return (constants.x * (d - constants.y) + constants.z * dot(other_velocity - velocity, n)) * n;
-}
-
 fn add_attachments(i: u32, net: ptr<function, Net>) {
     let range = adjacency(i);
     for (var at = range.x; at < range.y; at++) {
@@ -105,27 +93,8 @@ fn add_attachments(i: u32, net: ptr<function, Net>) {
         let index = index_of(words[at]);
         if RODS & (kind == KIND_ROD) {
             add_wrench(i, index, net);
-        } else if kind == KIND_SPRING {
-            let spring = step.springs_at + index * SPRING_WORDS;
-            let other = select(words[spring], words[spring + 1u], words[spring] == i);
-            (*net).force += spring_force(
-                state[position_at(i)].xyz,
-                state[velocity_at(i)].xyz,
-                state[position_at(other)].xyz,
-                state[velocity_at(other)].xyz,
-                vector_at(spring + 2u),
-            );
-        } else if kind == KIND_TETHER {
-            let tether = step.tethers_at + index * TETHER_WORDS;
-            (*net).force += spring_force(
-                state[position_at(i)].xyz,
-                state[velocity_at(i)].xyz,
-                vector_at(tether + 1u),
-                vec3f(0.0),
-                vector_at(tether + 4u),
-            );
         } else {
-            (*net).force += vector_at(step.forces_at + index * FORCE_WORDS);
+            (*net).force += attached_force(i, kind, index);
         }
     }
 }

@@ -10,8 +10,11 @@ struct Touch {
     b: f32,
 }
 
+// The overlap of what has no contact line at all; where there is one, 0 is an overlap like others.
+const NO_LINE: f32 = -3e38;
+
 fn no_touch() -> Touch {
-    return Touch(vec3f(0.0, 1.0, 0.0), 0.0, 0.0, 0.0);
+    return Touch(vec3f(0.0, 1.0, 0.0), NO_LINE, 0.0, 0.0);
 }
 
 // A distance that is so short beside the vectors it is the difference of is their rounding, and has no direction;
@@ -262,18 +265,15 @@ fn box_edge(box: Cuboid, g: u32) -> vec3f {
 }
 
 // What an edge or a vertex of a box does to a rod whose axis it comes near: it pushes it outward, also where the rod's
-// axis point is inside the box already.
+// axis point is inside the box already. Negative overlap: they are apart.
 fn touch_box_feature(rod: Axis, box: Cuboid, a: f32, distance: vec3f, outward: vec3f) -> Touch {
     let squared = dot(distance, distance);
     if squared <= TINY {
         return Touch(-normalize(outward), rod.radius, a, 0.0);
     }
     let d = sqrt(squared);
-    if d >= rod.radius {
-        return no_touch();
-    }
     let n = distance / d;
-    if in_box(rod.start + a * rod.along, box, d) {
+    if (d < rod.radius) & in_box(rod.start + a * rod.along, box, d) {
         return Touch(-n, rod.radius + d, a, 0.0);
     }
     return Touch(n, rod.radius - d, a, 0.0);

@@ -27,7 +27,8 @@ fn bits_of(overlap: f32, approach: f32, inverse_mass: f32, radius: f32) -> u32 {
     if overlap <= ROUNDING * radius {
         return 0u;
     }
-    let collides = (inverse_mass > 0.0) & (approach > step.activation_threshold * radius);
+    let is_on = (step.flags & FLAG_COLLISIONS) != 0u;
+    let collides = is_on & (inverse_mass > 0.0) & (approach > collision_velocity(radius));
     return ENTRY_OVERLAPS | select(0u, ENTRY_COLLIDES, collides);
 }
 
@@ -53,7 +54,7 @@ fn judge(own: Own, velocity: vec4f, other: Met) -> u32 {
     if inverse_mass_at(pair.x, found.a) + inverse_mass_at(pair.y, found.b) <= 0.0 {
         return 0u;
     }
-    let contact = contact_of(pair.x, pair.y, found);
+    let contact = closing_at(pair.x, pair.y, found);
     return bits_of(found.overlap, contact.approach, contact.inverse_mass, pair_radius(pair.x, pair.y));
 }
 

@@ -2,8 +2,20 @@
 // colour share no sphere that moves, so that its threads do not meet.
 
 // Relative error of a length, and the number of sweeps, at which sweeping ends.
-const TOLERANCE: f32 = 1e-3;
-const MAX_SWEEPS: u32 = 80u;
+const TOLERANCE: f32 = 1e-5;
+const MAX_SWEEPS: u32 = 400u;
+
+// An error up to this times the sum of the largest components that it is the difference of is their rounding.
+const LENGTH_ROUNDING: f32 = 4.8e-7;
+
+fn largest(v: vec3f) -> f32 {
+    return max(abs(v.x), max(abs(v.y), abs(v.z)));
+}
+
+// A difference, and 0 where it is only the rounding of two vectors.
+fn but_rounding(error: f32, one: vec3f, two: vec3f) -> f32 {
+    return select(abs(error), 0.0, abs(error) <= LENGTH_ROUNDING * (largest(one) + largest(two)));
+}
 
 var<workgroup> worst: atomic<u32>;
 var<workgroup> go_on: u32;
@@ -49,7 +61,9 @@ fn restore_length(rod: u32) -> f32 {
         return 0.0;
     }
     let target_length = rod_length(rod);
-    let d = state[ends.y].xyz - state[ends.x].xyz;
+    let one = state[position_at(ends.x)].xyz;
+    let two = state[position_at(ends.y)].xyz;
+    let d = two - one;
     let squared = dot(d, d);
     var n = vec3f(0.0, 1.0, 0.0);
     var distance = 0.0;
@@ -60,7 +74,7 @@ fn restore_length(rod: u32) -> f32 {
     let correction = n * ((distance - target_length) / sum);
     move_end(ends.x, w1, correction);
     move_end(ends.y, -w2, correction);
-    return abs(distance - target_length) / target_length;
+    return but_rounding(distance - target_length, one, two) / target_length;
 }
 
 // The rods of one colour may share a sphere that is fixed: it is not written at all. An end that would leave what f32 holds

@@ -29,15 +29,7 @@ fn entry_at(slot: vec2u) -> u32 {
     return lists[slot.x][slot.y];
 }
 
-fn entry_id(entry: u32) -> u32 {
-    return entry & ENTRY_ID_MASK;
-}
-
-fn entry_feature(entry: u32) -> u32 {
-    return entry >> ENTRY_ID_BITS & FEATURE_MASK;
-}
-
-// Row of the sums of collisions that belong to the row of a slot.
-fn row_of_sums(slot: vec2u) -> u32 {
+// Row, among those of entries alone, of a slot.
+fn row_of_entries(slot: vec2u) -> u32 {
     return slot.x - step.entries_at / SLICE;
 }

@@ -1,10 +1,5 @@
 // In which lists the contacts of a sphere stand.
 
-// Whether there are collisions to apply in this attempt at the step.
-fn has_changes() -> bool {
-    return (atomicLoad(&status.void) == 0u) & (atomicLoad(&status.collided) == 0u) & (atomicLoad(&status.collides) != 0u);
-}
-
 // Whether some entry of a mover collides.
 fn has_collisions(mover: u32) -> bool {
     return (head_of(mover) & LIST_COLLIDES) != 0u;
@@ -24,7 +19,8 @@ fn row_of(sphere: u32, rods: vec2u, row: u32) -> u32 {
     return select(NONE, partner, capsule_rod(partner) == rod);
 }
 
-// Whether a sphere has a share in some collision: only then its state changes.
+// Whether some collision may change the state of a sphere. In a network it is enough that there are collisions at all: who has them is
+// too much to ask.
 fn takes_part_in_any(sphere: u32) -> bool {
     let rods = rods_of(sphere);
     for (var r = 0u; r < 1u + 2u * rods.y; r++) {
@@ -35,23 +31,41 @@ fn takes_part_in_any(sphere: u32) -> bool {
             }
         }
     }
-    return false;
+    return RODS & (network_of(sphere) != NO_NETWORK);
 }
 
-fn is_row_of(sphere: u32, id: u32) -> bool {
-    if id < step.spheres {
-        return (id == sphere) | (capsule_partner(id) == sphere);
-    }
-    if id - step.spheres < step.rods {
-        return any(rod_ends(id - step.spheres) == vec2u(sphere));
-    }
-    return false;
+fn network_of_rod(rod: u32) -> u32 {
+    return words[step.networks_at - step.rods + rod];
 }
 
-// A contact between two rows of one sphere stands in both of their lists: it is taken in that of the lower id.
-fn taken_elsewhere(sphere: u32, row: u32, id: u32) -> bool {
-    if user_of(id) > user_of(row) {
-        return false;
+// Whether a rod of fixed length is a rigid capsule with the spheres at its ends.
+fn is_capsule(rod: u32) -> bool {
+    return (network_of_rod(rod) == NO_NETWORK) & (inverse_mass(rod_ends(rod).x) > 0.0);
+}
+
+// The rod of the rigid capsule that a sphere is an end of, or NONE.
+fn capsule_with(sphere: u32) -> u32 {
+    let rod = capsule_rod(sphere);
+    if rod == NONE {
+        return NONE;
     }
-    return is_row_of(sphere, id);
+    return select(NONE, rod, is_capsule(rod));
+}
+
+// The network that a moving sphere belongs to, or NO_NETWORK.
+fn network_of(sphere: u32) -> u32 {
+    if end_of(sphere) == NO_ROD {
+        return NO_NETWORK;
+    }
+    if inverse_mass(sphere) <= 0.0 {
+        return NO_NETWORK;
+    }
+    let rods = rods_of(sphere);
+    for (var r = 0u; r < rods.y; r++) {
+        let network = network_of_rod(index_of(words[rods.x + r]));
+        if network != NO_NETWORK {
+            return network;
+        }
+    }
+    return NO_NETWORK;
 }

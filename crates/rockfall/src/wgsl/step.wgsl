@@ -9,6 +9,8 @@ struct Step {
     contact_force: f32,
     friction: f32,
     coulomb_friction: f32,
+    collision_friction: f32,
+    gravity_size: f32,
     margin_scale: f32,
     flags: u32,
     pair_rows: u32,
@@ -43,6 +45,12 @@ struct Step {
     planned: u32,
     ends_at: u32,
     large: u32,
+    networks: u32,
+    networks_at: u32,
+    sweeps: u32,
+    collision_room: u32,
+    pad_0: u32,
+    pad_1: u32,
 }
 
 struct Pass {
@@ -93,6 +101,10 @@ struct Status {
     builds: u32,
     order_entries: u32,
     order_digits: u32,
+    listed: u32,
+    clustered: u32,
+    clustered_steps: u32,
+    many_steps: u32,
 }
 
 // Both where many threads of a dispatch write them.
@@ -130,6 +142,10 @@ struct StatusAtomic {
     builds: u32,
     order_entries: atomic<u32>,
     order_digits: atomic<u32>,
+    listed: atomic<u32>,
+    clustered: atomic<u32>,
+    clustered_steps: u32,
+    many_steps: u32,
 }
 
 @group(0) @binding(0) var<uniform> step: Step;
@@ -154,6 +170,7 @@ const POLYGON_WORDS: u32 = 9u;
 const KIND_SHIFT: u32 = 30u;
 const NO_ROD: u32 = 0xffffffffu;
 const SOME_RODS: u32 = 0xfffffffeu;
+const NO_NETWORK: u32 = 0xffffffffu;
 const KIND_ROD: u32 = 0u;
 const KIND_SPRING: u32 = 1u;
 const KIND_TETHER: u32 = 2u;
@@ -201,9 +218,19 @@ const VOID_PAIRS: u32 = 1u;
 const VOID_ESCAPED: u32 = 2u;
 const VOID_NON_FINITE: u32 = 4u;
 const VOID_COUNT: u32 = 8u;
+const VOID_COLLISIONS: u32 = 16u;
+const VOID_MANY: u32 = 32u;
 
 const LISTS_ASKED: u32 = 1u;
 const LISTS_MADE: u32 = 2u;
+
+const SWEEPS_OFF: u32 = 0u;
+const SWEEPS_LISTED: u32 = 1u;
+const SWEEPS_FEW: u32 = 2u;
+const SWEEPS_ON: u32 = 3u;
+const FEW_COLLISIONS: u32 = 2048u;
+const SWEEPS: u32 = 16u;
+const COLLISION_WORDS: u32 = 48u;
 
 const PHASES_SHIFT: u32 = 3u;
 const POSITIONS_FIRST: u32 = 1u;

@@ -26,6 +26,10 @@ const FIRST_LOOKAHEAD: f32 = 1.0;
 const CELL_PER_RADIUS: f32 = 2.4;
 /// a little more still where all stand on one level.
 const CELL_OF_ALL: f32 = 2.75;
+/// There is room for a collision of so many movers at the start, where collisions are listed from the start;
+const MOVERS_A_COLLISION: u32 = 4;
+/// and for so many at least.
+const FEW_COLLISIONS: u32 = 128;
 /// One sphere of so many is large, at most.
 const SPHERES_A_TEAM: u32 = 8;
 
@@ -75,6 +79,7 @@ impl World {
         world.set_spheres(scene);
         world.set_grid(scene);
         world.step.large = world.large_spheres(scene);
+        world.set_collision_room();
         let entries = if world.movers() <= FEW_MOVERS { FIRST_ENTRIES_OF_FEW } else { FIRST_ENTRIES };
         world.set_pair_room((entries * world.movers().div_ceil(SLICE)).max(1));
         Ok(world)
@@ -90,10 +95,13 @@ impl World {
         step.contact_force = settings.contact_force;
         step.friction = settings.friction;
         step.coulomb_friction = settings.coulomb_friction;
+        step.collision_friction = settings.collision_friction;
+        step.gravity_size = settings.gravity.abs() * settings.gravity_direction.length();
         let bit = |on: bool, flag: u32| if on { flag } else { 0 };
         step.flags = step.flags & (FLAG_CONTINUE | FLAG_GROUPS)
             | bit(settings.collisions, FLAG_COLLISIONS)
             | bit(settings.contact_pull, FLAG_PULL);
+        step.sweeps = step.sweeps.max(step.calm_sweeps());
     }
 
     /// Packs the state of the spheres.
@@ -114,6 +122,15 @@ impl World {
         let objects = self.objects();
         let cells = if objects <= CELL_BLOCK { CELL_BLOCK } else { 2 * objects };
         self.place_cells(cells, has_long_movers(scene, self.step.cell_size));
+    }
+
+    /// Lists collisions from the start where bodies may have long lists, and solves them by sweeps where there are networks.
+    fn set_collision_room(&mut self) {
+        let step = &mut self.step;
+        if step.has_long_lists() {
+            step.collision_room = (step.movers() / MOVERS_A_COLLISION).max(FEW_COLLISIONS);
+        }
+        step.sweeps = step.calm_sweeps();
     }
 
     /// How many of the last spheres in memory are large; so many of them that a workgroup for each is not too much.
@@ -249,7 +266,7 @@ mod tests {
         let in_space = World::build_in_space(&scene).unwrap();
         let is_large = |sphere: &&Sphere| sphere.radius > 0.3;
         assert_eq!(in_space.step.large as usize, scene.spheres().iter().filter(is_large).count());
-        assert!(in_space.step.large > 3 && in_space.step.stores_row_sums());
+        assert!(in_space.step.large > 3 && in_space.step.has_long_lists());
         // The last that was added is a small one.
         assert_eq!(World::build(&scene).unwrap().step.large, 0);
         // Were most of them large, a workgroup for each would be too much.
@@ -272,7 +289,6 @@ mod tests {
         // As large as the counts say, whatever the capacity was before.
         let whole = world.with_scratch();
         assert_eq!(whole.lists.len(), (whole.step.entries_at + 64) as usize);
-        assert_eq!(whole.row_sums.len(), 64);
         assert_eq!(whole.aabbs.len(), whole.objects() as usize);
         assert_eq!(whole.states[3].len(), whole.states[0].len());
     }

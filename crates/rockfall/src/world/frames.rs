@@ -31,6 +31,28 @@ pub(crate) fn batches(fixed: &[bool], rods: &[(u32, [u32; 2])]) -> Vec<Vec<Vec<u
     batches
 }
 
+/// Rods that keep each other's distances: connected sets of fixed-length rods, rigid capsules left out. `rods` are (number, ends),
+/// `is_capsule` says which of them are rigid capsules. Rods between two fixed spheres are in none.
+pub(crate) fn networks(fixed: &[bool], rods: &[(u32, [u32; 2])], is_capsule: impl Fn(u32) -> bool) -> Vec<Vec<u32>> {
+    let mut frames = Frames::new(fixed.len());
+    let moving = |ends: [u32; 2]| ends.into_iter().filter(|end| !fixed[*end as usize]);
+    let rods = || rods.iter().filter(|(number, _)| !is_capsule(*number));
+    for (_, ends) in rods() {
+        frames.join(moving(*ends));
+    }
+    let mut place_of_root = std::collections::HashMap::new();
+    let mut networks: Vec<Vec<u32>> = Vec::new();
+    for (number, ends) in rods() {
+        let Some(end) = moving(*ends).next() else { continue };
+        let place = *place_of_root.entry(frames.root(end)).or_insert_with(|| {
+            networks.push(Vec::new());
+            networks.len() - 1
+        });
+        networks[place].push(*number);
+    }
+    networks
+}
+
 /// Greedy edge colouring: with at most d rods on a sphere, 2 d - 1 colours are enough; a chain takes two.
 fn colour(frame: &[(u32, [u32; 2])], fixed: &[bool]) -> Vec<Vec<u32>> {
     let mut colours: Vec<Vec<u32>> = Vec::new();

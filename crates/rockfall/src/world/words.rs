@@ -5,13 +5,13 @@ use glam::Vec3;
 
 use crate::error::{Error, Result};
 use crate::layout::{
-    FLAG_GROUPS, KIND_FORCE, KIND_ROD, KIND_SHIFT, KIND_SPRING, KIND_TETHER, LINE, NO_ROD, ROD_WORDS, SOME_RODS, Step,
-    most_objects,
+    FLAG_GROUPS, KIND_FORCE, KIND_ROD, KIND_SHIFT, KIND_SPRING, KIND_TETHER, LINE, NO_NETWORK, NO_ROD, ROD_WORDS, SOME_RODS,
+    Step, most_objects,
 };
 use crate::scene::{Scene, SphereId};
 use crate::world::World;
 use crate::world::build::in_order;
-use crate::world::frames::batches;
+use crate::world::frames::{batches, networks};
 use crate::world::order::inverse;
 
 impl World {
@@ -57,6 +57,7 @@ impl World {
         step.batches_at = words.len() as u32;
         push_batches(&mut words, &batches);
         step.ends_at = push_ends(step, &mut words);
+        push_networks(step, &fixed, &fixed_rods, &mut words);
         step.adjacency_at = adjacency.push(&mut words, step.spheres);
         self.words = words;
         Ok(())
@@ -173,6 +174,39 @@ fn push_ends(step: &Step, words: &mut Vec<u32>) -> u32 {
     let at = words.len() as u32;
     words.extend(ends);
     at
+}
+
+/// Appends the network of each rod and the network table (see [`Step::networks_at`]). A rod is a rigid capsule where it is the only rod
+/// of both its ends and both move.
+fn push_networks(step: &mut Step, fixed: &[bool], fixed_rods: &[(u32, [u32; 2])], words: &mut Vec<u32>) {
+    (step.networks, step.networks_at) = (0, 0);
+    if step.rods == 0 {
+        return;
+    }
+    let ends_at = step.ends_at as usize;
+    let is_end = |end: u32, rod: u32| words[ends_at + end as usize] == rod && !fixed[end as usize];
+    let capsules: std::collections::HashSet<u32> =
+        fixed_rods.iter().filter(|(rod, ends)| ends.iter().all(|end| is_end(*end, *rod))).map(|(rod, _)| *rod).collect();
+    let networks = networks(fixed, fixed_rods, |rod| capsules.contains(&rod));
+    let ends_of: std::collections::HashMap<u32, [u32; 2]> = fixed_rods.iter().copied().collect();
+    let mut network_of = vec![NO_NETWORK; step.rods as usize];
+    for (number, rods) in networks.iter().enumerate() {
+        rods.iter().for_each(|rod| network_of[*rod as usize] = number as u32);
+    }
+    words.extend(network_of);
+    (step.networks, step.networks_at) = (networks.len() as u32, words.len() as u32);
+    let table = words.len();
+    words.resize(table + networks.len(), 0);
+    for (place, rods) in networks.iter().enumerate() {
+        words[table + place] = words.len() as u32;
+        let mut seen = std::collections::HashSet::new();
+        let ends = rods.iter().flat_map(|rod| ends_of[rod].into_iter().zip(0..).map(move |(end, side)| (end, 2 * rod + side)));
+        let spheres: Vec<u32> =
+            ends.filter(|(end, _)| !fixed[*end as usize] && seen.insert(*end)).map(|(_, place)| place).collect();
+        words.extend([spheres.len() as u32, rods.len() as u32]);
+        words.extend(spheres);
+        words.extend(rods);
+    }
 }
 
 /// Pairs of (sphere, adjacency word).

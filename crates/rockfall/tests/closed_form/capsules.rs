@@ -1,4 +1,4 @@
-//! Capsules: rigid along their axis.
+//! Capsules: rigid bodies.
 
 use rockfall::glam::Vec3;
 use rockfall::{Backend, Capsule, Scene, Sphere, SphereState};
@@ -16,14 +16,15 @@ fn drop_capsule(end2: [f32; 3], backend: Backend, floor: fn(&mut Scene)) -> (Vec
 }
 
 /// Upright: n is the axis, w = 1/(m1 + m2) = 1/2, j = 1.75 * 2 * 2 = 7, shared by mass: each end gets 3.5, so both
-/// leave at 1.5 = e * 2, and both are lifted by the whole overlap. Flat: both ends are hit, at right angles to the
-/// axis, and do not weaken each other: the same.
+/// leave at 1.5 = e * 2. The overlap of 0.01 is 5 ms old: both are 0.005 * 3.5 up. Flat: both ends are hit, share the body and
+/// get half each: they leave at the same speed, and where they are.
 fn upright_and_flat_capsules_bounce_with_e(backend: Backend) {
     for floor in [floor_box, floor_polygon] {
         for end2 in [[0.0, 2.49, 0.0], [2.0, 0.49, 0.0]] {
             let (before, after) = drop_capsule(end2, backend, floor);
             velocities(&after, [[0.0, 1.5, 0.0]; 2]);
-            displacements(&before, &after, [[0.0, 0.01, 0.0]; 2]);
+            let lifted = if end2[0] == 0.0 { 0.005 * 3.5 } else { 0.0 };
+            displacements(&before, &after, [[0.0, lifted, 0.0]; 2]);
         }
     }
 }
@@ -48,58 +49,69 @@ fn dropped_capsules_leave_at_e_times_their_speed(backend: Backend) {
 fn slanted(m2: f32, fixed: bool) -> Scene {
     let mut scene = weightless();
     floor_box(&mut scene);
-    let fall = [0.0, -2.0, 0.0];
-    let mut far = Sphere::new([1.6, 1.69, 0.0], 0.5).mass(m2).velocity(fall);
-    if fixed {
-        far = far.velocity([0.0; 3]).fixed();
-    }
-    dumbbell(&mut scene, [Sphere::new([0.0, 0.49, 0.0], 0.5).velocity(fall), far], 0.5);
+    let (near, far) = (Sphere::new([0.0, 0.49, 0.0], 0.5), Sphere::new([1.6, 1.69, 0.0], 0.5).mass(m2));
+    let ends = if fixed {
+        // Across the axis, as the rod lets it.
+        [near.velocity([1.2, -1.6, 0.0]), far.fixed()]
+    } else {
+        [near, far].map(|end| end.velocity([0.0, -2.0, 0.0]))
+    };
+    dumbbell(&mut scene, ends, 0.5);
     scene
 }
 
-/// n = -y, cos q = 0.6, so w = 0.36/(1 + 3) + 0.64/1 = 0.73. Both ends have the same velocity, u = 2, j = 3.5 / 0.73.
-/// n's axial part is 0.6 * (-0.8, -0.6, 0) = (-0.48, -0.36, 0), its rest (0.48, -0.64, 0). End 1 gets -j (rest + axial/4) / 1,
-/// end 2 -j (3/4 axial) / 3. Along the axis both change alike, by j * 0.6 / 4.
+/// A vector turned about z by an angle.
+fn turned([x, y]: [f64; 2], angle: f64) -> [f64; 2] {
+    let (sin, cos) = angle.sin_cos();
+    [cos * x - sin * y, sin * x + cos * y]
+}
+
+/// n = -y, d = (1.6, 1.2), M = 4, mu = 3/4, I = 0.1 and 0.3, It = 3/4 * 4 + 0.4 = 3.4. The lever of end 1 is -3/4, T = -3/4 d x n = 1.2 z,
+/// so that the end's inverse mass is 1/4 + 1.44/3.4, and with u = 2 j = 3.5 over it. The centre gets j/4 up, and the capsule turns by
+/// W = -1.2 j / 3.4 about z, for the 5 ms that the overlap of 0.01 is old.
 fn slanted_capsule_with_unequal_masses(backend: Backend) {
     let scene = slanted(3.0, false);
     let before = scene.spheres().to_vec();
     let after = collide(scene, backend);
-    let shared = |k: f64| {
-        let k = k / 0.73;
-        [[-k * (0.48 - 0.12), k * (0.64 + 0.09), 0.0], [k * 0.48 / 4.0, k * 0.36 / 4.0, 0.0]]
-    };
-    let [one, two] = shared(3.5);
-    velocities(&after, [[one[0], one[1] - 2.0, 0.0], [two[0], two[1] - 2.0, 0.0]]);
-    displacements(&before, &after, shared(0.01));
-    let axis = Vec3::new(0.8, 0.6, 0.0);
-    close((after[1].velocity - after[0].velocity).dot(axis), 0.0, F32, "opening velocity");
+    let j = 3.5 / (0.25 + 1.44 / 3.4);
+    let (rise, spin, time) = (0.25 * j, -1.2 * j / 3.4, 0.005);
+    let d = turned([1.6, 1.2], spin * time);
+    let levers = [-0.75, 0.25];
+    let changes = levers.map(|lever| [-lever * spin * d[1], rise + lever * spin * d[0], 0.0]);
+    velocities(&after, changes.map(|[x, y, z]| [x, y - 2.0, z]));
+    displacements(&before, &after, levers.map(|lever| [lever * (d[0] - 1.6), rise * time + lever * (d[1] - 1.2), 0.0]));
+    for (end, inertia) in after.iter().zip([0.1, 0.3]) {
+        near(end.angular_momentum, [0.0, 0.0, inertia * spin], F32, "angular momentum");
+    }
 }
 
-/// With end 2 fixed, 1/(m1 + m2) = 0: w = 0.64, and only what is across the axis counts: the share of end 1 is the rest
-/// (0.48, -0.64, 0). Its velocity in u is the part across the axis, u = v.rest = 1.28, j = 1.75 * 1.28 / 0.64 = 3.5.
-/// v' = v - 3.5 rest.
+/// With end 2 fixed it is a rod that end 1 hangs on: only what is across the axis (0.8, 0.6) counts. n = -y has (0.48, -0.64, 0) across it, so
+/// w = 0.64, u = 1.6, j = 1.75 * 1.6 / 0.64 = 4.375: v' = (1.2, -1.6) - 4.375 (0.48, -0.64) = -0.75 v.
 fn capsule_with_a_fixed_end_turns_about_it(backend: Backend) {
     let after = collide(slanted(3.0, true), backend);
-    velocities(&after, [[-1.68, 0.24, 0.0], [0.0; 3]]);
+    velocities(&after, [[-0.9, 1.2, 0.0], [0.0; 3]]);
 }
 
 /// A ball that hits an end of a resting capsule along the axis meets the whole of its mass: with equal masses 2 and 1 +
-/// 1 and e = 1 it stops, and both ends go on at its speed. At n = (-0.6, 0.8, 0) from the end to the ball, w = 0.36/2 +
-/// 0.64 + 1/2 = 1.32, u = 3 * 0.8, j = 2 * 2.4 / 1.32 = 40/11: the ball gets j n / 2, the end -j (-0.3, 0.8), the other
-/// end -j (-0.3, 0).
+/// 1 and e = 1 it stops, and both ends go on at its speed. At n = (-0.6, 0.8, 0) from the end to the ball: d = (2, 0), It = 1/2 * 4 + 0.2 = 2.2,
+/// T = -d/2 x n = -0.8 z, so that w = 1/2 + 0.64/2.2 + 1/2, u = 3 * 0.8, j = 2 * 2.4 / w. The ball gets j n / 2, the centre as much the
+/// other way, and the capsule turns by 0.8 j / 2.2 about z.
 fn ball_hits_the_end_of_a_capsule(backend: Backend) {
     let hit = |from: [f32; 3], velocity: [f32; 3]| {
         let mut scene = weightless();
         scene.settings.restitution = 1.0;
         scene.add_capsule(Capsule::new([0.0; 3], [2.0, 0.0, 0.0], 0.5).mass(2.0)).expect("a valid capsule");
-        spheres(&mut scene, [Sphere::new(from, 0.5).mass(2.0).velocity(velocity)]);
+        spheres(&mut scene, [late(Sphere::new(from, 0.5).mass(2.0).velocity(velocity))]);
         collide(scene, backend)
     };
-    let along = hit([-0.99, 0.0, 0.0], [3.0, 0.0, 0.0]);
+    let along = hit([-1.0, 0.0, 0.0], [3.0, 0.0, 0.0]);
     velocities(&along, [[3.0, 0.0, 0.0], [3.0, 0.0, 0.0], [0.0; 3]]);
-    let aslant = hit([-0.594, 0.792, 0.0], [0.0, -3.0, 0.0]);
-    let j = 40.0 / 11.0;
-    velocities(&aslant, [[0.3 * j, -0.8 * j, 0.0], [0.3 * j, 0.0, 0.0], [-0.3 * j, 0.4 * j - 3.0, 0.0]]);
+    let aslant = hit([-0.6, 0.8, 0.0], [0.0, -3.0, 0.0]);
+    let j = 4.8 / (1.0 + 0.64 / 2.2);
+    let spin = 0.8 * j / 2.2;
+    let [dx, dy] = turned([spin, 0.0], spin * f64::from(LATE));
+    let end = |lever: f64| [0.3 * j - 2.0 * lever * dy, -0.4 * j + 2.0 * lever * dx, 0.0];
+    velocities(&aslant, [end(-0.5), end(0.5), [-0.3 * j, 0.4 * j - 3.0, 0.0]]);
 }
 
 /// A ball on the middle of a capsule's rod meets 1/M = 1/4 + 1/4 = 1/2 of masses 1 and 1, as for any rod: with mass 2 and e = 1
@@ -126,9 +138,9 @@ fn capsules_collide_end_to_end(backend: Backend) {
     let after = collide(scene, backend);
     let (a, b) = ([-1.25, 0.0, 0.0], [1.75, 0.0, 0.0]);
     velocities(&after, [a, a, b, b]);
-    // o = 0.02 goes as 6 : 2.
-    let (a, b) = ([-0.015, 0.0, 0.0], [0.005, 0.0, 0.0]);
-    displacements(&before, &after, [a, a, b, b]);
+    // The overlap of 0.02 is 5 ms old.
+    let (a, b) = ([-5.25, 0.0, 0.0], [1.75, 0.0, 0.0]);
+    displacements(&before, &after, over(0.005, [a, a, b, b]));
 }
 
 /// About the axis both ends get the common spin (L1 + L2).axis / (I1 + I2), I = 2/5 * 1 * 0.25 = 0.1: spins 2 and 4 about

@@ -4,25 +4,25 @@ use rockfall::{Backend, Scene, Sphere};
 
 use crate::common::*;
 
-/// n = x, o = 1 - 0.98 = 0.02, u = 2 - (-1) = 3, wA + wB = 1 + 1/3 = 4/3, e = 0.75:
-/// j = 1.75 * 3 / (4/3) = 3.9375, so vA = 2 - 3.9375 and vB = -1 + 3.9375 / 3 = 0.3125;
-/// the overlap is shared as wA : wB = 3 : 1.
+/// n = x, u = 2 - (-1) = 3, wA + wB = 1 + 1/3 = 4/3, e = 0.75: j = 1.75 * 3 / (4/3) = 3.9375, so vA = 2 - 3.9375 and
+/// vB = -1 + 3.9375 / 3 = 0.3125.
 fn head_on_with_unequal_masses(backend: Backend) {
     let mut scene = weightless();
     spheres(
         &mut scene,
         [
             Sphere::new([0.0, 0.0, 0.0], 0.5).velocity([2.0, 0.0, 0.0]),
-            Sphere::new([0.98, 0.0, 0.0], 0.5).mass(3.0).velocity([-1.0, 0.0, 0.0]),
-        ],
+            Sphere::new([1.0, 0.0, 0.0], 0.5).mass(3.0).velocity([-1.0, 0.0, 0.0]),
+        ]
+        .map(late),
     );
     let before = scene.spheres().to_vec();
     let after = collide(scene, backend);
     velocities(&after, [[-1.9375, 0.0, 0.0], [0.3125, 0.0, 0.0]]);
-    displacements(&before, &after, [[-0.015, 0.0, 0.0], [0.005, 0.0, 0.0]]);
+    displacements(&before, &after, over(LATE, [[-3.9375, 0.0, 0.0], [1.3125, 0.0, 0.0]]));
 }
 
-/// n = (0.6, 0.8, 0), o = 0.05, u = (2, 0.5, -3).n = 1.6, wA + wB = 0.5 + 2 = 2.5, e = 0.5: j = 1.5 * 1.6 / 2.5 = 0.96.
+/// n = (0.6, 0.8, 0), u = (2, 0.5, -3).n = 1.6, wA + wB = 0.5 + 2 = 2.5, e = 0.5: j = 1.5 * 1.6 / 2.5 = 0.96.
 /// A gets -0.48 n, B 1.92 n; what is across n stays, and so does the spin: collisions carry no friction.
 fn oblique_with_unequal_masses(backend: Backend) {
     let mut scene = weightless();
@@ -31,13 +31,14 @@ fn oblique_with_unequal_masses(backend: Backend) {
         &mut scene,
         [
             Sphere::new([0.0, 0.0, 0.0], 0.4).mass(2.0).velocity([1.0, 0.5, -2.0]).angular_momentum([0.1, 0.2, 0.3]),
-            Sphere::new([0.57, 0.76, 0.0], 0.6).mass(0.5).velocity([-1.0, 0.0, 1.0]),
-        ],
+            Sphere::new([0.6, 0.8, 0.0], 0.6).mass(0.5).velocity([-1.0, 0.0, 1.0]),
+        ]
+        .map(late),
     );
     let before = scene.spheres().to_vec();
     let after = collide(scene, backend);
     velocities(&after, [[0.712, 0.116, -2.0], [0.152, 1.536, 1.0]]);
-    displacements(&before, &after, [[-0.006, -0.008, 0.0], [0.024, 0.032, 0.0]]);
+    displacements(&before, &after, over(LATE, [[-0.288, -0.384, 0.0], [1.152, 1.536, 0.0]]));
     assert_eq!(after[0].angular_momentum, before[0].angular_momentum);
     assert_eq!(after[1].angular_momentum, before[1].angular_momentum);
 }
@@ -72,8 +73,8 @@ fn the_smaller_radius_sets_the_threshold(backend: Backend) {
     }
 }
 
-/// A fixed sphere has inverse mass 0 but a surface velocity: u = 1, j = 1.75 * 2, the ball leaves at 1.75 and gets all of
-/// the displacement. The fixed one stays as it is.
+/// A fixed sphere has inverse mass 0 but a surface velocity: u = 1, j = 1.75 * 2, the ball leaves at 1.75. The fixed one stays as it is. Nor
+/// was it anywhere else before, so that no time of contact is found, and the whole time step of 20 ms is taken.
 fn fixed_sphere_with_a_velocity_strikes(backend: Backend) {
     let mut scene = weightless();
     spheres(
@@ -83,7 +84,7 @@ fn fixed_sphere_with_a_velocity_strikes(backend: Backend) {
     let before = scene.spheres().to_vec();
     let after = collide(scene, backend);
     velocities(&after, [[1.0, 0.0, 0.0], [1.75, 0.0, 0.0]]);
-    displacements(&before, &after, [[0.0; 3], [0.01, 0.0, 0.0]]);
+    displacements(&before, &after, over(0.02, [[0.0; 3], [1.75, 0.0, 0.0]]));
 }
 
 fn fixed_spheres_leave_each_other_alone(backend: Backend) {
@@ -95,10 +96,9 @@ fn fixed_spheres_leave_each_other_alone(backend: Backend) {
     uncounted(scene, backend);
 }
 
-/// A ball meets two touching balls at 30 degrees to either side. n1.n2 = cos 60 = 0.5, G_kk = 2, G_kl = wA n1.n2 = 0.5:
-/// s = 1 / (1 + 0.5/2) = 0.8. The touching two do not close, so that their contact has no weight in s, but it does press:
-/// nothing is displaced. u = 2 cos 30 = sqrt 3, e = 1: s j = 0.8 sqrt 3; vA = 2 - 2 * 0.8 * sqrt 3 cos 30 = -0.4,
-/// vB = 0.8 sqrt 3 (cos 30, +-1/2) = (1.2, +-0.4 sqrt 3).
+/// A ball meets two touching balls at 30 degrees to either side. n1.n2 = cos 60 = 0.5, G_kk = 2, G_kl = wA n1.n2 = 0.5, and both impulses
+/// are alike: j = 2 u / (2 + 0.5), u = 2 cos 30 = sqrt 3, e = 1: j = 0.8 sqrt 3; vA = 2 - 2 * 0.8 * sqrt 3 cos 30 = -0.4,
+/// vB = 0.8 sqrt 3 (cos 30, +-1/2) = (1.2, +-0.4 sqrt 3). They share a body: nothing is displaced.
 fn ball_hits_two_balls_at_once(backend: Backend) {
     let mut scene = weightless();
     scene.settings.restitution = 1.0;
@@ -118,9 +118,9 @@ fn ball_hits_two_balls_at_once(backend: Backend) {
     displacements(&before, &after, [[0.0; 3]; 3]);
 }
 
-/// Two balls hit a third of twice their mass from both sides at speeds 2 and 1: |G_kl| / sqrt(G_kk G_ll) =
-/// w (n1.n2) / (1 + w) = 0.5 / 1.5 = 1/3, whatever the sign, so s = 3/4. j1 = 1.75 * 2 / 1.5 = 7/3, j2 = 7/6.
-/// v1 = 2 - 3/4 * 7/3 = 0.25, v2 = -1 + 3/4 * 7/6 = -0.125, middle: (7/4 - 7/8) / 2 = 0.4375.
+/// Two balls hit a third of twice their mass from both sides at speeds 2 and 1. Both separate at e times their approach where
+/// 1.5 j1 - 0.5 j2 = 3.5 and 1.5 j2 - 0.5 j1 = 1.75: j1 = 3.0625, j2 = 2.1875. v1 = 2 - j1, v2 = j2 - 1, middle: (j1 - j2) / 2.
+/// A sweep leaves half of what is missing, sixteen of them 2e-5.
 fn ball_hit_from_both_sides(backend: Backend) {
     let mut scene = weightless();
     spheres(
@@ -133,33 +133,42 @@ fn ball_hit_from_both_sides(backend: Backend) {
     );
     let before = scene.spheres().to_vec();
     let after = collide(scene, backend);
-    velocities(&after, [[0.25, 0.0, 0.0], [0.4375, 0.0, 0.0], [-0.125, 0.0, 0.0]]);
+    for (ball, expected) in after.iter().zip([-1.0625, 0.4375, 1.1875]) {
+        near(ball.velocity, [expected, 0.0, 0.0], 1e-4, "velocity");
+    }
     displacements(&before, &after, [[0.0; 3]; 3]);
 }
 
-/// A ball strikes one that has a resting neighbour, in line with the blow or across it.
-fn ball_with_a_neighbour(neighbour: [f32; 3]) -> Scene {
+/// A ball strikes one that rests.
+fn blow() -> Scene {
     let mut scene = weightless();
-    spheres(
-        &mut scene,
-        [
-            Sphere::new([-0.96, 0.0, 0.0], 0.5).velocity([2.0, 0.0, 0.0]),
-            Sphere::new([0.0, 0.0, 0.0], 0.5),
-            Sphere::new(neighbour, 0.5),
-        ],
-    );
+    spheres(&mut scene, [Sphere::new([-0.97, 0.0, 0.0], 0.5).velocity([2.0, 0.0, 0.0]), Sphere::new([0.0; 3], 0.5)]);
     scene
 }
 
-/// The neighbour does not close, so the impulse is whole: j = 1.75 * 2 / 2 = 1.75. Its contact does press, though, if it lies
-/// in line (row sum 1.5): then nothing is displaced. Across the blow the row sum is 1, and the overlap of 0.04 goes.
-fn overlap_is_removed_only_where_nothing_else_presses(backend: Backend) {
-    for (neighbour, moved) in [([0.99, 0.0, 0.0], 0.0), ([0.0, 0.99, 0.0], 0.02)] {
-        let scene = ball_with_a_neighbour(neighbour);
-        let before = scene.spheres().to_vec();
-        let after = collide(scene, backend);
-        velocities(&after, [[0.25, 0.0, 0.0], [1.75, 0.0, 0.0], [0.0; 3]]);
-        displacements(&before, &after, [[-moved, 0.0, 0.0], [moved, 0.0, 0.0], [0.0; 3]]);
+/// j = 1.75 * 2 / 2 = 1.75 whatever touches the two besides without closing. They are displaced by what this makes in the 15 ms that the overlap
+/// of 0.03 is old where nothing else presses but a wall at a right angle to the blow; a neighbour presses, in line or across.
+fn only_lone_collisions_displace(backend: Backend) {
+    let wall = |scene: &mut Scene, low: [f32; 3], high: [f32; 3]| {
+        scene.add_box(rockfall::Cuboid::between(low, high)).expect("a valid box");
+    };
+    type Beside<'a> = &'a dyn Fn(&mut Scene);
+    let neighbour = |place: [f32; 3]| move |scene: &mut Scene| _ = spheres(scene, [Sphere::new(place, 0.5)]);
+    let (in_line, across) = (neighbour([0.99, 0.0, 0.0]), neighbour([0.0, 0.99, 0.0]));
+    let cases: [(Beside, f32); 5] = [
+        (&|_| {}, 0.015),
+        (&in_line, 0.0),
+        (&across, 0.0),
+        (&|scene| wall(scene, [-0.4, -2.0, -1.0], [1.0, -0.49, 1.0]), 0.015),
+        (&|scene| wall(scene, [0.49, -1.0, -1.0], [2.0, 1.0, 1.0]), 0.0),
+    ];
+    for (add, time) in cases {
+        let mut scene = blow();
+        add(&mut scene);
+        let before = scene.spheres()[..2].to_vec();
+        let after = &collide(scene, backend)[..2];
+        velocities(after, [[0.25, 0.0, 0.0], [1.75, 0.0, 0.0]]);
+        displacements(&before, after, over(time, [[-1.75, 0.0, 0.0], [1.75, 0.0, 0.0]]));
     }
 }
 
@@ -189,7 +198,7 @@ fn groups_never_meet(backend: Backend) {
     }
     // The same spheres in one group do meet.
     let after = collide(build(0), backend);
-    near(after[1].velocity, [-0.375, 0.0, 0.0], F32, "control: 1.75 * 3 / 2 less");
+    assert!(after[1].velocity.x > -1.0, "control: {}", after[1].velocity);
 }
 
 both!(
@@ -201,6 +210,6 @@ both!(
     fixed_spheres_leave_each_other_alone,
     ball_hits_two_balls_at_once,
     ball_hit_from_both_sides,
-    overlap_is_removed_only_where_nothing_else_presses,
+    only_lone_collisions_displace,
     groups_never_meet,
 );

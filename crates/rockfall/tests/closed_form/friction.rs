@@ -110,24 +110,24 @@ fn rod_rubs_on_box_edge(backend: Backend) {
     // A box on its edge: its upper edge runs along z through the origin.
     let (i, j) = ([1.0, -1.0, 0.0], [-1.0, -1.0, 0.0]);
     scene.add_box(rockfall::Cuboid::new([0.0, 0.0, -2.0], i, j, [0.0, 0.0, 4.0])).expect("a valid box");
-    let ends = [-1.0, 1.0].map(|x| Sphere::new([x, 0.08, 0.0], 0.01).velocity([0.0, 0.0, 0.36]));
+    // So large that they turn slowly: half of the slip is gone after a step with 16 times this force.
+    let ends = [-1.0, 1.0].map(|x| Sphere::new([x, 0.08, 0.0], 0.2).velocity([0.0, 0.0, 0.36]));
     rod(&mut scene, ends, 0.1);
     let found = loads(scene, backend);
     forces(&found, [[0.0, 0.0, -0.6]; 2], FORCE);
     torques(&found, [[0.048, 0.0, 0.0]; 2], FORCE);
 }
 
-/// Coulomb's cap, mu_c = 0.25. o = 0.02, m* = 2, closing at 0.4 (Cd u = 5) or opening at 0.4, Cc o = 20: N = 2 (20 + 5) = 50 or
-/// 2 (20 - 5) = 30. The ball does not spin and slides at 0.64 x: the square root is mu m* o 0.8 = 0.04 mu 0.8 = 16 for
-/// mu = 500, the cap 12.5 or 7.5; at 0.09 x the square root, 0.04 mu 0.3 = 6, stays below both. Where damping outweighs the
-/// overlap (opening at 2: N = 0) nothing rubs, although mu m* o is as before. With damping that pulls (N = 2 (20 - 25) < 0) the
-/// cap is 0, too: friction never drives.
-fn coulomb_caps_friction(backend: Backend) {
+/// Coulomb's law, mu_c = 0.25, as an impulse a step. o = 0.02, m* = 2, closing at 0.4 (Cd u = 5) or opening at 0.4, Cc o = 20: N = 2 (20 + 5) = 50
+/// or 2 (20 - 5) = 30. The ball does not spin and slides at 0.64 x: it gets mu_c N dt, 12.5 dt or 7.5 dt. Slower it gets what takes all of the
+/// slip away: its inverse mass is 1/2 + 0.48^2 / 0.2 = 1.652, so at 0.09 x 0.09 / 1.652. Where damping outweighs the overlap
+/// (opening at 2: N = 0) nothing rubs. With damping that pulls (N = 2 (20 - 25) < 0) neither: friction never drives.
+fn coulomb_limits_friction(backend: Backend) {
     let arm = 0.48;
     let slides = [
         (0.64, -0.4, false, 12.5),
         (0.64, 0.4, false, 7.5),
-        (0.09, -0.4, false, 6.0),
+        (0.09, -0.4, false, 0.09 / 1.652 / DT),
         (0.64, 2.0, false, 0.0),
         (0.64, 2.0, true, 0.0),
     ];
@@ -147,11 +147,11 @@ fn coulomb_caps_friction(backend: Backend) {
     }
 }
 
-/// A ball that slides at v0 under Coulomb's law alone rolls after 2 v0 / (7 mu_c g), at 5/7 v0, 12 v0^2 / (49 mu_c g) on. With
-/// mu = 20 Cc the cap of 0.25 is left only at (0.25 / 20)^2 = 1.6e-4 of sliding velocity. The ball rests at o = G/Cc = 0.001:
-/// the arm of 0.999 changes all that by some 3e-4.
+/// A ball that slides at v0 under Coulomb's law alone rolls after 2 v0 / (7 mu_c g), at 5/7 v0, 12 v0^2 / (49 mu_c g) on. The impulses come at the
+/// beginning of steps: after t it is behind by mu_c g t dt / 2. The ball rests at o = G/Cc = 0.001: the arm of 0.999 changes all that by
+/// some 3e-4.
 fn sliding_ball_under_coulombs_law(backend: Backend) {
-    let mut scene = with(|settings| (settings.friction, settings.coulomb_friction) = (20_000.0, 0.25));
+    let mut scene = with(|settings| settings.coulomb_friction = 0.25);
     floor_box(&mut scene);
     spheres(&mut scene, [Sphere::new([-2.0, 0.999, 0.0], 1.0).velocity([1.0, 0.0, 0.0])]);
     let mut simulation = simulation(scene, backend);
@@ -159,12 +159,12 @@ fn sliding_ball_under_coulombs_law(backend: Backend) {
     simulation.run(64, DT).expect("steps");
     let sliding = simulation.spheres().expect("spheres are read back")[0];
     close(sliding.velocity.x, 0.75, 1e-4, "velocity after 1 s");
-    close(sliding.position.x, -2.0 + 0.875, 1e-4, "place after 1 s");
+    close(sliding.position.x, -2.0 + 0.875 - 0.125 / 64.0, 1e-4, "place after 1 s");
     simulation.run(32, DT).expect("steps");
     let rolling = simulation.spheres().expect("spheres are read back")[0];
     let way = 48.0 / 49.0 + 5.0 / 7.0 * (1.5 - 8.0 / 7.0);
-    close(rolling.velocity.x, 5.0 / 7.0, 2e-3, "velocity when rolling");
-    close(rolling.position.x, -2.0 + way, 2e-3, "place after 1.5 s");
+    close(rolling.velocity.x, 5.0 / 7.0, 1e-3, "velocity when rolling");
+    close(rolling.position.x, -2.0 + way - 0.125 / 64.0 * 8.0 / 7.0, 1e-3, "place after 1.5 s");
 }
 
 /// An isolated pair, rubbing and pressing, keeps momentum and angular momentum: sum F = 0 and sum (x cross F + T) = 0.
@@ -260,7 +260,7 @@ both!(
     sphere_rubs_on_rod,
     rod_rubs_on_rod,
     rod_rubs_on_box_edge,
-    coulomb_caps_friction,
+    coulomb_limits_friction,
     sliding_ball_under_coulombs_law,
     isolated_pairs_keep_their_momenta,
     sliding_ball_ends_rolling,

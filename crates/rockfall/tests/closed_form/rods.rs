@@ -5,45 +5,42 @@ use rockfall::{Backend, Scene, Sphere};
 
 use crate::common::*;
 
-/// A rod along x from 0 to 4, masses 1 and 3, of radius 0.1.
+/// A rod along x from 0 to 4, masses 1 and 3, of radius 0.1, `LATE` on.
 fn rod_along_x(scene: &mut Scene, velocities: [f32; 2]) {
     let [v1, v2] = velocities;
     let ends = [
         Sphere::new([0.0; 3], 0.2).velocity([0.0, v1, 0.0]),
         Sphere::new([4.0, 0.0, 0.0], 0.2).mass(3.0).velocity([0.0, v2, 0.0]),
     ];
-    rod(scene, ends, 0.1);
+    rod(scene, ends.map(late), 0.1);
 }
 
-/// a = 0.25, o = 0.6 - 0.55 = 0.05, 1/M = 0.75^2/1 + 0.25^2/3 = 7/12 (2.6), w = 1/2 + 7/12 = 13/12; n = -y from the ball
+/// a = 0.25, 1/M = 0.75^2/1 + 0.25^2/3 = 7/12 (2.6), w = 1/2 + 7/12 = 13/12; n = -y from the ball
 /// to the rod. The rod's point moves at 0.75 * 0.4 + 0.25 * (-1.2) = 0 (2.7), u = 2, j = 1.75 * 2 / (13/12) = 42/13.
 /// The ball gets 42/13 / 2 up; the ends 0.75 * 42/13 / 1 and 0.25 * 42/13 / 3 down.
 fn ball_hits_a_rod_off_its_middle(backend: Backend) {
     let mut scene = weightless();
     rod_along_x(&mut scene, [0.4, -1.2]);
-    let ball = Sphere::new([1.0, 0.55, 0.0], 0.5).mass(2.0).velocity([0.3, -2.0, 0.0]);
-    spheres(&mut scene, [ball]);
+    let ball = Sphere::new([1.0, 0.6, 0.0], 0.5).mass(2.0).velocity([0.3, -2.0, 0.0]);
+    spheres(&mut scene, [late(ball)]);
     let before = scene.spheres().to_vec();
     let after = collide(scene, backend);
     let j = 42.0 / 13.0;
     velocities(&after, [[0.0, 0.4 - 0.75 * j, 0.0], [0.0, -1.2 - 0.25 * j / 3.0, 0.0], [0.3, -2.0 + 0.5 * j, 0.0]]);
-    // The overlap is removed by displacements that go as the impulse: o / w = 0.05 * 12/13 in place of j.
-    let d = 0.05 * 12.0 / 13.0;
-    displacements(&before, &after, [[0.0, -0.75 * d, 0.0], [0.0, -0.25 * d / 3.0, 0.0], [0.0, 0.5 * d, 0.0]]);
+    displacements(&before, &after, over(LATE, [[0.0, -0.75 * j, 0.0], [0.0, -0.25 * j / 3.0, 0.0], [0.0, 0.5 * j, 0.0]]));
 }
 
 /// With end 1 fixed, 1/M = a^2/m2 = (1/16)/3 = 1/48: w = 1/2 + 1/48 = 25/48, u = 2, j = 3.5 * 48/25 = 6.72.
-/// Displaced by o = 0.05 in the same proportion: 0.05 * 48/25 = 0.096 in place of j.
 fn ball_hits_a_rod_with_a_fixed_end(backend: Backend) {
     let mut scene = weightless();
     let ends = [Sphere::new([0.0; 3], 0.2).fixed(), Sphere::new([4.0, 0.0, 0.0], 0.2).mass(3.0)];
     rod(&mut scene, ends, 0.1);
-    let ball = Sphere::new([1.0, 0.55, 0.0], 0.5).mass(2.0).velocity([0.0, -2.0, 0.0]);
-    spheres(&mut scene, [ball]);
+    let ball = Sphere::new([1.0, 0.6, 0.0], 0.5).mass(2.0).velocity([0.0, -2.0, 0.0]);
+    spheres(&mut scene, [late(ball)]);
     let before = scene.spheres().to_vec();
     let after = collide(scene, backend);
     velocities(&after, [[0.0; 3], [0.0, -0.25 * 6.72 / 3.0, 0.0], [0.0, -2.0 + 3.36, 0.0]]);
-    displacements(&before, &after, [[0.0; 3], [0.0, -0.25 * 0.096 / 3.0, 0.0], [0.0, 0.048, 0.0]]);
+    displacements(&before, &after, over(LATE, [[0.0; 3], [0.0, -0.25 * 6.72 / 3.0, 0.0], [0.0, 3.36, 0.0]]));
 }
 
 /// What lies beyond an end belongs to that end's sphere: 0.02 beyond, the thick rod (reach 0.9) is not met, and the thin end
@@ -64,7 +61,7 @@ fn beyond_its_end_a_rod_is_not_met(backend: Backend) {
     }
 }
 
-/// Two rods that cross at a = 0.25, b = 0.5, 0.15 apart, o = 0.05, n = y.
+/// Two rods that cross at a = 0.25, b = 0.5, n = y.
 /// wA = 0.5625/1 + 0.0625/2 = 19/32, wB = 0.25/3 + 0.25/0.5 = 7/12, w = 113/96.
 /// vA = 0.75 * 2 + 0.25 * (-2) = 1, vB = (-1 - 3)/2 = -2: u = 3, j = 1.75 * 3 / w.
 fn crossing_rods(backend: Backend) {
@@ -74,11 +71,11 @@ fn crossing_rods(backend: Backend) {
         Sphere::new([3.0, 0.0, 0.0], 0.05).mass(2.0).velocity([0.0, -2.0, 0.0]),
     ];
     let b = [
-        Sphere::new([0.0, 0.15, -1.0], 0.05).mass(3.0).velocity([0.0, -1.0, 0.0]),
-        Sphere::new([0.0, 0.15, 1.0], 0.05).mass(0.5).velocity([0.0, -3.0, 0.0]),
+        Sphere::new([0.0, 0.2, -1.0], 0.05).mass(3.0).velocity([0.0, -1.0, 0.0]),
+        Sphere::new([0.0, 0.2, 1.0], 0.05).mass(0.5).velocity([0.0, -3.0, 0.0]),
     ];
-    rod(&mut scene, a, 0.1);
-    rod(&mut scene, b, 0.1);
+    rod(&mut scene, a.map(late), 0.1);
+    rod(&mut scene, b.map(late), 0.1);
     let before = scene.spheres().to_vec();
     let after = collide(scene, backend);
     let shared = |k: f64| [[0.0, -0.75 * k, 0.0], [0.0, -0.125 * k, 0.0], [0.0, k / 6.0, 0.0], [0.0, k, 0.0]];
@@ -87,7 +84,7 @@ fn crossing_rods(backend: Backend) {
         &after,
         [[0.0, 2.0 + dv[0][1], 0.0], [0.0, -2.0 + dv[1][1], 0.0], [0.0, -1.0 + dv[2][1], 0.0], [0.0, -3.0 + dv[3][1], 0.0]],
     );
-    displacements(&before, &after, shared(0.05 * 96.0 / 113.0));
+    displacements(&before, &after, over(LATE, dv));
 }
 
 /// Parallel rods, from 0 to 4 and from 5 to 3: they share the stretch 3..4 and meet in its middle, a = 3.5/4, b = 3/4.
@@ -134,8 +131,8 @@ fn nothing_collides_with_itself(backend: Backend) {
 }
 
 /// A rod in the plane z = 0.3 across the edge x = 5, y = 0 of the floor's box, at right angles to it; its axis passes the edge
-/// at `distance` along the edge's outward normal (1, 1, 0)/sqrt 2, at a = 0.25. Masses 1 and 2.
-fn rod_across_the_edge(distance: f32, radius: f32) -> Scene {
+/// at `distance` along the edge's outward normal (1, 1, 0)/sqrt 2, at a = 0.25. Masses 1 and 2. That was some time ago.
+fn rod_across_the_edge(distance: f32, radius: f32, time: f32) -> Scene {
     let mut scene = weightless();
     floor_box(&mut scene);
     let root = 0.5_f32.sqrt();
@@ -145,66 +142,63 @@ fn rod_across_the_edge(distance: f32, radius: f32) -> Scene {
         Sphere::new(point - along, 0.05).velocity([0.0, -2.0, 0.0]),
         Sphere::new(point + 3.0 * along, 0.05).mass(2.0).velocity([0.0, -2.0, 0.0]),
     ];
-    rod(&mut scene, ends, radius);
+    rod(&mut scene, ends.map(|end| late_by(end, time)), radius);
     scene
 }
 
 /// Both ends move at (0, -2, 0), n = -(1, 1, 0)/sqrt 2: u = sqrt 2. w = 0.5625 + 0.0625/2 = 19/32, j = 1.75 sqrt 2 / w, along
-/// -n: the ends get 0.75 j and 0.25 j / 2 of it; the overlap goes in the same proportion.
-fn across_the_edge(scene: Scene, overlap: f64, backend: Backend) {
+/// -n: the ends get 0.75 j and 0.25 j / 2 of it.
+fn across_the_edge(scene: Scene, time: f32, backend: Backend) {
     let before = scene.spheres().to_vec();
     let after = collide(scene, backend);
     let w = 19.0 / 32.0;
-    let shared = |k: f64| [0.75 * k / w / 2.0_f64.sqrt(), 0.125 * k / w / 2.0_f64.sqrt()];
-    let [dv1, dv2] = shared(1.75 * 2.0_f64.sqrt());
+    let [dv1, dv2] = [0.75, 0.125].map(|share| share * 1.75 / w);
     velocities(&after, [[dv1, dv1 - 2.0, 0.0], [dv2, dv2 - 2.0, 0.0]]);
-    let [dx1, dx2] = shared(overlap);
-    displacements(&before, &after, [[dx1, dx1, 0.0], [dx2, dx2, 0.0]]);
+    displacements(&before, &after, over(time, [[dv1, dv1, 0.0], [dv2, dv2, 0.0]]));
 }
 
-/// The axis passes 0.06 outside the edge, the radius is 0.1: o = 0.04.
+/// The axis has passed the edge at the rod's radius of 0.1 when it touched it.
 fn rod_on_a_box_edge(backend: Backend) {
-    across_the_edge(rod_across_the_edge(0.06, 0.1), 0.04, backend);
+    across_the_edge(rod_across_the_edge(0.1, 0.1, LATE), LATE, backend);
 }
 
-/// The axis passes 0.03 inside the edge: n is reversed, o = 0.1 + 0.03, so that the rod is pushed out, not through.
+/// The axis passed 0.03 inside the edge a time step of 20 ms ago: n is reversed, o = 0.1 + 0.03, so that the rod is pushed out, not through. It
+/// has come in before that step, so the state one step ago is the one that counts.
 fn rod_axis_inside_a_box_is_pushed_out(backend: Backend) {
-    across_the_edge(rod_across_the_edge(-0.03, 0.1), 0.13, backend);
+    across_the_edge(rod_across_the_edge(-0.03, 0.1, 0.02), 0.02, backend);
 }
 
 /// Out of reach of the edge, though its AABB overlaps the box's.
 fn rod_off_a_box_edge(backend: Backend) {
-    untouched(rod_across_the_edge(0.11, 0.1), backend);
+    untouched(rod_across_the_edge(0.11, 0.1, 0.0), backend);
 }
 
-/// A rod along (1, -1, 0)/sqrt 2 that passes the vertex (5, 0, 5) at 0.06 along (1, 1, 1)/sqrt 3. The closest points on
-/// the lines of all three edges lie beyond the vertex, so it is a vertex contact: a = 0.25, o = 0.04, n = -(1, 1,
+/// A rod along (1, -1, 0)/sqrt 2 that has passed the vertex (5, 0, 5) at its radius of 0.1 along (1, 1, 1)/sqrt 3. The closest points on
+/// the lines of all three edges lie beyond the vertex, so it is a vertex contact: a = 0.25, n = -(1, 1,
 /// 1)/sqrt 3, u = 2/sqrt 3, w = 19/32 as above.
 fn rod_on_a_box_vertex(backend: Backend) {
     let mut scene = weightless();
     floor_box(&mut scene);
     let out = Vec3::ONE.normalize();
     let along = Vec3::new(1.0, -1.0, 0.0).normalize();
-    let point = Vec3::new(5.0, 0.0, 5.0) + 0.06 * out;
+    let point = Vec3::new(5.0, 0.0, 5.0) + 0.1 * out;
     let ends = [
         Sphere::new(point - along, 0.05).velocity([0.0, -2.0, 0.0]),
         Sphere::new(point + 3.0 * along, 0.05).mass(2.0).velocity([0.0, -2.0, 0.0]),
     ];
-    rod(&mut scene, ends, 0.1);
+    rod(&mut scene, ends.map(late), 0.1);
     let before = scene.spheres().to_vec();
     let after = collide(scene, backend);
     let w = 19.0 / 32.0;
-    // Each component of the unit vector (1, 1, 1)/sqrt 3 times k.
-    let shared = |k: f64| [0.75 * k / w / 3.0_f64.sqrt(), 0.125 * k / w / 3.0_f64.sqrt()];
-    let [dv1, dv2] = shared(1.75 * 2.0 / 3.0_f64.sqrt());
+    // Each component of j times the unit vector (1, 1, 1)/sqrt 3.
+    let [dv1, dv2] = [0.75, 0.125].map(|share| share * 1.75 * 2.0 / 3.0 / w);
     velocities(&after, [[dv1, dv1 - 2.0, dv1], [dv2, dv2 - 2.0, dv2]]);
-    let [dx1, dx2] = shared(0.04);
-    displacements(&before, &after, [[dx1; 3], [dx2; 3]]);
+    displacements(&before, &after, over(LATE, [[dv1; 3], [dv2; 3]]));
 }
 
 /// A rod flat across a narrow box rests on two edges at once, at a = 0.25 and 0.75. With equal masses G_11 = G_22 =
-/// 10/16, G_12 = 2 * 3/16 = 6/16: s = 1 / (1 + 0.6) = 5/8. Each j = 1.75 * 2 / (10/16) = 5.6, each end gets (0.75 + 0.25) s j
-/// = 3.5: it bounces flat, at 1.5, as a ball would. Both press, so nothing is displaced.
+/// 10/16, G_12 = 2 * 3/16 = 6/16, and both impulses are alike: j = 1.75 * 2 / (10/16 + 6/16) = 3.5. Each end gets (0.75 + 0.25) j:
+/// it bounces flat, at 1.5, as a ball would. They share the ends, so nothing is displaced.
 fn rod_lands_flat_on_two_edges(backend: Backend) {
     let mut scene = weightless();
     scene.add_box(rockfall::Cuboid::between([-1.0, -2.0, -3.0], [1.0, 0.0, 3.0])).expect("a valid box");

@@ -49,6 +49,25 @@ pub(crate) const F32: f64 = 3e-5;
 /// Tolerance of displacements: the rounding of coordinates up to 5, and that of a normal times an overlap of 0.1.
 pub(crate) const F32_PLACE: f64 = 2e-6;
 
+/// For how long bodies have overlapped where a test is about a lone collision. It is handled as it was at its time of contact, so scenes are
+/// built as they were then, and moved on with [`late`]; what changes by dv in velocity then stands `LATE` dv elsewhere.
+pub(crate) const LATE: f32 = 1.0 / 128.0;
+
+/// A sphere some time on.
+pub(crate) fn late_by(sphere: Sphere, time: f32) -> Sphere {
+    Sphere { position: sphere.position + time * sphere.velocity, ..sphere }
+}
+
+/// A sphere `LATE` on.
+pub(crate) fn late(sphere: Sphere) -> Sphere {
+    late_by(sphere, LATE)
+}
+
+/// So many changes of velocity as displacements of what has overlapped for a time.
+pub(crate) fn over<const N: usize>(time: f32, changes: [[f64; 3]; N]) -> [[f64; 3]; N] {
+    changes.map(|change| change.map(|k| f64::from(time) * k))
+}
+
 /// How many steps: software Vulkan takes some 50 ms a step, the CPU less than one.
 pub(crate) fn on<T>(backend: Backend, cpu: T, gpu: T) -> T {
     if backend == Backend::Gpu { gpu } else { cpu }

@@ -1,28 +1,52 @@
 //! The objects of a world in f64, read from its buffers by their documented layout alone.
 
 use glam::{DVec3, Vec4};
-use rockfall::layout::{BOX_WORDS, FLAG_COLLISIONS, POLYGON_WORDS, ROD_WORDS};
+use rockfall::layout::{
+    BOX_WORDS, FLAG_COLLISIONS, FORCE_WORDS, KIND_FORCE, KIND_SHIFT, KIND_SPRING, KIND_TETHER, POLYGON_WORDS, ROD_WORDS,
+    SPRING_WORDS, TETHER_WORDS,
+};
 use rockfall::world::World;
 
+#[derive(Clone)]
 pub(crate) struct Ball {
     pub(crate) x: DVec3,
     pub(crate) v: DVec3,
+    /// Angular momentum.
+    pub(crate) l: DVec3,
     pub(crate) radius: f64,
     /// 1/m, 0 of a fixed sphere.
     pub(crate) w: f64,
+    /// 1/I, 0 of a fixed sphere.
+    pub(crate) i: f64,
+    /// Acceleration by gravity, springs, tethers and external forces; 0 of a fixed sphere.
+    pub(crate) pull: DVec3,
 }
 
+/// What impulses move as a whole (docs/physics.md section 1.4).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum Body {
+    /// A single sphere.
+    Ball(usize),
+    /// A rigid capsule, by its rod.
+    Capsule(usize),
+    /// A network, by its least sphere.
+    Network(usize),
+}
+
+#[derive(Clone)]
 pub(crate) struct Bar {
     pub(crate) ends: [usize; 2],
     pub(crate) radius: f64,
     pub(crate) length: f64,
 }
 
+#[derive(Clone)]
 pub(crate) struct Block {
     pub(crate) corner: DVec3,
     pub(crate) edges: [DVec3; 3],
 }
 
+#[derive(Clone)]
 pub(crate) struct Face {
     pub(crate) corner: DVec3,
     pub(crate) left: DVec3,
@@ -37,6 +61,7 @@ pub(crate) enum Kind {
     Face(usize),
 }
 
+#[derive(Clone)]
 pub(crate) struct Bodies {
     pub(crate) balls: Vec<Ball>,
     pub(crate) bars: Vec<Bar>,
@@ -46,8 +71,17 @@ pub(crate) struct Bodies {
     pub(crate) groups: Vec<u32>,
     /// The rods that end in a sphere.
     pub(crate) bars_of: Vec<Vec<usize>>,
+    /// The body of each sphere; none of a fixed one.
+    pub(crate) body_of: Vec<Option<Body>>,
+    /// Springs, and tethers, which have one end: the difference of their ends, stiffness and length.
+    pub(crate) springs: Vec<([Option<usize>; 2], DVec3, f64, f64)>,
     pub(crate) dt: f64,
     pub(crate) threshold: f64,
+    /// Magnitude of gravity.
+    pub(crate) gravity: f64,
+    pub(crate) restitution: f64,
+    /// Coefficient of Coulomb friction.
+    pub(crate) coulomb: f64,
     pub(crate) stiffness: f64,
     pub(crate) damping: f64,
     pub(crate) collisions: bool,
@@ -80,15 +114,18 @@ impl Bodies {
             }
         }
         let objects = step.spheres + step.rods + step.boxes + step.polygons;
-        Self {
-            balls: (0..n)
-                .map(|k| Ball {
-                    x: vector(rows[k]),
-                    v: vector(rows[n + k]),
-                    radius: f64::from(rows[k].w),
-                    w: f64::from(rows[n + k].w),
-                })
-                .collect(),
+        let balls: Vec<Ball> = (0..n)
+            .map(|k| Ball {
+                x: vector(rows[k]),
+                v: vector(rows[n + k]),
+                l: vector(rows[2 * n + k]),
+                radius: f64::from(rows[k].w),
+                w: f64::from(rows[n + k].w),
+                i: if rows[n + k].w > 0.0 { f64::from(rows[2 * n + k].w) } else { 0.0 },
+                pull: DVec3::ZERO,
+            })
+            .collect();
+        let mut bodies = Self {
             blocks: (0..step.boxes)
                 .map(|k| Block {
                     corner: triple(step.boxes_at, k, BOX_WORDS, 0),
@@ -103,14 +140,128 @@ impl Bodies {
                 })
                 .collect(),
             groups: (0..objects).map(|id| world.words[(step.tags_at + id) as usize] & 0xffff).collect(),
+            body_of: Vec::new(),
+            springs: Vec::new(),
+            balls,
             bars,
             bars_of,
             dt: f64::from(step.dt),
             threshold: f64::from(step.activation_threshold),
+            gravity: f64::from(step.gravity_size),
+            restitution: f64::from(step.restitution),
+            coulomb: f64::from(step.coulomb_friction),
             stiffness: f64::from(step.contact_force),
             damping: f64::from(step.contact_damping),
             collisions: step.flags & FLAG_COLLISIONS != 0,
+        };
+        bodies.pull_all(world);
+        bodies.join_all();
+        bodies
+    }
+
+    /// Works out the accelerations that do not come from contacts (docs/physics.md sections 4.1 and 4.2).
+    fn pull_all(&mut self, world: &World) {
+        let step = &world.step;
+        let triple = |at: usize| DVec3::from_array([0, 1, 2].map(|k| f64::from(f32::from_bits(world.words[at + k]))));
+        let spring = |one: (DVec3, DVec3), other: (DVec3, DVec3), constants: DVec3| {
+            let d = other.0 - one.0;
+            let n = d.normalize_or_zero();
+            (constants.x * (d.length() - constants.y) + constants.z * (other.1 - one.1).dot(n)) * n
+        };
+        let gravity = DVec3::from_array(step.gravity.map(f64::from));
+        let mut springs = Vec::new();
+        for k in (0..self.balls.len()).filter(|k| self.balls[*k].w > 0.0).collect::<Vec<_>>() {
+            let at = step.adjacency_at as usize + 2 * k;
+            let words = if step.adjacency_at == 0 { 0..0 } else { world.words[at] as usize..world.words[at + 1] as usize };
+            let own = (self.balls[k].x, self.balls[k].v);
+            let mut force = DVec3::ZERO;
+            for word in &world.words[words] {
+                let index = word & ((1 << KIND_SHIFT) - 1);
+                match word >> KIND_SHIFT {
+                    KIND_SPRING => {
+                        let at = (step.springs_at + index * SPRING_WORDS) as usize;
+                        let ends = [at, at + 1].map(|end| world.words[end] as usize);
+                        let other = &self.balls[ends[usize::from(ends[0] == k)]];
+                        let constants = triple(at + 2);
+                        force += spring(own, (other.x, other.v), constants);
+                        let fixed_other = other.w == 0.0;
+                        if ends[0] == k || fixed_other {
+                            let both = [Some(k), Some(ends[usize::from(ends[0] == k)])];
+                            springs.push((both, other.x - own.0, constants.x, constants.y));
+                        }
+                    }
+                    KIND_TETHER => {
+                        let at = (step.tethers_at + index * TETHER_WORDS) as usize;
+                        let constants = triple(at + 4);
+                        force += spring(own, (triple(at + 1), DVec3::ZERO), constants);
+                        springs.push(([Some(k), None], triple(at + 1) - own.0, constants.x, constants.y));
+                    }
+                    KIND_FORCE => force += triple((step.forces_at + index * FORCE_WORDS) as usize),
+                    _ => {}
+                }
+            }
+            self.balls[k].pull = gravity + self.balls[k].w * force;
         }
+        self.springs = springs;
+    }
+
+    /// Finds the bodies.
+    fn join_all(&mut self) {
+        let moves = |ball: usize| self.balls[ball].w > 0.0;
+        let mut least: Vec<usize> = (0..self.balls.len()).collect();
+        let in_network = |bar: usize| self.bars[bar].length > 0.0 && !self.is_capsule(bar);
+        let network_bars: Vec<[usize; 2]> =
+            (0..self.bars.len()).filter(|bar| in_network(*bar)).map(|bar| self.bars[bar].ends).collect();
+        loop {
+            let before = least.clone();
+            for [one, two] in network_bars.iter().filter(|ends| ends.iter().all(|end| moves(*end))) {
+                let both = least[*one].min(least[*two]);
+                (least[*one], least[*two]) = (both, both);
+            }
+            if least == before {
+                break;
+            }
+        }
+        let body = |ball: usize| match self.bars_of[ball].iter().find(|bar| self.is_capsule(**bar)) {
+            _ if !moves(ball) => None,
+            Some(bar) => Some(Body::Capsule(*bar)),
+            None if self.bars_of[ball].iter().any(|bar| in_network(*bar)) => Some(Body::Network(least[ball])),
+            None => Some(Body::Ball(ball)),
+        };
+        self.body_of = (0..self.balls.len()).map(body).collect();
+    }
+
+    /// Whether a rod makes a rigid capsule of its ends.
+    pub(crate) fn is_capsule(&self, bar: usize) -> bool {
+        let Bar { ends, length, .. } = &self.bars[bar];
+        *length > 0.0 && ends.iter().all(|end| self.balls[*end].w > 0.0 && self.bars_of[*end].len() == 1)
+    }
+
+    /// The rod of the rigid capsule that an object is a part of.
+    pub(crate) fn capsule_with(&self, id: usize) -> Option<usize> {
+        match self.kind(id) {
+            Kind::Ball(ball) => match self.body_of[ball] {
+                Some(Body::Capsule(bar)) => Some(bar),
+                _ => None,
+            },
+            Kind::Bar(bar) => self.is_capsule(bar).then_some(bar),
+            Kind::Block(_) | Kind::Face(_) => None,
+        }
+    }
+
+    /// The smaller radius of a pair; what is static has none.
+    pub(crate) fn smaller_radius(&self, a: usize, b: usize) -> f64 {
+        let radius = |id| match self.kind(id) {
+            Kind::Ball(ball) => self.balls[ball].radius,
+            Kind::Bar(bar) => self.bars[bar].radius,
+            Kind::Block(_) | Kind::Face(_) => f64::INFINITY,
+        };
+        radius(a).min(radius(b))
+    }
+
+    /// The threshold velocity of a pair (docs/physics.md section 3.1).
+    pub(crate) fn threshold(&self, a: usize, b: usize) -> f64 {
+        (self.threshold * self.smaller_radius(a, b)).max(2.0 * self.gravity * self.dt)
     }
 
     pub(crate) fn kind(&self, id: usize) -> Kind {
@@ -143,13 +294,6 @@ impl Bodies {
     /// Both ends of a rod.
     pub(crate) fn segment(&self, bar: usize) -> [DVec3; 2] {
         self.bars[bar].ends.map(|end| self.balls[end].x)
-    }
-
-    /// The other end, if the sphere has exactly one rod and that one is of fixed length.
-    pub(crate) fn capsule_partner(&self, ball: usize) -> Option<usize> {
-        let [bar] = self.bars_of[ball][..] else { return None };
-        let Bar { ends, length, .. } = &self.bars[bar];
-        (*length > 0.0).then(|| ends[usize::from(ends[0] == ball)])
     }
 
     /// Pairs that never overlap: of one group, one of them moves, and neither is part of the other.

@@ -7,7 +7,7 @@ use rand_pcg::Pcg64Mcg;
 use rockfall::Scene;
 
 use crate::random::Draw;
-use crate::trace::Plan;
+use crate::trace::{Only, Plan};
 
 /// Between the middles of neighbouring clusters, in units.
 const SPACING: f32 = 9.0;
@@ -15,7 +15,7 @@ const SPACING: f32 = 9.0;
 type Recipe = fn(&mut Draw);
 
 /// Every kind of cluster; those that are rare to overlap stand more than once.
-const RECIPES: [Recipe; 26] = [
+const RECIPES: [Recipe; 29] = [
     |d| d.duel(),
     |d| d.duel(),
     |d| d.capsule_duel(),
@@ -42,10 +42,13 @@ const RECIPES: [Recipe; 26] = [
     |d| d.groups(),
     |d| d.crowd(),
     |d| d.giant(),
+    |d| d.corner(),
+    |d| d.struck_network(),
+    |d| d.struck_network(),
 ];
 
 /// The kinds without rods.
-const WITHOUT_RODS: [Recipe; 8] = [
+const WITHOUT_RODS: [Recipe; 9] = [
     |d| d.duel(),
     |d| d.floored(),
     |d| d.spheres(6),
@@ -54,7 +57,37 @@ const WITHOUT_RODS: [Recipe; 8] = [
     |d| d.attached(),
     |d| d.groups(),
     |d| d.giant(),
+    |d| d.corner(),
 ];
+
+/// Those whose collisions most often share no body.
+const LONE: [Recipe; 9] = [
+    |d| d.duel(),
+    |d| d.floored(),
+    |d| d.corner(),
+    |d| d.grazing(),
+    |d| d.attached(),
+    |d| d.capsule_duel(),
+    |d| d.struck_rod(),
+    |d| d.sphere_on_rod(true),
+    |d| d.box_and_splinters(),
+];
+/// Of these the first so many are without rods.
+const LONE_WITHOUT_RODS: usize = 5;
+
+/// Those without networks and without large spheres.
+const FEW: [Recipe; 8] = [
+    |d| d.spheres(5),
+    |d| d.floored(),
+    |d| d.box_and_spheres(),
+    |d| d.duel(),
+    |d| d.capsules(2),
+    |d| d.capsules(3),
+    |d| d.struck_rod(),
+    |d| d.polygon(),
+];
+/// Of these the first so many are without rods.
+const FEW_WITHOUT_RODS: usize = 4;
 
 /// A scene of clusters, and which cluster each object belongs to.
 pub(crate) struct Clusters {
@@ -65,8 +98,15 @@ pub(crate) struct Clusters {
 
 /// The scene of a plan in which cluster k was drawn `attempts[k]` times.
 pub(crate) fn clusters(plan: &Plan, attempts: &[u64]) -> Clusters {
-    let Plan { seed, settings, rods, .. } = *plan;
-    let recipes: &[Recipe] = if rods { &RECIPES } else { &WITHOUT_RODS };
+    let Plan { seed, settings, rods, only, .. } = *plan;
+    let recipes: &[Recipe] = match (only, rods) {
+        (Only::All, true) => &RECIPES,
+        (Only::All, false) => &WITHOUT_RODS,
+        (Only::Lone, true) => &LONE,
+        (Only::Lone, false) => &LONE[..LONE_WITHOUT_RODS],
+        (Only::Few, true) => &FEW,
+        (Only::Few, false) => &FEW[..FEW_WITHOUT_RODS],
+    };
     let mut scene = Scene::new();
     scene.settings = settings;
     let mut owners: [Vec<usize>; 4] = Default::default();

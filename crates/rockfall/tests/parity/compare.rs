@@ -1,4 +1,4 @@
-//! What two backends made of one stage, field by field.
+//! What two backends made of one stage, or of a group of stages, field by field.
 //!
 //! Words must be equal. A float may differ by what rounding can do to it: both sides evaluate the same formula from the
 //! same input, in another order of operations, which is as if the input had been off by a few units in its last place.
@@ -64,7 +64,6 @@ fn floats(world: &World) -> Vec<Floats> {
         let own: Vec<Vec4> = world.wrenches.iter().skip(place).step_by(4).copied().collect();
         field(Buffer::Wrenches, what, flat(&own));
     }
-    field(Buffer::RowSums, "row sums", world.row_sums.clone());
     field(Buffer::Orientations, "quaternion", flat(&world.orientations));
     let status = &world.status;
     let measured = [status.escape_ratio, status.told().max_overlap, status.last_max_overlap];
@@ -148,25 +147,23 @@ fn shaken(world: &World, seed: u64) -> World {
     world.states.iter_mut().flatten().for_each(&mut shake);
     world.wrenches.iter_mut().for_each(&mut shake);
     world.orientations.iter_mut().for_each(&mut shake);
-    for sum in &mut world.row_sums {
-        *sum *= 1.0 + SHAKE * rng.random_range(-1.0_f32..1.0);
-    }
     world
 }
 
-/// Everything in which `gpu` differs from what the CPU twin makes of the world that the stage began with.
+/// Everything in which `gpu` differs from what the CPU twins make of the world that the stages began with.
 ///
 /// # Panics
-/// When the stage decides otherwise where its input is off by no more than rounding.
-pub(crate) fn differences(run: &Run, before: &World, gpu: &World, tolerance: Tolerance) -> Vec<Difference> {
+/// When a stage decides otherwise where its input is off by no more than rounding.
+pub(crate) fn differences(runs: &[Run], before: &World, gpu: &World, tolerance: Tolerance) -> Vec<Difference> {
+    let name = runs[0].stage.name;
     let after = |mut world: World| {
-        run.on_cpu(&mut world);
-        canonical(&world, run.stage.name)
+        runs.iter().for_each(|run| run.on_cpu(&mut world));
+        canonical(&world, name)
     };
-    let gpu = &canonical(gpu, run.stage.name);
+    let gpu = &canonical(gpu, name);
     let cpu = after(before.clone());
     let mut all = different_words(gpu, &cpu);
-    if MOVES.contains(&run.stage.name) {
+    if MOVES.contains(&name) {
         all.extend(different(bits(gpu), bits(&cpu)));
         return all;
     }
@@ -177,7 +174,7 @@ pub(crate) fn differences(run: &Run, before: &World, gpu: &World, tolerance: Tol
         .map(|seed| {
             let world = after(shaken(before, seed));
             let wavering = different_words(&world, &cpu);
-            assert!(wavering.is_empty(), "{}: rounding decides: {}", run.stage.name, listed(&wavering));
+            assert!(wavering.is_empty(), "{name}: rounding decides: {}", listed(&wavering));
             floats(&world)
         })
         .collect();

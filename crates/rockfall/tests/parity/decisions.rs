@@ -1,20 +1,19 @@
-//! Every decision of a step, evaluated in f64 from physics.md and not by the library: how far it is from its switch.
+//! Every decision of a step, evaluated in f64 from docs/physics.md and not by the library: how far it is from its switch.
 //!
 //! A state in which one lies within [`LIMIT`] of its switch tells nothing: rounding may take it either way.
 
 use std::collections::BTreeMap;
 
 use glam::DVec3;
-use rockfall::layout::{ENTRY_BITS, LIST_COUNT_MASK, SLICE};
+use rockfall::layout::{ENTRY_BITS, ENTRY_OVERLAPS, LIST_COUNT_MASK, SLICE};
 use rockfall::world::World;
 
 use crate::bodies::{Bodies, Kind};
-use crate::narrow::{Touch, touches};
+use crate::collide::{self, Change, Share};
+use crate::narrow::{EDGES, Touch, touches};
 
 /// Least distance from a switch, in units, units/s, or as a pure number.
 pub(crate) const LIMIT: f64 = 1e-4;
-/// Row sums of at most this count as 1: nothing else presses (physics.md section 3).
-const ALONE: f64 = 1.001;
 
 /// A decision that is too close to call.
 #[derive(Clone)]
@@ -38,7 +37,7 @@ impl Findings {
         }
     }
 
-    fn see(&mut self, what: String) {
+    pub(crate) fn see(&mut self, what: String) {
         *self.seen.entry(what).or_default() += 1;
     }
 }
@@ -50,8 +49,8 @@ pub(crate) struct Contact {
     pub(crate) b: usize,
     pub(crate) touch: Touch,
     /// What each sphere receives of a unit impulse along the normal.
-    pub(crate) shares: BTreeMap<usize, DVec3>,
-    /// G_kk.
+    pub(crate) shares: Vec<Share>,
+    /// Inverse mass that the impulse meets, of networks as if their spheres were loose.
     pub(crate) w: f64,
     /// Approach velocity, conjugate to the impulse.
     pub(crate) u: f64,
@@ -76,96 +75,62 @@ pub(crate) fn contacts(bodies: &Bodies, findings: &mut Findings) -> Vec<Contact>
 }
 
 fn contact(bodies: &Bodies, a: usize, b: usize, touch: Touch) -> Contact {
-    let mut shares = BTreeMap::new();
-    let mut give = |id: usize, parameter: f64, n: DVec3| match bodies.kind(id) {
-        Kind::Ball(ball) => {
-            for (sphere, g) in sphere_shares(bodies, ball, n) {
-                *shares.entry(sphere).or_insert(DVec3::ZERO) += g;
-            }
-        }
-        Kind::Bar(bar) => {
-            let [one, two] = bodies.bars[bar].ends;
-            *shares.entry(one).or_insert(DVec3::ZERO) += (1.0 - parameter) * n;
-            *shares.entry(two).or_insert(DVec3::ZERO) += parameter * n;
-        }
-        Kind::Block(_) | Kind::Face(_) => {}
-    };
-    give(a, touch.a, -touch.n);
-    give(b, touch.b, touch.n);
-    let over = |value: fn(&Bodies, usize, DVec3) -> f64| shares.iter().map(|(ball, g)| value(bodies, *ball, *g)).sum();
-    let w: f64 = over(|bodies, ball, g| bodies.balls[ball].w * g.length_squared());
-    let u: f64 = -over(|bodies, ball, g| bodies.balls[ball].v.dot(g));
-    Contact { a, b, touch, w, u, collides: w > 0.0 && u > threshold(bodies, a, b), shares }
+    let (shares, surface) = collide::shares(bodies, a, b, &touch);
+    let w = collide::inverse_mass(bodies, &shares);
+    let u = collide::approach(bodies, &shares, surface);
+    Contact { a, b, touch, w, u, collides: bodies.collisions && w > 0.0 && u > bodies.threshold(a, b), shares }
 }
 
-/// The end of a capsule passes the axial part on, by mass.
-fn sphere_shares(bodies: &Bodies, ball: usize, n: DVec3) -> Vec<(usize, DVec3)> {
-    let Some(partner) = bodies.capsule_partner(ball) else {
-        return vec![(ball, n)];
-    };
-    let axis = (bodies.balls[partner].x - bodies.balls[ball].x).normalize();
-    let axial = n.project_onto(axis);
-    let (own, other) = (bodies.balls[ball].w, bodies.balls[partner].w);
-    let kept = if own == 0.0 { 1.0 } else { other / (own + other) };
-    vec![(ball, n - axial + kept * axial), (partner, (1.0 - kept) * axial)]
+/// What the collision phase decides, and what it makes of the spheres.
+#[derive(Default)]
+pub(crate) struct Collisions {
+    pub(crate) contacts: Vec<Contact>,
+    pub(crate) changes: BTreeMap<usize, Change>,
+    /// Objects whose collisions only sweeps can solve.
+    pub(crate) shared: Vec<usize>,
 }
 
-fn threshold(bodies: &Bodies, a: usize, b: usize) -> f64 {
-    let radius = |id| match bodies.kind(id) {
-        Kind::Ball(ball) => bodies.balls[ball].radius,
-        Kind::Bar(bar) => bodies.bars[bar].radius,
-        Kind::Block(_) | Kind::Face(_) => f64::INFINITY,
-    };
-    bodies.threshold * radius(a).min(radius(b))
-}
-
-/// |G_kl| / sqrt(G_kk G_ll).
-fn coupling(bodies: &Bodies, k: &Contact, l: &Contact) -> f64 {
-    let shared = k.shares.iter().filter_map(|(ball, g)| Some((ball, g.dot(*l.shares.get(ball)?))));
-    let g: f64 = shared.map(|(ball, product)| bodies.balls[*ball].w * product).sum();
-    g.abs() / (k.w * l.w).sqrt()
-}
-
-/// A contact with what the collision phase makes of it.
-pub(crate) struct Weighed {
-    pub(crate) contact: Contact,
-    /// s_k.
-    pub(crate) weight: f64,
-    /// Whether its overlap is removed.
-    pub(crate) removed: bool,
-}
-
-/// The decisions of `find_collisions` and `apply_collisions`, and their outcome.
-pub(crate) fn collisions(world: &World, findings: &mut Findings) -> Vec<Weighed> {
+/// The decisions of the collision phase up to `commit_collisions`, and their outcome.
+pub(crate) fn collisions(world: &World, findings: &mut Findings) -> Collisions {
     let bodies = &Bodies::new(world, 0);
     let contacts = contacts(bodies, findings);
-    let mut all = Vec::new();
+    let mut outcome = Collisions::default();
+    let mut clustered = Vec::new();
+    let pressed: Vec<Contact> = contacts.iter().filter(|contact| contact.w > 0.0).cloned().collect();
+    let colliding: Vec<&Contact> = pressed.iter().filter(|contact| contact.collides).collect();
     for k in &contacts {
         findings.see(format!("{} overlapping", k.touch.kind));
-        findings.decide("approach", k.a, k.u - threshold(bodies, k.a, k.b));
         findings.decide("inverse mass", k.a, k.w);
-        let (mut colliding, mut overlapping) = (1.0, 1.0);
-        for l in contacts.iter().filter(|l| !std::ptr::eq(*l, k) && l.w > 0.0) {
-            let coupling = coupling(bodies, k, l);
-            overlapping += coupling;
-            colliding += if l.collides { coupling } else { 0.0 };
+        if bodies.collisions {
+            findings.decide("approach", k.a, k.u - bodies.threshold(k.a, k.b));
         }
-        if k.collides {
-            findings.see(format!("{} colliding", k.touch.kind));
-            findings.decide("row sum", k.a, overlapping - ALONE);
-            findings.see(if overlapping <= ALONE { "alone" } else { "pressed" }.to_owned());
-        }
-        all.push(Weighed { contact: k.clone(), weight: 1.0 / colliding, removed: overlapping <= ALONE });
     }
-    all
+    for k in &colliding {
+        findings.see(format!("{} colliding", k.touch.kind));
+        if collide::is_lone(bodies, k, &pressed, findings) {
+            findings.see("lone".to_owned());
+            collide::hit(bodies, k, &mut outcome.changes, findings);
+            continue;
+        }
+        clustered.push(*k);
+        let is_shared = collide::is_shared(k, &colliding);
+        findings.see(if is_shared { "clustered" } else { "pressed" }.to_owned());
+        outcome.shared.extend(is_shared.then_some(k.a));
+    }
+    collide::sweep(bodies, &clustered, &colliding, &mut outcome.changes, findings);
+    outcome.contacts = contacts;
+    outcome
 }
 
-/// Velocity of the point of a contact on an object.
+/// Velocity of the point of a contact on an object. A fixed end of a rod is at rest there (docs/physics.md section 2.2).
 fn velocity(bodies: &Bodies, id: usize, parameter: f64) -> DVec3 {
     match bodies.kind(id) {
         Kind::Ball(ball) => bodies.balls[ball].v,
         Kind::Bar(bar) => {
-            let [one, two] = bodies.bars[bar].ends.map(|end| bodies.balls[end].v);
+            let [one, two] = bodies.bars[bar].ends.map(|end| match &bodies.balls[end] {
+                ball if ball.w > 0.0 => ball.v,
+                _ => DVec3::ZERO,
+            });
             one.lerp(two, parameter)
         }
         Kind::Block(_) | Kind::Face(_) => DVec3::ZERO,
@@ -176,26 +141,60 @@ fn velocity(bodies: &Bodies, id: usize, parameter: f64) -> DVec3 {
 pub(crate) fn forces(world: &World, state: usize, findings: &mut Findings) {
     let bodies = &Bodies::new(world, state);
     for Contact { a, b, touch, .. } in contacts(bodies, findings) {
-        let u = (velocity(bodies, a, touch.a) - velocity(bodies, b, touch.b)).dot(touch.n);
-        let threshold = threshold(bodies, a, b);
-        let fresh = (u - threshold).min(2.0 * u * bodies.dt - touch.overlap);
-        let leaving = -threshold - u;
-        let polygon = matches!(bodies.kind(b), Kind::Face(_));
-        if bodies.collisions {
-            findings.decide("fresh overlap", a, fresh);
-        }
-        if polygon {
-            findings.decide("leaving a polygon", a, leaving);
-        }
-        let pressure = touch.overlap + bodies.damping / bodies.stiffness * u;
-        findings.decide("pressure", a, pressure);
-        let what = match () {
-            () if bodies.collisions && fresh > 0.0 => "unseen",
-            () if polygon && leaving > 0.0 => "leaving",
-            () if pressure < 0.0 => "not pulling",
-            () => "pressing",
-        };
+        let what = force(bodies, a, b, &touch, findings);
         findings.see(format!("{} {what}", touch.kind));
+    }
+}
+
+/// The decisions of one contact's force (docs/physics.md sections 4.3 and 4.4).
+fn force(bodies: &Bodies, a: usize, b: usize, touch: &Touch, findings: &mut Findings) -> &'static str {
+    let u = (velocity(bodies, a, touch.a) - velocity(bodies, b, touch.b)).dot(touch.n);
+    let threshold = bodies.threshold(a, b);
+    let fresh = (u - threshold).min(2.0 * u * bodies.dt - touch.overlap);
+    let leaving = -threshold - u;
+    if bodies.collisions {
+        findings.decide("fresh overlap", a, fresh);
+        findings.decide("leaving", a, leaving);
+    }
+    let pressure = touch.overlap + bodies.damping / bodies.stiffness * u;
+    findings.decide("pressure", a, pressure);
+    match () {
+        () if bodies.collisions && fresh > 0.0 => "unseen",
+        () if bodies.collisions && leaving > 0.0 => "leaving",
+        () if pressure < 0.0 => "not pulling",
+        () => "pressing",
+    }
+}
+
+/// The decisions of `rub_contacts`, in the state that the collisions have left (docs/physics.md section 3.9).
+pub(crate) fn rubs(world: &World, findings: &mut Findings) {
+    let bodies = &Bodies::new(world, 0);
+    let pressed = entries(world).into_iter().filter(|entry| entry.word & ENTRY_OVERLAPS != 0 && entry.mover < entry.other);
+    for Entry { mover: a, other: b, feature, .. } in pressed {
+        let all = touches(bodies, a, b);
+        let mut touch = all[if all.len() > 1 { feature } else { 0 }];
+        if let Some(vertex) = all.get(EDGES + feature) {
+            // The edge where it touches, else what is nearer.
+            findings.decide("an edge", a, touch.overlap.min(touch.line));
+            if touch.overlap.min(touch.line) < 0.0 {
+                let nearer = vertex.overlap - touch.overlap;
+                findings.decide("nearer", a, if vertex.line > 0.0 && touch.line > 0.0 { nearer } else { 1.0 });
+                if touch.line < 0.0 || (vertex.line > 0.0 && nearer > 0.0) {
+                    touch = *vertex;
+                }
+            }
+        }
+        findings.decide("a contact line", a, touch.line);
+        if touch.line < 0.0 {
+            findings.see("rub without a line".to_owned());
+            continue;
+        }
+        findings.decide("where it rubs", a, touch.sure);
+        findings.decide("overlap", a, touch.overlap);
+        findings.see(format!("{} rubbing", touch.kind));
+        if bodies.coulomb > 0.0 && touch.overlap > 0.0 {
+            force(bodies, a, b, &touch, findings);
+        }
     }
 }
 

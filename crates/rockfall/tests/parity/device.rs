@@ -1,4 +1,4 @@
-//! Running one stage on the GPU.
+//! Running stages on the GPU.
 
 use std::sync::LazyLock;
 
@@ -13,20 +13,19 @@ pub(crate) fn open() -> Gpu {
 
 pub(crate) static GPU: LazyLock<Gpu> = LazyLock::new(open);
 
-/// What a stage makes of a world on the GPU: every buffer up, the stage, every buffer down.
-pub(crate) fn on_gpu(gpu: &Gpu, before: &World, run: Run) -> World {
+/// What stages make of a world on the GPU: every buffer up, the stages, every buffer down.
+pub(crate) fn on_gpu(gpu: &Gpu, before: &World, runs: &[Run]) -> World {
     let mut device = GpuWorld::new(gpu, before).unwrap();
     for buffer in Buffer::ALL {
         device.upload_buffer(before, buffer).unwrap();
     }
-    device.run(&[run], &before.step, 1).unwrap();
+    device.run(runs, &before.step, 1).unwrap();
     // Nothing of what comes back may be what was there before.
     let mut after = before.clone();
     let vectors = [&mut after.wrenches, &mut after.orientations, &mut after.extents];
     for buffer in after.states.iter_mut().chain(vectors) {
         buffer.fill(glam::Vec4::NAN);
     }
-    after.row_sums.fill(f32::NAN);
     after.aabbs.fill(bytemuck::Zeroable::zeroed());
     after.lists.fill(u32::MAX);
     after.words.fill(u32::MAX);

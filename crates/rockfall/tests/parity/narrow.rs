@@ -20,13 +20,15 @@ pub(crate) struct Touch {
     pub(crate) b: f64,
     /// Whether it is one, as a condition.
     pub(crate) holds: f64,
+    /// Whether there is a contact line, as a condition: the pair may be apart (docs/physics.md section 2.10).
+    pub(crate) line: f64,
     /// How far the decisions that its normal and overlap rest on are from their switches.
     pub(crate) sure: f64,
 }
 
 impl Touch {
     fn new(kind: &'static str, n: DVec3, overlap: f64, holds: f64) -> Self {
-        Self { kind, feature: 0, n, overlap, a: 0.0, b: 0.0, holds, sure: f64::INFINITY }
+        Self { kind, feature: 0, n, overlap, a: 0.0, b: 0.0, holds, line: f64::INFINITY, sure: f64::INFINITY }
     }
 }
 
@@ -73,6 +75,24 @@ fn segments([a1, a2]: [DVec3; 2], [b1, b2]: [DVec3; 2]) -> Closest {
     Closest { a, b, d, holds, parallel, sure: parallel_sure(sine) }
 }
 
+/// The touch of the same objects and, of a rod and a box, of the same edge or vertex as `found`, wherever they are now
+/// (docs/physics.md section 2.10).
+pub(crate) fn signed(bodies: &Bodies, a: usize, b: usize, found: &Touch) -> Touch {
+    let mut all = touches(bodies, a, b);
+    match (bodies.kind(a), bodies.kind(b)) {
+        (Kind::Bar(_), Kind::Block(_)) => all.swap_remove(found.feature + if is_vertex(found) { EDGES } else { 0 }),
+        _ => all.swap_remove(0),
+    }
+}
+
+/// Edges of a box; among the touches of a rod they come before the vertices.
+pub(crate) const EDGES: usize = 12;
+
+/// Whether a rod meets a box by a vertex.
+pub(crate) fn is_vertex(touch: &Touch) -> bool {
+    touch.kind.starts_with("rod-box vertex")
+}
+
 /// Everything that the objects `a < b` have in common: all touches that hold or might.
 pub(crate) fn touches(bodies: &Bodies, a: usize, b: usize) -> Vec<Touch> {
     if !bodies.may_touch(a, b) {
@@ -104,7 +124,7 @@ fn sphere_rod(bodies: &Bodies, ball: usize, bar: usize) -> Touch {
     let d = end1 + b * axis - ball.x;
     let overlap = ball.radius + bar.radius - d.length();
     let touch = Touch::new("sphere-rod", d.normalize(), overlap, overlap.min(inside(b)));
-    Touch { b, ..touch }
+    Touch { b, line: inside(b), ..touch }
 }
 
 fn rod_rod(bodies: &Bodies, a: usize, b: usize) -> Touch {
@@ -116,7 +136,7 @@ fn rod_rod(bodies: &Bodies, a: usize, b: usize) -> Touch {
         overlap,
         overlap.min(closest.holds),
     );
-    Touch { a: closest.a, b: closest.b, sure: closest.sure, ..touch }
+    Touch { a: closest.a, b: closest.b, line: closest.holds, sure: closest.sure, ..touch }
 }
 
 /// Parameters of a point along the edges of a box.
@@ -181,7 +201,7 @@ fn box_vertex(block: &Block, feature: usize) -> DVec3 {
 
 fn rod_box(bodies: &Bodies, bar: usize, block: &Block) -> Vec<Touch> {
     let (segment, radius) = (bodies.segment(bar), bodies.bars[bar].radius);
-    let at_feature = |feature: usize, a: f64, d: DVec3, kinds: [&'static str; 2], reach: f64| {
+    let at_feature = |feature: usize, a: f64, d: DVec3, kinds: [&'static str; 2], reach: f64, line: f64| {
         let point = segment[0].lerp(segment[1], a);
         let within = parameters(block, point).map(inside).into_iter().fold(f64::INFINITY, f64::min);
         let distance = d.length();
@@ -191,12 +211,12 @@ fn rod_box(bodies: &Bodies, bar: usize, block: &Block) -> Vec<Touch> {
         } else {
             Touch::new(kinds[1], -d.normalize(), radius + distance, holds)
         };
-        Touch { feature, a, sure: within.abs(), ..touch }
+        Touch { feature, a, line, sure: within.abs(), ..touch }
     };
     let mut all: Vec<Touch> = (0..12)
         .map(|feature| {
             let Closest { a, d, holds, sure, .. } = segments(segment, box_edge(block, feature));
-            let touch = at_feature(feature, a, d, ["rod-box edge", "rod-box edge inside"], holds);
+            let touch = at_feature(feature, a, d, ["rod-box edge", "rod-box edge inside"], holds, holds);
             Touch { sure: touch.sure.min(sure), ..touch }
         })
         .collect();
@@ -207,7 +227,7 @@ fn rod_box(bodies: &Bodies, bar: usize, block: &Block) -> Vec<Touch> {
         let a = axis.dot(vertex - segment[0]) / axis.length_squared();
         let d = vertex - segment[0].lerp(segment[1], a);
         let alone = inside(a).min(-any_edge);
-        at_feature(feature, a, d, ["rod-box vertex", "rod-box vertex inside"], alone)
+        at_feature(feature, a, d, ["rod-box vertex", "rod-box vertex inside"], alone, inside(a))
     }));
     all
 }

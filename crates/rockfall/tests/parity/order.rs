@@ -4,7 +4,7 @@
 use rockfall::layout::{CELLS_AT, LIST_COUNT_MASK, SLICE, words_of};
 use rockfall::world::World;
 
-/// The world after a stage, with what that stage leaves in any order put in order.
+/// The world after a stage, or after a group that begins with it, with what that leaves in any order put in order.
 pub(crate) fn canonical(world: &World, stage: &str) -> World {
     let mut world = world.clone();
     match stage {
@@ -17,6 +17,12 @@ pub(crate) fn canonical(world: &World, stage: &str) -> World {
         "find_neighbours" => {
             order_slices(&mut world);
             clear_long_lists(&mut world);
+        }
+        // What the device keeps of listed collisions, and where: Y2 and the forces on rods are scratch there.
+        "list_collisions" => {
+            world.states[1].fill(glam::Vec4::ZERO);
+            world.wrenches.fill(glam::Vec4::ZERO);
+            (world.status.listed, world.status.clustered) = (0, 0);
         }
         // It has stage states of its own.
         "run_steps" => world.states[1..].iter_mut().for_each(|state| state.fill(glam::Vec4::ZERO)),

@@ -70,11 +70,15 @@ impl Draw<'_> {
 
     /// A thin rod between two small spheres, fixed or free.
     fn rod(&mut self, end1: Vec3, end2: Vec3) {
-        let ends = [end1, end2].map(|end| {
+        let mut ends = [end1, end2].map(|end| {
             let mut ball = self.ball(end);
             ball.radius *= 0.5;
             if self.chance(0.1) { ball.fixed() } else { ball }
         });
+        // As a step leaves a rod of fixed length: docs/physics.md section 3.6 takes it that ends go on a circle.
+        let along = (end2 - end1).normalize();
+        let parting = (ends[1].velocity - ends[0].velocity).dot(along);
+        ends[1].velocity -= parting * along;
         let added = ends.map(|end| self.add(end));
         let radius = self.between(0.1, 0.25);
         let rod = Rod::new(added[0], added[1], radius);
@@ -148,6 +152,68 @@ impl Draw<'_> {
         self.add(ball.velocity(velocity));
     }
 
+    /// A sphere that hits two walls at a right angle and, or not, the floor between them.
+    pub(crate) fn corner(&mut self) {
+        let corner = self.middle;
+        for (from, to) in [((-0.5, -1.0, -1.0), (0.0, 1.0, 1.0)), ((0.001, -1.0, -0.5), (1.5, 1.0, 0.0))] {
+            self.scene.add_box(Cuboid::between(corner + Vec3::from(from), corner + Vec3::from(to))).unwrap();
+        }
+        let mut ball = self.ball(corner);
+        let depths = [self.between(0.8, 0.95), self.between(0.8, 0.95)];
+        ball.position += Vec3::new(depths[0] * ball.radius, self.between(-0.3, 0.3), depths[1] * ball.radius);
+        let velocity = Vec3::new(self.between(-3.0, -1.5), ball.velocity.y, self.between(-3.0, -1.5));
+        self.add(ball.velocity(velocity));
+    }
+
+    /// A rod of free length that a sphere hits between its ends.
+    pub(crate) fn struck_rod(&mut self) {
+        let (middle, along) = (self.middle, self.direction());
+        let ends = [-0.7, 0.7].map(|way| {
+            let mut ball = self.ball(middle + way * along);
+            ball.radius *= 0.4;
+            self.add(ball)
+        });
+        self.scene.add_rod(Rod::new(ends[0], ends[1], 0.15)).unwrap();
+        let (across, place) = (along.cross(self.direction()).normalize(), self.between(-0.3, 0.3));
+        let mut ball = self.ball(middle + place * along);
+        ball.position += (0.1 + ball.radius) * across;
+        let aside = self.vector(0.5);
+        self.add(ball.velocity(aside - 6.0 * across));
+    }
+
+    /// Rods of fixed length from a fixed sphere, with a rod of free length at their end; spheres hit an end, both kinds of rods.
+    pub(crate) fn struck_network(&mut self) {
+        let places = [(-0.8, 0.3, 0.0), (0.0, -0.3, 0.1), (0.8, 0.3, -0.1), (1.5, 0.2, 0.1)];
+        let (fixed, slow) = (self.chance(0.5), 0.3);
+        let mut ends = Vec::new();
+        for (number, place) in places.into_iter().enumerate() {
+            let jitter = self.vector(0.1);
+            let mut ball = self.ball(self.middle + Vec3::from(place) + jitter);
+            ball.radius *= 0.5;
+            let velocity = slow * ball.velocity;
+            let ball = ball.velocity(velocity);
+            ends.push((self.add(if fixed && number == 0 { ball.fixed() } else { ball }), ball.position));
+        }
+        for (number, pair) in ends.windows(2).enumerate() {
+            let [(one, here), (two, there)] = [pair[0], pair[1]];
+            let rod = Rod::new(one, two, 0.1);
+            let length = here.distance(there);
+            self.scene.add_rod(if number < 2 { rod.length(length) } else { rod }).unwrap();
+        }
+        // A brace of free length between two spheres of the network.
+        self.scene.add_rod(Rod::new(ends[0].0, ends[2].0, 0.08)).unwrap();
+        for (from, to, way) in [(0, 1, 0.5), (1, 1, 0.0), (2, 3, 0.5), (0, 2, 0.55)] {
+            let (from, to): (Vec3, Vec3) = (ends[from].1, ends[to].1);
+            let aside = self.vector(0.15);
+            let mut ball = self.ball(from.lerp(to, way));
+            ball.radius = 0.25;
+            let across = (Vec3::Y + aside).normalize();
+            ball.position += if way == 0.0 { -0.33 * across } else { 0.31 * across };
+            let velocity = if way == 0.0 { 5.0 } else { -5.0 } * across;
+            self.add(ball.velocity(velocity));
+        }
+    }
+
     /// Overlaps begun within the step.
     pub(crate) fn grazing(&mut self) {
         let (a, direction) = (self.place(), self.direction());
@@ -156,6 +222,15 @@ impl Draw<'_> {
         let gap = one.radius + other.radius - self.between(0.0005, 0.01);
         let speed = self.between(0.5, 3.0);
         let other = Sphere { position: a + gap * direction, velocity: one.velocity - speed * direction, ..other };
+        self.add(one);
+        self.add(other);
+        // Two that part slowly: what damps it would pull.
+        let (place, direction) = (self.middle + Vec3::new(0.0, 2.5, 0.0), self.direction());
+        let one = self.ball(place);
+        let other = self.ball(place);
+        let gap = one.radius + other.radius - self.between(0.0005, 0.001);
+        let slow = self.between(0.12, 0.2);
+        let other = Sphere { position: place + gap * direction, velocity: one.velocity + slow * direction, ..other };
         self.add(one);
         self.add(other);
         let floor = self.middle - Vec3::Y * EXTENT;

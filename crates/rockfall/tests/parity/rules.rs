@@ -14,6 +14,7 @@ use rockfall::{BroadPhase, Capsule, Cuboid, Integrator, Polygon, Rod, Scene, Sph
 use crate::broken::rewritten;
 use crate::compare::{BY_RULE, differences, listed};
 use crate::device::{GPU, on_gpu, open};
+use crate::trace::{grouped, swept};
 
 /// Steps of the CPU, each stage compared with the kernel; the world after them.
 fn assert_alike(gpu: &Gpu, scene: &Scene, runs: &[Run], steps: u32, margin: f32) -> World {
@@ -26,12 +27,15 @@ fn assert_alike_but(gpu: &Gpu, scene: &Scene, runs: &[Run], steps: u32, margin: 
     world.step.dt = 0.005;
     world.step.margin_scale = margin;
     world.set_pair_rows(world.movers().div_ceil(SLICE) * 100);
-    for (step, run) in (0..steps).flat_map(|step| runs.iter().map(move |run| (step, run))) {
-        let after = on_gpu(gpu, &world, kernel(*run));
-        let wrong = differences(run, &world, &after, BY_RULE);
-        let (stage, pass) = (run.stage.name, run.pass);
+    swept(&mut world);
+    let groups = grouped(runs);
+    for (step, group) in (0..steps).flat_map(|step| groups.iter().map(move |group| (step, group))) {
+        let kernels: Vec<Run> = group.iter().map(|run| kernel(*run)).collect();
+        let after = on_gpu(gpu, &world, &kernels);
+        let wrong = differences(group, &world, &after, BY_RULE);
+        let (stage, pass) = (group[0].stage.name, group[0].pass);
         assert!(wrong.is_empty(), "step {step}, {stage} pass {pass}: {}", listed(&wrong));
-        run.on_cpu(&mut world);
+        group.iter().for_each(|run| run.on_cpu(&mut world));
     }
     world
 }
@@ -226,11 +230,12 @@ fn escapes_void_the_step() {
         world.step.margin_scale = 1e-3;
         world.set_pair_rows(1 << 9);
         let mut voided = 0;
-        for run in stages(&Phase::STEP, integrator) {
+        swept(&mut world);
+        for group in grouped(&stages(&Phase::STEP, integrator)) {
             let before = world.clone();
-            run.on_cpu(&mut world);
-            let gpu = on_gpu(&GPU, &before, run).status;
-            assert_eq!(gpu.void, world.status.void, "{}", run.stage.name);
+            group.iter().for_each(|run| run.on_cpu(&mut world));
+            let gpu = on_gpu(&GPU, &before, &group).status;
+            assert_eq!(gpu.void, world.status.void, "{}", group[0].stage.name);
             if world.status.void != 0 {
                 voided += 1;
                 let [found, largest] = [gpu, world.status].map(|status| f32::from_bits(status.escape_ratio));

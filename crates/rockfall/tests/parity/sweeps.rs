@@ -1,4 +1,4 @@
-//! The decisions of the constraint solver (physics.md section 5): when the sweeps over a batch end, and whether a rod
+//! The decisions of the constraint solver (docs/physics.md section 5.4): when the sweeps over a batch end, and whether a rod
 //! has turned too far within the step. The sweeps are made again, in f64.
 
 use glam::DVec3;
@@ -7,8 +7,10 @@ use rockfall::world::World;
 use crate::bodies::Bodies;
 use crate::decisions::Findings;
 
-const TOLERANCE: f64 = 1e-3;
-const MAX_SWEEPS: usize = 80;
+const TOLERANCE: f64 = 1e-5;
+const MAX_SWEEPS: usize = 400;
+/// Units in the last place of coordinates that an error may have and still be rounding.
+const ROUNDED: f64 = 4.0 / 8_388_608.0;
 
 /// What a sweep corrects.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -90,7 +92,9 @@ impl Sweeps {
         let n = d.normalize();
         let mut along = n * ((d.length() - length) / w);
         let mut kick = DVec3::ZERO;
-        let mut error = (d.length() - length).abs() / length;
+        let size = |one: DVec3, two: DVec3| ROUNDED * (one.abs().max_element() + two.abs().max_element());
+        let but_rounding = |error: f64, rounding: f64| if error.abs() <= rounding { 0.0 } else { error.abs() };
+        let mut error = but_rounding(d.length() - length, size(balls[one].x, balls[two].x)) / length;
         match rule {
             Rule::Lengths => {}
             Rule::Shake => {
@@ -110,7 +114,7 @@ impl Sweeps {
                 let opening = (balls[two].v - balls[one].v).dot(n);
                 along = DVec3::ZERO;
                 kick = n * (opening / w);
-                error = opening.abs() * dt / length;
+                error = but_rounding(opening, size(balls[one].v, balls[two].v)) * dt / length;
             }
         }
         balls[one].x += w1 * along;

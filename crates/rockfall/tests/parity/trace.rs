@@ -1,13 +1,16 @@
 //! The worlds that the stages of a step begin with, with every decision of the step far from its switch.
 
-use rockfall::layout::{CELL_BLOCK, CELLS_AT, FLAG_STAGES, LEAPS, PHASES_SHIFT, POSITIONS_FIRST, ROD_WORDS, SLICE};
+use rockfall::layout::{
+    CELL_BLOCK, CELLS_AT, FLAG_STAGES, LEAPS, PHASES_SHIFT, POSITIONS_FIRST, ROD_WORDS, SLICE, SWEEPS_FEW, SWEEPS_LISTED,
+    SWEEPS_OFF, SWEEPS_ON,
+};
 use rockfall::stage::{ALL, MEASURE_ORDER, Phase, Run, SORT_MEMORY, When};
 use rockfall::world::World;
 use rockfall::{BroadPhase, Integrator, Settings};
 
 use crate::cells;
 use crate::clusters::{Clusters, clusters};
-use crate::decisions::{self, Findings};
+use crate::decisions::{self, Findings, Near};
 use crate::sweeps;
 
 /// Time step of all traces, in s: forces of deep overlaps are large.
@@ -22,10 +25,62 @@ pub(crate) const COLLISIONS: u32 = 1 << PHASES_SHIFT;
 /// The one that does the rest of it.
 pub(crate) const POSITIONS: u32 = 1 << PHASES_SHIFT | POSITIONS_FIRST;
 
-/// A stage, and the world that it begins with.
+/// A stage, or several that can be compared after the last one only, and the world that they begin with.
 pub(crate) struct Scenario {
-    pub(crate) run: Run,
+    pub(crate) runs: Vec<Run>,
     pub(crate) before: World,
+}
+
+impl Scenario {
+    fn one(run: &Run, before: &World) -> Self {
+        Self { runs: vec![*run], before: before.clone() }
+    }
+
+    /// Whether this is that stage alone.
+    pub(crate) fn is(&self, stage: &str) -> bool {
+        self.runs.len() == 1 && self.runs[0].stage.name == stage
+    }
+
+    /// Whether it has to do with how collisions are solved.
+    pub(crate) fn is_of_collisions(&self) -> bool {
+        SOLVING.contains(&self.runs[0].stage.name) || self.is("run_steps")
+    }
+
+    pub(crate) fn name(&self) -> String {
+        let [first, last] = [&self.runs[0], &self.runs[self.runs.len() - 1]];
+        match self.runs.len() {
+            1 => format!("{} pass {}", first.stage.name, first.pass),
+            _ => format!("{} to {}, sweeps {}", first.stage.name, last.stage.name, self.before.step.sweeps),
+        }
+    }
+}
+
+/// Where the devices list collisions and sweep over them, the CPU does all of it in one stage.
+const SOLVING: [&str; 11] = [
+    "list_collisions",
+    "weigh_networks",
+    "weigh_collisions",
+    "sweep_at_once",
+    "sweep_collisions",
+    "gather_impulses",
+    "project_networks",
+    "apply_collisions",
+    "commit_collisions",
+    "rub_contacts",
+    "commit_rubs",
+];
+
+/// Stages in the groups that can be compared.
+pub(crate) fn grouped(runs: &[Run]) -> Vec<Vec<Run>> {
+    let is_solving = |run: &Run| SOLVING.contains(&run.stage.name);
+    let groups = runs.chunk_by(|one, other| is_solving(one) && is_solving(other));
+    groups.map(<[Run]>::to_vec).collect()
+}
+
+/// A world that sweeps over its collisions.
+pub(crate) fn swept(world: &mut World) {
+    world.step.sweeps = SWEEPS_ON;
+    world.step.collision_room = 8192;
 }
 
 /// One step of a random scene.
@@ -35,6 +90,17 @@ pub(crate) struct Trace {
     pub(crate) findings: Findings,
     /// The world after the step.
     pub(crate) after: World,
+}
+
+/// What collisions there are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Only {
+    /// All kinds.
+    All,
+    /// Those that share no body.
+    Lone,
+    /// Those that one workgroup can sweep over: not on networks, not of large spheres.
+    Few,
 }
 
 /// What makes a trace.
@@ -47,6 +113,8 @@ pub(crate) struct Plan {
     pub(crate) settings: Settings,
     /// With rods and capsules among the clusters.
     pub(crate) rods: bool,
+    /// Which of these.
+    pub(crate) only: Only,
 }
 
 /// Draws clusters again until no decision of the step is near its switch.
@@ -85,6 +153,7 @@ fn sized(mut world: World) -> World {
     world.step.lead = 0.5;
     // As in a large scene.
     world.step.planned = 1;
+    swept(&mut world);
     world.set_pair_rows(world.movers().div_ceil(SLICE) * 64);
     // Not 0, so that a word that a stage leaves out shows.
     world.cells[CELLS_AT as usize..].fill(3);
@@ -106,23 +175,45 @@ fn run(drawn: &Clusters, plan: &Plan) -> Trace {
     let mut world = built(drawn, plan);
     let mut scenarios = Vec::new();
     let mut findings = Findings::default();
-    let phases = Phase::STEP.iter().filter(|phase| drawn.scene.settings.collisions || **phase != Phase::HandleCollisions);
+    let settings = &drawn.scene.settings;
+    let has_impulses = settings.collisions || settings.coulomb_friction > 0.0 || settings.collision_friction > 0.0;
+    let phases = Phase::STEP.iter().filter(|phase| has_impulses || **phase != Phase::HandleCollisions);
     let start = world.states[0].clone();
-    for run in phases.flat_map(|phase| phase.stages(plan.integrator, plan.broad_phase)) {
-        if run.stage.name == "constrain" {
-            turn_some(&mut world);
+    let runs: Vec<Run> = phases.flat_map(|phase| phase.stages(plan.integrator, plan.broad_phase)).copied().collect();
+    for group in grouped(&runs) {
+        if group[0].stage.name == "list_collisions" {
+            let shared = decisions::collisions(&world, &mut findings).shared;
+            if plan.only == Only::Lone {
+                findings.near.extend(shared.into_iter().map(|object| Near { what: "a shared body", object }));
+            }
+            scenarios.extend(solving(&world, &group, plan));
         }
-        scenarios.extend(joined(&world, run));
-        decide(&world, run, &mut findings);
-        scenarios.push(Scenario { run: *run, before: world.clone() });
-        run.on_cpu(&mut world);
-        if run.stage.name == "constrain" {
-            // Axes that turn half around have no shortest rotation.
-            turn_some(&mut world);
+        for run in &group {
+            if run.stage.name == "constrain" {
+                turn_some(&mut world);
+            }
+            scenarios.extend(joined(&world, run, plan));
+            if run.applies(&world.step) {
+                decide(&world, run, &mut findings);
+            }
+            // The others have nothing to say without each other; of networks the GPU commits all spheres, the CPU those that collide.
+            let is_whole = match run.stage.name {
+                "commit_collisions" => world.step.networks == 0,
+                "commit_rubs" => true,
+                _ => group.len() == 1,
+            };
+            if is_whole {
+                scenarios.push(Scenario::one(run, &world));
+            }
+            run.on_cpu(&mut world);
+            if run.stage.name == "constrain" {
+                // Axes that turn half around have no shortest rotation.
+                turn_some(&mut world);
+            }
         }
-        if run.stage.name == "commit_collisions" {
-            // A pair whose overlap was just removed touches, to the last bit: whether it still overlaps is for rounding
-            // to say. So the integration goes on from the state before the collisions.
+        if group[0].stage.name == "list_collisions" {
+            // What rebounds has an overlap of nearly 0, of which a few units in the last place are much. So the integration goes
+            // on from the state before the collisions.
             world.states[0].clone_from(&start);
         }
     }
@@ -131,10 +222,35 @@ fn run(drawn: &Clusters, plan: &Plan) -> Trace {
     Trace { scenarios, findings, after: world }
 }
 
+/// The stages that solve collisions, with sweeps and, where no collisions share a body, without; with friction impulses, where there
+/// are any, and before them.
+fn solving(world: &World, group: &[Run], plan: &Plan) -> Vec<Scenario> {
+    let mut ways = vec![SWEEPS_ON];
+    if plan.only == Only::Few {
+        ways.push(SWEEPS_FEW);
+    }
+    if plan.only == Only::Lone {
+        ways.push(SWEEPS_LISTED);
+        // Without lists nobody knows the impulses that friction goes by.
+        ways.extend((!plan.rods && world.step.collision_friction <= 0.0).then_some(SWEEPS_OFF));
+    }
+    let last = group.iter().position(|run| run.stage.name == "commit_collisions").expect("the stage");
+    let mut ends = vec![last + 1];
+    ends.extend(world.step.has_friction_impulses().then_some(group.len()));
+    let all = ways.into_iter().flat_map(|sweeps| ends.iter().map(move |end| (sweeps, *end)));
+    all.map(|(sweeps, end)| {
+        let mut before = world.clone();
+        before.step.sweeps = sweeps;
+        Scenario { runs: group[..end].to_vec(), before }
+    })
+    .collect()
+}
+
 /// The dispatch that stands for a phase of a small scene, where this run is the first of it.
-fn joined(world: &World, first: &Run) -> Option<Scenario> {
+fn joined(world: &World, first: &Run, plan: &Plan) -> Option<Scenario> {
     let pass = match (first.stage.name, first.pass) {
-        ("find_collisions", 0) => COLLISIONS,
+        // It solves no collisions that share a body, and makes no friction impulses.
+        ("find_collisions", 0) if plan.only == Only::Lone && !world.step.has_friction_impulses() => COLLISIONS,
         ("advance", 0) => POSITIONS,
         ("leap", 0) => POSITIONS | LEAPS,
         _ => return None,
@@ -145,8 +261,8 @@ fn joined(world: &World, first: &Run) -> Option<Scenario> {
         // There are no large spheres where it is used.
         let mut before = world.clone();
         before.step.large = 0;
-        before.row_sums.clear();
-        Scenario { run, before }
+        before.step.sweeps = SWEEPS_OFF;
+        Scenario::one(&run, &before)
     })
 }
 
@@ -159,7 +275,7 @@ fn sorting(drawn: &Clusters) -> Vec<Scenario> {
     }
     let mut scenarios = Vec::new();
     for run in MEASURE_ORDER.iter().chain(SORT_MEMORY) {
-        scenarios.push(Scenario { run: *run, before: world.clone() });
+        scenarios.push(Scenario::one(run, &world));
         run.on_cpu(&mut world);
     }
     scenarios
@@ -179,10 +295,8 @@ fn decide(world: &World, run: &Run, findings: &mut Findings) {
     let state = run.pass as usize;
     match run.stage.name {
         "build_grid" | "count_cells" => cells::decide(world, findings),
-        "find_collisions" => {
-            decisions::escapes(world, 0, findings);
-            decisions::collisions(world, findings);
-        }
+        "find_collisions" => decisions::escapes(world, 0, findings),
+        "rub_contacts" => decisions::rubs(world, findings),
         "advance" | "finish" | "finish_and_turn" | "leap" => {
             decisions::escapes(world, state, findings);
             decisions::forces(world, state, findings);

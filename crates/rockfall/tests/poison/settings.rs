@@ -21,6 +21,11 @@ const CONSTANTS: &[Constant] = &[
     Constant { name: "coulomb_friction", takes: not_negative, put: |settings, p| settings.coulomb_friction = p },
     Constant { name: "gravity", takes: finite, put: |settings, p| settings.gravity = p },
     Constant {
+        name: "resting_overlap",
+        takes: |p| p == 0.0 || (1e-6..=0.5).contains(&p),
+        put: |settings, p| settings.resting_overlap = p,
+    },
+    Constant {
         name: "gravity_direction",
         takes: |p| p.is_finite() && p != 0.0,
         put: |settings, p| settings.gravity_direction = Vec3::new(0.0, p, 0.0),

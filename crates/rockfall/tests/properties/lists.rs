@@ -65,6 +65,8 @@ fn neither_margins_nor_capacities_show_in_the_results() {
         simulation.set_time_step(1e-6).unwrap();
         simulation.update_aabbs().unwrap();
         simulation.broad_phase().unwrap();
+        // A lone collision is moved back by up to a time step.
+        simulation.set_time_step(0.01).unwrap();
         simulation.handle_collisions().unwrap();
         simulation.update_positions(0.01).unwrap();
         simulation.run(5, 0.01).unwrap();
@@ -95,7 +97,8 @@ fn a_body_at_a_thousand_units_a_second() {
         hits.set(hits.get() + usize::from(met));
         Ok(())
     });
-    assert!((10..40).contains(&hits.get()), "{} hits", hits.get());
+    // What it overlaps after it has passed its middle it does not meet: the two separate fast.
+    assert!((5..40).contains(&hits.get()), "{} hits", hits.get());
 }
 
 /// A change of a scene, as random numbers that fit whatever there is to change.

@@ -1,4 +1,4 @@
-//! The contact law between two bodies, and against what is static (physics.md section 4).
+//! The contact law between two bodies, and against what is static (docs/physics.md section 4).
 
 use std::cell::Cell;
 
@@ -84,13 +84,17 @@ fn against_a_wall(sphere: Sphere, overlap: f32, n: Vec3, mut simulation: Simulat
     let t = -(surface - n * surface.dot(n));
     let push = f64::from(settings.contact_force) * o + f64::from(settings.contact_damping) * v.dot(n);
     let normal = push.max(0.0) * m;
-    let mut size = f64::from(settings.friction) * m * o * t.length().sqrt();
-    if settings.coulomb_friction > 0.0 {
-        size = size.min(f64::from(settings.coulomb_friction) * normal);
-    }
-    let friction = size * t / t.length();
-    let force = friction - normal * n;
     let dt = f64::from(DT);
+    // The inverse mass of the slip: 1/m + s^2 / I.
+    let slipping = 1.0 / m + arm * arm / (0.4 * m * f64::from(sphere.radius).powi(2));
+    let size = if settings.coulomb_friction > 0.0 {
+        // An impulse, given before the contact force acts: it takes all of the slip away where the limit lets it.
+        (f64::from(settings.coulomb_friction) * normal).min(t.length() / (slipping * dt))
+    } else {
+        (f64::from(settings.friction) * m * o * t.length().sqrt()).min(t.length() / (2.0 * slipping * dt))
+    };
+    let friction = size * t.normalize_or_zero();
+    let force = friction - normal * n;
     let close = |name: &str, is: Vec3, was: DVec3, expected: DVec3| -> Outcome {
         let wrong = (is.as_dvec3() - was - expected).length();
         // Rounding of the overlap: an ulp of a place of up to 3 units, times Cc and dt; and of what it is added to.
@@ -105,7 +109,7 @@ fn against_a_wall(sphere: Sphere, overlap: f32, n: Vec3, mut simulation: Simulat
 
 #[test]
 fn friction_of_a_sphere_on_what_is_static() {
-    // With mu_c = 0.05 the cap is reached at a sliding velocity of about 1.
+    // With mu_c = 0.05 the impulse is the limit's in nearly all cases.
     let spheres = (ball(1.0, 2.0), 0.05_f32..0.9, any::<bool>(), prop::sample::select(vec![0.0_f32, 0.05]));
     check(300, spheres, |(sphere, depth, on_box, coulomb)| -> Outcome {
         let overlap = depth * sphere.radius;
@@ -156,7 +160,7 @@ fn spring_forces_are_internal() {
     });
 }
 
-/// A capsule alone, spinning any way: L within 0.1 % (physics.md section 5), and no energy out of nothing. One that rolls
+/// A capsule alone, spinning any way: L within 0.1 % (docs/physics.md section 5.5), and no energy out of nothing. One that rolls
 /// about its axis while it tumbles loses a little, in proportion to the step's cube.
 #[test]
 fn a_free_capsule_keeps_its_spin() {

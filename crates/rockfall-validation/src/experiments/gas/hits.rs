@@ -8,10 +8,6 @@ use super::{STEP, gas};
 use crate::Result;
 use crate::measure::on_cpu;
 
-/// Mean of s² c (u1 -+ u2)² over pairs of collisions of one sphere, in units of T, weighted by how often they are; see `gas.md`.
-/// From 2,000,000 random pairs.
-pub(super) const LOSS: f64 = 0.485;
-
 /// Where the energy of an elastic gas went, over what it had.
 #[derive(Default)]
 pub(super) struct Losses {

@@ -1,0 +1,115 @@
+//! Bodies that are too fast for the time step: there is no continuous collision detection.
+
+use std::fmt;
+
+use glam::DVec3;
+
+use crate::scene::{Cuboid, Scene};
+use crate::stability::{nearest, rounded_down};
+
+/// What is passed through.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Thin {
+    /// The smallest sphere.
+    Sphere,
+    /// The thinnest rod.
+    Rod,
+    /// The box with this index, in order of addition.
+    Box(usize),
+    /// A polygon, which catches a sphere only while the sphere's centre is above it and nearer than its radius.
+    Polygon,
+}
+
+/// Bodies may become so fast that they pass through something within a time step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Tunnelling {
+    /// What they pass through first.
+    pub what: Thin,
+    /// The speed that they may reach, in units/s.
+    pub speed: f64,
+    /// What they move by in a time step then, in units.
+    pub way: f64,
+    /// The longest way that would do, in units.
+    pub depth: f64,
+    /// The largest time step that would do, in seconds.
+    pub largest_dt: f64,
+}
+
+impl fmt::Display for Tunnelling {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let [speed, way, depth] = [self.speed, self.way, self.depth].map(nearest);
+        let dt = rounded_down(self.largest_dt);
+        write!(f, "bodies may reach {speed} units/s, {way} units a step, and pass through ")?;
+        match self.what {
+            Thin::Sphere => write!(f, "other spheres: more than two of the smallest radii, {depth}")?,
+            Thin::Rod => write!(f, "rods: more than the thinnest one's radius and the smallest sphere's, {depth}")?,
+            Thin::Box(index) => write!(f, "box {index}: more than half its thickness and the smallest radius, {depth}")?,
+            Thin::Polygon => write!(f, "polygons: more than the smallest radius, {depth}")?,
+        }
+        write!(f, "; the largest time step that would do is {dt} s")
+    }
+}
+
+impl Scene {
+    /// A warning where a body can become fast enough to pass through something thin in a time step of `dt` seconds.
+    ///
+    /// The speed u is that of the fastest body after a fall through the height of the scene, sqrt(v² + 2 G h). Springs and
+    /// outside forces are not counted. A contact is found where bodies overlap at the end of a step, and it pushes towards the
+    /// nearest side. So u dt may be at most
+    ///
+    /// - on a sphere or rod at rest that is hit head-on: the sum of the smallest radius r of a mover and that of the other body,
+    ///   after which the axes have passed each other;
+    /// - on a box: r plus half its thickness, behind which its far side is nearer;
+    /// - on a polygon: r, because a centre behind it is not in contact.
+    pub fn tunnelling(&self, dt: f32) -> Option<Tunnelling> {
+        let movers = || self.spheres().iter().filter(|sphere| !sphere.fixed);
+        let radius = movers().map(|sphere| f64::from(sphere.radius)).fold(f64::INFINITY, f64::min);
+        let fastest = movers().map(|sphere| sphere.velocity.as_dvec3().length()).fold(0.0, f64::max);
+        let gravity = f64::from(self.settings.gravity.abs());
+        let speed = (fastest * fastest + 2.0 * gravity * self.height()).sqrt();
+        let thickness =
+            |cuboid: &Cuboid| cuboid.edges.map(|edge| edge.as_dvec3().length()).into_iter().fold(f64::INFINITY, f64::min);
+        let thinnest = self.boxes().iter().map(thickness).enumerate().min_by(|a, b| a.1.total_cmp(&b.1));
+        let of_box = thinnest.map(|(index, thickness)| (Thin::Box(index), radius + 0.5 * thickness));
+        let of_polygon = (!self.polygons().is_empty()).then_some((Thin::Polygon, radius));
+        let all_radii = self.spheres().iter().map(|sphere| f64::from(sphere.radius));
+        let smallest = all_radii.fold(f64::INFINITY, f64::min);
+        let of_sphere = (self.spheres().len() > 1).then_some((Thin::Sphere, radius + smallest));
+        let thinnest_rod = self.rods().iter().map(|rod| f64::from(rod.radius)).reduce(f64::min);
+        // A lone capsule or rod meets no sphere but its own ends.
+        let others = self.spheres().len() > 2;
+        let of_rod = thinnest_rod.filter(|_| others).map(|thin| (Thin::Rod, radius + thin));
+        let all = [of_polygon, of_sphere, of_rod, of_box].into_iter().flatten();
+        let (what, depth) = all.min_by(|a, b| a.1.total_cmp(&b.1))?;
+        let way = speed * f64::from(dt);
+        (way > depth).then_some(Tunnelling { what, speed, way, depth, largest_dt: depth / speed })
+    }
+
+    /// How far the highest mover can fall, in units: down to the lowest surface that faces up, or to the lowest sphere.
+    fn height(&self) -> f64 {
+        let sign = if self.settings.gravity < 0.0 { 1.0 } else { -1.0 };
+        let up = sign * self.settings.gravity_direction.as_dvec3().normalize();
+        let above = |point: DVec3| point.dot(up);
+        let bottoms =
+            || self.spheres().iter().map(|sphere| (sphere, above(sphere.position.as_dvec3()) - f64::from(sphere.radius)));
+        let top = bottoms().filter(|(sphere, _)| !sphere.fixed).map(|(_, bottom)| bottom).fold(f64::NEG_INFINITY, f64::max);
+        let boxes = self.boxes().iter().map(|cuboid| lowest_of_top(cuboid, up));
+        let polygons = self.polygons().iter().map(|polygon| {
+            let [corner, left, right] = [polygon.corner, polygon.left, polygon.right].map(|vector| above(vector.as_dvec3()));
+            corner + left.min(0.0) + right.min(0.0)
+        });
+        let lowest = bottoms().map(|(_, bottom)| bottom).chain(boxes).chain(polygons).fold(f64::INFINITY, f64::min);
+        let height = top - lowest;
+        if height.is_finite() { height.max(0.0) } else { 0.0 }
+    }
+}
+
+/// Height of the lowest corner of the face of a box that faces up most.
+fn lowest_of_top(cuboid: &Cuboid, up: DVec3) -> f64 {
+    let edges = cuboid.edges.map(|edge| edge.as_dvec3());
+    let rise = edges.map(|edge| edge.dot(up));
+    let steepness = |axis: usize| rise[axis].abs() / edges[axis].length();
+    let steepest = (0..3).max_by(|a, b| steepness(*a).total_cmp(&steepness(*b))).unwrap_or(0);
+    let height: f64 = (0..3).map(|axis| if axis == steepest { rise[axis].max(0.0) } else { rise[axis].min(0.0) }).sum();
+    cuboid.corner.as_dvec3().dot(up) + height
+}

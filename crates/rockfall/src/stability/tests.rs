@@ -1,0 +1,150 @@
+use super::*;
+use crate::{Spring, Tether};
+
+#[test]
+fn sums_run_over_all_springs_of_a_sphere_and_fixed_ones_do_not_count() {
+    let mut scene = Scene::new();
+    let fixed = scene.add_sphere(Sphere::new([0.0; 3], 0.1).fixed()).unwrap();
+    let ball = scene.add_sphere(Sphere::new([1.0, 0.0, 0.0], 0.1).mass(0.5)).unwrap();
+    scene.add_spring(Spring::new(fixed, ball, 4000.0, 1.0)).unwrap();
+    scene.add_tether(Tether::new(ball, [2.0, 0.0, 0.0], 1000.0).damping(1.0)).unwrap();
+    // K = (4000 + 1000) / 0.5: the edge is sqrt(8 / 10000) = 0.0283.
+    assert!(scene.stability(0.028, Integrator::Rk4).is_empty());
+    let warnings = scene.stability(0.029, Integrator::Rk4);
+    let whats: Vec<Stiff> = warnings.iter().map(|warning| warning.what).collect();
+    assert_eq!(whats, [Stiff::Spring(0), Stiff::Tether(0)]);
+    assert_eq!((warnings[0].stiffness, warnings[0].damping), (10000.0, 2.0));
+    assert!((warnings[0].largest_dt - 0.0008_f64.sqrt()).abs() < 1e-9);
+}
+
+#[test]
+fn the_contact_force_has_its_own_bound() {
+    let mut scene = Scene::new();
+    scene.add_sphere(Sphere::new([0.0; 3], 0.1)).unwrap();
+    scene.settings.contact_force = 30000.0;
+    assert!(scene.stability(0.02, Integrator::Rk4).is_empty(), "nothing to touch");
+    scene.add_sphere(Sphere::new([1.0; 3], 0.1)).unwrap();
+    let warnings = scene.stability(0.02, Integrator::Rk4);
+    assert_eq!(warnings.len(), 1);
+    assert_eq!(warnings[0].what, Stiff::Contact);
+    let text = warnings[0].to_string();
+    assert!(text.contains("the largest that would do is 0.0163 s"), "{text}");
+    scene.settings.contact_force = 19000.0;
+    assert!(scene.stability(0.02, Integrator::Rk4).is_empty());
+    assert_eq!(scene.stability(0.02, Integrator::SymplecticEuler).len(), 1);
+    scene.settings.contact_damping = 140.0;
+    assert_eq!(scene.stability(0.02, Integrator::Rk4).len(), 1);
+}
+
+#[test]
+fn printed_numbers_are_never_rounded_up() {
+    let rounded = [0.02, 0.0282843, 0.01999, 1.0, 12345.0, 0.0].map(rounded_down);
+    assert_eq!(rounded, [0.02, 0.0282, 0.0199, 1.0, 12300.0, 0.0]);
+}
+
+fn balls<const N: usize>(balls: [Sphere; N]) -> Scene {
+    let mut scene = Scene::new();
+    for ball in balls {
+        scene.add_sphere(ball).unwrap();
+    }
+    scene
+}
+
+#[test]
+fn a_crowd_is_what_can_touch_in_one_group() {
+    let ball = |x: f32| Sphere::new([x, 0.0, 0.0], 0.1);
+    assert_eq!(balls([ball(0.0)]).crowd(), Crowd::None);
+    assert_eq!(balls([ball(0.0), ball(1.0)]).crowd(), Crowd::Pair);
+    assert_eq!(balls([ball(0.0), ball(1.0), ball(2.0).fixed()]).crowd(), Crowd::Few);
+    assert_eq!(balls([ball(0.0), ball(1.0), ball(2.0)]).crowd(), Crowd::Many);
+    assert_eq!(balls([ball(0.0), ball(1.0), ball(2.0).group(1)]).crowd(), Crowd::Pair);
+    assert_eq!(balls([ball(0.0).fixed(), ball(1.0).fixed(), ball(2.0).fixed()]).crowd(), Crowd::None);
+}
+
+#[test]
+fn a_crowd_is_restless_before_it_is_unstable() {
+    let mut scene = balls([0.0, 1.0, 2.0].map(|x| Sphere::new([x, 0.0, 0.0], 0.1)));
+    let effect = |scene: &Scene, dt| scene.stability(dt, Integrator::Rk4).first().map(|warning| warning.effect);
+    // The defaults, Cc = 1000 and Cd = 12.5: dt² Cc = 0.5 at 0.02236.
+    assert_eq!(effect(&scene, 0.0223), None);
+    assert_eq!(effect(&scene, 0.0225), Some(Effect::Restless));
+    assert_eq!(effect(&scene, 0.064), Some(Effect::Unstable));
+    let text = scene.stability(0.03, Integrator::Rk4)[0].to_string();
+    assert!(text.contains("do not come to rest") && text.ends_with("the largest that would do is 0.0223 s"), "{text}");
+    // Elastic balls without damping have nothing to bring them to rest.
+    (scene.settings.restitution, scene.settings.contact_damping) = (1.0, 0.0);
+    assert_eq!(effect(&scene, 0.04), None);
+    assert_eq!(effect(&scene, 0.045), Some(Effect::Unstable));
+}
+
+#[test]
+fn substeps_are_as_few_as_will_do() {
+    let mut scene = balls([0.0, 1.0, 2.0].map(|x| Sphere::new([x, 0.0, 0.0], 0.1)));
+    for (force, dt) in [(1000.0, 0.02), (1000.0, 0.0224), (5000.0, 0.02), (1e6, 0.3), (0.5, 2.0)] {
+        scene.settings.contact_force = force;
+        for integrator in [Integrator::Rk4, Integrator::SymplecticEuler] {
+            let parts = scene.substeps_for(dt, integrator);
+            let warnings = |parts: u32| scene.stability(dt / parts as f32, integrator).len();
+            assert_eq!(warnings(parts), 0, "{force} {dt} {integrator}: {parts}");
+            assert!(parts == 1 || warnings(parts - 1) > 0, "{force} {dt} {integrator}: {parts}");
+        }
+    }
+}
+
+#[test]
+fn a_small_ball_sinks() {
+    let mut scene = balls([0.0, 1.0, 2.0].map(|x| Sphere::new([x, 0.0, 0.0], 0.005)));
+    scene.settings.gravity = -9.81;
+    let sinking = scene.sinking(Integrator::Rk4).unwrap();
+    assert!((sinking.overlap - 0.00981).abs() < 1e-8);
+    let text = sinking.to_string();
+    assert!(text.contains("196 % of the smallest radius") && text.contains("`set resting_overlap 0.02`"), "{text}");
+    // 9.81 / (0.05 * 0.005) = 39240, rounded up; 12.5 sqrt(39.3) = 78.36; sqrt(0.5 / 39300) = 0.003567.
+    assert!(
+        text.ends_with("a contact_force of 39300 or more, with a contact_damping of 78.3 and a time step of at most 0.00356 s"),
+        "{text}"
+    );
+    scene.settings.contact_force = sinking.contact_force as f32;
+    assert_eq!(scene.sinking(Integrator::Rk4), None);
+    scene.settings.contact_force = 1000.0;
+    scene.settings.resting_overlap = 0.02;
+    assert_eq!(scene.sinking(Integrator::Rk4), None);
+}
+
+#[test]
+fn a_resting_overlap_chooses_the_contact_force_of_a_column() {
+    let mut scene = balls([0.1, 0.3, 0.5, 0.7].map(|y| Sphere::new([0.0, y, 0.0], 0.1).mass(3.0)));
+    assert_eq!(scene.resolved_settings(), scene.settings);
+    scene.settings.gravity = 9.0;
+    scene.settings.resting_overlap = 0.05;
+    let settings = scene.resolved_settings();
+    // Four bodies on the lowest: 3 * 2 * 4 * 9 / (0.05 * 0.1).
+    assert!((settings.contact_force / 43200.0 - 1.0).abs() < 1e-5, "{}", settings.contact_force);
+    let ratio = |settings: &crate::Settings| settings.contact_damping / settings.contact_force.sqrt();
+    assert!((ratio(&settings) / ratio(&scene.settings) - 1.0).abs() < 1e-5);
+    // Beside each other they bear nothing but themselves.
+    let mut flat = balls([0.0, 0.2, 0.4, 0.6].map(|x| Sphere::new([x, 0.0, 0.0], 0.1).mass(3.0)));
+    flat.settings = scene.settings;
+    assert!((flat.resolved_settings().contact_force / 10800.0 - 1.0).abs() < 1e-5);
+    // What is chosen once is chosen again.
+    scene.settings = settings;
+    assert_eq!(scene.resolved_settings().contact_force, settings.contact_force);
+    scene.settings.gravity = 0.0;
+    assert_eq!(scene.resolved_settings(), scene.settings);
+}
+
+#[test]
+fn the_speed_is_that_of_a_fall_through_the_scene() {
+    let mut scene = balls([Sphere::new([0.0, 5.1, 0.0], 0.1).velocity([3.0, 0.0, 0.0])]);
+    assert_eq!(scene.tunnelling(1.0), None, "nothing to pass through");
+    scene.add_box(crate::Cuboid::between([-1.0, -0.2, -1.0], [1.0, 0.0, 1.0])).unwrap();
+    scene.settings.gravity = 10.0;
+    let tunnelling = scene.tunnelling(0.05).unwrap();
+    // Down by 5: sqrt(9 + 100) = 10.44; the ball's radius and half the box: 0.2.
+    assert_eq!(tunnelling.what, Thin::Box(0));
+    assert!((tunnelling.speed - 109_f64.sqrt()).abs() < 1e-6 && (tunnelling.depth - 0.2).abs() < 1e-7);
+    assert!(tunnelling.to_string().ends_with("the largest time step that would do is 0.0191 s"), "{tunnelling}");
+    assert_eq!(scene.tunnelling(0.0191), None);
+    scene.add_polygon(crate::Polygon::new([-1.0, 0.0, -1.0], [0.0, 0.0, 2.0], [2.0, 0.0, 0.0])).unwrap();
+    assert_eq!(scene.tunnelling(0.0191).map(|tunnelling| tunnelling.what), Some(Thin::Polygon));
+}

@@ -1,0 +1,72 @@
+//! Collisions, 4 of 4: friction impulses, once a step, of all contacts that press, in scenes that have them (docs/physics.md section 3.9).
+//!
+//! `collision_friction` limits them by the normal impulse of the collision phase, `coulomb_friction` by what the contact force gives within
+//! the step. The new state of all spheres goes to `Y2`. Does nothing in a void step, nor when the collisions of the step were done before.
+
+use rayon::prelude::*;
+
+use crate::cpu::lists::Lists;
+use crate::cpu::rubbing::Rubbing;
+use crate::cpu::state::Rows;
+use crate::cpu::tally::Tally;
+use crate::cpu::view::View;
+use crate::layout::BadStage;
+use crate::stage::{Buffer, Stage, Threads, part, read, write};
+use crate::world::World;
+
+/// The stage.
+pub(crate) const STAGE: Stage = Stage {
+    name: "rub_contacts",
+    parts: &[
+        part!("wgsl/step.wgsl"),
+        part!("wgsl/entries.wgsl"),
+        part!("wgsl/lists.wgsl"),
+        part!("wgsl/order.wgsl"),
+        part!("wgsl/one_state.wgsl"),
+        part!("wgsl/objects.wgsl"),
+        part!("wgsl/geometry.wgsl"),
+        part!("wgsl/contact.wgsl"),
+        part!("wgsl/has_changes.wgsl"),
+        part!("wgsl/rows.wgsl"),
+        part!("wgsl/collision.wgsl"),
+        part!("wgsl/signed_touch.wgsl"),
+        part!("wgsl/records.wgsl"),
+        part!("wgsl/record_of.wgsl"),
+        part!("wgsl/tell.wgsl"),
+        part!("wgsl/rubs.wgsl"),
+        part!("stage/rub_contacts.wgsl"),
+    ],
+    bindings: &[
+        read("state", Buffer::Start),
+        write("next", Buffer::Y2),
+        read("words", Buffer::Words),
+        read("lists", Buffer::Lists),
+        read("slots", Buffer::Slots),
+        read("collisions", Buffer::Collisions),
+        write("status", Buffer::Status),
+    ],
+    threads: Threads::Spheres,
+    cpu: rub_contacts,
+};
+
+fn rub_contacts(world: &mut World, _pass: u32) {
+    if world.status.void != 0 || world.status.collided != 2 {
+        return;
+    }
+    let [start, y2, ..] = &mut world.states;
+    let view = View::new(&world.step, &world.words, start);
+    let lists = Lists::new(&world.step, &world.lists);
+    let rubbing = Rubbing::new(&view, &lists, &world.impulses);
+    let tally = Rows::of(y2, world.step.spheres)
+        .map(|mut rows| {
+            let mut tally = Tally::default();
+            for sphere in rows.spheres() {
+                let before = view.position(sphere);
+                let after = rubbing.rubbed(sphere).or_stopped(before, BadStage::Collisions, view.user(sphere), &mut tally);
+                rows.set(&view, sphere, after);
+            }
+            tally
+        })
+        .reduce(Tally::default, Tally::merge);
+    tally.tell(&mut world.status);
+}

@@ -1,0 +1,263 @@
+//! The scenes in `scenes/` do what their text says, at the default time step, its half and its quarter.
+//!
+//! One function a scene. Overlaps of bodies at rest stay below 5 % of the smaller radius, so that the scenes look right.
+
+use std::path::Path;
+
+use rockfall::glam::Vec3;
+use rockfall::scene::generate::Kind;
+use rockfall::{Backend, Body, Integrator, Options, Scene, Simulation, SphereState};
+
+const STEPS: [f32; 3] = [0.02, 0.01, 0.005];
+
+fn load(name: &str) -> Scene {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes").join(name).with_extension("txt");
+    Scene::load(path).expect("a valid scene").scene
+}
+
+fn open(scene: Scene, integrator: Integrator) -> Simulation {
+    let options = Options::new().backend(Backend::Cpu).integrator(integrator);
+    Simulation::with_options(scene, options).expect("the simulation opens")
+}
+
+/// The scene at each of the time steps.
+fn opened(name: &str) -> impl Iterator<Item = (f32, Simulation)> {
+    STEPS.into_iter().map(move |dt| (dt, open(load(name), Integrator::Rk4)))
+}
+
+/// So many seconds further.
+fn after(simulation: &mut Simulation, seconds: f32, dt: f32) -> Vec<SphereState> {
+    simulation.run((seconds / dt).round() as u64, dt).expect("steps");
+    assert_eq!(simulation.report().non_finite, 0, "every state stays finite");
+    simulation.spheres().expect("spheres are read back")
+}
+
+/// The deepest overlap over the smaller radius, the least of several moments: bodies that still tremble are not at rest.
+fn resting_overlap(simulation: &mut Simulation, dt: f32) -> f32 {
+    let deepest = |simulation: &mut Simulation| {
+        let contacts = simulation.contacts().expect("contacts");
+        let scene = simulation.scene();
+        let radius = |body: Body| match body {
+            Body::Sphere(id) => scene.sphere(id).expect("a sphere").radius,
+            Body::Rod(id) => scene.rod(id).expect("a rod").radius,
+            _ => f32::INFINITY,
+        };
+        let part = |contact: &rockfall::Contact| contact.overlap / radius(contact.a).min(radius(contact.b));
+        contacts.iter().map(part).fold(0.0, f32::max)
+    };
+    let mut least = f32::INFINITY;
+    for _ in 0..20 {
+        simulation.run(7, dt).expect("steps");
+        least = least.min(deepest(simulation));
+    }
+    least
+}
+
+/// The largest relative error of the length of a rod.
+fn stretch(simulation: &mut Simulation) -> f32 {
+    let scene = simulation.sync().expect("the scene is read back");
+    let place = |id| scene.sphere(id).expect("a sphere").position;
+    let error =
+        |rod: &rockfall::Rod| rod.length.map_or(0.0, |length| (place(rod.end1).distance(place(rod.end2)) / length - 1.0).abs());
+    scene.rods().iter().map(error).fold(0.0, f32::max)
+}
+
+/// The last ball swings out as far as the first one came from, and the three between them hardly move.
+#[test]
+fn cradle_swings() {
+    for (dt, mut simulation) in opened("cradle") {
+        let mut highest = 0.0_f32;
+        let mut between = 0.0_f32;
+        for _ in 0..10 {
+            let spheres = after(&mut simulation, 0.2, dt);
+            highest = highest.max(spheres[9].position.y);
+            for ball in 6..9 {
+                between = between.max((spheres[ball].position.x - spheres[ball - 5].position.x).abs());
+            }
+        }
+        // The first was lifted by 0.5425 above its lowest place at 1.
+        assert!(highest > 1.46 && highest < 1.56, "dt {dt}: the last ball rises to {highest}");
+        assert!(between < 0.2, "dt {dt}: a ball between moves by {between}");
+    }
+}
+
+/// Every rod keeps its length while the bridge sags and sways, and it holds.
+#[test]
+fn bridge_holds() {
+    for (dt, mut simulation) in opened("bridge") {
+        for _ in 0..20 {
+            let spheres = after(&mut simulation, 2.0, dt);
+            assert!(stretch(&mut simulation) < 1e-3, "dt {dt}: {}", stretch(&mut simulation));
+            let lowest = spheres[..18].iter().map(|sphere| sphere.position.y).fold(f32::INFINITY, f32::min);
+            assert!(lowest > 2.0, "dt {dt}: the bridge hangs down to {lowest}");
+        }
+        let overlap = resting_overlap(&mut simulation, dt);
+        assert!(overlap < 0.05, "dt {dt}: overlap {overlap} of a radius");
+    }
+}
+
+/// The tower stands until the ball takes its middle away, then all of it comes down.
+#[test]
+fn capsules_stand_and_fall() {
+    for (dt, mut simulation) in opened("capsules") {
+        let tops = |spheres: &[SphereState]| {
+            spheres.iter().filter(|sphere| sphere.radius < 0.3).map(|sphere| sphere.position.y).fold(0.0, f32::max)
+        };
+        let before = tops(&after(&mut simulation, 0.0, dt));
+        let standing = tops(&after(&mut simulation, 1.1, dt));
+        assert!(standing > before - 0.1, "dt {dt}: the tower stands {standing} high of {before}");
+        let overlap = resting_overlap(&mut open(without_ball(), Integrator::Rk4), dt);
+        assert!(overlap < 0.05, "dt {dt}: overlap {overlap} of a radius");
+        let fallen = tops(&after(&mut simulation, 15.0, dt));
+        assert!(fallen < 1.0, "dt {dt}: it comes down to {fallen}");
+    }
+}
+
+/// The tower alone.
+fn without_ball() -> Scene {
+    let mut scene = load("capsules");
+    let ball = scene.sphere_ids().find(|id| scene.sphere(*id).is_ok_and(|sphere| sphere.radius > 0.3)).expect("the ball");
+    scene.remove_sphere(ball).expect("the ball goes");
+    scene
+}
+
+/// What comes down the slope rides on the rollers and drops into the bin.
+#[test]
+fn conveyor_carries() {
+    for (dt, mut simulation) in opened("conveyor") {
+        let spheres = after(&mut simulation, 40.0, dt);
+        let in_bin = |sphere: &&SphereState| {
+            sphere.position.x > 10.8 && sphere.position.x < 14.0 && sphere.position.y < 0.0 && sphere.position.y > -4.0
+        };
+        let moving = spheres.iter().filter(|sphere| !sphere.fixed);
+        let (all, carried) = (moving.clone().count(), moving.filter(in_bin).count());
+        assert_eq!(carried, all, "dt {dt}: so many lie in the bin");
+        let overlap = resting_overlap(&mut simulation, dt);
+        assert!(overlap < 0.05, "dt {dt}: overlap {overlap} of a radius");
+    }
+}
+
+/// Its sides go on falling while the middle is held, swing back, and the whole cube comes to rest on the floor.
+#[test]
+fn soft_cube_bounces_and_rests() {
+    for (dt, mut simulation) in opened("soft-cube") {
+        let middle =
+            |spheres: &[SphereState]| spheres.iter().map(|sphere| sphere.position).sum::<Vec3>() / spheres.len() as f32;
+        let start = middle(&simulation.spheres().expect("spheres"));
+        let (mut lowest, mut rebound) = (f32::INFINITY, 0.0_f32);
+        for _ in 0..60 {
+            let spheres = after(&mut simulation, 0.1, dt);
+            let height = middle(&spheres).y;
+            lowest = lowest.min(height);
+            rebound = rebound.max(height - lowest);
+        }
+        assert!(
+            lowest < start.y - 0.1 && rebound > 0.02,
+            "dt {dt}: it falls from {} to {lowest} and swings back by {rebound}",
+            start.y
+        );
+        let spheres = after(&mut simulation, 54.0, dt);
+        assert!(middle(&spheres).y < 1.2, "dt {dt}: it lies at {}", middle(&spheres));
+        let fastest = spheres.iter().map(|sphere| sphere.velocity.length()).fold(0.0, f32::max);
+        assert!(fastest < 0.2, "dt {dt}: it rests but for {fastest}");
+        let overlap = resting_overlap(&mut simulation, dt);
+        assert!(overlap < 0.05, "dt {dt}: overlap {overlap} of a radius");
+    }
+}
+
+/// The rocks come down the stair, and the boulders bowl the pins over.
+#[test]
+fn rockfall_bowls_the_pins_over() {
+    for (dt, mut simulation) in opened("rockfall") {
+        after(&mut simulation, 20.0, dt);
+        let scene = simulation.sync().expect("the scene is read back").clone();
+        let fallen = scene.capsules().iter().filter(|pin| {
+            let [one, two] = [pin.end1, pin.end2].map(|id| scene.sphere(id).expect("an end").position);
+            // Ends 0.78 apart; those that have left the yard lie lower.
+            (two.y - one.y).abs() < 0.4 || one.y < -1.0
+        });
+        assert!(fallen.count() >= 8, "dt {dt}: most of the ten pins lie");
+        let down = scene.spheres().iter().filter(|sphere| sphere.position.y < 1.0 && sphere.position.x > 2.3);
+        assert!(down.count() > scene.spheres().len() / 2, "dt {dt}: the rocks come down to the yard");
+        let overlap = resting_overlap(&mut simulation, dt);
+        assert!(overlap < 0.05, "dt {dt}: overlap {overlap} of a radius");
+    }
+}
+
+/// How high the top of each domino is.
+fn tops(spheres: &[SphereState]) -> Vec<f32> {
+    let top = |domino: &[SphereState]| domino.iter().map(|sphere| sphere.position.y).fold(f32::NEG_INFINITY, f32::max);
+    spheres[..96].chunks(8).map(top).collect()
+}
+
+/// Every domino stands still until the one before it falls against it, and all fall, at any time step and with either integrator.
+#[test]
+fn dominoes_fall() {
+    for integrator in [Integrator::Rk4, Integrator::SymplecticEuler] {
+        for dt in [0.002, 0.005, 0.01, 0.02] {
+            let mut simulation = open(load("dominoes"), integrator);
+            let early = after(&mut simulation, 0.4, dt);
+            let stands = (early[95].position - load("dominoes").spheres()[95].position).length();
+            assert!(stands < 0.02, "{integrator}, dt {dt}: the last domino has moved by {stands}");
+            let mut tops = tops(&early);
+            for _ in 0..20 {
+                if tops.iter().any(|top| *top >= 1.2) {
+                    tops = self::tops(&after(&mut simulation, 2.0, dt));
+                }
+            }
+            assert!(tops.iter().all(|top| *top < 1.2), "{integrator}, dt {dt}: tops {tops:?}");
+        }
+    }
+}
+
+/// Dominoes that stand.
+#[test]
+fn dominoes_stand_without_deep_overlaps() {
+    let mut scene = load("dominoes");
+    let ball = scene.sphere_ids().nth(96).expect("the ball");
+    scene.remove_sphere(ball).expect("the ball goes");
+    for dt in STEPS {
+        let mut simulation = open(scene.clone(), Integrator::Rk4);
+        after(&mut simulation, 5.0, dt);
+        let overlap = resting_overlap(&mut simulation, dt);
+        assert!(overlap < 0.05, "dt {dt}: overlap {overlap} of a radius");
+    }
+}
+
+/// The examples of the thesis run, and references that are used again mean the last sphere.
+#[test]
+fn thesis_examples_run() {
+    for name in ["thesis-example", "thesis-example-reused"] {
+        for (dt, mut simulation) in opened(name) {
+            let spheres = after(&mut simulation, 5.0, dt);
+            assert!(spheres.iter().all(|sphere| sphere.position.is_finite()), "{name}, dt {dt}");
+        }
+    }
+}
+
+/// In generated scenes a body that rests by itself overlaps by less than 5 % of its radius. A contact of a pile bears several: 8 % in piles (11 % of the radius of a rod below blobs)
+/// of 200 spheres, and more in higher ones.
+#[test]
+fn generated_scenes_are_hard_enough() {
+    for kind in Kind::ALL {
+        let scene = kind.generate(200, 1).expect("a scene");
+        let least =
+            scene.spheres().iter().filter(|sphere| !sphere.fixed).map(|sphere| sphere.radius).fold(f32::INFINITY, f32::min);
+        let overlap = scene.settings.gravity / scene.settings.contact_force / least;
+        assert!(overlap < 0.05, "{kind}: overlap {overlap} of a radius");
+        assert!(0.02 * 0.02 * scene.settings.contact_force <= 0.5, "{kind}: too stiff for piles");
+        let mut simulation = open(scene, Integrator::Rk4);
+        after(&mut simulation, 10.0, 0.02);
+        let overlap = resting_overlap(&mut simulation, 0.02);
+        assert!(overlap < 0.15, "{kind}: overlap {overlap} of a radius in a pile");
+    }
+}
+
+/// No shipped scene is too stiff for the default time step.
+#[test]
+fn scenes_bear_the_default_step() {
+    for name in ["cradle", "bridge", "capsules", "conveyor", "soft-cube", "rockfall", "dominoes"] {
+        let stiffness = load(name).settings.contact_force;
+        assert!(0.02 * 0.02 * stiffness <= 0.5, "{name}: contact_force {stiffness}");
+    }
+}

@@ -1,0 +1,197 @@
+//! What `Scene::stability` and its like tell, held against runs: the bounds hold, and what is beyond them happens. On the CPU
+//! backend, which takes the same steps as the other.
+
+use rockfall::scene::generate::Kind;
+use rockfall::stability::Effect;
+use rockfall::{Backend, Cuboid, Integrator, Options, Polygon, Scene, Simulation, Sphere};
+
+const INTEGRATORS: [Integrator; 2] = [Integrator::Rk4, Integrator::SymplecticEuler];
+
+/// Spheres that fall into a box, with a damping ratio. Gravity is such that they rest with an overlap of 4.7 % of the smallest
+/// radius: just below what is warned of.
+fn pile(damping_ratio: f32) -> Scene {
+    let mut scene = Kind::Pile.generate(300, 1).unwrap();
+    scene.settings.gravity = 7.0;
+    scene.settings.contact_damping = 2.0 * damping_ratio * scene.settings.contact_force.sqrt();
+    scene
+}
+
+/// The least time step with which the contact force has an effect, or `Effect::Unstable` alone; searched for between two.
+fn least_dt(scene: &Scene, integrator: Integrator, unstable: bool) -> f32 {
+    let has = |dt: f32| {
+        let warnings = scene.stability(dt, integrator);
+        warnings.iter().any(|warning| !unstable || warning.effect == Effect::Unstable)
+    };
+    let (mut without, mut with) = (1e-4_f32, 1.0);
+    assert!(!has(without) && has(with));
+    for _ in 0..40 {
+        let middle = 0.5 * (without + with);
+        if has(middle) { with = middle } else { without = middle }
+    }
+    with
+}
+
+/// What became of a pile.
+#[derive(Debug)]
+struct Outcome {
+    /// Mean kinetic energy of the last fifth, over that which the spheres would gain falling freely for a step.
+    shaking: f64,
+    /// Energy at the end over that at the start.
+    energy: f64,
+}
+
+fn run(scene: Scene, integrator: Integrator, dt: f32) -> Outcome {
+    const SECONDS: f32 = 25.0;
+    let mass: f64 = scene.spheres().iter().map(|sphere| f64::from(sphere.mass)).sum();
+    let step_energy = 0.5 * mass * f64::from(scene.settings.gravity * dt).powi(2);
+    let options = Options::new().backend(Backend::Cpu).integrator(integrator).keep_going(true);
+    let mut simulation = Simulation::with_options(scene, options).unwrap();
+    let start = simulation.energy().unwrap().total();
+    let steps = (SECONDS / dt) as u64;
+    simulation.run(steps * 4 / 5, dt).unwrap();
+    let mut kinetic = 0.0;
+    for _ in 0..20 {
+        simulation.run(steps / 100, dt).unwrap();
+        kinetic += simulation.energy().unwrap().kinetic / 20.0;
+    }
+    Outcome { shaking: kinetic / step_energy, energy: simulation.energy().unwrap().total() / start }
+}
+
+/// Dampings: hardly any, and that of the default constants.
+const DAMPINGS: [f32; 2] = [0.05, 0.2];
+
+#[test]
+fn a_pile_comes_to_rest_up_to_the_bound() {
+    for integrator in INTEGRATORS {
+        for damping in DAMPINGS {
+            let scene = pile(damping);
+            let bound = least_dt(&scene, integrator, false);
+            for share in [0.5, 0.99] {
+                let outcome = run(scene.clone(), integrator, share * bound);
+                assert!(outcome.shaking < 0.1, "{integrator}, damping {damping}, {share} of the bound: {outcome:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_pile_shakes_within_a_factor_of_the_bound() {
+    for (integrator, factor) in [(Integrator::Rk4, 2.7), (Integrator::SymplecticEuler, 1.6)] {
+        for damping in DAMPINGS {
+            let scene = pile(damping);
+            let dt = factor * least_dt(&scene, integrator, false);
+            let outcome = run(scene, integrator, dt);
+            assert!(outcome.shaking > 0.1, "{integrator}, damping {damping}: {outcome:?}");
+        }
+    }
+}
+
+#[test]
+fn a_pile_explodes_within_twice_the_bound() {
+    for integrator in INTEGRATORS {
+        for damping in DAMPINGS {
+            let scene = pile(damping);
+            let dt = 2.0 * least_dt(&scene, integrator, true);
+            let outcome = run(scene, integrator, dt);
+            assert!(outcome.energy > 2.0, "{integrator}, damping {damping}: {outcome:?}");
+        }
+    }
+}
+
+/// The deepest overlap of two spheres, or of one with the floor y = 0, over the smaller radius.
+fn deepest(scene: &Scene) -> f32 {
+    let spheres = scene.spheres();
+    let of_sphere = |(index, one): (usize, &Sphere)| {
+        let pairs = spheres[index + 1..].iter().map(|other| {
+            let overlap = one.radius + other.radius - one.position.distance(other.position);
+            overlap / one.radius.min(other.radius)
+        });
+        pairs.fold(1.0 - one.position.y / one.radius, f32::max)
+    };
+    spheres.iter().enumerate().map(of_sphere).fold(0.0, f32::max)
+}
+
+/// Piles, and a column of twenty balls in a shaft.
+fn deep_scenes() -> [Scene; 3] {
+    let mut column = Scene::new();
+    for ball in 0..20_u8 {
+        column.add_sphere(Sphere::new([0.001 * f32::from(ball % 3), 0.2 + 0.41 * f32::from(ball), 0.0], 0.2)).unwrap();
+    }
+    for (min, max) in [
+        ([-3.0, -1.0, -3.0], [3.0, 0.0, 3.0]),
+        ([-1.2, 0.0, -1.0], [-0.205, 9.0, 1.0]),
+        ([0.205, 0.0, -1.0], [1.2, 9.0, 1.0]),
+        ([-0.205, 0.0, -1.2], [0.205, 9.0, -0.205]),
+        ([-0.205, 0.0, 0.205], [0.205, 9.0, 1.2]),
+    ] {
+        column.add_box(Cuboid::between(min, max)).unwrap();
+    }
+    [Kind::Pile.generate(20, 2).unwrap(), Kind::Pile.generate(300, 2).unwrap(), column]
+}
+
+#[test]
+fn overlaps_at_rest_stay_below_what_was_asked_for() {
+    for (index, mut scene) in deep_scenes().into_iter().enumerate() {
+        for share in [0.02, 0.1] {
+            scene.settings.gravity = 10.0;
+            scene.settings.resting_overlap = share;
+            let (integrator, dt) = (Integrator::Rk4, 0.02);
+            let parts = scene.substeps_for(dt, integrator);
+            let mut simulation = Simulation::with_options(scene.clone(), Options::new().backend(Backend::Cpu)).unwrap();
+            assert_eq!(simulation.settings(), &scene.resolved_settings());
+            simulation.run(1000 * u64::from(parts), dt / parts as f32).unwrap();
+            let kinetic = simulation.energy().unwrap().kinetic;
+            let deepest = deepest(simulation.sync().unwrap()) / share;
+            assert!(kinetic < 1.0 && (0.1..1.0).contains(&deepest), "scene {index}, {share}: {deepest}, kinetic {kinetic}");
+        }
+    }
+}
+
+#[test]
+fn constants_are_chosen_once_and_when_they_are_changed() {
+    let [_, mut scene, _] = deep_scenes();
+    scene.settings.resting_overlap = 0.02;
+    let mut simulation = Simulation::with_options(scene, Options::new().backend(Backend::Cpu)).unwrap();
+    let first = *simulation.settings();
+    simulation.run(50, 0.01).unwrap();
+    simulation.add_sphere(Sphere::new([0.0, 9.0, 0.0], 0.01)).unwrap();
+    simulation.run(50, 0.01).unwrap();
+    assert_eq!(*simulation.settings(), first, "neither motion nor another sphere changes them");
+    let mut resumed = Simulation::resume(simulation.checkpoint().unwrap()).unwrap();
+    assert_eq!(*resumed.settings(), first, "nor does going on");
+    resumed.set_settings(rockfall::Settings { friction: 7.0, ..first }).unwrap();
+    assert_eq!(resumed.settings().contact_force, first.contact_force);
+    resumed.set_settings(rockfall::Settings { gravity: 2.0, ..first }).unwrap();
+    assert!(resumed.settings().contact_force > 1.5 * first.contact_force);
+}
+
+/// Whether a ball that falls on something at y = 0 without gravity is thrown back, wherever its first step ends.
+fn is_caught(scene: &Scene, ball: &Sphere, dt: f32) -> bool {
+    let way = ball.velocity.length() * dt;
+    (0..40_u8).all(|phase| {
+        let mut scene = scene.clone();
+        let up = way * (1.0 + f32::from(phase) / 40.0) + ball.radius * 2.0;
+        let id = scene.add_sphere(Sphere { position: [0.0, up, 0.0].into(), ..*ball }).unwrap();
+        let mut simulation = Simulation::with_options(scene, Options::new().backend(Backend::Cpu)).unwrap();
+        simulation.run(20, dt).unwrap();
+        simulation.sphere(id).unwrap().velocity.y > 0.0
+    })
+}
+
+#[test]
+fn what_is_thin_is_passed_through_beyond_the_bound_and_not_below() {
+    let mut scenes = [0; 3].map(|_| Scene::new());
+    scenes[0].add_box(Cuboid::between([-5.0, -0.1, -5.0], [5.0, 0.0, 5.0])).unwrap();
+    scenes[1].add_polygon(Polygon::new([-5.0, 0.0, -5.0], [0.0, 0.0, 10.0], [10.0, 0.0, 0.0])).unwrap();
+    scenes[2].add_sphere(Sphere::new([0.0, -0.2, 0.0], 0.2).fixed()).unwrap();
+    for (index, mut scene) in scenes.into_iter().enumerate() {
+        scene.settings.gravity = 0.0;
+        let ball = Sphere::new([0.0, 1.0, 0.0], 0.2).velocity([0.0, -10.0, 0.0]);
+        let mut whole = scene.clone();
+        whole.add_sphere(ball).unwrap();
+        let tunnelling = whole.tunnelling(1.0).unwrap();
+        let bound = tunnelling.largest_dt as f32;
+        assert!(is_caught(&scene, &ball, 0.98 * bound), "scene {index}: {tunnelling}");
+        assert!(!is_caught(&scene, &ball, 1.1 * bound), "scene {index}: {tunnelling}");
+    }
+}

@@ -1,0 +1,100 @@
+//! A step: collisions, then integration and what follows it (docs/physics.md sections 2 and 5).
+
+use rockfall::Integrator;
+use rockfall::glam::DVec3;
+
+use crate::collide::Pressed;
+use crate::sides::Motion;
+use crate::world::{Ball, World};
+
+/// What the end of a step needs to know of its beginning.
+pub(crate) struct Course {
+    /// Positions before the integration, rod lengths restored.
+    pub(crate) old: Vec<DVec3>,
+    /// Mean spins.
+    pub(crate) spin: Vec<DVec3>,
+}
+
+impl World {
+    /// A whole step. `lengths_due` tells whether lengths have to be restored whatever collides.
+    pub(crate) fn step(&mut self, lengths_due: bool) -> Vec<Pressed> {
+        let pressed = self.handle_collisions(self.set.collisions);
+        let collided = pressed.iter().any(|contact| contact.collides);
+        self.update_positions(lengths_due || collided);
+        pressed
+    }
+
+    /// Phase 3: impulses, where they are on, and friction impulses.
+    pub(crate) fn handle_collisions(&mut self, impulses: bool) -> Vec<Pressed> {
+        let mut pressed = if impulses { self.collide() } else { self.find() };
+        if !impulses {
+            for contact in &mut pressed {
+                (contact.collides, contact.lone) = (false, false);
+            }
+        }
+        self.rub(&pressed);
+        pressed
+    }
+
+    /// Phase 4.
+    pub(crate) fn update_positions(&mut self, lengths_due: bool) {
+        if lengths_due {
+            self.restore_lengths();
+        }
+        let course = match self.set.integrator {
+            Integrator::Rk4 => self.rk4(),
+            Integrator::SymplecticEuler => self.leap(),
+        };
+        self.constrain(&course.old);
+        self.turn(&course);
+    }
+
+    fn positions(&self) -> Vec<DVec3> {
+        self.balls.iter().map(|ball| ball.x).collect()
+    }
+
+    fn spins(&self) -> Vec<DVec3> {
+        self.balls.iter().map(Ball::spin).collect()
+    }
+
+    fn leap(&mut self) -> Course {
+        let old = self.positions();
+        let rates = self.rates();
+        let dt = self.dt;
+        for (at, ball) in self.balls.iter_mut().enumerate().filter(|(_, ball)| !ball.fixed) {
+            ball.v += dt * rates.v[at];
+            ball.l += dt * rates.l[at];
+            ball.x += dt * ball.v;
+        }
+        Course { old, spin: self.spins() }
+    }
+
+    fn rk4(&mut self) -> Course {
+        let start = self.clone();
+        let (mut way, mut sum) = (vec![DVec3::ZERO; self.balls.len()], Motion::none(self));
+        let mut spin = way.clone();
+        let mut stage = start.clone();
+        for (weight, next) in [(1.0, 0.5), (2.0, 0.5), (2.0, 1.0), (1.0, 0.0)] {
+            let rates = stage.rates();
+            let velocities: Vec<DVec3> = stage.balls.iter().map(|ball| ball.v).collect();
+            let part = weight / 6.0;
+            for (at, turn) in stage.spins().into_iter().enumerate() {
+                way[at] += part * velocities[at];
+                spin[at] += part * turn;
+            }
+            sum.add(&rates, part);
+            stage = start.clone();
+            stage.advance(&velocities, &rates, next * self.dt);
+        }
+        self.advance(&way, &sum, self.dt);
+        Course { old: start.positions(), spin }
+    }
+
+    fn advance(&mut self, velocities: &[DVec3], rates: &Motion, time: f64) {
+        for (at, ball) in self.balls.iter_mut().enumerate().filter(|(_, ball)| !ball.fixed) {
+            ball.x += time * velocities[at];
+            ball.v += time * rates.v[at];
+            ball.l += time * rates.l[at];
+        }
+    }
+}

@@ -1,0 +1,285 @@
+//! Collisions: which contacts collide, those that are alone, and clusters (docs/physics.md section 3).
+
+use rockfall::glam::DVec3;
+
+use crate::geometry::{Line, Pair, Thing};
+use crate::sides::{Motion, Rigid, sides};
+use crate::world::{Body, Mistake, World};
+
+/// Overlaps up to this times the smaller radius press nothing.
+const PRESSED: f64 = 1e-5;
+/// Normals whose product is at most this do not disturb each other.
+const ACROSS: f64 = 0.001;
+/// Sweeps over the contacts of a cluster.
+const SWEEPS: usize = 16;
+/// A network that gives way less than this part of what its free spheres would does not give way.
+const RIGID: f64 = 1e-6;
+
+/// A contact that is pressed at the start of the phase.
+#[derive(Clone, Debug)]
+pub(crate) struct Pressed {
+    pub(crate) pair: Pair,
+    pub(crate) line: Line,
+    pub(crate) collides: bool,
+    pub(crate) lone: bool,
+    /// Normal impulse that it got.
+    pub(crate) j: f64,
+    /// How long ago it was made.
+    pub(crate) tau: f64,
+}
+
+impl World {
+    /// The smaller radius of a pair.
+    pub(crate) fn least_radius(&self, pair: &Pair) -> f64 {
+        let radius = |thing: Thing| match thing {
+            Thing::Ball(ball) => self.balls[ball].radius,
+            Thing::Bar(bar) => self.bars[bar].radius,
+            Thing::Block(_) | Thing::Face(_) => f64::INFINITY,
+        };
+        radius(pair.a).min(radius(pair.b))
+    }
+
+    /// The approach velocity above which a pair collides.
+    pub(crate) fn threshold(&self, pair: &Pair) -> f64 {
+        (self.set.threshold * self.least_radius(pair)).max(2.0 * self.set.gravity.length() * self.dt)
+    }
+
+    /// What collides (docs/physics.md section 3.1), and which of it is lone (section 3.5).
+    pub(crate) fn find(&self) -> Vec<Pressed> {
+        let motion = Motion::of(self);
+        let mut pressed = Vec::new();
+        for (pair, line) in self.touches() {
+            let mass: f64 = sides(&pair, &line).into_iter().map(|side| self.unprojected(side, line.n)).sum();
+            if line.o > PRESSED * self.least_radius(&pair) && mass > 0.0 {
+                let collides = self.approach(&pair, &line, &motion) > self.threshold(&pair);
+                pressed.push(Pressed { pair, line, collides, lone: false, j: 0.0, tau: 0.0 });
+            }
+        }
+        let lone: Vec<bool> = (0..pressed.len()).map(|k| pressed[k].collides && self.is_lone(&pressed, k)).collect();
+        for (contact, lone) in pressed.iter_mut().zip(lone) {
+            contact.lone = lone;
+        }
+        pressed
+    }
+
+    fn is_lone(&self, pressed: &[Pressed], k: usize) -> bool {
+        let this = &pressed[k];
+        self.touched(&this.pair, &this.line).into_iter().all(|body| {
+            let disturbs = |other: &Pressed| {
+                let of_sphere = body == Body::Single(if let Thing::Ball(ball) = other.pair.a { ball } else { usize::MAX });
+                let of_static = matches!(other.pair.b, Thing::Block(_) | Thing::Face(_));
+                let across = this.line.n.dot(other.line.n).abs() <= ACROSS;
+                self.touched(&other.pair, &other.line).contains(&body) && !(of_sphere && of_static && across)
+            };
+            let others = pressed.iter().enumerate().filter(|&(l, _)| l != k);
+            !matches!(body, Body::Network(_)) && !others.into_iter().any(|(_, other)| disturbs(other))
+        })
+    }
+
+    /// The phase of collisions, friction impulses left out. Returns the contacts that were pressed.
+    pub(crate) fn collide(&mut self) -> Vec<Pressed> {
+        let mut pressed = self.find();
+        let accelerations = self.free_accelerations();
+        let (mut change, mut moved) = (Motion::none(self), vec![DVec3::ZERO; self.balls.len()]);
+        for contact in pressed.iter_mut().filter(|contact| contact.lone) {
+            self.lone(contact, &accelerations, &mut change, &mut moved);
+        }
+        self.cluster(&mut pressed, &mut change);
+        for (at, ball) in self.balls.iter_mut().enumerate() {
+            ball.x += moved[at];
+            ball.v += change.v[at];
+            ball.l += change.l[at];
+        }
+        pressed
+    }
+
+    /// A lone collision at its time of contact (docs/physics.md section 3.6).
+    fn lone(&self, contact: &mut Pressed, accelerations: &[DVec3], change: &mut Motion, moved: &mut [DVec3]) {
+        let pair = contact.pair;
+        let bodies = self.touched(&pair, &contact.line);
+        let closing = |world: &Self| {
+            let line = world.line(&pair)?;
+            let u = world.approach(&pair, &line, &Motion::of(world));
+            (u > 0.0).then_some((line, u))
+        };
+        let mut tau = 0.0_f64;
+        for _ in 0..4 {
+            let Some((line, u)) = closing(&self.back(&bodies, accelerations, tau, true)) else { break };
+            tau = (tau + line.o / u).clamp(0.0, self.dt);
+        }
+        if self.made(Mistake::NoReturn) {
+            tau = 0.0;
+        }
+        let mut then = self.back(&bodies, accelerations, tau, false);
+        let (line, u) = closing(&then).unwrap_or_else(|| {
+            tau = 0.0;
+            then = self.clone();
+            (contact.line, self.approach(&pair, &contact.line, &Motion::of(self)))
+        });
+        let mass: f64 = sides(&pair, &line).into_iter().map(|side| then.unprojected(side, line.n)).sum();
+        let mut unit = Motion::none(self);
+        for side in sides(&pair, &line) {
+            then.give(side, side.sign * line.n, &mut unit);
+        }
+        // What the displacements do to springs is of second order in tau, and would add energy at every blow.
+        let work = tau * tau * self.curvature(&self.displacements(&then, &pair, &line));
+        let springs = if self.made(Mistake::SpringWork) { 0.0 } else { work };
+        contact.j = (1.0 + self.elasticity()) * u / (mass + springs).max(0.5 * mass);
+        contact.tau = tau;
+        let mut blow = Motion::none(self);
+        blow.add(&unit, contact.j);
+        for body in bodies {
+            match body {
+                Body::Single(ball) => {
+                    moved[ball] += tau * blow.v[ball];
+                    change.v[ball] += blow.v[ball];
+                    change.l[ball] += blow.l[ball];
+                }
+                Body::Capsule(bar) => self.capsule_forth(bar, tau, &blow, change, moved),
+                Body::Network(_) => {}
+            }
+        }
+    }
+
+    /// Where a unit impulse at the time of contact leads every sphere, per time since: from where it is at present, so that what
+    /// turns a capsule there turns its present axis.
+    fn displacements(&self, then: &Self, pair: &Pair, line: &Line) -> Vec<DVec3> {
+        let mut way = Motion::none(self);
+        for side in sides(pair, line) {
+            let p = side.sign * line.n;
+            match (self.capsule_of(side), then.capsule_of(side)) {
+                (Some((now, _)), Some((past, at))) => now.give(p, past.torque(at, p), DVec3::ZERO, &mut way),
+                _ => then.give(side, p, &mut way),
+            }
+        }
+        way.v
+    }
+
+    fn elasticity(&self) -> f64 {
+        self.set.restitution * if self.made(Mistake::Restitution) { 1.01 } else { 1.0 }
+    }
+
+    /// The world with these bodies moved back in time; `bent` by their accelerations or along straight lines. Velocities
+    /// change by the accelerations in either case.
+    fn back(&self, bodies: &[Body], accelerations: &[DVec3], tau: f64, bent: bool) -> Self {
+        let mut world = self.clone();
+        for &body in bodies {
+            match body {
+                Body::Single(ball) => {
+                    let (state, a) = (&mut world.balls[ball], accelerations[ball]);
+                    state.x += if bent { 0.5 * tau * tau * a } else { DVec3::ZERO } - tau * state.v;
+                    state.v -= tau * a;
+                }
+                Body::Capsule(bar) => {
+                    let a = accelerations[self.bars[bar].ends[0]];
+                    let way = |v: DVec3| if bent { 0.5 * tau * tau * a } else { DVec3::ZERO } - tau * v;
+                    let (d, q, v) = turned(&Rigid::of(self, bar), &Motion::of(self), -tau);
+                    let shift = way(v);
+                    world.place(bar, &Rigid::of(self, bar), shift, d, v - tau * a, q);
+                }
+                Body::Network(_) => {}
+            }
+        }
+        world
+    }
+
+    /// Puts a capsule, its centre shifted from where it is in this world.
+    fn place(&mut self, bar: usize, rigid: &Rigid, shift: DVec3, d: DVec3, v: DVec3, q: DVec3) {
+        let [one, two] = self.bars[bar].ends;
+        let parts = [-rigid.m[1] / rigid.mass, rigid.m[0] / rigid.mass];
+        let centre = (rigid.m[0] * self.balls[one].x + rigid.m[1] * self.balls[two].x) / rigid.mass + shift;
+        for (end, part) in [one, two].into_iter().zip(parts) {
+            self.balls[end].x = centre + part * d;
+            self.balls[end].v = v + part * q;
+        }
+    }
+
+    /// A capsule that was moved back on its circle gets a blow and goes forward on its new one.
+    fn capsule_forth(&self, bar: usize, tau: f64, blow: &Motion, change: &mut Motion, moved: &mut [DVec3]) {
+        let rigid = Rigid::of(self, bar);
+        let (d, q, v) = turned(&rigid, &Motion::of(self), -tau);
+        let [one, two] = rigid.ends;
+        let dv = rigid.centre_velocity(blow);
+        let new = Rigid { d, ..Rigid::of(self, bar) };
+        let mut motion = Motion::none(self);
+        let q = q + blow.v[two] - blow.v[one];
+        motion.v[one] = v + dv - rigid.m[1] / rigid.mass * q;
+        motion.v[two] = v + dv + rigid.m[0] / rigid.mass * q;
+        let (d, q, v) = turned(&new, &motion, tau);
+        let mut after = self.clone();
+        after.place(bar, &rigid, tau * dv, d, v, q);
+        for end in [one, two] {
+            moved[end] += after.balls[end].x - self.balls[end].x;
+            change.v[end] += after.balls[end].v - self.balls[end].v;
+            change.l[end] += blow.l[end];
+        }
+    }
+
+    /// All other collisions (docs/physics.md section 3.7).
+    fn cluster(&self, pressed: &mut [Pressed], change: &mut Motion) {
+        let before = Motion::of(self);
+        let colliding: Vec<(Pair, Line)> =
+            pressed.iter().filter(|contact| contact.collides).map(|contact| (contact.pair, contact.line)).collect();
+        let mut members: Vec<&mut Pressed> = pressed.iter_mut().filter(|contact| contact.collides && !contact.lone).collect();
+        let units: Vec<Motion> = members.iter().map(|contact| self.unit(&contact.pair, &contact.line)).collect();
+        let scales: Vec<f64> = members.iter().map(|contact| self.scale(&contact.pair, &contact.line, &colliding)).collect();
+        let speed: Vec<f64> = members.iter().map(|contact| self.approach(&contact.pair, &contact.line, &before)).collect();
+        // By how much a unit impulse of one slows the approach of another.
+        let coupling: Vec<Vec<f64>> = members
+            .iter()
+            .map(|contact| units.iter().map(|unit| -self.approach(&contact.pair, &contact.line, unit)).collect())
+            .collect();
+        let sweeps = if self.made(Mistake::OneSweep) { 1 } else { SWEEPS };
+        let mut j = vec![0.0_f64; members.len()];
+        for _ in 0..sweeps {
+            let next = (0..j.len()).map(|k| {
+                let slowed: f64 = coupling[k].iter().zip(&j).map(|(by, j)| by * j).sum();
+                let wanted = (1.0 + self.elasticity()) * speed[k] - slowed;
+                if scales[k] > 0.0 { (j[k] + wanted / scales[k]).max(0.0) } else { 0.0 }
+            });
+            j = next.collect();
+        }
+        for ((contact, unit), j) in members.iter_mut().zip(&units).zip(j) {
+            contact.j = j;
+            change.add(unit, j);
+        }
+    }
+
+    /// Gt of a contact; 0 where it cannot give way.
+    fn scale(&self, pair: &Pair, line: &Line, colliding: &[(Pair, Line)]) -> f64 {
+        let (mut scale, mut free) = (0.0, 0.0);
+        for side in sides(pair, line) {
+            free += self.unprojected(side, line.n);
+            for (body, mass) in self.bodies(side, line.n) {
+                scale += mass * self.count(body, line, colliding);
+            }
+        }
+        let gives = -self.approach(pair, line, &self.unit(pair, line));
+        if gives < RIGID * free { 0.0 } else { scale }
+    }
+
+    /// N of a contact on one of its bodies.
+    fn count(&self, body: Body, line: &Line, colliding: &[(Pair, Line)]) -> f64 {
+        let weight = |other: &Line| match body {
+            Body::Single(_) => line.n.dot(other.n).abs(),
+            Body::Capsule(_) | Body::Network(_) => 1.0,
+        };
+        let all = colliding.iter().map(|(pair, other)| {
+            let times = self.touched(pair, other).into_iter().filter(|&touched| touched == body).count();
+            times as f64 * weight(other)
+        });
+        all.sum()
+    }
+}
+
+/// Axis, velocity of end 2 against end 1, and velocity of the centre of a capsule, a time later on its circle.
+fn turned(rigid: &Rigid, motion: &Motion, time: f64) -> (DVec3, DVec3, DVec3) {
+    let (d, q) = (rigid.d, motion.v[rigid.ends[1]] - motion.v[rigid.ends[0]]);
+    let v = rigid.centre_velocity(motion);
+    let (length, speed) = (d.length(), q.length());
+    if speed == 0.0 {
+        return (d, q, v);
+    }
+    let (sin, cos) = (time * speed / length).sin_cos();
+    (d * cos + q * (length / speed) * sin, q * cos - d * (speed / length) * sin, v)
+}

@@ -1,0 +1,351 @@
+//! The engine beside the witness, step by step, each from the engine's own state.
+//!
+//! How far the two may differ is found by running the witness from states that are off by the rounding of f32: what such a
+//! state changes in the outcome, rounding may change. Where it changes much, a decision lies within rounding of its switch;
+//! such steps are counted, and not compared.
+
+use std::fmt::{self, Write as _};
+
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64Mcg;
+use rockfall::glam::DVec3;
+use rockfall::{Backend, Options, Report, Simulation, SphereState};
+
+use crate::collide::Pressed;
+use crate::scenes::{Plan, Regime, together};
+use crate::world::{Ball, Body, Constants, Mistake, Sweeps, World};
+
+/// Half a unit in the last place of an f32, relative.
+const EPS: f64 = 6e-8;
+/// States beside the true one.
+const RUNS: u64 = 8;
+/// The same, before a difference counts.
+const MORE_RUNS: u64 = 64;
+/// A difference may be so many times what rounding has changed in the witness,
+const SPREAD: f64 = 3.0;
+/// and so many in a network, whose lengths may end within 1e-5 after sweeps in any order, which a few orders sample.
+const NETWORK_SPREAD: f64 = 5.0;
+/// Lengths of rods in networks may end with errors of this part: what is left of 1e-5 after the sweep that found it.
+const NETWORK: f64 = 1e-6;
+/// And so many units in the last place of places and velocities of the scene, for the operations that end in the outcome.
+const ROUNDING: f64 = 8.0;
+/// A step whose tolerance would be more than this part of the scale of its velocities is undecided.
+const UNDECIDED: f64 = 0.01;
+
+/// What was compared, and what was found.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Tally {
+    pub(crate) scenes: usize,
+    pub(crate) compared: usize,
+    pub(crate) undecided: usize,
+    pub(crate) collisions: usize,
+    pub(crate) lone: usize,
+    /// Largest difference, in parts of what is allowed.
+    pub(crate) worst: f64,
+    pub(crate) failures: Vec<String>,
+}
+
+impl fmt::Display for Tally {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { scenes, compared, undecided, collisions, lone, worst, .. } = self;
+        write!(f, "{scenes} scenes: {compared} steps compared, {undecided} undecided, ")?;
+        write!(f, "{collisions} collisions, {lone} of them lone; the largest difference is {worst:.2} of what is allowed")
+    }
+}
+
+/// Which part of a step is compared.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Part {
+    Step,
+    Collisions,
+    Positions,
+}
+
+/// The outcome of a part of a step for one cluster.
+struct Outcome {
+    world: World,
+    pressed: Vec<Pressed>,
+}
+
+impl Outcome {
+    fn collisions(&self) -> usize {
+        self.pressed.iter().filter(|contact| contact.collides).count()
+    }
+}
+
+fn run(mut world: World, part: Part, lengths_due: bool) -> Outcome {
+    let pressed = match part {
+        Part::Step => world.step(lengths_due),
+        Part::Collisions => world.handle_collisions(true),
+        Part::Positions => {
+            world.update_positions(lengths_due);
+            Vec::new()
+        }
+    };
+    Outcome { world, pressed }
+}
+
+/// The sizes that rounding goes with.
+struct Scale {
+    place: f64,
+    speed: f64,
+}
+
+fn scale(world: &World) -> Scale {
+    let moving = |ball: &Ball| ball.v.length().max(ball.spin().length() * ball.radius);
+    let g = world.set.gravity.length() * world.dt;
+    let balls = || world.balls.iter();
+    let places = balls().map(|ball| ball.x.abs().max_element() + ball.radius);
+    Scale { place: places.fold(0.0, f64::max), speed: balls().map(moving).fold(g, f64::max) }
+}
+
+/// The world as rounding may have left it.
+fn shaken(world: &World, seed: u64) -> World {
+    let mut rng = Pcg64Mcg::seed_from_u64(seed);
+    let scale = scale(world);
+    let mut near = |size: f64| 3.0 * EPS * size * rng.random_range(-1.0..1.0);
+    let mut world = World { sweeps: Sweeps::Sloppy(seed), slack: near(10.0), ..world.clone() };
+    for ball in &mut world.balls {
+        for axis in 0..3 {
+            ball.x[axis] += near(scale.place);
+            ball.v[axis] += near(scale.speed);
+            ball.l[axis] += near(scale.speed * ball.inertia() / ball.radius);
+        }
+        ball.radius += near(ball.radius);
+        ball.mass += near(ball.mass);
+    }
+    for bar in &mut world.bars {
+        bar.radius += near(bar.radius);
+        bar.length = bar.length.map(|length| length + near(length));
+    }
+    let mut off = |vector: &mut DVec3, least: f64| {
+        let size = vector.length().max(least);
+        *vector += DVec3::from_array([0; 3].map(|_| near(size)));
+    };
+    for block in &mut world.blocks {
+        block.edges.iter_mut().for_each(|edge| off(edge, 0.0));
+        off(&mut block.corner, scale.place);
+    }
+    for face in &mut world.faces {
+        [&mut face.left, &mut face.right].into_iter().for_each(|edge| off(edge, 0.0));
+        off(&mut face.corner, scale.place);
+    }
+    world.set.restitution += near(1.0);
+    world
+}
+
+/// Fields of a ball that are compared.
+const FIELDS: [&str; 4] = ["position", "velocity", "angular momentum", "orientation"];
+
+fn fields(ball: &Ball) -> [[f64; 4]; 4] {
+    let q = ball.q;
+    let wide = |v: DVec3| [v.x, v.y, v.z, 0.0];
+    [wide(ball.x), wide(ball.v), wide(ball.l), [q.x, q.y, q.z, q.w]]
+}
+
+fn apart(one: &Ball, two: &Ball) -> [f64; 4] {
+    let (a, b) = (fields(one), fields(two));
+    let same = |field: usize| if field == 3 && one.q.dot(two.q) < 0.0 { -1.0 } else { 1.0 };
+    std::array::from_fn(|field| (0..4).map(|k| (a[field][k] - same(field) * b[field][k]).abs()).fold(0.0, f64::max))
+}
+
+/// How far each field of each ball may be off; `None` where something is undecided.
+fn tolerances(world: &World, part: Part, lengths_due: bool, outcome: &Outcome, runs: u64) -> Option<Vec<[f64; 4]>> {
+    let (before, after) = (scale(world), scale(&outcome.world));
+    let speed = before.speed.max(after.speed);
+    let mut spread = vec![[0.0_f64; 4]; world.balls.len()];
+    let mut lost = outcome.world.lost;
+    for seed in 0..runs {
+        let other = run(shaken(world, seed), part, lengths_due);
+        lost |= other.world.lost || other.collisions() != outcome.collisions();
+        for (most, (one, two)) in spread.iter_mut().zip(other.world.balls.iter().zip(&outcome.world.balls)) {
+            for (most, far) in most.iter_mut().zip(apart(one, two)) {
+                *most = most.max(far);
+            }
+        }
+    }
+    let positions = part != Part::Collisions;
+    // The end of SHAKE divides the rounding of places by the step; in a network a part of the tolerance of lengths, too.
+    let off = |at: usize| {
+        let mut rods = world.bars.iter().filter(|bar| positions && bar.length.is_some() && bar.ends.contains(&at));
+        let network = matches!(world.body[at], Some(Body::Network(_)));
+        let length =
+            rods.next().map(|bar| 3.0 * EPS * before.place + if network { NETWORK * bar.length.unwrap_or(0.0) } else { 0.0 });
+        length.unwrap_or(0.0)
+    };
+    let tolerances: Vec<[f64; 4]> = world
+        .balls
+        .iter()
+        .enumerate()
+        .map(|(at, ball)| {
+            let kicked = off(at) / world.dt;
+            let speed_floor = ROUNDING * EPS * speed + kicked;
+            let floors = [
+                ROUNDING * EPS * (before.place + speed * world.dt) + off(at),
+                speed_floor,
+                ball.inertia() / ball.radius * speed_floor,
+                ROUNDING * EPS * (1.0 + speed / ball.radius * world.dt) + speed_floor * world.dt / ball.radius,
+            ];
+            let factor = if matches!(world.body[at], Some(Body::Network(_))) { NETWORK_SPREAD } else { SPREAD };
+            std::array::from_fn(|field| floors[field] + factor * spread[at][field])
+        })
+        .collect();
+    let wide = |(tolerance, ball): (&[f64; 4], &Ball)| {
+        let least = speed.max(0.3 * ball.radius);
+        let limits = [0.1 * ball.radius, least, least * ball.inertia() / ball.radius, 1.0];
+        tolerance.iter().zip(limits).any(|(tolerance, limit)| *tolerance > UNDECIDED * limit)
+    };
+    lost |= tolerances.iter().zip(&world.balls).any(wide);
+    (!lost).then_some(tolerances)
+}
+
+/// Compares the clusters of a plan with the engine for some steps.
+pub(crate) struct Trial<'a> {
+    pub(crate) name: String,
+    pub(crate) plan: &'a Plan,
+    pub(crate) backend: Backend,
+    pub(crate) steps: usize,
+    pub(crate) mistake: Option<Mistake>,
+    /// Phase 3 and phase 4 are called, and compared, on their own.
+    pub(crate) phases: bool,
+}
+
+/// What the engine has made of the worlds in a part of a step.
+struct Made<'a> {
+    step: usize,
+    part: Part,
+    lengths_due: bool,
+    states: &'a [SphereState],
+    report: Report,
+}
+
+impl Trial<'_> {
+    pub(crate) fn run(&self, tally: &mut Tally) {
+        let options = Options::new().backend(self.backend).integrator(self.plan.integrator);
+        let mut simulation = Simulation::with_options(together(self.plan), options).expect("the simulation opens");
+        let world = |cluster| World { mistake: self.mistake, ..World::of(cluster, self.plan.integrator, 0.0) };
+        let mut worlds: Vec<World> = self.plan.clusters.iter().map(world).collect();
+        tally.scenes += worlds.len();
+        let mut due = true;
+        for step in 0..self.steps {
+            let Regime { settings, dt } = self.plan.regimes[step % self.plan.regimes.len()];
+            simulation.set_settings(settings).expect("valid settings");
+            simulation.set_time_step(dt).expect("a time step");
+            for world in &mut worlds {
+                (world.set, world.dt) = (Constants::of(&settings, self.plan.integrator), dt.into());
+            }
+            let by_phases = self.phases && settings.collisions;
+            let parts: &[Part] = if by_phases { &[Part::Collisions, Part::Positions] } else { &[Part::Step] };
+            for &part in parts {
+                load(&mut worlds, &mut simulation);
+                if engine(&mut simulation, part, dt).is_err() {
+                    return;
+                }
+                let (states, report) = (simulation.spheres().expect("spheres are read back"), simulation.report());
+                let lengths_due = due || part != Part::Collisions && report.collisions > 0;
+                self.judge(&worlds, &Made { step, part, lengths_due, states: &states, report }, tally);
+                due &= part == Part::Collisions;
+            }
+        }
+    }
+
+    fn judge(&self, worlds: &[World], made: &Made, tally: &mut Tally) {
+        let &Made { step, part, lengths_due, states, report } = made;
+        let mut first = 0;
+        let (mut collisions, mut known) = (0, true);
+        for (cluster, world) in worlds.iter().enumerate() {
+            let outcome = run(world.clone(), part, lengths_due);
+            let own = &states[first..first + world.balls.len()];
+            first += world.balls.len();
+            collisions += outcome.collisions();
+            let differing = |runs: u64| {
+                let allowed = tolerances(world, part, lengths_due, &outcome, runs)?;
+                Some(differences(&outcome.world, own, &allowed))
+            };
+            let mut found = differing(RUNS);
+            if found.as_ref().is_some_and(|found| found.0 > 1.0) {
+                found = differing(MORE_RUNS);
+            }
+            let Some((worst, text)) = found else {
+                tally.undecided += 1;
+                known = false;
+                continue;
+            };
+            tally.compared += 1;
+            tally.collisions += outcome.collisions();
+            tally.lone += outcome.pressed.iter().filter(|contact| contact.lone).count();
+            tally.worst = tally.worst.max(worst);
+            if worst > 1.0 {
+                let place = format!("{} cluster {cluster} step {step} {part:?}: {worst:.1} times what is allowed", self.name);
+                tally.failures.push(format!("{place}\n{text}{}", describe(world, &outcome.pressed)));
+            }
+        }
+        if known && part == Part::Step && report.collisions as usize != collisions {
+            let (name, seen) = (&self.name, report.collisions);
+            tally.failures.push(format!("{name} step {step}: {seen} collisions, the witness has {collisions}\n"));
+        }
+    }
+}
+
+fn load(worlds: &mut [World], simulation: &mut Simulation) {
+    let states = simulation.spheres().expect("spheres are read back");
+    for (ball, state) in worlds.iter_mut().flat_map(|world| &mut world.balls).zip(&states) {
+        ball.set(state);
+    }
+}
+
+fn engine(simulation: &mut Simulation, part: Part, dt: f32) -> rockfall::Result<()> {
+    match part {
+        Part::Step => simulation.step(dt).map(|_| ()),
+        Part::Collisions => simulation.handle_collisions(),
+        Part::Positions => simulation.update_positions(dt),
+    }
+}
+
+/// The largest difference in parts of what is allowed, and all that are too large.
+fn differences(world: &World, states: &[SphereState], allowed: &[[f64; 4]]) -> (f64, String) {
+    let (mut worst, mut text) = (0.0_f64, String::new());
+    for (at, ((ball, state), allowed)) in world.balls.iter().zip(states).zip(allowed).enumerate() {
+        let mut seen = ball.clone();
+        seen.set(state);
+        let far = apart(ball, &seen);
+        for field in 0..4 {
+            let ratio = far[field] / allowed[field];
+            let ratio = if ratio.is_nan() { f64::INFINITY } else { ratio };
+            worst = worst.max(ratio);
+            if ratio > 1.0 {
+                let (name, allowed) = (FIELDS[field], allowed[field]);
+                let (engine, witness) = (fields(&seen)[field], fields(ball)[field]);
+                let _ =
+                    writeln!(text, "  sphere {at} {name}: engine {engine:?}\n    witness {witness:?} allowed {allowed:.2e}");
+            }
+        }
+    }
+    (worst, text)
+}
+
+/// What the witness saw.
+pub(crate) fn describe(world: &World, contacts: &[Pressed]) -> String {
+    let mut text = String::new();
+    let set = &world.set;
+    let _ = writeln!(text, "  dt {} {set:?}", world.dt);
+    for (at, ball) in world.balls.iter().enumerate() {
+        let body = world.body[at];
+        let _ = writeln!(text, "  {at} {body:?} m {} r {} x {} v {} l {}", ball.mass, ball.radius, ball.x, ball.v, ball.l);
+    }
+    for bar in &world.bars {
+        let _ = writeln!(text, "  rod {:?} r {} length {:?}", bar.ends, bar.radius, bar.length);
+    }
+    let motion = crate::sides::Motion::of(world);
+    for (pair, line) in world.touches() {
+        let u = world.approach(&pair, &line, &motion);
+        let (a, b, feature, at, o, c) = (pair.a, pair.b, pair.feature, line.at, line.o, world.threshold(&pair));
+        let _ = write!(text, "  {a:?} {b:?} {feature:?} n {} o {o:.6} at {at:.4?} u {u:.5} c {c:.3}", line.n);
+        if let Some(contact) = contacts.iter().find(|contact| contact.pair == pair) {
+            let (collides, lone, tau, j) = (contact.collides, contact.lone, contact.tau, contact.j);
+            let _ = write!(text, " collides {collides} lone {lone} tau {tau:.6} j {j:.6}");
+        }
+        text.push('\n');
+    }
+    text
+}

@@ -1,0 +1,172 @@
+//! Forces: gravity, springs, contacts (docs/physics.md section 4).
+
+use rockfall::glam::DVec3;
+
+use crate::geometry::{Line, Pair, Thing};
+use crate::sides::{Motion, Side, sides};
+use crate::world::{Anchor, Body, Mistake, Pull, World};
+
+/// A slip up to this part of what it is the difference of is rounding.
+const ROUNDED: f64 = 5e-7;
+
+/// Rates of change of velocity and angular momentum.
+pub(crate) type Rates = Motion;
+
+/// How the surfaces of a contact slide on each other.
+pub(crate) struct Slip {
+    /// Velocity of B's surface against A's, across the normal.
+    pub(crate) t: DVec3,
+    /// Arms of A and B; 0 for what is static.
+    pub(crate) arms: [f64; 2],
+}
+
+impl World {
+    fn radius(&self, thing: Thing) -> Option<f64> {
+        match thing {
+            Thing::Ball(ball) => Some(self.balls[ball].radius),
+            Thing::Bar(bar) => Some(self.bars[bar].radius),
+            Thing::Block(_) | Thing::Face(_) => None,
+        }
+    }
+
+    /// Inverse mass of a side of its own, capsules and networks taken as free spheres.
+    fn plain_mass(&self, side: Side) -> f64 {
+        self.shares(side).into_iter().map(|(ball, share)| share * share * self.balls[ball].w()).sum()
+    }
+
+    fn plain_inertia(&self, side: Side) -> f64 {
+        self.shares(side).into_iter().map(|(ball, share)| share * share * self.balls[ball].i()).sum()
+    }
+
+    pub(crate) fn slip(&self, pair: &Pair, line: &Line, motion: &Motion) -> Slip {
+        let radii = [pair.a, pair.b].map(|thing| self.radius(thing));
+        let back = match (self.made(Mistake::Arms), radii[1]) {
+            (true, _) => 0.0,
+            (false, Some(_)) => 0.5 * line.o,
+            (false, None) => line.o,
+        };
+        let arms = radii.map(|radius| radius.map_or(0.0, |radius| radius - back));
+        let [a, b] = sides(pair, line);
+        let (va, vb) = (self.velocity(a, motion), self.velocity(b, motion));
+        let turn_a = self.spin(a, motion).cross(arms[0] * line.n);
+        let turn_b = self.spin(b, motion).cross(arms[1] * line.n);
+        let slip = (vb - turn_b) - (va + turn_a);
+        let t = slip - line.n * slip.dot(line.n);
+        let operands = [va, vb, turn_a, turn_b].into_iter().map(DVec3::length_squared).sum::<f64>().sqrt();
+        Slip { t: if t.length() <= ROUNDED * operands { DVec3::ZERO } else { t }, arms }
+    }
+
+    /// Reduced mass and normal force of a contact (docs/physics.md section 4.3); `None` where there is no force.
+    pub(crate) fn normal_force(&self, pair: &Pair, line: &Line, motion: &Motion, pull: bool) -> Option<(f64, f64)> {
+        let [a, b] = sides(pair, line);
+        let u = (self.velocity(a, motion) - self.velocity(b, motion)).dot(line.n);
+        let c = self.threshold(pair);
+        let parting = u < -c && !self.made(Mistake::Separating);
+        let fresh = u > c && line.o < 2.0 * u * self.dt;
+        let mass = self.plain_mass(a) + self.plain_mass(b);
+        if mass == 0.0 || self.set.collisions && (parting || fresh) {
+            return None;
+        }
+        let strength = self.set.stiffness * line.o + self.set.damping * u;
+        Some((1.0 / mass, if pull { strength } else { strength.max(0.0) } / mass))
+    }
+
+    /// Adds the force and the couples of a contact.
+    fn contact(&self, pair: &Pair, line: &Line, motion: &Motion, loads: &mut Motion) {
+        let Some((mass, normal)) = self.normal_force(pair, line, motion, self.set.pull) else { return };
+        let slip = self.slip(pair, line, motion);
+        let both = sides(pair, line);
+        let speed = slip.t.length();
+        let mut rub = DVec3::ZERO;
+        if self.set.coulomb == 0.0 && speed > 0.0 {
+            let give: f64 = both
+                .iter()
+                .zip(slip.arms)
+                .map(|(&side, arm)| self.plain_mass(side) + arm * arm * self.plain_inertia(side))
+                .sum();
+            let law = self.set.friction * mass * line.o * speed.sqrt();
+            let bound = speed / (2.0 * give * self.dt);
+            let size = if self.made(Mistake::FrictionBound) { law } else { law.min(bound) };
+            rub = size * slip.t / speed;
+        }
+        for (side, arm) in both.into_iter().zip(slip.arms) {
+            let force = side.sign * (normal * line.n - rub);
+            let couple = arm * line.n.cross(rub);
+            for (ball, share) in self.shares(side) {
+                loads.v[ball] += share * force;
+                loads.l[ball] += share * couple;
+            }
+        }
+    }
+
+    /// Outside forces, springs and tethers on every sphere.
+    fn pull_forces(&self) -> Vec<DVec3> {
+        let mut forces: Vec<DVec3> = self.balls.iter().map(|ball| ball.force).collect();
+        for pull in &self.pulls {
+            let near = &self.balls[pull.ball];
+            let (far, far_v) = match pull.anchor {
+                Anchor::Ball(ball) => (self.balls[ball].x, self.balls[ball].v),
+                Anchor::Point(point) => (point, DVec3::ZERO),
+            };
+            let d = far - near.x;
+            let Some(n) = d.try_normalize() else { continue };
+            let force = (pull.stiffness * (d.length() - pull.length) + pull.damping * (far_v - near.v).dot(n)) * n;
+            forces[pull.ball] += force;
+            if let Anchor::Ball(ball) = pull.anchor {
+                forces[ball] -= force;
+            }
+        }
+        forces
+    }
+
+    /// Second derivative of the energy of springs and tethers along displacements of all spheres (docs/physics.md section 3.6).
+    pub(crate) fn curvature(&self, displacements: &[DVec3]) -> f64 {
+        let of_pull = |pull: &Pull| {
+            let (far, moved) = match pull.anchor {
+                Anchor::Ball(ball) => (self.balls[ball].x, displacements[ball]),
+                Anchor::Point(point) => (point, DVec3::ZERO),
+            };
+            let (d, s) = (far - self.balls[pull.ball].x, moved - displacements[pull.ball]);
+            if d == DVec3::ZERO {
+                return 0.0;
+            }
+            // Along the spring its stiffness counts, across it what it pulls at present.
+            let tight = pull.length / d.length();
+            pull.stiffness * ((1.0 - tight) * s.length_squared() + tight * s.dot(d).powi(2) / d.length_squared())
+        };
+        self.pulls.iter().map(of_pull).sum()
+    }
+
+    /// Accelerations by everything but contacts; of a capsule's ends, that of its centre (docs/physics.md section 3.6).
+    pub(crate) fn free_accelerations(&self) -> Vec<DVec3> {
+        let forces = self.pull_forces();
+        (0..self.balls.len())
+            .map(|ball| match self.body[ball] {
+                None => DVec3::ZERO,
+                Some(Body::Capsule(bar)) => {
+                    let [one, two] = self.bars[bar].ends;
+                    let mass = self.balls[one].mass + self.balls[two].mass;
+                    self.set.gravity + (forces[one] + forces[two]) / mass
+                }
+                Some(_) => self.set.gravity + forces[ball] / self.balls[ball].mass,
+            })
+            .collect()
+    }
+
+    /// Rates of change of velocity and angular momentum at the present state.
+    pub(crate) fn rates(&self) -> Rates {
+        let motion = Motion::of(self);
+        let mut loads = Motion { v: self.pull_forces(), ..Motion::none(self) };
+        for (pair, line) in self.touches() {
+            self.contact(&pair, &line, &motion, &mut loads);
+        }
+        for (ball, state) in self.balls.iter().enumerate() {
+            if state.fixed {
+                (loads.v[ball], loads.l[ball]) = (DVec3::ZERO, DVec3::ZERO);
+            } else {
+                loads.v[ball] = loads.v[ball] / state.mass + self.set.gravity;
+            }
+        }
+        loads
+    }
+}

@@ -1,0 +1,319 @@
+//! Closest points and signed overlaps (docs/physics.md section 2).
+
+use rockfall::glam::DVec3;
+
+use crate::world::{Ball, Bar, Block, Face, World};
+
+/// A distance that is so short beside what it is the difference of has no direction,
+const ROUNDED: f64 = 5e-7;
+/// unless it is longer than this part of the reach of the two things.
+const SMALL: f64 = 0.01;
+/// A parameter that is less far beyond an end is at the end.
+const AT_END: f64 = 1e-6;
+/// Squared sine of the angle below which two lines are parallel.
+const PARALLEL: f64 = 1e-8;
+
+/// One side of a contact.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Thing {
+    Ball(usize),
+    Bar(usize),
+    Block(usize),
+    Face(usize),
+}
+
+/// Which part of a box a rod meets.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Feature {
+    None,
+    Edge(usize),
+    Vertex(usize),
+}
+
+/// Two things that may touch.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Pair {
+    pub(crate) a: Thing,
+    pub(crate) b: Thing,
+    pub(crate) feature: Feature,
+}
+
+/// A contact line.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Line {
+    /// Unit normal from A to B.
+    pub(crate) n: DVec3,
+    /// Overlap; negative where the two are apart.
+    pub(crate) o: f64,
+    /// Parameters on A and B, where these are rods.
+    pub(crate) at: [f64; 2],
+}
+
+fn on_segment(parameter: f64) -> bool {
+    (-AT_END..=1.0 + AT_END).contains(&parameter)
+}
+
+/// A distance vector, 0 where it is rounding of vectors whose squared lengths sum to `squared`.
+fn unrounded(d: DVec3, squared: f64, reach: f64) -> DVec3 {
+    let least = (ROUNDED * ROUNDED * squared).min((SMALL * reach).powi(2));
+    if d.length_squared() <= least { DVec3::ZERO } else { d }
+}
+
+/// Parameter of the foot of a point on a segment, and the vector from the point to it; `None` beyond the ends.
+fn point_segment(point: DVec3, from: DVec3, to: DVec3, reach: f64) -> Option<(f64, DVec3)> {
+    let (axis, c) = (to - from, point - from);
+    let squared = axis.length_squared();
+    let a = axis.dot(c) / squared;
+    (squared > 0.0 && on_segment(a)).then(|| (a, unrounded(a * axis - c, squared + c.length_squared(), reach)))
+}
+
+/// Closest points of two segments.
+struct Closest {
+    a: f64,
+    b: f64,
+    d: DVec3,
+    /// The common normal of segments that are not parallel.
+    common: Option<DVec3>,
+}
+
+fn segment_segment(a: [DVec3; 2], b: [DVec3; 2], reach: f64) -> Option<Closest> {
+    let (along_a, along_b, c) = (a[1] - a[0], b[1] - b[0], b[0] - a[0]);
+    let (aa, bb) = (along_a.length_squared(), along_b.length_squared());
+    if aa == 0.0 || bb == 0.0 {
+        return None;
+    }
+    let n = along_a.cross(along_b);
+    let squared = aa + bb + c.length_squared();
+    if n.length_squared() <= PARALLEL * aa * bb {
+        let ends = [c, c + along_b].map(|end| end.dot(along_a) / aa);
+        let (low, high) = (ends[0].min(ends[1]).max(0.0), ends[0].max(ends[1]).min(1.0));
+        if low > high {
+            return None;
+        }
+        let at = 0.5 * (low + high);
+        let other = (at * along_a - c).dot(along_b) / bb;
+        let d = c + other * along_b - at * along_a;
+        let d = d - d.dot(along_a) / aa * along_a;
+        return Some(Closest { a: at, b: other, d: unrounded(d, squared, reach), common: None });
+    }
+    let at = c.dot(along_b.cross(n)) / n.length_squared();
+    let other = c.dot(along_a.cross(n)) / n.length_squared();
+    let d = unrounded(c + other * along_b - at * along_a, squared, reach);
+    (on_segment(at) && on_segment(other)).then(|| Closest { a: at, b: other, d, common: Some(n.normalize()) })
+}
+
+/// The contact of two round things that are `d` apart.
+fn round(d: DVec3, reach: f64, else_n: DVec3, at: [f64; 2]) -> Line {
+    Line { n: if d == DVec3::ZERO { else_n } else { d.normalize() }, o: reach - d.length(), at }
+}
+
+fn sphere_sphere(one: &Ball, two: &Ball) -> Line {
+    let reach = one.radius + two.radius;
+    let squared = one.x.length_squared() + two.x.length_squared();
+    round(unrounded(two.x - one.x, squared, reach), reach, DVec3::Y, [0.0; 2])
+}
+
+fn sphere_rod(ball: &Ball, bar: &Bar, ends: [DVec3; 2]) -> Option<Line> {
+    let reach = ball.radius + bar.radius;
+    let (a, d) = point_segment(ball.x, ends[0], ends[1], reach)?;
+    Some(round(d, reach, DVec3::Y, [0.0, a]))
+}
+
+fn rod_rod(one: &Bar, a: [DVec3; 2], two: &Bar, b: [DVec3; 2]) -> Option<Line> {
+    let reach = one.radius + two.radius;
+    let closest = segment_segment(a, b, reach)?;
+    Some(round(closest.d, reach, closest.common.unwrap_or(DVec3::Y), [closest.a, closest.b]))
+}
+
+/// Parameters of a point along the edges of a box.
+fn in_box(block: &Block, point: DVec3) -> [f64; 3] {
+    block.edges.map(|edge| (point - block.corner).dot(edge) / edge.length_squared())
+}
+
+fn sphere_box(ball: &Ball, block: &Block) -> Line {
+    let t = in_box(block, ball.x);
+    let closest: DVec3 = block.corner + (0..3).map(|k| t[k].clamp(0.0, 1.0) * block.edges[k]).sum::<DVec3>();
+    let squared = (ball.x - block.corner).length_squared() + block.edges.iter().map(|e| e.length_squared()).sum::<f64>();
+    let d = unrounded(closest - ball.x, squared, ball.radius);
+    // By its parameters: what edges that are rounded make of a centre inside is no distance.
+    let inside = t.into_iter().all(|t| (0.0..=1.0).contains(&t));
+    if d != DVec3::ZERO && !inside {
+        return Line { n: d.normalize(), o: ball.radius - d.length(), at: [0.0; 2] };
+    }
+    let mut way = (f64::INFINITY, DVec3::Y);
+    for (t, edge) in t.into_iter().zip(block.edges) {
+        for (depth, inward) in [(t * edge.length(), edge), ((1.0 - t) * edge.length(), -edge)] {
+            if depth < way.0 {
+                way = (depth, inward.normalize());
+            }
+        }
+    }
+    Line { n: way.1, o: ball.radius + way.0, at: [0.0; 2] }
+}
+
+/// The plane of a polygon, and the point's parameters in it.
+fn sphere_face(ball: &Ball, face: &Face) -> (Line, [f64; 2]) {
+    let n = face.left.cross(face.right);
+    let p = ball.x - face.corner;
+    let l = p.cross(face.right).dot(n) / n.length_squared();
+    let k = face.left.cross(p).dot(n) / n.length_squared();
+    let up = n.normalize();
+    (Line { n: -up, o: ball.radius - p.dot(up), at: [0.0; 2] }, [l, k])
+}
+
+/// The ends of an edge of a box, and the direction outward at it: four edges along each of I, J, K.
+fn edge_of(block: &Block, edge: usize) -> ([DVec3; 2], DVec3) {
+    let (along, side) = (edge / 4, edge % 4);
+    let (one, two) = ((along + 1) % 3, (along + 2) % 3);
+    let (p, q) = ((side & 1) as f64, (side >> 1) as f64);
+    let from = block.corner + p * block.edges[one] + q * block.edges[two];
+    let out = (2.0 * p - 1.0) * block.edges[one].normalize() + (2.0 * q - 1.0) * block.edges[two].normalize();
+    ([from, from + block.edges[along]], out.normalize())
+}
+
+fn vertex_of(block: &Block, vertex: usize) -> (DVec3, DVec3) {
+    let bits = [0, 1, 2].map(|k| ((vertex >> k) & 1) as f64);
+    let place = block.corner + (0..3).map(|k| bits[k] * block.edges[k]).sum::<DVec3>();
+    let out: DVec3 = (0..3).map(|k| (2.0 * bits[k] - 1.0) * block.edges[k].normalize()).sum();
+    (place, out.normalize())
+}
+
+/// A rod against an edge or a vertex of a box; and the distance of its axis from it.
+fn rod_box(bar: &Bar, ends: [DVec3; 2], block: &Block, feature: Feature, slack: f64) -> Option<(Line, f64)> {
+    let (a, d, out) = match feature {
+        Feature::Edge(edge) => {
+            let (edge, out) = edge_of(block, edge);
+            let closest = segment_segment(ends, edge, bar.radius)?;
+            (closest.a, closest.d, out)
+        }
+        Feature::Vertex(vertex) => {
+            let (place, out) = vertex_of(block, vertex);
+            let (a, d) = point_segment(place, ends[0], ends[1], bar.radius)?;
+            (a, -d, out)
+        }
+        Feature::None => return None,
+    };
+    let axis_point = ends[0].lerp(ends[1], a);
+    let inside = in_box(block, axis_point).into_iter().all(|t| (-slack..=1.0 + slack).contains(&t));
+    let (r, far) = (bar.radius, d.length());
+    let (n, o) = match (d == DVec3::ZERO, inside) {
+        (true, _) => (-out, r),
+        (false, true) => (-d.normalize(), r + far),
+        (false, false) => (d.normalize(), r - far),
+    };
+    Some((Line { n, o, at: [a, 0.0] }, far))
+}
+
+impl World {
+    pub(crate) fn ends(&self, bar: usize) -> [DVec3; 2] {
+        self.bars[bar].ends.map(|end| self.balls[end].x)
+    }
+
+    /// The contact line of a pair, whether or not it overlaps; `None` beyond the ends of rods (docs/physics.md section 3.6).
+    pub(crate) fn line(&self, pair: &Pair) -> Option<Line> {
+        match (pair.a, pair.b) {
+            (Thing::Ball(a), Thing::Ball(b)) => Some(sphere_sphere(&self.balls[a], &self.balls[b])),
+            (Thing::Ball(a), Thing::Bar(b)) => sphere_rod(&self.balls[a], &self.bars[b], self.ends(b)),
+            (Thing::Ball(a), Thing::Block(b)) => Some(sphere_box(&self.balls[a], &self.blocks[b])),
+            (Thing::Ball(a), Thing::Face(b)) => Some(sphere_face(&self.balls[a], &self.faces[b]).0),
+            (Thing::Bar(a), Thing::Bar(b)) => rod_rod(&self.bars[a], self.ends(a), &self.bars[b], self.ends(b)),
+            (Thing::Bar(a), Thing::Block(b)) => {
+                rod_box(&self.bars[a], self.ends(a), &self.blocks[b], pair.feature, self.slack).map(|found| found.0)
+            }
+            _ => None,
+        }
+    }
+
+    /// The same; a rod that a collision has moved off a box has the line of the edge or of the vertex of this number, whichever is
+    /// nearer (section 2.10).
+    pub(crate) fn nearer_line(&self, pair: &Pair) -> Option<Line> {
+        let number = match pair.feature {
+            Feature::Edge(number) | Feature::Vertex(number) if number < 8 => number,
+            _ => return self.line(pair),
+        };
+        let of = |feature| self.line(&Pair { feature, ..*pair });
+        match (of(Feature::Edge(number)), of(Feature::Vertex(number))) {
+            (Some(edge), Some(vertex)) if edge.o > 0.0 || edge.o > vertex.o => Some(edge),
+            (Some(edge), None) => Some(edge),
+            (_, vertex) => vertex,
+        }
+    }
+
+    /// All pairs that overlap now.
+    pub(crate) fn touches(&self) -> Vec<(Pair, Line)> {
+        let things = self.things();
+        let mut found = Vec::new();
+        for (place, &a) in things.iter().enumerate() {
+            for &b in &things[place + 1..] {
+                if self.may_meet(a, b) {
+                    self.touch(a, b, &mut found);
+                }
+            }
+        }
+        found
+    }
+
+    fn things(&self) -> Vec<Thing> {
+        let balls = (0..self.balls.len()).map(Thing::Ball);
+        let bars = (0..self.bars.len()).map(Thing::Bar);
+        let blocks = (0..self.blocks.len()).map(Thing::Block);
+        let faces = (0..self.faces.len()).map(Thing::Face);
+        balls.chain(bars).chain(blocks).chain(faces).collect()
+    }
+
+    fn group(&self, thing: Thing) -> u16 {
+        match thing {
+            Thing::Ball(ball) => self.balls[ball].group,
+            Thing::Bar(bar) => self.bars[bar].group,
+            Thing::Block(block) => self.blocks[block].group,
+            Thing::Face(face) => self.faces[face].group,
+        }
+    }
+
+    fn can_move(&self, thing: Thing) -> bool {
+        match thing {
+            Thing::Ball(ball) => !self.balls[ball].fixed,
+            Thing::Bar(bar) => self.bars[bar].ends.into_iter().any(|end| !self.balls[end].fixed),
+            Thing::Block(_) | Thing::Face(_) => false,
+        }
+    }
+
+    /// Groups, things that cannot move, and parts of one body.
+    fn may_meet(&self, a: Thing, b: Thing) -> bool {
+        let related = match (a, b) {
+            (Thing::Ball(a), Thing::Ball(b)) => {
+                self.bars.iter().any(|bar| bar.length.is_some() && (bar.ends == [a, b] || bar.ends == [b, a]))
+            }
+            (Thing::Ball(a), Thing::Bar(b)) => self.bars[b].ends.contains(&a),
+            (Thing::Bar(a), Thing::Bar(b)) => self.bars[a].ends.iter().any(|end| self.bars[b].ends.contains(end)),
+            _ => false,
+        };
+        !related && self.group(a) == self.group(b) && (self.can_move(a) || self.can_move(b))
+    }
+
+    fn touch(&self, a: Thing, b: Thing, found: &mut Vec<(Pair, Line)>) {
+        let plain = Pair { a, b, feature: Feature::None };
+        match (a, b) {
+            (Thing::Ball(ball), Thing::Face(face)) => {
+                let (line, inside) = sphere_face(&self.balls[ball], &self.faces[face]);
+                let over = inside.into_iter().all(|t| (0.0..=1.0).contains(&t));
+                if over && line.o > 0.0 && line.o <= self.balls[ball].radius {
+                    found.push((plain, line));
+                }
+            }
+            (Thing::Bar(bar), Thing::Block(block)) => {
+                let (rod, ends) = (&self.bars[bar], self.ends(bar));
+                let hit = |feature: Feature| {
+                    let (line, far) = rod_box(rod, ends, &self.blocks[block], feature, self.slack)?;
+                    (far < rod.radius).then_some((Pair { feature, ..plain }, line))
+                };
+                let before = found.len();
+                found.extend((0..12).filter_map(|edge| hit(Feature::Edge(edge))));
+                if found.len() == before {
+                    found.extend((0..8).filter_map(|vertex| hit(Feature::Vertex(vertex))));
+                }
+            }
+            _ => found.extend(self.line(&plain).filter(|line| line.o > 0.0).map(|line| (plain, line))),
+        }
+    }
+}

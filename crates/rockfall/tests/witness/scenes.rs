@@ -1,0 +1,198 @@
+//! Random scenes: small clusters of bodies of all kinds, and settings.
+
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64Mcg;
+use rockfall::glam::Vec3;
+use rockfall::{Cuboid, Integrator, Polygon, Rod, Scene, Settings, Sphere, SphereId, Spring, Tether};
+
+use crate::draw::{Draw, direction};
+
+/// What holds for a step.
+#[derive(Clone, Copy)]
+pub(crate) struct Regime {
+    pub(crate) settings: Settings,
+    pub(crate) dt: f32,
+}
+
+/// Clusters, the integrator, and the regimes, which steps take in turn.
+pub(crate) struct Plan {
+    pub(crate) integrator: Integrator,
+    pub(crate) regimes: Vec<Regime>,
+    pub(crate) clusters: Vec<Scene>,
+}
+
+/// What a cluster consists of.
+const RECIPES: [fn(&mut Draw); 17] = [
+    Draw::duel,
+    Draw::crowd,
+    Draw::corner,
+    Draw::rods,
+    Draw::capsule_duel,
+    Draw::capsules,
+    Draw::pendulum,
+    Draw::frame,
+    Draw::springs,
+    Draw::box_and_rods,
+    Draw::box_and_balls,
+    Draw::rollers,
+    Draw::groups,
+    Draw::everything,
+    Draw::tied,
+    Draw::parallel,
+    Draw::folded,
+];
+
+/// How many kinds of clusters there are.
+pub(crate) const KINDS: usize = RECIPES.len();
+
+/// So many clusters of all kinds in turn, and so many regimes.
+pub(crate) fn plan(seed: u64, count: usize, regimes: usize) -> Plan {
+    let mut rng = Pcg64Mcg::seed_from_u64(seed ^ 0x5eed);
+    let clusters = (0..count).map(|number| {
+        // Clusters are in groups of their own (`together`), and may meet.
+        let cell = |k: usize| if count > 1 { 4.0 * (k % 3) as f32 - 4.0 } else { 0.0 };
+        let middle = Vec3::new(cell(number), cell(number / 3), cell(number / 9));
+        let mut draw = Draw { rng: Pcg64Mcg::seed_from_u64(seed << 8 | number as u64), scene: Scene::new(), middle };
+        RECIPES[(seed as usize + number) % KINDS](&mut draw);
+        without_stretching(&draw.scene)
+    });
+    let clusters: Vec<Scene> = clusters.collect();
+    let size = if rng.random_bool(0.2) { 10.0_f32.powf(rng.random_range(-2.0..2.0)) } else { 1.0 };
+    let heavy = if rng.random_bool(0.2) { 100.0 } else { 1.0 };
+    let clusters = clusters.iter().map(|cluster| sized(cluster, size, heavy)).collect();
+    let integrator = if rng.random_bool(0.65) { Integrator::Rk4 } else { Integrator::SymplecticEuler };
+    let regimes = (0..regimes).map(|_| {
+        let dt = [0.002, 0.005, 0.01, 0.02][rng.random_range(0..4)] * rng.random_range(0.8..1.2);
+        Regime { settings: settings(&mut rng), dt }
+    });
+    Plan { integrator, regimes: regimes.collect(), clusters }
+}
+
+fn settings(rng: &mut Pcg64Mcg) -> Settings {
+    let mut settings = Settings {
+        restitution: [1.0, 0.75, rng.random_range(0.0..1.0)][rng.random_range(0..3)],
+        gravity: [0.0, 1.0, rng.random_range(0.0..12.0)][rng.random_range(0..3)],
+        gravity_direction: direction(rng),
+        activation_threshold: [1.0, rng.random_range(0.0..0.5)][rng.random_range(0..2)],
+        contact_force: [1000.0, rng.random_range(100.0..2000.0)][rng.random_range(0..2)],
+        contact_damping: [12.5, 0.0, rng.random_range(0.0..30.0)][rng.random_range(0..3)],
+        friction: [50.0, 0.0, 5000.0][rng.random_range(0..3)],
+        collisions: rng.random_bool(0.85),
+        contact_pull: rng.random_bool(0.1),
+        ..Settings::default()
+    };
+    if rng.random_bool(0.3) {
+        settings.coulomb_friction = rng.random_range(0.05..1.0);
+    }
+    if rng.random_bool(0.3) {
+        settings.collision_friction = rng.random_range(0.05..1.0);
+    }
+    settings
+}
+
+/// The scene with capsules whose ends neither approach nor part: of others the rules say nothing, and a step puts them right.
+fn without_stretching(scene: &Scene) -> Scene {
+    let ids: Vec<SphereId> = scene.sphere_ids().collect();
+    let mut spheres = scene.spheres().to_vec();
+    let rods_at = |id: SphereId| scene.rods().iter().filter(|rod| rod.end1 == id || rod.end2 == id).count();
+    for rod in scene.rods().iter().filter(|rod| rod.length.is_some()) {
+        let ends = [rod.end1, rod.end2];
+        let [one, two] = ends.map(|end| ids.iter().position(|&known| known == end).expect("a sphere of the scene"));
+        if ends.map(rods_at) == [1; 2] && !spheres[one].fixed && !spheres[two].fixed {
+            let axis = (spheres[two].position - spheres[one].position).normalize();
+            let opening = (spheres[two].velocity - spheres[one].velocity).dot(axis);
+            spheres[two].velocity -= opening * axis;
+        }
+    }
+    rebuilt(scene, |at, _| spheres[at])
+}
+
+/// The same scene in another unit of length, and every third sphere of another mass.
+fn sized(scene: &Scene, size: f32, heavy: f32) -> Scene {
+    let mut new = Scene::new();
+    for (at, sphere) in scene.spheres().iter().enumerate() {
+        let mass = if at % 3 == 0 { heavy } else { 1.0 };
+        let sphere = Sphere {
+            position: size * sphere.position,
+            velocity: size * sphere.velocity,
+            angular_momentum: mass * size * size * sphere.angular_momentum,
+            mass: mass * sphere.mass,
+            radius: size * sphere.radius,
+            force: mass * size * sphere.force,
+            ..*sphere
+        };
+        new.add_sphere(sphere).expect("a valid sphere");
+    }
+    copy_rest(scene, &mut new, &Copy { size, ..PLAIN });
+    new
+}
+
+/// A scene with changed spheres.
+pub(crate) fn rebuilt(scene: &Scene, change: impl Fn(usize, Sphere) -> Sphere) -> Scene {
+    let mut new = Scene::new();
+    for (at, sphere) in scene.spheres().iter().enumerate() {
+        new.add_sphere(change(at, *sphere)).expect("a valid sphere");
+    }
+    copy_rest(scene, &mut new, &PLAIN);
+    new
+}
+
+/// Groups of one cluster; known scenes have some.
+const GROUPS: u16 = 10;
+
+/// How objects are copied to another scene.
+struct Copy {
+    /// Where the spheres begin there.
+    offset: usize,
+    /// How many times as large they are.
+    size: f32,
+    /// What is added to their groups.
+    groups: u16,
+}
+
+/// A copy as it is.
+const PLAIN: Copy = Copy { offset: 0, size: 1.0, groups: 0 };
+
+/// Adds to a scene whatever another holds but its spheres.
+fn copy_rest(from: &Scene, to: &mut Scene, copy: &Copy) {
+    let &Copy { offset, size, groups } = copy;
+    let (old, new): (Vec<SphereId>, Vec<SphereId>) = (from.sphere_ids().collect(), to.sphere_ids().collect());
+    let map = |id: SphereId| new[offset + old.iter().position(|&known| known == id).expect("a sphere of the scene")];
+    for rod in from.rods() {
+        let length = rod.length.map(|length| size * length);
+        let (end1, end2, group) = (map(rod.end1), map(rod.end2), groups + rod.group);
+        to.add_rod(Rod { end1, end2, radius: size * rod.radius, length, group }).expect("a valid rod");
+    }
+    for spring in from.springs() {
+        let spring = Spring { a: map(spring.a), b: map(spring.b), length: size * spring.length, ..*spring };
+        to.add_spring(spring).expect("a valid spring");
+    }
+    for tether in from.tethers() {
+        let (point, length) = (size * tether.point, size * tether.length);
+        to.add_tether(Tether { sphere: map(tether.sphere), point, length, ..*tether }).expect("a valid tether");
+    }
+    for cuboid in from.boxes() {
+        let edges = cuboid.edges.map(|edge| size * edge);
+        let group = groups + cuboid.group;
+        to.add_box(Cuboid { corner: size * cuboid.corner, edges, group }).expect("a valid box");
+    }
+    for polygon in from.polygons() {
+        let (corner, left, right) = (size * polygon.corner, size * polygon.left, size * polygon.right);
+        let group = groups + polygon.group;
+        to.add_polygon(Polygon { corner, left, right, group }).expect("a valid polygon");
+    }
+}
+
+/// All clusters in one scene, each in groups of its own.
+pub(crate) fn together(plan: &Plan) -> Scene {
+    let mut scene = Scene::new();
+    for (number, cluster) in plan.clusters.iter().enumerate() {
+        let offset = scene.spheres().len();
+        let groups = GROUPS * number as u16;
+        for sphere in cluster.spheres() {
+            scene.add_sphere(sphere.group(groups + sphere.group)).expect("a valid sphere");
+        }
+        copy_rest(cluster, &mut scene, &Copy { offset, size: 1.0, groups });
+    }
+    scene
+}
