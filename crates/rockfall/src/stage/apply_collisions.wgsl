@@ -14,8 +14,10 @@ fn put_next(region: u32, i: u32, row: vec4f) {
 // What the colliding entry in this slot, of one of a sphere's rows, gives it.
 fn part_of_entry(sphere: u32, row: u32, slot: vec2u) -> Part {
     if !RODS & !LARGE {
-        if step.sweeps == SWEEPS_OFF {
-            return part_by_itself(sphere, entry_id(entry_at(slot)));
+        let entry = entry_at(slot);
+        // The entry always collides. Were the constant asked by itself, Mesa's lavapipe would compile this kernel anew for every dispatch.
+        if (step.sweeps == SWEEPS_OFF) & ((entry & ENTRY_COLLIDES) != 0u) {
+            return part_by_itself(sphere, entry_id(entry));
         }
     }
     let r = record_of(slot);
