@@ -113,7 +113,9 @@ pub const SWEEPS_ON: u32 = 3;
 /// Up to so many collisions one workgroup makes all sweeps faster than a dispatch each.
 pub const FEW_COLLISIONS: u32 = 2048;
 /// Sweeps over the impulses of collisions that share bodies.
-pub const SWEEPS: u32 = 16;
+pub const SWEEPS: u32 = 8;
+/// Factors of the step sizes of these sweeps, each for two of them (docs/physics.md section 3.7).
+pub const SWEEP_SIZES: [f32; 4] = [1.250_98, 2.668_52, 1.816_11, 1.0];
 /// Words of a collision in the buffer of collisions.
 pub const COLLISION_WORDS: u32 = 48;
 

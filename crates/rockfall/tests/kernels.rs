@@ -340,6 +340,28 @@ fn the_constants_are_those_of_layout() {
     }
 }
 
+/// The step sizes of sweeps, in the stages that make them.
+#[test]
+fn the_sizes_of_sweeps_are_those_of_layout() {
+    let mut seen = 0;
+    for stage in ALL {
+        let module = module(stage);
+        let Some(init) =
+            module.constants.iter().find(|(_, it)| it.name.as_deref() == Some("SWEEP_SIZES")).map(|(_, it)| it.init)
+        else {
+            continue;
+        };
+        let naga::Expression::Compose { components, .. } = &module.global_expressions[init] else {
+            panic!("{}: SWEEP_SIZES is no vector", stage.name);
+        };
+        let sizes: Vec<_> = components.iter().map(|component| module.global_expressions[*component].clone()).collect();
+        let expected = layout::SWEEP_SIZES.map(|size| naga::Expression::Literal(naga::Literal::F32(size)));
+        assert_eq!(format!("{sizes:?}"), format!("{expected:?}"), "{}", stage.name);
+        seen += 1;
+    }
+    assert!(seen >= 2, "two stages sweep");
+}
+
 /// What a list entry is made of depends on whether there are rods.
 #[test]
 fn the_parts_of_a_list_entry_are_those_of_layout() {

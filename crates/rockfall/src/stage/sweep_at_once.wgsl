@@ -5,6 +5,9 @@
 override TEAM: u32 = 256u;
 
 var<workgroup> records: u32;
+// How many neighbours any of them has, for equal rounds.
+var<workgroup> most: atomic<u32>;
+var<workgroup> rounds: u32;
 
 // Every thread has as many rounds, for a barrier follows (see run_steps.wgsl).
 @compute @workgroup_size(TEAM)
@@ -12,17 +15,31 @@ fn sweep_at_once(@builtin(local_invocation_index) local: u32) {
     if local == 0u {
         let is_due = has_changes() & (atomicLoad(&status.clustered) != 0u);
         records = select(0u, min(listed_records(), FEW_COLLISIONS), is_due);
+        atomicStore(&most, 0u);
     }
     let count = workgroupUniformLoad(&records);
     if count == 0u {
         return;
     }
+    for (var first = 0u; first < count; first += TEAM) {
+        let r = first + local;
+        if r < count {
+            if is_shared(r) {
+                atomicMax(&most, neighbours_of(r));
+            }
+        }
+    }
+    workgroupBarrier();
+    if local == 0u {
+        rounds = atomicLoad(&most);
+    }
+    let neighbours = workgroupUniformLoad(&rounds);
     for (var sweeps = 0u; sweeps < SWEEPS; sweeps++) {
         for (var first = 0u; first < count; first += TEAM) {
             let r = first + local;
             if r < count {
                 if is_shared(r) {
-                    put_sweep(r, sweeps, change_by_neighbours(r, sweeps));
+                    put_sweep(r, sweeps, change_by_neighbours(r, neighbours, sweeps));
                 }
             }
         }

@@ -59,40 +59,47 @@ struct Weight {
     weight: f32,
     is_alone: bool,
     others: u32,
+    // On a network, of which sweeps work out the changes.
+    is_swept: bool,
 }
 
 // That of one end of a side, of which this part of the impulse is its.
-fn weight_of_end(k: Record, sphere: u32, part: f32, of_network: f32) -> Weight {
+fn weight_of_end(k: Record, sphere: u32, part: f32, of_network: vec2f) -> Weight {
     let w = inverse_mass(sphere);
     if w <= 0.0 {
-        return Weight(0.0, true, 0u);
+        return Weight(0.0, true, 0u, false);
     }
     if network_of(sphere) != NO_NETWORK {
-        return Weight(of_network, false, 1u);
+        return weight_of_network(of_network);
     }
     let company = company_of(k, sphere);
-    return Weight(company.weight * part * part * w, company.is_alone, company.others);
+    return Weight(company.weight * part * part * w, company.is_alone, company.others, false);
 }
 
-fn weight_of_side(k: Record, half: Half, of_network: vec2f) -> Weight {
+// That of a network: what it adds to the weight, and how many collisions touch it.
+fn weight_of_network(of_network: vec2f) -> Weight {
+    return Weight(of_network.x, false, u32(max(of_network.y, 1.0)) - 1u, true);
+}
+
+fn weight_of_side(k: Record, half: Half, of_network: vec4f) -> Weight {
     if half.kind == STATIC {
-        return Weight(0.0, true, 0u);
+        return Weight(0.0, true, 0u, false);
     }
     if half.kind == SPHERE {
-        return weight_of_end(k, half.spheres.x, 1.0, of_network.x);
+        return weight_of_end(k, half.spheres.x, 1.0, of_network.xy);
     }
     if half.kind == CAPSULE {
         // All of its rows are those of either end.
         let company = company_of(k, half.spheres.x);
         let inverse_mass = response(half, poise_of(half), k.n).y;
-        return Weight(f32(1u + company.others) * inverse_mass, company.is_alone, company.others);
+        return Weight(f32(1u + company.others) * inverse_mass, company.is_alone, company.others, false);
     }
     if network_of_rod(half.id - step.spheres) != NO_NETWORK {
-        return Weight(of_network.x, false, 1u);
+        return weight_of_network(of_network.xy);
     }
-    let one = weight_of_end(k, half.spheres.x, 1.0 - half.at, of_network.x);
-    let two = weight_of_end(k, half.spheres.y, half.at, of_network.y);
-    return Weight(one.weight + two.weight, one.is_alone & two.is_alone, one.others + two.others);
+    let one = weight_of_end(k, half.spheres.x, 1.0 - half.at, of_network.xy);
+    let two = weight_of_end(k, half.spheres.y, half.at, of_network.zw);
+    return Weight(one.weight + two.weight, one.is_alone & two.is_alone, one.others + two.others, one.is_swept | two.is_swept);
 }
 
 // A collision whose impulse is known.
@@ -105,9 +112,9 @@ fn put_solved(r: u32, solved: Solved, state_: f32) {
 }
 
 // One that is left to sweeps.
-fn put_shared(r: u32, k: Record, inverse: f32) {
+fn put_shared(r: u32, k: Record, inverse: f32, is_only: bool) {
     collisions[ROWS * r + 3u] = bitcast<vec4u>(vec4f(0.0, 0.0, inverse, SHARED));
-    couple(k, r);
+    couple(k, r, is_only);
     note_cluster();
 }
 
@@ -115,7 +122,7 @@ fn weigh_plain(r: u32) {
     let k = record_at(r);
     let plainly = solve_plain(k.a_id, k.b_id);
     if plainly.is_shared {
-        put_shared(r, k, 1.0 / plainly.weight);
+        put_shared(r, k, 1.0 / plainly.weight, false);
     } else {
         put_solved(r, plainly.solved, select(SINGLE, plainly.solved.tau, plainly.is_lone));
     }
@@ -123,11 +130,10 @@ fn weigh_plain(r: u32) {
 
 fn weigh(r: u32) {
     let k = record_at(r);
-    let networks = network_weights(r);
     let a = half_of(k.a_id, k.a);
     let b = half_of(k.b_id, k.b);
-    let one = weight_of_side(k, a, networks.xy);
-    let two = weight_of_side(k, b, networks.zw);
+    let one = weight_of_side(k, a, network_weights(r, 0u));
+    let two = weight_of_side(k, b, network_weights(r, 2u));
     if one.is_alone & two.is_alone {
         let solved = solve_lone(k.a_id, k.b_id, k.feature, touch(k.a_id, k.b_id, k.feature));
         put_solved(r, solved, solved.tau);
@@ -137,8 +143,9 @@ fn weigh(r: u32) {
     // What a network cannot give way along gets no impulse.
     let unprojected = closing_of(a, b, poise_of(a), poise_of(b), k.n).inverse_mass;
     let inverse = select(0.0, 1.0 / weight, weight > RIGID * unprojected);
-    if one.others + two.others > 0u {
-        put_shared(r, k, inverse);
+    let is_only = one.others + two.others == 0u;
+    if !is_only | one.is_swept | two.is_swept {
+        put_shared(r, k, inverse, is_only);
     } else {
         let impulse = (1.0 + step.restitution) * k.approach * inverse;
         put_solved(r, Solved(k.n, k.a, k.b, impulse, 0.0), SINGLE);

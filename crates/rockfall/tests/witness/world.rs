@@ -164,7 +164,7 @@ pub(crate) enum Mistake {
     NoProjection,
     /// Lone collisions are handled where they are found.
     NoReturn,
-    /// One sweep for clusters in place of sixteen.
+    /// One sweep for clusters in place of all.
     OneSweep,
     /// Friction without its bound for stability.
     FrictionBound,

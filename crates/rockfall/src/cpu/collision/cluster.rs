@@ -1,9 +1,9 @@
 //! Collisions that share bodies, and those on networks: swept until their impulses agree (docs/physics.md sections 3.7 and 3.8).
 //!
 //! All impulses of a sweep are found from those of the one before, so that the order does not count:
-//! `j <- max(0, j + ((1 + e) u - du) / Gt)`, du what all impulses together have taken off the approach velocity u. Gt is so large that the
-//! matrix G of the effects of all impulses is at most diag(Gt): per body, each collision counts as often as others are coupled with it
-//! (Gershgorin). So a sweep is a contraction, and for e <= 1 it takes energy out however early the sweeps end.
+//! `j <- max(0, j + s ((1 + e) u - du) / Gt)`, du what all impulses together have taken off the approach velocity u. Gt is so large that
+//! the matrix G of the effects of all impulses is at most diag(Gt): per body, each collision counts as often as others are coupled with it
+//! (Gershgorin). The sizes s of the sweeps are those of Chebyshev's polynomials.
 
 use glam::{DVec3, Vec3};
 
@@ -11,7 +11,7 @@ use crate::cpu::collision::body::{Body, Capsule, Part};
 use crate::cpu::collision::network::Network;
 use crate::cpu::collision::{Change, Collision, Impulse};
 use crate::cpu::view::View;
-use crate::layout::SWEEPS;
+use crate::layout::{SWEEP_SIZES, SWEEPS};
 
 /// A contact that gives way by less than this part of what it would between loose spheres gets no impulse: rods are in the way.
 const BLOCKED: f32 = 1e-6;
@@ -148,6 +148,8 @@ struct Row<'a> {
     bodies: [usize; 4],
     /// Gt; 0: it gets no impulse.
     yielding: f32,
+    /// No other collision touches its bodies.
+    is_only: bool,
     impulse: f32,
 }
 
@@ -167,11 +169,12 @@ pub(super) fn solve(view: &View, all: &[Collision], touching: &[Touching], membe
         .iter()
         .map(|member| {
             let collision = &all[*member];
-            let mut row = Row { collision, bodies: [0; 4], yielding: 0.0, impulse: 0.0 };
+            let mut row = Row { collision, bodies: [0; 4], yielding: 0.0, is_only: false, impulse: 0.0 };
             for (place, part) in row.bodies.iter_mut().zip(collision.parts()) {
                 *place = bodies.binary_search(&part.body).unwrap_or_default();
             }
             row.yielding = yielding(&row, &mut moved, all, touching);
+            row.is_only = collision.parts().iter().all(|part| of_body(part.body, touching).count() == 1);
             row
         })
         .collect();
@@ -179,8 +182,8 @@ pub(super) fn solve(view: &View, all: &[Collision], touching: &[Touching], membe
         body.clear();
         body.settle();
     });
-    for _ in 0..SWEEPS {
-        let has_changed = sweep(&mut rows, &moved, view.step.restitution);
+    for number in 0..SWEEPS as usize {
+        let has_changed = sweep(&mut rows, &moved, view.step.restitution, SWEEP_SIZES[number / 2]);
         if !has_changed {
             break;
         }
@@ -206,22 +209,28 @@ fn yielding(row: &Row, moved: &mut [Moved], all: &[Collision], touching: &[Touch
 
 /// N: as how many collisions those that touch a body count beside one of normal n, itself included.
 fn coupled(body: Body, n: Vec3, all: &[Collision], touching: &[Touching]) -> f32 {
-    let first = touching.partition_point(|touching| touching.body < body);
-    let here = touching[first..].iter().take_while(|touching| touching.body == body);
+    let here = of_body(body, touching);
     match body {
         Body::Sphere(_) => here.map(|touching| n.dot(all[touching.collision].touch.normal).abs()).sum(),
         Body::Capsule(_) | Body::Network(_) => here.count() as f32,
     }
 }
 
+/// What touches a body.
+fn of_body(body: Body, touching: &[Touching]) -> impl Iterator<Item = &Touching> {
+    let first = touching.partition_point(|touching| touching.body < body);
+    touching[first..].iter().take_while(move |touching| touching.body == body)
+}
+
 /// One sweep; whether any impulse has changed at all.
-fn sweep(rows: &mut [Row], moved: &[Moved], restitution: f32) -> bool {
+fn sweep(rows: &mut [Row], moved: &[Moved], restitution: f32, size: f32) -> bool {
     let mut has_changed = false;
     for row in rows.iter_mut().filter(|row| row.yielding > 0.0) {
         let n = row.collision.touch.normal;
         let gained: f32 = row.parts().map(|(part, place)| part.sign * moved[place].velocity(part, n)).sum();
         let approach = row.collision.approach;
-        let impulse = (row.impulse + ((1.0 + restitution) * approach - gained) / row.yielding).max(0.0);
+        let size = if row.is_only { 1.0 } else { size };
+        let impulse = (row.impulse + ((1.0 + restitution) * approach - gained) * size / row.yielding).max(0.0);
         has_changed |= impulse != row.impulse;
         row.impulse = impulse;
     }
