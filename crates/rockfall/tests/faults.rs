@@ -74,11 +74,12 @@ fn e21_oblique_pair_keeps_its_angular_momentum(backend: Backend) {
     within(kinetic(&spheres), 25.0, 1e-5, "kinetic energy");
 }
 
-/// D5. The same of 200 random pairs: 9 % were lost on average.
+/// D5. The same of 200 random pairs, on software Vulkan, which opens each in a second, of 30: 9 % were lost on average.
 fn e21_random_pairs_keep_their_angular_momentum(backend: Backend) {
     let mut random = Random::new(7);
+    let wanted = if backend == Backend::Gpu { 30 } else { 200 };
     let (mut hits, mut sum) = (0, 0.0);
-    while hits < 200 {
+    while hits < wanted {
         let offset = random.between(-0.9, 0.9) as f32;
         let speed = random.between(3.0, 10.0) as f32;
         let masses = [random.between(0.5, 2.0), random.between(0.5, 2.0)].map(|mass| mass as f32);
@@ -100,7 +101,8 @@ fn e21_random_pairs_keep_their_angular_momentum(backend: Backend) {
         let (was, is) = (angular(&before).z, angular(&spheres).z);
         sum += (is - was).abs() / was.abs().max(0.1);
     }
-    assert!(sum / 200.0 < 1e-5, "mean error {}", sum / 200.0);
+    let mean = sum / f64::from(wanted);
+    assert!(mean < 1e-5, "mean error {mean}");
 }
 
 const TRIANGLE: &str = "S 1 -0.6 0 0  0 -1 0  0 0 0 1 0.5\nS 2 0.6 0 0  0 1 0  0 0 0 1 0.5\nS 3 0 1.2 0  2 0 0  0 0 0 1 0.5\n\

@@ -46,7 +46,7 @@ fn sweep(r: u32) {
     }
     let sweeps = pass_.index;
     var change = change_by_neighbours(r, neighbours_of(r), sweeps);
-    let gathered = collisions[ROWS * r + 2u].x & (GATHERED_A | GATHERED_B);
+    let gathered = collisions[row_at(r, 2u)].x & (GATHERED_A | GATHERED_B);
     // Before the first sweep nothing has changed, and nothing is gathered yet.
     if (gathered != 0u) & (sweeps != 0u) {
         let k = record_at(r);

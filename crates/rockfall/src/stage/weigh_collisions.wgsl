@@ -104,28 +104,77 @@ fn weight_of_side(k: Record, half: Half, of_network: vec4f) -> Weight {
 
 // A collision whose impulse is known.
 fn put_solved(r: u32, solved: Solved, state_: f32) {
-    let k = collisions[ROWS * r + 1u];
+    let k = collisions[row_at(r, 1u)];
     let at = bitcast<vec2u>(vec2f(solved.a, solved.b));
-    collisions[ROWS * r + 1u] = vec4u(k.xy, at.x, at.y);
-    collisions[ROWS * r + 2u] = bitcast<vec4u>(vec4f(solved.n, 0.0));
-    collisions[ROWS * r + 3u] = bitcast<vec4u>(vec4f(solved.impulse, solved.impulse, 0.0, state_));
+    collisions[row_at(r, 1u)] = vec4u(k.xy, at.x, at.y);
+    collisions[row_at(r, 2u)] = bitcast<vec4u>(vec4f(solved.n, 0.0));
+    collisions[row_at(r, 3u)] = bitcast<vec4u>(vec4f(solved.impulse, solved.impulse, 0.0, state_));
 }
 
 // One that is left to sweeps.
-fn put_shared(r: u32, k: Record, inverse: f32, is_only: bool) {
-    collisions[ROWS * r + 3u] = bitcast<vec4u>(vec4f(0.0, 0.0, inverse, SHARED));
-    couple(k, r, is_only);
+fn put_swept(r: u32, inverse: f32) {
+    collisions[row_at(r, 3u)] = bitcast<vec4u>(vec4f(0.0, 0.0, inverse, SHARED));
     note_cluster();
+}
+
+// What else touches a moving sphere without rods, of which others' collisions are put down with their couplings; `side` is 1 for A, -1 for
+// B.
+fn plain_company_with_couplings(k: Record, number: u32, sphere: u32, side: f32) -> Company {
+    var company = no_company();
+    let own = state[position_at(sphere)];
+    let velocity = state[velocity_at(sphere)];
+    if velocity.w <= 0.0 {
+        return company;
+    }
+    let count = count_of(sphere);
+    let first = first_of(sphere);
+    for (var begin = 0u; begin < count; begin += LOOK) {
+        for (var rest = entries_with(ENTRY_OVERLAPS, first, begin, count); rest != 0u; rest &= rest - 1u) {
+            let slot = slot_at(first, begin + firstTrailingBit(rest));
+            let entry = entry_at(slot);
+            let collides = (entry & ENTRY_COLLIDES) != 0u;
+            var along = 0.0;
+            var is_own = false;
+            if collides {
+                let r = record_of(slot);
+                let together = dot(record_at(r).n, k.n);
+                is_own = r == number;
+                put_coupling(r, number, side * velocity.w * part_on(sphere, sphere, r) * together);
+                along = abs(together);
+            }
+            if !is_own {
+                let is_static = entry_id(entry) >= step.spheres;
+                company.others += u32(collides);
+                company.weight += along;
+                company.is_alone &= is_static;
+                if company.is_alone {
+                    company.is_alone = is_across(sphere, entry, k.n);
+                }
+            }
+        }
+    }
+    return company;
 }
 
 fn weigh_plain(r: u32) {
     let k = record_at(r);
-    let plainly = solve_plain(k.a_id, k.b_id);
-    if plainly.is_shared {
-        put_shared(r, k, 1.0 / plainly.weight, false);
-    } else {
-        put_solved(r, plainly.solved, select(SINGLE, plainly.solved.tau, plainly.is_lone));
+    begin_couplings();
+    let one = plain_company_with_couplings(k, r, k.a_id, 1.0);
+    var two = no_company();
+    var weight = one.weight * inverse_mass(k.a_id);
+    if k.b_id < step.spheres {
+        two = plain_company_with_couplings(k, r, k.b_id, -1.0);
+        weight += two.weight * inverse_mass(k.b_id);
     }
+    let is_lone = one.is_alone & two.is_alone;
+    if !is_lone & (one.others + two.others > 0u) {
+        put_swept(r, 1.0 / weight);
+        put_couplings(r, false);
+        return;
+    }
+    // By itself, as where collisions are not listed.
+    let solved = solve_by_itself(k.a_id, k.b_id, plain_contact(k.a_id, k.b_id), weight, is_lone);
+    put_solved(r, solved, select(SINGLE, solved.tau, is_lone));
 }
 
 fn weigh(r: u32) {
@@ -145,7 +194,8 @@ fn weigh(r: u32) {
     let inverse = select(0.0, 1.0 / weight, weight > RIGID * unprojected);
     let is_only = one.others + two.others == 0u;
     if !is_only | one.is_swept | two.is_swept {
-        put_shared(r, k, inverse, is_only);
+        put_swept(r, inverse);
+        couple(k, r, is_only);
     } else {
         let impulse = (1.0 + step.restitution) * k.approach * inverse;
         put_solved(r, Solved(k.n, k.a, k.b, impulse, 0.0), SINGLE);

@@ -146,7 +146,7 @@ fn weigh_networks(
             let inverse_mass = inverse_mass_of(network, row, r, local);
             if local == 0u {
                 let times = f32(count);
-                collisions[ROWS * r + 4u + end_of_record(row, r)] = bitcast<vec4u>(vec4f(times * inverse_mass, times, 0.0, 0.0));
+                collisions[row_at(r, 4u + end_of_record(row, r))] = bitcast<vec4u>(vec4f(times * inverse_mass, times, 0.0, 0.0));
             }
         }
     }

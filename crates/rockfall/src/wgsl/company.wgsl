@@ -54,12 +54,9 @@ fn add_company(sphere: u32, own: vec4f, velocity: vec4f, other: Met, n: vec3f, c
     }
 }
 
-// The impulse of a collision between spheres without rods, or of one with a static object, and its weight.
+// The impulse of a collision between spheres without rods, or of one with a static object.
 struct Plainly {
     solved: Solved,
-    // Sum over both sides of the inverse mass times how many collisions share it.
-    weight: f32,
-    is_lone: bool,
     // Whether another collision shares a body with it and it is not lone.
     is_shared: bool,
 }
@@ -73,9 +70,15 @@ fn solve_plain(a: u32, b: u32) -> Plainly {
         two = plain_company(b, a, k.n);
         weight += two.weight * inverse_mass(b);
     }
-    if one.is_alone & two.is_alone {
-        return Plainly(solve_lone(a, b, 0u, Touch(k.n, k.overlap, 0.0, 0.0)), weight, true, false);
+    let is_lone = one.is_alone & two.is_alone;
+    let is_shared = !is_lone & (one.others + two.others > 0u);
+    return Plainly(solve_by_itself(a, b, k, weight, is_lone), is_shared);
+}
+
+// The impulse of a collision that shares no body with another; `weight` is the inverse mass that it meets.
+fn solve_by_itself(a: u32, b: u32, k: Plain, weight: f32, is_lone: bool) -> Solved {
+    if is_lone {
+        return solve_lone(a, b, 0u, Touch(k.n, k.overlap, 0.0, 0.0));
     }
-    let impulse = (1.0 + step.restitution) * k.approach / weight;
-    return Plainly(Solved(k.n, 0.0, 0.0, impulse, 0.0), weight, false, one.others + two.others > 0u);
+    return Solved(k.n, 0.0, 0.0, (1.0 + step.restitution) * k.approach / weight, 0.0);
 }

@@ -21,6 +21,15 @@ fn add_coupling(r: u32, coupling: f32) {
     near_count += 1u;
 }
 
+// Puts down a coupling of collision `number`, with another one or with itself.
+fn put_coupling(r: u32, number: u32, coupling: f32) {
+    if r == number {
+        own_coupling += coupling;
+    } else {
+        add_coupling(r, coupling);
+    }
+}
+
 // Writes what was put down. Where there is no room for all, both sides are gathered.
 fn put_couplings(r: u32, is_only: bool) {
     if near_count > NEIGHBOURS {
@@ -32,9 +41,9 @@ fn put_couplings(r: u32, is_only: bool) {
         need_dispatches();
     }
     let bits = gathered | select(0u, ONLY, is_only);
-    collisions[ROWS * r + 2u] = vec4u(bits, bitcast<u32>(own_coupling), near_count, 0u);
+    collisions[row_at(r, 2u)] = vec4u(bits, bitcast<u32>(own_coupling), near_count, 0u);
     for (var place = 0u; place < near_count; place += 2u) {
-        collisions[ROWS * r + 4u + place / 2u] = vec4u(near[place], near[min(place + 1u, near_count - 1u)]);
+        collisions[row_at(r, 4u + place / 2u)] = vec4u(near[place], near[min(place + 1u, near_count - 1u)]);
     }
 }
 
@@ -64,11 +73,7 @@ fn couple_sphere_row(k: Record, number: u32, sphere: u32, row: u32, times: f32) 
         for (var rest = entries_with(ENTRY_COLLIDES, first, begin, count); rest != 0u; rest &= rest - 1u) {
             let r = record_of(slot_at(first, begin + firstTrailingBit(rest)));
             let coupling = times * part_on(sphere, row, r) * dot(record_at(r).n, k.n);
-            if r == number {
-                own_coupling += coupling;
-            } else {
-                add_coupling(r, coupling);
-            }
+            put_coupling(r, number, coupling);
         }
     }
 }
@@ -101,11 +106,7 @@ fn couple_capsule_row(k: Record, number: u32, capsule: Capsule, torque: vec3f, r
             }
             let turning = dot(torque, torque_at(capsule, at, l.n)) * capsule.inverse_inertia;
             let coupling = side * select(1.0, -1.0, is_a) * fma(capsule.inverse_mass, dot(k.n, l.n), turning);
-            if r == number {
-                own_coupling += coupling;
-            } else {
-                add_coupling(r, coupling);
-            }
+            put_coupling(r, number, coupling);
         }
     }
 }

@@ -25,6 +25,11 @@ const GATHERED_B: u32 = 2u;
 // No other collision touches its bodies.
 const ONLY: u32 = 4u;
 
+// Where a row of a record stands: beside the same row of its neighbours in memory, which are mostly read together.
+fn row_at(r: u32, row: u32) -> u32 {
+    return row * step.collision_room + r;
+}
+
 struct Record {
     n: vec3f,
     approach: f32,
@@ -37,8 +42,7 @@ struct Record {
 
 // What networks add to the weight of a collision at an end and the next, each with how many collisions touch the network.
 fn network_weights(r: u32, end: u32) -> vec4f {
-    let first = ROWS * r + 4u + end;
-    return bitcast<vec4f>(vec4u(collisions[first].xy, collisions[first + 1u].xy));
+    return bitcast<vec4f>(vec4u(collisions[row_at(r, 4u + end)].xy, collisions[row_at(r, 5u + end)].xy));
 }
 
 // How the impulse of a collision goes on.
@@ -50,26 +54,26 @@ struct Impulse {
 }
 
 fn record_at(r: u32) -> Record {
-    let first = bitcast<vec4f>(collisions[ROWS * r]);
-    let second = collisions[ROWS * r + 1u];
+    let first = bitcast<vec4f>(collisions[row_at(r, 0u)]);
+    let second = collisions[row_at(r, 1u)];
     let at = bitcast<vec2f>(second.zw);
     return Record(first.xyz, first.w, second.x, entry_id(second.y), entry_feature(second.y), at.x, at.y);
 }
 
 fn impulse_at(r: u32) -> Impulse {
-    let row = bitcast<vec4f>(collisions[ROWS * r + 3u]);
+    let row = bitcast<vec4f>(collisions[row_at(r, 3u)]);
     return Impulse(row.x, row.y, row.z, row.w);
 }
 
 // The normal along which the impulse acts.
 fn impulse_normal(r: u32) -> vec3f {
-    let is_lone = bitcast<f32>(collisions[ROWS * r + 3u].w) >= 0.0;
-    return bitcast<vec4f>(select(collisions[ROWS * r], collisions[ROWS * r + 2u], is_lone)).xyz;
+    let is_lone = bitcast<f32>(collisions[row_at(r, 3u)].w) >= 0.0;
+    return bitcast<vec4f>(select(collisions[row_at(r, 0u)], collisions[row_at(r, 2u)], is_lone)).xyz;
 }
 
 // The impulse that so many sweeps have come to.
 fn impulse_after(r: u32, sweeps: u32) -> f32 {
-    let row = collisions[ROWS * r + 3u];
+    let row = collisions[row_at(r, 3u)];
     return bitcast<f32>(select(row.y, row.x, (sweeps & 1u) == 0u));
 }
 
