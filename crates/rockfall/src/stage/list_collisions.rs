@@ -30,7 +30,7 @@ pub(crate) const STAGE: Stage = Stage {
         write("collisions", Buffer::Collisions),
         write("status", Buffer::Status),
     ],
-    threads: Threads::Movers,
+    threads: Threads::WideObjects,
     cpu: list_collisions,
 };
 

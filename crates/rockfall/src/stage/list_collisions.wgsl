@@ -87,13 +87,14 @@ fn list_all(mover: u32) {
     }
 }
 
-@compute @workgroup_size(64)
+// Most movers have nothing to do, so it is workgroups that take the time.
+@compute @workgroup_size(256)
 fn list_collisions(
     @builtin(workgroup_id) group: vec3u,
     @builtin(num_workgroups) groups: vec3u,
     @builtin(local_invocation_index) local: u32,
 ) {
-    let mover = linear_thread(group, groups, local);
+    let mover = wide_thread(group, groups, local);
     if mover < step.spheres + step.rods {
         if has_collisions(mover) {
             if has_changes() {
