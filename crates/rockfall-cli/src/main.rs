@@ -17,6 +17,7 @@ mod progress;
 #[cfg(feature = "view")]
 mod render;
 mod run;
+mod shell;
 mod source;
 mod summary;
 #[cfg(feature = "window")]
@@ -53,6 +54,10 @@ enum Command {
     /// Open a window on a scene: look, play, change constants; F1 shows the keys.
     #[cfg(feature = "window")]
     View(view::Arguments),
+    /// Print a script that completes commands and options in a shell.
+    Completions(shell::Completions),
+    /// Print a manual page, in roff.
+    Man(shell::Manual),
 }
 
 fn main() -> ExitCode {
@@ -69,6 +74,8 @@ fn main() -> ExitCode {
         Command::Render(arguments) => render::render(&arguments),
         #[cfg(feature = "window")]
         Command::View(arguments) => view::view(&arguments),
+        Command::Completions(arguments) => shell::completions(&arguments),
+        Command::Man(arguments) => shell::manual(&arguments),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,

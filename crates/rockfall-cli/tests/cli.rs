@@ -409,6 +409,23 @@ fn devices_always_lists_the_cpu() {
 }
 
 #[test]
+fn shells_get_completions_and_manual_pages() {
+    let rockfall = Rockfall::with("");
+    for shell in ["bash", "zsh", "fish", "powershell", "elvish"] {
+        let (out, err) = rockfall.run(&format!("completions {shell}"), 0);
+        assert!(out.contains("rockfall") && out.contains("generate") && out.contains("substeps"), "{shell}: {out}");
+        assert_eq!(err, "");
+    }
+    let (out, _) = rockfall.run("man", 0);
+    assert!(out.contains(".TH rockfall 1") && out.contains("generate"), "{out}");
+    let (out, _) = rockfall.run("man run", 0);
+    assert!(out.contains(".TH rockfall-run 1") && out.contains("substeps"), "{out}");
+    let (_, err) = rockfall.run("man nothing", 2);
+    assert!(err.contains("no command nothing: expected one of run, check"), "{err}");
+    rockfall.run("completions csh", 2);
+}
+
+#[test]
 fn help_and_version_are_no_errors() {
     let rockfall = Rockfall::with("");
     let (out, _) = rockfall.run("run --help", 0);

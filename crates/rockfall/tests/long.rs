@@ -14,9 +14,11 @@ fn resident() -> u64 {
     line.split_whitespace().nth(1).and_then(|kib| kib.parse().ok()).expect("a number")
 }
 
-/// Two bodies on a spring over a floor that they hit again and again.
+/// Two bodies on a spring over a floor that they hit again and again: nothing brings them to rest.
 fn two_bodies() -> Scene {
-    let mut scene = with(|settings| settings.restitution = 1.0);
+    let mut scene = with(|settings| {
+        (settings.restitution, settings.contact_damping, settings.friction) = (1.0, 0.0, 0.0);
+    });
     floor_box(&mut scene);
     let [a, b] = spheres(&mut scene, [Sphere::new([0.0, 1.0, 0.0], 0.5), Sphere::new([0.3, 2.5, 0.0], 0.5)]);
     scene.add_spring(Spring::new(a, b, 20.0, 1.5)).expect("a valid spring");

@@ -1,0 +1,27 @@
+//! Changes to a running simulation: a push, a new body, other constants, and a body that is taken away.
+//!
+//! `cargo run --release -p rockfall --example edit`
+
+use rockfall::{Cuboid, Scene, Settings, Simulation, Sphere};
+
+fn main() -> rockfall::Result<()> {
+    let mut scene = Scene::new();
+    scene.add_box(Cuboid::between([-20.0, -1.0, -20.0], [20.0, 0.0, 20.0]))?;
+    let first = scene.add_sphere(Sphere::new([0.0, 0.5, 0.0], 0.5))?;
+    let mut simulation = Simulation::new(scene)?;
+
+    simulation.apply_impulse(first, [3.0, 0.0, 0.0])?;
+    simulation.run(50, 0.02)?;
+    println!("pushed: x = {:.3}", simulation.sphere(first)?.position.x);
+
+    let second = simulation.add_sphere(Sphere::new([8.0, 0.5, 0.0], 0.5).mass(3.0))?;
+    simulation.run(150, 0.02)?;
+    println!("after the hit: {:.3} and {:.3}", simulation.sphere(first)?.position.x, simulation.sphere(second)?.position.x);
+
+    let settings = Settings { gravity: -1.0, ..simulation.settings().clone() };
+    simulation.set_settings(settings)?;
+    simulation.remove_sphere(second)?;
+    simulation.run(100, 0.02)?;
+    println!("with gravity turned round: height {:.3}", simulation.sphere(first)?.position.y);
+    Ok(())
+}
