@@ -114,7 +114,7 @@ const MISTAKES: [Mistake; 117] = [
     Mistake("list_collisions", 0, "list_collisions.wgsl", "low = middle + 1u", "high = middle", Buffer::Start),
     Mistake("list_collisions", 0, "list_collisions.wgsl", "pair.y | feature << ENTRY_ID_BITS", "pair.y", Buffer::Start),
     Mistake("list_collisions", 0, "collision.wgsl", "select(vec3f(0.0), v1.xyz, v1.w > 0.0)", "v1.xyz", Buffer::Start),
-    Mistake("weigh_networks", 0, "weigh_networks.wgsl", "f32(count) * inverse_mass", "inverse_mass", Buffer::Start),
+    Mistake("weigh_networks", 0, "weigh_networks.wgsl", "times * inverse_mass", "inverse_mass", Buffer::Start),
     Mistake(
         "weigh_networks",
         0,
@@ -125,7 +125,14 @@ const MISTAKES: [Mistake; 117] = [
     ),
     Mistake("weigh_networks", 0, "networks.wgsl", "row.y -= along * row.w", "row.y += along * row.w", Buffer::Start),
     Mistake("weigh_collisions", 0, "company.wgsl", "PERPENDICULAR: f32 = 0.001", "PERPENDICULAR: f32 = 0.5", Buffer::Start),
-    Mistake("weigh_collisions", 0, "company.wgsl", "one.weight * inverse_mass(a)", "inverse_mass(a)", Buffer::Start),
+    Mistake(
+        "weigh_collisions",
+        0,
+        "weigh_collisions.wgsl",
+        "one.weight * inverse_mass(k.a_id)",
+        "inverse_mass(k.a_id)",
+        Buffer::Start,
+    ),
     Mistake(
         "weigh_collisions",
         0,
@@ -157,6 +164,17 @@ const MISTAKES: [Mistake; 117] = [
     Mistake("weigh_collisions", 0, "couplings.wgsl", "gathered |= bit;", "gathered = bit;", Buffer::Start),
     Mistake("sweep_at_once", 0, "sweep_at_once.wgsl", "sweeps < SWEEPS;", "sweeps < SWEEPS / 2u;", Buffer::Start),
     Mistake("sweep_at_once", 0, "sweep.wgsl", "max(0.0, fma(fma", "max(-1e9, fma(fma", Buffer::Start),
+    Mistake("sweep_at_once", 0, "sweep.wgsl", "SWEEP_SIZES[sweeps / 2u]", "SWEEP_SIZES[3u - sweeps / 2u]", Buffer::Start),
+    Mistake("sweep_at_once", 0, "sweep.wgsl", "place + 1u < count", "place + 1u < 0u", Buffer::Start),
+    Mistake(
+        "weigh_collisions",
+        0,
+        "weigh_collisions.wgsl",
+        "side * velocity.w * part_on",
+        "velocity.w * part_on",
+        Buffer::Start,
+    ),
+    Mistake("weigh_collisions", 0, "couplings.wgsl", "select(0u, ONLY, is_only)", "0u", Buffer::Start),
     Mistake("sweep_collisions", 0, "sweep_collisions.wgsl", "(sweeps != 0u)", "(sweeps > 1u)", Buffer::Start),
     Mistake(
         "sweep_collisions",

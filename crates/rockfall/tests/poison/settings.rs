@@ -19,6 +19,7 @@ const CONSTANTS: &[Constant] = &[
     Constant { name: "contact_force", takes: not_negative, put: |settings, p| settings.contact_force = p },
     Constant { name: "friction", takes: not_negative, put: |settings, p| settings.friction = p },
     Constant { name: "coulomb_friction", takes: not_negative, put: |settings, p| settings.coulomb_friction = p },
+    Constant { name: "collision_friction", takes: not_negative, put: |settings, p| settings.collision_friction = p },
     Constant { name: "gravity", takes: finite, put: |settings, p| settings.gravity = p },
     Constant {
         name: "resting_overlap",
