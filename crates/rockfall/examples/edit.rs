@@ -18,7 +18,7 @@ fn main() -> rockfall::Result<()> {
     simulation.run(150, 0.02)?;
     println!("after the hit: {:.3} and {:.3}", simulation.sphere(first)?.position.x, simulation.sphere(second)?.position.x);
 
-    let settings = Settings { gravity: -1.0, ..simulation.settings().clone() };
+    let settings = Settings { gravity: -1.0, ..*simulation.settings() };
     simulation.set_settings(settings)?;
     simulation.remove_sphere(second)?;
     simulation.run(100, 0.02)?;

@@ -16,7 +16,7 @@ use crate::trace::{COLLISIONS, Only, POSITIONS, Plan, Scenario, Trace, trace};
 /// A mistake: in which stage and pass, the file, the text and what it becomes, and the buffer that it shows in.
 struct Mistake(&'static str, u32, &'static str, &'static str, &'static str, Buffer);
 
-const MISTAKES: [Mistake; 117] = [
+const MISTAKES: [Mistake; 121] = [
     Mistake("update_aabbs", 0, "update_aabbs.wgsl", "0.02 * radius", "0.03 * radius", Buffer::Aabbs),
     Mistake("update_aabbs", 0, "travel.wgsl", "length(fourth - third)", "length(fourth)", Buffer::Aabbs),
     Mistake("update_aabbs", 0, "travel.wgsl", "position + way", "position - way", Buffer::Aabbs),
