@@ -273,10 +273,15 @@ const MISTAKES: [Mistake; 121] = [
     Mistake("run_steps", COLLISIONS, "changes.wgsl", "impulse * plainly.solved.tau", "plainly.solved.tau", Buffer::Start),
 ];
 
+/// Whether a part is this file, of which the path may begin later: `changes.wgsl` is not `has_changes.wgsl`.
+fn is_file(part: &Part, file: &str) -> bool {
+    part.file == file || part.file.ends_with(&format!("/{file}"))
+}
+
 /// A run whose stage has another text in a file, if the file is part of it. It lives as long as the process, as stages do.
 pub(crate) fn rewritten(run: Run, file: &str, rewrite: impl Fn(&str) -> String) -> Run {
     let mut parts: Vec<Part> = run.stage.parts.to_vec();
-    if let Some(part) = parts.iter_mut().find(|part| part.file.ends_with(file)) {
+    if let Some(part) = parts.iter_mut().find(|part| is_file(part, file)) {
         part.text = rewrite(part.text).leak();
     }
     let stage = Stage { parts: parts.leak(), ..*run.stage };
@@ -293,7 +298,7 @@ fn broken(runs: &[Run], mistake: &Mistake) -> Vec<Run> {
         }
         // One stage for all its passes, of a name of its own: a device keeps kernels by name.
         let stage = *made.get_or_insert_with(|| {
-            assert!(run.stage.parts.iter().any(|part| part.file.ends_with(file)), "{name} has no {file}");
+            assert!(run.stage.parts.iter().any(|part| is_file(part, file)), "{name} has no {file}");
             let mistaken = rewritten(*run, file, |text| {
                 let mistaken = text.replacen(right, wrong, 1);
                 assert_ne!(mistaken, text, "{file} has no '{right}'");
