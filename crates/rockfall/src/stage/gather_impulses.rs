@@ -1,4 +1,4 @@
-//! How the velocities of large spheres change by the impulses on them, after as many sweeps as the pass says (docs/physics.md section 3.5).
+//! How the velocities of large spheres change by the impulses on them, after as many sweeps as the pass says (docs/physics.md section 3.7).
 //! A workgroup works on each: hundreds of collisions may share one.
 
 use crate::stage::{Buffer, Stage, Threads, part, read, write};

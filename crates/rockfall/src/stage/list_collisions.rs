@@ -1,4 +1,4 @@
-//! Collisions, where they are listed: every collision gets a record, which its entries on both sides name (docs/physics.md section 3.5).
+//! Collisions, where they are listed: every collision gets a record, which its entries on both sides name (docs/physics.md sections 3.5 to 3.7).
 
 use crate::stage::{Buffer, Stage, Threads, part, read, write};
 use crate::world::World;

@@ -1,4 +1,4 @@
-//! All sweeps over the impulses of collisions that share bodies, by one workgroup, where collisions are few (docs/physics.md section 3.5): a
+//! All sweeps over the impulses of collisions that share bodies, by one workgroup, where collisions are few (docs/physics.md section 3.7): a
 //! dispatch a sweep would take longer.
 
 use crate::stage::{Buffer, Stage, Threads, part, write};

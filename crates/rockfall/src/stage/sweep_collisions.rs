@@ -1,4 +1,4 @@
-//! A sweep over the impulses of collisions that share bodies (docs/physics.md section 3.5). Pass m makes sweep m + 1 of [`SWEEPS`]: it
+//! A sweep over the impulses of collisions that share bodies (docs/physics.md section 3.7). Pass m makes sweep m + 1 of [`SWEEPS`]: it
 //! reads the impulses after m sweeps and writes those after one more beside them.
 //!
 //! [`SWEEPS`]: crate::layout::SWEEPS

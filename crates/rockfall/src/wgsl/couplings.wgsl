@@ -1,5 +1,5 @@
 // Which other collisions share a body with one, and by how much a unit of their impulse changes its approach velocity
-// (docs/physics.md section 3.5). They are put down in the order of the lists, those of side A first.
+// (docs/physics.md section 3.7). They are put down in the order of the lists, those of side A first.
 
 var<private> near: array<vec2u, NEIGHBOURS>;
 var<private> near_count: u32;

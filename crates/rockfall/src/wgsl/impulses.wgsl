@@ -1,4 +1,4 @@
-// What the listed impulses make of the velocities of bodies (docs/physics.md section 3.5).
+// What the listed impulses make of the velocities of bodies (docs/physics.md section 3.7).
 
 // Adds the impulses of a row's collisions on a sphere: all of each, or of a rod the part of that end.
 fn add_impulses(sphere: u32, row: u32, sweeps: u32, sum: ptr<function, vec3f>) {

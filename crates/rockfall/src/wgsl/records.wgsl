@@ -1,5 +1,5 @@
 // Collisions of the step as they are listed: ROWS rows of a buffer each, floats by their bits, for ids are no floats
-// (docs/physics.md section 3.5).
+// (docs/physics.md sections 3.5 to 3.7).
 //
 //     0      n, approach velocity
 //     1      id of A, entry of B, parameter on A, on B

@@ -1,4 +1,4 @@
-// A sweep over one collision that shares bodies (docs/physics.md section 3.5).
+// A sweep over one collision that shares bodies (docs/physics.md section 3.7).
 
 fn is_shared(r: u32) -> bool {
     return impulse_at(r).tau == SHARED;
