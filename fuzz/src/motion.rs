@@ -1,7 +1,7 @@
 //! Random scenes, run for some steps and changed in between.
 
 use rockfall::glam::{Quat, Vec3};
-use rockfall::stage::Phase;
+use rockfall::step::schedule::Phase;
 use rockfall::{Capsule, Cuboid, Integrator, Options, Polygon, Rod, Settings, Simulation, Sphere, SphereId, Spring, Tether};
 
 use super::case::{Action, Add, Ball, Case, Change, Kind};

@@ -6,7 +6,7 @@
 use std::path::PathBuf;
 
 use rockfall::output::AtomicFile;
-use rockfall::scene::generate::Benchmark;
+use rockfall::generate::Benchmark;
 
 use crate::failure::Failure;
 use crate::options::{Engine, Physics, whole};

@@ -4,7 +4,7 @@ use std::io::Write as _;
 use std::path::PathBuf;
 
 use rockfall::output::AtomicFile;
-use rockfall::scene::generate::Kind;
+use rockfall::generate::Kind;
 
 use crate::failure::Failure;
 use crate::options::whole;

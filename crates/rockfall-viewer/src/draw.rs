@@ -3,8 +3,8 @@
 //! On the GPU backend no body passes through the host: the shaders read state, orientations and topology where the kernels
 //! left them. On the CPU backend the same arrays are uploaded, so that there is one set of shaders. See [`Renderer`].
 
-use rockfall::gpu::catch;
-use rockfall::layout::Step;
+use rockfall::exec::gpu::catch;
+use rockfall::model::step::Step;
 use rockfall::wgpu;
 use rockfall::{Cuboid, Result, Scene, Simulation};
 

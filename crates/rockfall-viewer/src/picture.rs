@@ -2,7 +2,7 @@
 
 use std::io::Write;
 
-use rockfall::gpu::catch;
+use rockfall::exec::gpu::catch;
 use rockfall::{Error, Result, wgpu};
 
 use crate::camera::Camera;

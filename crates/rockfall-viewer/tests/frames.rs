@@ -2,7 +2,7 @@
 #![cfg(feature = "gpu")]
 
 use rockfall::glam::{Quat, Vec3};
-use rockfall::scene::generate::Kind;
+use rockfall::generate::Kind;
 use rockfall::{Backend, BroadPhase, Options, Scene, Simulation, Sphere};
 use rockfall_viewer::camera::Camera;
 use rockfall_viewer::draw::Style;

@@ -1,9 +1,9 @@
 //! Steps that do not block. In a browser its event loop drives such futures; a native program drives them with
-//! `rockfall::gpu::block_on`, which waits for the device where they do.
+//! `rockfall::exec::gpu::block_on`, which waits for the device where they do.
 //!
 //! `cargo run --release -p rockfall --example asynchronous`
 
-use rockfall::gpu::{Gpu, block_on};
+use rockfall::exec::gpu::{Gpu, block_on};
 use rockfall::{Options, Scene, Simulation, Sphere};
 
 async fn fall(gpu: &Gpu) -> rockfall::Result<f32> {

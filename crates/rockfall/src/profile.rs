@@ -1,7 +1,8 @@
 //! Where the time of a step goes: what [`Simulation::profile`](crate::Simulation::profile) gives.
 
-use crate::layout::{Status, Step};
-use crate::stage::{Phase, Run};
+use crate::model::status::Status;
+use crate::model::step::Step;
+use crate::step::schedule::{Phase, Run};
 use crate::traffic;
 
 /// What the times of the stages were taken with.

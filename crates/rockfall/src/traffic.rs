@@ -5,8 +5,12 @@
 //! The entries of the pair lists are counted with the padding of their slices, which is read with them. What only some
 //! bodies need (weights of collisions, constraints of fixed rods, springs) is left out, so the sums are lower bounds.
 
-use crate::layout::{SLICE, Status, Step, words_of};
-use crate::stage::{Access, Buffer, Run, Stage};
+use crate::model::buffer::Buffer;
+use crate::model::layout::{SLICE, words_of};
+use crate::model::status::Status;
+use crate::model::step::Step;
+use crate::step::schedule::Run;
+use crate::step::stage::{Access, Stage};
 
 /// How often a stage has to move what there is of each kind.
 #[derive(Clone, Copy, Default)]
@@ -150,7 +154,8 @@ pub(crate) fn least_bytes(run: &Run, step: &Step, status: &Status) -> u64 {
 mod tests {
     use super::*;
     use crate::settings::{BroadPhase, Integrator};
-    use crate::stage::{ALL, Phase, When};
+    use crate::step::catalog::ALL;
+    use crate::step::schedule::{Phase, When};
 
     fn per_sphere(integrator: Integrator) -> u64 {
         let step = Step { spheres: 1 << 20, cells: 1 << 20, ..Step::default() };

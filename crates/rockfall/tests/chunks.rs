@@ -8,7 +8,7 @@ use common::device::device;
 use common::mixed::{Run, mixed, same_bits};
 use common::{floor_box, with};
 use rockfall::glam::Vec3;
-use rockfall::stage::Buffer;
+use rockfall::model::buffer::Buffer;
 use rockfall::{Backend, BroadPhase, Error, Integrator, Options, Rod, Scene, Simulation, Sphere, SphereId, Tether};
 
 /// Balls side by side that fall on a floor, with so many tethers that `words` fills more than a chunk. No collision shares a body with

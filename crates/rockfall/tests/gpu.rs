@@ -9,11 +9,13 @@ use std::pin::pin;
 use std::task::{Context, Poll, Waker};
 
 use glam::Vec3;
-use rockfall::gpu::{Gpu, GpuWorld, block_on};
-use rockfall::layout::{CELL_BLOCK, SIZE_WORDS, VOID_PAIRS};
+use rockfall::exec::gpu::{Gpu, GpuWorld, block_on};
+use rockfall::model::buffer::Buffer;
+use rockfall::model::layout::{CELL_BLOCK, SIZE_WORDS};
+use rockfall::model::status::VOID_PAIRS;
+use rockfall::model::world::World;
 use rockfall::scene::{Capsule, Cuboid, Sphere};
-use rockfall::stage::{Buffer, Phase, Run};
-use rockfall::world::World;
+use rockfall::step::schedule::{Phase, Run};
 use rockfall::{Backend, BroadPhase, Error, Integrator, Options, Scene, Simulation};
 
 /// A test without an adapter fails: skipped it would prove nothing.
@@ -238,7 +240,8 @@ fn a_world_with_nothing_in_it_runs() {
 
 #[test]
 fn a_kernel_that_does_not_compile_names_its_own_file() {
-    use rockfall::stage::{ALL, Part, Stage};
+    use rockfall::step::catalog::ALL;
+    use rockfall::step::stage::{Part, Stage};
     let gpu = open();
     let world = world(&heap(10));
     let mut device = GpuWorld::new(&gpu, &world).unwrap();
@@ -248,11 +251,12 @@ fn a_kernel_that_does_not_compile_names_its_own_file() {
     last.text = format!("{}\nfn broken() -> u32 {{ return 1.5; }}\n", last.text.trim_end()).leak();
     let line = last.text.lines().count();
     let stage = Box::leak(Box::new(Stage { parts: parts.leak(), ..*original }));
-    let refused = device.prepare(&[Run { stage, pass: 0, when: rockfall::stage::When::Always, every: 1, planned: false }]);
+    let refused =
+        device.prepare(&[Run { stage, pass: 0, when: rockfall::step::schedule::When::Always, every: 1, planned: false }]);
     let Err(Error::Device(text)) = refused else {
         panic!("{refused:?}");
     };
-    assert!(text.contains(&format!("stage/turn.wgsl:{line}")), "{text}");
+    assert!(text.contains(&format!("step/integrate/turn.wgsl:{line}")), "{text}");
 }
 
 /// The memory of the process would say nothing: lavapipe (Mesa 22.3) itself keeps some 0.5 MB of every step until the device

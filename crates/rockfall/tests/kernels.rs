@@ -4,8 +4,12 @@ use std::mem::{offset_of, size_of};
 
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 use naga::{AddressSpace, Module, StorageAccess, TypeInner};
-use rockfall::layout::{self, Aabb, Pass, Status, Step, Told};
-use rockfall::stage::{ALL, Access, Stage, Threads, for_scenes};
+use rockfall::model::dispatch::Threads;
+use rockfall::model::status::{Status, Told};
+use rockfall::model::step::{Aabb, Pass, Step};
+use rockfall::model::{layout, status};
+use rockfall::step::catalog::ALL;
+use rockfall::step::stage::{Access, Stage, for_scenes};
 
 /// What WebGPU grants everywhere.
 const MAX_STORAGE_BUFFERS: usize = 8;
@@ -42,8 +46,8 @@ fn every_kernel_is_valid() {
 #[cfg(feature = "gpu")]
 #[test]
 fn every_kernel_is_valid_with_its_arrays_in_chunks() {
-    use rockfall::gpu::{Split, split};
-    use rockfall::stage::Buffer;
+    use rockfall::exec::gpu::{Split, split};
+    use rockfall::model::buffer::Buffer;
     for stage in ALL {
         let count = stage.bindings.len();
         let alone = (0..count).map(|split| (0..count).map(|binding| if binding == split { 3 } else { 1 }).collect());
@@ -73,7 +77,7 @@ fn every_kernel_is_valid_with_its_arrays_in_chunks() {
 #[cfg(feature = "gpu")]
 #[test]
 fn chunks_begin_where_elements_do() {
-    use rockfall::gpu::{Split, split};
+    use rockfall::exec::gpu::{Split, split};
     for stage in ALL {
         let module = module(stage);
         for binding in stage.bindings {
@@ -144,7 +148,7 @@ fn the_bindings_are_those_of_the_stage() {
 fn the_architecture_lists_the_bindings() {
     let text = include_str!("../../../ARCHITECTURE.md");
     for stage in ALL {
-        let name = |binding: &rockfall::stage::Binding| match binding.access {
+        let name = |binding: &rockfall::step::stage::Binding| match binding.access {
             Access::Read => binding.name.to_owned(),
             Access::Write => format!("**{}**", binding.name),
         };
@@ -157,7 +161,7 @@ fn the_architecture_lists_the_bindings() {
 /// A writable buffer must not stand in a dispatch twice.
 #[test]
 fn no_stage_writes_a_buffer_that_it_binds_twice() {
-    use rockfall::stage::Phase;
+    use rockfall::step::schedule::Phase;
     use rockfall::{BroadPhase, Integrator};
     let methods = [(Integrator::Rk4, BroadPhase::BruteForce), (Integrator::SymplecticEuler, BroadPhase::Grid)];
     for (integrator, broad_phase) in methods {
@@ -254,10 +258,10 @@ fn the_structs_are_those_of_layout() {
 #[test]
 fn the_constants_are_those_of_layout() {
     macro_rules! constants {
-        ($($name:ident),* $(,)?) => { [$((stringify!($name), layout::$name)),*] };
+        ($module:ident: $($name:ident),* $(,)?) => { [$((stringify!($name), $module::$name)),*] };
     }
-    let expected = constants![
-        WORKGROUP,
+    let sizes = constants![
+        layout: WORKGROUP,
         WIDE,
         SLICE,
         ROD_WORDS,
@@ -281,12 +285,6 @@ fn the_constants_are_those_of_layout() {
         FLAG_CONTINUE,
         FLAG_GROUPS,
         FLAG_STAGES,
-        VOID_PAIRS,
-        VOID_ESCAPED,
-        VOID_NON_FINITE,
-        VOID_COUNT,
-        VOID_COLLISIONS,
-        VOID_MANY,
         SWEEPS_OFF,
         SWEEPS_LISTED,
         SWEEPS_FEW,
@@ -297,7 +295,6 @@ fn the_constants_are_those_of_layout() {
         NO_NETWORK,
         NO_ROD,
         SOME_RODS,
-        TELLERS,
         SIZE_WORDS,
         EDGES_AT,
         FARTHEST_AT,
@@ -316,18 +313,27 @@ fn the_constants_are_those_of_layout() {
         ROW_Y,
         ROW_Z,
         ROW_LEVEL,
-        LISTS_ASKED,
-        LISTS_MADE,
         PHASES_SHIFT,
         POSITIONS_FIRST,
         POSITIONS_ALONE,
         ORDER_MASK,
         LEAPS,
+    ];
+    let codes = constants![
+        status: VOID_PAIRS,
+        VOID_ESCAPED,
+        VOID_NON_FINITE,
+        VOID_COUNT,
+        VOID_COLLISIONS,
+        VOID_MANY,
+        TELLERS,
+        LISTS_ASKED,
+        LISTS_MADE,
         NO_BODY,
         BAD_STAGE_SHIFT,
     ];
     let module = module(ALL[0]);
-    for (name, value) in expected {
+    for (name, value) in sizes.into_iter().chain(codes) {
         let (_, constant) = module
             .constants
             .iter()

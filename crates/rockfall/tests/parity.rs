@@ -44,7 +44,8 @@ use std::collections::BTreeMap;
 
 use compare::{MEASURED, differences, listed};
 use device::{GPU, on_gpu};
-use rockfall::layout::{SLICE, VOID_NON_FINITE, VOID_PAIRS, WORKGROUP, words_of};
+use rockfall::model::layout::{SLICE, WORKGROUP, words_of};
+use rockfall::model::status::{VOID_NON_FINITE, VOID_PAIRS};
 use rockfall::{BroadPhase, Integrator, Settings};
 use trace::{Only, Plan, Scenario, Trace, trace};
 

@@ -5,11 +5,13 @@
 
 #[cfg(feature = "gpu")]
 use rockfall::Profile;
-use rockfall::layout::{LIST_COUNT_MASK, SLICE, Status, words_of};
-use rockfall::scene::generate::Benchmark;
-use rockfall::stage::Phase;
-use rockfall::world::World;
-use rockfall::{Backend, BroadPhase, Integrator, Options, Scene, Simulation, Sphere, cpu};
+use rockfall::exec::cpu;
+use rockfall::generate::Benchmark;
+use rockfall::model::layout::{LIST_COUNT_MASK, SLICE, words_of};
+use rockfall::model::status::Status;
+use rockfall::model::world::World;
+use rockfall::step::schedule::Phase;
+use rockfall::{Backend, BroadPhase, Integrator, Options, Scene, Simulation, Sphere};
 
 /// Enough for the broad phase of large scenes.
 const BODIES: u32 = 2500;

@@ -1,6 +1,6 @@
 //! The phases as Figure 2.11 of the thesis has them.
 
-use rockfall::stage::Phase;
+use rockfall::step::schedule::Phase;
 
 /// The phases of a step from the lowest bar to the highest, their names in tables and charts, and their keys in JSON.
 pub(crate) const PHASES: [(Phase, &str, &str); 4] = [

@@ -1,6 +1,6 @@
 //! A pile on the CPU and on the GPU: chaos parts their trajectories, not their statistics.
 
-use rockfall::scene::generate::Kind;
+use rockfall::generate::Kind;
 use rockfall::{Backend, Options, Simulation, SphereState};
 
 use crate::chart::{Axis, Chart, Mark};

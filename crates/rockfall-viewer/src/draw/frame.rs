@@ -2,7 +2,8 @@
 
 use bytemuck::{Pod, Zeroable};
 use rockfall::glam::{Mat4, Vec3, Vec4};
-use rockfall::layout::{SPRING_WORDS, Step, TETHER_WORDS};
+use rockfall::model::layout::{SPRING_WORDS, TETHER_WORDS};
+use rockfall::model::step::Step;
 
 use crate::camera::{Axes, Camera};
 use crate::draw::bounds::Setting;

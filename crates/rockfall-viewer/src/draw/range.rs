@@ -1,7 +1,7 @@
 //! The ends of the colour scale, when they go by what there is.
 
 use rockfall::Result;
-use rockfall::gpu::catch;
+use rockfall::exec::gpu::catch;
 use rockfall::wgpu;
 
 use crate::draw::pipelines::Layouts;

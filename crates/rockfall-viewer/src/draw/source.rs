@@ -1,7 +1,7 @@
 //! The buffers that shaders read: the physics' own, or copies of the host's arrays on the CPU backend.
 
-use rockfall::layout::Step;
-use rockfall::stage::Buffer;
+use rockfall::model::step::Step;
+use rockfall::model::buffer::Buffer;
 use rockfall::{Result, Simulation, wgpu};
 
 use crate::draw::pipelines::STORAGE;

@@ -1,6 +1,6 @@
 //! A graphics device that is lost while it moves the scene.
 
-use rockfall::gpu::Gpu;
+use rockfall::exec::gpu::Gpu;
 use rockfall::{Options, Scene, Simulation};
 use rockfall_viewer::window::session::{Opener, Session};
 

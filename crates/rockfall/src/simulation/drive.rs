@@ -1,16 +1,18 @@
 //! Running phases until they are done: void steps are mended and run again.
 
+use crate::error::BadStage;
 use crate::error::{Error, Result};
-use crate::layout::{
-    BAD_STAGE_SHIFT, BadStage, MAX_PAIR_ROWS, NO_BODY, Status, VOID_COLLISIONS, VOID_COUNT, VOID_ESCAPED, VOID_MANY,
-    VOID_NON_FINITE, VOID_PAIRS, words_of,
+use crate::model::layout::{MAX_PAIR_ROWS, words_of};
+use crate::model::status::{
+    BAD_STAGE_SHIFT, NO_BODY, Status, VOID_COLLISIONS, VOID_COUNT, VOID_ESCAPED, VOID_MANY, VOID_NON_FINITE, VOID_PAIRS,
 };
 use crate::profile::Recorder;
 use crate::settings::Integrator;
 use crate::simulation::Simulation;
 use crate::simulation::interval::LONGEST;
 use crate::simulation::lookahead::{Lists, Lookahead};
-use crate::stage::{Phase, is_small};
+use crate::step::fused::run_steps::is_small;
+use crate::step::schedule::Phase;
 
 /// The thesis's fixed time step, in s.
 pub const DEFAULT_TIME_STEP: f32 = 0.02;
@@ -297,7 +299,7 @@ fn room_for(needed: u32) -> Result<u32> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::layout::{SLICE, most_objects};
+    use crate::model::layout::{SLICE, most_objects};
 
     /// In the second attempt at a step whose collisions are done, lists are not made twice, and not for bodies that may turn back.
     #[test]

@@ -6,12 +6,14 @@
 use std::collections::VecDeque;
 
 use crate::error::Result;
-use crate::layout::{FLAG_STAGES, LISTS_ASKED, NO_BODY, Status, Told};
+use crate::model::layout::FLAG_STAGES;
+use crate::model::status::{LISTS_ASKED, NO_BODY, Status, Told};
 use crate::profile::Recorder;
 use crate::simulation::Simulation;
 use crate::simulation::drive::{COLLISIONS_FIRST, WITHOUT_COLLISIONS};
 use crate::simulation::engine::Look;
-use crate::stage::{Phase, Run, is_small};
+use crate::step::fused::run_steps::is_small;
+use crate::step::schedule::{Phase, Run};
 
 /// Portions that a device has before it at a time.
 const DEPTH: usize = 2;

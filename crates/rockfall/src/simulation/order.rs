@@ -1,10 +1,11 @@
 //! When memory is put in order again: once the disorder since the last time has cost more than the sorting will.
 
 use crate::error::Result;
-use crate::layout::{LISTS_ASKED, ORDER_SAMPLE, Status};
+use crate::model::layout::ORDER_SAMPLE;
+use crate::model::status::{LISTS_ASKED, Status};
 use crate::settings::BroadPhase;
 use crate::simulation::{Simulation, engine};
-use crate::stage::{MEASURE_ORDER, SORT_MEMORY};
+use crate::step::schedule::{MEASURE_ORDER, SORT_MEMORY};
 
 /// Steps between two looks at the order.
 const LOOK_AFTER: u64 = 256;

@@ -3,7 +3,8 @@
 //! A step that turns out to need sweeps, or more room for collisions, is void and is run again with them. Results do not depend on it.
 
 use crate::error::Result;
-use crate::layout::{FEW_COLLISIONS, SWEEPS_FEW, SWEEPS_ON, Status, VOID_MANY};
+use crate::model::layout::{FEW_COLLISIONS, SWEEPS_FEW, SWEEPS_ON};
+use crate::model::status::{Status, VOID_MANY};
 use crate::simulation::Simulation;
 
 /// Steps without collisions that share bodies after which sweeps are left out.

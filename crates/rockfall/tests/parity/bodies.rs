@@ -1,11 +1,11 @@
 //! The objects of a world in f64, read from its buffers by their documented layout alone.
 
 use glam::{DVec3, Vec4};
-use rockfall::layout::{
+use rockfall::model::layout::{
     BOX_WORDS, FLAG_COLLISIONS, FORCE_WORDS, KIND_FORCE, KIND_SHIFT, KIND_SPRING, KIND_TETHER, POLYGON_WORDS, ROD_WORDS,
     SPRING_WORDS, TETHER_WORDS,
 };
-use rockfall::world::World;
+use rockfall::model::world::World;
 
 #[derive(Clone)]
 pub(crate) struct Ball {

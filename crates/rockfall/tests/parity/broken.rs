@@ -2,9 +2,12 @@
 
 use std::sync::atomic::{AtomicU32, Ordering};
 
-use rockfall::layout::{LEAPS, SWEEPS_OFF};
-use rockfall::stage::{Buffer, Part, Run, Stage, Threads};
-use rockfall::world::World;
+use rockfall::model::buffer::Buffer;
+use rockfall::model::dispatch::Threads;
+use rockfall::model::layout::{LEAPS, SWEEPS_OFF};
+use rockfall::model::world::World;
+use rockfall::step::schedule::Run;
+use rockfall::step::stage::{Part, Stage};
 use rockfall::{Integrator, Settings};
 
 use crate::compare::{MEASURED, differences};
@@ -354,7 +357,7 @@ fn a_kernel_with_a_mistake_is_told() {
 
 #[test]
 fn there_is_a_mistake_for_every_stage() {
-    for stage in rockfall::stage::ALL {
+    for stage in rockfall::step::catalog::ALL {
         assert!(MISTAKES.iter().any(|mistake| mistake.0 == stage.name), "{}", stage.name);
     }
 }

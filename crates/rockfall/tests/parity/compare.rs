@@ -9,9 +9,10 @@
 use glam::{Vec3, Vec4};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
-use rockfall::layout::{Status, TELLERS, Told};
-use rockfall::stage::{Buffer, Run};
-use rockfall::world::World;
+use rockfall::model::buffer::Buffer;
+use rockfall::model::status::{Status, TELLERS, Told};
+use rockfall::model::world::World;
+use rockfall::step::schedule::Run;
 
 use crate::decisions::entries;
 use crate::order::canonical;

@@ -5,8 +5,8 @@
 use std::collections::BTreeMap;
 
 use glam::DVec3;
-use rockfall::layout::{ENTRY_BITS, ENTRY_OVERLAPS, LIST_COUNT_MASK, SLICE};
-use rockfall::world::World;
+use rockfall::model::layout::{ENTRY_BITS, ENTRY_OVERLAPS, LIST_COUNT_MASK, SLICE};
+use rockfall::model::world::World;
 
 use crate::bodies::{Bodies, Kind};
 use crate::collide::{self, Change, Share};

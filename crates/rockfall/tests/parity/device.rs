@@ -2,9 +2,10 @@
 
 use std::sync::LazyLock;
 
-use rockfall::gpu::{Gpu, GpuWorld, block_on};
-use rockfall::stage::{Buffer, Run};
-use rockfall::world::World;
+use rockfall::exec::gpu::{Gpu, GpuWorld, block_on};
+use rockfall::model::buffer::Buffer;
+use rockfall::model::world::World;
+use rockfall::step::schedule::Run;
 
 /// A test without an adapter fails: skipped it would prove nothing.
 pub(crate) fn open() -> Gpu {

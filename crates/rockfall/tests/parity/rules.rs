@@ -5,10 +5,10 @@ use std::future::Future;
 use glam::Vec3;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
-use rockfall::gpu::Gpu;
-use rockfall::layout::{SLICE, WORKGROUP};
-use rockfall::stage::{Phase, Run};
-use rockfall::world::World;
+use rockfall::exec::gpu::Gpu;
+use rockfall::model::layout::{SLICE, WORKGROUP};
+use rockfall::model::world::World;
+use rockfall::step::schedule::{Phase, Run};
 use rockfall::{BroadPhase, Capsule, Cuboid, Integrator, Polygon, Rod, Scene, Sphere, SphereId, Spring, wgpu};
 
 use crate::broken::rewritten;
@@ -181,7 +181,7 @@ fn bodies_that_stop_being_finite() {
 /// A device that grants only thirteen workgroups in a dimension.
 fn narrow() -> Gpu {
     let open = async {
-        let adapter = rockfall::gpu::instance().request_adapter(&Default::default()).await.unwrap();
+        let adapter = rockfall::exec::gpu::instance().request_adapter(&Default::default()).await.unwrap();
         let required_limits = wgpu::Limits { max_compute_workgroups_per_dimension: 13, ..adapter.limits() };
         let wanted = wgpu::DeviceDescriptor { required_limits, ..Default::default() };
         adapter.request_device(&wanted).await.unwrap()

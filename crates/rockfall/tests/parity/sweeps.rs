@@ -2,7 +2,7 @@
 //! has turned too far within the step. The sweeps are made again, in f64.
 
 use glam::DVec3;
-use rockfall::world::World;
+use rockfall::model::world::World;
 
 use crate::bodies::Bodies;
 use crate::decisions::Findings;

@@ -1,11 +1,12 @@
 //! The worlds that the stages of a step begin with, with every decision of the step far from its switch.
 
-use rockfall::layout::{
+use rockfall::model::layout::{
     CELL_BLOCK, CELLS_AT, FLAG_STAGES, LEAPS, PHASES_SHIFT, POSITIONS_FIRST, ROD_WORDS, SLICE, SWEEPS_FEW, SWEEPS_LISTED,
     SWEEPS_OFF, SWEEPS_ON,
 };
-use rockfall::stage::{ALL, MEASURE_ORDER, Phase, Run, SORT_MEMORY, When};
-use rockfall::world::World;
+use rockfall::model::world::World;
+use rockfall::step::catalog::ALL;
+use rockfall::step::schedule::{MEASURE_ORDER, Phase, Run, SORT_MEMORY, When};
 use rockfall::{BroadPhase, Integrator, Settings};
 
 use crate::cells;

@@ -4,12 +4,13 @@ use std::cell::Cell;
 
 use glam::Vec3;
 use proptest::prelude::*;
-use rockfall::layout::SLICE;
-use rockfall::stage::Phase;
-use rockfall::world::World;
+use rockfall::exec::cpu;
+use rockfall::model::layout::SLICE;
+use rockfall::model::world::World;
+use rockfall::step::schedule::Phase;
 use rockfall::{
     Backend, BoxId, BroadPhase, Capsule, CapsuleId, Cuboid, Error, Integrator, Options, Polygon, PolygonId, Rod, RodId, Scene,
-    Simulation, Sphere, SphereId, SphereState, Spring, SpringId, Tether, TetherId, cpu,
+    Simulation, Sphere, SphereId, SphereState, Spring, SpringId, Tether, TetherId,
 };
 
 use crate::things::{Outcome, Thing, ball, check, direction, simulation, thing, vector, weightless};

@@ -1,0 +1,29 @@
+//! In large scenes: how many workgroups the stages have that make lists, none where there is nothing to do. To begin hundreds of
+//! thousands that return at once takes a device longer than some stages work.
+//!
+//! The device reads these sizes itself (indirect dispatch), so that the host need not know.
+
+use crate::model::buffer::Buffer;
+use crate::model::dispatch::Threads;
+use crate::model::layout::SIZE_WORDS;
+use crate::model::world::World;
+use crate::step::stage::{Stage, part, read, write};
+
+/// The stage.
+pub(crate) const STAGE: Stage = Stage {
+    name: "plan_lists",
+    parts: &[part!("model/step.wgsl"), part!("step/broad_phase/grid/plan_lists.wgsl")],
+    bindings: &[write("sizes", Buffer::Sizes), read("status", Buffer::Status)],
+    threads: Threads::One,
+    cpu: plan_lists,
+};
+
+fn plan_lists(world: &mut World, _pass: u32) {
+    let is_due = world.status.rebuild != 0 && world.status.void == 0;
+    let (present, all) = world.sizes.split_at_mut(SIZE_WORDS as usize);
+    if is_due {
+        present.copy_from_slice(all);
+    } else {
+        present.fill(0);
+    }
+}

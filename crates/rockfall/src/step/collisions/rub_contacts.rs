@@ -1,0 +1,74 @@
+//! Collisions, 4 of 4: friction impulses, once a step, of all contacts that press, in scenes that have them (docs/physics.md section 3.9).
+//!
+//! `collision_friction` limits them by the normal impulse of the collision phase, `coulomb_friction` by what the contact force gives within
+//! the step. The new state of all spheres goes to `Y2`. Does nothing in a void step, nor when the collisions of the step were done before.
+
+use rayon::prelude::*;
+
+use crate::error::BadStage;
+use crate::model::buffer::Buffer;
+use crate::model::counters::Tally;
+use crate::model::dispatch::Threads;
+use crate::model::lists::Lists;
+use crate::model::state::Rows;
+use crate::model::view::View;
+use crate::model::world::World;
+use crate::physics::friction_impulses::Rubbing;
+use crate::step::stage::{Stage, part, read, write};
+
+/// The stage.
+pub(crate) const STAGE: Stage = Stage {
+    name: "rub_contacts",
+    parts: &[
+        part!("model/step.wgsl"),
+        part!("model/entries.wgsl"),
+        part!("model/lists.wgsl"),
+        part!("model/order.wgsl"),
+        part!("model/one_state.wgsl"),
+        part!("model/objects.wgsl"),
+        part!("physics/geometry.wgsl"),
+        part!("physics/contact.wgsl"),
+        part!("step/collisions/has_changes.wgsl"),
+        part!("step/collisions/rows.wgsl"),
+        part!("physics/collision.wgsl"),
+        part!("physics/signed_touch.wgsl"),
+        part!("step/collisions/records.wgsl"),
+        part!("step/collisions/record_of.wgsl"),
+        part!("model/counters.wgsl"),
+        part!("physics/friction_impulses.wgsl"),
+        part!("step/collisions/rub_contacts.wgsl"),
+    ],
+    bindings: &[
+        read("state", Buffer::Start),
+        write("next", Buffer::Y2),
+        read("words", Buffer::Words),
+        read("lists", Buffer::Lists),
+        read("slots", Buffer::Slots),
+        read("collisions", Buffer::Collisions),
+        write("status", Buffer::Status),
+    ],
+    threads: Threads::Spheres,
+    cpu: rub_contacts,
+};
+
+fn rub_contacts(world: &mut World, _pass: u32) {
+    if world.status.void != 0 || world.status.collided != 2 {
+        return;
+    }
+    let [start, y2, ..] = &mut world.states;
+    let view = View::new(&world.step, &world.words, start);
+    let lists = Lists::new(&world.step, &world.lists);
+    let rubbing = Rubbing::new(&view, &lists, &world.impulses);
+    let tally = Rows::of(y2, world.step.spheres)
+        .map(|mut rows| {
+            let mut tally = Tally::default();
+            for sphere in rows.spheres() {
+                let before = view.position(sphere);
+                let after = rubbing.rubbed(sphere).or_stopped(before, BadStage::Collisions, view.user(sphere), &mut tally);
+                rows.set(&view, sphere, after);
+            }
+            tally
+        })
+        .reduce(Tally::default, Tally::merge);
+    tally.tell(&mut world.status);
+}

@@ -1,0 +1,44 @@
+//! How heavy a network of fixed-length rods is for each collision on it (docs/physics.md section 3.6): its inverse mass there, times the
+//! number of collisions on the network. A workgroup works on each network, on one collision after the other.
+
+use crate::model::buffer::Buffer;
+use crate::model::dispatch::Threads;
+use crate::model::world::World;
+use crate::step::stage::{Stage, part, read, write};
+
+/// The stage.
+pub(crate) const STAGE: Stage = Stage {
+    name: "weigh_networks",
+    parts: &[
+        part!("model/step.wgsl"),
+        part!("model/entries.wgsl"),
+        part!("model/lists.wgsl"),
+        part!("model/order.wgsl"),
+        part!("model/one_state.wgsl"),
+        part!("model/objects.wgsl"),
+        part!("physics/geometry.wgsl"),
+        part!("physics/contact.wgsl"),
+        part!("step/collisions/has_changes.wgsl"),
+        part!("step/collisions/rows.wgsl"),
+        part!("physics/collision.wgsl"),
+        part!("step/collisions/records.wgsl"),
+        part!("step/collisions/record_of.wgsl"),
+        part!("physics/collision/networks.wgsl"),
+        part!("step/collisions/weigh_networks.wgsl"),
+    ],
+    bindings: &[
+        read("state", Buffer::Start),
+        write("next", Buffer::Y2),
+        read("words", Buffer::Words),
+        read("lists", Buffer::Lists),
+        read("slots", Buffer::Slots),
+        write("collisions", Buffer::Collisions),
+        write("wrenches", Buffer::Wrenches),
+        write("status", Buffer::Status),
+    ],
+    threads: Threads::Networks,
+    cpu: weigh_networks,
+};
+
+/// Nothing: `apply_collisions` solves them all on the CPU.
+fn weigh_networks(_world: &mut World, _pass: u32) {}

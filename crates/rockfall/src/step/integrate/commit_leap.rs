@@ -1,0 +1,36 @@
+//! After symplectic Euler: `Y2` becomes the state, in scenes with rods; in others `commit_and_turn` does it. Does nothing in a
+//! void step. A sphere that may leave its AABB within the next step asks for new lists (`rebuild`).
+
+use crate::model::buffer::Buffer;
+use crate::model::dispatch::Threads;
+use crate::model::world::World;
+use crate::step::commit::commit;
+use crate::step::stage::{Stage, part, read, write};
+
+/// The stage.
+pub(crate) const STAGE: Stage = Stage {
+    name: "commit_leap",
+    parts: &[
+        part!("model/step.wgsl"),
+        part!("physics/travel.wgsl"),
+        part!("physics/margin.wgsl"),
+        part!("model/two_states.wgsl"),
+        part!("step/take_next.wgsl"),
+        part!("step/commit.wgsl"),
+        part!("step/integrate/commit_leap.wgsl"),
+    ],
+    bindings: &[
+        write("state", Buffer::Start),
+        read("next", Buffer::Y2),
+        read("aabbs", Buffer::Aabbs),
+        write("status", Buffer::Status),
+    ],
+    threads: Threads::WideSpheres,
+    cpu: commit_leap,
+};
+
+fn commit_leap(world: &mut World, _pass: u32) {
+    if world.status.void == 0 {
+        commit(world);
+    }
+}

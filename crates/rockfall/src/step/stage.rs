@@ -1,0 +1,100 @@
+//! What a stage is: its kernel, bindings, threads and CPU twin.
+
+use crate::model::buffer::Buffer;
+use crate::model::dispatch::Threads;
+use crate::model::world::World;
+
+/// What a binding of a stage refers to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Slot {
+    /// Always the same buffer.
+    Fixed(Buffer),
+    /// The stage state that pass p evaluates: `Start`, `Y2`, `Y3`, `Y4` for p = 0, 1, 2, 3.
+    State,
+    /// The stage state that pass p makes: `Y2`, `Y3`, `Y4` for p = 0, 1, 2.
+    Next,
+    /// What pass p of a sort begins with: `Y2` and `Y3` in turn.
+    Unsorted,
+    /// What it makes: the other one.
+    Sorted,
+}
+
+impl Slot {
+    /// The buffer in pass `pass`.
+    pub fn buffer(self, pass: u32) -> Buffer {
+        const STATES: [Buffer; 4] = [Buffer::Start, Buffer::Y2, Buffer::Y3, Buffer::Y4];
+        match self {
+            Self::Fixed(buffer) => buffer,
+            Self::State => STATES[pass as usize],
+            Self::Next => STATES[pass as usize + 1],
+            Self::Unsorted => STATES[1 + pass as usize % 2],
+            Self::Sorted => STATES[2 - pass as usize % 2],
+        }
+    }
+}
+
+/// How a kernel uses a buffer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Access {
+    /// `var<storage, read>`.
+    Read,
+    /// `var<storage, read_write>`.
+    Write,
+}
+
+/// A storage buffer of a stage. Its number is 2 + its place in the stage's list (0 is `step`, 1 is `pass_`).
+#[derive(Clone, Copy, Debug)]
+pub struct Binding {
+    /// Its name in the WGSL.
+    pub name: &'static str,
+    /// Which buffer it is.
+    pub slot: Slot,
+    /// Read only or read and written.
+    pub access: Access,
+}
+
+pub(crate) const fn read(name: &'static str, buffer: Buffer) -> Binding {
+    Binding { name, slot: Slot::Fixed(buffer), access: Access::Read }
+}
+
+pub(crate) const fn write(name: &'static str, buffer: Buffer) -> Binding {
+    Binding { name, slot: Slot::Fixed(buffer), access: Access::Write }
+}
+
+/// A piece of WGSL and the file it stands in.
+#[derive(Clone, Copy, Debug)]
+pub struct Part {
+    /// Path below `src/`.
+    pub file: &'static str,
+    /// Its text.
+    pub text: &'static str,
+}
+
+macro_rules! part {
+    ($file:literal) => {
+        $crate::step::stage::Part { file: $file, text: include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/src/", $file)) }
+    };
+}
+pub(crate) use part;
+
+/// The WGSL for scenes with or without rods, and with or without large spheres. Not by constants of the pipeline, for the sizes of
+/// arrays depend on them.
+pub fn for_scenes(text: &str, rods: bool, large: bool) -> String {
+    let told = |name: &str, is_so: bool| (format!("const {name}: bool = true;"), format!("const {name}: bool = {is_so};"));
+    [told("RODS", rods), told("LARGE", large)].iter().fold(text.to_owned(), |text, (from, to)| text.replace(from, to))
+}
+
+/// One stage of the step.
+#[derive(Clone, Copy, Debug)]
+pub struct Stage {
+    /// Name of the pair of files and of the kernel's entry point.
+    pub name: &'static str,
+    /// The WGSL, joined in this order.
+    pub parts: &'static [Part],
+    /// The storage buffers, at most 8.
+    pub bindings: &'static [Binding],
+    /// How many threads it has.
+    pub threads: Threads,
+    /// The CPU twin; the second argument is the pass.
+    pub cpu: fn(&mut World, u32),
+}
