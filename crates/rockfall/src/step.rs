@@ -16,3 +16,4 @@ pub(crate) mod integrate;
 pub(crate) mod reorder;
 pub mod schedule;
 pub mod stage;
+pub mod wgsl;

@@ -241,16 +241,17 @@ fn a_world_with_nothing_in_it_runs() {
 #[test]
 fn a_kernel_that_does_not_compile_names_its_own_file() {
     use rockfall::step::catalog::ALL;
-    use rockfall::step::stage::{Part, Stage};
+    use rockfall::step::stage::Stage;
+    use rockfall::step::wgsl::Wgsl;
     let gpu = open();
     let world = world(&heap(10));
     let mut device = GpuWorld::new(&gpu, &world).unwrap();
     let original = ALL.into_iter().find(|stage| stage.name == "turn").unwrap();
-    let mut parts: Vec<Part> = original.parts.to_vec();
+    let mut parts = original.parts();
     let last = parts.last_mut().unwrap();
     last.text = format!("{}\nfn broken() -> u32 {{ return 1.5; }}\n", last.text.trim_end()).leak();
     let line = last.text.lines().count();
-    let stage = Box::leak(Box::new(Stage { parts: parts.leak(), ..*original }));
+    let stage = Box::leak(Box::new(Stage { wgsl: Wgsl::Parts(parts.leak()), ..*original }));
     let refused =
         device.prepare(&[Run { stage, pass: 0, when: rockfall::step::schedule::When::Always, every: 1, planned: false }]);
     let Err(Error::Device(text)) = refused else {

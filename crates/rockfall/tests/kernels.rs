@@ -9,7 +9,8 @@ use rockfall::model::status::{Status, Told};
 use rockfall::model::step::{Aabb, Pass, Step};
 use rockfall::model::{layout, status};
 use rockfall::step::catalog::ALL;
-use rockfall::step::stage::{Access, Stage, for_scenes};
+use rockfall::step::stage::{Access, Stage};
+use rockfall::step::wgsl::Variant;
 
 /// What WebGPU grants everywhere.
 const MAX_STORAGE_BUFFERS: usize = 8;
@@ -17,7 +18,7 @@ const MAX_WORKGROUP_BYTES: u32 = 16 * 1024;
 const MAX_INVOCATIONS: u32 = 256;
 
 fn source(stage: &Stage) -> String {
-    stage.parts.iter().map(|part| part.text).collect()
+    stage.parts().iter().map(|part| part.text).collect()
 }
 
 fn module(stage: &Stage) -> Module {
@@ -26,7 +27,7 @@ fn module(stage: &Stage) -> Module {
 
 /// For scenes with or without rods and large spheres.
 fn module_for(stage: &Stage, rods: bool, large: bool) -> Module {
-    let text = for_scenes(&source(stage), rods, large);
+    let text = Variant { rods, large, many: false }.apply(&source(stage));
     naga::front::wgsl::parse_str(&text).unwrap_or_else(|e| panic!("{}: {}", stage.name, e.emit_to_string(&text)))
 }
 

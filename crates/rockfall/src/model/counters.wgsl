@@ -1,3 +1,5 @@
+// requires model/order.wgsl model/step.wgsl
+
 // What a stage tells: a count of its workgroup, a sphere that left its AABB, or one whose state stopped being finite.
 
 var<workgroup> group_count: atomic<u32>;

@@ -1,3 +1,5 @@
+// requires model/step.wgsl
+
 // What a list entry holds.
 
 fn entry_id(entry: u32) -> u32 {

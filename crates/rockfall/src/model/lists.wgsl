@@ -1,3 +1,5 @@
+// requires model/step.wgsl
+
 // How the pair lists are read. They stand in rows of SLICE words, for their words may be more than 32 bits can number.
 
 // A word before the entries. By its mover, the head of a list: how many entries it has, and LIST_* bits; from `slices_at` on, the

@@ -1,3 +1,5 @@
+// requires model/step.wgsl
+
 // Reading objects out of `state` and `words`.
 
 fn inverse_mass(sphere: u32) -> f32 {

@@ -1,3 +1,5 @@
+// requires model/step.wgsl
+
 // Where the rows of a sphere stand in `state`, the state that the pass evaluates: three regions of one vec4 a sphere.
 
 fn position_at(sphere: u32) -> u32 {

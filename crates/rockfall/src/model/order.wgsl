@@ -1,3 +1,5 @@
+// requires model/step.wgsl
+
 // From the order of memory to the order of addition and back.
 
 // Index of an object in order of addition. Whatever must not depend on the order of memory goes by it.

@@ -1,3 +1,5 @@
+// requires model/step.wgsl
+
 // The four stage states of a sphere, where each is a buffer of its own.
 
 fn start_row(region: u32, i: u32) -> vec4f {

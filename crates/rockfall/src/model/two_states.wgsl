@@ -1,3 +1,5 @@
+// requires model/step.wgsl
+
 // The state and the one that takes its place, where each is a buffer of its own.
 
 fn put_start(region: u32, i: u32, row: vec4f) {

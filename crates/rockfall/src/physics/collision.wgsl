@@ -1,3 +1,5 @@
+// requires model/objects.wgsl model/step.wgsl physics/geometry.wgsl step/collisions/rows.wgsl
+
 // The two sides of a contact in the collision phase: what gives way there, how fast it closes, and what mass an impulse meets
 // (docs/physics.md section 3).
 

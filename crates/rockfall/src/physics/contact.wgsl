@@ -1,3 +1,5 @@
+// requires model/entries.wgsl model/lists.wgsl model/objects.wgsl model/order.wgsl model/step.wgsl physics/geometry.wgsl
+
 // The contact law (physics.md section 4), and going through the pair lists.
 
 const LOOK: u32 = 32u;

@@ -1,3 +1,7 @@
+// requires model/entries.wgsl model/lists.wgsl model/objects.wgsl model/order.wgsl model/step.wgsl physics/collision.wgsl
+// requires physics/contact.wgsl physics/geometry.wgsl physics/signed_touch.wgsl step/collisions/record_of.wgsl
+// requires step/collisions/records.wgsl
+
 // Friction impulses of contacts that press (docs/physics.md section 3.9). Each takes away as much slip as it may with every body split
 // evenly among the contacts that press it: put together again, the parts have no more energy.
 

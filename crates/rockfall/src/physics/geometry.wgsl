@@ -1,3 +1,5 @@
+// requires model/objects.wgsl model/order.wgsl model/step.wgsl
+
 // Where two objects touch (physics.md section 2). A is the object that was added first, n points from A to B.
 
 struct Touch {

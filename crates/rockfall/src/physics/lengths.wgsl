@@ -1,3 +1,5 @@
+// requires model/objects.wgsl model/step.wgsl
+
 // Batches of fixed-length rods (physics.md section 5): a workgroup sweeps one batch colour by colour. The rods of one
 // colour share no sphere that moves, so that its threads do not meet.
 

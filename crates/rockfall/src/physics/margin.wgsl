@@ -1,3 +1,5 @@
+// requires model/step.wgsl physics/travel.wgsl
+
 // How far a sphere may move before its list is no longer enough.
 
 // How far a ball reaches out of the ball that its AABB encloses; not positive where it is inside. For rounding far from the

@@ -1,3 +1,5 @@
+// requires model/step.wgsl physics/sine.wgsl
+
 // Quaternions (x, y, z, w), and turning `orientations`.
 
 fn multiply(a: vec4f, b: vec4f) -> vec4f {

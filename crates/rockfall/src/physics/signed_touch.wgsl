@@ -1,3 +1,5 @@
+// requires model/objects.wgsl model/step.wgsl physics/collision.wgsl physics/geometry.wgsl
+
 // The contact line of two objects in any place, with how deep they overlap or, negative, how far they are apart (docs/physics.md section 2).
 
 fn centre_of(half: Half, poise: Poise) -> vec4f {

@@ -1,3 +1,5 @@
+// requires model/step.wgsl
+
 // Where a sphere may be within some steps: in a ball about the place that it comes to in a part of the first one, if nothing
 // happens. Forwards and backwards that ball need not reach as far as one about the sphere itself.
 

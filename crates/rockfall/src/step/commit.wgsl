@@ -1,3 +1,5 @@
+// requires physics/margin.wgsl step/take_next.wgsl
+
 // The state that `leap` made becomes the state of a sphere.
 
 fn commit(i: u32) {

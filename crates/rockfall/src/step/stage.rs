@@ -3,6 +3,7 @@
 use crate::model::buffer::Buffer;
 use crate::model::dispatch::Threads;
 use crate::model::world::World;
+use crate::step::wgsl::{Part, Wgsl};
 
 /// What a binding of a stage refers to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -61,40 +62,24 @@ pub(crate) const fn write(name: &'static str, buffer: Buffer) -> Binding {
     Binding { name, slot: Slot::Fixed(buffer), access: Access::Write }
 }
 
-/// A piece of WGSL and the file it stands in.
-#[derive(Clone, Copy, Debug)]
-pub struct Part {
-    /// Path below `src/`.
-    pub file: &'static str,
-    /// Its text.
-    pub text: &'static str,
-}
-
-macro_rules! part {
-    ($file:literal) => {
-        $crate::step::stage::Part { file: $file, text: include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/src/", $file)) }
-    };
-}
-pub(crate) use part;
-
-/// The WGSL for scenes with or without rods, and with or without large spheres. Not by constants of the pipeline, for the sizes of
-/// arrays depend on them.
-pub fn for_scenes(text: &str, rods: bool, large: bool) -> String {
-    let told = |name: &str, is_so: bool| (format!("const {name}: bool = true;"), format!("const {name}: bool = {is_so};"));
-    [told("RODS", rods), told("LARGE", large)].iter().fold(text.to_owned(), |text, (from, to)| text.replace(from, to))
-}
-
 /// One stage of the step.
 #[derive(Clone, Copy, Debug)]
 pub struct Stage {
     /// Name of the pair of files and of the kernel's entry point.
     pub name: &'static str,
-    /// The WGSL, joined in this order.
-    pub parts: &'static [Part],
+    /// The kernel.
+    pub wgsl: Wgsl,
     /// The storage buffers, at most 8.
     pub bindings: &'static [Binding],
     /// How many threads it has.
     pub threads: Threads,
     /// The CPU twin; the second argument is the pass.
     pub cpu: fn(&mut World, u32),
+}
+
+impl Stage {
+    /// The files of the kernel: those that it requires, directly or not, each once, and its own file last.
+    pub fn parts(&self) -> Vec<Part> {
+        self.wgsl.parts()
+    }
 }

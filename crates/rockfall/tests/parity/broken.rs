@@ -7,7 +7,8 @@ use rockfall::model::dispatch::Threads;
 use rockfall::model::layout::{LEAPS, SWEEPS_OFF};
 use rockfall::model::world::World;
 use rockfall::step::schedule::Run;
-use rockfall::step::stage::{Part, Stage};
+use rockfall::step::stage::Stage;
+use rockfall::step::wgsl::{Part, Wgsl};
 use rockfall::{Integrator, Settings};
 
 use crate::compare::{MEASURED, differences};
@@ -249,11 +250,11 @@ fn is_file(part: &Part, file: &str) -> bool {
 
 /// A run whose stage has another text in a file, if the file is part of it. It lives as long as the process, as stages do.
 pub(crate) fn rewritten(run: Run, file: &str, rewrite: impl Fn(&str) -> String) -> Run {
-    let mut parts: Vec<Part> = run.stage.parts.to_vec();
+    let mut parts = run.stage.parts();
     if let Some(part) = parts.iter_mut().find(|part| is_file(part, file)) {
         part.text = rewrite(part.text).leak();
     }
-    let stage = Stage { parts: parts.leak(), ..*run.stage };
+    let stage = Stage { wgsl: Wgsl::Parts(parts.leak()), ..*run.stage };
     Run { stage: Box::leak(Box::new(stage)), ..run }
 }
 
@@ -266,7 +267,7 @@ fn broken(runs: &[Run], mistake: &Mistake, made: &mut Option<&'static Stage>) ->
         }
         // One stage for all its passes, of a name of its own: a device keeps kernels by name.
         let stage = *made.get_or_insert_with(|| {
-            assert!(run.stage.parts.iter().any(|part| is_file(part, file)), "{name} has no {file}");
+            assert!(run.stage.parts().iter().any(|part| is_file(part, file)), "{name} has no {file}");
             let mistaken = rewritten(*run, file, |text| {
                 let mistaken = text.replacen(right, wrong, 1);
                 assert_ne!(mistaken, text, "{file} has no '{right}'");
@@ -286,7 +287,7 @@ fn broken(runs: &[Run], mistake: &Mistake, made: &mut Option<&'static Stage>) ->
 /// The file that a stage's entry point stands in.
 fn file_of(stage: &str) -> &str {
     match stage {
-        "sum_blocks" | "place_cells" => "stage/scan_cells",
+        "sum_blocks" | "place_cells" => "scan_cells",
         _ => stage,
     }
 }

@@ -6,9 +6,10 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use crate::error::{Error, Result};
 use crate::exec::gpu::fault::Faults;
-use crate::exec::gpu::kernel::{Kernel, Variant};
+use crate::exec::gpu::kernel::Kernel;
 use crate::model::layout::WORKGROUP;
 use crate::step::stage::Stage;
+use crate::step::wgsl::Variant;
 
 /// An opened device and the kernels compiled for it. Clones share both.
 #[derive(Clone, Debug)]

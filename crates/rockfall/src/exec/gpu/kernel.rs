@@ -6,29 +6,14 @@ use crate::error::{Error, Result};
 use crate::exec::gpu::fault::catch;
 use crate::exec::gpu::memory::chunk_bytes;
 use crate::exec::gpu::split::{Split, binding_numbers, split};
-use crate::model::layout::{MANY_OBJECTS, WORKGROUP};
-use crate::model::step::Step;
-use crate::step::stage::{Access, Part, Stage, for_scenes};
+use crate::model::layout::WORKGROUP;
+use crate::step::stage::{Access, Stage};
+use crate::step::wgsl::{Part, Variant};
 
 /// Subgroups of a workgroup that does whole steps, where the device allows so many: every barrier waits for all of them.
 const TEAM_SUBGROUPS: u32 = 32;
 /// The most threads of such a workgroup.
 const MOST_THREADS: u32 = 1024;
-
-/// The scenes that a kernel is compiled for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub(crate) struct Variant {
-    rods: bool,
-    large: bool,
-    many: bool,
-}
-
-impl Variant {
-    /// That of a scene with these counts.
-    pub(crate) fn of(step: &Step) -> Self {
-        Self { rods: step.rods > 0, large: step.large > 0, many: step.objects() >= MANY_OBJECTS }
-    }
-}
 
 /// A compiled stage.
 #[derive(Debug)]
@@ -67,7 +52,7 @@ impl Kernel {
     /// The kernel of a stage, for such scenes, and for arrays of so many chunks, in the order of its bindings.
     pub(crate) fn new(device: &wgpu::Device, stage: &Stage, variant: Variant, chunks: &[u32]) -> Result<Self> {
         catch(device, || build(device, stage, variant, chunks)).map_err(|error| match error {
-            Error::Device(text) => Error::Device(format!("kernel {}: {}", stage.name, locate_lines(stage.parts, &text))),
+            Error::Device(text) => Error::Device(format!("kernel {}: {}", stage.name, locate_lines(&stage.parts(), &text))),
             other => other,
         })
     }
@@ -91,10 +76,7 @@ fn team(device: &wgpu::Device) -> u32 {
 
 #[allow(unsafe_code)]
 fn build(device: &wgpu::Device, stage: &Stage, variant: Variant, chunks: &[u32]) -> Kernel {
-    let text = split(
-        &for_scenes(&join(stage.parts), variant.rods, variant.large),
-        &Split::of(stage, chunks, chunk_bytes(&device.limits())),
-    );
+    let text = split(&variant.apply(&join(&stage.parts())), &Split::of(stage, chunks, chunk_bytes(&device.limits())));
     let flag = |is_set: bool| f64::from(u8::from(is_set));
     let mut constants = vec![("MANY", flag(variant.many)), ("TEAM", f64::from(team(device)))];
     constants.retain(|(name, _)| text.contains(&format!("override {name}:")));

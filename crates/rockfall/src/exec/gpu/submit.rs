@@ -7,7 +7,6 @@ use bytemuck::bytes_of;
 use crate::error::{Error, Result};
 use crate::exec::gpu::fault::catch;
 use crate::exec::gpu::fuse::fused;
-use crate::exec::gpu::kernel::Variant;
 use crate::exec::gpu::memory::{READ_BACK, make_buffer};
 use crate::exec::gpu::split::binding_numbers;
 use crate::exec::gpu::timer::Timer;
@@ -20,6 +19,7 @@ use crate::model::status::Status;
 use crate::model::step::{Pass, Step};
 use crate::step::fused::run_steps::{STAGE as RUN_STEPS, suits};
 use crate::step::schedule::Run;
+use crate::step::wgsl::Variant;
 
 /// How many workgroups a dispatch has.
 enum Size {

@@ -10,7 +10,7 @@ use crate::exec::gpu::array::Array;
 use crate::exec::gpu::check::check_buffer;
 use crate::exec::gpu::device::Gpu;
 use crate::exec::gpu::fault::catch;
-use crate::exec::gpu::kernel::{Kernel, Variant};
+use crate::exec::gpu::kernel::Kernel;
 use crate::exec::gpu::memory::{bytes_needed, check_sizes, chunk_bytes, make_buffer};
 use crate::model::buffer::Buffer;
 use crate::model::status::Status;
@@ -18,6 +18,7 @@ use crate::model::step::Step;
 use crate::model::world::World;
 use crate::profile::BufferSize;
 use crate::step::schedule::Run;
+use crate::step::wgsl::Variant;
 
 pub(super) const UNIFORM: wgpu::BufferUsages = wgpu::BufferUsages::UNIFORM.union(wgpu::BufferUsages::COPY_DST);
 

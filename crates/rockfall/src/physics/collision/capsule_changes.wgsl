@@ -1,3 +1,7 @@
+// requires model/counters.wgsl model/lists.wgsl model/objects.wgsl model/step.wgsl physics/collision.wgsl
+// requires physics/collision/changes.wgsl physics/collision/impulses.wgsl physics/collision/time_of_contact.wgsl
+// requires physics/contact.wgsl step/collisions/record_of.wgsl step/collisions/records.wgsl step/collisions/rows.wgsl
+
 // What its collisions make of an end of a rigid capsule (docs/physics.md sections 3.2 and 3.4).
 
 // The lone collision of a capsule, if it has one: no other contact touches it then.

@@ -1,3 +1,7 @@
+// requires model/counters.wgsl model/lists.wgsl model/objects.wgsl model/order.wgsl model/step.wgsl
+// requires physics/collision/company.wgsl physics/contact.wgsl physics/margin.wgsl step/collisions/rows.wgsl
+// requires step/collisions/tell_clusters.wgsl
+
 // What its collisions make of a sphere that is a body of its own.
 
 struct Change {

@@ -1,3 +1,7 @@
+// requires model/lists.wgsl model/objects.wgsl model/step.wgsl physics/collision.wgsl physics/collision/impulses.wgsl
+// requires physics/contact.wgsl step/collisions/record_of.wgsl step/collisions/records.wgsl step/collisions/rows.wgsl
+// requires step/collisions/tell_clusters.wgsl
+
 // Which other collisions share a body with one, and by how much a unit of their impulse changes its approach velocity
 // (docs/physics.md section 3.7). They are put down in the order of the lists, those of side A first.
 

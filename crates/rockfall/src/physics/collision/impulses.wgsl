@@ -1,3 +1,6 @@
+// requires model/lists.wgsl model/objects.wgsl model/step.wgsl physics/collision.wgsl physics/contact.wgsl
+// requires step/collisions/record_of.wgsl step/collisions/records.wgsl step/collisions/rows.wgsl
+
 // What the listed impulses make of the velocities of bodies (docs/physics.md section 3.7).
 
 // Adds the impulses of a row's collisions on a sphere: all of each, or of a rod the part of that end.

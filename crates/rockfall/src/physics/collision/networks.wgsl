@@ -1,3 +1,5 @@
+// requires model/objects.wgsl model/step.wgsl step/collisions/rows.wgsl
+
 // Networks of fixed-length rods give way as the rods allow: impulses on their spheres are projected (docs/physics.md section 3.6).
 // A workgroup solves (J W J^T) lambda = J W p by conjugate gradients, J the directions of the rods, W the inverse masses. Per rod it
 // keeps four rows in `wrenches`: direction | lambda, residual, search direction, its product | unused; per sphere in `next`: the

@@ -1,3 +1,5 @@
+// requires model/entries.wgsl model/objects.wgsl model/step.wgsl physics/contact.wgsl physics/geometry.wgsl
+
 // Contacts of spheres without rods, with each other or with boxes and polygons: nearly all there are. Each side has one
 // share of the impulse, so that the general contact of `collision.wgsl` is not needed.
 

@@ -1,3 +1,5 @@
+// requires model/step.wgsl step/collisions/records.wgsl
+
 // A sweep over one collision that shares bodies (docs/physics.md section 3.7).
 
 fn is_shared(r: u32) -> bool {

@@ -1,3 +1,6 @@
+// requires model/objects.wgsl model/step.wgsl physics/collision.wgsl physics/forces/attached.wgsl physics/geometry.wgsl
+// requires physics/signed_touch.wgsl physics/sine.wgsl
+
 // A lone collision is handled at its time of contact (docs/physics.md section 3.4): the pair is moved back to where it touched first.
 
 // Evaluations of the pair's geometry that find the time.

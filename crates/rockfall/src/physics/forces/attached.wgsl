@@ -1,3 +1,5 @@
+// requires model/objects.wgsl model/step.wgsl
+
 // Forces of what is attached to a sphere besides rods: springs, tethers and external forces (docs/physics.md section 4).
 
 // Pull of a spring on the end at `position` towards the other end.

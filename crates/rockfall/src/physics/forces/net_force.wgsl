@@ -1,3 +1,6 @@
+// requires model/counters.wgsl model/entries.wgsl model/lists.wgsl model/objects.wgsl model/order.wgsl model/step.wgsl
+// requires physics/contact.wgsl physics/forces/attached.wgsl physics/geometry.wgsl
+
 // Net force and torque on a sphere (physics.md section 4), and what is told of the contacts.
 
 struct Net {

@@ -16,19 +16,13 @@ use crate::model::step::Aabb;
 use crate::model::view::{Object, View};
 use crate::model::world::World;
 use crate::physics::travel::{may_gain, may_travel, place_ahead};
-use crate::step::stage::{Stage, part, read, write};
+use crate::step::stage::{Stage, read, write};
+use crate::step::wgsl::{Wgsl, part};
 
 /// The stage.
 pub(crate) const STAGE: Stage = Stage {
     name: "update_aabbs",
-    parts: &[
-        part!("model/step.wgsl"),
-        part!("model/order.wgsl"),
-        part!("model/one_state.wgsl"),
-        part!("model/objects.wgsl"),
-        part!("physics/travel.wgsl"),
-        part!("step/aabbs/update_aabbs.wgsl"),
-    ],
+    wgsl: Wgsl::File(part!("step/aabbs/update_aabbs.wgsl")),
     bindings: &[
         read("state", Buffer::Start),
         read("words", Buffer::Words),

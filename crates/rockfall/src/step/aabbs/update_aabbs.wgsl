@@ -1,3 +1,5 @@
+// requires model/objects.wgsl model/one_state.wgsl model/step.wgsl physics/travel.wgsl
+
 @group(0) @binding(2) var<storage, read> state: array<vec4f>;
 @group(0) @binding(3) var<storage, read> words: array<u32>;
 // Two rows an AABB (see Aabb): written row by row, it takes half as long as field by field.

@@ -1,3 +1,5 @@
+// requires model/order.wgsl model/step.wgsl
+
 // Putting a list in order where it stands.
 
 fn sift_down(first: vec2u, top: u32, size: u32) {

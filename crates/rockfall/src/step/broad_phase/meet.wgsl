@@ -1,3 +1,5 @@
+// requires model/step.wgsl
+
 // What every broad phase asks: may two objects meet, and which entries does that make?
 
 // AABBs overlap (touching counts) and groups are equal.

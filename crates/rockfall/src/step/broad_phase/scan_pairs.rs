@@ -8,12 +8,13 @@ use crate::model::dispatch::Threads;
 use crate::model::layout::SLICE;
 use crate::model::status::{LISTS_MADE, VOID_PAIRS};
 use crate::model::world::World;
-use crate::step::stage::{Stage, part, write};
+use crate::step::stage::{Stage, write};
+use crate::step::wgsl::{Wgsl, part};
 
 /// The stage.
 pub(crate) const STAGE: Stage = Stage {
     name: "scan_pairs",
-    parts: &[part!("model/step.wgsl"), part!("model/put_head.wgsl"), part!("step/broad_phase/scan_pairs.wgsl")],
+    wgsl: Wgsl::File(part!("step/broad_phase/scan_pairs.wgsl")),
     bindings: &[write("lists", Buffer::Lists), write("status", Buffer::Status)],
     threads: Threads::One,
     cpu: scan_pairs,

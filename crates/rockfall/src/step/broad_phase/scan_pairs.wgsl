@@ -1,3 +1,5 @@
+// requires model/put_head.wgsl model/step.wgsl
+
 @group(0) @binding(2) var<storage, read_write> lists: array<array<u32, SLICE>>;
 @group(0) @binding(3) var<storage, read_write> status: Status;
 

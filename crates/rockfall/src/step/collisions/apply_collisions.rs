@@ -18,42 +18,13 @@ use crate::model::world::World;
 use crate::physics::collision::all::{Outcome, solve};
 use crate::physics::collision::body::TakingPart;
 use crate::physics::travel::asks_for_lists;
-use crate::step::stage::{Stage, part, read, write};
+use crate::step::stage::{Stage, read, write};
+use crate::step::wgsl::{Wgsl, part};
 
 /// The stage.
 pub(crate) const STAGE: Stage = Stage {
     name: "apply_collisions",
-    parts: &[
-        part!("model/step.wgsl"),
-        part!("model/entries.wgsl"),
-        part!("model/lists.wgsl"),
-        part!("model/order.wgsl"),
-        part!("model/one_state.wgsl"),
-        part!("model/objects.wgsl"),
-        part!("physics/geometry.wgsl"),
-        part!("physics/contact.wgsl"),
-        part!("step/collisions/has_changes.wgsl"),
-        part!("step/collisions/rows.wgsl"),
-        part!("physics/collision.wgsl"),
-        part!("physics/collision/plain.wgsl"),
-        part!("physics/forces/attached.wgsl"),
-        part!("physics/sine.wgsl"),
-        part!("physics/signed_touch.wgsl"),
-        part!("physics/collision/time_of_contact.wgsl"),
-        part!("physics/collision/company.wgsl"),
-        part!("step/collisions/records.wgsl"),
-        part!("step/collisions/record_of.wgsl"),
-        part!("physics/collision/impulses.wgsl"),
-        part!("step/collisions/tell_clusters.wgsl"),
-        part!("physics/travel.wgsl"),
-        part!("physics/margin.wgsl"),
-        part!("model/counters.wgsl"),
-        part!("physics/collision/changes.wgsl"),
-        part!("physics/collision/capsule_changes.wgsl"),
-        part!("step/large_spheres/teams.wgsl"),
-        part!("step/large_spheres/ordered_sums.wgsl"),
-        part!("step/collisions/apply_collisions.wgsl"),
-    ],
+    wgsl: Wgsl::File(part!("step/collisions/apply_collisions.wgsl")),
     bindings: &[
         read("state", Buffer::Start),
         write("next", Buffer::Y2),

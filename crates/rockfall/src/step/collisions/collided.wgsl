@@ -1,3 +1,5 @@
+// requires step/collisions/rows.wgsl step/take_next.wgsl
+
 // What collisions made of a sphere becomes its state.
 
 fn commit_change(i: u32) {

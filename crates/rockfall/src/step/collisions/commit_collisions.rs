@@ -10,25 +10,13 @@ use crate::model::lists::Lists;
 use crate::model::view::View;
 use crate::model::world::World;
 use crate::physics::collision::body::TakingPart;
-use crate::step::stage::{Stage, part, read, write};
+use crate::step::stage::{Stage, read, write};
+use crate::step::wgsl::{Wgsl, part};
 
 /// The stage.
 pub(crate) const STAGE: Stage = Stage {
     name: "commit_collisions",
-    parts: &[
-        part!("model/step.wgsl"),
-        part!("model/entries.wgsl"),
-        part!("model/lists.wgsl"),
-        part!("model/order.wgsl"),
-        part!("model/one_state.wgsl"),
-        part!("model/objects.wgsl"),
-        part!("step/collisions/has_changes.wgsl"),
-        part!("step/collisions/rows.wgsl"),
-        part!("model/two_states.wgsl"),
-        part!("step/take_next.wgsl"),
-        part!("step/collisions/collided.wgsl"),
-        part!("step/collisions/commit_collisions.wgsl"),
-    ],
+    wgsl: Wgsl::File(part!("step/collisions/commit_collisions.wgsl")),
     bindings: &[
         write("state", Buffer::Start),
         read("next", Buffer::Y2),

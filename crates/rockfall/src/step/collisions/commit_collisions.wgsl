@@ -1,3 +1,5 @@
+// requires model/one_state.wgsl model/step.wgsl model/two_states.wgsl step/collisions/collided.wgsl
+
 @group(0) @binding(2) var<storage, read_write> state: array<vec4f>;
 @group(0) @binding(3) var<storage, read> next: array<vec4f>;
 @group(0) @binding(4) var<storage, read> words: array<u32>;

@@ -22,32 +22,13 @@ use crate::model::world::World;
 use crate::physics::balls::Ball;
 use crate::physics::collision::Collision;
 use crate::physics::travel::escape_ratio;
-use crate::step::stage::{Stage, part, read, write};
+use crate::step::stage::{Stage, read, write};
+use crate::step::wgsl::{Wgsl, part};
 
 /// The stage.
 pub(crate) const STAGE: Stage = Stage {
     name: "find_collisions",
-    parts: &[
-        part!("model/step.wgsl"),
-        part!("model/entries.wgsl"),
-        part!("model/lists.wgsl"),
-        part!("model/put_head.wgsl"),
-        part!("model/order.wgsl"),
-        part!("model/one_state.wgsl"),
-        part!("model/objects.wgsl"),
-        part!("physics/geometry.wgsl"),
-        part!("physics/contact.wgsl"),
-        part!("step/collisions/has_changes.wgsl"),
-        part!("step/collisions/rows.wgsl"),
-        part!("physics/collision.wgsl"),
-        part!("physics/collision/plain.wgsl"),
-        part!("physics/travel.wgsl"),
-        part!("physics/margin.wgsl"),
-        part!("model/counters.wgsl"),
-        part!("step/collisions/judge.wgsl"),
-        part!("step/large_spheres/teams.wgsl"),
-        part!("step/collisions/find_collisions.wgsl"),
-    ],
+    wgsl: Wgsl::File(part!("step/collisions/find_collisions.wgsl")),
     bindings: &[
         read("state", Buffer::Start),
         read("words", Buffer::Words),

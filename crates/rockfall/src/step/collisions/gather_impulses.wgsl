@@ -1,3 +1,7 @@
+// requires model/lists.wgsl model/objects.wgsl model/one_state.wgsl model/step.wgsl physics/collision/impulses.wgsl
+// requires step/collisions/has_changes.wgsl step/collisions/record_of.wgsl step/collisions/records.wgsl
+// requires step/collisions/rows.wgsl step/large_spheres/ordered_sums.wgsl step/large_spheres/teams.wgsl
+
 @group(0) @binding(2) var<storage, read> state: array<vec4f>;
 @group(0) @binding(3) var<storage, read_write> next: array<vec4f>;
 @group(0) @binding(4) var<storage, read> words: array<u32>;

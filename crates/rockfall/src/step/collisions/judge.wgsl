@@ -1,3 +1,7 @@
+// requires model/counters.wgsl model/entries.wgsl model/lists.wgsl model/objects.wgsl model/order.wgsl model/put_head.wgsl
+// requires model/step.wgsl physics/collision.wgsl physics/collision/plain.wgsl physics/contact.wgsl physics/geometry.wgsl
+// requires physics/margin.wgsl
+
 // Which pairs overlap, and which of them collide.
 
 // Overlaps up to this times the smaller radius are rounding.

@@ -3,27 +3,13 @@
 use crate::model::buffer::Buffer;
 use crate::model::dispatch::Threads;
 use crate::model::world::World;
-use crate::step::stage::{Stage, part, read, write};
+use crate::step::stage::{Stage, read, write};
+use crate::step::wgsl::{Wgsl, part};
 
 /// The stage.
 pub(crate) const STAGE: Stage = Stage {
     name: "list_collisions",
-    parts: &[
-        part!("model/step.wgsl"),
-        part!("model/entries.wgsl"),
-        part!("model/lists.wgsl"),
-        part!("model/order.wgsl"),
-        part!("model/one_state.wgsl"),
-        part!("model/objects.wgsl"),
-        part!("physics/geometry.wgsl"),
-        part!("physics/contact.wgsl"),
-        part!("step/collisions/has_changes.wgsl"),
-        part!("step/collisions/rows.wgsl"),
-        part!("physics/collision.wgsl"),
-        part!("step/collisions/records.wgsl"),
-        part!("step/collisions/tell_clusters.wgsl"),
-        part!("step/collisions/list_collisions.wgsl"),
-    ],
+    wgsl: Wgsl::File(part!("step/collisions/list_collisions.wgsl")),
     bindings: &[
         read("state", Buffer::Start),
         read("words", Buffer::Words),

@@ -1,3 +1,7 @@
+// requires model/entries.wgsl model/lists.wgsl model/one_state.wgsl model/order.wgsl model/step.wgsl physics/collision.wgsl
+// requires physics/contact.wgsl physics/geometry.wgsl step/collisions/has_changes.wgsl step/collisions/records.wgsl
+// requires step/collisions/rows.wgsl step/collisions/tell_clusters.wgsl
+
 @group(0) @binding(2) var<storage, read> state: array<vec4f>;
 @group(0) @binding(3) var<storage, read> words: array<u32>;
 @group(0) @binding(4) var<storage, read> lists: array<array<u32, SLICE>>;

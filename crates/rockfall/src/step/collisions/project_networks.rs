@@ -4,29 +4,13 @@
 use crate::model::buffer::Buffer;
 use crate::model::dispatch::Threads;
 use crate::model::world::World;
-use crate::step::stage::{Stage, part, read, write};
+use crate::step::stage::{Stage, read, write};
+use crate::step::wgsl::{Wgsl, part};
 
 /// The stage.
 pub(crate) const STAGE: Stage = Stage {
     name: "project_networks",
-    parts: &[
-        part!("model/step.wgsl"),
-        part!("model/entries.wgsl"),
-        part!("model/lists.wgsl"),
-        part!("model/order.wgsl"),
-        part!("model/one_state.wgsl"),
-        part!("model/objects.wgsl"),
-        part!("physics/geometry.wgsl"),
-        part!("physics/contact.wgsl"),
-        part!("step/collisions/has_changes.wgsl"),
-        part!("step/collisions/rows.wgsl"),
-        part!("physics/collision.wgsl"),
-        part!("step/collisions/records.wgsl"),
-        part!("step/collisions/record_of.wgsl"),
-        part!("physics/collision/impulses.wgsl"),
-        part!("physics/collision/networks.wgsl"),
-        part!("step/collisions/project_networks.wgsl"),
-    ],
+    wgsl: Wgsl::File(part!("step/collisions/project_networks.wgsl")),
     bindings: &[
         read("state", Buffer::Start),
         write("next", Buffer::Y2),

@@ -1,3 +1,6 @@
+// requires model/one_state.wgsl model/step.wgsl physics/collision/impulses.wgsl physics/collision/networks.wgsl
+// requires step/collisions/has_changes.wgsl
+
 @group(0) @binding(2) var<storage, read> state: array<vec4f>;
 @group(0) @binding(3) var<storage, read_write> next: array<vec4f>;
 @group(0) @binding(4) var<storage, read> words: array<u32>;

@@ -1,3 +1,5 @@
+// requires model/lists.wgsl model/step.wgsl
+
 // From entries of the pair lists to records.
 
 // The record of the colliding entry in a slot.

@@ -1,3 +1,5 @@
+// requires model/entries.wgsl model/step.wgsl
+
 // Collisions of the step as they are listed: ROWS rows of a buffer each, floats by their bits, for ids are no floats
 // (docs/physics.md sections 3.5 to 3.7).
 //

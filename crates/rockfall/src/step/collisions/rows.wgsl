@@ -1,3 +1,5 @@
+// requires model/lists.wgsl model/objects.wgsl model/step.wgsl
+
 // In which lists the contacts of a sphere stand.
 
 // Whether some entry of a mover collides.

@@ -14,30 +14,13 @@ use crate::model::state::Rows;
 use crate::model::view::View;
 use crate::model::world::World;
 use crate::physics::friction_impulses::Rubbing;
-use crate::step::stage::{Stage, part, read, write};
+use crate::step::stage::{Stage, read, write};
+use crate::step::wgsl::{Wgsl, part};
 
 /// The stage.
 pub(crate) const STAGE: Stage = Stage {
     name: "rub_contacts",
-    parts: &[
-        part!("model/step.wgsl"),
-        part!("model/entries.wgsl"),
-        part!("model/lists.wgsl"),
-        part!("model/order.wgsl"),
-        part!("model/one_state.wgsl"),
-        part!("model/objects.wgsl"),
-        part!("physics/geometry.wgsl"),
-        part!("physics/contact.wgsl"),
-        part!("step/collisions/has_changes.wgsl"),
-        part!("step/collisions/rows.wgsl"),
-        part!("physics/collision.wgsl"),
-        part!("physics/signed_touch.wgsl"),
-        part!("step/collisions/records.wgsl"),
-        part!("step/collisions/record_of.wgsl"),
-        part!("model/counters.wgsl"),
-        part!("physics/friction_impulses.wgsl"),
-        part!("step/collisions/rub_contacts.wgsl"),
-    ],
+    wgsl: Wgsl::File(part!("step/collisions/rub_contacts.wgsl")),
     bindings: &[
         read("state", Buffer::Start),
         write("next", Buffer::Y2),

@@ -1,3 +1,6 @@
+// requires model/counters.wgsl model/lists.wgsl model/objects.wgsl model/one_state.wgsl model/step.wgsl
+// requires physics/collision.wgsl physics/contact.wgsl physics/friction_impulses.wgsl step/collisions/rows.wgsl
+
 @group(0) @binding(2) var<storage, read> state: array<vec4f>;
 @group(0) @binding(3) var<storage, read_write> next: array<vec4f>;
 @group(0) @binding(4) var<storage, read> words: array<u32>;

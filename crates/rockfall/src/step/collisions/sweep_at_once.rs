@@ -4,19 +4,13 @@
 use crate::model::buffer::Buffer;
 use crate::model::dispatch::Threads;
 use crate::model::world::World;
-use crate::step::stage::{Stage, part, write};
+use crate::step::stage::{Stage, write};
+use crate::step::wgsl::{Wgsl, part};
 
 /// The stage.
 pub(crate) const STAGE: Stage = Stage {
     name: "sweep_at_once",
-    parts: &[
-        part!("model/step.wgsl"),
-        part!("model/entries.wgsl"),
-        part!("step/collisions/records.wgsl"),
-        part!("step/collisions/has_changes.wgsl"),
-        part!("physics/collision/sweep.wgsl"),
-        part!("step/collisions/sweep_at_once.wgsl"),
-    ],
+    wgsl: Wgsl::File(part!("step/collisions/sweep_at_once.wgsl")),
     bindings: &[write("collisions", Buffer::Collisions), write("status", Buffer::Status)],
     threads: Threads::One,
     cpu: sweep_at_once,

@@ -1,3 +1,5 @@
+// requires model/step.wgsl physics/collision/sweep.wgsl step/collisions/has_changes.wgsl step/collisions/records.wgsl
+
 @group(0) @binding(2) var<storage, read_write> collisions: array<vec4u>;
 @group(0) @binding(3) var<storage, read_write> status: StatusAtomic;
 

@@ -1,3 +1,5 @@
+// requires model/step.wgsl
+
 // What the collision phase tells the host: that collisions share bodies, and that the step has to be run again with sweeps or with more
 // room for collisions.
 

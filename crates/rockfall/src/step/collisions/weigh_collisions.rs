@@ -5,37 +5,13 @@
 use crate::model::buffer::Buffer;
 use crate::model::dispatch::Threads;
 use crate::model::world::World;
-use crate::step::stage::{Stage, part, read, write};
+use crate::step::stage::{Stage, read, write};
+use crate::step::wgsl::{Wgsl, part};
 
 /// The stage.
 pub(crate) const STAGE: Stage = Stage {
     name: "weigh_collisions",
-    parts: &[
-        part!("model/step.wgsl"),
-        part!("model/entries.wgsl"),
-        part!("model/lists.wgsl"),
-        part!("model/order.wgsl"),
-        part!("model/one_state.wgsl"),
-        part!("model/objects.wgsl"),
-        part!("physics/geometry.wgsl"),
-        part!("physics/contact.wgsl"),
-        part!("step/collisions/has_changes.wgsl"),
-        part!("step/collisions/rows.wgsl"),
-        part!("physics/collision.wgsl"),
-        part!("physics/collision/plain.wgsl"),
-        part!("physics/forces/attached.wgsl"),
-        part!("physics/sine.wgsl"),
-        part!("physics/signed_touch.wgsl"),
-        part!("physics/collision/time_of_contact.wgsl"),
-        part!("physics/collision/company.wgsl"),
-        part!("step/collisions/records.wgsl"),
-        part!("step/collisions/record_of.wgsl"),
-        part!("physics/collision/impulses.wgsl"),
-        part!("step/collisions/tell_clusters.wgsl"),
-        part!("step/large_spheres/teams.wgsl"),
-        part!("physics/collision/couplings.wgsl"),
-        part!("step/collisions/weigh_collisions.wgsl"),
-    ],
+    wgsl: Wgsl::File(part!("step/collisions/weigh_collisions.wgsl")),
     bindings: &[
         read("state", Buffer::Start),
         read("words", Buffer::Words),

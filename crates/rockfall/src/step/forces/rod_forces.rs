@@ -13,26 +13,13 @@ use crate::model::lists::Lists;
 use crate::model::view::View;
 use crate::model::world::World;
 use crate::physics::forces::net_force::rod_loads;
-use crate::step::stage::{Access, Binding, Slot, Stage, part, read, write};
+use crate::step::stage::{Access, Binding, Slot, Stage, read, write};
+use crate::step::wgsl::{Wgsl, part};
 
 /// The stage.
 pub(crate) const STAGE: Stage = Stage {
     name: "rod_forces",
-    parts: &[
-        part!("model/step.wgsl"),
-        part!("model/entries.wgsl"),
-        part!("model/lists.wgsl"),
-        part!("model/order.wgsl"),
-        part!("model/one_state.wgsl"),
-        part!("model/objects.wgsl"),
-        part!("physics/geometry.wgsl"),
-        part!("physics/contact.wgsl"),
-        part!("physics/forces/wrenches.wgsl"),
-        part!("physics/forces/attached.wgsl"),
-        part!("physics/forces/net_force.wgsl"),
-        part!("model/counters.wgsl"),
-        part!("step/forces/rod_forces.wgsl"),
-    ],
+    wgsl: Wgsl::File(part!("step/forces/rod_forces.wgsl")),
     bindings: &[
         Binding { name: "state", slot: Slot::State, access: Access::Read },
         read("words", Buffer::Words),

@@ -1,3 +1,6 @@
+// requires model/entries.wgsl model/lists.wgsl model/one_state.wgsl model/step.wgsl physics/contact.wgsl
+// requires physics/forces/net_force.wgsl physics/forces/wrenches.wgsl physics/geometry.wgsl
+
 @group(0) @binding(2) var<storage, read> state: array<vec4f>;
 @group(0) @binding(3) var<storage, read> words: array<u32>;
 @group(0) @binding(4) var<storage, read> lists: array<array<u32, SLICE>>;

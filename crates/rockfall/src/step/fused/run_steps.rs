@@ -14,47 +14,13 @@ use crate::model::step::Step;
 use crate::model::world::World;
 use crate::settings::{BroadPhase, Integrator};
 use crate::step::schedule::Phase;
-use crate::step::stage::{Stage, part, read, write};
+use crate::step::stage::{Stage, read, write};
+use crate::step::wgsl::{Wgsl, part};
 
 /// The stage.
 pub(crate) const STAGE: Stage = Stage {
     name: "run_steps",
-    parts: &[
-        part!("model/step.wgsl"),
-        part!("model/entries.wgsl"),
-        part!("model/lists.wgsl"),
-        part!("model/put_head.wgsl"),
-        part!("model/order.wgsl"),
-        part!("model/four_states.wgsl"),
-        part!("model/objects.wgsl"),
-        part!("physics/geometry.wgsl"),
-        part!("physics/contact.wgsl"),
-        part!("step/collisions/has_changes.wgsl"),
-        part!("step/collisions/rows.wgsl"),
-        part!("physics/collision.wgsl"),
-        part!("physics/collision/plain.wgsl"),
-        part!("physics/forces/attached.wgsl"),
-        part!("physics/sine.wgsl"),
-        part!("physics/signed_touch.wgsl"),
-        part!("physics/collision/time_of_contact.wgsl"),
-        part!("physics/collision/company.wgsl"),
-        part!("step/collisions/tell_clusters.wgsl"),
-        part!("physics/travel.wgsl"),
-        part!("physics/margin.wgsl"),
-        part!("model/counters.wgsl"),
-        part!("step/collisions/judge.wgsl"),
-        part!("physics/collision/changes.wgsl"),
-        part!("step/take_next.wgsl"),
-        part!("step/collisions/collided.wgsl"),
-        part!("physics/forces/net_force.wgsl"),
-        part!("step/integrate/next_state.wgsl"),
-        part!("step/integrate/leap_state.wgsl"),
-        part!("step/commit.wgsl"),
-        part!("step/integrate/finished.wgsl"),
-        part!("physics/rotation.wgsl"),
-        part!("step/integrate/close_step.wgsl"),
-        part!("step/fused/run_steps.wgsl"),
-    ],
+    wgsl: Wgsl::File(part!("step/fused/run_steps.wgsl")),
     bindings: &[
         write("start", Buffer::Start),
         write("state", Buffer::States),

@@ -1,3 +1,9 @@
+// requires model/entries.wgsl model/four_states.wgsl model/lists.wgsl model/objects.wgsl model/step.wgsl
+// requires physics/collision/changes.wgsl physics/forces/net_force.wgsl physics/margin.wgsl physics/rotation.wgsl
+// requires step/collisions/collided.wgsl step/collisions/has_changes.wgsl step/collisions/judge.wgsl
+// requires step/collisions/rows.wgsl step/commit.wgsl step/integrate/close_step.wgsl step/integrate/finished.wgsl
+// requires step/integrate/leap_state.wgsl step/integrate/next_state.wgsl
+
 @group(0) @binding(2) var<storage, read_write> start: array<vec4f>;
 @group(0) @binding(3) var<storage, read_write> state: array<vec4f>;
 @group(0) @binding(4) var<storage, read> words: array<u32>;

@@ -17,32 +17,13 @@ use crate::model::view::View;
 use crate::model::world::World;
 use crate::physics::forces::net_force::{count_contacts, rates};
 use crate::physics::travel::{asks_for_lists, outside};
-use crate::step::stage::{Access, Binding, Slot, Stage, part, read, write};
+use crate::step::stage::{Access, Binding, Slot, Stage, read, write};
+use crate::step::wgsl::{Wgsl, part};
 
 /// The stage.
 pub(crate) const STAGE: Stage = Stage {
     name: "advance",
-    parts: &[
-        part!("model/step.wgsl"),
-        part!("model/entries.wgsl"),
-        part!("model/lists.wgsl"),
-        part!("model/order.wgsl"),
-        part!("model/one_state.wgsl"),
-        part!("model/objects.wgsl"),
-        part!("physics/geometry.wgsl"),
-        part!("physics/contact.wgsl"),
-        part!("physics/forces/wrenches.wgsl"),
-        part!("physics/forces/attached.wgsl"),
-        part!("physics/forces/net_force.wgsl"),
-        part!("step/large_spheres/teams.wgsl"),
-        part!("step/large_spheres/ordered_sums.wgsl"),
-        part!("step/large_spheres/team_forces.wgsl"),
-        part!("physics/travel.wgsl"),
-        part!("physics/margin.wgsl"),
-        part!("model/counters.wgsl"),
-        part!("step/integrate/next_state.wgsl"),
-        part!("step/integrate/advance.wgsl"),
-    ],
+    wgsl: Wgsl::File(part!("step/integrate/advance.wgsl")),
     bindings: &[
         Binding { name: "state", slot: Slot::State, access: Access::Read },
         read("start", Buffer::Start),

@@ -1,3 +1,5 @@
+// requires model/step.wgsl
+
 // The end of a step, for a workgroup of at least TELLERS threads. All of them must come here.
 
 var<workgroup> contacts: atomic<u32>;

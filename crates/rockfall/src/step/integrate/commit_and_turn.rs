@@ -10,22 +10,13 @@ use crate::model::view::View;
 use crate::model::world::World;
 use crate::step::commit::commit;
 use crate::step::integrate::turn::turn_for;
-use crate::step::stage::{Stage, part, read, write};
+use crate::step::stage::{Stage, read, write};
+use crate::step::wgsl::{Wgsl, part};
 
 /// The stage.
 pub(crate) const STAGE: Stage = Stage {
     name: "commit_and_turn",
-    parts: &[
-        part!("model/step.wgsl"),
-        part!("physics/travel.wgsl"),
-        part!("physics/margin.wgsl"),
-        part!("model/two_states.wgsl"),
-        part!("step/take_next.wgsl"),
-        part!("step/commit.wgsl"),
-        part!("physics/sine.wgsl"),
-        part!("physics/rotation.wgsl"),
-        part!("step/integrate/commit_and_turn.wgsl"),
-    ],
+    wgsl: Wgsl::File(part!("step/integrate/commit_and_turn.wgsl")),
     bindings: &[
         write("state", Buffer::Start),
         read("next", Buffer::Y2),

@@ -5,20 +5,13 @@ use crate::model::buffer::Buffer;
 use crate::model::dispatch::Threads;
 use crate::model::world::World;
 use crate::step::commit::commit;
-use crate::step::stage::{Stage, part, read, write};
+use crate::step::stage::{Stage, read, write};
+use crate::step::wgsl::{Wgsl, part};
 
 /// The stage.
 pub(crate) const STAGE: Stage = Stage {
     name: "commit_leap",
-    parts: &[
-        part!("model/step.wgsl"),
-        part!("physics/travel.wgsl"),
-        part!("physics/margin.wgsl"),
-        part!("model/two_states.wgsl"),
-        part!("step/take_next.wgsl"),
-        part!("step/commit.wgsl"),
-        part!("step/integrate/commit_leap.wgsl"),
-    ],
+    wgsl: Wgsl::File(part!("step/integrate/commit_leap.wgsl")),
     bindings: &[
         write("state", Buffer::Start),
         read("next", Buffer::Y2),

@@ -7,19 +7,13 @@ use crate::model::buffer::Buffer;
 use crate::model::dispatch::Threads;
 use crate::model::world::World;
 use crate::physics::lengths::{Batch, rattle, shake};
-use crate::step::stage::{Stage, part, read, write};
+use crate::step::stage::{Stage, read, write};
+use crate::step::wgsl::{Wgsl, part};
 
 /// The stage.
 pub(crate) const STAGE: Stage = Stage {
     name: "constrain",
-    parts: &[
-        part!("model/step.wgsl"),
-        part!("model/order.wgsl"),
-        part!("model/one_state.wgsl"),
-        part!("model/objects.wgsl"),
-        part!("physics/lengths.wgsl"),
-        part!("step/integrate/constrain.wgsl"),
-    ],
+    wgsl: Wgsl::File(part!("step/integrate/constrain.wgsl")),
     bindings: &[
         write("state", Buffer::Start),
         read("y3", Buffer::Y3),

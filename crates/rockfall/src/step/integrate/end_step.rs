@@ -6,12 +6,13 @@ use crate::model::dispatch::Threads;
 use crate::model::layout::FLAG_CONTINUE;
 use crate::model::status::{NO_BODY, Told, VOID_NON_FINITE};
 use crate::model::world::World;
-use crate::step::stage::{Stage, part, write};
+use crate::step::stage::{Stage, write};
+use crate::step::wgsl::{Wgsl, part};
 
 /// The stage.
 pub(crate) const STAGE: Stage = Stage {
     name: "end_step",
-    parts: &[part!("model/step.wgsl"), part!("step/integrate/close_step.wgsl"), part!("step/integrate/end_step.wgsl")],
+    wgsl: Wgsl::File(part!("step/integrate/end_step.wgsl")),
     bindings: &[write("status", Buffer::Status)],
     threads: Threads::One,
     cpu: end_step,

@@ -1,3 +1,5 @@
+// requires model/step.wgsl step/integrate/close_step.wgsl
+
 @group(0) @binding(2) var<storage, read_write> status: StatusAtomic;
 
 @compute @workgroup_size(64)

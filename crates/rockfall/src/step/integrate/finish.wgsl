@@ -1,3 +1,6 @@
+// requires model/one_state.wgsl model/stage_states.wgsl model/step.wgsl physics/forces/wrenches.wgsl
+// requires step/integrate/finished.wgsl step/large_spheres/team_forces.wgsl step/large_spheres/teams.wgsl
+
 @group(0) @binding(2) var<storage, read> state: array<vec4f>;
 @group(0) @binding(3) var<storage, read> y2: array<vec4f>;
 @group(0) @binding(4) var<storage, read_write> y3: array<vec4f>;

@@ -9,32 +9,13 @@ use crate::model::layout::GRAIN;
 use crate::model::world::World;
 use crate::step::integrate::finish::finish_all;
 use crate::step::integrate::turn::turn_for;
-use crate::step::stage::{Stage, part, read, write};
+use crate::step::stage::{Stage, read, write};
+use crate::step::wgsl::{Wgsl, part};
 
 /// The stage.
 pub(crate) const STAGE: Stage = Stage {
     name: "finish_and_turn",
-    parts: &[
-        part!("model/step.wgsl"),
-        part!("model/entries.wgsl"),
-        part!("model/lists.wgsl"),
-        part!("model/order.wgsl"),
-        part!("model/one_state.wgsl"),
-        part!("model/objects.wgsl"),
-        part!("physics/geometry.wgsl"),
-        part!("physics/contact.wgsl"),
-        part!("physics/forces/attached.wgsl"),
-        part!("physics/forces/net_force.wgsl"),
-        part!("step/large_spheres/teams.wgsl"),
-        part!("step/large_spheres/ordered_sums.wgsl"),
-        part!("step/large_spheres/team_forces.wgsl"),
-        part!("model/counters.wgsl"),
-        part!("model/stage_states.wgsl"),
-        part!("step/integrate/finished.wgsl"),
-        part!("physics/sine.wgsl"),
-        part!("physics/rotation.wgsl"),
-        part!("step/integrate/finish_and_turn.wgsl"),
-    ],
+    wgsl: Wgsl::File(part!("step/integrate/finish_and_turn.wgsl")),
     bindings: &[
         read("state", Buffer::Y4),
         read("y2", Buffer::Y2),

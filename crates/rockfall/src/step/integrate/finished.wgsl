@@ -1,3 +1,5 @@
+// requires model/counters.wgsl model/step.wgsl physics/forces/net_force.wgsl
+
 // The new value of three components of a sphere in a region of the state, given the slope at Y4.
 fn finished(region: u32, i: u32, slope: vec3f) -> vec3f {
     let y = start_row(region, i).xyz;

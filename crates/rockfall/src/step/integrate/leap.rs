@@ -14,32 +14,13 @@ use crate::model::view::View;
 use crate::model::world::World;
 use crate::physics::forces::net_force::{count_contacts, rates};
 use crate::physics::travel::escape_ratio;
-use crate::step::stage::{Stage, part, read, write};
+use crate::step::stage::{Stage, read, write};
+use crate::step::wgsl::{Wgsl, part};
 
 /// The stage.
 pub(crate) const STAGE: Stage = Stage {
     name: "leap",
-    parts: &[
-        part!("model/step.wgsl"),
-        part!("model/entries.wgsl"),
-        part!("model/lists.wgsl"),
-        part!("model/order.wgsl"),
-        part!("model/one_state.wgsl"),
-        part!("model/objects.wgsl"),
-        part!("physics/geometry.wgsl"),
-        part!("physics/contact.wgsl"),
-        part!("physics/forces/wrenches.wgsl"),
-        part!("physics/forces/attached.wgsl"),
-        part!("physics/forces/net_force.wgsl"),
-        part!("step/large_spheres/teams.wgsl"),
-        part!("step/large_spheres/ordered_sums.wgsl"),
-        part!("step/large_spheres/team_forces.wgsl"),
-        part!("physics/travel.wgsl"),
-        part!("physics/margin.wgsl"),
-        part!("model/counters.wgsl"),
-        part!("step/integrate/leap_state.wgsl"),
-        part!("step/integrate/leap.wgsl"),
-    ],
+    wgsl: Wgsl::File(part!("step/integrate/leap.wgsl")),
     bindings: &[
         read("state", Buffer::Start),
         write("next", Buffer::Y2),

@@ -1,3 +1,7 @@
+// requires model/one_state.wgsl model/step.wgsl physics/forces/net_force.wgsl physics/forces/wrenches.wgsl
+// requires physics/margin.wgsl step/integrate/leap_state.wgsl step/large_spheres/team_forces.wgsl
+// requires step/large_spheres/teams.wgsl
+
 @group(0) @binding(2) var<storage, read> state: array<vec4f>;
 @group(0) @binding(3) var<storage, read_write> next: array<vec4f>;
 @group(0) @binding(4) var<storage, read_write> y3: array<vec4f>;

@@ -1,3 +1,5 @@
+// requires model/counters.wgsl model/step.wgsl physics/forces/net_force.wgsl physics/margin.wgsl
+
 // The next state of a sphere by symplectic Euler, from the forces on it.
 
 fn write_leap(i: u32, net: Net) {

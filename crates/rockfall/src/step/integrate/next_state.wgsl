@@ -1,3 +1,5 @@
+// requires model/counters.wgsl model/step.wgsl physics/forces/net_force.wgsl physics/margin.wgsl
+
 // The next stage state of a sphere, from the forces on it in the one that is evaluated.
 
 // All four stage states are looked at once, in time for a void step to be nobody's state: AABBs are read once.

@@ -7,19 +7,13 @@ use crate::model::buffer::Buffer;
 use crate::model::dispatch::Threads;
 use crate::model::world::World;
 use crate::physics::lengths::{Batch, along_axis};
-use crate::step::stage::{Stage, part, read, write};
+use crate::step::stage::{Stage, read, write};
+use crate::step::wgsl::{Wgsl, part};
 
 /// The stage.
 pub(crate) const STAGE: Stage = Stage {
     name: "restore_lengths",
-    parts: &[
-        part!("model/step.wgsl"),
-        part!("model/order.wgsl"),
-        part!("model/one_state.wgsl"),
-        part!("model/objects.wgsl"),
-        part!("physics/lengths.wgsl"),
-        part!("step/integrate/restore_lengths.wgsl"),
-    ],
+    wgsl: Wgsl::File(part!("step/integrate/restore_lengths.wgsl")),
     bindings: &[write("state", Buffer::Start), read("words", Buffer::Words), read("status", Buffer::Status)],
     threads: Threads::Batches,
     cpu: restore_lengths,

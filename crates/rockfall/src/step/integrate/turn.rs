@@ -20,20 +20,13 @@ use crate::model::buffer::Buffer;
 use crate::model::dispatch::Threads;
 use crate::model::view::View;
 use crate::model::world::World;
-use crate::step::stage::{Stage, part, read, write};
+use crate::step::stage::{Stage, read, write};
+use crate::step::wgsl::{Wgsl, part};
 
 /// The stage.
 pub(crate) const STAGE: Stage = Stage {
     name: "turn",
-    parts: &[
-        part!("model/step.wgsl"),
-        part!("model/order.wgsl"),
-        part!("model/one_state.wgsl"),
-        part!("model/objects.wgsl"),
-        part!("physics/sine.wgsl"),
-        part!("physics/rotation.wgsl"),
-        part!("step/integrate/turn.wgsl"),
-    ],
+    wgsl: Wgsl::File(part!("step/integrate/turn.wgsl")),
     bindings: &[
         write("state", Buffer::Start),
         read("y3", Buffer::Y3),

@@ -1,3 +1,5 @@
+// requires model/objects.wgsl model/one_state.wgsl model/step.wgsl physics/rotation.wgsl
+
 @group(0) @binding(2) var<storage, read_write> state: array<vec4f>;
 @group(0) @binding(3) var<storage, read> y3: array<vec4f>;
 @group(0) @binding(4) var<storage, read_write> orientations: array<vec4f>;

@@ -1,3 +1,5 @@
+// requires model/step.wgsl
+
 // Two sums of vectors, of which a team works out the terms, added up in the order of a list, as one thread would: the same bits come of
 // it.
 

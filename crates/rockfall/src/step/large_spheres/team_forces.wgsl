@@ -1,3 +1,6 @@
+// requires model/lists.wgsl model/step.wgsl physics/contact.wgsl physics/forces/net_force.wgsl physics/geometry.wgsl
+// requires step/large_spheres/ordered_sums.wgsl step/large_spheres/teams.wgsl
+
 // Net forces by teams: a thread works out one contact of many, and they are added up in the order of the list.
 
 fn add_contacts_together(i: u32, local: u32, net: ptr<function, Net>) {

@@ -1,3 +1,5 @@
+// requires model/step.wgsl
+
 // Who works on what in stages that go through lists: a thread on each mover, but a workgroup on each large sphere, which has hundreds of
 // neighbours. Large spheres are the last in memory. Their workgroups come first, for what takes longest should begin first.
 

@@ -7,12 +7,13 @@ use crate::model::buffer::Buffer;
 use crate::model::dispatch::Threads;
 use crate::model::layout::{CELLS_AT, DIGIT_BITS, DIGIT_BLOCK, DIGITS};
 use crate::model::world::World;
-use crate::step::stage::{Access, Binding, Slot, Stage, part, read, write};
+use crate::step::stage::{Access, Binding, Slot, Stage, read, write};
+use crate::step::wgsl::{Wgsl, part};
 
 /// The stage.
 pub(crate) const STAGE: Stage = Stage {
     name: "count_digits",
-    parts: &[part!("model/step.wgsl"), part!("step/reorder/digits.wgsl"), part!("step/reorder/count_digits.wgsl")],
+    wgsl: Wgsl::File(part!("step/reorder/count_digits.wgsl")),
     bindings: &[
         Binding { name: "pairs", slot: Slot::Unsorted, access: Access::Read },
         write("cells", Buffer::Cells),

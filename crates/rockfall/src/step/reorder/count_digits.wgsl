@@ -1,3 +1,5 @@
+// requires model/step.wgsl step/reorder/digits.wgsl
+
 @group(0) @binding(2) var<storage, read> pairs: array<vec2u>;
 @group(0) @binding(3) var<storage, read_write> cells: array<u32>;
 @group(0) @binding(4) var<storage, read> status: Status;

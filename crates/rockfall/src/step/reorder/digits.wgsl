@@ -1,3 +1,5 @@
+// requires model/step.wgsl
+
 // A digit of the keys of a block of pairs: each thread has a run of them, and counts for itself.
 
 const RUN: u32 = DIGIT_BLOCK / WORKGROUP;

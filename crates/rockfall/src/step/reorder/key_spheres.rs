@@ -9,12 +9,13 @@ use crate::model::buffer::Buffer;
 use crate::model::dispatch::Threads;
 use crate::model::world::World;
 use crate::model::world::order::{size_class, spread};
-use crate::step::stage::{Stage, part, read, write};
+use crate::step::stage::{Stage, read, write};
+use crate::step::wgsl::{Wgsl, part};
 
 /// The stage.
 pub(crate) const STAGE: Stage = Stage {
     name: "key_spheres",
-    parts: &[part!("model/step.wgsl"), part!("step/reorder/key_spheres.wgsl")],
+    wgsl: Wgsl::File(part!("step/reorder/key_spheres.wgsl")),
     bindings: &[read("state", Buffer::Start), write("pairs", Buffer::Y2), read("status", Buffer::Status)],
     threads: Threads::Spheres,
     cpu: key_spheres,

@@ -1,3 +1,5 @@
+// requires model/step.wgsl
+
 @group(0) @binding(2) var<storage, read> state: array<vec4f>;
 @group(0) @binding(3) var<storage, read_write> pairs: array<vec2u>;
 @group(0) @binding(4) var<storage, read> status: Status;

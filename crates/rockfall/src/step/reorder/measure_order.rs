@@ -7,17 +7,13 @@ use crate::model::dispatch::Threads;
 use crate::model::layout::ORDER_SAMPLE;
 use crate::model::lists::Lists;
 use crate::model::world::World;
-use crate::step::stage::{Stage, part, read, write};
+use crate::step::stage::{Stage, read, write};
+use crate::step::wgsl::{Wgsl, part};
 
 /// The stage.
 pub(crate) const STAGE: Stage = Stage {
     name: "measure_order",
-    parts: &[
-        part!("model/step.wgsl"),
-        part!("model/entries.wgsl"),
-        part!("model/lists.wgsl"),
-        part!("step/reorder/measure_order.wgsl"),
-    ],
+    wgsl: Wgsl::File(part!("step/reorder/measure_order.wgsl")),
     bindings: &[read("lists", Buffer::Lists), write("status", Buffer::Status)],
     threads: Threads::Spheres,
     cpu: measure_order,

@@ -1,3 +1,5 @@
+// requires model/entries.wgsl model/lists.wgsl model/step.wgsl
+
 @group(0) @binding(2) var<storage, read> lists: array<array<u32, SLICE>>;
 @group(0) @binding(3) var<storage, read_write> status: StatusAtomic;
 

@@ -8,12 +8,13 @@ use bytemuck::{cast_slice, cast_slice_mut};
 use crate::model::buffer::Buffer;
 use crate::model::dispatch::Threads;
 use crate::model::world::World;
-use crate::step::stage::{Stage, part, read, write};
+use crate::step::stage::{Stage, read, write};
+use crate::step::wgsl::{Wgsl, part};
 
 /// The stage.
 pub(crate) const STAGE: Stage = Stage {
     name: "permute_spheres",
-    parts: &[part!("model/step.wgsl"), part!("step/reorder/permute_spheres.wgsl")],
+    wgsl: Wgsl::File(part!("step/reorder/permute_spheres.wgsl")),
     bindings: &[
         read("start", Buffer::Start),
         read("pairs", Buffer::Y2),

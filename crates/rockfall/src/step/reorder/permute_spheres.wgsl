@@ -1,3 +1,5 @@
+// requires model/step.wgsl
+
 // All that is moved are words: no float may change on the way.
 @group(0) @binding(2) var<storage, read> start: array<vec4u>;
 @group(0) @binding(3) var<storage, read> pairs: array<vec2u>;

@@ -8,12 +8,13 @@ use crate::model::dispatch::Threads;
 use crate::model::layout::{CELLS_AT, DIGIT_BLOCK};
 use crate::model::world::World;
 use crate::step::reorder::count_digits::digit;
-use crate::step::stage::{Access, Binding, Slot, Stage, part, read};
+use crate::step::stage::{Access, Binding, Slot, Stage, read};
+use crate::step::wgsl::{Wgsl, part};
 
 /// The stage.
 pub(crate) const STAGE: Stage = Stage {
     name: "scatter_digits",
-    parts: &[part!("model/step.wgsl"), part!("step/reorder/digits.wgsl"), part!("step/reorder/scatter_digits.wgsl")],
+    wgsl: Wgsl::File(part!("step/reorder/scatter_digits.wgsl")),
     bindings: &[
         Binding { name: "pairs", slot: Slot::Unsorted, access: Access::Read },
         Binding { name: "sorted", slot: Slot::Sorted, access: Access::Write },

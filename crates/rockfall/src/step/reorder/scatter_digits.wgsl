@@ -1,3 +1,5 @@
+// requires model/step.wgsl step/reorder/digits.wgsl
+
 @group(0) @binding(2) var<storage, read> pairs: array<vec2u>;
 @group(0) @binding(3) var<storage, read_write> sorted: array<vec2u>;
 @group(0) @binding(4) var<storage, read> cells: array<u32>;

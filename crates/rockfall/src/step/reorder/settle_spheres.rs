@@ -8,12 +8,13 @@ use crate::model::buffer::Buffer;
 use crate::model::dispatch::Threads;
 use crate::model::layout::{ROD_WORDS, SPRING_WORDS, TETHER_WORDS};
 use crate::model::world::World;
-use crate::step::stage::{Stage, part, read, write};
+use crate::step::stage::{Stage, read, write};
+use crate::step::wgsl::{Wgsl, part};
 
 /// The stage.
 pub(crate) const STAGE: Stage = Stage {
     name: "settle_spheres",
-    parts: &[part!("model/step.wgsl"), part!("step/reorder/settle_spheres.wgsl")],
+    wgsl: Wgsl::File(part!("step/reorder/settle_spheres.wgsl")),
     bindings: &[
         write("start", Buffer::Start),
         read("y3", Buffer::Y3),

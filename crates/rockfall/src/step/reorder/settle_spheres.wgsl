@@ -1,3 +1,5 @@
+// requires model/step.wgsl
+
 @group(0) @binding(2) var<storage, read_write> start: array<vec4u>;
 @group(0) @binding(3) var<storage, read> y3: array<vec4u>;
 @group(0) @binding(4) var<storage, read> y4: array<vec4u>;

@@ -5,19 +5,13 @@ use crate::model::dispatch::Threads;
 use crate::model::lists::fill_slices;
 use crate::model::world::World;
 use crate::step::broad_phase::meet::for_each_pair;
-use crate::step::stage::{Stage, part, read, write};
+use crate::step::stage::{Stage, read, write};
+use crate::step::wgsl::{Wgsl, part};
 
 /// The stage.
 pub(crate) const STAGE: Stage = Stage {
     name: "fill_pairs",
-    parts: &[
-        part!("model/step.wgsl"),
-        part!("model/entries.wgsl"),
-        part!("model/lists.wgsl"),
-        part!("step/broad_phase/meet.wgsl"),
-        part!("step/broad_phase/brute_force/pair_tiles.wgsl"),
-        part!("step/broad_phase/brute_force/fill_pairs.wgsl"),
-    ],
+    wgsl: Wgsl::File(part!("step/broad_phase/brute_force/fill_pairs.wgsl")),
     bindings: &[read("aabbs", Buffer::Aabbs), write("lists", Buffer::Lists), read("status", Buffer::Status)],
     threads: Threads::Movers,
     cpu: fill_pairs,

@@ -1,3 +1,5 @@
+// requires model/lists.wgsl model/step.wgsl step/broad_phase/brute_force/pair_tiles.wgsl
+
 @group(0) @binding(2) var<storage, read> aabbs: array<Aabb>;
 @group(0) @binding(3) var<storage, read_write> lists: array<array<u32, SLICE>>;
 @group(0) @binding(4) var<storage, read> status: Status;

@@ -1,3 +1,5 @@
+// requires model/step.wgsl step/broad_phase/meet.wgsl
+
 // The tiled N² test (thesis section 2.5.1). A stage that uses it says in `emit` what becomes of an entry.
 
 var<workgroup> tile: array<Aabb, WORKGROUP>;

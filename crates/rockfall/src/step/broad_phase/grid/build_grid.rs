@@ -5,19 +5,13 @@ use crate::model::buffer::Buffer;
 use crate::model::dispatch::Threads;
 use crate::model::world::World;
 use crate::step::broad_phase::grid::{clear_cells, count_cells, scan_cells, sort_cells};
-use crate::step::stage::{Stage, part, read, write};
+use crate::step::stage::{Stage, read, write};
+use crate::step::wgsl::{Wgsl, part};
 
 /// The stage.
 pub(crate) const STAGE: Stage = Stage {
     name: "build_grid",
-    parts: &[
-        part!("model/step.wgsl"),
-        part!("step/broad_phase/grid/cells.wgsl"),
-        part!("step/broad_phase/grid/count_object.wgsl"),
-        part!("step/broad_phase/grid/place_object.wgsl"),
-        part!("step/broad_phase/grid/scan.wgsl"),
-        part!("step/broad_phase/grid/build_grid.wgsl"),
-    ],
+    wgsl: Wgsl::File(part!("step/broad_phase/grid/build_grid.wgsl")),
     bindings: &[
         read("aabbs", Buffer::Aabbs),
         write("cells", Buffer::Cells),

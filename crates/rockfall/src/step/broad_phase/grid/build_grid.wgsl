@@ -1,3 +1,6 @@
+// requires model/step.wgsl step/broad_phase/grid/count_object.wgsl step/broad_phase/grid/place_object.wgsl
+// requires step/broad_phase/grid/scan.wgsl
+
 @group(0) @binding(2) var<storage, read> aabbs: array<Aabb>;
 @group(0) @binding(3) var<storage, read_write> cells: array<atomic<u32>>;
 @group(0) @binding(4) var<storage, read_write> extents: array<vec4f>;

@@ -1,3 +1,5 @@
+// requires model/step.wgsl
+
 // The grid: which cell an object is in, and which cells it may find others in.
 //
 // Levels of cells, each twice as large as the one below, and half as wide along x: a row of them is one span of memory, which so is

@@ -4,12 +4,13 @@ use crate::model::buffer::Buffer;
 use crate::model::dispatch::Threads;
 use crate::model::layout::{CELLS_AT, EDGES_AT};
 use crate::model::world::World;
-use crate::step::stage::{Stage, part, write};
+use crate::step::stage::{Stage, write};
+use crate::step::wgsl::{Wgsl, part};
 
 /// The stage.
 pub(crate) const STAGE: Stage = Stage {
     name: "clear_cells",
-    parts: &[part!("model/step.wgsl"), part!("step/broad_phase/grid/clear_cells.wgsl")],
+    wgsl: Wgsl::File(part!("step/broad_phase/grid/clear_cells.wgsl")),
     bindings: &[write("cells", Buffer::Cells), write("status", Buffer::Status)],
     threads: Threads::Blocks,
     cpu: clear_cells,

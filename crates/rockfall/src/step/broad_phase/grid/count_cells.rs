@@ -9,17 +9,13 @@ use crate::model::layout::GRAIN;
 use crate::model::layout::{CELLS_AT, EDGES_AT, FARTHEST_AT};
 use crate::model::world::World;
 use crate::step::broad_phase::grid::cells::{greatest_coordinate, is_long, key_of, stands_apart};
-use crate::step::stage::{Stage, part, read, write};
+use crate::step::stage::{Stage, read, write};
+use crate::step::wgsl::{Wgsl, part};
 
 /// The stage.
 pub(crate) const STAGE: Stage = Stage {
     name: "count_cells",
-    parts: &[
-        part!("model/step.wgsl"),
-        part!("step/broad_phase/grid/cells.wgsl"),
-        part!("step/broad_phase/grid/count_object.wgsl"),
-        part!("step/broad_phase/grid/count_cells.wgsl"),
-    ],
+    wgsl: Wgsl::File(part!("step/broad_phase/grid/count_cells.wgsl")),
     bindings: &[read("aabbs", Buffer::Aabbs), write("cells", Buffer::Cells), read("status", Buffer::Status)],
     threads: Threads::WideObjects,
     cpu: count_cells,

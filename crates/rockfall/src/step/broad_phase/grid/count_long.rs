@@ -9,22 +9,13 @@ use crate::model::buffer::Buffer;
 use crate::model::dispatch::Threads;
 use crate::model::world::World;
 use crate::step::broad_phase::grid::cells::{Around, Grid};
-use crate::step::stage::{Stage, part, read, write};
+use crate::step::stage::{Stage, read, write};
+use crate::step::wgsl::{Wgsl, part};
 
 /// The stage.
 pub(crate) const STAGE: Stage = Stage {
     name: "count_long",
-    parts: &[
-        part!("model/step.wgsl"),
-        part!("model/entries.wgsl"),
-        part!("model/lists.wgsl"),
-        part!("model/put_head.wgsl"),
-        part!("step/broad_phase/meet.wgsl"),
-        part!("step/broad_phase/grid/cells.wgsl"),
-        part!("step/broad_phase/grid/neighbours.wgsl"),
-        part!("step/broad_phase/grid/long.wgsl"),
-        part!("step/broad_phase/grid/count_long.wgsl"),
-    ],
+    wgsl: Wgsl::File(part!("step/broad_phase/grid/count_long.wgsl")),
     bindings: &[
         read("aabbs", Buffer::Aabbs),
         read("cells", Buffer::Cells),

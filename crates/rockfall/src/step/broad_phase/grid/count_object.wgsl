@@ -1,3 +1,5 @@
+// requires model/step.wgsl step/broad_phase/grid/cells.wgsl
+
 // What the objects of a workgroup tell of the levels: a mask of those that have objects, and the bits of the largest edge and of the
 // greatest coordinate on each. Positive floats order like their bits.
 var<workgroup> levels: atomic<u32>;

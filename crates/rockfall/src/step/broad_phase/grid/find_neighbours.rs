@@ -17,24 +17,13 @@ use crate::model::status::{LISTS_MADE, VOID_COUNT, VOID_PAIRS};
 use crate::model::view::View;
 use crate::model::world::World;
 use crate::step::broad_phase::grid::cells::{Around, Grid};
-use crate::step::stage::{Stage, part, read, write};
+use crate::step::stage::{Stage, read, write};
+use crate::step::wgsl::{Wgsl, part};
 
 /// The stage.
 pub(crate) const STAGE: Stage = Stage {
     name: "find_neighbours",
-    parts: &[
-        part!("model/step.wgsl"),
-        part!("model/entries.wgsl"),
-        part!("model/lists.wgsl"),
-        part!("model/put_head.wgsl"),
-        part!("step/broad_phase/meet.wgsl"),
-        part!("model/order.wgsl"),
-        part!("step/broad_phase/heap.wgsl"),
-        part!("step/broad_phase/grid/cells.wgsl"),
-        part!("step/broad_phase/grid/neighbours.wgsl"),
-        part!("step/broad_phase/grid/sort.wgsl"),
-        part!("step/broad_phase/grid/find_neighbours.wgsl"),
-    ],
+    wgsl: Wgsl::File(part!("step/broad_phase/grid/find_neighbours.wgsl")),
     bindings: &[
         read("aabbs", Buffer::Aabbs),
         read("cells", Buffer::Cells),

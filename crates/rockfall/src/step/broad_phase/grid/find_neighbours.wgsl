@@ -1,3 +1,7 @@
+// requires model/lists.wgsl model/order.wgsl model/put_head.wgsl model/step.wgsl step/broad_phase/grid/cells.wgsl
+// requires step/broad_phase/grid/neighbours.wgsl step/broad_phase/grid/sort.wgsl step/broad_phase/heap.wgsl
+// requires step/broad_phase/meet.wgsl
+
 @group(0) @binding(2) var<storage, read> aabbs: array<Aabb>;
 @group(0) @binding(3) var<storage, read> cells: array<u32>;
 @group(0) @binding(4) var<storage, read> extents: array<vec4f>;

@@ -1,3 +1,5 @@
+// requires model/step.wgsl
+
 // Long movers: a workgroup works on each. The workgroups take turns: how many long movers there are is known on the device alone.
 
 const TEAM: u32 = 256u;

@@ -1,3 +1,5 @@
+// requires model/step.wgsl step/broad_phase/grid/cells.wgsl step/broad_phase/meet.wgsl
+
 // All objects that a mover may meet, itself and some more, from the cells around it. The stage says in `emit` what becomes of
 // them. They come in any order, as places among the sorted objects or marked ids, and one may come twice.
 //

@@ -1,3 +1,5 @@
+// requires model/step.wgsl
+
 // Gives an object that was counted its place among the sorted objects: those of one cell come in any order.
 fn place_object(object: u32) {
     let key = atomicLoad(&cells[step.keys_at + object]);

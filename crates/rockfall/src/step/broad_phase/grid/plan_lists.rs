@@ -7,12 +7,13 @@ use crate::model::buffer::Buffer;
 use crate::model::dispatch::Threads;
 use crate::model::layout::SIZE_WORDS;
 use crate::model::world::World;
-use crate::step::stage::{Stage, part, read, write};
+use crate::step::stage::{Stage, read, write};
+use crate::step::wgsl::{Wgsl, part};
 
 /// The stage.
 pub(crate) const STAGE: Stage = Stage {
     name: "plan_lists",
-    parts: &[part!("model/step.wgsl"), part!("step/broad_phase/grid/plan_lists.wgsl")],
+    wgsl: Wgsl::File(part!("step/broad_phase/grid/plan_lists.wgsl")),
     bindings: &[write("sizes", Buffer::Sizes), read("status", Buffer::Status)],
     threads: Threads::One,
     cpu: plan_lists,

@@ -5,16 +5,13 @@ use crate::model::buffer::Buffer;
 use crate::model::dispatch::Threads;
 use crate::model::layout::{CELL_BLOCK, CELLS_AT, SUM_WORDS};
 use crate::model::world::World;
-use crate::step::stage::{Stage, part, read, write};
+use crate::step::stage::{Stage, read, write};
+use crate::step::wgsl::{Wgsl, part};
 
 /// The sum of every block.
 pub(crate) const SUM: Stage = Stage {
     name: "sum_blocks",
-    parts: &[
-        part!("model/step.wgsl"),
-        part!("step/broad_phase/grid/scan.wgsl"),
-        part!("step/broad_phase/grid/scan_cells.wgsl"),
-    ],
+    wgsl: Wgsl::File(part!("step/broad_phase/grid/scan_cells.wgsl")),
     bindings: &[write("cells", Buffer::Cells), read("status", Buffer::Status)],
     threads: Threads::Blocks,
     cpu: sum_blocks,

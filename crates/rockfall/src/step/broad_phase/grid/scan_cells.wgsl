@@ -1,3 +1,5 @@
+// requires model/step.wgsl step/broad_phase/grid/scan.wgsl
+
 // Four cells a row: neighbouring threads read and write neighbouring rows.
 @group(0) @binding(2) var<storage, read_write> cells: array<vec4u>;
 @group(0) @binding(3) var<storage, read> status: Status;

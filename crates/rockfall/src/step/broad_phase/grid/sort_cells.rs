@@ -6,16 +6,13 @@ use crate::model::dispatch::Threads;
 use crate::model::layout::CELLS_AT;
 use crate::model::world::World;
 use crate::step::broad_phase::grid::cells::sorted_extent;
-use crate::step::stage::{Stage, part, read, write};
+use crate::step::stage::{Stage, read, write};
+use crate::step::wgsl::{Wgsl, part};
 
 /// The stage.
 pub(crate) const STAGE: Stage = Stage {
     name: "sort_cells",
-    parts: &[
-        part!("model/step.wgsl"),
-        part!("step/broad_phase/grid/place_object.wgsl"),
-        part!("step/broad_phase/grid/sort_cells.wgsl"),
-    ],
+    wgsl: Wgsl::File(part!("step/broad_phase/grid/sort_cells.wgsl")),
     bindings: &[
         read("aabbs", Buffer::Aabbs),
         write("cells", Buffer::Cells),

@@ -1,3 +1,5 @@
+// requires model/step.wgsl
+
 // Objects in the order of an axis (sort-and-skip).
 
 fn blocks() -> u32 {

@@ -6,16 +6,13 @@ use crate::model::buffer::Buffer;
 use crate::model::dispatch::Threads;
 use crate::model::layout::WORKGROUP;
 use crate::model::world::World;
-use crate::step::stage::{Stage, part, read, write};
+use crate::step::stage::{Stage, read, write};
+use crate::step::wgsl::{Wgsl, part};
 
 /// The stage.
 pub(crate) const STAGE: Stage = Stage {
     name: "bound_blocks",
-    parts: &[
-        part!("model/step.wgsl"),
-        part!("step/broad_phase/sort_and_skip/axis.wgsl"),
-        part!("step/broad_phase/sort_and_skip/bound_blocks.wgsl"),
-    ],
+    wgsl: Wgsl::File(part!("step/broad_phase/sort_and_skip/bound_blocks.wgsl")),
     bindings: &[
         read("aabbs", Buffer::Aabbs),
         write("cells", Buffer::Cells),

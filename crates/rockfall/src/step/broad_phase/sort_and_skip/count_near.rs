@@ -8,21 +8,13 @@ use crate::model::dispatch::Threads;
 use crate::model::layout::GRAIN;
 use crate::model::world::World;
 use crate::step::broad_phase::meet::for_each_near;
-use crate::step::stage::{Stage, part, read, write};
+use crate::step::stage::{Stage, read, write};
+use crate::step::wgsl::{Wgsl, part};
 
 /// The stage.
 pub(crate) const STAGE: Stage = Stage {
     name: "count_near",
-    parts: &[
-        part!("model/step.wgsl"),
-        part!("model/entries.wgsl"),
-        part!("model/lists.wgsl"),
-        part!("model/put_head.wgsl"),
-        part!("step/broad_phase/meet.wgsl"),
-        part!("step/broad_phase/sort_and_skip/axis.wgsl"),
-        part!("step/broad_phase/sort_and_skip/near_tiles.wgsl"),
-        part!("step/broad_phase/sort_and_skip/count_near.wgsl"),
-    ],
+    wgsl: Wgsl::File(part!("step/broad_phase/sort_and_skip/count_near.wgsl")),
     bindings: &[
         read("aabbs", Buffer::Aabbs),
         read("cells", Buffer::Cells),

@@ -1,3 +1,5 @@
+// requires model/put_head.wgsl model/step.wgsl step/broad_phase/sort_and_skip/near_tiles.wgsl
+
 @group(0) @binding(2) var<storage, read> aabbs: array<Aabb>;
 @group(0) @binding(3) var<storage, read> cells: array<u32>;
 @group(0) @binding(4) var<storage, read> extents: array<vec4f>;

@@ -7,22 +7,13 @@ use crate::model::lists::{fill_slices, put_in_order};
 use crate::model::view::View;
 use crate::model::world::World;
 use crate::step::broad_phase::meet::for_each_near;
-use crate::step::stage::{Stage, part, read, write};
+use crate::step::stage::{Stage, read, write};
+use crate::step::wgsl::{Wgsl, part};
 
 /// The stage.
 pub(crate) const STAGE: Stage = Stage {
     name: "fill_near",
-    parts: &[
-        part!("model/step.wgsl"),
-        part!("model/entries.wgsl"),
-        part!("model/lists.wgsl"),
-        part!("step/broad_phase/meet.wgsl"),
-        part!("model/order.wgsl"),
-        part!("step/broad_phase/heap.wgsl"),
-        part!("step/broad_phase/sort_and_skip/axis.wgsl"),
-        part!("step/broad_phase/sort_and_skip/near_tiles.wgsl"),
-        part!("step/broad_phase/sort_and_skip/fill_near.wgsl"),
-    ],
+    wgsl: Wgsl::File(part!("step/broad_phase/sort_and_skip/fill_near.wgsl")),
     bindings: &[
         read("aabbs", Buffer::Aabbs),
         read("cells", Buffer::Cells),

@@ -1,3 +1,5 @@
+// requires model/step.wgsl step/broad_phase/meet.wgsl step/broad_phase/sort_and_skip/axis.wgsl
+
 // The tiled test, with blocks skipped that cannot meet (thesis section 2.5.1, its proposal). A stage that uses it says in
 // `emit` what becomes of an object.
 

@@ -8,16 +8,13 @@ use crate::model::buffer::Buffer;
 use crate::model::dispatch::Threads;
 use crate::model::layout::WORKGROUP;
 use crate::model::world::World;
-use crate::step::stage::{Stage, part, read, write};
+use crate::step::stage::{Stage, read, write};
+use crate::step::wgsl::{Wgsl, part};
 
 /// The stage.
 pub(crate) const STAGE: Stage = Stage {
     name: "sort_axis",
-    parts: &[
-        part!("model/step.wgsl"),
-        part!("step/broad_phase/sort_and_skip/axis.wgsl"),
-        part!("step/broad_phase/sort_and_skip/sort_axis.wgsl"),
-    ],
+    wgsl: Wgsl::File(part!("step/broad_phase/sort_and_skip/sort_axis.wgsl")),
     bindings: &[read("aabbs", Buffer::Aabbs), write("cells", Buffer::Cells), read("status", Buffer::Status)],
     threads: Threads::Objects,
     cpu: sort_axis,
