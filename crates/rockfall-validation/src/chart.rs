@@ -6,7 +6,7 @@ use plotters::prelude::*;
 use crate::Result;
 
 const SIZE: (u32, u32) = (720, 440);
-/// Told apart by those who do not see all colours, too (Tol's bright scheme).
+/// Counters apart by those who do not see all colours, too (Tol's bright scheme).
 const COLOURS: [RGBColor; 6] = [
     RGBColor(0x44, 0x77, 0xaa),
     RGBColor(0xee, 0x66, 0x77),

@@ -5,7 +5,7 @@
 //!
 //! ```text
 //! object ids   spheres, then rods, then boxes, then polygons, each in order of addition; spheres may stand in another
-//!              order in memory (`users_at`), then a sphere's id is its memory slot
+//!              order in memory (`insertion_indices_at`), then a sphere's id is its memory slot
 //! movers       spheres and rods: the objects that have a list of pairs
 //! state        3 n vec4 for n spheres: n x (position, radius), n x (velocity, inverse mass),
 //!              n x (angular momentum, inverse inertia)

@@ -153,12 +153,12 @@ fn detect(world: &mut World, method: BroadPhase, mut run: impl FnMut(&mut World,
     let phases = [Phase::UpdateAabbs, Phase::BroadPhase];
     let stages: Vec<_> = phases.iter().flat_map(|phase| phase.stages(Integrator::Rk4, method)).copied().collect();
     loop {
-        world.status.void = 0;
+        world.status.rejected = 0;
         run(world, &stages);
-        if world.status.void == 0 {
+        if world.status.rejected == 0 {
             return;
         }
-        assert_eq!(world.status.void, rockfall::model::status::VOID_PAIRS);
+        assert_eq!(world.status.rejected, rockfall::model::status::REJECTED_PAIRS);
         let needed = world.status.pair_rows_needed;
         assert!(needed > world.step.pair_rows);
         world.set_pair_rows(needed);

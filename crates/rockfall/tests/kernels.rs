@@ -5,7 +5,7 @@ use std::mem::{offset_of, size_of};
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 use naga::{AddressSpace, Module, StorageAccess, TypeInner};
 use rockfall::model::dispatch::Threads;
-use rockfall::model::status::{Status, Told};
+use rockfall::model::status::{Counters, Status};
 use rockfall::model::step::{Aabb, Pass, Step};
 use rockfall::model::{layout, status};
 use rockfall::step::catalog::ALL;
@@ -234,23 +234,23 @@ fn the_structs_are_those_of_layout() {
     let step = rust_fields!(Step: gravity, dt, activation_threshold, restitution, contact_damping, contact_force, friction,
         coulomb_friction, collision_friction, gravity_size, margin_scale, flags, pair_rows, spheres, rods, boxes, polygons, rods_at, springs_at, tethers_at,
         forces_at, boxes_at, polygons_at, tags_at, adjacency_at, batches, batches_at, slices_at, entries_at, cell_size, least_level, cells,
-        sums_at, keys_at, sorted_at, lookahead, users_at, slots_at, list_interval, lead, long_at, planned, ends_at, large, networks, networks_at, sweeps,
+        sums_at, keys_at, sorted_at, lookahead, insertion_indices_at, slots_at, list_interval, lead, long_at, planned, ends_at, large, networks, networks_at, sweeps,
         collision_room, pad);
     let step = (split(step.0, "pad"), step.1);
     let (pass, pass_size) = rust_fields!(Pass: index, pad);
     let pass = (split(pass, "pad"), pass_size);
     let aabb = rust_fields!(Aabb: min, id, max, tag);
-    let told = rust_fields!(Told: contacts, max_overlap, collisions, pad);
-    let told = (split(told.0, "pad"), told.1);
-    let status = rust_fields!(Status: told, void, pair_rows_needed, escape_ratio, steps, collided, lengths_due, collides, last_contacts, last_max_overlap, last_collisions, total_collisions_low, total_collisions_high,
+    let counters = rust_fields!(Counters: contacts, max_overlap, collisions, pad);
+    let counters = (split(counters.0, "pad"), counters.1);
+    let status = rust_fields!(Status: counters, rejected, pair_rows_needed, escape_ratio, steps, collided, lengths_due, collides, last_contacts, last_max_overlap, last_collisions, total_collisions_low, total_collisions_high,
         bad_body, bad_step, bad_count, total_bad, first_bad, rebuild, builds, order_entries, order_digits, listed, clustered, clustered_steps, many_steps);
     for stage in ALL {
         let module = module(stage);
         assert_eq!(wgsl_fields(&module, "Step"), step, "{}", stage.name);
         assert_eq!(wgsl_fields(&module, "Pass"), pass, "{}", stage.name);
         assert_eq!(wgsl_fields(&module, "Aabb"), aabb, "{}", stage.name);
-        assert_eq!(wgsl_fields(&module, "Told"), told, "{}", stage.name);
-        assert_eq!(wgsl_fields(&module, "ToldAtomic"), told, "{}", stage.name);
+        assert_eq!(wgsl_fields(&module, "Counters"), counters, "{}", stage.name);
+        assert_eq!(wgsl_fields(&module, "CountersAtomic"), counters, "{}", stage.name);
         assert_eq!(wgsl_fields(&module, "Status"), status, "{}", stage.name);
         assert_eq!(wgsl_fields(&module, "StatusAtomic"), status, "{}", stage.name);
     }
@@ -318,18 +318,18 @@ fn the_constants_are_those_of_layout() {
         POSITIONS_FIRST,
         POSITIONS_ALONE,
         ORDER_MASK,
-        LEAPS,
+        SYMPLECTIC_EULER,
     ];
     let codes = constants![
-        status: VOID_PAIRS,
-        VOID_ESCAPED,
-        VOID_NON_FINITE,
-        VOID_COUNT,
-        VOID_COLLISIONS,
-        VOID_MANY,
-        TELLERS,
-        LISTS_ASKED,
-        LISTS_MADE,
+        status: REJECTED_PAIRS,
+        REJECTED_ESCAPED,
+        REJECTED_NON_FINITE,
+        REJECTED_COUNT,
+        REJECTED_COLLISIONS,
+        REJECTED_MANY,
+        COUNTER_BLOCKS,
+        REBUILD_REQUESTED,
+        REBUILD_DONE,
         NO_BODY,
         BAD_STAGE_SHIFT,
     ];

@@ -20,7 +20,7 @@ const STEP: f32 = 0.01;
 
 /// A cube of side `side` walled by boxes, and spheres on a lattice in it, at random velocities of variance 1.
 fn gas(per_side: u32, side: f64) -> Result<Scene> {
-    // Every approach is a collision; nothing rubs.
+    // Every approach is a collision; nothing friction_impulses.
     let mut scene = with(|settings| {
         (settings.gravity, settings.friction) = (0.0, 0.0);
         settings.activation_threshold = 0.0;

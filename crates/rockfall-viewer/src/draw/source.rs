@@ -7,7 +7,7 @@ use rockfall::{Result, Simulation, wgpu};
 use crate::draw::pipelines::STORAGE;
 
 /// The buffers of the physics that are drawn from, in the order of their bindings.
-const READ: [Buffer; 3] = [Buffer::Start, Buffer::Orientations, Buffer::Words];
+const READ: [Buffer; 3] = [Buffer::Start, Buffer::Orientations, Buffer::Topology];
 
 /// What is bound to group 0.
 #[derive(Debug, Default)]

@@ -16,7 +16,7 @@ pub enum Buffer {
     /// AABBs of all objects.
     Aabbs,
     /// Rods, springs, tethers, boxes, polygons, tags, users, slots, batches, ends, adjacency.
-    Words,
+    Topology,
     /// The grid: levels, cells, sums of blocks, keys, sorted objects.
     Cells,
     /// Per object, in the order of the grid's keys: centre and largest half extent of its AABB, negative of what is no sphere.
@@ -24,7 +24,7 @@ pub enum Buffer {
     /// The pair lists.
     Lists,
     /// Where collisions are listed, by list entry: the number of the collision in [`Buffer::Collisions`].
-    Slots,
+    CollisionIndices,
     /// Where collisions are listed: a record of [`COLLISION_WORDS`](crate::model::layout::COLLISION_WORDS) words each.
     Collisions,
     /// Per rod: force and couple on end 1, force and couple on end 2.
@@ -33,7 +33,7 @@ pub enum Buffer {
     Orientations,
     /// In large scenes: workgroups of the dispatches that make lists, as they are in this step, then as they are when there is
     /// something to do.
-    Sizes,
+    DispatchSizes,
     /// The [`Status`](crate::model::status::Status) block.
     Status,
 }
@@ -47,15 +47,15 @@ impl Buffer {
         Self::Y4,
         Self::States,
         Self::Aabbs,
-        Self::Words,
+        Self::Topology,
         Self::Cells,
         Self::Extents,
         Self::Lists,
-        Self::Slots,
+        Self::CollisionIndices,
         Self::Collisions,
         Self::Wrenches,
         Self::Orientations,
-        Self::Sizes,
+        Self::DispatchSizes,
         Self::Status,
     ];
 
@@ -68,15 +68,15 @@ impl Buffer {
             Self::Y4 => "stage state 4",
             Self::States => "the stage states of a small scene",
             Self::Aabbs => "the AABBs",
-            Self::Words => "topology and static objects",
+            Self::Topology => "topology and static objects",
             Self::Cells => "the grid",
             Self::Extents => "the extents of sorted objects",
             Self::Lists => "the pair lists",
-            Self::Slots => "the numbers of listed collisions",
+            Self::CollisionIndices => "the numbers of listed collisions",
             Self::Collisions => "the listed collisions",
             Self::Wrenches => "the forces on rods",
             Self::Orientations => "the orientations",
-            Self::Sizes => "the sizes of dispatches",
+            Self::DispatchSizes => "the sizes of dispatches",
             Self::Status => "the status",
         }
     }

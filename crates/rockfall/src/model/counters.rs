@@ -1,7 +1,7 @@
 //! What a stage tells the status block. Merging is independent of order, so threads may share the work as they like.
 
 use crate::error::BadStage;
-use crate::model::status::{BAD_STAGE_SHIFT, LISTS_ASKED, LISTS_MADE, NO_BODY, Status, Told, VOID_ESCAPED};
+use crate::model::status::{BAD_STAGE_SHIFT, Counters, NO_BODY, REBUILD_DONE, REBUILD_REQUESTED, REJECTED_ESCAPED, Status};
 
 /// Counts of one body or of many.
 #[derive(Clone, Copy, Debug)]
@@ -58,22 +58,22 @@ impl Tally {
     }
 
     /// Adds this to the counters of the step under way.
-    pub(crate) fn tell(self, status: &mut Status) {
-        let told = Told {
+    pub(crate) fn add_to(self, status: &mut Status) {
+        let told = Counters {
             contacts: self.contacts,
             max_overlap: self.max_overlap.to_bits(),
             collisions: self.collisions,
-            ..Told::default()
+            ..Counters::default()
         };
-        status.told[0] = status.told[0].and(told);
+        status.counters[0] = status.counters[0].and(told);
         status.collides |= u32::from(self.collisions > 0);
         status.bad_count += self.bad_count;
         status.bad_body = status.bad_body.min(self.bad_body);
         if self.rebuild {
-            status.rebuild |= LISTS_ASKED;
+            status.rebuild |= REBUILD_REQUESTED;
         }
         if self.escape_ratio > 0.0 {
-            status.void |= VOID_ESCAPED;
+            status.rejected |= REJECTED_ESCAPED;
             status.escape_ratio = status.escape_ratio.max(self.escape_ratio.to_bits());
         }
     }
@@ -81,8 +81,8 @@ impl Tally {
 
 /// Counts the lists that were made in this step; those that were asked for where none are made are still due.
 pub(crate) fn count_builds(status: &mut Status) {
-    if status.rebuild & LISTS_MADE != 0 {
-        status.rebuild &= !LISTS_MADE;
+    if status.rebuild & REBUILD_DONE != 0 {
+        status.rebuild &= !REBUILD_DONE;
         status.builds += 1;
     }
 }

@@ -4,8 +4,8 @@
 
 var<workgroup> group_count: atomic<u32>;
 
-fn tell_escape(ratio: f32) {
-    atomicOr(&status.void, VOID_ESCAPED);
+fn report_escape(ratio: f32) {
+    atomicOr(&status.rejected, REJECTED_ESCAPED);
     atomicMax(&status.escape_ratio, bitcast<u32>(ratio));
 }
 
@@ -22,6 +22,6 @@ fn is_finite(motion: Motion) -> bool {
 // Rest where a sphere was, for one whose state stopped being finite in this stage (see BadStage in error.rs).
 fn stopped(position: vec3f, stage: u32, sphere: u32) -> Motion {
     atomicAdd(&status.bad_count, 1u);
-    atomicMin(&status.bad_body, stage << BAD_STAGE_SHIFT | user_of(sphere));
+    atomicMin(&status.bad_body, stage << BAD_STAGE_SHIFT | insertion_index(sphere));
     return Motion(position, vec3f(0.0), vec3f(0.0));
 }

@@ -53,7 +53,7 @@ impl Threads {
     /// Those of the stages that make lists in large scenes.
     pub const PLANNED: [Self; SIZE_WORDS as usize / 3] = [Self::WideObjects, Self::Blocks, Self::Movers, Self::LongMovers];
 
-    /// Where the size of a dispatch of such a stage stands among [`Buffer::Sizes`], in bytes.
+    /// Where the size of a dispatch of such a stage stands among [`Buffer::DispatchSizes`], in bytes.
     pub fn size_at(self) -> Option<u64> {
         Self::PLANNED.iter().position(|threads| *threads == self).map(|place| 12 * place as u64)
     }

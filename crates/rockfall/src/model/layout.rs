@@ -96,7 +96,7 @@ pub const SWEEP_SIZES: [f32; 4] = [1.250_98, 2.668_52, 1.816_11, 1.0];
 /// Words of a collision in the buffer of collisions.
 pub const COLLISION_WORDS: u32 = 48;
 
-/// The pass of `run_steps` is `phases << PHASES_SHIFT | LEAPS | order`, the second for symplectic Euler alone: how many phases it
+/// The pass of `run_steps` is `phases << PHASES_SHIFT | SYMPLECTIC_EULER | order`, the second for symplectic Euler alone: how many phases it
 /// runs, and in which order. Collisions and positions take turns, collisions first where the order is 0.
 pub const PHASES_SHIFT: u32 = 3;
 /// Order of `run_steps`: positions come first.
@@ -106,7 +106,7 @@ pub const POSITIONS_ALONE: u32 = 2;
 /// The bits of the order in the pass of `run_steps`.
 pub const ORDER_MASK: u32 = 3;
 /// Bit of the pass of `run_steps`: symplectic Euler, not RK4.
-pub const LEAPS: u32 = 4;
+pub const SYMPLECTIC_EULER: u32 = 4;
 
 /// Words of the sizes of dispatches that make lists: x, y and z for each of [`Threads::PLANNED`](crate::model::dispatch::Threads::PLANNED).
 pub const SIZE_WORDS: u32 = 12;

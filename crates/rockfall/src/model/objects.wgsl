@@ -13,16 +13,16 @@ fn spin_of(sphere: u32) -> vec3f {
 }
 
 fn vector_at(word: u32) -> vec3f {
-    return bitcast<vec3f>(vec3u(words[word], words[word + 1u], words[word + 2u]));
+    return bitcast<vec3f>(vec3u(topology[word], topology[word + 1u], topology[word + 2u]));
 }
 
 fn float_at(word: u32) -> f32 {
-    return bitcast<f32>(words[word]);
+    return bitcast<f32>(topology[word]);
 }
 
 fn rod_ends(rod: u32) -> vec2u {
     let at = step.rods_at + rod * ROD_WORDS;
-    return vec2u(words[at], words[at + 1u]);
+    return vec2u(topology[at], topology[at + 1u]);
 }
 
 fn rod_radius(rod: u32) -> f32 {
@@ -69,7 +69,7 @@ fn adjacency(sphere: u32) -> vec2u {
         return vec2u(0u);
     }
     let at = step.adjacency_at + 2u * sphere;
-    return vec2u(words[at], words[at + 1u]);
+    return vec2u(topology[at], topology[at + 1u]);
 }
 
 fn kind_of(attached: u32) -> u32 {
@@ -85,7 +85,7 @@ fn end_of(sphere: u32) -> u32 {
     if !RODS {
         return NO_ROD;
     }
-    return words[step.ends_at + sphere];
+    return topology[step.ends_at + sphere];
 }
 
 // First word of a sphere's rods and their number.
@@ -96,7 +96,7 @@ fn rods_of(sphere: u32) -> vec2u {
     let range = adjacency(sphere);
     var end = range.x;
     while end < range.y {
-        if kind_of(words[end]) != KIND_ROD {
+        if kind_of(topology[end]) != KIND_ROD {
             break;
         }
         end += 1u;

@@ -2,39 +2,39 @@
 
 use bytemuck::{Pod, Zeroable};
 
-/// Bit of [`Status::void`]: the pair lists did not fit; [`Status::pair_rows_needed`] rows are needed.
-pub const VOID_PAIRS: u32 = 1;
-/// Bit of [`Status::void`]: a body left its AABB before or within the step, so its list may lack a pair.
-pub const VOID_ESCAPED: u32 = 2;
-/// Bit of [`Status::void`]: a body's state stopped being finite in the step before; later steps do nothing.
-pub const VOID_NON_FINITE: u32 = 4;
+/// Bit of [`Status::rejected`]: the pair lists did not fit; [`Status::pair_rows_needed`] rows are needed.
+pub const REJECTED_PAIRS: u32 = 1;
+/// Bit of [`Status::rejected`]: a body left its AABB before or within the step, so its list may lack a pair.
+pub const REJECTED_ESCAPED: u32 = 2;
+/// Bit of [`Status::rejected`]: a body's state stopped being finite in the step before; later steps do nothing.
+pub const REJECTED_NON_FINITE: u32 = 4;
 
-/// Bit of [`Status::void`]: the pair lists need more rows than can be numbered.
-pub const VOID_COUNT: u32 = 8;
+/// Bit of [`Status::rejected`]: the pair lists need more rows than can be numbered.
+pub const REJECTED_COUNT: u32 = 8;
 
-/// Bit of [`Status::void`]: collisions share bodies and the step was begun without sweeps, or there is no room for them.
-pub const VOID_COLLISIONS: u32 = 16;
-/// Bit of [`Status::void`], beside [`VOID_COLLISIONS`]: one workgroup cannot make all sweeps.
-pub const VOID_MANY: u32 = 32;
+/// Bit of [`Status::rejected`]: collisions share bodies and the step was begun without sweeps, or there is no room for them.
+pub const REJECTED_COLLISIONS: u32 = 16;
+/// Bit of [`Status::rejected`], beside [`REJECTED_COLLISIONS`]: one workgroup cannot make all sweeps.
+pub const REJECTED_MANY: u32 = 32;
 
 /// Bit of [`Status::rebuild`]: some body asks for new lists.
-pub const LISTS_ASKED: u32 = 1;
+pub const REBUILD_REQUESTED: u32 = 1;
 /// Bit of [`Status::rebuild`]: they were made in this step.
-pub const LISTS_MADE: u32 = 2;
+pub const REBUILD_DONE: u32 = 2;
 
 /// [`Status::bad_body`] when every body is finite.
 pub const NO_BODY: u32 = u32::MAX;
 /// The place in a step where a body stopped being finite, the high bits of [`Status::bad_body`].
 pub const BAD_STAGE_SHIFT: u32 = 29;
 
-/// How many [`Told`] there are.
-pub const TELLERS: u32 = 64;
+/// How many [`Counters`] there are.
+pub const COUNTER_BLOCKS: u32 = 64;
 
 /// What some workgroups have counted in the step under way. A device adds to one word for one workgroup after the other, some
-/// nanoseconds each, so they share out [`TELLERS`] of these, a sector of the cache each; `end_step` adds them up.
+/// nanoseconds each, so they share out [`COUNTER_BLOCKS`] of these, a sector of the cache each; `end_step` adds them up.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
-pub struct Told {
+pub struct Counters {
     /// Contacts of the step's first force evaluation.
     pub contacts: u32,
     /// Bits of the deepest overlap of the step's first force evaluation.
@@ -45,7 +45,7 @@ pub struct Told {
     pub pad: [u32; 5],
 }
 
-impl Told {
+impl Counters {
     /// Both together.
     pub fn and(self, other: Self) -> Self {
         Self {
@@ -62,9 +62,9 @@ impl Told {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable)]
 pub struct Status {
     /// What is counted; on the CPU the first holds all of it.
-    pub told: [Told; TELLERS as usize],
+    pub counters: [Counters; COUNTER_BLOCKS as usize],
     /// `VOID_*` bits; not 0: later stages leave the bodies alone, until the host has seen to it.
-    pub void: u32,
+    pub rejected: u32,
     /// Rows that the entries of the pair lists need.
     pub pair_rows_needed: u32,
     /// Bits of the largest distance, in 0.02 r, by which a body left its AABB; positive floats order like their bits.
@@ -119,13 +119,13 @@ pub struct Status {
 
 impl Default for Status {
     fn default() -> Self {
-        Self { lengths_due: 1, rebuild: LISTS_ASKED, bad_body: NO_BODY, first_bad: NO_BODY, ..Zeroable::zeroed() }
+        Self { lengths_due: 1, rebuild: REBUILD_REQUESTED, bad_body: NO_BODY, first_bad: NO_BODY, ..Zeroable::zeroed() }
     }
 }
 
 impl Status {
     /// All that was told in the step under way.
-    pub fn told(&self) -> Told {
-        self.told.iter().copied().fold(Told::default(), Told::and)
+    pub fn total_counters(&self) -> Counters {
+        self.counters.iter().copied().fold(Counters::default(), Counters::and)
     }
 }

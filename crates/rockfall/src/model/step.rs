@@ -83,7 +83,7 @@ pub struct Step {
     /// Steps for which AABBs are grown; the more, the longer lists last, and the longer they are.
     pub lookahead: f32,
     /// First word of the users: the index in order of addition of the sphere in each memory slot; 0: they are the same.
-    pub users_at: u32,
+    pub insertion_indices_at: u32,
     /// First word of the slots: the memory slot of each sphere by its index in order of addition; 0: they are the same.
     pub slots_at: u32,
     /// Steps from one chance of making lists to the next: for so many lists have to last.

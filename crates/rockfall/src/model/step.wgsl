@@ -37,7 +37,7 @@ struct Step {
     keys_at: u32,
     sorted_at: u32,
     lookahead: f32,
-    users_at: u32,
+    insertion_indices_at: u32,
     slots_at: u32,
     list_interval: f32,
     lead: f32,
@@ -67,7 +67,7 @@ struct Aabb {
     tag: u32,
 }
 
-struct Told {
+struct Counters {
     contacts: u32,
     max_overlap: u32,
     collisions: u32,
@@ -79,8 +79,8 @@ struct Told {
 }
 
 struct Status {
-    told: array<Told, TELLERS>,
-    void: u32,
+    counters: array<Counters, COUNTER_BLOCKS>,
+    rejected: u32,
     pair_rows_needed: u32,
     escape_ratio: u32,
     steps: u32,
@@ -108,7 +108,7 @@ struct Status {
 }
 
 // Both where many threads of a dispatch write them.
-struct ToldAtomic {
+struct CountersAtomic {
     contacts: atomic<u32>,
     max_overlap: atomic<u32>,
     collisions: atomic<u32>,
@@ -120,8 +120,8 @@ struct ToldAtomic {
 }
 
 struct StatusAtomic {
-    told: array<ToldAtomic, TELLERS>,
-    void: atomic<u32>,
+    counters: array<CountersAtomic, COUNTER_BLOCKS>,
+    rejected: atomic<u32>,
     pair_rows_needed: atomic<u32>,
     escape_ratio: atomic<u32>,
     steps: u32,
@@ -176,7 +176,7 @@ const KIND_SPRING: u32 = 1u;
 const KIND_TETHER: u32 = 2u;
 const KIND_FORCE: u32 = 3u;
 
-const TELLERS: u32 = 64u;
+const COUNTER_BLOCKS: u32 = 64u;
 const SIZE_WORDS: u32 = 12u;
 
 // Without rods all contacts have feature 0, and ids the more bits.
@@ -214,15 +214,15 @@ const FLAG_CONTINUE: u32 = 4u;
 const FLAG_GROUPS: u32 = 8u;
 const FLAG_STAGES: u32 = 16u;
 
-const VOID_PAIRS: u32 = 1u;
-const VOID_ESCAPED: u32 = 2u;
-const VOID_NON_FINITE: u32 = 4u;
-const VOID_COUNT: u32 = 8u;
-const VOID_COLLISIONS: u32 = 16u;
-const VOID_MANY: u32 = 32u;
+const REJECTED_PAIRS: u32 = 1u;
+const REJECTED_ESCAPED: u32 = 2u;
+const REJECTED_NON_FINITE: u32 = 4u;
+const REJECTED_COUNT: u32 = 8u;
+const REJECTED_COLLISIONS: u32 = 16u;
+const REJECTED_MANY: u32 = 32u;
 
-const LISTS_ASKED: u32 = 1u;
-const LISTS_MADE: u32 = 2u;
+const REBUILD_REQUESTED: u32 = 1u;
+const REBUILD_DONE: u32 = 2u;
 
 const SWEEPS_OFF: u32 = 0u;
 const SWEEPS_LISTED: u32 = 1u;
@@ -237,7 +237,7 @@ const PHASES_SHIFT: u32 = 3u;
 const POSITIONS_FIRST: u32 = 1u;
 const POSITIONS_ALONE: u32 = 2u;
 const ORDER_MASK: u32 = 3u;
-const LEAPS: u32 = 4u;
+const SYMPLECTIC_EULER: u32 = 4u;
 
 const NO_BODY: u32 = 0xffffffffu;
 const BAD_STAGE_SHIFT: u32 = 29u;

@@ -67,7 +67,7 @@ pub(crate) struct Attachment {
 #[derive(Clone, Copy)]
 pub(crate) struct View<'a> {
     pub(crate) step: &'a Step,
-    words: &'a [u32],
+    topology: &'a [u32],
     /// Index in order of addition of the sphere in each memory slot; empty: they are the same.
     users: &'a [u32],
     /// Position and radius, velocity and inverse mass, angular momentum and inverse inertia of every sphere.
@@ -75,12 +75,13 @@ pub(crate) struct View<'a> {
 }
 
 impl<'a> View<'a> {
-    pub(crate) fn new(step: &'a Step, words: &'a [u32], state: &'a [Vec4]) -> Self {
+    pub(crate) fn new(step: &'a Step, topology: &'a [u32], state: &'a [Vec4]) -> Self {
         let spheres = step.spheres as usize;
-        let users = if step.users_at == 0 { &[] } else { &words[step.users_at as usize..][..spheres] };
+        let users =
+            if step.insertion_indices_at == 0 { &[] } else { &topology[step.insertion_indices_at as usize..][..spheres] };
         let (positions, rest) = state.split_at(spheres);
         let (velocities, spins) = rest.split_at(spheres);
-        Self { step, words, users, rows: [positions, velocities, spins] }
+        Self { step, topology, users, rows: [positions, velocities, spins] }
     }
 
     fn row(&self, region: usize, sphere: u32) -> Vec4 {
@@ -175,7 +176,7 @@ impl<'a> View<'a> {
 
     fn record<const N: usize>(&self, at: u32, index: u32, words: u32) -> [u32; N] {
         let first = (at + index * words) as usize;
-        std::array::from_fn(|k| self.words[first + k])
+        std::array::from_fn(|k| self.topology[first + k])
     }
 
     fn floats<const N: usize>(&self, at: u32, index: u32, words: u32) -> [f32; N] {
@@ -197,7 +198,7 @@ impl<'a> View<'a> {
         TetherWords { point: Vec3::new(x, y, z), stiffness, length, damping }
     }
 
-    pub(crate) fn outside_force(&self, force: u32) -> Vec3 {
+    pub(crate) fn external_force(&self, force: u32) -> Vec3 {
         Vec3::from_array(self.floats(self.step.forces_at, force, FORCE_WORDS))
     }
 
@@ -213,7 +214,7 @@ impl<'a> View<'a> {
 
     /// Group (low 16 bits) and material (high 16 bits) of an object.
     pub(crate) fn tag(&self, id: u32) -> u32 {
-        self.words[(self.step.tags_at + id) as usize]
+        self.topology[(self.step.tags_at + id) as usize]
     }
 
     /// Everything attached to a sphere, its rods first.
@@ -223,9 +224,9 @@ impl<'a> View<'a> {
             0..0
         } else {
             let offset = (at + 2 * sphere) as usize;
-            self.words[offset] as usize..self.words[offset + 1] as usize
+            self.topology[offset] as usize..self.topology[offset + 1] as usize
         };
-        self.words[range].iter().map(|word| Attachment { kind: word >> KIND_SHIFT, index: word & ((1 << KIND_SHIFT) - 1) })
+        self.topology[range].iter().map(|word| Attachment { kind: word >> KIND_SHIFT, index: word & ((1 << KIND_SHIFT) - 1) })
     }
 
     /// The rods that end in a sphere.
@@ -255,16 +256,16 @@ impl<'a> View<'a> {
 
     /// The network that a rod belongs to.
     pub(crate) fn network_of(&self, rod: u32) -> Option<u32> {
-        let network = self.words[(self.step.networks_at - self.step.rods + rod) as usize];
+        let network = self.topology[(self.step.networks_at - self.step.rods + rod) as usize];
         (network != NO_NETWORK).then_some(network)
     }
 
     /// The moving spheres of a network, and its rods.
     pub(crate) fn network(&self, network: u32) -> (impl ExactSizeIterator<Item = u32> + Clone + use<'a>, &'a [u32]) {
-        let words = self.words;
-        let first = words[(self.step.networks_at + network) as usize] as usize;
-        let (spheres, rods) = (words[first] as usize, words[first + 1] as usize);
-        let (spheres, rest) = words[first + 2..].split_at(spheres);
+        let topology = self.topology;
+        let first = topology[(self.step.networks_at + network) as usize] as usize;
+        let (spheres, rods) = (topology[first] as usize, topology[first + 1] as usize);
+        let (spheres, rest) = topology[first + 2..].split_at(spheres);
         let view = *self;
         (spheres.iter().map(move |place| view.rod(place / 2).ends[(place % 2) as usize]), &rest[..rods])
     }

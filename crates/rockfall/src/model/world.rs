@@ -5,7 +5,7 @@
 pub(crate) mod build;
 pub(crate) mod frames;
 pub(crate) mod order;
-pub(crate) mod words;
+pub(crate) mod topology;
 
 use bytemuck::{bytes_of, bytes_of_mut, cast_slice, cast_slice_mut};
 use glam::Vec4;
@@ -29,7 +29,7 @@ pub struct World {
     /// One an object.
     pub aabbs: Vec<Aabb>,
     /// Topology and static objects.
-    pub words: Vec<u32>,
+    pub topology: Vec<u32>,
     /// The grid's levels, cells, sums of blocks, keys, sorted objects.
     pub cells: Vec<u32>,
     /// One an object, in the order of the grid's keys: centre and largest half extent of its AABB, negative of what is no sphere.
@@ -69,9 +69,9 @@ impl World {
 
     /// Takes the order of memory from the words.
     pub(crate) fn take_order(&mut self) {
-        if self.step.users_at != 0 {
+        if self.step.insertion_indices_at != 0 {
             let count = self.order.len();
-            self.order.copy_from_slice(&self.words[self.step.users_at as usize..][..count]);
+            self.order.copy_from_slice(&self.topology[self.step.insertion_indices_at as usize..][..count]);
         }
     }
 
@@ -83,15 +83,15 @@ impl World {
             Buffer::Y3 => cast_slice(&self.states[2]),
             Buffer::Y4 => cast_slice(&self.states[3]),
             // A device alone has them.
-            Buffer::States | Buffer::Slots | Buffer::Collisions => &[],
+            Buffer::States | Buffer::CollisionIndices | Buffer::Collisions => &[],
             Buffer::Aabbs => cast_slice(&self.aabbs),
-            Buffer::Words => cast_slice(&self.words),
+            Buffer::Topology => cast_slice(&self.topology),
             Buffer::Cells => cast_slice(&self.cells),
             Buffer::Extents => cast_slice(&self.extents),
             Buffer::Lists => cast_slice(&self.lists),
             Buffer::Wrenches => cast_slice(&self.wrenches),
             Buffer::Orientations => cast_slice(&self.orientations),
-            Buffer::Sizes => cast_slice(&self.sizes),
+            Buffer::DispatchSizes => cast_slice(&self.sizes),
             Buffer::Status => bytes_of(&self.status),
         }
     }
@@ -103,15 +103,15 @@ impl World {
             Buffer::Y2 => cast_slice_mut(&mut self.states[1]),
             Buffer::Y3 => cast_slice_mut(&mut self.states[2]),
             Buffer::Y4 => cast_slice_mut(&mut self.states[3]),
-            Buffer::States | Buffer::Slots | Buffer::Collisions => &mut [],
+            Buffer::States | Buffer::CollisionIndices | Buffer::Collisions => &mut [],
             Buffer::Aabbs => cast_slice_mut(&mut self.aabbs),
-            Buffer::Words => cast_slice_mut(&mut self.words),
+            Buffer::Topology => cast_slice_mut(&mut self.topology),
             Buffer::Cells => cast_slice_mut(&mut self.cells),
             Buffer::Extents => cast_slice_mut(&mut self.extents),
             Buffer::Lists => cast_slice_mut(&mut self.lists),
             Buffer::Wrenches => cast_slice_mut(&mut self.wrenches),
             Buffer::Orientations => cast_slice_mut(&mut self.orientations),
-            Buffer::Sizes => cast_slice_mut(&mut self.sizes),
+            Buffer::DispatchSizes => cast_slice_mut(&mut self.sizes),
             Buffer::Status => bytes_of_mut(&mut self.status),
         }
     }

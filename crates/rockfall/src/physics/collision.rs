@@ -8,7 +8,7 @@ pub(crate) mod all;
 pub(crate) mod body;
 mod cluster;
 mod lone;
-mod network;
+mod networks;
 
 use glam::Vec3;
 

@@ -19,7 +19,7 @@ use crate::physics::side::side;
 use crate::physics::touch::{Feature, Touch, line};
 
 /// What is needed to find the friction impulses of a step, from the state after its normal impulses.
-pub(crate) struct Rubbing<'a> {
+pub(crate) struct FrictionImpulses<'a> {
     view: &'a View<'a>,
     lists: &'a Lists<'a>,
     impulses: &'a [Impulse],
@@ -47,7 +47,7 @@ struct Grip {
     couple: Vec3,
 }
 
-impl<'a> Rubbing<'a> {
+impl<'a> FrictionImpulses<'a> {
     pub(crate) fn new(view: &'a View<'a>, lists: &'a Lists<'a>, impulses: &'a [Impulse]) -> Self {
         let movers = (0..view.step.movers()).into_par_iter().with_min_len(GRAIN);
         let pressed = movers.map(|mover| pressed(lists, mover).count() as u32).collect();
@@ -59,13 +59,13 @@ impl<'a> Rubbing<'a> {
         let before = Motion::of(self.view, sphere);
         match Body::of(self.view, sphere) {
             None => before,
-            Some(Body::Capsule(rod)) => self.rubbed_end(before, sphere, rod),
-            Some(_) => self.rubbed_sphere(before, sphere),
+            Some(Body::Capsule(rod)) => self.end_after_friction(before, sphere, rod),
+            Some(_) => self.sphere_after_friction(before, sphere),
         }
     }
 
     /// A sphere by itself; one of a network, too, for its rods take what they do not let through when lengths are put right.
-    fn rubbed_sphere(&self, before: Motion, sphere: u32) -> Motion {
+    fn sphere_after_friction(&self, before: Motion, sphere: u32) -> Motion {
         let view = self.view;
         let mut after = before;
         for row in sphere_rows(view, sphere) {
@@ -84,7 +84,7 @@ impl<'a> Rubbing<'a> {
     }
 
     /// An end of a capsule, which turns as one body.
-    fn rubbed_end(&self, before: Motion, sphere: u32, rod: u32) -> Motion {
+    fn end_after_friction(&self, before: Motion, sphere: u32, rod: u32) -> Motion {
         let view = self.view;
         let capsule = Capsule::of(view, view, rod);
         let (mut velocity, mut spin, mut roll) = (Vec3::ZERO, Vec3::ZERO, Vec3::ZERO);

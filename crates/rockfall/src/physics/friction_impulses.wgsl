@@ -1,5 +1,5 @@
 // requires model/entries.wgsl model/lists.wgsl model/objects.wgsl model/order.wgsl model/step.wgsl physics/collision.wgsl
-// requires physics/contact.wgsl physics/geometry.wgsl physics/signed_touch.wgsl step/collisions/record_of.wgsl
+// requires physics/contact.wgsl physics/geometry.wgsl physics/touch.wgsl step/collisions/record_of.wgsl
 // requires step/collisions/records.wgsl
 
 // Friction impulses of contacts that press (docs/physics.md section 3.9). Each takes away as much slip as it may with every body split
@@ -32,7 +32,7 @@ fn pressed_on(sphere: u32) -> f32 {
     if RODS {
         let rods = rods_of(sphere);
         for (var r = 0u; r < rods.y; r++) {
-            found += pressed_in(step.spheres + index_of(words[rods.x + r]));
+            found += pressed_in(step.spheres + index_of(topology[rods.x + r]));
         }
     }
     return f32(found);
@@ -44,7 +44,7 @@ fn pressed_on_capsule(rod: u32) -> f32 {
     return f32(pressed_in(ends.x) + pressed_in(ends.y) + pressed_in(step.spheres + rod));
 }
 
-fn rubbing_side(half: Half) -> Side {
+fn friction_side(half: Half) -> Side {
     if half.kind == STATIC {
         return static_side();
     }
@@ -124,7 +124,7 @@ fn limit_of(slot: vec2u, a: Side, b: Side, overlap: f32, approach: f32, b_moves:
 }
 
 // The friction impulse of the entry in a slot of a row; 0 where there is none.
-fn rub_of(row: u32, slot: vec2u) -> Rub {
+fn friction_impulse_of(row: u32, slot: vec2u) -> Rub {
     let entry = entry_at(slot);
     let pair = ordered(row, entry_id(entry));
     var a = half_of(pair.x, 0.0);
@@ -142,8 +142,8 @@ fn rub_of(row: u32, slot: vec2u) -> Rub {
         b.at = select(b.at, found.b, (b.id >= step.spheres) & (b.kind != STATIC));
     }
     let b_moves = pair.y < step.spheres + step.rods;
-    let a_side = rubbing_side(a);
-    let b_side = rubbing_side(b);
+    let a_side = friction_side(a);
+    let b_side = friction_side(b);
     let approach = dot(a_side.velocity - b_side.velocity, found.n);
     rub.arms = arms_of(a_side, b_side, found.overlap, b_moves);
     let t = slip_of(a_side, b_side, rub.arms, found.n, approach);

@@ -126,7 +126,7 @@ fn touch_spheres(a: vec4f, b: vec4f) -> Touch {
 
 // To whom rods of fixed length join a sphere: they are one body and ignore each other. NONE, the other end of its capsule, or,
 // where more rods end in it, SOME_RODS.
-fn kin_of(sphere: u32) -> u32 {
+fn bonded_partner(sphere: u32) -> u32 {
     let end = end_of(sphere);
     if (end == NO_ROD) | (end == SOME_RODS) {
         return end;
@@ -134,14 +134,14 @@ fn kin_of(sphere: u32) -> u32 {
     return other_end(end, sphere);
 }
 
-// Whether a sphere of such kin is joined to another.
-fn joined(a: u32, kin: u32, b: u32) -> bool {
-    if kin != SOME_RODS {
-        return kin == b;
+// Whether a sphere of such partner is joined to another.
+fn joined(a: u32, partner: u32, b: u32) -> bool {
+    if partner != SOME_RODS {
+        return partner == b;
     }
     let rods = rods_of(a);
     for (var k = 0u; k < rods.y; k++) {
-        let rod = index_of(words[rods.x + k]);
+        let rod = index_of(topology[rods.x + k]);
         if (rod_length(rod) > 0.0) & (other_end(rod, a) == b) {
             return true;
         }
@@ -385,7 +385,7 @@ fn touch_ball(id: u32, own: vec4f, other: u32) -> Touch {
     let first = ordered(id, other).x == id;
     let found = touch_spheres(select(ball, own, first), select(own, ball, first));
     if found.overlap > 0.0 {
-        if joined(id, kin_of(id), other) {
+        if joined(id, bonded_partner(id), other) {
             return no_touch();
         }
     }

@@ -96,22 +96,22 @@ fn add(row: &mut Vec4, change: Vec3) {
 
 /// One batch: rods that are swept together, colour by colour. Rods of one colour share no sphere.
 pub(crate) struct Batch<'a> {
-    words: &'a [u32],
+    topology: &'a [u32],
     first: usize,
 }
 
 impl<'a> Batch<'a> {
-    pub(crate) fn new(step: &Step, words: &'a [u32], batch: u32) -> Self {
-        Self { words, first: words[(step.batches_at + batch) as usize] as usize }
+    pub(crate) fn new(step: &Step, topology: &'a [u32], batch: u32) -> Self {
+        Self { topology, first: topology[(step.batches_at + batch) as usize] as usize }
     }
 
     fn colours(&self) -> usize {
-        self.words[self.first] as usize
+        self.topology[self.first] as usize
     }
 
     fn rods(&self) -> impl Iterator<Item = u32> + use<'a> {
-        let offset = |place: usize| self.words[self.first + 1 + place] as usize;
-        self.words[offset(0)..offset(self.colours())].iter().copied()
+        let offset = |place: usize| self.topology[self.first + 1 + place] as usize;
+        self.topology[offset(0)..offset(self.colours())].iter().copied()
     }
 
     /// Corrects all rods, colour after colour, until the worst error found in a sweep is within the tolerance.
@@ -156,7 +156,7 @@ impl<'a> Batch<'a> {
 
     fn rod(&self, step: &Step, rod: u32) -> RodWords {
         let at = (step.rods_at + rod * ROD_WORDS) as usize;
-        let [end1, end2, radius, length] = std::array::from_fn(|word| self.words[at + word]);
+        let [end1, end2, radius, length] = std::array::from_fn(|word| self.topology[at + word]);
         RodWords { ends: [end1, end2], radius: f32::from_bits(radius), length: f32::from_bits(length) }
     }
 }

@@ -29,8 +29,8 @@ struct Batch {
 }
 
 fn batch_at(index: u32) -> Batch {
-    let at = words[step.batches_at + index];
-    return Batch(words[at], at + 1u);
+    let at = topology[step.batches_at + index];
+    return Batch(topology[at], at + 1u);
 }
 
 fn start_sweeps(local: u32) {

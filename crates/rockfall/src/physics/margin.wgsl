@@ -31,17 +31,17 @@ fn ask_for_lists(sphere: u32, centre: vec4f, velocity: vec4f) {
     if velocity.w > 0.0 {
         if reach_out(place_ahead(centre.xyz, velocity), reach, aabbs[sphere]) > 0.0 {
             // Among millions most find that somebody has asked before, and to look takes less than to ask.
-            if (atomicLoad(&status.rebuild) & LISTS_ASKED) == 0u {
-                atomicOr(&status.rebuild, LISTS_ASKED);
+            if (atomicLoad(&status.rebuild) & REBUILD_REQUESTED) == 0u {
+                atomicOr(&status.rebuild, REBUILD_REQUESTED);
             }
         }
     }
 }
 
 // The lists that were made in this step are counted; those that were asked for where none are made are still due.
-fn tell_builds() {
-    if (atomicLoad(&status.rebuild) & LISTS_MADE) != 0u {
-        atomicAnd(&status.rebuild, ~LISTS_MADE);
+fn count_rebuild() {
+    if (atomicLoad(&status.rebuild) & REBUILD_DONE) != 0u {
+        atomicAnd(&status.rebuild, ~REBUILD_DONE);
         status.builds += 1u;
     }
 }

@@ -39,7 +39,7 @@ pub(crate) fn outside(aabb: &Aabb, centre: Vec3, radius: f32) -> f32 {
 
 /// Whether a moving sphere, come to be here and so fast, may be out of the ball that its AABB encloses within the steps that lists
 /// have to last for.
-pub(crate) fn asks_for_lists(view: &View, aabbs: &[Aabb], sphere: u32, centre: Vec3, velocity: Vec3) -> bool {
+pub(crate) fn needs_rebuild(view: &View, aabbs: &[Aabb], sphere: u32, centre: Vec3, velocity: Vec3) -> bool {
     let (step, radius) = (view.step, view.radius(sphere));
     let middle = place_ahead(step, centre, velocity.extend(view.inverse_mass(sphere)));
     let reach = radius + may_travel(step, velocity, radius, step.list_interval);

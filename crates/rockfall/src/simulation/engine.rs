@@ -220,7 +220,7 @@ impl Engine {
 
     /// Reads the words back into `world`.
     pub(super) async fn download_words(&mut self, world: &mut World) -> Result<()> {
-        on_gpu!(self, world, gpu => gpu.download(world, &[Buffer::Words]).await?)
+        on_gpu!(self, world, gpu => gpu.download(world, &[Buffer::Topology]).await?)
     }
 
     /// Reads the state of the spheres back into `world`.
@@ -239,7 +239,7 @@ fn run_on_cpu(world: &mut World, stages: &[Run], steps: Range<u32>, recorder: Op
             } else {
                 cpu::run(world, stages);
             }
-            if world.status.void != 0 {
+            if world.status.rejected != 0 {
                 break;
             }
         }

@@ -172,7 +172,7 @@ impl Simulation {
             let stages: Vec<_> =
                 phases.chain(Phase::HandleCollisions.stages(Integrator::Rk4, method).first()).copied().collect();
             cpu::run(&mut world, &stages);
-            if world.status.void == 0 {
+            if world.status.rejected == 0 {
                 return Ok(world);
             }
             world.set_pair_rows(world.status.pair_rows_needed);
@@ -190,7 +190,7 @@ impl Simulation {
 }
 
 fn seen(world: &World) -> (View<'_>, Lists<'_>) {
-    (View::new(&world.step, &world.words, &world.states[0]), Lists::new(&world.step, &world.lists))
+    (View::new(&world.step, &world.topology, &world.states[0]), Lists::new(&world.step, &world.lists))
 }
 
 /// What the contact of an entry does at the beginning of the next step.

@@ -37,7 +37,7 @@ impl Simulation {
             stages: recorder.stages,
             seconds: wall.seconds(),
             steps: self.report.steps - before,
-            void_seconds: recorder.void_seconds,
+            rejected_seconds: recorder.rejected_seconds,
             clock,
         })
     }

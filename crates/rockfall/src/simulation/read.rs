@@ -54,7 +54,7 @@ impl Simulation {
         let step = &self.world.step;
         match step.slots_at {
             0 => sphere,
-            at => self.world.words[at as usize + sphere] as usize,
+            at => self.world.topology[at as usize + sphere] as usize,
         }
     }
 

@@ -8,13 +8,14 @@ use crate::step::broad_phase::grid::{
 use crate::step::broad_phase::scan_pairs;
 use crate::step::broad_phase::sort_and_skip::{bound_blocks, count_near, fill_near, sort_axis};
 use crate::step::collisions::{
-    apply_collisions, commit_collisions, commit_rubs, find_collisions, gather_impulses, list_collisions, project_networks,
-    rub_contacts, sweep_at_once, sweep_collisions, weigh_collisions, weigh_networks,
+    apply_collisions, apply_friction_impulses, commit_collisions, commit_friction_impulses, find_collisions, gather_impulses,
+    list_collisions, project_networks, sweep_at_once, sweep_collisions, weigh_collisions, weigh_networks,
 };
 use crate::step::forces::rod_forces;
 use crate::step::fused::run_steps;
 use crate::step::integrate::{
-    advance, commit_and_turn, commit_leap, constrain, end_step, finish, finish_and_turn, leap, restore_lengths, turn,
+    advance, commit_and_turn, commit_symplectic_euler, constrain, end_step, finish, finish_and_turn, restore_lengths,
+    symplectic_euler, turn,
 };
 use crate::step::reorder::{count_digits, key_spheres, measure_order, permute_spheres, scatter_digits, settle_spheres};
 use crate::step::stage::Stage;
@@ -49,15 +50,15 @@ pub const ALL: [&Stage; 48] = [
     &project_networks::STAGE,
     &apply_collisions::STAGE,
     &commit_collisions::STAGE,
-    &rub_contacts::STAGE,
-    &commit_rubs::STAGE,
+    &apply_friction_impulses::STAGE,
+    &commit_friction_impulses::STAGE,
     &restore_lengths::STAGE,
     &rod_forces::STAGE,
     &advance::STAGE,
     &finish::STAGE,
     &finish_and_turn::STAGE,
-    &leap::STAGE,
-    &commit_leap::STAGE,
+    &symplectic_euler::STAGE,
+    &commit_symplectic_euler::STAGE,
     &commit_and_turn::STAGE,
     &constrain::STAGE,
     &turn::STAGE,

@@ -3,18 +3,18 @@
 use rayon::prelude::*;
 
 use crate::model::layout::GRAIN;
-use crate::model::status::LISTS_ASKED;
+use crate::model::status::REBUILD_REQUESTED;
 use crate::model::view::View;
 use crate::model::world::World;
-use crate::physics::travel::asks_for_lists;
+use crate::physics::travel::needs_rebuild;
 
 /// `Y2` becomes the state, and spheres ask for lists.
 pub(crate) fn commit(world: &mut World) {
     let [start, y2, ..] = &mut world.states;
     start.copy_from_slice(y2);
-    let view = View::new(&world.step, &world.words, start);
+    let view = View::new(&world.step, &world.topology, start);
     let spheres = (0..world.step.spheres).into_par_iter().with_min_len(GRAIN);
-    if spheres.any(|sphere| asks_for_lists(&view, &world.aabbs, sphere, view.position(sphere), view.velocity(sphere))) {
-        world.status.rebuild |= LISTS_ASKED;
+    if spheres.any(|sphere| needs_rebuild(&view, &world.aabbs, sphere, view.position(sphere), view.velocity(sphere))) {
+        world.status.rebuild |= REBUILD_REQUESTED;
     }
 }

@@ -1,6 +1,6 @@
 // requires physics/margin.wgsl step/take_next.wgsl
 
-// The state that `leap` made becomes the state of a sphere.
+// The state that `symplectic_euler` made becomes the state of a sphere.
 
 fn commit(i: u32) {
     take_next(i);

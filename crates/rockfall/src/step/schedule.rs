@@ -12,12 +12,13 @@ use crate::step::broad_phase::grid::{
 use crate::step::broad_phase::scan_pairs;
 use crate::step::broad_phase::sort_and_skip::{bound_blocks, count_near, fill_near, sort_axis};
 use crate::step::collisions::{
-    apply_collisions, commit_collisions, commit_rubs, find_collisions, gather_impulses, list_collisions, project_networks,
-    rub_contacts, sweep_at_once, sweep_collisions, weigh_collisions, weigh_networks,
+    apply_collisions, apply_friction_impulses, commit_collisions, commit_friction_impulses, find_collisions, gather_impulses,
+    list_collisions, project_networks, sweep_at_once, sweep_collisions, weigh_collisions, weigh_networks,
 };
 use crate::step::forces::rod_forces;
 use crate::step::integrate::{
-    advance, commit_and_turn, commit_leap, constrain, end_step, finish, finish_and_turn, leap, restore_lengths, turn,
+    advance, commit_and_turn, commit_symplectic_euler, constrain, end_step, finish, finish_and_turn, restore_lengths,
+    symplectic_euler, turn,
 };
 use crate::step::reorder::{count_digits, key_spheres, measure_order, permute_spheres, scatter_digits, settle_spheres};
 use crate::step::stage::Stage;
@@ -42,7 +43,7 @@ pub enum When {
     /// In those with large spheres, whose collisions are solved by sweeps.
     LargeSwept,
     /// In those whose contacts get friction impulses.
-    Rubs,
+    FrictionImpulses,
     /// In small ones, whose grid is one block of cells.
     OneBlock,
     /// In larger ones.
@@ -80,7 +81,7 @@ impl Run {
             When::Swept => step.sweeps == SWEEPS_ON,
             When::SweptAtOnce => step.sweeps == SWEEPS_FEW,
             When::LargeSwept => step.large > 0 && step.sweeps == SWEEPS_ON,
-            When::Rubs => step.has_friction_impulses(),
+            When::FrictionImpulses => step.has_friction_impulses(),
             When::OneBlock => step.cells == CELL_BLOCK,
             When::ManyBlocks => step.cells != CELL_BLOCK,
             When::LongMovers => step.long_at != 0,
@@ -205,8 +206,8 @@ impl Phase {
                     &[
                         run(&restore_lengths::STAGE),
                         run(&rod_forces::STAGE),
-                        run(&leap::STAGE),
-                        run(&commit_leap::STAGE).when(When::Rods),
+                        run(&symplectic_euler::STAGE),
+                        run(&commit_symplectic_euler::STAGE).when(When::Rods),
                         run(&constrain::STAGE),
                         run(&turn::STAGE).when(When::Rods),
                         run(&commit_and_turn::STAGE).when(When::NoRods),
@@ -237,8 +238,8 @@ const HANDLE_COLLISIONS: &[Run] = &{
     }
     runs[LAST] = run(&apply_collisions::STAGE);
     runs[LAST + 1] = run(&commit_collisions::STAGE);
-    runs[LAST + 2] = run(&rub_contacts::STAGE).when(When::Rubs);
-    runs[LAST + 3] = run(&commit_rubs::STAGE).when(When::Rubs);
+    runs[LAST + 2] = run(&apply_friction_impulses::STAGE).when(When::FrictionImpulses);
+    runs[LAST + 3] = run(&commit_friction_impulses::STAGE).when(When::FrictionImpulses);
     runs
 };
 

@@ -44,7 +44,7 @@ struct Sweeps {
 
 impl Sweeps {
     fn new(world: &World, batch: u32) -> Self {
-        let word = |at: usize| world.words[at] as usize;
+        let word = |at: usize| world.topology[at] as usize;
         let first = word((world.step.batches_at + batch) as usize);
         let colours = (0..word(first)).map(|colour| {
             let range = word(first + 1 + colour)..word(first + 2 + colour);

@@ -36,7 +36,7 @@ fn with_all_pairs(scene: &Scene, steps: u32, dt: f32) -> World {
     let stages: Vec<_> = phases.copied().collect();
     for _ in 0..steps {
         cpu::run(&mut world, &stages);
-        assert_eq!(world.status.void, 0, "{:?}", world.status);
+        assert_eq!(world.status.rejected, 0, "{:?}", world.status);
     }
     world
 }

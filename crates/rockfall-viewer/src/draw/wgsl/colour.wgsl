@@ -29,7 +29,7 @@ fn sphere_colour(slot: u32) -> vec3f {
         return frame.kinds[KIND_FIXED].rgb;
     }
     // No two neighbours quite alike.
-    return frame.kinds[KIND_SPHERE].rgb * (0.86 + 0.28 * hash(user_of(slot)));
+    return frame.kinds[KIND_SPHERE].rgb * (0.86 + 0.28 * hash(insertion_index(slot)));
 }
 
 /// The second tone of a body.

@@ -37,7 +37,7 @@ var<workgroup> firsts: array<u32, LISTS>;
 /// Whether a sphere of this radius in pixels is among those that are drawn, none of them smaller than `least`.
 fn stands(slot: u32, radius: f32, least: f32) -> bool {
     let part = radius / least;
-    return part >= 1.0 || hash(user_of(slot)) < part * part;
+    return part >= 1.0 || hash(insertion_index(slot)) < part * part;
 }
 
 fn in_picture(slot: u32, ball: vec4f) -> u32 {

@@ -38,7 +38,7 @@ struct Frame {
     tethers_at: u32,
     boxes_at: u32,
     polygons_at: u32,
-    users_at: u32,
+    insertion_indices_at: u32,
     colour_by: u32,
     light_size: f32,
     kinds: array<vec4f, 8>,
@@ -102,11 +102,11 @@ fn orientation(slot: u32) -> vec4f {
     return normalize(mix(old * select(-1.0, 1.0, dot(old, now) >= 0.0), now, frame.blend));
 }
 
-fn user_of(slot: u32) -> u32 {
-    if frame.users_at == 0u {
+fn insertion_index(slot: u32) -> u32 {
+    if frame.insertion_indices_at == 0u {
         return slot;
     }
-    return words[frame.users_at + slot];
+    return words[frame.insertion_indices_at + slot];
 }
 
 fn is_fixed(slot: u32) -> bool {
@@ -120,7 +120,7 @@ fn marked(at: u32, index: u32) -> bool {
 
 /// Spheres that are the end of a capsule, in order of addition.
 fn in_capsule(slot: u32) -> bool {
-    return marked(0u, user_of(slot));
+    return marked(0u, insertion_index(slot));
 }
 
 /// Rods that are the middle of a capsule.

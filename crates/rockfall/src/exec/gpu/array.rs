@@ -28,7 +28,7 @@ impl Array {
     /// An array of `size` bytes in chunks of at most `chunk_bytes`.
     pub(crate) fn new(device: &wgpu::Device, buffer: Buffer, size: u64, chunk_bytes: u64) -> Result<Self> {
         let mut usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC | wgpu::BufferUsages::COPY_DST;
-        if buffer == Buffer::Sizes {
+        if buffer == Buffer::DispatchSizes {
             usage |= wgpu::BufferUsages::INDIRECT;
         }
         let sizes = (0..size.div_ceil(chunk_bytes)).map(|chunk| chunk_bytes.min(size - chunk * chunk_bytes));

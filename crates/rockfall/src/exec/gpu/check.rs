@@ -7,16 +7,16 @@ use crate::model::layout::{
     BOX_WORDS, FORCE_WORDS, KIND_FORCE, KIND_ROD, KIND_SHIFT, KIND_SPRING, KIND_TETHER, LINE, LIST_COUNT_MASK, NO_NETWORK,
     NO_ROD, POLYGON_WORDS, ROD_WORDS, SLICE, SOME_RODS, SPRING_WORDS, SWEEPS_OFF, TETHER_WORDS, words_of,
 };
-use crate::model::status::VOID_PAIRS;
+use crate::model::status::REJECTED_PAIRS;
 use crate::model::world::World;
 
 /// # Errors
 /// [`Error::Device`] naming the word that points outside of the world.
 pub(crate) fn check_buffer(world: &World, buffer: Buffer) -> Result<()> {
     match buffer {
-        Buffer::Words => check_words(world),
+        Buffer::Topology => check_words(world),
         Buffer::Lists => check_lists(world),
-        Buffer::Sizes => check_dispatches(world),
+        Buffer::DispatchSizes => check_dispatches(world),
         _ => Ok(()),
     }
 }
@@ -41,7 +41,7 @@ fn ensure(right: bool, what: &str) -> Result<()> {
 fn slice<'a>(world: &'a World, at: u32, count: u64, what: &str) -> Result<&'a [u32]> {
     let from = u64::from(at);
     let range = usize::try_from(from).ok().zip(usize::try_from(from + count).ok());
-    range.and_then(|(from, to)| world.words.get(from..to)).ok_or_else(|| wrong(what))
+    range.and_then(|(from, to)| world.topology.get(from..to)).ok_or_else(|| wrong(what))
 }
 
 fn check_words(world: &World) -> Result<()> {
@@ -148,7 +148,7 @@ fn check_lists(world: &World) -> Result<()> {
         return Ok(());
     }
     ensure(world.lists.len() as u64 == world.list_words(), "length of the pair lists")?;
-    if world.status.void & VOID_PAIRS != 0 {
+    if world.status.rejected & REJECTED_PAIRS != 0 {
         // They did not fit, and until they are made again nobody reads them.
         return Ok(());
     }

@@ -11,7 +11,7 @@ use crate::step::schedule::{Phase, Run, When};
 pub(crate) fn fused(runs: &[Run], step: &Step, steps: Range<u32>) -> Vec<Run> {
     let live = |run: &&Run| run.workgroups(step) > 0;
     let all: Vec<Run> = steps.flat_map(|at| runs.iter().filter(move |run| run.is_in(at)).filter(live)).copied().collect();
-    let leaps = all.iter().any(|run| run.stage.name == "leap");
+    let leaps = all.iter().any(|run| run.stage.name == "symplectic_euler");
     let integrator = if leaps { Integrator::SymplecticEuler } else { Integrator::Rk4 };
     let phases = [Phase::HandleCollisions, Phase::UpdatePositions].map(|phase| {
         let stages = phase.stages(integrator, BroadPhase::BruteForce);

@@ -11,7 +11,7 @@ use crate::step::stage::{Access, Stage};
 use crate::step::wgsl::{Part, Variant};
 
 /// Subgroups of a workgroup that does whole steps, where the device allows so many: every barrier waits for all of them.
-const TEAM_SUBGROUPS: u32 = 32;
+const GROUP_SUBGROUPS: u32 = 32;
 /// The most threads of such a workgroup.
 const MOST_THREADS: u32 = 1024;
 
@@ -70,7 +70,7 @@ fn layout_entry(binding: u32, ty: wgpu::BufferBindingType) -> wgpu::BindGroupLay
 /// Threads of a workgroup of a stage that leaves their number to the device.
 fn team(device: &wgpu::Device) -> u32 {
     let limits = device.limits();
-    let wish = (TEAM_SUBGROUPS * device.adapter_info().subgroup_max_size).clamp(WORKGROUP, MOST_THREADS);
+    let wish = (GROUP_SUBGROUPS * device.adapter_info().subgroup_max_size).clamp(WORKGROUP, MOST_THREADS);
     wish.min(limits.max_compute_invocations_per_workgroup).min(limits.max_compute_workgroup_size_x)
 }
 
@@ -78,7 +78,7 @@ fn team(device: &wgpu::Device) -> u32 {
 fn build(device: &wgpu::Device, stage: &Stage, variant: Variant, chunks: &[u32]) -> Kernel {
     let text = split(&variant.apply(&join(&stage.parts())), &Split::of(stage, chunks, chunk_bytes(&device.limits())));
     let flag = |is_set: bool| f64::from(u8::from(is_set));
-    let mut constants = vec![("MANY", flag(variant.many)), ("TEAM", f64::from(team(device)))];
+    let mut constants = vec![("MANY", flag(variant.many)), ("GROUP_SIZE", f64::from(team(device)))];
     constants.retain(|(name, _)| text.contains(&format!("override {name}:")));
     let module = wgpu::ShaderModuleDescriptor { label: Some(stage.name), source: wgpu::ShaderSource::Wgsl(text.into()) };
     // SAFETY: without run-time checks the kernels must stay inside their buffers by themselves, and end. They do: threads

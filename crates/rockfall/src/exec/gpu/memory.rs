@@ -22,10 +22,10 @@ pub(crate) fn bytes_needed(world: &World, buffer: Buffer) -> u64 {
         Buffer::Start | Buffer::Y2 | Buffer::Y3 | Buffer::Y4 => vectors(3 * u64::from(step.spheres)),
         Buffer::States if is_small(step) => vectors(12 * u64::from(step.spheres)),
         Buffer::Aabbs => 32 * u64::from(world.objects()),
-        Buffer::States | Buffer::Words | Buffer::Sizes | Buffer::Status => 0,
+        Buffer::States | Buffer::Topology | Buffer::DispatchSizes | Buffer::Status => 0,
         Buffer::Cells => 4 * world.cell_words(),
         Buffer::Lists => 4 * world.list_words(),
-        Buffer::Slots => 4 * world.slot_words(),
+        Buffer::CollisionIndices => 4 * world.slot_words(),
         Buffer::Collisions => 4 * u64::from(COLLISION_WORDS) * u64::from(step.collision_room),
         // Rows are read four at a time.
         Buffer::Extents => vectors(u64::from(world.objects()) + 3),

@@ -24,7 +24,7 @@ use crate::step::wgsl::Variant;
 /// How many workgroups a dispatch has.
 enum Size {
     Known([u32; 3]),
-    /// Told by the device, at this place among its sizes, in bytes.
+    /// Counters by the device, at this place among its sizes, in bytes.
     Planned(u64),
 }
 
@@ -101,7 +101,7 @@ impl GpuWorld {
                 pass.set_bind_group(0, *group, &[]);
                 match *size {
                     Size::Known([x, y, z]) => pass.dispatch_workgroups(x, y, z),
-                    Size::Planned(at) => pass.dispatch_workgroups_indirect(&self.chunks(Buffer::Sizes)[0], at),
+                    Size::Planned(at) => pass.dispatch_workgroups_indirect(&self.chunks(Buffer::DispatchSizes)[0], at),
                 }
             }
         }

@@ -23,8 +23,15 @@ use crate::step::wgsl::Variant;
 pub(super) const UNIFORM: wgpu::BufferUsages = wgpu::BufferUsages::UNIFORM.union(wgpu::BufferUsages::COPY_DST);
 
 /// What a world's buffers hold when a step begins; everything else is written before it is read.
-const KEPT: [Buffer; 7] =
-    [Buffer::Start, Buffer::Aabbs, Buffer::Words, Buffer::Lists, Buffer::Orientations, Buffer::Sizes, Buffer::Status];
+const KEPT: [Buffer; 7] = [
+    Buffer::Start,
+    Buffer::Aabbs,
+    Buffer::Topology,
+    Buffer::Lists,
+    Buffer::Orientations,
+    Buffer::DispatchSizes,
+    Buffer::Status,
+];
 
 /// The buffers of a [`World`] on a device.
 #[derive(Debug)]
@@ -182,9 +189,9 @@ impl GpuWorld {
         if counts(&world.step) != counts(&self.step) {
             return Err(Error::Device("the world's counts changed: upload it as a whole".to_owned()));
         }
-        check_buffer(world, Buffer::Words)?;
-        self.fit(world, Buffer::Words)?;
-        self.write(Buffer::Words, world.bytes(Buffer::Words))?;
+        check_buffer(world, Buffer::Topology)?;
+        self.fit(world, Buffer::Topology)?;
+        self.write(Buffer::Topology, world.bytes(Buffer::Topology))?;
         self.step = world.step;
         self.write_uniforms(&world.step)
     }
@@ -200,7 +207,7 @@ impl GpuWorld {
             return Err(Error::Device("the world's movers changed: upload it as a whole".to_owned()));
         }
         self.fit(world, Buffer::Lists)?;
-        self.fit(world, Buffer::Slots)?;
+        self.fit(world, Buffer::CollisionIndices)?;
         self.step = sized;
         self.clear_lists()
     }
@@ -211,7 +218,7 @@ impl GpuWorld {
     /// As for [`GpuWorld::new`].
     pub(crate) fn resize_collisions(&mut self, world: &World) -> Result<()> {
         self.gpu.faults().check()?;
-        self.fit(world, Buffer::Slots)?;
+        self.fit(world, Buffer::CollisionIndices)?;
         self.fit(world, Buffer::Collisions)?;
         self.step.collision_room = world.step.collision_room;
         Ok(())
@@ -271,7 +278,7 @@ impl GpuWorld {
         })
     }
 
-    /// Sets the status block. Where `VOID_PAIRS` is taken back, the broad phase must run before anything that reads lists.
+    /// Sets the status block. Where `REJECTED_PAIRS` is taken back, the broad phase must run before anything that reads lists.
     ///
     /// # Errors
     /// [`Error::Device`] when the device is lost.

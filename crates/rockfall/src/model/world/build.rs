@@ -279,7 +279,7 @@ mod tests {
         let scene = Benchmark::Mixed.generate(100, 0).unwrap();
         let mut world = World::for_method(&scene, BroadPhase::Grid).unwrap();
         let held: Vec<Buffer> = Buffer::ALL.into_iter().filter(|buffer| !world.bytes(*buffer).is_empty()).collect();
-        assert_eq!(held, [Buffer::Start, Buffer::Words, Buffer::Orientations, Buffer::Sizes, Buffer::Status]);
+        assert_eq!(held, [Buffer::Start, Buffer::Topology, Buffer::Orientations, Buffer::DispatchSizes, Buffer::Status]);
         world.set_pair_room(2);
         assert!(world.lists.is_empty());
         // As large as the counts say, whatever the capacity was before.

@@ -1,5 +1,5 @@
 // requires model/counters.wgsl model/lists.wgsl model/objects.wgsl model/step.wgsl physics/collision.wgsl
-// requires physics/collision/changes.wgsl physics/collision/impulses.wgsl physics/collision/time_of_contact.wgsl
+// requires physics/collision/changes.wgsl physics/collision/impulses.wgsl physics/collision/lone.wgsl
 // requires physics/contact.wgsl step/collisions/record_of.wgsl step/collisions/records.wgsl step/collisions/rows.wgsl
 
 // What its collisions make of an end of a rigid capsule (docs/physics.md sections 3.2 and 3.4).

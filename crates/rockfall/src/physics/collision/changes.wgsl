@@ -1,6 +1,6 @@
 // requires model/counters.wgsl model/lists.wgsl model/objects.wgsl model/order.wgsl model/step.wgsl
-// requires physics/collision/company.wgsl physics/contact.wgsl physics/margin.wgsl step/collisions/rows.wgsl
-// requires step/collisions/tell_clusters.wgsl
+// requires physics/collision/other_collisions.wgsl physics/contact.wgsl physics/margin.wgsl step/collisions/rows.wgsl
+// requires step/collisions/report_clusters.wgsl
 
 // What its collisions make of a sphere that is a body of its own.
 
@@ -16,7 +16,7 @@ struct Part {
     position: f32,
 }
 
-// Told to be one operation: whoever adds up, the same bits come of it.
+// Counters to be one operation: whoever adds up, the same bits come of it.
 fn add_part(part: Part, change: ptr<function, Change>) {
     (*change).velocity = fma(part.n, vec3f(part.velocity), (*change).velocity);
     (*change).position = fma(part.n, vec3f(part.position), (*change).position);
@@ -46,7 +46,7 @@ fn changes_of(sphere: u32) -> Change {
     if RODS {
         let rods = rods_of(sphere);
         for (var r = 0u; r < rods.y; r++) {
-            add_row(sphere, step.spheres + index_of(words[rods.x + r]), &change);
+            add_row(sphere, step.spheres + index_of(topology[rods.x + r]), &change);
         }
     }
     return change;

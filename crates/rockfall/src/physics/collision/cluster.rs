@@ -11,7 +11,7 @@ use crate::model::impulse::Impulse;
 use crate::model::layout::{SWEEP_SIZES, SWEEPS};
 use crate::model::view::View;
 use crate::physics::collision::body::{Body, Capsule, Part};
-use crate::physics::collision::network::Network;
+use crate::physics::collision::networks::Network;
 use crate::physics::collision::{Change, Collision};
 
 /// A contact that gives way by less than this part of what it would between loose spheres gets no impulse: rods are in the way.

@@ -1,6 +1,6 @@
 // requires model/lists.wgsl model/objects.wgsl model/step.wgsl physics/collision.wgsl physics/collision/impulses.wgsl
 // requires physics/contact.wgsl step/collisions/record_of.wgsl step/collisions/records.wgsl step/collisions/rows.wgsl
-// requires step/collisions/tell_clusters.wgsl
+// requires step/collisions/report_clusters.wgsl
 
 // Which other collisions share a body with one, and by how much a unit of their impulse changes its approach velocity
 // (docs/physics.md section 3.7). They are put down in the order of the lists, those of side A first.
@@ -61,7 +61,7 @@ fn couple_sphere(k: Record, number: u32, sphere: u32, part: f32, side: f32) {
     if RODS {
         let rods = rods_of(sphere);
         for (var r = 0u; r < rods.y; r++) {
-            couple_sphere_row(k, number, sphere, step.spheres + index_of(words[rods.x + r]), side * part * w);
+            couple_sphere_row(k, number, sphere, step.spheres + index_of(topology[rods.x + r]), side * part * w);
         }
     }
 }

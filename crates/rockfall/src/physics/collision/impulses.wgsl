@@ -38,7 +38,7 @@ fn impulses_on(sphere: u32, sweeps: u32) -> vec3f {
     if RODS {
         let rods = rods_of(sphere);
         for (var r = 0u; r < rods.y; r++) {
-            add_impulses(sphere, step.spheres + index_of(words[rods.x + r]), sweeps, &sum);
+            add_impulses(sphere, step.spheres + index_of(topology[rods.x + r]), sweeps, &sum);
         }
     }
     return sum;

@@ -19,18 +19,18 @@ struct Network {
 }
 
 fn network_at(number: u32) -> Network {
-    let at = words[step.networks_at + number];
-    return Network(words[at], words[at + 1u], at + 2u, at + 2u + words[at]);
+    let at = topology[step.networks_at + number];
+    return Network(topology[at], topology[at + 1u], at + 2u, at + 2u + topology[at]);
 }
 
 fn network_sphere(network: Network, place: u32) -> u32 {
-    let name = words[network.spheres_at + place];
+    let name = topology[network.spheres_at + place];
     let ends = rod_ends(name / 2u);
     return select(ends.x, ends.y, (name & 1u) == 1u);
 }
 
 fn network_rod(network: Network, place: u32) -> u32 {
-    return words[network.rods_at + place];
+    return topology[network.rods_at + place];
 }
 
 var<workgroup> partial: array<f32, WORKGROUP>;
@@ -68,7 +68,7 @@ fn pull_of_rods(sphere: u32, of_lambda: bool) -> vec3f {
     var sum = vec3f(0.0);
     let rods = rods_of(sphere);
     for (var r = 0u; r < rods.y; r++) {
-        let rod = index_of(words[rods.x + r]);
+        let rod = index_of(topology[rods.x + r]);
         if network_of_rod(rod) != NO_NETWORK {
             let row = wrenches[4u * rod + 1u];
             let times = select(row.z, row.x, of_lambda);

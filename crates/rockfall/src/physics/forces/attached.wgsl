@@ -18,7 +18,7 @@ fn spring_force(position: vec3f, velocity: vec3f, other: vec3f, other_velocity: 
 fn attached_force(i: u32, kind: u32, index: u32) -> vec3f {
     if kind == KIND_SPRING {
         let spring = step.springs_at + index * SPRING_WORDS;
-        let other = select(words[spring], words[spring + 1u], words[spring] == i);
+        let other = select(topology[spring], topology[spring + 1u], topology[spring] == i);
         return spring_force(
             state[position_at(i)].xyz,
             state[velocity_at(i)].xyz,

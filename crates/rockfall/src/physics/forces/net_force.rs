@@ -98,7 +98,7 @@ pub(crate) fn sphere_load(view: &View, lists: &Lists, wrenches: &[Vec4], sphere:
             }
             KIND_SPRING => total.force += spring_force(view, attachment.index, sphere),
             KIND_TETHER => total.force += tether_force(view, attachment.index, sphere),
-            KIND_FORCE => total.force += view.outside_force(attachment.index),
+            KIND_FORCE => total.force += view.external_force(attachment.index),
             _ => unreachable!("two bits hold four kinds"),
         }
     }
@@ -110,7 +110,7 @@ pub(crate) fn attached_force(view: &View, sphere: u32) -> Vec3 {
     let of = |attachment: Attachment| match attachment.kind {
         KIND_SPRING => spring_force(view, attachment.index, sphere),
         KIND_TETHER => tether_force(view, attachment.index, sphere),
-        KIND_FORCE => view.outside_force(attachment.index),
+        KIND_FORCE => view.external_force(attachment.index),
         _ => Vec3::ZERO,
     };
     view.attachments(sphere).map(of).sum()

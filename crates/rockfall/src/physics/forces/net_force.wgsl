@@ -35,7 +35,7 @@ fn add_contacts(i: u32, net: ptr<function, Net>) {
     let own = state[position_at(i)];
     let side = sphere_side(own, state[velocity_at(i)], state[momentum_at(i)]);
     let first = first_of(i);
-    let kin = kin_of(i);
+    let partner = bonded_partner(i);
     for (var begin = 0u; begin < count; begin += LOOK) {
         // What overlapped when the step began most likely still does; other pairs of spheres that do not touch cost one position.
         var rest = entries_near(own, ENTRY_OVERLAPS, first, begin, count);
@@ -46,8 +46,8 @@ fn add_contacts(i: u32, net: ptr<function, Net>) {
         while rest != 0u {
             rest &= rest - 1u;
             let ahead = meet(first, begin, rest);
-            let push = push_of(i, kin, own, side, now);
-            // Told to be one operation: whoever adds up, the same bits come of it.
+            let push = push_of(i, partner, own, side, now);
+            // Counters to be one operation: whoever adds up, the same bits come of it.
             (*net).force += push.force;
             (*net).torque = fma(push.couple, vec3f(push.arm), (*net).torque);
             count_push(i, now.entry, push, net);
@@ -58,13 +58,13 @@ fn add_contacts(i: u32, net: ptr<function, Net>) {
 
 // The sphere is A: the other is of higher id, or also a sphere, and then all of the contact law mirrors, but for the rounding of the
 // slip.
-fn push_of(i: u32, kin: u32, own: vec4f, side: Side, other: Met) -> Push {
+fn push_of(i: u32, partner: u32, own: vec4f, side: Side, other: Met) -> Push {
     let id = entry_id(other.entry);
     var found = no_touch();
     var their_side = sphere_side(other.place, other.velocity, other.momentum);
     if id < step.spheres {
         found = touch_two(i, own, id, other.place);
-        if joined(i, kin, id) {
+        if joined(i, partner, id) {
             return no_push();
         }
     } else {
@@ -83,7 +83,7 @@ fn count_push(i: u32, entry: u32, push: Push, net: ptr<function, Net>) {
     if (evaluation() != 0u) | (push.overlap <= 0.0) {
         return;
     }
-    if user_of(i) < user_of(entry_id(entry)) {
+    if insertion_index(i) < insertion_index(entry_id(entry)) {
         (*net).contacts += 1u;
         (*net).deepest = max((*net).deepest, push.overlap);
     }
@@ -92,8 +92,8 @@ fn count_push(i: u32, entry: u32, push: Push, net: ptr<function, Net>) {
 fn add_attachments(i: u32, net: ptr<function, Net>) {
     let range = adjacency(i);
     for (var at = range.x; at < range.y; at++) {
-        let kind = kind_of(words[at]);
-        let index = index_of(words[at]);
+        let kind = kind_of(topology[at]);
+        let index = index_of(topology[at]);
         if RODS & (kind == KIND_ROD) {
             add_wrench(i, index, net);
         } else {
@@ -125,7 +125,7 @@ var<workgroup> group_deepest: atomic<u32>;
 
 // Adds the contacts of a workgroup of this number to what is told; all its threads must come here. Positive floats order like their
 // bits.
-fn tell_contacts(workgroup: u32, local: u32, contacts: u32, deepest: f32) {
+fn count_contacts_of_workgroup(workgroup: u32, local: u32, contacts: u32, deepest: f32) {
     if local == 0u {
         atomicStore(&group_count, 0u);
         atomicStore(&group_deepest, 0u);
@@ -139,9 +139,9 @@ fn tell_contacts(workgroup: u32, local: u32, contacts: u32, deepest: f32) {
     if local == 0u {
         let sum = atomicLoad(&group_count);
         if sum > 0u {
-            let told = workgroup % TELLERS;
-            atomicAdd(&status.told[told].contacts, sum);
-            atomicMax(&status.told[told].max_overlap, atomicLoad(&group_deepest));
+            let told = workgroup % COUNTER_BLOCKS;
+            atomicAdd(&status.counters[told].contacts, sum);
+            atomicMax(&status.counters[told].max_overlap, atomicLoad(&group_deepest));
         }
     }
 }

@@ -1,7 +1,7 @@
 //! AABBs of all objects, static ones too, grown by the motion of the step.
 //!
 //! A sphere moves by at most its margin, `(lookahead - lead) 1.05 |v| dt + lookahead |a| dt^2 / 2 + (0.05 lookahead - 0.03) r +
-//! (margin_scale - 1) 0.02 r`, before its list is made again; where it moves further, `find_collisions`, `advance` or `leap` void the
+//! (margin_scale - 1) 0.02 r`, before its list is made again; where it moves further, `find_collisions`, `advance` or `symplectic_euler` void the
 //! step, the host raises `margin_scale`, and the step is run again. Here a is, in scenes with large spheres, the acceleration in the last
 //! step of RK4 (`FLAG_STAGES`), else 0. A rod takes the hull of its ends, each with its own margin and the radius of the rod.
 
@@ -25,7 +25,7 @@ pub(crate) const STAGE: Stage = Stage {
     wgsl: Wgsl::File(part!("step/aabbs/update_aabbs.wgsl")),
     bindings: &[
         read("state", Buffer::Start),
-        read("words", Buffer::Words),
+        read("topology", Buffer::Topology),
         write("aabbs", Buffer::Aabbs),
         read("y3", Buffer::Y3),
         read("y4", Buffer::Y4),
@@ -41,7 +41,7 @@ fn update_aabbs(world: &mut World, _pass: u32) {
     }
     let objects = world.objects();
     let [start, _, third, fourth] = &world.states;
-    let [view, third, fourth] = [start, third, fourth].map(|state| View::new(&world.step, &world.words, state));
+    let [view, third, fourth] = [start, third, fourth].map(|state| View::new(&world.step, &world.topology, state));
     let knows_stages = world.step.flags & FLAG_STAGES != 0;
     let gain = |sphere: u32| {
         if knows_stages {

@@ -1,7 +1,7 @@
 // requires model/objects.wgsl model/one_state.wgsl model/step.wgsl physics/travel.wgsl
 
 @group(0) @binding(2) var<storage, read> state: array<vec4f>;
-@group(0) @binding(3) var<storage, read> words: array<u32>;
+@group(0) @binding(3) var<storage, read> topology: array<u32>;
 // Two rows an AABB (see Aabb): written row by row, it takes half as long as field by field.
 @group(0) @binding(4) var<storage, read_write> aabbs: array<vec4u>;
 @group(0) @binding(5) var<storage, read> y3: array<vec4f>;
@@ -73,5 +73,5 @@ fn update_aabbs(
     }
     let hull = hull_of(id);
     aabbs[2u * id] = vec4u(bitcast<vec3u>(hull.min), id);
-    aabbs[2u * id + 1u] = vec4u(bitcast<vec3u>(hull.max), words[step.tags_at + id]);
+    aabbs[2u * id + 1u] = vec4u(bitcast<vec3u>(hull.max), topology[step.tags_at + id]);
 }

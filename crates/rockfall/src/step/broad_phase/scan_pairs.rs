@@ -1,12 +1,12 @@
 //! Broad phase, 2 of 3: where the slices begin, and whether the entries fit.
 //!
 //! A slice is as wide as its longest list: slice offsets are the exclusive sums of `max(counts of the slice)`,
-//! the last one is the total. More than `pair_rows` voids the step (`VOID_PAIRS`, `pair_rows_needed`).
+//! the last one is the total. More than `pair_rows` voids the step (`REJECTED_PAIRS`, `pair_rows_needed`).
 
 use crate::model::buffer::Buffer;
 use crate::model::dispatch::Threads;
 use crate::model::layout::SLICE;
-use crate::model::status::{LISTS_MADE, VOID_PAIRS};
+use crate::model::status::{REBUILD_DONE, REJECTED_PAIRS};
 use crate::model::world::World;
 use crate::step::stage::{Stage, write};
 use crate::step::wgsl::{Wgsl, part};
@@ -21,7 +21,7 @@ pub(crate) const STAGE: Stage = Stage {
 };
 
 fn scan_pairs(world: &mut World, _pass: u32) {
-    if world.status.rebuild == 0 || world.status.void != 0 {
+    if world.status.rebuild == 0 || world.status.rejected != 0 {
         return;
     }
     let (counts, offsets) = world.lists.split_at_mut(world.step.slices_at as usize);
@@ -32,8 +32,8 @@ fn scan_pairs(world: &mut World, _pass: u32) {
     }
     offsets[counts.len() / SLICE as usize] = total;
     world.status.pair_rows_needed = total;
-    world.status.rebuild = LISTS_MADE;
+    world.status.rebuild = REBUILD_DONE;
     if total > world.step.pair_rows {
-        world.status.void |= VOID_PAIRS;
+        world.status.rejected |= REJECTED_PAIRS;
     }
 }

@@ -32,7 +32,7 @@ fn scan_pairs(@builtin(local_invocation_index) local: u32) {
     let slices = step.slices_at / SLICE;
     if local == 0u {
         carried = 0u;
-        due = select(0u, status.rebuild, status.void == 0u);
+        due = select(0u, status.rebuild, status.rejected == 0u);
     }
     if workgroupUniformLoad(&due) == 0u {
         return;
@@ -68,9 +68,9 @@ fn scan_pairs(@builtin(local_invocation_index) local: u32) {
     if local == 0u {
         put_head(step.slices_at + slices, carried);
         status.pair_rows_needed = carried;
-        status.rebuild = LISTS_MADE;
+        status.rebuild = REBUILD_DONE;
         if carried > step.pair_rows {
-            status.void |= VOID_PAIRS;
+            status.rejected |= REJECTED_PAIRS;
         }
     }
 }

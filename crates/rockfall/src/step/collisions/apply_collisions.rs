@@ -17,7 +17,7 @@ use crate::model::view::View;
 use crate::model::world::World;
 use crate::physics::collision::all::{Outcome, solve};
 use crate::physics::collision::body::TakingPart;
-use crate::physics::travel::asks_for_lists;
+use crate::physics::travel::needs_rebuild;
 use crate::step::stage::{Stage, read, write};
 use crate::step::wgsl::{Wgsl, part};
 
@@ -28,10 +28,10 @@ pub(crate) const STAGE: Stage = Stage {
     bindings: &[
         read("state", Buffer::Start),
         write("next", Buffer::Y2),
-        read("words", Buffer::Words),
+        read("topology", Buffer::Topology),
         read("lists", Buffer::Lists),
         read("aabbs", Buffer::Aabbs),
-        read("slots", Buffer::Slots),
+        read("collision_indices", Buffer::CollisionIndices),
         read("collisions", Buffer::Collisions),
         write("status", Buffer::Status),
     ],
@@ -40,7 +40,7 @@ pub(crate) const STAGE: Stage = Stage {
 };
 
 fn apply_collisions(world: &mut World, _pass: u32) {
-    if world.status.void != 0 || world.status.collided != 0 {
+    if world.status.rejected != 0 || world.status.collided != 0 {
         return;
     }
     world.impulses.clear();
@@ -48,7 +48,7 @@ fn apply_collisions(world: &mut World, _pass: u32) {
         return;
     }
     let [start, y2, ..] = &mut world.states;
-    let view = View::new(&world.step, &world.words, start);
+    let view = View::new(&world.step, &world.topology, start);
     let lists = Lists::new(&world.step, &world.lists);
     let outcome = solve(&view, &lists);
     let taking_part = TakingPart::new(&view, &lists);
@@ -62,7 +62,7 @@ fn apply_collisions(world: &mut World, _pass: u32) {
             tally
         })
         .reduce(Tally::default, Tally::merge);
-    tally.tell(&mut world.status);
+    tally.add_to(&mut world.status);
     world.impulses = outcome.impulses;
 }
 
@@ -76,6 +76,6 @@ fn collided(view: &View, outcome: &Outcome, aabbs: &[Aabb], sphere: u32, tally: 
         angular_momentum: before.angular_momentum + change.angular_momentum,
     };
     let after = after.or_stopped(before.position, BadStage::Collisions, view.user(sphere), tally);
-    tally.rebuild |= asks_for_lists(view, aabbs, sphere, after.position, after.velocity);
+    tally.rebuild |= needs_rebuild(view, aabbs, sphere, after.position, after.velocity);
     after
 }

@@ -1,14 +1,14 @@
 // requires model/counters.wgsl model/entries.wgsl model/lists.wgsl model/objects.wgsl model/one_state.wgsl model/step.wgsl
 // requires physics/collision/capsule_changes.wgsl physics/collision/changes.wgsl physics/collision/impulses.wgsl
 // requires step/collisions/has_changes.wgsl step/collisions/record_of.wgsl step/collisions/records.wgsl
-// requires step/collisions/rows.wgsl step/large_spheres/ordered_sums.wgsl step/large_spheres/teams.wgsl
+// requires step/collisions/rows.wgsl step/large_spheres/ordered_sums.wgsl step/large_spheres/workgroup_per_sphere.wgsl
 
 @group(0) @binding(2) var<storage, read> state: array<vec4f>;
 @group(0) @binding(3) var<storage, read_write> next: array<vec4f>;
-@group(0) @binding(4) var<storage, read> words: array<u32>;
+@group(0) @binding(4) var<storage, read> topology: array<u32>;
 @group(0) @binding(5) var<storage, read> lists: array<array<u32, SLICE>>;
 @group(0) @binding(6) var<storage, read> aabbs: array<Aabb>;
-@group(0) @binding(7) var<storage, read> slots: array<array<u32, SLICE>>;
+@group(0) @binding(7) var<storage, read> collision_indices: array<array<u32, SLICE>>;
 @group(0) @binding(8) var<storage, read> collisions: array<vec4u>;
 @group(0) @binding(9) var<storage, read_write> status: StatusAtomic;
 
@@ -73,11 +73,11 @@ fn write_change(i: u32) {
 }
 
 fn apply_together(sphere: u32, local: u32) {
-    if told_to_team(local, u32(takes_part_in_any(sphere) & has_changes())) == 0u {
+    if broadcast_to_workgroup(local, u32(takes_part_in_any(sphere) & has_changes())) == 0u {
         return;
     }
     // Where there are several lists one thread goes through all of them.
-    if told_to_team(local, u32((end_of(sphere) == NO_ROD) & (inverse_mass(sphere) > 0.0))) == 0u {
+    if broadcast_to_workgroup(local, u32((end_of(sphere) == NO_ROD) & (inverse_mass(sphere) > 0.0))) == 0u {
         if local == 0u {
             write_change(sphere);
         }
@@ -96,8 +96,8 @@ fn apply_collisions(
     @builtin(local_invocation_index) local: u32,
 ) {
     let workgroup = linear_group(group, groups);
-    if is_team(workgroup) {
-        apply_together(sphere_of_team(workgroup), local);
+    if serves_large_sphere(workgroup) {
+        apply_together(large_sphere_of(workgroup), local);
         return;
     }
     let i = mover_of(workgroup, local);

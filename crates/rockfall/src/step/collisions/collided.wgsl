@@ -9,7 +9,7 @@ fn commit_change(i: u32) {
         return;
     }
     // 1: done before this attempt at the step; 2, which the first thread writes meanwhile, is as good as 0 here.
-    if (atomicLoad(&status.void) != 0u) | (atomicLoad(&status.collided) == 1u) {
+    if (atomicLoad(&status.rejected) != 0u) | (atomicLoad(&status.collided) == 1u) {
         return;
     }
     if i == 0u {

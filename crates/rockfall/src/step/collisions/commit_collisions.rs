@@ -20,7 +20,7 @@ pub(crate) const STAGE: Stage = Stage {
     bindings: &[
         write("state", Buffer::Start),
         read("next", Buffer::Y2),
-        read("words", Buffer::Words),
+        read("topology", Buffer::Topology),
         read("lists", Buffer::Lists),
         write("status", Buffer::Status),
     ],
@@ -29,8 +29,8 @@ pub(crate) const STAGE: Stage = Stage {
 };
 
 fn commit_collisions(world: &mut World, _pass: u32) {
-    let World { step, words, lists, states: [start, y2, ..], status, .. } = world;
-    if status.void != 0 || status.collided == 1 {
+    let World { step, topology, lists, states: [start, y2, ..], status, .. } = world;
+    if status.rejected != 0 || status.collided == 1 {
         return;
     }
     status.collided = 2;
@@ -39,7 +39,7 @@ fn commit_collisions(world: &mut World, _pass: u32) {
     }
     status.lengths_due = 1;
     let lists = Lists::new(step, lists);
-    let view = View::new(step, words, start);
+    let view = View::new(step, topology, start);
     let taking_part = TakingPart::new(&view, &lists);
     let n = step.spheres as usize;
     let spheres = (0..n).into_par_iter().with_min_len(GRAIN);

@@ -2,7 +2,7 @@
 
 @group(0) @binding(2) var<storage, read_write> state: array<vec4f>;
 @group(0) @binding(3) var<storage, read> next: array<vec4f>;
-@group(0) @binding(4) var<storage, read> words: array<u32>;
+@group(0) @binding(4) var<storage, read> topology: array<u32>;
 @group(0) @binding(5) var<storage, read> lists: array<array<u32, SLICE>>;
 @group(0) @binding(6) var<storage, read_write> status: StatusAtomic;
 

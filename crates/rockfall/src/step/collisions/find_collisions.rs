@@ -5,7 +5,7 @@
 //! friction impulses.
 //! Sets `ENTRY_OVERLAPS` and `ENTRY_COLLIDES` in the entries of both sides, once, so that no later stage decides again, and
 //! `LIST_COLLIDES` in the count of a mover with some colliding entry; counts every collision once (at the mover of lower id). Voids the step when a sphere is outside its AABB
-//! (`VOID_ESCAPED`). Like the others it does nothing when the step is void or its collisions are done.
+//! (`REJECTED_ESCAPED`). Like the others it does nothing when the step is void or its collisions are done.
 
 use std::cell::Cell;
 
@@ -31,7 +31,7 @@ pub(crate) const STAGE: Stage = Stage {
     wgsl: Wgsl::File(part!("step/collisions/find_collisions.wgsl")),
     bindings: &[
         read("state", Buffer::Start),
-        read("words", Buffer::Words),
+        read("topology", Buffer::Topology),
         write("lists", Buffer::Lists),
         read("aabbs", Buffer::Aabbs),
         write("status", Buffer::Status),
@@ -41,11 +41,11 @@ pub(crate) const STAGE: Stage = Stage {
 };
 
 fn find_collisions(world: &mut World, _pass: u32) {
-    if world.status.void != 0 || world.status.collided != 0 {
+    if world.status.rejected != 0 || world.status.collided != 0 {
         return;
     }
-    let World { step, words, states: [state, ..], lists, aabbs, status, .. } = world;
-    let view = View::new(step, words, state);
+    let World { step, topology, states: [state, ..], lists, aabbs, status, .. } = world;
+    let view = View::new(step, topology, state);
     let tally = slices(step, lists)
         .into_par_iter()
         .with_min_len(GRAIN / SLICE as usize)
@@ -61,7 +61,7 @@ fn find_collisions(world: &mut World, _pass: u32) {
             tally
         })
         .reduce(Tally::default, Tally::merge);
-    tally.tell(status);
+    tally.add_to(status);
 }
 
 /// Marks the entries of the mover at this place of a slice, and its count where some of them collide.

@@ -1,8 +1,8 @@
 // requires model/entries.wgsl model/lists.wgsl model/one_state.wgsl model/order.wgsl model/step.wgsl physics/contact.wgsl
-// requires physics/geometry.wgsl step/collisions/judge.wgsl step/large_spheres/teams.wgsl
+// requires physics/geometry.wgsl step/collisions/classify_contacts.wgsl step/large_spheres/workgroup_per_sphere.wgsl
 
 @group(0) @binding(2) var<storage, read> state: array<vec4f>;
-@group(0) @binding(3) var<storage, read> words: array<u32>;
+@group(0) @binding(3) var<storage, read> topology: array<u32>;
 @group(0) @binding(4) var<storage, read_write> lists: array<array<u32, SLICE>>;
 @group(0) @binding(5) var<storage, read> aabbs: array<Aabb>;
 @group(0) @binding(6) var<storage, read_write> status: StatusAtomic;
@@ -15,7 +15,7 @@ fn mark_together(sphere: u32, local: u32) -> u32 {
     if local == 0u {
         atomicStore(&any_collides, 0u);
     }
-    let count = told_to_team(local, count_of(sphere));
+    let count = broadcast_to_workgroup(local, count_of(sphere));
     let first = first_of(sphere);
     let own = own_of(sphere);
     let velocity = state[velocity_at(sphere)];
@@ -43,14 +43,14 @@ fn find_collisions(
 ) {
     let workgroup = linear_group(group, groups);
     let mover = mover_of(workgroup, local);
-    let is_first_attempt = (atomicLoad(&status.void) == 0u) & (atomicLoad(&status.collided) == 0u);
+    let is_first_attempt = (atomicLoad(&status.rejected) == 0u) & (atomicLoad(&status.collided) == 0u);
     var collisions = 0u;
-    if is_team(workgroup) {
-        if told_to_team(local, u32(is_first_attempt)) != 0u {
+    if serves_large_sphere(workgroup) {
+        if broadcast_to_workgroup(local, u32(is_first_attempt)) != 0u {
             if local == 0u {
                 check_escape(mover);
             }
-            collisions = mark_together(sphere_of_team(workgroup), local);
+            collisions = mark_together(large_sphere_of(workgroup), local);
         }
     } else if (mover < step.spheres + step.rods) & is_first_attempt {
         if mover < step.spheres {
@@ -58,5 +58,5 @@ fn find_collisions(
         }
         collisions = mark_entries(mover);
     }
-    tell_collisions(workgroup, local, collisions);
+    count_collisions_of_workgroup(workgroup, local, collisions);
 }

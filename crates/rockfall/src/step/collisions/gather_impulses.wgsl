@@ -1,12 +1,12 @@
 // requires model/lists.wgsl model/objects.wgsl model/one_state.wgsl model/step.wgsl physics/collision/impulses.wgsl
 // requires step/collisions/has_changes.wgsl step/collisions/record_of.wgsl step/collisions/records.wgsl
-// requires step/collisions/rows.wgsl step/large_spheres/ordered_sums.wgsl step/large_spheres/teams.wgsl
+// requires step/collisions/rows.wgsl step/large_spheres/ordered_sums.wgsl step/large_spheres/workgroup_per_sphere.wgsl
 
 @group(0) @binding(2) var<storage, read> state: array<vec4f>;
 @group(0) @binding(3) var<storage, read_write> next: array<vec4f>;
-@group(0) @binding(4) var<storage, read> words: array<u32>;
+@group(0) @binding(4) var<storage, read> topology: array<u32>;
 @group(0) @binding(5) var<storage, read> lists: array<array<u32, SLICE>>;
-@group(0) @binding(6) var<storage, read> slots: array<array<u32, SLICE>>;
+@group(0) @binding(6) var<storage, read> collision_indices: array<array<u32, SLICE>>;
 @group(0) @binding(7) var<storage, read> collisions: array<vec4u>;
 @group(0) @binding(8) var<storage, read_write> status: StatusAtomic;
 
@@ -42,16 +42,16 @@ fn gather_impulses(
     if number >= step.large {
         return;
     }
-    let sphere = sphere_of_team(number);
+    let sphere = large_sphere_of(number);
     // What a network's spheres do `project_networks` has worked out.
     let is_own = (inverse_mass(sphere) > 0.0) & (!RODS || (network_of(sphere) == NO_NETWORK));
     let is_due = has_changes() & (atomicLoad(&status.clustered) != 0u) & is_own;
-    if told_to_team(local, u32(is_due)) == 0u {
+    if broadcast_to_workgroup(local, u32(is_due)) == 0u {
         return;
     }
     // Where there are several lists one thread goes through all of them.
     var sum = vec3f(0.0);
-    if told_to_team(local, u32(end_of(sphere) == NO_ROD)) != 0u {
+    if broadcast_to_workgroup(local, u32(end_of(sphere) == NO_ROD)) != 0u {
         sum = impulses_together(sphere, local);
     } else if local == 0u {
         sum = impulses_on(sphere, pass_.index);

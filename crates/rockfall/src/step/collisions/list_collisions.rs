@@ -12,9 +12,9 @@ pub(crate) const STAGE: Stage = Stage {
     wgsl: Wgsl::File(part!("step/collisions/list_collisions.wgsl")),
     bindings: &[
         read("state", Buffer::Start),
-        read("words", Buffer::Words),
+        read("topology", Buffer::Topology),
         read("lists", Buffer::Lists),
-        write("slots", Buffer::Slots),
+        write("collision_indices", Buffer::CollisionIndices),
         write("collisions", Buffer::Collisions),
         write("status", Buffer::Status),
     ],

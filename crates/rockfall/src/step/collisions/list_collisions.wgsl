@@ -1,11 +1,11 @@
 // requires model/entries.wgsl model/lists.wgsl model/one_state.wgsl model/order.wgsl model/step.wgsl physics/collision.wgsl
 // requires physics/contact.wgsl physics/geometry.wgsl step/collisions/has_changes.wgsl step/collisions/records.wgsl
-// requires step/collisions/rows.wgsl step/collisions/tell_clusters.wgsl
+// requires step/collisions/rows.wgsl step/collisions/report_clusters.wgsl
 
 @group(0) @binding(2) var<storage, read> state: array<vec4f>;
-@group(0) @binding(3) var<storage, read> words: array<u32>;
+@group(0) @binding(3) var<storage, read> topology: array<u32>;
 @group(0) @binding(4) var<storage, read> lists: array<array<u32, SLICE>>;
-@group(0) @binding(5) var<storage, read_write> slots: array<array<u32, SLICE>>;
+@group(0) @binding(5) var<storage, read_write> collision_indices: array<array<u32, SLICE>>;
 @group(0) @binding(6) var<storage, read_write> collisions: array<vec4u>;
 @group(0) @binding(7) var<storage, read_write> status: StatusAtomic;
 
@@ -38,17 +38,17 @@ fn is_own(mover: u32, id: u32) -> bool {
     }
     let own = count_of(mover);
     let other = count_of(id);
-    return (own < other) | ((own == other) & (user_of(mover) < user_of(id)));
+    return (own < other) | ((own == other) & (insertion_index(mover) < insertion_index(id)));
 }
 
 // Stores the number of a record with the entries of both sides.
 fn put_number(mover: u32, slot: vec2u, number: u32) {
-    slots[row_of_entries(slot)][slot.y] = number;
+    collision_indices[row_of_entries(slot)][slot.y] = number;
     let id = entry_id(entry_at(slot));
     if id < step.spheres + step.rods {
         let other = slot_in(id, mover);
         if other.x != NONE {
-            slots[row_of_entries(other)][other.y] = number;
+            collision_indices[row_of_entries(other)][other.y] = number;
         }
     }
 }
@@ -69,7 +69,7 @@ fn list_entry(mover: u32, slot: vec2u) {
     let id = entry_id(entry);
     let number = atomicAdd(&status.listed, 1u);
     if number >= step.collision_room {
-        void_for_collisions();
+        reject_for_collisions();
         return;
     }
     let pair = ordered(mover, id);

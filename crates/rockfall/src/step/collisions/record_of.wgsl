@@ -4,7 +4,7 @@
 
 // The record of the colliding entry in a slot.
 fn record_of(slot: vec2u) -> u32 {
-    return slots[row_of_entries(slot)][slot.y];
+    return collision_indices[row_of_entries(slot)][slot.y];
 }
 
 // Whether the step lists its collisions.

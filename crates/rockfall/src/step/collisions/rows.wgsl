@@ -14,9 +14,9 @@ fn row_of(sphere: u32, rods: vec2u, row: u32) -> u32 {
         return sphere;
     }
     if row <= rods.y {
-        return step.spheres + index_of(words[rods.x + row - 1u]);
+        return step.spheres + index_of(topology[rods.x + row - 1u]);
     }
-    let rod = index_of(words[rods.x + row - 1u - rods.y]);
+    let rod = index_of(topology[rods.x + row - 1u - rods.y]);
     let partner = other_end(rod, sphere);
     return select(NONE, partner, capsule_rod(partner) == rod);
 }
@@ -37,7 +37,7 @@ fn takes_part_in_any(sphere: u32) -> bool {
 }
 
 fn network_of_rod(rod: u32) -> u32 {
-    return words[step.networks_at - step.rods + rod];
+    return topology[step.networks_at - step.rods + rod];
 }
 
 // Whether a rod of fixed length is a rigid capsule with the spheres at its ends.
@@ -64,7 +64,7 @@ fn network_of(sphere: u32) -> u32 {
     }
     let rods = rods_of(sphere);
     for (var r = 0u; r < rods.y; r++) {
-        let network = network_of_rod(index_of(words[rods.x + r]));
+        let network = network_of_rod(index_of(topology[rods.x + r]));
         if network != NO_NETWORK {
             return network;
         }

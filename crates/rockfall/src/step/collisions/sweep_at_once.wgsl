@@ -1,10 +1,10 @@
-// requires model/step.wgsl physics/collision/sweep.wgsl step/collisions/has_changes.wgsl step/collisions/records.wgsl
+// requires model/step.wgsl physics/collision/cluster.wgsl step/collisions/has_changes.wgsl step/collisions/records.wgsl
 
 @group(0) @binding(2) var<storage, read_write> collisions: array<vec4u>;
 @group(0) @binding(3) var<storage, read_write> status: StatusAtomic;
 
 // As many threads as the device lets a workgroup have.
-override TEAM: u32 = 256u;
+override GROUP_SIZE: u32 = 256u;
 
 var<workgroup> records: u32;
 // How many neighbours any of them has, for equal rounds.
@@ -12,7 +12,7 @@ var<workgroup> most: atomic<u32>;
 var<workgroup> rounds: u32;
 
 // Every thread has as many rounds, for a barrier follows (see run_steps.wgsl).
-@compute @workgroup_size(TEAM)
+@compute @workgroup_size(GROUP_SIZE)
 fn sweep_at_once(@builtin(local_invocation_index) local: u32) {
     if local == 0u {
         let is_due = has_changes() & (atomicLoad(&status.clustered) != 0u);
@@ -23,7 +23,7 @@ fn sweep_at_once(@builtin(local_invocation_index) local: u32) {
     if count == 0u {
         return;
     }
-    for (var first = 0u; first < count; first += TEAM) {
+    for (var first = 0u; first < count; first += GROUP_SIZE) {
         let r = first + local;
         if r < count {
             if is_shared(r) {
@@ -37,7 +37,7 @@ fn sweep_at_once(@builtin(local_invocation_index) local: u32) {
     }
     let neighbours = workgroupUniformLoad(&rounds);
     for (var sweeps = 0u; sweeps < SWEEPS; sweeps++) {
-        for (var first = 0u; first < count; first += TEAM) {
+        for (var first = 0u; first < count; first += GROUP_SIZE) {
             let r = first + local;
             if r < count {
                 if is_shared(r) {

@@ -16,9 +16,9 @@ pub(crate) const STAGE: Stage = Stage {
     bindings: &[
         read("state", Buffer::Start),
         read("next", Buffer::Y2),
-        read("words", Buffer::Words),
+        read("topology", Buffer::Topology),
         read("lists", Buffer::Lists),
-        read("slots", Buffer::Slots),
+        read("collision_indices", Buffer::CollisionIndices),
         write("collisions", Buffer::Collisions),
         write("status", Buffer::Status),
     ],

@@ -1,12 +1,12 @@
 // requires model/objects.wgsl model/one_state.wgsl model/step.wgsl physics/collision.wgsl physics/collision/impulses.wgsl
-// requires physics/collision/sweep.wgsl step/collisions/has_changes.wgsl step/collisions/records.wgsl
-// requires step/collisions/rows.wgsl step/large_spheres/teams.wgsl
+// requires physics/collision/cluster.wgsl step/collisions/has_changes.wgsl step/collisions/records.wgsl
+// requires step/collisions/rows.wgsl step/large_spheres/workgroup_per_sphere.wgsl
 
 @group(0) @binding(2) var<storage, read> state: array<vec4f>;
 @group(0) @binding(3) var<storage, read> next: array<vec4f>;
-@group(0) @binding(4) var<storage, read> words: array<u32>;
+@group(0) @binding(4) var<storage, read> topology: array<u32>;
 @group(0) @binding(5) var<storage, read> lists: array<array<u32, SLICE>>;
-@group(0) @binding(6) var<storage, read> slots: array<array<u32, SLICE>>;
+@group(0) @binding(6) var<storage, read> collision_indices: array<array<u32, SLICE>>;
 @group(0) @binding(7) var<storage, read_write> collisions: array<vec4u>;
 @group(0) @binding(8) var<storage, read_write> status: StatusAtomic;
 

@@ -1,6 +1,6 @@
 //! Collisions, where they are listed: which are lone, how much every other one has to be held back, and which others share a body with it
 //! (docs/physics.md section 3). One that shares none is solved here; the others are left to sweeps, and the step is void where there
-//! are none (`VOID_COLLISIONS`).
+//! are none (`REJECTED_COLLISIONS`).
 
 use crate::model::buffer::Buffer;
 use crate::model::dispatch::Threads;
@@ -14,9 +14,9 @@ pub(crate) const STAGE: Stage = Stage {
     wgsl: Wgsl::File(part!("step/collisions/weigh_collisions.wgsl")),
     bindings: &[
         read("state", Buffer::Start),
-        read("words", Buffer::Words),
+        read("topology", Buffer::Topology),
         read("lists", Buffer::Lists),
-        read("slots", Buffer::Slots),
+        read("collision_indices", Buffer::CollisionIndices),
         write("collisions", Buffer::Collisions),
         write("status", Buffer::Status),
     ],

@@ -1,13 +1,13 @@
 // requires model/entries.wgsl model/lists.wgsl model/objects.wgsl model/one_state.wgsl model/step.wgsl physics/collision.wgsl
-// requires physics/collision/company.wgsl physics/collision/couplings.wgsl physics/collision/impulses.wgsl
-// requires physics/collision/plain.wgsl physics/collision/time_of_contact.wgsl physics/contact.wgsl physics/geometry.wgsl
+// requires physics/collision/other_collisions.wgsl physics/collision/couplings.wgsl physics/collision/impulses.wgsl
+// requires physics/collision/plain.wgsl physics/collision/lone.wgsl physics/contact.wgsl physics/geometry.wgsl
 // requires step/collisions/has_changes.wgsl step/collisions/record_of.wgsl step/collisions/records.wgsl
-// requires step/collisions/rows.wgsl step/collisions/tell_clusters.wgsl
+// requires step/collisions/rows.wgsl step/collisions/report_clusters.wgsl
 
 @group(0) @binding(2) var<storage, read> state: array<vec4f>;
-@group(0) @binding(3) var<storage, read> words: array<u32>;
+@group(0) @binding(3) var<storage, read> topology: array<u32>;
 @group(0) @binding(4) var<storage, read> lists: array<array<u32, SLICE>>;
-@group(0) @binding(5) var<storage, read> slots: array<array<u32, SLICE>>;
+@group(0) @binding(5) var<storage, read> collision_indices: array<array<u32, SLICE>>;
 @group(0) @binding(6) var<storage, read_write> collisions: array<vec4u>;
 @group(0) @binding(7) var<storage, read_write> status: StatusAtomic;
 

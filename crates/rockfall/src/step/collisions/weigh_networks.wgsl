@@ -4,9 +4,9 @@
 
 @group(0) @binding(2) var<storage, read> state: array<vec4f>;
 @group(0) @binding(3) var<storage, read_write> next: array<vec4f>;
-@group(0) @binding(4) var<storage, read> words: array<u32>;
+@group(0) @binding(4) var<storage, read> topology: array<u32>;
 @group(0) @binding(5) var<storage, read> lists: array<array<u32, SLICE>>;
-@group(0) @binding(6) var<storage, read> slots: array<array<u32, SLICE>>;
+@group(0) @binding(6) var<storage, read> collision_indices: array<array<u32, SLICE>>;
 @group(0) @binding(7) var<storage, read_write> collisions: array<vec4u>;
 @group(0) @binding(8) var<storage, read_write> wrenches: array<vec4f>;
 @group(0) @binding(9) var<storage, read_write> status: StatusAtomic;
@@ -14,7 +14,7 @@
 var<workgroup> told: u32;
 
 // What thread 0 says, for all.
-fn told_by_first(local: u32, word: u32) -> u32 {
+fn counted_by_first(local: u32, word: u32) -> u32 {
     workgroupBarrier();
     if local == 0u {
         told = word;
@@ -43,7 +43,7 @@ fn network_row(network: Network, number: u32) -> Row {
         let sphere = network_sphere(network, place);
         let rods = rods_of(sphere);
         for (var r = 0u; r < rods.y; r++) {
-            let rod = index_of(words[rods.x + r]);
+            let rod = index_of(topology[rods.x + r]);
             // With both ends in the network it is one side, as the network's own rods are; end 1 names it.
             let is_both = network_of(other_end(rod, sphere)) == network_of(sphere);
             if !(rod_length(rod) > 0.0) & !(is_both & (rod_ends(rod).y == sphere)) {
@@ -119,7 +119,7 @@ fn weigh_networks(
     @builtin(local_invocation_index) local: u32,
 ) {
     let number = linear_group(group, groups);
-    if told_by_first(local, u32((number < step.networks) & has_changes())) == 0u {
+    if counted_by_first(local, u32((number < step.networks) & has_changes())) == 0u {
         return;
     }
     let network = network_at(number);
@@ -127,26 +127,26 @@ fn weigh_networks(
     var count = 0u;
     var rows = 0u;
     loop {
-        let row = told_by_first(local, network_row(network, rows).id);
+        let row = counted_by_first(local, network_row(network, rows).id);
         if row == NONE {
             break;
         }
-        count += told_by_first(local, collisions_in(row));
+        count += counted_by_first(local, collisions_in(row));
         rows += 1u;
     }
     for (var at = 0u; at < rows; at++) {
         let row = network_row(network, at);
-        if told_by_first(local, u32(has_collisions(row.id))) == 0u {
+        if counted_by_first(local, u32(has_collisions(row.id))) == 0u {
             continue;
         }
         let first = first_of(row.id);
-        let entries = told_by_first(local, count_of(row.id));
+        let entries = counted_by_first(local, count_of(row.id));
         for (var e = 0u; e < entries; e++) {
             let slot = slot_at(first, e);
-            if told_by_first(local, u32((entry_at(slot) & ENTRY_COLLIDES) != 0u)) == 0u {
+            if counted_by_first(local, u32((entry_at(slot) & ENTRY_COLLIDES) != 0u)) == 0u {
                 continue;
             }
-            let r = told_by_first(local, record_of(slot));
+            let r = counted_by_first(local, record_of(slot));
             let inverse_mass = inverse_mass_of(network, row, r, local);
             if local == 0u {
                 let times = f32(count);

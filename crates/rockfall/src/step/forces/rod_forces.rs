@@ -22,7 +22,7 @@ pub(crate) const STAGE: Stage = Stage {
     wgsl: Wgsl::File(part!("step/forces/rod_forces.wgsl")),
     bindings: &[
         Binding { name: "state", slot: Slot::State, access: Access::Read },
-        read("words", Buffer::Words),
+        read("topology", Buffer::Topology),
         read("lists", Buffer::Lists),
         write("wrenches", Buffer::Wrenches),
         write("status", Buffer::Status),
@@ -32,10 +32,10 @@ pub(crate) const STAGE: Stage = Stage {
 };
 
 fn rod_forces(world: &mut World, pass: u32) {
-    if world.status.void != 0 || world.step.rods == 0 {
+    if world.status.rejected != 0 || world.step.rods == 0 {
         return;
     }
-    let view = View::new(&world.step, &world.words, &world.states[pass as usize]);
+    let view = View::new(&world.step, &world.topology, &world.states[pass as usize]);
     let lists = Lists::new(&world.step, &world.lists);
     let tally = world
         .wrenches
@@ -51,7 +51,7 @@ fn rod_forces(world: &mut World, pass: u32) {
             tally
         })
         .reduce(Tally::default, Tally::merge);
-    tally.tell(&mut world.status);
+    tally.add_to(&mut world.status);
     if pass == 0 {
         world.status.lengths_due = 0;
     }

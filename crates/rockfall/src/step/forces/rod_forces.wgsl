@@ -2,7 +2,7 @@
 // requires physics/forces/net_force.wgsl physics/forces/wrenches.wgsl physics/geometry.wgsl
 
 @group(0) @binding(2) var<storage, read> state: array<vec4f>;
-@group(0) @binding(3) var<storage, read> words: array<u32>;
+@group(0) @binding(3) var<storage, read> topology: array<u32>;
 @group(0) @binding(4) var<storage, read> lists: array<array<u32, SLICE>>;
 @group(0) @binding(5) var<storage, read_write> wrenches: array<vec4f>;
 @group(0) @binding(6) var<storage, read_write> status: StatusAtomic;
@@ -74,7 +74,7 @@ fn rod_forces(
     @builtin(local_invocation_index) local: u32,
 ) {
     let rod = linear_thread(group, groups, local);
-    let alive = atomicLoad(&status.void) == 0u;
+    let alive = atomicLoad(&status.rejected) == 0u;
     var wrench = no_wrench();
     if alive & (rod < step.rods) {
         wrench = wrench_on(rod);
@@ -84,7 +84,7 @@ fn rod_forces(
         wrenches[4u * rod + 3u] = vec4f(wrench.couple_2, 0.0);
     }
     if pass_.index == 0u {
-        tell_contacts(linear_group(group, groups), local, wrench.contacts, wrench.deepest);
+        count_contacts_of_workgroup(linear_group(group, groups), local, wrench.contacts, wrench.deepest);
         if alive & (rod == 0u) {
             status.lengths_due = 0u;
         }

@@ -9,7 +9,7 @@ use crate::model::buffer::Buffer;
 use crate::model::dispatch::Threads;
 #[cfg(feature = "gpu")]
 use crate::model::layout::POSITIONS_FIRST;
-use crate::model::layout::{LEAPS, ORDER_MASK, PHASES_SHIFT, POSITIONS_ALONE};
+use crate::model::layout::{ORDER_MASK, PHASES_SHIFT, POSITIONS_ALONE, SYMPLECTIC_EULER};
 use crate::model::step::Step;
 use crate::model::world::World;
 use crate::settings::{BroadPhase, Integrator};
@@ -24,7 +24,7 @@ pub(crate) const STAGE: Stage = Stage {
     bindings: &[
         write("start", Buffer::Start),
         write("state", Buffer::States),
-        read("words", Buffer::Words),
+        read("topology", Buffer::Topology),
         write("lists", Buffer::Lists),
         read("aabbs", Buffer::Aabbs),
         write("orientations", Buffer::Orientations),
@@ -52,7 +52,7 @@ pub(crate) fn suits(step: &Step) -> bool {
 #[cfg(feature = "gpu")]
 pub(crate) fn begun_with(phase: Phase, integrator: Integrator) -> u32 {
     let order = if phase == Phase::HandleCollisions { 0 } else { POSITIONS_FIRST };
-    1 << PHASES_SHIFT | order | if integrator == Integrator::Rk4 { 0 } else { LEAPS }
+    1 << PHASES_SHIFT | order | if integrator == Integrator::Rk4 { 0 } else { SYMPLECTIC_EULER }
 }
 
 /// The pass of a dispatch that does this phase after all of `pass`, if there is one.
@@ -73,7 +73,7 @@ fn phases(pass: u32) -> impl Iterator<Item = Phase> {
 
 /// The twins of the stages that it stands for.
 fn run_steps(world: &mut World, pass: u32) {
-    let integrator = if pass & LEAPS == 0 { Integrator::Rk4 } else { Integrator::SymplecticEuler };
+    let integrator = if pass & SYMPLECTIC_EULER == 0 { Integrator::Rk4 } else { Integrator::SymplecticEuler };
     for run in phases(pass).flat_map(|phase| phase.stages(integrator, BroadPhase::BruteForce)) {
         run.on_cpu(world);
     }
@@ -97,9 +97,9 @@ mod tests {
             vec![positions, collisions, positions, collisions],
             vec![positions; 5],
         ] {
-            for (integrator, leaps) in [(Integrator::Rk4, 0), (Integrator::SymplecticEuler, LEAPS)] {
+            for (integrator, leaps) in [(Integrator::Rk4, 0), (Integrator::SymplecticEuler, SYMPLECTIC_EULER)] {
                 let pass = joined(&all, integrator);
-                assert_eq!(pass.map(|pass| (phases(pass).collect(), pass & LEAPS)), Some((all.clone(), leaps)));
+                assert_eq!(pass.map(|pass| (phases(pass).collect(), pass & SYMPLECTIC_EULER)), Some((all.clone(), leaps)));
             }
         }
         for none in [vec![collisions; 2], vec![positions, positions, collisions], vec![collisions, positions, positions]] {

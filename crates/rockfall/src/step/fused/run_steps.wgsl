@@ -1,12 +1,12 @@
 // requires model/entries.wgsl model/four_states.wgsl model/lists.wgsl model/objects.wgsl model/step.wgsl
 // requires physics/collision/changes.wgsl physics/forces/net_force.wgsl physics/margin.wgsl physics/rotation.wgsl
-// requires step/collisions/collided.wgsl step/collisions/has_changes.wgsl step/collisions/judge.wgsl
+// requires step/collisions/collided.wgsl step/collisions/has_changes.wgsl step/collisions/classify_contacts.wgsl
 // requires step/collisions/rows.wgsl step/commit.wgsl step/integrate/close_step.wgsl step/integrate/finished.wgsl
-// requires step/integrate/leap_state.wgsl step/integrate/next_state.wgsl
+// requires step/integrate/symplectic_euler_state.wgsl step/integrate/next_state.wgsl
 
 @group(0) @binding(2) var<storage, read_write> start: array<vec4f>;
 @group(0) @binding(3) var<storage, read_write> state: array<vec4f>;
-@group(0) @binding(4) var<storage, read> words: array<u32>;
+@group(0) @binding(4) var<storage, read> topology: array<u32>;
 @group(0) @binding(5) var<storage, read_write> lists: array<array<u32, SLICE>>;
 @group(0) @binding(6) var<storage, read> aabbs: array<Aabb>;
 @group(0) @binding(7) var<storage, read_write> orientations: array<vec4f>;
@@ -15,7 +15,7 @@
 // As many threads as the device lets a workgroup have; each has every so many-th sphere. Loops have as many rounds for all of
 // them: a driver was seen to let threads that leave a loop early run through the barrier after it, while their neighbours were
 // still at work.
-override TEAM: u32 = 256u;
+override GROUP_SIZE: u32 = 256u;
 // Threads of a subgroup of the device with that driver.
 const LANES: u32 = 32u;
 
@@ -40,14 +40,14 @@ fn write_change(i: u32) {
     write_changed(i, change);
 }
 
-fn is_void() -> bool {
-    return atomicLoad(&status.void) != 0u;
+fn is_rejected() -> bool {
+    return atomicLoad(&status.rejected) != 0u;
 }
 
 fn find_collisions(local: u32) {
     var collisions = 0u;
-    if !is_void() & (atomicLoad(&status.collided) == 0u) {
-        for (var first = 0u; first < step.spheres; first += TEAM) {
+    if !is_rejected() & (atomicLoad(&status.collided) == 0u) {
+        for (var first = 0u; first < step.spheres; first += GROUP_SIZE) {
             let i = first + local;
             if i < step.spheres {
                 check_escape(i);
@@ -55,7 +55,7 @@ fn find_collisions(local: u32) {
             }
         }
     }
-    tell_collisions(0u, local, collisions);
+    count_collisions_of_workgroup(0u, local, collisions);
 }
 
 fn handle_collisions(local: u32) {
@@ -63,7 +63,7 @@ fn handle_collisions(local: u32) {
     find_collisions(local);
     storageBarrier();
     if has_changes() {
-        for (var first = 0u; first < step.spheres; first += TEAM) {
+        for (var first = 0u; first < step.spheres; first += GROUP_SIZE) {
             let i = first + local;
             // One lane after another: with several at work, in loops within loops of lengths of their own, that driver was seen to let
             // whole subgroups through the barriers below before they had written. Few spheres collide in a step.
@@ -77,7 +77,7 @@ fn handle_collisions(local: u32) {
         }
     }
     storageBarrier();
-    for (var first = 0u; first < step.spheres; first += TEAM) {
+    for (var first = 0u; first < step.spheres; first += GROUP_SIZE) {
         let i = first + local;
         if i < step.spheres {
             commit_change(i);
@@ -91,13 +91,13 @@ fn evaluate(local: u32, evaluation: u32, leaps: bool) {
     evaluated = evaluation;
     var contacts = 0u;
     var deepest = 0.0;
-    if !is_void() {
-        for (var first = 0u; first < step.spheres; first += TEAM) {
+    if !is_rejected() {
+        for (var first = 0u; first < step.spheres; first += GROUP_SIZE) {
             let i = first + local;
             if i < step.spheres {
                 let net = net_in_pass(i);
                 if leaps {
-                    write_leap(i, net);
+                    write_symplectic_euler(i, net);
                 } else if evaluation == 3u {
                     turn_by(i, rotation(finish_sphere(i, net).spin));
                 } else {
@@ -109,19 +109,19 @@ fn evaluate(local: u32, evaluation: u32, leaps: bool) {
         }
     }
     if evaluation == 0u {
-        if (local == 0u) & !is_void() {
-            tell_builds();
+        if (local == 0u) & !is_rejected() {
+            count_rebuild();
         }
-        tell_contacts(0u, local, contacts, deepest);
+        count_contacts_of_workgroup(0u, local, contacts, deepest);
     }
 }
 
 // What the force evaluation of symplectic Euler made becomes the state.
-fn take_leaps(local: u32) {
-    if is_void() {
+fn take_symplectic_euler_steps(local: u32) {
+    if is_rejected() {
         return;
     }
-    for (var first = 0u; first < step.spheres; first += TEAM) {
+    for (var first = 0u; first < step.spheres; first += GROUP_SIZE) {
         let i = first + local;
         if i < step.spheres {
             commit(i);
@@ -138,7 +138,7 @@ fn update_positions(local: u32, leaps: bool) {
         storageBarrier();
     }
     if leaps {
-        take_leaps(local);
+        take_symplectic_euler_steps(local);
         storageBarrier();
     }
     close_step(local);
@@ -152,9 +152,9 @@ fn is_collisions(k: u32, index: u32) -> bool {
 }
 
 // Barriers stand where all threads come by, void or not: a void step does nothing between them, nor do those after it.
-@compute @workgroup_size(TEAM)
+@compute @workgroup_size(GROUP_SIZE)
 fn run_steps(@builtin(local_invocation_index) local: u32) {
-    for (var first = 0u; first < 3u * step.spheres; first += TEAM) {
+    for (var first = 0u; first < 3u * step.spheres; first += GROUP_SIZE) {
         let i = first + local;
         if i < 3u * step.spheres {
             state[i] = start[i];
@@ -170,10 +170,10 @@ fn run_steps(@builtin(local_invocation_index) local: u32) {
         if is_collisions(k, index) {
             handle_collisions(local);
         } else {
-            update_positions(local, (index & LEAPS) != 0u);
+            update_positions(local, (index & SYMPLECTIC_EULER) != 0u);
         }
     }
-    for (var first = 0u; first < 3u * step.spheres; first += TEAM) {
+    for (var first = 0u; first < 3u * step.spheres; first += GROUP_SIZE) {
         let i = first + local;
         if i < 3u * step.spheres {
             start[i] = state[i];

@@ -16,7 +16,7 @@ use crate::model::state::{Motion, Rows};
 use crate::model::view::View;
 use crate::model::world::World;
 use crate::physics::forces::net_force::{count_contacts, rates};
-use crate::physics::travel::{asks_for_lists, outside};
+use crate::physics::travel::{needs_rebuild, outside};
 use crate::step::stage::{Access, Binding, Slot, Stage, read, write};
 use crate::step::wgsl::{Wgsl, part};
 
@@ -28,7 +28,7 @@ pub(crate) const STAGE: Stage = Stage {
         Binding { name: "state", slot: Slot::State, access: Access::Read },
         read("start", Buffer::Start),
         Binding { name: "next", slot: Slot::Next, access: Access::Write },
-        read("words", Buffer::Words),
+        read("topology", Buffer::Topology),
         read("lists", Buffer::Lists),
         read("wrenches", Buffer::Wrenches),
         read("aabbs", Buffer::Aabbs),
@@ -41,15 +41,15 @@ pub(crate) const STAGE: Stage = Stage {
 const BAD: [BadStage; 3] = [BadStage::Forces1, BadStage::Forces2, BadStage::Forces3];
 
 fn advance(world: &mut World, pass: u32) {
-    if world.status.void != 0 {
+    if world.status.rejected != 0 {
         return;
     }
     if pass == 0 {
         count_builds(&mut world.status);
     }
     let (done, todo) = world.states.split_at_mut(pass as usize + 1);
-    let start = View::new(&world.step, &world.words, &done[0]);
-    let view = View::new(&world.step, &world.words, &done[pass as usize]);
+    let start = View::new(&world.step, &world.topology, &done[0]);
+    let view = View::new(&world.step, &world.topology, &done[pass as usize]);
     let lists = Lists::new(&world.step, &world.lists);
     let h = world.step.dt * [0.5, 0.5, 1.0][pass as usize];
     let next = |sphere: u32, tally: &mut Tally| {
@@ -75,7 +75,7 @@ fn advance(world: &mut World, pass: u32) {
                 let escaped = outside(&world.aabbs[sphere as usize], position, view.radius(sphere));
                 tally.escape_ratio = tally.escape_ratio.max(escaped);
             }
-            tally.rebuild |= asks_for_lists(&view, &world.aabbs, sphere, next.position, next.velocity);
+            tally.rebuild |= needs_rebuild(&view, &world.aabbs, sphere, next.position, next.velocity);
         }
         next
     };
@@ -88,5 +88,5 @@ fn advance(world: &mut World, pass: u32) {
             tally
         })
         .reduce(Tally::default, Tally::merge);
-    tally.tell(&mut world.status);
+    tally.add_to(&mut world.status);
 }

@@ -1,6 +1,6 @@
 // requires model/step.wgsl
 
-// The end of a step, for a workgroup of at least TELLERS threads. All of them must come here.
+// The end of a step, for a workgroup of at least COUNTER_BLOCKS threads. All of them must come here.
 
 var<workgroup> contacts: atomic<u32>;
 var<workgroup> max_overlap: atomic<u32>;
@@ -14,10 +14,10 @@ fn sum_told(local: u32) {
         atomicStore(&collisions, 0u);
     }
     workgroupBarrier();
-    if (local < TELLERS) & (atomicLoad(&status.void) == 0u) {
-        atomicAdd(&contacts, atomicExchange(&status.told[local].contacts, 0u));
-        atomicMax(&max_overlap, atomicExchange(&status.told[local].max_overlap, 0u));
-        atomicAdd(&collisions, atomicExchange(&status.told[local].collisions, 0u));
+    if (local < COUNTER_BLOCKS) & (atomicLoad(&status.rejected) == 0u) {
+        atomicAdd(&contacts, atomicExchange(&status.counters[local].contacts, 0u));
+        atomicMax(&max_overlap, atomicExchange(&status.counters[local].max_overlap, 0u));
+        atomicAdd(&collisions, atomicExchange(&status.counters[local].collisions, 0u));
     }
     workgroupBarrier();
 }
@@ -52,13 +52,13 @@ fn note_bad_body() {
     }
     // Asked together for the reason in objects.wgsl.
     if (bad_body != NO_BODY) & ((step.flags & FLAG_CONTINUE) == 0u) {
-        atomicOr(&status.void, VOID_NON_FINITE);
+        atomicOr(&status.rejected, REJECTED_NON_FINITE);
     }
 }
 
 fn close_step(local: u32) {
     sum_told(local);
-    if (local != 0u) | (atomicLoad(&status.void) != 0u) {
+    if (local != 0u) | (atomicLoad(&status.rejected) != 0u) {
         return;
     }
     count_step();

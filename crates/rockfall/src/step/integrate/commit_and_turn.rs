@@ -1,4 +1,4 @@
-//! After symplectic Euler, in scenes without rods: `commit_leap`, then every sphere turns by its new spin (exponential map).
+//! After symplectic Euler, in scenes without rods: `commit_symplectic_euler`, then every sphere turns by its new spin (exponential map).
 
 use glam::Vec4;
 use rayon::prelude::*;
@@ -29,12 +29,12 @@ pub(crate) const STAGE: Stage = Stage {
 };
 
 fn commit_and_turn(world: &mut World, _pass: u32) {
-    if world.status.void != 0 {
+    if world.status.rejected != 0 {
         return;
     }
     commit(world);
-    let World { step, words, states, orientations, .. } = world;
-    let view = View::new(step, words, &states[0]);
+    let World { step, topology, states, orientations, .. } = world;
+    let view = View::new(step, topology, &states[0]);
     let turn = |(sphere, orientation): (usize, &mut Vec4)| turn_for(orientation, view.spin(sphere as u32), step.dt);
     orientations.par_iter_mut().enumerate().with_min_len(GRAIN).for_each(turn);
 }

@@ -13,7 +13,7 @@ fn commit_and_turn(
     @builtin(local_invocation_index) local: u32,
 ) {
     let i = wide_thread(group, groups, local);
-    if (i >= step.spheres) | (atomicLoad(&status.void) != 0u) {
+    if (i >= step.spheres) | (atomicLoad(&status.rejected) != 0u) {
         return;
     }
     commit(i);

@@ -17,7 +17,7 @@ pub(crate) const STAGE: Stage = Stage {
     bindings: &[
         write("state", Buffer::Start),
         read("y3", Buffer::Y3),
-        read("words", Buffer::Words),
+        read("topology", Buffer::Topology),
         read("status", Buffer::Status),
     ],
     threads: Threads::Batches,
@@ -25,12 +25,12 @@ pub(crate) const STAGE: Stage = Stage {
 };
 
 fn constrain(world: &mut World, _pass: u32) {
-    if world.status.void != 0 {
+    if world.status.rejected != 0 {
         return;
     }
-    let World { step, words, states: [state, _, old, _], .. } = world;
+    let World { step, topology, states: [state, _, old, _], .. } = world;
     for batch in 0..step.batches {
-        let batch = Batch::new(step, words, batch);
+        let batch = Batch::new(step, topology, batch);
         let was = |end: u32| old[end as usize].truncate();
         batch.sweep(step, state, |ends, [one, two]| shake(ends, was(two) - was(one), step.dt));
         batch.sweep(step, state, |ends, _| rattle(ends, step.dt));

@@ -2,7 +2,7 @@
 
 @group(0) @binding(2) var<storage, read_write> state: array<vec4f>;
 @group(0) @binding(3) var<storage, read> y3: array<vec4f>;
-@group(0) @binding(4) var<storage, read> words: array<u32>;
+@group(0) @binding(4) var<storage, read> topology: array<u32>;
 @group(0) @binding(5) var<storage, read> status: Status;
 
 // Corrects a length along the old direction, in positions and velocities (SHAKE); gives the relative error there was.
@@ -70,7 +70,7 @@ fn constrain(
     @builtin(local_invocation_index) local: u32,
 ) {
     let index = linear_group(group, groups);
-    if (index >= step.batches) | (status.void != 0u) {
+    if (index >= step.batches) | (status.rejected != 0u) {
         return;
     }
     let batch = batch_at(index);
@@ -80,12 +80,12 @@ fn constrain(
         for (var sweeps = 1u; ; sweeps++) {
             var error = 0.0;
             for (var colour = 0u; colour < batch.colours; colour++) {
-                let end = words[batch.at + colour + 1u];
-                for (var k = words[batch.at + colour] + local; k < end; k += WORKGROUP) {
+                let end = topology[batch.at + colour + 1u];
+                for (var k = topology[batch.at + colour] + local; k < end; k += WORKGROUP) {
                     if stage == 0u {
-                        error = max(error, shake(words[k]));
+                        error = max(error, shake(topology[k]));
                     } else {
-                        error = max(error, rattle(words[k]));
+                        error = max(error, rattle(topology[k]));
                     }
                 }
                 storageBarrier();

@@ -4,7 +4,7 @@
 use crate::model::buffer::Buffer;
 use crate::model::dispatch::Threads;
 use crate::model::layout::FLAG_CONTINUE;
-use crate::model::status::{NO_BODY, Told, VOID_NON_FINITE};
+use crate::model::status::{Counters, NO_BODY, REJECTED_NON_FINITE};
 use crate::model::world::World;
 use crate::step::stage::{Stage, write};
 use crate::step::wgsl::{Wgsl, part};
@@ -20,12 +20,12 @@ pub(crate) const STAGE: Stage = Stage {
 
 fn end_step(world: &mut World, _pass: u32) {
     let status = &mut world.status;
-    if status.void != 0 {
+    if status.rejected != 0 {
         return;
     }
     status.steps += 1;
-    let told = status.told();
-    status.told.fill(Told::default());
+    let told = status.total_counters();
+    status.counters.fill(Counters::default());
     status.collides = 0;
     status.listed = 0;
     status.clustered_steps += std::mem::take(&mut status.clustered);
@@ -42,7 +42,7 @@ fn end_step(world: &mut World, _pass: u32) {
             status.bad_step = status.steps;
         }
         if world.step.flags & FLAG_CONTINUE == 0 {
-            status.void |= VOID_NON_FINITE;
+            status.rejected |= REJECTED_NON_FINITE;
         }
     }
     status.collided = 0;

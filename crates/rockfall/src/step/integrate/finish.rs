@@ -29,7 +29,7 @@ pub(crate) const STAGE: Stage = Stage {
         read("y2", Buffer::Y2),
         write("y3", Buffer::Y3),
         write("start", Buffer::Start),
-        read("words", Buffer::Words),
+        read("topology", Buffer::Topology),
         read("lists", Buffer::Lists),
         read("wrenches", Buffer::Wrenches),
         write("status", Buffer::Status),
@@ -39,7 +39,7 @@ pub(crate) const STAGE: Stage = Stage {
 };
 
 fn finish(world: &mut World, _pass: u32) {
-    if world.status.void != 0 {
+    if world.status.rejected != 0 {
         return;
     }
     let done = finish_all(world);
@@ -63,7 +63,7 @@ pub(super) struct Done {
 /// Makes the new state of all spheres.
 pub(super) fn finish_all(world: &mut World) -> Vec<Done> {
     let [start, y2, y3, y4] = &mut world.states;
-    let views = [&*y2, y3, y4].map(|state| View::new(&world.step, &world.words, state));
+    let views = [&*y2, y3, y4].map(|state| View::new(&world.step, &world.topology, state));
     let lists = Lists::new(&world.step, &world.lists);
     let mut all = vec![Done::default(); world.step.spheres as usize];
     let tally = Rows::of(start, world.step.spheres)
@@ -79,7 +79,7 @@ pub(super) fn finish_all(world: &mut World) -> Vec<Done> {
             tally
         })
         .reduce(Tally::default, Tally::merge);
-    tally.tell(&mut world.status);
+    tally.add_to(&mut world.status);
     all
 }
 

@@ -21,7 +21,7 @@ pub(crate) const STAGE: Stage = Stage {
         read("y2", Buffer::Y2),
         read("y3", Buffer::Y3),
         write("start", Buffer::Start),
-        read("words", Buffer::Words),
+        read("topology", Buffer::Topology),
         read("lists", Buffer::Lists),
         write("orientations", Buffer::Orientations),
         write("status", Buffer::Status),
@@ -31,7 +31,7 @@ pub(crate) const STAGE: Stage = Stage {
 };
 
 fn finish_and_turn(world: &mut World, _pass: u32) {
-    if world.status.void != 0 {
+    if world.status.rejected != 0 {
         return;
     }
     let done = finish_all(world);

@@ -13,7 +13,7 @@ fn check_escapes(i: u32, start: vec4f, velocity: vec3f, last: vec3f) {
         ratio = max(ratio, escape_ratio(second, start.w, aabb));
     }
     if ratio > 0.0 {
-        tell_escape(ratio);
+        report_escape(ratio);
     }
 }
 

@@ -14,17 +14,17 @@ use crate::step::wgsl::{Wgsl, part};
 pub(crate) const STAGE: Stage = Stage {
     name: "restore_lengths",
     wgsl: Wgsl::File(part!("step/integrate/restore_lengths.wgsl")),
-    bindings: &[write("state", Buffer::Start), read("words", Buffer::Words), read("status", Buffer::Status)],
+    bindings: &[write("state", Buffer::Start), read("topology", Buffer::Topology), read("status", Buffer::Status)],
     threads: Threads::Batches,
     cpu: restore_lengths,
 };
 
 fn restore_lengths(world: &mut World, _pass: u32) {
-    if world.status.void != 0 || world.status.lengths_due == 0 {
+    if world.status.rejected != 0 || world.status.lengths_due == 0 {
         return;
     }
-    let World { step, words, states, .. } = world;
+    let World { step, topology, states, .. } = world;
     for batch in 0..step.batches {
-        Batch::new(step, words, batch).sweep(step, &mut states[0], |ends, _| along_axis(ends));
+        Batch::new(step, topology, batch).sweep(step, &mut states[0], |ends, _| along_axis(ends));
     }
 }

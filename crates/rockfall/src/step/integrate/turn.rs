@@ -31,7 +31,7 @@ pub(crate) const STAGE: Stage = Stage {
         write("state", Buffer::Start),
         read("y3", Buffer::Y3),
         write("orientations", Buffer::Orientations),
-        read("words", Buffer::Words),
+        read("topology", Buffer::Topology),
         read("status", Buffer::Status),
     ],
     threads: Threads::Spheres,
@@ -39,13 +39,13 @@ pub(crate) const STAGE: Stage = Stage {
 };
 
 fn turn(world: &mut World, _pass: u32) {
-    if world.status.void != 0 {
+    if world.status.rejected != 0 {
         return;
     }
-    let World { step, words, states: [state, _, memory, _], orientations, .. } = world;
+    let World { step, topology, states: [state, _, memory, _], orientations, .. } = world;
     let n = step.spheres as usize;
     for sphere in 0..step.spheres {
-        let view = View::new(step, words, state);
+        let view = View::new(step, topology, state);
         match view.capsule_of(sphere).map(|rod| view.rod(rod).ends) {
             // The first end turns both.
             Some(ends) if ends[0] == sphere => {

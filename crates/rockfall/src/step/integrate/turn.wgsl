@@ -3,7 +3,7 @@
 @group(0) @binding(2) var<storage, read_write> state: array<vec4f>;
 @group(0) @binding(3) var<storage, read> y3: array<vec4f>;
 @group(0) @binding(4) var<storage, read_write> orientations: array<vec4f>;
-@group(0) @binding(5) var<storage, read> words: array<u32>;
+@group(0) @binding(5) var<storage, read> topology: array<u32>;
 @group(0) @binding(6) var<storage, read> status: Status;
 
 // The shortest rotation of one unit vector to another; of opposite ones about any axis across them.
@@ -98,7 +98,7 @@ fn turn(
     @builtin(local_invocation_index) local: u32,
 ) {
     let i = linear_thread(group, groups, local);
-    if (i >= step.spheres) | (status.void != 0u) {
+    if (i >= step.spheres) | (status.rejected != 0u) {
         return;
     }
     let rod = free_capsule(i);

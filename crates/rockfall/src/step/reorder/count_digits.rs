@@ -24,7 +24,7 @@ pub(crate) const STAGE: Stage = Stage {
 };
 
 fn count_digits(world: &mut World, pass: u32) {
-    if world.status.void != 0 {
+    if world.status.rejected != 0 {
         return;
     }
     let pairs: &[[u32; 2]] = cast_slice(&world.states[1 + pass as usize % 2]);

@@ -22,7 +22,7 @@ pub(crate) const STAGE: Stage = Stage {
 };
 
 fn key_spheres(world: &mut World, _pass: u32) {
-    if world.status.void != 0 {
+    if world.status.rejected != 0 {
         return;
     }
     let n = world.step.spheres;

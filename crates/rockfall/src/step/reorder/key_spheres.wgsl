@@ -27,7 +27,7 @@ fn key_spheres(
     @builtin(local_invocation_index) local: u32,
 ) {
     let i = linear_thread(group, groups, local);
-    if (i >= step.spheres) | (status.void != 0u) {
+    if (i >= step.spheres) | (status.rejected != 0u) {
         return;
     }
     let ball = state[i];

@@ -20,7 +20,7 @@ pub(crate) const STAGE: Stage = Stage {
 };
 
 fn measure_order(world: &mut World, _pass: u32) {
-    if world.status.void != 0 {
+    if world.status.rejected != 0 {
         return;
     }
     let spheres = world.step.spheres;

@@ -36,7 +36,7 @@ fn measure_order(
     }
     workgroupBarrier();
     let sampled = i % (1u + step.spheres / ORDER_SAMPLE) == 0u;
-    if (i < step.spheres) & sampled & (atomicLoad(&status.void) == 0u) {
+    if (i < step.spheres) & sampled & (atomicLoad(&status.rejected) == 0u) {
         measure(i);
     }
     workgroupBarrier();

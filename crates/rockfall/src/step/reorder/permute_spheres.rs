@@ -19,7 +19,7 @@ pub(crate) const STAGE: Stage = Stage {
         read("start", Buffer::Start),
         read("pairs", Buffer::Y2),
         read("orientations", Buffer::Orientations),
-        read("words", Buffer::Words),
+        read("topology", Buffer::Topology),
         write("y3", Buffer::Y3),
         write("y4", Buffer::Y4),
         read("status", Buffer::Status),
@@ -29,14 +29,14 @@ pub(crate) const STAGE: Stage = Stage {
 };
 
 fn permute_spheres(world: &mut World, _pass: u32) {
-    if world.status.void != 0 {
+    if world.status.rejected != 0 {
         return;
     }
-    let World { step, words, states: [start, y2, y3, y4], orientations, .. } = world;
+    let World { step, topology, states: [start, y2, y3, y4], orientations, .. } = world;
     let n = step.spheres as usize;
     let pairs: &[[u32; 2]] = cast_slice(y2);
     let memory: &mut [[u32; 4]] = cast_slice_mut(y4);
-    let word = |at: u32, place: usize| words[at as usize + place];
+    let word = |at: u32, place: usize| topology[at as usize + place];
     for (slot, [_, old]) in pairs[..n].iter().enumerate() {
         let old = *old as usize;
         for region in 0..3 {
@@ -47,7 +47,7 @@ fn permute_spheres(world: &mut World, _pass: u32) {
             at => [word(at, 2 * old), word(at, 2 * old + 1)],
         };
         memory[slot] = orientations[old].to_array().map(f32::to_bits);
-        memory[n + slot] = [word(step.tags_at, old), word(step.users_at, old), attached[0], attached[1]];
+        memory[n + slot] = [word(step.tags_at, old), word(step.insertion_indices_at, old), attached[0], attached[1]];
         let end = if step.ends_at == 0 { 0 } else { word(step.ends_at, old) };
         memory[2 * n + old] = [slot as u32, end, 0, 0];
     }

@@ -4,7 +4,7 @@
 @group(0) @binding(2) var<storage, read> start: array<vec4u>;
 @group(0) @binding(3) var<storage, read> pairs: array<vec2u>;
 @group(0) @binding(4) var<storage, read> orientations: array<vec4u>;
-@group(0) @binding(5) var<storage, read> words: array<u32>;
+@group(0) @binding(5) var<storage, read> topology: array<u32>;
 @group(0) @binding(6) var<storage, read_write> y3: array<vec4u>;
 @group(0) @binding(7) var<storage, read_write> y4: array<vec4u>;
 @group(0) @binding(8) var<storage, read> status: Status;
@@ -16,7 +16,7 @@ fn permute_spheres(
     @builtin(local_invocation_index) local: u32,
 ) {
     let i = linear_thread(group, groups, local);
-    if (i >= step.spheres) | (status.void != 0u) {
+    if (i >= step.spheres) | (status.rejected != 0u) {
         return;
     }
     let from_ = pairs[i].y;
@@ -25,13 +25,13 @@ fn permute_spheres(
     }
     var attached = vec2u(0u);
     if step.adjacency_at != 0u {
-        attached = vec2u(words[step.adjacency_at + 2u * from_], words[step.adjacency_at + 2u * from_ + 1u]);
+        attached = vec2u(topology[step.adjacency_at + 2u * from_], topology[step.adjacency_at + 2u * from_ + 1u]);
     }
     var end = 0u;
     if step.ends_at != 0u {
-        end = words[step.ends_at + from_];
+        end = topology[step.ends_at + from_];
     }
     y4[i] = orientations[from_];
-    y4[step.spheres + i] = vec4u(words[step.tags_at + from_], words[step.users_at + from_], attached);
+    y4[step.spheres + i] = vec4u(topology[step.tags_at + from_], topology[step.insertion_indices_at + from_], attached);
     y4[2u * step.spheres + from_] = vec4u(i, end, 0u, 0u);
 }

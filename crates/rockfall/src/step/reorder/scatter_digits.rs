@@ -26,7 +26,7 @@ pub(crate) const STAGE: Stage = Stage {
 };
 
 fn scatter_digits(world: &mut World, pass: u32) {
-    if world.status.void != 0 {
+    if world.status.rejected != 0 {
         return;
     }
     let [_, y2, y3, _] = &mut world.states;

@@ -13,7 +13,7 @@ fn scatter_digits(
 ) {
     let block = linear_group(group, groups);
     // The same for all threads of the workgroup.
-    if (block * DIGIT_BLOCK >= step.spheres) | (status.void != 0u) {
+    if (block * DIGIT_BLOCK >= step.spheres) | (status.rejected != 0u) {
         return;
     }
     count_run(block, local);

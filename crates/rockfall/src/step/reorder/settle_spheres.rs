@@ -20,7 +20,7 @@ pub(crate) const STAGE: Stage = Stage {
         read("y3", Buffer::Y3),
         read("y4", Buffer::Y4),
         write("orientations", Buffer::Orientations),
-        write("words", Buffer::Words),
+        write("topology", Buffer::Topology),
         read("status", Buffer::Status),
     ],
     threads: Threads::Spheres,
@@ -28,19 +28,19 @@ pub(crate) const STAGE: Stage = Stage {
 };
 
 fn settle_spheres(world: &mut World, _pass: u32) {
-    if world.status.void != 0 {
+    if world.status.rejected != 0 {
         return;
     }
-    let World { step, words, states: [start, _, y3, y4], orientations, .. } = world;
+    let World { step, topology, states: [start, _, y3, y4], orientations, .. } = world;
     let n = step.spheres as usize;
     let memory: &[[u32; 4]] = cast_slice(y4);
     start.copy_from_slice(y3);
     let records = memory[..n].iter().zip(&memory[n..2 * n]);
     for (slot, (orientation, [tag, user, begin, end])) in records.enumerate() {
         orientations[slot] = Vec4::from_array(orientation.map(f32::from_bits));
-        let mut set = |at: u32, place: usize, word: u32| words[at as usize + place] = word;
+        let mut set = |at: u32, place: usize, word: u32| topology[at as usize + place] = word;
         set(step.tags_at, slot, *tag);
-        set(step.users_at, slot, *user);
+        set(step.insertion_indices_at, slot, *user);
         set(step.slots_at, *user as usize, slot as u32);
         if step.adjacency_at != 0 {
             set(step.adjacency_at, 2 * slot, *begin);
@@ -49,7 +49,7 @@ fn settle_spheres(world: &mut World, _pass: u32) {
     }
     if step.ends_at != 0 {
         for [slot, end, ..] in &memory[2 * n..3 * n] {
-            words[(step.ends_at + slot) as usize] = *end;
+            topology[(step.ends_at + slot) as usize] = *end;
         }
     }
     // Records that begin with so many spheres.
@@ -59,7 +59,7 @@ fn settle_spheres(world: &mut World, _pass: u32) {
         (step.tethers_at, step.forces_at, TETHER_WORDS, 1),
     ];
     for (first, end, size, spheres) in referring {
-        for record in words[first as usize..end as usize].chunks_exact_mut(size as usize) {
+        for record in topology[first as usize..end as usize].chunks_exact_mut(size as usize) {
             record[..spheres].iter_mut().for_each(|sphere| *sphere = memory[2 * n + *sphere as usize][0]);
         }
     }

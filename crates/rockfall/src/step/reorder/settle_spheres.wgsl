@@ -4,12 +4,12 @@
 @group(0) @binding(3) var<storage, read> y3: array<vec4u>;
 @group(0) @binding(4) var<storage, read> y4: array<vec4u>;
 @group(0) @binding(5) var<storage, read_write> orientations: array<vec4u>;
-@group(0) @binding(6) var<storage, read_write> words: array<u32>;
+@group(0) @binding(6) var<storage, read_write> topology: array<u32>;
 @group(0) @binding(7) var<storage, read> status: Status;
 
 // Where the sphere went that a word refers to.
 fn follow(at: u32) {
-    words[at] = y4[2u * step.spheres + words[at]].x;
+    topology[at] = y4[2u * step.spheres + topology[at]].x;
 }
 
 // What refers to spheres, shared out among their threads.
@@ -34,7 +34,7 @@ fn settle_spheres(
     @builtin(local_invocation_index) local: u32,
 ) {
     let i = linear_thread(group, groups, local);
-    if (i >= step.spheres) | (status.void != 0u) {
+    if (i >= step.spheres) | (status.rejected != 0u) {
         return;
     }
     for (var region = 0u; region < 3u; region++) {
@@ -42,16 +42,16 @@ fn settle_spheres(
     }
     orientations[i] = y4[i];
     let own = y4[step.spheres + i];
-    words[step.tags_at + i] = own.x;
-    words[step.users_at + i] = own.y;
-    words[step.slots_at + own.y] = i;
+    topology[step.tags_at + i] = own.x;
+    topology[step.insertion_indices_at + i] = own.y;
+    topology[step.slots_at + own.y] = i;
     if step.adjacency_at != 0u {
-        words[step.adjacency_at + 2u * i] = own.z;
-        words[step.adjacency_at + 2u * i + 1u] = own.w;
+        topology[step.adjacency_at + 2u * i] = own.z;
+        topology[step.adjacency_at + 2u * i + 1u] = own.w;
     }
     if step.ends_at != 0u {
         let moved = y4[2u * step.spheres + i];
-        words[step.ends_at + moved.x] = moved.y;
+        topology[step.ends_at + moved.x] = moved.y;
     }
     follow_all(i);
 }

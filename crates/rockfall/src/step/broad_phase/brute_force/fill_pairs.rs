@@ -18,7 +18,7 @@ pub(crate) const STAGE: Stage = Stage {
 };
 
 fn fill_pairs(world: &mut World, _pass: u32) {
-    if world.status.void != 0 || world.status.rebuild == 0 {
+    if world.status.rejected != 0 || world.status.rebuild == 0 {
         return;
     }
     let (step, aabbs) = (&world.step, &world.aabbs);

@@ -15,7 +15,7 @@ fn fill_pairs(
     @builtin(num_workgroups) groups: vec3u,
     @builtin(local_invocation_index) local: u32,
 ) {
-    if (status.void != 0u) | (status.rebuild == 0u) {
+    if (status.rejected != 0u) | (status.rebuild == 0u) {
         return;
     }
     emit_pairs(linear_thread(group, groups, local), local);

@@ -16,7 +16,7 @@ fn places_of(pair: u32, bits: u32, mirrored: bool) -> vec2u {
 }
 
 fn compare_in_list(keys: u32, bits: u32, mirrored: bool, local: u32) {
-    for (var pair = local; 2u * pair < keys + (2u << bits); pair += TEAM) {
+    for (var pair = local; 2u * pair < keys + (2u << bits); pair += GROUP_SIZE) {
         let places = places_of(pair, bits, mirrored);
         if places.y < keys {
             let low = lists[into.x + places.x][into.y];
@@ -31,7 +31,7 @@ fn compare_in_list(keys: u32, bits: u32, mirrored: bool, local: u32) {
 }
 
 fn compare_in_tile(keys: u32, bits: u32, mirrored: bool, local: u32) {
-    for (var pair = local; 2u * pair < keys + (2u << bits); pair += TEAM) {
+    for (var pair = local; 2u * pair < keys + (2u << bits); pair += GROUP_SIZE) {
         let places = places_of(pair, bits, mirrored);
         if places.y < keys {
             let low = tile[places.x];
@@ -48,7 +48,7 @@ fn order_tiles(first_round: u32, last_round: u32, local: u32) {
     let keys = workgroupUniformLoad(&count);
     for (var first = 0u; first < keys; first += TILE) {
         let there = min(TILE, keys - first);
-        for (var k = local; k < there; k += TEAM) {
+        for (var k = local; k < there; k += GROUP_SIZE) {
             tile[k] = lists[into.x + first + k][into.y];
         }
         workgroupBarrier();
@@ -57,7 +57,7 @@ fn order_tiles(first_round: u32, last_round: u32, local: u32) {
                 compare_in_tile(there, bits - 1u, bits == round, local);
             }
         }
-        for (var k = local; k < there; k += TEAM) {
+        for (var k = local; k < there; k += GROUP_SIZE) {
             lists[into.x + first + k][into.y] = tile[k];
         }
         workgroupBarrier();

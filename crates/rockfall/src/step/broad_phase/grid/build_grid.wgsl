@@ -7,8 +7,8 @@
 @group(0) @binding(5) var<storage, read_write> status: Status;
 
 // One workgroup does it all, so it is as large as WebGPU promises.
-const TEAM: u32 = 256u;
-const OWN: u32 = CELL_BLOCK / TEAM;
+const GROUP_SIZE: u32 = 256u;
+const OWN: u32 = CELL_BLOCK / GROUP_SIZE;
 
 var<workgroup> due: u32;
 
@@ -21,7 +21,7 @@ fn place_cells(local: u32) {
     }
     sums[local] = own;
     scan_sums(local);
-    if local == TEAM - 1u {
+    if local == GROUP_SIZE - 1u {
         for (var k = 0u; k < SUM_WORDS; k++) {
             atomicStore(&cells[step.sums_at + k], select(0u, sums[local], k == 0u));
         }
@@ -35,7 +35,7 @@ fn place_cells(local: u32) {
 @compute @workgroup_size(256)
 fn build_grid(@builtin(local_invocation_index) local: u32) {
     if local == 0u {
-        due = select(0u, status.rebuild, status.void == 0u);
+        due = select(0u, status.rebuild, status.rejected == 0u);
         atomicStore(&cells[1], due);
         if due != 0u {
             atomicStore(&cells[0], 0u);
@@ -50,21 +50,21 @@ fn build_grid(@builtin(local_invocation_index) local: u32) {
         atomicStore(&cells[EDGES_AT + local], 0u);
         atomicStore(&cells[FARTHEST_AT + local], 0u);
     }
-    for (var k = local; k < CELL_BLOCK; k += TEAM) {
+    for (var k = local; k < CELL_BLOCK; k += GROUP_SIZE) {
         atomicStore(&cells[CELLS_AT + k], 0u);
     }
     storageBarrier();
-    for (var object = local; object < objects(); object += TEAM) {
+    for (var object = local; object < objects(); object += GROUP_SIZE) {
         count_object(object);
     }
     storageBarrier();
     place_cells(local);
     storageBarrier();
-    for (var object = local; object < objects(); object += TEAM) {
+    for (var object = local; object < objects(); object += GROUP_SIZE) {
         place_object(object);
     }
     workgroupBarrier();
-    tell_levels(local);
+    record_levels(local);
     if local == 0u {
         status.pair_rows_needed = 0u;
     }

@@ -17,7 +17,7 @@ pub(crate) const STAGE: Stage = Stage {
 };
 
 fn clear_cells(world: &mut World, _pass: u32) {
-    world.cells[1] = if world.status.void == 0 { world.status.rebuild } else { 0 };
+    world.cells[1] = if world.status.rejected == 0 { world.status.rebuild } else { 0 };
     if world.cells[1] == 0 {
         return;
     }

@@ -10,7 +10,7 @@ fn count_cells(
     @builtin(num_workgroups) groups: vec3u,
     @builtin(local_invocation_index) local: u32,
 ) {
-    if (status.rebuild == 0u) | (status.void != 0u) {
+    if (status.rebuild == 0u) | (status.rejected != 0u) {
         return;
     }
     let object = wide_thread(group, groups, local);
@@ -20,5 +20,5 @@ fn count_cells(
         count_object(object);
     }
     workgroupBarrier();
-    tell_levels(local);
+    record_levels(local);
 }

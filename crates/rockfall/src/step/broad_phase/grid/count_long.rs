@@ -21,7 +21,7 @@ pub(crate) const STAGE: Stage = Stage {
         read("cells", Buffer::Cells),
         read("extents", Buffer::Extents),
         write("lists", Buffer::Lists),
-        read("words", Buffer::Words),
+        read("topology", Buffer::Topology),
     ],
     threads: Threads::LongMovers,
     cpu: count_long,

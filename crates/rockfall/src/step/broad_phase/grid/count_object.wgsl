@@ -45,7 +45,7 @@ fn count_object(object: u32) {
 }
 
 // Once all objects of the workgroup are counted. Most workgroups find that others have told as much, and to look takes less.
-fn tell_levels(local: u32) {
+fn record_levels(local: u32) {
     if local == 0u {
         let mine = atomicLoad(&levels);
         if (mine & ~atomicLoad(&cells[0])) != 0u {

@@ -9,7 +9,7 @@ use crate::model::buffer::Buffer;
 use crate::model::dispatch::Threads;
 use crate::model::layout::SLICE;
 use crate::model::lists::{put_in_order, slot};
-use crate::model::status::{VOID_COUNT, VOID_PAIRS};
+use crate::model::status::{REJECTED_COUNT, REJECTED_PAIRS};
 use crate::model::view::View;
 use crate::model::world::World;
 use crate::step::broad_phase::grid::cells::{Around, Grid};
@@ -25,7 +25,7 @@ pub(crate) const STAGE: Stage = Stage {
         read("cells", Buffer::Cells),
         read("extents", Buffer::Extents),
         write("lists", Buffer::Lists),
-        read("words", Buffer::Words),
+        read("topology", Buffer::Topology),
         read("status", Buffer::Status),
     ],
     threads: Threads::LongMovers,
@@ -37,9 +37,9 @@ fn fill_long(world: &mut World, _pass: u32) {
         return;
     }
     let step = &world.step;
-    let view = View::new(step, &world.words, &world.states[0]);
+    let view = View::new(step, &world.topology, &world.states[0]);
     let grid = Grid::new(step, &world.aabbs, &world.cells, &world.extents);
-    let fits = world.status.void & (VOID_PAIRS | VOID_COUNT) == 0;
+    let fits = world.status.rejected & (REJECTED_PAIRS | REJECTED_COUNT) == 0;
     let found: Vec<Vec<u32>> = grid
         .long_movers()
         .par_iter()

@@ -5,7 +5,7 @@
 @group(0) @binding(3) var<storage, read> cells: array<u32>;
 @group(0) @binding(4) var<storage, read> extents: array<vec4f>;
 @group(0) @binding(5) var<storage, read_write> lists: array<array<u32, SLICE>>;
-@group(0) @binding(6) var<storage, read> words: array<u32>;
+@group(0) @binding(6) var<storage, read> topology: array<u32>;
 @group(0) @binding(7) var<storage, read> status: Status;
 
 // Slot of the first entry.
@@ -31,7 +31,7 @@ fn drop_doubles(local: u32) -> u32 {
     let keys = workgroupUniformLoad(&count);
     var kept = 0u;
     var last = NONE;
-    for (var first = 0u; first < keys; first += TEAM) {
+    for (var first = 0u; first < keys; first += GROUP_SIZE) {
         var key = NONE;
         if first + local < keys {
             key = lists[into.x + first + local][into.y];
@@ -48,8 +48,8 @@ fn drop_doubles(local: u32) -> u32 {
         if is_kept {
             lists[into.x + kept + sums[local] - 1u][into.y] = entry_of(key);
         }
-        last = tile[TEAM - 1u];
-        kept += sums[TEAM - 1u];
+        last = tile[GROUP_SIZE - 1u];
+        kept += sums[GROUP_SIZE - 1u];
         workgroupBarrier();
     }
     return kept;
@@ -64,7 +64,7 @@ fn fill_long(
     if cells[1] == 0u {
         return;
     }
-    let fits = (status.void & (VOID_PAIRS | VOID_COUNT)) == 0u;
+    let fits = (status.rejected & (REJECTED_PAIRS | REJECTED_COUNT)) == 0u;
     for (var turn = linear_group(group, groups); turn < long_movers(); turn += groups.x * groups.y) {
         let mover = long_mover(turn);
         if local == 0u {

@@ -13,7 +13,7 @@ use crate::model::dispatch::Threads;
 use crate::model::layout::GRAIN;
 use crate::model::layout::SLICE;
 use crate::model::lists::{put_in_order, slices};
-use crate::model::status::{LISTS_MADE, VOID_COUNT, VOID_PAIRS};
+use crate::model::status::{REBUILD_DONE, REJECTED_COUNT, REJECTED_PAIRS};
 use crate::model::view::View;
 use crate::model::world::World;
 use crate::step::broad_phase::grid::cells::{Around, Grid};
@@ -29,7 +29,7 @@ pub(crate) const STAGE: Stage = Stage {
         read("cells", Buffer::Cells),
         read("extents", Buffer::Extents),
         write("lists", Buffer::Lists),
-        read("words", Buffer::Words),
+        read("topology", Buffer::Topology),
         write("status", Buffer::Status),
     ],
     threads: Threads::Movers,
@@ -43,7 +43,7 @@ fn find_neighbours(world: &mut World, _pass: u32) {
     if world.cells[1] == 0 {
         return;
     }
-    let view = View::new(&world.step, &world.words, &world.states[0]);
+    let view = View::new(&world.step, &world.topology, &world.states[0]);
     let grid = Grid::new(&world.step, &world.aabbs, &world.cells, &world.extents);
     let is_long = |mover: u32| grid.is_long(&world.aabbs[mover as usize]);
     let movers = world.step.spheres + world.step.rods;
@@ -65,7 +65,7 @@ fn find_neighbours(world: &mut World, _pass: u32) {
         .collect();
 
     let (step, status) = (&world.step, &mut world.status);
-    status.rebuild = LISTS_MADE;
+    status.rebuild = REBUILD_DONE;
     let (counts, offsets) = world.lists.split_at_mut(step.slices_at as usize);
     for ((found, counts), offset) in found.iter().zip(counts.chunks_mut(SLICE as usize)).zip(offsets) {
         counts.copy_from_slice(&found.counts);
@@ -74,13 +74,13 @@ fn find_neighbours(world: &mut World, _pass: u32) {
         let (needed, wrapped) = offset.overflowing_add(longest);
         status.pair_rows_needed = needed;
         if wrapped {
-            status.void |= VOID_COUNT;
+            status.rejected |= REJECTED_COUNT;
         }
         if needed > step.pair_rows {
-            status.void |= VOID_PAIRS;
+            status.rejected |= REJECTED_PAIRS;
         }
     }
-    if status.void & (VOID_PAIRS | VOID_COUNT) != 0 {
+    if status.rejected & (REJECTED_PAIRS | REJECTED_COUNT) != 0 {
         counts.fill(0);
         return;
     }

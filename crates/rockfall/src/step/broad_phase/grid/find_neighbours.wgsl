@@ -6,7 +6,7 @@
 @group(0) @binding(3) var<storage, read> cells: array<u32>;
 @group(0) @binding(4) var<storage, read> extents: array<vec4f>;
 @group(0) @binding(5) var<storage, read_write> lists: array<array<u32, SLICE>>;
-@group(0) @binding(6) var<storage, read> words: array<u32>;
+@group(0) @binding(6) var<storage, read> topology: array<u32>;
 @group(0) @binding(7) var<storage, read_write> status: StatusAtomic;
 
 // So many objects are put in order at once.
@@ -70,7 +70,7 @@ var<private> own_aabb: Aabb;
 fn key_of(mover: u32, place: u32) -> u32 {
     let id = id_at(ids[run_at + place]);
     ids[run_at + place] = id;
-    let key = user_of(id) << PLACE_BITS | (place & PLACE_MASK);
+    let key = insertion_index(id) << PLACE_BITS | (place & PLACE_MASK);
     let is_other = (place < in_run) & (id != mover);
     if RODS {
         return select(NONE, key, is_other & aabbs_meet(own_aabb, aabbs[id]));
@@ -191,10 +191,10 @@ fn allot(slice: u32, rows: u32) -> u32 {
     let offset = atomicAdd(&status.pair_rows_needed, rows);
     put_head(step.slices_at + slice, offset);
     if offset + rows > step.pair_rows {
-        atomicOr(&status.void, VOID_PAIRS);
+        atomicOr(&status.rejected, REJECTED_PAIRS);
     }
     if offset + rows < offset {
-        atomicOr(&status.void, VOID_COUNT);
+        atomicOr(&status.rejected, REJECTED_COUNT);
     }
     return select(offset, NONE, (offset + rows > step.pair_rows) | (offset + rows < offset));
 }
@@ -202,7 +202,7 @@ fn allot(slice: u32, rows: u32) -> u32 {
 // The index in order of addition of the next object of a run of which so many are taken already; NONE: there is none.
 fn head_of_run(run: u32, taken: u32) -> u32 {
     let id = ids[run * SHORT + min(taken, SHORT - 1u)];
-    return select(NONE, user_of(id), taken < kept_of[run]);
+    return select(NONE, insertion_index(id), taken < kept_of[run]);
 }
 
 // Writes a list of which the runs are in order. An object may stand in several of them.
@@ -253,7 +253,7 @@ fn find_neighbours(
     }
     let mover = linear_thread(group, groups, local);
     if mover == 0u {
-        atomicStore(&status.rebuild, LISTS_MADE);
+        atomicStore(&status.rebuild, REBUILD_DONE);
     }
     let slice = local / SLICE;
     if local < WORKGROUP / SLICE {

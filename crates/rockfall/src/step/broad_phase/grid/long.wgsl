@@ -2,7 +2,7 @@
 
 // Long movers: a workgroup works on each. The workgroups take turns: how many long movers there are is known on the device alone.
 
-const TEAM: u32 = 256u;
+const GROUP_SIZE: u32 = 256u;
 
 fn long_movers() -> u32 {
     return min(cells[3], step.spheres + step.rods);

@@ -74,7 +74,7 @@ fn may_meet(a: u32, b: u32) -> bool {
         if (step.flags & FLAG_GROUPS) == 0u {
             return true;
         }
-        return ((words[step.tags_at + a] ^ words[step.tags_at + b]) & 0xffffu) == 0u;
+        return ((topology[step.tags_at + a] ^ topology[step.tags_at + b]) & 0xffffu) == 0u;
     }
     return aabbs_meet(aabbs[a], aabbs[b]);
 }

@@ -14,13 +14,13 @@ use crate::step::wgsl::{Wgsl, part};
 pub(crate) const STAGE: Stage = Stage {
     name: "plan_lists",
     wgsl: Wgsl::File(part!("step/broad_phase/grid/plan_lists.wgsl")),
-    bindings: &[write("sizes", Buffer::Sizes), read("status", Buffer::Status)],
+    bindings: &[write("dispatch_sizes", Buffer::DispatchSizes), read("status", Buffer::Status)],
     threads: Threads::One,
     cpu: plan_lists,
 };
 
 fn plan_lists(world: &mut World, _pass: u32) {
-    let is_due = world.status.rebuild != 0 && world.status.void == 0;
+    let is_due = world.status.rebuild != 0 && world.status.rejected == 0;
     let (present, all) = world.sizes.split_at_mut(SIZE_WORDS as usize);
     if is_due {
         present.copy_from_slice(all);

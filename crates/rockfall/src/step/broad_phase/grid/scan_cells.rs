@@ -27,7 +27,7 @@ fn blocks(world: &mut World) -> impl Iterator<Item = (&mut [u32], &mut [u32])> {
 }
 
 fn sum_blocks(world: &mut World, _pass: u32) {
-    if world.status.rebuild == 0 || world.status.void != 0 {
+    if world.status.rebuild == 0 || world.status.rejected != 0 {
         return;
     }
     for (cells, sum) in blocks(world) {
@@ -38,7 +38,7 @@ fn sum_blocks(world: &mut World, _pass: u32) {
 }
 
 fn place_cells(world: &mut World, _pass: u32) {
-    if world.status.rebuild == 0 || world.status.void != 0 {
+    if world.status.rebuild == 0 || world.status.rejected != 0 {
         return;
     }
     let mut before = 0_u32;

@@ -5,8 +5,8 @@
 @group(0) @binding(3) var<storage, read> status: Status;
 
 // Threads that share out a block: TILES times a row each.
-const TEAM: u32 = 256u;
-const TILES: u32 = CELL_BLOCK / (4u * TEAM);
+const GROUP_SIZE: u32 = 256u;
+const TILES: u32 = CELL_BLOCK / (4u * GROUP_SIZE);
 
 fn total(row: vec4u) -> u32 {
     return row.x + row.y + row.z + row.w;
@@ -29,16 +29,16 @@ fn sum_blocks(
 ) {
     let block = linear_group(group, groups);
     // The same for all threads of the workgroup.
-    if (status.rebuild == 0u) | (status.void != 0u) | (block * CELL_BLOCK >= step.cells) {
+    if (status.rebuild == 0u) | (status.rejected != 0u) | (block * CELL_BLOCK >= step.cells) {
         return;
     }
     var own = vec4u(0u);
     for (var tile = 0u; tile < TILES; tile++) {
-        own += cells[first_row(block) + tile * TEAM + local];
+        own += cells[first_row(block) + tile * GROUP_SIZE + local];
     }
     sums[local] = total(own);
     scan_sums(local);
-    if local == TEAM - 1u {
+    if local == GROUP_SIZE - 1u {
         cells[sum_row(block)] = vec4u(sums[local], 0u, 0u, 0u);
     }
 }
@@ -46,12 +46,12 @@ fn sum_blocks(
 // Objects in all blocks before one. Every block adds them up for itself, which takes less time than one more dispatch.
 fn sum_before(block: u32, local: u32) -> u32 {
     var sum = 0u;
-    for (var k = local; k < block; k += TEAM) {
+    for (var k = local; k < block; k += GROUP_SIZE) {
         sum += cells[sum_row(k)].x;
     }
     sums[local] = sum;
     scan_sums(local);
-    let all = sums[TEAM - 1u];
+    let all = sums[GROUP_SIZE - 1u];
     workgroupBarrier();
     return all;
 }
@@ -63,18 +63,18 @@ fn place_cells(
     @builtin(local_invocation_index) local: u32,
 ) {
     let block = linear_group(group, groups);
-    if (status.rebuild == 0u) | (status.void != 0u) | (block * CELL_BLOCK >= step.cells) {
+    if (status.rebuild == 0u) | (status.rejected != 0u) | (block * CELL_BLOCK >= step.cells) {
         return;
     }
     var before = sum_before(block, local);
     for (var tile = 0u; tile < TILES; tile++) {
-        let at = first_row(block) + tile * TEAM + local;
+        let at = first_row(block) + tile * GROUP_SIZE + local;
         let counts = cells[at];
         sums[local] = total(counts);
         scan_sums(local);
         let own = before + sums[local] - total(counts);
         cells[at] = vec4u(own) + vec4u(0u, counts.x, counts.x + counts.y, counts.x + counts.y + counts.z);
-        before += sums[TEAM - 1u];
+        before += sums[GROUP_SIZE - 1u];
         workgroupBarrier();
     }
 }

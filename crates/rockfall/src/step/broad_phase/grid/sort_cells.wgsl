@@ -12,7 +12,7 @@ fn sort_cells(
     @builtin(local_invocation_index) local: u32,
 ) {
     let object = wide_thread(group, groups, local);
-    if (status.rebuild == 0u) | (status.void != 0u) | (object >= objects()) {
+    if (status.rebuild == 0u) | (status.rejected != 0u) | (object >= objects()) {
         return;
     }
     place_object(object);

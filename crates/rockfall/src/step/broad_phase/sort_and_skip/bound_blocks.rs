@@ -24,7 +24,7 @@ pub(crate) const STAGE: Stage = Stage {
 };
 
 fn bound_blocks(world: &mut World, _pass: u32) {
-    if world.status.rebuild == 0 || world.status.void != 0 {
+    if world.status.rebuild == 0 || world.status.rejected != 0 {
         return;
     }
     world.cells[2] = world.objects();

@@ -14,7 +14,7 @@ fn bound_blocks(
     @builtin(num_workgroups) groups: vec3u,
     @builtin(local_invocation_index) local: u32,
 ) {
-    if (status.rebuild == 0u) | (status.void != 0u) {
+    if (status.rebuild == 0u) | (status.rejected != 0u) {
         return;
     }
     let block = linear_group(group, groups);

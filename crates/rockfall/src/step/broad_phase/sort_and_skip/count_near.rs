@@ -27,7 +27,7 @@ pub(crate) const STAGE: Stage = Stage {
 };
 
 fn count_near(world: &mut World, _pass: u32) {
-    if world.status.rebuild == 0 || world.status.void != 0 {
+    if world.status.rebuild == 0 || world.status.rejected != 0 {
         return;
     }
     let World { step, cells, extents, aabbs, lists, .. } = world;

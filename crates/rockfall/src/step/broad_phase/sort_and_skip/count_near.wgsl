@@ -18,7 +18,7 @@ fn count_near(
     @builtin(num_workgroups) groups: vec3u,
     @builtin(local_invocation_index) local: u32,
 ) {
-    if (status.rebuild == 0u) | (status.void != 0u) {
+    if (status.rebuild == 0u) | (status.rejected != 0u) {
         return;
     }
     let block = linear_group(group, groups);

@@ -19,7 +19,7 @@ pub(crate) const STAGE: Stage = Stage {
         read("cells", Buffer::Cells),
         read("extents", Buffer::Extents),
         write("lists", Buffer::Lists),
-        read("words", Buffer::Words),
+        read("topology", Buffer::Topology),
         read("status", Buffer::Status),
     ],
     threads: Threads::Objects,
@@ -27,11 +27,11 @@ pub(crate) const STAGE: Stage = Stage {
 };
 
 fn fill_near(world: &mut World, _pass: u32) {
-    if world.status.rebuild == 0 || world.status.void != 0 {
+    if world.status.rebuild == 0 || world.status.rejected != 0 {
         return;
     }
-    let World { step, cells, extents, aabbs, lists, words, states, .. } = world;
-    let view = View::new(step, words, &states[0]);
+    let World { step, cells, extents, aabbs, lists, topology, states, .. } = world;
+    let view = View::new(step, topology, &states[0]);
     fill_slices(step, lists, |mover, take| {
         let mut entries = Vec::new();
         for_each_near(step, aabbs, cells, extents, mover, |entry| entries.push(entry));

@@ -5,7 +5,7 @@
 @group(0) @binding(3) var<storage, read> cells: array<u32>;
 @group(0) @binding(4) var<storage, read> extents: array<vec4f>;
 @group(0) @binding(5) var<storage, read_write> lists: array<array<u32, SLICE>>;
-@group(0) @binding(6) var<storage, read> words: array<u32>;
+@group(0) @binding(6) var<storage, read> topology: array<u32>;
 @group(0) @binding(7) var<storage, read> status: Status;
 
 var<private> count: u32;
@@ -24,7 +24,7 @@ fn fill_near(
     @builtin(num_workgroups) groups: vec3u,
     @builtin(local_invocation_index) local: u32,
 ) {
-    if (status.rebuild == 0u) | (status.void != 0u) {
+    if (status.rebuild == 0u) | (status.rejected != 0u) {
         return;
     }
     let block = linear_group(group, groups);

@@ -21,7 +21,7 @@ pub(crate) const STAGE: Stage = Stage {
 };
 
 fn sort_axis(world: &mut World, pass: u32) {
-    if world.status.rebuild == 0 || world.status.void != 0 {
+    if world.status.rebuild == 0 || world.status.rejected != 0 {
         return;
     }
     let objects = world.objects();

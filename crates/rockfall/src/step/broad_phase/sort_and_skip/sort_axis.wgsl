@@ -54,7 +54,7 @@ fn sort_axis(
     @builtin(local_invocation_index) local: u32,
 ) {
     let first = linear_group(group, groups) * BLOCK + pass_.index * WORKGROUP;
-    if (status.rebuild == 0u) | (status.void != 0u) {
+    if (status.rebuild == 0u) | (status.rejected != 0u) {
         return;
     }
     // Before the first block of pass 1 there is half a block, which stays as pass 0 left it.

@@ -6,13 +6,13 @@
 @group(0) @binding(5) var<storage, read_write> status: StatusAtomic;
 
 @compute @workgroup_size(256)
-fn commit_leap(
+fn commit_symplectic_euler(
     @builtin(workgroup_id) group: vec3u,
     @builtin(num_workgroups) groups: vec3u,
     @builtin(local_invocation_index) local: u32,
 ) {
     let i = wide_thread(group, groups, local);
-    if (i >= step.spheres) | (atomicLoad(&status.void) != 0u) {
+    if (i >= step.spheres) | (atomicLoad(&status.rejected) != 0u) {
         return;
     }
     commit(i);

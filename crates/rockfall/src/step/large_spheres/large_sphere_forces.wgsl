@@ -1,5 +1,5 @@
 // requires model/lists.wgsl model/step.wgsl physics/contact.wgsl physics/forces/net_force.wgsl physics/geometry.wgsl
-// requires step/large_spheres/ordered_sums.wgsl step/large_spheres/teams.wgsl
+// requires step/large_spheres/ordered_sums.wgsl step/large_spheres/workgroup_per_sphere.wgsl
 
 // Net forces by teams: a thread works out one contact of many, and they are added up in the order of the list.
 
@@ -7,14 +7,14 @@ fn add_contacts_together(i: u32, local: u32, net: ptr<function, Net>) {
     let own = state[position_at(i)];
     let side = sphere_side(own, state[velocity_at(i)], state[momentum_at(i)]);
     let first = first_of(i);
-    let kin = kin_of(i);
+    let partner = bonded_partner(i);
     let count = count_of(i);
     begin_sums(local);
     for (var begin = 0u; begin < count; begin += WORKGROUP) {
         var push = no_push();
         if begin + local < count {
             let entry = entry_at(slot_at(first, begin + local));
-            push = push_of(i, kin, own, side, met(entry, true));
+            push = push_of(i, partner, own, side, met(entry, true));
             count_push(i, entry, push, net);
         }
         add_in_order(local, min(count - begin, WORKGROUP), push.force, 1.0, push.couple, push.arm);
@@ -34,14 +34,14 @@ fn net_together(i: u32, local: u32) -> Net {
 
 // The net force on the sphere of a thread or of a team. All threads of a workgroup must come here.
 fn net_of(workgroup: u32, local: u32) -> Net {
-    if is_team(workgroup) {
-        if told_to_team(local, atomicLoad(&status.void)) != 0u {
+    if serves_large_sphere(workgroup) {
+        if broadcast_to_workgroup(local, atomicLoad(&status.rejected)) != 0u {
             return no_force();
         }
-        return net_together(sphere_of_team(workgroup), local);
+        return net_together(large_sphere_of(workgroup), local);
     }
     let i = mover_of(workgroup, local);
-    if (i < step.spheres) & (atomicLoad(&status.void) == 0u) {
+    if (i < step.spheres) & (atomicLoad(&status.rejected) == 0u) {
         return net_in_pass(i);
     }
     return no_force();

@@ -13,35 +13,35 @@ use crate::model::lists::Lists;
 use crate::model::state::Rows;
 use crate::model::view::View;
 use crate::model::world::World;
-use crate::physics::friction_impulses::Rubbing;
+use crate::physics::friction_impulses::FrictionImpulses;
 use crate::step::stage::{Stage, read, write};
 use crate::step::wgsl::{Wgsl, part};
 
 /// The stage.
 pub(crate) const STAGE: Stage = Stage {
-    name: "rub_contacts",
-    wgsl: Wgsl::File(part!("step/collisions/rub_contacts.wgsl")),
+    name: "apply_friction_impulses",
+    wgsl: Wgsl::File(part!("step/collisions/apply_friction_impulses.wgsl")),
     bindings: &[
         read("state", Buffer::Start),
         write("next", Buffer::Y2),
-        read("words", Buffer::Words),
+        read("topology", Buffer::Topology),
         read("lists", Buffer::Lists),
-        read("slots", Buffer::Slots),
+        read("collision_indices", Buffer::CollisionIndices),
         read("collisions", Buffer::Collisions),
         write("status", Buffer::Status),
     ],
     threads: Threads::Spheres,
-    cpu: rub_contacts,
+    cpu: apply_friction_impulses,
 };
 
-fn rub_contacts(world: &mut World, _pass: u32) {
-    if world.status.void != 0 || world.status.collided != 2 {
+fn apply_friction_impulses(world: &mut World, _pass: u32) {
+    if world.status.rejected != 0 || world.status.collided != 2 {
         return;
     }
     let [start, y2, ..] = &mut world.states;
-    let view = View::new(&world.step, &world.words, start);
+    let view = View::new(&world.step, &world.topology, start);
     let lists = Lists::new(&world.step, &world.lists);
-    let rubbing = Rubbing::new(&view, &lists, &world.impulses);
+    let rubbing = FrictionImpulses::new(&view, &lists, &world.impulses);
     let tally = Rows::of(y2, world.step.spheres)
         .map(|mut rows| {
             let mut tally = Tally::default();
@@ -53,5 +53,5 @@ fn rub_contacts(world: &mut World, _pass: u32) {
             tally
         })
         .reduce(Tally::default, Tally::merge);
-    tally.tell(&mut world.status);
+    tally.add_to(&mut world.status);
 }

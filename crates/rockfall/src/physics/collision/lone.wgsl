@@ -1,5 +1,5 @@
 // requires model/objects.wgsl model/step.wgsl physics/collision.wgsl physics/forces/attached.wgsl physics/geometry.wgsl
-// requires physics/signed_touch.wgsl physics/sine.wgsl
+// requires physics/touch.wgsl physics/sine.wgsl
 
 // A lone collision is handled at its time of contact (docs/physics.md section 3.4): the pair is moved back to where it touched first.
 
@@ -20,9 +20,9 @@ fn free_acceleration(sphere: u32) -> vec3f {
     var force = vec3f(0.0);
     let range = adjacency(sphere);
     for (var at = range.x; at < range.y; at++) {
-        let kind = kind_of(words[at]);
+        let kind = kind_of(topology[at]);
         if !RODS | (kind != KIND_ROD) {
-            force += attached_force(sphere, kind, index_of(words[at]));
+            force += attached_force(sphere, kind, index_of(topology[at]));
         }
     }
     return step.gravity + inverse_mass(sphere) * force;
@@ -192,11 +192,11 @@ fn curvature_along(pushed: Pushed) -> f32 {
         let own = pushed.velocities[place];
         let range = adjacency(sphere);
         for (var at = range.x; at < range.y; at++) {
-            let kind = kind_of(words[at]);
-            let index = index_of(words[at]);
+            let kind = kind_of(topology[at]);
+            let index = index_of(topology[at]);
             if kind == KIND_SPRING {
                 let spring = step.springs_at + index * SPRING_WORDS;
-                let other = select(words[spring], words[spring + 1u], words[spring] == sphere);
+                let other = select(topology[spring], topology[spring + 1u], topology[spring] == sphere);
                 var stretch = -own;
                 var part = 1.0;
                 for (var their = 0u; their < 4u; their++) {

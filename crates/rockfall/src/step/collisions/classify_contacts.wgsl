@@ -127,12 +127,12 @@ fn check_escape(sphere: u32) {
     let own = state[position_at(sphere)];
     let ratio = escape_ratio(own.xyz, own.w, aabbs[sphere]);
     if (ratio > 0.0) & (inverse_mass(sphere) > 0.0) {
-        tell_escape(ratio);
+        report_escape(ratio);
     }
 }
 
 // Adds the collisions of a workgroup of this number to what is told; all its threads must come here.
-fn tell_collisions(workgroup: u32, local: u32, collisions: u32) {
+fn count_collisions_of_workgroup(workgroup: u32, local: u32, collisions: u32) {
     if local == 0u {
         atomicStore(&group_count, 0u);
     }
@@ -144,7 +144,7 @@ fn tell_collisions(workgroup: u32, local: u32, collisions: u32) {
     if local == 0u {
         let sum = atomicLoad(&group_count);
         if sum > 0u {
-            atomicAdd(&status.told[workgroup % TELLERS].collisions, sum);
+            atomicAdd(&status.counters[workgroup % COUNTER_BLOCKS].collisions, sum);
             // To look takes less than to write.
             if atomicLoad(&status.collides) == 0u {
                 atomicStore(&status.collides, 1u);

@@ -44,7 +44,7 @@ fn put_sweep(r: u32, sweeps: u32, change: f32) {
     let before = impulse_after(r, sweeps);
     let is_only = (collisions[row_at(r, 2u)].x & ONLY) != 0u;
     let size = select(SWEEP_SIZES[sweeps / 2u], 1.0, is_only) * impulse.inverse;
-    // Told to be single operations: whoever sweeps, the same bits come of it.
+    // Counters to be single operations: whoever sweeps, the same bits come of it.
     let after = max(0.0, fma(fma(1.0 + step.restitution, approach, change), size, before));
     let is_even = (sweeps & 1u) == 0u;
     let row = vec4f(select(after, before, is_even), select(before, after, is_even), impulse.inverse, impulse.tau);

@@ -19,29 +19,29 @@ use crate::step::wgsl::{Wgsl, part};
 
 /// The stage.
 pub(crate) const STAGE: Stage = Stage {
-    name: "leap",
-    wgsl: Wgsl::File(part!("step/integrate/leap.wgsl")),
+    name: "symplectic_euler",
+    wgsl: Wgsl::File(part!("step/integrate/symplectic_euler.wgsl")),
     bindings: &[
         read("state", Buffer::Start),
         write("next", Buffer::Y2),
         write("y3", Buffer::Y3),
-        read("words", Buffer::Words),
+        read("topology", Buffer::Topology),
         read("lists", Buffer::Lists),
         read("wrenches", Buffer::Wrenches),
         read("aabbs", Buffer::Aabbs),
         write("status", Buffer::Status),
     ],
     threads: Threads::SharedSpheres,
-    cpu: leap,
+    cpu: symplectic_euler,
 };
 
-fn leap(world: &mut World, _pass: u32) {
-    if world.status.void != 0 {
+fn symplectic_euler(world: &mut World, _pass: u32) {
+    if world.status.rejected != 0 {
         return;
     }
     count_builds(&mut world.status);
     let [start, y2, y3, _] = &mut world.states;
-    let view = View::new(&world.step, &world.words, start);
+    let view = View::new(&world.step, &world.topology, start);
     let lists = Lists::new(&world.step, &world.lists);
     let dt = world.step.dt;
     let next = |sphere: u32, tally: &mut Tally| {
@@ -71,5 +71,5 @@ fn leap(world: &mut World, _pass: u32) {
             tally
         })
         .reduce(Tally::default, Tally::merge);
-    tally.tell(&mut world.status);
+    tally.add_to(&mut world.status);
 }

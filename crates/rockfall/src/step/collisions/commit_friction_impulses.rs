@@ -10,8 +10,8 @@ use crate::step::wgsl::{Wgsl, part};
 
 /// The stage.
 pub(crate) const STAGE: Stage = Stage {
-    name: "commit_rubs",
-    wgsl: Wgsl::File(part!("step/collisions/commit_rubs.wgsl")),
+    name: "commit_friction_impulses",
+    wgsl: Wgsl::File(part!("step/collisions/commit_friction_impulses.wgsl")),
     bindings: &[
         write("state", Buffer::Start),
         read("next", Buffer::Y2),
@@ -19,11 +19,11 @@ pub(crate) const STAGE: Stage = Stage {
         write("status", Buffer::Status),
     ],
     threads: Threads::WideSpheres,
-    cpu: commit_rubs,
+    cpu: commit_friction_impulses,
 };
 
-fn commit_rubs(world: &mut World, _pass: u32) {
-    if world.status.void == 0 && world.status.collided == 2 {
+fn commit_friction_impulses(world: &mut World, _pass: u32) {
+    if world.status.rejected == 0 && world.status.collided == 2 {
         commit(world);
     }
 }

@@ -2,7 +2,7 @@
 
 // The next state of a sphere by symplectic Euler, from the forces on it.
 
-fn write_leap(i: u32, net: Net) {
+fn write_symplectic_euler(i: u32, net: Net) {
     let old_position = state[position_at(i)];
     let old_velocity = state[velocity_at(i)];
     let old_momentum = state[momentum_at(i)];
@@ -10,7 +10,7 @@ fn write_leap(i: u32, net: Net) {
     if old_velocity.w > 0.0 {
         let ratio = escape_ratio(old_position.xyz, old_position.w, aabbs[i]);
         if ratio > 0.0 {
-            tell_escape(ratio);
+            report_escape(ratio);
         }
         after.velocity += step.dt * (step.gravity + old_velocity.w * net.force);
         after.momentum += step.dt * net.torque;

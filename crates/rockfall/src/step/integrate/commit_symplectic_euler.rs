@@ -10,8 +10,8 @@ use crate::step::wgsl::{Wgsl, part};
 
 /// The stage.
 pub(crate) const STAGE: Stage = Stage {
-    name: "commit_leap",
-    wgsl: Wgsl::File(part!("step/integrate/commit_leap.wgsl")),
+    name: "commit_symplectic_euler",
+    wgsl: Wgsl::File(part!("step/integrate/commit_symplectic_euler.wgsl")),
     bindings: &[
         write("state", Buffer::Start),
         read("next", Buffer::Y2),
@@ -19,11 +19,11 @@ pub(crate) const STAGE: Stage = Stage {
         write("status", Buffer::Status),
     ],
     threads: Threads::WideSpheres,
-    cpu: commit_leap,
+    cpu: commit_symplectic_euler,
 };
 
-fn commit_leap(world: &mut World, _pass: u32) {
-    if world.status.void == 0 {
+fn commit_symplectic_euler(world: &mut World, _pass: u32) {
+    if world.status.rejected == 0 {
         commit(world);
     }
 }

@@ -3,9 +3,9 @@
 
 @group(0) @binding(2) var<storage, read> state: array<vec4f>;
 @group(0) @binding(3) var<storage, read_write> next: array<vec4f>;
-@group(0) @binding(4) var<storage, read> words: array<u32>;
+@group(0) @binding(4) var<storage, read> topology: array<u32>;
 @group(0) @binding(5) var<storage, read> lists: array<array<u32, SLICE>>;
-@group(0) @binding(6) var<storage, read> slots: array<array<u32, SLICE>>;
+@group(0) @binding(6) var<storage, read> collision_indices: array<array<u32, SLICE>>;
 @group(0) @binding(7) var<storage, read> collisions: array<vec4u>;
 @group(0) @binding(8) var<storage, read_write> status: StatusAtomic;
 
@@ -26,12 +26,12 @@ fn share_of(sphere: u32, row: u32, at: f32) -> f32 {
     return select(at, 1.0 - at, rod_ends(row - step.spheres).x == sphere);
 }
 
-fn add_rubs(sphere: u32, row: u32, rubbed: ptr<function, Rubbed>) {
+fn add_friction_impulses(sphere: u32, row: u32, rubbed: ptr<function, Rubbed>) {
     let count = count_of(row);
     let first = first_of(row);
     for (var begin = 0u; begin < count; begin += LOOK) {
         for (var rest = entries_with(ENTRY_OVERLAPS, first, begin, count); rest != 0u; rest &= rest - 1u) {
-            let rub = rub_of(row, slot_at(first, begin + firstTrailingBit(rest)));
+            let rub = friction_impulse_of(row, slot_at(first, begin + firstTrailingBit(rest)));
             let is_a = rub.a_id == row;
             let share = share_of(sphere, row, select(rub.at.y, rub.at.x, is_a));
             let arm = select(rub.arms.y, rub.arms.x, is_a);
@@ -42,12 +42,12 @@ fn add_rubs(sphere: u32, row: u32, rubbed: ptr<function, Rubbed>) {
     }
 }
 
-fn add_rubs_on_capsule(capsule: Capsule, rod: u32, row: u32, rubbed: ptr<function, Rubbed>) {
+fn add_friction_impulses_on_capsule(capsule: Capsule, rod: u32, row: u32, rubbed: ptr<function, Rubbed>) {
     let count = count_of(row);
     let first = first_of(row);
     for (var begin = 0u; begin < count; begin += LOOK) {
         for (var rest = entries_with(ENTRY_OVERLAPS, first, begin, count); rest != 0u; rest &= rest - 1u) {
-            let rub = rub_of(row, slot_at(first, begin + firstTrailingBit(rest)));
+            let rub = friction_impulse_of(row, slot_at(first, begin + firstTrailingBit(rest)));
             let is_a = rub.a_id == row;
             var at = select(rub.at.y, rub.at.x, is_a);
             if row < step.spheres {
@@ -62,13 +62,13 @@ fn add_rubs_on_capsule(capsule: Capsule, rod: u32, row: u32, rubbed: ptr<functio
     }
 }
 
-fn rubbed_sphere(i: u32) -> Motion {
+fn sphere_after_friction(i: u32) -> Motion {
     var rubbed = Rubbed(vec3f(0.0), vec3f(0.0), vec3f(0.0));
-    add_rubs(i, i, &rubbed);
+    add_friction_impulses(i, i, &rubbed);
     if RODS {
         let rods = rods_of(i);
         for (var r = 0u; r < rods.y; r++) {
-            add_rubs(i, step.spheres + index_of(words[rods.x + r]), &rubbed);
+            add_friction_impulses(i, step.spheres + index_of(topology[rods.x + r]), &rubbed);
         }
     }
     let velocity = state[velocity_at(i)];
@@ -79,13 +79,13 @@ fn rubbed_sphere(i: u32) -> Motion {
     );
 }
 
-fn rubbed_end(i: u32, rod: u32) -> Motion {
+fn end_after_friction(i: u32, rod: u32) -> Motion {
     let ends = rod_ends(rod);
     let capsule = capsule_of(ends, poise_of(half_of(i, 0.0)));
     var rubbed = Rubbed(vec3f(0.0), vec3f(0.0), vec3f(0.0));
-    add_rubs_on_capsule(capsule, rod, ends.x, &rubbed);
-    add_rubs_on_capsule(capsule, rod, ends.y, &rubbed);
-    add_rubs_on_capsule(capsule, rod, step.spheres + rod, &rubbed);
+    add_friction_impulses_on_capsule(capsule, rod, ends.x, &rubbed);
+    add_friction_impulses_on_capsule(capsule, rod, ends.y, &rubbed);
+    add_friction_impulses_on_capsule(capsule, rod, step.spheres + rod, &rubbed);
     let offset = select(-capsule.centre, 1.0 - capsule.centre, ends.y == i) * capsule.d;
     let turning = capsule.inverse_inertia * rubbed.turning;
     let velocity = state[velocity_at(i)].xyz + capsule.inverse_mass * rubbed.velocity + cross(turning, offset);
@@ -100,20 +100,20 @@ fn rubbed(i: u32) -> Motion {
     if RODS {
         let rod = capsule_with(i);
         if rod != NONE {
-            return rubbed_end(i, rod);
+            return end_after_friction(i, rod);
         }
     }
-    return rubbed_sphere(i);
+    return sphere_after_friction(i);
 }
 
 @compute @workgroup_size(64)
-fn rub_contacts(
+fn apply_friction_impulses(
     @builtin(workgroup_id) group: vec3u,
     @builtin(num_workgroups) groups: vec3u,
     @builtin(local_invocation_index) local: u32,
 ) {
     let i = linear_thread(group, groups, local);
-    if (i >= step.spheres) | (atomicLoad(&status.void) != 0u) | (atomicLoad(&status.collided) != 2u) {
+    if (i >= step.spheres) | (atomicLoad(&status.rejected) != 0u) | (atomicLoad(&status.collided) != 2u) {
         return;
     }
     var after = rubbed(i);

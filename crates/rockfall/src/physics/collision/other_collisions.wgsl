@@ -1,5 +1,5 @@
 // requires model/entries.wgsl model/lists.wgsl model/objects.wgsl model/step.wgsl physics/collision/plain.wgsl
-// requires physics/collision/time_of_contact.wgsl physics/contact.wgsl physics/geometry.wgsl
+// requires physics/collision/lone.wgsl physics/contact.wgsl physics/geometry.wgsl
 
 // What else touches the bodies of a collision: whether it is lone, and how much its impulse has to be held back
 // (docs/physics.md sections 3.3 and 3.5).

@@ -4,7 +4,7 @@
 // neighbours. Large spheres are the last in memory. Their workgroups come first, for what takes longest should begin first.
 
 // Whether all of a workgroup works on one sphere.
-fn is_team(workgroup: u32) -> bool {
+fn serves_large_sphere(workgroup: u32) -> bool {
     return LARGE & (workgroup < step.large);
 }
 
@@ -13,14 +13,14 @@ fn is_large(id: u32) -> bool {
 }
 
 // The large sphere of a team.
-fn sphere_of_team(workgroup: u32) -> u32 {
+fn large_sphere_of(workgroup: u32) -> u32 {
     return step.spheres - step.large + workgroup;
 }
 
 var<workgroup> told: u32;
 
 // What the first thread of a team says, for all of them: what they loop over and wait at must be the same. All must come here.
-fn told_to_team(local: u32, word: u32) -> u32 {
+fn broadcast_to_workgroup(local: u32, word: u32) -> u32 {
     if local == 0u {
         told = word;
     }
@@ -29,8 +29,8 @@ fn told_to_team(local: u32, word: u32) -> u32 {
 
 // Of a thread of another workgroup its mover, of one of a team the sphere of all.
 fn mover_of(workgroup: u32, local: u32) -> u32 {
-    if is_team(workgroup) {
-        return sphere_of_team(workgroup);
+    if serves_large_sphere(workgroup) {
+        return large_sphere_of(workgroup);
     }
     if !LARGE {
         return workgroup * WORKGROUP + local;
@@ -41,5 +41,5 @@ fn mover_of(workgroup: u32, local: u32) -> u32 {
 
 // Whether a thread writes what becomes of its mover: of a team one does.
 fn is_writer(workgroup: u32, local: u32) -> bool {
-    return !is_team(workgroup) | (local == 0u);
+    return !serves_large_sphere(workgroup) | (local == 0u);
 }

@@ -3,9 +3,9 @@
 // What the collision phase tells the host: that collisions share bodies, and that the step has to be run again with sweeps or with more
 // room for collisions.
 
-fn void_for_collisions() {
-    if (atomicLoad(&status.void) & VOID_COLLISIONS) == 0u {
-        atomicOr(&status.void, VOID_COLLISIONS);
+fn reject_for_collisions() {
+    if (atomicLoad(&status.rejected) & REJECTED_COLLISIONS) == 0u {
+        atomicOr(&status.rejected, REJECTED_COLLISIONS);
     }
 }
 
@@ -16,7 +16,7 @@ fn note_cluster() {
         atomicStore(&status.clustered, 1u);
     }
     if (step.sweeps == SWEEPS_OFF) | (step.sweeps == SWEEPS_LISTED) {
-        void_for_collisions();
+        reject_for_collisions();
     }
     if atomicLoad(&status.listed) > FEW_COLLISIONS {
         need_dispatches();
@@ -26,6 +26,6 @@ fn note_cluster() {
 // One workgroup cannot make all sweeps.
 fn need_dispatches() {
     if step.sweeps == SWEEPS_FEW {
-        atomicOr(&status.void, VOID_COLLISIONS | VOID_MANY);
+        atomicOr(&status.rejected, REJECTED_COLLISIONS | REJECTED_MANY);
     }
 }
