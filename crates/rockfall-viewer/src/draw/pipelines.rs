@@ -1,4 +1,4 @@
-//! From WGSL parts to pipelines.
+//! The render pipelines, and the shader text that they are compiled from.
 
 use rockfall::wgpu;
 use wgpu::PrimitiveTopology::{TriangleList, TriangleStrip};
@@ -10,41 +10,41 @@ macro_rules! wgsl {
     ($($name:literal),*) => { concat!($(include_str!(concat!("wgsl/", $name, ".wgsl"))),*) };
 }
 
-/// What draws bodies and their shadows.
+/// Shaders that draw bodies and their shadows.
 pub(crate) const BODIES: &str =
     wgsl!("frame", "colour", "light", "surface", "sphere", "capsule", "flat", "far", "coil", "picture", "ground", "shadow");
-/// What chooses the spheres that are drawn.
+/// Shaders that select the spheres to draw.
 pub(crate) const CULL: &str = wgsl!("frame", "colour", "cull");
-/// What looks at the whole picture, and makes it darker in corners.
+/// Shader of the ambient occlusion.
 pub(crate) const OCCLUSION: &str = wgsl!("frame", "picture", "occlusion");
-/// What makes the picture that is shown.
+/// Shader that writes the final picture.
 pub(crate) const FINISH: &str = wgsl!("frame", "picture", "finish");
 
-/// Where a pipeline draws.
+/// The target of a pipeline, with its depth test and blending.
 #[derive(Clone, Copy, Debug)]
 enum Onto {
-    /// The samples of light, with depth.
+    /// The multisampled light, with depth.
     Bodies,
-    /// The same, behind everything.
+    /// The same, behind all bodies.
     Sky,
-    /// The same, over what is there, with an opacity.
+    /// The same, blended over the bodies, with depth test.
     Ground,
-    /// The same, over everything, without a depth of its own.
+    /// The same, blended over the bodies, with depth test but without writing depth.
     Glass,
     /// The shadow map.
     Shadows,
-    /// A plain texture.
+    /// A texture without depth.
     Texture(wgpu::TextureFormat),
 }
 
-/// One kind of object: how it is drawn, and how its shadow is.
+/// The pipelines of one kind of object.
 #[derive(Debug)]
 pub(crate) struct Kind {
     pub(crate) lit: wgpu::RenderPipeline,
     pub(crate) shadow: wgpu::RenderPipeline,
 }
 
-/// Every way of drawing.
+/// All render pipelines.
 #[derive(Debug)]
 pub(crate) struct Pipelines {
     pub(crate) spheres: Kind,
@@ -68,11 +68,11 @@ struct Maker<'a> {
     module: wgpu::ShaderModule,
     layouts: Vec<Option<&'a wgpu::BindGroupLayout>>,
     constants: &'a [(&'a str, f64)],
-    /// Instances are spheres of a list.
+    /// Whether the instances are the spheres of a list.
     listed: bool,
 }
 
-/// The slots of a list, one an instance.
+/// Vertex buffer with the memory slots of a list of spheres, one per instance.
 const SLOTS: wgpu::VertexBufferLayout<'_> = wgpu::VertexBufferLayout {
     array_stride: 4,
     step_mode: wgpu::VertexStepMode::Instance,
@@ -130,8 +130,8 @@ impl<'a> Maker<'a> {
         })
     }
 
-    /// A kind whose entry points are `NAME_vertex`, `SURFACE_surface`, `NAME_shadow_vertex` and, where its outline is
-    /// ray-cast, `SURFACE_shadow`.
+    /// Creates the pipelines of a kind with the entry points `NAME_vertex`, `SURFACE_surface`, `NAME_shadow_vertex` and, if
+    /// it is ray-cast (`is_cast`), `SURFACE_shadow`.
     fn kind(&self, topology: wgpu::PrimitiveTopology, name: &str, surface: &str, is_cast: bool) -> Kind {
         let shadow = is_cast.then(|| format!("{surface}_shadow"));
         Kind {

@@ -1,4 +1,4 @@
-//! Films as MP4, by the program `ffmpeg`.
+//! Films as MP4, encoded by the program `ffmpeg`.
 
 use std::io::{self, Read as _, Write as _};
 use std::path::{Path, PathBuf};
@@ -12,7 +12,7 @@ use crate::picture::Picture;
 pub(super) fn write(path: &Path, fps: u32, pictures: impl Iterator<Item = Result<Picture>>) -> Result<()> {
     let wrong = file_error(path);
     let mut pictures = pictures.peekable();
-    // Before the first picture is made: the program may be missing.
+    // Before the first picture is drawn, because the program may be missing.
     check().map_err(&wrong)?;
     let Some(Ok(first)) = pictures.peek() else {
         return pictures.next().transpose().map(drop);
@@ -25,7 +25,7 @@ pub(super) fn write(path: &Path, fps: u32, pictures: impl Iterator<Item = Result
         let bytes = picture?.rgb();
         let written = to.as_mut().map_or(Ok(()), |to| to.write_all(&bytes));
         if written.is_err() {
-            // What it has to say tells more than the broken pipe.
+            // The message of ffmpeg, read below, explains more than the broken pipe.
             result = written;
             break;
         }
@@ -34,7 +34,7 @@ pub(super) fn write(path: &Path, fps: u32, pictures: impl Iterator<Item = Result
     let said = end(ffmpeg).map_err(&wrong)?;
     match said {
         Some(said) => Err(wrong(io::Error::other(format!("ffmpeg failed: {said}")))),
-        None => result.and_then(|()| part.put(path)).map_err(wrong),
+        None => result.and_then(|()| part.rename_to(path)).map_err(wrong),
     }
 }
 
@@ -48,7 +48,7 @@ fn check() -> io::Result<()> {
     let run = command().arg("-version").stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null()).status();
     run.map(drop).map_err(|error| match error.kind() {
         io::ErrorKind::NotFound => io::Error::other(
-            "films as .mp4 are made by the program ffmpeg, which is not installed (or not on the PATH); \
+            "writing .mp4 requires the program ffmpeg, which is not installed (or not on the PATH); \
              install it, or write a .gif or an .apng",
         ),
         _ => error,
@@ -68,7 +68,7 @@ fn start(path: &Path, first: &Picture, fps: u32) -> io::Result<Child> {
         .spawn()
 }
 
-/// What the program said, if it failed.
+/// Waits for the program and returns its error output if it failed.
 fn end(mut ffmpeg: Child) -> io::Result<Option<String>> {
     let mut said = String::new();
     if let Some(mut errors) = ffmpeg.stderr.take() {
@@ -78,7 +78,7 @@ fn end(mut ffmpeg: Child) -> io::Result<Option<String>> {
     Ok((!status.success()).then(|| said.trim().to_owned()))
 }
 
-/// A file beside its place, removed unless it is put there.
+/// A temporary file in the folder of its destination, removed when dropped unless it was renamed.
 struct Part {
     path: PathBuf,
 }
@@ -89,14 +89,14 @@ impl Part {
         Self { path: path.with_file_name(format!(".{name}.{}.part", std::process::id())) }
     }
 
-    fn put(&self, path: &Path) -> io::Result<()> {
+    fn rename_to(&self, path: &Path) -> io::Result<()> {
         std::fs::rename(&self.path, path)
     }
 }
 
 impl Drop for Part {
     fn drop(&mut self) {
-        // Gone when it was put in its place.
+        // Fails if the file was renamed.
         let _ = std::fs::remove_file(&self.path);
     }
 }

@@ -80,8 +80,8 @@ pub fn orbit(camera: &mut Camera, dx: f32, dy: f32) {
     camera.eye = camera.target - far * turned(camera.axes().forward, dx, dy);
 }
 
-/// A drag with the right button raises and lowers it: what is in the middle follows the pointer's way of a part `dy` of the picture's
-/// height.
+/// A drag with the right button raises and lowers it: what is in the middle follows the pointer's way of a part `dy` of the
+/// picture's height.
 pub fn raise(camera: &mut Camera, dy: f32) {
     let height = 2.0 * (0.5 * camera.field_of_view).tan() * distance(camera);
     let up = Vec3::Y * (-dy * height);

@@ -1,5 +1,5 @@
-//! A scene that is looked at: opened, moved, changed, saved. It knows nothing of windows; what goes wrong becomes a message, and
-//! it goes on.
+//! A scene that is looked at: opened, moved, changed, saved. It knows nothing of windows; what goes wrong becomes a message,
+//! and it goes on.
 
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -175,8 +175,8 @@ impl Session {
         self.do_steps(1);
     }
 
-    /// A frame at the time `now`, in s since the window opened, `elapsed` s after the last one: the steps that are due. `before_last`
-    /// is called before the last of them, for drawing between the last two states.
+    /// A frame at the time `now`, in s since the window opened, `elapsed` s after the last one: the steps that are due.
+    /// `before_last` is called before the last of them, for drawing between the last two states.
     pub fn frame(&mut self, now: f64, elapsed: f64, before_last: impl FnOnce(&mut Simulation)) {
         self.now = now;
         if !self.running || self.device_failed {
