@@ -6,9 +6,9 @@ use rockfall::{Scene, Sphere};
 /// Static objects larger than this times the extent of the spheres are surroundings and need not be in the picture.
 const SURROUNDINGS: f32 = 0.6;
 /// Spheres farther from the majority than this times its extent are outliers.
-const NEAR_MOST: f32 = 0.6;
+const OUTLIER_DISTANCE: f32 = 0.6;
 /// Distance that the spheres may fall without leaving the picture, divided by their extent.
-const FALL: f32 = 1.0;
+const FALL_DISTANCE: f32 = 1.0;
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 /// An axis-aligned bounding box.
@@ -31,7 +31,7 @@ impl Extent {
     }
 }
 
-pub(crate) fn of_spheres(scene: &Scene) -> Option<Extent> {
+pub(crate) fn extent_of_spheres(scene: &Scene) -> Option<Extent> {
     extent(scene.spheres().iter())
 }
 
@@ -42,12 +42,12 @@ fn extent<'a>(spheres: impl Iterator<Item = &'a Sphere>) -> Option<Extent> {
 }
 
 /// Returns the extent of the spheres without outliers. The majority is what lies between the 5 % and the 95 % quantile of each
-/// coordinate. An outlier is farther away from it than [`NEAR_MOST`] times its size, or is below every static object.
-fn of_most_spheres(scene: &Scene) -> Option<Extent> {
+/// coordinate. An outlier is farther away from it than [`OUTLIER_DISTANCE`] times its size, or is below every static object.
+fn extent_without_outliers(scene: &Scene) -> Option<Extent> {
     let spheres = scene.spheres();
     let few = spheres.len() / 20;
     if few == 0 {
-        return of_spheres(scene);
+        return extent_of_spheres(scene);
     }
     let mut quantiles = [Vec3::ZERO; 2];
     for axis in 0..3 {
@@ -57,17 +57,17 @@ fn of_most_spheres(scene: &Scene) -> Option<Extent> {
         }
     }
     let [low, high] = quantiles;
-    let room = Vec3::splat((high - low).max_element()) * NEAR_MOST;
-    let lowest = of_static(scene).map(|object| object.min.y).reduce(f32::min).unwrap_or(f32::NEG_INFINITY);
+    let room = Vec3::splat((high - low).max_element()) * OUTLIER_DISTANCE;
+    let lowest = extents_of_static_objects(scene).map(|object| object.min.y).reduce(f32::min).unwrap_or(f32::NEG_INFINITY);
     let near = |sphere: &&Sphere| {
         let place = sphere.position;
         place.cmpge(low - room).all() && place.cmple(high + room).all() && place.y >= lowest
     };
-    extent(spheres.iter().filter(near)).or_else(|| of_spheres(scene))
+    extent(spheres.iter().filter(near)).or_else(|| extent_of_spheres(scene))
 }
 
 /// Extents of the boxes and polygons.
-pub(crate) fn of_static(scene: &Scene) -> impl Iterator<Item = Extent> {
+pub(crate) fn extents_of_static_objects(scene: &Scene) -> impl Iterator<Item = Extent> {
     let boxes = scene.boxes().iter().filter_map(|cuboid| {
         let [i, j, k] = cuboid.edges;
         let corner = |bits: u32| {
@@ -87,22 +87,22 @@ pub(crate) fn of_static(scene: &Scene) -> impl Iterator<Item = Extent> {
 /// points of the tethers, nearby boxes and polygons that are not much larger than the spheres together, and a part of what the
 /// spheres may fall onto.
 pub fn bounds(scene: &Scene) -> (Vec3, Vec3) {
-    let Some(spheres) = of_most_spheres(scene) else {
-        let all = of_static(scene).reduce(Extent::with).unwrap_or(Extent { min: -Vec3::ONE, max: Vec3::ONE });
+    let Some(spheres) = extent_without_outliers(scene) else {
+        let all = extents_of_static_objects(scene).reduce(Extent::with).unwrap_or(Extent { min: -Vec3::ONE, max: Vec3::ONE });
         return (all.min, all.max);
     };
     let mut shown = spheres;
     let tethers = scene.tethers().iter().map(|tether| tether.point);
     shown = Extent::of(tethers).map_or(shown, |tethers| shown.with(tethers));
     let size = spheres.size();
-    for object in of_static(scene) {
+    for object in extents_of_static_objects(scene) {
         let under = object.max.y <= spheres.min.y + 0.1 * size
             && object.min.x < spheres.max.x
             && object.max.x > spheres.min.x
             && object.min.z < spheres.max.z
             && object.max.z > spheres.min.z;
         if under {
-            shown.min.y = shown.min.y.min(object.max.y.max(spheres.min.y - FALL * size));
+            shown.min.y = shown.min.y.min(object.max.y.max(spheres.min.y - FALL_DISTANCE * size));
         } else if object.size() < SURROUNDINGS * size {
             let near = object.max.cmpge(spheres.min - 0.5 * size).all() && object.min.cmple(spheres.max + 0.5 * size).all();
             shown = if near { shown.with(object) } else { shown };

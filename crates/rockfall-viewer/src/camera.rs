@@ -6,7 +6,7 @@ use rockfall::glam::{Mat4, Vec3, Vec4};
 /// The default vertical field of view, in rad.
 const FIELD_OF_VIEW: f32 = 0.6;
 /// Direction from the target to the default camera: to the right, above, in front.
-const FROM: Vec3 = Vec3::new(0.45, 0.50, 1.0);
+const DIRECTION_TO_CAMERA: Vec3 = Vec3::new(0.45, 0.50, 1.0);
 /// Distance of the near plane divided by the distance of the target.
 const NEAR: f32 = 1e-3;
 
@@ -42,7 +42,7 @@ impl Camera {
     /// divided by its height.
     pub fn framing(min: Vec3, max: Vec3, aspect: f32) -> Self {
         let middle = (min + max) * 0.5;
-        let camera = Self::new(middle + FROM.normalize(), middle);
+        let camera = Self::new(middle + DIRECTION_TO_CAMERA.normalize(), middle);
         let Axes { right, up, forward } = camera.axes();
         let tangent = (0.5 * camera.field_of_view).tan();
         let half = (max - min) * 0.5;

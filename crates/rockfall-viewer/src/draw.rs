@@ -190,7 +190,7 @@ impl Renderer {
             (self.coloured_by, self.recent_maximum) = (by, RecentMaximum::default());
         }
         if by.is_evaluated() {
-            let values: Vec<f32> = simulation.diagnostics()?.iter().map(|found| by.of(found)).collect();
+            let values: Vec<f32> = simulation.diagnostics()?.iter().map(|found| by.value_of(found)).collect();
             self.recent_maximum.record(values.iter().copied().fold(0.0, f32::max));
             self.buffers.set_values(&self.queue, simulation, values.into_iter());
         } else if by == ColourBy::Speed

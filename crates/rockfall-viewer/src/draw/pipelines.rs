@@ -22,7 +22,7 @@ pub(crate) const FINISH: &str = wgsl!("frame", "picture", "finish");
 
 /// The target of a pipeline, with its depth test and blending.
 #[derive(Clone, Copy, Debug)]
-enum Onto {
+enum RenderTarget {
     /// The multisampled light, with depth.
     Bodies,
     /// The same, behind all bodies.
@@ -63,7 +63,7 @@ pub(crate) struct Pipelines {
 }
 
 #[derive(Clone)]
-struct Maker<'a> {
+struct PipelineBuilder<'a> {
     device: &'a wgpu::Device,
     module: wgpu::ShaderModule,
     layouts: Vec<Option<&'a wgpu::BindGroupLayout>>,
@@ -79,7 +79,7 @@ const SLOTS: wgpu::VertexBufferLayout<'_> = wgpu::VertexBufferLayout {
     attributes: &[wgpu::VertexAttribute { format: wgpu::VertexFormat::Uint32, offset: 0, shader_location: 0 }],
 };
 
-impl<'a> Maker<'a> {
+impl<'a> PipelineBuilder<'a> {
     fn new(
         device: &'a wgpu::Device,
         label: &str,
@@ -94,19 +94,20 @@ impl<'a> Maker<'a> {
 
     fn make(
         &self,
-        onto: Onto,
+        render_target: RenderTarget,
         topology: wgpu::PrimitiveTopology,
         vertex: &str,
         fragment: Option<&str>,
     ) -> wgpu::RenderPipeline {
-        let layouts = if matches!(onto, Onto::Shadows | Onto::Sky) { &self.layouts[..1] } else { &self.layouts };
+        let layouts =
+            if matches!(render_target, RenderTarget::Shadows | RenderTarget::Sky) { &self.layouts[..1] } else { &self.layouts };
         let layout = self.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
             label: Some(vertex),
             bind_group_layouts: layouts,
             immediate_size: 0,
         });
         let compilation_options = wgpu::PipelineCompilationOptions { constants: self.constants, ..Default::default() };
-        let target = onto.colour();
+        let target = render_target.colour();
         self.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
             label: Some(fragment.unwrap_or(vertex)),
             layout: Some(&layout),
@@ -117,8 +118,8 @@ impl<'a> Maker<'a> {
                 buffers: if self.listed { &[Some(SLOTS)] } else { &[] },
             },
             primitive: wgpu::PrimitiveState { topology, ..Default::default() },
-            depth_stencil: onto.depth(),
-            multisample: wgpu::MultisampleState { count: onto.samples(), ..Default::default() },
+            depth_stencil: render_target.depth(),
+            multisample: wgpu::MultisampleState { count: render_target.samples(), ..Default::default() },
             fragment: fragment.map(|entry| wgpu::FragmentState {
                 module: &self.module,
                 entry_point: Some(entry),
@@ -135,13 +136,13 @@ impl<'a> Maker<'a> {
     fn kind(&self, topology: wgpu::PrimitiveTopology, name: &str, surface: &str, is_cast: bool) -> Kind {
         let shadow = is_cast.then(|| format!("{surface}_shadow"));
         Kind {
-            lit: self.make(Onto::Bodies, topology, &format!("{name}_vertex"), Some(&format!("{surface}_surface"))),
-            shadow: self.make(Onto::Shadows, topology, &format!("{name}_shadow_vertex"), shadow.as_deref()),
+            lit: self.make(RenderTarget::Bodies, topology, &format!("{name}_vertex"), Some(&format!("{surface}_surface"))),
+            shadow: self.make(RenderTarget::Shadows, topology, &format!("{name}_shadow_vertex"), shadow.as_deref()),
         }
     }
 }
 
-impl Onto {
+impl RenderTarget {
     fn colour(self) -> Option<Option<wgpu::ColorTargetState>> {
         match self {
             Self::Bodies | Self::Sky => Some(Some(LIGHT_FORMAT.into())),
@@ -178,25 +179,25 @@ impl Onto {
 
 impl Pipelines {
     pub(crate) fn new(device: &wgpu::Device, layouts: &Layouts, format: wgpu::TextureFormat) -> Self {
-        let bodies = Maker::new(device, "bodies", BODIES, &[&layouts.bodies, &layouts.shadows], &[]);
-        let listed = Maker { listed: true, ..bodies.clone() };
-        let occlusion = Maker::new(device, "occlusion", OCCLUSION, &[&layouts.bodies, &layouts.occlusion], &[]);
+        let bodies = PipelineBuilder::new(device, "bodies", BODIES, &[&layouts.bodies, &layouts.shadows], &[]);
+        let listed = PipelineBuilder { listed: true, ..bodies.clone() };
+        let occlusion = PipelineBuilder::new(device, "occlusion", OCCLUSION, &[&layouts.bodies, &layouts.occlusion], &[]);
         let encodes = [("ENCODES", f64::from(u8::from(format.is_srgb())))];
-        let finish = Maker::new(device, "finish", FINISH, &[&layouts.bodies, &layouts.finish], &encodes);
+        let finish = PipelineBuilder::new(device, "finish", FINISH, &[&layouts.bodies, &layouts.finish], &encodes);
         Self {
             spheres: listed.kind(TriangleStrip, "sphere", "sphere", true),
-            far: listed.make(Onto::Bodies, TriangleStrip, "far_vertex", Some("far_surface")),
+            far: listed.make(RenderTarget::Bodies, TriangleStrip, "far_vertex", Some("far_surface")),
             capsules: bodies.kind(TriangleStrip, "capsule", "capsule", true),
             boxes: bodies.kind(TriangleList, "box", "box", false),
             polygons: bodies.kind(TriangleList, "polygon", "polygon", false),
             springs: bodies.kind(TriangleList, "spring", "coil", false),
             tethers: bodies.kind(TriangleList, "tether", "coil", false),
             anchors: bodies.kind(TriangleStrip, "anchor", "sphere", true),
-            sky: bodies.make(Onto::Sky, TriangleList, "whole_picture", Some("sky")),
-            ground: bodies.make(Onto::Ground, TriangleList, "whole_picture", Some("ground")),
-            glass: bodies.make(Onto::Glass, TriangleList, "glass_vertex", Some("glass_surface")),
-            occlusion: occlusion.make(Onto::Texture(OPENNESS_FORMAT), TriangleList, "whole_picture", Some("occlusion")),
-            finish: finish.make(Onto::Texture(format), TriangleList, "whole_picture", Some("finish")),
+            sky: bodies.make(RenderTarget::Sky, TriangleList, "whole_picture", Some("sky")),
+            ground: bodies.make(RenderTarget::Ground, TriangleList, "whole_picture", Some("ground")),
+            glass: bodies.make(RenderTarget::Glass, TriangleList, "glass_vertex", Some("glass_surface")),
+            occlusion: occlusion.make(RenderTarget::Texture(OPENNESS_FORMAT), TriangleList, "whole_picture", Some("occlusion")),
+            finish: finish.make(RenderTarget::Texture(format), TriangleList, "whole_picture", Some("finish")),
         }
     }
 }

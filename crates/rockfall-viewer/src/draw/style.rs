@@ -52,7 +52,7 @@ impl ColourBy {
         }
     }
 
-    pub(crate) fn of(self, values: &SphereDiagnostics) -> f32 {
+    pub(crate) fn value_of(self, values: &SphereDiagnostics) -> f32 {
         match self {
             Self::Kind | Self::Speed => 0.0,
             Self::Contacts => values.contacts as f32,

@@ -3,7 +3,7 @@
 use rockfall::Scene;
 use rockfall::glam::Vec3;
 
-use crate::bounds::{Extent, of_spheres, of_static};
+use crate::bounds::{Extent, extent_of_spheres, extents_of_static_objects};
 
 /// Approximate number of sphere positions that are kept.
 const SAMPLES: usize = 100;
@@ -34,7 +34,7 @@ impl SceneSummary {
             0 => 1.0,
             _ => *radii.select_nth_unstable_by(middle, f32::total_cmp).1,
         };
-        let ground = match (of_static(scene).reduce(Extent::with), of_spheres(scene)) {
+        let ground = match (extents_of_static_objects(scene).reduce(Extent::with), extent_of_spheres(scene)) {
             (Some(all), _) => all.min.y,
             (None, Some(spheres)) if spheres.min.y >= 0.0 && spheres.min.y <= 2.0 * spheres.size() => 0.0,
             (None, Some(spheres)) => spheres.min.y,

@@ -17,8 +17,8 @@ pub(super) fn write(path: &Path, fps: u32, pictures: impl Iterator<Item = Result
     let Some(Ok(first)) = pictures.peek() else {
         return pictures.next().transpose().map(drop);
     };
-    let part = Part::beside(path);
-    let mut ffmpeg = start(&part.path, first, fps).map_err(&wrong)?;
+    let temporary = TemporaryFile::beside(path);
+    let mut ffmpeg = start(&temporary.path, first, fps).map_err(&wrong)?;
     let mut to = ffmpeg.stdin.take();
     let mut result = Ok(());
     for picture in pictures {
@@ -31,10 +31,10 @@ pub(super) fn write(path: &Path, fps: u32, pictures: impl Iterator<Item = Result
         }
     }
     drop(to);
-    let said = end(ffmpeg).map_err(&wrong)?;
-    match said {
-        Some(said) => Err(wrong(io::Error::other(format!("ffmpeg failed: {said}")))),
-        None => result.and_then(|()| part.rename_to(path)).map_err(wrong),
+    let message = end(ffmpeg).map_err(&wrong)?;
+    match message {
+        Some(message) => Err(wrong(io::Error::other(format!("ffmpeg failed: {message}")))),
+        None => result.and_then(|()| temporary.rename_to(path)).map_err(wrong),
     }
 }
 
@@ -70,20 +70,20 @@ fn start(path: &Path, first: &Picture, fps: u32) -> io::Result<Child> {
 
 /// Waits for the program and returns its error output if it failed.
 fn end(mut ffmpeg: Child) -> io::Result<Option<String>> {
-    let mut said = String::new();
+    let mut message = String::new();
     if let Some(mut errors) = ffmpeg.stderr.take() {
-        errors.read_to_string(&mut said)?;
+        errors.read_to_string(&mut message)?;
     }
     let status = ffmpeg.wait()?;
-    Ok((!status.success()).then(|| said.trim().to_owned()))
+    Ok((!status.success()).then(|| message.trim().to_owned()))
 }
 
 /// A temporary file in the folder of its destination, removed when dropped unless it was renamed.
-struct Part {
+struct TemporaryFile {
     path: PathBuf,
 }
 
-impl Part {
+impl TemporaryFile {
     fn beside(path: &Path) -> Self {
         let name = path.file_name().unwrap_or_default().to_string_lossy();
         Self { path: path.with_file_name(format!(".{name}.{}.part", std::process::id())) }
@@ -94,7 +94,7 @@ impl Part {
     }
 }
 
-impl Drop for Part {
+impl Drop for TemporaryFile {
     fn drop(&mut self) {
         // Fails if the file was renamed.
         let _ = std::fs::remove_file(&self.path);

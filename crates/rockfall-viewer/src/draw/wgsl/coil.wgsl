@@ -60,7 +60,7 @@ fn coil_vertex(coil: Coil, index: u32, colour: vec3f) -> CoilVertex {
     let side = TURN * f32(index % frame.coil_sides) / f32(frame.coil_sides);
     vertex.normal = cos(side) * outwards + sin(side) * normalize(cross(along, outwards));
     let middle = coil.start + part * coil.line + radius * outwards;
-    // At least 0.6 pixels, so that the wire stays visible.
+    // A radius of at least 0.6 pixels, so that the wire stays visible.
     let wire = max(coil.wire, 0.6 * pixel_width() * dot(middle - frame.eye, frame.forward));
     vertex.point = middle + wire * vertex.normal;
     vertex.place = frame.view_projection * vec4f(vertex.point, 1.0);
