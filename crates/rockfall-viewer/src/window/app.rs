@@ -60,7 +60,7 @@ impl fmt::Display for Failure {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::NoDisplay(why) => {
-                write!(f, "no window can be opened here: {why}; `rockfall render` writes pictures and films without a window")
+                write!(f, "no window can be opened here: {why}; `rockfall render` makes pictures and films without one")
             }
             Self::Rockfall(error) => error.fmt(f),
             Self::Report(path, error) => write!(f, "{}: cannot be written: {error}", path.display()),
