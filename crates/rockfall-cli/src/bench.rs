@@ -5,8 +5,8 @@
 
 use std::path::PathBuf;
 
-use rockfall::output::AtomicFile;
 use rockfall::generate::Benchmark;
+use rockfall::output::AtomicFile;
 
 use crate::failure::Failure;
 use crate::options::{Engine, Physics, whole};

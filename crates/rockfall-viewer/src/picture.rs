@@ -1,50 +1,17 @@
-//! Pictures without a window.
-
-use std::io::Write;
+//! Pictures that are drawn without a window.
 
 use rockfall::exec::gpu::catch;
 use rockfall::{Error, Result, wgpu};
 
 use crate::camera::Camera;
 use crate::draw::{Renderer, Style};
+pub use crate::pixels::Picture;
+use crate::read_back::read_back;
 
-/// Format of the texture that pictures are drawn in.
+/// Format of the texture of a [`Canvas`].
 pub const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8UnormSrgb;
 
-/// Pixels, row by row from the top.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Picture {
-    /// Pixels in a row.
-    pub width: u32,
-    /// Rows.
-    pub height: u32,
-    /// Red, green, blue and opacity of every pixel, in sRGB.
-    pub pixels: Vec<[u8; 4]>,
-}
-
-impl Picture {
-    /// Writes it as a PNG file.
-    ///
-    /// # Errors
-    /// Those of the writer.
-    pub fn write_png(&self, to: impl Write) -> std::io::Result<()> {
-        let mut encoder = png::Encoder::new(to, self.width, self.height);
-        encoder.set_color(png::ColorType::Rgb);
-        encoder.set_depth(png::BitDepth::Eight);
-        encoder.set_compression(png::Compression::High);
-        encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
-        let mut writer = encoder.write_header()?;
-        writer.write_image_data(&self.rgb())?;
-        Ok(writer.finish()?)
-    }
-
-    /// Red, green and blue of every pixel, one after the other.
-    pub fn rgb(&self) -> Vec<u8> {
-        self.pixels.iter().flat_map(|[r, g, b, _]| [*r, *g, *b]).collect()
-    }
-}
-
-/// A texture to draw on, and a buffer to read it back through.
+/// A texture to draw on, and a buffer to read it back with.
 #[derive(Debug)]
 pub struct Canvas {
     device: wgpu::Device,
@@ -56,15 +23,15 @@ pub struct Canvas {
 }
 
 impl Canvas {
-    /// A canvas of this size, in pixels.
+    /// Creates a canvas; `width` and `height` are in pixels.
     ///
     /// # Errors
-    /// [`Error::Invalid`] for a size of 0, or larger than the device allows; [`Error::Device`] when memory runs out.
+    /// [`Error::Invalid`] when a side is 0 or larger than the device allows; [`Error::Device`] when memory runs out.
     pub fn new(device: &wgpu::Device, queue: &wgpu::Queue, width: u32, height: u32) -> Result<Self> {
         let limit = device.limits().max_texture_dimension_2d;
         if width == 0 || height == 0 || width > limit || height > limit {
             let value = format!("{width}x{height}");
-            return Err(Error::Invalid { field: "size", value, expected: "sides from 1 to what the device allows" });
+            return Err(Error::Invalid { field: "size", value, expected: "sides from 1 to the limit of the device" });
         }
         catch(device, || Self::make(device, queue, width, height))
     }
@@ -91,7 +58,7 @@ impl Canvas {
         Self { device: device.clone(), queue: queue.clone(), texture, view, staging, stride }
     }
 
-    /// Draws what the renderer took in last, and leaves it on the device.
+    /// Draws the state of the last [`Renderer::update`]; the picture stays on the device.
     ///
     /// # Errors
     /// [`Error::Device`] when the device failed.
@@ -104,7 +71,7 @@ impl Canvas {
         })
     }
 
-    /// A picture of what the renderer took in last.
+    /// Draws the state of the last [`Renderer::update`] and reads the picture back.
     ///
     /// # Errors
     /// [`Error::Device`] when the device failed.
@@ -131,21 +98,4 @@ impl Canvas {
             rows.flat_map(|line| line.chunks_exact(4).map(|pixel| [pixel[0], pixel[1], pixel[2], pixel[3]])).collect()
         })
     }
-}
-
-/// Waits for the device, and reads what was copied to a buffer that can be mapped.
-pub(crate) fn read_back<T>(device: &wgpu::Device, staging: &wgpu::Buffer, read: impl FnOnce(&[u8]) -> T) -> Result<T> {
-    let failed = |why: &dyn std::fmt::Display| Error::Device(format!("a buffer could not be read back: {why}"));
-    let (sender, receiver) = std::sync::mpsc::channel();
-    staging.map_async(wgpu::MapMode::Read, .., move |done| {
-        // Nobody to tell only when the wait below has failed.
-        let _ = sender.send(done);
-    });
-    device.poll(wgpu::PollType::wait_indefinitely()).map_err(|error| failed(&error))?;
-    receiver.recv().map_err(|error| failed(&error))?.map_err(|error| failed(&error))?;
-    let view = staging.get_mapped_range(..).map_err(|error| failed(&error))?;
-    let value = read(&view);
-    drop(view);
-    staging.unmap();
-    Ok(value)
 }

@@ -76,10 +76,10 @@ fn words(world: &World) -> Vec<(Buffer, &'static str, Vec<u32>)> {
     let tags = world.aabbs.iter().flat_map(|aabb| [aabb.id, aabb.tag]).collect();
     let head = world.lists[..world.step.entries_at as usize].to_vec();
     let lists = entries(world).into_iter().map(|entry| entry.word).collect();
-    // Who has told what is left to the devices.
-    let mut told = [Counters::default(); COUNTER_BLOCKS as usize];
-    told[0] = Counters { max_overlap: 0, ..world.status.total_counters() };
-    let counters = Status { told, escape_ratio: 0, last_max_overlap: 0, ..world.status };
+    // Who has counters what is left to the devices.
+    let mut counters = [Counters::default(); COUNTER_BLOCKS as usize];
+    counters[0] = Counters { max_overlap: 0, ..world.status.total_counters() };
+    let counters = Status { counters, escape_ratio: 0, last_max_overlap: 0, ..world.status };
     vec![
         (Buffer::Aabbs, "ids and tags", tags),
         (Buffer::Topology, "words", world.topology.clone()),

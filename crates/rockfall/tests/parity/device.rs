@@ -29,7 +29,7 @@ pub(crate) fn on_gpu(gpu: &Gpu, before: &World, runs: &[Run]) -> World {
     }
     after.aabbs.fill(bytemuck::Zeroable::zeroed());
     after.lists.fill(u32::MAX);
-    after.words.fill(u32::MAX);
+    after.topology.fill(u32::MAX);
     after.cells.fill(u32::MAX);
     after.sizes.fill(u32::MAX);
     block_on(gpu.device(), device.download(&mut after, &Buffer::ALL)).unwrap();

@@ -132,7 +132,7 @@ fn what_is_decided_by_rule() {
     capsules(&mut scene);
     for integrator in [Integrator::Rk4, Integrator::SymplecticEuler] {
         let last = assert_alike(&GPU, &scene, &stages(&Phase::STEP, integrator), 3, 1e6).status;
-        assert!(last.void == 0 && last.last_contacts > 20 && last.total_collisions_low > 5, "{last:?}");
+        assert!(last.rejected == 0 && last.last_contacts > 20 && last.total_collisions_low > 5, "{last:?}");
     }
 }
 
@@ -235,7 +235,7 @@ fn escapes_void_the_step() {
             let before = world.clone();
             group.iter().for_each(|run| run.on_cpu(&mut world));
             let gpu = on_gpu(&GPU, &before, &group).status;
-            assert_eq!(gpu.void, world.status.rejected, "{}", group[0].stage.name);
+            assert_eq!(gpu.rejected, world.status.rejected, "{}", group[0].stage.name);
             if world.status.rejected != 0 {
                 rejected += 1;
                 let [found, largest] = [gpu, world.status].map(|status| f32::from_bits(status.escape_ratio));

@@ -1,19 +1,20 @@
-//! What of a scene decides how it is shown: where it is, where the ground lies, how large bodies are.
+//! Bounding boxes of the parts of a scene.
 
 use rockfall::glam::Vec3;
 use rockfall::{Scene, Sphere};
 
-/// Static objects larger than this times the spheres' extent are what things stand on, not part of what is looked at.
+/// Static objects larger than this times the extent of the spheres are surroundings and need not be in the picture.
 const SURROUNDINGS: f32 = 0.6;
-/// Spheres farther from most others than this times the extent of those have got away.
-const NEAR_MOST: f32 = 0.6;
-/// A body may fall this times the spheres' extent and stay in the picture.
-const FALL: f32 = 1.0;
+/// Spheres farther from the majority than this times its extent are outliers.
+const OUTLIER_DISTANCE: f32 = 0.6;
+/// Distance that the spheres may fall without leaving the picture, divided by their extent.
+const FALL_DISTANCE: f32 = 1.0;
 
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Extent {
-    min: Vec3,
-    max: Vec3,
+/// An axis-aligned bounding box.
+pub(crate) struct Extent {
+    pub(crate) min: Vec3,
+    pub(crate) max: Vec3,
 }
 
 impl Extent {
@@ -21,16 +22,16 @@ impl Extent {
         points.into_iter().map(|point| Self { min: point, max: point }).reduce(Self::with)
     }
 
-    fn with(self, other: Self) -> Self {
+    pub(crate) fn with(self, other: Self) -> Self {
         Self { min: self.min.min(other.min), max: self.max.max(other.max) }
     }
 
-    fn size(self) -> f32 {
+    pub(crate) fn size(self) -> f32 {
         (self.max - self.min).max_element()
     }
 }
 
-fn of_spheres(scene: &Scene) -> Option<Extent> {
+pub(crate) fn extent_of_spheres(scene: &Scene) -> Option<Extent> {
     extent(scene.spheres().iter())
 }
 
@@ -40,13 +41,13 @@ fn extent<'a>(spheres: impl Iterator<Item = &'a Sphere>) -> Option<Extent> {
         .reduce(Extent::with)
 }
 
-/// The extent of the spheres but for a few that have got away: what is nearer to the middle nine tenths than these are large
-/// counts, unless it fell below all that is static.
-fn of_most_spheres(scene: &Scene) -> Option<Extent> {
+/// Returns the extent of the spheres without outliers. The majority is what lies between the 5 % and the 95 % quantile of each
+/// coordinate. An outlier is farther away from it than [`OUTLIER_DISTANCE`] times its size, or is below every static object.
+fn extent_without_outliers(scene: &Scene) -> Option<Extent> {
     let spheres = scene.spheres();
     let few = spheres.len() / 20;
     if few == 0 {
-        return of_spheres(scene);
+        return extent_of_spheres(scene);
     }
     let mut quantiles = [Vec3::ZERO; 2];
     for axis in 0..3 {
@@ -56,17 +57,17 @@ fn of_most_spheres(scene: &Scene) -> Option<Extent> {
         }
     }
     let [low, high] = quantiles;
-    let room = Vec3::splat((high - low).max_element()) * NEAR_MOST;
-    let lowest = of_static(scene).map(|object| object.min.y).reduce(f32::min).unwrap_or(f32::NEG_INFINITY);
+    let room = Vec3::splat((high - low).max_element()) * OUTLIER_DISTANCE;
+    let lowest = extents_of_static_objects(scene).map(|object| object.min.y).reduce(f32::min).unwrap_or(f32::NEG_INFINITY);
     let near = |sphere: &&Sphere| {
         let place = sphere.position;
         place.cmpge(low - room).all() && place.cmple(high + room).all() && place.y >= lowest
     };
-    extent(spheres.iter().filter(near)).or_else(|| of_spheres(scene))
+    extent(spheres.iter().filter(near)).or_else(|| extent_of_spheres(scene))
 }
 
-/// The extents of boxes and polygons.
-fn of_static(scene: &Scene) -> impl Iterator<Item = Extent> {
+/// Extents of the boxes and polygons.
+pub(crate) fn extents_of_static_objects(scene: &Scene) -> impl Iterator<Item = Extent> {
     let boxes = scene.boxes().iter().filter_map(|cuboid| {
         let [i, j, k] = cuboid.edges;
         let corner = |bits: u32| {
@@ -82,71 +83,32 @@ fn of_static(scene: &Scene) -> impl Iterator<Item = Extent> {
     boxes.chain(polygons)
 }
 
-/// Least and greatest corner of what should be in a picture of a scene: its spheres but for a few that have got away, what of boxes and polygons is not much
-/// larger than they are together, and a part of what they may fall on.
+/// Returns the minimum and maximum corners of the part of a scene that a picture should show: the spheres without outliers, the
+/// points of the tethers, nearby boxes and polygons that are not much larger than the spheres together, and a part of what the
+/// spheres may fall onto.
 pub fn bounds(scene: &Scene) -> (Vec3, Vec3) {
-    let Some(spheres) = of_most_spheres(scene) else {
-        let all = of_static(scene).reduce(Extent::with).unwrap_or(Extent { min: -Vec3::ONE, max: Vec3::ONE });
+    let Some(spheres) = extent_without_outliers(scene) else {
+        let all = extents_of_static_objects(scene).reduce(Extent::with).unwrap_or(Extent { min: -Vec3::ONE, max: Vec3::ONE });
         return (all.min, all.max);
     };
     let mut shown = spheres;
     let tethers = scene.tethers().iter().map(|tether| tether.point);
     shown = Extent::of(tethers).map_or(shown, |tethers| shown.with(tethers));
     let size = spheres.size();
-    for object in of_static(scene) {
+    for object in extents_of_static_objects(scene) {
         let under = object.max.y <= spheres.min.y + 0.1 * size
             && object.min.x < spheres.max.x
             && object.max.x > spheres.min.x
             && object.min.z < spheres.max.z
             && object.max.z > spheres.min.z;
         if under {
-            shown.min.y = shown.min.y.min(object.max.y.max(spheres.min.y - FALL * size));
+            shown.min.y = shown.min.y.min(object.max.y.max(spheres.min.y - FALL_DISTANCE * size));
         } else if object.size() < SURROUNDINGS * size {
             let near = object.max.cmpge(spheres.min - 0.5 * size).all() && object.min.cmple(spheres.max + 0.5 * size).all();
             shown = if near { shown.with(object) } else { shown };
         }
     }
     (shown.min, shown.max)
-}
-
-/// About so many places of spheres are kept.
-const PLACES: usize = 100;
-
-/// What the renderer has to know of a scene besides the buffers.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Setting {
-    /// Where some of the spheres are, spread over all.
-    pub(crate) places: Vec<Vec3>,
-    /// Height of the ground: under all that is static, or at 0 where that is near below the spheres, else under them.
-    pub(crate) ground: f32,
-    /// The median of the spheres' radii.
-    pub(crate) typical_radius: f32,
-}
-
-impl Default for Setting {
-    fn default() -> Self {
-        Self { places: Vec::new(), ground: 0.0, typical_radius: 1.0 }
-    }
-}
-
-impl Setting {
-    pub(crate) fn of(scene: &Scene) -> Self {
-        let mut radii: Vec<f32> = scene.spheres().iter().map(|sphere| sphere.radius).collect();
-        let middle = radii.len() / 2;
-        let typical_radius = match radii.len() {
-            0 => 1.0,
-            _ => *radii.select_nth_unstable_by(middle, f32::total_cmp).1,
-        };
-        let ground = match (of_static(scene).reduce(Extent::with), of_spheres(scene)) {
-            (Some(all), _) => all.min.y,
-            (None, Some(spheres)) if spheres.min.y >= 0.0 && spheres.min.y <= 2.0 * spheres.size() => 0.0,
-            (None, Some(spheres)) => spheres.min.y,
-            (None, None) => 0.0,
-        };
-        let apart = (scene.spheres().len() / PLACES).max(1);
-        let places = scene.spheres().iter().step_by(apart).map(|sphere| sphere.position).collect();
-        Self { places, ground, typical_radius }
-    }
 }
 
 #[cfg(test)]
@@ -166,7 +128,7 @@ mod tests {
     }
 
     #[test]
-    fn spheres_are_in_the_picture_and_the_floor_below_them_only_in_height() {
+    fn bounds_include_the_spheres_and_only_the_height_of_the_floor() {
         let (min, max) = bounds(&scene(&[]));
         assert_eq!((min, max), (Vec3::new(-0.5, 1.5, -0.5), Vec3::new(3.25, 2.5, 0.5)));
         let (min, max) = bounds(&scene(&[Cuboid::between([-500.0, -1.0, -500.0], [500.0, 0.0, 500.0])]));
@@ -174,7 +136,7 @@ mod tests {
     }
 
     #[test]
-    fn a_small_box_beside_the_spheres_is_in_the_picture_and_a_far_one_is_not() {
+    fn bounds_include_a_small_box_near_the_spheres_but_no_distant_box() {
         let beside = Cuboid::between([4.0, 1.6, 0.0], [4.5, 3.0, 1.0]);
         assert_eq!(bounds(&scene(&[beside])).1, Vec3::new(4.5, 3.0, 1.0));
         let far = Cuboid::between([40.0, 1.6, 0.0], [40.5, 3.0, 1.0]);
@@ -182,7 +144,7 @@ mod tests {
     }
 
     #[test]
-    fn a_few_that_got_away_are_left_out() {
+    fn bounds_exclude_outliers() {
         let mut scene = Scene::new();
         for k in 0..100 {
             scene.add_sphere(Sphere::new([k as f32 % 10.0, (k / 10) as f32, 0.0], 0.5)).unwrap();
@@ -192,14 +154,5 @@ mod tests {
         scene.add_sphere(Sphere::new([4.0, -300.0, 0.0], 0.5)).unwrap();
         scene.add_sphere(Sphere::new([90.0, 4.0, 0.0], 0.5)).unwrap();
         assert_eq!(bounds(&scene), all);
-    }
-
-    #[test]
-    fn the_ground_is_under_what_is_static() {
-        assert_eq!(Setting::of(&scene(&[])).ground, 0.0);
-        assert_eq!(Setting::of(&scene(&[Cuboid::between([-5.0, -1.0, -5.0], [5.0, 0.0, 5.0])])).ground, -1.0);
-        let mut deep = Scene::new();
-        deep.add_sphere(Sphere::new([0.0, -7.0, 0.0], 0.5)).unwrap();
-        assert_eq!((Setting::of(&deep).ground, Setting::of(&deep).typical_radius), (-7.5, 0.5));
     }
 }
