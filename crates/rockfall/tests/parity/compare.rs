@@ -76,7 +76,7 @@ fn words(world: &World) -> Vec<(Buffer, &'static str, Vec<u32>)> {
     let tags = world.aabbs.iter().flat_map(|aabb| [aabb.id, aabb.tag]).collect();
     let head = world.lists[..world.step.entries_at as usize].to_vec();
     let lists = entries(world).into_iter().map(|entry| entry.word).collect();
-    // Who has counters what is left to the devices.
+    // Which workgroup counted what may differ between devices.
     let mut counters = [Counters::default(); COUNTER_BLOCKS as usize];
     counters[0] = Counters { max_overlap: 0, ..world.status.total_counters() };
     let counters = Status { counters, escape_ratio: 0, last_max_overlap: 0, ..world.status };
