@@ -2,8 +2,9 @@
 
 use crate::model::buffer::Buffer;
 use crate::model::dispatch::Threads;
+use crate::model::part::Part;
 use crate::model::world::World;
-use crate::step::wgsl::{Part, Wgsl};
+use crate::step::wgsl::Wgsl;
 
 /// What a binding of a stage refers to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -12,12 +12,13 @@ use crate::model::buffer::Buffer;
 use crate::model::dispatch::Threads;
 use crate::model::layout::FLAG_STAGES;
 use crate::model::layout::GRAIN;
+use crate::model::part::part;
 use crate::model::step::Aabb;
 use crate::model::view::{Object, View};
 use crate::model::world::World;
 use crate::physics::travel::{may_gain, may_travel, place_ahead};
 use crate::step::stage::{Stage, read, write};
-use crate::step::wgsl::{Wgsl, part};
+use crate::step::wgsl::Wgsl;
 
 /// The stage.
 pub(crate) const STAGE: Stage = Stage {

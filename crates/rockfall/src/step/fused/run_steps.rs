@@ -10,12 +10,13 @@ use crate::model::dispatch::Threads;
 #[cfg(feature = "gpu")]
 use crate::model::layout::POSITIONS_FIRST;
 use crate::model::layout::{ORDER_MASK, PHASES_SHIFT, POSITIONS_ALONE, SYMPLECTIC_EULER};
+use crate::model::part::part;
 use crate::model::step::Step;
 use crate::model::world::World;
 use crate::settings::{BroadPhase, Integrator};
 use crate::step::schedule::Phase;
 use crate::step::stage::{Stage, read, write};
-use crate::step::wgsl::{Wgsl, part};
+use crate::step::wgsl::Wgsl;
 
 /// The stage.
 pub(crate) const STAGE: Stage = Stage {

@@ -6,9 +6,10 @@ use bytemuck::cast_slice;
 use crate::model::buffer::Buffer;
 use crate::model::dispatch::Threads;
 use crate::model::layout::{CELLS_AT, DIGIT_BITS, DIGIT_BLOCK, DIGITS};
+use crate::model::part::part;
 use crate::model::world::World;
 use crate::step::stage::{Access, Binding, Slot, Stage, read, write};
-use crate::step::wgsl::{Wgsl, part};
+use crate::step::wgsl::Wgsl;
 
 /// The stage.
 pub(crate) const STAGE: Stage = Stage {

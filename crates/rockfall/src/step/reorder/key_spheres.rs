@@ -7,10 +7,11 @@ use bytemuck::cast_slice_mut;
 
 use crate::model::buffer::Buffer;
 use crate::model::dispatch::Threads;
+use crate::model::part::part;
 use crate::model::world::World;
 use crate::model::world::order::{size_class, spread};
 use crate::step::stage::{Stage, read, write};
-use crate::step::wgsl::{Wgsl, part};
+use crate::step::wgsl::Wgsl;
 
 /// The stage.
 pub(crate) const STAGE: Stage = Stage {

@@ -6,10 +6,11 @@ use bytemuck::cast_slice_mut;
 use crate::model::buffer::Buffer;
 use crate::model::dispatch::Threads;
 use crate::model::layout::{CELLS_AT, DIGIT_BLOCK};
+use crate::model::part::part;
 use crate::model::world::World;
 use crate::step::reorder::count_digits::digit;
 use crate::step::stage::{Access, Binding, Slot, Stage, read};
-use crate::step::wgsl::{Wgsl, part};
+use crate::step::wgsl::Wgsl;
 
 /// The stage.
 pub(crate) const STAGE: Stage = Stage {

@@ -7,10 +7,11 @@ use crate::model::buffer::Buffer;
 use crate::model::dispatch::Threads;
 use crate::model::layout::GRAIN;
 use crate::model::layout::{CELLS_AT, EDGES_AT, FARTHEST_AT};
+use crate::model::part::part;
 use crate::model::world::World;
 use crate::step::broad_phase::grid::cells::{greatest_coordinate, is_long, key_of, stands_apart};
 use crate::step::stage::{Stage, read, write};
-use crate::step::wgsl::{Wgsl, part};
+use crate::step::wgsl::Wgsl;
 
 /// The stage.
 pub(crate) const STAGE: Stage = Stage {

@@ -7,10 +7,11 @@ use rayon::prelude::*;
 
 use crate::model::buffer::Buffer;
 use crate::model::dispatch::Threads;
+use crate::model::part::part;
 use crate::model::world::World;
 use crate::step::broad_phase::grid::cells::{Around, Grid};
 use crate::step::stage::{Stage, read, write};
-use crate::step::wgsl::{Wgsl, part};
+use crate::step::wgsl::Wgsl;
 
 /// The stage.
 pub(crate) const STAGE: Stage = Stage {

@@ -13,12 +13,13 @@ use crate::model::dispatch::Threads;
 use crate::model::layout::GRAIN;
 use crate::model::layout::SLICE;
 use crate::model::lists::{put_in_order, slices};
+use crate::model::part::part;
 use crate::model::status::{REBUILD_DONE, REJECTED_COUNT, REJECTED_PAIRS};
 use crate::model::view::View;
 use crate::model::world::World;
 use crate::step::broad_phase::grid::cells::{Around, Grid};
 use crate::step::stage::{Stage, read, write};
-use crate::step::wgsl::{Wgsl, part};
+use crate::step::wgsl::Wgsl;
 
 /// The stage.
 pub(crate) const STAGE: Stage = Stage {
