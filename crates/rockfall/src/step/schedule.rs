@@ -1,4 +1,4 @@
-//! The order of the stages. [`Phase::stages`] lists all stages of a step.
+//! The order of the stages. [`Phase::stages`] lists the stages of each phase of a step.
 
 use crate::model::layout::{CELL_BLOCK, SWEEPS, SWEEPS_FEW, SWEEPS_OFF, SWEEPS_ON};
 use crate::model::step::Step;
