@@ -1,5 +1,6 @@
-//! Memory order, 3 of 5: pairs in the order of a digit, those of the same digit as they were. After the last pass they are back
-//! in `Y2`, in the order of the keys.
+//! Memory order, 3 of 5: sorts the pairs by one digit. Pairs with the same digit keep their order.
+//!
+//! After the last pass the pairs are back in `Y2`, in the order of their keys.
 
 use bytemuck::cast_slice_mut;
 

@@ -1,4 +1,4 @@
-//! Grid broad phase, 1 of 6: an empty table of cells.
+//! Grid broad phase, 1 of 6: clears the table of cells.
 
 use crate::model::buffer::Buffer;
 use crate::model::dispatch::Threads;

@@ -1,7 +1,7 @@
-//! Grid broad phase, before the last: how long the lists of long movers may become, so that their slices get room.
+//! Grid broad phase, between 5 and 6 of 6: counts the entries of long movers, so that their slices get enough room.
 //!
-//! A long mover looks at hundreds of objects and more: a workgroup shares out the rows of cells. Entries count twice that rows which
-//! share places of the table hold both.
+//! A long mover has to test hundreds of objects or more, so the threads of a workgroup share its rows of cells. The count is
+//! an upper bound: if two rows share places of the table, entries found in both rows count twice.
 
 use rayon::prelude::*;
 

@@ -1,7 +1,7 @@
-//! Grid broad phase, after the last: the lists of long movers, each found and put in order by a workgroup.
+//! Grid broad phase, after 6 of 6: builds the lists of long movers, with a workgroup for each.
 //!
-//! The threads share out the rows of cells; what they find comes in any order, is ordered by index (in order of addition), then
-//! feature, and kept once.
+//! The threads share the rows of cells, and find entries in any order. The entries are then sorted by insertion index, then
+//! feature, and duplicates are dropped.
 
 use rayon::prelude::*;
 

@@ -1,4 +1,4 @@
-//! Broad phase sort-and-skip, 2 of 4: the interval in x of every block of 64 objects, in their order, to `extents`.
+//! Broad phase sort-and-skip, 2 of 4: writes the interval in x of every block of 64 sorted objects to `extents`.
 
 use glam::Vec4;
 

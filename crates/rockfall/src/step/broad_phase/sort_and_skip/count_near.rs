@@ -1,5 +1,5 @@
-//! Broad phase sort-and-skip, 3 of 4: how many entries every mover has. Blocks whose
-//! intervals do not meet that of its own block are skipped; `scan_pairs` follows.
+//! Broad phase sort-and-skip, 3 of 4: counts the entries of every mover. Blocks whose interval does not meet that of the
+//! mover's block are skipped. `scan_pairs` runs between this stage and `fill_near`.
 
 use rayon::prelude::*;
 

@@ -1,5 +1,4 @@
-//! Broad phase sort-and-skip, 4 of 4: the entries, in ascending order of index (in order
-//! of addition), then feature.
+//! Broad phase sort-and-skip, 4 of 4: writes the entries, in ascending order of insertion index, then feature.
 
 use crate::model::buffer::Buffer;
 use crate::model::dispatch::Threads;
