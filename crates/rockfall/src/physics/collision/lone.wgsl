@@ -147,12 +147,12 @@ fn solve_lone(a_id: u32, b_id: u32, feature: u32, found: Touch) -> Solved {
     push_side(b, moved_back(b, b_now, b_pull, tau, false), met.touch.n, 2u, &pushed);
     let inverse_mass = met.closing.inverse_mass;
     let stretching = tau * tau * curvature_along(pushed);
-    var yielding = max(inverse_mass + stretching, 0.5 * inverse_mass);
+    var effective_inverse_mass = max(inverse_mass + stretching, 0.5 * inverse_mass);
     if !finite(vec3f(stretching)) {
         // Extreme springs: the term is infinite, or NaN.
-        yielding = select(0.5 * inverse_mass, 3e38, bitcast<u32>(stretching) == 0x7f800000u);
+        effective_inverse_mass = select(0.5 * inverse_mass, 3e38, bitcast<u32>(stretching) == 0x7f800000u);
     }
-    let impulse = (1.0 + step.restitution) * met.closing.approach / yielding;
+    let impulse = (1.0 + step.restitution) * met.closing.approach / effective_inverse_mass;
     return Solved(met.touch.n, met.touch.a, met.touch.b, impulse, tau);
 }
 

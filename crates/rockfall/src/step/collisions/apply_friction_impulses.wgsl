@@ -95,7 +95,7 @@ fn end_after_friction(i: u32, rod: u32) -> Motion {
     return Motion(state[position_at(i)].xyz, velocity, angular_momentum);
 }
 
-fn rubbed(i: u32) -> Motion {
+fn motion_after_friction(i: u32) -> Motion {
     if inverse_mass(i) <= 0.0 {
         return Motion(state[position_at(i)].xyz, state[velocity_at(i)].xyz, state[momentum_at(i)].xyz);
     }
@@ -118,7 +118,7 @@ fn apply_friction_impulses(
     if (i >= step.spheres) | (atomicLoad(&status.rejected) != 0u) | (atomicLoad(&status.collided) != 2u) {
         return;
     }
-    var after = rubbed(i);
+    var after = motion_after_friction(i);
     if (inverse_mass(i) > 0.0) & !is_finite(after) {
         after = stopped(state[position_at(i)].xyz, 0u, i);
     }
