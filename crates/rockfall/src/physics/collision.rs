@@ -1,8 +1,8 @@
-//! The collision phase: which contacts collide, and what that does to the bodies (docs/physics.md section 3).
+//! The collision phase: which contacts collide, and what their impulses do to the bodies (docs/physics.md section 3).
 //!
-//! [`Collision`] is a contact with what its impulse does to the bodies on both sides. [`lone`] handles one that shares no body with
-//! anything else, at its time of contact; [`cluster`] sweeps over those that do share bodies; [`all`] finds both and puts their results
-//! together.
+//! [`Collision`] is a contact together with the effects of its impulse on the bodies of both sides. [`lone`] handles lone
+//! collisions at their time of contact. [`cluster`] solves collisions that share bodies, by sweeps. [`all`] finds both
+//! kinds and combines their results.
 
 pub(crate) mod all;
 pub(crate) mod body;
@@ -23,14 +23,14 @@ use body::{Body, Capsule, Part};
 /// A contact as the collision phase sees it.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Collision {
-    /// What was added first.
+    /// The object with the lower insertion index.
     pub(crate) a: u32,
     pub(crate) b: u32,
     pub(crate) feature: u32,
     pub(crate) touch: Touch,
     parts: [Part; 4],
     len: usize,
-    /// Approach velocity u, positive when closing.
+    /// Approach velocity u, positive when the sides approach each other.
     pub(crate) approach: f32,
 }
 
@@ -41,7 +41,7 @@ impl Collision {
         Some(Self::of(view, view, [a, b], feature, touch(view, a, b, feature)?))
     }
 
-    /// The contact `touch` of the objects in a state.
+    /// The contact `touch` of two objects, with the velocities of the state `at`.
     fn of(view: &View, at: &impl Motions, [a, b]: [u32; 2], feature: u32, touch: Touch) -> Self {
         let mut collision = Self { a, b, feature, touch, parts: [Part::NONE; 4], len: 0, approach: 0.0 };
         collision.add_side(view, at, view.object(a), touch.a, -1.0);
@@ -49,7 +49,7 @@ impl Collision {
         collision
     }
 
-    /// Adds the bodies on one side, and that side's velocity.
+    /// Adds the bodies of one side, and the velocity of that side.
     fn add_side(&mut self, view: &View, at: &impl Motions, object: Object, parameter: f32, sign: f32) {
         let n = self.touch.normal;
         let capsule = match object {
@@ -86,7 +86,8 @@ impl Collision {
         }
     }
 
-    /// Adds the ends of a rod that is no capsule's. Two spheres of one network are one part, others one each.
+    /// Adds the ends of a rod that does not belong to a capsule. Two ends in one network form one part. Otherwise each end
+    /// is a part of its own.
     fn add_ends(&mut self, view: &View, shares: [(u32, f32); 2], sign: f32) {
         let [one, two] =
             shares.map(|(sphere, share)| Body::of(view, sphere).map(|body| Part::of_sphere(view, body, sphere, share, sign)));
@@ -101,40 +102,40 @@ impl Collision {
         self.len += 1;
     }
 
-    /// What its impulse does to each body; both sides may be on one.
+    /// The effect of the impulse on each body. Both sides may be on one body.
     pub(crate) fn parts(&self) -> &[Part] {
         &self.parts[..self.len]
     }
 
-    /// The inverse of the mass that an impulse meets, as if networks were loose spheres.
+    /// The inverse mass, summed over both sides. For networks it is the value before the projection.
     fn inverse_mass(&self) -> f32 {
         self.parts().iter().map(|part| part.inverse_mass).sum()
     }
 
-    /// The radius that thresholds refer to.
+    /// The smaller radius of the pair, which the thresholds refer to.
     fn smaller_radius(&self, view: &View) -> f32 {
         let a = side(view, view.object(self.a), self.touch.a);
         let b = side(view, view.object(self.b), self.touch.b);
         smaller_radius(&a, &b)
     }
 
-    /// Whether it overlaps by more than rounding.
+    /// Whether the contact is pressed: it overlaps by more than a rounding error, and its inverse mass is not 0.
     pub(crate) fn is_pressed(&self, view: &View) -> bool {
         self.inverse_mass() > 0.0 && self.touch.overlap > ROUNDING * self.smaller_radius(view)
     }
 
-    /// Whether it is an impulse: closing faster than the threshold.
+    /// Whether a pressed contact collides: its approach velocity exceeds the threshold.
     pub(crate) fn collides(&self, view: &View) -> bool {
         self.approach > view.step.collision_velocity(self.smaller_radius(view))
     }
 
-    /// What collisions are ordered and found by; it does not depend on the order of memory.
+    /// The key by which collisions are sorted and found. It does not depend on the order in memory.
     pub(crate) fn key(&self, view: &View) -> Key {
         (view.user(self.a), view.user(self.b), self.feature)
     }
 }
 
-/// What the collision phase does to a sphere.
+/// The changes of a sphere in the collision phase.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Change {
     pub(crate) sphere: u32,

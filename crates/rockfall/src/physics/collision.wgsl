@@ -1,18 +1,19 @@
 // requires model/objects.wgsl model/step.wgsl physics/geometry.wgsl step/collisions/rows.wgsl
 
-// The two sides of a contact in the collision phase: what gives way there, how fast it closes, and what mass an impulse meets
-// (docs/physics.md section 3).
+// The two sides of a contact in the collision phase: their kind, velocity along the normal and inverse mass
+// (docs/physics.md sections 3.2 and 3.3).
 
-// What one side of a contact is: a box or polygon; a sphere; a rod of free length or of a network; a rigid capsule.
+// Kinds of sides: a box or polygon; a sphere; a rod of free length or of a network; a rigid capsule.
 const STATIC: u32 = 0u;
 const SPHERE: u32 = 1u;
 const ROD: u32 = 2u;
 const CAPSULE: u32 = 3u;
 
+// One side of a contact.
 struct Half {
     kind: u32,
     id: u32,
-    // The sphere itself, or both ends of the rod.
+    // Both are the sphere itself, or they are the ends of the rod.
     spheres: vec2u,
     // Parameter of the contact from end 1 to end 2 of a rod; 0 or 1 for an end sphere of a capsule.
     at: f32,
@@ -45,7 +46,7 @@ fn half_of(id: u32, at: f32) -> Half {
     return Half(STATIC, id, vec2u(0u), 0.0);
 }
 
-// The surface velocity of a rod's fixed end is not the rod's.
+// The velocity of a fixed end of a rod counts as 0, because the motion of its surface does not move the rod.
 fn poise_of(half: Half) -> Poise {
     var poise = Poise(vec3f(0.0), vec3f(0.0), vec3f(0.0), vec3f(0.0));
     if half.kind == STATIC {
@@ -68,14 +69,14 @@ fn poise_of(half: Half) -> Poise {
 struct Capsule {
     // From end 1 to end 2.
     d: vec3f,
-    // Of the centre of mass.
+    // Velocity of the centre of mass.
     velocity: vec3f,
-    // Spin across the axis.
+    // Angular velocity across the axis.
     spin: vec3f,
     inverse_mass: f32,
-    // About the centre, across the axis.
+    // Inverse moment of inertia about the centre of mass, across the axis.
     inverse_inertia: f32,
-    // m2 / M: where on the axis, from end 1, the centre is.
+    // m2 / M: the position of the centre of mass on the axis, 0 at end 1 and 1 at end 2.
     centre: f32,
 }
 
@@ -97,12 +98,13 @@ fn capsule_of(ends: vec2u, poise: Poise) -> Capsule {
     return Capsule(d, velocity, whole * inverse_inertia, w1 * w2 * reduced_mass, inverse_inertia, centre);
 }
 
-// Torque about the centre of a unit impulse at a parameter of the axis.
+// Torque, about the centre of mass, of the impulse n at a parameter of the axis.
 fn torque_at(capsule: Capsule, at: f32, n: vec3f) -> vec3f {
     return (at - capsule.centre) * cross(capsule.d, n);
 }
 
-// Velocity along n, and inverse mass that an impulse along n meets: that of one body alone where it is a network.
+// Velocity of a side along n, and its inverse mass for an impulse along n. On a network both are the values before the
+// projection.
 fn response(half: Half, poise: Poise, n: vec3f) -> vec2f {
     if half.kind == STATIC {
         return vec2f(0.0);
@@ -124,7 +126,7 @@ fn response(half: Half, poise: Poise, n: vec3f) -> vec2f {
     );
 }
 
-// A contact as it is now: how fast it closes along n, and the inverse mass that its impulse meets.
+// The approach velocity of a contact along n, and its inverse mass, summed over both sides.
 struct Closing {
     approach: f32,
     inverse_mass: f32,
@@ -136,7 +138,7 @@ fn closing_of(a: Half, b: Half, a_poise: Poise, b_poise: Poise, n: vec3f) -> Clo
     return Closing(one.x - two.x, one.y + two.y);
 }
 
-// The contact of two objects, a before b, that touch like this.
+// The approach velocity and the inverse mass of the contact `found` of two objects, in the present state.
 fn closing_at(a: u32, b: u32, found: Touch) -> Closing {
     let one = half_of(a, found.a);
     let two = half_of(b, found.b);

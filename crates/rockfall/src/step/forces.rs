@@ -1,3 +1,3 @@
-//! Forces on rods; those on spheres are evaluated by the stages of `integrate`.
+//! Forces on rods. The stages of `integrate` evaluate the forces on spheres.
 
 pub(crate) mod rod_forces;

@@ -1,4 +1,4 @@
-//! Integration of the state, and constraints (docs/physics.md sections 5 and 6).
+//! Integration of the state, and constraints (docs/physics.md section 5).
 
 pub(crate) mod advance;
 pub(crate) mod commit_and_turn;

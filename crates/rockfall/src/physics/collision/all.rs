@@ -1,6 +1,7 @@
-//! All collisions of a step: which of them are lone, which share bodies, and what they do together (docs/physics.md sections 3.5 and 3.7).
+//! All collisions of a step: which of them are lone, which share bodies, and their combined effects (docs/physics.md
+//! sections 3.5 and 3.7).
 //!
-//! Every sum runs in the order in which objects were added, so that neither the order of memory nor the number of threads counts.
+//! Every sum runs in insertion order, so the result depends neither on the order in memory nor on the number of threads.
 
 use glam::Vec3;
 use rayon::prelude::*;
@@ -16,22 +17,22 @@ use crate::physics::collision::cluster::Touching;
 use crate::physics::collision::{Change, Collision, lone};
 use crate::physics::touch::touch;
 
-/// Collisions that a thread takes at least.
-const FEW: usize = 16;
-/// The cosine of an angle up to this is that of a right one.
+/// Smallest number of collisions per parallel task.
+const MIN_PER_TASK: usize = 16;
+/// Normals are at right angles when the absolute cosine of their angle is at most this.
 const RIGHT_ANGLE: f32 = 0.001;
 
-/// What the collisions of a step do.
+/// The effects of the collisions of a step.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Outcome {
-    /// By key.
+    /// Sorted by key.
     pub(crate) impulses: Vec<Impulse>,
-    /// By sphere; of one sphere in the order in which they are added.
+    /// Sorted by sphere. Changes of one sphere are in the order in which they are summed.
     changes: Vec<Change>,
 }
 
 impl Outcome {
-    /// The sum of what happens to a sphere.
+    /// The sum of the changes of a sphere.
     pub(crate) fn change(&self, sphere: u32) -> Change {
         let first = self.changes.partition_point(|change| change.sphere < sphere);
         let own = self.changes[first..].iter().take_while(|change| change.sphere == sphere);
@@ -52,8 +53,8 @@ pub(crate) fn impulse_in(impulses: &[Impulse], key: Key) -> Option<&Impulse> {
 /// Solves all collisions that are marked in the lists.
 pub(crate) fn solve(view: &View, lists: &Lists) -> Outcome {
     let collisions = collisions(view, lists);
-    let are_lone: Vec<bool> = collisions.par_iter().with_min_len(FEW).map(|k| is_lone(view, lists, k)).collect();
-    let lone = collisions.par_iter().zip(&are_lone).with_min_len(FEW).filter(|(_, is_lone)| **is_lone);
+    let are_lone: Vec<bool> = collisions.par_iter().with_min_len(MIN_PER_TASK).map(|k| is_lone(view, lists, k)).collect();
+    let lone = collisions.par_iter().zip(&are_lone).with_min_len(MIN_PER_TASK).filter(|(_, is_lone)| **is_lone);
     let lone: Vec<lone::Outcome> = lone.map(|(k, _)| lone::solve(view, k)).collect();
     let mut outcome = Outcome {
         impulses: lone.iter().map(|lone| lone.impulse).collect(),
@@ -70,12 +71,12 @@ pub(crate) fn solve(view: &View, lists: &Lists) -> Outcome {
         }
     }
     outcome.impulses.par_sort_unstable_by_key(|impulse| impulse.key);
-    // Stable: of one sphere first what lone collisions do, then its cluster.
+    // The sort is stable, so the changes of a sphere by lone collisions come before those by its cluster.
     outcome.changes.par_sort_by_key(|change| change.sphere);
     outcome
 }
 
-/// All collisions, by key.
+/// All collisions, sorted by key.
 fn collisions(view: &View, lists: &Lists) -> Vec<Collision> {
     let movers = (0..view.step.movers()).into_par_iter().with_min_len(GRAIN);
     let of_mover = |mover: u32| {
@@ -88,8 +89,9 @@ fn collisions(view: &View, lists: &Lists) -> Vec<Collision> {
     collisions
 }
 
-/// Whether nothing else touches the bodies of a collision. A single sphere may touch what is static besides, at a right angle: in a corner
-/// one collision does not tell on the other.
+/// Whether a collision is lone: no other pressed contact touches its bodies, and none of them is a network. A single sphere
+/// may also have pressed contacts with boxes and polygons at right angles to the collision, because collisions in a
+/// right-angled corner do not influence each other.
 fn is_lone(view: &View, lists: &Lists, k: &Collision) -> bool {
     k.parts().iter().all(|part| !matches!(part.body, Body::Network(_)) && is_alone_on(view, lists, k, part.body))
 }
@@ -106,13 +108,13 @@ fn is_alone_on(view: &View, lists: &Lists, k: &Collision, body: Body) -> bool {
     is_alone
 }
 
-/// Whether the contact of a sphere is with what is static, across a direction.
+/// Whether the contact of a sphere is with a box or a polygon, and its normal is at a right angle to n.
 fn is_right_angled(view: &View, sphere: u32, other: u32, n: Vec3) -> bool {
     let is_static = matches!(view.object(other), Object::Cuboid(_) | Object::Polygon(_));
     is_static && touch(view, sphere, other, 0).is_some_and(|touch| touch.normal.dot(n).abs() <= RIGHT_ANGLE)
 }
 
-/// What touches what, by body.
+/// The bodies that each collision touches, sorted by body.
 fn touching(collisions: &[Collision]) -> Vec<Touching> {
     let of = |(number, collision): (usize, &Collision)| {
         let bodies: Vec<_> = collision.parts().iter().map(|part| Touching { body: part.body, collision: number }).collect();
@@ -123,7 +125,7 @@ fn touching(collisions: &[Collision]) -> Vec<Touching> {
     touching
 }
 
-/// The collisions that are not lone, in sets of those that are joined by bodies.
+/// Groups the collisions that are not lone into clusters: sets that are connected by shared bodies.
 fn clusters(touching: &[Touching], are_lone: &[bool]) -> Vec<Vec<usize>> {
     let mut parents: Vec<usize> = (0..are_lone.len()).collect();
     for on_one in touching.chunk_by(|one, other| one.body == other.body) {
@@ -147,7 +149,7 @@ fn clusters(touching: &[Touching], are_lone: &[bool]) -> Vec<Vec<usize>> {
     clusters
 }
 
-/// The least collision of a set.
+/// The collision with the lowest number in the set that this one belongs to.
 fn root(parents: &mut [usize], mut collision: usize) -> usize {
     while parents[collision] != collision {
         parents[collision] = parents[parents[collision]];

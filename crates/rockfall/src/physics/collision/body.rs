@@ -6,19 +6,19 @@ use crate::model::lists::Lists;
 use crate::model::view::View;
 use crate::physics::touch::Motions;
 
-/// What an impulse moves as a whole. What is fixed or static is none.
+/// A unit that an impulse moves as a whole. Fixed spheres, boxes and polygons are not bodies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Body {
-    /// A sphere by itself; rods of free length may end in it.
+    /// A single sphere. Rods of free length may end in it.
     Sphere(u32),
-    /// A rigid capsule, by its rod.
+    /// A rigid capsule, by the index of its rod.
     Capsule(u32),
-    /// Moving spheres joined by rods of fixed length, by the number of their network.
+    /// A network, by its number: moving spheres that are connected by rods of fixed length.
     Network(u32),
 }
 
 impl Body {
-    /// The body that a sphere belongs to.
+    /// The body that a sphere belongs to. `None` for a fixed sphere.
     pub(crate) fn of(view: &View, sphere: u32) -> Option<Self> {
         if view.is_fixed(sphere) {
             return None;
@@ -30,7 +30,7 @@ impl Body {
         Some(network.map_or(Self::Sphere(sphere), Self::Network))
     }
 
-    /// Hands over the movers whose contacts touch the body: its spheres, and the rods that end in them.
+    /// Calls `take` for each mover whose contacts touch the body: its spheres, and the rods that end in them.
     pub(crate) fn each_row(self, view: &View, mut take: impl FnMut(u32)) {
         match self {
             Self::Sphere(sphere) => sphere_rows(view, sphere).for_each(take),
@@ -57,17 +57,17 @@ pub(crate) fn sphere_rows(view: &View, sphere: u32) -> impl Iterator<Item = u32>
     std::iter::once(sphere).chain(view.rods_of(sphere).map(move |rod| spheres + rod))
 }
 
-/// What a contact's impulse, along its normal n, does to one of its bodies.
+/// The effect of a contact's impulse, along its normal n, on one of its bodies.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Part {
     pub(crate) body: Body,
     /// -1 on side A, +1 on side B.
     pub(crate) sign: f32,
-    /// The spheres that share in it, and how much each gets; of a capsule, its ends.
+    /// The spheres that get the impulse, and their shares of it. For a capsule, its ends; their shares are not used.
     pub(crate) shares: [(u32, f32); 2],
-    /// Of a capsule: the couple of a unit impulse about its centre.
+    /// For a capsule: the torque of a unit impulse about its centre of mass.
     pub(crate) torque: Vec3,
-    /// What a unit impulse changes the velocity along n by; of a network, as if its spheres were loose.
+    /// The change of the velocity along n by a unit impulse. For a network, the value before the projection.
     pub(crate) inverse_mass: f32,
 }
 
@@ -75,35 +75,35 @@ impl Part {
     pub(crate) const NONE: Self =
         Self { body: Body::Sphere(0), sign: 0.0, shares: [(0, 0.0); 2], torque: Vec3::ZERO, inverse_mass: 0.0 };
 
-    /// A sphere that is no capsule's end.
+    /// The part of a sphere that is not the end of a capsule.
     pub(crate) fn of_sphere(view: &View, body: Body, sphere: u32, share: f32, sign: f32) -> Self {
         let inverse_mass = share * share * view.inverse_mass(sphere);
         Self { body, sign, shares: [(sphere, share), (sphere, 0.0)], torque: Vec3::ZERO, inverse_mass }
     }
 
-    /// Two spheres of one network.
+    /// Combines the parts of two spheres of one network.
     pub(crate) fn and(self, other: Self) -> Self {
         let shares = [self.shares[0], other.shares[0]];
         Self { shares, inverse_mass: self.inverse_mass + other.inverse_mass, ..self }
     }
 }
 
-/// A rigid capsule: two spheres on a rod that turn as one body.
+/// A rigid capsule: a rod and the spheres at its ends, which move as one rigid body.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Capsule {
     pub(crate) rod: u32,
     pub(crate) ends: [u32; 2],
-    /// M.
+    /// Mass M of both ends.
     pub(crate) mass: f32,
-    /// Where the centre of mass is on the axis, from end 1: m2 / M; the lever of end 1.
+    /// m2 / M: the position of the centre of mass on the axis, 0 at end 1 and 1 at end 2.
     pub(crate) centre: f32,
     /// Moments of inertia of the ends.
     pub(crate) inertia: [f32; 2],
-    /// It = mu d.d + I1 + I2, about the centre, across the axis.
+    /// Moment of inertia about the centre of mass, across the axis: It = mu d.d + I1 + I2.
     pub(crate) inertia_across: f32,
     /// From end 1 to end 2.
     pub(crate) d: Vec3,
-    /// Velocity of end 2 against end 1.
+    /// Velocity of end 2 relative to end 1.
     pub(crate) q: Vec3,
     /// Velocity of the centre of mass.
     pub(crate) velocity: Vec3,
@@ -112,13 +112,13 @@ pub(crate) struct Capsule {
 }
 
 impl Capsule {
-    /// The capsule of a rod in a state.
+    /// The capsule of a rod, with the positions and velocities of the state `at`.
     pub(crate) fn of(view: &View, at: &impl Motions, rod: u32) -> Self {
         let ends = view.rod(rod).ends;
         let [w1, w2] = ends.map(|end| view.inverse_mass(end));
         let inertia = ends.map(|end| 1.0 / view.inverse_inertia(end));
         let [v1, v2] = ends.map(|end| at.velocity(end));
-        // m2 / M, also where masses are far apart.
+        // m2 / M. This form is accurate even if the masses differ greatly.
         let centre = w1 / (w1 + w2);
         // mu = m1 m2 / M.
         let reduced_mass = 1.0 / (w1 + w2);
@@ -142,40 +142,42 @@ impl Capsule {
         capsule
     }
 
-    /// A vector without what it has along the axis.
+    /// The part of a vector across the axis.
     pub(crate) fn across(&self, v: Vec3) -> Vec3 {
         v - v.dot(self.d) / self.d.length_squared() * self.d
     }
 
-    /// The lever of a place on the axis, 0 at end 1 and 1 at end 2, in lengths of the axis.
+    /// The lever of a place on the axis about the centre of mass, in units of the axis. The place is 0 at end 1 and 1 at
+    /// end 2.
     pub(crate) fn lever(&self, place: f32) -> f32 {
         place - self.centre
     }
 
-    /// The couple of the impulse p at a place on the axis, about the centre of mass.
+    /// The torque of the impulse p at a place on the axis, about the centre of mass.
     pub(crate) fn torque(&self, place: f32, p: Vec3) -> Vec3 {
         (self.lever(place) * self.d).cross(p)
     }
 
-    /// What a unit impulse of that couple does.
+    /// The effect of a unit impulse with this torque. The sign is left at 0.
     pub(crate) fn part(&self, torque: Vec3) -> Part {
         let shares = self.ends.map(|end| (end, 0.0));
         let inverse_mass = 1.0 / self.mass + torque.length_squared() / self.inertia_across;
         Part { body: Body::Capsule(self.rod), sign: 0.0, shares, torque, inverse_mass }
     }
 
-    /// Changes of the ends' velocities from those of the centre and of the angular velocity across the axis.
+    /// The changes of the ends' velocities that follow from these changes of the velocity of the centre of mass and of the
+    /// angular velocity across the axis.
     pub(crate) fn end_velocities(&self, velocity: Vec3, spin: Vec3) -> [Vec3; 2] {
         let q = spin.cross(self.d);
         [velocity - self.centre * q, velocity + (1.0 - self.centre) * q]
     }
 }
 
-/// Which spheres the collisions of a step change.
+/// Finds out which spheres the collisions of a step change.
 pub(crate) struct TakingPart<'a> {
     view: &'a View<'a>,
     lists: &'a Lists<'a>,
-    /// By network.
+    /// For each network, whether one of its contacts collides.
     networks: Vec<bool>,
 }
 
@@ -185,10 +187,10 @@ impl<'a> TakingPart<'a> {
         Self { view, lists, networks }
     }
 
-    /// Whether some contact of the sphere's body collides.
+    /// Whether a contact of the sphere's body collides.
     pub(crate) fn has(&self, sphere: u32) -> bool {
         let Self { view, lists, networks } = self;
-        // Nearly all are told by their own list.
+        // The sphere's own list decides in nearly all cases.
         lists.collides(sphere)
             || view.step.rods > 0
                 && match Body::of(view, sphere) {

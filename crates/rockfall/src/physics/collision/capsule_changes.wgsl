@@ -2,9 +2,10 @@
 // requires physics/collision/changes.wgsl physics/collision/impulses.wgsl physics/collision/lone.wgsl
 // requires physics/contact.wgsl step/collisions/record_of.wgsl step/collisions/records.wgsl step/collisions/rows.wgsl
 
-// What its collisions make of an end of a rigid capsule (docs/physics.md sections 3.2 and 3.4).
+// The state of an end of a rigid capsule after the collisions of the capsule (docs/physics.md sections 3.3, 3.6 and 3.7).
 
-// The lone collision of a capsule, if it has one: no other contact touches it then.
+// Returns the row and the record of the lone collision of a capsule, or NONE. It is enough to look at the first collision,
+// because no other pressed contact touches a capsule that has a lone collision.
 fn lone_record(rod: u32) -> vec2u {
     let ends = rod_ends(rod);
     var rows = array<u32, 3>(ends.x, ends.y, step.spheres + rod);
@@ -25,7 +26,7 @@ fn lone_record(rod: u32) -> vec2u {
     return vec2u(NONE);
 }
 
-// Position, velocity and angular momentum of an end after a kick.
+// The state of an end after a change of the capsule's velocity and spin.
 fn kicked(i: u32, capsule: Capsule, is_second: bool, kick: Kick) -> Motion {
     let offset = select(-capsule.centre, 1.0 - capsule.centre, is_second) * capsule.d;
     let momentum = state[momentum_at(i)];
@@ -36,7 +37,8 @@ fn kicked(i: u32, capsule: Capsule, is_second: bool, kick: Kick) -> Motion {
     );
 }
 
-// An end after a lone collision: the capsule goes back to the time of contact on its circle, is hit, and comes forward again.
+// The state of an end after a lone collision. The capsule is moved back along its circle to the time of contact, gets the
+// impulse there, and is moved forward again.
 fn hit_at_contact(i: u32, half: Half, row: u32, r: u32) -> Motion {
     let k = record_at(r);
     let impulse = impulse_at(r);
@@ -60,7 +62,7 @@ fn hit_at_contact(i: u32, half: Half, row: u32, r: u32) -> Motion {
     return Motion(place + share * forward.d, capsule.velocity + velocity + share * forward.q, momentum.xyz + spin / momentum.w);
 }
 
-// The state of an end after the capsule's collisions.
+// Writes the state of an end after the collisions of its capsule.
 fn write_capsule_end(i: u32, rod: u32) {
     let ends = rod_ends(rod);
     let half = half_of(i, 0.0);

@@ -2,21 +2,22 @@
 // requires physics/collision/other_collisions.wgsl physics/contact.wgsl physics/margin.wgsl step/collisions/rows.wgsl
 // requires step/collisions/report_clusters.wgsl
 
-// What its collisions make of a sphere that is a body of its own.
+// The state of a single sphere after its collisions.
 
+// The changes of a sphere, divided by its inverse mass.
 struct Change {
     velocity: vec3f,
     position: vec3f,
 }
 
-// What a collision gives a sphere: its normal, so many times into the velocity, so many times into the position.
+// What a collision adds to the `Change` of a sphere: its normal times `velocity`, and its normal times `position`.
 struct Part {
     n: vec3f,
     velocity: f32,
     position: f32,
 }
 
-// Counters to be one operation: whoever adds up, the same bits come of it.
+// Each addition is an explicit `fma`, so that the sums of all kernels are bitwise identical.
 fn add_part(part: Part, change: ptr<function, Change>) {
     (*change).velocity = fma(part.n, vec3f(part.velocity), (*change).velocity);
     (*change).position = fma(part.n, vec3f(part.position), (*change).position);
@@ -40,6 +41,7 @@ fn add_row(sphere: u32, row: u32, change: ptr<function, Change>) {
     }
 }
 
+// The changes of a single sphere by all its collisions.
 fn changes_of(sphere: u32) -> Change {
     var change = Change(vec3f(0.0), vec3f(0.0));
     add_row(sphere, sphere, &change);
@@ -52,7 +54,7 @@ fn changes_of(sphere: u32) -> Change {
     return change;
 }
 
-// What a collision does to a sphere without rods, which works it out itself.
+// What a collision adds to a sphere without rods, computed without a record.
 fn part_by_itself(sphere: u32, other: u32) -> Part {
     let pair = ordered(sphere, other);
     let plainly = solve_plain(pair.x, pair.y);
@@ -63,7 +65,7 @@ fn part_by_itself(sphere: u32, other: u32) -> Part {
     return Part(plainly.solved.n, impulse, impulse * plainly.solved.tau);
 }
 
-// The state of a sphere after its collisions.
+// Writes the state of a sphere after its collisions.
 fn write_changed(i: u32, change: Change) {
     let old_position = state[position_at(i)];
     let old_velocity = state[velocity_at(i)];

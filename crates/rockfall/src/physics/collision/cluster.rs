@@ -1,9 +1,12 @@
-//! Collisions that share bodies, and those on networks: swept until their impulses agree (docs/physics.md sections 3.7 and 3.8).
+//! Solves the collisions that share bodies, and those on networks, by sweeps (docs/physics.md sections 3.7 and 3.8).
 //!
-//! All impulses of a sweep are found from those of the one before, so that the order does not count:
-//! `j <- max(0, j + s ((1 + e) u - du) / Gt)`, du what all impulses together have taken off the approach velocity u. Gt is so large that
-//! the matrix G of the effects of all impulses is at most diag(Gt): per body, each collision counts as often as others are coupled with it
-//! (Gershgorin). The sizes s of the sweeps are those of Chebyshev's polynomials.
+//! A sweep computes all impulses from those of the sweep before, so the order of the collisions does not matter:
+//! `j <- max(0, j + s ((1 + e) u - du) / Gt)`. Here u is the approach velocity before all impulses, and du is what all impulses
+//! together have taken from it.
+//!
+//! The scale Gt is so large that the matrix G of the effects of all impulses is at most diag(Gt). For this, the inverse
+//! mass through each body is multiplied by a number N. It counts the collisions on that body, each by how strongly it is
+//! coupled with this one (Gershgorin). The factors s of the sweeps follow from Chebyshev polynomials.
 
 use glam::{DVec3, Vec3};
 
@@ -14,24 +17,25 @@ use crate::physics::collision::body::{Body, Capsule, Part};
 use crate::physics::collision::networks::Network;
 use crate::physics::collision::{Change, Collision};
 
-/// A contact that gives way by less than this part of what it would between loose spheres gets no impulse: rods are in the way.
+/// Rods keep a contact from moving when its inverse mass is less than this fraction of the value before the projection. It
+/// gets no impulse.
 const BLOCKED: f32 = 1e-6;
 
-/// That a collision touches a body, by the collision's place among all.
+/// A body, and the number of a collision that touches it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct Touching {
     pub(super) body: Body,
     pub(super) collision: usize,
 }
 
-/// What a cluster's collisions do: its impulses in the order of its members, and the changes of spheres.
+/// The effects of a cluster: impulses in the order of its members, and changes of spheres.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Outcome {
     pub(super) impulses: Vec<Impulse>,
     pub(super) changes: Vec<Change>,
 }
 
-/// A body and what impulses have changed of it.
+/// A body, and its changes by the impulses.
 enum Moved {
     Sphere { sphere: u32, inverse_mass: f32, velocity: Vec3 },
     Capsule { capsule: Capsule, velocity: Vec3, spin: Vec3 },
@@ -53,7 +57,7 @@ impl Moved {
         }
     }
 
-    /// As if there had been no impulse.
+    /// Removes all impulses.
     fn clear(&mut self) {
         match self {
             Self::Sphere { velocity, .. } => *velocity = Vec3::ZERO,
@@ -62,7 +66,7 @@ impl Moved {
         }
     }
 
-    /// Adds an impulse of this size along a contact's normal n.
+    /// Adds an impulse of this size along the normal n of a contact.
     fn push(&mut self, part: &Part, n: Vec3, size: f32) {
         match self {
             Self::Sphere { inverse_mass, velocity, .. } => *velocity += size * part.shares[0].1 * *inverse_mass * n,
@@ -76,8 +80,8 @@ impl Moved {
         }
     }
 
-    /// Works out what all impulses change together.
-    fn settle(&mut self) {
+    /// Computes the changes by all impulses on a network. Other bodies are up to date already.
+    fn update(&mut self) {
         if let Self::Network { network, impulses, velocities } = self {
             *velocities = network.project(impulses);
         }
@@ -96,14 +100,14 @@ impl Moved {
         }
     }
 
-    /// What a unit impulse changes the velocity along n by.
+    /// The change of the velocity along n by a unit impulse. On a network, the call discards all impulses added so far.
     fn inverse_mass(&mut self, part: &Part, n: Vec3) -> f32 {
         if !matches!(self, Self::Network { .. }) {
             return part.inverse_mass;
         }
         self.clear();
         self.push(part, n, 1.0);
-        self.settle();
+        self.update();
         self.velocity(part, n)
     }
 
@@ -133,7 +137,7 @@ impl Moved {
     }
 }
 
-/// Hands over the places in a network of what shares in a part.
+/// Calls `take` for each sphere that gets a share of a part, with the place of the sphere in the network and the share.
 fn each_place(network: &Network, part: &Part, mut take: impl FnMut(usize, f32)) {
     for (sphere, share) in part.shares.into_iter().filter(|(_, share)| *share != 0.0) {
         if let Some(place) = network.place(sphere) {
@@ -145,11 +149,11 @@ fn each_place(network: &Network, part: &Part, mut take: impl FnMut(usize, f32)) 
 /// A collision of the cluster.
 struct Row<'a> {
     collision: &'a Collision,
-    /// Its parts' bodies, by their places in the cluster.
+    /// The bodies of its parts, by their places in the cluster.
     bodies: [usize; 4],
-    /// Gt; 0: it gets no impulse.
-    yielding: f32,
-    /// No other collision touches its bodies.
+    /// The scale Gt, or 0 if rods keep the contact from moving.
+    scale: f32,
+    /// Whether it is the only collision on its bodies and touches each of them with one side only.
     is_only: bool,
     impulse: f32,
 }
@@ -160,7 +164,7 @@ impl Row<'_> {
     }
 }
 
-/// The collisions of a cluster, of which `members` are the places among all.
+/// Solves a cluster. `members` are the numbers of its collisions in `all`.
 pub(super) fn solve(view: &View, all: &[Collision], touching: &[Touching], members: &[usize]) -> Outcome {
     let mut bodies: Vec<Body> = members.iter().flat_map(|member| all[*member].parts()).map(|part| part.body).collect();
     bodies.sort_unstable();
@@ -170,25 +174,25 @@ pub(super) fn solve(view: &View, all: &[Collision], touching: &[Touching], membe
         .iter()
         .map(|member| {
             let collision = &all[*member];
-            let mut row = Row { collision, bodies: [0; 4], yielding: 0.0, is_only: false, impulse: 0.0 };
+            let mut row = Row { collision, bodies: [0; 4], scale: 0.0, is_only: false, impulse: 0.0 };
             for (place, part) in row.bodies.iter_mut().zip(collision.parts()) {
                 *place = bodies.binary_search(&part.body).unwrap_or_default();
             }
-            row.yielding = yielding(&row, &mut moved, all, touching);
+            row.scale = scale_of(&row, &mut moved, all, touching);
             row.is_only = collision.parts().iter().all(|part| of_body(part.body, touching).count() == 1);
             row
         })
         .collect();
     moved.iter_mut().for_each(|body| {
         body.clear();
-        body.settle();
+        body.update();
     });
     for number in 0..SWEEPS as usize {
         let has_changed = sweep(&mut rows, &moved, view.step.restitution, SWEEP_SIZES[number / 2]);
         if !has_changed {
             break;
         }
-        push_all(&rows, &mut moved);
+        update_bodies(&rows, &mut moved);
     }
     let of = |row: &Row| Impulse { key: row.collision.key(view), size: row.impulse, direction: row.collision.touch.normal };
     let mut outcome = Outcome { impulses: rows.iter().map(of).collect(), changes: Vec::new() };
@@ -196,20 +200,21 @@ pub(super) fn solve(view: &View, all: &[Collision], touching: &[Touching], membe
     outcome
 }
 
-/// Gt of a collision, 0 where rods keep it from giving way.
-fn yielding(row: &Row, moved: &mut [Moved], all: &[Collision], touching: &[Touching]) -> f32 {
+/// The scale Gt of a collision, or 0 if rods keep the contact from moving.
+fn scale_of(row: &Row, moved: &mut [Moved], all: &[Collision], touching: &[Touching]) -> f32 {
     let n = row.collision.touch.normal;
-    let (mut yielding, mut together) = (0.0, 0.0);
+    let (mut scale, mut total_inverse_mass) = (0.0, 0.0);
     for (part, place) in row.parts() {
         let inverse_mass = moved[place].inverse_mass(part, n);
-        yielding += coupled(part.body, n, all, touching) * inverse_mass;
-        together += inverse_mass;
+        scale += coupling_count(part.body, n, all, touching) * inverse_mass;
+        total_inverse_mass += inverse_mass;
     }
-    if together < BLOCKED * row.collision.inverse_mass() { 0.0 } else { yielding }
+    if total_inverse_mass < BLOCKED * row.collision.inverse_mass() { 0.0 } else { scale }
 }
 
-/// N: as how many collisions those that touch a body count beside one of normal n, itself included.
-fn coupled(body: Body, n: Vec3, all: &[Collision], touching: &[Touching]) -> f32 {
+/// N of a body, for a collision of normal n: the sum of |n . n'| over the collisions on a sphere, or the number of
+/// collisions on another body. The collision itself is included.
+fn coupling_count(body: Body, n: Vec3, all: &[Collision], touching: &[Touching]) -> f32 {
     let here = of_body(body, touching);
     match body {
         Body::Sphere(_) => here.map(|touching| n.dot(all[touching.collision].touch.normal).abs()).sum(),
@@ -217,34 +222,34 @@ fn coupled(body: Body, n: Vec3, all: &[Collision], touching: &[Touching]) -> f32
     }
 }
 
-/// What touches a body.
+/// The collisions that touch a body.
 fn of_body(body: Body, touching: &[Touching]) -> impl Iterator<Item = &Touching> {
     let first = touching.partition_point(|touching| touching.body < body);
     touching[first..].iter().take_while(move |touching| touching.body == body)
 }
 
-/// One sweep; whether any impulse has changed at all.
-fn sweep(rows: &mut [Row], moved: &[Moved], restitution: f32, size: f32) -> bool {
+/// Makes one sweep. Returns whether any impulse has changed.
+fn sweep(rows: &mut [Row], moved: &[Moved], restitution: f32, factor: f32) -> bool {
     let mut has_changed = false;
-    for row in rows.iter_mut().filter(|row| row.yielding > 0.0) {
+    for row in rows.iter_mut().filter(|row| row.scale > 0.0) {
         let n = row.collision.touch.normal;
-        let gained: f32 = row.parts().map(|(part, place)| part.sign * moved[place].velocity(part, n)).sum();
+        let reduction: f32 = row.parts().map(|(part, place)| part.sign * moved[place].velocity(part, n)).sum();
         let approach = row.collision.approach;
-        let size = if row.is_only { 1.0 } else { size };
-        let impulse = (row.impulse + ((1.0 + restitution) * approach - gained) * size / row.yielding).max(0.0);
+        let factor = if row.is_only { 1.0 } else { factor };
+        let impulse = (row.impulse + ((1.0 + restitution) * approach - reduction) * factor / row.scale).max(0.0);
         has_changed |= impulse != row.impulse;
         row.impulse = impulse;
     }
     has_changed
 }
 
-/// The changes of all bodies by all impulses.
-fn push_all(rows: &[Row], moved: &mut [Moved]) {
+/// Computes the changes of all bodies by all impulses.
+fn update_bodies(rows: &[Row], moved: &mut [Moved]) {
     moved.iter_mut().for_each(Moved::clear);
     for row in rows {
         for (part, place) in row.parts() {
             moved[place].push(part, row.collision.touch.normal, part.sign * row.impulse);
         }
     }
-    moved.iter_mut().for_each(Moved::settle);
+    moved.iter_mut().for_each(Moved::update);
 }

@@ -1,20 +1,20 @@
 // requires model/step.wgsl step/collisions/records.wgsl
 
-// A sweep over one collision that shares bodies (docs/physics.md section 3.7).
+// A sweep, for one collision that shares bodies (docs/physics.md section 3.7).
 
 fn is_shared(r: u32) -> bool {
     return impulse_at(r).tau == SHARED;
 }
 
-// How many neighbours a collision has in its record.
+// The number of neighbours in the record of a collision.
 fn neighbours_of(r: u32) -> u32 {
     return collisions[row_at(r, 2u)].z;
 }
 
-// What two neighbours, of which the record tells from place on, have changed the approach velocity by.
+// Adds the change of the approach velocity by two neighbours, those at `place` and `place + 1` in the record.
 fn change_by_two(change: f32, r: u32, place: u32, count: u32, sweeps: u32) -> f32 {
     let pairs = collisions[row_at(r, 4u + place / 2u)];
-    // Where there is no such neighbour its own stands for it, with no coupling. No load stands behind a branch.
+    // A missing neighbour is replaced by the collision itself with coupling 0, so that no load depends on a branch.
     let is_one = place < count;
     let is_two = place + 1u < count;
     let one = select(0.0, bitcast<f32>(pairs.y), is_one);
@@ -24,8 +24,8 @@ fn change_by_two(change: f32, r: u32, place: u32, count: u32, sweeps: u32) -> f3
     return fma(two, after_two, fma(one, after_one, change));
 }
 
-// By how much the impulses of the collision itself and of its neighbours have changed its approach velocity; `most` is how many any has
-// that this is worked out for together.
+// The change of the approach velocity of a collision by its own impulse and those of its neighbours. `most` is the largest
+// number of neighbours among the collisions that the caller processes together.
 fn change_by_neighbours(r: u32, most: u32, sweeps: u32) -> f32 {
     let info = collisions[row_at(r, 2u)];
     var change = bitcast<f32>(info.y) * impulse_after(r, sweeps);
@@ -37,14 +37,14 @@ fn change_by_neighbours(r: u32, most: u32, sweeps: u32) -> f32 {
     return change;
 }
 
-// The next impulse, with all that has changed the approach velocity.
+// Stores the next impulse. `change` is the change of the approach velocity by all impulses.
 fn put_sweep(r: u32, sweeps: u32, change: f32) {
     let impulse = impulse_at(r);
     let approach = bitcast<f32>(collisions[row_at(r, 0u)].w);
     let before = impulse_after(r, sweeps);
     let is_only = (collisions[row_at(r, 2u)].x & ONLY) != 0u;
     let size = select(SWEEP_SIZES[sweeps / 2u], 1.0, is_only) * impulse.inverse;
-    // Counters to be single operations: whoever sweeps, the same bits come of it.
+    // The operations are explicit `fma`s, so that the results of all kernels that sweep are bitwise identical.
     let after = max(0.0, fma(fma(1.0 + step.restitution, approach, change), size, before));
     let is_even = (sweeps & 1u) == 0u;
     let row = vec4f(select(after, before, is_even), select(before, after, is_even), impulse.inverse, impulse.tau);

@@ -2,12 +2,15 @@
 // requires physics/contact.wgsl step/collisions/record_of.wgsl step/collisions/records.wgsl step/collisions/rows.wgsl
 // requires step/collisions/report_clusters.wgsl
 
-// Which other collisions share a body with one, and by how much a unit of their impulse changes its approach velocity
-// (docs/physics.md section 3.7). They are put down in the order of the lists, those of side A first.
+// Finds the neighbours of a collision, which are other collisions that share a body with it, and the couplings
+// (docs/physics.md section 3.7). A coupling is the change of the approach velocity of the collision per unit of the
+// neighbour's impulse. They are collected in the order of the lists, those of side A first.
 
+// Record numbers and couplings of the neighbours.
 var<private> near: array<vec2u, NEIGHBOURS>;
+// The number of neighbours. It may exceed NEIGHBOURS.
 var<private> near_count: u32;
-// By how much a unit of its own impulse changes it.
+// The coupling of the collision with itself.
 var<private> own_coupling: f32;
 // GATHERED_* bits.
 var<private> gathered: u32;
@@ -25,7 +28,7 @@ fn add_coupling(r: u32, coupling: f32) {
     near_count += 1u;
 }
 
-// Puts down a coupling of collision `number`, with another one or with itself.
+// Collects the coupling of collision `number` with collision r, which may be the same.
 fn put_coupling(r: u32, number: u32, coupling: f32) {
     if r == number {
         own_coupling += coupling;
@@ -34,7 +37,7 @@ fn put_coupling(r: u32, number: u32, coupling: f32) {
     }
 }
 
-// Writes what was put down. Where there is no room for all, both sides are gathered.
+// Writes the collected couplings to record r. If there is no room for all neighbours, both sides are gathered.
 fn put_couplings(r: u32, is_only: bool) {
     if near_count > NEIGHBOURS {
         near_count = 0u;
@@ -51,7 +54,8 @@ fn put_couplings(r: u32, is_only: bool) {
     }
 }
 
-// Those of a sphere that is a body of its own. The impulse on it of a collision k is `sign` n times `part`.
+// Collects the couplings on a single sphere. `part` is the share of the impulse of collision k that the sphere gets. `side`
+// is 1 for A, -1 for B, here and below.
 fn couple_sphere(k: Record, number: u32, sphere: u32, part: f32, side: f32) {
     let w = inverse_mass(sphere);
     if (w <= 0.0) | (part == 0.0) {
@@ -67,7 +71,7 @@ fn couple_sphere(k: Record, number: u32, sphere: u32, part: f32, side: f32) {
 }
 
 fn couple_sphere_row(k: Record, number: u32, sphere: u32, row: u32, times: f32) {
-    // Where there is no room for all it does not matter how many more there are.
+    // Once there are too many neighbours, their exact number does not matter.
     if !has_collisions(row) | (near_count > NEIGHBOURS) {
         return;
     }
@@ -82,7 +86,7 @@ fn couple_sphere_row(k: Record, number: u32, sphere: u32, row: u32, times: f32) 
     }
 }
 
-// Those of a rigid capsule, hit at a parameter.
+// Collects the couplings on a rigid capsule.
 fn couple_capsule(k: Record, number: u32, half: Half, side: f32) {
     let rod = capsule_rod(half.spheres.x);
     let capsule = capsule_of(half.spheres, poise_of(half));
@@ -93,7 +97,7 @@ fn couple_capsule(k: Record, number: u32, half: Half, side: f32) {
 }
 
 fn couple_capsule_row(k: Record, number: u32, capsule: Capsule, torque: vec3f, rod: u32, row: u32, side: f32) {
-    // Where there is no room for all it does not matter how many more there are.
+    // Once there are too many neighbours, their exact number does not matter.
     if !has_collisions(row) | (near_count > NEIGHBOURS) {
         return;
     }
@@ -115,8 +119,9 @@ fn couple_capsule_row(k: Record, number: u32, capsule: Capsule, torque: vec3f, r
     }
 }
 
-// A sphere whose change of velocity is gathered whatever it collides with: only in a network. How large a sphere is must not decide, for
-// brute force does not know, and the bits are to be the same.
+// Whether the change of velocity of a sphere is gathered even if there is room for all neighbours. This is so for spheres
+// of networks only. It must not depend on whether a sphere is large: the brute-force broad phase does not know large
+// spheres, and the results must be bitwise identical.
 fn is_gathered(sphere: u32) -> bool {
     if !RODS | (inverse_mass(sphere) <= 0.0) {
         return false;
@@ -124,7 +129,7 @@ fn is_gathered(sphere: u32) -> bool {
     return network_of(sphere) != NO_NETWORK;
 }
 
-// Those of one side; `side` is 1 for A, -1 for B.
+// Collects the couplings of one side.
 fn couple_side(k: Record, number: u32, half: Half, side: f32) {
     if half.kind == STATIC {
         return;
@@ -146,7 +151,7 @@ fn couple_side(k: Record, number: u32, half: Half, side: f32) {
     couple_sphere(k, number, half.spheres.x, 1.0, side);
 }
 
-// Puts down all of a collision that is left to sweeps.
+// Finds and writes all couplings of a collision that is left to the sweeps.
 fn couple(k: Record, number: u32, is_only: bool) {
     begin_couplings();
     couple_side(k, number, half_of(k.a_id, k.a), 1.0);

@@ -1,9 +1,9 @@
 // requires model/lists.wgsl model/objects.wgsl model/step.wgsl physics/collision.wgsl physics/contact.wgsl
 // requires step/collisions/record_of.wgsl step/collisions/records.wgsl step/collisions/rows.wgsl
 
-// What the listed impulses make of the velocities of bodies (docs/physics.md section 3.7).
+// The changes of the velocities of bodies by the impulses in the records (docs/physics.md section 3.7).
 
-// Adds the impulses of a row's collisions on a sphere: all of each, or of a rod the part of that end.
+// Adds the impulses on a sphere by the collisions of a row. If the row is a rod, the sphere gets the share of its end.
 fn add_impulses(sphere: u32, row: u32, sweeps: u32, sum: ptr<function, vec3f>) {
     if !has_collisions(row) {
         return;
@@ -19,7 +19,8 @@ fn add_impulses(sphere: u32, row: u32, sweeps: u32, sum: ptr<function, vec3f>) {
     }
 }
 
-// How much of the impulse along n a sphere gets through a row, which is the sphere itself or a rod that ends there.
+// The share, with its sign, of the impulse of record r along n that a sphere gets through a row. The row is the sphere
+// itself or a rod that ends in it.
 fn part_on(sphere: u32, row: u32, r: u32) -> f32 {
     let k = record_at(r);
     let is_a = k.a_id == row;
@@ -31,7 +32,7 @@ fn part_on(sphere: u32, row: u32, r: u32) -> f32 {
     return sign * select(at, 1.0 - at, rod_ends(row - step.spheres).x == sphere);
 }
 
-// All impulses on a sphere that is a body of its own, or on one of a network as if it were.
+// The sum of the impulses on a single sphere. For a sphere of a network, it is the sum before the projection.
 fn impulses_on(sphere: u32, sweeps: u32) -> vec3f {
     var sum = vec3f(0.0);
     add_impulses(sphere, sphere, sweeps, &sum);
@@ -50,6 +51,7 @@ struct Kick {
     spin: vec3f,
 }
 
+// Adds the impulses and the torques on a capsule by the collisions of a row.
 fn add_kicks(capsule: Capsule, rod: u32, row: u32, sweeps: u32, kick: ptr<function, Kick>) {
     if !has_collisions(row) {
         return;

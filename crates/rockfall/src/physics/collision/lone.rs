@@ -1,8 +1,9 @@
-//! A collision of bodies that nothing else touches, handled at its time of contact (docs/physics.md section 3.6).
+//! Solves lone collisions at their time of contact (docs/physics.md section 3.6).
 //!
-//! The overlap began within the last step. At the moment it began the bodies stood elsewhere, and the line between them was another one:
-//! with the present one an oblique pair changes its angular momentum, and a body under gravity gains energy (E21). So the bodies are moved
-//! back by that time tau, get the impulse there, and are moved forward again. Free spheres then stand tau dv from where they were.
+//! The overlap began within the last step. At that moment the bodies were elsewhere, and the contact line between them was
+//! a different one. With the present contact line, an oblique pair would change its angular momentum, and a body under
+//! gravity would gain energy (E21). So the bodies are moved back by the time tau since the contact began, get the impulse
+//! there, and are moved forward again. This displaces single spheres by tau dv.
 
 use glam::Vec3;
 
@@ -13,10 +14,10 @@ use crate::physics::collision::{Change, Collision};
 use crate::physics::forces::net_force::{attached_curvature, attached_force};
 use crate::physics::touch::{Feature, Motions, line};
 
-/// How often the time of contact is made better.
+/// Number of iterations for the time of contact.
 const ITERATIONS: u32 = 4;
 
-/// What a lone collision does, to up to four spheres.
+/// The effects of a lone collision, on up to four spheres.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Outcome {
     pub(super) impulse: Impulse,
@@ -35,14 +36,14 @@ impl Outcome {
     }
 }
 
-/// A body of the collision, at present.
+/// A body of the collision, in the present state.
 #[derive(Clone, Copy, Debug)]
-enum Mover {
+enum MovingBody {
     Sphere(u32),
     Capsule(Capsule),
 }
 
-impl Mover {
+impl MovingBody {
     fn of(view: &View, part: &Part) -> Self {
         match part.body {
             Body::Capsule(rod) => Self::Capsule(Capsule::of(view, view, rod)),
@@ -50,7 +51,7 @@ impl Mover {
         }
     }
 
-    /// Its acceleration by everything but contacts; of a capsule that of its centre.
+    /// The acceleration of the body by everything but contacts. For a capsule, that of its centre of mass.
     fn acceleration(&self, view: &View) -> Vec3 {
         let pulled = match self {
             Self::Sphere(sphere) => view.inverse_mass(*sphere) * attached_force(view, *sphere),
@@ -62,25 +63,26 @@ impl Mover {
     }
 }
 
-/// The state some time before the present one. Fixed spheres are where they are.
-struct Before<'a> {
+/// An earlier state. Fixed spheres are not moved.
+struct EarlierState<'a> {
     view: &'a View<'a>,
     spheres: [(u32, Vec3, Vec3); 4],
     len: usize,
 }
 
-impl<'a> Before<'a> {
-    /// Moved back by a time: along parabolas, or, so that angular momentum is kept whatever the time is, along straight lines.
-    fn of(view: &'a View<'a>, movers: &[(Mover, Vec3)], time: f32, along_parabolas: bool) -> Self {
+impl<'a> EarlierState<'a> {
+    /// Moves the bodies back by a time, along parabolas or along straight lines. On straight lines angular momentum is
+    /// conserved whatever the time is.
+    fn of(view: &'a View<'a>, movers: &[(MovingBody, Vec3)], time: f32, along_parabolas: bool) -> Self {
         let mut before = Self { view, spheres: [(0, Vec3::ZERO, Vec3::ZERO); 4], len: 0 };
         for (mover, acceleration) in movers {
             let fallen = if along_parabolas { 0.5 * time * time * *acceleration } else { Vec3::ZERO };
             match mover {
-                Mover::Sphere(sphere) => {
+                MovingBody::Sphere(sphere) => {
                     let velocity = view.velocity(*sphere);
                     before.add(*sphere, view.position(*sphere) - time * velocity + fallen, velocity - time * *acceleration);
                 }
-                Mover::Capsule(capsule) => {
+                MovingBody::Capsule(capsule) => {
                     let centre = view.position(capsule.ends[0]).lerp(view.position(capsule.ends[1]), capsule.centre);
                     let centre = centre - time * capsule.velocity + fallen;
                     let velocity = capsule.velocity - time * *acceleration;
@@ -104,7 +106,7 @@ impl<'a> Before<'a> {
     }
 }
 
-impl Motions for Before<'_> {
+impl Motions for EarlierState<'_> {
     fn position(&self, sphere: u32) -> Vec3 {
         self.find(sphere).map_or_else(|| self.view.position(sphere), |known| known.1)
     }
@@ -114,7 +116,8 @@ impl Motions for Before<'_> {
     }
 }
 
-/// A distance d and its rate of change q after a time on the circle on which q is across d.
+/// Moves the difference d of two ends and its rate of change q along a circle for a time (docs/physics.md section 3.6,
+/// equation 3).
 fn turned(d: Vec3, q: Vec3, time: f32) -> (Vec3, Vec3) {
     let rate = q.length() / d.length();
     if rate == 0.0 {
@@ -124,26 +127,26 @@ fn turned(d: Vec3, q: Vec3, time: f32) -> (Vec3, Vec3) {
     (cos * d + sin / rate * q, cos * q - sin * rate * d)
 }
 
-/// What a collision does whose bodies nothing else touches.
+/// Solves a lone collision.
 pub(super) fn solve(view: &View, k: &Collision) -> Outcome {
-    let mut movers = [(Mover::Sphere(0), Vec3::ZERO); 4];
+    let mut movers = [(MovingBody::Sphere(0), Vec3::ZERO); 4];
     for (place, part) in movers.iter_mut().zip(k.parts()) {
-        let mover = Mover::of(view, part);
+        let mover = MovingBody::of(view, part);
         *place = (mover, mover.acceleration(view));
     }
     let movers = &movers[..k.parts().len()];
     let (tau, hit) = time_of_contact(view, k, movers);
-    let size = (1.0 + view.step.restitution) * hit.approach / yielding(view, &hit, movers, tau);
+    let size = (1.0 + view.step.restitution) * hit.approach / effective_inverse_mass(view, &hit, movers, tau);
     let impulse = Impulse { key: k.key(view), size, direction: hit.touch.normal };
     let mut outcome = Outcome { impulse, ..Outcome::default() };
     for (part, (mover, _)) in hit.parts().iter().zip(movers) {
         let pushed = part.sign * size;
         match mover {
-            Mover::Sphere(sphere) => {
+            MovingBody::Sphere(sphere) => {
                 let velocity = pushed * part.shares[0].1 * view.inverse_mass(*sphere) * hit.touch.normal;
                 outcome.add(Change { sphere: *sphere, position: tau * velocity, velocity, angular_momentum: Vec3::ZERO });
             }
-            Mover::Capsule(capsule) => {
+            MovingBody::Capsule(capsule) => {
                 let velocity = pushed / capsule.mass * hit.touch.normal;
                 let spin = pushed / inertia_before(capsule, tau) * part.torque;
                 capsule_changes(capsule, velocity, spin, tau).into_iter().for_each(|change| outcome.add(change));
@@ -153,9 +156,10 @@ pub(super) fn solve(view: &View, k: &Collision) -> Outcome {
     outcome
 }
 
-/// What the approach velocity of a collision falls by with its unit impulse; and, times half the square of the impulse, what its displacement
-/// tau dv does to the energy of springs: so they give back what a hit takes from the movement, and no more (E21).
-fn yielding(view: &View, hit: &Collision, movers: &[(Mover, Vec3)], tau: f32) -> f32 {
+/// The denominator of the impulse (docs/physics.md section 3.6, equation 2.10): the inverse mass plus tau^2 K, but at least
+/// half the inverse mass. Half of tau^2 K, times the square of the impulse, is the energy that the displacements tau dv add
+/// to the springs. This term takes that energy from the rebound, so that the collision adds no energy (E21).
+fn effective_inverse_mass(view: &View, hit: &Collision, movers: &[(MovingBody, Vec3)], tau: f32) -> f32 {
     let mut displaced = [(0, Vec3::ZERO); 4];
     let mut len = 0;
     let mut add = |sphere: u32, by: Vec3| {
@@ -165,8 +169,8 @@ fn yielding(view: &View, hit: &Collision, movers: &[(Mover, Vec3)], tau: f32) ->
     let n = hit.touch.normal;
     for (part, (mover, _)) in hit.parts().iter().zip(movers) {
         match mover {
-            Mover::Sphere(sphere) => add(*sphere, part.sign * part.shares[0].1 * view.inverse_mass(*sphere) * n),
-            Mover::Capsule(capsule) => {
+            MovingBody::Sphere(sphere) => add(*sphere, part.sign * part.shares[0].1 * view.inverse_mass(*sphere) * n),
+            MovingBody::Capsule(capsule) => {
                 let velocities = capsule
                     .end_velocities(part.sign / capsule.mass * n, part.sign / inertia_before(capsule, tau) * part.torque);
                 capsule.ends.into_iter().zip(velocities).for_each(|(end, velocity)| add(end, velocity));
@@ -180,15 +184,16 @@ fn yielding(view: &View, hit: &Collision, movers: &[(Mover, Vec3)], tau: f32) ->
     (inverse_mass + tau * tau * curvature).max(0.5 * inverse_mass)
 }
 
-/// For how long the two have overlapped, and the collision as it was then, with the present one where there was none.
-fn time_of_contact(view: &View, k: &Collision, movers: &[(Mover, Vec3)]) -> (f32, Collision) {
+/// The time for which the two have overlapped, and the collision as it was then. If the objects had no contact line then,
+/// or did not approach each other, the time is 0 and the collision is the present one.
+fn time_of_contact(view: &View, k: &Collision, movers: &[(MovingBody, Vec3)]) -> (f32, Collision) {
     let (a, b) = (view.object(k.a), view.object(k.b));
     let feature = match (a, b) {
         (Object::Rod(rod), Object::Cuboid(cuboid)) => Some(Feature::of(view, rod, cuboid, k.feature)),
         _ => None,
     };
     let closing = |tau: f32, along_parabolas: bool| {
-        let before = Before::of(view, movers, tau, along_parabolas);
+        let before = EarlierState::of(view, movers, tau, along_parabolas);
         let touch = line(view, &before, a, b, feature)?;
         let collision = Collision::of(view, &before, [k.a, k.b], k.feature, touch);
         (collision.approach > 0.0).then_some(collision)
@@ -201,15 +206,16 @@ fn time_of_contact(view: &View, k: &Collision, movers: &[(Mover, Vec3)]) -> (f32
     closing(tau, false).map_or((0.0, *k), |hit| (tau, hit))
 }
 
-/// It of a capsule some time before: its length is the same while its ends do not part.
+/// The moment of inertia It of a capsule at an earlier time. It differs from the present one only if the distance of the
+/// ends changes.
 fn inertia_before(capsule: &Capsule, time: f32) -> f32 {
     let (d, _) = turned(capsule.d, capsule.q, -time);
     let reduced_mass = capsule.mass * capsule.centre * (1.0 - capsule.centre);
     reduced_mass * d.length_squared() + capsule.inertia[0] + capsule.inertia[1]
 }
 
-/// A capsule that was moved back by a time, got these changes of the centre's velocity and of the angular velocity, and was moved forward
-/// again.
+/// The changes of the ends of a capsule that is moved back by a time, gets these changes of the velocity of its centre of
+/// mass and of its angular velocity, and is moved forward again.
 fn capsule_changes(capsule: &Capsule, velocity: Vec3, spin: Vec3, time: f32) -> [Change; 2] {
     let (d_before, q_before) = turned(capsule.d, capsule.q, -time);
     let (d, q) = turned(d_before, q_before + spin.cross(d_before), time);

@@ -1,21 +1,23 @@
 // requires model/objects.wgsl model/step.wgsl physics/collision.wgsl physics/forces/attached.wgsl physics/geometry.wgsl
 // requires physics/touch.wgsl physics/sine.wgsl
 
-// A lone collision is handled at its time of contact (docs/physics.md section 3.4): the pair is moved back to where it touched first.
+// Solves lone collisions at their time of contact (docs/physics.md section 3.6). The pair is moved back to the time at
+// which it first touched.
 
-// Evaluations of the pair's geometry that find the time.
+// Number of iterations for the time of contact.
 const CONTACT_ROUNDS: u32 = 4u;
 
+// A collision with its impulse. `a` and `b` are the parameters of the contact on A and B.
 struct Solved {
     n: vec3f,
     a: f32,
     b: f32,
     impulse: f32,
-    // How long before the end of the last step the pair came into contact, in s.
+    // Time from the first contact to the end of the last step, in s.
     tau: f32,
 }
 
-// Acceleration of a moving sphere by all but contacts.
+// Acceleration of a moving sphere by everything but contacts.
 fn free_acceleration(sphere: u32) -> vec3f {
     var force = vec3f(0.0);
     let range = adjacency(sphere);
@@ -28,7 +30,7 @@ fn free_acceleration(sphere: u32) -> vec3f {
     return step.gravity + inverse_mass(sphere) * force;
 }
 
-// Those of a side's spheres; both of a capsule that of its centre.
+// Accelerations of the spheres of a side. For a capsule, both are that of its centre of mass.
 struct Pull {
     a1: vec3f,
     a2: vec3f,
@@ -58,12 +60,13 @@ fn pull_on(half: Half) -> Pull {
     return pull;
 }
 
-// An axis and the velocity of its one end against the other, after a turn for a time, along a circle.
+// The vector d from end 1 to end 2 of a capsule, and the velocity q of end 2 relative to end 1.
 struct Turned {
     d: vec3f,
     q: vec3f,
 }
 
+// Moves d and q along a circle for a time (docs/physics.md section 3.6, equation 3).
 fn turned(d: vec3f, q: vec3f, time: f32) -> Turned {
     let dd = dot(d, d);
     let qq = dot(q, q);
@@ -75,7 +78,8 @@ fn turned(d: vec3f, q: vec3f, time: f32) -> Turned {
     return Turned(turn.y * d + (turn.x / rate) * q, turn.y * q - (turn.x * rate) * d);
 }
 
-// The side as it was a time before, with the way that its acceleration makes or without. Fixed spheres are not moved.
+// The state of a side at an earlier time. `with_acceleration` decides whether the positions include the term of the
+// acceleration. The velocities always do. Fixed spheres are not moved.
 fn moved_back(half: Half, poise: Poise, pull: Pull, tau: f32, with_acceleration: bool) -> Poise {
     var back = poise;
     if half.kind == STATIC {
@@ -110,13 +114,13 @@ fn moved_back(half: Half, poise: Poise, pull: Pull, tau: f32, with_acceleration:
     return back;
 }
 
-// Whether a pair has a contact line there and closes. Where forces are beyond all reason, neither may be a number.
+// Whether a pair has a contact line there and approaches. Extreme forces can make the values infinite or NaN.
 fn closes(at: Placed) -> bool {
     let is_known = finite(vec3f(at.touch.overlap, at.closing.approach, at.closing.inverse_mass));
     return is_known & (at.touch.overlap != NO_LINE) & (at.closing.approach > 0.0);
 }
 
-// The impulse of a lone collision of two objects, a before b, that touch like this.
+// Solves the lone collision of two objects, a before b in insertion order. `found` is their contact in the present state.
 fn solve_lone(a_id: u32, b_id: u32, feature: u32, found: Touch) -> Solved {
     var a = half_of(a_id, found.a);
     var b = half_of(b_id, found.b);
@@ -143,16 +147,16 @@ fn solve_lone(a_id: u32, b_id: u32, feature: u32, found: Touch) -> Solved {
     push_side(b, moved_back(b, b_now, b_pull, tau, false), met.touch.n, 2u, &pushed);
     let inverse_mass = met.closing.inverse_mass;
     let stretching = tau * tau * curvature_along(pushed);
-    var yielding = max(inverse_mass + stretching, 0.5 * inverse_mass);
+    var effective_inverse_mass = max(inverse_mass + stretching, 0.5 * inverse_mass);
     if !finite(vec3f(stretching)) {
-        // Springs beyond all reason: infinitely stiff, or no number.
-        yielding = select(0.5 * inverse_mass, 3e38, bitcast<u32>(stretching) == 0x7f800000u);
+        // Extreme springs: the term is infinite, or NaN.
+        effective_inverse_mass = select(0.5 * inverse_mass, 3e38, bitcast<u32>(stretching) == 0x7f800000u);
     }
-    let impulse = (1.0 + step.restitution) * met.closing.approach / yielding;
+    let impulse = (1.0 + step.restitution) * met.closing.approach / effective_inverse_mass;
     return Solved(met.touch.n, met.touch.a, met.touch.b, impulse, tau);
 }
 
-// The spheres that a unit impulse of a collision moves, and how fast: two places for either side.
+// The spheres that a unit impulse of a collision moves, and their changes of velocity. Each side has two places.
 struct Pushed {
     spheres: vec4u,
     velocities: array<vec3f, 4>,
@@ -179,9 +183,10 @@ fn push_side(half: Half, poise: Poise, n: vec3f, place: u32, pushed: ptr<functio
     (*pushed).velocities[place + 1u] = capsule.inverse_mass * n + cross(spin, (1.0 - capsule.centre) * capsule.d);
 }
 
-// Second derivative of the energy of springs and tethers along the displacements that a unit impulse makes in a unit of time. A spring
-// between two of the spheres is counted by half for each. With it in the impulse, springs give back what a hit takes from the movement,
-// and no more.
+// K of docs/physics.md section 3.6: the second derivative of the energy of springs and tethers, when every sphere is
+// displaced along its change of velocity by a unit impulse. A spring between two of these spheres is visited from both, so
+// each visit counts half. The term with K takes the energy that the displacements add to the springs from the rebound,
+// so that the collision adds no energy.
 fn curvature_along(pushed: Pushed) -> f32 {
     var sum = 0.0;
     for (var place = 0u; place < 4u; place++) {
@@ -217,12 +222,13 @@ fn curvature_along(pushed: Pushed) -> f32 {
     return sum;
 }
 
+// A pair at an earlier time.
 struct Placed {
     touch: Touch,
     closing: Closing,
 }
 
-// The pair a time before.
+// Evaluates the contact of a pair at the time `tau` earlier. Also sets the parameters of rods in `a` and `b`.
 fn placed(
     a: ptr<function, Half>,
     b: ptr<function, Half>,

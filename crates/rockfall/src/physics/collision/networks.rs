@@ -1,29 +1,32 @@
-//! Networks of fixed-length rods: impulses on their spheres without what the rods do not let through (docs/physics.md section 3.4).
+//! Networks of fixed-length rods: the changes of velocity by impulses on their spheres, with all rod lengths kept
+//! (docs/physics.md section 3.4).
 //!
-//! dv = W (p - J' lambda) with (J W J') lambda = J W p, J the directions of the rods. By conjugate gradients, in f64: where rods are more
-//! than the lengths that are independent, the matrix is singular, and f32 would wander off along what it leaves open.
+//! dv = W (p - J' lambda) with (J W J') lambda = J W p, where J' is the transpose of J. J holds the directions of the rods.
+//!
+//! The system is solved by conjugate gradients, in f64. If a network has more rods than independent lengths, the matrix is
+//! singular, and rounding errors of f32 would grow along the directions that it leaves undetermined.
 
 use glam::{DVec3, Vec3};
 
 use crate::model::view::{TINY, View};
 
-/// The squared residual is small enough at this times the first one.
+/// The iteration ends when the squared residual is at most this fraction of the first one.
 const TOLERANCE: f64 = 1e-12;
-/// A tree of n rods takes at most n iterations.
+/// The largest number of iterations. A tree of n rods needs at most n.
 const MAX_ITERATIONS: u32 = 64;
 
-/// A rod between spheres by their place in the network; an end that is fixed is none.
+/// A rod. Its ends are given by the places of the spheres in the network, `None` for a fixed end.
 #[derive(Clone, Copy, Debug)]
 struct Line {
     ends: [Option<usize>; 2],
     direction: DVec3,
 }
 
-/// A network at present.
+/// A network in the present state.
 #[derive(Clone, Debug)]
 pub(crate) struct Network {
     pub(crate) spheres: Vec<u32>,
-    /// The places of the spheres, by sphere.
+    /// Each sphere with its place, sorted by sphere.
     places: Vec<(u32, usize)>,
     inverse_masses: Vec<f64>,
     lines: Vec<Line>,
@@ -55,13 +58,13 @@ impl Network {
         Some(self.places[at].1)
     }
 
-    /// J W of impulses, or of anything that the inverse masses turn into velocities: how fast each rod's ends part.
-    fn parting(&self, impulses: &[DVec3]) -> Vec<f64> {
+    /// J W applied to impulses: the rates at which the rods lengthen.
+    fn lengthening(&self, impulses: &[DVec3]) -> Vec<f64> {
         let velocity = |end: Option<usize>| end.map_or(DVec3::ZERO, |end| self.inverse_masses[end] * impulses[end]);
         self.lines.iter().map(|line| line.direction.dot(velocity(line.ends[1]) - velocity(line.ends[0]))).collect()
     }
 
-    /// J' of tensions.
+    /// J' applied to tensions: one vector per sphere, which is subtracted from the impulse on it.
     fn pull(&self, tensions: &[f64]) -> Vec<DVec3> {
         let mut impulses = vec![DVec3::ZERO; self.spheres.len()];
         for (line, tension) in self.lines.iter().zip(tensions) {
@@ -74,7 +77,7 @@ impl Network {
         impulses
     }
 
-    /// The changes of velocity that impulses make where every length stays.
+    /// The changes of velocity by impulses, such that no rod changes its length.
     pub(crate) fn project(&self, impulses: &[DVec3]) -> Vec<DVec3> {
         let tensions = self.tensions(impulses);
         let pulled = self.pull(&tensions);
@@ -84,7 +87,7 @@ impl Network {
 
     fn tensions(&self, impulses: &[DVec3]) -> Vec<f64> {
         let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
-        let mut residual = self.parting(impulses);
+        let mut residual = self.lengthening(impulses);
         let mut tensions = vec![0.0; residual.len()];
         let mut direction = residual.clone();
         let first = dot(&residual, &residual);
@@ -93,7 +96,7 @@ impl Network {
             if size.is_nan() || size <= TOLERANCE * first {
                 break;
             }
-            let image = self.parting(&self.pull(&direction));
+            let image = self.lengthening(&self.pull(&direction));
             let curvature = dot(&direction, &image);
             if curvature.is_nan() || curvature <= 0.0 {
                 break;

@@ -1,19 +1,25 @@
 // requires model/objects.wgsl model/step.wgsl step/collisions/rows.wgsl
 
-// Networks of fixed-length rods give way as the rods allow: impulses on their spheres are projected (docs/physics.md section 3.6).
-// A workgroup solves (J W J^T) lambda = J W p by conjugate gradients, J the directions of the rods, W the inverse masses. Per rod it
-// keeps four rows in `wrenches`: direction | lambda, residual, search direction, its product | unused; per sphere in `next`: the
-// impulse or the sum of the rods' pulls (position row) and the change of velocity that results (velocity row). Loops before barriers have as
-// many rounds for all threads (see run_steps.wgsl).
+// Networks of fixed-length rods: impulses on their spheres are projected so that no rod changes its length (docs/physics.md
+// section 3.4). A workgroup solves (J W J^T) lambda = J W p by conjugate gradients. J holds the directions of the rods, W
+// the inverse masses.
+//
+// Each rod has four rows in `wrenches`. The first holds the direction, the second lambda, the residual, the search
+// direction and the product of the matrix with the search direction. The other two are unused. Each sphere uses two rows in
+// `next`: the position row for the impulse or the sum of the rods' pulls, the velocity row for the resulting change of
+// velocity.
+//
+// Loops that are followed by a barrier have the same number of rounds for all threads (see run_steps.wgsl).
 
-// The squared residual, relative to the first, at which the iteration ends, and the most rounds there are.
+// The iteration ends when the squared residual is at most this fraction of the first one, or after the largest number of
+// rounds.
 const SOLVED: f32 = 1e-12;
 const MOST_ROUNDS: u32 = 64u;
 
 struct Network {
     spheres: u32,
     rods: u32,
-    // First words of the spheres, as 2 rod + end, and of the rods.
+    // Index of the first word of the spheres, each stored as 2 rod + end, and index of the first word of the rods.
     spheres_at: u32,
     rods_at: u32,
 }
@@ -35,7 +41,8 @@ fn network_rod(network: Network, place: u32) -> u32 {
 
 var<workgroup> partial: array<f32, WORKGROUP>;
 
-// The sum over the threads, in a fixed order. All threads of the workgroup must come here, and get the same.
+// The sum of a value over the threads, in a fixed order. All threads of the workgroup must call this function. They get the
+// same sum.
 fn total_of(local: u32, value: f32) -> f32 {
     workgroupBarrier();
     partial[local] = value;
@@ -48,7 +55,7 @@ fn total_of(local: u32, value: f32) -> f32 {
     return workgroupUniformLoad(&partial[0]);
 }
 
-// The directions of the rods as they are.
+// Stores the present directions of the rods.
 fn put_directions(network: Network, local: u32) {
     for (var first_place = 0u; first_place < network.rods; first_place += WORKGROUP) {
         let place = first_place + local;
@@ -63,7 +70,7 @@ fn put_directions(network: Network, local: u32) {
     }
 }
 
-// What the rods' search directions (or lambdas) pull a sphere by: J^T applied to them.
+// The pull of the rods on a sphere: J^T applied to the search directions of the rods, or to their lambdas.
 fn pull_of_rods(sphere: u32, of_lambda: bool) -> vec3f {
     var sum = vec3f(0.0);
     let rods = rods_of(sphere);
@@ -78,7 +85,7 @@ fn pull_of_rods(sphere: u32, of_lambda: bool) -> vec3f {
     return sum;
 }
 
-// How fast a rod would lengthen with the impulses or pulls in the position rows.
+// The rate at which a rod would lengthen under the impulses or pulls in the position rows.
 fn lengthening(rod: u32) -> f32 {
     let ends = rod_ends(rod);
     let w1 = inverse_mass(ends.x);
@@ -88,8 +95,8 @@ fn lengthening(rod: u32) -> f32 {
     return dot(two - one, wrenches[4u * rod].xyz);
 }
 
-// With the impulses on the spheres in the position rows: their changes of velocity into the velocity rows. All threads of the workgroup
-// must come here; loops around barriers have as many rounds for all of them.
+// Reads the impulses on the spheres from the position rows, and writes the changes of velocity to the velocity rows. All
+// threads of the workgroup must call this function.
 fn project(network: Network, local: u32) {
     storageBarrier();
     var squares = 0.0;
@@ -102,7 +109,7 @@ fn project(network: Network, local: u32) {
             squares += residual * residual;
         }
     }
-    // The impulses give way to the pulls of the search.
+    // Moves the impulses to the velocity rows, because the search uses the position rows for its pulls.
     storageBarrier();
     for (var first_place = 0u; first_place < network.spheres; first_place += WORKGROUP) {
         let place = first_place + local;
@@ -128,7 +135,7 @@ fn project(network: Network, local: u32) {
     storageBarrier();
 }
 
-// A round of conjugate gradients; gives the squared residual after it.
+// Makes a round of conjugate gradients. Returns the squared residual after it.
 fn search(network: Network, local: u32, squares: f32) -> f32 {
     storageBarrier();
     for (var first_place = 0u; first_place < network.spheres; first_place += WORKGROUP) {
@@ -174,6 +181,6 @@ fn search(network: Network, local: u32, squares: f32) -> f32 {
             wrenches[4u * rod + 1u] = row;
         }
     }
-    // Rounding ends it where there is nothing to gain.
+    // 0 ends the iteration. It is returned when rounding errors prevent further progress.
     return select(0.0, after, (whole > 0.0) & (after < 4.0 * squares));
 }

@@ -1,18 +1,19 @@
 // requires model/entries.wgsl model/lists.wgsl model/objects.wgsl model/step.wgsl physics/collision/plain.wgsl
 // requires physics/collision/lone.wgsl physics/contact.wgsl physics/geometry.wgsl
 
-// What else touches the bodies of a collision: whether it is lone, and how much its impulse has to be held back
-// (docs/physics.md sections 3.3 and 3.5).
+// The other pressed contacts of the bodies of a collision. They decide whether it is lone, and how large its weight is,
+// which is its scale in the sweeps (docs/physics.md sections 3.5 and 3.7).
 
-// Contacts of a body with static objects that are this near to perpendicular do not disturb each other.
+// Normals are perpendicular when the absolute cosine of their angle is at most this. Contacts of a sphere with static
+// objects do not influence a collision whose normal is perpendicular to theirs.
 const PERPENDICULAR: f32 = 0.001;
 
 struct Company {
-    // Nothing else presses the body.
+    // Whether no other pressed contact of the body influences the collision.
     is_alone: bool,
-    // Other collisions of the body.
+    // Number of other collisions on the body.
     others: u32,
-    // Sum of |n . n'| over the collisions of a sphere, this one included.
+    // Sum of |n . n'| over the collisions on a sphere, this one included.
     weight: f32,
 }
 
@@ -20,7 +21,7 @@ fn no_company() -> Company {
     return Company(true, 0u, 1.0);
 }
 
-// Adds the contacts of a sphere without rods, that with `other` left out, to the company of a collision of normal n there.
+// The other pressed contacts of a sphere without rods, for its collision of normal n with object `other`.
 fn plain_company(sphere: u32, other: u32, n: vec3f) -> Company {
     var company = no_company();
     let velocity = state[velocity_at(sphere)];
@@ -57,10 +58,10 @@ fn add_company(sphere: u32, own: vec4f, velocity: vec4f, other: Met, n: vec3f, c
     }
 }
 
-// The impulse of a collision between spheres without rods, or of one with a static object.
+// The solution of a collision between two spheres without rods, or of such a sphere with a static object.
 struct Plainly {
     solved: Solved,
-    // Whether another collision shares a body with it and it is not lone.
+    // Whether the collision is not lone and shares a body with another collision.
     is_shared: bool,
 }
 
@@ -78,7 +79,7 @@ fn solve_plain(a: u32, b: u32) -> Plainly {
     return Plainly(solve_by_itself(a, b, k, weight, is_lone), is_shared);
 }
 
-// The impulse of a collision that shares no body with another; `weight` is the inverse mass that it meets.
+// Solves a collision that is lone or shares no body with another collision. `weight` is its inverse mass.
 fn solve_by_itself(a: u32, b: u32, k: Plain, weight: f32, is_lone: bool) -> Solved {
     if is_lone {
         return solve_lone(a, b, 0u, Touch(k.n, k.overlap, 0.0, 0.0));

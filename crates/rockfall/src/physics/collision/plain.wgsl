@@ -1,16 +1,16 @@
 // requires model/entries.wgsl model/objects.wgsl model/step.wgsl physics/contact.wgsl physics/geometry.wgsl
 
-// Contacts of spheres without rods, with each other or with boxes and polygons: nearly all there are. Each side has one
-// share of the impulse, so that the general contact of `collision.wgsl` is not needed.
+// Contacts of spheres without rods, with each other or with boxes and polygons ("plain" contacts). Nearly all contacts are
+// of this kind. Each side gets the whole impulse, so the general contact of `collision.wgsl` is not needed.
 
 struct Plain {
-    // Unit normal from the sphere to the other.
+    // Unit normal from the sphere to the other object.
     n: vec3f,
-    // > 0: they touch.
+    // > 0: the objects overlap.
     overlap: f32,
-    // Approach velocity, > 0 when closing.
+    // Approach velocity, > 0 when the objects approach each other.
     approach: f32,
-    // G_kk: inverse mass that the impulse meets.
+    // G_kk: inverse mass of the contact, summed over both sides.
     inverse_mass: f32,
 }
 
@@ -18,7 +18,7 @@ fn is_plain(sphere: u32) -> bool {
     return end_of(sphere) == NO_ROD;
 }
 
-// Whether the contact of two objects is a plain one.
+// Whether the contact of two objects is plain.
 fn are_plain(a: u32, b: u32) -> bool {
     if !RODS {
         return true;
@@ -34,7 +34,7 @@ fn are_plain(a: u32, b: u32) -> bool {
     return is_plain(a);
 }
 
-// The contact of a plain sphere, as that sphere sees it: the other sees the same, but for the sign of the normal.
+// The contact of a plain sphere, seen from that sphere. Seen from the other object it is the same with the opposite normal.
 fn plain_with(sphere: u32, own: vec4f, velocity: vec4f, other_met: Met) -> Plain {
     let other = entry_id(other_met.entry);
     var approach = velocity.xyz;
@@ -55,7 +55,7 @@ fn plain_with(sphere: u32, own: vec4f, velocity: vec4f, other_met: Met) -> Plain
     return Plain(found.n, found.overlap, dot(approach, found.n), inverse_mass);
 }
 
-// The same, of what nothing was read yet.
+// The same contact, for a pair whose rows have not been read yet.
 fn plain_contact(sphere: u32, other: u32) -> Plain {
     return plain_with(sphere, state[position_at(sphere)], state[velocity_at(sphere)], met(other, true));
 }

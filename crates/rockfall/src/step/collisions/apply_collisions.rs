@@ -1,8 +1,10 @@
-//! Collisions, 2 of 4: the impulses of all collisions, and what they do to the bodies (docs/physics.md sections 3.5 to 3.7). A lone one is handled at
-//! its time of contact; those that share bodies, and those on networks of rods, are swept until their impulses agree.
+//! Applies the impulses of all collisions to the bodies (docs/physics.md sections 3.5 to 3.7). A lone collision is handled
+//! at its time of contact. Collisions that share bodies, and those on networks of rods, are solved by sweeps.
 //!
-//! The new state of the spheres of all bodies that collide goes to `Y2`, for the others still read the old one. A sphere that would stop
-//! being finite keeps its position, loses velocity and spin, and is reported.
+//! On the CPU, this stage also computes the impulses. On a GPU it does so only where collisions are not listed.
+//!
+//! The new state of the spheres of all bodies that collide goes to `Y2`, because other spheres still read the old state. A
+//! sphere whose new state is not finite keeps its position, loses velocity and spin, and is reported.
 
 use rayon::prelude::*;
 
@@ -67,7 +69,7 @@ fn apply_collisions(world: &mut World, _pass: u32) {
     world.impulses = outcome.impulses;
 }
 
-/// The sphere after all that its collisions do to it; tells whether it may leave its AABB so.
+/// Returns the state of a sphere after its collisions. Requests new lists if the sphere may then leave its AABB.
 fn collided(view: &View, outcome: &Outcome, aabbs: &[Aabb], sphere: u32, tally: &mut Tally) -> Motion {
     let before = Motion::of(view, sphere);
     let change = outcome.change(sphere);

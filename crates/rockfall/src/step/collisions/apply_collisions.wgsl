@@ -16,11 +16,12 @@ fn put_next(region: u32, i: u32, row: vec4f) {
     next[region * step.spheres + i] = row;
 }
 
-// What the colliding entry in this slot, of one of a sphere's rows, gives it.
+// What the collision of the entry in this slot adds to a sphere. The entry is in the list of a row of the sphere.
 fn part_of_entry(sphere: u32, row: u32, slot: vec2u) -> Part {
     if !RODS & !LARGE {
         let entry = entry_at(slot);
-        // The entry always collides. Were the constant asked by itself, Mesa's lavapipe would compile this kernel anew for every dispatch.
+        // The entry always collides, so the second condition changes nothing. With the first condition alone, Mesa's lavapipe
+        // would compile this kernel again for every dispatch.
         if (step.sweeps == SWEEPS_OFF) & ((entry & ENTRY_COLLIDES) != 0u) {
             return part_by_itself(sphere, entry_id(entry));
         }
@@ -31,8 +32,8 @@ fn part_of_entry(sphere: u32, row: u32, slot: vec2u) -> Part {
     return Part(impulse_normal(r), velocity, velocity * max(impulse.tau, 0.0));
 }
 
-// `changes_of` a team's sphere, of which there is one list.
-fn changes_together(sphere: u32, local: u32) -> Change {
+// Computes `changes_of` for a large sphere without rods, by its workgroup.
+fn changes_of_large_sphere(sphere: u32, local: u32) -> Change {
     let count = count_of(sphere);
     let first = first_of(sphere);
     begin_sums(local);
@@ -50,7 +51,7 @@ fn changes_together(sphere: u32, local: u32) -> Change {
     return Change(first_sum(), second_sum());
 }
 
-// The state of a sphere after its collisions.
+// Writes the state of a sphere after its collisions.
 fn write_change(i: u32) {
     if RODS {
         if network_of(i) != NO_NETWORK {
@@ -72,18 +73,18 @@ fn write_change(i: u32) {
     write_changed(i, change);
 }
 
-fn apply_together(sphere: u32, local: u32) {
+fn apply_to_large_sphere(sphere: u32, local: u32) {
     if broadcast_to_workgroup(local, u32(takes_part_in_any(sphere) & has_changes())) == 0u {
         return;
     }
-    // Where there are several lists one thread goes through all of them.
+    // A sphere with rods has contacts in several lists. One thread goes through all of them.
     if broadcast_to_workgroup(local, u32((end_of(sphere) == NO_ROD) & (inverse_mass(sphere) > 0.0))) == 0u {
         if local == 0u {
             write_change(sphere);
         }
         return;
     }
-    let change = changes_together(sphere, local);
+    let change = changes_of_large_sphere(sphere, local);
     if local == 0u {
         write_changed(sphere, change);
     }
@@ -97,12 +98,12 @@ fn apply_collisions(
 ) {
     let workgroup = linear_group(group, groups);
     if serves_large_sphere(workgroup) {
-        apply_together(large_sphere_of(workgroup), local);
+        apply_to_large_sphere(large_sphere_of(workgroup), local);
         return;
     }
     let i = mover_of(workgroup, local);
     if i < step.spheres {
-        // One word of the lists tells nearly all spheres that they have nothing to do; the status takes several times as long to read.
+        // The first test excludes nearly all spheres by one word of the lists. Reading the status takes several times as long.
         if takes_part_in_any(i) {
             if has_changes() {
                 write_change(i);

@@ -1,7 +1,9 @@
-//! Collisions, 4 of 4: friction impulses, once a step, of all contacts that press, in scenes that have them (docs/physics.md section 3.9).
+//! Applies friction impulses to all pressed contacts, once per step, in scenes that have them (docs/physics.md section
+//! 3.9).
 //!
-//! `collision_friction` limits them by the normal impulse of the collision phase, `coulomb_friction` by what the contact force gives within
-//! the step. The new state of all spheres goes to `Y2`. Does nothing in a void step, nor when the collisions of the step were done before.
+//! The limit of a friction impulse is `collision_friction` times the normal impulse of the contact in this step, plus
+//! `coulomb_friction` times the contact force times the time step. The new state of all spheres goes to `Y2`. The stage
+//! does nothing in a rejected step, or when an earlier attempt at the step has done its collisions.
 
 use rayon::prelude::*;
 
@@ -42,13 +44,13 @@ fn apply_friction_impulses(world: &mut World, _pass: u32) {
     let [start, y2, ..] = &mut world.states;
     let view = View::new(&world.step, &world.topology, start);
     let lists = Lists::new(&world.step, &world.lists);
-    let rubbing = FrictionImpulses::new(&view, &lists, &world.impulses);
+    let friction = FrictionImpulses::new(&view, &lists, &world.impulses);
     let tally = Rows::of(y2, world.step.spheres)
         .map(|mut rows| {
             let mut tally = Tally::default();
             for sphere in rows.spheres() {
                 let before = view.position(sphere);
-                let after = rubbing.rubbed(sphere).or_stopped(before, BadStage::Collisions, view.user(sphere), &mut tally);
+                let after = friction.rubbed(sphere).or_stopped(before, BadStage::Collisions, view.user(sphere), &mut tally);
                 rows.set(&view, sphere, after);
             }
             tally

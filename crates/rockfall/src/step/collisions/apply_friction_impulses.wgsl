@@ -9,16 +9,17 @@
 @group(0) @binding(7) var<storage, read> collisions: array<vec4u>;
 @group(0) @binding(8) var<storage, read_write> status: StatusAtomic;
 
-// What friction impulses make of a sphere, or of a capsule.
-struct Rubbed {
+// The sums of the friction impulses on a sphere or a capsule.
+struct FrictionSums {
+    // Sum of the impulses.
     velocity: vec3f,
-    // Into the angular momentum of a sphere; of a capsule the change of its spin across the axis.
+    // Sum of the torques. For a capsule: about its centre of mass, the part across the axis.
     turning: vec3f,
-    // Of a capsule, along the axis.
+    // For a capsule: the part of that sum along the axis.
     rolling: vec3f,
 }
 
-// How much of what happens to a row a sphere gets.
+// The share of the impulses on a row that a sphere gets.
 fn share_of(sphere: u32, row: u32, at: f32) -> f32 {
     if !RODS | (row < step.spheres) {
         return 1.0;
@@ -26,7 +27,7 @@ fn share_of(sphere: u32, row: u32, at: f32) -> f32 {
     return select(at, 1.0 - at, rod_ends(row - step.spheres).x == sphere);
 }
 
-fn add_friction_impulses(sphere: u32, row: u32, rubbed: ptr<function, Rubbed>) {
+fn add_friction_impulses(sphere: u32, row: u32, rubbed: ptr<function, FrictionSums>) {
     let count = count_of(row);
     let first = first_of(row);
     for (var begin = 0u; begin < count; begin += LOOK) {
@@ -35,14 +36,14 @@ fn add_friction_impulses(sphere: u32, row: u32, rubbed: ptr<function, Rubbed>) {
             let is_a = rub.a_id == row;
             let share = share_of(sphere, row, select(rub.at.y, rub.at.x, is_a));
             let arm = select(rub.arms.y, rub.arms.x, is_a);
-            // Both surfaces are pushed to the same side of the normal: their arms point against each other.
+            // The torques on both sides have the same sign: the impulses are opposite, and the arms are too.
             (*rubbed).velocity = fma(rub.impulse, vec3f(select(-share, share, is_a)), (*rubbed).velocity);
             (*rubbed).turning = fma(cross(rub.n, rub.impulse), vec3f(share * arm), (*rubbed).turning);
         }
     }
 }
 
-fn add_friction_impulses_on_capsule(capsule: Capsule, rod: u32, row: u32, rubbed: ptr<function, Rubbed>) {
+fn add_friction_impulses_on_capsule(capsule: Capsule, rod: u32, row: u32, rubbed: ptr<function, FrictionSums>) {
     let count = count_of(row);
     let first = first_of(row);
     for (var begin = 0u; begin < count; begin += LOOK) {
@@ -63,7 +64,7 @@ fn add_friction_impulses_on_capsule(capsule: Capsule, rod: u32, row: u32, rubbed
 }
 
 fn sphere_after_friction(i: u32) -> Motion {
-    var rubbed = Rubbed(vec3f(0.0), vec3f(0.0), vec3f(0.0));
+    var rubbed = FrictionSums(vec3f(0.0), vec3f(0.0), vec3f(0.0));
     add_friction_impulses(i, i, &rubbed);
     if RODS {
         let rods = rods_of(i);
@@ -82,7 +83,7 @@ fn sphere_after_friction(i: u32) -> Motion {
 fn end_after_friction(i: u32, rod: u32) -> Motion {
     let ends = rod_ends(rod);
     let capsule = capsule_of(ends, poise_of(half_of(i, 0.0)));
-    var rubbed = Rubbed(vec3f(0.0), vec3f(0.0), vec3f(0.0));
+    var rubbed = FrictionSums(vec3f(0.0), vec3f(0.0), vec3f(0.0));
     add_friction_impulses_on_capsule(capsule, rod, ends.x, &rubbed);
     add_friction_impulses_on_capsule(capsule, rod, ends.y, &rubbed);
     add_friction_impulses_on_capsule(capsule, rod, step.spheres + rod, &rubbed);
@@ -90,10 +91,11 @@ fn end_after_friction(i: u32, rod: u32) -> Motion {
     let turning = capsule.inverse_inertia * rubbed.turning;
     let velocity = state[velocity_at(i)].xyz + capsule.inverse_mass * rubbed.velocity + cross(turning, offset);
     let momentum = state[momentum_at(i)];
-    return Motion(state[position_at(i)].xyz, velocity, momentum.xyz + (turning + inverse_roll(ends) * rubbed.rolling) / momentum.w);
+    let angular_momentum = momentum.xyz + (turning + inverse_roll(ends) * rubbed.rolling) / momentum.w;
+    return Motion(state[position_at(i)].xyz, velocity, angular_momentum);
 }
 
-fn rubbed(i: u32) -> Motion {
+fn motion_after_friction(i: u32) -> Motion {
     if inverse_mass(i) <= 0.0 {
         return Motion(state[position_at(i)].xyz, state[velocity_at(i)].xyz, state[momentum_at(i)].xyz);
     }
@@ -116,7 +118,7 @@ fn apply_friction_impulses(
     if (i >= step.spheres) | (atomicLoad(&status.rejected) != 0u) | (atomicLoad(&status.collided) != 2u) {
         return;
     }
-    var after = rubbed(i);
+    var after = motion_after_friction(i);
     if (inverse_mass(i) > 0.0) & !is_finite(after) {
         after = stopped(state[position_at(i)].xyz, 0u, i);
     }

@@ -2,9 +2,9 @@
 // requires model/step.wgsl physics/collision.wgsl physics/collision/plain.wgsl physics/contact.wgsl physics/geometry.wgsl
 // requires physics/margin.wgsl
 
-// Which pairs overlap, and which of them collide.
+// Decides which contacts are pressed, and which of them collide (docs/physics.md section 3.1).
 
-// Overlaps up to this times the smaller radius are rounding.
+// Overlaps up to this fraction of the smaller radius are rounding errors.
 const ROUNDING: f32 = 1e-5;
 
 fn radius_of(id: u32) -> f32 {
@@ -17,7 +17,7 @@ fn radius_of(id: u32) -> f32 {
     return 0.0;
 }
 
-// The radius that thresholds refer to, of a pair whose first is a mover.
+// The smaller radius of a pair, which the thresholds refer to. `a` is a mover. Boxes and polygons have no radius.
 fn pair_radius(a: u32, b: u32) -> f32 {
     let radius = radius_of(a);
     if b < step.spheres + step.rods {
@@ -26,7 +26,7 @@ fn pair_radius(a: u32, b: u32) -> f32 {
     return radius;
 }
 
-// The OVERLAPS and COLLIDES bits of what overlaps so deep, closes so fast and weighs so much.
+// The OVERLAPS and COLLIDES bits of a contact with this overlap, approach velocity, inverse mass and smaller radius.
 fn bits_of(overlap: f32, approach: f32, inverse_mass: f32, radius: f32) -> u32 {
     if overlap <= ROUNDING * radius {
         return 0u;
@@ -36,8 +36,8 @@ fn bits_of(overlap: f32, approach: f32, inverse_mass: f32, radius: f32) -> u32 {
     return ENTRY_OVERLAPS | select(0u, ENTRY_COLLIDES, collides);
 }
 
-// The bits of an entry of a mover; `velocity` is its row where it is a sphere.
-fn judge(own: Own, velocity: vec4f, other: Met) -> u32 {
+// The bits of an entry of a mover. `velocity` is the velocity row of the mover, used only if the mover is a sphere.
+fn classify(own: Own, velocity: vec4f, other: Met) -> u32 {
     let id = entry_id(other.entry);
     if are_plain(own.id, id) {
         let contact = plain_with(own.id, own.place, velocity, other);
@@ -62,8 +62,9 @@ fn judge(own: Own, velocity: vec4f, other: Met) -> u32 {
     return bits_of(found.overlap, contact.approach, contact.inverse_mass, pair_radius(pair.x, pair.y));
 }
 
-// Which of LOOK entries are judged: all but those without bits that are too far away.
-fn which_to_judge(own: Own, first: vec2u, begin: u32, count: u32) -> u32 {
+// Selects from LOOK entries those that must be classified. Entries without bits whose objects are too far away are left
+// out.
+fn entries_to_classify(own: Own, first: vec2u, begin: u32, count: u32) -> u32 {
     let bits = ENTRY_OVERLAPS | ENTRY_COLLIDES;
     if !RODS {
         return entries_near(own.place, bits, first, begin, count);
@@ -75,28 +76,29 @@ fn which_to_judge(own: Own, first: vec2u, begin: u32, count: u32) -> u32 {
     return touching_rod(own.id, own.bar, bits, first, begin, count);
 }
 
-// Judges an entry, writes its bits where they changed, which they seldom do, and gives them.
+// Classifies an entry and returns its bits. They are written only if they have changed, which is rare.
 fn mark_entry(own: Own, velocity: vec4f, other: Met, slot: vec2u) -> u32 {
     let entry = other.entry & ~(ENTRY_OVERLAPS | ENTRY_COLLIDES);
-    let bits = judge(own, velocity, other);
+    let bits = classify(own, velocity, other);
     if (entry | bits) != other.entry {
         lists[slot.x][slot.y] = entry | bits;
     }
     return bits;
 }
 
-// Marks the entries of a mover, and the mover where one of them collides, and gives the number of collisions with objects of higher id.
+// Marks the entries of a mover, and the mover itself if one of them collides. Returns the number of collisions with objects
+// of higher insertion index.
 fn mark_entries(mover: u32) -> u32 {
     let first = first_of(mover);
     var collisions = 0u;
     var any_bits = 0u;
     let count = count_of(mover);
-    // Of a rod nothing is read of these.
+    // The velocity of a rod is not used. The index only has to be valid.
     let sphere = min(mover, step.spheres - 1u);
     let own = own_of(mover);
     let velocity = state[velocity_at(sphere)];
     for (var begin = 0u; begin < count; begin += LOOK) {
-        var rest = which_to_judge(own, first, begin, count);
+        var rest = entries_to_classify(own, first, begin, count);
         var now = meet(first, begin, rest);
         while rest != 0u {
             let slot = slot_at(first, begin + firstTrailingBit(rest));
@@ -114,7 +116,7 @@ fn mark_entries(mover: u32) -> u32 {
     return collisions;
 }
 
-// Marks a mover where some entry of it collides.
+// Sets or clears the mark that an entry of the mover collides.
 fn mark_head(mover: u32, collides: bool) {
     let head = head_of(mover);
     let marked = (head & ~LIST_COLLIDES) | select(0u, LIST_COLLIDES, collides);
@@ -131,7 +133,7 @@ fn check_escape(sphere: u32) {
     }
 }
 
-// Adds the collisions of a workgroup of this number to what is told; all its threads must come here.
+// Adds the collisions of the workgroup of this number to the counters. All its threads must call this function.
 fn count_collisions_of_workgroup(workgroup: u32, local: u32, collisions: u32) {
     if local == 0u {
         atomicStore(&group_count, 0u);
@@ -145,7 +147,7 @@ fn count_collisions_of_workgroup(workgroup: u32, local: u32, collisions: u32) {
         let sum = atomicLoad(&group_count);
         if sum > 0u {
             atomicAdd(&status.counters[workgroup % COUNTER_BLOCKS].collisions, sum);
-            // To look takes less than to write.
+            // Reading the word takes less time than writing it.
             if atomicLoad(&status.collides) == 0u {
                 atomicStore(&status.collides, 1u);
             }

@@ -1,14 +1,16 @@
 // requires step/collisions/rows.wgsl step/take_next.wgsl
 
-// What collisions made of a sphere becomes its state.
+// Commits the next state of a sphere, if a collision may have changed it.
 
 fn commit_change(i: u32) {
-    // Nearly all are told by one word of the lists that they have nothing to do; the status takes several times as long to read.
+    // This test comes first because it excludes nearly all spheres by one word of the lists. Reading the status takes several
+    // times as long.
     let takes_part = takes_part_in_any(i);
     if (i != 0u) & !takes_part {
         return;
     }
-    // 1: done before this attempt at the step; 2, which the first thread writes meanwhile, is as good as 0 here.
+    // 1: an earlier attempt at this step has applied the collisions. The first thread writes 2 below, possibly before other
+    // threads read the word. For them 2 means the same as 0.
     if (atomicLoad(&status.rejected) != 0u) | (atomicLoad(&status.collided) == 1u) {
         return;
     }

@@ -1,5 +1,5 @@
-//! Collisions, 3 of 4: `Y2` becomes the state of the spheres that collided; sets `collided`, and `lengths_due` where there were
-//! any. Does nothing in a void step, nor when the collisions of the step were done before.
+//! Copies `Y2` to the state of the spheres whose bodies collided. Sets `collided`, and also `lengths_due` if there were
+//! collisions. Does nothing in a rejected step, or when an earlier attempt at the step has done its collisions.
 
 use rayon::prelude::*;
 

@@ -1,5 +1,6 @@
-//! After the friction impulses: `Y2` becomes the state of all spheres, in scenes that have such impulses. Does nothing in a void step, nor when
-//! the collisions of the step were done before. A sphere that may leave its AABB within the next step asks for new lists (`rebuild`).
+//! Copies `Y2` to the state of all spheres after the friction impulses, in scenes that have them. Does nothing in a
+//! rejected step, or when an earlier attempt at the step has done its collisions. Requests new lists (`rebuild`) if a
+//! sphere may leave its AABB within the next step.
 
 use crate::model::buffer::Buffer;
 use crate::model::dispatch::Threads;

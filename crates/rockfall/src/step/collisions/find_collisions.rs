@@ -1,11 +1,15 @@
-//! Collisions, 1 of 4: which pairs overlap, and which of them collide (docs/physics.md section 3.1).
+//! Decides which contacts are pressed and which of them collide (docs/physics.md section 3.1).
 //!
-//! Bodies that touch overlap by rounding; what is no deeper than 1e-5 of the smaller radius presses nothing. (Else the blow
-//! on a touching cradle would count as one in a crowd.) Where collisions are switched off nothing collides; what presses still gets
-//! friction impulses.
-//! Sets `ENTRY_OVERLAPS` and `ENTRY_COLLIDES` in the entries of both sides, once, so that no later stage decides again, and
-//! `LIST_COLLIDES` in the count of a mover with some colliding entry; counts every collision once (at the mover of lower id). Voids the step when a sphere is outside its AABB
-//! (`REJECTED_ESCAPED`). Like the others it does nothing when the step is void or its collisions are done.
+//! An overlap of at most 1e-5 of the smaller radius is a rounding error of objects that just touch, so it does not make a
+//! contact pressed. Otherwise the first impact on a Newton's cradle whose balls touch would count as a collision in a
+//! cluster. Where collisions are switched off, no contact collides, but pressed contacts still get friction impulses.
+//!
+//! The stage sets `ENTRY_OVERLAPS` for pressed contacts and `ENTRY_COLLIDES` for colliding ones, in the list entries of
+//! both sides. Later stages read these bits and do not decide again. `LIST_COLLIDES` is set in the count of a mover that
+//! has a colliding entry. Each collision is counted once, at the mover with the lower insertion index.
+//!
+//! The step is rejected when a sphere is outside its AABB (`REJECTED_ESCAPED`). Like the other stages of the phase, this
+//! stage does nothing when the step is rejected or its collisions are done.
 
 use std::cell::Cell;
 
@@ -65,7 +69,7 @@ fn find_collisions(world: &mut World, _pass: u32) {
     tally.add_to(status);
 }
 
-/// Marks the entries of the mover at this place of a slice, and its count where some of them collide.
+/// Marks the entries of the mover at this place of a slice, and the mover's count if one of them collides.
 fn mark(view: &View, slice: &mut Slice, place: usize, tally: &mut Tally) {
     let mover = slice.first + place as u32;
     let count = slice.counts[place] & LIST_COUNT_MASK;
@@ -83,36 +87,36 @@ fn mark(view: &View, slice: &mut Slice, place: usize, tally: &mut Tally) {
         }
     };
     let done = Ball::new(view, mover)
-        .map_or(0, |ball| ball.for_each_near(count, list, |others| judge_group(&ball, mover, others, &mut set)));
+        .map_or(0, |ball| ball.for_each_near(count, list, |others| classify_group(&ball, mover, others, &mut set)));
     for entry in (done..count).map(list) {
-        set(&entry, judge(view, mover, entry));
+        set(&entry, classify(view, mover, entry));
     }
 }
 
-/// The decisions on a pair.
-fn judge(view: &View, mover: u32, entry: Entry) -> u32 {
+/// Returns the bits of a pair.
+fn classify(view: &View, mover: u32, entry: Entry) -> u32 {
     let collision = Collision::between(view, mover, entry.id(), entry.feature());
-    collision.map_or(0, |collision| decide(view, collision.is_pressed(view), collision.collides(view)))
+    collision.map_or(0, |collision| entry_bits(view, collision.is_pressed(view), collision.collides(view)))
 }
 
-/// The decisions on a sphere without rods and up to four others.
+/// Sets the bits of a sphere without rods and up to four other objects.
 #[inline]
-fn judge_group(ball: &Ball, mover: u32, others: &[Entry], set: &mut impl FnMut(&Entry, u32)) {
+fn classify_group(ball: &Ball, mover: u32, others: &[Entry], set: &mut impl FnMut(&Entry, u32)) {
     let meeting = ball.meet(others);
     let pressed = meeting.are_pressed().bitmask();
     let collide = meeting.collide(ball.view).bitmask();
     for (lane, other) in others.iter().enumerate() {
         let bits = if ball.view.is_ball(other.id()) {
-            decide(ball.view, pressed >> lane & 1 == 1, collide >> lane & 1 == 1)
+            entry_bits(ball.view, pressed >> lane & 1 == 1, collide >> lane & 1 == 1)
         } else {
-            judge(ball.view, mover, *other)
+            classify(ball.view, mover, *other)
         };
         set(other, bits);
     }
 }
 
-/// The bits of a pair that overlaps by more than rounding, and of one that closes fast besides.
-fn decide(view: &View, is_pressed: bool, collides: bool) -> u32 {
+/// The bits of a contact that is pressed or not, and whose approach velocity exceeds the threshold or not.
+fn entry_bits(view: &View, is_pressed: bool, collides: bool) -> u32 {
     match (is_pressed, collides && view.step.flags & FLAG_COLLISIONS != 0) {
         (false, _) => 0,
         (true, false) => ENTRY_OVERLAPS,

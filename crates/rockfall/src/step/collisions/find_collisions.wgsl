@@ -7,11 +7,12 @@
 @group(0) @binding(5) var<storage, read> aabbs: array<Aabb>;
 @group(0) @binding(6) var<storage, read_write> status: StatusAtomic;
 
-// Whether an entry of a team's sphere collides.
+// Whether an entry of the workgroup's large sphere collides.
 var<workgroup> any_collides: atomic<u32>;
 
-// What `mark_entries` does, by a team: a thread marks one entry of many. Gives the number of collisions that it has counted itself.
-fn mark_together(sphere: u32, local: u32) -> u32 {
+// Does what `mark_entries` does, for the large sphere of a workgroup. Each thread marks every WORKGROUP-th entry. Returns
+// the number of collisions that this thread has counted.
+fn mark_entries_of_large_sphere(sphere: u32, local: u32) -> u32 {
     if local == 0u {
         atomicStore(&any_collides, 0u);
     }
@@ -50,7 +51,7 @@ fn find_collisions(
             if local == 0u {
                 check_escape(mover);
             }
-            collisions = mark_together(large_sphere_of(workgroup), local);
+            collisions = mark_entries_of_large_sphere(large_sphere_of(workgroup), local);
         }
     } else if (mover < step.spheres + step.rods) & is_first_attempt {
         if mover < step.spheres {

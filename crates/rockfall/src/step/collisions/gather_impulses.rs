@@ -1,5 +1,5 @@
-//! How the velocities of large spheres change by the impulses on them, after as many sweeps as the pass says (docs/physics.md section 3.7).
-//! A workgroup works on each: hundreds of collisions may share one.
+//! Computes the changes of velocity of large spheres by the impulses on them (docs/physics.md section 3.7). Pass m takes
+//! the impulses after m sweeps. There is one workgroup per large sphere, because hundreds of collisions may share one.
 
 use crate::model::buffer::Buffer;
 use crate::model::dispatch::Threads;
@@ -25,5 +25,5 @@ pub(crate) const STAGE: Stage = Stage {
     cpu: gather_impulses,
 };
 
-/// Nothing: `apply_collisions` solves them all on the CPU.
+/// Does nothing: on the CPU, `apply_collisions` solves all collisions.
 fn gather_impulses(_world: &mut World, _pass: u32) {}

@@ -10,8 +10,8 @@
 @group(0) @binding(7) var<storage, read> collisions: array<vec4u>;
 @group(0) @binding(8) var<storage, read_write> status: StatusAtomic;
 
-// `impulses_on` a sphere without rods, by a team.
-fn impulses_together(sphere: u32, local: u32) -> vec3f {
+// Computes `impulses_on` for a large sphere without rods, by its workgroup.
+fn impulses_on_large_sphere(sphere: u32, local: u32) -> vec3f {
     let count = count_of(sphere);
     let first = first_of(sphere);
     begin_sums(local);
@@ -43,16 +43,16 @@ fn gather_impulses(
         return;
     }
     let sphere = large_sphere_of(number);
-    // What a network's spheres do `project_networks` has worked out.
+    // `project_networks` has computed the changes of the spheres of networks.
     let is_own = (inverse_mass(sphere) > 0.0) & (!RODS || (network_of(sphere) == NO_NETWORK));
     let is_due = has_changes() & (atomicLoad(&status.clustered) != 0u) & is_own;
     if broadcast_to_workgroup(local, u32(is_due)) == 0u {
         return;
     }
-    // Where there are several lists one thread goes through all of them.
+    // A sphere with rods has contacts in several lists. One thread goes through all of them.
     var sum = vec3f(0.0);
     if broadcast_to_workgroup(local, u32(end_of(sphere) == NO_ROD)) != 0u {
-        sum = impulses_together(sphere, local);
+        sum = impulses_on_large_sphere(sphere, local);
     } else if local == 0u {
         sum = impulses_on(sphere, pass_.index);
     }

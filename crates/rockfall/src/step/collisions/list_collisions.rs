@@ -1,4 +1,5 @@
-//! Collisions, where they are listed: every collision gets a record, which its entries on both sides name (docs/physics.md sections 3.5 to 3.7).
+//! Creates a record for every collision, where collisions are listed, and stores the number of the record with the list
+//! entries of both sides (docs/physics.md sections 3.5 to 3.7).
 
 use crate::model::buffer::Buffer;
 use crate::model::dispatch::Threads;
@@ -23,5 +24,5 @@ pub(crate) const STAGE: Stage = Stage {
     cpu: list_collisions,
 };
 
-/// Nothing: `apply_collisions` solves them all on the CPU.
+/// Does nothing: on the CPU, `apply_collisions` solves all collisions.
 fn list_collisions(_world: &mut World, _pass: u32) {}

@@ -9,8 +9,8 @@
 @group(0) @binding(6) var<storage, read_write> collisions: array<vec4u>;
 @group(0) @binding(7) var<storage, read_write> status: StatusAtomic;
 
-// The slot of a mover in the list of another, which is in order; of row NONE: it is not there. A rod and a box are in the rod's list
-// alone.
+// Finds a mover in the list of another mover, which is sorted, and returns the slot. Its row is NONE if the mover is not
+// there. The search can ignore features: only contacts of a rod with a box have one, and they are in the rod's list only.
 fn slot_in(row: u32, mover: u32) -> vec2u {
     let key = entry_key(mover, 0u);
     let first = first_of(row);
@@ -31,7 +31,8 @@ fn slot_in(row: u32, mover: u32) -> vec2u {
     return vec2u(NONE);
 }
 
-// A body that has a long list may have many collisions, so of two movers the one with the shorter list lists theirs.
+// Whether the mover creates the record of its collision with this object. Of two movers, the one with the shorter list
+// does, because a mover with a long list may have many collisions.
 fn is_own(mover: u32, id: u32) -> bool {
     if id >= step.spheres + step.rods {
         return true;
@@ -91,7 +92,7 @@ fn list_all(mover: u32) {
     }
 }
 
-// Most movers have nothing to do, so it is workgroups that take the time.
+// Workgroups are large because most movers have nothing to do: the time of this stage depends on the number of workgroups.
 @compute @workgroup_size(256)
 fn list_collisions(
     @builtin(workgroup_id) group: vec3u,

@@ -1,5 +1,5 @@
-//! How the velocities of networks of fixed-length rods change by the impulses on them, after as many sweeps as the pass says
-//! (docs/physics.md section 3.6). A workgroup works on each network.
+//! Computes the changes of velocity of networks of fixed-length rods by the impulses on them (docs/physics.md section 3.4).
+//! Pass m takes the impulses after m sweeps. There is one workgroup per network.
 
 use crate::model::buffer::Buffer;
 use crate::model::dispatch::Threads;
@@ -26,5 +26,5 @@ pub(crate) const STAGE: Stage = Stage {
     cpu: project_networks,
 };
 
-/// Nothing: `apply_collisions` solves them all on the CPU.
+/// Does nothing: on the CPU, `apply_collisions` solves all collisions.
 fn project_networks(_world: &mut World, _pass: u32) {}

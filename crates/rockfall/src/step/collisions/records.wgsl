@@ -1,33 +1,35 @@
 // requires model/entries.wgsl model/step.wgsl
 
-// Collisions of the step as they are listed: ROWS rows of a buffer each, floats by their bits, for ids are no floats
-// (docs/physics.md sections 3.5 to 3.7).
+// The records of the collisions of a step, where collisions are listed (docs/physics.md sections 3.5 to 3.7). A record has
+// ROWS rows of four words. Floats are stored by their bits, because the rows also hold ids. The weight of a collision is
+// its scale in the sweeps. Neighbours are other collisions that share a body with it. A coupling is the change of the
+// approach velocity of this collision per unit of the other's impulse.
 //
-//     0      n, approach velocity
-//     1      id of A, entry of B, parameter on A, on B
-//     2      of a lone collision: n at its time of contact; of one that shares bodies: GATHERED_* and ONLY bits, by how much a unit of its
-//            own impulse changes its approach velocity, and how many neighbours are written below
-//     3      impulse after an even number of sweeps, after an odd one, 1 / weight, and the state: the time of contact of a lone
-//            collision (not negative), SHARED or SINGLE
-//     4..8   before it is weighed: what a network adds to the weight at end 1 and 2 of A, at end 1 and 2 of B, and how many
-//            collisions touch that network; of what is no free rod end 1 has it all
-//     4..12  after that: NEIGHBOURS other collisions of its bodies, number and coupling each: by how much a unit of their impulse
-//            changes its approach velocity
+//     0      n; approach velocity
+//     1      id of A; id of B and feature, packed like a list entry; parameter on A; parameter on B
+//     2      lone collision: n at the time of contact
+//            swept collision: GATHERED_* and ONLY bits; coupling with itself; number of neighbours in rows 4..12
+//     3      impulse after an even number of sweeps; impulse after an odd number of sweeps; 1 / weight;
+//            state: SHARED, SINGLE, or the time of contact of a lone collision, which is not negative
+//     4..8   until `weigh_collisions`: a row each for end 1 of A, end 2 of A, end 1 of B, end 2 of B, which holds what a
+//            network adds to the weight, and how many collisions touch that network. Only rods of free length use end 2.
+//     4..12  from then on: up to NEIGHBOURS neighbours, two per row: record number; coupling
 
 const ROWS: u32 = COLLISION_WORDS / 4u;
 const NEIGHBOURS: u32 = 2u * (ROWS - 4u);
 
-// States of a collision that is not lone: another one shares a body with it, or none.
+// States of a collision that is not lone: it shares a body with another collision (SHARED), or with none (SINGLE).
 const SHARED: f32 = -1.0;
 const SINGLE: f32 = -2.0;
 
-// The changes of side A, or B, are gathered body by body, not from neighbours.
+// The change of velocity of side A, or of side B, is gathered from its bodies instead of the neighbours.
 const GATHERED_A: u32 = 1u;
 const GATHERED_B: u32 = 2u;
-// No other collision touches its bodies.
+// No other collision touches the bodies of this one.
 const ONLY: u32 = 4u;
 
-// Where a row of a record stands: beside the same row of its neighbours in memory, which are mostly read together.
+// Index of a row of a record. Rows of the same number are contiguous, because neighbouring threads mostly read them
+// together.
 fn row_at(r: u32, row: u32) -> u32 {
     return row * step.collision_room + r;
 }
@@ -42,12 +44,13 @@ struct Record {
     b: f32,
 }
 
-// What networks add to the weight of a collision at an end and the next, each with how many collisions touch the network.
+// Returns, for this end of a record and the next one, what a network adds to the weight, and how many collisions touch that
+// network.
 fn network_weights(r: u32, end: u32) -> vec4f {
     return bitcast<vec4f>(vec4u(collisions[row_at(r, 4u + end)].xy, collisions[row_at(r, 5u + end)].xy));
 }
 
-// How the impulse of a collision goes on.
+// Row 3 of a record.
 struct Impulse {
     even: f32,
     odd: f32,
@@ -67,19 +70,19 @@ fn impulse_at(r: u32) -> Impulse {
     return Impulse(row.x, row.y, row.z, row.w);
 }
 
-// The normal along which the impulse acts.
+// The normal along which the impulse acts: for a lone collision, that at its time of contact.
 fn impulse_normal(r: u32) -> vec3f {
     let is_lone = bitcast<f32>(collisions[row_at(r, 3u)].w) >= 0.0;
     return bitcast<vec4f>(select(collisions[row_at(r, 0u)], collisions[row_at(r, 2u)], is_lone)).xyz;
 }
 
-// The impulse that so many sweeps have come to.
+// The impulse after this number of sweeps.
 fn impulse_after(r: u32, sweeps: u32) -> f32 {
     let row = collisions[row_at(r, 3u)];
     return bitcast<f32>(select(row.y, row.x, (sweeps & 1u) == 0u));
 }
 
-// Records that there are. The room is asked for as well: a step that has more is void.
+// Number of records. In a step with more collisions than room, which is rejected, the number is limited to the room.
 fn listed_records() -> u32 {
     return min(atomicLoad(&status.listed), step.collision_room);
 }

@@ -1,7 +1,7 @@
 // requires model/step.wgsl
 
-// What the collision phase tells the host: that collisions share bodies, and that the step has to be run again with sweeps or with more
-// room for collisions.
+// Reports to the host that collisions share bodies. Rejects a step that must be repeated with sweeps or with more room for
+// collisions.
 
 fn reject_for_collisions() {
     if (atomicLoad(&status.rejected) & REJECTED_COLLISIONS) == 0u {
@@ -9,9 +9,9 @@ fn reject_for_collisions() {
     }
 }
 
-// A collision shares a body with another: only sweeps solve both.
+// Records that a collision shares a body with another one. Only sweeps solve such collisions.
 fn note_cluster() {
-    // To look takes less than to write.
+    // Reading the word takes less time than writing it.
     if atomicLoad(&status.clustered) == 0u {
         atomicStore(&status.clustered, 1u);
     }
@@ -23,7 +23,7 @@ fn note_cluster() {
     }
 }
 
-// One workgroup cannot make all sweeps.
+// Rejects a step in which one workgroup was to make all sweeps but cannot. It needs a dispatch per sweep.
 fn need_dispatches() {
     if step.sweeps == SWEEPS_FEW {
         atomicOr(&status.rejected, REJECTED_COLLISIONS | REJECTED_MANY);

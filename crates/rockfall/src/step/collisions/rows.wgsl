@@ -1,14 +1,14 @@
 // requires model/lists.wgsl model/objects.wgsl model/step.wgsl
 
-// In which lists the contacts of a sphere stand.
+// Which lists hold the contacts of a sphere, and which capsule or network the sphere belongs to.
 
-// Whether some entry of a mover collides.
+// Whether an entry of a mover's list collides.
 fn has_collisions(mover: u32) -> bool {
     return (head_of(mover) & LIST_COLLIDES) != 0u;
 }
 
-// The objects whose lists hold the contacts in which a sphere takes part ("rows"): the sphere itself, its rods, and the
-// far ends of its capsules. There are 1 + 2 `rods.y` of them, some NONE.
+// Returns a row of a sphere: a mover whose list holds contacts of the sphere's body. The rows are the sphere itself, its
+// rods, and the other end of its capsule. There are 1 + 2 `rods.y` of them. Some are NONE.
 fn row_of(sphere: u32, rods: vec2u, row: u32) -> u32 {
     if row == 0u {
         return sphere;
@@ -21,8 +21,8 @@ fn row_of(sphere: u32, rods: vec2u, row: u32) -> u32 {
     return select(NONE, partner, capsule_rod(partner) == rod);
 }
 
-// Whether some collision may change the state of a sphere. In a network it is enough that there are collisions at all: who has them is
-// too much to ask.
+// Whether a collision may change the state of a sphere. The result is true for every sphere of a network, because it would
+// take too long to check all rows of the network.
 fn takes_part_in_any(sphere: u32) -> bool {
     let rods = rods_of(sphere);
     for (var r = 0u; r < 1u + 2u * rods.y; r++) {
@@ -40,12 +40,12 @@ fn network_of_rod(rod: u32) -> u32 {
     return topology[step.networks_at - step.rods + rod];
 }
 
-// Whether a rod of fixed length is a rigid capsule with the spheres at its ends.
+// Whether a rod of fixed length forms a rigid capsule with the spheres at its ends.
 fn is_capsule(rod: u32) -> bool {
     return (network_of_rod(rod) == NO_NETWORK) & (inverse_mass(rod_ends(rod).x) > 0.0);
 }
 
-// The rod of the rigid capsule that a sphere is an end of, or NONE.
+// The rod of the rigid capsule that has the sphere as an end, or NONE.
 fn capsule_with(sphere: u32) -> u32 {
     let rod = capsule_rod(sphere);
     if rod == NONE {

@@ -1,5 +1,5 @@
-//! All sweeps over the impulses of collisions that share bodies, by one workgroup, where collisions are few (docs/physics.md section 3.7): a
-//! dispatch a sweep would take longer.
+//! Makes all sweeps over the impulses of collisions that share bodies, in one workgroup (docs/physics.md section 3.7). It
+//! is used where collisions are few: one dispatch per sweep would take longer.
 
 use crate::model::buffer::Buffer;
 use crate::model::dispatch::Threads;
@@ -17,5 +17,5 @@ pub(crate) const STAGE: Stage = Stage {
     cpu: sweep_at_once,
 };
 
-/// Nothing: `apply_collisions` solves them all on the CPU.
+/// Does nothing: on the CPU, `apply_collisions` solves all collisions.
 fn sweep_at_once(_world: &mut World, _pass: u32) {}

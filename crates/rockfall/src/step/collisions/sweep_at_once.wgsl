@@ -3,15 +3,15 @@
 @group(0) @binding(2) var<storage, read_write> collisions: array<vec4u>;
 @group(0) @binding(3) var<storage, read_write> status: StatusAtomic;
 
-// As many threads as the device lets a workgroup have.
+// Set to the largest number of threads that the device allows in a workgroup.
 override GROUP_SIZE: u32 = 256u;
 
 var<workgroup> records: u32;
-// How many neighbours any of them has, for equal rounds.
+// The largest number of neighbours of any record. All threads use it, so that they run the same number of rounds.
 var<workgroup> most: atomic<u32>;
 var<workgroup> rounds: u32;
 
-// Every thread has as many rounds, for a barrier follows (see run_steps.wgsl).
+// All threads run the same number of rounds, because a barrier follows (see run_steps.wgsl).
 @compute @workgroup_size(GROUP_SIZE)
 fn sweep_at_once(@builtin(local_invocation_index) local: u32) {
     if local == 0u {

@@ -1,5 +1,6 @@
-//! A sweep over the impulses of collisions that share bodies (docs/physics.md section 3.7). Pass m makes sweep m + 1 of [`SWEEPS`]: it
-//! reads the impulses after m sweeps and writes those after one more beside them.
+//! Makes one sweep over the impulses of collisions that share bodies (docs/physics.md section 3.7). Of the
+//! [`SWEEPS`] sweeps, pass m makes sweep m + 1. It reads the impulses after m sweeps and writes those after m + 1 sweeps next
+//! to them.
 //!
 //! [`SWEEPS`]: crate::model::layout::SWEEPS
 
@@ -27,5 +28,5 @@ pub(crate) const STAGE: Stage = Stage {
     cpu: sweep_collisions,
 };
 
-/// Nothing: `apply_collisions` solves them all on the CPU.
+/// Does nothing: on the CPU, `apply_collisions` solves all collisions.
 fn sweep_collisions(_world: &mut World, _pass: u32) {}

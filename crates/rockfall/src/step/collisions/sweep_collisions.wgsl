@@ -10,7 +10,7 @@
 @group(0) @binding(7) var<storage, read_write> collisions: array<vec4u>;
 @group(0) @binding(8) var<storage, read_write> status: StatusAtomic;
 
-// How the velocity of a moving sphere that is no capsule's end has changed.
+// The change of velocity of a sphere that is not the end of a capsule, after this number of sweeps.
 fn change_of(sphere: u32, sweeps: u32) -> vec3f {
     let w = inverse_mass(sphere);
     if w <= 0.0 {
@@ -27,7 +27,7 @@ fn change_of(sphere: u32, sweeps: u32) -> vec3f {
     return w * impulses_on(sphere, sweeps);
 }
 
-// How the velocity of one side of a contact has changed there.
+// The change of velocity of one side of a contact, at the contact, after this number of sweeps.
 fn change_at(half: Half, sweeps: u32) -> vec3f {
     if half.kind == STATIC {
         return vec3f(0.0);
@@ -51,7 +51,7 @@ fn sweep(r: u32) {
     let sweeps = pass_.index;
     var change = change_by_neighbours(r, neighbours_of(r), sweeps);
     let gathered = collisions[row_at(r, 2u)].x & (GATHERED_A | GATHERED_B);
-    // Before the first sweep nothing has changed, and nothing is gathered yet.
+    // Before the first sweep no velocity has changed, and nothing has been gathered.
     if (gathered != 0u) & (sweeps != 0u) {
         let k = record_at(r);
         if (gathered & GATHERED_A) != 0u {

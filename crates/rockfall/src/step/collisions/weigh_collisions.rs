@@ -1,6 +1,9 @@
-//! Collisions, where they are listed: which are lone, how much every other one has to be held back, and which others share a body with it
-//! (docs/physics.md section 3). One that shares none is solved here; the others are left to sweeps, and the step is void where there
-//! are none (`REJECTED_COLLISIONS`).
+//! Prepares the listed collisions for the sweeps (docs/physics.md sections 3.5 to 3.7).
+//!
+//! The stage finds out which collisions are lone. For every other collision it computes the weight, which is the scale of
+//! its impulse in the sweeps, and finds the collisions that share a body with it. A collision that shares no body with
+//! another is solved here. The others are left to the sweeps. If the step was begun without sweeps, it is rejected
+//! (`REJECTED_COLLISIONS`).
 
 use crate::model::buffer::Buffer;
 use crate::model::dispatch::Threads;
@@ -25,5 +28,5 @@ pub(crate) const STAGE: Stage = Stage {
     cpu: weigh_collisions,
 };
 
-/// Nothing: `apply_collisions` solves them all on the CPU.
+/// Does nothing: on the CPU, `apply_collisions` solves all collisions.
 fn weigh_collisions(_world: &mut World, _pass: u32) {}

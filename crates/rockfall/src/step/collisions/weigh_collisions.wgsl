@@ -11,14 +11,14 @@
 @group(0) @binding(6) var<storage, read_write> collisions: array<vec4u>;
 @group(0) @binding(7) var<storage, read_write> status: StatusAtomic;
 
-// Whether an entry in a row is this collision, seen from either side.
+// Whether an entry of a row is collision k, seen from either side.
 fn is_same(k: Record, row: u32, entry: u32) -> bool {
     let id = entry_id(entry);
     let is_pair = ((row == k.a_id) & (id == k.b_id)) | ((row == k.b_id) & (id == k.a_id));
     return is_pair & (entry_feature(entry) == k.feature);
 }
 
-// Whether a contact of a sphere itself with a static object is perpendicular to n.
+// Whether the entry is a contact of the sphere itself with a static object, and its normal is perpendicular to n.
 fn is_across(sphere: u32, entry: u32, n: vec3f) -> bool {
     if entry_id(entry) < step.spheres + step.rods {
         return false;
@@ -26,7 +26,8 @@ fn is_across(sphere: u32, entry: u32, n: vec3f) -> bool {
     return abs(dot(touch(sphere, entry_id(entry), 0u).n, n)) <= PERPENDICULAR;
 }
 
-// What else touches the body of a moving sphere that belongs to no network: the sphere itself and what ends in it, or its capsule.
+// The other pressed contacts of a body of collision k. The body is a moving sphere with the rods that end in it, or the
+// capsule of that sphere. The sphere does not belong to a network.
 fn company_of(k: Record, sphere: u32) -> Company {
     var company = no_company();
     let rods = rods_of(sphere);
@@ -61,15 +62,15 @@ fn add_row(k: Record, sphere: u32, row: u32, is_plain: bool, company: ptr<functi
 }
 
 struct Weight {
-    // Inverse mass times how many collisions share it.
+    // The sum of N times the inverse mass over the bodies of the side (docs/physics.md section 3.7).
     weight: f32,
     is_alone: bool,
     others: u32,
-    // On a network, of which sweeps work out the changes.
+    // Whether a body is a network. The sweeps compute its changes of velocity.
     is_swept: bool,
 }
 
-// That of one end of a side, of which this part of the impulse is its.
+// The weight of one end of a side. `part` is the share of the impulse that the end gets.
 fn weight_of_end(k: Record, sphere: u32, part: f32, of_network: vec2f) -> Weight {
     let w = inverse_mass(sphere);
     if w <= 0.0 {
@@ -82,7 +83,7 @@ fn weight_of_end(k: Record, sphere: u32, part: f32, of_network: vec2f) -> Weight
     return Weight(company.weight * part * part * w, company.is_alone, company.others, false);
 }
 
-// That of a network: what it adds to the weight, and how many collisions touch it.
+// The weight of a network. `of_network` holds what it adds to the weight, and how many collisions touch it.
 fn weight_of_network(of_network: vec2f) -> Weight {
     return Weight(of_network.x, false, u32(max(of_network.y, 1.0)) - 1u, true);
 }
@@ -95,7 +96,7 @@ fn weight_of_side(k: Record, half: Half, of_network: vec4f) -> Weight {
         return weight_of_end(k, half.spheres.x, 1.0, of_network.xy);
     }
     if half.kind == CAPSULE {
-        // All of its rows are those of either end.
+        // Both ends have the same rows, so one end is enough.
         let company = company_of(k, half.spheres.x);
         let inverse_mass = response(half, poise_of(half), k.n).y;
         return Weight(f32(1u + company.others) * inverse_mass, company.is_alone, company.others, false);
@@ -108,7 +109,7 @@ fn weight_of_side(k: Record, half: Half, of_network: vec4f) -> Weight {
     return Weight(one.weight + two.weight, one.is_alone & two.is_alone, one.others + two.others, one.is_swept | two.is_swept);
 }
 
-// A collision whose impulse is known.
+// Stores a collision whose impulse is known.
 fn put_solved(r: u32, solved: Solved, state_: f32) {
     let k = collisions[row_at(r, 1u)];
     let at = bitcast<vec2u>(vec2f(solved.a, solved.b));
@@ -117,14 +118,14 @@ fn put_solved(r: u32, solved: Solved, state_: f32) {
     collisions[row_at(r, 3u)] = bitcast<vec4u>(vec4f(solved.impulse, solved.impulse, 0.0, state_));
 }
 
-// One that is left to sweeps.
+// Stores a collision that is left to the sweeps.
 fn put_swept(r: u32, inverse: f32) {
     collisions[row_at(r, 3u)] = bitcast<vec4u>(vec4f(0.0, 0.0, inverse, SHARED));
     note_cluster();
 }
 
-// What else touches a moving sphere without rods, of which others' collisions are put down with their couplings; `side` is 1 for A, -1 for
-// B.
+// The other pressed contacts of a sphere without rods. Also stores the coupling of each of its collisions with collision k.
+// `side` is 1 for A, -1 for B.
 fn plain_company_with_couplings(k: Record, number: u32, sphere: u32, side: f32) -> Company {
     var company = no_company();
     let own = state[position_at(sphere)];
@@ -178,7 +179,7 @@ fn weigh_plain(r: u32) {
         put_couplings(r, false);
         return;
     }
-    // By itself, as where collisions are not listed.
+    // Solved on its own, in the same way as in a step that does not list its collisions.
     let solved = solve_by_itself(k.a_id, k.b_id, plain_contact(k.a_id, k.b_id), weight, is_lone);
     put_solved(r, solved, select(SINGLE, solved.tau, is_lone));
 }
@@ -195,7 +196,7 @@ fn weigh(r: u32) {
         return;
     }
     let weight = one.weight + two.weight;
-    // What a network cannot give way along gets no impulse.
+    // A contact that rods keep from moving along n gets no impulse (docs/physics.md section 3.4).
     let unprojected = closing_of(a, b, poise_of(a), poise_of(b), k.n).inverse_mass;
     let inverse = select(0.0, 1.0 / weight, weight > RIGID * unprojected);
     let is_only = one.others + two.others == 0u;
@@ -208,7 +209,7 @@ fn weigh(r: u32) {
     }
 }
 
-// Inverse masses below this part of those without rods are rounding.
+// An inverse mass below this fraction of the value before the projection is a rounding error.
 const RIGID: f32 = 1e-6;
 
 @compute @workgroup_size(64)

@@ -1,5 +1,6 @@
-//! How heavy a network of fixed-length rods is for each collision on it (docs/physics.md section 3.6): its inverse mass there, times the
-//! number of collisions on the network. A workgroup works on each network, on one collision after the other.
+//! Computes what a network of fixed-length rods adds to the weight of each collision on it: the projected inverse mass
+//! (docs/physics.md section 3.4) times the number of collisions on the network (docs/physics.md section 3.7). There is one
+//! workgroup per network. It handles one collision after the other.
 
 use crate::model::buffer::Buffer;
 use crate::model::dispatch::Threads;
@@ -26,5 +27,5 @@ pub(crate) const STAGE: Stage = Stage {
     cpu: weigh_networks,
 };
 
-/// Nothing: `apply_collisions` solves them all on the CPU.
+/// Does nothing: on the CPU, `apply_collisions` solves all collisions.
 fn weigh_networks(_world: &mut World, _pass: u32) {}

@@ -11,25 +11,28 @@
 @group(0) @binding(8) var<storage, read_write> wrenches: array<vec4f>;
 @group(0) @binding(9) var<storage, read_write> status: StatusAtomic;
 
-var<workgroup> told: u32;
+var<workgroup> first_word: u32;
 
-// What thread 0 says, for all.
-fn counted_by_first(local: u32, word: u32) -> u32 {
+// Returns the word of thread 0 to all threads.
+fn broadcast_first(local: u32, word: u32) -> u32 {
     workgroupBarrier();
     if local == 0u {
-        told = word;
+        first_word = word;
     }
-    return workgroupUniformLoad(&told);
+    return workgroupUniformLoad(&first_word);
 }
 
-// Where the contacts of a network stand: the rows of its spheres, of its rods, and of the rods of free length at its spheres. What
-// the contacts of a row push is one sphere, or both ends of a rod.
+// A row of a network: a mover whose list holds contacts of the network. The rows are the spheres and rods of the network,
+// and the rods of free length that end in its spheres. `sphere` is the sphere of the network that gets the impulses of the
+// row. It is NONE for the network's own rods and for rods of free length with both ends in the network: their ends share the
+// impulses.
 struct Row {
     id: u32,
     sphere: u32,
 }
 
-// Numbers a network's rows: spheres, then network rods, then free rods sphere by sphere; of id NONE where there is no further one.
+// Returns the row of this number: first the spheres, then the rods of the network, then the rods of free length, sphere by
+// sphere. After the last row the id is NONE.
 fn network_row(network: Network, number: u32) -> Row {
     if number < network.spheres {
         let sphere = network_sphere(network, number);
@@ -44,7 +47,8 @@ fn network_row(network: Network, number: u32) -> Row {
         let rods = rods_of(sphere);
         for (var r = 0u; r < rods.y; r++) {
             let rod = index_of(topology[rods.x + r]);
-            // With both ends in the network it is one side, as the network's own rods are; end 1 names it.
+            // A rod of free length with both ends in the network is one side, like the network's own rods. It is counted at
+            // its end 1.
             let is_both = network_of(other_end(rod, sphere)) == network_of(sphere);
             if !(rod_length(rod) > 0.0) & !(is_both & (rod_ends(rod).y == sphere)) {
                 if left == 0u {
@@ -57,7 +61,7 @@ fn network_row(network: Network, number: u32) -> Row {
     return Row(NONE, NONE);
 }
 
-// Collisions of a row.
+// Number of collisions in the list of a row.
 fn collisions_in(row: u32) -> u32 {
     var found = 0u;
     if has_collisions(row) {
@@ -69,7 +73,7 @@ fn collisions_in(row: u32) -> u32 {
     return found;
 }
 
-// How much of a unit impulse on a row a sphere of the network gets.
+// The share of a unit impulse on a row that a sphere of the network gets.
 fn part_of(row: Row, at: f32, sphere: u32) -> f32 {
     if row.id < step.spheres {
         return select(0.0, 1.0, sphere == row.id);
@@ -81,8 +85,8 @@ fn part_of(row: Row, at: f32, sphere: u32) -> f32 {
     return select(0.0, 1.0 - at, ends.x == sphere) + select(0.0, at, ends.y == sphere);
 }
 
-// Puts a unit impulse of this collision into the position rows, as it pushes what a row stands for, and works out what it makes of the
-// network; gives the inverse mass that it meets.
+// Returns the projected inverse mass of the network for a collision of a row. The unit impulse of the collision goes to the
+// position rows of `next`, and `project` computes the changes of velocity.
 fn inverse_mass_of(network: Network, row: Row, r: u32, local: u32) -> f32 {
     let k = record_at(r);
     let at = select(k.b, k.a, k.a_id == row.id);
@@ -105,7 +109,7 @@ fn inverse_mass_of(network: Network, row: Row, r: u32, local: u32) -> f32 {
     return total_of(local, sum);
 }
 
-// At which of the four ends of a record the weight of this row belongs.
+// The end, of the four ends of a record, that the weight of this row belongs to.
 fn end_of_record(row: Row, r: u32) -> u32 {
     let is_b = record_at(r).a_id != row.id;
     let is_second = (row.sphere != NONE) & (row.id >= step.spheres) && (rod_ends(row.id - step.spheres).y == row.sphere);
@@ -119,7 +123,7 @@ fn weigh_networks(
     @builtin(local_invocation_index) local: u32,
 ) {
     let number = linear_group(group, groups);
-    if counted_by_first(local, u32((number < step.networks) & has_changes())) == 0u {
+    if broadcast_first(local, u32((number < step.networks) & has_changes())) == 0u {
         return;
     }
     let network = network_at(number);
@@ -127,30 +131,31 @@ fn weigh_networks(
     var count = 0u;
     var rows = 0u;
     loop {
-        let row = counted_by_first(local, network_row(network, rows).id);
+        let row = broadcast_first(local, network_row(network, rows).id);
         if row == NONE {
             break;
         }
-        count += counted_by_first(local, collisions_in(row));
+        count += broadcast_first(local, collisions_in(row));
         rows += 1u;
     }
     for (var at = 0u; at < rows; at++) {
         let row = network_row(network, at);
-        if counted_by_first(local, u32(has_collisions(row.id))) == 0u {
+        if broadcast_first(local, u32(has_collisions(row.id))) == 0u {
             continue;
         }
         let first = first_of(row.id);
-        let entries = counted_by_first(local, count_of(row.id));
+        let entries = broadcast_first(local, count_of(row.id));
         for (var e = 0u; e < entries; e++) {
             let slot = slot_at(first, e);
-            if counted_by_first(local, u32((entry_at(slot) & ENTRY_COLLIDES) != 0u)) == 0u {
+            if broadcast_first(local, u32((entry_at(slot) & ENTRY_COLLIDES) != 0u)) == 0u {
                 continue;
             }
-            let r = counted_by_first(local, record_of(slot));
+            let r = broadcast_first(local, record_of(slot));
             let inverse_mass = inverse_mass_of(network, row, r, local);
             if local == 0u {
                 let times = f32(count);
-                collisions[row_at(r, 4u + end_of_record(row, r))] = bitcast<vec4u>(vec4f(times * inverse_mass, times, 0.0, 0.0));
+                let added = vec4f(times * inverse_mass, times, 0.0, 0.0);
+                collisions[row_at(r, 4u + end_of_record(row, r))] = bitcast<vec4u>(added);
             }
         }
     }

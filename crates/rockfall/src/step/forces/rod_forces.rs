@@ -1,7 +1,7 @@
-//! Contact forces on rods, each evaluated once a rod and shared over its two ends (physics.md section 4).
+//! Computes the contact forces on rods and shares them between the two ends of each rod (docs/physics.md section 4).
 //!
-//! In the first pass the contacts of a rod with objects of higher id are counted, and `lengths_due` is cleared (by the
-//! first thread, unless the step is void).
+//! The first pass also counts the contacts of rods with objects of higher id, and clears `lengths_due`. Nothing is done in
+//! a rejected step.
 
 use rayon::prelude::*;
 

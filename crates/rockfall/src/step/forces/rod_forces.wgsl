@@ -7,7 +7,7 @@
 @group(0) @binding(5) var<storage, read_write> wrenches: array<vec4f>;
 @group(0) @binding(6) var<storage, read_write> status: StatusAtomic;
 
-// Force and couple on either end.
+// The force and the torque on each end of a rod, and the counters of its contacts.
 struct Wrench {
     force_1: vec3f,
     couple_1: vec3f,

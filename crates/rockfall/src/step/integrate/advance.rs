@@ -1,9 +1,13 @@
-//! RK4, passes 0 to 2: net force on every sphere, and the next stage state from it (physics.md sections 4, 5).
+//! RK4, passes 0 to 2: computes the net force on every sphere, and from it the next stage state (docs/physics.md sections 4
+//! and 5.1).
 //!
-//! With f the right side at stage state Y(p+1): Y(p+2) = y + c f, c = dt/2, dt/2, dt. Pass 0 counts contacts. A sphere
-//! of which a stage state is outside of its AABB voids the step, in pass 2; one whose next state is not finite gets its
-//! starting position, no velocity and no spin there, and is reported. In pass 2 a sphere that may leave its AABB within the
-//! next step asks for new lists (`rebuild`): its stage state 4 is about where this step will end.
+//! Pass p evaluates the rates f at stage state Y(p+1) and writes Y(p+2) = y + c f, where c is dt/2, dt/2 and dt in passes
+//! 0, 1 and 2. Pass 0 counts contacts. A sphere whose next stage state is not finite gets its starting position, no
+//! velocity and no spin in that state, and is reported.
+//!
+//! Pass 2 rejects the step if a stage state of a sphere is outside its AABB. It requests new lists (`rebuild`) if a sphere
+//! may leave its AABB within the next step. This test uses stage state 4, which is close to the state at the end of the
+//! step.
 
 use rayon::prelude::*;
 
@@ -72,7 +76,8 @@ fn advance(world: &mut World, pass: u32) {
         };
         let next = next.or_stopped(origin.position, BAD[pass as usize], view.user(sphere), tally);
         if pass == 2 {
-            // All four stage states at once, in time for a void step to be nobody's state.
+            // All four stage states are checked here, before the step changes the state. So a rejected step leaves it as it
+            // was.
             let second = origin.position + 0.5 * world.step.dt * origin.velocity;
             let second = if second.is_finite() { second } else { origin.position };
             for position in [origin.position, second, view.position(sphere), next.position] {

@@ -1,13 +1,13 @@
 // requires model/step.wgsl
 
-// The end of a step, for a workgroup of at least COUNTER_BLOCKS threads. All of them must come here.
+// Closes a step, in a workgroup of at least COUNTER_BLOCKS threads. All of them must call `close_step`.
 
 var<workgroup> contacts: atomic<u32>;
 var<workgroup> max_overlap: atomic<u32>;
 var<workgroup> collisions: atomic<u32>;
 
-// Adds up what was told, and takes it back.
-fn sum_told(local: u32) {
+// Adds up the counters of the step and resets them.
+fn sum_counters(local: u32) {
     if local == 0u {
         atomicStore(&contacts, 0u);
         atomicStore(&max_overlap, 0u);
@@ -40,7 +40,7 @@ fn count_step() {
     }
 }
 
-// Notes the first body that stopped being finite, and voids what comes after it unless that is to go on.
+// Records the first body whose state stopped being finite. Rejects the steps after this one unless FLAG_CONTINUE is set.
 fn note_bad_body() {
     let bad_body = atomicLoad(&status.bad_body);
     if bad_body == NO_BODY {
@@ -50,14 +50,14 @@ fn note_bad_body() {
         status.first_bad = bad_body;
         status.bad_step = status.steps;
     }
-    // Asked together for the reason in objects.wgsl.
+    // The first condition holds here. It is tested again for the reason given in `adjacency` (objects.wgsl).
     if (bad_body != NO_BODY) & ((step.flags & FLAG_CONTINUE) == 0u) {
         atomicOr(&status.rejected, REJECTED_NON_FINITE);
     }
 }
 
 fn close_step(local: u32) {
-    sum_told(local);
+    sum_counters(local);
     if (local != 0u) | (atomicLoad(&status.rejected) != 0u) {
         return;
     }

@@ -1,4 +1,5 @@
-//! After symplectic Euler, in scenes without rods: `commit_symplectic_euler`, then every sphere turns by its new spin (exponential map).
+//! Completes symplectic Euler in scenes without rods: does what `commit_symplectic_euler` does, then rotates every sphere
+//! by its new spin (exponential map, docs/physics.md section 5.3).
 
 use glam::Vec4;
 use rayon::prelude::*;

@@ -1,5 +1,5 @@
-//! After symplectic Euler: `Y2` becomes the state, in scenes with rods; in others `commit_and_turn` does it. Does nothing in a
-//! void step. A sphere that may leave its AABB within the next step asks for new lists (`rebuild`).
+//! Copies `Y2` to the state after symplectic Euler, in scenes with rods. In other scenes `commit_and_turn` does it.
+//! Requests new lists (`rebuild`) if a sphere may leave its AABB within the next step. Does nothing in a rejected step.
 
 use crate::model::buffer::Buffer;
 use crate::model::dispatch::Threads;

@@ -1,7 +1,9 @@
-//! Fixed lengths after the integration: SHAKE along the old directions, then RATTLE (docs/physics.md section 5.4).
+//! Corrects the lengths of fixed-length rods after the integration: SHAKE along the old directions, then RATTLE
+//! (docs/physics.md section 5.4).
 //!
-//! A batch is one connected frame of fixed-length rods (or many small ones); its rods are coloured so that those of one
-//! colour share no sphere. Swept colour by colour until every length is within 1e-5, or its error is rounding, at most 400 times.
+//! A batch is one connected frame of fixed-length rods, or many small frames. Its rods are coloured so that rods of one
+//! colour share no moving sphere. A sweep goes through the batch colour by colour. Sweeps end when every relative error is
+//! at most 1e-5 or is a rounding error. There are at most 400 sweeps.
 
 use crate::model::buffer::Buffer;
 use crate::model::dispatch::Threads;

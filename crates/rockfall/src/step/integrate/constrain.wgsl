@@ -5,9 +5,9 @@
 @group(0) @binding(4) var<storage, read> topology: array<u32>;
 @group(0) @binding(5) var<storage, read> status: Status;
 
-// Corrects a length along the old direction, in positions and velocities (SHAKE); gives the relative error there was.
-// With x1 + g w1 d_old and x2 - g w2 d_old the new distance is d - g W d_old; its square is to be l²:
-// A g² - 2 B g + C = 0, of which the smaller root is the right one.
+// Corrects the length of a rod along its old direction, in positions and velocities (SHAKE). Returns the relative error
+// before the correction. The ends move to x1 + g w1 d_old and x2 - g w2 d_old, so with W = w1 + w2 their new difference is
+// d - g W d_old. Its square must be l², which gives A g² - 2 B g + C = 0. The smaller root is the right one.
 fn shake(rod: u32) -> f32 {
     let ends = rod_ends(rod);
     let w1 = inverse_mass(ends.x);
@@ -26,7 +26,7 @@ fn shake(rod: u32) -> f32 {
     let c = dot(d, d) - target_length * target_length;
     let discriminant = b * b - a * c;
     if !((discriminant >= 0.0) & (b > 0.0)) {
-        // Turned too far in one step.
+        // The rod has turned too far in one step.
         return restore_length(rod);
     }
     let correction = old * (c / (b + sqrt(discriminant)));
@@ -38,8 +38,8 @@ fn shake(rod: u32) -> f32 {
     return but_rounding(length(d) - target_length, one, two) / target_length;
 }
 
-// Sets the closing velocity along the rod to 0 (RATTLE); gives the length it would have closed in a step, relative.
-// The surface velocity of a fixed end moves no rod.
+// Sets the relative velocity of the ends along the rod to 0 (RATTLE). Returns the relative change of length that it would
+// have caused in a step. The surface velocity of a fixed end counts as 0.
 fn rattle(rod: u32) -> f32 {
     let ends = rod_ends(rod);
     let v1 = state[velocity_at(ends.x)];
@@ -75,7 +75,7 @@ fn constrain(
     }
     let batch = batch_at(index);
     start_sweeps(local);
-    // Positions until they are right, then velocities until they are.
+    // Stage 0 sweeps the positions until they have converged, stage 1 the velocities.
     for (var stage = 0u; stage < 2u; stage++) {
         for (var sweeps = 1u; ; sweeps++) {
             var error = 0.0;

@@ -1,5 +1,6 @@
-//! Closes the step: counters move to `last_*` and the totals, `collided` is cleared, and a body that stopped being finite
-//! voids the steps after this one unless `FLAG_CONTINUE` is set. Does nothing in a void step.
+//! Closes the step. Moves the counters to the `last_*` fields, adds them to the totals, and clears `collided`. If the state
+//! of a body stopped being finite, the steps after this one are rejected unless `FLAG_CONTINUE` is set. Does nothing in a
+//! rejected step.
 
 use crate::model::buffer::Buffer;
 use crate::model::dispatch::Threads;
@@ -25,13 +26,13 @@ fn end_step(world: &mut World, _pass: u32) {
         return;
     }
     status.steps += 1;
-    let told = status.total_counters();
+    let counters = status.total_counters();
     status.counters.fill(Counters::default());
     status.collides = 0;
     status.listed = 0;
     status.clustered_steps += std::mem::take(&mut status.clustered);
     (status.last_contacts, status.last_max_overlap, status.last_collisions) =
-        (told.contacts, told.max_overlap, told.collisions);
+        (counters.contacts, counters.max_overlap, counters.collisions);
     let (low, carry) = status.total_collisions_low.overflowing_add(status.last_collisions);
     status.total_collisions_low = low;
     status.total_collisions_high += u32::from(carry);

@@ -1,8 +1,10 @@
-//! RK4, pass 3: the last force evaluation and the new state, without a running sum:
-//! y + [(Y2 - y) + 2 (Y3 - y) + (Y4 - y)] / 3 + dt/6 f(Y4).
+//! RK4, pass 3: the last force evaluation and the new state (docs/physics.md section 5.1).
 //!
-//! Leaves the old position in region 0 of `Y3` and the mean spin (w1 + 2 w2 + 2 w3 + w4) / 6 in its region 2, for `constrain`
-//! and `turn`; where there are no rods, and so neither of them, `finish_and_turn` does it all.
+//! `y' = y + [(Y2 - y) + 2 (Y3 - y) + (Y4 - y)] / 3 + dt/6 f(Y4)`. The stage states contain the earlier rates, so no running
+//! sum of them is needed.
+//!
+//! The stage leaves the old position in region 0 of `Y3` and the mean spin (w1 + 2 w2 + 2 w3 + w4) / 6 in region 2, for
+//! `constrain` and `turn`. In scenes without rods these two stages do not run, and `finish_and_turn` replaces this one.
 
 use glam::{Vec3, Vec4};
 use rayon::prelude::*;
@@ -48,26 +50,26 @@ fn finish(world: &mut World, _pass: u32) {
     let step = &world.step;
     Rows::of(&mut world.states[2], step.spheres).for_each(|mut memory| {
         for sphere in memory.spheres() {
-            let Done { old_position, spin } = done[sphere as usize];
+            let Finished { old_position, spin } = done[sphere as usize];
             memory.remember(sphere, old_position, spin);
         }
     });
 }
 
-/// What the rest of a step needs to know of a sphere.
+/// Data of a sphere for the later stages of the step.
 #[derive(Clone, Copy, Default)]
-pub(super) struct Done {
+pub(super) struct Finished {
     old_position: Vec3,
-    /// The mean over the step, in rad/s.
+    /// The mean spin over the step, in rad/s.
     pub(super) spin: Vec3,
 }
 
-/// Makes the new state of all spheres.
-pub(super) fn finish_all(world: &mut World) -> Vec<Done> {
+/// Computes the new state of all spheres.
+pub(super) fn finish_all(world: &mut World) -> Vec<Finished> {
     let [start, y2, y3, y4] = &mut world.states;
     let views = [&*y2, y3, y4].map(|state| View::new(&world.step, &world.topology, state));
     let lists = Lists::new(&world.step, &world.lists);
-    let mut all = vec![Done::default(); world.step.spheres as usize];
+    let mut all = vec![Finished::default(); world.step.spheres as usize];
     let tally = Rows::of(start, world.step.spheres)
         .zip(all.par_chunks_mut(SLICE as usize))
         .map(|(mut rows, all)| {
@@ -76,7 +78,7 @@ pub(super) fn finish_all(world: &mut World) -> Vec<Done> {
                 let start = rows.get(sphere);
                 let (motion, spin) = finished(start, &views, &lists, &world.wrenches, sphere, &mut tally);
                 rows.set(&views[2], sphere, motion);
-                *done = Done { old_position: start.position, spin };
+                *done = Finished { old_position: start.position, spin };
             }
             tally
         })
@@ -95,9 +97,10 @@ fn finished(y: Motion, views: &[View; 3], lists: &Lists, wrenches: &[Vec4], sphe
     }
     let spin = (w1 + 2.0 * w2 + 2.0 * w3 + w4) / 6.0;
     let Rates { acceleration, torque } = sphere_rates(last, lists, wrenches, sphere, None);
-    let h = last.step.dt / 6.0;
-    // y' = y + [(Y2 - y) + 2 (Y3 - y) + (Y4 - y)] / 3 + h/6 k4: the stage states hold k1, k2, k3.
-    let mean = |y: Vec3, y2: Vec3, y3: Vec3, y4: Vec3, k4: Vec3| y + ((y2 - y) + 2.0 * (y3 - y) + (y4 - y)) / 3.0 + h * k4;
+    let sixth_step = last.step.dt / 6.0;
+    // y' = y + [(Y2 - y) + 2 (Y3 - y) + (Y4 - y)] / 3 + dt/6 k4. The stage states hold k1, k2 and k3.
+    let mean =
+        |y: Vec3, y2: Vec3, y3: Vec3, y4: Vec3, k4: Vec3| y + ((y2 - y) + 2.0 * (y3 - y) + (y4 - y)) / 3.0 + sixth_step * k4;
     let motion = Motion {
         position: mean(y.position, y2.position, y3.position, y4.position, y4.velocity),
         velocity: mean(y.velocity, y2.velocity, y3.velocity, y4.velocity, acceleration),

@@ -1,5 +1,5 @@
-//! RK4, pass 3, and the orientations, in scenes without rods: `finish`, then every sphere turns by its mean spin
-//! (exponential map). One pass over memory less than two stages.
+//! RK4, pass 3, and the orientations, in scenes without rods: does what `finish` does, then rotates every sphere by its
+//! mean spin (exponential map, docs/physics.md section 5.3). Compared with two stages, this saves a pass over memory.
 
 use rayon::prelude::*;
 

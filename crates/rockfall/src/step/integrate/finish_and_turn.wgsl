@@ -10,7 +10,7 @@
 @group(0) @binding(8) var<storage, read_write> orientations: array<vec4f>;
 @group(0) @binding(9) var<storage, read_write> status: StatusAtomic;
 
-// There are no rods here.
+// Does nothing: scenes with rods do not use this stage.
 fn add_wrench(i: u32, rod: u32, net: ptr<function, Net>) {}
 
 @compute @workgroup_size(64)

@@ -1,20 +1,21 @@
 // requires model/counters.wgsl model/step.wgsl physics/forces/net_force.wgsl physics/forces/sphere_rates.wgsl
 
-// The new value of three components of a sphere in a region of the state, given the slope at Y4.
+// The new value of a vector of a sphere: position, velocity or angular momentum, by region. `slope` is its rate of change
+// at Y4.
 fn finished(region: u32, i: u32, slope: vec3f) -> vec3f {
     let y = start_row(region, i).xyz;
     let sum = (y2_row(region, i).xyz - y) + 2.0 * (y3_row(region, i).xyz - y) + (y4_row(region, i).xyz - y);
     return y + sum / 3.0 + (step.dt / 6.0) * slope;
 }
 
-// What the rest of the step needs to know of a sphere.
+// Data of a sphere for the later stages of the step.
 struct Finished {
     old_position: vec3f,
-    // The mean over the step.
+    // The mean spin over the step.
     spin: vec3f,
 }
 
-// The new state of a sphere from all four evaluations, the last of which is given.
+// Writes the new state of a sphere, from the stage states and the last force evaluation.
 fn finish_sphere(i: u32, net: Net) -> Finished {
     let old_position = start_row(0u, i);
     let old_velocity = start_row(1u, i);

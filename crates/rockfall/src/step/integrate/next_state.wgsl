@@ -1,15 +1,16 @@
 // requires model/counters.wgsl model/step.wgsl physics/forces/net_force.wgsl physics/forces/sphere_rates.wgsl
 // requires physics/margin.wgsl
 
-// The next stage state of a sphere, from the forces on it in the one that is evaluated.
+// The next stage state of a sphere, from the forces on it in the evaluated stage state.
 
-// All four stage states are looked at once, in time for a void step to be nobody's state: AABBs are read once.
+// Checks all four stage states at once, so that AABBs are read only once. The step has not changed the state yet, so a
+// rejected step leaves it as it was.
 fn check_escapes(i: u32, start: vec4f, velocity: vec3f, last: vec3f) {
     let aabb = aabbs[i];
     let second = start.xyz + 0.5 * step.dt * velocity;
     var ratio = max(escape_ratio(start.xyz, start.w, aabb), escape_ratio(last, start.w, aabb));
     ratio = max(ratio, escape_ratio(state[position_at(i)].xyz, start.w, aabb));
-    // One that was not finite was put back to the start.
+    // If stage state 2 was not finite, pass 0 has replaced it by the starting position.
     if finite(second) {
         ratio = max(ratio, escape_ratio(second, start.w, aabb));
     }
@@ -34,7 +35,8 @@ fn write_next(i: u32, net: Net) {
         }
         if evaluation() == 2u {
             check_escapes(i, old_position, old_velocity.xyz, after.position);
-            // Stage state 4 is about where the step will end, which is good enough: whoever leaves unannounced voids a step.
+            // Stage state 4 is close to the state at the end of the step. This is accurate enough: if a sphere leaves its
+            // AABB without a request, the step is rejected.
             ask_for_lists(i, vec4f(after.position, old_position.w), vec4f(after.velocity, old_velocity.w));
         }
     }

@@ -1,7 +1,7 @@
-//! Removes the errors of rod lengths that were there before the integration, in positions only (docs/physics.md section 5.4).
+//! Removes errors of rod lengths from before the integration, in positions only (docs/physics.md section 5.4).
 //!
-//! Runs where `lengths_due` is set; the first pass of `rod_forces` clears it, so that a step that is run again does not
-//! repeat it.
+//! Runs when `lengths_due` is set. The first pass of `rod_forces` clears it, so the correction is not made again when the
+//! step is repeated.
 
 use crate::model::buffer::Buffer;
 use crate::model::dispatch::Threads;

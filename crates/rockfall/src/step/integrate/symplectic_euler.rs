@@ -1,6 +1,7 @@
-//! Symplectic Euler: v += dt a(x, v), L += dt T, x += dt v, the new state to `Y2`.
+//! Symplectic Euler: v += dt a(x, v), L += dt T, x += dt v (docs/physics.md section 5.2). The new state goes to `Y2`.
 //!
-//! With rods, leaves the old position in region 0 of `Y3` and the new spin in its region 2. Counts, voids and reports as `advance` does.
+//! In scenes with rods the stage leaves the old position in region 0 of `Y3` and the new spin in region 2. Like `advance`,
+//! it counts contacts, rejects the step if a sphere is outside its AABB, and reports spheres whose state is not finite.
 
 use rayon::prelude::*;
 

@@ -15,7 +15,7 @@ fn put_next(region: u32, i: u32, row: vec4f) {
     next[region * step.spheres + i] = row;
 }
 
-// What the rest of a step with rods needs to know of a sphere.
+// Keeps data of a sphere for the later stages of a step with rods.
 fn remember(i: u32, old_position: vec3f, spin: vec3f) {
     y3[position_at(i)] = vec4f(old_position, 0.0);
     y3[momentum_at(i)] = vec4f(spin, 0.0);

@@ -1,18 +1,24 @@
-//! Orientations, and the spin of capsules (docs/physics.md sections 5.3 and 5.5, E18).
+//! Updates the orientations, and the spins of capsules (docs/physics.md sections 5.3 and 5.5, E18).
 //!
-//! In scenes with rods; in others `finish_and_turn` or `commit_and_turn` has done it.
-//! A sphere turns by its mean spin (exponential map). The first end of a capsule does both ends: common roll about
-//! the axis, both turn with the axis, and what is left of their angular momentum returns as momentum of the ends.
+//! The stage runs in scenes with rods. In others `finish_and_turn` or `commit_and_turn` updates the orientations.
 //!
-//! That momentum p goes over all through the step, and by its end has moved the axis as well: by h/2 times the change
-//! p / mu of the velocity of one end against the other (mu their reduced mass). Roll and turning are then those of the
-//! capsule's angular momentum T about its centre of mass along and across the moved axis a, so that T is kept whatever a is.
+//! A sphere is rotated by its mean spin (exponential map). The first end of a capsule handles both ends. They get a common
+//! roll about the axis, and both turn with the axis. The rest of their angular momentum across the axis becomes momentum of
+//! the ends.
 //!
-//! Why a must be moved: the ends alone fly along a great circle, a free top's axis goes round T on a small one. With
-//! J = T.a, w the spin across, I the moment of inertia across, a step of the ends leaves J sqrt(1 - h^2 w^2), less by
-//! J h^2 w^2 / 2; p / mu is h w J/I along T across a, and the shift gives J h^2 w^2 / 2 back. What remains is a loss of
-//! J h^4 w^2 |T/I|^2 / 8 a step, never a gain, as sqrt(1 - x) + x/2 <= 1: the kinetic energy, which falls as J does (an axis is
-//! easier to turn about than across), does not grow, and the spin about the axis decays as h^3, not as h.
+//! That momentum p is transferred gradually during the step. It changes the relative velocity of the ends by p / mu, where
+//! mu is their reduced mass. By the end of the step, of length h, it has moved the axis by h/2 times that change. Roll and
+//! turn are the angular velocities along and across the moved axis a. They follow from the angular momentum Q of the capsule
+//! about its centre of mass: its part along a and its part across a are divided by the moments of inertia. So Q is conserved
+//! whatever a is.
+//!
+//! The axis must be moved for this reason: the axis of a free top moves about Q on a small circle, but without the shift
+//! the ends would move along a great circle. Let A = Q.a, let w be the angular velocity across the axis, and I the moment
+//! of inertia across. A step of the ends along the great circle leaves A sqrt(1 - h^2 w^2) of A, which is less by about
+//! A h^2 w^2 / 2. The velocity p / mu is h w A/I along the part of Q across a, so the shift gives A h^2 w^2 / 2 back. What
+//! remains is a loss of A h^4 w^2 |Q/I|^2 / 8 per step. It is never a gain, because sqrt(1 - x) + x/2 <= 1. The kinetic
+//! energy falls with A, because the moment of inertia about the axis is smaller than that across. So the energy does not
+//! grow, and the spin about the axis decays as h^3, not as h.
 
 use glam::{Quat, Vec3, Vec4};
 
@@ -48,7 +54,7 @@ fn turn(world: &mut World, _pass: u32) {
     for sphere in 0..step.spheres {
         let view = View::new(step, topology, state);
         match view.capsule_of(sphere).map(|rod| view.rod(rod).ends) {
-            // The first end turns both.
+            // The first end handles both.
             Some(ends) if ends[0] == sphere => {
                 let old = memory[ends[1] as usize].truncate() - memory[ends[0] as usize].truncate();
                 let capsule = turned_capsule(&view, ends, old);
@@ -69,12 +75,12 @@ fn turn(world: &mut World, _pass: u32) {
     }
 }
 
-/// Turns an orientation by a spin, in rad/s, for a time, in s.
+/// Rotates an orientation by a spin, in rad/s, for a time, in s.
 pub(super) fn turn_for(orientation: &mut Vec4, spin: Vec3, time: f32) {
     turn_by(orientation, Quat::from_scaled_axis(spin * time));
 }
 
-/// An angle beyond all numbers turns nothing, no angle leaves everything as it is.
+/// Rotates an orientation. A rotation by the angle 0, or one whose result is not finite, leaves it unchanged.
 fn turn_by(orientation: &mut Vec4, rotation: Quat) {
     if rotation.xyz() == Vec3::ZERO {
         return;
@@ -85,7 +91,7 @@ fn turn_by(orientation: &mut Vec4, rotation: Quat) {
     }
 }
 
-/// What becomes of a capsule; one value an end.
+/// The new state of a capsule. Arrays hold one value per end.
 struct Capsule {
     positions: [Vec3; 2],
     velocities: [Vec3; 2],
@@ -94,7 +100,7 @@ struct Capsule {
 }
 
 impl Capsule {
-    /// Where one spin for both ends is beyond all numbers, each end keeps its own.
+    /// Whether the new state is finite. If it is not, each end keeps its own spin.
     fn is_finite(&self) -> bool {
         let Self { positions, velocities, angular_momenta, .. } = self;
         [positions, velocities, angular_momenta].into_iter().flatten().all(|vector| vector.is_finite())
@@ -114,14 +120,16 @@ fn turned_capsule(view: &View, ends: [u32; 2], d_old: Vec3) -> Capsule {
     let orbital = reduced_mass * d.cross(velocity);
     let whole = spins + orbital;
 
-    // Across the axis both ends turn with it, at the spin of the whole body about its centre of mass (E18).
-    let left = spins.reject_from_normalized(axis) - own_inertia * whole.reject_from_normalized(axis) / whole_inertia;
-    let shift = 0.5 * view.step.dt * left.cross(d) / (reduced_mass * d.length_squared());
+    // Across the axis both ends get the angular velocity of the rigid body about its centre of mass (E18). The rest of their
+    // angular momentum across the axis becomes momentum of the ends.
+    let excess = spins.reject_from_normalized(axis) - own_inertia * whole.reject_from_normalized(axis) / whole_inertia;
+    let shift = 0.5 * view.step.dt * excess.cross(d) / (reduced_mass * d.length_squared());
     let moved = (d + shift) * (d.length() / (d + shift).length());
     let moved_axis = moved / d.length();
 
-    // Roll and turning times the moved axis by its square: so rounding of its length does not add up over the steps. The ends'
-    // orbit has no part along d: it is left out of the sum, for it may be large beside the spins.
+    // Roll and turn are computed from the moved vector and its square, not from a unit vector, so that rounding errors of
+    // its length do not add up over the steps. The orbital angular momentum has no part along d, and may be much larger
+    // than the spins, so it is multiplied by the change of d only.
     let square = moved.length_squared();
     let axial = (spins.dot(moved) + orbital.dot(moved - d)) / square * moved;
     let roll = axial / own_inertia;
@@ -140,12 +148,12 @@ fn turned_capsule(view: &View, ends: [u32; 2], d_old: Vec3) -> Capsule {
     }
 }
 
-/// The shortest rotation that takes one unit vector to another. glam's own takes small angles for none, and a capsule
-/// turns by a small angle every step.
+/// Returns the shortest rotation from one unit vector to another. `Quat::from_rotation_arc` treats a small angle as 0, but
+/// a capsule turns by a small angle every step.
 fn shortest_arc(from: Vec3, to: Vec3) -> Quat {
     let real = 1.0 + from.dot(to);
     if real < 1e-6 {
-        // Opposite: about any perpendicular axis.
+        // The vectors are opposite. Any perpendicular axis will do.
         return Quat::from_rotation_arc(from, to);
     }
     Quat::from_vec4(from.cross(to).extend(real)).normalize()

@@ -6,7 +6,7 @@
 @group(0) @binding(5) var<storage, read> topology: array<u32>;
 @group(0) @binding(6) var<storage, read> status: Status;
 
-// The shortest rotation of one unit vector to another; of opposite ones about any axis across them.
+// The shortest rotation from one unit vector to another. For opposite vectors, the axis is any perpendicular one.
 fn shortest_rotation(old: vec3f, new_: vec3f) -> vec4f {
     let w = 1.0 + dot(old, new_);
     if w > 1e-6 {
@@ -16,7 +16,8 @@ fn shortest_rotation(old: vec3f, new_: vec3f) -> vec4f {
     return vec4f(normalize(cross(old, across)), 0.0);
 }
 
-// The rod of the free capsule that a sphere is an end of: a fixed rod, the only one of both ends, neither of them fixed.
+// The rod of the rigid capsule that has the sphere as an end, or NONE. The rod has a fixed length and is the only rod of
+// both ends. Neither end is fixed, and the ends do not coincide.
 fn free_capsule(sphere: u32) -> u32 {
     let rod = capsule_rod(sphere);
     if rod == NONE {
@@ -33,9 +34,10 @@ fn free_capsule(sphere: u32) -> u32 {
     return select(NONE, rod, dot(d, d) > TINY);
 }
 
-// E18: one spin for both ends; across the axis it is that of the capsule as a whole, and what is left of the ends' angular
-// momentum there returns as momentum of the ends. It does so all through the step: half of the change of velocity moves
-// the axis, and the spin is taken about the axis where it comes to be.
+// Gives both ends of a capsule a common spin (docs/physics.md section 5.5, E18). Across the axis it is the angular velocity
+// of the rigid body. The rest of the ends' angular momentum across the axis becomes momentum of the ends. This happens
+// gradually during the step, so the axis moves by half the time step times the change of velocity. The spin refers to the
+// moved axis.
 fn turn_capsule(ends: vec2u) {
     let x1 = state[position_at(ends.x)];
     let x2 = state[position_at(ends.y)];
@@ -53,15 +55,16 @@ fn turn_capsule(ends: vec2u) {
 
     let spins = l1.xyz + l2.xyz;
     let orbit = mass * cross(d, v);
-    // Of the end 2 against the end 1, as it should move about the axis, and as it should move along it.
+    // v is the velocity of end 2 relative to end 1. Its part along the axis, `opening` times d, stays. `change` leads from
+    // v to the velocity that the rigid body requires.
     let opening = dot(v, d) / dd;
     let change = cross(spins + orbit, d) / across + opening * d - v;
     let there = d + 0.5 * step.dt * (change - (dot(change, d) / dd) * d);
     let new_d = there * sqrt(dd / dot(there, there));
     let square = dot(new_d, new_d);
 
-    // The orbit stands across d, so that of the new direction only what has moved counts. Dividing by the square keeps
-    // rounding of a unit vector's length out of the spin.
+    // The orbital angular momentum is perpendicular to d, so only the difference between the new direction and d counts for
+    // it. Division by the square keeps rounding errors of a unit vector's length out of the spin.
     let roll = (dot(spins, new_d) + dot(orbit, new_d - d)) / (along * square);
     let spin_across = (spins + orbit - (dot(spins + orbit, new_d) / square) * new_d) / across;
     let spin = roll * new_d + spin_across;
@@ -70,7 +73,7 @@ fn turn_capsule(ends: vec2u) {
     let new_x2 = x2.xyz + (v2.w * mass) * (new_d - d);
     let new_v1 = v1.xyz - (v1.w * mass) * (new_v - v);
     let new_v2 = v2.xyz + (v2.w * mass) * (new_v - v);
-    // Where one spin for both ends is beyond all numbers, each end keeps its own.
+    // If a result is not finite, each end keeps its own spin.
     let places = finite(new_x1) & finite(new_x2) & finite(new_v1) & finite(new_v2);
     if places & finite(inertia.x * spin) & finite(inertia.y * spin) {
         state[position_at(ends.x)] = vec4f(new_x1, x1.w);
