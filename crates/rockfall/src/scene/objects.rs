@@ -37,7 +37,7 @@ pub struct Sphere {
     pub fixed: bool,
     /// External force in mass units/s². It acts until it is changed.
     pub force: Vec3,
-    /// Objects of different groups never meet.
+    /// Collision group. Objects of different groups never touch.
     pub group: u16,
 }
 
@@ -148,7 +148,7 @@ pub struct Rod {
     pub radius: f32,
     /// The length that the rod is held at, in units; `None` for a free length.
     pub length: Option<f32>,
-    /// Objects of different groups never meet.
+    /// Collision group. Objects of different groups never touch.
     pub group: u16,
 }
 
@@ -195,7 +195,7 @@ pub struct Capsule {
     pub mass: f32,
     /// Radius in units, greater than 0.
     pub radius: f32,
-    /// Objects of different groups never meet.
+    /// Collision group. Objects of different groups never touch.
     pub group: u16,
 }
 

@@ -18,7 +18,7 @@ pub struct Cuboid {
     pub corner: Vec3,
     /// The edges I, J, K from that corner, in units.
     pub edges: [Vec3; 3],
-    /// Objects of different groups never meet.
+    /// Collision group. Objects of different groups never touch.
     pub group: u16,
 }
 
@@ -69,7 +69,7 @@ pub struct Polygon {
     pub left: Vec3,
     /// Edge R from that corner, in units.
     pub right: Vec3,
-    /// Objects of different groups never meet.
+    /// Collision group. Objects of different groups never touch.
     pub group: u16,
 }
 

@@ -136,7 +136,7 @@ impl Reader {
                 Ok(())
             }
             word if word.starts_with('@') => {
-                self.comment(number, "known are @group, @orientation, @force and @capsule");
+                self.comment(number, "the known words are @group, @orientation, @force and @capsule");
                 Ok(())
             }
             _ => Ok(()),

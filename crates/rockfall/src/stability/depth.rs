@@ -96,7 +96,7 @@ impl Scene {
         Some(Sinking { overlap, radius, contact_force, contact_damping, largest_dt: steps.rest })
     }
 
-    /// The largest l G / r of all moving spheres and rods, where l is the mass that the body carries over its own mass.
+    /// The largest l G / r of all moving spheres and rods, where l is the mass that the body carries divided by its own mass.
     fn heaviest_load(&self) -> f64 {
         let gravity = f64::from(self.settings.gravity.abs());
         let movers = || self.spheres().iter().filter(|sphere| !sphere.fixed);

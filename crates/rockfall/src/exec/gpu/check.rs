@@ -27,11 +27,11 @@ fn check_dispatches(world: &World) -> Result<()> {
     let all = sizes(&world.step);
     let is_known = |words: &[u32]| words.iter().zip(&all).all(|(word, known)| word == known || *word == 0);
     let halves = world.sizes.chunks_exact(all.len());
-    ensure(world.sizes.len() == 2 * all.len() && halves.into_iter().all(is_known), "sizes of dispatches")
+    ensure(world.sizes.len() == 2 * all.len() && halves.into_iter().all(is_known), "the dispatch sizes")
 }
 
 fn wrong(what: &str) -> Error {
-    Error::Device(format!("the world is not well formed: {what}"))
+    Error::Device(format!("the world holds invalid data: {what}"))
 }
 
 fn ensure(right: bool, what: &str) -> Result<()> {
@@ -59,7 +59,7 @@ fn check_topology(world: &World) -> Result<()> {
         check_adjacency(world)?;
     }
     if step.rods > 0 {
-        ensure(step.adjacency_at != 0 && step.ends_at != 0, "where ends and adjacency stand")?;
+        ensure(step.adjacency_at != 0 && step.ends_at != 0, "the offsets of ends and adjacency")?;
         for end in slice(world, step.ends_at, u64::from(step.spheres), "ends")? {
             ensure(*end < step.rods || [NO_ROD, SOME_RODS].contains(end), "an end")?;
         }
@@ -67,7 +67,7 @@ fn check_topology(world: &World) -> Result<()> {
     }
     ensure(step.rods > 0 || step.networks == 0, "the number of networks")?;
     // Kernels for scenes with long lists read the collision records.
-    ensure(step.sweeps != SWEEPS_OFF || !step.has_long_lists(), "how collisions are solved")?;
+    ensure(step.sweeps != SWEEPS_OFF || !step.has_long_lists(), "the method that solves collisions")?;
     check_batches(world)
 }
 

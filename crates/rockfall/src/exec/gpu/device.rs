@@ -76,13 +76,13 @@ fn preference(info: &wgpu::AdapterInfo) -> (u32, u32) {
 }
 
 /// Describes the first limit that is too low for the kernels, or returns `None`.
-fn lacks(limits: &wgpu::Limits) -> Option<String> {
+fn too_low_limit(limits: &wgpu::Limits) -> Option<String> {
     let low = NEEDED.into_iter().find(|((_, limit), needed)| limit(limits) < *needed);
     low.map(|((name, limit), needed)| format!("{name} is {}, rockfall needs {needed}", limit(limits)))
 }
 
 /// The reason why an adapter cannot be used, or `None`.
-fn unable(adapter: &wgpu::Adapter, allow_software: bool) -> Option<String> {
+fn reason_unusable(adapter: &wgpu::Adapter, allow_software: bool) -> Option<String> {
     let info = adapter.get_info();
     let computes = adapter.get_downlevel_capabilities().flags.contains(wgpu::DownlevelFlags::COMPUTE_SHADERS);
     let why = if !computes {
@@ -90,7 +90,7 @@ fn unable(adapter: &wgpu::Adapter, allow_software: bool) -> Option<String> {
     } else if !allow_software && info.device_type == wgpu::DeviceType::Cpu {
         Some("it is a software adapter".to_owned())
     } else {
-        lacks(&adapter.limits())
+        too_low_limit(&adapter.limits())
     };
     why.map(|why| format!("{} ({}): {why}", info.name, info.backend))
 }
@@ -105,7 +105,7 @@ impl Gpu {
         let mut candidates = instance().enumerate_adapters(apis()).await;
         let mut reasons = Vec::new();
         candidates.retain(|adapter| {
-            let reason = unable(adapter, allow_software);
+            let reason = reason_unusable(adapter, allow_software);
             reasons.extend(reason.clone());
             reason.is_none()
         });
@@ -195,7 +195,7 @@ impl Gpu {
     /// [`Error::Device`] when the device, which may be the caller's, was opened with limits that are too low.
     /// Checks that the limits of the device are high enough for the kernels.
     pub(crate) fn check_limits(&self) -> Result<()> {
-        match lacks(&self.device().limits()) {
+        match too_low_limit(&self.device().limits()) {
             None => Ok(()),
             Some(low) => Err(Error::Device(format!(
                 "the limits of the device are too low: {low}; open it with `wgpu::Limits::default()` or the adapter's \
@@ -234,11 +234,11 @@ mod tests {
 
     #[test]
     fn limits_that_are_too_low_are_named() {
-        assert_eq!(lacks(&wgpu::Limits::default()), None);
+        assert_eq!(too_low_limit(&wgpu::Limits::default()), None);
         let limits = wgpu::Limits { max_storage_buffers_per_shader_stage: 4, ..Default::default() };
-        let message = lacks(&limits).unwrap();
+        let message = too_low_limit(&limits).unwrap();
         assert_eq!(message, "max_storage_buffers_per_shader_stage is 4, rockfall needs 8");
         let limits = wgpu::Limits { max_compute_workgroup_size_x: 0, ..Default::default() };
-        assert!(lacks(&limits).is_some());
+        assert!(too_low_limit(&limits).is_some());
     }
 }

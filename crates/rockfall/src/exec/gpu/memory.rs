@@ -28,7 +28,7 @@ pub(crate) fn bytes_needed(world: &World, buffer: Buffer) -> u64 {
         Buffer::Lists => 4 * world.list_words(),
         Buffer::CollisionIndices => 4 * world.slot_words(),
         Buffer::Collisions => 4 * u64::from(COLLISION_WORDS) * u64::from(step.collision_room),
-        // Rows are read four at a time.
+        // Rows are read four at a time, so there is room for three more.
         Buffer::Extents => vectors(u64::from(world.objects()) + 3),
         Buffer::Wrenches => vectors(4 * u64::from(step.rods)),
         Buffer::Orientations => vectors(u64::from(step.spheres)),

@@ -10,9 +10,8 @@ use crate::error::{Error, Result};
 use crate::exec::gpu::fault::{Faults, lost};
 
 thread_local! {
-    /// The submission that the future polled last on this thread waits for, or `None` if it waits for all submissions. Waiting
-    /// for one submission only lets later submissions keep the device busy; waiting for those as well would leave the device
-    /// idle afterwards.
+    /// The submission that the future polled last on this thread waits for, or `None` if it waits for all submissions. Later
+    /// submissions keep the device busy in the meantime. Waiting for them too would leave the device idle afterwards.
     static AWAITED: Cell<Option<wgpu::SubmissionIndex>> = const { Cell::new(None) };
 }
 
@@ -35,9 +34,9 @@ impl Mapped {
     /// Starts mapping the whole buffer.
     pub(crate) fn read(buffer: &wgpu::Buffer, faults: &Faults) -> Self {
         let shared = Arc::new(Mutex::new(Shared::default()));
-        let theirs = Arc::clone(&shared);
+        let shared_with_callback = Arc::clone(&shared);
         buffer.map_async(wgpu::MapMode::Read, .., move |done| {
-            let mut shared = theirs.lock().unwrap_or_else(PoisonError::into_inner);
+            let mut shared = shared_with_callback.lock().unwrap_or_else(PoisonError::into_inner);
             shared.done = Some(done);
             if let Some(waker) = shared.waker.take() {
                 waker.wake();
@@ -122,7 +121,7 @@ fn wait(device: &wgpu::Device) -> Result<()> {
         // The awaited result may belong to another thread, so let other threads run.
         Ok(Ok(_)) => std::thread::yield_now(),
         Ok(Err(error)) => return Err(Error::Device(format!("waiting for the device failed: {error}"))),
-        Err(_) => return Err(Error::Device(lost("while it was waited for"))),
+        Err(_) => return Err(Error::Device(lost("while waiting for it"))),
     }
     Ok(())
 }
