@@ -296,7 +296,7 @@ fn check_tells_what_is_odd_and_too_stiff() {
     assert!(out.contains("stable at a time step of 0.0182 s (rk4)"), "{out}");
     let (out, _) = rockfall.run("check scene.txt --dt 0.0182 --integrator symplectic-euler", 0);
     // dt² 24000 <= 1 without damping.
-    assert!(out.contains("the largest that would do is 0.00645 s"), "{out}");
+    assert!(out.contains("the largest time step that works is 0.00645 s"), "{out}");
     let (out, _) = rockfall.run("check scene.txt --dt 0.001 --set contact_force=1e8", 0);
     assert!(out.contains("the contact force is too stiff"), "{out}");
     // `run` tells of odd lines too.
@@ -323,7 +323,7 @@ fn check_and_run_warn_of_what_sinks_and_of_what_is_passed_through() {
         assert!(told.contains(sinks) && told.contains("`set resting_overlap 0.02`"), "{told}");
         // From 0.145 m down: 1.687 m/s; the plate and a marble bear 0.0055.
         let passes = "bodies may reach 1.69 units/s, 0.0337 units a step, and pass through box 0";
-        assert!(told.contains(passes) && told.contains("the largest time step that would do is 0.00326 s"), "{told}");
+        assert!(told.contains(passes) && told.contains("the largest time step that works is 0.00326 s"), "{told}");
     }
     let (out, _) = rockfall.run("check scene.txt --set resting_overlap=0.02 --dt 0.0001", 0);
     assert!(!out.contains("warning") && out.contains("chosen for resting_overlap 0.02"), "{out}");

@@ -1,19 +1,19 @@
-//! Checkpoints: everything that decides how a simulation goes on, in memory or in a file.
+//! Checkpoints: everything that determines how a simulation continues, in memory or in a file.
 //!
-//! A simulation that is made of a checkpoint takes the same steps, bit for bit, as the one that it was taken of, on the same
-//! device. Pair lists and AABBs are not kept, nor is the order of memory: no result depends on them.
+//! A simulation that is resumed from a checkpoint on the same device takes bitwise identical steps to the original one. Pair
+//! lists, AABBs and the order of memory are not stored, because no result depends on them.
 //!
 //! # The file
 //! All numbers are little-endian.
 //!
 //! | bytes | what |
 //! |---|---|
-//! | 8 | `\x89RKF\r\n\x1a\n`, which shows a transfer as text |
+//! | 8 | `\x89RKF\r\n\x1a\n`; a transfer as text changes these bytes, so it is detected |
 //! | 4 | version of the format |
 //! | 8 | length of the whole file in bytes |
-//! | ... | the head: program, device, note, constants, options, counters, numbers of objects |
-//! | ... | spheres, rods, capsules, springs, tethers, boxes, polygons, in order of addition, 32-bit words each |
-//! | 4 | CRC-32 of all that comes before |
+//! | ... | the head: program, device, note, constants, options, time step, counters, numbers of objects |
+//! | ... | spheres, rods, capsules, springs, tethers, boxes, polygons, each in order of addition, as 32-bit words |
+//! | 4 | CRC-32 of all bytes before |
 
 use std::fs::File;
 use std::io::{self, Write};
@@ -33,53 +33,55 @@ use words::{Damage, Words};
 
 /// The first bytes of every checkpoint.
 const MAGIC: [u8; 8] = *b"\x89RKF\r\n\x1a\n";
-/// Version of the format; older ones are still read.
+/// Version of the format. Older versions are still read.
 const VERSION: u32 = 1;
-/// Magic, version, length.
+/// Bytes of magic, version and length.
 const PREFIX: usize = MAGIC.len() + 4 + 8;
-/// The checksum at the end.
+/// Bytes of the checksum at the end.
 const SUFFIX: usize = 4;
 
-/// The state of a simulation between two steps: [`Simulation::checkpoint`](crate::Simulation::checkpoint) takes it,
-/// [`Simulation::resume`](crate::Simulation::resume) goes on from it.
+/// The state of a simulation between two steps. [`Simulation::checkpoint`](crate::Simulation::checkpoint) takes it, and
+/// [`Simulation::resume`](crate::Simulation::resume) continues from it.
 ///
-/// Handles of the simulation that it was taken of stay valid in one that is made of it. In one that comes from a file,
+/// Handles of the original simulation stay valid in one resumed from the checkpoint in memory. After loading from a file,
 /// objects have new handles, in the same order ([`Scene::sphere_ids`]).
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub struct Checkpoint {
-    /// Objects, with the state of every sphere, and constants. What is changed here, the resumed simulation begins with.
+    /// The objects, with the state of every sphere, and the constants. The resumed simulation starts with any changes made
+    /// here.
     pub scene: Scene,
-    /// How the simulation runs. `backend` is the one that it ran on: another one rounds differently.
+    /// The options of the simulation. `backend` is the one that it ran on, because another one rounds differently.
     pub options: Options,
-    /// Time step in s of the last step.
+    /// Time step of the last step, in s.
     pub time_step: f32,
-    /// What happened up to now.
+    /// The report on all steps so far.
     pub report: Report,
-    /// What the caller wants to find again, whatever it is.
+    /// Arbitrary text of the caller.
     pub note: String,
     /// The device that the simulation ran on.
     pub device: String,
-    /// The version of rockfall that took it; a later one may round differently.
+    /// The version of rockfall that took the checkpoint. A later version may round differently.
     pub program: String,
     pub(crate) history: History,
 }
 
-/// What is left of the steps before, beyond the state of the bodies.
+/// The effects of earlier steps beyond the state of the bodies.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct History {
-    /// Rod lengths may be off before the next integration: decides bits.
+    /// Whether rod lengths may be wrong before the next integration. This changes results.
     pub(crate) lengths_due: bool,
-    /// How far AABBs are grown, and for how many steps; results do not depend on them.
+    /// How far AABBs are grown, in units of 0.02 r. Results do not depend on it.
     pub(crate) margin_scale: f32,
+    /// For how many steps AABBs are grown. Results do not depend on it.
     pub(crate) lookahead: f32,
 }
 
 impl Checkpoint {
-    /// Writes the checkpoint to a file, which appears complete or not at all, and is on the disk when this returns.
+    /// Writes the checkpoint to a file. The file appears complete or not at all, and is on the disk when this returns.
     ///
     /// # Errors
-    /// [`Error::File`].
+    /// [`Error::File`] when the file cannot be written.
     pub fn save(&self, path: impl AsRef<Path>) -> Result<()> {
         let path = path.as_ref();
         let write = || {
@@ -93,15 +95,16 @@ impl Checkpoint {
     /// Reads a checkpoint from a file.
     ///
     /// # Errors
-    /// [`Error::File`]; [`Error::Checkpoint`] for what is damaged, no checkpoint at all, or of a later version.
+    /// [`Error::File`] when the file cannot be read, [`Error::Checkpoint`] when it is damaged, not a checkpoint, or of a later
+    /// version.
     pub fn load(path: impl AsRef<Path>) -> Result<Self> {
         let path = path.as_ref();
         let failed = |source| Error::File { file: path.to_owned(), source };
         let file = File::open(path).map_err(failed)?;
         let mut bytes = Vec::new();
-        // No folder, device or pipe: those may have no end.
+        // Folders, devices and pipes are refused, because they may have no end.
         if !file.metadata().map_err(failed)?.is_file() {
-            return Err(Error::Checkpoint { file: path.to_owned(), reason: "it is no regular file".to_owned() });
+            return Err(Error::Checkpoint { file: path.to_owned(), reason: "it is not a regular file".to_owned() });
         }
         io::Read::read_to_end(&mut &file, &mut bytes).map_err(failed)?;
         Self::from_bytes(&bytes, path)
@@ -115,10 +118,10 @@ impl Checkpoint {
         bytes
     }
 
-    /// Reads a checkpoint from the bytes of a file; `name` is for messages.
+    /// Reads a checkpoint from the bytes of a file. `name` names the source in messages.
     ///
     /// # Errors
-    /// [`Error::Checkpoint`] for what is damaged, no checkpoint at all, or of a later version.
+    /// [`Error::Checkpoint`] when the bytes are damaged, not a checkpoint, or of a later version.
     pub fn from_bytes(bytes: &[u8], name: impl Into<PathBuf>) -> Result<Self> {
         let read = || -> Result<Self, Damage> {
             let mut words = Words::new(content(bytes)?);
@@ -144,7 +147,7 @@ impl Checkpoint {
     }
 }
 
-/// What lies between prefix and checksum, when all of it is as it was written.
+/// Returns the bytes between prefix and checksum, if the file is intact.
 fn content(bytes: &[u8]) -> Result<&[u8], Damage> {
     if bytes.is_empty() {
         return Err(Damage::new("it is empty"));
@@ -173,7 +176,7 @@ fn content(bytes: &[u8]) -> Result<&[u8], Damage> {
     Ok(content)
 }
 
-/// A writer that hashes what goes through it.
+/// A writer that hashes all bytes that pass through it.
 struct Hashed<'a, W> {
     out: &'a mut W,
     crc32: crc32fast::Hasher,

@@ -1,4 +1,4 @@
-//! Listing what rockfall could run on.
+//! Lists the graphics adapters that rockfall can use.
 
 /// A graphics adapter.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -6,13 +6,13 @@
 pub struct DeviceInfo {
     /// Name of the device.
     pub name: String,
-    /// Graphics API it is reached by, for example `vulkan`.
+    /// Graphics API, for example `vulkan`.
     pub backend: String,
-    /// What it is: discrete, integrated or virtual GPU, or a CPU that plays one.
+    /// Kind of the adapter: discrete, integrated or virtual GPU, or a CPU that emulates one.
     pub kind: String,
     /// Driver and its version.
     pub driver: String,
-    /// Whether it is a CPU that plays GPU; such a one is taken only when asked for.
+    /// Whether the adapter is a CPU that emulates a GPU. Such an adapter is used only on request.
     pub software: bool,
 }
 
@@ -22,7 +22,7 @@ pub(crate) fn driver(info: &wgpu::AdapterInfo) -> String {
     format!("{} {}", info.driver, info.driver_info).trim().to_owned()
 }
 
-/// All adapters, the one that a simulation takes first; none without the feature `gpu`.
+/// All adapters. The first is the one that a simulation uses. Empty without the feature `gpu`.
 #[cfg(all(feature = "gpu", not(target_family = "wasm")))]
 pub fn devices() -> Vec<DeviceInfo> {
     let info = |info: wgpu::AdapterInfo| DeviceInfo {
@@ -35,7 +35,7 @@ pub fn devices() -> Vec<DeviceInfo> {
     crate::exec::gpu::Gpu::adapters_blocking().into_iter().map(info).collect()
 }
 
-/// All adapters, the one that a simulation takes first; none without the feature `gpu`.
+/// All adapters. The first is the one that a simulation uses. Empty without the feature `gpu`.
 #[cfg(not(all(feature = "gpu", not(target_family = "wasm"))))]
 pub fn devices() -> Vec<DeviceInfo> {
     Vec::new()

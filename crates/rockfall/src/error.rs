@@ -1,4 +1,4 @@
-//! The one error type of the library.
+//! The error type of the library.
 
 use std::fmt;
 use std::path::PathBuf;
@@ -6,21 +6,21 @@ use std::path::PathBuf;
 /// `Result` with the library's [`Error`].
 pub type Result<T, E = Error> = std::result::Result<T, E>;
 
-/// Everything that can go wrong.
+/// The errors of the library.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// A field of an object or a setting has a value it must not have.
+    /// A field of an object or a setting has a value that is not allowed.
     #[error("{field}: {value} is not allowed, expected {expected}")]
     Invalid {
-        /// What is wrong, for example `sphere.mass`.
+        /// Name of the field, for example `sphere.mass`.
         field: &'static str,
         /// The value that was given.
         value: String,
-        /// What would have been right.
+        /// Description of the allowed values.
         expected: &'static str,
     },
-    /// A handle refers to an object that was removed, or to one of another scene.
+    /// A handle refers to an object that was removed, or that belongs to another scene.
     #[error("stale handle: the {kind} it refers to is not in the scene (removed, or of another scene)")]
     StaleHandle {
         /// Kind of the object, for example `sphere`.
@@ -31,18 +31,18 @@ pub enum Error {
     UnknownSetting {
         /// The name that was given.
         name: String,
-        /// All names there are.
+        /// All known names.
         expected: String,
     },
-    /// More objects than the engine can number.
-    #[error("{count} objects are too many, at most {limit} can be numbered")]
+    /// The scene has more objects than the engine supports.
+    #[error("{count} objects are too many, the limit is {limit}")]
     TooManyObjects {
-        /// Objects in the scene.
+        /// Number of objects in the scene.
         count: usize,
-        /// The most there may be.
+        /// Maximum number of objects.
         limit: usize,
     },
-    /// A line of a scene file is wrong.
+    /// A line of a scene file is not valid.
     #[error("{}:{line}: {field}: {message}", file.display())]
     SceneLine {
         /// The file, or a name for where the text came from.
@@ -59,40 +59,40 @@ pub enum Error {
     File {
         /// The file.
         file: PathBuf,
-        /// What the operating system said.
+        /// The error of the operating system.
         source: std::io::Error,
     },
-    /// A file is no checkpoint that a simulation can go on from.
+    /// A file is not a checkpoint that a simulation can be resumed from.
     #[error("{}: not a usable checkpoint: {reason}", file.display())]
     Checkpoint {
         /// The file, or a name for where the bytes came from.
         file: PathBuf,
-        /// What is wrong with it.
+        /// The reason why it cannot be used.
         reason: String,
     },
     /// No graphics adapter could be used.
     #[error("no usable GPU: {0}")]
     NoAdapter(String),
-    /// The device refused, was lost or ran out of memory.
+    /// The device reported an error, was lost or ran out of memory.
     #[error("GPU: {0}")]
     Device(String),
-    /// The scene does not fit the limits of the device, or of the engine.
+    /// The scene exceeds a limit of the device or of the engine.
     #[error(
-        "the scene does not fit: {what} would take {needed} bytes, the limit is {limit}; use fewer objects or, where the limit \
-         is the GPU's, a device with a higher max_storage_buffers_per_shader_stage (what is larger than one binding takes \
-         several) or --backend cpu"
+        "the scene does not fit: {what} would take {needed} bytes, the limit is {limit}; use fewer objects or, if the \
+         limit is that of the GPU, a device with a higher max_storage_buffers_per_shader_stage (a buffer larger than one \
+         binding takes several) or --backend cpu"
     )]
     DeviceLimit {
         /// The buffer that is too large.
         what: &'static str,
         /// Bytes needed.
         needed: u64,
-        /// Bytes there may be.
+        /// Maximum number of bytes.
         limit: u64,
     },
-    /// A body's state stopped being finite.
+    /// The state of a body stopped being finite.
     #[error(
-        "sphere {sphere} stopped being finite in step {step} ({stage}); a spring or the contact force may be too stiff for the time step, `rockfall check` tells"
+        "sphere {sphere} stopped being finite in step {step} ({stage}); a spring or the contact force may be too stiff for the time step, see `rockfall check`"
     )]
     NonFinite {
         /// Index of the sphere, in order of addition.
@@ -102,22 +102,23 @@ pub enum Error {
         /// The place in the step.
         stage: BadStage,
     },
-    /// A step was run again so often that it cannot succeed.
-    #[error("step {step} was void {attempts} times in a row: {reason}; a shorter time step may help")]
+    /// A step was rejected too many times in a row.
+    #[error("step {step} was rejected {attempts} times in a row: {reason}; a shorter time step may help")]
     Stuck {
         /// The step, from 1.
         step: u64,
-        /// How often it was tried.
+        /// Number of attempts.
         attempts: u32,
-        /// Why it was void.
+        /// The reason why the step was rejected.
         reason: String,
     },
 }
 
-/// Characters of a quoted text that are shown.
+/// Maximum number of characters of a quoted text.
 const SHOWN: usize = 40;
 
-/// What somebody wrote, for a message: quoted, cut where it is long, and without characters that a terminal would obey.
+/// Quotes the user's text for a message: shortened if it is long, and with control characters escaped, because a terminal would
+/// obey them.
 pub(crate) fn quoted(text: &str) -> String {
     let mut shown = String::from("'");
     for (count, character) in text.chars().enumerate() {
@@ -140,7 +141,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn quotes_are_short_and_harmless() {
+    fn quotes_are_short_and_escape_control_characters() {
         assert_eq!(quoted("1,5 \u{f6}"), "'1,5 \u{f6}'");
         assert_eq!(quoted("\u{1b}[2J\u{9b}\r"), "'\\u{1b}[2J\\u{9b}\\r'");
         assert_eq!(quoted(&"\u{fffd}".repeat(40)).chars().count(), 42);
@@ -152,7 +153,7 @@ mod tests {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u32)]
 pub enum BadStage {
-    /// `apply_collisions`.
+    /// The collision phase (`apply_collisions`).
     Collisions = 0,
     /// The first force evaluation (the only one of symplectic Euler); 2, 3 and 4 follow.
     Forces1 = 1,

@@ -1,4 +1,4 @@
-//! What runs a schedule: the CPU, or a GPU.
+//! The backends that run a schedule of stages: CPU and GPU.
 
 pub mod cpu;
 #[cfg(feature = "gpu")]

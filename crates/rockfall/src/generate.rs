@@ -1,7 +1,8 @@
-//! Generated scenes of any size: so many spheres, the same for the same seed, O(N) to make.
+//! Generates scenes of any size, with an exact number of spheres. The same seed gives the same scene. Generation takes O(N)
+//! time.
 //!
-//! Nothing overlaps to begin with: every body starts inside a cell of its own. All constants are the defaults, under which
-//! everything here is stable at the default step of 20 ms (see [`Scene::stability`]).
+//! Nothing overlaps at first: every body starts inside a cell of its own. All constants have their default values, with which
+//! these scenes are stable at the default time step of 20 ms (see [`Scene::stability`]).
 
 use std::fmt;
 use std::str::FromStr;
@@ -20,7 +21,7 @@ mod hopper;
 
 pub use benchmark::{Benchmark, LAYERS};
 
-/// What to generate.
+/// The kind of scene to generate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Kind {
     /// Spheres of several sizes that fall into a walled box.
@@ -29,7 +30,7 @@ pub enum Kind {
     Mixed,
     /// Soft blobs, lattices of spheres, springs and rods, that fall onto boxes.
     Soft,
-    /// Chains of spheres and fixed-length rods that hang from fixed spheres, pulled aside.
+    /// Chains of spheres and fixed-length rods that hang from fixed spheres and start pulled aside.
     Chain,
     /// Spheres that run through a funnel into a box.
     Hopper,
@@ -39,7 +40,7 @@ impl Kind {
     /// All kinds.
     pub const ALL: [Self; 5] = [Self::Pile, Self::Mixed, Self::Soft, Self::Chain, Self::Hopper];
 
-    /// The name on the command line.
+    /// Name of the kind on the command line.
     pub fn name(self) -> &'static str {
         match self {
             Self::Pile => "pile",
@@ -50,7 +51,7 @@ impl Kind {
         }
     }
 
-    /// Generates a scene with exactly so many spheres (those of rods and capsules included).
+    /// Generates a scene with exactly `spheres` spheres, including those of rods and capsules.
     ///
     /// # Errors
     /// [`Error::Invalid`] for 0 spheres, [`Error::TooManyObjects`] for more than the engine can number.
@@ -87,6 +88,7 @@ impl FromStr for Kind {
 
 /// # Errors
 /// [`Error::Invalid`] for 0, [`Error::TooManyObjects`] for more than the engine can number.
+/// Checks that a scene can have this number of spheres.
 fn check_count(spheres: u32) -> Result<()> {
     if spheres == 0 {
         return Err(Error::Invalid { field: "spheres", value: "0".to_owned(), expected: "at least 1" });
@@ -98,7 +100,7 @@ fn check_count(spheres: u32) -> Result<()> {
     Ok(())
 }
 
-/// Random numbers without trigonometry, so that all machines draw the same.
+/// Random numbers without trigonometry, so that they are the same on all machines.
 struct Random(Pcg64Mcg);
 
 impl Random {
@@ -110,13 +112,13 @@ impl Random {
         self.0.next_u32() % count
     }
 
-    /// A point of the cube [-half, half]³.
+    /// A random point of the cube [-half, half]³.
     fn offset(&mut self, half: f32) -> Vec3 {
         let mut draw = || self.between(-half, half);
         Vec3::new(draw(), draw(), draw())
     }
 
-    /// A unit vector, all directions alike.
+    /// A random unit vector, uniform over all directions.
     fn direction(&mut self) -> Vec3 {
         loop {
             let point = self.offset(1.0);
@@ -127,13 +129,13 @@ impl Random {
     }
 }
 
-/// A block of cubic cells, about as wide as high, filled layer by layer from below.
+/// A block of cubic cells, about as wide as it is high, filled layer by layer from below.
 struct Cells {
-    /// Cells in a row, and rows in a layer.
+    /// Number of cells in a row, and of rows in a layer.
     across: u32,
     layers: u32,
     size: f32,
-    /// Height of the lowest layer's lower side.
+    /// Height of the lower side of the lowest layer.
     bottom: f32,
 }
 
@@ -146,7 +148,7 @@ impl Cells {
         Self { across, layers: count.div_ceil(across * across).max(1), size, bottom }
     }
 
-    /// Half the width of the block, which stands about the y axis.
+    /// Half the width of the block, which is centred on the y axis.
     fn half_width(&self) -> f32 {
         0.5 * self.size * self.across as f32
     }
@@ -163,9 +165,9 @@ impl Cells {
     }
 }
 
-/// A floor at y = 0 and four walls around the y axis, of inner half widths `x` and `z`.
+/// Adds a floor at y = 0 and four walls around the y axis, with inner half widths `x` and `z`.
 fn walled_box(scene: &mut Scene, x: f32, z: f32, height: f32) -> Result<()> {
-    // Thicker than the way of the fastest body in a step.
+    // Thicker than the distance that the fastest body moves in a step.
     const THICK: f32 = 2.0;
     let mut add = |min: [f32; 3], max: [f32; 3]| scene.add_box(Cuboid::between(min, max)).map(drop);
     let (x_out, z_out) = (x + THICK, z + THICK);
@@ -176,12 +178,12 @@ fn walled_box(scene: &mut Scene, x: f32, z: f32, height: f32) -> Result<()> {
     add([-x, 0.0, z], [x, height, z_out])
 }
 
-/// A sphere of the given sizes somewhere in its cell.
+/// A sphere at a random place in its cell. `radii` are the least and greatest radius.
 fn ball(random: &mut Random, cells: &Cells, index: u32, radii: [f32; 2]) -> Sphere {
     ball_within(random, cells.centre(index), cells.size, radii)
 }
 
-/// A sphere of the given sizes somewhere in a cell, its mass that of its volume (1 at radius 0.2).
+/// A sphere at a random place in a cell, with a mass proportional to its volume (1 at radius 0.2).
 fn ball_within(random: &mut Random, centre: Vec3, cell: f32, radii: [f32; 2]) -> Sphere {
     let radius = random.between(radii[0], radii[1]);
     let room = 0.49 * cell - radius;
@@ -225,7 +227,7 @@ mod tests {
     }
 
     #[test]
-    fn every_kind_has_what_its_name_says() {
+    fn every_kind_contains_what_its_name_says() {
         let counts = |kind: Kind| kind.generate(500, 3).unwrap().counts();
         let mixed = counts(Kind::Mixed);
         assert!(mixed.capsules > 20 && mixed.springs > 20 && mixed.rods > mixed.capsules + 20);
@@ -247,7 +249,7 @@ mod tests {
         }
     }
 
-    /// Distance of a point from a box, 0 inside.
+    /// Distance of a point from a box; 0 inside it.
     fn distance(cuboid: &Cuboid, point: Vec3) -> f32 {
         let along = |edge: Vec3| edge * ((point - cuboid.corner).dot(edge) / edge.length_squared()).clamp(0.0, 1.0);
         let nearest: Vec3 = cuboid.corner + cuboid.edges.into_iter().map(along).sum::<Vec3>();
@@ -255,7 +257,7 @@ mod tests {
     }
 
     #[test]
-    fn nothing_overlaps_to_begin_with() {
+    fn nothing_overlaps_at_first() {
         for kind in Kind::ALL {
             for spheres in SIZES {
                 let scene = kind.generate(spheres, 11).unwrap();

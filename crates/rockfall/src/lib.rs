@@ -1,7 +1,7 @@
-//! rockfall: a rigid-body physics engine that lives on the GPU.
+//! A rigid-body physics engine that runs on the GPU.
 //!
-//! Spheres, rods, capsules, springs, static boxes and polygons, from a handful to millions, on any GPU that speaks Vulkan,
-//! Metal, DX12 or WebGPU, and on the CPU where there is none.
+//! rockfall simulates spheres, rods, capsules, springs, tethers, static boxes and static polygons, from a handful to millions.
+//! It runs on any GPU with Vulkan, Metal, DX12 or WebGPU, and on the CPU if there is none.
 //!
 //! ```
 //! use rockfall::{Cuboid, Scene, Simulation, Sphere};
@@ -13,17 +13,27 @@
 //! let mut simulation = Simulation::new(scene)?;
 //! simulation.run(1_000, 0.02)?;
 //! let height = simulation.sphere(ball)?.position.y;
-//! assert!((height - 0.499).abs() < 1e-3, "it rests 0.5 above the floor, less its weight's overlap");
+//! assert!((height - 0.499).abs() < 1e-3, "it rests 0.5 above the floor, less the overlap caused by its weight");
 //! # Ok(())
 //! # }
 //! ```
 //!
-//! A [`Scene`] holds objects and [`Settings`]; a [`Simulation`] moves it. Objects are plain builders with units on every
-//! field, handles are typed and outlive the removal of others, and every fallible call returns the one [`Error`].
+//! # Overview
+//! - A [`Scene`] holds objects and [`Settings`]. It can be loaded from a text file, saved, and generated ([`generate`]).
+//! - A [`Simulation`] advances a scene in time, with [`Options`] that choose the backend, the integrator and the broad phase.
+//!   Objects can be added, removed and changed between steps.
+//! - [`Simulation::spheres`] and [`Simulation::sphere`] read states back. [`Simulation::energy`], [`Simulation::contacts`] and
+//!   [`Simulation::diagnostics`] evaluate them. [`Report`] counts steps, contacts and collisions.
+//! - A [`Checkpoint`] stores a simulation, so that it can be resumed with bitwise identical results.
+//! - [`Scene::stability`], [`Scene::tunnelling`] and [`Scene::sinking`] warn about an unsuitable time step or contact force.
+//! - [`Simulation::profile`] measures the time of every stage.
 //!
-//! # The thesis's interface
-//! The engine comes from Csefalvay, *Dynamic simulation of rigid bodies using programmable GPUs*. Its functions (section
-//! 2.10) are found here:
+//! Objects are plain builders. Lengths and masses are in arbitrary units, times in seconds; every field states its unit.
+//! Handles are typed, and stay valid when other objects are removed. Every fallible call returns an [`Error`].
+//!
+//! # The interface of the thesis
+//! The engine is based on Csefalvay, *Dynamic simulation of rigid bodies using programmable GPUs*. The functions of the thesis
+//! (section 2.10) correspond to these:
 //!
 //! | thesis | rockfall |
 //! |---|---|
@@ -39,20 +49,23 @@
 //! | `broadPhaseCD` | [`Simulation::broad_phase`] |
 //! | `handleCollisions` | [`Simulation::handle_collisions`] |
 //! | `updatePositions(time step)` | [`Simulation::update_positions`] |
-//! | all four | [`Simulation::step`], [`Simulation::run`] |
+//! | all four phases | [`Simulation::step`], [`Simulation::run`] |
 //! | scene file (2.11) | [`Scene::load`], [`Scene::parse`], [`Scene::save`], [`Scene::to_text`] |
 //! | constants (2.8) | [`Settings`], [`Simulation::set_settings`] |
 //!
-//! # What to know of the model
-//! Contacts are soft: a body rests with an overlap of about m G / (Cc m\*), m\* the reduced mass of the contact. Friction is
-//! proportional to the overlap and to the square root of the sliding velocity; with the default constants it is 0.05 sqrt(|t|)
-//! times the elastic normal force, so bodies creep on slopes; with [`Settings::coulomb_friction`] there is Coulomb friction in its place. The time step must
-//! suit springs, contacts and speeds ([`Scene::stability`], [`Scene::tunnelling`]), the contact force the radii
-//! ([`Scene::sinking`], [`Settings::resting_overlap`]).
-//! `docs/physics.md` in the repository specifies the model in full: its sections and errata are what comments cite.
+//! # The model
+//! Contacts are soft: a body at rest overlaps what it lies on by about m G / (Cc m\*), where m\* is the reduced mass of the
+//! contact. Friction is proportional to the overlap and to the square root of the sliding velocity. With the default constants
+//! it is 0.05 sqrt(|t|) times the elastic normal force, so bodies creep on slopes. [`Settings::coulomb_friction`] replaces it by
+//! Coulomb friction.
+//!
+//! The time step must suit the springs, contacts and speeds of the scene ([`Scene::stability`], [`Scene::tunnelling`]). The
+//! contact force must suit the radii ([`Scene::sinking`], [`Settings::resting_overlap`]).
+//!
+//! `docs/physics.md` in the repository specifies the model in full. Comments in the code cite its sections and errata.
 //!
 //! # Features
-//! `gpu` (default): the wgpu backend. Without it only the CPU backend is built, and it needs no graphics library.
+//! `gpu` (default): the wgpu backend. Without this feature only the CPU backend is built, which needs no graphics library.
 
 pub mod checkpoint;
 mod devices;
@@ -93,7 +106,7 @@ pub use simulation::{Body, Contact, ContactAction, RayHit, Simulation, SphereDia
 #[cfg(feature = "gpu")]
 pub use wgpu;
 
-/// The README's example is a test.
+/// Runs the example of the README as a test.
 #[cfg(doctest)]
 #[doc = include_str!("../../../README.md")]
 struct Readme;

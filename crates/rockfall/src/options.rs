@@ -1,4 +1,4 @@
-//! What a simulation runs on, and how.
+//! Options of a simulation: backend and methods.
 
 use std::fmt;
 use std::str::FromStr;
@@ -6,15 +6,15 @@ use std::str::FromStr;
 use crate::error::{Error, Result, quoted};
 use crate::settings::{BroadPhase, Integrator};
 
-/// Where a simulation runs.
+/// The backend that runs a simulation.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Backend {
-    /// A hardware GPU where there is one, else the CPU.
+    /// A hardware GPU if there is one, otherwise the CPU.
     #[default]
     Auto,
-    /// A GPU, software Vulkan included.
+    /// A GPU, or software Vulkan if there is no hardware.
     Gpu,
-    /// The CPU, on all its threads.
+    /// The CPU, on all threads.
     Cpu,
 }
 
@@ -47,50 +47,51 @@ macro_rules! names {
 
 names!(Backend, "backend", Auto = "auto", Gpu = "gpu", Cpu = "cpu");
 
-/// Choices that hold for a simulation's whole life.
+/// Options that stay the same for the whole life of a simulation.
 #[derive(Clone, Debug, Default)]
 #[non_exhaustive]
 pub struct Options {
-    /// Where it runs.
+    /// The backend that runs the simulation.
     pub backend: Backend,
-    /// How it advances.
+    /// The integrator.
     pub integrator: Integrator,
-    /// How it finds pairs.
+    /// The method that finds pairs of objects that may touch.
     pub broad_phase: BroadPhase,
-    /// Words that the entries of the pair lists may take at the start; they grow as needed.
+    /// Initial capacity of the pair lists, in 32-bit words of entries. The lists grow as needed.
     pub pair_capacity: Option<u32>,
-    /// Go on when a body's state stops being finite: it is stopped where it was and counted in the report.
+    /// Whether the simulation continues when the state of a body stops being finite. The body is then stopped at its last
+    /// position and counted in [`Report::non_finite`](crate::Report::non_finite).
     pub keep_going: bool,
-    /// Whether small scenes without rods run whole steps in one dispatch on a GPU, which changes no result. `None`: where it is
-    /// faster, which it is on all but software.
+    /// Whether small scenes without rods run whole steps in one dispatch on a GPU. This does not change results. `None` chooses
+    /// the faster way: one dispatch, except on software adapters.
     pub join_steps: Option<bool>,
 }
 
 impl Options {
-    /// The defaults.
+    /// Creates the default options.
     pub fn new() -> Self {
         Self::default()
     }
 
-    /// Sets where it runs.
+    /// Sets the backend.
     pub fn backend(mut self, backend: Backend) -> Self {
         self.backend = backend;
         self
     }
 
-    /// Sets how it advances.
+    /// Sets the integrator.
     pub fn integrator(mut self, integrator: Integrator) -> Self {
         self.integrator = integrator;
         self
     }
 
-    /// Sets how it finds pairs.
+    /// Sets the method that finds pairs.
     pub fn broad_phase(mut self, broad_phase: BroadPhase) -> Self {
         self.broad_phase = broad_phase;
         self
     }
 
-    /// Sets how many words the entries of the pair lists may take at the start.
+    /// Sets the initial capacity of the pair lists, in 32-bit words of entries.
     pub fn pair_capacity(mut self, words: u32) -> Self {
         self.pair_capacity = Some(words);
         self
@@ -102,7 +103,7 @@ impl Options {
         self
     }
 
-    /// Sets whether to go on when a body's state stops being finite.
+    /// Sets whether the simulation continues when the state of a body stops being finite.
     pub fn keep_going(mut self, keep_going: bool) -> Self {
         self.keep_going = keep_going;
         self
@@ -119,6 +120,6 @@ pub struct BackendInfo {
     pub device: String,
     /// Driver and its version; empty on the CPU.
     pub driver: String,
-    /// Why it was chosen.
+    /// The reason for the choice.
     pub reason: String,
 }

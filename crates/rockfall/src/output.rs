@@ -1,4 +1,4 @@
-//! Output files that appear complete or not at all, and that a later run can go on with.
+//! Output files that appear complete or not at all, and that a later run can continue.
 
 use std::ffi::OsString;
 use std::fs::{self, File, OpenOptions, TryLockError};
@@ -7,40 +7,41 @@ use std::path::{Path, PathBuf};
 
 use crc32fast::Hasher;
 
-/// How far a file has been written: what [`AtomicFile::resume`] goes on from.
+/// How much of a file has been written. [`AtomicFile::resume`] continues from a mark.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Mark {
-    /// Bytes.
+    /// Number of bytes written.
     pub bytes: u64,
     /// CRC-32 of those bytes.
     pub crc32: u32,
 }
 
-/// A file that is written beside its place, as `.NAME.part`, and put there by [`AtomicFile::commit`]; what stood in its place
-/// stays until then. Dropped before that it leaves nothing behind, unless there is a [`Mark`] to go on from.
+/// A file that is written as `.NAME.part` next to its target and renamed to the target by [`AtomicFile::commit`]. Until then an
+/// existing target stays unchanged. If dropped before the commit, the file is removed, unless a [`Mark`] was taken.
 ///
-/// What is left of a program that was killed is used by the next one that writes to the same place. The unfinished file is
-/// locked, so that no two programs do so at once. A place that is no regular file (a device, a pipe) is written to directly.
+/// If a program is killed, its partial file remains, and the next program that writes to the same target uses it. The partial
+/// file is locked, so that two programs cannot write to it at the same time. A target that is not a regular file (a device, a
+/// pipe) is written to directly.
 #[derive(Debug)]
 pub struct AtomicFile {
     writer: BufWriter<File>,
-    /// Where it is written and where it goes; `None` once done, and for what is written to directly.
+    /// Paths of the partial file and the target. `None` once committed, and for a target that is written to directly.
     places: Option<(PathBuf, PathBuf)>,
     bytes: u64,
     crc32: Hasher,
-    /// Something refers to what was written so far.
+    /// A mark was taken, so the partial file must be kept.
     marked: bool,
-    /// Something could not be written: the file has a gap.
+    /// A write failed, so the file has a gap.
     failed: bool,
-    /// Its end is to be found again before anything is written.
+    /// The file was read, so the next write must first seek to its end.
     read: bool,
 }
 
 impl AtomicFile {
-    /// Opens the file for writing. A folder that is missing or must not be written to shows here, not at the end.
+    /// Opens the file for writing. A folder that is missing or write-protected is reported here, not at the commit.
     ///
     /// # Errors
-    /// What the operating system says; [`io::ErrorKind::ResourceBusy`] while another program writes to the same place.
+    /// The error of the operating system; [`io::ErrorKind::ResourceBusy`] while another program writes to the same target.
     pub fn create(path: &Path) -> io::Result<Self> {
         let Some(target) = regular(path)? else {
             return Ok(Self::new(OpenOptions::new().write(true).open(path)?, None));
@@ -51,11 +52,11 @@ impl AtomicFile {
         Ok(Self::new(file, Some((beside, target))))
     }
 
-    /// Opens the file for going on behind a mark, in what a program left that was ended early, or in the finished file.
+    /// Opens the file to continue after a mark, from the partial file of a program that ended early, or from the finished file.
     ///
     /// # Errors
-    /// As for [`AtomicFile::create`]; [`io::ErrorKind::NotFound`] and [`io::ErrorKind::InvalidData`] when what was written up
-    /// to the mark is not there any more, or is something else.
+    /// As for [`AtomicFile::create`]. [`io::ErrorKind::NotFound`] when the part up to the mark does not exist any more,
+    /// [`io::ErrorKind::InvalidData`] when it has changed.
     pub fn resume(path: &Path, mark: Mark) -> io::Result<Self> {
         let Some(target) = regular(path)? else {
             return Self::create(path);
@@ -68,7 +69,7 @@ impl AtomicFile {
             None => match copy_of(&target, &mut file, mark) {
                 Ok(crc32) => crc32,
                 Err(error) => {
-                    // What was left may still be of use to somebody; an empty file is not.
+                    // A partial file that was left may still be useful to the user. An empty file is not.
                     if !left {
                         let _ = fs::remove_file(&beside);
                     }
@@ -88,11 +89,11 @@ impl AtomicFile {
         Self { writer, places, bytes: 0, crc32: Hasher::new(), marked: false, failed: false, read: false }
     }
 
-    /// Puts on the disk what was written so far, and keeps it from now on, even unfinished. `None` for what is no regular
-    /// file, where there is nothing to go on from.
+    /// Writes everything so far to the disk, and keeps it from now on even if the file is not committed. Returns `None` for a
+    /// target that is not a regular file, which cannot be continued.
     ///
     /// # Errors
-    /// What the operating system says.
+    /// The error of the operating system.
     pub fn mark(&mut self) -> io::Result<Option<Mark>> {
         self.writer.flush()?;
         if self.places.is_none() {
@@ -103,29 +104,29 @@ impl AtomicFile {
         Ok(Some(Mark { bytes: self.bytes, crc32: self.crc32.clone().finalize() }))
     }
 
-    /// What was written so far, to be read from its beginning. What is written later comes after it all the same.
+    /// Returns the file for reading, positioned at its beginning. Later writes are still appended at the end.
     ///
     /// # Errors
-    /// What the operating system says; [`io::ErrorKind::Unsupported`] for what is no regular file.
+    /// The error of the operating system; [`io::ErrorKind::Unsupported`] for a target that is not a regular file.
     pub fn reader(&mut self) -> io::Result<&mut File> {
         self.writer.flush()?;
         if self.places.is_none() {
             return Err(io::ErrorKind::Unsupported.into());
         }
-        // No second handle: some systems keep those out of what is locked.
+        // The same handle is used, because some systems do not allow a second one to access a locked file.
         self.read = true;
         let file = self.writer.get_mut();
         file.seek(SeekFrom::Start(0))?;
         Ok(file)
     }
 
-    /// Finishes the file, puts it on the disk and in its place.
+    /// Completes the file, writes it to the disk and renames it to its target.
     ///
     /// # Errors
-    /// What the operating system says, also where an earlier write failed; nothing is put in its place then.
+    /// The error of the operating system, also if an earlier write failed. The target is unchanged then.
     pub fn commit(mut self) -> io::Result<()> {
         if self.failed {
-            return Err(io::Error::other("a part of it could not be written"));
+            return Err(io::Error::other("an earlier write failed"));
         }
         self.writer.flush()?;
         if let Some((beside, target)) = &self.places {
@@ -137,7 +138,7 @@ impl AtomicFile {
         Ok(())
     }
 
-    /// Removes the file unfinished, marked or not.
+    /// Removes the partial file, even if a mark was taken.
     pub fn discard(mut self) {
         self.marked = false;
     }
@@ -164,26 +165,27 @@ impl Write for AtomicFile {
 impl Drop for AtomicFile {
     fn drop(&mut self) {
         if let Some((beside, _)) = self.places.as_ref().filter(|_| !self.marked) {
-            // Nothing is left to tell it to.
+            // An error cannot be reported here.
             let _ = fs::remove_file(beside);
         }
     }
 }
 
-/// Where a file goes, through links, which a rename would replace; `None` for what is no regular file.
+/// Resolves the path of a target through links, because a rename would replace a link. Returns `None` for a target that is not
+/// a regular file.
 fn regular(path: &Path) -> io::Result<Option<PathBuf>> {
     let target = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
     match fs::metadata(&target) {
-        // A folder among them, which refuses to be opened.
+        // This includes folders, which cannot be opened for writing.
         Ok(found) if !found.is_file() => return Ok(None),
-        // A rename would go around a file's write protection.
+        // A rename would bypass the write protection of a file.
         Ok(_) => drop(OpenOptions::new().append(true).open(&target)?),
         Err(_) => {}
     }
     Ok(Some(target))
 }
 
-/// Where a file is written before it is complete.
+/// Path of the partial file.
 fn beside(target: &Path) -> io::Result<PathBuf> {
     let mut name = OsString::from(".");
     name.push(target.file_name().ok_or(io::ErrorKind::InvalidInput)?);
@@ -191,7 +193,7 @@ fn beside(target: &Path) -> io::Result<PathBuf> {
     Ok(target.with_file_name(name))
 }
 
-/// Opens or makes a file that no other program writes to.
+/// Opens or creates a file that no other program writes to.
 fn open_locked(path: &Path) -> io::Result<File> {
     loop {
         let file = OpenOptions::new().read(true).write(true).create(true).truncate(false).open(path)?;
@@ -200,10 +202,10 @@ fn open_locked(path: &Path) -> io::Result<File> {
                 let message = format!("another program is writing it ({} is locked)", path.display());
                 return Err(io::Error::new(io::ErrorKind::ResourceBusy, message));
             }
-            // Some file systems have no locks.
+            // Some file systems do not support locks.
             Ok(()) | Err(TryLockError::Error(_)) => {}
         }
-        // Another program may have put it in its place since it was opened.
+        // Another program may have renamed it since it was opened.
         if is_at(&file, path) {
             return Ok(file);
         }
@@ -222,7 +224,7 @@ fn is_at(_file: &File, path: &Path) -> bool {
     path.exists()
 }
 
-/// The hash of a file up to a mark, from its beginning; `None` when it is not that of the mark.
+/// The hash of a file from its beginning up to a mark; `None` if it differs from the mark.
 fn hash(file: &mut File, mark: Mark) -> io::Result<Option<Hasher>> {
     let mut crc32 = Hasher::new();
     file.seek(SeekFrom::Start(0))?;
@@ -230,7 +232,7 @@ fn hash(file: &mut File, mark: Mark) -> io::Result<Option<Hasher>> {
     Ok((copied == mark.bytes && crc32.clone().finalize() == mark.crc32).then_some(crc32))
 }
 
-/// Copies the finished file up to a mark.
+/// Copies the finished file up to a mark, and returns the hash.
 fn copy_of(target: &Path, file: &mut File, mark: Mark) -> io::Result<Hasher> {
     let mut finished = File::open(target)
         .map_err(|error| io::Error::new(error.kind(), "what was written of it before is not there any more"))?;
@@ -258,20 +260,20 @@ fn copy(from: &mut impl Read, crc32: &mut Hasher, to: &mut impl Write) -> io::Re
     }
 }
 
-/// A full disk may show only here.
+/// Writes a file to the disk. A full disk may be reported only here.
 fn sync(file: &File) -> io::Result<()> {
     match file.sync_all() {
-        // Some file systems have no such thing.
+        // Some file systems do not support this.
         Err(error) if matches!(error.kind(), io::ErrorKind::Unsupported | io::ErrorKind::InvalidInput) => Ok(()),
         result => result,
     }
 }
 
-/// Puts the new name on the disk, where folders can be told to.
+/// Writes the new name to the disk, on systems that can synchronize folders.
 fn sync_folder(target: &Path) {
     if let Some(folder) = target.parent().filter(|_| cfg!(unix)) {
         let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
-        // The file itself is complete and in its place.
+        // Errors are ignored: the file itself is complete and has its name.
         let _ = File::open(folder).and_then(|folder| folder.sync_all());
     }
 }
@@ -280,7 +282,7 @@ fn sync_folder(target: &Path) {
 mod tests {
     use super::*;
 
-    /// An empty folder of this test's own, removed in the end.
+    /// An empty folder for one test, removed at its end.
     struct Folder(PathBuf);
 
     impl Folder {
@@ -302,7 +304,7 @@ mod tests {
     }
 
     #[test]
-    fn what_stood_there_stays_until_the_commit() {
+    fn an_existing_file_stays_until_the_commit() {
         let folder = Folder::new("commit");
         let path = folder.0.join("a.txt");
         fs::write(&path, "old").unwrap();
@@ -316,7 +318,7 @@ mod tests {
     }
 
     #[test]
-    fn dropped_it_leaves_nothing() {
+    fn a_dropped_file_leaves_nothing() {
         let folder = Folder::new("drop");
         let mut file = AtomicFile::create(&folder.0.join("a.txt")).unwrap();
         file.write_all(b"half").unwrap();
@@ -325,14 +327,14 @@ mod tests {
     }
 
     #[test]
-    fn missing_folders_and_folders_in_its_place_show_at_once() {
+    fn missing_folders_and_folders_as_targets_are_errors_at_once() {
         let folder = Folder::new("missing");
         assert!(AtomicFile::create(&folder.0.join("no/a.txt")).is_err());
         assert!(AtomicFile::create(&folder.0).is_err());
     }
 
     #[test]
-    fn what_a_killed_program_left_is_gone_on_with() {
+    fn the_partial_file_of_a_killed_program_is_continued() {
         let folder = Folder::new("resume");
         let path = folder.0.join("a.txt");
         let mut file = AtomicFile::create(&path).unwrap();
@@ -352,7 +354,7 @@ mod tests {
         assert_eq!(fs::read_to_string(&path).unwrap(), "one,two");
         assert_eq!(folder.names(), ["a.txt"]);
 
-        // A finished one is gone on with too, and stays until the commit.
+        // A finished file can be continued too. It stays unchanged until the commit.
         let mut file = AtomicFile::resume(&path, mark).unwrap();
         file.write_all(b"three").unwrap();
         assert_eq!(fs::read_to_string(&path).unwrap(), "one,two");
@@ -361,7 +363,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_not_there_or_something_else_is_refused() {
+    fn missing_and_changed_files_are_not_continued() {
         let folder = Folder::new("foreign");
         let path = folder.0.join("a.txt");
         let mark = Mark { bytes: 4, crc32: crc32fast::hash(b"one,") };
@@ -375,7 +377,7 @@ mod tests {
     }
 
     #[test]
-    fn what_was_written_can_be_read_and_gone_on_with() {
+    fn a_file_can_be_read_and_then_continued() {
         let folder = Folder::new("read");
         let path = folder.0.join("a.txt");
         let mut file = AtomicFile::create(&path).unwrap();
@@ -389,7 +391,7 @@ mod tests {
     }
 
     #[test]
-    fn leftovers_are_used_again_and_two_writers_are_refused() {
+    fn leftovers_are_reused_and_second_writers_are_refused() {
         let folder = Folder::new("leftover");
         let path = folder.0.join("a.txt");
         fs::write(folder.0.join(".a.txt.part"), "left by a program that was killed").unwrap();

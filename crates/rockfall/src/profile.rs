@@ -1,25 +1,25 @@
-//! Where the time of a step goes: what [`Simulation::profile`](crate::Simulation::profile) gives.
+//! Times of the stages of a step, as returned by [`Simulation::profile`](crate::Simulation::profile).
 
 use crate::model::status::Status;
 use crate::model::step::Step;
 use crate::step::schedule::{Phase, Run};
 use crate::traffic;
 
-/// What the times of the stages were taken with.
+/// The clock that measured the times of the stages.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Clock {
     /// Timestamps of the device, between the dispatches of one compute pass.
     DeviceInPass,
-    /// Timestamps of the device, at the beginning and end of compute passes, each with one dispatch: for devices without
-    /// the others. What lies between passes is left out.
+    /// Timestamps of the device, at the beginning and end of compute passes with one dispatch each, for devices without
+    /// timestamps inside passes. Time between passes is not measured.
     DeviceAroundPasses,
-    /// The host's clock: the CPU backend.
+    /// The host's clock, on the CPU backend.
     Host,
 }
 
 impl Clock {
-    /// Its name in reports.
+    /// Name of the clock in reports.
     pub fn name(self) -> &'static str {
         match self {
             Self::DeviceInPass => "device timestamps",
@@ -33,15 +33,15 @@ impl Clock {
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub struct Profile {
-    /// The stages that did anything, in the order of the step; what is run in several passes is added up.
+    /// The stages that had work, in the order of the step. The passes of a stage are added up.
     pub stages: Vec<StageTime>,
-    /// Wall time of all steps, in s, with what the host does; the timestamps themselves cost time too. 0 in a browser.
+    /// Wall time of all steps, in s, including the host's work and the cost of the timestamps themselves. 0 in a browser.
     pub seconds: f64,
-    /// Steps done.
+    /// Number of steps done.
     pub steps: u64,
-    /// Time of stages in steps that turned out void and were run again, in s; it is not in `stages`.
+    /// Time of the stages in rejected steps, in s. It is not included in `stages`.
     pub rejected_seconds: f64,
-    /// What the times were taken with.
+    /// The clock that measured the times.
     pub clock: Clock,
 }
 
@@ -53,11 +53,11 @@ pub struct StageTime {
     pub name: &'static str,
     /// The phase that it is part of.
     pub phase: Phase,
-    /// How often it was dispatched.
+    /// Number of dispatches.
     pub runs: u64,
-    /// Time of all its runs, in s.
+    /// Time of all its dispatches, in s.
     pub seconds: f64,
-    /// Bytes that all its runs had to move at least; see ARCHITECTURE.md, "Bytes that a step must move".
+    /// Least number of bytes that all its dispatches had to move; see ARCHITECTURE.md, "Bytes that a step must move".
     pub least_bytes: u64,
 }
 
@@ -73,12 +73,12 @@ impl Profile {
         self.stages.iter().map(|stage| stage.seconds).sum()
     }
 
-    /// Bytes that all steps had to move at least.
+    /// Least number of bytes that all steps had to move.
     pub fn least_bytes(&self) -> u64 {
         self.stages.iter().map(|stage| stage.least_bytes).sum()
     }
 
-    /// Dispatches of all steps.
+    /// Number of dispatches of all steps.
     pub fn runs(&self) -> u64 {
         self.stages.iter().map(|stage| stage.runs).sum()
     }
@@ -88,7 +88,7 @@ impl Profile {
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct BufferSize {
-    /// What it holds.
+    /// Name of its contents.
     pub name: &'static str,
     /// Its size in bytes.
     pub bytes: u64,
@@ -103,25 +103,25 @@ impl BufferSize {
 /// Collects the times of the batches that an engine runs.
 #[derive(Debug, Default)]
 pub(crate) struct Recorder {
-    /// The phase of each run of the batch under way.
+    /// The phase of each run of the current batch.
     phases: Vec<Phase>,
     pub(crate) stages: Vec<StageTime>,
     pub(crate) rejected_seconds: f64,
 }
 
-/// The times of a batch: of each step, of each run, in s; `None` where there was nothing to do.
+/// The times of a batch in s, indexed by step and then by run; `None` if the run had no work.
 pub(crate) type Times = Vec<Vec<Option<f64>>>;
 
 impl Recorder {
-    /// Tells which phases the runs of the next batch belong to.
+    /// Sets the phases that the runs of the next batch belong to.
     pub(crate) fn expect(&mut self, phases: Vec<Phase>) {
         self.phases = phases;
     }
 
-    /// Takes the times of a batch. Of its steps, the first were `done`; what came after was void.
+    /// Adds the times of a batch. Its first `done` steps were done, and the later ones were rejected.
     pub(crate) fn book(&mut self, runs: &[Run], times: &Times, done: u32, step: &Step, status: &Status) {
-        let (done, void) = times.split_at(times.len().min(done as usize));
-        self.rejected_seconds += void.iter().flatten().flatten().sum::<f64>();
+        let (done, rejected) = times.split_at(times.len().min(done as usize));
+        self.rejected_seconds += rejected.iter().flatten().flatten().sum::<f64>();
         for (index, run) in runs.iter().enumerate() {
             let taken: Vec<f64> = done.iter().filter_map(|step| step[index]).collect();
             if taken.is_empty() {

@@ -1,59 +1,60 @@
-//! What a simulation tells of its steps.
+//! The report of a simulation, its energies, and the state of its spheres.
 
 use glam::{DVec3, Mat3, Quat, Vec3};
 
 use crate::scene::Sphere;
 
-/// What happened up to now.
+/// Counts and times of all steps so far.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct Report {
-    /// Steps done.
+    /// Number of steps done.
     pub steps: u64,
     /// Time simulated, in s.
     pub time: f64,
-    /// Contacts (overlapping pairs) of the last step's first force evaluation.
+    /// Number of contacts (overlapping pairs) at the first force evaluation of the last step.
     pub contacts: u32,
-    /// Deepest overlap of the last step's first force evaluation, in units.
+    /// Deepest overlap at the first force evaluation of the last step, in units.
     pub max_overlap: f32,
-    /// Collisions handled in the last step.
+    /// Number of collisions handled in the last step.
     pub collisions: u32,
-    /// Collisions handled in all steps.
+    /// Number of collisions handled in all steps.
     pub total_collisions: u64,
-    /// Steps that were run again, because a list had to grow or a body left its AABB.
+    /// Number of times that a step was repeated, because a list had to grow or a body left its AABB.
     pub replays: u64,
-    /// Steps in which AABBs and pair lists were made anew; in the others those of an earlier step still held every pair.
+    /// Number of steps in which AABBs and pair lists were rebuilt. In the other steps those of an earlier step still held every
+    /// pair.
     pub list_builds: u64,
-    /// How often a body was stopped because its state was no longer finite.
+    /// Number of times that a body was stopped because its state was no longer finite.
     pub non_finite: u64,
 }
 
-/// Energies and momenta of the present state; fixed spheres are left out of all sums.
+/// Energies in mass units²/s² and momenta of the current state. All sums leave out fixed spheres.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct Energy {
-    /// Kinetic energy, rotation included.
+    /// Kinetic energy, including rotation.
     pub kinetic: f64,
-    /// Potential energy in gravity, - sum m G g.x.
+    /// Potential energy in gravity: -sum of m G g.x.
     pub potential: f64,
-    /// Elastic energy of springs and tethers, sum k (d - l)² / 2.
+    /// Elastic energy of springs and tethers: sum of k (d - l)² / 2.
     pub spring: f64,
-    /// Elastic energy of contacts, sum Cc m* o² / 2.
+    /// Elastic energy of contacts: sum of Cc m* o² / 2.
     pub contact: f64,
-    /// Momentum.
+    /// Momentum, in mass units/s.
     pub momentum: DVec3,
-    /// Angular momentum about the origin, with spin.
+    /// Angular momentum about the origin, including spin, in mass units²/s.
     pub angular_momentum: DVec3,
 }
 
 impl Energy {
-    /// All energies together.
+    /// Sum of all energies.
     pub fn total(&self) -> f64 {
         self.kinetic + self.potential + self.spring + self.contact
     }
 }
 
-/// A sphere as it is now.
+/// The current state of a sphere.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct SphereState {
@@ -69,12 +70,12 @@ pub struct SphereState {
     pub radius: f32,
     /// Mass.
     pub mass: f32,
-    /// Whether it is fixed.
+    /// Whether the sphere is fixed.
     pub fixed: bool,
 }
 
 impl SphereState {
-    /// Orientation as a rotation matrix; its columns are the sphere's own axes.
+    /// Orientation as a rotation matrix. Its columns are the axes of the sphere's own frame.
     pub fn rotation(&self) -> Mat3 {
         Mat3::from_quat(self.orientation)
     }

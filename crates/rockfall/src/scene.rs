@@ -1,6 +1,6 @@
-//! A scene: objects in order of addition, behind typed handles, and the constants they live under.
+//! A scene: objects in order of addition, referred to by typed handles, and the physical constants.
 //!
-//! A scene knows no time; a [`Simulation`](crate::Simulation) moves it.
+//! A scene does not advance in time. A [`Simulation`](crate::Simulation) does that.
 
 use crate::error::Result;
 use crate::settings::Settings;
@@ -19,7 +19,7 @@ use registry::new_scene_number;
 pub use statics::{BoxId, Cuboid, Polygon, PolygonId};
 pub use text::{LineWarning, Loaded};
 
-/// Objects and settings.
+/// Objects and their physical constants.
 #[derive(Clone, Debug)]
 pub struct Scene {
     /// The physical constants.
@@ -39,7 +39,7 @@ impl Default for Scene {
     }
 }
 
-/// How many objects of each kind there are; the spheres and rods of capsules count there too.
+/// Number of objects of each kind. The spheres and rods of capsules are counted as spheres and rods too.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Counts {
     /// Spheres.
@@ -59,7 +59,7 @@ pub struct Counts {
 }
 
 impl Scene {
-    /// An empty scene with the default settings.
+    /// Creates an empty scene with the default settings.
     pub fn new() -> Self {
         let number = new_scene_number();
         Self {
@@ -77,7 +77,8 @@ impl Scene {
     /// Adds a sphere.
     ///
     /// # Errors
-    /// [`Error::Invalid`](crate::Error::Invalid) when a field is not finite, or mass or radius not positive.
+    /// [`Error::Invalid`](crate::Error::Invalid) when a field is not finite, mass or radius is not positive, or the orientation
+    /// is not a unit quaternion.
     pub fn add_sphere(&mut self, sphere: Sphere) -> Result<SphereId> {
         sphere.validate()?;
         Ok(self.spheres.add(sphere))
@@ -87,7 +88,7 @@ impl Scene {
     ///
     /// # Errors
     /// [`Error::StaleHandle`](crate::Error::StaleHandle) for an end that is not in the scene,
-    /// [`Error::Invalid`](crate::Error::Invalid) for a radius or length that is not positive or a rod from a sphere to itself.
+    /// [`Error::Invalid`](crate::Error::Invalid) for a radius or length that is not positive, or a rod from a sphere to itself.
     pub fn add_rod(&mut self, rod: Rod) -> Result<RodId> {
         self.check_ends(rod.end1, rod.end2)?;
         rod.validate()?;
@@ -97,7 +98,7 @@ impl Scene {
     /// Adds a capsule: a sphere at end 1, a sphere at end 2, and a rod of fixed length.
     ///
     /// # Errors
-    /// [`Error::Invalid`](crate::Error::Invalid) as for its spheres and its rod; the ends must not coincide.
+    /// [`Error::Invalid`](crate::Error::Invalid) as for its spheres and its rod, and when the ends coincide.
     pub fn add_capsule(&mut self, capsule: Capsule) -> Result<CapsuleId> {
         let end = |position| {
             Sphere::new(position, capsule.radius).mass(capsule.mass * 0.5).velocity(capsule.velocity).group(capsule.group)
@@ -123,7 +124,8 @@ impl Scene {
     /// Adds a tether from a sphere to a point in space.
     ///
     /// # Errors
-    /// As for [`Scene::add_spring`].
+    /// [`Error::StaleHandle`](crate::Error::StaleHandle) for a sphere that is not in the scene,
+    /// [`Error::Invalid`](crate::Error::Invalid) for a negative constant or a point that is not finite.
     pub fn add_tether(&mut self, tether: Tether) -> Result<TetherId> {
         self.spheres.index(tether.sphere)?;
         tether.validate()?;
@@ -154,7 +156,7 @@ impl Scene {
         Ok(())
     }
 
-    /// Removes a sphere and, with it, its rods, capsules, springs and tethers.
+    /// Removes a sphere together with its rods, capsules, springs and tethers.
     ///
     /// # Errors
     /// [`Error::StaleHandle`](crate::Error::StaleHandle) when it is not in the scene.
@@ -167,7 +169,7 @@ impl Scene {
         Ok(())
     }
 
-    /// Removes a rod; of a capsule, the spheres stay as two spheres.
+    /// Removes a rod. If it is part of a capsule, the two spheres stay.
     ///
     /// # Errors
     /// [`Error::StaleHandle`](crate::Error::StaleHandle) when it is not in the scene.
@@ -177,7 +179,7 @@ impl Scene {
         Ok(())
     }
 
-    /// Removes a capsule: both its spheres and what is attached to them.
+    /// Removes a capsule with both its spheres and everything attached to them.
     ///
     /// # Errors
     /// [`Error::StaleHandle`](crate::Error::StaleHandle) when it is not in the scene.
@@ -219,10 +221,10 @@ impl Scene {
         self.polygons.remove(id)
     }
 
-    /// Changes a spring's constants (its spheres stay those that it was added with).
+    /// Changes a spring's constants. Its spheres cannot be changed.
     ///
     /// # Errors
-    /// As for [`Scene::add_spring`]; nothing is changed then.
+    /// As for [`Scene::add_spring`]. Nothing is changed then.
     pub fn update_spring(&mut self, id: SpringId, change: impl FnOnce(&mut Spring)) -> Result<()> {
         let mut spring = *self.springs.get(id)?;
         let ends = (spring.a, spring.b);
@@ -233,10 +235,10 @@ impl Scene {
         Ok(())
     }
 
-    /// Changes a tether's point and constants (its sphere stays the one it was added with).
+    /// Changes a tether's point and constants. Its sphere cannot be changed.
     ///
     /// # Errors
-    /// As for [`Scene::add_tether`]; nothing is changed then.
+    /// As for [`Scene::add_tether`]. Nothing is changed then.
     pub fn update_tether(&mut self, id: TetherId, change: impl FnOnce(&mut Tether)) -> Result<()> {
         let mut tether = *self.tethers.get(id)?;
         let sphere = tether.sphere;
@@ -247,10 +249,10 @@ impl Scene {
         Ok(())
     }
 
-    /// Changes a rod's radius, length and group (its ends stay those that it was added with).
+    /// Changes a rod's radius, length and group. Its ends cannot be changed.
     ///
     /// # Errors
-    /// As for [`Scene::add_rod`]; nothing is changed then.
+    /// As for [`Scene::add_rod`]. Nothing is changed then.
     pub fn update_rod(&mut self, id: RodId, change: impl FnOnce(&mut Rod)) -> Result<()> {
         let mut rod = *self.rods.get(id)?;
         let ends = (rod.end1, rod.end2);
@@ -261,7 +263,7 @@ impl Scene {
         Ok(())
     }
 
-    /// How many objects of each kind there are.
+    /// Number of objects of each kind.
     pub fn counts(&self) -> Counts {
         Counts {
             spheres: self.spheres.len(),

@@ -1,4 +1,4 @@
-//! The front door: a scene that moves.
+//! The simulation: advances a scene in time.
 
 use glam::Vec3;
 
@@ -38,70 +38,70 @@ pub use observe::{Body, Contact, ContactAction, SphereDiagnostics};
 use order::Disorder;
 pub use ray::RayHit;
 
-/// Lists of few movers on a device are made for so many steps from the start, which others try first.
+/// Initial lookahead in steps for scenes with few movers on a device. Other scenes reach their lookahead by trials.
 const FEW_STEPS: f32 = 4.0;
 
-/// A scene and the machinery that moves it, on the GPU or on the CPU.
+/// Advances a scene in time, on the GPU or on the CPU.
 ///
-/// A step is four phases, each callable alone: [`update_aabbs`](Self::update_aabbs),
-/// [`broad_phase`](Self::broad_phase), [`handle_collisions`](Self::handle_collisions) (switched off by
-/// [`Settings::collisions`]) and [`update_positions`](Self::update_positions).
+/// A step consists of four phases, and each can be called alone: [`update_aabbs`](Self::update_aabbs),
+/// [`broad_phase`](Self::broad_phase), [`handle_collisions`](Self::handle_collisions) and
+/// [`update_positions`](Self::update_positions). [`Settings::collisions`] switches the third one on or off.
 ///
-/// Objects are added, removed and changed between steps; such edits are collected and reach the device with the next
-/// step or read. Nothing blocks on the device but the plain methods, each of which has an `_async` twin that does not.
+/// Objects can be added, removed and changed between steps. Edits are collected and reach the device with the next step or
+/// read. Only the plain methods block on the device; each has an `_async` twin that does not.
 #[derive(Debug)]
 pub struct Simulation {
     scene: Scene,
     options: Options,
     info: BackendInfo,
     engine: Engine,
-    /// What the engine runs on (CPU), or was filled from and is read back to (GPU).
+    /// The arrays that the engine runs on (CPU), or the host's copy of the arrays on the device (GPU).
     world: World,
-    /// Spheres in the order in which they stand in `world`.
+    /// Handles of the spheres in insertion order, as they were when `world` was packed.
     packed: Vec<SphereId>,
     disorder: Disorder,
-    /// How often the scene was packed or put in order.
+    /// Number of times that the scene was packed or its memory was sorted.
     packings: u64,
     status: Status,
     report: Report,
     time_step: f32,
-    /// How far ahead lists are made.
+    /// For how many steps ahead the lists are built.
     lookahead: Lookahead,
-    /// How often they may be made.
+    /// How often the lists may be rebuilt within a batch, in steps.
     interval: Interval,
-    /// What came of these two.
+    /// Counts of the steps with the current lookahead and interval.
     window: Window,
-    /// What has to reach the engine before it may run.
+    /// The part of the scene that must be uploaded before the engine may run.
     dirty: Dirty,
     edits: Vec<edit::Edits>,
-    /// The AABBs do not fit the scene.
+    /// The AABBs do not match the scene.
     aabbs_due: bool,
-    /// The pair lists do not fit the scene.
+    /// The pair lists do not match the scene.
     lists_due: bool,
-    /// Stage states are those of a step of RK4 of the spheres as they are: they tell how these accelerate.
+    /// The stage states belong to an RK4 step of the same spheres, so they show how the spheres accelerate.
     has_stages: bool,
-    /// `scene` holds the present state.
+    /// `scene` holds the current state.
     synced: bool,
-    /// Steps since collisions shared bodies.
+    /// Steps since the last step in which collisions shared a body.
     calm_steps: u64,
-    /// Steps since many did.
+    /// Steps since the last step in which many collisions shared a body.
     few_steps: u64,
 }
 
 impl Simulation {
-    /// A simulation on a hardware GPU where there is one, else on the CPU.
+    /// Creates a simulation on a hardware GPU if there is one, otherwise on the CPU.
     ///
     /// # Errors
-    /// When the scene is too large, or its settings are not valid.
+    /// [`Error::Invalid`](crate::Error::Invalid) when a setting is not allowed, and an error when the scene is too large.
     #[cfg(not(target_family = "wasm"))]
     pub fn new(scene: Scene) -> Result<Self> {
         Self::with_options(scene, Options::default())
     }
 
-    /// A simulation with a backend, an integrator and a broad phase of one's own choice.
+    /// Creates a simulation with the given [`Options`]: backend, integrator, broad phase and others.
     ///
     /// # Errors
-    /// As for [`Simulation::new`]; and [`Error::NoAdapter`](crate::Error::NoAdapter) when a GPU is asked for and there is none.
+    /// As for [`Simulation::new`], and [`Error::NoAdapter`](crate::Error::NoAdapter) when a GPU is requested and there is none.
     #[cfg(not(target_family = "wasm"))]
     pub fn with_options(scene: Scene, options: Options) -> Result<Self> {
         engine::block_on(None, Self::with_options_async(scene, options))
@@ -110,7 +110,7 @@ impl Simulation {
     /// [`Simulation::with_options`] without blocking.
     ///
     /// # Errors
-    /// As there.
+    /// As for [`Simulation::with_options`].
     pub async fn with_options_async(scene: Scene, options: Options) -> Result<Self> {
         let scene = resolve(scene)?;
         let world = prepare(&scene, &options)?;
@@ -118,16 +118,17 @@ impl Simulation {
         Ok(Self::assemble(scene, options, world, engine, info))
     }
 
-    /// A simulation on the caller's wgpu device, whose buffers [`Simulation::gpu_view`] gives.
+    /// Creates a simulation on the caller's wgpu device. [`Simulation::gpu_view`] gives access to its buffers.
     ///
     /// # Errors
-    /// As for [`Simulation::new`], and [`Error::DeviceLimit`](crate::Error::DeviceLimit) for a scene that does not fit.
+    /// As for [`Simulation::new`], and [`Error::DeviceLimit`](crate::Error::DeviceLimit) for a scene that exceeds a limit of
+    /// the device.
     #[cfg(feature = "gpu")]
     pub fn on_device(scene: Scene, options: Options, device: &wgpu::Device, queue: &wgpu::Queue) -> Result<Self> {
         Self::on_device_as_is(resolve(scene)?, options, device, queue)
     }
 
-    /// The same with constants that are resolved already.
+    /// [`Simulation::on_device`] for a scene whose constants are resolved already.
     #[cfg(feature = "gpu")]
     fn on_device_as_is(scene: Scene, options: Options, device: &wgpu::Device, queue: &wgpu::Queue) -> Result<Self> {
         let world = prepare(&scene, &options)?;
@@ -169,33 +170,34 @@ impl Simulation {
         }
     }
 
-    /// The backend that moves the scene, and why it was chosen.
+    /// The backend that runs the simulation, and why it was chosen.
     pub fn backend(&self) -> &BackendInfo {
         &self.info
     }
 
-    /// How positions and velocities are advanced.
+    /// The integrator, which advances positions and velocities.
     pub fn integrator(&self) -> Integrator {
         self.options.integrator
     }
 
-    /// How pairs are found: what was asked for, or what suits the number of objects.
+    /// The method that finds pairs: the requested one, or the one chosen for the number of objects.
     pub fn broad_phase_method(&self) -> BroadPhase {
         self.options.broad_phase.resolve(self.world.objects() as usize)
     }
 
-    /// The physical constants; with [`Settings::resting_overlap`] those that were chosen for it.
+    /// The physical constants. If [`Settings::resting_overlap`] is positive, they include the contact constants chosen for it.
     pub fn settings(&self) -> &Settings {
         &self.scene.settings
     }
 
-    /// Changes the physical constants, from the next step on. Where [`Settings::resting_overlap`] is positive and it, gravity or
-    /// the constants of contacts are changed, contact force and damping are chosen anew, from the positions that were
-    /// read back last. Nothing else chooses them anew: they stay as they are while bodies move, are added and removed, and in a
-    /// simulation that is resumed.
+    /// Changes the physical constants from the next step on.
+    ///
+    /// If [`Settings::resting_overlap`] is positive, and it, gravity or the contact constants change, contact force and damping
+    /// are chosen again, from the positions that were read back last. Nothing else makes the simulation choose them again. They
+    /// stay the same while bodies move, when bodies are added or removed, and when a simulation is resumed.
     ///
     /// # Errors
-    /// [`Error::Invalid`](crate::Error::Invalid) when a value is not allowed; nothing is changed then.
+    /// [`Error::Invalid`](crate::Error::Invalid) when a value is not allowed. Nothing is changed then.
     pub fn set_settings(&mut self, settings: Settings) -> Result<()> {
         settings.validate()?;
         let decides = |s: &Settings| (s.resting_overlap, s.gravity, s.gravity_direction, s.contact_force, s.contact_damping);
@@ -208,31 +210,32 @@ impl Simulation {
         Ok(())
     }
 
-    /// What happened up to now.
+    /// The report on all steps so far.
     pub fn report(&self) -> Report {
         self.report
     }
 
-    /// The time step of the last `step`, `run` or `update_positions`, in s; AABBs are grown for it.
+    /// The time step of the last `step`, `run` or `update_positions`, in s. AABBs are grown for it.
     pub fn time_step(&self) -> f32 {
         self.time_step
     }
 
-    /// One step of `dt` seconds: AABBs, broad phase, collisions unless they are switched off, forces and integration.
+    /// Runs one step of `dt` seconds: AABBs, broad phase, collisions unless they are switched off, forces and integration.
     ///
     /// # Errors
-    /// [`Error::Invalid`](crate::Error::Invalid) for a time step that is not positive and finite,
-    /// [`Error::NonFinite`](crate::Error::NonFinite) when a body's state stopped being finite in it (unless told to go on),
-    /// [`Error::Device`](crate::Error::Device) when the GPU failed.
+    /// - [`Error::Invalid`](crate::Error::Invalid) for a time step that is not positive and finite.
+    /// - [`Error::NonFinite`](crate::Error::NonFinite) when the state of a body stops being finite in the step, unless
+    ///   `keep_going` is set in the [`Options`].
+    /// - [`Error::Device`](crate::Error::Device) when the GPU fails.
     #[cfg(not(target_family = "wasm"))]
     pub fn step(&mut self, dt: f32) -> Result<Report> {
         self.run(1, dt)
     }
 
-    /// Many steps of `dt` seconds, submitted together where the backend can.
+    /// Runs `steps` steps of `dt` seconds each, submitted together if the backend supports it.
     ///
     /// # Errors
-    /// As for [`Simulation::step`]; the steps before the failing one are done.
+    /// As for [`Simulation::step`]. The steps before the failing one are done.
     #[cfg(not(target_family = "wasm"))]
     pub fn run(&mut self, steps: u64, dt: f32) -> Result<Report> {
         let device = self.engine.waiter();
@@ -242,7 +245,7 @@ impl Simulation {
     /// [`Simulation::run`] without blocking.
     ///
     /// # Errors
-    /// As there.
+    /// As for [`Simulation::run`].
     pub async fn run_async(&mut self, steps: u64, dt: f32) -> Result<Report> {
         self.run_recorded(steps, dt, None).await?;
         Ok(self.report)
@@ -253,13 +256,13 @@ impl Simulation {
         self.drive(self.step_phases(), steps, recorder).await
     }
 
-    /// The phases of a whole step, in the order in which it runs them.
+    /// The phases of a whole step, in the order in which they run.
     fn step_phases(&self) -> &'static [Phase] {
         let has_phase = self.scene.settings.collisions || self.scene.settings.has_friction_impulses();
         if has_phase { &drive::COLLISIONS_FIRST } else { &drive::WITHOUT_COLLISIONS }
     }
 
-    /// Phase 1 alone: the AABBs of all objects, grown for the present time step.
+    /// Runs phase 1 alone: computes the AABBs of all objects, grown for the current time step.
     ///
     /// # Errors
     /// As for [`Simulation::step`].
@@ -268,7 +271,7 @@ impl Simulation {
         self.phase(Phase::UpdateAabbs)
     }
 
-    /// Phase 2 alone: the pair lists, from the AABBs as they are.
+    /// Runs phase 2 alone: builds the pair lists from the current AABBs.
     ///
     /// # Errors
     /// As for [`Simulation::step`].
@@ -277,8 +280,8 @@ impl Simulation {
         self.phase(Phase::BroadPhase)
     }
 
-    /// Phase 3 alone: collisions, whether or not they are switched on. Uses the last pair lists; where these are due
-    /// (objects were added, removed or moved by hand, or moved out of their AABBs) they are made first.
+    /// Runs phase 3 alone: handles collisions, whether or not they are switched on. It uses the existing pair lists. If objects
+    /// were added, removed or moved by an edit, or moved out of their AABBs, the lists are rebuilt first.
     ///
     /// # Errors
     /// As for [`Simulation::step`].
@@ -287,8 +290,8 @@ impl Simulation {
         self.phase(Phase::HandleCollisions)
     }
 
-    /// Phase 4 alone: forces, integration and constraints; a step is counted. Uses the last pair lists as
-    /// [`Simulation::handle_collisions`] does.
+    /// Runs phase 4 alone: forces, integration and constraints. Counts as a step. It uses the existing pair lists in the same
+    /// way as [`Simulation::handle_collisions`].
     ///
     /// # Errors
     /// As for [`Simulation::step`].
@@ -304,7 +307,7 @@ impl Simulation {
         engine::block_on(device, self.phase_async(phase))
     }
 
-    /// One phase alone, without blocking; [`Phase::UpdatePositions`] takes the present [`time_step`](Self::time_step).
+    /// Runs one phase alone, without blocking. [`Phase::UpdatePositions`] uses the current [`time_step`](Self::time_step).
     ///
     /// # Errors
     /// As for [`Simulation::step`].
@@ -312,20 +315,20 @@ impl Simulation {
         self.drive(&[phase], 1, None).await
     }
 
-    /// Gravity's acceleration as the step sees it, in units/s².
+    /// The acceleration of gravity in the current settings, in units/s².
     pub fn gravity(&self) -> Vec3 {
         Vec3::from_array(self.world.step.gravity)
     }
 }
 
-/// A scene with the constants that its own choose.
+/// Resolves the constants of a scene that its settings leave to be chosen.
 fn resolve(mut scene: Scene) -> Result<Scene> {
     scene.settings.validate()?;
     scene.settings = scene.resolved_settings();
     Ok(scene)
 }
 
-/// The world of a scene, with what the options say of it and without scratch.
+/// Packs a scene into a world without scratch arrays, and applies the options.
 fn prepare(scene: &Scene, options: &Options) -> Result<World> {
     scene.settings.validate()?;
     let mut world = World::for_method(scene, options.broad_phase)?;

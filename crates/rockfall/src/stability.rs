@@ -1,31 +1,34 @@
-//! Which time step the springs and the contact force of a scene bear, and what else a time step is too long for.
+//! Checks the time step of a scene: which time step its springs and contact force allow, and for what else a time step is too
+//! long.
 //!
 //! A spring of stiffness k and damping c between spheres of inverse masses wA and wB moves along its axis like an oscillator
-//! x'' = -K x - C x' with K = wA k + wB k, C = wA c + wB c. With several springs on a sphere the sums of their k and c
-//! bound it (Gershgorin's rows). The integrators keep such an oscillator bounded where
+//! x'' = -K x - C x' with K = wA k + wB k, C = wA c + wB c. With several springs on a sphere, the sums of their k and c give an
+//! upper bound (Gershgorin's rows). The integrators keep such an oscillator bounded under these conditions:
 //!
-//! - RK4: dt² K <= 8 (|R| <= 1 on the imaginary axis), dt C <= 2.78 (on the negative real axis), and |R(z)| <= 1 for both
-//!   roots z = λ dt of z² + dt C z + dt² K = 0, which is stricter than the first two together near the corner where both
-//!   are all but used up;
+//! - RK4: dt² K <= 8 (|R| <= 1 on the imaginary axis), dt C <= 2.78 (on the negative real axis), and |R(z)| <= 1 for both roots
+//!   z = λ dt of z² + dt C z + dt² K = 0. The last condition is stricter than the first two together near the corner where both
+//!   are almost reached;
 //! - symplectic Euler: dt² K + 2 dt C <= 4 (Jury's criterion for λ² - (2 - dt C - dt² K) λ + 1 - dt C).
 //!
-//! Springs that are far from their rest length turn as well as swing. With symplectic Euler they gain energy slowly where
+//! Springs that are far from their rest length rotate as well as oscillate. With symplectic Euler they gain energy slowly if
 //! dt² K exceeds 1 + 2 dt C.
 //!
-//! A contact has stiffness Cc m* and damping Cd m* with m* = 1/(wA + wB), so K = Cc and C = Cd whatever the masses. Several
-//! contacts of one body add up where they point the same way: 2 Cc for a body between two others, 4 Cc at most in
-//! a crowd of equal spheres. A crowd has two bounds. Above the larger one it is unstable: its energy grows without end. Between the
-//! two it is restless: the energy stays bounded, but the bodies of a pile shake and never come to rest, because
-//! contacts that open and close within a step add energy. `stability/bounds.rs` has the bounds and where they come from.
+//! A contact has stiffness Cc m* and damping Cd m* with m* = 1/(wA + wB), so K = Cc and C = Cd for all masses. Several contacts
+//! of one body add up if they point the same way: to 2 Cc for a body between two others, and to 4 Cc at most in a crowd of
+//! equal spheres.
 //!
-//! | | comes to rest where | unstable where |
+//! A crowd has two bounds. Above the larger one it is unstable: its energy grows without bound. Between the two it is restless:
+//! the energy stays bounded, but the bodies of a pile shake and never come to rest, because contacts that open and close within
+//! a step add energy. `stability/bounds.rs` has the bounds and their derivation.
+//!
+//! | | comes to rest if | unstable if |
 //! |---|---|---|
 //! | RK4 | dt² Cc <= 0.5, and 4 Cc and 4 Cd are stable (dt Cd <= 0.69) | 2 Cc and 2 Cd are not stable: dt² Cc > 4 or less |
 //! | symplectic Euler | dt² Cc <= 1/4 + 2/3 dt Cd, dt² Cc + 2 dt Cd <= 1, 2 dt Cd <= 3/4 | dt² Cc + 2 dt Cd > 2 |
 //!
-//! The second column leaves a margin: the piles that were measured explode at up to twice that time step.
+//! The second column has a safety margin: the measured piles became unstable at time steps up to twice as long.
 //!
-//! Fixed-length rods only add mass to a sphere, and outside forces do not matter.
+//! Fixed-length rods only add mass to a sphere. External forces have no effect on stability.
 
 use std::fmt;
 
@@ -40,7 +43,7 @@ use bounds::{Steps, crowd_steps, few_steps, spring_steps};
 pub use depth::Sinking;
 pub use speed::{Thin, Tunnelling};
 
-/// What does not bear the time step.
+/// The force for which the time step is too long.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stiff {
     /// The spring with this index, in order of addition.
@@ -51,27 +54,27 @@ pub enum Stiff {
     Contact,
 }
 
-/// What a time step that is too long does.
+/// Effect of a time step that is too long.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Effect {
-    /// Energy grows without end.
+    /// Energy grows without bound.
     Unstable,
     /// Energy stays bounded, but bodies do not come to rest. Springs that are far from their rest length gain energy slowly.
     Restless,
 }
 
-/// A time step that is too long for something.
+/// A warning that a time step is too long for a force.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Warning {
-    /// What is too stiff or too strongly damped.
+    /// The force that is too stiff or too strongly damped.
     pub what: Stiff,
-    /// What it leads to.
+    /// The effect of the time step.
     pub effect: Effect,
-    /// Stiffness per mass K, in 1/s²; of the contact force that of one contact.
+    /// Stiffness per mass K, in 1/s². For the contact force, that of one contact.
     pub stiffness: f64,
-    /// Damping per mass C, in 1/s; of the contact force that of one contact.
+    /// Damping per mass C, in 1/s. For the contact force, that of one contact.
     pub damping: f64,
-    /// The largest time step that has neither effect, in seconds.
+    /// The largest time step without either effect, in s.
     pub largest_dt: f64,
 }
 
@@ -85,26 +88,26 @@ impl fmt::Display for Warning {
         let [k, c] = [self.stiffness, self.damping].map(rounded_down);
         write!(f, " is too stiff for the time step (stiffness per mass {k} /s², damping per mass {c} /s): ")?;
         f.write_str(match (self.effect, self.what) {
-            (Effect::Unstable, _) => "it is unstable, energy grows without end",
+            (Effect::Unstable, _) => "it is unstable, energy grows without bound",
             (Effect::Restless, Stiff::Contact) => "bodies do not come to rest",
-            (Effect::Restless, _) => "it gains energy where it is far from its rest length",
+            (Effect::Restless, _) => "it gains energy when it is far from its rest length",
         })?;
-        write!(f, "; the largest that would do is {} s", rounded_down(self.largest_dt))
+        write!(f, "; the largest time step that works is {} s", rounded_down(self.largest_dt))
     }
 }
 
-/// Three significant digits, never more than the number itself.
+/// Rounds to three significant digits, never above the number itself.
 fn rounded_down(number: f64) -> f64 {
-    // A hair up before rounding down, for what is such a number already.
+    // The tiny increase keeps a number that already has three digits.
     rounded(number, |scaled| (scaled * (1.0 + 1e-12)).floor())
 }
 
-/// Three significant digits, never less than the number itself.
+/// Rounds to three significant digits, never below the number itself.
 fn rounded_up(number: f64) -> f64 {
     rounded(number, |scaled| (scaled * (1.0 - 1e-12)).ceil())
 }
 
-/// Three significant digits.
+/// Rounds to the nearest number with three significant digits.
 fn nearest(number: f64) -> f64 {
     rounded(number, f64::round)
 }
@@ -114,14 +117,14 @@ fn rounded(number: f64, to_whole: impl Fn(f64) -> f64) -> f64 {
         return number;
     }
     let digits = 2 - number.abs().log10().floor() as i32;
-    // Scaled by a power of ten that is itself exact, so that 0.02 stays 0.02.
+    // The scale is a power of ten that is exact itself, so that 0.02 stays 0.02.
     let scale = 10_f64.powi(digits.abs());
     if digits >= 0 { to_whole(number * scale) / scale } else { to_whole(number / scale) * scale }
 }
 
 impl Scene {
-    /// What a time step of `dt` seconds is too long for: springs, tethers, then the contact force (the one that
-    /// [`Scene::resolved_settings`] has).
+    /// Returns a warning for everything that a time step of `dt` seconds is too long for: springs, then tethers, then the
+    /// contact force of [`Scene::resolved_settings`]. Empty if the time step works.
     pub fn stability(&self, dt: f32, integrator: Integrator) -> Vec<Warning> {
         let loads = Loads::of(self);
         let dt = f64::from(dt);
@@ -147,21 +150,21 @@ impl Scene {
         warnings
     }
 
-    /// The least number of equal parts that a time step of `dt` seconds has to be divided into for [`Scene::stability`] to have
-    /// nothing to tell.
+    /// The least number of equal parts into which a time step of `dt` seconds must be divided for [`Scene::stability`] to
+    /// return no warnings.
     pub fn substeps_for(&self, dt: f32, integrator: Integrator) -> u32 {
         let warnings = self.stability(dt, integrator);
         let largest = warnings.iter().map(|warning| warning.largest_dt).fold(f64::INFINITY, f64::min);
-        // Every warning has a bound below dt: their least one is that of the scene.
+        // Every warning has a bound below dt. The least one is the bound of the scene.
         let mut parts = (f64::from(dt) / largest).ceil().clamp(1.0, f64::from(u32::MAX)) as u32;
-        // The part is a number of f32, which may be rounded up.
+        // The part is an f32, which may be rounded up.
         while f64::from(dt / parts as f32) > largest && parts < u32::MAX {
             parts += 1;
         }
         parts
     }
 
-    /// The bounds of the contact force; `None` where nothing can touch something that moves.
+    /// The bounds of the contact force; `None` if no moving body can touch anything.
     fn contact_steps(&self, [force, damping]: [f64; 2], integrator: Integrator) -> Option<Steps> {
         match self.crowd() {
             Crowd::None => None,
@@ -170,16 +173,16 @@ impl Scene {
             Crowd::Many => {
                 let elastic = self.settings.collisions && self.settings.restitution >= 1.0;
                 let steps = crowd_steps(force, damping, integrator, elastic);
-                // Without any loss of energy nothing ever comes to rest, whatever the time step.
+                // Without any loss of energy nothing comes to rest at any time step.
                 let lossless = damping == 0.0 && (elastic || !self.settings.collisions);
                 Some(if lossless { Steps { rest: steps.bounded, ..steps } } else { steps })
             }
         }
     }
 
-    /// How many bodies can touch each other.
+    /// Returns how many bodies can touch each other.
     fn crowd(&self) -> Crowd {
-        // Movers and everything else, by group.
+        // Numbers of movers and of all other objects, by group.
         let mut groups = vec![[0_usize; 2]; 1 << 16];
         for sphere in self.spheres() {
             groups[usize::from(sphere.group)][usize::from(sphere.fixed)] += 1;
@@ -203,17 +206,17 @@ impl Scene {
 /// How many bodies can touch each other.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Crowd {
-    /// None that move.
+    /// No moving bodies.
     None,
     /// One pair.
     Pair,
-    /// One or two that move, among things that do not.
+    /// One or two moving bodies among fixed ones.
     Few,
-    /// Three or more that move.
+    /// Three or more moving bodies.
     Many,
 }
 
-/// For each sphere, the sums of k and c over its springs and tethers; empty where there are none.
+/// For each sphere, the sums of k and c over its springs and tethers. Empty if the scene has none.
 struct Loads(Vec<[f64; 2]>);
 
 impl Loads {
@@ -223,7 +226,7 @@ impl Loads {
         }
         let mut sums = vec![[0.0; 2]; scene.spheres().len()];
         let mut add = |id, stiffness: f32, damping: f32| {
-            // Every end is in the scene: with a sphere go its springs.
+            // Every end is in the scene, because removing a sphere also removes its springs.
             if let Ok(index) = scene.spheres.index(id) {
                 let sum: &mut [f64; 2] = &mut sums[index];
                 sum[0] += f64::from(stiffness);

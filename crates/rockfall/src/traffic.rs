@@ -1,9 +1,9 @@
-//! The bytes that a stage must move at least, from the counts alone.
+//! Computes the least number of bytes that a stage must move, from the counts alone.
 //!
-//! Every array that a stage has to read is counted once, every array that it has to write once, as if caches were
-//! perfect: that a neighbour's position is read by every contact costs nothing, for its cache line was needed anyway.
-//! The entries of the pair lists are counted with the padding of their slices, which is read with them. What only some
-//! bodies need (weights of collisions, constraints of fixed rods, springs) is left out, so the sums are lower bounds.
+//! Every array that a stage must read or write is counted once for reading and once for writing, as if caches were perfect.
+//! Reading a neighbour's position for every contact therefore costs nothing, because its cache line is needed anyway. The
+//! entries of the pair lists are counted with the padding of their slices, which is read with them. Data that only some bodies
+//! need (weights of collisions, constraints of fixed rods, springs) is left out, so the sums are lower bounds.
 
 use crate::model::buffer::Buffer;
 use crate::model::layout::{SLICE, words_of};
@@ -12,10 +12,10 @@ use crate::model::step::Step;
 use crate::step::schedule::Run;
 use crate::step::stage::{Access, Stage};
 
-/// How often a stage has to move what there is of each kind.
+/// How many times a stage must move the data of each kind.
 #[derive(Clone, Copy, Default)]
 struct Moves {
-    /// Rows of 16 bytes a sphere: position and radius, velocity and inverse mass, angular momentum and inverse inertia,
+    /// Rows of 16 bytes per sphere: position and radius, velocity and inverse mass, angular momentum and inverse inertia,
     /// orientation.
     rows: u64,
     /// AABBs of spheres, 32 bytes each.
@@ -24,7 +24,7 @@ struct Moves {
     aabbs: u64,
     /// Tags of all objects, 4 bytes each.
     tags: u64,
-    /// Counts of the pair lists, 4 bytes a mover, and slice offsets.
+    /// Counts of the pair lists, 4 bytes per mover, and slice offsets.
     counts: u64,
     /// Entries of the pair lists, 4 bytes each.
     entries: u64,
@@ -36,7 +36,7 @@ struct Moves {
     extents: u64,
     /// Records of the rods, 16 bytes each.
     rods: u64,
-    /// Forces on rods, 64 bytes a rod.
+    /// Forces on rods, 64 bytes per rod.
     wrenches: u64,
 }
 
@@ -54,10 +54,10 @@ const NONE: Moves = Moves {
     wrenches: 0,
 };
 
-/// What every force evaluation reads besides the state.
+/// Data that every force evaluation reads in addition to the state.
 const FORCES: Moves = Moves { counts: 1, entries: 1, wrenches: 1, ..NONE };
 
-/// The moves of a stage; `None` for one that this table does not know.
+/// The moves of a stage; `None` for a stage that this table does not contain.
 #[rustfmt::skip]
 fn moves(name: &str, pass: u32) -> Option<Moves> {
     Some(match name {
@@ -70,10 +70,10 @@ fn moves(name: &str, pass: u32) -> Option<Moves> {
         "bound_blocks" => Moves { aabbs: 1, keys: 1, ..NONE },
         "count_near" => Moves { aabbs: 1, keys: 1, counts: 1, ..NONE },
         "fill_near" => Moves { aabbs: 1, keys: 1, counts: 1, entries: 1, ..NONE },
-        // All of the five below that come before `find_neighbours`.
+        // The sum of the following five stages before `find_neighbours`.
         "build_grid" => Moves { aabbs: 2, cells: 6, keys: 3, extents: 1, ..NONE },
         "clear_cells" | "sum_blocks" => Moves { cells: 1, ..NONE },
-        // Adds to its cell, which reads and writes it; writes the key.
+        // Adds to its cell, which is read and written; writes the key.
         "count_cells" => Moves { aabbs: 1, cells: 2, keys: 1, ..NONE },
         "place_cells" => Moves { cells: 2, ..NONE },
         // Reads the key, writes the id and the extent.
@@ -81,36 +81,36 @@ fn moves(name: &str, pass: u32) -> Option<Moves> {
         "find_neighbours" => Moves { aabbs: 1, cells: 1, keys: 1, extents: 1, counts: 1, entries: 1, ..NONE },
         // Few movers are long.
         "count_long" | "fill_long" => NONE,
-        // Reads position, velocity and entries; few of these change.
+        // Reads position, velocity and entries. Few entries change.
         "find_collisions" => Moves { rows: 2, sphere_aabbs: 1, counts: 1, entries: 1, ..NONE },
-        // Few bodies collide; the others are told by their counts.
+        // Few bodies collide. The counts show which ones do not.
         "list_collisions" | "apply_collisions" | "commit_collisions" => Moves { counts: 1, ..NONE },
-        // What there is of collisions alone.
+        // These process the collisions only.
         "weigh_collisions" | "sweep_at_once" | "sweep_collisions" | "weigh_networks" | "project_networks" | "gather_impulses" => NONE,
-        // Reads and writes 3 rows; looks at the entries for those that press.
+        // Reads and writes 3 rows; reads the entries for pressed contacts.
         "apply_friction_impulses" => Moves { rows: 6, counts: 1, entries: 1, ..NONE },
         "commit_symplectic_euler" | "commit_friction_impulses" => Moves { rows: 6, sphere_aabbs: 1, ..NONE },
-        // And reads and writes the orientation.
+        // Also reads and writes the orientation.
         "commit_and_turn" => Moves { rows: 8, sphere_aabbs: 1, ..NONE },
         "rod_forces" => Moves { rods: 1, wrenches: 1, ..NONE },
-        // Reads 3 rows, writes 3; in later passes it reads the 3 of the starting state besides, in the last one AABBs.
+        // Reads 3 rows, writes 3. Later passes also read the 3 rows of the starting state, and the last one AABBs.
         "advance" => Moves { rows: if pass == 0 { 6 } else { 9 }, sphere_aabbs: u64::from(pass == 2), ..FORCES },
-        // Reads 3 rows of four states, writes 3, and the old position and mean spin.
+        // Reads 3 rows of four states; writes 3, and the old position and mean spin.
         "finish" => Moves { rows: 17, ..FORCES },
-        // The same without those, and with the orientation, which it reads and writes.
+        // The same without the last two, but reads and writes the orientation.
         "finish_and_turn" => Moves { rows: 17, ..FORCES },
         // Reads 3 rows, writes 3.
         "symplectic_euler" => Moves { rows: 6, sphere_aabbs: 1, ..FORCES },
         // Reads the mean spin, reads and writes the orientation.
         "turn" => Moves { rows: 3, ..NONE },
-        // Not part of a step, or in the place of other stages, and not timed.
+        // Not part of a step, or in place of other stages, and not timed.
         "run_steps" | "key_spheres" | "count_digits" | "scatter_digits" | "permute_spheres" | "settle_spheres" | "measure_order" => NONE,
         "plan_lists" | "end_step" | "restore_lengths" | "constrain" => NONE,
         _ => return None,
     })
 }
 
-/// For a stage without a line of its own: each of its bindings once, whole.
+/// For a stage that `moves` does not contain: counts each of its bindings once, whole.
 fn moves_by_bindings(stage: &Stage, pass: u32) -> Moves {
     let mut moves = NONE;
     for binding in stage.bindings {
@@ -129,7 +129,7 @@ fn moves_by_bindings(stage: &Stage, pass: u32) -> Moves {
     moves
 }
 
-/// Bytes that a run must move at least, with the counts of `step` and the list entries of `status`.
+/// Least number of bytes that a run must move, with the counts of `step` and the list entries of `status`.
 pub(crate) fn least_bytes(run: &Run, step: &Step, status: &Status) -> u64 {
     if run.workgroups(step) == 0 {
         return 0;
@@ -159,22 +159,22 @@ mod tests {
 
     fn per_sphere(integrator: Integrator) -> u64 {
         let step = Step { spheres: 1 << 20, cells: 1 << 20, ..Step::default() };
-        // Six entries a sphere.
+        // Six entries per sphere.
         let status = Status { pair_rows_needed: (6 << 20) / SLICE, ..Status::default() };
         let runs = Phase::STEP.iter().flat_map(|phase| phase.stages(integrator, BroadPhase::Grid));
         runs.map(|run| least_bytes(run, &step, &status)).sum::<u64>() >> 20
     }
 
     #[test]
-    fn a_step_moves_what_its_arrays_hold() {
+    fn a_step_moves_a_plausible_number_of_bytes() {
         let (rk4, euler) = (per_sphere(Integrator::Rk4), per_sphere(Integrator::SymplecticEuler));
-        // Six states in and out of four evaluations come to more than 700 bytes; lists and AABBs follow.
+        // Reading and writing six states in four evaluations takes more than 700 bytes. Lists and AABBs add to that.
         assert!((1000..2500).contains(&rk4), "{rk4}");
         assert!(euler < rk4 && euler > 500, "{euler}");
     }
 
     #[test]
-    fn stages_without_a_line_are_judged_by_their_bindings() {
+    fn unknown_stages_are_estimated_by_their_bindings() {
         let step = Step { spheres: 100, rods: 1, ..Step::default() };
         for stage in ALL.into_iter().filter(|stage| stage.name == "commit_symplectic_euler") {
             let by_bindings = moves_by_bindings(stage, 0).rows;

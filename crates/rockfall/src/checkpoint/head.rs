@@ -1,4 +1,5 @@
-//! What a checkpoint tells before its objects. Structs are taken apart field by field, so that a new field is not forgotten.
+//! The head of a checkpoint, which precedes its objects. Structs are destructured field by field, so that the compiler reports
+//! a new field that is missing here.
 
 use super::words::{Damage, Head, Words};
 use super::{Checkpoint, History};
@@ -15,7 +16,7 @@ pub(super) fn bytes(checkpoint: &Checkpoint) -> Vec<u8> {
     }
     settings(&mut head, &scene.settings);
 
-    // How steps are dispatched changes no result, and is left to the device that goes on.
+    // How steps are dispatched does not change results, and is chosen by the device that continues.
     let Options { backend, integrator, broad_phase, pair_capacity, keep_going, join_steps: _ } = options;
     for text in [backend.to_string(), integrator.to_string(), broad_phase.to_string()] {
         head.text(&text);
@@ -47,7 +48,7 @@ pub(super) fn bytes(checkpoint: &Checkpoint) -> Vec<u8> {
     head.bytes
 }
 
-/// The checkpoint but for its objects, and how many there are.
+/// Reads the checkpoint without its objects, and the numbers of objects.
 pub(super) fn read(words: &mut Words) -> Result<(Checkpoint, Counts), Damage> {
     let (program, device, note) = (words.text()?, words.text()?, words.text()?);
     let mut scene = Scene::new();
@@ -60,7 +61,7 @@ pub(super) fn read(words: &mut Words) -> Result<(Checkpoint, Counts), Damage> {
 
     let time_step = words.f32()?;
     if !(time_step.is_finite() && time_step > 0.0) {
-        return Err(Damage::new(format!("a time step of {time_step} s")));
+        return Err(Damage::new(format!("its time step of {time_step} s is not positive and finite")));
     }
     let report = Report {
         steps: words.u64()?,
@@ -75,11 +76,14 @@ pub(super) fn read(words: &mut Words) -> Result<(Checkpoint, Counts), Damage> {
     };
     let history = History { lengths_due: words.bool()?, margin_scale: words.f32()?, lookahead: words.f32()? };
     if !(history.margin_scale >= 0.0 && history.lookahead >= 1.0) {
-        return Err(Damage::new(format!("AABB margins of {} for {} steps", history.margin_scale, history.lookahead)));
+        return Err(Damage::new(format!(
+            "its AABB margin {} or its lookahead of {} steps is out of range",
+            history.margin_scale, history.lookahead
+        )));
     }
 
     let mut count = || -> Result<usize, Damage> {
-        usize::try_from(words.u64()?).map_err(|_| Damage::new("more objects than fit in memory"))
+        usize::try_from(words.u64()?).map_err(|_| Damage::new("it has more objects than fit in memory"))
     };
     let counts = Counts {
         spheres: count()?,
@@ -93,8 +97,8 @@ pub(super) fn read(words: &mut Words) -> Result<(Checkpoint, Counts), Damage> {
     Ok((Checkpoint { scene, options, time_step, report, note, device, program, history }, counts))
 }
 
-/// The constants by name, as text that reads back bit for bit; the direction of gravity also as it is, for one that was
-/// filled in by hand need not have the length 1 that a name gives it.
+/// Writes the constants by name, as text that reads back bitwise identical. The direction of gravity is also stored as numbers,
+/// because reading it by name normalizes it, and a direction set in code need not have length 1.
 fn settings(head: &mut Head, settings: &Settings) {
     head.u32(Settings::NAMES.len() as u32);
     for name in Settings::NAMES {

@@ -1,5 +1,4 @@
-//! The objects of a checkpoint, each in as many 32-bit words as its kind takes. Other objects are named by their index in
-//! order of addition.
+//! The objects of a checkpoint. Each kind takes a fixed number of 32-bit words. Objects refer to others by insertion index.
 
 use std::io::{self, Write};
 
@@ -8,16 +7,16 @@ use glam::{Quat, Vec3};
 use super::words::{Damage, Words};
 use crate::scene::{CapsuleParts, Counts, Cuboid, Handle, Polygon, Registry, Rod, Scene, Sphere, Spring, Tether};
 
-/// Bytes that are handed on at once.
+/// Maximum number of bytes written at once.
 const CHUNK: usize = 1 << 16;
 
-/// An object as N words.
+/// An object that is stored as N words.
 trait Record<const N: usize>: Sized {
     fn pack(&self, scene: &Scene) -> [u32; N];
     fn unpack(words: [u32; N], scene: &Scene) -> Result<Self, Damage>;
 }
 
-/// Bytes of all objects.
+/// Size of all objects, in bytes.
 pub(super) fn length(counts: &Counts) -> usize {
     let Counts { spheres, rods, capsules, springs, tethers, boxes, polygons } = counts;
     4 * (19 * spheres + 5 * rods + 3 * capsules + 5 * springs + 7 * tethers + 13 * boxes + 10 * polygons)
@@ -48,7 +47,7 @@ fn write_all<const N: usize>(objects: &[impl Record<N>], scene: &Scene, out: &mu
 
 pub(super) fn read(words: &mut Words, counts: &Counts, scene: &mut Scene) -> Result<(), Damage> {
     read_all(words, counts.spheres, scene, |scene, sphere: Sphere| {
-        // What a step may leave of an orientation decides nothing else.
+        // A step may leave an orientation that is not a unit quaternion. No other value depends on it.
         Sphere { orientation: Quat::IDENTITY, ..sphere }.validate()?;
         scene.spheres.add(sphere);
         Ok(())
@@ -70,7 +69,7 @@ fn read_all<T: Record<N>, const N: usize>(
     scene: &mut Scene,
     add: impl Fn(&mut Scene, T) -> Result<(), Damage>,
 ) -> Result<(), Damage> {
-    let length = count.checked_mul(4 * N).ok_or_else(|| Damage::new("more objects than fit in memory"))?;
+    let length = count.checked_mul(4 * N).ok_or_else(|| Damage::new("it has more objects than fit in memory"))?;
     for bytes in words.take(length)?.chunks_exact(4 * N) {
         let mut record = Words::new(bytes);
         let mut packed = [0; N];
@@ -97,7 +96,7 @@ impl Record<19> for Sphere {
 
     fn unpack(words: [u32; 19], _scene: &Scene) -> Result<Self, Damage> {
         let number = |place: usize| f32::from_bits(words[place]);
-        let (group, fixed) = grouped(words[18])?;
+        let (group, fixed) = group_and_flag(words[18])?;
         Ok(Self {
             position: vector(&words[0..]),
             velocity: vector(&words[3..]),
@@ -121,7 +120,7 @@ impl Record<5> for Rod {
     }
 
     fn unpack([end1, end2, radius, length, group]: [u32; 5], scene: &Scene) -> Result<Self, Damage> {
-        let (group, held) = grouped(group)?;
+        let (group, held) = group_and_flag(group)?;
         Ok(Self {
             end1: handle(&scene.spheres, end1)?,
             end2: handle(&scene.spheres, end2)?,
@@ -179,7 +178,7 @@ impl Record<13> for Cuboid {
 
     fn unpack(words: [u32; 13], _scene: &Scene) -> Result<Self, Damage> {
         let edges = [vector(&words[3..]), vector(&words[6..]), vector(&words[9..])];
-        Ok(Self { corner: vector(&words), edges, group: grouped(words[12])?.0 })
+        Ok(Self { corner: vector(&words), edges, group: group_and_flag(words[12])?.0 })
     }
 }
 
@@ -193,11 +192,11 @@ impl Record<10> for Polygon {
 
     fn unpack(words: [u32; 10], _scene: &Scene) -> Result<Self, Damage> {
         let (left, right) = (vector(&words[3..]), vector(&words[6..]));
-        Ok(Self { corner: vector(&words), left, right, group: grouped(words[9])?.0 })
+        Ok(Self { corner: vector(&words), left, right, group: group_and_flag(words[9])?.0 })
     }
 }
 
-/// Puts vectors into the first words.
+/// Writes vectors to the first words.
 fn put<const V: usize>(words: &mut [u32], vectors: [Vec3; V]) {
     for (place, number) in words.iter_mut().zip(vectors.iter().flat_map(|vector| vector.to_array())) {
         *place = number.to_bits();
@@ -208,15 +207,15 @@ fn vector(words: &[u32]) -> Vec3 {
     Vec3::new(f32::from_bits(words[0]), f32::from_bits(words[1]), f32::from_bits(words[2]))
 }
 
-/// A group, and the bit above it.
-fn grouped(word: u32) -> Result<(u16, bool), Damage> {
+/// Splits a word into a group and the flag in the bit above it.
+fn group_and_flag(word: u32) -> Result<(u16, bool), Damage> {
     match word >> 16 {
         bit @ (0 | 1) => Ok((word as u16, bit == 1)),
-        _ => Err(Damage::new(format!("an unknown mark {word:#x} on an object"))),
+        _ => Err(Damage::new(format!("an object has the unknown flags {word:#x}"))),
     }
 }
 
-/// The index of an object that the scene itself refers to: it is there.
+/// The insertion index of an object. The scene contains every object that it refers to.
 fn index<T>(registry: &Registry<T>, handle: Handle<T>) -> u32 {
     registry.index(handle).map_or(u32::MAX, |index| index as u32)
 }
@@ -225,5 +224,5 @@ fn handle<T>(registry: &Registry<T>, index: u32) -> Result<Handle<T>, Damage> {
     if (index as usize) < registry.len() {
         return Ok(registry.handle_at(index as usize));
     }
-    Err(Damage::new(format!("an object refers to number {index} of {} others", registry.len())))
+    Err(Damage::new(format!("an object refers to index {index} of {} objects", registry.len())))
 }

@@ -1,8 +1,8 @@
-//! Reading and writing little-endian numbers.
+//! Reads and writes little-endian numbers.
 
 use glam::Vec3;
 
-/// What is wrong with a checkpoint.
+/// The reason why a checkpoint is not usable.
 #[derive(Debug)]
 pub(super) struct Damage(pub(super) String);
 
@@ -12,14 +12,14 @@ impl Damage {
     }
 }
 
-/// An object or a constant that the scene refuses.
+/// From the library's error about an object or a constant.
 impl From<crate::Error> for Damage {
     fn from(error: crate::Error) -> Self {
         Self(error.to_string())
     }
 }
 
-/// What is left to read.
+/// The bytes that are left to read.
 pub(super) struct Words<'a> {
     bytes: &'a [u8],
 }
@@ -33,7 +33,7 @@ impl<'a> Words<'a> {
         let (taken, rest) = self
             .bytes
             .split_at_checked(length)
-            .ok_or_else(|| Damage::new(format!("{length} bytes expected where {} are left", self.bytes.len())))?;
+            .ok_or_else(|| Damage::new(format!("{length} bytes expected, {} left", self.bytes.len())))?;
         self.bytes = rest;
         Ok(taken)
     }
@@ -64,7 +64,7 @@ impl<'a> Words<'a> {
         match self.u32()? {
             0 => Ok(false),
             1 => Ok(true),
-            other => Err(Damage::new(format!("{other} where 0 or 1 is expected"))),
+            other => Err(Damage::new(format!("a flag is {other}, expected 0 or 1"))),
         }
     }
 
@@ -73,21 +73,21 @@ impl<'a> Words<'a> {
     }
 
     pub(super) fn text(&mut self) -> Result<String, Damage> {
-        let length = usize::try_from(self.u64()?).map_err(|_| Damage::new("a text that is too long"))?;
+        let length = usize::try_from(self.u64()?).map_err(|_| Damage::new("a text is too long"))?;
         let bytes = self.take(length)?.to_vec();
-        String::from_utf8(bytes).map_err(|_| Damage::new("a text that is not UTF-8"))
+        String::from_utf8(bytes).map_err(|_| Damage::new("a text is not UTF-8"))
     }
 
-    /// That nothing is left.
+    /// Checks that no bytes are left.
     pub(super) fn end(&self) -> Result<(), Damage> {
         match self.bytes.len() {
             0 => Ok(()),
-            left => Err(Damage::new(format!("{left} bytes more than expected"))),
+            left => Err(Damage::new(format!("it has {left} bytes more than expected"))),
         }
     }
 }
 
-/// What is written before the objects.
+/// The bytes of the head, which precede the objects.
 #[derive(Default)]
 pub(super) struct Head {
     pub(super) bytes: Vec<u8>,

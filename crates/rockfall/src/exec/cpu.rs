@@ -1,31 +1,32 @@
-//! The CPU backend: the same stages over the same arrays, in plain Rust with rayon.
+//! The CPU backend: runs the same stages over the same arrays, in plain Rust with rayon.
 //!
-//! It is written from the formulas of physics.md, never translated from the WGSL, so that the two can catch each other.
+//! It is written from the formulas of physics.md, never translated from the WGSL, so that each of the two can reveal errors in
+//! the other.
 
 use crate::model::world::World;
 use crate::step::broad_phase::grid::cells;
 use crate::step::schedule::Run;
 
-/// How many pairs of objects the grid compares to make the lists of a world, after the stages of its broad phase. It grows as
-/// the number of objects, and a test counts that it does.
+/// Number of pairs of objects that the grid compares to build the lists of a world. Call it after the stages of the grid broad
+/// phase. The number grows in proportion to the number of objects, which a test checks.
 pub fn pair_tests(world: &World) -> u64 {
     cells::pair_tests(world)
 }
 
-/// The most objects that a thread of a kernel looks at to make the list of its mover, after the stages of the grid broad phase. Long
-/// movers are left out: a workgroup looks around for each.
+/// The largest number of objects that one thread of a kernel compares to build the list of its mover. Call it after the stages
+/// of the grid broad phase. Long movers are left out, because a whole workgroup searches for each of them.
 pub fn longest_search(world: &World) -> u64 {
     cells::longest_search(world)
 }
 
-/// Runs stages in their order.
+/// Runs stages in order.
 pub fn run(world: &mut World, runs: &[Run]) {
     for run in runs {
         run.on_cpu(world);
     }
 }
 
-/// Runs stages in their order; gives the time of each, in s.
+/// Runs stages in order and returns the time of each, in s. `None` stands for a stage without work.
 pub(crate) fn run_timed(world: &mut World, stages: &[Run]) -> Vec<Option<f64>> {
     let timed = |run: &Run| {
         if run.workgroups(&world.step) == 0 {
@@ -38,7 +39,7 @@ pub(crate) fn run_timed(world: &mut World, stages: &[Run]) -> Vec<Option<f64>> {
     stages.iter().map(timed).collect()
 }
 
-/// The host's clock, which stands still in a browser.
+/// A stopwatch on the host's clock. In a browser it always reads 0.
 pub(crate) struct Watch {
     #[cfg(not(target_family = "wasm"))]
     start: std::time::Instant,

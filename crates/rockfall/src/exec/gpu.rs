@@ -1,9 +1,10 @@
-//! The wgpu backend: the stages' kernels, run on any GPU that wgpu can drive.
+//! The wgpu backend: runs the kernels of the stages on any GPU that wgpu supports.
 //!
-//! [`Gpu`] is an opened device with its compiled kernels, [`GpuWorld`] the buffers of one [`World`](crate::model::world::World) on
-//! it. Nothing here waits for the device but `async` functions, and [`block_on`], which native callers drive those with.
+//! [`Gpu`] is an opened device with its compiled kernels. [`GpuWorld`] holds the buffers of one
+//! [`World`](crate::model::world::World) on that device. Only the `async` functions here wait for the device, and [`block_on`],
+//! which drives them for native callers.
 //!
-//! This module is public for tools and tests; it may change between minor versions.
+//! This module is public for tools and tests. It may change between minor versions.
 
 mod array;
 mod check;

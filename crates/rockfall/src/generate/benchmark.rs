@@ -1,4 +1,5 @@
-//! Scenes to measure with: O(N) to make, in memory that the scene takes anyway, and such that bodies go on meeting.
+//! Scenes for benchmarks. Generation takes O(N) time and no memory beyond the scene's own. Bodies keep meeting as the scene
+//! runs.
 
 use std::fmt;
 use std::str::FromStr;
@@ -11,38 +12,38 @@ use super::{Random, ball_within, check_count, walled_box};
 use crate::error::{Error, Result, quoted};
 use crate::scene::{Capsule, Cuboid, Rod, Scene, Sphere, Spring};
 
-/// A scene to measure with. The numbers of bodies are exact.
+/// A benchmark scene. The numbers of bodies are exact.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Benchmark {
-    /// Section 2.9 of the thesis: nothing but spheres, placed randomly close to each other. They draw together slowly,
-    /// without gravity, so that they go on meeting.
+    /// Section 2.9 of the thesis: only spheres, placed randomly close to each other. They drift together slowly, without
+    /// gravity, so that they keep meeting.
     Thesis,
-    /// Equal spheres on a cubic lattice whose spacing is 0.97 of their diameter, in a closed box and without gravity: every
-    /// sphere has six contacts, whose forces cancel. Where the topmost layer is not full, its spheres drift.
+    /// Equal spheres on a cubic lattice whose spacing is 0.97 of their diameter, in a closed box and without gravity. Every
+    /// sphere has six contacts, whose forces cancel. If the topmost layer is not full, its spheres drift.
     Lattice,
     /// Spheres of several sizes that fall into a walled box, at most [`LAYERS`] deep.
     Pile,
-    /// Nearly equal spheres as they lie when all has settled: close-packed layers, at most [`LAYERS`] deep.
+    /// Nearly equal spheres in close-packed layers, as if already settled, at most [`LAYERS`] deep.
     Settled,
     /// The spheres of [`Benchmark::Pile`], added in random order.
     Shuffled,
-    /// A quarter capsules, a quarter rods with a spring, half spheres, falling into a walled box. Here the number is that
-    /// of these bodies: capsules and rods have two spheres each.
+    /// A quarter capsules, a quarter rods with a spring, half spheres, falling into a walled box. The number of bodies counts
+    /// capsules and rods as one each, although they have two spheres.
     Mixed,
-    /// Spheres of radii from 1 to 50 that fall into a walled box: few large ones among many small ones.
+    /// Spheres that fall into a walled box, whose radii differ by a factor of up to 50: few large ones among many small ones.
     Radii,
 }
 
-/// Piles are no deeper than this, in spheres: with the default contact force the lowest bear so much with overlaps of a
-/// tenth of their size.
+/// Maximum depth of piles, in spheres. With the default contact force, the lowest spheres of such a pile overlap by a tenth of
+/// their size.
 pub const LAYERS: u32 = 32;
 
 impl Benchmark {
-    /// All of them.
+    /// All benchmark scenes.
     pub const ALL: [Self; 7] =
         [Self::Thesis, Self::Lattice, Self::Pile, Self::Settled, Self::Shuffled, Self::Mixed, Self::Radii];
 
-    /// The name on the command line.
+    /// Name of the scene on the command line.
     pub fn name(self) -> &'static str {
         match self {
             Self::Thesis => "thesis",
@@ -55,7 +56,7 @@ impl Benchmark {
         }
     }
 
-    /// Generates a scene with so many bodies; the same for the same seed.
+    /// Generates a scene with exactly `bodies` bodies. The same seed gives the same scene.
     ///
     /// # Errors
     /// [`Error::Invalid`] for 0 bodies, [`Error::TooManyObjects`] for more than the engine can number.
@@ -92,14 +93,14 @@ impl FromStr for Benchmark {
     }
 }
 
-/// The random numbers of one body, whatever the order in which bodies are added.
+/// The random numbers of one body. They do not depend on the order in which bodies are added.
 fn random_of(seed: u64, index: u32) -> Random {
-    // Neighbouring seeds would begin alike.
+    // The index is mixed, because neighbouring seeds would give similar first numbers.
     let mixed = (u64::from(index) + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
     Random(Pcg64Mcg::seed_from_u64(seed ^ mixed))
 }
 
-/// Numbers in random order (Fisher and Yates).
+/// The numbers from 0 to `count` - 1 in random order (Fisher and Yates).
 fn shuffled(count: u32, seed: u64) -> Vec<u32> {
     let mut random = Random(Pcg64Mcg::seed_from_u64(seed));
     let mut order: Vec<u32> = (0..count).collect();
@@ -109,7 +110,7 @@ fn shuffled(count: u32, seed: u64) -> Vec<u32> {
     order
 }
 
-/// The least number whose power is not below `count`.
+/// The least number whose power `power` is not below `count`.
 fn root(count: u32, power: u32) -> u32 {
     let mut side = (f64::from(count).powf(1.0 / f64::from(power)) as u32).max(1);
     while u64::from(side).pow(power) < u64::from(count) {
@@ -118,14 +119,14 @@ fn root(count: u32, power: u32) -> u32 {
     side
 }
 
-/// A block of cells `across` wide either way, which stands about the y axis.
+/// A block of cells, `across` cells wide in both directions, centred on the y axis.
 struct Block {
     across: u32,
     cell: f32,
 }
 
 impl Block {
-    /// As wide as high, or, where that is deeper than `layers`, wider.
+    /// As wide as it is high, or wider if it would be deeper than `layers`.
     fn new(cells: u32, cell: f32, layers: u32) -> Self {
         let across = root(cells, 3).max(root(cells.div_ceil(layers), 2));
         Self { across, cell }
@@ -145,7 +146,7 @@ impl Block {
         self.cell * cells.div_ceil(self.across * self.across) as f32
     }
 
-    /// Walls and a floor around it, with room above.
+    /// Adds walls and a floor around the block, with room above.
     fn enclose(&self, scene: &mut Scene, cells: u32) -> Result<()> {
         walled_box(scene, self.half(), self.half(), self.height(cells) + 2.0)
     }
@@ -154,7 +155,7 @@ impl Block {
 fn thesis(bodies: u32, seed: u64) -> Result<Scene> {
     const RADIUS: f32 = 0.2;
     const CELL: f32 = 0.45;
-    /// How fast they draw together, in 1/s: in 1,000 steps of 20 ms they have met and part again.
+    /// Rate at which the spheres approach the middle, in 1/s. Within 1,000 steps of 20 ms they meet and separate again.
     const TOGETHER: f32 = 0.1;
     let mut scene = Scene::new();
     scene.settings.gravity = 0.0;
@@ -177,7 +178,8 @@ fn lattice(bodies: u32) -> Result<Scene> {
     for index in 0..bodies {
         scene.add_sphere(Sphere::new(block.centre(index), RADIUS))?;
     }
-    // Overlaps with walls are half of those between spheres, reduced masses twice: the forces are the same.
+    // Overlaps with walls are half of those between spheres, and the reduced masses are twice as large, so the forces are
+    // equal.
     let (half, height) = (block.half(), block.height(bodies));
     walled_box(&mut scene, half, half, height)?;
     scene.add_box(Cuboid::between([-half, height, -half], [half, height + 2.0, half]))?;
@@ -198,7 +200,7 @@ fn pile(bodies: u32, seed: u64, order: impl Iterator<Item = u32>) -> Result<Scen
 
 fn settled(bodies: u32, seed: u64) -> Result<Scene> {
     const RADIUS: f32 = 0.2;
-    // Layers of squares, each sphere of the next in the dip between four: as dense as spheres can lie.
+    // Square layers; each sphere of the next layer lies in the dip between four. This is the densest packing of spheres.
     const APART: f32 = 2.0 * RADIUS;
     const RISE: f32 = APART * std::f32::consts::FRAC_1_SQRT_2;
     let mut scene = Scene::new();
@@ -214,7 +216,7 @@ fn settled(bodies: u32, seed: u64) -> Result<Scene> {
         let radius = RADIUS * random.between(0.98, 1.0);
         scene.add_sphere(Sphere::new(position, radius).mass((radius / RADIUS).powi(3)))?;
     }
-    // Every other layer stands half a sphere aside.
+    // Every other layer is shifted by half a sphere.
     let half = block.half() + 0.25 * APART;
     for sphere in scene.spheres.objects_mut() {
         sphere.position -= Vec3::new(0.25 * APART, 0.0, 0.25 * APART);
@@ -225,7 +227,7 @@ fn settled(bodies: u32, seed: u64) -> Result<Scene> {
 
 fn mixed(bodies: u32, seed: u64) -> Result<Scene> {
     const CELL: f32 = 1.0;
-    /// Half the distance of two ends, and the greatest radius: with the cell's jitter they stay inside it.
+    /// Half the distance of two ends, and the greatest radius. With the random offset they stay inside the cell.
     const HALF: f32 = 0.25;
     const RADIUS: f32 = 0.18;
     let mut scene = Scene::new();
@@ -251,15 +253,15 @@ fn mixed(bodies: u32, seed: u64) -> Result<Scene> {
     Ok(scene)
 }
 
-/// Two cells in turn: one with a sphere of radius 50 (times [`UNIT`]), one that is divided into 7³ cells, every other one
-/// with a sphere of radius 7, the others divided into 7³ cells with a sphere of radius 1 to 1.2 each.
+/// Alternates two kinds of cells. One holds a sphere of radius 50 (times [`UNIT`]). The other is divided into 7³ cells: every
+/// second one holds a sphere of radius 7, and the others are divided into 7³ cells with a sphere of radius 1 to 1.2 each.
 fn radii(bodies: u32, seed: u64) -> Result<Scene> {
     const UNIT: f32 = 0.05;
     const SIDE: u32 = 7;
-    /// A cell for the largest, for the middle and for the smallest.
+    /// Edges of the cells of the largest, the middle and the smallest spheres.
     const CELLS: [f32; 3] = [120.0 * UNIT, 120.0 * UNIT / 7.0, 120.0 * UNIT / 49.0];
     const SMALL: u32 = SIDE * SIDE * SIDE;
-    /// Spheres of two cells.
+    /// Number of spheres in two cells.
     const PERIOD: u32 = 1 + SMALL.div_ceil(2) + SMALL / 2 * SMALL;
     let mut scene = Scene::new();
     let periods = bodies.div_ceil(PERIOD);
@@ -271,7 +273,7 @@ fn radii(bodies: u32, seed: u64) -> Result<Scene> {
     for index in 0..bodies {
         let mut random = random_of(seed, index);
         let (period, place) = (index / PERIOD, index % PERIOD);
-        // The rest of the period in the second cell: 1 of the middle and 343 of the smallest by turns.
+        // The rest of the period is in the second cell: alternately 1 middle sphere and 343 smallest ones.
         let (middle, small) = (place.saturating_sub(1) / (SMALL + 1) * 2, place.saturating_sub(1) % (SMALL + 1));
         let (centre, radius, cell) = if place == 0 {
             (block.centre(2 * period), 50.0, CELLS[0])
@@ -283,8 +285,8 @@ fn radii(bodies: u32, seed: u64) -> Result<Scene> {
             (block.centre(2 * period + 1) + offset, random.between(1.0, 1.2), CELLS[2])
         };
         let position = centre + random.offset(0.49 * cell - radius * UNIT);
-        // By radius and not by volume: contact forces go with the lighter body's mass, so small ones could never bear
-        // what is 125,000 times as heavy.
+        // Masses are proportional to the radius, not to the volume. Contact forces are proportional to the mass of the lighter
+        // body, so small spheres could never support one that is 125,000 times as heavy.
         scene.add_sphere(Sphere::new(position, radius * UNIT).mass(radius))?;
     }
     block.enclose(&mut scene, 2 * periods)?;
@@ -327,7 +329,7 @@ mod tests {
         assert_ne!(first(Benchmark::Pile), first(Benchmark::Shuffled));
     }
 
-    /// The deepest overlap of two spheres, as a part of the smaller one's radius.
+    /// The deepest overlap of two spheres, as a fraction of the smaller radius.
     fn overlap(scene: &Scene) -> f32 {
         let balls = scene.spheres();
         let gap = |a: &Sphere, b: &Sphere| a.position.distance(b.position) - a.radius - b.radius;
@@ -336,7 +338,7 @@ mod tests {
     }
 
     #[test]
-    fn only_what_lies_touches_at_first() {
+    fn only_resting_spheres_touch_at_first() {
         for benchmark in Benchmark::ALL {
             for bodies in SIZES {
                 let deepest = overlap(&benchmark.generate(bodies, 11).unwrap());
@@ -350,7 +352,7 @@ mod tests {
     }
 
     #[test]
-    fn radii_are_spread_fifty_times() {
+    fn radii_differ_by_a_factor_of_fifty() {
         let scene = Benchmark::Radii.generate(100_000, 1).unwrap();
         let radii = || scene.spheres().iter().map(|sphere| sphere.radius);
         let (least, greatest) = (radii().fold(f32::MAX, f32::min), radii().fold(0.0, f32::max));

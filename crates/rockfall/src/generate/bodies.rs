@@ -8,11 +8,11 @@ use crate::scene::{Capsule, Cuboid, Rod, Scene, Sphere, SphereId, Spring};
 
 pub(super) fn mixed(spheres: u32, random: &mut Random) -> Result<Scene> {
     const CELL: f32 = 1.1;
-    /// Half the distance of two ends, and their radius: with the cell's jitter they stay inside it.
+    /// Half the distance of two ends, and their radius. With the random offset they stay inside the cell.
     const HALF: f32 = 0.3;
     const RADIUS: f32 = 0.18;
     let mut scene = Scene::new();
-    // What each cell holds comes first: their number decides how wide the box is.
+    // The content of each cell is chosen first, because the number of cells determines the width of the box.
     let mut left = spheres;
     let mut pairs = Vec::new();
     while left > 0 {
@@ -36,7 +36,7 @@ pub(super) fn mixed(spheres: u32, random: &mut Random) -> Result<Scene> {
         }
         let a = scene.add_sphere(Sphere::new(centre - arm, RADIUS))?;
         let b = scene.add_sphere(Sphere::new(centre + arm, RADIUS))?;
-        // The thesis's example: a rod thinner than its ends, held by a spring instead of a length.
+        // The example of the thesis: a rod thinner than its ends, held by a spring instead of a fixed length.
         if kind == 2 {
             scene.add_rod(Rod::new(a, b, 0.1))?;
         }
@@ -47,12 +47,12 @@ pub(super) fn mixed(spheres: u32, random: &mut Random) -> Result<Scene> {
     Ok(scene)
 }
 
-/// Spheres along an edge of a blob.
+/// Number of spheres along an edge of a blob.
 const SIDE: i32 = 3;
 const BLOB: u32 = (SIDE * SIDE * SIDE) as u32;
 
 pub(super) fn soft(spheres: u32, random: &mut Random) -> Result<Scene> {
-    // The ball about a blob is 0.84 sqrt(3) + 0.32 = 1.78 wide.
+    // The ball that encloses a blob has a diameter of 0.84 sqrt(3) + 0.32 = 1.78.
     const CELL: f32 = 1.8;
     let mut scene = Scene::new();
     let cells = Cells::new(spheres.div_ceil(BLOB), CELL, 0.9);
@@ -61,7 +61,7 @@ pub(super) fn soft(spheres: u32, random: &mut Random) -> Result<Scene> {
     }
     let half = cells.half_width() + 0.5;
     walled_box(&mut scene, half, half, cells.top() + 1.0)?;
-    // Blocks on the floor to fall over, one below every column.
+    // Blocks on the floor for the blobs to fall onto, one below every column.
     for column in 0..cells.across * cells.across {
         let at = cells.centre(column) + random.offset(0.3);
         let size = random.between(0.2, 0.4);
@@ -71,8 +71,8 @@ pub(super) fn soft(spheres: u32, random: &mut Random) -> Result<Scene> {
     Ok(scene)
 }
 
-/// The first `count` spheres of a cubic lattice, at a random angle: springs between neighbours along edges and face
-/// diagonals, free rods as the skin of its outer edges.
+/// Adds the first `count` spheres of a cubic lattice at a random angle. Springs join neighbours along edges and face diagonals;
+/// free rods along its outer edges form its skin.
 fn blob(scene: &mut Scene, random: &mut Random, centre: Vec3, count: u32) -> Result<()> {
     const SPACING: f32 = 0.42;
     const RADIUS: f32 = 0.16;
@@ -109,14 +109,14 @@ fn turn(random: &mut Random) -> Mat3 {
 }
 
 pub(super) fn chain(spheres: u32, random: &mut Random) -> Result<Scene> {
-    /// Spheres of a chain, the fixed one included.
+    /// Number of spheres of a chain, including the fixed one.
     const LINKS: u32 = 10;
     const LINK: f32 = 0.5;
-    /// Distances of the fixed spheres, along the swing and across it.
+    /// Distances between the fixed spheres, along the swing and across it.
     const ALONG: f32 = 1.2;
     const ACROSS: f32 = 0.8;
-    /// Chains side by side that are pulled apart like a fan, so that they meet when they swing back, and the room
-    /// that the outer ones of two fans need.
+    /// Number of neighbouring chains that are pulled apart like a fan, so that they meet when they swing back, and the gap that
+    /// the outer chains of two fans need.
     const FAN: u32 = 8;
     const GAP: f32 = 9.0;
     let mut scene = Scene::new();
@@ -129,7 +129,7 @@ pub(super) fn chain(spheres: u32, random: &mut Random) -> Result<Scene> {
         let (row, place) = (chain / rows, chain % rows);
         let along = ALONG * place as f32 + GAP * (place / FAN) as f32;
         let hook = Vec3::new(along, 6.0, ACROSS * row as f32);
-        // Up to 60 degrees to either side, no two alike.
+        // Up to 60 degrees to either side, different for every chain.
         let middle = 0.5 * (FAN - 1) as f32;
         let aside = 1.7 * ((place % FAN) as f32 - middle) / middle;
         let aside = Vec3::new(aside + random.between(-0.05, 0.05), -1.0, random.between(-0.02, 0.02)).normalize();

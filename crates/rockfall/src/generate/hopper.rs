@@ -9,10 +9,10 @@ use crate::scene::{Cuboid, Scene};
 pub(super) fn hopper(spheres: u32, random: &mut Random) -> Result<Scene> {
     const CELL: f32 = 0.42;
     let mut scene = Scene::new();
-    // The box below holds what the block above holds: it is as wide, and the slopes fill none of it.
+    // The box below must hold all spheres of the block above. It is as wide as the block, and the slopes take none of its room.
     let size = Cells::new(spheres, CELL, 0.0);
     let half = size.half_width().max(1.5);
-    // Several spheres wide, else they arch and block it.
+    // The slot is several spheres wide. In a narrower one the spheres would form an arch and block it.
     let half_slot = (0.2 * half).max(0.8);
     let slot_height = size.top() + 1.0;
     let slope_top = slot_height + half - half_slot;
@@ -29,7 +29,7 @@ pub(super) fn hopper(spheres: u32, random: &mut Random) -> Result<Scene> {
     Ok(scene)
 }
 
-/// A slab whose upper side runs from `upper` down to `lower`, and `half_depth` to either side in z.
+/// Adds a slab whose upper side runs from `upper` down to `lower` and extends `half_depth` to either side in z.
 fn slope(scene: &mut Scene, upper: Vec3, lower: Vec3, half_depth: f32) -> Result<()> {
     const THICK: f32 = 1.0;
     let along = lower - upper;

@@ -1,6 +1,6 @@
-//! What moves in a scene, and what pulls at it, as builders: `Sphere::new([0.0, 1.0, 0.0], 0.5).mass(2.0)`.
+//! The movable objects of a scene, springs and tethers, as builders: `Sphere::new([0.0, 1.0, 0.0], 0.5).mass(2.0)`.
 //!
-//! Lengths and masses are in arbitrary units, times in seconds.
+//! Lengths are in arbitrary length units ("units"), masses in arbitrary mass units ("mass"), and times in seconds.
 
 use glam::{Quat, Vec3};
 
@@ -18,14 +18,14 @@ pub type SpringId = Handle<Spring>;
 /// Handle of a [`Tether`].
 pub type TetherId = Handle<Tether>;
 
-/// A ball, moving or fixed. Its inertia is 2/5 m r².
+/// A solid ball, moving or fixed. Its moment of inertia is 2/5 m r².
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sphere {
     /// Centre, in units.
     pub position: Vec3,
-    /// Velocity in units/s; of a fixed sphere, its surface's.
+    /// Velocity in units/s. For a fixed sphere, the velocity of its surface.
     pub velocity: Vec3,
-    /// Angular momentum in mass units²/s; of a fixed sphere it gives its surface a spin.
+    /// Angular momentum in mass units²/s. For a fixed sphere, it gives its surface a spin.
     pub angular_momentum: Vec3,
     /// Orientation, a unit quaternion.
     pub orientation: Quat,
@@ -33,16 +33,16 @@ pub struct Sphere {
     pub mass: f32,
     /// Radius in units, greater than 0.
     pub radius: f32,
-    /// A fixed sphere never moves.
+    /// Whether the sphere is fixed. A fixed sphere never moves.
     pub fixed: bool,
-    /// Outside force in mass units/s², acting until it is changed.
+    /// External force in mass units/s². It acts until it is changed.
     pub force: Vec3,
-    /// Objects of different groups never meet.
+    /// Collision group. Objects of different groups never touch.
     pub group: u16,
 }
 
 impl Sphere {
-    /// A resting sphere of mass 1.
+    /// Creates a sphere of mass 1 at rest, with its centre and radius in units.
     pub fn new(position: impl Into<Vec3>, radius: f32) -> Self {
         Self {
             position: position.into(),
@@ -81,13 +81,13 @@ impl Sphere {
         self
     }
 
-    /// Makes it a fixed sphere.
+    /// Makes the sphere fixed.
     pub fn fixed(mut self) -> Self {
         self.fixed = true;
         self
     }
 
-    /// Sets the outside force, in mass units/s².
+    /// Sets the external force, in mass units/s².
     pub fn force(mut self, force: impl Into<Vec3>) -> Self {
         self.force = force.into();
         self
@@ -104,12 +104,12 @@ impl Sphere {
         0.4 * self.mass * self.radius * self.radius
     }
 
-    /// Spin (angular velocity) in rad/s.
+    /// Spin (angular velocity), in rad/s.
     pub fn spin(&self) -> Vec3 {
         self.angular_momentum / self.inertia()
     }
 
-    /// The kernels take inverses of mass and inertia.
+    /// Whether the inverses of mass and inertia, which the kernels use, are finite and positive in f32.
     fn has_usable_inertia(&self) -> bool {
         let usable = |number: f32| number.is_normal() && number > 0.0;
         usable(self.inertia()) && usable(1.0 / self.inertia()) && usable(1.0 / self.mass)
@@ -146,19 +146,19 @@ pub struct Rod {
     pub end2: SphereId,
     /// Radius in units, greater than 0.
     pub radius: f32,
-    /// The length it is held at, in units; `None`: free.
+    /// The length that the rod is held at, in units; `None` for a free length.
     pub length: Option<f32>,
-    /// Objects of different groups never meet.
+    /// Collision group. Objects of different groups never touch.
     pub group: u16,
 }
 
 impl Rod {
-    /// A rod of free length.
+    /// Creates a rod of free length. The radius is in units.
     pub fn new(end1: SphereId, end2: SphereId, radius: f32) -> Self {
         Self { end1, end2, radius, length: None, group: 0 }
     }
 
-    /// Holds it at a length, in units, greater than 0.
+    /// Holds the rod at a length, in units, greater than 0.
     pub fn length(mut self, length: f32) -> Self {
         self.length = Some(length);
         self
@@ -176,18 +176,18 @@ impl Rod {
             positive("rod.length", length)?;
         }
         if self.end1 == self.end2 {
-            return Err(invalid("rod.end2", self.end2, "another sphere than end 1"));
+            return Err(invalid("rod.end2", self.end2, "a sphere other than end 1"));
         }
         Ok(())
     }
 }
 
-/// A rigid body of two spheres, each with half the mass, and a rod of fixed length.
+/// A rigid body made of two spheres, each with half the mass, and a rod of fixed length.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Capsule {
     /// Centre of the sphere at end 1, in units.
     pub end1: Vec3,
-    /// Centre of the sphere at end 2.
+    /// Centre of the sphere at end 2, in units.
     pub end2: Vec3,
     /// Velocity of both ends, in units/s.
     pub velocity: Vec3,
@@ -195,12 +195,12 @@ pub struct Capsule {
     pub mass: f32,
     /// Radius in units, greater than 0.
     pub radius: f32,
-    /// Objects of different groups never meet.
+    /// Collision group. Objects of different groups never touch.
     pub group: u16,
 }
 
 impl Capsule {
-    /// A resting capsule of mass 1.
+    /// Creates a capsule of mass 1 at rest. Ends and radius are in units.
     pub fn new(end1: impl Into<Vec3>, end2: impl Into<Vec3>, radius: f32) -> Self {
         Self { end1: end1.into(), end2: end2.into(), velocity: Vec3::ZERO, mass: 1.0, radius, group: 0 }
     }
@@ -223,7 +223,7 @@ impl Capsule {
         self
     }
 
-    /// Its length, when all is well.
+    /// Returns the distance of the ends if the capsule is valid.
     pub(crate) fn validate(&self) -> Result<f32> {
         finite("capsule.end1", self.end1)?;
         finite("capsule.end2", self.end2)?;
@@ -249,7 +249,7 @@ impl Capsule {
     }
 }
 
-/// The spheres and the rod that a [`Capsule`] became.
+/// The spheres and the rod that a [`Capsule`] consists of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct CapsuleParts {
     /// The sphere at end 1.
@@ -276,7 +276,7 @@ pub struct Spring {
 }
 
 impl Spring {
-    /// An undamped spring.
+    /// Creates an undamped spring of `stiffness` in mass/s² and rest `length` in units.
     pub fn new(a: SphereId, b: SphereId, stiffness: f32, length: f32) -> Self {
         Self { a, b, stiffness, length, damping: 0.0 }
     }
@@ -292,7 +292,7 @@ impl Spring {
         not_negative("spring.length", self.length)?;
         not_negative("spring.damping", self.damping)?;
         if self.a == self.b {
-            return Err(invalid("spring.b", self.b, "another sphere than a"));
+            return Err(invalid("spring.b", self.b, "a sphere other than a"));
         }
         Ok(())
     }
@@ -314,7 +314,7 @@ pub struct Tether {
 }
 
 impl Tether {
-    /// An undamped tether of rest length 0.
+    /// Creates an undamped tether of rest length 0, to a point in units, of `stiffness` in mass/s².
     pub fn new(sphere: SphereId, point: impl Into<Vec3>, stiffness: f32) -> Self {
         Self { sphere, point: point.into(), stiffness, length: 0.0, damping: 0.0 }
     }

@@ -1,4 +1,4 @@
-//! Objects in order of addition, behind handles that outlive removal of others.
+//! Objects in insertion order, referred to by handles that stay valid when other objects are removed.
 
 use std::fmt;
 use std::hash::{Hash, Hasher};
@@ -7,8 +7,8 @@ use std::sync::atomic::{AtomicU32, Ordering};
 
 use crate::error::{Error, Result};
 
-/// A handle to an object of kind `T`. It stays valid until that object is removed, whatever else is added or removed;
-/// after that, and in another scene, it is an error ([`Error::StaleHandle`]).
+/// A handle to an object of kind `T`. It stays valid until that object is removed, regardless of what else is added or removed.
+/// A handle to a removed object, or to an object of another scene, causes [`Error::StaleHandle`].
 pub struct Handle<T> {
     scene: u32,
     slot: u32,
@@ -50,10 +50,10 @@ impl<T> fmt::Debug for Handle<T> {
     }
 }
 
-/// Number of the next scene, so that a handle of one scene is never taken for one of another.
+/// Number of the next scene. The number lets a scene refuse the handles of other scenes.
 static NEXT_SCENE: AtomicU32 = AtomicU32::new(1);
 
-/// A number that no other scene of this process has.
+/// Returns a number that no other scene of this process has.
 pub(crate) fn new_scene_number() -> u32 {
     NEXT_SCENE.fetch_add(1, Ordering::Relaxed)
 }
@@ -61,11 +61,11 @@ pub(crate) fn new_scene_number() -> u32 {
 #[derive(Clone, Debug)]
 struct Slot {
     generation: u32,
-    /// Place in `objects`, or `None` when free.
+    /// Index in `objects`, or `None` if the slot is free.
     index: Option<u32>,
 }
 
-/// Objects of one kind, dense and in order of addition.
+/// Objects of one kind, stored densely in insertion order.
 #[derive(Clone, Debug)]
 pub(crate) struct Registry<T> {
     scene: u32,
@@ -103,7 +103,7 @@ impl<T> Registry<T> {
         Handle { scene: self.scene, slot, generation: self.slots[slot as usize].generation, kind: PhantomData }
     }
 
-    /// The object's place in order of addition.
+    /// The insertion index of an object.
     pub(crate) fn index(&self, handle: Handle<T>) -> Result<usize> {
         let slot = self.slots.get(handle.slot as usize);
         match slot {
@@ -123,9 +123,9 @@ impl<T> Registry<T> {
         Ok(&mut self.objects[index])
     }
 
-    /// Removes what `doomed` names; the others keep their order.
-    pub(crate) fn remove_where(&mut self, mut doomed: impl FnMut(&T) -> bool) {
-        let flags: Vec<bool> = self.objects.iter().map(&mut doomed).collect();
+    /// Removes the objects for which `is_removed` is true. The others keep their order.
+    pub(crate) fn remove_where(&mut self, mut is_removed: impl FnMut(&T) -> bool) {
+        let flags: Vec<bool> = self.objects.iter().map(&mut is_removed).collect();
         self.remove_flagged(&flags);
     }
 
@@ -168,7 +168,7 @@ impl<T> Registry<T> {
         self.objects.len()
     }
 
-    /// The handle of the object at `index` in order of addition.
+    /// The handle of the object with an insertion index.
     pub(crate) fn handle_at(&self, index: usize) -> Handle<T> {
         self.handle(self.owners[index])
     }
@@ -183,7 +183,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn handles_survive_the_removal_of_others_and_turn_stale_with_their_own() {
+    fn a_handle_becomes_stale_only_when_its_own_object_is_removed() {
         let mut registry = Registry::new(new_scene_number(), "number");
         let handles: Vec<_> = (0..4).map(|number| registry.add(number)).collect();
         registry.remove(handles[1]).unwrap();
@@ -191,7 +191,7 @@ mod tests {
         assert_eq!(registry.get(handles[3]).unwrap(), &3);
         assert!(registry.get(handles[1]).is_err());
         let reused = registry.add(9);
-        assert!(registry.get(handles[1]).is_err(), "the slot is reused, the old handle must stay stale");
+        assert!(registry.get(handles[1]).is_err(), "the slot is reused, but the old handle must stay stale");
         assert_eq!(registry.get(reused).unwrap(), &9);
         assert_eq!(registry.objects(), [0, 2, 3, 9]);
     }

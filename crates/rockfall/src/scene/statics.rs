@@ -1,4 +1,4 @@
-//! What never moves: boxes and polygons.
+//! Static objects: boxes and polygons.
 
 use glam::Vec3;
 
@@ -18,17 +18,17 @@ pub struct Cuboid {
     pub corner: Vec3,
     /// The edges I, J, K from that corner, in units.
     pub edges: [Vec3; 3],
-    /// Objects of different groups never meet.
+    /// Collision group. Objects of different groups never touch.
     pub group: u16,
 }
 
 impl Cuboid {
-    /// A box from a corner and three orthogonal edges.
+    /// Creates a box from a corner and three orthogonal edges, in units.
     pub fn new(corner: impl Into<Vec3>, i: impl Into<Vec3>, j: impl Into<Vec3>, k: impl Into<Vec3>) -> Self {
         Self { corner: corner.into(), edges: [i.into(), j.into(), k.into()], group: 0 }
     }
 
-    /// An axis-aligned box between two opposite corners.
+    /// Creates an axis-aligned box between two opposite corners, in units.
     pub fn between(min: impl Into<Vec3>, max: impl Into<Vec3>) -> Self {
         let min = min.into();
         let size = max.into() - min;
@@ -60,7 +60,7 @@ impl Cuboid {
     }
 }
 
-/// A static parallelogram: a corner and two edges. It can be hit only from the side that L x R points to, and not at its edges.
+/// A static parallelogram: a corner and two edges. Bodies touch it only on the side that L x R points to, and not at its edges.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Polygon {
     /// A corner P, in units.
@@ -69,12 +69,12 @@ pub struct Polygon {
     pub left: Vec3,
     /// Edge R from that corner, in units.
     pub right: Vec3,
-    /// Objects of different groups never meet.
+    /// Collision group. Objects of different groups never touch.
     pub group: u16,
 }
 
 impl Polygon {
-    /// A polygon from a corner and two edges that are not parallel.
+    /// Creates a polygon from a corner and two edges that are not parallel, in units.
     pub fn new(corner: impl Into<Vec3>, left: impl Into<Vec3>, right: impl Into<Vec3>) -> Self {
         Self { corner: corner.into(), left: left.into(), right: right.into(), group: 0 }
     }
@@ -99,12 +99,12 @@ impl Polygon {
     }
 }
 
-/// The kernels divide by squared edge lengths, in f32.
+/// Checks the length of an edge, because the kernels divide by squared edge lengths in f32.
 fn usable_edge(field: &'static str, edge: Vec3) -> Result<()> {
     let square = edge.length_squared();
     if edge.is_finite() && (1e-30..1e30).contains(&square) {
         Ok(())
     } else {
-        Err(invalid(field, edge.to_array(), "an edge of a length between 1e-15 and 1e15"))
+        Err(invalid(field, edge.to_array(), "an edge with a length between 1e-15 and 1e15"))
     }
 }

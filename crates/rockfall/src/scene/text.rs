@@ -1,23 +1,26 @@
-//! Reading the scene text: the thesis's format (section 2.11) and what it has grown since.
+//! Reads the scene text: the format of the thesis (section 2.11) and its extensions.
 //!
 //! | line | adds |
 //! |---|---|
-//! | `S ref x y z vx vy vz lx ly lz mass radius [fixed]` | a sphere; `fixed` > 0: it never moves |
-//! | `R ref1 ref2 radius [length]` | a rod; `length` <= 0 or missing: free |
+//! | `S ref x y z vx vy vz lx ly lz mass radius [fixed]` | a sphere; it is fixed if `fixed` > 0 |
+//! | `R ref1 ref2 radius [length]` | a rod; its length is free if `length` <= 0 or missing |
 //! | `C x1 y1 z1 x2 y2 z2 vx vy vz mass radius` | a capsule: two spheres and a rod |
-//! | `P x y z` + two edges | a polygon facing along first x second |
+//! | `P x y z` + two edges | a polygon that faces along first x second |
 //! | `K ref1 ref2 k l c` | a spring |
 //! | `B x y z` + three edges | a box |
 //! | `T ref x y z k l c` | a tether |
-//! | `set NAME VALUE` | a physical constant |
+//! | `set NAME VALUE` | nothing: sets a physical constant |
 //! | `@group N` | nothing: the objects of the lines below belong to group N |
-//! | `@orientation ref w x y z` | nothing: turns that sphere |
-//! | `@force ref x y z` | nothing: the outside force on that sphere |
+//! | `@orientation ref w x y z` | nothing: sets the orientation of that sphere |
+//! | `@force ref x y z` | nothing: sets the external force on that sphere |
 //! | `@capsule ref1 ref2` | nothing: the two spheres and the rod added last are a capsule |
 //!
-//! A line's kind is its whole first word; any other first word makes it a comment. The last six lines above are
-//! comments to the thesis's own reader. So that prose stays prose, `set` must be followed by a known name and one value and
-//! `T` by a number; a line that only begins like one is a comment, with a warning.
+//! The whole first word of a line decides its kind. A line with any other first word is a comment. The last six kinds above are
+//! comments to the reader of the thesis.
+//!
+//! So that ordinary prose can stay in a file, `set` must be followed by a known name and one value, and `T` by a number. A line
+//! that only begins like an extension, such as `set the table`, `T` without a number or an unknown word with `@`, is a comment
+//! with a warning.
 
 use std::collections::HashMap;
 use std::fmt;
@@ -33,21 +36,21 @@ use super::{Capsule, CapsuleParts, Cuboid, Polygon, Rod, Scene, Sphere, SphereId
 use crate::error::{Error, Result};
 use crate::settings::Settings;
 
-/// A scene that was read, and what was odd about its text.
+/// A scene that was read, with warnings about its text.
 #[derive(Clone, Debug)]
 pub struct Loaded {
     /// The scene.
     pub scene: Scene,
-    /// Lines that look like something else than the comments they were taken for.
+    /// Warnings about lines that were read as comments but look like something else.
     pub warnings: Vec<LineWarning>,
 }
 
-/// Something odd about a line of a scene text, which did not keep it from being read.
+/// A warning about a line of a scene text. The line was accepted.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct LineWarning {
     /// Line number, from 1.
     pub line: usize,
-    /// What is odd.
+    /// The warning.
     pub text: String,
 }
 
@@ -58,10 +61,10 @@ impl fmt::Display for LineWarning {
 }
 
 impl Scene {
-    /// Reads a scene text; `name` is where it came from, for messages.
+    /// Reads a scene text. `name` names its source in messages.
     ///
     /// # Errors
-    /// [`Error::SceneLine`] for the first line that is wrong, with the field and what was expected.
+    /// [`Error::SceneLine`] for the first wrong line, with the field and what was expected.
     pub fn parse(text: &str, name: &Path) -> Result<Loaded> {
         let mut reader = Reader { scene: Self::new(), warnings: Vec::new(), references: HashMap::new(), group: 0 };
         let text = text.strip_prefix('\u{feff}').unwrap_or(text);
@@ -76,7 +79,7 @@ impl Scene {
         Ok(Loaded { scene: reader.scene, warnings: reader.warnings })
     }
 
-    /// Reads a scene file. Bytes that are not UTF-8 (comments of an older encoding) do not matter outside of numbers.
+    /// Reads a scene file. Bytes that are not UTF-8 (in comments of an older encoding) are accepted outside of numbers.
     ///
     /// # Errors
     /// [`Error::File`] when it cannot be read, [`Error::SceneLine`] as for [`Scene::parse`].
@@ -86,7 +89,7 @@ impl Scene {
         Self::parse_bytes(&bytes, path)
     }
 
-    /// Reads a scene text as it comes from a file or a pipe; see [`Scene::load`].
+    /// Reads a scene text as bytes from a file or a pipe; see [`Scene::load`].
     ///
     /// # Errors
     /// As for [`Scene::parse`].
@@ -102,9 +105,9 @@ fn vector(numbers: &[f32]) -> Vec3 {
 struct Reader {
     scene: Scene,
     warnings: Vec<LineWarning>,
-    /// The sphere that each reference stands for: the last one defined.
+    /// The sphere that each reference stands for: the last one defined with it.
     references: HashMap<u32, SphereId>,
-    /// The group of the objects to come.
+    /// The group of the following objects.
     group: u16,
 }
 
@@ -133,7 +136,7 @@ impl Reader {
                 Ok(())
             }
             word if word.starts_with('@') => {
-                self.comment(number, "known are @group, @orientation, @force and @capsule");
+                self.comment(number, "the known words are @group, @orientation, @force and @capsule");
                 Ok(())
             }
             _ => Ok(()),
@@ -227,7 +230,7 @@ impl Reader {
         Ok(())
     }
 
-    /// Changes a sphere that is there already, if it stays one that could have been added.
+    /// Changes an existing sphere, and checks that it is still valid.
     fn change(&mut self, kind: &Kind, reference: u32, change: impl FnOnce(&mut Sphere)) -> Line<()> {
         let id = self.find(kind, "sphere", reference)?;
         let sphere = self.scene.spheres.get_mut(id).map_err(|error| kind.refused(&error))?;

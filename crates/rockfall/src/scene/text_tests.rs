@@ -19,7 +19,7 @@ fn scene(text: &str) -> Scene {
 const BALLS: &str = "S 1 0 0 0 0 0 0 0 0 0 1 0.5\nS 2 3 0 0 0 0 0 0 0 0 1 0.5 0\n";
 
 #[test]
-fn the_examples_of_the_thesis_load_and_mean_the_same() {
+fn the_examples_of_the_thesis_load() {
     for text in [EXAMPLE, REUSED] {
         let scene = scene(text);
         let counts = scene.counts();
@@ -62,7 +62,7 @@ fn every_kind_of_line() {
 }
 
 #[test]
-fn odd_files_that_are_fine() {
+fn unusual_files_load() {
     for text in ["", "\n\n", "\u{feff}", "no objects here", "Some words\nBalls\nset\tting\nT\n"] {
         assert_eq!(parse(text).unwrap().scene.counts(), Scene::new().counts());
     }
@@ -77,7 +77,7 @@ fn odd_files_that_are_fine() {
 }
 
 #[test]
-fn a_direction_stands_with_spaces_or_commas() {
+fn a_direction_is_separated_by_spaces_or_commas() {
     for line in ["set gravity_direction 0  0 -1", "set gravity_direction 0,0,-1"] {
         let loaded = parse(line).unwrap();
         assert_eq!(loaded.warnings, [], "{line}");
@@ -86,7 +86,7 @@ fn a_direction_stands_with_spaces_or_commas() {
 }
 
 #[test]
-fn lines_that_only_look_like_extensions_are_comments_with_a_warning() {
+fn lines_that_only_resemble_extensions_are_comments_with_a_warning() {
     for line in ["set", "set colour red", "set the table", "T is for tether", "T", "@groups 1", "@"] {
         let loaded = parse(&format!("\n{line}\n")).unwrap();
         assert_eq!(loaded.warnings.len(), 1, "{line}");
@@ -99,7 +99,7 @@ fn lines_that_only_look_like_extensions_are_comments_with_a_warning() {
     }
 }
 
-/// The message of a line after two spheres, without the file and the line number, which are checked here.
+/// The error message for `line` after two spheres. File name and line number are checked and removed.
 fn message(line: &str) -> String {
     let text = format!("{BALLS}{line}\nS bad");
     match parse(&text) {
@@ -190,7 +190,7 @@ fn a_capsule_is_marked_once_and_right_after_its_rod() {
 }
 
 #[test]
-fn references_mean_the_last_sphere_defined_above() {
+fn a_reference_is_the_last_sphere_defined_with_it() {
     let text = format!("{BALLS}R 1 2 0.1\n{BALLS}R 1 2 0.1\nS 1 5 5 5 0 0 0 0 0 0 1 1\nR 1 2 0.1");
     let scene = scene(&text);
     let ids: Vec<SphereId> = scene.sphere_ids().collect();
@@ -199,7 +199,7 @@ fn references_mean_the_last_sphere_defined_above() {
 }
 
 #[test]
-fn a_million_lines_are_a_matter_of_seconds() {
+fn a_million_lines_load_within_seconds() {
     use std::fmt::Write as _;
     let mut text = String::new();
     for index in 0..1_000_000 {
@@ -207,11 +207,11 @@ fn a_million_lines_are_a_matter_of_seconds() {
     }
     let start = std::time::Instant::now();
     assert_eq!(scene(&text).counts().spheres, 1_000_000);
-    // About 0.5 s; the rest is room for a loaded machine.
+    // It takes about 0.5 s. The rest allows for a loaded machine.
     assert!(start.elapsed().as_secs() < 10, "{:?}", start.elapsed());
 }
 
-/// Lines that begin like something and go on with anything.
+/// Lines with a valid first word, followed by arbitrary words.
 fn wild_line() -> impl Strategy<Value = String> {
     let first = prop_oneof![
         prop::sample::select(vec![
@@ -245,19 +245,19 @@ fn wild_line() -> impl Strategy<Value = String> {
 
 proptest! {
     #[test]
-    fn no_text_makes_it_panic(lines in prop::collection::vec(wild_line(), 0..12)) {
+    fn no_text_causes_a_panic(lines in prop::collection::vec(wild_line(), 0..12)) {
         let _ = parse(&lines.join("\n"));
         let _ = parse(&format!("{BALLS}{}", lines.join("\r\n")));
     }
 
     #[test]
-    fn no_bytes_make_it_panic(bytes in prop::collection::vec(any::<u8>(), 0..200)) {
+    fn no_bytes_cause_a_panic(bytes in prop::collection::vec(any::<u8>(), 0..200)) {
         let _ = Scene::parse_bytes(&bytes, Path::new("a.txt"));
     }
 
-    /// A good file with one byte changed either loads or is refused.
+    /// A valid file with one changed byte either loads or is refused.
     #[test]
-    fn no_slip_makes_it_panic(place in 0..EXAMPLE.len(), byte in any::<u8>()) {
+    fn no_changed_byte_causes_a_panic(place in 0..EXAMPLE.len(), byte in any::<u8>()) {
         let mut bytes = EXAMPLE.as_bytes().to_vec();
         bytes[place] = byte;
         let _ = Scene::parse_bytes(&bytes, Path::new("a.txt"));

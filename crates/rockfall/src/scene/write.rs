@@ -1,4 +1,4 @@
-//! Writing the scene text that [`Scene::parse`] reads back: the same objects, bit for bit, in the same order of addition.
+//! Writes the scene text that [`Scene::parse`] reads back: the same objects, bitwise identical, in the same order.
 
 use std::fmt::Write as _;
 use std::io::Write as _;
@@ -12,10 +12,10 @@ use crate::output::AtomicFile;
 use crate::settings::Settings;
 
 impl Scene {
-    /// The scene as text. References are the spheres' indices in order of addition. A capsule is a C line where that says
-    /// all about it, else two S lines, an R line and an `@capsule` line.
+    /// The scene as text. References are the indices of the spheres in order of addition. A capsule becomes a C line if that
+    /// expresses it completely, otherwise two S lines, an R line and an `@capsule` line.
     ///
-    /// All of it reads back, except settings filled in by hand with values that [`Settings::validate`] refuses.
+    /// The text reads back completely, unless a setting was given a value that [`Settings::validate`] refuses.
     pub fn to_text(&self) -> String {
         let mut writer = Writer {
             scene: self,
@@ -31,10 +31,10 @@ impl Scene {
         writer.text
     }
 
-    /// Writes the scene to a file: all of it or, on an error, nothing.
+    /// Writes the scene to a file. On an error, nothing is written.
     ///
     /// # Errors
-    /// [`Error::Invalid`] for settings that could not be read back, [`Error::File`] when the file cannot be written.
+    /// [`Error::Invalid`] for settings that would not read back, [`Error::File`] when the file cannot be written.
     pub fn save(&self, path: impl AsRef<Path>) -> Result<()> {
         self.settings.validate()?;
         let path = path.as_ref();
@@ -47,12 +47,12 @@ impl Scene {
     }
 }
 
-/// What a number is down to its sign of zero.
+/// The bits of a vector, which also distinguish 0 from -0.
 fn bits(vector: Vec3) -> [u32; 3] {
     vector.to_array().map(f32::to_bits)
 }
 
-fn turned(orientation: Quat) -> bool {
+fn is_turned(orientation: Quat) -> bool {
     orientation.to_array().map(f32::to_bits) != Quat::IDENTITY.to_array().map(f32::to_bits)
 }
 
@@ -60,13 +60,13 @@ struct Writer<'a> {
     scene: &'a Scene,
     text: String,
     group: u16,
-    /// Rods and capsules come in order of addition, so that counts tell which are still to come.
+    /// Rods and capsules are written in insertion order, so these counts show which ones are still missing.
     rods_written: usize,
     capsules_written: usize,
 }
 
 impl Writer<'_> {
-    /// Adds a line: its word, its references, its numbers.
+    /// Adds a line: its first word, its references, its numbers.
     fn line(&mut self, word: &str, references: &[usize], numbers: &[f32]) {
         self.text.push_str(word);
         // Writing to a string cannot fail.
@@ -79,7 +79,7 @@ impl Writer<'_> {
         self.text.push('\n');
     }
 
-    fn in_group(&mut self, group: u16) {
+    fn set_group(&mut self, group: u16) {
         if self.group != group {
             self.group = group;
             self.line("@group", &[group.into()], &[]);
@@ -96,7 +96,7 @@ impl Writer<'_> {
         }
     }
 
-    /// Index of a sphere, which a valid scene has.
+    /// Insertion index of a sphere of the scene.
     fn index(&self, id: super::SphereId) -> usize {
         self.scene.spheres.index(id).unwrap_or(usize::MAX)
     }
@@ -107,9 +107,9 @@ impl Writer<'_> {
         let mut at = 0;
         while at < spheres.len() {
             match capsules[at] {
-                // The C line adds a rod too, so all rods before that one must come first, with their spheres.
+                // A C line also adds a rod, so the rods before that one must be written first, after their spheres.
                 Some(rod) if self.rods_before(rod, at) => {
-                    self.rods_until(rod);
+                    self.write_rods_before(rod);
                     self.capsule(&spheres[at], &spheres[at + 1]);
                     at += 2;
                 }
@@ -119,20 +119,20 @@ impl Writer<'_> {
                 }
             }
         }
-        self.rods_until(self.scene.rods.len());
+        self.write_rods_before(self.scene.rods.len());
     }
 
-    /// Whether the rods that are still to come before `rod` join only spheres before `sphere`.
+    /// Whether the unwritten rods before `rod` join only spheres before `sphere`.
     fn rods_before(&self, rod: usize, sphere: usize) -> bool {
         let ends_before = |rod: &Rod| self.index(rod.end1) < sphere && self.index(rod.end2) < sphere;
         let between = self.scene.rods().get(self.rods_written..rod);
         between.is_some_and(|rods| rods.iter().all(ends_before))
     }
 
-    /// For each sphere that is end 1 of a capsule that a C line can express: the capsule's rod.
+    /// For each sphere that is end 1 of a capsule that a C line can express, the index of the capsule's rod.
     fn plain_capsules(&self) -> Vec<Option<usize>> {
         let scene = self.scene;
-        // A sphere of a C line has no reference, so that nothing else can be attached to it.
+        // The spheres of a C line have no references, so nothing else can be attached to them.
         let mut uses = vec![0_u32; scene.spheres.len()];
         let rods = scene.rods().iter().flat_map(|rod| [rod.end1, rod.end2]);
         let springs = scene.springs().iter().flat_map(|spring| [spring.a, spring.b]);
@@ -153,7 +153,7 @@ impl Writer<'_> {
     }
 
     fn capsule(&mut self, first: &Sphere, second: &Sphere) {
-        self.in_group(first.group);
+        self.set_group(first.group);
         let [a, b, v] = [first.position, second.position, first.velocity];
         let mass = first.mass * 2.0;
         self.line("C", &[], &[a.x, a.y, a.z, b.x, b.y, b.z, v.x, v.y, v.z, mass, first.radius]);
@@ -162,11 +162,11 @@ impl Writer<'_> {
     }
 
     fn sphere(&mut self, index: usize, sphere: &Sphere) {
-        self.in_group(sphere.group);
+        self.set_group(sphere.group);
         let [p, v, l] = [sphere.position, sphere.velocity, sphere.angular_momentum];
         let fixed = if sphere.fixed { 1.0 } else { 0.0 };
         self.line("S", &[index], &[p.x, p.y, p.z, v.x, v.y, v.z, l.x, l.y, l.z, sphere.mass, sphere.radius, fixed]);
-        if turned(sphere.orientation) {
+        if is_turned(sphere.orientation) {
             let q = sphere.orientation;
             self.line("@orientation", &[index], &[q.w, q.x, q.y, q.z]);
         }
@@ -175,13 +175,13 @@ impl Writer<'_> {
         }
     }
 
-    /// Writes the rods that are still to come before `end`, and marks those of capsules.
-    fn rods_until(&mut self, end: usize) {
+    /// Writes the unwritten rods before `end`, and marks those of capsules.
+    fn write_rods_before(&mut self, end: usize) {
         let scene = self.scene;
         while self.rods_written < end {
             let rod = &scene.rods()[self.rods_written];
             let ends = [self.index(rod.end1), self.index(rod.end2)];
-            self.in_group(rod.group);
+            self.set_group(rod.group);
             match rod.length {
                 Some(length) => self.line("R", &ends, &[rod.radius, length]),
                 None => self.line("R", &ends, &[rod.radius]),
@@ -209,12 +209,12 @@ impl Writer<'_> {
 
     fn statics(&mut self) {
         for cuboid in self.scene.boxes() {
-            self.in_group(cuboid.group);
+            self.set_group(cuboid.group);
             let [i, j, k] = cuboid.edges;
             self.vectors("B", &[cuboid.corner, i, j, k]);
         }
         for polygon in self.scene.polygons() {
-            self.in_group(polygon.group);
+            self.set_group(polygon.group);
             self.vectors("P", &[polygon.corner, polygon.left, polygon.right]);
         }
     }
@@ -225,11 +225,11 @@ impl Writer<'_> {
     }
 }
 
-/// Whether a C line says all about a capsule of these parts.
+/// Whether a C line expresses a capsule of these parts completely.
 fn is_plain(first: &Sphere, second: &Sphere, rod: &Rod) -> bool {
     let at_rest = |sphere: &Sphere| {
         let still = bits(sphere.angular_momentum) == [0; 3] && bits(sphere.force) == [0; 3];
-        still && !turned(sphere.orientation) && !sphere.fixed
+        still && !is_turned(sphere.orientation) && !sphere.fixed
     };
     let numbers = |sphere: &Sphere| (sphere.mass, sphere.radius, bits(sphere.velocity), sphere.group);
     at_rest(first)

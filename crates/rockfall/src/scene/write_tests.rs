@@ -12,8 +12,8 @@ fn read(text: &str) -> Scene {
     loaded.scene
 }
 
-/// Everything in a scene, in order of addition, with handles as indices and every float to the bit (`{:?}` prints
-/// what reads back, and the sign of zero).
+/// The contents of a scene in insertion order, with handles as indices and every float exact: `{:?}` prints digits that read
+/// back, and the sign of zero.
 fn contents(scene: &Scene) -> Vec<String> {
     let index = |id| scene.spheres.index(id).unwrap();
     let mut all: Vec<String> = scene.spheres().iter().map(|sphere| format!("{sphere:?}")).collect();
@@ -39,7 +39,7 @@ fn contents(scene: &Scene) -> Vec<String> {
     all
 }
 
-fn same_again(scene: &Scene) -> String {
+fn assert_round_trip(scene: &Scene) -> String {
     let text = scene.to_text();
     let again = read(&text);
     assert_eq!(contents(scene), contents(&again), "{text}");
@@ -48,12 +48,12 @@ fn same_again(scene: &Scene) -> String {
 }
 
 #[test]
-fn a_capsule_is_a_c_line_where_that_says_all() {
+fn a_capsule_is_a_c_line_if_that_expresses_it_completely() {
     let mut scene = Scene::new();
     scene.add_sphere(Sphere::new([5.0; 3], 0.5)).unwrap();
     let capsule = Capsule::new([0.0; 3], [0.1, 0.7, 0.0], 0.3).mass(3.0).velocity([1.0, 0.0, -0.0]);
     let id = scene.add_capsule(capsule).unwrap();
-    let plain = same_again(&scene);
+    let plain = assert_round_trip(&scene);
     assert!(plain.contains("\nC 0 0 0 0.1 0.7 0 1 0 -0 3 0.3\n"), "{plain}");
 
     let parts = *scene.capsule(id).unwrap();
@@ -67,12 +67,12 @@ fn a_capsule_is_a_c_line_where_that_says_all() {
     for change in changes {
         let mut changed = scene.clone();
         change(changed.spheres.get_mut(parts.end2).unwrap());
-        let text = same_again(&changed);
+        let text = assert_round_trip(&changed);
         assert!(!text.contains("\nC ") && text.contains("\n@capsule 1 2\n"), "{text}");
     }
     let ball = scene.sphere_ids().next().unwrap();
     scene.add_spring(Spring::new(ball, parts.end1, 1.0, 1.0)).unwrap();
-    assert!(!same_again(&scene).contains("\nC "));
+    assert!(!assert_round_trip(&scene).contains("\nC "));
 }
 
 #[test]
@@ -85,23 +85,23 @@ fn rods_keep_their_numbers_around_capsules() {
     scene.add_capsule(capsule).unwrap();
     let c = scene.add_sphere(Sphere::new([9.0, 0.0, 0.0], 0.5)).unwrap();
     scene.add_rod(Rod::new(b, c, 0.2)).unwrap();
-    assert!(same_again(&scene).contains("\nC "));
-    // A rod that was added before the capsule and ends in a sphere added after: only possible through removal and the like,
-    // here by hand.
+    assert!(assert_round_trip(&scene).contains("\nC "));
+    // A rod that was added before the capsule and ends in a sphere added after it. This can arise only through removals; here
+    // it is made by hand.
     let first = scene.rods.handle_at(0);
     scene.rods.get_mut(first).unwrap().end2 = c;
-    assert!(!same_again(&scene).contains("\nC "));
+    assert!(!assert_round_trip(&scene).contains("\nC "));
 }
 
 #[test]
 fn generated_scenes_read_back() {
     for kind in Kind::ALL {
-        same_again(&kind.generate(300, 5).unwrap());
+        assert_round_trip(&kind.generate(300, 5).unwrap());
     }
 }
 
 #[test]
-fn saving_is_all_or_nothing() {
+fn a_failed_save_keeps_the_old_file() {
     let path = std::env::temp_dir().join(format!("rockfall-save-{}.txt", std::process::id()));
     let mut scene = Scene::new();
     scene.add_sphere(Sphere::new([0.0; 3], 0.5)).unwrap();
@@ -116,7 +116,7 @@ fn saving_is_all_or_nothing() {
     assert!(matches!(scene.save(path.join("no")), Err(Error::File { .. })));
 }
 
-/// Any finite number that is no nuisance to multiply: all exponents that a state takes, both zeros, subnormals.
+/// A finite number whose products stay finite: all exponents that a state may have, both zeros, subnormals.
 fn number() -> impl Strategy<Value = f32> {
     prop_oneof![
         any::<f32>().prop_map(|number| if number.abs() < 1e18 { number } else { 1.0 / 3.0 }),
@@ -147,7 +147,7 @@ fn sphere() -> impl Strategy<Value = Sphere> {
     })
 }
 
-/// What to add to a scene next; numbers choose spheres that are there.
+/// A change of a scene. The integers choose existing spheres.
 #[derive(Clone, Debug)]
 enum Addition {
     Sphere(Sphere),
@@ -181,7 +181,7 @@ fn addition() -> impl Strategy<Value = Addition> {
     ]
 }
 
-/// Adds what fits; what the scene refuses is left out.
+/// Builds a scene from the additions that it accepts.
 fn build(additions: Vec<Addition>) -> Scene {
     let mut scene = Scene::new();
     for addition in additions {
@@ -221,7 +221,7 @@ fn build(additions: Vec<Addition>) -> Scene {
 
 proptest! {
     #[test]
-    fn what_is_written_reads_back_as_the_same_scene(additions in prop::collection::vec(addition(), 0..30)) {
-        same_again(&build(additions));
+    fn written_scenes_read_back_unchanged(additions in prop::collection::vec(addition(), 0..30)) {
+        assert_round_trip(&build(additions));
     }
 }

@@ -1,4 +1,4 @@
-//! Running phases until they are done: void steps are mended and run again.
+//! Runs phases until all steps are done. The cause of a rejected step is removed, and the step is repeated.
 
 use crate::error::BadStage;
 use crate::error::{Error, Result};
@@ -15,51 +15,55 @@ use crate::simulation::lookahead::{Lists, Lookahead};
 use crate::step::fused::run_steps::is_small;
 use crate::step::schedule::Phase;
 
-/// The thesis's fixed time step, in s.
+/// The fixed time step of the thesis, in s.
 pub const DEFAULT_TIME_STEP: f32 = 0.02;
 
-/// Steps after which lookahead and interval are looked at anew.
+/// Number of steps after which lookahead and interval are adapted.
 const BATCH: u64 = 32;
-/// The same where a scene is so small that every other interval changes much, for each step from one chance of making lists to
-/// the next.
+/// In small scenes, where a change of the interval has a large effect: the least number of list intervals after which lookahead
+/// and interval are adapted.
 const BATCH_OF_SMALL: u64 = 16;
-/// A step that was void so often in a row is given up.
+/// Maximum number of times in a row that a step may be rejected.
 const MAX_ATTEMPTS: u32 = 64;
-/// How fast a margin that had to be raised sinks again, per step: what has sunk too far makes a step void.
+/// Factor per step by which a raised AABB margin decays. A margin that has decayed too far causes a rejected step.
 const MARGIN_DECAY: f32 = 0.997;
-/// The same where there are rods or large spheres: their lists are so long that to make them longer costs more than a void step.
+/// The same in scenes with rods or large spheres. Their lists are so long that lengthening them costs more than a rejected
+/// step.
 const MARGIN_DECAY_OF_LONG: f32 = 0.99;
+/// Smallest AABB margin, in units of 0.02 r.
 const MIN_MARGIN: f32 = 2.0;
-/// What it is raised by at least, in 0.02 r.
+/// Least amount by which the margin is raised, in units of 0.02 r.
 const MARGIN_STEP: f32 = 1.0;
-/// A body that was less far outside of its AABB, in 0.02 r, is an exception; lists for too many steps are told by one that was further.
+/// If a body leaves its AABB by less than this, in units of 0.02 r, the rejected step is treated as an exception. A larger
+/// distance shows that the lists were built for too many steps.
 const NEAR: f32 = 1.0;
-/// What the margin is raised by after such an exception besides, in 0.02 r, where lists last longest: of many millions at rest there
-/// would be another soon, and what is added to lists that are seldom made costs less.
+/// Additional amount by which the margin is raised after such an exception at the longest interval, in units of 0.02 r. Among
+/// many millions of bodies at rest another exception would soon follow, and longer lists cost little if they are rarely
+/// rebuilt.
 const NEAR_STEP: f32 = 0.5;
 
-/// The order in which a whole step runs its phases. Collisions come first, with the lists of the step before: those hold
-/// every pair that overlaps now (`find_collisions` sees to it), and AABBs that are made after the impulses need not be
-/// grown for what they do to velocities. Lists do not change results, so this is the same step as in the order of
-/// [`Phase::STEP`]. AABBs and lists are made only where some body asks for them (`rebuild`).
+/// The order of the phases in a whole step. Collisions come first and use the lists of the step before. Those lists hold every
+/// pair that overlaps now, which `find_collisions` checks. AABBs that are computed after the impulses need not be grown for the
+/// velocity changes that impulses cause. Lists do not change results, so this is the same step as in the order of
+/// [`Phase::STEP`]. AABBs and lists are rebuilt only if some body requests it (`rebuild`).
 pub(super) const COLLISIONS_FIRST: [Phase; 4] =
     [Phase::HandleCollisions, Phase::UpdateAabbs, Phase::BroadPhase, Phase::UpdatePositions];
-/// The same with collisions switched off and without friction impulses, which that phase gives too.
+/// The same with collisions switched off and without friction impulses, which the collision phase also applies.
 pub(super) const WITHOUT_COLLISIONS: [Phase; 3] = [Phase::UpdateAabbs, Phase::BroadPhase, Phase::UpdatePositions];
 
-/// What was seen since lookahead or interval may have changed.
+/// Counts since lookahead and interval were last adapted.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Window {
     steps: u64,
     builds: u32,
-    /// Steps in which a body left its AABB, and which changed nothing.
-    voids: u32,
-    /// Which lookahead and interval these are.
+    /// Rejected steps in which a body left its AABB and the interval did not change.
+    rejections: u32,
+    /// Number of this window. A portion with another number was submitted in an earlier window.
     pub(super) settings: u32,
 }
 
 impl Window {
-    /// With another lookahead or interval: portions under way with the last ones do not count.
+    /// Starts a new window. Portions that are still under way from the previous one do not count.
     fn restart(&mut self) {
         *self = Self { settings: self.settings.wrapping_add(1), ..Self::default() };
     }
@@ -82,7 +86,7 @@ impl Simulation {
         Ok(())
     }
 
-    /// Runs `phases` in their order, `times` over, timed where there is a recorder.
+    /// Runs `phases` in order, `times` times. With a recorder every stage is timed.
     pub(super) async fn drive(&mut self, phases: &[Phase], times: u64, mut recorder: Option<&mut Recorder>) -> Result<()> {
         self.flush_async().await?;
         if phases.contains(&Phase::HandleCollisions) {
@@ -94,18 +98,18 @@ impl Simulation {
             self.keep_order().await?;
             let overdue = self.overdue(phases);
             let all: Vec<Phase> = overdue.iter().chain(phases).copied().collect();
-            // What is overdue is made once, not in every step.
+            // Overdue phases run once, not in every step.
             let most = if overdue.is_empty() { left.min(self.in_order_for()) } else { 1 };
             let done = self.stretch(&all, most, recorder.as_deref_mut()).await?;
             left -= done;
             attempts = if done > 0 { 0 } else { attempts + 1 };
             self.note_lists(&all, done);
-            self.mend(attempts)?;
+            self.handle_rejection(attempts)?;
         }
         Ok(())
     }
 
-    /// What has to be made first, because it does not fit the scene any more.
+    /// The phases that must run first because AABBs or lists do not match the scene.
     fn overdue(&self, phases: &[Phase]) -> &'static [Phase] {
         let (mut aabbs_due, mut lists_due) = (self.aabbs_due, self.lists_due);
         for phase in phases {
@@ -113,7 +117,7 @@ impl Simulation {
                 Phase::UpdateAabbs => aabbs_due = false,
                 Phase::BroadPhase if aabbs_due => return &[Phase::UpdateAabbs],
                 Phase::BroadPhase => lists_due = false,
-                // Those of this step are done: nobody looks at lists.
+                // The collisions of this step are done, so the lists are not read.
                 Phase::HandleCollisions if self.status.collided != 0 => {}
                 _ if lists_due => return &[Phase::UpdateAabbs, Phase::BroadPhase],
                 _ => {}
@@ -122,7 +126,7 @@ impl Simulation {
         &[]
     }
 
-    /// Dispatches a step of the last batch that made lists, or looked whether to.
+    /// Dispatches per step, in the last batch, that rebuild lists or check whether to.
     fn list_dispatches(&self) -> f32 {
         if !self.engine.dispatches() {
             return 0.0;
@@ -132,22 +136,22 @@ impl Simulation {
         runs.filter(|run| run.workgroups(&self.world.step) > 0).count() as f32 / self.world.step.list_interval
     }
 
-    /// Keeps account of whether AABBs and lists fit the scene.
+    /// Records whether AABBs and lists match the scene.
     fn note_lists(&mut self, phases: &[Phase], done: u64) {
-        let void = self.status.rejected;
+        let rejected = self.status.rejected;
         if phases.contains(&Phase::UpdateAabbs) {
             self.aabbs_due = false;
         }
-        if phases.contains(&Phase::BroadPhase) && (done > 0 || void & REJECTED_PAIRS == 0) {
+        if phases.contains(&Phase::BroadPhase) && (done > 0 || rejected & REJECTED_PAIRS == 0) {
             self.lists_due = false;
         }
-        // A step that is void from its collisions on may have begun to make AABBs and lists.
-        self.lists_due |= void & (REJECTED_PAIRS | REJECTED_ESCAPED | REJECTED_COLLISIONS) != 0;
-        self.aabbs_due |= void & (REJECTED_ESCAPED | REJECTED_COLLISIONS) != 0;
+        // If a step is rejected in or after its collisions, its AABBs and lists may be incomplete.
+        self.lists_due |= rejected & (REJECTED_PAIRS | REJECTED_ESCAPED | REJECTED_COLLISIONS) != 0;
+        self.aabbs_due |= rejected & (REJECTED_ESCAPED | REJECTED_COLLISIONS) != 0;
     }
 
-    /// Mends what made a step void, for it to be run again.
-    fn mend(&mut self, attempts: u32) -> Result<()> {
+    /// Removes the cause of a rejected step, so that the step can be repeated.
+    fn handle_rejection(&mut self, attempts: u32) -> Result<()> {
         let status = self.status;
         if status.rejected & REJECTED_NON_FINITE != 0 {
             self.status.rejected = 0;
@@ -171,7 +175,7 @@ impl Simulation {
         let escape = f32::from_bits(status.escape_ratio);
         let interval = self.world.step.list_interval as u32;
         if status.rejected == REJECTED_ESCAPED && escape < NEAR && self.interval.forgives(interval) {
-            self.window.voids += 1;
+            self.window.rejections += 1;
             if interval == LONGEST {
                 self.world.step.margin_scale += escape + NEAR_STEP;
             }
@@ -194,20 +198,21 @@ impl Simulation {
             }
         }
         if status.rejected & REJECTED_ESCAPED != 0 {
-            self.make_room(escape, attempts);
+            self.handle_escape(escape, attempts);
         }
         Ok(())
     }
 
-    /// After a step in which a body was so far outside of its AABB, in 0.02 r.
-    fn make_room(&mut self, escape: f32, attempts: u32) {
+    /// Handles a step in which a body left its AABB by `escape`, in units of 0.02 r: shortens the interval or raises the
+    /// margin.
+    fn handle_escape(&mut self, escape: f32, attempts: u32) {
         let step = &mut self.world.step;
         if self.interval.failed(step.list_interval as u32) {
             step.lookahead = self.lookahead.give_up().unwrap_or(step.lookahead);
             return;
         }
-        // At first a little more: all AABBs become so much larger. After so many attempts no finite margin will do: some force is beyond all
-        // measure.
+        // The first increase is small, because it enlarges all AABBs. After 16 attempts no finite margin is large enough,
+        // because some force is beyond all bounds.
         step.margin_scale = match attempts {
             0 => step.margin_scale + 1.25 * escape + MARGIN_STEP,
             1..=16 => (step.margin_scale + escape) * 1.25,
@@ -215,14 +220,14 @@ impl Simulation {
         };
     }
 
-    /// Adds what a portion did, since the status before it, to the report.
+    /// Adds the results of a portion to the report. `before` is the status before the portion.
     pub(super) fn book(&mut self, done: u64, before: &Status) {
         if done == 0 {
             return;
         }
         self.count_calm(done, before);
         let status = &self.status;
-        // Small spheres between large ones are pushed hard. Among others to look at it would take longer than it saves.
+        // Small spheres between large ones are pushed hard. In other scenes, reading the stage states costs more than it saves.
         self.has_stages = self.options.integrator == Integrator::Rk4 && self.world.step.large > 0;
         let total = |status: &Status| u64::from(status.total_collisions_high) << 32 | u64::from(status.total_collisions_low);
         self.report.steps += done;
@@ -235,11 +240,11 @@ impl Simulation {
         self.report.list_builds += u64::from(status.builds.wrapping_sub(before.builds));
         let step = &mut self.world.step;
         let decay = if step.has_long_lists() { MARGIN_DECAY_OF_LONG } else { MARGIN_DECAY };
-        let sunk = step.margin_scale * decay.powf(done as f32);
-        step.margin_scale = if sunk.is_finite() { sunk.max(MIN_MARGIN) } else { MIN_MARGIN };
+        let decayed = step.margin_scale * decay.powf(done as f32);
+        step.margin_scale = if decayed.is_finite() { decayed.max(MIN_MARGIN) } else { MIN_MARGIN };
     }
 
-    /// Looks at lookahead and interval anew, once enough steps were done with them.
+    /// Adapts lookahead and interval once enough steps were done with them.
     pub(super) fn adapt(&mut self, done: u64, builds: u32) {
         self.window.steps += done;
         self.window.builds += builds;
@@ -250,7 +255,7 @@ impl Simulation {
         let movers = (step.spheres + step.rods).max(1) as f32;
         let seen = Lists {
             builds_per_step: self.window.builds as f32 / self.window.steps as f32,
-            rejections_per_step: self.window.voids as f32 / self.window.steps as f32,
+            rejections_per_step: self.window.rejections as f32 / self.window.steps as f32,
             words_per_mover: words_of(self.status.pair_rows_needed) as f32 / movers,
             room_per_mover: Lookahead::room(words_of(step.pair_rows) as f32 / movers, step.rods > 0),
             movers,
@@ -264,7 +269,7 @@ impl Simulation {
         self.window.restart();
     }
 
-    /// Steps of a window.
+    /// Number of steps of a window.
     fn batch(&self) -> u64 {
         if !is_small(&self.world.step) {
             return BATCH;
@@ -272,7 +277,7 @@ impl Simulation {
         BATCH.max(BATCH_OF_SMALL * u64::from(self.list_interval(true)))
     }
 
-    /// Makes the pair lists a quarter larger than what was needed.
+    /// Makes the pair lists a quarter larger than needed.
     fn grow_lists(&mut self) -> Result<()> {
         let needed = self.status.pair_rows_needed;
         let rows = room_for(needed)?;
@@ -281,14 +286,14 @@ impl Simulation {
         self.engine.complete(&mut self.world);
         let grown = self.engine.resize_lists(&self.world);
         if grown.is_err() {
-            // With fewer objects it may go on: they must not ask for the room that there is not.
+            // The simulation may go on with fewer objects, so the world must not keep the size that could not be allocated.
             self.world.set_pair_room(before);
         }
         grown
     }
 }
 
-/// Rows for entries where so many are needed.
+/// Number of rows to allocate for entries when `needed` rows are needed.
 fn room_for(needed: u32) -> Result<u32> {
     if needed > MAX_PAIR_ROWS {
         let bytes = |rows: u32| 4 * words_of(rows);
@@ -302,7 +307,7 @@ mod tests {
     use super::*;
     use crate::model::layout::{SLICE, most_objects};
 
-    /// In the second attempt at a step whose collisions are done, lists are not made twice, and not for bodies that may turn back.
+    /// If a step is repeated whose collisions are done, lists are not rebuilt twice, nor for bodies that may turn back.
     #[test]
     #[cfg(not(target_family = "wasm"))]
     fn done_collisions_need_no_lists() {
@@ -316,14 +321,14 @@ mod tests {
         assert_eq!(simulation.overdue(&[Phase::UpdatePositions]), [Phase::UpdateAabbs, Phase::BroadPhase]);
     }
 
-    /// The margin after a step in which a body left its AABB by half of what an exception may.
+    /// The margin after a step in which a body left its AABB by half the distance of an exception.
     #[cfg(not(target_family = "wasm"))]
     fn margin_after_exception(interval: u32) -> f32 {
         let options = crate::Options::new().backend(crate::Backend::Cpu);
         let mut simulation = Simulation::with_options(crate::Scene::new(), options).unwrap();
         simulation.world.step.list_interval = interval as f32;
         (simulation.status.rejected, simulation.status.escape_ratio) = (REJECTED_ESCAPED, (0.5 * NEAR).to_bits());
-        simulation.mend(0).unwrap();
+        simulation.handle_rejection(0).unwrap();
         simulation.world.step.margin_scale
     }
 
@@ -337,13 +342,13 @@ mod tests {
     #[test]
     fn lists_grow_up_to_what_32_bits_can_number() {
         assert_eq!(room_for(1_000).unwrap(), 1_250);
-        // A quarter more is more than there may be, or than 32 bits hold.
+        // A quarter more exceeds the maximum number of rows, or 32 bits.
         for needed in [MAX_PAIR_ROWS / 8 * 7, MAX_PAIR_ROWS] {
             assert_eq!(room_for(needed).unwrap(), MAX_PAIR_ROWS);
         }
         assert!(matches!(room_for(MAX_PAIR_ROWS + 1), Err(Error::DeviceLimit { .. })));
         assert!(matches!(room_for(u32::MAX), Err(Error::DeviceLimit { .. })));
-        // Counts and slice offsets of as many movers as there may be stand before the entries.
+        // Counts and slice offsets of the maximum number of movers precede the entries.
         let slices = most_objects(false).div_ceil(SLICE);
         assert!(MAX_PAIR_ROWS.checked_add(slices + slices.div_ceil(SLICE) + 1).is_some());
     }

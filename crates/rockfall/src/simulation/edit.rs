@@ -1,4 +1,4 @@
-//! Changing a scene between steps. Edits are collected here and reach the engine with the next step or read.
+//! Changes a scene between steps. Edits are collected here and reach the engine with the next step or read.
 
 use glam::{Quat, Vec3};
 
@@ -12,13 +12,13 @@ use crate::scene::{
 use crate::simulation::order::Disorder;
 use crate::simulation::{Simulation, engine};
 
-/// What the engine does not know yet.
+/// The changes that were not uploaded to the engine yet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Dirty {
     Clean,
     /// Rods, springs, tethers, forces, static objects.
-    Words,
-    /// The spheres or how many objects there are.
+    Topology,
+    /// The spheres, or the number of objects.
     Everything,
 }
 
@@ -32,7 +32,7 @@ pub(super) enum Edit {
     Impulse(Vec3),
 }
 
-/// The changes of a sphere's state, in the order in which they were asked for.
+/// A change together with the sphere that it applies to. Changes are applied in the order of the calls.
 pub(super) type Edits = (SphereId, Edit);
 
 impl Edit {
@@ -50,7 +50,7 @@ impl Edit {
 
 macro_rules! edits {
     ($($level:ident: $(#[$doc:meta])* $name:ident($($arg:ident: $type:ty),*) -> $result:ty;)*) => {
-        /// Adding, removing and changing objects; all of it takes effect with the next step or read.
+        /// Adding, removing and changing objects. Changes take effect with the next step or read.
         impl Simulation {
             $(
                 $(#[$doc])*
@@ -74,42 +74,42 @@ edits! {
         add_rod(rod: Rod) -> RodId;
     Everything: /// Adds a capsule: two spheres and a rod of fixed length.
         add_capsule(capsule: Capsule) -> CapsuleId;
-    Words: /// Adds a spring between two spheres.
+    Topology: /// Adds a spring between two spheres.
         add_spring(spring: Spring) -> SpringId;
-    Words: /// Adds a tether from a sphere to a point in space.
+    Topology: /// Adds a tether from a sphere to a point in space.
         add_tether(tether: Tether) -> TetherId;
     Everything: /// Adds a static box.
         add_box(cuboid: Cuboid) -> BoxId;
     Everything: /// Adds a static polygon.
         add_polygon(polygon: Polygon) -> PolygonId;
-    Everything: /// Removes a sphere and, with it, its rods, capsules, springs and tethers.
+    Everything: /// Removes a sphere together with its rods, capsules, springs and tethers.
         remove_sphere(id: SphereId) -> ();
-    Everything: /// Removes a rod; of a capsule, the spheres stay as two spheres.
+    Everything: /// Removes a rod. If it is part of a capsule, the two spheres stay.
         remove_rod(id: RodId) -> ();
-    Everything: /// Removes a capsule with both its spheres.
+    Everything: /// Removes a capsule with both its spheres and everything attached to them.
         remove_capsule(id: CapsuleId) -> ();
-    Words: /// Removes a spring.
+    Topology: /// Removes a spring.
         remove_spring(id: SpringId) -> ();
-    Words: /// Removes a tether.
+    Topology: /// Removes a tether.
         remove_tether(id: TetherId) -> ();
     Everything: /// Removes a box.
         remove_box(id: BoxId) -> ();
     Everything: /// Removes a polygon.
         remove_polygon(id: PolygonId) -> ();
-    Words: /// Changes a spring's constants.
+    Topology: /// Changes a spring's constants.
         update_spring(id: SpringId, change: impl FnOnce(&mut Spring)) -> ();
-    Words: /// Changes a tether's point and constants: what holds or drags a body.
+    Topology: /// Changes a tether's point and constants, for example to hold or drag a body.
         update_tether(id: TetherId, change: impl FnOnce(&mut Tether)) -> ();
     Everything: /// Changes a rod's radius, length and group.
         update_rod(id: RodId, change: impl FnOnce(&mut Rod)) -> ();
 }
 
-/// Moving spheres by hand; all of it takes effect with the next step or read.
+/// Changing the state of spheres. Changes take effect with the next step or read.
 impl Simulation {
-    /// Puts a sphere elsewhere.
+    /// Sets a sphere's position, in units.
     ///
     /// # Errors
-    /// [`Error::StaleHandle`] when it is not in the scene, [`Error::Invalid`] for what is not finite.
+    /// [`Error::StaleHandle`] when the sphere is not in the scene, [`Error::Invalid`] for a value that is not finite.
     pub fn set_position(&mut self, id: SphereId, position: impl Into<Vec3>) -> Result<()> {
         let position = position.into();
         finite("position", position)?;
@@ -139,7 +139,8 @@ impl Simulation {
     /// Sets a sphere's orientation.
     ///
     /// # Errors
-    /// [`Error::StaleHandle`] when it is not in the scene, [`Error::Invalid`] for what is not a unit quaternion.
+    /// [`Error::StaleHandle`] when the sphere is not in the scene, [`Error::Invalid`] for a value that is not a unit
+    /// quaternion.
     pub fn set_orientation(&mut self, id: SphereId, orientation: Quat) -> Result<()> {
         if !orientation.is_normalized() {
             return Err(Error::Invalid {
@@ -151,7 +152,8 @@ impl Simulation {
         self.edit(id, Edit::Orientation(orientation))
     }
 
-    /// Pushes a sphere once: its velocity changes by impulse / mass. In mass units/s. A fixed sphere stays as it is.
+    /// Applies an impulse, in mass units/s: the velocity of the sphere changes by impulse / mass. A fixed sphere does not
+    /// change.
     ///
     /// # Errors
     /// As for [`Simulation::set_position`].
@@ -161,7 +163,7 @@ impl Simulation {
         self.edit(id, Edit::Impulse(impulse))
     }
 
-    /// Sets the outside force on a sphere, in mass units/s²; it stays until it is changed.
+    /// Sets the external force on a sphere, in mass units/s². The force acts until it is changed.
     ///
     /// # Errors
     /// As for [`Simulation::set_position`].
@@ -169,7 +171,7 @@ impl Simulation {
         let force = force.into();
         finite("force", force)?;
         self.scene.spheres.get_mut(id)?.force = force;
-        self.dirty = self.dirty.max(Dirty::Words);
+        self.dirty = self.dirty.max(Dirty::Topology);
         Ok(())
     }
 
@@ -179,11 +181,11 @@ impl Simulation {
         Ok(())
     }
 
-    /// Brings memory, the device's too, up to date with the edits that were made since the last step or read: what
-    /// [`Simulation::gpu_view`] and [`Simulation::cpu_view`] give holds them then. No state is read back.
+    /// Applies the edits made since the last step or read to the arrays in memory and on the device. [`Simulation::gpu_view`]
+    /// and [`Simulation::cpu_view`] then show them. No state is read back.
     ///
     /// # Errors
-    /// [`Error::Device`] when the GPU failed, [`Error::DeviceLimit`] when the scene has become too large.
+    /// [`Error::Device`] when the GPU fails, [`Error::DeviceLimit`] when the scene has become too large.
     #[cfg(not(target_family = "wasm"))]
     pub fn flush(&mut self) -> Result<()> {
         let device = self.engine.waiter();
@@ -193,7 +195,7 @@ impl Simulation {
     /// [`Simulation::flush`] without blocking.
     ///
     /// # Errors
-    /// As there.
+    /// As for [`Simulation::flush`].
     pub async fn flush_async(&mut self) -> Result<()> {
         if self.dirty == Dirty::Clean && self.edits.is_empty() {
             return Ok(());
@@ -203,7 +205,7 @@ impl Simulation {
         }
         let edits = std::mem::take(&mut self.edits);
         for (id, edit) in &edits {
-            // A sphere that was changed and then removed is gone.
+            // Edits of a sphere that was removed afterwards have no effect.
             if let Ok(sphere) = self.scene.spheres.get_mut(*id) {
                 edit.apply(sphere);
             }
@@ -211,9 +213,9 @@ impl Simulation {
         match std::mem::replace(&mut self.dirty, Dirty::Clean) {
             Dirty::Everything => {
                 self.rebuild()?;
-                self.moved_by_hand();
+                self.mark_state_edited();
             }
-            Dirty::Words => {
+            Dirty::Topology => {
                 self.world.set_words(&self.scene)?;
                 self.engine.upload_words(&self.world)?;
             }
@@ -222,12 +224,12 @@ impl Simulation {
         if !edits.is_empty() {
             self.world.set_spheres(&self.scene);
             self.engine.upload_spheres(&self.world)?;
-            self.moved_by_hand();
+            self.mark_state_edited();
         }
         Ok(())
     }
 
-    /// Packs the scene anew; room that lists had is kept.
+    /// Packs the scene again. The lists keep their capacity.
     pub(super) fn rebuild(&mut self) -> Result<()> {
         let old = &self.world.step;
         let (flags, dt, rows) = (old.flags, old.dt, old.pair_rows);
@@ -249,17 +251,17 @@ impl Simulation {
         Ok(())
     }
 
-    fn moved_by_hand(&mut self) {
+    fn mark_state_edited(&mut self) {
         self.status.lengths_due = 1;
         self.aabbs_due = true;
         self.lists_due = true;
         self.has_stages = false;
     }
 
-    /// The scene as it is now, with all edits and the present state of every sphere.
+    /// [`Simulation::sync`] without blocking.
     ///
     /// # Errors
-    /// [`Error::Device`] when the GPU failed.
+    /// As for [`Simulation::sync`].
     pub async fn sync_async(&mut self) -> Result<&Scene> {
         self.flush_async().await?;
         self.pull().await?;

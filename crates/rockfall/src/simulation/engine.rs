@@ -1,4 +1,4 @@
-//! The backend of a simulation, behind one set of calls.
+//! The backend of a simulation: one interface for the CPU and the GPU.
 
 use std::future::Future;
 use std::ops::Range;
@@ -16,54 +16,54 @@ use crate::exec::gpu::{Gpu, GpuWorld, Mapped};
 #[cfg(feature = "gpu")]
 use crate::model::buffer::Buffer;
 
-/// Where the stages run.
+/// The backend that runs the stages.
 #[derive(Debug)]
 pub(super) enum Engine {
-    /// On the host, on the simulation's own [`World`].
+    /// Runs on the host, on the simulation's own [`World`].
     Cpu,
-    /// On a device, on buffers of the same layout.
+    /// Runs on a device, on buffers of the same layout.
     #[cfg(feature = "gpu")]
     Gpu(Box<GpuWorld>),
 }
 
-/// The status after steps that were submitted.
+/// The status after submitted steps.
 #[derive(Debug)]
 pub(super) enum Look {
-    /// They are done.
+    /// The steps are done and the status is known.
     Known(Box<Status>),
-    /// On its way from the device.
+    /// The status has yet to arrive from the device.
     #[cfg(feature = "gpu")]
-    Coming(Mapped),
+    Pending(Mapped),
 }
 
 impl Look {
-    /// Waits for it, where it is not there yet.
+    /// Waits for the status if it is still pending, and returns it.
     pub(super) async fn status(self) -> Result<Status> {
         match self {
             Self::Known(status) => Ok(*status),
             #[cfg(feature = "gpu")]
-            Self::Coming(status) => Ok(bytemuck::pod_read_unaligned(&status.bytes("the status").await?)),
+            Self::Pending(status) => Ok(bytemuck::pod_read_unaligned(&status.bytes("the status").await?)),
         }
     }
 }
 
-/// What a blocking call has to poll while it waits.
+/// The device that a blocking call polls while it waits; `None` on the CPU.
 #[cfg(feature = "gpu")]
 pub(super) type Waiter = Option<wgpu::Device>;
-/// What a blocking call has to poll while it waits.
+/// The device that a blocking call polls while it waits: always `None` without the GPU.
 #[cfg(not(feature = "gpu"))]
 pub(super) type Waiter = Option<std::convert::Infallible>;
 
-/// Does something on the device. The CPU backend runs on the host's world itself and has nothing to do.
+/// Runs an action on the device. The CPU backend runs on the host's world itself and has nothing to do.
 macro_rules! on_gpu {
-    ($engine:expr, $told:ident, $gpu:ident => $action:expr) => {{
+    ($engine:expr, $input:ident, $gpu:ident => $action:expr) => {{
         match $engine {
             Self::Cpu => {}
             #[cfg(feature = "gpu")]
             Self::Gpu($gpu) => $action,
         }
-        // Without the GPU nobody asks for it.
-        let _ = $told;
+        // Without the GPU, the input is unused.
+        let _ = $input;
         Ok(())
     }};
 }
@@ -72,7 +72,7 @@ impl Engine {
     #[cfg(feature = "gpu")]
     pub(super) async fn open(options: &Options, world: &World) -> Result<(Self, BackendInfo)> {
         let gpu = match options.backend {
-            Backend::Cpu => return Ok((Self::Cpu, cpu_info("asked for"))),
+            Backend::Cpu => return Ok((Self::Cpu, cpu_info("requested"))),
             Backend::Gpu => Gpu::open(true).await?,
             Backend::Auto => match Gpu::open(false).await {
                 Ok(gpu) => gpu,
@@ -82,15 +82,15 @@ impl Engine {
                 Err(error) => return Ok((Self::Cpu, cpu_info(&format!("no GPU could be opened: {error}")))),
             },
         };
-        let reason = if options.backend == Backend::Auto { "the best hardware GPU" } else { "asked for" };
+        let reason = if options.backend == Backend::Auto { "the best hardware GPU" } else { "requested" };
         Self::on(&gpu, options, world, reason)
     }
 
     #[cfg(not(feature = "gpu"))]
     pub(super) async fn open(options: &Options, _world: &World) -> Result<(Self, BackendInfo)> {
-        const WITHOUT: &str = "this build of rockfall is without the gpu feature";
+        const WITHOUT: &str = "this build of rockfall does not have the gpu feature";
         match options.backend {
-            Backend::Cpu => Ok((Self::Cpu, cpu_info("asked for"))),
+            Backend::Cpu => Ok((Self::Cpu, cpu_info("requested"))),
             Backend::Auto => Ok((Self::Cpu, cpu_info(WITHOUT))),
             Backend::Gpu => Err(crate::Error::NoAdapter(WITHOUT.to_owned())),
         }
@@ -108,11 +108,11 @@ impl Engine {
 
     #[cfg(feature = "gpu")]
     fn on(gpu: &Gpu, options: &Options, world: &World, reason: &str) -> Result<(Self, BackendInfo)> {
-        let mut there = GpuWorld::new(gpu, world)?;
+        let mut gpu_world = GpuWorld::new(gpu, world)?;
         if let Some(join) = options.join_steps {
-            there.join_steps(join);
+            gpu_world.join_steps(join);
         }
-        Ok((Self::Gpu(Box::new(there)), gpu_info(gpu, reason)))
+        Ok((Self::Gpu(Box::new(gpu_world)), gpu_info(gpu, reason)))
     }
 
     pub(super) fn waiter(&self) -> Waiter {
@@ -123,7 +123,7 @@ impl Engine {
         }
     }
 
-    /// Whether a stage costs something where it has nothing to do.
+    /// Whether a stage costs a dispatch even when it has no work.
     pub(super) fn dispatches(&self) -> bool {
         !matches!(self, Self::Cpu)
     }
@@ -137,25 +137,25 @@ impl Engine {
         }
     }
 
-    /// Runs `stages` once with the status of `world`, and reads the status back into it.
+    /// Runs `stages` once, starting with the status of `world`, and reads the status back into `world`.
     pub(super) async fn run(&mut self, world: &mut World, stages: &[Run]) -> Result<()> {
         self.begin(world)?;
         world.status = self.submit(world, stages, 0..1, None).await?.status().await?;
         Ok(())
     }
 
-    /// Compiles what these stages need.
+    /// Compiles the kernels that these stages need.
     pub(super) fn prepare(&mut self, stages: &[Run]) -> Result<()> {
         on_gpu!(self, stages, gpu => gpu.prepare_plain(stages)?)
     }
 
-    /// Takes over the status of `world`.
+    /// Sets the engine's status to that of `world`.
     pub(super) fn begin(&mut self, world: &World) -> Result<()> {
         on_gpu!(self, world, gpu => gpu.set_status(&world.status)?)
     }
 
-    /// Runs `stages` so many steps on, numbered for [`Run::is_in`], or until one is void. With a recorder, every stage is timed,
-    /// which takes waiting.
+    /// Runs `stages` for `steps`, numbered as in [`Run::is_in`], or until a step is rejected. With a recorder every stage is
+    /// timed, and the call waits for the steps.
     pub(super) async fn submit(
         &mut self,
         world: &mut World,
@@ -169,7 +169,7 @@ impl Engine {
                 Ok(Look::Known(Box::new(world.status)))
             }
             #[cfg(feature = "gpu")]
-            (Self::Gpu(gpu), None) => Ok(Look::Coming(gpu.run_and_look(stages, &world.step, steps)?)),
+            (Self::Gpu(gpu), None) => Ok(Look::Pending(gpu.run_and_look(stages, &world.step, steps)?)),
             #[cfg(feature = "gpu")]
             (Self::Gpu(gpu), Some(recorder)) => {
                 let timer = gpu.run_timed(stages, &world.step, steps)?;
@@ -181,7 +181,7 @@ impl Engine {
         }
     }
 
-    /// Gives a world the scratch that the CPU backend runs on; a device has its own.
+    /// Adds to a world the scratch arrays of the CPU backend. A device has scratch buffers of its own.
     pub(super) fn complete(&self, world: &mut World) {
         match self {
             Self::Cpu => world.add_scratch(),
@@ -190,27 +190,27 @@ impl Engine {
         }
     }
 
-    /// Takes over a world that was packed anew, or whose lists have a new capacity and are void.
+    /// Uploads a world that was packed again, or whose lists have a new capacity and are invalid.
     pub(super) fn replace(&mut self, world: &World) -> Result<()> {
         on_gpu!(self, world, gpu => gpu.upload(world)?)
     }
 
-    /// The lists of the world have a new capacity; what they held is void.
+    /// Resizes the lists on the device to the capacity of the world's lists. Their contents become invalid.
     pub(super) fn resize_lists(&mut self, world: &World) -> Result<()> {
         on_gpu!(self, world, gpu => gpu.resize_lists(world)?)
     }
 
-    /// The world has another room for listed collisions.
+    /// Resizes the buffers of listed collisions on the device to the capacity of the world.
     pub(super) fn resize_collisions(&mut self, world: &World) -> Result<()> {
         on_gpu!(self, world, gpu => gpu.resize_collisions(world)?)
     }
 
-    /// The words of the world changed, and with them offsets in the uniform block.
+    /// Uploads the topology buffer after a change, with the offsets in the uniform block.
     pub(super) fn upload_words(&mut self, world: &World) -> Result<()> {
         on_gpu!(self, world, gpu => gpu.upload_words(world)?)
     }
 
-    /// The state of the spheres changed.
+    /// Uploads the state of the spheres after a change.
     pub(super) fn upload_spheres(&mut self, world: &World) -> Result<()> {
         on_gpu!(self, world, gpu => {
             gpu.upload_buffer(world, Buffer::Start)?;
@@ -218,7 +218,7 @@ impl Engine {
         })
     }
 
-    /// Reads the words back into `world`.
+    /// Reads the topology buffer back into `world`.
     pub(super) async fn download_words(&mut self, world: &mut World) -> Result<()> {
         on_gpu!(self, world, gpu => gpu.download(world, &[Buffer::Topology]).await?)
     }
@@ -230,12 +230,12 @@ impl Engine {
 }
 
 fn run_on_cpu(world: &mut World, stages: &[Run], steps: Range<u32>, recorder: Option<&mut Recorder>) {
-    let (before, mut taken, timed) = (world.status.steps, Vec::new(), recorder.is_some());
-    // On a thread of the pool from the start: to wake one in every stage costs more than a small scene's step.
+    let (before, mut times, timed) = (world.status.steps, Vec::new(), recorder.is_some());
+    // The steps start inside the pool, because waking a pool thread in every stage costs more than a step of a small scene.
     rayon::scope(|_| {
         for _ in steps {
             if timed {
-                taken.push(cpu::run_timed(world, stages));
+                times.push(cpu::run_timed(world, stages));
             } else {
                 cpu::run(world, stages);
             }
@@ -246,7 +246,7 @@ fn run_on_cpu(world: &mut World, stages: &[Run], steps: Range<u32>, recorder: Op
     });
     if let Some(recorder) = recorder {
         let done = world.status.steps.wrapping_sub(before);
-        recorder.book(stages, &taken, done, &world.step, &world.status);
+        recorder.book(stages, &times, done, &world.step, &world.status);
     }
 }
 
@@ -273,7 +273,7 @@ fn gpu_info(gpu: &Gpu, reason: &str) -> BackendInfo {
     }
 }
 
-/// Drives a future to its end on this thread.
+/// Drives a future to completion on this thread.
 #[cfg(all(feature = "gpu", not(target_family = "wasm")))]
 pub(super) fn block_on<T>(waiter: Waiter, future: impl Future<Output = Result<T>>) -> Result<T> {
     match waiter {
@@ -285,7 +285,7 @@ pub(super) fn block_on<T>(waiter: Waiter, future: impl Future<Output = Result<T>
     }
 }
 
-/// Drives a future to its end on this thread; without a device, it never waits for anything.
+/// Drives a future to completion on this thread. Without a device it never waits.
 #[cfg(not(feature = "gpu"))]
 pub(super) fn block_on<T>(_waiter: Waiter, future: impl Future<Output = Result<T>>) -> Result<T> {
     let mut future = std::pin::pin!(future);

@@ -1,7 +1,7 @@
-//! Handing steps to the engine, portion by portion, and looking at what became of them without making it wait.
+//! Submits steps to the engine in portions and reads the status after each without idling the device.
 //!
-//! A device works on one portion while the status after the one before travels to the host. Where that tells of a void step, the
-//! portion under way is void, too: its stages return at once, and nothing is lost but their time.
+//! A device works on one portion while the status after the previous one is transferred to the host. If that status reports a
+//! rejected step, the portion under way is rejected too. Its stages return at once, so only time is lost.
 
 use std::collections::VecDeque;
 
@@ -15,58 +15,61 @@ use crate::simulation::engine::Look;
 use crate::step::fused::run_steps::is_small;
 use crate::step::schedule::{Phase, Run};
 
-/// Portions that a device has before it at a time.
+/// Number of portions that are submitted to a device at a time.
 const DEPTH: usize = 2;
-/// Steps of a portion of a small scene, and on the CPU: there a void step costs little.
+/// Steps per portion in small scenes and on the CPU, where a rejected step costs little.
 const LARGE_PORTION: u64 = 32;
-/// The most of any other: after a void step what is left of two portions is void, and costs a dispatch a stage.
+/// Maximum number of steps per portion otherwise. After a rejected step the rest of two portions is rejected too, which costs
+/// one dispatch per stage.
 const PORTION: u64 = 4;
-/// Movers times steps of one that takes a large device some milliseconds, many times as long as the status takes to come.
+/// Movers times steps of a portion that takes a large device several milliseconds, many times as long as the transfer of the
+/// status.
 const MOVED: u32 = 1 << 21;
-/// AABBs stand half a step ahead: then they need to reach half as far for its way.
+/// How far AABBs are placed ahead of their bodies, in steps. Half a step ahead, they need to reach only half of the distance of
+/// one step to either side.
 const LEAD: f32 = 0.5;
 
 /// A portion that was submitted.
 struct Portion {
     look: Look,
     steps: u64,
-    /// Which lookahead and interval it ran with.
+    /// Number of the window in which the portion was submitted.
     settings: u32,
 }
 
-/// What one run through phases needs to know from portion to portion.
+/// What one call of [`Simulation::stretch`] keeps from portion to portion.
 struct Stretch<'a> {
     phases: &'a [Phase],
     is_step: bool,
     interval: u32,
-    /// Steps since the last chance of making lists.
+    /// Steps since the last step in which lists could be rebuilt.
     since: u32,
 }
 
 impl Simulation {
-    /// Runs phases up to `most` times over, until a step is void; returns how often they were done.
+    /// Runs phases up to `most` times, until a step is rejected. Returns how many times they were done.
     pub(super) async fn stretch(&mut self, phases: &[Phase], most: u64, mut recorder: Option<&mut Recorder>) -> Result<u64> {
         let is_step = phases.starts_with(&COLLISIONS_FIRST) || phases.starts_with(&WITHOUT_COLLISIONS);
         let mut stretch = Stretch { phases, is_step, interval: 1, since: 0 };
         self.begin(&stretch)?;
-        // To time the stages of a portion is to wait for it.
+        // Timing the stages of a portion requires waiting for it.
         let depth = if self.engine.dispatches() && recorder.is_none() { DEPTH } else { 1 };
-        let mut flight = VecDeque::with_capacity(depth);
+        let mut in_flight = VecDeque::with_capacity(depth);
         let (mut submitted, mut done) = (0, 0);
         loop {
-            while self.status.rejected == 0 && submitted < most && flight.len() < depth {
+            while self.status.rejected == 0 && submitted < most && in_flight.len() < depth {
                 let steps = self.portion().min(most - submitted);
-                flight.push_back(self.submit(&mut stretch, steps, recorder.as_deref_mut()).await?);
+                in_flight.push_back(self.submit(&mut stretch, steps, recorder.as_deref_mut()).await?);
                 submitted += steps;
             }
-            let Some(portion) = flight.pop_front() else {
+            let Some(portion) = in_flight.pop_front() else {
                 return Ok(done);
             };
-            done += self.land(&stretch, portion).await?;
+            done += self.finish(&stretch, portion).await?;
         }
     }
 
-    /// Gives the engine the status to begin with.
+    /// Gives the engine the initial status.
     fn begin(&mut self, stretch: &Stretch<'_>) -> Result<()> {
         let makes_lists = stretch.phases.iter().any(|phase| phase.makes_lists());
         if (makes_lists && !stretch.is_step) || self.status.rejected != 0 || self.lists_due || self.aabbs_due {
@@ -92,7 +95,7 @@ impl Simulation {
         step.dt = self.time_step;
         step.list_interval = interval as f32;
         step.flags = step.flags & !FLAG_STAGES | if self.has_stages { FLAG_STAGES } else { 0 };
-        // Where impulses come after the lists, a body may turn back at once.
+        // If phases run one by one, impulses may follow the lists and reverse the motion of a body at once.
         step.lead = if stretch.is_step { LEAD } else { 0.0 };
         self.synced = false;
         let range = stretch.since..stretch.since + steps as u32;
@@ -104,8 +107,8 @@ impl Simulation {
         Ok(Portion { look, steps, settings: self.window.settings })
     }
 
-    /// Looks at the status after a portion, and takes over what it tells; returns how often the phases were done.
-    async fn land(&mut self, stretch: &Stretch<'_>, portion: Portion) -> Result<u64> {
+    /// Waits for the status after a portion and takes it over. Returns how many times the phases were done.
+    async fn finish(&mut self, stretch: &Stretch<'_>, portion: Portion) -> Result<u64> {
         let status = portion.look.status().await?;
         let before = std::mem::replace(&mut self.status, status);
         if !stretch.phases.contains(&Phase::UpdatePositions) {
@@ -119,7 +122,7 @@ impl Simulation {
         Ok(done)
     }
 
-    /// Steps to hand over at once.
+    /// Number of steps of the next portion.
     fn portion(&self) -> u64 {
         let step = &self.world.step;
         if !self.engine.dispatches() || is_small(step) {
@@ -128,21 +131,21 @@ impl Simulation {
         u64::from(MOVED / (step.spheres + step.rods).max(1)).clamp(1, PORTION)
     }
 
-    /// Steps from one chance of making lists to the next.
+    /// Number of steps from one step in which lists may be rebuilt to the next.
     pub(super) fn list_interval(&self, is_step: bool) -> u32 {
         let may_wait = is_step && self.engine.dispatches();
         if may_wait { self.interval.steps(self.world.step.lookahead) } else { 1 }
     }
 }
 
-/// The status with which steps are begun, or tried again: counters begin at zero, those of a void attempt are dropped, what was
-/// done stays done.
+/// The status with which steps begin or are repeated. Counters begin at zero, those of a rejected attempt are dropped, and the
+/// results of finished phases are kept.
 fn resumed(status: Status) -> Status {
     let is_done = status.collided != 0;
     Status {
         counters: status
             .counters
-            .map(|told| Counters { collisions: if is_done { told.collisions } else { 0 }, ..Counters::default() }),
+            .map(|counters| Counters { collisions: if is_done { counters.collisions } else { 0 }, ..Counters::default() }),
         collides: if is_done { status.collides } else { 0 },
         listed: 0,
         clustered: if is_done { status.clustered } else { 0 },

@@ -1,18 +1,19 @@
-//! In every how many-th step of a batch lists may be made: by trying, with counts and not with a clock.
+//! Chooses how often pair lists may be rebuilt within a batch, in steps. The interval is found by trials that count work and do
+//! not measure time.
 //!
-//! On a device every stage of a step costs a dispatch, whether or not it has something to do, and where lists last for some
-//! steps those that make lists have nothing to do in most. They may be left out of all but every S-th step, if lists are made
-//! that last for S. Where a body is pushed out of its AABB in between, the step is void and run again, lists first. Once in a batch of
-//! steps that costs less than lists that are made more often; after a second time they are made twice as often for a while. Among a
-//! million bodies some always ask for lists; most of those do not leave after all.
+//! On a device every stage costs a dispatch, whether or not it has work. If lists last for several steps, the stages that
+//! rebuild them have no work in most steps. They can be left out of all but every S-th step if the lists are built to last S
+//! steps. If a body leaves its AABB in between, the step is rejected, the lists are rebuilt, and the step is repeated. One such
+//! step in a batch costs less than rebuilding lists more often. After a second one the interval is halved for a while. Among a
+//! million bodies some always request new lists, but most of those do not leave their AABBs in the end.
 
-/// The longest.
+/// Longest interval, in steps.
 pub(super) const LONGEST: u32 = 8;
-/// Batches without such a step before the next trial, after trials that failed: one costs a void step, little beside what a batch gains
-/// whose lists last.
+/// Maximum number of batches without a rejected step before the next trial, after trials that failed. A failed trial costs one
+/// rejected step, which is little compared with what a batch gains if its lists last.
 const LONGEST_PAUSE: u32 = 2;
 
-/// The present interval, and what came of it.
+/// The current interval and the state of its trials.
 #[derive(Clone, Debug)]
 pub(super) struct Interval {
     steps: u32,
@@ -20,7 +21,7 @@ pub(super) struct Interval {
     calm: u32,
     /// Batches before the next trial.
     pause: u32,
-    /// Whether they did not last in one step of this batch.
+    /// Whether a step of the current batch was rejected without a change of the interval.
     forgiven: bool,
 }
 
@@ -31,19 +32,19 @@ impl Default for Interval {
 }
 
 impl Interval {
-    /// Begins with the lookahead that there is.
+    /// Starts with the longest interval. The lookahead still limits it.
     pub(super) fn long() -> Self {
         Self { steps: LONGEST, ..Self::default() }
     }
 
-    /// Steps, for lists that are made for so many steps ahead.
+    /// The interval in steps, for lists that are built `lookahead` steps ahead.
     pub(super) fn steps(&self, lookahead: f32) -> u32 {
-        // 1, 2, 4 or 8, not more than the lookahead.
+        // The interval is 1, 2, 4 or 8, and at most the lookahead.
         let least = lookahead.max(1.0) as u32;
         self.steps.min(1 << least.ilog2())
     }
 
-    /// After a batch in which lists lasted. Whether they may be made more rarely now.
+    /// Records a batch in which the lists lasted. Returns whether the interval becomes longer.
     pub(super) fn lasted(&mut self) -> bool {
         self.forgiven = false;
         self.calm += 1;
@@ -59,12 +60,14 @@ impl Interval {
         true
     }
 
-    /// Whether a step in which they did not last, at this interval, changes nothing: the first one of a batch.
+    /// Whether a step in which the lists did not last leaves the interval unchanged. This is so for the first one of a batch,
+    /// unless the interval is 1.
     pub(super) fn forgives(&mut self, interval: u32) -> bool {
         interval > 1 && !std::mem::replace(&mut self.forgiven, true)
     }
 
-    /// After a step in which they did not, at this interval. Whether that may have come of it.
+    /// Records a step in which the lists did not last, and halves the interval. Returns whether the interval may have been the
+    /// cause, that is, whether it was longer than 1.
     pub(super) fn failed(&mut self, interval: u32) -> bool {
         if interval > 1 {
             *self = Self { steps: interval / 2, pause: (2 * self.pause).min(LONGEST_PAUSE), ..Self::default() };
@@ -78,7 +81,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_lasts_is_made_more_rarely_but_not_than_it_lasts() {
+    fn the_interval_grows_with_lists_that_last_up_to_the_lookahead() {
         let mut interval = Interval::default();
         assert!(interval.failed(8) && interval.failed(4) && interval.failed(2) && !interval.failed(1));
         assert_eq!(interval.steps(32.0), 1);
@@ -96,7 +99,7 @@ mod tests {
             interval.lasted();
         }
         assert_eq!(interval.steps(32.0), LONGEST);
-        assert!(!interval.forgives(1), "no interval is to blame");
+        assert!(!interval.forgives(1), "the interval is not the cause");
     }
 
     #[test]

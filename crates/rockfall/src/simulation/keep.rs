@@ -1,4 +1,4 @@
-//! Taking checkpoints, and going on from them.
+//! Takes checkpoints and resumes from them.
 
 use std::path::Path;
 
@@ -12,11 +12,11 @@ use crate::simulation::order::Disorder;
 use crate::simulation::{Simulation, engine, prepare};
 
 impl Simulation {
-    /// Everything that decides how the simulation goes on. The steps after it are the same whether or not it is taken.
+    /// Takes a checkpoint, which holds everything that determines the following steps. Taking it does not change those steps.
     ///
     /// # Errors
-    /// [`Error::Device`] when the GPU failed; [`Error::Invalid`] within a step, after
-    /// [`handle_collisions`](Self::handle_collisions) alone.
+    /// [`Error::Device`] when the GPU fails. [`Error::Invalid`] between [`handle_collisions`](Self::handle_collisions) and
+    /// [`update_positions`](Self::update_positions), when a step is not complete.
     #[cfg(not(target_family = "wasm"))]
     pub fn checkpoint(&mut self) -> Result<Checkpoint> {
         let device = self.engine.waiter();
@@ -26,13 +26,13 @@ impl Simulation {
     /// [`Simulation::checkpoint`] without blocking.
     ///
     /// # Errors
-    /// As there.
+    /// As for [`Simulation::checkpoint`].
     pub async fn checkpoint_async(&mut self) -> Result<Checkpoint> {
         if self.status.collided != 0 {
             return Err(Error::Invalid {
                 field: "checkpoint",
                 value: "a state between two phases".to_owned(),
-                expected: "one between two steps: update_positions after handle_collisions",
+                expected: "a state between two steps: call update_positions after handle_collisions",
             });
         }
         self.sync_async().await?;
@@ -66,11 +66,12 @@ impl Simulation {
         self.checkpoint()?.save(path)
     }
 
-    /// Goes on from a checkpoint: with the same options on the same device, in the same bits as if it had never stopped.
-    /// Of the [`Report`](crate::Report) alone `replays` and `list_builds` may differ, for lists are made anew.
+    /// Resumes from a checkpoint. With the same options on the same device, the results are bitwise identical to those of a run
+    /// that never stopped. Only `replays` and `list_builds` of the [`Report`](crate::Report) may differ, because lists are
+    /// rebuilt.
     ///
     /// # Errors
-    /// As for [`Simulation::with_options`]; among them [`Error::NoAdapter`] for one that ran on a GPU where there is none.
+    /// As for [`Simulation::with_options`]. [`Error::NoAdapter`] when the checkpoint ran on a GPU and there is none.
     #[cfg(not(target_family = "wasm"))]
     pub fn resume(checkpoint: Checkpoint) -> Result<Self> {
         engine::block_on(None, Self::resume_async(checkpoint))
@@ -79,25 +80,25 @@ impl Simulation {
     /// [`Simulation::resume`] without blocking.
     ///
     /// # Errors
-    /// As there.
+    /// As for [`Simulation::resume`].
     pub async fn resume_async(checkpoint: Checkpoint) -> Result<Self> {
         let world = prepare(&checkpoint.scene, &checkpoint.options)?;
         let (engine, info) = Engine::open(&checkpoint.options, &world).await?;
         let simulation = Self::assemble(checkpoint.scene, checkpoint.options, world, engine, info);
-        Ok(simulation.with_past(checkpoint.time_step, checkpoint.report, checkpoint.history))
+        Ok(simulation.with_history(checkpoint.time_step, checkpoint.report, checkpoint.history))
     }
 
     /// [`Simulation::resume`] on the caller's wgpu device; see [`Simulation::on_device`].
     ///
     /// # Errors
-    /// As there.
+    /// As for [`Simulation::on_device`].
     #[cfg(feature = "gpu")]
     pub fn resume_on_device(checkpoint: Checkpoint, device: &wgpu::Device, queue: &wgpu::Queue) -> Result<Self> {
         let simulation = Self::on_device_as_is(checkpoint.scene, checkpoint.options, device, queue)?;
-        Ok(simulation.with_past(checkpoint.time_step, checkpoint.report, checkpoint.history))
+        Ok(simulation.with_history(checkpoint.time_step, checkpoint.report, checkpoint.history))
     }
 
-    fn with_past(mut self, time_step: f32, report: crate::Report, history: History) -> Self {
+    fn with_history(mut self, time_step: f32, report: crate::Report, history: History) -> Self {
         self.time_step = time_step;
         self.report = report;
         self.disorder = Disorder::sorted_at(report.steps);

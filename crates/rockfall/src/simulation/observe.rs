@@ -1,6 +1,6 @@
-//! Contacts and debug values of the present state, for finding out why a body does what it does.
+//! Contacts and diagnostics of the current state, for finding out why a body behaves as it does.
 //!
-//! They are evaluated on the host, by the same stages that the CPU backend runs, on a copy of the state.
+//! They are computed on the host by the stages of the CPU backend, on a copy of the state.
 
 use glam::Vec3;
 use rayon::prelude::*;
@@ -39,15 +39,16 @@ pub enum Body {
     Polygon(PolygonId),
 }
 
-/// What a contact does to its body B; body A gets the opposite.
+/// Effect of a contact on its body B. Body A receives the opposite.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum ContactAction {
-    /// The bodies close fast: the normal impulse that the next collision phase gives, in mass units/s. It is along the normal at the
-    /// time of contact where no other contact touches the bodies; zero where the impulses of others leave nothing to do.
+    /// The normal impulse that the next collision phase applies, in mass units/s, if the bodies approach fast. It is along the
+    /// normal at the time of contact if no other contact touches the bodies. It is zero if the impulses of other contacts
+    /// already separate the bodies.
     Impulse(Vec3),
-    /// A contact force with friction, in mass units/s²; zero where the contact is too fresh or the bodies separate fast. Friction impulses
-    /// (`coulomb_friction`) are no part of it.
+    /// A contact force with friction, in mass units/s². It is zero if the contact is too new or the bodies separate fast.
+    /// Friction impulses (`coulomb_friction`) are not included.
     Force(Vec3),
 }
 
@@ -55,40 +56,40 @@ pub enum ContactAction {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Contact {
-    /// The body of lower order (spheres before rods before boxes before polygons).
+    /// The first body, in the order spheres, rods, boxes, polygons.
     pub a: Body,
     /// The other body.
     pub b: Body,
-    /// The point they share, in units: in the middle of the overlap, or on the surface of what is static.
+    /// The contact point, in units: in the middle of the overlap, or on the surface of a static body.
     pub point: Vec3,
     /// Unit normal from A to B.
     pub normal: Vec3,
-    /// How deep they overlap, in units.
+    /// Overlap depth, in units.
     pub overlap: f32,
-    /// What the contact does.
+    /// Effect of the contact.
     pub action: ContactAction,
 }
 
-/// Debug values of a sphere.
+/// Diagnostics of a sphere.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct SphereDiagnostics {
-    /// Its own contacts, those of its rods left out.
+    /// Number of contacts of the sphere itself, without those of its rods.
     pub contacts: u32,
-    /// Net force, gravity included, in mass units/s²; of a fixed sphere 0.
+    /// Net force including gravity, in mass units/s²; 0 for a fixed sphere.
     pub net_force: Vec3,
-    /// Its deepest overlap, in units.
+    /// Deepest overlap, in units; 0 without contacts.
     pub deepest_overlap: f32,
 }
 
 impl Simulation {
-    /// All contacts of the present state, with the force or impulse that the next step begins with.
+    /// All contacts of the current state, with the force or impulse that each exerts at the beginning of the next step.
     ///
     /// # Errors
-    /// [`Error::Device`](crate::Error::Device) when the GPU failed.
+    /// As for [`Simulation::sync`].
     pub fn contacts(&mut self) -> Result<Vec<Contact>> {
         let world = self.observed()?;
-        let (view, lists) = seen(&world);
+        let (view, lists) = view_and_lists(&world);
         let impulses = solve(&view, &lists).impulses;
         let impulses = impulses.as_slice();
         let movers = 0..world.movers();
@@ -112,13 +113,13 @@ impl Simulation {
             .collect())
     }
 
-    /// Number of contacts, net force and deepest overlap of every sphere at present, in order of addition.
+    /// Number of contacts, net force and deepest overlap in the current state: one element per sphere, in order of addition.
     ///
     /// # Errors
-    /// [`Error::Device`](crate::Error::Device) when the GPU failed.
+    /// As for [`Simulation::sync`].
     pub fn diagnostics(&mut self) -> Result<Vec<SphereDiagnostics>> {
         let world = self.observed()?;
-        let (view, lists) = seen(&world);
+        let (view, lists) = view_and_lists(&world);
         let wrenches: Vec<_> = (0..world.step.rods)
             .flat_map(|rod| rod_loads(&view, &lists, rod, None).map(|load| [load.force, load.torque]))
             .flatten()
@@ -142,10 +143,10 @@ impl Simulation {
         Ok((0..world.step.spheres).into_par_iter().map(of_sphere).collect())
     }
 
-    /// Elastic energy of all contacts, sum Cc m* o² / 2.
+    /// Elastic energy of all contacts: sum of Cc m* o² / 2.
     pub(super) fn contact_energy(&mut self) -> Result<f64> {
         let world = self.observed()?;
-        let (view, lists) = seen(&world);
+        let (view, lists) = view_and_lists(&world);
         let stiffness = f64::from(world.step.contact_force);
         let of_mover = |mover: u32| -> f64 {
             let own = lists.row(mover).filter(|entry| entry.id() > mover);
@@ -157,12 +158,12 @@ impl Simulation {
             })
             .sum()
         };
-        // Collected before summing, so that the sum does not depend on the number of threads.
+        // The parts are collected before summing, so that the sum does not depend on the number of threads.
         let parts: Vec<f64> = (0..world.movers()).into_par_iter().map(of_mover).collect();
         Ok(parts.iter().sum())
     }
 
-    /// A copy of the present state with AABBs, lists and collision flags of its own.
+    /// A copy of the current state with AABBs, lists and collision flags of its own.
     fn observed(&mut self) -> Result<World> {
         self.sync()?;
         let mut world = World::build(&self.scene)?;
@@ -191,11 +192,11 @@ impl Simulation {
     }
 }
 
-fn seen(world: &World) -> (View<'_>, Lists<'_>) {
+fn view_and_lists(world: &World) -> (View<'_>, Lists<'_>) {
     (View::new(&world.step, &world.topology, &world.states[0]), Lists::new(&world.step, &world.lists))
 }
 
-/// What the contact of an entry does at the beginning of the next step.
+/// Effect of the contact of a list entry at the beginning of the next step.
 fn action(view: &View, impulses: &[Impulse], mover: u32, entry: Entry) -> Option<(Collision, ContactAction)> {
     let collision = Collision::between(view, mover, entry.id(), entry.feature())?;
     if entry.word & ENTRY_COLLIDES != 0 {
@@ -206,7 +207,7 @@ fn action(view: &View, impulses: &[Impulse], mover: u32, entry: Entry) -> Option
     Some((collision, ContactAction::Force(-force)))
 }
 
-/// From A's centre or axis along the normal, by A's arm.
+/// The point at the end of A's arm: from A's centre or axis along the normal.
 fn contact_point(view: &View, collision: &Collision) -> Vec3 {
     let (touch, static_b) = (&collision.touch, collision.b >= view.step.spheres + view.step.rods);
     let shared = if static_b { touch.overlap } else { 0.5 * touch.overlap };

@@ -1,4 +1,4 @@
-//! When memory is put in order again: once the disorder since the last time has cost more than the sorting will.
+//! Decides when memory is sorted again: when the disorder since the last sorting has cost more than sorting does.
 
 use crate::error::Result;
 use crate::model::layout::ORDER_SAMPLE;
@@ -7,42 +7,44 @@ use crate::settings::BroadPhase;
 use crate::simulation::{Simulation, engine};
 use crate::step::schedule::{MEASURE_ORDER, SORT_MEMORY};
 
-/// Steps between two looks at the order.
+/// Steps between two measurements of the order.
 const LOOK_AFTER: u64 = 256;
-/// What a binary digit more of distance in memory costs, in parts of a step: on a large GPU a million spheres in random order
-/// take 4.7 times as long as in spatial order, at 10 digits more, 17 million 9 times as long at 14.
+/// Cost of one more binary digit of the distance in memory, as a fraction of the time of a step. On a large GPU, steps of a
+/// million spheres in random order take 4.7 times as long as in spatial order, with 10 digits more; steps of 17 million spheres
+/// take 9 times as long, with 14 digits more.
 const COST_OF_A_DIGIT: f32 = 0.4;
-/// Digits more or less that come from longer or shorter lists, not from disorder. A crowd that falls into a heap changes by more;
-/// then memory is sorted once without need.
+/// Change in digits that comes from longer or shorter lists, not from disorder. Bodies that fall into a heap change the digits
+/// by more; memory is then sorted once without need.
 const NOISE: f32 = 0.5;
-/// What sorting costs, in steps.
+/// Cost of sorting, in steps.
 const COST_OF_SORTING: f32 = 20.0;
 
-/// How far memory has come out of order.
+/// Disorder of the memory since it was last sorted.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Disorder {
-    looked_at: u64,
-    /// Mean binary digits of the distance in memory of two neighbours, soon after sorting.
+    /// Step of the last measurement.
+    measured_at: u64,
+    /// Least mean number of binary digits of the distance in memory of two neighbours, measured since the last sorting.
     at_best: Option<f32>,
-    /// What the disorder has cost since, in steps.
+    /// Cost of the disorder since the last sorting, in steps.
     owed: f32,
 }
 
 impl Disorder {
-    /// In order since this step.
+    /// Memory that was sorted at this step.
     pub(super) fn sorted_at(step: u64) -> Self {
-        Self { looked_at: step, ..Self::default() }
+        Self { measured_at: step, ..Self::default() }
     }
 
-    /// Steps until it is looked at next; 0: it is due.
+    /// Steps until the next measurement; 0 if it is due.
     fn due_in(&self, step: u64) -> u64 {
-        (self.looked_at + LOOK_AFTER).saturating_sub(step)
+        (self.measured_at + LOOK_AFTER).saturating_sub(step)
     }
 
-    /// Takes what was found at a step, if anything; whether to sort now.
+    /// Takes a measurement at a step, `None` if too few spheres have neighbours. Returns whether to sort now.
     fn look(&mut self, step: u64, digits: Option<f32>) -> bool {
-        let steps = (step - self.looked_at) as f32;
-        self.looked_at = step;
+        let steps = (step - self.measured_at) as f32;
+        self.measured_at = step;
         let Some(digits) = digits else { return false };
         let best = self.at_best.map_or(digits, |best| best.min(digits));
         self.at_best = Some(best);
@@ -52,10 +54,11 @@ impl Disorder {
 }
 
 impl Simulation {
-    /// Puts spheres into spatial order in memory, so that what is near in space is near in memory: worth a multiple of the speed
-    /// where there are many. The simulation does so by itself when disorder has cost more than sorting; after all bodies were
-    /// moved by hand it need not wait. Results do not depend on it; [`Simulation::slot`] changes. With the brute-force broad
-    /// phase spheres stay in order of addition.
+    /// Sorts the spheres in memory into spatial order, so that spheres near in space are near in memory.
+    ///
+    /// With many spheres this multiplies the speed. The simulation does so by itself when disorder has cost more than sorting.
+    /// Call it after moving all bodies by edits, to avoid that delay. Results do not depend on it, but [`Simulation::slot`]
+    /// changes. With the brute-force broad phase, spheres stay in order of addition.
     ///
     /// # Errors
     /// [`Error::Device`](crate::Error::Device) when the GPU failed.
@@ -68,11 +71,11 @@ impl Simulation {
     /// [`Simulation::sort_memory`] without blocking.
     ///
     /// # Errors
-    /// As there.
+    /// As for [`Simulation::sort_memory`].
     pub async fn sort_memory_async(&mut self) -> Result<()> {
         self.flush_async().await?;
         match self.broad_phase_method() {
-            BroadPhase::Grid => self.sort_where_it_is().await,
+            BroadPhase::Grid => self.sort_in_place().await,
             BroadPhase::SortAndSkip => {
                 self.pull().await?;
                 self.rebuild()
@@ -81,7 +84,7 @@ impl Simulation {
         }
     }
 
-    /// Looks at the order of memory now and then, and puts it right where that pays.
+    /// Measures the order of memory at intervals, and sorts it when that pays.
     pub(super) async fn keep_order(&mut self) -> Result<()> {
         let step = self.report.steps;
         if self.world.order.is_empty() || self.lists_due || self.disorder.due_in(step) > 0 {
@@ -91,7 +94,7 @@ impl Simulation {
         self.engine.run(&mut self.world, MEASURE_ORDER).await?;
         let Status { order_entries, order_digits, .. } = self.world.status;
         let sampled = self.world.step.spheres.min(ORDER_SAMPLE) / 2;
-        // Where few have neighbours, order costs nothing and shows in nothing.
+        // If few spheres have neighbours, disorder costs nothing and cannot be measured.
         let digits = (order_entries >= sampled.max(1)).then(|| order_digits as f32 / order_entries as f32);
         if self.disorder.look(step, digits) {
             self.sort_memory_async().await?;
@@ -104,8 +107,8 @@ impl Simulation {
         if self.world.order.is_empty() { u64::MAX } else { self.disorder.due_in(self.report.steps).max(1) }
     }
 
-    /// On the device, where the state is; the host learns the new order alone.
-    async fn sort_where_it_is(&mut self) -> Result<()> {
+    /// Sorts where the engine keeps the state. The host reads back only the new order.
+    async fn sort_in_place(&mut self) -> Result<()> {
         self.world.status = Status { rejected: 0, rebuild: REBUILD_REQUESTED, ..self.status };
         self.engine.run(&mut self.world, SORT_MEMORY).await?;
         self.engine.download_words(&mut self.world).await?;
@@ -129,13 +132,14 @@ mod tests {
     }
 
     #[test]
-    fn what_stays_in_order_is_never_sorted() {
+    fn memory_that_stays_in_order_is_never_sorted() {
         assert_eq!(steps_until_sorted(|step| 9.0 + 0.2 * (step as f32 * 0.001).sin()), None);
     }
 
     #[test]
-    fn the_faster_it_comes_out_of_order_the_sooner_it_is_sorted() {
-        // A digit in 10,000 steps: the noise is exceeded after 5,000, and 0.4 t^2 / 20,000 comes to 20 after 1,000 more.
+    fn memory_that_loses_its_order_faster_is_sorted_sooner() {
+        // At one digit in 10,000 steps, the noise is exceeded after 5,000 steps, and 0.4 t^2 / 20,000 reaches 20 after 1,000
+        // more.
         let slowly = steps_until_sorted(|step| 9.0 + step as f32 / 10_000.0).unwrap();
         assert!((6_000..7_000).contains(&slowly), "{slowly}");
         let fast = steps_until_sorted(|step| 9.0 + step as f32 / 1_000.0).unwrap();

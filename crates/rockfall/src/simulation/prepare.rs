@@ -1,4 +1,4 @@
-//! Compiling kernels before they are needed.
+//! Compiles kernels before they are needed.
 
 use crate::error::Result;
 use crate::settings::BroadPhase;
@@ -8,10 +8,11 @@ use crate::simulation::engine;
 use crate::step::schedule::{MEASURE_ORDER, Run, SORT_MEMORY};
 
 impl Simulation {
-    /// Compiles all that steps of the scene as it is will need, so that none has to wait for it: else a kernel is compiled before
-    /// it runs for the first time, those that put memory in order in the middle of a run. Takes some tenths of a second, more where
-    /// the device's driver has not seen the kernels before; nothing on the CPU. Objects of kinds that the scene did not have may
-    /// need others.
+    /// Compiles all kernels that steps of the current scene need. Otherwise a kernel is compiled before it runs for the first
+    /// time; those that sort memory are then compiled in the middle of a run.
+    ///
+    /// This takes some tenths of a second, and longer if the device's driver has not seen the kernels before. On the CPU it
+    /// does nothing. Objects of kinds that the scene did not contain may need other kernels.
     ///
     /// # Errors
     /// [`Error::Device`](crate::Error::Device) when a kernel does not compile or the device is lost.
@@ -21,10 +22,10 @@ impl Simulation {
         engine::block_on(device, self.prepare_async())
     }
 
-    /// [`Simulation::prepare`] without waiting for the device; the host is busy compiling all the same.
+    /// [`Simulation::prepare`] without waiting for the device. Compiling still blocks the calling thread.
     ///
     /// # Errors
-    /// As there.
+    /// As for [`Simulation::prepare`].
     pub async fn prepare_async(&mut self) -> Result<()> {
         self.flush_async().await?;
         let (integrator, broad_phase) = (self.options.integrator, self.broad_phase_method());
@@ -46,7 +47,7 @@ mod tests {
     use crate::generate::Benchmark;
     use crate::{Backend, BroadPhase, Integrator, Options, Simulation};
 
-    /// How many kernels there are after preparing, and after steps and sorting besides.
+    /// Number of kernels after preparing, and after steps and sorting.
     fn kernels(scene: Benchmark, integrator: Integrator, broad_phase: BroadPhase) -> [usize; 2] {
         let scene = scene.generate(60, 1).unwrap();
         let options = Options::new().backend(Backend::Gpu).integrator(integrator).broad_phase(broad_phase);
@@ -55,14 +56,14 @@ mod tests {
         assert_eq!(compiled(&simulation), 0);
         simulation.prepare().unwrap();
         let prepared = compiled(&simulation);
-        // The order of memory is looked at, too.
+        // After 256 steps the order of memory is measured, which needs a kernel too.
         simulation.run(260, 0.001).unwrap();
         simulation.sort_memory().unwrap();
         [prepared, compiled(&simulation)]
     }
 
     #[test]
-    fn nothing_is_left_to_compile() {
+    fn prepare_compiles_all_kernels() {
         for (scene, integrator, broad_phase) in [
             (Benchmark::Mixed, Integrator::Rk4, BroadPhase::Grid),
             (Benchmark::Mixed, Integrator::SymplecticEuler, BroadPhase::BruteForce),
@@ -70,7 +71,7 @@ mod tests {
         ] {
             let [prepared, used] = kernels(scene, integrator, broad_phase);
             assert!(prepared > 5, "{scene}, {integrator}, {broad_phase}: {prepared}");
-            // Sweeps over collisions are prepared, too, and may not be needed.
+            // Sweeps over collisions are prepared too, but may not be needed.
             assert!(prepared >= used, "{scene}, {integrator}, {broad_phase}: {prepared} {used}");
         }
     }

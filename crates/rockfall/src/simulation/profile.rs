@@ -1,4 +1,4 @@
-//! Measuring: the time of every stage, the memory, and what the memory can do.
+//! Measures the time of every stage, the size of the buffers and the bandwidth of the memory.
 
 use std::mem::size_of_val;
 
@@ -10,13 +10,15 @@ use crate::profile::{BufferSize, Clock, Profile, Recorder};
 use crate::simulation::{Simulation, engine};
 
 impl Simulation {
-    /// [`Simulation::run`] with every stage timed: on the GPU by timestamps around every dispatch, on the CPU by the
-    /// host's clock. The steps are those that `run` would do, but slower: measure throughput there. Most of all so in small
-    /// scenes on a GPU, where `run` does many stages in one dispatch and this one does them one by one.
+    /// [`Simulation::run`] with every stage timed: on the GPU by timestamps around every dispatch, on the CPU by the host's
+    /// clock.
+    ///
+    /// The steps are the same as those of `run`, but slower, so measure throughput with `run`. The difference is largest in
+    /// small scenes on a GPU, where `run` computes many stages in one dispatch and this method runs them one by one.
     ///
     /// # Errors
-    /// As for [`Simulation::run`]; and [`Error::Device`](crate::Error::Device), before any step, when the GPU has no
-    /// timestamps or was opened without them ([`Simulation::clock`] tells).
+    /// As for [`Simulation::run`], and [`Error::Device`](crate::Error::Device), before any step, when the GPU has no timestamps
+    /// or was opened without them (see [`Simulation::clock`]).
     #[cfg(not(target_family = "wasm"))]
     pub fn profile(&mut self, steps: u64, dt: f32) -> Result<Profile> {
         let device = self.engine.waiter();
@@ -26,7 +28,7 @@ impl Simulation {
     /// [`Simulation::profile`] without blocking.
     ///
     /// # Errors
-    /// As there.
+    /// As for [`Simulation::profile`].
     pub async fn profile_async(&mut self, steps: u64, dt: f32) -> Result<Profile> {
         let clock = self.clock()?;
         let before = self.report.steps;
@@ -42,10 +44,10 @@ impl Simulation {
         })
     }
 
-    /// What [`Simulation::profile`] would time stages with.
+    /// The clock that [`Simulation::profile`] times stages with.
     ///
     /// # Errors
-    /// [`Error::Device`](crate::Error::Device) when there is nothing to time them with.
+    /// [`Error::Device`](crate::Error::Device) when the GPU has no timestamps or was opened without them.
     pub fn clock(&self) -> Result<Clock> {
         #[cfg(feature = "gpu")]
         if let Some(world) = self.engine.gpu_world() {
@@ -54,12 +56,12 @@ impl Simulation {
         Ok(Clock::Host)
     }
 
-    /// Bytes of all buffers that the simulation has on the device; on the CPU backend, those of its arrays.
+    /// Total size in bytes of all buffers of the simulation on the device; on the CPU backend, of its arrays.
     pub fn device_memory(&self) -> u64 {
         self.buffer_sizes().iter().map(|buffer| buffer.bytes).sum()
     }
 
-    /// The size of every buffer on the device; on the CPU backend, of every array.
+    /// Size of every buffer on the device; on the CPU backend, of every array.
     pub fn buffer_sizes(&self) -> Vec<BufferSize> {
         #[cfg(feature = "gpu")]
         if let Some(world) = self.engine.gpu_world() {
@@ -68,11 +70,12 @@ impl Simulation {
         array_sizes(&self.world)
     }
 
-    /// What a plain copy of a large buffer reaches on the device (on the CPU backend: of a large array, on all threads), in
-    /// bytes read plus bytes written a second: the best of several. Takes memory for it, up to 1 GiB, for a moment.
+    /// Measures the bandwidth of a plain copy of a large buffer on the device, or on the CPU backend of a large array on all
+    /// threads. Returns bytes read plus bytes written per second, the best of several copies. Temporarily allocates up to 1
+    /// GiB.
     ///
     /// # Errors
-    /// [`Error::Device`](crate::Error::Device) when there is no memory for it, or nothing to time it with.
+    /// [`Error::Device`](crate::Error::Device) when there is not enough memory, or the GPU has no timestamps.
     #[cfg(not(target_family = "wasm"))]
     pub fn copy_bandwidth(&self) -> Result<f64> {
         let device = self.engine.waiter();
@@ -82,7 +85,7 @@ impl Simulation {
     /// [`Simulation::copy_bandwidth`] without blocking.
     ///
     /// # Errors
-    /// As there.
+    /// As for [`Simulation::copy_bandwidth`].
     pub async fn copy_bandwidth_async(&self) -> Result<f64> {
         #[cfg(feature = "gpu")]
         if let Some(world) = self.engine.gpu_world() {
@@ -97,10 +100,10 @@ fn array_sizes(world: &World) -> Vec<BufferSize> {
     arrays.map(|buffer| BufferSize::new(buffer.label(), world.bytes(buffer).len() as u64)).collect()
 }
 
-/// A copy on all threads, piece by piece.
+/// Measures the bandwidth of a copy on all threads, piece by piece, in bytes per second.
 fn host_copy_bandwidth() -> f64 {
     use rayon::prelude::*;
-    // Far beyond any cache.
+    // Much larger than any cache.
     const WORDS: usize = 32 << 20;
     const PIECE: usize = 1 << 16;
     const COPIES: u32 = 5;

@@ -1,4 +1,4 @@
-//! Ray queries: what a line of sight meets first.
+//! Ray queries: the first body that a ray meets.
 
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
@@ -7,47 +7,48 @@ use crate::error::{Error, Result};
 use crate::scene::{Cuboid, Polygon, Rod, Scene, finite};
 use crate::simulation::{Body, Simulation};
 
-/// Where a ray enters a body.
+/// The point at which a ray enters a body.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct RayHit {
     /// The body.
     pub body: Body,
-    /// From the ray's origin, in units.
+    /// Distance from the ray's origin, in units.
     pub distance: f32,
-    /// The point that is hit, in units.
+    /// The point of entry, in units.
     pub point: Vec3,
-    /// Unit normal of the surface there, out of the body; of a polygon, that of the face which the ray comes to.
+    /// Unit normal of the surface at the point, pointing out of the body; for a polygon, of the face that the ray reaches.
     pub normal: Vec3,
 }
 
 impl Simulation {
-    /// The first body that a ray enters, as the scene is now; `None` where it enters none. `direction` may have any length.
+    /// The first body of the current scene that a ray enters, or `None`. `origin` is in units; `direction` may have any length
+    /// except 0.
     ///
-    /// Spheres and boxes are what they are; a rod is the capsule of its radius between the centres of its spheres; a polygon
-    /// is hit from both sides. A body that the origin lies in is not entered, and so not hit. Where two are entered at the
-    /// same distance the first one in the order of [`Body`], then of addition, is given.
+    /// A rod is treated as the capsule of its radius between the centres of its spheres. A polygon is hit from both sides. A
+    /// body that contains the origin is not entered, and so not hit. If two bodies are entered at the same distance, the first
+    /// one is returned in the order of [`Body`], then in order of addition.
     ///
-    /// It is evaluated on the host, on all threads, after the state was read back ([`Simulation::sync`]): for
-    /// clicks, not for millions of rays.
+    /// The query reads the state back ([`Simulation::sync`]) and runs on all threads of the host. It suits mouse clicks, not
+    /// millions of rays.
     ///
     /// # Errors
-    /// [`Error::Invalid`] for an origin or a direction that is not finite, or a direction of zero length;
-    /// [`Error::Device`] when the GPU failed.
+    /// [`Error::Invalid`] for an origin or a direction that is not finite, or a direction of zero length.
+    /// Otherwise as for [`Simulation::sync`].
     pub fn cast_ray(&mut self, origin: impl Into<Vec3>, direction: impl Into<Vec3>) -> Result<Option<RayHit>> {
         let ray = Ray::new(origin.into(), direction.into())?;
         Ok(ray.first(self.sync()?))
     }
 }
 
-/// In f64: scenes are large, and bodies in them small.
+/// A ray, in f64 because scenes can be large compared with their bodies.
 struct Ray {
     origin: DVec3,
     /// A unit vector.
     direction: DVec3,
 }
 
-/// Where a ray enters a surface: the distance, and the unit normal against it.
+/// An entry into a surface: the distance, and the unit normal against the ray.
 type Entry = (f64, DVec3);
 
 impl Ray {
@@ -76,7 +77,7 @@ impl Ray {
             boxes.map(|(index, entry)| (Body::Box(scene.boxes.handle_at(index)), entry)),
             polygons.map(|(index, entry)| (Body::Polygon(scene.polygons.handle_at(index)), entry)),
         ];
-        // Of equal ones the first is taken.
+        // Of equal distances, `min_by` returns the first.
         let (body, (distance, normal)) = found.into_iter().flatten().min_by(|a, b| a.1.0.total_cmp(&b.1.0))?;
         Some(RayHit { body, distance: distance as f32, point: self.at(distance).as_vec3(), normal: normal.as_vec3() })
     }
@@ -85,8 +86,8 @@ impl Ray {
         self.origin + distance * self.direction
     }
 
-    /// |o + t d - c| = r at t = b - sqrt(r² - |(o - c) + b d|²), b = (c - o).d: the foot of the perpendicular from the centre
-    /// first, so that nothing cancels however far the sphere is.
+    /// Solves |o + t d - c| = r by t = b - sqrt(r² - |(o - c) + b d|²), b = (c - o).d. The foot of the perpendicular from the
+    /// centre is computed first, so that nothing cancels for distant spheres.
     fn sphere(&self, centre: DVec3, radius: f64) -> Option<Entry> {
         let m = self.origin - centre;
         let b = -m.dot(self.direction);
@@ -103,7 +104,7 @@ impl Ray {
         self.capsule(one.ok()?, two.ok()?, rod.radius.into())
     }
 
-    /// What a ray meets of the endless cylinder around a capsule: its side, or, beyond an end, the sphere of that end.
+    /// Intersects the infinite cylinder around the capsule: the ray meets its side or, beyond an end, the sphere of that end.
     fn capsule(&self, one: DVec3, two: DVec3, radius: f64) -> Option<Entry> {
         let axis = two - one;
         let Some(unit) = axis.try_normalize() else {
@@ -124,19 +125,19 @@ impl Ray {
         self.sphere(if place < 0.0 { one } else { two }, radius)
     }
 
-    /// The circle that an endless cylinder is, seen along its axis.
+    /// Intersects an infinite cylinder, which is a circle when seen along its axis.
     fn cylinder(&self, start: DVec3, axis: DVec3, radius: f64) -> Option<Entry> {
         let across = |v: DVec3| v - v.dot(axis) * axis;
         let direction = across(self.direction);
-        let pace = direction.length();
-        if pace == 0.0 {
+        let rate = direction.length();
+        if rate == 0.0 {
             return None;
         }
-        let flat = Ray { origin: across(self.origin - start), direction: direction / pace };
-        flat.sphere(DVec3::ZERO, radius).map(|(t, normal)| (t / pace, normal))
+        let flat = Ray { origin: across(self.origin - start), direction: direction / rate };
+        flat.sphere(DVec3::ZERO, radius).map(|(t, normal)| (t / rate, normal))
     }
 
-    /// The ray enters a box where it has entered all three slabs between opposite faces.
+    /// A ray enters a box where it has entered all three slabs between opposite faces.
     fn cuboid(&self, cuboid: &Cuboid) -> Option<Entry> {
         let from_corner = self.origin - cuboid.corner.as_dvec3();
         let mut enter = (f64::NEG_INFINITY, DVec3::ZERO);
@@ -144,41 +145,41 @@ impl Ray {
         for edge in cuboid.edges.map(Vec3::as_dvec3) {
             let length = edge.length();
             let outward = edge / length;
-            let (place, pace) = (from_corner.dot(outward), self.direction.dot(outward));
-            if pace == 0.0 {
+            let (place, rate) = (from_corner.dot(outward), self.direction.dot(outward));
+            if rate == 0.0 {
                 if !(0.0..=length).contains(&place) {
                     return None;
                 }
                 continue;
             }
-            let (near, far) = if pace > 0.0 { (0.0, length) } else { (length, 0.0) };
-            let t = (near - place) / pace;
+            let (near, far) = if rate > 0.0 { (0.0, length) } else { (length, 0.0) };
+            let t = (near - place) / rate;
             if t > enter.0 {
-                enter = (t, -pace.signum() * outward);
+                enter = (t, -rate.signum() * outward);
             }
-            leave = leave.min((far - place) / pace);
+            leave = leave.min((far - place) / rate);
         }
         (enter.0 >= 0.0 && enter.0 <= leave).then_some(enter)
     }
 
-    /// The plane, then the oblique parameters along both edges (physics.md section 2).
+    /// Intersects the plane, then computes the oblique parameters along both edges (physics.md section 2).
     fn polygon(&self, polygon: &Polygon) -> Option<Entry> {
         let [corner, left, right] = [polygon.corner, polygon.left, polygon.right].map(Vec3::as_dvec3);
         let normal = left.cross(right);
-        let pace = self.direction.dot(normal);
-        if pace == 0.0 {
+        let rate = self.direction.dot(normal);
+        if rate == 0.0 {
             return None;
         }
-        let t = (corner - self.origin).dot(normal) / pace;
+        let t = (corner - self.origin).dot(normal) / rate;
         let p = self.at(t) - corner;
         let square = normal.length_squared();
         let parameters = [p.cross(right).dot(normal) / square, left.cross(p).dot(normal) / square];
         let inside = parameters.iter().all(|parameter| (0.0..=1.0).contains(parameter));
-        (t >= 0.0 && inside).then(|| (t, -pace.signum() * normal.normalize()))
+        (t >= 0.0 && inside).then(|| (t, -rate.signum() * normal.normalize()))
     }
 }
 
-/// The object that is entered first, of equal ones the one that was added first.
+/// The object that the ray enters first; of equal distances, the one that was added first.
 fn nearest<T: Sync>(objects: &[T], entry: impl Fn(&T) -> Option<Entry> + Sync) -> Option<(usize, Entry)> {
     let entered = objects.par_iter().enumerate().filter_map(|(index, object)| Some((index, entry(object)?)));
     entered.min_by(|a, b| a.1.0.total_cmp(&b.1.0).then(a.0.cmp(&b.0)))

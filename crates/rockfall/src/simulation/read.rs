@@ -1,4 +1,4 @@
-//! Reading back.
+//! Reads states and energies back.
 
 use glam::{DVec3, Vec3};
 
@@ -9,32 +9,34 @@ use crate::scene::{Scene, SphereId};
 use crate::simulation::{Simulation, engine};
 
 impl Simulation {
-    /// The scene: objects with their present parameters. The state of spheres is that of the last read; see
+    /// The scene: the objects with their current parameters. The state of the spheres is that of the last read; see
     /// [`Simulation::sync`].
     pub fn scene(&self) -> &Scene {
         &self.scene
     }
 
-    /// The scene as it is now, with all edits and the present state of every sphere.
+    /// Reads the state of the spheres back, and returns the scene with all edits and the current state of every sphere.
     ///
     /// # Errors
-    /// [`Error::Device`](crate::Error::Device) when the GPU failed.
+    /// [`Error::Device`](crate::Error::Device) when the GPU fails, [`Error::DeviceLimit`](crate::Error::DeviceLimit) when edits
+    /// have made the scene too large.
     pub fn sync(&mut self) -> Result<&Scene> {
         let device = self.engine.waiter();
         engine::block_on(device, self.sync_async())
     }
 
-    /// The buffers on the GPU, for rendering and other kernels; `None` on the CPU backend. Their layout is that of
-    /// [`layout`](crate::model::layout) and [`Buffer`](crate::model::buffer::Buffer). Sphere i in order of addition stands at memory slot
-    /// [`Simulation::slot`]`(i)`. An array that is larger than one binding may be stands in several buffers
-    /// ([`GpuWorld::chunks`](crate::exec::gpu::GpuWorld::chunks)).
+    /// The buffers on the GPU, for rendering and for other kernels; `None` on the CPU backend.
+    ///
+    /// [`layout`](crate::model::layout) and [`Buffer`](crate::model::buffer::Buffer) describe their layout. Sphere i in order
+    /// of addition is stored at memory slot [`Simulation::slot`]`(i)`. An array that is larger than the device's limit for one
+    /// binding is stored in several buffers ([`GpuWorld::chunks`](crate::exec::gpu::GpuWorld::chunks)).
     #[cfg(feature = "gpu")]
     pub fn gpu_view(&self) -> Option<&crate::exec::gpu::GpuWorld> {
         self.engine.gpu_world()
     }
 
-    /// The memory that the CPU backend runs on, of the same layout as the GPU's; `None` on the GPU backend. Spheres stand in
-    /// it as in [`Simulation::gpu_view`].
+    /// The arrays that the CPU backend runs on, with the same layout as the buffers on the GPU; `None` on the GPU backend.
+    /// Spheres are stored in the order described at [`Simulation::slot`].
     pub fn cpu_view(&self) -> Option<&World> {
         match self.engine {
             engine::Engine::Cpu => Some(&self.world),
@@ -43,13 +45,14 @@ impl Simulation {
         }
     }
 
-    /// Changes whenever memory is packed anew or put in order: after objects were added or removed, and when spheres have moved
-    /// far. Slots and indices from before mean nothing then.
+    /// A number that changes whenever memory is packed or sorted again: after objects were added or removed, and when spheres
+    /// have moved far. Slots and indices from before are then invalid.
     pub fn memory_version(&self) -> u64 {
         self.packings
     }
 
-    /// The memory slot of a sphere, by its index in order of addition, in every buffer that is indexed by spheres.
+    /// The memory slot of a sphere in every buffer that is indexed by spheres. `sphere` is the sphere's index in order of
+    /// addition.
     pub fn slot(&self, sphere: usize) -> usize {
         let step = &self.world.step;
         match step.slots_at {
@@ -58,27 +61,27 @@ impl Simulation {
         }
     }
 
-    /// One sphere as it is now.
+    /// The current state of one sphere.
     ///
     /// # Errors
-    /// [`Error::StaleHandle`](crate::Error::StaleHandle) when it is not in the scene,
-    /// [`Error::Device`](crate::Error::Device) when the GPU failed.
+    /// [`Error::StaleHandle`](crate::Error::StaleHandle) when the sphere is not in the scene. Otherwise as for
+    /// [`Simulation::sync`].
     pub fn sphere(&mut self, id: SphereId) -> Result<SphereState> {
         Ok(self.sync()?.sphere(id)?.into())
     }
 
-    /// All spheres as they are now, in order of addition.
+    /// The current states of all spheres, in order of addition: one per sphere.
     ///
     /// # Errors
-    /// [`Error::Device`](crate::Error::Device) when the GPU failed.
+    /// As for [`Simulation::sync`].
     pub fn spheres(&mut self) -> Result<Vec<SphereState>> {
         Ok(self.sync()?.spheres().iter().map(SphereState::from).collect())
     }
 
-    /// Energies and momenta of the present state.
+    /// Energies and momenta of the current state.
     ///
     /// # Errors
-    /// [`Error::Device`](crate::Error::Device) when the GPU failed.
+    /// As for [`Simulation::sync`].
     pub fn energy(&mut self) -> Result<Energy> {
         let gravity = self.gravity().as_dvec3();
         let contact = self.contact_energy()?;

@@ -1,22 +1,23 @@
-//! When a device lists collisions and sweeps over them: only where some share bodies, for that takes a dispatch a sweep.
+//! Decides when collisions are listed and solved by sweeps: only when some collisions share a body, because sweeps take one
+//! dispatch each.
 //!
-//! A step that turns out to need sweeps, or more room for collisions, is void and is run again with them. Results do not depend on it.
+//! A step that needs sweeps, or more room for collisions, is rejected and repeated with them. Results do not depend on it.
 
 use crate::error::Result;
 use crate::model::layout::{FEW_COLLISIONS, SWEEPS_FEW, SWEEPS_ON};
 use crate::model::status::{REJECTED_MANY, Status};
 use crate::simulation::Simulation;
 
-/// Steps without collisions that share bodies after which sweeps are left out.
+/// Number of steps without collisions that share bodies after which sweeps are left out.
 const CALM: u64 = 128;
-/// There is room for so many collisions at least, and for one of so many movers: to make room takes milliseconds, and in a fall every
-/// step has more of them.
+/// Least room for collisions. There is also room for at least one collision per [`MOVERS_A_COLLISION`] movers. Allocating room
+/// takes milliseconds, and while bodies fall every step has more collisions than the one before.
 const LEAST_ROOM: u32 = 1024;
 /// See [`LEAST_ROOM`].
 const MOVERS_A_COLLISION: u32 = 8;
 
 impl Simulation {
-    /// After a step that was void for want of sweeps or of room for collisions.
+    /// Handles a step that was rejected for lack of sweeps or of room for collisions.
     pub(super) fn begin_sweeps(&mut self) -> Result<()> {
         (self.calm_steps, self.few_steps) = (0, 0);
         let needed = self.status.listed.max(self.status.total_counters().collisions);
@@ -31,8 +32,8 @@ impl Simulation {
         Ok(())
     }
 
-    /// Counts steps without collisions that share bodies, or without many, and does without sweeps, or without a dispatch for each, after
-    /// enough of them.
+    /// Counts the steps without collisions that share bodies, and those without many of them. After enough such steps, sweeps
+    /// are left out, or done in a single dispatch.
     pub(super) fn count_calm(&mut self, done: u64, before: &Status) {
         let status = &self.status;
         let count = |steps: u64, unlike: bool| if unlike { 0 } else { steps + done };

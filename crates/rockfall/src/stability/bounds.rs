@@ -1,35 +1,37 @@
-//! The largest time steps that the integrators bear, for one oscillator and for a pile.
+//! The largest time steps that the integrators allow, for one oscillator and for a pile.
 
 use crate::settings::Integrator;
 
-/// The largest eigenvalue of a crowd's contacts, in units of one contact's stiffness (or damping): see [`crowd_steps`].
+/// The largest eigenvalue of the contacts of a crowd, in units of one contact's stiffness (or damping). See [`crowd_steps`].
 const CROWD: f64 = 4.0;
-/// The same of a body between two others.
+/// The same for a body between two others.
 const BETWEEN: f64 = 2.0;
 
-/// dt² Cc up to which a pile comes to rest with RK4. A pile of 300 spheres with overlaps at rest of 5 % of the smallest radius
-/// rests at 0.5 with any damping (0.02 to 1 of the critical one) and, where its damping is low, shakes from 0.6 on if pairs that
-/// collide keep their contact force, from 1.5 on if not.
+/// Largest dt² Cc at which a pile comes to rest with RK4. A pile of 300 spheres with overlaps at rest of 5 % of the smallest
+/// radius comes to rest at 0.5 with any damping (0.02 to 1 of the critical one). With low damping it shakes from 0.6 on if
+/// colliding pairs keep their contact force, and from 1.5 on if not.
 const REST_RK4: f64 = 0.5;
-/// The same with symplectic Euler, where it depends on the damping: dt² Cc <= 1/4 + 2/3 dt Cd. The same pile rests at 0.3 with
-/// hardly any damping and at 0.45 with dt Cd = 0.25, and shakes from 0.35 and 0.5 on.
+/// The same with symplectic Euler, where the bound depends on the damping: dt² Cc <= 1/4 + 2/3 dt Cd. The same pile comes to
+/// rest at 0.3 with hardly any damping and at 0.45 with dt Cd = 0.25. It shakes from 0.35 and 0.5 on, respectively.
 const REST_EULER: [f64; 2] = [0.25, 2.0 / 3.0];
-/// 2 dt Cd up to which the pile rests with symplectic Euler: it does at 0.7 and shakes at 0.9, with any contact force.
+/// Largest 2 dt Cd at which the pile comes to rest with symplectic Euler. It rests at 0.7 and shakes at 0.9, with any contact
+/// force.
 const REST_EULER_DAMPING: f64 = 0.75;
 
-/// dt² K up to which springs far from their rest length gain no energy with symplectic Euler: dt² K <= 1 + 2 dt C. They turn as
-/// well as swing, which linear theory does not have. Two to eight spheres with a spring between every two, far from its rest
-/// length, gain energy slowly above it where there is no damping; with a tenth of the critical damping they do not even at twice that.
+/// Largest dt² K at which undamped springs far from their rest length gain no energy with symplectic Euler; with damping, dt² K
+/// <= 1 + 2 dt C. Such springs rotate as well as oscillate, which linear theory leaves out. Two to eight spheres with a spring
+/// between every two, far from its rest length, gain energy slowly above this bound without damping. With a tenth of the
+/// critical damping they gain none even at twice the bound.
 const SPRING_EULER: f64 = 1.0;
-/// What dt² K + 2 dt C may be with symplectic Euler by linear theory.
+/// Largest dt² K + 2 dt C with symplectic Euler by linear theory.
 const EDGE_EULER: f64 = 4.0;
 
-/// The time steps that something bears, in s.
+/// The largest time steps that something allows, in s.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Steps {
-    /// The largest with which bodies come to rest, and springs gain nothing.
+    /// The largest time step at which bodies come to rest and springs gain no energy.
     pub(super) rest: f64,
-    /// The largest with which no energy is gained without bound.
+    /// The largest time step at which energy stays bounded.
     pub(super) bounded: f64,
 }
 
@@ -42,23 +44,24 @@ pub(super) struct Steps {
 /// acts through the same matrix, so every mode is an oscillator with K = λ Cc and C = λ Cd, λ <= 4. Bodies come to rest
 /// where all of these are stable and contacts that open and close within a step add no energy (measured, `REST_RK4`).
 ///
-/// Modes that are unstable alone need not make a pile explode: collisions take their energy away. The piles that were measured gain
-/// energy without end from dt² Cc = 10 (RK4) and 3 (symplectic Euler) on, whatever their damping. With λ = 2, a body between
-/// two others, linear theory gives 4 and 2 at most. That is what counts as unstable, unless collisions are `elastic`: then it is λ = 4.
+/// Modes that are unstable alone need not make a pile unstable, because collisions remove their energy. The measured piles gain
+/// energy without bound from dt² Cc = 10 (RK4) and 3 (symplectic Euler) on, with any damping. With λ = 2, a body between two
+/// others, linear theory gives 4 and 2 at most. These values are used as the bound, unless collisions are `elastic`: then λ = 4
+/// is used.
 pub(super) fn crowd_steps(force: f64, damping: f64, integrator: Integrator, elastic: bool) -> Steps {
     let linear = |eigenvalue: f64| largest_dt(eigenvalue * force, eigenvalue * damping, integrator);
     let closing = match integrator {
         Integrator::Rk4 => (REST_RK4 / force).sqrt(),
         Integrator::SymplecticEuler => {
             let [base, slope] = REST_EULER;
-            eased(base, slope, force, damping).min(0.5 * REST_EULER_DAMPING / damping)
+            damped_bound(base, slope, force, damping).min(0.5 * REST_EULER_DAMPING / damping)
         }
     };
     Steps { rest: linear(CROWD).min(closing), bounded: linear(if elastic { CROWD } else { BETWEEN }) }
 }
 
-/// The bounds of a scene in which so many times one contact's stiffness can add up (1 for a single pair, 2 for a body between
-/// two others): there is nothing to shake a pile, so that what is bounded comes to rest.
+/// The bounds of a scene with few movers. `most` is how many times the stiffness of one contact can add up: 1 for a single
+/// pair, 2 for a body between two others. No pile can shake, so everything bounded comes to rest.
 pub(super) fn few_steps(most: f64, force: f64, damping: f64, integrator: Integrator) -> Steps {
     let bounded = largest_dt(most * force, most * damping, integrator);
     Steps { rest: bounded, bounded }
@@ -69,18 +72,18 @@ pub(super) fn spring_steps(stiffness: f64, damping: f64, integrator: Integrator)
     let bounded = largest_dt(stiffness, damping, integrator);
     let rest = match integrator {
         Integrator::Rk4 => bounded,
-        Integrator::SymplecticEuler => bounded.min(eased(SPRING_EULER, 2.0, stiffness, damping)),
+        Integrator::SymplecticEuler => bounded.min(damped_bound(SPRING_EULER, 2.0, stiffness, damping)),
     };
     Steps { rest, bounded }
 }
 
-/// The largest dt with dt² K <= base + slope dt C: damping eases the bound.
-fn eased(base: f64, slope: f64, stiffness: f64, damping: f64) -> f64 {
+/// The largest dt with dt² K <= base + slope dt C. Damping raises the bound.
+fn damped_bound(base: f64, slope: f64, stiffness: f64, damping: f64) -> f64 {
     let half = 0.5 * slope * damping;
     if stiffness > 0.0 { (half + (half * half + base * stiffness).sqrt()) / stiffness } else { f64::INFINITY }
 }
 
-/// The largest step that keeps x'' = -K x - C x' bounded; infinite when nothing limits it.
+/// The largest time step that keeps x'' = -K x - C x' bounded; infinite if nothing limits it.
 fn largest_dt(stiffness: f64, damping: f64, integrator: Integrator) -> f64 {
     match integrator {
         Integrator::Rk4 => {
@@ -88,7 +91,7 @@ fn largest_dt(stiffness: f64, damping: f64, integrator: Integrator) -> f64 {
             if !sides.is_finite() || rk4_is_stable(stiffness, damping, sides) {
                 return sides;
             }
-            // The stable region is star-shaped about 0 in the left half plane: halve down to its edge.
+            // The stable region is star-shaped about 0 in the left half plane, so bisection finds its edge.
             let (mut good, mut bad) = (0.0, sides);
             for _ in 0..60 {
                 let middle = 0.5 * (good + bad);
@@ -120,7 +123,7 @@ fn rk4_is_stable(stiffness: f64, damping: f64, dt: f64) -> bool {
     } else {
         growth(half - root.sqrt(), 0.0).max(growth(half + root.sqrt(), 0.0))
     };
-    // On the imaginary axis the edge itself is 1 up to rounding.
+    // On the imaginary axis the value at the edge is 1 up to rounding.
     largest <= 1.0 + 1e-9
 }
 
@@ -128,7 +131,7 @@ fn rk4_is_stable(stiffness: f64, damping: f64, dt: f64) -> bool {
 mod tests {
     use super::*;
 
-    /// Largest |x| after many steps of the oscillator itself, to hold the bounds against.
+    /// |x| after 4,000 steps of the oscillator itself, to compare with the bounds.
     fn amplitude(stiffness: f64, damping: f64, dt: f64, integrator: Integrator) -> f64 {
         let force = |x: f64, v: f64| -stiffness * x - damping * v;
         let (mut x, mut v) = (1.0, 0.3);
@@ -156,8 +159,8 @@ mod tests {
     }
 
     #[test]
-    fn the_largest_step_is_bounded_and_at_the_edge_where_it_claims_to_be() {
-        // Stiffness, damping, and whether RK4's bound is its edge: on both axes, and between them near the corner.
+    fn the_largest_step_is_bounded_and_at_the_edge_of_stability() {
+        // Stiffness, damping, and whether the bound of RK4 is its exact edge: on both axes, and between them near the corner.
         let cases = [
             (1000.0, 0.0, true),
             (0.5, 100.0, true),

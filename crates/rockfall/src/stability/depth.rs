@@ -1,8 +1,8 @@
-//! How deep bodies at rest overlap, and the contact force that keeps them apart.
+//! Computes how deep bodies at rest overlap, and the contact force that limits the overlap.
 //!
-//! The law of contact is Cc m* o. A body of mass m that rests on something fixed (m* = m) overlaps by o = G/Cc, whatever its
-//! radius; on a free one of the same mass (m* = m/2) by twice that. With the weight of others upon it, of l times its own
-//! mass in all, it is o = 2 l G/Cc.
+//! The contact law is Cc m* o. A body of mass m that rests on something fixed (m* = m) overlaps by o = G/Cc for any radius. On
+//! a free body of the same mass (m* = m/2) it overlaps by twice that. If it carries l times its own mass in all, the overlap is
+//! o = 2 l G/Cc.
 
 use std::fmt;
 
@@ -19,18 +19,18 @@ const DEEP: f64 = 0.05;
 /// overlap in piles of 20 to 2,000 spheres with radii from 3 to 5 was 0.2 to 0.8 times the requested one.
 const SAFETY: f64 = 3.0;
 
-/// Gravity presses resting bodies too deeply into what they lie on.
+/// A warning that gravity presses resting bodies too deeply into what they lie on.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sinking {
-    /// Overlap of one body at rest on something fixed, gravity / `contact_force`, in units.
+    /// Overlap of one body at rest on a fixed object, gravity / `contact_force`, in units.
     pub overlap: f64,
     /// The smallest radius, in units.
     pub radius: f64,
-    /// The least `contact_force` that would do, in 1/s².
+    /// The least sufficient `contact_force`, in 1/s².
     pub contact_force: f64,
-    /// The `contact_damping` that leaves the restitution of contacts as it is, in 1/s.
+    /// The `contact_damping` that keeps the restitution of contacts unchanged, in 1/s.
     pub contact_damping: f64,
-    /// The largest time step that would do with them, in seconds.
+    /// The largest time step that works with them, in s.
     pub largest_dt: f64,
 }
 
@@ -40,7 +40,7 @@ impl fmt::Display for Sinking {
         write!(
             f,
             "bodies at rest overlap by {} (gravity / contact_force), {percent} % of the smallest radius {}: `set resting_overlap \
-             0.02` chooses a contact force; or take a contact_force of {} or more, with a contact_damping of {} and a time step \
+             0.02` chooses a contact force; or use a contact_force of {} or more, with a contact_damping of {} and a time step \
              of at most {} s",
             nearest(self.overlap),
             nearest(self.radius),
@@ -78,14 +78,14 @@ impl Scene {
         settings
     }
 
-    /// A warning where bodies at rest overlap by more than 5 % of the smallest radius, with constants that would do.
+    /// Returns a warning if bodies at rest overlap by more than 5 % of the smallest radius, with sufficient constants.
     pub fn sinking(&self, integrator: Integrator) -> Option<Sinking> {
         let settings = self.resolved_settings();
         let radii = self.spheres().iter().filter(|sphere| !sphere.fixed).map(|sphere| f64::from(sphere.radius));
         let radius = radii.fold(f64::INFINITY, f64::min);
         let [gravity, force] = [settings.gravity.abs(), settings.contact_force].map(f64::from);
         let overlap = gravity / force;
-        // Without any contact force nothing is meant to rest. Constants are f32: what is meant to be 5 % may be a little more.
+        // Without a contact force no body is meant to rest. Constants are f32, so an intended 5 % may be slightly exceeded.
         let deep = force > 0.0 && overlap > DEEP * (1.0 + 1e-6) * radius;
         if !deep || settings.resting_overlap > 0.0 || self.crowd() == Crowd::None {
             return None;
@@ -96,7 +96,7 @@ impl Scene {
         Some(Sinking { overlap, radius, contact_force, contact_damping, largest_dt: steps.rest })
     }
 
-    /// The largest l G / r of all moving spheres and rods, where l is the mass that the body carries over its own mass.
+    /// The largest l G / r of all moving spheres and rods, where l is the mass that the body carries divided by its own mass.
     fn heaviest_load(&self) -> f64 {
         let gravity = f64::from(self.settings.gravity.abs());
         let movers = || self.spheres().iter().filter(|sphere| !sphere.fixed);
@@ -112,16 +112,16 @@ impl Scene {
         gravity * spheres.chain(rods).fold(0.0, f64::max)
     }
 
-    /// The horizontal area that movers cover when they have fallen down, in units².
+    /// The horizontal area that movers cover after they have fallen down, in units².
     fn covered_area(&self) -> f64 {
         let (east, north) = self.settings.gravity_direction.as_dvec3().normalize().any_orthonormal_pair();
         let flat = |point: DVec3| DVec2::new(point.dot(east), point.dot(north));
         let movers = self.spheres().iter().filter(|sphere| !sphere.fixed);
-        let mut mine = Span::default();
+        let mut own = Span::default();
         let mut widest = 0.0_f64;
         for sphere in movers {
             let radius = f64::from(sphere.radius);
-            mine.add(flat(sphere.position.as_dvec3()), radius);
+            own.add(flat(sphere.position.as_dvec3()), radius);
             widest = widest.max(2.0 * radius);
         }
         let mut walls = Span::default();
@@ -138,12 +138,13 @@ impl Scene {
                 walls.add(flat(corner + edge), 0.0);
             }
         }
-        let within = mine.within(&walls);
+        let within = own.within(&walls);
         within.x.max(widest) * within.y.max(widest)
     }
 }
 
-/// The contact damping that has the same damping ratio with another contact force; the default ratio where there was no force.
+/// The contact damping with the same damping ratio at another contact force. Uses the default ratio if there was no contact
+/// force.
 fn damping_for(settings: &Settings, force: f64) -> f64 {
     let default = Settings::default();
     let given = if settings.contact_force > 0.0 { settings } else { &default };
@@ -170,7 +171,7 @@ impl Span {
         self.max = self.max.max(point + radius);
     }
 
-    /// The sides of the part that lies in another rectangle; of all of it, where they do not meet.
+    /// The sides of the intersection with another rectangle, or of the whole rectangle if they do not intersect.
     fn within(&self, other: &Self) -> DVec2 {
         let common = self.max.min(other.max) - self.min.max(other.min);
         if common.min_element() > 0.0 { common } else { self.max - self.min }

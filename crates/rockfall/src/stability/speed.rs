@@ -1,4 +1,4 @@
-//! Bodies that are too fast for the time step: there is no continuous collision detection.
+//! Finds bodies that are too fast for the time step, because there is no continuous collision detection.
 
 use std::fmt;
 
@@ -7,7 +7,7 @@ use glam::DVec3;
 use crate::scene::{Cuboid, Scene};
 use crate::stability::{nearest, rounded_down};
 
-/// What is passed through.
+/// The object that bodies may pass through.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Thin {
     /// The smallest sphere.
@@ -16,22 +16,22 @@ pub enum Thin {
     Rod,
     /// The box with this index, in order of addition.
     Box(usize),
-    /// A polygon, which catches a sphere only while the sphere's centre is above it and nearer than its radius.
+    /// A polygon. It touches a sphere only while the sphere's centre is on the polygon's front side and nearer than the radius.
     Polygon,
 }
 
-/// Bodies may become so fast that they pass through something within a time step.
+/// A warning that bodies may become fast enough to pass through an object within a time step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tunnelling {
-    /// What they pass through first.
+    /// The object that they pass through first.
     pub what: Thin,
-    /// The speed that they may reach, in units/s.
+    /// The speed that bodies may reach, in units/s.
     pub speed: f64,
-    /// What they move by in a time step then, in units.
+    /// The distance that they move per time step at that speed, in units.
     pub way: f64,
-    /// The longest way that would do, in units.
+    /// The largest safe distance per time step, in units.
     pub depth: f64,
-    /// The largest time step that would do, in seconds.
+    /// The largest safe time step, in s.
     pub largest_dt: f64,
 }
 
@@ -41,26 +41,26 @@ impl fmt::Display for Tunnelling {
         let dt = rounded_down(self.largest_dt);
         write!(f, "bodies may reach {speed} units/s, {way} units a step, and pass through ")?;
         match self.what {
-            Thin::Sphere => write!(f, "other spheres: more than two of the smallest radii, {depth}")?,
-            Thin::Rod => write!(f, "rods: more than the thinnest one's radius and the smallest sphere's, {depth}")?,
-            Thin::Box(index) => write!(f, "box {index}: more than half its thickness and the smallest radius, {depth}")?,
-            Thin::Polygon => write!(f, "polygons: more than the smallest radius, {depth}")?,
+            Thin::Sphere => write!(f, "other spheres: the limit is the sum of the two smallest radii, {depth}")?,
+            Thin::Rod => write!(f, "rods: the limit is the thinnest rod's radius plus the smallest sphere's, {depth}")?,
+            Thin::Box(index) => write!(f, "box {index}: the limit is half its thickness plus the smallest radius, {depth}")?,
+            Thin::Polygon => write!(f, "polygons: the limit is the smallest radius, {depth}")?,
         }
-        write!(f, "; the largest time step that would do is {dt} s")
+        write!(f, "; the largest time step that works is {dt} s")
     }
 }
 
 impl Scene {
-    /// A warning where a body can become fast enough to pass through something thin in a time step of `dt` seconds.
+    /// Returns a warning if a body can become fast enough to pass through something thin in a time step of `dt` seconds.
     ///
     /// The speed u is that of the fastest body after a fall through the height of the scene, sqrt(v² + 2 G h). Springs and
-    /// outside forces are not counted. A contact is found where bodies overlap at the end of a step, and it pushes towards the
-    /// nearest side. So u dt may be at most
+    /// external forces are not counted. A contact is detected if bodies overlap at the end of a step, and it pushes towards the
+    /// nearest side. So u dt must not exceed
     ///
-    /// - on a sphere or rod at rest that is hit head-on: the sum of the smallest radius r of a mover and that of the other body,
-    ///   after which the axes have passed each other;
-    /// - on a box: r plus half its thickness, behind which its far side is nearer;
-    /// - on a polygon: r, because a centre behind it is not in contact.
+    /// - for a sphere or rod at rest that is hit head-on: the sum of the smallest radius r of a mover and that of the other
+    ///   body. Beyond that distance the axes have passed each other;
+    /// - for a box: r plus half its thickness. Beyond that distance the far side is nearer;
+    /// - for a polygon: r, because a centre behind it is not in contact.
     pub fn tunnelling(&self, dt: f32) -> Option<Tunnelling> {
         let movers = || self.spheres().iter().filter(|sphere| !sphere.fixed);
         let radius = movers().map(|sphere| f64::from(sphere.radius)).fold(f64::INFINITY, f64::min);
@@ -76,7 +76,7 @@ impl Scene {
         let smallest = all_radii.fold(f64::INFINITY, f64::min);
         let of_sphere = (self.spheres().len() > 1).then_some((Thin::Sphere, radius + smallest));
         let thinnest_rod = self.rods().iter().map(|rod| f64::from(rod.radius)).reduce(f64::min);
-        // A lone capsule or rod meets no sphere but its own ends.
+        // A single capsule or rod meets no spheres but its own ends.
         let others = self.spheres().len() > 2;
         let of_rod = thinnest_rod.filter(|_| others).map(|thin| (Thin::Rod, radius + thin));
         let all = [of_polygon, of_sphere, of_rod, of_box].into_iter().flatten();
@@ -85,7 +85,8 @@ impl Scene {
         (way > depth).then_some(Tunnelling { what, speed, way, depth, largest_dt: depth / speed })
     }
 
-    /// How far the highest mover can fall, in units: down to the lowest surface that faces up, or to the lowest sphere.
+    /// The height through which the highest mover can fall, in units: down to the lowest surface that faces up, or to the
+    /// lowest sphere.
     fn height(&self) -> f64 {
         let sign = if self.settings.gravity < 0.0 { 1.0 } else { -1.0 };
         let up = sign * self.settings.gravity_direction.as_dvec3().normalize();
@@ -104,7 +105,7 @@ impl Scene {
     }
 }
 
-/// Height of the lowest corner of the face of a box that faces up most.
+/// Height of the lowest corner of the face of a box that faces upwards most.
 fn lowest_of_top(cuboid: &Cuboid, up: DVec3) -> f64 {
     let edges = cuboid.edges.map(|edge| edge.as_dvec3());
     let rise = edges.map(|edge| edge.dot(up));

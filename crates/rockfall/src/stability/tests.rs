@@ -2,7 +2,7 @@ use super::*;
 use crate::{Spring, Tether};
 
 #[test]
-fn sums_run_over_all_springs_of_a_sphere_and_fixed_ones_do_not_count() {
+fn all_springs_of_a_sphere_are_summed_and_fixed_spheres_do_not_count() {
     let mut scene = Scene::new();
     let fixed = scene.add_sphere(Sphere::new([0.0; 3], 0.1).fixed()).unwrap();
     let ball = scene.add_sphere(Sphere::new([1.0, 0.0, 0.0], 0.1).mass(0.5)).unwrap();
@@ -28,7 +28,7 @@ fn the_contact_force_has_its_own_bound() {
     assert_eq!(warnings.len(), 1);
     assert_eq!(warnings[0].what, Stiff::Contact);
     let text = warnings[0].to_string();
-    assert!(text.contains("the largest that would do is 0.0163 s"), "{text}");
+    assert!(text.contains("the largest time step that works is 0.0163 s"), "{text}");
     scene.settings.contact_force = 19000.0;
     assert!(scene.stability(0.02, Integrator::Rk4).is_empty());
     assert_eq!(scene.stability(0.02, Integrator::SymplecticEuler).len(), 1);
@@ -51,7 +51,7 @@ fn balls<const N: usize>(balls: [Sphere; N]) -> Scene {
 }
 
 #[test]
-fn a_crowd_is_what_can_touch_in_one_group() {
+fn a_crowd_counts_bodies_that_can_touch_in_one_group() {
     let ball = |x: f32| Sphere::new([x, 0.0, 0.0], 0.1);
     assert_eq!(balls([ball(0.0)]).crowd(), Crowd::None);
     assert_eq!(balls([ball(0.0), ball(1.0)]).crowd(), Crowd::Pair);
@@ -70,15 +70,15 @@ fn a_crowd_is_restless_before_it_is_unstable() {
     assert_eq!(effect(&scene, 0.0225), Some(Effect::Restless));
     assert_eq!(effect(&scene, 0.064), Some(Effect::Unstable));
     let text = scene.stability(0.03, Integrator::Rk4)[0].to_string();
-    assert!(text.contains("do not come to rest") && text.ends_with("the largest that would do is 0.0223 s"), "{text}");
-    // Elastic balls without damping have nothing to bring them to rest.
+    assert!(text.contains("do not come to rest") && text.ends_with("the largest time step that works is 0.0223 s"), "{text}");
+    // Elastic spheres without damping never come to rest.
     (scene.settings.restitution, scene.settings.contact_damping) = (1.0, 0.0);
     assert_eq!(effect(&scene, 0.04), None);
     assert_eq!(effect(&scene, 0.045), Some(Effect::Unstable));
 }
 
 #[test]
-fn substeps_are_as_few_as_will_do() {
+fn substeps_are_as_few_as_possible() {
     let mut scene = balls([0.0, 1.0, 2.0].map(|x| Sphere::new([x, 0.0, 0.0], 0.1)));
     for (force, dt) in [(1000.0, 0.02), (1000.0, 0.0224), (5000.0, 0.02), (1e6, 0.3), (0.5, 2.0)] {
         scene.settings.contact_force = force;
@@ -118,15 +118,15 @@ fn a_resting_overlap_chooses_the_contact_force_of_a_column() {
     scene.settings.gravity = 9.0;
     scene.settings.resting_overlap = 0.05;
     let settings = scene.resolved_settings();
-    // Four bodies on the lowest: 3 * 2 * 4 * 9 / (0.05 * 0.1).
+    // The lowest carries four bodies: 3 * 2 * 4 * 9 / (0.05 * 0.1).
     assert!((settings.contact_force / 43200.0 - 1.0).abs() < 1e-5, "{}", settings.contact_force);
     let ratio = |settings: &crate::Settings| settings.contact_damping / settings.contact_force.sqrt();
     assert!((ratio(&settings) / ratio(&scene.settings) - 1.0).abs() < 1e-5);
-    // Beside each other they bear nothing but themselves.
+    // Side by side, each body carries only itself.
     let mut flat = balls([0.0, 0.2, 0.4, 0.6].map(|x| Sphere::new([x, 0.0, 0.0], 0.1).mass(3.0)));
     flat.settings = scene.settings;
     assert!((flat.resolved_settings().contact_force / 10800.0 - 1.0).abs() < 1e-5);
-    // What is chosen once is chosen again.
+    // Resolving the settings again changes nothing.
     scene.settings = settings;
     assert_eq!(scene.resolved_settings().contact_force, settings.contact_force);
     scene.settings.gravity = 0.0;
@@ -143,7 +143,7 @@ fn the_speed_is_that_of_a_fall_through_the_scene() {
     // Down by 5: sqrt(9 + 100) = 10.44; the ball's radius and half the box: 0.2.
     assert_eq!(tunnelling.what, Thin::Box(0));
     assert!((tunnelling.speed - 109_f64.sqrt()).abs() < 1e-6 && (tunnelling.depth - 0.2).abs() < 1e-7);
-    assert!(tunnelling.to_string().ends_with("the largest time step that would do is 0.0191 s"), "{tunnelling}");
+    assert!(tunnelling.to_string().ends_with("the largest time step that works is 0.0191 s"), "{tunnelling}");
     assert_eq!(scene.tunnelling(0.0191), None);
     scene.add_polygon(crate::Polygon::new([-1.0, 0.0, -1.0], [0.0, 0.0, 2.0], [2.0, 0.0, 0.0])).unwrap();
     assert_eq!(scene.tunnelling(0.0191).map(|tunnelling| tunnelling.what), Some(Thin::Polygon));

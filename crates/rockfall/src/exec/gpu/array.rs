@@ -1,4 +1,4 @@
-//! An array on the device: one buffer, or chunks where it is larger than a binding may be.
+//! An array on the device. It is one buffer, or several chunks if it is larger than the device's limit for one binding.
 
 use std::ops::Range;
 
@@ -6,26 +6,26 @@ use crate::error::Result;
 use crate::exec::gpu::memory::make_buffer;
 use crate::model::buffer::Buffer;
 
-/// The buffers of an array.
+/// The buffers of one array.
 #[derive(Debug)]
 pub(crate) struct Array {
-    /// All of one size but the last, which may be smaller.
+    /// All chunks have the same size except the last, which may be smaller.
     chunks: Vec<wgpu::Buffer>,
-    /// Bytes of each chunk but the last.
+    /// Bytes of each chunk except the last.
     chunk_bytes: u64,
 }
 
-/// A part of an array that lies in one of its buffers.
+/// A range of an array that lies within one of its buffers.
 pub(crate) struct Piece<'a> {
     pub(crate) buffer: &'a wgpu::Buffer,
-    /// Where it begins in the buffer, in bytes.
+    /// Offset of the range in the buffer, in bytes.
     pub(crate) offset: u64,
-    /// Where it is in the array, in bytes.
+    /// The range within the whole array, in bytes.
     pub(crate) range: Range<u64>,
 }
 
 impl Array {
-    /// An array of `size` bytes in chunks of at most `chunk_bytes`.
+    /// Creates an array of `size` bytes in chunks of at most `chunk_bytes` each.
     pub(crate) fn new(device: &wgpu::Device, buffer: Buffer, size: u64, chunk_bytes: u64) -> Result<Self> {
         let mut usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC | wgpu::BufferUsages::COPY_DST;
         if buffer == Buffer::DispatchSizes {
@@ -44,7 +44,7 @@ impl Array {
         self.chunks.iter().map(wgpu::Buffer::size).sum()
     }
 
-    /// Its first bytes, in pieces of at most `most` bytes.
+    /// The first `bytes` bytes of the array, in pieces of at most `most` bytes.
     pub(crate) fn pieces(&self, bytes: u64, most: u64) -> impl Iterator<Item = Piece<'_>> {
         let mut from = 0;
         std::iter::from_fn(move || {

@@ -1,4 +1,4 @@
-//! The kernels run unchecked: what they take for an index is checked here, before it is uploaded.
+//! Checks the values that kernels use as indices before they are uploaded, because the kernels run without bounds checks.
 
 use crate::error::{Error, Result};
 use crate::model::buffer::Buffer;
@@ -11,40 +11,41 @@ use crate::model::status::REJECTED_PAIRS;
 use crate::model::world::World;
 
 /// # Errors
-/// [`Error::Device`] naming the word that points outside of the world.
+/// [`Error::Device`], which names the first value that is out of range.
+/// Checks the contents of one buffer of a world.
 pub(crate) fn check_buffer(world: &World, buffer: Buffer) -> Result<()> {
     match buffer {
-        Buffer::Topology => check_words(world),
+        Buffer::Topology => check_topology(world),
         Buffer::Lists => check_lists(world),
         Buffer::DispatchSizes => check_dispatches(world),
         _ => Ok(()),
     }
 }
 
-/// What a device takes for the size of a dispatch is that, or nothing.
+/// Every dispatch size must be the known one or zero.
 fn check_dispatches(world: &World) -> Result<()> {
     let all = sizes(&world.step);
     let is_known = |words: &[u32]| words.iter().zip(&all).all(|(word, known)| word == known || *word == 0);
     let halves = world.sizes.chunks_exact(all.len());
-    ensure(world.sizes.len() == 2 * all.len() && halves.into_iter().all(is_known), "sizes of dispatches")
+    ensure(world.sizes.len() == 2 * all.len() && halves.into_iter().all(is_known), "the dispatch sizes")
 }
 
 fn wrong(what: &str) -> Error {
-    Error::Device(format!("the world is not well formed: {what}"))
+    Error::Device(format!("the world holds invalid data: {what}"))
 }
 
 fn ensure(right: bool, what: &str) -> Result<()> {
     if right { Ok(()) } else { Err(wrong(what)) }
 }
 
-/// A run of `words`.
+/// A range of the topology buffer.
 fn slice<'a>(world: &'a World, at: u32, count: u64, what: &str) -> Result<&'a [u32]> {
     let from = u64::from(at);
     let range = usize::try_from(from).ok().zip(usize::try_from(from + count).ok());
     range.and_then(|(from, to)| world.topology.get(from..to)).ok_or_else(|| wrong(what))
 }
 
-fn check_words(world: &World) -> Result<()> {
+fn check_topology(world: &World) -> Result<()> {
     let step = &world.step;
     ensure(step.large <= step.spheres, "the number of large spheres")?;
     let rods = slice(world, step.rods_at, u64::from(step.rods) * u64::from(ROD_WORDS), "rods")?;
@@ -58,15 +59,15 @@ fn check_words(world: &World) -> Result<()> {
         check_adjacency(world)?;
     }
     if step.rods > 0 {
-        ensure(step.adjacency_at != 0 && step.ends_at != 0, "where ends and adjacency stand")?;
+        ensure(step.adjacency_at != 0 && step.ends_at != 0, "the offsets of ends and adjacency")?;
         for end in slice(world, step.ends_at, u64::from(step.spheres), "ends")? {
             ensure(*end < step.rods || [NO_ROD, SOME_RODS].contains(end), "an end")?;
         }
         check_networks(world)?;
     }
     ensure(step.rods > 0 || step.networks == 0, "the number of networks")?;
-    // Kernels for such scenes read the records of collisions.
-    ensure(step.sweeps != SWEEPS_OFF || !step.has_long_lists(), "how collisions are solved")?;
+    // Kernels for scenes with long lists read the collision records.
+    ensure(step.sweeps != SWEEPS_OFF || !step.has_long_lists(), "the method that solves collisions")?;
     check_batches(world)
 }
 
@@ -78,7 +79,7 @@ fn check_networks(world: &World) -> Result<()> {
     }
     for at in slice(world, step.networks_at, u64::from(step.networks), "networks")? {
         let counts = slice(world, *at, 2, "a network")?;
-        // The slice of both is there.
+        // `slice` has checked that there are two counts.
         let names = slice(world, at + 2, u64::from(counts[0]) + u64::from(counts[1]), "members of a network")?;
         let (spheres, rods) = names.split_at(counts[0] as usize);
         ensure(spheres.iter().all(|end| end / 2 < step.rods), "a sphere of a network")?;
@@ -144,12 +145,12 @@ fn check_lists(world: &World) -> Result<()> {
         "offsets of the pair lists",
     )?;
     if world.lists.is_empty() {
-        // They are the device's alone.
+        // The lists exist on the device only.
         return Ok(());
     }
     ensure(world.lists.len() as u64 == world.list_words(), "length of the pair lists")?;
     if world.status.rejected & REJECTED_PAIRS != 0 {
-        // They did not fit, and until they are made again nobody reads them.
+        // The pairs did not fit. No stage reads the lists until they are rebuilt.
         return Ok(());
     }
     let (head, entries) = world.lists.split_at(step.entries_at as usize);

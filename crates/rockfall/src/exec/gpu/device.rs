@@ -1,4 +1,4 @@
-//! Choosing an adapter and opening it.
+//! Chooses an adapter and opens it.
 
 use std::cmp::Reverse;
 use std::collections::HashMap;
@@ -25,13 +25,13 @@ struct Inner {
     kernels: Mutex<HashMap<KernelKey, Arc<Kernel>>>,
 }
 
-/// Stage, whether there are rods, chunks of each array.
+/// Name of the stage, variant, number of chunks of each array.
 type KernelKey = (&'static str, Variant, Vec<u32>);
 
-/// A limit of a device by its name in WebGPU.
+/// A limit of a device: its name in WebGPU, and a function that reads it.
 type Limit = (&'static str, fn(&wgpu::Limits) -> u32);
 
-/// What the kernels need, which is what WebGPU promises or less.
+/// Limits that the kernels need. WebGPU guarantees at least these values.
 const NEEDED: [(Limit, u32); 3] = [
     (("max_storage_buffers_per_shader_stage", |limits| limits.max_storage_buffers_per_shader_stage), 8),
     (("max_compute_invocations_per_workgroup", |limits| limits.max_compute_invocations_per_workgroup), WORKGROUP),
@@ -39,30 +39,31 @@ const NEEDED: [(Limit, u32); 3] = [
 ];
 
 const HELP: &str = "install a graphics driver with Vulkan, Metal or DX12 (on Linux: mesa-vulkan-drivers, or the \
-                    proprietary driver with its Vulkan part), see what `rockfall devices` lists, or take --backend cpu";
+                    proprietary driver with its Vulkan part), see what `rockfall devices` lists, or use --backend cpu";
 
-/// What adapters are asked for from, as the environment variables of wgpu wish.
+/// The wgpu instance that lists the adapters. It respects the environment variables of wgpu.
 pub fn instance() -> wgpu::Instance {
     let mut descriptor = wgpu::InstanceDescriptor::new_without_display_handle();
-    // Debug builds would name every object, which the Vulkan loader now and then does not survive while another thread closes a
-    // device: it walks its list of devices without a lock (issue 5270 of wgpu). WGPU_DEBUG=1 asks for names all the same.
+    // wgpu would name every object in debug builds. The Vulkan loader sometimes crashes on that while another thread closes a
+    // device, because it walks its list of devices without a lock (issue 5270 of wgpu). WGPU_DEBUG=1 still turns names on.
     descriptor.flags.remove(wgpu::InstanceFlags::DEBUG);
     wgpu::Instance::new(descriptor.with_env())
 }
 
-/// The graphics APIs to look at: all, or those that the environment variable `WGPU_BACKEND` names.
+/// The graphics APIs to search: all, or those that the environment variable `WGPU_BACKEND` names.
 fn apis() -> wgpu::Backends {
     wgpu::Backends::from_env().unwrap_or(wgpu::Backends::all())
 }
 
-/// Every adapter there is, software ones too, the one that [`Gpu::open`] would take first.
+/// All adapters, including software ones. The first is the one that [`Gpu::open`] tries first.
 pub async fn adapters() -> Vec<wgpu::AdapterInfo> {
     let mut found: Vec<_> = instance().enumerate_adapters(apis()).await.iter().map(wgpu::Adapter::get_info).collect();
     found.sort_by_key(|info| Reverse(preference(info)));
     found
 }
 
-/// The greater, the better: hardware before software, a graphics card before what is built in, GL last.
+/// Rank of an adapter; a greater rank is better. Hardware precedes software, discrete GPUs precede integrated ones, and GL
+/// comes last.
 fn preference(info: &wgpu::AdapterInfo) -> (u32, u32) {
     let kind = match info.device_type {
         wgpu::DeviceType::DiscreteGpu => 4,
@@ -74,37 +75,37 @@ fn preference(info: &wgpu::AdapterInfo) -> (u32, u32) {
     (kind, u32::from(info.backend != wgpu::Backend::Gl))
 }
 
-/// The first limit that is too low for the kernels.
-fn lacks(limits: &wgpu::Limits) -> Option<String> {
+/// Describes the first limit that is too low for the kernels, or returns `None`.
+fn too_low_limit(limits: &wgpu::Limits) -> Option<String> {
     let low = NEEDED.into_iter().find(|((_, limit), needed)| limit(limits) < *needed);
     low.map(|((name, limit), needed)| format!("{name} is {}, rockfall needs {needed}", limit(limits)))
 }
 
-/// Why an adapter cannot be used.
-fn unable(adapter: &wgpu::Adapter, allow_software: bool) -> Option<String> {
+/// The reason why an adapter cannot be used, or `None`.
+fn reason_unusable(adapter: &wgpu::Adapter, allow_software: bool) -> Option<String> {
     let info = adapter.get_info();
     let computes = adapter.get_downlevel_capabilities().flags.contains(wgpu::DownlevelFlags::COMPUTE_SHADERS);
     let why = if !computes {
         Some("it has no compute shaders".to_owned())
     } else if !allow_software && info.device_type == wgpu::DeviceType::Cpu {
-        Some("it is software".to_owned())
+        Some("it is a software adapter".to_owned())
     } else {
-        lacks(&adapter.limits())
+        too_low_limit(&adapter.limits())
     };
     why.map(|why| format!("{} ({}): {why}", info.name, info.backend))
 }
 
 impl Gpu {
-    /// Opens the best adapter: hardware, high-performance. A software adapter (a CPU that plays GPU) is taken only where
-    /// `allow_software` is set and there is no hardware.
+    /// Opens the best adapter, preferring discrete GPUs. A software adapter (a CPU that emulates a GPU) is used only if
+    /// `allow_software` is set and there is no hardware adapter.
     ///
     /// # Errors
-    /// [`Error::NoAdapter`] when there is none, [`Error::Device`] when it cannot be opened.
+    /// [`Error::NoAdapter`] when there is no usable adapter, [`Error::Device`] when none can be opened.
     pub async fn open(allow_software: bool) -> Result<Self> {
         let mut candidates = instance().enumerate_adapters(apis()).await;
         let mut reasons = Vec::new();
         candidates.retain(|adapter| {
-            let reason = unable(adapter, allow_software);
+            let reason = reason_unusable(adapter, allow_software);
             reasons.extend(reason.clone());
             reason.is_none()
         });
@@ -138,7 +139,7 @@ impl Gpu {
         Ok(Self::with(device, queue, faults))
     }
 
-    /// [`Gpu::open`] for native callers.
+    /// Blocking version of [`Gpu::open`] for native callers.
     ///
     /// # Errors
     /// Those of [`Gpu::open`].
@@ -150,7 +151,7 @@ impl Gpu {
         })?
     }
 
-    /// [`adapters`] for native callers.
+    /// Blocking version of [`adapters`] for native callers.
     #[cfg(not(target_arch = "wasm32"))]
     pub fn adapters_blocking() -> Vec<wgpu::AdapterInfo> {
         crate::exec::gpu::wait::drive(adapters(), || {
@@ -160,8 +161,8 @@ impl Gpu {
         .unwrap_or_default()
     }
 
-    /// Uses the caller's device. Its error handlers are left alone: what goes wrong in a call of this module comes back
-    /// from that call or from the next that waits.
+    /// Uses the caller's device and leaves its error handlers alone. An error in a call of this module is returned by that call
+    /// or by the next one that waits.
     pub fn on_device(device: wgpu::Device, queue: wgpu::Queue) -> Self {
         Self::with(device, queue, Faults::default())
     }
@@ -180,24 +181,25 @@ impl Gpu {
         &self.inner.queue
     }
 
-    /// Name, backend, kind and driver.
+    /// Name, graphics API, kind and driver of the adapter.
     pub fn info(&self) -> wgpu::AdapterInfo {
         self.inner.device.adapter_info()
     }
 
-    /// Whether it is a CPU that plays GPU.
+    /// Whether the adapter is a CPU that emulates a GPU.
     pub fn is_software(&self) -> bool {
         self.info().device_type == wgpu::DeviceType::Cpu
     }
 
     /// # Errors
     /// [`Error::Device`] when the device, which may be the caller's, was opened with limits that are too low.
+    /// Checks that the limits of the device are high enough for the kernels.
     pub(crate) fn check_limits(&self) -> Result<()> {
-        match lacks(&self.device().limits()) {
+        match too_low_limit(&self.device().limits()) {
             None => Ok(()),
             Some(low) => Err(Error::Device(format!(
-                "the device does not do: {low}; open it with `wgpu::Limits::default()` or the adapter's own, or take the CPU \
-                 backend"
+                "the limits of the device are too low: {low}; open it with `wgpu::Limits::default()` or the adapter's \
+                 limits, or use the CPU backend"
             ))),
         }
     }
@@ -206,13 +208,14 @@ impl Gpu {
         &self.inner.faults
     }
 
-    /// How many kernels were compiled so far.
+    /// Number of kernels compiled so far.
     #[cfg(test)]
     pub(crate) fn compiled(&self) -> usize {
         self.inner.kernels.lock().unwrap_or_else(PoisonError::into_inner).len()
     }
 
-    /// The kernel of a stage, compiled at its first use, for such scenes, and for arrays of so many chunks.
+    /// The kernel of a stage for a variant, compiled at its first use. `chunks` holds the number of chunks of each array, in
+    /// the order of the stage's bindings.
     pub(crate) fn kernel(&self, stage: &'static Stage, variant: Variant, chunks: Vec<u32>) -> Result<Arc<Kernel>> {
         let mut kernels = self.inner.kernels.lock().unwrap_or_else(PoisonError::into_inner);
         let key = (stage.name, variant, chunks);
@@ -231,11 +234,11 @@ mod tests {
 
     #[test]
     fn limits_that_are_too_low_are_named() {
-        assert_eq!(lacks(&wgpu::Limits::default()), None);
+        assert_eq!(too_low_limit(&wgpu::Limits::default()), None);
         let limits = wgpu::Limits { max_storage_buffers_per_shader_stage: 4, ..Default::default() };
-        let told = lacks(&limits).unwrap();
-        assert_eq!(told, "max_storage_buffers_per_shader_stage is 4, rockfall needs 8");
+        let message = too_low_limit(&limits).unwrap();
+        assert_eq!(message, "max_storage_buffers_per_shader_stage is 4, rockfall needs 8");
         let limits = wgpu::Limits { max_compute_workgroup_size_x: 0, ..Default::default() };
-        assert!(lacks(&limits).is_some());
+        assert!(too_low_limit(&limits).is_some());
     }
 }

@@ -1,4 +1,4 @@
-//! What goes wrong on a device: kept until somebody asks, and never a panic.
+//! Faults of a device: recorded until they are checked, and never a panic.
 
 use std::future::Future;
 use std::pin::pin;
@@ -7,7 +7,7 @@ use std::task::{Context, Poll, Waker};
 
 use crate::error::{Error, Result};
 
-/// The first thing that went wrong on a device outside of any call that could have returned it.
+/// The first fault of a device that no call could return as an error.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Faults {
     first: Arc<Mutex<Option<String>>>,
@@ -20,7 +20,8 @@ impl Faults {
     }
 
     /// # Errors
-    /// [`Error::Device`] once something went wrong; it stays so, for what the buffers hold cannot be trusted any more.
+    /// [`Error::Device`] once a fault was recorded, and from then on always, because the contents of the buffers can no longer
+    /// be trusted.
     pub(crate) fn check(&self) -> Result<()> {
         match &*self.first.lock().unwrap_or_else(PoisonError::into_inner) {
             Some(text) => Err(Error::Device(text.clone())),
@@ -28,7 +29,7 @@ impl Faults {
         }
     }
 
-    /// Has errors that no scope catches, and the loss of the device, recorded here.
+    /// Records the loss of the device, and errors that no error scope catches.
     pub(crate) fn watch(&self, device: &wgpu::Device) {
         let faults = self.clone();
         device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| faults.record(describe(&error))));
@@ -45,31 +46,32 @@ fn describe(error: &wgpu::Error) -> String {
             "out of memory; use fewer objects, close other programs, or take --backend cpu".to_owned()
         }
         other => match other.to_string() {
-            // A lost device makes invalid objects without a word, and wgpu complains of the first use of one.
+            // A lost device creates invalid objects without an error. wgpu reports an error at the first use of one.
             text if text.contains("device is lost") || text.contains("label is invalid") => lost(text.trim()),
             text => text,
         },
     }
 }
 
-/// What is told of a device that is no more.
+/// Message for a lost device.
 pub(crate) fn lost(why: &str) -> String {
     format!(
         "the device was lost ({why}); its driver was reset or removed, or ran out of time or memory: run again, with fewer \
-         objects if it happens again, or take --backend cpu"
+         objects if it happens again, or use --backend cpu"
     )
 }
 
-/// Runs `work`, and gives what the device had to say about it.
+/// Runs `work` and returns its result, or the error that the device reported meanwhile.
 ///
 /// # Errors
-/// [`Error::Device`] with what was wrong. In a browser the answer comes too late for this; it is on the console.
+/// [`Error::Device`] with the first error. In a browser the device reports its errors too late for this; they appear on the
+/// console.
 pub fn catch<T>(device: &wgpu::Device, work: impl FnOnce() -> T) -> Result<T> {
     let scopes = [wgpu::ErrorFilter::Validation, wgpu::ErrorFilter::OutOfMemory, wgpu::ErrorFilter::Internal]
         .map(|filter| device.push_error_scope(filter));
     let done = work();
     let mut first = None;
-    // Scopes are popped in reverse.
+    // Scopes are popped in reverse order.
     for scope in scopes.into_iter().rev() {
         let error = pin!(scope.pop()).poll(&mut Context::from_waker(Waker::noop()));
         if let Poll::Ready(Some(error)) = error {
@@ -87,14 +89,14 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_told_says_what_to_do() {
+    fn messages_say_what_to_do() {
         let of = |text: &str| -> Box<dyn std::error::Error + Send + Sync> { text.into() };
         let memory = describe(&wgpu::Error::OutOfMemory { source: of("no memory") });
         assert!(memory.contains("fewer objects") && memory.contains("--backend cpu"), "{memory}");
         let description = "Buffer with 'x' label is invalid".to_owned();
         let invalid = describe(&wgpu::Error::Validation { source: of("x"), description: description.clone() });
         assert!(invalid.contains(&description) && invalid.contains("--backend cpu"), "{invalid}");
-        // What is wrong with a kernel is told as it is.
+        // Errors in a kernel are reported unchanged.
         let description = "a kernel".to_owned();
         assert_eq!(describe(&wgpu::Error::Validation { source: of("x"), description: description.clone() }), description);
     }

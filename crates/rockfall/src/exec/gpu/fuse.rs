@@ -1,4 +1,4 @@
-//! The dispatches of a batch of steps, those of a small scene joined into few.
+//! Joins the dispatches of a batch of steps of a small scene into fewer dispatches.
 
 use std::ops::Range;
 
@@ -7,12 +7,12 @@ use crate::settings::{BroadPhase, Integrator};
 use crate::step::fused::run_steps::{STAGE as RUN_STEPS, begun_with, followed_by};
 use crate::step::schedule::{Phase, Run, When};
 
-/// What is dispatched for some steps, one after the other, where `run_steps` does all phases but those that make lists.
+/// Returns the dispatches for `steps`, in order. `run_steps` replaces all phases except those that build lists.
 pub(crate) fn fused(runs: &[Run], step: &Step, steps: Range<u32>) -> Vec<Run> {
     let live = |run: &&Run| run.workgroups(step) > 0;
     let all: Vec<Run> = steps.flat_map(|at| runs.iter().filter(move |run| run.is_in(at)).filter(live)).copied().collect();
-    let leaps = all.iter().any(|run| run.stage.name == "symplectic_euler");
-    let integrator = if leaps { Integrator::SymplecticEuler } else { Integrator::Rk4 };
+    let is_symplectic = all.iter().any(|run| run.stage.name == "symplectic_euler");
+    let integrator = if is_symplectic { Integrator::SymplecticEuler } else { Integrator::Rk4 };
     let phases = [Phase::HandleCollisions, Phase::UpdatePositions].map(|phase| {
         let stages = phase.stages(integrator, BroadPhase::BruteForce);
         (phase, stages.iter().filter(live).map(name).collect::<Vec<_>>())

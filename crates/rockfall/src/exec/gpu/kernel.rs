@@ -1,4 +1,4 @@
-//! From a stage's WGSL parts to a pipeline.
+//! Compiles the WGSL parts of a stage to a pipeline.
 
 use std::fmt::Write;
 
@@ -11,9 +11,10 @@ use crate::model::part::Part;
 use crate::step::stage::{Access, Stage};
 use crate::step::wgsl::Variant;
 
-/// Subgroups of a workgroup that does whole steps, where the device allows so many: every barrier waits for all of them.
+/// Number of subgroups of a workgroup that computes whole steps, if the device allows that many. More would be slower, because
+/// every barrier waits for all of them.
 const GROUP_SUBGROUPS: u32 = 32;
-/// The most threads of such a workgroup.
+/// Maximum number of threads of such a workgroup.
 const MOST_THREADS: u32 = 1024;
 
 /// A compiled stage.
@@ -23,12 +24,12 @@ pub(crate) struct Kernel {
     pub(crate) layout: wgpu::BindGroupLayout,
 }
 
-/// The WGSL of a stage: its parts, one after the other.
+/// The WGSL of a stage: its parts joined in order.
 pub fn join(parts: &[Part]) -> String {
     parts.iter().map(|part| part.text).collect()
 }
 
-/// Adds to a compiler's message where in the parts' own files the lines are that it names as `wgsl:LINE:COLUMN`.
+/// Adds source positions to a compiler's message: for every `wgsl:LINE:COLUMN` in it, the file and line of the part.
 pub fn locate_lines(parts: &[Part], message: &str) -> String {
     let mut text = message.to_owned();
     for place in message.split("wgsl:").skip(1) {
@@ -39,7 +40,7 @@ pub fn locate_lines(parts: &[Part], message: &str) -> String {
         for part in parts {
             let lines = part.text.matches('\n').count();
             if line <= lines {
-                // A String takes what is written to it.
+                // Writing to a String cannot fail.
                 let _ = write!(text, "\n  joined line {digits} is {}:{line}", part.file);
                 break;
             }
@@ -50,7 +51,8 @@ pub fn locate_lines(parts: &[Part], message: &str) -> String {
 }
 
 impl Kernel {
-    /// The kernel of a stage, for such scenes, and for arrays of so many chunks, in the order of its bindings.
+    /// Compiles the kernel of a stage for a variant. `chunks` holds the number of chunks of each array, in the order of the
+    /// stage's bindings.
     pub(crate) fn new(device: &wgpu::Device, stage: &Stage, variant: Variant, chunks: &[u32]) -> Result<Self> {
         catch(device, || build(device, stage, variant, chunks)).map_err(|error| match error {
             Error::Device(text) => Error::Device(format!("kernel {}: {}", stage.name, locate_lines(&stage.parts(), &text))),
@@ -68,30 +70,35 @@ fn layout_entry(binding: u32, ty: wgpu::BufferBindingType) -> wgpu::BindGroupLay
     }
 }
 
-/// Threads of a workgroup of a stage that leaves their number to the device.
-fn team(device: &wgpu::Device) -> u32 {
+/// Number of threads per workgroup for stages that leave it to the device.
+fn threads_of_workgroup(device: &wgpu::Device) -> u32 {
     let limits = device.limits();
-    let wish = (GROUP_SUBGROUPS * device.adapter_info().subgroup_max_size).clamp(WORKGROUP, MOST_THREADS);
-    wish.min(limits.max_compute_invocations_per_workgroup).min(limits.max_compute_workgroup_size_x)
+    let wanted = (GROUP_SUBGROUPS * device.adapter_info().subgroup_max_size).clamp(WORKGROUP, MOST_THREADS);
+    wanted.min(limits.max_compute_invocations_per_workgroup).min(limits.max_compute_workgroup_size_x)
 }
 
 #[allow(unsafe_code)]
 fn build(device: &wgpu::Device, stage: &Stage, variant: Variant, chunks: &[u32]) -> Kernel {
     let text = split(&variant.apply(&join(&stage.parts())), &Split::of(stage, chunks, chunk_bytes(&device.limits())));
     let flag = |is_set: bool| f64::from(u8::from(is_set));
-    let mut constants = vec![("MANY", flag(variant.many)), ("GROUP_SIZE", f64::from(team(device)))];
+    let mut constants = vec![("MANY", flag(variant.many)), ("GROUP_SIZE", f64::from(threads_of_workgroup(device)))];
     constants.retain(|(name, _)| text.contains(&format!("override {name}:")));
     let module = wgpu::ShaderModuleDescriptor { label: Some(stage.name), source: wgpu::ShaderSource::Wgsl(text.into()) };
-    // SAFETY: without run-time checks the kernels must stay inside their buffers by themselves, and end. They do: threads
-    // past the count of what they work on return; ids, offsets and indices in `words` are checked by `gpu::check` before they
-    // are uploaded, those in `lists` too, or were written by `fill_pairs`, `find_neighbours` or `fill_long`, whose ids are
-    // below the number of objects and whose rows are below `pair_rows`, else the step is void and nobody reads them;
-    // those in `cells` are sums of the counts of the objects, made from zero in the same step or not used; the uniform block
-    // that holds counts and offsets is always that of the uploaded world, and the buffers are made to its sizes
-    // (`GpuWorld::new`, `upload`); an index of an array in chunks that is inside the array is inside the chunk that `split`
-    // has chosen for it. `extents` is read up to three rows past the last object, for which it has room. Sizes of dispatches that the
-    // device tells are zero or those that `gpu::check` has seen. Loops run over counts from the same places, sweeps up to MAX_SWEEPS. Workgroup memory is written
-    // before it is read. No integer is divided by anything that may be 0.
+    // SAFETY: without run-time checks the kernels themselves must stay inside their buffers, and they must terminate. They do:
+    // - Threads whose number is not below the count of their objects return at once.
+    // - Ids, offsets and indices in the topology buffer are checked by `gpu::check` before they are uploaded.
+    // - Those in the lists are checked there too, or were written by `fill_pairs`, `find_neighbours` or `fill_long`. Their ids
+    //   are below the number of objects and their rows are below `pair_rows`; otherwise the step is rejected and no stage reads
+    //   the lists.
+    // - Indices in `cells` are sums of the counts of the objects, computed from zero in the same step, or they are not used.
+    // - The uniform block with the counts and offsets is always that of the uploaded world, and the buffers have its sizes
+    //   (`GpuWorld::new`, `upload`).
+    // - An index inside an array that is stored in chunks is inside the chunk that `split` chooses for it.
+    // - `extents` is read up to three rows past the last object, and it has room for them.
+    // - Dispatch sizes written on the device are zero or the sizes that `gpu::check` has checked.
+    // - Loops run over counts from the same places; sweeps run up to MAX_SWEEPS times.
+    // - Workgroup memory is written before it is read.
+    // - No integer is divided by a value that may be 0.
     let module = unsafe { device.create_shader_module_trusted(module, wgpu::ShaderRuntimeChecks::unchecked()) };
     let mut entries =
         vec![layout_entry(0, wgpu::BufferBindingType::Uniform), layout_entry(1, wgpu::BufferBindingType::Uniform)];
@@ -127,14 +134,14 @@ mod tests {
     const PARTS: &[Part] = &[Part { file: "one.wgsl", text: "a\nb\n" }, Part { file: "two.wgsl", text: "c\nd\n" }];
 
     #[test]
-    fn lines_are_those_of_the_part() {
+    fn lines_are_located_in_their_part() {
         let found = locate_lines(PARTS, "error at wgsl:4:7 and wgsl:1:1");
         assert!(found.contains("joined line 4 is two.wgsl:2"), "{found}");
         assert!(found.contains("joined line 1 is one.wgsl:1"), "{found}");
     }
 
     #[test]
-    fn lines_past_the_end_are_left() {
+    fn lines_past_the_end_are_not_located() {
         assert_eq!(locate_lines(PARTS, "wgsl:9:1"), "wgsl:9:1");
     }
 }

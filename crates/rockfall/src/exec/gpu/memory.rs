@@ -1,4 +1,4 @@
-//! What a world's arrays are on the device: sizes, chunks and limits.
+//! The arrays of a world on the device: sizes, chunks and limits.
 
 use crate::error::{Error, Result};
 use crate::exec::gpu::fault::catch;
@@ -9,12 +9,13 @@ use crate::step::catalog::ALL;
 use crate::step::fused::run_steps::{STAGE as RUN_STEPS, is_small};
 use crate::step::stage::Stage;
 
-/// No buffer is smaller: WebGPU refuses to bind what holds no element.
+/// Smallest size of a buffer, in bytes: WebGPU refuses to bind a buffer that holds no element.
 const LEAST_BYTES: u64 = ELEMENT_BYTES;
-/// The largest element of an array, a row of the pair lists: chunks hold whole ones.
+/// Size of the largest array element, a row of the pair lists, in bytes. Chunks hold whole elements.
 const ELEMENT_BYTES: u64 = 128;
 
-/// Bytes that the kernels address in a buffer, from the counts and offsets alone: a hand-made world may hold less.
+/// Number of bytes that the kernels address in a buffer, from the counts and offsets alone. The array of a hand-made world may
+/// be shorter.
 pub(crate) fn bytes_needed(world: &World, buffer: Buffer) -> u64 {
     let step = &world.step;
     let vectors = |count: u64| 16 * count;
@@ -27,7 +28,7 @@ pub(crate) fn bytes_needed(world: &World, buffer: Buffer) -> u64 {
         Buffer::Lists => 4 * world.list_words(),
         Buffer::CollisionIndices => 4 * world.slot_words(),
         Buffer::Collisions => 4 * u64::from(COLLISION_WORDS) * u64::from(step.collision_room),
-        // Rows are read four at a time.
+        // Rows are read four at a time, so there is room for three more.
         Buffer::Extents => vectors(u64::from(world.objects()) + 3),
         Buffer::Wrenches => vectors(4 * u64::from(step.rods)),
         Buffer::Orientations => vectors(u64::from(step.spheres)),
@@ -35,22 +36,24 @@ pub(crate) fn bytes_needed(world: &World, buffer: Buffer) -> u64 {
     addressed.max(world.bytes(buffer).len() as u64).max(LEAST_BYTES)
 }
 
-/// Bytes of the chunks of an array that is larger than a binding may be.
+/// Chunk size in bytes for an array that is larger than the device's limit for one binding.
 pub(crate) fn chunk_bytes(limits: &wgpu::Limits) -> u64 {
     let most = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
     (most - most % ELEMENT_BYTES).max(ELEMENT_BYTES)
 }
 
-/// Whether every stage can bind arrays of these sizes. One that is larger than a binding may be takes several.
+/// Checks that every stage can bind arrays of these sizes. An array larger than the limit for one binding takes several
+/// bindings.
 ///
 /// # Errors
-/// [`Error::DeviceLimit`] for the array that takes the most bindings in a stage that has too many.
+/// [`Error::DeviceLimit`] if a stage needs too many bindings. It names the array that takes the most bindings in the worst such
+/// stage.
 pub(crate) fn check_sizes(limits: &wgpu::Limits, needed: impl Fn(Buffer) -> u64) -> Result<()> {
     let chunk = chunk_bytes(limits);
     let most = u64::from(limits.max_storage_buffers_per_shader_stage);
     let excess =
         |stage: &Stage| stage_buffers(stage).map(|buffer| needed(buffer).div_ceil(chunk)).sum::<u64>().saturating_sub(most);
-    // `run_steps` stands for others, and is left out where its arrays do not fit one binding each.
+    // `run_steps` only replaces other stages, and is not used if its arrays do not fit one binding each.
     let needed_stages = ALL.into_iter().filter(|stage| stage.name != RUN_STEPS.name);
     let Some(worst) = needed_stages.max_by_key(|stage| excess(stage)) else { return Ok(()) };
     let excess = excess(worst);
@@ -64,12 +67,12 @@ pub(crate) fn check_sizes(limits: &wgpu::Limits, needed: impl Fn(Buffer) -> u64)
     }
 }
 
-/// The buffers that a stage binds; in every pass they are as large.
+/// The buffers that a stage binds in pass 0. Other passes bind buffers of the same sizes.
 fn stage_buffers(stage: &Stage) -> impl Iterator<Item = Buffer> {
     stage.bindings.iter().map(|binding| binding.slot.buffer(0))
 }
 
-/// Of a buffer that the host reads.
+/// Usage of a buffer that the host reads.
 pub(crate) const READ_BACK: wgpu::BufferUsages = wgpu::BufferUsages::MAP_READ.union(wgpu::BufferUsages::COPY_DST);
 
 pub(crate) fn make_buffer(device: &wgpu::Device, label: &str, size: u64, usage: wgpu::BufferUsages) -> Result<wgpu::Buffer> {
@@ -100,7 +103,7 @@ mod tests {
 
     /// `advance` binds eight arrays, three of them states.
     #[test]
-    fn what_a_stage_cannot_bind_is_refused() {
+    fn arrays_that_need_too_many_bindings_are_refused() {
         let sizes = |large: u64| move |buffer: Buffer| if buffer == Buffer::Lists { large } else { 16 };
         assert!(check_sizes(&limits(1024, 8), sizes(1024)).is_ok());
         let refused = check_sizes(&limits(1024, 8), sizes(1025));

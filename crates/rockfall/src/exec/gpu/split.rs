@@ -1,10 +1,15 @@
-//! Arrays that are larger than a binding may be: the WGSL of a stage, rewritten for arrays that stand in several chunks.
+//! Rewrites the WGSL of a stage for arrays that are larger than the device's limit for one binding and are stored in several
+//! chunks.
 //!
-//! A chunk is a buffer and a binding of its own, all of one size but the last. The kernels do not know of them: where `a` is
-//! split, `a[e]` becomes a call of `a_get`, `a[e] = v` one of `a_put`, `atomicAdd(&a[e], v)` one of `a_atomicAdd`, functions that
-//! choose the chunk by the index and are added at the end; of an array of rows `a[r][e]` becomes `a_get(r, e)`. So lines keep
-//! their numbers, and kernels whose arrays fit one binding are compiled as they stand. Arrays of bindings (`binding_array`) would
-//! need no such functions, but few devices have them.
+//! Each chunk is a buffer and a binding of its own. All chunks of an array have the same size except the last. The kernel
+//! sources do not mention chunks. If the array `a` is split, these accesses are replaced:
+//! - `a[e]` becomes `a_get(e)`, and for an array of rows `a[r][e]` becomes `a_get(r, e)`;
+//! - `a[e] = v` becomes `a_put(e, v)`;
+//! - `atomicAdd(&a[e], v)` becomes `a_atomicAdd(e, v)`.
+//!
+//! These functions choose the chunk by the index. They are appended at the end, so lines keep their numbers. Kernels whose
+//! arrays fit one binding each are compiled unchanged. Arrays of bindings (`binding_array`) would make the functions
+//! unnecessary, but few devices support them.
 
 use std::collections::BTreeSet;
 use std::fmt::Write;
@@ -13,26 +18,28 @@ use std::ops::Range;
 use crate::model::layout::SLICE;
 use crate::step::stage::Stage;
 
-/// An array of a kernel that is split.
+/// An array of a kernel that is stored in several chunks.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Split {
-    /// Its name in the WGSL.
+    /// Name of the array in the WGSL.
     pub name: &'static str,
-    /// Bytes of each chunk but the last, which has no more: a multiple of 128, the largest element.
+    /// Bytes of each chunk except the last, which is not larger: a multiple of 128, the size of the largest element.
     pub chunk_bytes: u64,
-    /// The binding numbers of the chunks from the second on; the first one keeps that of the array.
+    /// Binding numbers of the chunks from the second on. The first chunk keeps the binding number of the array.
     pub bindings: Vec<u32>,
 }
 
 impl Split {
-    /// The arrays of a stage that stand in more than one chunk; `counts` are the chunks of each, in the order of its bindings.
+    /// The arrays of a stage that have more than one chunk. `counts` holds the number of chunks of each array, in the order of
+    /// the stage's bindings.
     pub fn of(stage: &Stage, counts: &[u32], chunk_bytes: u64) -> Vec<Self> {
         let split = stage.bindings.iter().zip(binding_numbers(counts)).filter(|(_, numbers)| numbers.len() > 1);
         split.map(|(binding, numbers)| Self { name: binding.name, chunk_bytes, bindings: numbers[1..].to_vec() }).collect()
     }
 }
 
-/// The binding numbers of the chunks of each array of a stage: the first ones from 2 on, in order, then all others.
+/// Binding numbers of the chunks of each array of a stage. The first chunks are numbered in order from 2 on; all further chunks
+/// follow.
 pub(crate) fn binding_numbers(counts: &[u32]) -> Vec<Vec<u32>> {
     let mut next = 2 + counts.len() as u32;
     let numbers = |(first, count): (u32, &u32)| {
@@ -43,8 +50,9 @@ pub(crate) fn binding_numbers(counts: &[u32]) -> Vec<Vec<u32>> {
     (2..).zip(counts).map(numbers).collect()
 }
 
-/// The WGSL with these arrays split. What has no rewriting (a pointer to an element other than an atomic's, an element written
-/// member by member) is left as it is, and the compiler names it: there is no array of that name any more.
+/// Returns the WGSL with these arrays split. Some accesses cannot be rewritten: a pointer to an element that is not atomic, and
+/// an assignment to a member of an element. They are left as they are, and the compiler reports them, because the original
+/// array no longer exists.
 pub fn split(text: &str, arrays: &[Split]) -> String {
     if arrays.is_empty() {
         return text.to_owned();
@@ -62,9 +70,9 @@ pub fn split(text: &str, arrays: &[Split]) -> String {
 
 struct Rewriter<'a> {
     arrays: &'a [Split],
-    /// Those whose elements are rows.
+    /// Names of the split arrays whose elements are rows.
     rows: BTreeSet<&'static str>,
-    /// Atomic functions that are called on elements: array, function.
+    /// Atomic functions that are called on elements, as (array, function).
     atomics: BTreeSet<(&'static str, String)>,
 }
 
@@ -92,13 +100,13 @@ impl Rewriter<'_> {
         out
     }
 
-    /// The array that a token names, unless it is a member of something.
+    /// The split array that a token names, unless the token is a member name.
     fn array(&self, token: &str, before: &str) -> Option<&'static str> {
         let array = self.arrays.iter().find(|array| array.name == token)?;
         (!before.ends_with('.')).then_some(array.name)
     }
 
-    /// Writes an access, of which `text` begins with the bracket; returns what follows.
+    /// Writes an access to `out`. `text` begins with the opening bracket of the index. Returns the text after the access.
     fn access<'t>(&mut self, name: &'static str, text: &'t str, out: &mut String) -> &'t str {
         let (index, mut after) = enclosed(text);
         let mut index = self.rewrite(index);
@@ -118,7 +126,7 @@ impl Rewriter<'_> {
             return after;
         };
         let end = end_of_statement(value);
-        // Not past a line's end: lines keep their numbers.
+        // Line breaks are kept, so that lines keep their numbers.
         let value_text = self.rewrite(value[..end].trim_start_matches(' '));
         match operator {
             None => out.push_str(&format!("{name}_put({index}, {value_text})")),
@@ -127,7 +135,7 @@ impl Rewriter<'_> {
         &value[end..]
     }
 
-    /// Adds the functions that `rewrite` has put calls of.
+    /// Appends the functions that the rewritten accesses call.
     fn add_functions(&self, out: &mut String, array: &Split, declared: &Declared) {
         let Declared { element, size, written } = declared;
         let mut functions = Vec::new();
@@ -153,13 +161,13 @@ impl Rewriter<'_> {
         }
         for (head, action) in functions {
             let body = choose(array.name, array.chunk_bytes / size, 0..array.bindings.len() as u64 + 1, &action);
-            // A String takes what is written to it.
+            // Writing to a String cannot fail.
             let _ = writeln!(out, "fn {}_{head} {{ {body} }}", array.name);
         }
     }
 }
 
-/// What the declaration of an array says.
+/// Facts from the declaration of an array.
 struct Declared {
     element: String,
     /// Bytes of an element.
@@ -167,7 +175,7 @@ struct Declared {
     written: bool,
 }
 
-/// Bytes of an element of one of the types that arrays have.
+/// Bytes of an element of one of the types that arrays have, or `None` for an unknown type.
 fn size_of_element(element: &str) -> Option<u64> {
     match element {
         "u32" | "f32" | "atomic<u32>" => Some(4),
@@ -179,8 +187,8 @@ fn size_of_element(element: &str) -> Option<u64> {
     }
 }
 
-/// Puts a declaration for every chunk in the place of that of the array, which is written as all of them are:
-/// `@group(0) @binding(2) var<storage, read> name: array<u32>;`.
+/// Replaces the declaration of an array by one declaration per chunk. Every array declaration has the form `@group(0)
+/// @binding(2) var<storage, read> name: array<u32>;`.
 fn declare_chunks(text: &mut String, array: &Split) -> Option<Declared> {
     let name = array.name;
     let name_at = text.find(&format!("> {name}: array<"))?;
@@ -200,8 +208,8 @@ fn declare_chunks(text: &mut String, array: &Split) -> Option<Declared> {
     Some(Declared { element, size, written: kind.contains("read_write") })
 }
 
-/// Statements that do something with the element `i` of these chunks of so many elements, `@` standing for the element: by
-/// halves, so that few comparisons are made.
+/// Returns statements that apply `action` to element `i` of an array of several chunks with `elements` elements each. `@` in
+/// `action` stands for the element. The chunk is found by bisection, which takes few comparisons.
 fn choose(name: &str, elements: u64, chunks: Range<u64>, action: &str) -> String {
     let middle = chunks.start.midpoint(chunks.end);
     if middle == chunks.start {
@@ -220,7 +228,7 @@ fn is_word(c: char) -> bool {
     c.is_ascii_alphanumeric() || c == '_'
 }
 
-/// What stands between the bracket that a text begins with and the one that closes it, and what follows.
+/// The text between the bracket at the start of `text` and its closing bracket, and the text after that.
 fn enclosed(text: &str) -> (&str, &str) {
     let mut depth = 0_u32;
     for (at, c) in text.char_indices() {
@@ -234,14 +242,14 @@ fn enclosed(text: &str) -> (&str, &str) {
     (&text[1..], "")
 }
 
-/// The atomic function that is called on the address of what comes next, and where its name begins.
+/// The atomic function that is called on the address of the next token, and the position of the function's name.
 fn address_taken(before: &str) -> Option<(usize, String)> {
     let call = before.strip_suffix("(&")?;
     let at = call.rfind(|c| !is_word(c)).map_or(0, |at| at + 1);
     call[at..].starts_with("atomic").then(|| (at, call[at..].to_owned()))
 }
 
-/// The operator of an assignment to what came before, if it has one, and the text from the value on.
+/// If `after` continues an assignment, returns its compound operator, if any, and the text from the value on.
 fn assignment(after: &str) -> Option<(Option<char>, &str)> {
     let after = after.trim_start();
     let operator = after.chars().next().filter(|c| "+-*/%&|^".contains(*c));
@@ -249,7 +257,7 @@ fn assignment(after: &str) -> Option<(Option<char>, &str)> {
     (!value.starts_with('=')).then_some((operator, value))
 }
 
-/// Where a value ends that is assigned.
+/// Position at which the assigned value ends.
 fn end_of_statement(value: &str) -> usize {
     let mut depth = 0_u32;
     for (at, c) in value.char_indices() {
@@ -272,7 +280,7 @@ mod tests {
         Split { name, chunk_bytes, bindings: bindings.to_vec() }
     }
 
-    /// The first line of the WGSL with `a` split.
+    /// Returns the WGSL with the array `a` split.
     fn rewritten(text: &str) -> String {
         split(text, &[array("a", 32, &[9])])
     }
@@ -301,7 +309,7 @@ mod tests {
     }
 
     #[test]
-    fn elements_of_rows_are_got_and_put_one_by_one() {
+    fn elements_of_rows_are_read_and_written_one_by_one() {
         let text = "@group(0) @binding(2) var<storage, read_write> a: array<array<u32, SLICE>>;\na[i + 1u][k % 2u] = a[a[0][1]][2] | b[3];\n";
         let found = split(text, &[array("a", 256, &[3])]);
         assert_eq!(
@@ -315,16 +323,16 @@ fn a_put(i: u32, k: u32, v: u32) { if i < 2u { a_0[i][k] = v; } else { a_1[i - 2
     }
 
     #[test]
-    fn everything_else_stays() {
+    fn other_text_is_unchanged() {
         for text in ["// a[i] = 1", "ba[i] = aa[j] + a_[k]", "step.a[i]", "let a = 1u;", "a.x", "fn f(a: u32)"] {
             assert_eq!(rewritten(text), text);
         }
-        // Refused by the compiler: there is no `a` any more.
+        // The compiler refuses this: `a` no longer exists.
         assert_eq!(split("p(&a[i])", &[]), "p(&a[i])");
     }
 
     #[test]
-    fn declarations_and_functions_are_those_of_the_chunks() {
+    fn declarations_and_functions_are_generated_per_chunk() {
         let text = "@group(0) @binding(3) var<storage, read> b: array<vec4f>;\n@group(0) @binding(4) var<storage, read_write> \
                     a: array<u32>;\n";
         let found = split(text, &[array("a", 32, &[7, 8]), array("b", 64, &[6])]);

@@ -1,4 +1,4 @@
-//! Stages on their way to the device: compiled, bound, recorded and submitted.
+//! Compiles, binds, records and submits stages.
 
 use std::ops::Range;
 
@@ -21,15 +21,15 @@ use crate::step::fused::run_steps::{STAGE as RUN_STEPS, suits};
 use crate::step::schedule::Run;
 use crate::step::wgsl::Variant;
 
-/// How many workgroups a dispatch has.
+/// Number of workgroups of a dispatch.
 enum Size {
     Known([u32; 3]),
-    /// Counters by the device, at this place among its sizes, in bytes.
+    /// Computed by the device, at this byte offset in the buffer of dispatch sizes.
     Planned(u64),
 }
 
 impl GpuWorld {
-    /// The block `pass_` of a pass, made at its first use.
+    /// The uniform block `pass_` of a pass, created at its first use.
     fn pass_block(&mut self, index: u32) -> Result<wgpu::Buffer> {
         if let Some(known) = self.passes.get(&index) {
             return Ok(known.clone());
@@ -56,12 +56,13 @@ impl GpuWorld {
         self.gpu().device().create_bind_group(&wgpu::BindGroupDescriptor { label: Some(stage.name), layout, entries: &entries })
     }
 
-    /// Compiles what is missing and binds it. [`GpuWorld::run`] does so by itself; done before, no run has to wait for it.
+    /// Compiles and binds the kernels that are missing. [`GpuWorld::run`] does so by itself. Calling this first avoids the wait
+    /// there.
     ///
     /// # Errors
-    /// [`Error::Device`] with the compiler's message and the place in the stage's own file.
+    /// [`Error::Device`] with the compiler's message and the position in the file of the stage.
     pub fn prepare(&mut self, runs: &[Run]) -> Result<()> {
-        // Others would only take time to compile.
+        // Kernels of other stages would only cost compile time.
         let step = *self.step();
         for run in runs.iter().filter(|run| run.applies(&step)) {
             let key = (run.stage.name, run.pass);
@@ -77,8 +78,8 @@ impl GpuWorld {
         Ok(())
     }
 
-    /// Records the stages of some steps, numbered for [`Run::is_in`], into a compute pass. [`GpuWorld::prepare`] must have seen
-    /// them.
+    /// Records the stages of `steps` into a compute pass. The numbers of the steps are those of [`Run::is_in`].
+    /// [`GpuWorld::prepare`] must have been called for the stages.
     ///
     /// # Errors
     /// [`Error::Device`] for a stage that was not prepared.
@@ -113,16 +114,16 @@ impl GpuWorld {
         planned.map_or_else(|| Size::Known(rows(workgroups, across)), Size::Planned)
     }
 
-    /// Runs a list of stages `steps` times over, in one submission, with the constants of `step`. Does not wait.
+    /// Runs a list of stages `steps` times in one submission, with the constants of `step`. Does not wait.
     ///
     /// # Errors
-    /// [`Error::Device`] when a kernel does not compile, the device refuses or is lost. The loss of a device may show only
-    /// when something is read.
+    /// [`Error::Device`] when a kernel does not compile, or the device is lost or reports an error. The loss of a device may
+    /// not be reported before data is read back.
     pub fn run(&mut self, runs: &[Run], step: &Step, steps: u32) -> Result<()> {
         self.submit_plain(runs, step, 0..steps, None).map(drop)
     }
 
-    /// [`GpuWorld::run`] of steps numbered for [`Run::is_in`], with the status after them sent to the host.
+    /// Like [`GpuWorld::run`], for steps numbered as in [`Run::is_in`]. The status after them is sent to the host.
     pub(crate) fn run_and_look(&mut self, runs: &[Run], step: &Step, steps: Range<u32>) -> Result<Mapped> {
         let staging = make_buffer(self.gpu().device(), "status", size_of::<Status>() as u64, READ_BACK)?;
         let submission = self.submit_plain(runs, step, steps, Some(&staging))?;
@@ -144,7 +145,8 @@ impl GpuWorld {
         self.submit(&dispatches, step, 0..1, staging, None)
     }
 
-    /// [`GpuWorld::prepare`] for what runs without timestamps, now or once collisions share bodies.
+    /// Like [`GpuWorld::prepare`], for the dispatches of runs without timestamps, also of those that run only once several
+    /// collisions share a body.
     pub(crate) fn prepare_plain(&mut self, runs: &[Run]) -> Result<()> {
         let sweeps = self.step.sweeps;
         for wanted in [SWEEPS_FEW, SWEEPS_ON] {
@@ -158,13 +160,13 @@ impl GpuWorld {
         if !self.fuses() {
             return self.prepare(runs);
         }
-        // What follows upon a step may be joined with it in another way than the first.
+        // Two steps, because a step that follows another one may be joined with it in a different way.
         let dispatches = fused(runs, self.step(), 0..2);
         self.prepare(&dispatches)
     }
 
-    /// Whether `run_steps` takes the place of other stages: in small scenes without rods, the arrays of which are whole, where that is
-    /// faster. It solves no collisions that share bodies, and makes no friction impulses.
+    /// Whether `run_steps` replaces other stages. It does so in small scenes without rods whose arrays each fit one binding,
+    /// where that is faster. It does not solve collisions that share bodies, and it applies no friction impulses.
     fn fuses(&self) -> bool {
         let is_whole = |buffer: Buffer| self.chunks(buffer).len() == 1;
         let step = self.step();
@@ -172,12 +174,12 @@ impl GpuWorld {
         self.joins_steps && is_plain && RUN_STEPS.bindings.iter().all(|binding| is_whole(binding.slot.buffer(0)))
     }
 
-    /// [`GpuWorld::run`] of steps numbered for [`Run::is_in`], with every dispatch timed.
+    /// Like [`GpuWorld::run`], for steps numbered as in [`Run::is_in`], with every dispatch timed.
     ///
     /// # Errors
-    /// As for [`GpuWorld::run`]; and [`Error::Device`] when the device has no timestamps.
+    /// As for [`GpuWorld::run`], and [`Error::Device`] when the device has no timestamps.
     pub(crate) fn run_timed(&mut self, runs: &[Run], step: &Step, steps: Range<u32>) -> Result<Timer> {
-        // First, for they tell which runs have something to do.
+        // The uniforms must be written first, because they determine which runs have work to do.
         self.write_uniforms(step)?;
         let timer = Timer::new(self, runs, steps.clone())?;
         self.submit(runs, step, steps, None, Some(&timer))?;

@@ -1,4 +1,4 @@
-//! The device's own clock: timestamps around dispatches, and what a plain copy makes of its memory.
+//! The device's clock: timestamps around dispatches, and the bandwidth of a plain copy.
 
 use std::ops::Range;
 use std::slice::from_ref;
@@ -13,11 +13,11 @@ use crate::model::dispatch::rows;
 use crate::profile::{Clock, Times};
 use crate::step::schedule::Run;
 
-/// Timestamps that one query set may hold.
+/// Maximum number of timestamps in one query set.
 const SET: u32 = wgpu::QUERY_SET_MAX_QUERIES;
 const TICK_BYTES: u64 = wgpu::QUERY_SIZE as u64;
 
-/// So many timestamps of a submission.
+/// The timestamps of one submission.
 struct Ticks {
     gpu: Gpu,
     sets: Vec<wgpu::QuerySet>,
@@ -49,12 +49,12 @@ impl Ticks {
         })
     }
 
-    /// Takes timestamp number `tick` once all before it in the pass is done.
+    /// Takes timestamp number `tick` when everything before it in the pass is done.
     fn write(&self, pass: &mut wgpu::ComputePass<'_>, tick: u32) {
         pass.write_timestamp(&self.sets[(tick / SET) as usize], tick % SET);
     }
 
-    /// Begins a pass between timestamps number `first`, which is even, and the next.
+    /// Begins a pass between the timestamps `first` and `first + 1`. `first` must be even.
     fn begin_pass<'a>(&self, encoder: &'a mut wgpu::CommandEncoder, first: u32) -> wgpu::ComputePass<'a> {
         encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
             label: Some("timed"),
@@ -66,7 +66,7 @@ impl Ticks {
         })
     }
 
-    /// Has the timestamps made readable, after all that was timed.
+    /// Records the copy of the timestamps to the staging buffer. Call it after everything that is timed.
     fn resolve(&self, encoder: &mut wgpu::CommandEncoder) {
         for (set, first) in self.sets.iter().zip((0..).step_by(SET as usize)) {
             let count = SET.min(self.count - first);
@@ -75,21 +75,21 @@ impl Ticks {
         encoder.copy_buffer_to_buffer(&self.resolved, 0, &self.staging, 0, self.resolved.size());
     }
 
-    /// The timestamps, in s since some moment.
+    /// Reads the timestamps, in s since the first one.
     async fn read(&self) -> Result<Vec<f64>> {
         let view = Mapped::read(&self.staging, self.gpu.faults()).bytes("timestamps").await?;
         let ticks: Vec<u64> = bytemuck::pod_collect_to_vec(&view);
-        // From the first one on, so that no digits are lost.
+        // Differences to the first timestamp are taken as integers, so that no digits are lost.
         let seconds = 1e-9 * f64::from(self.gpu.queue().get_timestamp_period());
         let first = ticks.first().copied().unwrap_or_default();
         Ok(ticks.iter().map(|tick| tick.saturating_sub(first) as f64 * seconds).collect())
     }
 }
 
-/// What timestamps a device has.
+/// Returns the kind of timestamps that a device supports.
 ///
 /// # Errors
-/// [`Error::Device`] when it has none.
+/// [`Error::Device`] when the device supports none.
 pub(crate) fn clock(gpu: &Gpu) -> Result<Clock> {
     let features = gpu.device().features();
     if features.contains(wgpu::Features::TIMESTAMP_QUERY | wgpu::Features::TIMESTAMP_QUERY_INSIDE_PASSES) {
@@ -104,11 +104,11 @@ pub(crate) fn clock(gpu: &Gpu) -> Result<Clock> {
     }
 }
 
-/// A batch of steps whose every dispatch is timed.
+/// A batch of steps in which every dispatch is timed.
 pub(crate) struct Timer {
     clock: Clock,
     ticks: Ticks,
-    /// Which runs of a step have something to do.
+    /// Indices of the runs that have work to do.
     live: Vec<usize>,
     steps: Range<u32>,
 }
@@ -127,7 +127,7 @@ impl Timer {
         Ok(Self { clock, ticks: Ticks::new(world.gpu(), count.max(1))?, live, steps })
     }
 
-    /// Records the steps, timed.
+    /// Records the steps with timestamps.
     pub(crate) fn encode(&self, encoder: &mut wgpu::CommandEncoder, world: &GpuWorld, runs: &[Run]) -> Result<()> {
         let all = self.steps.clone().flat_map(|step| self.live_in(runs, step)).map(|at| from_ref(&runs[at])).zip(0..);
         if self.clock == Clock::DeviceInPass {
@@ -147,12 +147,12 @@ impl Timer {
         Ok(())
     }
 
-    /// The runs that are dispatched in a step.
+    /// Indices of the runs that are dispatched in a step.
     fn live_in<'a>(&'a self, runs: &'a [Run], step: u32) -> impl Iterator<Item = usize> + 'a {
         self.live.iter().copied().filter(move |at| runs[*at].is_in(step))
     }
 
-    /// The time of every dispatch of the runs that were recorded, once the device is done with them.
+    /// The time of every recorded dispatch, in s. Waits until the device has finished them.
     pub(crate) async fn read(&self, runs: &[Run]) -> Result<Times> {
         let ticks = self.ticks.read().await?;
         let mut times = vec![vec![None; runs.len()]; self.steps.len()];
@@ -180,21 +180,21 @@ fn copy(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: ve
     }
 }
 ";
-/// Far beyond any cache.
+/// Much larger than any cache.
 const COPY_BYTES: u64 = 512 << 20;
-/// On software adapters, whose caches are those of a CPU.
+/// The same for software adapters, whose caches are those of a CPU.
 const SOFTWARE_COPY_BYTES: u64 = 64 << 20;
 const COPIES: u32 = 10;
 
-/// What a kernel that copies a large buffer reaches, in bytes read plus bytes written a second: the best of several copies.
+/// Bandwidth of a kernel that copies a large buffer, in bytes read plus bytes written per second: the best of 10 copies.
 ///
 /// # Errors
 /// [`Error::Device`] when the device has no timestamps, or no memory for the buffers.
 pub(crate) async fn copy_bandwidth(gpu: &Gpu) -> Result<f64> {
     clock(gpu)?;
     let (device, limits) = (gpu.device(), gpu.device().limits());
-    let wish = if gpu.is_software() { SOFTWARE_COPY_BYTES } else { COPY_BYTES };
-    let bytes = wish.min(limits.max_storage_buffer_binding_size).min(limits.max_buffer_size) & !0xffff;
+    let wanted_bytes = if gpu.is_software() { SOFTWARE_COPY_BYTES } else { COPY_BYTES };
+    let bytes = wanted_bytes.min(limits.max_storage_buffer_binding_size).min(limits.max_buffer_size) & !0xffff;
     let source = make_buffer(device, "copy source", bytes, wgpu::BufferUsages::STORAGE)?;
     let copied = make_buffer(device, "copy target", bytes, wgpu::BufferUsages::STORAGE)?;
     let ticks = Ticks::new(gpu, 2 * COPIES)?;
@@ -246,27 +246,27 @@ mod tests {
     use crate::settings::{BroadPhase, Integrator};
     use crate::step::schedule::Phase;
 
-    /// The first adapter's device with no more than these features.
+    /// Opens the first adapter's device with these features only.
     fn device(features: wgpu::Features) -> Gpu {
         let open = async {
             assert!(!adapters().await.is_empty(), "no adapter; scripts/test installs one");
             let adapter = instance().enumerate_adapters(wgpu::Backends::VULKAN).await.remove(0);
-            let wish =
+            let descriptor =
                 wgpu::DeviceDescriptor { required_features: features, required_limits: adapter.limits(), ..Default::default() };
-            adapter.request_device(&wish).await.unwrap()
+            adapter.request_device(&descriptor).await.unwrap()
         };
         let (device, queue) = drive(open, || Ok(())).unwrap();
         Gpu::on_device(device, queue)
     }
 
-    /// Times of the AABB update, and of rods that there are none of.
+    /// Times of the AABB update and of two stages for rods, in a scene without rods.
     fn times(gpu: &Gpu, steps: u32) -> Result<Times> {
         let world = World::build(&Benchmark::Lattice.generate(100, 0)?)?;
         let phases = [Phase::UpdateAabbs, Phase::UpdatePositions];
         let stages = |phase: &Phase| phase.stages(Integrator::Rk4, BroadPhase::BruteForce).iter().take(2).copied();
         let runs: Vec<Run> = phases.iter().flat_map(stages).collect();
-        let mut there = GpuWorld::new(gpu, &world)?;
-        let timer = there.run_timed(&runs, &world.step, 0..steps)?;
+        let mut gpu_world = GpuWorld::new(gpu, &world)?;
+        let timer = gpu_world.run_timed(&runs, &world.step, 0..steps)?;
         block_on(gpu.device(), timer.read(&runs))
     }
 
@@ -292,15 +292,15 @@ mod tests {
     }
 
     #[test]
-    fn timestamps_around_passes_will_do() {
+    fn timestamps_around_passes_are_enough() {
         check(wgpu::Features::TIMESTAMP_QUERY, Clock::DeviceAroundPasses, SET / 2 + 50);
     }
 
     #[test]
     fn a_device_without_timestamps_is_an_error() {
         let gpu = device(wgpu::Features::empty());
-        let told = times(&gpu, 1).unwrap_err().to_string();
-        assert!(told.contains("no timestamp queries"), "{told}");
+        let message = times(&gpu, 1).unwrap_err().to_string();
+        assert!(message.contains("no timestamp queries"), "{message}");
         assert!(block_on(gpu.device(), copy_bandwidth(&gpu)).is_err());
     }
 }

@@ -1,4 +1,4 @@
-//! Between a [`World`] and its arrays on a device, piece by piece.
+//! Copies data between a [`World`] and its arrays on a device, piece by piece.
 
 use bytemuck::bytes_of_mut;
 
@@ -12,11 +12,11 @@ use crate::model::buffer::Buffer;
 use crate::model::status::Status;
 use crate::model::world::World;
 
-/// Bytes written or read in one piece, so that staging memory stays small beside the buffers.
+/// Bytes written or read in one piece. The limit keeps staging memory small compared with the buffers.
 const PIECE: u64 = 128 << 20;
 
 impl GpuWorld {
-    /// Every mover's list is empty after it.
+    /// Empties the list of every mover.
     pub(super) fn clear_lists(&self) -> Result<()> {
         let device = self.gpu().device();
         catch(device, || {
@@ -36,7 +36,7 @@ impl GpuWorld {
                 let queue = self.gpu().queue();
                 queue.write_buffer(piece.buffer, piece.offset, part);
                 if part.len() as u64 >= PIECE / 2 {
-                    // Lets go of the staging memory.
+                    // Releases the staging memory.
                     queue.submit([]);
                 }
             })?;

@@ -1,4 +1,4 @@
-//! Waiting for the device: futures that a browser drives, and a small executor for everything else.
+//! Waiting for the device: futures that a browser can poll, and a small executor for native programs.
 
 use std::cell::Cell;
 use std::future::Future;
@@ -10,8 +10,8 @@ use crate::error::{Error, Result};
 use crate::exec::gpu::fault::{Faults, lost};
 
 thread_local! {
-    /// What the future that was polled last on this thread waits for, where that is not all that was submitted: later submissions
-    /// keep the device busy meanwhile, and whoever waited for those, too, would have it idle afterwards.
+    /// The submission that the future polled last on this thread waits for, or `None` if it waits for all submissions. Later
+    /// submissions keep the device busy in the meantime. Waiting for them too would leave the device idle afterwards.
     static AWAITED: Cell<Option<wgpu::SubmissionIndex>> = const { Cell::new(None) };
 }
 
@@ -21,7 +21,7 @@ struct Shared {
     waker: Option<Waker>,
 }
 
-/// Resolves when a buffer is mapped for reading.
+/// A future that resolves when a buffer is mapped for reading.
 #[derive(Debug)]
 pub(crate) struct Mapped {
     buffer: wgpu::Buffer,
@@ -31,12 +31,12 @@ pub(crate) struct Mapped {
 }
 
 impl Mapped {
-    /// Starts to map the whole buffer.
+    /// Starts mapping the whole buffer.
     pub(crate) fn read(buffer: &wgpu::Buffer, faults: &Faults) -> Self {
         let shared = Arc::new(Mutex::new(Shared::default()));
-        let theirs = Arc::clone(&shared);
+        let shared_with_callback = Arc::clone(&shared);
         buffer.map_async(wgpu::MapMode::Read, .., move |done| {
-            let mut shared = theirs.lock().unwrap_or_else(PoisonError::into_inner);
+            let mut shared = shared_with_callback.lock().unwrap_or_else(PoisonError::into_inner);
             shared.done = Some(done);
             if let Some(waker) = shared.waker.take() {
                 waker.wake();
@@ -45,12 +45,12 @@ impl Mapped {
         Self { buffer: buffer.clone(), shared, faults: faults.clone(), submission: None }
     }
 
-    /// Has no later submission waited for than this one, which writes the buffer.
+    /// Limits the wait to `submission`, the one that writes the buffer. Later submissions are not waited for.
     pub(crate) fn after(self, submission: wgpu::SubmissionIndex) -> Self {
         Self { submission: Some(submission), ..self }
     }
 
-    /// Waits until it is, and gives its bytes. `what` tells in errors what they are.
+    /// Waits until the buffer is mapped and returns its bytes. `what` names the contents in error messages.
     ///
     /// # Errors
     /// [`Error::Device`] when the device is lost.
@@ -67,7 +67,7 @@ impl Future for Mapped {
     fn poll(self: Pin<&mut Self>, context: &mut Context<'_>) -> Poll<Self::Output> {
         let mut shared = self.shared.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(done) = shared.done.take() {
-            // The device's own words, where there are any, tell more than "mapping failed".
+            // The fault that the device itself reported, if any, says more than "mapping failed".
             return Poll::Ready(match done {
                 Ok(()) => self.faults.check(),
                 Err(_) => self.faults.check().and(Err(Error::Device(lost("a buffer could not be read back")))),
@@ -82,20 +82,20 @@ impl Future for Mapped {
     }
 }
 
-/// Drives a future of this module to its end on the calling thread, waiting for the device where the future does.
+/// Drives a future of this module to completion on the calling thread. Waits for the device whenever the future is pending.
 ///
 /// # Errors
-/// Those of the future, and [`Error::Device`] when the device cannot be waited for.
+/// Those of the future, and [`Error::Device`] when waiting for the device fails.
 #[cfg(not(target_arch = "wasm32"))]
 pub fn block_on<T>(device: &wgpu::Device, future: impl Future<Output = Result<T>>) -> Result<T> {
     drive(future, || wait(device))?
 }
 
-/// Polls until the future is ready, calling `when_pending` in between.
+/// Polls the future until it is ready, and calls `when_pending` between polls.
 #[cfg(not(target_arch = "wasm32"))]
 pub(crate) fn drive<T>(future: impl Future<Output = T>, mut when_pending: impl FnMut() -> Result<()>) -> Result<T> {
     let mut future = std::pin::pin!(future);
-    // Nobody needs to wake this thread: it comes back from `when_pending` by itself.
+    // No waker is needed: this thread polls again as soon as `when_pending` returns.
     let mut context = Context::from_waker(Waker::noop());
     loop {
         AWAITED.set(None);
@@ -106,7 +106,7 @@ pub(crate) fn drive<T>(future: impl Future<Output = T>, mut when_pending: impl F
     }
 }
 
-/// What the future that was just polled waits for.
+/// The wait that the future polled last asks for.
 #[cfg(not(target_arch = "wasm32"))]
 fn awaited() -> wgpu::PollType {
     wgpu::PollType::Wait { submission_index: AWAITED.take(), timeout: None }
@@ -115,13 +115,13 @@ fn awaited() -> wgpu::PollType {
 #[cfg(not(target_arch = "wasm32"))]
 fn wait(device: &wgpu::Device) -> Result<()> {
     let until = awaited();
-    // wgpu panics where polling meets a lost device; that must not take the host program down.
+    // wgpu panics when it polls a lost device. That must not abort the host program.
     let polled = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| device.poll(until)));
     match polled {
-        // What was waited for may belong to another thread: let it run.
+        // The awaited result may belong to another thread, so let other threads run.
         Ok(Ok(_)) => std::thread::yield_now(),
         Ok(Err(error)) => return Err(Error::Device(format!("waiting for the device failed: {error}"))),
-        Err(_) => return Err(Error::Device(lost("while it was waited for"))),
+        Err(_) => return Err(Error::Device(lost("while waiting for it"))),
     }
     Ok(())
 }
@@ -135,23 +135,25 @@ mod tests {
     use crate::settings::{BroadPhase, Integrator};
     use crate::step::schedule::{Phase, Run};
 
-    /// While the device works on the next steps, the host looks at the status after these. (That it is not late was seen on a GPU:
-    /// software Vulkan begins with a submission when the one before is done, and blocks until then.)
+    /// The host waits for the status after its own steps only, while the device works on the next ones. This test checks which
+    /// submission is awaited, not the timing: software Vulkan starts a submission when the one before is done, and blocks until
+    /// then. The timing was checked on a GPU.
     #[test]
-    fn steps_are_waited_for_and_not_what_comes_after_them() {
-        let gpu = Gpu::open_blocking(true).expect("the tests need an adapter, software will do");
+    fn waiting_for_steps_does_not_wait_for_later_submissions() {
+        let gpu = Gpu::open_blocking(true).expect("the tests need an adapter; a software one is enough");
         let world = World::build(&Benchmark::Lattice.generate(2_000, 0).unwrap()).unwrap();
-        let mut there = GpuWorld::new(&gpu, &world).unwrap();
+        let mut gpu_world = GpuWorld::new(&gpu, &world).unwrap();
         let stages = |phase: Phase| phase.stages(Integrator::Rk4, BroadPhase::Grid).iter().copied();
         let runs: Vec<Run> = Phase::STEP.into_iter().flat_map(stages).collect();
-        let status = there.run_and_look(&runs, &world.step, 0..30).unwrap();
+        let status = gpu_world.run_and_look(&runs, &world.step, 0..30).unwrap();
         let mut waited_for = Vec::new();
         let wait_and_note = || {
             waited_for.push(awaited());
             wait(gpu.device())
         };
         drive(status, wait_and_note).unwrap().unwrap();
-        let is_one = |until: &wgpu::PollType| matches!(until, wgpu::PollType::Wait { submission_index: Some(_), .. });
-        assert!(!waited_for.is_empty() && waited_for.iter().all(is_one), "{waited_for:?}");
+        let is_single_submission =
+            |until: &wgpu::PollType| matches!(until, wgpu::PollType::Wait { submission_index: Some(_), .. });
+        assert!(!waited_for.is_empty() && waited_for.iter().all(is_single_submission), "{waited_for:?}");
     }
 }

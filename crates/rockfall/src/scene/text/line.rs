@@ -1,8 +1,8 @@
-//! The fields of the lines of a scene text, and the words of a line read as such.
+//! The fields of the lines of a scene text, and a parser for them.
 
 use crate::error::{Error, Result, quoted};
 
-/// What is wrong with a line.
+/// An error in a line.
 pub(super) struct Wrong {
     pub(super) field: String,
     pub(super) message: String,
@@ -10,7 +10,7 @@ pub(super) struct Wrong {
 
 pub(super) type Line<T> = Result<T, Wrong>;
 
-/// The fields of a kind of line: references first, then numbers, of which the last may be optional.
+/// The fields of one kind of line: references first, then numbers. The last number may be optional.
 pub(super) struct Kind {
     word: &'static str,
     pub(super) references: &'static [&'static str],
@@ -64,7 +64,7 @@ impl Kind {
         Wrong { field: format!("{} {field}", self.word), message: message.into() }
     }
 
-    /// What the library said about an object, in terms of the line: `sphere.mass` is `S mass`.
+    /// Translates the library's error about an object into the terms of the line: `sphere.mass` becomes `S mass`.
     pub(super) fn refused(&self, error: &Error) -> Wrong {
         match error {
             Error::Invalid { field, value, expected } => {
@@ -76,14 +76,14 @@ impl Kind {
         }
     }
 
-    /// How many words follow the first one, as a message says it.
+    /// The expected number of words after the first one, for a message.
     fn length(&self) -> String {
         let most = self.references.len() + self.numbers.len();
         let plural = if most == 1 { "" } else { "s" };
         if self.last_is_optional { format!("{} or {most} numbers", most - 1) } else { format!("{most} number{plural}") }
     }
 
-    /// The references and numbers of a line; an optional number that is missing is 0.
+    /// Parses the references and numbers of a line. A missing optional number is 0.
     pub(super) fn read<const R: usize, const N: usize>(&self, line: &str) -> Line<([u32; R], [f32; N])> {
         debug_assert!(R == self.references.len() && N == self.numbers.len());
         let mut words = line.split_ascii_whitespace().skip(1);
