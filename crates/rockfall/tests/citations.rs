@@ -1,5 +1,5 @@
-//! Citations of `docs/physics.md` in code and documents name sections and errata that exist there. Its errata name tests that
-//! exist, and its table of constants holds every setting with its default.
+//! Sections and errata of `docs/physics.md` that code and documents cite exist there. Its errata name existing tests,
+//! and its table of constants holds every setting with its default.
 
 use std::collections::BTreeSet;
 use std::fs;

@@ -80,7 +80,7 @@ impl Run {
 
 /// Asserts that two runs are bitwise identical. `==` on floats would accept 0 for -0 and fail for equal NaNs.
 #[track_caller]
-pub(crate) fn same_bits(one: &Run, other: &Run) {
+pub(crate) fn assert_bitwise_identical(one: &Run, other: &Run) {
     let bits = |run: &Run| -> Vec<Vec<u32>> {
         let of = |sphere: &SphereState| {
             let vectors = [sphere.position, sphere.velocity, sphere.angular_momentum];
