@@ -57,7 +57,7 @@ fn sweeps_that_restart_after_a_resume_make_no_difference(backend: Backend) {
     for _ in 0..4 {
         part.run(7, 0.01).expect("steps");
         let kept = part.checkpoint().expect("a checkpoint");
-        part = Simulation::resume(kept).expect("it goes on");
+        part = Simulation::resume(kept).expect("the simulation resumes");
     }
     let [whole, part] = [&mut whole, &mut part].map(Run::of);
     assert!(whole.report.total_collisions > 50, "{:?}", whole.report);

@@ -36,8 +36,8 @@ fn e01_the_displacement_of_a_rod_is_shared_by_its_effective_mass(backend: Backen
 /// and 0.875.
 ///
 /// Two rods: the share of each end is divided by its own mass. The thesis would divide by mA1 = 1 for A2 (mass 4) and
-/// B2 (mass 2). The rods cross at their middles: wA = (1 + 1/4)/4 = 5/16, wB = (1 + 1/2)/4 = 6/16, u = 2, j = 3.5 *
-/// 16/11. A2 receives j/8 = 0.636 (thesis 2.545), B2 j/4 = 1.273 (thesis 2.545).
+/// B2 (mass 2). The rods cross at their middles: wA = (1 + 1/4)/4 = 5/16, wB = (1 + 1/2)/4 = 6/16, u = 2,
+/// j = 3.5 * 16/11. A2 receives j/8 = 0.636 (thesis 2.545), B2 j/4 = 1.273 (thesis 2.545).
 fn e02_an_impulse_is_shared_once_by_the_mass_of_each_end(backend: Backend) {
     let (_, after) = struck_rod(backend);
     velocities(&after, [[0.0, 2.0 - 4.5, 0.0], [0.0, 2.0 - 0.5, 0.0], [0.0; 3]]);
@@ -61,9 +61,9 @@ fn crossing_rods(speed: f32, apart: f32, at: Vec3) -> Scene {
     scene
 }
 
-/// A polygon with the skew edges L = (1, 0, 2) and R = (2, 0, 0). The ball over its middle (1.5, 1) collides; the
-/// thesis has (A-P).L = 3.5 and misses the polygon. The ball at (0.1, 0.4) lies outside the slanted edge, l = 0.2, k =
-/// -0.05; the thesis has (A-P).L = 0.9 and (A-P).R = 0.2 and detects a collision.
+/// A polygon with the skew edges L = (1, 0, 2) and R = (2, 0, 0). The ball over its middle (1.5, 1) collides; the thesis
+/// has (A-P).L = 3.5 and misses the polygon. The ball at (0.1, 0.4) lies outside the slanted edge, l = 0.2, k = -0.05;
+/// the thesis has (A-P).L = 0.9 and (A-P).R = 0.2 and detects a collision.
 fn e03_a_skew_polygon_is_hit_only_inside_its_edges(backend: Backend) {
     let over = |x: f32, z: f32| {
         let mut scene = weightless();
@@ -78,8 +78,8 @@ fn e03_a_skew_polygon_is_hit_only_inside_its_edges(backend: Backend) {
 
 /// A rod passes the vertex (1, 1, 1) of a box at a distance of 0.08 with a = 0.25, so the contact force acts at that
 /// point, perpendicular to the rod. Unit masses: 1/M = 10/16, Cc o M = 1000 * 0.02 * 1.6 = 32 along (1, 1, 1)/sqrt 3,
-/// shared as 24 and 8. The thesis's condition A.C = 0 would hold only where the foot of the perpendicular is end 1 (a =
-/// 0). Here A.C = 0.25 |A|^2, so the thesis finds no contact.
+/// shared as 24 and 8. The thesis's condition A.C = 0 would hold only where the foot of the perpendicular is
+/// end 1 (a = 0). Here A.C = 0.25 |A|^2, so the thesis finds no contact.
 fn e04_a_rod_touches_a_vertex_where_the_distance_is_perpendicular(backend: Backend) {
     let mut scene = with(|settings| (settings.gravity, settings.friction) = (0.0, 0.0));
     scene.add_box(Cuboid::between([-1.0; 3], [1.0; 3])).expect("a valid box");
@@ -258,11 +258,11 @@ fn e17_a_capsule_keeps_its_angular_momentum(backend: Backend) {
 }
 
 /// A short, thick capsule: masses 1 and 1, d = 0.5, r = 0.5, mu d^2 = 1/8, I1 + I2 = 0.2. Initially only its ends spin,
-/// across the axis, with H = 0.2 in total. The whole capsule then turns at w = 0.2 / 0.325. The ends move at w d/2 =
-/// 0.15385, and each keeps the angular momentum I w = 0.06154. The thesis converts all of H into momentum of the ends:
-/// w = 0.2 / 0.125, 0.4 each, and no spin remains. The kinetic energy, 0.1 at the start, would become 0.16; the correct
-/// value is 0.06154. The ends receive their momentum during the whole step, so at its end the axis has turned by q with
-/// tan q = w h/2.
+/// across the axis, with H = 0.2 in total. The whole capsule then turns at w = 0.2 / 0.325. The ends move at
+/// w d/2 = 0.15385, and each keeps the angular momentum I w = 0.06154. The thesis converts all of H into momentum of the
+/// ends: w = 0.2 / 0.125, 0.4 each, and no spin remains. The kinetic energy, 0.1 at the start, would become 0.16; the
+/// correct value is 0.06154. The ends receive their momentum during the whole step, so at its end the axis has turned by
+/// q with tan q = w h/2.
 fn e18_only_the_excess_spin_of_a_capsule_becomes_momentum_of_its_ends(backend: Backend) {
     let mut scene = weightless();
     let capsule = Capsule::new([-0.25, 0.0, 0.0], [0.25, 0.0, 0.0], 0.5).mass(2.0);

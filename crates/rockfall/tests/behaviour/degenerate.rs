@@ -81,8 +81,8 @@ fn collinear_rods_are_pushed_apart_along_y(backend: Backend) {
         rod(&mut scene, [gap, gap + 4.0].map(|x| Sphere::new([x, 0.0, 0.0], 0.01)), 0.1);
         scene
     };
-    // In the middle of a rod 1/M = 1/2, so m* = 2/3 for the end of the other rod, and the force is 1000 * 0.11 * 2/3 =
-    // 220/3.
+    // In the middle of a rod 1/M = 1/2, so m* = 2/3 for the end of the other rod, and the force is
+    // 1000 * 0.11 * 2/3 = 220/3.
     let (shared, ends) = (160.0, 220.0 / 3.0);
     let found = loads_of_finite_scene(build(2.0), backend);
     forces(
@@ -163,8 +163,8 @@ fn a_ball_centred_on_a_polygon_is_pushed_to_the_front(backend: Backend) {
     forces(&loads_of_finite_scene(scene, backend), [[0.0, 500.0, 0.0]], FORCE);
 }
 
-/// The axis of a rod crosses the edge x = y = 1 of a box in the middle of the rod. The rod is pushed outward, along (1,
-/// 1, 0)/sqrt 2: o = 0.1, m* = 2.
+/// The axis of a rod crosses the edge x = y = 1 of a box in the middle of the rod. The rod is pushed outward, along
+/// (1, 1, 0)/sqrt 2: o = 0.1, m* = 2.
 fn a_rod_whose_axis_crosses_a_box_edge_is_pushed_outward(backend: Backend) {
     let mut scene = frictionless();
     scene.add_box(Cuboid::between([-1.0; 3], [1.0; 3])).expect("a valid box");

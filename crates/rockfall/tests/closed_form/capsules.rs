@@ -71,10 +71,10 @@ fn turned([x, y]: [f64; 2], angle: f64) -> [f64; 2] {
     [cos * x - sin * y, sin * x + cos * y]
 }
 
-/// n = -y, d = (1.6, 1.2), M = 4, mu = 3/4, I = 0.1 and 0.3, It = 3/4 * 4 + 0.4 = 3.4. The lever of end 1 is -3/4, T =
-/// -3/4 d x n = 1.2 z, so the inverse mass of the end is 1/4 + 1.44/3.4. With u = 2, j is 3.5 divided by it. The centre
-/// of mass receives j/4 upwards, and the capsule turns at W = -1.2 j / 3.4 about z during the 5 ms since the overlap of
-/// 0.01 began.
+/// n = -y, d = (1.6, 1.2), M = 4, mu = 3/4, I = 0.1 and 0.3, It = 3/4 * 4 + 0.4 = 3.4. The lever of end 1 is -3/4,
+/// T = -3/4 d x n = 1.2 z, so the inverse mass of the end is 1/4 + 1.44/3.4. With u = 2, j is 3.5 divided by it. The
+/// centre of mass receives j/4 upwards, and the capsule turns at W = -1.2 j / 3.4 about z during the 5 ms since the
+/// overlap of 0.01 began.
 fn a_slanted_capsule_with_unequal_masses_rebounds_as_a_rigid_body(backend: Backend) {
     let scene = slanted(3.0, false);
     let before = scene.spheres().to_vec();
@@ -92,8 +92,8 @@ fn a_slanted_capsule_with_unequal_masses_rebounds_as_a_rigid_body(backend: Backe
 }
 
 /// With end 2 fixed, the capsule is a rod from a fixed sphere to end 1. Only components perpendicular to the axis (0.8,
-/// 0.6) count. The perpendicular part of n = -y is (0.48, -0.64, 0), so w = 0.64, u = 1.6, j = 1.75 * 1.6 / 0.64 =
-/// 4.375: v' = (1.2, -1.6) - 4.375 (0.48, -0.64) = -0.75 v.
+/// 0.6) count. The perpendicular part of n = -y is (0.48, -0.64, 0), so w = 0.64, u = 1.6, j = 1.75 * 1.6 / 0.64 = 4.375:
+/// v' = (1.2, -1.6) - 4.375 (0.48, -0.64) = -0.75 v.
 fn a_capsule_with_a_fixed_end_turns_about_that_end(backend: Backend) {
     let after = collide(slanted(3.0, true), backend);
     velocities(&after, [[-0.9, 1.2, 0.0], [0.0; 3]]);
@@ -102,9 +102,9 @@ fn a_capsule_with_a_fixed_end_turns_about_that_end(backend: Backend) {
 /// A ball that hits an end of a resting capsule along the axis collides with the whole mass of the capsule. With equal
 /// masses, 2 and 1 + 1, and e = 1 the ball stops, and both ends move on at its speed.
 ///
-/// The oblique hit has n = (-0.6, 0.8, 0) from the end to the ball: d = (2, 0), It = 1/2 * 4 + 0.2 = 2.2, T = -d/2 x n
-/// = -0.8 z, so w = 1/2 + 0.64/2.2 + 1/2, u = 3 * 0.8, j = 2 * 2.4 / w. The ball receives j n / 2, the centre of mass
-/// the opposite, and the capsule turns at 0.8 j / 2.2 about z.
+/// The oblique hit has n = (-0.6, 0.8, 0) from the end to the ball: d = (2, 0), It = 1/2 * 4 + 0.2 = 2.2,
+/// T = -d/2 x n = -0.8 z, so w = 1/2 + 0.64/2.2 + 1/2, u = 3 * 0.8, j = 2 * 2.4 / w. The ball receives j n / 2, the
+/// centre of mass the opposite, and the capsule turns at 0.8 j / 2.2 about z.
 fn a_hit_on_an_end_moves_the_capsule_as_a_rigid_body(backend: Backend) {
     let hit = |from: [f32; 3], velocity: [f32; 3]| {
         let mut scene = weightless();
@@ -136,7 +136,7 @@ fn a_hit_on_the_middle_moves_both_ends_of_a_capsule_alike(backend: Backend) {
 
 /// Two capsules collide end to end: w = 1/2 + 1/6 = 2/3 for total masses 2 and 6, u = 4, e = 0.75: j = 7 * 3/2 = 10.5.
 /// All four ends: vA = 4 - 10.5/2 = -1.25, vB = 10.5/6 = 1.75.
-fn capsules_that_collide_end_to_end_collide_with_their_total_masses(backend: Backend) {
+fn capsules_collide_end_to_end_with_their_total_masses(backend: Backend) {
     let mut scene = weightless();
     let first = Capsule::new([0.0; 3], [2.0, 0.0, 0.0], 0.5).mass(2.0).velocity([4.0, 0.0, 0.0]);
     let second = Capsule::new([2.98, 0.0, 0.0], [5.0, 0.0, 0.0], 0.5).mass(6.0);
@@ -219,7 +219,7 @@ both!(
     a_capsule_with_a_fixed_end_turns_about_that_end,
     a_hit_on_an_end_moves_the_capsule_as_a_rigid_body,
     a_hit_on_the_middle_moves_both_ends_of_a_capsule_alike,
-    capsules_that_collide_end_to_end_collide_with_their_total_masses,
+    capsules_collide_end_to_end_with_their_total_masses,
     both_ends_get_the_common_spin_about_the_axis,
     a_tumbling_capsule_keeps_its_spin_about_the_axis,
     the_orientation_of_a_capsule_follows_its_axis,

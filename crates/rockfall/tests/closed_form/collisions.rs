@@ -62,8 +62,8 @@ fn pair_closing_at(speed: f32, threshold: f32) -> Scene {
     scene
 }
 
-/// The threshold is activation_threshold times the smaller radius, 0.25. Slightly above it there is an impulse of j =
-/// 1.75 u / 2, slightly below it none.
+/// The threshold is activation_threshold times the smaller radius, 0.25. Slightly above it there is an impulse of
+/// j = 1.75 u / 2, slightly below it none.
 fn the_smaller_radius_sets_the_threshold(backend: Backend) {
     untouched(pair_closing_at(0.2499, 1.0), backend);
     untouched(pair_closing_at(0.4999, 2.0), backend);
@@ -98,10 +98,10 @@ fn fixed_spheres_do_not_collide_with_each_other(backend: Backend) {
     uncounted(scene, backend);
 }
 
-/// A ball hits two balls at 30 degrees to either side of its path. n1.n2 = cos 60 = 0.5, G_kk = 2, G_kl = wA n1.n2 =
-/// 0.5, and both impulses are equal: j = 2 u / (2 + 0.5), u = 2 cos 30 = sqrt 3, e = 1: j = 0.8 sqrt 3. vA = 2 - 2 *
-/// 0.8 * sqrt 3 cos 30 = -0.4, vB = 0.8 sqrt 3 (cos 30, +-1/2) = (1.2, +-0.4 sqrt 3). The two collisions share a body,
-/// so nothing is displaced.
+/// A ball hits two balls at 30 degrees to either side of its path. n1.n2 = cos 60 = 0.5, G_kk = 2, G_kl = wA n1.n2 = 0.5,
+/// and both impulses are equal: j = 2 u / (2 + 0.5), u = 2 cos 30 = sqrt 3, e = 1: j = 0.8 sqrt 3.
+/// vA = 2 - 2 * 0.8 * sqrt 3 cos 30 = -0.4, vB = 0.8 sqrt 3 (cos 30, +-1/2) = (1.2, +-0.4 sqrt 3). The two collisions
+/// share a body, so nothing is displaced.
 fn a_ball_that_hits_two_balls_at_once_gives_both_equal_impulses(backend: Backend) {
     let mut scene = weightless();
     scene.settings.restitution = 1.0;
@@ -122,8 +122,8 @@ fn a_ball_that_hits_two_balls_at_once_gives_both_equal_impulses(backend: Backend
 }
 
 /// Two balls hit a third one of twice their mass from both sides at speeds 2 and 1. Both separate at e times their
-/// approach velocity when 1.5 j1 - 0.5 j2 = 3.5 and 1.5 j2 - 0.5 j1 = 1.75: j1 = 3.0625, j2 = 2.1875. v1 = 2 - j1, v2 =
-/// j2 - 1, middle: (j1 - j2) / 2. The sweeps leave an error of at most 1.4e-4 of the difference.
+/// approach velocity when 1.5 j1 - 0.5 j2 = 3.5 and 1.5 j2 - 0.5 j1 = 1.75: j1 = 3.0625, j2 = 2.1875. v1 = 2 - j1,
+/// v2 = j2 - 1, middle: (j1 - j2) / 2. The sweeps leave an error of at most 1.4e-4 of the difference.
 fn a_ball_hit_from_both_sides_separates_from_both_with_e(backend: Backend) {
     let mut scene = weightless();
     spheres(

@@ -9,8 +9,8 @@ use rockfall::{Backend, Scene, Sphere};
 
 use crate::common::*;
 
-/// Tolerance of forces up to 100. They are computed from velocities of the order of 1 that round by 1e-7, over dt =
-/// 1/64, and from Cc = 1000 times an overlap that rounds by 6e-8, or by 5e-7 far from the origin.
+/// Tolerance of forces up to 100. They are computed from velocities of the order of 1 that round by 1e-7, over dt = 1/64,
+/// and from Cc = 1000 times an overlap that rounds by 6e-8, or by 5e-7 far from the origin.
 const FORCE: f64 = 2e-3;
 
 fn smooth() -> Scene {
@@ -33,8 +33,8 @@ fn two_spheres_push_each_other_apart(backend: Backend) {
     forces(&loads(scene, backend), [[-11.25, 0.0, 0.0], [11.25, 0.0, 0.0]], FORCE);
 }
 
-/// The velocity of a fixed sphere counts, its mass does not: u = 0.4, m* = 2, so the force on the other sphere is (10 +
-/// 5) * 2 = 30. There is none on the fixed one.
+/// The velocity of a fixed sphere counts, its mass does not: u = 0.4, m* = 2, so the force on the other sphere is
+/// (10 + 5) * 2 = 30. There is none on the fixed one.
 fn the_surface_velocity_of_a_fixed_sphere_counts(backend: Backend) {
     let mut scene = smooth();
     spheres(
@@ -69,8 +69,8 @@ fn the_contact_force_of_a_sphere_is_shared_by_the_ends_of_the_rod(backend: Backe
     forces(&loads(scene, backend), [[0.0, -0.75 * f, 0.0], [0.0, -0.25 * f, 0.0], [0.0, f, 0.0]], FORCE);
 }
 
-/// Rods at rest that cross at a = 0.25 and b = 0.5: 1/M = 19/32 and 7/12, as in the collision of the same rods, and m*
-/// = 96/113. o = 0.01: 10 * 96/113, shared as (3/4, 1/4) and (1/2, 1/2).
+/// Rods at rest that cross at a = 0.25 and b = 0.5: 1/M = 19/32 and 7/12, as in the collision of the same rods, and
+/// m* = 96/113. o = 0.01: 10 * 96/113, shared as (3/4, 1/4) and (1/2, 1/2).
 fn the_contact_force_of_two_rods_is_shared_by_their_ends(backend: Backend) {
     let mut scene = smooth();
     let a = [Sphere::new([-1.0, 0.0, 0.0], 0.05), Sphere::new([3.0, 0.0, 0.0], 0.05).mass(2.0)];
@@ -200,8 +200,8 @@ fn new_overlaps_of_fast_pairs_have_no_contact_force(backend: Backend) {
 }
 
 /// With collisions on, a pair that separates faster than the threshold (0.5) has no contact force (E22). A slower pair
-/// has one, and with collisions off every pair has one. o = 0.05: Cc o - Cd * 0.501 = 43.7375, 50 - 12.5 * 0.499 =
-/// 43.7625.
+/// has one, and with collisions off every pair has one. o = 0.05: Cc o - Cd * 0.501 = 43.7375,
+/// 50 - 12.5 * 0.499 = 43.7625.
 fn pairs_that_separate_fast_have_no_contact_force(backend: Backend) {
     for floor in [floor_polygon, floor_box] {
         let force = |speed: f32, collisions: bool| force_in_phase_4(floor, 0.05, -speed, collisions, backend);

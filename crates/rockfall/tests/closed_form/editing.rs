@@ -102,8 +102,8 @@ fn reusing_lists_does_not_change_the_result(backend: Backend) {
     assert_eq!(states(&mut whole), states(&mut parts));
 }
 
-/// With collisions off, only the contact force acts on a ball that falls on the floor at 2. In a step of 1/64 s from o
-/// = 0.01 it loses at most dt (Cc o + Cd u), about 0.55, and no collision is counted. Phase 3 called on its own does
+/// With collisions off, only the contact force acts on a ball that falls on the floor at 2. In a step of 1/64 s from
+/// o = 0.01 it loses at most dt (Cc o + Cd u), about 0.55, and no collision is counted. Phase 3 called on its own does
 /// not handle collisions either; it only applies friction impulses.
 fn with_collisions_off_phase_3_changes_no_normal_velocity(backend: Backend) {
     let mut scene = weightless();

@@ -18,9 +18,9 @@ fn friction_only() -> Scene {
 /// from mu o with an overlap of 0.02 that rounds by 6e-8.
 const FORCE: f64 = 3e-5;
 
-/// o = 0.02, m* = 0.75, arms sA = sB = 0.5 - 0.01 = 0.49. A spins at (0, 0, 1): uA = w x (sA n) = 0.49 y. B moves at
-/// 0.25 y and spins at (0, 0, 2): uB = 0.25 - 2 * 0.49 = -0.73 y. t = uB - uA = -1.22 y: F on A = 50 * 0.75 * 0.02 * t
-/// / sqrt|t| = -0.75 sqrt 1.22 y. Both torques are s n x F = -0.49 * 0.75 sqrt 1.22 z.
+/// o = 0.02, m* = 0.75, arms sA = sB = 0.5 - 0.01 = 0.49. A spins at (0, 0, 1): uA = w x (sA n) = 0.49 y. B moves at 0.25
+/// y and spins at (0, 0, 2): uB = 0.25 - 2 * 0.49 = -0.73 y. t = uB - uA = -1.22 y: F on
+/// A = 50 * 0.75 * 0.02 * t / sqrt|t| = -0.75 sqrt 1.22 y. Both torques are s n x F = -0.49 * 0.75 sqrt 1.22 z.
 fn friction_between_two_spheres_includes_their_spins(backend: Backend) {
     let mut scene = friction_only();
     let spin = |sphere: Sphere, z: f32| sphere.angular_momentum([0.0, 0.0, z * sphere.inertia()]);
@@ -33,9 +33,9 @@ fn friction_between_two_spheres_includes_their_spins(backend: Backend) {
     torques(&found, [[0.0, 0.0, -0.49 * f]; 2], FORCE);
 }
 
-/// Against a static object the whole overlap is on the sphere's side: s = 0.5 - 0.02 = 0.48, m* = 2. The sphere slides
-/// at 0.3 x and spins at (0, 0, 1), n = -y: u = 0.3 + (z x (-y)) * 0.48 = 0.3 + 0.48 = 0.78 x. t = -0.78 x, F = 50 * 2
-/// * 0.02 * t/sqrt|t| = -2 sqrt 0.78 x, torque = 0.48 (-y) x F = -0.48 * 2 sqrt 0.78 z.
+/// Against a static object the whole overlap is on the sphere's side: s = 0.5 - 0.02 = 0.48, m* = 2. The sphere slides at
+/// 0.3 x and spins at (0, 0, 1), n = -y: u = 0.3 + (z x (-y)) * 0.48 = 0.3 + 0.48 = 0.78 x. t = -0.78 x,
+/// F = 50 * 2 * 0.02 * t/sqrt|t| = -2 sqrt 0.78 x, torque = 0.48 (-y) x F = -0.48 * 2 sqrt 0.78 z.
 fn friction_on_boxes_and_polygons_includes_the_spin(backend: Backend) {
     for floor in [floor_box, floor_polygon] {
         let mut scene = friction_only();
@@ -49,9 +49,9 @@ fn friction_on_boxes_and_polygons_includes_the_spin(backend: Backend) {
     }
 }
 
-/// A fixed sphere acts as a conveyor: its velocity and spin count, but no force changes it. A roller under a resting
-/// ball spins at (0, 0, -2) and moves at 0.1 x. With an arm of 0.49 its top moves at 0.1 + 2 * 0.49 = 1.08 x. m* = 3, o
-/// = 0.02: F = 3 sqrt 1.08 x on the ball, torque = 0.49 (-y) x F = 0.49 * 3 sqrt 1.08 z. The result does not depend on
+/// A fixed sphere acts as a conveyor: its velocity and spin count, but no force changes it. A roller under a resting ball
+/// spins at (0, 0, -2) and moves at 0.1 x. With an arm of 0.49 its top moves at 0.1 + 2 * 0.49 = 1.08 x. m* = 3,
+/// o = 0.02: F = 3 sqrt 1.08 x on the ball, torque = 0.49 (-y) x F = 0.49 * 3 sqrt 1.08 z. The result does not depend on
 /// which of the two is A.
 fn a_fixed_sphere_acts_as_a_conveyor(backend: Backend) {
     let roller = Sphere::new([0.0; 3], 0.5).velocity([0.1, 0.0, 0.0]).fixed();
@@ -71,10 +71,10 @@ fn a_fixed_sphere_acts_as_a_conveyor(backend: Backend) {
 }
 
 /// A ball over a rod at a = 0.25 (masses 1, 3, 1/M = 7/12; ball 1/2; m* = 12/13), o = 0.02, n = -y, arms 0.5 - 0.01 and
-/// 0.1 - 0.01. The ends of the rod spin at 4 and 0 about x, so w(a) = 3 x. The ball slides at 0.3 z. uA = 0.3 z, uB =
-/// -(3 x) x (0.09 (-y)) = 0.27 z: t = -0.03 z, F on the ball = 50 * 12/13 * 0.02 t/sqrt|t| = -12/13 sqrt 0.03 z. With f
-/// = 12/13 sqrt 0.03, the torque on the ball is 0.49 (-y) x F = 0.49 f x, and that on the rod 0.09 f x, shared as 3/4
-/// and 1/4 like the force.
+/// 0.1 - 0.01. The ends of the rod spin at 4 and 0 about x, so w(a) = 3 x. The ball slides at 0.3 z. uA = 0.3 z,
+/// uB = -(3 x) x (0.09 (-y)) = 0.27 z: t = -0.03 z, F on the ball = 50 * 12/13 * 0.02 t/sqrt|t| = -12/13 sqrt 0.03 z.
+/// With f = 12/13 sqrt 0.03, the torque on the ball is 0.49 (-y) x F = 0.49 f x, and that on the rod 0.09 f x, shared as
+/// 3/4 and 1/4 like the force.
 fn friction_on_a_rod_is_shared_by_its_ends(backend: Backend) {
     let mut scene = friction_only();
     let one = Sphere::new([0.0; 3], 0.2);
@@ -87,9 +87,9 @@ fn friction_on_a_rod_is_shared_by_its_ends(backend: Backend) {
     torques(&found, [[0.09 * 0.75 * f, 0.0, 0.0], [0.09 * 0.25 * f, 0.0, 0.0], [0.49 * f, 0.0, 0.0]], FORCE);
 }
 
-/// Friction between two rods. Unit masses, crossing at a = 0.25 and b = 0.5: 1/M = 10/16 and 1/2, m* = 8/9, o = 0.02, n
-/// = y, arms 0.09. A moves at 0.64 x: t = -0.64 x, F = 50 * 8/9 * 0.02 * (-0.8) x on A. The torques are 0.09 y x F =
-/// 0.09 f z, shared like the force.
+/// Friction between two rods. Unit masses, crossing at a = 0.25 and b = 0.5: 1/M = 10/16 and 1/2, m* = 8/9, o = 0.02,
+/// n = y, arms 0.09. A moves at 0.64 x: t = -0.64 x, F = 50 * 8/9 * 0.02 * (-0.8) x on A. The torques are 0.09
+/// y x F = 0.09 f z, shared like the force.
 fn friction_between_two_rods_is_shared_by_their_ends(backend: Backend) {
     let mut scene = friction_only();
     let a = [-1.0, 3.0].map(|x| Sphere::new([x, 0.0, 0.0], 0.05).velocity([0.64, 0.0, 0.0]));
@@ -104,9 +104,9 @@ fn friction_between_two_rods_is_shared_by_their_ends(backend: Backend) {
     torques(&found, torque, FORCE);
 }
 
-/// A rod along x lies with a = 0.5 on the edge of a box. The edge runs along z below the rod. o = 0.02, n = -y, arm 0.1
-/// - 0.02, m* = 2 of unit masses. Both ends move at 0.36 z: F = 50 * 2 * 0.02 * (-0.6) z, torque = 0.08 (-y) x F = 0.08
-/// * 1.2 x, half of it on each end.
+/// A rod along x lies with a = 0.5 on the edge of a box. The edge runs along z below the rod. o = 0.02, n = -y, arm
+/// 0.1 - 0.02, m* = 2 of unit masses. Both ends move at 0.36 z: F = 50 * 2 * 0.02 * (-0.6) z, torque = 0.08
+/// (-y) x F = 0.08 * 1.2 x, half of it on each end.
 fn friction_on_a_box_edge_is_shared_by_the_ends_of_the_rod(backend: Backend) {
     let mut scene = friction_only();
     // A box that stands on its edge. Its upper edge runs along z through the origin.
@@ -122,11 +122,10 @@ fn friction_on_a_box_edge_is_shared_by_the_ends_of_the_rod(backend: Backend) {
 }
 
 /// Coulomb's law, mu_c = 0.25, as one impulse per step. o = 0.02, m* = 2, Cc o = 20. Closing at 0.4 (Cd u = 5) N = 2
-/// (20 + 5) = 50; opening at 0.4 N = 2 (20 - 5) = 30. The ball does not spin and slides at 0.64 x, so its impulse is
-/// mu_c N dt: 12.5 dt or 7.5 dt. At a lower speed the impulse stops the slip: the inverse mass is 1/2 + 0.48^2 / 0.2 =
-/// 1.652, so at 0.09 x it is 0.09 / 1.652. Where damping exceeds the contact force (opening at 2: N = 0), there is no
-/// friction impulse. There is none either with damping that pulls (N = 2 (20 - 25) < 0): friction never accelerates the
-/// slip.
+/// (20 + 5) = 50; opening at 0.4 N = 2 (20 - 5) = 30. The ball does not spin and slides at 0.64 x, so its impulse is mu_c
+/// N dt: 12.5 dt or 7.5 dt. At a lower speed the impulse stops the slip: the inverse mass is 1/2 + 0.48^2 / 0.2 = 1.652,
+/// so at 0.09 x it is 0.09 / 1.652. Where damping exceeds the contact force (opening at 2: N = 0), there is no friction
+/// impulse. There is none either with damping that pulls (N = 2 (20 - 25) < 0): friction never accelerates the slip.
 fn friction_impulses_are_limited_by_coulombs_law(backend: Backend) {
     let arm = 0.48;
     let slides = [
@@ -153,8 +152,8 @@ fn friction_impulses_are_limited_by_coulombs_law(backend: Backend) {
 }
 
 /// A ball that slides at v0 with Coulomb's law alone rolls after 2 v0 / (7 mu_c g), at 5/7 v0, after a distance of 12
-/// v0^2 / (49 mu_c g). The impulses are applied at the beginning of steps, so after t the ball is behind by mu_c g t dt
-/// / 2. It rests at o = G/Cc = 0.001; the resulting arm of 0.999 changes all values by about 3e-4.
+/// v0^2 / (49 mu_c g). The impulses are applied at the beginning of steps, so after t the ball is behind by mu_c g t
+/// dt / 2. It rests at o = G/Cc = 0.001; the resulting arm of 0.999 changes all values by about 3e-4.
 fn a_ball_sliding_under_coulombs_law_rolls_after_the_expected_distance(backend: Backend) {
     let mut scene = with(|settings| settings.coulomb_friction = 0.25);
     floor_box(&mut scene);
@@ -172,8 +171,8 @@ fn a_ball_sliding_under_coulombs_law_rolls_after_the_expected_distance(backend: 
     close(rolling.position.x, -2.0 + distance - 0.125 / 64.0 * 8.0 / 7.0, 1e-3, "position after 1.5 s");
 }
 
-/// An isolated pair with friction and contact forces keeps its momentum and angular momentum: sum F = 0 and sum (x
-/// cross F + T) = 0. The bodies have oblique positions and velocities in all directions; friction and contact forces
+/// An isolated pair with friction and contact forces keeps its momentum and angular momentum: sum F = 0 and sum
+/// (x cross F + T) = 0. The bodies have oblique positions and velocities in all directions; friction and contact forces
 /// are of the order of 10.
 fn isolated_pairs_keep_their_momenta(backend: Backend) {
     let ball = Sphere::new([1.1, 0.5, 0.3], 0.5).mass(2.0).velocity([0.2, -0.3, 0.4]).angular_momentum([0.3, 0.1, -0.2]);

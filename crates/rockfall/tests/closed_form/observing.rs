@@ -133,9 +133,9 @@ fn diagnostics_hold_net_force_contacts_and_deepest_overlap(backend: Backend) {
     assert_eq!(values[2].contacts, 0);
 }
 
-/// Kinetic: 2 * 9 / 2 + L^2/(2 I) = 9 + 0.04/(2 * 0.2) = 9.1. Potential (G = 10, without the fixed sphere): 2 * 10 *
-/// 0.49 + 10 * 3. Spring: 10 * (2.51 - 2)^2 / 2. Contact: 1000 * 2 * 0.01^2 / 2. Angular momentum: 2 (0.49 y) x (3 x) +
-/// L = (0.2, 0, -2.94).
+/// Kinetic: 2 * 9 / 2 + L^2/(2 I) = 9 + 0.04/(2 * 0.2) = 9.1. Potential (G = 10, without the fixed sphere):
+/// 2 * 10 * 0.49 + 10 * 3. Spring: 10 * (2.51 - 2)^2 / 2. Contact: 1000 * 2 * 0.01^2 / 2. Angular momentum:
+/// 2 (0.49 y) x (3 x) + L = (0.2, 0, -2.94).
 fn every_kind_of_energy_is_reported(backend: Backend) {
     let mut scene = with(|settings| settings.gravity = 10.0);
     floor_box(&mut scene);
@@ -183,8 +183,8 @@ fn the_report_counts_steps_contacts_and_collisions(backend: Backend) {
     let later = simulation.run(63, DT).expect("63 steps");
     assert_eq!((later.steps, later.collisions, later.total_collisions), (64, 0, 1));
     close(later.time, 1.0, 0.0, "time");
-    // A force of 10 presses a mass of 1 against the floor, so it rests at o = 10 / Cc = 0.01, up to exp(-Cd t / 2) =
-    // 2e-3 of that.
+    // A force of 10 presses a mass of 1 against the floor, so it rests at o = 10 / Cc = 0.01, up to exp(-Cd t / 2) = 2e-3
+    // of that.
     assert_eq!(later.contacts, 1);
     close(later.max_overlap, 0.01, 4e-5, "overlap");
     assert_eq!(later.non_finite, 0);

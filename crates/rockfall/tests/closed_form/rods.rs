@@ -61,8 +61,8 @@ fn a_rod_does_not_collide_beyond_its_ends(backend: Backend) {
     }
 }
 
-/// Two rods that cross at a = 0.25, b = 0.5, n = y. wA = 0.5625/1 + 0.0625/2 = 19/32, wB = 0.25/3 + 0.25/0.5 = 7/12, w
-/// = 113/96. vA = 0.75 * 2 + 0.25 * (-2) = 1, vB = (-1 - 3)/2 = -2: u = 3, j = 1.75 * 3 / w.
+/// Two rods that cross at a = 0.25, b = 0.5, n = y. wA = 0.5625/1 + 0.0625/2 = 19/32, wB = 0.25/3 + 0.25/0.5 = 7/12,
+/// w = 113/96. vA = 0.75 * 2 + 0.25 * (-2) = 1, vB = (-1 - 3)/2 = -2: u = 3, j = 1.75 * 3 / w.
 fn the_impulse_of_crossing_rods_is_shared_by_their_ends(backend: Backend) {
     let mut scene = weightless();
     let a = [
@@ -86,8 +86,8 @@ fn the_impulse_of_crossing_rods_is_shared_by_their_ends(backend: Backend) {
     displacements(&before, &after, over(LATE, dv));
 }
 
-/// Parallel rods from 0 to 4 and from 5 to 3 overlap between 3 and 4 and collide in the middle of that interval, a =
-/// 3.5/4, b = 3/4. 1/MA = (1/8)^2 + (7/8)^2 = 50/64, 1/MB = 1/16 + 9/16 = 40/64, u = 2, e = 0.75: j = 3.5 * 64/90.
+/// Parallel rods from 0 to 4 and from 5 to 3 overlap between 3 and 4 and collide in the middle of that interval,
+/// a = 3.5/4, b = 3/4. 1/MA = (1/8)^2 + (7/8)^2 = 50/64, 1/MB = 1/16 + 9/16 = 40/64, u = 2, e = 0.75: j = 3.5 * 64/90.
 fn parallel_rods_collide_in_the_middle_of_their_common_interval(backend: Backend) {
     let mut scene = weightless();
     rod(&mut scene, [[0.0; 3], [4.0, 0.0, 0.0]].map(|end| Sphere::new(end, 0.01)), 0.1);
@@ -146,8 +146,8 @@ fn rod_across_the_edge(distance: f32, radius: f32, time: f32) -> Scene {
     scene
 }
 
-/// Collides a rod with the edge and compares the result. Both ends move at (0, -2, 0), n = -(1, 1, 0)/sqrt 2: u = sqrt
-/// 2. w = 0.5625 + 0.0625/2 = 19/32, j = 1.75 sqrt 2 / w along -n. The velocities of the ends change by 0.75 j and 0.25
+/// Collides a rod with the edge and compares the result. Both ends move at (0, -2, 0), n = -(1, 1, 0)/sqrt 2: u = sqrt 2.
+/// w = 0.5625 + 0.0625/2 = 19/32, j = 1.75 sqrt 2 / w along -n. The velocities of the ends change by 0.75 j and 0.25
 /// j / 2.
 fn assert_edge_collision(scene: Scene, time: f32, backend: Backend) {
     let before = scene.spheres().to_vec();
@@ -175,8 +175,8 @@ fn a_rod_near_a_box_edge_does_not_collide(backend: Backend) {
 }
 
 /// A rod along (1, -1, 0)/sqrt 2 touched the vertex (5, 0, 5) when its axis was 0.1, its radius, from it along (1, 1,
-/// 1)/sqrt 3. The closest points on the lines of all three edges lie beyond the vertex, so this is a vertex contact: a
-/// = 0.25, n = -(1, 1, 1)/sqrt 3, u = 2/sqrt 3, w = 19/32 as above.
+/// 1)/sqrt 3. The closest points on the lines of all three edges lie beyond the vertex, so this is a vertex contact:
+/// a = 0.25, n = -(1, 1, 1)/sqrt 3, u = 2/sqrt 3, w = 19/32 as above.
 fn a_rod_collides_with_a_box_vertex(backend: Backend) {
     let mut scene = weightless();
     floor_box(&mut scene);
@@ -197,10 +197,10 @@ fn a_rod_collides_with_a_box_vertex(backend: Backend) {
     displacements(&before, &after, over(LATE, [[dv1; 3], [dv2; 3]]));
 }
 
-/// A rod that lies flat on a narrow box touches two edges at once, at a = 0.25 and 0.75. With equal masses G_11 = G_22
-/// = 10/16, G_12 = 2 * 3/16 = 6/16, and both impulses are equal: j = 1.75 * 2 / (10/16 + 6/16) = 3.5. Each end receives
-/// (0.75 + 0.25) j. The rod rebounds flat at 1.5, as a ball would. The contacts share the ends, so nothing is
-/// displaced.
+/// A rod that lies flat on a narrow box touches two edges at once, at a = 0.25 and 0.75. With equal masses
+/// G_11 = G_22 = 10/16, G_12 = 2 * 3/16 = 6/16, and both impulses are equal: j = 1.75 * 2 / (10/16 + 6/16) = 3.5. Each
+/// end receives (0.75 + 0.25) j. The rod rebounds flat at 1.5, as a ball would. The contacts share the ends, so nothing
+/// is displaced.
 fn a_rod_that_lands_flat_on_two_edges_rebounds_flat(backend: Backend) {
     let mut scene = weightless();
     scene.add_box(rockfall::Cuboid::between([-1.0, -2.0, -3.0], [1.0, 0.0, 3.0])).expect("a valid box");

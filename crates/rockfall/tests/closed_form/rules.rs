@@ -53,14 +53,14 @@ fn rods_whose_axes_almost_cross_have_the_common_normal(backend: Backend) {
 /// Rods that are almost parallel, at angles from 1e-3 to 1e-1 and with an oblique orientation, touch where they cross.
 /// Their overlap is 0.3 - 0.299.
 fn almost_parallel_rods_touch_where_they_cross(backend: Backend) {
-    let askew = Quat::from_euler(EulerRot::XYZ, 0.7, -0.4, 1.1);
+    let rotation = Quat::from_euler(EulerRot::XYZ, 0.7, -0.4, 1.1);
     for angle in [1e-3_f32, 3e-3, 1e-2, 3e-2, 1e-1] {
         let mut scene = weightless();
-        let end = |place: [f32; 3]| Sphere::new(askew * Vec3::from_array(place), 0.05);
+        let end = |place: [f32; 3]| Sphere::new(rotation * Vec3::from_array(place), 0.05);
         rod(&mut scene, [[-1.7, 0.0, 0.1], [2.3, 0.0, 0.1]].map(end), 0.1);
         rod(&mut scene, [-1.9_f32, 1.6].map(|x| end([0.2 + x * angle.cos(), 0.299, 0.1 + x * angle.sin()])), 0.2);
         let contact = only_contact(scene, backend);
-        near(contact.normal, (askew * Vec3::Y).as_dvec3(), 2e-3, "normal");
+        near(contact.normal, (rotation * Vec3::Y).as_dvec3(), 2e-3, "normal");
         assert_overlap(&contact, 0.001);
     }
 }

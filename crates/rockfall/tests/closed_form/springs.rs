@@ -71,8 +71,8 @@ fn a_mass_on_a_tether_oscillates_about_its_rest_position(backend: Backend) {
     }
 }
 
-/// d = (3, 4, 0): n = (0.6, 0.8, 0), |d| - l = 5 - 4. The sphere moves towards the point at (1, 2, 0).n = 2.2: F = (10
-/// * 1 - 2 * 2.2) n = 5.6 n. A compressed tether with l = 7 pushes: 10 * (5 - 7) - 2 * 2.2 = -24.4.
+/// d = (3, 4, 0): n = (0.6, 0.8, 0), |d| - l = 5 - 4. The sphere moves towards the point at (1, 2, 0).n = 2.2:
+/// F = (10 * 1 - 2 * 2.2) n = 5.6 n. A compressed tether with l = 7 pushes: 10 * (5 - 7) - 2 * 2.2 = -24.4.
 fn a_tether_force_includes_rest_length_and_damping(backend: Backend) {
     for (length, force) in [(4.0, 5.6), (7.0, -24.4)] {
         let mut scene = weightless();
@@ -151,8 +151,9 @@ fn an_impulse_changes_the_velocity_once(backend: Backend) {
     near(state.position, [9.0, 0.0, 0.0], 0.0, "position of the fixed sphere");
 }
 
-/// Symplectic Euler on x'' = -w^2 x advances x by a map with trace 2 - (w dt)^2, so x_n = A cos(n a + p), 2 cos a = 2 -
-/// (w dt)^2. From x = 0.1 at rest, v1 = -w^2 dt x0 and x1 = x0 (1 - (w dt)^2): x_n = x0 cos((n + 1/2) a) / cos(a/2).
+/// Symplectic Euler on x'' = -w^2 x advances x by a map with trace 2 - (w dt)^2, so x_n = A cos(n a + p), 2 cos
+/// a = 2 - (w dt)^2. From x = 0.1 at rest, v1 = -w^2 dt x0 and x1 = x0 (1 - (w dt)^2): x_n = x0 cos((n + 1/2)
+/// a) / cos(a/2).
 fn a_spring_under_symplectic_euler_follows_its_difference_equation(backend: Backend) {
     let mut scene = weightless();
     let [ball] = spheres(&mut scene, [Sphere::new([0.1, 0.0, 0.0], 0.1).mass(2.0)]);

@@ -68,8 +68,8 @@ fn a_ball_rebounds_along_the_normal_of_a_rotated_box(backend: Backend) {
     displacements(&[ball], &after, over(0.015, [[-2.8, 2.1, 0.0]]));
 }
 
-/// A ball above the skew polygon with corner 0, L = (1, 0, 2), R = (2, 0, 0), which faces up. Its points have z = 2l, x
-/// = z/2 + 2k.
+/// A ball above the skew polygon with corner 0, L = (1, 0, 2), R = (2, 0, 0), which faces up. Its points
+/// have z = 2l, x = z/2 + 2k.
 fn over_the_skew_polygon(x: f32, z: f32) -> Scene {
     let mut scene = weightless();
     scene.add_polygon(Polygon::new([0.0; 3], [1.0, 0.0, 2.0], [2.0, 0.0, 0.0])).expect("a valid polygon");
@@ -78,8 +78,8 @@ fn over_the_skew_polygon(x: f32, z: f32) -> Scene {
 }
 
 /// At z = 1.5 the slanted edges are at x = 0.75 and x = 2.75. A ball slightly inside of them collides, and one slightly
-/// outside does not, although both positions are above the bounding rectangle. The same holds at the straight edges z =
-/// 0 and z = 2.
+/// outside does not, although both positions are above the bounding rectangle. The same holds at the straight edges z = 0
+/// and z = 2.
 fn a_skew_polygon_ends_at_its_edges(backend: Backend) {
     for (x, z) in [(0.77, 1.5), (2.73, 1.5), (1.5, 0.02), (1.5, 1.98)] {
         let after = collide(over_the_skew_polygon(x, z), backend);
@@ -130,9 +130,9 @@ fn an_elastic_ball_leaves_a_corner_at_its_speed(backend: Backend) {
     displacements(&[ball], &after, [[0.005 * 4.0, 0.01 / 3.0 * 6.0, 0.0]]);
 }
 
-/// Two polygons whose normals form an angle of 60 degrees are hit along the bisector: G_12 / G_11 = n1.n2 = 1/2, and
-/// both impulses are equal: j = 2 u / (3/2) with u = 2 cos 30 and e = 1. The ball receives 2/3 * 2u (n1 + n2) = 2/3 * 4
-/// * 2 cos^2 30 = 4 upwards: from -2 to 2. The contacts share the ball, so nothing is displaced.
+/// Two polygons whose normals form an angle of 60 degrees are hit along the bisector: G_12 / G_11 = n1.n2 = 1/2, and both
+/// impulses are equal: j = 2 u / (3/2) with u = 2 cos 30 and e = 1. The ball receives 2/3 * 2u (n1 + n2) =
+/// 2/3 * 4 * 2 cos^2 30 = 4 upwards: from -2 to 2. The contacts share the ball, so nothing is displaced.
 fn an_elastic_ball_leaves_a_sharp_groove_at_its_speed(backend: Backend) {
     let mut scene = weightless();
     scene.settings.restitution = 1.0;
@@ -156,9 +156,9 @@ fn an_elastic_ball_leaves_a_sharp_groove_at_its_speed(backend: Backend) {
 }
 
 /// A ball that falls from rest in a whole run rebounds from the floor with e: it arrives at sqrt(2 G h) and rises to
-/// e^2 h. G = 8, h = 1: it arrives after t = 0.5 s at 4, leaves at 3 and is at rest again after 3/8 s at a height of
-/// 9/16. With time steps of 1/512 s the collision is detected up to one step late, which displaces the ball by up to (1
-/// + e) * 4 / 512 = 0.014.
+/// e^2 h. G = 8, h = 1: it arrives after t = 0.5 s at 4, leaves at 3 and is at rest again after 3/8 s at a height of 9/16.
+/// With time steps of 1/512 s the collision is detected up to one step late, which displaces the ball by up to
+/// (1 + e) * 4 / 512 = 0.014.
 fn a_falling_ball_rises_to_e_squared_of_its_height(backend: Backend) {
     let dt = 1.0 / 512.0;
     let mut scene = with(|settings| settings.gravity = 8.0);
@@ -169,8 +169,8 @@ fn a_falling_ball_rises_to_e_squared_of_its_height(backend: Backend) {
     assert_eq!(simulation.report().total_collisions, 1);
     let ball = simulation.sphere(ball).expect("the ball");
     close(ball.position.y, 0.5 + 9.0 / 16.0, 0.014, "height");
-    // Besides the delay (8 * 1/512 * 1.75 = 0.027), the removal of the overlap has an effect of the order of 8 * 0.008
-    // / 4.
+    // Besides the delay (8 * 1/512 * 1.75 = 0.027), the removal of the overlap has an effect of the order of
+    // 8 * 0.008 / 4.
     close(ball.velocity.y, 0.0, 0.05, "velocity at the top");
 }
 

@@ -5,8 +5,8 @@ use rockfall::{Backend, Simulation};
 use crate::scenes::{after, open, within};
 
 /// With contact forces alone, a ball that arrives at 5 leaves a polygon at the same speed as a box. The overlap is a
-/// damped oscillation with w0^2 = 1000 and damping 12.5. Contact forces do not pull, so the contact ends where Cc o +
-/// Cd u = 0, at w t = pi - atan(0.42), with u = 2.88. An earlier rule for polygons removed the force too soon: 0.53.
+/// damped oscillation with w0^2 = 1000 and damping 12.5. Contact forces do not pull, so the contact ends where Cc o + Cd
+/// u = 0, at w t = pi - atan(0.42), with u = 2.88. An earlier rule for polygons removed the force too soon: 0.53.
 fn a_polygon_and_a_box_give_the_same_rebound_speed(backend: Backend) {
     let text = "S 1 -5 0.6 0  0 -5 0  0 0 0 1 0.5\nS 2 5 0.6 0  0 -5 0  0 0 0 1 0.5\n\
                 P -10 0 -5  0 0 10  9 0 0\nB 1 -2 -5  9 0 0  0 2 0  0 0 10\nset collisions off\nset gravity 0\n";

@@ -84,8 +84,8 @@ fn assert_contact_law_at_wall(sphere: Sphere, overlap: f32, n: Vec3, mut simulat
     // The wall is at rest, so the slip is minus the tangential velocity of the sphere's surface.
     let surface = v + spin.cross(arm * n);
     let t = -(surface - n * surface.dot(n));
-    let normal_stress = f64::from(settings.contact_force) * o + f64::from(settings.contact_damping) * v.dot(n);
-    let normal = normal_stress.max(0.0) * m;
+    let strength = f64::from(settings.contact_force) * o + f64::from(settings.contact_damping) * v.dot(n);
+    let normal = strength.max(0.0) * m;
     let dt = f64::from(DT);
     // Inverse mass of the slip: 1/m + s^2 / I.
     let slipping = 1.0 / m + arm * arm / (0.4 * m * f64::from(sphere.radius).powi(2));

@@ -96,8 +96,8 @@ fn an_elastic_ball_keeps_its_height() {
     close(kinetic(&world) + 10.0 * world.balls[0].x.y, 15.0, 1e-3);
 }
 
-/// Balls on springs collide repeatedly and keep their angular momentum and energy. Each spring has the energy 5 (d -
-/// 0.5)² / 2.
+/// Balls on springs collide repeatedly and keep their angular momentum and energy. Each spring has the energy
+/// 5 (d - 0.5)² / 2.
 #[test]
 fn balls_on_springs_keep_their_angular_momentum_and_energy() {
     let mut world = smooth(known::SPRINGS, 0.02);
