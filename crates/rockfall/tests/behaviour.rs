@@ -1,5 +1,6 @@
-//! What a user sees, at the default step of 20 ms: piles come to rest, a cradle swings, things lie still; degenerate
-//! input does what the documentation says, and a body that stops being finite is told.
+//! Behaviour over many steps at the default time step of 20 ms: piles come to rest, a Newton's cradle swings, bodies
+//! lie still. Also degenerate input, which must give the documented result, and bodies that become non-finite, which
+//! must be reported.
 
 #[macro_use]
 mod common;

@@ -1,5 +1,5 @@
-//! The grid finds exactly the pairs that brute force finds, whatever the scene looks like, but for spheres whose AABBs overlap
-//! at their corners only.
+//! The grid finds exactly the pairs that brute force finds, in any scene, except spheres whose AABBs overlap only at
+//! their corners.
 
 use glam::DVec3;
 use rand::{RngExt, SeedableRng};
@@ -22,7 +22,7 @@ fn place(random: &mut Pcg64Mcg, size: [f32; 3]) -> [f32; 3] {
     size.map(|size| random.random_range(-0.5..0.5) * size)
 }
 
-/// `count` spheres spread over a box, with radii from a range and some velocity.
+/// Adds `count` spheres spread over a box, with radii from a range and random velocities.
 fn spheres(scene: &mut Scene, count: usize, size: [f32; 3], radii: [f32; 2]) {
     let random = &mut random();
     for _ in 0..count {
@@ -105,7 +105,7 @@ fn one_flies_off(_part: usize) -> Scene {
     scene
 }
 
-/// One is past all others, one begins among them.
+/// One is far outside of all others, one starts among them.
 fn two_fly_off_fast(_part: usize) -> Scene {
     let mut scene = equal_spheres(1);
     scene.add_sphere(Sphere::new([3.0, 1e5, 1.0], 0.2).velocity([0.0, 1e5, 0.0])).unwrap();
@@ -121,12 +121,12 @@ fn all_in_one_place(_part: usize) -> Scene {
     scene
 }
 
-/// Software Vulkan (llvmpipe) ends a shader after 65,535 turns of all its loops: there, scenes with long lists, which are
-/// sorted, are made of a part only.
+/// Software Vulkan (llvmpipe) ends a shader after 65,535 iterations of all its loops. So scenes with long lists, which
+/// are sorted, are reduced to a part there.
 #[cfg(feature = "gpu")]
 const PART_ON_GPU: usize = 6;
 
-/// Makes a scene, or one part in so many of it.
+/// Builds a scene, or the n-th part of it.
 type Make = fn(usize) -> Scene;
 
 const SCENES: [(&str, Make); 10] = [
@@ -148,7 +148,7 @@ fn world(scene: &Scene) -> World {
     world
 }
 
-/// Runs the first two phases, with more room where it is asked for.
+/// Runs the first two phases, and repeats them with more capacity when the lists do not fit.
 fn detect(world: &mut World, method: BroadPhase, mut run: impl FnMut(&mut World, &[rockfall::step::schedule::Run])) {
     let phases = [Phase::UpdateAabbs, Phase::BroadPhase];
     let stages: Vec<_> = phases.iter().flat_map(|phase| phase.stages(Integrator::Rk4, method)).copied().collect();
@@ -176,8 +176,9 @@ fn lists(world: &World) -> Vec<Vec<u32>> {
     (0..world.movers()).map(row).collect()
 }
 
-/// What the grid's lists hold of those of brute force: of two spheres whose AABBs overlap only those whose balls, as large as
-/// their AABBs, meet. `None`: apart, but by no more than rounding; then they may be listed.
+/// Whether the grid must list a pair of brute force. Of two spheres it lists only those whose enclosing balls, which
+/// are as large as their AABBs, intersect. `None` if the balls are apart by no more than rounding; such a pair may be
+/// listed.
 fn balls_meet(world: &World, one: u32, entry: u32) -> Option<bool> {
     let other = entry & world.step.entry_id_mask();
     if one.max(other) >= world.step.spheres {
@@ -190,7 +191,7 @@ fn balls_meet(world: &World, one: u32, entry: u32) -> Option<bool> {
     });
     let room = a.1 + b.1 - a.0.distance(b.0);
     let rounding = 3e-6 * (a.1 + b.1 + a.0.abs().max_element() + b.0.abs().max_element());
-    // Infinite AABBs meet everything.
+    // Infinite AABBs intersect everything.
     match room {
         _ if room < -rounding => Some(false),
         _ if room < 0.0 => None,
@@ -198,8 +199,8 @@ fn balls_meet(world: &World, one: u32, entry: u32) -> Option<bool> {
     }
 }
 
-/// The grid's lists hold exactly those pairs of brute force's that may touch, in the same order.
-fn assert_the_grids(name: &str, world: &World, expected: &[Vec<u32>], found: &[Vec<u32>]) {
+/// Asserts that the grid lists exactly the pairs of brute force that may touch, in the same order.
+fn assert_grid_lists(name: &str, world: &World, expected: &[Vec<u32>], found: &[Vec<u32>]) {
     let decided = |rows: &[Vec<u32>], wanted: fn(Option<bool>) -> bool| -> Vec<Vec<u32>> {
         let row =
             |(mover, row): (u32, &Vec<u32>)| row.iter().copied().filter(|e| wanted(balls_meet(world, mover, *e))).collect();
@@ -207,7 +208,7 @@ fn assert_the_grids(name: &str, world: &World, expected: &[Vec<u32>], found: &[V
     };
     assert_same(name, &decided(expected, |meet| meet == Some(true)), &decided(found, |meet| meet == Some(true)));
     let apart = decided(found, |meet| meet == Some(false));
-    assert!(apart.iter().all(Vec::is_empty), "{name}: pairs that cannot touch are listed");
+    assert!(apart.iter().all(Vec::is_empty), "{name}: lists hold pairs that cannot touch");
 }
 
 fn assert_same(name: &str, expected: &[Vec<u32>], found: &[Vec<u32>]) {
@@ -215,7 +216,7 @@ fn assert_same(name: &str, expected: &[Vec<u32>], found: &[Vec<u32>]) {
         assert_eq!(expected, found, "{name}: the list of mover {mover}");
     }
     assert_eq!(expected.len(), found.len());
-    assert!(expected.iter().map(Vec::len).sum::<usize>() > 0, "{name}: no pairs at all prove nothing");
+    assert!(expected.iter().map(Vec::len).sum::<usize>() > 0, "{name}: there must be pairs");
 }
 
 fn on_cpu(scene: &Scene, method: BroadPhase) -> World {
@@ -237,21 +238,21 @@ fn on_gpu(gpu: &Gpu, scene: &Scene, method: BroadPhase) -> World {
 }
 
 #[test]
-fn the_grid_finds_what_brute_force_finds() {
+fn the_grid_finds_the_pairs_of_brute_force() {
     for (name, scene) in SCENES {
         let scene = scene(1);
         let world = on_cpu(&scene, BroadPhase::BruteForce);
         let expected = lists(&world);
         let found = lists(&on_cpu(&scene, BroadPhase::Grid));
-        assert_the_grids(name, &world, &expected, &found);
+        assert_grid_lists(name, &world, &expected, &found);
         let id = |entry: u32| entry & world.step.entry_id_mask();
         let sorted = |row: &Vec<u32>| row.windows(2).all(|pair| id(pair[0]) <= id(pair[1]));
-        assert!(expected.iter().all(sorted), "{name}: not in ascending order");
+        assert!(expected.iter().all(sorted), "{name}: lists must be in ascending order");
     }
 }
 
 #[test]
-fn sort_and_skip_finds_what_brute_force_finds() {
+fn sort_and_skip_finds_the_pairs_of_brute_force() {
     for (name, scene) in SCENES {
         let scene = scene(1);
         let expected = lists(&on_cpu(&scene, BroadPhase::BruteForce));
@@ -261,21 +262,21 @@ fn sort_and_skip_finds_what_brute_force_finds() {
 
 #[cfg(feature = "gpu")]
 #[test]
-fn the_grid_on_the_gpu_finds_what_brute_force_finds() {
-    let gpu = Gpu::open_blocking(true).expect("the tests need a Vulkan adapter, software will do");
+fn the_grid_on_the_gpu_finds_the_pairs_of_brute_force() {
+    let gpu = Gpu::open_blocking(true).expect("these tests need a Vulkan driver such as lavapipe");
     for (name, scene) in SCENES {
         let scene = scene(PART_ON_GPU);
         let brute = on_cpu(&scene, BroadPhase::BruteForce);
         let world = on_gpu(&gpu, &scene, BroadPhase::Grid);
-        assert_the_grids(name, &brute, &lists(&brute), &lists(&world));
+        assert_grid_lists(name, &brute, &lists(&brute), &lists(&world));
     }
 }
 
-/// Lists of 8 up to 5,000 entries, made by workgroups: in workgroup memory, and where they stand.
+/// Lists of 8 to 5,000 entries that workgroups build, in workgroup memory or directly in the list buffer.
 #[cfg(feature = "gpu")]
 #[test]
-fn long_lists_on_the_gpu_are_those_of_brute_force() {
-    let gpu = Gpu::open_blocking(true).expect("the tests need a Vulkan adapter, software will do");
+fn long_lists_on_the_gpu_equal_those_of_brute_force() {
+    let gpu = Gpu::open_blocking(true).expect("these tests need a Vulkan driver such as lavapipe");
     let mut scene = Scene::new();
     spheres(&mut scene, 6_000, [6.0; 3], [0.04, 0.05]);
     let random = &mut random();
@@ -289,18 +290,18 @@ fn long_lists_on_the_gpu_are_those_of_brute_force() {
     assert!(lengths[0] < 24 && (1_000..2_048).contains(&lengths[7]) && lengths[8] > 4_096, "{lengths:?}");
     for world in [on_cpu(&scene, BroadPhase::Grid), on_gpu(&gpu, &scene, BroadPhase::Grid)] {
         assert_eq!(world.cells[3], 10, "long movers");
-        assert_the_grids("large among thousands", &brute, &expected, &lists(&world));
+        assert_grid_lists("large spheres among thousands", &brute, &expected, &lists(&world));
     }
 }
 
 #[cfg(feature = "gpu")]
 #[test]
-fn rods_with_many_neighbours_have_the_lists_of_brute_force() {
-    let gpu = Gpu::open_blocking(true).expect("the tests need a Vulkan adapter, software will do");
+fn lists_of_rods_with_many_neighbours_equal_those_of_brute_force() {
+    let gpu = Gpu::open_blocking(true).expect("these tests need a Vulkan driver such as lavapipe");
     let random = &mut random();
     let mut lengths = Vec::new();
-    // Crowds of which rods meet more than a thread puts in order at once, and at last more than it remembers. Where rows of cells share
-    // places of the table, as here and there they do, rods find some of their neighbours twice.
+    // Crowds in which rods have more neighbours than a thread sorts at once, and finally more than it remembers. Where
+    // rows of cells share slots of the hash table, rods find some of their neighbours twice.
     for crowd in 40..130 {
         let mut scene = Scene::new();
         let centre = place(random, [100.0; 3]);
@@ -315,10 +316,10 @@ fn rods_with_many_neighbours_have_the_lists_of_brute_force() {
         }
         let brute = on_cpu(&scene, BroadPhase::BruteForce);
         let expected = lists(&brute);
-        assert_eq!(brute.step.long_at, 0, "all lists are made by one thread each");
+        assert_eq!(brute.step.long_at, 0, "every list must be built by one thread");
         lengths.extend(expected[brute.step.spheres as usize..].iter().map(Vec::len));
         for world in [on_cpu(&scene, BroadPhase::Grid), on_gpu(&gpu, &scene, BroadPhase::Grid)] {
-            assert_the_grids(&format!("a crowd of {crowd}"), &brute, &expected, &lists(&world));
+            assert_grid_lists(&format!("a crowd of {crowd}"), &brute, &expected, &lists(&world));
         }
     }
     let many = |range: std::ops::Range<usize>| lengths.iter().filter(|length| range.contains(length)).count();
@@ -327,8 +328,8 @@ fn rods_with_many_neighbours_have_the_lists_of_brute_force() {
 
 #[cfg(feature = "gpu")]
 #[test]
-fn sort_and_skip_on_the_gpu_finds_what_brute_force_finds() {
-    let gpu = Gpu::open_blocking(true).expect("the tests need a Vulkan adapter, software will do");
+fn sort_and_skip_on_the_gpu_finds_the_pairs_of_brute_force() {
+    let gpu = Gpu::open_blocking(true).expect("these tests need a Vulkan driver such as lavapipe");
     for (name, scene) in SCENES {
         let scene = scene(PART_ON_GPU);
         let brute = on_cpu(&scene, BroadPhase::BruteForce);
@@ -337,7 +338,8 @@ fn sort_and_skip_on_the_gpu_finds_what_brute_force_finds() {
     }
 }
 
-/// Large objects among many small ones must not cost a look at every cell that they cover, nor far ones at empty space.
+/// The search of a large object among many small ones must not visit every cell that it covers, and that of a far
+/// object must not visit empty space.
 #[test]
 fn a_body_of_any_size_or_place_is_found_in_bounded_time() {
     let mut scene = Scene::new();
@@ -346,6 +348,6 @@ fn a_body_of_any_size_or_place_is_found_in_bounded_time() {
     scene.add_sphere(Sphere::new([1e12, 0.0, 0.0], 0.1)).unwrap();
     let start = std::time::Instant::now();
     let world = on_cpu(&scene, BroadPhase::Grid);
-    assert!(world.lists[20_000] & LIST_COUNT_MASK > 17_000, "the large one meets all of its group");
+    assert!(world.lists[20_000] & LIST_COUNT_MASK > 17_000, "the large sphere overlaps all spheres of its group");
     assert!(start.elapsed().as_secs() < 20);
 }

@@ -1,5 +1,5 @@
-//! A run that was interrupted and resumed ends in the same bits as one that was not, and no damaged file is taken for a
-//! checkpoint.
+//! A resumed run ends in a state that is bitwise identical to that of an uninterrupted run, and damaged checkpoint
+//! files are rejected.
 
 use rockfall::glam::{Quat, Vec3};
 use rockfall::{Backend, BroadPhase, Checkpoint, Error, Integrator, Options, Scene, Simulation, Sphere, SphereId};
@@ -7,20 +7,20 @@ use rockfall::{Backend, BroadPhase, Checkpoint, Error, Integrator, Options, Scen
 #[macro_use]
 mod common;
 
-use common::mixed::{Run, mixed, same_bits};
+use common::mixed::{Run, assert_bitwise_identical, mixed};
 use common::*;
 
 const DT: f32 = 0.01;
 
-/// Through the bytes of a file, as another process would do it.
+/// Resumes a simulation from the bytes of a checkpoint, as another process would from a file.
 fn resumed(simulation: &mut Simulation) -> Simulation {
     let bytes = simulation.checkpoint().expect("a checkpoint").to_bytes();
-    Simulation::resume(Checkpoint::from_bytes(&bytes, "memory").expect("a good one")).expect("the simulation opens")
+    Simulation::resume(Checkpoint::from_bytes(&bytes, "memory").expect("a valid checkpoint")).expect("the simulation opens")
 }
 
-/// With gravity and balls thrown about, so that lists, margins and rod lengths have a history when the checkpoint is taken:
-/// from the first step to the middle of collisions.
-fn a_resumed_run_ends_in_the_same_bits(backend: Backend) {
+/// Gravity and balls in motion give lists, margins and rod lengths a history before a checkpoint is taken. Checkpoints
+/// are taken before the first step and up to the middle of collisions.
+fn a_resumed_run_is_bitwise_identical(backend: Backend) {
     let (steps, stops) = on(backend, (120, vec![0, 1, 37, 60, 61, 100]), (24, vec![9, 14]));
     for integrator in [Integrator::Rk4, Integrator::SymplecticEuler] {
         for method in [BroadPhase::BruteForce, BroadPhase::SortAndSkip, BroadPhase::Grid] {
@@ -37,17 +37,17 @@ fn a_resumed_run_ends_in_the_same_bits(backend: Backend) {
                 assert_eq!(resumed.report(), interrupted.report());
                 assert_eq!(resumed.time_step().to_bits(), interrupted.time_step().to_bits());
                 resumed.run(steps - stop, DT).expect("steps");
-                same_bits(&whole, &Run::of(&mut resumed));
+                assert_bitwise_identical(&whole, &Run::of(&mut resumed));
             }
-            // Checkpoints that were taken of it did not change its course either.
+            // Taking checkpoints must not change the course of the interrupted run either.
             interrupted.run(steps - interrupted.report().steps, DT).expect("steps");
-            same_bits(&whole, &Run::of(&mut interrupted));
+            assert_bitwise_identical(&whole, &Run::of(&mut interrupted));
         }
     }
 }
 
-/// What edits leave behind: gaps in the handles, outside forces, groups, settings of one's own.
-fn what_edits_left_is_kept(backend: Backend) {
+/// A checkpoint keeps the results of edits: gaps in the handles, external forces, groups, changed settings.
+fn a_checkpoint_keeps_the_results_of_edits(backend: Backend) {
     let mut scene = mixed(40);
     let thrown = scene.add_sphere(Sphere::new([0.2, 3.0, 0.1], 0.2).group(7)).expect("a valid sphere");
     let mut simulation = simulation(scene, backend);
@@ -63,10 +63,10 @@ fn what_edits_left_is_kept(backend: Backend) {
     settings.contact_pull = true;
     simulation.set_settings(settings).expect("valid settings");
 
-    // Edits that have not reached the device yet are part of it.
+    // A checkpoint includes edits that have not reached the device yet.
     simulation.set_velocity(first[3], [1.0, 2.0, 0.0]).expect("a ball to throw");
     let checkpoint = simulation.checkpoint().expect("a checkpoint");
-    let from_file = Checkpoint::from_bytes(&checkpoint.to_bytes(), "memory").expect("a good one");
+    let from_file = Checkpoint::from_bytes(&checkpoint.to_bytes(), "memory").expect("a valid checkpoint");
     assert_eq!(from_file.scene.settings, settings);
     assert_eq!(from_file.scene.spheres(), checkpoint.scene.spheres());
     assert_eq!(from_file.scene.counts(), checkpoint.scene.counts());
@@ -74,18 +74,22 @@ fn what_edits_left_is_kept(backend: Backend) {
 
     let mut from_file = Simulation::resume(from_file).expect("the simulation opens");
     let mut in_memory = Simulation::resume(checkpoint).expect("the simulation opens");
-    assert!(from_file.sphere(thrown).is_err(), "a handle of another scene");
-    assert!(in_memory.sphere(thrown).is_ok() && in_memory.sphere(first[2]).is_err(), "handles of the same scene");
+    assert!(from_file.sphere(thrown).is_err(), "a checkpoint from a file must not accept handles of another scene");
+    assert!(
+        in_memory.sphere(thrown).is_ok() && in_memory.sphere(first[2]).is_err(),
+        "a checkpoint in memory must keep the handles"
+    );
     for simulation in [&mut simulation, &mut from_file, &mut in_memory] {
         simulation.run(on(backend, 60, 10), DT).expect("steps");
     }
     let end = Run::of(&mut simulation);
-    same_bits(&end, &Run::of(&mut from_file));
-    same_bits(&end, &Run::of(&mut in_memory));
+    assert_bitwise_identical(&end, &Run::of(&mut from_file));
+    assert_bitwise_identical(&end, &Run::of(&mut in_memory));
 }
 
-/// The forces of a step know which contacts collided in it; that is nowhere but in its lists.
-fn within_a_step_there_is_no_checkpoint(backend: Backend) {
+/// No checkpoint can be taken within a step. The forces of a step depend on which contacts collided in it, and only the
+/// lists hold that.
+fn a_checkpoint_within_a_step_is_an_error(backend: Backend) {
     let mut scene = weightless();
     let balls = [Sphere::new([0.0; 3], 0.5).velocity([1.0, 0.0, 0.0]), Sphere::new([0.9, 0.0, 0.0], 0.5)];
     spheres(&mut scene, balls);
@@ -98,12 +102,12 @@ fn within_a_step_there_is_no_checkpoint(backend: Backend) {
     for simulation in [&mut simulation, &mut resumed] {
         simulation.run(5, DT).expect("steps");
     }
-    same_bits(&Run::of(&mut simulation), &Run::of(&mut resumed));
+    assert_bitwise_identical(&Run::of(&mut simulation), &Run::of(&mut resumed));
 }
 
-both!(a_resumed_run_ends_in_the_same_bits, what_edits_left_is_kept, within_a_step_there_is_no_checkpoint);
+both!(a_resumed_run_is_bitwise_identical, a_checkpoint_keeps_the_results_of_edits, a_checkpoint_within_a_step_is_an_error);
 
-/// A small checkpoint with something of every kind.
+/// A small checkpoint with every kind of object.
 fn small() -> Vec<u8> {
     let mut simulation = Simulation::with_options(mixed(2), Options::new().backend(Backend::Cpu)).expect("it opens");
     simulation.run(3, DT).expect("steps");
@@ -113,7 +117,7 @@ fn small() -> Vec<u8> {
 }
 
 #[track_caller]
-fn refused(bytes: &[u8]) -> String {
+fn assert_rejected(bytes: &[u8]) -> String {
     match Checkpoint::from_bytes(bytes, "file.ckpt") {
         Err(error @ Error::Checkpoint { .. }) => error.to_string(),
         other => panic!("{other:?}"),
@@ -121,51 +125,51 @@ fn refused(bytes: &[u8]) -> String {
 }
 
 #[test]
-fn notes_and_options_come_back() {
-    let checkpoint = Checkpoint::from_bytes(&small(), "file.ckpt").expect("a good one");
+fn notes_and_options_are_restored() {
+    let checkpoint = Checkpoint::from_bytes(&small(), "file.ckpt").expect("a valid checkpoint");
     assert_eq!(checkpoint.note, "kept for the caller: \u{3c0}");
     assert_eq!(checkpoint.options.backend, Backend::Cpu);
     assert_eq!((checkpoint.report.steps, checkpoint.time_step), (3, DT));
-    assert_eq!(checkpoint.to_bytes(), small(), "the same state makes the same bytes");
+    assert_eq!(checkpoint.to_bytes(), small(), "the same state must give the same bytes");
 }
 
 #[test]
-fn whatever_is_cut_off_or_changed_is_refused() {
+fn truncated_or_changed_checkpoints_are_rejected() {
     let good = small();
     for length in 0..good.len() {
-        refused(&good[..length]);
+        assert_rejected(&good[..length]);
     }
     for place in 0..good.len() {
         for flip in [1, 0x80, 0xff] {
             let mut bad = good.clone();
             bad[place] ^= flip;
-            refused(&bad);
+            assert_rejected(&bad);
         }
     }
     let longer = [good.as_slice(), &[0]].concat();
-    assert!(refused(&longer).contains(&format!("it has {} bytes, expected {}", longer.len(), good.len())));
+    assert!(assert_rejected(&longer).contains(&format!("it has {} bytes, expected {}", longer.len(), good.len())));
 }
 
 #[test]
-fn reasons_are_told() {
+fn rejected_checkpoints_are_reported_with_the_reason() {
     let good = small();
-    assert_eq!(refused(&[]), "file.ckpt: not a usable checkpoint: it is empty");
-    assert!(refused(b"S 1 0 0 0 0 0 0 0 0 0 1 1\n").contains("does not begin as a checkpoint"));
-    assert!(refused(&good[..good.len() / 2]).contains("bytes, expected"));
+    assert_eq!(assert_rejected(&[]), "file.ckpt: not a usable checkpoint: it is empty");
+    assert!(assert_rejected(b"S 1 0 0 0 0 0 0 0 0 0 1 1\n").contains("does not begin as a checkpoint"));
+    assert!(assert_rejected(&good[..good.len() / 2]).contains("bytes, expected"));
     let mut bad = good.clone();
     bad[100] ^= 4;
-    assert!(refused(&bad).contains("checksum"));
+    assert!(assert_rejected(&bad).contains("checksum"));
     let mut newer = good;
     newer[8] = 2;
-    assert!(refused(&newer).contains("it has version 2, this rockfall reads version 1"));
+    assert!(assert_rejected(&newer).contains("it has version 2, this rockfall reads version 1"));
 }
 
-/// A file that was made to look good: checksums keep out accidents, not nonsense. Every word of it is replaced by what
-/// numbers should not be; it is refused, or another good one, but nothing panics and nothing takes all memory.
+/// Checksums detect accidents, not deliberate changes. This test replaces every word by invalid numbers and corrects
+/// the checksum. The file is then rejected or accepted, but nothing panics and nothing allocates all memory.
 #[test]
-fn nonsense_with_a_good_checksum_is_no_panic() {
+fn invalid_numbers_with_a_correct_checksum_cause_no_panic() {
     let good = small();
-    let (mut taken, mut refused) = (0, 0);
+    let (mut accepted, mut rejected) = (0, 0);
     for place in 20..good.len() - 8 {
         for nonsense in [0, 1, u32::MAX, f32::NAN.to_bits(), f32::INFINITY.to_bits(), 0x8000_0000, 0x7fff_ffff] {
             let mut bad = good.clone();
@@ -174,32 +178,32 @@ fn nonsense_with_a_good_checksum_is_no_panic() {
             let crc32 = crc32fast::hash(&bad[..end]);
             bad[end..].copy_from_slice(&crc32.to_le_bytes());
             match Checkpoint::from_bytes(&bad, "file.ckpt") {
-                Ok(_) => taken += 1,
-                Err(_) => refused += 1,
+                Ok(_) => accepted += 1,
+                Err(_) => rejected += 1,
             }
         }
     }
-    assert!(taken > 100 && refused > 100, "{taken} taken, {refused} refused");
+    assert!(accepted > 100 && rejected > 100, "{accepted} accepted, {rejected} rejected");
 }
 
 #[test]
-fn an_empty_scene_has_a_checkpoint_too() {
+fn an_empty_scene_can_be_checkpointed() {
     let mut simulation = Simulation::with_options(Scene::new(), Options::new().backend(Backend::Cpu)).expect("it opens");
     simulation.run(2, DT).expect("steps");
     assert_eq!(resumed(&mut simulation).run(3, DT).expect("steps").steps, 5);
 }
 
 #[test]
-fn a_file_is_read_back_and_what_is_none_is_named() {
+fn a_checkpoint_file_is_read_back_and_other_paths_are_errors() {
     let folder = std::env::temp_dir().join(format!("rockfall-checkpoint-{}", std::process::id()));
     std::fs::create_dir_all(&folder).expect("a folder");
     let path = folder.join("a.ckpt");
-    let checkpoint = Checkpoint::from_bytes(&small(), "memory").expect("a good one");
+    let checkpoint = Checkpoint::from_bytes(&small(), "memory").expect("a valid checkpoint");
     checkpoint.save(&path).expect("it is written");
     assert_eq!(std::fs::read(&path).expect("a file"), small());
-    assert_eq!(Checkpoint::load(&path).expect("a good one").to_bytes(), small());
+    assert_eq!(Checkpoint::load(&path).expect("a valid checkpoint").to_bytes(), small());
     assert!(Checkpoint::load(&folder).expect_err("a folder").to_string().contains("rockfall-checkpoint-"));
     assert!(matches!(Checkpoint::load(folder.join("none.ckpt")), Err(Error::File { .. })));
     assert!(matches!(checkpoint.save(folder.join("no/a.ckpt")), Err(Error::File { .. })));
-    std::fs::remove_dir_all(&folder).expect("the folder goes");
+    std::fs::remove_dir_all(&folder).expect("the folder is removed");
 }

@@ -1,18 +1,19 @@
-//! Arrays that are larger than one binding may be: they stand in chunks, and nothing of it shows in the results.
+//! Arrays that exceed the largest binding are stored in chunks. This does not change the results.
 
 #![cfg(feature = "gpu")]
 
 mod common;
 
 use common::device::device;
-use common::mixed::{Run, mixed, same_bits};
+use common::mixed::{Run, assert_bitwise_identical, mixed};
 use common::{floor_box, with};
 use rockfall::glam::Vec3;
 use rockfall::model::buffer::Buffer;
 use rockfall::{Backend, BroadPhase, Error, Integrator, Options, Rod, Scene, Simulation, Sphere, SphereId, Tether};
 
-/// Balls side by side that fall on a floor, with so many tethers that `words` fills more than a chunk. No collision shares a body with
-/// another: records of those would fill more chunks than a stage can bind. And no rods, whose kernels take software Vulkan long to compile.
+/// Balls side by side that fall on a floor, with so many tethers that the topology buffer needs more than one chunk. No
+/// two collisions share a body, because their records would need more chunks than a stage can bind. There are no rods,
+/// because software Vulkan takes long to compile their kernels.
 fn without_rods() -> Scene {
     let mut scene = with(|settings| settings.gravity = 10.0);
     floor_box(&mut scene);
@@ -29,7 +30,7 @@ fn without_rods() -> Scene {
     scene
 }
 
-/// The mixed scene, with so many rods more that the forces on them fill more than a chunk.
+/// The mixed scene with additional rods, so that the rod forces need more than one chunk.
 fn with_rods() -> Scene {
     let mut scene = mixed(120);
     let balls: Vec<SphereId> = scene.sphere_ids().take(120).collect();
@@ -39,10 +40,10 @@ fn with_rods() -> Scene {
     scene
 }
 
-/// On a device whose bindings may have so many bytes.
+/// A simulation on a device whose bindings are limited to a number of bytes.
 fn in_chunks(bytes: u64, scene: Scene, options: Options) -> Simulation {
     let (device, queue) = device(|limits| limits.max_storage_buffer_binding_size = bytes);
-    Simulation::on_device(scene, options, &device, &queue).expect("a scene that fits, in chunks")
+    Simulation::on_device(scene, options, &device, &queue).expect("a scene that fits in chunks")
 }
 
 fn whole(scene: Scene, options: Options) -> Simulation {
@@ -54,16 +55,16 @@ fn chunks_of(simulation: &Simulation, buffer: Buffer) -> usize {
 }
 
 #[track_caller]
-fn are_split(simulation: &Simulation, but: &[Buffer]) {
+fn assert_split_except(simulation: &Simulation, whole_arrays: &[Buffer]) {
     for buffer in Buffer::ALL {
         let chunks = chunks_of(simulation, buffer);
-        assert_eq!(chunks > 1, !but.contains(&buffer), "{buffer:?}: {chunks}");
+        assert_eq!(chunks > 1, !whole_arrays.contains(&buffer), "{buffer:?}: {chunks}");
     }
 }
 
-/// Lists outgrow their room, so that steps are void and lists are made anew, in more chunks than they began with.
+/// Lists exceed their capacity, so steps are rejected and the lists are rebuilt in more chunks than at the start.
 #[test]
-fn chunks_of_every_array_give_the_same_bits() {
+fn chunks_of_every_array_give_bitwise_identical_results() {
     for (broad_phase, integrator) in [
         (BroadPhase::BruteForce, Integrator::Rk4),
         (BroadPhase::SortAndSkip, Integrator::Rk4),
@@ -78,18 +79,19 @@ fn chunks_of_every_array_give_the_same_bits() {
             let report = simulation.run(20, 0.01).expect("steps");
             assert!(report.replays > 0 && report.total_collisions > 10, "{report:?}");
         }
-        are_split(
+        assert_split_except(
             &chunked,
             &[Buffer::CollisionIndices, Buffer::Collisions, Buffer::Wrenches, Buffer::DispatchSizes, Buffer::Status],
         );
-        are_split(&whole, &Buffer::ALL);
-        same_bits(&Run::of(&mut chunked), &Run::of(&mut whole));
+        assert_split_except(&whole, &Buffer::ALL);
+        assert_bitwise_identical(&Run::of(&mut chunked), &Run::of(&mut whole));
     }
 }
 
-/// Without collisions, for the kernel of those is the one that takes a minute; `tests/kernels.rs` has it valid in chunks.
+/// Collisions are off, because their kernel takes a minute to compile. `tests/kernels.rs` checks that it is valid in
+/// chunks.
 #[test]
-fn rods_in_chunks_give_the_same_bits() {
+fn rods_in_chunks_give_bitwise_identical_results() {
     for integrator in [Integrator::Rk4, Integrator::SymplecticEuler] {
         let mut scene = with_rods();
         scene.settings.collisions = false;
@@ -100,15 +102,15 @@ fn rods_in_chunks_give_the_same_bits() {
             let report = simulation.run(12, 0.01).expect("steps");
             assert!(report.contacts > 20, "{report:?}");
         }
-        are_split(&chunked, &[Buffer::States, Buffer::Orientations, Buffer::DispatchSizes, Buffer::Status]);
-        same_bits(&Run::of(&mut chunked), &Run::of(&mut whole));
+        assert_split_except(&chunked, &[Buffer::States, Buffer::Orientations, Buffer::DispatchSizes, Buffer::Status]);
+        assert_bitwise_identical(&Run::of(&mut chunked), &Run::of(&mut whole));
     }
 }
 
-/// What changes between steps reaches the right chunks, and what is read comes out of them.
+/// Edits between steps reach the right chunks, and reads include all chunks.
 #[test]
 fn edits_and_reads_go_through_all_chunks() {
-    // Lists of 8 KiB: a device has bindings for so many chunks.
+    // Lists of 8 KiB: a device has enough bindings for that number of chunks.
     let options = || Options::new().broad_phase(BroadPhase::Grid).pair_capacity(2048);
     let [chunked, whole] =
         [in_chunks(2304, without_rods(), options()), whole(without_rods(), options())].map(|mut simulation| {
@@ -127,16 +129,16 @@ fn edits_and_reads_go_through_all_chunks() {
                 }
             }
             simulation.run(2, 0.01).expect("steps");
-            simulation.sort_memory().expect("memory is put in order");
+            simulation.sort_memory().expect("the memory is sorted");
             simulation.run(2, 0.01).expect("steps");
             Run::of(&mut simulation)
         });
     assert!(chunked.spheres.len() > 145);
-    same_bits(&chunked, &whole);
+    assert_bitwise_identical(&chunked, &whole);
 }
 
 #[test]
-fn a_view_gives_the_chunks() {
+fn a_view_returns_the_chunks() {
     let simulation = in_chunks(2304, without_rods(), Options::new());
     let view = simulation.gpu_view().expect("the GPU backend");
     // 150 spheres of 48 bytes.
@@ -149,6 +151,6 @@ fn a_view_gives_the_chunks() {
         "{refused:?}"
     );
     let sizes = view.buffer_sizes();
-    let state = sizes.iter().find(|size| size.name == "the state").expect("the state is told");
+    let state = sizes.iter().find(|size| size.name == "the state").expect("the state must be listed");
     assert_eq!(state.bytes, 150 * 48);
 }

@@ -1,5 +1,5 @@
-//! Citations of `docs/physics.md` in code and documents name sections and errata that exist there. Its errata name tests that
-//! exist, and its table of constants holds every setting with its default.
+//! Sections and errata of `docs/physics.md` that code and documents cite exist there. Its errata name existing tests,
+//! and its table of constants holds every setting with its default.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -141,7 +141,7 @@ fn cited_sections_and_errata_exist() {
     let mut paths = Vec::new();
     CITING.iter().for_each(|name| files(&root().join(name), &mut paths));
     paths.sort();
-    // This file cites what does not exist.
+    // The examples in this file cite sections and errata that do not exist.
     paths.retain(|path| !path.ends_with("tests/citations.rs"));
     let (mut bad, mut found) = (Vec::new(), [0, 0]);
     for path in paths {
@@ -179,7 +179,7 @@ fn errata_name_their_tests() {
         let (erratum, test) = (row[0], row[row.len() - 1].trim_matches('`'));
         let number: u32 = erratum[1..].parse().expect("a number");
         let exists = if test.ends_with(".rs") {
-            // Tests of a file that does not exist yet are promised only.
+            // A test file that does not exist yet is accepted.
             tests(test).is_none_or(|text| text.contains(&format!("fn e{number:02}_")))
         } else {
             test.starts_with(&format!("e{number:02}_")) && known.contains(&format!("fn {test}("))

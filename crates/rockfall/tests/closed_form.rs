@@ -1,6 +1,8 @@
-//! Cases whose outcome can be worked out on paper, on both backends.
+//! Tests of both backends against results derived by hand.
 //!
-//! The expectation is derived beside each case. Nothing is compared with what the engine said before.
+//! The derivation stands beside each test. Expected values never come from earlier output of the engine. Symbols are
+//! those of `docs/physics.md`: o is an overlap, u an approach velocity, n a normal, w an inverse mass, j an impulse, e
+//! the coefficient of restitution.
 
 #[macro_use]
 mod common;

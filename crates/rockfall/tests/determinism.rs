@@ -1,4 +1,5 @@
-//! Same input, same bits: whatever the threads, whatever room the lists had at the start.
+//! The same input gives bitwise identical results, whatever the number of threads and the initial capacity of the
+//! lists.
 
 use rockfall::glam::Vec3;
 use rockfall::{Backend, BroadPhase, Integrator, Options, Rod, Scene, Simulation, Sphere, SphereId};
@@ -6,10 +7,10 @@ use rockfall::{Backend, BroadPhase, Integrator, Options, Rod, Scene, Simulation,
 #[macro_use]
 mod common;
 
-use common::mixed::{Run, mixed, same_bits};
+use common::mixed::{Run, assert_bitwise_identical, mixed};
 use common::*;
 
-/// Steps of 10 ms, in which a lot must have happened.
+/// Runs steps of 10 ms and asserts that there were enough collisions and contacts.
 fn run(options: Options, steps: u64, balls: usize) -> Run {
     let mut simulation = Simulation::with_options(mixed(balls), options).expect("the simulation opens");
     let report = simulation.run(steps, 0.01).expect("steps");
@@ -18,16 +19,16 @@ fn run(options: Options, steps: u64, balls: usize) -> Run {
     Run { spheres, report }
 }
 
-fn two_runs_give_the_same_bits(backend: Backend) {
+fn two_runs_are_bitwise_identical(backend: Backend) {
     for integrator in [Integrator::Rk4, Integrator::SymplecticEuler] {
         let options = || Options::new().backend(backend).integrator(integrator);
         let steps = on(backend, 150, 25);
-        same_bits(&run(options(), steps, 100), &run(options(), steps, 100));
+        assert_bitwise_identical(&run(options(), steps, 100), &run(options(), steps, 100));
     }
 }
 
-/// One run of many steps is the same as many runs of one: batches make no difference.
-fn steps_one_by_one_give_the_same_bits(backend: Backend) {
+/// One run of many steps equals many runs of one step: batches make no difference.
+fn single_steps_and_a_batch_are_bitwise_identical(backend: Backend) {
     let (steps, balls) = (on(backend, 100, 40), 60);
     let whole = run(Options::new().backend(backend), steps, balls);
     let mut simulation = simulation(mixed(balls), backend);
@@ -35,10 +36,10 @@ fn steps_one_by_one_give_the_same_bits(backend: Backend) {
         simulation.step(0.01).expect("a step");
     }
     let parts = Run { spheres: simulation.spheres().expect("spheres are read back"), report: simulation.report() };
-    same_bits(&whole, &parts);
+    assert_bitwise_identical(&whole, &parts);
 }
 
-/// Spheres that fall upon each other, without rods.
+/// Spheres without rods that fall on each other.
 fn crowd() -> Scene {
     let mut scene = mixed(80);
     let rods: Vec<_> = scene.rod_ids().collect();
@@ -46,9 +47,9 @@ fn crowd() -> Scene {
     scene
 }
 
-/// A simulation that is resumed begins without sweeps over collisions that share bodies, and finds out that it needs them; brute force
-/// and the grid list them in other orders.
-fn sweeps_that_begin_again_make_no_difference(backend: Backend) {
+/// A resumed simulation starts without sweeps over collisions that share bodies, until it detects that they are needed.
+/// Brute force and the grid list such collisions in different orders. Neither changes the result.
+fn sweeps_that_restart_after_a_resume_make_no_difference(backend: Backend) {
     let options = |method| Options::new().backend(backend).broad_phase(method);
     let mut whole = Simulation::with_options(crowd(), options(BroadPhase::BruteForce)).expect("the simulation opens");
     whole.run(28, 0.01).expect("steps");
@@ -56,15 +57,15 @@ fn sweeps_that_begin_again_make_no_difference(backend: Backend) {
     for _ in 0..4 {
         part.run(7, 0.01).expect("steps");
         let kept = part.checkpoint().expect("a checkpoint");
-        part = Simulation::resume(kept).expect("it goes on");
+        part = Simulation::resume(kept).expect("the simulation resumes");
     }
     let [whole, part] = [&mut whole, &mut part].map(Run::of);
     assert!(whole.report.total_collisions > 50, "{:?}", whole.report);
-    same_bits(&whole, &part);
+    assert_bitwise_identical(&whole, &part);
 }
 
-/// Lists that overflow never lose a contact: the step is void, they grow, it is run again.
-fn a_start_without_room_gives_the_same_bits(backend: Backend) {
+/// Lists that overflow never lose a contact: the step is rejected, the lists grow, and the step is repeated.
+fn the_initial_capacity_of_lists_makes_no_difference(backend: Backend) {
     for integrator in [Integrator::Rk4, Integrator::SymplecticEuler] {
         let options = |capacity| Options::new().backend(backend).integrator(integrator).pair_capacity(capacity);
         let (steps, balls) = (on(backend, 150, 30), on(backend, 200, 100));
@@ -76,14 +77,14 @@ fn a_start_without_room_gives_the_same_bits(backend: Backend) {
             tight.report.replays,
             roomy.report.replays
         );
-        same_bits(&tight, &roomy);
+        assert_bitwise_identical(&tight, &roomy);
     }
 }
 
-/// A sphere that leaves its AABB voids the step, which is run again with wider ones: nothing is lost either. A force of
-/// 1024 on a resting ball moves it by 1024 t^2 / 2, far out of the margin of its AABB, and into another ball that it
-/// would not have met from its old lists: 0.125 in 1/64 s.
-fn a_jerk_out_of_the_aabb_loses_nothing(backend: Backend) {
+/// A sphere that leaves its AABB makes the step be rejected and repeated with wider AABBs, so no contact is lost. A
+/// force of 1024 moves a ball at rest by 1024 t^2 / 2 = 0.125 in 1/64 s. That is far outside its AABB and into another
+/// ball that its old list lacks.
+fn a_body_that_leaves_its_aabb_loses_no_contact(backend: Backend) {
     let mut scene = weightless();
     scene.settings.friction = 0.0;
     let [jerked, other] =
@@ -93,14 +94,14 @@ fn a_jerk_out_of_the_aabb_loses_nothing(backend: Backend) {
     let report = simulation.step(DT).expect("a step");
     assert!(report.replays > 0, "the ball must leave its AABB");
     let (jerked, other) = (simulation.sphere(jerked).expect("a ball"), simulation.sphere(other).expect("a ball"));
-    assert!(other.velocity.x > 0.1, "the other must have been met in the later stages: {}", other.velocity);
-    // Momentum is F t whatever the contact did.
+    assert!(other.velocity.x > 0.1, "the later stages must find the contact with the other ball: {}", other.velocity);
+    // The total momentum is F t, whatever the contact does.
     close(jerked.velocity.x + other.velocity.x, 16.0, 1e-4, "momentum");
 }
 
-/// Brute force keeps spheres in order of addition, the grid in spatial order: results know nothing of either. The balls are
-/// added in an order that is far from a spatial one, with a hole in it that an edit left.
-fn the_broad_phase_and_the_order_of_memory_make_no_difference(backend: Backend) {
+/// Brute force stores spheres in insertion order, the grid in spatial order. Results must not depend on either. The
+/// insertion order of the balls is far from a spatial one, and an edit leaves a gap in it.
+fn the_broad_phase_and_the_memory_order_make_no_difference(backend: Backend) {
     let shuffled = |method: BroadPhase| {
         let options = Options::new().backend(backend).broad_phase(method);
         let mut scene = mixed(0);
@@ -120,11 +121,11 @@ fn the_broad_phase_and_the_order_of_memory_make_no_difference(backend: Backend) 
         Run { spheres: simulation.spheres().expect("spheres are read back"), report }
     };
     let brute = shuffled(BroadPhase::BruteForce);
-    same_bits(&brute, &shuffled(BroadPhase::Grid));
-    same_bits(&brute, &shuffled(BroadPhase::SortAndSkip));
+    assert_bitwise_identical(&brute, &shuffled(BroadPhase::Grid));
+    assert_bitwise_identical(&brute, &shuffled(BroadPhase::SortAndSkip));
 }
 
-/// The place in memory of every sphere; no two are in one.
+/// Slot in memory of every sphere. Asserts that no two spheres share one.
 fn slots(simulation: &Simulation, spheres: usize) -> Vec<usize> {
     let slots: Vec<usize> = (0..spheres).map(|sphere| simulation.slot(sphere)).collect();
     let mut places = slots.clone();
@@ -133,7 +134,7 @@ fn slots(simulation: &Simulation, spheres: usize) -> Vec<usize> {
     slots
 }
 
-/// Memory is sorted, in a scene of everything, while it runs and is changed: nobody sees it.
+/// Sorting the memory during a run with edits does not change the results.
 fn sorting_memory_makes_no_difference(backend: Backend) {
     let (rounds, steps) = on(backend, (8, 20), (3, 8));
     let run = |method: BroadPhase| {
@@ -143,7 +144,8 @@ fn sorting_memory_makes_no_difference(backend: Backend) {
         let (count, mut moves) = (ids.len(), 0);
         for round in 0..rounds {
             simulation.run(steps, 0.01).expect("steps");
-            // Before the sort: changes pack what refers to spheres anew, and would hide whether it followed them.
+            // Edits before the sort, because an edit rebuilds all references to spheres and would hide references that
+            // the sort did not update.
             simulation.set_velocity(ids[round * 7], [1.0, 2.0, 0.0]).expect("a ball to throw");
             simulation.set_force(ids[round * 5], [0.0, 30.0, 0.0]).expect("a ball to lift");
             let before = slots(&simulation, count);
@@ -151,15 +153,16 @@ fn sorting_memory_makes_no_difference(backend: Backend) {
             moves += usize::from(slots(&simulation, count) != before);
         }
         simulation.run(steps, 0.01).expect("steps");
-        assert_eq!(moves > 0, method == BroadPhase::Grid, "{moves} sorts moved something");
+        assert_eq!(moves > 0, method == BroadPhase::Grid, "{moves} sorts changed the order");
         Run::of(&mut simulation)
     };
-    same_bits(&run(BroadPhase::BruteForce), &run(BroadPhase::Grid));
+    assert_bitwise_identical(&run(BroadPhase::BruteForce), &run(BroadPhase::Grid));
 }
 
-/// A few large spheres and, or not, a long rod, whose lists are made and gone through by workgroups on a device, in a heap of small ones;
-/// at first there is no room for lists. With brute force large spheres are not the last in memory: there a thread does it all.
-fn long_lists_make_no_difference(backend: Backend) {
+/// A few large spheres and, optionally, a long rod in a pile of small spheres. On a device, workgroups build and
+/// process their long lists. The lists start without capacity. With brute force, large spheres are not last in memory,
+/// so one thread processes each list.
+fn long_lists_processed_by_workgroups_make_no_difference(backend: Backend) {
     let run = |method: BroadPhase, with_rod: bool| {
         let mut scene = with(|settings| settings.gravity = 10.0);
         floor_box(&mut scene);
@@ -185,80 +188,82 @@ fn long_lists_make_no_difference(backend: Backend) {
         Run::of(&mut simulation)
     };
     for with_rod in [true, false] {
-        same_bits(&run(BroadPhase::BruteForce, with_rod), &run(BroadPhase::Grid, with_rod));
+        assert_bitwise_identical(&run(BroadPhase::BruteForce, with_rod), &run(BroadPhase::Grid, with_rod));
     }
 }
 
-/// On a device lists that last are made in few steps of a batch only, until a ball comes flying: what it hits leaves its AABB
-/// where no list can be made. Steps that are submitted one by one may make lists in each.
+/// On a device, Verlet lists are rebuilt in only a few steps of a batch. A ball then hits the crowd and pushes spheres
+/// out of their AABBs in steps that cannot rebuild lists. Steps that are submitted one by one may rebuild lists in
+/// every step.
 #[test]
 #[cfg(feature = "gpu")]
-fn lists_that_are_made_rarely_lose_nothing() {
+fn lists_that_are_rebuilt_rarely_lose_no_contact() {
     let scene = || {
         let mut scene = weightless();
         let crowd = (0..60).map(|k| Vec3::new((k % 4) as f32, (k / 16) as f32, (k / 4 % 4) as f32));
         for place in crowd {
             scene.add_sphere(Sphere::new(place, 0.499)).expect("a valid sphere");
         }
-        // There after 3 s.
+        // Arrives after 3 s.
         scene.add_sphere(Sphere::new([-25.0, 1.1, 0.9], 0.5).mass(5.0).velocity([8.0, 0.0, 0.0])).expect("a valid sphere");
         let options = Options::new().backend(Backend::Gpu).broad_phase(BroadPhase::Grid);
         Simulation::with_options(scene, options).expect("the simulation opens")
     };
     let (mut whole, mut parts) = (scene(), scene());
-    whole.run(256, 0.01).expect("steps before the ball is there");
+    whole.run(256, 0.01).expect("steps before the ball arrives");
     let before = whole.profile(32, 0.01).expect("a profile");
-    let builds = before.stages.iter().find(|stage| stage.name == "find_neighbours").expect("the stage that makes lists").runs;
-    assert!(builds <= 32 / 4, "lists may be made in {builds} of 32 steps");
+    let builds =
+        before.stages.iter().find(|stage| stage.name == "find_neighbours").expect("the stage that builds the lists").runs;
+    assert!(builds <= 32 / 4, "lists may be rebuilt in {builds} of 32 steps");
     whole.run(72, 0.01).expect("steps");
     for _ in 0..360 {
         parts.step(0.01).expect("a step");
     }
     let [whole, parts] = [&mut whole, &mut parts].map(Run::of);
-    assert!(whole.report.replays > parts.report.replays, "nobody was pushed out: {:?}", whole.report);
-    same_bits(&whole, &parts);
+    assert!(whole.report.replays > parts.report.replays, "no sphere left its AABB: {:?}", whole.report);
+    assert_bitwise_identical(&whole, &parts);
 }
 
-/// Bodies that were all moved by hand stand in memory in no order at all; that is noticed.
-fn memory_is_sorted_when_it_pays(backend: Backend) {
-    // At rest, as near as can be without touching.
+/// After all bodies were moved by hand, memory is in a random order. This must be detected.
+fn memory_is_sorted_only_when_it_is_unordered(backend: Backend) {
+    // At rest, as close as possible without touching.
     let mut scene = weightless();
     let place = |k: usize| Vec3::new((k % 8) as f32, (k / 64) as f32, (k / 8 % 8) as f32);
     let balls: Vec<SphereId> =
         (0..512).map(|k| scene.add_sphere(Sphere::new(place(k), 0.499)).expect("a valid sphere")).collect();
     let options = Options::new().backend(backend).broad_phase(BroadPhase::Grid);
     let mut simulation = Simulation::with_options(scene, options).expect("the simulation opens");
-    // Four looks at the order, which is good.
+    // Long enough for four checks of the order, which is good.
     simulation.run(on(backend, 1100, 300), 0.001).expect("steps");
     let version = simulation.memory_version();
-    assert_eq!(version, 1, "sorted although there was no need");
+    assert_eq!(version, 1, "memory was sorted although it was in order");
     for (k, ball) in balls.iter().enumerate() {
         simulation.set_position(*ball, place(k * 197 % 512)).expect("a ball to move");
     }
     simulation.run(300, 0.001).expect("steps");
-    assert!(simulation.memory_version() > version, "disorder was not noticed");
+    assert!(simulation.memory_version() > version, "the disorder was not detected");
 }
 
-/// CPU, one thread and four.
+/// The CPU backend with one, four and seven threads.
 #[test]
-fn threads_make_no_difference() {
+fn the_number_of_threads_makes_no_difference() {
     let with_threads = |threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
         pool.install(|| run(Options::new().backend(Backend::Cpu), 150, 300))
     };
     let one = with_threads(1);
-    same_bits(&one, &with_threads(4));
-    same_bits(&one, &with_threads(7));
+    assert_bitwise_identical(&one, &with_threads(4));
+    assert_bitwise_identical(&one, &with_threads(7));
 }
 
 both!(
-    two_runs_give_the_same_bits,
-    steps_one_by_one_give_the_same_bits,
-    sweeps_that_begin_again_make_no_difference,
-    a_start_without_room_gives_the_same_bits,
-    a_jerk_out_of_the_aabb_loses_nothing,
-    the_broad_phase_and_the_order_of_memory_make_no_difference,
+    two_runs_are_bitwise_identical,
+    single_steps_and_a_batch_are_bitwise_identical,
+    sweeps_that_restart_after_a_resume_make_no_difference,
+    the_initial_capacity_of_lists_makes_no_difference,
+    a_body_that_leaves_its_aabb_loses_no_contact,
+    the_broad_phase_and_the_memory_order_make_no_difference,
     sorting_memory_makes_no_difference,
-    long_lists_make_no_difference,
-    memory_is_sorted_when_it_pays,
+    long_lists_processed_by_workgroups_make_no_difference,
+    memory_is_sorted_only_when_it_is_unordered,
 );

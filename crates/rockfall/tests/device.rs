@@ -1,4 +1,5 @@
-//! Devices that are too small or lost: an error that says what to do, and nothing that panics. (`memory.rs` has one without memory.)
+//! Devices with low limits, and devices that are lost: the error says what to do, and nothing panics. (`memory.rs`
+//! tests a device without memory.)
 
 #![cfg(feature = "gpu")]
 
@@ -20,46 +21,46 @@ fn open(scene: Scene, device: &(wgpu::Device, wgpu::Queue)) -> Result<Simulation
     Simulation::on_device(scene, Options::new().broad_phase(BroadPhase::BruteForce), &device.0, &device.1)
 }
 
-/// The message of a failure that names these words and what to do.
+/// Asserts that a result is an error of the device whose message contains these words and says what to do.
 #[track_caller]
-fn is_told<T>(result: Result<T>, words: &[&str]) {
-    let error = result.err().expect("it must fail");
+fn assert_device_error<T>(result: Result<T>, words: &[&str]) {
+    let error = result.err().expect("the call must fail");
     let known = matches!(error, Error::Device(_) | Error::DeviceLimit { .. } | Error::NoAdapter(_));
     let text = error.to_string();
     assert!(known && words.iter().all(|word| text.contains(word)), "{text}");
-    assert!(text.contains("--backend cpu") || text.contains("the CPU backend"), "it does not say what to do: {text}");
+    assert!(text.contains("--backend cpu") || text.contains("the CPU backend"), "the message does not say what to do: {text}");
 }
 
 #[test]
 fn limits_that_are_too_low_are_named() {
     let device = device(|limits| limits.max_storage_buffers_per_shader_stage = 4);
-    is_told(open(heap(10), &device), &["max_storage_buffers_per_shader_stage is 4", "needs 8"]);
+    assert_device_error(open(heap(10), &device), &["max_storage_buffers_per_shader_stage is 4", "needs 8"]);
 }
 
 #[test]
-fn a_scene_that_is_larger_than_the_device_allows_is_refused() {
-    // No room for more bindings than the arrays have.
+fn a_scene_larger_than_the_device_allows_is_rejected() {
+    // No bindings are left for more chunks.
     let device = device(|limits| {
         limits.max_storage_buffer_binding_size = 1 << 16;
         limits.max_storage_buffers_per_shader_stage = 8;
     });
-    let told = ["the scene does not fit", "the pair lists", "65536", "max_storage_buffers_per_shader_stage"];
-    is_told(open(heap(3000), &device), &told);
+    let words = ["the scene does not fit", "the pair lists", "65536", "max_storage_buffers_per_shader_stage"];
+    assert_device_error(open(heap(3000), &device), &words);
 }
 
-/// The lists of 32 balls fit, those of 600 that all meet do not: 600 x 600 entries of 4 bytes.
+/// The lists of 32 balls fit, those of 600 balls that all touch do not: 600 x 600 entries of 4 bytes.
 #[test]
-fn lists_that_outgrow_the_device_leave_the_bodies_as_they_were() {
+fn lists_that_outgrow_the_device_leave_the_state_unchanged() {
     let device = device(|limits| {
         limits.max_storage_buffer_binding_size = 1 << 18;
         limits.max_storage_buffers_per_shader_stage = 8;
     });
     let mut simulation = open(heap(600), &device).unwrap();
     let before = simulation.spheres().unwrap();
-    is_told(simulation.run(3, 0.01), &["the pair lists", "262144"]);
+    assert_device_error(simulation.run(3, 0.01), &["the pair lists", "262144"]);
     assert_eq!(simulation.report().steps, 0);
     assert_eq!(simulation.spheres().unwrap(), before);
-    // With fewer of them it goes on.
+    // With fewer balls the simulation continues.
     let ids: Vec<_> = simulation.scene().sphere_ids().skip(20).collect();
     for id in ids {
         simulation.remove_sphere(id).unwrap();
@@ -69,25 +70,25 @@ fn lists_that_outgrow_the_device_leave_the_bodies_as_they_were() {
 }
 
 #[test]
-fn the_loss_of_a_caller_s_device_is_told() {
+fn the_loss_of_a_caller_s_device_is_reported() {
     let device = device(|_| {});
     let mut simulation = open(heap(10), &device).unwrap();
     simulation.run(2, 0.01).unwrap();
     device.0.destroy();
-    is_told(simulation.run(2, 0.01), &["the device was lost"]);
-    is_told(simulation.spheres(), &["the device was lost"]);
-    is_told(open(heap(10), &device), &["the device was lost"]);
+    assert_device_error(simulation.run(2, 0.01), &["the device was lost"]);
+    assert_device_error(simulation.spheres(), &["the device was lost"]);
+    assert_device_error(open(heap(10), &device), &["the device was lost"]);
 }
 
 #[test]
-fn the_loss_of_the_library_s_own_device_is_told() {
+fn the_loss_of_the_library_s_own_device_is_reported() {
     let options = Options::new().backend(rockfall::Backend::Gpu);
     let mut simulation = Simulation::with_options(heap(10), options).unwrap();
     simulation.run(2, 0.01).unwrap();
     simulation.gpu_view().unwrap().gpu().device().destroy();
-    is_told(simulation.run(2, 0.01), &["the device was lost"]);
-    is_told(simulation.spheres(), &["the device was lost"]);
+    assert_device_error(simulation.run(2, 0.01), &["the device was lost"]);
+    assert_device_error(simulation.spheres(), &["the device was lost"]);
     let ball = simulation.scene().sphere_ids().next().unwrap();
     simulation.set_velocity(ball, [1.0, 0.0, 0.0]).unwrap();
-    is_told(simulation.sync().map(|_| ()), &["the device was lost"]);
+    assert_device_error(simulation.sync().map(|_| ()), &["the device was lost"]);
 }

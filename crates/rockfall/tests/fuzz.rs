@@ -1,5 +1,5 @@
-//! The corpus of the fuzz targets (docs/fuzzing.md), put through the same code that the fuzzer calls: what it found stays
-//! mended.
+//! Runs the corpus of the fuzz targets (docs/fuzzing.md) through the code that the fuzzer calls, so that errors it
+//! found do not return.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -10,10 +10,10 @@ use std::time::{Duration, Instant};
 #[path = "../../../fuzz/src/lib.rs"]
 mod targets;
 
-/// A case takes some milliseconds; one that hangs would take far more.
+/// Limit for one case. A case takes some milliseconds; one that hangs would take far longer.
 const LONGEST: Duration = Duration::from_secs(60);
 
-/// The files of a corpus by name.
+/// The files of a corpus, by name.
 fn corpus(target: &str) -> BTreeMap<String, Vec<u8>> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fuzz/corpus").join(target);
     let files = fs::read_dir(&folder).unwrap_or_else(|error| panic!("{}: {error}", folder.display()));
@@ -23,9 +23,9 @@ fn corpus(target: &str) -> BTreeMap<String, Vec<u8>> {
 
 fn replay(target: &str, least: usize, entry: fn(&[u8])) {
     let corpus = corpus(target);
-    assert!(corpus.len() >= least, "{} files are too few", corpus.len());
+    assert!(corpus.len() >= least, "only {} files", corpus.len());
     for (name, bytes) in corpus {
-        // Shown with the panic of a case that fails.
+        // Printed with the panic of a case that fails.
         println!("fuzz/corpus/{target}/{name}");
         let start = Instant::now();
         entry(&bytes);
@@ -34,11 +34,11 @@ fn replay(target: &str, least: usize, entry: fn(&[u8])) {
 }
 
 #[test]
-fn scene_texts() {
+fn the_corpus_of_scene_texts_passes() {
     replay("scene_text", 50, targets::scene_text);
 }
 
 #[test]
-fn motions() {
+fn the_corpus_of_motions_passes() {
     replay("motion", 50, targets::motion);
 }

@@ -1,4 +1,5 @@
-//! The wgpu backend on whatever adapter there is, software too: whole steps, errors, and nothing that panics or blocks.
+//! The wgpu backend on the available adapter, which may be software: whole steps and errors. Nothing may panic or
+//! block.
 
 #![cfg(feature = "gpu")]
 
@@ -18,9 +19,9 @@ use rockfall::scene::{Capsule, Cuboid, Sphere};
 use rockfall::step::schedule::{Phase, Run};
 use rockfall::{Backend, BroadPhase, Error, Integrator, Options, Scene, Simulation};
 
-/// A test without an adapter fails: skipped it would prove nothing.
+/// Opens an adapter. Without one a test fails, because a skipped test would prove nothing.
 fn open() -> Gpu {
-    Gpu::open_blocking(true).expect("these tests need a Vulkan driver, lavapipe will do")
+    Gpu::open_blocking(true).expect("these tests need a Vulkan driver such as lavapipe")
 }
 
 fn step_stages(integrator: Integrator) -> Vec<Run> {
@@ -30,7 +31,7 @@ fn step_stages(integrator: Integrator) -> Vec<Run> {
 fn world(scene: &Scene) -> World {
     let mut world = World::build(scene).unwrap();
     world.step.dt = 0.02;
-    // Wide, so that no step is void for a body that left its AABB.
+    // A wide margin, so that no step is rejected because a body left its AABB.
     world.step.margin_scale = 30.0;
     world
 }
@@ -48,7 +49,7 @@ fn heap(count: u16) -> Scene {
 }
 
 #[test]
-fn a_sphere_falls() {
+fn a_sphere_falls_by_the_expected_distance() {
     for integrator in [Integrator::Rk4, Integrator::SymplecticEuler] {
         let gpu = open();
         let mut scene = Scene::new();
@@ -59,7 +60,7 @@ fn a_sphere_falls() {
         block_on(gpu.device(), device.download(&mut world, &Buffer::ALL)).unwrap();
         assert_eq!((world.status.rejected, world.status.steps), (0, 50));
         let fallen = 10.0 - world.states[0][0].y;
-        // 1 s of G = 1: half a unit; symplectic Euler falls half a step further.
+        // 1 s of G = 1 is half a unit; symplectic Euler falls half a step farther.
         let expected = if integrator == Integrator::Rk4 { 0.5 } else { 0.51 };
         assert!((fallen - expected).abs() < 1e-5, "{fallen}");
         assert!((world.states[0][1].y + 1.0).abs() < 1e-5);
@@ -67,7 +68,7 @@ fn a_sphere_falls() {
 }
 
 #[test]
-fn the_same_input_gives_the_same_bits() {
+fn the_same_input_gives_bitwise_identical_results() {
     let scene = heap(100);
     let ends: Vec<World> = (0..2)
         .map(|_| {
@@ -82,8 +83,8 @@ fn the_same_input_gives_the_same_bits() {
         })
         .collect();
     assert_eq!(ends[0].status.steps, 20);
-    let met = ends[0].status.last_contacts + ends[0].status.total_collisions_low;
-    assert!(met > 30, "{met}");
+    let touched = ends[0].status.last_contacts + ends[0].status.total_collisions_low;
+    assert!(touched > 30, "{touched}");
     assert_eq!(ends[0].status, ends[1].status);
     let bits = |world: &World| -> Vec<u32> {
         let all = world.states[0].iter().chain(&world.orientations);
@@ -92,13 +93,14 @@ fn the_same_input_gives_the_same_bits() {
     assert_eq!(bits(&ends[0]), bits(&ends[1]));
 }
 
-/// As in scenes of millions: lists are made in some steps, and in the others the stages that make them have no workgroups.
+/// As in scenes of millions of objects: lists are rebuilt in some steps, and in the others the stages that rebuild them
+/// have no workgroups.
 #[test]
-fn the_device_decides_how_much_there_is_to_do() {
+fn indirect_dispatches_give_bitwise_identical_results() {
     let stages: Vec<Run> =
         Phase::STEP.iter().flat_map(|phase| phase.stages(Integrator::Rk4, BroadPhase::Grid)).copied().collect();
     let gpu = open();
-    let [told, planned] = [0, 1].map(|planned| {
+    let [direct, planned] = [0, 1].map(|planned| {
         let mut world = world(&heap(100));
         world.set_cells(2 * CELL_BLOCK);
         world.step.planned = planned;
@@ -112,14 +114,14 @@ fn the_device_decides_how_much_there_is_to_do() {
     });
     assert_eq!((planned.status.rejected, planned.status.steps), (0, 20));
     assert!((1..15).contains(&planned.status.builds), "{:?}", planned.status);
-    assert_eq!(told.status, planned.status);
-    assert_eq!((told.states[0].clone(), told.orientations), (planned.states[0].clone(), planned.orientations));
+    assert_eq!(direct.status, planned.status);
+    assert_eq!((direct.states[0].clone(), direct.orientations), (planned.states[0].clone(), planned.orientations));
     let (present, all) = planned.sizes.split_at(SIZE_WORDS as usize);
     assert!(present.iter().all(|size| *size == 0) && all.iter().all(|size| *size > 0), "{:?}", planned.sizes);
 }
 
 #[test]
-fn lists_that_do_not_fit_void_the_step_and_grow() {
+fn lists_that_do_not_fit_reject_the_step_and_grow() {
     let gpu = open();
     let mut world = world(&heap(100));
     world.set_pair_rows(1);
@@ -130,7 +132,7 @@ fn lists_that_do_not_fit_void_the_step_and_grow() {
     assert_eq!((status.rejected, status.steps), (REJECTED_PAIRS, 0));
     let mut after = world.clone();
     block_on(gpu.device(), device.download(&mut after, &[Buffer::Start])).unwrap();
-    assert_eq!(after.states[0], world.states[0], "a void step moves nothing");
+    assert_eq!(after.states[0], world.states[0], "a rejected step moves nothing");
 
     world.set_pair_rows(status.pair_rows_needed);
     device.resize_lists(&world).unwrap();
@@ -159,7 +161,7 @@ fn a_device_that_is_destroyed_is_an_error() {
 }
 
 #[test]
-fn so_is_a_caller_s_device() {
+fn a_caller_s_device_that_is_destroyed_is_an_error() {
     let opened = open();
     let gpu = Gpu::on_device(opened.device().clone(), opened.queue().clone());
     let world = world(&heap(10));
@@ -173,13 +175,13 @@ fn so_is_a_caller_s_device() {
 }
 
 #[test]
-fn destroyed_while_a_read_is_under_way() {
+fn a_read_of_a_device_that_is_destroyed_ends_with_an_error() {
     let gpu = open();
     let world = world(&heap(100));
     let mut device = GpuWorld::new(&gpu, &world).unwrap();
     device.run(&step_stages(Integrator::Rk4), &world.step, 200).unwrap();
     let mut read = pin!(device.read_status());
-    // Not blocked: the answer is not there yet, and the call comes back.
+    // The call returns at once, although the answer is not there yet.
     let first = read.as_mut().poll(&mut Context::from_waker(Waker::noop()));
     assert!(matches!(first, Poll::Pending));
     gpu.device().destroy();
@@ -188,22 +190,22 @@ fn destroyed_while_a_read_is_under_way() {
 }
 
 #[test]
-fn what_does_not_fit_is_refused_before_it_is_allocated() {
-    // The least that WebGPU promises; there are devices on which they would fit.
+fn arrays_that_do_not_fit_are_rejected_before_allocation() {
+    // The smallest limits that WebGPU guarantees. On some devices the arrays would fit.
     let (device, queue) = device::device(|limits| {
         limits.max_storage_buffer_binding_size = 128 << 20;
         limits.max_storage_buffers_per_shader_stage = 8;
     });
     let gpu = Gpu::on_device(device, queue);
     let mut world = world(&heap(10));
-    // 16 GiB of list entries, of which the host holds none.
+    // 16 GiB of list entries. The host does not allocate them.
     world.step.pair_rows = 1 << 27;
     let refused = GpuWorld::new(&gpu, &world).map(|_| ());
     assert!(matches!(refused, Err(Error::DeviceLimit { what: "the pair lists", .. })), "{refused:?}");
 }
 
 #[test]
-fn indices_that_point_outside_are_refused() {
+fn indices_out_of_range_are_rejected() {
     let gpu = open();
     let mut world = world(&heap(10));
     world.topology[world.step.rods_at as usize] = world.step.spheres;
@@ -216,7 +218,7 @@ fn indices_that_point_outside_are_refused() {
 }
 
 #[test]
-fn the_counts_of_a_world_cannot_be_changed_by_a_run() {
+fn a_run_does_not_change_the_counts_of_a_world() {
     let gpu = open();
     let world = world(&heap(10));
     let mut device = GpuWorld::new(&gpu, &world).unwrap();
@@ -229,7 +231,7 @@ fn the_counts_of_a_world_cannot_be_changed_by_a_run() {
 }
 
 #[test]
-fn a_world_with_nothing_in_it_runs() {
+fn an_empty_world_runs() {
     let gpu = open();
     let world = world(&Scene::new());
     let mut device = GpuWorld::new(&gpu, &world).unwrap();
@@ -239,7 +241,7 @@ fn a_world_with_nothing_in_it_runs() {
 }
 
 #[test]
-fn a_kernel_that_does_not_compile_names_its_own_file() {
+fn a_compile_error_names_the_file_and_line_of_the_kernel() {
     use rockfall::step::catalog::ALL;
     use rockfall::step::stage::Stage;
     use rockfall::step::wgsl::Wgsl;
@@ -260,10 +262,10 @@ fn a_kernel_that_does_not_compile_names_its_own_file() {
     assert!(text.contains(&format!("step/integrate/turn.wgsl:{line}")), "{text}");
 }
 
-/// The memory of the process would say nothing: lavapipe (Mesa 22.3) itself keeps some 0.5 MB of every step until the device
-/// is dropped.
+/// The test counts allocations on the device. The memory of the process would be misleading, because lavapipe (Mesa
+/// 22.3) keeps about 0.5 MB per step until the device is dropped.
 #[test]
-fn many_steps_leave_nothing_allocated_on_the_device() {
+fn many_steps_do_not_add_allocations_on_the_device() {
     let mut simulation = Simulation::with_options(heap(20), Options::new().backend(Backend::Gpu)).unwrap();
     let allocated = [200, 800].map(|steps| {
         while simulation.report().steps < steps {
@@ -271,9 +273,9 @@ fn many_steps_leave_nothing_allocated_on_the_device() {
             simulation.energy().unwrap();
         }
         let report = simulation.gpu_view().unwrap().gpu().device().generate_allocator_report();
-        let report = report.expect("a backend that counts its memory: Vulkan or DX12");
+        let report = report.expect("the backend must report its allocations, as Vulkan and DX12 do");
         (report.allocations.len(), report.total_allocated_bytes)
     });
     assert!(allocated[0].0 > 10, "{allocated:?}");
-    assert_eq!(allocated[0], allocated[1], "allocations, and their bytes");
+    assert_eq!(allocated[0], allocated[1], "number and bytes of allocations");
 }

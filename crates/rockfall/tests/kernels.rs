@@ -1,4 +1,4 @@
-//! Every kernel as it is joined: valid, within what every browser grants, and of the same layout as the Rust side.
+//! Every joined kernel is valid, stays within the limits of every browser, and has the same layout as the Rust side.
 
 use std::mem::{offset_of, size_of};
 
@@ -12,7 +12,7 @@ use rockfall::step::catalog::ALL;
 use rockfall::step::stage::{Access, Stage};
 use rockfall::step::wgsl::Variant;
 
-/// What WebGPU grants everywhere.
+/// Limits that WebGPU guarantees.
 const MAX_STORAGE_BUFFERS: usize = 8;
 const MAX_WORKGROUP_BYTES: u32 = 16 * 1024;
 const MAX_INVOCATIONS: u32 = 256;
@@ -25,7 +25,7 @@ fn module(stage: &Stage) -> Module {
     module_for(stage, true, true)
 }
 
-/// For scenes with or without rods and large spheres.
+/// The module for scenes with or without rods and large spheres.
 fn module_for(stage: &Stage, rods: bool, large: bool) -> Module {
     let text = Variant { rods, large, many: false }.apply(&source(stage));
     naga::front::wgsl::parse_str(&text).unwrap_or_else(|e| panic!("{}: {}", stage.name, e.emit_to_string(&text)))
@@ -43,7 +43,7 @@ fn every_kernel_is_valid() {
     }
 }
 
-/// Where arrays are larger than one binding may be: each alone, and all of them.
+/// Kernels whose arrays exceed one binding: each array alone, and all of them.
 #[cfg(feature = "gpu")]
 #[test]
 fn every_kernel_is_valid_with_its_arrays_in_chunks() {
@@ -60,24 +60,25 @@ fn every_kernel_is_valid_with_its_arrays_in_chunks() {
                 }
             }
             let split = split(&text, &Split::of(stage, &chunks, 1 << 20));
-            let told = |error: &dyn std::fmt::Display| format!("{} in chunks {chunks:?}: {error}", stage.name);
-            let module = naga::front::wgsl::parse_str(&split).unwrap_or_else(|e| panic!("{}", told(&e.emit_to_string(&split))));
+            let message = |error: &dyn std::fmt::Display| format!("{} in chunks {chunks:?}: {error}", stage.name);
+            let module =
+                naga::front::wgsl::parse_str(&split).unwrap_or_else(|e| panic!("{}", message(&e.emit_to_string(&split))));
             let valid = Validator::new(ValidationFlags::all(), Capabilities::empty()).validate(&module);
-            valid.unwrap_or_else(|e| panic!("{}", told(&e.emit_to_string(&split))));
+            valid.unwrap_or_else(|e| panic!("{}", message(&e.emit_to_string(&split))));
             let bound = module.global_variables.iter().filter(|(_, variable)| variable.binding.is_some()).count();
-            assert_eq!(bound, 2 + chunks.iter().sum::<u32>() as usize, "{}", told(&"bindings"));
-            // Errors of the compiler name lines.
+            assert_eq!(bound, 2 + chunks.iter().sum::<u32>() as usize, "{}", message(&"bindings"));
+            // Compile errors name line numbers.
             assert_eq!(split.lines().zip(text.lines()).count(), text.lines().count());
             let moved = text.lines().zip(split.lines()).any(|(one, other)| one.is_empty() != other.is_empty());
-            assert!(!moved, "{}", told(&"lines have moved"));
+            assert!(!moved, "{}", message(&"line numbers must not change"));
         }
     }
 }
 
-/// The element that a chunk begins with goes by the size that the kernels declare.
+/// The first element of a chunk follows from the element size that the kernels declare.
 #[cfg(feature = "gpu")]
 #[test]
-fn chunks_begin_where_elements_do() {
+fn chunks_begin_at_element_boundaries() {
     use rockfall::exec::gpu::{Split, split};
     for stage in ALL {
         let module = module(stage);
@@ -94,7 +95,7 @@ fn chunks_begin_where_elements_do() {
 }
 
 #[test]
-fn every_kernel_keeps_within_the_limits_of_webgpu() {
+fn every_kernel_stays_within_the_limits_of_webgpu() {
     for stage in ALL {
         assert!(stage.bindings.len() <= MAX_STORAGE_BUFFERS, "{}: {} storage buffers", stage.name, stage.bindings.len());
         let module = module(stage);
@@ -108,7 +109,7 @@ fn every_kernel_keeps_within_the_limits_of_webgpu() {
         for entry in module.entry_points.iter().filter(|entry| entry.name == stage.name) {
             let invocations: u32 = entry.workgroup_size.iter().product();
             assert!(invocations <= MAX_INVOCATIONS, "{}: {invocations} invocations", stage.name);
-            // Stages that have workgroups, not threads, for what they work on.
+            // These stages have one workgroup, not one thread, per item.
             let groups = matches!(stage.threads, Threads::One | Threads::Blocks | Threads::LongMovers);
             let wide = matches!(stage.threads, Threads::WideObjects | Threads::WideSpheres);
             let expected = if wide { layout::WIDE } else { layout::WORKGROUP };
@@ -118,7 +119,7 @@ fn every_kernel_keeps_within_the_limits_of_webgpu() {
 }
 
 #[test]
-fn the_bindings_are_those_of_the_stage() {
+fn the_bindings_equal_those_of_the_stage() {
     for stage in ALL {
         let module = module(stage);
         let mut found: Vec<(u32, String, Option<Access>)> = module
@@ -144,7 +145,7 @@ fn the_bindings_are_those_of_the_stage() {
     }
 }
 
-/// The binding table of ARCHITECTURE.md is that of the stages.
+/// The binding table of ARCHITECTURE.md equals the bindings of the stages.
 #[test]
 fn the_architecture_lists_the_bindings() {
     let text = include_str!("../../../ARCHITECTURE.md");
@@ -159,7 +160,7 @@ fn the_architecture_lists_the_bindings() {
     }
 }
 
-/// A writable buffer must not stand in a dispatch twice.
+/// A writable buffer must not be bound twice in one dispatch.
 #[test]
 fn no_stage_writes_a_buffer_that_it_binds_twice() {
     use rockfall::step::schedule::Phase;
@@ -187,7 +188,7 @@ macro_rules! rust_fields {
         fn size<T>(_: &T) -> usize {
             size_of::<T>()
         }
-        // No `..` in the pattern: a field that is left out here does not compile.
+        // No `..` in the pattern, so a missing field is a compile error.
         let $name { $($field),* } = $name::default();
         let fields: Fields = vec![$((
             stringify!($field).to_owned(),
@@ -214,7 +215,7 @@ fn wgsl_fields(module: &Module, name: &str) -> (Fields, u32) {
     (fields, *span)
 }
 
-/// Replaces a field of several words by so many of one word, `name_0` and so on.
+/// Replaces a field of several words by that number of one-word fields, `name_0` and so on.
 fn split(fields: Fields, name: &str) -> Fields {
     fields
         .into_iter()
@@ -230,7 +231,7 @@ fn split(fields: Fields, name: &str) -> Fields {
 }
 
 #[test]
-fn the_structs_are_those_of_layout() {
+fn the_structs_equal_those_of_layout() {
     let step = rust_fields!(Step: gravity, dt, activation_threshold, restitution, contact_damping, contact_force, friction,
         coulomb_friction, collision_friction, gravity_size, linear_damping, angular_damping, margin_scale, lookahead, list_interval, lead, sweeps, flags, pair_rows, spheres, rods, boxes, polygons, rods_at, springs_at, tethers_at,
         forces_at, boxes_at, polygons_at, tags_at, adjacency_at, batches, batches_at, slices_at, entries_at, cell_size, least_level, cells,
@@ -256,7 +257,7 @@ fn the_structs_are_those_of_layout() {
 }
 
 #[test]
-fn the_constants_are_those_of_layout() {
+fn the_constants_equal_those_of_layout() {
     macro_rules! constants {
         ($module:ident: $($name:ident),* $(,)?) => { [$((stringify!($name), $module::$name)),*] };
     }
@@ -346,9 +347,9 @@ fn the_constants_are_those_of_layout() {
     }
 }
 
-/// The step sizes of sweeps, in the stages that make them.
+/// The factors of the sweeps, in the stages that use them.
 #[test]
-fn the_sizes_of_sweeps_are_those_of_layout() {
+fn the_sweep_factors_equal_those_of_layout() {
     let mut seen = 0;
     for stage in ALL {
         let module = module(stage);
@@ -358,19 +359,19 @@ fn the_sizes_of_sweeps_are_those_of_layout() {
             continue;
         };
         let naga::Expression::Compose { components, .. } = &module.global_expressions[init] else {
-            panic!("{}: SWEEP_SIZES is no vector", stage.name);
+            panic!("{}: SWEEP_SIZES is not a vector", stage.name);
         };
         let sizes: Vec<_> = components.iter().map(|component| module.global_expressions[*component].clone()).collect();
         let expected = layout::SWEEP_SIZES.map(|size| naga::Expression::Literal(naga::Literal::F32(size)));
         assert_eq!(format!("{sizes:?}"), format!("{expected:?}"), "{}", stage.name);
         seen += 1;
     }
-    assert!(seen >= 2, "two stages sweep");
+    assert!(seen >= 2, "at least two stages must have sweeps");
 }
 
-/// What a list entry is made of depends on whether there are rods.
+/// The bits of a list entry depend on whether the scene has rods.
 #[test]
-fn the_parts_of_a_list_entry_are_those_of_layout() {
+fn the_bits_of_a_list_entry_equal_those_of_layout() {
     for rods in [false, true] {
         let step = Step { rods: u32::from(rods), ..Step::default() };
         let feature_bits = layout::ENTRY_BITS - step.entry_id_bits();
@@ -386,7 +387,7 @@ fn the_parts_of_a_list_entry_are_those_of_layout() {
     }
 }
 
-/// A constant that depends on whether there are rods, where a stage uses it.
+/// Value of a constant that depends on whether the scene has rods, if the stage uses it.
 fn constant_with(stage: &Stage, rods: bool, name: &str) -> Option<u32> {
     let module = module_for(stage, rods, true);
     let mut constants = module.constants.iter().map(|(_, constant)| constant);

@@ -1,4 +1,5 @@
-//! Long runs do not take more and more memory. A test binary of its own, so that no other test's memory is measured.
+//! Long runs do not use more and more memory. This is a test binary of its own, so that only its own memory is
+//! measured.
 #![cfg(target_os = "linux")]
 
 use rockfall::{Backend, Options, Scene, Simulation, Sphere, Spring};
@@ -7,14 +8,14 @@ mod common;
 
 use common::*;
 
-/// Memory of this process that is in use, in KiB.
+/// Resident memory of this process in KiB.
 fn resident() -> u64 {
-    let status = std::fs::read_to_string("/proc/self/status").expect("Linux tells");
+    let status = std::fs::read_to_string("/proc/self/status").expect("/proc/self/status");
     let line = status.lines().find(|line| line.starts_with("VmRSS:")).expect("a line");
     line.split_whitespace().nth(1).and_then(|kib| kib.parse().ok()).expect("a number")
 }
 
-/// Two bodies on a spring over a floor that they hit again and again: nothing brings them to rest.
+/// Two bodies on a spring above a floor that they hit repeatedly. They never come to rest.
 fn two_bodies() -> Scene {
     let mut scene = with(|settings| {
         (settings.restitution, settings.contact_damping, settings.friction) = (1.0, 0.0, 0.0);
@@ -25,7 +26,7 @@ fn two_bodies() -> Scene {
     scene
 }
 
-/// In pieces as the command line does it, with the reads that a trace makes.
+/// Runs in portions and reads energies, as the command line does.
 fn advance(simulation: &mut Simulation, until: u64) {
     while simulation.report().steps < until {
         simulation.run(100, 0.01).expect("steps");
@@ -33,11 +34,11 @@ fn advance(simulation: &mut Simulation, until: u64) {
     }
 }
 
-/// A leak of one small allocation a step, 16 bytes at least, would be 14 MB over 900,000 steps.
+/// A leak of one small allocation per step, at least 16 bytes, would be 14 MB over 900,000 steps.
 #[test]
-fn a_million_steps_take_no_more_memory_than_a_tenth_of_them() {
+fn a_million_steps_use_no_more_memory_than_a_hundred_thousand() {
     let mut simulation = Simulation::with_options(two_bodies(), Options::new().backend(Backend::Cpu)).expect("it opens");
-    // Threads would only wait for each other's share of two bodies.
+    // With two bodies, more threads would only wait for each other.
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a pool");
     let [before, after] = [100_000, 1_000_000].map(|steps| {
         pool.install(|| advance(&mut simulation, steps));

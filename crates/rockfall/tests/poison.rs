@@ -1,6 +1,6 @@
-//! NaN, infinities, denormals, 0, negative, huge and tiny numbers in every field of every object, setting and edit: refused
-//! with an error that names the field, or contained: no panic, no state that is not finite, and no bit of a body changes
-//! that does not touch the poisoned one.
+//! Special numbers ("poisons") in every field of every object, setting and edit: NaN, infinities, denormals, 0,
+//! negative, huge and tiny numbers. Each is either rejected with an error that names the field, or accepted without
+//! harm: no panic, no non-finite state, and bodies that do not touch the poisoned one are bitwise unchanged.
 
 mod common;
 

@@ -1,13 +1,14 @@
-//! What must hold for any scene, on random ones: conservation, symmetry, and that neither lists nor edits change results.
+//! Properties that hold for any scene, tested on random scenes: conservation laws, symmetries, and results that do not
+//! depend on pair lists or on edits.
 //!
-//! The cases are the same in every run, so that a failure here is a failure everywhere.
+//! The cases are the same in every run, so a failure can be repeated on any machine.
 
+#[path = "properties/contact_law.rs"]
+mod contact_law;
 #[path = "properties/crowd.rs"]
 mod crowd;
 #[path = "properties/lists.rs"]
 mod lists;
-#[path = "properties/rubbing.rs"]
-mod rubbing;
 #[path = "properties/symmetry.rs"]
 mod symmetry;
 #[path = "properties/things.rs"]

@@ -1,4 +1,4 @@
-//! Ray queries, against values worked out by hand and against walking along the ray in small steps.
+//! Ray queries against values derived by hand and against a walk along the ray in small steps.
 
 #[macro_use]
 mod common;

@@ -1,6 +1,7 @@
-//! The scenes in `scenes/` do what their text says, at the default time step, its half and its quarter.
+//! The scenes in `scenes/` behave as their descriptions say, at the default time step, at half and at a quarter of it.
 //!
-//! One function a scene. Overlaps of bodies at rest stay below 5 % of the smaller radius, so that the scenes look right.
+//! There is one test per scene. Overlaps of bodies at rest stay below 5 % of the smaller radius, so that the scenes
+//! look right.
 
 use std::path::Path;
 
@@ -20,19 +21,20 @@ fn open(scene: Scene, integrator: Integrator) -> Simulation {
     Simulation::with_options(scene, options).expect("the simulation opens")
 }
 
-/// The scene at each of the time steps.
+/// Opens the scene once for each time step.
 fn opened(name: &str) -> impl Iterator<Item = (f32, Simulation)> {
     STEPS.into_iter().map(move |dt| (dt, open(load(name), Integrator::Rk4)))
 }
 
-/// So many seconds further.
+/// Runs for a number of seconds and returns the spheres.
 fn after(simulation: &mut Simulation, seconds: f32, dt: f32) -> Vec<SphereState> {
     simulation.run((seconds / dt).round() as u64, dt).expect("steps");
-    assert_eq!(simulation.report().non_finite, 0, "every state stays finite");
+    assert_eq!(simulation.report().non_finite, 0, "every state must stay finite");
     simulation.spheres().expect("spheres are read back")
 }
 
-/// The deepest overlap over the smaller radius, the least of several moments: bodies that still tremble are not at rest.
+/// The deepest overlap relative to the smaller radius. It is the smallest of several samples, because bodies that still
+/// vibrate are not at rest.
 fn resting_overlap(simulation: &mut Simulation, dt: f32) -> f32 {
     let deepest = |simulation: &mut Simulation| {
         let contacts = simulation.contacts().expect("contacts");
@@ -62,9 +64,9 @@ fn stretch(simulation: &mut Simulation) -> f32 {
     scene.rods().iter().map(error).fold(0.0, f32::max)
 }
 
-/// The last ball swings out as far as the first one came from, and the three between them hardly move.
+/// The last ball swings as far as the first one started, and the three balls between them hardly move.
 #[test]
-fn cradle_swings() {
+fn the_cradle_passes_the_swing_to_the_last_ball() {
     for (dt, mut simulation) in opened("cradle") {
         let mut highest = 0.0_f32;
         let mut between = 0.0_f32;
@@ -75,55 +77,55 @@ fn cradle_swings() {
                 between = between.max((spheres[ball].position.x - spheres[ball - 5].position.x).abs());
             }
         }
-        // The first was lifted by 0.5425 above its lowest place at 1.
+        // The first ball starts 0.5425 above its lowest position at 1.
         assert!(highest > 1.46 && highest < 1.56, "dt {dt}: the last ball rises to {highest}");
         assert!(between < 0.2, "dt {dt}: a ball between moves by {between}");
     }
 }
 
-/// Every rod keeps its length while the bridge sags and sways, and it holds.
+/// Every rod keeps its length while the bridge sags and sways.
 #[test]
-fn bridge_holds() {
+fn the_bridge_keeps_its_lengths_and_holds() {
     for (dt, mut simulation) in opened("bridge") {
         for _ in 0..20 {
             let spheres = after(&mut simulation, 2.0, dt);
             assert!(stretch(&mut simulation) < 1e-3, "dt {dt}: {}", stretch(&mut simulation));
             let lowest = spheres[..18].iter().map(|sphere| sphere.position.y).fold(f32::INFINITY, f32::min);
-            assert!(lowest > 2.0, "dt {dt}: the bridge hangs down to {lowest}");
+            assert!(lowest > 2.0, "dt {dt}: the bridge sags to {lowest}");
         }
         let overlap = resting_overlap(&mut simulation, dt);
         assert!(overlap < 0.05, "dt {dt}: overlap {overlap} of a radius");
     }
 }
 
-/// The tower stands until the ball takes its middle away, then all of it comes down.
+/// The tower stands until the ball hits its middle. Then all of it falls.
 #[test]
-fn capsules_stand_and_fall() {
+fn the_tower_of_capsules_stands_until_the_ball_hits_it() {
     for (dt, mut simulation) in opened("capsules") {
         let tops = |spheres: &[SphereState]| {
             spheres.iter().filter(|sphere| sphere.radius < 0.3).map(|sphere| sphere.position.y).fold(0.0, f32::max)
         };
         let before = tops(&after(&mut simulation, 0.0, dt));
         let standing = tops(&after(&mut simulation, 1.1, dt));
-        assert!(standing > before - 0.1, "dt {dt}: the tower stands {standing} high of {before}");
+        assert!(standing > before - 0.1, "dt {dt}: the height of the tower falls from {before} to {standing}");
         let overlap = resting_overlap(&mut open(without_ball(), Integrator::Rk4), dt);
         assert!(overlap < 0.05, "dt {dt}: overlap {overlap} of a radius");
         let fallen = tops(&after(&mut simulation, 15.0, dt));
-        assert!(fallen < 1.0, "dt {dt}: it comes down to {fallen}");
+        assert!(fallen < 1.0, "dt {dt}: after the hit the top is at {fallen}");
     }
 }
 
-/// The tower alone.
+/// The tower without the ball.
 fn without_ball() -> Scene {
     let mut scene = load("capsules");
     let ball = scene.sphere_ids().find(|id| scene.sphere(*id).is_ok_and(|sphere| sphere.radius > 0.3)).expect("the ball");
-    scene.remove_sphere(ball).expect("the ball goes");
+    scene.remove_sphere(ball).expect("the ball is removed");
     scene
 }
 
-/// What comes down the slope rides on the rollers and drops into the bin.
+/// All balls move down the slope, along the rollers and into the bin.
 #[test]
-fn conveyor_carries() {
+fn the_conveyor_carries_all_balls_into_the_bin() {
     for (dt, mut simulation) in opened("conveyor") {
         let spheres = after(&mut simulation, 40.0, dt);
         let in_bin = |sphere: &&SphereState| {
@@ -131,15 +133,15 @@ fn conveyor_carries() {
         };
         let moving = spheres.iter().filter(|sphere| !sphere.fixed);
         let (all, carried) = (moving.clone().count(), moving.filter(in_bin).count());
-        assert_eq!(carried, all, "dt {dt}: so many lie in the bin");
+        assert_eq!(carried, all, "dt {dt}: number of balls in the bin");
         let overlap = resting_overlap(&mut simulation, dt);
         assert!(overlap < 0.05, "dt {dt}: overlap {overlap} of a radius");
     }
 }
 
-/// Its sides go on falling while the middle is held, swing back, and the whole cube comes to rest on the floor.
+/// The cube falls on the floor, rebounds, and finally comes to rest there.
 #[test]
-fn soft_cube_bounces_and_rests() {
+fn the_soft_cube_rebounds_and_comes_to_rest() {
     for (dt, mut simulation) in opened("soft-cube") {
         let middle =
             |spheres: &[SphereState]| spheres.iter().map(|sphere| sphere.position).sum::<Vec3>() / spheres.len() as f32;
@@ -153,46 +155,47 @@ fn soft_cube_bounces_and_rests() {
         }
         assert!(
             lowest < start.y - 0.1 && rebound > 0.02,
-            "dt {dt}: it falls from {} to {lowest} and swings back by {rebound}",
+            "dt {dt}: the cube falls from {} to {lowest} and rebounds by {rebound}",
             start.y
         );
         let spheres = after(&mut simulation, 54.0, dt);
-        assert!(middle(&spheres).y < 1.2, "dt {dt}: it lies at {}", middle(&spheres));
+        assert!(middle(&spheres).y < 1.2, "dt {dt}: the cube lies at {}", middle(&spheres));
         let fastest = spheres.iter().map(|sphere| sphere.velocity.length()).fold(0.0, f32::max);
-        assert!(fastest < 0.2, "dt {dt}: it rests but for {fastest}");
+        assert!(fastest < 0.2, "dt {dt}: the cube still moves at {fastest}");
         let overlap = resting_overlap(&mut simulation, dt);
         assert!(overlap < 0.05, "dt {dt}: overlap {overlap} of a radius");
     }
 }
 
-/// The rocks come down the stair, and the boulders bowl the pins over.
+/// The rocks fall down the stair, and the boulders knock the pins over.
 #[test]
-fn rockfall_bowls_the_pins_over() {
+fn the_rockfall_knocks_the_pins_over() {
     for (dt, mut simulation) in opened("rockfall") {
         after(&mut simulation, 20.0, dt);
         let scene = simulation.sync().expect("the scene is read back").clone();
         let fallen = scene.capsules().iter().filter(|pin| {
             let [one, two] = [pin.end1, pin.end2].map(|id| scene.sphere(id).expect("an end").position);
-            // Ends 0.78 apart; those that have left the yard lie lower.
+            // The ends of a pin are 0.78 apart. Pins that have left the yard lie lower.
             (two.y - one.y).abs() < 0.4 || one.y < -1.0
         });
-        assert!(fallen.count() >= 8, "dt {dt}: most of the ten pins lie");
+        assert!(fallen.count() >= 8, "dt {dt}: most of the ten pins must have fallen");
         let down = scene.spheres().iter().filter(|sphere| sphere.position.y < 1.0 && sphere.position.x > 2.3);
-        assert!(down.count() > scene.spheres().len() / 2, "dt {dt}: the rocks come down to the yard");
+        assert!(down.count() > scene.spheres().len() / 2, "dt {dt}: most rocks must have reached the yard");
         let overlap = resting_overlap(&mut simulation, dt);
         assert!(overlap < 0.05, "dt {dt}: overlap {overlap} of a radius");
     }
 }
 
-/// How high the top of each domino is.
+/// Height of the top of each domino.
 fn tops(spheres: &[SphereState]) -> Vec<f32> {
     let top = |domino: &[SphereState]| domino.iter().map(|sphere| sphere.position.y).fold(f32::NEG_INFINITY, f32::max);
     spheres[..96].chunks(8).map(top).collect()
 }
 
-/// Every domino stands still until the one before it falls against it, and all fall, at any time step and with either integrator.
+/// Every domino stands still until the one before it hits it. All of them fall, at any time step and with either
+/// integrator.
 #[test]
-fn dominoes_fall() {
+fn all_dominoes_fall() {
     for integrator in [Integrator::Rk4, Integrator::SymplecticEuler] {
         for dt in [0.002, 0.005, 0.01, 0.02] {
             let mut simulation = open(load("dominoes"), integrator);
@@ -210,12 +213,12 @@ fn dominoes_fall() {
     }
 }
 
-/// Dominoes that stand.
+/// The dominoes without the ball.
 #[test]
-fn dominoes_stand_without_deep_overlaps() {
+fn standing_dominoes_have_small_overlaps() {
     let mut scene = load("dominoes");
     let ball = scene.sphere_ids().nth(96).expect("the ball");
-    scene.remove_sphere(ball).expect("the ball goes");
+    scene.remove_sphere(ball).expect("the ball is removed");
     for dt in STEPS {
         let mut simulation = open(scene.clone(), Integrator::Rk4);
         after(&mut simulation, 5.0, dt);
@@ -224,9 +227,9 @@ fn dominoes_stand_without_deep_overlaps() {
     }
 }
 
-/// The examples of the thesis run, and references that are used again mean the last sphere.
+/// The examples of the thesis run. In the second one, references that are used again refer to the last sphere.
 #[test]
-fn thesis_examples_run() {
+fn the_examples_of_the_thesis_run() {
     for name in ["thesis-example", "thesis-example-reused"] {
         for (dt, mut simulation) in opened(name) {
             let spheres = after(&mut simulation, 5.0, dt);
@@ -235,10 +238,11 @@ fn thesis_examples_run() {
     }
 }
 
-/// In generated scenes a body that rests by itself overlaps by less than 5 % of its radius. A contact of a pile bears several: 8 % in piles (11 % of the radius of a rod below blobs)
-/// of 200 spheres, and more in higher ones.
+/// In generated scenes a single body at rest overlaps by less than 5 % of its radius. A contact in a pile bears the
+/// weight of several bodies: 8 % in piles of 200 spheres (11 % of the radius of a rod below blobs), and more in higher
+/// ones.
 #[test]
-fn generated_scenes_are_hard_enough() {
+fn generated_scenes_have_small_overlaps() {
     for kind in Kind::ALL {
         let scene = kind.generate(200, 1).expect("a scene");
         let least =
@@ -253,9 +257,9 @@ fn generated_scenes_are_hard_enough() {
     }
 }
 
-/// No shipped scene is too stiff for the default time step.
+/// No scene in `scenes/` is too stiff for the default time step.
 #[test]
-fn scenes_bear_the_default_step() {
+fn no_scene_is_too_stiff_for_the_default_time_step() {
     for name in ["cradle", "bridge", "capsules", "conveyor", "soft-cube", "rockfall", "dominoes"] {
         let stiffness = load(name).settings.contact_force;
         assert!(0.02 * 0.02 * stiffness <= 0.5, "{name}: contact_force {stiffness}");

@@ -1,4 +1,5 @@
-//! Small scenes without rods run whole steps in one dispatch; profiles run the stages one by one. Both are the same steps, bit for bit.
+//! Small scenes without rods run whole steps in one dispatch, while profiles run the stages one by one. Both give
+//! bitwise identical steps.
 
 #![cfg(feature = "gpu")]
 
@@ -6,14 +7,14 @@ mod common;
 
 use std::cell::Cell;
 
-use common::mixed::{Run, same_bits};
+use common::mixed::{Run, assert_bitwise_identical};
 use common::{floor_box, spheres, weightless, with};
 use rockfall::generate::Benchmark;
 use rockfall::glam::Vec3;
 use rockfall::{Backend, BroadPhase, Error, Integrator, Options, Polygon, Scene, Simulation, Sphere, SphereId, Spring, Tether};
 
-/// Spheres that fall onto each other, a box and a polygon, with springs, tethers and forces on some. More than a workgroup of software Vulkan
-/// has threads, and no multiple of them.
+/// Spheres that fall on each other, on a box and on a polygon, some with springs, tethers and forces. There are more of
+/// them than a workgroup of software Vulkan has threads, and not a multiple of that number.
 fn crowd(balls: usize) -> Scene {
     let mut scene = with(|settings| settings.gravity = 10.0);
     floor_box(&mut scene);
@@ -33,7 +34,8 @@ fn crowd(balls: usize) -> Scene {
     scene
 }
 
-/// The same side by side on the floor, so that no collision shares a body with another one: `run_steps` solves none that do.
+/// The same side by side on the floor, so that no two collisions share a body: `run_steps` does not solve such
+/// collisions.
 fn side_by_side(balls: usize) -> Scene {
     let mut scene = with(|settings| settings.gravity = 10.0);
     scene.add_box(rockfall::Cuboid::between([-20.0, -1.0, -20.0], [20.0, 0.0, 20.0])).expect("a valid box");
@@ -46,7 +48,7 @@ fn side_by_side(balls: usize) -> Scene {
     let ids: Vec<SphereId> = (0..balls).map(|place| scene.add_sphere(ball(place)).expect("a valid sphere")).collect();
     for pair in ids.chunks_exact(2).step_by(9) {
         scene.add_spring(Spring::new(pair[0], pair[1], 20.0, 1.0).damping(1.0)).expect("a valid spring");
-        // Straight up, or it would pull them together.
+        // Vertical, because otherwise it would pull the balls together.
         let above = Vec3::new(0.0, 3.0, 0.0) + scene.sphere(pair[1]).expect("a ball").position;
         scene.add_tether(Tether::new(pair[1], above, 0.5)).expect("a valid tether");
     }
@@ -61,7 +63,7 @@ fn dispatches(simulation: &Simulation) -> u64 {
     simulation.gpu_view().expect("the GPU backend").dispatches()
 }
 
-/// Steps of 10 ms, in few dispatches or one by one.
+/// Runs steps of 10 ms, joined in few dispatches or stage by stage. Returns the number of dispatches.
 fn run(simulation: &mut Simulation, steps: u64, joined: bool) -> u64 {
     let before = dispatches(simulation);
     if joined {
@@ -72,9 +74,9 @@ fn run(simulation: &mut Simulation, steps: u64, joined: bool) -> u64 {
     dispatches(simulation) - before
 }
 
-/// The same done with a scene in both ways.
+/// Does the same with a scene in both modes and asserts that the results are identical.
 #[track_caller]
-fn both_ways(scene: &Scene, options: &Options, act: impl Fn(&mut Simulation, bool)) -> [Run; 2] {
+fn run_both_modes(scene: &Scene, options: &Options, act: impl Fn(&mut Simulation, bool)) -> [Run; 2] {
     let runs = [true, false].map(|joined| {
         let mut simulation = simulation(scene.clone(), options.clone());
         act(&mut simulation, joined);
@@ -82,12 +84,12 @@ fn both_ways(scene: &Scene, options: &Options, act: impl Fn(&mut Simulation, boo
     });
     let counts = |run: &Run| (run.report.steps, run.report.collisions, run.report.non_finite);
     assert_eq!(counts(&runs[0]), counts(&runs[1]));
-    same_bits(&runs[0], &runs[1]);
+    assert_bitwise_identical(&runs[0], &runs[1]);
     runs
 }
 
 #[test]
-fn steps_in_one_dispatch_are_those_of_the_stages() {
+fn steps_in_one_dispatch_equal_those_of_the_stages() {
     for broad_phase in [BroadPhase::BruteForce, BroadPhase::Grid] {
         for (collisions, integrator) in [(true, Integrator::Rk4), (false, Integrator::Rk4), (true, Integrator::SymplecticEuler)]
         {
@@ -95,12 +97,12 @@ fn steps_in_one_dispatch_are_those_of_the_stages() {
             scene.settings.collisions = collisions;
             let options = Options::new().broad_phase(broad_phase).integrator(integrator);
             let dispatches = [Cell::new(0), Cell::new(0)];
-            let [joined, _] = both_ways(&scene, &options, |simulation, joined| {
-                // Until lists fit.
+            let [joined, _] = run_both_modes(&scene, &options, |simulation, joined| {
+                // Until the lists fit.
                 run(simulation, 8, joined);
                 dispatches[usize::from(joined)].set(run(simulation, 32, joined));
             });
-            // Lists are up to four of them, and what is joined five to eight.
+            // Lists take up to four dispatches, and the joined stages replace five to eight.
             let [apart, together] = dispatches.map(Cell::into_inner);
             assert!(together > 0 && 5 * apart > 8 * together, "{apart} dispatches and {together}");
             assert_eq!(joined.report.total_collisions > 300, collisions, "{:?}", joined.report);
@@ -108,18 +110,18 @@ fn steps_in_one_dispatch_are_those_of_the_stages() {
     }
 }
 
-/// Collisions that share bodies are for the stages, until there have been none for a while.
+/// Collisions that share bodies are computed by the stages, until there have been none for a while.
 #[test]
-fn clusters_are_left_to_the_stages() {
+fn the_stages_compute_clusters() {
     let mut scene = side_by_side(60);
-    // Three in a row meet in the air, at once; nothing else does.
+    // Only these three in a row collide at the same time, in the air.
     for (x, speed) in [(0.0, 1.0), (0.41, 0.0), (0.82, -1.0)] {
         scene.add_sphere(Sphere::new([x, 30.0, 0.0], 0.2).velocity([speed, 0.0, 0.0])).expect("a valid sphere");
     }
     let dispatches = Cell::new([0; 2]);
-    let [joined, _] = both_ways(&scene, &Options::new().broad_phase(BroadPhase::Grid), |simulation, joined| {
+    let [joined, _] = run_both_modes(&scene, &Options::new().broad_phase(BroadPhase::Grid), |simulation, joined| {
         let first = run(simulation, 20, joined);
-        // 128 steps without such collisions.
+        // 128 steps without clusters.
         run(simulation, 160, joined);
         let later = run(simulation, 20, joined);
         if joined {
@@ -131,9 +133,9 @@ fn clusters_are_left_to_the_stages() {
     assert!(joined.report.total_collisions > 60 && joined.report.replays > 0, "{:?}", joined.report);
 }
 
-/// By default a device joins them, and a CPU that plays one does not, for there one workgroup is one thread.
+/// By default a GPU joins steps. A software device does not, because one workgroup is one thread there.
 #[test]
-fn software_runs_stage_by_stage() {
+fn by_default_only_hardware_joins_steps() {
     let plain = Options::new().backend(Backend::Gpu);
     let options = [plain.clone(), plain.clone().join_steps(true), plain.join_steps(false)];
     let mut software = false;
@@ -143,46 +145,49 @@ fn software_runs_stage_by_stage() {
         run(&mut simulation, 8, true);
         run(&mut simulation, 32, true)
     });
-    // How far a body was seen to leave its AABB depends on who looked first, and so does how often lists are made.
+    // When a body that leaves its AABB is detected depends on the order of checks, and so does how often lists are
+    // rebuilt.
     let is_joined = |dispatches| 8 * dispatches < 5 * apart;
     assert!(is_joined(joined), "{joined} dispatches and {apart}");
     assert_eq!(is_joined(default), !software, "{default} dispatches, {joined} joined, {apart} not");
 }
 
-/// Many at once, of which some have several collisions and most have none: each thread comes to its barriers by another way.
+/// Many spheres at once, of which some have several collisions and most have none, so the threads reach the barriers by
+/// different paths.
 #[test]
-fn threads_with_much_to_do_are_waited_for() {
+fn threads_with_different_amounts_of_work_stay_in_step() {
     for broad_phase in [BroadPhase::BruteForce, BroadPhase::Grid] {
         let scene = Benchmark::Thesis.generate(1_000, 0).expect("a scene");
-        let [joined, _] = both_ways(&scene, &Options::new().broad_phase(broad_phase), |simulation, joined| {
+        let [joined, _] = run_both_modes(&scene, &Options::new().broad_phase(broad_phase), |simulation, joined| {
             run(simulation, 40, joined);
         });
         assert!(joined.report.total_collisions > 300, "{:?}", joined.report);
     }
 }
 
-/// Lists that do not fit, and a ball that leaves its AABB, void a step: those after it in the dispatch are left out.
+/// A step is rejected when lists do not fit or when a ball leaves its AABB. The later steps of the dispatch are then
+/// skipped.
 #[test]
-fn void_steps_are_run_again() {
+fn rejected_steps_are_repeated() {
     for integrator in [Integrator::Rk4, Integrator::SymplecticEuler] {
         let options = Options::new().integrator(integrator).pair_capacity(1);
-        let [joined, apart] = both_ways(&crowd(300), &options, |simulation, joined| {
+        let [joined, apart] = run_both_modes(&crowd(300), &options, |simulation, joined| {
             run(simulation, 20, joined);
         });
         assert!(joined.report.replays > 0 && apart.report.replays > 0);
     }
 
-    // There after 6 s, when lists are made in every eighth step.
+    // Arrives after 6 s, when lists are rebuilt in every eighth step.
     let mut scene = weightless();
     for k in 0..60 {
         let place = Vec3::new((k % 4) as f32, (k / 16) as f32, (k / 4 % 4) as f32);
         scene.add_sphere(Sphere::new(place, 0.499)).expect("a valid sphere");
     }
     scene.add_sphere(Sphere::new([-47.4, 1.1, 0.9], 0.5).mass(5.0).velocity([8.0, 0.0, 0.0])).expect("a valid sphere");
-    let [joined, apart] = both_ways(&scene, &Options::new().broad_phase(BroadPhase::Grid), |simulation, joined| {
+    let [joined, apart] = run_both_modes(&scene, &Options::new().broad_phase(BroadPhase::Grid), |simulation, joined| {
         run(simulation, 400, joined);
         let dispatches = run(simulation, 32, joined);
-        // Three for lists and one for the eight steps between them; one that begins the portion.
+        // Three dispatches for lists, one for the eight steps between two rebuilds, and one that starts the portion.
         assert_eq!(dispatches <= 17, joined, "{dispatches} in 32 steps");
         run(simulation, 184, joined);
     });
@@ -191,31 +196,32 @@ fn void_steps_are_run_again() {
     }
 }
 
-/// An acceleration that no float holds: the ball is stopped and told, and nothing is run after that step unless it is asked for.
+/// The acceleration exceeds the range of f32. The ball is stopped and reported, and later steps run only with
+/// `keep_going`.
 #[test]
-fn what_stops_being_finite_is_told_as_by_the_stages() {
+fn non_finite_bodies_are_reported_as_by_the_stages() {
     let scene = |force: f32| {
         let mut scene = crowd(40);
         scene.add_sphere(Sphere::new([0.0, 9.0, 0.0], 0.2).mass(1e-3).force([force, 0.0, 0.0])).expect("a valid sphere");
         scene
     };
-    let [joined, _] = both_ways(&scene(3e38), &Options::new().keep_going(true), |simulation, joined| {
+    let [joined, _] = run_both_modes(&scene(3e38), &Options::new().keep_going(true), |simulation, joined| {
         run(simulation, 10, joined);
     });
     assert!(joined.report.non_finite > 0, "{:?}", joined.report);
-    let told = [true, false].map(|joined| {
+    let reports = [true, false].map(|joined| {
         let mut simulation = simulation(scene(3e38), Options::new());
         let error = if joined { simulation.run(10, 0.01).map(|_| ()) } else { simulation.profile(10, 0.01).map(|_| ()) };
         let Err(Error::NonFinite { sphere, step, stage }) = error else { panic!("{error:?}") };
         (sphere, step, stage, simulation.report().steps, simulation.spheres().expect("spheres are read back"))
     });
-    assert_eq!((told[0].0, told[0].3), (40, told[0].1));
-    assert_eq!(told[0], told[1]);
+    assert_eq!((reports[0].0, reports[0].3), (40, reports[0].1));
+    assert_eq!(reports[0], reports[1]);
 }
 
-/// What changes between steps, and steps and phases one by one.
+/// Edits between steps, and steps and phases one by one.
 #[test]
-fn edits_and_single_phases_reach_what_runs_in_one_dispatch() {
+fn edits_and_single_phases_reach_joined_steps() {
     let act = |simulation: &mut Simulation, joined: bool| {
         let ids: Vec<SphereId> = simulation.scene().sphere_ids().collect();
         run(simulation, 5, joined);
@@ -236,18 +242,18 @@ fn edits_and_single_phases_reach_what_runs_in_one_dispatch() {
             run(simulation, 1, joined);
         }
     };
-    let [joined, _] = both_ways(&crowd(150), &Options::new().broad_phase(BroadPhase::Grid), act);
+    let [joined, _] = run_both_modes(&crowd(150), &Options::new().broad_phase(BroadPhase::Grid), act);
     assert!(joined.report.total_collisions > 100, "{:?}", joined.report);
 }
 
-/// The stages run one by one where there are too many spheres, a long list or a rod.
+/// The stages run one by one when there are too many spheres, a long list or a rod.
 #[test]
 fn larger_scenes_and_those_with_rods_run_the_stages() {
     let mut scene = weightless();
     let balls = |from: u16, to: u16| (from..to).map(|k| Sphere::new([f32::from(k % 64), f32::from(k / 64), 0.0], 0.4));
     spheres_of(&mut scene, balls(0, 1024));
     let mut simulation = simulation(scene, Options::new().broad_phase(BroadPhase::Grid));
-    // Three for lists, which are made before the first step besides, one for collisions and one for positions.
+    // Three for lists, which are also built before the first step, one for collisions and one for positions.
     assert_eq!(run(&mut simulation, 2, true), 3 + 2 * 5);
     let last = simulation.add_sphere(Sphere::new([0.0, 0.0, 9.0], 0.4)).expect("a valid sphere");
     assert!(run(&mut simulation, 2, true) >= 2 * 10, "1,025 spheres");

@@ -1,5 +1,5 @@
-//! What `Scene::stability` and its like tell, held against runs: the bounds hold, and what is beyond them happens. On the CPU
-//! backend, which takes the same steps as the other.
+//! Warnings of `Scene::stability` and related functions against runs: the bounds hold, and beyond them the predicted
+//! effect occurs. These tests use the CPU backend only, because the other backend computes the same steps.
 
 use rockfall::generate::Kind;
 use rockfall::stability::Effect;
@@ -7,8 +7,8 @@ use rockfall::{Backend, Cuboid, Integrator, Options, Polygon, Scene, Simulation,
 
 const INTEGRATORS: [Integrator; 2] = [Integrator::Rk4, Integrator::SymplecticEuler];
 
-/// Spheres that fall into a box, with a damping ratio. Gravity is such that they rest with an overlap of 4.7 % of the smallest
-/// radius: just below what is warned of.
+/// Spheres that fall into a box, with a damping ratio. With this gravity they rest with an overlap of 4.7 % of the
+/// smallest radius, just below the limit of the warning.
 fn pile(damping_ratio: f32) -> Scene {
     let mut scene = Kind::Pile.generate(300, 1).unwrap();
     scene.settings.gravity = 7.0;
@@ -16,7 +16,8 @@ fn pile(damping_ratio: f32) -> Scene {
     scene
 }
 
-/// The least time step with which the contact force has an effect, or `Effect::Unstable` alone; searched for between two.
+/// The smallest time step for which there is a warning, or one of `Effect::Unstable` if `unstable` is set. Found by
+/// bisection.
 fn least_dt(scene: &Scene, integrator: Integrator, unstable: bool) -> f32 {
     let has = |dt: f32| {
         let warnings = scene.stability(dt, integrator);
@@ -31,12 +32,12 @@ fn least_dt(scene: &Scene, integrator: Integrator, unstable: bool) -> f32 {
     with
 }
 
-/// What became of a pile.
+/// Result of a run of a pile.
 #[derive(Debug)]
 struct Outcome {
-    /// Mean kinetic energy of the last fifth, over that which the spheres would gain falling freely for a step.
+    /// Mean kinetic energy during the last fifth, divided by the kinetic energy after one step of free fall.
     shaking: f64,
-    /// Energy at the end over that at the start.
+    /// Energy at the end divided by that at the start.
     energy: f64,
 }
 
@@ -57,7 +58,7 @@ fn run(scene: Scene, integrator: Integrator, dt: f32) -> Outcome {
     Outcome { shaking: kinetic / step_energy, energy: simulation.energy().unwrap().total() / start }
 }
 
-/// Dampings: hardly any, and that of the default constants.
+/// Damping ratios: almost none, and that of the default constants.
 const DAMPINGS: [f32; 2] = [0.05, 0.2];
 
 #[test]
@@ -98,7 +99,7 @@ fn a_pile_explodes_within_twice_the_bound() {
     }
 }
 
-/// The deepest overlap of two spheres, or of one with the floor y = 0, over the smaller radius.
+/// The deepest overlap of two spheres, or of one with the floor y = 0, divided by the smaller radius.
 fn deepest(scene: &Scene) -> f32 {
     let spheres = scene.spheres();
     let of_sphere = |(index, one): (usize, &Sphere)| {
@@ -111,7 +112,7 @@ fn deepest(scene: &Scene) -> f32 {
     spheres.iter().enumerate().map(of_sphere).fold(0.0, f32::max)
 }
 
-/// Piles, and a column of twenty balls in a shaft.
+/// Two piles, and a column of twenty balls in a shaft.
 fn deep_scenes() -> [Scene; 3] {
     let mut column = Scene::new();
     for ball in 0..20_u8 {
@@ -130,7 +131,7 @@ fn deep_scenes() -> [Scene; 3] {
 }
 
 #[test]
-fn overlaps_at_rest_stay_below_what_was_asked_for() {
+fn overlaps_at_rest_stay_below_the_requested_value() {
     for (index, mut scene) in deep_scenes().into_iter().enumerate() {
         for share in [0.02, 0.1] {
             scene.settings.gravity = 10.0;
@@ -148,7 +149,7 @@ fn overlaps_at_rest_stay_below_what_was_asked_for() {
 }
 
 #[test]
-fn constants_are_chosen_once_and_when_they_are_changed() {
+fn constants_are_chosen_at_the_start_and_when_settings_change() {
     let [_, mut scene, _] = deep_scenes();
     scene.settings.resting_overlap = 0.02;
     let mut simulation = Simulation::with_options(scene, Options::new().backend(Backend::Cpu)).unwrap();
@@ -156,21 +157,21 @@ fn constants_are_chosen_once_and_when_they_are_changed() {
     simulation.run(50, 0.01).unwrap();
     simulation.add_sphere(Sphere::new([0.0, 9.0, 0.0], 0.01)).unwrap();
     simulation.run(50, 0.01).unwrap();
-    assert_eq!(*simulation.settings(), first, "neither motion nor another sphere changes them");
+    assert_eq!(*simulation.settings(), first, "motion and another sphere must not change them");
     let mut resumed = Simulation::resume(simulation.checkpoint().unwrap()).unwrap();
-    assert_eq!(*resumed.settings(), first, "nor does going on");
+    assert_eq!(*resumed.settings(), first, "resuming must not change them");
     resumed.set_settings(rockfall::Settings { friction: 7.0, ..first }).unwrap();
     assert_eq!(resumed.settings().contact_force, first.contact_force);
     resumed.set_settings(rockfall::Settings { gravity: 2.0, ..first }).unwrap();
     assert!(resumed.settings().contact_force > 1.5 * first.contact_force);
 }
 
-/// Whether a ball that falls on something at y = 0 without gravity is thrown back, wherever its first step ends.
+/// Whether an object at y = 0 stops a ball that falls on it without gravity, wherever the first step of the ball ends.
 fn is_caught(scene: &Scene, ball: &Sphere, dt: f32) -> bool {
-    let way = ball.velocity.length() * dt;
+    let distance = ball.velocity.length() * dt;
     (0..40_u8).all(|phase| {
         let mut scene = scene.clone();
-        let up = way * (1.0 + f32::from(phase) / 40.0) + ball.radius * 2.0;
+        let up = distance * (1.0 + f32::from(phase) / 40.0) + ball.radius * 2.0;
         let id = scene.add_sphere(Sphere { position: [0.0, up, 0.0].into(), ..*ball }).unwrap();
         let mut simulation = Simulation::with_options(scene, Options::new().backend(Backend::Cpu)).unwrap();
         simulation.run(20, dt).unwrap();
@@ -179,7 +180,7 @@ fn is_caught(scene: &Scene, ball: &Sphere, dt: f32) -> bool {
 }
 
 #[test]
-fn what_is_thin_is_passed_through_beyond_the_bound_and_not_below() {
+fn balls_pass_through_thin_objects_only_beyond_the_bound() {
     let mut scenes = [0; 3].map(|_| Scene::new());
     scenes[0].add_box(Cuboid::between([-5.0, -0.1, -5.0], [5.0, 0.0, 5.0])).unwrap();
     scenes[1].add_polygon(Polygon::new([-5.0, 0.0, -5.0], [0.0, 0.0, 10.0], [10.0, 0.0, 0.0])).unwrap();

@@ -1,4 +1,5 @@
-//! The files of WGSL name what they require: nothing is missing, unused or declared twice, and every file is known.
+//! WGSL files name the files that they require. No requirement is missing, unused or declared twice, and every file is
+//! used.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
@@ -27,7 +28,7 @@ fn declarations(text: &str) -> Vec<String> {
     found
 }
 
-/// Names and single punctuation marks, in their order. Members of structs (`.name`) and attributes are left out.
+/// Names and single punctuation marks in order, without members of structs (`.name`) and attributes.
 fn tokens(text: &str) -> Vec<String> {
     let (mut found, mut word): (Vec<String>, String) = (Vec::new(), String::new());
     for letter in text.chars().chain([' ']) {
@@ -51,7 +52,7 @@ fn tokens(text: &str) -> Vec<String> {
     found
 }
 
-/// What a declaration declares: the name after its keyword.
+/// Name that a declaration declares: the one after its keyword.
 fn declared(declaration: &str) -> Option<String> {
     let tokens = tokens(declaration);
     let keyword =
@@ -117,7 +118,7 @@ fn every_file_belongs_to_a_stage_or_is_shared() {
     let known = files();
     for path in &found {
         let file = path.strip_prefix(&source).expect("below src").to_str().expect("UTF-8").replace('\\', "/");
-        assert!(known.contains_key(file.as_str()), "{file} is neither a stage's nor a shared file of step/wgsl.rs");
+        assert!(known.contains_key(file.as_str()), "{file} belongs to no stage and is not in a shared file of step/wgsl.rs");
     }
     // Put together from the table of body forces.
     let generated = ["physics/forces/body_forces.wgsl"];
@@ -129,9 +130,9 @@ fn every_file_belongs_to_a_stage_or_is_shared() {
     }
 }
 
-/// Names that files use but neither declare nor require; the stage's bindings and hooks are left out.
+/// A file must declare or require every name that it uses, except bindings of the stage and hooks.
 #[test]
-fn files_require_what_they_use() {
+fn files_require_the_files_that_they_use() {
     let files = files();
     let mut declarers: BTreeMap<&str, Vec<&str>> = BTreeMap::new();
     for (name, file) in &files {
@@ -142,8 +143,9 @@ fn files_require_what_they_use() {
     let bindings: BTreeSet<&str> = ALL.iter().flat_map(|stage| stage.bindings).map(|binding| binding.name).collect();
     let is_hook = |name: &str| HOOKS.iter().any(|(hook, _)| *hook == name);
     for (name, file) in &files {
-        let at_hand: BTreeSet<String> = requires(file.part).flat_map(|part| files[part.file].declares.clone()).collect();
-        for used in file.uses.difference(&at_hand) {
+        let from_requirements: BTreeSet<String> =
+            requires(file.part).flat_map(|part| files[part.file].declares.clone()).collect();
+        for used in file.uses.difference(&from_requirements) {
             let Some(from) = declarers.get(used.as_str()) else { continue };
             let is_own = file.declares.contains(used);
             let is_elsewhere = from.iter().any(|other| shared().any(|part| part.file == *other));
@@ -154,7 +156,7 @@ fn files_require_what_they_use() {
 }
 
 #[test]
-fn files_use_what_they_require() {
+fn files_use_the_files_that_they_require() {
     let files = files();
     for (name, file) in &files {
         for part in requires(file.part) {

@@ -1,7 +1,7 @@
-//! An independent witness: a small, slow step of the specification in f64, and the engine beside it.
+//! A reference implementation ("witness") of one step in f64, and comparisons of the engine with it.
 //!
-//! Written from `docs/physics.md` alone, without a look at either backend. It finds pairs by trying all, solves networks
-//! densely, and knows no order of bodies.
+//! The witness follows `docs/physics.md` alone, not the code of either backend. It is small and slow: it finds pairs by
+//! testing all of them, solves networks with a dense matrix, and does not depend on the order of bodies.
 
 #[macro_use]
 mod common;
@@ -20,6 +20,8 @@ mod disagree;
 mod draw;
 #[path = "witness/forces.rs"]
 mod forces;
+#[path = "witness/friction_impulses.rs"]
+mod friction_impulses;
 #[path = "witness/geometry.rs"]
 mod geometry;
 #[path = "witness/known.rs"]
@@ -28,8 +30,6 @@ mod known;
 mod lengths;
 #[path = "witness/mixtures.rs"]
 mod mixtures;
-#[path = "witness/rub.rs"]
-mod rub;
 #[path = "witness/scenes.rs"]
 mod scenes;
 #[path = "witness/sides.rs"]
@@ -41,7 +41,7 @@ use compare::{Tally, Trial};
 use rockfall::{Backend, Integrator};
 use world::{MISTAKES, Mistake};
 
-/// Compares many plans of some clusters each, for some steps.
+/// Compares the engine with the witness on one plan per seed, each with a number of clusters and steps.
 fn compare(
     backend: Backend,
     seeds: impl IntoIterator<Item = u64>,
@@ -51,7 +51,8 @@ fn compare(
 ) -> Tally {
     let mut tally = Tally::default();
     for seed in seeds {
-        // One regime where there are thousands of scenes, another for every step where there are few.
+        // A single cluster keeps one regime for all steps, because there are thousands of such scenes. The few scenes
+        // with many clusters get a new regime for every step.
         let plan = scenes::plan(seed, clusters, if clusters > 1 { steps } else { 1 });
         let name = format!("seed {seed} kind {}", seed as usize % scenes::KINDS);
         Trial { name, plan: &plan, backend, steps, mistake, phases: seed % 3 != 0 }.run(&mut tally);
@@ -59,36 +60,36 @@ fn compare(
     tally
 }
 
-/// Fails where the engine and the witness differ, and where too little could be compared.
+/// Asserts that the engine agrees with the witness, and that enough steps and collisions were compared.
 #[track_caller]
-fn agree(tally: &Tally, collisions: usize) {
+fn assert_agreement(tally: &Tally, collisions: usize) {
     println!("{tally}");
     let shown: String = tally.failures.iter().take(3).cloned().collect();
     assert!(tally.failures.is_empty(), "{} differences\n{shown}", tally.failures.len());
     assert!(tally.undecided * 100 < tally.compared, "too many steps are undecided: {tally}");
-    assert!(tally.collisions > collisions && 20 * tally.lone > collisions, "too little happens: {tally}");
+    assert!(tally.collisions > collisions && 20 * tally.lone > collisions, "too few collisions: {tally}");
 }
 
-/// Half of the scenes here, half in the next test, so that they run side by side.
+/// The first half of the scenes. The next test compares the second half, so that the two can run in parallel.
 #[test]
-fn cpu_agrees() {
-    agree(&compare(Backend::Cpu, 0..2_000, 1, 6, None), 3_000);
+fn the_cpu_agrees_with_the_witness_in_random_scenes() {
+    assert_agreement(&compare(Backend::Cpu, 0..2_000, 1, 6, None), 3_000);
 }
 
 #[test]
-fn cpu_agrees_further() {
-    agree(&compare(Backend::Cpu, 2_000..4_000, 1, 6, None), 3_000);
+fn the_cpu_agrees_with_the_witness_in_more_random_scenes() {
+    assert_agreement(&compare(Backend::Cpu, 2_000..4_000, 1, 6, None), 3_000);
 }
 
 /// Many clusters in one scene, and more steps.
 #[test]
-fn cpu_agrees_in_large_scenes() {
-    agree(&compare(Backend::Cpu, 5_000..5_020, 34, 12, None), 1_000);
+fn the_cpu_agrees_with_the_witness_in_large_scenes() {
+    assert_agreement(&compare(Backend::Cpu, 5_000..5_020, 34, 12, None), 1_000);
 }
 
-/// Scenes that the faults of an older model were found in, and one of everything, from beginning to end.
+/// Scenes that showed faults of an older model, and a scene with every kind of object, for 150 steps.
 #[test]
-fn cpu_agrees_in_known_scenes() {
+fn the_cpu_agrees_with_the_witness_in_known_scenes() {
     let mut tally = Tally::default();
     for (name, scene) in known::scenes() {
         let regime = scenes::Regime { settings: scene.settings, dt: 0.02 };
@@ -97,38 +98,40 @@ fn cpu_agrees_in_known_scenes() {
             .run(&mut tally);
         println!("{name}: {tally}");
     }
-    agree(&tally, 100);
+    assert_agreement(&tally, 100);
 }
 
-/// The same on the GPU, where to make kernels is dear, a step less, and a cluster little: RK4 in whole steps.
+/// The same on the GPU, where opening a simulation is slow but further clusters are cheap: one scene with many clusters
+/// and fewer steps. This seed has RK4 and whole steps.
 #[cfg(feature = "gpu")]
 #[test]
-fn gpu_agrees() {
-    agree(&compare(Backend::Gpu, [6_003], 51, 4, None), 30);
+fn the_gpu_agrees_with_the_witness_in_whole_steps() {
+    assert_agreement(&compare(Backend::Gpu, [6_003], 51, 4, None), 30);
 }
 
-/// Symplectic Euler by phases.
+/// This seed has symplectic Euler, and phases 3 and 4 are called separately.
 #[cfg(feature = "gpu")]
 #[test]
-fn gpu_agrees_by_phases() {
-    agree(&compare(Backend::Gpu, [6_001], 51, 4, None), 30);
+fn the_gpu_agrees_with_the_witness_by_phases() {
+    assert_agreement(&compare(Backend::Gpu, [6_001], 51, 4, None), 30);
 }
 
-/// What the comparison is worth: a witness that makes a mistake does not agree.
+/// Checks the comparison itself: it must detect each deliberate mistake of the witness.
 #[test]
-fn mistakes_are_told() {
+fn every_deliberate_mistake_is_detected() {
     for mistake in MISTAKES {
         let tally = compare(Backend::Cpu, 0..340, 1, 3, Some(mistake));
         println!("{mistake:?}: {} differences in {tally}", tally.failures.len());
-        assert!(!tally.failures.is_empty(), "{mistake:?} is not told");
+        assert!(!tally.failures.is_empty(), "{mistake:?} is not detected");
     }
 }
 
-/// As many scenes as there is time for: 20,000 take a minute. In one of some ten thousands, of a network, of heavy beside light, or of rods that have only
-/// begun to turn out of parallel, rounding comes to up to three times what is allowed elsewhere.
+/// A long run; 20,000 scenes take a minute. In one of some ten thousand scenes, rounding exceeds the tolerance by a
+/// factor of up to three. Such scenes have a network, heavy bodies next to light ones, or rods that are almost
+/// parallel.
 #[test]
 #[ignore = "takes minutes"]
-fn cpu_agrees_at_length() {
+fn the_cpu_agrees_with_the_witness_in_a_long_run() {
     for first in (10_000..90_000).step_by(5_000) {
         let tally = compare(Backend::Cpu, first..first + 5_000, 1, 6, None);
         println!("from {first}: {tally}");

@@ -1,7 +1,7 @@
-//! How much a step does, counted and not timed, so that a machine of any speed sees when it becomes more.
+//! The amount of work in a step. It is counted, not timed, so the tests detect an increase on machines of any speed.
 //!
-//! Every expectation is an upper bound on what was measured when it was written. Where a change makes a step do less, lower
-//! it; where one must do more, raise it and say why in the commit.
+//! Every bound is slightly above the value that was measured when it was written. When a change reduces the work of a
+//! step, lower the bound. When a change must increase it, raise the bound and give the reason in the commit.
 
 #[cfg(feature = "gpu")]
 use rockfall::Profile;
@@ -13,10 +13,10 @@ use rockfall::model::world::World;
 use rockfall::step::schedule::Phase;
 use rockfall::{Backend, BroadPhase, Integrator, Options, Scene, Simulation, Sphere};
 
-/// Enough for the broad phase of large scenes.
+/// Enough bodies for the broad phase of large scenes.
 const BODIES: u32 = 2500;
 const STEPS: u64 = 40;
-/// Steps after which piles have fallen into a heap.
+/// Number of steps after which piles have settled.
 const FALL: u64 = 120;
 const DT: f32 = 0.02;
 
@@ -31,36 +31,37 @@ fn profile(benchmark: Benchmark, backend: Backend, integrator: Integrator) -> Pr
     simulation(benchmark, backend, integrator).profile(STEPS, DT).unwrap()
 }
 
-/// Dispatches a step.
+/// Checks the number of dispatches per step.
 #[cfg(feature = "gpu")]
 #[track_caller]
-fn check_dispatches(benchmark: Benchmark, integrator: Integrator, most: u64) {
+fn assert_dispatches_per_step(benchmark: Benchmark, integrator: Integrator, most: u64) {
     let profile = profile(benchmark, Backend::Gpu, integrator);
     assert_eq!(profile.steps, STEPS);
     let runs = profile.runs() / STEPS;
     let stages: Vec<_> = profile.stages.iter().map(|stage| (stage.name, stage.runs / STEPS)).collect();
-    println!("{benchmark} {integrator}: {runs} dispatches a step");
-    assert!(runs <= most, "{benchmark} {integrator}: {runs} dispatches a step, {stages:?}");
+    println!("{benchmark} {integrator}: {runs} dispatches per step");
+    assert!(runs <= most, "{benchmark} {integrator}: {runs} dispatches per step, {stages:?}");
 }
 
 #[test]
 #[cfg(feature = "gpu")]
-fn dispatches_of_a_step() {
-    // Spheres alone, few: 3 for collisions; 3 advance, finish_and_turn, end_step. In some steps 1 for AABBs and 2 for lists.
-    check_dispatches(Benchmark::Pile, Integrator::Rk4, 10);
-    // symplectic_euler and commit_and_turn for the four evaluations.
-    check_dispatches(Benchmark::Pile, Integrator::SymplecticEuler, 8);
-    // With capsules and rods besides: weigh_collisions, rod_forces in each evaluation, restore_lengths, constrain; twice as many
-    // objects as bodies, too many for a grid that is built in one dispatch.
-    check_dispatches(Benchmark::Mixed, Integrator::Rk4, 23);
-    // Two for the collisions of large spheres, two for every sweep in steps in which some share bodies, and, where lists are made, two
-    // for theirs.
-    check_dispatches(Benchmark::Radii, Integrator::Rk4, 44);
+fn a_step_has_few_dispatches() {
+    // Few spheres without rods: 3 dispatches for collisions; 3 advance, finish_and_turn, end_step. In some steps 1 for
+    // AABBs and 2 for lists.
+    assert_dispatches_per_step(Benchmark::Pile, Integrator::Rk4, 10);
+    // symplectic_euler and commit_and_turn in place of the four evaluations.
+    assert_dispatches_per_step(Benchmark::Pile, Integrator::SymplecticEuler, 8);
+    // With capsules and rods also weigh_collisions, rod_forces in each evaluation, restore_lengths and constrain. There
+    // are twice as many objects as bodies, too many for a grid that is built in one dispatch.
+    assert_dispatches_per_step(Benchmark::Mixed, Integrator::Rk4, 23);
+    // Two dispatches for the collisions of large spheres, two for every sweep in steps in which some collisions share
+    // bodies, and two for the lists of large spheres when lists are rebuilt.
+    assert_dispatches_per_step(Benchmark::Radii, Integrator::Rk4, 44);
 }
 
-/// Dispatches of so many plain steps of a small scene without rods, after some others.
+/// Number of dispatches in a number of plain steps of a small scene without rods, after a number of other steps.
 #[cfg(feature = "gpu")]
-fn joined_dispatches(benchmark: Benchmark, before: u64, steps: u64) -> u64 {
+fn count_joined_dispatches(benchmark: Benchmark, before: u64, steps: u64) -> u64 {
     let scene = benchmark.generate(1_000, 5).unwrap();
     let options = Options::new().backend(Backend::Gpu).broad_phase(BroadPhase::Grid).join_steps(true);
     let mut simulation = Simulation::with_options(scene, options).unwrap();
@@ -74,22 +75,23 @@ fn joined_dispatches(benchmark: Benchmark, before: u64, steps: u64) -> u64 {
 
 #[test]
 #[cfg(feature = "gpu")]
-fn dispatches_of_the_steps_of_a_small_scene() {
-    // Three that make lists, and one for all else; one more begins a batch, of which the first is one step that makes lists twice.
-    assert!(joined_dispatches(Benchmark::Pile, 0, 32) <= 4 * 32 + 1 + 4);
+fn steps_of_a_small_scene_share_dispatches() {
+    // Three dispatches that build lists, and one for everything else. One more starts a batch. The first batch is one
+    // step that builds lists twice.
+    assert!(count_joined_dispatches(Benchmark::Pile, 0, 32) <= 4 * 32 + 1 + 4);
     // The same in every eighth step.
-    assert!(joined_dispatches(Benchmark::Lattice, 320, 32) <= 4 * 4 + 1);
+    assert!(count_joined_dispatches(Benchmark::Lattice, 320, 32) <= 4 * 4 + 1);
 }
 
 #[test]
 #[cfg(feature = "gpu")]
-fn every_step_of_a_profile_is_a_step_that_was_done() {
+fn a_profile_counts_every_executed_step() {
     let profile = profile(Benchmark::Pile, Backend::Gpu, Integrator::Rk4);
     for stage in &profile.stages {
-        // Lists are made in every eighth step at least; those that do not fit any more are made once besides.
+        // Lists are rebuilt at least in every eighth step, and once more when they no longer fit.
         let fits = match stage.phase {
             Phase::UpdateAabbs | Phase::BroadPhase => (STEPS / 8..STEPS + STEPS / 4).contains(&stage.runs),
-            // These stand in steps with collisions that share bodies alone.
+            // These run only in steps with collisions that share bodies.
             _ if ["list_collisions", "weigh_collisions", "sweep_at_once"].contains(&stage.name) => {
                 stage.runs <= STEPS + STEPS / 4
             }
@@ -115,7 +117,7 @@ fn profiling_changes_nothing() {
 }
 
 #[test]
-fn void_steps_are_kept_apart() {
+fn a_profile_counts_rejected_steps_separately() {
     let scene = Benchmark::Lattice.generate(BODIES, 0).unwrap();
     let options = Options::new().backend(Backend::Cpu).pair_capacity(SLICE);
     let mut simulation = Simulation::with_options(scene, options).unwrap();
@@ -128,21 +130,21 @@ fn void_steps_are_kept_apart() {
 
 #[test]
 #[cfg(feature = "gpu")]
-fn the_device_holds_what_the_host_would() {
+fn the_device_uses_as_much_memory_as_the_host() {
     let [cpu, gpu] =
         [Backend::Cpu, Backend::Gpu].map(|backend| simulation(Benchmark::Settled, backend, Integrator::Rk4).device_memory());
-    // The status and the uniform blocks are no arrays; what is empty has 128 bytes.
-    let besides = size_of::<Status>() as u64 + 1024;
-    assert!((cpu..cpu + besides).contains(&gpu), "{cpu} and {gpu} bytes");
+    // The status and the uniform blocks are not arrays. An empty array has 128 bytes.
+    let other_bytes = size_of::<Status>() as u64 + 1024;
+    assert!((cpu..cpu + other_bytes).contains(&gpu), "{cpu} and {gpu} bytes");
 }
 
 /// Bounds on a scene after [`FALL`] steps.
 struct Bounds {
     /// Bytes of all buffers, per sphere.
     memory: u64,
-    /// List entries a mover.
+    /// List entries per mover.
     entries: f64,
-    /// Words of list entries a mover, with the padding of slices.
+    /// Words of list entries per mover, with the padding of slices.
     words: f64,
 }
 
@@ -156,12 +158,12 @@ fn check_size(benchmark: Benchmark, most: &Bounds) {
     let each = |sum: u64| sum as f64 / f64::from(movers);
     let entries = each(world.lists[..movers as usize].iter().map(|count| u64::from(*count & LIST_COUNT_MASK)).sum());
     let words = each(words_of(world.status.pair_rows_needed));
-    let told = format!("{benchmark}: {memory} bytes a sphere; {entries:.2} entries and {words:.2} words of them a mover");
-    println!("{told}");
-    assert!(memory <= most.memory && entries <= most.entries && words <= most.words, "{told}");
+    let summary = format!("{benchmark}: {memory} bytes per sphere; {entries:.2} entries in {words:.2} words per mover");
+    println!("{summary}");
+    assert!(memory <= most.memory && entries <= most.entries && words <= most.words, "{summary}");
 }
 
-/// The present state with the lists of a fresh world.
+/// The present state with newly built lists.
 fn listed(simulation: &mut Simulation, build: fn(&Scene) -> rockfall::Result<World>) -> World {
     let mut world = build(simulation.sync().unwrap()).unwrap();
     world.step.dt = DT;
@@ -177,33 +179,35 @@ fn listed(simulation: &mut Simulation, build: fn(&Scene) -> rockfall::Result<Wor
     world
 }
 
-// At the start: four states of 48 bytes, an AABB of 32, an orientation of 16, a tag and a count of 4 each, about 13 of the
-// grid, an extent of 16, its two places in the order of memory of 4 each, and 24 list entries of 4 (16 in large scenes) make 384. Where
-// lists get longer by looking ahead, they are made for fewer steps before they take more memory.
+// At the start: four states of 48 bytes, an AABB of 32, an orientation of 16, a tag and a count of 4 each, about 13 of
+// the grid, an extent of 16, two memory slots of 4 each, and 24 list entries of 4 (16 in large scenes) make 384. Where
+// a longer lookahead makes lists longer, the lookahead is shortened before the lists use more memory.
 
 #[test]
-fn size_of_a_lattice() {
-    // Six neighbours touch; a rim of others is close. Elastic collisions are no longer lost: it spreads a little more.
+fn a_lattice_stays_within_its_memory() {
+    // Six neighbours touch, and others at the rim are close. Elastic collisions are no longer lost, so the lattice
+    // spreads slightly.
     check_size(Benchmark::Lattice, &Bounds { memory: 388, entries: 6.5, words: 9.0 });
 }
 
 #[test]
-fn size_of_a_pile() {
+fn a_pile_stays_within_its_memory() {
     check_size(Benchmark::Pile, &Bounds { memory: 388, entries: 4.9, words: 8.4 });
 }
 
 #[test]
-fn size_of_what_has_settled() {
+fn a_settled_pile_stays_within_its_memory() {
     check_size(Benchmark::Settled, &Bounds { memory: 388, entries: 10.2, words: 11.6 });
 }
 
 #[test]
-fn size_of_rods_and_capsules_among_spheres() {
-    // Row sums of collisions have as much room as list entries: 128 bytes a sphere, for there are four movers to three spheres.
+fn rods_and_capsules_among_spheres_stay_within_their_memory() {
+    // Row sums of collisions have as much capacity as list entries: 128 bytes per sphere, because there are four movers
+    // per three spheres.
     check_size(Benchmark::Mixed, &Bounds { memory: 624, entries: 2.5, words: 5.2 });
 }
 
-/// Pair tests of the grid and words of list entries, both per sphere, of so many spheres after some steps.
+/// Pair tests of the grid and words of list entries, both per sphere, after a number of steps.
 fn work_of(benchmark: Benchmark, spheres: u32, steps: u64) -> [f64; 2] {
     let scene = benchmark.generate(spheres, 5).unwrap();
     let options = Options::new().backend(Backend::Cpu).broad_phase(BroadPhase::Grid);
@@ -213,10 +217,10 @@ fn work_of(benchmark: Benchmark, spheres: u32, steps: u64) -> [f64; 2] {
     [cpu::pair_tests(&world), words_of(world.status.pair_rows_needed)].map(|sum| sum as f64 / f64::from(spheres))
 }
 
-/// Large spheres all over a lattice of small ones: no thread looks at more than some hundred objects, and slices of the pair lists
-/// are wide where large spheres stand side by side, and nowhere else.
+/// Large spheres are spread over a lattice of small ones. No thread visits more than some hundred objects. Slices of
+/// the pair lists are wide only where large spheres are next to each other.
 #[test]
-fn few_large_spheres_do_not_hold_up_many_small_ones() {
+fn a_few_large_spheres_do_not_slow_down_many_small_ones() {
     let mut scene = Scene::new();
     for k in 0..20_000 {
         let place = [k % 27, k / 27 % 27, k / 729].map(|x| 0.1 * x as f32);
@@ -230,16 +234,17 @@ fn few_large_spheres_do_not_hold_up_many_small_ones() {
     let world = listed(&mut simulation, World::build_in_space);
     let counts = || world.lists[..world.movers() as usize].iter().map(|count| u64::from(*count & LIST_COUNT_MASK));
     let (longest, entries) = (counts().max().unwrap(), counts().sum::<u64>());
-    let (looked_at, words) = (cpu::longest_search(&world), words_of(world.status.pair_rows_needed));
-    let told = format!("{looked_at} objects at most, lists of up to {longest}, {words} words for {entries} entries");
-    println!("{told}");
-    assert!(longest > 100 && looked_at <= 125 && words as f64 <= 1.2 * entries as f64, "{told}");
+    let (visited, words) = (cpu::longest_search(&world), words_of(world.status.pair_rows_needed));
+    let summary =
+        format!("at most {visited} objects per thread, lists of up to {longest}, {words} words for {entries} entries");
+    println!("{summary}");
+    assert!(longest > 100 && visited <= 125 && words as f64 <= 1.2 * entries as f64, "{summary}");
 }
 
-/// What flies off, so fast that its AABB is a thousand times as large as the others, has nobody to look at but itself: for a device it
-/// is one thread that looks.
+/// The AABB of a body that flies off fast is a thousand times as large as the others. It must not visit all other
+/// objects, because on a device a single thread would do so.
 #[test]
-fn a_body_that_flies_off_does_not_hold_up_the_others() {
+fn a_body_that_flies_off_does_not_slow_down_the_others() {
     let mut scene = Scene::new();
     for k in 0..8_000 {
         scene.add_sphere(Sphere::new([k % 20, k / 20 % 20, k / 400].map(|x| 0.1 * x as f32), 0.049)).unwrap();
@@ -248,33 +253,33 @@ fn a_body_that_flies_off_does_not_hold_up_the_others() {
     let options = Options::new().backend(Backend::Cpu).broad_phase(BroadPhase::Grid);
     let mut simulation = Simulation::with_options(scene, options).unwrap();
     let world = listed(&mut simulation, World::build_in_space);
-    let looked_at = cpu::longest_search(&world);
-    println!("{looked_at} objects at most");
-    assert!(looked_at <= 125, "{looked_at} objects");
+    let visited = cpu::longest_search(&world);
+    println!("at most {visited} objects per thread");
+    assert!(visited <= 125, "{visited} objects");
 }
 
-/// Ten times the spheres, each with as much to do: those inside have more neighbours than those on the surface, of which a
-/// small crowd has more.
+/// Ten times as many spheres, with as much work per sphere. Spheres inside have more neighbours than those on the
+/// surface, and a small crowd has a larger share of surface.
 #[track_caller]
-fn check_growth(benchmark: Benchmark, steps: u64, most: [f64; 2], growth: f64) {
+fn assert_bounded_growth(benchmark: Benchmark, steps: u64, most: [f64; 2], growth: f64) {
     let [small, large] = [1_000, 10_000].map(|spheres| work_of(benchmark, spheres, steps));
-    let told = format!("{benchmark}: {small:.1?} and {large:.1?} pair tests and words of entries a sphere");
-    println!("{told}");
+    let summary = format!("{benchmark}: {small:.1?} and {large:.1?} pair tests and words of entries per sphere");
+    println!("{summary}");
     let is_bounded = |place: usize| large[place] <= most[place] && large[place] <= growth * small[place];
-    assert!(is_bounded(0) && is_bounded(1), "{told}");
+    assert!(is_bounded(0) && is_bounded(1), "{summary}");
 }
 
 #[test]
-fn work_a_sphere_does_not_grow_in_a_lattice() {
-    check_growth(Benchmark::Lattice, 0, [185.0, 6.2], 1.3);
+fn work_per_sphere_does_not_grow_in_a_lattice() {
+    assert_bounded_growth(Benchmark::Lattice, 0, [185.0, 6.2], 1.3);
 }
 
 #[test]
-fn work_a_sphere_does_not_grow_in_a_pile() {
-    check_growth(Benchmark::Pile, 60, [63.0, 3.0], 1.3);
+fn work_per_sphere_does_not_grow_in_a_pile() {
+    assert_bounded_growth(Benchmark::Pile, 60, [63.0, 3.0], 1.3);
 }
 
 #[test]
-fn work_a_sphere_does_not_grow_where_radii_differ() {
-    check_growth(Benchmark::Radii, 0, [58.0, 2.6], 1.3);
+fn work_per_sphere_does_not_grow_with_different_radii() {
+    assert_bounded_growth(Benchmark::Radii, 0, [58.0, 2.6], 1.3);
 }

@@ -1,19 +1,20 @@
-//! Degenerate input: no NaN, and the push-out direction that is documented.
+//! Degenerate input: the state stays finite, and bodies are pushed in the documented direction.
 //!
-//! Where two bodies have no distance the normal from A (the one added first; spheres before rods before boxes before
-//! polygons) to B is (0, 1, 0), for rods that cross their common normal A x B, at a box edge or vertex the outward
-//! direction reversed.
+//! Where the distance of two bodies is 0, the normal from A to B is (0, 1, 0). A is the body that was added first;
+//! spheres come before rods, boxes and polygons, in this order. For rods that cross, the normal is their common normal
+//! A x B. At a box edge or vertex it is the reversed outward direction.
 
 use rockfall::glam::Vec3;
 use rockfall::{Backend, Cuboid, Polygon, Rod, Scene, Sphere, Spring, Tether};
 
 use crate::common::*;
 
-/// Forces of the order of 1000 over dt = 1/64 from velocities of the order of 16, which round by 1e-6.
+/// Tolerance of forces of the order of 1000, over dt = 1/64, from velocities of the order of 16, which round by 1e-6.
 const FORCE: f64 = 1e-2;
 
-/// The loads of a scene at its start, after having seen that it stays finite for some steps, with collisions and without.
-fn harmless_loads(scene: Scene, backend: Backend) -> Vec<Load> {
+/// Runs a scene for some steps with and without collisions, asserts that it stays finite, and returns the loads at its
+/// start.
+fn loads_of_finite_scene(scene: Scene, backend: Backend) -> Vec<Load> {
     for collisions in [true, false] {
         let mut scene = scene.clone();
         scene.settings.collisions = collisions;
@@ -28,61 +29,62 @@ fn harmless_loads(scene: Scene, backend: Backend) -> Vec<Load> {
     loads(scene, backend)
 }
 
-fn smooth() -> Scene {
+fn frictionless() -> Scene {
     with(|settings| (settings.gravity, settings.friction) = (0.0, 0.0))
 }
 
 /// o = 1, m* = 1/2: 500, A down, B up.
-fn coincident_centres(backend: Backend) {
-    let mut scene = smooth();
+fn spheres_with_one_centre_are_pushed_apart_along_y(backend: Backend) {
+    let mut scene = frictionless();
     spheres(&mut scene, [Sphere::new([1.0, 2.0, 3.0], 0.5); 2]);
-    let found = harmless_loads(scene, backend);
+    let found = loads_of_finite_scene(scene, backend);
     forces(&found, [[0.0, -500.0, 0.0], [0.0, 500.0, 0.0]], FORCE);
 }
 
-/// A ball whose centre lies on a rod's axis, at its middle: o = 0.6, m* = 1/(1 + 1/2) = 2/3: the ball goes down, the
-/// rod's ends up.
-fn ball_on_the_axis_of_a_rod(backend: Backend) {
-    let mut scene = smooth();
+/// A ball whose centre lies on the axis of a rod, in the middle: o = 0.6, m* = 1/(1 + 1/2) = 2/3. The ball moves down,
+/// the ends of the rod move up.
+fn a_ball_centred_on_the_axis_of_a_rod_is_pushed_along_y(backend: Backend) {
+    let mut scene = frictionless();
     rod(&mut scene, [-1.0, 1.0].map(|x| Sphere::new([x, 0.0, 0.0], 0.1)), 0.1);
     spheres(&mut scene, [Sphere::new([0.0; 3], 0.5)]);
-    let found = harmless_loads(scene, backend);
+    let found = loads_of_finite_scene(scene, backend);
     forces(&found, [[0.0, 200.0, 0.0], [0.0, 200.0, 0.0], [0.0, -400.0, 0.0]], FORCE);
 }
 
-/// Rods whose axes cross: along x and z, so that A x B = -y is the normal from A to B: o = 0.2, m* = 1, A goes up.
-fn rods_whose_axes_cross(backend: Backend) {
-    let mut scene = smooth();
+/// Rods along x and z whose axes cross: the normal from A to B is A x B = -y, o = 0.2, m* = 1. A moves up.
+fn rods_whose_axes_cross_are_pushed_along_their_common_normal(backend: Backend) {
+    let mut scene = frictionless();
     rod(&mut scene, [-1.0, 1.0].map(|x| Sphere::new([x, 0.0, 0.0], 0.1)), 0.1);
     rod(&mut scene, [-1.0, 1.0].map(|z| Sphere::new([0.0, 0.0, z], 0.1)), 0.1);
-    let found = harmless_loads(scene, backend);
+    let found = loads_of_finite_scene(scene, backend);
     let (up, down) = ([0.0, 100.0, 0.0], [0.0, -100.0, 0.0]);
     forces(&found, [up, up, down, down], FORCE);
 }
 
-/// Parallel rods at the same height, side by side: they part along the line between them. o = 0.05; A from 0 to 4, B
-/// from 2 to 6: the middle of the shared stretch is a = 0.75, b = 0.25, m* = 1/(10/16 + 10/16) = 0.8: 40 shared as 1/4
-/// and 3/4.
-fn parallel_rods(backend: Backend) {
-    let mut scene = smooth();
+/// Parallel rods side by side at the same height move apart along the line between them. o = 0.05; A extends from 0 to
+/// 4, B from 2 to 6. The middle of the common interval is at a = 0.75, b = 0.25, m* = 1/(10/16 + 10/16) = 0.8: a force
+/// of 40, shared as 1/4 and 3/4.
+fn parallel_rods_are_pushed_apart_sideways(backend: Backend) {
+    let mut scene = frictionless();
     rod(&mut scene, [0.0, 4.0].map(|x| Sphere::new([x, 0.0, 0.0], 0.01)), 0.1);
     rod(&mut scene, [2.0, 6.0].map(|x| Sphere::new([x, 0.0, 0.15], 0.01)), 0.1);
-    let found = harmless_loads(scene, backend);
+    let found = loads_of_finite_scene(scene, backend);
     forces(&found, [[0.0, 0.0, -10.0], [0.0, 0.0, -30.0], [0.0, 0.0, 30.0], [0.0, 0.0, 10.0]], FORCE);
 }
 
-/// Collinear rods that overlap, o = 0.2: A goes down, B up, shared as above (160). Their ends lie on the other's axis,
-/// too: an end sphere on a rod, o = 0.11, m* = 1/(1 + 10/16) = 8/13: ball down, rod up (880/13, at the middle of each).
-fn collinear_rods(backend: Backend) {
+/// Collinear rods that overlap, o = 0.2: A moves down, B up, with a force of 160 shared as above. One end of each also
+/// lies on the axis of the other, in its middle: an end sphere on a rod, o = 0.11. The end moves down, the rod up.
+fn collinear_rods_are_pushed_apart_along_y(backend: Backend) {
     let build = |gap: f32| {
-        let mut scene = smooth();
+        let mut scene = frictionless();
         rod(&mut scene, [0.0, 4.0].map(|x| Sphere::new([x, 0.0, 0.0], 0.01)), 0.1);
         rod(&mut scene, [gap, gap + 4.0].map(|x| Sphere::new([x, 0.0, 0.0], 0.01)), 0.1);
         scene
     };
-    // 1/M = 1/2 at a rod's middle: m* = 2/3, 1000 * 0.11 * 2/3 = 220/3 for an end at the other's middle.
+    // In the middle of a rod 1/M = 1/2, so m* = 2/3 for the end of the other rod, and the force is
+    // 1000 * 0.11 * 2/3 = 220/3.
     let (shared, ends) = (160.0, 220.0 / 3.0);
-    let found = harmless_loads(build(2.0), backend);
+    let found = loads_of_finite_scene(build(2.0), backend);
     forces(
         &found,
         [
@@ -93,25 +95,25 @@ fn collinear_rods(backend: Backend) {
         ],
         FORCE,
     );
-    // Apart, with a gap between their ends, they do not meet.
-    forces(&harmless_loads(build(4.5), backend), [[0.0; 3]; 4], 0.0);
+    // With a gap between their ends the rods have no contact.
+    forces(&loads_of_finite_scene(build(4.5), backend), [[0.0; 3]; 4], 0.0);
 }
 
-/// A rod whose ends are at the same place has no axis and no contacts of its own; its ends have theirs. Held at a
-/// length, it is opened along (0, 1, 0): end 1 goes down, end 2 up.
-fn rods_without_length(backend: Backend) {
-    let mut scene = smooth();
+/// A rod whose ends coincide has no axis and no contacts of its own; its end spheres keep theirs. A rod of fixed length
+/// separates its ends along (0, 1, 0): end 1 moves down, end 2 up.
+fn a_rod_whose_ends_coincide_has_no_contacts_and_opens_along_y(backend: Backend) {
+    let mut scene = frictionless();
     rod(&mut scene, [Sphere::new([0.0; 3], 0.1); 2].map(|end| end.group(1)), 0.4);
     scene.add_box(Cuboid::between([-1.0; 3], [1.0, -0.2, 1.0])).expect("a valid box");
     spheres(&mut scene, [Sphere::new([0.3, 0.0, 0.0], 0.1)]);
-    // The ends of a free rod meet: o = 0.2, m* = 1/2.
-    let found = harmless_loads(scene, backend);
+    // The ends of a rod of free length have a contact with each other: o = 0.2, m* = 1/2.
+    let found = loads_of_finite_scene(scene, backend);
     forces(&found, [[0.0, -100.0, 0.0], [0.0, 100.0, 0.0], [0.0; 3]], FORCE);
 
-    let mut scene = smooth();
+    let mut scene = frictionless();
     let [one, two] = spheres(&mut scene, [Sphere::new([0.0; 3], 0.1); 2]);
     scene.add_rod(Rod::new(one, two, 0.1).length(1.0)).expect("a valid rod");
-    harmless_loads(scene.clone(), backend);
+    loads_of_finite_scene(scene.clone(), backend);
     let mut simulation = simulation(scene, backend);
     simulation.step(DT).expect("a step");
     let ends = simulation.spheres().expect("both ends");
@@ -119,26 +121,27 @@ fn rods_without_length(backend: Backend) {
     near(ends[1].position, [0.0, 0.5, 0.0], 1e-6, "end 2");
 }
 
-/// A spring or tether whose ends are at the same place does nothing, whatever its rest length.
-fn springs_without_length(backend: Backend) {
-    let mut scene = smooth();
+/// A spring or tether whose ends coincide exerts no force, whatever its rest length.
+fn springs_whose_ends_coincide_exert_no_force(backend: Backend) {
+    let mut scene = frictionless();
     let [a, b] = spheres(&mut scene, [1, 2].map(|group| Sphere::new([1.0; 3], 0.5).group(group)));
     scene.add_spring(Spring::new(a, b, 100.0, 2.0).damping(3.0)).expect("a valid spring");
     scene.add_tether(Tether::new(a, [1.0; 3], 100.0).length(2.0)).expect("a valid tether");
-    forces(&harmless_loads(scene, backend), [[0.0; 3]; 2], 0.0);
+    forces(&loads_of_finite_scene(scene, backend), [[0.0; 3]; 2], 0.0);
 }
 
-/// The force on a resting ball (radius 0.5, mass 1) with its centre at a place in or on the box from -1 to 1.
+/// Force on a ball (radius 0.5, mass 1) at rest whose centre is in or on the box from -1 to 1.
 fn in_the_box(place: [f32; 3], backend: Backend) -> Vec<Load> {
-    let mut scene = smooth();
+    let mut scene = frictionless();
     scene.add_box(Cuboid::between([-1.0; 3], [1.0; 3])).expect("a valid box");
     spheres(&mut scene, [Sphere::new(place, 0.5)]);
-    harmless_loads(scene, backend)
+    loads_of_finite_scene(scene, backend)
 }
 
-/// A centre on a face or inside leaves by the nearest face, o = r + depth; from the very middle by the first, the low
-/// end of edge I. A centre on an edge leaves by the first of its two faces, on a vertex by the first of three.
-fn ball_centred_on_a_box_face_or_inside(backend: Backend) {
+/// A ball with its centre on a face or inside the box is pushed out through the nearest face, o = r + depth. From the
+/// exact middle it is the first face, the low end of edge I. From an edge it is the first of its two faces, from a
+/// vertex the first of three.
+fn a_ball_centred_in_a_box_leaves_through_the_nearest_face(backend: Backend) {
     for (place, force) in [
         ([0.25, 1.0, 0.5], [0.0, 500.0, 0.0]),
         ([0.25, -1.0, 0.5], [0.0, -500.0, 0.0]),
@@ -151,46 +154,46 @@ fn ball_centred_on_a_box_face_or_inside(backend: Backend) {
     }
 }
 
-/// A centre on the plane of a polygon still belongs to its front: pushed along the face's normal, o = r.
-fn ball_centred_on_a_polygon(backend: Backend) {
-    let mut scene = smooth();
+/// A centre in the plane of a polygon counts as in front of it: the ball is pushed along the normal of the face, o = r.
+fn a_ball_centred_on_a_polygon_is_pushed_to_the_front(backend: Backend) {
+    let mut scene = frictionless();
     let polygon = Polygon::new([-1.0, 0.0, -1.0], [0.0, 0.0, 2.0], [2.0, 0.0, 0.0]);
     scene.add_polygon(polygon).expect("a valid polygon");
     spheres(&mut scene, [Sphere::new([0.0; 3], 0.5)]);
-    forces(&harmless_loads(scene, backend), [[0.0, 500.0, 0.0]], FORCE);
+    forces(&loads_of_finite_scene(scene, backend), [[0.0, 500.0, 0.0]], FORCE);
 }
 
-/// A rod whose axis cuts the edge x = y = 1 of a box, at its own middle: pushed outward, along (1, 1, 0)/sqrt 2, o =
-/// 0.1, m* = 2.
-fn rod_whose_axis_cuts_a_box_edge(backend: Backend) {
-    let mut scene = smooth();
+/// The axis of a rod crosses the edge x = y = 1 of a box in the middle of the rod. The rod is pushed outward, along
+/// (1, 1, 0)/sqrt 2: o = 0.1, m* = 2.
+fn a_rod_whose_axis_crosses_a_box_edge_is_pushed_outward(backend: Backend) {
+    let mut scene = frictionless();
     scene.add_box(Cuboid::between([-1.0; 3], [1.0; 3])).expect("a valid box");
     rod(&mut scene, [[0.0, 2.0, 0.0], [2.0, 0.0, 0.0]].map(|end| Sphere::new(end, 0.01)), 0.1);
     let f = 100.0 / 2.0_f64.sqrt();
-    forces(&harmless_loads(scene, backend), [[f, f, 0.0]; 2], FORCE);
+    forces(&loads_of_finite_scene(scene, backend), [[f, f, 0.0]; 2], FORCE);
 }
 
-/// A rod whose axis goes through a vertex: whether that counts as up to three edges or as the vertex is a matter of
-/// rounding, but outward it goes.
-fn rod_whose_axis_goes_through_a_box_vertex(backend: Backend) {
-    let mut scene = smooth();
+/// The axis of a rod passes through a vertex. Rounding decides whether that counts as contacts with up to three edges
+/// or as one with the vertex, but the rod is pushed outward in every case.
+fn a_rod_whose_axis_passes_through_a_vertex_is_pushed_outward(backend: Backend) {
+    let mut scene = frictionless();
     scene.add_box(Cuboid::between([-1.0; 3], [1.0; 3])).expect("a valid box");
     rod(&mut scene, [[0.0, 2.0, 1.0], [2.0, 0.0, 1.0]].map(|end| Sphere::new(end, 0.01)), 0.1);
-    let found = harmless_loads(scene, backend);
+    let found = loads_of_finite_scene(scene, backend);
     let outward = (found[0].force + found[1].force).dot(Vec3::ONE.normalize().as_dvec3());
     assert!(outward > 50.0, "{found:?}");
 }
 
 both!(
-    coincident_centres,
-    ball_on_the_axis_of_a_rod,
-    rods_whose_axes_cross,
-    parallel_rods,
-    collinear_rods,
-    rods_without_length,
-    springs_without_length,
-    ball_centred_on_a_box_face_or_inside,
-    ball_centred_on_a_polygon,
-    rod_whose_axis_cuts_a_box_edge,
-    rod_whose_axis_goes_through_a_box_vertex,
+    spheres_with_one_centre_are_pushed_apart_along_y,
+    a_ball_centred_on_the_axis_of_a_rod_is_pushed_along_y,
+    rods_whose_axes_cross_are_pushed_along_their_common_normal,
+    parallel_rods_are_pushed_apart_sideways,
+    collinear_rods_are_pushed_apart_along_y,
+    a_rod_whose_ends_coincide_has_no_contacts_and_opens_along_y,
+    springs_whose_ends_coincide_exert_no_force,
+    a_ball_centred_in_a_box_leaves_through_the_nearest_face,
+    a_ball_centred_on_a_polygon_is_pushed_to_the_front,
+    a_rod_whose_axis_crosses_a_box_edge_is_pushed_outward,
+    a_rod_whose_axis_passes_through_a_vertex_is_pushed_outward,
 );

@@ -1,11 +1,11 @@
-//! Capsules: rigid bodies.
+//! Capsules as rigid bodies.
 
 use rockfall::glam::Vec3;
 use rockfall::{Backend, Capsule, Scene, Sphere, SphereState};
 
 use crate::common::*;
 
-/// A capsule of mass 2 that falls at 2 with o = 0.01 in the plane y = 0, and what it does in phase 3.
+/// Returns a capsule before and after phase 3. It has mass 2, falls at 2 with o = 0.01 and lies in the plane z = 0.
 fn drop_capsule(end2: [f32; 3], backend: Backend, floor: fn(&mut Scene)) -> (Vec<Sphere>, Vec<SphereState>) {
     let mut scene = weightless();
     floor(&mut scene);
@@ -15,10 +15,12 @@ fn drop_capsule(end2: [f32; 3], backend: Backend, floor: fn(&mut Scene)) -> (Vec
     (before, collide(scene, backend))
 }
 
-/// Upright: n is the axis, w = 1/(m1 + m2) = 1/2, j = 1.75 * 2 * 2 = 7, shared by mass: each end gets 3.5, so both
-/// leave at 1.5 = e * 2. The overlap of 0.01 is 5 ms old: both are 0.005 * 3.5 up. Flat: both ends are hit, share the body and
-/// get half each: they leave at the same speed, and where they are, but for the 1.4e-4 of the impulse that sweeps may leave out.
-fn upright_and_flat_capsules_bounce_with_e(backend: Backend) {
+/// Upright: n is the axis, w = 1/(m1 + m2) = 1/2, j = 1.75 * 2 * 2 = 7, shared by mass. Each end receives 3.5, so both
+/// leave at 1.5 = e * 2. The overlap of 0.01 began 5 ms ago, so both ends are displaced by 0.005 * 3.5 upwards.
+///
+/// Flat: both ends collide and receive half of the impulse each. They leave at the same speed and are not displaced.
+/// The tolerance covers the error of at most 1.4e-4 of the impulse that the sweeps leave.
+fn upright_and_flat_capsules_rebound_with_e(backend: Backend) {
     for floor in [floor_box, floor_polygon] {
         for end2 in [[0.0, 2.49, 0.0], [2.0, 0.49, 0.0]] {
             let (before, after) = drop_capsule(end2, backend, floor);
@@ -31,9 +33,9 @@ fn upright_and_flat_capsules_bounce_with_e(backend: Backend) {
     }
 }
 
-/// The same in a whole run: it arrives, bounces once and leaves at e times its speed, keeping its posture. What acts beside the
-/// impulse is the contact force on the rounding left of the removed overlap, some 1e-7 * Cc * dt.
-fn dropped_capsules_leave_at_e_times_their_speed(backend: Backend) {
+/// The same in a whole run: the capsule falls, rebounds once at e times its speed and keeps its direction. Apart from
+/// the impulse, only the contact force on the rounding error of the removed overlap acts, about 1e-7 * Cc * dt.
+fn dropped_capsules_rebound_at_e_times_their_speed(backend: Backend) {
     for end2 in [[0.0, 2.6, 0.0], [2.0, 0.6, 0.0]] {
         let mut scene = weightless();
         floor_box(&mut scene);
@@ -47,13 +49,14 @@ fn dropped_capsules_leave_at_e_times_their_speed(backend: Backend) {
     }
 }
 
-/// A dumbbell of masses 1 and `m2` with its axis along (0.8, 0.6, 0), length 2, falling at 2 with end 1 on the floor.
+/// A dumbbell of masses 1 and `m2` with its axis along (0.8, 0.6, 0) and length 2. It falls at 2 with end 1 on the
+/// floor.
 fn slanted(m2: f32, fixed: bool) -> Scene {
     let mut scene = weightless();
     floor_box(&mut scene);
     let (near, far) = (Sphere::new([0.0, 0.49, 0.0], 0.5), Sphere::new([1.6, 1.69, 0.0], 0.5).mass(m2));
     let ends = if fixed {
-        // Across the axis, as the rod lets it.
+        // Perpendicular to the axis, because the rod has a fixed length.
         [near.velocity([1.2, -1.6, 0.0]), far.fixed()]
     } else {
         [near, far].map(|end| end.velocity([0.0, -2.0, 0.0]))
@@ -62,16 +65,17 @@ fn slanted(m2: f32, fixed: bool) -> Scene {
     scene
 }
 
-/// A vector turned about z by an angle.
+/// Rotates a vector about z by an angle.
 fn turned([x, y]: [f64; 2], angle: f64) -> [f64; 2] {
     let (sin, cos) = angle.sin_cos();
     [cos * x - sin * y, sin * x + cos * y]
 }
 
-/// n = -y, d = (1.6, 1.2), M = 4, mu = 3/4, I = 0.1 and 0.3, It = 3/4 * 4 + 0.4 = 3.4. The lever of end 1 is -3/4, T = -3/4 d x n = 1.2 z,
-/// so that the end's inverse mass is 1/4 + 1.44/3.4, and with u = 2 j = 3.5 over it. The centre gets j/4 up, and the capsule turns by
-/// W = -1.2 j / 3.4 about z, for the 5 ms that the overlap of 0.01 is old.
-fn slanted_capsule_with_unequal_masses(backend: Backend) {
+/// n = -y, d = (1.6, 1.2), M = 4, mu = 3/4, I = 0.1 and 0.3, It = 3/4 * 4 + 0.4 = 3.4. The lever of end 1 is -3/4,
+/// T = -3/4 d x n = 1.2 z, so the inverse mass of the end is 1/4 + 1.44/3.4. With u = 2, j is 3.5 divided by it. The
+/// centre of mass receives j/4 upwards, and the capsule turns at W = -1.2 j / 3.4 about z during the 5 ms since the
+/// overlap of 0.01 began.
+fn a_slanted_capsule_with_unequal_masses_rebounds_as_a_rigid_body(backend: Backend) {
     let scene = slanted(3.0, false);
     let before = scene.spheres().to_vec();
     let after = collide(scene, backend);
@@ -87,18 +91,21 @@ fn slanted_capsule_with_unequal_masses(backend: Backend) {
     }
 }
 
-/// With end 2 fixed it is a rod that end 1 hangs on: only what is across the axis (0.8, 0.6) counts. n = -y has (0.48, -0.64, 0) across it, so
-/// w = 0.64, u = 1.6, j = 1.75 * 1.6 / 0.64 = 4.375: v' = (1.2, -1.6) - 4.375 (0.48, -0.64) = -0.75 v.
-fn capsule_with_a_fixed_end_turns_about_it(backend: Backend) {
+/// With end 2 fixed, the capsule is a rod from a fixed sphere to end 1. Only components perpendicular to the axis (0.8,
+/// 0.6) count. The perpendicular part of n = -y is (0.48, -0.64, 0), so w = 0.64, u = 1.6, j = 1.75 * 1.6 / 0.64 = 4.375:
+/// v' = (1.2, -1.6) - 4.375 (0.48, -0.64) = -0.75 v.
+fn a_capsule_with_a_fixed_end_turns_about_that_end(backend: Backend) {
     let after = collide(slanted(3.0, true), backend);
     velocities(&after, [[-0.9, 1.2, 0.0], [0.0; 3]]);
 }
 
-/// A ball that hits an end of a resting capsule along the axis meets the whole of its mass: with equal masses 2 and 1 +
-/// 1 and e = 1 it stops, and both ends go on at its speed. At n = (-0.6, 0.8, 0) from the end to the ball: d = (2, 0), It = 1/2 * 4 + 0.2 = 2.2,
-/// T = -d/2 x n = -0.8 z, so that w = 1/2 + 0.64/2.2 + 1/2, u = 3 * 0.8, j = 2 * 2.4 / w. The ball gets j n / 2, the centre as much the
-/// other way, and the capsule turns by 0.8 j / 2.2 about z.
-fn ball_hits_the_end_of_a_capsule(backend: Backend) {
+/// A ball that hits an end of a resting capsule along the axis collides with the whole mass of the capsule. With equal
+/// masses, 2 and 1 + 1, and e = 1 the ball stops, and both ends move on at its speed.
+///
+/// The oblique hit has n = (-0.6, 0.8, 0) from the end to the ball: d = (2, 0), It = 1/2 * 4 + 0.2 = 2.2,
+/// T = -d/2 x n = -0.8 z, so w = 1/2 + 0.64/2.2 + 1/2, u = 3 * 0.8, j = 2 * 2.4 / w. The ball receives j n / 2, the
+/// centre of mass the opposite, and the capsule turns at 0.8 j / 2.2 about z.
+fn a_hit_on_an_end_moves_the_capsule_as_a_rigid_body(backend: Backend) {
     let hit = |from: [f32; 3], velocity: [f32; 3]| {
         let mut scene = weightless();
         scene.settings.restitution = 1.0;
@@ -116,9 +123,9 @@ fn ball_hits_the_end_of_a_capsule(backend: Backend) {
     velocities(&aslant, [end(-0.5), end(0.5), [-0.3 * j, 0.4 * j - 3.0, 0.0]]);
 }
 
-/// A ball on the middle of a capsule's rod meets 1/M = 1/4 + 1/4 = 1/2 of masses 1 and 1, as for any rod: with mass 2 and e = 1
-/// it stops, and the capsule goes on at its speed.
-fn ball_hits_the_middle_of_a_capsule(backend: Backend) {
+/// A ball that hits the middle of a capsule's rod collides with 1/M = 1/4 + 1/4 = 1/2 of masses 1 and 1, as with any
+/// rod. With mass 2 and e = 1 it stops, and the capsule moves on at its speed.
+fn a_hit_on_the_middle_moves_both_ends_of_a_capsule_alike(backend: Backend) {
     let mut scene = weightless();
     scene.settings.restitution = 1.0;
     scene.add_capsule(Capsule::new([-1.0, 0.0, 0.0], [1.0, 0.0, 0.0], 0.25).mass(2.0)).expect("a valid capsule");
@@ -127,9 +134,9 @@ fn ball_hits_the_middle_of_a_capsule(backend: Backend) {
     velocities(&collide(scene, backend), [[0.0, -3.0, 0.0], [0.0, -3.0, 0.0], [0.0; 3]]);
 }
 
-/// Two capsules end to end: w = 1/2 + 1/6 = 2/3 of total masses 2 and 6, u = 4, e = 0.75: j = 7 * 3/2 = 10.5.
-/// vA = 4 - 10.5/2 = -1.25, vB = 10.5/6 = 1.75, all four ends.
-fn capsules_collide_end_to_end(backend: Backend) {
+/// Two capsules collide end to end: w = 1/2 + 1/6 = 2/3 for total masses 2 and 6, u = 4, e = 0.75: j = 7 * 3/2 = 10.5.
+/// All four ends: vA = 4 - 10.5/2 = -1.25, vB = 10.5/6 = 1.75.
+fn capsules_collide_end_to_end_with_their_total_masses(backend: Backend) {
     let mut scene = weightless();
     let first = Capsule::new([0.0; 3], [2.0, 0.0, 0.0], 0.5).mass(2.0).velocity([4.0, 0.0, 0.0]);
     let second = Capsule::new([2.98, 0.0, 0.0], [5.0, 0.0, 0.0], 0.5).mass(6.0);
@@ -140,14 +147,14 @@ fn capsules_collide_end_to_end(backend: Backend) {
     let after = collide(scene, backend);
     let (a, b) = ([-1.25, 0.0, 0.0], [1.75, 0.0, 0.0]);
     velocities(&after, [a, a, b, b]);
-    // The overlap of 0.02 is 5 ms old.
+    // The overlap of 0.02 began 5 ms ago.
     let (a, b) = ([-5.25, 0.0, 0.0], [1.75, 0.0, 0.0]);
     displacements(&before, &after, over(0.005, [a, a, b, b]));
 }
 
-/// About the axis both ends get the common spin (L1 + L2).axis / (I1 + I2), I = 2/5 * 1 * 0.25 = 0.1: spins 2 and 4 about
-/// the axis become 3, and the capsule rolls by 3 t.
-fn ends_share_the_spin_about_the_axis(backend: Backend) {
+/// About the axis, both ends receive the common spin (L1 + L2).axis / (I1 + I2), I = 2/5 * 1 * 0.25 = 0.1. Spins of 2
+/// and 4 about the axis become 3, and the capsule rolls by 3 t.
+fn both_ends_get_the_common_spin_about_the_axis(backend: Backend) {
     let mut scene = weightless();
     let ends = [(0.0, 0.2), (2.0, 0.4)].map(|(z, l)| Sphere::new([0.0, 0.0, z], 0.5).angular_momentum([0.0, 0.0, l]));
     dumbbell(&mut scene, ends, 0.5);
@@ -161,10 +168,11 @@ fn ends_share_the_spin_about_the_axis(backend: Backend) {
     }
 }
 
-/// A capsule that rolls at 20 rad/s and tumbles at w = 10 rad/s: moments of inertia 0.05 along and 0.55 across, so that free of
-/// torque its axis goes round the angular momentum at W, W^2 = w^2 + (20 * 0.05 / 0.55)^2. A step of h takes h^4 w^2 W^2 / 8 of
-/// the spin about the axis (`step/integrate/turn.rs`); were the axis to follow the ends alone, it would take 1 - cos(h w) = 2 %.
-fn capsules_keep_their_roll_while_they_tumble(backend: Backend) {
+/// A capsule rolls at 20 rad/s and tumbles at w = 10 rad/s. Its moments of inertia are 0.05 along and 0.55 across the
+/// axis. Without torque its axis precesses about the angular momentum at W, W^2 = w^2 + (20 * 0.05 / 0.55)^2. A step of
+/// h loses h^4 w^2 W^2 / 8 of the spin about the axis (`step/integrate/turn.rs`). If the axis only followed the ends, a
+/// step would lose 1 - cos(h w) = 2 %.
+fn a_tumbling_capsule_keeps_its_spin_about_the_axis(backend: Backend) {
     let (roll, w, h, steps) = (20.0, 10.0, 0.02_f64, 16);
     let mut scene = weightless();
     let end = |x: f32| Sphere::new([x, 0.0, 0.0], 0.25).velocity([0.0, 10.0 * x, 0.0]).angular_momentum([0.5, 0.0, 0.25]);
@@ -180,13 +188,13 @@ fn capsules_keep_their_roll_while_they_tumble(backend: Backend) {
     close(spin, roll * left, 0.005, "spin about the axis");
     let energy = simulation.energy().expect("energies");
     near(energy.angular_momentum, [1.0, 0.0, 5.5], 1e-4, "angular momentum");
-    // (T.a)^2 (1/0.05 - 1/0.55) / 2 of the energy is that of the roll.
+    // The roll contributes (T.a)^2 (1/0.05 - 1/0.55) / 2 to the energy.
     let lost = 0.5 * (1.0 - left * left) * (1.0 / 0.05 - 1.0 / 0.55);
     close(energy.kinetic, before - lost, 0.005, "energy");
 }
 
-/// A capsule that turns with its axis turns its orientation with it: its own axis stays along its ends.
-fn orientation_follows_the_axis(backend: Backend) {
+/// The orientation of a capsule turns with its axis: its local x axis stays along its ends.
+fn the_orientation_of_a_capsule_follows_its_axis(backend: Backend) {
     let mut scene = weightless();
     let capsule = Capsule::new([-0.5, 0.0, 0.0], [0.5, 0.0, 0.0], 0.2);
     let parts = scene.add_capsule(capsule).expect("a valid capsule");
@@ -197,22 +205,22 @@ fn orientation_follows_the_axis(backend: Backend) {
     simulation.run(on(backend, 300, 30), 0.02).expect("steps");
     let ends = simulation.spheres().expect("both ends");
     let axis = (ends[1].position - ends[0].position).normalize();
-    assert!(axis.x < 0.9, "it has turned: {axis}");
+    assert!(axis.x < 0.9, "the capsule must have turned: {axis}");
     for end in ends {
-        // Each step's rotation is exact but for rounding: 300 times 1e-7.
-        near(end.rotation() * Vec3::X, axis.as_dvec3(), 5e-5, "the capsule's own axis");
+        // The rotation of each step is exact except for rounding: 300 times 1e-7.
+        near(end.rotation() * Vec3::X, axis.as_dvec3(), 5e-5, "local x axis of the capsule");
     }
 }
 
 both!(
-    upright_and_flat_capsules_bounce_with_e,
-    dropped_capsules_leave_at_e_times_their_speed,
-    slanted_capsule_with_unequal_masses,
-    capsule_with_a_fixed_end_turns_about_it,
-    ball_hits_the_end_of_a_capsule,
-    ball_hits_the_middle_of_a_capsule,
-    capsules_collide_end_to_end,
-    ends_share_the_spin_about_the_axis,
-    capsules_keep_their_roll_while_they_tumble,
-    orientation_follows_the_axis,
+    upright_and_flat_capsules_rebound_with_e,
+    dropped_capsules_rebound_at_e_times_their_speed,
+    a_slanted_capsule_with_unequal_masses_rebounds_as_a_rigid_body,
+    a_capsule_with_a_fixed_end_turns_about_that_end,
+    a_hit_on_an_end_moves_the_capsule_as_a_rigid_body,
+    a_hit_on_the_middle_moves_both_ends_of_a_capsule_alike,
+    capsules_collide_end_to_end_with_their_total_masses,
+    both_ends_get_the_common_spin_about_the_axis,
+    a_tumbling_capsule_keeps_its_spin_about_the_axis,
+    the_orientation_of_a_capsule_follows_its_axis,
 );

@@ -1,4 +1,4 @@
-//! Spheres against spheres, and several collisions of one body.
+//! Collisions of spheres, and several collisions of one body.
 
 use rockfall::{Backend, Scene, Sphere};
 
@@ -6,7 +6,7 @@ use crate::common::*;
 
 /// n = x, u = 2 - (-1) = 3, wA + wB = 1 + 1/3 = 4/3, e = 0.75: j = 1.75 * 3 / (4/3) = 3.9375, so vA = 2 - 3.9375 and
 /// vB = -1 + 3.9375 / 3 = 0.3125.
-fn head_on_with_unequal_masses(backend: Backend) {
+fn a_head_on_collision_changes_velocities_by_inverse_mass(backend: Backend) {
     let mut scene = weightless();
     spheres(
         &mut scene,
@@ -22,9 +22,10 @@ fn head_on_with_unequal_masses(backend: Backend) {
     displacements(&before, &after, over(LATE, [[-3.9375, 0.0, 0.0], [1.3125, 0.0, 0.0]]));
 }
 
-/// n = (0.6, 0.8, 0), u = (2, 0.5, -3).n = 1.6, wA + wB = 0.5 + 2 = 2.5, e = 0.5: j = 1.5 * 1.6 / 2.5 = 0.96.
-/// A gets -0.48 n, B 1.92 n; what is across n stays, and so does the spin: collisions carry no friction.
-fn oblique_with_unequal_masses(backend: Backend) {
+/// n = (0.6, 0.8, 0), u = (2, 0.5, -3).n = 1.6, wA + wB = 0.5 + 2 = 2.5, e = 0.5: j = 1.5 * 1.6 / 2.5 = 0.96. A
+/// receives -0.48 n, B 1.92 n. The velocity perpendicular to n and the spin do not change, because collisions have no
+/// friction.
+fn an_oblique_collision_changes_only_the_normal_velocities(backend: Backend) {
     let mut scene = weightless();
     scene.settings.restitution = 0.5;
     spheres(
@@ -43,8 +44,8 @@ fn oblique_with_unequal_masses(backend: Backend) {
     assert_eq!(after[1].angular_momentum, before[1].angular_momentum);
 }
 
-/// e = 0: both go on with the velocity of the centre of mass, (1*3 + 2*0) / 3 = 1.
-fn inelastic_bodies_stay_together(backend: Backend) {
+/// e = 0: both move on with the velocity of the centre of mass, (1*3 + 2*0) / 3 = 1.
+fn after_an_inelastic_collision_both_bodies_have_one_velocity(backend: Backend) {
     let mut scene = weightless();
     scene.settings.restitution = 0.0;
     spheres(
@@ -61,8 +62,8 @@ fn pair_closing_at(speed: f32, threshold: f32) -> Scene {
     scene
 }
 
-/// The threshold is activation_threshold times the smaller radius, 0.25: a little above it there is an impulse of
-/// j = 1.75 u / 2, a little below none.
+/// The threshold is activation_threshold times the smaller radius, 0.25. Slightly above it there is an impulse of
+/// j = 1.75 u / 2, slightly below it none.
 fn the_smaller_radius_sets_the_threshold(backend: Backend) {
     untouched(pair_closing_at(0.2499, 1.0), backend);
     untouched(pair_closing_at(0.4999, 2.0), backend);
@@ -73,9 +74,10 @@ fn the_smaller_radius_sets_the_threshold(backend: Backend) {
     }
 }
 
-/// A fixed sphere has inverse mass 0 but a surface velocity: u = 1, j = 1.75 * 2, the ball leaves at 1.75. The fixed one stays as it is. Nor
-/// was it anywhere else before, so that no time of contact is found, and the whole time step of 20 ms is taken.
-fn fixed_sphere_with_a_velocity_strikes(backend: Backend) {
+/// A fixed sphere has inverse mass 0 but a surface velocity: u = 1, j = 1.75 * 2, so the ball leaves at 1.75. The fixed
+/// sphere does not change. It is not moved back in time, and the ball is at rest, so no time of contact is found and
+/// the whole time step of 20 ms is used.
+fn a_fixed_sphere_with_a_surface_velocity_hits_a_ball(backend: Backend) {
     let mut scene = weightless();
     spheres(
         &mut scene,
@@ -87,7 +89,7 @@ fn fixed_sphere_with_a_velocity_strikes(backend: Backend) {
     displacements(&before, &after, over(0.02, [[0.0; 3], [1.75, 0.0, 0.0]]));
 }
 
-fn fixed_spheres_leave_each_other_alone(backend: Backend) {
+fn fixed_spheres_do_not_collide_with_each_other(backend: Backend) {
     let mut scene = weightless();
     spheres(
         &mut scene,
@@ -96,10 +98,11 @@ fn fixed_spheres_leave_each_other_alone(backend: Backend) {
     uncounted(scene, backend);
 }
 
-/// A ball meets two touching balls at 30 degrees to either side. n1.n2 = cos 60 = 0.5, G_kk = 2, G_kl = wA n1.n2 = 0.5, and both impulses
-/// are alike: j = 2 u / (2 + 0.5), u = 2 cos 30 = sqrt 3, e = 1: j = 0.8 sqrt 3; vA = 2 - 2 * 0.8 * sqrt 3 cos 30 = -0.4,
-/// vB = 0.8 sqrt 3 (cos 30, +-1/2) = (1.2, +-0.4 sqrt 3). They share a body: nothing is displaced.
-fn ball_hits_two_balls_at_once(backend: Backend) {
+/// A ball hits two balls at 30 degrees to either side of its path. n1.n2 = cos 60 = 0.5, G_kk = 2, G_kl = wA n1.n2 = 0.5,
+/// and both impulses are equal: j = 2 u / (2 + 0.5), u = 2 cos 30 = sqrt 3, e = 1: j = 0.8 sqrt 3.
+/// vA = 2 - 2 * 0.8 * sqrt 3 cos 30 = -0.4, vB = 0.8 sqrt 3 (cos 30, +-1/2) = (1.2, +-0.4 sqrt 3). The two collisions
+/// share a body, so nothing is displaced.
+fn a_ball_that_hits_two_balls_at_once_gives_both_equal_impulses(backend: Backend) {
     let mut scene = weightless();
     scene.settings.restitution = 1.0;
     let (cos, sin) = (0.999 * 0.75_f32.sqrt(), 0.999 * 0.5);
@@ -118,10 +121,10 @@ fn ball_hits_two_balls_at_once(backend: Backend) {
     displacements(&before, &after, [[0.0; 3]; 3]);
 }
 
-/// Two balls hit a third of twice their mass from both sides at speeds 2 and 1. Both separate at e times their approach where
-/// 1.5 j1 - 0.5 j2 = 3.5 and 1.5 j2 - 0.5 j1 = 1.75: j1 = 3.0625, j2 = 2.1875. v1 = 2 - j1, v2 = j2 - 1, middle: (j1 - j2) / 2.
-/// The sweeps leave 1.4e-4 of what is missing at most.
-fn ball_hit_from_both_sides(backend: Backend) {
+/// Two balls hit a third one of twice their mass from both sides at speeds 2 and 1. Both separate at e times their
+/// approach velocity when 1.5 j1 - 0.5 j2 = 3.5 and 1.5 j2 - 0.5 j1 = 1.75: j1 = 3.0625, j2 = 2.1875. v1 = 2 - j1,
+/// v2 = j2 - 1, middle: (j1 - j2) / 2. The sweeps leave an error of at most 1.4e-4 of the difference.
+fn a_ball_hit_from_both_sides_separates_from_both_with_e(backend: Backend) {
     let mut scene = weightless();
     spheres(
         &mut scene,
@@ -139,15 +142,17 @@ fn ball_hit_from_both_sides(backend: Backend) {
     displacements(&before, &after, [[0.0; 3]; 3]);
 }
 
-/// A ball strikes one that rests.
-fn blow() -> Scene {
+/// A ball hits a ball at rest.
+fn ball_hits_ball() -> Scene {
     let mut scene = weightless();
     spheres(&mut scene, [Sphere::new([-0.97, 0.0, 0.0], 0.5).velocity([2.0, 0.0, 0.0]), Sphere::new([0.0; 3], 0.5)]);
     scene
 }
 
-/// j = 1.75 * 2 / 2 = 1.75 whatever touches the two besides without closing. They are displaced by what this makes in the 15 ms that the overlap
-/// of 0.03 is old where nothing else presses but a wall at a right angle to the blow; a neighbour presses, in line or across.
+/// j = 1.75 * 2 / 2 = 1.75, even when other objects touch the two balls without approaching them. The overlap of 0.03
+/// began 15 ms ago. The balls are displaced by their velocity change over that time only if no other contact is
+/// pressed, except a wall perpendicular to the impulse. A neighbour in line with the impulse or beside it is a pressed
+/// contact.
 fn only_lone_collisions_displace(backend: Backend) {
     let wall = |scene: &mut Scene, low: [f32; 3], high: [f32; 3]| {
         scene.add_box(rockfall::Cuboid::between(low, high)).expect("a valid box");
@@ -163,7 +168,7 @@ fn only_lone_collisions_displace(backend: Backend) {
         (&|scene| wall(scene, [0.49, -1.0, -1.0], [2.0, 1.0, 1.0]), 0.0),
     ];
     for (add, time) in cases {
-        let mut scene = blow();
+        let mut scene = ball_hits_ball();
         add(&mut scene);
         let before = scene.spheres()[..2].to_vec();
         let after = &collide(scene, backend)[..2];
@@ -172,8 +177,8 @@ fn only_lone_collisions_displace(backend: Backend) {
     }
 }
 
-/// Different groups never meet: neither as collisions nor as contacts, whatever the kinds.
-fn groups_never_meet(backend: Backend) {
+/// Objects of different groups have neither collisions nor contacts, whatever their kinds.
+fn objects_of_different_groups_ignore_each_other(backend: Backend) {
     let build = |group: u16| {
         let mut scene = weightless();
         spheres(
@@ -196,20 +201,20 @@ fn groups_never_meet(backend: Backend) {
     for load in loads(apart, backend) {
         near(load.force, [0.0; 3], 0.0, "force across groups");
     }
-    // The same spheres in one group do meet.
+    // Control: the same spheres in one group do collide.
     let after = collide(build(0), backend);
-    assert!(after[1].velocity.x > -1.0, "control: {}", after[1].velocity);
+    assert!(after[1].velocity.x > -1.0, "the control must collide: {}", after[1].velocity);
 }
 
 both!(
-    head_on_with_unequal_masses,
-    oblique_with_unequal_masses,
-    inelastic_bodies_stay_together,
+    a_head_on_collision_changes_velocities_by_inverse_mass,
+    an_oblique_collision_changes_only_the_normal_velocities,
+    after_an_inelastic_collision_both_bodies_have_one_velocity,
     the_smaller_radius_sets_the_threshold,
-    fixed_sphere_with_a_velocity_strikes,
-    fixed_spheres_leave_each_other_alone,
-    ball_hits_two_balls_at_once,
-    ball_hit_from_both_sides,
+    a_fixed_sphere_with_a_surface_velocity_hits_a_ball,
+    fixed_spheres_do_not_collide_with_each_other,
+    a_ball_that_hits_two_balls_at_once_gives_both_equal_impulses,
+    a_ball_hit_from_both_sides_separates_from_both_with_e,
     only_lone_collisions_displace,
-    groups_never_meet,
+    objects_of_different_groups_ignore_each_other,
 );

@@ -18,7 +18,7 @@ fn falling() -> (Scene, SphereId) {
     (scene, ball)
 }
 
-/// RK4 is exact on a parabola: x = x0 + v0 t + g t^2 / 2, v = v0 + g t, but for rounding.
+/// RK4 is exact on a parabola except for rounding: x = x0 + v0 t + g t^2 / 2, v = v0 + g t.
 fn rk4_is_exact_on_a_parabola(backend: Backend) {
     let (scene, ball) = falling();
     let mut simulation = simulation(scene, backend);
@@ -29,8 +29,9 @@ fn rk4_is_exact_on_a_parabola(backend: Backend) {
     close(simulation.report().time, 0.5, 0.0, "time");
 }
 
-/// Symplectic Euler: v_n = v0 + n dt g, x_n = x0 + n dt v0 + dt^2 g n (n + 1) / 2: with n = 32 the fall is 33/32 of RK4's.
-fn symplectic_euler_falls_as_it_should(backend: Backend) {
+/// Symplectic Euler gives v_n = v0 + n dt g, x_n = x0 + n dt v0 + dt^2 g n (n + 1) / 2. With n = 32 the term in g is
+/// 33/32 of that of RK4.
+fn symplectic_euler_follows_its_own_parabola(backend: Backend) {
     let (scene, ball) = falling();
     let mut simulation = euler(scene, backend);
     simulation.run(32, DT).expect("1/2 s");
@@ -40,9 +41,9 @@ fn symplectic_euler_falls_as_it_should(backend: Backend) {
     near(ball.position, [1.5 + 0.375 * longer, 4.0, 2.0 - 0.5 * longer], 5e-6, "position");
 }
 
-/// A spin of 2 rad/s about (2, 1, 2)/3 turns by 1 rad in 1/2 s, by the exponential map exactly; on top of what it was
-/// turned by.
-fn orientation_after_a_known_spin(backend: Backend) {
+/// A spin of 2 rad/s about (2, 1, 2)/3 turns by 1 rad in 1/2 s, exactly with the exponential map, starting from the
+/// initial orientation.
+fn a_constant_spin_turns_the_orientation_by_spin_times_time(backend: Backend) {
     let axis = Vec3::new(2.0, 1.0, 2.0) / 3.0;
     let start = Quat::from_rotation_x(0.7);
     let ball = Sphere::new([0.0; 3], 0.5).mass(3.0).orientation(start);
@@ -59,9 +60,10 @@ fn orientation_after_a_known_spin(backend: Backend) {
     near(state.spin(), (2.0 * axis).as_dvec3(), 1e-6, "spin");
 }
 
-/// A pendulum of length 1 under G = 1 from 0.05 rad: T = 2 pi (1 + 0.05^2 / 16). After half a period it is at -0.05
-/// rad, after a whole one back. SHAKE's error, (2 pi / 64)^2 / 24 of the phase, does not show at a turning point.
-fn pendulum_on_a_rod(backend: Backend) {
+/// A pendulum of length 1 under G = 1 starts at 0.05 rad: T = 2 pi (1 + 0.05^2 / 16). It is at -0.05 rad after half a
+/// period, and at 0.05 rad after a whole one. The phase error of SHAKE, (2 pi / 64)^2 / 24, has no visible effect at a
+/// turning point.
+fn a_pendulum_on_a_rod_has_the_expected_period(backend: Backend) {
     let mut scene = Scene::new();
     let (sin, cos) = 0.05_f32.sin_cos();
     let ends = [Sphere::new([0.0; 3], 0.1).fixed(), Sphere::new([sin, -cos, 0.0], 0.1).mass(2.0)];
@@ -72,14 +74,14 @@ fn pendulum_on_a_rod(backend: Backend) {
         simulation.run(32, dt as f32).expect("half a period");
         let bob = simulation.spheres().expect("both ends")[1];
         let expected = [side * 0.05_f64.sin(), -0.05_f64.cos(), 0.0];
-        near(bob.position, expected, 5e-5, "place of the bob");
+        near(bob.position, expected, 5e-5, "position of the bob");
         near(bob.velocity, [0.0; 3], 2e-4, "velocity at the turning point");
     }
 }
 
-/// A rod of length 1 between spheres 1.2 apart, of masses 1 and 3: the first step moves them along it by 0.15 and 0.05,
-/// in positions only. A fixed end leaves it all to the other.
-fn first_step_restores_lengths_in_positions_only(backend: Backend) {
+/// A rod of length 1 between spheres at a distance of 1.2, of masses 1 and 3. The first step moves them along the rod
+/// by 0.15 and 0.05 and does not change their velocities. If one end is fixed, the other end moves the whole distance.
+fn the_first_step_restores_lengths_in_positions_only(backend: Backend) {
     for (fixed, moved) in [(false, [0.15, -0.05]), (true, [0.0, -0.2])] {
         let mut scene = weightless();
         let mut first = Sphere::new([0.0; 3], 0.1);
@@ -95,8 +97,10 @@ fn first_step_restores_lengths_in_positions_only(backend: Backend) {
     }
 }
 
-/// In positions only also where it turns: the ends of a rod of length 1, 1.2 apart, pass each other at 0.5. Drawn together they
-/// keep that, for only what is across the axis is left; SHAKE, which keeps the angular momentum, would speed them up to 0.6.
+/// Restoring a length changes positions only, also when the rod turns. The ends of a rod of length 1 start at a
+/// distance of 1.2 and pass each other at 0.5. They keep that relative velocity when the distance is restored, because
+/// only the velocity perpendicular to the axis remains. SHAKE keeps the angular momentum and would accelerate them to
+/// 0.6.
 fn restoring_a_length_leaves_the_velocities(backend: Backend) {
     let mut scene = weightless();
     let [one, two] = spheres(
@@ -108,14 +112,14 @@ fn restoring_a_length_leaves_the_velocities(backend: Backend) {
     simulation.step(DT).expect("a step");
     let ends = simulation.spheres().expect("both ends");
     close(ends[0].position.distance(ends[1].position), 1.0, 1e-6, "length");
-    // RATTLE takes what the turn of 0.5 dt leaves along the axis, 3e-5 of it; by E18 the ends' own inertia, 2/5 * 4 * 0.01,
-    // turns along with mu d^2 = 3/4.
+    // RATTLE removes the component along the axis that the turn by 0.5 dt leaves, 3e-5 of it. By E18 the inertia of the
+    // ends themselves, 2/5 * 4 * 0.01, turns with mu d^2 = 3/4.
     let speed = ends[0].velocity.distance(ends[1].velocity);
-    close(speed, 0.5 / (1.0 + 0.016 / 0.75), 1e-4, "velocity past each other");
+    close(speed, 0.5 / (1.0 + 0.016 / 0.75), 1e-4, "relative velocity");
 }
 
-/// What pulls along a rod pulls both its ends: masses 1 and 3, a force of 8 on one of them along the rod: both go at 2.
-fn rod_passes_a_pull_on(backend: Backend) {
+/// A force along a rod moves both ends: with masses 1 and 3 and a force of 8 on one of them, both accelerate at 2.
+fn a_force_along_a_rod_accelerates_both_ends(backend: Backend) {
     let mut scene = weightless();
     let ends = [Sphere::new([0.0; 3], 0.1), Sphere::new([1.0, 0.0, 0.0], 0.1).mass(3.0).force([8.0, 0.0, 0.0])];
     dumbbell(&mut scene, ends, 0.05);
@@ -127,9 +131,10 @@ fn rod_passes_a_pull_on(backend: Backend) {
     near(ends[1].position, [1.25, 0.0, 0.0], 1e-5, "end 2");
 }
 
-/// A chain of ten rods on a fixed sphere, let go from level (G = 1): every length stays within 1 % after every step, at both time
-/// steps. (At G = 10 and 20 ms its tip cracks like a whip and turns by more than a radian a step, which no sweep can follow.)
-fn swinging_chain_keeps_its_lengths(backend: Backend) {
+/// A chain of ten rods on a fixed sphere is released from a horizontal position (G = 1). Every length stays within 1 %
+/// after every step, with both time steps. (At G = 10 and 20 ms the free end turns by more than a radian per step, and
+/// the sweeps cannot follow that.)
+fn a_swinging_chain_keeps_its_lengths(backend: Backend) {
     for (dt, steps) in [(0.02, on(backend, 1000, 48)), (0.005, on(backend, 1000, 32))] {
         let mut scene = Scene::new();
         let mut links: Vec<SphereId> = Vec::new();
@@ -152,11 +157,11 @@ fn swinging_chain_keeps_its_lengths(backend: Backend) {
             }
             lowest = lowest.min(places[10].y);
         }
-        assert!(lowest < on(backend, -1.5, -0.01), "it must swing: {lowest}");
+        assert!(lowest < on(backend, -1.5, -0.01), "the chain must swing: {lowest}");
     }
 }
 
-/// A capsule of length 1, turning at 10 rad/s about z, flying freely.
+/// A free capsule of length 1, for a rotation at 10 rad/s about z.
 fn spinning_capsule() -> Scene {
     let mut scene = weightless();
     let capsule = Capsule::new([-0.5, 0.0, 0.0], [0.5, 0.0, 0.0], 0.2).mass(2.0);
@@ -164,24 +169,24 @@ fn spinning_capsule() -> Scene {
     scene
 }
 
-fn set_turning(simulation: &mut Simulation) {
+fn set_rotation(simulation: &mut Simulation) {
     let ends: Vec<SphereId> = simulation.scene().sphere_ids().collect();
-    // v = w x r at 10 rad/s, and every sphere's spin is w too: I w = 2/5 * 0.04 * 10.
+    // v = w x r at 10 rad/s. The spin of each sphere is w too: I w = 2/5 * 0.04 * 10.
     for (end, side) in ends.into_iter().zip([-1.0, 1.0]) {
         simulation.set_velocity(end, [0.0, 5.0 * side, 0.25]).expect("a sphere");
         simulation.set_angular_momentum(end, [0.0, 0.0, 0.16]).expect("a sphere");
     }
 }
 
-/// At dt = 20 ms it keeps its angular momentum, 2 * (1 * 0.5 * 5 + 0.16) = 5.32, within 0.1 %, over 1,000 steps; and
-/// its momentum and length.
-fn free_capsule_keeps_its_angular_momentum(backend: Backend) {
+/// At dt = 20 ms the capsule keeps its angular momentum, 2 * (1 * 0.5 * 5 + 0.16) = 5.32, within 0.1 % over 1,000
+/// steps. It also keeps its momentum and its length.
+fn a_free_capsule_keeps_its_angular_momentum(backend: Backend) {
     let mut simulation = simulation(spinning_capsule(), backend);
-    set_turning(&mut simulation);
+    set_rotation(&mut simulation);
     for _ in 0..10 {
         simulation.run(on(backend, 100, 8), 0.02).expect("steps");
         let energy = simulation.energy().expect("energies");
-        // About the centre of mass, which flies along z: about the origin is the same.
+        // The angular momentum about the centre of mass, which moves along z, equals that about the origin.
         near(energy.angular_momentum, [0.0, 0.0, 5.32], 0.00532, "angular momentum");
         near(energy.momentum, [0.0, 0.0, 0.5], 1e-4, "momentum");
         let ends = simulation.spheres().expect("both ends");
@@ -189,11 +194,11 @@ fn free_capsule_keeps_its_angular_momentum(backend: Backend) {
     }
 }
 
-/// It turns at the rate it should: SHAKE moves the ends by w dt across and brings them back along the old axis, so that
-/// a step turns by asin(w dt): a quarter turn in pi/20 s, but for (w dt)^2/6 of it.
-fn free_capsule_turns_at_its_rate(backend: Backend) {
+/// SHAKE moves the ends by w dt perpendicular to the axis and brings them back along the old axis. So a step turns the
+/// capsule by asin(w dt). The quarter turn in pi/20 s therefore differs by a relative error of (w dt)^2/6.
+fn a_free_capsule_turns_by_the_angle_of_shake_in_every_step(backend: Backend) {
     let mut simulation = simulation(spinning_capsule(), backend);
-    set_turning(&mut simulation);
+    set_rotation(&mut simulation);
     let step = FRAC_PI_2 / 32.0;
     simulation.run(32, (step / 10.0) as f32).expect("a quarter turn");
     let ends = simulation.spheres().expect("both ends");
@@ -204,13 +209,13 @@ fn free_capsule_turns_at_its_rate(backend: Backend) {
 
 both!(
     rk4_is_exact_on_a_parabola,
-    symplectic_euler_falls_as_it_should,
-    orientation_after_a_known_spin,
-    pendulum_on_a_rod,
-    first_step_restores_lengths_in_positions_only,
+    symplectic_euler_follows_its_own_parabola,
+    a_constant_spin_turns_the_orientation_by_spin_times_time,
+    a_pendulum_on_a_rod_has_the_expected_period,
+    the_first_step_restores_lengths_in_positions_only,
     restoring_a_length_leaves_the_velocities,
-    rod_passes_a_pull_on,
-    swinging_chain_keeps_its_lengths,
-    free_capsule_keeps_its_angular_momentum,
-    free_capsule_turns_at_its_rate,
+    a_force_along_a_rod_accelerates_both_ends,
+    a_swinging_chain_keeps_its_lengths,
+    a_free_capsule_keeps_its_angular_momentum,
+    a_free_capsule_turns_by_the_angle_of_shake_in_every_step,
 );

@@ -1,11 +1,11 @@
-//! Changing a scene between steps: settings, objects, states, phases.
+//! Changes to a scene between steps: settings, objects, states, phases.
 
 use rockfall::glam::{Quat, Vec3};
 use rockfall::{Backend, Capsule, Counts, Cuboid, Error, Polygon, Rod, Scene, Simulation, Sphere, SphereState, Spring, Tether};
 
 use crate::common::*;
 
-/// Gravity changed between steps: v = 1 * 1/4 down, then 4 * 1/4 along x.
+/// Gravity changes between steps: v = 1 * 1/4 downwards, then 4 * 1/4 along x.
 fn settings_change_between_steps(backend: Backend) {
     let mut scene = Scene::new();
     let [ball] = spheres(&mut scene, [Sphere::new([0.0; 3], 0.5)]);
@@ -20,10 +20,10 @@ fn settings_change_between_steps(backend: Backend) {
     near(state.velocity, [1.0, -0.25, 0.0], 1e-6, "velocity");
     settings.gravity = f32::NAN;
     assert!(matches!(simulation.set_settings(settings), Err(Error::Invalid { .. })));
-    assert_eq!(simulation.settings().gravity, 4.0, "a refused change changes nothing");
+    assert_eq!(simulation.settings().gravity, 4.0, "a rejected change must change nothing");
 }
 
-/// A ball that hits the floor at 2 leaves at e * 2, with e as it is at the time: 0.5, then 1.
+/// A ball that hits the floor at 2 leaves at e * 2 with the current value of e: 0.5, then 1.
 fn restitution_changes_between_steps(backend: Backend) {
     let mut scene = weightless();
     floor_box(&mut scene);
@@ -41,7 +41,7 @@ fn restitution_changes_between_steps(backend: Backend) {
     }
 }
 
-/// A scene with something of every kind, in which everything happens.
+/// A scene with every kind of object, and with collisions and contacts.
 fn crowded() -> Scene {
     let mut scene = Scene::new();
     floor_box(&mut scene);
@@ -68,8 +68,8 @@ fn states(simulation: &mut Simulation) -> Vec<SphereState> {
     simulation.spheres().expect("spheres are read back")
 }
 
-/// Four phases called one by one are a step, bit for bit, and count as one.
-fn phases_called_singly_are_a_step(backend: Backend) {
+/// Calling the four phases one by one gives a bitwise identical state and counts as one step.
+fn the_four_phases_in_order_equal_one_step(backend: Backend) {
     let [mut whole, mut parts] = [(); 2].map(|()| simulation(crowded(), backend));
     for steps in 1..=5 {
         whole.step(0.01).expect("a step");
@@ -79,7 +79,7 @@ fn phases_called_singly_are_a_step(backend: Backend) {
         parts.handle_collisions().expect("phase 3");
         parts.update_positions(0.01).expect("phase 4");
         assert_eq!(states(&mut whole), states(&mut parts), "after {steps} steps");
-        // How often lists are made is for a whole step to choose, and so how often they were too short.
+        // Only a whole step chooses how often lists are rebuilt, and so how often a step is repeated.
         let counted = |simulation: &Simulation| {
             let mut report = simulation.report();
             (report.list_builds, report.replays) = (0, 0);
@@ -90,8 +90,8 @@ fn phases_called_singly_are_a_step(backend: Backend) {
     assert!(whole.report().total_collisions > 1 && whole.report().contacts > 1, "{:?}", whole.report());
 }
 
-/// The first two phases may be left out: results do not depend on how the lists were made, to the bit.
-fn lists_may_be_reused(backend: Backend) {
+/// The first two phases may be skipped: results do not depend on how the lists were made, bit for bit.
+fn reusing_lists_does_not_change_the_result(backend: Backend) {
     let [mut whole, mut parts] = [(); 2].map(|()| simulation(crowded(), backend));
     for _ in 0..4 {
         whole.step(0.01).expect("a step");
@@ -102,17 +102,17 @@ fn lists_may_be_reused(backend: Backend) {
     assert_eq!(states(&mut whole), states(&mut parts));
 }
 
-/// With collisions off a ball that falls on the floor at 2 is met by the contact force alone: within a step of 1/64 s
-/// from o = 0.01 it loses dt (Cc o + Cd u) at most, some 0.55, and no collision is counted. Nor is any handled where phase 3 is called by
-/// hand: it gives friction impulses alone.
-fn collisions_switched_off(backend: Backend) {
+/// With collisions off, only the contact force acts on a ball that falls on the floor at 2. In a step of 1/64 s from
+/// o = 0.01 it loses at most dt (Cc o + Cd u), about 0.55, and no collision is counted. Phase 3 called on its own does
+/// not handle collisions either; it only applies friction impulses.
+fn with_collisions_off_phase_3_changes_no_normal_velocity(backend: Backend) {
     let mut scene = weightless();
     scene.settings.collisions = false;
     floor_box(&mut scene);
     let [ball] = spheres(&mut scene, [Sphere::new([0.0, 0.49, 0.0], 0.5).velocity([0.0, -2.0, 0.0])]);
     let mut simulation = euler(scene, backend);
     simulation.step(DT).expect("a step");
-    // Symplectic Euler: exactly -2 + dt (10 + 25).
+    // With symplectic Euler the result is exactly -2 + dt (10 + 25).
     let speed = simulation.sphere(ball).expect("the ball").velocity.y;
     close(speed, -2.0 + 35.0 / 64.0, F32, "velocity");
     assert_eq!(simulation.report().total_collisions, 0);
@@ -121,8 +121,8 @@ fn collisions_switched_off(backend: Backend) {
     close(after, speed.into(), 0.0, "velocity after phase 3");
 }
 
-/// A time step that is no time step is an error, and changes nothing.
-fn bad_time_steps_are_refused(backend: Backend) {
+/// An invalid time step is an error and changes nothing.
+fn invalid_time_steps_are_rejected(backend: Backend) {
     let mut simulation = simulation(crowded(), backend);
     for dt in [0.0, -0.01, f32::NAN, f32::INFINITY] {
         assert!(matches!(simulation.step(dt), Err(Error::Invalid { field: "dt", .. })), "{dt}");
@@ -130,9 +130,9 @@ fn bad_time_steps_are_refused(backend: Backend) {
     assert_eq!(simulation.report().steps, 0);
 }
 
-/// Objects come and go between steps. Spheres take their rods, capsules, springs and tethers with them; what is left
-/// keeps its order, its state and its handles; handles of what is gone are errors.
-fn objects_come_and_go(backend: Backend) {
+/// Objects are added and removed between steps. Removing a sphere removes its rods, capsules, springs and tethers. The
+/// other objects keep their order, state and handles. Handles of removed objects are errors.
+fn removing_a_sphere_removes_what_is_attached_to_it(backend: Backend) {
     let mut simulation = simulation(weightless(), backend);
     let balls: Vec<_> = (0..4)
         .map(|x| {
@@ -164,7 +164,7 @@ fn objects_come_and_go(backend: Backend) {
     assert!(matches!(simulation.add_spring(stale), Err(Error::StaleHandle { .. })));
 
     simulation.step(0.5).expect("a step");
-    // The others have moved on for 1.5 s, in their order.
+    // The others have moved for 1.5 s and kept their order.
     for (index, x) in [(0, 0.0), (1, 2.0), (2, 3.0)] {
         let place = states(&mut simulation)[index].position;
         near(place, [3.0 * x, 1.5 * x, 0.0], 1e-6, "position");
@@ -180,8 +180,9 @@ fn objects_come_and_go(backend: Backend) {
     assert_eq!(states(&mut simulation).len(), 3);
 }
 
-/// What is added takes part at once, what is removed no longer: a floor that comes under a falling ball, and goes again.
-fn a_floor_comes_and_goes(backend: Backend) {
+/// An added object takes part at once, and a removed object no longer does: a floor is added under a falling ball and
+/// removed again.
+fn an_added_floor_collides_until_it_is_removed(backend: Backend) {
     let mut scene = weightless();
     let [ball] = spheres(&mut scene, [Sphere::new([0.0; 3], 0.5)]);
     let mut simulation = simulation(scene, backend);
@@ -199,8 +200,8 @@ fn a_floor_comes_and_goes(backend: Backend) {
     close(speed_after_phase_3(&mut simulation), -2.0, 0.0, "the floor is gone");
 }
 
-/// Springs, tethers and rods change: forces 10 * (2 - 1), then 20 * (2 - 1.5), each measured in one step from rest.
-fn springs_tethers_and_rods_change(backend: Backend) {
+/// Springs, tethers and rods change: forces of 10 * (2 - 1), then 20 * (2 - 1.5), each measured in one step from rest.
+fn changed_springs_tethers_and_rods_act_in_the_next_step(backend: Backend) {
     let mut scene = weightless();
     let places = [[0.0; 3], [2.0, 0.0, 0.0]];
     let [a, b] = spheres(&mut scene, places.map(|place| Sphere::new(place, 0.1)));
@@ -224,7 +225,7 @@ fn springs_tethers_and_rods_change(backend: Backend) {
     near(force_on_a(&mut simulation), [10.0, 4.0, 0.0], 1e-4, "changed");
     let refused = simulation.update_spring(spring, |spring| spring.stiffness = -1.0);
     assert!(matches!(refused, Err(Error::Invalid { .. })));
-    // A rod of length 1 pulls both ends in by half a unit, in the next step.
+    // In the next step, a rod of length 1 moves both ends inwards by half a unit.
     simulation.remove_spring(spring).expect("a spring");
     simulation.remove_tether(tether).expect("a tether");
     simulation.update_rod(rod, |rod| rod.length = Some(1.0)).expect("a valid rod");
@@ -233,8 +234,8 @@ fn springs_tethers_and_rods_change(backend: Backend) {
     near(states(&mut simulation)[1].position, [1.5, 0.0, 0.0], 1e-5, "end 2");
 }
 
-/// What is set is what is read, before and after a step.
-fn states_are_set_and_read_back(backend: Backend) {
+/// A state reads back as it was set, before and after a step.
+fn a_state_reads_back_as_it_was_set(backend: Backend) {
     let mut scene = weightless();
     let [ball] = spheres(&mut scene, [Sphere::new([0.0; 3], 0.5).mass(2.0)]);
     let mut simulation = simulation(scene, backend);
@@ -262,12 +263,12 @@ fn states_are_set_and_read_back(backend: Backend) {
 both!(
     settings_change_between_steps,
     restitution_changes_between_steps,
-    phases_called_singly_are_a_step,
-    lists_may_be_reused,
-    collisions_switched_off,
-    bad_time_steps_are_refused,
-    objects_come_and_go,
-    a_floor_comes_and_goes,
-    springs_tethers_and_rods_change,
-    states_are_set_and_read_back,
+    the_four_phases_in_order_equal_one_step,
+    reusing_lists_does_not_change_the_result,
+    with_collisions_off_phase_3_changes_no_normal_velocity,
+    invalid_time_steps_are_rejected,
+    removing_a_sphere_removes_what_is_attached_to_it,
+    an_added_floor_collides_until_it_is_removed,
+    changed_springs_tethers_and_rods_act_in_the_next_step,
+    a_state_reads_back_as_it_was_set,
 );

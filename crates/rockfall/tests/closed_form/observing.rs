@@ -1,10 +1,10 @@
-//! `contacts()`, `diagnostics()`, `energy()` and the report, against values worked out by hand.
+//! `contacts()`, `diagnostics()`, `energy()` and the report against values derived by hand.
 
 use rockfall::{Backend, Body, Contact, ContactAction, Scene, Sphere, Spring};
 
 use crate::common::*;
 
-/// One contact of a scene, in which there is no other.
+/// Returns the contact of a scene that has exactly one.
 pub(crate) fn only_contact(scene: Scene, backend: Backend) -> Contact {
     let contacts = simulation(scene, backend).contacts().expect("contacts are found");
     assert_eq!(contacts.len(), 1, "{contacts:?}");
@@ -27,9 +27,9 @@ fn force(contact: &Contact, expected: [f64; 3]) {
     near(force, expected, 1e-3, "force on B");
 }
 
-/// Two balls, o = 0.02, closing at 3, masses 1 and 3: j = 1.75 * 3 / (4/3) = 3.9375 on B. They share the point in the
+/// Two balls, o = 0.02, closing at 3, masses 1 and 3: j = 1.75 * 3 / (4/3) = 3.9375 on B. The contact point is in the
 /// middle of the overlap, 0.5 - 0.01 from A's centre.
-fn colliding_pair(backend: Backend) {
+fn a_colliding_pair_is_one_contact_with_an_impulse(backend: Backend) {
     let mut scene = weightless();
     let [a, b] = spheres(
         &mut scene,
@@ -46,8 +46,9 @@ fn colliding_pair(backend: Backend) {
     impulse(&contact, [3.9375, 0.0, 0.0]);
 }
 
-/// A ball of mass 2 lying on the floor with o = 0.01: Cc o m* = 20 down on the box; the point is on its surface.
-fn resting_ball(backend: Backend) {
+/// A ball of mass 2 lies on the floor with o = 0.01: a force of Cc o m* = 20 acts downwards on the box. The contact
+/// point is on the surface of the box.
+fn a_resting_ball_is_one_contact_with_a_force(backend: Backend) {
     let mut scene = Scene::new();
     floor_box(&mut scene);
     let [ball] = spheres(&mut scene, [Sphere::new([0.3, 0.49, -0.2], 0.5).mass(2.0)]);
@@ -59,8 +60,9 @@ fn resting_ball(backend: Backend) {
     force(&contact, [0.0, -20.0, 0.0]);
 }
 
-/// Crossing rods at rest, a = 0.25, b = 0.5, unit masses: m* = 1/(10/16 + 1/2) = 8/9, o = 0.02: 20 * 8/9 up on B.
-fn crossing_rods(backend: Backend) {
+/// Crossing rods at rest, a = 0.25, b = 0.5, unit masses: m* = 1/(10/16 + 1/2) = 8/9, o = 0.02: a force of 20 * 8/9
+/// acts upwards on B.
+fn crossing_rods_are_one_contact_with_a_force(backend: Backend) {
     let mut scene = weightless();
     let a = rod(&mut scene, [-1.0, 3.0].map(|x| Sphere::new([x, 0.0, 0.0], 0.05)), 0.1);
     let b = rod(&mut scene, [-1.0, 1.0].map(|z| Sphere::new([0.0, 0.18, z], 0.05)), 0.1);
@@ -71,8 +73,8 @@ fn crossing_rods(backend: Backend) {
     force(&contact, [0.0, 160.0 / 9.0, 0.0]);
 }
 
-/// A ball over a polygon: body B is the polygon.
-fn ball_on_a_polygon(backend: Backend) {
+/// In the contact of a ball with a polygon, body B is the polygon.
+fn a_polygon_is_body_b_of_its_contact(backend: Backend) {
     let mut scene = weightless();
     floor_polygon(&mut scene);
     let [ball] = spheres(&mut scene, [Sphere::new([0.3, 0.49, -0.2], 0.5).velocity([0.0, -2.0, 0.0])]);
@@ -82,9 +84,9 @@ fn ball_on_a_polygon(backend: Backend) {
     impulse(&contact, [0.0, -3.5, 0.0]);
 }
 
-/// A ball that hits two at once has s = 0.8 in both contacts (see `collisions`): 0.8 * sqrt 3 along each normal, with e
-/// = 1; and that is what phase 3 gives. The third contact, of the two it hits, is a force.
-fn impulses_are_those_of_the_next_phase(backend: Backend) {
+/// A ball that hits two balls at once (see `collisions`) has an impulse of 0.8 sqrt 3 along each normal, with e = 1.
+/// Phase 3 then applies the same impulses. The third contact, between the two balls that are hit, has a force.
+fn contacts_report_the_impulses_that_phase_3_applies(backend: Backend) {
     let mut scene = weightless();
     scene.settings.restitution = 1.0;
     let (cos, sin) = (0.999 * 0.75_f32.sqrt(), 0.999 * 0.5);
@@ -106,10 +108,10 @@ fn impulses_are_those_of_the_next_phase(backend: Backend) {
     near(hit.velocity, [1.2, 0.4 * 3.0_f64.sqrt(), 0.0], F32, "velocity");
 }
 
-/// A ball of mass 2 (gravity 20 down) on the floor with o = 0.03 (60 up), with a neighbour of mass 2 at o = 0.01 (m* =
-/// 1, 10 away) and an outside force of 5 along z. The neighbour is fixed: m* = 2, 20 away, and its own net force is
-/// told as 0.
-fn diagnostics_of_a_ball(backend: Backend) {
+/// A ball of mass 2 (gravity 20 downwards) on the floor with o = 0.03 (60 upwards), an external force of 5 along z, and
+/// a neighbour of mass 2 with o = 0.01. The neighbour is fixed, so m* = 2 and its force is 20. The net force on the
+/// neighbour itself is reported as 0.
+fn diagnostics_hold_net_force_contacts_and_deepest_overlap(backend: Backend) {
     let mut scene = with(|settings| settings.gravity = 10.0);
     floor_box(&mut scene);
     spheres(
@@ -126,15 +128,15 @@ fn diagnostics_of_a_ball(backend: Backend) {
     assert_eq!(values[0].contacts, 2);
     close(values[0].deepest_overlap, 0.03, 1e-6, "deepest overlap");
     near(values[1].net_force, [0.0; 3], 0.0, "net force on a fixed sphere");
-    close(values[1].deepest_overlap, 0.01, 1e-6, "deepest overlap, the fixed one's box left out");
+    close(values[1].deepest_overlap, 0.01, 1e-6, "deepest overlap of a fixed sphere, without its contact with the box");
     near(values[2].net_force, [0.0, -10.0, 0.0], 1e-5, "net force in free fall");
     assert_eq!(values[2].contacts, 0);
 }
 
-/// Kinetic: 2 * 9 / 2 + L^2/(2 I) = 9 + 0.04/(2 * 0.2) = 9.1. Potential (G = 10, the fixed one left out): 2 * 10 * 0.49 +
-/// 10 * 3. Spring: 10 * (2.51 - 2)^2 / 2. Contact: 1000 * 2 * 0.01^2 / 2.
-/// Angular momentum: 2 (0.49 y) x (3 x) + L = (0.2, 0, -2.94).
-fn energies(backend: Backend) {
+/// Kinetic: 2 * 9 / 2 + L^2/(2 I) = 9 + 0.04/(2 * 0.2) = 9.1. Potential (G = 10, without the fixed sphere):
+/// 2 * 10 * 0.49 + 10 * 3. Spring: 10 * (2.51 - 2)^2 / 2. Contact: 1000 * 2 * 0.01^2 / 2. Angular momentum:
+/// 2 (0.49 y) x (3 x) + L = (0.2, 0, -2.94).
+fn every_kind_of_energy_is_reported(backend: Backend) {
     let mut scene = with(|settings| settings.gravity = 10.0);
     floor_box(&mut scene);
     let [a, b, _] = spheres(
@@ -151,14 +153,14 @@ fn energies(backend: Backend) {
     close(energy.potential, 39.8, 1e-5, "potential energy");
     close(energy.spring, 5.0 * 0.51 * 0.51, 1e-5, "energy of the spring");
     close(energy.contact, 0.1, 1e-5, "energy of the contact");
-    close(energy.total(), 9.1 + 39.8 + 1.3005 + 0.1, 1e-4, "all energies");
+    close(energy.total(), 9.1 + 39.8 + 1.3005 + 0.1, 1e-4, "total energy");
     near(energy.momentum, [6.0, 0.0, 0.0], 1e-6, "momentum");
     near(energy.angular_momentum, [0.2, 0.0, -2.94], 1e-5, "angular momentum");
 }
 
-/// Steps, time, contacts, overlaps and collisions are told as they are: two balls collide in the first step, then fly
-/// apart over the floor that a third one lies on; rods' contacts count too, each pair once.
-fn report_of_some_steps(backend: Backend) {
+/// The report holds the numbers of steps, contacts and collisions, the time and the overlap. Two balls collide in the
+/// first step and then separate above a floor on which a third ball lies.
+fn the_report_counts_steps_contacts_and_collisions(backend: Backend) {
     let mut scene = with(|settings| settings.gravity = 0.0);
     floor_box(&mut scene);
     spheres(
@@ -169,7 +171,7 @@ fn report_of_some_steps(backend: Backend) {
             Sphere::new([3.0, 0.5, 0.0], 0.5).force([0.0, -10.0, 0.0]),
         ],
     );
-    // A fixed rod lies across another fixed one: they have nothing to say to each other.
+    // Two fixed rods that cross have no contact with each other.
     for axis in [[1.0, 0.0, 0.0], [0.0, 0.0, 1.0]] {
         let [x, y, z] = axis;
         let ends = [[-x, 3.9 + y, -z], [x, 3.9 + y, z]].map(|end| Sphere::new(end, 0.05).fixed());
@@ -181,19 +183,20 @@ fn report_of_some_steps(backend: Backend) {
     let later = simulation.run(63, DT).expect("63 steps");
     assert_eq!((later.steps, later.collisions, later.total_collisions), (64, 0, 1));
     close(later.time, 1.0, 0.0, "time");
-    // Pressed by 10 on a mass of 1, it rests at o = 10 / Cc = 0.01, up to exp(-Cd t / 2) = 2e-3 of that.
+    // A force of 10 presses a mass of 1 against the floor, so it rests at o = 10 / Cc = 0.01, up to exp(-Cd t / 2) = 2e-3
+    // of that.
     assert_eq!(later.contacts, 1);
     close(later.max_overlap, 0.01, 4e-5, "overlap");
     assert_eq!(later.non_finite, 0);
 }
 
 both!(
-    colliding_pair,
-    resting_ball,
-    crossing_rods,
-    ball_on_a_polygon,
-    impulses_are_those_of_the_next_phase,
-    diagnostics_of_a_ball,
-    energies,
-    report_of_some_steps,
+    a_colliding_pair_is_one_contact_with_an_impulse,
+    a_resting_ball_is_one_contact_with_a_force,
+    crossing_rods_are_one_contact_with_a_force,
+    a_polygon_is_body_b_of_its_contact,
+    contacts_report_the_impulses_that_phase_3_applies,
+    diagnostics_hold_net_force_contacts_and_deepest_overlap,
+    every_kind_of_energy_is_reported,
+    the_report_counts_steps_contacts_and_collisions,
 );

@@ -1,11 +1,11 @@
-//! Collisions of rods: with spheres, with rods, with boxes.
+//! Collisions of rods with spheres, with rods and with boxes.
 
 use rockfall::glam::Vec3;
 use rockfall::{Backend, Scene, Sphere};
 
 use crate::common::*;
 
-/// A rod along x from 0 to 4, masses 1 and 3, of radius 0.1, `LATE` on.
+/// Adds a rod along x from 0 to 4, with masses 1 and 3 and radius 0.1, advanced by `LATE`.
 fn rod_along_x(scene: &mut Scene, velocities: [f32; 2]) {
     let [v1, v2] = velocities;
     let ends = [
@@ -15,10 +15,10 @@ fn rod_along_x(scene: &mut Scene, velocities: [f32; 2]) {
     rod(scene, ends.map(late), 0.1);
 }
 
-/// a = 0.25, 1/M = 0.75^2/1 + 0.25^2/3 = 7/12 (2.6), w = 1/2 + 7/12 = 13/12; n = -y from the ball
-/// to the rod. The rod's point moves at 0.75 * 0.4 + 0.25 * (-1.2) = 0 (2.7), u = 2, j = 1.75 * 2 / (13/12) = 42/13.
-/// The ball gets 42/13 / 2 up; the ends 0.75 * 42/13 / 1 and 0.25 * 42/13 / 3 down.
-fn ball_hits_a_rod_off_its_middle(backend: Backend) {
+/// a = 0.25, 1/M = 0.75^2/1 + 0.25^2/3 = 7/12 (2.6), w = 1/2 + 7/12 = 13/12; n = -y from the ball to the rod. The
+/// contact point of the rod moves at 0.75 * 0.4 + 0.25 * (-1.2) = 0 (2.7), u = 2, j = 1.75 * 2 / (13/12) = 42/13. The
+/// ball receives 42/13 / 2 upwards, the ends 0.75 * 42/13 / 1 and 0.25 * 42/13 / 3 downwards.
+fn the_impulse_of_a_ball_is_shared_by_the_ends_of_the_rod(backend: Backend) {
     let mut scene = weightless();
     rod_along_x(&mut scene, [0.4, -1.2]);
     let ball = Sphere::new([1.0, 0.6, 0.0], 0.5).mass(2.0).velocity([0.3, -2.0, 0.0]);
@@ -31,7 +31,7 @@ fn ball_hits_a_rod_off_its_middle(backend: Backend) {
 }
 
 /// With end 1 fixed, 1/M = a^2/m2 = (1/16)/3 = 1/48: w = 1/2 + 1/48 = 25/48, u = 2, j = 3.5 * 48/25 = 6.72.
-fn ball_hits_a_rod_with_a_fixed_end(backend: Backend) {
+fn a_rod_with_a_fixed_end_has_the_effective_mass_of_the_other_end(backend: Backend) {
     let mut scene = weightless();
     let ends = [Sphere::new([0.0; 3], 0.2).fixed(), Sphere::new([4.0, 0.0, 0.0], 0.2).mass(3.0)];
     rod(&mut scene, ends, 0.1);
@@ -43,9 +43,9 @@ fn ball_hits_a_rod_with_a_fixed_end(backend: Backend) {
     displacements(&before, &after, over(LATE, [[0.0; 3], [0.0, -0.25 * 6.72 / 3.0, 0.0], [0.0, 3.36, 0.0]]));
 }
 
-/// What lies beyond an end belongs to that end's sphere: 0.02 beyond, the thick rod (reach 0.9) is not met, and the thin end
-/// sphere (reach 0.7) is out of reach at 0.8.
-fn beyond_its_end_a_rod_is_not_met(backend: Backend) {
+/// Beyond an end of a rod, only the sphere at that end can make a contact. At 0.02 beyond the end, the thick rod (sum
+/// of radii 0.9) does not collide with the ball, and the thin end sphere (sum of radii 0.7) is too far away at 0.8.
+fn a_rod_does_not_collide_beyond_its_ends(backend: Backend) {
     let build = |x: f32| {
         let mut scene = weightless();
         let ends = [[0.0; 3], [4.0, 0.0, 0.0]].map(|end| Sphere::new(end, 0.2));
@@ -57,14 +57,13 @@ fn beyond_its_end_a_rod_is_not_met(backend: Backend) {
         untouched(build(x), backend);
     }
     for x in [0.02, 3.98] {
-        assert!(collide(build(x), backend)[2].velocity.y > -1.0, "met at x = {x}");
+        assert!(collide(build(x), backend)[2].velocity.y > -1.0, "no collision at x = {x}");
     }
 }
 
-/// Two rods that cross at a = 0.25, b = 0.5, n = y.
-/// wA = 0.5625/1 + 0.0625/2 = 19/32, wB = 0.25/3 + 0.25/0.5 = 7/12, w = 113/96.
-/// vA = 0.75 * 2 + 0.25 * (-2) = 1, vB = (-1 - 3)/2 = -2: u = 3, j = 1.75 * 3 / w.
-fn crossing_rods(backend: Backend) {
+/// Two rods that cross at a = 0.25, b = 0.5, n = y. wA = 0.5625/1 + 0.0625/2 = 19/32, wB = 0.25/3 + 0.25/0.5 = 7/12,
+/// w = 113/96. vA = 0.75 * 2 + 0.25 * (-2) = 1, vB = (-1 - 3)/2 = -2: u = 3, j = 1.75 * 3 / w.
+fn the_impulse_of_crossing_rods_is_shared_by_their_ends(backend: Backend) {
     let mut scene = weightless();
     let a = [
         Sphere::new([-1.0, 0.0, 0.0], 0.05).velocity([0.0, 2.0, 0.0]),
@@ -87,9 +86,9 @@ fn crossing_rods(backend: Backend) {
     displacements(&before, &after, over(LATE, dv));
 }
 
-/// Parallel rods, from 0 to 4 and from 5 to 3: they share the stretch 3..4 and meet in its middle, a = 3.5/4, b = 3/4.
-/// 1/MA = (1/8)^2 + (7/8)^2 = 50/64, 1/MB = 1/16 + 9/16 = 40/64, u = 2, e = 0.75: j = 3.5 * 64/90.
-fn parallel_rods_meet_in_the_middle_of_what_they_share(backend: Backend) {
+/// Parallel rods from 0 to 4 and from 5 to 3 overlap between 3 and 4 and collide in the middle of that interval,
+/// a = 3.5/4, b = 3/4. 1/MA = (1/8)^2 + (7/8)^2 = 50/64, 1/MB = 1/16 + 9/16 = 40/64, u = 2, e = 0.75: j = 3.5 * 64/90.
+fn parallel_rods_collide_in_the_middle_of_their_common_interval(backend: Backend) {
     let mut scene = weightless();
     rod(&mut scene, [[0.0; 3], [4.0, 0.0, 0.0]].map(|end| Sphere::new(end, 0.01)), 0.1);
     let b = [[5.0, 0.15, 0.0], [3.0, 0.15, 0.0]].map(|end| Sphere::new(end, 0.01).velocity([0.0, -2.0, 0.0]));
@@ -102,9 +101,9 @@ fn parallel_rods_meet_in_the_middle_of_what_they_share(backend: Backend) {
     );
 }
 
-/// A rod whose end is shared ignores the other rod of that sphere, and its own spheres; fixed-length ends ignore each other.
-/// The control: two overlapping spheres without a rod, or with a rod of free length, do collide.
-fn nothing_collides_with_itself(backend: Backend) {
+/// Two rods that share an end sphere ignore each other, and a rod ignores its own end spheres. The end spheres of a rod
+/// of fixed length ignore each other. Control: two overlapping end spheres of a rod of free length do collide.
+fn connected_rods_and_spheres_ignore_each_other(backend: Backend) {
     let ends =
         [Sphere::new([0.0; 3], 0.5).velocity([2.0, 0.0, 0.0]), Sphere::new([0.9, 0.0, 0.0], 0.5).velocity([-2.0, 0.0, 0.0])];
     let mut held = weightless();
@@ -130,8 +129,9 @@ fn nothing_collides_with_itself(backend: Backend) {
     uncounted(angle, backend);
 }
 
-/// A rod in the plane z = 0.3 across the edge x = 5, y = 0 of the floor's box, at right angles to it; its axis passes the edge
-/// at `distance` along the edge's outward normal (1, 1, 0)/sqrt 2, at a = 0.25. Masses 1 and 2. That was some time ago.
+/// A rod in the plane z = 0.3 perpendicular to the edge x = 5, y = 0 of the floor's box, advanced by `time`. Before
+/// that, its axis was at `distance` from the edge along the edge's outward normal (1, 1, 0)/sqrt 2, at a = 0.25. Masses
+/// 1 and 2.
 fn rod_across_the_edge(distance: f32, radius: f32, time: f32) -> Scene {
     let mut scene = weightless();
     floor_box(&mut scene);
@@ -146,9 +146,10 @@ fn rod_across_the_edge(distance: f32, radius: f32, time: f32) -> Scene {
     scene
 }
 
-/// Both ends move at (0, -2, 0), n = -(1, 1, 0)/sqrt 2: u = sqrt 2. w = 0.5625 + 0.0625/2 = 19/32, j = 1.75 sqrt 2 / w, along
-/// -n: the ends get 0.75 j and 0.25 j / 2 of it.
-fn across_the_edge(scene: Scene, time: f32, backend: Backend) {
+/// Collides a rod with the edge and compares the result. Both ends move at (0, -2, 0), n = -(1, 1, 0)/sqrt 2: u = sqrt 2.
+/// w = 0.5625 + 0.0625/2 = 19/32, j = 1.75 sqrt 2 / w along -n. The velocities of the ends change by 0.75 j and 0.25
+/// j / 2.
+fn assert_edge_collision(scene: Scene, time: f32, backend: Backend) {
     let before = scene.spheres().to_vec();
     let after = collide(scene, backend);
     let w = 19.0 / 32.0;
@@ -157,26 +158,26 @@ fn across_the_edge(scene: Scene, time: f32, backend: Backend) {
     displacements(&before, &after, over(time, [[dv1, dv1, 0.0], [dv2, dv2, 0.0]]));
 }
 
-/// The axis has passed the edge at the rod's radius of 0.1 when it touched it.
-fn rod_on_a_box_edge(backend: Backend) {
-    across_the_edge(rod_across_the_edge(0.1, 0.1, LATE), LATE, backend);
+/// The rod touched the edge when its axis was at its radius, 0.1, from it.
+fn a_rod_collides_with_a_box_edge(backend: Backend) {
+    assert_edge_collision(rod_across_the_edge(0.1, 0.1, LATE), LATE, backend);
 }
 
-/// The axis passed 0.03 inside the edge a time step of 20 ms ago: n is reversed, o = 0.1 + 0.03, so that the rod is pushed out, not through. It
-/// has come in before that step, so the state one step ago is the one that counts.
-fn rod_axis_inside_a_box_is_pushed_out(backend: Backend) {
-    across_the_edge(rod_across_the_edge(-0.03, 0.1, 0.02), 0.02, backend);
+/// A time step of 20 ms ago the axis was already 0.03 inside the edge: n is reversed and o = 0.1 + 0.03, so the rod is
+/// pushed out, not through the box. The contact began before that step, so the state of one step ago is used.
+fn a_rod_with_its_axis_inside_a_box_is_pushed_out(backend: Backend) {
+    assert_edge_collision(rod_across_the_edge(-0.03, 0.1, 0.02), 0.02, backend);
 }
 
-/// Out of reach of the edge, though its AABB overlaps the box's.
-fn rod_off_a_box_edge(backend: Backend) {
+/// The rod is too far from the edge, though its AABB overlaps that of the box.
+fn a_rod_near_a_box_edge_does_not_collide(backend: Backend) {
     untouched(rod_across_the_edge(0.11, 0.1, 0.0), backend);
 }
 
-/// A rod along (1, -1, 0)/sqrt 2 that has passed the vertex (5, 0, 5) at its radius of 0.1 along (1, 1, 1)/sqrt 3. The closest points on
-/// the lines of all three edges lie beyond the vertex, so it is a vertex contact: a = 0.25, n = -(1, 1,
-/// 1)/sqrt 3, u = 2/sqrt 3, w = 19/32 as above.
-fn rod_on_a_box_vertex(backend: Backend) {
+/// A rod along (1, -1, 0)/sqrt 2 touched the vertex (5, 0, 5) when its axis was 0.1, its radius, from it along (1, 1,
+/// 1)/sqrt 3. The closest points on the lines of all three edges lie beyond the vertex, so this is a vertex contact:
+/// a = 0.25, n = -(1, 1, 1)/sqrt 3, u = 2/sqrt 3, w = 19/32 as above.
+fn a_rod_collides_with_a_box_vertex(backend: Backend) {
     let mut scene = weightless();
     floor_box(&mut scene);
     let out = Vec3::ONE.normalize();
@@ -196,10 +197,11 @@ fn rod_on_a_box_vertex(backend: Backend) {
     displacements(&before, &after, over(LATE, [[dv1; 3], [dv2; 3]]));
 }
 
-/// A rod flat across a narrow box rests on two edges at once, at a = 0.25 and 0.75. With equal masses G_11 = G_22 =
-/// 10/16, G_12 = 2 * 3/16 = 6/16, and both impulses are alike: j = 1.75 * 2 / (10/16 + 6/16) = 3.5. Each end gets (0.75 + 0.25) j:
-/// it bounces flat, at 1.5, as a ball would. They share the ends, so nothing is displaced.
-fn rod_lands_flat_on_two_edges(backend: Backend) {
+/// A rod that lies flat on a narrow box touches two edges at once, at a = 0.25 and 0.75. With equal masses
+/// G_11 = G_22 = 10/16, G_12 = 2 * 3/16 = 6/16, and both impulses are equal: j = 1.75 * 2 / (10/16 + 6/16) = 3.5. Each
+/// end receives (0.75 + 0.25) j. The rod rebounds flat at 1.5, as a ball would. The contacts share the ends, so nothing
+/// is displaced.
+fn a_rod_that_lands_flat_on_two_edges_rebounds_flat(backend: Backend) {
     let mut scene = weightless();
     scene.add_box(rockfall::Cuboid::between([-1.0, -2.0, -3.0], [1.0, 0.0, 3.0])).expect("a valid box");
     let ends = [-2.0, 2.0].map(|x| Sphere::new([x, 0.09, 0.0], 0.05).velocity([0.0, -2.0, 0.0]));
@@ -210,15 +212,15 @@ fn rod_lands_flat_on_two_edges(backend: Backend) {
 }
 
 both!(
-    ball_hits_a_rod_off_its_middle,
-    ball_hits_a_rod_with_a_fixed_end,
-    beyond_its_end_a_rod_is_not_met,
-    crossing_rods,
-    parallel_rods_meet_in_the_middle_of_what_they_share,
-    nothing_collides_with_itself,
-    rod_on_a_box_edge,
-    rod_axis_inside_a_box_is_pushed_out,
-    rod_off_a_box_edge,
-    rod_on_a_box_vertex,
-    rod_lands_flat_on_two_edges,
+    the_impulse_of_a_ball_is_shared_by_the_ends_of_the_rod,
+    a_rod_with_a_fixed_end_has_the_effective_mass_of_the_other_end,
+    a_rod_does_not_collide_beyond_its_ends,
+    the_impulse_of_crossing_rods_is_shared_by_their_ends,
+    parallel_rods_collide_in_the_middle_of_their_common_interval,
+    connected_rods_and_spheres_ignore_each_other,
+    a_rod_collides_with_a_box_edge,
+    a_rod_with_its_axis_inside_a_box_is_pushed_out,
+    a_rod_near_a_box_edge_does_not_collide,
+    a_rod_collides_with_a_box_vertex,
+    a_rod_that_lands_flat_on_two_edges_rebounds_flat,
 );

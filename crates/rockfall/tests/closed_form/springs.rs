@@ -1,4 +1,4 @@
-//! Springs, tethers, outside forces and impulses.
+//! Springs, tethers, external forces and impulses.
 
 use std::f64::consts::TAU;
 
@@ -6,7 +6,7 @@ use rockfall::{Backend, Integrator, Options, Simulation, Sphere, SphereId, Sprin
 
 use crate::common::*;
 
-/// Masses 1 and 3 on a spring of k = 100, l = 1, pulled to 1.1 and let go: mu = 3/4.
+/// Masses 1 and 3 on a spring of k = 100, l = 1, stretched to 1.1 and released: mu = 3/4.
 fn stretched(damping: f32, backend: Backend) -> (Simulation, [SphereId; 2]) {
     let mut scene = weightless();
     let ends = spheres(&mut scene, [Sphere::new([0.0; 3], 0.1), Sphere::new([1.1, 0.0, 0.0], 0.1).mass(3.0)]);
@@ -16,7 +16,7 @@ fn stretched(damping: f32, backend: Backend) -> (Simulation, [SphereId; 2]) {
     (simulation(scene, backend), ends)
 }
 
-/// Length of the spring, and how fast it grows.
+/// Length of the spring and its rate of change.
 fn length(simulation: &mut Simulation, ends: [SphereId; 2]) -> (f64, f64) {
     let [a, b] = ends.map(|end| simulation.sphere(end).expect("a sphere"));
     let d = b.position.as_dvec3() - a.position.as_dvec3();
@@ -24,16 +24,16 @@ fn length(simulation: &mut Simulation, ends: [SphereId; 2]) -> (f64, f64) {
     (d.length(), v.dot(d) / d.length())
 }
 
-/// d = 1 + 0.1 cos wt with w = sqrt(k / mu): after half a period it is 0.9, after a whole one 1.1. RK4 at 64 steps a period is
-/// off by (w dt)^4/120 * 2 pi = 5e-6 of the phase; f32 by some 64 * 6e-8.
-fn spring_period(backend: Backend) {
+/// d = 1 + 0.1 cos wt with w = sqrt(k / mu): 0.9 after half a period, 1.1 after a whole one. With 64 steps per period
+/// RK4 has a phase error of (w dt)^4/120 * 2 pi = 5e-6, and f32 one of about 64 * 6e-8.
+fn a_spring_oscillates_with_its_period(backend: Backend) {
     let period = TAU / (100.0_f64 / 0.75).sqrt();
     let (mut simulation, ends) = stretched(0.0, backend);
     for expected in [0.9, 1.1] {
         simulation.run(32, (period / 64.0) as f32).expect("half a period");
         let (length, speed) = length(&mut simulation, ends);
         close(length, expected, 1e-5, "length");
-        // The phase's error times w * 0.1.
+        // The phase error times w * 0.1.
         close(speed, 0.0, 5e-5, "velocity at the turning point");
     }
     // The centre of mass stays at 3 * 1.1 / 4.
@@ -41,9 +41,9 @@ fn spring_period(backend: Backend) {
     close((a + 3.0 * b) / 4.0, 0.825, 1e-6, "centre of mass");
 }
 
-/// With damping c = 3 the amplitude shrinks as exp(-g t), g = c / (2 mu) = 2, w_d = sqrt(w^2 - g^2). Let go at rest,
-/// the turning points are the multiples of half the period 2 pi / w_d: the logarithmic decrement is g T.
-fn spring_damping(backend: Backend) {
+/// With damping c = 3 the amplitude shrinks as exp(-g t), g = c / (2 mu) = 2, w_d = sqrt(w^2 - g^2). After a release at
+/// rest, the turning points are at multiples of half the period 2 pi / w_d. The logarithmic decrement is g T.
+fn a_damped_spring_has_the_expected_logarithmic_decrement(backend: Backend) {
     let (w, g) = ((100.0_f64 / 0.75).sqrt(), 2.0_f64);
     let period = TAU / (w * w - g * g).sqrt();
     let (mut simulation, ends) = stretched(3.0, backend);
@@ -56,9 +56,9 @@ fn spring_damping(backend: Backend) {
     }
 }
 
-/// A mass 2 on a tether of k = 50, l = 0 from where it hangs: w = 5, it falls about its rest at m G / k = 0.4 (G = 10):
-/// y = -0.4 (1 - cos wt), and independently x = 0.3 cos wt.
-fn tether_swings_about_its_rest(backend: Backend) {
+/// A mass of 2 on a tether of k = 50, l = 0: w = 5. It is released at the height of the tether's point and oscillates
+/// about its rest position at m G / k = 0.4 below (G = 10): y = -0.4 (1 - cos wt), and independently x = 0.3 cos wt.
+fn a_mass_on_a_tether_oscillates_about_its_rest_position(backend: Backend) {
     let mut scene = with(|settings| settings.gravity = 10.0);
     let [ball] = spheres(&mut scene, [Sphere::new([0.3, 0.0, 0.0], 0.1).mass(2.0)]);
     scene.add_tether(Tether::new(ball, [0.0; 3], 50.0)).expect("a valid tether");
@@ -71,9 +71,9 @@ fn tether_swings_about_its_rest(backend: Backend) {
     }
 }
 
-/// d = (3, 4, 0): n = (0.6, 0.8, 0), |d| - l = 5 - 4. The sphere moves at (1, 2, 0).n = 2.2 towards the point:
-/// F = (10 * 1 - 2 * 2.2) n = 5.6 n. Beside it a compressed tether of l = 7 pushes: 10 * (5 - 7) - 2 * 2.2 = -24.4.
-fn tether_force_with_rest_length_and_damping(backend: Backend) {
+/// d = (3, 4, 0): n = (0.6, 0.8, 0), |d| - l = 5 - 4. The sphere moves towards the point at (1, 2, 0).n = 2.2:
+/// F = (10 * 1 - 2 * 2.2) n = 5.6 n. A compressed tether with l = 7 pushes: 10 * (5 - 7) - 2 * 2.2 = -24.4.
+fn a_tether_force_includes_rest_length_and_damping(backend: Backend) {
     for (length, force) in [(4.0, 5.6), (7.0, -24.4)] {
         let mut scene = weightless();
         let [ball] = spheres(&mut scene, [Sphere::new([1.0, 1.0, 1.0], 0.1).velocity([1.0, 2.0, 0.0])]);
@@ -83,8 +83,9 @@ fn tether_force_with_rest_length_and_damping(backend: Backend) {
     }
 }
 
-/// The velocity of a fixed sphere counts in a spring's damping, c (vB - vA).n = 2 * (3 - 1) = 4, and the sphere stays put.
-fn fixed_sphere_drags_through_a_damper(backend: Backend) {
+/// The velocity of a fixed sphere counts in a spring's damping, c (vB - vA).n = 2 * (3 - 1) = 4. The fixed sphere
+/// itself does not move.
+fn the_damping_of_a_spring_includes_the_velocity_of_a_fixed_sphere(backend: Backend) {
     let mut scene = weightless();
     let [a, b] = spheres(
         &mut scene,
@@ -97,9 +98,9 @@ fn fixed_sphere_drags_through_a_damper(backend: Backend) {
     forces(&loads(scene, backend), [[4.0, 0.0, 0.0], [0.0; 3]], 1e-4);
 }
 
-/// Springs from one sphere to two others, and a tether: forces add up. 10 * (2 - 1) along x, 20 * (3 - 1) along y, 5 *
-/// 1 along -z.
-fn springs_of_one_sphere_add_up(backend: Backend) {
+/// The forces of two springs and a tether on one sphere add up: 10 * (2 - 1) along x, 20 * (3 - 1) along y, 5 * 1 along
+/// -z.
+fn the_spring_forces_on_one_sphere_add_up(backend: Backend) {
     let mut scene = weightless();
     let [a, b, c] = spheres(&mut scene, [[0.0; 3], [2.0, 0.0, 0.0], [0.0, 3.0, 0.0]].map(|place| Sphere::new(place, 0.1)));
     scene.add_spring(Spring::new(a, b, 10.0, 1.0)).expect("a valid spring");
@@ -109,8 +110,9 @@ fn springs_of_one_sphere_add_up(backend: Backend) {
     forces(&found, [[10.0, 40.0, -5.0], [-10.0, 0.0, 0.0], [0.0, -40.0, 0.0]], 1e-4);
 }
 
-/// A force of (4, 0, 0) on a mass of 2 that falls at G = 2: x = t^2, y = -t^2. Then it is changed to (0, 4, 0), which holds it.
-fn external_force_acts_until_it_is_changed(backend: Backend) {
+/// A force of (4, 0, 0) on a mass of 2 that falls at G = 2: x = t^2, y = -t^2. Then the force changes to (0, 4, 0),
+/// which balances gravity.
+fn an_external_force_acts_until_it_is_changed(backend: Backend) {
     let mut scene = with(|settings| settings.gravity = 2.0);
     let [ball, bystander] =
         spheres(&mut scene, [Sphere::new([0.0; 3], 0.1).mass(2.0).force([4.0, 0.0, 0.0]), Sphere::new([9.0, 0.0, 0.0], 0.1)]);
@@ -128,8 +130,8 @@ fn external_force_acts_until_it_is_changed(backend: Backend) {
     near(state.position, [9.0, -0.25, 0.0], 1e-6, "a sphere without a force falls by t^2");
 }
 
-/// An impulse changes v by J/m, at once and once; a fixed sphere stays as it is.
-fn impulse_changes_the_velocity_once(backend: Backend) {
+/// An impulse changes v by J/m, at once and only once. A fixed sphere does not change.
+fn an_impulse_changes_the_velocity_once(backend: Backend) {
     let mut scene = weightless();
     let [ball, fixed] = spheres(
         &mut scene,
@@ -149,9 +151,10 @@ fn impulse_changes_the_velocity_once(backend: Backend) {
     near(state.position, [9.0, 0.0, 0.0], 0.0, "position of the fixed sphere");
 }
 
-/// Symplectic Euler on x'' = -w^2 x: x advances by the map with trace 2 - (w dt)^2, so x_n = A cos(n a + p), 2 cos a =
-/// 2 - (w dt)^2. From x = 0.1 at rest, v1 = -w^2 dt x0, x1 = x0 (1 - (w dt)^2): x_n = x0 cos((n + 1/2) a) / cos(a/2).
-fn spring_under_symplectic_euler(backend: Backend) {
+/// Symplectic Euler on x'' = -w^2 x advances x by a map with trace 2 - (w dt)^2, so x_n = A cos(n a + p), 2 cos
+/// a = 2 - (w dt)^2. From x = 0.1 at rest, v1 = -w^2 dt x0 and x1 = x0 (1 - (w dt)^2): x_n = x0 cos((n + 1/2)
+/// a) / cos(a/2).
+fn a_spring_under_symplectic_euler_follows_its_difference_equation(backend: Backend) {
     let mut scene = weightless();
     let [ball] = spheres(&mut scene, [Sphere::new([0.1, 0.0, 0.0], 0.1).mass(2.0)]);
     scene.add_tether(Tether::new(ball, [0.0; 3], 50.0)).expect("a valid tether");
@@ -168,13 +171,13 @@ fn spring_under_symplectic_euler(backend: Backend) {
 }
 
 both!(
-    spring_period,
-    spring_damping,
-    tether_swings_about_its_rest,
-    tether_force_with_rest_length_and_damping,
-    fixed_sphere_drags_through_a_damper,
-    springs_of_one_sphere_add_up,
-    external_force_acts_until_it_is_changed,
-    impulse_changes_the_velocity_once,
-    spring_under_symplectic_euler,
+    a_spring_oscillates_with_its_period,
+    a_damped_spring_has_the_expected_logarithmic_decrement,
+    a_mass_on_a_tether_oscillates_about_its_rest_position,
+    a_tether_force_includes_rest_length_and_damping,
+    the_damping_of_a_spring_includes_the_velocity_of_a_fixed_sphere,
+    the_spring_forces_on_one_sphere_add_up,
+    an_external_force_acts_until_it_is_changed,
+    an_impulse_changes_the_velocity_once,
+    a_spring_under_symplectic_euler_follows_its_difference_equation,
 );

@@ -1,13 +1,13 @@
-//! Spheres against boxes and polygons.
+//! Collisions of spheres with boxes and polygons.
 
 use rockfall::glam::{DVec3, Vec3};
 use rockfall::{Backend, Cuboid, Polygon, Scene, Sphere};
 
 use crate::common::*;
 
-/// A ball that meets the plane y = 0 at an angle: with e = 0.75 the normal velocity -2 becomes 1.5, the rest stays; the
-/// overlap of 0.02 is 10 ms old.
-fn ball_bounces(mut scene: Scene, backend: Backend) {
+/// Asserts that a ball that hits the plane y = 0 obliquely rebounds. With e = 0.75 the normal velocity -2 becomes 1.5,
+/// and the other components do not change. The overlap of 0.02 began 10 ms ago.
+fn assert_ball_rebounds(mut scene: Scene, backend: Backend) {
     let ball = Sphere::new([0.3, 0.48, 0.2], 0.5).mass(2.0).velocity([1.0, -2.0, 0.5]);
     spheres(&mut scene, [ball]);
     let after = collide(scene, backend);
@@ -15,20 +15,20 @@ fn ball_bounces(mut scene: Scene, backend: Backend) {
     displacements(&[ball], &after, over(0.01, [[0.0, 3.5, 0.0]]));
 }
 
-fn restitution_on_a_box(backend: Backend) {
+fn a_ball_rebounds_from_a_box_with_e(backend: Backend) {
     let mut scene = weightless();
     floor_box(&mut scene);
-    ball_bounces(scene, backend);
+    assert_ball_rebounds(scene, backend);
 }
 
-fn restitution_on_a_polygon(backend: Backend) {
+fn a_ball_rebounds_from_a_polygon_with_e(backend: Backend) {
     let mut scene = weightless();
     floor_polygon(&mut scene);
-    ball_bounces(scene, backend);
+    assert_ball_rebounds(scene, backend);
 }
 
-/// One ball that has come to the floor's box `LATE` ago, with e = 0.75: by what its velocity changes.
-fn on_floor_box(ball: Sphere, backend: Backend, change: [f64; 3]) {
+/// Asserts by how much the velocity of one ball changes that touched the floor's box `LATE` ago, with e = 0.75.
+fn assert_velocity_change_on_floor_box(ball: Sphere, backend: Backend, change: [f64; 3]) {
     let mut scene = weightless();
     floor_box(&mut scene);
     let ball = late(ball);
@@ -38,24 +38,25 @@ fn on_floor_box(ball: Sphere, backend: Backend, change: [f64; 3]) {
     displacements(&[ball], &after, over(LATE, [change]));
 }
 
-/// The centre is (0.3, 0.4) beyond the edge x = 5, y = 0: distance 0.5, n = (-0.6, -0.8, 0).
-/// u = (-1, -1, 3).n = 1.4, so v' = v + 1.75 * 1.4 * (0.6, 0.8, 0).
-fn ball_on_a_box_edge(backend: Backend) {
+/// The centre is (0.3, 0.4) outside the edge x = 5, y = 0: distance 0.5, n = (-0.6, -0.8, 0). u = (-1, -1, 3).n = 1.4,
+/// so v' = v + 1.75 * 1.4 * (0.6, 0.8, 0).
+fn a_ball_on_a_box_edge_collides_along_the_line_to_the_edge(backend: Backend) {
     let ball = Sphere::new([5.3, 0.4, 0.2], 0.5).velocity([-1.0, -1.0, 3.0]);
-    on_floor_box(ball, backend, [1.47, 1.96, 0.0]);
+    assert_velocity_change_on_floor_box(ball, backend, [1.47, 1.96, 0.0]);
 }
 
-/// The centre is (1, 1/2, 1)/3 beyond the vertex (5, 0, 5): distance 0.5, n = -(2, 1, 2)/3.
-/// u = (0, -3, 0).n = 1, so v' = v + 1.75 (2, 1, 2)/3.
-fn ball_on_a_box_vertex(backend: Backend) {
+/// The centre is (1, 1/2, 1)/3 outside the vertex (5, 0, 5): distance 0.5, n = -(2, 1, 2)/3. u = (0, -3, 0).n = 1, so
+/// v' = v + 1.75 (2, 1, 2)/3.
+fn a_ball_on_a_box_vertex_collides_along_the_line_to_the_vertex(backend: Backend) {
     let ball = Sphere::new([5.0 + 1.0 / 3.0, 0.5 / 3.0, 5.0 + 1.0 / 3.0], 0.5).velocity([0.0, -3.0, 0.0]);
     let third = 1.75 / 3.0;
-    on_floor_box(ball, backend, [2.0 * third, third, 2.0 * third]);
+    assert_velocity_change_on_floor_box(ball, backend, [2.0 * third, third, 2.0 * third]);
 }
 
-/// A box turned by 3-4-5: edges (3, 4, 0), (-4, 3, 0) and (0, 0, 5) from the origin. The face at the far end of the second
-/// edge has the normal (-0.8, 0.6, 0). A centre 0.47 off its middle: o = 0.03, 15 ms old; v = 2 along -normal turns to 1.5.
-fn ball_on_a_turned_box(backend: Backend) {
+/// A rotated box with the edges (3, 4, 0), (-4, 3, 0) and (0, 0, 5) from the origin. The face at the far end of the
+/// second edge has the normal (-0.8, 0.6, 0). The ball's centre is 0.47 from the middle of that face: o = 0.03, which
+/// began 15 ms ago. A velocity of 2 along -normal becomes 1.5 along the normal.
+fn a_ball_rebounds_along_the_normal_of_a_rotated_box(backend: Backend) {
     let mut scene = weightless();
     let (i, j, k) = (Vec3::new(3.0, 4.0, 0.0), Vec3::new(-4.0, 3.0, 0.0), Vec3::new(0.0, 0.0, 5.0));
     scene.add_box(Cuboid::new([0.0; 3], i, j, k)).expect("a valid box");
@@ -67,7 +68,8 @@ fn ball_on_a_turned_box(backend: Backend) {
     displacements(&[ball], &after, over(0.015, [[-2.8, 2.1, 0.0]]));
 }
 
-/// The skew polygon: corner 0, L = (1, 0, 2), R = (2, 0, 0), facing up. Its points have z = 2l, x = z/2 + 2k.
+/// A ball above the skew polygon with corner 0, L = (1, 0, 2), R = (2, 0, 0), which faces up. Its points
+/// have z = 2l, x = z/2 + 2k.
 fn over_the_skew_polygon(x: f32, z: f32) -> Scene {
     let mut scene = weightless();
     scene.add_polygon(Polygon::new([0.0; 3], [1.0, 0.0, 2.0], [2.0, 0.0, 0.0])).expect("a valid polygon");
@@ -75,9 +77,10 @@ fn over_the_skew_polygon(x: f32, z: f32) -> Scene {
     scene
 }
 
-/// At z = 1.5 the slanted edges are at x = 0.75 and x = 2.75. Hit a little inside of them, missed a little outside, though
-/// both places lie over the bounding rectangle; likewise at the straight edges z = 0 and z = 2.
-fn skew_polygon_ends_at_its_edges(backend: Backend) {
+/// At z = 1.5 the slanted edges are at x = 0.75 and x = 2.75. A ball slightly inside of them collides, and one slightly
+/// outside does not, although both positions are above the bounding rectangle. The same holds at the straight edges z = 0
+/// and z = 2.
+fn a_skew_polygon_ends_at_its_edges(backend: Backend) {
     for (x, z) in [(0.77, 1.5), (2.73, 1.5), (1.5, 0.02), (1.5, 1.98)] {
         let after = collide(over_the_skew_polygon(x, z), backend);
         velocities(&after, [[0.0, 1.5, 0.0]]);
@@ -87,8 +90,8 @@ fn skew_polygon_ends_at_its_edges(backend: Backend) {
     }
 }
 
-/// Only 0 <= d < r counts: nothing from behind, nothing out of reach.
-fn polygon_is_one_sided(backend: Backend) {
+/// A polygon collides only where 0 <= d < r: not from behind, and not beyond the radius of the ball.
+fn a_polygon_has_one_solid_side(backend: Backend) {
     for height in [-0.05, 0.51] {
         for speed in [-2.0, 2.0] {
             let mut scene = weightless();
@@ -99,9 +102,9 @@ fn polygon_is_one_sided(backend: Backend) {
     }
 }
 
-/// From behind, a ball faster than threshold x radius passes through without any force: x = x0 + v t to the last bit,
-/// for all numbers here are binary fractions.
-fn ball_from_behind_passes_through_a_polygon(backend: Backend) {
+/// A ball from behind that is faster than threshold x radius passes through without any force: x = x0 + v t exactly,
+/// because all numbers here are binary fractions.
+fn a_fast_ball_from_behind_passes_through_a_polygon(backend: Backend) {
     let mut scene = weightless();
     floor_polygon(&mut scene);
     let [ball] = spheres(&mut scene, [Sphere::new([0.0, -0.5, 0.0], 0.25).velocity([0.0, 2.0, 0.0])]);
@@ -113,9 +116,9 @@ fn ball_from_behind_passes_through_a_polygon(backend: Backend) {
     assert_eq!(simulation.report().total_collisions, 0);
 }
 
-/// Floor and wall at a right angle do not tell on each other: with e = 1 both components turn round, and each contact is lone. The overlaps of
-/// 0.01 are 5 ms and 10/3 ms old.
-fn ball_in_a_corner_leaves_at_its_speed(backend: Backend) {
+/// The contacts with a floor and a wall at a right angle do not influence each other. With e = 1 both velocity
+/// components are reversed, and each contact is a lone one. The overlaps of 0.01 began 5 ms and 10/3 ms ago.
+fn an_elastic_ball_leaves_a_corner_at_its_speed(backend: Backend) {
     let mut scene = weightless();
     scene.settings.restitution = 1.0;
     floor_polygon(&mut scene);
@@ -127,15 +130,15 @@ fn ball_in_a_corner_leaves_at_its_speed(backend: Backend) {
     displacements(&[ball], &after, [[0.005 * 4.0, 0.01 / 3.0 * 6.0, 0.0]]);
 }
 
-/// Two polygons whose normals are at 60 degrees, hit along the bisector: G_12 / G_11 = n1.n2 = 1/2, and both impulses are alike:
-/// j = 2 u / (3/2) with u = 2 cos 30 and e = 1. The ball gets 2/3 * 2u (n1 + n2) = 2/3 * 4 * 2 cos^2 30 up = 4: from -2 to 2.
-/// They share the ball, so nothing is displaced.
-fn ball_in_a_sharp_groove(backend: Backend) {
+/// Two polygons whose normals form an angle of 60 degrees are hit along the bisector: G_12 / G_11 = n1.n2 = 1/2, and both
+/// impulses are equal: j = 2 u / (3/2) with u = 2 cos 30 and e = 1. The ball receives 2/3 * 2u (n1 + n2) =
+/// 2/3 * 4 * 2 cos^2 30 = 4 upwards: from -2 to 2. The contacts share the ball, so nothing is displaced.
+fn an_elastic_ball_leaves_a_sharp_groove_at_its_speed(backend: Backend) {
     let mut scene = weightless();
     scene.settings.restitution = 1.0;
     let (cos, sin) = (0.75_f32.sqrt(), 0.5);
     for side in [-1.0, 1.0] {
-        // The face through the origin with normal (-side sin, cos, 0), across which z runs.
+        // The face contains the origin and the z direction, and its normal is (-side sin, cos, 0).
         let along = Vec3::new(cos * side, sin, 0.0);
         let [left, right] = if side > 0.0 { [Vec3::Z, along] } else { [along, Vec3::Z] };
         let corner = -5.0 * Vec3::Z;
@@ -152,10 +155,11 @@ fn ball_in_a_sharp_groove(backend: Backend) {
     displacements(&[ball], &after, [[0.0; 3]]);
 }
 
-/// A ball that falls freely from rest bounces with e on the floor of a whole run: it arrives at sqrt(2 G h) and rises to e^2 h.
-/// G = 8, h = 1: it arrives after t = 0.5 s at 4, leaves at 3 and is back at rest after 3/8 s, 9/16 high. With time steps of
-/// 1/512 s the bounce is seen up to a step late, which displaces it by up to (1 + e) * 4 / 512 = 0.014.
-fn ball_rises_to_restitution_squared(backend: Backend) {
+/// A ball that falls from rest in a whole run rebounds from the floor with e: it arrives at sqrt(2 G h) and rises to
+/// e^2 h. G = 8, h = 1: it arrives after t = 0.5 s at 4, leaves at 3 and is at rest again after 3/8 s at a height of 9/16.
+/// With time steps of 1/512 s the collision is detected up to one step late, which displaces the ball by up to
+/// (1 + e) * 4 / 512 = 0.014.
+fn a_falling_ball_rises_to_e_squared_of_its_height(backend: Backend) {
     let dt = 1.0 / 512.0;
     let mut scene = with(|settings| settings.gravity = 8.0);
     floor_box(&mut scene);
@@ -165,17 +169,18 @@ fn ball_rises_to_restitution_squared(backend: Backend) {
     assert_eq!(simulation.report().total_collisions, 1);
     let ball = simulation.sphere(ball).expect("the ball");
     close(ball.position.y, 0.5 + 9.0 / 16.0, 0.014, "height");
-    // Beside the delay (8 * 1/512 * 1.75 = 0.027) the overlap's removal has an effect of the order of 8 * 0.008 / 4.
+    // Besides the delay (8 * 1/512 * 1.75 = 0.027), the removal of the overlap has an effect of the order of
+    // 8 * 0.008 / 4.
     close(ball.velocity.y, 0.0, 0.05, "velocity at the top");
 }
 
-/// Walls in turn: a ball in a closed box of six polygons, elastic, without gravity, keeps its speed and stays inside.
-fn elastic_ball_stays_in_a_room(backend: Backend) {
+/// An elastic ball in a closed room of six polygons without gravity keeps its speed and stays inside.
+fn an_elastic_ball_stays_in_a_room_and_keeps_its_speed(backend: Backend) {
     let mut scene = weightless();
     scene.settings.restitution = 1.0;
     for axis in 0..3 {
         let [x, y, z] = [0, 1, 2].map(|shift| Vec3::AXES[(axis + shift) % 3]);
-        // y x z = x: the low wall faces up along x, the high one down.
+        // y x z = x: the low wall faces in the positive direction of the axis, the high one in the negative direction.
         for (corner, left, right) in [(-y - z, y, z), (2.0 * x - y - z, z, y)] {
             let polygon = Polygon::new(corner - x, 2.0 * left, 2.0 * right);
             scene.add_polygon(polygon).expect("a valid polygon");
@@ -195,16 +200,16 @@ fn elastic_ball_stays_in_a_room(backend: Backend) {
 }
 
 both!(
-    restitution_on_a_box,
-    restitution_on_a_polygon,
-    ball_on_a_box_edge,
-    ball_on_a_box_vertex,
-    ball_on_a_turned_box,
-    skew_polygon_ends_at_its_edges,
-    polygon_is_one_sided,
-    ball_from_behind_passes_through_a_polygon,
-    ball_in_a_corner_leaves_at_its_speed,
-    ball_in_a_sharp_groove,
-    ball_rises_to_restitution_squared,
-    elastic_ball_stays_in_a_room,
+    a_ball_rebounds_from_a_box_with_e,
+    a_ball_rebounds_from_a_polygon_with_e,
+    a_ball_on_a_box_edge_collides_along_the_line_to_the_edge,
+    a_ball_on_a_box_vertex_collides_along_the_line_to_the_vertex,
+    a_ball_rebounds_along_the_normal_of_a_rotated_box,
+    a_skew_polygon_ends_at_its_edges,
+    a_polygon_has_one_solid_side,
+    a_fast_ball_from_behind_passes_through_a_polygon,
+    an_elastic_ball_leaves_a_corner_at_its_speed,
+    an_elastic_ball_leaves_a_sharp_groove_at_its_speed,
+    a_falling_ball_rises_to_e_squared_of_its_height,
+    an_elastic_ball_stays_in_a_room_and_keeps_its_speed,
 );

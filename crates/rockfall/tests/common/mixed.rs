@@ -1,12 +1,13 @@
-//! A scene of every kind of object, and runs of it that are compared to the last bit.
+//! A scene with every kind of object, and bitwise comparison of runs.
 
 use rockfall::glam::Vec3;
 use rockfall::{Capsule, Cuboid, Polygon, Report, Rod, Scene, Simulation, Sphere, SphereId, SphereState, Spring, Tether};
 
 use super::{floor_box, spheres, with};
 
-/// Something of every kind, falling into a walled place: loose spheres, a chain on a fixed sphere, capsules, a springy
-/// triangle, a tether; so that there are collisions, contacts, rods on everything, and lengths to hold.
+/// Builds a scene in which every kind of object falls into a walled area: loose spheres, a chain on a fixed sphere,
+/// capsules, a triangle of springs and a tether. So there are collisions, contacts, contacts of rods with every kind of
+/// object, and fixed lengths to restore.
 pub(crate) fn mixed(balls: usize) -> Scene {
     let mut scene = with(|settings| settings.gravity = 10.0);
     floor_box(&mut scene);
@@ -37,7 +38,7 @@ pub(crate) fn mixed(balls: usize) -> Scene {
     scene
 }
 
-/// Five links on a fixed sphere, through the middle of the place.
+/// Adds a chain of five rods that hangs on a fixed sphere, through the middle of the walled area.
 fn add_chain(scene: &mut Scene, height: f32) {
     let links: Vec<SphereId> = (0..6)
         .map(|link| {
@@ -51,7 +52,8 @@ fn add_chain(scene: &mut Scene, height: f32) {
     }
 }
 
-/// Three spheres, three springs, one of the sides a rod of free length as well, one corner tethered.
+/// Adds three spheres with three springs between them. One side is also a rod of free length, and one corner has a
+/// tether.
 fn add_triangle(scene: &mut Scene, height: f32) {
     let corners = [[0.0, height, 0.0], [0.6, height, 0.0], [0.3, height, 0.5]].map(|corner| Sphere::new(corner, 0.12));
     let corners = spheres(scene, corners);
@@ -64,7 +66,7 @@ fn add_triangle(scene: &mut Scene, height: f32) {
     scene.add_tether(tether).expect("a valid tether");
 }
 
-/// What a run ended in.
+/// Final state of a run.
 pub(crate) struct Run {
     pub(crate) spheres: Vec<SphereState>,
     pub(crate) report: Report,
@@ -76,9 +78,9 @@ impl Run {
     }
 }
 
-/// Equal to the last bit: `==` on floats would take 0 for -0 and miss equal NaNs.
+/// Asserts that two runs are bitwise identical. `==` on floats would accept 0 for -0 and fail for equal NaNs.
 #[track_caller]
-pub(crate) fn same_bits(one: &Run, other: &Run) {
+pub(crate) fn assert_bitwise_identical(one: &Run, other: &Run) {
     let bits = |run: &Run| -> Vec<Vec<u32>> {
         let of = |sphere: &SphereState| {
             let vectors = [sphere.position, sphere.velocity, sphere.angular_momentum];

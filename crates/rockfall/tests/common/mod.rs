@@ -1,9 +1,9 @@
-//! What the integration tests share.
+//! Helpers shared by the integration tests.
 //!
-//! Every test is a function of a backend; `both!` makes a test of it for each. On the GPU a test fails where there is no
-//! adapter: nothing is skipped.
+//! Every test is a function that takes a backend; `both!` instantiates it for each backend. Without a GPU adapter the
+//! GPU tests fail; none is skipped.
 
-#![allow(dead_code, unused_macros, reason = "every test binary uses a part of this")]
+#![allow(dead_code, unused_macros, reason = "each test binary uses only a part of this module")]
 
 use rockfall::glam::{DVec3, Vec3};
 use rockfall::{
@@ -14,8 +14,8 @@ use rockfall::{
 pub(crate) mod device;
 pub(crate) mod mixed;
 
-/// Tests of all these functions of a backend, in the modules `cpu` and `gpu`. A function that is left out is dead code,
-/// which the compiler tells.
+/// Instantiates test functions for both backends, in the modules `cpu` and `gpu`. The compiler reports a function that
+/// is missing from the list as dead code.
 macro_rules! both {
     ($($name:ident),* $(,)?) => {
         mod cpu {
@@ -42,33 +42,34 @@ macro_rules! both {
 /// A time step that is a power of two, so that it adds no rounding of its own.
 pub(crate) const DT: f32 = 1.0 / 64.0;
 
-/// Tolerance of velocities that f32 works out of numbers of the order of 1 in a dozen operations. The worst of them is a normal
-/// made of a distance of 0.05 between coordinates up to 5, which round by 5e-7.
+/// Tolerance of velocities that are computed in f32 from numbers of the order of 1 in about a dozen operations. The
+/// largest error is that of a normal computed from a distance of 0.05 between coordinates up to 5, which round by 5e-7.
 pub(crate) const F32: f64 = 3e-5;
 
 /// Tolerance of displacements: the rounding of coordinates up to 5, and that of a normal times an overlap of 0.1.
 pub(crate) const F32_PLACE: f64 = 2e-6;
 
-/// For how long bodies have overlapped where a test is about a lone collision. It is handled as it was at its time of contact, so scenes are
-/// built as they were then, and moved on with [`late`]; what changes by dv in velocity then stands `LATE` dv elsewhere.
+/// Time in seconds since first contact, in tests of a lone collision. A lone collision is computed at its time of
+/// contact. So these tests build a scene at its time of contact and advance the bodies with [`late`]. A velocity change
+/// dv then also displaces the body by `LATE` dv.
 pub(crate) const LATE: f32 = 1.0 / 128.0;
 
-/// A sphere some time on.
+/// Advances a sphere by a time at constant velocity.
 pub(crate) fn late_by(sphere: Sphere, time: f32) -> Sphere {
     Sphere { position: sphere.position + time * sphere.velocity, ..sphere }
 }
 
-/// A sphere `LATE` on.
+/// Advances a sphere by [`LATE`].
 pub(crate) fn late(sphere: Sphere) -> Sphere {
     late_by(sphere, LATE)
 }
 
-/// So many changes of velocity as displacements of what has overlapped for a time.
+/// Displacements that velocity changes cause over a time.
 pub(crate) fn over<const N: usize>(time: f32, changes: [[f64; 3]; N]) -> [[f64; 3]; N] {
     changes.map(|change| change.map(|k| f64::from(time) * k))
 }
 
-/// How many steps: software Vulkan takes some 50 ms a step, the CPU less than one.
+/// Number of steps for a backend. A step takes about 50 ms on software Vulkan and less than 1 ms on the CPU backend.
 pub(crate) fn on<T>(backend: Backend, cpu: T, gpu: T) -> T {
     if backend == Backend::Gpu { gpu } else { cpu }
 }
@@ -94,7 +95,7 @@ pub(crate) fn euler(scene: Scene, backend: Backend) -> Simulation {
     Simulation::with_options(scene, options).expect("the simulation opens")
 }
 
-/// Adds spheres; their handles.
+/// Adds spheres and returns their handles.
 pub(crate) fn spheres<const N: usize>(scene: &mut Scene, spheres: [Sphere; N]) -> [SphereId; N] {
     spheres.map(|sphere| scene.add_sphere(sphere).expect("a valid sphere"))
 }
@@ -105,39 +106,39 @@ pub(crate) fn rod(scene: &mut Scene, ends: [Sphere; 2], radius: f32) -> RodId {
     scene.add_rod(Rod::new(one, two, radius)).expect("a valid rod")
 }
 
-/// Adds two spheres held at their distance by a rod.
+/// Adds two spheres and a rod that keeps their distance.
 pub(crate) fn dumbbell(scene: &mut Scene, ends: [Sphere; 2], radius: f32) -> RodId {
     let length = ends[0].position.distance(ends[1].position);
     let [one, two] = spheres(scene, ends);
     scene.add_rod(Rod::new(one, two, radius).length(length)).expect("a valid rod")
 }
 
-/// A box whose upper face is the plane y = 0, between -5 and 5.
+/// Adds a box whose upper face is the plane y = 0, from -5 to 5.
 pub(crate) fn floor_box(scene: &mut Scene) {
     scene.add_box(Cuboid::between([-5.0, -1.0, -5.0], [5.0, 0.0, 5.0])).expect("a valid box");
 }
 
-/// A polygon in the plane y = 0, between -5 and 5, that faces up.
+/// Adds a polygon in the plane y = 0, from -5 to 5, that faces up.
 pub(crate) fn floor_polygon(scene: &mut Scene) {
     scene.add_polygon(Polygon::new([-5.0, 0.0, -5.0], [0.0, 0.0, 10.0], [10.0, 0.0, 0.0])).expect("a valid polygon");
 }
 
-/// The spheres after phase 3 alone.
+/// Runs phase 3 alone and returns the spheres.
 pub(crate) fn collide(scene: Scene, backend: Backend) -> Vec<SphereState> {
     let mut simulation = simulation(scene, backend);
     simulation.handle_collisions().expect("phase 3 runs");
     simulation.spheres().expect("spheres are read back")
 }
 
-/// What acts on a sphere.
+/// Force and torque on a sphere.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Load {
     pub(crate) force: DVec3,
     pub(crate) torque: DVec3,
 }
 
-/// Net force and torque on every sphere, from one step of symplectic Euler with collisions off:
-/// v' = v + dt F/m and L' = L + dt T, without any error of integration.
+/// Net force and torque on every sphere, measured from one step of symplectic Euler with collisions off: v' = v + dt
+/// F/m and L' = L + dt T, without an integration error.
 pub(crate) fn loads(mut scene: Scene, backend: Backend) -> Vec<Load> {
     scene.settings.collisions = false;
     let before = scene.spheres().to_vec();
@@ -146,7 +147,7 @@ pub(crate) fn loads(mut scene: Scene, backend: Backend) -> Vec<Load> {
     loads_between(&before, &simulation.spheres().expect("spheres are read back"))
 }
 
-/// Forces and torques from two states that lie `DT` apart.
+/// Forces and torques computed from two states that are `DT` apart.
 pub(crate) fn loads_between(before: &[Sphere], after: &[SphereState]) -> Vec<Load> {
     let rate = |new: Vec3, old: Vec3| (new.as_dvec3() - old.as_dvec3()) / f64::from(DT);
     before
@@ -165,7 +166,7 @@ pub(crate) fn close(actual: impl Into<f64>, expected: f64, tolerance: f64, what:
     assert!((actual - expected).abs() <= tolerance, "{what}: {actual}, expected {expected} within {tolerance}");
 }
 
-/// A vector of f32 or f64, to compare.
+/// A vector of f32 or of f64, for comparisons in f64.
 pub(crate) trait Vector {
     fn wide(self) -> DVec3;
 }
@@ -188,7 +189,7 @@ pub(crate) fn near(actual: impl Vector, expected: impl Into<DVec3>, tolerance: f
     assert!((actual - expected).abs().max_element() <= tolerance, "{what}: {actual}, expected {expected} within {tolerance}");
 }
 
-/// Compares velocities of spheres, in order of addition.
+/// Compares the velocities of spheres in insertion order.
 #[track_caller]
 pub(crate) fn velocities<const N: usize>(spheres: &[SphereState], expected: [[f64; 3]; N]) {
     assert_eq!(spheres.len(), N, "number of spheres");
@@ -197,7 +198,7 @@ pub(crate) fn velocities<const N: usize>(spheres: &[SphereState], expected: [[f6
     }
 }
 
-/// Compares by how much spheres were moved.
+/// Compares the displacements of spheres with expected ones.
 #[track_caller]
 pub(crate) fn displacements<const N: usize>(before: &[Sphere], spheres: &[SphereState], expected: [[f64; 3]; N]) {
     assert_eq!(spheres.len(), N, "number of spheres");
@@ -207,15 +208,15 @@ pub(crate) fn displacements<const N: usize>(before: &[Sphere], spheres: &[Sphere
     }
 }
 
-/// Asserts that phase 3 leaves a scene bit for bit as it is.
+/// Asserts that phase 3 leaves a scene bitwise unchanged.
 #[track_caller]
 pub(crate) fn untouched(scene: Scene, backend: Backend) {
     let before: Vec<SphereState> = scene.spheres().iter().map(SphereState::from).collect();
     assert_eq!(collide(scene, backend), before, "phase 3 must not change this scene");
 }
 
-/// Asserts that bodies ignore each other: no collision, and no contact either (a force between two parts of one body would cancel, and
-/// show in the count alone).
+/// Asserts that bodies ignore each other: no collision and no contact. The contact count is needed because forces
+/// between two parts of one body would cancel.
 #[track_caller]
 pub(crate) fn uncounted(scene: Scene, backend: Backend) {
     untouched(scene.clone(), backend);
@@ -223,7 +224,7 @@ pub(crate) fn uncounted(scene: Scene, backend: Backend) {
     assert_eq!((report.contacts, report.collisions), (0, 0), "nothing may touch here");
 }
 
-/// Forces that were found, in order of addition of the spheres.
+/// Compares measured forces on the spheres in insertion order.
 #[track_caller]
 pub(crate) fn forces<const N: usize>(loads: &[Load], expected: [[f64; 3]; N], tolerance: f64) {
     assert_eq!(loads.len(), N, "number of spheres");
@@ -232,7 +233,7 @@ pub(crate) fn forces<const N: usize>(loads: &[Load], expected: [[f64; 3]; N], to
     }
 }
 
-/// Torques that were found, in order of addition of the spheres.
+/// Compares measured torques on the spheres in insertion order.
 #[track_caller]
 pub(crate) fn torques<const N: usize>(loads: &[Load], expected: [[f64; 3]; N], tolerance: f64) {
     assert_eq!(loads.len(), N, "number of spheres");

@@ -1,11 +1,11 @@
-//! Scenes from text, and what is added up over their spheres.
+//! Scenes from text, and sums over their spheres.
 
 use std::path::Path;
 
 use rockfall::glam::DVec3;
 use rockfall::{Backend, Integrator, Options, Scene, Simulation, SphereState};
 
-/// A scene in the text format.
+/// Parses a scene in the text format.
 pub(crate) fn scene(text: &str) -> Scene {
     Scene::parse(text, Path::new("inline")).expect("a valid scene").scene
 }
@@ -22,7 +22,7 @@ fn moving(spheres: &[SphereState]) -> impl Iterator<Item = &SphereState> {
     spheres.iter().filter(|sphere| !sphere.fixed)
 }
 
-/// Kinetic energy with that of the spins.
+/// Kinetic energy, including that of the spins.
 pub(crate) fn kinetic(spheres: &[SphereState]) -> f64 {
     let of = |sphere: &SphereState| {
         let (mass, radius) = (f64::from(sphere.mass), f64::from(sphere.radius));
@@ -41,13 +41,13 @@ pub(crate) fn angular(spheres: &[SphereState]) -> DVec3 {
     moving(spheres).map(of).sum()
 }
 
-/// Energy in gravity G along -y, of the heights above `ground`.
+/// Energy of the spheres in gravity G along -y, with heights measured from `ground`.
 pub(crate) fn in_gravity(spheres: &[SphereState], gravity: f64, ground: f64) -> f64 {
     let height = |sphere: &SphereState| f64::from(sphere.mass) * gravity * (f64::from(sphere.position.y) - ground);
     kinetic(spheres) + moving(spheres).map(height).sum::<f64>()
 }
 
-/// The spheres after so many steps.
+/// Runs a number of steps and returns the spheres.
 pub(crate) fn after(simulation: &mut Simulation, steps: u64, dt: f32) -> Vec<SphereState> {
     simulation.run(steps, dt).expect("steps");
     simulation.spheres().expect("spheres are read back")
@@ -66,7 +66,7 @@ impl Random {
         Self(seed)
     }
 
-    /// The next number between two others (SplitMix64).
+    /// Returns the next number between `low` and `high` (SplitMix64).
     pub(crate) fn between(&mut self, low: f64, high: f64) -> f64 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let mut bits = self.0;

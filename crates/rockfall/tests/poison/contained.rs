@@ -1,17 +1,18 @@
-//! What is taken stays with the poisoned body: others that do not touch it move as if it were not there.
+//! An accepted number affects only the poisoned body. Bodies that do not touch it move as if it were not there.
 
 use rockfall::glam::Vec3;
 use rockfall::{
     Backend, BroadPhase, Capsule, Cuboid, Error, Integrator, Options, Scene, Simulation, Sphere, SphereState, Spring,
 };
 
-use crate::fields::{FIELDS, POISONS, is_taken};
+use crate::fields::{FIELDS, POISONS, check_accepted};
 
 const STEPS: u64 = 6;
 const DT: f32 = 0.02;
 
-/// Bodies that meet: two balls that collide, one that rests, a capsule that hits a box, a ball on a spring.
-fn witnesses() -> Scene {
+/// Bodies that must not be affected: two balls that collide, one at rest, a capsule that hits a box, a ball on a
+/// spring.
+fn bystanders() -> Scene {
     let mut scene = Scene::new();
     let at = Vec3::new(-3.0, 100.0, -70.0);
     let ball = |x: f32, y: f32, z: f32| Sphere::new(at + Vec3::new(x, y, z), 0.5);
@@ -23,20 +24,21 @@ fn witnesses() -> Scene {
     scene
 }
 
-const WITNESSES: usize = 6;
+const BYSTANDERS: usize = 6;
 
 fn options(backend: Backend, integrator: Integrator, broad_phase: BroadPhase, keep_going: bool) -> Options {
     Options::new().backend(backend).integrator(integrator).broad_phase(broad_phase).keep_going(keep_going)
 }
 
-/// The witnesses after the steps. Where told to stop at a body that is not finite, it says so once and goes on.
+/// Returns the bystanders after the steps. Without `keep_going` a run stops when it reports a non-finite body; it is
+/// then continued.
 fn run(scene: Scene, options: Options, what: &str) -> Vec<SphereState> {
     let mut simulation = Simulation::with_options(scene, options.clone()).unwrap();
     while simulation.report().steps < STEPS {
         match simulation.run(STEPS - simulation.report().steps, DT) {
             Ok(_) => {}
             Err(Error::NonFinite { sphere, .. }) if !options.keep_going => {
-                assert!(sphere >= WITNESSES, "{what}: {sphere} is told, a witness");
+                assert!(sphere >= BYSTANDERS, "{what}: bystander {sphere} is reported");
             }
             Err(error) => panic!("{what}: {error}"),
         }
@@ -47,7 +49,7 @@ fn run(scene: Scene, options: Options, what: &str) -> Vec<SphereState> {
         assert!(vectors.iter().all(|vector| vector.is_finite()), "{what}: sphere {index}: {state:?}");
         assert!(state.orientation.is_finite(), "{what}: sphere {index}: {state:?}");
     }
-    states.truncate(WITNESSES);
+    states.truncate(BYSTANDERS);
     states
 }
 
@@ -60,38 +62,38 @@ fn bits(states: &[SphereState]) -> Vec<u32> {
     numbers.map(f32::to_bits).collect()
 }
 
-/// Every field with every poison, one at a time.
+/// Every field with every special number, one at a time.
 #[test]
-fn every_field_refuses_or_contains_every_poison() {
-    let ways = |keep_going| {
+fn every_field_rejects_or_contains_every_special_number() {
+    let option_sets = |keep_going| {
         let integrators = [Integrator::Rk4, Integrator::SymplecticEuler];
         let broad_phases = [BroadPhase::BruteForce, BroadPhase::Grid];
         integrators.into_iter().flat_map(move |integrator| {
             broad_phases.map(|broad_phase| options(Backend::Cpu, integrator, broad_phase, keep_going))
         })
     };
-    for options in ways(false).chain(ways(true)) {
-        let alone = bits(&run(witnesses(), options.clone(), "no poison"));
+    for options in option_sets(false).chain(option_sets(true)) {
+        let alone = bits(&run(bystanders(), options.clone(), "no poison"));
         for field in FIELDS {
             for poison in POISONS {
-                let mut scene = witnesses();
+                let mut scene = bystanders();
                 let added = (field.add)(&mut scene, Vec3::ZERO, field.reaches.into(), poison);
-                if is_taken(field.name, poison, (field.takes)(poison), &added) {
+                if check_accepted(field.name, poison, (field.accepts)(poison), &added) {
                     let what = format!("{} = {poison:e}, {options:?}", field.name);
                     let beside = bits(&run(scene, options.clone(), &what));
-                    assert!(beside == alone, "{what}: a witness moves otherwise");
+                    assert!(beside == alone, "{what}: a bystander moves differently");
                 }
             }
         }
     }
 }
 
-/// All that is taken in one scene, 40 apart; what reaches everything has a group of its own.
+/// All accepted numbers in one scene, 40 units apart. Objects that reach everything are in groups of their own.
 fn crowd() -> Scene {
-    let mut scene = witnesses();
+    let mut scene = bystanders();
     let mut place = 0_u16;
     for field in FIELDS {
-        for poison in POISONS.into_iter().filter(|poison| (field.takes)(*poison)) {
+        for poison in POISONS.into_iter().filter(|poison| (field.accepts)(*poison)) {
             place += 1;
             let group = if field.reaches { place } else { 0 };
             (field.add)(&mut scene, Vec3::Z * 40.0 * f32::from(place), group, poison).unwrap();
@@ -101,21 +103,21 @@ fn crowd() -> Scene {
     scene
 }
 
-fn all_at_once(backend: Backend) {
+fn check_all_at_once(backend: Backend) {
     for integrator in [Integrator::Rk4, Integrator::SymplecticEuler] {
         let options = options(backend, integrator, BroadPhase::Auto, true);
-        let alone = bits(&run(witnesses(), options.clone(), "no poison"));
-        assert!(bits(&run(crowd(), options, "all poisons")) == alone, "{integrator:?}: a witness moves otherwise");
+        let alone = bits(&run(bystanders(), options.clone(), "no poison"));
+        assert!(bits(&run(crowd(), options, "all poisons")) == alone, "{integrator:?}: a bystander moves differently");
     }
 }
 
 #[test]
-fn so_do_all_at_once() {
-    all_at_once(Backend::Cpu);
+fn all_accepted_numbers_at_once_are_contained() {
+    check_all_at_once(Backend::Cpu);
 }
 
 #[cfg(feature = "gpu")]
 #[test]
-fn so_do_all_at_once_on_the_gpu() {
-    all_at_once(Backend::Gpu);
+fn all_accepted_numbers_at_once_are_contained_on_the_gpu() {
+    check_all_at_once(Backend::Gpu);
 }

@@ -1,20 +1,20 @@
-//! Every edit of a simulation, and the time step.
+//! Special numbers in every edit of a simulation, and in the time step.
 
 use rockfall::glam::Quat;
 use rockfall::{Backend, Error, Result, Rod, Scene, Simulation, Sphere, SphereId, Spring, Tether};
 
 use crate::common::*;
-use crate::fields::{POISONS, finite, is_taken, not_negative, positive};
+use crate::fields::{POISONS, check_accepted, finite, not_negative, positive};
 
-/// An edit, or a call with a number.
+/// An edit, or a call with a number, and the numbers that it accepts.
 struct Edit {
     name: &'static str,
-    takes: fn(f32) -> bool,
+    accepts: fn(f32) -> bool,
     make: fn(&mut Simulation, SphereId, f32) -> Result<()>,
 }
 
-/// Two balls that rest on each other with a rod, a spring and a tether, and one that falls. That one is in a group of its own:
-/// ends that a spring throws 1e20 apart make a rod that f32 cannot tell from anything.
+/// Two balls that touch, with a rod, a spring and a tether, and a third ball that falls. The third is in another group:
+/// if a spring throws the ends of the rod 1e20 apart, rounding in f32 could make the rod touch any body of its group.
 fn scene() -> (Scene, SphereId) {
     let mut scene = Scene::new();
     let ball = |x: f32, y: f32| Sphere::new([x, y, 0.0], 0.5).velocity([0.0, 0.5, 0.0]);
@@ -32,23 +32,23 @@ macro_rules! first {
 }
 
 const EDITS: &[Edit] = &[
-    Edit { name: "position", takes: finite, make: |simulation, id, p| simulation.set_position(id, [p, 0.0, 0.0]) },
-    Edit { name: "velocity", takes: finite, make: |simulation, id, p| simulation.set_velocity(id, [p, 0.0, 0.0]) },
+    Edit { name: "position", accepts: finite, make: |simulation, id, p| simulation.set_position(id, [p, 0.0, 0.0]) },
+    Edit { name: "velocity", accepts: finite, make: |simulation, id, p| simulation.set_velocity(id, [p, 0.0, 0.0]) },
     Edit {
         name: "angular_momentum",
-        takes: finite,
+        accepts: finite,
         make: |simulation, id, p| simulation.set_angular_momentum(id, [0.0, p, 0.0]),
     },
     Edit {
         name: "orientation",
-        takes: |_| false,
+        accepts: |_| false,
         make: |simulation, id, p| simulation.set_orientation(id, Quat::from_xyzw(p, 0.6, 0.6, 0.0)),
     },
-    Edit { name: "impulse", takes: finite, make: |simulation, id, p| simulation.apply_impulse(id, [p, 0.0, 0.0]) },
-    Edit { name: "force", takes: finite, make: |simulation, id, p| simulation.set_force(id, [0.0, p, 0.0]) },
+    Edit { name: "impulse", accepts: finite, make: |simulation, id, p| simulation.apply_impulse(id, [p, 0.0, 0.0]) },
+    Edit { name: "force", accepts: finite, make: |simulation, id, p| simulation.set_force(id, [0.0, p, 0.0]) },
     Edit {
         name: "rod.radius",
-        takes: positive,
+        accepts: positive,
         make: |simulation, _, p| {
             let id = first!(simulation, rod_ids);
             simulation.update_rod(id, |rod| rod.radius = p)
@@ -56,7 +56,7 @@ const EDITS: &[Edit] = &[
     },
     Edit {
         name: "rod.length",
-        takes: positive,
+        accepts: positive,
         make: |simulation, _, p| {
             let id = first!(simulation, rod_ids);
             simulation.update_rod(id, |rod| rod.length = Some(p))
@@ -64,7 +64,7 @@ const EDITS: &[Edit] = &[
     },
     Edit {
         name: "spring.stiffness",
-        takes: not_negative,
+        accepts: not_negative,
         make: |simulation, _, p| {
             let id = first!(simulation, spring_ids);
             simulation.update_spring(id, |spring| spring.stiffness = p)
@@ -72,7 +72,7 @@ const EDITS: &[Edit] = &[
     },
     Edit {
         name: "spring.length",
-        takes: not_negative,
+        accepts: not_negative,
         make: |simulation, _, p| {
             let id = first!(simulation, spring_ids);
             simulation.update_spring(id, |spring| spring.length = p)
@@ -80,7 +80,7 @@ const EDITS: &[Edit] = &[
     },
     Edit {
         name: "spring.damping",
-        takes: not_negative,
+        accepts: not_negative,
         make: |simulation, _, p| {
             let id = first!(simulation, spring_ids);
             simulation.update_spring(id, |spring| spring.damping = p)
@@ -88,7 +88,7 @@ const EDITS: &[Edit] = &[
     },
     Edit {
         name: "tether.point",
-        takes: finite,
+        accepts: finite,
         make: |simulation, _, p| {
             let id = first!(simulation, tether_ids);
             simulation.update_tether(id, |tether| tether.point.z = p)
@@ -96,7 +96,7 @@ const EDITS: &[Edit] = &[
     },
     Edit {
         name: "tether.stiffness",
-        takes: not_negative,
+        accepts: not_negative,
         make: |simulation, _, p| {
             let id = first!(simulation, tether_ids);
             simulation.update_tether(id, |tether| tether.stiffness = p)
@@ -104,7 +104,7 @@ const EDITS: &[Edit] = &[
     },
     Edit {
         name: "tether.length",
-        takes: not_negative,
+        accepts: not_negative,
         make: |simulation, _, p| {
             let id = first!(simulation, tether_ids);
             simulation.update_tether(id, |tether| tether.length = p)
@@ -112,7 +112,7 @@ const EDITS: &[Edit] = &[
     },
     Edit {
         name: "tether.damping",
-        takes: not_negative,
+        accepts: not_negative,
         make: |simulation, _, p| {
             let id = first!(simulation, tether_ids);
             simulation.update_tether(id, |tether| tether.damping = p)
@@ -120,14 +120,14 @@ const EDITS: &[Edit] = &[
     },
 ];
 
-/// Makes an edit and goes on for some steps; the ball that falls must not know of it.
+/// Makes an edit and runs some steps. The falling ball must not be affected.
 fn edit(simulation: &mut Simulation, make: impl FnOnce(&mut Simulation) -> Result<()>) -> Result<()> {
     simulation.step(DT)?;
     make(simulation)?;
     for _ in 0..3 {
         match simulation.step(DT) {
             Ok(_) => {}
-            Err(Error::NonFinite { sphere, .. }) => assert!(sphere < 2, "the ball that falls is told"),
+            Err(Error::NonFinite { sphere, .. }) => assert!(sphere < 2, "the falling ball must not be reported"),
             Err(error) => panic!("{error}"),
         }
     }
@@ -138,43 +138,47 @@ fn edit(simulation: &mut Simulation, make: impl FnOnce(&mut Simulation) -> Resul
     Ok(())
 }
 
-fn every_edit(backend: Backend, poisons: &[f32]) {
+fn check_every_edit(backend: Backend, poisons: &[f32]) {
     let (scene, id) = scene();
     let open = || simulation(scene.clone(), backend);
-    let mut quiet = open();
-    quiet.step(DT).unwrap();
-    let after_a_step = quiet.spheres().unwrap();
-    let mut quiet = open();
-    edit(&mut quiet, |_| Ok(())).unwrap();
-    let alone = quiet.spheres().unwrap()[2];
-    for Edit { name, takes, make } in EDITS {
+    let mut undisturbed = open();
+    undisturbed.step(DT).unwrap();
+    let after_a_step = undisturbed.spheres().unwrap();
+    let mut undisturbed = open();
+    edit(&mut undisturbed, |_| Ok(())).unwrap();
+    let alone = undisturbed.spheres().unwrap()[2];
+    for Edit { name, accepts, make } in EDITS {
         for poison in poisons {
             let mut simulation = open();
             let made = edit(&mut simulation, |simulation| make(simulation, id, *poison));
-            if is_taken(name, *poison, takes(*poison), &made) {
+            if check_accepted(name, *poison, accepts(*poison), &made) {
                 let beside = simulation.spheres().unwrap()[2];
-                assert_eq!(beside, alone, "{name} = {poison:e}: the ball that falls moves otherwise");
+                assert_eq!(beside, alone, "{name} = {poison:e}: the falling ball moves differently");
             } else {
-                assert_eq!(simulation.spheres().unwrap(), after_a_step, "{name} = {poison:e}: refused, but not without effect");
+                assert_eq!(
+                    simulation.spheres().unwrap(),
+                    after_a_step,
+                    "{name} = {poison:e}: rejected, but not without effect"
+                );
             }
         }
     }
 }
 
 #[test]
-fn every_edit_refuses_or_contains_every_poison() {
-    every_edit(Backend::Cpu, &POISONS);
+fn every_edit_rejects_or_contains_every_special_number() {
+    check_every_edit(Backend::Cpu, &POISONS);
 }
 
 #[cfg(feature = "gpu")]
 #[test]
-fn every_edit_refuses_or_contains_the_worst_poisons_on_the_gpu() {
-    every_edit(Backend::Gpu, &[f32::NAN, f32::MAX]);
+fn every_edit_rejects_or_contains_the_worst_numbers_on_the_gpu() {
+    check_every_edit(Backend::Gpu, &[f32::NAN, f32::MAX]);
 }
 
-/// Whatever the time step, the states stay finite.
+/// The states stay finite with any time step.
 #[test]
-fn the_time_step_refuses_or_contains_every_poison() {
+fn the_time_step_rejects_or_contains_every_special_number() {
     type Call = fn(&mut Simulation, f32) -> Result<()>;
     let calls: [Call; 5] = [
         |simulation, dt| simulation.step(dt).map(drop),
@@ -187,12 +191,13 @@ fn the_time_step_refuses_or_contains_every_poison() {
         for poison in POISONS {
             let mut simulation = simulation(scene().0, Backend::Cpu);
             let before = simulation.spheres().unwrap();
-            let told = match call(&mut simulation, poison) {
-                // Gravity alone may carry a body beyond f32, or a spring that is too stiff for it.
+            let answer = match call(&mut simulation, poison) {
+                // Gravity alone, or a spring that is too stiff for the time step, may carry a body beyond the range of
+                // f32.
                 Err(Error::NonFinite { .. }) => Ok(()),
-                told => told,
+                answer => answer,
             };
-            if !is_taken("dt", poison, positive(poison), &told) {
+            if !check_accepted("dt", poison, positive(poison), &answer) {
                 assert_eq!(simulation.spheres().unwrap(), before);
             }
             assert!(simulation.spheres().unwrap().iter().all(|state| state.position.is_finite()));

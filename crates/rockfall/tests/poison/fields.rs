@@ -1,9 +1,9 @@
-//! Every field of every object, each named once, and which numbers it takes.
+//! Every field of every object, and the numbers that it accepts.
 
 use rockfall::glam::{Quat, Vec3};
 use rockfall::{Capsule, Cuboid, Error, Polygon, Result, Rod, Scene, Sphere, Spring, Tether};
 
-/// What every field is given.
+/// Special numbers that every field is tested with.
 pub(crate) const POISONS: [f32; 18] = [
     f32::NAN,
     f32::INFINITY,
@@ -25,13 +25,13 @@ pub(crate) const POISONS: [f32; 18] = [
     -1.0,
 ];
 
-/// A field of an object, as it is given a number through the API.
+/// A field of an object that the API sets to a number.
 pub(crate) struct Field {
     pub(crate) name: &'static str,
-    /// The numbers that it takes; all others are refused.
-    pub(crate) takes: fn(f32) -> bool,
-    /// With a large number the object reaches everything there is, so that nothing is out of its touch. (A rod that is 1e18
-    /// long lies no better than f32 has it: within 1e11.)
+    /// Whether the field accepts a number. All others must be rejected.
+    pub(crate) accepts: fn(f32) -> bool,
+    /// Whether a large number makes the object touch everything. (The position of a rod of length 1e18 is only accurate
+    /// to 1e11 in f32.)
     pub(crate) reaches: bool,
     /// Adds the object near a place, in a group.
     pub(crate) add: fn(&mut Scene, Vec3, u16, f32) -> Result<()>,
@@ -49,47 +49,47 @@ pub(crate) fn not_negative(number: f32) -> bool {
     number.is_finite() && number >= 0.0
 }
 
-/// A positive number whose inverse is one, too, neither of them a denormal.
+/// A positive number whose inverse is positive too, neither of them denormal.
 fn usable(number: f32) -> bool {
     number > 0.0 && number.is_normal() && (1.0 / number).is_normal()
 }
 
-/// Of a ball of radius 0.5: mass and inertia.
+/// Mass of a ball of radius 0.5: the mass and the inertia must be usable.
 fn mass(number: f32) -> bool {
     positive(number) && (1.0 / number).is_normal() && usable(0.1 * number)
 }
 
-/// Half of it is that of an end of radius 0.5.
+/// Mass of a capsule with ends of radius 0.5, which have half of it each.
 fn capsule_mass(number: f32) -> bool {
     mass(0.5 * number)
 }
 
-/// Of a ball of mass 1.
+/// Radius of a ball of mass 1.
 fn radius(number: f32) -> bool {
     positive(number) && usable(0.4 * number * number)
 }
 
-/// Of half the mass.
+/// Radius of a capsule, whose ends have mass 1/2.
 fn capsule_radius(number: f32) -> bool {
     positive(number) && usable(0.2 * number * number)
 }
 
-/// Edges of 1e-15 to 1e15.
+/// Edges with lengths from 1e-15 to 1e15.
 fn edge(number: f32) -> bool {
     number.is_finite() && (1e-30..1e30).contains(&(number * number))
 }
 
-/// Whether f32 has the length of this.
+/// Whether f32 can represent this as a length.
 fn length(number: f32) -> bool {
     (number * number).sqrt().is_normal()
 }
 
-/// The other end is at 2.1.
+/// End 1 of a capsule. The other end is at 2.1.
 fn end1(number: f32) -> bool {
     length(number - 2.1)
 }
 
-/// The other end is at 0.
+/// End 2 of a capsule. The other end is at 0.
 fn end2(number: f32) -> bool {
     length(number)
 }
@@ -98,7 +98,7 @@ fn sphere(at: Vec3, group: u16) -> Sphere {
     Sphere::new(at, 0.5).group(group).velocity([0.0, -2.0, 0.0])
 }
 
-/// Adds a sphere that touches another.
+/// Adds a sphere that touches another one.
 fn add_sphere(scene: &mut Scene, at: Vec3, group: u16, poison: impl FnOnce(&mut Sphere)) -> Result<()> {
     scene.add_sphere(sphere(at - 0.9 * Vec3::Y, group).velocity([0.0; 3]))?;
     let mut poisoned = sphere(at, group);
@@ -106,7 +106,7 @@ fn add_sphere(scene: &mut Scene, at: Vec3, group: u16, poison: impl FnOnce(&mut 
     scene.add_sphere(poisoned).map(drop)
 }
 
-/// Adds what hangs on two spheres.
+/// Adds two spheres and an object that connects them.
 fn add_pair<T>(
     scene: &mut Scene,
     at: Vec3,
@@ -115,7 +115,7 @@ fn add_pair<T>(
 ) -> Result<()> {
     let a = scene.add_sphere(sphere(at, group))?;
     let b = scene.add_sphere(sphere(at + 1.5 * Vec3::X, group))?;
-    // Something to touch for a rod.
+    // A sphere for the rod to touch.
     scene.add_sphere(sphere(at + Vec3::new(0.7, 0.7, 0.0), group))?;
     add(scene, a, b).map(drop)
 }
@@ -166,11 +166,11 @@ fn add_rod(scene: &mut Scene, at: Vec3, group: u16, poison: impl FnOnce(&mut Rod
 }
 
 macro_rules! fields {
-    ($($add:ident $name:literal $takes:ident $reaches:literal |$object:ident, $number:ident| $poison:expr;)*) => {
+    ($($add:ident $name:literal $accepts:ident $reaches:literal |$object:ident, $number:ident| $poison:expr;)*) => {
         pub(crate) const FIELDS: &[Field] = &[$(
             Field {
                 name: $name,
-                takes: $takes,
+                accepts: $accepts,
                 reaches: $reaches,
                 add: |scene, at, group, $number| $add(scene, at, group, |$object| $poison),
             },
@@ -207,21 +207,22 @@ fields! {
     add_polygon "polygon.right" edge false |polygon, p| polygon.right.x = p;
 }
 
-/// No number fits: none of them makes a unit quaternion of what is there.
+/// Accepts no number: none makes a unit quaternion with the other components.
 fn never(_: f32) -> bool {
     false
 }
 
-/// What must come of a number: `true` where it is taken, else an error that names the field.
+/// Checks the answer to a number and returns whether it was accepted. A rejection must be an error that names the
+/// field.
 #[track_caller]
-pub(crate) fn is_taken<T>(name: &str, number: f32, takes: bool, answer: &Result<T>) -> bool {
+pub(crate) fn check_accepted<T>(name: &str, number: f32, accepts: bool, answer: &Result<T>) -> bool {
     match answer {
-        Ok(_) => assert!(takes, "{name} = {number:e} must be refused"),
+        Ok(_) => assert!(accepts, "{name} = {number:e} must be rejected"),
         Err(Error::Invalid { field, .. }) => {
-            assert!(!takes, "{name} = {number:e} must be taken: {:?}", answer.as_ref().err());
-            assert!(field.contains(name), "{name} = {number:e} is told as {field}");
+            assert!(!accepts, "{name} = {number:e} must be accepted: {:?}", answer.as_ref().err());
+            assert!(field.contains(name), "{name} = {number:e} is reported as {field}");
         }
         Err(error) => panic!("{name} = {number:e}: {error}"),
     }
-    takes
+    accepts
 }

@@ -1,36 +1,36 @@
-//! Every setting, by its field and by its name.
+//! Special numbers in every setting, by its field and by its name.
 
 use rockfall::glam::Vec3;
 use rockfall::{Backend, Error, Settings, Sphere};
 
 use crate::common::*;
-use crate::fields::{POISONS, finite, is_taken, not_negative};
+use crate::fields::{POISONS, check_accepted, finite, not_negative};
 
 struct Constant {
     name: &'static str,
-    takes: fn(f32) -> bool,
+    accepts: fn(f32) -> bool,
     put: fn(&mut Settings, f32),
 }
 
 const CONSTANTS: &[Constant] = &[
-    Constant { name: "activation_threshold", takes: not_negative, put: |settings, p| settings.activation_threshold = p },
-    Constant { name: "restitution", takes: not_negative, put: |settings, p| settings.restitution = p },
-    Constant { name: "contact_damping", takes: not_negative, put: |settings, p| settings.contact_damping = p },
-    Constant { name: "contact_force", takes: not_negative, put: |settings, p| settings.contact_force = p },
-    Constant { name: "friction", takes: not_negative, put: |settings, p| settings.friction = p },
-    Constant { name: "coulomb_friction", takes: not_negative, put: |settings, p| settings.coulomb_friction = p },
-    Constant { name: "collision_friction", takes: not_negative, put: |settings, p| settings.collision_friction = p },
-    Constant { name: "linear_damping", takes: not_negative, put: |settings, p| settings.linear_damping = p },
-    Constant { name: "angular_damping", takes: not_negative, put: |settings, p| settings.angular_damping = p },
-    Constant { name: "gravity", takes: finite, put: |settings, p| settings.gravity = p },
+    Constant { name: "activation_threshold", accepts: not_negative, put: |settings, p| settings.activation_threshold = p },
+    Constant { name: "restitution", accepts: not_negative, put: |settings, p| settings.restitution = p },
+    Constant { name: "contact_damping", accepts: not_negative, put: |settings, p| settings.contact_damping = p },
+    Constant { name: "contact_force", accepts: not_negative, put: |settings, p| settings.contact_force = p },
+    Constant { name: "friction", accepts: not_negative, put: |settings, p| settings.friction = p },
+    Constant { name: "coulomb_friction", accepts: not_negative, put: |settings, p| settings.coulomb_friction = p },
+    Constant { name: "collision_friction", accepts: not_negative, put: |settings, p| settings.collision_friction = p },
+    Constant { name: "linear_damping", accepts: not_negative, put: |settings, p| settings.linear_damping = p },
+    Constant { name: "angular_damping", accepts: not_negative, put: |settings, p| settings.angular_damping = p },
+    Constant { name: "gravity", accepts: finite, put: |settings, p| settings.gravity = p },
     Constant {
         name: "resting_overlap",
-        takes: |p| p == 0.0 || (1e-6..=0.5).contains(&p),
+        accepts: |p| p == 0.0 || (1e-6..=0.5).contains(&p),
         put: |settings, p| settings.resting_overlap = p,
     },
     Constant {
         name: "gravity_direction",
-        takes: |p| p.is_finite() && p != 0.0,
+        accepts: |p| p.is_finite() && p != 0.0,
         put: |settings, p| settings.gravity_direction = Vec3::new(0.0, p, 0.0),
     },
 ];
@@ -43,15 +43,15 @@ fn heap(backend: Backend) -> rockfall::Simulation {
     simulation(scene, backend)
 }
 
-fn every_setting(backend: Backend, poisons: &[f32]) {
-    for Constant { name, takes, put } in CONSTANTS {
+fn check_every_setting(backend: Backend, poisons: &[f32]) {
+    for Constant { name, accepts, put } in CONSTANTS {
         for poison in poisons {
             let mut simulation = heap(backend);
             let before = *simulation.settings();
             let mut settings = before;
             put(&mut settings, *poison);
             let answer = simulation.set_settings(settings);
-            if !is_taken(name, *poison, takes(*poison), &answer) {
+            if !check_accepted(name, *poison, accepts(*poison), &answer) {
                 assert_eq!(*simulation.settings(), before, "{name}");
                 continue;
             }
@@ -70,24 +70,24 @@ fn every_setting(backend: Backend, poisons: &[f32]) {
 }
 
 #[test]
-fn every_setting_refuses_or_contains_every_poison() {
-    every_setting(Backend::Cpu, &POISONS);
+fn every_setting_rejects_or_contains_every_special_number() {
+    check_every_setting(Backend::Cpu, &POISONS);
 }
 
 #[cfg(feature = "gpu")]
 #[test]
-fn every_setting_refuses_or_contains_the_worst_poisons_on_the_gpu() {
-    every_setting(Backend::Gpu, &[f32::NAN, f32::MAX]);
+fn every_setting_rejects_or_contains_the_worst_numbers_on_the_gpu() {
+    check_every_setting(Backend::Gpu, &[f32::NAN, f32::MAX]);
 }
 
 #[test]
-fn by_name_they_take_the_same_numbers() {
-    for Constant { name, takes, .. } in CONSTANTS {
+fn setting_by_name_accepts_the_same_numbers() {
+    for Constant { name, accepts, .. } in CONSTANTS {
         for poison in POISONS {
             let value = if *name == "gravity_direction" { format!("0,{poison},0") } else { poison.to_string() };
-            is_taken(name, poison, takes(poison), &Settings::default().set(name, &value));
+            check_accepted(name, poison, accepts(poison), &Settings::default().set(name, &value));
         }
     }
     let numbers = Settings::NAMES.len() - ["collisions", "contact_pull"].len();
-    assert_eq!(CONSTANTS.len(), numbers, "a setting is without a line here");
+    assert_eq!(CONSTANTS.len(), numbers, "every numeric setting needs a line in CONSTANTS");
 }

@@ -1,10 +1,10 @@
-//! Every number of every line of the scene text.
+//! Special numbers in every field of every line of the scene text.
 
 use std::path::Path;
 
 use rockfall::{Error, Scene};
 
-/// The lines that there are, with numbers that are right, and the names of the fields as messages tell them.
+/// Every kind of line with valid numbers, and the names of its fields in error messages.
 const LINES: &[(&str, &str)] = &[
     ("S 3 1 2 3 0 0 0 0 0 0 1 0.5 0", "reference|x|y|z|vx|vy|vz|lx|ly|lz|mass|radius|fixed"),
     ("R 1 2 0.1 3", "end1|end2|radius|length"),
@@ -35,7 +35,7 @@ fn read(line: &str) -> Result<Scene, String> {
     }
 }
 
-/// A line with one of its words exchanged; of a setting the value, of all others the numbers.
+/// The line with one word replaced: the value of a setting, otherwise the field of this number.
 fn poisoned(line: &str, field: usize, poison: &str) -> String {
     let mut words: Vec<&str> = line.split(' ').collect();
     let last = words.len() - 1;
@@ -45,29 +45,33 @@ fn poisoned(line: &str, field: usize, poison: &str) -> String {
 }
 
 #[test]
-fn what_is_no_finite_number_is_refused_by_the_name_of_its_field() {
+fn words_that_are_no_finite_number_are_rejected_with_the_name_of_their_field() {
     for (line, names) in LINES {
         assert!(read(line).is_ok(), "{line}");
         for (field, name) in names.split('|').enumerate() {
             for poison in ["nan", "inf", "-inf", "1e39", "-1e39", "x", "1,5", "0x10"] {
                 let line = poisoned(line, field, poison);
-                // A tether's first word must be a number, else the line is prose.
+                // The first word of a tether must be a number. Otherwise the line counts as prose.
                 if line.starts_with("T x") || line.starts_with("T 1,5") || line.starts_with("T 0x10") {
                     continue;
                 }
-                let told = read(&line).expect_err(&line);
-                let (word, _) = told.split_once(':').unwrap();
-                assert!(word.ends_with(&format!(" {name}")), "{line}: {told}");
-                assert!(told.contains(poison) && told.contains("expected") || told.contains("is not a whole number"), "{told}");
+                let message = read(&line).expect_err(&line);
+                let (word, _) = message.split_once(':').unwrap();
+                assert!(word.ends_with(&format!(" {name}")), "{line}: {message}");
+                assert!(
+                    message.contains(poison) && message.contains("expected") || message.contains("is not a whole number"),
+                    "{message}"
+                );
             }
         }
     }
 }
 
-/// Huge, tiny, 0 and negative: refused by name, or read, written and read again as the same.
+/// Huge, tiny, zero and negative numbers are rejected with the name of the field, or survive writing and reading
+/// unchanged.
 #[test]
-fn what_is_finite_is_refused_by_name_or_kept_bit_for_bit() {
-    let (mut taken, mut refused) = (0, 0);
+fn finite_numbers_are_rejected_by_name_or_kept_bit_for_bit() {
+    let (mut accepted, mut rejected) = (0, 0);
     for (line, names) in LINES {
         for field in 0..names.split('|').count() {
             for poison in
@@ -80,15 +84,15 @@ fn what_is_finite_is_refused_by_name_or_kept_bit_for_bit() {
                         let again = Scene::parse(&text, Path::new("again.txt")).expect(&text).scene;
                         assert_eq!(again.to_text(), text);
                         assert_eq!(again.spheres(), scene.spheres());
-                        taken += 1;
+                        accepted += 1;
                     }
-                    Err(told) => {
-                        assert!(told.contains("expected") || told.contains("is not a whole number"), "{line}: {told}");
-                        refused += 1;
+                    Err(message) => {
+                        assert!(message.contains("expected") || message.contains("is not a whole number"), "{line}: {message}");
+                        rejected += 1;
                     }
                 }
             }
         }
     }
-    assert!(taken > 300 && refused > 200, "{taken} {refused}");
+    assert!(accepted > 300 && rejected > 200, "{accepted} {rejected}");
 }

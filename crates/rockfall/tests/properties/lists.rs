@@ -1,4 +1,4 @@
-//! How pairs were found, and how a scene came to be, leaves no trace in the results: the same bits.
+//! The results do not depend on how pairs were found or how a scene was built: they are bitwise identical.
 
 use std::cell::Cell;
 
@@ -20,13 +20,13 @@ fn backends() -> Vec<(Backend, u32)> {
     if cfg!(feature = "gpu") { vec![cpu, (Backend::Gpu, 3)] } else { vec![cpu] }
 }
 
-/// Forces that carry bodies out of AABBs, however they were grown.
+/// Bodies with forces that carry them out of their AABBs, whatever the margins are.
 fn wild() -> impl Strategy<Value = Vec<Thing>> {
     let pushed = (thing(1.5, 4.0), vector(300.0)).prop_map(|(thing, force)| thing.map(|sphere| sphere.force(force)));
     prop::collection::vec(pushed, 2..10)
 }
 
-/// The states after some steps by the CPU's stages, with AABBs that hold all there is, so that every pair is listed.
+/// Runs the stages of the CPU backend with AABBs that contain everything, so that every pair is listed.
 fn with_all_pairs(scene: &Scene, steps: u32, dt: f32) -> World {
     let mut world = World::build(scene).unwrap();
     world.step.dt = dt;
@@ -52,9 +52,9 @@ fn assert_same(world: &World, spheres: &[SphereState]) -> Outcome {
     Ok(())
 }
 
-/// Narrow AABBs and short lists are mended by running steps again; that must not show.
+/// With narrow AABBs and short lists, steps are rejected and repeated. This must not change the results.
 #[test]
-fn neither_margins_nor_capacities_show_in_the_results() {
+fn margins_and_capacities_do_not_change_the_results() {
     let replays = Cell::new(0);
     check(60, wild(), |things| -> Outcome {
         let mut scene = weightless(&things);
@@ -62,11 +62,11 @@ fn neither_margins_nor_capacities_show_in_the_results() {
         let world = with_all_pairs(&scene, 6, 0.01);
         let options = Options::new().backend(Backend::Cpu).pair_capacity(1);
         let mut simulation = Simulation::with_options(scene, options).unwrap();
-        // AABBs for a step of no length: whatever moves leaves them.
+        // AABBs for a step of almost no duration: every moving body leaves its AABB.
         simulation.set_time_step(1e-6).unwrap();
         simulation.update_aabbs().unwrap();
         simulation.broad_phase().unwrap();
-        // A lone collision is moved back by up to a time step.
+        // A lone collision is moved back by up to one time step.
         simulation.set_time_step(0.01).unwrap();
         simulation.handle_collisions().unwrap();
         simulation.update_positions(0.01).unwrap();
@@ -77,9 +77,10 @@ fn neither_margins_nor_capacities_show_in_the_results() {
     assert!(replays.get() > 60, "{} replays", replays.get());
 }
 
-/// Twenty units a step through a crowd: nothing is lost, nobody else is changed, and what it meets it meets.
+/// A body moves twenty units per step through a crowd. The result is the same as with all pairs, and a body that hits
+/// nothing moves in a straight line.
 #[test]
-fn a_body_at_a_thousand_units_a_second() {
+fn a_fast_body_passes_a_crowd_as_with_all_pairs() {
     let crowd = prop::collection::vec(ball(2.0, 1.0), 3..12);
     let hits = Cell::new(0);
     check(40, (crowd, direction(), -0.1_f32..0.1), |(balls, direction, phase)| -> Outcome {
@@ -93,16 +94,16 @@ fn a_body_at_a_thousand_units_a_second() {
         simulation.run(3, 0.02).unwrap();
         assert_same(&world, &simulation.spheres().unwrap())?;
         let state = simulation.sphere(id).unwrap();
-        let met = state.velocity != flying.velocity;
-        prop_assert!(met || state.position.distance(start + 60.0 * direction) < 1e-4, "{state:?}");
-        hits.set(hits.get() + usize::from(met));
+        let has_collided = state.velocity != flying.velocity;
+        prop_assert!(has_collided || state.position.distance(start + 60.0 * direction) < 1e-4, "{state:?}");
+        hits.set(hits.get() + usize::from(has_collided));
         Ok(())
     });
-    // What it overlaps after it has passed its middle it does not meet: the two separate fast.
+    // A body that overlaps another after its centre has passed has no collision, because the two separate fast.
     assert!((5..40).contains(&hits.get()), "{} hits", hits.get());
 }
 
-/// A change of a scene, as random numbers that fit whatever there is to change.
+/// A random change of a scene. Indices are taken modulo the number of objects.
 #[derive(Clone, Debug)]
 enum Edit {
     Add(Thing),
@@ -131,7 +132,7 @@ fn edit() -> impl Strategy<Value = Edit> {
     ]
 }
 
-/// A simulation under edits, with every handle it gave out.
+/// A simulation under edits, with every handle that it returned.
 struct Edited {
     simulation: Simulation,
     spheres: Vec<SphereId>,
@@ -147,8 +148,8 @@ fn pick<T: Copy>(ids: &[T], place: usize) -> Option<T> {
     ids.get(place % ids.len().max(1)).copied()
 }
 
-/// A handle that is not in the scene any more must be refused, and nothing else.
-fn or_stale<T>(result: rockfall::Result<T>) -> Option<T> {
+/// Returns `None` for the handle of a removed object. Panics on any other error.
+fn unless_stale<T>(result: rockfall::Result<T>) -> Option<T> {
     match result {
         Ok(value) => Some(value),
         Err(Error::StaleHandle { .. }) => None,
@@ -198,14 +199,14 @@ impl Edited {
             }
             Edit::Remove(place, kind) => self.remove(*place, *kind),
             Edit::Move(place, to) => {
-                pick(&self.spheres, *place).map(|id| or_stale(simulation.set_position(id, *to)));
+                pick(&self.spheres, *place).map(|id| unless_stale(simulation.set_position(id, *to)));
             }
             Edit::Push(place, force) => {
-                pick(&self.spheres, *place).map(|id| or_stale(simulation.set_force(id, *force)));
+                pick(&self.spheres, *place).map(|id| unless_stale(simulation.set_force(id, *force)));
             }
             Edit::Stiffen(place, stiffness) => {
                 let change = |spring: &mut Spring| spring.stiffness = *stiffness;
-                pick(&self.springs, *place).map(|id| or_stale(simulation.update_spring(id, change)));
+                pick(&self.springs, *place).map(|id| unless_stale(simulation.update_spring(id, change)));
             }
             Edit::Step => {
                 simulation.step(0.005).unwrap();
@@ -222,29 +223,29 @@ impl Edited {
         }
         let simulation = &mut self.simulation;
         match kind {
-            0 => self.rods.extend(or_stale(simulation.add_rod(Rod::new(one, other, 0.1)))),
-            1 => self.springs.extend(or_stale(simulation.add_spring(Spring::new(one, other, 20.0, length)))),
-            _ => self.tethers.extend(or_stale(simulation.add_tether(Tether::new(one, Vec3::ONE, 10.0)))),
+            0 => self.rods.extend(unless_stale(simulation.add_rod(Rod::new(one, other, 0.1)))),
+            1 => self.springs.extend(unless_stale(simulation.add_spring(Spring::new(one, other, 20.0, length)))),
+            _ => self.tethers.extend(unless_stale(simulation.add_tether(Tether::new(one, Vec3::ONE, 10.0)))),
         }
     }
 
     fn remove(&mut self, place: usize, kind: u8) {
         let simulation = &mut self.simulation;
         match kind {
-            0 => pick(&self.spheres, place).and_then(|id| or_stale(simulation.remove_sphere(id))),
-            1 => pick(&self.rods, place).and_then(|id| or_stale(simulation.remove_rod(id))),
-            2 => pick(&self.capsules, place).and_then(|id| or_stale(simulation.remove_capsule(id))),
-            3 => pick(&self.springs, place).and_then(|id| or_stale(simulation.remove_spring(id))),
-            4 => pick(&self.tethers, place).and_then(|id| or_stale(simulation.remove_tether(id))),
-            5 => pick(&self.boxes, place).and_then(|id| or_stale(simulation.remove_box(id))),
-            _ => pick(&self.polygons, place).and_then(|id| or_stale(simulation.remove_polygon(id))),
+            0 => pick(&self.spheres, place).and_then(|id| unless_stale(simulation.remove_sphere(id))),
+            1 => pick(&self.rods, place).and_then(|id| unless_stale(simulation.remove_rod(id))),
+            2 => pick(&self.capsules, place).and_then(|id| unless_stale(simulation.remove_capsule(id))),
+            3 => pick(&self.springs, place).and_then(|id| unless_stale(simulation.remove_spring(id))),
+            4 => pick(&self.tethers, place).and_then(|id| unless_stale(simulation.remove_tether(id))),
+            5 => pick(&self.boxes, place).and_then(|id| unless_stale(simulation.remove_box(id))),
+            _ => pick(&self.polygons, place).and_then(|id| unless_stale(simulation.remove_polygon(id))),
         };
     }
 }
 
-/// However a scene came to be, it goes on like one that was built as it stands.
+/// An edited scene continues like one that was built in its present state.
 #[test]
-fn an_edited_scene_goes_on_like_a_fresh_one() {
+fn an_edited_scene_continues_like_a_new_one() {
     for (backend, cases) in backends() {
         check(cases, prop::collection::vec(edit(), 5..40), |edits| -> Outcome {
             let mut edited = Edited::new(backend);
@@ -253,17 +254,18 @@ fn an_edited_scene_goes_on_like_a_fresh_one() {
             }
             let simulation = &mut edited.simulation;
             let scene = simulation.sync().unwrap().clone();
-            // Put where it is already: lengths, which a fresh scene sees to in its first step, are due in both.
+            // Set one sphere to its present position. This makes the edited scene restore its lengths in the next step,
+            // as a new scene does in its first step.
             if let Some(id) = scene.sphere_ids().next() {
                 simulation.set_position(id, scene.sphere(id).unwrap().position).unwrap();
             }
-            let mut fresh = crate::things::simulation(scene, backend);
+            let mut new_one = crate::things::simulation(scene, backend);
             for _ in 0..3 {
                 simulation.step(0.005).unwrap();
-                fresh.step(0.005).unwrap();
-                prop_assert_eq!(simulation.spheres().unwrap(), fresh.spheres().unwrap());
+                new_one.step(0.005).unwrap();
+                prop_assert_eq!(simulation.spheres().unwrap(), new_one.spheres().unwrap());
                 let counted = |simulation: &Simulation| (simulation.report().contacts, simulation.report().collisions);
-                prop_assert_eq!(counted(simulation), counted(&fresh));
+                prop_assert_eq!(counted(simulation), counted(&new_one));
             }
             Ok(())
         });

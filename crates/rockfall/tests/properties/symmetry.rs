@@ -1,4 +1,4 @@
-//! Where a scene lies, how it is turned and in which unit mass is measured is nobody's business.
+//! Results do not depend on the position and rotation of a whole scene, nor on the unit of mass.
 
 use glam::{Quat, Vec3};
 use proptest::prelude::*;
@@ -8,12 +8,12 @@ use crate::things::{Outcome, Thing, check, direction, simulation, thing, vector,
 
 const DT: f32 = 0.004;
 
-/// A few things, a box and a polygon.
+/// A few bodies.
 fn few() -> impl Strategy<Value = Vec<Thing>> {
     prop::collection::vec(thing(1.5, 2.0), 2..8)
 }
 
-/// A scene moved as a whole.
+/// Rotation and shift of a whole scene.
 #[derive(Clone, Copy, Debug)]
 struct Placed {
     turn: Quat,
@@ -55,11 +55,11 @@ fn after(scene: Scene, steps: u64) -> Vec<SphereState> {
     simulation.spheres().unwrap()
 }
 
-/// Rounding of places of up to `size` units, six stages of it, through Cc dt = 4/s into the velocities; and what a
-/// badly conditioned normal makes of that.
+/// Asserts that a moved scene gives the moved result. The tolerance covers the rounding of positions of up to `size`
+/// units in six stages, times Cc dt = 4/s for velocities, and the larger error of badly conditioned normals.
 fn assert_moved(placed: Placed, things: &[Thing], size: f32) -> Outcome {
-    let still = Placed { turn: Quat::IDENTITY, shift: Vec3::ZERO };
-    let (expected, found) = (after(still.scene(things), 1), after(placed.scene(things), 1));
+    let identity = Placed { turn: Quat::IDENTITY, shift: Vec3::ZERO };
+    let (expected, found) = (after(identity.scene(things), 1), after(placed.scene(things), 1));
     for (e, f) in expected.iter().zip(&found) {
         let (place, velocity) = (placed.point(e.position), placed.turn * e.velocity);
         prop_assert!(f.position.distance(place) < 1e-5 * size, "{place} {} {e:?}", f.position);
@@ -71,7 +71,7 @@ fn assert_moved(placed: Placed, things: &[Thing], size: f32) -> Outcome {
 }
 
 #[test]
-fn a_scene_elsewhere_moves_alike() {
+fn a_shifted_scene_gives_the_shifted_result() {
     check(150, (few(), vector(8.0)), |(things, shift)| -> Outcome {
         let turn = Quat::IDENTITY;
         assert_moved(Placed { turn, shift }, &things, 10.0)
@@ -79,17 +79,17 @@ fn a_scene_elsewhere_moves_alike() {
 }
 
 #[test]
-fn a_scene_turned_moves_alike() {
+fn a_rotated_scene_gives_the_rotated_result() {
     check(150, (few(), direction(), 0.1_f32..3.0), |(things, axis, angle)| -> Outcome {
         let turn = Quat::from_axis_angle(axis, angle);
         assert_moved(Placed { turn, shift: Vec3::ZERO }, &things, 3.0)
     });
 }
 
-/// Only ratios of masses count. A power of two changes no rounding, so the motion is the same to the last bit.
+/// Only ratios of masses count. A power of two changes no rounding, so the motion is bitwise identical.
 #[test]
 fn the_unit_of_mass_does_not_matter() {
-    let still = Placed { turn: Quat::IDENTITY, shift: Vec3::ZERO };
+    let identity = Placed { turn: Quat::IDENTITY, shift: Vec3::ZERO };
     check(60, (few(), prop::sample::select(vec![0.25_f32, 8.0])), |(things, factor)| -> Outcome {
         let heavier: Vec<_> = things
             .iter()
@@ -101,7 +101,7 @@ fn the_unit_of_mass_does_not_matter() {
                 })
             })
             .collect();
-        for (a, b) in after(still.scene(&things), 10).iter().zip(&after(still.scene(&heavier), 10)) {
+        for (a, b) in after(identity.scene(&things), 10).iter().zip(&after(identity.scene(&heavier), 10)) {
             prop_assert_eq!(a.position, b.position);
             prop_assert_eq!(a.velocity, b.velocity);
             prop_assert_eq!(a.orientation, b.orientation);

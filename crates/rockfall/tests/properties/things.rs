@@ -1,4 +1,4 @@
-//! Random bodies, and what is added up over them.
+//! Random bodies, and sums over them.
 
 use glam::{DVec3, Vec3};
 use proptest::prelude::*;
@@ -7,7 +7,7 @@ use rockfall::{Backend, Capsule, Options, Rod, Scene, Simulation, Sphere, Sphere
 
 pub(crate) type Outcome = Result<(), TestCaseError>;
 
-/// Runs a property on cases that are the same every time; nothing is written to disk.
+/// Tests a property on cases that are the same every time. Nothing is written to disk.
 pub(crate) fn check<S: Strategy>(cases: u32, strategy: S, property: impl Fn(S::Value) -> Outcome) {
     let config = ProptestConfig { cases, failure_persistence: None, ..ProptestConfig::default() };
     let rng = TestRng::deterministic_rng(RngAlgorithm::ChaCha);
@@ -25,7 +25,7 @@ pub(crate) fn direction() -> impl Strategy<Value = Vec3> {
     vector(1.0).prop_filter("a direction", |v| (0.1..1.0).contains(&v.length())).prop_map(Vec3::normalize)
 }
 
-/// A sphere within `spread` of the origin, no faster than `speed` in any direction.
+/// A sphere within `spread` of the origin whose velocity components are at most `speed`.
 pub(crate) fn ball(spread: f32, speed: f32) -> impl Strategy<Value = Sphere> {
     let state = (vector(spread), vector(speed), vector(4.0));
     (state, 0.3_f32..4.0, 0.25_f32..0.6).prop_map(|((place, velocity, spin), mass, radius)| {
@@ -34,7 +34,7 @@ pub(crate) fn ball(spread: f32, speed: f32) -> impl Strategy<Value = Sphere> {
     })
 }
 
-/// A body of one kind or another.
+/// A random body: a sphere, a rod or a capsule.
 #[derive(Clone, Debug)]
 pub(crate) enum Thing {
     Sphere(Sphere),
@@ -56,7 +56,7 @@ pub(crate) fn rod(spread: f32, speed: f32, fixed: bool) -> impl Strategy<Value =
     })
 }
 
-/// A vector turned: another one of the same length.
+/// Returns another vector of the same length.
 trait Turned {
     fn turned(self) -> Self;
 }
@@ -87,7 +87,7 @@ pub(crate) fn thing(spread: f32, speed: f32) -> impl Strategy<Value = Thing> {
 }
 
 impl Thing {
-    /// Adds it; gives its spheres.
+    /// Adds the body and returns its spheres.
     pub(crate) fn add(&self, scene: &mut Scene) -> Vec<SphereId> {
         match self {
             Self::Sphere(sphere) => vec![scene.add_sphere(*sphere).unwrap()],
@@ -98,7 +98,7 @@ impl Thing {
                 scene.add_rod(if *fixed { rod.length(length) } else { rod }).unwrap();
                 ids.to_vec()
             }
-            // By its parts, so that its ends may differ in velocity and spin.
+            // A capsule is added as two spheres and a rod, so that its ends may have different velocities and spins.
             Self::Capsule { capsule, spins, turning } => {
                 let end = |place, sign: f32, spin| {
                     let velocity = capsule.velocity + sign * *turning;
@@ -112,7 +112,7 @@ impl Thing {
         }
     }
 
-    /// Changes every sphere of it.
+    /// Changes every sphere of the body.
     pub(crate) fn map(&self, change: impl Fn(Sphere) -> Sphere) -> Self {
         let mut scene = Scene::new();
         self.add(&mut scene);
@@ -135,19 +135,20 @@ pub(crate) fn weightless(things: &[Thing]) -> Scene {
 }
 
 pub(crate) fn simulation(scene: Scene, backend: Backend) -> Simulation {
-    Simulation::with_options(scene, Options::new().backend(backend)).expect("a GPU is asked for: lavapipe is enough")
+    Simulation::with_options(scene, Options::new().backend(backend))
+        .expect("the simulation opens; the GPU backend needs an adapter such as lavapipe")
 }
 
-/// Sums over the spheres that move, in f64, and the sizes of what was added up: rounding is measured by those.
+/// Sums over the moving spheres in f64, and sums of the magnitudes of the terms, which measure rounding errors.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Sums {
     pub(crate) momentum: DVec3,
     /// Sum of m x.
     pub(crate) centre: DVec3,
     pub(crate) angular: DVec3,
-    /// Of the translation.
+    /// Of the translation only.
     pub(crate) kinetic: f64,
-    /// With rotation.
+    /// Of translation and rotation.
     pub(crate) energy: f64,
     pub(crate) momentum_size: f64,
     pub(crate) centre_size: f64,

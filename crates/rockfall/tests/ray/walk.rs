@@ -1,4 +1,4 @@
-//! Ray queries against walking along the ray in small steps, asking at each whether the point lies in a body.
+//! Ray queries against a walk along the ray in small steps that tests at each step which bodies contain the point.
 
 use rand::{Rng as _, RngExt as _, SeedableRng as _};
 use rockfall::glam::{DVec3, Quat, Vec3};
@@ -6,11 +6,12 @@ use rockfall::{Backend, Body, Cuboid, Polygon, Rod, Scene, Sphere};
 
 use crate::common::*;
 
-/// Of the walk; what a ray is in for less may be stepped over.
+/// Length of a step. The walk may miss a body that the ray is in for less than a step.
 const STEP: f64 = 1e-3;
 const REACH: f64 = 12.0;
 
-/// Whether a point lies in a body; for a polygon, on which side of it, beside it 0. Worked out from distances alone.
+/// 1 if a point is inside a body, else 0. For a polygon, the side of it (1 or -1) on which the point lies, or 0 beside
+/// it. Computed from distances alone.
 fn side(scene: &Scene, body: Body, p: DVec3) -> i8 {
     let place = |id| scene.sphere(id).expect("a sphere").position.as_dvec3();
     let within = |inside: bool| i8::from(inside);
@@ -38,11 +39,11 @@ fn side(scene: &Scene, body: Body, p: DVec3) -> i8 {
             let beside = !(0.0..=1.0).contains(&a) || !(0.0..=1.0).contains(&b);
             if beside { 0 } else { if t.dot(normal) > 0.0 { 1 } else { -1 } }
         }
-        _ => unreachable!("a kind that the scene does not have"),
+        _ => unreachable!("the scene has no other kinds"),
     }
 }
 
-/// The first body that the walk enters (or, of a polygon, crosses), and where.
+/// The first body that the walk enters or, for a polygon, crosses, and the distance.
 fn walk(scene: &Scene, bodies: &[Body], origin: DVec3, unit: DVec3) -> Option<(Body, f64)> {
     let mut before: Vec<i8> = bodies.iter().map(|body| side(scene, *body, origin)).collect();
     for step in 1..(REACH / STEP) as u32 {
@@ -90,10 +91,9 @@ fn direction(random: &mut rand_pcg::Pcg32) -> Vec3 {
     Vec3::new(number(), number(), number())
 }
 
-/// What the walk enters, the query hits there or, where the walk stepped over a rim, earlier; what the query hits, a point
-/// a little further lies in.
+/// The query must hit the body that the walk enters, at the same distance, or an earlier body that the walk has missed.
 #[test]
-fn rays_hit_what_a_walk_along_them_enters() {
+fn rays_hit_the_bodies_that_a_walk_along_them_enters() {
     let mut hits = [0_u32; 4];
     for seed in 0..12 {
         let mut random = rand_pcg::Pcg32::seed_from_u64(seed);
@@ -105,28 +105,28 @@ fn rays_hit_what_a_walk_along_them_enters() {
             .collect();
         let mut simulation = simulation(scene.clone(), Backend::Cpu);
         for _ in 0..25 {
-            // Every other ray begins amidst the bodies, some of them within one.
+            // Every other ray starts among the bodies, some inside one.
             let origin = direction(&mut random) * if random.next_u32() % 2 == 0 { 6.0 } else { 2.0 };
             let towards = direction(&mut random) * 2.0 - origin;
             let hit = simulation.cast_ray(origin, towards).expect("a valid ray");
             let (origin, unit) = (origin.as_dvec3(), towards.as_dvec3().normalize());
             let walked = walk(&scene, &bodies, origin, unit);
-            let told = format!("seed {seed}, from {origin} along {unit}: {hit:?}, the walk: {walked:?}");
+            let context = format!("seed {seed}, from {origin} along {unit}: {hit:?}, the walk: {walked:?}");
             let Some(hit) = hit else {
-                assert_eq!(walked, None, "{told}");
+                assert_eq!(walked, None, "{context}");
                 continue;
             };
             let distance = f64::from(hit.distance);
             let stepped_over = walked.is_none_or(|(_, t)| distance < t - 2.0 * STEP);
             if stepped_over {
-                // In it for less than a step.
+                // The ray is inside the body for less than a step.
                 let just = |t: f64| side(&scene, hit.body, origin + t * unit);
-                assert!(just(distance + 1e-5) != just(distance - 1e-5) && just(distance + STEP) == 0, "{told}");
+                assert!(just(distance + 1e-5) != just(distance - 1e-5) && just(distance + STEP) == 0, "{context}");
                 continue;
             }
-            let (body, t) = walked.expect("it is not stepped over");
-            assert!(body == hit.body && (t - distance).abs() <= STEP + 1e-5, "{told}");
-            assert!(hit.normal.as_dvec3().dot(unit) <= 1e-6, "{told}: the normal is against the ray");
+            let (body, t) = walked.expect("the walk must have entered a body");
+            assert!(body == hit.body && (t - distance).abs() <= STEP + 1e-5, "{context}");
+            assert!(hit.normal.as_dvec3().dot(unit) <= 1e-6, "{context}: the normal must point against the ray");
             hits[match hit.body {
                 Body::Sphere(_) => 0,
                 Body::Rod(_) => 1,
@@ -135,5 +135,5 @@ fn rays_hit_what_a_walk_along_them_enters() {
             }] += 1;
         }
     }
-    assert!(hits.iter().all(|count| *count >= 10), "all kinds were hit: {hits:?}");
+    assert!(hits.iter().all(|count| *count >= 10), "rays must hit all kinds: {hits:?}");
 }

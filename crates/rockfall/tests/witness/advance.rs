@@ -1,4 +1,4 @@
-//! A step: collisions, then integration and what follows it (docs/physics.md sections 2 and 5).
+//! One step: collisions, integration, and the corrections after it (docs/physics.md sections 2 and 5).
 
 use rockfall::Integrator;
 use rockfall::glam::DVec3;
@@ -7,16 +7,16 @@ use crate::collide::Pressed;
 use crate::sides::Motion;
 use crate::world::{Ball, World};
 
-/// What the end of a step needs to know of its beginning.
+/// Data of the start of phase 4 that the end of the step needs.
 pub(crate) struct Course {
-    /// Positions before the integration, rod lengths restored.
+    /// Positions before the integration, with restored rod lengths.
     pub(crate) old: Vec<DVec3>,
-    /// Mean spins.
+    /// Mean spins over the step.
     pub(crate) spin: Vec<DVec3>,
 }
 
 impl World {
-    /// A whole step. `lengths_due` tells whether lengths have to be restored whatever collides.
+    /// Computes a whole step. `lengths_due` requests the restoration of lengths even without collisions.
     pub(crate) fn step(&mut self, lengths_due: bool) -> Vec<Pressed> {
         let pressed = self.handle_collisions(self.set.collisions);
         let collided = pressed.iter().any(|contact| contact.collides);
@@ -24,7 +24,7 @@ impl World {
         pressed
     }
 
-    /// Phase 3: impulses, where they are on, and friction impulses.
+    /// Phase 3: impulses of collisions, if `impulses` is set, and friction impulses.
     pub(crate) fn handle_collisions(&mut self, impulses: bool) -> Vec<Pressed> {
         let mut pressed = if impulses { self.collide() } else { self.find() };
         if !impulses {
@@ -32,7 +32,7 @@ impl World {
                 (contact.collides, contact.lone) = (false, false);
             }
         }
-        self.rub(&pressed);
+        self.apply_friction_impulses(&pressed);
         pressed
     }
 
@@ -71,22 +71,22 @@ impl World {
 
     fn rk4(&mut self) -> Course {
         let start = self.clone();
-        let (mut way, mut sum) = (vec![DVec3::ZERO; self.balls.len()], Motion::none(self));
-        let mut spin = way.clone();
+        let (mut mean_velocity, mut sum) = (vec![DVec3::ZERO; self.balls.len()], Motion::none(self));
+        let mut spin = mean_velocity.clone();
         let mut stage = start.clone();
         for (weight, next) in [(1.0, 0.5), (2.0, 0.5), (2.0, 1.0), (1.0, 0.0)] {
             let rates = stage.rates();
             let velocities: Vec<DVec3> = stage.balls.iter().map(|ball| ball.v).collect();
             let part = weight / 6.0;
             for (at, turn) in stage.spins().into_iter().enumerate() {
-                way[at] += part * velocities[at];
+                mean_velocity[at] += part * velocities[at];
                 spin[at] += part * turn;
             }
             sum.add(&rates, part);
             stage = start.clone();
             stage.advance(&velocities, &rates, next * self.dt);
         }
-        self.advance(&way, &sum, self.dt);
+        self.advance(&mean_velocity, &sum, self.dt);
         Course { old: start.positions(), spin }
     }
 

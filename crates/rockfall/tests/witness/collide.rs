@@ -1,4 +1,4 @@
-//! Collisions: which contacts collide, those that are alone, and clusters (docs/physics.md section 3).
+//! Collisions: which contacts collide, lone collisions, and clusters (docs/physics.md section 3).
 
 use rockfall::glam::DVec3;
 
@@ -6,13 +6,14 @@ use crate::geometry::{Line, Pair, Thing};
 use crate::sides::{Motion, Rigid, sides};
 use crate::world::{Body, Mistake, World};
 
-/// Overlaps up to this times the smaller radius press nothing.
+/// A contact is pressed if its overlap exceeds this factor times the smaller radius.
 const PRESSED: f64 = 1e-5;
-/// Normals whose product is at most this do not disturb each other.
+/// Contacts whose normals have at most this scalar product do not influence each other.
 const ACROSS: f64 = 0.001;
 /// Sweeps over the contacts of a cluster.
 const SWEEPS: [f64; 8] = [1.25098, 1.25098, 2.66852, 2.66852, 1.81611, 1.81611, 1.0, 1.0];
-/// A network that gives way less than this part of what its free spheres would does not give way.
+/// If the inverse mass of a network is less than this fraction of that of its spheres without rods, the contact cannot
+/// move.
 const RIGID: f64 = 1e-6;
 
 /// A contact that is pressed at the start of the phase.
@@ -22,9 +23,9 @@ pub(crate) struct Pressed {
     pub(crate) line: Line,
     pub(crate) collides: bool,
     pub(crate) lone: bool,
-    /// Normal impulse that it got.
+    /// Normal impulse that the contact received.
     pub(crate) j: f64,
-    /// How long ago it was made.
+    /// Time since first contact.
     pub(crate) tau: f64,
 }
 
@@ -44,7 +45,7 @@ impl World {
         (self.set.threshold * self.least_radius(pair)).max(2.0 * self.set.gravity.length() * self.dt)
     }
 
-    /// What collides (docs/physics.md section 3.1), and which of it is lone (section 3.5).
+    /// Finds the pressed contacts, and which of them collide (docs/physics.md section 3.1) and are lone (section 3.5).
     pub(crate) fn find(&self) -> Vec<Pressed> {
         let motion = Motion::of(self);
         let mut pressed = Vec::new();
@@ -65,18 +66,18 @@ impl World {
     fn is_lone(&self, pressed: &[Pressed], k: usize) -> bool {
         let this = &pressed[k];
         self.touched(&this.pair, &this.line).into_iter().all(|body| {
-            let disturbs = |other: &Pressed| {
+            let influences = |other: &Pressed| {
                 let of_sphere = body == Body::Single(if let Thing::Ball(ball) = other.pair.a { ball } else { usize::MAX });
                 let of_static = matches!(other.pair.b, Thing::Block(_) | Thing::Face(_));
                 let across = this.line.n.dot(other.line.n).abs() <= ACROSS;
                 self.touched(&other.pair, &other.line).contains(&body) && !(of_sphere && of_static && across)
             };
             let others = pressed.iter().enumerate().filter(|&(l, _)| l != k);
-            !matches!(body, Body::Network(_)) && !others.into_iter().any(|(_, other)| disturbs(other))
+            !matches!(body, Body::Network(_)) && !others.into_iter().any(|(_, other)| influences(other))
         })
     }
 
-    /// The phase of collisions, friction impulses left out. Returns the contacts that were pressed.
+    /// Computes collisions without friction impulses. Returns the pressed contacts.
     pub(crate) fn collide(&mut self) -> Vec<Pressed> {
         let mut pressed = self.find();
         let accelerations = self.free_accelerations();
@@ -121,28 +122,30 @@ impl World {
         for side in sides(&pair, &line) {
             then.give(side, side.sign * line.n, &mut unit);
         }
-        // What the displacements do to springs is of second order in tau, and would add energy at every blow.
+        // The displacements change the energy of springs to second order in tau. Without this term every collision
+        // would add energy.
         let work = tau * tau * self.curvature(&self.displacements(&then, &pair, &line));
         let springs = if self.made(Mistake::SpringWork) { 0.0 } else { work };
         contact.j = (1.0 + self.elasticity()) * u / (mass + springs).max(0.5 * mass);
         contact.tau = tau;
-        let mut blow = Motion::none(self);
-        blow.add(&unit, contact.j);
+        let mut impulse = Motion::none(self);
+        impulse.add(&unit, contact.j);
         for body in bodies {
             match body {
                 Body::Single(ball) => {
-                    moved[ball] += tau * blow.v[ball];
-                    change.v[ball] += blow.v[ball];
-                    change.l[ball] += blow.l[ball];
+                    moved[ball] += tau * impulse.v[ball];
+                    change.v[ball] += impulse.v[ball];
+                    change.l[ball] += impulse.l[ball];
                 }
-                Body::Capsule(bar) => self.capsule_forth(bar, tau, &blow, change, moved),
+                Body::Capsule(bar) => self.capsule_forth(bar, tau, &impulse, change, moved),
                 Body::Network(_) => {}
             }
         }
     }
 
-    /// Where a unit impulse at the time of contact leads every sphere, per time since: from where it is at present, so that what
-    /// turns a capsule there turns its present axis.
+    /// Displacement of every sphere per unit of time since the contact, caused by a unit impulse at the time of
+    /// contact. The impulse on a capsule acts on its axis at the time of contact, but the resulting rotation is applied
+    /// to its present axis.
     fn displacements(&self, then: &Self, pair: &Pair, line: &Line) -> Vec<DVec3> {
         let mut way = Motion::none(self);
         for side in sides(pair, line) {
@@ -159,20 +162,20 @@ impl World {
         self.set.restitution * if self.made(Mistake::Restitution) { 1.01 } else { 1.0 }
     }
 
-    /// The world with these bodies moved back in time; `bent` by their accelerations or along straight lines. Velocities
-    /// change by the accelerations in either case.
-    fn back(&self, bodies: &[Body], accelerations: &[DVec3], tau: f64, bent: bool) -> Self {
+    /// Moves these bodies back in time. Positions follow a parabola with the accelerations if `curved` is set, and
+    /// straight lines otherwise. Velocities change by the accelerations in both cases.
+    fn back(&self, bodies: &[Body], accelerations: &[DVec3], tau: f64, curved: bool) -> Self {
         let mut world = self.clone();
         for &body in bodies {
             match body {
                 Body::Single(ball) => {
                     let (state, a) = (&mut world.balls[ball], accelerations[ball]);
-                    state.x += if bent { 0.5 * tau * tau * a } else { DVec3::ZERO } - tau * state.v;
+                    state.x += if curved { 0.5 * tau * tau * a } else { DVec3::ZERO } - tau * state.v;
                     state.v -= tau * a;
                 }
                 Body::Capsule(bar) => {
                     let a = accelerations[self.bars[bar].ends[0]];
-                    let way = |v: DVec3| if bent { 0.5 * tau * tau * a } else { DVec3::ZERO } - tau * v;
+                    let way = |v: DVec3| if curved { 0.5 * tau * tau * a } else { DVec3::ZERO } - tau * v;
                     let (d, q, v) = turned(&Rigid::of(self, bar), &Motion::of(self), -tau);
                     let shift = way(v);
                     world.place(bar, &Rigid::of(self, bar), shift, d, v - tau * a, q);
@@ -183,7 +186,7 @@ impl World {
         world
     }
 
-    /// Puts a capsule, its centre shifted from where it is in this world.
+    /// Places a capsule, with its centre shifted relative to this world.
     fn place(&mut self, bar: usize, rigid: &Rigid, shift: DVec3, d: DVec3, v: DVec3, q: DVec3) {
         let [one, two] = self.bars[bar].ends;
         let parts = [-rigid.m[1] / rigid.mass, rigid.m[0] / rigid.mass];
@@ -194,15 +197,15 @@ impl World {
         }
     }
 
-    /// A capsule that was moved back on its circle gets a blow and goes forward on its new one.
-    fn capsule_forth(&self, bar: usize, tau: f64, blow: &Motion, change: &mut Motion, moved: &mut [DVec3]) {
+    /// Applies an impulse to a capsule that was moved back along its circle, and moves it forward along its new circle.
+    fn capsule_forth(&self, bar: usize, tau: f64, impulse: &Motion, change: &mut Motion, moved: &mut [DVec3]) {
         let rigid = Rigid::of(self, bar);
         let (d, q, v) = turned(&rigid, &Motion::of(self), -tau);
         let [one, two] = rigid.ends;
-        let dv = rigid.centre_velocity(blow);
+        let dv = rigid.centre_velocity(impulse);
         let new = Rigid { d, ..Rigid::of(self, bar) };
         let mut motion = Motion::none(self);
-        let q = q + blow.v[two] - blow.v[one];
+        let q = q + impulse.v[two] - impulse.v[one];
         motion.v[one] = v + dv - rigid.m[1] / rigid.mass * q;
         motion.v[two] = v + dv + rigid.m[0] / rigid.mass * q;
         let (d, q, v) = turned(&new, &motion, tau);
@@ -211,11 +214,11 @@ impl World {
         for end in [one, two] {
             moved[end] += after.balls[end].x - self.balls[end].x;
             change.v[end] += after.balls[end].v - self.balls[end].v;
-            change.l[end] += blow.l[end];
+            change.l[end] += impulse.l[end];
         }
     }
 
-    /// All other collisions (docs/physics.md section 3.7).
+    /// Solves all other collisions (docs/physics.md section 3.7).
     fn cluster(&self, pressed: &mut [Pressed], change: &mut Motion) {
         let before = Motion::of(self);
         let colliding: Vec<(Pair, Line)> =
@@ -224,7 +227,7 @@ impl World {
         let units: Vec<Motion> = members.iter().map(|contact| self.unit(&contact.pair, &contact.line)).collect();
         let scales: Vec<f64> = members.iter().map(|contact| self.scale(&contact.pair, &contact.line, &colliding)).collect();
         let speed: Vec<f64> = members.iter().map(|contact| self.approach(&contact.pair, &contact.line, &before)).collect();
-        // By how much a unit impulse of one slows the approach of another.
+        // Change of the approach velocity of one contact by a unit impulse of another.
         let coupling: Vec<Vec<f64>> = members
             .iter()
             .map(|contact| units.iter().map(|unit| -self.approach(&contact.pair, &contact.line, unit)).collect())
@@ -247,7 +250,7 @@ impl World {
         }
     }
 
-    /// Whether it is the only colliding contact on its bodies.
+    /// Whether this is the only colliding contact on its bodies.
     fn is_only(&self, pair: &Pair, line: &Line, colliding: &[(Pair, Line)]) -> bool {
         let touching = |body: &Body| {
             colliding.iter().flat_map(|(pair, line)| self.touched(pair, line)).filter(|touched| touched == body).count()
@@ -255,7 +258,7 @@ impl World {
         self.touched(pair, line).iter().all(|body| touching(body) == 1)
     }
 
-    /// Gt of a contact; 0 where it cannot give way.
+    /// Scale G~ of a contact, or 0 where the contact cannot move.
     fn scale(&self, pair: &Pair, line: &Line, colliding: &[(Pair, Line)]) -> f64 {
         let (mut scale, mut free) = (0.0, 0.0);
         for side in sides(pair, line) {
@@ -282,7 +285,8 @@ impl World {
     }
 }
 
-/// Axis, velocity of end 2 against end 1, and velocity of the centre of a capsule, a time later on its circle.
+/// Axis, velocity of end 2 relative to end 1, and velocity of the centre of a capsule after it has moved along its
+/// circle for a time.
 fn turned(rigid: &Rigid, motion: &Motion, time: f64) -> (DVec3, DVec3, DVec3) {
     let (d, q) = (rigid.d, motion.v[rigid.ends[1]] - motion.v[rigid.ends[0]]);
     let v = rigid.centre_velocity(motion);

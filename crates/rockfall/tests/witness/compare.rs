@@ -1,8 +1,9 @@
-//! The engine beside the witness, step by step, each from the engine's own state.
+//! Comparison of the engine with the witness, step by step. Each step of the witness starts from the state of the
+//! engine.
 //!
-//! How far the two may differ is found by running the witness from states that are off by the rounding of f32: what such a
-//! state changes in the outcome, rounding may change. Where it changes much, a decision lies within rounding of its switch;
-//! such steps are counted, and not compared.
+//! The tolerance is found by running the witness from states that differ by rounding errors of f32: rounding may change
+//! the outcome as much as these differences do. Where they change it much, a decision lies within rounding of its
+//! limit. Such steps are undecided; they are counted but not compared.
 
 use std::fmt::{self, Write as _};
 
@@ -17,22 +18,24 @@ use crate::world::{Ball, Body, Constants, Mistake, Sweeps, World};
 
 /// Half a unit in the last place of an f32, relative.
 const EPS: f64 = 6e-8;
-/// States beside the true one.
+/// Number of perturbed states per step.
 const RUNS: u64 = 8;
-/// The same, before a difference counts.
+/// Number of perturbed states before a difference counts as a failure.
 const MORE_RUNS: u64 = 64;
-/// A difference may be so many times what rounding has changed in the witness,
+/// A difference may be this factor times the change by rounding in the witness,
 const SPREAD: f64 = 3.0;
-/// and so many in a network, whose lengths may end within 1e-5 after sweeps in any order, which a few orders sample.
+/// and this factor in a network. Its lengths may differ by up to 1e-5, depending on the order of sweeps, of which only
+/// a few are sampled.
 const NETWORK_SPREAD: f64 = 5.0;
-/// Lengths of rods in networks may end with errors of this part: what is left of 1e-5 after the sweep that found it.
+/// Relative error of the lengths of rods in networks: what is left of 1e-5 after the sweep that found it.
 const NETWORK: f64 = 1e-6;
-/// And so many units in the last place of places and velocities of the scene, for the operations that end in the outcome.
+/// Additional tolerance in units in the last place of the positions and velocities of the scene, for the operations
+/// that compute the outcome.
 const ROUNDING: f64 = 8.0;
-/// A step whose tolerance would be more than this part of the scale of its velocities is undecided.
+/// A step is undecided if its tolerance exceeds this fraction of the scale of its velocities.
 const UNDECIDED: f64 = 0.01;
 
-/// What was compared, and what was found.
+/// Counts of compared steps, and the differences found.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Tally {
     pub(crate) scenes: usize,
@@ -40,7 +43,7 @@ pub(crate) struct Tally {
     pub(crate) undecided: usize,
     pub(crate) collisions: usize,
     pub(crate) lone: usize,
-    /// Largest difference, in parts of what is allowed.
+    /// Largest difference, in units of the tolerance.
     pub(crate) worst: f64,
     pub(crate) failures: Vec<String>,
 }
@@ -49,7 +52,7 @@ impl fmt::Display for Tally {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { scenes, compared, undecided, collisions, lone, worst, .. } = self;
         write!(f, "{scenes} scenes: {compared} steps compared, {undecided} undecided, ")?;
-        write!(f, "{collisions} collisions, {lone} of them lone; the largest difference is {worst:.2} of what is allowed")
+        write!(f, "{collisions} collisions, {lone} of them lone; the largest difference is {worst:.2} of the tolerance")
     }
 }
 
@@ -61,7 +64,7 @@ enum Part {
     Positions,
 }
 
-/// The outcome of a part of a step for one cluster.
+/// Outcome of a part of a step for one cluster.
 struct Outcome {
     world: World,
     pressed: Vec<Pressed>,
@@ -85,7 +88,7 @@ fn run(mut world: World, part: Part, lengths_due: bool) -> Outcome {
     Outcome { world, pressed }
 }
 
-/// The sizes that rounding goes with.
+/// Magnitudes that determine rounding errors.
 struct Scale {
     place: f64,
     speed: f64,
@@ -99,12 +102,12 @@ fn scale(world: &World) -> Scale {
     Scale { place: places.fold(0.0, f64::max), speed: balls().map(moving).fold(g, f64::max) }
 }
 
-/// The world as rounding may have left it.
-fn shaken(world: &World, seed: u64) -> World {
+/// The world with a random perturbation of the size of rounding errors.
+fn perturbed(world: &World, seed: u64) -> World {
     let mut rng = Pcg64Mcg::seed_from_u64(seed);
     let scale = scale(world);
     let mut near = |size: f64| 3.0 * EPS * size * rng.random_range(-1.0..1.0);
-    let mut world = World { sweeps: Sweeps::Sloppy(seed), slack: near(10.0), ..world.clone() };
+    let mut world = World { sweeps: Sweeps::WithinTolerance(seed), slack: near(10.0), ..world.clone() };
     for ball in &mut world.balls {
         for axis in 0..3 {
             ball.x[axis] += near(scale.place);
@@ -143,29 +146,30 @@ fn fields(ball: &Ball) -> [[f64; 4]; 4] {
     [wide(ball.x), wide(ball.v), wide(ball.l), [q.x, q.y, q.z, q.w]]
 }
 
-fn apart(one: &Ball, two: &Ball) -> [f64; 4] {
+fn field_differences(one: &Ball, two: &Ball) -> [f64; 4] {
     let (a, b) = (fields(one), fields(two));
     let same = |field: usize| if field == 3 && one.q.dot(two.q) < 0.0 { -1.0 } else { 1.0 };
     std::array::from_fn(|field| (0..4).map(|k| (a[field][k] - same(field) * b[field][k]).abs()).fold(0.0, f64::max))
 }
 
-/// How far each field of each ball may be off; `None` where something is undecided.
+/// Tolerance of each field of each ball, or `None` if the step is undecided.
 fn tolerances(world: &World, part: Part, lengths_due: bool, outcome: &Outcome, runs: u64) -> Option<Vec<[f64; 4]>> {
     let (before, after) = (scale(world), scale(&outcome.world));
     let speed = before.speed.max(after.speed);
     let mut spread = vec![[0.0_f64; 4]; world.balls.len()];
     let mut lost = outcome.world.lost;
     for seed in 0..runs {
-        let other = run(shaken(world, seed), part, lengths_due);
+        let other = run(perturbed(world, seed), part, lengths_due);
         lost |= other.world.lost || other.collisions() != outcome.collisions();
         for (most, (one, two)) in spread.iter_mut().zip(other.world.balls.iter().zip(&outcome.world.balls)) {
-            for (most, far) in most.iter_mut().zip(apart(one, two)) {
+            for (most, far) in most.iter_mut().zip(field_differences(one, two)) {
                 *most = most.max(far);
             }
         }
     }
     let positions = part != Part::Collisions;
-    // The end of SHAKE divides the rounding of places by the step; in a network a part of the tolerance of lengths, too.
+    // SHAKE divides the rounding error of positions by the time step. In a network, a part of the length tolerance is
+    // divided by it too.
     let off = |at: usize| {
         let mut rods = world.bars.iter().filter(|bar| positions && bar.length.is_some() && bar.ends.contains(&at));
         let network = matches!(world.body[at], Some(Body::Network(_)));
@@ -178,8 +182,8 @@ fn tolerances(world: &World, part: Part, lengths_due: bool, outcome: &Outcome, r
         .iter()
         .enumerate()
         .map(|(at, ball)| {
-            let kicked = off(at) / world.dt;
-            let speed_floor = ROUNDING * EPS * speed + kicked;
+            let speed_error = off(at) / world.dt;
+            let speed_floor = ROUNDING * EPS * speed + speed_error;
             let floors = [
                 ROUNDING * EPS * (before.place + speed * world.dt) + off(at),
                 speed_floor,
@@ -199,18 +203,18 @@ fn tolerances(world: &World, part: Part, lengths_due: bool, outcome: &Outcome, r
     (!lost).then_some(tolerances)
 }
 
-/// Compares the clusters of a plan with the engine for some steps.
+/// Compares the engine with the witness on the clusters of a plan for a number of steps.
 pub(crate) struct Trial<'a> {
     pub(crate) name: String,
     pub(crate) plan: &'a Plan,
     pub(crate) backend: Backend,
     pub(crate) steps: usize,
     pub(crate) mistake: Option<Mistake>,
-    /// Phase 3 and phase 4 are called, and compared, on their own.
+    /// Whether phases 3 and 4 are called and compared separately.
     pub(crate) phases: bool,
 }
 
-/// What the engine has made of the worlds in a part of a step.
+/// State of the engine after a part of a step.
 struct Made<'a> {
     step: usize,
     part: Part,
@@ -276,13 +280,13 @@ impl Trial<'_> {
             tally.lone += outcome.pressed.iter().filter(|contact| contact.lone).count();
             tally.worst = tally.worst.max(worst);
             if worst > 1.0 {
-                let place = format!("{} cluster {cluster} step {step} {part:?}: {worst:.1} times what is allowed", self.name);
+                let place = format!("{} cluster {cluster} step {step} {part:?}: {worst:.1} times the tolerance", self.name);
                 tally.failures.push(format!("{place}\n{text}{}", describe(world, &outcome.pressed)));
             }
         }
         if known && part == Part::Step && report.collisions as usize != collisions {
             let (name, seen) = (&self.name, report.collisions);
-            tally.failures.push(format!("{name} step {step}: {seen} collisions, the witness has {collisions}\n"));
+            tally.failures.push(format!("{name} step {step}: {seen} collisions, the witness finds {collisions}\n"));
         }
     }
 }
@@ -302,13 +306,13 @@ fn engine(simulation: &mut Simulation, part: Part, dt: f32) -> rockfall::Result<
     }
 }
 
-/// The largest difference in parts of what is allowed, and all that are too large.
+/// Returns the largest difference in units of the tolerance, and a description of all that exceed it.
 fn differences(world: &World, states: &[SphereState], allowed: &[[f64; 4]]) -> (f64, String) {
     let (mut worst, mut text) = (0.0_f64, String::new());
     for (at, ((ball, state), allowed)) in world.balls.iter().zip(states).zip(allowed).enumerate() {
         let mut seen = ball.clone();
         seen.set(state);
-        let far = apart(ball, &seen);
+        let far = field_differences(ball, &seen);
         for field in 0..4 {
             let ratio = far[field] / allowed[field];
             let ratio = if ratio.is_nan() { f64::INFINITY } else { ratio };
@@ -324,7 +328,7 @@ fn differences(world: &World, states: &[SphereState], allowed: &[[f64; 4]]) -> (
     (worst, text)
 }
 
-/// What the witness saw.
+/// Describes the state and the contacts that the witness used.
 pub(crate) fn describe(world: &World, contacts: &[Pressed]) -> String {
     let mut text = String::new();
     let set = &world.set;

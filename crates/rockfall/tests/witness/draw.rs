@@ -1,4 +1,4 @@
-//! Bodies of all kinds at random: one method a kind of cluster.
+//! Random bodies of all kinds: one method for each kind of cluster.
 
 use rand::RngExt;
 use rand_pcg::Pcg64Mcg;
@@ -7,7 +7,7 @@ use rockfall::{Capsule, Polygon, Rod, Scene, Sphere, SphereId, Spring, Tether};
 
 use crate::scenes::rebuilt;
 
-/// Draws one cluster.
+/// Generates one cluster.
 pub(crate) struct Draw {
     pub(crate) rng: Pcg64Mcg,
     pub(crate) scene: Scene,
@@ -73,7 +73,8 @@ impl Draw {
         self.scene.add_rod(rod).expect("a valid rod");
     }
 
-    /// A body flies at another: a ball against a place, from a direction.
+    /// Adds a ball from a random direction that has just hit a target at `at` with the velocity `velocity` and the
+    /// radius `reach`.
     pub(crate) fn shoot(&mut self, at: Vec3, velocity: Vec3, reach: f32) {
         let from = self.direction();
         let mut ball = self.ball(at);
@@ -110,7 +111,7 @@ impl Draw {
         self.scene.add_polygon(polygon).expect("a valid polygon");
     }
 
-    /// One to three polygons, at right angles or not, and a few things that come down on them.
+    /// One to three polygons, at right angles or not, and a few bodies that fall on them.
     pub(crate) fn corner(&mut self) {
         let (normal, other) = (self.direction(), self.direction());
         self.square(self.middle, normal);
@@ -133,7 +134,7 @@ impl Draw {
         }
     }
 
-    /// A rod through a point.
+    /// Adds a rod through a point.
     pub(crate) fn rod(&mut self, point: Vec3, along: Vec3, length: f32, velocity: Vec3, fixed: f64) {
         let part = self.between(0.2, 0.8);
         let radius = self.between(0.08, 0.2);
@@ -172,7 +173,7 @@ impl Draw {
             self.scene.add_capsule(capsule).expect("a valid capsule");
             return;
         }
-        // Ends of different masses and radii, that turn; seldom a motion that is not rigid.
+        // Ends of different masses and radii, with rotation. Some motions are not rigid.
         let (turn, roll) = (self.vector(4.0), self.between(-5.0, 5.0));
         let loose = self.chance(0.2);
         let ends = [-1.0, 1.0].map(|side| {
@@ -212,7 +213,7 @@ impl Draw {
         self.rebuild(|sphere| if sphere.fixed { sphere } else { sphere.velocity(sphere.velocity + velocity) });
     }
 
-    /// Changes spheres: a scene's cannot be changed in place.
+    /// Changes all spheres by rebuilding the scene, because spheres of a scene cannot be changed in place.
     pub(crate) fn rebuild(&mut self, change: impl Fn(Sphere) -> Sphere) {
         self.scene = rebuilt(&self.scene, |_, sphere| change(sphere));
     }
@@ -229,7 +230,7 @@ impl Draw {
         self.add(ball);
     }
 
-    /// A chain, hung up or not, and a ball that hits it.
+    /// A chain, attached to a fixed sphere or free, and a ball that hits it.
     pub(crate) fn pendulum(&mut self) {
         let links = self.rng.random_range(1..5);
         let hung = self.chance(0.6);
@@ -253,7 +254,7 @@ impl Draw {
         }
     }
 
-    /// A triangle or a tetrahedron of fixed rods that hits something.
+    /// A triangle or a tetrahedron of rods of fixed length that hits something.
     pub(crate) fn frame(&mut self) {
         let corners = [Vec3::ONE, Vec3::new(1.0, -1.0, -1.0), Vec3::new(-1.0, 1.0, -1.0), Vec3::new(-1.0, -1.0, 1.0)];
         let count = if self.chance(0.5) { 3 } else { 4 };
@@ -285,7 +286,7 @@ impl Draw {
     }
 
     pub(crate) fn springs(&mut self) {
-        // Close together, or apart and one of them hit alone.
+        // The balls are either close together, or apart with only one of them hit.
         let apart = self.chance(0.5);
         let balls: Vec<SphereId> = (0..4)
             .map(|_| {

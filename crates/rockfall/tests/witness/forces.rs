@@ -6,17 +6,17 @@ use crate::geometry::{Line, Pair, Thing};
 use crate::sides::{Motion, Side, sides};
 use crate::world::{Anchor, Body, Mistake, Pull, World};
 
-/// A slip up to this part of what it is the difference of is rounding.
+/// A slip of at most this fraction of its operands is a rounding error.
 const ROUNDED: f64 = 5e-7;
 
 /// Rates of change of velocity and angular momentum.
 pub(crate) type Rates = Motion;
 
-/// How the surfaces of a contact slide on each other.
+/// Relative motion of the surfaces of a contact.
 pub(crate) struct Slip {
-    /// Velocity of B's surface against A's, across the normal.
+    /// Velocity of B's surface relative to A's, perpendicular to the normal.
     pub(crate) t: DVec3,
-    /// Arms of A and B; 0 for what is static.
+    /// Arms of A and B; 0 for a static object.
     pub(crate) arms: [f64; 2],
 }
 
@@ -29,12 +29,12 @@ impl World {
         }
     }
 
-    /// Inverse mass of a side of its own, capsules and networks taken as free spheres.
-    fn plain_mass(&self, side: Side) -> f64 {
+    /// Inverse mass of a side. Capsules and networks count as free spheres.
+    fn free_mass(&self, side: Side) -> f64 {
         self.shares(side).into_iter().map(|(ball, share)| share * share * self.balls[ball].w()).sum()
     }
 
-    fn plain_inertia(&self, side: Side) -> f64 {
+    fn free_inertia(&self, side: Side) -> f64 {
         self.shares(side).into_iter().map(|(ball, share)| share * share * self.balls[ball].i()).sum()
     }
 
@@ -61,45 +61,42 @@ impl World {
         let [a, b] = sides(pair, line);
         let u = (self.velocity(a, motion) - self.velocity(b, motion)).dot(line.n);
         let c = self.threshold(pair);
-        let parting = u < -c && !self.made(Mistake::Separating);
-        let fresh = u > c && line.o < 2.0 * u * self.dt;
-        let mass = self.plain_mass(a) + self.plain_mass(b);
-        if mass == 0.0 || self.set.collisions && (parting || fresh) {
+        let separating_fast = u < -c && !self.made(Mistake::Separating);
+        let new_overlap = u > c && line.o < 2.0 * u * self.dt;
+        let mass = self.free_mass(a) + self.free_mass(b);
+        if mass == 0.0 || self.set.collisions && (separating_fast || new_overlap) {
             return None;
         }
         let strength = self.set.stiffness * line.o + self.set.damping * u;
         Some((1.0 / mass, if pull { strength } else { strength.max(0.0) } / mass))
     }
 
-    /// Adds the force and the couples of a contact.
+    /// Adds the force and the torques of a contact.
     fn contact(&self, pair: &Pair, line: &Line, motion: &Motion, loads: &mut Motion) {
         let Some((mass, normal)) = self.normal_force(pair, line, motion, self.set.pull) else { return };
         let slip = self.slip(pair, line, motion);
         let both = sides(pair, line);
         let speed = slip.t.length();
-        let mut rub = DVec3::ZERO;
+        let mut friction = DVec3::ZERO;
         if self.set.coulomb == 0.0 && speed > 0.0 {
-            let give: f64 = both
-                .iter()
-                .zip(slip.arms)
-                .map(|(&side, arm)| self.plain_mass(side) + arm * arm * self.plain_inertia(side))
-                .sum();
+            let inverse_mass: f64 =
+                both.iter().zip(slip.arms).map(|(&side, arm)| self.free_mass(side) + arm * arm * self.free_inertia(side)).sum();
             let law = self.set.friction * mass * line.o * speed.sqrt();
-            let bound = speed / (2.0 * give * self.dt);
+            let bound = speed / (2.0 * inverse_mass * self.dt);
             let size = if self.made(Mistake::FrictionBound) { law } else { law.min(bound) };
-            rub = size * slip.t / speed;
+            friction = size * slip.t / speed;
         }
         for (side, arm) in both.into_iter().zip(slip.arms) {
-            let force = side.sign * (normal * line.n - rub);
-            let couple = arm * line.n.cross(rub);
+            let force = side.sign * (normal * line.n - friction);
+            let torque = arm * line.n.cross(friction);
             for (ball, share) in self.shares(side) {
                 loads.v[ball] += share * force;
-                loads.l[ball] += share * couple;
+                loads.l[ball] += share * torque;
             }
         }
     }
 
-    /// Outside forces, springs and tethers on every sphere.
+    /// External forces, springs and tethers on every sphere.
     fn pull_forces(&self) -> Vec<DVec3> {
         let mut forces: Vec<DVec3> = self.balls.iter().map(|ball| ball.force).collect();
         for pull in &self.pulls {
@@ -119,7 +116,8 @@ impl World {
         forces
     }
 
-    /// Second derivative of the energy of springs and tethers along displacements of all spheres (docs/physics.md section 3.6).
+    /// Second derivative of the energy of springs and tethers for displacements of all spheres (docs/physics.md section
+    /// 3.6).
     pub(crate) fn curvature(&self, displacements: &[DVec3]) -> f64 {
         let of_pull = |pull: &Pull| {
             let (far, moved) = match pull.anchor {
@@ -130,14 +128,15 @@ impl World {
             if d == DVec3::ZERO {
                 return 0.0;
             }
-            // Along the spring its stiffness counts, across it what it pulls at present.
+            // The stiffness acts along the spring, the present tension across it.
             let tight = pull.length / d.length();
             pull.stiffness * ((1.0 - tight) * s.length_squared() + tight * s.dot(d).powi(2) / d.length_squared())
         };
         self.pulls.iter().map(of_pull).sum()
     }
 
-    /// Accelerations by everything but contacts; of a capsule's ends, that of its centre (docs/physics.md section 3.6).
+    /// Accelerations by everything except contacts. Both ends of a capsule have that of its centre (docs/physics.md
+    /// section 3.6).
     pub(crate) fn free_accelerations(&self) -> Vec<DVec3> {
         let forces = self.pull_forces();
         (0..self.balls.len())
@@ -153,7 +152,7 @@ impl World {
             .collect()
     }
 
-    /// Rates of change of velocity and angular momentum at the present state.
+    /// Rates of change of velocity and angular momentum in the present state.
     pub(crate) fn rates(&self) -> Rates {
         let motion = Motion::of(self);
         let mut loads = Motion { v: self.pull_forces(), ..Motion::none(self) };

@@ -4,16 +4,16 @@ use rockfall::glam::DVec3;
 
 use crate::world::{Ball, Bar, Block, Face, World};
 
-/// A distance that is so short beside what it is the difference of has no direction,
+/// A distance shorter than this fraction of its operands has no direction,
 const ROUNDED: f64 = 5e-7;
-/// unless it is longer than this part of the reach of the two things.
+/// unless it is longer than this fraction of the distance at which the two objects begin to touch.
 const SMALL: f64 = 0.01;
-/// A parameter that is less far beyond an end is at the end.
+/// A parameter beyond an end by at most this much belongs to the end.
 const AT_END: f64 = 1e-6;
-/// Squared sine of the angle below which two lines are parallel.
+/// Squared sine of the angle below which two lines count as parallel.
 const PARALLEL: f64 = 1e-8;
 
-/// One side of a contact.
+/// An object on one side of a contact.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Thing {
     Ball(usize),
@@ -22,7 +22,7 @@ pub(crate) enum Thing {
     Face(usize),
 }
 
-/// Which part of a box a rod meets.
+/// Feature of a box that a rod touches.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Feature {
     None,
@@ -30,7 +30,7 @@ pub(crate) enum Feature {
     Vertex(usize),
 }
 
-/// Two things that may touch.
+/// Two objects that may touch.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Pair {
     pub(crate) a: Thing,
@@ -45,7 +45,7 @@ pub(crate) struct Line {
     pub(crate) n: DVec3,
     /// Overlap; negative where the two are apart.
     pub(crate) o: f64,
-    /// Parameters on A and B, where these are rods.
+    /// Parameters on A and on B, for rods.
     pub(crate) at: [f64; 2],
 }
 
@@ -53,18 +53,19 @@ fn on_segment(parameter: f64) -> bool {
     (-AT_END..=1.0 + AT_END).contains(&parameter)
 }
 
-/// A distance vector, 0 where it is rounding of vectors whose squared lengths sum to `squared`.
-fn unrounded(d: DVec3, squared: f64, reach: f64) -> DVec3 {
+/// Returns a distance vector, or 0 where it is only the rounding error of vectors whose squared lengths sum to
+/// `squared`.
+fn without_rounding(d: DVec3, squared: f64, reach: f64) -> DVec3 {
     let least = (ROUNDED * ROUNDED * squared).min((SMALL * reach).powi(2));
     if d.length_squared() <= least { DVec3::ZERO } else { d }
 }
 
-/// Parameter of the foot of a point on a segment, and the vector from the point to it; `None` beyond the ends.
+/// Parameter of the foot of a point on a segment, and the vector from the point to the foot. `None` beyond the ends.
 fn point_segment(point: DVec3, from: DVec3, to: DVec3, reach: f64) -> Option<(f64, DVec3)> {
     let (axis, c) = (to - from, point - from);
     let squared = axis.length_squared();
     let a = axis.dot(c) / squared;
-    (squared > 0.0 && on_segment(a)).then(|| (a, unrounded(a * axis - c, squared + c.length_squared(), reach)))
+    (squared > 0.0 && on_segment(a)).then(|| (a, without_rounding(a * axis - c, squared + c.length_squared(), reach)))
 }
 
 /// Closest points of two segments.
@@ -72,7 +73,7 @@ struct Closest {
     a: f64,
     b: f64,
     d: DVec3,
-    /// The common normal of segments that are not parallel.
+    /// Common normal of segments that are not parallel.
     common: Option<DVec3>,
 }
 
@@ -94,23 +95,23 @@ fn segment_segment(a: [DVec3; 2], b: [DVec3; 2], reach: f64) -> Option<Closest> 
         let other = (at * along_a - c).dot(along_b) / bb;
         let d = c + other * along_b - at * along_a;
         let d = d - d.dot(along_a) / aa * along_a;
-        return Some(Closest { a: at, b: other, d: unrounded(d, squared, reach), common: None });
+        return Some(Closest { a: at, b: other, d: without_rounding(d, squared, reach), common: None });
     }
     let at = c.dot(along_b.cross(n)) / n.length_squared();
     let other = c.dot(along_a.cross(n)) / n.length_squared();
-    let d = unrounded(c + other * along_b - at * along_a, squared, reach);
+    let d = without_rounding(c + other * along_b - at * along_a, squared, reach);
     (on_segment(at) && on_segment(other)).then(|| Closest { a: at, b: other, d, common: Some(n.normalize()) })
 }
 
-/// The contact of two round things that are `d` apart.
-fn round(d: DVec3, reach: f64, else_n: DVec3, at: [f64; 2]) -> Line {
-    Line { n: if d == DVec3::ZERO { else_n } else { d.normalize() }, o: reach - d.length(), at }
+/// Contact of two round objects with the distance vector `d`.
+fn round(d: DVec3, reach: f64, default_n: DVec3, at: [f64; 2]) -> Line {
+    Line { n: if d == DVec3::ZERO { default_n } else { d.normalize() }, o: reach - d.length(), at }
 }
 
 fn sphere_sphere(one: &Ball, two: &Ball) -> Line {
     let reach = one.radius + two.radius;
     let squared = one.x.length_squared() + two.x.length_squared();
-    round(unrounded(two.x - one.x, squared, reach), reach, DVec3::Y, [0.0; 2])
+    round(without_rounding(two.x - one.x, squared, reach), reach, DVec3::Y, [0.0; 2])
 }
 
 fn sphere_rod(ball: &Ball, bar: &Bar, ends: [DVec3; 2]) -> Option<Line> {
@@ -134,8 +135,9 @@ fn sphere_box(ball: &Ball, block: &Block) -> Line {
     let t = in_box(block, ball.x);
     let closest: DVec3 = block.corner + (0..3).map(|k| t[k].clamp(0.0, 1.0) * block.edges[k]).sum::<DVec3>();
     let squared = (ball.x - block.corner).length_squared() + block.edges.iter().map(|e| e.length_squared()).sum::<f64>();
-    let d = unrounded(closest - ball.x, squared, ball.radius);
-    // By its parameters: what edges that are rounded make of a centre inside is no distance.
+    let d = without_rounding(closest - ball.x, squared, ball.radius);
+    // Inside by the parameters of the centre: the distance of a centre inside the box is only a rounding error of the
+    // edges.
     let inside = t.into_iter().all(|t| (0.0..=1.0).contains(&t));
     if d != DVec3::ZERO && !inside {
         return Line { n: d.normalize(), o: ball.radius - d.length(), at: [0.0; 2] };
@@ -151,7 +153,7 @@ fn sphere_box(ball: &Ball, block: &Block) -> Line {
     Line { n: way.1, o: ball.radius + way.0, at: [0.0; 2] }
 }
 
-/// The plane of a polygon, and the point's parameters in it.
+/// Contact with the plane of a polygon, and the parameters of the sphere's centre in that plane.
 fn sphere_face(ball: &Ball, face: &Face) -> (Line, [f64; 2]) {
     let n = face.left.cross(face.right);
     let p = ball.x - face.corner;
@@ -161,7 +163,7 @@ fn sphere_face(ball: &Ball, face: &Face) -> (Line, [f64; 2]) {
     (Line { n: -up, o: ball.radius - p.dot(up), at: [0.0; 2] }, [l, k])
 }
 
-/// The ends of an edge of a box, and the direction outward at it: four edges along each of I, J, K.
+/// Ends of an edge of a box, and the outward direction there. There are four edges along each of I, J and K.
 fn edge_of(block: &Block, edge: usize) -> ([DVec3; 2], DVec3) {
     let (along, side) = (edge / 4, edge % 4);
     let (one, two) = ((along + 1) % 3, (along + 2) % 3);
@@ -178,7 +180,7 @@ fn vertex_of(block: &Block, vertex: usize) -> (DVec3, DVec3) {
     (place, out.normalize())
 }
 
-/// A rod against an edge or a vertex of a box; and the distance of its axis from it.
+/// Contact of a rod with an edge or a vertex of a box, and the distance of the rod's axis from it.
 fn rod_box(bar: &Bar, ends: [DVec3; 2], block: &Block, feature: Feature, slack: f64) -> Option<(Line, f64)> {
     let (a, d, out) = match feature {
         Feature::Edge(edge) => {
@@ -209,7 +211,8 @@ impl World {
         self.bars[bar].ends.map(|end| self.balls[end].x)
     }
 
-    /// The contact line of a pair, whether or not it overlaps; `None` beyond the ends of rods (docs/physics.md section 3.6).
+    /// Contact line of a pair, whether or not it overlaps. `None` beyond the ends of rods (docs/physics.md section
+    /// 2.10).
     pub(crate) fn line(&self, pair: &Pair) -> Option<Line> {
         match (pair.a, pair.b) {
             (Thing::Ball(a), Thing::Ball(b)) => Some(sphere_sphere(&self.balls[a], &self.balls[b])),
@@ -224,8 +227,8 @@ impl World {
         }
     }
 
-    /// The same; a rod that a collision has moved off a box has the line of the edge or of the vertex of this number, whichever is
-    /// nearer (section 2.10).
+    /// Contact line of a pair after a collision. For a rod that has moved away from a box it is that of the edge or the
+    /// vertex with this number, whichever is nearer (docs/physics.md section 2.10).
     pub(crate) fn nearer_line(&self, pair: &Pair) -> Option<Line> {
         let number = match pair.feature {
             Feature::Edge(number) | Feature::Vertex(number) if number < 8 => number,
@@ -239,13 +242,13 @@ impl World {
         }
     }
 
-    /// All pairs that overlap now.
+    /// All pairs that overlap in the present state.
     pub(crate) fn touches(&self) -> Vec<(Pair, Line)> {
         let things = self.things();
         let mut found = Vec::new();
         for (place, &a) in things.iter().enumerate() {
             for &b in &things[place + 1..] {
-                if self.may_meet(a, b) {
+                if self.may_touch(a, b) {
                     self.touch(a, b, &mut found);
                 }
             }
@@ -278,8 +281,8 @@ impl World {
         }
     }
 
-    /// Groups, things that cannot move, and parts of one body.
-    fn may_meet(&self, a: Thing, b: Thing) -> bool {
+    /// Whether two objects may touch: they are in one group, at least one can move, and they are not parts of one body.
+    fn may_touch(&self, a: Thing, b: Thing) -> bool {
         let related = match (a, b) {
             (Thing::Ball(a), Thing::Ball(b)) => {
                 self.bars.iter().any(|bar| bar.length.is_some() && (bar.ends == [a, b] || bar.ends == [b, a]))

@@ -1,4 +1,4 @@
-//! Scenes that are used more than once; most are those that the faults of an older model were found in.
+//! Scenes that several tests use. Most of them showed faults of an older model.
 
 use std::path::Path;
 
@@ -6,18 +6,18 @@ use rockfall::Scene;
 
 use crate::common::mixed::mixed;
 
-/// Nothing but elastic impulses.
+/// Settings for smooth elastic collisions without gravity.
 pub(crate) const SMOOTH: &str = "set gravity 0
 set restitution 1
 set friction 0
 set contact_damping 0
 ";
 
-/// One end of a level capsule comes down on a face.
+/// One end of a level capsule falls on a face.
 pub(crate) const CAPSULE: &str = "C -0.25 0.52 0 0.25 0.52 0 0 -1 0 2 0.5
 P -0.5 0 -1 0 0 2 0.375 0 0";
 
-/// A tetrahedron of fixed rods comes down on a vertex; its lengths are given with six digits.
+/// A tetrahedron of rods of fixed length lands on a vertex. Its coordinates have six digits.
 pub(crate) const TETRAHEDRON: &str = "S 1 0 0.115 0 0 -1 0 0 0 0 1 0.1
 S 2 0.577350 0.931497 0 0 -1 0 0 0 0 1 0.1
 S 3 -0.288675 0.931497 0.5 0 -1 0 0 0 0 1 0.1
@@ -30,12 +30,12 @@ R 2 4 0.02 1
 R 3 4 0.02 1
 P -50 0 -50 0 0 100 100 0 0";
 
-/// A ball falls into a groove of two boxes, 15 degrees steep.
+/// A ball falls into a groove of two boxes with slopes of 15 degrees.
 pub(crate) const GROOVE: &str = "S 1 0 1.02 0  0 -5 0  0 0 0 1 0.5
 B 0 0 -5 -9.6592583 2.5881905 0 -0.7764571 -2.8977775 0 0 0 10
 B 0 0 -5 9.6592583 2.5881905 0 0.7764571 -2.8977775 0 0 0 10";
 
-/// Two balls meet obliquely.
+/// Two balls collide obliquely.
 pub(crate) const OBLIQUE: &str = "S 1 -1.28 0.35 0 5 0 0 0 0 0 1 0.5
 S 2 1.28 -0.35 0 -5 0 0 0 0 0 1 0.5";
 
@@ -45,7 +45,7 @@ P -50 0 -50 0 0 100 100 0 0
 set gravity 10
 set restitution 1";
 
-/// Three balls on springs meet again and again.
+/// Three balls on springs collide repeatedly.
 pub(crate) const SPRINGS: &str = "S 1 -0.6 0 0 0 -1 0 0 0 0 1 0.5
 S 2 0.6 0 0 0 1 0 0 0 0 1 0.5
 S 3 0 1.2 0 2 0 0 0 0 0 1 0.5
@@ -53,7 +53,7 @@ K 1 2 5 0.5 0
 K 1 3 5 0.5 0
 K 2 3 5 0.5 0";
 
-/// A ball on a polygon and its twin on a box, contact forces alone.
+/// A ball on a polygon and an identical one on a box, with contact forces alone.
 pub(crate) const POLYGON: &str = "S 1 -5 0.6 0 0 -5 0 0 0 0 1 0.5
 S 2 5 0.6 0 0 -5 0 0 0 0 1 0.5
 P -10 0 -5 0 0 10 9 0 0
@@ -61,7 +61,7 @@ B 1 -2 -5 9 0 0 0 2 0 0 0 10
 set collisions off
 set gravity 0";
 
-/// In groups, so that nothing touches.
+/// A double pendulum. Its objects are in different groups, so they have no contacts.
 pub(crate) const DOUBLE_PENDULUM: &str = "@group 1
 S 1 0 0 0 0 0 0 0 0 0 1 0.05 1
 @group 2
@@ -74,20 +74,20 @@ R 1 2 0.01 1
 R 2 3 0.01 1
 set gravity 10";
 
-/// A bob on a rod to a roller, and a ball that rests against the bob.
+/// A ball on a rod to a roller, and a second ball that rests against the first.
 pub(crate) const ROLLER: &str = "S 1 0 0 0 0 5 0 0 0 0 1 0.1 1
 S 2 0 1 0 0 0 0 0 0 0 1 0.1
 R 1 2 0.05 1
 S 3 0 1.19 0 0 0 0 0 0 0 1 0.1
 set gravity 0";
 
-/// A ball slides slowly, without spin.
+/// A ball that slides slowly without spin.
 pub(crate) const SLIDER: &str = "S 1 0 0.49 0 0.01 0 0 0 0 0 1 0.5
 P -50 0 -50 0 0 100 100 0 0
 set gravity 10
 set coulomb_friction 0.5";
 
-/// A tetrahedron slides on three of its corners.
+/// A tetrahedron that slides on three of its corners.
 pub(crate) const FRAME: &str = "S 1 0 0.099 0.57735 1 0 0 0 0 0 1 0.1
 S 2 0.5 0.099 -0.288675 1 0 0 0 0 0 1 0.1
 S 3 -0.5 0.099 -0.288675 1 0 0 0 0 0 1 0.1
@@ -102,7 +102,7 @@ P -50 0 -50 0 0 100 100 0 0
 set gravity 1
 set coulomb_friction 0.5";
 
-/// A ball that spins fast falls on a floor of strong friction.
+/// Two overlapping balls with spin on a floor with strong friction. One of them is fast.
 pub(crate) const RUNAWAY: &str = "S 1 0.0712115 0.201047 -0.244593 0 0 0 0.00809541 1.35278 2.60024 1 0.274467
 S 2 0.490189 0.190404 -0.118877 -16.951 -8.38368 2.69628 0.344511 4.80783 5.80697 1 0.351178
 P -5 0 -5 0 0 10 10 0 0
@@ -113,16 +113,16 @@ pub(crate) fn parse(text: &str) -> Scene {
     Scene::parse(text, Path::new("a test")).expect("a valid scene").scene
 }
 
-/// All of them with their names, and one of everything.
+/// All known scenes with their names, and a scene with every kind of object.
 pub(crate) fn scenes() -> Vec<(&'static str, Scene)> {
-    let smooth = [
+    let elastic = [
         ("capsule", CAPSULE),
         ("tetrahedron", TETRAHEDRON),
         ("groove", GROOVE),
         ("oblique pair", OBLIQUE),
         ("springs", SPRINGS),
     ];
-    let rough = [
+    let other = [
         ("ball", BALL),
         ("polygon", POLYGON),
         ("double pendulum", DOUBLE_PENDULUM),
@@ -131,7 +131,7 @@ pub(crate) fn scenes() -> Vec<(&'static str, Scene)> {
         ("frame", FRAME),
         ("runaway", RUNAWAY),
     ];
-    let smooth = smooth.into_iter().map(|(name, text)| (name, parse(&format!("{text}\n{SMOOTH}"))));
-    let rough = rough.into_iter().map(|(name, text)| (name, parse(text)));
-    smooth.chain(rough).chain([("one of everything", mixed(16))]).collect()
+    let elastic = elastic.into_iter().map(|(name, text)| (name, parse(&format!("{text}\n{SMOOTH}"))));
+    let other = other.into_iter().map(|(name, text)| (name, parse(text)));
+    elastic.chain(other).chain([("every kind of object", mixed(16))]).collect()
 }

@@ -1,4 +1,4 @@
-//! Lengths of rods, and what becomes of capsules and orientations at the end of a step (docs/physics.md section 5).
+//! Lengths of rods, and the orientations and spins of capsules at the end of a step (docs/physics.md section 5).
 
 use rockfall::glam::{DQuat, DVec3};
 
@@ -9,29 +9,30 @@ use rand_pcg::Pcg64Mcg;
 use crate::advance::Course;
 use crate::world::{Mistake, Sweeps, World};
 
-/// Relative error at which sweeps may end (docs/physics.md section 5.4).
+/// Relative error at which an implementation may end its sweeps (docs/physics.md section 5.4).
 const TOLERANCE: f64 = 1e-5;
-/// That at which they end here.
+/// Relative error at which the witness ends its sweeps.
 const EXACT: f64 = 1e-13;
-/// Sweeps of an implementation.
+/// Largest number of sweeps of an implementation.
 const SWEEPS: usize = 400;
-/// Sweeps here.
+/// Largest number of sweeps of the witness.
 const MANY: usize = 20_000;
 
 impl World {
-    /// Fixed-length rods that something can be done about.
+    /// Rods of fixed length with at least one end that can move.
     fn held(&self) -> Vec<(usize, [usize; 2], f64)> {
         let movable = |ends: [usize; 2]| ends.into_iter().any(|end| !self.balls[end].fixed);
         let held = self.bars.iter().enumerate().filter_map(|(number, bar)| bar.length.map(|length| (number, bar.ends, length)));
         held.filter(|&(_, ends, _)| movable(ends)).collect()
     }
 
-    /// Sweeps over rods until `correct`, which returns relative errors, finds none worth mentioning.
+    /// Repeats sweeps over all rods until the errors are within the tolerance. `correct` corrects one rod and returns
+    /// its relative error.
     fn sweep(&mut self, mut correct: impl FnMut(&mut Self, (usize, [usize; 2], f64)) -> f64) {
         let mut rods = self.held();
         let (tolerance, most) = match self.sweeps {
             Sweeps::Exact => (EXACT, MANY),
-            Sweeps::Sloppy(seed) => {
+            Sweeps::WithinTolerance(seed) => {
                 rods.shuffle(&mut Pcg64Mcg::seed_from_u64(seed));
                 (TOLERANCE, SWEEPS)
             }
@@ -49,7 +50,7 @@ impl World {
         }
     }
 
-    /// Removes errors in positions alone.
+    /// Removes length errors, in positions only.
     pub(crate) fn restore_lengths(&mut self) {
         self.sweep(|world, (_, ends, length)| {
             let d = world.balls[ends[1]].x - world.balls[ends[0]].x;
@@ -70,7 +71,7 @@ impl World {
             let d = world.balls[ends[1]].x - world.balls[ends[0]].x;
             let along = old[ends[1]] - old[ends[0]];
             let w = ends.map(|end| world.balls[end].w());
-            // |d - g (w1 + w2) along| = length; the root near 0.
+            // Solves |d - g (w1 + w2) along| = length for the root near 0.
             let (a, b, c) = (along.length_squared(), d.dot(along), d.length_squared() - length * length);
             let root = b * b - a * c;
             if root <= 0.0 || b <= 0.0 {
@@ -99,7 +100,7 @@ impl World {
         });
     }
 
-    /// Orientations, and the spin of capsules. A fixed sphere turns with its surface.
+    /// Updates orientations and the spins of capsules. A fixed sphere turns with its surface velocity.
     pub(crate) fn turn(&mut self, course: &Course) {
         for at in 0..self.balls.len() {
             match self.capsule_end(at) {
@@ -110,7 +111,7 @@ impl World {
         }
     }
 
-    /// A capsule turns as a rigid body (E18, and the doc comment of `step/integrate/turn.rs`).
+    /// Turns a capsule as a rigid body (E18, and the doc comment of `step/integrate/turn.rs`).
     fn turn_capsule(&mut self, bar: usize, old: &[DVec3]) {
         let [one, two] = self.bars[bar].ends;
         let (first, second) = (self.balls[one].clone(), self.balls[two].clone());
@@ -123,7 +124,7 @@ impl World {
         let axis = d.normalize();
         let h = spins - axis * axis.dot(spins);
         let h = h - (i1 + i2) * (h + mu * d.cross(q)) / it;
-        // What the ends get of it as momentum, all through the step.
+        // Momentum that the ends receive from the spins, gradually during the step.
         let p = h.cross(d) / d.length_squared();
         let total = mu * d.cross(q) + spins;
         let length = d.length();

@@ -1,4 +1,4 @@
-//! More kinds of clusters: boxes, and bodies of several kinds.
+//! More kinds of clusters: boxes, and objects of several kinds.
 
 use rand::RngExt;
 use rockfall::glam::Vec3;
@@ -16,7 +16,7 @@ impl Draw {
         cuboid
     }
 
-    /// Rods on edges and vertices of a box, their axes outside or inside.
+    /// Rods on edges and vertices of a box, with their axes outside or inside it.
     pub(crate) fn box_and_rods(&mut self) {
         let Cuboid { corner, edges: [i, j, k], .. } = self.cuboid();
         let count = self.rng.random_range(1..4);
@@ -32,7 +32,7 @@ impl Draw {
         }
     }
 
-    /// Balls at faces, edges and vertices of a box, and inside.
+    /// Balls at faces, edges and vertices of a box, and inside it.
     pub(crate) fn box_and_balls(&mut self) {
         let Cuboid { corner, edges, .. } = self.cuboid();
         let count = self.rng.random_range(1..5);
@@ -49,7 +49,7 @@ impl Draw {
         }
     }
 
-    /// Fixed spheres with surface velocities, as such and as ends of rods.
+    /// Fixed spheres with surface velocities, on their own and as ends of rods.
     pub(crate) fn rollers(&mut self) {
         for _ in 0..self.rng.random_range(1..3) {
             let place = self.place(0.4);
@@ -91,7 +91,7 @@ impl Draw {
         self.square(self.middle - 0.5 * normal, normal);
     }
 
-    /// Springs, tethers, outside forces and rods of free length on capsules, chains and fixed spheres.
+    /// Springs, tethers, external forces and rods of free length on capsules, chains and fixed spheres.
     pub(crate) fn tied(&mut self) {
         let (place, velocity) = (self.place(0.3), self.vector(1.0));
         self.capsule(place, velocity);
@@ -114,7 +114,7 @@ impl Draw {
         self.shoot(at, velocity, 0.2);
     }
 
-    /// Rods that are parallel to the last bit, along an axis.
+    /// Rods that are exactly parallel, along a coordinate axis.
     pub(crate) fn parallel(&mut self) {
         let along = Vec3::AXES[self.rng.random_range(0..3)];
         let (one, other) = along.any_orthonormal_pair();
@@ -127,7 +127,7 @@ impl Draw {
         self.add(ball);
     }
 
-    /// A chain in a zigzag, whose links meet each other.
+    /// A zigzag chain whose links touch each other.
     pub(crate) fn folded(&mut self) {
         let mut last: Option<SphereId> = None;
         for link in 0..5 {

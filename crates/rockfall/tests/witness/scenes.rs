@@ -1,4 +1,4 @@
-//! Random scenes: small clusters of bodies of all kinds, and settings.
+//! Random scenes: small clusters of objects of all kinds, and settings.
 
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
@@ -7,21 +7,21 @@ use rockfall::{Cuboid, Integrator, Polygon, Rod, Scene, Settings, Sphere, Sphere
 
 use crate::draw::{Draw, direction};
 
-/// What holds for a step.
+/// Settings and time step of one step.
 #[derive(Clone, Copy)]
 pub(crate) struct Regime {
     pub(crate) settings: Settings,
     pub(crate) dt: f32,
 }
 
-/// Clusters, the integrator, and the regimes, which steps take in turn.
+/// Clusters, the integrator, and the regimes, which the steps use in turn.
 pub(crate) struct Plan {
     pub(crate) integrator: Integrator,
     pub(crate) regimes: Vec<Regime>,
     pub(crate) clusters: Vec<Scene>,
 }
 
-/// What a cluster consists of.
+/// Kinds of clusters.
 const RECIPES: [fn(&mut Draw); 17] = [
     Draw::duel,
     Draw::crowd,
@@ -42,14 +42,14 @@ const RECIPES: [fn(&mut Draw); 17] = [
     Draw::folded,
 ];
 
-/// How many kinds of clusters there are.
+/// Number of kinds of clusters.
 pub(crate) const KINDS: usize = RECIPES.len();
 
-/// So many clusters of all kinds in turn, and so many regimes.
+/// A plan with `count` clusters, of all kinds in turn, and a number of regimes.
 pub(crate) fn plan(seed: u64, count: usize, regimes: usize) -> Plan {
     let mut rng = Pcg64Mcg::seed_from_u64(seed ^ 0x5eed);
     let clusters = (0..count).map(|number| {
-        // Clusters are in groups of their own (`together`), and may meet.
+        // Clusters may overlap in space, because they are in different groups (`together`).
         let cell = |k: usize| if count > 1 { 4.0 * (k % 3) as f32 - 4.0 } else { 0.0 };
         let middle = Vec3::new(cell(number), cell(number / 3), cell(number / 9));
         let mut draw = Draw { rng: Pcg64Mcg::seed_from_u64(seed << 8 | number as u64), scene: Scene::new(), middle };
@@ -90,7 +90,8 @@ fn settings(rng: &mut Pcg64Mcg) -> Settings {
     settings
 }
 
-/// The scene with capsules whose ends neither approach nor part: of others the rules say nothing, and a step puts them right.
+/// The scene without velocities that would stretch its capsules. The specification does not define collisions of a
+/// capsule whose ends approach or separate, and every step removes such velocities.
 fn without_stretching(scene: &Scene) -> Scene {
     let ids: Vec<SphereId> = scene.sphere_ids().collect();
     let mut spheres = scene.spheres().to_vec();
@@ -107,7 +108,7 @@ fn without_stretching(scene: &Scene) -> Scene {
     rebuilt(scene, |at, _| spheres[at])
 }
 
-/// The same scene in another unit of length, and every third sphere of another mass.
+/// The same scene in another unit of length, and with another mass for every third sphere.
 fn sized(scene: &Scene, size: f32, heavy: f32) -> Scene {
     let mut new = Scene::new();
     for (at, sphere) in scene.spheres().iter().enumerate() {
@@ -137,23 +138,23 @@ pub(crate) fn rebuilt(scene: &Scene, change: impl Fn(usize, Sphere) -> Sphere) -
     new
 }
 
-/// Groups of one cluster; known scenes have some.
+/// Number of groups reserved for one cluster, because known scenes use several groups.
 const GROUPS: u16 = 10;
 
 /// How objects are copied to another scene.
 struct Copy {
-    /// Where the spheres begin there.
+    /// Index of the first copied sphere in the target scene.
     offset: usize,
-    /// How many times as large they are.
+    /// Factor of all lengths.
     size: f32,
-    /// What is added to their groups.
+    /// Number added to all groups.
     groups: u16,
 }
 
-/// A copy as it is.
+/// A copy without changes.
 const PLAIN: Copy = Copy { offset: 0, size: 1.0, groups: 0 };
 
-/// Adds to a scene whatever another holds but its spheres.
+/// Adds all objects of a scene except its spheres to another scene.
 fn copy_rest(from: &Scene, to: &mut Scene, copy: &Copy) {
     let &Copy { offset, size, groups } = copy;
     let (old, new): (Vec<SphereId>, Vec<SphereId>) = (from.sphere_ids().collect(), to.sphere_ids().collect());
@@ -183,7 +184,7 @@ fn copy_rest(from: &Scene, to: &mut Scene, copy: &Copy) {
     }
 }
 
-/// All clusters in one scene, each in groups of its own.
+/// All clusters in one scene, each in its own groups.
 pub(crate) fn together(plan: &Plan) -> Scene {
     let mut scene = Scene::new();
     for (number, cluster) in plan.clusters.iter().enumerate() {

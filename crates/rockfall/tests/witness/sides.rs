@@ -1,4 +1,4 @@
-//! The two sides of a contact: how they move, and what an impulse does to them (docs/physics.md section 3).
+//! The two sides of a contact: their motion, and the effect of an impulse on them (docs/physics.md section 3).
 
 use rockfall::glam::DVec3;
 
@@ -29,7 +29,7 @@ impl Motion {
     }
 }
 
-/// A rigid capsule at the present place of its ends (docs/physics.md section 3.3).
+/// A rigid capsule at the present positions of its ends (docs/physics.md section 3.3).
 pub(crate) struct Rigid {
     pub(crate) ends: [usize; 2],
     pub(crate) d: DVec3,
@@ -37,7 +37,7 @@ pub(crate) struct Rigid {
     pub(crate) i: [f64; 2],
     pub(crate) mass: f64,
     pub(crate) mu: f64,
-    /// Moment of inertia across the axis.
+    /// Moment of inertia perpendicular to the axis.
     pub(crate) it: f64,
 }
 
@@ -59,21 +59,21 @@ impl Rigid {
         (self.m[0] * motion.v[self.ends[0]] + self.m[1] * motion.v[self.ends[1]]) / self.mass
     }
 
-    /// Angular velocity across the axis.
+    /// Angular velocity perpendicular to the axis.
     pub(crate) fn turning(&self, motion: &Motion) -> DVec3 {
         let q = motion.v[self.ends[1]] - motion.v[self.ends[0]];
         let spins = motion.l[self.ends[0]] + motion.l[self.ends[1]];
         self.across(self.mu * self.d.cross(q) + spins) / self.it
     }
 
-    /// Torque of a unit impulse `p` at a parameter of the axis.
+    /// Torque of an impulse `p` at a parameter of the axis.
     pub(crate) fn torque(&self, at: f64, p: DVec3) -> DVec3 {
         (at - self.m[1] / self.mass) * self.d.cross(p)
     }
 
-    /// Changes by an impulse `p` and a couple across the axis, and by a couple `roll` along it.
-    pub(crate) fn give(&self, p: DVec3, couple: DVec3, roll: DVec3, change: &mut Motion) {
-        let (dv, turning) = (p / self.mass, couple / self.it);
+    /// Changes by an impulse `p`, a torque perpendicular to the axis, and a torque `roll` along it.
+    pub(crate) fn give(&self, p: DVec3, torque: DVec3, roll: DVec3, change: &mut Motion) {
+        let (dv, turning) = (p / self.mass, torque / self.it);
         let [one, two] = self.ends;
         change.v[one] += dv - self.m[1] / self.mass * turning.cross(self.d);
         change.v[two] += dv + self.m[0] / self.mass * turning.cross(self.d);
@@ -120,24 +120,25 @@ impl World {
         }
     }
 
-    /// Whether the motion of a fixed sphere counts: as the surface of the sphere itself, not as the end of a rod (docs/physics.md section 2.2).
+    /// Whether the motion of a sphere counts. That of a fixed sphere counts as the surface of the sphere itself, but
+    /// not as the end of a rod (docs/physics.md section 2.2).
     fn counts(&self, side: Side, ball: usize) -> bool {
         !self.balls[ball].fixed || matches!(side.thing, Thing::Ball(_)) || self.made(Mistake::FixedEnds)
     }
 
-    /// Velocity of the contact point of a side, every sphere for itself (2.7).
+    /// Velocity of the contact point of a side, from the velocities of its spheres (2.7).
     pub(crate) fn velocity(&self, side: Side, motion: &Motion) -> DVec3 {
         let counting = self.shares(side).into_iter().filter(|&(ball, _)| self.counts(side, ball));
         counting.map(|(ball, share)| share * motion.v[ball]).sum()
     }
 
-    /// Spin of a side, every sphere for itself (2.7).
+    /// Spin of a side, from the spins of its spheres (2.7).
     pub(crate) fn spin(&self, side: Side, motion: &Motion) -> DVec3 {
         let counting = self.shares(side).into_iter().filter(|&(ball, _)| self.counts(side, ball));
         counting.map(|(ball, share)| share * motion.l[ball] / self.balls[ball].inertia()).sum()
     }
 
-    /// Approach velocity in the sense of docs/physics.md section 3.1: capsules move as rigid bodies.
+    /// Approach velocity as in docs/physics.md section 3.2: capsules move as rigid bodies.
     pub(crate) fn approach(&self, pair: &Pair, line: &Line, motion: &Motion) -> f64 {
         let along = |side: Side| match self.capsule_of(side) {
             Some((rigid, at)) if !self.made(Mistake::CapsuleTorque) => {
@@ -149,7 +150,7 @@ impl World {
         along(a) - along(b)
     }
 
-    /// What an impulse `p` changes on a side; networks are not projected yet.
+    /// Changes by an impulse `p` on a side, before the projection of networks.
     pub(crate) fn give(&self, side: Side, p: DVec3, change: &mut Motion) {
         match self.capsule_of(side) {
             Some((rigid, at)) => {
@@ -164,7 +165,7 @@ impl World {
         }
     }
 
-    /// What a unit impulse of a contact changes, networks projected.
+    /// Changes by a unit impulse of a contact, with networks projected.
     pub(crate) fn unit(&self, pair: &Pair, line: &Line) -> Motion {
         let mut change = Motion::none(self);
         for side in sides(pair, line) {
@@ -174,7 +175,7 @@ impl World {
         change
     }
 
-    /// Inverse mass of a side along a unit vector, rods of networks being free.
+    /// Inverse mass of a side along a unit vector, before the projection of networks.
     pub(crate) fn unprojected(&self, side: Side, n: DVec3) -> f64 {
         match self.capsule_of(side) {
             Some((rigid, at)) => 1.0 / rigid.mass + rigid.torque(at, n).length_squared() / rigid.it,
@@ -182,7 +183,7 @@ impl World {
         }
     }
 
-    /// The bodies of a side, each once, with the inverse masses of a unit impulse along n through them.
+    /// The bodies of a side, each once, with their inverse masses for a unit impulse along n.
     pub(crate) fn bodies(&self, side: Side, n: DVec3) -> Vec<(Body, f64)> {
         if let Some((rigid, _)) = self.capsule_of(side) {
             return self.body[rigid.ends[0]].map(|body| (body, self.unprojected(side, n))).into_iter().collect();
@@ -202,7 +203,7 @@ impl World {
         bodies.into_iter().map(|body| (body, through(body))).collect()
     }
 
-    /// The bodies of both sides; one that is on both comes twice.
+    /// The bodies of both sides. A body on both sides appears twice.
     pub(crate) fn touched(&self, pair: &Pair, line: &Line) -> Vec<Body> {
         sides(pair, line).into_iter().flat_map(|side| self.bodies_of(side)).collect()
     }
@@ -214,7 +215,7 @@ impl World {
         found
     }
 
-    /// Projects changes of velocity of all networks (docs/physics.md section 3.4).
+    /// Projects the velocity changes of all networks (docs/physics.md section 3.4).
     pub(crate) fn project(&self, change: &mut Motion) {
         if self.made(Mistake::NoProjection) {
             return;
@@ -236,7 +237,7 @@ impl World {
                 (two - one).normalize_or_zero()
             })
             .collect();
-        // Signed directions on the moving ends of a rod.
+        // Signed directions at the moving ends of a rod.
         let rows: Vec<Vec<(usize, DVec3)>> = rods
             .iter()
             .zip(&axes)
@@ -264,8 +265,8 @@ impl World {
     }
 }
 
-/// Solves a symmetric, positive semidefinite system that has a solution: the largest pivot first; what is left when all pivots
-/// are rounding belongs to rods that others make redundant.
+/// Solves a symmetric, positive semidefinite system that has a solution. The largest pivot comes first. When all
+/// remaining pivots are rounding errors, their rods are redundant.
 fn solve(mut matrix: Vec<Vec<f64>>, mut right: Vec<f64>) -> Vec<f64> {
     let count = right.len();
     let largest = (0..count).map(|k| matrix[k][k]).fold(0.0, f64::max);
@@ -287,7 +288,8 @@ fn solve(mut matrix: Vec<Vec<f64>>, mut right: Vec<f64>) -> Vec<f64> {
         }
         order.push(pivot);
     }
-    // Later pivots know nothing of earlier ones: `matrix[pivot][later]` is as it was when the pivot was chosen.
+    // Rows of earlier pivots are not updated any more, so `matrix[pivot][later]` has its value from when the pivot was
+    // chosen.
     let mut solution = vec![0.0; count];
     for (place, &pivot) in order.iter().enumerate().rev() {
         let known: f64 = order[place + 1..].iter().map(|&later| matrix[pivot][later] * solution[later]).sum();

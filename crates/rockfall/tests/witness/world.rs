@@ -1,4 +1,4 @@
-//! The state of a scene in f64, and which spheres are one body (docs/physics.md sections 1 and 3).
+//! State of a scene in f64, and the bodies that its spheres form (docs/physics.md sections 1 and 3).
 
 use rockfall::glam::{DQuat, DVec3, Vec3};
 use rockfall::{Integrator, Scene, Settings, SphereState};
@@ -23,17 +23,17 @@ impl Ball {
         0.4 * self.mass * self.radius * self.radius
     }
 
-    /// Inverse mass, 0 where it is fixed.
+    /// Inverse mass, or 0 for a fixed sphere.
     pub(crate) fn w(&self) -> f64 {
         if self.fixed { 0.0 } else { 1.0 / self.mass }
     }
 
-    /// Inverse moment of inertia, 0 where it is fixed.
+    /// Inverse moment of inertia, or 0 for a fixed sphere.
     pub(crate) fn i(&self) -> f64 {
         if self.fixed { 0.0 } else { 1.0 / self.inertia() }
     }
 
-    /// Spin, or that of the surface of a fixed sphere.
+    /// Spin. For a fixed sphere it is that of its surface.
     pub(crate) fn spin(&self) -> DVec3 {
         self.l / self.inertia()
     }
@@ -92,11 +92,11 @@ pub(crate) struct Face {
 /// The body that a moving sphere belongs to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub(crate) enum Body {
-    /// A sphere that is a body of its own.
+    /// A sphere that is a body on its own.
     Single(usize),
-    /// A rigid capsule, by the number of its rod.
+    /// A rigid capsule, by the index of its rod.
     Capsule(usize),
-    /// A network, by its number.
+    /// A network, by its index.
     Network(usize),
 }
 
@@ -134,7 +134,7 @@ impl Constants {
     }
 }
 
-/// All mistakes.
+/// All deliberate mistakes.
 pub(crate) const MISTAKES: [Mistake; 13] = [
     Mistake::Restitution,
     Mistake::RodShares,
@@ -151,44 +151,45 @@ pub(crate) const MISTAKES: [Mistake; 13] = [
     Mistake::SpringWork,
 ];
 
-/// A deliberate mistake of the witness. The comparison must notice each of them.
+/// A deliberate mistake of the witness. The comparison must detect each of them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Mistake {
     /// Restitution too large by 1 %.
     Restitution,
-    /// A rod's ends get each other's shares of impulses and forces.
+    /// The ends of a rod have their shares of impulses and forces exchanged.
     RodShares,
     /// Capsules do not turn in collisions.
     CapsuleTorque,
-    /// Networks take impulses as if their rods were free.
+    /// Impulses act on networks as if their rods had free length.
     NoProjection,
-    /// Lone collisions are handled where they are found.
+    /// Lone collisions are computed in the present state, not at their time of contact.
     NoReturn,
-    /// One sweep for clusters in place of all.
+    /// One sweep over clusters instead of all.
     OneSweep,
-    /// Friction without its bound for stability.
+    /// Friction without its stability bound.
     FrictionBound,
-    /// Arms of friction reach to the full radius.
+    /// Arms of friction with the full radius.
     Arms,
-    /// Contact forces also on pairs that separate fast.
+    /// Contact forces also between pairs that separate fast.
     Separating,
-    /// The capsule's own inertia is left out when it turns.
+    /// The moments of inertia of the end spheres are ignored when a capsule turns.
     CapsuleTurn,
-    /// RATTLE is left out.
+    /// No RATTLE.
     NoRattle,
-    /// A rod takes the surface velocity of a fixed end.
+    /// A rod includes the surface velocity of a fixed end.
     FixedEnds,
-    /// The work of lone collisions on springs is left out.
+    /// The work of lone collisions on springs is ignored.
     SpringWork,
 }
 
-/// How the sweeps over the lengths of rods run.
+/// How the sweeps over rod lengths run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Sweeps {
-    /// In order of the rods, until rounding of f64.
+    /// In the order of the rods, until only rounding errors of f64 are left.
     Exact,
-    /// In an order given by this seed, until the tolerance of the specification: any implementation may differ so far.
-    Sloppy(u64),
+    /// In a random order given by this seed, until the tolerance of the specification. Any implementation may differ by
+    /// this much.
+    WithinTolerance(u64),
 }
 
 /// A scene in f64.
@@ -201,15 +202,16 @@ pub(crate) struct World {
     pub(crate) faces: Vec<Face>,
     pub(crate) set: Constants,
     pub(crate) dt: f64,
-    /// The body of every sphere; `None` for fixed ones.
+    /// Body of every sphere; `None` for fixed ones.
     pub(crate) body: Vec<Option<Body>>,
     /// Rods of every network.
     pub(crate) networks: Vec<Vec<usize>>,
     pub(crate) sweeps: Sweeps,
     pub(crate) mistake: Option<Mistake>,
-    /// What is outside of a box by less than this part of its edges is inside; 0 but to find what rounding may decide.
+    /// A point outside a box by less than this fraction of its edges counts as inside. It is 0 except to find what
+    /// rounding may decide.
     pub(crate) slack: f64,
-    /// Something happened for which the specification has no answer.
+    /// Whether something occurred that the specification does not define.
     pub(crate) lost: bool,
 }
 
@@ -276,7 +278,7 @@ impl World {
         self.mistake == Some(mistake)
     }
 
-    /// The rod of a rigid capsule that a moving sphere is an end of, and its number there.
+    /// Rod of the rigid capsule that a moving sphere belongs to, and which end the sphere is (0 or 1).
     pub(crate) fn capsule_end(&self, ball: usize) -> Option<(usize, usize)> {
         match self.body[ball] {
             Some(Body::Capsule(bar)) => Some((bar, usize::from(self.bars[bar].ends[1] == ball))),
@@ -288,7 +290,7 @@ impl World {
         self.body[self.bars[bar].ends[0]] == Some(Body::Capsule(bar))
     }
 
-    /// docs/physics.md section 3.3.
+    /// Finds capsules and networks (docs/physics.md section 1.4).
     fn find_bodies(&mut self) {
         let mut rods_at = vec![0; self.balls.len()];
         for end in self.bars.iter().flat_map(|bar| bar.ends) {
@@ -313,7 +315,7 @@ impl World {
         self.join(&chain);
     }
 
-    /// Networks of these rods, connected through moving spheres.
+    /// Groups rods that are connected through moving spheres into networks.
     fn join(&mut self, rods: &[usize]) {
         let mut network_of: Vec<Option<usize>> = vec![None; self.balls.len()];
         let mut networks: Vec<Vec<usize>> = Vec::new();

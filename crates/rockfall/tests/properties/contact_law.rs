@@ -1,4 +1,5 @@
-//! The contact law between two bodies, and against what is static (docs/physics.md section 4).
+//! Contact forces between two bodies and against static objects (docs/physics.md section 4), springs, free capsules,
+//! and one-sided polygons.
 
 use std::cell::Cell;
 
@@ -11,7 +12,7 @@ use crate::things::{Outcome, Thing, ball, capsule, check, direction, rod, simula
 const DT: f32 = 0.001;
 const STEPS: u64 = 40;
 
-/// Two things whose middles are so close that they overlap, the first about the origin.
+/// Two bodies whose centres are so close that they overlap. The first one is centred at the origin.
 fn pair(one: impl Strategy<Value = Thing>, other: impl Strategy<Value = Thing>) -> impl Strategy<Value = [Thing; 2]> {
     (one, other, direction(), 0.05_f32..0.3).prop_map(|(one, other, direction, apart)| {
         let centre = |thing: &Thing| {
@@ -27,18 +28,18 @@ fn pair(one: impl Strategy<Value = Thing>, other: impl Strategy<Value = Thing>) 
     })
 }
 
-/// Angular momentum stays as it is. The arms of a contact meet in one point, so in every stage state forces and torques
-/// cancel exactly; what is left is the error of RK4 (angular momentum is a quadratic invariant: (w dt)^5 with
-/// w = sqrt(Cc) = 32/s and dt = 1 ms, 3e-8 a step; more in a step in which a contact ends) and rounding, 40 steps of a few
-/// units in the last place.
-fn keep_angular_momentum(kind: &str, pairs: impl Strategy<Value = [Thing; 2]>) {
-    let (rubbed, spun) = (Cell::new(0), Cell::new(0));
+/// Asserts that the angular momentum of a pair is constant. The arms of a contact end in one point, so forces and
+/// torques cancel exactly in every stage state. What remains is the error of RK4 and rounding. Angular momentum is a
+/// quadratic invariant, so the error of RK4 is (w dt)^5 with w = sqrt(Cc) = 32/s and dt = 1 ms, 3e-8 per step, and more
+/// in a step in which a contact ends. Rounding is a few units in the last place in each of 40 steps.
+fn assert_constant_angular_momentum(kind: &str, pairs: impl Strategy<Value = [Thing; 2]>) {
+    let (touching, spun) = (Cell::new(0), Cell::new(0));
     check(40, pairs, |things| -> Outcome {
         let mut scene = weightless(&things);
         scene.settings.collisions = false;
         let mut simulation = simulation(scene, Backend::Cpu);
         let before = simulation.spheres().unwrap();
-        rubbed.set(rubbed.get() + usize::from(!simulation.contacts().unwrap().is_empty()));
+        touching.set(touching.get() + usize::from(!simulation.contacts().unwrap().is_empty()));
         simulation.run(STEPS, DT).unwrap();
         let after = simulation.spheres().unwrap();
         let (was, is) = (sums(&before), sums(&after));
@@ -50,8 +51,8 @@ fn keep_angular_momentum(kind: &str, pairs: impl Strategy<Value = [Thing; 2]>) {
         spun.set(spun.get() + usize::from(turned));
         Ok(())
     });
-    // Friction did turn something, or nothing was tested.
-    assert!(rubbed.get() >= 30 && spun.get() >= 30, "{kind}: {} {}", rubbed.get(), spun.get());
+    // Without pairs that touch and spins that change, the test would prove nothing.
+    assert!(touching.get() >= 30 && spun.get() >= 30, "{kind}: {} {}", touching.get(), spun.get());
 }
 
 fn sphere() -> impl Strategy<Value = Thing> {
@@ -59,19 +60,20 @@ fn sphere() -> impl Strategy<Value = Thing> {
 }
 
 #[test]
-fn rubbing_pairs_keep_their_angular_momentum() {
-    keep_angular_momentum("sphere-sphere", pair(sphere(), sphere()));
-    keep_angular_momentum("sphere-rod", pair(sphere(), rod(0.1, 1.0, false)));
-    keep_angular_momentum("sphere-fixed rod", pair(sphere(), rod(0.1, 1.0, true)));
-    keep_angular_momentum("rod-rod", pair(rod(0.1, 1.0, false), rod(0.1, 1.0, false)));
-    keep_angular_momentum("fixed rods", pair(rod(0.1, 1.0, true), rod(0.1, 1.0, true)));
-    keep_angular_momentum("sphere-capsule", pair(sphere(), capsule(0.1, 1.0)));
-    keep_angular_momentum("capsule-rod", pair(capsule(0.1, 1.0), rod(0.1, 1.0, false)));
-    keep_angular_momentum("capsule-capsule", pair(capsule(0.1, 1.0), capsule(0.1, 1.0)));
+fn pairs_with_friction_keep_their_angular_momentum() {
+    assert_constant_angular_momentum("sphere-sphere", pair(sphere(), sphere()));
+    assert_constant_angular_momentum("sphere-rod", pair(sphere(), rod(0.1, 1.0, false)));
+    assert_constant_angular_momentum("sphere-fixed rod", pair(sphere(), rod(0.1, 1.0, true)));
+    assert_constant_angular_momentum("rod-rod", pair(rod(0.1, 1.0, false), rod(0.1, 1.0, false)));
+    assert_constant_angular_momentum("fixed rods", pair(rod(0.1, 1.0, true), rod(0.1, 1.0, true)));
+    assert_constant_angular_momentum("sphere-capsule", pair(sphere(), capsule(0.1, 1.0)));
+    assert_constant_angular_momentum("capsule-rod", pair(capsule(0.1, 1.0), rod(0.1, 1.0, false)));
+    assert_constant_angular_momentum("capsule-capsule", pair(capsule(0.1, 1.0), capsule(0.1, 1.0)));
 }
 
-/// One step of symplectic Euler without gravity against a static wall whose unit normal into it is `n`: the law itself.
-fn against_a_wall(sphere: Sphere, overlap: f32, n: Vec3, mut simulation: Simulation) -> Outcome {
+/// Compares one step of symplectic Euler without gravity with the contact law. The sphere touches a static wall; `n` is
+/// the unit normal into the wall.
+fn assert_contact_law_at_wall(sphere: Sphere, overlap: f32, n: Vec3, mut simulation: Simulation) -> Outcome {
     let settings = *simulation.settings();
     simulation.step(DT).unwrap();
     let after = simulation.spheres().unwrap()[0];
@@ -79,16 +81,16 @@ fn against_a_wall(sphere: Sphere, overlap: f32, n: Vec3, mut simulation: Simulat
     let arm = f64::from(sphere.radius) - o;
     let v = sphere.velocity.as_dvec3();
     let spin = sphere.angular_momentum.as_dvec3() / (0.4 * m * f64::from(sphere.radius).powi(2));
-    // The wall rests: the sliding velocity of its surface past that of the sphere.
+    // The wall is at rest, so the slip is minus the tangential velocity of the sphere's surface.
     let surface = v + spin.cross(arm * n);
     let t = -(surface - n * surface.dot(n));
-    let push = f64::from(settings.contact_force) * o + f64::from(settings.contact_damping) * v.dot(n);
-    let normal = push.max(0.0) * m;
+    let strength = f64::from(settings.contact_force) * o + f64::from(settings.contact_damping) * v.dot(n);
+    let normal = strength.max(0.0) * m;
     let dt = f64::from(DT);
-    // The inverse mass of the slip: 1/m + s^2 / I.
+    // Inverse mass of the slip: 1/m + s^2 / I.
     let slipping = 1.0 / m + arm * arm / (0.4 * m * f64::from(sphere.radius).powi(2));
     let size = if settings.coulomb_friction > 0.0 {
-        // An impulse, given before the contact force acts: it takes all of the slip away where the limit lets it.
+        // An impulse, applied before the contact force. It removes the whole slip where the limit allows.
         (f64::from(settings.coulomb_friction) * normal).min(t.length() / (slipping * dt))
     } else {
         (f64::from(settings.friction) * m * o * t.length().sqrt()).min(t.length() / (2.0 * slipping * dt))
@@ -97,7 +99,8 @@ fn against_a_wall(sphere: Sphere, overlap: f32, n: Vec3, mut simulation: Simulat
     let force = friction - normal * n;
     let close = |name: &str, is: Vec3, was: DVec3, expected: DVec3| -> Outcome {
         let wrong = (is.as_dvec3() - was - expected).length();
-        // Rounding of the overlap: an ulp of a place of up to 3 units, times Cc and dt; and of what it is added to.
+        // Rounding of the overlap: one unit in the last place of a position of up to 3, times Cc and dt; and rounding
+        // of the value that the change is added to.
         let allowed = 1e-3 * expected.length() + 1e-6 * (1.0 + was.length());
         prop_assert!(wrong < allowed, "{name}: {is} - {was}, not {expected}");
         Ok(())
@@ -108,15 +111,15 @@ fn against_a_wall(sphere: Sphere, overlap: f32, n: Vec3, mut simulation: Simulat
 }
 
 #[test]
-fn friction_of_a_sphere_on_what_is_static() {
-    // With mu_c = 0.05 the impulse is the limit's in nearly all cases.
+fn a_sphere_on_a_static_object_obeys_the_contact_law() {
+    // With mu_c = 0.05 the impulse is at its limit in nearly all cases.
     let spheres = (ball(1.0, 2.0), 0.05_f32..0.9, any::<bool>(), prop::sample::select(vec![0.0_f32, 0.05]));
     check(300, spheres, |(sphere, depth, on_box, coulomb)| -> Outcome {
         let overlap = depth * sphere.radius;
         let mut scene = weightless(&[Thing::Sphere(sphere)]);
         scene.settings.coulomb_friction = coulomb;
         scene.settings.collisions = false;
-        // Slow enough not to count as leaving a polygon.
+        // Slow enough not to count as separating from the polygon.
         let sphere = Sphere { velocity: sphere.velocity.with_y(0.1 * sphere.velocity.y), ..sphere };
         let floor = sphere.position.y - sphere.radius + overlap;
         let exact = sphere.radius - (sphere.position.y - floor);
@@ -130,11 +133,11 @@ fn friction_of_a_sphere_on_what_is_static() {
         let mut simulation = Simulation::with_options(scene, options).unwrap();
         let id = simulation.scene().sphere_ids().next().unwrap();
         simulation.set_velocity(id, sphere.velocity).unwrap();
-        against_a_wall(sphere, exact, Vec3::NEG_Y, simulation)
+        assert_contact_law_at_wall(sphere, exact, Vec3::NEG_Y, simulation)
     });
 }
 
-/// Springs act on both ends alike, whatever hangs on them.
+/// The forces of a spring on its two ends are opposite, so a net of springs keeps its momentum and angular momentum.
 #[test]
 fn spring_forces_are_internal() {
     let spring = (0..6_usize, 1..6_usize, 1.0_f32..50.0, 0.0_f32..2.0, 0.0_f32..3.0);
@@ -142,7 +145,7 @@ fn spring_forces_are_internal() {
     check(60, net, |(balls, springs)| -> Outcome {
         let mut scene = weightless(&[]);
         scene.settings.collisions = false;
-        // In groups of their own: nothing but the springs acts.
+        // The balls are in different groups, so only the springs act.
         let ids: Vec<_> = balls.iter().zip(0..).map(|(ball, group)| scene.add_sphere(ball.group(group)).unwrap()).collect();
         for (from, step, stiffness, length, damping) in springs {
             let spring = Spring::new(ids[from], ids[(from + step) % 6], stiffness, length);
@@ -160,14 +163,15 @@ fn spring_forces_are_internal() {
     });
 }
 
-/// A capsule alone, spinning any way: L within 0.1 % (docs/physics.md section 5.5), and no energy out of nothing. One that rolls
-/// about its axis while it tumbles loses a little, in proportion to the step's cube.
+/// A free capsule with any spin keeps its angular momentum within 0.1 % (docs/physics.md section 5.5) and gains no
+/// energy. A capsule that rolls about its axis while it tumbles loses a little, in proportion to the cube of the time
+/// step.
 #[test]
-fn a_free_capsule_keeps_its_spin() {
+fn a_free_capsule_keeps_its_angular_momentum() {
     check(40, (capsule(1.0, 1.0), vector(0.5)), |(thing, spin)| -> Outcome {
         let thing = thing.map(|sphere| sphere.angular_momentum(spin * sphere.inertia() * 10.0));
         let mut simulation = simulation(weightless(&[thing]), Backend::Cpu);
-        // The first step gives both ends one spin.
+        // The first step gives both ends a common spin.
         simulation.run(1, 0.005).unwrap();
         let was = sums(&simulation.spheres().unwrap());
         simulation.run(300, 0.005).unwrap();
@@ -180,7 +184,7 @@ fn a_free_capsule_keeps_its_spin() {
     });
 }
 
-/// What comes from behind a polygon does not notice it; what comes from the front is turned back.
+/// A ball from behind a polygon is not affected by it; a ball from the front rebounds.
 #[test]
 fn polygons_are_one_sided() {
     let flight = (direction(), 2.0_f32..8.0, 0.25_f32..0.5, 0.5_f32..0.95, [0.3_f32..0.7, 0.3_f32..0.7]);

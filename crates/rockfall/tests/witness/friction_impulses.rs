@@ -6,17 +6,17 @@ use crate::collide::Pressed;
 use crate::sides::{Motion, Side, sides};
 use crate::world::{Body, World};
 
-/// The unit impulse of friction on one side.
-struct Grip {
+/// Unit friction impulse on one side of a contact.
+struct SideImpulse {
     side: Side,
-    /// Unit impulse on this side, and its couple.
+    /// Unit impulse on this side. `torque` is its torque at the arm.
     p: DVec3,
-    couple: DVec3,
+    torque: DVec3,
 }
 
 impl World {
-    /// Friction impulses of all contacts that were pressed.
-    pub(crate) fn rub(&mut self, pressed: &[Pressed]) {
+    /// Applies the friction impulses of all pressed contacts.
+    pub(crate) fn apply_friction_impulses(&mut self, pressed: &[Pressed]) {
         if self.set.coulomb == 0.0 && self.set.collision_friction == 0.0 {
             return;
         }
@@ -42,42 +42,42 @@ impl World {
         let force = if line.o > 0.0 { self.normal_force(pair, &line, motion, false).map_or(0.0, |found| found.1) } else { 0.0 };
         let limit = self.set.collision_friction * contact.j + self.set.coulomb * self.dt * force;
         let t = slip.t / speed;
-        let grips = sides(pair, &line).into_iter().zip(slip.arms).map(|(side, arm)| Grip {
+        let side_impulses = sides(pair, &line).into_iter().zip(slip.arms).map(|(side, arm)| SideImpulse {
             side,
             p: -side.sign * t,
-            couple: arm * line.n.cross(t),
+            torque: arm * line.n.cross(t),
         });
-        let grips: Vec<Grip> = grips.collect();
-        let scale: f64 = grips.iter().map(|grip| self.grip_scale(grip, pressed)).sum();
+        let side_impulses: Vec<SideImpulse> = side_impulses.collect();
+        let scale: f64 = side_impulses.iter().map(|side_impulse| self.friction_scale(side_impulse, pressed)).sum();
         if scale == 0.0 {
             return;
         }
         let j = limit.min(speed / scale);
-        for grip in &grips {
-            self.give_grip(grip, j, change);
+        for side_impulse in &side_impulses {
+            self.apply_to_side(side_impulse, j, change);
         }
     }
 
-    /// Sum of N times the tangential inverse mass over the bodies of one side.
-    fn grip_scale(&self, grip: &Grip, pressed: &[Pressed]) -> f64 {
-        if let Some((rigid, at)) = self.capsule_of(grip.side) {
-            let torque = rigid.torque(at, grip.p) + grip.couple;
+    /// Sum of N_b times the tangential inverse mass over the bodies of one side.
+    fn friction_scale(&self, side_impulse: &SideImpulse, pressed: &[Pressed]) -> f64 {
+        if let Some((rigid, at)) = self.capsule_of(side_impulse.side) {
+            let torque = rigid.torque(at, side_impulse.p) + side_impulse.torque;
             let across = rigid.across(torque);
             let along = torque - across;
             let mass =
                 1.0 / rigid.mass + across.length_squared() / rigid.it + along.length_squared() / (rigid.i[0] + rigid.i[1]);
-            return mass * self.pressing(rigid.ends[0], pressed);
+            return mass * self.pressed_count(rigid.ends[0], pressed);
         }
         let through = |(ball, share): (usize, f64)| {
             let state = &self.balls[ball];
-            let mass = share * share * (state.w() + grip.couple.length_squared() * state.i());
-            mass * self.pressing(ball, pressed)
+            let mass = share * share * (state.w() + side_impulse.torque.length_squared() * state.i());
+            mass * self.pressed_count(ball, pressed)
         };
-        self.shares(grip.side).into_iter().map(through).sum()
+        self.shares(side_impulse.side).into_iter().map(through).sum()
     }
 
-    /// How many pressed contacts touch the body of a sphere; in a network, the sphere itself.
-    fn pressing(&self, ball: usize, pressed: &[Pressed]) -> f64 {
+    /// Number of pressed contacts that touch the body of a sphere, or the sphere itself if it belongs to a network.
+    fn pressed_count(&self, ball: usize, pressed: &[Pressed]) -> f64 {
         let touches = |side: Side| match self.body[ball] {
             Some(body @ Body::Capsule(_)) => self.bodies_of(side).contains(&body),
             _ => self.shares(side).into_iter().any(|(other, _)| other == ball),
@@ -86,16 +86,16 @@ impl World {
         all.filter(|&side| touches(side)).count() as f64
     }
 
-    fn give_grip(&self, grip: &Grip, j: f64, change: &mut Motion) {
-        if let Some((rigid, at)) = self.capsule_of(grip.side) {
-            let torque = rigid.torque(at, grip.p) + grip.couple;
+    fn apply_to_side(&self, side_impulse: &SideImpulse, j: f64, change: &mut Motion) {
+        if let Some((rigid, at)) = self.capsule_of(side_impulse.side) {
+            let torque = rigid.torque(at, side_impulse.p) + side_impulse.torque;
             let across = rigid.across(torque);
-            rigid.give(j * grip.p, j * across, j * (torque - across), change);
+            rigid.give(j * side_impulse.p, j * across, j * (torque - across), change);
             return;
         }
-        for (ball, share) in self.shares(grip.side) {
-            change.v[ball] += share * self.balls[ball].w() * j * grip.p;
-            change.l[ball] += share * j * grip.couple;
+        for (ball, share) in self.shares(side_impulse.side) {
+            change.v[ball] += share * self.balls[ball].w() * j * side_impulse.p;
+            change.l[ball] += share * j * side_impulse.torque;
         }
     }
 }
