@@ -186,8 +186,8 @@ static MISTAKES: [Mistake; 122] = [
         "velocity.w * part_on",
         Buffer::Start,
     ),
-    // The opposite, never ONLY, makes no difference: the last two sweeps of a collision by itself have size 1 and correct all that the
-    // others left (docs/physics.md section 3.8: p(1) = 0).
+    // The opposite, never ONLY, makes no difference: the last two sweeps of a collision by itself have size 1 and correct
+    // all that the others left (docs/physics.md section 3.8: p(1) = 0).
     Mistake("weigh_collisions", 0, "couplings.wgsl", "select(0u, ONLY, is_only)", "ONLY", Buffer::Start),
     Mistake("sweep_collisions", 0, "sweep_collisions.wgsl", "(sweeps != 0u)", "(sweeps > 1u)", Buffer::Start),
     Mistake(
@@ -409,8 +409,8 @@ fn a_kernel_with_a_mistake_is_told() {
             }
         }
     };
-    // Nearly all of the time goes into compiling kernels, which software Vulkan does on one thread per device. The devices start at opposite
-    // ends, so that they do not compile the same unchanged kernels at the same time.
+    // Nearly all of the time goes into compiling kernels, which software Vulkan does on one thread per device. The devices
+    // start at opposite ends, so that they do not compile the same unchanged kernels at the same time.
     std::thread::scope(|scope| {
         scope.spawn(|| look(slice::Iter::next));
         scope.spawn(|| look(slice::Iter::next_back));
