@@ -109,11 +109,15 @@ impl Draw<'_> {
         self.add(other.velocity(one.velocity - 2.0 * direction));
     }
 
-    /// One much larger than all others, and some of those about its surface.
+    /// One much larger than all others, which hits a floor, and some of those about its surface.
     pub(crate) fn giant(&mut self) {
         let mut giant = self.ball(self.middle);
         giant.radius = self.between(3.0, 3.2);
+        giant.velocity.y = -self.between(4.0, 5.0);
         self.giants.push(giant);
+        // Of this contact it is side A, of those with spheres side B.
+        let floor = self.middle - 0.98 * giant.radius * Vec3::Y;
+        self.floor(floor);
         for _ in 0..13 {
             let direction = self.direction();
             self.ball_about(&giant, direction);
