@@ -1,7 +1,7 @@
 //! PolyData for ParaView and VTK: XML with the numbers appended in binary form.
 //!
-//! A series `NAME.pvd` lists the frames `NAME/STEP.vtp` with their times, and with every frame the file `NAME/static.vtp`, which
-//! has the boxes and polygons. A frame has a point and a vertex cell for every sphere in insertion order, then a line cell for
+//! A series `NAME.pvd` lists the frames `NAME/STEP.vtp` with their times, and with every frame the file `NAME/static.vtp`,
+//! which has the boxes and polygons. A frame has a point and a vertex cell for every sphere in insertion order, then a line cell for
 //! every rod and every spring.
 //!
 //! | array | belongs to | contents |
@@ -16,8 +16,8 @@
 //! | `TimeValue`, `step` | the data set | time in s, number of steps done |
 //!
 //! In ParaView (tried with 5.11) a series has two blocks: the frame and the static objects. To draw the spheres, apply Extract
-//! Block to the first block, then Glyph with spheres scaled by `radius`, factor 2, at all points. To select the rods and springs,
-//! apply Threshold to `kind` from 1 to 2. A test opens the files with VTK.
+//! Block to the first block, then Glyph with spheres scaled by `radius`, factor 2, at all points. To select the rods and
+//! springs, apply Threshold to `kind` from 1 to 2. A test opens the files with VTK.
 
 use std::fs;
 use std::io::{self, Write};
