@@ -3,11 +3,8 @@
 use std::fmt::Display;
 use std::io;
 use std::path::Path;
-use std::process::ExitCode;
 
 use rockfall::Error;
-
-use crate::output;
 
 /// Exit code of a command that was ended by a signal, as shells give it for Ctrl-C.
 pub(crate) const INTERRUPTED: u8 = 130;
@@ -34,21 +31,6 @@ impl Failure {
     /// A file that could not be written.
     pub(crate) fn file(path: &Path, error: &io::Error) -> Self {
         Self::Run(format!("{}: cannot be written: {error}", path.display()))
-    }
-
-    /// Prints the message, if there is one.
-    pub(crate) fn report(self) -> ExitCode {
-        let (code, message) = match self {
-            Self::ClosedPipe => return ExitCode::SUCCESS,
-            Self::Interrupted(message) => {
-                output::note(&message);
-                return ExitCode::from(INTERRUPTED);
-            }
-            Self::Usage(message) => (2, message),
-            Self::Run(message) => (1, message),
-        };
-        output::note(&format!("error: {message}"));
-        ExitCode::from(code)
     }
 }
 

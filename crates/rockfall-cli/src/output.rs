@@ -1,8 +1,9 @@
 //! Standard output and standard error, either of which may be closed at any time.
 
 use std::io::{self, BufWriter, ErrorKind, Write};
+use std::process::ExitCode;
 
-use crate::failure::Failure;
+use crate::failure::{Failure, INTERRUPTED};
 
 /// Prints a command's result.
 pub(crate) fn print(text: &str) -> Result<(), Failure> {
@@ -17,4 +18,19 @@ pub(crate) fn print(text: &str) -> Result<(), Failure> {
 /// Prints a line on standard error; where that is closed there is nobody left to tell.
 pub(crate) fn note(line: &str) {
     let _ = writeln!(io::stderr(), "{line}");
+}
+
+/// Prints the message of a failure, if it has one, and returns its exit code.
+pub(crate) fn report(failure: Failure) -> ExitCode {
+    let (code, message) = match failure {
+        Failure::ClosedPipe => return ExitCode::SUCCESS,
+        Failure::Interrupted(message) => {
+            note(&message);
+            return ExitCode::from(INTERRUPTED);
+        }
+        Failure::Usage(message) => (2, message),
+        Failure::Run(message) => (1, message),
+    };
+    note(&format!("error: {message}"));
+    ExitCode::from(code)
 }

@@ -4,6 +4,7 @@ use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::*;
 
 use crate::Result;
+use crate::number::digits;
 
 const SIZE: (u32, u32) = (720, 440);
 /// Told apart by those who do not see all colours, too (Tol's bright scheme).
@@ -40,7 +41,7 @@ impl Axis {
 
     fn tick(&self, place: f64) -> String {
         if !self.logarithmic {
-            return crate::outcome::digits(if place.abs() < 1e-12 { 0.0 } else { place });
+            return digits(if place.abs() < 1e-12 { 0.0 } else { place });
         }
         // Not -0.
         let power = place.round() + 0.0;

@@ -7,6 +7,7 @@
 mod chart;
 mod experiments;
 mod measure;
+mod number;
 mod outcome;
 mod page;
 

@@ -3,7 +3,8 @@
 use std::fmt::Write as _;
 
 use crate::experiments::Experiment;
-use crate::outcome::{Outcome, digits};
+use crate::number::digits;
+use crate::outcome::Outcome;
 use crate::{Error, Result};
 
 /// One experiment: its text with the facts filled in, a table of its checks, its plots.

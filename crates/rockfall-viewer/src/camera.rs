@@ -59,7 +59,7 @@ impl Camera {
 
     /// A camera that has the moving bodies of a scene in the picture, and what they lie on or may fall on.
     pub fn of_scene(scene: &Scene, aspect: f32) -> Self {
-        let (min, max) = crate::draw::bounds(scene);
+        let (min, max) = crate::bounds::bounds(scene);
         Self::framing(min, max, aspect)
     }
 

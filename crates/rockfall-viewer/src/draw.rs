@@ -8,34 +8,37 @@ use rockfall::layout::Step;
 use rockfall::wgpu;
 use rockfall::{Cuboid, Result, Scene, Simulation};
 
+pub use crate::bounds::bounds;
 use crate::camera::Camera;
 use crate::legend::Legend;
+pub use crate::palette;
 
-mod bounds;
 mod coil;
 mod cull;
+mod formats;
 mod frame;
 mod glass;
-pub mod palette;
+mod layouts;
 mod passes;
 mod pipelines;
 mod pyramid;
 mod range;
 mod source;
 mod style;
+mod summary;
 mod targets;
 mod timing;
 
-use bounds::Setting;
-pub use bounds::bounds;
 use coil::{CoilMesh, Fineness};
 use cull::Cull;
 use frame::Frame;
-use pipelines::{Layouts, Pipelines};
+use layouts::Layouts;
+use pipelines::Pipelines;
 use pyramid::MakePyramid;
 use range::{FindGreatest, Greatest};
 use source::Source;
 pub use style::{Background, ColourBy, Range, Style};
+use summary::SceneSummary;
 use targets::{ShadowMap, Targets};
 use timing::Timer;
 pub use timing::{FrameTimes, Pass};
@@ -79,7 +82,7 @@ pub struct Renderer {
     pyramid: MakePyramid,
     timer: Option<Timer>,
     targets: Option<Targets>,
-    setting: Option<Setting>,
+    summary: Option<SceneSummary>,
     boxes: Vec<Cuboid>,
     /// Whether there are objects of each of the palette's kinds.
     present: [bool; 8],
@@ -122,7 +125,7 @@ impl Renderer {
             uniform,
             source: Source::default(),
             targets: None,
-            setting: None,
+            summary: None,
             boxes: Vec::new(),
             present: [false; 8],
             find: FindGreatest::new(device, queue),
@@ -144,7 +147,7 @@ impl Renderer {
     /// Takes in a scene that has not been drawn before: the height of its ground, how large its bodies are, and which
     /// spheres and rods are capsules. What is added to it or removed later, [`Renderer::update`] finds by itself.
     pub fn set_scene(&mut self, simulation: &Simulation) {
-        self.setting = Some(Setting::of(simulation.scene()));
+        self.summary = Some(SceneSummary::of(simulation.scene()));
         self.take_objects(simulation);
     }
 
@@ -161,7 +164,7 @@ impl Renderer {
     /// [`rockfall::Error::Device`] when the GPU failed, or the scene is so large that its state does not fit one binding.
     pub fn update(&mut self, simulation: &mut Simulation, style: &Style) -> Result<()> {
         simulation.flush()?;
-        if self.setting.is_none() {
+        if self.summary.is_none() {
             self.set_scene(simulation);
         } else if self.source.is_stale(simulation) {
             self.take_objects(simulation);
@@ -235,9 +238,9 @@ impl Renderer {
             return;
         };
         let blend = if self.source.has_remembered() { self.blend } else { 1.0 };
-        let setting = self.setting.clone().unwrap_or_default();
-        self.source.set_opacities(&self.queue, &glass::opacities(&self.boxes, &setting.places, camera.eye));
-        let mut frame = Frame::new(&self.step, camera, style, &setting, targets.size);
+        let summary = self.summary.clone().unwrap_or_default();
+        self.source.set_opacities(&self.queue, &glass::opacities(&self.boxes, &summary.places, camera.eye));
+        let mut frame = Frame::new(&self.step, camera, style, &summary, targets.size);
         (frame.blend, frame.range) = (blend, self.range(style));
         self.queue.write_buffer(&self.uniform, 0, bytemuck::bytes_of(&frame));
         if let Some(timer) = &mut self.timer {

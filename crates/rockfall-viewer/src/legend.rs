@@ -3,8 +3,8 @@
 use ab_glyph::{Font as _, FontRef, PxScale, ScaleFont as _};
 use rockfall::Result;
 
-use crate::draw::palette::{Kind, Rgb, SCALE};
-use crate::picture::Picture;
+use crate::palette::{Kind, Rgb, SCALE};
+use crate::pixels::Picture;
 
 /// What the colours of a picture mean.
 #[derive(Clone, Debug, PartialEq)]
@@ -205,6 +205,6 @@ mod tests {
     fn a_legend_larger_than_the_picture_does_no_harm() {
         let mut picture = Picture { width: 5, height: 3, pixels: vec![[0; 4]; 15] };
         Legend::scale("speed", [0.0, 2.0]).draw(&mut picture).unwrap();
-        Legend::Kinds(crate::draw::palette::KINDS.to_vec()).draw(&mut picture).unwrap();
+        Legend::Kinds(crate::palette::KINDS.to_vec()).draw(&mut picture).unwrap();
     }
 }

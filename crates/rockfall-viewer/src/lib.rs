@@ -10,10 +10,14 @@
 //! `gpu` (default): all but that. Drawing takes a graphics device, software Vulkan included, whichever backend moves the bodies.
 #![cfg(feature = "gpu")]
 
+mod bounds;
 pub mod camera;
 pub mod draw;
 pub mod film;
 pub mod legend;
+pub mod palette;
 pub mod picture;
+mod pixels;
+mod read_back;
 #[cfg(feature = "window")]
 pub mod window;

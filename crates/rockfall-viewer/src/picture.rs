@@ -1,48 +1,15 @@
 //! Pictures without a window.
 
-use std::io::Write;
-
 use rockfall::gpu::catch;
 use rockfall::{Error, Result, wgpu};
 
 use crate::camera::Camera;
 use crate::draw::{Renderer, Style};
+pub use crate::pixels::Picture;
+use crate::read_back::read_back;
 
 /// Format of the texture that pictures are drawn in.
 pub const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8UnormSrgb;
-
-/// Pixels, row by row from the top.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Picture {
-    /// Pixels in a row.
-    pub width: u32,
-    /// Rows.
-    pub height: u32,
-    /// Red, green, blue and opacity of every pixel, in sRGB.
-    pub pixels: Vec<[u8; 4]>,
-}
-
-impl Picture {
-    /// Writes it as a PNG file.
-    ///
-    /// # Errors
-    /// Those of the writer.
-    pub fn write_png(&self, to: impl Write) -> std::io::Result<()> {
-        let mut encoder = png::Encoder::new(to, self.width, self.height);
-        encoder.set_color(png::ColorType::Rgb);
-        encoder.set_depth(png::BitDepth::Eight);
-        encoder.set_compression(png::Compression::High);
-        encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
-        let mut writer = encoder.write_header()?;
-        writer.write_image_data(&self.rgb())?;
-        Ok(writer.finish()?)
-    }
-
-    /// Red, green and blue of every pixel, one after the other.
-    pub fn rgb(&self) -> Vec<u8> {
-        self.pixels.iter().flat_map(|[r, g, b, _]| [*r, *g, *b]).collect()
-    }
-}
 
 /// A texture to draw on, and a buffer to read it back through.
 #[derive(Debug)]
@@ -131,21 +98,4 @@ impl Canvas {
             rows.flat_map(|line| line.chunks_exact(4).map(|pixel| [pixel[0], pixel[1], pixel[2], pixel[3]])).collect()
         })
     }
-}
-
-/// Waits for the device, and reads what was copied to a buffer that can be mapped.
-pub(crate) fn read_back<T>(device: &wgpu::Device, staging: &wgpu::Buffer, read: impl FnOnce(&[u8]) -> T) -> Result<T> {
-    let failed = |why: &dyn std::fmt::Display| Error::Device(format!("a buffer could not be read back: {why}"));
-    let (sender, receiver) = std::sync::mpsc::channel();
-    staging.map_async(wgpu::MapMode::Read, .., move |done| {
-        // Nobody to tell only when the wait below has failed.
-        let _ = sender.send(done);
-    });
-    device.poll(wgpu::PollType::wait_indefinitely()).map_err(|error| failed(&error))?;
-    receiver.recv().map_err(|error| failed(&error))?.map_err(|error| failed(&error))?;
-    let view = staging.get_mapped_range(..).map_err(|error| failed(&error))?;
-    let value = read(&view);
-    drop(view);
-    staging.unmap();
-    Ok(value)
 }

@@ -8,6 +8,7 @@ mod app;
 pub mod constants;
 pub mod controls;
 pub mod dialog;
+mod file_window;
 mod graphics;
 pub mod hold;
 mod input;

@@ -198,7 +198,7 @@ impl Outputs {
         let mut note = |path: PathBuf, result: Result<(), Failure>| match result {
             Ok(()) => done.push(path),
             Err(failure) if first.is_ok() => first = Err(failure),
-            Err(failure) => drop(failure.report()),
+            Err(failure) => drop(output::report(failure)),
         };
         if let Some((path, file)) = self.trace {
             let result = file.commit().map_err(|error| Failure::file(&path, &error));

@@ -70,7 +70,7 @@ fn cradles(outcome: &mut Outcome) -> Result<()> {
         chart = chart.add(lifted - 1, Mark::Points, format!("{lifted} lifted"), points);
         let (touching, energy) = swing(lifted, 0.0)?;
         let names = ["one", "two", "three", "four"];
-        let text = touching.map(crate::outcome::digits).join(", ");
+        let text = touching.map(crate::number::digits).join(", ");
         outcome.facts.push((names[lifted - 1], text));
         outcome.check(format!("{lifted} lifted, touching: energy, relative error"), 0.0, energy, 0.02);
     }

@@ -5,7 +5,8 @@ use std::ops::Range;
 use rockfall::stage::rows;
 use rockfall::wgpu;
 
-use crate::draw::pipelines::{CULL, Layouts};
+use crate::draw::layouts::Layouts;
+use crate::draw::pipelines::CULL;
 
 /// Spheres that a workgroup looks at.
 const WORKGROUP: u32 = 256;

@@ -5,11 +5,11 @@ use rockfall::glam::{Mat4, Vec3, Vec4};
 use rockfall::layout::{SPRING_WORDS, Step, TETHER_WORDS};
 
 use crate::camera::{Axes, Camera};
-use crate::draw::bounds::Setting;
 use crate::draw::coil::Fineness;
-use crate::draw::palette;
 use crate::draw::style::Style;
+use crate::draw::summary::SceneSummary;
 use crate::draw::targets::SHADOW_SIZE;
+use crate::palette;
 
 /// What is the same for a whole frame.
 #[repr(C)]
@@ -137,7 +137,7 @@ fn opaque(colour: palette::Rgb) -> Vec4 {
 }
 
 impl Frame {
-    pub(crate) fn new(step: &Step, camera: &Camera, style: &Style, setting: &Setting, size: [u32; 2]) -> Self {
+    pub(crate) fn new(step: &Step, camera: &Camera, style: &Style, summary: &SceneSummary, size: [u32; 2]) -> Self {
         let viewport = size.map(|side| side as f32);
         let aspect = viewport[0] / viewport[1];
         let Axes { right, up, forward } = camera.axes();
@@ -166,9 +166,9 @@ impl Frame {
             centre: camera.target,
             centre_distance: distance,
             horizon: palette::linear(style.background.horizon),
-            ground: setting.ground,
+            ground: summary.ground,
             zenith: palette::linear(style.background.zenith),
-            typical_radius: setting.typical_radius,
+            typical_radius: summary.typical_radius,
             viewport,
             range: [0.0, 1.0],
             cell_fade: level - level.floor(),

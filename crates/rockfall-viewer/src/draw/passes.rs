@@ -4,12 +4,13 @@ use std::ops::Range;
 
 use rockfall::wgpu;
 
+use crate::draw::Renderer;
 use crate::draw::cull::List;
 use crate::draw::frame::{is_covering, springs, tethers};
 use crate::draw::pipelines::{Kind, Pipelines};
+use crate::draw::style::Style;
 use crate::draw::targets::{Bodies, Targets, fill};
 use crate::draw::timing::Pass;
-use crate::draw::{Renderer, Style};
 
 /// Vertices of a kind of object.
 #[derive(Clone, Copy)]

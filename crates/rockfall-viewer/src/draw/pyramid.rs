@@ -3,7 +3,7 @@
 
 use rockfall::wgpu;
 
-use crate::draw::pipelines::{entry, texture};
+use crate::draw::layouts::{entry, texture};
 
 const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::R32Float;
 /// Blocks along a side of a workgroup.

@@ -4,8 +4,8 @@ use rockfall::Result;
 use rockfall::gpu::catch;
 use rockfall::wgpu;
 
-use crate::draw::pipelines::Layouts;
-use crate::picture::read_back;
+use crate::draw::layouts::Layouts;
+use crate::read_back::read_back;
 
 /// Of what was the greatest before, a frame later: a scale shrinks slowly.
 const DECAY: f32 = 0.98;

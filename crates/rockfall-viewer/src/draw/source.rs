@@ -4,7 +4,7 @@ use rockfall::layout::Step;
 use rockfall::stage::Buffer;
 use rockfall::{Result, Simulation, wgpu};
 
-use crate::draw::pipelines::STORAGE;
+use crate::draw::layouts::STORAGE;
 
 /// The buffers of the physics that are drawn from, in the order of their bindings.
 const READ: [Buffer; 3] = [Buffer::Start, Buffer::Orientations, Buffer::Words];

@@ -2,7 +2,7 @@
 
 use rockfall::SphereDiagnostics;
 
-use crate::draw::palette::Rgb;
+use crate::palette::Rgb;
 
 /// What the colour of a body tells.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]

@@ -2,17 +2,10 @@
 
 use rockfall::wgpu;
 
-use crate::draw::pipelines::Layouts;
+use crate::draw::formats::{DEPTH_FORMAT, LIGHT_FORMAT, OPENNESS_FORMAT, SAMPLES};
+use crate::draw::layouts::Layouts;
 use crate::draw::pyramid::{MakePyramid, Pyramid};
 
-/// Samples of a pixel. `wgsl/frame.wgsl` knows where they lie.
-pub(crate) const SAMPLES: u32 = 4;
-/// Linear light.
-pub(crate) const LIGHT_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
-/// Of the picture (1 on the near plane, 0 at infinity) and of the shadow map (0 next to the sun).
-pub(crate) const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
-/// How open to the sky a pixel is.
-pub(crate) const OPENNESS_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::R8Unorm;
 /// Pixels along a side of the shadow map.
 pub(crate) const SHADOW_SIZE: u32 = 2048;
 

@@ -2,7 +2,7 @@
 
 use rockfall::{Error, Result, wgpu};
 
-use crate::picture::read_back;
+use crate::read_back::read_back;
 
 /// The passes of a frame, in their order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

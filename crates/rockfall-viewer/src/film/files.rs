@@ -6,12 +6,13 @@ use std::path::Path;
 use rockfall::Result;
 use rockfall::output::AtomicFile;
 
-use crate::film::{Timing, failed};
+use crate::film::file_error::file_error;
+use crate::film::timing::Timing;
 use crate::picture::Picture;
 
 /// PNG's own extension for films.
 pub(super) fn write_apng(path: &Path, timing: &Timing, pictures: impl Iterator<Item = Result<Picture>>) -> Result<()> {
-    let wrong = failed(path);
+    let wrong = file_error(path);
     let mut file = AtomicFile::create(path).map_err(&wrong)?;
     let mut pictures = pictures.peekable();
     let Some(Ok(first)) = pictures.peek() else {
@@ -44,21 +45,21 @@ fn start<'a>(
 /// One file a picture, numbered with as many digits as the last one needs, and at least four. Those of a longer film that was there
 /// before go: whoever reads the folder would take them for the end of this one.
 pub(super) fn write_folder(path: &Path, timing: &Timing, pictures: impl Iterator<Item = Result<Picture>>) -> Result<()> {
-    std::fs::create_dir_all(path).map_err(failed(path))?;
+    std::fs::create_dir_all(path).map_err(file_error(path))?;
     let digits = timing.pictures().to_string().len().max(4);
     let place = |number: usize| path.join(format!("{number:0digits$}.png"));
     let mut count = 0;
     for (number, picture) in pictures.enumerate() {
         let picture = picture?;
         let path = place(number);
-        let wrong = failed(&path);
+        let wrong = file_error(&path);
         let mut file = AtomicFile::create(&path).map_err(&wrong)?;
         picture.write_png(&mut file).map_err(&wrong)?;
         file.commit().map_err(&wrong)?;
         count = number + 1;
     }
     for old in (count..).map(place).take_while(|path| path.is_file()) {
-        std::fs::remove_file(&old).map_err(failed(&old))?;
+        std::fs::remove_file(&old).map_err(file_error(&old))?;
     }
     Ok(())
 }

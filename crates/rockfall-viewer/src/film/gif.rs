@@ -10,7 +10,7 @@ use gif::{DisposalMethod, Encoder, Frame, Repeat};
 use rockfall::Result;
 use rockfall::output::AtomicFile;
 
-use crate::film::failed;
+use crate::film::file_error::file_error;
 use crate::picture::Picture;
 
 /// 1 to 30, of NeuQuant (Dekker 1994): the higher, the faster and the worse.
@@ -23,7 +23,7 @@ const COMMON: usize = 55;
 const ALIKE: u32 = 20;
 
 pub(super) fn write(path: &Path, fps: u32, pictures: impl Iterator<Item = Result<Picture>>) -> Result<()> {
-    let wrong = failed(path);
+    let wrong = file_error(path);
     let coded = |error: gif::EncodingError| wrong(io::Error::other(error));
     let mut file = AtomicFile::create(path).map_err(&wrong)?;
     let mut pictures = pictures.peekable();

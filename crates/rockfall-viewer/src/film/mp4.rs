@@ -6,11 +6,11 @@ use std::process::{Child, Command, Stdio};
 
 use rockfall::Result;
 
-use crate::film::failed;
+use crate::film::file_error::file_error;
 use crate::picture::Picture;
 
 pub(super) fn write(path: &Path, fps: u32, pictures: impl Iterator<Item = Result<Picture>>) -> Result<()> {
-    let wrong = failed(path);
+    let wrong = file_error(path);
     let mut pictures = pictures.peekable();
     // Before the first picture is made: the program may be missing.
     check().map_err(&wrong)?;

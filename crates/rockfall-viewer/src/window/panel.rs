@@ -6,9 +6,9 @@ use rockfall::Energy;
 
 use super::constants::CONSTANTS;
 use super::viewer::Viewer;
-use crate::draw::palette::{Kind, Rgb};
 use crate::draw::{ColourBy, Style};
 use crate::legend::Legend;
+use crate::palette::{Kind, Rgb};
 
 /// Names and colours of the energies, and of the phases: Okabe and Ito's, which all eyes tell apart.
 const ENERGIES: [(&str, Rgb); 5] = [

@@ -4,13 +4,14 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use rockfall::glam::Vec3;
 use rockfall::{Body, Error, Loaded, Scene, Settings, Simulation};
 
 use super::hold::Held;
 use super::message::{Level, Message, Messages};
 use super::pace::Pace;
 use super::watch::Watch;
+
+mod pointer;
 
 /// Opens a scene on what the window draws with.
 pub type Opener = Box<dyn Fn(Scene) -> rockfall::Result<Simulation>>;
@@ -39,7 +40,7 @@ pub struct Session {
     overrides: Vec<(String, String)>,
     /// The file that Shift+R reads.
     given: Option<PathBuf>,
-    pub(super) simulation: Simulation,
+    simulation: Simulation,
     /// When steps are due.
     pub pace: Pace,
     running: bool,
@@ -47,9 +48,9 @@ pub struct Session {
     pub messages: Messages,
     /// Values that are sampled now and then.
     pub watch: Watch,
-    pub(super) held: Option<Held>,
+    held: Option<Held>,
     /// The body that was clicked on.
-    pub(super) picked: Option<Body>,
+    picked: Option<Body>,
     /// Grows whenever other objects are there.
     objects_version: u64,
     /// Grows whenever there is another simulation.
@@ -59,7 +60,7 @@ pub struct Session {
     /// The device is gone: nothing runs until [`Session::reopen`].
     device_failed: bool,
     /// Present time, in s since the window opened.
-    pub(super) now: f64,
+    now: f64,
 }
 
 impl Session {
@@ -153,7 +154,7 @@ impl Session {
     }
 
     /// Gives the value, or tells the error.
-    pub(super) fn good<T>(&mut self, result: rockfall::Result<T>) -> Option<T> {
+    fn good<T>(&mut self, result: rockfall::Result<T>) -> Option<T> {
         result.map_err(|error| self.fail(&error)).ok()
     }
 
@@ -372,22 +373,6 @@ impl Session {
             Level::Warning,
             "the graphics device was lost and opened again; the scene goes on from the last state read back",
         );
-    }
-
-    /// Adds a sphere that flies off from `origin` at `velocity`: as large and as dense as those of the scene.
-    pub fn throw(&mut self, origin: Vec3, velocity: Vec3) {
-        let sphere = super::hold::thrown(self.simulation.scene(), origin, velocity);
-        let added = self.simulation.add_sphere(sphere);
-        if self.good(added).is_some() {
-            self.objects_version += 1;
-        }
-    }
-
-    /// Forgets or picks the first body that a ray meets.
-    pub fn pick(&mut self, origin: Vec3, direction: Vec3) {
-        let hit = self.simulation.cast_ray(origin, direction);
-        self.picked = self.good(hit).flatten().map(|hit| hit.body);
-        self.sample(true);
     }
 
     /// The body that was clicked on.

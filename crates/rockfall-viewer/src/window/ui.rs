@@ -7,7 +7,7 @@ use rockfall::{Body, Simulation};
 use super::controls::{self, Command};
 use super::message::Level;
 use super::viewer::Viewer;
-use super::{dialog, input, panel};
+use super::{file_window, input, panel};
 
 /// What marks bodies over the picture.
 const MARK: Color32 = Color32::from_rgb(0xd5, 0x5e, 0x00);
@@ -36,7 +36,7 @@ pub(super) fn show(ui: &mut Ui, viewer: &mut Viewer, picture: &mut dyn FnMut([u3
     hint(&over, area, viewer);
     messages(ui, area, viewer);
     help(ui, viewer);
-    dialog::show(ui, viewer);
+    file_window::show(ui, viewer);
 }
 
 fn menu(ui: &mut Ui, viewer: &mut Viewer) {

@@ -129,9 +129,21 @@ impl Watch {
             keep(&mut self.energies, EnergySample { time: report.time, energy });
         }
         self.sampled_at = Some(report.steps);
-        let picked = picked.filter(|body| super::hold::is_there(simulation, *body));
+        let picked = picked.filter(|body| is_there(simulation, *body));
         self.facts = picked.map(|body| facts(simulation, body)).transpose()?;
         Ok(())
+    }
+}
+
+/// Whether a body is still in the scene.
+fn is_there(simulation: &Simulation, body: Body) -> bool {
+    let scene = simulation.scene();
+    match body {
+        Body::Sphere(id) => scene.sphere(id).is_ok(),
+        Body::Rod(id) => scene.rod(id).is_ok(),
+        Body::Box(id) => scene.cuboid(id).is_ok(),
+        Body::Polygon(id) => scene.polygon(id).is_ok(),
+        _ => false,
     }
 }
 

@@ -11,9 +11,9 @@ const NEAR_MOST: f32 = 0.6;
 const FALL: f32 = 1.0;
 
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Extent {
-    min: Vec3,
-    max: Vec3,
+pub(crate) struct Extent {
+    pub(crate) min: Vec3,
+    pub(crate) max: Vec3,
 }
 
 impl Extent {
@@ -21,16 +21,16 @@ impl Extent {
         points.into_iter().map(|point| Self { min: point, max: point }).reduce(Self::with)
     }
 
-    fn with(self, other: Self) -> Self {
+    pub(crate) fn with(self, other: Self) -> Self {
         Self { min: self.min.min(other.min), max: self.max.max(other.max) }
     }
 
-    fn size(self) -> f32 {
+    pub(crate) fn size(self) -> f32 {
         (self.max - self.min).max_element()
     }
 }
 
-fn of_spheres(scene: &Scene) -> Option<Extent> {
+pub(crate) fn of_spheres(scene: &Scene) -> Option<Extent> {
     extent(scene.spheres().iter())
 }
 
@@ -66,7 +66,7 @@ fn of_most_spheres(scene: &Scene) -> Option<Extent> {
 }
 
 /// The extents of boxes and polygons.
-fn of_static(scene: &Scene) -> impl Iterator<Item = Extent> {
+pub(crate) fn of_static(scene: &Scene) -> impl Iterator<Item = Extent> {
     let boxes = scene.boxes().iter().filter_map(|cuboid| {
         let [i, j, k] = cuboid.edges;
         let corner = |bits: u32| {
@@ -107,46 +107,6 @@ pub fn bounds(scene: &Scene) -> (Vec3, Vec3) {
         }
     }
     (shown.min, shown.max)
-}
-
-/// About so many places of spheres are kept.
-const PLACES: usize = 100;
-
-/// What the renderer has to know of a scene besides the buffers.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Setting {
-    /// Where some of the spheres are, spread over all.
-    pub(crate) places: Vec<Vec3>,
-    /// Height of the ground: under all that is static, or at 0 where that is near below the spheres, else under them.
-    pub(crate) ground: f32,
-    /// The median of the spheres' radii.
-    pub(crate) typical_radius: f32,
-}
-
-impl Default for Setting {
-    fn default() -> Self {
-        Self { places: Vec::new(), ground: 0.0, typical_radius: 1.0 }
-    }
-}
-
-impl Setting {
-    pub(crate) fn of(scene: &Scene) -> Self {
-        let mut radii: Vec<f32> = scene.spheres().iter().map(|sphere| sphere.radius).collect();
-        let middle = radii.len() / 2;
-        let typical_radius = match radii.len() {
-            0 => 1.0,
-            _ => *radii.select_nth_unstable_by(middle, f32::total_cmp).1,
-        };
-        let ground = match (of_static(scene).reduce(Extent::with), of_spheres(scene)) {
-            (Some(all), _) => all.min.y,
-            (None, Some(spheres)) if spheres.min.y >= 0.0 && spheres.min.y <= 2.0 * spheres.size() => 0.0,
-            (None, Some(spheres)) => spheres.min.y,
-            (None, None) => 0.0,
-        };
-        let apart = (scene.spheres().len() / PLACES).max(1);
-        let places = scene.spheres().iter().step_by(apart).map(|sphere| sphere.position).collect();
-        Self { places, ground, typical_radius }
-    }
 }
 
 #[cfg(test)]
@@ -192,14 +152,5 @@ mod tests {
         scene.add_sphere(Sphere::new([4.0, -300.0, 0.0], 0.5)).unwrap();
         scene.add_sphere(Sphere::new([90.0, 4.0, 0.0], 0.5)).unwrap();
         assert_eq!(bounds(&scene), all);
-    }
-
-    #[test]
-    fn the_ground_is_under_what_is_static() {
-        assert_eq!(Setting::of(&scene(&[])).ground, 0.0);
-        assert_eq!(Setting::of(&scene(&[Cuboid::between([-5.0, -1.0, -5.0], [5.0, 0.0, 5.0])])).ground, -1.0);
-        let mut deep = Scene::new();
-        deep.add_sphere(Sphere::new([0.0, -7.0, 0.0], 0.5)).unwrap();
-        assert_eq!((Setting::of(&deep).ground, Setting::of(&deep).typical_radius), (-7.5, 0.5));
     }
 }

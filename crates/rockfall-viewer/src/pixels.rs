@@ -1,0 +1,36 @@
+//! Pixels of a picture in host memory.
+
+use std::io::Write;
+
+/// Pixels, row by row from the top.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Picture {
+    /// Pixels in a row.
+    pub width: u32,
+    /// Rows.
+    pub height: u32,
+    /// Red, green, blue and opacity of every pixel, in sRGB.
+    pub pixels: Vec<[u8; 4]>,
+}
+
+impl Picture {
+    /// Writes it as a PNG file.
+    ///
+    /// # Errors
+    /// Those of the writer.
+    pub fn write_png(&self, to: impl Write) -> std::io::Result<()> {
+        let mut encoder = png::Encoder::new(to, self.width, self.height);
+        encoder.set_color(png::ColorType::Rgb);
+        encoder.set_depth(png::BitDepth::Eight);
+        encoder.set_compression(png::Compression::High);
+        encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
+        let mut writer = encoder.write_header()?;
+        writer.write_image_data(&self.rgb())?;
+        Ok(writer.finish()?)
+    }
+
+    /// Red, green and blue of every pixel, one after the other.
+    pub fn rgb(&self) -> Vec<u8> {
+        self.pixels.iter().flat_map(|[r, g, b, _]| [*r, *g, *b]).collect()
+    }
+}
