@@ -143,7 +143,7 @@ impl Series {
                 frames.seek(SeekFrom::Start(frame * whole + at))?;
                 let copied = io::copy(&mut (&*frames).take(part), &mut zip)?;
                 if copied != part {
-                    return Err(io::ErrorKind::UnexpectedEof.into());
+                    return Err(io::Error::new(io::ErrorKind::UnexpectedEof, "the frames written so far are incomplete"));
                 }
             }
             at += part;
@@ -161,7 +161,8 @@ fn changed() -> io::Error {
 }
 
 fn frames_path(path: &Path) -> io::Result<PathBuf> {
-    let mut name = path.file_name().ok_or(io::ErrorKind::InvalidInput)?.to_owned();
+    let name = path.file_name().ok_or_else(|| io::Error::new(io::ErrorKind::InvalidInput, "expected the name of a file"))?;
+    let mut name = name.to_owned();
     name.push(".frames");
     Ok(path.with_file_name(name))
 }

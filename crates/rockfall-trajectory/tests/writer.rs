@@ -70,7 +70,7 @@ fn an_unfinished_trajectory_is_removed_unless_it_was_marked() {
     let mark = writer.mark().expect("it is marked").expect("a regular file");
     drop(writer);
     assert_eq!(names(folder.path()), [".run.npz.frames.part"]);
-    Writer::resume(&path, Format::Npz, mark).expect("it goes on").finish(simulation().scene()).expect("it is finished");
+    Writer::resume(&path, Format::Npz, mark).expect("it is resumed").finish(simulation().scene()).expect("it is finished");
     assert_eq!(names(folder.path()), ["run.npz"]);
 }
 

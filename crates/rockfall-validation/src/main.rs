@@ -1,4 +1,4 @@
-//! `cargo xtask validate`: writes `docs/validation.md` and the plots beside it.
+//! `cargo xtask validate`: writes `docs/validation.md` and its plots.
 
 use std::fs;
 use std::path::{Path, PathBuf};

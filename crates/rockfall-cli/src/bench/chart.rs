@@ -12,7 +12,7 @@ use crate::bench::measure::Measured;
 use crate::bench::phases::PHASES;
 
 const SIZE: (u32, u32) = (900, 560);
-/// Half the width of a bar, where bars stand 1 apart.
+/// Half the width of a bar. The distance between bars is 1.
 const HALF: f64 = 0.32;
 /// One colour for each phase, also distinguishable with colour blindness.
 const COLOURS: [RGBColor; 4] =

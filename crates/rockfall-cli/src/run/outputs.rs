@@ -265,7 +265,7 @@ fn open_trace(path: &Path, mark: Option<Mark>) -> Result<AtomicFile, Failure> {
 
 /// Error for an output of the earlier run that cannot be continued.
 fn lost(error: &Error, option: &str) -> Failure {
-    Failure::usage(format!("{error}; give another {option} to start a new file"))
+    Failure::usage(format!("{error}; --resume cannot continue this file: give another {option}"))
 }
 
 /// Converts errors of the library, so that a file that cannot be written is reported with its name.

@@ -13,7 +13,7 @@ use crate::failure::Failure;
 use crate::options::Setting;
 use crate::output;
 
-/// Tells arguments on the command line from those that have their defaults.
+/// Distinguishes arguments on the command line from defaults.
 pub(crate) struct Given<'a>(pub(crate) &'a ArgMatches);
 
 impl Given<'_> {
