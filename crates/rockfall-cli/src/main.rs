@@ -23,7 +23,7 @@ mod summary;
 #[cfg(feature = "window")]
 mod view;
 
-/// Rigid-body physics engine that runs on the GPU.
+/// Rigid-body physics engine that runs on the GPU or the CPU.
 #[derive(Debug, Parser)]
 #[command(
     name = "rockfall",

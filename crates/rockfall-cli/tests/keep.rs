@@ -206,7 +206,10 @@ fn options_override_the_checkpoint_and_changes_are_reported() {
     fs::write(rockfall.path("run.ckpt"), &keep).unwrap();
     fs::write(rockfall.path("a.csv"), "step\n").unwrap();
     let (_, err) = rockfall.run("run --resume run.ckpt --steps 30", 2);
-    assert!(err.contains("a.csv: it is not what was written before; --resume cannot continue this file: give another --trace"), "{err}");
+    assert!(
+        err.contains("a.csv: it is not what was written before; --resume cannot continue this file: give another --trace"),
+        "{err}"
+    );
     fs::remove_file(rockfall.path("a.csv")).unwrap();
     let (_, err) = rockfall.run("run --resume run.ckpt --steps 30", 2);
     assert!(err.contains("a.csv: what was written of it before is not there any more"), "{err}");
