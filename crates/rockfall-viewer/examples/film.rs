@@ -1,4 +1,4 @@
-//! Renders a film of a ball that falls on a tower of balls, without a window.
+//! A film of a ball that falls onto a tower of balls, drawn without a window.
 //!
 //! `cargo run --release -p rockfall-viewer --example film`
 
@@ -18,7 +18,7 @@ fn main() -> rockfall::Result<()> {
     scene.add_sphere(Sphere::new([0.1, 4.0, 0.0], 0.5).mass(5.0))?;
     let camera = Camera::of_scene(&scene, 16.0 / 9.0);
 
-    // `true` also accepts a software adapter.
+    // Software Vulkan is sufficient.
     let gpu = Gpu::open_blocking(true)?;
     let mut simulation = Simulation::on_device(scene, Options::new(), gpu.device(), gpu.queue())?;
     let mut renderer = Renderer::new(gpu.device(), gpu.queue(), FORMAT)?;

@@ -1,16 +1,17 @@
-//! What of a scene decides how it is shown: where it is, where the ground lies, how large bodies are.
+//! Bounding boxes of the parts of a scene.
 
 use rockfall::glam::Vec3;
 use rockfall::{Scene, Sphere};
 
-/// Static objects larger than this times the spheres' extent are what things stand on, not part of what is looked at.
+/// Static objects larger than this times the extent of the spheres are surroundings and need not be in the picture.
 const SURROUNDINGS: f32 = 0.6;
-/// Spheres farther from most others than this times the extent of those have got away.
-const NEAR_MOST: f32 = 0.6;
-/// A body may fall this times the spheres' extent and stay in the picture.
-const FALL: f32 = 1.0;
+/// Spheres farther from the majority than this times its extent are outliers.
+const OUTLIER_DISTANCE: f32 = 0.6;
+/// Distance that the spheres may fall without leaving the picture, divided by their extent.
+const FALL_DISTANCE: f32 = 1.0;
 
 #[derive(Clone, Copy, Debug, PartialEq)]
+/// An axis-aligned bounding box.
 pub(crate) struct Extent {
     pub(crate) min: Vec3,
     pub(crate) max: Vec3,
@@ -30,7 +31,7 @@ impl Extent {
     }
 }
 
-pub(crate) fn of_spheres(scene: &Scene) -> Option<Extent> {
+pub(crate) fn extent_of_spheres(scene: &Scene) -> Option<Extent> {
     extent(scene.spheres().iter())
 }
 
@@ -40,13 +41,13 @@ fn extent<'a>(spheres: impl Iterator<Item = &'a Sphere>) -> Option<Extent> {
         .reduce(Extent::with)
 }
 
-/// The extent of the spheres but for a few that have got away: what is nearer to the middle nine tenths than these are large
-/// counts, unless it fell below all that is static.
-fn of_most_spheres(scene: &Scene) -> Option<Extent> {
+/// Returns the extent of the spheres without outliers. The majority is what lies between the 5 % and the 95 % quantile of each
+/// coordinate. An outlier is farther away from it than [`OUTLIER_DISTANCE`] times its size, or is below every static object.
+fn extent_without_outliers(scene: &Scene) -> Option<Extent> {
     let spheres = scene.spheres();
     let few = spheres.len() / 20;
     if few == 0 {
-        return of_spheres(scene);
+        return extent_of_spheres(scene);
     }
     let mut quantiles = [Vec3::ZERO; 2];
     for axis in 0..3 {
@@ -56,17 +57,17 @@ fn of_most_spheres(scene: &Scene) -> Option<Extent> {
         }
     }
     let [low, high] = quantiles;
-    let room = Vec3::splat((high - low).max_element()) * NEAR_MOST;
-    let lowest = of_static(scene).map(|object| object.min.y).reduce(f32::min).unwrap_or(f32::NEG_INFINITY);
+    let room = Vec3::splat((high - low).max_element()) * OUTLIER_DISTANCE;
+    let lowest = extents_of_static_objects(scene).map(|object| object.min.y).reduce(f32::min).unwrap_or(f32::NEG_INFINITY);
     let near = |sphere: &&Sphere| {
         let place = sphere.position;
         place.cmpge(low - room).all() && place.cmple(high + room).all() && place.y >= lowest
     };
-    extent(spheres.iter().filter(near)).or_else(|| of_spheres(scene))
+    extent(spheres.iter().filter(near)).or_else(|| extent_of_spheres(scene))
 }
 
-/// The extents of boxes and polygons.
-pub(crate) fn of_static(scene: &Scene) -> impl Iterator<Item = Extent> {
+/// Extents of the boxes and polygons.
+pub(crate) fn extents_of_static_objects(scene: &Scene) -> impl Iterator<Item = Extent> {
     let boxes = scene.boxes().iter().filter_map(|cuboid| {
         let [i, j, k] = cuboid.edges;
         let corner = |bits: u32| {
@@ -82,25 +83,26 @@ pub(crate) fn of_static(scene: &Scene) -> impl Iterator<Item = Extent> {
     boxes.chain(polygons)
 }
 
-/// Least and greatest corner of what should be in a picture of a scene: its spheres but for a few that have got away, what of boxes and polygons is not much
-/// larger than they are together, and a part of what they may fall on.
+/// Returns the minimum and maximum corners of the part of a scene that a picture should show: the spheres without outliers, the
+/// points of the tethers, nearby boxes and polygons that are not much larger than the spheres together, and a part of what the
+/// spheres may fall onto.
 pub fn bounds(scene: &Scene) -> (Vec3, Vec3) {
-    let Some(spheres) = of_most_spheres(scene) else {
-        let all = of_static(scene).reduce(Extent::with).unwrap_or(Extent { min: -Vec3::ONE, max: Vec3::ONE });
+    let Some(spheres) = extent_without_outliers(scene) else {
+        let all = extents_of_static_objects(scene).reduce(Extent::with).unwrap_or(Extent { min: -Vec3::ONE, max: Vec3::ONE });
         return (all.min, all.max);
     };
     let mut shown = spheres;
     let tethers = scene.tethers().iter().map(|tether| tether.point);
     shown = Extent::of(tethers).map_or(shown, |tethers| shown.with(tethers));
     let size = spheres.size();
-    for object in of_static(scene) {
+    for object in extents_of_static_objects(scene) {
         let under = object.max.y <= spheres.min.y + 0.1 * size
             && object.min.x < spheres.max.x
             && object.max.x > spheres.min.x
             && object.min.z < spheres.max.z
             && object.max.z > spheres.min.z;
         if under {
-            shown.min.y = shown.min.y.min(object.max.y.max(spheres.min.y - FALL * size));
+            shown.min.y = shown.min.y.min(object.max.y.max(spheres.min.y - FALL_DISTANCE * size));
         } else if object.size() < SURROUNDINGS * size {
             let near = object.max.cmpge(spheres.min - 0.5 * size).all() && object.min.cmple(spheres.max + 0.5 * size).all();
             shown = if near { shown.with(object) } else { shown };
@@ -126,7 +128,7 @@ mod tests {
     }
 
     #[test]
-    fn spheres_are_in_the_picture_and_the_floor_below_them_only_in_height() {
+    fn bounds_include_the_spheres_and_only_the_height_of_the_floor() {
         let (min, max) = bounds(&scene(&[]));
         assert_eq!((min, max), (Vec3::new(-0.5, 1.5, -0.5), Vec3::new(3.25, 2.5, 0.5)));
         let (min, max) = bounds(&scene(&[Cuboid::between([-500.0, -1.0, -500.0], [500.0, 0.0, 500.0])]));
@@ -134,7 +136,7 @@ mod tests {
     }
 
     #[test]
-    fn a_small_box_beside_the_spheres_is_in_the_picture_and_a_far_one_is_not() {
+    fn bounds_include_a_small_box_near_the_spheres_but_no_distant_box() {
         let beside = Cuboid::between([4.0, 1.6, 0.0], [4.5, 3.0, 1.0]);
         assert_eq!(bounds(&scene(&[beside])).1, Vec3::new(4.5, 3.0, 1.0));
         let far = Cuboid::between([40.0, 1.6, 0.0], [40.5, 3.0, 1.0]);
@@ -142,7 +144,7 @@ mod tests {
     }
 
     #[test]
-    fn a_few_that_got_away_are_left_out() {
+    fn bounds_exclude_outliers() {
         let mut scene = Scene::new();
         for k in 0..100 {
             scene.add_sphere(Sphere::new([k as f32 % 10.0, (k / 10) as f32, 0.0], 0.5)).unwrap();

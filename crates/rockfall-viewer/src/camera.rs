@@ -1,27 +1,27 @@
-//! Where the picture is taken from.
+//! The perspective camera.
 
 use rockfall::Scene;
 use rockfall::glam::{Mat4, Vec3, Vec4};
 
 /// The default vertical field of view, in rad.
 const FIELD_OF_VIEW: f32 = 0.6;
-/// Where the default camera stands, seen from what it looks at: to the right, above, in front.
-const FROM: Vec3 = Vec3::new(0.45, 0.50, 1.0);
-/// Nearer than this times the distance of the target, nothing is drawn.
+/// Direction from the target to the default camera: to the right, above, in front.
+const DIRECTION_TO_CAMERA: Vec3 = Vec3::new(0.45, 0.50, 1.0);
+/// Distance of the near plane divided by the distance of the target.
 const NEAR: f32 = 1e-3;
 
-/// A camera of perspective; up is +y.
+/// A perspective camera; up is +y.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Camera {
-    /// Where it stands, in units.
+    /// Position of the camera, in units.
     pub eye: Vec3,
-    /// The point in the middle of the picture, in units; not `eye`.
+    /// Point in the middle of the picture, in units; must differ from `eye`.
     pub target: Vec3,
     /// Vertical field of view in rad, greater than 0 and less than pi.
     pub field_of_view: f32,
 }
 
-/// The camera's own unit vectors.
+/// Unit vectors of the camera.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Axes {
     /// To the right of the picture.
@@ -33,19 +33,20 @@ pub struct Axes {
 }
 
 impl Camera {
-    /// A camera that looks from one point at another.
+    /// Creates a camera at `eye` that looks at `target`.
     pub fn new(eye: impl Into<Vec3>, target: impl Into<Vec3>) -> Self {
         Self { eye: eye.into(), target: target.into(), field_of_view: FIELD_OF_VIEW }
     }
 
-    /// A camera, a little from above, that has the whole of a bounding box in a picture of this width over height.
+    /// Creates a camera that looks slightly down and shows the whole of a bounding box; `aspect` is the width of the picture
+    /// divided by its height.
     pub fn framing(min: Vec3, max: Vec3, aspect: f32) -> Self {
         let middle = (min + max) * 0.5;
-        let camera = Self::new(middle + FROM.normalize(), middle);
+        let camera = Self::new(middle + DIRECTION_TO_CAMERA.normalize(), middle);
         let Axes { right, up, forward } = camera.axes();
         let tangent = (0.5 * camera.field_of_view).tan();
         let half = (max - min) * 0.5;
-        // As far away as every corner asks for to be inside all four sides of the picture.
+        // The smallest distance at which every corner is within all four sides of the picture.
         let mut distance = 0.0_f32;
         for corner in 0..8 {
             let sign = |bit: u32| if corner >> bit & 1 == 1 { 1.0 } else { -1.0 };
@@ -57,27 +58,27 @@ impl Camera {
         Self { eye: middle - distance * forward, ..camera }
     }
 
-    /// A camera that has the moving bodies of a scene in the picture, and what they lie on or may fall on.
+    /// Creates a camera that shows the moving bodies of a scene and what they lie on or may fall onto.
     pub fn of_scene(scene: &Scene, aspect: f32) -> Self {
         let (min, max) = crate::bounds::bounds(scene);
         Self::framing(min, max, aspect)
     }
 
-    /// Its unit vectors.
+    /// Returns the unit vectors of the camera.
     pub fn axes(&self) -> Axes {
         let forward = (self.target - self.eye).try_normalize().unwrap_or(Vec3::NEG_Z);
-        // Straight up or down, the picture's top is -z or +z.
+        // When the camera looks straight down or up, the top of the picture is -z or +z.
         let level = forward.cross(Vec3::Y);
         let right = if level.length_squared() > 1e-10 { level.normalize() } else { Vec3::X };
         Axes { right, up: right.cross(forward), forward }
     }
 
-    /// Distance of the plane before which nothing is drawn, in units.
+    /// Distance of the near plane, in units; nothing nearer is drawn.
     pub fn near(&self) -> f32 {
         (NEAR * self.eye.distance(self.target)).max(f32::MIN_POSITIVE)
     }
 
-    /// From the world to clip space: x to the right, y up, depth 1 on the near plane and 0 at infinity.
+    /// Matrix from world space to clip space: x to the right, y up, depth 1 on the near plane and 0 at infinity.
     pub fn view_projection(&self, aspect: f32) -> Mat4 {
         let Axes { right, up, forward } = self.axes();
         let scale = 1.0 / (0.5 * self.field_of_view).tan();
@@ -86,8 +87,8 @@ impl Camera {
         Mat4::from_cols(rows[0], rows[1], rows[2], rows[3]).transpose()
     }
 
-    /// The ray through a point of the picture, from -1 to 1 to the right and from -1 to 1 upwards: where it begins, and its
-    /// unit direction.
+    /// Returns the origin and the unit direction of the ray through a point of the picture. `ndc_x` is -1 at the left and 1
+    /// at the right, `ndc_y` is -1 at the bottom and 1 at the top.
     pub fn ray(&self, ndc_x: f32, ndc_y: f32, aspect: f32) -> (Vec3, Vec3) {
         let Axes { right, up, forward } = self.axes();
         let tangent = (0.5 * self.field_of_view).tan();
@@ -125,7 +126,7 @@ mod tests {
     }
 
     #[test]
-    fn axes_are_right_handed_and_up_is_up() {
+    fn axes_are_right_handed_and_up_points_upwards() {
         for target in [[-1.0, 0.5, 0.25], [3.0, 9.0, 5.0], [3.0, -9.0, 5.0]] {
             let Axes { right, up, forward } = Camera::new([3.0, 4.0, 5.0], target).axes();
             assert!((right.cross(up) + forward).length() < 1e-5);
@@ -134,7 +135,7 @@ mod tests {
     }
 
     #[test]
-    fn framed_boxes_are_inside_and_fill_the_picture() {
+    fn a_framed_box_fits_the_picture_and_fills_it() {
         for (min, max) in [(Vec3::splat(-1.0), Vec3::ONE), (Vec3::new(-9.0, 0.0, 2.0), Vec3::new(30.0, 1.0, 3.0))] {
             for aspect in [0.5, 1.0, 2.5] {
                 let projection = Camera::framing(min, max, aspect).view_projection(aspect);

@@ -1,7 +1,7 @@
-//! Drawing a simulation, straight from the buffers that the physics runs on.
+//! Draws a simulation directly from the buffers of the physics.
 //!
-//! On the GPU backend no body passes through the host: the shaders read state, orientations and topology where the kernels
-//! left them. On the CPU backend the same arrays are uploaded, so that there is one set of shaders. See [`Renderer`].
+//! On the GPU backend no body passes through the host: the shaders read the buffers of state, orientations and topology that
+//! the kernels wrote. On the CPU backend the same arrays are uploaded, so the same shaders serve both. See [`Renderer`].
 
 use rockfall::gpu::catch;
 use rockfall::layout::Step;
@@ -13,6 +13,7 @@ use crate::camera::Camera;
 use crate::legend::Legend;
 pub use crate::palette;
 
+mod buffers;
 mod coil;
 mod cull;
 mod formats;
@@ -23,27 +24,26 @@ mod passes;
 mod pipelines;
 mod pyramid;
 mod range;
-mod source;
 mod style;
 mod summary;
 mod targets;
 mod timing;
 
-use coil::{CoilMesh, Fineness};
+use buffers::SceneBuffers;
+use coil::{CoilMesh, Resolution};
 use cull::Cull;
 use frame::Frame;
 use layouts::Layouts;
 use pipelines::Pipelines;
-use pyramid::MakePyramid;
-use range::{FindGreatest, Greatest};
-use source::Source;
+use pyramid::PyramidBuilder;
+use range::{RecentMaximum, SpeedReduction};
 pub use style::{Background, ColourBy, Range, Style};
 use summary::SceneSummary;
 use targets::{ShadowMap, Targets};
 use timing::Timer;
 pub use timing::{FrameTimes, Pass};
 
-/// Draws a simulation onto any texture of one format.
+/// Draws a simulation onto textures of one format.
 ///
 /// ```no_run
 /// # fn main() -> rockfall::Result<()> {
@@ -65,9 +65,9 @@ pub use timing::{FrameTimes, Pass};
 /// # }
 /// ```
 ///
-/// The device must be the one that the simulation runs on, where that is a GPU
-/// (`simulation.gpu_view()` gives it; [`Simulation::on_device`] takes the caller's), opened with all limits of its adapter:
-/// WebGPU's defaults are too small for large scenes.
+/// A simulation on the GPU backend must run on the device of the renderer: take the device from `simulation.gpu_view()`, or
+/// pass your own to [`Simulation::on_device`]. Open the device with all limits of its adapter, because WebGPU's default
+/// limits are too small for large scenes.
 #[derive(Debug)]
 pub struct Renderer {
     device: wgpu::Device,
@@ -75,27 +75,27 @@ pub struct Renderer {
     layouts: Layouts,
     pipelines: Pipelines,
     uniform: wgpu::Buffer,
-    source: Source,
+    buffers: SceneBuffers,
     shadows: ShadowMap,
     coil: CoilMesh,
     cull: Cull,
-    pyramid: MakePyramid,
+    pyramid: PyramidBuilder,
     timer: Option<Timer>,
     targets: Option<Targets>,
     summary: Option<SceneSummary>,
     boxes: Vec<Cuboid>,
-    /// Whether there are objects of each of the palette's kinds.
+    /// Whether the scene has objects of each kind of [`palette::KINDS`].
     present: [bool; 8],
-    find: FindGreatest,
-    greatest: Greatest,
-    /// What `greatest` is of.
+    speed_reduction: SpeedReduction,
+    recent_maximum: RecentMaximum,
+    /// The quantity that `recent_maximum` belongs to.
     coloured_by: ColourBy,
     step: Step,
     blend: f32,
 }
 
 impl Renderer {
-    /// A renderer for textures of this format.
+    /// Creates a renderer for textures of `format`.
     ///
     /// # Errors
     /// [`rockfall::Error::Device`] when the device cannot run the shaders.
@@ -105,7 +105,7 @@ impl Renderer {
 
     fn make(device: &wgpu::Device, queue: &wgpu::Queue, format: wgpu::TextureFormat) -> Self {
         let layouts = Layouts::new(device);
-        let pyramid = MakePyramid::new(device);
+        let pyramid = PyramidBuilder::new(device);
         let uniform = device.create_buffer(&wgpu::BufferDescriptor {
             label: Some("frame"),
             size: size_of::<Frame>() as u64,
@@ -117,26 +117,27 @@ impl Renderer {
             queue: queue.clone(),
             pipelines: Pipelines::new(device, &layouts, format),
             shadows: ShadowMap::new(device, &layouts),
-            coil: CoilMesh::new(device, Fineness::of(0)),
+            coil: CoilMesh::new(device, Resolution::of(0)),
             cull: Cull::new(device, &pyramid.read),
             pyramid,
             timer: None,
             layouts,
             uniform,
-            source: Source::default(),
+            buffers: SceneBuffers::default(),
             targets: None,
             summary: None,
             boxes: Vec::new(),
             present: [false; 8],
-            find: FindGreatest::new(device, queue),
-            greatest: Greatest::default(),
+            speed_reduction: SpeedReduction::new(device, queue),
+            recent_maximum: RecentMaximum::default(),
             coloured_by: ColourBy::Kind,
             step: Step::default(),
             blend: 1.0,
         }
     }
 
-    /// Sets the size of what is drawn onto, in pixels; at least 1, at most the device's `max_texture_dimension_2d`.
+    /// Sets the size of the textures that are drawn onto, in pixels; at least 1, at most the device's
+    /// `max_texture_dimension_2d`.
     pub fn resize(&mut self, width: u32, height: u32) {
         let size = [width.max(1), height.max(1)];
         if self.targets.as_ref().is_none_or(|targets| targets.size != size) {
@@ -144,70 +145,71 @@ impl Renderer {
         }
     }
 
-    /// Takes in a scene that has not been drawn before: the height of its ground, how large its bodies are, and which
-    /// spheres and rods are capsules. What is added to it or removed later, [`Renderer::update`] finds by itself.
+    /// Prepares the renderer for another scene: the height of its ground, the typical size of its bodies, and which spheres
+    /// and rods belong to capsules. Later changes to the objects of the scene are detected by [`Renderer::update`].
     pub fn set_scene(&mut self, simulation: &Simulation) {
         self.summary = Some(SceneSummary::of(simulation.scene()));
-        self.take_objects(simulation);
+        self.update_objects(simulation);
     }
 
-    fn take_objects(&mut self, simulation: &Simulation) {
-        self.source.mark_capsules(&self.device, &self.queue, simulation);
+    fn update_objects(&mut self, simulation: &Simulation) {
+        self.buffers.mark_capsules(&self.device, &self.queue, simulation);
         self.boxes = simulation.scene().boxes().to_vec();
         self.present = present(simulation.scene());
     }
 
-    /// Takes in the simulation as it is now. On the GPU backend that is where its buffers are, and nothing is copied; on the
-    /// CPU backend the state is uploaded. What [`Style::colour_by`] asks for beyond the state is evaluated on the host.
+    /// Updates what is drawn to the present state of the simulation. On the GPU backend only references to its buffers are
+    /// taken and nothing is copied. On the CPU backend the state is uploaded. A quantity of [`Style::colour_by`] that is not
+    /// part of the state is evaluated on the host.
     ///
     /// # Errors
-    /// [`rockfall::Error::Device`] when the GPU failed, or the scene is so large that its state does not fit one binding.
+    /// [`rockfall::Error::Device`] when the GPU failed, or when the scene is so large that its state does not fit one binding.
     pub fn update(&mut self, simulation: &mut Simulation, style: &Style) -> Result<()> {
         simulation.flush()?;
         if self.summary.is_none() {
             self.set_scene(simulation);
-        } else if self.source.is_stale(simulation) {
-            self.take_objects(simulation);
+        } else if self.buffers.is_stale(simulation) {
+            self.update_objects(simulation);
         }
-        self.step = self.source.take(&self.device, &self.queue, simulation)?;
-        self.take_values(simulation, style)?;
-        if self.source.bind(&self.device, &self.layouts.bodies, &self.uniform) {
-            self.cull.bind(&self.device, &self.uniform, self.source.bound(), self.step.spheres);
+        self.step = self.buffers.update(&self.device, &self.queue, simulation)?;
+        self.update_values(simulation, style)?;
+        if self.buffers.bind(&self.device, &self.layouts.bodies, &self.uniform) {
+            self.cull.bind(&self.device, &self.uniform, self.buffers.bound_buffers(), self.step.spheres);
         }
-        let fineness = Fineness::of(frame::springs(&self.step) + frame::tethers(&self.step));
-        if self.coil.fineness != fineness {
-            self.coil = CoilMesh::new(&self.device, fineness);
+        let resolution = Resolution::of(frame::springs(&self.step) + frame::tethers(&self.step));
+        if self.coil.resolution != resolution {
+            self.coil = CoilMesh::new(&self.device, resolution);
         }
         Ok(())
     }
 
-    /// Finds what colours are to tell, and how great it is.
-    fn take_values(&mut self, simulation: &mut Simulation, style: &Style) -> Result<()> {
+    /// Evaluates the quantity that the colours show, and its greatest value.
+    fn update_values(&mut self, simulation: &mut Simulation, style: &Style) -> Result<()> {
         let by = style.colour_by;
         if self.coloured_by != by {
-            (self.coloured_by, self.greatest) = (by, Greatest::default());
+            (self.coloured_by, self.recent_maximum) = (by, RecentMaximum::default());
         }
         if by.is_evaluated() {
-            let values: Vec<f32> = simulation.diagnostics()?.iter().map(|found| by.of(found)).collect();
-            self.greatest.see(values.iter().copied().fold(0.0, f32::max));
-            self.source.set_values(&self.queue, simulation, values.into_iter());
+            let values: Vec<f32> = simulation.diagnostics()?.iter().map(|found| by.value_of(found)).collect();
+            self.recent_maximum.record(values.iter().copied().fold(0.0, f32::max));
+            self.buffers.set_values(&self.queue, simulation, values.into_iter());
         } else if by == ColourBy::Speed
             && style.range == Range::Auto
-            && let Some(state) = self.source.state()
+            && let Some(state) = self.buffers.state()
         {
-            self.greatest.see(self.find.speed(state, self.step.spheres)?);
+            self.recent_maximum.record(self.speed_reduction.greatest(state, self.step.spheres)?);
         }
         Ok(())
     }
 
     fn range(&self, style: &Style) -> [f32; 2] {
         match style.range {
-            Range::Auto => self.greatest.range(),
+            Range::Auto => self.recent_maximum.range(),
             Range::Given(range) => range,
         }
     }
 
-    /// What the colours of the next picture mean.
+    /// Returns the legend of the next picture.
     pub fn legend(&self, style: &Style) -> Legend {
         match style.colour_by.title() {
             Some(title) => Legend::scale(title, self.range(style)),
@@ -218,36 +220,37 @@ impl Renderer {
         }
     }
 
-    /// Keeps the positions and orientations that [`Renderer::update`] took in last, on the device, as the ones to blend
-    /// from.
+    /// Copies the positions and orientations of the last [`Renderer::update`], on the device, as the state to blend from.
     pub fn remember(&mut self) {
         let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-        self.source.remember(&mut encoder, self.step.spheres);
+        self.buffers.remember(&mut encoder, self.step.spheres);
         self.queue.submit([encoder.finish()]);
     }
 
-    /// From the next [`Renderer::draw`] on, bodies are shown between where they were when [`Renderer::remember`] was
-    /// called, 0, and where they are, 1. Where spheres were put in another order since, they are shown where they are.
+    /// Sets the blend factor of the next [`Renderer::draw`]: 0 shows the bodies where they were at the last
+    /// [`Renderer::remember`], 1 where they are now. If the order of the spheres in memory has changed in between, they are
+    /// shown where they are now.
     pub fn set_blend(&mut self, blend: f32) {
         self.blend = blend.clamp(0.0, 1.0);
     }
 
-    /// Draws onto `target`, whole, what [`Renderer::update`] took in last. The size must be that of [`Renderer::resize`].
+    /// Draws the state of the last [`Renderer::update`] onto the whole of `target`, whose size must be that of
+    /// [`Renderer::resize`].
     pub fn draw(&mut self, encoder: &mut wgpu::CommandEncoder, target: &wgpu::TextureView, camera: &Camera, style: &Style) {
-        let (Some(targets), Some(bodies)) = (&self.targets, &self.source.group) else {
+        let (Some(targets), Some(bodies)) = (&self.targets, &self.buffers.group) else {
             return;
         };
-        let blend = if self.source.has_remembered() { self.blend } else { 1.0 };
+        let blend = if self.buffers.can_blend() { self.blend } else { 1.0 };
         let summary = self.summary.clone().unwrap_or_default();
-        self.source.set_opacities(&self.queue, &glass::opacities(&self.boxes, &summary.places, camera.eye));
+        self.buffers.set_opacities(&self.queue, &glass::opacities(&self.boxes, &summary.sample_positions, camera.eye));
         let mut frame = Frame::new(&self.step, camera, style, &summary, targets.size);
         (frame.blend, frame.range) = (blend, self.range(style));
         self.queue.write_buffer(&self.uniform, 0, bytemuck::bytes_of(&frame));
         if let Some(timer) = &mut self.timer {
-            let covering = frame::is_covering(&self.step);
-            timer.begin([true, style.shadows, true, covering, covering, style.occlusion, true]);
+            let culls_hidden = frame::culls_hidden(&self.step);
+            timer.begin([true, style.shadows, true, culls_hidden, culls_hidden, style.occlusion, true]);
         }
-        self.choose_spheres(encoder);
+        self.cull_spheres(encoder);
         if style.shadows {
             self.draw_shadows(encoder, bodies);
         }
@@ -261,7 +264,7 @@ impl Renderer {
         }
     }
 
-    /// Has every frame timed, from now on.
+    /// Measures the time of every frame from now on.
     ///
     /// # Errors
     /// [`rockfall::Error::Device`] when the device has no timestamps.
@@ -270,7 +273,7 @@ impl Renderer {
         Ok(())
     }
 
-    /// What the last frame that was submitted took on the device, and how much was drawn; waits for it. `None` unless
+    /// Waits for the last submitted frame, and returns its times on the device and the number of spheres drawn; `None` unless
     /// frames are timed.
     ///
     /// # Errors
@@ -280,7 +283,7 @@ impl Renderer {
     }
 }
 
-/// Whether a scene has objects of each of the palette's kinds.
+/// Returns whether a scene has objects of each kind of [`palette::KINDS`].
 fn present(scene: &Scene) -> [bool; 8] {
     let counts = scene.counts();
     let loose = counts.spheres - 2 * counts.capsules.min(counts.spheres / 2);

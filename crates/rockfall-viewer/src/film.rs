@@ -1,4 +1,4 @@
-//! Films: pictures of a simulation at even times, and the files they go to.
+//! Films: pictures of a simulation at regular times, and their files.
 
 use std::path::Path;
 
@@ -15,22 +15,22 @@ mod timing;
 
 pub use timing::{Moment, Timing};
 
-/// The file formats of films.
+/// File format of a film.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Format {
-    /// 256 colours a picture; at most 50 pictures a second.
+    /// Animated GIF: 256 colours per picture, at most 50 pictures per second.
     Gif,
-    /// PNG with all pictures in it, lossless.
+    /// Animated PNG: one file with all pictures, lossless.
     Apng,
-    /// H.264, made by the program `ffmpeg`.
+    /// H.264, encoded by the program `ffmpeg`.
     Mp4,
-    /// A PNG file a picture, `0000.png` first, in a folder.
+    /// A folder with one PNG file per picture, `0000.png` first.
     Folder,
 }
 
 impl Format {
-    /// The format that a path asks for by its extension; a folder that is there, or a path that ends in a separator, is a
-    /// folder.
+    /// Returns the format that the extension of a path stands for. An existing folder, or a path that ends in a separator,
+    /// stands for [`Format::Folder`].
     pub fn of(path: &Path) -> Option<Self> {
         let ends_in_separator = path.to_string_lossy().ends_with(std::path::is_separator);
         if ends_in_separator || path.is_dir() {
@@ -45,21 +45,21 @@ impl Format {
     }
 }
 
-/// Shows a simulation at moments that follow one another.
+/// Runs a simulation from one moment of a film to the next.
 #[derive(Debug)]
 pub struct Player {
     dt: f32,
-    /// Steps done since the film began.
+    /// Number of steps since the start of the film.
     done: u64,
 }
 
 impl Player {
-    /// A player of a simulation as it is now, that goes on in steps of `dt` seconds.
+    /// Creates a player that starts from the present state of a simulation and runs it in steps of `dt` seconds.
     pub fn new(dt: f32) -> Self {
         Self { dt, done: 0 }
     }
 
-    /// Runs the simulation up to a moment, not before the last one, and has the renderer take it in.
+    /// Runs the simulation up to a moment, which must not be before the last one, and updates the renderer.
     ///
     /// # Errors
     /// Those of the simulation.
@@ -81,10 +81,11 @@ impl Player {
     }
 }
 
-/// Writes a film. The file appears when it is complete; in a folder, picture by picture.
+/// Writes a film. A file appears only when it is complete; the files of a folder appear one by one.
 ///
 /// # Errors
-/// [`rockfall::Error::File`] when it cannot be written, or `ffmpeg` is asked for and not there; those of `pictures`.
+/// [`rockfall::Error::File`] when the film cannot be written, or when it needs `ffmpeg` and that is not installed; the errors
+/// of `pictures`.
 pub fn write(path: &Path, format: Format, timing: &Timing, pictures: impl Iterator<Item = Result<Picture>>) -> Result<()> {
     match format {
         Format::Gif => gif::write(path, timing.fps, pictures),
@@ -99,7 +100,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn formats_go_by_the_name() {
+    fn the_format_follows_from_the_path() {
         assert_eq!(Format::of(Path::new("a.gif")), Some(Format::Gif));
         assert_eq!(Format::of(Path::new("a.apng")), Some(Format::Apng));
         assert_eq!(Format::of(Path::new("a.mp4")), Some(Format::Mp4));

@@ -1,4 +1,4 @@
-//! What the colours of a picture mean.
+//! The legend of a picture: the meaning of its colours.
 
 use ab_glyph::{Font as _, FontRef, PxScale, ScaleFont as _};
 use rockfall::Result;
@@ -6,37 +6,37 @@ use rockfall::Result;
 use crate::palette::{Kind, Rgb, SCALE};
 use crate::pixels::Picture;
 
-/// What the colours of a picture mean.
+/// The meaning of the colours of a picture.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Legend {
-    /// A colour a kind of object.
+    /// One colour per kind of object.
     Kinds(Vec<Kind>),
     /// A scale of values.
     Scale {
-        /// What is measured, with its unit.
+        /// Name of the quantity, with its unit.
         title: &'static str,
-        /// The values at either end.
+        /// Values at the two ends of the scale.
         range: [f32; 2],
-        /// The colours from one end to the other, evenly spaced.
+        /// Evenly spaced colours from one end to the other.
         colours: [Rgb; 9],
     },
 }
 
 const INK: [f32; 3] = [0.13, 0.16, 0.20];
-const PAPER: [f32; 3] = [1.0, 1.0, 1.0];
-/// How much of the picture the paper hides.
+const BACKGROUND: [f32; 3] = [1.0, 1.0, 1.0];
+/// Opacity of the background.
 const OPACITY: f32 = 0.82;
 
 impl Legend {
-    /// A scale from viridis.
+    /// Creates a legend with the viridis scale.
     pub fn scale(title: &'static str, range: [f32; 2]) -> Self {
         Self::Scale { title, range, colours: SCALE }
     }
 
-    /// Draws it into the lower left corner of a picture.
+    /// Draws the legend into the lower left corner of a picture.
     ///
     /// # Errors
-    /// [`rockfall::Error::Device`] never in practice: only when the built-in font cannot be read.
+    /// [`rockfall::Error::Device`] when the built-in font cannot be read, which does not happen in practice.
     pub fn draw(&self, picture: &mut Picture) -> Result<()> {
         let font = FontRef::try_from_slice(epaint_default_fonts::UBUNTU_LIGHT)
             .map_err(|error| rockfall::Error::Device(format!("the built-in font: {error}")))?;
@@ -50,7 +50,7 @@ impl Legend {
     }
 }
 
-/// At most four significant digits, and none that say nothing.
+/// Formats a value with at most four significant digits and without trailing zeros.
 fn number(value: f32) -> String {
     let size = value.abs();
     if value == 0.0 {
@@ -64,7 +64,7 @@ fn number(value: f32) -> String {
     }
 }
 
-/// A picture that is written on; lengths in pixels.
+/// A picture with a font; lengths are in pixels.
 struct Sheet<'a> {
     picture: &'a mut Picture,
     font: FontRef<'a>,
@@ -75,7 +75,7 @@ impl Sheet<'_> {
     fn kinds(&mut self, kinds: &[Kind]) {
         let em = self.em;
         let widest = kinds.iter().map(|kind| self.width(kind.name)).fold(0.0, f32::max);
-        let [left, top] = self.paper(widest + 1.4 * em, 1.35 * em * kinds.len() as f32 - 0.35 * em);
+        let [left, top] = self.background(widest + 1.4 * em, 1.35 * em * kinds.len() as f32 - 0.35 * em);
         for (row, kind) in kinds.iter().enumerate() {
             let y = top + 1.35 * em * row as f32;
             let middle = [left + 0.45 * em, y + 0.5 * em];
@@ -91,7 +91,7 @@ impl Sheet<'_> {
     fn scale(&mut self, title: &str, range: [f32; 2], colours: &[Rgb]) {
         let em = self.em;
         let long = (12.0 * em).max(self.width(title));
-        let [left, top] = self.paper(long, 3.5 * em);
+        let [left, top] = self.background(long, 3.5 * em);
         self.text(title, left, top);
         let [bar, end] = [top + 1.45 * em, top + 2.25 * em];
         for x in 0..long as u32 {
@@ -111,15 +111,15 @@ impl Sheet<'_> {
         }
     }
 
-    /// A sheet of paper with room for what is this large; where that begins.
-    fn paper(&mut self, width: f32, height: f32) -> [f32; 2] {
+    /// Draws a background for contents of this size and returns the upper left corner of the contents.
+    fn background(&mut self, width: f32, height: f32) -> [f32; 2] {
         let (em, bottom) = (self.em, self.picture.height as f32);
         let margin = 0.7 * em;
         let sheet = [em, bottom - em - height - 2.0 * margin, em + width + 2.0 * margin, bottom - em];
         let middle = [0.5 * (sheet[0] + sheet[2]), 0.5 * (sheet[1] + sheet[3])];
         let half = [0.5 * (sheet[2] - sheet[0]), 0.5 * (sheet[3] - sheet[1])];
         let round = 0.45 * em;
-        self.fill(sheet, PAPER, |x, y| {
+        self.fill(sheet, BACKGROUND, |x, y| {
             let aside =
                 [((x - middle[0]).abs() - half[0] + round).max(0.0), ((y - middle[1]).abs() - half[1] + round).max(0.0)];
             OPACITY * (round - aside[0].hypot(aside[1]) + 0.5).clamp(0.0, 1.0)
@@ -127,7 +127,7 @@ impl Sheet<'_> {
         [sheet[0] + margin, sheet[1] + margin]
     }
 
-    /// Mixes a colour into a rectangle (left, top, right, bottom), as much as `cover` says at the middle of each pixel.
+    /// Blends a colour into a rectangle (left, top, right, bottom); `cover` returns the opacity at the centre of each pixel.
     fn fill(&mut self, [left, top, right, bottom]: [f32; 4], ink: [f32; 3], cover: impl Fn(f32, f32) -> f32) {
         for y in top.max(0.0) as u32..(bottom.ceil().max(0.0) as u32).min(self.picture.height) {
             for x in left.max(0.0) as u32..(right.ceil().max(0.0) as u32).min(self.picture.width) {
@@ -151,7 +151,7 @@ impl Sheet<'_> {
         text.chars().map(|letter| font.h_advance(font.glyph_id(letter))).sum()
     }
 
-    /// Writes a line whose top left corner is given.
+    /// Draws a line of text whose upper left corner is given.
     fn text(&mut self, text: &str, left: f32, top: f32) {
         let scale = PxScale::from(self.em);
         let font = self.font.clone();
@@ -178,7 +178,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn numbers_are_short() {
+    fn numbers_have_at_most_four_digits() {
         let shown = [0.0, 0.5, 2.0, 1234.5, 0.0125, 1e-6].map(number);
         assert_eq!(shown, ["0", "0.5", "2", "1234", "0.0125", "1.00e-6"]);
     }
@@ -188,7 +188,7 @@ mod tests {
     }
 
     #[test]
-    fn the_scale_runs_from_left_to_right() {
+    fn values_rise_from_left_to_right() {
         let mut picture = blank();
         Legend::scale("speed", [0.0, 2.0]).draw(&mut picture).unwrap();
         let found = |colour: Rgb| {
@@ -197,12 +197,12 @@ mod tests {
         };
         let (first, last) = (found(SCALE[0]).unwrap(), found(SCALE[8]).unwrap());
         assert!(last > first + 100, "{first} {last}");
-        // What is not paper is as it was.
+        // Nothing outside the legend changes.
         assert!(picture.pixels[..400 * 200].iter().all(|pixel| *pixel == [90, 90, 90, 255]));
     }
 
     #[test]
-    fn a_legend_larger_than_the_picture_does_no_harm() {
+    fn a_legend_larger_than_the_picture_is_clipped() {
         let mut picture = Picture { width: 5, height: 3, pixels: vec![[0; 4]; 15] };
         Legend::scale("speed", [0.0, 2.0]).draw(&mut picture).unwrap();
         Legend::Kinds(crate::palette::KINDS.to_vec()).draw(&mut picture).unwrap();

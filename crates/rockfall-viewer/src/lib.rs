@@ -1,13 +1,14 @@
-//! Looking at a rockfall simulation: pictures, films and a window.
+//! Pictures, films and a window for rockfall simulations.
 //!
-//! [`draw::Renderer`] draws a [`Simulation`](rockfall::Simulation) straight from the buffers that the physics runs on;
-//! [`picture`] draws into memory
-//! instead of a window, [`film`] a row of pictures into a file. There is no physics here: only rockfall's public interface is used.
+//! [`draw::Renderer`] draws a [`Simulation`](rockfall::Simulation) directly from the buffers of the physics. [`picture`] draws
+//! into memory, and [`film`] writes a sequence of pictures to a file. This crate contains no physics and uses only rockfall's
+//! public interface.
 //!
 //! # Features
-//! `window` (default): the window, on winit and egui.
+//! `window` (default): the window, based on winit and egui.
 //!
-//! `gpu` (default): all but that. Drawing takes a graphics device, software Vulkan included, whichever backend moves the bodies.
+//! `gpu` (default): everything else. Drawing requires a graphics device (software Vulkan is sufficient), whichever backend runs
+//! the simulation.
 #![cfg(feature = "gpu")]
 
 mod bounds;

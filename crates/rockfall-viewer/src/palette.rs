@@ -1,17 +1,18 @@
-//! Colours, chosen so that eyes of every kind tell them apart.
+//! Colours that can be told apart with any kind of colour vision.
 //!
-//! Kinds have the hues of Okabe and Ito, *Color Universal Design* (2008), toned down for large areas; scales are viridis (van
-//! der Walt and Smith 2015), whose lightness rises evenly. Colours are sRGB, 0 to 255.
+//! The colours of the kinds have the hues of Okabe and Ito, *Color Universal Design* (2008), with less saturation because
+//! they fill large areas. The colour scale is viridis (van der Walt and Smith 2015), whose lightness rises evenly. Colours
+//! are sRGB, 0 to 255.
 
 /// A colour in sRGB.
 pub type Rgb = [u8; 3];
 
-/// A kind of object, and its colour.
+/// A kind of object and its colour.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Kind {
-    /// What it is, in the plural.
+    /// Name of the kind, in the plural.
     pub name: &'static str,
-    /// Its colour.
+    /// Colour of the kind.
     pub colour: Rgb,
 }
 
@@ -44,7 +45,7 @@ pub const SCALE: [Rgb; 9] = [
     [0xfd, 0xe7, 0x25],
 ];
 
-/// Linear light of a colour (IEC 61966-2-1).
+/// Converts a colour to linear light (IEC 61966-2-1).
 pub fn linear(colour: Rgb) -> [f32; 3] {
     colour.map(|channel| {
         let encoded = f32::from(channel) / 255.0;

@@ -1,4 +1,4 @@
-//! Pictures without a window.
+//! Pictures that are drawn without a window.
 
 use rockfall::gpu::catch;
 use rockfall::{Error, Result, wgpu};
@@ -8,10 +8,10 @@ use crate::draw::{Renderer, Style};
 pub use crate::pixels::Picture;
 use crate::read_back::read_back;
 
-/// Format of the texture that pictures are drawn in.
+/// Format of the texture of a [`Canvas`].
 pub const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8UnormSrgb;
 
-/// A texture to draw on, and a buffer to read it back through.
+/// A texture to draw on, and a buffer to read it back with.
 #[derive(Debug)]
 pub struct Canvas {
     device: wgpu::Device,
@@ -23,15 +23,15 @@ pub struct Canvas {
 }
 
 impl Canvas {
-    /// A canvas of this size, in pixels.
+    /// Creates a canvas; `width` and `height` are in pixels.
     ///
     /// # Errors
-    /// [`Error::Invalid`] for a size of 0, or larger than the device allows; [`Error::Device`] when memory runs out.
+    /// [`Error::Invalid`] when a side is 0 or larger than the device allows; [`Error::Device`] when memory runs out.
     pub fn new(device: &wgpu::Device, queue: &wgpu::Queue, width: u32, height: u32) -> Result<Self> {
         let limit = device.limits().max_texture_dimension_2d;
         if width == 0 || height == 0 || width > limit || height > limit {
             let value = format!("{width}x{height}");
-            return Err(Error::Invalid { field: "size", value, expected: "sides from 1 to what the device allows" });
+            return Err(Error::Invalid { field: "size", value, expected: "sides from 1 to the limit of the device" });
         }
         catch(device, || Self::make(device, queue, width, height))
     }
@@ -58,7 +58,7 @@ impl Canvas {
         Self { device: device.clone(), queue: queue.clone(), texture, view, staging, stride }
     }
 
-    /// Draws what the renderer took in last, and leaves it on the device.
+    /// Draws the state of the last [`Renderer::update`]; the picture stays on the device.
     ///
     /// # Errors
     /// [`Error::Device`] when the device failed.
@@ -71,7 +71,7 @@ impl Canvas {
         })
     }
 
-    /// A picture of what the renderer took in last.
+    /// Draws the state of the last [`Renderer::update`] and reads the picture back.
     ///
     /// # Errors
     /// [`Error::Device`] when the device failed.

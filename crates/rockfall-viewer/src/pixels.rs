@@ -1,20 +1,20 @@
-//! Pixels of a picture in host memory.
+//! A picture in host memory.
 
 use std::io::Write;
 
-/// Pixels, row by row from the top.
+/// A picture in host memory.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Picture {
-    /// Pixels in a row.
+    /// Number of pixels in a row.
     pub width: u32,
-    /// Rows.
+    /// Number of rows.
     pub height: u32,
-    /// Red, green, blue and opacity of every pixel, in sRGB.
+    /// Red, green, blue and opacity of every pixel in sRGB, row by row from the top.
     pub pixels: Vec<[u8; 4]>,
 }
 
 impl Picture {
-    /// Writes it as a PNG file.
+    /// Writes the picture as a PNG file.
     ///
     /// # Errors
     /// Those of the writer.
@@ -29,7 +29,7 @@ impl Picture {
         Ok(writer.finish()?)
     }
 
-    /// Red, green and blue of every pixel, one after the other.
+    /// Returns red, green and blue of every pixel, one after the other.
     pub fn rgb(&self) -> Vec<u8> {
         self.pixels.iter().flat_map(|[r, g, b, _]| [*r, *g, *b]).collect()
     }

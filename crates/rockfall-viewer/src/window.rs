@@ -1,8 +1,9 @@
-//! The window: a scene that runs, is looked at and played with.
+//! The interactive window: runs and shows a scene.
 //!
-//! What can be tested without one is free of window and widget types: [`session`] holds the scene and moves it, [`pace`]
-//! says when, [`controls`] what keys do, [`navigation`] how the camera moves, and [`viewer`] puts them together. `ui`,
-//! `panel` and `dialog` are the widgets, `input` hands their events on, `graphics` and `app` are the device and the window.
+//! Modules that are tested without a window use no window or widget types: [`session`] owns the scene and runs it, [`pace`]
+//! decides when steps are due, [`controls`] maps keys to commands, [`navigation`] moves the camera, and [`viewer`] combines
+//! them. `ui`, `panel` and `file_window` are the widgets, `input` translates their events, `graphics` manages the device and
+//! `app` the window.
 
 mod app;
 pub mod constants;

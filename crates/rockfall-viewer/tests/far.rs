@@ -1,4 +1,4 @@
-//! What is left out of a picture, or drawn in a cheaper way, does not show.
+//! Culled and simplified spheres do not change the picture visibly.
 #![cfg(feature = "gpu")]
 
 use rockfall::glam::{DVec3, UVec3, Vec3};
@@ -11,18 +11,18 @@ mod common;
 use common::{HEIGHT, WIDTH, assert_covers, canvas, outlines, picture, renderer, simulation};
 
 #[test]
-fn spheres_on_the_edges_of_the_picture_are_drawn_as_far_as_they_are_in_it() {
+fn spheres_at_the_edges_of_the_picture_are_drawn() {
     let camera = Camera::new([1.0, 2.0, 6.0], [0.0, 0.0, 0.0]);
     let Axes { right, up, .. } = camera.axes();
     let half = camera.eye.length() * (0.5 * camera.field_of_view).tan();
     let radius = 0.6_f32;
     for (x, y) in [(-1.0, 0.0), (1.0, 0.2), (0.1, 1.0), (-0.3, -1.0), (1.0, 1.0)] {
-        // A sixth of the radius within.
+        // A sixth of the radius is within the picture.
         let inset = |side: f32, half: f32| side * half + 0.84 * radius * side.trunc();
         let centre = inset(x, half * common::ASPECT) * right + inset(y, half) * up;
         let mut scene = Scene::new();
         scene.add_sphere(Sphere::new(centre, radius)).unwrap();
-        // Something that is well within, so that the picture is not nearly empty.
+        // A second sphere in the middle, so that enough pixels are covered.
         scene.add_sphere(Sphere::new(Vec3::ZERO, 0.3)).unwrap();
         let balls = [(centre.as_dvec3(), f64::from(radius)), (DVec3::ZERO, 0.3)];
         let meets = move |origin: DVec3, direction: DVec3| {
@@ -32,14 +32,14 @@ fn spheres_on_the_edges_of_the_picture_are_drawn_as_far_as_they_are_in_it() {
     }
 }
 
-/// A loose lattice of spheres of one size that fills much of the picture, none before another.
+/// A square lattice of equal spheres that fills much of the picture without occlusion.
 fn lattice(side: u32, radius: f32) -> Scene {
     let mut scene = Scene::new();
     let apart = 2.0 / side as f32;
     for k in 0..side * side {
         let (x, y) = (k % side, k / side);
         let place = Vec3::new((x as f32 + 0.5) * apart - 1.0, (y as f32 + 0.5) * apart - 1.0, 0.0);
-        // Off the grid of the pixels.
+        // Shifted, so that the lattice is not aligned with the pixels.
         scene
             .add_sphere(Sphere::new(place + 0.13 * apart * Vec3::new((k as f32).sin(), (1.7 * k as f32).cos(), 0.0), radius))
             .unwrap();
@@ -47,7 +47,7 @@ fn lattice(side: u32, radius: f32) -> Scene {
     scene
 }
 
-/// How dark a picture of a lattice is, all in all, and how its spheres were drawn; `pixels`: the radius.
+/// Returns the total darkness of a picture of a lattice and how its spheres were drawn; `pixels` is the radius in pixels.
 fn darkness(side: u32, pixels: f32) -> (f32, FrameTimes) {
     let camera = Camera::new([0.0, 0.0, 5.0], [0.0, 0.0, 0.0]);
     let pixel = 2.0 * 5.0 * (0.5 * camera.field_of_view).tan() / HEIGHT as f32;
@@ -57,17 +57,17 @@ fn darkness(side: u32, pixels: f32) -> (f32, FrameTimes) {
     renderer.update(&mut simulation, &style).unwrap();
     let Picture { pixels, .. } = canvas().take(&mut renderer, &camera, &style).unwrap();
     assert_eq!(pixels.len() as u32, WIDTH * HEIGHT);
-    // Linear in light, as coverage is.
+    // Decoded to linear light, because coverage is proportional to light.
     let light = |channel: u8| (f32::from(channel) / 255.0).powf(2.2);
     let dark = pixels.iter().map(|[r, g, b, _]| 3.0 - light(*r) - light(*g) - light(*b)).sum();
     (dark, renderer.frame_times().unwrap().unwrap())
 }
 
 #[test]
-fn small_spheres_cover_what_their_discs_do() {
+fn small_spheres_cover_the_area_of_their_discs() {
     let (near, times) = darkness(20, 2.1);
     assert_eq!((times.near, times.far), (400, 0));
-    // Seen from far away, the outline is a circle of the radius.
+    // From far away the outline is a circle with the radius of the sphere.
     let per_pixel = near / (400.0 * 2.1_f32.powi(2));
     for (side, radius, tolerance) in [(20, 1.9, 0.03), (30, 1.0, 0.05), (60, 0.4, 0.08)] {
         let (dark, times) = darkness(side, radius);
@@ -75,7 +75,7 @@ fn small_spheres_cover_what_their_discs_do() {
         let expected = per_pixel * (side * side) as f32 * radius * radius;
         assert!((dark / expected - 1.0).abs() < tolerance, "{radius}: {dark} {expected}");
     }
-    // Of these, one in about 3.1 stands for all.
+    // About one in 3.1 of these is drawn.
     let (dark, times) = darkness(100, 0.2);
     let share = times.far as f32 / 10_000.0;
     assert!((share - (0.2_f32 / 0.35).powi(2)).abs() < 0.03, "{share}");
@@ -83,12 +83,12 @@ fn small_spheres_cover_what_their_discs_do() {
 }
 
 #[test]
-fn what_is_covered_is_left_out_and_missed_in_no_frame() {
+fn hidden_spheres_are_culled_without_changing_any_frame() {
     const SIDE: u32 = 28;
     let mut scene = Scene::new();
     for k in 0..SIDE.pow(3) {
         let place = UVec3::new(k % SIDE, k / SIDE % SIDE, k / SIDE.pow(2)).as_vec3();
-        // Not quite even, so that no two lie at the same depth.
+        // Slightly irregular, so that no two spheres have the same depth.
         let shift = Vec3::new((k as f32).sin(), (1.3 * k as f32).sin(), (1.7 * k as f32).sin());
         scene.add_sphere(Sphere::new(place + 0.03 * shift, 0.5)).unwrap();
     }
@@ -107,14 +107,14 @@ fn what_is_covered_is_left_out_and_missed_in_no_frame() {
         renderer.time_frames().unwrap();
         renderer
     };
-    let mut lasting = timed();
+    let mut reused = timed();
     for camera in &cameras {
-        // Nothing was seen before: all that is in the picture is drawn.
+        // A new renderer draws all spheres in the picture, because none was visible before.
         let (whole, all) = take(&mut timed(), camera);
-        // What was seen in the last frame is drawn first, then what that does not cover: the first frame of all has nothing
-        // to cover with, the second one finds what is covered, the third one leaves it out.
+        // A frame draws the spheres that were visible in the last frame first, and then those that these do not hide. The first
+        // frame of all has nothing to hide others with, the second finds the hidden spheres, and the third culls them.
         for turn in 0..3 {
-            let (picture, drawn) = take(&mut lasting, camera);
+            let (picture, drawn) = take(&mut reused, camera);
             assert!(picture == whole, "{camera:?}, turn {turn}");
             assert!(turn < 2 || drawn < all / 2, "{drawn} of {all} are drawn");
         }

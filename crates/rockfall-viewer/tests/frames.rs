@@ -1,4 +1,4 @@
-//! From frame to frame: what is between two states, and what was added, removed or put in another order.
+//! Sequences of frames: blending between two states, and objects that are added, removed or reordered.
 #![cfg(feature = "gpu")]
 
 use rockfall::glam::{Quat, Vec3};
@@ -15,7 +15,7 @@ fn camera() -> Camera {
 }
 
 #[test]
-fn bodies_are_shown_between_two_states() {
+fn bodies_are_blended_between_two_states() {
     for backend in [Backend::Cpu, Backend::Gpu] {
         let mut scene = Scene::new();
         scene.settings.gravity = 0.0;
@@ -38,7 +38,7 @@ fn bodies_are_shown_between_two_states() {
 }
 
 #[test]
-fn what_is_added_and_removed_is_seen_without_being_told() {
+fn update_detects_added_and_removed_objects() {
     for backend in [Backend::Cpu, Backend::Gpu] {
         let mut scene = Scene::new();
         let first = scene.add_sphere(Sphere::new([-1.0, 0.0, 0.0], 0.5)).unwrap();
@@ -59,7 +59,7 @@ fn what_is_added_and_removed_is_seen_without_being_told() {
 }
 
 #[test]
-fn the_order_of_memory_does_not_show() {
+fn the_memory_order_does_not_change_the_picture() {
     let style = Style::default();
     let pictures = [BroadPhase::BruteForce, BroadPhase::Grid].map(|broad_phase| {
         let scene = Kind::Mixed.generate(300, 1).unwrap();
@@ -68,7 +68,7 @@ fn the_order_of_memory_does_not_show() {
         let mut simulation = Simulation::on_device(scene, options, gpu().device(), gpu().queue()).unwrap();
         take(&mut simulation, &camera, &style)
     });
-    // But for the order in which what lies at one depth is drawn.
+    // Only pixels of bodies at equal depths may differ, because they depend on the drawing order.
     let differing = pictures[0].pixels.iter().zip(&pictures[1].pixels).filter(|(one, two)| one != two).count();
     assert!(differing < 40, "{differing}");
 }

@@ -1,6 +1,6 @@
-//! A picture of everything at once, beside one that was looked at; and what such a comparison has to notice.
+//! Compares pictures with reference pictures, and checks that the comparison detects errors.
 //!
-//! `ROCKFALL_BLESS=1` writes the pictures anew: look at them before they are committed.
+//! `ROCKFALL_BLESS=1` overwrites the reference pictures: inspect them before you commit them.
 #![cfg(feature = "gpu")]
 
 use std::fs::File;
@@ -16,12 +16,13 @@ use rockfall_viewer::picture::Picture;
 mod common;
 use common::{picture, simulation, take};
 
-/// Pixels along the side of the blocks that are compared.
+/// Number of pixels along a side of the blocks whose means are compared.
 const BLOCK: u32 = 8;
-/// A block differs when its mean is this far off, of 255; drivers round edges and filters differently, but not by as much.
+/// Difference of the means, of 255, above which a block differs. Drivers round edges and filters differently, but by less
+/// than this.
 const TOLERANCE: f32 = 10.0;
 
-/// The place and size of the largest difference, if there is one that counts.
+/// Returns a description of the largest difference above the tolerance.
 fn difference(one: &Picture, two: &Picture) -> Option<String> {
     assert_eq!((one.width, one.height), (two.width, two.height));
     let mut worst = (TOLERANCE, None);
@@ -67,14 +68,14 @@ fn assert_golden(name: &str, made: &Picture) {
     if let Some(difference) = difference(&read(&path), made) {
         let beside = std::env::temp_dir().join(name);
         made.write_png(File::create(&beside).unwrap()).unwrap();
-        panic!("{name}: {difference}; what was made is {}", beside.display());
+        panic!("{name}: {difference}; the new picture is {}", beside.display());
     }
 }
 
-/// What to change in the scene of everything.
+/// A variant of the test scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Broken {
-    Not,
+enum Variant {
+    Correct,
     WithoutBall,
     WithoutRod,
     WithoutCapsule,
@@ -88,40 +89,40 @@ enum Broken {
     Mirrored,
 }
 
-fn everything(broken: Broken) -> Scene {
+fn everything(variant: Variant) -> Scene {
     let mut scene = Scene::new();
-    // A mirrored axis, all but the patterns of bodies.
-    let x = if broken == Broken::Mirrored { -1.0 } else { 1.0 };
+    // Mirrors the scene, but not the patterns of the bodies.
+    let x = if variant == Variant::Mirrored { -1.0 } else { 1.0 };
     let at = |place: [f32; 3]| Vec3::new(x * place[0], place[1], place[2]);
-    let with = |part: Broken| broken != part;
+    let with = |part: Variant| variant != part;
     scene.add_box(Cuboid::between([-4.0, -0.3, -2.5], [4.0, 0.0, 2.5])).unwrap();
-    let turn = if broken == Broken::TurnedBall { -0.6 } else { 0.6 };
+    let turn = if variant == Variant::TurnedBall { -0.6 } else { 0.6 };
     let ball = Sphere::new(at([-2.6, 0.6, 0.8]), 0.6).orientation(Quat::from_rotation_z(0.5) * Quat::from_rotation_y(turn));
     scene.add_sphere(ball).unwrap();
-    if with(Broken::WithoutBall) {
+    if with(Variant::WithoutBall) {
         let small = Sphere::new(at([-1.3, 0.3, 1.5]), 0.3);
-        scene.add_sphere(if broken == Broken::WrongColour { small.fixed() } else { small }).unwrap();
+        scene.add_sphere(if variant == Variant::WrongColour { small.fixed() } else { small }).unwrap();
     }
     let ends = [[-1.6, 0.35, -1.2], [-0.2, 1.4, -1.2]].map(|end| scene.add_sphere(Sphere::new(at(end), 0.3)).unwrap());
-    if with(Broken::WithoutRod) {
+    if with(Variant::WithoutRod) {
         scene.add_rod(Rod::new(ends[0], ends[1], 0.12)).unwrap();
     }
-    if with(Broken::WithoutCapsule) {
+    if with(Variant::WithoutCapsule) {
         scene.add_capsule(Capsule::new(at([-0.4, 0.35, 1.5]), at([1.1, 0.35, 0.9]), 0.35)).unwrap();
     }
     let tops = [[0.9, 0.3, -0.8], [0.9, 1.7, -0.8]].map(|end| scene.add_sphere(Sphere::new(at(end), 0.3)).unwrap());
-    if with(Broken::WithoutSpring) {
+    if with(Variant::WithoutSpring) {
         scene.add_spring(Spring::new(tops[0], tops[1], 10.0, 1.4)).unwrap();
     }
-    if with(Broken::WithoutTether) {
+    if with(Variant::WithoutTether) {
         scene.add_tether(Tether::new(tops[1], at([1.9, 2.4, -0.8]), 10.0).length(1.0)).unwrap();
     }
-    if with(Broken::WithoutBox) {
+    if with(Variant::WithoutBox) {
         scene.add_box(Cuboid::new(at([2.3, 0.0, 0.6]), [x * 0.8, 0.0, 0.3], [0.0, 0.7, 0.0], [x * -0.3, 0.0, 0.8])).unwrap();
     }
-    if with(Broken::WithoutPolygon) {
+    if with(Variant::WithoutPolygon) {
         let (mut left, mut right) = (at([1.0, 0.2, 0.4]), at([0.0, 1.2, -0.5]));
-        if broken == Broken::OtherSide {
+        if variant == Variant::OtherSide {
             std::mem::swap(&mut left, &mut right);
         }
         scene.add_polygon(Polygon::new(at([2.2, 0.0, -1.2]), left, right)).unwrap();
@@ -134,33 +135,33 @@ fn camera() -> Camera {
 }
 
 #[test]
-fn everything_looks_as_it_did() {
-    assert_golden("everything.png", &picture(everything(Broken::Not), &camera(), &Style::default()));
+fn all_objects_look_like_the_reference() {
+    assert_golden("everything.png", &picture(everything(Variant::Correct), &camera(), &Style::default()));
 }
 
 #[test]
-fn every_broken_variant_is_noticed() {
+fn every_wrong_variant_is_detected() {
     let whole = read(&golden("everything.png"));
-    for broken in [
-        Broken::WithoutBall,
-        Broken::WithoutRod,
-        Broken::WithoutCapsule,
-        Broken::WithoutSpring,
-        Broken::WithoutTether,
-        Broken::WithoutBox,
-        Broken::WithoutPolygon,
-        Broken::WrongColour,
-        Broken::TurnedBall,
-        Broken::OtherSide,
-        Broken::Mirrored,
+    for variant in [
+        Variant::WithoutBall,
+        Variant::WithoutRod,
+        Variant::WithoutCapsule,
+        Variant::WithoutSpring,
+        Variant::WithoutTether,
+        Variant::WithoutBox,
+        Variant::WithoutPolygon,
+        Variant::WrongColour,
+        Variant::TurnedBall,
+        Variant::OtherSide,
+        Variant::Mirrored,
     ] {
-        let made = picture(everything(broken), &camera(), &Style::default());
-        assert!(difference(&whole, &made).is_some(), "{broken:?} is not noticed");
-        if broken == Broken::Mirrored {
-            // Nor when the picture is mirrored back: patterns and light show it.
+        let made = picture(everything(variant), &camera(), &Style::default());
+        assert!(difference(&whole, &made).is_some(), "{variant:?} is not detected");
+        if variant == Variant::Mirrored {
+            // The picture mirrored back also differs, because of the patterns and the light.
             let rows = made.pixels.chunks_exact(made.width as usize);
             let pixels = rows.flat_map(|row| row.iter().rev().copied()).collect();
-            assert!(difference(&whole, &Picture { pixels, ..made }).is_some(), "a mirrored picture is not noticed");
+            assert!(difference(&whole, &Picture { pixels, ..made }).is_some(), "a mirrored picture is not detected");
         }
     }
     let styles: [fn(&mut Style); 3] =
@@ -168,16 +169,16 @@ fn every_broken_variant_is_noticed() {
     for (number, change) in styles.into_iter().enumerate() {
         let mut style = Style::default();
         change(&mut style);
-        let made = picture(everything(Broken::Not), &camera(), &style);
-        assert!(difference(&whole, &made).is_some(), "change {number} of the style is not noticed");
+        let made = picture(everything(Variant::Correct), &camera(), &style);
+        assert!(difference(&whole, &made).is_some(), "change {number} of the style is not detected");
     }
 }
 
 #[test]
-fn colours_of_values_look_as_they_did() {
+fn colours_of_values_look_like_the_reference() {
     for by in [ColourBy::Speed, ColourBy::Contacts, ColourBy::Overlap, ColourBy::Force] {
-        let mut scene = everything(Broken::Not);
-        // Sunk 0.1 into the floor, and on its way.
+        let mut scene = everything(Variant::Correct);
+        // A moving sphere with an overlap of 0.1 with the floor.
         scene.add_sphere(Sphere::new([0.2, 0.3, 0.2], 0.4).velocity([1.5, 0.0, 0.0])).unwrap();
         let mut style = Style::default();
         style.colour_by = by;
@@ -194,13 +195,13 @@ fn colours_of_values_look_as_they_did() {
 fn both_backends_give_the_same_picture() {
     let style = Style::default();
     let made = |backend| {
-        let mut simulation = simulation(everything(Broken::Not), backend);
+        let mut simulation = simulation(everything(Variant::Correct), backend);
         let before = take(&mut simulation, &camera(), &style);
         simulation.run(40, 0.01).unwrap();
         [before, take(&mut simulation, &camera(), &style)]
     };
     let [cpu, gpu] = [made(Backend::Cpu), made(Backend::Gpu)];
-    assert!(cpu[0] == gpu[0], "the first pictures are of the same numbers");
+    assert!(cpu[0] == gpu[0], "the first pictures show the same state but differ");
     assert_eq!(difference(&cpu[1], &gpu[1]), None);
-    assert!(difference(&cpu[0], &cpu[1]).is_some(), "nothing moved");
+    assert!(difference(&cpu[0], &cpu[1]).is_some(), "nothing has moved");
 }

@@ -1,4 +1,4 @@
-//! Each kind of object alone: its pixels are where projection says.
+//! Pictures of single objects: their pixels agree with the projection.
 #![cfg(feature = "gpu")]
 
 use rockfall::glam::{DVec3, Quat, Vec3};
@@ -7,7 +7,7 @@ use rockfall_viewer::camera::{Axes, Camera};
 
 mod common;
 use common::{
-    WIDTH, assert_covers, drawn_box, expected, is_drawn, outlines, picture, pixel, places, projected, simulation, take,
+    WIDTH, assert_covers, drawn_box, expected, is_drawn, outlines, picture, pixel, pixels, projected, simulation, take,
 };
 
 fn camera() -> Camera {
@@ -27,7 +27,7 @@ fn meets_ball(centre: DVec3, radius: f64) -> impl Fn(DVec3, DVec3) -> bool {
     }
 }
 
-/// By the least distance of a line of sight from a stretch, narrowed down by trial: it has one minimum.
+/// Finds the least distance between a ray and a line segment by ternary search; the distance has one minimum.
 fn meets_capsule(end1: DVec3, end2: DVec3, radius: f64) -> impl Fn(DVec3, DVec3) -> bool {
     move |origin, direction| {
         let away = |part: f64| (end1.lerp(end2, part) - origin).cross(direction).length();
@@ -40,7 +40,7 @@ fn meets_capsule(end1: DVec3, end2: DVec3, radius: f64) -> impl Fn(DVec3, DVec3)
     }
 }
 
-/// Where a ray meets a plane, in multiples of two edges from a corner.
+/// Returns the intersection of a ray and a plane, in multiples of two edges from a corner.
 fn on_plane(corner: DVec3, edges: [DVec3; 2], origin: DVec3, direction: DVec3) -> Option<[f64; 2]> {
     let normal = edges[0].cross(edges[1]);
     let distance = (corner - origin).dot(normal) / direction.dot(normal);
@@ -55,12 +55,12 @@ fn is_within(parts: [f64; 2]) -> bool {
 }
 
 #[test]
-fn the_outline_of_a_sphere_is_its_ellipse() {
+fn the_outline_of_a_sphere_is_an_ellipse() {
     let (camera, centre, radius) = (camera(), Vec3::new(1.4, 0.9, 1.0), 0.8);
     let picture = picture(scene(|scene| scene.add_sphere(Sphere::new(centre, radius)).unwrap()), &camera, &outlines());
     assert_covers(&picture, &camera, meets_ball(centre.as_dvec3(), radius.into()));
 
-    // The planes through the eye that touch the sphere: slope (x z +- r sqrt(x² + z² - r²)) / (z² - r²), x aside, z ahead.
+    // The tangent planes through the eye have the slopes (x z ± r sqrt(x² + z² - r²)) / (z² - r²), x aside, z ahead.
     let Axes { right, up, forward } = camera.axes();
     let offset = centre - camera.eye;
     let ahead = offset.dot(forward);
@@ -77,7 +77,7 @@ fn the_outline_of_a_sphere_is_its_ellipse() {
 }
 
 #[test]
-fn rods_and_capsules_are_round_along_their_length() {
+fn rods_and_capsules_cover_the_points_within_their_radius() {
     let camera = camera();
     let (end1, end2) = (Vec3::new(-1.5, 0.2, -0.5), Vec3::new(1.6, 1.2, 1.5));
     let meets = || meets_capsule(end1.as_dvec3(), end2.as_dvec3(), 0.3);
@@ -91,7 +91,7 @@ fn rods_and_capsules_are_round_along_their_length() {
 }
 
 #[test]
-fn boxes_are_the_hull_of_their_faces() {
+fn boxes_cover_their_six_faces() {
     let camera = camera();
     let (i, j) = (Vec3::new(1.5, 0.3, 0.0), Vec3::new(-0.2, 1.0, 0.0));
     let cuboid = Cuboid::new([-0.6, -0.4, -0.5], i, j, [0.0, 0.0, 1.2]);
@@ -109,7 +109,7 @@ fn boxes_are_the_hull_of_their_faces() {
 }
 
 #[test]
-fn polygons_are_whole_from_the_solid_side_and_hatched_from_the_other() {
+fn polygons_are_opaque_on_the_solid_side_and_hatched_on_the_other() {
     let camera = camera();
     let (corner, left, right) = (Vec3::new(-1.0, -0.2, 0.0), Vec3::new(2.0, 0.2, 0.1), Vec3::new(0.2, 1.3, -0.3));
     let edges = [left.as_dvec3(), right.as_dvec3()];
@@ -117,12 +117,12 @@ fn polygons_are_whole_from_the_solid_side_and_hatched_from_the_other() {
     let shown = |left, right| {
         picture(scene(|scene| scene.add_polygon(Polygon::new(corner, left, right)).unwrap()), &camera, &outlines())
     };
-    // Left x right points to the camera.
+    // left x right points towards the camera.
     assert!(left.cross(right).dot(camera.eye - corner) > 0.0);
     assert_covers(&shown(left, right), &camera, meets);
-    // From behind there are as clear gaps as there are stripes, all within.
+    // From behind there are stripes and gaps, all within the outline.
     let behind = shown(right, left);
-    let whole = places().filter_map(|(x, y)| Some((x, y, expected(&camera, x, y, meets)?)));
+    let whole = pixels().filter_map(|(x, y)| Some((x, y, expected(&camera, x, y, meets)?)));
     let (mut covered, mut drawn) = (0, 0);
     for (x, y, inside) in whole {
         covered += u32::from(inside);
@@ -132,8 +132,8 @@ fn polygons_are_whole_from_the_solid_side_and_hatched_from_the_other() {
     assert!((0.2..0.8).contains(&(f64::from(drawn) / f64::from(covered))), "{drawn} of {covered}");
 }
 
-/// Number of separate stretches that are drawn along a line in the picture.
-fn stretches(picture: &rockfall_viewer::picture::Picture, from: [f32; 2], to: [f32; 2]) -> usize {
+/// Returns the number of separate drawn intervals along a line in the picture.
+fn drawn_intervals(picture: &rockfall_viewer::picture::Picture, from: [f32; 2], to: [f32; 2]) -> usize {
     const PLACES: u32 = 2000;
     let drawn: Vec<bool> = (0..=PLACES)
         .map(|k| {
@@ -146,7 +146,7 @@ fn stretches(picture: &rockfall_viewer::picture::Picture, from: [f32; 2], to: [f
 }
 
 #[test]
-fn springs_wind_from_surface_to_surface_however_long_they_are() {
+fn springs_of_any_length_have_six_turns_between_the_surfaces() {
     let camera = Camera::new([0.0, 0.0, 6.0], [0.0, 0.0, 0.0]);
     for apart in [2.0, 3.2] {
         let ends = [Vec3::new(-0.5 * apart, 0.0, 0.0), Vec3::new(0.5 * apart, 0.0, 0.0)];
@@ -155,11 +155,11 @@ fn springs_wind_from_surface_to_surface_however_long_they_are() {
             scene.add_spring(Spring::new(ends[0], ends[1], 10.0, 2.0)).unwrap();
         });
         let picture = picture(sprung, &camera, &outlines());
-        // Every turn crosses the axis twice, before it and behind it.
+        // Every turn crosses the axis twice, in front of it and behind it.
         let on_axis = |x: f32| projected(&camera, Vec3::new(x, 0.0, 0.0));
-        let crossings = stretches(&picture, on_axis(-0.5 * apart + 0.43), on_axis(0.5 * apart - 0.43));
+        let crossings = drawn_intervals(&picture, on_axis(-0.5 * apart + 0.43), on_axis(0.5 * apart - 0.43));
         assert!((11..=13).contains(&crossings), "{crossings} crossings of 6 turns, {apart} apart");
-        // Nothing is farther from the axis than the spheres.
+        // No part of the spring is farther from the axis than the spheres.
         let [_, top, _, low] = drawn_box(&picture);
         let reach = projected(&camera, Vec3::new(0.0, 0.4, 0.0))[1];
         assert!((top as f32 - reach).abs() < 2.0 && (low as f32 - (240.0 - reach)).abs() < 2.0);
@@ -167,7 +167,7 @@ fn springs_wind_from_surface_to_surface_however_long_they_are() {
 }
 
 #[test]
-fn tethers_wind_from_the_sphere_to_their_point() {
+fn tethers_have_six_turns_between_the_sphere_and_their_anchor() {
     let camera = Camera::new([0.0, 0.0, 6.0], [0.0, 0.0, 0.0]);
     let tethered = scene(|scene| {
         let ball = scene.add_sphere(Sphere::new([-1.0, 0.0, 0.0], 0.4)).unwrap();
@@ -176,15 +176,15 @@ fn tethers_wind_from_the_sphere_to_their_point() {
     let picture = picture(tethered, &camera, &outlines());
     let [left, _, right, _] = drawn_box(&picture).map(|side| side as f32);
     let ends = [-1.4, 1.2].map(|x| projected(&camera, Vec3::new(x, 0.0, 0.0))[0]);
-    // The knob at the point is no wider than a quarter of the sphere.
+    // The ball at the anchor is no wider than a quarter of the sphere.
     assert!((left - ends[0]).abs() < 2.0 && right > ends[1] && right < ends[1] + 6.0, "{left} {right} {ends:?}");
     let on_axis = |x: f32| projected(&camera, Vec3::new(x, 0.0, 0.0));
-    let crossings = stretches(&picture, on_axis(-0.57), on_axis(1.09));
+    let crossings = drawn_intervals(&picture, on_axis(-0.57), on_axis(1.09));
     assert!((11..=13).contains(&crossings), "{crossings}");
 }
 
 #[test]
-fn a_sphere_half_sunk_in_a_box_shows_the_right_circle() {
+fn the_visible_part_of_a_sphere_in_a_box_is_correct() {
     let camera = camera();
     let (centre, radius) = (Vec3::new(0.3, 0.5, 0.4), 0.7);
     let sunk = scene(|scene| {
@@ -193,8 +193,8 @@ fn a_sphere_half_sunk_in_a_box_shows_the_right_circle() {
     });
     let picture = take(&mut simulation(sunk, Backend::Cpu), &camera, &outlines());
     let mut counts = [0, 0];
-    for (x, y) in places() {
-        // The upper half of the ball is above the box: a ray meets it there, or the box.
+    for (x, y) in pixels() {
+        // The upper half of the ball is above the box; a ray hits either that half or the box.
         let meets = |origin: DVec3, direction: DVec3| {
             let offset = origin - centre.as_dvec3();
             let along = offset.dot(direction);
@@ -203,7 +203,7 @@ fn a_sphere_half_sunk_in_a_box_shows_the_right_circle() {
         };
         let [r, _, b] = pixel(&picture, x, y);
         if let Some(ball) = expected(&camera, x, y, meets).filter(|_| is_drawn(&picture, x, y)) {
-            // Violet against sand.
+            // The ball is violet, the box is sand-coloured.
             assert_eq!(b > r, ball, "{x} {y}: {:?}", pixel(&picture, x, y));
             counts[usize::from(ball)] += 1;
         }
@@ -211,7 +211,7 @@ fn a_sphere_half_sunk_in_a_box_shows_the_right_circle() {
     assert!(counts[0] > 10_000 && counts[1] > 1_000, "{counts:?}");
 }
 
-/// Whether the middle of a sphere that the camera looks at from +z, or a place beside it, is of the first tone.
+/// Whether a sphere seen from +z has the first tone at a point of the equator; `aside` is the x coordinate of the point.
 fn is_first_tone(orientation: Quat, aside: f32) -> bool {
     let camera = Camera::new([0.0, 0.0, 8.0], [0.0, 0.0, 0.0]);
     let mut style = outlines();
@@ -226,16 +226,16 @@ fn is_first_tone(orientation: Quat, aside: f32) -> bool {
 #[test]
 fn the_pattern_turns_with_the_body() {
     let turned = |axis: Vec3, degrees: f32| Quat::from_axis_angle(axis, degrees.to_radians());
-    // The sector around +z is 60 degrees wide; the next one is of the second tone.
+    // The sector around +z is 60 degrees wide; the next one has the second tone.
     assert!(is_first_tone(Quat::IDENTITY, 0.0));
     assert!(!is_first_tone(turned(Vec3::Y, 60.0), 0.0));
     assert!(is_first_tone(turned(Vec3::Y, 120.0), 0.0));
-    // Its right edge, 60 degrees from +x, moves to the right when the body turns that way, and not the other way round.
+    // Its right edge, 60 degrees from +x, moves to the right when the body rotates that way.
     let place = 51.0_f32.to_radians().cos();
     assert!(!is_first_tone(Quat::IDENTITY, place));
     assert!(is_first_tone(turned(Vec3::Y, 20.0), place));
     assert!(!is_first_tone(turned(Vec3::Y, -20.0), place));
-    // The caps on the poles are of one tone each.
+    // Each cap at a pole has one tone.
     assert!(!is_first_tone(turned(Vec3::X, 90.0), 0.0));
     assert!(is_first_tone(turned(Vec3::X, -90.0), 0.0));
 }

@@ -1,4 +1,4 @@
-//! What the window does, without one: scenes on the CPU backend, commands and the mouse as a window would give them.
+//! Tests of the window's modules without a window: commands and mouse actions on scenes of the CPU backend.
 #![cfg(feature = "window")]
 
 #[path = "window/common.rs"]
@@ -7,9 +7,9 @@ mod common;
 mod device;
 #[path = "window/files.rs"]
 mod files;
-#[path = "window/hands.rs"]
-mod hands;
 #[path = "window/keys.rs"]
 mod keys;
+#[path = "window/pointer.rs"]
+mod pointer;
 #[path = "window/time.rs"]
 mod time;

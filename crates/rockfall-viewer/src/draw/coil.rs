@@ -1,59 +1,60 @@
-//! The triangles of a coil: a tube of pieces and sides, whose corners `wgsl/coil.wgsl` puts in their places.
+//! The mesh of a coil: a tube of segments and sides, whose vertices are positioned by `wgsl/coil.wgsl`.
 
 use rockfall::wgpu;
 use rockfall::wgpu::util::{BufferInitDescriptor, DeviceExt as _};
 
-/// How finely coils are made.
+/// Resolution of the mesh of a coil.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) struct Fineness {
-    /// Pieces along the wire.
-    pub(crate) pieces: u32,
-    /// Sides of the wire.
+pub(crate) struct Resolution {
+    /// Number of segments along the wire.
+    pub(crate) segments: u32,
+    /// Number of sides of the wire.
     pub(crate) sides: u32,
 }
 
-impl Fineness {
-    /// The more coils there are, the coarser each.
+impl Resolution {
+    /// Returns the resolution for a number of coils: the more there are, the coarser each is.
     pub(crate) fn of(coils: u32) -> Self {
-        let (pieces, sides) = match coils {
+        let (segments, sides) = match coils {
             0..=500 => (112, 7),
             501..=5_000 => (84, 5),
             _ => (56, 3),
         };
-        Self { pieces, sides }
+        Self { segments, sides }
     }
 
     pub(crate) fn indices(self) -> u32 {
-        6 * self.pieces * self.sides
+        6 * self.segments * self.sides
     }
 }
 
-/// Corners are numbered round the wire, then along it.
-fn triangles(Fineness { pieces, sides }: Fineness) -> Vec<u32> {
+/// Returns the vertex indices of the triangles. Vertices are numbered around the wire first, then along it.
+fn triangles(Resolution { segments, sides }: Resolution) -> Vec<u32> {
     let mut indices = Vec::new();
-    for piece in 0..pieces {
+    for segment in 0..segments {
         for side in 0..sides {
             let next = (side + 1) % sides;
-            let [a, b, c, d] = [(piece, side), (piece, next), (piece + 1, side), (piece + 1, next)].map(|(p, s)| p * sides + s);
+            let corners = [(segment, side), (segment, next), (segment + 1, side), (segment + 1, next)];
+            let [a, b, c, d] = corners.map(|(p, s)| p * sides + s);
             indices.extend([a, b, c, c, b, d]);
         }
     }
     indices
 }
 
-/// The triangles in a buffer.
+/// The mesh of a coil in an index buffer.
 #[derive(Debug)]
 pub(crate) struct CoilMesh {
-    pub(crate) fineness: Fineness,
+    pub(crate) resolution: Resolution,
     pub(crate) indices: wgpu::Buffer,
 }
 
 impl CoilMesh {
-    pub(crate) fn new(device: &wgpu::Device, fineness: Fineness) -> Self {
-        let contents = bytemuck::cast_slice(&triangles(fineness)).to_vec();
+    pub(crate) fn new(device: &wgpu::Device, resolution: Resolution) -> Self {
+        let contents = bytemuck::cast_slice(&triangles(resolution)).to_vec();
         let usage = wgpu::BufferUsages::INDEX;
         let indices = device.create_buffer_init(&BufferInitDescriptor { label: Some("coil"), contents: &contents, usage });
-        Self { fineness, indices }
+        Self { resolution, indices }
     }
 }
 
@@ -62,11 +63,11 @@ mod tests {
     use super::*;
 
     #[test]
-    fn tubes_are_closed_around_and_open_at_the_ends() {
-        let fineness = Fineness { pieces: 3, sides: 4 };
-        let indices = triangles(fineness);
-        assert_eq!(indices.len() as u32, fineness.indices());
-        // Every edge is met once in either direction, but for those of the two rims.
+    fn the_tube_is_closed_except_at_its_two_ends() {
+        let resolution = Resolution { segments: 3, sides: 4 };
+        let indices = triangles(resolution);
+        assert_eq!(indices.len() as u32, resolution.indices());
+        // Every edge occurs once in each direction, except those of the two rims.
         let mut edges = std::collections::HashMap::new();
         for triangle in indices.chunks(3) {
             for k in 0..3 {

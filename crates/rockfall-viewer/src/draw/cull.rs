@@ -1,4 +1,4 @@
-//! Lists of the spheres that are worth drawing, made on the device; see `wgsl/cull.wgsl`.
+//! Culling: builds the lists of the spheres that are drawn, on the device; see `wgsl/cull.wgsl`.
 
 use std::ops::Range;
 
@@ -8,45 +8,45 @@ use rockfall::wgpu;
 use crate::draw::layouts::Layouts;
 use crate::draw::pipelines::CULL;
 
-/// Spheres that a workgroup looks at.
+/// Number of spheres per workgroup.
 const WORKGROUP: u32 = 256;
-/// Vertices of a sphere.
+/// Number of vertices of a sphere.
 const CORNERS: u32 = 4;
-/// Bytes of the arguments of an indirect draw.
+/// Size of the arguments of an indirect draw, in bytes.
 const DRAW_BYTES: u64 = 16;
 
-/// The lists, in their order.
+/// The lists, in the order of the buffers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum List {
     /// Spheres that are ray-cast.
     Near,
-    /// Spheres of a few pixels.
+    /// Spheres of a few pixels, drawn as discs.
     Far,
     /// Spheres in the shadow map.
     Shadow,
-    /// Near spheres that were covered in the last frame.
+    /// Near spheres that were hidden in the last frame.
     SecondNear,
-    /// Far spheres that were covered in the last frame.
+    /// Far spheres that were hidden in the last frame.
     SecondFar,
 }
 
 const LISTS: u64 = 5;
 
-/// What makes the lists.
+/// Pipelines and buffers of the culling.
 #[derive(Debug)]
 pub(crate) struct Cull {
     cull: wgpu::ComputePipeline,
     uncover: wgpu::ComputePipeline,
     layout: wgpu::BindGroupLayout,
     lists: wgpu::Buffer,
-    /// Which spheres were seen in the last frame.
-    seen: wgpu::Buffer,
+    /// Whether each sphere was visible in the last frame.
+    visible: wgpu::Buffer,
     draws: wgpu::Buffer,
     spheres: u32,
     group: Option<wgpu::BindGroup>,
 }
 
-/// A buffer of so many words a sphere, all 0.
+/// Creates a buffer with `words` words per sphere, all 0.
 fn make(device: &wgpu::Device, label: &str, words: u64, spheres: u32) -> wgpu::Buffer {
     device.create_buffer(&wgpu::BufferDescriptor {
         label: Some(label),
@@ -57,7 +57,7 @@ fn make(device: &wgpu::Device, label: &str, words: u64, spheres: u32) -> wgpu::B
 }
 
 impl Cull {
-    /// `pyramid` is the layout of what reads the farthest depths.
+    /// Creates the pipelines; `pyramid` is the layout of the bind group that reads the depth pyramid.
     pub(crate) fn new(device: &wgpu::Device, pyramid: &wgpu::BindGroupLayout) -> Self {
         let layout = Layouts::of_cull(device);
         let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
@@ -86,19 +86,19 @@ impl Cull {
                 | wgpu::BufferUsages::COPY_SRC,
             mapped_at_creation: false,
         });
-        let [lists, seen] = ["spheres to draw", "seen spheres"].map(|label| make(device, label, 0, 0));
-        Self { cull, uncover, layout, lists, seen, draws, spheres: 0, group: None }
+        let [lists, visible] = ["spheres to draw", "visible spheres"].map(|label| make(device, label, 0, 0));
+        Self { cull, uncover, layout, lists, visible, draws, spheres: 0, group: None }
     }
 
-    /// Binds the uniform block and the buffers of group 0 (state first) that the lists are made from.
+    /// Binds the uniform block and the buffers of group 0 (state first).
     pub(crate) fn bind(&mut self, device: &wgpu::Device, uniform: &wgpu::Buffer, buffers: &[wgpu::Buffer], spheres: u32) {
         if self.spheres != spheres {
             self.lists = make(device, "spheres to draw", LISTS, spheres);
-            self.seen = make(device, "seen spheres", 1, spheres);
+            self.visible = make(device, "visible spheres", 1, spheres);
             self.spheres = spheres;
         }
         let of_bodies = Layouts::CULL_READS.map(|binding| (binding, &buffers[binding as usize - 1]));
-        let own = [(0, uniform), (9, &self.lists), (10, &self.draws), (11, &self.seen)];
+        let own = [(0, uniform), (9, &self.lists), (10, &self.draws), (11, &self.visible)];
         let entries: Vec<_> = own
             .into_iter()
             .chain(of_bodies)
@@ -115,20 +115,22 @@ impl Cull {
         queue.write_buffer(&self.draws, 0, bytemuck::cast_slice(&[empty; LISTS as usize]));
     }
 
-    /// Makes the lists that do not go by what is covered; in large scenes, of the spheres that were seen in the last frame.
-    pub(crate) fn choose(&self, pass: &mut wgpu::ComputePass<'_>, across: u32) {
+    /// Builds the lists of the first pass. In large scenes only spheres that were visible in the last frame are candidates
+    /// for the near and far lists.
+    pub(crate) fn select(&self, pass: &mut wgpu::ComputePass<'_>, across: u32) {
         pass.set_pipeline(&self.cull);
         self.dispatch(pass, across);
     }
 
-    /// Makes the lists of what was covered in the last frame and is not now, and remembers what is seen.
+    /// Builds the lists of the second pass: spheres that were hidden in the last frame and are visible now. Records which
+    /// spheres are visible.
     pub(crate) fn uncover(&self, pass: &mut wgpu::ComputePass<'_>, across: u32, pyramid: &wgpu::BindGroup) {
         pass.set_pipeline(&self.uncover);
         pass.set_bind_group(1, pyramid, &[]);
         self.dispatch(pass, across);
     }
 
-    /// A thread a sphere, in rows of at most `across` workgroups.
+    /// Dispatches one thread per sphere, in rows of at most `across` workgroups.
     fn dispatch(&self, pass: &mut wgpu::ComputePass<'_>, across: u32) {
         let groups = self.spheres.div_ceil(WORKGROUP);
         if groups > 0 {
@@ -138,7 +140,7 @@ impl Cull {
         }
     }
 
-    /// Draws the spheres of a list with the pipeline that is set.
+    /// Draws the spheres of a list with the current pipeline.
     pub(crate) fn draw(&self, pass: &mut wgpu::RenderPass<'_>, list: List) {
         if self.spheres == 0 {
             return;
@@ -152,7 +154,7 @@ impl Cull {
         list as u64 * bytes..(list as u64 + 1) * bytes
     }
 
-    /// The arguments of the draws, for who wants to know how much is drawn.
+    /// Returns the arguments of the indirect draws, which include the numbers of spheres drawn.
     pub(crate) fn draws(&self) -> &wgpu::Buffer {
         &self.draws
     }

@@ -2,11 +2,11 @@
 
 use rockfall::wgpu;
 
-/// Samples of a pixel. `wgsl/frame.wgsl` knows where they lie.
+/// Number of samples per pixel. `wgsl/frame.wgsl` has their positions.
 pub(crate) const SAMPLES: u32 = 4;
-/// Linear light.
+/// Format of the colours before encoding: linear light.
 pub(crate) const LIGHT_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
-/// Of the picture (1 on the near plane, 0 at infinity) and of the shadow map (0 next to the sun).
+/// Format of depths: of the picture (1 on the near plane, 0 at infinity) and of the shadow map (0 nearest to the sun).
 pub(crate) const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
-/// How open to the sky a pixel is.
+/// Format of the openness to the sky of each pixel.
 pub(crate) const OPENNESS_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::R8Unorm;

@@ -1,17 +1,17 @@
-//! The uniform block of every shader of the renderer. The WGSL side is `wgsl/frame.wgsl`; a test compares the two.
+//! The uniform block of all shaders of the renderer. Its WGSL declaration is in `wgsl/frame.wgsl`; a test compares the two.
 
 use bytemuck::{Pod, Zeroable};
 use rockfall::glam::{Mat4, Vec3, Vec4};
 use rockfall::layout::{SPRING_WORDS, Step, TETHER_WORDS};
 
 use crate::camera::{Axes, Camera};
-use crate::draw::coil::Fineness;
+use crate::draw::coil::Resolution;
 use crate::draw::style::Style;
 use crate::draw::summary::SceneSummary;
 use crate::draw::targets::SHADOW_SIZE;
 use crate::palette;
 
-/// What is the same for a whole frame.
+/// Values that are constant during a frame.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 pub(crate) struct Frame {
@@ -20,23 +20,23 @@ pub(crate) struct Frame {
     eye: Vec3,
     near: f32,
     right: Vec3,
-    /// Of half the vertical field of view.
+    /// Tangent of half the vertical field of view.
     tangent: f32,
     up: Vec3,
     aspect: f32,
     forward: Vec3,
     pub(crate) blend: f32,
-    /// Unit vector to the sun.
+    /// Unit vector towards the sun.
     light: Vec3,
     /// Width of a pixel of the shadow map, in units.
     light_texel: f32,
     light_right: Vec3,
-    /// Depth in the shadow map of a unit away from the sun.
+    /// Increase of the depth in the shadow map per unit of distance from the sun.
     light_depth: f32,
     light_up: Vec3,
-    /// Of the ground's fine grid, in units.
+    /// Cell size of the fine grid on the ground, in units.
     cell: f32,
-    /// What the camera looks at.
+    /// Target of the camera.
     centre: Vec3,
     centre_distance: f32,
     horizon: [f32; 3],
@@ -46,9 +46,9 @@ pub(crate) struct Frame {
     typical_radius: f32,
     viewport: [f32; 2],
     pub(crate) range: [f32; 2],
-    /// How far the fine grid has faded, from 0 to 1.
+    /// How much the fine grid has faded, from 0 to 1.
     cell_fade: f32,
-    coil_pieces: u32,
+    coil_segments: u32,
     coil_sides: u32,
     flags: u32,
     spheres: u32,
@@ -60,7 +60,7 @@ pub(crate) struct Frame {
     tethers_at: u32,
     boxes_at: u32,
     polygons_at: u32,
-    users_at: u32,
+    insertion_indices_at: u32,
     colour_by: u32,
     /// Pixels along a side of the shadow map.
     light_size: f32,
@@ -70,36 +70,36 @@ pub(crate) struct Frame {
 
 const SHADOWS: u32 = 1;
 const OCCLUSION: u32 = 2;
-const COVERING: u32 = 4;
+const CULL_HIDDEN: u32 = 4;
 
-/// Where the sun stands.
+/// Direction towards the sun.
 const SUN: Vec3 = Vec3::new(-0.45, 0.80, 0.40);
-/// The shadow map reaches so many times as far from what the camera looks at as the picture does.
+/// Extent of the shadow map around the target of the camera, divided by that of the picture.
 const SHADOW_REACH: f32 = 1.5;
-/// And so many times as far towards the sun and away from it.
+/// Extent of the shadow map along the direction of the sun, divided by its extent across.
 const SHADOW_DEPTH: f32 = 4.0;
-/// Distance of the camera in fine cells of the grid, at which they begin to fade.
+/// Distance of the camera, in cells of the fine grid, at which these begin to fade.
 const CELLS_AWAY: f32 = 8.0;
 
-/// From so many spheres on, those that others cover are left out: it takes two passes.
-const COVERING_FROM: u32 = 20_000;
+/// Number of spheres from which on hidden spheres are culled. Culling needs a second pass and does not pay in small scenes.
+const CULL_HIDDEN_FROM: u32 = 20_000;
 
-/// Whether what is covered is left out.
-pub(crate) fn is_covering(step: &Step) -> bool {
-    step.spheres >= COVERING_FROM
+/// Whether spheres that are hidden behind others are culled.
+pub(crate) fn culls_hidden(step: &Step) -> bool {
+    step.spheres >= CULL_HIDDEN_FROM
 }
 
-/// Springs of a step.
+/// Number of springs.
 pub(crate) fn springs(step: &Step) -> u32 {
     (step.tethers_at - step.springs_at) / SPRING_WORDS
 }
 
-/// Tethers of a step.
+/// Number of tethers.
 pub(crate) fn tethers(step: &Step) -> u32 {
     (step.forces_at - step.tethers_at) / TETHER_WORDS
 }
 
-/// The sun, and the part of the world that its shadow map is of.
+/// The sun, and the part of the world that the shadow map shows.
 struct Light {
     towards: Vec3,
     right: Vec3,
@@ -118,7 +118,7 @@ impl Light {
         let reach = (SHADOW_REACH * picture).max(f32::MIN_POSITIVE);
         let texel = 2.0 * reach / SHADOW_SIZE as f32;
         let depth = 0.5 / (SHADOW_DEPTH * reach);
-        // In whole pixels of the map, so that shadows do not swim when the camera moves.
+        // Rounded to whole pixels of the map, so that the edges of shadows do not flicker when the camera moves.
         let snapped = |axis: Vec3| (camera.target.dot(axis) / texel).round() * texel;
         let row = |axis: Vec3, scale: f32, middle: f32| (scale * axis).extend(-scale * middle);
         let rows = [
@@ -144,7 +144,7 @@ impl Frame {
         let light = Light::new(camera, aspect);
         let distance = camera.eye.distance(camera.target);
         let level = (distance / CELLS_AWAY).max(1e-30).log10();
-        let coil = Fineness::of(springs(step) + tethers(step));
+        let coil = Resolution::of(springs(step) + tethers(step));
         let flag = |on: bool, flag: u32| if on { flag } else { 0 };
         Self {
             view_projection: camera.view_projection(aspect),
@@ -172,9 +172,9 @@ impl Frame {
             viewport,
             range: [0.0, 1.0],
             cell_fade: level - level.floor(),
-            coil_pieces: coil.pieces,
+            coil_segments: coil.segments,
             coil_sides: coil.sides,
-            flags: flag(style.shadows, SHADOWS) | flag(style.occlusion, OCCLUSION) | flag(is_covering(step), COVERING),
+            flags: flag(style.shadows, SHADOWS) | flag(style.occlusion, OCCLUSION) | flag(culls_hidden(step), CULL_HIDDEN),
             spheres: step.spheres,
             rods: step.rods,
             springs: springs(step),
@@ -184,7 +184,7 @@ impl Frame {
             tethers_at: step.tethers_at,
             boxes_at: step.boxes_at,
             polygons_at: step.polygons_at,
-            users_at: step.users_at,
+            insertion_indices_at: step.users_at,
             colour_by: style.colour_by as u32,
             light_size: SHADOW_SIZE as f32,
             kinds: palette::KINDS.map(|kind| opaque(kind.colour)),
@@ -215,7 +215,7 @@ mod tests {
     }
 
     #[test]
-    fn the_uniform_block_is_that_of_the_shaders() {
+    fn the_uniform_block_has_the_layout_of_the_shaders() {
         let expected = offsets![
             view_projection,
             light_projection,
@@ -242,7 +242,7 @@ mod tests {
             viewport,
             range,
             cell_fade,
-            coil_pieces,
+            coil_segments,
             coil_sides,
             flags,
             spheres,
@@ -254,7 +254,7 @@ mod tests {
             tethers_at,
             boxes_at,
             polygons_at,
-            users_at,
+            insertion_indices_at,
             colour_by,
             light_size,
             kinds,

@@ -2,12 +2,12 @@
 
 use rockfall::wgpu;
 
-/// What shaders see.
+/// Bind group layouts of the render passes.
 #[derive(Debug)]
 pub(crate) struct Layouts {
-    /// Group 0: the frame and the physics' buffers.
+    /// Group 0: the uniform block and the buffers of the physics.
     pub(crate) bodies: wgpu::BindGroupLayout,
-    /// Group 1 of what is lit: the shadow map.
+    /// Group 1 of lit surfaces: the shadow map.
     pub(crate) shadows: wgpu::BindGroupLayout,
     /// Group 1 of ambient occlusion.
     pub(crate) occlusion: wgpu::BindGroupLayout,
@@ -15,7 +15,7 @@ pub(crate) struct Layouts {
     pub(crate) finish: wgpu::BindGroupLayout,
 }
 
-/// Storage buffers of group 0, after the frame.
+/// Number of storage buffers in group 0, which follow the uniform block.
 pub(crate) const STORAGE: u32 = 8;
 
 pub(crate) fn entry(binding: u32, visibility: wgpu::ShaderStages, ty: wgpu::BindingType) -> wgpu::BindGroupLayoutEntry {
@@ -52,10 +52,10 @@ impl Layouts {
         }
     }
 
-    /// Bindings of group 0 that choosing spheres reads: state, words, old positions, capsules.
+    /// Bindings of group 0 that culling reads: state, topology, old positions, capsule bits.
     pub(crate) const CULL_READS: [u32; 4] = [1, 3, 4, 7];
 
-    /// The frame and what is read of the bodies, and from 9 on what is made of it.
+    /// Layout of the culling shaders: the uniform block, the buffers they read, and from 9 on the buffers they write.
     pub(crate) fn of_cull(device: &wgpu::Device) -> wgpu::BindGroupLayout {
         let storage = |binding, read_only| {
             entry(binding, wgpu::ShaderStages::COMPUTE, buffer(wgpu::BufferBindingType::Storage { read_only }))
@@ -66,7 +66,7 @@ impl Layouts {
         device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some("cull"), entries: &entries })
     }
 
-    /// The state, and what was found in it.
+    /// Layout of the speed reduction: the state and the result.
     pub(crate) fn of_greatest(device: &wgpu::Device) -> wgpu::BindGroupLayout {
         let storage = |binding, read_only| {
             entry(binding, wgpu::ShaderStages::COMPUTE, buffer(wgpu::BufferBindingType::Storage { read_only }))

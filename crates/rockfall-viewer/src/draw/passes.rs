@@ -1,4 +1,4 @@
-//! The passes of a frame: the shadow map, the bodies, what the corners see of the sky, the picture.
+//! The passes of a frame: culling, the shadow map, the bodies, ambient occlusion, the picture.
 
 use std::ops::Range;
 
@@ -6,27 +6,27 @@ use rockfall::wgpu;
 
 use crate::draw::Renderer;
 use crate::draw::cull::List;
-use crate::draw::frame::{is_covering, springs, tethers};
+use crate::draw::frame::{culls_hidden, springs, tethers};
 use crate::draw::pipelines::{Kind, Pipelines};
 use crate::draw::style::Style;
 use crate::draw::targets::{Bodies, Targets, fill};
 use crate::draw::timing::Pass;
 
-/// Vertices of a kind of object.
+/// Vertices that a kind of object is drawn with.
 #[derive(Clone, Copy)]
 enum Shape {
     /// A quad, as a strip.
     Quad,
     /// A box around the object, as a strip.
     Around,
-    /// So many corners of triangles.
+    /// Triangles with this number of vertices.
     Triangles(u32),
     /// The mesh of a coil.
     Coil,
 }
 
 impl Renderer {
-    /// All kinds of objects but spheres: what draws them, of what shape, and how many there are.
+    /// Returns the pipelines, the shape and the number of every kind of object except spheres.
     fn kinds(&self) -> [(&Kind, Shape, u32); 6] {
         let Pipelines { capsules, boxes, polygons, springs: spring, tethers: tether, anchors, .. } = &self.pipelines;
         let step = &self.step;
@@ -52,7 +52,7 @@ impl Renderer {
                 Shape::Around => 0..14,
                 Shape::Triangles(corners) => 0..corners,
                 Shape::Coil => {
-                    pass.draw_indexed(0..self.coil.fineness.indices(), 0, 0..count);
+                    pass.draw_indexed(0..self.coil.resolution.indices(), 0, 0..count);
                     continue;
                 }
             };
@@ -73,14 +73,14 @@ impl Renderer {
         self.device.limits().max_compute_workgroups_per_dimension
     }
 
-    pub(super) fn choose_spheres(&self, encoder: &mut wgpu::CommandEncoder) {
+    pub(super) fn cull_spheres(&self, encoder: &mut wgpu::CommandEncoder) {
         self.cull.begin(&self.queue);
-        self.cull.choose(&mut self.compute(encoder, Pass::Cull), self.most_workgroups());
+        self.cull.select(&mut self.compute(encoder, Pass::Cull), self.most_workgroups());
     }
 
     fn uncover_spheres(&self, encoder: &mut wgpu::CommandEncoder, targets: &Targets) {
         let mut pass = self.compute(encoder, Pass::Uncover);
-        targets.pyramid.make(&mut pass, &self.pyramid);
+        targets.pyramid.build(&mut pass, &self.pyramid);
         self.cull.uncover(&mut pass, self.most_workgroups(), &targets.pyramid.group);
     }
 
@@ -92,7 +92,8 @@ impl Renderer {
         self.draw_kinds(&mut pass, |kind| &kind.shadow);
     }
 
-    /// Draws all bodies; in large scenes those first that were seen in the last frame, then what they do not cover.
+    /// Draws all bodies. In large scenes it draws the spheres that were visible in the last frame first, and then those that
+    /// these do not hide.
     pub(super) fn draw_bodies(
         &self,
         encoder: &mut wgpu::CommandEncoder,
@@ -100,15 +101,15 @@ impl Renderer {
         bodies: &wgpu::BindGroup,
         style: &Style,
     ) {
-        let covering = is_covering(&self.step);
-        let which = if covering { Bodies::First } else { Bodies::All };
+        let culls_hidden = culls_hidden(&self.step);
+        let which = if culls_hidden { Bodies::First } else { Bodies::All };
         let mut pass = targets.bodies(encoder, which, self.stamps(Pass::Bodies));
         self.bind(&mut pass, bodies);
         pass.set_pipeline(&self.pipelines.sky);
         pass.draw(0..3, 0..1);
         self.draw_kinds(&mut pass, |kind| &kind.lit);
         self.draw_spheres(&mut pass, [List::Near, List::Far]);
-        if covering {
+        if culls_hidden {
             drop(pass);
             self.uncover_spheres(encoder, targets);
             pass = targets.bodies(encoder, Bodies::Second, self.stamps(Pass::Uncovered));

@@ -1,4 +1,4 @@
-//! From WGSL parts to pipelines.
+//! The render pipelines, and the shader text that they are compiled from.
 
 use rockfall::wgpu;
 use wgpu::PrimitiveTopology::{TriangleList, TriangleStrip};
@@ -10,41 +10,41 @@ macro_rules! wgsl {
     ($($name:literal),*) => { concat!($(include_str!(concat!("wgsl/", $name, ".wgsl"))),*) };
 }
 
-/// What draws bodies and their shadows.
+/// Shaders that draw bodies and their shadows.
 pub(crate) const BODIES: &str =
     wgsl!("frame", "colour", "light", "surface", "sphere", "capsule", "flat", "far", "coil", "picture", "ground", "shadow");
-/// What chooses the spheres that are drawn.
+/// Shaders that select the spheres to draw.
 pub(crate) const CULL: &str = wgsl!("frame", "colour", "cull");
-/// What looks at the whole picture, and makes it darker in corners.
+/// Shader of the ambient occlusion.
 pub(crate) const OCCLUSION: &str = wgsl!("frame", "picture", "occlusion");
-/// What makes the picture that is shown.
+/// Shader that writes the final picture.
 pub(crate) const FINISH: &str = wgsl!("frame", "picture", "finish");
 
-/// Where a pipeline draws.
+/// The target of a pipeline, with its depth test and blending.
 #[derive(Clone, Copy, Debug)]
-enum Onto {
-    /// The samples of light, with depth.
+enum RenderTarget {
+    /// The multisampled light, with depth.
     Bodies,
-    /// The same, behind everything.
+    /// The same, behind all bodies.
     Sky,
-    /// The same, over what is there, with an opacity.
+    /// The same, blended over the bodies, with depth test.
     Ground,
-    /// The same, over everything, without a depth of its own.
+    /// The same, blended over the bodies, with depth test but without writing depth.
     Glass,
     /// The shadow map.
     Shadows,
-    /// A plain texture.
+    /// A texture without depth.
     Texture(wgpu::TextureFormat),
 }
 
-/// One kind of object: how it is drawn, and how its shadow is.
+/// The pipelines of one kind of object.
 #[derive(Debug)]
 pub(crate) struct Kind {
     pub(crate) lit: wgpu::RenderPipeline,
     pub(crate) shadow: wgpu::RenderPipeline,
 }
 
-/// Every way of drawing.
+/// All render pipelines.
 #[derive(Debug)]
 pub(crate) struct Pipelines {
     pub(crate) spheres: Kind,
@@ -63,23 +63,23 @@ pub(crate) struct Pipelines {
 }
 
 #[derive(Clone)]
-struct Maker<'a> {
+struct PipelineBuilder<'a> {
     device: &'a wgpu::Device,
     module: wgpu::ShaderModule,
     layouts: Vec<Option<&'a wgpu::BindGroupLayout>>,
     constants: &'a [(&'a str, f64)],
-    /// Instances are spheres of a list.
+    /// Whether the instances are the spheres of a list.
     listed: bool,
 }
 
-/// The slots of a list, one an instance.
+/// Vertex buffer with the memory slots of a list of spheres, one per instance.
 const SLOTS: wgpu::VertexBufferLayout<'_> = wgpu::VertexBufferLayout {
     array_stride: 4,
     step_mode: wgpu::VertexStepMode::Instance,
     attributes: &[wgpu::VertexAttribute { format: wgpu::VertexFormat::Uint32, offset: 0, shader_location: 0 }],
 };
 
-impl<'a> Maker<'a> {
+impl<'a> PipelineBuilder<'a> {
     fn new(
         device: &'a wgpu::Device,
         label: &str,
@@ -94,19 +94,20 @@ impl<'a> Maker<'a> {
 
     fn make(
         &self,
-        onto: Onto,
+        render_target: RenderTarget,
         topology: wgpu::PrimitiveTopology,
         vertex: &str,
         fragment: Option<&str>,
     ) -> wgpu::RenderPipeline {
-        let layouts = if matches!(onto, Onto::Shadows | Onto::Sky) { &self.layouts[..1] } else { &self.layouts };
+        let layouts =
+            if matches!(render_target, RenderTarget::Shadows | RenderTarget::Sky) { &self.layouts[..1] } else { &self.layouts };
         let layout = self.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
             label: Some(vertex),
             bind_group_layouts: layouts,
             immediate_size: 0,
         });
         let compilation_options = wgpu::PipelineCompilationOptions { constants: self.constants, ..Default::default() };
-        let target = onto.colour();
+        let target = render_target.colour();
         self.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
             label: Some(fragment.unwrap_or(vertex)),
             layout: Some(&layout),
@@ -117,8 +118,8 @@ impl<'a> Maker<'a> {
                 buffers: if self.listed { &[Some(SLOTS)] } else { &[] },
             },
             primitive: wgpu::PrimitiveState { topology, ..Default::default() },
-            depth_stencil: onto.depth(),
-            multisample: wgpu::MultisampleState { count: onto.samples(), ..Default::default() },
+            depth_stencil: render_target.depth(),
+            multisample: wgpu::MultisampleState { count: render_target.samples(), ..Default::default() },
             fragment: fragment.map(|entry| wgpu::FragmentState {
                 module: &self.module,
                 entry_point: Some(entry),
@@ -130,18 +131,18 @@ impl<'a> Maker<'a> {
         })
     }
 
-    /// A kind whose entry points are `NAME_vertex`, `SURFACE_surface`, `NAME_shadow_vertex` and, where its outline is
-    /// ray-cast, `SURFACE_shadow`.
+    /// Creates the pipelines of a kind with the entry points `NAME_vertex`, `SURFACE_surface`, `NAME_shadow_vertex` and, if
+    /// it is ray-cast (`is_cast`), `SURFACE_shadow`.
     fn kind(&self, topology: wgpu::PrimitiveTopology, name: &str, surface: &str, is_cast: bool) -> Kind {
         let shadow = is_cast.then(|| format!("{surface}_shadow"));
         Kind {
-            lit: self.make(Onto::Bodies, topology, &format!("{name}_vertex"), Some(&format!("{surface}_surface"))),
-            shadow: self.make(Onto::Shadows, topology, &format!("{name}_shadow_vertex"), shadow.as_deref()),
+            lit: self.make(RenderTarget::Bodies, topology, &format!("{name}_vertex"), Some(&format!("{surface}_surface"))),
+            shadow: self.make(RenderTarget::Shadows, topology, &format!("{name}_shadow_vertex"), shadow.as_deref()),
         }
     }
 }
 
-impl Onto {
+impl RenderTarget {
     fn colour(self) -> Option<Option<wgpu::ColorTargetState>> {
         match self {
             Self::Bodies | Self::Sky => Some(Some(LIGHT_FORMAT.into())),
@@ -178,25 +179,25 @@ impl Onto {
 
 impl Pipelines {
     pub(crate) fn new(device: &wgpu::Device, layouts: &Layouts, format: wgpu::TextureFormat) -> Self {
-        let bodies = Maker::new(device, "bodies", BODIES, &[&layouts.bodies, &layouts.shadows], &[]);
-        let listed = Maker { listed: true, ..bodies.clone() };
-        let occlusion = Maker::new(device, "occlusion", OCCLUSION, &[&layouts.bodies, &layouts.occlusion], &[]);
+        let bodies = PipelineBuilder::new(device, "bodies", BODIES, &[&layouts.bodies, &layouts.shadows], &[]);
+        let listed = PipelineBuilder { listed: true, ..bodies.clone() };
+        let occlusion = PipelineBuilder::new(device, "occlusion", OCCLUSION, &[&layouts.bodies, &layouts.occlusion], &[]);
         let encodes = [("ENCODES", f64::from(u8::from(format.is_srgb())))];
-        let finish = Maker::new(device, "finish", FINISH, &[&layouts.bodies, &layouts.finish], &encodes);
+        let finish = PipelineBuilder::new(device, "finish", FINISH, &[&layouts.bodies, &layouts.finish], &encodes);
         Self {
             spheres: listed.kind(TriangleStrip, "sphere", "sphere", true),
-            far: listed.make(Onto::Bodies, TriangleStrip, "far_vertex", Some("far_surface")),
+            far: listed.make(RenderTarget::Bodies, TriangleStrip, "far_vertex", Some("far_surface")),
             capsules: bodies.kind(TriangleStrip, "capsule", "capsule", true),
             boxes: bodies.kind(TriangleList, "box", "box", false),
             polygons: bodies.kind(TriangleList, "polygon", "polygon", false),
             springs: bodies.kind(TriangleList, "spring", "coil", false),
             tethers: bodies.kind(TriangleList, "tether", "coil", false),
             anchors: bodies.kind(TriangleStrip, "anchor", "sphere", true),
-            sky: bodies.make(Onto::Sky, TriangleList, "whole_picture", Some("sky")),
-            ground: bodies.make(Onto::Ground, TriangleList, "whole_picture", Some("ground")),
-            glass: bodies.make(Onto::Glass, TriangleList, "glass_vertex", Some("glass_surface")),
-            occlusion: occlusion.make(Onto::Texture(OPENNESS_FORMAT), TriangleList, "whole_picture", Some("occlusion")),
-            finish: finish.make(Onto::Texture(format), TriangleList, "whole_picture", Some("finish")),
+            sky: bodies.make(RenderTarget::Sky, TriangleList, "whole_picture", Some("sky")),
+            ground: bodies.make(RenderTarget::Ground, TriangleList, "whole_picture", Some("ground")),
+            glass: bodies.make(RenderTarget::Glass, TriangleList, "glass_vertex", Some("glass_surface")),
+            occlusion: occlusion.make(RenderTarget::Texture(OPENNESS_FORMAT), TriangleList, "whole_picture", Some("occlusion")),
+            finish: finish.make(RenderTarget::Texture(format), TriangleList, "whole_picture", Some("finish")),
         }
     }
 }

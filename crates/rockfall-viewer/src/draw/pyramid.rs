@@ -1,30 +1,30 @@
-//! The farthest depth of blocks of pixels, from 2 by 2 to the whole picture, which tells what is covered (Greene et al. 1993);
-//! see `wgsl/pyramid.wgsl`.
+//! The depth pyramid (Greene et al. 1993): the farthest depth of blocks of pixels, from 2 by 2 pixels to the whole picture.
+//! It is used to find hidden spheres; see `wgsl/pyramid.wgsl`.
 
 use rockfall::wgpu;
 
 use crate::draw::layouts::{entry, texture};
 
 const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::R32Float;
-/// Blocks along a side of a workgroup.
+/// Number of blocks along a side of a workgroup.
 const WORKGROUP: u32 = 8;
 
-/// The two ways to make a level: from the samples of the picture, and from the level before.
+/// Pipelines that build the levels: the first from the samples of the picture, every other from the level before.
 #[derive(Debug)]
-pub(crate) struct MakePyramid {
+pub(crate) struct PyramidBuilder {
     first: wgpu::ComputePipeline,
     next: wgpu::ComputePipeline,
     layouts: [wgpu::BindGroupLayout; 2],
-    /// Of what reads the pyramid.
+    /// Layout of the bind group that reads the pyramid.
     pub(crate) read: wgpu::BindGroupLayout,
 }
 
-impl MakePyramid {
+impl PyramidBuilder {
     pub(crate) fn new(device: &wgpu::Device) -> Self {
         let compute = |binding, ty| entry(binding, wgpu::ShaderStages::COMPUTE, ty);
         let samples = compute(0, texture(wgpu::TextureSampleType::Depth, true));
         let blocks = |binding| compute(binding, texture(wgpu::TextureSampleType::Float { filterable: false }, false));
-        let made = wgpu::BindingType::StorageTexture {
+        let target = wgpu::BindingType::StorageTexture {
             access: wgpu::StorageTextureAccess::WriteOnly,
             format: FORMAT,
             view_dimension: wgpu::TextureViewDimension::D2,
@@ -32,7 +32,7 @@ impl MakePyramid {
         let layout = |entries: &[_]| {
             device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some("pyramid"), entries })
         };
-        let layouts = [layout(&[samples, compute(2, made)]), layout(&[blocks(1), compute(2, made)])];
+        let layouts = [layout(&[samples, compute(2, target)]), layout(&[blocks(1), compute(2, target)])];
         let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
             label: Some("pyramid"),
             source: wgpu::ShaderSource::Wgsl(include_str!("wgsl/pyramid.wgsl").into()),
@@ -61,17 +61,17 @@ impl MakePyramid {
     }
 }
 
-/// The levels for a picture of one size.
+/// The depth pyramid of a picture of one size.
 #[derive(Debug)]
 pub(crate) struct Pyramid {
-    /// What to bind to make each level, and its size.
+    /// Bind group that builds each level, and the size of the level.
     levels: Vec<(wgpu::BindGroup, [u32; 2])>,
-    /// What reads all levels.
+    /// Bind group that reads all levels.
     pub(crate) group: wgpu::BindGroup,
 }
 
 impl Pyramid {
-    pub(crate) fn new(device: &wgpu::Device, make: &MakePyramid, samples: &wgpu::TextureView, size: [u32; 2]) -> Self {
+    pub(crate) fn new(device: &wgpu::Device, builder: &PyramidBuilder, samples: &wgpu::TextureView, size: [u32; 2]) -> Self {
         let size = size.map(|side| (side / 2).max(1));
         let texture = device.create_texture(&wgpu::TextureDescriptor {
             label: Some("pyramid"),
@@ -97,20 +97,20 @@ impl Pyramid {
             device.create_bind_group(&wgpu::BindGroupDescriptor { label: Some("pyramid"), layout, entries: &entries })
         };
         let levels = (0..texture.mip_level_count()).map(|level| {
-            let made = view(level, Some(1));
+            let target = view(level, Some(1));
             let group = match level.checked_sub(1) {
-                None => group(&make.layouts[0], &[(0, samples), (2, &made)]),
-                Some(before) => group(&make.layouts[1], &[(1, &view(before, Some(1))), (2, &made)]),
+                None => group(&builder.layouts[0], &[(0, samples), (2, &target)]),
+                Some(before) => group(&builder.layouts[1], &[(1, &view(before, Some(1))), (2, &target)]),
             };
             (group, size.map(|side| (side >> level).max(1)))
         });
-        Self { levels: levels.collect(), group: group(&make.read, &[(0, &view(0, None))]) }
+        Self { levels: levels.collect(), group: group(&builder.read, &[(0, &view(0, None))]) }
     }
 
-    /// Makes all levels from the samples as they are.
-    pub(crate) fn make(&self, pass: &mut wgpu::ComputePass<'_>, make: &MakePyramid) {
+    /// Builds all levels from the present depths.
+    pub(crate) fn build(&self, pass: &mut wgpu::ComputePass<'_>, builder: &PyramidBuilder) {
         for (level, (group, size)) in self.levels.iter().enumerate() {
-            pass.set_pipeline(if level == 0 { &make.first } else { &make.next });
+            pass.set_pipeline(if level == 0 { &builder.first } else { &builder.next });
             pass.set_bind_group(0, group, &[]);
             let [across, down] = size.map(|side| side.div_ceil(WORKGROUP));
             pass.dispatch_workgroups(across, down, 1);

@@ -1,4 +1,4 @@
-//! The ends of the colour scale, when they go by what there is.
+//! The automatic range of the colour scale.
 
 use rockfall::Result;
 use rockfall::gpu::catch;
@@ -7,21 +7,21 @@ use rockfall::wgpu;
 use crate::draw::layouts::Layouts;
 use crate::read_back::read_back;
 
-/// Of what was the greatest before, a frame later: a scale shrinks slowly.
+/// Factor by which the recorded maximum decreases per frame, so that the scale shrinks slowly.
 const DECAY: f32 = 0.98;
 
-/// The greatest value that was seen, of late.
+/// The greatest value of the last frames.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Greatest {
+pub(crate) struct RecentMaximum {
     value: f32,
 }
 
-impl Greatest {
-    pub(crate) fn see(&mut self, value: f32) {
+impl RecentMaximum {
+    pub(crate) fn record(&mut self, value: f32) {
         self.value = value.max(DECAY * self.value);
     }
 
-    /// From 0 to the next of 1, 2, 5, 10, ... times a power of ten.
+    /// Returns the range from 0 to the next of 1, 2, 5, 10, ... times a power of ten.
     pub(crate) fn range(self) -> [f32; 2] {
         if !(self.value > 0.0 && self.value.is_finite()) {
             return [0.0, 1.0];
@@ -32,9 +32,9 @@ impl Greatest {
     }
 }
 
-/// Finds the greatest speed on the device; one number is read back.
+/// Computes the greatest speed on the device and reads this one number back.
 #[derive(Debug)]
-pub(crate) struct FindGreatest {
+pub(crate) struct SpeedReduction {
     device: wgpu::Device,
     queue: wgpu::Queue,
     pipeline: wgpu::ComputePipeline,
@@ -43,11 +43,11 @@ pub(crate) struct FindGreatest {
     staging: wgpu::Buffer,
 }
 
-/// Spheres that a workgroup looks at in one turn; as in `wgsl/greatest.wgsl`.
+/// Number of spheres that a workgroup reads at once; as in `wgsl/greatest.wgsl`.
 const WORKGROUP: u32 = 256;
 const MOST_WORKGROUPS: u32 = 1024;
 
-impl FindGreatest {
+impl SpeedReduction {
     pub(crate) fn new(device: &wgpu::Device, queue: &wgpu::Queue) -> Self {
         let layout = Layouts::of_greatest(device);
         let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
@@ -77,8 +77,8 @@ impl FindGreatest {
         Self { device: device.clone(), queue: queue.clone(), pipeline, layout, found, staging }
     }
 
-    /// The greatest speed in a state of so many spheres.
-    pub(crate) fn speed(&self, state: &wgpu::Buffer, spheres: u32) -> Result<f32> {
+    /// Returns the greatest speed in a state of `spheres` spheres.
+    pub(crate) fn greatest(&self, state: &wgpu::Buffer, spheres: u32) -> Result<f32> {
         if spheres == 0 {
             return Ok(0.0);
         }
@@ -111,12 +111,12 @@ mod tests {
     use super::*;
 
     #[test]
-    fn ranges_are_round_and_steady() {
-        let range = |value: f32| Greatest { value }.range()[1];
+    fn ranges_end_at_round_values_and_shrink_slowly() {
+        let range = |value: f32| RecentMaximum { value }.range()[1];
         assert_eq!([0.0, 0.3, 1.0, 1.2, 4.9, 5.5, 123.0].map(range), [1.0, 0.5, 1.0, 2.0, 5.0, 10.0, 200.0]);
-        let mut greatest = Greatest::default();
-        greatest.see(4.0);
-        greatest.see(1.0);
+        let mut greatest = RecentMaximum::default();
+        greatest.record(4.0);
+        greatest.record(1.0);
         assert_eq!(greatest.range(), [0.0, 5.0]);
     }
 }

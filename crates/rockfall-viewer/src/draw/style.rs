@@ -1,33 +1,33 @@
-//! What a picture shows of a simulation, and how.
+//! The style of a picture: what its colours mean, shadows, ground and background.
 
 use rockfall::SphereDiagnostics;
 
 use crate::palette::Rgb;
 
-/// What the colour of a body tells.
+/// The quantity that the colour of a body shows.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[repr(u32)]
 pub enum ColourBy {
-    /// What kind of object it is.
+    /// Kind of object.
     #[default]
     Kind = 0,
-    /// Its speed, in units/s.
+    /// Speed, in units/s.
     Speed = 1,
-    /// How many contacts it has.
+    /// Number of contacts.
     Contacts = 2,
-    /// Its deepest overlap, in units.
+    /// Deepest overlap, in units.
     Overlap = 3,
-    /// The net force on it, in mass units/s².
+    /// Net force, in mass units/s².
     Force = 4,
 }
 
 impl ColourBy {
-    /// Whether it takes more than the state.
+    /// Whether it has to be evaluated because it is not part of the state.
     pub(crate) fn is_evaluated(self) -> bool {
         matches!(self, Self::Contacts | Self::Overlap | Self::Force)
     }
 
-    /// What is measured, with its unit; `None` for kinds.
+    /// Name of the quantity with its unit; `None` for [`ColourBy::Kind`].
     pub fn title(self) -> Option<&'static str> {
         match self {
             Self::Kind => None,
@@ -38,10 +38,10 @@ impl ColourBy {
         }
     }
 
-    /// All of them.
+    /// All values.
     pub const ALL: [Self; 5] = [Self::Kind, Self::Speed, Self::Contacts, Self::Overlap, Self::Force];
 
-    /// Its name on the command line.
+    /// Name on the command line.
     pub fn name(self) -> &'static str {
         match self {
             Self::Kind => "kind",
@@ -52,7 +52,7 @@ impl ColourBy {
         }
     }
 
-    pub(crate) fn of(self, values: &SphereDiagnostics) -> f32 {
+    pub(crate) fn value_of(self, values: &SphereDiagnostics) -> f32 {
         match self {
             Self::Kind | Self::Speed => 0.0,
             Self::Contacts => values.contacts as f32,
@@ -62,22 +62,22 @@ impl ColourBy {
     }
 }
 
-/// The values at the two ends of the colour scale.
+/// The range of the colour scale.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Range {
-    /// From 0 to the next round number above the greatest there was of late.
+    /// From 0 to the next round number above the greatest value of the last frames.
     #[default]
     Auto,
-    /// From, to.
+    /// From the first value to the second.
     Given([f32; 2]),
 }
 
-/// What is behind everything.
+/// Colours of the background.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Background {
-    /// At the horizon, and below.
+    /// Colour at the horizon and below.
     pub horizon: Rgb,
-    /// Straight up.
+    /// Colour straight up.
     pub zenith: Rgb,
 }
 
@@ -87,21 +87,21 @@ impl Default for Background {
     }
 }
 
-/// What is shown, and how.
+/// The style of a picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Style {
-    /// What colours tell.
+    /// Quantity that the colours show.
     pub colour_by: ColourBy,
-    /// The ends of the colour scale.
+    /// Range of the colour scale.
     pub range: Range,
     /// Whether bodies cast shadows.
     pub shadows: bool,
-    /// Whether light is dimmed in corners and gaps.
+    /// Whether corners and gaps are darker (ambient occlusion).
     pub occlusion: bool,
-    /// Whether there is a ground with a grid on it, under everything.
+    /// Whether a ground with a grid is drawn below the scene.
     pub ground: bool,
-    /// What is behind everything.
+    /// Colours of the background.
     pub background: Background,
 }
 

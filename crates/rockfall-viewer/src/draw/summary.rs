@@ -1,27 +1,28 @@
-//! What the renderer has to know of a scene besides the buffers.
+//! Properties of a scene that the renderer needs in addition to the buffers.
 
 use rockfall::Scene;
 use rockfall::glam::Vec3;
 
-use crate::bounds::{Extent, of_spheres, of_static};
+use crate::bounds::{Extent, extent_of_spheres, extents_of_static_objects};
 
-/// About so many places of spheres are kept.
-const PLACES: usize = 100;
+/// Approximate number of sphere positions that are kept.
+const SAMPLES: usize = 100;
 
-/// What the renderer has to know of a scene besides the buffers.
+/// Properties of a scene that the renderer needs in addition to the buffers.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct SceneSummary {
-    /// Where some of the spheres are, spread over all.
-    pub(crate) places: Vec<Vec3>,
-    /// Height of the ground: under all that is static, or at 0 where that is near below the spheres, else under them.
+    /// Positions of every n-th sphere, about [`SAMPLES`] in all.
+    pub(crate) sample_positions: Vec<Vec3>,
+    /// Height of the ground: the bottom of all static objects. Without static objects it is 0 if that is a short distance
+    /// below the spheres, else the bottom of the spheres.
     pub(crate) ground: f32,
-    /// The median of the spheres' radii.
+    /// Median radius of the spheres.
     pub(crate) typical_radius: f32,
 }
 
 impl Default for SceneSummary {
     fn default() -> Self {
-        Self { places: Vec::new(), ground: 0.0, typical_radius: 1.0 }
+        Self { sample_positions: Vec::new(), ground: 0.0, typical_radius: 1.0 }
     }
 }
 
@@ -33,15 +34,15 @@ impl SceneSummary {
             0 => 1.0,
             _ => *radii.select_nth_unstable_by(middle, f32::total_cmp).1,
         };
-        let ground = match (of_static(scene).reduce(Extent::with), of_spheres(scene)) {
+        let ground = match (extents_of_static_objects(scene).reduce(Extent::with), extent_of_spheres(scene)) {
             (Some(all), _) => all.min.y,
             (None, Some(spheres)) if spheres.min.y >= 0.0 && spheres.min.y <= 2.0 * spheres.size() => 0.0,
             (None, Some(spheres)) => spheres.min.y,
             (None, None) => 0.0,
         };
-        let apart = (scene.spheres().len() / PLACES).max(1);
-        let places = scene.spheres().iter().step_by(apart).map(|sphere| sphere.position).collect();
-        Self { places, ground, typical_radius }
+        let stride = (scene.spheres().len() / SAMPLES).max(1);
+        let sample_positions = scene.spheres().iter().step_by(stride).map(|sphere| sphere.position).collect();
+        Self { sample_positions, ground, typical_radius }
     }
 }
 
@@ -62,7 +63,7 @@ mod tests {
     }
 
     #[test]
-    fn the_ground_is_under_what_is_static() {
+    fn the_ground_is_at_the_bottom_of_the_static_objects() {
         assert_eq!(SceneSummary::of(&scene(&[])).ground, 0.0);
         assert_eq!(SceneSummary::of(&scene(&[Cuboid::between([-5.0, -1.0, -5.0], [5.0, 0.0, 5.0])])).ground, -1.0);
         let mut deep = Scene::new();

@@ -1,12 +1,12 @@
-//! The textures that a frame is made in.
+//! The textures of a frame.
 
 use rockfall::wgpu;
 
 use crate::draw::formats::{DEPTH_FORMAT, LIGHT_FORMAT, OPENNESS_FORMAT, SAMPLES};
 use crate::draw::layouts::Layouts;
-use crate::draw::pyramid::{MakePyramid, Pyramid};
+use crate::draw::pyramid::{Pyramid, PyramidBuilder};
 
-/// Pixels along a side of the shadow map.
+/// Number of pixels along a side of the shadow map.
 pub(crate) const SHADOW_SIZE: u32 = 2048;
 
 fn texture(device: &wgpu::Device, label: &str, size: [u32; 2], samples: u32, format: wgpu::TextureFormat) -> wgpu::TextureView {
@@ -37,7 +37,7 @@ fn depth(view: &wgpu::TextureView, clear: f32) -> wgpu::RenderPassDepthStencilAt
     wgpu::RenderPassDepthStencilAttachment { view, depth_ops, stencil_ops: None }
 }
 
-/// A pass that fills a texture.
+/// Begins a pass that draws onto a whole texture.
 pub(crate) fn fill<'a>(
     encoder: &'a mut wgpu::CommandEncoder,
     label: &str,
@@ -52,7 +52,7 @@ pub(crate) fn fill<'a>(
     })
 }
 
-/// Textures of the size of the picture.
+/// Textures that have the size of the picture.
 #[derive(Debug)]
 pub(crate) struct Targets {
     pub(crate) size: [u32; 2],
@@ -61,14 +61,14 @@ pub(crate) struct Targets {
     light: wgpu::TextureView,
     pub(crate) openness: wgpu::TextureView,
     pub(crate) pyramid: Pyramid,
-    /// What ambient occlusion reads.
+    /// Bind group of the ambient occlusion.
     pub(crate) occlusion: wgpu::BindGroup,
-    /// What the last pass reads.
+    /// Bind group of the last pass.
     pub(crate) finish: wgpu::BindGroup,
 }
 
 impl Targets {
-    pub(crate) fn new(device: &wgpu::Device, layouts: &Layouts, make: &MakePyramid, size: [u32; 2]) -> Self {
+    pub(crate) fn new(device: &wgpu::Device, layouts: &Layouts, builder: &PyramidBuilder, size: [u32; 2]) -> Self {
         let light = texture(device, "light", size, 1, LIGHT_FORMAT);
         let depth = texture(device, "depth", size, SAMPLES, DEPTH_FORMAT);
         let openness = texture(device, "openness", size, 1, OPENNESS_FORMAT);
@@ -77,7 +77,7 @@ impl Targets {
         };
         Self {
             size,
-            pyramid: Pyramid::new(device, make, &depth, size),
+            pyramid: Pyramid::new(device, builder, &depth, size),
             occlusion: group("occlusion", &layouts.occlusion, &[view(0, &depth)]),
             finish: group("finish", &layouts.finish, &[view(0, &light), view(1, &openness), view(2, &depth)]),
             samples: texture(device, "samples of light", size, SAMPLES, LIGHT_FORMAT),
@@ -87,7 +87,7 @@ impl Targets {
         }
     }
 
-    /// A pass that draws bodies: one draws them all, or a first and a second one do.
+    /// Begins a pass that draws bodies.
     pub(crate) fn bodies<'a>(
         &self,
         encoder: &'a mut wgpu::CommandEncoder,
@@ -113,22 +113,22 @@ impl Targets {
     }
 }
 
-/// Which of the passes that draw bodies.
+/// One of the passes that draw bodies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Bodies {
-    /// The only one.
+    /// The only pass, which draws all bodies.
     All,
-    /// What was seen in the last frame.
+    /// The first of two passes: bodies that were visible in the last frame.
     First,
-    /// What that does not cover.
+    /// The second of two passes: bodies that the first pass does not hide.
     Second,
 }
 
-/// What the sun sees.
+/// The shadow map: depths seen from the sun.
 #[derive(Debug)]
 pub(crate) struct ShadowMap {
     depth: wgpu::TextureView,
-    /// What lit surfaces read.
+    /// Bind group of lit surfaces.
     pub(crate) group: wgpu::BindGroup,
 }
 

@@ -1,34 +1,34 @@
-//! How long the passes of a frame take on the device.
+//! Times of the passes of a frame on the device.
 
 use rockfall::{Error, Result, wgpu};
 
 use crate::read_back::read_back;
 
-/// The passes of a frame, in their order.
+/// The passes of a frame, in order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Pass {
-    /// Choosing what is drawn.
+    /// Selects the spheres to draw.
     Cull,
-    /// The shadow map.
+    /// Draws the shadow map.
     Shadows,
-    /// The bodies; in large scenes, those seen in the last frame.
+    /// Draws the bodies; in large scenes only the spheres that were visible in the last frame.
     Bodies,
-    /// In large scenes: finding what is not covered.
+    /// In large scenes: selects the other spheres that are not hidden.
     Uncover,
-    /// In large scenes: drawing it.
+    /// In large scenes: draws them.
     Uncovered,
-    /// Ambient occlusion.
+    /// Computes the ambient occlusion.
     Occlusion,
-    /// The picture.
+    /// Writes the picture.
     Finish,
 }
 
 impl Pass {
-    /// All of them.
+    /// All passes.
     pub const ALL: [Self; 7] =
         [Self::Cull, Self::Shadows, Self::Bodies, Self::Uncover, Self::Uncovered, Self::Occlusion, Self::Finish];
 
-    /// Its name.
+    /// Name of the pass.
     pub fn name(self) -> &'static str {
         match self {
             Self::Cull => "cull",
@@ -42,42 +42,42 @@ impl Pass {
     }
 }
 
-/// Two timestamps a pass.
+/// Number of timestamps: two per pass.
 const STAMPS: u32 = 2 * Pass::ALL.len() as u32;
 
-/// What a frame took.
+/// Times of a frame, and the number of spheres drawn.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct FrameTimes {
-    /// Seconds of every pass of [`Pass::ALL`]; 0 for a pass that was left out.
+    /// Time of each pass of [`Pass::ALL`], in s; 0 for a pass that did not run.
     pub passes: [f64; 7],
-    /// Spheres that were ray-cast.
+    /// Number of spheres that were ray-cast.
     pub near: u32,
-    /// Spheres that were drawn as discs.
+    /// Number of spheres that were drawn as discs.
     pub far: u32,
-    /// Spheres in the shadow map.
+    /// Number of spheres in the shadow map.
     pub shadows: u32,
 }
 
 impl FrameTimes {
-    /// Seconds of all passes.
+    /// Time of all passes, in s.
     pub fn total(&self) -> f64 {
         self.passes.iter().sum()
     }
 }
 
-/// Timestamps around the passes.
+/// Measures the passes with timestamps.
 #[derive(Debug)]
 pub(crate) struct Timer {
     queries: wgpu::QuerySet,
     resolved: wgpu::Buffer,
     staging: wgpu::Buffer,
-    /// Nanoseconds of a tick.
+    /// Nanoseconds per tick.
     period: f64,
-    /// Which passes the last frame had.
+    /// Which passes of [`Pass::ALL`] the last frame had.
     ran: [bool; 7],
 }
 
-/// Bytes of the timestamps, and of the draws after them.
+/// Size of the timestamps in the staging buffer, and of the draw arguments after them, in bytes.
 const STAMP_BYTES: u64 = 8 * STAMPS as u64;
 const DRAW_BYTES: u64 = 80;
 
@@ -128,14 +128,14 @@ impl Timer {
         }
     }
 
-    /// Copies what was stamped, and how much was drawn, to where the host can read it.
+    /// Copies the timestamps and the draw arguments to a buffer that the host can read.
     pub(crate) fn end(&self, encoder: &mut wgpu::CommandEncoder, draws: &wgpu::Buffer) {
         encoder.resolve_query_set(&self.queries, 0..STAMPS, &self.resolved, 0);
         encoder.copy_buffer_to_buffer(&self.resolved, 0, &self.staging, 0, STAMP_BYTES);
         encoder.copy_buffer_to_buffer(draws, 0, &self.staging, STAMP_BYTES, DRAW_BYTES);
     }
 
-    /// What the last frame took; waits for it.
+    /// Waits for the last frame and returns its times.
     pub(crate) fn read(&self, device: &wgpu::Device) -> Result<FrameTimes> {
         read_back(device, &self.staging, |bytes| {
             let stamp = |index: usize| bytemuck::pod_read_unaligned::<u64>(&bytes[8 * index..8 * index + 8]);

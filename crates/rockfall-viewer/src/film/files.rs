@@ -1,4 +1,4 @@
-//! Films as PNG: all pictures in one file, or a file each.
+//! Films as PNG: one file with all pictures, or one file per picture.
 
 use std::io;
 use std::path::Path;
@@ -10,7 +10,7 @@ use crate::film::file_error::file_error;
 use crate::film::timing::Timing;
 use crate::picture::Picture;
 
-/// PNG's own extension for films.
+/// Writes an animated PNG file.
 pub(super) fn write_apng(path: &Path, timing: &Timing, pictures: impl Iterator<Item = Result<Picture>>) -> Result<()> {
     let wrong = file_error(path);
     let mut file = AtomicFile::create(path).map_err(&wrong)?;
@@ -42,8 +42,8 @@ fn start<'a>(
     Ok(encoder.write_header()?)
 }
 
-/// One file a picture, numbered with as many digits as the last one needs, and at least four. Those of a longer film that was there
-/// before go: whoever reads the folder would take them for the end of this one.
+/// Writes one file per picture, numbered with as many digits as the last one needs and at least four. Files with higher
+/// numbers, from a longer film that was in the folder before, are removed: they would look like the end of this film.
 pub(super) fn write_folder(path: &Path, timing: &Timing, pictures: impl Iterator<Item = Result<Picture>>) -> Result<()> {
     std::fs::create_dir_all(path).map_err(file_error(path))?;
     let digits = timing.pictures().to_string().len().max(4);

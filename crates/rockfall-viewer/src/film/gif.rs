@@ -1,5 +1,5 @@
-//! Films as GIF. A picture has a palette of its own, made of the pixels that changed since the last one; the others are
-//! left as they were, which keeps both the colours and the file good.
+//! Films as GIF. Each picture has its own palette, computed from the pixels that differ from the last picture. The other pixels
+//! are transparent, which improves the colours and keeps the file small.
 
 use std::collections::HashMap;
 use std::io;
@@ -13,13 +13,14 @@ use rockfall::output::AtomicFile;
 use crate::film::file_error::file_error;
 use crate::picture::Picture;
 
-/// 1 to 30, of NeuQuant (Dekker 1994): the higher, the faster and the worse.
+/// Sample factor of NeuQuant (Dekker 1994), 1 to 30: higher is faster, lower is more accurate.
 const SPEED: i32 = 3;
-/// Colours of a palette; one more place is for pixels that are left as they were.
+/// Number of colours in a palette; one more entry stands for unchanged pixels.
 const COLOURS: usize = 255;
-/// As many of them are the most common ones, as they are: a large even area that is a little off is seen at once.
+/// Number of these colours that are taken unchanged from the most common ones, because a small error is visible in a large even
+/// area.
 const COMMON: usize = 55;
-/// Squared distance below which two colours need not both be among the common ones.
+/// Squared distance up to which only one of two colours is taken as a common one.
 const ALIKE: u32 = 20;
 
 pub(super) fn write(path: &Path, fps: u32, pictures: impl Iterator<Item = Result<Picture>>) -> Result<()> {
@@ -47,13 +48,13 @@ pub(super) fn write(path: &Path, fps: u32, pictures: impl Iterator<Item = Result
     file.commit().map_err(&wrong)
 }
 
-/// Hundredths of a second that a picture is shown, so that the whole film keeps its time.
+/// Returns the delay of a picture in hundredths of a second, such that rounding errors do not add up over the film.
 fn delay(number: u64, fps: u32) -> u16 {
     let end = |number: u64| (100.0 * number as f64 / f64::from(fps)).round() as u64;
     u16::try_from(end(number + 1) - end(number)).unwrap_or(u16::MAX)
 }
 
-/// The part of a picture that differs from the one before.
+/// Returns the smallest rectangle that contains all pixels that differ from the picture before.
 fn changes(before: Option<&Picture>, picture: &Picture) -> Frame<'static> {
     let differs = |index: usize| before.is_none_or(|before| before.pixels[index] != picture.pixels[index]);
     let wide = picture.width as usize;
@@ -64,7 +65,7 @@ fn changes(before: Option<&Picture>, picture: &Picture) -> Frame<'static> {
         (top, bottom) = (top.min(y), bottom.max(y + 1));
     }
     if left >= right {
-        // Nothing changed: one pixel, which is as it was.
+        // Nothing changed: one transparent pixel.
         (left, right, top, bottom) = (0, 1, 0, 1);
     }
     let rows = (top..bottom).map(|y| y * wide + left..y * wide + right);
@@ -72,7 +73,7 @@ fn changes(before: Option<&Picture>, picture: &Picture) -> Frame<'static> {
     let (palette, indices) = palette(&changed);
     let buffer = changed.iter().map(|colour| colour.and_then(|colour| indices.get(&colour).copied()));
     Frame {
-        // All of them fit: they are parts of the sides of a GIF.
+        // These casts lose nothing, because the sides of a GIF fit 16 bits.
         left: left as u16,
         top: top as u16,
         width: (right - left) as u16,
@@ -86,38 +87,38 @@ fn changes(before: Option<&Picture>, picture: &Picture) -> Frame<'static> {
 
 type Rgb = [u8; 3];
 
-/// The place in a palette of pixels that are left as they were.
+/// Palette index of unchanged pixels.
 const UNCHANGED: u8 = COLOURS as u8;
 
 fn rgb([r, g, b, _]: [u8; 4]) -> Rgb {
     [r, g, b]
 }
 
-fn apart(one: Rgb, two: Rgb) -> u32 {
+fn squared_distance(one: Rgb, two: Rgb) -> u32 {
     one.iter().zip(two).map(|(a, b)| u32::from(a.abs_diff(b)).pow(2)).sum()
 }
 
-/// The most common of these colours that are not alike.
+/// Returns the most common colours that differ by more than [`ALIKE`].
 fn common(counts: &[(Rgb, u32)]) -> Vec<Rgb> {
     let mut by_count = counts.to_vec();
     by_count.sort_by_key(|(_, count)| std::cmp::Reverse(*count));
     let mut common: Vec<Rgb> = Vec::with_capacity(COMMON);
     for (colour, _) in by_count {
-        if common.len() < COMMON && common.iter().all(|other| apart(*other, colour) > ALIKE) {
+        if common.len() < COMMON && common.iter().all(|other| squared_distance(*other, colour) > ALIKE) {
             common.push(colour);
         }
     }
     common
 }
 
-/// A palette for these colours, and the place in it of each. Beside the common ones, a colour counts for the more the more
-/// pixels have it, but not in proportion, or small bodies would take the colours of the background.
+/// Returns a palette for these colours and the index of each. Apart from the common colours, the weight of a colour is the
+/// square root of its number of pixels: with proportional weights small bodies would get the colours of the background.
 fn palette(colours: &[Option<Rgb>]) -> (Vec<u8>, HashMap<Rgb, u8>) {
     let mut counts: HashMap<Rgb, u32> = HashMap::new();
     for colour in colours.iter().flatten() {
         *counts.entry(*colour).or_default() += 1;
     }
-    // In an order of their own, so that the same film is the same file.
+    // Sorted, so that the same film always gives the same file.
     let mut counts: Vec<(Rgb, u32)> = counts.into_iter().collect();
     counts.sort_unstable();
     let mut palette: Vec<Rgb> = if counts.len() <= COLOURS {
@@ -128,7 +129,7 @@ fn palette(colours: &[Option<Rgb>]) -> (Vec<u8>, HashMap<Rgb, u8>) {
         let others = NeuQuant::new(SPEED, COLOURS - COMMON, &pixels).color_map_rgb();
         common(&counts).into_iter().chain(others.chunks_exact(3).map(|rgb| [rgb[0], rgb[1], rgb[2]])).collect()
     };
-    let nearest = |colour: Rgb| (0..palette.len()).min_by_key(|place| apart(palette[*place], colour)).unwrap_or(0);
+    let nearest = |colour: Rgb| (0..palette.len()).min_by_key(|place| squared_distance(palette[*place], colour)).unwrap_or(0);
     let places = counts.iter().map(|(colour, _)| (*colour, nearest(*colour) as u8)).collect();
     palette.resize(COLOURS + 1, [0; 3]);
     (palette.into_iter().flatten().collect(), places)
@@ -144,7 +145,7 @@ mod tests {
     }
 
     #[test]
-    fn only_what_changed_is_written() {
+    fn only_changed_pixels_are_written() {
         let frame = changes(Some(&picture(&[9])), &picture(&[18]));
         assert_eq!((frame.left, frame.top, frame.width, frame.height), (1, 1, 2, 2));
         let clear = frame.transparent.unwrap();
@@ -155,7 +156,7 @@ mod tests {
     }
 
     #[test]
-    fn few_colours_stay_as_they_are_and_of_many_rare_ones_keep_their_hue() {
+    fn few_colours_are_exact_and_rare_ones_among_many_keep_their_hue() {
         let exact = changes(None, &picture(&[9]));
         let palette = exact.palette.clone().unwrap();
         let shown = |frame: &Frame<'_>, palette: &[u8], index: usize| {
@@ -167,7 +168,7 @@ mod tests {
         let (width, height) = (64, 64);
         let grey = |index: usize| [(100 + index % 128) as u8, (100 + index % 128) as u8, (100 + index / 40 % 128) as u8, 255];
         let mut pixels: Vec<[u8; 4]> = (0..width * height).map(grey).collect();
-        // A body of a hundredth of the picture.
+        // A body that covers one hundredth of the picture.
         for (index, pixel) in pixels[60..100].iter_mut().enumerate() {
             *pixel = [10 + index as u8 / 4, 140 + index as u8, 90, 255];
         }

@@ -1,4 +1,4 @@
-//! Films as MP4, by the program `ffmpeg`.
+//! Films as MP4, encoded by the program `ffmpeg`.
 
 use std::io::{self, Read as _, Write as _};
 use std::path::{Path, PathBuf};
@@ -12,29 +12,29 @@ use crate::picture::Picture;
 pub(super) fn write(path: &Path, fps: u32, pictures: impl Iterator<Item = Result<Picture>>) -> Result<()> {
     let wrong = file_error(path);
     let mut pictures = pictures.peekable();
-    // Before the first picture is made: the program may be missing.
+    // Before the first picture is drawn, because the program may be missing.
     check().map_err(&wrong)?;
     let Some(Ok(first)) = pictures.peek() else {
         return pictures.next().transpose().map(drop);
     };
-    let part = Part::beside(path);
-    let mut ffmpeg = start(&part.path, first, fps).map_err(&wrong)?;
+    let temporary = TemporaryFile::beside(path);
+    let mut ffmpeg = start(&temporary.path, first, fps).map_err(&wrong)?;
     let mut to = ffmpeg.stdin.take();
     let mut result = Ok(());
     for picture in pictures {
         let bytes = picture?.rgb();
         let written = to.as_mut().map_or(Ok(()), |to| to.write_all(&bytes));
         if written.is_err() {
-            // What it has to say tells more than the broken pipe.
+            // The message of ffmpeg, read below, explains more than the broken pipe.
             result = written;
             break;
         }
     }
     drop(to);
-    let said = end(ffmpeg).map_err(&wrong)?;
-    match said {
-        Some(said) => Err(wrong(io::Error::other(format!("ffmpeg failed: {said}")))),
-        None => result.and_then(|()| part.put(path)).map_err(wrong),
+    let message = end(ffmpeg).map_err(&wrong)?;
+    match message {
+        Some(message) => Err(wrong(io::Error::other(format!("ffmpeg failed: {message}")))),
+        None => result.and_then(|()| temporary.rename_to(path)).map_err(wrong),
     }
 }
 
@@ -48,7 +48,7 @@ fn check() -> io::Result<()> {
     let run = command().arg("-version").stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null()).status();
     run.map(drop).map_err(|error| match error.kind() {
         io::ErrorKind::NotFound => io::Error::other(
-            "films as .mp4 are made by the program ffmpeg, which is not installed (or not on the PATH); \
+            "writing .mp4 requires the program ffmpeg, which is not installed (or not on the PATH); \
              install it, or write a .gif or an .apng",
         ),
         _ => error,
@@ -68,35 +68,35 @@ fn start(path: &Path, first: &Picture, fps: u32) -> io::Result<Child> {
         .spawn()
 }
 
-/// What the program said, if it failed.
+/// Waits for the program and returns its error output if it failed.
 fn end(mut ffmpeg: Child) -> io::Result<Option<String>> {
-    let mut said = String::new();
+    let mut message = String::new();
     if let Some(mut errors) = ffmpeg.stderr.take() {
-        errors.read_to_string(&mut said)?;
+        errors.read_to_string(&mut message)?;
     }
     let status = ffmpeg.wait()?;
-    Ok((!status.success()).then(|| said.trim().to_owned()))
+    Ok((!status.success()).then(|| message.trim().to_owned()))
 }
 
-/// A file beside its place, removed unless it is put there.
-struct Part {
+/// A temporary file in the folder of its destination, removed when dropped unless it was renamed.
+struct TemporaryFile {
     path: PathBuf,
 }
 
-impl Part {
+impl TemporaryFile {
     fn beside(path: &Path) -> Self {
         let name = path.file_name().unwrap_or_default().to_string_lossy();
         Self { path: path.with_file_name(format!(".{name}.{}.part", std::process::id())) }
     }
 
-    fn put(&self, path: &Path) -> io::Result<()> {
+    fn rename_to(&self, path: &Path) -> io::Result<()> {
         std::fs::rename(&self.path, path)
     }
 }
 
-impl Drop for Part {
+impl Drop for TemporaryFile {
     fn drop(&mut self) {
-        // Gone when it was put in its place.
+        // Fails if the file was renamed.
         let _ = std::fs::remove_file(&self.path);
     }
 }

@@ -1,41 +1,41 @@
-//! When the pictures of a film are taken.
+//! Times of the pictures of a film.
 
-/// When the pictures of a film are taken.
+/// Determines when the pictures of a film are taken.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Timing {
-    /// Steps that the film is of.
+    /// Number of steps in the film.
     pub steps: u64,
     /// Time step in s.
     pub dt: f32,
-    /// Pictures a second.
+    /// Pictures per second.
     pub fps: u32,
-    /// Simulated seconds in a second of film; 1: real time.
+    /// Simulated seconds per second of film; 1 is real time.
     pub speed: f64,
 }
 
-/// A moment between two steps.
+/// A moment of the simulated time, in steps.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Moment {
-    /// Steps done before it.
+    /// Number of whole steps before it.
     pub step: u64,
-    /// How much of the next step has passed, from 0 to less than 1.
+    /// Fraction of the next step that has passed, from 0 to less than 1.
     pub blend: f32,
 }
 
 impl Timing {
-    /// The time step as it was written: 0.02, not 0.019999999552965164.
+    /// Returns the time step as the decimal number that was given: 0.02, not 0.019999999552965164.
     fn step_seconds(&self) -> f64 {
         self.dt.to_string().parse().unwrap_or(f64::from(self.dt))
     }
 
-    /// Number of pictures: one at the start, and as many as begin before the last step has ended.
+    /// Returns the number of pictures: one at the start, and one at each further picture time up to the end of the last step.
     pub fn pictures(&self) -> u64 {
         let seconds = self.steps as f64 * self.step_seconds() / self.speed;
-        // A rounding error must not lose the last one.
+        // A rounding error must not drop the last picture.
         (seconds * f64::from(self.fps) + 1e-6).floor() as u64 + 1
     }
 
-    /// When picture `index` is taken.
+    /// Returns the moment of picture `index`.
     pub fn moment(&self, index: u64) -> Moment {
         let steps = index as f64 * self.speed / f64::from(self.fps) / self.step_seconds();
         let step = (steps + 1e-5).floor();
@@ -52,7 +52,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn real_time_at_the_rate_of_the_steps_shows_every_state_as_it_is() {
+    fn pictures_at_the_rate_of_the_steps_need_no_blending() {
         let timing = Timing { steps: 100, dt: 0.02, fps: 50, speed: 1.0 };
         assert_eq!(timing.pictures(), 101);
         for index in 0..=100 {
@@ -61,9 +61,9 @@ mod tests {
     }
 
     #[test]
-    fn other_rates_fall_between_states() {
+    fn pictures_at_other_rates_lie_between_two_states() {
         let timing = Timing { steps: 10, dt: 0.02, fps: 30, speed: 1.0 };
-        // 0.2 s at 30 a second: at 0, 1/30, ... 6/30 s.
+        // 0.2 s at 30 pictures per second: at 0, 1/30, ... 6/30 s.
         assert_eq!(timing.pictures(), 7);
         let second = timing.moment(1);
         assert_eq!(second.step, 1);
@@ -72,7 +72,7 @@ mod tests {
     }
 
     #[test]
-    fn slow_motion_takes_longer() {
+    fn slow_motion_takes_more_pictures() {
         let timing = Timing { steps: 10, dt: 0.02, fps: 30, speed: 0.5 };
         assert_eq!(timing.pictures(), 13);
         assert_eq!(timing.moment(3).step, 2);

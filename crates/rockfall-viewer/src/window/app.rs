@@ -1,4 +1,4 @@
-//! The window itself: events in, frames out.
+//! The window: handles events and draws frames.
 
 use std::fmt;
 use std::io::Write as _;
@@ -24,33 +24,33 @@ use super::{report, ui};
 
 /// Size of a new window, in points.
 const SIZE: (f64, f64) = (1280.0, 800.0);
-/// A device that fails more often than this in one session is given up.
+/// Number of failures of the device in one session after which the program ends.
 const REOPENED: u32 = 3;
 
-/// What a window is opened with.
+/// Arguments of [`run`].
 pub struct Launch {
-    /// The scene to begin with.
+    /// The initial scene.
     pub source: Source,
-    /// Odd lines of it, to be told.
+    /// Warnings about the scene, which are shown as messages.
     pub warnings: Vec<String>,
-    /// What moves it.
+    /// Options of the simulation.
     pub options: Options,
-    /// The fixed time step, in s.
+    /// Time step, in s.
     pub time_step: f32,
-    /// Constants to change after a scene's own: name and value.
+    /// Constants that override those of every scene: name and value.
     pub overrides: Vec<(String, String)>,
-    /// Where to write the state after every frame and on exit, as JSON.
+    /// File to write the state to after every frame and on exit, as JSON.
     pub report: Option<PathBuf>,
-    /// Lose the device after so many frames, as a test.
+    /// Number of frames after which the device is destroyed, for tests.
     pub lose_device_after: Option<u64>,
 }
 
-/// Why a window ended early.
+/// Reason why a window could not be opened or ended early.
 #[derive(Debug)]
 pub enum Failure {
-    /// There is nothing to open a window on.
+    /// There is no display.
     NoDisplay(String),
-    /// The scene could not be opened, or the device failed for good.
+    /// The scene could not be opened, or the device failed too often.
     Rockfall(Error),
     /// The report could not be written.
     Report(PathBuf, std::io::Error),
@@ -76,10 +76,10 @@ impl From<Error> for Failure {
     }
 }
 
-/// Opens a window and returns when it is closed.
+/// Opens a window, and returns when it is closed.
 ///
 /// # Errors
-/// [`Failure`]; what goes wrong while the window is open is told there instead.
+/// [`Failure`]. Other errors are shown in the window.
 pub fn run(launch: Launch) -> Result<(), Failure> {
     let events = EventLoop::new().map_err(no_display)?;
     let mut app = App { launch, open: None, failure: None, started: Instant::now() };
@@ -93,7 +93,7 @@ pub fn run(launch: Launch) -> Result<(), Failure> {
     }
 }
 
-/// The reason alone: the window library puts the place in its source before it.
+/// Extracts the reason from an error of the window library, whose text begins with a position in its source code.
 fn no_display(error: impl fmt::Display) -> Failure {
     let text = error.to_string();
     let reason = text.split_once(".rs:").and_then(|(_, rest)| rest.split_once(": ")).map_or(&*text, |(_, reason)| reason);
@@ -102,31 +102,31 @@ fn no_display(error: impl fmt::Display) -> Failure {
 
 struct App {
     launch: Launch,
-    open: Option<Open>,
+    open: Option<OpenWindow>,
     failure: Option<Failure>,
     started: Instant,
 }
 
-/// A window that is open.
-struct Open {
+/// An open window.
+struct OpenWindow {
     window: Arc<Window>,
-    /// There always, but for the moment between a lost device and the next one.
+    /// `None` only between the loss of a device and the opening of the next one.
     graphics: Option<Graphics>,
     widgets: egui_winit::State,
     viewer: Viewer,
     started: Instant,
-    /// When the last frame began, while the picture moved by itself.
+    /// Start of the last frame, if the picture changed without input.
     last_frame: Option<Instant>,
     frames: u64,
     first_frame: Option<f64>,
-    /// Wall time of all frames but the first, in s, from their beginning to being handed over.
+    /// Wall time of all frames except the first, in s, from their start until they were submitted.
     frame_seconds: f64,
-    /// Camera, style, size, steps and objects of the picture drawn last.
+    /// What the last picture was drawn from.
     drawn: Option<Drawn>,
     reopened: u32,
 }
 
-/// What a picture depends on.
+/// Everything that a picture depends on.
 #[derive(Clone, Debug, PartialEq)]
 struct Drawn {
     camera: crate::camera::Camera,
@@ -144,7 +144,7 @@ impl ApplicationHandler for App {
         if self.open.is_some() {
             return;
         }
-        match Open::new(events, &self.launch, self.started) {
+        match OpenWindow::new(events, &self.launch, self.started) {
             Ok(open) => self.open = Some(open),
             Err(failure) => {
                 self.failure = Some(failure);
@@ -163,7 +163,7 @@ impl ApplicationHandler for App {
         let Some(open) = &mut self.open else {
             return;
         };
-        // A frame is no reason for another one.
+        // A redraw must not request another redraw.
         if open.widgets.on_window_event(&open.window, &event).repaint && event != WindowEvent::RedrawRequested {
             open.window.request_redraw();
         }
@@ -191,7 +191,7 @@ impl ApplicationHandler for App {
     }
 }
 
-impl Open {
+impl OpenWindow {
     fn new(events: &ActiveEventLoop, launch: &Launch, started: Instant) -> Result<Self, Failure> {
         let attributes = Window::default_attributes()
             .with_title(title(&launch.source.name))
@@ -224,12 +224,12 @@ impl Open {
         })
     }
 
-    /// Steps that are due, widgets, the picture.
+    /// Makes the steps that are due, and draws the widgets and the picture.
     fn frame(&mut self, events: &ActiveEventLoop, options: &Options, lose: bool) -> Result<(), Failure> {
         let start = Instant::now();
         let elapsed = self.last_frame.map_or(0.0, |last| (start - last).as_secs_f64());
-        self.mend(events, options, lose)?;
-        self.move_on(elapsed);
+        self.reopen_lost_device(events, options, lose)?;
+        self.advance(elapsed);
         let repaint_after = self.draw();
         self.frames += 1;
         match self.first_frame {
@@ -241,7 +241,7 @@ impl Open {
             self.window.request_redraw();
         } else {
             self.last_frame = None;
-            // Nothing changes but what was asked for.
+            // Nothing changes until the next event, or until the widgets request a repaint.
             events.set_control_flow(match Instant::now().checked_add(repaint_after) {
                 Some(then) if repaint_after < Duration::from_secs(3600) => ControlFlow::WaitUntil(then),
                 _ => ControlFlow::Wait,
@@ -250,20 +250,20 @@ impl Open {
         Ok(())
     }
 
-    fn move_on(&mut self, elapsed: f64) {
+    fn advance(&mut self, elapsed: f64) {
         let now = self.started.elapsed().as_secs_f64();
         self.viewer.walk(elapsed);
         let Some(graphics) = &mut self.graphics else {
             return;
         };
         let (renderer, style) = (&mut graphics.renderer, self.viewer.style);
-        let mut trouble = None;
+        let mut error = None;
         self.viewer.session.frame(now, elapsed, |simulation| {
-            // What was drawn last may be several steps ago.
-            trouble = renderer.update(simulation, &style).err();
+            // Several steps may have been made since the last picture.
+            error = renderer.update(simulation, &style).err();
             renderer.remember();
         });
-        if let Some(error) = trouble {
+        if let Some(error) = error {
             self.viewer.session.fail(&error);
         }
         self.viewer.session.sample(false);
@@ -271,7 +271,7 @@ impl Open {
         self.viewer.rates.frame(now, steps);
     }
 
-    /// After how long the widgets want to be drawn again.
+    /// Draws a frame, and returns the time after which the widgets have to be drawn again.
     fn draw(&mut self) -> Duration {
         let input = self.widgets.take_egui_input(&self.window);
         let context = self.widgets.egui_ctx().clone();
@@ -288,7 +288,7 @@ impl Open {
             pixels_per_point: output.pixels_per_point,
         };
         let (camera, style) = (self.viewer.camera, self.viewer.style);
-        let is_new = self.take_in();
+        let is_new = self.update_renderer();
         if let Some(graphics) = &mut self.graphics {
             graphics.show(&self.window, is_new.then_some((&camera, &style)), widgets);
         }
@@ -296,8 +296,8 @@ impl Open {
         root.map_or(Duration::MAX, |viewport| viewport.repaint_delay)
     }
 
-    /// Hands the present state to the renderer, if the picture would be another one than the last.
-    fn take_in(&mut self) -> bool {
+    /// Updates the renderer if the picture would differ from the last one, and returns whether it does.
+    fn update_renderer(&mut self) -> bool {
         let Some(Graphics { renderer, picture, .. }) = &mut self.graphics else {
             return false;
         };
@@ -316,7 +316,7 @@ impl Open {
             blend: if session.running() { session.pace.alpha() } else { 1.0 },
             held: session.held().is_some(),
         };
-        // What is held moves with the pointer.
+        // The tether of a held body moves with the pointer.
         if self.drawn.as_ref() == Some(&drawn) && !drawn.held {
             return false;
         }
@@ -332,15 +332,15 @@ impl Open {
         let legend = Some(renderer.legend(&drawn.style));
         if self.viewer.legend != legend {
             self.viewer.legend = legend;
-            // The widgets of this frame are made already.
+            // The widgets of this frame are already built with the old legend.
             self.window.request_redraw();
         }
         self.drawn = Some(drawn);
         true
     }
 
-    /// Opens the device again where it was lost.
-    fn mend(&mut self, events: &ActiveEventLoop, options: &Options, lose: bool) -> Result<(), Failure> {
+    /// Opens another device if the present one was lost.
+    fn reopen_lost_device(&mut self, events: &ActiveEventLoop, options: &Options, lose: bool) -> Result<(), Failure> {
         if let Some(graphics) = &self.graphics {
             if lose {
                 graphics.lose();
@@ -354,20 +354,20 @@ impl Open {
         }
         self.reopened += 1;
         if self.reopened > REOPENED {
-            return Err(Error::Device("the device failed again and again".to_owned()).into());
+            return Err(Error::Device("the device failed repeatedly".to_owned()).into());
         }
-        // A window has one surface at a time.
+        // A window can have only one surface at a time.
         self.graphics = None;
         let graphics = Graphics::open(&self.window, events.owned_display_handle())?;
         self.viewer.session.reopen(graphics.opener(options));
         self.graphics = Some(graphics);
         self.drawn = None;
-        // The new device has no textures of the widgets yet.
+        // The new device does not have the textures of the widgets.
         self.widgets = widgets(&self.window);
         Ok(())
     }
 
-    /// All of it at once, for whoever is reading.
+    /// Writes the report as one atomic file, because another process may be reading it.
     fn write_report(&mut self, path: &Path) -> Result<(), Failure> {
         let text = format!("{:#}\n", self.report());
         let write = || {
@@ -393,7 +393,7 @@ impl Open {
 fn widgets(window: &Window) -> egui_winit::State {
     let context = egui::Context::default();
     context.set_theme(egui::Theme::Light);
-    // Ctrl and + mean something else here.
+    // Ctrl and + must not zoom the widgets.
     context.options_mut(|options| options.zoom_with_keyboard = false);
     egui_winit::State::new(context, egui::ViewportId::ROOT, window, Some(window.scale_factor() as f32), None, None)
 }

@@ -1,4 +1,4 @@
-//! The constants that keys and sliders change, in one table: the thesis's six (section 2.12.1).
+//! The table of the constants that keys and sliders change: the six of the thesis (section 2.12.1).
 
 use std::ops::RangeInclusive;
 
@@ -7,26 +7,26 @@ use rockfall::Settings;
 /// A constant of [`Settings`].
 #[derive(Debug)]
 pub struct Constant {
-    /// Its name in [`Settings::NAMES`].
+    /// Name in [`Settings::NAMES`].
     pub name: &'static str,
-    /// What the slider is called.
+    /// Label of the slider.
     pub label: &'static str,
-    /// Its unit.
+    /// Unit.
     pub unit: &'static str,
     /// The key that raises it.
     pub up: char,
     /// The key that lowers it.
     pub down: char,
-    /// How far a key press goes.
+    /// Change per key press.
     pub step: f32,
-    /// How far the slider goes, and keys.
+    /// Range of the slider and the keys.
     pub range: RangeInclusive<f32>,
-    /// What it does, in a sentence.
+    /// Effect of the constant, shown as a tooltip.
     pub about: &'static str,
     field: fn(&mut Settings) -> &mut f32,
 }
 
-/// The six constants, in the thesis's order.
+/// The six constants, in the order of the thesis.
 pub const CONSTANTS: [Constant; 6] = [
     Constant {
         name: "activation_threshold",
@@ -36,7 +36,7 @@ pub const CONSTANTS: [Constant; 6] = [
         down: 'c',
         step: 0.1,
         range: 0.0..=10.0,
-        about: "Bodies that approach faster than this times the smaller radius collide; slower ones press.",
+        about: "Bodies that approach faster than this times the smaller radius collide. Slower ones only get contact forces.",
         field: |settings| &mut settings.activation_threshold,
     },
     Constant {
@@ -47,7 +47,7 @@ pub const CONSTANTS: [Constant; 6] = [
         down: 'v',
         step: 0.5,
         range: 0.0..=50.0,
-        about: "What slows bodies that press into each other.",
+        about: "Damping of overlapping bodies.",
         field: |settings| &mut settings.contact_damping,
     },
     Constant {
@@ -58,7 +58,7 @@ pub const CONSTANTS: [Constant; 6] = [
         down: 'b',
         step: 50.0,
         range: 0.0..=5000.0,
-        about: "How strongly an overlap is pushed apart. Too much for the time step blows piles up.",
+        about: "Stiffness of contacts. Piles become unstable if it is too high for the time step.",
         field: |settings| &mut settings.contact_force,
     },
     Constant {
@@ -69,7 +69,7 @@ pub const CONSTANTS: [Constant; 6] = [
         down: 'n',
         step: 5.0,
         range: 0.0..=500.0,
-        about: "Against sliding; it grows with the root of the sliding velocity, so bodies creep on slopes.",
+        about: "Friction of contacts. It grows with the square root of the sliding velocity, so bodies creep on slopes.",
         field: |settings| &mut settings.friction,
     },
     Constant {
@@ -80,7 +80,7 @@ pub const CONSTANTS: [Constant; 6] = [
         down: 'm',
         step: 0.25,
         range: -10.0..=20.0,
-        about: "What everything falls with; negative lifts.",
+        about: "Downward acceleration; negative values point upwards.",
         field: |settings| &mut settings.gravity,
     },
     Constant {
@@ -91,33 +91,33 @@ pub const CONSTANTS: [Constant; 6] = [
         down: 'x',
         step: 0.05,
         range: 0.0..=1.0,
-        about: "What of the approach velocity a collision gives back: 0 nothing, 1 all.",
+        about: "Fraction of the approach velocity that a collision returns, from 0 to 1.",
         field: |settings| &mut settings.restitution,
     },
 ];
 
 impl Constant {
-    /// Its value.
+    /// Returns the value.
     pub fn get(&self, settings: &Settings) -> f32 {
         let mut copy = *settings;
         *(self.field)(&mut copy)
     }
 
-    /// Sets it, to any value; the simulation refuses what is not allowed.
+    /// Sets the value without a check; the simulation rejects invalid values.
     pub fn set(&self, settings: &mut Settings, value: f32) {
         *(self.field)(settings) = value;
     }
 
-    /// Its value in a fresh scene.
+    /// Returns the default value.
     pub fn default_value(&self) -> f32 {
         self.get(&Settings::default())
     }
 
-    /// A key press up or down: a step, within the range, where a scene's own value has not left it.
+    /// Changes the value by one step, as a key press does. The range is enforced unless the scene's own value is outside it.
     pub fn nudge(&self, settings: &mut Settings, up: bool) {
         let value = self.get(settings);
         let moved = f64::from(value) + f64::from(if up { self.step } else { -self.step });
-        // Decimal steps would add up to 1.0000001.
+        // Rounded, because the errors of decimal steps would add up.
         let moved = ((moved * 1e4).round() / 1e4) as f32;
         let (low, high) = (value.min(*self.range.start()), value.max(*self.range.end()));
         self.set(settings, moved.clamp(low, high));
@@ -129,7 +129,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_constant_is_the_setting_of_its_name() {
+    fn every_constant_accesses_the_setting_of_its_name() {
         for constant in &CONSTANTS {
             let mut settings = Settings::default();
             settings.set(constant.name, "0.5").unwrap();
@@ -141,7 +141,7 @@ mod tests {
     }
 
     #[test]
-    fn a_press_moves_one_constant_by_its_step() {
+    fn a_key_press_changes_one_constant_by_its_step() {
         for (index, constant) in CONSTANTS.iter().enumerate() {
             for (up, sign) in [(true, 1.0), (false, -1.0)] {
                 let mut settings = Settings::default();
@@ -155,7 +155,7 @@ mod tests {
     }
 
     #[test]
-    fn presses_end_at_the_range_and_leave_alone_what_lies_beyond() {
+    fn key_presses_stay_within_the_range_or_the_value_of_the_scene() {
         let restitution = &CONSTANTS[5];
         let mut settings = Settings::default();
         (0..100).for_each(|_| restitution.nudge(&mut settings, true));
@@ -170,7 +170,7 @@ mod tests {
     }
 
     #[test]
-    fn steps_do_not_add_rounding() {
+    fn rounding_errors_do_not_add_up() {
         let mut settings = Settings::default();
         (0..7).for_each(|_| CONSTANTS[0].nudge(&mut settings, true));
         assert_eq!(settings.activation_threshold, 1.7);

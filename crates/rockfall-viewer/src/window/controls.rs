@@ -1,8 +1,8 @@
-//! What keys do: the thesis's table (section 2.12.1), and what people expect besides.
+//! Keys and their commands: those of the thesis (section 2.12.1) and further common ones.
 
 use super::constants::CONSTANTS;
 
-/// A key that was pressed, whatever the window system calls it.
+/// A key, independent of the window system.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Key {
     /// F1.
@@ -15,67 +15,67 @@ pub enum Key {
     Backspace,
     /// Home.
     Home,
-    /// A letter (lower case) or sign.
+    /// A letter (lower case) or symbol.
     Char(char),
 }
 
-/// Keys that are held with another.
+/// Modifier keys that are down.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Modifiers {
     /// Shift.
     pub shift: bool,
-    /// Ctrl, on a Mac Command.
+    /// Ctrl, or Command on a Mac.
     pub ctrl: bool,
 }
 
-/// What a key press asks for.
+/// A command to the window.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Command {
     /// Show or hide the table of keys.
     Help,
-    /// Start or stop.
+    /// Start or stop the simulation.
     ToggleRunning,
-    /// One step.
+    /// Stop and make one step.
     SingleStep,
-    /// Read `input.txt`.
+    /// Load `input.txt`.
     LoadInput,
-    /// Read the file of the command line again.
+    /// Load the file of the command line again.
     LoadGiven,
-    /// Collisions on or off.
+    /// Turn collisions on or off.
     ToggleCollisions,
-    /// Real time, or a fixed step a frame.
+    /// Switch between real time and one step per frame.
     ToggleRealTime,
     /// Raise or lower one of [`CONSTANTS`].
     Nudge {
-        /// Which one.
+        /// Index of the constant.
         constant: usize,
-        /// Up or down.
+        /// Whether to raise it.
         up: bool,
     },
     /// Throw a sphere.
     Throw,
-    /// The scene as it was read.
+    /// Restore the initial scene.
     Reset,
-    /// The camera as it was.
+    /// Frame the scene.
     ResetCamera,
-    /// Less or more speed.
+    /// Change the speed.
     ChangeSpeed {
-        /// More.
+        /// Whether to go faster.
         faster: bool,
     },
-    /// Ask for a scene file to open.
+    /// Open the file dialog to load a scene.
     Open,
-    /// Write the present state, to the file of the last time.
+    /// Save the present state to the last file.
     Save,
-    /// Ask for a file, and write the present state to it.
+    /// Open the file dialog to save the present state.
     SaveAs,
     /// Show or hide the panel.
     TogglePanel,
-    /// End.
+    /// Close the file dialog, or else the window.
     Quit,
 }
 
-/// What a key asks for, with the keys that are held with it.
+/// Returns the command of a key with modifiers.
 pub fn command(key: Key, held: Modifiers) -> Option<Command> {
     if held.ctrl {
         return match key {
@@ -107,32 +107,32 @@ pub fn command(key: Key, held: Modifiers) -> Option<Command> {
     })
 }
 
-/// The table that F1 shows: keys, and what they do. Those of the constants follow from [`CONSTANTS`].
+/// The table that F1 shows: keys and their effects. The rows of the constants follow from [`CONSTANTS`].
 pub const TABLE: [(&str, &str); 21] = [
     ("F1", "this table"),
     ("arrows", "move the camera"),
     ("left drag", "turn the camera"),
     ("right drag", "raise and lower the camera"),
-    ("middle drag", "turn the camera about what it looks at"),
-    ("scroll", "nearer and farther"),
-    ("A", "start and stop"),
-    ("S", "one step"),
-    ("R", "read input.txt, from the working directory, else from beside the program"),
-    ("Shift+R", "read the file of the command line again"),
-    ("K", "collisions on and off"),
-    ("T", "real time, or a step a frame"),
-    ("click", "what a body is, and its values"),
+    ("middle drag", "turn the camera about its target"),
+    ("scroll", "zoom in and out"),
+    ("A", "start or stop"),
+    ("S", "make one step"),
+    ("R", "load input.txt from the working directory or the folder of the program"),
+    ("Shift+R", "load the file of the command line again"),
+    ("K", "turn collisions on or off"),
+    ("T", "switch between real time and one step per frame"),
+    ("click", "show the values of a body"),
     ("Ctrl+drag", "pull a body"),
-    ("space", "throw a sphere where the pointer is"),
+    ("space", "throw a sphere towards the pointer"),
     ("- +", "slower and faster"),
-    ("Backspace  Home", "the scene, the camera as at the start"),
-    ("Ctrl+O", "open a scene file; or drop one on the window"),
-    ("Ctrl+S", "save the present state as a scene text; with Shift, asks for a file"),
-    ("P", "hide and show this panel"),
+    ("Backspace  Home", "reset the scene, reset the camera"),
+    ("Ctrl+O", "open a scene file (or drop one on the window)"),
+    ("Ctrl+S", "save the present state as a scene text; Shift+Ctrl+S asks for a file"),
+    ("P", "show or hide the panel"),
     ("Esc", "quit"),
 ];
 
-/// The rows of the table that change constants.
+/// Returns the rows of the table for the keys that change constants.
 pub fn constant_rows() -> impl Iterator<Item = (String, String)> {
     let keys = |up: char, down: char| format!("{} {}", up.to_ascii_uppercase(), down.to_ascii_uppercase());
     CONSTANTS.iter().map(move |constant| (keys(constant.up, constant.down), format!("{} up and down", constant.label)))
@@ -144,9 +144,9 @@ mod tests {
 
     const NONE: Modifiers = Modifiers { shift: false, ctrl: false };
 
-    /// The table of the thesis, section 2.12.1, written out.
+    /// The table of section 2.12.1 of the thesis.
     #[test]
-    fn the_thesis_keys_do_what_the_thesis_says() {
+    fn keys_of_the_thesis_have_the_commands_of_the_thesis() {
         let nudge = |name: &str, up| {
             let constant = CONSTANTS.iter().position(|constant| constant.name == name).unwrap();
             Command::Nudge { constant, up }
@@ -178,30 +178,30 @@ mod tests {
     }
 
     #[test]
-    fn no_two_keys_do_the_same_and_others_nothing() {
+    fn no_two_keys_have_the_same_command() {
         let keys = ('a'..='z').chain("-+".chars()).map(Key::Char);
         let keys = keys.chain([Key::F1, Key::Escape, Key::Space, Key::Backspace, Key::Home]);
-        let mut asked: Vec<Command> = Vec::new();
+        let mut commands: Vec<Command> = Vec::new();
         for command in keys.filter_map(|key| command(key, NONE)) {
-            assert!(!asked.contains(&command), "{command:?}");
-            asked.push(command);
+            assert!(!commands.contains(&command), "{command:?}");
+            commands.push(command);
         }
-        assert_eq!(asked.len(), 5 + 12 + 1 + 2 + 5);
+        assert_eq!(commands.len(), 5 + 12 + 1 + 2 + 5);
         for letter in "eiloquwy1".chars() {
             assert_eq!(command(Key::Char(letter), NONE), None, "{letter}");
         }
     }
 
     #[test]
-    fn with_shift_and_ctrl_keys_are_others() {
+    fn shift_and_ctrl_change_the_command() {
         let (shift, ctrl) = (Modifiers { shift: true, ctrl: false }, Modifiers { shift: false, ctrl: true });
         assert_eq!(command(Key::Char('r'), shift), Some(Command::LoadGiven));
         assert_eq!(command(Key::Char('s'), ctrl), Some(Command::Save));
-        // Ctrl+A, Ctrl+Z and the like mean something else everywhere.
+        // Ctrl+A, Ctrl+Z and the like have other meanings in all programs.
         for letter in "adkrtxz".chars() {
             assert_eq!(command(Key::Char(letter), ctrl), None, "{letter}");
         }
-        // Caps lock or shift do not keep a letter from working.
+        // Letters work with caps lock or shift as well.
         assert_eq!(command(Key::Char('d'), shift), command(Key::Char('d'), NONE));
     }
 }

@@ -1,29 +1,29 @@
-//! Choosing a file, without any window: the path, and the scene texts of its folder.
+//! State of the file dialog: the path, and the scene files in its folder.
 
 use std::path::{Path, PathBuf};
 
-/// A choice of a file.
+/// State of the file dialog.
 #[derive(Clone, Debug, Default)]
 pub struct Dialog {
     pub(super) shown: bool,
     pub(super) saving: bool,
     pub(super) path: String,
-    /// Folder of the list, and what is in it.
+    /// Folder of the list and its entries.
     listed: Option<(PathBuf, Vec<PathBuf>)>,
 }
 
 impl Dialog {
-    /// Asks for a file to open or to save to.
+    /// Opens the dialog for a file to save to (`saving`) or to load.
     pub fn open(&mut self, saving: bool) {
         (self.shown, self.saving, self.listed) = (true, saving, None);
     }
 
-    /// Whether it is shown.
+    /// Whether the dialog is shown.
     pub fn is_shown(&self) -> bool {
         self.shown
     }
 
-    /// Puts it away.
+    /// Closes the dialog.
     pub fn close(&mut self) {
         self.shown = false;
     }
@@ -34,7 +34,7 @@ impl Dialog {
         folder.filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new(".")).to_owned()
     }
 
-    /// Folders and `.txt` files beside the path.
+    /// Returns the folders and `.txt` files in the folder of the path.
     pub(super) fn list(&mut self) -> &[PathBuf] {
         let folder = self.folder();
         if self.listed.as_ref().is_none_or(|(of, _)| *of != folder) {

@@ -1,4 +1,4 @@
-//! The window inside the window in which a file is chosen.
+//! Widgets of the file dialog.
 
 use std::path::PathBuf;
 
@@ -6,7 +6,7 @@ use egui::Ui;
 
 use super::viewer::Viewer;
 
-/// Shows the dialog, if it is open, and does what it was asked for.
+/// Shows the file dialog if it is open, and loads or saves the chosen file.
 pub(super) fn show(ui: &Ui, viewer: &mut Viewer) {
     if !viewer.dialog.shown {
         return;
@@ -17,7 +17,7 @@ pub(super) fn show(ui: &Ui, viewer: &mut Viewer) {
     egui::Window::new(title).open(&mut still_open).collapsible(false).default_width(460.0).show(ui.ctx(), |ui| {
         ui.horizontal(|ui| {
             let field = ui.add(
-                egui::TextEdit::singleline(&mut viewer.dialog.path).desired_width(380.0).hint_text("path of a scene text"),
+                egui::TextEdit::singleline(&mut viewer.dialog.path).desired_width(380.0).hint_text("path of a scene file"),
             );
             if ui.memory(|memory| memory.focused().is_none()) {
                 field.request_focus();

@@ -1,4 +1,4 @@
-//! The device that a window is drawn with, and a frame on it: the scene into a texture, widgets around it.
+//! The graphics device of the window. Draws the scene into a texture and the widgets around it.
 
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -11,10 +11,10 @@ use super::session::Opener;
 use crate::camera::Camera;
 use crate::draw::{Renderer, Style};
 
-/// The scene is drawn in this format, which the widgets' renderer takes as it is.
+/// Format of the picture of the scene, which the renderer of the widgets shows without conversion.
 const PICTURE_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
 
-/// What went wrong on the device outside of any call that could have told.
+/// The first error of the device that no call has returned.
 #[derive(Clone, Debug, Default)]
 struct Faults(Arc<Mutex<Option<String>>>);
 
@@ -28,7 +28,7 @@ impl Faults {
     }
 }
 
-/// Everything on the device.
+/// The device and everything on it.
 pub(super) struct Graphics {
     device: wgpu::Device,
     queue: wgpu::Queue,
@@ -40,7 +40,7 @@ pub(super) struct Graphics {
     pub(super) renderer: Renderer,
     pub(super) picture: Option<Picture>,
     software: bool,
-    /// The device's name.
+    /// Name of the device.
     pub(super) name: String,
 }
 
@@ -57,10 +57,10 @@ fn device_error(error: impl std::fmt::Display) -> Error {
 }
 
 impl Graphics {
-    /// Opens the best device that can draw onto a window.
+    /// Opens the most powerful device that can draw onto a window.
     ///
     /// # Errors
-    /// [`Error::NoAdapter`] where there is none, [`Error::Device`] where it cannot be opened.
+    /// [`Error::NoAdapter`] if there is none, [`Error::Device`] if it cannot be opened.
     pub(super) fn open(window: &Arc<Window>, display: OwnedDisplayHandle) -> Result<Self> {
         let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_with_display_handle_from_env(Box::new(display)));
         let surface = instance.create_surface(Arc::clone(window)).map_err(device_error)?;
@@ -96,7 +96,8 @@ impl Graphics {
         })
     }
 
-    /// How scenes are opened: on this device, or on the CPU where that is asked for or a CPU plays the GPU.
+    /// Returns the function that opens scenes: on this device, or on the CPU backend if the options request it or if the
+    /// device is a software implementation.
     pub(super) fn opener(&self, options: &Options) -> Opener {
         let on_cpu = match options.backend {
             Backend::Cpu => true,
@@ -109,32 +110,32 @@ impl Graphics {
                 return Simulation::with_options(scene, options.clone().backend(Backend::Cpu));
             }
             let mut simulation = Simulation::on_device(scene, options.clone(), &device, &queue)?;
-            // What would be compiled in the middle of a run would be seen as a jerk.
+            // Kernels are compiled now, because compiling them during a run would interrupt the motion.
             simulation.prepare()?;
             Ok(simulation)
         })
     }
 
-    /// What went wrong since the last call.
+    /// Returns the first error since the last call.
     pub(super) fn fault(&self) -> Option<String> {
         self.faults.take()
     }
 
-    /// Gives the device up, as when a driver fails: for tests of what happens then.
+    /// Destroys the device like a failing driver does, for tests.
     pub(super) fn lose(&self) {
         self.device.destroy();
         self.faults.record("the device was lost on purpose".to_owned());
     }
 
-    /// The window has another size.
+    /// Sets the size of the window.
     pub(super) fn resize(&mut self, width: u32, height: u32) {
         let most = self.device.limits().max_texture_dimension_2d;
         (self.config.width, self.config.height) = (width.clamp(1, most), height.clamp(1, most));
         self.surface.configure(&self.device, &self.config);
     }
 
-    /// The texture of the scene, in the size that it has on the screen; while it moves, a CPU that plays GPU draws it half as
-    /// large, or it would not move.
+    /// Returns the texture of the scene for a size on the screen. A software device draws moving scenes at half the resolution,
+    /// because it would be too slow otherwise.
     pub(super) fn picture(&mut self, size: [u32; 2], moving: bool) -> egui::TextureId {
         let most = self.device.limits().max_texture_dimension_2d;
         let coarse = if self.software && moving { 2 } else { 1 };
@@ -166,7 +167,7 @@ impl Graphics {
         id
     }
 
-    /// Draws the scene, if it changed, and the widgets; shows both.
+    /// Draws the scene if it changed, draws the widgets, and presents both.
     pub(super) fn show(&mut self, window: &Window, scene: Option<(&Camera, &Style)>, widgets: Widgets) {
         let Widgets { primitives, mut textures, pixels_per_point } = widgets;
         for (id, deltas) in &textures.set {
@@ -196,11 +197,11 @@ impl Graphics {
         for id in &textures.free {
             self.widgets.free_texture(id);
         }
-        // It insists on being told that all of it was done.
+        // egui requires that handled changes are cleared.
         textures.clear();
     }
 
-    /// The window's next picture; `None` where it cannot be seen at the moment.
+    /// Returns the next texture of the window; `None` while the window is not visible.
     fn acquire(&mut self) -> Option<wgpu::SurfaceTexture> {
         use wgpu::CurrentSurfaceTexture as Got;
         for _ in 0..2 {
@@ -234,7 +235,7 @@ fn widgets_pass<'a>(encoder: &'a mut wgpu::CommandEncoder, view: &wgpu::TextureV
     })
 }
 
-/// Has everything that goes wrong recorded, which would otherwise end the program.
+/// Records uncaptured errors and the loss of the device, which would otherwise end the program.
 fn watch(device: &wgpu::Device) -> Faults {
     let faults = Faults::default();
     let at_error = faults.clone();
@@ -246,7 +247,8 @@ fn watch(device: &wgpu::Device) -> Faults {
     faults
 }
 
-/// In a format that the widgets' renderer encodes itself, in step with the screen.
+/// Returns the configuration of the surface: synchronised with the screen, and if possible in a format without sRGB encoding,
+/// because the renderer of the widgets encodes by itself.
 fn configuration(surface: &wgpu::Surface, adapter: &wgpu::Adapter, window: &Window) -> Result<wgpu::SurfaceConfiguration> {
     let size = window.inner_size();
     let mut config = surface

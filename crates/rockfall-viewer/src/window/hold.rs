@@ -1,31 +1,31 @@
-//! A body that is held by a tether, and the line of sight that holds it.
+//! A body that is held with the pointer.
 
 use rockfall::glam::Vec3;
 use rockfall::{SphereId, TetherId};
 
-/// A sphere that is tied to the pointer.
+/// A sphere that a tether connects to the pointer.
 #[derive(Clone, Debug)]
 pub struct Held {
     /// The sphere.
     pub sphere: SphereId,
-    /// What holds it.
+    /// The tether that holds it.
     pub tether: TetherId,
-    /// Where the pointer is in space.
+    /// Position of the pointer in the scene, in units.
     pub pointer: Vec3,
-    /// From the point where it was seized to its centre.
+    /// Vector from the grabbed point to the centre of the sphere.
     pub(super) offset: Vec3,
-    /// How far in front of the eye it is held, along `forward`.
+    /// Distance of the grabbed point from the eye along `forward`.
     pub(super) depth: f32,
 }
 
-/// A line of sight through the pointer.
+/// The line of sight through the pointer.
 #[derive(Clone, Copy, Debug)]
 pub struct Sight {
-    /// The eye.
+    /// Position of the eye.
     pub origin: Vec3,
     /// Unit vector through the pointer.
     pub direction: Vec3,
-    /// Unit vector that the camera looks along.
+    /// Unit vector of the viewing direction of the camera.
     pub forward: Vec3,
 }
 

@@ -1,4 +1,4 @@
-//! From the events of the widget library to commands and to what the mouse does.
+//! Translates events of the widget library to commands and mouse actions.
 
 use egui::{Event, MouseWheelUnit, PointerButton, Pos2, Rect};
 use rockfall::glam::Vec2;
@@ -7,12 +7,12 @@ use super::controls::{self, Command, Key, Modifiers};
 use super::navigation::Arrow;
 use super::viewer::{Button, Viewer};
 
-/// Points that the wheel's finer steps count as a notch.
+/// Scroll distance, in points, that counts as one notch of the wheel.
 const NOTCH: f32 = 40.0;
 
-/// What happened in a frame, to the scene's picture in `area`. Events are taken one by one, for a slow frame may hold a
-/// whole drag.
-pub(super) fn take(ui: &egui::Ui, area: Rect, viewer: &mut Viewer) {
+/// Handles the events of a frame; `area` is the picture of the scene. Events are handled one by one, because a slow frame may
+/// contain a whole drag.
+pub(super) fn handle(ui: &egui::Ui, area: Rect, viewer: &mut Viewer) {
     let context = ui.ctx();
     let pixels = context.pixels_per_point();
     let typing = context.egui_wants_keyboard_input();
@@ -75,10 +75,10 @@ fn arrow_of(key: egui::Key) -> Option<Arrow> {
 
 fn press(viewer: &mut Viewer, key: egui::Key, repeat: bool, held: egui::Modifiers) {
     let held = Modifiers { shift: held.shift, ctrl: held.ctrl || held.command };
-    let asked = key_of(key).and_then(|key| controls::command(key, held));
-    // A key that is kept down goes on stepping and turning up, but does not switch to and fro.
-    let goes_on = matches!(asked, Some(Command::Nudge { .. } | Command::SingleStep));
-    if let Some(command) = asked.filter(|_| !repeat || goes_on) {
+    let command = key_of(key).and_then(|key| controls::command(key, held));
+    // While a key is kept down, its repeats make steps and change constants, but do not toggle anything.
+    let repeats = matches!(command, Some(Command::Nudge { .. } | Command::SingleStep));
+    if let Some(command) = command.filter(|_| !repeat || repeats) {
         viewer.command(command);
     }
 }
@@ -108,7 +108,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn keys_have_the_names_of_their_letters() {
+    fn keys_are_translated_by_their_names() {
         let keys = [(egui::Key::A, 'a'), (egui::Key::Z, 'z'), (egui::Key::Minus, '-'), (egui::Key::Plus, '+')];
         for (key, letter) in keys {
             assert_eq!(key_of(key), Some(Key::Char(letter)));

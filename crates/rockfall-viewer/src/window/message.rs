@@ -1,18 +1,18 @@
-//! What the window tells: kept, so that an error ends nothing.
+//! Messages to the user.
 
-/// How bad it is.
+/// Severity of a message.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Level {
-    /// Something was done.
+    /// Information about what was done.
     Note,
-    /// Something is odd.
+    /// A possible mistake.
     Warning,
-    /// Something could not be done.
+    /// An action that failed.
     Error,
 }
 
 impl Level {
-    /// Its name in reports.
+    /// Name in reports.
     pub fn name(self) -> &'static str {
         match self {
             Self::Note => "note",
@@ -25,51 +25,50 @@ impl Level {
 /// One message.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Message {
-    /// How bad it is.
+    /// Severity.
     pub level: Level,
-    /// What it says.
+    /// Text.
     pub text: String,
-    /// When it was given, in s since the window opened.
+    /// Time of the message, in s since the window opened.
     pub at: f64,
-    /// Whether it was read and put away.
+    /// Whether the user dismissed it.
     pub dismissed: bool,
 }
 
-/// How long notes and warnings are shown, in s. Errors stay until they are put away.
+/// Time that notes and warnings are shown, in s. Errors stay until they are dismissed.
 const SHOWN: f64 = 6.0;
-/// Messages that are kept.
+/// Number of messages that are kept.
 const KEPT: usize = 100;
 
-/// The messages of a session, the last ones kept.
+/// The last messages of a session.
 #[derive(Clone, Debug, Default)]
 pub struct Messages {
     all: Vec<Message>,
 }
 
 impl Messages {
-    /// Adds one.
+    /// Adds a message. An older message with the same level and text is removed.
     pub fn add(&mut self, level: Level, text: impl Into<String>, now: f64) {
         let text = text.into();
-        // What is said again and again is said once.
         self.all.retain(|message| message.text != text || message.level != level);
         self.all.push(Message { level, text, at: now, dismissed: false });
         let surplus = self.all.len().saturating_sub(KEPT);
         self.all.drain(..surplus);
     }
 
-    /// All of them, the oldest first.
+    /// Returns all messages, the oldest first.
     pub fn all(&self) -> &[Message] {
         &self.all
     }
 
-    /// Those to be shown now, with their indices.
+    /// Returns the messages that are shown at the time `now`, with their indices.
     pub fn shown(&self, now: f64) -> impl DoubleEndedIterator<Item = (usize, &Message)> {
         let is_shown =
             move |message: &Message| !message.dismissed && (message.level == Level::Error || now - message.at < SHOWN);
         self.all.iter().enumerate().filter(move |(_, message)| is_shown(message))
     }
 
-    /// Puts one away.
+    /// Dismisses a message.
     pub fn dismiss(&mut self, index: usize) {
         if let Some(message) = self.all.get_mut(index) {
             message.dismissed = true;
@@ -82,7 +81,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn errors_stay_until_they_are_put_away_and_notes_go() {
+    fn errors_stay_until_they_are_dismissed_and_notes_disappear() {
         let mut messages = Messages::default();
         messages.add(Level::Note, "saved", 0.0);
         messages.add(Level::Error, "no such file", 1.0);
@@ -95,7 +94,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_said_again_is_said_once_and_last() {
+    fn a_repeated_message_is_kept_once_and_last() {
         let mut messages = Messages::default();
         for (now, text) in ["a", "b", "a"].into_iter().enumerate() {
             messages.add(Level::Error, text, now as f64);

@@ -1,28 +1,28 @@
-//! How arrows and the mouse move the camera.
+//! Moves the camera with the arrow keys and the mouse.
 
 use rockfall::glam::{Quat, Vec3};
 
 use crate::camera::Camera;
 
-/// Turn per pixel of a drag, in rad.
+/// Rotation per pixel of a drag, in rad.
 const TURN: f32 = 0.004;
-/// The steepest look up or down, in rad: straight up or down there is no telling left from right.
+/// Greatest pitch up or down, in rad. Straight up or down, left and right would be undefined.
 const STEEPEST: f32 = 1.55;
-/// Distances of the target that an arrow moves the camera by in a second.
+/// Speed of the camera with the arrow keys, in distances of the target per second.
 const WALK: f32 = 0.7;
-/// What is left of the distance after a notch of the wheel.
+/// Factor on the distance of the target per notch of the wheel.
 const ZOOM: f32 = 0.88;
 
 /// An arrow key.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Arrow {
-    /// Forwards.
+    /// Moves forwards.
     Up,
-    /// Backwards.
+    /// Moves backwards.
     Down,
-    /// To the left.
+    /// Moves to the left.
     Left,
-    /// To the right.
+    /// Moves to the right.
     Right,
 }
 
@@ -31,36 +31,36 @@ pub enum Arrow {
 pub struct Arrows([bool; 4]);
 
 impl Arrows {
-    /// This one alone.
+    /// Returns a set with one arrow.
     pub fn only(arrow: Arrow) -> Self {
         let mut arrows = Self::default();
         arrows.set(arrow, true);
         arrows
     }
 
-    /// Presses or lets go of one.
+    /// Presses or releases an arrow.
     pub fn set(&mut self, arrow: Arrow, down: bool) {
         self.0[arrow as usize] = down;
     }
 
-    /// Whether any is down.
+    /// Whether any arrow is down.
     pub fn any(self) -> bool {
         self != Self::default()
     }
 
-    /// 1, -1, or 0 where both or neither is down.
+    /// Returns 1 if only `plus` is down, -1 if only `minus` is down, else 0.
     fn sign(self, plus: Arrow, minus: Arrow) -> f32 {
         f32::from(u8::from(self.0[plus as usize])) - f32::from(u8::from(self.0[minus as usize]))
     }
 }
 
-/// The camera's distance from what it looks at, in units.
+/// Returns the distance between camera and target, in units.
 fn distance(camera: &Camera) -> f32 {
     camera.eye.distance(camera.target)
 }
 
-/// The directions in which the camera may look after a turn of a drag by so many pixels.
-fn turned(forward: Vec3, dx: f32, dy: f32) -> Vec3 {
+/// Returns the viewing direction after a rotation by a drag of `dx`, `dy` pixels, with limited pitch.
+fn rotated(forward: Vec3, dx: f32, dy: f32) -> Vec3 {
     let pitch = forward.y.clamp(-1.0, 1.0).asin();
     let heading = Vec3::new(forward.x, 0.0, forward.z).try_normalize().unwrap_or(Vec3::NEG_Z);
     let heading = Quat::from_rotation_y(-TURN * dx) * heading;
@@ -68,20 +68,20 @@ fn turned(forward: Vec3, dx: f32, dy: f32) -> Vec3 {
     heading * pitch.cos() + Vec3::Y * pitch.sin()
 }
 
-/// A drag with the left button turns the camera where it stands: the picture follows the pointer.
+/// Rotates the camera about its own position (left drag): the picture follows the pointer.
 pub fn turn(camera: &mut Camera, dx: f32, dy: f32) {
     let far = distance(camera);
-    camera.target = camera.eye + far * turned(camera.axes().forward, -dx, -dy);
+    camera.target = camera.eye + far * rotated(camera.axes().forward, -dx, -dy);
 }
 
-/// A drag with the middle button turns it about what it looks at.
+/// Rotates the camera about its target (middle drag).
 pub fn orbit(camera: &mut Camera, dx: f32, dy: f32) {
     let far = distance(camera);
-    camera.eye = camera.target - far * turned(camera.axes().forward, dx, dy);
+    camera.eye = camera.target - far * rotated(camera.axes().forward, dx, dy);
 }
 
-/// A drag with the right button raises and lowers it: what is in the middle follows the pointer's way of a part `dy` of the picture's
-/// height.
+/// Raises or lowers the camera (right drag). `dy` is the downward movement of the pointer divided by the height of the picture.
+/// The camera moves in the same direction as the pointer, by this fraction of the height that is visible at the target.
 pub fn raise(camera: &mut Camera, dy: f32) {
     let height = 2.0 * (0.5 * camera.field_of_view).tan() * distance(camera);
     let up = Vec3::Y * (-dy * height);
@@ -89,7 +89,7 @@ pub fn raise(camera: &mut Camera, dy: f32) {
     camera.target += up;
 }
 
-/// Arrows move it over the ground for so many seconds.
+/// Moves the camera horizontally for `seconds` (arrow keys).
 pub fn walk(camera: &mut Camera, arrows: Arrows, seconds: f32) {
     let axes = camera.axes();
     let ahead = Vec3::new(axes.forward.x, 0.0, axes.forward.z).try_normalize().unwrap_or(Vec3::NEG_Z);
@@ -99,7 +99,7 @@ pub fn walk(camera: &mut Camera, arrows: Arrows, seconds: f32) {
     camera.target += moved;
 }
 
-/// The wheel takes it nearer to what it looks at, or away.
+/// Moves the camera towards its target, or away for negative `notches` (wheel).
 pub fn zoom(camera: &mut Camera, notches: f32) {
     let forward = camera.axes().forward;
     let far = (distance(camera) * ZOOM.powf(notches)).clamp(1e-4, 1e7);
@@ -120,7 +120,7 @@ mod tests {
     }
 
     #[test]
-    fn arrows_move_over_the_ground() {
+    fn arrows_move_the_camera_horizontally() {
         let cases = [
             (Arrows::only(Arrow::Up), [0.0, 0.0, -7.0]),
             (Arrows::only(Arrow::Down), [0.0, 0.0, 7.0]),
@@ -134,15 +134,15 @@ mod tests {
             near(moving.eye - camera().eye, moved);
             near(moving.target - camera().target, moved);
         }
-        // Looking down, forwards is still level.
+        // Forwards is horizontal even if the camera looks down.
         let mut steep = Camera::new([0.0, 10.0, 10.0], [0.0; 3]);
         walk(&mut steep, Arrows::only(Arrow::Up), 1.0);
         assert_eq!(steep.eye.y, 10.0);
     }
 
-    /// Dragging to the right pulls the picture to the right: the camera looks to the left.
+    /// A drag to the right moves the picture to the right: the camera turns to the left.
     #[test]
-    fn the_left_button_turns_where_the_camera_stands() {
+    fn a_left_drag_rotates_the_camera_about_its_position() {
         let mut turning = camera();
         turn(&mut turning, 100.0, 0.0);
         near(turning.eye, [0.0, 2.0, 10.0]);
@@ -156,7 +156,7 @@ mod tests {
     }
 
     #[test]
-    fn the_middle_button_turns_about_the_target() {
+    fn a_middle_drag_rotates_the_camera_about_its_target() {
         let mut turning = camera();
         orbit(&mut turning, 100.0, 50.0);
         near(turning.target, [0.0, 2.0, 0.0]);
@@ -165,7 +165,7 @@ mod tests {
     }
 
     #[test]
-    fn the_right_button_changes_the_height() {
+    fn a_right_drag_changes_the_height() {
         let mut rising = camera();
         raise(&mut rising, -0.5);
         let height = 10.0 * (0.5 * rising.field_of_view).tan();
@@ -174,7 +174,7 @@ mod tests {
     }
 
     #[test]
-    fn the_wheel_goes_nearer_and_back() {
+    fn the_wheel_changes_the_distance_and_back() {
         let mut zooming = camera();
         zoom(&mut zooming, 3.0);
         near(zooming.eye, [0.0, 2.0, 10.0 * 0.88_f32.powi(3)]);

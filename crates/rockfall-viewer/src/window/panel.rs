@@ -1,4 +1,4 @@
-//! The panel: constants, time, colours, plots, and what is known of a body.
+//! The panel: numbers, the picked body, constants, colours and plots.
 
 use egui::{Color32, RichText, Ui};
 use egui_plot::{Line, Plot, PlotPoints};
@@ -10,7 +10,8 @@ use crate::draw::{ColourBy, Style};
 use crate::legend::Legend;
 use crate::palette::{Kind, Rgb};
 
-/// Names and colours of the energies, and of the phases: Okabe and Ito's, which all eyes tell apart.
+/// Names and colours of the energies. The colours here and in [`PHASES`] are those of Okabe and Ito, which can be told apart
+/// with any kind of colour vision.
 const ENERGIES: [(&str, Rgb); 5] = [
     ("total", [0x30, 0x30, 0x30]),
     ("kinetic", [0xd5, 0x5e, 0x00]),
@@ -18,6 +19,7 @@ const ENERGIES: [(&str, Rgb); 5] = [
     ("springs", [0x00, 0x9e, 0x73]),
     ("contacts", [0xcc, 0x79, 0xa7]),
 ];
+/// Names and colours of the phases.
 const PHASES: [(&str, Rgb); 4] = [
     ("AABBs", [0x56, 0xb4, 0xe9]),
     ("broad phase", [0x00, 0x72, 0xb2]),
@@ -26,7 +28,7 @@ const PHASES: [(&str, Rgb); 4] = [
 ];
 const PLOT_HEIGHT: f32 = 130.0;
 
-/// All of it.
+/// Shows the panel.
 pub(super) fn show(ui: &mut Ui, viewer: &mut Viewer) {
     numbers(ui, viewer);
     let section = |ui: &mut Ui, title: &str, open: bool, add: &mut dyn FnMut(&mut Ui)| {
@@ -41,7 +43,7 @@ pub(super) fn show(ui: &mut Ui, viewer: &mut Viewer) {
     section(ui, "Time of the phases", true, &mut |ui| phases(ui, viewer));
 }
 
-/// Steps, rates, counts.
+/// Shows the numbers of steps and objects, and the rates.
 fn numbers(ui: &mut Ui, viewer: &mut Viewer) {
     let session = &viewer.session;
     let simulation = session.simulation_ref();
@@ -66,7 +68,7 @@ fn numbers(ui: &mut Ui, viewer: &mut Viewer) {
         pair(ui, "collisions", report.collisions.to_string(), true);
     });
     if let Some(lag) = session.pace.lag() {
-        let text = format!("cannot keep up: {:.0} % of the speed asked for", 100.0 * lag);
+        let text = format!("too slow: {:.0} % of the requested speed", 100.0 * lag);
         ui.label(RichText::new(text).color(Color32::from_rgb(0xa8, 0x1e, 0x1e)));
     }
 }
@@ -97,8 +99,8 @@ fn constants(ui: &mut Ui, viewer: &mut Viewer) {
     if ui.add_enabled(differs, egui::Button::new("Defaults").small()).clicked() {
         CONSTANTS.iter().for_each(|constant| constant.set(&mut settings, constant.default_value()));
     }
-    ui.checkbox(&mut settings.collisions, "collisions (K)").on_hover_text("Off: contact forces do everything.");
-    ui.checkbox(&mut settings.contact_pull, "damping may pull").on_hover_text("The thesis's form of contact damping.");
+    ui.checkbox(&mut settings.collisions, "collisions (K)").on_hover_text("Without collisions there are only contact forces.");
+    ui.checkbox(&mut settings.contact_pull, "damping may pull").on_hover_text("Contact damping as in the thesis.");
     let mut time_step = viewer.session.pace.time_step * 1000.0;
     ui.horizontal(|ui| {
         ui.label("time step");
@@ -112,7 +114,7 @@ fn constants(ui: &mut Ui, viewer: &mut Viewer) {
     }
 }
 
-/// Switches of the picture's style.
+/// Shows the switches of the style.
 pub(super) fn style_switches(ui: &mut Ui, viewer: &mut Viewer) {
     let Style { shadows, occlusion, ground, .. } = &mut viewer.style;
     ui.checkbox(shadows, "Shadows");
@@ -145,7 +147,7 @@ fn swatch(ui: &mut Ui, kind: &Kind) {
     ui.label(kind.name);
 }
 
-/// A bar of the colours, with the values at its ends.
+/// Shows a colour bar with the values at its ends.
 fn scale(ui: &mut Ui, title: &str, range: [f32; 2], colours: &[Rgb]) {
     let (bar, _) = ui.allocate_exact_size(egui::vec2(ui.available_width(), 12.0), egui::Sense::hover());
     let mut mesh = egui::Mesh::default();
@@ -188,7 +190,7 @@ fn energies(ui: &mut Ui, viewer: &mut Viewer) {
     let watch = &viewer.session.watch;
     let all = |energy: &Energy| [energy.total(), energy.kinetic, energy.potential, energy.spring, energy.contact];
     if let Some(last) = watch.energies().back() {
-        // No contacts at all have an energy of -0, which 0 makes 0.
+        // Without contacts the energy is -0; adding 0 makes it 0.
         values(ui, &ENERGIES, all(&last.energy).map(|energy| format!("{:.4}", energy + 0.0)));
     }
     let lines = ENERGIES.iter().enumerate().map(|(index, (name, colour))| {
@@ -197,14 +199,14 @@ fn energies(ui: &mut Ui, viewer: &mut Viewer) {
     });
     plot("energy").show(ui, |plot| lines.for_each(|line| plot.line(line)));
     if !watch.is_unasked() {
-        ui.label(RichText::new("The scene is too large to look at its energy all the time.").weak());
+        ui.label(RichText::new("The scene is too large to measure its energy continuously.").weak());
     }
-    if ui.small_button("measure now").clicked() {
+    if ui.small_button("Measure now").clicked() {
         viewer.session.sample(true);
     }
 }
 
-/// Names in their colours, with the last values.
+/// Shows names in their colours with the last values.
 fn values<const N: usize>(ui: &mut Ui, names: &[(&str, Rgb); N], values: [String; N]) {
     ui.horizontal_wrapped(|ui| {
         for ((name, rgb), value) in names.iter().zip(values) {

@@ -1,14 +1,14 @@
-//! Frames and steps a second.
+//! Frames and steps per second.
 
-/// How often they are counted, in s.
+/// Interval over which they are counted, in s.
 const EVERY: f64 = 0.5;
 
 /// Rates over the last half second.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Rates {
-    /// Frames a second.
+    /// Frames per second.
     pub frames: f64,
-    /// Steps a second.
+    /// Steps per second.
     pub steps: f64,
     since: f64,
     frames_since: u64,
@@ -16,13 +16,13 @@ pub struct Rates {
 }
 
 impl Rates {
-    /// A frame is shown, with so many steps done in all.
+    /// Counts a frame; `steps` is the total number of steps.
     pub fn frame(&mut self, now: f64, steps: u64) {
         self.frames_since += 1;
         let passed = now - self.since;
         if passed >= EVERY {
             self.frames = self.frames_since as f64 / passed;
-            // A reset counts from 0 again.
+            // After a reset the number of steps starts from 0 again.
             self.steps = steps.saturating_sub(self.steps_then) as f64 / passed;
             (self.since, self.frames_since, self.steps_then) = (now, 0, steps);
         }
@@ -34,7 +34,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn rates_are_counts_over_time() {
+    fn rates_are_counts_per_second() {
         let mut rates = Rates::default();
         for frame in 1..=100_u64 {
             rates.frame(frame as f64 * 0.02, 3 * frame);

@@ -1,4 +1,4 @@
-//! The state of a window as JSON, for tests and for reports of faults.
+//! The state of the window as JSON, for tests and bug reports.
 
 use rockfall::Settings;
 use rockfall::glam::Vec3;
@@ -10,7 +10,7 @@ fn vector(v: Vec3) -> Value {
     json!(v.to_array())
 }
 
-/// All that keys and the mouse change.
+/// Returns everything that keys and the mouse can change.
 pub(super) fn report(viewer: &mut Viewer, device: &str, run: &Value) -> Value {
     let session = &mut viewer.session;
     let positions: Vec<Value> = match session.simulation().sync() {

@@ -1,5 +1,5 @@
-//! A scene that is looked at: opened, moved, changed, saved. It knows nothing of windows; what goes wrong becomes a message, and
-//! it goes on.
+//! A session: opens a scene, runs it, changes it and saves it, independently of the window. Errors become messages and do not
+//! end the session.
 
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -13,51 +13,51 @@ use super::watch::Watch;
 
 mod pointer;
 
-/// Opens a scene on what the window draws with.
+/// Opens a scene as a simulation on the device of the window.
 pub type Opener = Box<dyn Fn(Scene) -> rockfall::Result<Simulation>>;
 
-/// The name of the file that R reads (thesis section 2.12.1).
+/// Name of the file that the key R loads (thesis section 2.12.1).
 pub const INPUT: &str = "input.txt";
-/// Odd lines of a scene that are told; the others are counted.
-const ODD_LINES: usize = 3;
+/// Number of warnings about a scene file that are shown; of the others only the number is shown.
+const SHOWN_WARNINGS: usize = 3;
 
-/// A scene and what to call it.
+/// A scene with its name and file.
 #[derive(Clone, Debug)]
 pub struct Source {
-    /// Its name, for messages and the title.
+    /// Name in messages and in the title of the window.
     pub name: String,
-    /// The file it came from.
+    /// The file that it was loaded from.
     pub path: Option<PathBuf>,
-    /// The scene as it was read, for a reset.
+    /// The initial scene, which a reset restores.
     pub scene: Scene,
 }
 
-/// A scene that is looked at.
+/// A scene that is opened, run, changed and saved.
 pub struct Session {
     opener: Opener,
     source: Source,
-    /// What the command line changed of the constants: name and value.
+    /// Constants set on the command line: name and value.
     overrides: Vec<(String, String)>,
-    /// The file that Shift+R reads.
-    given: Option<PathBuf>,
+    /// The file of the command line, which Shift+R loads.
+    command_line_file: Option<PathBuf>,
     simulation: Simulation,
-    /// When steps are due.
+    /// Decides when steps are due.
     pub pace: Pace,
     running: bool,
-    /// What there is to tell.
+    /// Messages to the user.
     pub messages: Messages,
-    /// Values that are sampled now and then.
+    /// Values that are sampled at intervals.
     pub watch: Watch,
     held: Option<Held>,
-    /// The body that was clicked on.
+    /// The body that was picked by a click.
     picked: Option<Body>,
-    /// Grows whenever other objects are there.
+    /// Increases whenever objects are added, removed or replaced.
     objects_version: u64,
-    /// Grows whenever there is another simulation.
+    /// Increases whenever the simulation is replaced.
     simulation_version: u64,
-    /// Grows whenever another scene is looked at.
+    /// Increases whenever another scene is opened.
     scene_version: u64,
-    /// The device is gone: nothing runs until [`Session::reopen`].
+    /// Whether the device has failed. Nothing runs until [`Session::reopen`].
     device_failed: bool,
     /// Present time, in s since the window opened.
     now: f64,
@@ -67,16 +67,16 @@ impl Session {
     /// Opens a scene.
     ///
     /// # Errors
-    /// Those of the opener: later ones become messages, but without a first scene there is nothing to look at.
+    /// Those of the opener. Later errors become messages, but a session needs a first scene.
     pub fn open(source: Source, overrides: Vec<(String, String)>, time_step: f32, opener: Opener) -> rockfall::Result<Self> {
         let mut simulation = opener(source.scene.clone())?;
         simulation.set_time_step(time_step)?;
-        let given = source.path.clone();
+        let command_line_file = source.path.clone();
         Ok(Self {
             opener,
             source,
             overrides,
-            given,
+            command_line_file,
             simulation,
             pace: Pace::new(time_step),
             running: false,
@@ -92,91 +92,92 @@ impl Session {
         })
     }
 
-    /// The simulation, to draw and to read. Change it through the session.
+    /// Returns the simulation for drawing and reading back; change it only through the session.
     pub fn simulation(&mut self) -> &mut Simulation {
         &mut self.simulation
     }
 
-    /// The simulation, to read what it knows without reading back.
+    /// Returns the simulation for what can be read without reading back.
     pub fn simulation_ref(&self) -> &Simulation {
         &self.simulation
     }
 
-    /// The messages to be shown now.
+    /// Returns the messages that are shown at present, with their indices.
     pub fn shown_messages(&self) -> impl DoubleEndedIterator<Item = (usize, &Message)> {
         self.messages.shown(self.now)
     }
 
-    /// The scene as it was read.
+    /// Returns the initial scene.
     pub fn source(&self) -> &Source {
         &self.source
     }
 
-    /// Whether time goes on.
+    /// Whether the simulation is running.
     pub fn running(&self) -> bool {
         self.running
     }
 
-    /// Grows whenever objects were added, removed or replaced.
+    /// Returns a number that increases whenever objects are added, removed or replaced.
     pub fn objects_version(&self) -> u64 {
         self.objects_version
     }
 
-    /// Grows whenever the simulation was replaced: by another scene, a reset, or on another device.
+    /// Returns a number that increases whenever the simulation is replaced: by another scene, a reset, or after a lost device.
     pub fn simulation_version(&self) -> u64 {
         self.simulation_version
     }
 
-    /// Grows whenever another scene was opened, which the camera should look at.
+    /// Returns a number that increases whenever another scene is opened, so that the camera has to be moved.
     pub fn scene_version(&self) -> u64 {
         self.scene_version
     }
 
-    /// The physical constants.
+    /// Returns the physical constants.
     pub fn settings(&self) -> &Settings {
         self.simulation.settings()
     }
 
-    /// Whether the device failed, so that [`Session::reopen`] must come before anything else happens.
+    /// Whether the device has failed, so that [`Session::reopen`] is needed.
     pub fn device_failed(&self) -> bool {
         self.device_failed
     }
 
-    /// Tells something.
+    /// Adds a message.
     pub fn tell(&mut self, level: Level, text: impl Into<String>) {
         self.messages.add(level, text, self.now);
     }
 
-    /// Tells an error; of a failed device it is also remembered.
+    /// Adds an error message, and records whether the error is a failure of the device.
     pub fn fail(&mut self, error: &Error) {
         self.device_failed |= matches!(error, Error::Device(_));
         self.tell(Level::Error, error.to_string());
     }
 
-    /// Gives the value, or tells the error.
-    fn good<T>(&mut self, result: rockfall::Result<T>) -> Option<T> {
+    /// Returns the value, or adds an error message.
+    fn ok_or_report<T>(&mut self, result: rockfall::Result<T>) -> Option<T> {
         result.map_err(|error| self.fail(&error)).ok()
     }
 
-    /// Starts or stops.
+    /// Starts the simulation if it is stopped, else stops it.
     pub fn toggle_running(&mut self) {
         self.set_running(!self.running);
     }
 
-    /// Starts or stops.
+    /// Starts or stops the simulation.
     pub fn set_running(&mut self, running: bool) {
         self.running = running;
         self.pace.forget();
     }
 
-    /// A step alone; what was running stops.
+    /// Stops the simulation and makes one step.
     pub fn single_step(&mut self) {
         self.set_running(false);
         self.do_steps(1);
     }
 
-    /// A frame at the time `now`, in s since the window opened, `elapsed` s after the last one: the steps that are due. `before_last`
-    /// is called before the last of them, for drawing between the last two states.
+    /// Makes the steps that are due in a frame. `now` is the time in s since the window opened, `elapsed` the time in s since
+    /// the last frame. `before_last` is called before the last step, so that the caller can blend between the last two
+    /// states.
     pub fn frame(&mut self, now: f64, elapsed: f64, before_last: impl FnOnce(&mut Simulation)) {
         self.now = now;
         if !self.running || self.device_failed {
@@ -203,9 +204,9 @@ impl Session {
         self.stop_on(result)
     }
 
-    /// One step, with the time of its phases.
+    /// Makes one step and measures the time of its phases.
     fn do_profiled(&mut self) {
-        // A device without timestamps steps all the same.
+        // Devices without timestamps make the step without measuring.
         if self.simulation.clock().is_err() {
             self.do_steps(1);
             return;
@@ -220,69 +221,69 @@ impl Session {
         if result.is_err() {
             self.set_running(false);
         }
-        self.good(result).is_some()
+        self.ok_or_report(result).is_some()
     }
 
-    /// Samples energies and what is known of the picked body, if it is time for that or if `asked`.
-    pub fn sample(&mut self, asked: bool) {
-        if self.device_failed || !(asked || self.watch.due(self.now, &self.simulation)) {
+    /// Samples the energies and the values of the picked body, if a sample is due or `forced`.
+    pub fn sample(&mut self, forced: bool) {
+        if self.device_failed || !(forced || self.watch.due(self.now, &self.simulation)) {
             return;
         }
         let start = Instant::now();
         let picked = self.picked;
         let sampled = self.watch.sample(&mut self.simulation, picked);
-        if self.good(sampled).is_none() {
-            self.watch.give_up();
+        if self.ok_or_report(sampled).is_none() {
+            self.watch.disable();
         }
-        self.watch.rest(self.now, start.elapsed().as_secs_f64());
+        self.watch.note_cost(self.now, start.elapsed().as_secs_f64());
     }
 
-    /// Changes the constants, from the next step on.
+    /// Changes the physical constants from the next step on.
     pub fn change_settings(&mut self, change: impl FnOnce(&mut Settings)) {
         let mut settings = *self.simulation.settings();
         change(&mut settings);
         let changed = self.simulation.set_settings(settings);
-        self.good(changed);
+        self.ok_or_report(changed);
     }
 
     /// Changes the time step, in s.
     pub fn set_time_step(&mut self, time_step: f32) {
-        if self.good_time_step(time_step) {
+        if self.apply_time_step(time_step) {
             self.pace.time_step = time_step;
             self.pace.forget();
         }
     }
 
-    fn good_time_step(&mut self, time_step: f32) -> bool {
+    fn apply_time_step(&mut self, time_step: f32) -> bool {
         let set = self.simulation.set_time_step(time_step);
-        self.good(set).is_some()
+        self.ok_or_report(set).is_some()
     }
 
-    /// The scene as it was read, once more.
+    /// Restores the initial scene.
     pub fn reset(&mut self) {
         let source = self.source.clone();
         if self.replace(source, false) {
-            self.tell(Level::Note, "back to the start");
+            self.tell(Level::Note, "the scene was reset");
         }
     }
 
-    /// Opens a scene file; a bad one is told, and the present scene stays.
+    /// Opens a scene file. If it has an error, this adds a message and keeps the present scene.
     pub fn load(&mut self, path: &Path) {
         let Some(Loaded { mut scene, warnings }) = ({
             let loaded = Scene::load(path);
-            self.good(loaded)
+            self.ok_or_report(loaded)
         }) else {
             return;
         };
         let name = path.display().to_string();
-        for warning in warnings.iter().take(ODD_LINES) {
+        for warning in warnings.iter().take(SHOWN_WARNINGS) {
             self.tell(Level::Warning, format!("{name}:{}: {}", warning.line, warning.text));
         }
-        if warnings.len() > ODD_LINES {
-            self.tell(Level::Warning, format!("{name}: {} more odd lines", warnings.len() - ODD_LINES));
+        if warnings.len() > SHOWN_WARNINGS {
+            self.tell(Level::Warning, format!("{name}: {} more warnings", warnings.len() - SHOWN_WARNINGS));
         }
         let changed = self.overrides.iter().try_for_each(|(name, value)| scene.settings.set(name, value));
-        if self.good(changed).is_none() {
+        if self.ok_or_report(changed).is_none() {
             return;
         }
         let another = self.source.path.as_deref() != Some(path);
@@ -292,30 +293,30 @@ impl Session {
         }
     }
 
-    /// Reads [`INPUT`] from the first of these folders that has it: key R.
+    /// Loads [`INPUT`] from the first of these folders that contains it (key R).
     pub fn load_input(&mut self, folders: &[PathBuf]) {
         let candidates: Vec<PathBuf> = folders.iter().map(|folder| folder.join(INPUT)).collect();
         match candidates.iter().find(|path| path.is_file()) {
             Some(path) => self.load(path),
             None => {
-                let looked: Vec<String> = candidates.iter().map(|path| path.display().to_string()).collect();
-                self.tell(Level::Error, format!("there is no {INPUT}: neither {}", looked.join(" nor ")));
+                let tried: Vec<String> = candidates.iter().map(|path| path.display().to_string()).collect();
+                self.tell(Level::Error, format!("there is no {INPUT}; tried {}", tried.join(" and ")));
             }
         }
     }
 
-    /// Reads the file given on the command line again: key Shift+R.
+    /// Loads the file of the command line again (key Shift+R).
     pub fn load_given(&mut self) {
-        match self.given.clone() {
+        match self.command_line_file.clone() {
             Some(path) => self.load(&path),
-            None => self.tell(Level::Error, "no scene file was given on the command line, so there is none to read again"),
+            None => self.tell(Level::Error, "no scene file was given on the command line"),
         }
     }
 
-    /// Takes another scene, if it opens.
+    /// Replaces the simulation by that of another scene, and returns whether the scene could be opened.
     fn replace(&mut self, source: Source, another: bool) -> bool {
         let opened = (self.opener)(source.scene.clone());
-        let Some(mut simulation) = self.good(opened) else {
+        let Some(mut simulation) = self.ok_or_report(opened) else {
             return false;
         };
         if let Err(error) = simulation.set_time_step(self.pace.time_step) {
@@ -337,50 +338,50 @@ impl Session {
         self.simulation_version += 1;
     }
 
-    /// Writes the present state as a scene text, without what the pointer holds.
+    /// Writes the present state as a scene text, without the tether of a held body.
     pub fn save(&mut self, path: &Path) {
         let synced = self.simulation.sync().map(drop);
-        let saved = synced.and_then(|()| self.scene_let_go().save(path));
-        if self.good(saved).is_some() {
+        let saved = synced.and_then(|()| self.scene_without_hold().save(path));
+        if self.ok_or_report(saved).is_some() {
             self.tell(Level::Note, format!("saved as {}", path.display()));
         }
     }
 
-    /// The scene as it was read back last, without the tether of what the pointer holds.
-    fn scene_let_go(&self) -> Scene {
+    /// Returns the scene in the state that was read back last, without the tether of a held body.
+    fn scene_without_hold(&self) -> Scene {
         let mut scene = self.simulation.scene().clone();
         if let Some(held) = &self.held {
-            // It is there as long as it is held.
+            // The tether exists as long as a body is held.
             let _ = scene.remove_tether(held.tether);
         }
         scene
     }
 
-    /// Goes on with another device, from the last state that was read back from the lost one.
+    /// Continues on another device from the last state that was read back from the lost one.
     pub fn reopen(&mut self, opener: Opener) {
         self.opener = opener;
-        let opened = (self.opener)(self.scene_let_go());
+        let opened = (self.opener)(self.scene_without_hold());
         self.device_failed = false;
-        let Some(simulation) = self.good(opened) else {
+        let Some(simulation) = self.ok_or_report(opened) else {
             self.set_running(false);
             return;
         };
         self.simulation = simulation;
         self.forget_bodies();
-        let settled = self.simulation.set_time_step(self.pace.time_step);
-        self.good(settled);
+        let set = self.simulation.set_time_step(self.pace.time_step);
+        self.ok_or_report(set);
         self.tell(
             Level::Warning,
-            "the graphics device was lost and opened again; the scene goes on from the last state read back",
+            "the graphics device was lost and opened again; the scene continues from the last state that was read back",
         );
     }
 
-    /// The body that was clicked on.
+    /// Returns the body that was picked by a click.
     pub fn picked(&self) -> Option<Body> {
         self.picked
     }
 
-    /// What the pointer holds.
+    /// Returns the held body.
     pub fn held(&self) -> Option<&Held> {
         self.held.as_ref()
     }

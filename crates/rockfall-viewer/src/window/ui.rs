@@ -1,4 +1,4 @@
-//! The window's contents: a menu, the scene's picture with what is written over it, the panel.
+//! Widgets of the window: the menu, the picture of the scene with marks and messages over it, and the panel.
 
 use egui::{Align2, Color32, FontId, Pos2, Rect, RichText, Stroke, TextureId, Ui};
 use rockfall::glam::{Vec2, Vec3};
@@ -9,11 +9,11 @@ use super::message::Level;
 use super::viewer::Viewer;
 use super::{file_window, input, panel};
 
-/// What marks bodies over the picture.
+/// Colour of the marks on bodies.
 const MARK: Color32 = Color32::from_rgb(0xd5, 0x5e, 0x00);
 
-/// Everything of a frame. `picture` gives the texture that the scene will be drawn onto, for its size in pixels, and
-/// whether it moves.
+/// Shows all widgets of a frame. `picture` takes the size of the picture in pixels and whether it is moving, and returns the
+/// texture that the scene will be drawn onto.
 pub(super) fn show(ui: &mut Ui, viewer: &mut Viewer, picture: &mut dyn FnMut([u32; 2], bool) -> TextureId) {
     for file in ui.input(|input| input.raw.dropped_files.clone()) {
         viewer.load(file.path());
@@ -27,7 +27,7 @@ pub(super) fn show(ui: &mut Ui, viewer: &mut Viewer, picture: &mut dyn FnMut([u3
     let area = ui.available_rect_before_wrap();
     let pixels = ui.ctx().pixels_per_point();
     viewer.resize(Vec2::new(area.width() * pixels, area.height() * pixels));
-    input::take(ui, area, viewer);
+    input::handle(ui, area, viewer);
     let texture = picture([viewer.size().x as u32, viewer.size().y as u32], viewer.is_moving() || viewer.is_dragging());
     let whole = Rect::from_min_max(Pos2::ZERO, Pos2::new(1.0, 1.0));
     ui.painter().image(texture, area, whole, Color32::WHITE);
@@ -53,9 +53,9 @@ fn menu(ui: &mut Ui, viewer: &mut Viewer) {
             ui.separator();
             let commands = [
                 ("Save", "Ctrl+S", Command::Save),
-                ("Read the given file again", "Shift+R", Command::LoadGiven),
-                ("Read input.txt", "R", Command::LoadInput),
-                ("Back to the start", "Backspace", Command::Reset),
+                ("Reload the file of the command line", "Shift+R", Command::LoadGiven),
+                ("Load input.txt", "R", Command::LoadInput),
+                ("Reset the scene", "Backspace", Command::Reset),
                 ("Quit", "Esc", Command::Quit),
             ];
             for (text, keys, command) in commands {
@@ -66,7 +66,7 @@ fn menu(ui: &mut Ui, viewer: &mut Viewer) {
         });
         ui.menu_button("View", |ui| {
             let commands = [
-                ("Camera as at the start", "Home", Command::ResetCamera),
+                ("Reset the camera", "Home", Command::ResetCamera),
                 ("Panel", "P", Command::TogglePanel),
                 ("Keys", "F1", Command::Help),
             ];
@@ -86,7 +86,7 @@ fn menu(ui: &mut Ui, viewer: &mut Viewer) {
     });
 }
 
-/// Start, step, reset, speed.
+/// Shows the buttons for start, step, reset and speed.
 fn transport(ui: &mut Ui, viewer: &Viewer) -> Option<Command> {
     let mut asked = None;
     let mut button = |ui: &mut Ui, text: &str, about: &str, command: Command| {
@@ -103,15 +103,15 @@ fn transport(ui: &mut Ui, viewer: &Viewer) -> Option<Command> {
     ui.label(format!("{}×", viewer.session.pace.speed()));
     button(ui, "+", "faster: +", Command::ChangeSpeed { faster: true });
     let (text, about) = if viewer.session.pace.real_time {
-        ("real time", "steps follow the clock; T: a step a frame")
+        ("real time", "steps follow the clock; T switches to one step per frame")
     } else {
-        ("a step a frame", "each frame is a step; T: real time")
+        ("one step per frame", "each frame is one step; T switches to real time")
     };
     button(ui, text, about, Command::ToggleRealTime);
     asked
 }
 
-/// Where a point of the scene is on the screen, and how large a unit is there.
+/// Returns the position of a point of the scene on the screen, and the length of a unit there, in points.
 fn project(viewer: &Viewer, area: Rect, point: Vec3) -> Option<(Pos2, f32)> {
     let axes = viewer.camera.axes();
     let depth = (point - viewer.camera.eye).dot(axes.forward);
@@ -124,7 +124,7 @@ fn project(viewer: &Viewer, area: Rect, point: Vec3) -> Option<(Pos2, f32)> {
     Some((place, half.y / ((0.5 * viewer.camera.field_of_view).tan() * depth)))
 }
 
-/// Where a body is, in the state read back last, and how large.
+/// Returns the centre and the radius of a body in the state that was read back last.
 fn place(simulation: &Simulation, body: Body) -> Option<(Vec3, f32)> {
     let scene = simulation.scene();
     match body {
@@ -138,7 +138,7 @@ fn place(simulation: &Simulation, body: Body) -> Option<(Vec3, f32)> {
     }
 }
 
-/// A ring around what was picked, a line to what is held.
+/// Draws a ring around the picked body and a line to the held body.
 fn marks(painter: &egui::Painter, area: Rect, viewer: &Viewer) {
     let simulation = viewer.session.simulation_ref();
     if let Some((centre, radius)) = viewer.session.picked().and_then(|body| place(simulation, body))
@@ -155,10 +155,10 @@ fn marks(painter: &egui::Painter, area: Rect, viewer: &Viewer) {
     }
 }
 
-/// What to do first.
+/// Draws a hint about the first steps.
 fn hint(painter: &egui::Painter, area: Rect, viewer: &Viewer) {
     if !viewer.session.running() && viewer.session.simulation_ref().report().steps == 0 {
-        let text = "A starts   ·   F1 shows all keys   ·   drop a scene file here";
+        let text = "A starts   ·   F1 shows all keys   ·   drop a scene file here to open it";
         let at = area.center_bottom() - egui::vec2(0.0, 16.0);
         painter.text(at, Align2::CENTER_BOTTOM, text, FontId::proportional(15.0), Color32::from_gray(90));
     }
@@ -170,7 +170,7 @@ fn messages(ui: &Ui, area: Rect, viewer: &mut Viewer) {
     if shown.is_empty() {
         return;
     }
-    // Notes go away by themselves.
+    // Notes disappear without input.
     ui.ctx().request_repaint_after_secs(1.0);
     egui::Area::new(egui::Id::unique("messages"))
         .fixed_pos(area.left_bottom() + egui::vec2(12.0, -12.0))

@@ -1,4 +1,4 @@
-//! Frames without a window: events in, and what became of them.
+//! Tests of the widgets without a window: events and their effects.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -9,7 +9,7 @@ use rockfall::{Backend, Options, Scene, Simulation};
 use super::*;
 use crate::window::session::{Session, Source};
 
-/// A window of 1000 x 700 points on one ball without weight.
+/// A window of 1000 x 700 points with one ball in zero gravity.
 struct Screen {
     context: egui::Context,
     viewer: Viewer,
@@ -23,7 +23,7 @@ impl Screen {
         let source = Source { name: "test".to_owned(), path: None, scene };
         let session = Session::open(source, Vec::new(), 0.02, opener).unwrap();
         let mut screen = Self { context: egui::Context::default(), viewer: Viewer::new(session, Vec2::ONE) };
-        // Twice, for widgets to find their places.
+        // The widgets need two frames for their layout.
         screen.frame([]);
         screen.frame([]);
         screen
@@ -51,7 +51,7 @@ fn button(pos: Pos2, button: PointerButton, pressed: bool, modifiers: Modifiers)
 }
 
 #[test]
-fn keys_reach_the_scene() {
+fn keys_are_handled() {
     let mut screen = Screen::new();
     screen.frame(key(Key::A, Modifiers::NONE));
     assert!(screen.viewer.session.running());
@@ -60,7 +60,7 @@ fn keys_reach_the_scene() {
 }
 
 #[test]
-fn a_key_that_is_kept_down_switches_once_but_goes_on_turning_up() {
+fn key_repeats_change_constants_but_toggle_nothing() {
     let mut screen = Screen::new();
     let kept = |key: Key| {
         (0..4).map(move |at| Event::Key { key, physical_key: None, pressed: true, repeat: at > 0, modifiers: Modifiers::NONE })
@@ -72,7 +72,7 @@ fn a_key_that_is_kept_down_switches_once_but_goes_on_turning_up() {
 }
 
 #[test]
-fn what_is_typed_into_a_field_is_no_command() {
+fn text_typed_into_a_field_is_no_command() {
     let mut screen = Screen::new();
     screen.frame(key(Key::O, Modifiers::CTRL));
     assert!(screen.viewer.dialog.is_shown());
@@ -83,7 +83,7 @@ fn what_is_typed_into_a_field_is_no_command() {
     assert!(!screen.viewer.session.running());
 }
 
-/// A slow frame may hold a whole drag, from press to release.
+/// A slow frame may contain a whole drag, from press to release.
 #[test]
 fn a_drag_within_one_frame_turns_the_camera() {
     let mut screen = Screen::new();
@@ -101,7 +101,7 @@ fn a_drag_within_one_frame_turns_the_camera() {
 }
 
 #[test]
-fn the_panel_and_the_menu_are_not_the_picture() {
+fn drags_on_the_panel_and_the_menu_do_not_move_the_camera() {
     let mut screen = Screen::new();
     let before = screen.viewer.camera;
     for place in [pos2(900.0, 650.0), pos2(500.0, 5.0)] {
@@ -114,7 +114,7 @@ fn the_panel_and_the_menu_are_not_the_picture() {
 }
 
 #[test]
-fn ctrl_and_drag_hold_the_ball_in_the_middle() {
+fn ctrl_and_drag_hold_a_ball() {
     let mut screen = Screen::new();
     let middle = project(&screen.viewer, picture_of(&screen), Vec3::ZERO).unwrap().0;
     let ctrl = Modifiers::CTRL;
@@ -124,7 +124,7 @@ fn ctrl_and_drag_hold_the_ball_in_the_middle() {
     assert!(screen.viewer.session.held().is_none());
 }
 
-/// The part of the screen that the picture takes, from its size and its lower left corner.
+/// Returns the part of the screen that the picture covers.
 fn picture_of(screen: &Screen) -> Rect {
     let size = egui::vec2(screen.viewer.size().x, screen.viewer.size().y);
     Rect::from_min_max(pos2(0.0, 700.0 - size.y), pos2(size.x, 700.0))
@@ -144,7 +144,7 @@ impl egui::DroppedFile for Dropped {
 }
 
 #[test]
-fn files_that_are_dropped_are_read_and_bad_ones_told() {
+fn dropped_files_are_loaded_and_errors_are_shown() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("two.txt");
     std::fs::write(&path, "S 1 0 0 0 0 0 0 0 0 0 1 0.5\nS 2 3 0 0 0 0 0 0 0 0 1 0.5\n").unwrap();

@@ -1,4 +1,4 @@
-//! All that a window shows, and what commands and the mouse do to it: without any window.
+//! State of the window, and how commands and the mouse change it, independently of any window.
 
 use std::path::{Path, PathBuf};
 
@@ -16,28 +16,28 @@ use crate::camera::Camera;
 use crate::draw::Style;
 use crate::legend::Legend;
 
-/// A pointer that moved less than this between press and release, in pixels, clicked.
+/// Movement of the pointer, in pixels, below which a press and release is a click.
 const CLICK: f32 = 4.0;
-/// A thrown sphere needs this long for the way to what the camera looks at, in s.
+/// Time that a thrown sphere takes to the target of the camera, in s.
 const FLIGHT: f32 = 0.8;
-/// How long a press of an arrow counts at least, in s.
+/// Least duration that a press of an arrow key counts for, in s.
 const TAP: f64 = 0.05;
 
-/// A button of the mouse.
+/// A mouse button.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Button {
-    /// The left one.
+    /// Left button.
     Left,
-    /// The middle one.
+    /// Middle button.
     Middle,
-    /// The right one.
+    /// Right button.
     Right,
 }
 
-/// What the mouse does while a button is down.
+/// Action of the mouse while a button is down.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Drag {
-    /// A click, as long as the pointer stays near.
+    /// A click, as long as the pointer stays near the position of the press.
     Press(Vec2),
     Turn,
     Orbit,
@@ -45,43 +45,43 @@ enum Drag {
     Hold,
 }
 
-/// What a window shows.
+/// State of the window.
 pub struct Viewer {
     /// The scene.
     pub session: Session,
-    /// Where it is seen from.
+    /// The camera.
     pub camera: Camera,
     size: Vec2,
-    /// The camera that had the scene in the picture when it was framed last.
+    /// The camera that was computed when the scene was framed last.
     framed: Camera,
     /// Whether the table of keys is shown.
     pub help: bool,
     /// Whether the panel is shown.
     pub panel: bool,
-    /// Whether the window shall close.
+    /// Whether the window should close.
     pub quit: bool,
     arrows: Arrows,
-    /// Where R looks for `input.txt`.
+    /// Folders in which the key R looks for `input.txt`.
     pub input_folders: Vec<PathBuf>,
     /// The file that Ctrl+S saves to.
     pub save_as: PathBuf,
-    /// The choice of a file.
+    /// The file dialog.
     pub dialog: Dialog,
-    /// What the picture shows, and how.
+    /// Style of the picture.
     pub style: Style,
-    /// What the colours of the last picture mean.
+    /// Legend of the last picture.
     pub legend: Option<Legend>,
-    /// Frames and steps a second.
+    /// Frames and steps per second.
     pub rates: Rates,
-    /// Where the pointer is in the picture, in pixels.
+    /// Position of the pointer in the picture, in pixels.
     pointer: Option<Vec2>,
-    /// The button that is down, and what it does.
+    /// The button that is down, and its action.
     drag: Option<(Button, Drag)>,
     scene_seen: u64,
 }
 
 impl Viewer {
-    /// A scene in a picture of this size, seen whole.
+    /// Creates a viewer with a picture of this size, in pixels, whose camera shows the whole scene.
     pub fn new(session: Session, size: Vec2) -> Self {
         let camera = framing(&session.source().scene, size);
         Self {
@@ -105,7 +105,7 @@ impl Viewer {
         }
     }
 
-    /// Does what a key asks for.
+    /// Executes a command.
     pub fn command(&mut self, command: Command) {
         let session = &mut self.session;
         match command {
@@ -133,13 +133,13 @@ impl Viewer {
             Command::ChangeSpeed { faster } => session.pace.change_speed(faster),
             Command::Save => session.save(&self.save_as),
         }
-        self.look_at_new_scene();
+        self.frame_if_new_scene();
     }
 
     /// Opens a scene file.
     pub fn load(&mut self, path: &Path) {
         self.session.load(path);
-        self.look_at_new_scene();
+        self.frame_if_new_scene();
     }
 
     /// Saves the present state.
@@ -147,8 +147,8 @@ impl Viewer {
         self.session.save(&self.save_as);
     }
 
-    /// Another scene is seen whole; the same one read again, from where it was seen.
-    fn look_at_new_scene(&mut self) {
+    /// Moves the camera if another scene was opened. When the same scene is loaded again, the camera stays.
+    fn frame_if_new_scene(&mut self) {
         if self.session.scene_version() != self.scene_seen {
             self.scene_seen = self.session.scene_version();
             self.frame_scene();
@@ -160,12 +160,12 @@ impl Viewer {
         self.framed = self.camera;
     }
 
-    /// Width and height of the picture, in pixels.
+    /// Returns the width and height of the picture, in pixels.
     pub fn size(&self) -> Vec2 {
         self.size
     }
 
-    /// The picture has another size. A camera that was not moved has the scene in the new one too.
+    /// Sets the size of the picture. A camera that was not moved since it was framed is framed again for the new size.
     pub fn resize(&mut self, size: Vec2) {
         let size = size.round().max(Vec2::ONE);
         if size != self.size {
@@ -176,12 +176,12 @@ impl Viewer {
         }
     }
 
-    /// Width over height.
+    /// Returns the width of the picture divided by its height.
     pub fn aspect(&self) -> f32 {
         self.size.x / self.size.y
     }
 
-    /// The line of sight through the pointer, or through the middle where it is not in the picture.
+    /// Returns the line of sight through the pointer, or through the middle of the picture if the pointer is outside.
     fn sight(&self) -> Sight {
         let ndc = self.pointer.map_or(Vec2::ZERO, |pixel| (pixel / self.size * 2.0 - 1.0) * Vec2::new(1.0, -1.0));
         let (origin, direction) = self.camera.ray(ndc.x, ndc.y, self.aspect());
@@ -194,7 +194,7 @@ impl Viewer {
         self.session.throw(sight.origin + 0.1 * distance * sight.direction, distance / FLIGHT * sight.direction);
     }
 
-    /// A button goes down over the picture. While another is down it does nothing.
+    /// Handles a button press over the picture; ignored while another button is down.
     pub fn press(&mut self, button: Button, ctrl: bool) {
         if self.drag.is_some() {
             return;
@@ -212,12 +212,12 @@ impl Viewer {
         self.drag = Some((button, drag));
     }
 
-    /// Whether a button is down that was pressed over the picture.
+    /// Whether a button that was pressed over the picture is still down.
     pub fn is_dragging(&self) -> bool {
         self.drag.is_some()
     }
 
-    /// A button is up again.
+    /// Handles the release of a button.
     pub fn release(&mut self, button: Button) {
         match self.drag.take_if(|(pressed, _)| *pressed == button) {
             Some((_, Drag::Press(_))) => {
@@ -229,7 +229,7 @@ impl Viewer {
         }
     }
 
-    /// The pointer is now at a place in the picture, in pixels from its upper left corner; `None`: it left.
+    /// Handles a movement of the pointer to a position in the picture, in pixels from the upper left corner; `None` if it left.
     pub fn point(&mut self, pixel: Option<Vec2>) {
         let moved = pixel.zip(self.pointer).map_or(Vec2::ZERO, |(now, before)| now - before);
         self.pointer = pixel;
@@ -256,12 +256,12 @@ impl Viewer {
         self.session.drag(&sight);
     }
 
-    /// The wheel turned by so many notches.
+    /// Zooms by a number of notches of the wheel.
     pub fn scroll(&mut self, notches: f32) {
         navigation::zoom(&mut self.camera, notches);
     }
 
-    /// An arrow key goes down or up. However short the press, the camera moves.
+    /// Handles a press or release of an arrow key. Even the shortest press moves the camera.
     pub fn arrow(&mut self, arrow: Arrow, down: bool) {
         let (before, only) = (self.arrows, Arrows::only(arrow));
         self.arrows.set(arrow, down);
@@ -270,12 +270,12 @@ impl Viewer {
         }
     }
 
-    /// All arrow keys are up: the window lost the keyboard.
+    /// Releases all arrow keys, because the window lost the keyboard focus.
     pub fn release_arrows(&mut self) {
         self.arrows = Arrows::default();
     }
 
-    /// The camera goes on moving for `elapsed` s while arrows are down.
+    /// Moves the camera for `elapsed` s with the arrow keys that are down.
     pub fn walk(&mut self, elapsed: f64) {
         self.walk_by(self.arrows, elapsed);
     }
@@ -287,7 +287,7 @@ impl Viewer {
         }
     }
 
-    /// Whether the picture changes by itself.
+    /// Whether the picture changes without input.
     pub fn is_moving(&self) -> bool {
         self.session.running() || self.arrows.any()
     }
@@ -297,7 +297,7 @@ fn framing(scene: &Scene, size: Vec2) -> Camera {
     Camera::of_scene(scene, size.x / size.y)
 }
 
-/// The working directory, then the folder of the program.
+/// Returns the working directory and the folder of the program.
 fn default_input_folders() -> Vec<PathBuf> {
     let program = std::env::current_exe().ok().and_then(|path| path.parent().map(PathBuf::from));
     std::env::current_dir().ok().into_iter().chain(program).collect()

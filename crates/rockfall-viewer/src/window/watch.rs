@@ -1,7 +1,7 @@
-//! Values that are sampled now and then: energies, the time of the phases, what is known of the picked body.
+//! Values that are sampled at intervals: energies, times of the phases, and the values of the picked body.
 //!
-//! Energies and contacts are evaluated on the host, which takes long for large scenes: the more it costs the less often it
-//! is done, and for the largest only when asked.
+//! Energies and contacts are evaluated on the host, which takes long in large scenes. The more a sample costs, the less often
+//! it is taken. In the largest scenes samples are taken only on request.
 
 use std::collections::VecDeque;
 
@@ -9,112 +9,112 @@ use rockfall::glam::Vec3;
 use rockfall::stage::Phase;
 use rockfall::{Body, Energy, Profile, Simulation};
 
-/// Samples a second, at most.
-const EVERY: f64 = 0.25;
-/// What sampling may take of all time.
+/// Least time between two samples, in s.
+const INTERVAL: f64 = 0.25;
+/// Greatest fraction of the time that sampling may take.
 const SHARE: f64 = 0.05;
-/// A sample that took longer, in s, is the last that is taken unasked.
-const AT_MOST: f64 = 0.2;
-/// Objects beyond which none is taken unasked.
+/// Time of a sample, in s, above which no more samples are taken automatically.
+const LONGEST: f64 = 0.2;
+/// Number of objects above which no samples are taken automatically.
 const LARGE: usize = 100_000;
-/// The time of the phases is measured so often, in s.
-const PHASES_EVERY: f64 = 0.5;
-/// Samples that are kept.
+/// Time between two measurements of the phases, in s.
+const PHASES_INTERVAL: f64 = 0.5;
+/// Number of samples that are kept.
 const KEPT: usize = 600;
 
-/// The energies at a time.
+/// The energies at one time.
 #[derive(Clone, Copy, Debug)]
 pub struct EnergySample {
-    /// Time simulated, in s.
+    /// Simulated time, in s.
     pub time: f64,
     /// The energies.
     pub energy: Energy,
 }
 
-/// The wall time of the four phases of one step, in s, in the order of [`Phase::STEP`].
+/// Wall times of the four phases of one step.
 #[derive(Clone, Copy, Debug)]
 pub struct PhaseSample {
-    /// Time simulated, in s.
+    /// Simulated time, in s.
     pub time: f64,
-    /// Wall times, in s.
+    /// Wall times in the order of [`Phase::STEP`], in s.
     pub seconds: [f64; 4],
 }
 
-/// What is known of the picked body: its name, and values with their names and units.
+/// Name and values of the picked body.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Facts {
-    /// What it is.
+    /// Kind and index of the body.
     pub title: String,
-    /// Values, by name.
+    /// Names of the values, and the values with their units.
     pub values: Vec<(&'static str, String)>,
 }
 
-/// What was sampled.
+/// The samples.
 #[derive(Clone, Debug)]
 pub struct Watch {
     energies: VecDeque<EnergySample>,
     phases: VecDeque<PhaseSample>,
     facts: Option<Facts>,
-    /// Steps done at the last sample, which need no other.
+    /// Number of steps at the last sample. Without a further step no sample is due.
     sampled_at: Option<u64>,
     next_at: f64,
     next_phases_at: f64,
-    unasked: bool,
+    automatic: bool,
 }
 
 impl Default for Watch {
     fn default() -> Self {
         let (energies, phases) = Default::default();
-        Self { energies, phases, facts: None, sampled_at: None, next_at: 0.0, next_phases_at: 0.0, unasked: true }
+        Self { energies, phases, facts: None, sampled_at: None, next_at: 0.0, next_phases_at: 0.0, automatic: true }
     }
 }
 
 impl Watch {
-    /// Energies over time.
+    /// Returns the energies over time.
     pub fn energies(&self) -> &VecDeque<EnergySample> {
         &self.energies
     }
 
-    /// Times of the phases over time.
+    /// Returns the times of the phases over time.
     pub fn phases(&self) -> &VecDeque<PhaseSample> {
         &self.phases
     }
 
-    /// What is known of the picked body.
+    /// Returns the values of the picked body.
     pub fn facts(&self) -> Option<&Facts> {
         self.facts.as_ref()
     }
 
-    /// Whether samples are taken unasked; if not, the scene is too large for it.
+    /// Whether samples are taken automatically; false if the scene is too large for that.
     pub fn is_unasked(&self) -> bool {
-        self.unasked
+        self.automatic
     }
 
-    /// Whether it is time for a sample.
+    /// Whether a sample is due.
     pub(super) fn due(&mut self, now: f64, simulation: &Simulation) -> bool {
         let counts = simulation.scene().counts();
-        self.unasked &= counts.spheres + counts.rods + counts.boxes + counts.polygons <= LARGE;
-        self.unasked && now >= self.next_at && self.sampled_at != Some(simulation.report().steps)
+        self.automatic &= counts.spheres + counts.rods + counts.boxes + counts.polygons <= LARGE;
+        self.automatic && now >= self.next_at && self.sampled_at != Some(simulation.report().steps)
     }
 
-    /// Whether it is time to measure the phases.
+    /// Whether a measurement of the phases is due; if so, schedules the next one.
     pub(super) fn phases_due(&mut self, now: f64) -> bool {
         let due = now >= self.next_phases_at;
         if due {
-            self.next_phases_at = now + PHASES_EVERY;
+            self.next_phases_at = now + PHASES_INTERVAL;
         }
         due
     }
 
-    /// The last sample took `seconds`; the next one waits accordingly.
-    pub(super) fn rest(&mut self, now: f64, seconds: f64) {
-        self.next_at = now + (seconds / SHARE).max(EVERY);
-        self.unasked &= seconds <= AT_MOST;
+    /// Schedules the next sample after one that took `seconds`.
+    pub(super) fn note_cost(&mut self, now: f64, seconds: f64) {
+        self.next_at = now + (seconds / SHARE).max(INTERVAL);
+        self.automatic &= seconds <= LONGEST;
     }
 
-    /// Nothing is sampled unasked any more.
-    pub(super) fn give_up(&mut self) {
-        self.unasked = false;
+    /// Stops automatic sampling.
+    pub(super) fn disable(&mut self) {
+        self.automatic = false;
     }
 
     pub(super) fn note_phases(&mut self, profile: &Profile, time: f64) {
@@ -135,7 +135,7 @@ impl Watch {
     }
 }
 
-/// Whether a body is still in the scene.
+/// Whether a body still exists in the scene.
 fn is_there(simulation: &Simulation, body: Body) -> bool {
     let scene = simulation.scene();
     match body {
@@ -154,7 +154,7 @@ fn keep<T>(samples: &mut VecDeque<T>, sample: T) {
     }
 }
 
-/// Index of a handle among those of its kind.
+/// Returns the index of a handle among those of its kind.
 fn index<T: PartialEq>(mut ids: impl Iterator<Item = T>, id: T) -> usize {
     ids.position(|other| other == id).unwrap_or(usize::MAX)
 }
@@ -163,7 +163,7 @@ fn vector(v: Vec3, unit: &str) -> String {
     format!("{:.3} {:.3} {:.3} {unit}", v.x, v.y, v.z)
 }
 
-/// Everything that there is to know of a body.
+/// Returns the name and all values of a body.
 fn facts(simulation: &mut Simulation, body: Body) -> rockfall::Result<Facts> {
     let mut values = Vec::new();
     let title = match body {
@@ -191,10 +191,10 @@ fn facts(simulation: &mut Simulation, body: Body) -> rockfall::Result<Facts> {
             values.push(("from", vector(ends[0], "units")));
             values.push(("to", vector(ends[1], "units")));
             values.push(("length", format!("{:.4} units", ends[0].distance(ends[1]))));
-            values.push(("held at", rod.length.map_or("free".to_owned(), |length| format!("{length} units"))));
+            values.push(("fixed length", rod.length.map_or("none".to_owned(), |length| format!("{length} units"))));
             values.push(("radius", format!("{} units", rod.radius)));
             let capsule = scene.capsules().iter().any(|parts| parts.rod == id);
-            format!("{} {}", if capsule { "capsule, rod" } else { "rod" }, index(scene.rod_ids(), id))
+            format!("{} {}", if capsule { "rod of a capsule" } else { "rod" }, index(scene.rod_ids(), id))
         }
         Body::Box(id) => {
             let scene = simulation.scene();

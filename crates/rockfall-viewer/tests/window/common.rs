@@ -1,4 +1,4 @@
-//! Viewers on small scenes.
+//! Sessions and viewers with small scenes.
 
 use std::path::{Path, PathBuf};
 
@@ -7,10 +7,10 @@ use rockfall::{Backend, Options, Scene, Simulation};
 use rockfall_viewer::window::session::{Opener, Session, Source};
 use rockfall_viewer::window::viewer::Viewer;
 
-/// A ball above a box, at rest.
+/// A ball at rest above a box.
 pub(crate) const BALL: &str = "S 1 0 3 0 0 0 0 0 0 0 1 0.5\nB -5 -1 -5 10 0 0 0 1 0 0 0 10\n";
 
-/// Two balls without weight, 4 apart.
+/// Two balls in zero gravity, 4 units apart.
 pub(crate) const FLOATING: &str = "set gravity 0\nS 1 -2 0 0 0 0 0 0 0 0 1 0.5\nS 2 2 0 0 0 0 0 0 0 0 1 0.5\n";
 
 pub(crate) fn on_cpu() -> Opener {
@@ -26,19 +26,19 @@ pub(crate) fn session(text: &str) -> Session {
     Session::open(source(text, None), Vec::new(), 0.02, on_cpu()).expect("it opens")
 }
 
-/// A viewer with a picture of 800 x 600.
+/// A viewer with a picture of 800 x 600 pixels.
 pub(crate) fn viewer(text: &str) -> Viewer {
     let mut viewer = Viewer::new(session(text), Vec2::new(800.0, 600.0));
     viewer.input_folders = Vec::new();
     viewer
 }
 
-/// What the session told, the last first.
-pub(crate) fn told(session: &Session) -> Vec<&str> {
+/// Returns the messages of a session, the last first.
+pub(crate) fn messages(session: &Session) -> Vec<&str> {
     session.messages.all().iter().rev().map(|message| message.text.as_str()).collect()
 }
 
-/// Heights of all spheres.
+/// Returns the heights of all spheres.
 pub(crate) fn heights(session: &mut Session) -> Vec<f32> {
     session.simulation().spheres().expect("spheres are read").iter().map(|sphere| sphere.position.y).collect()
 }

@@ -1,4 +1,4 @@
-//! A graphics device that is lost while it moves the scene.
+//! Loss of the graphics device that runs the simulation.
 
 use rockfall::gpu::Gpu;
 use rockfall::{Options, Scene, Simulation};
@@ -11,9 +11,10 @@ fn on(gpu: &Gpu) -> Opener {
     Box::new(move |scene: Scene| Simulation::on_device(scene, Options::new(), &device, &queue))
 }
 
-/// It is told, nothing runs on the lost one, and on another it goes on from the state that was read back last.
+/// A message reports the loss, nothing runs on the lost device, and another device continues from the state that was read
+/// back last.
 #[test]
-fn a_lost_device_is_told_and_it_goes_on_with_another() {
+fn a_lost_device_is_reported_and_another_one_continues() {
     let gpu = Gpu::open_blocking(true).expect("a Vulkan driver; scripts/test installs one");
     let mut session = Session::open(source(BALL, None), Vec::new(), 0.02, on(&gpu)).expect("it opens");
     session.set_running(true);
@@ -27,13 +28,13 @@ fn a_lost_device_is_told_and_it_goes_on_with_another() {
 
     gpu.device().destroy();
     session.frame(7.0, 0.02, |_| ());
-    assert!(session.device_failed(), "{:?}", told(&session));
+    assert!(session.device_failed(), "{:?}", messages(&session));
     session.frame(8.0, 0.02, |_| panic!("nothing runs on a lost device"));
 
-    let another = Gpu::open_blocking(true).expect("it was there before");
+    let another = Gpu::open_blocking(true).expect("it opened before");
     session.reopen(on(&another));
     assert!(!session.device_failed());
-    assert!(told(&session)[0].contains("lost"), "{:?}", told(&session));
+    assert!(messages(&session)[0].contains("lost"), "{:?}", messages(&session));
     assert_eq!(heights(&mut session), sampled);
     session.set_running(true);
     session.frame(9.0, 0.02, |_| ());

@@ -1,4 +1,4 @@
-//! Scenes that are read and written; bad ones are told, and it goes on.
+//! Loading and saving of scenes.
 
 use std::fs;
 use std::path::PathBuf;
@@ -10,7 +10,7 @@ use rockfall_viewer::window::session::Session;
 
 use crate::common::*;
 
-/// A folder with these files.
+/// Creates a folder with these files.
 fn folder(files: &[(&str, &str)]) -> tempfile::TempDir {
     let folder = tempfile::tempdir().expect("a folder");
     for (name, text) in files {
@@ -20,24 +20,24 @@ fn folder(files: &[(&str, &str)]) -> tempfile::TempDir {
 }
 
 #[test]
-fn a_bad_scene_is_told_and_the_present_one_goes_on() {
+fn a_bad_scene_gives_a_message_and_the_present_one_continues() {
     let folder = folder(&[("bad.txt", "B 0 0 0 1 0 0 0 1 0 0 0 1\nS 1 0 0 0 0 0 0 0 0 0 -1 0.5\n")]);
     let mut viewer = viewer(BALL);
     viewer.command(Command::ToggleRunning);
     viewer.session.frame(0.0, 0.0, |_| ());
     viewer.load(&folder.path().join("bad.txt"));
-    let [text, ..] = told(&viewer.session)[..] else { panic!("nothing was told") };
+    let [text, ..] = messages(&viewer.session)[..] else { panic!("there is no message") };
     assert!(text.contains("bad.txt:2: ") && text.contains("mass"), "{text}");
     assert_eq!(viewer.session.messages.all()[0].level, Level::Error);
     assert!(viewer.session.running() && !viewer.session.device_failed());
     viewer.session.frame(0.1, 0.1, |_| ());
     assert_eq!(viewer.session.simulation().report().steps, 2);
     viewer.load(&folder.path().join("none.txt"));
-    assert!(told(&viewer.session)[0].contains("none.txt"));
+    assert!(messages(&viewer.session)[0].contains("none.txt"));
 }
 
 #[test]
-fn a_good_scene_replaces_the_present_one_and_is_seen_whole() {
+fn a_good_scene_replaces_the_present_one_and_is_framed() {
     let folder = folder(&[("far.txt", "S 1 1000 0 0 0 0 0 0 0 0 1 0.5\nX\nset gravit 3\n")]);
     let mut viewer = viewer(BALL);
     viewer.command(Command::SingleStep);
@@ -46,17 +46,17 @@ fn a_good_scene_replaces_the_present_one_and_is_seen_whole() {
     assert_eq!(viewer.session.source().name, path.display().to_string());
     assert_eq!(viewer.session.simulation().report().steps, 0);
     assert!(viewer.camera.target.x > 900.0);
-    assert!(told(&viewer.session).iter().any(|text| text.contains("far.txt:3: ")), "odd lines are told");
-    // The same again is seen from where it was seen.
+    assert!(messages(&viewer.session).iter().any(|text| text.contains("far.txt:3: ")), "there is no warning");
+    // When the same file is loaded again, the camera stays.
     viewer.scroll(3.0);
     let camera = viewer.camera;
     viewer.load(&path);
     assert_eq!(viewer.camera, camera);
 }
 
-/// R: the working directory first, then the folder of the program.
+/// Key R: the working directory first, then the folder of the program.
 #[test]
-fn input_is_read_from_the_first_folder_that_has_it() {
+fn input_is_loaded_from_the_first_folder_that_contains_it() {
     let with = folder(&[("input.txt", FLOATING)]);
     let (without, other) = (folder(&[]), folder(&[("input.txt", BALL)]));
     let mut viewer = viewer(BALL);
@@ -69,13 +69,13 @@ fn input_is_read_from_the_first_folder_that_has_it() {
     assert_eq!(viewer.session.simulation().scene().counts().spheres, 1);
     viewer.input_folders = paths([&without, &without]);
     viewer.command(Command::LoadInput);
-    assert!(told(&viewer.session)[0].contains("there is no input.txt"), "{:?}", told(&viewer.session));
+    assert!(messages(&viewer.session)[0].contains("there is no input.txt"), "{:?}", messages(&viewer.session));
     assert_eq!(viewer.session.simulation().scene().counts().spheres, 1);
 }
 
-/// Shift+R: what the command line gave, whatever was looked at since, with its constants.
+/// Key Shift+R: the file of the command line with the constants of the command line, whatever was loaded since.
 #[test]
-fn the_given_file_is_read_again() {
+fn the_file_of_the_command_line_is_loaded_again() {
     let folder = folder(&[("given.txt", BALL), ("other.txt", FLOATING)]);
     let given = folder.path().join("given.txt");
     let overrides = vec![("friction".to_owned(), "7".to_owned())];
@@ -89,10 +89,10 @@ fn the_given_file_is_read_again() {
 
     let mut without = crate::common::session(BALL);
     without.load_given();
-    assert!(told(&without)[0].contains("no scene file was given"));
+    assert!(messages(&without)[0].contains("no scene file was given"));
 }
 
-/// What is saved is the present state, bit for bit, without what the pointer holds.
+/// The saved state is bitwise identical to the present one, without the tether of a held body.
 #[test]
 fn the_present_state_is_saved() {
     let folder = folder(&[]);
@@ -103,7 +103,7 @@ fn the_present_state_is_saved() {
         viewer.command(Command::SingleStep);
     }
     viewer.save_as = folder.path().join("saved.txt");
-    let sight = crate::hands::sight_of(&mut viewer.session, 0);
+    let sight = crate::pointer::sight_of(&mut viewer.session, 0);
     viewer.session.hold(&sight);
     assert_eq!(viewer.session.simulation().scene().counts().tethers, 1);
     viewer.command(Command::Save);
@@ -111,8 +111,8 @@ fn the_present_state_is_saved() {
     assert_eq!(saved.counts().tethers, 0);
     assert_eq!(saved.spheres(), viewer.session.simulation().scene().spheres());
     assert_eq!(saved.settings, *viewer.session.settings());
-    // It cannot be written there: that is told.
+    // A file that cannot be written gives a message.
     viewer.save_as = PathBuf::from("/no/such/folder/saved.txt");
     viewer.command(Command::Save);
-    assert!(told(&viewer.session)[0].contains("/no/such/folder/saved.txt"));
+    assert!(messages(&viewer.session)[0].contains("/no/such/folder/saved.txt"));
 }

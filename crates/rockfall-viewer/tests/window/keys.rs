@@ -1,4 +1,4 @@
-//! Each command changes what it should and nothing else.
+//! Each command changes what it should change and nothing else.
 
 use std::collections::BTreeMap;
 
@@ -9,7 +9,7 @@ use rockfall_viewer::window::viewer::Viewer;
 
 use crate::common::*;
 
-/// All state that a command may change, by name.
+/// Returns all state that a command can change, by name.
 fn state(viewer: &mut Viewer) -> BTreeMap<String, String> {
     let session = &mut viewer.session;
     let settings = *session.settings();
@@ -25,7 +25,7 @@ fn state(viewer: &mut Viewer) -> BTreeMap<String, String> {
     add("positions", format!("{:?}", heights(session)));
     add("held", session.held().is_some().to_string());
     add("scene", session.scene_version().to_string());
-    add("errors", session.messages.all().len().to_string());
+    add("messages", session.messages.all().len().to_string());
     add("camera", format!("{:?}", viewer.camera));
     add("help", viewer.help.to_string());
     add("panel", viewer.panel.to_string());
@@ -49,7 +49,7 @@ fn changes(viewer: &mut Viewer, command: Command, expected: &[(&str, &str)]) {
 }
 
 #[test]
-fn switches_switch_and_switch_back() {
+fn toggles_switch_on_and_off() {
     let cases: [(Command, &str, [&str; 2]); 6] = [
         (Command::Help, "help", ["true", "false"]),
         (Command::TogglePanel, "panel", ["false", "true"]),
@@ -68,7 +68,7 @@ fn switches_switch_and_switch_back() {
 }
 
 #[test]
-fn constants_go_up_and_down() {
+fn commands_raise_and_lower_constants() {
     for (constant, at) in CONSTANTS.iter().enumerate() {
         let mut viewer = viewer(BALL);
         let value = |steps: f32| (at.default_value() + steps * at.step).to_string();
@@ -78,9 +78,9 @@ fn constants_go_up_and_down() {
     }
 }
 
-/// One step of free fall from rest: g dt² / 2 = 2e-4.
+/// The ball falls g dt² / 2 = 2e-4 in one step from rest.
 #[test]
-fn a_single_step_is_one_and_stops() {
+fn a_single_step_is_one_step_and_stops_the_simulation() {
     let mut viewer = viewer(BALL);
     changes(&mut viewer, Command::SingleStep, &[("positions", "[2.9998]"), ("steps", "1")]);
     viewer.command(Command::ToggleRunning);
@@ -89,15 +89,15 @@ fn a_single_step_is_one_and_stops() {
 }
 
 #[test]
-fn speed_goes_down_and_up() {
+fn commands_lower_and_raise_the_speed() {
     let mut viewer = viewer(BALL);
     changes(&mut viewer, Command::ChangeSpeed { faster: false }, &[("speed", "0.5")]);
     changes(&mut viewer, Command::ChangeSpeed { faster: true }, &[("speed", "1")]);
 }
 
-/// The scene comes back, the camera stays, and so does what was switched on.
+/// The camera stays where it is.
 #[test]
-fn a_reset_brings_the_scene_back() {
+fn a_reset_restores_the_scene() {
     let mut viewer = viewer(BALL);
     viewer.command(Command::Throw);
     (0..3).for_each(|_| viewer.command(Command::SingleStep));
@@ -107,23 +107,23 @@ fn a_reset_brings_the_scene_back() {
     changes(
         &mut viewer,
         Command::Reset,
-        &[("errors", "1"), ("gravity", "1"), ("positions", "[3.0]"), ("spheres", "1"), ("steps", "0")],
+        &[("gravity", "1"), ("messages", "1"), ("positions", "[3.0]"), ("spheres", "1"), ("steps", "0")],
     );
     assert_eq!(viewer.camera, camera);
     changes(&mut viewer, Command::ResetCamera, &[("camera", &format!("{:?}", crate::common::viewer(BALL).camera))]);
 }
 
 #[test]
-fn escape_quits_but_closes_the_dialog_first() {
+fn escape_closes_the_dialog_first_and_then_the_window() {
     let mut viewer = viewer(BALL);
     viewer.command(Command::Open);
     changes(&mut viewer, Command::Quit, &[("dialog", "false")]);
     changes(&mut viewer, Command::Quit, &[("quit", "true")]);
 }
 
-/// It is as large and heavy as the others, and comes to where the camera looks at.
+/// The thrown sphere has the radius and the mass of the others.
 #[test]
-fn a_thrown_sphere_flies_where_the_camera_looks() {
+fn a_thrown_sphere_flies_to_the_target_of_the_camera() {
     let mut viewer = viewer(FLOATING);
     let target = viewer.camera.target;
     viewer.command(Command::Throw);

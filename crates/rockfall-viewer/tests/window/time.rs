@@ -1,4 +1,4 @@
-//! Running: frames, steps, samples.
+//! Frames, steps and samples of a running session.
 
 use rockfall_viewer::window::session::Session;
 
@@ -9,30 +9,30 @@ fn steps(session: &mut Session) -> u64 {
 }
 
 #[test]
-fn a_stopped_scene_stands_still() {
+fn a_stopped_session_makes_no_steps() {
     let mut session = session(BALL);
     for frame in 0..10 {
-        session.frame(f64::from(frame), 1.0, |_| panic!("nothing is stepped"));
+        session.frame(f64::from(frame), 1.0, |_| panic!("a stopped session makes a step"));
     }
     assert_eq!(steps(&mut session), 0);
 }
 
 #[test]
-fn each_frame_is_a_step_or_follows_the_clock() {
+fn each_frame_makes_one_step_or_follows_the_clock() {
     let mut session = session(BALL);
     session.set_running(true);
     (0..10).for_each(|frame| session.frame(f64::from(frame), 0.1, |_| ()));
     assert_eq!(steps(&mut session), 10);
     session.pace.real_time = true;
     (0..10).for_each(|frame| session.frame(f64::from(frame), 0.05, |_| ()));
-    // 0.5 s at 20 ms; the first frame knew nothing of what a step costs.
+    // 0.5 s at 20 ms per step; in the first frame the cost of a step is not known yet.
     let done = steps(&mut session) - 10;
     assert!((23..=25).contains(&done), "{done}");
 }
 
-/// The state before the last step is what drawing blends from.
+/// The picture blends from the state before the last step.
 #[test]
-fn before_the_last_step_the_renderer_is_asked() {
+fn the_callback_runs_before_the_last_step() {
     let mut session = session(BALL);
     session.set_running(true);
     session.frame(0.0, 0.02, |_| ());
@@ -45,23 +45,22 @@ fn before_the_last_step_the_renderer_is_asked() {
     assert_eq!(seen[4] + 1, steps(&mut session));
 }
 
-/// 3e38 * 50 is more than f32 holds: the ball on that tether stops being finite in the first step. The other one is not
-/// harmed, and the scene can go on without the first.
+/// 3e38 * 50 is greater than the greatest f32, so the position of the ball on that tether is not finite after the first step.
 #[test]
-fn what_bursts_stops_the_scene_and_is_told() {
+fn a_position_that_is_not_finite_stops_the_session_with_a_message() {
     let mut session = session("S 1 0 0 0 0 0 0 0 0 0 1 0.5\nS 2 9 0 0 0 0 0 0 0 0 1 0.5\nT 1 0 50 0 3e38 0 0\n");
     session.set_running(true);
     (0..5).for_each(|frame| session.frame(f64::from(frame), 0.02, |_| ()));
     assert!(!session.running() && !session.device_failed());
-    assert!(told(&session)[0].starts_with("sphere 0 stopped being finite in step 1"), "{:?}", told(&session));
+    assert!(messages(&session)[0].starts_with("sphere 0 stopped being finite in step 1"), "{:?}", messages(&session));
     assert_eq!(steps(&mut session), 1);
     session.reset();
     assert_eq!((steps(&mut session), heights(&mut session)), (0, vec![0.0, 0.0]));
 }
 
-/// Kinetic and potential energy of a falling ball change places, and are sampled four times a second at most.
+/// The potential energy of a falling ball becomes kinetic energy. There are at most four samples per second.
 #[test]
-fn energies_are_sampled_now_and_then() {
+fn energies_are_sampled_at_intervals() {
     let mut session = session(BALL);
     session.set_running(true);
     for frame in 0..100 {
@@ -73,7 +72,7 @@ fn energies_are_sampled_now_and_then() {
     assert!((samples[0].energy.total() - samples[3].energy.total()).abs() < 1e-4);
     assert!(samples[3].energy.kinetic > 0.1);
     assert!(!session.watch.phases().is_empty());
-    // Stopped, there is nothing new to look at.
+    // While the session is stopped there are no new samples.
     session.set_running(false);
     (0..100).for_each(|frame| {
         session.frame(5.0 + f64::from(frame), 0.01, |_| ());
@@ -82,9 +81,9 @@ fn energies_are_sampled_now_and_then() {
     assert!(session.watch.energies().len() <= samples.len() + 1);
 }
 
-/// Energies of many bodies take long to evaluate: they are not, unless asked.
+/// Energies of many bodies take long to evaluate.
 #[test]
-fn large_scenes_are_sampled_only_when_asked() {
+fn large_scenes_are_sampled_only_on_request() {
     let scene = rockfall::scene::generate::Kind::Pile.generate(100_001, 1).expect("a scene");
     let source = rockfall_viewer::window::session::Source { name: "pile".to_owned(), path: None, scene };
     let mut session = Session::open(source, Vec::new(), 0.02, on_cpu()).expect("it opens");
@@ -96,9 +95,9 @@ fn large_scenes_are_sampled_only_when_asked() {
 }
 
 #[test]
-fn a_bad_time_step_is_told_and_the_old_one_stays() {
+fn an_invalid_time_step_gives_a_message_and_the_old_one_stays() {
     let mut session = session(BALL);
     session.set_time_step(f32::NAN);
-    assert!(told(&session)[0].contains("dt"));
+    assert!(messages(&session)[0].contains("dt"));
     assert_eq!(session.pace.time_step, 0.02);
 }

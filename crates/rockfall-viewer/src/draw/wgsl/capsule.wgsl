@@ -1,4 +1,4 @@
-// Rods and capsules: all points within a radius of a line, ray-cast in a box around them.
+// Rods and capsules, which are all points within a radius of a line segment: ray-cast in a box around them.
 
 struct CapsuleVertex {
     @builtin(position) place: vec4f,
@@ -10,13 +10,13 @@ struct CapsuleVertex {
     @location(5) @interpolate(flat) whole: u32,
 }
 
-/// Corner of a cube, from -1 to 1, in the order of a strip of 14.
+/// Returns a corner of the cube from -1 to 1, in the order of a triangle strip of 14 vertices.
 fn cube_corner(index: u32) -> vec3f {
     let bits = (vec3u(0x287au, 0x02afu, 0x31e3u) >> vec3u(index)) & vec3u(1u);
     return vec3f(bits) * 2.0 - 1.0;
 }
 
-/// A corner of a box that holds a capsule and `margin` more.
+/// Returns a corner of a box that contains a capsule with a margin.
 fn capsule_corner(end1: vec3f, end2: vec3f, radius: f32, margin: f32, index: u32) -> vec3f {
     let line = end2 - end1;
     let long = length(line);
@@ -30,10 +30,10 @@ fn capsule_corner(end1: vec3f, end2: vec3f, radius: f32, margin: f32, index: u32
 @vertex
 fn capsule_vertex(@builtin(vertex_index) corner: u32, @builtin(instance_index) rod: u32) -> CapsuleVertex {
     let at = frame.rods_at + 4u * rod;
-    let slots = vec2u(words[at], words[at + 1u]);
+    let slots = vec2u(topology[at], topology[at + 1u]);
     let end1 = ball(slots.x).xyz;
     let end2 = ball(slots.y).xyz;
-    let radius = word_float(at + 2u);
+    let radius = topology_float(at + 2u);
     let margin = pixel_width() * (length(0.5 * (end1 + end2) - frame.eye) + length(end2 - end1));
     var vertex: CapsuleVertex;
     vertex.place = frame.view_projection * vec4f(capsule_corner(end1, end2, radius, margin, corner), 1.0);
@@ -52,26 +52,27 @@ fn capsule_vertex(@builtin(vertex_index) corner: u32, @builtin(instance_index) r
     return vertex;
 }
 
-/// How a ray passes a line: where on the line, from 0 to 1; where on the ray; square of the distance.
-struct Passing {
-    on_line: f32,
-    on_ray: f32,
-    square: f32,
+/// The nearest points of a ray and a line segment: the position on the segment from 0 to 1, the position on the ray, and the
+/// squared distance.
+struct Nearest {
+on_line: f32,
+on_ray: f32,
+square: f32,
 }
 
-fn passing(offset: vec3f, line: vec3f, ray: vec3f) -> Passing {
-    // Both perpendicular to the ray.
+fn nearest_points(offset: vec3f, line: vec3f, ray: vec3f) -> Nearest {
+    // The components perpendicular to the ray.
     let from_ray = offset - dot(offset, ray) * ray;
     let across = line - dot(line, ray) * ray;
     let on_line = clamp(-dot(from_ray, across) / max(dot(across, across), 1e-30), 0.0, 1.0);
     let nearest = from_ray + on_line * across;
-    return Passing(on_line, dot(offset + on_line * line, ray), dot(nearest, nearest));
+    return Nearest(on_line, dot(offset + on_line * line, ray), dot(nearest, nearest));
 }
 
-/// Where a ray meets a capsule (after Quilez, "capsule - intersection"), from a point on the ray near it; `found` is how it
-/// passes the axis, within the radius.
-fn meet(offset: vec3f, line: vec3f, radius: f32, ray: vec3f, found: Passing) -> f32 {
-    // From the point of the ray that is nearest to the axis: numbers stay small.
+/// Returns the position on a ray of its intersection with a capsule (after Quilez, "capsule - intersection"). `found` has the
+/// nearest points of the ray and the axis, which are closer than the radius.
+fn intersect_capsule(offset: vec3f, line: vec3f, radius: f32, ray: vec3f, found: Nearest) -> f32 {
+// Relative to the point of the ray that is nearest to the axis, which keeps rounding errors small.
     let start = found.on_ray * ray - offset;
     let square = dot(line, line);
     let along_ray = dot(line, ray);
@@ -87,19 +88,20 @@ fn meet(offset: vec3f, line: vec3f, radius: f32, ray: vec3f, found: Passing) -> 
             return found.on_ray + distance;
         }
     }
-    let first = ball_meet(start, ray, radius);
-    let second = ball_meet(start - line, ray, radius);
+    let first = intersect_ball(start, ray, radius);
+    let second = intersect_ball(start - line, ray, radius);
     return found.on_ray + min(first, second);
 }
 
-fn ball_meet(start: vec3f, ray: vec3f, radius: f32) -> f32 {
+fn intersect_ball(start: vec3f, ray: vec3f, radius: f32) -> f32 {
     let b = dot(start, ray);
     let aside = start - b * ray;
     let root = radius * radius - dot(aside, aside);
     return select(1e30, -b - sqrt(max(root, 0.0)), root >= 0.0);
 }
 
-/// Half and half around the axis, the halves changing places in the middle.
+/// Returns the weight of the second tone: each half of the capsule has four sectors around the axis in alternating tones, and
+/// the tones are swapped in the middle.
 fn capsule_tone(orientation: vec4f, axis: vec3f, normal: vec3f, middle: f32, width: f32) -> f32 {
     let pole = to_body(orientation, axis);
     let u = aside_of(pole);
@@ -118,7 +120,7 @@ fn capsule_surface(vertex: CapsuleVertex) -> Surface {
     var surface: Surface;
     for (var index = 0u; index < 4u; index++) {
         let ray = normalize(view_ray(vertex.place.xy + sample_place(index)));
-        if passing(offset, line, ray).square <= radius * radius {
+        if nearest_points(offset, line, ray).square <= radius * radius {
             surface.covered |= 1u << index;
         }
     }
@@ -126,10 +128,10 @@ fn capsule_surface(vertex: CapsuleVertex) -> Surface {
         discard;
     }
     let ray = normalize(view_ray(vertex.place.xy));
-    let found = passing(offset, line, ray);
+    let found = nearest_points(offset, line, ray);
     var distance = found.on_ray;
     if found.square < radius * radius {
-        distance = meet(offset, line, radius, ray, found);
+        distance = intersect_capsule(offset, line, radius, ray, found);
     }
     let point = frame.eye + distance * ray;
     let on_line = clamp(dot(point - vertex.end1.xyz, line) / max(dot(line, line), 1e-30), 0.0, 1.0);

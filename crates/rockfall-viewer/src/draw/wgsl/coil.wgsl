@@ -1,4 +1,4 @@
-// Springs and tethers: a wire that winds around the line between their ends, with as many turns however long it is.
+// Springs and tethers: a wire coiled around the line between the ends. The number of turns does not depend on the length.
 
 struct CoilVertex {
     @builtin(position) place: vec4f,
@@ -10,19 +10,20 @@ struct CoilVertex {
 const TURNS: f32 = 6.0;
 const TURN: f32 = 6.2831853;
 
-/// From one surface to the other.
+/// A coil from one surface to the other.
 struct Coil {
     start: vec3f,
     line: vec3f,
-    /// Of the turns.
+    /// Radius of the turns.
     radius: f32,
+    /// Radius of the wire.
     wire: f32,
 }
 
 fn coil_between(end1: vec4f, end2: vec4f, rest: f32) -> Coil {
     let apart = end2.xyz - end1.xyz;
     let distance = length(apart);
-    // A little inside of either sphere, so that no gap shows.
+    // The coil begins a little inside each sphere, so that no gap is visible.
     let sunk = 0.96 * vec2f(end1.w, end2.w);
     let long = distance - sunk.x - sunk.y;
     var coil: Coil;
@@ -35,7 +36,7 @@ fn coil_between(end1: vec4f, end2: vec4f, rest: f32) -> Coil {
     let least = select(min(end1.w, end2.w), max(end1.w, end2.w), min(end1.w, end2.w) == 0.0);
     let room = max(rest - sunk.x - sunk.y, 0.25 * long);
     coil.radius = min(0.36 * least, 0.5 * room);
-    // The turns of a spring at rest are well apart.
+    // Thin enough that the turns of a spring at rest do not touch.
     coil.wire = min(0.18 * coil.radius, 0.17 * room / TURNS);
     return coil;
 }
@@ -46,20 +47,20 @@ fn coil_vertex(coil: Coil, index: u32, colour: vec3f) -> CoilVertex {
     if coil.radius == 0.0 {
         return vertex;
     }
-    let part = f32(index / frame.coil_sides) / f32(frame.coil_pieces);
+    let part = f32(index / frame.coil_sides) / f32(frame.coil_segments);
     let angle = TURN * TURNS * part;
     let axis = normalize(coil.line);
     let u = aside_of(axis);
     let v = cross(axis, u);
     let outwards = cos(angle) * u + sin(angle) * v;
     let around = cos(angle) * v - sin(angle) * u;
-    // It begins and ends on the axis.
+    // The wire begins and ends on the axis.
     let radius = coil.radius * smoothstep(0.0, 0.08, part) * smoothstep(1.0, 0.92, part);
     let along = normalize(coil.line + TURN * TURNS * radius * around);
     let side = TURN * f32(index % frame.coil_sides) / f32(frame.coil_sides);
     vertex.normal = cos(side) * outwards + sin(side) * normalize(cross(along, outwards));
     let middle = coil.start + part * coil.line + radius * outwards;
-    // Never thinner than a pixel can show.
+    // A radius of at least 0.6 pixels, so that the wire stays visible.
     let wire = max(coil.wire, 0.6 * pixel_width() * dot(middle - frame.eye, frame.forward));
     vertex.point = middle + wire * vertex.normal;
     vertex.place = frame.view_projection * vec4f(vertex.point, 1.0);
@@ -74,7 +75,7 @@ fn spring_vertex(@builtin(vertex_index) index: u32, @builtin(instance_index) spr
 
 fn spring_corner(index: u32, spring: u32) -> CoilVertex {
     let at = frame.springs_at + 5u * spring;
-    let coil = coil_between(ball(words[at]), ball(words[at + 1u]), word_float(at + 3u));
+    let coil = coil_between(ball(topology[at]), ball(topology[at + 1u]), topology_float(at + 3u));
     return coil_vertex(coil, index, frame.kinds[KIND_SPRING].rgb);
 }
 
@@ -85,7 +86,7 @@ fn tether_vertex(@builtin(vertex_index) index: u32, @builtin(instance_index) tet
 
 fn tether_corner(index: u32, tether: u32) -> CoilVertex {
     let at = frame.tethers_at + 7u * tether;
-    let coil = coil_between(ball(words[at]), vec4f(word_vector(at + 1u), 0.0), word_float(at + 5u));
+    let coil = coil_between(ball(topology[at]), vec4f(topology_vector(at + 1u), 0.0), topology_float(at + 5u));
     return coil_vertex(coil, index, frame.kinds[KIND_TETHER].rgb);
 }
 

@@ -1,4 +1,4 @@
-// What colour a body has, and its pattern.
+// Colours and patterns of bodies.
 
 /// PCG hash (Jarzynski and Olano 2020), from 0 to 1.
 fn hash(index: u32) -> f32 {
@@ -14,7 +14,7 @@ fn value_of(slot: u32) -> f32 {
     return values[slot];
 }
 
-/// The colour of a value on the scale.
+/// Returns the colour of a value on the scale.
 fn scale_colour(value: f32) -> vec3f {
     let place = 8.0 * clamp((value - frame.range.x) / max(frame.range.y - frame.range.x, 1e-30), 0.0, 1.0);
     let stop = min(u32(place), 7u);
@@ -28,11 +28,11 @@ fn sphere_colour(slot: u32) -> vec3f {
     if is_fixed(slot) {
         return frame.kinds[KIND_FIXED].rgb;
     }
-    // No two neighbours quite alike.
-    return frame.kinds[KIND_SPHERE].rgb * (0.86 + 0.28 * hash(user_of(slot)));
+    // The brightness varies, so that neighbours can be told apart.
+    return frame.kinds[KIND_SPHERE].rgb * (0.86 + 0.28 * hash(insertion_index(slot)));
 }
 
-/// The second tone of a body.
+/// Returns the second tone of a body's pattern.
 fn second_tone(colour: vec3f) -> vec3f {
     if frame.colour_by != BY_KIND {
         return 0.62 * colour;
@@ -40,16 +40,16 @@ fn second_tone(colour: vec3f) -> vec3f {
     return mix(colour, vec3f(0.93, 0.90, 0.84), 0.82);
 }
 
-/// A beach ball: six sectors around the body's y axis in turn, and a cap on either pole. 1 in the second tone.
-/// `width` is that of a pixel on the unit sphere.
+/// Returns the weight of the second tone in the pattern of a beach ball: six sectors of alternating tones around the body's y
+/// axis, and a cap at each pole. `width` is the width of a pixel on the unit sphere.
 fn beach_ball(n: vec3f, width: f32) -> f32 {
     let ring = length(n.xz);
     let angle = atan2(n.z, n.x);
-    // Distance from the edge of a sector, times the ring's radius: even blur from equator to pole.
+    // Distance from the edge of a sector. The factor `ring` keeps the blur even from the equator to the poles.
     let sector = sin(3.0 * angle) / 3.0 * ring;
     let stripes = smoothstep(-width, width, sector);
     let cap = smoothstep(0.30 + width, 0.30 - width, ring);
     let upper = select(0.0, 1.0, n.y > 0.0);
-    // Far away, where a sector is no wider than a pixel, both tones mix.
+    // Far away, where a sector is no wider than a pixel, both tones are mixed.
     return mix(mix(stripes, upper, cap), 0.5, smoothstep(0.1, 0.5, width));
 }

@@ -1,6 +1,6 @@
-// Which spheres are worth drawing: those in the picture, far ones in a cheaper way, and those that the sun sees. Where
-// spheres are smaller than a third of a pixel, some stand for all of them. In large scenes, first come the spheres that were
-// seen in the last frame, then what they do not cover.
+// Selects the spheres to draw: near and far spheres in the picture, and spheres in the shadow map. Of spheres with a radius
+// below about a third of a pixel only a random subset is drawn, enlarged to that radius. In large scenes `cull` selects the
+// spheres that were visible in the last frame, and `uncover` those of the others that these do not hide.
 
 struct Draw {
     vertices: u32,
@@ -11,33 +11,34 @@ struct Draw {
 
 const LISTS: u32 = 5u;
 
-/// Slots of spheres: near ones, far ones, those with a shadow, and near and far ones that were covered in the last frame;
-/// each with room for all.
+/// Memory slots of the spheres in each list: near, far, in the shadow map, and near and far spheres that were hidden in the
+/// last frame. Each list has room for all spheres.
 @group(0) @binding(9) var<storage, read_write> lists: array<u32>;
 @group(0) @binding(10) var<storage, read_write> draws: array<Draw, LISTS>;
-/// 1 for the spheres that were seen in the last frame.
-@group(0) @binding(11) var<storage, read_write> seen: array<u32>;
-/// The farthest depth of blocks of pixels, 2 by 2 of them on level 0, 4 by 4 on level 1, ...
+/// 1 for every sphere that was visible in the last frame.
+@group(0) @binding(11) var<storage, read_write> visible: array<u32>;
+/// The depth pyramid: the farthest depth of blocks of 2 by 2 pixels on level 0, 4 by 4 on level 1, ...
 @group(1) @binding(0) var farthest: texture_2d<f32>;
 
 const NEAR: u32 = 1u;
 const FAR: u32 = 2u;
 const SHADOW: u32 = 4u;
-/// From the bit of a list to that of its second one.
+/// Shift from the bit of a list to that of the list of the second pass.
 const SECOND: u32 = 3u;
 
-/// In pixels: smaller spheres are drawn as discs.
+/// Radius in pixels below which spheres are drawn as discs.
 const FAR_RADIUS: f32 = 2.0;
-/// In pixels: of smaller spheres some are drawn, as if they were this large.
+/// Least radius in pixels of a drawn sphere. Of smaller spheres only some are drawn, with this radius.
 const LEAST_RADIUS: f32 = 0.35;
 
 var<workgroup> counts: array<atomic<u32>, LISTS>;
 var<workgroup> firsts: array<u32, LISTS>;
 
-/// Whether a sphere of this radius in pixels is among those that are drawn, none of them smaller than `least`.
-fn stands(slot: u32, radius: f32, least: f32) -> bool {
+/// Whether a sphere is in the random subset that is drawn; `radius` and `least` are in pixels. The subset has a fraction
+/// (radius / least)² of the spheres, so that discs of radius `least` cover the same area.
+fn is_sampled(slot: u32, radius: f32, least: f32) -> bool {
     let part = radius / least;
-    return part >= 1.0 || hash(user_of(slot)) < part * part;
+    return part >= 1.0 || hash(insertion_index(slot)) < part * part;
 }
 
 fn in_picture(slot: u32, ball: vec4f) -> u32 {
@@ -53,19 +54,19 @@ fn in_picture(slot: u32, ball: vec4f) -> u32 {
     if radius >= FAR_RADIUS {
         return NEAR;
     }
-    return select(0u, FAR, stands(slot, radius, LEAST_RADIUS));
+    return select(0u, FAR, is_sampled(slot, radius, LEAST_RADIUS));
 }
 
 fn in_light(slot: u32, ball: vec4f) -> u32 {
     let place = frame.light_projection * vec4f(ball.xyz, 1.0);
     let texels = ball.w / frame.light_texel;
     let room = 1.0 + 2.0 * texels / frame.light_size;
-    let seen = (frame.flags & SHADOWS) != 0u && all(abs(place.xy) < vec2f(room)) && stands(slot, texels, LEAST_SHADOW);
-    return select(0u, SHADOW, seen);
+    let in_map = (frame.flags & SHADOWS) != 0u && all(abs(place.xy) < vec2f(room)) && is_sampled(slot, texels, LEAST_SHADOW);
+    return select(0u, SHADOW, in_map);
 }
 
-/// Whether all of a sphere lies behind what has been drawn.
-fn is_covered(ball: vec4f) -> bool {
+/// Whether the whole of a sphere lies behind what has been drawn.
+fn is_hidden(ball: vec4f) -> bool {
     let offset = ball.xyz - frame.eye;
     let ahead = dot(offset, frame.forward);
     let front = ahead - ball.w;
@@ -75,11 +76,11 @@ fn is_covered(ball: vec4f) -> bool {
     let aside = vec2f(dot(offset, frame.right), -dot(offset, frame.up));
     let slope = aside / ahead;
     let centre = 0.5 * frame.viewport + slope / pixel_width();
-    // The outline is an ellipse that is the longer, the farther from the middle of the picture; a pixel more for edges.
+    // The outline is an ellipse, longer the farther it is from the middle of the picture. One pixel is added for the edges.
     let reach = ball.w * sqrt(1.0 + dot(slope, slope)) / (front * pixel_width()) + 1.0;
     let low = max((centre - reach) * 0.5, vec2f(0.0));
     let high = max((centre + reach) * 0.5, vec2f(0.0));
-    // Two blocks a side hold it.
+    // The level on which at most two blocks along each axis contain the outline.
     let level = min(u32(ceil(log2(max(max(high.x - low.x, high.y - low.y), 1.0)))), textureNumLevels(farthest) - 1u);
     let last = textureDimensions(farthest, level) - 1u;
     let first_block = min(vec2u(low) >> vec2u(level), last);
@@ -97,8 +98,8 @@ fn slot_of_thread(group: vec3u, groups: vec3u, local: u32) -> u32 {
     return 256u * (group.x + group.y * groups.x) + local;
 }
 
-/// Puts a sphere into the lists that it is wanted in.
-fn put(slot: u32, wanted: u32, local: u32) {
+/// Appends a sphere to the lists whose bits are set in `wanted`.
+fn append(slot: u32, wanted: u32, local: u32) {
     var places: array<u32, LISTS>;
     for (var list = 0u; list < LISTS; list++) {
         if (wanted & (1u << list)) != 0u {
@@ -128,11 +129,11 @@ fn cull(
     if slot < frame.spheres && !in_capsule(slot) {
         let ball = ball(slot);
         wanted = in_light(slot, ball);
-        if (frame.flags & COVERING) == 0u || seen[slot] != 0u {
+        if (frame.flags & CULL_HIDDEN) == 0u || visible[slot] != 0u {
             wanted |= in_picture(slot, ball);
         }
     }
-    put(slot, wanted, local);
+    append(slot, wanted, local);
 }
 
 @compute @workgroup_size(256)
@@ -146,15 +147,15 @@ fn uncover(
     if slot < frame.spheres && !in_capsule(slot) {
         let ball = ball(slot);
         wanted = in_picture(slot, ball) << SECOND;
-        if wanted != 0u && is_covered(ball) {
+        if wanted != 0u && is_hidden(ball) {
             wanted = 0u;
         }
-        let was_seen = seen[slot] != 0u;
-        seen[slot] = select(0u, 1u, wanted != 0u);
-        if was_seen {
-            // Drawn already.
+        let was_visible = visible[slot] != 0u;
+        visible[slot] = select(0u, 1u, wanted != 0u);
+        if was_visible {
+        // It was drawn in the first pass.
             wanted = 0u;
         }
     }
-    put(slot, wanted, local);
+    append(slot, wanted, local);
 }

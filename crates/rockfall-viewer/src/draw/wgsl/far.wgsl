@@ -1,9 +1,10 @@
-// Spheres of a few pixels and less, as discs at the depth of their centres.
+// Far spheres: discs of a few pixels at the depth of the centre.
 
 struct FarVertex {
     @builtin(position) place: vec4f,
-    /// In pixels.
+    /// Centre, in pixels.
     @location(0) @interpolate(flat) centre: vec2f,
+    /// Radius, in pixels.
     @location(1) @interpolate(flat) radius: f32,
     @location(2) @interpolate(flat) point: vec3f,
     @location(3) @interpolate(flat) colour: vec3f,
@@ -19,7 +20,7 @@ fn far_vertex(@builtin(vertex_index) corner: u32, @location(0) slot: u32) -> Far
     let ball = ball(slot);
     let middle = frame.view_projection * vec4f(ball.xyz, 1.0);
     var vertex: FarVertex;
-    // Those that stand for others are as large as the least.
+    // Sampled spheres have at least the least radius (`LEAST_RADIUS` in `cull.wgsl`).
     vertex.radius = max(ball.w / (middle.w * pixel_width()), 0.35);
     vertex.centre = (vec2f(0.5, -0.5) * middle.xy / middle.w + 0.5) * frame.viewport;
     let side = vec2f(vec2u(corner & 1u, corner >> 1u)) * 2.0 - 1.0;

@@ -1,17 +1,17 @@
-// From light to a picture: the last pass.
+// The last pass: multiplies light by openness and encodes it as the final picture.
 
 @group(1) @binding(0) var light: texture_2d<f32>;
 @group(1) @binding(1) var openness: texture_2d<f32>;
 @group(1) @binding(2) var depths: texture_depth_multisampled_2d;
 
-/// Linear light to the curve of sRGB (IEC 61966-2-1).
+/// Encodes linear light as sRGB (IEC 61966-2-1).
 fn encoded(linear: vec3f) -> vec3f {
     let low = 12.92 * linear;
     let high = 1.055 * pow(max(linear, vec3f(0.0)), vec3f(1.0 / 2.4)) - 0.055;
     return select(high, low, linear <= vec3f(0.0031308));
 }
 
-/// What lies open to the sky, smoothed over the pixels of the same surface.
+/// Returns the openness to the sky, averaged over neighbouring pixels of the same surface.
 fn open_sky(pixel: vec2i) -> f32 {
     let here = textureLoad(depths, pixel, 0);
     var sum = 0.0;
@@ -19,7 +19,7 @@ fn open_sky(pixel: vec2i) -> f32 {
     for (var index = 0; index < 16; index++) {
         let other = clamp(pixel + vec2i(index % 4 - 2, index / 4 - 2), vec2i(0), vec2i(frame.viewport) - 1);
         let depth = textureLoad(depths, other, 0);
-        // A few hundredths of the distance apart: another body.
+        // Depths that differ by more than 3 % belong to another body.
         let alike = select(0.0, 1.0, abs(depth - here) < 0.03 * here);
         sum += alike * textureLoad(openness, other, 0).r;
         weight += alike;
@@ -27,7 +27,7 @@ fn open_sky(pixel: vec2i) -> f32 {
     return select(1.0, sum / weight, weight > 0.0);
 }
 
-/// 1 where the target encodes by itself.
+/// Whether the target texture encodes linear light as sRGB by itself.
 override ENCODES: bool = false;
 
 @fragment

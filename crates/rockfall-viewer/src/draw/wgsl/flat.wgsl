@@ -4,7 +4,7 @@ struct FlatVertex {
     @builtin(position) place: vec4f,
     @location(0) point: vec3f,
     @location(1) @interpolate(flat) normal: vec3f,
-    /// Place on the face, in units, from a corner.
+    /// Position on the face relative to a corner, in units.
     @location(2) on_face: vec2f,
     @location(3) @interpolate(flat) sides: vec2f,
     @location(4) @interpolate(flat) colour: vec3f,
@@ -43,7 +43,7 @@ fn box_vertex(@builtin(vertex_index) index: u32, @builtin(instance_index) number
     return vertex;
 }
 
-/// Boxes that would hide what is looked at, as glass.
+/// Boxes that hide bodies are drawn as glass.
 @vertex
 fn glass_vertex(@builtin(vertex_index) index: u32, @builtin(instance_index) number: u32) -> FlatVertex {
     var vertex = box_corner(index, number);
@@ -56,11 +56,11 @@ fn glass_vertex(@builtin(vertex_index) index: u32, @builtin(instance_index) numb
 
 fn box_corner(index: u32, number: u32) -> FlatVertex {
     let at = frame.boxes_at + 12u * number;
-    let edges = array<vec3f, 3>(word_vector(at + 3u), word_vector(at + 6u), word_vector(at + 9u));
+    let edges = array<vec3f, 3>(topology_vector(at + 3u), topology_vector(at + 6u), topology_vector(at + 9u));
     let axis = index / 12u;
     let far = index / 6u % 2u == 1u;
     let through = edges[axis];
-    let corner = word_vector(at) + select(vec3f(0.0), through, far);
+    let corner = topology_vector(at) + select(vec3f(0.0), through, far);
     let normal = normalize(select(-through, through, far));
     var vertex = face(corner, edges[(axis + 1u) % 3u], edges[(axis + 2u) % 3u], normal, index % 6u);
     vertex.colour = frame.kinds[KIND_BOX].rgb;
@@ -74,21 +74,22 @@ fn polygon_vertex(@builtin(vertex_index) index: u32, @builtin(instance_index) nu
 
 fn polygon_corner(index: u32, number: u32) -> FlatVertex {
     let at = frame.polygons_at + 9u * number;
-    let left = word_vector(at + 3u);
-    let right = word_vector(at + 6u);
-    var vertex = face(word_vector(at), left, right, normalize(cross(left, right)), index);
+    let left = topology_vector(at + 3u);
+    let right = topology_vector(at + 6u);
+    var vertex = face(topology_vector(at), left, right, normalize(cross(left, right)), index);
     vertex.colour = frame.kinds[KIND_POLYGON].rgb;
     return vertex;
 }
 
-/// 1 on a line that is `half` wide to either side, a pixel of `width` blurred.
+/// Returns the coverage, from 0 to 1, of a line with half width `half` at this distance from its centre, smoothed over a
+/// pixel of `width`.
 fn line_at(distance: f32, half: f32, width: f32) -> f32 {
-    // A line thinner than a pixel is fainter instead.
+    // A line that is thinner than a pixel is drawn one pixel wide but fainter.
     let shown = max(half, 0.5 * width);
     return (1.0 - smoothstep(shown - 0.5 * width, shown + 0.5 * width, abs(distance))) * min(half / (0.5 * width), 1.0);
 }
 
-/// 1 on the lines of a square grid.
+/// Returns the coverage of the lines of a square grid.
 fn lines_at(place: vec2f, width: vec2f, cell: f32, half: f32) -> f32 {
     let away = abs(fract(place / cell - 0.5) - 0.5) * cell;
     let lines = vec2f(line_at(away.x, half, width.x), line_at(away.y, half, width.y));
@@ -96,14 +97,14 @@ fn lines_at(place: vec2f, width: vec2f, cell: f32, half: f32) -> f32 {
     return max(lines.x * apart.x, lines.y * apart.y);
 }
 
-/// How dark the lines of the grid are: fine ones that fade as the camera goes away, and coarse ones that take their place.
+/// Returns the darkness of the grid: fine lines that fade as the camera moves away, and coarse lines that replace them.
 fn grid_at(place: vec2f, width: vec2f) -> f32 {
     let half = frame.cell * mix(0.01, 0.05, frame.cell_fade);
     let fine = lines_at(place, width, frame.cell, half) * (1.0 - frame.cell_fade);
     return max(0.6 * fine, lines_at(place, width, 10.0 * frame.cell, half));
 }
 
-/// 1 along the rim of a face.
+/// Returns the coverage of the rim of a face.
 fn rim_at(vertex: FlatVertex, width: vec2f) -> f32 {
     let away = min(vertex.on_face, vertex.sides - vertex.on_face);
     return max(line_at(away.x, 0.75 * width.x, width.x), line_at(away.y, 0.75 * width.y, width.y));
@@ -136,7 +137,7 @@ fn polygon_surface(vertex: FlatVertex) -> FlatSurface {
     surface.colour = vec4f(lit(colour, vertex.point, select(-vertex.normal, vertex.normal, outside), view), 1.0);
     surface.covered = 15u;
     if !outside {
-        // Hatched, so that one sees through what lets bodies through.
+        // The side that bodies can pass through is hatched, so that it is partly transparent.
         let period = 0.08 * min(vertex.sides.x, vertex.sides.y);
         let across = dot(vertex.on_face, vec2f(0.7071068));
         let stripe = abs(fract(across / period) - 0.5) * period;

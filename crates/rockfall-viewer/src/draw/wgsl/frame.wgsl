@@ -1,4 +1,4 @@
-// What every shader of the renderer sees: the frame, and the physics' buffers. `frame.rs` has the Rust side.
+// Bindings of all shaders of the renderer: the uniform block, declared in Rust in `frame.rs`, and the buffers of the physics.
 
 struct Frame {
     view_projection: mat4x4f,
@@ -26,7 +26,7 @@ struct Frame {
     viewport: vec2f,
     range: vec2f,
     cell_fade: f32,
-    coil_pieces: u32,
+    coil_segments: u32,
     coil_sides: u32,
     flags: u32,
     spheres: u32,
@@ -38,7 +38,7 @@ struct Frame {
     tethers_at: u32,
     boxes_at: u32,
     polygons_at: u32,
-    users_at: u32,
+    insertion_indices_at: u32,
     colour_by: u32,
     light_size: f32,
     kinds: array<vec4f, 8>,
@@ -47,9 +47,10 @@ struct Frame {
 
 const SHADOWS: u32 = 1u;
 const OCCLUSION: u32 = 2u;
-const COVERING: u32 = 4u;
+const CULL_HIDDEN: u32 = 4u;
 
-/// In pixels of the shadow map: of smaller spheres some cast a shadow, as if they were this large. The filter blurs more.
+/// Least radius of a shadow, in pixels of the shadow map. Of smaller spheres only some cast a shadow, of this radius. The
+/// filter is wider, so the difference is not visible.
 const LEAST_SHADOW: f32 = 2.0;
 
 const BY_KIND: u32 = 0u;
@@ -67,23 +68,23 @@ const KIND_POLYGON: u32 = 7u;
 @group(0) @binding(0) var<uniform> frame: Frame;
 @group(0) @binding(1) var<storage, read> state: array<vec4f>;
 @group(0) @binding(2) var<storage, read> orientations: array<vec4f>;
-@group(0) @binding(3) var<storage, read> words: array<u32>;
+@group(0) @binding(3) var<storage, read> topology: array<u32>;
 @group(0) @binding(4) var<storage, read> old_positions: array<vec4f>;
 @group(0) @binding(5) var<storage, read> old_orientations: array<vec4f>;
 @group(0) @binding(6) var<storage, read> values: array<f32>;
-@group(0) @binding(7) var<storage, read> marks: array<u32>;
-/// How opaque each box is.
+@group(0) @binding(7) var<storage, read> capsule_bits: array<u32>;
+/// Opacity of each box.
 @group(0) @binding(8) var<storage, read> opacities: array<f32>;
 
-fn word_float(at: u32) -> f32 {
-    return bitcast<f32>(words[at]);
+fn topology_float(at: u32) -> f32 {
+    return bitcast<f32>(topology[at]);
 }
 
-fn word_vector(at: u32) -> vec3f {
-    return vec3f(word_float(at), word_float(at + 1u), word_float(at + 2u));
+fn topology_vector(at: u32) -> vec3f {
+    return vec3f(topology_float(at), topology_float(at + 1u), topology_float(at + 2u));
 }
 
-/// Centre and radius.
+/// Centre and radius of a sphere.
 fn ball(slot: u32) -> vec4f {
     let now = state[slot];
     if frame.blend >= 1.0 {
@@ -97,50 +98,51 @@ fn orientation(slot: u32) -> vec4f {
     if frame.blend >= 1.0 {
         return now;
     }
-    // The short way round.
+    // Along the shorter rotation.
     let old = old_orientations[slot];
     return normalize(mix(old * select(-1.0, 1.0, dot(old, now) >= 0.0), now, frame.blend));
 }
 
-fn user_of(slot: u32) -> u32 {
-    if frame.users_at == 0u {
+fn insertion_index(slot: u32) -> u32 {
+    if frame.insertion_indices_at == 0u {
         return slot;
     }
-    return words[frame.users_at + slot];
+    return topology[frame.insertion_indices_at + slot];
 }
 
 fn is_fixed(slot: u32) -> bool {
     return state[frame.spheres + slot].w == 0.0;
 }
 
-/// The mark of an object: bit k of `marks`, from word `at` on.
-fn marked(at: u32, index: u32) -> bool {
-    return ((marks[at + index / 32u] >> (index % 32u)) & 1u) != 0u;
+/// Returns bit `index` of the bits in `capsule_bits` that begin at word `at`.
+fn capsule_bit(at: u32, index: u32) -> bool {
+return ((capsule_bits[at + index / 32u] >> (index % 32u)) & 1u) != 0u;
 }
 
-/// Spheres that are the end of a capsule, in order of addition.
+/// Whether a sphere is an end of a capsule.
 fn in_capsule(slot: u32) -> bool {
-    return marked(0u, user_of(slot));
+return capsule_bit(0u, insertion_index(slot));
 }
 
-/// Rods that are the middle of a capsule.
+/// Whether a rod is the middle of a capsule.
 fn is_capsule(rod: u32) -> bool {
-    return marked((frame.spheres + 31u) / 32u, rod);
+return capsule_bit((frame.spheres + 31u) / 32u, rod);
 }
 
-/// v in the frame of a body with this orientation.
+/// Rotates `v` from the world frame to the frame of a body with orientation `q`.
 fn to_body(q: vec4f, v: vec3f) -> vec3f {
     let t = 2.0 * cross(v, q.xyz);
     return v + q.w * t + cross(t, q.xyz);
 }
 
-/// Direction from the eye through a place in the picture, in pixels from its upper left corner; 1 along `forward`.
+/// Returns the direction from the eye through a point of the picture, in pixels from the upper left corner. Its component along
+/// `forward` is 1.
 fn view_ray(place: vec2f) -> vec3f {
     let ndc = vec2f(2.0, -2.0) * place / frame.viewport + vec2f(-1.0, 1.0);
     return frame.forward + frame.tangent * (frame.aspect * ndc.x * frame.right + ndc.y * frame.up);
 }
 
-/// Width of a pixel at distance 1.
+/// Returns the width of a pixel at distance 1.
 fn pixel_width() -> f32 {
     return 2.0 * frame.tangent / frame.viewport.y;
 }
@@ -149,7 +151,7 @@ fn depth_at(point: vec3f) -> f32 {
     return frame.near / dot(point - frame.eye, frame.forward);
 }
 
-/// Where the four samples of a pixel lie (the standard places of Vulkan, Metal and DX12), from its centre.
+/// Returns the position of a sample of a pixel relative to its centre (the standard positions of Vulkan, Metal and DX12).
 fn sample_place(index: u32) -> vec2f {
     switch index {
         case 0u: { return vec2f(-0.125, -0.375); }

@@ -1,7 +1,7 @@
-// The greatest speed of all spheres.
+// Computes the greatest speed of all spheres.
 
 struct Found {
-    /// Bits of a float; those that are not negative order like their bits.
+    /// Bits of a float. Floats that are not negative have the same order as their bits.
     greatest: atomic<u32>,
     spheres: u32,
 }

@@ -1,4 +1,4 @@
-// What is behind everything, and under it.
+// The sky behind the scene and the ground below it.
 
 struct Ground {
     @location(0) colour: vec4f,
@@ -11,13 +11,14 @@ fn sky(@builtin(position) place: vec4f) -> @location(0) vec4f {
     return vec4f(mix(frame.horizon, frame.zenith, smoothstep(0.0, 0.7, up)), 1.0);
 }
 
-/// The ground is clear but for its lines and the shadows on it, which fade with the distance from what is looked at.
+/// The ground is transparent except for its grid and the shadows on it. Both fade with the distance from the target of the
+/// camera.
 @fragment
 fn ground(@builtin(position) place: vec4f) -> Ground {
     let ray = view_ray(place.xy);
     let distance = (frame.ground - frame.eye.y) / ray.y;
     let point = frame.eye + distance * ray;
-    // Before anything is left out: derivatives want all four pixels of a quad.
+    // Before any fragment is discarded, because derivatives need all four pixels of a quad.
     let width = fwidth(point.xz);
     if distance <= 0.0 || ray.y == 0.0 {
         discard;

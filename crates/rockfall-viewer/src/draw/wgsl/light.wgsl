@@ -1,17 +1,18 @@
-// Light that falls on a surface.
+// Lighting of surfaces.
 
 @group(1) @binding(0) var shadows: texture_depth_2d;
 @group(1) @binding(1) var nearer: sampler_comparison;
 
-/// Taps of the filter of shadows.
+/// Number of samples of the shadow filter.
 const TAPS: u32 = 16u;
 
-/// How much of the sun a point sees, from 0 to 1 (percentage-closer filtering, Reeves et al. 1987, on a spiral of Vogel's).
+/// Returns the visible fraction of the sun at a point, from 0 to 1 (percentage-closer filtering, Reeves et al. 1987, on a Vogel
+/// spiral).
 fn sunlight(point: vec3f, normal: vec3f) -> f32 {
     if (frame.flags & SHADOWS) == 0u {
         return 1.0;
     }
-    // Away from the surface, and more so where the sun grazes it, so that it does not shade itself.
+    // The point is moved away from the surface, more at grazing light, so that the surface does not shade itself.
     let graze = 1.0 - max(dot(normal, frame.light), 0.0);
     let place = frame.light_projection * vec4f(point + frame.light_texel * (1.5 + 3.0 * graze) * normal, 1.0);
     let middle = vec2f(0.5, -0.5) * place.xy + 0.5;
@@ -23,12 +24,13 @@ fn sunlight(point: vec3f, normal: vec3f) -> f32 {
         let angle = 2.3999632 * f32(tap);
         seen += textureSampleCompareLevel(shadows, nearer, middle + radius * vec2f(cos(angle), sin(angle)), depth);
     }
-    // Beyond the map everything is lit.
+    // Everything outside the map is lit.
     let edge = max(abs(place.x), abs(place.y));
     return mix(seen / f32(TAPS), 1.0, smoothstep(0.9, 1.0, edge));
 }
 
-/// Light from all of the sky, more from above, and from the sun; `view` is the unit vector to the eye.
+/// Returns the light that a surface reflects: from the whole sky, with more from above, and from the sun. `view` is the unit
+/// vector towards the eye.
 fn lit(colour: vec3f, point: vec3f, normal: vec3f, view: vec3f) -> vec3f {
     let sky = mix(vec3f(0.25, 0.245, 0.24), vec3f(0.43, 0.46, 0.50), 0.5 + 0.5 * normal.y);
     let towards = dot(normal, frame.light);

@@ -1,11 +1,10 @@
-// How much of the sky the corners and gaps between bodies see, from the depths of the picture alone (scalable ambient
-// obscurance, McGuire et al. 2012).
+// Ambient occlusion from the depths of the picture (scalable ambient obscurance, McGuire et al. 2012).
 
 @group(1) @binding(0) var depths: texture_depth_multisampled_2d;
 
 const SAMPLES: u32 = 14u;
 
-/// Place relative to the eye of what is seen in a pixel; z: its distance along `forward`, 0 for the sky.
+/// The point that is visible in a pixel: its position relative to the eye, and its distance along `forward`, 0 for the sky.
 struct Seen {
     place: vec3f,
     distance: f32,
@@ -21,7 +20,7 @@ fn seen_at(pixel: vec2i) -> Seen {
     return Seen(distance * view_ray(vec2f(inside) + 0.5), distance);
 }
 
-/// The side on which the surface goes on, not the one where another begins.
+/// Returns the difference to a neighbouring pixel on the side where the surface continues, not where another surface begins.
 fn slope(here: Seen, before: Seen, after: Seen) -> vec3f {
     let back = abs(here.distance - before.distance);
     let on = abs(after.distance - here.distance);
@@ -40,9 +39,9 @@ fn occlusion(@builtin(position) place: vec4f) -> @location(0) f32 {
     let down = slope(here, seen_at(pixel - vec2i(0, 1)), seen_at(pixel + vec2i(0, 1)));
     let normal = normalize(cross(down, across));
     let pixel_size = here.distance * pixel_width();
-    // As far as gaps between bodies go, but so that it can be seen.
+    // As wide as the gaps between bodies, within limits in pixels so that the effect is visible.
     let reach = clamp(1.6 * frame.typical_radius, 6.0 * pixel_size, 0.08 * frame.viewport.y * pixel_size);
-    // One turn of the spiral for every pixel of a block of 4 by 4, which the last pass mixes.
+    // The spiral has a different rotation in each pixel of a block of 4 by 4 pixels; the last pass averages over the block.
     let turn = 6.2831853 / 16.0 * f32(((pixel.x & 3) * 4 + (pixel.y & 3) * 7) & 15);
     var dark = 0.0;
     for (var index = 0u; index < SAMPLES; index++) {

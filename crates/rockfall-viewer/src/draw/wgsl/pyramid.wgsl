@@ -1,10 +1,10 @@
-// The farthest depth of blocks of pixels, level by level.
+// Builds the depth pyramid: the farthest depth of blocks of pixels, level by level.
 
 @group(0) @binding(0) var samples: texture_depth_multisampled_2d;
 @group(0) @binding(1) var blocks: texture_2d<f32>;
-@group(0) @binding(2) var made: texture_storage_2d<r32float, write>;
+@group(0) @binding(2) var level: texture_storage_2d<r32float, write>;
 
-/// The end of what a block is made of: the last one of an odd number takes what is left over.
+/// Returns the end of the pixels or blocks that a block covers. The last block also covers the remainder of an odd number.
 fn end_of(block: vec2u, count: vec2u, size: vec2u) -> vec2u {
     return select(min(2u * block + 2u, size), size, block + 1u == count);
 }
@@ -12,7 +12,7 @@ fn end_of(block: vec2u, count: vec2u, size: vec2u) -> vec2u {
 @compute @workgroup_size(8, 8)
 fn first_level(@builtin(global_invocation_id) id: vec3u) {
     let block = id.xy;
-    let count = textureDimensions(made);
+    let count = textureDimensions(level);
     if any(block >= count) {
         return;
     }
@@ -25,13 +25,13 @@ fn first_level(@builtin(global_invocation_id) id: vec3u) {
             }
         }
     }
-    textureStore(made, block, vec4f(depth));
+    textureStore(level, block, vec4f(depth));
 }
 
 @compute @workgroup_size(8, 8)
 fn next_level(@builtin(global_invocation_id) id: vec3u) {
     let block = id.xy;
-    let count = textureDimensions(made);
+    let count = textureDimensions(level);
     if any(block >= count) {
         return;
     }
@@ -42,5 +42,5 @@ fn next_level(@builtin(global_invocation_id) id: vec3u) {
             depth = min(depth, textureLoad(blocks, vec2u(x, y), 0).r);
         }
     }
-    textureStore(made, block, vec4f(depth));
+    textureStore(level, block, vec4f(depth));
 }

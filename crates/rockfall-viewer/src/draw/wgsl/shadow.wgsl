@@ -1,20 +1,20 @@
-// What the sun sees: depth alone. A point nearer to the sun has less of it.
+// The shadow map: depths seen from the sun. Points nearer to the sun have smaller depths.
 
 struct BallShadow {
     @builtin(position) place: vec4f,
-    /// On the disc, from -1 to 1.
+    /// Position on the disc, from -1 to 1.
     @location(0) on_disc: vec2f,
-    /// Depth of the centre, and of a radius.
+    /// Depth of the centre, and the difference of depth that corresponds to a radius.
     @location(1) @interpolate(flat) depth: vec2f,
 }
 
-/// What lies before the map's depths casts its shadow from their beginning.
+/// Transforms a point to the shadow map. Its depth is clamped, so that a body between the sun and the map still casts a shadow.
 fn in_map(point: vec3f) -> vec4f {
     let place = frame.light_projection * vec4f(point, 1.0);
     return vec4f(place.xy, clamp(place.z, 0.0, 1.0), 1.0);
 }
 
-/// A ball that is as wide as `radius`, but no higher than it is.
+/// Returns a corner of the quad of a ball. Its disc has radius `radius`, its depth is that of the ball's own radius.
 fn ball_in_map(ball: vec4f, radius: f32, corner: u32) -> BallShadow {
     var vertex: BallShadow;
     vertex.on_disc = vec2f(vec2u(corner & 1u, corner >> 1u)) * 2.0 - 1.0;
@@ -28,7 +28,7 @@ fn ball_in_map(ball: vec4f, radius: f32, corner: u32) -> BallShadow {
 @vertex
 fn sphere_shadow_vertex(@builtin(vertex_index) corner: u32, @location(0) slot: u32) -> BallShadow {
     let ball = ball(slot);
-    // Those that stand for others are as large as the least.
+    // Sampled spheres have at least the least radius.
     return ball_in_map(ball, max(ball.w, LEAST_SHADOW * frame.light_texel), corner);
 }
 
@@ -57,10 +57,10 @@ struct CapsuleShadow {
 @vertex
 fn capsule_shadow_vertex(@builtin(vertex_index) corner: u32, @builtin(instance_index) rod: u32) -> CapsuleShadow {
     let at = frame.rods_at + 4u * rod;
-    let end1 = ball(words[at]).xyz;
-    let end2 = ball(words[at + 1u]).xyz;
+    let end1 = ball(topology[at]).xyz;
+    let end2 = ball(topology[at + 1u]).xyz;
     var vertex: CapsuleShadow;
-    vertex.end1 = vec4f(end1, word_float(at + 2u));
+    vertex.end1 = vec4f(end1, topology_float(at + 2u));
     vertex.line = end2 - end1;
     vertex.point = capsule_corner(end1, end2, vertex.end1.w, 0.0, corner);
     vertex.place = in_map(vertex.point);
@@ -69,7 +69,7 @@ fn capsule_shadow_vertex(@builtin(vertex_index) corner: u32, @builtin(instance_i
 
 @fragment
 fn capsule_shadow(vertex: CapsuleShadow) -> @builtin(frag_depth) f32 {
-    let found = passing(vertex.end1.xyz - vertex.point, vertex.line, -frame.light);
+    let found = nearest_points(vertex.end1.xyz - vertex.point, vertex.line, -frame.light);
     let high = vertex.end1.w * vertex.end1.w - found.square;
     if high < 0.0 {
         discard;
@@ -79,7 +79,7 @@ fn capsule_shadow(vertex: CapsuleShadow) -> @builtin(frag_depth) f32 {
 
 @vertex
 fn box_shadow_vertex(@builtin(vertex_index) index: u32, @builtin(instance_index) number: u32) -> @builtin(position) vec4f {
-    // Through glass the sun shines too.
+    // Glass casts no shadow.
     if opacities[number] < 0.5 {
         return NOWHERE;
     }

@@ -1,4 +1,4 @@
-// Spheres, ray-cast in a quad that covers their outline.
+// Spheres: ray-cast in a quad that covers their outline.
 
 struct SphereVertex {
     @builtin(position) place: vec4f,
@@ -8,8 +8,8 @@ struct SphereVertex {
     @location(3) @interpolate(flat) second: vec3f,
 }
 
-/// A corner of a quad that is perpendicular to the line of sight and holds the outline of a sphere: its tangent cone cuts
-/// the plane through its centre in a circle of radius r d / sqrt(d² - r²).
+/// Returns a corner of a quad that is perpendicular to the line of sight and contains the outline of a sphere: the cone of
+/// tangents from the eye intersects the plane through the centre in a circle of radius r d / sqrt(d² - r²).
 fn outline_corner(ball: vec4f, corner: u32) -> vec4f {
     let offset = ball.xyz - frame.eye;
     let distance = length(offset);
@@ -35,10 +35,10 @@ fn sphere_vertex(@builtin(vertex_index) corner: u32, @location(0) slot: u32) -> 
     return vertex;
 }
 
-/// The point that a tether holds on to, as a knob.
+/// The anchor point of a tether, as a small ball.
 fn anchor_ball(tether: u32) -> vec4f {
     let at = frame.tethers_at + 7u * tether;
-    return vec4f(word_vector(at + 1u), 0.22 * state[words[at]].w);
+    return vec4f(topology_vector(at + 1u), 0.22 * state[topology[at]].w);
 }
 
 @vertex
@@ -69,7 +69,7 @@ fn sphere_surface(vertex: SphereVertex) -> Surface {
     }
     let ray = normalize(view_ray(vertex.place.xy));
     let found = approach(offset, ray);
-    // Where only some samples hit, the surface is that of the outline.
+    // If only some samples hit, the nearest point of the ray to the centre stands for the surface.
     let distance = found.y - sqrt(max(square - found.x, 0.0));
     let point = frame.eye + distance * ray;
     let normal = normalize(point - ball.xyz);

@@ -1,4 +1,4 @@
-//! What the pointer does with bodies: picks, holds, drags and throws them.
+//! Picks, holds, drags and throws bodies with the pointer.
 
 use rockfall::glam::Vec3;
 use rockfall::{Body, Scene, Sphere, SphereId, Tether};
@@ -7,26 +7,27 @@ use super::Session;
 use crate::window::hold::{Held, Sight};
 use crate::window::message::Level;
 
-/// How fast a held body swings about the pointer, in rad/s, and how much of that is damped.
-const SWING: f32 = 10.0;
-const DAMPING: f32 = 0.7;
-/// A body drags along what hangs on it, up to so many times its own mass; more would need a shorter time step.
-const DRAGGED: f32 = 40.0;
-/// Bodies that hang together are counted up to so many.
-const COUNTED: usize = 10_000;
+/// Angular frequency of the tether that holds a body, in rad/s.
+const ANGULAR_FREQUENCY: f32 = 10.0;
+/// Damping ratio of that tether.
+const DAMPING_RATIO: f32 = 0.7;
+/// Greatest mass that the tether is designed for, divided by the mass of the held sphere. More would need a shorter time step.
+const GREATEST_MASS_RATIO: f32 = 40.0;
+/// Greatest number of connected bodies that are counted.
+const MOST_CONNECTED: usize = 10_000;
 
 impl Session {
-    /// Ties the first body in the line of sight to the pointer; of a rod, the nearer end.
+    /// Connects the first body in the line of sight to the pointer. A rod is held at the nearer end that is not fixed.
     pub fn hold(&mut self, sight: &Sight) {
         self.release();
         let hit = self.simulation.cast_ray(sight.origin, sight.direction);
-        let Some(hit) = self.good(hit).flatten() else {
+        let Some(hit) = self.ok_or_report(hit).flatten() else {
             return;
         };
         self.picked = Some(hit.body);
         let scene = self.simulation.scene();
         let place = |id: SphereId| scene.sphere(id).map(|sphere| (id, *sphere));
-        let seized = match hit.body {
+        let grabbed = match hit.body {
             Body::Sphere(id) => place(id),
             Body::Rod(id) => scene.rod(id).and_then(|rod| {
                 let (one, two) = (place(rod.end1)?, place(rod.end2)?);
@@ -36,33 +37,33 @@ impl Session {
                 Ok(if first { one } else { two })
             }),
             _ => {
-                self.tell(Level::Note, "boxes and polygons never move");
+                self.tell(Level::Note, "boxes and polygons never move, so they cannot be held");
                 return;
             }
         };
-        let Some((id, sphere)) = self.good(seized) else {
+        let Some((id, sphere)) = self.ok_or_report(grabbed) else {
             return;
         };
         if sphere.fixed {
-            self.tell(Level::Note, "this sphere is fixed");
+            self.tell(Level::Note, "this sphere is fixed, so it cannot be held");
             return;
         }
         self.tie(id, &sphere, hit.point, sight);
     }
 
-    fn tie(&mut self, id: SphereId, sphere: &Sphere, seized: Vec3, sight: &Sight) {
-        let mass = hanging_mass(self.simulation.scene(), id).min(DRAGGED * sphere.mass);
-        // Beyond sphere.mass / dt the damping itself would shake.
-        let damping = (2.0 * DAMPING * SWING * mass).min(sphere.mass / self.pace.time_step);
-        let tether = Tether::new(id, sphere.position, mass * SWING * SWING).damping(damping);
+    fn tie(&mut self, id: SphereId, sphere: &Sphere, grabbed: Vec3, sight: &Sight) {
+        let mass = connected_mass(self.simulation.scene(), id).min(GREATEST_MASS_RATIO * sphere.mass);
+        // Damping above sphere.mass / dt would be unstable.
+        let damping = (2.0 * DAMPING_RATIO * ANGULAR_FREQUENCY * mass).min(sphere.mass / self.pace.time_step);
+        let tether = Tether::new(id, sphere.position, mass * ANGULAR_FREQUENCY * ANGULAR_FREQUENCY).damping(damping);
         let added = self.simulation.add_tether(tether);
-        if let Some(tether) = self.good(added) {
-            let depth = (seized - sight.origin).dot(sight.forward);
-            self.held = Some(Held { sphere: id, tether, pointer: seized, offset: sphere.position - seized, depth });
+        if let Some(tether) = self.ok_or_report(added) {
+            let depth = (grabbed - sight.origin).dot(sight.forward);
+            self.held = Some(Held { sphere: id, tether, pointer: grabbed, offset: sphere.position - grabbed, depth });
         }
     }
 
-    /// Pulls what is held to where the pointer is now.
+    /// Moves the anchor of the held body to the present position of the pointer.
     pub fn drag(&mut self, sight: &Sight) {
         let Some(held) = &mut self.held else {
             return;
@@ -70,38 +71,38 @@ impl Session {
         held.pointer = sight.at_depth(held.depth);
         let (id, point) = (held.tether, held.pointer + held.offset);
         let updated = self.simulation.update_tether(id, |tether| tether.point = point);
-        if self.good(updated).is_none() {
+        if self.ok_or_report(updated).is_none() {
             self.held = None;
         }
     }
 
-    /// Lets go.
+    /// Releases the held body.
     pub fn release(&mut self) {
         if let Some(held) = self.held.take() {
             let removed = self.simulation.remove_tether(held.tether);
-            self.good(removed);
+            self.ok_or_report(removed);
         }
     }
 
-    /// Adds a sphere that flies off from `origin` at `velocity`: as large and as dense as those of the scene.
+    /// Adds a sphere at `origin` with this velocity. It has the mean size and density of the spheres of the scene.
     pub fn throw(&mut self, origin: Vec3, velocity: Vec3) {
         let sphere = thrown(self.simulation.scene(), origin, velocity);
         let added = self.simulation.add_sphere(sphere);
-        if self.good(added).is_some() {
+        if self.ok_or_report(added).is_some() {
             self.objects_version += 1;
         }
     }
 
-    /// Forgets or picks the first body that a ray meets.
+    /// Picks the first body that a ray hits, or none if it hits nothing.
     pub fn pick(&mut self, origin: Vec3, direction: Vec3) {
         let hit = self.simulation.cast_ray(origin, direction);
-        self.picked = self.good(hit).flatten().map(|hit| hit.body);
+        self.picked = self.ok_or_report(hit).flatten().map(|hit| hit.body);
         self.sample(true);
     }
 }
 
-/// The mass of all moving spheres that rods and springs join to one.
-fn hanging_mass(scene: &Scene, start: SphereId) -> f32 {
+/// Returns the mass of all moving spheres that rods and springs connect to a sphere, including itself.
+fn connected_mass(scene: &Scene, start: SphereId) -> f32 {
     let rods = scene.rods().iter().map(|rod| (rod.end1, rod.end2));
     let springs = scene.springs().iter().map(|spring| (spring.a, spring.b));
     let mut next = std::collections::HashMap::<SphereId, Vec<SphereId>>::new();
@@ -114,13 +115,13 @@ fn hanging_mass(scene: &Scene, start: SphereId) -> f32 {
     while let Some(id) = left.pop() {
         let Some(sphere) = scene.sphere(id).ok().filter(|sphere| !sphere.fixed) else { continue };
         mass += sphere.mass;
-        let new = next.get(&id).into_iter().flatten().filter(|id| seen.len() < COUNTED && seen.insert(**id));
+        let new = next.get(&id).into_iter().flatten().filter(|id| seen.len() < MOST_CONNECTED && seen.insert(**id));
         left.extend(new.copied().collect::<Vec<_>>());
     }
     mass
 }
 
-/// A sphere of the mean size and density of the moving ones.
+/// Returns a sphere with the mean radius and density of the moving spheres.
 fn thrown(scene: &Scene, origin: Vec3, velocity: Vec3) -> Sphere {
     let moving = || scene.spheres().iter().filter(|sphere| !sphere.fixed);
     let count = moving().count();

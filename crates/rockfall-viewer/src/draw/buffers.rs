@@ -1,4 +1,4 @@
-//! The buffers that shaders read: the physics' own, or copies of the host's arrays on the CPU backend.
+//! The buffers that shaders read: those of the physics, or copies of the host's arrays on the CPU backend.
 
 use rockfall::layout::Step;
 use rockfall::stage::Buffer;
@@ -6,27 +6,27 @@ use rockfall::{Result, Simulation, wgpu};
 
 use crate::draw::layouts::STORAGE;
 
-/// The buffers of the physics that are drawn from, in the order of their bindings.
-const READ: [Buffer; 3] = [Buffer::Start, Buffer::Orientations, Buffer::Words];
+/// The buffers of the physics that shaders read, in the order of their bindings: state, orientations, topology.
+const PHYSICS_BUFFERS: [Buffer; 3] = [Buffer::Start, Buffer::Orientations, Buffer::Words];
 
-/// What is bound to group 0.
+/// The buffers of bind group 0.
 #[derive(Debug, Default)]
-pub(crate) struct Source {
-    /// State, orientations, words.
+pub(crate) struct SceneBuffers {
+    /// State, orientations, topology.
     physics: Vec<wgpu::Buffer>,
     /// Positions and orientations to blend from.
     old: Vec<wgpu::Buffer>,
-    /// A value a sphere, by memory slot.
+    /// One value per sphere, by memory slot.
     values: Option<wgpu::Buffer>,
-    /// Bits: spheres (in order of addition), then, from a new word on, rods, that are part of a capsule.
-    marks: Option<wgpu::Buffer>,
-    /// How opaque each box is.
+    /// One bit per sphere, by insertion index, then from a new word on one bit per rod: whether it is part of a capsule.
+    capsule_bits: Option<wgpu::Buffer>,
+    /// Opacity of each box.
     opacities: Option<wgpu::Buffer>,
-    /// The memory version that the marks are of.
-    seen: Option<u64>,
-    /// The memory version that `old` is of.
-    remembered: Option<u64>,
-    /// What `group` was made of.
+    /// Memory version of the simulation when the capsules were marked.
+    marked_version: Option<u64>,
+    /// Memory version of the simulation when `old` was copied.
+    old_version: Option<u64>,
+    /// The buffers that `group` binds.
     bound: Vec<wgpu::Buffer>,
     pub(crate) group: Option<wgpu::BindGroup>,
 }
@@ -35,15 +35,15 @@ const STORED: wgpu::BufferUsages =
     wgpu::BufferUsages::STORAGE.union(wgpu::BufferUsages::COPY_DST).union(wgpu::BufferUsages::COPY_SRC);
 
 fn make(device: &wgpu::Device, label: &str, bytes: u64) -> wgpu::Buffer {
-    // WebGPU refuses to bind what is empty.
+    // WebGPU cannot bind an empty buffer.
     let size = bytes.next_multiple_of(16).max(16);
     device.create_buffer(&wgpu::BufferDescriptor { label: Some(label), size, usage: STORED, mapped_at_creation: false })
 }
 
-impl Source {
+impl SceneBuffers {
     /// Whether objects were added or removed since the capsules were marked.
     pub(crate) fn is_stale(&self, simulation: &Simulation) -> bool {
-        self.seen != Some(simulation.memory_version())
+        self.marked_version != Some(simulation.memory_version())
     }
 
     pub(crate) fn mark_capsules(&mut self, device: &wgpu::Device, queue: &wgpu::Queue, simulation: &Simulation) {
@@ -61,39 +61,40 @@ impl Source {
             scene.rod_ids().zip(0..).filter(|(id, _)| rods.contains(id)).for_each(|(_, index)| mark(rods_at, index));
         }
         let bytes: &[u8] = bytemuck::cast_slice(&bits);
-        let marks = make(device, "capsules", bytes.len() as u64);
-        queue.write_buffer(&marks, 0, bytes);
-        self.marks = Some(marks);
+        let capsule_bits = make(device, "capsules", bytes.len() as u64);
+        queue.write_buffer(&capsule_bits, 0, bytes);
+        self.capsule_bits = Some(capsule_bits);
         self.values = Some(make(device, "values", 4 * counts.spheres as u64));
         let [positions, orientations] = ["old positions", "old orientations"];
         self.old = [positions, orientations].map(|label| make(device, label, 16 * counts.spheres as u64)).to_vec();
         self.opacities = Some(make(device, "opacities", 4 * counts.boxes as u64));
         self.set_opacities(queue, &vec![1.0; counts.boxes]);
-        self.remembered = None;
-        self.seen = Some(simulation.memory_version());
+        self.old_version = None;
+        self.marked_version = Some(simulation.memory_version());
     }
 
-    /// Takes in the present state; returns what describes the buffers. One that stands in several is refused.
-    pub(crate) fn take(&mut self, device: &wgpu::Device, queue: &wgpu::Queue, simulation: &Simulation) -> Result<Step> {
+    /// Takes the buffers of the present state, or uploads it, and returns its uniform block, which describes the buffers. An
+    /// array that is split into several buffers is an error.
+    pub(crate) fn update(&mut self, device: &wgpu::Device, queue: &wgpu::Queue, simulation: &Simulation) -> Result<Step> {
         if let Some(view) = simulation.gpu_view() {
-            self.physics = READ.into_iter().map(|buffer| view.buffer(buffer).cloned()).collect::<Result<_>>()?;
+            self.physics = PHYSICS_BUFFERS.into_iter().map(|buffer| view.buffer(buffer).cloned()).collect::<Result<_>>()?;
             return Ok(*view.step());
         }
         let Some(world) = simulation.cpu_view() else {
             return Ok(Step::default());
         };
-        self.physics.resize_with(READ.len(), || make(device, "empty", 0));
-        for (mine, buffer) in self.physics.iter_mut().zip(READ) {
+        self.physics.resize_with(PHYSICS_BUFFERS.len(), || make(device, "empty", 0));
+        for (copy, buffer) in self.physics.iter_mut().zip(PHYSICS_BUFFERS) {
             let bytes = world.bytes(buffer);
-            if mine.size() < bytes.len() as u64 {
-                *mine = make(device, buffer.label(), bytes.len() as u64);
+            if copy.size() < bytes.len() as u64 {
+                *copy = make(device, buffer.label(), bytes.len() as u64);
             }
-            queue.write_buffer(mine, 0, bytes);
+            queue.write_buffer(copy, 0, bytes);
         }
         Ok(world.step)
     }
 
-    /// Sets the values of the spheres, in order of addition.
+    /// Uploads the values of the spheres, which are given in insertion order.
     pub(crate) fn set_values(&self, queue: &wgpu::Queue, simulation: &Simulation, values: impl ExactSizeIterator<Item = f32>) {
         let mut by_slot = vec![0.0_f32; values.len()];
         for (index, value) in values.enumerate() {
@@ -104,14 +105,14 @@ impl Source {
         }
     }
 
-    /// Sets how opaque each box is, in order of addition.
+    /// Uploads the opacities of the boxes, in insertion order.
     pub(crate) fn set_opacities(&self, queue: &wgpu::Queue, opacities: &[f32]) {
         if let Some(buffer) = &self.opacities {
             queue.write_buffer(buffer, 0, bytemuck::cast_slice(opacities));
         }
     }
 
-    /// The present state on the device.
+    /// Returns the buffer of the present state.
     pub(crate) fn state(&self) -> Option<&wgpu::Buffer> {
         self.physics.first()
     }
@@ -123,22 +124,22 @@ impl Source {
                 encoder.copy_buffer_to_buffer(from, 0, to, 0, bytes);
             }
         }
-        self.remembered = self.seen;
+        self.old_version = self.marked_version;
     }
 
-    /// Whether there is a state to blend from, its spheres in the present order.
-    pub(crate) fn has_remembered(&self) -> bool {
-        self.remembered.is_some() && self.remembered == self.seen
+    /// Whether there is a state to blend from whose spheres are in the present memory order.
+    pub(crate) fn can_blend(&self) -> bool {
+        self.old_version.is_some() && self.old_version == self.marked_version
     }
 
-    /// The buffers of group 0, in the order of their bindings from 1 on.
-    pub(crate) fn bound(&self) -> &[wgpu::Buffer] {
+    /// Returns the storage buffers of group 0 in the order of their bindings, which start at 1.
+    pub(crate) fn bound_buffers(&self) -> &[wgpu::Buffer] {
         &self.bound
     }
 
-    /// Binds the buffers, if they are others than before; tells whether they are.
+    /// Creates the bind group if the buffers have changed, and returns whether they have.
     pub(crate) fn bind(&mut self, device: &wgpu::Device, layout: &wgpu::BindGroupLayout, uniform: &wgpu::Buffer) -> bool {
-        let own = self.old.iter().chain(&self.values).chain(&self.marks).chain(&self.opacities);
+        let own = self.old.iter().chain(&self.values).chain(&self.capsule_bits).chain(&self.opacities);
         let buffers: Vec<wgpu::Buffer> = self.physics.iter().chain(own).cloned().collect();
         if buffers == self.bound && self.group.is_some() || buffers.len() != STORAGE as usize {
             return false;

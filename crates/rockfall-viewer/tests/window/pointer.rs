@@ -1,4 +1,4 @@
-//! Picking, holding, and the mouse.
+//! Picking and holding bodies, and mouse drags.
 
 use rockfall::Body;
 use rockfall::glam::{Vec2, Vec3};
@@ -8,7 +8,7 @@ use rockfall_viewer::window::viewer::{Button, Viewer};
 
 use crate::common::*;
 
-/// From 10 in front of a sphere's centre, straight at it.
+/// Returns a line of sight from 10 units in front of a sphere's centre towards it.
 pub(crate) fn sight_of(session: &mut Session, sphere: usize) -> Sight {
     let centre = session.simulation().spheres().expect("spheres are read")[sphere].position;
     Sight { origin: centre + 10.0 * Vec3::Z, direction: Vec3::NEG_Z, forward: Vec3::NEG_Z }
@@ -18,14 +18,14 @@ fn positions(session: &mut Session) -> Vec<Vec3> {
     session.simulation().spheres().expect("spheres are read").iter().map(|sphere| sphere.position).collect()
 }
 
-/// Where a point of the scene is in the picture, in pixels.
+/// Returns the position of a point of the scene in the picture, in pixels.
 fn pixel(viewer: &Viewer, point: Vec3) -> Vec2 {
     let ndc = viewer.camera.view_projection(viewer.aspect()).project_point3(point);
     (Vec2::new(ndc.x, -ndc.y) + 1.0) * 0.5 * viewer.size()
 }
 
 #[test]
-fn a_held_body_follows_the_pointer_and_no_other_does() {
+fn only_the_held_body_follows_the_pointer() {
     let mut session = session(FLOATING);
     let sight = sight_of(&mut session, 0);
     session.hold(&sight);
@@ -45,7 +45,7 @@ fn a_held_body_follows_the_pointer_and_no_other_does() {
     assert_eq!(session.simulation().scene().counts().tethers, 0);
 }
 
-/// A body that is held does not fly off, whatever the time step, and falls when let go.
+/// A held body hangs still below the pointer, whatever the time step.
 #[test]
 fn holding_is_stable() {
     for time_step in [0.001, 0.02, 0.05] {
@@ -56,15 +56,15 @@ fn holding_is_stable() {
         session.set_running(true);
         let steps = (4.0 / time_step) as u32;
         (0..steps).for_each(|_| session.frame(0.0, 0.0, |_| ()));
-        // It hangs m g / k = 5 / 100 below.
+        // It hangs m g / k = 5 / 100 below the pointer.
         let height = heights(&mut session)[0];
         assert!((height - 8.95).abs() < 1e-3, "{height} at a time step of {time_step}");
     }
 }
 
-/// Ten balls on springs, the last one held: it carries all of them.
+/// Ten balls are connected by springs. The held one carries all of them.
 #[test]
-fn a_held_body_carries_what_hangs_on_it() {
+fn a_held_body_carries_the_bodies_connected_to_it() {
     let mut text = "set gravity 1\n".to_owned();
     for ball in 0..10 {
         text += &format!("S {ball} 0 {} 0 0 0 0 0 0 0 1 0.2\n", 20 - ball);
@@ -82,20 +82,20 @@ fn a_held_body_carries_what_hangs_on_it() {
 }
 
 #[test]
-fn what_cannot_be_held_is_told() {
+fn bodies_that_cannot_be_held_give_a_message() {
     let mut session = session("S 1 0 0 0 0 0 0 0 0 0 1 0.5 1\nB 5 -1 -1 2 0 0 0 2 0 0 0 2\n");
     let sight = sight_of(&mut session, 0);
     session.hold(&sight);
-    assert!(session.held().is_none() && told(&session)[0].contains("fixed"));
+    assert!(session.held().is_none() && messages(&session)[0].contains("fixed"));
     session.hold(&Sight { origin: Vec3::new(6.0, 0.0, 9.0), ..sight });
-    assert!(session.held().is_none() && told(&session)[0].contains("never move"));
+    assert!(session.held().is_none() && messages(&session)[0].contains("never move"));
     session.hold(&Sight { origin: Vec3::new(90.0, 0.0, 9.0), ..sight });
     assert!(session.held().is_none());
 }
 
-/// Of a rod that was seized, the end which is nearer follows, but never a fixed one.
+/// A fixed end is never held.
 #[test]
-fn of_a_rod_the_nearer_end_is_held() {
+fn a_rod_is_held_at_its_nearer_end() {
     let text =
         |fixed: u8| format!("set gravity 0\nS 1 -3 0 0 0 0 0 0 0 0 1 0.1 {fixed}\nS 2 3 0 0 0 0 0 0 0 0 1 0.1\nR 1 2 0.3 6\n");
     for (fixed, at, held) in [(0, -1.0, 0), (0, 1.0, 1), (1, -1.0, 1)] {
@@ -107,7 +107,7 @@ fn of_a_rod_the_nearer_end_is_held() {
 }
 
 #[test]
-fn a_click_picks_and_tells_what_it_is() {
+fn a_click_picks_a_body_and_shows_its_values() {
     let mut viewer = viewer(BALL);
     let at = pixel(&viewer, Vec3::new(0.0, 3.0, 0.0));
     viewer.point(Some(at));
@@ -121,7 +121,7 @@ fn a_click_picks_and_tells_what_it_is() {
     assert_eq!(value("position"), "0.000 3.000 0.000 units");
     assert_eq!(value("net force"), "0.000 -1.000 0.000 mass units/s²");
     assert_eq!(value("contacts"), "0");
-    // A click beside everything picks nothing.
+    // A click on the background picks nothing.
     viewer.point(Some(Vec2::new(2.0, 2.0)));
     viewer.press(Button::Left, false);
     viewer.release(Button::Left);
@@ -129,7 +129,7 @@ fn a_click_picks_and_tells_what_it_is() {
 }
 
 #[test]
-fn drags_move_the_camera_and_pick_nothing() {
+fn drags_move_the_camera_but_pick_nothing() {
     let start = Vec2::new(400.0, 300.0);
     let cases = [(Button::Left, true, false), (Button::Right, true, true), (Button::Middle, false, true)];
     for (button, target_moves, eye_moves) in cases {
@@ -144,16 +144,16 @@ fn drags_move_the_camera_and_pick_nothing() {
         let moved = [viewer.camera.target != before.target, viewer.camera.eye != before.eye];
         assert_eq!(moved, [target_moves, eye_moves], "{button:?}");
         assert_eq!(viewer.session.picked(), None);
-        // Let go, the pointer moves nothing.
+        // After the release the pointer moves nothing.
         let after = viewer.camera;
         viewer.point(Some(start));
         assert_eq!(viewer.camera, after);
     }
 }
 
-/// The point where the ball was seized, half a unit in front of its centre, is pulled to where the pointer is.
+/// The grabbed point, half a unit in front of the centre, follows the pointer.
 #[test]
-fn ctrl_and_drag_pull_the_ball_under_the_pointer() {
+fn ctrl_and_drag_pull_the_ball_to_the_pointer() {
     let mut viewer = viewer(FLOATING);
     let camera = viewer.camera;
     let before = Vec3::new(-2.0, 0.0, 0.0);
@@ -166,8 +166,8 @@ fn ctrl_and_drag_pull_the_ball_under_the_pointer() {
         viewer.session.frame(0.0, 0.0, |_| ());
     }
     assert_eq!(viewer.camera, camera);
-    let seized = positions(&mut viewer.session)[0] + 0.5 * (camera.eye - before).normalize();
-    assert!(pixel(&viewer, seized).distance(to) < 2.0, "it is at {}", pixel(&viewer, seized));
+    let grabbed = positions(&mut viewer.session)[0] + 0.5 * (camera.eye - before).normalize();
+    assert!(pixel(&viewer, grabbed).distance(to) < 2.0, "it is at {}", pixel(&viewer, grabbed));
     viewer.release(Button::Left);
     assert!(viewer.session.held().is_none());
 }
