@@ -35,7 +35,7 @@ pub(crate) struct Support {
 }
 
 /// Computes the support in a scene whose moving bodies are spheres. Friction is ignored.
-pub(crate) fn support(simulation: &mut Simulation, contact_force: f64) -> Result<Borne> {
+pub(crate) fn support(simulation: &mut Simulation, contact_force: f64) -> Result<Support> {
     let spheres = simulation.spheres()?;
     let index: HashMap<_, usize> = simulation.scene().sphere_ids().zip(0..).collect();
     let sphere = |body: Body| if let Body::Sphere(id) = body { index.get(&id).map(|at| &spheres[*at]) } else { None };
