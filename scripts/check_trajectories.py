@@ -1,8 +1,8 @@
-"""Opens trajectories that rockfall wrote, with numpy and VTK, and compares every number with the CSV, bit for bit.
+"""Opens trajectories of rockfall with numpy and VTK, and checks that every number is bitwise identical to that in the CSV.
 
     check_trajectories.py FOLDER
 
-FOLDER has frames.csv, frames.npz, frames.pvd of the same run, and state.csv, state.npz, state.vtp of its end.
+FOLDER contains frames.csv, frames.npz and frames.pvd of one run, and state.csv, state.npz and state.vtp of its final state.
 """
 
 import csv
@@ -18,7 +18,7 @@ VECTORS = {"position": "x y z", "velocity": "vx vy vz", "orientation": "qw qx qy
 
 
 def same(what, one, other):
-    """The same shape and the same bits."""
+    """Asserts that two arrays have the same shape, the same type and the same bits."""
     one, other = np.asarray(one), np.asarray(other)
     assert one.shape == other.shape, f"{what}: shapes {one.shape} and {other.shape}"
     assert one.dtype == other.dtype, f"{what}: types {one.dtype} and {other.dtype}"
@@ -26,7 +26,7 @@ def same(what, one, other):
 
 
 def read_csv(path):
-    """Columns of text."""
+    """Returns the columns of a CSV file as text, by name."""
     with open(path, newline="") as file:
         rows = list(csv.DictReader(file))
     return {name: [row[name] for row in rows] for name in rows[0]}
@@ -50,7 +50,7 @@ def arrays(data):
 
 
 def check_frame(path, npz, frame):
-    """One file of PolyData against one frame of the arrays."""
+    """Compares one PolyData file with one frame of the arrays."""
     data = poly_data(path)
     points = arrays(data.GetPointData())
     points["position"] = vtk_to_numpy(data.GetPoints().GetData())
@@ -80,7 +80,7 @@ def check_frame(path, npz, frame):
 
 
 def check_static(path, npz):
-    """Volume of the boxes and area of the polygons, from the faces, and where they are."""
+    """Checks the volume of the boxes, and the area and the position of the polygons, from their faces."""
     data = poly_data(path)
     boxes, polygons = npz["boxes"].astype(float), npz["polygons"].astype(float)
     assert len(boxes) > 0 and len(polygons) > 0
@@ -88,11 +88,11 @@ def check_static(path, npz):
     same(f"{path}: kind", kinds, np.repeat(np.array([3, 4], np.uint8), [6 * len(boxes), len(polygons)]))
     faces = [np.array([data.GetCell(i).GetPoints().GetPoint(p) for p in range(4)]) for i in range(data.GetNumberOfCells())]
     for i, (corner, *edges) in enumerate(boxes):
-        # Gauss: the outward flux of x / 3 through all faces is the volume; a face that is turned or missing would show.
+        # Gauss: the outward flux of x / 3 through all faces is the volume. A reversed or missing face would change it.
         volume = 0
         for a, b, c, d in faces[6 * i : 6 * i + 6]:
             volume += np.cross(b - a, d - a) @ (a + c) / 6
-            assert np.allclose(a + c, b + d), "no parallelogram"
+            assert np.allclose(a + c, b + d), "not a parallelogram"
         assert np.isclose(volume, np.linalg.det(edges)), f"box {i}: {volume}, expected {np.linalg.det(edges)}"
     for (corner, left, right), (a, b, c, d) in zip(polygons, faces[6 * len(boxes) :]):
         assert np.allclose(np.cross(b - a, d - a), np.cross(left, right)) and np.allclose(a, corner)
@@ -106,7 +106,7 @@ def main(folder):
     shape = (frames, spheres)
     for name, columns in VECTORS.items():
         same(name, npz[name], vectors(table, columns, shape))
-        assert len(np.unique(npz[name][-1])) > 5, f"{name} says nothing"
+        assert len(np.unique(npz[name][-1])) > 5, f"{name} has too few different values"
     same("step", npz["step"], np.array(table["step"], np.uint64).reshape(shape)[:, 0])
     same("time", npz["time"], np.array(table["time"], np.float64).reshape(shape)[:, 0])
     assert np.array_equal(np.array(table["sphere"], int).reshape(shape), np.tile(np.arange(spheres), (frames, 1)))
@@ -128,7 +128,7 @@ def main(folder):
         same(f"state {name}", last[name], vectors(state, columns, (1, spheres)))
         same(f"last {name}", last[name][0], npz[name][-1])
     check_frame(folder / "state.vtp", last, 0)
-    print(f"{frames} frames of {spheres} spheres are the same in all formats")
+    print(f"{frames} frames of {spheres} spheres are identical in all formats")
 
 
 main(Path(sys.argv[1]))

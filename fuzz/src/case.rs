@@ -1,11 +1,11 @@
-//! What the bytes of a fuzzer mean: how a simulation is opened, and what is done to it.
+//! Decodes the bytes of a fuzzer into a case: the options of a simulation, and a list of actions on it.
 
 use arbitrary::{Arbitrary, Result, Unstructured};
 
 use super::number::{Number, Size, Vector};
 
-/// Structs and enums that are read field by field, as `#[derive(Arbitrary)]` would. (Its crate would have the syntax
-/// library that all of wgpu's macros share built anew, with more features.)
+/// Implements [`Arbitrary`] for structs and enums field by field, like `#[derive(Arbitrary)]`. The derive macro is not used,
+/// because it would build the syntax library that all macros of wgpu share a second time, with more features.
 macro_rules! decoded {
     ($($(#[$doc:meta])* struct $name:ident { $($(#[$note:meta])* $field:ident: $type:ty,)* })*) => {$(
         $(#[$doc])*
@@ -40,18 +40,18 @@ macro_rules! decoded {
     )*};
 }
 
-/// A scene to be, and what is done to it, in order.
+/// The options of a simulation, and actions that build and change its scene, in order.
 #[derive(Debug)]
 pub(crate) struct Case {
     pub(crate) euler: bool,
     pub(crate) keep_going: bool,
-    /// Words of pair lists at the start, in steps of 32.
+    /// Initial size of the pair lists, in units of 32 words.
     pub(crate) capacity: Option<u8>,
     pub(crate) actions: Vec<Action>,
 }
 
 impl Case {
-    /// The case that the bytes mean, as far as they go.
+    /// Decodes as many actions as the bytes hold.
     pub(crate) fn decode(bytes: &[u8]) -> Result<Self> {
         let mut source = Unstructured::new(bytes);
         Ok(Self {
@@ -66,7 +66,7 @@ impl Case {
 decoded! {
     enum Action {
         Add(Add),
-        /// A kind, and which one of its objects.
+        /// A kind, and the number of the object to remove, modulo the number of objects of the kind.
         Remove(Kind, u8),
         Change(u8, Change),
         Attachment(Kind, u8, [Size; 3]),
@@ -79,7 +79,7 @@ decoded! {
 
     enum Add {
         Sphere(Ball),
-        /// A block of equal balls: how many, and how far apart.
+        /// A block of equal balls: their number modulo 32, and their distance.
         Block(Ball, u8, Size),
         Rod { ends: [u8; 2], radius: Size, length: Option<Size>, group: bool },
         Capsule { ends: [Vector; 2], velocity: Vector, mass: Size, radius: Size, group: bool },
@@ -117,13 +117,13 @@ decoded! {
         position: Vector,
         velocity: Vector,
         radius: Size,
-        /// Mass, spin and force, for which the defaults do in most cases.
+        /// Mass, angular momentum and force. Most cases use the defaults.
         more: Option<(Size, Vector, Vector)>,
         fixed: Flag,
         group: bool,
     }
 
-    /// Seldom set.
+    /// A flag that 1 of 8 byte values sets.
     struct Flag {
         number: u8,
     }

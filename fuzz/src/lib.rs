@@ -1,6 +1,6 @@
-//! What is fuzzed: any bytes as a scene text, and any bytes as a scene with what is done to it.
+//! The fuzz targets: any bytes as a scene text, and any bytes as a scene with actions on it.
 //!
-//! Each entry panics where the library breaks a promise. The fuzzer calls them with bytes of its own; the tests of
+//! A target panics when the library breaks a promise. The fuzzer calls the targets with bytes that it generates. The tests of
 //! `crates/rockfall` call them with the corpus.
 
 mod case;

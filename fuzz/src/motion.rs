@@ -1,20 +1,20 @@
-//! Random scenes, run for some steps and changed in between.
+//! The target `motion`: random scenes that run for some steps and change in between.
 
 use rockfall::glam::{Quat, Vec3};
-use rockfall::stage::Phase;
+use rockfall::step::schedule::Phase;
 use rockfall::{Capsule, Cuboid, Integrator, Options, Polygon, Rod, Settings, Simulation, Sphere, SphereId, Spring, Tether};
 
 use super::case::{Action, Add, Ball, Case, Change, Kind};
 use super::number::{Size, vector};
 use super::twins::Twins;
 
-/// More objects than this are not added, so that a case stays short.
+/// Number of objects above which no more are added, so that a case stays short.
 const OBJECTS: usize = 48;
-/// Steps of a whole case.
+/// Maximum number of steps in a case.
 const STEPS: u64 = 96;
 
-/// Runs a scene that the bytes describe in two simulations, with brute force on one thread and with the grid on three.
-/// They must answer alike, to the last bit; states must stay finite, steps end and memory stay small.
+/// Runs a scene that the bytes describe in two simulations, with brute force on one thread and with the grid on three. Their
+/// answers must be bitwise identical, states must stay finite, every step must end, and memory must stay small.
 ///
 /// # Panics
 /// When a simulation breaks one of these promises.
@@ -75,7 +75,7 @@ fn phase(twins: &mut Twins, which: u8, left: &mut u64) {
     });
 }
 
-/// One of the objects of a kind, if there are any.
+/// Returns one of the objects of a kind, or `None` if there are none.
 macro_rules! pick {
     ($twins:expr, $ids:ident, $which:expr) => {{
         let ids: Vec<_> = $twins.scene().$ids().collect();
@@ -92,7 +92,7 @@ fn ball(of: &Ball) -> Sphere {
     }
 }
 
-/// Places of a block of 4 x 4 columns.
+/// Returns the spheres of a block of 4 x 4 columns.
 fn block(of: &Ball, count: u8, apart: Size) -> impl Iterator<Item = Sphere> {
     let first = ball(of);
     (0..u16::from(count % 32)).map(move |k| {
@@ -138,7 +138,7 @@ fn add(twins: &mut Twins, what: &Add) {
     }
 }
 
-/// What hangs on spheres that are there.
+/// Adds a rod, a spring or a tether to spheres that exist.
 fn attach(twins: &mut Twins, what: &Add) {
     match *what {
         Add::Rod { ends: which, radius, length, group } => {

@@ -1,4 +1,4 @@
-//! Numbers that are worth trying: mostly such that bodies meet, now and then such that arithmetic breaks.
+//! Numbers for cases. With most of them bodies touch. A few are extreme values that may break the arithmetic.
 
 use arbitrary::{Arbitrary, Result, Unstructured};
 
@@ -6,7 +6,7 @@ use arbitrary::{Arbitrary, Result, Unstructured};
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Number(pub(crate) f32);
 
-/// A length, mass or constant: mostly positive and of the order of 1.
+/// A length, a mass or a setting: mostly positive and of the order of 1.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Size(pub(crate) f32);
 
@@ -40,7 +40,7 @@ const ODD: [f32; 24] = [
 impl<'a> Arbitrary<'a> for Number {
     fn arbitrary(source: &mut Unstructured<'a>) -> Result<Self> {
         Ok(Self(match u8::arbitrary(source)? {
-            // A quarter apart, so that bodies touch, coincide and line up.
+            // Multiples of 1/4, so that bodies touch, coincide and line up.
             small @ 0..200 => f32::from(i16::from(small) - 100) * 0.25,
             200..208 => f32::from(i16::arbitrary(source)?) / 4096.0,
             208..216 => f32::from_bits(u32::arbitrary(source)?),
@@ -54,7 +54,7 @@ impl<'a> Arbitrary<'a> for Size {
         Ok(Self(match u8::arbitrary(source)? {
             // 0.125 to 4.
             small @ 0..160 => f32::from(small % 32 + 1) * 0.125,
-            // 1e-3 to 1e4, by decades.
+            // Powers of ten from 1e-3 to 1e4.
             decade @ 160..208 => 10_f32.powi(i32::from(decade % 8) - 3),
             _ => Number::arbitrary(source)?.0,
         }))

@@ -1,14 +1,14 @@
-//! Any bytes as a scene text.
+//! The target `scene_text`: any bytes as a scene text.
 
 use std::path::Path;
 
 use rockfall::{Integrator, Scene};
 
-/// What a line may say of itself; words of the text are quoted in it.
+/// Upper bound of the length of an error message, in bytes. Messages quote words of the text.
 const LONGEST_MESSAGE: usize = 400;
 
-/// Reads any bytes as a scene. What is refused is named by its line; what is accepted is written and read again, and must
-/// be the same objects, bit for bit.
+/// Reads any bytes as a scene. The error for a rejected text must name its line. An accepted text is written and read again,
+/// and the objects must be bitwise identical.
 ///
 /// # Panics
 /// When the reader breaks one of these promises.
@@ -25,25 +25,25 @@ pub fn scene_text(bytes: &[u8]) {
     let text = read.to_text();
     let again = match Scene::parse(&text, Path::new("again.txt")) {
         Ok(loaded) => loaded,
-        Err(error) => panic!("what was written cannot be read: {error}\n{text}"),
+        Err(error) => panic!("the written text cannot be read: {error}\n{text}"),
     };
     assert_eq!(again.warnings, [], "{text}");
     assert_eq!(all(&again.scene), all(&read), "{text}");
     assert_eq!(again.scene.to_text(), text);
 }
 
-/// `fuzz.txt:LINE: FIELD: ...`, in a line of its own that a terminal can show.
+/// Checks that a message has the form `fuzz.txt:LINE: FIELD: ...`, is short, and has no control characters.
 fn is_told(message: &str, bytes: &[u8]) {
     let line = message.strip_prefix("fuzz.txt:").and_then(|rest| rest.split(':').next()?.parse::<usize>().ok());
-    // A text without lines has nothing that could be wrong.
+    // A text without lines cannot be wrong, so an error always has a line.
     let lines = bytes.split(|byte| *byte == b'\n').count();
     assert!(line.is_some_and(|line| (1..=lines).contains(&line)), "{message}");
     assert!(message.len() < LONGEST_MESSAGE, "{} bytes: {message}", message.len());
     assert!(!message.contains(char::is_control), "{message:?}");
 }
 
-/// All that there is to know of a scene, to the last bit: numbers are printed so that they read back. Handles tell slots,
-/// which in a scene that was just read are places in order of addition.
+/// Returns all data of a scene as text. Numbers are printed so that they can be read back exactly. Handles are printed as
+/// slots, which are insertion indices in a scene that was just read.
 fn all(scene: &Scene) -> String {
     let spheres = (scene.spheres(), scene.rods(), scene.capsules());
     format!(

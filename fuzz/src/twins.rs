@@ -1,4 +1,4 @@
-//! One scene in two simulations that must not differ: brute force on one thread, the grid on three.
+//! One scene in two simulations whose results must be bitwise identical: brute force on one thread, and the grid on three.
 
 use std::fmt::Debug;
 use std::sync::OnceLock;
@@ -6,10 +6,10 @@ use std::sync::OnceLock;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use rockfall::{Backend, BroadPhase, Error, Options, Result, Scene, Simulation};
 
-/// Words of lists and bytes of everything else that so small a scene may take: far above what is needed, far below what
-/// would hurt.
+/// Upper bound of the memory of a simulation, in bytes: far more than such a small scene needs, and far less than would cause
+/// problems.
 const MEMORY: u64 = 64 << 20;
-/// Times that one step may be void.
+/// Maximum number of times that one step may be rejected.
 const REPLAYS: u64 = 64;
 
 pub(crate) struct Twins {
@@ -23,7 +23,7 @@ fn pool(threads: usize) -> &'static ThreadPool {
 
 impl Twins {
     pub(crate) fn new(options: &Options) -> Self {
-        // Handles are good for all copies of a scene.
+        // Handles are valid in all copies of a scene.
         let scene = Scene::new();
         let open = |broad_phase, threads| {
             let options = options.clone().backend(Backend::Cpu).broad_phase(broad_phase);
@@ -32,12 +32,12 @@ impl Twins {
         Self { simulations: vec![open(BroadPhase::BruteForce, 1), open(BroadPhase::Grid, 3)] }
     }
 
-    /// The scene of the first, for handles.
+    /// Returns the scene of the first simulation, for its handles.
     pub(crate) fn scene(&self) -> &Scene {
         self.simulations[0].0.scene()
     }
 
-    /// Does something to both, which must say the same of it.
+    /// Calls a function with both simulations. Their answers must be identical.
     pub(crate) fn both<T: Debug + Send>(&mut self, what: impl Fn(&mut Simulation) -> Result<T> + Sync) -> Option<T> {
         let mut all = self.simulations.iter_mut().map(|(simulation, pool)| pool.install(|| what(simulation)));
         let first = all.next().expect("there are two");
@@ -47,19 +47,19 @@ impl Twins {
         first.ok()
     }
 
-    /// Lets time go on in both, and compares them.
+    /// Advances both simulations and compares them.
     pub(crate) fn advance(&mut self, most_steps: u64, what: impl Fn(&mut Simulation) -> Result<()> + Sync) {
         let before: Vec<u64> = self.simulations.iter().map(|(simulation, _)| simulation.report().replays).collect();
         self.both(what);
         for ((simulation, _), before) in self.simulations.iter().zip(before) {
             let replays = simulation.report().replays - before;
-            assert!(replays <= REPLAYS * most_steps.max(1), "{replays} replays of {most_steps} steps");
+            assert!(replays <= REPLAYS * most_steps.max(1), "{replays} repetitions of {most_steps} steps");
             assert!(simulation.device_memory() < MEMORY, "{} bytes", simulation.device_memory());
         }
         self.compare();
     }
 
-    /// The same bits, and all of them finite.
+    /// Checks that the states of both are bitwise identical and finite.
     pub(crate) fn compare(&mut self) {
         let states = self.both(Simulation::spheres).expect("a scene can be read");
         for (index, state) in states.iter().enumerate() {
@@ -73,7 +73,7 @@ impl Twins {
         });
     }
 
-    /// Everything that can be asked about the present state.
+    /// Compares everything that can be read about the present state.
     pub(crate) fn observe(&mut self) {
         self.both(Simulation::contacts);
         self.both(Simulation::diagnostics);
@@ -82,11 +82,14 @@ impl Twins {
     }
 }
 
-/// What a call answered, to compare; of a step that is given up, only that. Numbers are printed to the last bit.
+/// Returns the answer of a call as text, for comparison. Numbers are printed exactly.
+///
+/// # Panics
+/// When a step was given up.
 fn told<T: Debug>(result: &Result<T>) -> String {
     match result {
         Ok(value) => format!("{value:?}"),
-        Err(Error::Stuck { step, attempts, reason }) => panic!("step {step} was void {attempts} times: {reason}"),
+        Err(Error::Stuck { step, attempts, reason }) => panic!("step {step} was rejected {attempts} times: {reason}"),
         Err(error) => format!("{error}"),
     }
 }

@@ -8,7 +8,7 @@ use std::time::Instant;
 
 use clap::Parser;
 use rapier3d::prelude::{ColliderBuilder, PhysicsWorld, RigidBodyBuilder, Vector};
-use rockfall::scene::generate::Benchmark;
+use rockfall::generate::Benchmark;
 use rockfall::{Backend, Cuboid, Integrator, Options, Scene, Simulation, Sphere};
 
 /// Steps per second of rockfall and of rapier3d on the CPU, and their ratio.

@@ -5,8 +5,8 @@
 
 use std::path::PathBuf;
 
+use rockfall::generate::Benchmark;
 use rockfall::output::AtomicFile;
-use rockfall::scene::generate::Benchmark;
 
 use crate::failure::Failure;
 use crate::options::{Engine, Physics, whole};

@@ -3,8 +3,8 @@
 use std::io::Write as _;
 use std::path::PathBuf;
 
+use rockfall::generate::Kind;
 use rockfall::output::AtomicFile;
-use rockfall::scene::generate::Kind;
 
 use crate::failure::Failure;
 use crate::options::whole;

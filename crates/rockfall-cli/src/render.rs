@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use rockfall::gpu::Gpu;
+use rockfall::exec::gpu::Gpu;
 use rockfall::output::AtomicFile;
 use rockfall::{Scene, Simulation};
 use rockfall_viewer::camera::Camera;

@@ -54,7 +54,7 @@ fn check_json(backend: &str) {
     assert!(size["least_bytes_per_sphere_step"].as_f64().unwrap() > 500.0);
 
     let profile = &size["profile"];
-    assert_eq!(keys(profile), words("clock steps seconds void_seconds phase_seconds_per_step stages"));
+    assert_eq!(keys(profile), words("clock steps seconds rejected_seconds phase_seconds_per_step stages"));
     assert_eq!(profile["steps"], 40);
     let phases = &profile["phase_seconds_per_step"];
     assert_eq!(keys(phases), words(PHASES));
@@ -94,7 +94,7 @@ fn every_scene_has_a_table_with_its_phases() {
             "Collision detection",
             "Collision response",
             "Force calculations & integration",
-            "  leap",
+            "  symplectic_euler",
             "sphere-steps/s",
         ] {
             assert!(out.contains(line), "{scene} {line}: {out}");

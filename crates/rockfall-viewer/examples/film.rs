@@ -2,7 +2,7 @@
 //!
 //! `cargo run --release -p rockfall-viewer --example film`
 
-use rockfall::gpu::Gpu;
+use rockfall::exec::gpu::Gpu;
 use rockfall::{Cuboid, Options, Scene, Simulation, Sphere};
 use rockfall_viewer::camera::Camera;
 use rockfall_viewer::draw::{Renderer, Style};

@@ -3,8 +3,8 @@
 //! On the GPU backend no body passes through the host: the shaders read the buffers of state, orientations and topology that
 //! the kernels wrote. On the CPU backend the same arrays are uploaded, so the same shaders serve both. See [`Renderer`].
 
-use rockfall::gpu::catch;
-use rockfall::layout::Step;
+use rockfall::exec::gpu::catch;
+use rockfall::model::step::Step;
 use rockfall::wgpu;
 use rockfall::{Cuboid, Result, Scene, Simulation};
 

@@ -1,6 +1,6 @@
 //! Pictures that are drawn without a window.
 
-use rockfall::gpu::catch;
+use rockfall::exec::gpu::catch;
 use rockfall::{Error, Result, wgpu};
 
 use crate::camera::Camera;

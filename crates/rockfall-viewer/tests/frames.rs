@@ -1,8 +1,8 @@
 //! Sequences of frames: blending between two states, and objects that are added, removed or reordered.
 #![cfg(feature = "gpu")]
 
+use rockfall::generate::Kind;
 use rockfall::glam::{Quat, Vec3};
-use rockfall::scene::generate::Kind;
 use rockfall::{Backend, BroadPhase, Options, Scene, Simulation, Sphere};
 use rockfall_viewer::camera::Camera;
 use rockfall_viewer::draw::Style;

@@ -1,9 +1,9 @@
 //! Runs steps without blocking. In a browser, the event loop drives the futures. A native program can drive them with
-//! `rockfall::gpu::block_on`, which waits for the device whenever they do.
+//! `rockfall::exec::gpu::block_on`, which waits for the device whenever they do.
 //!
 //! `cargo run --release -p rockfall --example asynchronous`
 
-use rockfall::gpu::{Gpu, block_on};
+use rockfall::exec::gpu::{Gpu, block_on};
 use rockfall::{Options, Scene, Simulation, Sphere};
 
 async fn fall(gpu: &Gpu) -> rockfall::Result<f32> {

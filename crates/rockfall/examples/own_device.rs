@@ -19,7 +19,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 
     // The program's own shaders can bind the buffers of the simulation.
     let world = simulation.gpu_view().expect("this simulation runs on a GPU");
-    let state = world.buffer(rockfall::stage::Buffer::Start)?;
+    let state = world.buffer(rockfall::model::buffer::Buffer::Start)?;
     println!("size of the state buffer: {} bytes", state.size());
     Ok(())
 }

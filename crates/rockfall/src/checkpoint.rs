@@ -20,10 +20,10 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use crate::error::{Error, Result};
+use crate::options::Options;
 use crate::output::AtomicFile;
 use crate::report::Report;
 use crate::scene::Scene;
-use crate::simulation::Options;
 
 mod head;
 mod objects;

@@ -32,7 +32,7 @@ pub fn devices() -> Vec<DeviceInfo> {
         kind: format!("{:?}", info.device_type),
         software: info.device_type == wgpu::DeviceType::Cpu,
     };
-    crate::gpu::Gpu::adapters_blocking().into_iter().map(info).collect()
+    crate::exec::gpu::Gpu::adapters_blocking().into_iter().map(info).collect()
 }
 
 /// All adapters, the one that a simulation takes first; none without the feature `gpu`.

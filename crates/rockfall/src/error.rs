@@ -1,8 +1,7 @@
 //! The one error type of the library.
 
+use std::fmt;
 use std::path::PathBuf;
-
-use crate::layout::BadStage;
 
 /// `Result` with the library's [`Error`].
 pub type Result<T, E = Error> = std::result::Result<T, E>;
@@ -146,5 +145,46 @@ mod tests {
         assert_eq!(quoted("\u{1b}[2J\u{9b}\r"), "'\\u{1b}[2J\\u{9b}\\r'");
         assert_eq!(quoted(&"\u{fffd}".repeat(40)).chars().count(), 42);
         assert_eq!(quoted(&"x".repeat(1000)), format!("'{}...'", "x".repeat(40)));
+    }
+}
+
+/// The place in a step at which a body stopped being finite.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u32)]
+pub enum BadStage {
+    /// `apply_collisions`.
+    Collisions = 0,
+    /// The first force evaluation (the only one of symplectic Euler); 2, 3 and 4 follow.
+    Forces1 = 1,
+    /// The second force evaluation of RK4.
+    Forces2 = 2,
+    /// The third force evaluation of RK4.
+    Forces3 = 3,
+    /// The fourth force evaluation of RK4.
+    Forces4 = 4,
+}
+
+impl fmt::Display for BadStage {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Collisions => "in its collisions",
+            Self::Forces1 => "in its first force evaluation",
+            Self::Forces2 => "in its second force evaluation",
+            Self::Forces3 => "in its third force evaluation",
+            Self::Forces4 => "in its fourth force evaluation",
+        })
+    }
+}
+
+impl BadStage {
+    /// The stage with this number.
+    pub(crate) fn from_number(number: u32) -> Self {
+        match number {
+            0 => Self::Collisions,
+            1 => Self::Forces1,
+            2 => Self::Forces2,
+            3 => Self::Forces3,
+            _ => Self::Forces4,
+        }
     }
 }

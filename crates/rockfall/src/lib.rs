@@ -55,27 +55,33 @@
 //! `gpu` (default): the wgpu backend. Without it only the CPU backend is built, and it needs no graphics library.
 
 pub mod checkpoint;
-pub mod cpu;
 mod devices;
 pub mod error;
-#[cfg(feature = "gpu")]
-pub mod gpu;
-pub mod layout;
+#[doc(hidden)]
+pub mod exec;
+pub mod generate;
+#[doc(hidden)]
+pub mod model;
+mod options;
 pub mod output;
+mod physics;
 pub mod profile;
 pub mod report;
 pub mod scene;
 pub mod settings;
 pub mod simulation;
 pub mod stability;
-pub mod stage;
+#[doc(hidden)]
+pub mod step;
 mod traffic;
-pub mod world;
 
 pub use checkpoint::Checkpoint;
 pub use devices::{DeviceInfo, devices};
 pub use error::{Error, Result};
+#[cfg(feature = "gpu")]
+pub use exec::gpu;
 pub use glam;
+pub use options::{Backend, BackendInfo, Options};
 pub use profile::{BufferSize, Clock, Profile, StageTime};
 pub use report::{Energy, Report, SphereState};
 pub use scene::{
@@ -83,7 +89,7 @@ pub use scene::{
     Sphere, SphereId, Spring, SpringId, Tether, TetherId,
 };
 pub use settings::{BroadPhase, Integrator, Settings};
-pub use simulation::{Backend, BackendInfo, Body, Contact, ContactAction, Options, RayHit, Simulation, SphereDiagnostics};
+pub use simulation::{Body, Contact, ContactAction, RayHit, Simulation, SphereDiagnostics};
 #[cfg(feature = "gpu")]
 pub use wgpu;
 

@@ -1,7 +1,8 @@
 //! Where the time of a step goes: what [`Simulation::profile`](crate::Simulation::profile) gives.
 
-use crate::layout::{Status, Step};
-use crate::stage::{Phase, Run};
+use crate::model::status::Status;
+use crate::model::step::Step;
+use crate::step::schedule::{Phase, Run};
 use crate::traffic;
 
 /// What the times of the stages were taken with.
@@ -39,7 +40,7 @@ pub struct Profile {
     /// Steps done.
     pub steps: u64,
     /// Time of stages in steps that turned out void and were run again, in s; it is not in `stages`.
-    pub void_seconds: f64,
+    pub rejected_seconds: f64,
     /// What the times were taken with.
     pub clock: Clock,
 }
@@ -105,7 +106,7 @@ pub(crate) struct Recorder {
     /// The phase of each run of the batch under way.
     phases: Vec<Phase>,
     pub(crate) stages: Vec<StageTime>,
-    pub(crate) void_seconds: f64,
+    pub(crate) rejected_seconds: f64,
 }
 
 /// The times of a batch: of each step, of each run, in s; `None` where there was nothing to do.
@@ -120,7 +121,7 @@ impl Recorder {
     /// Takes the times of a batch. Of its steps, the first were `done`; what came after was void.
     pub(crate) fn book(&mut self, runs: &[Run], times: &Times, done: u32, step: &Step, status: &Status) {
         let (done, void) = times.split_at(times.len().min(done as usize));
-        self.void_seconds += void.iter().flatten().flatten().sum::<f64>();
+        self.rejected_seconds += void.iter().flatten().flatten().sum::<f64>();
         for (index, run) in runs.iter().enumerate() {
             let taken: Vec<f64> = done.iter().filter_map(|step| step[index]).collect();
             if taken.is_empty() {

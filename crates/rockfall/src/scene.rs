@@ -5,7 +5,6 @@
 use crate::error::Result;
 use crate::settings::Settings;
 
-pub mod generate;
 mod objects;
 mod registry;
 mod statics;

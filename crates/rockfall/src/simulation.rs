@@ -3,13 +3,15 @@
 use glam::Vec3;
 
 use crate::error::Result;
-use crate::layout::{FEW_MOVERS, SLICE, Status};
+use crate::model::layout::{FEW_MOVERS, SLICE};
+use crate::model::status::Status;
+use crate::model::world::World;
+use crate::options::{BackendInfo, Options};
 use crate::profile::Recorder;
 use crate::report::Report;
 use crate::scene::{Scene, SphereId};
 use crate::settings::{BroadPhase, Integrator, Settings};
-use crate::stage::Phase;
-use crate::world::World;
+use crate::step::schedule::Phase;
 
 mod drive;
 mod edit;
@@ -19,7 +21,6 @@ mod interval;
 mod keep;
 mod lookahead;
 mod observe;
-mod options;
 mod order;
 mod prepare;
 mod profile;
@@ -34,7 +35,6 @@ use engine::Engine;
 use interval::Interval;
 use lookahead::Lookahead;
 pub use observe::{Body, Contact, ContactAction, SphereDiagnostics};
-pub use options::{Backend, BackendInfo, Options};
 use order::Disorder;
 pub use ray::RayHit;
 
@@ -333,7 +333,7 @@ fn prepare(scene: &Scene, options: &Options) -> Result<World> {
         world.set_pair_room(capacity.div_ceil(SLICE));
     }
     if options.keep_going {
-        world.step.flags |= crate::layout::FLAG_CONTINUE;
+        world.step.flags |= crate::model::layout::FLAG_CONTINUE;
     }
     Ok(world)
 }

@@ -5,8 +5,12 @@
 //! The entries of the pair lists are counted with the padding of their slices, which is read with them. What only some
 //! bodies need (weights of collisions, constraints of fixed rods, springs) is left out, so the sums are lower bounds.
 
-use crate::layout::{SLICE, Status, Step, words_of};
-use crate::stage::{Access, Buffer, Run, Stage};
+use crate::model::buffer::Buffer;
+use crate::model::layout::{SLICE, words_of};
+use crate::model::status::Status;
+use crate::model::step::Step;
+use crate::step::schedule::Run;
+use crate::step::stage::{Access, Stage};
 
 /// How often a stage has to move what there is of each kind.
 #[derive(Clone, Copy, Default)]
@@ -84,8 +88,8 @@ fn moves(name: &str, pass: u32) -> Option<Moves> {
         // What there is of collisions alone.
         "weigh_collisions" | "sweep_at_once" | "sweep_collisions" | "weigh_networks" | "project_networks" | "gather_impulses" => NONE,
         // Reads and writes 3 rows; looks at the entries for those that press.
-        "rub_contacts" => Moves { rows: 6, counts: 1, entries: 1, ..NONE },
-        "commit_leap" | "commit_rubs" => Moves { rows: 6, sphere_aabbs: 1, ..NONE },
+        "apply_friction_impulses" => Moves { rows: 6, counts: 1, entries: 1, ..NONE },
+        "commit_symplectic_euler" | "commit_friction_impulses" => Moves { rows: 6, sphere_aabbs: 1, ..NONE },
         // And reads and writes the orientation.
         "commit_and_turn" => Moves { rows: 8, sphere_aabbs: 1, ..NONE },
         "rod_forces" => Moves { rods: 1, wrenches: 1, ..NONE },
@@ -96,7 +100,7 @@ fn moves(name: &str, pass: u32) -> Option<Moves> {
         // The same without those, and with the orientation, which it reads and writes.
         "finish_and_turn" => Moves { rows: 17, ..FORCES },
         // Reads 3 rows, writes 3.
-        "leap" => Moves { rows: 6, sphere_aabbs: 1, ..FORCES },
+        "symplectic_euler" => Moves { rows: 6, sphere_aabbs: 1, ..FORCES },
         // Reads the mean spin, reads and writes the orientation.
         "turn" => Moves { rows: 3, ..NONE },
         // Not part of a step, or in the place of other stages, and not timed.
@@ -150,7 +154,8 @@ pub(crate) fn least_bytes(run: &Run, step: &Step, status: &Status) -> u64 {
 mod tests {
     use super::*;
     use crate::settings::{BroadPhase, Integrator};
-    use crate::stage::{ALL, Phase, When};
+    use crate::step::catalog::ALL;
+    use crate::step::schedule::{Phase, When};
 
     fn per_sphere(integrator: Integrator) -> u64 {
         let step = Step { spheres: 1 << 20, cells: 1 << 20, ..Step::default() };
@@ -171,7 +176,7 @@ mod tests {
     #[test]
     fn stages_without_a_line_are_judged_by_their_bindings() {
         let step = Step { spheres: 100, rods: 1, ..Step::default() };
-        for stage in ALL.into_iter().filter(|stage| stage.name == "commit_leap") {
+        for stage in ALL.into_iter().filter(|stage| stage.name == "commit_symplectic_euler") {
             let by_bindings = moves_by_bindings(stage, 0).rows;
             assert_eq!(Some(by_bindings), moves(stage.name, 0).map(|moves| moves.rows));
             // Six rows of 16 bytes and an AABB of 32.

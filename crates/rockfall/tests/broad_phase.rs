@@ -4,14 +4,15 @@
 use glam::DVec3;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
+use rockfall::exec::cpu;
 #[cfg(feature = "gpu")]
-use rockfall::gpu::{Gpu, GpuWorld, block_on};
-use rockfall::layout::{LIST_COUNT_MASK, SLICE};
+use rockfall::exec::gpu::{Gpu, GpuWorld, block_on};
 #[cfg(feature = "gpu")]
-use rockfall::stage::Buffer;
-use rockfall::stage::Phase;
-use rockfall::world::World;
-use rockfall::{BroadPhase, Capsule, Cuboid, Integrator, Polygon, Rod, Scene, Sphere, cpu};
+use rockfall::model::buffer::Buffer;
+use rockfall::model::layout::{LIST_COUNT_MASK, SLICE};
+use rockfall::model::world::World;
+use rockfall::step::schedule::Phase;
+use rockfall::{BroadPhase, Capsule, Cuboid, Integrator, Polygon, Rod, Scene, Sphere};
 
 fn random() -> Pcg64Mcg {
     Pcg64Mcg::seed_from_u64(7)
@@ -148,16 +149,16 @@ fn world(scene: &Scene) -> World {
 }
 
 /// Runs the first two phases, with more room where it is asked for.
-fn detect(world: &mut World, method: BroadPhase, mut run: impl FnMut(&mut World, &[rockfall::stage::Run])) {
+fn detect(world: &mut World, method: BroadPhase, mut run: impl FnMut(&mut World, &[rockfall::step::schedule::Run])) {
     let phases = [Phase::UpdateAabbs, Phase::BroadPhase];
     let stages: Vec<_> = phases.iter().flat_map(|phase| phase.stages(Integrator::Rk4, method)).copied().collect();
     loop {
-        world.status.void = 0;
+        world.status.rejected = 0;
         run(world, &stages);
-        if world.status.void == 0 {
+        if world.status.rejected == 0 {
             return;
         }
-        assert_eq!(world.status.void, rockfall::layout::VOID_PAIRS);
+        assert_eq!(world.status.rejected, rockfall::model::status::REJECTED_PAIRS);
         let needed = world.status.pair_rows_needed;
         assert!(needed > world.step.pair_rows);
         world.set_pair_rows(needed);

@@ -8,7 +8,7 @@ use common::device::device;
 use common::mixed::{Run, mixed, same_bits};
 use common::{floor_box, with};
 use rockfall::glam::Vec3;
-use rockfall::stage::Buffer;
+use rockfall::model::buffer::Buffer;
 use rockfall::{Backend, BroadPhase, Error, Integrator, Options, Rod, Scene, Simulation, Sphere, SphereId, Tether};
 
 /// Balls side by side that fall on a floor, with so many tethers that `words` fills more than a chunk. No collision shares a body with
@@ -78,7 +78,10 @@ fn chunks_of_every_array_give_the_same_bits() {
             let report = simulation.run(20, 0.01).expect("steps");
             assert!(report.replays > 0 && report.total_collisions > 10, "{report:?}");
         }
-        are_split(&chunked, &[Buffer::Slots, Buffer::Collisions, Buffer::Wrenches, Buffer::Sizes, Buffer::Status]);
+        are_split(
+            &chunked,
+            &[Buffer::CollisionIndices, Buffer::Collisions, Buffer::Wrenches, Buffer::DispatchSizes, Buffer::Status],
+        );
         are_split(&whole, &Buffer::ALL);
         same_bits(&Run::of(&mut chunked), &Run::of(&mut whole));
     }
@@ -97,7 +100,7 @@ fn rods_in_chunks_give_the_same_bits() {
             let report = simulation.run(12, 0.01).expect("steps");
             assert!(report.contacts > 20, "{report:?}");
         }
-        are_split(&chunked, &[Buffer::States, Buffer::Orientations, Buffer::Sizes, Buffer::Status]);
+        are_split(&chunked, &[Buffer::States, Buffer::Orientations, Buffer::DispatchSizes, Buffer::Status]);
         same_bits(&Run::of(&mut chunked), &Run::of(&mut whole));
     }
 }

@@ -9,11 +9,13 @@ use std::pin::pin;
 use std::task::{Context, Poll, Waker};
 
 use glam::Vec3;
-use rockfall::gpu::{Gpu, GpuWorld, block_on};
-use rockfall::layout::{CELL_BLOCK, SIZE_WORDS, VOID_PAIRS};
+use rockfall::exec::gpu::{Gpu, GpuWorld, block_on};
+use rockfall::model::buffer::Buffer;
+use rockfall::model::layout::{CELL_BLOCK, SIZE_WORDS};
+use rockfall::model::status::REJECTED_PAIRS;
+use rockfall::model::world::World;
 use rockfall::scene::{Capsule, Cuboid, Sphere};
-use rockfall::stage::{Buffer, Phase, Run};
-use rockfall::world::World;
+use rockfall::step::schedule::{Phase, Run};
 use rockfall::{Backend, BroadPhase, Error, Integrator, Options, Scene, Simulation};
 
 /// A test without an adapter fails: skipped it would prove nothing.
@@ -55,7 +57,7 @@ fn a_sphere_falls() {
         let mut device = GpuWorld::new(&gpu, &world).unwrap();
         device.run(&step_stages(integrator), &world.step, 50).unwrap();
         block_on(gpu.device(), device.download(&mut world, &Buffer::ALL)).unwrap();
-        assert_eq!((world.status.void, world.status.steps), (0, 50));
+        assert_eq!((world.status.rejected, world.status.steps), (0, 50));
         let fallen = 10.0 - world.states[0][0].y;
         // 1 s of G = 1: half a unit; symplectic Euler falls half a step further.
         let expected = if integrator == Integrator::Rk4 { 0.5 } else { 0.51 };
@@ -104,11 +106,11 @@ fn the_device_decides_how_much_there_is_to_do() {
         world.set_pair_rows(1 << 11);
         let mut device = GpuWorld::new(&gpu, &world).unwrap();
         device.run(&stages, &world.step, 20).unwrap();
-        let bodies = [Buffer::Start, Buffer::Orientations, Buffer::Status, Buffer::Sizes];
+        let bodies = [Buffer::Start, Buffer::Orientations, Buffer::Status, Buffer::DispatchSizes];
         block_on(gpu.device(), device.download(&mut world, &bodies)).unwrap();
         world
     });
-    assert_eq!((planned.status.void, planned.status.steps), (0, 20));
+    assert_eq!((planned.status.rejected, planned.status.steps), (0, 20));
     assert!((1..15).contains(&planned.status.builds), "{:?}", planned.status);
     assert_eq!(told.status, planned.status);
     assert_eq!((told.states[0].clone(), told.orientations), (planned.states[0].clone(), planned.orientations));
@@ -125,7 +127,7 @@ fn lists_that_do_not_fit_void_the_step_and_grow() {
     let stages = step_stages(Integrator::Rk4);
     device.run(&stages, &world.step, 3).unwrap();
     let status = block_on(gpu.device(), device.read_status()).unwrap();
-    assert_eq!((status.void, status.steps), (VOID_PAIRS, 0));
+    assert_eq!((status.rejected, status.steps), (REJECTED_PAIRS, 0));
     let mut after = world.clone();
     block_on(gpu.device(), device.download(&mut after, &[Buffer::Start])).unwrap();
     assert_eq!(after.states[0], world.states[0], "a void step moves nothing");
@@ -135,7 +137,7 @@ fn lists_that_do_not_fit_void_the_step_and_grow() {
     device.set_status(&world.status).unwrap();
     device.run(&stages, &world.step, 1).unwrap();
     let status = block_on(gpu.device(), device.read_status()).unwrap();
-    assert_eq!((status.void, status.steps), (0, 1));
+    assert_eq!((status.rejected, status.steps), (0, 1));
     assert!(status.last_contacts > 50);
 }
 
@@ -204,7 +206,7 @@ fn what_does_not_fit_is_refused_before_it_is_allocated() {
 fn indices_that_point_outside_are_refused() {
     let gpu = open();
     let mut world = world(&heap(10));
-    world.words[world.step.rods_at as usize] = world.step.spheres;
+    world.topology[world.step.rods_at as usize] = world.step.spheres;
     let refused = GpuWorld::new(&gpu, &world).map(|_| ());
     assert!(matches!(&refused, Err(Error::Device(text)) if text.contains("rod")), "{refused:?}");
     let mut world = self::world(&heap(10));
@@ -233,26 +235,29 @@ fn a_world_with_nothing_in_it_runs() {
     let mut device = GpuWorld::new(&gpu, &world).unwrap();
     device.run(&step_stages(Integrator::Rk4), &world.step, 2).unwrap();
     let status = block_on(gpu.device(), device.read_status()).unwrap();
-    assert_eq!((status.void, status.steps), (0, 2));
+    assert_eq!((status.rejected, status.steps), (0, 2));
 }
 
 #[test]
 fn a_kernel_that_does_not_compile_names_its_own_file() {
-    use rockfall::stage::{ALL, Part, Stage};
+    use rockfall::step::catalog::ALL;
+    use rockfall::step::stage::Stage;
+    use rockfall::step::wgsl::Wgsl;
     let gpu = open();
     let world = world(&heap(10));
     let mut device = GpuWorld::new(&gpu, &world).unwrap();
     let original = ALL.into_iter().find(|stage| stage.name == "turn").unwrap();
-    let mut parts: Vec<Part> = original.parts.to_vec();
+    let mut parts = original.parts();
     let last = parts.last_mut().unwrap();
     last.text = format!("{}\nfn broken() -> u32 {{ return 1.5; }}\n", last.text.trim_end()).leak();
     let line = last.text.lines().count();
-    let stage = Box::leak(Box::new(Stage { parts: parts.leak(), ..*original }));
-    let refused = device.prepare(&[Run { stage, pass: 0, when: rockfall::stage::When::Always, every: 1, planned: false }]);
+    let stage = Box::leak(Box::new(Stage { wgsl: Wgsl::Parts(parts.leak()), ..*original }));
+    let refused =
+        device.prepare(&[Run { stage, pass: 0, when: rockfall::step::schedule::When::Always, every: 1, planned: false }]);
     let Err(Error::Device(text)) = refused else {
         panic!("{refused:?}");
     };
-    assert!(text.contains(&format!("stage/turn.wgsl:{line}")), "{text}");
+    assert!(text.contains(&format!("step/integrate/turn.wgsl:{line}")), "{text}");
 }
 
 /// The memory of the process would say nothing: lavapipe (Mesa 22.3) itself keeps some 0.5 MB of every step until the device

@@ -4,8 +4,13 @@ use std::mem::{offset_of, size_of};
 
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 use naga::{AddressSpace, Module, StorageAccess, TypeInner};
-use rockfall::layout::{self, Aabb, Pass, Status, Step, Told};
-use rockfall::stage::{ALL, Access, Stage, Threads, for_scenes};
+use rockfall::model::dispatch::Threads;
+use rockfall::model::status::{Counters, Status};
+use rockfall::model::step::{Aabb, Pass, Step};
+use rockfall::model::{layout, status};
+use rockfall::step::catalog::ALL;
+use rockfall::step::stage::{Access, Stage};
+use rockfall::step::wgsl::Variant;
 
 /// What WebGPU grants everywhere.
 const MAX_STORAGE_BUFFERS: usize = 8;
@@ -13,7 +18,7 @@ const MAX_WORKGROUP_BYTES: u32 = 16 * 1024;
 const MAX_INVOCATIONS: u32 = 256;
 
 fn source(stage: &Stage) -> String {
-    stage.parts.iter().map(|part| part.text).collect()
+    stage.parts().iter().map(|part| part.text).collect()
 }
 
 fn module(stage: &Stage) -> Module {
@@ -22,7 +27,7 @@ fn module(stage: &Stage) -> Module {
 
 /// For scenes with or without rods and large spheres.
 fn module_for(stage: &Stage, rods: bool, large: bool) -> Module {
-    let text = for_scenes(&source(stage), rods, large);
+    let text = Variant { rods, large, many: false }.apply(&source(stage));
     naga::front::wgsl::parse_str(&text).unwrap_or_else(|e| panic!("{}: {}", stage.name, e.emit_to_string(&text)))
 }
 
@@ -42,8 +47,8 @@ fn every_kernel_is_valid() {
 #[cfg(feature = "gpu")]
 #[test]
 fn every_kernel_is_valid_with_its_arrays_in_chunks() {
-    use rockfall::gpu::{Split, split};
-    use rockfall::stage::Buffer;
+    use rockfall::exec::gpu::{Split, split};
+    use rockfall::model::buffer::Buffer;
     for stage in ALL {
         let count = stage.bindings.len();
         let alone = (0..count).map(|split| (0..count).map(|binding| if binding == split { 3 } else { 1 }).collect());
@@ -73,7 +78,7 @@ fn every_kernel_is_valid_with_its_arrays_in_chunks() {
 #[cfg(feature = "gpu")]
 #[test]
 fn chunks_begin_where_elements_do() {
-    use rockfall::gpu::{Split, split};
+    use rockfall::exec::gpu::{Split, split};
     for stage in ALL {
         let module = module(stage);
         for binding in stage.bindings {
@@ -144,7 +149,7 @@ fn the_bindings_are_those_of_the_stage() {
 fn the_architecture_lists_the_bindings() {
     let text = include_str!("../../../ARCHITECTURE.md");
     for stage in ALL {
-        let name = |binding: &rockfall::stage::Binding| match binding.access {
+        let name = |binding: &rockfall::step::stage::Binding| match binding.access {
             Access::Read => binding.name.to_owned(),
             Access::Write => format!("**{}**", binding.name),
         };
@@ -157,7 +162,7 @@ fn the_architecture_lists_the_bindings() {
 /// A writable buffer must not stand in a dispatch twice.
 #[test]
 fn no_stage_writes_a_buffer_that_it_binds_twice() {
-    use rockfall::stage::Phase;
+    use rockfall::step::schedule::Phase;
     use rockfall::{BroadPhase, Integrator};
     let methods = [(Integrator::Rk4, BroadPhase::BruteForce), (Integrator::SymplecticEuler, BroadPhase::Grid)];
     for (integrator, broad_phase) in methods {
@@ -229,23 +234,23 @@ fn the_structs_are_those_of_layout() {
     let step = rust_fields!(Step: gravity, dt, activation_threshold, restitution, contact_damping, contact_force, friction,
         coulomb_friction, collision_friction, gravity_size, margin_scale, flags, pair_rows, spheres, rods, boxes, polygons, rods_at, springs_at, tethers_at,
         forces_at, boxes_at, polygons_at, tags_at, adjacency_at, batches, batches_at, slices_at, entries_at, cell_size, least_level, cells,
-        sums_at, keys_at, sorted_at, lookahead, users_at, slots_at, list_interval, lead, long_at, planned, ends_at, large, networks, networks_at, sweeps,
+        sums_at, keys_at, sorted_at, lookahead, insertion_indices_at, slots_at, list_interval, lead, long_at, planned, ends_at, large, networks, networks_at, sweeps,
         collision_room, pad);
     let step = (split(step.0, "pad"), step.1);
     let (pass, pass_size) = rust_fields!(Pass: index, pad);
     let pass = (split(pass, "pad"), pass_size);
     let aabb = rust_fields!(Aabb: min, id, max, tag);
-    let told = rust_fields!(Told: contacts, max_overlap, collisions, pad);
-    let told = (split(told.0, "pad"), told.1);
-    let status = rust_fields!(Status: told, void, pair_rows_needed, escape_ratio, steps, collided, lengths_due, collides, last_contacts, last_max_overlap, last_collisions, total_collisions_low, total_collisions_high,
+    let counters = rust_fields!(Counters: contacts, max_overlap, collisions, pad);
+    let counters = (split(counters.0, "pad"), counters.1);
+    let status = rust_fields!(Status: counters, rejected, pair_rows_needed, escape_ratio, steps, collided, lengths_due, collides, last_contacts, last_max_overlap, last_collisions, total_collisions_low, total_collisions_high,
         bad_body, bad_step, bad_count, total_bad, first_bad, rebuild, builds, order_entries, order_digits, listed, clustered, clustered_steps, many_steps);
     for stage in ALL {
         let module = module(stage);
         assert_eq!(wgsl_fields(&module, "Step"), step, "{}", stage.name);
         assert_eq!(wgsl_fields(&module, "Pass"), pass, "{}", stage.name);
         assert_eq!(wgsl_fields(&module, "Aabb"), aabb, "{}", stage.name);
-        assert_eq!(wgsl_fields(&module, "Told"), told, "{}", stage.name);
-        assert_eq!(wgsl_fields(&module, "ToldAtomic"), told, "{}", stage.name);
+        assert_eq!(wgsl_fields(&module, "Counters"), counters, "{}", stage.name);
+        assert_eq!(wgsl_fields(&module, "CountersAtomic"), counters, "{}", stage.name);
         assert_eq!(wgsl_fields(&module, "Status"), status, "{}", stage.name);
         assert_eq!(wgsl_fields(&module, "StatusAtomic"), status, "{}", stage.name);
     }
@@ -254,10 +259,10 @@ fn the_structs_are_those_of_layout() {
 #[test]
 fn the_constants_are_those_of_layout() {
     macro_rules! constants {
-        ($($name:ident),* $(,)?) => { [$((stringify!($name), layout::$name)),*] };
+        ($module:ident: $($name:ident),* $(,)?) => { [$((stringify!($name), $module::$name)),*] };
     }
-    let expected = constants![
-        WORKGROUP,
+    let sizes = constants![
+        layout: WORKGROUP,
         WIDE,
         SLICE,
         ROD_WORDS,
@@ -281,12 +286,6 @@ fn the_constants_are_those_of_layout() {
         FLAG_CONTINUE,
         FLAG_GROUPS,
         FLAG_STAGES,
-        VOID_PAIRS,
-        VOID_ESCAPED,
-        VOID_NON_FINITE,
-        VOID_COUNT,
-        VOID_COLLISIONS,
-        VOID_MANY,
         SWEEPS_OFF,
         SWEEPS_LISTED,
         SWEEPS_FEW,
@@ -297,7 +296,6 @@ fn the_constants_are_those_of_layout() {
         NO_NETWORK,
         NO_ROD,
         SOME_RODS,
-        TELLERS,
         SIZE_WORDS,
         EDGES_AT,
         FARTHEST_AT,
@@ -316,18 +314,27 @@ fn the_constants_are_those_of_layout() {
         ROW_Y,
         ROW_Z,
         ROW_LEVEL,
-        LISTS_ASKED,
-        LISTS_MADE,
         PHASES_SHIFT,
         POSITIONS_FIRST,
         POSITIONS_ALONE,
         ORDER_MASK,
-        LEAPS,
+        SYMPLECTIC_EULER,
+    ];
+    let codes = constants![
+        status: REJECTED_PAIRS,
+        REJECTED_ESCAPED,
+        REJECTED_NON_FINITE,
+        REJECTED_COUNT,
+        REJECTED_COLLISIONS,
+        REJECTED_MANY,
+        COUNTER_BLOCKS,
+        REBUILD_REQUESTED,
+        REBUILD_DONE,
         NO_BODY,
         BAD_STAGE_SHIFT,
     ];
     let module = module(ALL[0]);
-    for (name, value) in expected {
+    for (name, value) in sizes.into_iter().chain(codes) {
         let (_, constant) = module
             .constants
             .iter()

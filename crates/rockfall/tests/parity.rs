@@ -44,7 +44,8 @@ use std::collections::BTreeMap;
 
 use compare::{MEASURED, differences, listed};
 use device::{GPU, on_gpu};
-use rockfall::layout::{SLICE, VOID_NON_FINITE, VOID_PAIRS, WORKGROUP, words_of};
+use rockfall::model::layout::{SLICE, WORKGROUP, words_of};
+use rockfall::model::status::{REJECTED_NON_FINITE, REJECTED_PAIRS};
 use rockfall::{BroadPhase, Integrator, Settings};
 use trace::{Only, Plan, Scenario, Trace, trace};
 
@@ -251,10 +252,10 @@ fn lone_collisions_in_every_way() {
 fn every_stage_of_a_void_step() {
     for integrator in [Integrator::Rk4, Integrator::SymplecticEuler] {
         for Scenario { runs, mut before } in trace(&plan(4, integrator)).scenarios {
-            before.status.void = VOID_NON_FINITE;
+            before.status.rejected = REJECTED_NON_FINITE;
             compare(4, &Scenario { runs: runs.clone(), before: before.clone() });
             if runs[0].stage.name.ends_with("_collisions") {
-                before.status.void = 0;
+                before.status.rejected = 0;
                 before.status.collided = 1;
                 compare(4, &Scenario { runs, before });
             }
@@ -273,12 +274,12 @@ fn lists_that_do_not_fit() {
         scenario.runs[0].on_cpu(&mut world);
         world.status.pair_rows_needed
     };
-    for (rows, void) in [(needed - 1, VOID_PAIRS), (needed, 0)] {
+    for (rows, void) in [(needed - 1, REJECTED_PAIRS), (needed, 0)] {
         let before = &mut scenario.before;
         before.step.pair_rows = rows;
         before.lists.resize(before.step.entries_at as usize + words_of(rows) as usize, 0);
         let gpu = on_gpu(&GPU, &scenario.before, &scenario.runs);
-        assert_eq!((gpu.status.void, gpu.status.pair_rows_needed), (void, needed));
+        assert_eq!((gpu.status.rejected, gpu.status.pair_rows_needed), (void, needed));
         compare(4, &scenario);
     }
 }

@@ -4,8 +4,8 @@
 
 use std::path::Path;
 
+use rockfall::generate::Kind;
 use rockfall::glam::Vec3;
-use rockfall::scene::generate::Kind;
 use rockfall::{Backend, Body, Integrator, Options, Scene, Simulation, SphereState};
 
 const STEPS: [f32; 3] = [0.02, 0.01, 0.005];

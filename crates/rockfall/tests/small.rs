@@ -8,8 +8,8 @@ use std::cell::Cell;
 
 use common::mixed::{Run, same_bits};
 use common::{floor_box, spheres, weightless, with};
+use rockfall::generate::Benchmark;
 use rockfall::glam::Vec3;
-use rockfall::scene::generate::Benchmark;
 use rockfall::{Backend, BroadPhase, Error, Integrator, Options, Polygon, Scene, Simulation, Sphere, SphereId, Spring, Tether};
 
 /// Spheres that fall onto each other, a box and a polygon, with springs, tethers and forces on some. More than a workgroup of software Vulkan

@@ -1,7 +1,7 @@
 //! What `Scene::stability` and its like tell, held against runs: the bounds hold, and what is beyond them happens. On the CPU
 //! backend, which takes the same steps as the other.
 
-use rockfall::scene::generate::Kind;
+use rockfall::generate::Kind;
 use rockfall::stability::Effect;
 use rockfall::{Backend, Cuboid, Integrator, Options, Polygon, Scene, Simulation, Sphere};
 

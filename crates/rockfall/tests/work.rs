@@ -5,11 +5,13 @@
 
 #[cfg(feature = "gpu")]
 use rockfall::Profile;
-use rockfall::layout::{LIST_COUNT_MASK, SLICE, Status, words_of};
-use rockfall::scene::generate::Benchmark;
-use rockfall::stage::Phase;
-use rockfall::world::World;
-use rockfall::{Backend, BroadPhase, Integrator, Options, Scene, Simulation, Sphere, cpu};
+use rockfall::exec::cpu;
+use rockfall::generate::Benchmark;
+use rockfall::model::layout::{LIST_COUNT_MASK, SLICE, words_of};
+use rockfall::model::status::Status;
+use rockfall::model::world::World;
+use rockfall::step::schedule::Phase;
+use rockfall::{Backend, BroadPhase, Integrator, Options, Scene, Simulation, Sphere};
 
 /// Enough for the broad phase of large scenes.
 const BODIES: u32 = 2500;
@@ -46,7 +48,7 @@ fn check_dispatches(benchmark: Benchmark, integrator: Integrator, most: u64) {
 fn dispatches_of_a_step() {
     // Spheres alone, few: 3 for collisions; 3 advance, finish_and_turn, end_step. In some steps 1 for AABBs and 2 for lists.
     check_dispatches(Benchmark::Pile, Integrator::Rk4, 10);
-    // leap and commit_and_turn for the four evaluations.
+    // symplectic_euler and commit_and_turn for the four evaluations.
     check_dispatches(Benchmark::Pile, Integrator::SymplecticEuler, 8);
     // With capsules and rods besides: weigh_collisions, rod_forces in each evaluation, restore_lengths, constrain; twice as many
     // objects as bodies, too many for a grid that is built in one dispatch.
@@ -96,7 +98,7 @@ fn every_step_of_a_profile_is_a_step_that_was_done() {
         assert!(fits, "{stage:?}");
         assert!(stage.seconds > 0.0, "{stage:?}");
     }
-    assert!(profile.stage_seconds() + profile.void_seconds <= profile.seconds, "{profile:?}");
+    assert!(profile.stage_seconds() + profile.rejected_seconds <= profile.seconds, "{profile:?}");
 }
 
 #[test]
@@ -119,7 +121,7 @@ fn void_steps_are_kept_apart() {
     let mut simulation = Simulation::with_options(scene, options).unwrap();
     let profile = simulation.profile(STEPS, DT).unwrap();
     assert!(simulation.report().replays > 0);
-    assert!(profile.void_seconds > 0.0);
+    assert!(profile.rejected_seconds > 0.0);
     assert_eq!(profile.steps, STEPS);
     assert!(profile.stages.iter().all(|stage| stage.runs % STEPS < STEPS / 4), "{:?}", profile.stages);
 }
@@ -166,7 +168,7 @@ fn listed(simulation: &mut Simulation, build: fn(&Scene) -> rockfall::Result<Wor
     for phase in [Phase::UpdateAabbs, Phase::BroadPhase] {
         let stages = phase.stages(Integrator::Rk4, simulation.broad_phase_method());
         cpu::run(&mut world, stages);
-        while world.status.void != 0 {
+        while world.status.rejected != 0 {
             world.set_pair_rows(world.status.pair_rows_needed);
             world.status = Status::default();
             cpu::run(&mut world, stages);

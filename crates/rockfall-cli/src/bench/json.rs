@@ -79,7 +79,7 @@ fn profile_of(size: &Measured, profile: &Profile) -> Value {
         "clock": profile.clock.name(),
         "steps": profile.steps,
         "seconds": profile.seconds,
-        "void_seconds": profile.void_seconds,
+        "rejected_seconds": profile.rejected_seconds,
         "phase_seconds_per_step": phases,
         "stages": stages,
     })

@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use rockfall::stage::Phase;
+use rockfall::step::schedule::Phase;
 use rockfall::{BackendInfo, BroadPhase, BufferSize, Counts, Profile, Report, Simulation};
 
 use crate::bench::Arguments;

@@ -1,6 +1,6 @@
 //! Phases of a step, as in Figure 2.11 of the thesis.
 
-use rockfall::stage::Phase;
+use rockfall::step::schedule::Phase;
 
 /// Phases of a step, in the order of the stacked bars from the bottom up. Each has a name for tables and charts and a JSON key.
 pub(crate) const PHASES: [(Phase, &str, &str); 4] = [

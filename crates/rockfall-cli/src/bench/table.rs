@@ -97,8 +97,8 @@ fn stages(text: &mut String, size: &Measured, profile: &Profile) {
         }
     }
     line("all", profile.runs(), total, profile.least_bytes());
-    if profile.void_seconds > 0.0 {
-        let _ = writeln!(text, "plus {} ms in total for rejected steps", short(1e3 * profile.void_seconds));
+    if profile.rejected_seconds > 0.0 {
+        let _ = writeln!(text, "plus {} ms in total for rejected steps", short(1e3 * profile.rejected_seconds));
     }
 }
 

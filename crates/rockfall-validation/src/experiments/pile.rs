@@ -1,6 +1,6 @@
 //! A pile on the CPU and on the GPU: the motion is chaotic, so that statistics are compared instead of trajectories.
 
-use rockfall::scene::generate::Kind;
+use rockfall::generate::Kind;
 use rockfall::{Backend, Options, Simulation, SphereState};
 
 use crate::chart::{Axis, Chart, Mark};

@@ -1,13 +1,13 @@
 //! The buffers that shaders read: those of the physics, or copies of the host's arrays on the CPU backend.
 
-use rockfall::layout::Step;
-use rockfall::stage::Buffer;
+use rockfall::model::buffer::Buffer;
+use rockfall::model::step::Step;
 use rockfall::{Result, Simulation, wgpu};
 
 use crate::draw::layouts::STORAGE;
 
 /// The buffers of the physics that shaders read, in the order of their bindings: state, orientations, topology.
-const PHYSICS_BUFFERS: [Buffer; 3] = [Buffer::Start, Buffer::Orientations, Buffer::Words];
+const PHYSICS_BUFFERS: [Buffer; 3] = [Buffer::Start, Buffer::Orientations, Buffer::Topology];
 
 /// The buffers of bind group 0.
 #[derive(Debug, Default)]

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use rockfall::stage::rows;
+use rockfall::model::dispatch::rows;
 use rockfall::wgpu;
 
 use crate::draw::layouts::Layouts;

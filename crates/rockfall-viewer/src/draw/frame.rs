@@ -2,7 +2,8 @@
 
 use bytemuck::{Pod, Zeroable};
 use rockfall::glam::{Mat4, Vec3, Vec4};
-use rockfall::layout::{SPRING_WORDS, Step, TETHER_WORDS};
+use rockfall::model::layout::{SPRING_WORDS, TETHER_WORDS};
+use rockfall::model::step::Step;
 
 use crate::camera::{Axes, Camera};
 use crate::draw::coil::Resolution;
@@ -184,7 +185,7 @@ impl Frame {
             tethers_at: step.tethers_at,
             boxes_at: step.boxes_at,
             polygons_at: step.polygons_at,
-            insertion_indices_at: step.users_at,
+            insertion_indices_at: step.insertion_indices_at,
             colour_by: style.colour_by as u32,
             light_size: SHADOW_SIZE as f32,
             kinds: palette::KINDS.map(|kind| opaque(kind.colour)),

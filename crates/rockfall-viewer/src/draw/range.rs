@@ -1,7 +1,7 @@
 //! The automatic range of the colour scale.
 
 use rockfall::Result;
-use rockfall::gpu::catch;
+use rockfall::exec::gpu::catch;
 use rockfall::wgpu;
 
 use crate::draw::layouts::Layouts;

@@ -6,7 +6,7 @@
 use std::collections::VecDeque;
 
 use rockfall::glam::Vec3;
-use rockfall::stage::Phase;
+use rockfall::step::schedule::Phase;
 use rockfall::{Body, Energy, Profile, Simulation};
 
 /// Least time between two samples, in s.

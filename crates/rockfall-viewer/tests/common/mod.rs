@@ -3,8 +3,8 @@
 
 use std::sync::OnceLock;
 
+use rockfall::exec::gpu::Gpu;
 use rockfall::glam::{DVec3, Vec3};
-use rockfall::gpu::Gpu;
 use rockfall::{Backend, Options, Scene, Simulation};
 use rockfall_viewer::camera::Camera;
 use rockfall_viewer::draw::{Background, ColourBy, Range, Renderer, Style};

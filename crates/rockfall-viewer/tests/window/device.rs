@@ -1,6 +1,6 @@
 //! Loss of the graphics device that runs the simulation.
 
-use rockfall::gpu::Gpu;
+use rockfall::exec::gpu::Gpu;
 use rockfall::{Options, Scene, Simulation};
 use rockfall_viewer::window::session::{Opener, Session};
 

@@ -84,7 +84,7 @@ fn energies_are_sampled_at_intervals() {
 /// Energies of many bodies take long to evaluate.
 #[test]
 fn large_scenes_are_sampled_only_on_request() {
-    let scene = rockfall::scene::generate::Kind::Pile.generate(100_001, 1).expect("a scene");
+    let scene = rockfall::generate::Kind::Pile.generate(100_001, 1).expect("a scene");
     let source = rockfall_viewer::window::session::Source { name: "pile".to_owned(), path: None, scene };
     let mut session = Session::open(source, Vec::new(), 0.02, on_cpu()).expect("it opens");
     session.frame(1.0, 0.0, |_| ());

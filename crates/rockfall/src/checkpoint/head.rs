@@ -2,10 +2,10 @@
 
 use super::words::{Damage, Head, Words};
 use super::{Checkpoint, History};
+use crate::options::Options;
 use crate::report::Report;
 use crate::scene::{Counts, Scene};
 use crate::settings::Settings;
-use crate::simulation::Options;
 
 pub(super) fn bytes(checkpoint: &Checkpoint) -> Vec<u8> {
     let Checkpoint { scene, options, time_step, report, note, device, program, history } = checkpoint;

@@ -3,7 +3,7 @@ use std::path::Path;
 use proptest::prelude::*;
 
 use super::*;
-use crate::scene::generate::Kind;
+use crate::generate::Kind;
 use crate::scene::{Capsule, Cuboid, Polygon, Spring, Tether};
 
 fn read(text: &str) -> Scene {

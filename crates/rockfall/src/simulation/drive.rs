@@ -1,16 +1,19 @@
 //! Running phases until they are done: void steps are mended and run again.
 
+use crate::error::BadStage;
 use crate::error::{Error, Result};
-use crate::layout::{
-    BAD_STAGE_SHIFT, BadStage, MAX_PAIR_ROWS, NO_BODY, Status, VOID_COLLISIONS, VOID_COUNT, VOID_ESCAPED, VOID_MANY,
-    VOID_NON_FINITE, VOID_PAIRS, words_of,
+use crate::model::layout::{MAX_PAIR_ROWS, words_of};
+use crate::model::status::{
+    BAD_STAGE_SHIFT, NO_BODY, REJECTED_COLLISIONS, REJECTED_COUNT, REJECTED_ESCAPED, REJECTED_MANY, REJECTED_NON_FINITE,
+    REJECTED_PAIRS, Status,
 };
 use crate::profile::Recorder;
 use crate::settings::Integrator;
 use crate::simulation::Simulation;
 use crate::simulation::interval::LONGEST;
 use crate::simulation::lookahead::{Lists, Lookahead};
-use crate::stage::{Phase, is_small};
+use crate::step::fused::run_steps::is_small;
+use crate::step::schedule::Phase;
 
 /// The thesis's fixed time step, in s.
 pub const DEFAULT_TIME_STEP: f32 = 0.02;
@@ -131,23 +134,23 @@ impl Simulation {
 
     /// Keeps account of whether AABBs and lists fit the scene.
     fn note_lists(&mut self, phases: &[Phase], done: u64) {
-        let void = self.status.void;
+        let void = self.status.rejected;
         if phases.contains(&Phase::UpdateAabbs) {
             self.aabbs_due = false;
         }
-        if phases.contains(&Phase::BroadPhase) && (done > 0 || void & VOID_PAIRS == 0) {
+        if phases.contains(&Phase::BroadPhase) && (done > 0 || void & REJECTED_PAIRS == 0) {
             self.lists_due = false;
         }
         // A step that is void from its collisions on may have begun to make AABBs and lists.
-        self.lists_due |= void & (VOID_PAIRS | VOID_ESCAPED | VOID_COLLISIONS) != 0;
-        self.aabbs_due |= void & (VOID_ESCAPED | VOID_COLLISIONS) != 0;
+        self.lists_due |= void & (REJECTED_PAIRS | REJECTED_ESCAPED | REJECTED_COLLISIONS) != 0;
+        self.aabbs_due |= void & (REJECTED_ESCAPED | REJECTED_COLLISIONS) != 0;
     }
 
     /// Mends what made a step void, for it to be run again.
     fn mend(&mut self, attempts: u32) -> Result<()> {
         let status = self.status;
-        if status.void & VOID_NON_FINITE != 0 {
-            self.status.void = 0;
+        if status.rejected & REJECTED_NON_FINITE != 0 {
+            self.status.rejected = 0;
             let bad = std::mem::replace(&mut self.status.first_bad, NO_BODY);
             return Err(Error::NonFinite {
                 sphere: (bad & ((1 << BAD_STAGE_SHIFT) - 1)) as usize,
@@ -155,19 +158,19 @@ impl Simulation {
                 stage: BadStage::from_number(bad >> BAD_STAGE_SHIFT),
             });
         }
-        if status.void == 0 {
+        if status.rejected == 0 {
             return Ok(());
         }
         self.report.replays += 1;
-        if status.void & VOID_COLLISIONS != 0 {
+        if status.rejected & REJECTED_COLLISIONS != 0 {
             self.begin_sweeps()?;
-            if status.void & !VOID_MANY == VOID_COLLISIONS {
+            if status.rejected & !REJECTED_MANY == REJECTED_COLLISIONS {
                 return Ok(());
             }
         }
         let escape = f32::from_bits(status.escape_ratio);
         let interval = self.world.step.list_interval as u32;
-        if status.void == VOID_ESCAPED && escape < NEAR && self.interval.forgives(interval) {
+        if status.rejected == REJECTED_ESCAPED && escape < NEAR && self.interval.forgives(interval) {
             self.window.voids += 1;
             if interval == LONGEST {
                 self.world.step.margin_scale += escape + NEAR_STEP;
@@ -180,17 +183,17 @@ impl Simulation {
                 format!("{} rows of pairs needed, AABB margin {}", status.pair_rows_needed, self.world.step.margin_scale);
             return Err(Error::Stuck { step: self.report.steps + 1, attempts, reason });
         }
-        if status.void & VOID_COUNT != 0 {
+        if status.rejected & REJECTED_COUNT != 0 {
             self.status.pair_rows_needed = u32::MAX;
         }
-        if status.void & (VOID_PAIRS | VOID_COUNT) != 0 {
+        if status.rejected & (REJECTED_PAIRS | REJECTED_COUNT) != 0 {
             let movers = (self.world.step.spheres + self.world.step.rods).max(1) as f32;
             match self.lookahead.shorter(words_of(status.pair_rows_needed) as f32 / movers, self.world.step.rods > 0) {
                 Some(steps) => self.world.step.lookahead = steps,
                 None => self.grow_lists()?,
             }
         }
-        if status.void & VOID_ESCAPED != 0 {
+        if status.rejected & REJECTED_ESCAPED != 0 {
             self.make_room(escape, attempts);
         }
         Ok(())
@@ -247,7 +250,7 @@ impl Simulation {
         let movers = (step.spheres + step.rods).max(1) as f32;
         let seen = Lists {
             builds_per_step: self.window.builds as f32 / self.window.steps as f32,
-            voids_per_step: self.window.voids as f32 / self.window.steps as f32,
+            rejections_per_step: self.window.voids as f32 / self.window.steps as f32,
             words_per_mover: words_of(self.status.pair_rows_needed) as f32 / movers,
             room_per_mover: Lookahead::room(words_of(step.pair_rows) as f32 / movers, step.rods > 0),
             movers,
@@ -297,7 +300,7 @@ fn room_for(needed: u32) -> Result<u32> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::layout::{SLICE, most_objects};
+    use crate::model::layout::{SLICE, most_objects};
 
     /// In the second attempt at a step whose collisions are done, lists are not made twice, and not for bodies that may turn back.
     #[test]
@@ -319,7 +322,7 @@ mod tests {
         let options = crate::Options::new().backend(crate::Backend::Cpu);
         let mut simulation = Simulation::with_options(crate::Scene::new(), options).unwrap();
         simulation.world.step.list_interval = interval as f32;
-        (simulation.status.void, simulation.status.escape_ratio) = (VOID_ESCAPED, (0.5 * NEAR).to_bits());
+        (simulation.status.rejected, simulation.status.escape_ratio) = (REJECTED_ESCAPED, (0.5 * NEAR).to_bits());
         simulation.mend(0).unwrap();
         simulation.world.step.margin_scale
     }

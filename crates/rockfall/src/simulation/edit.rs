@@ -3,14 +3,14 @@
 use glam::{Quat, Vec3};
 
 use crate::error::{Error, Result};
-use crate::layout::FLAG_CONTINUE;
+use crate::model::layout::FLAG_CONTINUE;
+use crate::model::world::World;
 use crate::scene::{
     BoxId, Capsule, CapsuleId, Cuboid, Polygon, PolygonId, Rod, RodId, Scene, Sphere, SphereId, Spring, SpringId, Tether,
     TetherId, finite,
 };
 use crate::simulation::order::Disorder;
 use crate::simulation::{Simulation, engine};
-use crate::world::World;
 
 /// What the engine does not know yet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]

@@ -3,19 +3,18 @@
 use std::future::Future;
 use std::ops::Range;
 
-use crate::cpu;
 use crate::error::Result;
-use crate::layout::Status;
+use crate::exec::cpu;
+use crate::model::status::Status;
+use crate::model::world::World;
+use crate::options::{Backend, BackendInfo, Options};
 use crate::profile::Recorder;
-use crate::simulation::options::{Backend, BackendInfo, Options};
-use crate::simulation::profile;
-use crate::stage::Run;
-use crate::world::World;
+use crate::step::schedule::Run;
 
 #[cfg(feature = "gpu")]
-use crate::gpu::{Gpu, GpuWorld, Mapped};
+use crate::exec::gpu::{Gpu, GpuWorld, Mapped};
 #[cfg(feature = "gpu")]
-use crate::stage::Buffer;
+use crate::model::buffer::Buffer;
 
 /// Where the stages run.
 #[derive(Debug)]
@@ -221,7 +220,7 @@ impl Engine {
 
     /// Reads the words back into `world`.
     pub(super) async fn download_words(&mut self, world: &mut World) -> Result<()> {
-        on_gpu!(self, world, gpu => gpu.download(world, &[Buffer::Words]).await?)
+        on_gpu!(self, world, gpu => gpu.download(world, &[Buffer::Topology]).await?)
     }
 
     /// Reads the state of the spheres back into `world`.
@@ -236,11 +235,11 @@ fn run_on_cpu(world: &mut World, stages: &[Run], steps: Range<u32>, recorder: Op
     rayon::scope(|_| {
         for _ in steps {
             if timed {
-                taken.push(profile::run_timed(world, stages));
+                taken.push(cpu::run_timed(world, stages));
             } else {
                 cpu::run(world, stages);
             }
-            if world.status.void != 0 {
+            if world.status.rejected != 0 {
                 break;
             }
         }
@@ -278,8 +277,8 @@ fn gpu_info(gpu: &Gpu, reason: &str) -> BackendInfo {
 #[cfg(all(feature = "gpu", not(target_family = "wasm")))]
 pub(super) fn block_on<T>(waiter: Waiter, future: impl Future<Output = Result<T>>) -> Result<T> {
     match waiter {
-        Some(device) => crate::gpu::block_on(&device, future),
-        None => crate::gpu::drive(future, || {
+        Some(device) => crate::exec::gpu::block_on(&device, future),
+        None => crate::exec::gpu::drive(future, || {
             std::thread::yield_now();
             Ok(())
         })?,

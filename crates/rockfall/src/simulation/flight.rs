@@ -6,12 +6,14 @@
 use std::collections::VecDeque;
 
 use crate::error::Result;
-use crate::layout::{FLAG_STAGES, LISTS_ASKED, NO_BODY, Status, Told};
+use crate::model::layout::FLAG_STAGES;
+use crate::model::status::{Counters, NO_BODY, REBUILD_REQUESTED, Status};
 use crate::profile::Recorder;
 use crate::simulation::Simulation;
 use crate::simulation::drive::{COLLISIONS_FIRST, WITHOUT_COLLISIONS};
 use crate::simulation::engine::Look;
-use crate::stage::{Phase, Run, is_small};
+use crate::step::fused::run_steps::is_small;
+use crate::step::schedule::{Phase, Run};
 
 /// Portions that a device has before it at a time.
 const DEPTH: usize = 2;
@@ -52,7 +54,7 @@ impl Simulation {
         let mut flight = VecDeque::with_capacity(depth);
         let (mut submitted, mut done) = (0, 0);
         loop {
-            while self.status.void == 0 && submitted < most && flight.len() < depth {
+            while self.status.rejected == 0 && submitted < most && flight.len() < depth {
                 let steps = self.portion().min(most - submitted);
                 flight.push_back(self.submit(&mut stretch, steps, recorder.as_deref_mut()).await?);
                 submitted += steps;
@@ -67,8 +69,8 @@ impl Simulation {
     /// Gives the engine the status to begin with.
     fn begin(&mut self, stretch: &Stretch<'_>) -> Result<()> {
         let makes_lists = stretch.phases.iter().any(|phase| phase.makes_lists());
-        if (makes_lists && !stretch.is_step) || self.status.void != 0 || self.lists_due || self.aabbs_due {
-            self.status.rebuild = LISTS_ASKED;
+        if (makes_lists && !stretch.is_step) || self.status.rejected != 0 || self.lists_due || self.aabbs_due {
+            self.status.rebuild = REBUILD_REQUESTED;
         }
         self.status = resumed(self.status);
         self.world.status = self.status;
@@ -107,7 +109,7 @@ impl Simulation {
         let status = portion.look.status().await?;
         let before = std::mem::replace(&mut self.status, status);
         if !stretch.phases.contains(&Phase::UpdatePositions) {
-            return Ok(if status.void == 0 { portion.steps } else { 0 });
+            return Ok(if status.rejected == 0 { portion.steps } else { 0 });
         }
         let done = u64::from(status.steps.wrapping_sub(before.steps));
         self.book(done, &before);
@@ -138,13 +140,15 @@ impl Simulation {
 fn resumed(status: Status) -> Status {
     let is_done = status.collided != 0;
     Status {
-        told: status.told.map(|told| Told { collisions: if is_done { told.collisions } else { 0 }, ..Told::default() }),
+        counters: status
+            .counters
+            .map(|told| Counters { collisions: if is_done { told.collisions } else { 0 }, ..Counters::default() }),
         collides: if is_done { status.collides } else { 0 },
         listed: 0,
         clustered: if is_done { status.clustered } else { 0 },
         clustered_steps: 0,
         many_steps: 0,
-        void: 0,
+        rejected: 0,
         escape_ratio: 0,
         bad_count: 0,
         bad_body: NO_BODY,

@@ -4,11 +4,12 @@ use std::path::Path;
 
 use crate::checkpoint::{Checkpoint, History};
 use crate::error::{Error, Result};
-use crate::layout::SLICE;
+use crate::model::layout::SLICE;
+use crate::options::Options;
 use crate::simulation::engine::Engine;
 use crate::simulation::lookahead::Lookahead;
 use crate::simulation::order::Disorder;
-use crate::simulation::{Options, Simulation, engine, prepare};
+use crate::simulation::{Simulation, engine, prepare};
 
 impl Simulation {
     /// Everything that decides how the simulation goes on. The steps after it are the same whether or not it is taken.

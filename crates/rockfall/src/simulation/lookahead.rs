@@ -52,7 +52,7 @@ pub(super) struct Lists {
     /// Part of the steps in which they were made anew.
     pub(super) builds_per_step: f32,
     /// Part of the steps in which a body left its AABB, and the interval did not change.
-    pub(super) voids_per_step: f32,
+    pub(super) rejections_per_step: f32,
     /// Words that the entries take.
     pub(super) words_per_mover: f32,
     /// The most that they may take: more would make a step void.
@@ -83,7 +83,7 @@ impl Lists {
         let alone = if self.dispatches > 0.0 { DISPATCH * self.dispatches + wait * self.words_per_mover } else { 0.0 };
         self.builds_per_step * (BUILD + search + FIND * self.words_per_mover)
             + LOOK * self.words_per_mover
-            + VOID * self.voids_per_step
+            + VOID * self.rejections_per_step
             + alone / self.movers
     }
 }
@@ -196,7 +196,7 @@ mod tests {
     /// What a batch of a million did that made lists in every step.
     const SEEN: Lists = Lists {
         builds_per_step: 1.0,
-        voids_per_step: 0.0,
+        rejections_per_step: 0.0,
         words_per_mover: 10.0,
         room_per_mover: 50.0,
         movers: 1e6,
@@ -283,8 +283,8 @@ mod tests {
 
     #[test]
     fn steps_that_are_run_again_cost_more_than_lists() {
-        let lists = |builds_per_step: f32, voids_per_step: f32| {
-            let lists = Lists { builds_per_step, voids_per_step, words_per_mover: 14.0, ..SEEN };
+        let lists = |builds_per_step: f32, rejections_per_step: f32| {
+            let lists = Lists { builds_per_step, rejections_per_step, words_per_mover: 14.0, ..SEEN };
             lists.cost(BroadPhase::Grid)
         };
         // One in 32 for half of the lists pays, one in ten does not.

@@ -5,21 +5,24 @@
 use glam::Vec3;
 use rayon::prelude::*;
 
-use crate::cpu;
-use crate::cpu::collision::all::{impulse_in, solve};
-use crate::cpu::collision::{Collision, Impulse};
-use crate::cpu::contact::contact_force;
-use crate::cpu::forces::{rates, rod_loads};
-use crate::cpu::lists::{Entry, Lists};
-use crate::cpu::touch::touch;
-use crate::cpu::view::{Object, View};
 use crate::error::Result;
-use crate::layout::{ENTRY_COLLIDES, ENTRY_OVERLAPS, Status};
+use crate::exec::cpu;
+use crate::model::impulse::Impulse;
+use crate::model::layout::{ENTRY_COLLIDES, ENTRY_OVERLAPS};
+use crate::model::lists::{Entry, Lists};
+use crate::model::status::Status;
+use crate::model::view::{Object, View};
+use crate::model::world::World;
+use crate::physics::collision::Collision;
+use crate::physics::collision::all::{impulse_in, solve};
+use crate::physics::contact::contact_force;
+use crate::physics::forces::net_force::{rates, rod_loads};
+use crate::physics::side::side;
+use crate::physics::touch::touch;
 use crate::scene::{BoxId, PolygonId, RodId, SphereId};
 use crate::settings::Integrator;
 use crate::simulation::Simulation;
-use crate::stage::Phase;
-use crate::world::World;
+use crate::step::schedule::Phase;
 
 /// One of the two bodies of a contact.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -146,7 +149,7 @@ impl Simulation {
             let own = lists.row(mover).filter(|entry| entry.id() > mover);
             own.filter_map(|entry| {
                 let touch = touch(&view, mover, entry.id(), entry.feature())?;
-                let side = |id, parameter| f64::from(cpu::contact::side(&view, view.object(id), parameter).inverse_mass);
+                let side = |id, parameter| f64::from(side(&view, view.object(id), parameter).inverse_mass);
                 let reduced_mass = 1.0 / (side(mover, touch.a) + side(entry.id(), touch.b));
                 Some(0.5 * stiffness * reduced_mass * f64::from(touch.overlap).powi(2))
             })
@@ -169,7 +172,7 @@ impl Simulation {
             let stages: Vec<_> =
                 phases.chain(Phase::HandleCollisions.stages(Integrator::Rk4, method).first()).copied().collect();
             cpu::run(&mut world, &stages);
-            if world.status.void == 0 {
+            if world.status.rejected == 0 {
                 return Ok(world);
             }
             world.set_pair_rows(world.status.pair_rows_needed);
@@ -187,7 +190,7 @@ impl Simulation {
 }
 
 fn seen(world: &World) -> (View<'_>, Lists<'_>) {
-    (View::new(&world.step, &world.words, &world.states[0]), Lists::new(&world.step, &world.lists))
+    (View::new(&world.step, &world.topology, &world.states[0]), Lists::new(&world.step, &world.lists))
 }
 
 /// What the contact of an entry does at the beginning of the next step.

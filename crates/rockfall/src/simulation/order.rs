@@ -1,10 +1,11 @@
 //! When memory is put in order again: once the disorder since the last time has cost more than the sorting will.
 
 use crate::error::Result;
-use crate::layout::{LISTS_ASKED, ORDER_SAMPLE, Status};
+use crate::model::layout::ORDER_SAMPLE;
+use crate::model::status::{REBUILD_REQUESTED, Status};
 use crate::settings::BroadPhase;
 use crate::simulation::{Simulation, engine};
-use crate::stage::{MEASURE_ORDER, SORT_MEMORY};
+use crate::step::schedule::{MEASURE_ORDER, SORT_MEMORY};
 
 /// Steps between two looks at the order.
 const LOOK_AFTER: u64 = 256;
@@ -86,7 +87,7 @@ impl Simulation {
         if self.world.order.is_empty() || self.lists_due || self.disorder.due_in(step) > 0 {
             return Ok(());
         }
-        self.world.status = Status { void: 0, order_entries: 0, order_digits: 0, ..self.status };
+        self.world.status = Status { rejected: 0, order_entries: 0, order_digits: 0, ..self.status };
         self.engine.run(&mut self.world, MEASURE_ORDER).await?;
         let Status { order_entries, order_digits, .. } = self.world.status;
         let sampled = self.world.step.spheres.min(ORDER_SAMPLE) / 2;
@@ -105,7 +106,7 @@ impl Simulation {
 
     /// On the device, where the state is; the host learns the new order alone.
     async fn sort_where_it_is(&mut self) -> Result<()> {
-        self.world.status = Status { void: 0, rebuild: LISTS_ASKED, ..self.status };
+        self.world.status = Status { rejected: 0, rebuild: REBUILD_REQUESTED, ..self.status };
         self.engine.run(&mut self.world, SORT_MEMORY).await?;
         self.engine.download_words(&mut self.world).await?;
         self.world.take_order();

@@ -5,7 +5,7 @@ use crate::settings::BroadPhase;
 use crate::simulation::Simulation;
 #[cfg(not(target_family = "wasm"))]
 use crate::simulation::engine;
-use crate::stage::{MEASURE_ORDER, Run, SORT_MEMORY};
+use crate::step::schedule::{MEASURE_ORDER, Run, SORT_MEMORY};
 
 impl Simulation {
     /// Compiles all that steps of the scene as it is will need, so that none has to wait for it: else a kernel is compiled before
@@ -43,7 +43,7 @@ impl Simulation {
 
 #[cfg(all(test, feature = "gpu"))]
 mod tests {
-    use crate::scene::generate::Benchmark;
+    use crate::generate::Benchmark;
     use crate::{Backend, BroadPhase, Integrator, Options, Simulation};
 
     /// How many kernels there are after preparing, and after steps and sorting besides.

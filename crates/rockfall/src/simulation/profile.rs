@@ -1,14 +1,13 @@
 //! Measuring: the time of every stage, the memory, and what the memory can do.
 
 use std::mem::size_of_val;
-use std::slice::from_ref;
 
-use crate::cpu;
 use crate::error::Result;
+use crate::exec::cpu::Watch;
+use crate::model::buffer::Buffer;
+use crate::model::world::World;
 use crate::profile::{BufferSize, Clock, Profile, Recorder};
 use crate::simulation::{Simulation, engine};
-use crate::stage::{Buffer, Run};
-use crate::world::World;
 
 impl Simulation {
     /// [`Simulation::run`] with every stage timed: on the GPU by timestamps around every dispatch, on the CPU by the
@@ -38,7 +37,7 @@ impl Simulation {
             stages: recorder.stages,
             seconds: wall.seconds(),
             steps: self.report.steps - before,
-            void_seconds: recorder.void_seconds,
+            rejected_seconds: recorder.rejected_seconds,
             clock,
         })
     }
@@ -50,7 +49,7 @@ impl Simulation {
     pub fn clock(&self) -> Result<Clock> {
         #[cfg(feature = "gpu")]
         if let Some(world) = self.engine.gpu_world() {
-            return crate::gpu::clock(world.gpu());
+            return crate::exec::gpu::clock(world.gpu());
         }
         Ok(Clock::Host)
     }
@@ -87,23 +86,10 @@ impl Simulation {
     pub async fn copy_bandwidth_async(&self) -> Result<f64> {
         #[cfg(feature = "gpu")]
         if let Some(world) = self.engine.gpu_world() {
-            return crate::gpu::copy_bandwidth(world.gpu()).await;
+            return crate::exec::gpu::copy_bandwidth(world.gpu()).await;
         }
         Ok(host_copy_bandwidth())
     }
-}
-
-/// Runs stages in their order; gives the time of each, in s.
-pub(super) fn run_timed(world: &mut World, stages: &[Run]) -> Vec<Option<f64>> {
-    let timed = |run: &Run| {
-        if run.workgroups(&world.step) == 0 {
-            return None;
-        }
-        let watch = Watch::start();
-        cpu::run(world, from_ref(run));
-        Some(watch.seconds())
-    };
-    stages.iter().map(timed).collect()
 }
 
 fn array_sizes(world: &World) -> Vec<BufferSize> {
@@ -128,26 +114,4 @@ fn host_copy_bandwidth() -> f64 {
         best = best.min(watch.seconds());
     }
     2.0 * size_of_val(&source[..]) as f64 / best
-}
-
-/// The host's clock, which stands still in a browser.
-struct Watch {
-    #[cfg(not(target_family = "wasm"))]
-    start: std::time::Instant,
-}
-
-impl Watch {
-    fn start() -> Self {
-        Self {
-            #[cfg(not(target_family = "wasm"))]
-            start: std::time::Instant::now(),
-        }
-    }
-
-    fn seconds(&self) -> f64 {
-        #[cfg(not(target_family = "wasm"))]
-        return self.start.elapsed().as_secs_f64();
-        #[cfg(target_family = "wasm")]
-        0.0
-    }
 }

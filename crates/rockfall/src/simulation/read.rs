@@ -3,10 +3,10 @@
 use glam::{DVec3, Vec3};
 
 use crate::error::Result;
+use crate::model::world::World;
 use crate::report::{Energy, SphereState};
 use crate::scene::{Scene, SphereId};
 use crate::simulation::{Simulation, engine};
-use crate::world::World;
 
 impl Simulation {
     /// The scene: objects with their present parameters. The state of spheres is that of the last read; see
@@ -25,11 +25,11 @@ impl Simulation {
     }
 
     /// The buffers on the GPU, for rendering and other kernels; `None` on the CPU backend. Their layout is that of
-    /// [`layout`](crate::layout) and [`Buffer`](crate::stage::Buffer). Sphere i in order of addition stands at memory slot
+    /// [`layout`](crate::model::layout) and [`Buffer`](crate::model::buffer::Buffer). Sphere i in order of addition stands at memory slot
     /// [`Simulation::slot`]`(i)`. An array that is larger than one binding may be stands in several buffers
-    /// ([`GpuWorld::chunks`](crate::gpu::GpuWorld::chunks)).
+    /// ([`GpuWorld::chunks`](crate::exec::gpu::GpuWorld::chunks)).
     #[cfg(feature = "gpu")]
-    pub fn gpu_view(&self) -> Option<&crate::gpu::GpuWorld> {
+    pub fn gpu_view(&self) -> Option<&crate::exec::gpu::GpuWorld> {
         self.engine.gpu_world()
     }
 
@@ -54,7 +54,7 @@ impl Simulation {
         let step = &self.world.step;
         match step.slots_at {
             0 => sphere,
-            at => self.world.words[at as usize + sphere] as usize,
+            at => self.world.topology[at as usize + sphere] as usize,
         }
     }
 

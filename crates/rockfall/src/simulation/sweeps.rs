@@ -3,7 +3,8 @@
 //! A step that turns out to need sweeps, or more room for collisions, is void and is run again with them. Results do not depend on it.
 
 use crate::error::Result;
-use crate::layout::{FEW_COLLISIONS, SWEEPS_FEW, SWEEPS_ON, Status, VOID_MANY};
+use crate::model::layout::{FEW_COLLISIONS, SWEEPS_FEW, SWEEPS_ON};
+use crate::model::status::{REJECTED_MANY, Status};
 use crate::simulation::Simulation;
 
 /// Steps without collisions that share bodies after which sweeps are left out.
@@ -18,14 +19,14 @@ impl Simulation {
     /// After a step that was void for want of sweeps or of room for collisions.
     pub(super) fn begin_sweeps(&mut self) -> Result<()> {
         (self.calm_steps, self.few_steps) = (0, 0);
-        let needed = self.status.listed.max(self.status.told().collisions);
+        let needed = self.status.listed.max(self.status.total_counters().collisions);
         if needed.max(1) > self.world.step.collision_room {
             let usual = (self.world.step.movers() / MOVERS_A_COLLISION).max(LEAST_ROOM);
             self.world.step.collision_room = needed.saturating_mul(2).max(usual);
             self.engine.resize_collisions(&self.world)?;
         }
         let step = &mut self.world.step;
-        let at_once = step.may_sweep_at_once() && needed <= FEW_COLLISIONS && self.status.void & VOID_MANY == 0;
+        let at_once = step.may_sweep_at_once() && needed <= FEW_COLLISIONS && self.status.rejected & REJECTED_MANY == 0;
         step.sweeps = if at_once { SWEEPS_FEW.max(step.sweeps) } else { SWEEPS_ON };
         Ok(())
     }

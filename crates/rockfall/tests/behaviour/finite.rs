@@ -1,6 +1,6 @@
 //! A body that stops being finite is told, with its index, step and stage; the others stay as they are.
 
-use rockfall::layout::BadStage;
+use rockfall::error::BadStage;
 use rockfall::{Backend, BroadPhase, Error, Options, Rod, Scene, Simulation, Sphere, SphereId, Tether, TetherId};
 
 use crate::common::*;

@@ -163,7 +163,7 @@ fn ends_share_the_spin_about_the_axis(backend: Backend) {
 
 /// A capsule that rolls at 20 rad/s and tumbles at w = 10 rad/s: moments of inertia 0.05 along and 0.55 across, so that free of
 /// torque its axis goes round the angular momentum at W, W^2 = w^2 + (20 * 0.05 / 0.55)^2. A step of h takes h^4 w^2 W^2 / 8 of
-/// the spin about the axis (`stage/turn.rs`); were the axis to follow the ends alone, it would take 1 - cos(h w) = 2 %.
+/// the spin about the axis (`step/integrate/turn.rs`); were the axis to follow the ends alone, it would take 1 - cos(h w) = 2 %.
 fn capsules_keep_their_roll_while_they_tumble(backend: Backend) {
     let (roll, w, h, steps) = (20.0, 10.0, 0.02_f64, 16);
     let mut scene = weightless();

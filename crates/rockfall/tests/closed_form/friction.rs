@@ -121,7 +121,7 @@ fn rod_rubs_on_box_edge(backend: Backend) {
 /// Coulomb's law, mu_c = 0.25, as an impulse a step. o = 0.02, m* = 2, closing at 0.4 (Cd u = 5) or opening at 0.4, Cc o = 20: N = 2 (20 + 5) = 50
 /// or 2 (20 - 5) = 30. The ball does not spin and slides at 0.64 x: it gets mu_c N dt, 12.5 dt or 7.5 dt. Slower it gets what takes all of the
 /// slip away: its inverse mass is 1/2 + 0.48^2 / 0.2 = 1.652, so at 0.09 x 0.09 / 1.652. Where damping outweighs the overlap
-/// (opening at 2: N = 0) nothing rubs. With damping that pulls (N = 2 (20 - 25) < 0) neither: friction never drives.
+/// (opening at 2: N = 0) nothing friction_impulses. With damping that pulls (N = 2 (20 - 25) < 0) neither: friction never drives.
 fn coulomb_limits_friction(backend: Backend) {
     let arm = 0.48;
     let slides = [

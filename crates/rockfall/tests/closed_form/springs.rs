@@ -110,7 +110,7 @@ fn springs_of_one_sphere_add_up(backend: Backend) {
 }
 
 /// A force of (4, 0, 0) on a mass of 2 that falls at G = 2: x = t^2, y = -t^2. Then it is changed to (0, 4, 0), which holds it.
-fn outside_force_acts_until_it_is_changed(backend: Backend) {
+fn external_force_acts_until_it_is_changed(backend: Backend) {
     let mut scene = with(|settings| settings.gravity = 2.0);
     let [ball, bystander] =
         spheres(&mut scene, [Sphere::new([0.0; 3], 0.1).mass(2.0).force([4.0, 0.0, 0.0]), Sphere::new([9.0, 0.0, 0.0], 0.1)]);
@@ -174,7 +174,7 @@ both!(
     tether_force_with_rest_length_and_damping,
     fixed_sphere_drags_through_a_damper,
     springs_of_one_sphere_add_up,
-    outside_force_acts_until_it_is_changed,
+    external_force_acts_until_it_is_changed,
     impulse_changes_the_velocity_once,
     spring_under_symplectic_euler,
 );

@@ -13,7 +13,7 @@ fn ready<T>(future: impl Future<Output = T>) -> T {
 
 /// A device of the first Vulkan adapter with limits of the test's choice.
 pub(crate) fn device(change: impl FnOnce(&mut wgpu::Limits)) -> (wgpu::Device, wgpu::Queue) {
-    let adapters = ready(rockfall::gpu::instance().enumerate_adapters(wgpu::Backends::VULKAN));
+    let adapters = ready(rockfall::exec::gpu::instance().enumerate_adapters(wgpu::Backends::VULKAN));
     let adapter = adapters.first().expect("these tests need a Vulkan driver, lavapipe will do");
     let mut required_limits = adapter.limits();
     change(&mut required_limits);

@@ -1,11 +1,11 @@
 //! The objects of a world in f64, read from its buffers by their documented layout alone.
 
 use glam::{DVec3, Vec4};
-use rockfall::layout::{
+use rockfall::model::layout::{
     BOX_WORDS, FLAG_COLLISIONS, FORCE_WORDS, KIND_FORCE, KIND_SHIFT, KIND_SPRING, KIND_TETHER, POLYGON_WORDS, ROD_WORDS,
     SPRING_WORDS, TETHER_WORDS,
 };
-use rockfall::world::World;
+use rockfall::model::world::World;
 
 #[derive(Clone)]
 pub(crate) struct Ball {
@@ -97,7 +97,7 @@ impl Bodies {
         let step = &world.step;
         let rows = &world.states[state];
         let n = step.spheres as usize;
-        let word = |at: u32, index: u32, words: u32, place: u32| world.words[(at + index * words + place) as usize];
+        let word = |at: u32, index: u32, words: u32, place: u32| world.topology[(at + index * words + place) as usize];
         let float = |at, index, words, place| f64::from(f32::from_bits(word(at, index, words, place)));
         let triple = |at, index, words, place| DVec3::from_array([0, 1, 2].map(|k: u32| float(at, index, words, place + k)));
         let bars: Vec<Bar> = (0..step.rods)
@@ -139,7 +139,7 @@ impl Bodies {
                     right: triple(step.polygons_at, k, POLYGON_WORDS, 6),
                 })
                 .collect(),
-            groups: (0..objects).map(|id| world.words[(step.tags_at + id) as usize] & 0xffff).collect(),
+            groups: (0..objects).map(|id| world.topology[(step.tags_at + id) as usize] & 0xffff).collect(),
             body_of: Vec::new(),
             springs: Vec::new(),
             balls,
@@ -162,7 +162,7 @@ impl Bodies {
     /// Works out the accelerations that do not come from contacts (docs/physics.md sections 4.1 and 4.2).
     fn pull_all(&mut self, world: &World) {
         let step = &world.step;
-        let triple = |at: usize| DVec3::from_array([0, 1, 2].map(|k| f64::from(f32::from_bits(world.words[at + k]))));
+        let triple = |at: usize| DVec3::from_array([0, 1, 2].map(|k| f64::from(f32::from_bits(world.topology[at + k]))));
         let spring = |one: (DVec3, DVec3), other: (DVec3, DVec3), constants: DVec3| {
             let d = other.0 - one.0;
             let n = d.normalize_or_zero();
@@ -172,15 +172,16 @@ impl Bodies {
         let mut springs = Vec::new();
         for k in (0..self.balls.len()).filter(|k| self.balls[*k].w > 0.0).collect::<Vec<_>>() {
             let at = step.adjacency_at as usize + 2 * k;
-            let words = if step.adjacency_at == 0 { 0..0 } else { world.words[at] as usize..world.words[at + 1] as usize };
+            let words =
+                if step.adjacency_at == 0 { 0..0 } else { world.topology[at] as usize..world.topology[at + 1] as usize };
             let own = (self.balls[k].x, self.balls[k].v);
             let mut force = DVec3::ZERO;
-            for word in &world.words[words] {
+            for word in &world.topology[words] {
                 let index = word & ((1 << KIND_SHIFT) - 1);
                 match word >> KIND_SHIFT {
                     KIND_SPRING => {
                         let at = (step.springs_at + index * SPRING_WORDS) as usize;
-                        let ends = [at, at + 1].map(|end| world.words[end] as usize);
+                        let ends = [at, at + 1].map(|end| world.topology[end] as usize);
                         let other = &self.balls[ends[usize::from(ends[0] == k)]];
                         let constants = triple(at + 2);
                         force += spring(own, (other.x, other.v), constants);

@@ -2,9 +2,13 @@
 
 use std::sync::atomic::{AtomicU32, Ordering};
 
-use rockfall::layout::{LEAPS, SWEEPS_OFF};
-use rockfall::stage::{Buffer, Part, Run, Stage, Threads};
-use rockfall::world::World;
+use rockfall::model::buffer::Buffer;
+use rockfall::model::dispatch::Threads;
+use rockfall::model::layout::{SWEEPS_OFF, SYMPLECTIC_EULER};
+use rockfall::model::world::World;
+use rockfall::step::schedule::Run;
+use rockfall::step::stage::Stage;
+use rockfall::step::wgsl::{Part, Wgsl};
 use rockfall::{Integrator, Settings};
 
 use crate::compare::{MEASURED, differences};
@@ -16,10 +20,10 @@ use crate::trace::{COLLISIONS, Only, POSITIONS, Plan, Scenario, Trace, trace};
 /// A mistake: in which stage and pass, the file, the text and what it becomes, and the buffer that it shows in.
 struct Mistake(&'static str, u32, &'static str, &'static str, &'static str, Buffer);
 
-// No scenario tells these yet: in `commit_leap` angular momenta that are not taken over; in `find_collisions` a threshold without gravity; in
+// No scenario tells these yet: in `commit_symplectic_euler` angular momenta that are not taken over; in `find_collisions` a threshold without gravity; in
 // `weigh_collisions` a capsule's impulse that is not divided, one gathered side of two, a wrong sign of plain couplings, and a single
 // collision on a network that is swept like others; in `gather_impulses` a wrong sign of side B; in `apply_collisions` a negative time of
-// contact, and a workgroup's second sum; in `advance` and `leap` friction above its bound.
+// contact, and a workgroup's second sum; in `advance` and `symplectic_euler` friction above its bound.
 const MISTAKES: [Mistake; 111] = [
     Mistake("update_aabbs", 0, "update_aabbs.wgsl", "0.02 * radius", "0.03 * radius", Buffer::Aabbs),
     Mistake("update_aabbs", 0, "travel.wgsl", "length(fourth - third)", "length(fourth)", Buffer::Aabbs),
@@ -35,8 +39,8 @@ const MISTAKES: [Mistake; 111] = [
     Mistake("count_cells", 0, "grid.wgsl", "u32(z) * ROW_Z", "u32(z) * ROW_Y", Buffer::Cells),
     Mistake("count_cells", 0, "count_object.wgsl", "max(out.x, max(out.y", "max(out.x, min(out.y", Buffer::Cells),
     Mistake("build_grid", 0, "count_object.wgsl", "1u << level);", "1u);", Buffer::Cells),
-    Mistake("plan_lists", 0, "plan_lists.wgsl", "status.rebuild != 0u", "status.rebuild == 0u", Buffer::Sizes),
-    Mistake("sum_blocks", 0, "scan_cells.wgsl", "local == TEAM - 1u", "local == 0u", Buffer::Cells),
+    Mistake("plan_lists", 0, "plan_lists.wgsl", "status.rebuild != 0u", "status.rebuild == 0u", Buffer::DispatchSizes),
+    Mistake("sum_blocks", 0, "scan_cells.wgsl", "local == GROUP_SIZE - 1u", "local == 0u", Buffer::Cells),
     Mistake(
         "place_cells",
         0,
@@ -67,10 +71,17 @@ const MISTAKES: [Mistake; 111] = [
     Mistake("fill_long", 0, "bitonic.wgsl", "2u * stride - 1u", "stride", Buffer::Lists),
     Mistake("fill_long", 0, "fill_long.wgsl", "sums[local] - 1u", "sums[local]", Buffer::Lists),
     Mistake("find_collisions", 0, "margin.wgsl", "radius - room", "radius - 0.5 * room", Buffer::Status),
-    Mistake("find_collisions", 0, "judge.wgsl", "(any_bits & ENTRY_COLLIDES)", "(any_bits & ENTRY_OVERLAPS)", Buffer::Lists),
+    Mistake(
+        "find_collisions",
+        0,
+        "classify_contacts.wgsl",
+        "(any_bits & ENTRY_COLLIDES)",
+        "(any_bits & ENTRY_OVERLAPS)",
+        Buffer::Lists,
+    ),
     Mistake("find_collisions", 0, "find_collisions.wgsl", "e += WORKGROUP", "e += 2u * WORKGROUP", Buffer::Lists),
-    Mistake("find_collisions", 0, "teams.wgsl", "(workgroup - step.large)", "workgroup", Buffer::Lists),
-    Mistake("find_collisions", 0, "judge.wgsl", "min(radius, ", "max(radius, ", Buffer::Lists),
+    Mistake("find_collisions", 0, "workgroup_per_sphere.wgsl", "(workgroup - step.large)", "workgroup", Buffer::Lists),
+    Mistake("find_collisions", 0, "classify_contacts.wgsl", "min(radius, ", "max(radius, ", Buffer::Lists),
     Mistake("find_collisions", 0, "geometry.wgsl", "nn <= 1e-8 * aa * bb", "nn < 0.0", Buffer::Lists),
     Mistake("commit_collisions", 0, "take_next.wgsl", "region < 3u", "region < 1u", Buffer::Start),
     Mistake("commit_collisions", 0, "collided.wgsl", "collided, 2u", "collided, 1u", Buffer::Status),
@@ -84,7 +95,14 @@ const MISTAKES: [Mistake; 111] = [
     Mistake("finish", 3, "finished.wgsl", "step.dt / 6.0", "step.dt / 3.0", Buffer::Start),
     Mistake("finish_and_turn", 3, "finished.wgsl", "step.dt / 6.0", "step.dt / 3.0", Buffer::Start),
     Mistake("finish_and_turn", 3, "rotation.wgsl", "0.5 * rate", "rate", Buffer::Orientations),
-    Mistake("leap", 0, "leap_state.wgsl", "step.dt * after.velocity", "step.dt * old_velocity.xyz", Buffer::Y2),
+    Mistake(
+        "symplectic_euler",
+        0,
+        "symplectic_euler_state.wgsl",
+        "step.dt * after.velocity",
+        "step.dt * old_velocity.xyz",
+        Buffer::Y2,
+    ),
     Mistake("commit_and_turn", 0, "commit_and_turn.wgsl", "momentum.xyz * momentum.w", "momentum.xyz", Buffer::Orientations),
     Mistake("constrain", 0, "constrain.wgsl", "correction / step.dt", "correction * step.dt", Buffer::Start),
     Mistake("turn", 0, "turn.wgsl", "cross(spins + orbit, d)", "cross(spins - orbit, d)", Buffer::Start),
@@ -94,23 +112,30 @@ const MISTAKES: [Mistake; 111] = [
     Mistake("count_digits", 1, "digits.wgsl", "digit * ((step", "digit + ((step", Buffer::Cells),
     Mistake("scatter_digits", 0, "scatter_digits.wgsl", "counts[at] += 1u", "counts[at] += 0u", Buffer::Y3),
     Mistake("scatter_digits", 7, "digits.wgsl", "* DIGIT_BITS", "* 3u", Buffer::Y2),
-    Mistake("permute_spheres", 0, "permute_spheres.wgsl", "words[step.users_at + from_]", "from_", Buffer::Y4),
-    Mistake("settle_spheres", 0, "settle_spheres.wgsl", "follow(at + 1u);", "", Buffer::Words),
-    Mistake("settle_spheres", 0, "settle_spheres.wgsl", "= moved.y", "= moved.x", Buffer::Words),
+    Mistake("permute_spheres", 0, "permute_spheres.wgsl", "topology[step.insertion_indices_at + from_]", "from_", Buffer::Y4),
+    Mistake("settle_spheres", 0, "settle_spheres.wgsl", "follow(at + 1u);", "", Buffer::Topology),
+    Mistake("settle_spheres", 0, "settle_spheres.wgsl", "= moved.y", "= moved.x", Buffer::Topology),
     Mistake(
         "settle_spheres",
         0,
         "settle_spheres.wgsl",
         "step.slots_at + own.y] = i",
         "step.slots_at + i] = own.y",
-        Buffer::Words,
+        Buffer::Topology,
     ),
     Mistake("measure_order", 0, "measure_order.wgsl", "32u - count", "31u - count", Buffer::Status),
     Mistake("end_step", 0, "close_step.wgsl", "atomicLoad(&max_overlap)", "atomicLoad(&contacts)", Buffer::Status),
     Mistake("run_steps", COLLISIONS, "run_steps.wgsl", "(k + order) % 2u", "(k + order + 1u) % 2u", Buffer::Status),
     Mistake("run_steps", COLLISIONS, "four_states.wgsl", "(0u, region, i)] = row", "(1u, region, i)] = row", Buffer::Start),
     Mistake("run_steps", POSITIONS, "run_steps.wgsl", "evaluated = evaluation", "evaluated = evaluation / 2u", Buffer::Start),
-    Mistake("run_steps", POSITIONS | LEAPS, "run_steps.wgsl", "next_row(2u, i)", "next_row(1u, i)", Buffer::Orientations),
+    Mistake(
+        "run_steps",
+        POSITIONS | SYMPLECTIC_EULER,
+        "run_steps.wgsl",
+        "next_row(2u, i)",
+        "next_row(1u, i)",
+        Buffer::Orientations,
+    ),
     Mistake("run_steps", POSITIONS, "four_states.wgsl", "(2u, region", "(1u, region", Buffer::Start),
     Mistake("find_collisions", 0, "collision.wgsl", "(at - capsule.centre) * cross", "at * cross", Buffer::Lists),
     Mistake("list_collisions", 0, "list_collisions.wgsl", "low = middle + 1u", "high = middle", Buffer::Start),
@@ -126,7 +151,14 @@ const MISTAKES: [Mistake; 111] = [
         Buffer::Start,
     ),
     Mistake("weigh_networks", 0, "networks.wgsl", "row.y -= along * row.w", "row.y += along * row.w", Buffer::Start),
-    Mistake("weigh_collisions", 0, "company.wgsl", "PERPENDICULAR: f32 = 0.001", "PERPENDICULAR: f32 = 0.5", Buffer::Start),
+    Mistake(
+        "weigh_collisions",
+        0,
+        "other_collisions.wgsl",
+        "PERPENDICULAR: f32 = 0.001",
+        "PERPENDICULAR: f32 = 0.5",
+        Buffer::Start,
+    ),
     Mistake(
         "weigh_collisions",
         0,
@@ -135,35 +167,21 @@ const MISTAKES: [Mistake; 111] = [
         "inverse_mass(k.a_id)",
         Buffer::Start,
     ),
-    Mistake("weigh_collisions", 0, "time_of_contact.wgsl", "0.5 * tau * tau", "2000.0 * tau * tau", Buffer::Start),
-    Mistake(
-        "weigh_collisions",
-        0,
-        "time_of_contact.wgsl",
-        "poise.v1 - tau * pull.a1",
-        "poise.v1 + tau * pull.a1",
-        Buffer::Start,
-    ),
-    Mistake("weigh_collisions", 0, "time_of_contact.wgsl", "(turn.x / rate) * q", "(turn.x * rate) * q", Buffer::Start),
-    Mistake("weigh_collisions", 0, "signed_touch.wgsl", "half.at > 0.5", "half.at < 0.5", Buffer::Start),
-    Mistake(
-        "weigh_collisions",
-        0,
-        "signed_touch.wgsl",
-        "centre.w - dot(centre.xyz - face",
-        "-dot(centre.xyz - face",
-        Buffer::Start,
-    ),
+    Mistake("weigh_collisions", 0, "lone.wgsl", "0.5 * tau * tau", "2000.0 * tau * tau", Buffer::Start),
+    Mistake("weigh_collisions", 0, "lone.wgsl", "poise.v1 - tau * pull.a1", "poise.v1 + tau * pull.a1", Buffer::Start),
+    Mistake("weigh_collisions", 0, "lone.wgsl", "(turn.x / rate) * q", "(turn.x * rate) * q", Buffer::Start),
+    Mistake("weigh_collisions", 0, "touch.wgsl", "half.at > 0.5", "half.at < 0.5", Buffer::Start),
+    Mistake("weigh_collisions", 0, "touch.wgsl", "centre.w - dot(centre.xyz - face", "-dot(centre.xyz - face", Buffer::Start),
     Mistake("weigh_collisions", 0, "couplings.wgsl", "1.0 - half.at, side", "half.at, side", Buffer::Start),
     Mistake("sweep_at_once", 0, "sweep_at_once.wgsl", "sweeps < SWEEPS;", "sweeps < SWEEPS / 2u;", Buffer::Start),
-    Mistake("sweep_at_once", 0, "sweep.wgsl", "max(0.0, fma(fma", "max(-1e9, fma(fma", Buffer::Start),
-    Mistake("sweep_at_once", 0, "sweep.wgsl", "SWEEP_SIZES[sweeps / 2u]", "SWEEP_SIZES[3u - sweeps / 2u]", Buffer::Start),
-    Mistake("sweep_at_once", 0, "sweep.wgsl", "place + 1u < count", "place + 1u < 0u", Buffer::Start),
+    Mistake("sweep_at_once", 0, "cluster.wgsl", "max(0.0, fma(fma", "max(-1e9, fma(fma", Buffer::Start),
+    Mistake("sweep_at_once", 0, "cluster.wgsl", "SWEEP_SIZES[sweeps / 2u]", "SWEEP_SIZES[3u - sweeps / 2u]", Buffer::Start),
+    Mistake("sweep_at_once", 0, "cluster.wgsl", "place + 1u < count", "place + 1u < 0u", Buffer::Start),
     Mistake("sweep_collisions", 0, "sweep_collisions.wgsl", "(sweeps != 0u)", "(sweeps > 1u)", Buffer::Start),
     Mistake(
         "sweep_collisions",
         0,
-        "sweep.wgsl",
+        "cluster.wgsl",
         "fma(1.0 + step.restitution, approach",
         "fma(step.restitution, approach",
         Buffer::Start,
@@ -178,7 +196,7 @@ const MISTAKES: [Mistake; 111] = [
     ),
     Mistake("project_networks", 1, "networks.wgsl", "rod_ends(rod).x == sphere", "rod_ends(rod).y == sphere", Buffer::Start),
     Mistake("gather_impulses", 1, "gather_impulses.wgsl", "inverse_mass(sphere) * sum", "sum", Buffer::Start),
-    Mistake("apply_collisions", 0, "company.wgsl", "two.weight * inverse_mass(b)", "two.weight", Buffer::Start),
+    Mistake("apply_collisions", 0, "other_collisions.wgsl", "two.weight * inverse_mass(b)", "two.weight", Buffer::Start),
     Mistake("apply_collisions", 0, "changes.wgsl", "impulse * plainly.solved.tau", "plainly.solved.tau", Buffer::Start),
     Mistake("apply_collisions", 0, "apply_collisions.wgsl", "min(count - begin, WORKGROUP)", "1u", Buffer::Start),
     Mistake("apply_collisions", 0, "objects.wgsl", "select(end, NONE, end == SOME_RODS)", "NONE", Buffer::Start),
@@ -206,35 +224,49 @@ const MISTAKES: [Mistake; 111] = [
         "select(1.0 - at, at, rod_ends",
         Buffer::Start,
     ),
-    Mistake("rub_contacts", 0, "rubs.wgsl", "found += countOneBits", "found = countOneBits", Buffer::Start),
     Mistake(
-        "rub_contacts",
+        "apply_friction_impulses",
         0,
-        "rubs.wgsl",
+        "friction_impulses.wgsl",
+        "found += countOneBits",
+        "found = countOneBits",
+        Buffer::Start,
+    ),
+    Mistake(
+        "apply_friction_impulses",
+        0,
+        "friction_impulses.wgsl",
         "step.coulomb_friction * step.dt * force",
         "step.coulomb_friction * force",
         Buffer::Start,
     ),
     Mistake(
-        "rub_contacts",
+        "apply_friction_impulses",
         0,
-        "rubs.wgsl",
+        "friction_impulses.wgsl",
         "limit = step.collision_friction * impulse_at",
         "limit = impulse_at",
         Buffer::Start,
     ),
-    Mistake("rub_contacts", 0, "rubs.wgsl", "part * part * (w", "part * (w", Buffer::Start),
+    Mistake("apply_friction_impulses", 0, "friction_impulses.wgsl", "part * part * (w", "part * (w", Buffer::Start),
     Mistake(
-        "rub_contacts",
+        "apply_friction_impulses",
         0,
-        "rub_contacts.wgsl",
+        "apply_friction_impulses.wgsl",
         "select(-share, share, is_a)",
         "select(share, -share, is_a)",
         Buffer::Start,
     ),
-    Mistake("rub_contacts", 0, "rub_contacts.wgsl", "inverse_roll(ends) * rubbed.rolling", "rubbed.rolling", Buffer::Start),
-    Mistake("commit_leap", 0, "take_next.wgsl", "region < 3u", "region < 1u", Buffer::Start),
-    Mistake("commit_rubs", 0, "take_next.wgsl", "region < 3u", "region < 1u", Buffer::Start),
+    Mistake(
+        "apply_friction_impulses",
+        0,
+        "apply_friction_impulses.wgsl",
+        "inverse_roll(ends) * rubbed.rolling",
+        "rubbed.rolling",
+        Buffer::Start,
+    ),
+    Mistake("commit_symplectic_euler", 0, "take_next.wgsl", "region < 3u", "region < 1u", Buffer::Start),
+    Mistake("commit_friction_impulses", 0, "take_next.wgsl", "region < 3u", "region < 1u", Buffer::Start),
     Mistake("advance", 1, "contact.wgsl", "fresh | (approach < -threshold)", "fresh", Buffer::Y3),
     Mistake("run_steps", COLLISIONS, "changes.wgsl", "impulse * plainly.solved.tau", "plainly.solved.tau", Buffer::Start),
 ];
@@ -246,11 +278,11 @@ fn is_file(part: &Part, file: &str) -> bool {
 
 /// A run whose stage has another text in a file, if the file is part of it. It lives as long as the process, as stages do.
 pub(crate) fn rewritten(run: Run, file: &str, rewrite: impl Fn(&str) -> String) -> Run {
-    let mut parts: Vec<Part> = run.stage.parts.to_vec();
+    let mut parts = run.stage.parts();
     if let Some(part) = parts.iter_mut().find(|part| is_file(part, file)) {
         part.text = rewrite(part.text).leak();
     }
-    let stage = Stage { parts: parts.leak(), ..*run.stage };
+    let stage = Stage { wgsl: Wgsl::Parts(parts.leak()), ..*run.stage };
     Run { stage: Box::leak(Box::new(stage)), ..run }
 }
 
@@ -263,7 +295,7 @@ fn broken(runs: &[Run], mistake: &Mistake, made: &mut Option<&'static Stage>) ->
         }
         // One stage for all its passes, of a name of its own: a device keeps kernels by name.
         let stage = *made.get_or_insert_with(|| {
-            assert!(run.stage.parts.iter().any(|part| is_file(part, file)), "{name} has no {file}");
+            assert!(run.stage.parts().iter().any(|part| is_file(part, file)), "{name} has no {file}");
             let mistaken = rewritten(*run, file, |text| {
                 let mistaken = text.replacen(right, wrong, 1);
                 assert_ne!(mistaken, text, "{file} has no '{right}'");
@@ -283,7 +315,7 @@ fn broken(runs: &[Run], mistake: &Mistake, made: &mut Option<&'static Stage>) ->
 /// The file that a stage's entry point stands in.
 fn file_of(stage: &str) -> &str {
     match stage {
-        "sum_blocks" | "place_cells" => "stage/scan_cells",
+        "sum_blocks" | "place_cells" => "scan_cells",
         _ => stage,
     }
 }
@@ -354,7 +386,7 @@ fn a_kernel_with_a_mistake_is_told() {
 
 #[test]
 fn there_is_a_mistake_for_every_stage() {
-    for stage in rockfall::stage::ALL {
+    for stage in rockfall::step::catalog::ALL {
         assert!(MISTAKES.iter().any(|mistake| mistake.0 == stage.name), "{}", stage.name);
     }
 }

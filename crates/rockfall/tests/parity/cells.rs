@@ -1,7 +1,7 @@
 //! The decisions of the grid broad phase: on which level an object is, and in which cell a coordinate lies.
 
-use rockfall::layout::{LEVEL_BIAS, TOP_LEVEL};
-use rockfall::world::World;
+use rockfall::model::layout::{LEVEL_BIAS, TOP_LEVEL};
+use rockfall::model::world::World;
 
 use crate::decisions::Findings;
 

@@ -9,9 +9,10 @@
 use glam::{Vec3, Vec4};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
-use rockfall::layout::{Status, TELLERS, Told};
-use rockfall::stage::{Buffer, Run};
-use rockfall::world::World;
+use rockfall::model::buffer::Buffer;
+use rockfall::model::status::{COUNTER_BLOCKS, Counters, Status};
+use rockfall::model::world::World;
+use rockfall::step::schedule::Run;
 
 use crate::decisions::entries;
 use crate::order::canonical;
@@ -66,7 +67,7 @@ fn floats(world: &World) -> Vec<Floats> {
     }
     field(Buffer::Orientations, "quaternion", flat(&world.orientations));
     let status = &world.status;
-    let measured = [status.escape_ratio, status.told().max_overlap, status.last_max_overlap];
+    let measured = [status.escape_ratio, status.total_counters().max_overlap, status.last_max_overlap];
     field(Buffer::Status, "overlaps and escapes", measured.map(f32::from_bits).to_vec());
     all
 }
@@ -75,14 +76,14 @@ fn words(world: &World) -> Vec<(Buffer, &'static str, Vec<u32>)> {
     let tags = world.aabbs.iter().flat_map(|aabb| [aabb.id, aabb.tag]).collect();
     let head = world.lists[..world.step.entries_at as usize].to_vec();
     let lists = entries(world).into_iter().map(|entry| entry.word).collect();
-    // Who has told what is left to the devices.
-    let mut told = [Told::default(); TELLERS as usize];
-    told[0] = Told { max_overlap: 0, ..world.status.told() };
-    let counters = Status { told, escape_ratio: 0, last_max_overlap: 0, ..world.status };
+    // Which workgroup counted what may differ between devices.
+    let mut counters = [Counters::default(); COUNTER_BLOCKS as usize];
+    counters[0] = Counters { max_overlap: 0, ..world.status.total_counters() };
+    let counters = Status { counters, escape_ratio: 0, last_max_overlap: 0, ..world.status };
     vec![
         (Buffer::Aabbs, "ids and tags", tags),
-        (Buffer::Words, "words", world.words.clone()),
-        (Buffer::Sizes, "sizes", world.sizes.clone()),
+        (Buffer::Topology, "words", world.topology.clone()),
+        (Buffer::DispatchSizes, "sizes", world.sizes.clone()),
         (Buffer::Cells, "cells", world.cells.clone()),
         (Buffer::Lists, "counts and offsets", head),
         (Buffer::Lists, "entries", lists),

@@ -5,8 +5,8 @@
 use std::collections::BTreeMap;
 
 use glam::DVec3;
-use rockfall::layout::{ENTRY_BITS, ENTRY_OVERLAPS, LIST_COUNT_MASK, SLICE};
-use rockfall::world::World;
+use rockfall::model::layout::{ENTRY_BITS, ENTRY_OVERLAPS, LIST_COUNT_MASK, SLICE};
+use rockfall::model::world::World;
 
 use crate::bodies::{Bodies, Kind};
 use crate::collide::{self, Change, Share};
@@ -166,8 +166,8 @@ fn force(bodies: &Bodies, a: usize, b: usize, touch: &Touch, findings: &mut Find
     }
 }
 
-/// The decisions of `rub_contacts`, in the state that the collisions have left (docs/physics.md section 3.9).
-pub(crate) fn rubs(world: &World, findings: &mut Findings) {
+/// The decisions of `apply_friction_impulses`, in the state that the collisions have left (docs/physics.md section 3.9).
+pub(crate) fn friction_impulses(world: &World, findings: &mut Findings) {
     let bodies = &Bodies::new(world, 0);
     let pressed = entries(world).into_iter().filter(|entry| entry.word & ENTRY_OVERLAPS != 0 && entry.mover < entry.other);
     for Entry { mover: a, other: b, feature, .. } in pressed {
@@ -189,7 +189,7 @@ pub(crate) fn rubs(world: &World, findings: &mut Findings) {
             findings.see("rub without a line".to_owned());
             continue;
         }
-        findings.decide("where it rubs", a, touch.sure);
+        findings.decide("where it friction_impulses", a, touch.sure);
         findings.decide("overlap", a, touch.overlap);
         findings.see(format!("{} rubbing", touch.kind));
         if bodies.coulomb > 0.0 && touch.overlap > 0.0 {

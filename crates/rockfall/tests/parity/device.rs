@@ -2,9 +2,10 @@
 
 use std::sync::LazyLock;
 
-use rockfall::gpu::{Gpu, GpuWorld, block_on};
-use rockfall::stage::{Buffer, Run};
-use rockfall::world::World;
+use rockfall::exec::gpu::{Gpu, GpuWorld, block_on};
+use rockfall::model::buffer::Buffer;
+use rockfall::model::world::World;
+use rockfall::step::schedule::Run;
 
 /// A test without an adapter fails: skipped it would prove nothing.
 pub(crate) fn open() -> Gpu {
@@ -28,7 +29,7 @@ pub(crate) fn on_gpu(gpu: &Gpu, before: &World, runs: &[Run]) -> World {
     }
     after.aabbs.fill(bytemuck::Zeroable::zeroed());
     after.lists.fill(u32::MAX);
-    after.words.fill(u32::MAX);
+    after.topology.fill(u32::MAX);
     after.cells.fill(u32::MAX);
     after.sizes.fill(u32::MAX);
     block_on(gpu.device(), device.download(&mut after, &Buffer::ALL)).unwrap();

@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 
 use rockfall::Integrator;
-use rockfall::layout::{ENTRY_COLLIDES, ENTRY_OVERLAPS};
-use rockfall::world::World;
+use rockfall::model::layout::{ENTRY_COLLIDES, ENTRY_OVERLAPS};
+use rockfall::model::world::World;
 
 use crate::bodies::Bodies;
 use crate::decisions::{Contact, Findings, collisions, entries};

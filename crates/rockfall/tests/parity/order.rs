@@ -1,8 +1,8 @@
 //! The grid broad phase leaves some things in any order. Here they are put into one, so that they can be compared; and scratch that
 //! a stage does not share with its twin is left out.
 
-use rockfall::layout::{CELLS_AT, LIST_COUNT_MASK, SLICE, words_of};
-use rockfall::world::World;
+use rockfall::model::layout::{CELLS_AT, LIST_COUNT_MASK, SLICE, words_of};
+use rockfall::model::world::World;
 
 /// The world after a stage, or after a group that begins with it, with what that leaves in any order put in order.
 pub(crate) fn canonical(world: &World, stage: &str) -> World {

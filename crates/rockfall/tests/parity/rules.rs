@@ -5,10 +5,10 @@ use std::future::Future;
 use glam::Vec3;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
-use rockfall::gpu::Gpu;
-use rockfall::layout::{SLICE, WORKGROUP};
-use rockfall::stage::{Phase, Run};
-use rockfall::world::World;
+use rockfall::exec::gpu::Gpu;
+use rockfall::model::layout::{SLICE, WORKGROUP};
+use rockfall::model::world::World;
+use rockfall::step::schedule::{Phase, Run};
 use rockfall::{BroadPhase, Capsule, Cuboid, Integrator, Polygon, Rod, Scene, Sphere, SphereId, Spring, wgpu};
 
 use crate::broken::rewritten;
@@ -132,7 +132,7 @@ fn what_is_decided_by_rule() {
     capsules(&mut scene);
     for integrator in [Integrator::Rk4, Integrator::SymplecticEuler] {
         let last = assert_alike(&GPU, &scene, &stages(&Phase::STEP, integrator), 3, 1e6).status;
-        assert!(last.void == 0 && last.last_contacts > 20 && last.total_collisions_low > 5, "{last:?}");
+        assert!(last.rejected == 0 && last.last_contacts > 20 && last.total_collisions_low > 5, "{last:?}");
     }
 }
 
@@ -174,14 +174,14 @@ fn bodies_that_stop_being_finite() {
             scene.add_spring(Spring::new(ids[one], ids[two], 3e38, 0.1)).unwrap();
         }
         let status = assert_alike(&GPU, &scene, &stages(&Phase::STEP, integrator), 1, 1e30).status;
-        assert!(status.total_bad >= 4 && status.bad_step == 1 && status.void != 0, "{status:?}");
+        assert!(status.total_bad >= 4 && status.bad_step == 1 && status.rejected != 0, "{status:?}");
     }
 }
 
 /// A device that grants only thirteen workgroups in a dimension.
 fn narrow() -> Gpu {
     let open = async {
-        let adapter = rockfall::gpu::instance().request_adapter(&Default::default()).await.unwrap();
+        let adapter = rockfall::exec::gpu::instance().request_adapter(&Default::default()).await.unwrap();
         let required_limits = wgpu::Limits { max_compute_workgroups_per_dimension: 13, ..adapter.limits() };
         let wanted = wgpu::DeviceDescriptor { required_limits, ..Default::default() };
         adapter.request_device(&wanted).await.unwrap()
@@ -214,7 +214,7 @@ fn thousands_in_two_dimensions_of_workgroups() {
         let runs = stages(&phases, Integrator::SymplecticEuler);
         let World { step, status, .. } = assert_alike(&gpu, &scene, &runs, 1, 15.0);
         assert!(step.spheres.div_ceil(WORKGROUP) > 10 * 13, "{step:?}");
-        assert!(status.void == 0 && status.told().collisions + status.last_contacts > 1000, "{status:?}");
+        assert!(status.rejected == 0 && status.total_counters().collisions + status.last_contacts > 1000, "{status:?}");
     }
 }
 
@@ -229,23 +229,23 @@ fn escapes_void_the_step() {
         world.step.dt = 0.02;
         world.step.margin_scale = 1e-3;
         world.set_pair_rows(1 << 9);
-        let mut voided = 0;
+        let mut rejected = 0;
         swept(&mut world);
         for group in grouped(&stages(&Phase::STEP, integrator)) {
             let before = world.clone();
             group.iter().for_each(|run| run.on_cpu(&mut world));
             let gpu = on_gpu(&GPU, &before, &group).status;
-            assert_eq!(gpu.void, world.status.void, "{}", group[0].stage.name);
-            if world.status.void != 0 {
-                voided += 1;
+            assert_eq!(gpu.rejected, world.status.rejected, "{}", group[0].stage.name);
+            if world.status.rejected != 0 {
+                rejected += 1;
                 let [found, largest] = [gpu, world.status].map(|status| f32::from_bits(status.escape_ratio));
                 assert!((1.0..largest * 1.001).contains(&found), "{found} {largest}");
                 assert_eq!(world.states[0], before.states[0]);
                 // On to the next stage, as if it had not been: the CPU goes through a stage to its end.
-                world.status.void = 0;
+                world.status.rejected = 0;
                 world.status.escape_ratio = 0;
             }
         }
-        assert!(voided > 0);
+        assert!(rejected > 0);
     }
 }

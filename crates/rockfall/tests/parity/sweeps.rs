@@ -2,7 +2,7 @@
 //! has turned too far within the step. The sweeps are made again, in f64.
 
 use glam::DVec3;
-use rockfall::world::World;
+use rockfall::model::world::World;
 
 use crate::bodies::Bodies;
 use crate::decisions::Findings;
@@ -44,7 +44,7 @@ struct Sweeps {
 
 impl Sweeps {
     fn new(world: &World, batch: u32) -> Self {
-        let word = |at: usize| world.words[at] as usize;
+        let word = |at: usize| world.topology[at] as usize;
         let first = word((world.step.batches_at + batch) as usize);
         let colours = (0..word(first)).map(|colour| {
             let range = word(first + 1 + colour)..word(first + 2 + colour);

@@ -1,11 +1,12 @@
 //! The worlds that the stages of a step begin with, with every decision of the step far from its switch.
 
-use rockfall::layout::{
-    CELL_BLOCK, CELLS_AT, FLAG_STAGES, LEAPS, PHASES_SHIFT, POSITIONS_FIRST, ROD_WORDS, SLICE, SWEEPS_FEW, SWEEPS_LISTED,
-    SWEEPS_OFF, SWEEPS_ON,
+use rockfall::model::layout::{
+    CELL_BLOCK, CELLS_AT, FLAG_STAGES, PHASES_SHIFT, POSITIONS_FIRST, ROD_WORDS, SLICE, SWEEPS_FEW, SWEEPS_LISTED, SWEEPS_OFF,
+    SWEEPS_ON, SYMPLECTIC_EULER,
 };
-use rockfall::stage::{ALL, MEASURE_ORDER, Phase, Run, SORT_MEMORY, When};
-use rockfall::world::World;
+use rockfall::model::world::World;
+use rockfall::step::catalog::ALL;
+use rockfall::step::schedule::{MEASURE_ORDER, Phase, Run, SORT_MEMORY, When};
 use rockfall::{BroadPhase, Integrator, Settings};
 
 use crate::cells;
@@ -66,8 +67,8 @@ const SOLVING: [&str; 11] = [
     "project_networks",
     "apply_collisions",
     "commit_collisions",
-    "rub_contacts",
-    "commit_rubs",
+    "apply_friction_impulses",
+    "commit_friction_impulses",
 ];
 
 /// Stages in the groups that can be compared.
@@ -124,7 +125,7 @@ pub(crate) fn trace(plan: &Plan) -> Trace {
         let drawn = clusters(plan, &attempts);
         let trace = run(&drawn, plan);
         if trace.findings.near.is_empty() {
-            assert_eq!(trace.after.status.void, 0, "the margins are too narrow for the forces");
+            assert_eq!(trace.after.status.rejected, 0, "the margins are too narrow for the forces");
             return trace;
         }
         let mut again: Vec<usize> = trace.findings.near.iter().map(|near| drawn.cluster_of[near.object]).collect();
@@ -199,7 +200,7 @@ fn run(drawn: &Clusters, plan: &Plan) -> Trace {
             // The others have nothing to say without each other; of networks the GPU commits all spheres, the CPU those that collide.
             let is_whole = match run.stage.name {
                 "commit_collisions" => world.step.networks == 0,
-                "commit_rubs" => true,
+                "commit_friction_impulses" => true,
                 _ => group.len() == 1,
             };
             if is_whole {
@@ -252,7 +253,7 @@ fn joined(world: &World, first: &Run, plan: &Plan) -> Option<Scenario> {
         // It solves no collisions that share a body, and makes no friction impulses.
         ("find_collisions", 0) if plan.only == Only::Lone && !world.step.has_friction_impulses() => COLLISIONS,
         ("advance", 0) => POSITIONS,
-        ("leap", 0) => POSITIONS | LEAPS,
+        ("symplectic_euler", 0) => POSITIONS | SYMPLECTIC_EULER,
         _ => return None,
     };
     let stage = ALL.into_iter().find(|stage| stage.name == "run_steps").expect("the stage of small scenes");
@@ -285,7 +286,7 @@ fn sorting(drawn: &Clusters) -> Vec<Scenario> {
 fn turn_some(world: &mut World) {
     for rod in (0..world.step.rods).step_by(9) {
         let at = (world.step.rods_at + rod * ROD_WORDS) as usize;
-        let [one, two] = [world.words[at], world.words[at + 1]].map(|end| end as usize);
+        let [one, two] = [world.topology[at], world.topology[at + 1]].map(|end| end as usize);
         world.states[2].swap(one, two);
     }
 }
@@ -296,8 +297,8 @@ fn decide(world: &World, run: &Run, findings: &mut Findings) {
     match run.stage.name {
         "build_grid" | "count_cells" => cells::decide(world, findings),
         "find_collisions" => decisions::escapes(world, 0, findings),
-        "rub_contacts" => decisions::rubs(world, findings),
-        "advance" | "finish" | "finish_and_turn" | "leap" => {
+        "apply_friction_impulses" => decisions::friction_impulses(world, findings),
+        "advance" | "finish" | "finish_and_turn" | "symplectic_euler" => {
             decisions::escapes(world, state, findings);
             decisions::forces(world, state, findings);
         }

@@ -43,7 +43,7 @@ impl World {
         }
         let course = match self.set.integrator {
             Integrator::Rk4 => self.rk4(),
-            Integrator::SymplecticEuler => self.leap(),
+            Integrator::SymplecticEuler => self.symplectic_euler(),
         };
         self.constrain(&course.old);
         self.turn(&course);
@@ -57,7 +57,7 @@ impl World {
         self.balls.iter().map(Ball::spin).collect()
     }
 
-    fn leap(&mut self) -> Course {
+    fn symplectic_euler(&mut self) -> Course {
         let old = self.positions();
         let rates = self.rates();
         let dt = self.dt;

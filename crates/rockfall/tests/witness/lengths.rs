@@ -110,7 +110,7 @@ impl World {
         }
     }
 
-    /// A capsule turns as a rigid body (E18, and the doc comment of `stage/turn.rs`).
+    /// A capsule turns as a rigid body (E18, and the doc comment of `step/integrate/turn.rs`).
     fn turn_capsule(&mut self, bar: usize, old: &[DVec3]) {
         let [one, two] = self.bars[bar].ends;
         let (first, second) = (self.balls[one].clone(), self.balls[two].clone());

@@ -23,7 +23,7 @@ impl World {
         let motion = Motion::of(self);
         let mut change = Motion::none(self);
         for contact in pressed {
-            self.rub_one(contact, pressed, &motion, &mut change);
+            self.apply_friction_to_one(contact, pressed, &motion, &mut change);
         }
         for (at, ball) in self.balls.iter_mut().enumerate().filter(|(_, ball)| !ball.fixed) {
             ball.v += change.v[at];
@@ -31,7 +31,7 @@ impl World {
         }
     }
 
-    fn rub_one(&self, contact: &Pressed, pressed: &[Pressed], motion: &Motion, change: &mut Motion) {
+    fn apply_friction_to_one(&self, contact: &Pressed, pressed: &[Pressed], motion: &Motion, change: &mut Motion) {
         let Some(line) = self.nearer_line(&contact.pair) else { return };
         let pair = &contact.pair;
         let slip = self.slip(pair, &line, motion);

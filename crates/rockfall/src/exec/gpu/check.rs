@@ -1,0 +1,166 @@
+//! The kernels run unchecked: what they take for an index is checked here, before it is uploaded.
+
+use crate::error::{Error, Result};
+use crate::model::buffer::Buffer;
+use crate::model::dispatch::sizes;
+use crate::model::layout::{
+    BOX_WORDS, FORCE_WORDS, KIND_FORCE, KIND_ROD, KIND_SHIFT, KIND_SPRING, KIND_TETHER, LINE, LIST_COUNT_MASK, NO_NETWORK,
+    NO_ROD, POLYGON_WORDS, ROD_WORDS, SLICE, SOME_RODS, SPRING_WORDS, SWEEPS_OFF, TETHER_WORDS, words_of,
+};
+use crate::model::status::REJECTED_PAIRS;
+use crate::model::world::World;
+
+/// # Errors
+/// [`Error::Device`] naming the word that points outside of the world.
+pub(crate) fn check_buffer(world: &World, buffer: Buffer) -> Result<()> {
+    match buffer {
+        Buffer::Topology => check_words(world),
+        Buffer::Lists => check_lists(world),
+        Buffer::DispatchSizes => check_dispatches(world),
+        _ => Ok(()),
+    }
+}
+
+/// What a device takes for the size of a dispatch is that, or nothing.
+fn check_dispatches(world: &World) -> Result<()> {
+    let all = sizes(&world.step);
+    let is_known = |words: &[u32]| words.iter().zip(&all).all(|(word, known)| word == known || *word == 0);
+    let halves = world.sizes.chunks_exact(all.len());
+    ensure(world.sizes.len() == 2 * all.len() && halves.into_iter().all(is_known), "sizes of dispatches")
+}
+
+fn wrong(what: &str) -> Error {
+    Error::Device(format!("the world is not well formed: {what}"))
+}
+
+fn ensure(right: bool, what: &str) -> Result<()> {
+    if right { Ok(()) } else { Err(wrong(what)) }
+}
+
+/// A run of `words`.
+fn slice<'a>(world: &'a World, at: u32, count: u64, what: &str) -> Result<&'a [u32]> {
+    let from = u64::from(at);
+    let range = usize::try_from(from).ok().zip(usize::try_from(from + count).ok());
+    range.and_then(|(from, to)| world.topology.get(from..to)).ok_or_else(|| wrong(what))
+}
+
+fn check_words(world: &World) -> Result<()> {
+    let step = &world.step;
+    ensure(step.large <= step.spheres, "the number of large spheres")?;
+    let rods = slice(world, step.rods_at, u64::from(step.rods) * u64::from(ROD_WORDS), "rods")?;
+    for rod in rods.chunks_exact(ROD_WORDS as usize) {
+        ensure(rod[0] < step.spheres && rod[1] < step.spheres, "the end of a rod")?;
+    }
+    slice(world, step.boxes_at, u64::from(step.boxes) * u64::from(BOX_WORDS), "boxes")?;
+    slice(world, step.polygons_at, u64::from(step.polygons) * u64::from(POLYGON_WORDS), "polygons")?;
+    slice(world, step.tags_at, u64::from(world.objects()), "tags")?;
+    if step.adjacency_at != 0 {
+        check_adjacency(world)?;
+    }
+    if step.rods > 0 {
+        ensure(step.adjacency_at != 0 && step.ends_at != 0, "where ends and adjacency stand")?;
+        for end in slice(world, step.ends_at, u64::from(step.spheres), "ends")? {
+            ensure(*end < step.rods || [NO_ROD, SOME_RODS].contains(end), "an end")?;
+        }
+        check_networks(world)?;
+    }
+    ensure(step.rods > 0 || step.networks == 0, "the number of networks")?;
+    // Kernels for such scenes read the records of collisions.
+    ensure(step.sweeps != SWEEPS_OFF || !step.has_long_lists(), "how collisions are solved")?;
+    check_batches(world)
+}
+
+fn check_networks(world: &World) -> Result<()> {
+    let step = &world.step;
+    let table = step.networks_at.checked_sub(step.rods).ok_or_else(|| wrong("networks"))?;
+    for network in slice(world, table, u64::from(step.rods), "networks of rods")? {
+        ensure(*network < step.networks || *network == NO_NETWORK, "the network of a rod")?;
+    }
+    for at in slice(world, step.networks_at, u64::from(step.networks), "networks")? {
+        let counts = slice(world, *at, 2, "a network")?;
+        // The slice of both is there.
+        let names = slice(world, at + 2, u64::from(counts[0]) + u64::from(counts[1]), "members of a network")?;
+        let (spheres, rods) = names.split_at(counts[0] as usize);
+        ensure(spheres.iter().all(|end| end / 2 < step.rods), "a sphere of a network")?;
+        ensure(rods.iter().all(|rod| *rod < step.rods), "a rod of a network")?;
+    }
+    Ok(())
+}
+
+fn check_adjacency(world: &World) -> Result<()> {
+    let step = &world.step;
+    let ranges = slice(world, step.adjacency_at, 2 * u64::from(step.spheres), "adjacency ranges")?;
+    for pair in ranges.chunks_exact(2) {
+        ensure(pair[0] <= pair[1], "adjacency ranges")?;
+        for word in slice(world, pair[0], u64::from(pair[1] - pair[0]), "adjacency")? {
+            check_attached(world, *word)?;
+        }
+    }
+    Ok(())
+}
+
+fn check_attached(world: &World, word: u32) -> Result<()> {
+    let step = &world.step;
+    let index = word & ((1 << KIND_SHIFT) - 1);
+    let record = |at: u32, words: u32, what: &str| {
+        let from = u64::from(at) + u64::from(index) * u64::from(words);
+        let from = u32::try_from(from).map_err(|_| wrong(what))?;
+        slice(world, from, u64::from(words), what)
+    };
+    match word >> KIND_SHIFT {
+        KIND_ROD => ensure(index < step.rods, "a rod in the adjacency"),
+        KIND_SPRING => {
+            let spring = record(step.springs_at, SPRING_WORDS, "a spring in the adjacency")?;
+            ensure(spring[0] < step.spheres && spring[1] < step.spheres, "the end of a spring")
+        }
+        KIND_TETHER => record(step.tethers_at, TETHER_WORDS, "a tether in the adjacency").map(|_| ()),
+        KIND_FORCE => record(step.forces_at, FORCE_WORDS, "a force in the adjacency").map(|_| ()),
+        _ => Err(wrong("the kind of an adjacency word")),
+    }
+}
+
+fn check_batches(world: &World) -> Result<()> {
+    let step = &world.step;
+    for at in slice(world, step.batches_at, u64::from(step.batches), "batches")? {
+        let colours = slice(world, *at, 1, "a batch")?[0];
+        let first = at.checked_add(1).ok_or_else(|| wrong("a batch"))?;
+        let offsets = slice(world, first, u64::from(colours) + 1, "colours of a batch")?;
+        for pair in offsets.windows(2) {
+            ensure(pair[0] <= pair[1], "colours of a batch")?;
+            for rod in slice(world, pair[0], u64::from(pair[1] - pair[0]), "rods of a batch")? {
+                ensure(*rod < step.rods, "a rod of a batch")?;
+            }
+        }
+    }
+    Ok(())
+}
+
+fn check_lists(world: &World) -> Result<()> {
+    let step = &world.step;
+    let movers = world.movers();
+    let slices = movers.div_ceil(SLICE);
+    ensure(
+        step.slices_at == slices * SLICE && step.entries_at == (step.slices_at + slices + 1).next_multiple_of(LINE),
+        "offsets of the pair lists",
+    )?;
+    if world.lists.is_empty() {
+        // They are the device's alone.
+        return Ok(());
+    }
+    ensure(world.lists.len() as u64 == world.list_words(), "length of the pair lists")?;
+    if world.status.rejected & REJECTED_PAIRS != 0 {
+        // They did not fit, and until they are made again nobody reads them.
+        return Ok(());
+    }
+    let (head, entries) = world.lists.split_at(step.entries_at as usize);
+    for (mover, count) in head[..movers as usize].iter().enumerate() {
+        let slice = words_of(head[step.slices_at as usize + mover / SLICE as usize]);
+        for entry in 0..u64::from(*count & LIST_COUNT_MASK) {
+            let slot = slice + entry * u64::from(SLICE) + mover as u64 % u64::from(SLICE);
+            let word = usize::try_from(slot).ok().and_then(|slot| entries.get(slot));
+            let known = word.is_some_and(|word| word & step.entry_id_mask() < world.objects());
+            ensure(known, "an entry of the pair lists")?;
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,43 @@
+//! The dispatches of a batch of steps, those of a small scene joined into few.
+
+use std::ops::Range;
+
+use crate::model::step::Step;
+use crate::settings::{BroadPhase, Integrator};
+use crate::step::fused::run_steps::{STAGE as RUN_STEPS, begun_with, followed_by};
+use crate::step::schedule::{Phase, Run, When};
+
+/// What is dispatched for some steps, one after the other, where `run_steps` does all phases but those that make lists.
+pub(crate) fn fused(runs: &[Run], step: &Step, steps: Range<u32>) -> Vec<Run> {
+    let live = |run: &&Run| run.workgroups(step) > 0;
+    let all: Vec<Run> = steps.flat_map(|at| runs.iter().filter(move |run| run.is_in(at)).filter(live)).copied().collect();
+    let leaps = all.iter().any(|run| run.stage.name == "symplectic_euler");
+    let integrator = if leaps { Integrator::SymplecticEuler } else { Integrator::Rk4 };
+    let phases = [Phase::HandleCollisions, Phase::UpdatePositions].map(|phase| {
+        let stages = phase.stages(integrator, BroadPhase::BruteForce);
+        (phase, stages.iter().filter(live).map(name).collect::<Vec<_>>())
+    });
+    let mut dispatches: Vec<Run> = Vec::new();
+    let mut rest = &all[..];
+    while let Some((first, others)) = rest.split_first() {
+        let begun = phases.iter().find(|(_, stages)| rest.iter().map(name).take(stages.len()).eq(stages.iter().copied()));
+        let Some((phase, stages)) = begun else {
+            dispatches.push(*first);
+            rest = others;
+            continue;
+        };
+        let last = dispatches.last_mut().filter(|run| run.stage.name == RUN_STEPS.name);
+        if let Some((run, pass)) = last.and_then(|run| followed_by(run.pass, *phase).map(|pass| (run, pass))) {
+            run.pass = pass;
+        } else {
+            let pass = begun_with(*phase, integrator);
+            dispatches.push(Run { stage: &RUN_STEPS, pass, when: When::NoRods, every: 1, planned: false });
+        }
+        rest = &rest[stages.len()..];
+    }
+    dispatches
+}
+
+fn name(run: &Run) -> (&'static str, u32) {
+    (run.stage.name, run.pass)
+}

@@ -1,0 +1,220 @@
+//! Stages on their way to the device: compiled, bound, recorded and submitted.
+
+use std::ops::Range;
+
+use bytemuck::bytes_of;
+
+use crate::error::{Error, Result};
+use crate::exec::gpu::fault::catch;
+use crate::exec::gpu::fuse::fused;
+use crate::exec::gpu::memory::{READ_BACK, make_buffer};
+use crate::exec::gpu::split::binding_numbers;
+use crate::exec::gpu::timer::Timer;
+use crate::exec::gpu::wait::Mapped;
+use crate::exec::gpu::world::{GpuWorld, UNIFORM};
+use crate::model::buffer::Buffer;
+use crate::model::dispatch::rows;
+use crate::model::layout::{SWEEPS_FEW, SWEEPS_OFF, SWEEPS_ON};
+use crate::model::status::Status;
+use crate::model::step::{Pass, Step};
+use crate::step::fused::run_steps::{STAGE as RUN_STEPS, suits};
+use crate::step::schedule::Run;
+use crate::step::wgsl::Variant;
+
+/// How many workgroups a dispatch has.
+enum Size {
+    Known([u32; 3]),
+    /// Counters by the device, at this place among its sizes, in bytes.
+    Planned(u64),
+}
+
+impl GpuWorld {
+    /// The block `pass_` of a pass, made at its first use.
+    fn pass_block(&mut self, index: u32) -> Result<wgpu::Buffer> {
+        if let Some(known) = self.passes.get(&index) {
+            return Ok(known.clone());
+        }
+        let made = make_buffer(self.gpu().device(), "pass", size_of::<Pass>() as u64, UNIFORM)?;
+        let block = Pass { index, ..Default::default() };
+        catch(self.gpu().device(), || self.gpu().queue().write_buffer(&made, 0, bytes_of(&block)))?;
+        self.passes.insert(index, made.clone());
+        Ok(made)
+    }
+
+    fn make_group(&self, run: &Run, block: &wgpu::Buffer, chunks: &[u32], layout: &wgpu::BindGroupLayout) -> wgpu::BindGroup {
+        let Run { stage, pass, .. } = *run;
+        let mut entries = vec![
+            wgpu::BindGroupEntry { binding: 0, resource: self.uniform.as_entire_binding() },
+            wgpu::BindGroupEntry { binding: 1, resource: block.as_entire_binding() },
+        ];
+        for (binding, numbers) in stage.bindings.iter().zip(binding_numbers(chunks)) {
+            let buffers = self.chunks(binding.slot.buffer(pass)).iter().zip(numbers);
+            entries.extend(
+                buffers.map(|(buffer, binding)| wgpu::BindGroupEntry { binding, resource: buffer.as_entire_binding() }),
+            );
+        }
+        self.gpu().device().create_bind_group(&wgpu::BindGroupDescriptor { label: Some(stage.name), layout, entries: &entries })
+    }
+
+    /// Compiles what is missing and binds it. [`GpuWorld::run`] does so by itself; done before, no run has to wait for it.
+    ///
+    /// # Errors
+    /// [`Error::Device`] with the compiler's message and the place in the stage's own file.
+    pub fn prepare(&mut self, runs: &[Run]) -> Result<()> {
+        // Others would only take time to compile.
+        let step = *self.step();
+        for run in runs.iter().filter(|run| run.applies(&step)) {
+            let key = (run.stage.name, run.pass);
+            if !self.ready.contains_key(&key) {
+                let slots = run.stage.bindings.iter().map(|binding| binding.slot.buffer(run.pass));
+                let chunks: Vec<u32> = slots.map(|buffer| self.chunks(buffer).len() as u32).collect();
+                let kernel = self.gpu().kernel(run.stage, Variant::of(&step), chunks.clone())?;
+                let block = self.pass_block(run.pass)?;
+                let group = catch(self.gpu().device(), || self.make_group(run, &block, &chunks, &kernel.layout))?;
+                self.ready.insert(key, (kernel, group));
+            }
+        }
+        Ok(())
+    }
+
+    /// Records the stages of some steps, numbered for [`Run::is_in`], into a compute pass. [`GpuWorld::prepare`] must have seen
+    /// them.
+    ///
+    /// # Errors
+    /// [`Error::Device`] for a stage that was not prepared.
+    pub fn encode(&self, pass: &mut wgpu::ComputePass<'_>, runs: &[Run], steps: Range<u32>) -> Result<()> {
+        let across = self.gpu().device().limits().max_compute_workgroups_per_dimension;
+        let mut table = Vec::with_capacity(runs.len());
+        for run in runs {
+            let groups = run.workgroups(self.step());
+            if groups == 0 {
+                continue;
+            }
+            let Some((kernel, group)) = self.ready.get(&(run.stage.name, run.pass)) else {
+                return Err(Error::Device(format!("stage {} was not prepared", run.stage.name)));
+            };
+            table.push((run, kernel, group, self.size(run, groups, across)));
+        }
+        for step in steps {
+            for (_, kernel, group, size) in table.iter().filter(|(run, ..)| run.is_in(step)) {
+                pass.set_pipeline(&kernel.pipeline);
+                pass.set_bind_group(0, *group, &[]);
+                match *size {
+                    Size::Known([x, y, z]) => pass.dispatch_workgroups(x, y, z),
+                    Size::Planned(at) => pass.dispatch_workgroups_indirect(&self.chunks(Buffer::DispatchSizes)[0], at),
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn size(&self, run: &Run, workgroups: u32, across: u32) -> Size {
+        let planned = if run.planned && self.step().planned != 0 { run.stage.threads.size_at() } else { None };
+        planned.map_or_else(|| Size::Known(rows(workgroups, across)), Size::Planned)
+    }
+
+    /// Runs a list of stages `steps` times over, in one submission, with the constants of `step`. Does not wait.
+    ///
+    /// # Errors
+    /// [`Error::Device`] when a kernel does not compile, the device refuses or is lost. The loss of a device may show only
+    /// when something is read.
+    pub fn run(&mut self, runs: &[Run], step: &Step, steps: u32) -> Result<()> {
+        self.submit_plain(runs, step, 0..steps, None).map(drop)
+    }
+
+    /// [`GpuWorld::run`] of steps numbered for [`Run::is_in`], with the status after them sent to the host.
+    pub(crate) fn run_and_look(&mut self, runs: &[Run], step: &Step, steps: Range<u32>) -> Result<Mapped> {
+        let staging = make_buffer(self.gpu().device(), "status", size_of::<Status>() as u64, READ_BACK)?;
+        let submission = self.submit_plain(runs, step, steps, Some(&staging))?;
+        Ok(Mapped::read(&staging, self.gpu().faults()).after(submission))
+    }
+
+    fn submit_plain(
+        &mut self,
+        runs: &[Run],
+        step: &Step,
+        steps: Range<u32>,
+        staging: Option<&wgpu::Buffer>,
+    ) -> Result<wgpu::SubmissionIndex> {
+        self.write_uniforms(step)?;
+        if !self.fuses() {
+            return self.submit(runs, step, steps, staging, None);
+        }
+        let dispatches = fused(runs, self.step(), steps);
+        self.submit(&dispatches, step, 0..1, staging, None)
+    }
+
+    /// [`GpuWorld::prepare`] for what runs without timestamps, now or once collisions share bodies.
+    pub(crate) fn prepare_plain(&mut self, runs: &[Run]) -> Result<()> {
+        let sweeps = self.step.sweeps;
+        for wanted in [SWEEPS_FEW, SWEEPS_ON] {
+            if wanted > sweeps && (wanted == SWEEPS_ON || self.step.may_sweep_at_once()) {
+                self.step.sweeps = wanted;
+                let prepared = self.prepare(runs);
+                self.step.sweeps = sweeps;
+                prepared?;
+            }
+        }
+        if !self.fuses() {
+            return self.prepare(runs);
+        }
+        // What follows upon a step may be joined with it in another way than the first.
+        let dispatches = fused(runs, self.step(), 0..2);
+        self.prepare(&dispatches)
+    }
+
+    /// Whether `run_steps` takes the place of other stages: in small scenes without rods, the arrays of which are whole, where that is
+    /// faster. It solves no collisions that share bodies, and makes no friction impulses.
+    fn fuses(&self) -> bool {
+        let is_whole = |buffer: Buffer| self.chunks(buffer).len() == 1;
+        let step = self.step();
+        let is_plain = step.sweeps == SWEEPS_OFF && !step.has_friction_impulses() && suits(step);
+        self.joins_steps && is_plain && RUN_STEPS.bindings.iter().all(|binding| is_whole(binding.slot.buffer(0)))
+    }
+
+    /// [`GpuWorld::run`] of steps numbered for [`Run::is_in`], with every dispatch timed.
+    ///
+    /// # Errors
+    /// As for [`GpuWorld::run`]; and [`Error::Device`] when the device has no timestamps.
+    pub(crate) fn run_timed(&mut self, runs: &[Run], step: &Step, steps: Range<u32>) -> Result<Timer> {
+        // First, for they tell which runs have something to do.
+        self.write_uniforms(step)?;
+        let timer = Timer::new(self, runs, steps.clone())?;
+        self.submit(runs, step, steps, None, Some(&timer))?;
+        Ok(timer)
+    }
+
+    fn submit(
+        &mut self,
+        runs: &[Run],
+        step: &Step,
+        steps: Range<u32>,
+        staging: Option<&wgpu::Buffer>,
+        timer: Option<&Timer>,
+    ) -> Result<wgpu::SubmissionIndex> {
+        self.gpu().faults().check()?;
+        self.write_uniforms(step)?;
+        self.prepare(runs)?;
+        let dispatched = |at: u32| runs.iter().filter(|run| run.is_in(at) && !self.is_idle(run)).count() as u64;
+        let dispatches = steps.clone().map(dispatched).sum::<u64>();
+        self.dispatches += dispatches;
+        let gpu = self.gpu().clone();
+        let submission = catch(gpu.device(), || {
+            let mut encoder = gpu.device().create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("steps") });
+            if let Some(timer) = timer {
+                timer.encode(&mut encoder, self, runs)?;
+            } else {
+                let mut pass =
+                    encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some("steps"), timestamp_writes: None });
+                self.encode(&mut pass, runs, steps)?;
+            }
+            if let Some(staging) = staging {
+                let status = &self.chunks(Buffer::Status)[0];
+                encoder.copy_buffer_to_buffer(status, 0, staging, 0, staging.size());
+            }
+            Ok::<_, Error>(gpu.queue().submit([encoder.finish()]))
+        })??;
+        self.gpu().faults().check()?;
+        Ok(submission)
+    }
+}

@@ -1,0 +1,297 @@
+//! A [`World`] on the GPU: its buffers.
+
+use std::collections::HashMap;
+use std::sync::Arc;
+
+use bytemuck::bytes_of;
+
+use crate::error::{Error, Result};
+use crate::exec::gpu::array::Array;
+use crate::exec::gpu::check::check_buffer;
+use crate::exec::gpu::device::Gpu;
+use crate::exec::gpu::fault::catch;
+use crate::exec::gpu::kernel::Kernel;
+use crate::exec::gpu::memory::{bytes_needed, check_sizes, chunk_bytes, make_buffer};
+use crate::model::buffer::Buffer;
+use crate::model::status::Status;
+use crate::model::step::Step;
+use crate::model::world::World;
+use crate::profile::BufferSize;
+use crate::step::schedule::Run;
+use crate::step::wgsl::Variant;
+
+pub(super) const UNIFORM: wgpu::BufferUsages = wgpu::BufferUsages::UNIFORM.union(wgpu::BufferUsages::COPY_DST);
+
+/// What a world's buffers hold when a step begins; everything else is written before it is read.
+const KEPT: [Buffer; 7] = [
+    Buffer::Start,
+    Buffer::Aabbs,
+    Buffer::Topology,
+    Buffer::Lists,
+    Buffer::Orientations,
+    Buffer::DispatchSizes,
+    Buffer::Status,
+];
+
+/// The buffers of a [`World`] on a device.
+#[derive(Debug)]
+pub struct GpuWorld {
+    gpu: Gpu,
+    pub(super) step: Step,
+    pub(super) uniform: wgpu::Buffer,
+    /// The blocks `pass_` that were needed so far, by pass.
+    pub(super) passes: HashMap<u32, wgpu::Buffer>,
+    arrays: Vec<Array>,
+    /// What was prepared: by stage and pass.
+    pub(super) ready: HashMap<(&'static str, u32), (Arc<Kernel>, wgpu::BindGroup)>,
+    /// Those that were submitted so far.
+    pub(super) dispatches: u64,
+    /// Whether steps that may be joined into one dispatch are.
+    pub(super) joins_steps: bool,
+}
+
+impl GpuWorld {
+    /// Makes the buffers of a world and fills them.
+    ///
+    /// # Errors
+    /// [`Error::DeviceLimit`] when an array would be larger than the device allows (nothing is allocated then),
+    /// [`Error::Device`] when memory runs out, the device is lost or its limits are too low, or the world's indices point
+    /// outside of it.
+    pub fn new(gpu: &Gpu, world: &World) -> Result<Self> {
+        gpu.faults().check()?;
+        gpu.check_limits()?;
+        let device = gpu.device();
+        let limits = device.limits();
+        check_sizes(&limits, |buffer| bytes_needed(world, buffer))?;
+        let uniform = make_buffer(device, "step", size_of::<Step>() as u64, UNIFORM)?;
+        let mut arrays = Vec::new();
+        for buffer in Buffer::ALL {
+            arrays.push(Array::new(device, buffer, bytes_needed(world, buffer), chunk_bytes(&limits))?);
+        }
+        let mut made = Self {
+            gpu: gpu.clone(),
+            step: world.step,
+            uniform,
+            passes: HashMap::new(),
+            arrays,
+            ready: HashMap::new(),
+            dispatches: 0,
+            // There a dispatch costs little, and one workgroup runs on one thread of a CPU.
+            joins_steps: !gpu.is_software(),
+        };
+        made.upload(world)?;
+        Ok(made)
+    }
+
+    /// The device it lives on.
+    pub fn gpu(&self) -> &Gpu {
+        &self.gpu
+    }
+
+    /// A buffer, for rendering and other kernels. It is replaced when an upload needs a larger one.
+    ///
+    /// # Errors
+    /// [`Error::Device`] when it is larger than one binding may be and stands in several, which [`GpuWorld::chunks`] gives.
+    pub fn buffer(&self, buffer: Buffer) -> Result<&wgpu::Buffer> {
+        match self.chunks(buffer) {
+            [whole] => Ok(whole),
+            chunks => Err(Error::Device(format!(
+                "{} is larger than one binding may be and stands in {} buffers, which must be bound side by side; use fewer \
+                 objects, or the CPU backend",
+                buffer.label(),
+                chunks.len()
+            ))),
+        }
+    }
+
+    /// The buffers of an array, one after the other: more than one where it is larger than the device's
+    /// `max_storage_buffer_binding_size`. All have as many elements as the first but the last, which may have fewer.
+    pub fn chunks(&self, buffer: Buffer) -> &[wgpu::Buffer] {
+        self.array(buffer).chunks()
+    }
+
+    pub(super) fn array(&self, buffer: Buffer) -> &Array {
+        &self.arrays[buffer as usize]
+    }
+
+    /// The size of every buffer.
+    pub fn buffer_sizes(&self) -> Vec<BufferSize> {
+        let uniforms = self.uniform.size() + self.passes.values().map(wgpu::Buffer::size).sum::<u64>();
+        let storage = Buffer::ALL.map(|buffer| BufferSize::new(buffer.label(), self.array(buffer).size()));
+        storage.into_iter().chain([BufferSize::new("the uniform blocks", uniforms)]).collect()
+    }
+
+    /// Sets whether whole steps of small scenes are joined into one dispatch; by default they are on all but software.
+    pub(crate) fn join_steps(&mut self, join: bool) {
+        self.joins_steps = join;
+    }
+
+    /// Dispatches that were submitted so far: what a small scene's step costs.
+    pub fn dispatches(&self) -> u64 {
+        self.dispatches
+    }
+
+    /// The uniform block of the last upload or run.
+    pub fn step(&self) -> &Step {
+        &self.step
+    }
+
+    /// Uploads all that a step begins with; scratch (stage states, wrenches) is left as it is, and so are AABBs that the world
+    /// does not have. Lists that it does not have are empty after it. Buffers that are too small for the world, for example
+    /// after [`World::set_pair_rows`], are made anew.
+    ///
+    /// # Errors
+    /// As for [`GpuWorld::new`].
+    pub fn upload(&mut self, world: &World) -> Result<()> {
+        self.gpu.faults().check()?;
+        for buffer in KEPT {
+            check_buffer(world, buffer)?;
+        }
+        for buffer in Buffer::ALL {
+            self.fit(world, buffer)?;
+        }
+        if Variant::of(&world.step) != Variant::of(&self.step) {
+            // They have kernels of their own.
+            self.ready.clear();
+        }
+        self.step = world.step;
+        for buffer in KEPT {
+            self.write(buffer, world.bytes(buffer))?;
+        }
+        if world.lists.is_empty() {
+            self.clear_lists()?;
+        }
+        self.write_uniforms(&world.step)
+    }
+
+    /// Uploads one buffer, scratch or not, of a world of the same counts, offsets and room for pairs.
+    ///
+    /// # Errors
+    /// [`Error::Device`] when the world is another one or its indices point outside of it, or for the device's reasons.
+    pub fn upload_buffer(&mut self, world: &World, buffer: Buffer) -> Result<()> {
+        self.gpu.faults().check()?;
+        if self.with_constants(&world.step) != world.step {
+            return Err(Error::Device("the world's counts or offsets changed: upload it as a whole".to_owned()));
+        }
+        check_buffer(world, buffer)?;
+        self.fit(world, buffer)?;
+        self.write(buffer, world.bytes(buffer))
+    }
+
+    /// Uploads words whose offsets in the uniform block may have changed; the counts of spheres and of objects, and the
+    /// pair lists, are still the same.
+    ///
+    /// # Errors
+    /// As for [`GpuWorld::upload_buffer`].
+    pub fn upload_words(&mut self, world: &World) -> Result<()> {
+        self.gpu.faults().check()?;
+        let counts = |step: &Step| (step.spheres, step.rods, step.boxes, step.polygons, step.pair_rows);
+        if counts(&world.step) != counts(&self.step) {
+            return Err(Error::Device("the world's counts changed: upload it as a whole".to_owned()));
+        }
+        check_buffer(world, Buffer::Topology)?;
+        self.fit(world, Buffer::Topology)?;
+        self.write(Buffer::Topology, world.bytes(Buffer::Topology))?;
+        self.step = world.step;
+        self.write_uniforms(&world.step)
+    }
+
+    /// Takes over the room for pairs of `world`, after [`World::set_pair_rows`]. The lists are empty after it.
+    ///
+    /// # Errors
+    /// As for [`GpuWorld::new`].
+    pub fn resize_lists(&mut self, world: &World) -> Result<()> {
+        self.gpu.faults().check()?;
+        let sized = Step { pair_rows: world.step.pair_rows, ..self.step };
+        if sized.entries_at != world.step.entries_at || sized.slices_at != world.step.slices_at {
+            return Err(Error::Device("the world's movers changed: upload it as a whole".to_owned()));
+        }
+        self.fit(world, Buffer::Lists)?;
+        self.fit(world, Buffer::CollisionIndices)?;
+        self.step = sized;
+        self.clear_lists()
+    }
+
+    /// Takes over the room for listed collisions of `world`.
+    ///
+    /// # Errors
+    /// As for [`GpuWorld::new`].
+    pub(crate) fn resize_collisions(&mut self, world: &World) -> Result<()> {
+        self.gpu.faults().check()?;
+        self.fit(world, Buffer::CollisionIndices)?;
+        self.fit(world, Buffer::Collisions)?;
+        self.step.collision_room = world.step.collision_room;
+        Ok(())
+    }
+
+    fn fit(&mut self, world: &World, buffer: Buffer) -> Result<()> {
+        let needed = bytes_needed(world, buffer);
+        if needed <= self.array(buffer).size() {
+            return Ok(());
+        }
+        let limits = self.gpu.device().limits();
+        check_sizes(&limits, |other| if other == buffer { needed } else { self.array(other).size() })?;
+        self.ready.clear();
+        // First, so that there is room for the new one.
+        self.array(buffer).chunks().iter().for_each(wgpu::Buffer::destroy);
+        let made = Array::new(self.gpu.device(), buffer, needed, chunk_bytes(&limits));
+        if let Err(Error::Device(text)) = &made {
+            // The old one is gone: whatever is asked of this world from now on is answered by this.
+            self.gpu.faults().record(text.clone());
+        }
+        self.arrays[buffer as usize] = made?;
+        Ok(())
+    }
+
+    /// The world's own counts, offsets and capacity, with the constants of `step`.
+    fn with_constants(&self, step: &Step) -> Step {
+        Step {
+            gravity: step.gravity,
+            dt: step.dt,
+            activation_threshold: step.activation_threshold,
+            restitution: step.restitution,
+            contact_damping: step.contact_damping,
+            contact_force: step.contact_force,
+            friction: step.friction,
+            coulomb_friction: step.coulomb_friction,
+            collision_friction: step.collision_friction,
+            gravity_size: step.gravity_size,
+            sweeps: step.sweeps,
+            margin_scale: step.margin_scale,
+            lookahead: step.lookahead,
+            list_interval: step.list_interval,
+            lead: step.lead,
+            flags: step.flags,
+            ..self.step
+        }
+    }
+
+    /// Takes the constants (gravity to `flags`) from `step`; counts, offsets and capacity stay those of the upload, for
+    /// the kernels rely on them.
+    ///
+    /// # Errors
+    /// [`Error::Device`] when the device is lost.
+    pub fn write_uniforms(&mut self, step: &Step) -> Result<()> {
+        self.step = self.with_constants(step);
+        catch(self.gpu.device(), || {
+            self.gpu.queue().write_buffer(&self.uniform, 0, bytes_of(&self.step));
+        })
+    }
+
+    /// Sets the status block. Where `REJECTED_PAIRS` is taken back, the broad phase must run before anything that reads lists.
+    ///
+    /// # Errors
+    /// [`Error::Device`] when the device is lost.
+    pub fn set_status(&mut self, status: &Status) -> Result<()> {
+        catch(self.gpu.device(), || {
+            for buffer in self.chunks(Buffer::Status) {
+                self.gpu.queue().write_buffer(buffer, 0, bytes_of(status));
+            }
+        })
+    }
+
+    /// Whether a stage has nothing to do for this world, so that it is not dispatched.
+    pub(crate) fn is_idle(&self, run: &Run) -> bool {
+        run.workgroups(&self.step) == 0
+    }
+}

@@ -1,0 +1,289 @@
+//! Generated scenes of any size: so many spheres, the same for the same seed, O(N) to make.
+//!
+//! Nothing overlaps to begin with: every body starts inside a cell of its own. All constants are the defaults, under which
+//! everything here is stable at the default step of 20 ms (see [`Scene::stability`]).
+
+use std::fmt;
+use std::str::FromStr;
+
+use glam::{IVec3, Vec3};
+use rand::{Rng as _, RngExt as _, SeedableRng as _};
+use rand_pcg::Pcg64Mcg;
+
+use crate::error::{Error, Result, quoted};
+use crate::model::layout::most_objects;
+use crate::scene::{Cuboid, Scene, Sphere};
+
+mod benchmark;
+mod bodies;
+mod hopper;
+
+pub use benchmark::{Benchmark, LAYERS};
+
+/// What to generate.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Kind {
+    /// Spheres of several sizes that fall into a walled box.
+    Pile,
+    /// Spheres, rods, capsules and springs that fall into a walled box.
+    Mixed,
+    /// Soft blobs, lattices of spheres, springs and rods, that fall onto boxes.
+    Soft,
+    /// Chains of spheres and fixed-length rods that hang from fixed spheres, pulled aside.
+    Chain,
+    /// Spheres that run through a funnel into a box.
+    Hopper,
+}
+
+impl Kind {
+    /// All kinds.
+    pub const ALL: [Self; 5] = [Self::Pile, Self::Mixed, Self::Soft, Self::Chain, Self::Hopper];
+
+    /// The name on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Pile => "pile",
+            Self::Mixed => "mixed",
+            Self::Soft => "soft",
+            Self::Chain => "chain",
+            Self::Hopper => "hopper",
+        }
+    }
+
+    /// Generates a scene with exactly so many spheres (those of rods and capsules included).
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] for 0 spheres, [`Error::TooManyObjects`] for more than the engine can number.
+    pub fn generate(self, spheres: u32, seed: u64) -> Result<Scene> {
+        check_count(spheres)?;
+        let mut random = Random(Pcg64Mcg::seed_from_u64(seed));
+        match self {
+            Self::Pile => pile(spheres, &mut random),
+            Self::Mixed => bodies::mixed(spheres, &mut random),
+            Self::Soft => bodies::soft(spheres, &mut random),
+            Self::Chain => bodies::chain(spheres, &mut random),
+            Self::Hopper => hopper::hopper(spheres, &mut random),
+        }
+    }
+}
+
+impl fmt::Display for Kind {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+impl FromStr for Kind {
+    type Err = Error;
+
+    fn from_str(text: &str) -> Result<Self> {
+        Self::ALL.into_iter().find(|kind| kind.name() == text).ok_or_else(|| Error::Invalid {
+            field: "kind",
+            value: quoted(text),
+            expected: "pile, mixed, soft, chain or hopper",
+        })
+    }
+}
+
+/// # Errors
+/// [`Error::Invalid`] for 0, [`Error::TooManyObjects`] for more than the engine can number.
+fn check_count(spheres: u32) -> Result<()> {
+    if spheres == 0 {
+        return Err(Error::Invalid { field: "spheres", value: "0".to_owned(), expected: "at least 1" });
+    }
+    let limit = most_objects(false);
+    if spheres > limit {
+        return Err(Error::TooManyObjects { count: spheres as usize, limit: limit as usize });
+    }
+    Ok(())
+}
+
+/// Random numbers without trigonometry, so that all machines draw the same.
+struct Random(Pcg64Mcg);
+
+impl Random {
+    fn between(&mut self, low: f32, high: f32) -> f32 {
+        low + (high - low) * self.0.random::<f32>()
+    }
+
+    fn below(&mut self, count: u32) -> u32 {
+        self.0.next_u32() % count
+    }
+
+    /// A point of the cube [-half, half]³.
+    fn offset(&mut self, half: f32) -> Vec3 {
+        let mut draw = || self.between(-half, half);
+        Vec3::new(draw(), draw(), draw())
+    }
+
+    /// A unit vector, all directions alike.
+    fn direction(&mut self) -> Vec3 {
+        loop {
+            let point = self.offset(1.0);
+            if (0.01..=1.0).contains(&point.length_squared()) {
+                return point.normalize();
+            }
+        }
+    }
+}
+
+/// A block of cubic cells, about as wide as high, filled layer by layer from below.
+struct Cells {
+    /// Cells in a row, and rows in a layer.
+    across: u32,
+    layers: u32,
+    size: f32,
+    /// Height of the lowest layer's lower side.
+    bottom: f32,
+}
+
+impl Cells {
+    fn new(count: u32, size: f32, bottom: f32) -> Self {
+        let mut across = 1;
+        while u64::from(across).pow(3) < u64::from(count) {
+            across += 1;
+        }
+        Self { across, layers: count.div_ceil(across * across).max(1), size, bottom }
+    }
+
+    /// Half the width of the block, which stands about the y axis.
+    fn half_width(&self) -> f32 {
+        0.5 * self.size * self.across as f32
+    }
+
+    fn top(&self) -> f32 {
+        self.bottom + self.size * self.layers as f32
+    }
+
+    fn centre(&self, index: u32) -> Vec3 {
+        let (row, layer) = (index / self.across, index / (self.across * self.across));
+        let cell = IVec3::new((index % self.across) as i32, layer as i32, (row % self.across) as i32);
+        let corner = Vec3::new(-self.half_width(), self.bottom, -self.half_width());
+        corner + self.size * (cell.as_vec3() + 0.5)
+    }
+}
+
+/// A floor at y = 0 and four walls around the y axis, of inner half widths `x` and `z`.
+fn walled_box(scene: &mut Scene, x: f32, z: f32, height: f32) -> Result<()> {
+    // Thicker than the way of the fastest body in a step.
+    const THICK: f32 = 2.0;
+    let mut add = |min: [f32; 3], max: [f32; 3]| scene.add_box(Cuboid::between(min, max)).map(drop);
+    let (x_out, z_out) = (x + THICK, z + THICK);
+    add([-x_out, -THICK, -z_out], [x_out, 0.0, z_out])?;
+    add([-x_out, 0.0, -z_out], [-x, height, z_out])?;
+    add([x, 0.0, -z_out], [x_out, height, z_out])?;
+    add([-x, 0.0, -z_out], [x, height, -z])?;
+    add([-x, 0.0, z], [x, height, z_out])
+}
+
+/// A sphere of the given sizes somewhere in its cell.
+fn ball(random: &mut Random, cells: &Cells, index: u32, radii: [f32; 2]) -> Sphere {
+    ball_within(random, cells.centre(index), cells.size, radii)
+}
+
+/// A sphere of the given sizes somewhere in a cell, its mass that of its volume (1 at radius 0.2).
+fn ball_within(random: &mut Random, centre: Vec3, cell: f32, radii: [f32; 2]) -> Sphere {
+    let radius = random.between(radii[0], radii[1]);
+    let room = 0.49 * cell - radius;
+    let position = centre + random.offset(room);
+    Sphere::new(position, radius).mass((radius / 0.2).powi(3))
+}
+
+fn pile(spheres: u32, random: &mut Random) -> Result<Scene> {
+    let mut scene = Scene::new();
+    let cells = Cells::new(spheres, 0.56, 0.2);
+    for index in 0..spheres {
+        scene.add_sphere(ball(random, &cells, index, [0.15, 0.25]))?;
+    }
+    let half = cells.half_width();
+    walled_box(&mut scene, half, half, cells.top() + 1.0)?;
+    Ok(scene)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::settings::Integrator;
+
+    const SIZES: [u32; 12] = [1, 2, 3, 7, 10, 11, 26, 27, 28, 100, 777, 1000];
+
+    #[test]
+    fn sphere_counts_are_exact_and_seeds_decide() {
+        for kind in Kind::ALL {
+            for spheres in SIZES {
+                let scene = kind.generate(spheres, 7).unwrap();
+                assert_eq!(scene.counts().spheres, spheres as usize, "{kind}");
+            }
+            let text = |seed| kind.generate(100, seed).unwrap().to_text();
+            assert_eq!(text(1), text(1), "{kind}");
+            assert_ne!(text(1), text(2), "{kind}");
+            assert!(kind.generate(0, 0).is_err());
+            assert!(kind.generate(u32::MAX, 0).is_err());
+            assert_eq!(kind.name().parse::<Kind>().unwrap(), kind);
+        }
+        assert!("heap".parse::<Kind>().is_err());
+    }
+
+    #[test]
+    fn every_kind_has_what_its_name_says() {
+        let counts = |kind: Kind| kind.generate(500, 3).unwrap().counts();
+        let mixed = counts(Kind::Mixed);
+        assert!(mixed.capsules > 20 && mixed.springs > 20 && mixed.rods > mixed.capsules + 20);
+        let soft = counts(Kind::Soft);
+        assert!(soft.springs > 1000 && soft.rods > 100 && soft.boxes > 5);
+        let chain = Kind::Chain.generate(500, 3).unwrap();
+        assert_eq!(chain.counts().rods, 450);
+        assert_eq!(chain.spheres().iter().filter(|sphere| sphere.fixed).count(), 50);
+        assert_eq!(counts(Kind::Hopper).boxes, 7);
+    }
+
+    #[test]
+    fn the_default_step_is_stable() {
+        for kind in Kind::ALL {
+            let scene = kind.generate(1000, 5).unwrap();
+            for integrator in [Integrator::Rk4, Integrator::SymplecticEuler] {
+                assert_eq!(scene.stability(0.02, integrator), [], "{kind} {integrator}");
+            }
+        }
+    }
+
+    /// Distance of a point from a box, 0 inside.
+    fn distance(cuboid: &Cuboid, point: Vec3) -> f32 {
+        let along = |edge: Vec3| edge * ((point - cuboid.corner).dot(edge) / edge.length_squared()).clamp(0.0, 1.0);
+        let nearest: Vec3 = cuboid.corner + cuboid.edges.into_iter().map(along).sum::<Vec3>();
+        point.distance(nearest)
+    }
+
+    #[test]
+    fn nothing_overlaps_to_begin_with() {
+        for kind in Kind::ALL {
+            for spheres in SIZES {
+                let scene = kind.generate(spheres, 11).unwrap();
+                let balls = scene.spheres();
+                for (index, one) in balls.iter().enumerate() {
+                    for other in &balls[index + 1..] {
+                        let gap = one.position.distance(other.position) - one.radius - other.radius;
+                        assert!(gap > 0.0, "{kind} {spheres}: {one:?} {other:?}");
+                    }
+                    for cuboid in scene.boxes() {
+                        let gap = distance(cuboid, one.position) - one.radius;
+                        assert!(gap > 0.0, "{kind} {spheres}: {one:?} {cuboid:?}");
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn rods_start_at_their_length() {
+        for kind in Kind::ALL {
+            let scene = kind.generate(1000, 13).unwrap();
+            for rod in scene.rods() {
+                let ends = [rod.end1, rod.end2].map(|id| scene.sphere(id).unwrap().position);
+                if let Some(length) = rod.length {
+                    assert!((ends[0].distance(ends[1]) - length).abs() < 1e-4 * length.max(1.0), "{kind}");
+                }
+            }
+        }
+    }
+}

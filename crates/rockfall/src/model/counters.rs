@@ -1,0 +1,88 @@
+//! What a stage tells the status block. Merging is independent of order, so threads may share the work as they like.
+
+use crate::error::BadStage;
+use crate::model::status::{BAD_STAGE_SHIFT, Counters, NO_BODY, REBUILD_DONE, REBUILD_REQUESTED, REJECTED_ESCAPED, Status};
+
+/// Counts of one body or of many.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Tally {
+    pub(crate) contacts: u32,
+    /// Deepest overlap; not negative.
+    pub(crate) max_overlap: f32,
+    pub(crate) collisions: u32,
+    /// Some body may leave its AABB within the next step.
+    pub(crate) rebuild: bool,
+    /// Largest distance, in 0.02 r, of a body out of its AABB; 0: none is.
+    pub(crate) escape_ratio: f32,
+    bad_count: u32,
+    bad_body: u32,
+}
+
+impl Default for Tally {
+    fn default() -> Self {
+        Self {
+            contacts: 0,
+            max_overlap: 0.0,
+            collisions: 0,
+            rebuild: false,
+            escape_ratio: 0.0,
+            bad_count: 0,
+            bad_body: NO_BODY,
+        }
+    }
+}
+
+impl Tally {
+    pub(crate) fn merge(self, other: Self) -> Self {
+        Self {
+            contacts: self.contacts + other.contacts,
+            max_overlap: self.max_overlap.max(other.max_overlap),
+            collisions: self.collisions + other.collisions,
+            rebuild: self.rebuild | other.rebuild,
+            escape_ratio: self.escape_ratio.max(other.escape_ratio),
+            bad_count: self.bad_count + other.bad_count,
+            bad_body: self.bad_body.min(other.bad_body),
+        }
+    }
+
+    /// A contact of the first force evaluation.
+    pub(crate) fn count_contact(&mut self, overlap: f32) {
+        self.contacts += 1;
+        self.max_overlap = self.max_overlap.max(overlap);
+    }
+
+    /// A body that would have stopped being finite, by its index in order of addition.
+    pub(crate) fn count_bad(&mut self, stage: BadStage, user: u32) {
+        self.bad_count += 1;
+        self.bad_body = self.bad_body.min((stage as u32) << BAD_STAGE_SHIFT | user);
+    }
+
+    /// Adds this to the counters of the step under way.
+    pub(crate) fn add_to(self, status: &mut Status) {
+        let told = Counters {
+            contacts: self.contacts,
+            max_overlap: self.max_overlap.to_bits(),
+            collisions: self.collisions,
+            ..Counters::default()
+        };
+        status.counters[0] = status.counters[0].and(told);
+        status.collides |= u32::from(self.collisions > 0);
+        status.bad_count += self.bad_count;
+        status.bad_body = status.bad_body.min(self.bad_body);
+        if self.rebuild {
+            status.rebuild |= REBUILD_REQUESTED;
+        }
+        if self.escape_ratio > 0.0 {
+            status.rejected |= REJECTED_ESCAPED;
+            status.escape_ratio = status.escape_ratio.max(self.escape_ratio.to_bits());
+        }
+    }
+}
+
+/// Counts the lists that were made in this step; those that were asked for where none are made are still due.
+pub(crate) fn count_builds(status: &mut Status) {
+    if status.rebuild & REBUILD_DONE != 0 {
+        status.rebuild &= !REBUILD_DONE;
+        status.builds += 1;
+    }
+}

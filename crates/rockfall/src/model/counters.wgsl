@@ -1,0 +1,27 @@
+// requires model/order.wgsl model/step.wgsl
+
+// What a stage tells: a count of its workgroup, a sphere that left its AABB, or one whose state stopped being finite.
+
+var<workgroup> group_count: atomic<u32>;
+
+fn report_escape(ratio: f32) {
+    atomicOr(&status.rejected, REJECTED_ESCAPED);
+    atomicMax(&status.escape_ratio, bitcast<u32>(ratio));
+}
+
+struct Motion {
+    position: vec3f,
+    velocity: vec3f,
+    momentum: vec3f,
+}
+
+fn is_finite(motion: Motion) -> bool {
+    return finite(motion.position) & finite(motion.velocity) & finite(motion.momentum);
+}
+
+// Rest where a sphere was, for one whose state stopped being finite in this stage (see BadStage in error.rs).
+fn stopped(position: vec3f, stage: u32, sphere: u32) -> Motion {
+    atomicAdd(&status.bad_count, 1u);
+    atomicMin(&status.bad_body, stage << BAD_STAGE_SHIFT | insertion_index(sphere));
+    return Motion(position, vec3f(0.0), vec3f(0.0));
+}

@@ -1,0 +1,54 @@
+// requires model/step.wgsl
+
+// The four stage states of RK4 side by side in `state`, each three regions of one vec4 a sphere. The first is the state itself.
+
+// Which of them is evaluated.
+var<private> evaluated: u32;
+
+fn state_row_at(stage: u32, region: u32, sphere: u32) -> u32 {
+    return (3u * stage + region) * step.spheres + sphere;
+}
+
+fn position_at(sphere: u32) -> u32 {
+    return state_row_at(evaluated, 0u, sphere);
+}
+
+fn velocity_at(sphere: u32) -> u32 {
+    return state_row_at(evaluated, 1u, sphere);
+}
+
+fn momentum_at(sphere: u32) -> u32 {
+    return state_row_at(evaluated, 2u, sphere);
+}
+
+fn evaluation() -> u32 {
+    return evaluated;
+}
+
+fn start_row(region: u32, i: u32) -> vec4f {
+    return state[state_row_at(0u, region, i)];
+}
+
+fn put_start(region: u32, i: u32, row: vec4f) {
+    state[state_row_at(0u, region, i)] = row;
+}
+
+fn next_row(region: u32, i: u32) -> vec4f {
+    return state[state_row_at(evaluated + 1u, region, i)];
+}
+
+fn put_next(region: u32, i: u32, row: vec4f) {
+    state[state_row_at(evaluated + 1u, region, i)] = row;
+}
+
+fn y2_row(region: u32, i: u32) -> vec4f {
+    return state[state_row_at(1u, region, i)];
+}
+
+fn y3_row(region: u32, i: u32) -> vec4f {
+    return state[state_row_at(2u, region, i)];
+}
+
+fn y4_row(region: u32, i: u32) -> vec4f {
+    return state[state_row_at(3u, region, i)];
+}

@@ -1,0 +1,120 @@
+// requires model/step.wgsl
+
+// Reading objects out of `state` and `words`.
+
+fn inverse_mass(sphere: u32) -> f32 {
+    return state[velocity_at(sphere)].w;
+}
+
+// Angular velocity: angular momentum times inverse inertia. Fixed spheres have an inverse inertia too: a surface may move.
+fn spin_of(sphere: u32) -> vec3f {
+    let momentum = state[momentum_at(sphere)];
+    return momentum.xyz * momentum.w;
+}
+
+fn vector_at(word: u32) -> vec3f {
+    return bitcast<vec3f>(vec3u(topology[word], topology[word + 1u], topology[word + 2u]));
+}
+
+fn float_at(word: u32) -> f32 {
+    return bitcast<f32>(topology[word]);
+}
+
+fn rod_ends(rod: u32) -> vec2u {
+    let at = step.rods_at + rod * ROD_WORDS;
+    return vec2u(topology[at], topology[at + 1u]);
+}
+
+fn rod_radius(rod: u32) -> f32 {
+    return float_at(step.rods_at + rod * ROD_WORDS + 2u);
+}
+
+// Not positive: the rod may change its length.
+fn rod_length(rod: u32) -> f32 {
+    return float_at(step.rods_at + rod * ROD_WORDS + 3u);
+}
+
+fn other_end(rod: u32, sphere: u32) -> u32 {
+    let ends = rod_ends(rod);
+    return select(ends.x, ends.y, ends.x == sphere);
+}
+
+struct Cuboid {
+    corner: vec3f,
+    i: vec3f,
+    j: vec3f,
+    k: vec3f,
+}
+
+fn cuboid(index: u32) -> Cuboid {
+    let at = step.boxes_at + index * BOX_WORDS;
+    return Cuboid(vector_at(at), vector_at(at + 3u), vector_at(at + 6u), vector_at(at + 9u));
+}
+
+struct Polygon {
+    corner: vec3f,
+    left: vec3f,
+    right: vec3f,
+}
+
+fn polygon(index: u32) -> Polygon {
+    let at = step.polygons_at + index * POLYGON_WORDS;
+    return Polygon(vector_at(at), vector_at(at + 3u), vector_at(at + 6u));
+}
+
+// First and one past the last word of what is attached to a sphere: rods first, for a rod is kind 0.
+fn adjacency(sphere: u32) -> vec2u {
+    // There is no such sphere; but where the uniform block alone decides, software Vulkan works the kernel over in every dispatch.
+    if (step.adjacency_at == 0u) | (sphere >= step.spheres) {
+        return vec2u(0u);
+    }
+    let at = step.adjacency_at + 2u * sphere;
+    return vec2u(topology[at], topology[at + 1u]);
+}
+
+fn kind_of(attached: u32) -> u32 {
+    return attached >> KIND_SHIFT;
+}
+
+fn index_of(attached: u32) -> u32 {
+    return attached & ((1u << KIND_SHIFT) - 1u);
+}
+
+// What rods end in a sphere: NO_ROD, SOME_RODS, or the only one, of fixed length, of a capsule's end. One word, for many wait for it.
+fn end_of(sphere: u32) -> u32 {
+    if !RODS {
+        return NO_ROD;
+    }
+    return topology[step.ends_at + sphere];
+}
+
+// First word of a sphere's rods and their number.
+fn rods_of(sphere: u32) -> vec2u {
+    if end_of(sphere) == NO_ROD {
+        return vec2u(0u);
+    }
+    let range = adjacency(sphere);
+    var end = range.x;
+    while end < range.y {
+        if kind_of(topology[end]) != KIND_ROD {
+            break;
+        }
+        end += 1u;
+    }
+    return vec2u(range.x, end - range.x);
+}
+
+// The only rod of a sphere, if it has exactly one and that has a fixed length: then the sphere is the end of a capsule.
+fn capsule_rod(sphere: u32) -> u32 {
+    let end = end_of(sphere);
+    return select(end, NONE, end == SOME_RODS);
+}
+
+// The other end of the capsule that a sphere is an end of.
+fn capsule_partner(sphere: u32) -> u32 {
+    let rod = capsule_rod(sphere);
+    if rod == NONE {
+        return NONE;
+    }
+    return other_end(rod, sphere);
+}

@@ -1,0 +1,23 @@
+// requires model/step.wgsl
+
+// The four stage states of a sphere, where each is a buffer of its own.
+
+fn start_row(region: u32, i: u32) -> vec4f {
+    return start[region * step.spheres + i];
+}
+
+fn put_start(region: u32, i: u32, row: vec4f) {
+    start[region * step.spheres + i] = row;
+}
+
+fn y2_row(region: u32, i: u32) -> vec4f {
+    return y2[region * step.spheres + i];
+}
+
+fn y3_row(region: u32, i: u32) -> vec4f {
+    return y3[region * step.spheres + i];
+}
+
+fn y4_row(region: u32, i: u32) -> vec4f {
+    return state[region * step.spheres + i];
+}

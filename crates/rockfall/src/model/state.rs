@@ -1,0 +1,92 @@
+//! One sphere's state, and writing it row by row from many threads.
+
+use std::ops::Range;
+
+use glam::{Vec3, Vec4};
+use rayon::prelude::*;
+
+use crate::error::BadStage;
+use crate::model::counters::Tally;
+use crate::model::layout::GRAIN;
+use crate::model::layout::SLICE;
+use crate::model::view::View;
+
+/// Position, velocity and angular momentum of one sphere.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Motion {
+    pub(crate) position: Vec3,
+    pub(crate) velocity: Vec3,
+    pub(crate) angular_momentum: Vec3,
+}
+
+impl Motion {
+    pub(crate) fn of(view: &View, sphere: u32) -> Self {
+        Self {
+            position: view.position(sphere),
+            velocity: view.velocity(sphere),
+            angular_momentum: view.angular_momentum(sphere),
+        }
+    }
+
+    /// This, or, where it is not finite, rest at `start`, which is told of the sphere with this index in order of addition.
+    pub(crate) fn or_stopped(self, start: Vec3, stage: BadStage, user: u32, tally: &mut Tally) -> Self {
+        if self.position.is_finite() && self.velocity.is_finite() && self.angular_momentum.is_finite() {
+            return self;
+        }
+        tally.count_bad(stage, user);
+        Self { position: start, velocity: Vec3::ZERO, angular_momentum: Vec3::ZERO }
+    }
+}
+
+/// The rows of the spheres of a slice in a state array.
+pub(crate) struct Rows<'a> {
+    first: u32,
+    positions: &'a mut [Vec4],
+    velocities: &'a mut [Vec4],
+    spins: &'a mut [Vec4],
+}
+
+impl<'a> Rows<'a> {
+    /// All rows, slice by slice.
+    pub(crate) fn of(state: &'a mut [Vec4], spheres: u32) -> impl IndexedParallelIterator<Item = Self> {
+        const LENGTH: usize = SLICE as usize;
+        let (positions, rest) = state.split_at_mut(spheres as usize);
+        let (velocities, spins) = rest.split_at_mut(spheres as usize);
+        let slices = positions.par_chunks_mut(LENGTH).zip(velocities.par_chunks_mut(LENGTH)).zip(spins.par_chunks_mut(LENGTH));
+        let rows = slices.enumerate().map(|(slice, ((positions, velocities), spins))| Self {
+            first: slice as u32 * SLICE,
+            positions,
+            velocities,
+            spins,
+        });
+        rows.with_min_len(GRAIN / LENGTH)
+    }
+
+    /// All spheres.
+    pub(crate) fn spheres(&self) -> Range<u32> {
+        self.first..self.first + self.positions.len() as u32
+    }
+
+    /// What a sphere's row holds.
+    pub(crate) fn get(&self, sphere: u32) -> Motion {
+        let place = (sphere - self.first) as usize;
+        let [position, velocity, angular_momentum] =
+            [&self.positions, &self.velocities, &self.spins].map(|rows| rows[place].truncate());
+        Motion { position, velocity, angular_momentum }
+    }
+
+    /// Writes the motion, and radius, inverse mass and inverse inertia of the sphere in `view`.
+    pub(crate) fn set(&mut self, view: &View, sphere: u32, motion: Motion) {
+        let place = (sphere - self.first) as usize;
+        self.positions[place] = motion.position.extend(view.radius(sphere));
+        self.velocities[place] = motion.velocity.extend(view.inverse_mass(sphere));
+        self.spins[place] = motion.angular_momentum.extend(view.inverse_inertia(sphere));
+    }
+
+    /// What the constraints need to know: region 0 gets the position before the step, region 2 the mean spin.
+    pub(crate) fn remember(&mut self, sphere: u32, old_position: Vec3, mean_spin: Vec3) {
+        let place = (sphere - self.first) as usize;
+        self.positions[place] = old_position.extend(0.0);
+        self.spins[place] = mean_spin.extend(0.0);
+    }
+}

@@ -1,0 +1,272 @@
+// What every kernel knows: the uniform blocks, the status block and the constants of layout.rs and status.rs. A test compares them.
+
+struct Step {
+    gravity: vec3f,
+    dt: f32,
+    activation_threshold: f32,
+    restitution: f32,
+    contact_damping: f32,
+    contact_force: f32,
+    friction: f32,
+    coulomb_friction: f32,
+    collision_friction: f32,
+    gravity_size: f32,
+    margin_scale: f32,
+    flags: u32,
+    pair_rows: u32,
+    spheres: u32,
+    rods: u32,
+    boxes: u32,
+    polygons: u32,
+    rods_at: u32,
+    springs_at: u32,
+    tethers_at: u32,
+    forces_at: u32,
+    boxes_at: u32,
+    polygons_at: u32,
+    tags_at: u32,
+    adjacency_at: u32,
+    batches: u32,
+    batches_at: u32,
+    slices_at: u32,
+    entries_at: u32,
+    cell_size: f32,
+    least_level: u32,
+    cells: u32,
+    sums_at: u32,
+    keys_at: u32,
+    sorted_at: u32,
+    lookahead: f32,
+    insertion_indices_at: u32,
+    slots_at: u32,
+    list_interval: f32,
+    lead: f32,
+    long_at: u32,
+    planned: u32,
+    ends_at: u32,
+    large: u32,
+    networks: u32,
+    networks_at: u32,
+    sweeps: u32,
+    collision_room: u32,
+    pad_0: u32,
+    pad_1: u32,
+}
+
+struct Pass {
+    index: u32,
+    pad_0: u32,
+    pad_1: u32,
+    pad_2: u32,
+}
+
+struct Aabb {
+    min: vec3f,
+    id: u32,
+    max: vec3f,
+    tag: u32,
+}
+
+struct Counters {
+    contacts: u32,
+    max_overlap: u32,
+    collisions: u32,
+    pad_0: u32,
+    pad_1: u32,
+    pad_2: u32,
+    pad_3: u32,
+    pad_4: u32,
+}
+
+struct Status {
+    counters: array<Counters, COUNTER_BLOCKS>,
+    rejected: u32,
+    pair_rows_needed: u32,
+    escape_ratio: u32,
+    steps: u32,
+    collided: u32,
+    lengths_due: u32,
+    collides: u32,
+    last_contacts: u32,
+    last_max_overlap: u32,
+    last_collisions: u32,
+    total_collisions_low: u32,
+    total_collisions_high: u32,
+    bad_body: u32,
+    bad_step: u32,
+    bad_count: u32,
+    total_bad: u32,
+    first_bad: u32,
+    rebuild: u32,
+    builds: u32,
+    order_entries: u32,
+    order_digits: u32,
+    listed: u32,
+    clustered: u32,
+    clustered_steps: u32,
+    many_steps: u32,
+}
+
+// Both where many threads of a dispatch write them.
+struct CountersAtomic {
+    contacts: atomic<u32>,
+    max_overlap: atomic<u32>,
+    collisions: atomic<u32>,
+    pad_0: u32,
+    pad_1: u32,
+    pad_2: u32,
+    pad_3: u32,
+    pad_4: u32,
+}
+
+struct StatusAtomic {
+    counters: array<CountersAtomic, COUNTER_BLOCKS>,
+    rejected: atomic<u32>,
+    pair_rows_needed: atomic<u32>,
+    escape_ratio: atomic<u32>,
+    steps: u32,
+    collided: atomic<u32>,
+    lengths_due: u32,
+    collides: atomic<u32>,
+    last_contacts: u32,
+    last_max_overlap: u32,
+    last_collisions: u32,
+    total_collisions_low: u32,
+    total_collisions_high: u32,
+    bad_body: atomic<u32>,
+    bad_step: u32,
+    bad_count: atomic<u32>,
+    total_bad: u32,
+    first_bad: u32,
+    rebuild: atomic<u32>,
+    builds: u32,
+    order_entries: atomic<u32>,
+    order_digits: atomic<u32>,
+    listed: atomic<u32>,
+    clustered: atomic<u32>,
+    clustered_steps: u32,
+    many_steps: u32,
+}
+
+@group(0) @binding(0) var<uniform> step: Step;
+@group(0) @binding(1) var<uniform> pass_: Pass;
+
+// Whether there are rods, and spheres so large that a workgroup works on each. Kernels for scenes without them are smaller and
+// faster.
+const RODS: bool = true;
+const LARGE: bool = true;
+
+const WORKGROUP: u32 = 64u;
+const WIDE: u32 = 256u;
+const SLICE: u32 = 32u;
+
+const ROD_WORDS: u32 = 4u;
+const SPRING_WORDS: u32 = 5u;
+const TETHER_WORDS: u32 = 7u;
+const FORCE_WORDS: u32 = 3u;
+const BOX_WORDS: u32 = 12u;
+const POLYGON_WORDS: u32 = 9u;
+
+const KIND_SHIFT: u32 = 30u;
+const NO_ROD: u32 = 0xffffffffu;
+const SOME_RODS: u32 = 0xfffffffeu;
+const NO_NETWORK: u32 = 0xffffffffu;
+const KIND_ROD: u32 = 0u;
+const KIND_SPRING: u32 = 1u;
+const KIND_TETHER: u32 = 2u;
+const KIND_FORCE: u32 = 3u;
+
+const COUNTER_BLOCKS: u32 = 64u;
+const SIZE_WORDS: u32 = 12u;
+
+// Without rods all contacts have feature 0, and ids the more bits.
+const FEATURE_BITS: u32 = 4u * u32(RODS);
+const FEATURE_MASK: u32 = (1u << FEATURE_BITS) - 1u;
+const ENTRY_ID_BITS: u32 = 30u - FEATURE_BITS;
+const ENTRY_ID_MASK: u32 = (1u << ENTRY_ID_BITS) - 1u;
+const ENTRY_OVERLAPS: u32 = 0x40000000u;
+const ENTRY_COLLIDES: u32 = 0x80000000u;
+const LIST_COLLIDES: u32 = 0x80000000u;
+const LIST_COUNT_MASK: u32 = 0x7fffffffu;
+const BOX_FEATURES: u32 = 12u;
+
+const EDGES_AT: u32 = 32u;
+const FARTHEST_AT: u32 = 64u;
+const CELLS_AT: u32 = 96u;
+const LEVELS: u32 = 32u;
+const CELL_BLOCK: u32 = 4096u;
+const SUM_WORDS: u32 = 4u;
+const DIGIT_BLOCK: u32 = 1024u;
+const DIGITS: u32 = 16u;
+const DIGIT_BITS: u32 = 4u;
+const ORDER_SAMPLE: u32 = 65536u;
+const FEW_STATICS: u32 = 32u;
+const LEVEL_BIAS: u32 = 8u;
+const LONG_LEVEL: u32 = 11u;
+const TOP_LEVEL: u32 = 31u;
+const ROW_Y: u32 = 0x9e3779b1u;
+const ROW_Z: u32 = 0x85ebca77u;
+const ROW_LEVEL: u32 = 0xc2b2ae3du;
+
+const FLAG_COLLISIONS: u32 = 1u;
+const FLAG_PULL: u32 = 2u;
+const FLAG_CONTINUE: u32 = 4u;
+const FLAG_GROUPS: u32 = 8u;
+const FLAG_STAGES: u32 = 16u;
+
+const REJECTED_PAIRS: u32 = 1u;
+const REJECTED_ESCAPED: u32 = 2u;
+const REJECTED_NON_FINITE: u32 = 4u;
+const REJECTED_COUNT: u32 = 8u;
+const REJECTED_COLLISIONS: u32 = 16u;
+const REJECTED_MANY: u32 = 32u;
+
+const REBUILD_REQUESTED: u32 = 1u;
+const REBUILD_DONE: u32 = 2u;
+
+const SWEEPS_OFF: u32 = 0u;
+const SWEEPS_LISTED: u32 = 1u;
+const SWEEPS_FEW: u32 = 2u;
+const SWEEPS_ON: u32 = 3u;
+const FEW_COLLISIONS: u32 = 2048u;
+const SWEEPS: u32 = 8u;
+const SWEEP_SIZES: vec4f = vec4f(1.25098, 2.66852, 1.81611, 1.0);
+const COLLISION_WORDS: u32 = 48u;
+
+const PHASES_SHIFT: u32 = 3u;
+const POSITIONS_FIRST: u32 = 1u;
+const POSITIONS_ALONE: u32 = 2u;
+const ORDER_MASK: u32 = 3u;
+const SYMPLECTIC_EULER: u32 = 4u;
+
+const NO_BODY: u32 = 0xffffffffu;
+const BAD_STAGE_SHIFT: u32 = 29u;
+
+// "No such object" where an id or an index is expected.
+const NONE: u32 = 0xffffffffu;
+
+// A squared length up to this counts as 0: what its direction would be is decided by rule, not by rounding.
+const TINY: f32 = 1e-30;
+
+fn objects() -> u32 {
+    return step.spheres + step.rods + step.boxes + step.polygons;
+}
+
+// A dispatch has two dimensions, so that there may be more than 65,535 workgroups.
+fn linear_group(group: vec3u, groups: vec3u) -> u32 {
+    return group.x + group.y * groups.x;
+}
+
+fn linear_thread(group: vec3u, groups: vec3u, local: u32) -> u32 {
+    return linear_group(group, groups) * WORKGROUP + local;
+}
+
+// In workgroups of WIDE.
+fn wide_thread(group: vec3u, groups: vec3u, local: u32) -> u32 {
+    return linear_group(group, groups) * WIDE + local;
+}
+
+// By the exponent bits: compilers may assume that there is no infinity and no NaN, and drop other tests.
+fn finite(v: vec3f) -> bool {
+    return all((bitcast<vec3u>(v) & vec3u(0x7f800000u)) != vec3u(0x7f800000u));
+}

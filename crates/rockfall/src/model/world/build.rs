@@ -1,0 +1,291 @@
+//! Packing a scene into the arrays of a [`World`].
+
+use glam::Vec4;
+
+use crate::error::Result;
+use crate::model::dispatch::sizes;
+use crate::model::layout::{
+    CELL_BLOCK, CELLS_AT, FEW_MOVERS, FLAG_COLLISIONS, FLAG_CONTINUE, FLAG_GROUPS, FLAG_PULL, LEVEL_BIAS, LINE, PLANNED_FROM,
+    SLICE, SUM_WORDS,
+};
+use crate::model::step::Step;
+use crate::model::world::World;
+use crate::model::world::order::{size_class, spatial_order};
+use crate::scene::{Rod, Scene, Sphere, SphereId};
+use crate::settings::{BroadPhase, Settings};
+
+/// Entries that a mover's list has room for at the start; lists that need more grow.
+const FIRST_ENTRIES: u32 = 16;
+/// The same where movers are few.
+const FIRST_ENTRIES_OF_FEW: u32 = 24;
+/// How far AABBs are grown at the start for what accelerates, in 0.02 r.
+const FIRST_MARGIN: f32 = 2.0;
+/// Steps for which AABBs are grown at the start.
+const FIRST_LOOKAHEAD: f32 = 1.0;
+
+/// Cells are as large as AABBs of spheres at rest, and a little more, for what moves has larger ones;
+const CELL_PER_RADIUS: f32 = 2.4;
+/// a little more still where all stand on one level.
+const CELL_OF_ALL: f32 = 2.75;
+/// There is room for a collision of so many movers at the start, where collisions are listed from the start;
+const MOVERS_A_COLLISION: u32 = 4;
+/// and for so many at least.
+const FEW_COLLISIONS: u32 = 128;
+/// One sphere of so many is large, at most.
+const SPHERES_A_TEAM: u32 = 8;
+
+impl World {
+    /// The world of a scene before its first step, spheres in order of addition.
+    ///
+    /// # Errors
+    /// [`Error::TooManyObjects`](crate::Error::TooManyObjects) for more objects than list entries can number.
+    pub fn build(scene: &Scene) -> Result<Self> {
+        Ok(Self::pack(scene, Vec::new())?.with_scratch())
+    }
+
+    /// The same with spheres in spatial order, which the grid broad phase allows: its lists go by order of addition
+    /// whatever the order of memory.
+    ///
+    /// # Errors
+    /// As for [`World::build`].
+    pub fn build_in_space(scene: &Scene) -> Result<Self> {
+        Ok(Self::pack(scene, order_in_space(scene))?.with_scratch())
+    }
+
+    /// The same with spheres in the order of their x, which sort-and-skip begins with.
+    ///
+    /// # Errors
+    /// As for [`World::build`].
+    pub fn build_along_x(scene: &Scene) -> Result<Self> {
+        Ok(Self::pack(scene, order_along_x(scene))?.with_scratch())
+    }
+
+    /// The world in the order that suits a broad phase: brute force goes through memory in order of addition. It is without
+    /// scratch, which a device has for itself.
+    pub(crate) fn for_method(scene: &Scene, broad_phase: BroadPhase) -> Result<Self> {
+        let counts = scene.counts();
+        let order = match broad_phase.resolve(counts.spheres + counts.rods + counts.boxes + counts.polygons) {
+            BroadPhase::Grid => order_in_space(scene),
+            BroadPhase::SortAndSkip => order_along_x(scene),
+            _ => Vec::new(),
+        };
+        Self::pack(scene, order)
+    }
+
+    fn pack(scene: &Scene, order: Vec<u32>) -> Result<Self> {
+        let step = Step { margin_scale: FIRST_MARGIN, lookahead: FIRST_LOOKAHEAD, list_interval: 1.0, ..Step::default() };
+        let mut world = Self { step, order, ..Self::default() };
+        world.set_settings(&scene.settings);
+        world.set_words(scene)?;
+        world.set_spheres(scene);
+        world.set_grid(scene);
+        world.step.large = world.large_spheres(scene);
+        world.set_collision_room();
+        let entries = if world.movers() <= FEW_MOVERS { FIRST_ENTRIES_OF_FEW } else { FIRST_ENTRIES };
+        world.set_pair_room((entries * world.movers().div_ceil(SLICE)).max(1));
+        Ok(world)
+    }
+
+    /// Puts the constants into the uniform block.
+    pub fn set_settings(&mut self, settings: &Settings) {
+        let step = &mut self.step;
+        step.gravity = (settings.gravity * settings.gravity_direction).to_array();
+        step.activation_threshold = settings.activation_threshold;
+        step.restitution = settings.restitution;
+        step.contact_damping = settings.contact_damping;
+        step.contact_force = settings.contact_force;
+        step.friction = settings.friction;
+        step.coulomb_friction = settings.coulomb_friction;
+        step.collision_friction = settings.collision_friction;
+        step.gravity_size = settings.gravity.abs() * settings.gravity_direction.length();
+        let bit = |on: bool, flag: u32| if on { flag } else { 0 };
+        step.flags = step.flags & (FLAG_CONTINUE | FLAG_GROUPS)
+            | bit(settings.collisions, FLAG_COLLISIONS)
+            | bit(settings.contact_pull, FLAG_PULL);
+        step.sweeps = step.sweeps.max(step.calm_sweeps());
+    }
+
+    /// Packs the state of the spheres.
+    pub fn set_spheres(&mut self, scene: &Scene) {
+        let spheres = || in_order(scene, &self.order);
+        let inverse = |mass: f32, fixed: bool| if fixed { 0.0 } else { 1.0 / mass };
+        let positions = spheres().map(|sphere| sphere.position.extend(sphere.radius));
+        let velocities = spheres().map(|sphere| sphere.velocity.extend(inverse(sphere.mass, sphere.fixed)));
+        let spins = spheres().map(|sphere| sphere.angular_momentum.extend(1.0 / sphere.inertia()));
+        self.states[0] = positions.chain(velocities).chain(spins).collect();
+        self.orientations = spheres().map(|sphere| sphere.orientation.into()).collect();
+    }
+
+    /// Chooses the grid's cells: a little larger than most spheres. They are at least twice as many as there are objects, so that rows
+    /// of them seldom share places of the table, if not one block, which is made in one dispatch, will do.
+    fn set_grid(&mut self, scene: &Scene) {
+        (self.step.cell_size, self.step.least_level) = typical_cell(scene);
+        let objects = self.objects();
+        let cells = if objects <= CELL_BLOCK { CELL_BLOCK } else { 2 * objects };
+        self.place_cells(cells, has_long_movers(scene, self.step.cell_size));
+    }
+
+    /// Lists collisions from the start where bodies may have long lists, and solves them by sweeps where there are networks.
+    fn set_collision_room(&mut self) {
+        let step = &mut self.step;
+        if step.has_long_lists() {
+            step.collision_room = (step.movers() / MOVERS_A_COLLISION).max(FEW_COLLISIONS);
+        }
+        step.sweeps = step.calm_sweeps();
+    }
+
+    /// How many of the last spheres in memory are large; so many of them that a workgroup for each is not too much.
+    fn large_spheres(&self, scene: &Scene) -> u32 {
+        let from_last = (0..self.step.spheres as usize).rev().map(|place| &scene.spheres()[self.user(place)]);
+        let is_large = |sphere: &&Sphere| size_class(sphere.radius, self.step.cell_size) > 0;
+        from_last.take((self.step.spheres / SPHERES_A_TEAM) as usize).take_while(is_large).count() as u32
+    }
+
+    /// Gives the grid's table room for at least so many cells; what it holds is void after it.
+    pub fn set_cells(&mut self, cells: u32) {
+        self.place_cells(cells, self.step.long_at != 0);
+        self.resize_cells();
+    }
+
+    fn resize_cells(&mut self) {
+        self.cells.resize(self.cell_words() as usize, 0);
+    }
+
+    /// Words of the grid.
+    pub(crate) fn cell_words(&self) -> u64 {
+        let long_movers = if self.step.long_at == 0 { 0 } else { self.movers() };
+        u64::from(self.step.sorted_at) + u64::from(self.objects()) + u64::from(long_movers)
+    }
+
+    /// [`World::set_cells`] without the table; with room for long movers, where there may be some.
+    fn place_cells(&mut self, cells: u32, long_movers: bool) {
+        let objects = self.objects();
+        let step = &mut self.step;
+        step.cells = cells.max(CELL_BLOCK).next_power_of_two();
+        step.sums_at = CELLS_AT + step.cells;
+        step.keys_at = (step.sums_at + SUM_WORDS * (step.cells / CELL_BLOCK)).next_multiple_of(LINE);
+        step.sorted_at = (step.keys_at + objects).next_multiple_of(LINE);
+        step.long_at = if long_movers { step.sorted_at + objects } else { 0 };
+        step.planned = u32::from(objects >= PLANNED_FROM);
+        self.sizes = sizes(step).repeat(2);
+    }
+
+    /// With scratch arrays of the sizes that the counts ask for, as the CPU backend needs them.
+    pub(crate) fn with_scratch(mut self) -> Self {
+        self.add_scratch();
+        self
+    }
+
+    /// See [`World::with_scratch`].
+    pub(crate) fn add_scratch(&mut self) {
+        let rows = 3 * self.step.spheres as usize;
+        for state in &mut self.states[1..] {
+            state.resize(rows, Vec4::ZERO);
+        }
+        self.aabbs.resize(self.objects() as usize, Default::default());
+        self.resize_cells();
+        self.extents.resize(self.objects() as usize, Vec4::ZERO);
+        self.wrenches.resize(4 * self.step.rods as usize, Vec4::ZERO);
+        self.set_pair_rows(self.step.pair_rows);
+    }
+
+    /// Writes the state of the spheres back into the scene it was packed from; `packed` are their handles then.
+    pub(crate) fn read_spheres(&self, scene: &mut Scene, packed: &[SphereId]) {
+        let n = packed.len();
+        for place in 0..n {
+            let id = &packed[self.user(place)];
+            // Spheres that were removed since are gone; fixed ones have only turned.
+            let Ok(sphere) = scene.spheres.get_mut(*id) else { continue };
+            sphere.orientation = glam::Quat::from_vec4(self.orientations[place]);
+            if !sphere.fixed {
+                sphere.position = self.states[0][place].truncate();
+                sphere.velocity = self.states[0][n + place].truncate();
+                sphere.angular_momentum = self.states[0][2 * n + place].truncate();
+            }
+        }
+    }
+}
+
+/// A little more than the AABBs of most spheres at rest, and the least level of the grid: each level of cells costs every mover a
+/// search, so where radii differ little all that are not too large stand on one.
+fn typical_cell(scene: &Scene) -> (f32, u32) {
+    let mut radii: Vec<f32> = scene.spheres().iter().map(|sphere| sphere.radius).collect();
+    let count = radii.len();
+    let mut quantile = |place: usize| match count {
+        0 => 1.0,
+        _ => *radii.select_nth_unstable_by(place, f32::total_cmp).1,
+    };
+    let (median, large) = (quantile(count / 2), quantile(count - count.min(1) - count / 50));
+    let (size, least_level) =
+        if large < 2.0 * median { (CELL_OF_ALL * large, LEVEL_BIAS) } else { (CELL_PER_RADIUS * median, 0) };
+    (size.clamp(1e-20, 1e20), least_level)
+}
+
+/// Whether some sphere or rod at rest is so large that it stands on [`LONG_LEVEL`](crate::model::layout::LONG_LEVEL) or above.
+fn has_long_movers(scene: &Scene, cell: f32) -> bool {
+    let place = |id| scene.sphere(id).map(|sphere| sphere.position);
+    let is_long = |rod: &Rod| match (place(rod.end1), place(rod.end2)) {
+        (Ok(one), Ok(two)) => size_class(0.5 * one.distance(two) + rod.radius, cell) > 0,
+        _ => false,
+    };
+    scene.spheres().iter().any(|sphere| size_class(sphere.radius, cell) > 0) || scene.rods().iter().any(is_long)
+}
+
+fn order_in_space(scene: &Scene) -> Vec<u32> {
+    let balls: Vec<Vec4> = scene.spheres().iter().map(|sphere| sphere.position.extend(sphere.radius)).collect();
+    spatial_order(&balls, typical_cell(scene).0)
+}
+
+fn order_along_x(scene: &Scene) -> Vec<u32> {
+    let spheres = scene.spheres();
+    let mut order: Vec<u32> = (0..spheres.len() as u32).collect();
+    let x = |index: u32| spheres[index as usize].position.x;
+    order.sort_by(|a, b| x(*a).total_cmp(&x(*b)));
+    order
+}
+
+/// The spheres in the order of memory.
+pub(crate) fn in_order<'a>(scene: &'a Scene, order: &'a [u32]) -> impl Iterator<Item = &'a Sphere> + 'a {
+    let spheres = scene.spheres();
+    (0..spheres.len()).map(move |slot| &spheres[order.get(slot).map_or(slot, |user| *user as usize)])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::generate::Benchmark;
+    use crate::model::buffer::Buffer;
+
+    #[test]
+    fn large_spheres_are_counted_where_they_are_the_last() {
+        let scene = Benchmark::Radii.generate(2000, 0).unwrap();
+        let in_space = World::build_in_space(&scene).unwrap();
+        let is_large = |sphere: &&Sphere| sphere.radius > 0.3;
+        assert_eq!(in_space.step.large as usize, scene.spheres().iter().filter(is_large).count());
+        assert!(in_space.step.large > 3 && in_space.step.has_long_lists());
+        // The last that was added is a small one.
+        assert_eq!(World::build(&scene).unwrap().step.large, 0);
+        // Were most of them large, a workgroup for each would be too much.
+        let mut mixed = Scene::new();
+        for k in 0..100_u8 {
+            let radius = if k < 60 { 0.1 } else { 1.0 };
+            mixed.add_sphere(Sphere::new([f32::from(k), 0.0, 0.0], radius)).unwrap();
+        }
+        assert_eq!(World::build(&mixed).unwrap().step.large, 100 / SPHERES_A_TEAM);
+    }
+
+    #[test]
+    fn a_world_for_a_device_carries_no_scratch() {
+        let scene = Benchmark::Mixed.generate(100, 0).unwrap();
+        let mut world = World::for_method(&scene, BroadPhase::Grid).unwrap();
+        let held: Vec<Buffer> = Buffer::ALL.into_iter().filter(|buffer| !world.bytes(*buffer).is_empty()).collect();
+        assert_eq!(held, [Buffer::Start, Buffer::Topology, Buffer::Orientations, Buffer::DispatchSizes, Buffer::Status]);
+        world.set_pair_room(2);
+        assert!(world.lists.is_empty());
+        // As large as the counts say, whatever the capacity was before.
+        let whole = world.with_scratch();
+        assert_eq!(whole.lists.len(), (whole.step.entries_at + 64) as usize);
+        assert_eq!(whole.aabbs.len(), whole.objects() as usize);
+        assert_eq!(whole.states[3].len(), whole.states[0].len());
+    }
+}

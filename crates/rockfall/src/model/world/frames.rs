@@ -1,0 +1,150 @@
+//! Frames of fixed-length rods: which rods are solved together, and in which order.
+
+use crate::model::layout::WORKGROUP;
+
+/// Batches of rods; a batch is a list of colours, a colour a list of rods that share no moving sphere.
+///
+/// Rods that are joined by moving spheres are one batch. Rods that are joined to none are put together,
+/// a workgroup of them in a batch of a single colour. `rods` are (number, ends); `fixed` says which spheres are fixed:
+/// those join nothing, for no correction moves them.
+pub(crate) fn batches(fixed: &[bool], rods: &[(u32, [u32; 2])]) -> Vec<Vec<Vec<u32>>> {
+    let mut frames = Frames::new(fixed.len());
+    let moving = |ends: [u32; 2]| ends.into_iter().filter(|end| !fixed[*end as usize]);
+    for (_, ends) in rods {
+        frames.join(moving(*ends));
+    }
+    // Rods by frame, frames in the order of their first rods; rods between two fixed spheres have nothing to solve.
+    let mut place_of_root = std::collections::HashMap::new();
+    let mut members: Vec<Vec<(u32, [u32; 2])>> = Vec::new();
+    for rod in rods {
+        let Some(end) = moving(rod.1).next() else { continue };
+        let place = *place_of_root.entry(frames.root(end)).or_insert_with(|| {
+            members.push(Vec::new());
+            members.len() - 1
+        });
+        members[place].push(*rod);
+    }
+    let (single, joined): (Vec<_>, Vec<_>) = members.into_iter().partition(|frame| frame.len() == 1);
+    let single: Vec<u32> = single.into_iter().flatten().map(|(number, _)| number).collect();
+    let mut batches: Vec<_> = single.chunks(WORKGROUP as usize).map(|chunk| vec![chunk.to_vec()]).collect();
+    batches.extend(joined.iter().map(|frame| colour(frame, fixed)));
+    batches
+}
+
+/// Rods that keep each other's distances: connected sets of fixed-length rods, rigid capsules left out. `rods` are (number, ends),
+/// `is_capsule` says which of them are rigid capsules. Rods between two fixed spheres are in none.
+pub(crate) fn networks(fixed: &[bool], rods: &[(u32, [u32; 2])], is_capsule: impl Fn(u32) -> bool) -> Vec<Vec<u32>> {
+    let mut frames = Frames::new(fixed.len());
+    let moving = |ends: [u32; 2]| ends.into_iter().filter(|end| !fixed[*end as usize]);
+    let rods = || rods.iter().filter(|(number, _)| !is_capsule(*number));
+    for (_, ends) in rods() {
+        frames.join(moving(*ends));
+    }
+    let mut place_of_root = std::collections::HashMap::new();
+    let mut networks: Vec<Vec<u32>> = Vec::new();
+    for (number, ends) in rods() {
+        let Some(end) = moving(*ends).next() else { continue };
+        let place = *place_of_root.entry(frames.root(end)).or_insert_with(|| {
+            networks.push(Vec::new());
+            networks.len() - 1
+        });
+        networks[place].push(*number);
+    }
+    networks
+}
+
+/// Greedy edge colouring: with at most d rods on a sphere, 2 d - 1 colours are enough; a chain takes two.
+fn colour(frame: &[(u32, [u32; 2])], fixed: &[bool]) -> Vec<Vec<u32>> {
+    let mut colours: Vec<Vec<u32>> = Vec::new();
+    let mut used: std::collections::HashMap<u32, Vec<bool>> = std::collections::HashMap::new();
+    for (number, ends) in frame {
+        let moving: Vec<u32> = ends.iter().copied().filter(|end| !fixed[*end as usize]).collect();
+        let taken = |colour: usize| {
+            moving.iter().any(|end| used.get(end).is_some_and(|used| used.get(colour).copied().unwrap_or(false)))
+        };
+        let free = (0..).find(|colour| !taken(*colour)).unwrap_or(colours.len());
+        if free == colours.len() {
+            colours.push(Vec::new());
+        }
+        colours[free].push(*number);
+        for end in moving {
+            let used = used.entry(end).or_default();
+            used.resize(used.len().max(free + 1), false);
+            used[free] = true;
+        }
+    }
+    colours
+}
+
+/// Union-find over spheres.
+struct Frames {
+    parent: Vec<u32>,
+}
+
+impl Frames {
+    fn new(spheres: usize) -> Self {
+        Self { parent: (0..spheres as u32).collect() }
+    }
+
+    fn root(&mut self, mut sphere: u32) -> u32 {
+        while self.parent[sphere as usize] != sphere {
+            let above = self.parent[sphere as usize];
+            self.parent[sphere as usize] = self.parent[above as usize];
+            sphere = above;
+        }
+        sphere
+    }
+
+    fn join(&mut self, mut spheres: impl Iterator<Item = u32>) {
+        let Some(first) = spheres.next() else { return };
+        for other in spheres {
+            let (a, b) = (self.root(first), self.root(other));
+            self.parent[a.max(b) as usize] = a.min(b);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn shares_no_sphere(colour: &[u32], rods: &[(u32, [u32; 2])], fixed: &[bool]) -> bool {
+        let mut seen = std::collections::HashSet::new();
+        let ends = colour.iter().flat_map(|number| rods[*number as usize].1);
+        ends.filter(|end| !fixed[*end as usize]).all(|end| seen.insert(end))
+    }
+
+    #[test]
+    fn a_chain_takes_two_colours_and_single_rods_share_a_batch() {
+        let chain = [(0, [0, 1]), (1, [1, 2]), (2, [2, 3]), (3, [4, 5]), (4, [6, 7])];
+        let fixed = [true, false, false, false, false, false, false, false];
+        let batches = batches(&fixed, &chain);
+        assert_eq!(batches, vec![vec![vec![3, 4]], vec![vec![0, 2], vec![1]]]);
+    }
+
+    #[test]
+    fn a_fixed_sphere_joins_nothing() {
+        // A cradle: five rods from one fixed sphere.
+        let rods: Vec<_> = (0..5).map(|number| (number, [0, number + 1])).collect();
+        let mut fixed = [false; 6];
+        fixed[0] = true;
+        assert_eq!(batches(&fixed, &rods), vec![vec![vec![0, 1, 2, 3, 4]]]);
+    }
+
+    #[test]
+    fn every_rod_of_a_dense_frame_has_one_colour_and_no_colour_a_sphere_twice() {
+        let mut rods = Vec::new();
+        for one in 0..9 {
+            for two in 0..one {
+                rods.push((rods.len() as u32, [one, two]));
+            }
+        }
+        let fixed = [false; 9];
+        let batches = batches(&fixed, &rods);
+        assert_eq!(batches.len(), 1);
+        let mut all: Vec<u32> = batches[0].iter().flatten().copied().collect();
+        all.sort_unstable();
+        assert_eq!(all, (0..36).collect::<Vec<_>>());
+        assert!(batches[0].iter().all(|colour| shares_no_sphere(colour, &rods, &fixed)));
+    }
+}

@@ -1,0 +1,243 @@
+//! Packing what stands in `words`: rods, springs, tethers, outside forces, boxes, polygons, tags, the order of memory, fixed rods, and
+//! what is attached to each sphere.
+
+use glam::Vec3;
+
+use crate::error::{Error, Result};
+use crate::model::layout::{
+    FLAG_GROUPS, KIND_FORCE, KIND_ROD, KIND_SHIFT, KIND_SPRING, KIND_TETHER, LINE, NO_NETWORK, NO_ROD, ROD_WORDS, SOME_RODS,
+    most_objects,
+};
+use crate::model::step::Step;
+use crate::model::world::World;
+use crate::model::world::build::in_order;
+use crate::model::world::frames::{batches, networks};
+use crate::model::world::order::inverse;
+use crate::scene::{Scene, SphereId};
+
+impl World {
+    /// Packs everything but the state of the spheres: `words`, and the counts and offsets of the uniform block.
+    ///
+    /// # Errors
+    /// [`Error::TooManyObjects`] for more objects than list entries can number.
+    pub fn set_words(&mut self, scene: &Scene) -> Result<()> {
+        let counts = scene.counts();
+        let objects = counts.spheres + counts.rods + counts.boxes + counts.polygons;
+        let attached = counts.springs + counts.tethers;
+        let limit = most_objects(counts.rods > 0) as usize;
+        if objects > limit || attached > limit {
+            return Err(Error::TooManyObjects { count: objects.max(attached), limit });
+        }
+        let slots = inverse(&self.order);
+        let index = |id: SphereId| slot_of(scene, &slots, id);
+        let mut adjacency = Adjacency::default();
+        let mut topology = Vec::new();
+        let step = &mut self.step;
+        step.spheres = counts.spheres as u32;
+        step.rods = counts.rods as u32;
+        step.boxes = counts.boxes as u32;
+        step.polygons = counts.polygons as u32;
+
+        step.rods_at = topology.len() as u32;
+        let mut fixed_rods = Vec::new();
+        for (rod, number) in scene.rods().iter().zip(0..) {
+            let ends = [index(rod.end1)?, index(rod.end2)?];
+            topology.extend([ends[0], ends[1], rod.radius.to_bits(), rod.length.unwrap_or(0.0).to_bits()]);
+            adjacency.attach(KIND_ROD, number, &ends);
+            if rod.length.is_some() {
+                fixed_rods.push((number, ends));
+            }
+        }
+        pack_attachments(scene, &slots, step, &mut topology, &mut adjacency)?;
+        pack_static(scene, &self.order, step, &mut topology);
+        pack_order(&self.order, &slots, step, &mut topology);
+
+        let fixed: Vec<bool> = in_order(scene, &self.order).map(|sphere| sphere.fixed).collect();
+        let batches = batches(&fixed, &fixed_rods);
+        step.batches = batches.len() as u32;
+        step.batches_at = topology.len() as u32;
+        push_batches(&mut topology, &batches);
+        step.ends_at = push_ends(step, &mut topology);
+        push_networks(step, &fixed, &fixed_rods, &mut topology);
+        step.adjacency_at = adjacency.push(&mut topology, step.spheres);
+        self.topology = topology;
+        Ok(())
+    }
+}
+
+fn slot_of(scene: &Scene, slots: &[u32], id: SphereId) -> Result<u32> {
+    let index = scene.spheres.index(id)?;
+    Ok(slots.get(index).copied().unwrap_or(index as u32))
+}
+
+/// Which sphere stands where, unless they stand in order of addition.
+fn pack_order(order: &[u32], slots: &[u32], step: &mut Step, topology: &mut Vec<u32>) {
+    (step.insertion_indices_at, step.slots_at) = (0, 0);
+    let mut append = |table: &[u32]| {
+        topology.resize(topology.len().next_multiple_of(LINE as usize), 0);
+        topology.extend(table);
+        (topology.len() - table.len()) as u32
+    };
+    if !order.is_empty() {
+        (step.insertion_indices_at, step.slots_at) = (append(order), append(slots));
+    }
+}
+
+/// Springs, tethers and outside forces.
+fn pack_attachments(
+    scene: &Scene,
+    slots: &[u32],
+    step: &mut Step,
+    topology: &mut Vec<u32>,
+    adjacency: &mut Adjacency,
+) -> Result<()> {
+    step.springs_at = topology.len() as u32;
+    for (spring, number) in scene.springs().iter().zip(0..) {
+        let ends = [slot_of(scene, slots, spring.a)?, slot_of(scene, slots, spring.b)?];
+        topology.extend(ends);
+        topology.extend([spring.stiffness, spring.length, spring.damping].map(f32::to_bits));
+        adjacency.attach(KIND_SPRING, number, &ends);
+    }
+    step.tethers_at = topology.len() as u32;
+    for (tether, number) in scene.tethers().iter().zip(0..) {
+        let sphere = slot_of(scene, slots, tether.sphere)?;
+        topology.push(sphere);
+        push_vectors(topology, &[tether.point]);
+        topology.extend([tether.stiffness, tether.length, tether.damping].map(f32::to_bits));
+        adjacency.attach(KIND_TETHER, number, &[sphere]);
+    }
+    step.forces_at = topology.len() as u32;
+    let pushed = scene.spheres().iter().zip(0..).filter(|(sphere, _)| sphere.force != Vec3::ZERO);
+    for ((sphere, number), force) in pushed.zip(0..) {
+        push_vectors(topology, &[sphere.force]);
+        adjacency.attach(KIND_FORCE, force, &[slots.get(number as usize).copied().unwrap_or(number)]);
+    }
+    Ok(())
+}
+
+/// Boxes, polygons, and the tags of all objects.
+fn pack_static(scene: &Scene, order: &[u32], step: &mut Step, topology: &mut Vec<u32>) {
+    step.boxes_at = topology.len() as u32;
+    for cuboid in scene.boxes() {
+        let [i, j, k] = cuboid.edges;
+        push_vectors(topology, &[cuboid.corner, i, j, k]);
+    }
+    step.polygons_at = topology.len() as u32;
+    for polygon in scene.polygons() {
+        push_vectors(topology, &[polygon.corner, polygon.left, polygon.right]);
+    }
+    step.tags_at = topology.len() as u32;
+    let tags_at = topology.len();
+    topology.extend(in_order(scene, order).map(|sphere| u32::from(sphere.group)));
+    topology.extend(scene.rods().iter().map(|rod| u32::from(rod.group)));
+    topology.extend(scene.boxes().iter().map(|cuboid| u32::from(cuboid.group)));
+    topology.extend(scene.polygons().iter().map(|polygon| u32::from(polygon.group)));
+    step.flags &= !FLAG_GROUPS;
+    if topology[tags_at..].windows(2).any(|tags| tags[0] != tags[1]) {
+        step.flags |= FLAG_GROUPS;
+    }
+}
+
+fn push_vectors(topology: &mut Vec<u32>, vectors: &[Vec3]) {
+    topology.extend(vectors.iter().flat_map(|vector| vector.to_array().map(f32::to_bits)));
+}
+
+fn push_batches(topology: &mut Vec<u32>, batches: &[Vec<Vec<u32>>]) {
+    let table = topology.len();
+    topology.resize(table + batches.len(), 0);
+    for (place, colours) in batches.iter().enumerate() {
+        topology[table + place] = topology.len() as u32;
+        topology.push(colours.len() as u32);
+        let mut at = (topology.len() + colours.len() + 1) as u32;
+        topology.push(at);
+        for colour in colours {
+            at += colour.len() as u32;
+            topology.push(at);
+        }
+        topology.extend(colours.iter().flatten());
+    }
+}
+
+/// Appends what rods end in each sphere; returns where that stands, 0 without rods.
+fn push_ends(step: &Step, topology: &mut Vec<u32>) -> u32 {
+    if step.rods == 0 {
+        return 0;
+    }
+    let mut ends = vec![NO_ROD; step.spheres as usize];
+    let rods = &topology[step.rods_at as usize..][..(step.rods * ROD_WORDS) as usize];
+    for (rod, number) in rods.chunks_exact(ROD_WORDS as usize).zip(0..) {
+        let is_fixed = f32::from_bits(rod[3]) > 0.0;
+        for end in &rod[..2] {
+            let known = &mut ends[*end as usize];
+            *known = if *known == NO_ROD && is_fixed { number } else { SOME_RODS };
+        }
+    }
+    let at = topology.len() as u32;
+    topology.extend(ends);
+    at
+}
+
+/// Appends the network of each rod and the network table (see [`Step::networks_at`]). A rod is a rigid capsule where it is the only rod
+/// of both its ends and both move.
+fn push_networks(step: &mut Step, fixed: &[bool], fixed_rods: &[(u32, [u32; 2])], topology: &mut Vec<u32>) {
+    (step.networks, step.networks_at) = (0, 0);
+    if step.rods == 0 {
+        return;
+    }
+    let ends_at = step.ends_at as usize;
+    let is_end = |end: u32, rod: u32| topology[ends_at + end as usize] == rod && !fixed[end as usize];
+    let capsules: std::collections::HashSet<u32> =
+        fixed_rods.iter().filter(|(rod, ends)| ends.iter().all(|end| is_end(*end, *rod))).map(|(rod, _)| *rod).collect();
+    let networks = networks(fixed, fixed_rods, |rod| capsules.contains(&rod));
+    let ends_of: std::collections::HashMap<u32, [u32; 2]> = fixed_rods.iter().copied().collect();
+    let mut network_of = vec![NO_NETWORK; step.rods as usize];
+    for (number, rods) in networks.iter().enumerate() {
+        rods.iter().for_each(|rod| network_of[*rod as usize] = number as u32);
+    }
+    topology.extend(network_of);
+    (step.networks, step.networks_at) = (networks.len() as u32, topology.len() as u32);
+    let table = topology.len();
+    topology.resize(table + networks.len(), 0);
+    for (place, rods) in networks.iter().enumerate() {
+        topology[table + place] = topology.len() as u32;
+        let mut seen = std::collections::HashSet::new();
+        let ends = rods.iter().flat_map(|rod| ends_of[rod].into_iter().zip(0..).map(move |(end, side)| (end, 2 * rod + side)));
+        let spheres: Vec<u32> =
+            ends.filter(|(end, _)| !fixed[*end as usize] && seen.insert(*end)).map(|(_, place)| place).collect();
+        topology.extend([spheres.len() as u32, rods.len() as u32]);
+        topology.extend(spheres);
+        topology.extend(rods);
+    }
+}
+
+/// Pairs of (sphere, adjacency word).
+#[derive(Default)]
+struct Adjacency {
+    pairs: Vec<(u32, u32)>,
+}
+
+impl Adjacency {
+    fn attach(&mut self, kind: u32, index: u32, spheres: &[u32]) {
+        self.pairs.extend(spheres.iter().map(|sphere| (*sphere, kind << KIND_SHIFT | index)));
+    }
+
+    /// Appends ranges and words; returns where the ranges stand, 0 when nothing is attached to any sphere.
+    fn push(mut self, topology: &mut Vec<u32>, spheres: u32) -> u32 {
+        if self.pairs.is_empty() {
+            return 0;
+        }
+        self.pairs.sort_unstable();
+        let at = topology.len() as u32;
+        let first = at + 2 * spheres;
+        let mut place = 0;
+        for sphere in 0..spheres {
+            topology.push(first + place as u32);
+            while place < self.pairs.len() && self.pairs[place].0 == sphere {
+                place += 1;
+            }
+            topology.push(first + place as u32);
+        }
+        topology.extend(self.pairs.iter().map(|(_, word)| *word));
+        at
+    }
+}

@@ -1,0 +1,135 @@
+//! Contacts of one sphere with others, four at a time. Nearly all contacts of most scenes are of this kind; where no rod joins
+//! the two there are no cases to tell apart.
+
+use glam::{BVec4A, Vec4};
+
+use crate::model::lanes::{LANES, Vec3x4};
+use crate::model::lists::Entry;
+use crate::model::view::{Object, TINY, View};
+use crate::physics::contact::{Approach, Sides, Touches};
+use crate::physics::side::side;
+use crate::physics::touch::ROUNDING;
+
+/// A sphere without rods, and those of its list that it touches, or nearly so.
+pub(crate) struct Ball<'a, 'b> {
+    pub(crate) view: &'b View<'a>,
+    sphere: u32,
+    place: Vec4,
+    sides: Sides,
+}
+
+/// A sphere beside up to four others.
+pub(crate) struct Meeting {
+    /// The sphere itself, four times.
+    pub(crate) a: Sides,
+    pub(crate) b: Sides,
+    /// Normals from the sphere to the others; an overlap may be 0 or less.
+    pub(crate) touches: Touches,
+}
+
+impl<'a, 'b> Ball<'a, 'b> {
+    /// The sphere, unless it has rods: then it does not meet those at the other end.
+    #[inline]
+    pub(crate) fn new(view: &'b View<'a>, mover: u32) -> Option<Self> {
+        view.is_ball(mover).then(|| Self {
+            view,
+            sphere: mover,
+            place: view.place(mover),
+            sides: Sides::splat(&side(view, Object::Sphere(mover), 0.0)),
+        })
+    }
+
+    /// Those spheres of a list of `count` entries that are so near that they may overlap, up to four at a time: most are not.
+    /// The slack leaves those near the edge to the test that counts. Gives the number of spheres, which come first in a list.
+    #[inline]
+    pub(crate) fn for_each_near(&self, mut count: u32, entry: impl Fn(u32) -> Entry, mut take: impl FnMut(&[Entry])) -> u32 {
+        while count > 0 && entry(count - 1).id() >= self.view.step.spheres {
+            count -= 1;
+        }
+        let (own, radius) = (Vec3x4::splat(self.place.truncate()), Vec4::splat(self.place.w));
+        let mut near = [Entry::default(); 2 * LANES];
+        let mut found = 0;
+        for place in (0..count).step_by(LANES) {
+            let four: [Entry; LANES] = std::array::from_fn(|lane| entry((place + lane as u32).min(count - 1)));
+            let (others, radii) = Vec3x4::from_rows(four.map(|entry| self.view.place(entry.id())));
+            let (d, reach) = (others - own, radii + radius);
+            let bits = d.dot(d).cmple(1.00001 * (reach * reach)).bitmask();
+            // Without branches, for processors guess badly here.
+            for (lane, entry) in (0..).zip(four) {
+                near[found % (2 * LANES)] = entry;
+                found += usize::from((bits >> lane & 1 == 1) & (place + lane < count));
+            }
+            if found >= LANES {
+                take(&near[..LANES]);
+                near.copy_within(LANES.., 0);
+                found -= LANES;
+            }
+        }
+        if found > 0 {
+            take(&near[..found]);
+        }
+        count
+    }
+
+    /// Whether the sphere was added before another object.
+    pub(crate) fn is_first(&self, other: u32) -> bool {
+        self.view.user(self.sphere) < self.view.user(other)
+    }
+
+    /// The sphere beside up to four others, at least one; the first stands in for those that are missing.
+    #[inline]
+    pub(crate) fn meet(&self, others: &[Entry]) -> Meeting {
+        let view = self.view;
+        let others = std::array::from_fn(|lane| others.get(lane).unwrap_or(&others[0]).id());
+        let (position, radius) = Vec3x4::from_rows(others.map(|other: u32| view.place(other)));
+        let (velocity, inverse_mass) = Vec3x4::from_rows(others.map(|other| view.motion(other)));
+        let (momentum, inverse_inertia) = Vec3x4::from_rows(others.map(|other| view.rotation(other)));
+        let d = position - Vec3x4::splat(self.place.truncate());
+        let dd = d.dot(d);
+        let at_once = dd.cmple(Vec4::splat(TINY));
+        let distance = Vec4::select(at_once, Vec4::ZERO, dd.sqrt());
+        let mut normal = d / distance;
+        if at_once.any() {
+            // From the one that was added first up to the other.
+            let up = others.map(|other| if self.is_first(other) { 1.0 } else { -1.0 });
+            normal = Vec3x4 {
+                x: Vec4::select(at_once, Vec4::ZERO, normal.x),
+                y: Vec4::select(at_once, Vec4::from_array(up), normal.y),
+                z: Vec4::select(at_once, Vec4::ZERO, normal.z),
+            };
+        }
+        Meeting {
+            a: self.sides,
+            b: Sides {
+                inverse_mass,
+                inverse_inertia: Vec4::select(inverse_mass.cmpgt(Vec4::ZERO), inverse_inertia, Vec4::ZERO),
+                velocity,
+                spin: momentum * inverse_inertia,
+                radius: Some(radius),
+            },
+            touches: Touches { normal, overlap: Vec4::splat(self.place.w) + radius - distance },
+        }
+    }
+}
+
+impl Meeting {
+    /// The radii that thresholds refer to.
+    fn smaller_radius(&self) -> Vec4 {
+        let [a, b] = [&self.a, &self.b].map(|sides| sides.radius.unwrap_or(Vec4::ZERO));
+        a.min(b)
+    }
+
+    /// Which overlap by more than rounding, and can give way.
+    #[inline]
+    pub(crate) fn are_pressed(&self) -> BVec4A {
+        let can_move = (self.a.inverse_mass + self.b.inverse_mass).cmpgt(Vec4::ZERO);
+        self.touches.overlap.cmpgt(ROUNDING * self.smaller_radius()) & can_move
+    }
+
+    /// Which close faster than the threshold.
+    #[inline]
+    pub(crate) fn collide(&self, view: &View) -> BVec4A {
+        let approach = Approach::of(view.step, &self.a, &self.b, self.touches.normal);
+        approach.velocity.cmpgt(approach.threshold)
+    }
+}

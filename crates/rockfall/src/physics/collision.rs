@@ -1,0 +1,144 @@
+//! The collision phase: which contacts collide, and what that does to the bodies (docs/physics.md section 3).
+//!
+//! [`Collision`] is a contact with what its impulse does to the bodies on both sides. [`lone`] handles one that shares no body with
+//! anything else, at its time of contact; [`cluster`] sweeps over those that do share bodies; [`all`] finds both and puts their results
+//! together.
+
+pub(crate) mod all;
+pub(crate) mod body;
+mod cluster;
+mod lone;
+mod networks;
+
+use glam::Vec3;
+
+use crate::model::impulse::Key;
+use crate::model::view::{Object, View};
+use crate::physics::contact::smaller_radius;
+use crate::physics::side::side;
+use crate::physics::touch::ROUNDING;
+use crate::physics::touch::{Motions, Touch, touch};
+use body::{Body, Capsule, Part};
+
+/// A contact as the collision phase sees it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Collision {
+    /// What was added first.
+    pub(crate) a: u32,
+    pub(crate) b: u32,
+    pub(crate) feature: u32,
+    pub(crate) touch: Touch,
+    parts: [Part; 4],
+    len: usize,
+    /// Approach velocity u, positive when closing.
+    pub(crate) approach: f32,
+}
+
+impl Collision {
+    /// The contact of two objects, in either order; `None` where they do not overlap.
+    pub(crate) fn between(view: &View, one: u32, other: u32, feature: u32) -> Option<Self> {
+        let (a, b) = view.ordered(one, other);
+        Some(Self::of(view, view, [a, b], feature, touch(view, a, b, feature)?))
+    }
+
+    /// The contact `touch` of the objects in a state.
+    fn of(view: &View, at: &impl Motions, [a, b]: [u32; 2], feature: u32, touch: Touch) -> Self {
+        let mut collision = Self { a, b, feature, touch, parts: [Part::NONE; 4], len: 0, approach: 0.0 };
+        collision.add_side(view, at, view.object(a), touch.a, -1.0);
+        collision.add_side(view, at, view.object(b), touch.b, 1.0);
+        collision
+    }
+
+    /// Adds the bodies on one side, and that side's velocity.
+    fn add_side(&mut self, view: &View, at: &impl Motions, object: Object, parameter: f32, sign: f32) {
+        let n = self.touch.normal;
+        let capsule = match object {
+            Object::Sphere(sphere) => view.capsule_of(sphere),
+            Object::Rod(rod) => view.is_capsule(rod).then_some(rod),
+            Object::Cuboid(_) | Object::Polygon(_) => return,
+        };
+        if let Some(rod) = capsule {
+            let capsule = Capsule::of(view, at, rod);
+            let place = match object {
+                Object::Sphere(sphere) => f32::from(u8::from(capsule.ends[1] == sphere)),
+                _ => parameter,
+            };
+            let torque = capsule.torque(place, n);
+            self.approach -= sign * (n.dot(capsule.velocity) + torque.dot(capsule.spin));
+            return self.add(Part { sign, torque, ..capsule.part(torque) });
+        }
+        match object {
+            Object::Sphere(sphere) => {
+                self.approach -= sign * n.dot(at.velocity(sphere));
+                if let Some(body) = Body::of(view, sphere) {
+                    self.add(Part::of_sphere(view, body, sphere, 1.0, sign));
+                }
+            }
+            Object::Rod(rod) => {
+                let [one, two] = view.rod(rod).ends;
+                let shares = [(one, 1.0 - parameter), (two, parameter)];
+                for (end, share) in shares.into_iter().filter(|(end, _)| !view.is_fixed(*end)) {
+                    self.approach -= sign * share * n.dot(at.velocity(end));
+                }
+                self.add_ends(view, shares, sign);
+            }
+            Object::Cuboid(_) | Object::Polygon(_) => {}
+        }
+    }
+
+    /// Adds the ends of a rod that is no capsule's. Two spheres of one network are one part, others one each.
+    fn add_ends(&mut self, view: &View, shares: [(u32, f32); 2], sign: f32) {
+        let [one, two] =
+            shares.map(|(sphere, share)| Body::of(view, sphere).map(|body| Part::of_sphere(view, body, sphere, share, sign)));
+        match (one, two) {
+            (Some(one), Some(two)) if one.body == two.body => self.add(one.and(two)),
+            (one, two) => one.into_iter().chain(two).for_each(|part| self.add(part)),
+        }
+    }
+
+    fn add(&mut self, part: Part) {
+        self.parts[self.len] = part;
+        self.len += 1;
+    }
+
+    /// What its impulse does to each body; both sides may be on one.
+    pub(crate) fn parts(&self) -> &[Part] {
+        &self.parts[..self.len]
+    }
+
+    /// The inverse of the mass that an impulse meets, as if networks were loose spheres.
+    fn inverse_mass(&self) -> f32 {
+        self.parts().iter().map(|part| part.inverse_mass).sum()
+    }
+
+    /// The radius that thresholds refer to.
+    fn smaller_radius(&self, view: &View) -> f32 {
+        let a = side(view, view.object(self.a), self.touch.a);
+        let b = side(view, view.object(self.b), self.touch.b);
+        smaller_radius(&a, &b)
+    }
+
+    /// Whether it overlaps by more than rounding.
+    pub(crate) fn is_pressed(&self, view: &View) -> bool {
+        self.inverse_mass() > 0.0 && self.touch.overlap > ROUNDING * self.smaller_radius(view)
+    }
+
+    /// Whether it is an impulse: closing faster than the threshold.
+    pub(crate) fn collides(&self, view: &View) -> bool {
+        self.approach > view.step.collision_velocity(self.smaller_radius(view))
+    }
+
+    /// What collisions are ordered and found by; it does not depend on the order of memory.
+    pub(crate) fn key(&self, view: &View) -> Key {
+        (view.user(self.a), view.user(self.b), self.feature)
+    }
+}
+
+/// What the collision phase does to a sphere.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Change {
+    pub(crate) sphere: u32,
+    pub(crate) position: Vec3,
+    pub(crate) velocity: Vec3,
+    pub(crate) angular_momentum: Vec3,
+}

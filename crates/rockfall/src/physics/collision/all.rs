@@ -1,0 +1,157 @@
+//! All collisions of a step: which of them are lone, which share bodies, and what they do together (docs/physics.md sections 3.5 and 3.7).
+//!
+//! Every sum runs in the order in which objects were added, so that neither the order of memory nor the number of threads counts.
+
+use glam::Vec3;
+use rayon::prelude::*;
+
+use crate::model::impulse::{Impulse, Key};
+use crate::model::layout::GRAIN;
+use crate::model::layout::{ENTRY_COLLIDES, ENTRY_OVERLAPS};
+use crate::model::lists::Lists;
+use crate::model::view::{Object, View};
+use crate::physics::collision::body::Body;
+use crate::physics::collision::cluster;
+use crate::physics::collision::cluster::Touching;
+use crate::physics::collision::{Change, Collision, lone};
+use crate::physics::touch::touch;
+
+/// Collisions that a thread takes at least.
+const FEW: usize = 16;
+/// The cosine of an angle up to this is that of a right one.
+const RIGHT_ANGLE: f32 = 0.001;
+
+/// What the collisions of a step do.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Outcome {
+    /// By key.
+    pub(crate) impulses: Vec<Impulse>,
+    /// By sphere; of one sphere in the order in which they are added.
+    changes: Vec<Change>,
+}
+
+impl Outcome {
+    /// The sum of what happens to a sphere.
+    pub(crate) fn change(&self, sphere: u32) -> Change {
+        let first = self.changes.partition_point(|change| change.sphere < sphere);
+        let own = self.changes[first..].iter().take_while(|change| change.sphere == sphere);
+        own.fold(Change { sphere, ..Change::default() }, |sum, change| Change {
+            sphere,
+            position: sum.position + change.position,
+            velocity: sum.velocity + change.velocity,
+            angular_momentum: sum.angular_momentum + change.angular_momentum,
+        })
+    }
+}
+
+/// The impulse that a contact got, if any.
+pub(crate) fn impulse_in(impulses: &[Impulse], key: Key) -> Option<&Impulse> {
+    impulses.binary_search_by_key(&key, |impulse| impulse.key).ok().map(|place| &impulses[place])
+}
+
+/// Solves all collisions that are marked in the lists.
+pub(crate) fn solve(view: &View, lists: &Lists) -> Outcome {
+    let collisions = collisions(view, lists);
+    let are_lone: Vec<bool> = collisions.par_iter().with_min_len(FEW).map(|k| is_lone(view, lists, k)).collect();
+    let lone = collisions.par_iter().zip(&are_lone).with_min_len(FEW).filter(|(_, is_lone)| **is_lone);
+    let lone: Vec<lone::Outcome> = lone.map(|(k, _)| lone::solve(view, k)).collect();
+    let mut outcome = Outcome {
+        impulses: lone.iter().map(|lone| lone.impulse).collect(),
+        changes: lone.iter().flat_map(|lone| lone.changes()).copied().collect(),
+    };
+    if lone.len() < collisions.len() {
+        let touching = touching(&collisions);
+        let clusters = clusters(&touching, &are_lone);
+        let solved: Vec<cluster::Outcome> =
+            clusters.par_iter().map(|members| cluster::solve(view, &collisions, &touching, members)).collect();
+        for cluster in solved {
+            outcome.impulses.extend(cluster.impulses);
+            outcome.changes.extend(cluster.changes);
+        }
+    }
+    outcome.impulses.par_sort_unstable_by_key(|impulse| impulse.key);
+    // Stable: of one sphere first what lone collisions do, then its cluster.
+    outcome.changes.par_sort_by_key(|change| change.sphere);
+    outcome
+}
+
+/// All collisions, by key.
+fn collisions(view: &View, lists: &Lists) -> Vec<Collision> {
+    let movers = (0..view.step.movers()).into_par_iter().with_min_len(GRAIN);
+    let of_mover = |mover: u32| {
+        let own =
+            lists.row(mover).filter(move |entry| entry.word & ENTRY_COLLIDES != 0 && view.user(mover) < view.user(entry.id()));
+        own.filter_map(move |entry| Collision::between(view, mover, entry.id(), entry.feature()))
+    };
+    let mut collisions: Vec<Collision> = movers.filter(|mover| lists.collides(*mover)).flat_map_iter(of_mover).collect();
+    collisions.par_sort_unstable_by_key(|collision| collision.key(view));
+    collisions
+}
+
+/// Whether nothing else touches the bodies of a collision. A single sphere may touch what is static besides, at a right angle: in a corner
+/// one collision does not tell on the other.
+fn is_lone(view: &View, lists: &Lists, k: &Collision) -> bool {
+    k.parts().iter().all(|part| !matches!(part.body, Body::Network(_)) && is_alone_on(view, lists, k, part.body))
+}
+
+fn is_alone_on(view: &View, lists: &Lists, k: &Collision, body: Body) -> bool {
+    let mut is_alone = true;
+    body.each_row(view, |row| {
+        is_alone &= lists.row(row).filter(|entry| entry.word & ENTRY_OVERLAPS != 0).all(|entry| {
+            let (a, b) = view.ordered(row, entry.id());
+            (a, b, entry.feature()) == (k.a, k.b, k.feature)
+                || body == Body::Sphere(row) && is_right_angled(view, row, entry.id(), k.touch.normal)
+        });
+    });
+    is_alone
+}
+
+/// Whether the contact of a sphere is with what is static, across a direction.
+fn is_right_angled(view: &View, sphere: u32, other: u32, n: Vec3) -> bool {
+    let is_static = matches!(view.object(other), Object::Cuboid(_) | Object::Polygon(_));
+    is_static && touch(view, sphere, other, 0).is_some_and(|touch| touch.normal.dot(n).abs() <= RIGHT_ANGLE)
+}
+
+/// What touches what, by body.
+fn touching(collisions: &[Collision]) -> Vec<Touching> {
+    let of = |(number, collision): (usize, &Collision)| {
+        let bodies: Vec<_> = collision.parts().iter().map(|part| Touching { body: part.body, collision: number }).collect();
+        bodies
+    };
+    let mut touching: Vec<Touching> = collisions.iter().enumerate().flat_map(of).collect();
+    touching.par_sort_unstable();
+    touching
+}
+
+/// The collisions that are not lone, in sets of those that are joined by bodies.
+fn clusters(touching: &[Touching], are_lone: &[bool]) -> Vec<Vec<usize>> {
+    let mut parents: Vec<usize> = (0..are_lone.len()).collect();
+    for on_one in touching.chunk_by(|one, other| one.body == other.body) {
+        let mut joined = on_one.iter().map(|touching| touching.collision).filter(|collision| !are_lone[*collision]);
+        let Some(first) = joined.next() else { continue };
+        for other in joined {
+            let (one, other) = (root(&mut parents, first), root(&mut parents, other));
+            parents[one.max(other)] = one.min(other);
+        }
+    }
+    let mut clusters: Vec<Vec<usize>> = Vec::new();
+    let mut place_of_root = vec![usize::MAX; are_lone.len()];
+    for collision in (0..are_lone.len()).filter(|collision| !are_lone[*collision]) {
+        let root = root(&mut parents, collision);
+        if place_of_root[root] == usize::MAX {
+            place_of_root[root] = clusters.len();
+            clusters.push(Vec::new());
+        }
+        clusters[place_of_root[root]].push(collision);
+    }
+    clusters
+}
+
+/// The least collision of a set.
+fn root(parents: &mut [usize], mut collision: usize) -> usize {
+    while parents[collision] != collision {
+        parents[collision] = parents[parents[collision]];
+        collision = parents[collision];
+    }
+    collision
+}

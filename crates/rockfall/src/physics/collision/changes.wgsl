@@ -1,0 +1,93 @@
+// requires model/counters.wgsl model/lists.wgsl model/objects.wgsl model/order.wgsl model/step.wgsl
+// requires physics/collision/other_collisions.wgsl physics/contact.wgsl physics/margin.wgsl step/collisions/rows.wgsl
+// requires step/collisions/report_clusters.wgsl
+
+// What its collisions make of a sphere that is a body of its own.
+
+struct Change {
+    velocity: vec3f,
+    position: vec3f,
+}
+
+// What a collision gives a sphere: its normal, so many times into the velocity, so many times into the position.
+struct Part {
+    n: vec3f,
+    velocity: f32,
+    position: f32,
+}
+
+// Counters to be one operation: whoever adds up, the same bits come of it.
+fn add_part(part: Part, change: ptr<function, Change>) {
+    (*change).velocity = fma(part.n, vec3f(part.velocity), (*change).velocity);
+    (*change).position = fma(part.n, vec3f(part.position), (*change).position);
+}
+
+fn no_part() -> Part {
+    return Part(vec3f(0.0), 0.0, 0.0);
+}
+
+// Adds the colliding entries of a row.
+fn add_row(sphere: u32, row: u32, change: ptr<function, Change>) {
+    if !has_collisions(row) {
+        return;
+    }
+    let count = count_of(row);
+    let first = first_of(row);
+    for (var begin = 0u; begin < count; begin += LOOK) {
+        for (var rest = entries_with(ENTRY_COLLIDES, first, begin, count); rest != 0u; rest &= rest - 1u) {
+            add_part(part_of_entry(sphere, row, slot_at(first, begin + firstTrailingBit(rest))), change);
+        }
+    }
+}
+
+fn changes_of(sphere: u32) -> Change {
+    var change = Change(vec3f(0.0), vec3f(0.0));
+    add_row(sphere, sphere, &change);
+    if RODS {
+        let rods = rods_of(sphere);
+        for (var r = 0u; r < rods.y; r++) {
+            add_row(sphere, step.spheres + index_of(topology[rods.x + r]), &change);
+        }
+    }
+    return change;
+}
+
+// What a collision does to a sphere without rods, which works it out itself.
+fn part_by_itself(sphere: u32, other: u32) -> Part {
+    let pair = ordered(sphere, other);
+    let plainly = solve_plain(pair.x, pair.y);
+    if plainly.is_shared {
+        note_cluster();
+    }
+    let impulse = select(1.0, -1.0, pair.x == sphere) * plainly.solved.impulse;
+    return Part(plainly.solved.n, impulse, impulse * plainly.solved.tau);
+}
+
+// The state of a sphere after its collisions.
+fn write_changed(i: u32, change: Change) {
+    let old_position = state[position_at(i)];
+    let old_velocity = state[velocity_at(i)];
+    let old_momentum = state[momentum_at(i)];
+    var after = Motion(old_position.xyz, old_velocity.xyz, old_momentum.xyz);
+    if old_velocity.w > 0.0 {
+        after.velocity += old_velocity.w * change.velocity;
+        after.position += old_velocity.w * change.position;
+    }
+    write_motion(i, after);
+}
+
+fn write_motion(i: u32, wanted: Motion) {
+    let old_position = state[position_at(i)];
+    let old_velocity = state[velocity_at(i)];
+    let old_momentum = state[momentum_at(i)];
+    var after = wanted;
+    if (old_velocity.w > 0.0) & !is_finite(after) {
+        after = stopped(old_position.xyz, 0u, i);
+    }
+    let position = vec4f(after.position, old_position.w);
+    let velocity = vec4f(after.velocity, old_velocity.w);
+    ask_for_lists(i, position, velocity);
+    put_next(0u, i, position);
+    put_next(1u, i, velocity);
+    put_next(2u, i, vec4f(after.momentum, old_momentum.w));
+}

@@ -1,0 +1,52 @@
+// requires model/step.wgsl step/collisions/records.wgsl
+
+// A sweep over one collision that shares bodies (docs/physics.md section 3.7).
+
+fn is_shared(r: u32) -> bool {
+    return impulse_at(r).tau == SHARED;
+}
+
+// How many neighbours a collision has in its record.
+fn neighbours_of(r: u32) -> u32 {
+    return collisions[row_at(r, 2u)].z;
+}
+
+// What two neighbours, of which the record tells from place on, have changed the approach velocity by.
+fn change_by_two(change: f32, r: u32, place: u32, count: u32, sweeps: u32) -> f32 {
+    let pairs = collisions[row_at(r, 4u + place / 2u)];
+    // Where there is no such neighbour its own stands for it, with no coupling. No load stands behind a branch.
+    let is_one = place < count;
+    let is_two = place + 1u < count;
+    let one = select(0.0, bitcast<f32>(pairs.y), is_one);
+    let two = select(0.0, bitcast<f32>(pairs.w), is_two);
+    let after_one = impulse_after(select(r, pairs.x, is_one), sweeps);
+    let after_two = impulse_after(select(r, pairs.z, is_two), sweeps);
+    return fma(two, after_two, fma(one, after_one, change));
+}
+
+// By how much the impulses of the collision itself and of its neighbours have changed its approach velocity; `most` is how many any has
+// that this is worked out for together.
+fn change_by_neighbours(r: u32, most: u32, sweeps: u32) -> f32 {
+    let info = collisions[row_at(r, 2u)];
+    var change = bitcast<f32>(info.y) * impulse_after(r, sweeps);
+    change = change_by_two(change, r, 0u, info.z, sweeps);
+    change = change_by_two(change, r, 2u, info.z, sweeps);
+    for (var place = 4u; place < most; place += 2u) {
+        change = change_by_two(change, r, place, info.z, sweeps);
+    }
+    return change;
+}
+
+// The next impulse, with all that has changed the approach velocity.
+fn put_sweep(r: u32, sweeps: u32, change: f32) {
+    let impulse = impulse_at(r);
+    let approach = bitcast<f32>(collisions[row_at(r, 0u)].w);
+    let before = impulse_after(r, sweeps);
+    let is_only = (collisions[row_at(r, 2u)].x & ONLY) != 0u;
+    let size = select(SWEEP_SIZES[sweeps / 2u], 1.0, is_only) * impulse.inverse;
+    // Counters to be single operations: whoever sweeps, the same bits come of it.
+    let after = max(0.0, fma(fma(1.0 + step.restitution, approach, change), size, before));
+    let is_even = (sweeps & 1u) == 0u;
+    let row = vec4f(select(after, before, is_even), select(before, after, is_even), impulse.inverse, impulse.tau);
+    collisions[row_at(r, 3u)] = bitcast<vec4u>(row);
+}

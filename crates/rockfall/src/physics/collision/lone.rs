@@ -1,0 +1,226 @@
+//! A collision of bodies that nothing else touches, handled at its time of contact (docs/physics.md section 3.6).
+//!
+//! The overlap began within the last step. At the moment it began the bodies stood elsewhere, and the line between them was another one:
+//! with the present one an oblique pair changes its angular momentum, and a body under gravity gains energy (E21). So the bodies are moved
+//! back by that time tau, get the impulse there, and are moved forward again. Free spheres then stand tau dv from where they were.
+
+use glam::Vec3;
+
+use crate::model::impulse::Impulse;
+use crate::model::view::{Object, View};
+use crate::physics::collision::body::{Body, Capsule, Part};
+use crate::physics::collision::{Change, Collision};
+use crate::physics::forces::net_force::{attached_curvature, attached_force};
+use crate::physics::touch::{Feature, Motions, line};
+
+/// How often the time of contact is made better.
+const ITERATIONS: u32 = 4;
+
+/// What a lone collision does, to up to four spheres.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Outcome {
+    pub(super) impulse: Impulse,
+    changes: [Change; 4],
+    len: usize,
+}
+
+impl Outcome {
+    pub(super) fn changes(&self) -> &[Change] {
+        &self.changes[..self.len]
+    }
+
+    fn add(&mut self, change: Change) {
+        self.changes[self.len] = change;
+        self.len += 1;
+    }
+}
+
+/// A body of the collision, at present.
+#[derive(Clone, Copy, Debug)]
+enum Mover {
+    Sphere(u32),
+    Capsule(Capsule),
+}
+
+impl Mover {
+    fn of(view: &View, part: &Part) -> Self {
+        match part.body {
+            Body::Capsule(rod) => Self::Capsule(Capsule::of(view, view, rod)),
+            _ => Self::Sphere(part.shares[0].0),
+        }
+    }
+
+    /// Its acceleration by everything but contacts; of a capsule that of its centre.
+    fn acceleration(&self, view: &View) -> Vec3 {
+        let pulled = match self {
+            Self::Sphere(sphere) => view.inverse_mass(*sphere) * attached_force(view, *sphere),
+            Self::Capsule(capsule) => {
+                capsule.ends.map(|end| attached_force(view, end)).into_iter().sum::<Vec3>() / capsule.mass
+            }
+        };
+        Vec3::from_array(view.step.gravity) + pulled
+    }
+}
+
+/// The state some time before the present one. Fixed spheres are where they are.
+struct Before<'a> {
+    view: &'a View<'a>,
+    spheres: [(u32, Vec3, Vec3); 4],
+    len: usize,
+}
+
+impl<'a> Before<'a> {
+    /// Moved back by a time: along parabolas, or, so that angular momentum is kept whatever the time is, along straight lines.
+    fn of(view: &'a View<'a>, movers: &[(Mover, Vec3)], time: f32, along_parabolas: bool) -> Self {
+        let mut before = Self { view, spheres: [(0, Vec3::ZERO, Vec3::ZERO); 4], len: 0 };
+        for (mover, acceleration) in movers {
+            let fallen = if along_parabolas { 0.5 * time * time * *acceleration } else { Vec3::ZERO };
+            match mover {
+                Mover::Sphere(sphere) => {
+                    let velocity = view.velocity(*sphere);
+                    before.add(*sphere, view.position(*sphere) - time * velocity + fallen, velocity - time * *acceleration);
+                }
+                Mover::Capsule(capsule) => {
+                    let centre = view.position(capsule.ends[0]).lerp(view.position(capsule.ends[1]), capsule.centre);
+                    let centre = centre - time * capsule.velocity + fallen;
+                    let velocity = capsule.velocity - time * *acceleration;
+                    let (d, q) = turned(capsule.d, capsule.q, -time);
+                    for (end, lever) in capsule.ends.into_iter().zip([0.0, 1.0].map(|place| capsule.lever(place))) {
+                        before.add(end, centre + lever * d, velocity + lever * q);
+                    }
+                }
+            }
+        }
+        before
+    }
+
+    fn add(&mut self, sphere: u32, position: Vec3, velocity: Vec3) {
+        self.spheres[self.len] = (sphere, position, velocity);
+        self.len += 1;
+    }
+
+    fn find(&self, sphere: u32) -> Option<&(u32, Vec3, Vec3)> {
+        self.spheres[..self.len].iter().find(|known| known.0 == sphere)
+    }
+}
+
+impl Motions for Before<'_> {
+    fn position(&self, sphere: u32) -> Vec3 {
+        self.find(sphere).map_or_else(|| self.view.position(sphere), |known| known.1)
+    }
+
+    fn velocity(&self, sphere: u32) -> Vec3 {
+        self.find(sphere).map_or_else(|| self.view.velocity(sphere), |known| known.2)
+    }
+}
+
+/// A distance d and its rate of change q after a time on the circle on which q is across d.
+fn turned(d: Vec3, q: Vec3, time: f32) -> (Vec3, Vec3) {
+    let rate = q.length() / d.length();
+    if rate == 0.0 {
+        return (d, q);
+    }
+    let (sin, cos) = (time * rate).sin_cos();
+    (cos * d + sin / rate * q, cos * q - sin * rate * d)
+}
+
+/// What a collision does whose bodies nothing else touches.
+pub(super) fn solve(view: &View, k: &Collision) -> Outcome {
+    let mut movers = [(Mover::Sphere(0), Vec3::ZERO); 4];
+    for (place, part) in movers.iter_mut().zip(k.parts()) {
+        let mover = Mover::of(view, part);
+        *place = (mover, mover.acceleration(view));
+    }
+    let movers = &movers[..k.parts().len()];
+    let (tau, hit) = time_of_contact(view, k, movers);
+    let size = (1.0 + view.step.restitution) * hit.approach / yielding(view, &hit, movers, tau);
+    let impulse = Impulse { key: k.key(view), size, direction: hit.touch.normal };
+    let mut outcome = Outcome { impulse, ..Outcome::default() };
+    for (part, (mover, _)) in hit.parts().iter().zip(movers) {
+        let pushed = part.sign * size;
+        match mover {
+            Mover::Sphere(sphere) => {
+                let velocity = pushed * part.shares[0].1 * view.inverse_mass(*sphere) * hit.touch.normal;
+                outcome.add(Change { sphere: *sphere, position: tau * velocity, velocity, angular_momentum: Vec3::ZERO });
+            }
+            Mover::Capsule(capsule) => {
+                let velocity = pushed / capsule.mass * hit.touch.normal;
+                let spin = pushed / inertia_before(capsule, tau) * part.torque;
+                capsule_changes(capsule, velocity, spin, tau).into_iter().for_each(|change| outcome.add(change));
+            }
+        }
+    }
+    outcome
+}
+
+/// What the approach velocity of a collision falls by with its unit impulse; and, times half the square of the impulse, what its displacement
+/// tau dv does to the energy of springs: so they give back what a hit takes from the movement, and no more (E21).
+fn yielding(view: &View, hit: &Collision, movers: &[(Mover, Vec3)], tau: f32) -> f32 {
+    let mut displaced = [(0, Vec3::ZERO); 4];
+    let mut len = 0;
+    let mut add = |sphere: u32, by: Vec3| {
+        displaced[len] = (sphere, by);
+        len += 1;
+    };
+    let n = hit.touch.normal;
+    for (part, (mover, _)) in hit.parts().iter().zip(movers) {
+        match mover {
+            Mover::Sphere(sphere) => add(*sphere, part.sign * part.shares[0].1 * view.inverse_mass(*sphere) * n),
+            Mover::Capsule(capsule) => {
+                let velocities = capsule
+                    .end_velocities(part.sign / capsule.mass * n, part.sign / inertia_before(capsule, tau) * part.torque);
+                capsule.ends.into_iter().zip(velocities).for_each(|(end, velocity)| add(end, velocity));
+            }
+        }
+    }
+    let displaced = &displaced[..len];
+    let of = |sphere: u32| displaced.iter().find(|known| known.0 == sphere).map(|known| known.1);
+    let curvature: f32 = displaced.iter().map(|(sphere, by)| attached_curvature(view, *sphere, *by, of)).sum();
+    let inverse_mass = hit.inverse_mass();
+    (inverse_mass + tau * tau * curvature).max(0.5 * inverse_mass)
+}
+
+/// For how long the two have overlapped, and the collision as it was then, with the present one where there was none.
+fn time_of_contact(view: &View, k: &Collision, movers: &[(Mover, Vec3)]) -> (f32, Collision) {
+    let (a, b) = (view.object(k.a), view.object(k.b));
+    let feature = match (a, b) {
+        (Object::Rod(rod), Object::Cuboid(cuboid)) => Some(Feature::of(view, rod, cuboid, k.feature)),
+        _ => None,
+    };
+    let closing = |tau: f32, along_parabolas: bool| {
+        let before = Before::of(view, movers, tau, along_parabolas);
+        let touch = line(view, &before, a, b, feature)?;
+        let collision = Collision::of(view, &before, [k.a, k.b], k.feature, touch);
+        (collision.approach > 0.0).then_some(collision)
+    };
+    let mut tau = 0.0_f32;
+    for _ in 0..ITERATIONS {
+        let Some(collision) = closing(tau, true) else { break };
+        tau = (tau + collision.touch.overlap / collision.approach).clamp(0.0, view.step.dt);
+    }
+    closing(tau, false).map_or((0.0, *k), |hit| (tau, hit))
+}
+
+/// It of a capsule some time before: its length is the same while its ends do not part.
+fn inertia_before(capsule: &Capsule, time: f32) -> f32 {
+    let (d, _) = turned(capsule.d, capsule.q, -time);
+    let reduced_mass = capsule.mass * capsule.centre * (1.0 - capsule.centre);
+    reduced_mass * d.length_squared() + capsule.inertia[0] + capsule.inertia[1]
+}
+
+/// A capsule that was moved back by a time, got these changes of the centre's velocity and of the angular velocity, and was moved forward
+/// again.
+fn capsule_changes(capsule: &Capsule, velocity: Vec3, spin: Vec3, time: f32) -> [Change; 2] {
+    let (d_before, q_before) = turned(capsule.d, capsule.q, -time);
+    let (d, q) = turned(d_before, q_before + spin.cross(d_before), time);
+    let change = |end: usize| {
+        let lever = capsule.lever(end as f32);
+        Change {
+            sphere: capsule.ends[end],
+            position: time * velocity + lever * (d - capsule.d),
+            velocity: velocity + lever * (q - capsule.q),
+            angular_momentum: capsule.inertia[end] * spin,
+        }
+    };
+    [change(0), change(1)]
+}

@@ -1,0 +1,250 @@
+// requires model/objects.wgsl model/step.wgsl physics/collision.wgsl physics/forces/attached.wgsl physics/geometry.wgsl
+// requires physics/touch.wgsl physics/sine.wgsl
+
+// A lone collision is handled at its time of contact (docs/physics.md section 3.4): the pair is moved back to where it touched first.
+
+// Evaluations of the pair's geometry that find the time.
+const CONTACT_ROUNDS: u32 = 4u;
+
+struct Solved {
+    n: vec3f,
+    a: f32,
+    b: f32,
+    impulse: f32,
+    // How long before the end of the last step the pair came into contact, in s.
+    tau: f32,
+}
+
+// Acceleration of a moving sphere by all but contacts.
+fn free_acceleration(sphere: u32) -> vec3f {
+    var force = vec3f(0.0);
+    let range = adjacency(sphere);
+    for (var at = range.x; at < range.y; at++) {
+        let kind = kind_of(topology[at]);
+        if !RODS | (kind != KIND_ROD) {
+            force += attached_force(sphere, kind, index_of(topology[at]));
+        }
+    }
+    return step.gravity + inverse_mass(sphere) * force;
+}
+
+// Those of a side's spheres; both of a capsule that of its centre.
+struct Pull {
+    a1: vec3f,
+    a2: vec3f,
+}
+
+fn pull_on(half: Half) -> Pull {
+    var pull = Pull(vec3f(0.0), vec3f(0.0));
+    if half.kind == STATIC {
+        return pull;
+    }
+    let w1 = inverse_mass(half.spheres.x);
+    if w1 > 0.0 {
+        pull.a1 = free_acceleration(half.spheres.x);
+    }
+    if !RODS | (half.kind == SPHERE) {
+        return pull;
+    }
+    let w2 = inverse_mass(half.spheres.y);
+    if w2 > 0.0 {
+        pull.a2 = free_acceleration(half.spheres.y);
+    }
+    if half.kind == CAPSULE {
+        let centre = w1 / (w1 + w2);
+        let mean = (1.0 - centre) * pull.a1 + centre * pull.a2;
+        return Pull(mean, mean);
+    }
+    return pull;
+}
+
+// An axis and the velocity of its one end against the other, after a turn for a time, along a circle.
+struct Turned {
+    d: vec3f,
+    q: vec3f,
+}
+
+fn turned(d: vec3f, q: vec3f, time: f32) -> Turned {
+    let dd = dot(d, d);
+    let qq = dot(q, q);
+    if (dd <= TINY) | (qq <= TINY) {
+        return Turned(d, q);
+    }
+    let rate = sqrt(qq / dd);
+    let turn = sine_cosine(time * rate);
+    return Turned(turn.y * d + (turn.x / rate) * q, turn.y * q - (turn.x * rate) * d);
+}
+
+// The side as it was a time before, with the way that its acceleration makes or without. Fixed spheres are not moved.
+fn moved_back(half: Half, poise: Poise, pull: Pull, tau: f32, with_acceleration: bool) -> Poise {
+    var back = poise;
+    if half.kind == STATIC {
+        return back;
+    }
+    let square = select(0.0, 0.5 * tau * tau, with_acceleration);
+    let w1 = inverse_mass(half.spheres.x);
+    if RODS & (half.kind == CAPSULE) {
+        let centre = w1 / (w1 + inverse_mass(half.spheres.y));
+        let place = (1.0 - centre) * poise.x1 + centre * poise.x2;
+        let velocity = (1.0 - centre) * poise.v1 + centre * poise.v2;
+        let before = turned(poise.x2 - poise.x1, poise.v2 - poise.v1, -tau);
+        let moved = place - tau * velocity + square * pull.a1;
+        let slowed = velocity - tau * pull.a1;
+        return Poise(
+            moved - centre * before.d,
+            moved + (1.0 - centre) * before.d,
+            slowed - centre * before.q,
+            slowed + (1.0 - centre) * before.q,
+        );
+    }
+    if w1 > 0.0 {
+        back.x1 = poise.x1 - tau * poise.v1 + square * pull.a1;
+        back.v1 = poise.v1 - tau * pull.a1;
+    }
+    if RODS & (half.kind == ROD) {
+        if inverse_mass(half.spheres.y) > 0.0 {
+            back.x2 = poise.x2 - tau * poise.v2 + square * pull.a2;
+            back.v2 = poise.v2 - tau * pull.a2;
+        }
+    }
+    return back;
+}
+
+// Whether a pair has a contact line there and closes. Where forces are beyond all reason, neither may be a number.
+fn closes(at: Placed) -> bool {
+    let is_known = finite(vec3f(at.touch.overlap, at.closing.approach, at.closing.inverse_mass));
+    return is_known & (at.touch.overlap != NO_LINE) & (at.closing.approach > 0.0);
+}
+
+// The impulse of a lone collision of two objects, a before b, that touch like this.
+fn solve_lone(a_id: u32, b_id: u32, feature: u32, found: Touch) -> Solved {
+    var a = half_of(a_id, found.a);
+    var b = half_of(b_id, found.b);
+    let a_now = poise_of(a);
+    let b_now = poise_of(b);
+    let a_pull = pull_on(a);
+    let b_pull = pull_on(b);
+    let by_vertex = meets_by_vertex(a, b, a_now, feature);
+    var tau = 0.0;
+    for (var round = 0u; round < CONTACT_ROUNDS; round++) {
+        let at = placed(&a, &b, a_now, b_now, a_pull, b_pull, tau, true, feature, by_vertex);
+        if !closes(at) {
+            break;
+        }
+        tau = clamp(tau + at.touch.overlap / at.closing.approach, 0.0, step.dt);
+    }
+    var met = placed(&a, &b, a_now, b_now, a_pull, b_pull, tau, false, feature, by_vertex);
+    if !closes(met) {
+        tau = 0.0;
+        met = Placed(found, closing_at(a_id, b_id, found));
+    }
+    var pushed = Pushed(vec4u(NONE), array<vec3f, 4>(vec3f(0.0), vec3f(0.0), vec3f(0.0), vec3f(0.0)));
+    push_side(a, moved_back(a, a_now, a_pull, tau, false), -met.touch.n, 0u, &pushed);
+    push_side(b, moved_back(b, b_now, b_pull, tau, false), met.touch.n, 2u, &pushed);
+    let inverse_mass = met.closing.inverse_mass;
+    let stretching = tau * tau * curvature_along(pushed);
+    var yielding = max(inverse_mass + stretching, 0.5 * inverse_mass);
+    if !finite(vec3f(stretching)) {
+        // Springs beyond all reason: infinitely stiff, or no number.
+        yielding = select(0.5 * inverse_mass, 3e38, bitcast<u32>(stretching) == 0x7f800000u);
+    }
+    let impulse = (1.0 + step.restitution) * met.closing.approach / yielding;
+    return Solved(met.touch.n, met.touch.a, met.touch.b, impulse, tau);
+}
+
+// The spheres that a unit impulse of a collision moves, and how fast: two places for either side.
+struct Pushed {
+    spheres: vec4u,
+    velocities: array<vec3f, 4>,
+}
+
+fn push_side(half: Half, poise: Poise, n: vec3f, place: u32, pushed: ptr<function, Pushed>) {
+    if half.kind == STATIC {
+        return;
+    }
+    (*pushed).spheres[place] = half.spheres.x;
+    (*pushed).velocities[place] = inverse_mass(half.spheres.x) * n;
+    if !RODS | (half.kind == SPHERE) {
+        return;
+    }
+    (*pushed).spheres[place + 1u] = half.spheres.y;
+    if half.kind == ROD {
+        (*pushed).velocities[place] = (1.0 - half.at) * inverse_mass(half.spheres.x) * n;
+        (*pushed).velocities[place + 1u] = half.at * inverse_mass(half.spheres.y) * n;
+        return;
+    }
+    let capsule = capsule_of(half.spheres, poise);
+    let spin = capsule.inverse_inertia * torque_at(capsule, half.at, n);
+    (*pushed).velocities[place] = capsule.inverse_mass * n - cross(spin, capsule.centre * capsule.d);
+    (*pushed).velocities[place + 1u] = capsule.inverse_mass * n + cross(spin, (1.0 - capsule.centre) * capsule.d);
+}
+
+// Second derivative of the energy of springs and tethers along the displacements that a unit impulse makes in a unit of time. A spring
+// between two of the spheres is counted by half for each. With it in the impulse, springs give back what a hit takes from the movement,
+// and no more.
+fn curvature_along(pushed: Pushed) -> f32 {
+    var sum = 0.0;
+    for (var place = 0u; place < 4u; place++) {
+        let sphere = pushed.spheres[place];
+        if sphere == NONE {
+            continue;
+        }
+        let own = pushed.velocities[place];
+        let range = adjacency(sphere);
+        for (var at = range.x; at < range.y; at++) {
+            let kind = kind_of(topology[at]);
+            let index = index_of(topology[at]);
+            if kind == KIND_SPRING {
+                let spring = step.springs_at + index * SPRING_WORDS;
+                let other = select(topology[spring], topology[spring + 1u], topology[spring] == sphere);
+                var stretch = -own;
+                var part = 1.0;
+                for (var their = 0u; their < 4u; their++) {
+                    if pushed.spheres[their] == other {
+                        stretch += pushed.velocities[their];
+                        part = 0.5;
+                    }
+                }
+                let distance = state[position_at(other)].xyz - state[position_at(sphere)].xyz;
+                sum += part * spring_curvature(distance, stretch, float_at(spring + 2u), float_at(spring + 3u));
+            } else if kind == KIND_TETHER {
+                let tether = step.tethers_at + index * TETHER_WORDS;
+                let distance = vector_at(tether + 1u) - state[position_at(sphere)].xyz;
+                sum += spring_curvature(distance, own, float_at(tether + 4u), float_at(tether + 5u));
+            }
+        }
+    }
+    return sum;
+}
+
+struct Placed {
+    touch: Touch,
+    closing: Closing,
+}
+
+// The pair a time before.
+fn placed(
+    a: ptr<function, Half>,
+    b: ptr<function, Half>,
+    a_now: Poise,
+    b_now: Poise,
+    a_pull: Pull,
+    b_pull: Pull,
+    tau: f32,
+    with_acceleration: bool,
+    feature: u32,
+    by_vertex: bool,
+) -> Placed {
+    let a_back = moved_back(*a, a_now, a_pull, tau, with_acceleration);
+    let b_back = moved_back(*b, b_now, b_pull, tau, with_acceleration);
+    let found = signed_touch(*a, *b, a_back, b_back, feature, by_vertex);
+    if RODS {
+        if (*a).id >= step.spheres {
+            (*a).at = found.a;
+        }
+        if ((*b).id >= step.spheres) & ((*b).kind != STATIC) {
+            (*b).at = found.b;
+        }
+    }
+    return Placed(found, closing_of(*a, *b, a_back, b_back, found.n));
+}

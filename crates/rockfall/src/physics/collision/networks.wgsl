@@ -1,0 +1,179 @@
+// requires model/objects.wgsl model/step.wgsl step/collisions/rows.wgsl
+
+// Networks of fixed-length rods give way as the rods allow: impulses on their spheres are projected (docs/physics.md section 3.6).
+// A workgroup solves (J W J^T) lambda = J W p by conjugate gradients, J the directions of the rods, W the inverse masses. Per rod it
+// keeps four rows in `wrenches`: direction | lambda, residual, search direction, its product | unused; per sphere in `next`: the
+// impulse or the sum of the rods' pulls (position row) and the change of velocity that results (velocity row). Loops before barriers have as
+// many rounds for all threads (see run_steps.wgsl).
+
+// The squared residual, relative to the first, at which the iteration ends, and the most rounds there are.
+const SOLVED: f32 = 1e-12;
+const MOST_ROUNDS: u32 = 64u;
+
+struct Network {
+    spheres: u32,
+    rods: u32,
+    // First words of the spheres, as 2 rod + end, and of the rods.
+    spheres_at: u32,
+    rods_at: u32,
+}
+
+fn network_at(number: u32) -> Network {
+    let at = topology[step.networks_at + number];
+    return Network(topology[at], topology[at + 1u], at + 2u, at + 2u + topology[at]);
+}
+
+fn network_sphere(network: Network, place: u32) -> u32 {
+    let name = topology[network.spheres_at + place];
+    let ends = rod_ends(name / 2u);
+    return select(ends.x, ends.y, (name & 1u) == 1u);
+}
+
+fn network_rod(network: Network, place: u32) -> u32 {
+    return topology[network.rods_at + place];
+}
+
+var<workgroup> partial: array<f32, WORKGROUP>;
+
+// The sum over the threads, in a fixed order. All threads of the workgroup must come here, and get the same.
+fn total_of(local: u32, value: f32) -> f32 {
+    workgroupBarrier();
+    partial[local] = value;
+    for (var stride = WORKGROUP / 2u; stride > 0u; stride /= 2u) {
+        workgroupBarrier();
+        if local < stride {
+            partial[local] += partial[local + stride];
+        }
+    }
+    return workgroupUniformLoad(&partial[0]);
+}
+
+// The directions of the rods as they are.
+fn put_directions(network: Network, local: u32) {
+    for (var first_place = 0u; first_place < network.rods; first_place += WORKGROUP) {
+        let place = first_place + local;
+        if place < network.rods {
+            let rod = network_rod(network, place);
+            let ends = rod_ends(rod);
+            let d = state[position_at(ends.y)].xyz - state[position_at(ends.x)].xyz;
+            let squared = dot(d, d);
+            let n = select(vec3f(0.0, 1.0, 0.0), d / sqrt(squared), squared > TINY);
+            wrenches[4u * rod] = vec4f(n, 0.0);
+        }
+    }
+}
+
+// What the rods' search directions (or lambdas) pull a sphere by: J^T applied to them.
+fn pull_of_rods(sphere: u32, of_lambda: bool) -> vec3f {
+    var sum = vec3f(0.0);
+    let rods = rods_of(sphere);
+    for (var r = 0u; r < rods.y; r++) {
+        let rod = index_of(topology[rods.x + r]);
+        if network_of_rod(rod) != NO_NETWORK {
+            let row = wrenches[4u * rod + 1u];
+            let times = select(row.z, row.x, of_lambda);
+            sum = fma(wrenches[4u * rod].xyz, vec3f(select(times, -times, rod_ends(rod).x == sphere)), sum);
+        }
+    }
+    return sum;
+}
+
+// How fast a rod would lengthen with the impulses or pulls in the position rows.
+fn lengthening(rod: u32) -> f32 {
+    let ends = rod_ends(rod);
+    let w1 = inverse_mass(ends.x);
+    let w2 = inverse_mass(ends.y);
+    let one = select(vec3f(0.0), w1 * next[position_at(ends.x)].xyz, w1 > 0.0);
+    let two = select(vec3f(0.0), w2 * next[position_at(ends.y)].xyz, w2 > 0.0);
+    return dot(two - one, wrenches[4u * rod].xyz);
+}
+
+// With the impulses on the spheres in the position rows: their changes of velocity into the velocity rows. All threads of the workgroup
+// must come here; loops around barriers have as many rounds for all of them.
+fn project(network: Network, local: u32) {
+    storageBarrier();
+    var squares = 0.0;
+    for (var first_place = 0u; first_place < network.rods; first_place += WORKGROUP) {
+        let place = first_place + local;
+        if place < network.rods {
+            let rod = network_rod(network, place);
+            let residual = lengthening(rod);
+            wrenches[4u * rod + 1u] = vec4f(0.0, residual, residual, 0.0);
+            squares += residual * residual;
+        }
+    }
+    // The impulses give way to the pulls of the search.
+    storageBarrier();
+    for (var first_place = 0u; first_place < network.spheres; first_place += WORKGROUP) {
+        let place = first_place + local;
+        if place < network.spheres {
+            let sphere = network_sphere(network, place);
+            next[velocity_at(sphere)] = next[position_at(sphere)];
+        }
+    }
+    let first = total_of(local, squares);
+    var rest = first;
+    for (var round = 0u; (round < MOST_ROUNDS) & (rest > SOLVED * first); round++) {
+        rest = search(network, local, rest);
+    }
+    storageBarrier();
+    for (var first_place = 0u; first_place < network.spheres; first_place += WORKGROUP) {
+        let place = first_place + local;
+        if place < network.spheres {
+            let sphere = network_sphere(network, place);
+            let impulse = next[velocity_at(sphere)].xyz - pull_of_rods(sphere, true);
+            next[velocity_at(sphere)] = vec4f(inverse_mass(sphere) * impulse, 0.0);
+        }
+    }
+    storageBarrier();
+}
+
+// A round of conjugate gradients; gives the squared residual after it.
+fn search(network: Network, local: u32, squares: f32) -> f32 {
+    storageBarrier();
+    for (var first_place = 0u; first_place < network.spheres; first_place += WORKGROUP) {
+        let place = first_place + local;
+        if place < network.spheres {
+            let sphere = network_sphere(network, place);
+            next[position_at(sphere)] = vec4f(pull_of_rods(sphere, false), 0.0);
+        }
+    }
+    storageBarrier();
+    var product = 0.0;
+    for (var first_place = 0u; first_place < network.rods; first_place += WORKGROUP) {
+        let place = first_place + local;
+        if place < network.rods {
+            let rod = network_rod(network, place);
+            var row = wrenches[4u * rod + 1u];
+            row.w = lengthening(rod);
+            wrenches[4u * rod + 1u] = row;
+            product += row.z * row.w;
+        }
+    }
+    let whole = total_of(local, product);
+    let along = select(0.0, squares / whole, whole > 0.0);
+    var left = 0.0;
+    for (var first_place = 0u; first_place < network.rods; first_place += WORKGROUP) {
+        let place = first_place + local;
+        if place < network.rods {
+            let rod = network_rod(network, place);
+            var row = wrenches[4u * rod + 1u];
+            row.x += along * row.z;
+            row.y -= along * row.w;
+            wrenches[4u * rod + 1u] = row;
+            left += row.y * row.y;
+        }
+    }
+    let after = total_of(local, left);
+    for (var first_place = 0u; first_place < network.rods; first_place += WORKGROUP) {
+        let place = first_place + local;
+        if place < network.rods {
+            let rod = network_rod(network, place);
+            var row = wrenches[4u * rod + 1u];
+            row.z = row.y + (after / squares) * row.z;
+            wrenches[4u * rod + 1u] = row;
+        }
+    }
+    // Rounding ends it where there is nothing to gain.
+    return select(0.0, after, (whole > 0.0) & (after < 4.0 * squares));
+}

@@ -1,0 +1,52 @@
+// requires model/objects.wgsl model/step.wgsl
+
+// Forces of what is attached to a sphere besides rods: springs, tethers and external forces (docs/physics.md section 4).
+
+// Pull of a spring on the end at `position` towards the other end.
+fn spring_force(position: vec3f, velocity: vec3f, other: vec3f, other_velocity: vec3f, constants: vec3f) -> vec3f {
+    let distance = other - position;
+    let squared = dot(distance, distance);
+    if squared <= TINY {
+        return vec3f(0.0);
+    }
+    let d = sqrt(squared);
+    let n = distance / d;
+    return (constants.x * (d - constants.y) + constants.z * dot(other_velocity - velocity, n)) * n;
+}
+
+// The force of an attachment that is no rod.
+fn attached_force(i: u32, kind: u32, index: u32) -> vec3f {
+    if kind == KIND_SPRING {
+        let spring = step.springs_at + index * SPRING_WORDS;
+        let other = select(topology[spring], topology[spring + 1u], topology[spring] == i);
+        return spring_force(
+            state[position_at(i)].xyz,
+            state[velocity_at(i)].xyz,
+            state[position_at(other)].xyz,
+            state[velocity_at(other)].xyz,
+            vector_at(spring + 2u),
+        );
+    }
+    if kind == KIND_TETHER {
+        let tether = step.tethers_at + index * TETHER_WORDS;
+        return spring_force(
+            state[position_at(i)].xyz,
+            state[velocity_at(i)].xyz,
+            vector_at(tether + 1u),
+            vec3f(0.0),
+            vector_at(tether + 4u),
+        );
+    }
+    return vector_at(step.forces_at + index * FORCE_WORDS);
+}
+
+// Second derivative of a spring's energy along a change of its distance vector, in energy per square of the displacement.
+fn spring_curvature(distance: vec3f, stretch: vec3f, stiffness: f32, rest_length: f32) -> f32 {
+    let squared = dot(distance, distance);
+    if squared <= TINY {
+        return 0.0;
+    }
+    let along = dot(stretch, distance);
+    let slack = rest_length / sqrt(squared);
+    return stiffness * ((1.0 - slack) * dot(stretch, stretch) + slack * along * along / squared);
+}

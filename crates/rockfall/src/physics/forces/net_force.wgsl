@@ -1,0 +1,147 @@
+// requires model/counters.wgsl model/entries.wgsl model/lists.wgsl model/objects.wgsl model/order.wgsl model/step.wgsl
+// requires physics/contact.wgsl physics/forces/attached.wgsl physics/geometry.wgsl
+
+// Net force and torque on a sphere (physics.md section 4), and what is told of the contacts.
+
+struct Net {
+    // Without gravity.
+    force: vec3f,
+    torque: vec3f,
+    // Contacts with objects of higher id; in pass 0.
+    contacts: u32,
+    // Deepest overlap among them.
+    deepest: f32,
+}
+
+// What a contact does to a sphere.
+struct Push {
+    force: vec3f,
+    // So many times into the torque.
+    couple: vec3f,
+    arm: f32,
+    // 0: they are apart.
+    overlap: f32,
+}
+
+fn no_push() -> Push {
+    return Push(vec3f(0.0), vec3f(0.0), 0.0, 0.0);
+}
+
+fn add_contacts(i: u32, net: ptr<function, Net>) {
+    let count = count_of(i);
+    if count == 0u {
+        return;
+    }
+    let own = state[position_at(i)];
+    let side = sphere_side(own, state[velocity_at(i)], state[momentum_at(i)]);
+    let first = first_of(i);
+    let partner = bonded_partner(i);
+    for (var begin = 0u; begin < count; begin += LOOK) {
+        // What overlapped when the step began most likely still does; other pairs of spheres that do not touch cost one position.
+        var rest = entries_near(own, ENTRY_OVERLAPS, first, begin, count);
+        if RODS {
+            rest = but_rods_apart(i, own, ENTRY_OVERLAPS, first, begin, count, rest);
+        }
+        var now = meet(first, begin, rest);
+        while rest != 0u {
+            rest &= rest - 1u;
+            let ahead = meet(first, begin, rest);
+            let push = push_of(i, partner, own, side, now);
+            // Counters to be one operation: whoever adds up, the same bits come of it.
+            (*net).force += push.force;
+            (*net).torque = fma(push.couple, vec3f(push.arm), (*net).torque);
+            count_push(i, now.entry, push, net);
+            now = ahead;
+        }
+    }
+}
+
+// The sphere is A: the other is of higher id, or also a sphere, and then all of the contact law mirrors, but for the rounding of the
+// slip.
+fn push_of(i: u32, partner: u32, own: vec4f, side: Side, other: Met) -> Push {
+    let id = entry_id(other.entry);
+    var found = no_touch();
+    var their_side = sphere_side(other.place, other.velocity, other.momentum);
+    if id < step.spheres {
+        found = touch_two(i, own, id, other.place);
+        if joined(i, partner, id) {
+            return no_push();
+        }
+    } else {
+        found = touch_static_or_rod(i, id, own);
+        their_side = other_side(id, found.b);
+    }
+    if (found.overlap <= 0.0) | (side.inverse_mass + their_side.inverse_mass <= 0.0) {
+        return no_push();
+    }
+    let contact = contact_force(side, their_side, found, id);
+    return Push(contact.force, contact.couple, contact.arm_a, found.overlap);
+}
+
+// Contacts are told of in the first pass alone, by the side that comes first.
+fn count_push(i: u32, entry: u32, push: Push, net: ptr<function, Net>) {
+    if (evaluation() != 0u) | (push.overlap <= 0.0) {
+        return;
+    }
+    if insertion_index(i) < insertion_index(entry_id(entry)) {
+        (*net).contacts += 1u;
+        (*net).deepest = max((*net).deepest, push.overlap);
+    }
+}
+
+fn add_attachments(i: u32, net: ptr<function, Net>) {
+    let range = adjacency(i);
+    for (var at = range.x; at < range.y; at++) {
+        let kind = kind_of(topology[at]);
+        let index = index_of(topology[at]);
+        if RODS & (kind == KIND_ROD) {
+            add_wrench(i, index, net);
+        } else {
+            (*net).force += attached_force(i, kind, index);
+        }
+    }
+}
+
+fn no_force() -> Net {
+    return Net(vec3f(0.0), vec3f(0.0), 0u, 0.0);
+}
+
+fn net_force(i: u32) -> Net {
+    var net = no_force();
+    add_contacts(i, &net);
+    add_attachments(i, &net);
+    return net;
+}
+
+// What a pass of RK4 needs to know of a sphere: a fixed one's contacts are only counted.
+fn net_in_pass(i: u32) -> Net {
+    if (evaluation() == 0u) | (inverse_mass(i) > 0.0) {
+        return net_force(i);
+    }
+    return no_force();
+}
+
+var<workgroup> group_deepest: atomic<u32>;
+
+// Adds the contacts of a workgroup of this number to what is told; all its threads must come here. Positive floats order like their
+// bits.
+fn count_contacts_of_workgroup(workgroup: u32, local: u32, contacts: u32, deepest: f32) {
+    if local == 0u {
+        atomicStore(&group_count, 0u);
+        atomicStore(&group_deepest, 0u);
+    }
+    workgroupBarrier();
+    if contacts > 0u {
+        atomicAdd(&group_count, contacts);
+        atomicMax(&group_deepest, bitcast<u32>(deepest));
+    }
+    workgroupBarrier();
+    if local == 0u {
+        let sum = atomicLoad(&group_count);
+        if sum > 0u {
+            let told = workgroup % COUNTER_BLOCKS;
+            atomicAdd(&status.counters[told].contacts, sum);
+            atomicMax(&status.counters[told].max_overlap, atomicLoad(&group_deepest));
+        }
+    }
+}

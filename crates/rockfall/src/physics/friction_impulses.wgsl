@@ -1,0 +1,159 @@
+// requires model/entries.wgsl model/lists.wgsl model/objects.wgsl model/order.wgsl model/step.wgsl physics/collision.wgsl
+// requires physics/contact.wgsl physics/geometry.wgsl physics/touch.wgsl step/collisions/record_of.wgsl
+// requires step/collisions/records.wgsl
+
+// Friction impulses of contacts that press (docs/physics.md section 3.9). Each takes away as much slip as it may with every body split
+// evenly among the contacts that press it: put together again, the parts have no more energy.
+
+// A friction impulse, on A; B gets the opposite.
+struct Rub {
+    impulse: vec3f,
+    n: vec3f,
+    arms: vec2f,
+    // Parameters of the contact on A and B.
+    at: vec2f,
+    a_id: u32,
+}
+
+// Contacts that press in the list of a mover.
+fn pressed_in(row: u32) -> u32 {
+    let count = count_of(row);
+    let first = first_of(row);
+    var found = 0u;
+    for (var begin = 0u; begin < count; begin += LOOK) {
+        found += countOneBits(entries_with(ENTRY_OVERLAPS, first, begin, count));
+    }
+    return found;
+}
+
+// Contacts that press a sphere or a rod that ends there.
+fn pressed_on(sphere: u32) -> f32 {
+    var found = pressed_in(sphere);
+    if RODS {
+        let rods = rods_of(sphere);
+        for (var r = 0u; r < rods.y; r++) {
+            found += pressed_in(step.spheres + index_of(topology[rods.x + r]));
+        }
+    }
+    return f32(found);
+}
+
+// Those that press any part of a rigid capsule.
+fn pressed_on_capsule(rod: u32) -> f32 {
+    let ends = rod_ends(rod);
+    return f32(pressed_in(ends.x) + pressed_in(ends.y) + pressed_in(step.spheres + rod));
+}
+
+fn friction_side(half: Half) -> Side {
+    if half.kind == STATIC {
+        return static_side();
+    }
+    if half.id < step.spheres {
+        return sphere_side(state[position_at(half.id)], state[velocity_at(half.id)], state[momentum_at(half.id)]);
+    }
+    return rod_side(half.id - step.spheres, half.at);
+}
+
+// What an impulse and a couple at a parameter make of a capsule.
+struct Grip {
+    push: vec3f,
+    // About the centre, across the axis and along it.
+    turning: vec3f,
+    rolling: vec3f,
+}
+
+fn grip_of(capsule: Capsule, at: f32, push: vec3f, couple: vec3f) -> Grip {
+    let torque = torque_at(capsule, at, push) + couple;
+    let squared = dot(capsule.d, capsule.d);
+    var turning = torque;
+    if squared > TINY {
+        turning = across(torque, capsule.d, squared);
+    }
+    return Grip(push, turning, torque - turning);
+}
+
+// 1 / (I1 + I2) of a capsule's ends.
+fn inverse_roll(ends: vec2u) -> f32 {
+    return 1.0 / (1.0 / state[momentum_at(ends.x)].w + 1.0 / state[momentum_at(ends.y)].w);
+}
+
+// What a unit impulse at the end of an arm changes the slip of one sphere by, split among what presses it.
+fn yielding_of_sphere(sphere: u32, part: f32, arm: f32) -> f32 {
+    let w = inverse_mass(sphere);
+    if (w <= 0.0) | (part == 0.0) {
+        return 0.0;
+    }
+    return pressed_on(sphere) * part * part * (w + arm * arm * state[momentum_at(sphere)].w);
+}
+
+// The same of one side, for a unit impulse along p on A; on B it is the opposite, with the same couple.
+fn yielding_of(half: Half, n: vec3f, p: vec3f, arm: f32, is_a: bool) -> f32 {
+    if half.kind == STATIC {
+        return 0.0;
+    }
+    if !RODS | (half.kind == SPHERE) {
+        return yielding_of_sphere(half.spheres.x, 1.0, arm);
+    }
+    if half.kind == ROD {
+        let one = yielding_of_sphere(half.spheres.x, 1.0 - half.at, arm);
+        return one + yielding_of_sphere(half.spheres.y, half.at, arm);
+    }
+    let capsule = capsule_of(half.spheres, poise_of(half));
+    let grip = grip_of(capsule, half.at, select(-p, p, is_a), arm * cross(n, p));
+    let turning = dot(grip.turning, grip.turning) * capsule.inverse_inertia;
+    let rolling = dot(grip.rolling, grip.rolling) * inverse_roll(half.spheres);
+    return pressed_on_capsule(capsule_rod(half.spheres.x)) * (capsule.inverse_mass + turning + rolling);
+}
+
+// The most that friction may be: of the normal impulse of a collision, and of what the contact force gives in a step.
+fn limit_of(slot: vec2u, a: Side, b: Side, overlap: f32, approach: f32, b_moves: bool) -> f32 {
+    var limit = 0.0;
+    if (entry_at(slot) & ENTRY_COLLIDES) != 0u {
+        // Only where they are listed there are records; and they are, where this is not 0.
+        if step.collision_friction > 0.0 {
+            limit = step.collision_friction * impulse_at(record_of(slot)).even;
+        }
+    }
+    if (overlap > 0.0) & (step.coulomb_friction > 0.0) {
+        if has_force(overlap, approach, smaller_radius(a.radius, b.radius, b_moves)) {
+            let force = max(pressure_of(overlap, approach), 0.0) / (a.inverse_mass + b.inverse_mass);
+            limit += step.coulomb_friction * step.dt * force;
+        }
+    }
+    return limit;
+}
+
+// The friction impulse of the entry in a slot of a row; 0 where there is none.
+fn friction_impulse_of(row: u32, slot: vec2u) -> Rub {
+    let entry = entry_at(slot);
+    let pair = ordered(row, entry_id(entry));
+    var a = half_of(pair.x, 0.0);
+    var b = half_of(pair.y, 0.0);
+    let a_poise = poise_of(a);
+    let b_poise = poise_of(b);
+    let by_vertex = meets_by_vertex(a, b, a_poise, entry_feature(entry));
+    let found = signed_touch(a, b, a_poise, b_poise, entry_feature(entry), by_vertex);
+    var rub = Rub(vec3f(0.0), found.n, vec2f(0.0), vec2f(found.a, found.b), pair.x);
+    if found.overlap == NO_LINE {
+        return rub;
+    }
+    if RODS {
+        a.at = select(a.at, found.a, a.id >= step.spheres);
+        b.at = select(b.at, found.b, (b.id >= step.spheres) & (b.kind != STATIC));
+    }
+    let b_moves = pair.y < step.spheres + step.rods;
+    let a_side = friction_side(a);
+    let b_side = friction_side(b);
+    let approach = dot(a_side.velocity - b_side.velocity, found.n);
+    rub.arms = arms_of(a_side, b_side, found.overlap, b_moves);
+    let t = slip_of(a_side, b_side, rub.arms, found.n, approach);
+    let speed = length(t);
+    let limit = limit_of(slot, a_side, b_side, found.overlap, approach, b_moves);
+    if (speed <= 0.0) | (limit <= 0.0) {
+        return rub;
+    }
+    let p = t / speed;
+    let yielding = yielding_of(a, found.n, p, rub.arms.x, true) + yielding_of(b, found.n, p, rub.arms.y, false);
+    rub.impulse = min(limit, speed / yielding) * p;
+    return rub;
+}

@@ -1,0 +1,190 @@
+//! Closest points (docs/physics.md sections 2.3 to 2.9; thesis 2.1-2.5).
+
+use glam::Vec3;
+
+use crate::model::view::{BoxWords, PolygonWords, TINY};
+
+/// A distance that is so short beside the vectors it is the difference of is their rounding, and has no direction;
+pub(crate) const ROUNDED: f32 = 5e-7;
+/// but where things are so small that rounding is more than this part of them, there is nothing else to go by.
+const SMALL: f32 = 0.01;
+
+/// A distance vector of things that touch within `reach`, 0 where it is but the rounding of vectors of this squared length: where
+/// it is nearly 0, what it is the difference of is no longer than the segments.
+fn unrounded(d: Vec3, squared: f32, reach: f32) -> Vec3 {
+    let rounded = (ROUNDED * ROUNDED * squared).min(SMALL * SMALL * reach * reach);
+    if d.length_squared() <= rounded { Vec3::ZERO } else { d }
+}
+
+/// A vector without what it has along an axis of this squared length. The distance of a point from a line has nothing along
+/// it but what the rounding of the parameter adds, which would turn the normal of things that all but meet.
+fn across(v: Vec3, axis: Vec3, squared: f32) -> Vec3 {
+    v - v.dot(axis) / squared * axis
+}
+
+/// A parameter that is less far beyond an end is at the end, which belongs to the segment: rounding must not decide.
+const AT_END: f32 = 1e-6;
+
+/// Whether a parameter is that of a point of a segment.
+fn on_segment(parameter: f32) -> bool {
+    (-AT_END..=1.0 + AT_END).contains(&parameter)
+}
+
+/// Where two segments come closest.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct SegmentPair {
+    /// Parameter on A, in [0, 1] but for rounding.
+    pub(crate) a: f32,
+    /// Parameter on B, likewise.
+    pub(crate) b: f32,
+    /// From A's point to B's.
+    pub(crate) d: Vec3,
+    /// The common normal; `None` for parallel segments.
+    pub(crate) normal: Option<Vec3>,
+}
+
+/// `None` where the closest points of the lines lie beyond an end, or a segment has no length. What is nearer than `reach` touches.
+pub(crate) fn segment_segment([a1, a2]: [Vec3; 2], [b1, b2]: [Vec3; 2], reach: f32) -> Option<SegmentPair> {
+    let (a_axis, b_axis, c) = (a2 - a1, b2 - b1, b1 - a1);
+    let (aa, bb) = (a_axis.length_squared(), b_axis.length_squared());
+    if aa <= TINY || bb <= TINY {
+        return None;
+    }
+    let normal = a_axis.cross(b_axis);
+    let nn = normal.length_squared();
+    if nn <= 1e-8 * aa * bb {
+        return parallel_segments(a_axis, b_axis, c, reach);
+    }
+    let a = c.dot(b_axis.cross(normal)) / nn;
+    let b = c.dot(a_axis.cross(normal)) / nn;
+    let normal = normal / nn.sqrt();
+    // It is along the common normal: what else there is of it comes from the rounding of a and b.
+    let d = (c + b * b_axis - a * a_axis).dot(normal) * normal;
+    let d = unrounded(d, aa + bb, reach);
+    (on_segment(a) && on_segment(b)).then_some(SegmentPair { a, b, d, normal: Some(normal) })
+}
+
+/// The middle of the overlapping stretch.
+fn parallel_segments(a_axis: Vec3, b_axis: Vec3, c: Vec3, reach: f32) -> Option<SegmentPair> {
+    let aa = a_axis.length_squared();
+    let t0 = c.dot(a_axis) / aa;
+    let t1 = (c + b_axis).dot(a_axis) / aa;
+    let low = t0.min(t1).max(0.0);
+    let high = t0.max(t1).min(1.0);
+    if low > high + AT_END {
+        return None;
+    }
+    let a = 0.5 * (low + high);
+    let b = ((a * a_axis - c).dot(b_axis) / b_axis.length_squared()).clamp(0.0, 1.0);
+    let d = unrounded(c + b * b_axis - a * a_axis, aa + b_axis.length_squared(), reach);
+    Some(SegmentPair { a, b, d, normal: None })
+}
+
+/// Parameter on the segment and the vector from the point to it (2.4, 2.5); `None` beyond the ends. What is nearer than `reach` touches.
+pub(crate) fn point_segment(p: Vec3, [a1, a2]: [Vec3; 2], reach: f32) -> Option<(f32, Vec3)> {
+    let axis = a2 - a1;
+    let aa = axis.length_squared();
+    if aa <= TINY {
+        return None;
+    }
+    let c = p - a1;
+    let a = axis.dot(c) / aa;
+    on_segment(a).then(|| (a, unrounded(across(a * axis - c, axis, aa), aa, reach)))
+}
+
+/// Parameters of a point along the three edges of a box.
+pub(crate) fn box_parameters(cuboid: &BoxWords, p: Vec3) -> Vec3 {
+    let t = p - cuboid.corner;
+    Vec3::from_array(cuboid.edges.map(|edge| t.dot(edge) / edge.length_squared()))
+}
+
+/// Whether a point, so far from an edge of a box, lies in the box, its surface included, and what is outside by rounding alone.
+pub(crate) fn box_contains(cuboid: &BoxWords, p: Vec3, distance: f32) -> bool {
+    let t = box_parameters(cuboid, p);
+    let rounded =
+        (ROUNDED * p.distance(cuboid.corner)).min(SMALL * distance) / Vec3::from_array(cuboid.edges.map(Vec3::length));
+    t.cmpge(-rounded).all() && t.cmple(Vec3::ONE + rounded).all()
+}
+
+/// Unit vector from a sphere's centre into the box along which they touch, and the centre's distance from the surface,
+/// negative inside.
+pub(crate) fn point_box(cuboid: &BoxWords, p: Vec3, radius: f32) -> (Vec3, f32) {
+    let t = box_parameters(cuboid, p);
+    let clamped = t.clamp(Vec3::ZERO, Vec3::ONE);
+    let [i, j, k] = cuboid.edges;
+    let squares = cuboid.edges.map(Vec3::length_squared);
+    let mut d = cuboid.corner + clamped.x * i + clamped.y * j + clamped.z * k - p;
+    for (axis, edge) in cuboid.edges.into_iter().enumerate() {
+        if clamped[axis] == t[axis] {
+            d = across(d, edge, squares[axis]);
+        }
+    }
+    let d = unrounded(d, squares.into_iter().fold(0.0, f32::max), radius);
+    let dd = d.length_squared();
+    if clamped == t || dd <= TINY {
+        return nearest_face(cuboid, clamped);
+    }
+    let distance = dd.sqrt();
+    (d / distance, distance)
+}
+
+/// From inside, the way out is through the nearest face; the first one on ties.
+fn nearest_face(cuboid: &BoxWords, t: Vec3) -> (Vec3, f32) {
+    let mut nearest = (Vec3::Y, f32::INFINITY);
+    for (axis, edge) in cuboid.edges.into_iter().enumerate() {
+        let length = edge.length();
+        let outward = edge / length;
+        for (inward, depth) in [(outward, t[axis] * length), (-outward, (1.0 - t[axis]) * length)] {
+            if depth < (1.0 - AT_END) * nearest.1 {
+                nearest = (inward, depth);
+            }
+        }
+    }
+    (nearest.0, -nearest.1)
+}
+
+/// Unit normal of a polygon's face, the height of a point above it, and whether that is over the polygon, not beside it.
+pub(crate) fn point_polygon(polygon: &PolygonWords, p: Vec3) -> (Vec3, f32, bool) {
+    let normal = polygon.left.cross(polygon.right);
+    let nn = normal.length_squared();
+    let t = p - polygon.corner;
+    let l = t.cross(polygon.right).dot(normal) / nn;
+    let k = polygon.left.cross(t).dot(normal) / nn;
+    let face = normal / nn.sqrt();
+    (face, t.dot(face), on_segment(l) && on_segment(k))
+}
+
+/// An edge of a box, and which way is out at it.
+pub(crate) struct BoxEdge {
+    pub(crate) start: Vec3,
+    pub(crate) end: Vec3,
+    pub(crate) outward: Vec3,
+}
+
+/// Edge 0..12: four along each of I, J, K.
+pub(crate) fn box_edge(cuboid: &BoxWords, edge: u32) -> BoxEdge {
+    let along = (edge / 4) as usize;
+    let offset = |bit: u32, axis: usize| {
+        let set = ((edge % 4) >> bit) & 1 == 1;
+        let side = cuboid.edges[axis % 3];
+        if set { (side, side.normalize()) } else { (Vec3::ZERO, -side.normalize()) }
+    };
+    let ((shift1, out1), (shift2, out2)) = (offset(0, along + 1), offset(1, along + 2));
+    let start = cuboid.corner + shift1 + shift2;
+    BoxEdge { start, end: start + cuboid.edges[along], outward: (out1 + out2).normalize() }
+}
+
+/// Vertex 0..8 of a box, and which way is out at it.
+pub(crate) fn box_vertex(cuboid: &BoxWords, vertex: u32) -> (Vec3, Vec3) {
+    let mut place = cuboid.corner;
+    let mut outward = Vec3::ZERO;
+    for (axis, edge) in cuboid.edges.into_iter().enumerate() {
+        if vertex >> axis & 1 == 1 {
+            place += edge;
+            outward += edge.normalize();
+        } else {
+            outward -= edge.normalize();
+        }
+    }
+    (place, outward.normalize())
+}

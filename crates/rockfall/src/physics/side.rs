@@ -1,0 +1,47 @@
+//! One side of a contact: what moves there, and how hard it is to move.
+
+use glam::Vec3;
+
+use crate::model::view::{Object, View};
+
+/// One body of a contact, as seen from the contact.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Side {
+    /// 1/m of a sphere, 1/M(a) of a rod (2.6), 0 of what is static.
+    pub(crate) inverse_mass: f32,
+    /// 1/I of a sphere that moves; of a rod (1-a)^2 / I1 + a^2 / I2; else 0.
+    pub(crate) inverse_inertia: f32,
+    pub(crate) velocity: Vec3,
+    pub(crate) spin: Vec3,
+    /// `None` for what is static.
+    pub(crate) radius: Option<f32>,
+}
+
+/// The side of `object`; of a rod, at `parameter`. A fixed end of a rod is at rest there: its surface velocity is that of the sphere
+/// itself alone (E26).
+pub(crate) fn side(view: &View, object: Object, parameter: f32) -> Side {
+    match object {
+        Object::Sphere(sphere) => Side {
+            inverse_mass: view.inverse_mass(sphere),
+            inverse_inertia: view.mobility(sphere),
+            velocity: view.velocity(sphere),
+            spin: view.spin(sphere),
+            radius: Some(view.radius(sphere)),
+        },
+        Object::Rod(rod) => {
+            let rod = view.rod(rod);
+            let [one, two] = rod.ends;
+            let (s, t) = (1.0 - parameter, parameter);
+            Side {
+                inverse_mass: s * s * view.inverse_mass(one) + t * t * view.inverse_mass(two),
+                inverse_inertia: s * s * view.mobility(one) + t * t * view.mobility(two),
+                velocity: s * view.own_velocity(one) + t * view.own_velocity(two),
+                spin: s * view.own_spin(one) + t * view.own_spin(two),
+                radius: Some(rod.radius),
+            }
+        }
+        Object::Cuboid(_) | Object::Polygon(_) => {
+            Side { inverse_mass: 0.0, inverse_inertia: 0.0, velocity: Vec3::ZERO, spin: Vec3::ZERO, radius: None }
+        }
+    }
+}

@@ -1,0 +1,233 @@
+//! The narrow phase: where two objects overlap (docs/physics.md sections 2.6 to 2.10). The same rules tell how far apart they are where they
+//! do not, for the collision phase looks at states before the present one.
+
+use glam::Vec3;
+
+use crate::model::layout::BOX_FEATURES;
+use crate::model::view::{BoxWords, Object, RodWords, TINY, View};
+use crate::physics::geometry::{
+    box_contains, box_edge, box_parameters, box_vertex, point_box, point_polygon, point_segment, segment_segment,
+};
+use crate::physics::side::side;
+
+/// Overlaps up to this times the smaller radius are rounding, to the collision phase.
+pub(crate) const ROUNDING: f32 = 1e-5;
+
+/// Where spheres are and how fast: in the state at hand, or in another one.
+pub(crate) trait Motions {
+    fn position(&self, sphere: u32) -> Vec3;
+    fn velocity(&self, sphere: u32) -> Vec3;
+}
+
+impl Motions for View<'_> {
+    fn position(&self, sphere: u32) -> Vec3 {
+        View::position(self, sphere)
+    }
+
+    fn velocity(&self, sphere: u32) -> Vec3 {
+        View::velocity(self, sphere)
+    }
+}
+
+/// Where A and B overlap; A is the object of lower id.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Touch {
+    /// Unit normal from A to B.
+    pub(crate) normal: Vec3,
+    /// Depth of the overlap, positive; negative: how far apart they are.
+    pub(crate) overlap: f32,
+    /// Parameter of the contact on A, if A is a rod.
+    pub(crate) a: f32,
+    /// Parameter of the contact on B, if B is a rod.
+    pub(crate) b: f32,
+}
+
+/// The overlap of the objects `id_a < id_b`, or `None` where they do not overlap or ignore each other.
+pub(crate) fn touch(view: &View, id_a: u32, id_b: u32, feature: u32) -> Option<Touch> {
+    let (a, b) = (view.object(id_a), view.object(id_b));
+    if ignore(view, a, b) {
+        return None;
+    }
+    let touch = match (a, b) {
+        (Object::Rod(a), Object::Cuboid(b)) => rod_box(view, view.rod(a), &view.cuboid(b), feature),
+        (Object::Sphere(a), Object::Polygon(b)) => sphere_polygon(view, a, b),
+        _ => line(view, view, a, b, None).filter(|touch| touch.overlap > 0.0),
+    }?;
+    // A rod that is touched right at its fixed end cannot give way there.
+    let inverse_mass = side(view, a, touch.a).inverse_mass + side(view, b, touch.b).inverse_mass;
+    (inverse_mass > 0.0).then_some(touch)
+}
+
+/// Nothing collides with itself, and two immovable things have nothing to say to each other.
+fn ignore(view: &View, a: Object, b: Object) -> bool {
+    if immovable(view, a) && immovable(view, b) {
+        return true;
+    }
+    match (a, b) {
+        (Object::Sphere(a), Object::Sphere(b)) => view.rods_of(a).any(|rod| {
+            let rod = view.rod(rod);
+            rod.length > 0.0 && rod.ends.contains(&b)
+        }),
+        (Object::Sphere(a), Object::Rod(b)) => view.rod(b).ends.contains(&a),
+        (Object::Rod(a), Object::Rod(b)) => {
+            let other = view.rod(b).ends;
+            view.rod(a).ends.iter().any(|end| other.contains(end))
+        }
+        _ => false,
+    }
+}
+
+fn immovable(view: &View, object: Object) -> bool {
+    match object {
+        Object::Sphere(sphere) => view.is_fixed(sphere),
+        Object::Rod(rod) => view.rod(rod).ends.iter().all(|end| view.is_fixed(*end)),
+        Object::Cuboid(_) | Object::Polygon(_) => true,
+    }
+}
+
+/// What a rod meets of a box.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Feature {
+    Edge(u32),
+    Vertex(u32),
+}
+
+impl Feature {
+    /// What a rod meets by a feature's number where both overlap; where they do not, what is nearer.
+    pub(crate) fn of(view: &View, rod: u32, cuboid: u32, feature: u32) -> Self {
+        let of = |feature| line(view, view, Object::Rod(rod), Object::Cuboid(cuboid), Some(feature));
+        let (edge, vertex) = (Self::Edge(feature), Self::Vertex(feature));
+        if feature >= 8 || rod_edge(view, view.rod(rod), &view.cuboid(cuboid), feature, true).is_some() {
+            return edge;
+        }
+        match (of(edge), of(vertex)) {
+            (Some(edge), Some(vertex)) if edge.overlap > vertex.overlap => Self::Edge(feature),
+            (Some(_), None) => edge,
+            _ => vertex,
+        }
+    }
+}
+
+/// The line along which two objects meet, with how deep they overlap or how far apart they are; `None` where their closest points lie
+/// beyond an end. Of a polygon it is its plane that counts. `feature` is what a rod meets of a box.
+pub(crate) fn line(view: &View, at: &impl Motions, a: Object, b: Object, feature: Option<Feature>) -> Option<Touch> {
+    match (a, b, feature) {
+        (Object::Sphere(a), Object::Sphere(b), _) => {
+            Some(round(at.position(b) - at.position(a), view.radius(a) + view.radius(b), Vec3::Y, 0.0, 0.0))
+        }
+        (Object::Sphere(a), Object::Rod(b), _) => sphere_rod(view, at, a, view.rod(b)),
+        (Object::Rod(a), Object::Rod(b), _) => rod_rod(at, view.rod(a), view.rod(b)),
+        (Object::Sphere(a), Object::Cuboid(b), _) => {
+            let (normal, distance) = point_box(&view.cuboid(b), at.position(a), view.radius(a));
+            Some(Touch { normal, overlap: view.radius(a) - distance, a: 0.0, b: 0.0 })
+        }
+        (Object::Sphere(a), Object::Polygon(b), _) => {
+            let (face, height, _) = point_polygon(&view.polygon(b), at.position(a));
+            Some(Touch { normal: -face, overlap: view.radius(a) - height, a: 0.0, b: 0.0 })
+        }
+        (Object::Rod(a), Object::Cuboid(b), Some(Feature::Edge(edge))) => {
+            rod_edge(at, view.rod(a), &view.cuboid(b), edge, false)
+        }
+        (Object::Rod(a), Object::Cuboid(b), Some(Feature::Vertex(vertex))) => {
+            rod_vertex(at, view.rod(a), &view.cuboid(b), vertex, false)
+        }
+        _ => None,
+    }
+}
+
+fn ends(at: &impl Motions, rod: RodWords) -> [Vec3; 2] {
+    rod.ends.map(|end| at.position(end))
+}
+
+/// The line of two round things `d` apart, whose radii sum to `reach`.
+fn round(d: Vec3, reach: f32, zero_normal: Vec3, a: f32, b: f32) -> Touch {
+    let dd = d.length_squared();
+    let (normal, distance) = if dd <= TINY { (zero_normal, 0.0) } else { (d / dd.sqrt(), dd.sqrt()) };
+    Touch { normal, overlap: reach - distance, a, b }
+}
+
+fn sphere_rod(view: &View, at: &impl Motions, sphere: u32, rod: RodWords) -> Option<Touch> {
+    let reach = view.radius(sphere) + rod.radius;
+    let (parameter, d) = point_segment(at.position(sphere), ends(at, rod), reach)?;
+    Some(round(d, reach, Vec3::Y, 0.0, parameter))
+}
+
+fn rod_rod(at: &impl Motions, a: RodWords, b: RodWords) -> Option<Touch> {
+    let reach = a.radius + b.radius;
+    let pair = segment_segment(ends(at, a), ends(at, b), reach)?;
+    Some(round(pair.d, reach, pair.normal.unwrap_or(Vec3::Y), pair.a, pair.b))
+}
+
+/// A sphere whose middle is over the face of a polygon, not beside it and not behind it.
+fn sphere_polygon(view: &View, sphere: u32, polygon: u32) -> Option<Touch> {
+    let (face, height, inside) = point_polygon(&view.polygon(polygon), view.position(sphere));
+    let radius = view.radius(sphere);
+    let hit = inside && height >= 0.0 && height < radius;
+    hit.then(|| Touch { normal: -face, overlap: radius - height, a: 0.0, b: 0.0 })
+}
+
+/// Feature f of a rod and a box that overlap: edge f, or, where no edge is hit, vertex f.
+fn rod_box(view: &View, rod: RodWords, cuboid: &BoxWords, feature: u32) -> Option<Touch> {
+    if is_beside(cuboid, ends(view, rod), rod.radius) {
+        return None;
+    }
+    let edge = |edge: u32| rod_edge(view, rod, cuboid, edge, true);
+    if let Some(touch) = edge(feature) {
+        return Some(touch);
+    }
+    if feature >= 8 || (0..BOX_FEATURES).any(|other| edge(other).is_some()) {
+        return None;
+    }
+    rod_vertex(view, rod, cuboid, feature, true)
+}
+
+/// Whether a rod is further than its radius beyond one face of a box, with room for rounding: it touches none of the edges then. Most rods that
+/// have a box in their lists are, and twelve entries each.
+fn is_beside(cuboid: &BoxWords, ends: [Vec3; 2], radius: f32) -> bool {
+    let [one, two] = ends.map(|end| box_parameters(cuboid, end));
+    let slack = 1.001 * radius / Vec3::from_array(cuboid.edges.map(Vec3::length)) + 1e-4;
+    one.max(two).cmplt(-slack).any() || one.min(two).cmpgt(1.0 + slack).any()
+}
+
+/// A rod's axis against an edge of a box; where it must touch, only what is nearer than the rod's radius.
+fn rod_edge(at: &impl Motions, rod: RodWords, cuboid: &BoxWords, edge: u32, must_touch: bool) -> Option<Touch> {
+    let [end1, end2] = ends(at, rod);
+    let edge = box_edge(cuboid, edge);
+    let pair = segment_segment([end1, end2], [edge.start, edge.end], rod.radius)?;
+    let on_axis = end1 + pair.a * (end2 - end1);
+    near_feature(cuboid, rod.radius, on_axis, pair.a, pair.d, edge.outward, must_touch)
+}
+
+/// The same against a vertex.
+fn rod_vertex(at: &impl Motions, rod: RodWords, cuboid: &BoxWords, vertex: u32, must_touch: bool) -> Option<Touch> {
+    let [end1, end2] = ends(at, rod);
+    let (vertex, outward) = box_vertex(cuboid, vertex);
+    let (a, to_rod) = point_segment(vertex, [end1, end2], rod.radius)?;
+    near_feature(cuboid, rod.radius, end1 + a * (end2 - end1), a, -to_rod, outward, must_touch)
+}
+
+/// A rod's point `on_axis` against a point of the box's edges, `d` away. Inside the box the rod is pushed on outward.
+fn near_feature(
+    cuboid: &BoxWords,
+    radius: f32,
+    on_axis: Vec3,
+    a: f32,
+    d: Vec3,
+    outward: Vec3,
+    must_touch: bool,
+) -> Option<Touch> {
+    let dd = d.length_squared();
+    if dd <= TINY {
+        return Some(Touch { normal: -outward, overlap: radius, a, b: 0.0 });
+    }
+    let distance = dd.sqrt();
+    if must_touch && distance >= radius {
+        return None;
+    }
+    let (normal, overlap) = if box_contains(cuboid, on_axis, distance) {
+        (-d / distance, radius + distance)
+    } else {
+        (d / distance, radius - distance)
+    };
+    Some(Touch { normal, overlap, a, b: 0.0 })
+}

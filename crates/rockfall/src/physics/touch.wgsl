@@ -1,0 +1,63 @@
+// requires model/objects.wgsl model/step.wgsl physics/collision.wgsl physics/geometry.wgsl
+
+// The contact line of two objects in any place, with how deep they overlap or, negative, how far they are apart (docs/physics.md section 2).
+
+fn centre_of(half: Half, poise: Poise) -> vec4f {
+    let is_second = RODS & (half.kind == CAPSULE) & (half.at > 0.5);
+    return vec4f(select(poise.x1, poise.x2, is_second), state[position_at(half.id)].w);
+}
+
+// Ends that no sphere and no other rod has: what moves here does not touch itself.
+fn bar_from(half: Half, poise: Poise, name: u32) -> Bar {
+    return Bar(vec2u(NONE - name), Axis(poise.x1, poise.x2 - poise.x1, rod_radius(half.id - step.spheres)));
+}
+
+// How high a sphere stands on the plane of a polygon, wherever it is over it.
+fn touch_plane(centre: vec4f, face: Polygon) -> Touch {
+    let n = normalize(cross(face.left, face.right));
+    return Touch(-n, centre.w - dot(centre.xyz - face.corner, n), 0.0, 0.0);
+}
+
+// The contact of a pair in this place, the overlap negative where they are apart; NO_LINE where they have no contact line.
+fn signed_touch(a: Half, b: Half, a_poise: Poise, b_poise: Poise, feature: u32, by_vertex: bool) -> Touch {
+    let boxes = step.spheres + step.rods;
+    if a.id < step.spheres {
+        let centre = centre_of(a, a_poise);
+        if b.id < step.spheres {
+            return touch_spheres(centre, centre_of(b, b_poise));
+        }
+        if RODS & (b.id < boxes) {
+            return touch_sphere_rod(0u, centre, bar_from(b, b_poise, 1u));
+        }
+        if b.id < boxes + step.boxes {
+            return touch_sphere_box(centre, cuboid(b.id - boxes));
+        }
+        return touch_plane(centre, polygon(b.id - boxes - step.boxes));
+    }
+    if !RODS {
+        return no_touch();
+    }
+    let bar = bar_from(a, a_poise, 1u);
+    if b.id < boxes {
+        return touch_rods(bar, bar_from(b, b_poise, 2u));
+    }
+    if by_vertex {
+        return touch_rod_vertex(bar.axis, cuboid(b.id - boxes), feature);
+    }
+    return touch_rod_edge(bar.axis, cuboid(b.id - boxes), feature);
+}
+
+// Whether a rod meets a box by the vertex of this number, not by the edge: where the edge does not touch, what is nearer counts.
+fn meets_by_vertex(a: Half, b: Half, poise: Poise, feature: u32) -> bool {
+    let boxes = step.spheres + step.rods;
+    if !RODS | (a.id < step.spheres) | (b.id < boxes) | (feature >= 8u) {
+        return false;
+    }
+    let bar = bar_from(a, poise, 1u);
+    let edge = touch_rod_edge(bar.axis, cuboid(b.id - boxes), feature);
+    if edge.overlap > 0.0 {
+        return false;
+    }
+    let vertex = touch_rod_vertex(bar.axis, cuboid(b.id - boxes), feature);
+    return vertex.overlap >= edge.overlap;
+}

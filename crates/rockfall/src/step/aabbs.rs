@@ -1,0 +1,3 @@
+//! AABBs of all objects.
+
+pub(crate) mod update_aabbs;

@@ -1,0 +1,97 @@
+//! AABBs of all objects, static ones too, grown by the motion of the step.
+//!
+//! A sphere moves by at most its margin, `(lookahead - lead) 1.05 |v| dt + lookahead |a| dt^2 / 2 + (0.05 lookahead - 0.03) r +
+//! (margin_scale - 1) 0.02 r`, before its list is made again; where it moves further, `find_collisions`, `advance` or `symplectic_euler` void the
+//! step, the host raises `margin_scale`, and the step is run again. Here a is, in scenes with large spheres, the acceleration in the last
+//! step of RK4 (`FLAG_STAGES`), else 0. A rod takes the hull of its ends, each with its own margin and the radius of the rod.
+
+use glam::Vec3;
+use rayon::prelude::*;
+
+use crate::model::buffer::Buffer;
+use crate::model::dispatch::Threads;
+use crate::model::layout::FLAG_STAGES;
+use crate::model::layout::GRAIN;
+use crate::model::step::Aabb;
+use crate::model::view::{Object, View};
+use crate::model::world::World;
+use crate::physics::travel::{may_gain, may_travel, place_ahead};
+use crate::step::stage::{Stage, read, write};
+use crate::step::wgsl::{Wgsl, part};
+
+/// The stage.
+pub(crate) const STAGE: Stage = Stage {
+    name: "update_aabbs",
+    wgsl: Wgsl::File(part!("step/aabbs/update_aabbs.wgsl")),
+    bindings: &[
+        read("state", Buffer::Start),
+        read("topology", Buffer::Topology),
+        write("aabbs", Buffer::Aabbs),
+        read("y3", Buffer::Y3),
+        read("y4", Buffer::Y4),
+        read("status", Buffer::Status),
+    ],
+    threads: Threads::WideObjects,
+    cpu: update_aabbs,
+};
+
+fn update_aabbs(world: &mut World, _pass: u32) {
+    if world.status.rebuild == 0 {
+        return;
+    }
+    let objects = world.objects();
+    let [start, _, third, fourth] = &world.states;
+    let [view, third, fourth] = [start, third, fourth].map(|state| View::new(&world.step, &world.topology, state));
+    let knows_stages = world.step.flags & FLAG_STAGES != 0;
+    let gain = |sphere: u32| {
+        if knows_stages {
+            may_gain(&world.step, third.velocity(sphere), fourth.velocity(sphere), world.step.lookahead)
+        } else {
+            0.0
+        }
+    };
+    let aabbs = (0..objects).into_par_iter().with_min_len(GRAIN).map(|id| aabb(&view, &gain, id));
+    aabbs.collect_into_vec(&mut world.aabbs);
+}
+
+/// `gain` is what a sphere comes further because it accelerates.
+fn aabb(view: &View, gain: &impl Fn(u32) -> f32, id: u32) -> Aabb {
+    let ball = |sphere: u32, radius: f32| ball(view, gain(sphere), sphere, radius);
+    let (min, max) = match view.object(id) {
+        Object::Sphere(sphere) => ball(sphere, view.radius(sphere)),
+        Object::Rod(rod) => {
+            let rod = view.rod(rod);
+            let [one, two] = rod.ends.map(|end| ball(end, rod.radius));
+            (one.0.min(two.0), one.1.max(two.1))
+        }
+        Object::Cuboid(cuboid) => {
+            let cuboid = view.cuboid(cuboid);
+            hull(cuboid.corner, &cuboid.edges)
+        }
+        Object::Polygon(polygon) => {
+            let polygon = view.polygon(polygon);
+            hull(polygon.corner, &[polygon.left, polygon.right])
+        }
+    };
+    Aabb { min: min.to_array(), id, max: max.to_array(), tag: view.tag(id) }
+}
+
+/// All places that a ball of this radius about a sphere's centre may be found in within the step.
+fn ball(view: &View, gain: f32, sphere: u32, radius: f32) -> (Vec3, Vec3) {
+    let reach = radius + margin(view, gain, sphere);
+    let middle = place_ahead(view.step, view.position(sphere), view.motion(sphere));
+    (middle - reach, middle + reach)
+}
+
+fn margin(view: &View, gain: f32, sphere: u32) -> f32 {
+    if view.is_fixed(sphere) {
+        return 0.0;
+    }
+    let radius = view.radius(sphere);
+    let travel = may_travel(view.step, view.velocity(sphere), radius, view.step.lookahead);
+    travel + gain + (view.step.margin_scale - 1.0) * 0.02 * radius
+}
+
+fn hull(corner: Vec3, edges: &[Vec3]) -> (Vec3, Vec3) {
+    edges.iter().fold((corner, corner), |(min, max), edge| (min + edge.min(Vec3::ZERO), max + edge.max(Vec3::ZERO)))
+}

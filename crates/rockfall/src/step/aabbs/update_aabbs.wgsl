@@ -1,0 +1,77 @@
+// requires model/objects.wgsl model/one_state.wgsl model/step.wgsl physics/travel.wgsl
+
+@group(0) @binding(2) var<storage, read> state: array<vec4f>;
+@group(0) @binding(3) var<storage, read> topology: array<u32>;
+// Two rows an AABB (see Aabb): written row by row, it takes half as long as field by field.
+@group(0) @binding(4) var<storage, read_write> aabbs: array<vec4u>;
+@group(0) @binding(5) var<storage, read> y3: array<vec4f>;
+@group(0) @binding(6) var<storage, read> y4: array<vec4f>;
+@group(0) @binding(7) var<storage, read> status: Status;
+
+struct Hull {
+    min: vec3f,
+    max: vec3f,
+}
+
+// How far a sphere may move before its list is made again.
+fn margin(sphere: u32, velocity: vec4f, radius: f32) -> f32 {
+    var gain = 0.0;
+    if LARGE {
+        let at = velocity_at(sphere);
+        gain = select(0.0, may_gain(y3[at].xyz, y4[at].xyz, step.lookahead), (step.flags & FLAG_STAGES) != 0u);
+    }
+    let spare = (step.margin_scale - 1.0) * 0.02 * radius;
+    return select(0.0, may_travel(velocity, radius, step.lookahead) + gain + spare, velocity.w > 0.0);
+}
+
+// A sphere, or the end of a rod of another radius.
+fn end_hull(sphere: u32, radius: f32) -> Hull {
+    let centre = state[position_at(sphere)];
+    let velocity = state[velocity_at(sphere)];
+    let reach = vec3f(radius + margin(sphere, velocity, centre.w));
+    let middle = place_ahead(centre.xyz, velocity);
+    return Hull(middle - reach, middle + reach);
+}
+
+fn hull_of(id: u32) -> Hull {
+    if id < step.spheres {
+        return end_hull(id, state[position_at(id)].w);
+    }
+    var rest = id - step.spheres;
+    if rest < step.rods {
+        let ends = rod_ends(rest);
+        let first = end_hull(ends.x, rod_radius(rest));
+        let second = end_hull(ends.y, rod_radius(rest));
+        return Hull(min(first.min, second.min), max(first.max, second.max));
+    }
+    // Of all corners at once: an edge adds to the least where it is negative, to the greatest where it is positive.
+    let zero = vec3f(0.0);
+    rest -= step.rods;
+    if rest < step.boxes {
+        let box = cuboid(rest);
+        return Hull(
+            box.corner + min(box.i, zero) + min(box.j, zero) + min(box.k, zero),
+            box.corner + max(box.i, zero) + max(box.j, zero) + max(box.k, zero),
+        );
+    }
+    let face = polygon(rest - step.boxes);
+    return Hull(
+        face.corner + min(face.left, zero) + min(face.right, zero),
+        face.corner + max(face.left, zero) + max(face.right, zero),
+    );
+}
+
+@compute @workgroup_size(256)
+fn update_aabbs(
+    @builtin(workgroup_id) group: vec3u,
+    @builtin(num_workgroups) groups: vec3u,
+    @builtin(local_invocation_index) local: u32,
+) {
+    let id = wide_thread(group, groups, local);
+    if (status.rebuild == 0u) | (id >= objects()) {
+        return;
+    }
+    let hull = hull_of(id);
+    aabbs[2u * id] = vec4u(bitcast<vec3u>(hull.min), id);
+    aabbs[2u * id + 1u] = vec4u(bitcast<vec3u>(hull.max), topology[step.tags_at + id]);
+}

@@ -1,0 +1,7 @@
+//! The broad phase: which pairs of objects may touch.
+
+pub(crate) mod brute_force;
+pub(crate) mod grid;
+pub(crate) mod meet;
+pub(crate) mod scan_pairs;
+pub(crate) mod sort_and_skip;

@@ -1,0 +1,24 @@
+// requires model/put_head.wgsl model/step.wgsl step/broad_phase/brute_force/pair_tiles.wgsl
+
+@group(0) @binding(2) var<storage, read> aabbs: array<Aabb>;
+@group(0) @binding(3) var<storage, read_write> lists: array<array<u32, SLICE>>;
+@group(0) @binding(4) var<storage, read> status: Status;
+
+fn emit(mover: u32, place: u32, entry: u32) {}
+
+@compute @workgroup_size(64)
+fn count_pairs(
+    @builtin(workgroup_id) group: vec3u,
+    @builtin(num_workgroups) groups: vec3u,
+    @builtin(local_invocation_index) local: u32,
+) {
+    if status.rebuild == 0u {
+        return;
+    }
+    let mover = linear_thread(group, groups, local);
+    let count = emit_pairs(mover, local);
+    // Past the last mover the count is 0, to the end of its slice.
+    if mover < step.slices_at {
+        put_head(mover, count);
+    }
+}

@@ -1,0 +1,26 @@
+//! Broad phase, 3 of 3: the entries, in ascending order of id, then feature. Does nothing in a void step.
+
+use crate::model::buffer::Buffer;
+use crate::model::dispatch::Threads;
+use crate::model::lists::fill_slices;
+use crate::model::world::World;
+use crate::step::broad_phase::meet::for_each_pair;
+use crate::step::stage::{Stage, read, write};
+use crate::step::wgsl::{Wgsl, part};
+
+/// The stage.
+pub(crate) const STAGE: Stage = Stage {
+    name: "fill_pairs",
+    wgsl: Wgsl::File(part!("step/broad_phase/brute_force/fill_pairs.wgsl")),
+    bindings: &[read("aabbs", Buffer::Aabbs), write("lists", Buffer::Lists), read("status", Buffer::Status)],
+    threads: Threads::Movers,
+    cpu: fill_pairs,
+};
+
+fn fill_pairs(world: &mut World, _pass: u32) {
+    if world.status.rejected != 0 || world.status.rebuild == 0 {
+        return;
+    }
+    let (step, aabbs) = (&world.step, &world.aabbs);
+    fill_slices(step, &mut world.lists, |mover, take| for_each_pair(step, aabbs, mover, take));
+}

@@ -1,0 +1,22 @@
+// requires model/lists.wgsl model/step.wgsl step/broad_phase/brute_force/pair_tiles.wgsl
+
+@group(0) @binding(2) var<storage, read> aabbs: array<Aabb>;
+@group(0) @binding(3) var<storage, read_write> lists: array<array<u32, SLICE>>;
+@group(0) @binding(4) var<storage, read> status: Status;
+
+fn emit(mover: u32, place: u32, entry: u32) {
+    let slot = slot_of(mover, place);
+    lists[slot.x][slot.y] = entry;
+}
+
+@compute @workgroup_size(64)
+fn fill_pairs(
+    @builtin(workgroup_id) group: vec3u,
+    @builtin(num_workgroups) groups: vec3u,
+    @builtin(local_invocation_index) local: u32,
+) {
+    if (status.rejected != 0u) | (status.rebuild == 0u) {
+        return;
+    }
+    emit_pairs(linear_thread(group, groups, local), local);
+}

@@ -1,0 +1,12 @@
+//! A grid of cells with several levels.
+
+pub(crate) mod build_grid;
+pub(crate) mod cells;
+pub(crate) mod clear_cells;
+pub(crate) mod count_cells;
+pub(crate) mod count_long;
+pub(crate) mod fill_long;
+pub(crate) mod find_neighbours;
+pub(crate) mod plan_lists;
+pub(crate) mod scan_cells;
+pub(crate) mod sort_cells;

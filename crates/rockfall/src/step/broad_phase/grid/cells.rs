@@ -1,0 +1,406 @@
+//! The grid: which cell an object is in, and which cells it may find others in.
+//!
+//! Levels of cells, each twice as large as the one below. An object is in one cell: that of its centre, on the lowest level
+//! (from `least_level` on) whose cells are not smaller than it. So what overlaps an AABB has its centre within half a cell of
+//! it, or half the largest edge on a level: radii of all sizes, long rods and large boxes are found with a few rows of cells a
+//! level. Cells live in a hashed table, so that the extent of the scene costs nothing.
+
+use std::ops::Range;
+
+use glam::{IVec3, Vec3, Vec4};
+
+use crate::model::lanes::{LANES, Vec3x4};
+use crate::model::layout::{
+    CELLS_AT, EDGES_AT, FARTHEST_AT, FEW_STATICS, FLAG_GROUPS, LEVEL_BIAS, LONG_LEVEL, ROW_LEVEL, ROW_Y, ROW_Z, SLICE,
+    TOP_LEVEL,
+};
+use crate::model::step::{Aabb, Step};
+use crate::model::world::World;
+use crate::step::broad_phase::meet::{entries, may_meet, same_group};
+
+/// So many movers at most look around together,
+const TOGETHER: usize = 16;
+/// and only where all their AABBs fit into a cube so many times as large as the smallest.
+const NARROW: f32 = 5.0;
+
+/// Cells are half as wide along x: a row of them is one span of memory, which so is cut closer.
+const CELL_SHAPE: Vec4 = Vec4::new(0.5, 1.0, 1.0, 1.0);
+
+/// Cells of one size.
+#[derive(Clone, Copy, Debug)]
+struct Level {
+    number: u32,
+    size: f32,
+    /// Largest edge of the AABBs on it.
+    edge: f32,
+    /// Greatest coordinate, without its sign, of a centre on it.
+    farthest: f32,
+}
+
+/// Along x cells are neighbours in the table; rows are scattered.
+fn key(step: &Step, x: i32, y: i32, z: i32, level: u32) -> u32 {
+    let row =
+        (y as u32).wrapping_mul(ROW_Y).wrapping_add((z as u32).wrapping_mul(ROW_Z)).wrapping_add(level.wrapping_mul(ROW_LEVEL));
+    row.wrapping_add(x as u32) & (step.cells - 1)
+}
+
+/// The cell of an object in the table, its level, and its largest edge.
+pub(crate) fn key_of(step: &Step, aabb: &Aabb) -> (u32, u32, f32) {
+    let largest = largest_edge(aabb);
+    let levels = (step.least_level..TOP_LEVEL).map(|number| Level::new(step, number));
+    let level = levels.into_iter().find(|level| largest <= level.size).unwrap_or(Level::new(step, TOP_LEVEL));
+    let [min, max] = [aabb.min, aabb.max].map(|bound| Vec3::from_array(bound).extend(0.0));
+    let IVec3 { x, y, z } = level.cell(0.5 * min + 0.5 * max);
+    (key(step, x, y, z, level.number), level.number, largest)
+}
+
+/// Greatest coordinate, without its sign, of the centre of an AABB.
+pub(crate) fn greatest_coordinate(aabb: &Aabb) -> f32 {
+    extent(aabb).truncate().abs().max_element()
+}
+
+/// Whether an object is no mover, and one of few: then every mover tests it, for levels of their own would cost more.
+pub(crate) fn stands_apart(step: &Step, object: u32) -> bool {
+    object >= step.spheres + step.rods && step.boxes + step.polygons <= FEW_STATICS
+}
+
+/// Whether a mover with this AABB looks at hundreds of objects: it is on `LONG_LEVEL` or above.
+pub(crate) fn is_long(step: &Step, aabb: &Aabb) -> bool {
+    step.long_at != 0 && largest_edge(aabb) > Level::new(step, LONG_LEVEL - 1).size
+}
+
+/// The extent of a sorted object; the sign of its size tells spheres from others.
+pub(crate) fn sorted_extent(step: &Step, object: u32, aabb: &Aabb) -> Vec4 {
+    let extent = extent(aabb);
+    if object < step.spheres { extent } else { extent.truncate().extend(-extent.w) }
+}
+
+/// Centre and largest half extent of an AABB, a little too large, so that no rounding makes it too small.
+fn extent(aabb: &Aabb) -> Vec4 {
+    let (min, max) = (0.5 * Vec3::from_array(aabb.min), 0.5 * Vec3::from_array(aabb.max));
+    (min + max).extend(1.000001 * (max - min).max_element())
+}
+
+/// The sorted objects, for finding neighbours.
+#[derive(Clone)]
+pub(crate) struct Grid<'a> {
+    step: &'a Step,
+    aabbs: &'a [Aabb],
+    /// The levels that have objects.
+    levels: Vec<Level>,
+    /// Where every cell ends.
+    ends: &'a [u32],
+    sorted: &'a [u32],
+    long_movers: &'a [u32],
+    /// Extents of the sorted objects.
+    extents: &'a [Vec4],
+}
+
+/// What some movers that are close together may meet.
+#[derive(Default)]
+pub(crate) struct Around {
+    spans: Vec<(u32, u32)>,
+    /// Extents of the spheres, and which they are.
+    extents: Vec<Vec4>,
+    ids: Vec<u32>,
+    /// The same extents, four centres and half sizes side by side.
+    lanes: Vec<(Vec3x4, Vec4)>,
+    /// Rods, boxes, polygons.
+    others: Vec<u32>,
+    entries: Vec<u32>,
+    /// Pairs compared so far.
+    tests: u64,
+}
+
+impl<'a> Grid<'a> {
+    pub(crate) fn new(step: &'a Step, aabbs: &'a [Aabb], cells: &'a [u32], extents: &'a [Vec4]) -> Self {
+        let levels = (0..=TOP_LEVEL).filter(|level| cells[0] >> level & 1 == 1);
+        Self {
+            step,
+            aabbs,
+            levels: levels.map(|level| Level::new(step, level).holding(cells)).collect(),
+            ends: &cells[CELLS_AT as usize..][..step.cells as usize],
+            sorted: &cells[step.sorted_at as usize..][..aabbs.len()],
+            long_movers: long_movers(step, cells),
+            extents: &extents[..aabbs.len()],
+        }
+    }
+
+    /// Hands over the entries of each of some movers, in any order. Movers that stand side by side in memory, and so in space
+    /// if they are in order, look around together.
+    pub(crate) fn for_each_list(&self, movers: Range<u32>, around: &mut Around, take: &mut impl FnMut(&mut Vec<u32>)) {
+        let aabbs = &self.aabbs[movers.start as usize..movers.end as usize];
+        let Some(hull) = aabbs.iter().copied().reduce(hull) else {
+            return;
+        };
+        let smallest = aabbs.iter().map(largest_edge).fold(f32::INFINITY, f32::min);
+        let is_narrow = largest_edge(&hull) <= NARROW * smallest;
+        if aabbs.len() > TOGETHER || (aabbs.len() > 1 && !is_narrow) {
+            let middle = movers.start + (movers.end - movers.start) / 2;
+            self.for_each_list(movers.start..middle, around, take);
+            return self.for_each_list(middle..movers.end, around, take);
+        }
+        around.entries.clear();
+        if aabbs.iter().all(|aabb| self.is_long(aabb)) {
+            return movers.for_each(|_| take(&mut around.entries));
+        }
+        self.spans(&hull, &mut around.spans);
+        around.gather(self, &hull);
+        for (mover, aabb) in movers.zip(aabbs) {
+            if self.is_long(aabb) {
+                around.entries.clear();
+            } else {
+                around.find(self, mover);
+            }
+            take(&mut around.entries);
+        }
+    }
+
+    /// The long movers, in any order.
+    pub(crate) fn long_movers(&self) -> &'a [u32] {
+        self.long_movers
+    }
+
+    /// Whether a mover with this AABB is one of them.
+    pub(crate) fn is_long(&self, aabb: &Aabb) -> bool {
+        is_long(self.step, aabb)
+    }
+
+    /// The entries of a long mover, in any order.
+    pub(crate) fn long_list<'b>(&self, mover: u32, around: &'b mut Around) -> &'b mut [u32] {
+        let own = &self.aabbs[mover as usize];
+        self.spans(own, &mut around.spans);
+        around.gather(self, own);
+        around.find(self, mover);
+        &mut around.entries
+    }
+
+    /// How many there may be: what is in rows of cells that share places of the table counts as often as it is met there.
+    pub(crate) fn count_long(&self, mover: u32, around: &mut Around) -> u32 {
+        let own = &self.aabbs[mover as usize];
+        self.rows(own, &mut around.spans);
+        around.gather(self, own);
+        around.find(self, mover);
+        around.entries.iter().filter(|entry| *entry & self.step.entry_id_mask() != mover).count() as u32
+    }
+
+    /// The sorted objects in the cells around an AABB, from `start` to before `end`, each once.
+    fn spans(&self, aabb: &Aabb, spans: &mut Vec<(u32, u32)>) {
+        self.rows(aabb, spans);
+        spans.sort_unstable();
+        let mut done = 0;
+        for (start, end) in spans {
+            *start = done.max(*start);
+            *end = (*end).max(*start);
+            done = *end;
+        }
+    }
+
+    /// The sorted objects in every row of cells around an AABB. Rows may share places of the table.
+    fn rows(&self, aabb: &Aabb, spans: &mut Vec<(u32, u32)>) {
+        let all = self.sorted.len() as u32;
+        spans.clear();
+        for level in &self.levels {
+            let block = level.around(aabb);
+            if block.is_more_than(all, self.step.cells) {
+                if level.is_within(aabb) {
+                    continue;
+                }
+                spans.clear();
+                return spans.push((0, all));
+            }
+            let Block { low, high } = block;
+            for z in low.z..=high.z {
+                for y in low.y..=high.y {
+                    let (first, last) = (key(self.step, low.x, y, z, level.number), key(self.step, high.x, y, z, level.number));
+                    let start = if first == 0 { 0 } else { self.ends[first as usize - 1] };
+                    let end = self.ends[last as usize];
+                    if first <= last {
+                        spans.push((start, end));
+                    } else {
+                        // Around the end of the table.
+                        spans.extend([(start, all), (0, end)]);
+                    }
+                }
+            }
+        }
+    }
+}
+
+impl Around {
+    /// Takes of the objects in `spans` what may meet an AABB, by extents.
+    fn gather(&mut self, grid: &Grid, aabb: &Aabb) {
+        self.others.clear();
+        let movers = grid.step.spheres + grid.step.rods;
+        if stands_apart(grid.step, movers) {
+            self.others.extend(movers..grid.aabbs.len() as u32);
+        }
+        let most: usize = self.spans.iter().map(|(start, end)| (end - start) as usize).sum();
+        self.tests += most as u64;
+        self.extents.resize(most, Vec4::ZERO);
+        self.ids.resize(most, 0);
+        let (centre, half) = centre_and_half(aabb);
+        let mut count = 0;
+        for (start, end) in &self.spans {
+            let span = *start as usize..*end as usize;
+            for (extent, id) in grid.extents[span.clone()].iter().zip(&grid.sorted[span]) {
+                if *id >= grid.step.spheres {
+                    if !stands_apart(grid.step, *id) {
+                        self.others.push(*id);
+                    }
+                    continue;
+                }
+                // Without branches, for processors guess badly here. What has no bounds is apart from nothing.
+                let apart = (*extent - centre).abs().truncate().cmpgt(Vec3::splat(extent.w + half)).any();
+                (self.extents[count], self.ids[count]) = (*extent, *id);
+                count += usize::from(!apart);
+            }
+        }
+        self.extents.truncate(count);
+        self.ids.truncate(count);
+        self.lanes.clear();
+        let filled = |extents: &[Vec4]| std::array::from_fn(|lane| extents.get(lane).copied().unwrap_or_default());
+        self.lanes.extend(self.extents.chunks(LANES).map(|extents| Vec3x4::from_rows(filled(extents))));
+    }
+
+    /// The entries of a mover.
+    fn find(&mut self, grid: &Grid, mover: u32) {
+        let Self { ids, lanes, others, entries: found, tests, .. } = self;
+        *tests += (ids.len() + others.len()) as u64;
+        let own = &grid.aabbs[mover as usize];
+        found.clear();
+        let is_sphere = mover < grid.step.spheres;
+        if is_sphere {
+            let (centre, half) = centre_and_half(own);
+            let (centre, half) = (Vec3x4::splat(centre.truncate()), Vec4::splat(half));
+            found.resize(lanes.len() * LANES, 0);
+            let mut count = 0;
+            for ((centres, halves), ids) in lanes.iter().zip(ids.chunks(LANES)) {
+                let (d, reach) = (*centres - centre, *halves + half);
+                let apart = d.dot(d).cmpgt(reach * reach).bitmask();
+                for (lane, id) in ids.iter().enumerate() {
+                    found[count] = *id;
+                    count += usize::from(apart >> lane & 1 == 0);
+                }
+            }
+            found.truncate(count);
+            if let Some(own) = found.iter().position(|id| *id == mover) {
+                found.swap_remove(own);
+            }
+            if grid.step.flags & FLAG_GROUPS != 0 {
+                found.retain(|id| same_group(own, &grid.aabbs[*id as usize]));
+            }
+        }
+        let spheres: &[u32] = if is_sphere { &[] } else { ids };
+        for id in others.iter().chain(spheres) {
+            if may_meet(own, &grid.aabbs[*id as usize]) {
+                entries(grid.step, mover, *id, |entry| found.push(entry));
+            }
+        }
+    }
+}
+
+/// The long movers of the grid that the lists were made with, in any order.
+pub(crate) fn long_movers<'a>(step: &Step, cells: &'a [u32]) -> &'a [u32] {
+    let count = if step.long_at == 0 { 0 } else { cells[3].min(step.spheres + step.rods) };
+    &cells[step.long_at as usize..][..count as usize]
+}
+
+/// How many pairs of objects are compared to make the lists of a world whose grid is made.
+pub(crate) fn pair_tests(world: &World) -> u64 {
+    let grid = Grid::new(&world.step, &world.aabbs, &world.cells, &world.extents);
+    let mut around = Around::default();
+    for first in (0..world.movers()).step_by(SLICE as usize) {
+        grid.for_each_list(first..world.movers().min(first + SLICE), &mut around, &mut |_| {});
+    }
+    for mover in grid.long_movers() {
+        grid.long_list(*mover, &mut around);
+    }
+    around.tests
+}
+
+/// The most objects in the rows of cells around a mover that is not long.
+pub(crate) fn longest_search(world: &World) -> u64 {
+    let grid = Grid::new(&world.step, &world.aabbs, &world.cells, &world.extents);
+    let mut spans = Vec::new();
+    let mut looked_at = |aabb: &Aabb| {
+        grid.rows(aabb, &mut spans);
+        spans.iter().map(|(start, end)| u64::from(end - start)).sum()
+    };
+    let movers = &world.aabbs[..world.movers() as usize];
+    movers.iter().filter(|aabb| !grid.is_long(aabb)).map(&mut looked_at).max().unwrap_or(0)
+}
+
+/// The middle of an AABB, and half its largest edge with room for the rounding of centres.
+fn centre_and_half(aabb: &Aabb) -> (Vec4, f32) {
+    let extent = extent(aabb);
+    (extent, extent.w + 2e-6 * extent.truncate().abs().max_element())
+}
+
+fn hull(a: Aabb, b: Aabb) -> Aabb {
+    let min = Vec3::from_array(a.min).min(Vec3::from_array(b.min));
+    let max = Vec3::from_array(a.max).max(Vec3::from_array(b.max));
+    Aabb { min: min.to_array(), max: max.to_array(), ..a }
+}
+
+fn largest_edge(aabb: &Aabb) -> f32 {
+    (Vec3::from_array(aabb.max) - Vec3::from_array(aabb.min)).max_element()
+}
+
+/// Cells of one level, from the lowest to the highest along each axis.
+struct Block {
+    low: IVec3,
+    high: IVec3,
+}
+
+impl Block {
+    /// Whether it has more rows than there are objects, or more cells than the table.
+    fn is_more_than(&self, objects: u32, cells: u32) -> bool {
+        let [x, y, z] = [0, 1, 2].map(|axis| f64::from(self.high[axis]) - f64::from(self.low[axis]) + 1.0);
+        y * z > f64::from(objects) || x * y * z >= f64::from(cells)
+    }
+}
+
+impl Level {
+    fn new(step: &Step, number: u32) -> Self {
+        let size = step.cell_size * 2f32.powi(number as i32 - LEVEL_BIAS as i32);
+        Self { number, size, edge: size, farthest: f32::INFINITY }
+    }
+
+    /// The same once all objects are counted.
+    fn holding(self, cells: &[u32]) -> Self {
+        let of_level = |first: u32| f32::from_bits(cells[(first + self.number) as usize]);
+        Self { edge: of_level(EDGES_AT), farthest: of_level(FARTHEST_AT), ..self }
+    }
+
+    /// The cells that the centre of an overlapping object may be in.
+    fn around(&self, aabb: &Aabb) -> Block {
+        let [low, high] = self.places_around(aabb);
+        Block { low: self.cell(low), high: self.cell(high) }
+    }
+
+    /// Whether all of its objects are so near the origin that this AABB cannot overlap them.
+    fn is_within(&self, aabb: &Aabb) -> bool {
+        let [low, high] = self.places_around(aabb);
+        let far = Vec4::splat(self.farthest);
+        low.cmpgt(far).any() || high.cmplt(-far).any()
+    }
+
+    /// Between which places the centre of an overlapping object may be. The slack covers rounding.
+    fn places_around(&self, aabb: &Aabb) -> [Vec4; 2] {
+        let [min, max] = [aabb.min, aabb.max].map(|bound| Vec3::from_array(bound).extend(0.0));
+        let slack = 0.5005 * self.edge + 1e-6 * min.abs().max(max.abs());
+        [min - slack, max + slack]
+    }
+
+    /// The cell of a place. What is far out is clamped, which keeps the order of coordinates.
+    fn cell(&self, place: Vec4) -> IVec3 {
+        if self.number == TOP_LEVEL {
+            return IVec3::ZERO;
+        }
+        let far = Vec4::splat((1 << 30) as f32);
+        // `floor`, which not every processor has.
+        let floor = |x: f32| x as i32 - i32::from(x < (x as i32) as f32);
+        IVec3::from_array((place / (self.size * CELL_SHAPE)).clamp(-far, far).truncate().to_array().map(floor))
+    }
+}

@@ -1,0 +1,28 @@
+//! Grid broad phase, 1 of 6: an empty table of cells.
+
+use crate::model::buffer::Buffer;
+use crate::model::dispatch::Threads;
+use crate::model::layout::{CELLS_AT, EDGES_AT};
+use crate::model::world::World;
+use crate::step::stage::{Stage, write};
+use crate::step::wgsl::{Wgsl, part};
+
+/// The stage.
+pub(crate) const STAGE: Stage = Stage {
+    name: "clear_cells",
+    wgsl: Wgsl::File(part!("step/broad_phase/grid/clear_cells.wgsl")),
+    bindings: &[write("cells", Buffer::Cells), write("status", Buffer::Status)],
+    threads: Threads::Blocks,
+    cpu: clear_cells,
+};
+
+fn clear_cells(world: &mut World, _pass: u32) {
+    world.cells[1] = if world.status.rejected == 0 { world.status.rebuild } else { 0 };
+    if world.cells[1] == 0 {
+        return;
+    }
+    world.cells[0] = 0;
+    world.cells[3] = 0;
+    world.cells[EDGES_AT as usize..(CELLS_AT + world.step.cells) as usize].fill(0);
+    world.status.pair_rows_needed = 0;
+}

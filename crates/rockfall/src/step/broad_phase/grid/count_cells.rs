@@ -1,0 +1,47 @@
+//! Grid broad phase, 2 of 6: the cell of every object, how many are in each, and which levels have any; and
+//! the long movers, where there may be some, in any order.
+
+use rayon::prelude::*;
+
+use crate::model::buffer::Buffer;
+use crate::model::dispatch::Threads;
+use crate::model::layout::GRAIN;
+use crate::model::layout::{CELLS_AT, EDGES_AT, FARTHEST_AT};
+use crate::model::world::World;
+use crate::step::broad_phase::grid::cells::{greatest_coordinate, is_long, key_of, stands_apart};
+use crate::step::stage::{Stage, read, write};
+use crate::step::wgsl::{Wgsl, part};
+
+/// The stage.
+pub(crate) const STAGE: Stage = Stage {
+    name: "count_cells",
+    wgsl: Wgsl::File(part!("step/broad_phase/grid/count_cells.wgsl")),
+    bindings: &[read("aabbs", Buffer::Aabbs), write("cells", Buffer::Cells), read("status", Buffer::Status)],
+    threads: Threads::WideObjects,
+    cpu: count_cells,
+};
+
+fn count_cells(world: &mut World, _pass: u32) {
+    if world.status.rebuild == 0 || world.status.rejected != 0 {
+        return;
+    }
+    let step = &world.step;
+    let keys: Vec<_> = world.aabbs.par_iter().with_min_len(GRAIN).map(|aabb| key_of(step, aabb)).collect();
+    for (object, (key, level, largest)) in keys.into_iter().enumerate() {
+        if !stands_apart(step, object as u32) {
+            world.cells[0] |= 1 << level;
+            let edge = &mut world.cells[(EDGES_AT + level) as usize];
+            // Positive floats order like their bits.
+            *edge = (*edge).max(largest.max(0.0).to_bits());
+            let far = &mut world.cells[(FARTHEST_AT + level) as usize];
+            *far = (*far).max(greatest_coordinate(&world.aabbs[object]).to_bits());
+        }
+        if (object as u32) < step.spheres + step.rods && is_long(step, &world.aabbs[object]) {
+            let at = step.long_at + world.cells[3];
+            world.cells[at as usize] = object as u32;
+            world.cells[3] += 1;
+        }
+        world.cells[(CELLS_AT + key) as usize] += 1;
+        world.cells[step.keys_at as usize + object] = key;
+    }
+}

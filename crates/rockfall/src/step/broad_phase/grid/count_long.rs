@@ -1,0 +1,40 @@
+//! Grid broad phase, before the last: how long the lists of long movers may become, so that their slices get room.
+//!
+//! A long mover looks at hundreds of objects and more: a workgroup shares out the rows of cells. Entries count twice that rows which
+//! share places of the table hold both.
+
+use rayon::prelude::*;
+
+use crate::model::buffer::Buffer;
+use crate::model::dispatch::Threads;
+use crate::model::world::World;
+use crate::step::broad_phase::grid::cells::{Around, Grid};
+use crate::step::stage::{Stage, read, write};
+use crate::step::wgsl::{Wgsl, part};
+
+/// The stage.
+pub(crate) const STAGE: Stage = Stage {
+    name: "count_long",
+    wgsl: Wgsl::File(part!("step/broad_phase/grid/count_long.wgsl")),
+    bindings: &[
+        read("aabbs", Buffer::Aabbs),
+        read("cells", Buffer::Cells),
+        read("extents", Buffer::Extents),
+        write("lists", Buffer::Lists),
+        read("topology", Buffer::Topology),
+    ],
+    threads: Threads::LongMovers,
+    cpu: count_long,
+};
+
+fn count_long(world: &mut World, _pass: u32) {
+    if world.cells[1] == 0 {
+        return;
+    }
+    let grid = Grid::new(&world.step, &world.aabbs, &world.cells, &world.extents);
+    let count = |around: &mut Around, mover: &u32| (*mover, grid.count_long(*mover, around));
+    let counts: Vec<(u32, u32)> = grid.long_movers().par_iter().map_init(Around::default, count).collect();
+    for (mover, count) in counts {
+        world.lists[mover as usize] = count;
+    }
+}

@@ -1,0 +1,67 @@
+// requires model/step.wgsl step/broad_phase/grid/cells.wgsl
+
+// What the objects of a workgroup tell of the levels: a mask of those that have objects, and the bits of the largest edge and of the
+// greatest coordinate on each. Positive floats order like their bits.
+var<workgroup> levels: atomic<u32>;
+var<workgroup> edges: array<atomic<u32>, LEVELS>;
+var<workgroup> farthest: array<atomic<u32>, LEVELS>;
+
+fn clear_levels(local: u32) {
+    if local == 0u {
+        atomicStore(&levels, 0u);
+    }
+    if local < LEVELS {
+        atomicStore(&edges[local], 0u);
+        atomicStore(&farthest[local], 0u);
+    }
+}
+
+// Counts an object in its cell, and notes it if it is a long mover, in any order; and its level, but where nobody looks for it there.
+fn count_object(object: u32) {
+    let aabb = aabbs[object];
+    let level = level_of(aabb);
+    let centre = 0.5 * aabb.min + 0.5 * aabb.max;
+    let cell = cell_coordinates(centre, level);
+    let key = cell_key(cell.x, row_key(cell.y, cell.z, level));
+    atomicAdd(&cells[CELLS_AT + key], 1u);
+    atomicStore(&cells[step.keys_at + object], key);
+    if (object < step.spheres + step.rods) & is_long(aabb) {
+        atomicStore(&cells[step.long_at + atomicAdd(&cells[3], 1u)], object);
+    }
+    if (object < step.spheres + step.rods) | !statics_stand_apart() {
+        let edge = bitcast<u32>(max(largest_edge(aabb), 0.0));
+        if (atomicLoad(&levels) >> level & 1u) == 0u {
+            atomicOr(&levels, 1u << level);
+        }
+        if edge > atomicLoad(&edges[level]) {
+            atomicMax(&edges[level], edge);
+        }
+        let out = abs(centre);
+        let far = bitcast<u32>(max(out.x, max(out.y, out.z)));
+        if far > atomicLoad(&farthest[level]) {
+            atomicMax(&farthest[level], far);
+        }
+    }
+}
+
+// Once all objects of the workgroup are counted. Most workgroups find that others have told as much, and to look takes less.
+fn record_levels(local: u32) {
+    if local == 0u {
+        let mine = atomicLoad(&levels);
+        if (mine & ~atomicLoad(&cells[0])) != 0u {
+            atomicOr(&cells[0], mine);
+        }
+    }
+    if local < LEVELS {
+        let mine = atomicLoad(&edges[local]);
+        if mine > 0u {
+            if mine > atomicLoad(&cells[EDGES_AT + local]) {
+                atomicMax(&cells[EDGES_AT + local], mine);
+            }
+        }
+        let far = atomicLoad(&farthest[local]);
+        if far > atomicLoad(&cells[FARTHEST_AT + local]) {
+            atomicMax(&cells[FARTHEST_AT + local], far);
+        }
+    }
+}

@@ -1,0 +1,105 @@
+//! Grid broad phase, 6 of 6: the list of every mover but the long ones, in ascending order of index (in order of addition), then
+//! feature.
+//!
+//! May meet: as in `count_pairs`. Where two rows of cells share places of the table an object is met twice; its entry is
+//! kept once. A slice gets its place in the order in which workgroups come to it; what is in a list does not depend on
+//! where it stands. Long movers get room for what `count_long` has counted. More than `pair_rows` voids the step, and its
+//! lists are empty.
+
+use rayon::prelude::*;
+
+use crate::model::buffer::Buffer;
+use crate::model::dispatch::Threads;
+use crate::model::layout::GRAIN;
+use crate::model::layout::SLICE;
+use crate::model::lists::{put_in_order, slices};
+use crate::model::status::{REBUILD_DONE, REJECTED_COUNT, REJECTED_PAIRS};
+use crate::model::view::View;
+use crate::model::world::World;
+use crate::step::broad_phase::grid::cells::{Around, Grid};
+use crate::step::stage::{Stage, read, write};
+use crate::step::wgsl::{Wgsl, part};
+
+/// The stage.
+pub(crate) const STAGE: Stage = Stage {
+    name: "find_neighbours",
+    wgsl: Wgsl::File(part!("step/broad_phase/grid/find_neighbours.wgsl")),
+    bindings: &[
+        read("aabbs", Buffer::Aabbs),
+        read("cells", Buffer::Cells),
+        read("extents", Buffer::Extents),
+        write("lists", Buffer::Lists),
+        read("topology", Buffer::Topology),
+        write("status", Buffer::Status),
+    ],
+    threads: Threads::Movers,
+    cpu: find_neighbours,
+};
+
+/// Entries that a slice of lists has room for before memory is asked for more: threads that do so wait for each other.
+const USUAL: usize = 20 * SLICE as usize;
+
+fn find_neighbours(world: &mut World, _pass: u32) {
+    if world.cells[1] == 0 {
+        return;
+    }
+    let view = View::new(&world.step, &world.topology, &world.states[0]);
+    let grid = Grid::new(&world.step, &world.aabbs, &world.cells, &world.extents);
+    let is_long = |mover: u32| grid.is_long(&world.aabbs[mover as usize]);
+    let movers = world.step.spheres + world.step.rods;
+    let found: Vec<Found> = (0..movers.div_ceil(SLICE))
+        .into_par_iter()
+        .with_min_len(GRAIN / SLICE as usize)
+        .map_init(Around::default, |around, slice| {
+            let mut found = Found { entries: Vec::with_capacity(USUAL), ..Found::default() };
+            let mut counts = found.counts.iter_mut().zip(slice * SLICE..);
+            grid.for_each_list(slice * SLICE..movers.min((slice + 1) * SLICE), around, &mut |entries| {
+                put_in_order(&view, entries);
+                found.entries.extend_from_slice(entries);
+                if let Some((count, mover)) = counts.next() {
+                    *count = if is_long(mover) { world.lists[mover as usize] } else { entries.len() as u32 };
+                }
+            });
+            found
+        })
+        .collect();
+
+    let (step, status) = (&world.step, &mut world.status);
+    status.rebuild = REBUILD_DONE;
+    let (counts, offsets) = world.lists.split_at_mut(step.slices_at as usize);
+    for ((found, counts), offset) in found.iter().zip(counts.chunks_mut(SLICE as usize)).zip(offsets) {
+        counts.copy_from_slice(&found.counts);
+        *offset = status.pair_rows_needed;
+        let longest = found.counts.iter().max().copied().unwrap_or(0);
+        let (needed, wrapped) = offset.overflowing_add(longest);
+        status.pair_rows_needed = needed;
+        if wrapped {
+            status.rejected |= REJECTED_COUNT;
+        }
+        if needed > step.pair_rows {
+            status.rejected |= REJECTED_PAIRS;
+        }
+    }
+    if status.rejected & (REJECTED_PAIRS | REJECTED_COUNT) != 0 {
+        counts.fill(0);
+        return;
+    }
+    slices(step, &mut world.lists).into_par_iter().zip(found).with_min_len(GRAIN / SLICE as usize).for_each(
+        |(slice, found)| {
+            let mut entries = found.entries.into_iter();
+            for (place, count) in slice.counts.iter().enumerate() {
+                let count = if is_long(slice.first + place as u32) { 0 } else { *count };
+                let words = slice.words.iter_mut().skip(place).step_by(SLICE as usize);
+                words.zip(entries.by_ref().take(count as usize)).for_each(|(word, entry)| *word = entry);
+            }
+        },
+    );
+}
+
+/// What the movers of a slice may meet.
+#[derive(Default)]
+struct Found {
+    counts: [u32; SLICE as usize],
+    /// The lists, one after the other.
+    entries: Vec<u32>,
+}

@@ -1,0 +1,301 @@
+// requires model/lists.wgsl model/order.wgsl model/put_head.wgsl model/step.wgsl step/broad_phase/grid/cells.wgsl
+// requires step/broad_phase/grid/neighbours.wgsl step/broad_phase/grid/sort.wgsl step/broad_phase/heap.wgsl
+// requires step/broad_phase/meet.wgsl
+
+@group(0) @binding(2) var<storage, read> aabbs: array<Aabb>;
+@group(0) @binding(3) var<storage, read> cells: array<u32>;
+@group(0) @binding(4) var<storage, read> extents: array<vec4f>;
+@group(0) @binding(5) var<storage, read_write> lists: array<array<u32, SLICE>>;
+@group(0) @binding(6) var<storage, read> topology: array<u32>;
+@group(0) @binding(7) var<storage, read_write> status: StatusAtomic;
+
+// So many objects are put in order at once.
+const SHORT: u32 = 32u;
+// So many are remembered, in two runs where there are rods, which have many neighbours, in three where there are large spheres, which
+// press small ones together; more are looked for again, and put in order in place.
+const RUNS: u32 = select(1u + u32(RODS), 3u, LARGE);
+const REMEMBERED: u32 = RUNS * SHORT;
+// Whether there are so many objects that a key has no room for the place beside the index: then ids are looked up.
+override MANY: bool = false;
+override PLACE_BITS: u32 = 5u * u32(!MANY);
+override PLACE_MASK: u32 = (1u << PLACE_BITS) - 1u;
+
+// What was found: places (see `id_at`), then ids; once in order, those that are kept. Not in workgroup memory, for that is taken from
+// the cache, which matters more here; and short, for all of it is set to 0 first, which takes time.
+var<private> ids: array<u32, REMEMBERED>;
+// The longest list of each slice of the workgroup, and where the slice begins.
+var<workgroup> longest: array<atomic<u32>, WORKGROUP / SLICE>;
+var<workgroup> offsets: array<u32, WORKGROUP / SLICE>;
+
+// Objects found; the first of them are remembered.
+var<private> found: u32;
+// Entries that they make, or may make.
+var<private> entries: u32;
+// Slot of the first entry, once it has a place; row 0 before.
+var<private> into: vec2u;
+
+fn emit(mover: u32, place: u32) {
+    if is_remote {
+        if !may_meet(mover, id_at(place)) {
+            return;
+        }
+    }
+    if into.x == 0u {
+        if found < REMEMBERED {
+            ids[found] = place;
+        }
+        found += 1u;
+        if RODS & (mover >= step.spheres) {
+            entries += entries_of(mover, id_at(place));
+        } else {
+            entries += 1u;
+        }
+        return;
+    }
+    let count = entries_found(mover, place);
+    for (var feature = 0u; feature < count; feature++) {
+        lists[into.x + entries][into.y] = entry_key(id_at(place), feature);
+        entries += 1u;
+    }
+}
+
+// The run at hand: where it begins among those remembered, and how many there are in it.
+var<private> run_at: u32;
+var<private> in_run: u32;
+// The mover's AABB, in scenes with rods.
+var<private> own_aabb: Aabb;
+
+// Index in order of addition and, but where there are MANY, which of the run it is; NONE where the mover does not meet it, or there is
+// none. With few branches, so that memory is asked for several at a time: past the last one stands what stood there before, or 0.
+fn key_of(mover: u32, place: u32) -> u32 {
+    let id = id_at(ids[run_at + place]);
+    ids[run_at + place] = id;
+    let key = insertion_index(id) << PLACE_BITS | (place & PLACE_MASK);
+    let is_other = (place < in_run) & (id != mover);
+    if RODS {
+        return select(NONE, key, is_other & aabbs_meet(own_aabb, aabbs[id]));
+    }
+    if !is_other | !may_meet(mover, id) {
+        return NONE;
+    }
+    return key;
+}
+
+fn four_keys(mover: u32, place: u32) -> vec4u {
+    if place >= in_run {
+        return vec4u(NONE);
+    }
+    return vec4u(key_of(mover, place), key_of(mover, place + 1u), key_of(mover, place + 2u), key_of(mover, place + 3u));
+}
+
+fn run_id(key: u32) -> u32 {
+    return ids[run_at + key % SHORT];
+}
+
+// Keys in their order, and the ids that they stand for.
+struct Run {
+    keys: Sixteen,
+    ids: Sixteen,
+}
+
+fn ids_of(keys: vec4u) -> vec4u {
+    if MANY {
+        return vec4u(id_of(keys.x), id_of(keys.y), id_of(keys.z), id_of(keys.w));
+    }
+    return vec4u(run_id(keys.x), run_id(keys.y), run_id(keys.z), run_id(keys.w));
+}
+
+fn run_of(keys: Sixteen) -> Run {
+    return Run(keys, Sixteen(ids_of(keys.a), ids_of(keys.b), ids_of(keys.c), ids_of(keys.d)));
+}
+
+// How many ids are kept, and the index in order of addition of the last one.
+var<private> kept: u32;
+var<private> before: u32;
+
+fn keep(key: u32, id: u32) {
+    if (key != NONE) & ((key >> PLACE_BITS) != before) {
+        before = key >> PLACE_BITS;
+        ids[run_at + kept] = id;
+        kept += 1u;
+    }
+}
+
+fn keep_4(keys: vec4u, four: vec4u) {
+    keep(keys.x, four.x);
+    keep(keys.y, four.y);
+    keep(keys.z, four.z);
+    keep(keys.w, four.w);
+}
+
+fn keep_run(run: Run) {
+    keep_4(run.keys.a, run.ids.a);
+    keep_4(run.keys.b, run.ids.b);
+    keep_4(run.keys.c, run.ids.c);
+    keep_4(run.keys.d, run.ids.d);
+}
+
+// Of the run at hand those that the mover meets, by their index in order of addition, ascending, each once.
+fn order_run(mover: u32) {
+    kept = 0u;
+    before = NONE;
+    if in_run <= 4u {
+        let keys = sorted_4(four_keys(mover, 0u));
+        keep_4(keys, ids_of(keys));
+        return;
+    }
+    var low = sorted_16(Sixteen(four_keys(mover, 0u), four_keys(mover, 4u), four_keys(mover, 8u), four_keys(mover, 12u)));
+    if in_run > 16u {
+        let rest = Sixteen(four_keys(mover, 16u), four_keys(mover, 20u), four_keys(mover, 24u), four_keys(mover, 28u));
+        let high = run_of(merged(&low, sorted_16(rest)));
+        keep_run(run_of(low));
+        keep_run(high);
+    } else {
+        keep_run(run_of(low));
+    }
+}
+
+// Entries that the kept ones of the run make.
+fn entries_of_run(mover: u32) -> u32 {
+    var sum = kept;
+    if RODS & (mover >= step.spheres) {
+        sum = 0u;
+        for (var k = 0u; k < kept; k++) {
+            sum += entries_of(mover, ids[run_at + k]);
+        }
+    }
+    return sum;
+}
+
+// So many of each run are kept, in order.
+var<private> kept_of: vec4u;
+
+fn order_runs(mover: u32) {
+    if RODS {
+        own_aabb = aabbs[mover];
+    }
+    entries = 0u;
+    for (var k = 0u; k < RUNS; k++) {
+        run_at = k * SHORT;
+        in_run = min(found - min(found, run_at), SHORT);
+        if (k == 0u) | (in_run > 0u) {
+            order_run(mover);
+            kept_of[k] = kept;
+            entries += entries_of_run(mover);
+        }
+    }
+}
+
+// Room for a slice as wide as its longest list. A step without room for all is void, and nothing is written past the end.
+fn allot(slice: u32, rows: u32) -> u32 {
+    let offset = atomicAdd(&status.pair_rows_needed, rows);
+    put_head(step.slices_at + slice, offset);
+    if offset + rows > step.pair_rows {
+        atomicOr(&status.rejected, REJECTED_PAIRS);
+    }
+    if offset + rows < offset {
+        atomicOr(&status.rejected, REJECTED_COUNT);
+    }
+    return select(offset, NONE, (offset + rows > step.pair_rows) | (offset + rows < offset));
+}
+
+// The index in order of addition of the next object of a run of which so many are taken already; NONE: there is none.
+fn head_of_run(run: u32, taken: u32) -> u32 {
+    let id = ids[run * SHORT + min(taken, SHORT - 1u)];
+    return select(NONE, insertion_index(id), taken < kept_of[run]);
+}
+
+// Writes a list of which the runs are in order. An object may stand in several of them.
+fn write_runs(mover: u32) {
+    var place = 0u;
+    if RUNS == 1u {
+        for (; place < kept_of.x; place++) {
+            lists[into.x + place][into.y] = ids[place];
+        }
+        put_head(mover, place);
+        return;
+    }
+    var taken = vec4u(0u);
+    var heads = vec4u(NONE);
+    for (var run = 0u; run < RUNS; run++) {
+        heads[run] = head_of_run(run, 0u);
+    }
+    loop {
+        let least = min(min(heads.x, heads.y), min(heads.z, heads.w));
+        if least == NONE {
+            break;
+        }
+        var id = 0u;
+        for (var run = 0u; run < RUNS; run++) {
+            if heads[run] == least {
+                id = ids[run * SHORT + taken[run]];
+                taken[run] += 1u;
+                heads[run] = head_of_run(run, taken[run]);
+            }
+        }
+        let count = entries_of(mover, id);
+        for (var feature = 0u; feature < count; feature++) {
+            lists[into.x + place][into.y] = id | feature << ENTRY_ID_BITS;
+            place += 1u;
+        }
+    }
+    put_head(mover, place);
+}
+
+@compute @workgroup_size(64)
+fn find_neighbours(
+    @builtin(workgroup_id) group: vec3u,
+    @builtin(num_workgroups) groups: vec3u,
+    @builtin(local_invocation_index) local: u32,
+) {
+    if cells[1] == 0u {
+        return;
+    }
+    let mover = linear_thread(group, groups, local);
+    if mover == 0u {
+        atomicStore(&status.rebuild, REBUILD_DONE);
+    }
+    let slice = local / SLICE;
+    if local < WORKGROUP / SLICE {
+        atomicStore(&longest[local], 0u);
+    }
+    workgroupBarrier();
+    // Round 0 finds and counts; round 1 finds again what was too much to remember.
+    var searches = mover < step.spheres + step.rods;
+    if searches {
+        searches = !is_long(aabbs[mover]);
+    }
+    if mover < step.slices_at {
+        if searches | (mover >= step.spheres + step.rods) {
+            put_head(mover, 0u);
+        } else {
+            // `count_long` has counted them, and `fill_long` will write them.
+            entries = head_of(mover);
+        }
+    }
+    for (var round = 0u; round < 2u; round++) {
+        if searches {
+            emit_neighbours(mover, ALL_OF_IT);
+        }
+        if round == 0u {
+            if searches & (found <= REMEMBERED) {
+                order_runs(mover);
+            }
+            atomicMax(&longest[slice], entries);
+            workgroupBarrier();
+            if (local % SLICE == 0u) & (mover < step.slices_at) {
+                offsets[slice] = allot(mover / SLICE, atomicLoad(&longest[slice]));
+            }
+            workgroupBarrier();
+            searches &= offsets[slice] != NONE;
+            into = vec2u(step.entries_at / SLICE + offsets[slice], local % SLICE);
+            if searches & (found <= REMEMBERED) {
+                write_runs(mover);
+                searches = false;
+            }
+            entries = 0u;
+        } else if searches {
+            put_head(mover, order_long(into, entries));
+        }
+    }
+}

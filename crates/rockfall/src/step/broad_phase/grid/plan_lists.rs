@@ -1,0 +1,30 @@
+//! In large scenes: how many workgroups the stages have that make lists, none where there is nothing to do. To begin hundreds of
+//! thousands that return at once takes a device longer than some stages work.
+//!
+//! The device reads these sizes itself (indirect dispatch), so that the host need not know.
+
+use crate::model::buffer::Buffer;
+use crate::model::dispatch::Threads;
+use crate::model::layout::SIZE_WORDS;
+use crate::model::world::World;
+use crate::step::stage::{Stage, read, write};
+use crate::step::wgsl::{Wgsl, part};
+
+/// The stage.
+pub(crate) const STAGE: Stage = Stage {
+    name: "plan_lists",
+    wgsl: Wgsl::File(part!("step/broad_phase/grid/plan_lists.wgsl")),
+    bindings: &[write("dispatch_sizes", Buffer::DispatchSizes), read("status", Buffer::Status)],
+    threads: Threads::One,
+    cpu: plan_lists,
+};
+
+fn plan_lists(world: &mut World, _pass: u32) {
+    let is_due = world.status.rebuild != 0 && world.status.rejected == 0;
+    let (present, all) = world.sizes.split_at_mut(SIZE_WORDS as usize);
+    if is_due {
+        present.copy_from_slice(all);
+    } else {
+        present.fill(0);
+    }
+}

@@ -1,0 +1,39 @@
+//! Grid broad phase, 5 of 6: the objects in the order of their keys. Those of one cell come in any order; a cell's start
+//! moves on to its end, which is the start of the next.
+
+use crate::model::buffer::Buffer;
+use crate::model::dispatch::Threads;
+use crate::model::layout::CELLS_AT;
+use crate::model::world::World;
+use crate::step::broad_phase::grid::cells::sorted_extent;
+use crate::step::stage::{Stage, read, write};
+use crate::step::wgsl::{Wgsl, part};
+
+/// The stage.
+pub(crate) const STAGE: Stage = Stage {
+    name: "sort_cells",
+    wgsl: Wgsl::File(part!("step/broad_phase/grid/sort_cells.wgsl")),
+    bindings: &[
+        read("aabbs", Buffer::Aabbs),
+        write("cells", Buffer::Cells),
+        write("extents", Buffer::Extents),
+        read("status", Buffer::Status),
+    ],
+    threads: Threads::WideObjects,
+    cpu: sort_cells,
+};
+
+fn sort_cells(world: &mut World, _pass: u32) {
+    if world.status.rebuild == 0 || world.status.rejected != 0 {
+        return;
+    }
+    let step = &world.step;
+    for object in 0..world.aabbs.len() {
+        let key = world.cells[step.keys_at as usize + object];
+        let cell = (CELLS_AT + key) as usize;
+        let place = world.cells[cell];
+        world.cells[cell] += 1;
+        world.cells[(step.sorted_at + place) as usize] = object as u32;
+        world.extents[place as usize] = sorted_extent(step, object as u32, &world.aabbs[object]);
+    }
+}

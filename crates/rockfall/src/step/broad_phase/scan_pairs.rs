@@ -1,0 +1,39 @@
+//! Broad phase, 2 of 3: where the slices begin, and whether the entries fit.
+//!
+//! A slice is as wide as its longest list: slice offsets are the exclusive sums of `max(counts of the slice)`,
+//! the last one is the total. More than `pair_rows` voids the step (`REJECTED_PAIRS`, `pair_rows_needed`).
+
+use crate::model::buffer::Buffer;
+use crate::model::dispatch::Threads;
+use crate::model::layout::SLICE;
+use crate::model::status::{REBUILD_DONE, REJECTED_PAIRS};
+use crate::model::world::World;
+use crate::step::stage::{Stage, write};
+use crate::step::wgsl::{Wgsl, part};
+
+/// The stage.
+pub(crate) const STAGE: Stage = Stage {
+    name: "scan_pairs",
+    wgsl: Wgsl::File(part!("step/broad_phase/scan_pairs.wgsl")),
+    bindings: &[write("lists", Buffer::Lists), write("status", Buffer::Status)],
+    threads: Threads::One,
+    cpu: scan_pairs,
+};
+
+fn scan_pairs(world: &mut World, _pass: u32) {
+    if world.status.rebuild == 0 || world.status.rejected != 0 {
+        return;
+    }
+    let (counts, offsets) = world.lists.split_at_mut(world.step.slices_at as usize);
+    let mut total = 0u32;
+    for (slice, offset) in counts.chunks(SLICE as usize).zip(&mut *offsets) {
+        *offset = total;
+        total = total.saturating_add(slice.iter().max().copied().unwrap_or(0));
+    }
+    offsets[counts.len() / SLICE as usize] = total;
+    world.status.pair_rows_needed = total;
+    world.status.rebuild = REBUILD_DONE;
+    if total > world.step.pair_rows {
+        world.status.rejected |= REJECTED_PAIRS;
+    }
+}

@@ -1,0 +1,38 @@
+//! Broad phase sort-and-skip, 2 of 4: the interval in x of every block of 64 objects, in their order, to `extents`.
+
+use glam::Vec4;
+
+use crate::model::buffer::Buffer;
+use crate::model::dispatch::Threads;
+use crate::model::layout::WORKGROUP;
+use crate::model::world::World;
+use crate::step::stage::{Stage, read, write};
+use crate::step::wgsl::{Wgsl, part};
+
+/// The stage.
+pub(crate) const STAGE: Stage = Stage {
+    name: "bound_blocks",
+    wgsl: Wgsl::File(part!("step/broad_phase/sort_and_skip/bound_blocks.wgsl")),
+    bindings: &[
+        read("aabbs", Buffer::Aabbs),
+        write("cells", Buffer::Cells),
+        write("extents", Buffer::Extents),
+        read("status", Buffer::Status),
+    ],
+    threads: Threads::Objects,
+    cpu: bound_blocks,
+};
+
+fn bound_blocks(world: &mut World, _pass: u32) {
+    if world.status.rebuild == 0 || world.status.rejected != 0 {
+        return;
+    }
+    world.cells[2] = world.objects();
+    let order = &world.cells[world.step.sorted_at as usize..][..world.aabbs.len()];
+    for (block, interval) in order.chunks(WORKGROUP as usize).zip(&mut world.extents) {
+        let aabbs = || block.iter().map(|id| &world.aabbs[*id as usize]);
+        let least = aabbs().map(|aabb| aabb.min[0]).fold(f32::INFINITY, f32::min);
+        let greatest = aabbs().map(|aabb| aabb.max[0]).fold(f32::NEG_INFINITY, f32::max);
+        *interval = Vec4::new(least, greatest, 0.0, 0.0);
+    }
+}

@@ -1,0 +1,40 @@
+//! Broad phase sort-and-skip, 3 of 4: how many entries every mover has. Blocks whose
+//! intervals do not meet that of its own block are skipped; `scan_pairs` follows.
+
+use rayon::prelude::*;
+
+use crate::model::buffer::Buffer;
+use crate::model::dispatch::Threads;
+use crate::model::layout::GRAIN;
+use crate::model::world::World;
+use crate::step::broad_phase::meet::for_each_near;
+use crate::step::stage::{Stage, read, write};
+use crate::step::wgsl::{Wgsl, part};
+
+/// The stage.
+pub(crate) const STAGE: Stage = Stage {
+    name: "count_near",
+    wgsl: Wgsl::File(part!("step/broad_phase/sort_and_skip/count_near.wgsl")),
+    bindings: &[
+        read("aabbs", Buffer::Aabbs),
+        read("cells", Buffer::Cells),
+        read("extents", Buffer::Extents),
+        write("lists", Buffer::Lists),
+        read("status", Buffer::Status),
+    ],
+    threads: Threads::Objects,
+    cpu: count_near,
+};
+
+fn count_near(world: &mut World, _pass: u32) {
+    if world.status.rebuild == 0 || world.status.rejected != 0 {
+        return;
+    }
+    let World { step, cells, extents, aabbs, lists, .. } = world;
+    let (counts, padding) = lists[..step.slices_at as usize].split_at_mut((step.spheres + step.rods) as usize);
+    counts.par_iter_mut().zip(0..step.spheres + step.rods).with_min_len(GRAIN).for_each(|(count, mover)| {
+        *count = 0;
+        for_each_near(step, aabbs, cells, extents, mover, |_| *count += 1);
+    });
+    padding.fill(0);
+}

@@ -1,0 +1,36 @@
+// requires model/lists.wgsl model/order.wgsl model/step.wgsl step/broad_phase/heap.wgsl
+// requires step/broad_phase/sort_and_skip/near_tiles.wgsl
+
+@group(0) @binding(2) var<storage, read> aabbs: array<Aabb>;
+@group(0) @binding(3) var<storage, read> cells: array<u32>;
+@group(0) @binding(4) var<storage, read> extents: array<vec4f>;
+@group(0) @binding(5) var<storage, read_write> lists: array<array<u32, SLICE>>;
+@group(0) @binding(6) var<storage, read> topology: array<u32>;
+@group(0) @binding(7) var<storage, read> status: Status;
+
+var<private> count: u32;
+
+fn emit(mover: u32, id: u32, features: u32) {
+    for (var feature = 0u; feature < features; feature++) {
+        let slot = slot_of(mover, count);
+        lists[slot.x][slot.y] = entry_key(id, feature);
+        count += 1u;
+    }
+}
+
+@compute @workgroup_size(64)
+fn fill_near(
+    @builtin(workgroup_id) group: vec3u,
+    @builtin(num_workgroups) groups: vec3u,
+    @builtin(local_invocation_index) local: u32,
+) {
+    if (status.rebuild == 0u) | (status.rejected != 0u) {
+        return;
+    }
+    let block = linear_group(group, groups);
+    emit_near(block, local);
+    let mover = mover_at(block * WORKGROUP + local);
+    if mover != NONE {
+        order_long(first_of(mover), count);
+    }
+}

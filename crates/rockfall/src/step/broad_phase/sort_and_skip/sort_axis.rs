@@ -1,0 +1,40 @@
+//! Broad phase sort-and-skip, 1 of 4: objects roughly in the order of their least x (thesis section 2.5.1, its proposal).
+//!
+//! Every block of 128 is sorted; in pass 1 the blocks begin half a block later. So an object moves by at most a block or two
+//! each time lists are made: the order becomes right step by step, and only what may be skipped depends on it. What is of the
+//! same x goes by id. Begins with the order of ids where `cells[2]` does not hold the number of objects.
+
+use crate::model::buffer::Buffer;
+use crate::model::dispatch::Threads;
+use crate::model::layout::WORKGROUP;
+use crate::model::world::World;
+use crate::step::stage::{Stage, read, write};
+use crate::step::wgsl::{Wgsl, part};
+
+/// The stage.
+pub(crate) const STAGE: Stage = Stage {
+    name: "sort_axis",
+    wgsl: Wgsl::File(part!("step/broad_phase/sort_and_skip/sort_axis.wgsl")),
+    bindings: &[read("aabbs", Buffer::Aabbs), write("cells", Buffer::Cells), read("status", Buffer::Status)],
+    threads: Threads::Objects,
+    cpu: sort_axis,
+};
+
+fn sort_axis(world: &mut World, pass: u32) {
+    if world.status.rebuild == 0 || world.status.rejected != 0 {
+        return;
+    }
+    let objects = world.objects();
+    let known = world.cells[2] == objects;
+    let order = &mut world.cells[world.step.sorted_at as usize..][..objects as usize];
+    if pass == 0 && !known {
+        order.iter_mut().zip(0..).for_each(|(place, id)| *place = id);
+    }
+    let first = (pass * WORKGROUP).min(objects) as usize;
+    for block in order[first..].chunks_mut(2 * WORKGROUP as usize) {
+        block.sort_unstable_by(|a, b| {
+            let least = |id: &u32| world.aabbs[*id as usize].min[0];
+            least(a).total_cmp(&least(b)).then(a.cmp(b))
+        });
+    }
+}

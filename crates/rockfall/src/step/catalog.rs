@@ -1,0 +1,73 @@
+//! Every stage there is.
+
+use crate::step::aabbs::update_aabbs;
+use crate::step::broad_phase::brute_force::{count_pairs, fill_pairs};
+use crate::step::broad_phase::grid::{
+    build_grid, clear_cells, count_cells, count_long, fill_long, find_neighbours, plan_lists, scan_cells, sort_cells,
+};
+use crate::step::broad_phase::scan_pairs;
+use crate::step::broad_phase::sort_and_skip::{bound_blocks, count_near, fill_near, sort_axis};
+use crate::step::collisions::{
+    apply_collisions, apply_friction_impulses, commit_collisions, commit_friction_impulses, find_collisions, gather_impulses,
+    list_collisions, project_networks, sweep_at_once, sweep_collisions, weigh_collisions, weigh_networks,
+};
+use crate::step::forces::rod_forces;
+use crate::step::fused::run_steps;
+use crate::step::integrate::{
+    advance, commit_and_turn, commit_symplectic_euler, constrain, end_step, finish, finish_and_turn, restore_lengths,
+    symplectic_euler, turn,
+};
+use crate::step::reorder::{count_digits, key_spheres, measure_order, permute_spheres, scatter_digits, settle_spheres};
+use crate::step::stage::Stage;
+
+/// Every stage there is, once.
+pub const ALL: [&Stage; 48] = [
+    &update_aabbs::STAGE,
+    &count_pairs::STAGE,
+    &scan_pairs::STAGE,
+    &fill_pairs::STAGE,
+    &sort_axis::STAGE,
+    &bound_blocks::STAGE,
+    &count_near::STAGE,
+    &fill_near::STAGE,
+    &plan_lists::STAGE,
+    &build_grid::STAGE,
+    &clear_cells::STAGE,
+    &count_cells::STAGE,
+    &scan_cells::SUM,
+    &scan_cells::PLACE,
+    &sort_cells::STAGE,
+    &count_long::STAGE,
+    &find_neighbours::STAGE,
+    &fill_long::STAGE,
+    &find_collisions::STAGE,
+    &list_collisions::STAGE,
+    &weigh_networks::STAGE,
+    &weigh_collisions::STAGE,
+    &sweep_at_once::STAGE,
+    &sweep_collisions::STAGE,
+    &gather_impulses::STAGE,
+    &project_networks::STAGE,
+    &apply_collisions::STAGE,
+    &commit_collisions::STAGE,
+    &apply_friction_impulses::STAGE,
+    &commit_friction_impulses::STAGE,
+    &restore_lengths::STAGE,
+    &rod_forces::STAGE,
+    &advance::STAGE,
+    &finish::STAGE,
+    &finish_and_turn::STAGE,
+    &symplectic_euler::STAGE,
+    &commit_symplectic_euler::STAGE,
+    &commit_and_turn::STAGE,
+    &constrain::STAGE,
+    &turn::STAGE,
+    &end_step::STAGE,
+    &run_steps::STAGE,
+    &key_spheres::STAGE,
+    &count_digits::STAGE,
+    &scatter_digits::STAGE,
+    &permute_spheres::STAGE,
+    &settle_spheres::STAGE,
+    &measure_order::STAGE,
+];

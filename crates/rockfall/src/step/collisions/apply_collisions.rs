@@ -1,0 +1,81 @@
+//! Collisions, 2 of 4: the impulses of all collisions, and what they do to the bodies (docs/physics.md sections 3.5 to 3.7). A lone one is handled at
+//! its time of contact; those that share bodies, and those on networks of rods, are swept until their impulses agree.
+//!
+//! The new state of the spheres of all bodies that collide goes to `Y2`, for the others still read the old one. A sphere that would stop
+//! being finite keeps its position, loses velocity and spin, and is reported.
+
+use rayon::prelude::*;
+
+use crate::error::BadStage;
+use crate::model::buffer::Buffer;
+use crate::model::counters::Tally;
+use crate::model::dispatch::Threads;
+use crate::model::lists::Lists;
+use crate::model::state::{Motion, Rows};
+use crate::model::step::Aabb;
+use crate::model::view::View;
+use crate::model::world::World;
+use crate::physics::collision::all::{Outcome, solve};
+use crate::physics::collision::body::TakingPart;
+use crate::physics::travel::needs_rebuild;
+use crate::step::stage::{Stage, read, write};
+use crate::step::wgsl::{Wgsl, part};
+
+/// The stage.
+pub(crate) const STAGE: Stage = Stage {
+    name: "apply_collisions",
+    wgsl: Wgsl::File(part!("step/collisions/apply_collisions.wgsl")),
+    bindings: &[
+        read("state", Buffer::Start),
+        write("next", Buffer::Y2),
+        read("topology", Buffer::Topology),
+        read("lists", Buffer::Lists),
+        read("aabbs", Buffer::Aabbs),
+        read("collision_indices", Buffer::CollisionIndices),
+        read("collisions", Buffer::Collisions),
+        write("status", Buffer::Status),
+    ],
+    threads: Threads::SharedSpheres,
+    cpu: apply_collisions,
+};
+
+fn apply_collisions(world: &mut World, _pass: u32) {
+    if world.status.rejected != 0 || world.status.collided != 0 {
+        return;
+    }
+    world.impulses.clear();
+    if world.status.collides == 0 {
+        return;
+    }
+    let [start, y2, ..] = &mut world.states;
+    let view = View::new(&world.step, &world.topology, start);
+    let lists = Lists::new(&world.step, &world.lists);
+    let outcome = solve(&view, &lists);
+    let taking_part = TakingPart::new(&view, &lists);
+    let tally = Rows::of(y2, world.step.spheres)
+        .map(|mut rows| {
+            let mut tally = Tally::default();
+            for sphere in rows.spheres().filter(|sphere| taking_part.has(*sphere)) {
+                let after = collided(&view, &outcome, &world.aabbs, sphere, &mut tally);
+                rows.set(&view, sphere, after);
+            }
+            tally
+        })
+        .reduce(Tally::default, Tally::merge);
+    tally.add_to(&mut world.status);
+    world.impulses = outcome.impulses;
+}
+
+/// The sphere after all that its collisions do to it; tells whether it may leave its AABB so.
+fn collided(view: &View, outcome: &Outcome, aabbs: &[Aabb], sphere: u32, tally: &mut Tally) -> Motion {
+    let before = Motion::of(view, sphere);
+    let change = outcome.change(sphere);
+    let after = Motion {
+        position: before.position + change.position,
+        velocity: before.velocity + change.velocity,
+        angular_momentum: before.angular_momentum + change.angular_momentum,
+    };
+    let after = after.or_stopped(before.position, BadStage::Collisions, view.user(sphere), tally);
+    tally.rebuild |= needs_rebuild(view, aabbs, sphere, after.position, after.velocity);
+    after
+}

@@ -1,0 +1,126 @@
+// requires model/counters.wgsl model/lists.wgsl model/objects.wgsl model/one_state.wgsl model/step.wgsl
+// requires physics/collision.wgsl physics/contact.wgsl physics/friction_impulses.wgsl step/collisions/rows.wgsl
+
+@group(0) @binding(2) var<storage, read> state: array<vec4f>;
+@group(0) @binding(3) var<storage, read_write> next: array<vec4f>;
+@group(0) @binding(4) var<storage, read> topology: array<u32>;
+@group(0) @binding(5) var<storage, read> lists: array<array<u32, SLICE>>;
+@group(0) @binding(6) var<storage, read> collision_indices: array<array<u32, SLICE>>;
+@group(0) @binding(7) var<storage, read> collisions: array<vec4u>;
+@group(0) @binding(8) var<storage, read_write> status: StatusAtomic;
+
+// What friction impulses make of a sphere, or of a capsule.
+struct Rubbed {
+    velocity: vec3f,
+    // Into the angular momentum of a sphere; of a capsule the change of its spin across the axis.
+    turning: vec3f,
+    // Of a capsule, along the axis.
+    rolling: vec3f,
+}
+
+// How much of what happens to a row a sphere gets.
+fn share_of(sphere: u32, row: u32, at: f32) -> f32 {
+    if !RODS | (row < step.spheres) {
+        return 1.0;
+    }
+    return select(at, 1.0 - at, rod_ends(row - step.spheres).x == sphere);
+}
+
+fn add_friction_impulses(sphere: u32, row: u32, rubbed: ptr<function, Rubbed>) {
+    let count = count_of(row);
+    let first = first_of(row);
+    for (var begin = 0u; begin < count; begin += LOOK) {
+        for (var rest = entries_with(ENTRY_OVERLAPS, first, begin, count); rest != 0u; rest &= rest - 1u) {
+            let rub = friction_impulse_of(row, slot_at(first, begin + firstTrailingBit(rest)));
+            let is_a = rub.a_id == row;
+            let share = share_of(sphere, row, select(rub.at.y, rub.at.x, is_a));
+            let arm = select(rub.arms.y, rub.arms.x, is_a);
+            // Both surfaces are pushed to the same side of the normal: their arms point against each other.
+            (*rubbed).velocity = fma(rub.impulse, vec3f(select(-share, share, is_a)), (*rubbed).velocity);
+            (*rubbed).turning = fma(cross(rub.n, rub.impulse), vec3f(share * arm), (*rubbed).turning);
+        }
+    }
+}
+
+fn add_friction_impulses_on_capsule(capsule: Capsule, rod: u32, row: u32, rubbed: ptr<function, Rubbed>) {
+    let count = count_of(row);
+    let first = first_of(row);
+    for (var begin = 0u; begin < count; begin += LOOK) {
+        for (var rest = entries_with(ENTRY_OVERLAPS, first, begin, count); rest != 0u; rest &= rest - 1u) {
+            let rub = friction_impulse_of(row, slot_at(first, begin + firstTrailingBit(rest)));
+            let is_a = rub.a_id == row;
+            var at = select(rub.at.y, rub.at.x, is_a);
+            if row < step.spheres {
+                at = select(0.0, 1.0, rod_ends(rod).y == row);
+            }
+            let couple = select(rub.arms.y, rub.arms.x, is_a) * cross(rub.n, rub.impulse);
+            let grip = grip_of(capsule, at, select(-rub.impulse, rub.impulse, is_a), couple);
+            (*rubbed).velocity += grip.push;
+            (*rubbed).turning += grip.turning;
+            (*rubbed).rolling += grip.rolling;
+        }
+    }
+}
+
+fn sphere_after_friction(i: u32) -> Motion {
+    var rubbed = Rubbed(vec3f(0.0), vec3f(0.0), vec3f(0.0));
+    add_friction_impulses(i, i, &rubbed);
+    if RODS {
+        let rods = rods_of(i);
+        for (var r = 0u; r < rods.y; r++) {
+            add_friction_impulses(i, step.spheres + index_of(topology[rods.x + r]), &rubbed);
+        }
+    }
+    let velocity = state[velocity_at(i)];
+    return Motion(
+        state[position_at(i)].xyz,
+        velocity.xyz + velocity.w * rubbed.velocity,
+        state[momentum_at(i)].xyz + rubbed.turning,
+    );
+}
+
+fn end_after_friction(i: u32, rod: u32) -> Motion {
+    let ends = rod_ends(rod);
+    let capsule = capsule_of(ends, poise_of(half_of(i, 0.0)));
+    var rubbed = Rubbed(vec3f(0.0), vec3f(0.0), vec3f(0.0));
+    add_friction_impulses_on_capsule(capsule, rod, ends.x, &rubbed);
+    add_friction_impulses_on_capsule(capsule, rod, ends.y, &rubbed);
+    add_friction_impulses_on_capsule(capsule, rod, step.spheres + rod, &rubbed);
+    let offset = select(-capsule.centre, 1.0 - capsule.centre, ends.y == i) * capsule.d;
+    let turning = capsule.inverse_inertia * rubbed.turning;
+    let velocity = state[velocity_at(i)].xyz + capsule.inverse_mass * rubbed.velocity + cross(turning, offset);
+    let momentum = state[momentum_at(i)];
+    return Motion(state[position_at(i)].xyz, velocity, momentum.xyz + (turning + inverse_roll(ends) * rubbed.rolling) / momentum.w);
+}
+
+fn rubbed(i: u32) -> Motion {
+    if inverse_mass(i) <= 0.0 {
+        return Motion(state[position_at(i)].xyz, state[velocity_at(i)].xyz, state[momentum_at(i)].xyz);
+    }
+    if RODS {
+        let rod = capsule_with(i);
+        if rod != NONE {
+            return end_after_friction(i, rod);
+        }
+    }
+    return sphere_after_friction(i);
+}
+
+@compute @workgroup_size(64)
+fn apply_friction_impulses(
+    @builtin(workgroup_id) group: vec3u,
+    @builtin(num_workgroups) groups: vec3u,
+    @builtin(local_invocation_index) local: u32,
+) {
+    let i = linear_thread(group, groups, local);
+    if (i >= step.spheres) | (atomicLoad(&status.rejected) != 0u) | (atomicLoad(&status.collided) != 2u) {
+        return;
+    }
+    var after = rubbed(i);
+    if (inverse_mass(i) > 0.0) & !is_finite(after) {
+        after = stopped(state[position_at(i)].xyz, 0u, i);
+    }
+    next[position_at(i)] = vec4f(after.position, state[position_at(i)].w);
+    next[velocity_at(i)] = vec4f(after.velocity, inverse_mass(i));
+    next[momentum_at(i)] = vec4f(after.momentum, state[momentum_at(i)].w);
+}

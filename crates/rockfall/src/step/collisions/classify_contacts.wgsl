@@ -1,0 +1,154 @@
+// requires model/counters.wgsl model/entries.wgsl model/lists.wgsl model/objects.wgsl model/order.wgsl model/put_head.wgsl
+// requires model/step.wgsl physics/collision.wgsl physics/collision/plain.wgsl physics/contact.wgsl physics/geometry.wgsl
+// requires physics/margin.wgsl
+
+// Which pairs overlap, and which of them collide.
+
+// Overlaps up to this times the smaller radius are rounding.
+const ROUNDING: f32 = 1e-5;
+
+fn radius_of(id: u32) -> f32 {
+    if id < step.spheres {
+        return state[position_at(id)].w;
+    }
+    if RODS {
+        return rod_radius(id - step.spheres);
+    }
+    return 0.0;
+}
+
+// The radius that thresholds refer to, of a pair whose first is a mover.
+fn pair_radius(a: u32, b: u32) -> f32 {
+    let radius = radius_of(a);
+    if b < step.spheres + step.rods {
+        return min(radius, radius_of(b));
+    }
+    return radius;
+}
+
+// The OVERLAPS and COLLIDES bits of what overlaps so deep, closes so fast and weighs so much.
+fn bits_of(overlap: f32, approach: f32, inverse_mass: f32, radius: f32) -> u32 {
+    if overlap <= ROUNDING * radius {
+        return 0u;
+    }
+    let is_on = (step.flags & FLAG_COLLISIONS) != 0u;
+    let collides = is_on & (inverse_mass > 0.0) & (approach > collision_velocity(radius));
+    return ENTRY_OVERLAPS | select(0u, ENTRY_COLLIDES, collides);
+}
+
+// The bits of an entry of a mover; `velocity` is its row where it is a sphere.
+fn judge(own: Own, velocity: vec4f, other: Met) -> u32 {
+    let id = entry_id(other.entry);
+    if are_plain(own.id, id) {
+        let contact = plain_with(own.id, own.place, velocity, other);
+        if contact.inverse_mass <= 0.0 {
+            return 0u;
+        }
+        let radius = select(own.place.w, min(own.place.w, other.place.w), id < step.spheres);
+        return bits_of(contact.overlap, contact.approach, contact.inverse_mass, radius);
+    }
+    if !RODS {
+        return 0u;
+    }
+    let pair = ordered(own.id, id);
+    let found = touch_with(own, id, entry_feature(other.entry));
+    if found.overlap <= 0.0 {
+        return 0u;
+    }
+    if inverse_mass_at(pair.x, found.a) + inverse_mass_at(pair.y, found.b) <= 0.0 {
+        return 0u;
+    }
+    let contact = closing_at(pair.x, pair.y, found);
+    return bits_of(found.overlap, contact.approach, contact.inverse_mass, pair_radius(pair.x, pair.y));
+}
+
+// Which of LOOK entries are judged: all but those without bits that are too far away.
+fn which_to_judge(own: Own, first: vec2u, begin: u32, count: u32) -> u32 {
+    let bits = ENTRY_OVERLAPS | ENTRY_COLLIDES;
+    if !RODS {
+        return entries_near(own.place, bits, first, begin, count);
+    }
+    if own.id < step.spheres {
+        let near = entries_near(own.place, bits, first, begin, count);
+        return but_rods_apart(own.id, own.place, bits, first, begin, count, near);
+    }
+    return touching_rod(own.id, own.bar, bits, first, begin, count);
+}
+
+// Judges an entry, writes its bits where they changed, which they seldom do, and gives them.
+fn mark_entry(own: Own, velocity: vec4f, other: Met, slot: vec2u) -> u32 {
+    let entry = other.entry & ~(ENTRY_OVERLAPS | ENTRY_COLLIDES);
+    let bits = judge(own, velocity, other);
+    if (entry | bits) != other.entry {
+        lists[slot.x][slot.y] = entry | bits;
+    }
+    return bits;
+}
+
+// Marks the entries of a mover, and the mover where one of them collides, and gives the number of collisions with objects of higher id.
+fn mark_entries(mover: u32) -> u32 {
+    let first = first_of(mover);
+    var collisions = 0u;
+    var any_bits = 0u;
+    let count = count_of(mover);
+    // Of a rod nothing is read of these.
+    let sphere = min(mover, step.spheres - 1u);
+    let own = own_of(mover);
+    let velocity = state[velocity_at(sphere)];
+    for (var begin = 0u; begin < count; begin += LOOK) {
+        var rest = which_to_judge(own, first, begin, count);
+        var now = meet(first, begin, rest);
+        while rest != 0u {
+            let slot = slot_at(first, begin + firstTrailingBit(rest));
+            rest &= rest - 1u;
+            let ahead = meet(first, begin, rest);
+            let bits = mark_entry(own, velocity, now, slot);
+            any_bits |= bits;
+            if (bits & ENTRY_COLLIDES) != 0u {
+                collisions += select(0u, 1u, ordered(mover, entry_id(now.entry)).x == mover);
+            }
+            now = ahead;
+        }
+    }
+    mark_head(mover, (any_bits & ENTRY_COLLIDES) != 0u);
+    return collisions;
+}
+
+// Marks a mover where some entry of it collides.
+fn mark_head(mover: u32, collides: bool) {
+    let head = head_of(mover);
+    let marked = (head & ~LIST_COLLIDES) | select(0u, LIST_COLLIDES, collides);
+    if marked != head {
+        put_head(mover, marked);
+    }
+}
+
+fn check_escape(sphere: u32) {
+    let own = state[position_at(sphere)];
+    let ratio = escape_ratio(own.xyz, own.w, aabbs[sphere]);
+    if (ratio > 0.0) & (inverse_mass(sphere) > 0.0) {
+        report_escape(ratio);
+    }
+}
+
+// Adds the collisions of a workgroup of this number to what is told; all its threads must come here.
+fn count_collisions_of_workgroup(workgroup: u32, local: u32, collisions: u32) {
+    if local == 0u {
+        atomicStore(&group_count, 0u);
+    }
+    workgroupBarrier();
+    if collisions > 0u {
+        atomicAdd(&group_count, collisions);
+    }
+    workgroupBarrier();
+    if local == 0u {
+        let sum = atomicLoad(&group_count);
+        if sum > 0u {
+            atomicAdd(&status.counters[workgroup % COUNTER_BLOCKS].collisions, sum);
+            // To look takes less than to write.
+            if atomicLoad(&status.collides) == 0u {
+                atomicStore(&status.collides, 1u);
+            }
+        }
+    }
+}

@@ -1,0 +1,50 @@
+//! Collisions, 3 of 4: `Y2` becomes the state of the spheres that collided; sets `collided`, and `lengths_due` where there were
+//! any. Does nothing in a void step, nor when the collisions of the step were done before.
+
+use rayon::prelude::*;
+
+use crate::model::buffer::Buffer;
+use crate::model::dispatch::Threads;
+use crate::model::layout::GRAIN;
+use crate::model::lists::Lists;
+use crate::model::view::View;
+use crate::model::world::World;
+use crate::physics::collision::body::TakingPart;
+use crate::step::stage::{Stage, read, write};
+use crate::step::wgsl::{Wgsl, part};
+
+/// The stage.
+pub(crate) const STAGE: Stage = Stage {
+    name: "commit_collisions",
+    wgsl: Wgsl::File(part!("step/collisions/commit_collisions.wgsl")),
+    bindings: &[
+        write("state", Buffer::Start),
+        read("next", Buffer::Y2),
+        read("topology", Buffer::Topology),
+        read("lists", Buffer::Lists),
+        write("status", Buffer::Status),
+    ],
+    threads: Threads::WideSpheres,
+    cpu: commit_collisions,
+};
+
+fn commit_collisions(world: &mut World, _pass: u32) {
+    let World { step, topology, lists, states: [start, y2, ..], status, .. } = world;
+    if status.rejected != 0 || status.collided == 1 {
+        return;
+    }
+    status.collided = 2;
+    if status.collides == 0 {
+        return;
+    }
+    status.lengths_due = 1;
+    let lists = Lists::new(step, lists);
+    let view = View::new(step, topology, start);
+    let taking_part = TakingPart::new(&view, &lists);
+    let n = step.spheres as usize;
+    let spheres = (0..n).into_par_iter().with_min_len(GRAIN);
+    let changed: Vec<usize> = spheres.filter(|sphere| taking_part.has(*sphere as u32)).collect();
+    for place in changed.into_iter().flat_map(|sphere| [sphere, n + sphere, 2 * n + sphere]) {
+        start[place] = y2[place];
+    }
+}

@@ -1,0 +1,120 @@
+//! Collisions, 1 of 4: which pairs overlap, and which of them collide (docs/physics.md section 3.1).
+//!
+//! Bodies that touch overlap by rounding; what is no deeper than 1e-5 of the smaller radius presses nothing. (Else the blow
+//! on a touching cradle would count as one in a crowd.) Where collisions are switched off nothing collides; what presses still gets
+//! friction impulses.
+//! Sets `ENTRY_OVERLAPS` and `ENTRY_COLLIDES` in the entries of both sides, once, so that no later stage decides again, and
+//! `LIST_COLLIDES` in the count of a mover with some colliding entry; counts every collision once (at the mover of lower id). Voids the step when a sphere is outside its AABB
+//! (`REJECTED_ESCAPED`). Like the others it does nothing when the step is void or its collisions are done.
+
+use std::cell::Cell;
+
+use rayon::prelude::*;
+
+use crate::model::buffer::Buffer;
+use crate::model::counters::Tally;
+use crate::model::dispatch::Threads;
+use crate::model::layout::GRAIN;
+use crate::model::layout::{ENTRY_COLLIDES, ENTRY_OVERLAPS, FLAG_COLLISIONS, LIST_COLLIDES, LIST_COUNT_MASK, SLICE};
+use crate::model::lists::{Entry, Slice, slices};
+use crate::model::view::View;
+use crate::model::world::World;
+use crate::physics::balls::Ball;
+use crate::physics::collision::Collision;
+use crate::physics::travel::escape_ratio;
+use crate::step::stage::{Stage, read, write};
+use crate::step::wgsl::{Wgsl, part};
+
+/// The stage.
+pub(crate) const STAGE: Stage = Stage {
+    name: "find_collisions",
+    wgsl: Wgsl::File(part!("step/collisions/find_collisions.wgsl")),
+    bindings: &[
+        read("state", Buffer::Start),
+        read("topology", Buffer::Topology),
+        write("lists", Buffer::Lists),
+        read("aabbs", Buffer::Aabbs),
+        write("status", Buffer::Status),
+    ],
+    threads: Threads::SharedMovers,
+    cpu: find_collisions,
+};
+
+fn find_collisions(world: &mut World, _pass: u32) {
+    if world.status.rejected != 0 || world.status.collided != 0 {
+        return;
+    }
+    let World { step, topology, states: [state, ..], lists, aabbs, status, .. } = world;
+    let view = View::new(step, topology, state);
+    let tally = slices(step, lists)
+        .into_par_iter()
+        .with_min_len(GRAIN / SLICE as usize)
+        .map(|mut slice| {
+            let mut tally = Tally::default();
+            for place in 0..slice.counts.len() {
+                let mover = slice.first + place as u32;
+                if mover < step.spheres {
+                    tally.escape_ratio = tally.escape_ratio.max(escape_ratio(&view, aabbs, mover));
+                }
+                mark(&view, &mut slice, place, &mut tally);
+            }
+            tally
+        })
+        .reduce(Tally::default, Tally::merge);
+    tally.add_to(status);
+}
+
+/// Marks the entries of the mover at this place of a slice, and its count where some of them collide.
+fn mark(view: &View, slice: &mut Slice, place: usize, tally: &mut Tally) {
+    let mover = slice.first + place as u32;
+    let count = slice.counts[place] & LIST_COUNT_MASK;
+    let words = Cell::from_mut(&mut *slice.words).as_slice_of_cells();
+    let word = |entry: u32| &words[(entry * SLICE) as usize + place];
+    let id_mask = view.step.entry_id_mask();
+    let list = |place: u32| Entry::new(id_mask, place, word(place).get() & !(ENTRY_OVERLAPS | ENTRY_COLLIDES));
+    (0..count).for_each(|place| word(place).set(list(place).word));
+    slice.counts[place] &= !LIST_COLLIDES;
+    let mut set = |entry: &Entry, bits: u32| {
+        word(entry.place).set(entry.word | bits);
+        if bits & ENTRY_COLLIDES != 0 {
+            slice.counts[place] |= LIST_COLLIDES;
+            tally.collisions += u32::from(view.user(mover) < view.user(entry.id()));
+        }
+    };
+    let done = Ball::new(view, mover)
+        .map_or(0, |ball| ball.for_each_near(count, list, |others| judge_group(&ball, mover, others, &mut set)));
+    for entry in (done..count).map(list) {
+        set(&entry, judge(view, mover, entry));
+    }
+}
+
+/// The decisions on a pair.
+fn judge(view: &View, mover: u32, entry: Entry) -> u32 {
+    let collision = Collision::between(view, mover, entry.id(), entry.feature());
+    collision.map_or(0, |collision| decide(view, collision.is_pressed(view), collision.collides(view)))
+}
+
+/// The decisions on a sphere without rods and up to four others.
+#[inline]
+fn judge_group(ball: &Ball, mover: u32, others: &[Entry], set: &mut impl FnMut(&Entry, u32)) {
+    let meeting = ball.meet(others);
+    let pressed = meeting.are_pressed().bitmask();
+    let collide = meeting.collide(ball.view).bitmask();
+    for (lane, other) in others.iter().enumerate() {
+        let bits = if ball.view.is_ball(other.id()) {
+            decide(ball.view, pressed >> lane & 1 == 1, collide >> lane & 1 == 1)
+        } else {
+            judge(ball.view, mover, *other)
+        };
+        set(other, bits);
+    }
+}
+
+/// The bits of a pair that overlaps by more than rounding, and of one that closes fast besides.
+fn decide(view: &View, is_pressed: bool, collides: bool) -> u32 {
+    match (is_pressed, collides && view.step.flags & FLAG_COLLISIONS != 0) {
+        (false, _) => 0,
+        (true, false) => ENTRY_OVERLAPS,
+        (true, true) => ENTRY_OVERLAPS | ENTRY_COLLIDES,
+    }
+}

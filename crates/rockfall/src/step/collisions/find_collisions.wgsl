@@ -1,0 +1,62 @@
+// requires model/entries.wgsl model/lists.wgsl model/one_state.wgsl model/order.wgsl model/step.wgsl physics/contact.wgsl
+// requires physics/geometry.wgsl step/collisions/classify_contacts.wgsl step/large_spheres/workgroup_per_sphere.wgsl
+
+@group(0) @binding(2) var<storage, read> state: array<vec4f>;
+@group(0) @binding(3) var<storage, read> topology: array<u32>;
+@group(0) @binding(4) var<storage, read_write> lists: array<array<u32, SLICE>>;
+@group(0) @binding(5) var<storage, read> aabbs: array<Aabb>;
+@group(0) @binding(6) var<storage, read_write> status: StatusAtomic;
+
+// Whether an entry of a team's sphere collides.
+var<workgroup> any_collides: atomic<u32>;
+
+// What `mark_entries` does, by a team: a thread marks one entry of many. Gives the number of collisions that it has counted itself.
+fn mark_together(sphere: u32, local: u32) -> u32 {
+    if local == 0u {
+        atomicStore(&any_collides, 0u);
+    }
+    let count = broadcast_to_workgroup(local, count_of(sphere));
+    let first = first_of(sphere);
+    let own = own_of(sphere);
+    let velocity = state[velocity_at(sphere)];
+    var collisions = 0u;
+    for (var e = local; e < count; e += WORKGROUP) {
+        let slot = slot_at(first, e);
+        let other = met(entry_at(slot), true);
+        if (mark_entry(own, velocity, other, slot) & ENTRY_COLLIDES) != 0u {
+            atomicStore(&any_collides, 1u);
+            collisions += select(0u, 1u, ordered(sphere, entry_id(other.entry)).x == sphere);
+        }
+    }
+    workgroupBarrier();
+    if local == 0u {
+        mark_head(sphere, atomicLoad(&any_collides) != 0u);
+    }
+    return collisions;
+}
+
+@compute @workgroup_size(64)
+fn find_collisions(
+    @builtin(workgroup_id) group: vec3u,
+    @builtin(num_workgroups) groups: vec3u,
+    @builtin(local_invocation_index) local: u32,
+) {
+    let workgroup = linear_group(group, groups);
+    let mover = mover_of(workgroup, local);
+    let is_first_attempt = (atomicLoad(&status.rejected) == 0u) & (atomicLoad(&status.collided) == 0u);
+    var collisions = 0u;
+    if serves_large_sphere(workgroup) {
+        if broadcast_to_workgroup(local, u32(is_first_attempt)) != 0u {
+            if local == 0u {
+                check_escape(mover);
+            }
+            collisions = mark_together(large_sphere_of(workgroup), local);
+        }
+    } else if (mover < step.spheres + step.rods) & is_first_attempt {
+        if mover < step.spheres {
+            check_escape(mover);
+        }
+        collisions = mark_entries(mover);
+    }
+    count_collisions_of_workgroup(workgroup, local, collisions);
+}

@@ -1,0 +1,231 @@
+// requires model/entries.wgsl model/lists.wgsl model/objects.wgsl model/one_state.wgsl model/step.wgsl physics/collision.wgsl
+// requires physics/collision/other_collisions.wgsl physics/collision/couplings.wgsl physics/collision/impulses.wgsl
+// requires physics/collision/plain.wgsl physics/collision/lone.wgsl physics/contact.wgsl physics/geometry.wgsl
+// requires step/collisions/has_changes.wgsl step/collisions/record_of.wgsl step/collisions/records.wgsl
+// requires step/collisions/rows.wgsl step/collisions/report_clusters.wgsl
+
+@group(0) @binding(2) var<storage, read> state: array<vec4f>;
+@group(0) @binding(3) var<storage, read> topology: array<u32>;
+@group(0) @binding(4) var<storage, read> lists: array<array<u32, SLICE>>;
+@group(0) @binding(5) var<storage, read> collision_indices: array<array<u32, SLICE>>;
+@group(0) @binding(6) var<storage, read_write> collisions: array<vec4u>;
+@group(0) @binding(7) var<storage, read_write> status: StatusAtomic;
+
+// Whether an entry in a row is this collision, seen from either side.
+fn is_same(k: Record, row: u32, entry: u32) -> bool {
+    let id = entry_id(entry);
+    let is_pair = ((row == k.a_id) & (id == k.b_id)) | ((row == k.b_id) & (id == k.a_id));
+    return is_pair & (entry_feature(entry) == k.feature);
+}
+
+// Whether a contact of a sphere itself with a static object is perpendicular to n.
+fn is_across(sphere: u32, entry: u32, n: vec3f) -> bool {
+    if entry_id(entry) < step.spheres + step.rods {
+        return false;
+    }
+    return abs(dot(touch(sphere, entry_id(entry), 0u).n, n)) <= PERPENDICULAR;
+}
+
+// What else touches the body of a moving sphere that belongs to no network: the sphere itself and what ends in it, or its capsule.
+fn company_of(k: Record, sphere: u32) -> Company {
+    var company = no_company();
+    let rods = rods_of(sphere);
+    for (var r = 0u; r < 1u + 2u * rods.y; r++) {
+        let row = row_of(sphere, rods, r);
+        if row != NONE {
+            add_row(k, sphere, row, rods.y == 0u, &company);
+        }
+    }
+    return company;
+}
+
+fn add_row(k: Record, sphere: u32, row: u32, is_plain: bool, company: ptr<function, Company>) {
+    let count = count_of(row);
+    let first = first_of(row);
+    for (var begin = 0u; begin < count; begin += LOOK) {
+        for (var rest = entries_with(ENTRY_OVERLAPS, first, begin, count); rest != 0u; rest &= rest - 1u) {
+            let slot = slot_at(first, begin + firstTrailingBit(rest));
+            let entry = entry_at(slot);
+            if is_same(k, row, entry) {
+                continue;
+            }
+            if (entry & ENTRY_COLLIDES) != 0u {
+                (*company).others += 1u;
+                (*company).weight += abs(dot(record_at(record_of(slot)).n, k.n));
+            }
+            if (*company).is_alone {
+                (*company).is_alone = (row == sphere) & is_plain & is_across(sphere, entry, k.n);
+            }
+        }
+    }
+}
+
+struct Weight {
+    // Inverse mass times how many collisions share it.
+    weight: f32,
+    is_alone: bool,
+    others: u32,
+    // On a network, of which sweeps work out the changes.
+    is_swept: bool,
+}
+
+// That of one end of a side, of which this part of the impulse is its.
+fn weight_of_end(k: Record, sphere: u32, part: f32, of_network: vec2f) -> Weight {
+    let w = inverse_mass(sphere);
+    if w <= 0.0 {
+        return Weight(0.0, true, 0u, false);
+    }
+    if network_of(sphere) != NO_NETWORK {
+        return weight_of_network(of_network);
+    }
+    let company = company_of(k, sphere);
+    return Weight(company.weight * part * part * w, company.is_alone, company.others, false);
+}
+
+// That of a network: what it adds to the weight, and how many collisions touch it.
+fn weight_of_network(of_network: vec2f) -> Weight {
+    return Weight(of_network.x, false, u32(max(of_network.y, 1.0)) - 1u, true);
+}
+
+fn weight_of_side(k: Record, half: Half, of_network: vec4f) -> Weight {
+    if half.kind == STATIC {
+        return Weight(0.0, true, 0u, false);
+    }
+    if half.kind == SPHERE {
+        return weight_of_end(k, half.spheres.x, 1.0, of_network.xy);
+    }
+    if half.kind == CAPSULE {
+        // All of its rows are those of either end.
+        let company = company_of(k, half.spheres.x);
+        let inverse_mass = response(half, poise_of(half), k.n).y;
+        return Weight(f32(1u + company.others) * inverse_mass, company.is_alone, company.others, false);
+    }
+    if network_of_rod(half.id - step.spheres) != NO_NETWORK {
+        return weight_of_network(of_network.xy);
+    }
+    let one = weight_of_end(k, half.spheres.x, 1.0 - half.at, of_network.xy);
+    let two = weight_of_end(k, half.spheres.y, half.at, of_network.zw);
+    return Weight(one.weight + two.weight, one.is_alone & two.is_alone, one.others + two.others, one.is_swept | two.is_swept);
+}
+
+// A collision whose impulse is known.
+fn put_solved(r: u32, solved: Solved, state_: f32) {
+    let k = collisions[row_at(r, 1u)];
+    let at = bitcast<vec2u>(vec2f(solved.a, solved.b));
+    collisions[row_at(r, 1u)] = vec4u(k.xy, at.x, at.y);
+    collisions[row_at(r, 2u)] = bitcast<vec4u>(vec4f(solved.n, 0.0));
+    collisions[row_at(r, 3u)] = bitcast<vec4u>(vec4f(solved.impulse, solved.impulse, 0.0, state_));
+}
+
+// One that is left to sweeps.
+fn put_swept(r: u32, inverse: f32) {
+    collisions[row_at(r, 3u)] = bitcast<vec4u>(vec4f(0.0, 0.0, inverse, SHARED));
+    note_cluster();
+}
+
+// What else touches a moving sphere without rods, of which others' collisions are put down with their couplings; `side` is 1 for A, -1 for
+// B.
+fn plain_company_with_couplings(k: Record, number: u32, sphere: u32, side: f32) -> Company {
+    var company = no_company();
+    let own = state[position_at(sphere)];
+    let velocity = state[velocity_at(sphere)];
+    if velocity.w <= 0.0 {
+        return company;
+    }
+    let count = count_of(sphere);
+    let first = first_of(sphere);
+    for (var begin = 0u; begin < count; begin += LOOK) {
+        for (var rest = entries_with(ENTRY_OVERLAPS, first, begin, count); rest != 0u; rest &= rest - 1u) {
+            let slot = slot_at(first, begin + firstTrailingBit(rest));
+            let entry = entry_at(slot);
+            let collides = (entry & ENTRY_COLLIDES) != 0u;
+            var along = 0.0;
+            var is_own = false;
+            if collides {
+                let r = record_of(slot);
+                let together = dot(record_at(r).n, k.n);
+                is_own = r == number;
+                put_coupling(r, number, side * velocity.w * part_on(sphere, sphere, r) * together);
+                along = abs(together);
+            }
+            if !is_own {
+                let is_static = entry_id(entry) >= step.spheres;
+                company.others += u32(collides);
+                company.weight += along;
+                company.is_alone &= is_static;
+                if company.is_alone {
+                    company.is_alone = is_across(sphere, entry, k.n);
+                }
+            }
+        }
+    }
+    return company;
+}
+
+fn weigh_plain(r: u32) {
+    let k = record_at(r);
+    begin_couplings();
+    let one = plain_company_with_couplings(k, r, k.a_id, 1.0);
+    var two = no_company();
+    var weight = one.weight * inverse_mass(k.a_id);
+    if k.b_id < step.spheres {
+        two = plain_company_with_couplings(k, r, k.b_id, -1.0);
+        weight += two.weight * inverse_mass(k.b_id);
+    }
+    let is_lone = one.is_alone & two.is_alone;
+    if !is_lone & (one.others + two.others > 0u) {
+        put_swept(r, 1.0 / weight);
+        put_couplings(r, false);
+        return;
+    }
+    // By itself, as where collisions are not listed.
+    let solved = solve_by_itself(k.a_id, k.b_id, plain_contact(k.a_id, k.b_id), weight, is_lone);
+    put_solved(r, solved, select(SINGLE, solved.tau, is_lone));
+}
+
+fn weigh(r: u32) {
+    let k = record_at(r);
+    let a = half_of(k.a_id, k.a);
+    let b = half_of(k.b_id, k.b);
+    let one = weight_of_side(k, a, network_weights(r, 0u));
+    let two = weight_of_side(k, b, network_weights(r, 2u));
+    if one.is_alone & two.is_alone {
+        let solved = solve_lone(k.a_id, k.b_id, k.feature, touch(k.a_id, k.b_id, k.feature));
+        put_solved(r, solved, solved.tau);
+        return;
+    }
+    let weight = one.weight + two.weight;
+    // What a network cannot give way along gets no impulse.
+    let unprojected = closing_of(a, b, poise_of(a), poise_of(b), k.n).inverse_mass;
+    let inverse = select(0.0, 1.0 / weight, weight > RIGID * unprojected);
+    let is_only = one.others + two.others == 0u;
+    if !is_only | one.is_swept | two.is_swept {
+        put_swept(r, inverse);
+        couple(k, r, is_only);
+    } else {
+        let impulse = (1.0 + step.restitution) * k.approach * inverse;
+        put_solved(r, Solved(k.n, k.a, k.b, impulse, 0.0), SINGLE);
+    }
+}
+
+// Inverse masses below this part of those without rods are rounding.
+const RIGID: f32 = 1e-6;
+
+@compute @workgroup_size(64)
+fn weigh_collisions(
+    @builtin(workgroup_id) group: vec3u,
+    @builtin(num_workgroups) groups: vec3u,
+    @builtin(local_invocation_index) local: u32,
+) {
+    if !has_changes() {
+        return;
+    }
+    let records = listed_records();
+    for (var r = linear_thread(group, groups, local); r < records; r += groups.x * groups.y * WORKGROUP) {
+        if RODS {
+            weigh(r);
+        } else {
+            weigh_plain(r);
+        }
+    }
+}

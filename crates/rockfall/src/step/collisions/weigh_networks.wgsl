@@ -1,0 +1,157 @@
+// requires model/lists.wgsl model/objects.wgsl model/one_state.wgsl model/step.wgsl physics/collision/networks.wgsl
+// requires step/collisions/has_changes.wgsl step/collisions/record_of.wgsl step/collisions/records.wgsl
+// requires step/collisions/rows.wgsl
+
+@group(0) @binding(2) var<storage, read> state: array<vec4f>;
+@group(0) @binding(3) var<storage, read_write> next: array<vec4f>;
+@group(0) @binding(4) var<storage, read> topology: array<u32>;
+@group(0) @binding(5) var<storage, read> lists: array<array<u32, SLICE>>;
+@group(0) @binding(6) var<storage, read> collision_indices: array<array<u32, SLICE>>;
+@group(0) @binding(7) var<storage, read_write> collisions: array<vec4u>;
+@group(0) @binding(8) var<storage, read_write> wrenches: array<vec4f>;
+@group(0) @binding(9) var<storage, read_write> status: StatusAtomic;
+
+var<workgroup> told: u32;
+
+// What thread 0 says, for all.
+fn counted_by_first(local: u32, word: u32) -> u32 {
+    workgroupBarrier();
+    if local == 0u {
+        told = word;
+    }
+    return workgroupUniformLoad(&told);
+}
+
+// Where the contacts of a network stand: the rows of its spheres, of its rods, and of the rods of free length at its spheres. What
+// the contacts of a row push is one sphere, or both ends of a rod.
+struct Row {
+    id: u32,
+    sphere: u32,
+}
+
+// Numbers a network's rows: spheres, then network rods, then free rods sphere by sphere; of id NONE where there is no further one.
+fn network_row(network: Network, number: u32) -> Row {
+    if number < network.spheres {
+        let sphere = network_sphere(network, number);
+        return Row(sphere, sphere);
+    }
+    if number < network.spheres + network.rods {
+        return Row(step.spheres + network_rod(network, number - network.spheres), NONE);
+    }
+    var left = number - network.spheres - network.rods;
+    for (var place = 0u; place < network.spheres; place++) {
+        let sphere = network_sphere(network, place);
+        let rods = rods_of(sphere);
+        for (var r = 0u; r < rods.y; r++) {
+            let rod = index_of(topology[rods.x + r]);
+            // With both ends in the network it is one side, as the network's own rods are; end 1 names it.
+            let is_both = network_of(other_end(rod, sphere)) == network_of(sphere);
+            if !(rod_length(rod) > 0.0) & !(is_both & (rod_ends(rod).y == sphere)) {
+                if left == 0u {
+                    return Row(step.spheres + rod, select(sphere, NONE, is_both));
+                }
+                left -= 1u;
+            }
+        }
+    }
+    return Row(NONE, NONE);
+}
+
+// Collisions of a row.
+fn collisions_in(row: u32) -> u32 {
+    var found = 0u;
+    if has_collisions(row) {
+        let first = first_of(row);
+        for (var e = 0u; e < count_of(row); e++) {
+            found += u32((entry_at(slot_at(first, e)) & ENTRY_COLLIDES) != 0u);
+        }
+    }
+    return found;
+}
+
+// How much of a unit impulse on a row a sphere of the network gets.
+fn part_of(row: Row, at: f32, sphere: u32) -> f32 {
+    if row.id < step.spheres {
+        return select(0.0, 1.0, sphere == row.id);
+    }
+    if (row.sphere != NONE) & (row.sphere != sphere) {
+        return 0.0;
+    }
+    let ends = rod_ends(row.id - step.spheres);
+    return select(0.0, 1.0 - at, ends.x == sphere) + select(0.0, at, ends.y == sphere);
+}
+
+// Puts a unit impulse of this collision into the position rows, as it pushes what a row stands for, and works out what it makes of the
+// network; gives the inverse mass that it meets.
+fn inverse_mass_of(network: Network, row: Row, r: u32, local: u32) -> f32 {
+    let k = record_at(r);
+    let at = select(k.b, k.a, k.a_id == row.id);
+    for (var first_place = 0u; first_place < network.spheres; first_place += WORKGROUP) {
+        let place = first_place + local;
+        if place < network.spheres {
+            let sphere = network_sphere(network, place);
+            next[position_at(sphere)] = vec4f(part_of(row, at, sphere) * k.n, 0.0);
+        }
+    }
+    project(network, local);
+    var sum = 0.0;
+    for (var first_place = 0u; first_place < network.spheres; first_place += WORKGROUP) {
+        let place = first_place + local;
+        if place < network.spheres {
+            let sphere = network_sphere(network, place);
+            sum += part_of(row, at, sphere) * dot(k.n, next[velocity_at(sphere)].xyz);
+        }
+    }
+    return total_of(local, sum);
+}
+
+// At which of the four ends of a record the weight of this row belongs.
+fn end_of_record(row: Row, r: u32) -> u32 {
+    let is_b = record_at(r).a_id != row.id;
+    let is_second = (row.sphere != NONE) & (row.id >= step.spheres) && (rod_ends(row.id - step.spheres).y == row.sphere);
+    return 2u * u32(is_b) + u32(is_second);
+}
+
+@compute @workgroup_size(64)
+fn weigh_networks(
+    @builtin(workgroup_id) group: vec3u,
+    @builtin(num_workgroups) groups: vec3u,
+    @builtin(local_invocation_index) local: u32,
+) {
+    let number = linear_group(group, groups);
+    if counted_by_first(local, u32((number < step.networks) & has_changes())) == 0u {
+        return;
+    }
+    let network = network_at(number);
+    put_directions(network, local);
+    var count = 0u;
+    var rows = 0u;
+    loop {
+        let row = counted_by_first(local, network_row(network, rows).id);
+        if row == NONE {
+            break;
+        }
+        count += counted_by_first(local, collisions_in(row));
+        rows += 1u;
+    }
+    for (var at = 0u; at < rows; at++) {
+        let row = network_row(network, at);
+        if counted_by_first(local, u32(has_collisions(row.id))) == 0u {
+            continue;
+        }
+        let first = first_of(row.id);
+        let entries = counted_by_first(local, count_of(row.id));
+        for (var e = 0u; e < entries; e++) {
+            let slot = slot_at(first, e);
+            if counted_by_first(local, u32((entry_at(slot) & ENTRY_COLLIDES) != 0u)) == 0u {
+                continue;
+            }
+            let r = counted_by_first(local, record_of(slot));
+            let inverse_mass = inverse_mass_of(network, row, r, local);
+            if local == 0u {
+                let times = f32(count);
+                collisions[row_at(r, 4u + end_of_record(row, r))] = bitcast<vec4u>(vec4f(times * inverse_mass, times, 0.0, 0.0));
+            }
+        }
+    }
+}

@@ -1,0 +1,20 @@
+//! The state in `Y2` becomes the state.
+
+use rayon::prelude::*;
+
+use crate::model::layout::GRAIN;
+use crate::model::status::REBUILD_REQUESTED;
+use crate::model::view::View;
+use crate::model::world::World;
+use crate::physics::travel::needs_rebuild;
+
+/// `Y2` becomes the state, and spheres ask for lists.
+pub(crate) fn commit(world: &mut World) {
+    let [start, y2, ..] = &mut world.states;
+    start.copy_from_slice(y2);
+    let view = View::new(&world.step, &world.topology, start);
+    let spheres = (0..world.step.spheres).into_par_iter().with_min_len(GRAIN);
+    if spheres.any(|sphere| needs_rebuild(&view, &world.aabbs, sphere, view.position(sphere), view.velocity(sphere))) {
+        world.status.rebuild |= REBUILD_REQUESTED;
+    }
+}

@@ -1,0 +1,182 @@
+// requires model/entries.wgsl model/four_states.wgsl model/lists.wgsl model/objects.wgsl model/step.wgsl
+// requires physics/collision/changes.wgsl physics/forces/net_force.wgsl physics/margin.wgsl physics/rotation.wgsl
+// requires step/collisions/collided.wgsl step/collisions/has_changes.wgsl step/collisions/classify_contacts.wgsl
+// requires step/collisions/rows.wgsl step/commit.wgsl step/integrate/close_step.wgsl step/integrate/finished.wgsl
+// requires step/integrate/symplectic_euler_state.wgsl step/integrate/next_state.wgsl
+
+@group(0) @binding(2) var<storage, read_write> start: array<vec4f>;
+@group(0) @binding(3) var<storage, read_write> state: array<vec4f>;
+@group(0) @binding(4) var<storage, read> topology: array<u32>;
+@group(0) @binding(5) var<storage, read_write> lists: array<array<u32, SLICE>>;
+@group(0) @binding(6) var<storage, read> aabbs: array<Aabb>;
+@group(0) @binding(7) var<storage, read_write> orientations: array<vec4f>;
+@group(0) @binding(8) var<storage, read_write> status: StatusAtomic;
+
+// As many threads as the device lets a workgroup have; each has every so many-th sphere. Loops have as many rounds for all of
+// them: a driver was seen to let threads that leave a loop early run through the barrier after it, while their neighbours were
+// still at work.
+override GROUP_SIZE: u32 = 256u;
+// Threads of a subgroup of the device with that driver.
+const LANES: u32 = 32u;
+
+// What the dispatch does, read once: see "The kernels" in ARCHITECTURE.md.
+var<workgroup> told: u32;
+
+// There are no rods here.
+fn add_wrench(i: u32, rod: u32, net: ptr<function, Net>) {}
+
+fn remember(i: u32, old_position: vec3f, spin: vec3f) {}
+
+// Every sphere works out its collisions itself. Where they share bodies the step is void, and stages take the place of this kernel.
+fn part_of_entry(sphere: u32, row: u32, slot: vec2u) -> Part {
+    return part_by_itself(sphere, entry_id(entry_at(slot)));
+}
+
+fn write_change(i: u32) {
+    var change = Change(vec3f(0.0), vec3f(0.0));
+    if inverse_mass(i) > 0.0 {
+        change = changes_of(i);
+    }
+    write_changed(i, change);
+}
+
+fn is_rejected() -> bool {
+    return atomicLoad(&status.rejected) != 0u;
+}
+
+fn find_collisions(local: u32) {
+    var collisions = 0u;
+    if !is_rejected() & (atomicLoad(&status.collided) == 0u) {
+        for (var first = 0u; first < step.spheres; first += GROUP_SIZE) {
+            let i = first + local;
+            if i < step.spheres {
+                check_escape(i);
+                collisions += mark_entries(i);
+            }
+        }
+    }
+    count_collisions_of_workgroup(0u, local, collisions);
+}
+
+fn handle_collisions(local: u32) {
+    evaluated = 0u;
+    find_collisions(local);
+    storageBarrier();
+    if has_changes() {
+        for (var first = 0u; first < step.spheres; first += GROUP_SIZE) {
+            let i = first + local;
+            // One lane after another: with several at work, in loops within loops of lengths of their own, that driver was seen to let
+            // whole subgroups through the barriers below before they had written. Few spheres collide in a step.
+            for (var lane = 0u; lane < LANES; lane++) {
+                if (i < step.spheres) & (local % LANES == lane) {
+                    if takes_part_in_any(i) {
+                        write_change(i);
+                    }
+                }
+            }
+        }
+    }
+    storageBarrier();
+    for (var first = 0u; first < step.spheres; first += GROUP_SIZE) {
+        let i = first + local;
+        if i < step.spheres {
+            commit_change(i);
+        }
+    }
+    storageBarrier();
+}
+
+// One force evaluation, and what follows from it.
+fn evaluate(local: u32, evaluation: u32, leaps: bool) {
+    evaluated = evaluation;
+    var contacts = 0u;
+    var deepest = 0.0;
+    if !is_rejected() {
+        for (var first = 0u; first < step.spheres; first += GROUP_SIZE) {
+            let i = first + local;
+            if i < step.spheres {
+                let net = net_in_pass(i);
+                if leaps {
+                    write_symplectic_euler(i, net);
+                } else if evaluation == 3u {
+                    turn_by(i, rotation(finish_sphere(i, net).spin));
+                } else {
+                    write_next(i, net);
+                }
+                contacts += net.contacts;
+                deepest = max(deepest, net.deepest);
+            }
+        }
+    }
+    if evaluation == 0u {
+        if (local == 0u) & !is_rejected() {
+            count_rebuild();
+        }
+        count_contacts_of_workgroup(0u, local, contacts, deepest);
+    }
+}
+
+// What the force evaluation of symplectic Euler made becomes the state.
+fn take_symplectic_euler_steps(local: u32) {
+    if is_rejected() {
+        return;
+    }
+    for (var first = 0u; first < step.spheres; first += GROUP_SIZE) {
+        let i = first + local;
+        if i < step.spheres {
+            commit(i);
+            let momentum = next_row(2u, i);
+            turn_by(i, rotation(momentum.xyz * momentum.w));
+        }
+    }
+}
+
+fn update_positions(local: u32, leaps: bool) {
+    let evaluations = select(4u, 1u, leaps);
+    for (var evaluation = 0u; evaluation < evaluations; evaluation++) {
+        evaluate(local, evaluation, leaps);
+        storageBarrier();
+    }
+    if leaps {
+        take_symplectic_euler_steps(local);
+        storageBarrier();
+    }
+    close_step(local);
+    storageBarrier();
+}
+
+// Whether phase k of a dispatch with this pass is that of collisions.
+fn is_collisions(k: u32, index: u32) -> bool {
+    let order = index & ORDER_MASK;
+    return (order != POSITIONS_ALONE) & ((k + order) % 2u == 0u);
+}
+
+// Barriers stand where all threads come by, void or not: a void step does nothing between them, nor do those after it.
+@compute @workgroup_size(GROUP_SIZE)
+fn run_steps(@builtin(local_invocation_index) local: u32) {
+    for (var first = 0u; first < 3u * step.spheres; first += GROUP_SIZE) {
+        let i = first + local;
+        if i < 3u * step.spheres {
+            state[i] = start[i];
+        }
+    }
+    storageBarrier();
+    if local == 0u {
+        told = pass_.index;
+    }
+    let index = workgroupUniformLoad(&told);
+    let count = index >> PHASES_SHIFT;
+    for (var k = 0u; k < count; k++) {
+        if is_collisions(k, index) {
+            handle_collisions(local);
+        } else {
+            update_positions(local, (index & SYMPLECTIC_EULER) != 0u);
+        }
+    }
+    for (var first = 0u; first < 3u * step.spheres; first += GROUP_SIZE) {
+        let i = first + local;
+        if i < 3u * step.spheres {
+            start[i] = state[i];
+        }
+    }
+}

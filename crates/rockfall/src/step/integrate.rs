@@ -1,0 +1,12 @@
+//! Integration of the state, and constraints (docs/physics.md sections 5 and 6).
+
+pub(crate) mod advance;
+pub(crate) mod commit_and_turn;
+pub(crate) mod commit_symplectic_euler;
+pub(crate) mod constrain;
+pub(crate) mod end_step;
+pub(crate) mod finish;
+pub(crate) mod finish_and_turn;
+pub(crate) mod restore_lengths;
+pub(crate) mod symplectic_euler;
+pub(crate) mod turn;

@@ -1,0 +1,70 @@
+// requires model/step.wgsl
+
+// The end of a step, for a workgroup of at least COUNTER_BLOCKS threads. All of them must come here.
+
+var<workgroup> contacts: atomic<u32>;
+var<workgroup> max_overlap: atomic<u32>;
+var<workgroup> collisions: atomic<u32>;
+
+// Adds up what was told, and takes it back.
+fn sum_told(local: u32) {
+    if local == 0u {
+        atomicStore(&contacts, 0u);
+        atomicStore(&max_overlap, 0u);
+        atomicStore(&collisions, 0u);
+    }
+    workgroupBarrier();
+    if (local < COUNTER_BLOCKS) & (atomicLoad(&status.rejected) == 0u) {
+        atomicAdd(&contacts, atomicExchange(&status.counters[local].contacts, 0u));
+        atomicMax(&max_overlap, atomicExchange(&status.counters[local].max_overlap, 0u));
+        atomicAdd(&collisions, atomicExchange(&status.counters[local].collisions, 0u));
+    }
+    workgroupBarrier();
+}
+
+fn count_step() {
+    status.steps += 1u;
+    status.last_contacts = atomicLoad(&contacts);
+    status.last_max_overlap = atomicLoad(&max_overlap);
+    status.last_collisions = atomicLoad(&collisions);
+    let low = status.total_collisions_low + status.last_collisions;
+    if low < status.last_collisions {
+        status.total_collisions_high += 1u;
+    }
+    status.total_collisions_low = low;
+    status.total_bad += atomicLoad(&status.bad_count);
+    let listed = atomicExchange(&status.listed, 0u);
+    if atomicExchange(&status.clustered, 0u) != 0u {
+        status.clustered_steps += 1u;
+        status.many_steps += u32(listed > FEW_COLLISIONS);
+    }
+}
+
+// Notes the first body that stopped being finite, and voids what comes after it unless that is to go on.
+fn note_bad_body() {
+    let bad_body = atomicLoad(&status.bad_body);
+    if bad_body == NO_BODY {
+        return;
+    }
+    if status.first_bad == NO_BODY {
+        status.first_bad = bad_body;
+        status.bad_step = status.steps;
+    }
+    // Asked together for the reason in objects.wgsl.
+    if (bad_body != NO_BODY) & ((step.flags & FLAG_CONTINUE) == 0u) {
+        atomicOr(&status.rejected, REJECTED_NON_FINITE);
+    }
+}
+
+fn close_step(local: u32) {
+    sum_told(local);
+    if (local != 0u) | (atomicLoad(&status.rejected) != 0u) {
+        return;
+    }
+    count_step();
+    note_bad_body();
+    atomicStore(&status.collides, 0u);
+    atomicStore(&status.bad_count, 0u);
+    atomicStore(&status.bad_body, NO_BODY);
+    atomicStore(&status.collided, 0u);
+}

@@ -1,0 +1,40 @@
+//! After symplectic Euler, in scenes without rods: `commit_symplectic_euler`, then every sphere turns by its new spin (exponential map).
+
+use glam::Vec4;
+use rayon::prelude::*;
+
+use crate::model::buffer::Buffer;
+use crate::model::dispatch::Threads;
+use crate::model::layout::GRAIN;
+use crate::model::view::View;
+use crate::model::world::World;
+use crate::step::commit::commit;
+use crate::step::integrate::turn::turn_for;
+use crate::step::stage::{Stage, read, write};
+use crate::step::wgsl::{Wgsl, part};
+
+/// The stage.
+pub(crate) const STAGE: Stage = Stage {
+    name: "commit_and_turn",
+    wgsl: Wgsl::File(part!("step/integrate/commit_and_turn.wgsl")),
+    bindings: &[
+        write("state", Buffer::Start),
+        read("next", Buffer::Y2),
+        write("orientations", Buffer::Orientations),
+        read("aabbs", Buffer::Aabbs),
+        write("status", Buffer::Status),
+    ],
+    threads: Threads::WideSpheres,
+    cpu: commit_and_turn,
+};
+
+fn commit_and_turn(world: &mut World, _pass: u32) {
+    if world.status.rejected != 0 {
+        return;
+    }
+    commit(world);
+    let World { step, topology, states, orientations, .. } = world;
+    let view = View::new(step, topology, &states[0]);
+    let turn = |(sphere, orientation): (usize, &mut Vec4)| turn_for(orientation, view.spin(sphere as u32), step.dt);
+    orientations.par_iter_mut().enumerate().with_min_len(GRAIN).for_each(turn);
+}

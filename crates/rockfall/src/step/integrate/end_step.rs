@@ -1,0 +1,49 @@
+//! Closes the step: counters move to `last_*` and the totals, `collided` is cleared, and a body that stopped being finite
+//! voids the steps after this one unless `FLAG_CONTINUE` is set. Does nothing in a void step.
+
+use crate::model::buffer::Buffer;
+use crate::model::dispatch::Threads;
+use crate::model::layout::FLAG_CONTINUE;
+use crate::model::status::{Counters, NO_BODY, REJECTED_NON_FINITE};
+use crate::model::world::World;
+use crate::step::stage::{Stage, write};
+use crate::step::wgsl::{Wgsl, part};
+
+/// The stage.
+pub(crate) const STAGE: Stage = Stage {
+    name: "end_step",
+    wgsl: Wgsl::File(part!("step/integrate/end_step.wgsl")),
+    bindings: &[write("status", Buffer::Status)],
+    threads: Threads::One,
+    cpu: end_step,
+};
+
+fn end_step(world: &mut World, _pass: u32) {
+    let status = &mut world.status;
+    if status.rejected != 0 {
+        return;
+    }
+    status.steps += 1;
+    let told = status.total_counters();
+    status.counters.fill(Counters::default());
+    status.collides = 0;
+    status.listed = 0;
+    status.clustered_steps += std::mem::take(&mut status.clustered);
+    (status.last_contacts, status.last_max_overlap, status.last_collisions) =
+        (told.contacts, told.max_overlap, told.collisions);
+    let (low, carry) = status.total_collisions_low.overflowing_add(status.last_collisions);
+    status.total_collisions_low = low;
+    status.total_collisions_high += u32::from(carry);
+    status.total_bad += std::mem::take(&mut status.bad_count);
+    let bad = std::mem::replace(&mut status.bad_body, NO_BODY);
+    if bad != NO_BODY {
+        if status.first_bad == NO_BODY {
+            status.first_bad = bad;
+            status.bad_step = status.steps;
+        }
+        if world.step.flags & FLAG_CONTINUE == 0 {
+            status.rejected |= REJECTED_NON_FINITE;
+        }
+    }
+    status.collided = 0;
+}

@@ -1,0 +1,105 @@
+//! RK4, pass 3: the last force evaluation and the new state, without a running sum:
+//! y + [(Y2 - y) + 2 (Y3 - y) + (Y4 - y)] / 3 + dt/6 f(Y4).
+//!
+//! Leaves the old position in region 0 of `Y3` and the mean spin (w1 + 2 w2 + 2 w3 + w4) / 6 in its region 2, for `constrain`
+//! and `turn`; where there are no rods, and so neither of them, `finish_and_turn` does it all.
+
+use glam::{Vec3, Vec4};
+use rayon::prelude::*;
+
+use crate::error::BadStage;
+use crate::model::buffer::Buffer;
+use crate::model::counters::Tally;
+use crate::model::dispatch::Threads;
+use crate::model::layout::SLICE;
+use crate::model::lists::Lists;
+use crate::model::state::{Motion, Rows};
+use crate::model::view::View;
+use crate::model::world::World;
+use crate::physics::forces::net_force::rates;
+use crate::step::stage::{Stage, read, write};
+use crate::step::wgsl::{Wgsl, part};
+
+/// The stage.
+pub(crate) const STAGE: Stage = Stage {
+    name: "finish",
+    wgsl: Wgsl::File(part!("step/integrate/finish.wgsl")),
+    bindings: &[
+        read("state", Buffer::Y4),
+        read("y2", Buffer::Y2),
+        write("y3", Buffer::Y3),
+        write("start", Buffer::Start),
+        read("topology", Buffer::Topology),
+        read("lists", Buffer::Lists),
+        read("wrenches", Buffer::Wrenches),
+        write("status", Buffer::Status),
+    ],
+    threads: Threads::SharedSpheres,
+    cpu: finish,
+};
+
+fn finish(world: &mut World, _pass: u32) {
+    if world.status.rejected != 0 {
+        return;
+    }
+    let done = finish_all(world);
+    let step = &world.step;
+    Rows::of(&mut world.states[2], step.spheres).for_each(|mut memory| {
+        for sphere in memory.spheres() {
+            let Done { old_position, spin } = done[sphere as usize];
+            memory.remember(sphere, old_position, spin);
+        }
+    });
+}
+
+/// What the rest of a step needs to know of a sphere.
+#[derive(Clone, Copy, Default)]
+pub(super) struct Done {
+    old_position: Vec3,
+    /// The mean over the step, in rad/s.
+    pub(super) spin: Vec3,
+}
+
+/// Makes the new state of all spheres.
+pub(super) fn finish_all(world: &mut World) -> Vec<Done> {
+    let [start, y2, y3, y4] = &mut world.states;
+    let views = [&*y2, y3, y4].map(|state| View::new(&world.step, &world.topology, state));
+    let lists = Lists::new(&world.step, &world.lists);
+    let mut all = vec![Done::default(); world.step.spheres as usize];
+    let tally = Rows::of(start, world.step.spheres)
+        .zip(all.par_chunks_mut(SLICE as usize))
+        .map(|(mut rows, all)| {
+            let mut tally = Tally::default();
+            for (sphere, done) in rows.spheres().zip(all) {
+                let start = rows.get(sphere);
+                let (motion, spin) = finished(start, &views, &lists, &world.wrenches, sphere, &mut tally);
+                rows.set(&views[2], sphere, motion);
+                *done = Done { old_position: start.position, spin };
+            }
+            tally
+        })
+        .reduce(Tally::default, Tally::merge);
+    tally.add_to(&mut world.status);
+    all
+}
+
+/// The new state of a sphere, and its mean spin over the step.
+fn finished(y: Motion, views: &[View; 3], lists: &Lists, wrenches: &[Vec4], sphere: u32, tally: &mut Tally) -> (Motion, Vec3) {
+    let [y2, y3, y4] = views.map(|view| Motion::of(&view, sphere));
+    let last = &views[2];
+    let [w1, w2, w3, w4] = [y, y2, y3, y4].map(|motion| motion.angular_momentum * last.inverse_inertia(sphere));
+    if last.is_fixed(sphere) {
+        return (y, w1);
+    }
+    let spin = (w1 + 2.0 * w2 + 2.0 * w3 + w4) / 6.0;
+    let (acceleration, torque) = rates(last, lists, wrenches, sphere, None);
+    let h = last.step.dt / 6.0;
+    // y' = y + [(Y2 - y) + 2 (Y3 - y) + (Y4 - y)] / 3 + h/6 k4: the stage states hold k1, k2, k3.
+    let mean = |y: Vec3, y2: Vec3, y3: Vec3, y4: Vec3, k4: Vec3| y + ((y2 - y) + 2.0 * (y3 - y) + (y4 - y)) / 3.0 + h * k4;
+    let motion = Motion {
+        position: mean(y.position, y2.position, y3.position, y4.position, y4.velocity),
+        velocity: mean(y.velocity, y2.velocity, y3.velocity, y4.velocity, acceleration),
+        angular_momentum: mean(y.angular_momentum, y2.angular_momentum, y3.angular_momentum, y4.angular_momentum, torque),
+    };
+    (motion.or_stopped(y.position, BadStage::Forces4, last.user(sphere), tally), spin)
+}

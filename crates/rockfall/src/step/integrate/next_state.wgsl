@@ -1,0 +1,42 @@
+// requires model/counters.wgsl model/step.wgsl physics/forces/net_force.wgsl physics/margin.wgsl
+
+// The next stage state of a sphere, from the forces on it in the one that is evaluated.
+
+// All four stage states are looked at once, in time for a void step to be nobody's state: AABBs are read once.
+fn check_escapes(i: u32, start: vec4f, velocity: vec3f, last: vec3f) {
+    let aabb = aabbs[i];
+    let second = start.xyz + 0.5 * step.dt * velocity;
+    var ratio = max(escape_ratio(start.xyz, start.w, aabb), escape_ratio(last, start.w, aabb));
+    ratio = max(ratio, escape_ratio(state[position_at(i)].xyz, start.w, aabb));
+    // One that was not finite was put back to the start.
+    if finite(second) {
+        ratio = max(ratio, escape_ratio(second, start.w, aabb));
+    }
+    if ratio > 0.0 {
+        report_escape(ratio);
+    }
+}
+
+fn write_next(i: u32, net: Net) {
+    let old_position = start_row(0u, i);
+    let old_velocity = start_row(1u, i);
+    let old_momentum = start_row(2u, i);
+    var after = Motion(old_position.xyz, old_velocity.xyz, old_momentum.xyz);
+    if old_velocity.w > 0.0 {
+        let c = select(0.5, 1.0, evaluation() == 2u) * step.dt;
+        after.position += c * state[velocity_at(i)].xyz;
+        after.velocity += c * (step.gravity + old_velocity.w * net.force);
+        after.momentum += c * net.torque;
+        if !is_finite(after) {
+            after = stopped(old_position.xyz, evaluation() + 1u, i);
+        }
+        if evaluation() == 2u {
+            check_escapes(i, old_position, old_velocity.xyz, after.position);
+            // Stage state 4 is about where the step will end, which is good enough: whoever leaves unannounced voids a step.
+            ask_for_lists(i, vec4f(after.position, old_position.w), vec4f(after.velocity, old_velocity.w));
+        }
+    }
+    put_next(0u, i, vec4f(after.position, old_position.w));
+    put_next(1u, i, vec4f(after.velocity, old_velocity.w));
+    put_next(2u, i, vec4f(after.momentum, old_momentum.w));
+}

@@ -1,0 +1,110 @@
+// requires model/objects.wgsl model/one_state.wgsl model/step.wgsl physics/rotation.wgsl
+
+@group(0) @binding(2) var<storage, read_write> state: array<vec4f>;
+@group(0) @binding(3) var<storage, read> y3: array<vec4f>;
+@group(0) @binding(4) var<storage, read_write> orientations: array<vec4f>;
+@group(0) @binding(5) var<storage, read> topology: array<u32>;
+@group(0) @binding(6) var<storage, read> status: Status;
+
+// The shortest rotation of one unit vector to another; of opposite ones about any axis across them.
+fn shortest_rotation(old: vec3f, new_: vec3f) -> vec4f {
+    let w = 1.0 + dot(old, new_);
+    if w > 1e-6 {
+        return normalize(vec4f(cross(old, new_), w));
+    }
+    let across = select(vec3f(1.0, 0.0, 0.0), vec3f(0.0, 1.0, 0.0), abs(old.x) > 0.7);
+    return vec4f(normalize(cross(old, across)), 0.0);
+}
+
+// The rod of the free capsule that a sphere is an end of: a fixed rod, the only one of both ends, neither of them fixed.
+fn free_capsule(sphere: u32) -> u32 {
+    let rod = capsule_rod(sphere);
+    if rod == NONE {
+        return NONE;
+    }
+    let ends = rod_ends(rod);
+    if capsule_rod(other_end(rod, sphere)) != rod {
+        return NONE;
+    }
+    if (inverse_mass(ends.x) <= 0.0) | (inverse_mass(ends.y) <= 0.0) {
+        return NONE;
+    }
+    let d = state[position_at(ends.y)].xyz - state[position_at(ends.x)].xyz;
+    return select(NONE, rod, dot(d, d) > TINY);
+}
+
+// E18: one spin for both ends; across the axis it is that of the capsule as a whole, and what is left of the ends' angular
+// momentum there returns as momentum of the ends. It does so all through the step: half of the change of velocity moves
+// the axis, and the spin is taken about the axis where it comes to be.
+fn turn_capsule(ends: vec2u) {
+    let x1 = state[position_at(ends.x)];
+    let x2 = state[position_at(ends.y)];
+    let v1 = state[velocity_at(ends.x)];
+    let v2 = state[velocity_at(ends.y)];
+    let l1 = state[momentum_at(ends.x)];
+    let l2 = state[momentum_at(ends.y)];
+    let d = x2.xyz - x1.xyz;
+    let dd = dot(d, d);
+    let v = v2.xyz - v1.xyz;
+    let inertia = vec2f(1.0 / l1.w, 1.0 / l2.w);
+    let along = inertia.x + inertia.y;
+    let mass = 1.0 / (v1.w + v2.w);
+    let across = along + mass * dd;
+
+    let spins = l1.xyz + l2.xyz;
+    let orbit = mass * cross(d, v);
+    // Of the end 2 against the end 1, as it should move about the axis, and as it should move along it.
+    let opening = dot(v, d) / dd;
+    let change = cross(spins + orbit, d) / across + opening * d - v;
+    let there = d + 0.5 * step.dt * (change - (dot(change, d) / dd) * d);
+    let new_d = there * sqrt(dd / dot(there, there));
+    let square = dot(new_d, new_d);
+
+    // The orbit stands across d, so that of the new direction only what has moved counts. Dividing by the square keeps
+    // rounding of a unit vector's length out of the spin.
+    let roll = (dot(spins, new_d) + dot(orbit, new_d - d)) / (along * square);
+    let spin_across = (spins + orbit - (dot(spins + orbit, new_d) / square) * new_d) / across;
+    let spin = roll * new_d + spin_across;
+    let new_v = cross(spin_across, new_d) + opening * new_d;
+    let new_x1 = x1.xyz - (v1.w * mass) * (new_d - d);
+    let new_x2 = x2.xyz + (v2.w * mass) * (new_d - d);
+    let new_v1 = v1.xyz - (v1.w * mass) * (new_v - v);
+    let new_v2 = v2.xyz + (v2.w * mass) * (new_v - v);
+    // Where one spin for both ends is beyond all numbers, each end keeps its own.
+    let places = finite(new_x1) & finite(new_x2) & finite(new_v1) & finite(new_v2);
+    if places & finite(inertia.x * spin) & finite(inertia.y * spin) {
+        state[position_at(ends.x)] = vec4f(new_x1, x1.w);
+        state[position_at(ends.y)] = vec4f(new_x2, x2.w);
+        state[velocity_at(ends.x)] = vec4f(new_v1, v1.w);
+        state[velocity_at(ends.y)] = vec4f(new_v2, v2.w);
+        state[momentum_at(ends.x)] = vec4f(inertia.x * spin, l1.w);
+        state[momentum_at(ends.y)] = vec4f(inertia.y * spin, l2.w);
+    }
+
+    let old = y3[position_at(ends.y)].xyz - y3[position_at(ends.x)].xyz;
+    var old_axis = d / sqrt(dd);
+    if dot(old, old) > TINY {
+        old_axis = normalize(old);
+    }
+    let by = multiply(shortest_rotation(old_axis, new_d / sqrt(square)), rotation(roll * sqrt(square) * old_axis));
+    turn_by(ends.x, by);
+    turn_by(ends.y, by);
+}
+
+@compute @workgroup_size(64)
+fn turn(
+    @builtin(workgroup_id) group: vec3u,
+    @builtin(num_workgroups) groups: vec3u,
+    @builtin(local_invocation_index) local: u32,
+) {
+    let i = linear_thread(group, groups, local);
+    if (i >= step.spheres) | (status.rejected != 0u) {
+        return;
+    }
+    let rod = free_capsule(i);
+    if rod == NONE {
+        turn_by(i, rotation(y3[momentum_at(i)].xyz));
+    } else if rod_ends(rod).x == i {
+        turn_capsule(rod_ends(rod));
+    }
+}

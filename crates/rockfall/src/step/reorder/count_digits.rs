@@ -1,0 +1,43 @@
+//! Memory order, 2 of 5, for every digit of the keys, least first (radix sort): how often each value of the digit comes in every
+//! block of pairs. `sum_blocks` and `place_cells` make of these where the pairs go.
+
+use bytemuck::cast_slice;
+
+use crate::model::buffer::Buffer;
+use crate::model::dispatch::Threads;
+use crate::model::layout::{CELLS_AT, DIGIT_BITS, DIGIT_BLOCK, DIGITS};
+use crate::model::world::World;
+use crate::step::stage::{Access, Binding, Slot, Stage, read, write};
+use crate::step::wgsl::{Wgsl, part};
+
+/// The stage.
+pub(crate) const STAGE: Stage = Stage {
+    name: "count_digits",
+    wgsl: Wgsl::File(part!("step/reorder/count_digits.wgsl")),
+    bindings: &[
+        Binding { name: "pairs", slot: Slot::Unsorted, access: Access::Read },
+        write("cells", Buffer::Cells),
+        read("status", Buffer::Status),
+    ],
+    threads: Threads::DigitBlocks,
+    cpu: count_digits,
+};
+
+fn count_digits(world: &mut World, pass: u32) {
+    if world.status.rejected != 0 {
+        return;
+    }
+    let pairs: &[[u32; 2]] = cast_slice(&world.states[1 + pass as usize % 2]);
+    let spheres = world.step.spheres as usize;
+    let blocks = spheres.div_ceil(DIGIT_BLOCK as usize);
+    let cells = &mut world.cells[CELLS_AT as usize..];
+    cells[..DIGITS as usize * blocks].fill(0);
+    for (pair, place) in pairs[..spheres].iter().zip(0..) {
+        cells[digit(*pair, pass) * blocks + place / DIGIT_BLOCK as usize] += 1;
+    }
+}
+
+/// The digit of a pair's key that a pass sorts by.
+pub(super) fn digit(pair: [u32; 2], pass: u32) -> usize {
+    (pair[0] >> (DIGIT_BITS * pass) & (DIGITS - 1)) as usize
+}

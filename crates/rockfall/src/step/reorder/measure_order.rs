@@ -1,0 +1,34 @@
+//! How near in memory stands what is near in space: for about [`ORDER_SAMPLE`] spheres, the binary digits of the distance in
+//! memory to every sphere in the list, added up. In perfect order most neighbours share a few cache lines; at random they are
+//! anywhere, and every digit more makes it likelier that a read has to wait for memory.
+
+use crate::model::buffer::Buffer;
+use crate::model::dispatch::Threads;
+use crate::model::layout::ORDER_SAMPLE;
+use crate::model::lists::Lists;
+use crate::model::world::World;
+use crate::step::stage::{Stage, read, write};
+use crate::step::wgsl::{Wgsl, part};
+
+/// The stage.
+pub(crate) const STAGE: Stage = Stage {
+    name: "measure_order",
+    wgsl: Wgsl::File(part!("step/reorder/measure_order.wgsl")),
+    bindings: &[read("lists", Buffer::Lists), write("status", Buffer::Status)],
+    threads: Threads::Spheres,
+    cpu: measure_order,
+};
+
+fn measure_order(world: &mut World, _pass: u32) {
+    if world.status.rejected != 0 {
+        return;
+    }
+    let spheres = world.step.spheres;
+    let lists = Lists::new(&world.step, &world.lists);
+    for slot in (0..spheres).step_by(1 + (spheres / ORDER_SAMPLE) as usize) {
+        for other in lists.row(slot).map(|entry| entry.id()).filter(|id| *id < spheres) {
+            world.status.order_entries += 1;
+            world.status.order_digits += u32::BITS - slot.abs_diff(other).leading_zeros();
+        }
+    }
+}

@@ -1,0 +1,43 @@
+//! Memory order, 3 of 5: pairs in the order of a digit, those of the same digit as they were. After the last pass they are back
+//! in `Y2`, in the order of the keys.
+
+use bytemuck::cast_slice_mut;
+
+use crate::model::buffer::Buffer;
+use crate::model::dispatch::Threads;
+use crate::model::layout::{CELLS_AT, DIGIT_BLOCK};
+use crate::model::world::World;
+use crate::step::reorder::count_digits::digit;
+use crate::step::stage::{Access, Binding, Slot, Stage, read};
+use crate::step::wgsl::{Wgsl, part};
+
+/// The stage.
+pub(crate) const STAGE: Stage = Stage {
+    name: "scatter_digits",
+    wgsl: Wgsl::File(part!("step/reorder/scatter_digits.wgsl")),
+    bindings: &[
+        Binding { name: "pairs", slot: Slot::Unsorted, access: Access::Read },
+        Binding { name: "sorted", slot: Slot::Sorted, access: Access::Write },
+        read("cells", Buffer::Cells),
+        read("status", Buffer::Status),
+    ],
+    threads: Threads::DigitBlocks,
+    cpu: scatter_digits,
+};
+
+fn scatter_digits(world: &mut World, pass: u32) {
+    if world.status.rejected != 0 {
+        return;
+    }
+    let [_, y2, y3, _] = &mut world.states;
+    let (pairs, sorted) = if pass.is_multiple_of(2) { (y2, y3) } else { (y3, y2) };
+    let (pairs, sorted): (&mut [[u32; 2]], &mut [[u32; 2]]) = (cast_slice_mut(pairs), cast_slice_mut(sorted));
+    let spheres = world.step.spheres as usize;
+    let blocks = spheres.div_ceil(DIGIT_BLOCK as usize);
+    let mut next: Vec<u32> = world.cells[CELLS_AT as usize..].to_vec();
+    for (pair, place) in pairs[..spheres].iter().zip(0..) {
+        let next = &mut next[digit(*pair, pass) * blocks + place / DIGIT_BLOCK as usize];
+        sorted[*next as usize] = *pair;
+        *next += 1;
+    }
+}

@@ -1,0 +1,66 @@
+//! Memory order, 5 of 5: spheres settle in their new places, and what refers to them by memory slot follows: rods, springs,
+//! tethers, and the maps between slots and the order of addition.
+
+use bytemuck::cast_slice;
+use glam::Vec4;
+
+use crate::model::buffer::Buffer;
+use crate::model::dispatch::Threads;
+use crate::model::layout::{ROD_WORDS, SPRING_WORDS, TETHER_WORDS};
+use crate::model::world::World;
+use crate::step::stage::{Stage, read, write};
+use crate::step::wgsl::{Wgsl, part};
+
+/// The stage.
+pub(crate) const STAGE: Stage = Stage {
+    name: "settle_spheres",
+    wgsl: Wgsl::File(part!("step/reorder/settle_spheres.wgsl")),
+    bindings: &[
+        write("start", Buffer::Start),
+        read("y3", Buffer::Y3),
+        read("y4", Buffer::Y4),
+        write("orientations", Buffer::Orientations),
+        write("topology", Buffer::Topology),
+        read("status", Buffer::Status),
+    ],
+    threads: Threads::Spheres,
+    cpu: settle_spheres,
+};
+
+fn settle_spheres(world: &mut World, _pass: u32) {
+    if world.status.rejected != 0 {
+        return;
+    }
+    let World { step, topology, states: [start, _, y3, y4], orientations, .. } = world;
+    let n = step.spheres as usize;
+    let memory: &[[u32; 4]] = cast_slice(y4);
+    start.copy_from_slice(y3);
+    let records = memory[..n].iter().zip(&memory[n..2 * n]);
+    for (slot, (orientation, [tag, user, begin, end])) in records.enumerate() {
+        orientations[slot] = Vec4::from_array(orientation.map(f32::from_bits));
+        let mut set = |at: u32, place: usize, word: u32| topology[at as usize + place] = word;
+        set(step.tags_at, slot, *tag);
+        set(step.insertion_indices_at, slot, *user);
+        set(step.slots_at, *user as usize, slot as u32);
+        if step.adjacency_at != 0 {
+            set(step.adjacency_at, 2 * slot, *begin);
+            set(step.adjacency_at, 2 * slot + 1, *end);
+        }
+    }
+    if step.ends_at != 0 {
+        for [slot, end, ..] in &memory[2 * n..3 * n] {
+            topology[(step.ends_at + slot) as usize] = *end;
+        }
+    }
+    // Records that begin with so many spheres.
+    let referring = [
+        (step.rods_at, step.rods_at + step.rods * ROD_WORDS, ROD_WORDS, 2),
+        (step.springs_at, step.tethers_at, SPRING_WORDS, 2),
+        (step.tethers_at, step.forces_at, TETHER_WORDS, 1),
+    ];
+    for (first, end, size, spheres) in referring {
+        for record in topology[first as usize..end as usize].chunks_exact_mut(size as usize) {
+            record[..spheres].iter_mut().for_each(|sphere| *sphere = memory[2 * n + *sphere as usize][0]);
+        }
+    }
+}

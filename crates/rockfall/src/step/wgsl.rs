@@ -1,0 +1,190 @@
+//! How the WGSL of a stage is put together.
+//!
+//! A kernel is the text of its own file and of all files that it requires. A file begins with lines such as
+//!
+//! ```text
+//! // requires model/lists.wgsl physics/contact.wgsl
+//! ```
+//!
+//! which name, by paths below `src/`, the files whose declarations it uses directly. [`Wgsl::parts`] follows them; the order does not
+//! matter in WGSL. Shared files may use names that the stage provides in one way or another: its bindings, and the [`HOOKS`]. Text for
+//! other scenes comes from a [`Variant`]. `tests/wgsl.rs` checks that no file uses a name without requiring it, requires a file
+//! that it does not use, or declares a name twice.
+
+use crate::model::layout::MANY_OBJECTS;
+use crate::model::step::Step;
+
+/// A file of WGSL.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Part {
+    /// Path below `src/`.
+    pub file: &'static str,
+    /// Its text.
+    pub text: &'static str,
+}
+
+macro_rules! part {
+    ($file:literal) => {
+        $crate::step::wgsl::Part { file: $file, text: include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/src/", $file)) }
+    };
+}
+pub(crate) use part;
+
+/// Names that a shared file uses without requiring a file that declares them, with what they are. The stage's own file declares them,
+/// or requires one of several files that do.
+pub const HOOKS: &[(&str, &str)] = &[
+    ("GROUP_SIZE", "threads of a workgroup"),
+    ("add_wrench", "adds the force and torque on the end of a rod that a sphere is"),
+    ("count", "how many entries the list has that is sorted"),
+    ("emit", "what becomes of a pair that the broad phase finds"),
+    ("evaluation", "which force evaluation of RK4 this is, from 0"),
+    ("into", "where the list that is sorted begins"),
+    ("momentum_at", "where the angular momentum of a sphere stands in `state`"),
+    ("next_row", "reads a row of the state that replaces the present one"),
+    ("part_of_entry", "what the collision of a list entry does to its sphere"),
+    ("position_at", "where the position of a sphere stands in `state`"),
+    ("put_next", "writes a row of the next stage state"),
+    ("put_start", "writes a row of the state"),
+    ("remember", "keeps the old position and the mean spin of a sphere, for the rest of a step with rods"),
+    ("start_row", "reads a row of the state at the start of the step"),
+    ("velocity_at", "where the velocity of a sphere stands in `state`"),
+    ("y2_row", "reads a row of stage state 2"),
+    ("y3_row", "reads a row of stage state 3"),
+    ("y4_row", "reads a row of stage state 4"),
+];
+
+/// All files that stages share.
+pub const SHARED: &[Part] = &[
+    part!("model/counters.wgsl"),
+    part!("model/entries.wgsl"),
+    part!("model/four_states.wgsl"),
+    part!("model/lists.wgsl"),
+    part!("model/objects.wgsl"),
+    part!("model/one_state.wgsl"),
+    part!("model/order.wgsl"),
+    part!("model/put_head.wgsl"),
+    part!("model/stage_states.wgsl"),
+    part!("model/step.wgsl"),
+    part!("model/two_states.wgsl"),
+    part!("physics/collision.wgsl"),
+    part!("physics/collision/capsule_changes.wgsl"),
+    part!("physics/collision/changes.wgsl"),
+    part!("physics/collision/other_collisions.wgsl"),
+    part!("physics/collision/couplings.wgsl"),
+    part!("physics/collision/impulses.wgsl"),
+    part!("physics/collision/networks.wgsl"),
+    part!("physics/collision/plain.wgsl"),
+    part!("physics/collision/cluster.wgsl"),
+    part!("physics/collision/lone.wgsl"),
+    part!("physics/contact.wgsl"),
+    part!("physics/forces/attached.wgsl"),
+    part!("physics/forces/net_force.wgsl"),
+    part!("physics/forces/wrenches.wgsl"),
+    part!("physics/friction_impulses.wgsl"),
+    part!("physics/geometry.wgsl"),
+    part!("physics/lengths.wgsl"),
+    part!("physics/margin.wgsl"),
+    part!("physics/rotation.wgsl"),
+    part!("physics/touch.wgsl"),
+    part!("physics/sine.wgsl"),
+    part!("physics/travel.wgsl"),
+    part!("step/broad_phase/brute_force/pair_tiles.wgsl"),
+    part!("step/broad_phase/grid/bitonic.wgsl"),
+    part!("step/broad_phase/grid/cells.wgsl"),
+    part!("step/broad_phase/grid/count_object.wgsl"),
+    part!("step/broad_phase/grid/long.wgsl"),
+    part!("step/broad_phase/grid/neighbours.wgsl"),
+    part!("step/broad_phase/grid/place_object.wgsl"),
+    part!("step/broad_phase/grid/scan.wgsl"),
+    part!("step/broad_phase/grid/sort.wgsl"),
+    part!("step/broad_phase/heap.wgsl"),
+    part!("step/broad_phase/meet.wgsl"),
+    part!("step/broad_phase/sort_and_skip/axis.wgsl"),
+    part!("step/broad_phase/sort_and_skip/near_tiles.wgsl"),
+    part!("step/collisions/collided.wgsl"),
+    part!("step/collisions/has_changes.wgsl"),
+    part!("step/collisions/classify_contacts.wgsl"),
+    part!("step/collisions/record_of.wgsl"),
+    part!("step/collisions/records.wgsl"),
+    part!("step/collisions/rows.wgsl"),
+    part!("step/collisions/report_clusters.wgsl"),
+    part!("step/commit.wgsl"),
+    part!("step/integrate/close_step.wgsl"),
+    part!("step/integrate/finished.wgsl"),
+    part!("step/integrate/symplectic_euler_state.wgsl"),
+    part!("step/integrate/next_state.wgsl"),
+    part!("step/large_spheres/ordered_sums.wgsl"),
+    part!("step/large_spheres/large_sphere_forces.wgsl"),
+    part!("step/large_spheres/workgroup_per_sphere.wgsl"),
+    part!("step/reorder/digits.wgsl"),
+    part!("step/take_next.wgsl"),
+];
+
+impl Part {
+    /// The files that it requires directly.
+    ///
+    /// # Panics
+    /// When one of them is not among [`SHARED`].
+    pub fn requires(&self) -> impl Iterator<Item = Part> {
+        let lines = self.text.lines().map_while(|line| line.strip_prefix("// requires "));
+        lines.flat_map(str::split_whitespace).map(|file| {
+            let found = SHARED.iter().find(|part| part.file == file);
+            *found.unwrap_or_else(|| panic!("{} requires {file}, which is not a shared WGSL file", self.file))
+        })
+    }
+}
+
+/// The text of a kernel.
+#[derive(Clone, Copy, Debug)]
+pub enum Wgsl {
+    /// A file, with those that it requires.
+    File(Part),
+    /// Files as they are: for tests, which change some.
+    Parts(&'static [Part]),
+}
+
+impl Wgsl {
+    /// The files to join: those that are required, directly or not, each once, and the stage's own last.
+    pub fn parts(&self) -> Vec<Part> {
+        fn add(part: Part, parts: &mut Vec<Part>) {
+            if !parts.contains(&part) {
+                part.requires().for_each(|required| add(required, parts));
+                parts.push(part);
+            }
+        }
+        match self {
+            Self::File(part) => {
+                let mut parts = Vec::new();
+                add(*part, &mut parts);
+                parts
+            }
+            Self::Parts(parts) => parts.to_vec(),
+        }
+    }
+}
+
+/// The scenes that a kernel is compiled for. Kernels for scenes without some objects are smaller and faster.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Variant {
+    /// There may be rods.
+    pub rods: bool,
+    /// There may be spheres so large that a workgroup works on each.
+    pub large: bool,
+    /// There may be so many objects that keys of the grid have no room for more than an index.
+    pub many: bool,
+}
+
+impl Variant {
+    /// The variant for a scene with these counts.
+    pub fn of(step: &Step) -> Self {
+        Self { rods: step.rods > 0, large: step.large > 0, many: step.objects() >= MANY_OBJECTS }
+    }
+
+    /// The WGSL of this variant. Not by constants of the pipeline, because the sizes of arrays depend on `RODS` and `LARGE`.
+    pub fn apply(self, text: &str) -> String {
+        let constants = [("RODS", self.rods), ("LARGE", self.large)];
+        constants.iter().fold(text.to_owned(), |text, (name, is_set)| {
+            text.replace(&format!("const {name}: bool = true;"), &format!("const {name}: bool = {is_set};"))
+        })
+    }
+}

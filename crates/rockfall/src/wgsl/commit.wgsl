@@ -1,6 +1,0 @@
-// The state that `leap` made becomes the state of a sphere.
-
-fn commit(i: u32) {
-    take_next(i);
-    ask_for_lists(i, next_row(0u, i), next_row(1u, i));
-}

@@ -1,4 +1,0 @@
-// Whether there are collisions to apply in this attempt at the step.
-fn has_changes() -> bool {
-    return (atomicLoad(&status.void) == 0u) & (atomicLoad(&status.collided) == 0u) & (atomicLoad(&status.collides) != 0u);
-}
