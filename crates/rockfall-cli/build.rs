@@ -1,4 +1,4 @@
-//! Tells the program which commit it is built from, where that is known: results of a benchmark are worth little without it.
+//! Records the commit that the program is built from, if it is known, so that benchmark results can be traced to a version.
 
 use std::env;
 use std::fs;
@@ -7,12 +7,12 @@ use std::process::Command;
 
 fn main() {
     println!("cargo::rerun-if-changed=build.rs");
-    let version = env::var("CARGO_PKG_VERSION").expect("cargo tells it");
+    let version = env::var("CARGO_PKG_VERSION").expect("cargo sets it");
     println!("cargo::rustc-env=ROCKFALL_VERSION={version}");
     if !git(&["rev-parse", "--show-toplevel"]).is_some_and(|repository| is_ours(&repository)) {
         return;
     }
-    // All that the program may depend on: with a part alone it would not be noticed that something has changed since the commit.
+    // Everything that the program may depend on. If a part were missing, an uncommitted change could go unnoticed.
     println!("cargo::rerun-if-changed=../../Cargo.toml");
     println!("cargo::rerun-if-changed=../../Cargo.lock");
     for package in fs::read_dir("..").expect("the packages of the workspace").flatten() {
@@ -31,14 +31,14 @@ fn main() {
     }
 }
 
-/// Whether a repository is that of this workspace: what is built from a package may lie within another one.
+/// Whether a repository is that of this workspace. A packaged copy of the sources may lie inside another repository.
 fn is_ours(repository: &str) -> bool {
-    let here = env::var_os("CARGO_MANIFEST_DIR").expect("cargo tells it");
+    let here = env::var_os("CARGO_MANIFEST_DIR").expect("cargo sets it");
     let same = |path: &Path| path.canonicalize().ok();
     Path::new(&here).ancestors().nth(2).is_some_and(|workspace| same(workspace) == same(Path::new(repository)))
 }
 
-/// What git prints, run in this package; `None` where there is no git, or no repository.
+/// Output of git, run in this package; `None` without git or outside a repository.
 fn git(arguments: &[&str]) -> Option<String> {
     let output = Command::new("git").args(arguments).output().ok()?;
     let text = String::from_utf8(output.stdout).ok()?;

@@ -1,7 +1,8 @@
-//! rockfall's CPU backend beside rapier3d: spheres that settle in a walled box, in the same process, by turns.
+//! Compares the speed of rockfall's CPU backend with rapier3d: spheres settle in a walled box, in alternating runs in one
+//! process.
 //!
-//! Both get the same spheres, box, gravity, restitution and time step. rapier solves with 4 iterations and never puts a
-//! body to sleep, for rockfall moves every body in every step. Both use all threads.
+//! Both engines get the same spheres, box, gravity, restitution and time step. rapier3d solves with 4 iterations and never puts
+//! a body to sleep, because rockfall moves every body in every step. Both use all threads.
 
 use std::time::Instant;
 
@@ -13,22 +14,22 @@ use rockfall::{Backend, Cuboid, Integrator, Options, Scene, Simulation, Sphere};
 /// Steps per second of rockfall and of rapier3d on the CPU, and their ratio.
 #[derive(Debug, Parser)]
 struct Arguments {
-    /// Spheres in the box
+    /// Number of spheres in the box
     #[arg(long, default_value_t = 10_000)]
     spheres: u32,
-    /// Steps of a run
+    /// Number of timed steps in each run
     #[arg(long, default_value_t = 100)]
     steps: u64,
-    /// Steps before the clock starts: the spheres fall, but lie not yet
+    /// Steps before the timed ones; the spheres are still falling then
     #[arg(long, default_value_t = 100)]
     warmup: u64,
-    /// Runs of each, one after the other by turns; the median counts
+    /// Number of runs of each engine, alternating; the median is reported
     #[arg(long, default_value_t = 5)]
     runs: u32,
     /// Time step in seconds
     #[arg(long, default_value_t = 0.02)]
     dt: f32,
-    /// rk4 or symplectic-euler
+    /// Integrator of rockfall: rk4 or symplectic-euler
     #[arg(long, default_value_t = Integrator::Rk4)]
     integrator: Integrator,
 }
@@ -60,7 +61,7 @@ fn main() -> Result<(), Failure> {
         (of(seconds[median]), of(seconds[last]), of(seconds[0]))
     };
     println!(
-        "{} spheres settling in a walled box, {}, dt {} s, median (least to greatest) of {} runs of {} steps",
+        "{} spheres settling in a walled box, {}, dt {} s, median (minimum to maximum) of {} runs of {} steps",
         arguments.spheres,
         rockfall.backend().device,
         arguments.dt,
@@ -74,12 +75,10 @@ fn main() -> Result<(), Failure> {
     };
     let ours = print(&format!("rockfall, {}", arguments.integrator), &mut ours);
     let theirs = print("rapier3d, 4 iterations", &mut theirs);
-    println!("rockfall does {:.2} times the steps of rapier3d", ours / theirs);
-    // Both must have done the same: a pile that lies in its box.
-    let heights = (
-        mean_height(&rockfall.spheres()?.iter().map(|sphere| sphere.position.y).collect::<Vec<_>>()),
-        rapier.mean_height(),
-    );
+    println!("rockfall is {:.2} times as fast as rapier3d", ours / theirs);
+    // A plausibility check: the piles of both engines should have about the same height.
+    let heights =
+        (mean_height(&rockfall.spheres()?.iter().map(|sphere| sphere.position.y).collect::<Vec<_>>()), rapier.mean_height());
     println!("mean height at the end: rockfall {:.3}, rapier3d {:.3}", heights.0, heights.1);
     Ok(())
 }
@@ -111,13 +110,11 @@ impl Rapier {
     fn add_sphere(world: &mut PhysicsWorld, sphere: &Sphere, restitution: f32) {
         let [x, y, z] = sphere.position.to_array();
         let body = RigidBodyBuilder::dynamic().translation(Vector::new(x, y, z)).can_sleep(false);
-        let ball = ColliderBuilder::ball(sphere.radius)
-            .mass(sphere.mass)
-            .restitution(restitution);
+        let ball = ColliderBuilder::ball(sphere.radius).mass(sphere.mass).restitution(restitution);
         world.insert(body, ball);
     }
 
-    /// Of a box whose edges run along the axes.
+    /// Adds a box whose edges are parallel to the axes.
     fn add_box(world: &mut PhysicsWorld, cuboid: &Cuboid, restitution: f32) {
         let edges = cuboid.edges;
         let half = 0.5 * (edges[0].abs() + edges[1].abs() + edges[2].abs());

@@ -1,6 +1,6 @@
-//! `rockfall bench`: how fast steps are, where their time goes, and how near that is to what the memory allows.
+//! `rockfall bench`: measures the speed of steps, the time of each stage, and the share of the memory bandwidth in use.
 //!
-//! Throughput is the wall time of plain runs, each on a scene made anew; the times of the stages come from one more run,
+//! Throughput is the wall time of plain runs, each on a newly generated scene. The stage times come from one additional run
 //! with timestamps around every dispatch.
 
 use std::path::PathBuf;
@@ -23,49 +23,49 @@ use measure::Measured;
 
 #[derive(Debug, clap::Args)]
 pub(crate) struct Arguments {
-    /// thesis, lattice, pile, settled, shuffled, mixed or radii
+    /// Scene to measure: thesis, lattice, pile, settled, shuffled, mixed or radii
     #[arg(default_value_t = Benchmark::Thesis)]
     scene: Benchmark,
-    /// Numbers of spheres (of mixed: of bodies), with commas between; one measurement each
+    /// Numbers of spheres, separated by commas; each is measured separately (for the scene mixed: numbers of bodies)
     #[arg(long, value_name = "N", value_delimiter = ',', default_value = "1024,2048,4096,8192,16384",
         value_parser = whole(0, u32::MAX), allow_negative_numbers = true)]
     spheres: Vec<u32>,
-    /// Steps of a run
+    /// Number of timed steps in each run
     #[arg(long, value_name = "N", default_value_t = 1000, value_parser = whole(1, u64::MAX), allow_negative_numbers = true)]
     steps: u64,
-    /// Steps before the clock starts; 200 for settled, else 20
+    /// Steps before the timed ones [default: 200 for the scene settled, otherwise 20]
     #[arg(long, value_name = "N", value_parser = whole(0, u64::MAX), allow_negative_numbers = true)]
     warmup: Option<u64>,
-    /// Runs of each size, of which the median is taken
+    /// Number of runs of each size; their median is reported
     #[arg(long, value_name = "N", default_value_t = 3, value_parser = whole(1, u32::MAX), allow_negative_numbers = true)]
     runs: u32,
     #[command(flatten)]
     physics: Physics,
     #[command(flatten)]
     engine: Engine,
-    /// The same seed makes the same scenes
+    /// Seed of the random numbers; the same seed gives the same scenes
     #[arg(long, value_name = "S", default_value_t = 0, value_parser = whole(0, u64::MAX), allow_negative_numbers = true)]
     seed: u64,
     /// Print one JSON object instead of the tables
     #[arg(long)]
     json: bool,
-    /// Draw the time of every phase as stacked bars, one for each size, into an SVG file
+    /// Write an SVG chart of the time of every phase, with one stacked bar for each size
     #[arg(long, value_name = "FILE")]
     plot: Option<PathBuf>,
 }
 
 impl Arguments {
     fn warmup(&self) -> u64 {
-        let of_scene = if self.scene == Benchmark::Settled { 200 } else { 20 };
-        self.warmup.unwrap_or(of_scene)
+        let default = if self.scene == Benchmark::Settled { 200 } else { 20 };
+        self.warmup.unwrap_or(default)
     }
 }
 
 pub(crate) fn bench(arguments: &Arguments) -> Result<(), Failure> {
     if let Some(path) = arguments.plot.as_deref().filter(|path| path.extension().is_none_or(|extension| extension != "svg")) {
-        return Err(Failure::usage(format!("--plot {}: expected a FILE.svg", path.display())));
+        return Err(Failure::usage(format!("--plot {}: expected a name that ends in .svg", path.display())));
     }
-    // Opened first, so that a bad path shows before the long work.
+    // Opened first, so that a bad path fails before the measurement.
     let plot = arguments.plot.as_deref().map(|path| {
         let file = AtomicFile::create(path).map_err(|error| Failure::file(path, &error));
         file.map(|file| (path, file))
@@ -82,7 +82,7 @@ pub(crate) fn bench(arguments: &Arguments) -> Result<(), Failure> {
     output::print(&text)
 }
 
-/// What was measured, and where.
+/// Title of the report: the scene, the integrator and the device.
 fn title(arguments: &Arguments, sizes: &[Measured]) -> String {
     let device = sizes.first().map_or("", |size| &size.backend.device);
     let (scene, integrator) = (arguments.scene, arguments.physics.integrator);

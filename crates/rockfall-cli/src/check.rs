@@ -1,4 +1,4 @@
-//! `rockfall check`: is a scene well formed, and is the time step short enough for it?
+//! `rockfall check`: reports whether a scene is well formed and whether the time step is short enough for it.
 
 use std::fmt::Write as _;
 
@@ -9,7 +9,7 @@ use crate::options::{InWords, Physics, SceneArgument, counted};
 use crate::output;
 use crate::source::Source;
 
-/// Warnings of a kind that are printed; the others are counted.
+/// Number of warnings of one kind that are printed; the rest are only counted.
 const SHOWN: usize = 10;
 
 #[derive(Debug, clap::Args)]
@@ -35,8 +35,8 @@ pub(crate) fn check(arguments: &Arguments) -> Result<(), Failure> {
             let _ = writeln!(text, "set {setting} {value}");
         }
     }
-    let odd = loaded.warnings.iter().map(|warning| format!("{name}:{}: {}", warning.line, warning.text));
-    warnings(&mut text, odd);
+    let suspicious_lines = loaded.warnings.iter().map(|warning| format!("{name}:{}: {}", warning.line, warning.text));
+    warnings(&mut text, suspicious_lines);
     if let Some(chosen) = chosen_contact(&scene.resolved_settings()) {
         let _ = writeln!(text, "{chosen}");
     }
@@ -47,7 +47,7 @@ pub(crate) fn check(arguments: &Arguments) -> Result<(), Failure> {
     text.push_str(&concerns(&name, &scene, dt, integrator));
     if !stiff.is_empty() {
         let parts = scene.substeps_for(dt, integrator);
-        let _ = writeln!(text, "run --substeps {parts} divides the time step as far as springs and contacts need it");
+        let _ = writeln!(text, "rockfall run --substeps {parts} makes the time step short enough for springs and contacts");
     }
     if scene.counts().spheres == 0 {
         warnings(&mut text, [format!("{name}: no spheres, so nothing will move")].into_iter());
@@ -55,13 +55,13 @@ pub(crate) fn check(arguments: &Arguments) -> Result<(), Failure> {
     output::print(&text)
 }
 
-/// The contact force that `resting_overlap` chose.
+/// Describes the contact constants that `resting_overlap` sets, if it is in use.
 pub(crate) fn chosen_contact(settings: &Settings) -> Option<String> {
     let [force, damping, share] = [settings.contact_force, settings.contact_damping, settings.resting_overlap];
     (share > 0.0).then(|| format!("contact_force {force}, contact_damping {damping}, chosen for resting_overlap {share}"))
 }
 
-/// Warnings of what a time step is too long for and of what sinks, a line each.
+/// Warnings, one per line: parts of the scene for which the time step is too long, and bodies that sink into each other.
 pub(crate) fn concerns(name: &str, scene: &Scene, dt: f32, integrator: Integrator) -> String {
     let mut text = String::new();
     let stiff = scene.stability(dt, integrator);

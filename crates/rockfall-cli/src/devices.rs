@@ -1,4 +1,4 @@
-//! `rockfall devices`: what a scene can run on.
+//! `rockfall devices`: lists the devices that a scene can run on.
 
 use std::fmt::Write as _;
 
@@ -9,13 +9,13 @@ pub(crate) fn devices() -> Result<(), Failure> {
     let mut text = String::new();
     // Writing to a string cannot fail.
     for device in rockfall::devices() {
-        let software = if device.software { ", software: only with --backend gpu" } else { "" };
+        let software = if device.software { ", software: used only with --backend gpu" } else { "" };
         let driver = if device.driver.is_empty() { "unknown driver" } else { &device.driver };
         let _ = writeln!(text, "gpu  {} ({}, {}, {driver}{software})", device.name, device.backend, device.kind);
     }
     if text.is_empty() {
-        let why = if cfg!(feature = "gpu") { "found" } else { "looked for: built without the feature `gpu`" };
-        let _ = writeln!(text, "gpu  none {why}");
+        let reason = if cfg!(feature = "gpu") { "found" } else { "available: built without the feature `gpu`" };
+        let _ = writeln!(text, "gpu  none {reason}");
     }
     let threads = std::thread::available_parallelism().map_or(1, usize::from);
     let _ = writeln!(text, "cpu  {}", crate::options::counted(threads, "thread", "threads"));

@@ -1,4 +1,4 @@
-//! Why a command ends early, and with which exit code.
+//! Errors of commands and their exit codes.
 
 use std::fmt::Display;
 use std::io;
@@ -6,29 +6,29 @@ use std::path::Path;
 
 use rockfall::Error;
 
-/// Exit code of a command that was ended by a signal, as shells give it for Ctrl-C.
+/// Exit code of a command that is ended by a signal, as in shells for Ctrl-C.
 pub(crate) const INTERRUPTED: u8 = 130;
 
-/// A command's error.
+/// Reason why a command ends early.
 #[derive(Debug)]
 pub(crate) enum Failure {
     /// Wrong usage or a bad scene: exit code 2.
     Usage(String),
     /// The run failed: exit code 1.
     Run(String),
-    /// A signal ended the run, what it computed is written: exit code 130.
+    /// A signal ended the run, and its results so far are written: exit code 130.
     Interrupted(String),
-    /// Nobody reads standard output any more, which is no error: exit code 0.
+    /// The reader of standard output has closed it, which is not an error: exit code 0.
     ClosedPipe,
 }
 
 impl Failure {
-    /// Wrong usage or a bad scene.
+    /// Creates a failure by wrong usage or a bad scene.
     pub(crate) fn usage(message: impl Display) -> Self {
         Self::Usage(message.to_string())
     }
 
-    /// A file that could not be written.
+    /// Creates a failure for a file that could not be written.
     pub(crate) fn file(path: &Path, error: &io::Error) -> Self {
         Self::Run(format!("{}: cannot be written: {error}", path.display()))
     }

@@ -1,4 +1,4 @@
-//! `rockfall generate`: a scene of any size.
+//! `rockfall generate`: writes a scene of any size.
 
 use std::io::Write as _;
 use std::path::PathBuf;
@@ -12,15 +12,15 @@ use crate::output;
 
 #[derive(Debug, clap::Args)]
 pub(crate) struct Arguments {
-    /// pile, mixed, soft, chain or hopper
+    /// Kind of scene: pile, mixed, soft, chain or hopper
     kind: Kind,
-    /// Number of spheres, those of rods and capsules included
+    /// Number of spheres, including those of rods and capsules
     #[arg(long, value_name = "N", value_parser = whole(0, u32::MAX), allow_negative_numbers = true)]
     spheres: u32,
-    /// The same seed makes the same scene
+    /// Seed of the random numbers; the same seed gives the same scene
     #[arg(long, value_name = "S", default_value_t = 0, value_parser = whole(0, u64::MAX), allow_negative_numbers = true)]
     seed: u64,
-    /// Scene file to write; standard output if left out
+    /// Scene file to write [default: standard output]
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
 }

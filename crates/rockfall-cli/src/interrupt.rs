@@ -1,4 +1,4 @@
-//! Ctrl-C and SIGTERM: the first asks a command to end cleanly, the second ends it at once.
+//! Ctrl-C and SIGTERM: the first signal asks a command to stop cleanly, the second ends it at once.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -8,22 +8,22 @@ use signal_hook::flag;
 
 use crate::failure::INTERRUPTED;
 
-/// Whether the command was asked to end.
+/// Flag that is set when the command is asked to stop.
 pub(crate) struct Interrupt(Arc<AtomicBool>);
 
 impl Interrupt {
-    /// Listens from now on. Where the system refuses, a signal ends the program as it always does.
+    /// Installs the signal handlers. If the system refuses, a signal ends the program as usual.
     pub(crate) fn listen() -> Self {
-        let asked = Arc::new(AtomicBool::new(false));
+        let requested = Arc::new(AtomicBool::new(false));
         for signal in [SIGINT, SIGTERM] {
-            // In this order: the first signal finds the flag unset, and sets it.
-            let _ = flag::register_conditional_shutdown(signal, i32::from(INTERRUPTED), Arc::clone(&asked))
-                .and_then(|_| flag::register(signal, Arc::clone(&asked)));
+            // The order matters: the first signal must find the flag unset before it sets it.
+            let _ = flag::register_conditional_shutdown(signal, i32::from(INTERRUPTED), Arc::clone(&requested))
+                .and_then(|_| flag::register(signal, Arc::clone(&requested)));
         }
-        Self(asked)
+        Self(requested)
     }
 
-    pub(crate) fn is_asked(&self) -> bool {
+    pub(crate) fn is_requested(&self) -> bool {
         self.0.load(Ordering::Relaxed)
     }
 }

@@ -1,4 +1,4 @@
-//! The command line of rockfall: it parses, calls the library and prints.
+//! The command line of rockfall: parses arguments, calls the library and prints results.
 
 use std::process::ExitCode;
 
@@ -23,13 +23,13 @@ mod summary;
 #[cfg(feature = "window")]
 mod view;
 
-/// A rigid-body physics engine that lives on the GPU.
+/// Rigid-body physics engine that runs on the GPU or the CPU.
 #[derive(Debug, Parser)]
 #[command(
     name = "rockfall",
     version = env!("ROCKFALL_VERSION"),
     disable_help_subcommand = true,
-    after_help = "Exit code: 0 done, 1 the run failed, 2 wrong usage or a bad scene, 130 a run that Ctrl-C or SIGTERM ended."
+    after_help = "Exit codes: 0 success, 1 the run failed, 2 wrong usage or a bad scene, 130 interrupted by Ctrl-C or SIGTERM."
 )]
 struct Arguments {
     #[command(subcommand)]
@@ -38,20 +38,20 @@ struct Arguments {
 
 #[derive(Debug, Subcommand)]
 enum Command {
-    /// Run a scene and tell what became of it.
+    /// Simulate a scene and print a summary.
     Run(run::Arguments),
-    /// Read a scene: count its objects, tell what is odd, and whether the time step is short enough.
+    /// Check a scene: count its objects, warn of suspicious lines and report whether the time step is short enough.
     Check(check::Arguments),
-    /// Measure how fast steps are, stage by stage.
+    /// Measure the speed of steps and of their stages.
     Bench(bench::Arguments),
     /// List the devices that a scene can run on.
     Devices,
-    /// Make a scene of any size.
+    /// Generate a scene of any size.
     Generate(generate::Arguments),
-    /// Draw a scene into a file.
+    /// Write a picture or a film of a scene to a file.
     #[cfg(feature = "view")]
     Render(render::Arguments),
-    /// Open a window on a scene: look, play, change constants; F1 shows the keys.
+    /// Show a scene in a window and interact with it; F1 lists the keys.
     #[cfg(feature = "window")]
     View(view::Arguments),
     /// Print a script that completes commands and options in a shell.

@@ -5,24 +5,24 @@ use std::path::PathBuf;
 
 use rockfall::{Backend, BroadPhase, Integrator, Options, Scene, Settings};
 
-/// What decides how a scene behaves.
+/// Options that determine the motion of a scene.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Physics {
     /// Time step in seconds
     #[arg(long, value_name = "S", default_value = "0.02", value_parser = time_step, allow_negative_numbers = true)]
     pub(crate) dt: f32,
-    /// rk4 or symplectic-euler
+    /// Integrator: rk4 or symplectic-euler
     #[arg(long, default_value_t)]
     pub(crate) integrator: Integrator,
-    /// Change a constant, after the scene's own settings; may be repeated
+    /// Set a constant, overriding the scene's own settings; may be repeated
     #[arg(long, value_name = "NAME=VALUE")]
     pub(crate) set: Vec<Setting>,
 }
 
-/// How many equal parts every step is divided into.
+/// Number of equal parts that every step is divided into.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Substeps {
-    /// As few as the springs and contacts of the scene bear.
+    /// The smallest number for which the springs and contacts of the scene are stable.
     Auto,
     Parts(u32),
 }
@@ -43,21 +43,21 @@ impl std::str::FromStr for Substeps {
     fn from_str(text: &str) -> Result<Self, String> {
         match text {
             "auto" => Ok(Self::Auto),
-            _ => whole(1, MOST_SUBSTEPS)(text).map(Self::Parts).map_err(|message| format!("{message}, or auto")),
+            _ => whole(1, MAX_SUBSTEPS)(text).map(Self::Parts).map_err(|message| format!("{message}, or auto")),
         }
     }
 }
 
-/// A part of a step must not vanish beside it.
-const MOST_SUBSTEPS: u32 = 1_000_000;
+/// Limit on the parts of a step, so that a part stays well above the f32 rounding error of the whole step.
+const MAX_SUBSTEPS: u32 = 1_000_000;
 
-/// What moves a scene.
+/// Options that select the device and the algorithms.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Engine {
-    /// auto, gpu or cpu
+    /// Where to compute: auto, gpu or cpu
     #[arg(long, default_value_t)]
     backend: Backend,
-    /// auto, brute-force, sort-and-skip or grid
+    /// Method that finds overlapping AABBs: auto, brute-force, sort-and-skip or grid
     #[arg(long, default_value_t)]
     pub(crate) broad_phase: BroadPhase,
 }
@@ -84,13 +84,13 @@ impl Physics {
 
 #[cfg(feature = "window")]
 impl Physics {
-    /// Names and values of `--set`, for scenes that are still to be read.
+    /// Names and values of `--set`, for scenes that the window reads later.
     pub(crate) fn overrides(&self) -> Vec<(String, String)> {
         self.set.iter().map(|setting| (setting.name.clone(), setting.value.clone())).collect()
     }
 }
 
-/// A `--set` argument that was tried out.
+/// A `--set` argument whose name and value are valid.
 #[derive(Clone, Debug)]
 pub(crate) struct Setting {
     pub(crate) name: String,
@@ -108,7 +108,7 @@ impl std::str::FromStr for Setting {
     }
 }
 
-/// Reads whole numbers of a range.
+/// Returns a parser of whole numbers from `least` to `most`.
 pub(crate) fn whole<T>(least: T, most: T) -> impl Fn(&str) -> Result<T, String> + Clone
 where
     T: std::str::FromStr + PartialOrd + fmt::Display + Copy + Send + Sync + 'static,
@@ -126,12 +126,12 @@ fn time_step(text: &str) -> Result<f32, String> {
     }
 }
 
-/// A number as it was written: 0.02 does not become 0.019999999552965164.
+/// Converts to the f64 with the same shortest decimal form: 0.02 does not become 0.019999999552965164.
 pub(crate) fn as_written(number: f32) -> f64 {
     number.to_string().parse().unwrap_or(f64::from(number))
 }
 
-/// The objects of every kind, for programs.
+/// Number of objects of every kind, as JSON.
 pub(crate) fn counts_json(counts: &rockfall::Counts) -> serde_json::Value {
     serde_json::json!({
         "spheres": counts.spheres,
@@ -144,12 +144,12 @@ pub(crate) fn counts_json(counts: &rockfall::Counts) -> serde_json::Value {
     })
 }
 
-/// `1 sphere`, `2 spheres`, `3 boxes`.
+/// A count with its noun: `1 sphere`, `2 spheres`, `3 boxes`.
 pub(crate) fn counted(count: usize, one: &str, many: &str) -> String {
     format!("{count} {}", if count == 1 { one } else { many })
 }
 
-/// The kinds of objects that a scene has, as a list in words.
+/// Displays the number of objects of every kind that occurs, such as `2 spheres, 1 spring`.
 pub(crate) struct InWords(pub(crate) rockfall::Counts);
 
 impl fmt::Display for InWords {
@@ -164,9 +164,9 @@ impl fmt::Display for InWords {
             (counts.boxes, "box", "boxes"),
             (counts.polygons, "polygon", "polygons"),
         ];
-        let there: Vec<String> =
+        let present: Vec<String> =
             kinds.into_iter().filter(|(count, ..)| *count > 0).map(|(count, one, many)| counted(count, one, many)).collect();
-        f.write_str(if there.is_empty() { "none" } else { "" })?;
-        f.write_str(&there.join(", "))
+        f.write_str(if present.is_empty() { "none" } else { "" })?;
+        f.write_str(&present.join(", "))
     }
 }

@@ -5,7 +5,7 @@ use std::process::ExitCode;
 
 use crate::failure::{Failure, INTERRUPTED};
 
-/// Prints a command's result.
+/// Prints the result of a command.
 pub(crate) fn print(text: &str) -> Result<(), Failure> {
     let mut out = BufWriter::new(io::stdout().lock());
     match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
@@ -15,7 +15,7 @@ pub(crate) fn print(text: &str) -> Result<(), Failure> {
     }
 }
 
-/// Prints a line on standard error; where that is closed there is nobody left to tell.
+/// Prints a line on standard error. If standard error is closed, the line is dropped.
 pub(crate) fn note(line: &str) {
     let _ = writeln!(io::stderr(), "{line}");
 }

@@ -1,14 +1,14 @@
-//! A side view of a scene, drawn with characters: worth more than a column of numbers.
+//! A side view of a scene, drawn with characters.
 
 use rockfall::Scene;
 use rockfall::glam::Vec3;
 
-/// Characters in a line; half as many lines at the most, since a character is twice as high as wide.
+/// Largest size of the picture in characters. A character is about twice as high as wide.
 const WIDTH: usize = 72;
 const HEIGHT: usize = 24;
 
-/// The scene as seen along -z, x to the right and y up: `o` for balls near to the viewer, `.` for far ones, `-` for rods and `#`
-/// for boxes behind them. Empty for a scene without spheres.
+/// Draws the scene as seen along -z, with x to the right and y up. Spheres are `O`, `o` or `.`, from near to far. Rods are `-`.
+/// Boxes that cross the plane z = 0 are `#`, behind everything else. The picture is empty for a scene without spheres.
 pub(crate) fn side_view(scene: &Scene) -> String {
     let Some(frame) = Frame::around(scene) else {
         return String::new();
@@ -40,32 +40,32 @@ pub(crate) fn side_view(scene: &Scene) -> String {
         let [Ok(a), Ok(b)] = [rod.end1, rod.end2].map(|id| scene.sphere(id).map(|sphere| sphere.position)) else {
             continue;
         };
-        // So many points that no cell between is left out.
+        // Enough points that no cell between the ends is skipped.
         let points = (a.distance(b) / frame.size).clamp(1.0, WIDTH as f32) as usize * 2;
         for part in 0..=points {
             dot(a.lerp(b, part as f32 / points as f32), rod.radius, Some(b'-'));
         }
     }
     for sphere in scene.spheres() {
-        // A hair in front of the rods that end in it.
+        // Slightly in front of the rods that end in it.
         dot(sphere.position + Vec3::Z * 1e-3 * frame.size, sphere.radius, None);
     }
     let lines = cells.into_iter().map(|line| String::from_utf8_lossy(&line).trim_end().to_owned() + "\n");
     lines.collect()
 }
 
-/// Whether a box stands behind a point of the picture; boxes at an angle are drawn by their bounds.
+/// Whether a box covers a point of the picture. A rotated box is drawn as its axis-aligned bounds.
 fn covers(cuboid: &rockfall::Cuboid, x: f32, y: f32) -> bool {
     let [low, high] = [Vec3::min, Vec3::max].map(|pick| {
         let zero = Vec3::ZERO;
         cuboid.corner + cuboid.edges.into_iter().map(|edge| pick(edge, zero)).sum::<Vec3>()
     });
-    // Walls in front of everything or behind it would hide it all.
-    let across = high.x - low.x > 0.0 && high.z > 0.0 && low.z < 0.0;
-    across && (low.x..=high.x).contains(&x) && (low.y..=high.y).contains(&y)
+    // Boxes in front of or behind the plane z = 0 are left out: such a wall would cover the whole picture.
+    let crosses_plane = high.x - low.x > 0.0 && high.z > 0.0 && low.z < 0.0;
+    crosses_plane && (low.x..=high.x).contains(&x) && (low.y..=high.y).contains(&y)
 }
 
-/// What part of the world the picture shows.
+/// Part of the world that the picture shows.
 struct Frame {
     left: f32,
     top: f32,
@@ -86,7 +86,7 @@ impl Frame {
             bounds = Some((lowest.min(low), highest.max(high)));
         }
         let (low, high) = bounds?;
-        // A character of room on either side; never so small or large that f32 gives out.
+        // Leaves a margin of one character on each side. Gives up where the size is near the limits of f32.
         let (wide, tall) = (high.x - low.x, high.y - low.y);
         let size = (wide / (WIDTH - 2) as f32).max(tall / (2 * (HEIGHT - 2)) as f32);
         if !(1e-20..1e20).contains(&size) {
@@ -103,14 +103,14 @@ impl Frame {
         })
     }
 
-    /// The middle of a character.
+    /// Position of the centre of a character cell.
     fn point(&self, column: usize, row: usize) -> [f32; 2] {
         let x = self.left + (column as f32 + 0.5) * self.size;
         let y = self.top - (row as f32 + 0.5) * 2.0 * self.size;
         [x, y]
     }
 
-    /// Calls with every character whose middle a disc covers, or the one that it lies in.
+    /// Calls `call` with every cell whose centre lies in a disc, and with the cell that contains the centre of the disc.
     fn each_cell(&self, centre: Vec3, radius: f32, mut call: impl FnMut(usize, usize)) {
         let cell = |at: f32, size: f32, count: usize| (at / size).clamp(0.0, (count - 1) as f32) as usize;
         let column = |x: f32| cell(x - self.left, self.size, self.columns);

@@ -1,4 +1,4 @@
-//! How far a run is, on standard error: a bar on a terminal, else a line now and then.
+//! Progress of a run, on standard error: a bar on a terminal, otherwise a line every 30 seconds.
 
 use std::io::IsTerminal as _;
 use std::time::{Duration, Instant};
@@ -7,14 +7,14 @@ use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::output;
 
-/// Time between two looks at the run: what is submitted together takes about this long.
-const LOOK: Duration = Duration::from_millis(200);
-/// Time between two lines where there is no terminal.
-const LINE: Duration = Duration::from_secs(30);
+/// Time between two progress updates. Steps are submitted in chunks that take about this long.
+const UPDATE_INTERVAL: Duration = Duration::from_millis(200);
+/// Time between two lines of output without a terminal.
+const LINE_INTERVAL: Duration = Duration::from_secs(30);
 
 pub(crate) struct Progress {
     bar: Option<ProgressBar>,
-    /// What is counted.
+    /// Unit of the count, such as `steps`.
     what: &'static str,
     steps: u64,
     done: u64,
@@ -27,7 +27,7 @@ impl Progress {
         Self::of("steps", steps)
     }
 
-    /// Of a film.
+    /// Progress of a film.
     #[cfg(feature = "view")]
     pub(crate) fn pictures(pictures: u64) -> Self {
         Self::of("pictures", pictures)
@@ -43,12 +43,12 @@ impl Progress {
         Self { bar, what, steps, done: 0, start: now, last_line: now }
     }
 
-    /// Steps to do until the next look, at least 1.
+    /// Number of steps to do until the next update, at least 1.
     pub(crate) fn chunk(&self) -> u64 {
         let elapsed = self.start.elapsed().as_secs_f64();
         let speed = if self.done > 0 { self.done as f64 / elapsed.max(1e-6) } else { 0.0 };
-        // Twice what was done at most: the first steps may be slower or faster than the others.
-        let wish = ((speed * LOOK.as_secs_f64()) as u64).min(2 * self.done);
+        // At most twice the steps done so far, because the first steps may be slower or faster than the others.
+        let wish = ((speed * UPDATE_INTERVAL.as_secs_f64()) as u64).min(2 * self.done);
         wish.clamp(1, (self.steps - self.done).max(1))
     }
 
@@ -56,7 +56,7 @@ impl Progress {
         self.done += steps;
         if let Some(bar) = &self.bar {
             bar.set_position(self.done);
-        } else if self.last_line.elapsed() > LINE {
+        } else if self.last_line.elapsed() > LINE_INTERVAL {
             self.last_line = Instant::now();
             output::note(&format!("{} of {} {}", self.done, self.steps, self.what));
         }

@@ -1,4 +1,4 @@
-//! `rockfall render`: a picture or a film of a scene, without a window.
+//! `rockfall render`: writes a picture or a film of a scene, without a window.
 
 use std::path::{Path, PathBuf};
 
@@ -20,40 +20,40 @@ use crate::source::Source;
 pub(crate) struct Arguments {
     /// Scene file, or - for standard input
     scene: PathBuf,
-    /// FILE.png for a picture; for a film FILE.gif, FILE.apng, FILE.mp4 (by the program ffmpeg) or FOLDER/
+    /// FILE.png for a picture; for a film FILE.gif, FILE.apng, FILE.mp4 (needs the program ffmpeg) or FOLDER/
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
-    /// Steps before the picture is taken, or the film begins
+    /// Number of steps before the picture is taken or the film begins
     #[arg(long, value_name = "STEP", default_value_t = 0, value_parser = whole(0, u64::MAX), allow_negative_numbers = true)]
     at: u64,
-    /// Steps that the film is of
+    /// Number of steps that the film shows
     #[arg(long, value_name = "N", value_parser = whole(1, u64::MAX), allow_negative_numbers = true)]
     steps: Option<u64>,
-    /// Pictures a second of a film
+    /// Pictures per second of the film
     #[arg(long, value_name = "F", default_value_t = 25, value_parser = whole(1_u32, 1000), allow_negative_numbers = true)]
     fps: u32,
-    /// Simulated seconds in a second of film: 1 for real time, less for slow motion
+    /// Simulated seconds per second of film: 1 for real time, less for slow motion
     #[arg(long, value_name = "X", default_value_t = 1.0, value_parser = speed, allow_negative_numbers = true)]
     speed: f64,
-    /// Size in pixels
+    /// Size of the picture in pixels
     #[arg(long, value_name = "WxH", default_value = "1280x720", value_parser = size, allow_hyphen_values = true)]
     size: [u32; 2],
-    /// Where the camera stands; chosen to have the scene in the picture if left out
+    /// Position of the camera [default: chosen so that the scene is in view]
     #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true)]
     camera: Option<[f32; 3]>,
-    /// The point in the middle of the picture
+    /// Point in the middle of the picture [default: chosen so that the scene is in view]
     #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true)]
     look_at: Option<[f32; 3]>,
-    /// What colours tell, with a legend: kind, speed, contacts, overlap or force
+    /// Quantity shown by colour, with a legend: kind, speed, contacts, overlap or force
     #[arg(long, value_name = "WHAT", value_parser = colour_by)]
     colour_by: Option<ColourBy>,
-    /// The values at the ends of the colour scale; from 0 to about the greatest there is if left out
+    /// Values at the ends of the colour scale [default: from 0 to about the largest value]
     #[arg(long, value_name = "FROM,TO", value_parser = range, allow_hyphen_values = true, requires = "colour_by")]
     range: Option<[f32; 2]>,
-    /// Leave out shadows and the darkness of corners
+    /// Draw without shadows and ambient occlusion
     #[arg(long)]
     plain: bool,
-    /// Draw the picture so many times over, and print how long the passes take on the device
+    /// Draw the picture this number of times and print the time of each pass on the device
     #[arg(long, value_name = "N", hide = true, value_parser = whole(1, u32::MAX), allow_negative_numbers = true)]
     bench: Option<u32>,
     #[command(flatten)]
@@ -93,7 +93,7 @@ fn colour_by(text: &str) -> Result<ColourBy, String> {
     found.ok_or_else(|| format!("expected one of: {}", ColourBy::ALL.map(ColourBy::name).join(" ")))
 }
 
-/// What is written: a picture, or a film of so many steps.
+/// What is written: a picture or a film.
 enum Product {
     Picture,
     Film(Format, Timing),
@@ -106,18 +106,18 @@ impl Arguments {
         match (is_picture, Format::of(&self.out), self.steps) {
             (true, None, None) => Ok(Product::Picture),
             (false, Some(Format::Gif), Some(_)) if self.fps > 50 => {
-                Err(Failure::usage(format!("--fps {}: a GIF has at most 50 pictures a second", self.fps)))
+                Err(Failure::usage(format!("--fps {}: a GIF has at most 50 pictures per second", self.fps)))
             }
             (false, Some(format), Some(steps)) => {
                 Ok(Product::Film(format, Timing { steps, dt: self.physics.dt, fps: self.fps, speed: self.speed }))
             }
             (true, ..) => Err(Failure::usage(format!(
-                "--out {path} is one picture and --steps asks for a film: name a .gif, .apng or .mp4 file or a folder, \
-                 or take --at for the step of the picture"
+                "--out {path} is a single picture, but --steps asks for a film: name a .gif, .apng or .mp4 file or a folder/, \
+                 or use --at N to choose the step of the picture"
             ))),
-            (false, Some(_), None) => Err(Failure::usage(format!("--out {path} is a film: --steps N has to say how long"))),
+            (false, Some(_), None) => Err(Failure::usage(format!("--out {path} is a film: expected --steps N for its length"))),
             (false, None, _) => Err(Failure::usage(format!(
-                "--out {path}: expected a name that ends in .png, .gif, .apng or .mp4, or a folder with / at its end"
+                "--out {path}: expected a name that ends in .png, .gif, .apng or .mp4, or a folder name that ends in /"
             ))),
         }
     }
@@ -131,14 +131,14 @@ impl Arguments {
         style
     }
 
-    /// The camera that was asked for; what was not is as in the default one.
+    /// Camera from the arguments. What they do not set comes from the camera that frames the scene.
     fn camera(&self, scene: &Scene) -> Result<Camera, Failure> {
         let [width, height] = self.size.map(|side| side as f32);
         let framing = Camera::of_scene(scene, width / height);
         let eye = self.camera.map_or(framing.eye, Into::into);
         let target = self.look_at.map_or(framing.target, Into::into);
         if eye == target {
-            return Err(Failure::usage("--camera and --look-at are the same point"));
+            return Err(Failure::usage("--camera and --look-at are the same point, expected two different points"));
         }
         Ok(Camera { eye, target, ..framing })
     }
@@ -153,7 +153,7 @@ pub(crate) fn render(arguments: &Arguments) -> Result<(), Failure> {
     let mut scene = loaded.scene;
     arguments.physics.change(&mut scene.settings)?;
     let simulation = Simulation::with_options(scene, arguments.engine.options(&arguments.physics))?;
-    // Made first, so that a size that the device does not allow shows before the long work.
+    // Created first, so that a picture size that the device does not support fails before the simulation.
     let mut studio = Studio::new(arguments, simulation)?;
     match product {
         Product::Picture => {
@@ -169,7 +169,7 @@ pub(crate) fn render(arguments: &Arguments) -> Result<(), Failure> {
     }
 }
 
-/// What it takes to take pictures.
+/// A simulation and everything needed to draw it.
 struct Studio {
     simulation: Simulation,
     renderer: Renderer,
@@ -179,12 +179,12 @@ struct Studio {
 
 impl Studio {
     fn new(arguments: &Arguments, simulation: Simulation) -> Result<Self, Failure> {
-        // Bodies are drawn where they are moved, and on any device there is where that is the CPU.
+        // Draws on the device of the simulation. A simulation on the CPU is drawn on any adapter, including software.
         let gpu = match simulation.gpu_view() {
             Some(view) => view.gpu().clone(),
             None => Gpu::open_blocking(true).map_err(|error| {
                 Failure::Run(format!(
-                    "drawing takes a graphics adapter, whatever moves the bodies; software Vulkan will do: {error}"
+                    "drawing needs a graphics adapter, even with --backend cpu; software Vulkan is enough: {error}"
                 ))
             })?,
         };
@@ -196,7 +196,7 @@ impl Studio {
 
     fn picture(&mut self, arguments: &Arguments) -> Result<Picture, Failure> {
         self.advance(arguments)?;
-        // Where bodies are decides how they are shown.
+        // The default camera depends on the positions of the bodies at this step.
         let camera = arguments.camera(self.simulation.sync()?)?;
         self.renderer.update(&mut self.simulation, &self.style)?;
         Ok(self.take(&camera, arguments)?)
@@ -226,7 +226,7 @@ impl Studio {
         Ok(result?)
     }
 
-    /// Prints the median time of every pass, and what is drawn.
+    /// Prints the median time of every pass and the number of spheres drawn by each method.
     fn bench(&mut self, arguments: &Arguments, frames: u32) -> Result<(), Failure> {
         let camera = arguments.camera(self.simulation.sync()?)?;
         self.renderer.time_frames()?;
@@ -251,7 +251,7 @@ impl Studio {
         output::print(&text)
     }
 
-    /// Does the steps before the picture or the film.
+    /// Runs the steps before the picture or the film.
     fn advance(&mut self, arguments: &Arguments) -> Result<(), Failure> {
         let mut progress = Progress::new(arguments.at);
         let mut left = arguments.at;

@@ -1,4 +1,4 @@
-//! `rockfall run`: move a scene, and tell what became of it.
+//! `rockfall run`: simulates a scene and prints a summary.
 
 use std::path::PathBuf;
 use std::time::Instant;
@@ -22,71 +22,73 @@ use outputs::{Outputs, Wanted};
 use past::Past;
 pub(crate) use resume::Given;
 
-/// What does not fit into a line.
+/// Details that do not fit into the one-line descriptions of the options.
 const AFTER_HELP: &str = "\
-A run that is ended by Ctrl-C or SIGTERM finishes its step, writes what was computed (--out, --trace, --checkpoint) and exits \
-with code 130; a second Ctrl-C ends it at once. A run that fails writes --out and --trace up to the step that failed, where the \
-device still gives it, and leaves the last checkpoint alone.
+Ctrl-C or SIGTERM stops a run cleanly: it finishes the steps under way, writes its results (--out, --trace, --checkpoint) and \
+exits with code 130. A second Ctrl-C ends it at once. If a step fails, --out and --trace are written up to that step if the \
+device can still be read, and the last checkpoint is left unchanged.
 
---resume FILE goes on to step N in all (--steps N). It takes everything from the checkpoint: constants, time step, integrator, \
-backend, --out, --every, --trace and --checkpoint-every, and goes on writing checkpoints to FILE. What is given on the command \
-line comes before that; a change of what decides the motion is noted. With the same on the same device, the run ends in the \
-same bits as one that was never stopped, and its trace and trajectory are the same files. Until a run ends, they are beside \
-their places as .NAME.part; a run that was killed leaves them there, for --resume or for the next run that writes to that place.
+--resume FILE continues a run from its checkpoint up to step N, counted from the start of the first run (--steps N). It takes \
+everything from the checkpoint: constants, time step, integrator, backend, --out, --every, --trace and --checkpoint-every, and \
+writes further checkpoints to FILE. Options on the command line override the checkpoint; a change that affects the motion is \
+reported. With the same options on the same device, the final state, the trace and the trajectory are bitwise identical to \
+those of a run that was never stopped. Until a run ends, its trace and trajectory are next to their final path as .NAME.part. \
+A run that is killed leaves these files; --resume continues them, and a new run that writes to the same path replaces them.
 
---substeps N divides every step into N equal parts; auto takes as few as the springs and the contact force of the scene bear \
-(rockfall check tells). Steps and the time step keep their meaning everywhere else. A line of the trace counts the collisions of \
-all parts; its contacts and overlap are those of the last one.
+--substeps N divides every step into N equal parts; auto chooses the smallest N for which the springs and the contact force \
+are stable (rockfall check reports it). Everywhere else, steps and the time step are whole steps. A line of the trace counts \
+the collisions of all parts of its step; its contacts and overlap are those of the last part.
 
---out goes by the extension. Without --every: .npz (NumPy) and .vtp (ParaView), else CSV, hold the final state. With --every K: \
-every K steps from the first state on, .npz holds arrays [frames, spheres, ...], .vtp or .pvd makes NAME.pvd and a folder NAME \
-of frames, else CSV has the columns step,time before the others.";
+--out chooses the format by the extension. Without --every, the final state is written: .npz for NumPy, .vtp for ParaView, any \
+other name as CSV. With --every K, the state at the start and after every K-th step is written: .npz holds arrays \
+[frames, spheres, ...], .vtp or .pvd writes NAME.pvd and a folder NAME with the frames, any other name is CSV with the columns \
+step,time in front.";
 
 #[derive(Debug, clap::Args)]
 #[command(after_long_help = AFTER_HELP)]
 pub(crate) struct Arguments {
-    /// Scene file, or - for standard input; a built-in scene if left out
+    /// Scene file, or - for standard input [default: a built-in scene]
     scene: Option<PathBuf>,
-    /// Number of steps; with --resume those before the checkpoint count
+    /// Number of steps; with --resume, including the steps before the checkpoint
     #[arg(long, value_name = "N", default_value_t = 1000, value_parser = whole(0, u64::MAX), allow_negative_numbers = true)]
     steps: u64,
-    /// Divide every step into N equal parts, or auto: as few as springs and contacts bear
+    /// Divide every step into N equal parts; auto chooses the smallest stable N for springs and contacts
     #[arg(long, value_name = "N", default_value = "1", allow_negative_numbers = true)]
     substeps: Substeps,
     #[command(flatten)]
     physics: Physics,
     #[command(flatten)]
     engine: Engine,
-    /// Write the final state of every sphere, as CSV, .npz or .vtp
+    /// Write the final state of every sphere: .npz, .vtp, otherwise CSV
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
-    /// Write the state to --out every K steps instead: .npz, .pvd, else CSV
+    /// Write the state to --out every K steps instead: .npz, .pvd, otherwise CSV
     #[arg(long, value_name = "K", value_parser = whole(1, u64::MAX), allow_negative_numbers = true)]
     every: Option<u64>,
-    /// Write energies and momenta of every step, as CSV
+    /// Write the energies and momenta of every step as CSV
     #[arg(long, value_name = "FILE")]
     trace: Option<PathBuf>,
-    /// Keep what is needed to go on in a file: at the end, and when the run is interrupted
+    /// Write a checkpoint for --resume when the run ends or is interrupted
     #[arg(long, value_name = "FILE")]
     checkpoint: Option<PathBuf>,
-    /// Write the checkpoint every N steps too, over the one before
+    /// Also write the checkpoint every N steps, replacing the previous one
     #[arg(long, value_name = "N", value_parser = whole(1, u64::MAX), allow_negative_numbers = true)]
     checkpoint_every: Option<u64>,
-    /// Go on from a checkpoint
+    /// Continue the run from a checkpoint
     #[arg(long, value_name = "FILE", conflicts_with = "scene")]
     resume: Option<PathBuf>,
     /// Print one JSON object instead of the summary
     #[arg(long)]
     json: bool,
-    /// Go on when a body stops being finite: it is stopped and counted
+    /// Continue when the state of a body is no longer finite: the body is stopped and counted
     #[arg(long)]
     keep_going: bool,
-    /// Words that the pair lists may take at the start
+    /// Initial capacity of the pair lists, in words
     #[arg(long, value_name = "N", hide = true)]
     capacity: Option<u32>,
 }
 
-/// A run before its first step, or its next.
+/// A run that is ready for its next step.
 struct Run {
     simulation: Simulation,
     outputs: Outputs,
@@ -107,21 +109,21 @@ pub(crate) fn run(arguments: &Arguments, given: &Given) -> Result<(), Failure> {
     let finished = outputs.finish(&mut simulation);
     let stopped = step < past.steps;
     if stopped || result.is_err() {
-        outputs::tell(finished.as_deref().unwrap_or_default(), step);
+        outputs::note_written(finished.as_deref().unwrap_or_default(), step);
     }
-    // The first failure is the one that explains the others.
+    // The first failure is the one to report: it is the cause of the others.
     result.and(finished.map(drop))?;
     let (dt, substeps) = (past.dt, past.parts());
     let summary = Summary { name: &past.scene, steps: step, dt, substeps, seconds: past.seconds, before: past.before() };
     output::print(&if arguments.json { summary.json(&simulation) } else { summary.table(&mut simulation)? })?;
     if stopped {
-        let how = checkpoint.map_or(String::new(), |path| format!("; rockfall run --resume {path} goes on"));
+        let how = checkpoint.map_or(String::new(), |path| format!("; continue with: rockfall run --resume {path}"));
         return Err(Failure::Interrupted(format!("stopped at step {step} of {}{how}", past.steps)));
     }
     Ok(())
 }
 
-/// A run of a scene, from its start.
+/// Prepares a run of a scene from its start.
 fn begin(arguments: &Arguments) -> Result<Run, Failure> {
     let wanted = arguments.wanted()?;
     let Source { name, loaded } = Source::read(arguments.scene.as_deref())?;
@@ -152,7 +154,7 @@ fn begin(arguments: &Arguments) -> Result<Run, Failure> {
 }
 
 impl Arguments {
-    /// The files that were asked for.
+    /// Output files from the arguments.
     fn wanted(&self) -> Result<Wanted, Failure> {
         let wanted = Wanted {
             out: self.out.clone(),
@@ -168,14 +170,14 @@ impl Arguments {
     }
 }
 
-/// Does the steps that are left, until the run is asked to end; the checkpoint is that of the last one.
+/// Runs the remaining steps until the end or an interrupt, then writes a checkpoint of the last step.
 fn steps(run: &mut Run, interrupt: &Interrupt) -> Result<(), Failure> {
     let (start, seconds) = (Instant::now(), run.past.seconds);
     let parts = u64::from(run.past.parts());
     let done = |run: &Run| run.past.step(run.simulation.report().steps);
     let mut progress = Progress::new(run.past.steps - done(run));
     let mut result = Ok(());
-    while result.is_ok() && !interrupt.is_asked() && done(run) < run.past.steps {
+    while result.is_ok() && !interrupt.is_requested() && done(run) < run.past.steps {
         let chunk = run.outputs.steps_from(done(run), progress.chunk());
         let moved = run.simulation.run(chunk.saturating_mul(parts), run.past.part());
         result = moved.map(drop).map_err(|error| Failure::from(run.past.in_steps(error)));

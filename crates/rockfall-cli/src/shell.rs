@@ -1,4 +1,4 @@
-//! What a shell is given: completions of the command line, and manual pages.
+//! Shell completions and manual pages.
 
 use clap::{Args, CommandFactory as _};
 use clap_complete::Shell;
@@ -10,7 +10,7 @@ use crate::output;
 #[derive(Debug, Args)]
 #[command(after_help = "Example: rockfall completions bash > ~/.local/share/bash-completion/completions/rockfall")]
 pub(crate) struct Completions {
-    /// The shell to complete in
+    /// Shell that the script is for
     shell: Shell,
 }
 
@@ -18,7 +18,7 @@ pub(crate) struct Completions {
 #[derive(Debug, Args)]
 #[command(after_help = "Example: rockfall man run > rockfall-run.1")]
 pub(crate) struct Manual {
-    /// The command that the page describes; the whole program if left out
+    /// Command that the page describes [default: the whole program]
     command: Option<String>,
 }
 
@@ -37,12 +37,12 @@ pub(crate) fn manual(arguments: &Manual) -> Result<(), Failure> {
         None => program,
         Some(name) => program.find_subcommand(name).cloned().ok_or_else(|| {
             let known: Vec<&str> = program.get_subcommands().map(clap::Command::get_name).collect();
-            Failure::usage(format!("no command {name}: expected one of {}", known.join(", ")))
+            Failure::usage(format!("unknown command {name}: expected one of {}", known.join(", ")))
         })?,
     };
     let mut page = Vec::new();
     clap_mangen::Man::new(command)
         .render(&mut page)
-        .map_err(|error| Failure::Run(format!("the page cannot be written: {error}")))?;
+        .map_err(|error| Failure::Run(format!("the manual page cannot be written: {error}")))?;
     output::print(&String::from_utf8_lossy(&page))
 }

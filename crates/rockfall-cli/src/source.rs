@@ -1,4 +1,4 @@
-//! Where a scene comes from: a file, standard input, or the program itself.
+//! Reads a scene from a file, from standard input, or from the built-in copy.
 
 use std::io::Read as _;
 use std::path::Path;
@@ -7,19 +7,19 @@ use rockfall::{Loaded, Scene};
 
 use crate::failure::Failure;
 
-/// The scene that `run` takes when none is given.
+/// Scene that `run` and `view` use when none is given.
 const BUILT_IN: &str = include_str!("../../../scenes/soft-cube.txt");
 const BUILT_IN_NAME: &str = "built-in soft-cube";
 const STDIN_NAME: &str = "<stdin>";
 
-/// A scene and what to call it.
+/// A scene and its name in messages.
 pub(crate) struct Source {
     pub(crate) name: String,
     pub(crate) loaded: Loaded,
 }
 
 impl Source {
-    /// Reads a scene; no path stands for the built-in one, `-` for standard input.
+    /// Reads a scene. `None` selects the built-in scene, `-` standard input.
     pub(crate) fn read(path: Option<&Path>) -> Result<Self, Failure> {
         let Some(path) = path else {
             return Self::new(BUILT_IN_NAME, Scene::parse(BUILT_IN, Path::new(BUILT_IN_NAME)));
@@ -28,22 +28,23 @@ impl Source {
             return Self::new(&path.display().to_string(), Scene::load(path));
         }
         let mut bytes = Vec::new();
-        std::io::stdin().read_to_end(&mut bytes).map_err(|error| Failure::usage(format!("{STDIN_NAME}: {error}")))?;
+        let read = std::io::stdin().read_to_end(&mut bytes);
+        read.map_err(|error| Failure::usage(format!("{STDIN_NAME}: cannot be read: {error}")))?;
         Self::new(STDIN_NAME, Scene::parse_bytes(&bytes, Path::new(STDIN_NAME)))
     }
 
-    /// A scene must not be written over by what becomes of it.
+    /// Returns an error if an output file is the scene file, which must not be overwritten.
     pub(crate) fn is_not(scene: Option<&Path>, file: &Path) -> Result<(), Failure> {
         let place = |path: &Path| path.canonicalize().ok();
         match scene.and_then(place) {
             Some(scene) if place(file).as_ref() == Some(&scene) && scene.is_file() => {
-                Err(Failure::usage(format!("{}: the scene itself would be written over", file.display())))
+                Err(Failure::usage(format!("{}: this output would overwrite the scene file", file.display())))
             }
             _ => Ok(()),
         }
     }
 
-    /// A scene that cannot be read is wrong usage, whatever the reason.
+    /// Treats every failure to read a scene as wrong usage.
     fn new(name: &str, loaded: rockfall::Result<Loaded>) -> Result<Self, Failure> {
         Ok(Self { name: name.to_owned(), loaded: loaded.map_err(Failure::usage)? })
     }

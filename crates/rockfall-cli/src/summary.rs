@@ -1,4 +1,4 @@
-//! What a run tells at its end.
+//! Summary that a run prints at its end.
 
 use std::fmt::Write as _;
 
@@ -10,13 +10,13 @@ use crate::failure::Failure;
 use crate::options::{self, InWords};
 use crate::picture;
 
-/// What the simulation itself does not know of the run.
+/// Data for the summary that the simulation itself does not have.
 pub(crate) struct Summary<'a> {
     pub(crate) name: &'a str,
-    /// Whole steps done.
+    /// Number of whole steps done.
     pub(crate) steps: u64,
     pub(crate) dt: f32,
-    /// Parts that a step is divided into.
+    /// Number of parts that a step is divided into.
     pub(crate) substeps: u32,
     /// Wall time of the steps, in s.
     pub(crate) seconds: f64,
@@ -29,10 +29,10 @@ impl Summary<'_> {
         if steps == 0 { 0.0 } else { steps as f64 / self.seconds.max(1e-9) }
     }
 
-    /// How many steps, and how long; those before a checkpoint may have been of another length.
+    /// Describes the number and the length of the steps. Steps before a checkpoint may have had another length.
     fn length(&self, steps: u64, time: f64) -> String {
-        let alike = steps as f64 * options::as_written(self.dt);
-        if (time - alike).abs() <= 1e-5 * alike {
+        let equal_steps = steps as f64 * options::as_written(self.dt);
+        if (time - equal_steps).abs() <= 1e-5 * equal_steps {
             format!("{steps} of {} s = {time:.3} s{}", self.dt, self.parts())
         } else {
             format!("{steps}, the last of {} s{}, {time:.3} s in all", self.dt, self.parts())
@@ -43,7 +43,7 @@ impl Summary<'_> {
         if self.substeps > 1 { format!(" in {} parts each", self.substeps) } else { String::new() }
     }
 
-    /// One JSON object, for programs.
+    /// The summary as one JSON object, for programs.
     pub(crate) fn json(&self, simulation: &Simulation) -> String {
         let report = simulation.report();
         let backend = simulation.backend();
@@ -66,7 +66,7 @@ impl Summary<'_> {
         format!("{object}\n")
     }
 
-    /// A table, for people.
+    /// The summary as a table, for people.
     pub(crate) fn table(&self, simulation: &mut Simulation) -> Result<String, Failure> {
         let report = simulation.report();
         let after = simulation.energy()?;
@@ -84,8 +84,8 @@ impl Summary<'_> {
         }
         let speed = self.steps_per_second(self.steps);
         let real_time = if self.seconds > 0.0 { report.time / self.seconds } else { 0.0 };
-        let did = self.length(self.steps, report.time);
-        row("steps", format!("{did}, done in {:.3} s: {speed:.0} steps/s, {real_time:.1} times real time", self.seconds));
+        let length = self.length(self.steps, report.time);
+        row("steps", format!("{length}, done in {:.3} s: {speed:.0} steps/s, {real_time:.1} times real time", self.seconds));
         let energies = |energy: &Energy| {
             let [kinetic, potential, spring, contact] =
                 [energy.kinetic, energy.potential, energy.spring, energy.contact].map(short);
@@ -97,10 +97,10 @@ impl Summary<'_> {
         row("contacts", format!("{} in the last step, deepest overlap {}", report.contacts, short(report.max_overlap.into())));
         row("collisions", format!("{} in all, {} in the last step", report.total_collisions, report.collisions));
         if report.replays > 0 {
-            row("replays", format!("{} steps run again, with longer lists or larger AABBs", report.replays));
+            row("replays", format!("{} steps repeated, with longer lists or larger AABBs", report.replays));
         }
         if report.non_finite > 0 {
-            row("not finite", format!("{} times a body was stopped", report.non_finite));
+            row("not finite", format!("a body with non-finite values was stopped {} times", report.non_finite));
         }
         let scene: &Scene = simulation.sync()?;
         text.push_str(&picture::side_view(scene));
@@ -108,7 +108,7 @@ impl Summary<'_> {
     }
 }
 
-/// Four significant digits.
+/// Formats a number with four significant digits.
 fn short(number: f64) -> String {
     let size = number.abs();
     if size == 0.0 {

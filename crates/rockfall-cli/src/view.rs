@@ -1,4 +1,4 @@
-//! `rockfall view`: a window on a scene.
+//! `rockfall view`: shows a scene in a window.
 
 use std::path::PathBuf;
 
@@ -10,16 +10,16 @@ use crate::source::Source;
 
 #[derive(Debug, clap::Args)]
 pub(crate) struct Arguments {
-    /// Scene file, or - for standard input; a built-in scene if left out
+    /// Scene file, or - for standard input [default: a built-in scene]
     scene: Option<PathBuf>,
     #[command(flatten)]
     physics: Physics,
     #[command(flatten)]
     engine: Engine,
-    /// Write the state of the window after every frame, as JSON
+    /// Write the state of the window as JSON after every frame
     #[arg(long, value_name = "FILE", hide = true)]
     report: Option<PathBuf>,
-    /// Lose the graphics device after so many frames
+    /// Destroy the graphics device after this number of frames, to test that the window recovers
     #[arg(long, value_name = "FRAMES", hide = true)]
     lose_device_after: Option<u64>,
 }

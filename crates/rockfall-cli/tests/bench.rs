@@ -5,7 +5,7 @@ use std::process::Command;
 
 use serde_json::Value;
 
-/// Runs `rockfall bench` with more arguments; gives standard output.
+/// Runs `rockfall bench` with further arguments, checks the exit code and returns standard output.
 #[track_caller]
 fn bench(arguments: &str, code: i32) -> String {
     let output = Command::new(env!("CARGO_BIN_EXE_rockfall")).arg("bench").args(arguments.split_whitespace()).output().unwrap();
@@ -49,7 +49,7 @@ fn check_json(backend: &str) {
     let buffers = size["buffers"].as_object().unwrap();
     let sum: u64 = buffers.values().map(|bytes| bytes.as_u64().unwrap()).sum();
     assert_eq!(size["memory_bytes"].as_u64(), Some(sum));
-    // A lattice in contact: 3 n² (n - 1) contacts for n = 4, as long as nothing has moved far.
+    // The lattice starts with 3 n² (n - 1) contacts, n = 4; some may have opened since.
     assert!(size["contacts"].as_u64().unwrap() > 0);
     assert!(size["least_bytes_per_sphere_step"].as_f64().unwrap() > 500.0);
 
@@ -66,8 +66,8 @@ fn check_json(backend: &str) {
         sums[phase] += stage["seconds"].as_f64().unwrap() / 40.0;
     }
     for (phase, sum) in words(PHASES).into_iter().zip(sums) {
-        let told = phases[phase].as_f64().unwrap();
-        assert!(told > 0.0 && (told - sum).abs() < 1e-6 * sum, "{phase}: {told} and {sum}");
+        let reported = phases[phase].as_f64().unwrap();
+        assert!(reported > 0.0 && (reported - sum).abs() < 1e-6 * sum, "{phase}: {reported} and {sum}");
     }
 }
 
@@ -117,27 +117,27 @@ fn the_chart_has_a_bar_for_each_phase_of_each_size() {
         "Collision detection",
         "Collision response",
         "Force calculations & integration",
-        "A step, not timed by stage",
+        "Whole step, without timestamps",
         "spheres",
-        "ms a step",
+        "ms per step",
         "8",
         "27",
         "64",
     ] {
         assert!(texts.contains(&label), "{label}: {texts:?}");
     }
-    // A bar for each size and one in the legend.
+    // One bar for each of the three sizes and one in the legend.
     for colour in ["#4477AA", "#66CCEE", "#CCBB44", "#EE6677"] {
         let bars = nodes().filter(|node| node.tag_name().name() == "rect" && node.attribute("fill") == Some(colour));
         assert_eq!(bars.count(), 4, "{colour}: {text}");
     }
-    // So has the whole step: wider than an axis.
+    // The whole step also has three lines and one in the legend. They are wider than an axis.
     let wide = nodes().filter(|node| node.tag_name().name() == "polyline" && node.attribute("stroke-width") == Some("2"));
     assert_eq!(wide.count(), 4, "{text}");
 }
 
 #[test]
-fn wrong_arguments_are_wrong_usage() {
+fn wrong_arguments_exit_with_code_2() {
     for arguments in [
         "heap",
         "--spheres 0",

@@ -1,4 +1,4 @@
-//! The real binary, on good and bad scenes and arguments.
+//! Tests of the binary with good and bad scenes and arguments.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -12,7 +12,7 @@ use common::Rockfall;
 #[cfg(feature = "gpu")]
 use common::finish;
 
-/// Two balls and a box that they fall on.
+/// Two balls that fall on a box.
 const SCENE: &str = "Two balls over a box.\nS 1 0 1 0 0 0 0 0 0 0 1 0.5 0\nS 2 0.25 2.5 -0 1e-40 0 1.2345679e-30 0 0 0 1 0.5\n\
                      B -5 -1 -5 10 0 0 0 1 0 0 0 10\n";
 
@@ -24,7 +24,7 @@ fn scenes() -> Vec<PathBuf> {
 }
 
 #[test]
-fn every_scene_of_the_collection_is_good_and_runs() {
+fn every_scene_in_the_scenes_folder_is_valid_and_runs() {
     let rockfall = Rockfall::with("");
     assert!(scenes().len() >= 8);
     for path in scenes() {
@@ -40,7 +40,7 @@ fn every_scene_of_the_collection_is_good_and_runs() {
 }
 
 #[test]
-fn without_a_scene_the_built_in_one_runs() {
+fn run_without_a_scene_uses_the_built_in_one() {
     let rockfall = Rockfall::with("");
     let (out, _) = rockfall.run("run --backend cpu --steps 3", 0);
     assert!(out.starts_with("built-in "), "{out}");
@@ -71,7 +71,7 @@ fn json_is_one_object_with_all_keys() {
 }
 
 #[test]
-fn the_state_file_reads_back_bit_for_bit() {
+fn the_state_file_reads_back_bitwise_identical() {
     let rockfall = Rockfall::with(SCENE);
     rockfall.run("run scene.txt --backend cpu --steps 0 --out state.csv", 0);
     let text = rockfall.read("state.csv");
@@ -87,7 +87,7 @@ fn the_state_file_reads_back_bit_for_bit() {
     assert_eq!(second[6].to_bits(), 1.2345679e-30_f32.to_bits());
     assert!(lines[2].len() < 70, "{}", lines[2]);
 
-    // Runs of the same scene end in the same bits, with and without a trace.
+    // Runs of the same scene end bitwise identical, with and without a trace.
     rockfall.run("run scene.txt --backend cpu --steps 50 --out a.csv", 0);
     rockfall.run("run scene.txt --backend cpu --steps 50 --out b.csv --trace trace.csv", 0);
     assert_eq!(rockfall.read("a.csv"), rockfall.read("b.csv"));
@@ -113,13 +113,13 @@ fn the_trace_has_a_line_for_the_start_and_one_for_every_step() {
         assert_eq!(fields[0], step as f64);
         assert!((fields[1] - 0.01 * step as f64).abs() < 1e-6, "{line}");
     }
-    // Free fall of both until the first hits the box.
+    // Both balls fall freely until the first one hits the box.
     let tenth = fields(lines[11]);
     assert!((tenth[7] + 2.0 * 0.1).abs() < 1e-5, "{tenth:?}");
 }
 
 #[test]
-fn settings_and_steps_are_those_of_the_arguments() {
+fn arguments_override_settings_and_steps() {
     let rockfall = Rockfall::with(&format!("{SCENE}set gravity 9\n"));
     let momentum = |arguments: &str| -> f64 {
         rockfall.run(&format!("run scene.txt --backend cpu --steps 1 --trace t.csv {arguments}"), 0);
@@ -134,7 +134,7 @@ fn settings_and_steps_are_those_of_the_arguments() {
 }
 
 #[test]
-fn bad_scenes_are_named_by_file_line_and_field() {
+fn errors_in_scenes_name_file_line_and_field() {
     let cases = [
         ("S 1 0 1 0 0 0 0 0 0 0 1", "scene.txt:1: S radius: missing, expected 12 or 13 numbers after S, found 11"),
         ("x\nS 1 0 1 0 0 0 0 0 0 0 -1 1", "scene.txt:2: S mass: -1 is not allowed, expected"),
@@ -155,7 +155,7 @@ fn bad_scenes_are_named_by_file_line_and_field() {
 }
 
 #[test]
-fn scenes_that_cannot_be_read_are_wrong_usage() {
+fn unreadable_scenes_exit_with_code_2() {
     let rockfall = Rockfall::with(SCENE);
     for command in ["run nowhere.txt", "check nowhere.txt", "run .", "check .", "check scene.txt/below"] {
         let (_, err) = rockfall.run(command, 2);
@@ -165,21 +165,21 @@ fn scenes_that_cannot_be_read_are_wrong_usage() {
 }
 
 #[test]
-fn a_scene_comes_from_standard_input_too() {
+fn a_scene_can_be_read_from_standard_input() {
     let rockfall = Rockfall::with("");
     let (out, _) = rockfall.run_with_input("run - --backend cpu --steps 2 --json", SCENE.as_bytes(), 0);
     let object: Value = serde_json::from_str(&out).unwrap();
     assert_eq!(object["objects"]["spheres"], 2);
     let (_, err) = rockfall.run_with_input("check -", b"\xff\xfe\nS", 2);
     assert!(err.contains("<stdin>:2: S reference: missing"), "{err}");
-    // Nothing at all is a scene without objects.
+    // Empty input is a scene without objects.
     let (out, _) = rockfall.run_with_input("check -", b"", 0);
     assert!(out.contains("no spheres"), "{out}");
     rockfall.run_with_input("run - --backend cpu --steps 3", b"", 0);
 }
 
 #[test]
-fn wrong_arguments_are_wrong_usage() {
+fn wrong_arguments_exit_with_code_2() {
     let rockfall = Rockfall::with(SCENE);
     let cases = [
         ("", "Usage"),
@@ -233,11 +233,11 @@ fn wrong_arguments_are_wrong_usage() {
 }
 
 #[test]
-fn bad_output_paths_show_before_the_run() {
+fn bad_output_paths_fail_before_the_run() {
     let rockfall = Rockfall::with(SCENE);
     fs::create_dir(rockfall.path("folder")).unwrap();
     for command in [
-        // So many steps that the test would not end if it ran first.
+        // With this number of steps the test would not end if the run came first.
         "run scene.txt --backend cpu --steps 1000000000000 --out no/state.csv",
         "run scene.txt --backend cpu --steps 1000000000000 --trace no/trace.csv",
         "run scene.txt --backend cpu --steps 1000000000000 --out folder",
@@ -249,7 +249,7 @@ fn bad_output_paths_show_before_the_run() {
 }
 
 #[test]
-fn a_run_that_fails_writes_what_it_has() {
+fn a_run_that_fails_writes_its_results_so_far() {
     let scene = "S 1 0 0 0 0 0 0 0 0 0 1 0.1\nS 2 9 0 0 0 0 0 0 0 0 1 0.1\nK 1 2 1e6 1 0\n";
     let rockfall = Rockfall::with(scene);
     fs::write(rockfall.path("run.ckpt"), "old").unwrap();
@@ -260,21 +260,21 @@ fn a_run_that_fails_writes_what_it_has() {
     let (step, files) = step.split_once(": ").unwrap();
     assert!(files.starts_with("trace.csv, state.csv\nerror: sphere 0 stopped being finite in step "), "{err}");
     assert!(files.contains(&format!("in step {step} ")), "{err}");
-    // The state that failed; of the trace, all but its line.
+    // The state file holds the failed state. The trace ends with the step before it.
     assert_eq!(rockfall.read("state.csv").lines().count(), 3);
     assert_eq!(rockfall.read("trace.csv").lines().count(), 1 + step.parse::<usize>().unwrap());
-    assert_eq!(rockfall.read("run.ckpt"), "old", "a checkpoint of a failed run is of no use");
+    assert_eq!(rockfall.read("run.ckpt"), "old", "a failed run leaves the checkpoint unchanged");
     assert_eq!(fs::read_dir(rockfall.folder.path()).unwrap().count(), 4, "no part files");
 
     let command = "run scene.txt --backend cpu --out state.csv --trace trace.csv";
     let (out, _) = rockfall.run(&format!("{command} --keep-going --steps 5"), 0);
-    assert!(out.contains("times a body was stopped"), "{out}");
+    assert!(out.contains("a body with non-finite values was stopped "), "{out}");
     assert_eq!(rockfall.read("state.csv").lines().count(), 3);
     assert_eq!(rockfall.read("trace.csv").lines().count(), 7);
 }
 
 #[test]
-fn check_tells_what_is_odd_and_too_stiff() {
+fn check_warns_of_suspicious_lines_and_of_stiff_springs_and_contacts() {
     let scene = "S 1 0 0 0 0 0 0 0 0 0 1 1\nS 2 5 0 0 0 0 0 0 0 0 1 1\nK 1 2 12000 5 0\nset colour red\nset friction 7\n";
     let rockfall = Rockfall::with(scene);
     let (out, err) = rockfall.run("check scene.txt", 0);
@@ -290,7 +290,7 @@ fn check_tells_what_is_odd_and_too_stiff() {
             && lines[3].ends_with("0.0182 s"),
         "{out}"
     );
-    assert_eq!(lines[4], "run --substeps 2 divides the time step as far as springs and contacts need it");
+    assert_eq!(lines[4], "rockfall run --substeps 2 makes the time step short enough for springs and contacts");
     assert_eq!(lines.len(), 5, "{out}");
     let (out, _) = rockfall.run("check scene.txt --dt 0.0182", 0);
     assert!(out.contains("stable at a time step of 0.0182 s (rk4)"), "{out}");
@@ -299,12 +299,12 @@ fn check_tells_what_is_odd_and_too_stiff() {
     assert!(out.contains("the largest time step that works is 0.00645 s"), "{out}");
     let (out, _) = rockfall.run("check scene.txt --dt 0.001 --set contact_force=1e8", 0);
     assert!(out.contains("the contact force is too stiff"), "{out}");
-    // `run` tells of odd lines too.
+    // `run` prints the same warnings.
     let (_, err) = rockfall.run("run scene.txt --backend cpu --steps 1 --json", 0);
     assert!(err.starts_with("warning: scene.txt:4: ") && err.contains("spring 0, with all others"), "{err}");
 }
 
-/// A handful of marbles in SI units over a plate that is thinner than what they move by in a step.
+/// Eight marbles in SI units over a plate that is thinner than the distance that they move in a step.
 fn marbles() -> String {
     let mut scene = String::from("set gravity 9.81\nB -1 -0.001 -1 2 0 0 0 0.001 0 0 0 2\n");
     for ball in 0..8 {
@@ -314,30 +314,30 @@ fn marbles() -> String {
 }
 
 #[test]
-fn check_and_run_warn_of_what_sinks_and_of_what_is_passed_through() {
+fn check_and_run_warn_of_sinking_and_of_tunnelling() {
     let rockfall = Rockfall::with(&marbles());
     let (out, _) = rockfall.run("check scene.txt", 0);
     let (_, err) = rockfall.run("run scene.txt --backend cpu --steps 1", 0);
-    for told in [&out, &err] {
+    for text in [&out, &err] {
         let sinks = "warning: scene.txt: bodies at rest overlap by 0.00981 (gravity / contact_force), 196 % of the smallest radius 0.005";
-        assert!(told.contains(sinks) && told.contains("`set resting_overlap 0.02`"), "{told}");
-        // From 0.145 m down: 1.687 m/s; the plate and a marble bear 0.0055.
+        assert!(text.contains(sinks) && text.contains("`set resting_overlap 0.02`"), "{text}");
+        // A fall of 0.145 m gives 1.687 m/s. The plate and a marble stop a body that moves at most 0.0055 per step.
         let passes = "bodies may reach 1.69 units/s, 0.0337 units a step, and pass through box 0";
-        assert!(told.contains(passes) && told.contains("the largest time step that works is 0.00326 s"), "{told}");
+        assert!(text.contains(passes) && text.contains("the largest time step that works is 0.00326 s"), "{text}");
     }
     let (out, _) = rockfall.run("check scene.txt --set resting_overlap=0.02 --dt 0.0001", 0);
     assert!(!out.contains("warning") && out.contains("chosen for resting_overlap 0.02"), "{out}");
 }
 
 #[test]
-fn substeps_divide_the_steps() {
+fn substeps_equal_a_shorter_time_step() {
     let rockfall = Rockfall::with(SCENE);
     let run = |arguments: &str| rockfall.run(&format!("run scene.txt --backend cpu {arguments}"), 0).0;
     let divided = run("--steps 100 --substeps 4 --out a.csv --trace t.csv");
     assert!(divided.contains("100 of 0.02 s = 2.000 s in 4 parts each,"), "{divided}");
     run("--steps 400 --dt 0.005 --out b.csv --trace u.csv");
     assert_eq!(rockfall.read("a.csv"), rockfall.read("b.csv"), "the same steps");
-    // Every fourth line of the finer trace, with the collisions of the four.
+    // The trace has every fourth line of the finer trace, with the collisions of all four parts.
     let lines = |name: &str| -> Vec<Vec<String>> {
         let text = rockfall.read(name);
         text.lines().skip(1).map(|line| line.split(',').map(str::to_owned).collect()).collect()
@@ -361,7 +361,7 @@ fn substeps_divide_the_steps() {
 }
 
 #[test]
-fn auto_takes_as_few_substeps_as_will_do() {
+fn auto_chooses_the_smallest_stable_number_of_substeps() {
     let rockfall = Rockfall::with("");
     rockfall.run("generate pile --spheres 30 --out scene.txt", 0);
     let substeps = |arguments: &str| -> u64 {
@@ -372,7 +372,7 @@ fn auto_takes_as_few_substeps_as_will_do() {
         object["substeps"].as_u64().unwrap()
     };
     assert_eq!(substeps(""), 1);
-    // dt² Cc <= 0.5: 0.02 / sqrt(0.5 / 4000) = 1.8; of 40000: 5.7.
+    // The limit is dt² Cc <= 0.5: 0.02 / sqrt(0.5 / 4000) = 1.8, and 5.7 for Cc = 40000.
     assert_eq!(substeps("--set contact_force=4000"), 2);
     assert_eq!(substeps("--set contact_force=40000"), 6);
     assert!(substeps("--set gravity=5 --set resting_overlap=0.02") > 2);
@@ -383,7 +383,7 @@ fn auto_takes_as_few_substeps_as_will_do() {
 }
 
 #[test]
-fn generated_scenes_are_good_and_run() {
+fn generated_scenes_are_valid_and_run() {
     let rockfall = Rockfall::with("");
     for kind in ["pile", "mixed", "soft", "chain", "hopper"] {
         rockfall.run(&format!("generate {kind} --spheres 200 --seed 3 --out {kind}.txt"), 0);
@@ -409,7 +409,7 @@ fn devices_always_lists_the_cpu() {
 }
 
 #[test]
-fn shells_get_completions_and_manual_pages() {
+fn completions_and_manual_pages_are_printed() {
     let rockfall = Rockfall::with("");
     for shell in ["bash", "zsh", "fish", "powershell", "elvish"] {
         let (out, err) = rockfall.run(&format!("completions {shell}"), 0);
@@ -421,12 +421,12 @@ fn shells_get_completions_and_manual_pages() {
     let (out, _) = rockfall.run("man run", 0);
     assert!(out.contains(".TH rockfall-run 1") && out.contains("substeps"), "{out}");
     let (_, err) = rockfall.run("man nothing", 2);
-    assert!(err.contains("no command nothing: expected one of run, check"), "{err}");
+    assert!(err.contains("unknown command nothing: expected one of run, check"), "{err}");
     rockfall.run("completions csh", 2);
 }
 
 #[test]
-fn help_and_version_are_no_errors() {
+fn help_and_version_exit_with_code_0() {
     let rockfall = Rockfall::with("");
     let (out, _) = rockfall.run("run --help", 0);
     for option in
@@ -439,7 +439,7 @@ fn help_and_version_are_no_errors() {
 }
 
 #[test]
-fn a_closed_standard_output_is_no_panic() {
+fn a_closed_standard_output_is_not_an_error() {
     let rockfall = Rockfall::with(SCENE);
     for arguments in [
         "run scene.txt --backend cpu --steps 5",
@@ -456,25 +456,26 @@ fn a_closed_standard_output_is_no_panic() {
     }
 }
 
-/// An adapter request that cannot be met: Metal on anything but a Mac, Vulkan there.
+/// Requests a graphics API that the system does not have: DX12 on macOS, Metal elsewhere.
 #[cfg(feature = "gpu")]
 #[test]
-fn without_an_adapter_gpu_is_an_error_and_auto_takes_the_cpu() {
+fn without_an_adapter_gpu_fails_and_auto_uses_the_cpu() {
     let rockfall = Rockfall::with(SCENE);
     let foreign = if cfg!(target_os = "macos") { "dx12" } else { "metal" };
     let run = |arguments: &str, code| {
         finish(rockfall.command(arguments).env("WGPU_BACKEND", foreign).output().unwrap(), arguments, code)
     };
-    let (_, told) = run("run scene.txt --steps 1 --backend gpu", 1);
-    assert!(told.contains("no usable GPU") && told.contains("--backend cpu"), "{told}");
-    let (told, _) = run("run scene.txt --steps 1", 0);
-    assert!(told.contains("cpu: CPU") && told.contains("no hardware GPU was found"), "{told}");
+    let (_, err) = run("run scene.txt --steps 1 --backend gpu", 1);
+    assert!(err.contains("no usable GPU") && err.contains("--backend cpu"), "{err}");
+    let (out, _) = run("run scene.txt --steps 1", 0);
+    assert!(out.contains("cpu: CPU") && out.contains("no hardware GPU was found"), "{out}");
 }
 
-/// What the README says that its first command prints, but for the speed; libraries of other systems round sines another way.
+/// Compares the output of the first command in the README, except for the speed. On other systems, the mathematical library may
+/// round sines differently.
 #[test]
 #[cfg(all(target_os = "linux", target_arch = "x86_64"))]
-fn the_readme_shows_what_its_first_command_prints() {
+fn the_readme_shows_the_output_of_its_first_command() {
     let root = concat!(env!("CARGO_MANIFEST_DIR"), "/../..");
     let readme = fs::read_to_string(format!("{root}/README.md")).unwrap();
     let shown = readme.split("```text\n").nth(1).and_then(|rest| rest.split("\n```").next()).expect("a block of text");

@@ -1,5 +1,5 @@
-//! A disk that is full is told, and no half file stands under a final name. Full is a device that always is, and a limit on
-//! the size of files, which needs no rights to set.
+//! A full disk is reported, and no incomplete file appears under its final name. The tests use `/dev/full` and a limit on the
+//! size of files, which needs no privileges.
 #![cfg(unix)]
 
 use std::fs;
@@ -9,11 +9,11 @@ mod common;
 
 use common::{Rockfall, finish, mixed};
 
-/// Runs a command that cannot write files of more than some 8 KiB.
+/// Runs a command that cannot write files larger than about 8 KiB.
 #[track_caller]
 fn run_limited(rockfall: &Rockfall, arguments: &str, code: i32) -> (String, String) {
     let program = env!("CARGO_BIN_EXE_rockfall");
-    // Signal 25 is SIGXFSZ, which would end the program: ignored, the write fails instead.
+    // Signal 25, SIGXFSZ, would end the program. It is ignored, so that the write fails instead.
     let script = format!("trap '' 25 && ulimit -f 16 && exec {program} {arguments}");
     let mut command = Command::new("sh");
     command.current_dir(rockfall.folder.path()).env("XDG_RUNTIME_DIR", rockfall.folder.path());
@@ -27,16 +27,16 @@ fn names(rockfall: &Rockfall) -> Vec<String> {
     names
 }
 
-/// The limit itself: what fits is written. Were it not in force, the tests below would fail for want of a failure.
+/// Files below the limit are written, so the failures in the tests below come from the limit alone.
 #[test]
-fn what_fits_is_written() {
+fn files_below_the_limit_are_written() {
     let rockfall = Rockfall::with(&mixed(4));
     run_limited(&rockfall, "run scene.txt --backend cpu --steps 3 --out state.csv", 0);
     assert_eq!(names(&rockfall), ["scene.txt", "state.csv"]);
 }
 
 #[test]
-fn files_that_do_not_fit_are_told_and_not_left_half() {
+fn files_above_the_limit_are_reported_and_the_old_ones_kept() {
     for (files, name) in [
         ("--out state.csv", "state.csv"),
         ("--out state.npz", "state.npz"),
@@ -61,7 +61,7 @@ fn files_that_do_not_fit_are_told_and_not_left_half() {
 }
 
 #[test]
-fn a_frame_that_does_not_fit_is_told() {
+fn a_frame_above_the_limit_is_reported() {
     let rockfall = Rockfall::with(&mixed(128));
     let (_, err) = run_limited(&rockfall, "run scene.txt --backend cpu --steps 20 --out run.pvd --every 10", 1);
     assert!(err.contains("run.pvd: cannot be written: File too large"), "{err}");
@@ -70,7 +70,7 @@ fn a_frame_that_does_not_fit_is_told() {
 
 #[cfg(target_os = "linux")]
 #[test]
-fn a_device_without_room_is_told() {
+fn a_full_device_is_reported() {
     let rockfall = Rockfall::with(&mixed(16));
     for files in ["--out /dev/full", "--trace /dev/full", "--out /dev/full --every 5"] {
         let (out, err) = rockfall.run(&format!("run scene.txt --backend cpu --steps 50 {files}"), 1);
@@ -79,9 +79,9 @@ fn a_device_without_room_is_told() {
     }
 }
 
-/// What a killed program left is taken by the next one that writes to the same place.
+/// An unfinished file of a killed program is replaced by the next program that writes to the same path.
 #[test]
-fn leftovers_are_taken_away() {
+fn unfinished_files_of_killed_runs_are_replaced() {
     let rockfall = Rockfall::with(&mixed(4));
     fs::write(rockfall.path(".state.csv.part"), "left").unwrap();
     rockfall.run("run scene.txt --backend cpu --steps 3 --out state.csv", 0);

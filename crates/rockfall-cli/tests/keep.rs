@@ -1,4 +1,4 @@
-//! Runs that are killed, interrupted and resumed, with the real binary: they end in the same bits as those that are not.
+//! Runs of the binary that are killed, interrupted and resumed end bitwise identical to uninterrupted ones.
 
 use std::fs;
 use std::process::{Child, Command, Stdio};
@@ -8,7 +8,7 @@ mod common;
 
 use common::{Rockfall, finish, mixed};
 
-/// Waits for a file, or for the end of the program.
+/// Waits until a file exists or the program ends.
 fn wait_for(rockfall: &Rockfall, name: &str, child: &mut Child) {
     let start = Instant::now();
     while !rockfall.path(name).exists() && child.try_wait().unwrap().is_none() {
@@ -21,8 +21,8 @@ fn spawn(rockfall: &Rockfall, arguments: &str) -> Child {
     rockfall.command(arguments).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap()
 }
 
-/// Starts a run and kills it again and again, each time a while after there is a checkpoint, and resumes it; until it ends.
-/// Tells how often it was killed.
+/// Starts a run, kills it after each of the delays (in ms, once there is a checkpoint) and resumes it, then waits for its end.
+/// Returns the number of kills.
 fn kill_and_resume(rockfall: &Rockfall, arguments: &str, delays: &[u64]) -> usize {
     let mut kills = 0;
     let mut child = spawn(rockfall, &format!("run scene.txt {arguments} --checkpoint run.ckpt"));
@@ -44,8 +44,8 @@ fn kill_and_resume(rockfall: &Rockfall, arguments: &str, delays: &[u64]) -> usiz
     kills
 }
 
-/// All of it at once: the state at the end is the last frame. Steps are slow enough for several kills.
-fn killed_runs_end_in_the_same_bits(engine: &str, steps: u32, balls: usize, delays: &[u64]) {
+/// Compares trajectories and traces of killed and uninterrupted runs. The steps are slow enough for several kills.
+fn check_killed_runs_are_bitwise_identical(engine: &str, steps: u32, balls: usize, delays: &[u64]) {
     for integrator in ["rk4", "symplectic-euler"] {
         for broad_phase in ["brute-force", "grid"] {
             let rockfall = Rockfall::with(&mixed(balls));
@@ -65,24 +65,25 @@ fn killed_runs_end_in_the_same_bits(engine: &str, steps: u32, balls: usize, dela
 }
 
 #[test]
-fn killed_on_the_cpu_and_resumed() {
-    killed_runs_end_in_the_same_bits("--backend cpu", 600, 96, &[0, 3, 11, 30, 47, 101]);
+fn runs_killed_on_the_cpu_are_bitwise_identical() {
+    check_killed_runs_are_bitwise_identical("--backend cpu", 600, 96, &[0, 3, 11, 30, 47, 101]);
 }
 
 #[cfg(feature = "gpu")]
 #[test]
-fn killed_on_the_gpu_and_resumed() {
-    killed_runs_end_in_the_same_bits("--backend gpu", 60, 16, &[20, 150]);
+fn runs_killed_on_the_gpu_are_bitwise_identical() {
+    check_killed_runs_are_bitwise_identical("--backend gpu", 60, 16, &[20, 150]);
 }
 
-/// Every format of trajectory is gone on with, unfinished and finished.
+/// A resumed run continues its trajectory in every format, whether the file was finished or not.
 #[test]
-fn trajectories_are_gone_on_with() {
+fn resumed_runs_continue_their_trajectories() {
     for out in ["run.npz", "run.pvd", "run.csv"] {
         let [whole, parts] = [0, 1].map(|_| Rockfall::with(&mixed(32)));
         let run = format!("run scene.txt --backend cpu --dt 0.01 --out {out} --every 10");
         whole.run(&format!("{run} --steps 100"), 0);
-        // To the end, further from what is finished, then killed and on from what is not.
+        // A run to its end, then one that continues the finished file, one that is killed, and one that continues the
+        // unfinished file.
         parts.run(&format!("{run} --steps 35 --checkpoint run.ckpt"), 0);
         parts.run("run --resume run.ckpt --steps 55", 0);
         let mut child = spawn(&parts, "run --resume run.ckpt --steps 1000000000 --checkpoint-every 5");
@@ -128,41 +129,41 @@ fn ctrl_c_ends_a_run_cleanly() {
         signal(&child, name);
         let (out, err) = finish(child.wait_with_output().unwrap(), &arguments, 130);
         assert!(out.contains("energy"), "{out}");
-        let (_, told) = err.split_once("stopped at step ").unwrap();
-        let step: u64 = told.split(' ').next().unwrap().parse().unwrap();
+        let (_, rest) = err.split_once("stopped at step ").unwrap();
+        let step: u64 = rest.split(' ').next().unwrap().parse().unwrap();
         assert_eq!(
             err,
             format!(
                 "written up to step {step}: trace.csv, state.csv\nstopped at step {step} of 1000000000; \
-                 rockfall run --resume run.ckpt goes on\n"
+                 continue with: rockfall run --resume run.ckpt\n"
             )
         );
         assert!(step >= 50);
         assert_eq!(rockfall.read("trace.csv").lines().count() as u64, step + 2);
 
-        // What was written is what a run of so many steps writes.
+        // The files are those of a run with this number of steps.
         let whole = "--out whole.csv --trace whole-trace.csv";
         rockfall.run(&format!("run scene.txt --backend cpu --dt 0.01 --steps {step} {whole}"), 0);
         assert_eq!(rockfall.read("whole.csv"), rockfall.read("state.csv"));
         assert_eq!(rockfall.read("whole-trace.csv"), rockfall.read("trace.csv"));
-        let (told, _) = rockfall.run(&format!("run --resume run.ckpt --steps {} --json", step + 10), 0);
-        assert!(told.contains(&format!("\"steps\":{}", step + 10)), "{told}");
+        let (out, _) = rockfall.run(&format!("run --resume run.ckpt --steps {} --json", step + 10), 0);
+        assert!(out.contains(&format!("\"steps\":{}", step + 10)), "{out}");
         assert_eq!(rockfall.read("trace.csv").lines().count() as u64, step + 12);
     }
 }
 
-/// While all pairs of so many spheres are tested, a first signal has to wait; a second one ends the run at once, and nothing is
-/// written.
+/// A first signal waits for the end of the step, which takes long with brute force. A second signal ends the run at once, and
+/// nothing is written.
 #[cfg(unix)]
 #[test]
-fn a_second_ctrl_c_ends_it_at_once() {
+fn a_second_ctrl_c_ends_a_run_at_once() {
     let rockfall = Rockfall::with("");
     rockfall.run("generate pile --spheres 200000 --out scene.txt", 0);
     let mut child = spawn(&rockfall, "run scene.txt --backend cpu --broad-phase brute-force --steps 1000 --out state.csv");
     wait_for(&rockfall, ".state.csv.part", &mut child);
     signal(&child, "-INT");
     std::thread::sleep(Duration::from_millis(100));
-    assert!(child.try_wait().unwrap().is_none(), "the first one asks");
+    assert!(child.try_wait().unwrap().is_none(), "the first signal must not end the run during a step");
     signal(&child, "-INT");
     let start = Instant::now();
     while child.try_wait().unwrap().is_none() {
@@ -177,7 +178,7 @@ fn a_second_ctrl_c_ends_it_at_once() {
 }
 
 #[test]
-fn what_is_given_comes_before_the_checkpoint_and_is_noted() {
+fn options_override_the_checkpoint_and_changes_are_reported() {
     let rockfall = Rockfall::with(&mixed(16));
     let (out, _) = rockfall.run("run scene.txt --backend cpu --dt 0.01 --steps 20 --checkpoint run.ckpt --trace a.csv", 0);
     assert!(out.contains("20 of 0.01 s = 0.200 s,"), "{out}");
@@ -193,7 +194,7 @@ fn what_is_given_comes_before_the_checkpoint_and_is_noted() {
          note: --set gravity 2 instead of 9 from step 20 on\n"
     );
     assert!(out.contains("30, the last of 0.005 s, 0.250 s in all,"), "{out}");
-    // Another trace begins where the run goes on; the old one is left as it is.
+    // A new trace begins at the checkpoint. The old one is left unchanged.
     let trace = rockfall.read("b.csv");
     assert!(trace.lines().nth(1).unwrap().starts_with("20,"), "{trace}");
     assert_eq!(trace.lines().count(), 12);
@@ -201,11 +202,14 @@ fn what_is_given_comes_before_the_checkpoint_and_is_noted() {
     let time: f64 = trace.lines().nth(11).unwrap().split(',').nth(1).unwrap().parse().unwrap();
     assert!((time - 0.25).abs() < 1e-6, "{time}");
 
-    // A trace that is gone, or another one, is not gone on with.
+    // A trace that was removed or changed is not continued.
     fs::write(rockfall.path("run.ckpt"), &keep).unwrap();
     fs::write(rockfall.path("a.csv"), "step\n").unwrap();
     let (_, err) = rockfall.run("run --resume run.ckpt --steps 30", 2);
-    assert!(err.contains("a.csv: it is not what was written before; give another --trace"), "{err}");
+    assert!(
+        err.contains("a.csv: it is not what was written before; --resume cannot continue this file: give another --trace"),
+        "{err}"
+    );
     fs::remove_file(rockfall.path("a.csv")).unwrap();
     let (_, err) = rockfall.run("run --resume run.ckpt --steps 30", 2);
     assert!(err.contains("a.csv: what was written of it before is not there any more"), "{err}");
@@ -213,7 +217,7 @@ fn what_is_given_comes_before_the_checkpoint_and_is_noted() {
 }
 
 #[test]
-fn a_divided_run_is_gone_on_with() {
+fn a_run_with_substeps_can_be_resumed() {
     let rockfall = Rockfall::with(&mixed(16));
     let run = "run scene.txt --backend cpu --dt 0.02 --substeps 3 --every 5";
     rockfall.run(&format!("{run} --steps 40 --out whole.csv --trace whole-trace.csv"), 0);
@@ -223,7 +227,7 @@ fn a_divided_run_is_gone_on_with() {
     assert_eq!(rockfall.read("whole.csv"), rockfall.read("parts.csv"));
     assert_eq!(rockfall.read("whole-trace.csv"), rockfall.read("parts-trace.csv"));
 
-    // Divided otherwise, it goes on from the same step.
+    // With another number of parts, it continues from the same step.
     let (out, err) = rockfall.run("run --resume run.ckpt --steps 44 --substeps 2 --trace b.csv", 0);
     assert_eq!(err, "note: --substeps 2 instead of 3 from step 40 on\n");
     assert!(out.contains("44 of 0.02 s = 0.880 s in 2 parts each,"), "{out}");

@@ -1,5 +1,7 @@
-//! The real binary used oddly: odd files for scenes, odd places for what is written, no graphics driver. Every case ends
-//! with an exit code of the three and a message in words; `bad_scenes...` and `wrong_arguments...` in cli.rs have the rest.
+//! Unusual uses of the binary: unusual files as scenes, unusual output paths, no graphics driver.
+//!
+//! Every case ends with one of the exit codes 0, 1 and 2 and a readable message. The common errors are tested in cli.rs, by
+//! `errors_in_scenes...` and `wrong_arguments...`.
 
 use std::ffi::OsStr;
 use std::fs;
@@ -7,7 +9,7 @@ use std::io::{BufRead as _, BufReader};
 use std::path::Path;
 use std::process::{Command, Stdio};
 
-/// One ball over a box.
+/// One ball above a box.
 const SCENE: &str = "S 1 0 1 0 0 0 0 0 0 0 1 0.5\nB -5 -1 -5 10 0 0 0 1 0 0 0 10\n";
 
 fn command(folder: &Path, arguments: impl IntoIterator<Item = impl AsRef<OsStr>>) -> Command {
@@ -16,16 +18,16 @@ fn command(folder: &Path, arguments: impl IntoIterator<Item = impl AsRef<OsStr>>
     command
 }
 
-/// Exit code, standard output and standard error.
+/// Runs a command and returns its exit code, standard output and standard error.
 fn run(mut command: Command) -> (i32, String, String) {
     let output = command.output().unwrap();
     let text = |bytes: Vec<u8>| String::from_utf8_lossy(&bytes).into_owned();
     let (out, err) = (text(output.stdout), text(output.stderr));
     assert!(!err.contains("panicked"), "{err}");
-    (output.status.code().expect("no signal ends it"), out, err)
+    (output.status.code().expect("it is not ended by a signal"), out, err)
 }
 
-/// A folder with odd files.
+/// Creates a folder with unusual files.
 fn folder() -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
     let write = |name: &str, bytes: &[u8]| fs::write(folder.path().join(name), bytes).unwrap();
@@ -43,7 +45,7 @@ fn folder() -> tempfile::TempDir {
 }
 
 #[test]
-fn odd_files_and_arguments() {
+fn unusual_files_and_arguments() {
     let folder = folder();
     let cases = [
         ("run empty.txt --steps 3", 0, "warning: empty.txt: no spheres, so nothing will move"),
@@ -60,8 +62,8 @@ fn odd_files_and_arguments() {
         ("run scene.txt --steps 18446744073709551616", 2, "18446744073709551616"),
         ("run scene.txt --json --json", 2, "cannot be used multiple times"),
         ("run scene.txt --out= --steps 1", 2, "a value is required"),
-        ("run scene.txt --out scene.txt", 2, "scene.txt: the scene itself would be written over"),
-        ("run scene.txt --trace folder/../scene.txt", 2, "scene.txt: the scene itself would be written over"),
+        ("run scene.txt --out scene.txt", 2, "scene.txt: this output would overwrite the scene file"),
+        ("run scene.txt --trace folder/../scene.txt", 2, "scene.txt: this output would overwrite the scene file"),
         ("run scene.txt --steps 1 --out folder", 1, "folder: cannot be written"),
         ("run scene.txt --steps 1 --out ..", 1, "..: cannot be written"),
         ("run scene.txt --steps 1 --out scene.txt/state.csv", 1, "cannot be written"),
@@ -81,16 +83,16 @@ fn odd_files_and_arguments() {
     assert_eq!(fs::read_to_string(folder.path().join("scene.txt")).unwrap(), SCENE);
 }
 
-/// A link to the scene is the scene, a device is not.
+/// An output that is a link to the scene is refused. A device as scene and output is allowed.
 #[cfg(unix)]
 #[test]
-fn links_devices_and_names_that_are_not_text() {
+fn links_devices_and_names_that_are_not_utf8() {
     use std::os::unix::ffi::OsStrExt as _;
     let folder = folder();
     std::os::unix::fs::symlink("scene.txt", folder.path().join("link.csv")).unwrap();
     let steps = ["--backend", "cpu", "--steps", "1"];
     let (code, _, err) = run(command(folder.path(), ["run", "scene.txt", "--out", "link.csv"].iter().chain(&steps)));
-    assert!(code == 2 && err.contains("written over"), "{err}");
+    assert!(code == 2 && err.contains("overwrite the scene file"), "{err}");
     let (code, _, err) = run(command(folder.path(), ["run", "/dev/null", "--out", "/dev/null"].iter().chain(&steps)));
     assert_eq!(code, 0, "{err}");
 
@@ -103,9 +105,9 @@ fn links_devices_and_names_that_are_not_text() {
     assert!(code == 2 && err.contains("No such file"), "{err}");
 }
 
-/// As `| head -1`: the first line is read, then the reader goes away.
+/// As with `| head -1`: the reader closes the pipe after the first line.
 #[test]
-fn a_reader_that_goes_away_is_no_error() {
+fn a_reader_that_closes_the_pipe_is_not_an_error() {
     let folder = folder();
     let mut child = command(folder.path(), ["generate", "pile", "--spheres", "50000"])
         .stdout(Stdio::piped())
@@ -119,10 +121,10 @@ fn a_reader_that_goes_away_is_no_error() {
     assert_eq!((output.status.code(), String::from_utf8_lossy(&output.stderr).as_ref()), (Some(0), ""));
 }
 
-/// No Vulkan driver is to be found, as on a machine without one.
+/// Hides the Vulkan drivers, as on a machine without one.
 #[cfg(all(feature = "gpu", target_os = "linux"))]
 #[test]
-fn without_a_driver_the_message_says_what_to_do() {
+fn without_a_driver_the_message_suggests_a_remedy() {
     let folder = folder();
     let bare = |backend: &str| {
         let mut command = command(folder.path(), ["run", "scene.txt", "--steps", "1", "--backend", backend]);
@@ -138,10 +140,10 @@ fn without_a_driver_the_message_says_what_to_do() {
     assert!(code == 0 && out.contains("cpu: CPU"), "{out}{err}");
 }
 
-/// Mesa's OpenGL can be told to do without compute shaders, which the kernels are.
+/// Mesa can disable the compute shaders of its OpenGL driver, which the kernels need.
 #[cfg(all(feature = "gpu", target_os = "linux"))]
 #[test]
-fn a_driver_that_cannot_compute_is_named_with_the_reason() {
+fn a_driver_without_compute_shaders_is_named_with_the_reason() {
     let folder = folder();
     let on_gl = |arguments: &[&str]| {
         let mut command = command(folder.path(), arguments);
@@ -150,7 +152,7 @@ fn a_driver_that_cannot_compute_is_named_with_the_reason() {
     };
     let (_, devices, _) = on_gl(&["devices"]);
     if !devices.contains("Mesa") {
-        println!("NOT TESTED: there is no OpenGL of Mesa's here\n{devices}");
+        println!("NOT TESTED: Mesa's OpenGL driver is not installed\n{devices}");
         return;
     }
     let (code, out, err) = on_gl(&["run", "scene.txt", "--steps", "1", "--backend", "gpu"]);

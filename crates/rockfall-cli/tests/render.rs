@@ -1,4 +1,4 @@
-//! `rockfall render` with the real binary: pictures, films, and what is refused.
+//! Tests of `rockfall render` with the binary: pictures, films and arguments that are refused.
 #![cfg(feature = "view")]
 
 use std::fs::{self, File};
@@ -8,10 +8,10 @@ use std::process::{Command, Output};
 
 use tempfile::TempDir;
 
-/// A ball that falls beside another.
+/// A ball that falls next to a fixed one.
 const SCENE: &str = "S 1 0 2 0 0 0 0 0 0 0 1 0.5 0\nS 2 1.5 0.5 0 0 0 0 0 0 0 1 0.5 1\n";
 
-/// A folder with `scene.txt` in it, in which commands run.
+/// A temporary folder with `scene.txt`, in which commands run.
 struct Folder(TempDir);
 
 impl Folder {
@@ -25,7 +25,7 @@ impl Folder {
         self.0.path().join(name)
     }
 
-    /// Everything in it but the scene.
+    /// Names of all files except the scene.
     fn names(&self) -> Vec<String> {
         let names = fs::read_dir(self.0.path()).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap());
         let mut names: Vec<String> = names.filter(|name| name != "scene.txt").collect();
@@ -40,13 +40,13 @@ impl Folder {
         command
     }
 
-    /// Runs a command that must end with this exit code; gives standard error.
+    /// Runs a command, checks its exit code and returns standard error.
     #[track_caller]
     fn render(&self, arguments: &str, code: i32) -> String {
         finish(&self.command(arguments).output().unwrap(), arguments, code)
     }
 
-    /// The pixels of a PNG file, and its size.
+    /// Pixels and size of a PNG file.
     fn picture(&self, name: &str) -> (Vec<u8>, [u32; 2]) {
         let mut reader = png::Decoder::new(BufReader::new(File::open(self.path(name)).unwrap())).read_info().unwrap();
         let mut bytes = vec![0; reader.output_buffer_size().unwrap()];
@@ -64,7 +64,7 @@ fn finish(output: &Output, arguments: &str, code: i32) -> String {
 }
 
 #[test]
-fn a_picture_is_of_the_step_the_camera_and_the_colours_asked_for() {
+fn pictures_depend_on_step_camera_and_colours() {
     let folder = Folder::new();
     let arguments = [
         "",
@@ -87,9 +87,10 @@ fn a_picture_is_of_the_step_the_camera_and_the_colours_asked_for() {
 }
 
 #[test]
-fn films_have_as_many_pictures_as_their_time_asks_for() {
+fn films_have_the_number_of_pictures_for_their_duration() {
     let folder = Folder::new();
-    // 0.2 s: at 25 a second 6 pictures with the first one, at half the speed 11. Of the longer film nothing is left in the folder.
+    // 0.2 s at 25 pictures per second are 6 with the first one, or 11 at half speed. The shorter film leaves none of the longer
+    // one in the folder.
     for (more, pictures) in [("--speed 0.5", 11), ("", 6)] {
         let film = format!("--steps 10 --size 64x48 {more}");
         folder.render(&format!("--out a.gif {film}"), 0);
@@ -115,10 +116,10 @@ fn films_have_as_many_pictures_as_their_time_asks_for() {
 }
 
 #[test]
-fn the_last_picture_of_a_film_is_that_of_the_last_step() {
+fn the_last_picture_of_a_film_shows_the_last_step() {
     let folder = Folder::new();
     let camera = "--size 64x48 --camera 3,3,6 --look-at 0,1,0";
-    // Three pictures in every five steps: some lie between two states.
+    // Three pictures for every five steps: some are interpolated between two states.
     folder.render(&format!("--out all/ --steps 10 --fps 30 {camera}"), 0);
     folder.render(&format!("--out last.png --at 10 {camera}"), 0);
     assert_eq!(folder.picture("all/0006.png"), folder.picture("last.png"));
@@ -128,7 +129,7 @@ fn the_last_picture_of_a_film_is_that_of_the_last_step() {
 
 #[test]
 #[cfg(unix)]
-fn mp4_is_made_by_ffmpeg_and_its_absence_and_failure_are_told() {
+fn mp4_needs_ffmpeg_and_reports_when_it_is_missing_or_fails() {
     use std::os::unix::fs::PermissionsExt as _;
     let folder = Folder::new();
     let program = |body: &str| {
@@ -141,11 +142,11 @@ fn mp4_is_made_by_ffmpeg_and_its_absence_and_failure_are_told() {
         let arguments = "--out a.mp4 --steps 10 --size 65x48";
         finish(&folder.command(arguments).env("PATH", path).output().unwrap(), arguments, code)
     };
-    // Stands in for the real one: counts the bytes that come, into the file that is named last.
+    // A stand-in for ffmpeg that writes the number of bytes of its input to the file in its last argument.
     program("for last; do :; done; [ \"$last\" = -version ] || wc -c > \"$last\"");
     run(0);
     assert_eq!(fs::read_to_string(folder.path("a.mp4")).unwrap().trim(), (6 * 65 * 48 * 3).to_string());
-    // What stood there stays when the next one fails.
+    // An existing file is kept when the next film fails.
     program("for last; do :; done; [ \"$last\" = -version ] && exit 0; cat > /dev/null; echo no such codec >&2; exit 3");
     let err = run(1);
     assert!(err.contains("a.mp4") && err.contains("no such codec"), "{err}");
@@ -161,9 +162,9 @@ fn mp4_is_made_by_ffmpeg_and_its_absence_and_failure_are_told() {
 }
 
 #[test]
-fn odd_arguments_are_refused_and_leave_nothing() {
+fn wrong_arguments_are_refused_and_leave_no_files() {
     let folder = Folder::new();
-    for (arguments, said) in [
+    for (arguments, message) in [
         ("--out a.bmp", ".png, .gif, .apng or .mp4"),
         ("--out a", ".png, .gif, .apng or .mp4"),
         ("--out a.png --steps 5", "--at"),
@@ -183,7 +184,7 @@ fn odd_arguments_are_refused_and_leave_nothing() {
         ("--out a.png --colour-by speed --range 2,1", "the first less than the second"),
     ] {
         let err = folder.render(arguments, 2);
-        assert!(err.contains(said), "{arguments}: {err}");
+        assert!(err.contains(message), "{arguments}: {err}");
         assert!(folder.names().is_empty(), "{arguments}: {:?}", folder.names());
     }
     let err = folder.render("--out no/a.png", 1);
@@ -192,11 +193,11 @@ fn odd_arguments_are_refused_and_leave_nothing() {
 
 #[test]
 #[cfg(not(target_os = "macos"))]
-fn without_an_adapter_it_is_said_what_is_missing() {
+fn without_an_adapter_the_message_names_what_is_missing() {
     let folder = Folder::new();
-    // There is none of Apple's kind here.
+    // Metal is not available on this system.
     let output = folder.command("--out a.png").env("WGPU_BACKEND", "metal").output().unwrap();
     let err = finish(&output, "", 1);
-    assert!(err.contains("drawing takes a graphics adapter") && err.contains("mesa-vulkan-drivers"), "{err}");
+    assert!(err.contains("drawing needs a graphics adapter") && err.contains("mesa-vulkan-drivers"), "{err}");
     assert!(folder.names().is_empty());
 }

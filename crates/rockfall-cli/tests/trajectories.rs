@@ -1,4 +1,4 @@
-//! Trajectories are opened by the libraries that they are made for, and compared value by value.
+//! Reads trajectories with numpy and VTK and compares every value.
 
 use std::path::Path;
 use std::process::Command;
@@ -7,7 +7,7 @@ mod common;
 
 use common::{Rockfall, mixed};
 
-/// A Python with numpy and vtk. There is no skipping: without one this fails, and tells what to do.
+/// Path of a Python with numpy and vtk. Without one the test fails with instructions; it is never skipped.
 fn python() -> String {
     let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scripts/python");
     let output = Command::new(script).output().expect("scripts/python runs");
@@ -16,7 +16,7 @@ fn python() -> String {
 }
 
 #[test]
-fn numpy_and_vtk_read_every_number_bit_for_bit() {
+fn numpy_and_vtk_read_every_number_bitwise_identical() {
     let rockfall = Rockfall::with(&mixed(32));
     for out in ["frames.csv", "frames.npz", "frames.pvd"] {
         rockfall.run(&format!("run scene.txt --backend cpu --dt 0.01 --steps 50 --out {out} --every 10"), 0);
@@ -31,7 +31,7 @@ fn numpy_and_vtk_read_every_number_bit_for_bit() {
     assert!(out.starts_with("6 frames of "), "{out}");
 }
 
-/// `.vtp` with `--every` is a series too; what other tools read has no shorter form of its own.
+/// `.vtp` with `--every` writes a series, as `.pvd` does, because a single `.vtp` file cannot hold several states.
 #[test]
 fn a_series_is_a_list_and_a_folder() {
     let rockfall = Rockfall::with(&mixed(8));

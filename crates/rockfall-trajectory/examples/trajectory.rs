@@ -1,4 +1,4 @@
-//! The states of a swinging pendulum over time, as an archive for NumPy.
+//! Writes the states of a swinging pendulum over time as an archive for NumPy.
 //!
 //! `cargo run --release -p rockfall-trajectory --example trajectory`
 
@@ -19,6 +19,6 @@ fn main() -> rockfall::Result<()> {
         simulation.run(2, 0.01)?;
     }
     writer.finish(simulation.scene())?;
-    println!("{}: numpy.load opens it; position has the shape (100, 2, 3)", path.display());
+    println!("{}: open it with numpy.load; position has the shape (100, 2, 3)", path.display());
     Ok(())
 }

@@ -1,7 +1,7 @@
-//! Comma-separated values, in the fewest digits that read back bit for bit.
+//! Comma-separated values. Numbers have the fewest digits from which they are read back bitwise identical.
 //!
-//! A trajectory has the columns `step,time` before those of a state: `sphere,x,y,z,vx,vy,vz,qw,qx,qy,qz,lx,ly,lz`, one line a
-//! sphere in order of addition; `q` is the unit quaternion of the orientation, `l` the angular momentum.
+//! A state has one line per sphere in insertion order, with the columns `sphere,x,y,z,vx,vy,vz,qw,qx,qy,qz,lx,ly,lz`. `q` is
+//! the unit quaternion of the orientation, `l` the angular momentum. A trajectory has the columns `step,time` before these.
 
 use std::fmt::{Display, LowerExp};
 use std::io::{self, Write};
@@ -17,16 +17,16 @@ const STATE_HEADER: &str = "sphere,x,y,z,vx,vy,vz,qw,qx,qy,qz,lx,ly,lz";
 /// Writes one state with its header.
 ///
 /// # Errors
-/// What the writer says.
+/// Returns the error of the writer.
 pub fn state(out: &mut impl Write, spheres: &[SphereState]) -> io::Result<()> {
     writeln!(out, "{STATE_HEADER}")?;
     lines(out, "", spheres)
 }
 
-fn lines(out: &mut impl Write, before: &str, spheres: &[SphereState]) -> io::Result<()> {
+fn lines(out: &mut impl Write, prefix: &str, spheres: &[SphereState]) -> io::Result<()> {
     for (index, sphere) in spheres.iter().enumerate() {
         let q = sphere.orientation;
-        write!(out, "{before}{index}")?;
+        write!(out, "{prefix}{index}")?;
         numbers(out, &sphere.position.to_array())?;
         numbers(out, &sphere.velocity.to_array())?;
         numbers(out, &[q.w, q.x, q.y, q.z])?;
@@ -36,14 +36,14 @@ fn lines(out: &mut impl Write, before: &str, spheres: &[SphereState]) -> io::Res
     Ok(())
 }
 
-/// Writes numbers, a comma before each, so that they read back bit for bit, in as few digits as that takes.
+/// Writes numbers with a comma before each. They have the fewest digits from which they are read back bitwise identical.
 ///
 /// # Errors
-/// What the writer says.
+/// Returns the error of the writer.
 pub fn numbers<N: Copy + Display + LowerExp + Into<f64>>(out: &mut impl Write, numbers: &[N]) -> io::Result<()> {
     numbers.iter().try_for_each(|number| {
         let size = Into::<f64>::into(*number).abs();
-        // Without an exponent, 1e-300 would be three hundred zeros.
+        // Very small and very large numbers have an exponent, because they would be hundreds of digits long without one.
         if size == 0.0 || (1e-6..1e16).contains(&size) { write!(out, ",{number}") } else { write!(out, ",{number:e}") }
     })
 }
@@ -65,10 +65,10 @@ impl Series {
     }
 
     pub(crate) fn frame(&mut self, frame: &Frame) -> io::Result<()> {
-        let mut before = frame.step.to_string().into_bytes();
-        numbers(&mut before, &[frame.time])?;
-        before.push(b',');
-        lines(&mut self.file, &String::from_utf8_lossy(&before), &frame.spheres)
+        let mut prefix = frame.step.to_string().into_bytes();
+        numbers(&mut prefix, &[frame.time])?;
+        prefix.push(b',');
+        lines(&mut self.file, &String::from_utf8_lossy(&prefix), &frame.spheres)
     }
 
     pub(crate) fn mark(&mut self) -> io::Result<Option<Mark>> {

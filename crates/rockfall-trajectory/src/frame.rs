@@ -1,4 +1,4 @@
-//! One state of a trajectory.
+//! One frame of a trajectory.
 
 use rockfall::{Result, Scene, Simulation, SphereId, SphereState};
 
@@ -6,21 +6,22 @@ use rockfall::{Result, Scene, Simulation, SphereId, SphereState};
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub struct Frame {
-    /// Steps done.
+    /// Number of steps done.
     pub step: u64,
-    /// Time simulated, in s.
+    /// Simulated time, in s.
     pub time: f64,
-    /// In order of addition.
+    /// States of the spheres, in insertion order.
     pub spheres: Vec<SphereState>,
-    /// Contacts of every sphere's own, those of its rods left out; empty if they were not asked for.
+    /// Number of contacts of every sphere, without those of its rods; empty if they were not requested.
     pub contacts: Vec<u32>,
 }
 
 impl Frame {
-    /// The present state. Contacts are counted on the host, which costs about a step of the CPU backend.
+    /// Reads the current state. If `contacts` is set, contacts are counted on the host, which takes about as long as a step of
+    /// the CPU backend.
     ///
     /// # Errors
-    /// [`rockfall::Error::Device`] when the GPU failed.
+    /// [`rockfall::Error::Device`] if the GPU failed.
     pub fn of(simulation: &mut Simulation, contacts: bool) -> Result<Self> {
         let contacts = match contacts {
             true => simulation.diagnostics()?.iter().map(|sphere| sphere.contacts).collect(),
@@ -31,23 +32,23 @@ impl Frame {
     }
 }
 
-/// Where spheres stand in order of addition.
-pub(crate) struct Places(std::collections::HashMap<SphereId, u32>);
+/// Insertion indices of the spheres of a scene.
+pub(crate) struct Indices(std::collections::HashMap<SphereId, u32>);
 
-impl Places {
+impl Indices {
     pub(crate) fn of(scene: &Scene) -> Self {
         Self(scene.sphere_ids().zip(0..).collect())
     }
 
-    /// The places of spheres that the scene itself refers to.
+    /// Insertion indices of two spheres of the scene.
     pub(crate) fn pair(&self, a: SphereId, b: SphereId) -> [u32; 2] {
         [a, b].map(|id| self.0.get(&id).copied().unwrap_or(u32::MAX))
     }
 }
 
-/// Numbers as little-endian bytes.
+/// Conversion of numbers to little-endian bytes.
 pub(crate) trait Bytes {
-    /// Appends them.
+    /// Appends the bytes of the number.
     fn put(self, bytes: &mut Vec<u8>);
 }
 

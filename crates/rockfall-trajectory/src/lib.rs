@@ -1,4 +1,4 @@
-//! Trajectories: the states of a [`Simulation`] over time, as files for other tools.
+//! Writes trajectories, the states of a [`Simulation`] over time, to files for other tools.
 //!
 //! ```no_run
 //! use rockfall::{Scene, Simulation};
@@ -15,14 +15,15 @@
 //! # }
 //! ```
 //!
-//! | format | files | holds |
+//! | format | files | contents |
 //! |---|---|---|
-//! | [`Format::Csv`] | one text file | a line a sphere and frame; see [`csv`] |
+//! | [`Format::Csv`] | one text file | one line per sphere and frame; see [`csv`] |
 //! | [`Format::Npz`] | one archive of arrays for NumPy | see [`npz`] |
-//! | [`Format::Vtp`] | `NAME.pvd` and a folder `NAME` of frames, for ParaView and VTK | see [`vtp`] |
+//! | [`Format::Vtp`] | `NAME.pvd` and a folder `NAME` with the frames, for ParaView and VTK | see [`vtp`] |
 //!
-//! Frames are written as they come; none is held in memory. All numbers are those of the simulation, bit for bit. A file
-//! appears under its name complete or not at all; a [`Mark`] taken on the way lets a later program go on with it.
+//! Frames are written at once and not held in memory. All numbers are bitwise identical to those of the simulation. A file
+//! appears under its name only when it is complete. A [`Mark`] records the position in an unfinished file, from which a later
+//! program can continue.
 
 use std::io;
 use std::path::{Path, PathBuf};
@@ -37,7 +38,7 @@ pub mod vtp;
 
 pub use frame::Frame;
 
-/// What kind of file a trajectory is.
+/// File format of a trajectory.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Format {
@@ -50,7 +51,7 @@ pub enum Format {
 }
 
 impl Format {
-    /// The format that a file's name asks for by its extension: `npz`, `vtp` and `pvd`, else comma-separated values.
+    /// Returns the format for the extension of a path: `npz`, `vtp` or `pvd`, and [`Format::Csv`] for every other name.
     pub fn of(path: &Path) -> Self {
         match path.extension().and_then(|extension| extension.to_str()).map(str::to_ascii_lowercase).as_deref() {
             Some("npz") => Self::Npz,
@@ -75,10 +76,10 @@ pub struct Writer {
 }
 
 impl Writer {
-    /// Begins a trajectory. A path that cannot be written to shows here.
+    /// Begins a trajectory.
     ///
     /// # Errors
-    /// [`Error::File`].
+    /// [`Error::File`] if the path cannot be written to.
     pub fn create(path: impl AsRef<Path>, format: Format) -> Result<Self> {
         let path = path.as_ref();
         let file = match format {
@@ -89,10 +90,10 @@ impl Writer {
         named(path, file).map(|file| Self { path: path.to_owned(), file })
     }
 
-    /// Goes on with a trajectory behind a mark, whether it was finished or not; what came after the mark is dropped.
+    /// Continues a trajectory from a mark, whether it was finished or not. Frames after the mark are removed.
     ///
     /// # Errors
-    /// [`Error::File`], also when what was written up to the mark is gone or has changed.
+    /// [`Error::File`] if the path cannot be written to, or if the contents before the mark are missing or have changed.
     pub fn resume(path: impl AsRef<Path>, format: Format, mark: Mark) -> Result<Self> {
         let path = path.as_ref();
         let file = match format {
@@ -103,15 +104,15 @@ impl Writer {
         named(path, file).map(|file| Self { path: path.to_owned(), file })
     }
 
-    /// Adds the present state. The objects must be the same in all frames of an archive of arrays.
+    /// Adds the current state as a frame. With [`Format::Npz`], the objects must be the same in all frames.
     ///
     /// # Errors
-    /// [`Error::Device`] when the GPU failed, [`Error::File`] when the file cannot be written.
+    /// [`Error::Device`] if the GPU failed, [`Error::File`] if the file cannot be written.
     pub fn frame(&mut self, simulation: &mut Simulation) -> Result<()> {
         self.frame_of_step(simulation, simulation.report().steps)
     }
 
-    /// The same under another number of steps, for a program that divides its steps.
+    /// Adds the current state with the given step number, for programs that divide their steps into several parts.
     ///
     /// # Errors
     /// As for [`Writer::frame`].
@@ -126,11 +127,11 @@ impl Writer {
         named(&self.path, written)
     }
 
-    /// Puts on the disk what was written so far, for [`Writer::resume`]; kept from now on, even unfinished. `None` where
-    /// the trajectory goes into a device or a pipe.
+    /// Writes everything so far to the disk and returns the position for [`Writer::resume`]. From then on, the unfinished file
+    /// is kept when the writer is dropped. Returns `None` if the trajectory is written to a device or a pipe.
     ///
     /// # Errors
-    /// [`Error::File`].
+    /// [`Error::File`] if the file cannot be written.
     pub fn mark(&mut self) -> Result<Option<Mark>> {
         let mark = match &mut self.file {
             File::Csv(series) => series.mark(),
@@ -140,10 +141,10 @@ impl Writer {
         named(&self.path, mark)
     }
 
-    /// Finishes the trajectory and puts it in its place. The scene gives what does not change from frame to frame.
+    /// Completes the trajectory and moves it to its final path. The scene provides the data that is the same in all frames.
     ///
     /// # Errors
-    /// [`Error::File`].
+    /// [`Error::File`] if the file cannot be written.
     pub fn finish(self, scene: &Scene) -> Result<()> {
         let finished = match self.file {
             File::Csv(series) => series.finish(),

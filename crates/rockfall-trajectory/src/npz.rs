@@ -1,23 +1,24 @@
-//! Arrays for NumPy: `numpy.load("run.npz")`, uncompressed, little-endian. With F frames of N spheres in order of addition:
+//! Arrays for NumPy: `numpy.load("run.npz")`. They are uncompressed and little-endian. For F frames of N spheres in insertion
+//! order:
 //!
-//! | array | shape | type | what |
+//! | array | shape | type | contents |
 //! |---|---|---|---|
-//! | `step` | F | u8 | steps done |
-//! | `time` | F | f8 | in s |
+//! | `step` | F | u8 | number of steps done |
+//! | `time` | F | f8 | simulated time, in s |
 //! | `position`, `velocity`, `angular_momentum` | F, N, 3 | f4 | |
 //! | `orientation` | F, N, 4 | f4 | unit quaternions w, x, y, z |
-//! | `contacts` | F, N | u4 | contacts of each sphere's own |
+//! | `contacts` | F, N | u4 | number of contacts of each sphere, without those of its rods |
 //! | `radius`, `mass` | N | f4 | |
 //! | `fixed` | N | b1 | |
-//! | `rods`, `springs` | R, 2 and S, 2 | u4 | the two spheres, by index |
+//! | `rods`, `springs` | R, 2 and S, 2 | u4 | indices of the two spheres |
 //! | `rod_radius` | R | f4 | |
-//! | `tethers` | T | u4 | the sphere, by index |
+//! | `tethers` | T | u4 | index of the sphere |
 //! | `tether_point` | T, 3 | f4 | |
 //! | `boxes` | B, 4, 3 | f4 | corner and three edges |
 //! | `polygons` | P, 3, 3 | f4 | corner and two edges |
 //!
-//! An array of an archive is one piece, over all frames; so frames are kept one after the other in `.NAME.frames.part` until
-//! the trajectory is finished, which needs room on the disk twice.
+//! The types are NumPy's, with sizes in bytes. In the archive, each array is contiguous over all frames. Frames are therefore
+//! written to `.NAME.frames.part` first and rearranged when the trajectory is finished, which needs twice the disk space.
 
 use std::fs::File;
 use std::io::{self, Read, Seek, SeekFrom, Write};
@@ -29,47 +30,48 @@ use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, ZipArchive, ZipWriter};
 
 use crate::Frame;
-use crate::frame::{Places, bytes_of};
+use crate::frame::{Indices, bytes_of};
 
-/// Arrays of which every frame holds a part: name, type, bytes and shape for each of `per` items.
-const FRAMED: [Framed; 7] = [
-    Framed { name: "step", kind: "<u8", bytes: 8, shape: None },
-    Framed { name: "time", kind: "<f8", bytes: 8, shape: None },
-    Framed { name: "position", kind: "<f4", bytes: 12, shape: Some(&[3]) },
-    Framed { name: "velocity", kind: "<f4", bytes: 12, shape: Some(&[3]) },
-    Framed { name: "orientation", kind: "<f4", bytes: 16, shape: Some(&[4]) },
-    Framed { name: "angular_momentum", kind: "<f4", bytes: 12, shape: Some(&[3]) },
-    Framed { name: "contacts", kind: "<u4", bytes: 4, shape: Some(&[]) },
+/// Arrays that have a part in every frame.
+const FRAME_ARRAYS: [FrameArray; 7] = [
+    FrameArray { name: "step", kind: "<u8", bytes: 8, shape: None },
+    FrameArray { name: "time", kind: "<f8", bytes: 8, shape: None },
+    FrameArray { name: "position", kind: "<f4", bytes: 12, shape: Some(&[3]) },
+    FrameArray { name: "velocity", kind: "<f4", bytes: 12, shape: Some(&[3]) },
+    FrameArray { name: "orientation", kind: "<f4", bytes: 16, shape: Some(&[4]) },
+    FrameArray { name: "angular_momentum", kind: "<f4", bytes: 12, shape: Some(&[3]) },
+    FrameArray { name: "contacts", kind: "<u4", bytes: 4, shape: Some(&[]) },
 ];
 
-struct Framed {
+struct FrameArray {
     name: &'static str,
     kind: &'static str,
-    /// Bytes of one item.
+    /// Size of one item in bytes. An item is the data of one sphere, or of the whole frame if `shape` is `None`.
     bytes: u64,
-    /// Of one sphere; `None` for one item a frame.
+    /// Shape of the data of one sphere; `None` if the array has one number per frame.
     shape: Option<&'static [u64]>,
 }
 
-impl Framed {
-    /// Bytes of one frame.
+impl FrameArray {
+    /// Size of the part of one frame in bytes.
     fn bytes(&self, spheres: u64) -> u64 {
         self.bytes * if self.shape.is_some() { spheres } else { 1 }
     }
 }
 
 fn frame_bytes(spheres: u64) -> u64 {
-    FRAMED.iter().map(|array| array.bytes(spheres)).sum()
+    FRAME_ARRAYS.iter().map(|array| array.bytes(spheres)).sum()
 }
 
 #[derive(Debug)]
 pub(crate) struct Series {
-    /// Opened at the start, so that a bad path shows there.
+    /// Final file. It is opened at the start, so that a bad path fails at once.
     archive: AtomicFile,
-    /// Frame after frame, each with its part of every array.
+    /// The frames one after the other, each with its part of every array.
     frames: AtomicFile,
+    /// Number of bytes written to `frames`.
     bytes: u64,
-    /// Of the frames before.
+    /// Number of spheres in the previous frames; `None` before the first frame after opening.
     spheres: Option<usize>,
 }
 
@@ -92,7 +94,7 @@ impl Series {
     pub(crate) fn frame(&mut self, frame: &Frame) -> io::Result<()> {
         let spheres = &frame.spheres;
         let whole = self.bytes.is_multiple_of(frame_bytes(spheres.len() as u64));
-        if !whole || self.spheres.is_some_and(|before| before != spheres.len()) {
+        if !whole || self.spheres.is_some_and(|previous| previous != spheres.len()) {
             return Err(changed());
         }
         self.spheres = Some(spheres.len());
@@ -129,19 +131,19 @@ impl Series {
         let frames = self.frames.reader()?;
         let mut zip = ZipWriter::new_stream(&mut self.archive);
         let mut at = 0;
-        for array in &FRAMED {
+        for array in &FRAME_ARRAYS {
             let part = array.bytes(spheres);
             let mut shape = vec![count];
             if let Some(of_sphere) = array.shape {
                 shape.push(spheres);
                 shape.extend(of_sphere);
             }
-            start(&mut zip, array.name, array.kind, &shape, count * part)?;
+            start_array(&mut zip, array.name, array.kind, &shape, count * part)?;
             for frame in 0..count {
                 frames.seek(SeekFrom::Start(frame * whole + at))?;
                 let copied = io::copy(&mut (&*frames).take(part), &mut zip)?;
                 if copied != part {
-                    return Err(io::ErrorKind::UnexpectedEof.into());
+                    return Err(io::Error::new(io::ErrorKind::UnexpectedEof, "the frames written so far are incomplete"));
                 }
             }
             at += part;
@@ -159,20 +161,22 @@ fn changed() -> io::Error {
 }
 
 fn frames_path(path: &Path) -> io::Result<PathBuf> {
-    let mut name = path.file_name().ok_or(io::ErrorKind::InvalidInput)?.to_owned();
+    let name = path.file_name().ok_or_else(|| io::Error::new(io::ErrorKind::InvalidInput, "expected the name of a file"))?;
+    let mut name = name.to_owned();
     name.push(".frames");
     Ok(path.with_file_name(name))
 }
 
-/// Begins an array of the archive.
-fn start(zip: &mut ZipWriter<impl Write + Seek>, name: &str, kind: &str, shape: &[u64], bytes: u64) -> io::Result<()> {
+/// Begins an array in the archive.
+fn start_array(zip: &mut ZipWriter<impl Write + Seek>, name: &str, kind: &str, shape: &[u64], bytes: u64) -> io::Result<()> {
     let large = bytes > u64::from(u32::MAX) - 1024;
     let options = SimpleFileOptions::default().compression_method(CompressionMethod::Stored).large_file(large);
     zip.start_file(format!("{name}.npy"), options)?;
     zip.write_all(&header(kind, shape))
 }
 
-/// Format 1.0 of `.npy`: magic, length, and a description as Python writes it, padded to 64 bytes.
+/// Header of format 1.0 of `.npy`: magic bytes, length, and a description in Python syntax. The header is padded to a multiple
+/// of 64 bytes.
 fn header(kind: &str, shape: &[u64]) -> Vec<u8> {
     let shape: String = shape.iter().map(|length| format!("{length}, ")).collect();
     let text = format!("{{'descr': '{kind}', 'fortran_order': False, 'shape': ({}), }}", shape.trim_end());
@@ -183,12 +187,12 @@ fn header(kind: &str, shape: &[u64]) -> Vec<u8> {
     bytes
 }
 
-/// What is the same in all frames.
+/// Writes the arrays that are the same in all frames.
 fn constants(zip: &mut ZipWriter<impl Write + Seek>, scene: &Scene) -> io::Result<()> {
-    let places = Places::of(scene);
+    let indices = Indices::of(scene);
     let mut array = |name: &str, kind: &str, count: usize, shape: &[u64], bytes: Vec<u8>| {
         let shape = [&[count as u64], shape].concat();
-        start(zip, name, kind, &shape, bytes.len() as u64)?;
+        start_array(zip, name, kind, &shape, bytes.len() as u64)?;
         zip.write_all(&bytes)
     };
     let spheres = scene.spheres();
@@ -196,12 +200,12 @@ fn constants(zip: &mut ZipWriter<impl Write + Seek>, scene: &Scene) -> io::Resul
     array("mass", "<f4", spheres.len(), &[], bytes_of(spheres.iter().map(|sphere| sphere.mass)))?;
     array("fixed", "|b1", spheres.len(), &[], bytes_of(spheres.iter().map(|sphere| u8::from(sphere.fixed))))?;
     let rods = scene.rods();
-    array("rods", "<u4", rods.len(), &[2], bytes_of(rods.iter().map(|rod| places.pair(rod.end1, rod.end2))))?;
+    array("rods", "<u4", rods.len(), &[2], bytes_of(rods.iter().map(|rod| indices.pair(rod.end1, rod.end2))))?;
     array("rod_radius", "<f4", rods.len(), &[], bytes_of(rods.iter().map(|rod| rod.radius)))?;
     let springs = scene.springs();
-    array("springs", "<u4", springs.len(), &[2], bytes_of(springs.iter().map(|spring| places.pair(spring.a, spring.b))))?;
+    array("springs", "<u4", springs.len(), &[2], bytes_of(springs.iter().map(|spring| indices.pair(spring.a, spring.b))))?;
     let tethers = scene.tethers();
-    let sphere_of = |sphere| places.pair(sphere, sphere)[0];
+    let sphere_of = |sphere| indices.pair(sphere, sphere)[0];
     array("tethers", "<u4", tethers.len(), &[], bytes_of(tethers.iter().map(|tether| sphere_of(tether.sphere))))?;
     array("tether_point", "<f4", tethers.len(), &[3], bytes_of(tethers.iter().map(|tether| tether.point.to_array())))?;
     let boxes = scene.boxes();
@@ -215,21 +219,21 @@ fn constants(zip: &mut ZipWriter<impl Write + Seek>, scene: &Scene) -> io::Resul
     array("polygons", "<f4", polygons.len(), &[3, 3], bytes_of(corners))
 }
 
-/// The frames of a finished archive, one after the other again, up to a mark.
+/// Writes the frames of a finished archive, up to a mark, one after the other to `scratch`.
 fn unpack(path: &Path, scratch: &Path, mark: Mark) -> io::Result<AtomicFile> {
-    let other = |what: &str| io::Error::new(io::ErrorKind::InvalidData, what.to_owned());
+    let invalid = |message: &str| io::Error::new(io::ErrorKind::InvalidData, message.to_owned());
     let finished = File::open(path)
         .map_err(|error| io::Error::new(error.kind(), "what was written of it before is not there any more"))?;
-    let mut archive = ZipArchive::new(finished).map_err(|_| other("it is not what was written before"))?;
+    let mut archive = ZipArchive::new(finished).map_err(|_| invalid("it is not what was written before"))?;
     let spheres = shape_of(&mut archive, "radius")?.first().copied().unwrap_or(0);
     let (whole, have) = (frame_bytes(spheres), shape_of(&mut archive, "step")?.first().copied().unwrap_or(0));
     let count = mark.bytes / whole;
     if !mark.bytes.is_multiple_of(whole) || have < count {
-        return Err(other("it has fewer frames than were written before"));
+        return Err(invalid("it has fewer frames than were written before"));
     }
     let mut frames = AtomicFile::create(scratch)?;
     for frame in 0..count {
-        for array in &FRAMED {
+        for array in &FRAME_ARRAYS {
             let part = array.bytes(spheres);
             let mut entry = archive.by_name_seek(&format!("{}.npy", array.name))?;
             entry.seek(SeekFrom::Start(header_bytes(array, have, spheres) + frame * part))?;
@@ -240,13 +244,13 @@ fn unpack(path: &Path, scratch: &Path, mark: Mark) -> io::Result<AtomicFile> {
         Some(found) if found == mark => Ok(frames),
         _ => {
             frames.discard();
-            Err(other("it is not what was written before"))
+            Err(invalid("it is not what was written before"))
         }
     }
 }
 
-/// Bytes before the numbers of an array that was written here.
-fn header_bytes(array: &Framed, frames: u64, spheres: u64) -> u64 {
+/// Size in bytes of the header of an array that this module has written.
+fn header_bytes(array: &FrameArray, frames: u64, spheres: u64) -> u64 {
     let shape: Vec<u64> = match array.shape {
         Some(of_sphere) => [&[frames, spheres], of_sphere].concat(),
         None => vec![frames],
@@ -254,7 +258,7 @@ fn header_bytes(array: &Framed, frames: u64, spheres: u64) -> u64 {
     header(array.kind, &shape).len() as u64
 }
 
-/// The shape of an array that was written here.
+/// Shape of an array that this module has written.
 fn shape_of(archive: &mut ZipArchive<File>, name: &str) -> io::Result<Vec<u64>> {
     let mut entry = archive.by_name(&format!("{name}.npy"))?;
     let mut start = [0; 128];

@@ -1,23 +1,23 @@
-//! PolyData for ParaView and VTK: XML with the numbers appended as they are.
+//! PolyData for ParaView and VTK: XML with the numbers appended in binary form.
 //!
-//! A series `NAME.pvd` lists the frames, `NAME/STEP.vtp`, with their times, and beside every frame `NAME/static.vtp`, the boxes
-//! and polygons. A frame has a point and a vertex cell for every sphere in order of addition, then a line cell for every rod
-//! and every spring.
+//! A series `NAME.pvd` lists the frames `NAME/STEP.vtp` with their times, and with every frame the file `NAME/static.vtp`,
+//! which has the boxes and polygons. A frame has a point and a vertex cell for every sphere in insertion order, then a line cell for
+//! every rod and every spring.
 //!
-//! | array | of | what |
+//! | array | belongs to | contents |
 //! |---|---|---|
 //! | `velocity`, `angular_momentum` | points | 3 components |
 //! | `orientation` | points | unit quaternion w, x, y, z |
 //! | `radius`, `mass` | points | |
 //! | `fixed` | points | 1 for a fixed sphere |
-//! | `contacts` | points | contacts of the sphere's own |
-//! | `kind` | cells | 0 sphere, 1 rod, 2 spring; of static objects 3 box, 4 polygon |
-//! | `cell_radius` | cells | of spheres and rods, else 0 |
-//! | `TimeValue`, `step` | the whole | time in s, steps done |
+//! | `contacts` | points | number of contacts of the sphere, without those of its rods |
+//! | `kind` | cells | 0 sphere, 1 rod, 2 spring; for static objects 3 box, 4 polygon |
+//! | `cell_radius` | cells | radius of a sphere or rod, 0 for springs |
+//! | `TimeValue`, `step` | the data set | time in s, number of steps done |
 //!
-//! In ParaView (seen with 5.11) a series has two blocks, the frame and what is static. Extract Block of the first, then Glyph:
-//! spheres scaled by `radius`, factor 2, at all points; Threshold of `kind` from 1 to 2 leaves the rods and springs. A
-//! test opens the files with VTK.
+//! In ParaView (tried with 5.11) a series has two blocks: the frame and the static objects. To draw the spheres, apply Extract
+//! Block to the first block, then Glyph with spheres scaled by `radius`, factor 2, at all points. To select the rods and
+//! springs, apply Threshold to `kind` from 1 to 2. A test opens the files with VTK.
 
 use std::fs;
 use std::io::{self, Write};
@@ -27,7 +27,7 @@ use rockfall::Scene;
 use rockfall::output::{AtomicFile, Mark};
 
 use crate::Frame;
-use crate::frame::{Places, bytes_of};
+use crate::frame::{Indices, bytes_of};
 
 const HEAD: &str =
     "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"1.0\" byte_order=\"LittleEndian\">\n<Collection>\n";
@@ -38,7 +38,7 @@ const STATIC: &str = "static.vtp";
 pub(crate) struct Series {
     list: AtomicFile,
     folder: PathBuf,
-    /// The folder's name in the list.
+    /// Name of the folder in the list.
     name: String,
     static_written: bool,
 }
@@ -57,7 +57,7 @@ impl Series {
     fn open(path: &Path, list: AtomicFile) -> io::Result<Self> {
         let folder = path.with_extension("");
         let name = folder.file_name().and_then(|name| name.to_str()).map(escaped);
-        let name = name.ok_or_else(|| io::Error::new(io::ErrorKind::InvalidInput, "its name is not UTF-8"))?;
+        let name = name.ok_or_else(|| io::Error::new(io::ErrorKind::InvalidInput, "the name of the file is not UTF-8"))?;
         fs::create_dir_all(&folder)?;
         Ok(Self { list, folder, name, static_written: false })
     }
@@ -101,15 +101,15 @@ fn escaped(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('"', "&quot;")
 }
 
-/// Writes one state as a file of its own.
+/// Writes one state as a separate file.
 ///
 /// # Errors
-/// What the writer says.
+/// Returns the error of the writer.
 pub fn state(out: &mut impl Write, frame: &Frame, scene: &Scene) -> io::Result<()> {
     let (spheres, rods, springs) = (&frame.spheres, scene.rods(), scene.springs());
-    let places = Places::of(scene);
-    let lines = rods.iter().map(|rod| places.pair(rod.end1, rod.end2));
-    let lines = lines.chain(springs.iter().map(|spring| places.pair(spring.a, spring.b)));
+    let indices = Indices::of(scene);
+    let lines = rods.iter().map(|rod| indices.pair(rod.end1, rod.end2));
+    let lines = lines.chain(springs.iter().map(|spring| indices.pair(spring.a, spring.b)));
     let lines: Vec<[i64; 2]> = lines.map(|line| line.map(i64::from)).collect();
     let count = spheres.len() as i64;
 
@@ -143,9 +143,9 @@ pub fn state(out: &mut impl Write, frame: &Frame, scene: &Scene) -> io::Result<(
     file.write(out, counts, Some((frame.step, frame.time)))
 }
 
-/// Writes boxes and polygons as a file of its own.
+/// Writes the boxes and polygons as a separate file.
 fn static_objects(out: &mut impl Write, scene: &Scene) -> io::Result<()> {
-    // The corners of a box by which edges lead to them (I = 1, J = 2, K = 4), around every face.
+    // Corners around every face of a box. The bits of a corner are the edges that lead to it: I = 1, J = 2, K = 4.
     const FACES: [[usize; 4]; 6] = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
     let (mut points, mut faces, mut kinds) = (Vec::new(), Vec::new(), Vec::new());
     for cuboid in scene.boxes() {
@@ -178,12 +178,12 @@ fn static_objects(out: &mut impl Write, scene: &Scene) -> io::Result<()> {
     file.write(out, counts, None)
 }
 
-/// XML that describes arrays, and the arrays that follow it.
+/// XML that describes arrays, and the arrays that are appended to it.
 #[derive(Default)]
 struct Appended {
     xml: String,
     arrays: Vec<Vec<u8>>,
-    /// Bytes of the arrays, each with its length before it.
+    /// Total size of the arrays in bytes, including the length before each.
     length: usize,
 }
 
@@ -216,7 +216,7 @@ impl Appended {
         self.close(name);
     }
 
-    /// `counts` of points, vertices, lines, polygons.
+    /// Writes the file. `counts` are the numbers of points, vertices, lines and polygons.
     fn write(self, out: &mut impl Write, counts: [usize; 4], time: Option<(u64, f64)>) -> io::Result<()> {
         let [points, vertices, lines, polygons] = counts;
         writeln!(

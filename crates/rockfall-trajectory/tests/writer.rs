@@ -1,4 +1,4 @@
-//! Trajectories that programs write: begun, gone on with, and refused.
+//! Tests of `Writer`: trajectories that are written, resumed and refused.
 
 use std::path::Path;
 
@@ -6,14 +6,14 @@ use rockfall::output::Mark;
 use rockfall::{Backend, Error, Integrator, Options, Scene, Simulation, Sphere};
 use rockfall_trajectory::{Format, Writer};
 
-/// Two balls of which one moves, without gravity.
+/// Simulation of two balls without gravity, one of which moves.
 fn simulation() -> Simulation {
     let mut scene = Scene::new();
     scene.settings.gravity = 0.0;
     for (x, speed) in [(0.0, 0.5), (5.0, 0.0)] {
         scene.add_sphere(Sphere::new([x, 0.0, 0.0], 1.0).velocity([0.0, speed, 0.0])).expect("a valid sphere");
     }
-    // Euler, for it divides by nothing.
+    // Symplectic Euler, because its positions are exact here: it has no divisions.
     let options = Options::new().backend(Backend::Cpu).integrator(Integrator::SymplecticEuler);
     Simulation::with_options(scene, options).expect("it opens")
 }
@@ -27,15 +27,15 @@ fn names(folder: &Path) -> Vec<String> {
 }
 
 #[test]
-fn the_extension_tells_the_format() {
+fn the_extension_selects_the_format() {
     for (name, format) in [("a.npz", Format::Npz), ("a.VTP", Format::Vtp), ("a.pvd", Format::Vtp), ("a", Format::Csv)] {
         assert_eq!(Format::of(Path::new(name)), format, "{name}");
     }
 }
 
-/// Uniform motion: y is half the time, in numbers that are exact.
+/// Uniform motion: y is half the time, and all numbers are exact.
 #[test]
-fn lines_are_those_of_the_state() {
+fn csv_lines_hold_the_states() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("run.csv");
     let mut simulation = simulation();
@@ -43,7 +43,7 @@ fn lines_are_those_of_the_state() {
     writer.frame(&mut simulation).expect("a frame");
     simulation.run(2, 0.25).expect("steps");
     writer.frame(&mut simulation).expect("a frame");
-    assert!(!path.exists(), "not before it is complete");
+    assert!(!path.exists(), "the file must not exist before it is complete");
     writer.finish(simulation.scene()).expect("it is finished");
     assert_eq!(
         std::fs::read_to_string(&path).expect("a file"),
@@ -55,7 +55,7 @@ fn lines_are_those_of_the_state() {
 }
 
 #[test]
-fn an_unfinished_one_leaves_nothing_unless_it_was_marked() {
+fn an_unfinished_trajectory_is_removed_unless_it_was_marked() {
     let folder = tempfile::tempdir().expect("a folder");
     for format in [Format::Csv, Format::Npz] {
         let mut simulation = simulation();
@@ -70,12 +70,12 @@ fn an_unfinished_one_leaves_nothing_unless_it_was_marked() {
     let mark = writer.mark().expect("it is marked").expect("a regular file");
     drop(writer);
     assert_eq!(names(folder.path()), [".run.npz.frames.part"]);
-    Writer::resume(&path, Format::Npz, mark).expect("it goes on").finish(simulation().scene()).expect("it is finished");
+    Writer::resume(&path, Format::Npz, mark).expect("it is resumed").finish(simulation().scene()).expect("it is finished");
     assert_eq!(names(folder.path()), ["run.npz"]);
 }
 
 #[test]
-fn what_is_something_else_is_not_gone_on_with() {
+fn resume_refuses_other_contents() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("run.npz");
     let mut writer = Writer::create(&path, Format::Npz).expect("it is begun");
@@ -85,13 +85,13 @@ fn what_is_something_else_is_not_gone_on_with() {
     for mark in [Mark { bytes: frame, crc32: 1 }, Mark { bytes: 2 * frame, crc32: 0 }, Mark { bytes: 7, crc32: 0 }] {
         let error = Writer::resume(&path, Format::Npz, mark).expect_err("another trajectory");
         assert!(matches!(error, Error::File { .. }) && error.to_string().contains("before"), "{error}");
-        assert_eq!(names(folder.path()), ["run.npz"], "nothing is left behind");
+        assert_eq!(names(folder.path()), ["run.npz"], "no other files are left");
     }
     std::fs::write(&path, "no archive").expect("a file");
     assert!(Writer::resume(&path, Format::Npz, Mark { bytes: frame, crc32: 1 }).is_err());
 }
 
-/// An array has one shape for all frames.
+/// An array has the same shape in all frames.
 #[test]
 fn a_change_of_the_number_of_spheres_is_refused() {
     let folder = tempfile::tempdir().expect("a folder");

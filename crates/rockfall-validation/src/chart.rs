@@ -1,4 +1,4 @@
-//! Plots: theory as lines, what was measured as points.
+//! Plots: theory as lines, measurements as points.
 
 use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::*;
@@ -7,7 +7,7 @@ use crate::Result;
 use crate::number::digits;
 
 const SIZE: (u32, u32) = (720, 440);
-/// Counters apart by those who do not see all colours, too (Tol's bright scheme).
+/// Colours that are also distinguishable with colour blindness (Tol's bright scheme).
 const COLOURS: [RGBColor; 6] = [
     RGBColor(0x44, 0x77, 0xaa),
     RGBColor(0xee, 0x66, 0x77),
@@ -43,12 +43,12 @@ impl Axis {
         if !self.logarithmic {
             return digits(if place.abs() < 1e-12 { 0.0 } else { place });
         }
-        // Not -0.
+        // Adding 0 turns -0 into 0.
         let power = place.round() + 0.0;
         if (place - power).abs() < 1e-9 {
             return format!("1e{power}");
         }
-        // Between powers of ten, two digits.
+        // Values between powers of ten have two significant digits.
         let value = 10_f64.powf(place);
         format!("{value:.*}", (1.0 - place.floor()).max(0.0) as usize)
     }
@@ -59,7 +59,7 @@ impl Axis {
 pub enum Mark {
     /// Theory.
     Line,
-    /// What was measured.
+    /// Measurement.
     Points,
 }
 
@@ -74,9 +74,9 @@ struct Series {
 /// A plot of one experiment.
 #[derive(Clone, Debug)]
 pub struct Chart {
-    /// Name of its file, without the extension.
+    /// Name of the file, without the extension.
     pub name: &'static str,
-    /// What it shows.
+    /// Title of the plot.
     pub title: &'static str,
     x: Axis,
     y: Axis,
@@ -84,21 +84,21 @@ pub struct Chart {
 }
 
 impl Chart {
-    /// A plot without anything in it.
+    /// Creates an empty plot.
     pub fn new(name: &'static str, title: &'static str, x: Axis, y: Axis) -> Self {
         Self { name, title, x, y, series: Vec::new() }
     }
 
-    /// Adds a series in the colour of this number; theory and measurement of one thing share a colour.
+    /// Adds a series. `colour` is an index; theory and measurement of the same quantity share a colour.
     pub fn add(mut self, colour: usize, mark: Mark, label: impl Into<String>, points: Vec<(f64, f64)>) -> Self {
         self.series.push(Series { label: label.into(), mark, colour, points });
         self
     }
 
-    /// The plot as SVG.
+    /// Draws the plot as SVG.
     ///
     /// # Errors
-    /// When there is nothing to plot.
+    /// Returns an error if there are no points to plot.
     pub fn svg(&self) -> Result<String> {
         let mut svg = String::new();
         self.draw(&mut svg)?;
@@ -126,7 +126,7 @@ impl Chart {
     fn draw(&self, svg: &mut String) -> Result<()> {
         let root = SVGBackend::with_string(svg, SIZE).into_drawing_area();
         root.fill(&WHITE)?;
-        // Room for the legend above the curves.
+        // Leaves space for the legend above the curves.
         let room = 0.1 + 0.07 * self.series.len() as f64;
         let mut chart = ChartBuilder::on(&root)
             .caption(self.title, ("sans-serif", 17))
@@ -183,7 +183,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn labels_and_series_are_drawn_and_always_alike() {
+    fn labels_and_series_are_drawn_reproducibly() {
         let chart = Chart::new("n", "A title", Axis::linear("time (s)"), Axis::logarithmic("speed (units/s)"))
             .add(0, Mark::Line, "theory", vec![(0.0, 1.0), (1.0, 100.0)])
             .add(0, Mark::Points, "measured", vec![(0.5, 10.0), (0.6, 0.0)]);
@@ -191,7 +191,7 @@ mod tests {
         for text in ["A title", "time (s)", "speed (units/s)", "theory", "measured", "1e1"] {
             assert!(svg.contains(text), "{text}: {svg}");
         }
-        // One in the plot and one in the legend: 0 has no place on a logarithmic axis.
+        // One circle in the plot and one in the legend: the point at 0 cannot be drawn on a logarithmic axis.
         assert_eq!(svg.matches("<circle").count(), 2);
         assert_eq!(svg, chart.svg().unwrap());
     }

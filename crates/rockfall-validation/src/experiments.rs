@@ -1,4 +1,4 @@
-//! The experiments, in the order of the page.
+//! List of the experiments, in the order of the page.
 
 use crate::outcome::Outcome;
 use crate::{Effort, Result};
@@ -45,15 +45,15 @@ experiments! {
     pile: "A pile on the CPU and on the GPU",
 }
 
-/// Something of which theory knows the outcome.
+/// An experiment whose outcome is known from theory.
 #[derive(Clone, Copy, Debug)]
 pub struct Experiment {
-    /// Its name on the command line.
+    /// Name on the command line.
     pub name: &'static str,
-    /// Its heading.
+    /// Heading on the page.
     pub title: &'static str,
-    /// What the page says of it; facts stand in double braces.
+    /// Text on the page. The names of facts in double braces are replaced by their values.
     pub text: &'static str,
-    /// Does it.
+    /// Runs the experiment.
     pub run: fn(Effort) -> Result<Outcome>,
 }

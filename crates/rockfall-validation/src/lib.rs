@@ -1,8 +1,8 @@
-//! rockfall held against theory.
+//! Validation of rockfall against theory.
 //!
-//! An [`Experiment`] computes something of which theory knows the outcome, and says how far the two may lie apart. The tests run
-//! every experiment and fail where a bound is exceeded; `cargo xtask validate` runs the same code, longer where that shows more,
-//! and writes `docs/validation.md` with the numbers and plots that it found.
+//! An [`Experiment`] computes quantities for which theory gives an expected value, and sets a bound on each difference. The
+//! tests run every experiment and fail if a bound is exceeded. `cargo xtask validate` runs the same code, in a longer form
+//! where that shows more, and writes `docs/validation.md` with the resulting numbers and plots.
 
 mod chart;
 mod experiments;
@@ -16,22 +16,22 @@ pub use experiments::{ALL, Experiment};
 pub use outcome::{Check, Outcome};
 pub use page::{page, section};
 
-/// What an experiment fails with.
+/// Error of an experiment.
 pub type Error = Box<dyn std::error::Error + Send + Sync>;
-/// The result of an experiment.
+/// Result of an experiment.
 pub type Result<T> = std::result::Result<T, Error>;
 
-/// How much an experiment may compute.
+/// Amount of computation in an experiment.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Effort {
-    /// Some seconds: enough for the bounds.
+    /// Some seconds: enough to check the bounds.
     Test,
-    /// As much as the page shows.
+    /// The full experiment, as shown on the page.
     Page,
 }
 
 impl Effort {
-    /// One of two, by effort.
+    /// Returns the value for this effort.
     pub fn pick<T>(self, test: T, page: T) -> T {
         match self {
             Self::Test => test,

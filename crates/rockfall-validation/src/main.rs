@@ -1,4 +1,4 @@
-//! `cargo xtask validate`: writes `docs/validation.md` and the plots beside it.
+//! `cargo xtask validate`: writes `docs/validation.md` and its plots.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -12,11 +12,11 @@ use rockfall_validation::{ALL, Effort, Experiment, Outcome, Result, page, sectio
 #[derive(Parser)]
 #[command(name = "cargo xtask")]
 enum Task {
-    /// Holds the engine against theory and writes docs/validation.md; takes some minutes
+    /// Compares the engine with theory and writes docs/validation.md; takes some minutes
     Validate {
-        /// Only these experiments, printed and plotted; the page is left as it is
+        /// Run only these experiments, print their sections and write their plots; the page is left unchanged
         names: Vec<String>,
-        /// Where the page and its plots go
+        /// Folder for the page and its plots
         #[arg(long, default_value = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs"))]
         out: PathBuf,
     },
@@ -27,7 +27,7 @@ fn main() -> ExitCode {
     let unknown = names.iter().find(|name| !ALL.iter().any(|experiment| experiment.name == *name));
     if let Some(unknown) = unknown {
         let known: Vec<&str> = ALL.iter().map(|experiment| experiment.name).collect();
-        eprintln!("error: no experiment '{unknown}'; expected some of: {}", known.join(", "));
+        eprintln!("error: unknown experiment '{unknown}'; expected one or more of: {}", known.join(", "));
         return ExitCode::from(2);
     }
     match validate(&names, &out) {
@@ -40,7 +40,7 @@ fn main() -> ExitCode {
     }
 }
 
-/// Whether every check held.
+/// Runs the experiments and writes the results. Returns whether every check holds.
 fn validate(names: &[String], out: &Path) -> Result<bool> {
     fs::create_dir_all(out.join("validation"))?;
     let mut sections = Vec::new();

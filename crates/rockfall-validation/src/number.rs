@@ -1,6 +1,6 @@
-//! Numbers as text.
+//! Formatting of numbers.
 
-/// Four significant digits, without the zeros at the end.
+/// Formats a number with four significant digits, without trailing zeros.
 pub(crate) fn digits(number: f64) -> String {
     if number == 0.0 || !number.is_finite() {
         return format!("{number}");

@@ -1,25 +1,25 @@
-//! What an experiment found.
+//! Results of an experiment.
 
 use std::fmt::Write as _;
 
 use crate::chart::Chart;
 use crate::number::digits;
 
-/// A number that theory knows.
+/// A measured number and the value that theory gives for it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Check {
-    /// What it is, with its unit.
+    /// Name of the quantity, with its unit.
     pub what: String,
-    /// What theory says.
+    /// Value from theory.
     pub theory: f64,
-    /// What was measured.
+    /// Measured value.
     pub measured: f64,
-    /// How far the two may lie apart.
+    /// Largest allowed difference between the two.
     pub bound: f64,
 }
 
 impl Check {
-    /// Whether the measured number is within the bound.
+    /// Returns whether the difference is within the bound.
     pub fn holds(&self) -> bool {
         (self.measured - self.theory).abs() <= self.bound
     }
@@ -28,26 +28,26 @@ impl Check {
 /// Numbers and plots of an experiment.
 #[derive(Clone, Debug, Default)]
 pub struct Outcome {
-    /// What theory knows.
+    /// Comparisons with theory.
     pub checks: Vec<Check>,
     /// Plots, in the order of the page.
     pub charts: Vec<Chart>,
-    /// Numbers for the text of the page, by the name that stands there in double braces.
+    /// Values for the text of the page, with the names that the text has in double braces.
     pub facts: Vec<(&'static str, String)>,
 }
 
 impl Outcome {
-    /// Adds a number that may lie `bound` from what theory says.
+    /// Adds a comparison with theory. The two values may differ by `bound`.
     pub fn check(&mut self, what: impl Into<String>, theory: f64, measured: f64, bound: f64) {
         self.checks.push(Check { what: what.into(), theory, measured, bound });
     }
 
-    /// Adds a number for the text.
+    /// Adds a number for the text of the page.
     pub fn fact(&mut self, name: &'static str, number: f64) {
         self.facts.push((name, digits(number)));
     }
 
-    /// The checks that do not hold, a line each; empty when all do.
+    /// Describes the checks that do not hold, one per line. Empty if all hold.
     pub fn failures(&self) -> String {
         let mut text = String::new();
         for Check { what, theory, measured, bound } in self.checks.iter().filter(|check| !check.holds()) {
@@ -62,7 +62,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_check_holds_within_its_bound_and_a_nan_never() {
+    fn a_check_holds_within_its_bound_and_fails_for_nan() {
         let check = |measured| Check { what: String::new(), theory: 1.0, measured, bound: 0.5 };
         assert!(check(1.5).holds() && check(0.5).holds());
         assert!(!check(1.6).holds() && !check(f64::NAN).holds());

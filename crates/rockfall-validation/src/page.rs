@@ -1,4 +1,4 @@
-//! The page: the text of each experiment, its numbers, its plots.
+//! Text of the page: the description, the numbers and the plots of each experiment.
 
 use std::fmt::Write as _;
 
@@ -7,10 +7,10 @@ use crate::number::digits;
 use crate::outcome::Outcome;
 use crate::{Error, Result};
 
-/// One experiment: its text with the facts filled in, a table of its checks, its plots.
+/// Returns the section of an experiment: its text with the facts filled in, a table of its checks, and its plots.
 ///
 /// # Errors
-/// When the text names a fact that the experiment does not tell.
+/// Returns an error if the text names a fact that the experiment does not provide.
 pub fn section(experiment: &Experiment, outcome: &Outcome) -> Result<String> {
     let mut text = format!("## {}\n\n{}", experiment.title, experiment.text.trim_end());
     for (name, value) in &outcome.facts {
@@ -18,7 +18,7 @@ pub fn section(experiment: &Experiment, outcome: &Outcome) -> Result<String> {
     }
     if let Some(at) = text.find("{{") {
         let unknown: String = text[at..].chars().take(30).collect();
-        return Err(Error::from(format!("{}: nothing for {unknown}", experiment.name)));
+        return Err(Error::from(format!("experiments/{}.md: no fact with the name in '{unknown}'", experiment.name)));
     }
     text.push_str("\n\n| quantity | theory | measured | bound |\n|---|---|---|---|\n");
     for check in &outcome.checks {
@@ -31,7 +31,7 @@ pub fn section(experiment: &Experiment, outcome: &Outcome) -> Result<String> {
     Ok(text)
 }
 
-/// The whole page, from the sections in their order.
+/// Returns the whole page from its sections in order.
 pub fn page(sections: &[String]) -> String {
     format!("{}\n{}", include_str!("page.md"), sections.join("\n"))
 }
@@ -55,7 +55,7 @@ mod tests {
     }
 
     #[test]
-    fn a_fact_that_is_not_told_is_an_error() {
+    fn a_missing_fact_is_an_error() {
         let error = section(&experiment("From {{height}} units."), &Outcome::default()).unwrap_err();
         assert!(error.to_string().contains("{{height}}"), "{error}");
     }

@@ -1,10 +1,10 @@
-//! Every experiment of the page, with its bounds, and the page as it stands.
+//! Runs every experiment of the page and checks its bounds and its section in `docs/validation.md`.
 
 use std::path::Path;
 
 use rockfall_validation::{ALL, Effort, Experiment, Outcome, section};
 
-/// A test of each experiment; one that is left out is told by `every_experiment_is_a_test`.
+/// Defines one test for each experiment. `every_experiment_has_a_test` detects experiments that are missing from the list.
 macro_rules! experiments {
     ($($(#[$attribute:meta])* $name:ident),* $(,)?) => {
         $(
@@ -17,7 +17,7 @@ macro_rules! experiments {
                 let failures = outcome.failures();
                 assert!(failures.is_empty(), "{failures}");
                 section(experiment, &outcome).expect("its text is complete");
-                on_the_page(experiment, &outcome);
+                check_page(experiment, &outcome);
             }
         )*
 
@@ -51,20 +51,20 @@ experiments!(
     pile
 );
 
-/// The page in the repository has the experiment's heading and plots. (Its numbers come from longer runs.)
-fn on_the_page(experiment: &Experiment, outcome: &Outcome) {
+/// Checks that the page in the repository has the heading and the plots of the experiment. (Its numbers come from longer runs.)
+fn check_page(experiment: &Experiment, outcome: &Outcome) {
     let docs = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs");
     let page = std::fs::read_to_string(docs.join("validation.md")).expect("docs/validation.md");
-    let told = |text: &str| assert!(page.contains(text), "docs/validation.md lacks '{text}': run `cargo xtask validate`");
-    told(&format!("## {}\n", experiment.title));
+    let expect = |text: &str| assert!(page.contains(text), "docs/validation.md lacks '{text}': run `cargo xtask validate`");
+    expect(&format!("## {}\n", experiment.title));
     for chart in &outcome.charts {
-        told(&format!("validation/{}.svg", chart.name));
+        expect(&format!("validation/{}.svg", chart.name));
         assert!(docs.join("validation").join(chart.name).with_extension("svg").exists(), "{}", chart.name);
     }
 }
 
 #[test]
-fn every_experiment_is_a_test() {
+fn every_experiment_has_a_test() {
     let names: Vec<&str> = ALL.iter().map(|experiment| experiment.name).collect();
     assert_eq!(names, TESTED);
 }

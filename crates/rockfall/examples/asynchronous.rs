@@ -1,5 +1,5 @@
-//! Steps that do not block. In a browser its event loop drives such futures; a native program drives them with
-//! `rockfall::exec::gpu::block_on`, which waits for the device where they do.
+//! Runs steps without blocking. In a browser, the event loop drives the futures. A native program can drive them with
+//! `rockfall::exec::gpu::block_on`, which waits for the device whenever they do.
 //!
 //! `cargo run --release -p rockfall --example asynchronous`
 
@@ -16,7 +16,7 @@ async fn fall(gpu: &Gpu) -> rockfall::Result<f32> {
 }
 
 fn main() -> rockfall::Result<()> {
-    // A software adapter will do.
+    // `true` also accepts a software adapter.
     let gpu = Gpu::open_blocking(true)?;
     println!("height after a second: {:.3}", block_on(gpu.device(), fall(&gpu))?);
     Ok(())

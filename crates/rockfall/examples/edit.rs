@@ -1,4 +1,4 @@
-//! Changes to a running simulation: a push, a new body, other constants, and a body that is taken away.
+//! Changes a running simulation: applies an impulse, adds a body, changes a constant and removes a body.
 //!
 //! `cargo run --release -p rockfall --example edit`
 
@@ -12,16 +12,20 @@ fn main() -> rockfall::Result<()> {
 
     simulation.apply_impulse(first, [3.0, 0.0, 0.0])?;
     simulation.run(50, 0.02)?;
-    println!("pushed: x = {:.3}", simulation.sphere(first)?.position.x);
+    println!("x after the impulse: {:.3}", simulation.sphere(first)?.position.x);
 
     let second = simulation.add_sphere(Sphere::new([8.0, 0.5, 0.0], 0.5).mass(3.0))?;
     simulation.run(150, 0.02)?;
-    println!("after the hit: {:.3} and {:.3}", simulation.sphere(first)?.position.x, simulation.sphere(second)?.position.x);
+    println!(
+        "x of both spheres after the collision: {:.3} and {:.3}",
+        simulation.sphere(first)?.position.x,
+        simulation.sphere(second)?.position.x
+    );
 
     let settings = Settings { gravity: -1.0, ..*simulation.settings() };
     simulation.set_settings(settings)?;
     simulation.remove_sphere(second)?;
     simulation.run(100, 0.02)?;
-    println!("with gravity turned round: height {:.3}", simulation.sphere(first)?.position.y);
+    println!("height with reversed gravity: {:.3}", simulation.sphere(first)?.position.y);
     Ok(())
 }

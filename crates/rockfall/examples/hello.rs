@@ -1,4 +1,4 @@
-//! A ball falls on a floor and comes to rest.
+//! Simulates a ball that falls on a floor and comes to rest.
 //!
 //! `cargo run --release -p rockfall --example hello`
 

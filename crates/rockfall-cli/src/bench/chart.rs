@@ -1,5 +1,7 @@
-//! Figure 2.11 of the thesis: the time of each phase for different numbers of spheres, as stacked bars. They are of a run with a
-//! timestamp around every dispatch; a line tells what a step takes without.
+//! Chart of the time of each phase for different numbers of spheres, as in Figure 2.11 of the thesis.
+//!
+//! The stacked bars are from a run with timestamps around every dispatch. A black line marks the time of a whole step without
+//! timestamps.
 
 use std::io::{self, Write as _};
 
@@ -10,13 +12,13 @@ use crate::bench::measure::Measured;
 use crate::bench::phases::PHASES;
 
 const SIZE: (u32, u32) = (900, 560);
-/// Half the width of a bar, where bars stand 1 apart.
+/// Half the width of a bar. The distance between bars is 1.
 const HALF: f64 = 0.32;
-/// One a phase, told apart by those who do not see all colours too.
+/// One colour for each phase, also distinguishable with colour blindness.
 const COLOURS: [RGBColor; 4] =
     [RGBColor(0x44, 0x77, 0xaa), RGBColor(0x66, 0xcc, 0xee), RGBColor(0xcc, 0xbb, 0x44), RGBColor(0xee, 0x66, 0x77)];
 
-/// Draws the chart and puts the file in its place.
+/// Draws the chart and writes the file.
 pub(crate) fn write(title: &str, sizes: &[Measured], mut file: AtomicFile) -> io::Result<()> {
     let bars: Vec<Bar> = sizes.iter().filter_map(Bar::of).collect();
     let mut svg = String::new();
@@ -25,7 +27,7 @@ pub(crate) fn write(title: &str, sizes: &[Measured], mut file: AtomicFile) -> io
     file.commit()
 }
 
-/// Milliseconds a step of each phase, and of a whole step of the plain runs.
+/// Milliseconds per step of each phase, and of a whole step of the plain runs.
 struct Bar {
     spheres: usize,
     phases: [f64; 4],
@@ -61,11 +63,11 @@ fn draw(title: &str, bars: &[Bar], svg: &mut String) -> Result<(), Box<dyn std::
         .configure_mesh()
         .disable_x_mesh()
         .light_line_style(WHITE)
-        // Enough for a label at each bar; those between bars are empty.
+        // Enough labels for one at each bar. Labels between bars are empty.
         .x_labels(2 * bars.len() + 1)
         .x_label_formatter(&spheres)
         .x_desc("spheres")
-        .y_desc("ms a step")
+        .y_desc("ms per step")
         .draw()?;
     for (phase, (_, name, _)) in PHASES.iter().enumerate() {
         let colour = COLOURS[phase];
@@ -85,7 +87,7 @@ fn draw(title: &str, bars: &[Bar], svg: &mut String) -> Result<(), Box<dyn std::
     });
     chart
         .draw_series(whole)?
-        .label("A step, not timed by stage")
+        .label("Whole step, without timestamps")
         .legend(|(x, y)| PathElement::new([(x, y), (x + 14, y)], BLACK.stroke_width(2)));
     chart
         .configure_series_labels()
@@ -102,7 +104,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_bar_has_its_number_below() {
+    fn every_bar_is_labelled_with_its_number_of_spheres() {
         for count in 1..12 {
             let bars: Vec<Bar> =
                 (0..count).map(|place| Bar { spheres: 1000 << place, phases: [1e-4, 2e-3, 1e-3, 0.0], plain: 2e-3 }).collect();
@@ -116,7 +118,7 @@ mod tests {
     }
 
     #[test]
-    fn no_bars_are_no_panic() {
+    fn an_empty_chart_does_not_panic() {
         draw("title", &[], &mut String::new()).unwrap();
     }
 }

@@ -1,4 +1,4 @@
-//! The results for programs.
+//! Results as JSON, for programs.
 
 use rockfall::Profile;
 use serde_json::{Map, Value, json};
@@ -8,7 +8,7 @@ use crate::bench::measure::Measured;
 use crate::bench::phases::PHASES;
 use crate::options;
 
-/// One object with everything.
+/// All results as one JSON object.
 pub(crate) fn object(arguments: &Arguments, sizes: &[Measured]) -> String {
     let (device, driver, backend) = sizes.first().map_or((String::new(), String::new(), String::new()), |size| {
         let info = &size.backend;
@@ -17,7 +17,7 @@ pub(crate) fn object(arguments: &Arguments, sizes: &[Measured]) -> String {
     let best_copy = sizes.iter().filter_map(|size| size.copy_bandwidth).reduce(f64::max);
     let object = json!({
         "version": env!("CARGO_PKG_VERSION"),
-        // Of the repository that the program was built in, with "-dirty" where something had changed since; null without one.
+        // Commit that the program was built from, with "-dirty" if the sources had changed since; null outside a repository.
         "commit": option_env!("ROCKFALL_COMMIT"),
         "scene": arguments.scene.to_string(),
         "backend": backend,

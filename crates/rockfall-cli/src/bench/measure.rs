@@ -1,4 +1,4 @@
-//! Measuring one size.
+//! Measures a scene of one size.
 
 use std::time::Instant;
 
@@ -10,25 +10,25 @@ use crate::bench::spread::Spread;
 use crate::failure::Failure;
 use crate::output;
 
-/// What was measured of a scene of one size.
+/// Measurements of a scene of one size.
 pub(crate) struct Measured {
-    /// The number that was asked for.
+    /// Requested number of spheres or bodies.
     pub(crate) bodies: u32,
     pub(crate) counts: Counts,
     pub(crate) backend: BackendInfo,
-    /// What was taken, where the choice was `auto`.
+    /// Method in use; never `auto`.
     pub(crate) broad_phase: BroadPhase,
-    /// Steps of a run.
+    /// Number of timed steps in a run.
     pub(crate) steps: u64,
     /// Wall time of a run, in s.
     pub(crate) seconds: Spread,
-    /// Of the last run, with its warm-up.
+    /// Report of the last run, including its warm-up.
     pub(crate) report: Report,
-    /// After the last run.
+    /// Buffer sizes after the last run.
     pub(crate) buffers: Vec<BufferSize>,
-    /// What a plain copy reaches, in bytes read and written a second, if that can be timed.
+    /// Bandwidth of a plain copy, in bytes read plus bytes written per second, if it can be timed.
     pub(crate) copy_bandwidth: Option<f64>,
-    /// Time by stage, if the device can tell.
+    /// Time of each stage, if the device supports timestamps.
     pub(crate) profile: Option<Profile>,
 }
 
@@ -41,32 +41,32 @@ impl Measured {
         self.seconds.inverse(self.steps as f64 * self.counts.spheres as f64)
     }
 
-    /// Bytes of all buffers.
+    /// Total size of all buffers, in bytes.
     pub(crate) fn memory(&self) -> u64 {
         self.buffers.iter().map(|buffer| buffer.bytes).sum()
     }
 
-    /// Bytes that a step must move at least.
+    /// Smallest number of bytes that a step has to read and write.
     pub(crate) fn least_bytes_per_step(&self) -> Option<f64> {
         let profile = self.profile.as_ref()?;
         Some(profile.least_bytes() as f64 / profile.steps.max(1) as f64)
     }
 
-    /// How near a plain run comes to the bandwidth of a copy: the part of its time in which a copy would have moved what
-    /// the steps must move at least.
+    /// Share of the copy bandwidth that a plain run uses: the least bytes per step, divided by the bytes that a copy moves in
+    /// the same time.
     pub(crate) fn bandwidth_used(&self) -> Option<f64> {
         let bytes_per_second = self.least_bytes_per_step()? * self.steps_per_second().median;
         Some(bytes_per_second / self.copy_bandwidth?)
     }
 
-    /// Time of a phase in a step, in s.
+    /// Time of a phase per step, in s.
     pub(crate) fn phase_seconds(&self, phase: Phase) -> Option<f64> {
         let profile = self.profile.as_ref()?;
         Some(profile.phase_seconds(phase) / profile.steps.max(1) as f64)
     }
 }
 
-/// A simulation of the scene, its kernels compiled, past its warm-up.
+/// Creates a simulation of the scene, compiles its kernels and runs the warm-up steps.
 fn start(arguments: &Arguments, bodies: u32) -> Result<Simulation, Failure> {
     let mut scene = arguments.scene.generate(bodies, arguments.seed)?;
     arguments.physics.change(&mut scene.settings)?;
@@ -89,21 +89,21 @@ pub(crate) fn measure(arguments: &Arguments, bodies: u32) -> Result<Measured, Fa
     let mut simulation = start(arguments, bodies)?;
     seconds.push(timed(&mut simulation, steps, dt)?);
     let (report, buffers) = (simulation.report(), simulation.buffer_sizes());
-    // Its memory goes before the next takes as much.
+    // Frees the memory before the next simulation allocates the same amount.
     drop(simulation);
 
-    output::note(&format!("{scene} {bodies}: stage by stage"));
+    output::note(&format!("{scene} {bodies}: stage times"));
     let mut simulation = start(arguments, bodies)?;
     let profile = match simulation.clock() {
         Ok(_) => Some(simulation.profile(steps, dt)?),
         Err(error) => {
-            output::note(&format!("warning: no times by stage: {error}"));
+            output::note(&format!("warning: stage times are not available: {error}"));
             None
         }
     };
     let copy_bandwidth = simulation.copy_bandwidth();
     if let Err(error) = &copy_bandwidth {
-        output::note(&format!("warning: no bandwidth to compare with: {error}"));
+        output::note(&format!("warning: the bandwidth of a copy is not available: {error}"));
     }
     Ok(Measured {
         bodies,
@@ -119,7 +119,7 @@ pub(crate) fn measure(arguments: &Arguments, bodies: u32) -> Result<Measured, Fa
     })
 }
 
-/// Wall time of a plain run, in s. A run ends with a look at the device's status, so nothing is left under way.
+/// Wall time of a plain run, in s. A run ends by reading the status of the device, so all its work is complete.
 fn timed(simulation: &mut Simulation, steps: u64, dt: f32) -> Result<f64, Failure> {
     let start = Instant::now();
     simulation.run(steps, dt)?;

@@ -1,8 +1,8 @@
-//! The phases as Figure 2.11 of the thesis has them.
+//! Phases of a step, as in Figure 2.11 of the thesis.
 
 use rockfall::step::schedule::Phase;
 
-/// The phases of a step from the lowest bar to the highest, their names in tables and charts, and their keys in JSON.
+/// Phases of a step, in the order of the stacked bars from the bottom up. Each has a name for tables and charts and a JSON key.
 pub(crate) const PHASES: [(Phase, &str, &str); 4] = [
     (Phase::UpdateAabbs, "AABB update", "aabb_update"),
     (Phase::BroadPhase, "Collision detection", "collision_detection"),

@@ -1,8 +1,8 @@
-//! The median of several runs, and how far they lie apart.
+//! Median, minimum and maximum of several runs.
 
 use serde_json::{Value, json};
 
-/// Median, least and greatest of some numbers.
+/// Median, minimum and maximum of some numbers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Spread {
     pub(crate) median: f64,
@@ -11,7 +11,7 @@ pub(crate) struct Spread {
 }
 
 impl Spread {
-    /// Of no numbers at all it is 0.
+    /// Computes the spread of some numbers; all 0 for an empty list.
     pub(crate) fn of(mut numbers: Vec<f64>) -> Self {
         numbers.sort_by(f64::total_cmp);
         let at = |place: usize| numbers.get(place).copied().unwrap_or_default();
@@ -19,7 +19,7 @@ impl Spread {
         Self { median: 0.5 * (at(count.saturating_sub(1) / 2) + at(count / 2)), min: at(0), max: at(count.saturating_sub(1)) }
     }
 
-    /// The spread of a quantity that falls as this one rises, such as steps per second for seconds.
+    /// Spread of `one` divided by these numbers, such as steps per second from seconds.
     pub(crate) fn inverse(self, one: f64) -> Self {
         Self { median: one / self.median, min: one / self.max, max: one / self.min }
     }
@@ -34,7 +34,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn medians_lie_in_the_middle() {
+    fn spread_of_odd_even_and_empty_lists() {
         let spread = |numbers: &[f64]| {
             let Spread { median, min, max } = Spread::of(numbers.to_vec());
             [median, min, max]

@@ -1,4 +1,4 @@
-//! The results for people.
+//! Results as tables, for people.
 
 use std::fmt::Write as _;
 
@@ -8,7 +8,7 @@ use crate::bench::measure::Measured;
 use crate::bench::phases::PHASES;
 use crate::bench::{Arguments, title};
 
-/// A table of all sizes, then one of the stages for each size.
+/// One table of all sizes, then a table of the stages for each size.
 pub(crate) fn tables(arguments: &Arguments, sizes: &[Measured]) -> String {
     let mut text = format!("{}\n", title(arguments, sizes));
     // Writing to a string cannot fail.
@@ -17,7 +17,7 @@ pub(crate) fn tables(arguments: &Arguments, sizes: &[Measured]) -> String {
     }
     let _ = writeln!(
         text,
-        "{} steps of {} s after {} to warm up, broad phase {}, median (least to greatest) of {} runs",
+        "{} steps of {} s after {} warm-up steps, broad phase {}, median (minimum to maximum) of {} runs",
         arguments.steps,
         arguments.physics.dt,
         arguments.warmup(),
@@ -25,12 +25,12 @@ pub(crate) fn tables(arguments: &Arguments, sizes: &[Measured]) -> String {
         arguments.runs,
     );
     if let Some(best) = sizes.iter().filter_map(|size| size.copy_bandwidth).reduce(f64::max) {
-        let _ = writeln!(text, "a plain copy moves {} GB/s, read and written", short(best / 1e9));
+        let _ = writeln!(text, "bandwidth of a plain copy: {} GB/s, read and written bytes together", short(best / 1e9));
     }
     let _ = writeln!(
         text,
         "\n{:>10} {:>34} {:>11} {:>16} {:>10} {:>8} {:>10} {:>9}",
-        "spheres", "ms a step", "steps/s", "sphere-steps/s", "contacts", "replays", "bytes each", "bandwidth"
+        "spheres", "ms per step", "steps/s", "sphere-steps/s", "contacts", "replays", "B/sphere", "bandwidth"
     );
     for size in sizes {
         row(&mut text, size);
@@ -64,16 +64,16 @@ fn stages(text: &mut String, size: &Measured, profile: &Profile) {
     let total = profile.stage_seconds();
     let _ = writeln!(
         text,
-        "\n{} spheres, broad phase {}: {} dispatches a step, by {}\n{:<34} {:>6} {:>12} {:>7} {:>15} {:>9}",
+        "\n{} spheres, broad phase {}: {} dispatches per step, timed by {}\n{:<34} {:>6} {:>12} {:>7} {:>15} {:>9}",
         size.counts.spheres,
         size.broad_phase,
         short(profile.runs() as f64 / steps),
         profile.clock.name(),
         "",
         "runs",
-        "us a step",
-        "part",
-        "bytes a sphere",
+        "us per step",
+        "share",
+        "bytes/sphere",
         "bandwidth",
     );
     let mut line = |name: &str, runs: u64, seconds: f64, bytes: u64| {
@@ -98,7 +98,7 @@ fn stages(text: &mut String, size: &Measured, profile: &Profile) {
     }
     line("all", profile.runs(), total, profile.least_bytes());
     if profile.rejected_seconds > 0.0 {
-        let _ = writeln!(text, "and {} ms in all for steps that were run again", short(1e3 * profile.rejected_seconds));
+        let _ = writeln!(text, "plus {} ms in total for rejected steps", short(1e3 * profile.rejected_seconds));
     }
 }
 
@@ -109,7 +109,7 @@ fn percent(part: Option<f64>) -> String {
     }
 }
 
-/// Four significant digits.
+/// Formats a number with four significant digits; below 0.001, with four decimal places.
 fn short(number: f64) -> String {
     let digits = if number.abs() >= 1e-3 { (3 - number.abs().log10().floor() as i32).max(0) } else { 4 };
     format!("{number:.*}", digits as usize)

@@ -1,4 +1,4 @@
-//! The files that a run writes: the final state or a trajectory, the trace, and checkpoints that refer to both.
+//! Files that a run writes: the final state or a trajectory, the trace, and checkpoints that refer to both.
 
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
@@ -15,7 +15,7 @@ use crate::output;
 const TRACE_HEADER: &str = "step,time,kinetic,potential,spring,contact,momentum_x,momentum_y,momentum_z,\
                             angular_x,angular_y,angular_z,max_overlap,contacts,collisions";
 
-/// What is asked for, by the command line or by the run that is gone on with.
+/// Output files requested by the command line or by the run that is resumed.
 #[derive(Debug, Default)]
 pub(crate) struct Wanted {
     pub(crate) out: Option<PathBuf>,
@@ -26,7 +26,7 @@ pub(crate) struct Wanted {
 }
 
 impl Wanted {
-    /// That the wishes go together.
+    /// Returns an error if the options contradict each other.
     pub(super) fn check(&self) -> Result<(), Failure> {
         let names = [("--out", &self.out), ("--trace", &self.trace), ("--checkpoint", &self.checkpoint)];
         let names = names.map(|(name, path)| (name, path.as_deref().map(whole)));
@@ -36,45 +36,45 @@ impl Wanted {
             }
         }
         if self.every.is_some() && self.out.is_none() {
-            return Err(Failure::usage("--every: expected --out FILE with it"));
+            return Err(Failure::usage("--every needs a file to write to: expected --out FILE"));
         }
         if self.checkpoint_every.is_some() && self.checkpoint.is_none() {
-            return Err(Failure::usage("--checkpoint-every: expected --checkpoint FILE with it"));
+            return Err(Failure::usage("--checkpoint-every needs a file to write to: expected --checkpoint FILE"));
         }
         let pvd = |path: &PathBuf| path.extension().is_some_and(|extension| extension == "pvd");
         if self.every.is_none() && self.out.as_ref().is_some_and(pvd) {
-            return Err(Failure::usage("--out: a .pvd is a series of states, expected --every K with it"));
+            return Err(Failure::usage("--out: a .pvd file holds a series of states, expected --every K"));
         }
         Ok(())
     }
 }
 
-/// What `--out` writes.
+/// Output of `--out`.
 enum Out {
     /// The state at the end.
     State(PathBuf, AtomicFile),
     /// The state at the end, as a trajectory of one frame.
     LastFrame(PathBuf, Writer),
-    /// A frame every so many steps.
+    /// A frame at a fixed interval, in steps.
     Frames(PathBuf, Writer, u64),
 }
 
-/// Files that were opened before the run, so that a bad path shows before it.
+/// Open output files. They are opened before the run, so that a bad path fails at once.
 pub(crate) struct Outputs {
     out: Option<Out>,
     trace: Option<(PathBuf, AtomicFile)>,
     checkpoint: Option<PathBuf>,
     checkpoint_every: Option<u64>,
-    /// Nothing is there yet: a trace and a trajectory want their first line and frame.
-    begins: [bool; 2],
+    /// Whether the trace and the trajectory are new, and need their first line and frame.
+    is_new: [bool; 2],
     /// The step of the last checkpoint.
     saved_at: Option<u64>,
-    /// Collisions in all at the last line of the trace.
+    /// Total number of collisions up to the last line of the trace.
     collisions: u64,
 }
 
 impl Outputs {
-    /// Opens what is wanted. What `past` tells of a run that is gone on with is gone on with.
+    /// Opens the files. A file that the earlier run `past` had begun is continued.
     pub(crate) fn open(wanted: Wanted, past: Option<&Past>) -> Result<Self, Failure> {
         let Wanted { out, every, trace, checkpoint, checkpoint_every } = wanted;
         let marked = |path: &Path, past: Option<&PastFile>| -> Option<Mark> {
@@ -82,13 +82,13 @@ impl Outputs {
         };
         let out_mark = out.as_deref().and_then(|path| marked(path, past.and_then(|past| past.out.as_ref())));
         if let Some(begun) = past.and_then(|past| past.every).filter(|begun| out_mark.is_some() && every != Some(*begun)) {
-            let message = "give another --out, or leave --every out";
-            return Err(Failure::usage(format!("--every: the frames were begun with --every {begun}; {message}")));
+            let message = "omit --every, or give another --out";
+            return Err(Failure::usage(format!("--every: the existing frames were written with --every {begun}; {message}")));
         }
         let trace_mark = trace.as_deref().and_then(|path| marked(path, past.and_then(|past| past.trace.as_ref())));
         let trace = trace.map(|path| open_trace(&path, trace_mark).map(|file| (path, file))).transpose()?;
         if let Some(path) = &checkpoint {
-            // Only tried: each checkpoint is a file of its own.
+            // Only tests that the path is writable: every checkpoint is written as a new file.
             AtomicFile::create(path).map_err(|error| Failure::file(path, &error))?.discard();
         }
         Ok(Self {
@@ -96,16 +96,16 @@ impl Outputs {
             trace,
             checkpoint,
             checkpoint_every,
-            begins: [trace_mark.is_none(), out_mark.is_none()],
+            is_new: [trace_mark.is_none(), out_mark.is_none()],
             saved_at: None,
             collisions: 0,
         })
     }
 
-    /// Writes what comes before the first step.
+    /// Writes the header of a new trace, and the state before the first step to a new trace and trajectory.
     pub(crate) fn begin(&mut self, simulation: &mut Simulation, past: &Past) -> Result<(), Failure> {
         self.collisions = simulation.report().total_collisions;
-        let [trace, frames] = self.begins;
+        let [trace, frames] = self.is_new;
         if let Some((path, file)) = self.trace.as_mut().filter(|_| trace) {
             writeln!(file, "{TRACE_HEADER}").map_err(|error| Failure::file(path, &error))?;
             self.trace(simulation, past)?;
@@ -117,7 +117,7 @@ impl Outputs {
         }
     }
 
-    /// Steps until something is to be written, counted from a step; at most `most`.
+    /// Number of steps from `step` until an output is due, at most `most`.
     pub(crate) fn steps_from(&self, step: u64, most: u64) -> u64 {
         let every = match &self.out {
             Some(Out::Frames(_, _, every)) => Some(*every),
@@ -128,7 +128,7 @@ impl Outputs {
         [every, trace, self.checkpoint_every].into_iter().flatten().map(until).fold(most, u64::min)
     }
 
-    /// Writes what is due after a step.
+    /// Writes the outputs that are due after a step.
     pub(crate) fn after_step(&mut self, simulation: &mut Simulation, past: &mut Past) -> Result<(), Failure> {
         self.trace(simulation, past)?;
         let step = past.step(simulation.report().steps);
@@ -143,12 +143,12 @@ impl Outputs {
         }
     }
 
-    /// The line of the state that the simulation is in.
+    /// Writes the line of the current state to the trace.
     fn trace(&mut self, simulation: &mut Simulation, past: &Past) -> Result<(), Failure> {
         let Some((path, file)) = &mut self.trace else { return Ok(()) };
         let energy = simulation.energy()?;
         let report: Report = simulation.report();
-        // The simulation tells those of its own last step, of which a divided step has several.
+        // The simulation reports the collisions of its own last step, which is only the last part of a divided step.
         let of_parts = report.total_collisions.saturating_sub(self.collisions);
         let collisions = if past.parts() > 1 { of_parts } else { report.collisions.into() };
         self.collisions = report.total_collisions;
@@ -156,7 +156,7 @@ impl Outputs {
             write!(file, "{}", past.step(report.steps))?;
             let energies = [energy.kinetic, energy.potential, energy.spring, energy.contact];
             numbers(file, &[report.time])?;
-            // An empty sum is -0, which nobody wants to read.
+            // Adding 0 turns -0, the value of an empty sum, into 0.
             numbers(file, &energies.map(|energy| energy + 0.0))?;
             numbers(file, &(energy.momentum + 0.0).to_array())?;
             numbers(file, &(energy.angular_momentum + 0.0).to_array())?;
@@ -166,7 +166,7 @@ impl Outputs {
         write().map_err(|error: io::Error| Failure::file(path, &error))
     }
 
-    /// Writes a checkpoint, unless there is one of this step.
+    /// Writes a checkpoint, unless one of this step has been written.
     pub(crate) fn save(&mut self, simulation: &mut Simulation, past: &mut Past) -> Result<(), Failure> {
         let step = past.step(simulation.report().steps);
         let Some(path) = self.checkpoint.clone().filter(|_| self.saved_at != Some(step)) else { return Ok(()) };
@@ -190,8 +190,8 @@ impl Outputs {
         Ok(())
     }
 
-    /// Puts every file in its place, with what was computed; of several failures the first is told. Files that name what
-    /// they hold.
+    /// Completes every file with the results so far and moves it to its final path. Returns the completed files, or the first
+    /// failure; further failures are only printed.
     pub(crate) fn finish(self, simulation: &mut Simulation) -> Result<Vec<PathBuf>, Failure> {
         let mut done = Vec::new();
         let mut first = Ok(());
@@ -219,7 +219,7 @@ impl Outputs {
         first.map(|()| done)
     }
 
-    /// Whether checkpoints are written, and where the last one is.
+    /// Path of the checkpoint, if one is written.
     pub(crate) fn checkpoint(&self) -> Option<&Path> {
         self.checkpoint.as_deref()
     }
@@ -235,7 +235,7 @@ impl Out {
             };
             return Ok(Self::Frames(path, writer, every));
         }
-        // One state of PolyData is a file of its own.
+        // A single state as .vtp or CSV needs no trajectory writer.
         if format == Format::Npz {
             let writer = written(Writer::create(&path, format))?;
             return Ok(Self::LastFrame(path, writer));
@@ -263,12 +263,12 @@ fn open_trace(path: &Path, mark: Option<Mark>) -> Result<AtomicFile, Failure> {
     }
 }
 
-/// What an earlier run wrote cannot be gone on with.
+/// Error for an output of the earlier run that cannot be continued.
 fn lost(error: &Error, option: &str) -> Failure {
-    Failure::usage(format!("{error}; give another {option} to begin a new one"))
+    Failure::usage(format!("{error}; --resume cannot continue this file: give another {option}"))
 }
 
-/// Files are named with what is wrong with writing them.
+/// Converts errors of the library, so that a file that cannot be written is reported with its name.
 fn written<T>(result: rockfall::Result<T>) -> Result<T, Failure> {
     result.map_err(|error| match error {
         Error::File { file, source } => Failure::file(&file, &source),
@@ -276,13 +276,13 @@ fn written<T>(result: rockfall::Result<T>) -> Result<T, Failure> {
     })
 }
 
-/// The whole path, whether or not anything is there.
+/// Absolute path, whether or not the file exists.
 pub(super) fn whole(path: &Path) -> PathBuf {
     std::path::absolute(path).unwrap_or_else(|_| path.to_owned())
 }
 
-/// Tells where what was computed is.
-pub(super) fn tell(files: &[PathBuf], step: u64) {
+/// Prints which files hold the results so far.
+pub(super) fn note_written(files: &[PathBuf], step: u64) {
     let names: Vec<String> = files.iter().map(|path| path.display().to_string()).collect();
     if !names.is_empty() {
         output::note(&format!("written up to step {step}: {}", names.join(", ")));

@@ -1,4 +1,4 @@
-//! What `run` leaves in a checkpoint beside the simulation, so that a resumed run goes on as the first one was asked to.
+//! Data that `run` stores in a checkpoint in addition to the simulation, so that a resumed run continues with the same options.
 
 use std::path::PathBuf;
 
@@ -6,15 +6,15 @@ use rockfall::output::Mark;
 use rockfall::{Energy, Error};
 use serde::{Deserialize, Serialize};
 
-/// The note of a checkpoint, as JSON.
+/// Options and progress of a run. Stored as JSON in the note of a checkpoint.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 #[serde(default)]
 pub(crate) struct Past {
-    /// The scene's name.
+    /// Name of the scene.
     pub(crate) scene: String,
-    /// Steps in all that were asked for.
+    /// Total number of steps requested.
     pub(crate) steps: u64,
-    /// Wall time of the steps up to now, in s.
+    /// Wall time of the steps so far, in s.
     pub(crate) seconds: f64,
     /// Kinetic, potential, spring and contact energy at the start.
     pub(crate) before: [f64; 4],
@@ -25,16 +25,16 @@ pub(crate) struct Past {
     pub(crate) checkpoint_every: Option<u64>,
     /// Time step in s, before it is divided.
     pub(crate) dt: f32,
-    /// Equal parts that a step is divided into; each of them is a step of the simulation.
+    /// Number of equal parts of a step. Each part is one step of the simulation.
     pub(crate) substeps: u32,
-    /// The step from which on it is divided so, and how many steps the simulation had done then.
+    /// First step with this number of parts, and the number of simulation steps done before it.
     pub(crate) divided_from: [u64; 2],
 }
 
-/// An output, and how far it was written.
+/// An output file and how far it was written.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct PastFile {
-    /// The whole path, so that the folder in which the run is resumed makes no difference.
+    /// Absolute path, so that the run can be resumed from another working directory.
     pub(crate) path: PathBuf,
     bytes: Option<u64>,
     crc32: u32,
@@ -45,36 +45,36 @@ impl PastFile {
         Self { path, bytes: mark.map(|mark| mark.bytes), crc32: mark.map_or(0, |mark| mark.crc32) }
     }
 
-    /// `None` for what is no regular file, and for what is written at the end only.
+    /// `None` for a file that is not regular, and for a file that is written only at the end.
     pub(crate) fn mark(&self) -> Option<Mark> {
         self.bytes.map(|bytes| Mark { bytes, crc32: self.crc32 })
     }
 }
 
 impl Past {
-    /// How many whole steps were done when the simulation had done so many.
+    /// Number of whole steps done after `simulated` steps of the simulation.
     pub(crate) fn step(&self, simulated: u64) -> u64 {
         let [step, before] = self.divided_from;
         step + simulated.saturating_sub(before) / u64::from(self.parts())
     }
 
-    /// Parts of a step; a checkpoint of an older program does not tell them.
+    /// Number of parts of a step. Checkpoints of older versions do not contain it, which means 1.
     pub(crate) fn parts(&self) -> u32 {
         self.substeps.max(1)
     }
 
-    /// The time step of the simulation.
+    /// Time step of the simulation, in s: the length of one part.
     pub(crate) fn part(&self) -> f32 {
         self.dt / self.parts() as f32
     }
 
-    /// Divides steps otherwise from now on.
+    /// Changes the number of parts from the present step on.
     pub(crate) fn divide(&mut self, substeps: u32, simulated: u64) {
         self.divided_from = [self.step(simulated), simulated];
         self.substeps = substeps;
     }
 
-    /// An error of the simulation that names the whole step.
+    /// Converts the step number in an error of the simulation to whole steps.
     pub(crate) fn in_steps(&self, error: Error) -> Error {
         match error {
             Error::NonFinite { sphere, step, stage } => Error::NonFinite { sphere, step: self.step(step), stage },

@@ -1,4 +1,4 @@
-//! Going on from a checkpoint.
+//! Continues a run from a checkpoint.
 
 use std::path::Path;
 
@@ -13,7 +13,7 @@ use crate::failure::Failure;
 use crate::options::Setting;
 use crate::output;
 
-/// Which arguments stand on the command line; the others have their defaults.
+/// Distinguishes arguments on the command line from defaults.
 pub(crate) struct Given<'a>(pub(crate) &'a ArgMatches);
 
 impl Given<'_> {
@@ -25,7 +25,7 @@ impl Given<'_> {
 pub(super) fn open(arguments: &Arguments, given: &Given, path: &Path) -> Result<Run, Failure> {
     let mut checkpoint = Checkpoint::load(path).map_err(Failure::usage)?;
     let mut past: Past = serde_json::from_str(&checkpoint.note)
-        .map_err(|error| Failure::usage(format!("{}: not a checkpoint of `rockfall run`: {error}", path.display())))?;
+        .map_err(|error| Failure::usage(format!("{}: not a checkpoint written by `rockfall run`: {error}", path.display())))?;
     if past.dt <= 0.0 {
         past.dt = checkpoint.time_step;
     }
@@ -34,7 +34,7 @@ pub(super) fn open(arguments: &Arguments, given: &Given, path: &Path) -> Result<
         past.steps = arguments.steps;
     }
     if past.steps < done {
-        let message = format!("--steps {}: {} is at step {done} already", past.steps, path.display());
+        let message = format!("--steps {}: {} is at step {done} already, expected at least {done}", past.steps, path.display());
         return Err(Failure::usage(message));
     }
     change(&mut checkpoint, &mut past, arguments, given)?;
@@ -43,21 +43,23 @@ pub(super) fn open(arguments: &Arguments, given: &Given, path: &Path) -> Result<
     let mut outputs = Outputs::open(wanted, Some(&past))?;
     let (device, program) = (checkpoint.device.clone(), checkpoint.program.clone());
     let mut simulation = Simulation::resume(checkpoint).map_err(|error| match error {
-        Error::NoAdapter(_) if !given.has("backend") => Failure::Run(format!("{error}; {} ran on {device}", path.display())),
+        Error::NoAdapter(_) if !given.has("backend") => {
+            Failure::Run(format!("{error}; the run of {} used {device}", path.display()))
+        }
         error => error.into(),
     })?;
     let now = [simulation.backend().device.as_str(), env!("CARGO_PKG_VERSION")];
     for (what, then, now) in [("device", &device, now[0]), ("rockfall", &program, now[1])] {
-        // Threads of the CPU make no difference.
+        // The part after the comma is the number of CPU threads, which does not change results.
         if then.split(',').next() != now.split(',').next() {
-            output::note(&format!("note: {what}: {now} instead of {then}, which may round differently"));
+            output::note(&format!("note: {what}: {now} instead of {then}; results may be rounded differently"));
         }
     }
     outputs.begin(&mut simulation, &past)?;
     Ok(Run { simulation, outputs, past })
 }
 
-/// What is given comes before what the checkpoint has.
+/// Applies the options on the command line, which override those of the checkpoint, and reports what changes the motion.
 fn change(checkpoint: &mut Checkpoint, past: &mut Past, arguments: &Arguments, given: &Given) -> Result<(), Failure> {
     let simulated = checkpoint.report.steps;
     let step = past.step(simulated);
@@ -82,7 +84,7 @@ fn change(checkpoint: &mut Checkpoint, past: &mut Past, arguments: &Arguments, g
         differs(&format!("--set {name}"), &settings.get(name).unwrap_or_default(), &then);
     }
     if !physics.set.is_empty() {
-        // A simulation that is resumed takes its constants as they are.
+        // A resumed simulation uses its constants as stored, so `resting_overlap` has to be resolved here.
         checkpoint.scene.settings = checkpoint.scene.resolved_settings();
     }
     if given.has("substeps") {
@@ -103,7 +105,7 @@ fn change(checkpoint: &mut Checkpoint, past: &mut Past, arguments: &Arguments, g
     Ok(())
 }
 
-/// The files of the run before, but for those that are given.
+/// Output files of the earlier run, except those that the command line replaces.
 fn wanted(arguments: &Arguments, past: &Past, path: &Path) -> Result<Wanted, Failure> {
     let mut wanted = arguments.wanted()?;
     let before = past.out.as_ref().map(|file| &file.path);

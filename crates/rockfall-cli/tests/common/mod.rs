@@ -1,6 +1,6 @@
-//! The real binary, in a folder of a test's own.
+//! Runs the binary in a temporary folder for each test.
 
-#![allow(dead_code, reason = "every test binary uses a part of this")]
+#![allow(dead_code, reason = "every test binary uses only a part of this module")]
 
 use std::fs;
 use std::io::Write as _;
@@ -9,13 +9,13 @@ use std::process::{Command, Output, Stdio};
 
 use tempfile::TempDir;
 
-/// A folder of a test's own, and commands that run in it.
+/// A temporary folder, and commands that run in it.
 pub(crate) struct Rockfall {
     pub(crate) folder: TempDir,
 }
 
 impl Rockfall {
-    /// An empty folder but for `scene.txt`.
+    /// Creates a folder that contains only `scene.txt`.
     pub(crate) fn with(scene: &str) -> Self {
         let folder = tempfile::tempdir().unwrap();
         fs::write(folder.path().join("scene.txt"), scene).unwrap();
@@ -33,12 +33,12 @@ impl Rockfall {
     pub(crate) fn command(&self, arguments: &str) -> Command {
         let mut command = Command::new(env!("CARGO_BIN_EXE_rockfall"));
         command.current_dir(self.folder.path()).args(arguments.split_whitespace());
-        // Without it, graphics drivers complain on standard error, which tests compare.
+        // Without it, graphics drivers print warnings to standard error, which the tests compare.
         command.env("XDG_RUNTIME_DIR", self.folder.path());
         command
     }
 
-    /// Runs a command that must end with this exit code; gives standard output and standard error.
+    /// Runs a command, checks its exit code and returns standard output and standard error.
     #[track_caller]
     pub(crate) fn run(&self, arguments: &str, code: i32) -> (String, String) {
         finish(self.command(arguments).output().unwrap(), arguments, code)
@@ -62,8 +62,8 @@ pub(crate) fn finish(output: Output, arguments: &str, code: i32) -> (String, Str
     (out, err)
 }
 
-/// Something of every kind that falls and collides: balls over a box and a polygon, capsules, a chain on a fixed sphere,
-/// springs, a tether, two groups. A time step of 0.01 s suits it.
+/// Returns a scene with every kind of object: balls over a box and a polygon, capsules, a chain on a fixed sphere, springs, a
+/// tether and two groups. It is stable at a time step of 0.01 s.
 pub(crate) fn mixed(balls: usize) -> String {
     let mut scene =
         String::from("set gravity 9\nset contact_force 2000\nB -5 -1 -5 10 0 0 0 1 0 0 0 10\nP -1.6 0 -1.6 0 4 0 0 0 3.2\n");

@@ -3,14 +3,15 @@
 use rockfall::{Cuboid, Integrator, Sphere};
 
 use crate::chart::{Axis, Chart, Mark};
-use crate::measure::{alone, curve, on_cpu, with};
+use crate::measure::{curve, on_cpu, on_one_thread, with};
 use crate::{Effort, Outcome, Result};
 
 const GRAVITY: f64 = 10.0;
 const RADIUS: f32 = 0.1;
 const STEP: f32 = 1.0 / 2048.0;
 
-/// Rebound speeds of a sphere that is dropped from 1 unit above its place on the floor, as fractions of the first impact's.
+/// Rebound speeds of a sphere that is dropped from 1 unit above its position on the floor, as fractions of the speed of the
+/// first impact.
 fn rebounds(restitution: f32, bounces: usize) -> Result<Vec<f64>> {
     let mut scene = with(|settings| {
         settings.gravity = GRAVITY as f32;
@@ -20,13 +21,13 @@ fn rebounds(restitution: f32, bounces: usize) -> Result<Vec<f64>> {
     let ball = scene.add_sphere(Sphere::new([0.0, 1.0 + RADIUS, 0.0], RADIUS))?;
     let mut simulation = on_cpu(scene, Integrator::Rk4)?;
     let (mut last, mut speeds) = (0.0, Vec::new());
-    // No bounce lasts longer than the first fall, twice.
+    // No bounce takes longer than twice the first fall.
     for _ in 0..bounces * 2048 {
         simulation.step(STEP)?;
         let state = simulation.sphere(ball)?;
         let (height, speed) = (f64::from(state.position.y - RADIUS), f64::from(state.velocity.y));
         if last < 0.0 && speed > 0.0 {
-            // From the energy, so that the time within the step does not matter.
+            // Computed from the energy, so that the time of the rebound within the step does not matter.
             speeds.push((speed * speed + 2.0 * GRAVITY * height).sqrt() / (2.0 * GRAVITY).sqrt());
             if speeds.len() == bounces {
                 break;
@@ -48,15 +49,19 @@ fn bouncing(outcome: &mut Outcome) -> Result<()> {
         outcome.check(format!("e = {e:.2}: number of bounces"), BOUNCES as f64, speeds.len() as f64, 0.0);
         outcome.check(format!("e = {e:.2}: rebound speed / e^n - 1, worst of {BOUNCES}"), 0.0, worst, 1e-3);
         let numbered = (1..).map(f64::from).zip(speeds).collect();
-        chart = chart
-            .add(place, Mark::Line, format!("e = {e:.2}: e^n"), curve(1.0, BOUNCES as f64, 20, |n| e.powf(n)))
-            .add(place, Mark::Points, format!("e = {e:.2}"), numbered);
+        chart = chart.add(place, Mark::Line, format!("e = {e:.2}: e^n"), curve(1.0, BOUNCES as f64, 20, |n| e.powf(n))).add(
+            place,
+            Mark::Points,
+            format!("e = {e:.2}"),
+            numbered,
+        );
     }
     outcome.charts.push(chart);
     Ok(())
 }
 
-/// Velocities of five spheres in a row, `gap` apart, after the first came in at 1, and the energy left.
+/// Final velocities of five spheres in a row, `gap` apart, of which the first arrives at a speed of 1, and the sum of their
+/// squares.
 fn row(restitution: f32, gap: f32) -> Result<(Vec<f64>, f64)> {
     let mut scene = with(|settings| {
         (settings.gravity, settings.restitution) = (0.0, restitution);
@@ -101,7 +106,7 @@ fn soft(damping: f32) -> Result<f64> {
     Ok(0.5 * f64::from(spheres[1].velocity.x - spheres[0].velocity.x))
 }
 
-/// Schwager and Pöschel (2007): the contact ends where the force would pull.
+/// Restitution by Schwager and Pöschel (2007): the contact ends where the force would pull.
 fn soft_theory(damping: f64) -> f64 {
     let rate = 0.5 * damping;
     let frequency = (1000.0 - rate * rate).sqrt();
@@ -128,7 +133,7 @@ fn soft_contacts(outcome: &mut Outcome) -> Result<()> {
 }
 
 pub(crate) fn run(_: Effort) -> Result<Outcome> {
-    alone(|| {
+    on_one_thread(|| {
         let mut outcome = Outcome::default();
         bouncing(&mut outcome)?;
         cradle(&mut outcome)?;

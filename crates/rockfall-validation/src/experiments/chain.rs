@@ -3,7 +3,7 @@
 use rockfall::{Integrator, Rod, Scene, Simulation, Sphere};
 
 use crate::chart::{Axis, Chart, Mark};
-use crate::measure::{alone, curve, on_cpu, period, with};
+use crate::measure::{curve, on_cpu, on_one_thread, period, with};
 use crate::{Effort, Outcome, Result};
 
 const LINKS: u32 = 20;
@@ -24,10 +24,10 @@ fn solve(low: f64, high: f64, value: f64, of: impl Fn(f64) -> f64) -> f64 {
     0.5 * (low + high)
 }
 
-type Places = Vec<(f64, f64)>;
+type Positions = Vec<(f64, f64)>;
 
-/// Places of the joints, from link to link by their angles to the horizontal.
-fn places(angle: impl Fn(f64) -> f64) -> Places {
+/// Positions of the joints, from the angle of each link to the horizontal.
+fn positions(angle: impl Fn(f64) -> f64) -> Positions {
     let mut all = vec![(-0.5 * SPAN, 0.0)];
     for link in 0..LINKS {
         let angle = angle(f64::from(link) - 0.5 * f64::from(LINKS - 1));
@@ -37,21 +37,22 @@ fn places(angle: impl Fn(f64) -> f64) -> Places {
     all
 }
 
+/// Distance between the two ends of the chain.
 fn width(angle: impl Fn(f64) -> f64) -> f64 {
-    let places = places(angle);
-    places[places.len() - 1].0 - places[0].0
+    let positions = positions(angle);
+    positions[positions.len() - 1].0 - positions[0].0
 }
 
-/// An arc of a circle to begin with, which is not the shape at rest.
-fn arc() -> Places {
+/// Initial positions, on an arc of a circle, which is not the shape at rest.
+fn arc() -> Positions {
     let turn = solve(0.0, 6.0 / f64::from(LINKS), SPAN, |turn| width(|link| link * turn));
-    places(|link| link * turn)
+    positions(|link| link * turn)
 }
 
-/// Each joint bears the weight of one sphere: tan(angle) grows by m G/H from link to link.
-fn at_rest() -> Places {
+/// Positions at rest. Each joint bears the weight of one sphere, so tan(angle) grows by m G/H from link to link.
+fn at_rest() -> Positions {
     let ratio = solve(0.0, 100.0, SPAN, |ratio| width(|link| (link * ratio).atan()));
-    places(|link| (link * ratio).atan())
+    positions(|link| (link * ratio).atan())
 }
 
 fn chain() -> Result<Scene> {
@@ -68,10 +69,10 @@ fn chain() -> Result<Scene> {
     Ok(scene)
 }
 
-/// How the chain swings out of its plane in its slowest mode: the angular frequency over the root of G, and the shape.
+/// Slowest mode of the chain out of its plane: the angular frequency over the root of G, and the shape.
 ///
-/// The pull H / cos(angle) of a rod of length l brings a joint back by pull / l times what its neighbours are away from it, so
-/// that m omega^2 z = K z; K's least eigenvalue by iteration with its inverse.
+/// The pull H / cos(angle) of a rod of length l exerts a force of pull / l times the difference of the displacements of its two
+/// joints, so that m omega^2 z = K z. The least eigenvalue of K is found by inverse iteration.
 fn slowest() -> (f64, Vec<f64>) {
     let ratio = solve(0.0, 100.0, SPAN, |ratio| width(|link| (link * ratio).atan()));
     let pull = |link: usize| (1.0 + (ratio * (link as f64 - 0.5 * f64::from(LINKS - 1))).powi(2)).sqrt() / (ratio * LINK);
@@ -79,7 +80,7 @@ fn slowest() -> (f64, Vec<f64>) {
     let mut shape = vec![1.0; joints];
     let mut least = 0.0;
     for _ in 0..100 {
-        // Thomas's algorithm for K x = shape.
+        // Thomas algorithm for K x = shape.
         let (mut over, mut x) = (vec![0.0; joints], vec![0.0; joints]);
         for k in 0..joints {
             let (before, value) = if k == 0 { (0.0, 0.0) } else { (over[k - 1], x[k - 1]) };
@@ -97,7 +98,7 @@ fn slowest() -> (f64, Vec<f64>) {
     (least.sqrt(), shape)
 }
 
-/// The period of that swing from rest, over four periods.
+/// Measured period of the slowest mode, over about four periods.
 fn swing(mut simulation: Simulation, shape: &[f64]) -> Result<f64> {
     let ids: Vec<_> = simulation.scene().sphere_ids().collect();
     for (id, part) in ids[1..].iter().zip(shape) {
@@ -112,8 +113,8 @@ fn swing(mut simulation: Simulation, shape: &[f64]) -> Result<f64> {
     Ok(period(&samples))
 }
 
-/// Rest by kinetic damping: whenever the kinetic energy has passed a maximum, everything is stopped.
-fn relaxed() -> Result<(Simulation, Places)> {
+/// Brings the chain to rest by kinetic damping: whenever the kinetic energy has passed a maximum, all velocities are set to 0.
+fn relaxed() -> Result<(Simulation, Positions)> {
     let mut simulation = on_cpu(chain()?, Integrator::Rk4)?;
     let ids: Vec<_> = simulation.scene().sphere_ids().collect();
     let mut last = 0.0;
@@ -128,26 +129,26 @@ fn relaxed() -> Result<(Simulation, Places)> {
         last = if kinetic < last { 0.0 } else { kinetic };
     }
     let spheres = simulation.spheres()?;
-    let places = spheres.iter().map(|sphere| (f64::from(sphere.position.x), f64::from(sphere.position.y))).collect();
-    Ok((simulation, places))
+    let positions = spheres.iter().map(|sphere| (f64::from(sphere.position.x), f64::from(sphere.position.y))).collect();
+    Ok((simulation, positions))
 }
 
 pub(crate) fn run(_: Effort) -> Result<Outcome> {
-    alone(|| {
+    on_one_thread(|| {
         let (simulation, found) = relaxed()?;
         let expected = at_rest();
         let departure = |(a, b): (&(f64, f64), &(f64, f64))| (a.0 - b.0).hypot(a.1 - b.1);
         let worst = found.iter().zip(&expected).map(departure).fold(0.0, f64::max);
         let start = found.iter().zip(&arc()).map(departure).fold(0.0, f64::max);
         let stretch = found.windows(2).map(|pair| (departure((&pair[0], &pair[1])) / LINK - 1.0).abs()).fold(0.0, f64::max);
-        // 2 c sinh(span / 2c) = length.
+        // The parameter c of the catenary: 2 c sinh(span / 2c) = length.
         let length = f64::from(LINKS) * LINK;
         let parameter = solve(0.1, 10.0, length, |c| 2.0 * c * (0.5 * SPAN / c).sinh());
         let height = |x: f64| parameter * ((x / parameter).cosh() - (0.5 * SPAN / parameter).cosh());
-        let lowest = found.iter().map(|place| place.1).fold(0.0, f64::min);
+        let lowest = found.iter().map(|joint| joint.1).fold(0.0, f64::min);
         let mut outcome = Outcome::default();
         outcome.fact("moved", start);
-        outcome.check("joints: largest distance from their places of rest (units)", 0.0, worst, 3e-3);
+        outcome.check("joints: largest distance from their positions at rest (units)", 0.0, worst, 3e-3);
         outcome.check("sag (units), against the smooth catenary", -height(0.0), -lowest, 5e-3);
         outcome.check("rods: largest relative error of the length", 0.0, stretch, 1.5e-3);
         let (frequency, shape) = slowest();

@@ -1,22 +1,23 @@
-//! A column of grains that collapses: how far it runs out.
+//! Runout of a column of grains that collapses.
 
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use rockfall::{Cuboid, Integrator, Sphere, SphereState};
 
 use crate::chart::{Axis, Chart, Mark};
-use crate::measure::{alone, curve, on_cpu, power_fit, with};
+use crate::measure::{curve, on_cpu, on_one_thread, power_fit, with};
 use crate::{Effort, Outcome, Result};
 
 const STEP: f32 = 0.01;
 
-/// Half of the grains' mean way out is that of a wedge; three times the mean distance from the wall is its length.
+/// Length of the wedge that has the same mean distance of the grains from the wall: three times that distance.
 fn length(spheres: &[SphereState]) -> f64 {
-    let places: Vec<f64> = spheres.iter().filter(|sphere| !sphere.fixed).map(|sphere| f64::from(sphere.position.x)).collect();
-    3.0 * places.iter().sum::<f64>() / places.len() as f64
+    let distances: Vec<f64> =
+        spheres.iter().filter(|sphere| !sphere.fixed).map(|sphere| f64::from(sphere.position.x)).collect();
+    3.0 * distances.iter().sum::<f64>() / distances.len() as f64
 }
 
-/// Width and height of a column at rest, and the length of the heap that it becomes.
+/// Width and height of a column at rest, and the length of the heap after the collapse.
 fn collapse(width: u32, layers: u32, seed: u64) -> Result<[f64; 3]> {
     let mut scene = with(|settings| {
         settings.coulomb_friction = 0.5;
@@ -41,7 +42,7 @@ fn collapse(width: u32, layers: u32, seed: u64) -> Result<[f64; 3]> {
     let mut simulation = on_cpu(scene, Integrator::SymplecticEuler)?;
     simulation.run(1_500, STEP)?;
     let spheres = simulation.spheres()?;
-    // Twice the mean height of the centres, the lowest of which are about at 0.4.
+    // The height is twice the mean height of the centres, the lowest of which are at about 0.4.
     let moving = spheres.iter().filter(|sphere| !sphere.fixed);
     let (sum, count) = moving.fold((0.0, 0.0), |(sum, count), sphere| (sum + f64::from(sphere.position.y), count + 1.0));
     let height = 2.0 * sum / count;
@@ -51,19 +52,13 @@ fn collapse(width: u32, layers: u32, seed: u64) -> Result<[f64; 3]> {
 }
 
 pub(crate) fn run(effort: Effort) -> Result<Outcome> {
-    alone(move || {
+    on_one_thread(move || {
         let mut outcome = Outcome::default();
         let (mut low, mut high, mut all) = (Vec::new(), Vec::new(), Vec::new());
-        let sizes = effort.pick(&[(16_u32, 8_u32), (12, 12), (8, 16), (6, 24), (6, 42)][..], &[
-            (24, 12),
-            (20, 16),
-            (16, 18),
-            (14, 24),
-            (10, 24),
-            (8, 30),
-            (8, 45),
-            (8, 64),
-        ]);
+        let sizes = effort.pick(
+            &[(16_u32, 8_u32), (12, 12), (8, 16), (6, 24), (6, 42)][..],
+            &[(24, 12), (20, 16), (16, 18), (14, 24), (10, 24), (8, 30), (8, 45), (8, 64)],
+        );
         for (width, layers) in sizes {
             let runs = effort.pick(1, 2);
             let mut mean = [0.0; 2];
@@ -80,7 +75,7 @@ pub(crate) fn run(effort: Effort) -> Result<Outcome> {
             }
             all.push(point);
         }
-        outcome.check("power of a in the runout, all a", 0.85, power_fit(&all), 0.25);
+        outcome.check("exponent of a in the runout, all a", 0.85, power_fit(&all), 0.25);
         let factor = |points: &[(f64, f64)], of: &dyn Fn(f64) -> f64| {
             (points.iter().map(|(a, runout)| (runout / of(*a)).ln()).sum::<f64>() / points.len() as f64).exp()
         };

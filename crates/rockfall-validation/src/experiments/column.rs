@@ -1,32 +1,32 @@
-//! Pressure at the bottom of a column of grains: hydrostatic without friction, Janssen's with it.
+//! Pressure at the bottom of a column of grains: hydrostatic without friction, by Janssen's law with friction.
 
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use rockfall::{Body, ContactAction, Cuboid, Integrator, Scene, Simulation, Sphere, SphereId};
 
 use crate::chart::{Axis, Chart, Mark};
-use crate::measure::{NOTHING_COLLIDES, alone, borne, curve, on_cpu, rubbed, with};
+use crate::measure::{NO_COLLISIONS, curve, friction, on_cpu, on_one_thread, support, with};
 use crate::{Effort, Outcome, Result};
 
 const WIDTH: f32 = 8.0;
 const STEP: f32 = 0.01;
-/// Velocity of the sinking floor, so that the walls rub upwards as strongly as they can.
+/// Velocity of the sinking floor, which makes friction at the walls act upwards at its full strength.
 const SINKING: f32 = 0.1;
-/// Step while it sinks: friction on the lowest grains is stiff.
+/// Time step while the floor sinks, shorter because friction on the lowest grains is stiff.
 const FINE: f32 = 0.002;
 
-/// A tube in a plane between two boxes, `layers` of spheres in it, on a floor of fixed spheres.
+/// Creates `layers` of spheres in a plane between two boxes, on a floor of fixed spheres. Returns the scene and the floor.
 fn tube(layers: u32, coulomb: f32) -> Result<(Scene, Vec<SphereId>)> {
     let mut scene = with(|settings| {
         (settings.friction, settings.coulomb_friction) = (0.0, coulomb);
-        (settings.collisions, settings.activation_threshold) = (false, NOTHING_COLLIDES);
-        // Else the waves of a column that has fallen into place go on for minutes.
+        (settings.collisions, settings.activation_threshold) = (false, NO_COLLISIONS);
+        // With less damping, the waves of a column that has fallen into place last for minutes.
         settings.contact_damping = 60.0;
     });
     let floor: Vec<SphereId> = (0..WIDTH as u32)
         .map(|place| {
             let x = place as f32 + 0.5 - 0.5 * WIDTH;
-            // A little apart from the walls.
+            // The outer spheres are slightly apart from the walls.
             Ok(scene.add_sphere(Sphere::new([0.99 * x, -0.5, 0.0], 0.49).velocity([0.0, -SINKING, 0.0]).fixed())?)
         })
         .collect::<Result<_>>()?;
@@ -44,8 +44,8 @@ fn tube(layers: u32, coulomb: f32) -> Result<(Scene, Vec<SphereId>)> {
     Ok((scene, floor))
 }
 
-/// Vertical forces on the grains, from the pressure of the floor and from friction; what the floor bears by overlaps; the largest
-/// ratio of friction to pressure. Does a step.
+/// Runs one step. Returns the vertical forces on the grains from the pressure of the floor and from friction, the load on the
+/// floor by its overlaps, and the largest ratio of friction to pressure.
 fn loads(simulation: &mut Simulation, floor: &[SphereId]) -> Result<[f64; 4]> {
     let on_floor = |body: Body| matches!(body, Body::Sphere(id) if floor.contains(&id));
     let mut pressure = 0.0;
@@ -55,30 +55,31 @@ fn loads(simulation: &mut Simulation, floor: &[SphereId]) -> Result<[f64; 4]> {
             pressure += f64::from(force.y);
         }
     }
-    // Cc, as the settings have it by default.
-    let overlaps = borne(simulation, 1_000.0)?.up;
-    let rubbed = rubbed(simulation, FINE)?;
-    Ok([pressure, rubbed.up, overlaps, rubbed.ratio])
+    // The default value of Cc.
+    let overlaps = support(simulation, 1_000.0)?.up;
+    let friction = friction(simulation, FINE)?;
+    Ok([pressure, friction.up, overlaps, friction.ratio])
 }
 
-/// A column while the floor sinks.
+/// Measurements of a column while the floor sinks.
 struct Column {
     weight: f64,
-    /// Mean pressure on the floor, and mean friction of walls and floor.
+    /// Mean pressure on the floor.
     floor: f64,
-    rubbing: f64,
-    /// Mean load on the floor by the depths of its overlaps.
+    /// Mean upward friction of the walls and the floor.
+    friction_up: f64,
+    /// Mean load on the floor, from the depths of its overlaps.
     overlaps: f64,
-    /// Largest friction on a grain over its pressures, of all samples.
-    friction: f64,
+    /// Largest ratio of the friction on a grain to the sum of its pressures, over all samples.
+    friction_ratio: f64,
 }
 
-/// Sinking for `pieces` times 100 steps; the second half counts.
+/// Measures a column while the floor sinks for `pieces` times 100 steps, over the second half of that time.
 fn weighed(layers: u32, coulomb: f32, pieces: u32) -> Result<Column> {
     let (scene, floor) = tube(layers, coulomb)?;
     let mut simulation = on_cpu(scene, Integrator::SymplecticEuler)?;
     let weight = simulation.spheres()?.iter().filter(|sphere| !sphere.fixed).map(|sphere| f64::from(sphere.mass)).sum();
-    // The grains fall into place, and waves die away.
+    // The grains fall into place, and their waves decay.
     simulation.run(3_000, STEP)?;
     let mut sums = [0.0; 4];
     let mut samples = 0.0;
@@ -88,7 +89,7 @@ fn weighed(layers: u32, coulomb: f32, pieces: u32) -> Result<Column> {
                 let place = simulation.scene().sphere(*id)?.position;
                 simulation.set_position(*id, place - rockfall::glam::Vec3::Y * (5.0 * SINKING * FINE))?;
             }
-            // Not always as long after a move of the floor, and after even and odd steps alike.
+            // The number of steps between a move of the floor and the sample varies, with even and odd numbers.
             let before = part % 4;
             simulation.run(before, FINE)?;
             if piece >= pieces / 2 {
@@ -102,17 +103,16 @@ fn weighed(layers: u32, coulomb: f32, pieces: u32) -> Result<Column> {
             simulation.run(if piece >= pieces / 2 { 4 } else { 5 } - before, FINE)?;
         }
     }
-    let [floor, rubbing, overlaps, _] = sums.map(|sum| sum / samples);
-    let friction = sums[3];
-    Ok(Column { weight, floor, rubbing, overlaps, friction })
+    let [floor, friction_up, overlaps, _] = sums.map(|sum| sum / samples);
+    Ok(Column { weight, floor, friction_up, overlaps, friction_ratio: sums[3] })
 }
 
-/// Load on the floor by the weight above it; at most `most`.
+/// Load on the floor by Janssen's law for a weight above it; at most `most`.
 fn janssen(weight: f64, most: f64) -> f64 {
     most * (1.0 - (-weight / most).exp())
 }
 
-/// The greatest load that suits best, by the squares of the departures.
+/// Least-squares fit of the largest load in Janssen's law.
 fn janssen_fit(points: &[(f64, f64)]) -> f64 {
     let error = |most: f64| points.iter().map(|(weight, load)| (janssen(*weight, most) - load).powi(2)).sum::<f64>();
     let (mut low, mut high) = (1.0, 2_000.0);
@@ -128,7 +128,7 @@ fn janssen_fit(points: &[(f64, f64)]) -> f64 {
 }
 
 pub(crate) fn run(effort: Effort) -> Result<Outcome> {
-    alone(move || {
+    on_one_thread(move || {
         let layers = effort.pick(&[5_u32, 12, 25][..], &[3, 6, 10, 15, 20, 30, 40, 50]);
         let pieces = effort.pick(70, 150);
         let all = |coulomb: f32| layers.iter().map(|layers| weighed(*layers, coulomb, pieces)).collect::<Result<Vec<_>>>();
@@ -136,19 +136,24 @@ pub(crate) fn run(effort: Effort) -> Result<Outcome> {
         let worst = |of: &dyn Fn(&Column) -> f64, columns: &[Column]| columns.iter().map(|c| of(c).abs()).fold(0.0, f64::max);
         let mut outcome = Outcome::default();
         let bare = worst(&|column| column.floor / column.weight - 1.0, &smooth);
-        outcome.check("no friction: load on the floor / weight - 1, at worst", 0.0, bare, 0.05);
+        outcome.check("no friction: load on the floor / weight - 1, worst case", 0.0, bare, 0.05);
         let deep = worst(&|column| column.overlaps / column.weight - 1.0, &smooth);
-        outcome.check("no friction: overlaps on the floor, in force / weight - 1, at worst", 0.0, deep, 0.05);
-        let borne = worst(&|column| (column.floor + column.rubbing) / column.weight - 1.0, &rough);
-        outcome.check("mu_c = 0.5: pressure on the floor and friction / weight - 1, at worst", 0.0, borne, 0.05);
+        outcome.check("no friction: overlaps on the floor, in force / weight - 1, worst case", 0.0, deep, 0.05);
+        let total = worst(&|column| (column.floor + column.friction_up) / column.weight - 1.0, &rough);
+        outcome.check("mu_c = 0.5: pressure on the floor and friction / weight - 1, worst case", 0.0, total, 0.05);
         let points: Vec<(f64, f64)> = rough.iter().map(|column| (column.weight, column.floor)).collect();
         let most = janssen_fit(&points);
         let departure = worst(&|column| (column.floor - janssen(column.weight, most)) / most, &rough);
-        outcome.check("mu_c = 0.5: (load on the floor - Janssen's) / W_max, at worst", 0.0, departure, 0.25);
+        outcome.check("mu_c = 0.5: (load on the floor - Janssen's) / W_max, worst case", 0.0, departure, 0.25);
         let (last, load) = points[points.len() - 1];
-        outcome.check("mu_c = 0.5: load on the floor / weight of the highest column", janssen(last, most) / last, load / last, 0.15);
-        let harder = worst(&|column| (column.friction - 0.5).max(0.0), &rough);
-        outcome.check("mu_c = 0.5: friction on a grain beyond mu_c times its pressures, at worst", 0.0, harder, 0.002);
+        outcome.check(
+            "mu_c = 0.5: load on the floor / weight of the highest column",
+            janssen(last, most) / last,
+            load / last,
+            0.15,
+        );
+        let excess = worst(&|column| (column.friction_ratio - 0.5).max(0.0), &rough);
+        outcome.check("mu_c = 0.5: friction on a grain beyond mu_c times its pressures, worst case", 0.0, excess, 0.002);
         outcome.fact("most", most);
         outcome.fact("layers", most / (rough[0].weight / f64::from(layers[0])));
         let axes = (Axis::linear("weight of the grains (mass units/s²)"), Axis::linear("load on the floor (mass units/s²)"));

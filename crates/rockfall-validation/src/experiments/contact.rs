@@ -5,23 +5,24 @@ use std::f64::consts::TAU;
 use rockfall::{Cuboid, Integrator, Sphere};
 
 use crate::chart::{Axis, Chart, Mark};
-use crate::measure::{alone, line_fit, on_cpu, period, with};
+use crate::measure::{line_fit, on_cpu, on_one_thread, period, with};
 use crate::{Effort, Outcome, Result};
 
 const GRAVITY: f64 = 10.0;
 const STIFFNESS: f64 = 1000.0;
 const STEP: f64 = 1.0 / 512.0;
-/// Displacement from rest at first; the overlap at rest is 0.01.
+/// Initial displacement from rest; the overlap at rest is 0.01.
 const AMPLITUDE: f64 = 0.005;
 
-/// Displacement from rest over time of a sphere on a fixed one; half of the overlap at rest, so that they never part.
+/// Displacement from rest over time of a sphere on a fixed one. The amplitude is half of the overlap at rest, so that the
+/// spheres never separate.
 fn oscillation(damping: f64, mass: f32, seconds: f64) -> Result<Vec<(f64, f64)>> {
     let mut scene = with(|settings| {
         settings.gravity = GRAVITY as f32;
         settings.contact_damping = damping as f32;
         settings.collisions = false;
     });
-    // The place of contact is near the origin, where f32 is finest.
+    // The contact point is near the origin, where the resolution of f32 is finest.
     let rest = 0.25 - GRAVITY / STIFFNESS;
     scene.add_sphere(Sphere::new([0.0, -0.25, 0.0], 0.25).fixed())?;
     let ball = scene.add_sphere(Sphere::new([0.0, (rest + AMPLITUDE) as f32, 0.0], 0.25).mass(mass))?;
@@ -34,13 +35,13 @@ fn oscillation(damping: f64, mass: f32, seconds: f64) -> Result<Vec<(f64, f64)>>
     Ok(samples)
 }
 
-/// Decay rate in 1/s, from the logarithms of the peaks up.
+/// Decay rate in 1/s, from the logarithms of the maxima.
 fn decay(samples: &[(f64, f64)]) -> f64 {
     let peaks: Vec<_> = samples
         .windows(3)
         .filter(|three| three[1].1 > three[0].1 && three[1].1 >= three[2].1)
         .map(|three| {
-            // The top of the parabola through three samples.
+            // The maximum of the parabola through three samples.
             let (left, middle, right) = (three[0].1, three[1].1, three[2].1);
             let curvature = left - 2.0 * middle + right;
             let height = middle - (right - left).powi(2) / (8.0 * curvature);
@@ -64,7 +65,7 @@ fn oscillations(outcome: &mut Outcome) -> Result<()> {
         };
         let worst = samples.iter().map(|(t, y)| (y - exact(*t)).abs()).fold(0.0, f64::max);
         let name = format!("Cd = {damping}, m = {mass}");
-        // Of the weakly damped one alone there are peaks enough.
+        // Only the weakly damped oscillation has enough maxima.
         if place == 0 {
             outcome.check(format!("{name}: period (s)"), TAU / frequency, period(&samples), 2e-4);
             outcome.check(format!("{name}: decay rate (1/s)"), rate, decay(&samples), 0.01);
@@ -88,7 +89,7 @@ fn column(count: u32) -> Result<Vec<f64>> {
         scene.add_sphere(Sphere::new([0.0, RADIUS * (2 * level + 1) as f32, 0.0], RADIUS))?;
     }
     let mut simulation = on_cpu(scene, Integrator::Rk4)?;
-    // The slowest mode of ten decays at some 0.08 /s.
+    // The slowest mode of ten spheres decays at about 0.08 /s.
     simulation.run(12_000, 1.0 / 64.0)?;
     let heights: Vec<f64> = simulation.spheres()?.iter().map(|sphere| f64::from(sphere.position.y)).collect();
     let mut overlaps = vec![f64::from(RADIUS) - heights[0]];
@@ -101,7 +102,7 @@ fn columns(outcome: &mut Outcome) -> Result<()> {
     let mut chart = Chart::new("contact-column", "Overlaps in a resting column of n spheres", axes.0, axes.1);
     for (place, count) in [1, 3, 10].into_iter().enumerate() {
         let overlaps = column(count)?;
-        // What lies above presses; the reduced mass is m on the floor and m/2 between two spheres.
+        // The spheres above press on the contact. The reduced mass is m on the floor and m/2 between two spheres.
         let theory = |level: u32| f64::from(count - level) / STIFFNESS * if level == 0 { 1.0 } else { 2.0 };
         let mut worst: f64 = 0.0;
         for (level, overlap) in (0..count).zip(&overlaps) {
@@ -117,7 +118,7 @@ fn columns(outcome: &mut Outcome) -> Result<()> {
 }
 
 pub(crate) fn run(_: Effort) -> Result<Outcome> {
-    alone(|| {
+    on_one_thread(|| {
         let mut outcome = Outcome::default();
         oscillations(&mut outcome)?;
         columns(&mut outcome)?;

@@ -1,16 +1,16 @@
-//! Newton's cradle and struck chains: what gaps change.
+//! Newton's cradle and struck chains, with and without gaps.
 
 use rockfall::{Integrator, Rod, Scene, Simulation, Sphere};
 
 use crate::chart::{Axis, Chart, Mark};
-use crate::measure::{alone, on_cpu, with};
+use crate::measure::{on_cpu, on_one_thread, with};
 use crate::{Effort, Outcome, Result};
 
 const RADIUS: f32 = 0.5;
 const LENGTH: f64 = 3.0;
 const LIFT: f64 = 0.3;
 
-/// Elastic bodies without friction and damping; every approach is a collision.
+/// Empty scene for elastic bodies without friction and damping. Every approach is a collision.
 fn elastic(gravity: f32) -> Scene {
     with(|settings| {
         (settings.gravity, settings.restitution) = (gravity, 1.0);
@@ -18,7 +18,7 @@ fn elastic(gravity: f32) -> Scene {
     })
 }
 
-/// Five balls on rods, so many lifted by 0.3 rad.
+/// Five balls on rods, of which the first `lifted` are lifted by 0.3 rad.
 fn cradle(lifted: usize, gap: f32) -> Result<Simulation> {
     let mut scene = elastic(10.0);
     for place in 0..5 {
@@ -32,14 +32,15 @@ fn cradle(lifted: usize, gap: f32) -> Result<Simulation> {
     on_cpu(scene, Integrator::Rk4)
 }
 
-/// The largest angle of each ball in the half swing after the impact, over the angle of the lifted ones, and the energy left.
+/// Largest angle of each ball in the half swing after the impact, over the angle of the lift, and the relative error of the
+/// energy.
 fn swing(lifted: usize, gap: f32) -> Result<([f64; 5], f64)> {
     const STEP: f32 = 1.0 / 1024.0;
     let mut simulation = cradle(lifted, gap)?;
     let before = simulation.energy()?.total();
     let quarter = 0.25 * std::f64::consts::TAU * (LENGTH / 10.0).sqrt() * (1.0 + LIFT * LIFT / 16.0);
     let mut angles = [0.0_f64; 5];
-    // Until shortly before the balls come back.
+    // Ends shortly before the balls come back.
     for step in 0..(1.9 * quarter / f64::from(STEP)) as u32 {
         simulation.step(STEP)?;
         if f64::from(step) * f64::from(STEP) < 1.1 * quarter {
@@ -78,7 +79,7 @@ fn cradles(outcome: &mut Outcome) -> Result<()> {
     Ok(())
 }
 
-/// Velocities of a row of spheres `gap` apart, the first of which comes in at 1.
+/// Final velocities of a row of spheres `gap` apart, of which the first arrives at a speed of 1.
 fn row(count: usize, gap: f32, seconds: f32) -> Result<Vec<f64>> {
     let mut scene = elastic(0.0);
     scene.settings.contact_force = if gap < 0.0 { 0.0 } else { 1000.0 };
@@ -96,7 +97,7 @@ fn rows(outcome: &mut Outcome) -> Result<()> {
     outcome.check("chain of 20, gaps of 0.01, e = 1: speed of the last", 1.0, struck[19], 1e-4);
     let left: f64 = struck[..19].iter().map(|speed| speed.abs()).fold(0.0, f64::max);
     outcome.check("chain of 20, gaps of 0.01, e = 1: fastest of the others", 0.0, left, 1e-4);
-    // Overlaps of 0.001 before the impact, and no contact force that would push the row apart.
+    // The row has overlaps of 0.001 before the impact, and no contact force that would push it apart.
     let pressed = row(5, -1e-3, 0.1)?;
     outcome.check("row of five, pressed, e = 1: speed of the last", 1.0, pressed[4], 5e-3);
     outcome.check("row of five, pressed, e = 1: momentum", 1.0, pressed.iter().sum(), 1e-5);
@@ -109,7 +110,7 @@ fn rows(outcome: &mut Outcome) -> Result<()> {
 }
 
 pub(crate) fn run(_: Effort) -> Result<Outcome> {
-    alone(|| {
+    on_one_thread(|| {
         let mut outcome = Outcome::default();
         cradles(&mut outcome)?;
         rows(&mut outcome)?;

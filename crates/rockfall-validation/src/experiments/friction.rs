@@ -1,9 +1,9 @@
-//! Friction: sliding until it rolls, rolling and sliding down a slope; the square-root law and Coulomb's.
+//! Friction by the square-root law and by Coulomb's: sliding until a sphere rolls, rolling and sliding on a slope.
 
 use rockfall::{Capsule, Cuboid, Integrator, Scene, Simulation, Sphere};
 
 use crate::chart::{Axis, Chart, Mark};
-use crate::measure::{alone, curve, on_cpu, power_fit, with};
+use crate::measure::{curve, on_cpu, on_one_thread, power_fit, with};
 use crate::{Effort, Outcome, Result};
 
 const STIFFNESS: f64 = 1000.0;
@@ -15,14 +15,14 @@ struct Law {
     name: &'static str,
     friction: f64,
     coulomb: f64,
-    /// Power of 1 - t/t_s by which the sliding velocity falls to 0 at t_s.
+    /// Exponent of 1 - t/t_s in the sliding velocity, which falls to 0 at t_s.
     power: i32,
 }
 
 const ROOT: Law = Law { name: "square root", friction: 50.0, coulomb: 0.0, power: 2 };
 const COULOMB: Law = Law { name: "Coulomb", friction: 0.0, coulomb: 0.05, power: 1 };
 
-/// A long box for a floor, under gravity that is tilted by an angle towards +x.
+/// A long box as a floor. Gravity is tilted by `angle` towards +x.
 fn slope(law: Law, angle: f64) -> Result<Scene> {
     let mut scene = with(|settings| {
         settings.friction = law.friction as f32;
@@ -33,12 +33,12 @@ fn slope(law: Law, angle: f64) -> Result<Scene> {
     Ok(scene)
 }
 
-/// 1 + m s²/I of a sphere of radius 1 whose arm is shortened by an overlap.
+/// 1 + m s²/I of a sphere of radius 1, where s is the radius less the overlap.
 fn lever(overlap: f64) -> f64 {
     1.0 + 2.5 * (1.0 - overlap).powi(2)
 }
 
-/// Sliding ends after this.
+/// Time until sliding ends.
 fn slide_time(law: Law, speed: f64) -> f64 {
     let lever = lever(1.0 / STIFFNESS);
     match law.power {
@@ -47,17 +47,18 @@ fn slide_time(law: Law, speed: f64) -> f64 {
     }
 }
 
-/// Velocity and way after `t` (at most the slide time) of a sphere that slid at `speed` at first.
+/// Velocity and distance after `t` (at most the slide time) of a sphere with the initial sliding velocity `speed`.
 fn slide(law: Law, speed: f64, t: f64) -> (f64, f64) {
     let (lever, time) = (lever(1.0 / STIFFNESS), slide_time(law, speed));
     let left = 1.0 - t / time;
     let n = law.power;
-    let slip_way = speed * time / f64::from(n + 1) * (1.0 - left.powi(n + 1));
-    (speed - speed / lever * (1.0 - left.powi(n)), speed * t - (speed * t - slip_way) / lever)
+    let slip_distance = speed * time / f64::from(n + 1) * (1.0 - left.powi(n + 1));
+    (speed - speed / lever * (1.0 - left.powi(n)), speed * t - (speed * t - slip_distance) / lever)
 }
 
-/// Velocity and way of a sphere of radius 1 thrown along the floor, until it slides at 1 % of its first velocity.
-fn slid(law: Law, speed: f64) -> Result<Vec<(f64, f64, f64)>> {
+/// Time, velocity and distance of a sphere of radius 1 that is thrown along the floor, until it slides at 1 % of its initial
+/// velocity.
+fn thrown(law: Law, speed: f64) -> Result<Vec<(f64, f64, f64)>> {
     let mut scene = slope(law, 0.0)?;
     let height = (1.0 - 1.0 / STIFFNESS) as f32;
     let ball = scene.add_sphere(Sphere::new([0.0, height, 0.0], 1.0).velocity([speed as f32, 0.0, 0.0]))?;
@@ -72,25 +73,26 @@ fn slid(law: Law, speed: f64) -> Result<Vec<(f64, f64, f64)>> {
             return Ok(samples);
         }
     }
-    Err("it slides for ever".into())
+    Err("friction: the sphere has not stopped sliding after 100,000 steps".into())
 }
 
 fn sliding(outcome: &mut Outcome) -> Result<()> {
     let axes = (Axis::linear("time (s)"), Axis::linear("velocity (units/s)"));
     let mut over_time = Chart::new("friction-velocity", "A sphere thrown along a floor at 1", axes.0, axes.1);
-    let axes = (Axis::logarithmic("velocity at first (units/s)"), Axis::logarithmic("sliding distance (units)"));
-    let mut distances = Chart::new("friction-distance", "Way until a sphere slides at 1 % of its velocity", axes.0, axes.1);
+    let axes = (Axis::logarithmic("initial velocity (units/s)"), Axis::logarithmic("sliding distance (units)"));
+    let mut distances =
+        Chart::new("friction-distance", "Distance until a sphere slides at 1 % of its initial velocity", axes.0, axes.1);
     for (colour, law) in [ROOT, COULOMB].into_iter().enumerate() {
-        let mut ways = Vec::new();
-        // 1 % of the velocity is left after this part of the slide time.
+        let mut distances_found = Vec::new();
+        // Fraction of the slide time after which 1 % of the sliding velocity is left.
         let part = 1.0 - 0.01_f64.powf(1.0 / f64::from(law.power));
-        let way = |speed: f64| slide(law, speed, part * slide_time(law, speed)).1;
+        let distance = |speed: f64| slide(law, speed, part * slide_time(law, speed)).1;
         let mut worst: f64 = 0.0;
         for speed in [0.25, 0.5, 1.0, 2.0, 4.0] {
-            let samples = slid(law, speed)?;
+            let samples = thrown(law, speed)?;
             let last = samples[samples.len() - 1].2;
-            worst = worst.max((last / way(speed) - 1.0).abs());
-            ways.push((speed, last));
+            worst = worst.max((last / distance(speed) - 1.0).abs());
+            distances_found.push((speed, last));
             if speed == 1.0 {
                 let time = slide_time(law, 1.0);
                 let by = samples.len() / 25;
@@ -104,23 +106,33 @@ fn sliding(outcome: &mut Outcome) -> Result<()> {
             }
         }
         let power = 1.0 + 1.0 / f64::from(law.power);
-        outcome.check(format!("{}: sliding distance / theory - 1, at worst", law.name), 0.0, worst, 0.01);
-        outcome.check(format!("{}: power of the velocity in the distance", law.name), power, power_fit(&ways), 0.02);
+        outcome.check(format!("{}: sliding distance / theory - 1, worst case", law.name), 0.0, worst, 0.01);
+        outcome.check(
+            format!("{}: exponent of the velocity in the sliding distance", law.name),
+            power,
+            power_fit(&distances_found),
+            0.02,
+        );
         distances = distances
-            .add(colour, Mark::Line, format!("{}, theory", law.name), ways.iter().map(|(speed, _)| (*speed, way(*speed))).collect())
-            .add(colour, Mark::Points, law.name, ways);
+            .add(
+                colour,
+                Mark::Line,
+                format!("{}, theory", law.name),
+                distances_found.iter().map(|(speed, _)| (*speed, distance(*speed))).collect(),
+            )
+            .add(colour, Mark::Points, law.name, distances_found);
     }
     outcome.charts.extend([over_time, distances]);
     Ok(())
 }
 
-/// Mean velocity along x of the spheres that move.
+/// Mean velocity of the spheres along x.
 fn velocity(simulation: &mut Simulation) -> Result<f64> {
     let spheres = simulation.spheres()?;
     Ok(spheres.iter().map(|sphere| f64::from(sphere.velocity.x)).sum::<f64>() / spheres.len() as f64)
 }
 
-/// Acceleration of a body, once its sliding velocity is steady.
+/// Acceleration of a body after its sliding velocity has become steady.
 fn acceleration(scene: Scene) -> Result<f64> {
     let mut simulation = on_cpu(scene, Integrator::Rk4)?;
     simulation.run(256, STEP as f32)?;
@@ -146,7 +158,7 @@ fn rolling(outcome: &mut Outcome) -> Result<()> {
     let root = Law { friction: 2_000.0, ..ROOT };
     let coulomb = Law { coulomb: 0.2, ..COULOMB };
     let roll = |angle: f64| angle.sin() * (1.0 - 1.0 / lever(angle.cos() / STIFFNESS));
-    // Rolling takes (tan angle) / lever of the normal force.
+    // Rolling needs friction of (tan angle) / lever times the normal force.
     let with_coulomb = |angle: f64| {
         let sliding = angle.sin() - coulomb.coulomb * angle.cos();
         if angle.tan() > lever(angle.cos() / STIFFNESS) * coulomb.coulomb { sliding } else { roll(angle) }
@@ -176,18 +188,18 @@ fn rolling(outcome: &mut Outcome) -> Result<()> {
     Ok(())
 }
 
-/// Step for the capsule that slides along.
+/// Time step for the capsule that slides along the slope.
 const FINE: f64 = 1.0 / 512.0;
 
-/// Velocity at the end of a step of a capsule that Coulomb's friction holds: see `friction.md`.
-fn left_by_a_step(angle: f64) -> f64 {
-    // Radius 1/4, ends 2 apart, mass 1.
+/// Velocity at the end of a step of a capsule that Coulomb's friction holds; `friction.md` has the formula.
+fn held_velocity(angle: f64) -> f64 {
+    // The capsule has the radius 1/4 and ends 2 apart; `across` is K, the square of the radius of gyration.
     let arm: f64 = 0.25 - angle.cos() / STIFFNESS;
     let across = 0.25 * 4.0 + 0.4 * 0.25 * 0.25;
     FINE * angle.sin() * (1.0 + arm * arm / across)
 }
 
-/// Velocity after `seconds` of a capsule that lies along the slope and so cannot roll.
+/// Velocity after `seconds` of a capsule that lies along the slope, so that it cannot roll.
 fn slipping(law: Law, angle: f64, seconds: f64) -> Result<f64> {
     let mut scene = slope(law, angle)?;
     let height = (0.25 - angle.cos() / STIFFNESS) as f32;
@@ -204,7 +216,7 @@ fn creeping(outcome: &mut Outcome, effort: Effort) -> Result<()> {
     let creep = |angle: f64| (STIFFNESS * angle.tan() / root.friction).powi(2);
     let with_coulomb = |angle: f64| {
         let sliding = angle.sin() - coulomb.coulomb * angle.cos();
-        if sliding > 0.0 { sliding * SECONDS } else { left_by_a_step(angle) }
+        if sliding > 0.0 { sliding * SECONDS } else { held_velocity(angle) }
     };
     let axes = (Axis::linear("slope (degrees)"), Axis::logarithmic("velocity after 40 s (units/s)"));
     let degrees = |of: &dyn Fn(f64) -> f64| curve(2.0, 30.0, 57, |degrees| of(degrees.to_radians()));
@@ -220,7 +232,7 @@ fn creeping(outcome: &mut Outcome, effort: Effort) -> Result<()> {
             worst = worst.max((found / theory(slope.to_radians())).ln().abs());
             points.push((slope, found));
         }
-        let name = format!("{}, capsule along a slope: ln(velocity / theory), at worst", law.name);
+        let name = format!("{}, capsule along a slope: ln(velocity / theory), worst case", law.name);
         outcome.check(name, 0.0, worst, 0.05);
         chart = chart.add(colour, Mark::Points, law.name, points);
     }
@@ -229,7 +241,7 @@ fn creeping(outcome: &mut Outcome, effort: Effort) -> Result<()> {
 }
 
 pub(crate) fn run(effort: Effort) -> Result<Outcome> {
-    alone(move || {
+    on_one_thread(move || {
         let mut outcome = Outcome::default();
         sliding(&mut outcome)?;
         rolling(&mut outcome)?;

@@ -1,17 +1,17 @@
-//! Heaps: three spheres that stand or fall, and the angle of repose.
+//! Heaps: the stability of three spheres, and the angle of repose.
 
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use rockfall::{Cuboid, Integrator, Scene, Simulation, Sphere};
 
 use crate::chart::{Axis, Chart, Mark};
-use crate::measure::{alone, mean, on_cpu, with};
+use crate::measure::{mean, on_cpu, on_one_thread, with};
 use crate::{Effort, Outcome, Result};
 
-/// mu_c, and the mu of the square-root law where mu_c is 0.
+/// mu_c, and mu of the square-root law, which is used if mu_c is 0.
 type Friction = (f32, f32);
 
-/// How far the top one of three spheres of radius 1 has sunk after 10 s.
+/// Distance by which the top one of three spheres of radius 1 has sunk after 10 s.
 fn sunk((coulomb, friction): Friction) -> Result<f64> {
     let mut scene = with(|settings| (settings.friction, settings.coulomb_friction) = (friction, coulomb));
     scene.add_box(Cuboid::between([-50.0, -1.0, -5.0], [50.0, 0.0, 5.0]))?;
@@ -24,7 +24,7 @@ fn sunk((coulomb, friction): Friction) -> Result<f64> {
     Ok(f64::from(top - simulation.spheres()?[2].position.y))
 }
 
-/// The three-sphere heap: it stands from mu_c = tan 15 degrees on.
+/// Checks the heap of three spheres, which stands for mu_c above tan 15 degrees.
 fn three(outcome: &mut Outcome) -> Result<()> {
     let limit = 15_f64.to_radians().tan();
     let mut points = Vec::new();
@@ -33,7 +33,7 @@ fn three(outcome: &mut Outcome) -> Result<()> {
     }
     let falls = points.iter().filter(|point| point.1 > 0.5).map(|point| point.0).fold(0.0, f64::max);
     let stands = points.iter().filter(|point| point.1 < 0.05).map(|point| point.0).fold(f64::INFINITY, f64::min);
-    outcome.check("three spheres: mu_c between falling and standing", limit, 0.5 * (falls + stands), 0.02);
+    outcome.check("three spheres: limit of mu_c between falling and standing", limit, 0.5 * (falls + stands), 0.02);
     outcome.check("three spheres: largest mu_c that falls / least that stands", 1.0, falls / stands, 0.15);
     outcome.fact("three_root", sunk((0.0, 50.0))?);
     let axes = (Axis::linear("mu_c"), Axis::linear("sinking of the top in 10 s (units)"));
@@ -45,7 +45,7 @@ fn three(outcome: &mut Outcome) -> Result<()> {
     Ok(())
 }
 
-/// A steep heap of spheres in a plane, on a row of fixed ones.
+/// Creates a steep heap of spheres in a plane, on a row of fixed ones.
 fn heap((coulomb, friction): Friction, rows: u32, seed: u64) -> Result<Scene> {
     let mut scene = with(|settings| {
         (settings.friction, settings.coulomb_friction) = (friction, coulomb);
@@ -61,7 +61,7 @@ fn heap((coulomb, friction): Friction, rows: u32, seed: u64) -> Result<Scene> {
         for place in 0..wide {
             let x = 1.2 * (place as f32 - 0.5 * (wide - 1) as f32) + random.random_range(-0.1_f32..0.1);
             let radius = random.random_range(0.4_f32..0.55);
-            // As heavy as a ball of its size, of density 1 at radius 0.5.
+            // The mass of a sphere of this size, with mass 1 at radius 0.5.
             let sphere = Sphere::new([x, 0.6 + 1.2 * row as f32, 0.0], radius).mass((2.0 * radius).powi(3));
             scene.add_sphere(sphere)?;
         }
@@ -69,8 +69,8 @@ fn heap((coulomb, friction): Friction, rows: u32, seed: u64) -> Result<Scene> {
     Ok(scene)
 }
 
-/// Slope of the triangle that a heap fills, in degrees: three times its mean height over its half width, which is the 80 %
-/// quantile of |x| over 1 - sqrt(0.2); a few that rolled away do not matter.
+/// Slope of the triangle that a heap fills, in degrees: three times its mean height over its half width. The half width is the
+/// 80 % quantile of |x| over 1 - sqrt(0.2), so that a few spheres that rolled away do not matter.
 fn slope(simulation: &mut Simulation) -> Result<f64> {
     let spheres = simulation.spheres()?;
     let places: Vec<_> = spheres.iter().filter(|sphere| !sphere.fixed).map(|sphere| sphere.position.as_dvec3()).collect();
@@ -84,7 +84,7 @@ fn slope(simulation: &mut Simulation) -> Result<f64> {
     Ok((3.0 * height / half_width).atan().to_degrees())
 }
 
-/// The slope over time, mean of several heaps.
+/// Slope over time, as the mean of several heaps.
 fn settling(friction: Friction, rows: u32, seconds: u32, heaps: u32) -> Result<Vec<(f64, f64)>> {
     let mut slopes: Vec<(f64, f64)> = (1..=seconds / 5).map(|time| (5.0 * f64::from(time), 0.0)).collect();
     for seed in 0..heaps {
@@ -97,7 +97,7 @@ fn settling(friction: Friction, rows: u32, seconds: u32, heaps: u32) -> Result<V
     Ok(slopes)
 }
 
-/// The last slope of all.
+/// Last slope of a series.
 fn last(slopes: &[(f64, f64)]) -> f64 {
     slopes[slopes.len() - 1].1
 }
@@ -116,7 +116,12 @@ fn repose(outcome: &mut Outcome, effort: Effort) -> Result<()> {
     }
     outcome.check("without friction: angle of repose (degrees)", 5.8, last(&smooth), 5.0);
     outcome.check("mu_c = 0.5: angle of repose (degrees)", 15.0, last(&rough), 5.0);
-    outcome.check("mu_c = 0.1: place between the two", 0.6, (angles[2 + effort.pick(0, 2)].1 - last(&smooth)) / (last(&rough) - last(&smooth)), 0.5);
+    outcome.check(
+        "mu_c = 0.1: position between these two angles",
+        0.6,
+        (angles[2 + effort.pick(0, 2)].1 - last(&smooth)) / (last(&rough) - last(&smooth)),
+        0.5,
+    );
     outcome.check("square root, mu = 50: angle over that without friction (degrees)", 0.0, last(&root) - last(&smooth), 3.0);
     let axes = (Axis::linear("mu_c"), Axis::linear("angle of repose (degrees)"));
     let chart = Chart::new("heap-repose", "Angle of repose of a heap in a plane", axes.0, axes.1);
@@ -132,7 +137,7 @@ fn repose(outcome: &mut Outcome, effort: Effort) -> Result<()> {
 }
 
 pub(crate) fn run(effort: Effort) -> Result<Outcome> {
-    alone(move || {
+    on_one_thread(move || {
         let mut outcome = Outcome::default();
         three(&mut outcome)?;
         repose(&mut outcome, effort)?;

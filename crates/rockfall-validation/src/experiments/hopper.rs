@@ -5,18 +5,18 @@ use rand_pcg::Pcg64Mcg;
 use rockfall::{BoxId, Cuboid, Integrator, Scene, Sphere, SphereState};
 
 use crate::chart::{Axis, Chart, Mark};
-use crate::measure::{NOTHING_COLLIDES, curve, line_fit, mean, on_cpu, rubbed, with};
+use crate::measure::{NO_COLLISIONS, curve, friction, line_fit, mean, on_cpu, with};
 use crate::{Effort, Outcome, Result};
 
 const STEP: f32 = 0.01;
-/// Half the width of the silo; the spheres have diameters of 1 on average.
+/// Half the width of the silo. The mean diameter of the spheres is 1.
 const HALF: f32 = 4.5;
 
-/// A square silo with a square hole of this width, which a last box closes.
+/// A square silo with a square hole of this width. Returns the scene and the box that closes the hole.
 fn silo(count: u32, hole: f32) -> Result<(Scene, BoxId)> {
     let mut scene = with(|settings| {
         settings.coulomb_friction = 0.5;
-        (settings.collisions, settings.activation_threshold) = (false, NOTHING_COLLIDES);
+        (settings.collisions, settings.activation_threshold) = (false, NO_COLLISIONS);
     });
     let (half, top) = (0.5 * hole, 2.0 * count as f32 / (4.0 * HALF * HALF) + 5.0);
     let out = HALF + 1.0;
@@ -44,25 +44,25 @@ fn silo(count: u32, hole: f32) -> Result<(Scene, BoxId)> {
     Ok((scene, plug))
 }
 
-/// What came out of a silo.
+/// Measurements of a discharge.
 struct Discharge {
-    /// Spheres a second.
+    /// Spheres per second.
     rate: f64,
-    /// The same in the second half of the time, over that in the first.
+    /// Rate in the second half of the time over the rate in the first.
     later: f64,
-    /// Mean acceleration downward of those that are out.
+    /// Mean downward acceleration of the spheres below the hole.
     fall: f64,
-    /// Largest friction on a sphere over its pressure, of all times.
+    /// Largest ratio of the friction on a sphere to the sum of its pressures, over all samples.
     friction: f64,
 }
 
-/// Through a hole of this width.
+/// Measures the discharge through a hole of this width.
 fn discharge(count: u32, hole: f32, seconds: u32) -> Result<Discharge> {
     let (scene, plug) = silo(count, hole)?;
     let mut simulation = on_cpu(scene, Integrator::SymplecticEuler)?;
     simulation.run(800, STEP)?;
     simulation.remove_box(plug)?;
-    // Until the flow is steady.
+    // The flow becomes steady.
     simulation.run(300, STEP)?;
     let (mut samples, mut falls, mut frictions) = (Vec::new(), Vec::new(), Vec::new());
     let is_out = |sphere: &SphereState| sphere.position.y < -1.0;
@@ -73,7 +73,7 @@ fn discharge(count: u32, hole: f32, seconds: u32) -> Result<Discharge> {
         if gone > count as usize / 2 {
             break;
         }
-        frictions.push(rubbed(&mut simulation, STEP)?.ratio);
+        frictions.push(friction(&mut simulation, STEP)?.ratio);
         simulation.run(24, STEP)?;
         let before = std::mem::replace(&mut spheres, simulation.spheres()?);
         let fall = |(then, now): (&SphereState, &SphereState)| f64::from(then.velocity.y - now.velocity.y) / 0.25;
@@ -84,7 +84,8 @@ fn discharge(count: u32, hole: f32, seconds: u32) -> Result<Discharge> {
     Ok(Discharge { rate: line_fit(&samples).0, later, fall: mean(&falls), friction: frictions.into_iter().fold(0.0, f64::max) })
 }
 
-/// Beverloo's constants for a square hole: C 4/pi with C = 0.58, and k = 1.4; spheres per volume of a loose flow.
+/// Discharge by Beverloo's law through a square hole: the constants are C = 0.58, times 4/pi, and k = 1.4. `LOOSE` is the
+/// number of spheres per volume of the loose flow.
 fn beverloo(hole: f64) -> f64 {
     const LOOSE: f64 = 0.58 / (std::f64::consts::PI / 6.0);
     0.58 * 4.0 / std::f64::consts::PI * LOOSE * (hole - 1.4).max(0.0).powf(2.5)
@@ -100,7 +101,7 @@ pub(crate) fn run(effort: Effort) -> Result<Outcome> {
     }
     let mut outcome = Outcome::default();
     outcome.fact("count", f64::from(count));
-    // W^(2/5) is a line that begins at k.
+    // W^(2/5) is a straight line that is 0 at k.
     let roots: Vec<_> = rates.iter().map(|(hole, rate)| (*hole, rate.powf(0.4))).collect();
     let (slope, intercept) = line_fit(&roots);
     outcome.check("k: where W^(2/5) vanishes (diameters)", 1.4, -intercept / slope, 0.5);
@@ -108,10 +109,15 @@ pub(crate) fn run(effort: Effort) -> Result<Outcome> {
     let expected = line_fit(&theory).0;
     outcome.check("slope of W^(2/5) over the width of the hole", expected, slope, 0.2 * expected);
     let departures = roots.iter().map(|(hole, root)| (root / (intercept + slope * hole) - 1.0).abs());
-    outcome.check("W^(2/5): largest relative departure from its line", 0.0, departures.fold(0.0, f64::max), effort.pick(0.15, 0.05));
+    outcome.check(
+        "W^(2/5): largest relative departure from its line",
+        0.0,
+        departures.fold(0.0, f64::max),
+        effort.pick(0.15, 0.05),
+    );
     let all = |of: fn(&Discharge) -> f64| mean(&out.iter().map(of).collect::<Vec<_>>());
     outcome.check("discharge in the second half of the time / in the first", 1.0, all(|out| out.later), effort.pick(0.5, 0.15));
-    outcome.check("acceleration of what has fallen out (units/s²)", 1.0, all(|out| out.fall), 0.01);
+    outcome.check("acceleration of spheres below the hole (units/s²)", 1.0, all(|out| out.fall), 0.01);
     outcome.check("largest friction on a sphere / pressure", 0.5, out.iter().map(|out| out.friction).fold(0.0, f64::max), 0.01);
     let axes = (Axis::linear("width of the hole (diameters)"), Axis::linear("discharge (spheres/s)"));
     outcome.charts.push(

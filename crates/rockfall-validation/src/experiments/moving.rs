@@ -4,10 +4,10 @@ use rockfall::glam::DVec3;
 use rockfall::{Cuboid, Integrator, Scene, Sphere};
 
 use crate::chart::{Axis, Chart, Mark};
-use crate::measure::{alone, curve, on_cpu, period, with};
+use crate::measure::{curve, on_cpu, on_one_thread, period, with};
 use crate::{Effort, Outcome, Result};
 
-/// A fixed sphere whose top is at the origin.
+/// Radius of the ground, a fixed sphere whose top is at the origin.
 const GROUND: f64 = 100.0;
 const STEP: f64 = 1.0 / 512.0;
 
@@ -25,12 +25,12 @@ fn belt(coulomb: f32) -> Result<Vec<(f64, f64)>> {
     Ok(samples)
 }
 
-/// The velocity after slipping has ended, with the acceleration on the slope of the large sphere taken away.
+/// Final velocity, minus the effect of the acceleration on the slope of the ground.
 fn carried(samples: &[(f64, f64)]) -> f64 {
     let (mut x, mut slope, mut last) = (0.0, 0.0, (0.0, 0.0));
     for (t, v) in samples {
         x += 0.5 * (v + last.1) * (t - last.0);
-        // 5/7 of gravity along the slope, of a ball that rolls.
+        // A ball that rolls accelerates at 5/7 of gravity along the slope.
         slope += 5.0 / 7.0 * x / (GROUND + 0.5) * (t - last.0);
         last = (*t, *v);
     }
@@ -52,7 +52,7 @@ fn belts(outcome: &mut Outcome) -> Result<()> {
     Ok(())
 }
 
-/// Angular frequency of the circle of a ball that rolls about the pole of a large fixed sphere that spins at `rate`.
+/// Angular frequency of a ball that rolls on a circle about the pole of the ground, which spins at `rate`.
 fn orbit(rate: f64) -> Result<f64> {
     const GRAVITY: f64 = 10.0;
     let mut scene = with(|settings| {
@@ -63,10 +63,10 @@ fn orbit(rate: f64) -> Result<f64> {
     ground.angular_momentum.y = (0.4 * GROUND * GROUND * rate) as f32;
     scene.add_sphere(ground)?;
     let (place, velocity) = (DVec3::new(0.3, 0.0, 0.0), DVec3::new(0.0, 0.0, 0.3));
-    // Its surface goes with that of the disc.
+    // At the contact, the surface of the ball moves with that of the ground.
     let slip = rate * DVec3::Y.cross(place) - velocity;
     let spin = -DVec3::Y.cross(slip) / 0.5;
-    // It rests with an overlap of G / Cc.
+    // The initial overlap is that at rest, G / Cc.
     let height = ((GROUND + 0.5 - 0.01).powi(2) - place.x * place.x).sqrt() - GROUND;
     let mut ball = Sphere::new([0.3, height as f32, 0.0], 0.5).velocity(velocity.as_vec3());
     ball.angular_momentum = (0.1 * spin).as_vec3();
@@ -81,7 +81,7 @@ fn orbit(rate: f64) -> Result<f64> {
 }
 
 fn turntable(outcome: &mut Outcome) -> Result<()> {
-    // w² - 2/7 W w + 5/7 G / R = 0: the ground falls away from the pole.
+    // The larger root of w² - 2/7 W w + 5/7 G / R = 0; the last term is due to the curvature of the ground.
     let theory = |rate: f64| {
         let flat = rate / 7.0;
         flat + (flat * flat - 5.0 / 7.0 * 10.0 / (GROUND + 0.5)).sqrt()
@@ -89,7 +89,12 @@ fn turntable(outcome: &mut Outcome) -> Result<()> {
     let mut points = Vec::new();
     for rate in [4.0, 5.0, 7.0, 9.0] {
         let found = orbit(rate)?;
-        outcome.check(format!("turntable at {rate} rad/s: frequency of the orbit (rad/s)"), theory(rate), found, 0.015 * theory(rate));
+        outcome.check(
+            format!("turntable at {rate} rad/s: frequency of the orbit (rad/s)"),
+            theory(rate),
+            found,
+            0.015 * theory(rate),
+        );
         points.push((rate, found));
     }
     let axes = (Axis::linear("spin of the ground (rad/s)"), Axis::linear("frequency of the orbit (rad/s)"));
@@ -102,22 +107,25 @@ fn turntable(outcome: &mut Outcome) -> Result<()> {
     Ok(())
 }
 
-/// Radius of the loop and of the ball, and so the radius of the way of its centre.
+/// Radius of the loop.
 const LOOP: f64 = 1.0;
+/// Radius of the ball.
 const BALL: f64 = 0.1;
-const WAY: f64 = LOOP - BALL;
+/// Radius of the path of its centre.
+const PATH: f64 = LOOP - BALL;
 /// Contact force of the track.
 const TRACK: f32 = 20_000.0;
-/// How far off the track a ball is that has left it, in units.
+/// Gap at which the ball counts as having left the track, in units.
 const OFF: f64 = 3e-3;
 
-/// A loop of short boxes about the origin.
+/// A loop of short boxes around the origin.
 fn track(coulomb: f32) -> Result<Scene> {
     const PARTS: u32 = 360;
     let mut scene = with(|settings| {
-        // The contact force alone: each corner would be a collision.
+        // Contact forces alone, because each corner would be a collision.
         settings.collisions = false;
-        // Stiff, so that the ball touches one or two boxes, and damped well, so that the corners leave no trembling.
+        // The track is stiff, so that the ball touches only one or two boxes, and well damped, so that the corners cause no
+        // trembling.
         (settings.contact_force, settings.contact_damping) = (TRACK, 30.0);
         (settings.friction, settings.coulomb_friction) = (0.0, coulomb);
     });
@@ -133,14 +141,15 @@ fn track(coulomb: f32) -> Result<Scene> {
     Ok(scene)
 }
 
-/// The sine of the height above the middle at which a ball has left by `OFF` the track that has come down from so many radii, or none.
+/// Sine of the angle above the horizontal at which a ball is `OFF` from the track. It starts with the speed of a descent from
+/// `heights` times the radius of its path. `None` if it completes the loop.
 fn leaves(heights: f64, rolls: bool) -> Result<Option<f64>> {
     let mut scene = track(if rolls { 2.0 } else { 0.0 })?;
     let part = if rolls { 10.0 / 7.0 } else { 2.0 };
-    let speed = (part * heights * WAY).sqrt();
-    // The overlap with which it goes round at the bottom.
-    let overlap = (speed * speed / WAY + 1.0) / f64::from(TRACK);
-    let mut ball = Sphere::new([0.0, -(WAY + overlap) as f32, 0.0], BALL as f32).velocity([speed as f32, 0.0, 0.0]);
+    let speed = (part * heights * PATH).sqrt();
+    // The overlap that balances gravity and the centripetal force at the bottom.
+    let overlap = (speed * speed / PATH + 1.0) / f64::from(TRACK);
+    let mut ball = Sphere::new([0.0, -(PATH + overlap) as f32, 0.0], BALL as f32).velocity([speed as f32, 0.0, 0.0]);
     if rolls {
         ball.angular_momentum.z = (-0.4 * BALL * speed) as f32;
     }
@@ -150,28 +159,33 @@ fn leaves(heights: f64, rolls: bool) -> Result<Option<f64>> {
         simulation.run(2, 1.0 / 2048.0)?;
         let place = simulation.sphere(ball)?.position.as_dvec3();
         let distance = place.x.hypot(place.y);
-        if distance < WAY - OFF && place.y > -0.5 * WAY {
+        if distance < PATH - OFF && place.y > -0.5 * PATH {
             return Ok(Some(place.y / distance));
         }
-        // Past the top, and down on the other side.
+        // The ball has passed the top and come down on the other side.
         if place.x < 0.0 && place.y < 0.0 {
             return Ok(None);
         }
     }
-    Err("the ball stays in the loop".into())
+    Err("moving: the ball has neither left nor completed the loop after 20,000 steps".into())
 }
 
 fn looping(outcome: &mut Outcome) -> Result<()> {
-    let axes = (Axis::linear("height of the start above the bottom (radii)"), Axis::linear("sine of where it leaves the loop"));
+    let axes = (
+        Axis::linear("height of the start above the bottom (radii)"),
+        Axis::linear("sine of the angle where it leaves the loop"),
+    );
     let mut chart = Chart::new("moving-loop", "A ball in a loop", axes.0, axes.1);
-    for (colour, (name, rolls, slope)) in [("sliding", false, 2.0 / 3.0), ("rolling", true, 10.0 / 17.0)].into_iter().enumerate() {
+    for (colour, (name, rolls, slope)) in
+        [("sliding", false, 2.0 / 3.0), ("rolling", true, 10.0 / 17.0)].into_iter().enumerate()
+    {
         let theory = |heights: f64| slope * (heights - 1.0);
-        // After it has left, on a parabola with v² = G R sin.
+        // After it has left, the ball moves on a parabola with v² = G R sin.
         let off = |heights: f64| {
             let (sin, start) = (theory(heights), theory(heights).asin());
-            let (speed, cos) = ((WAY * sin).sqrt(), start.cos());
-            let at = |t: f64| (WAY * cos - speed * sin * t, WAY * sin + speed * cos * t - 0.5 * t * t);
-            let first = (0..20_000).map(|n| at(f64::from(n) * 1e-4)).find(|(x, y)| x.hypot(*y) < WAY - OFF);
+            let (speed, cos) = ((PATH * sin).sqrt(), start.cos());
+            let at = |t: f64| (PATH * cos - speed * sin * t, PATH * sin + speed * cos * t - 0.5 * t * t);
+            let first = (0..20_000).map(|n| at(f64::from(n) * 1e-4)).find(|(x, y)| x.hypot(*y) < PATH - OFF);
             first.map_or(1.0, |(x, y)| y / x.hypot(y))
         };
         let least = 1.0 + 1.0 / slope;
@@ -182,20 +196,33 @@ fn looping(outcome: &mut Outcome) -> Result<()> {
                 points.push((heights, sine));
             }
         }
-        outcome.check(format!("loop, {name}: sine of where it leaves, largest departure"), 0.0, worst, 0.05);
+        outcome.check(format!("loop, {name}: sine of the angle where it leaves, largest departure"), 0.0, worst, 0.05);
         let goes = |heights: f64| Ok::<f64, crate::Error>(if leaves(heights, rolls)?.is_none() { 1.0 } else { 0.0 });
-        outcome.check(format!("loop, {name}: goes round from {:.2} radii (1: yes)", 1.04 * least), 1.0, goes(1.04 * least)?, 0.0);
-        outcome.check(format!("loop, {name}: goes round from {:.2} radii (1: yes)", 0.96 * least), 0.0, goes(0.96 * least)?, 0.0);
-        chart = chart
-            .add(colour, Mark::Line, format!("{name}, theory"), curve(1.3, 0.99 * least, 40, off))
-            .add(colour, Mark::Points, name, points);
+        outcome.check(
+            format!("loop, {name}: completes the loop from {:.2} radii (1: yes)", 1.04 * least),
+            1.0,
+            goes(1.04 * least)?,
+            0.0,
+        );
+        outcome.check(
+            format!("loop, {name}: completes the loop from {:.2} radii (1: yes)", 0.96 * least),
+            0.0,
+            goes(0.96 * least)?,
+            0.0,
+        );
+        chart = chart.add(colour, Mark::Line, format!("{name}, theory"), curve(1.3, 0.99 * least, 40, off)).add(
+            colour,
+            Mark::Points,
+            name,
+            points,
+        );
     }
     outcome.charts.push(chart);
     Ok(())
 }
 
 pub(crate) fn run(_: Effort) -> Result<Outcome> {
-    alone(|| {
+    on_one_thread(|| {
         let mut outcome = Outcome::default();
         belts(&mut outcome)?;
         turntable(&mut outcome)?;

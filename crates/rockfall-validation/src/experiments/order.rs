@@ -1,4 +1,4 @@
-//! How the error falls with the time step.
+//! Order of accuracy: decrease of the error with the time step.
 
 use std::f64::consts::TAU;
 
@@ -6,10 +6,10 @@ use rockfall::Integrator::{self, Rk4, SymplecticEuler};
 use rockfall::{Scene, Sphere, Spring};
 
 use crate::chart::{Axis, Chart, Mark};
-use crate::measure::{alone, on_cpu, power_fit, with};
+use crate::measure::{on_cpu, on_one_thread, power_fit, with};
 use crate::{Effort, Outcome, Result};
 
-/// Distance of the first two spheres after some steps.
+/// Distance of the first two spheres after `steps` steps in `time` seconds.
 fn distance(scene: Scene, integrator: Integrator, steps: u64, time: f64) -> Result<f64> {
     let mut simulation = on_cpu(scene, integrator)?;
     simulation.run(steps, (time / steps as f64) as f32)?;
@@ -17,9 +17,9 @@ fn distance(scene: Scene, integrator: Integrator, steps: u64, time: f64) -> Resu
     Ok(spheres[0].position.as_dvec3().distance(spheres[1].position.as_dvec3()))
 }
 
-/// Two unit masses on a spring without damping, stretched by 1/2, one oscillation a second.
+/// Error of two unit masses on a spring without damping, stretched by 1/2, with one oscillation per second.
 fn spring_error(integrator: Integrator, steps: u64) -> Result<f64> {
-    // At a zero crossing, where errors of the phase show, and Euler's of the first order are largest.
+    // A zero crossing, where errors of the phase and the first-order error of symplectic Euler are largest.
     const TIME: f64 = 1.25;
     let stiffness = (0.5 * TAU * TAU) as f32;
     let mut scene = with(|settings| settings.gravity = 0.0);
@@ -33,7 +33,7 @@ fn spring_error(integrator: Integrator, steps: u64) -> Result<f64> {
 const DURATION: f64 = 0.0625;
 const SPEED: f64 = 10.0;
 
-/// o'' = -Cc o - Cd o' from (o, u): the overlap after t, as long as nothing would have to pull.
+/// Overlap after `t` by o'' = -Cc o - Cd o', as long as the contact force is repulsive.
 fn overlap_after(overlap: f64, speed: f64, t: f64) -> f64 {
     let (stiffness, half_damping) = (1000.0_f64, 6.25);
     let frequency = (stiffness - half_damping * half_damping).sqrt();
@@ -41,21 +41,22 @@ fn overlap_after(overlap: f64, speed: f64, t: f64) -> f64 {
     (-half_damping * t).exp() * (overlap * cos + (speed + half_damping * overlap) / frequency * sin)
 }
 
-/// Two spheres that close at 10 units/s, `overlap` deep at first (negative: apart), collisions off.
+/// Error of two spheres that approach each other at 10 units/s with an initial `overlap` (negative: a gap), with collisions
+/// off.
 fn contact_error(integrator: Integrator, steps: u64, overlap: f64) -> Result<f64> {
     let mut scene = with(|settings| (settings.gravity, settings.collisions) = (0.0, false));
     let half = (1.0 - 0.5 * overlap) as f32;
     let speed = 0.5 * SPEED as f32;
     scene.add_sphere(Sphere::new([-half, 0.0, 0.0], 1.0).velocity([speed, 0.0, 0.0]))?;
     scene.add_sphere(Sphere::new([half, 0.0, 0.0], 1.0).velocity([-speed, 0.0, 0.0]))?;
-    // What f32 made of it.
+    // The overlap after rounding to f32.
     let overlap = 2.0 - 2.0 * f64::from(half);
     let flight = (-overlap / SPEED).max(0.0);
     let exact = 2.0 - overlap_after(overlap.max(0.0), SPEED, DURATION - flight);
     Ok((distance(scene, integrator, steps, DURATION)? - exact).abs())
 }
 
-/// The same from before they touch: root mean square over where in a step the contact begins.
+/// Error for spheres that start apart: root mean square over 16 positions of the onset of contact within a step.
 fn onset_error(steps: u64) -> Result<f64> {
     const PHASES: u32 = 16;
     let step = SPEED * DURATION / steps as f64;
@@ -73,14 +74,14 @@ fn errors(time: f64, steps: &[u64], error: impl Fn(u64) -> Result<f64>) -> Resul
     steps.iter().map(|steps| Ok((time / *steps as f64, error(*steps)?))).collect()
 }
 
-/// The line of a power through the middle of what was measured.
+/// A line of the given power through the middle one of the measured points.
 fn power_line(points: &Points, power: i32) -> Points {
     let middle = points[points.len() / 2];
     points.iter().map(|(h, _)| (*h, middle.1 * (h / middle.0).powi(power))).collect()
 }
 
 pub(crate) fn run(_: Effort) -> Result<Outcome> {
-    alone(|| {
+    on_one_thread(|| {
         let series = [
             ("spring, RK4", 4, 0.1, errors(1.25, &[16, 24, 36, 54, 81], |steps| spring_error(Rk4, steps))?),
             (
@@ -108,10 +109,7 @@ pub(crate) fn run(_: Effort) -> Result<Outcome> {
             outcome.check(format!("order, {name}"), f64::from(power), power_fit(&points), bound);
             let chart = &mut charts[usize::from(place > 1)];
             let line = power_line(&points, power);
-            *chart = chart
-                .clone()
-                .add(place, Mark::Line, format!("h^{power}"), line)
-                .add(place, Mark::Points, name, points);
+            *chart = chart.clone().add(place, Mark::Line, format!("h^{power}"), line).add(place, Mark::Points, name, points);
         }
         outcome.charts.extend(charts);
         Ok(outcome)

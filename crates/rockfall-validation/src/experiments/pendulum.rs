@@ -5,7 +5,7 @@ use std::f64::consts::{FRAC_PI_4, TAU};
 use rockfall::{Integrator, Rod, Scene, Sphere};
 
 use crate::chart::{Axis, Chart, Mark};
-use crate::measure::{alone, curve, on_cpu, period, with};
+use crate::measure::{curve, on_cpu, on_one_thread, period, with};
 use crate::{Effort, Outcome, Result};
 
 const GRAVITY: f64 = 10.0;
@@ -19,12 +19,12 @@ fn agm(mut a: f64, mut b: f64) -> f64 {
     a
 }
 
-/// Period at an amplitude over that of small swings: (2/pi) K(sin(amplitude/2)).
+/// Period at an amplitude over the period of small swings: (2/pi) K(sin(amplitude/2)).
 fn correction(amplitude: f64) -> f64 {
     1.0 / agm(1.0, (0.5 * amplitude).cos())
 }
 
-/// Masses at distance 1 from a fixed point, at these angles from its swinging middle, all joined by rods.
+/// A pendulum of masses at distance 1 from a fixed point, at the angles `arms` from its middle, with rods between all pairs.
 fn pendulum(arms: &[f64], amplitude: f64) -> Result<Scene> {
     let mut scene = with(|settings| settings.gravity = GRAVITY as f32);
     let mut ends = vec![scene.add_sphere(Sphere::new([0.0; 3], 0.05).fixed())?];
@@ -42,7 +42,7 @@ fn pendulum(arms: &[f64], amplitude: f64) -> Result<Scene> {
     Ok(scene)
 }
 
-/// Period over four swings, and the least and greatest part of the energy above the lowest point that was seen.
+/// Measured period, as the mean of four swings.
 fn swing(arms: &[f64], amplitude: f64, expected: f64) -> Result<f64> {
     let mut simulation = on_cpu(pendulum(arms, amplitude)?, Integrator::Rk4)?;
     let mut samples = Vec::new();
@@ -56,15 +56,20 @@ fn swing(arms: &[f64], amplitude: f64, expected: f64) -> Result<f64> {
 }
 
 pub(crate) fn run(_: Effort) -> Result<Outcome> {
-    alone(|| {
+    on_one_thread(|| {
         let mut outcome = Outcome::default();
         let axes = (Axis::linear("amplitude (degrees)"), Axis::linear("period / period of small swings"));
         let theory = curve(1.0, 165.0, 83, |degrees| correction(degrees.to_radians()));
         let mut chart = Chart::new("pendulum", "Pendulums of rods of fixed length", axes.0, axes.1)
             .add(0, Mark::Line, "(2/pi) K(sin(amplitude/2))", theory)
-            .add(5, Mark::Line, "1 + amplitude²/16", curve(1.0, 165.0, 83, |degrees| 1.0 + degrees.to_radians().powi(2) / 16.0));
+            .add(
+                5,
+                Mark::Line,
+                "1 + amplitude²/16",
+                curve(1.0, 165.0, 83, |degrees| 1.0 + degrees.to_radians().powi(2) / 16.0),
+            );
         let small = TAU / GRAVITY.sqrt();
-        // I = 2 m l², the centre of mass at l cos 45.
+        // I = 2 m l², and the centre of mass is at l cos 45 degrees.
         let frame = small / FRAC_PI_4.cos().sqrt();
         let cases: [(&str, &[f64], f64); 2] =
             [("one mass on a rod", &[0.0], small), ("frame of three rods", &[-FRAC_PI_4, FRAC_PI_4], frame)];

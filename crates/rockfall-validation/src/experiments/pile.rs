@@ -1,23 +1,23 @@
-//! A pile on the CPU and on the GPU: chaos parts their trajectories, not their statistics.
+//! A pile on the CPU and on the GPU: the motion is chaotic, so that statistics are compared instead of trajectories.
 
 use rockfall::generate::Kind;
 use rockfall::{Backend, Options, Simulation, SphereState};
 
 use crate::chart::{Axis, Chart, Mark};
-use crate::measure::{borne, mean};
+use crate::measure::{mean, support};
 use crate::{Effort, Outcome, Result};
 
-/// What a pile is like, whichever spheres lie where.
+/// Statistics of a pile.
 struct Statistics {
     /// Mean height of the spheres, in units.
     height: f64,
-    /// Contacts of a sphere.
+    /// Contacts per sphere.
     contacts: f64,
-    /// Of all contacts, sorted.
+    /// Overlaps of all contacts, sorted.
     overlaps: Vec<f64>,
-    /// What the floor bears by the overlaps on it, over the weight.
+    /// Force of the overlaps on the floor, over the weight.
     floor: f64,
-    /// The same of the virial of all contacts.
+    /// Virial of the overlaps of all contacts, over the virial of the weight.
     virial: f64,
 }
 
@@ -32,17 +32,17 @@ fn settled(backend: Backend, stiffness: f32, spheres: u32, seed: u64, steps: u64
     let states = simulation.spheres()?;
     let weighted = |of: fn(&SphereState) -> f32| states.iter().map(|sphere| f64::from(sphere.mass * of(sphere))).sum::<f64>();
     let (weight, moment) = (weighted(|_| 1.0), weighted(|sphere| sphere.position.y));
-    let borne = borne(&mut simulation, f64::from(stiffness))?;
+    let support = support(&mut simulation, f64::from(stiffness))?;
     Ok(Statistics {
         height: moment / weight,
         contacts: overlaps.len() as f64 / f64::from(spheres),
         overlaps,
-        floor: borne.up / weight,
-        virial: borne.virial / moment,
+        floor: support.up / weight,
+        virial: support.virial / moment,
     })
 }
 
-/// Largest distance of two empirical distributions (Kolmogorov and Smirnov).
+/// Largest distance of two empirical distributions (Kolmogorov-Smirnov).
 fn distance(a: &[f64], b: &[f64]) -> f64 {
     let below = |sorted: &[f64], value: f64| sorted.partition_point(|x| *x <= value) as f64 / sorted.len() as f64;
     a.iter().chain(b).map(|value| (below(a, *value) - below(b, *value)).abs()).fold(0.0, f64::max)
@@ -72,14 +72,14 @@ pub(crate) fn run(effort: Effort) -> Result<Outcome> {
     outcome.fact("spheres", f64::from(spheres));
     outcome.fact("steps", steps as f64);
     outcome.fact("seeds", seeds as f64);
-    // Four standard deviations of one among so many.
+    // Four standard deviations of the difference between one value and the mean of `seeds` others.
     let widen = 4.0 * (1.0 + 1.0 / seeds as f64).sqrt();
     let mut compare = |name: &str, of: fn(&Statistics) -> f64| {
         let (middle, deviation) = spread(&cpu.iter().map(of).collect::<Vec<_>>());
         outcome.check(name, middle, of(&gpu), widen * deviation);
     };
     compare("mean height (units)", |pile| pile.height);
-    compare("contacts a sphere", |pile| pile.contacts);
+    compare("contacts per sphere", |pile| pile.contacts);
     compare("mean overlap (1e-3 units)", |pile| 1e3 * mean(&pile.overlaps));
     let mut all: Vec<f64> = cpu.iter().flat_map(|pile| pile.overlaps.clone()).collect();
     all.sort_by(f64::total_cmp);
@@ -88,18 +88,23 @@ pub(crate) fn run(effort: Effort) -> Result<Outcome> {
     outcome.check("overlaps: Kolmogorov-Smirnov distance, level 0.1 %", 0.0, distance(&all, &gpu.overlaps), critical);
     let bound = effort.pick(0.12, 0.05);
     let of_cpu = |of: fn(&Statistics) -> f64| mean(&cpu.iter().map(of).collect::<Vec<_>>());
-    for (name, floor, virial) in [("CPU", of_cpu(|pile| pile.floor), of_cpu(|pile| pile.virial)), ("GPU", gpu.floor, gpu.virial)] {
+    for (name, floor, virial) in
+        [("CPU", of_cpu(|pile| pile.floor), of_cpu(|pile| pile.virial)), ("GPU", gpu.floor, gpu.virial)]
+    {
         outcome.check(format!("{name}: overlaps on the floor, in force / weight"), 1.0, floor, bound);
-        outcome.check(format!("{name}: virial of all overlaps / that of the weight"), 1.0, virial, bound);
+        outcome.check(format!("{name}: virial of all overlaps / virial of the weight"), 1.0, virial, bound);
     }
     let soft = settled(Backend::Cpu, 600.0, spheres, seeds, steps)?;
-    let told = distance(&all, &soft.overlaps) > critical;
-    outcome.check("the same tells a pile of Cc = 600 (1: yes)", 1.0, f64::from(u8::from(told)), 0.0);
-    let axes = (Axis::linear("overlap (1e-3 units)"), Axis::linear("part of the contacts with less"));
+    let differs = distance(&all, &soft.overlaps) > critical;
+    outcome.check("overlaps distinguish a pile of Cc = 600 (1: yes)", 1.0, f64::from(u8::from(differs)), 0.0);
+    let axes = (Axis::linear("overlap (1e-3 units)"), Axis::linear("fraction of the contacts with less"));
     outcome.charts.push(
-        Chart::new("pile", "Overlaps in a pile", axes.0, axes.1)
-            .add(0, Mark::Line, "CPU, all seeds", distribution(&all))
-            .add(1, Mark::Points, "GPU", distribution(&gpu.overlaps)),
+        Chart::new("pile", "Overlaps in a pile", axes.0, axes.1).add(0, Mark::Line, "CPU, all seeds", distribution(&all)).add(
+            1,
+            Mark::Points,
+            "GPU",
+            distribution(&gpu.overlaps),
+        ),
     );
     Ok(outcome)
 }

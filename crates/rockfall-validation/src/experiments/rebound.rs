@@ -1,9 +1,9 @@
-//! Rebound of a spinning ball with friction in the collision: the relations of the rigid body.
+//! Rebound of a spinning ball with friction in the collision, against the relations of the rigid body.
 
 use rockfall::{Cuboid, Integrator, Sphere};
 
 use crate::chart::{Axis, Chart, Mark};
-use crate::measure::{alone, curve, on_cpu, with};
+use crate::measure::{curve, on_cpu, on_one_thread, with};
 use crate::{Effort, Outcome, Result};
 
 const RADIUS: f64 = 0.5;
@@ -12,16 +12,16 @@ const E: f64 = 0.75;
 const MU: f64 = 0.2;
 const STEP: f64 = 1.0 / 16384.0;
 
-/// Velocity along the floor and surface velocity r omega after the rebound; the same before it.
+/// Velocity along the floor and surface velocity r omega after the rebound. `angle` and `surface` describe the ball before it.
 fn theory(angle: f64, surface: f64) -> (f64, f64) {
     let (along, normal) = (SPEED * angle.sin(), SPEED * angle.cos());
     let slip = along + surface;
-    // Either the impulse of friction stops the slip, or it is mu times the normal one.
+    // The friction impulse either stops the slip or is mu times the normal impulse.
     let change = -(MU * (1.0 + E) * normal).min(2.0 / 7.0 * slip.abs()) * slip.signum();
     (along + change, surface + 2.5 * change)
 }
 
-/// The same, measured, and the normal velocity.
+/// Measured velocity along the floor, surface velocity and normal velocity after the rebound.
 fn rebound(angle: f64, surface: f64) -> Result<[f64; 3]> {
     let mut scene = with(|settings| {
         (settings.gravity, settings.friction) = (0.0, 0.0);
@@ -39,9 +39,12 @@ fn rebound(angle: f64, surface: f64) -> Result<[f64; 3]> {
 }
 
 pub(crate) fn run(_: Effort) -> Result<Outcome> {
-    alone(|| {
+    on_one_thread(|| {
         let mut outcome = Outcome::default();
-        let axes = (Axis::linear("angle of incidence (degrees)"), Axis::linear("velocity along the floor after / before impact speed"));
+        let axes = (
+            Axis::linear("angle of incidence (degrees)"),
+            Axis::linear("velocity along the floor after / before impact speed"),
+        );
         let mut chart = Chart::new("rebound", "A ball that rebounds with friction", axes.0, axes.1);
         let (mut along, mut spin, mut normal): (f64, f64, f64) = (0.0, 0.0, 0.0);
         for (colour, surface) in [-10.0, 0.0, 10.0].into_iter().enumerate() {

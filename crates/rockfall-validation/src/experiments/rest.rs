@@ -1,25 +1,25 @@
-//! Rest: what is put down or dropped comes to rest, for all sizes, gravities and time steps that the theory allows.
+//! Bodies that are dropped come to rest, for all sizes, gravities and time steps for which theory allows it.
 
 use std::fmt::Write as _;
 
 use rockfall::glam::Vec3;
 use rockfall::{Capsule, Cuboid, Integrator, Polygon, Rod, Scene, Sphere};
 
-use crate::measure::{alone, on_cpu, with};
+use crate::measure::{on_cpu, on_one_thread, with};
 use crate::{Effort, Outcome, Result};
 
-/// Adds the bodies of radius 1 times the size `r`, at a gap above what they come to rest on.
+/// Adds bodies of radius `r` at a gap above their support. The arguments are the scene, `r` and the gap.
 type Build = fn(&mut Scene, f32, f32) -> Result<()>;
 
 /// A kind of body on a kind of support.
 struct Kind {
     name: &'static str,
     build: Build,
-    /// Weight on the most loaded contact, in weights that make an overlap of G / Cc there.
+    /// Load on the most loaded contact, in units of the weight for which its overlap is G / Cc.
     load: f64,
-    /// Coulomb's friction, for what would slide.
+    /// mu_c of Coulomb's friction, for bodies that would slide without it.
     coulomb: f32,
-    /// Whether some cases are known not to come to rest: the checks leave it out.
+    /// Whether some cases are known not to come to rest. These are not part of the checks.
     open: bool,
 }
 
@@ -29,17 +29,53 @@ const KINDS: &[Kind] = &[
     Kind { name: "sphere in the pocket of three fixed spheres", build: sphere_in_pocket, load: 1.0, coulomb: 0.0, open: false },
     Kind { name: "sphere on a sphere on a box", build: sphere_on_sphere, load: 2.0, coulomb: 0.0, open: false },
     Kind { name: "sphere in a groove of two boxes, 45 degrees", build: sphere_in_groove, load: 1.0, coulomb: 0.0, open: false },
-    Kind { name: "sphere in a groove of two polygons, 30 degrees", build: sphere_in_valley, load: 1.0, coulomb: 0.0, open: false },
-    Kind { name: "three spheres in a groove of two boxes, touching", build: spheres_in_groove, load: 1.0, coulomb: 0.0, open: false },
+    Kind {
+        name: "sphere in a groove of two polygons, 30 degrees",
+        build: sphere_in_valley,
+        load: 1.0,
+        coulomb: 0.0,
+        open: false,
+    },
+    Kind {
+        name: "three spheres in a groove of two boxes, touching",
+        build: spheres_in_groove,
+        load: 1.0,
+        coulomb: 0.0,
+        open: false,
+    },
     Kind { name: "capsule on a box, one end first", build: capsule_on_box, load: 1.0, coulomb: 0.0, open: false },
     Kind { name: "capsule on a polygon, one end first", build: capsule_on_polygon, load: 1.0, coulomb: 0.0, open: false },
     Kind { name: "capsule in a groove of two boxes", build: capsule_in_groove, load: 1.0, coulomb: 0.0, open: false },
     Kind { name: "capsule across two fixed rods, mu_c = 0.5", build: capsule_on_rods, load: 1.0, coulomb: 0.5, open: false },
-    Kind { name: "two capsules across two capsules on a box, mu_c = 0.5", build: capsules_crosswise, load: 2.0, coulomb: 0.5, open: false },
-    Kind { name: "capsule along a slope of 10 degrees, mu_c = 0.5", build: capsule_on_slope, load: 1.0, coulomb: 0.5, open: false },
+    Kind {
+        name: "two capsules across two capsules on a box, mu_c = 0.5",
+        build: capsules_crosswise,
+        load: 2.0,
+        coulomb: 0.5,
+        open: false,
+    },
+    Kind {
+        name: "capsule along a slope of 10 degrees, mu_c = 0.5",
+        build: capsule_on_slope,
+        load: 1.0,
+        coulomb: 0.5,
+        open: false,
+    },
     Kind { name: "rod across a narrow box, mu_c = 0.5", build: rod_on_box, load: 1.0, coulomb: 0.5, open: false },
-    Kind { name: "tetrahedron of rods on a box, one vertex first, mu_c = 0.5", build: tetrahedron_on_box, load: 1.5, coulomb: 0.5, open: false },
-    Kind { name: "tetrahedron of rods on a polygon, mu_c = 0.5", build: tetrahedron_on_polygon, load: 1.5, coulomb: 0.5, open: false },
+    Kind {
+        name: "tetrahedron of rods on a box, one vertex first, mu_c = 0.5",
+        build: tetrahedron_on_box,
+        load: 1.5,
+        coulomb: 0.5,
+        open: false,
+    },
+    Kind {
+        name: "tetrahedron of rods on a polygon, mu_c = 0.5",
+        build: tetrahedron_on_polygon,
+        load: 1.5,
+        coulomb: 0.5,
+        open: false,
+    },
     Kind { name: "pyramid of rods over a narrow box, mu_c = 0.5", build: pyramid_on_box, load: 1.0, coulomb: 0.5, open: true },
 ];
 
@@ -53,7 +89,7 @@ fn face(scene: &mut Scene, r: f32) -> Result<()> {
     Ok(())
 }
 
-/// Two boxes that make a groove along z with its bottom at the origin, each face `degrees` steep.
+/// Two boxes that form a groove along z with its bottom at the origin. Each face has a slope of `degrees`.
 fn groove(scene: &mut Scene, r: f32, degrees: f32) -> Result<()> {
     let (sin, cos) = degrees.to_radians().sin_cos();
     for side in [-1.0, 1.0] {
@@ -77,7 +113,7 @@ fn sphere_on_polygon(scene: &mut Scene, r: f32, gap: f32) -> Result<()> {
 }
 
 fn sphere_in_pocket(scene: &mut Scene, r: f32, gap: f32) -> Result<()> {
-    // Three fixed spheres that touch each other; the fourth makes a tetrahedron with them.
+    // Three fixed spheres touch each other. The fourth forms a tetrahedron with them.
     let out = 2.0 / 3.0_f32.sqrt();
     for turn in [0.0_f32, 120.0, 240.0] {
         let (sin, cos) = turn.to_radians().sin_cos();
@@ -118,7 +154,7 @@ fn spheres_in_groove(scene: &mut Scene, r: f32, gap: f32) -> Result<()> {
     Ok(())
 }
 
-/// One end is higher than the other by the gap.
+/// A capsule with one end higher than the other by the gap.
 fn tilted_capsule(scene: &mut Scene, r: f32, gap: f32) -> Result<()> {
     scene.add_capsule(Capsule::new([-1.5 * r, r + gap, 0.1 * r], [1.5 * r, r + 2.0 * gap, 0.3 * r], r))?;
     Ok(())
@@ -163,7 +199,8 @@ fn capsules_crosswise(scene: &mut Scene, r: f32, gap: f32) -> Result<()> {
     Ok(())
 }
 
-/// A box whose upper face is 10 degrees steep towards +x and holds the origin; the directions along and off the face.
+/// A box whose upper face contains the origin and slopes down by 10 degrees towards +x. Returns the directions down the slope
+/// and normal to it.
 fn slope(scene: &mut Scene, r: f32) -> Result<[Vec3; 2]> {
     let (sin, cos) = 10_f32.to_radians().sin_cos();
     let [down, off] = [Vec3::new(cos, -sin, 0.0), Vec3::new(sin, cos, 0.0)];
@@ -181,14 +218,14 @@ fn capsule_on_slope(scene: &mut Scene, r: f32, gap: f32) -> Result<()> {
 
 fn rod_on_box(scene: &mut Scene, r: f32, gap: f32) -> Result<()> {
     scene.add_box(Cuboid::between([-2.0 * r, -10.0 * r, -10.0 * r], [2.0 * r, 0.0, 10.0 * r]))?;
-    // The ends are beyond the box, so that its edges meet the rod alone.
+    // The ends are beyond the box, so that its edges touch only the rod.
     let ends = [-5.0, 5.0].map(|x| Sphere::new([x * r, r + gap, 0.0], r));
     let [one, two] = [scene.add_sphere(ends[0])?, scene.add_sphere(ends[1])?];
     scene.add_rod(Rod::new(one, two, r).length(10.0 * r))?;
     Ok(())
 }
 
-/// Spheres of radius r, all joined by rods of the length that they are apart.
+/// A frame of spheres of radius r, with rods of fixed length between all pairs.
 fn frame(scene: &mut Scene, r: f32, places: &[Vec3]) -> Result<()> {
     let mut ids = Vec::new();
     for place in places {
@@ -224,8 +261,8 @@ fn tetrahedron_on_polygon(scene: &mut Scene, r: f32, gap: f32) -> Result<()> {
     tetrahedron(scene, r, gap)
 }
 
-/// Along, off and across what it stands on. Without its top such a frame would be flat, and its corners could move off the plane without
-/// a change of any length to first order: it would not be rigid.
+/// Positions of the spheres of a pyramid, in radii. Without its top the frame would be flat and not rigid: its corners could
+/// leave the plane without a change of any length to first order.
 const PYRAMID: [[f32; 3]; 5] = [[-3.0, 0.0, -3.0], [3.0, 0.0, -3.0], [3.0, 0.0, 3.0], [-3.0, 0.0, 3.0], [0.0, 4.0, 0.0]];
 
 fn pyramid_on_box(scene: &mut Scene, r: f32, gap: f32) -> Result<()> {
@@ -234,7 +271,7 @@ fn pyramid_on_box(scene: &mut Scene, r: f32, gap: f32) -> Result<()> {
     frame(scene, r, &places)
 }
 
-/// A point of the table.
+/// Conditions of one run.
 #[derive(Clone, Copy, Debug)]
 struct Case {
     radius: f64,
@@ -243,47 +280,47 @@ struct Case {
     integrator: Integrator,
 }
 
-/// Contact force and damping of a case, and none where the theory allows no rest.
+/// Contact force and damping of a case; `None` if theory allows no rest.
 fn contact_law(case: Case, load: f64) -> Option<[f64; 2]> {
     let weight = load * case.gravity / case.radius;
-    // An overlap of 5 % of the radius at most. Where the step is short, as stiff as it bears easily, so that bodies come to rest in
-    // few steps; but not so stiff that the overlap is lost in the rounding of f32.
+    // The overlap is at most 5 % of the radius. With a short step, the contact is stiffer, so that bodies come to rest in few
+    // steps, but not so stiff that the overlap is lost in the rounding of f32.
     let stiffness = (20.0 * weight).max((3000.0 * weight).min(0.02 / case.dt.powi(2)));
-    // The damping ratio of the defaults is 0.2.
+    // The damping ratio of the default constants is 0.2.
     let ratio = if case.dt * stiffness.sqrt() < 0.1 { 1.0 } else { 0.2 };
     let damping = 2.0 * ratio * stiffness.sqrt();
-    let bears = match case.integrator {
+    let is_stable = match case.integrator {
         Integrator::Rk4 => case.dt.powi(2) * stiffness <= 0.5 && 4.0 * case.dt * damping <= 2.78,
         Integrator::SymplecticEuler => case.dt.powi(2) * stiffness + 2.0 * case.dt * damping <= 1.0,
     };
-    bears.then_some([stiffness, damping])
+    is_stable.then_some([stiffness, damping])
 }
 
-/// Greatest root of the mean square of the velocities of a body at rest.
-fn quiet(kind: &Kind, case: Case) -> f64 {
+/// Limit of the root mean square velocity below which a body counts as being at rest.
+fn rest_speed(kind: &Kind, case: Case) -> f64 {
     // A thousandth of the speed of a fall through the radius.
     let slow = 1e-3 * (2.0 * case.gravity * case.radius).sqrt();
-    // What moves a coordinate of twice the radius by less than its rounding in a step.
+    // The velocity that moves a coordinate of twice the radius by its rounding error in a step.
     let rounding = 2.0 * case.radius * f64::from(f32::EPSILON) / case.dt;
-    // Friction impulses act once a step, and gravity goes on within it.
+    // Friction impulses act once per step, while gravity acts during the step.
     let creep = if kind.coulomb > 0.0 { 1.5 * case.gravity * case.dt * 10_f64.to_radians().sin() } else { 0.0 };
     slow.max(rounding).max(creep)
 }
 
-/// What became of a case.
+/// Final state of a case.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Fate {
     Rests,
-    /// So many times as fast as what is at rest.
+    /// Speed over the limit for rest.
     Moves(f64),
-    /// With so many collisions in the last second.
+    /// Number of collisions in the last second.
     Collides(u64),
     Lost,
     NotPossible,
 }
 
-/// The last second, or so many steps where these are shorter.
-const LATE: f64 = 1000.0;
+/// Largest number of steps in the observed last second.
+const LAST_STEPS: f64 = 1000.0;
 
 fn fate(kind: &Kind, case: Case) -> Result<Fate> {
     let Some([stiffness, damping]) = contact_law(case, kind.load) else { return Ok(Fate::NotPossible) };
@@ -293,17 +330,17 @@ fn fate(kind: &Kind, case: Case) -> Result<Fate> {
         settings.contact_damping = damping as f32;
         settings.coulomb_friction = kind.coulomb;
     });
-    // A fall of 50 steps, or of a quarter of the radius where that is less.
+    // The gap is the fall of 50 steps, at most a quarter of the radius.
     let gap = (0.25 * case.radius).min(0.5 * case.gravity * (50.0 * case.dt).powi(2));
     (kind.build)(&mut scene, case.radius as f32, gap as f32)?;
     let mut simulation = on_cpu(scene, case.integrator)?;
     let before = simulation.spheres()?;
-    // Bounces, and then the damped oscillation of the contacts.
+    // Time for the bounces and then for the damped oscillation of the contacts.
     let fall = (2.0 * gap / case.gravity).sqrt();
     let settling = 25.0 * fall + 30.0 / damping + 50.0 * case.dt;
     simulation.run((settling / case.dt) as u64, case.dt as f32)?;
     let collided = simulation.report().total_collisions;
-    simulation.run((1.0 / case.dt).min(LATE) as u64, case.dt as f32)?;
+    simulation.run((1.0 / case.dt).min(LAST_STEPS) as u64, case.dt as f32)?;
     let late = simulation.report().total_collisions - collided;
     let after = simulation.spheres()?;
     let far = before.iter().zip(&after).any(|(old, new)| {
@@ -317,7 +354,7 @@ fn fate(kind: &Kind, case: Case) -> Result<Fate> {
         return Ok(Fate::Collides(late));
     }
     let mass: f64 = after.iter().filter(|sphere| !sphere.fixed).map(|sphere| f64::from(sphere.mass)).sum();
-    let left = (2.0 * simulation.energy()?.kinetic / mass).sqrt() / quiet(kind, case);
+    let left = (2.0 * simulation.energy()?.kinetic / mass).sqrt() / rest_speed(kind, case);
     Ok(if left < 1.0 { Fate::Rests } else { Fate::Moves(left) })
 }
 
@@ -337,9 +374,10 @@ fn cases(effort: Effort) -> Vec<Case> {
 }
 
 pub(crate) fn run(effort: Effort) -> Result<Outcome> {
-    alone(move || {
+    on_one_thread(move || {
         let mut outcome = Outcome::default();
-        let mut table = "| body | cases | at rest | moving | colliding | lost | not possible |\n|---|---|---|---|---|---|---|\n".to_owned();
+        let mut table =
+            "| body | cases | at rest | moving | colliding | lost | not possible |\n|---|---|---|---|---|---|---|\n".to_owned();
         let mut sums = [0_u32; 5];
         for kind in KINDS {
             let mut counts = [0_u32; 5];
@@ -359,7 +397,12 @@ pub(crate) fn run(effort: Effort) -> Result<Outcome> {
                 }
             }
             let [rests, moves, collides, lost, not] = counts;
-            let _ = writeln!(table, "| {} | {} | {rests} | {moves} | {collides} | {lost} | {not} |", kind.name, counts.iter().sum::<u32>());
+            let _ = writeln!(
+                table,
+                "| {} | {} | {rests} | {moves} | {collides} | {lost} | {not} |",
+                kind.name,
+                counts.iter().sum::<u32>()
+            );
             if !kind.open {
                 for (sum, count) in sums.iter_mut().zip(counts) {
                     *sum += count;
@@ -367,7 +410,12 @@ pub(crate) fn run(effort: Effort) -> Result<Outcome> {
             }
         }
         outcome.facts.push(("table", table.trim_end().to_owned()));
-        outcome.check("part of the possible cases at rest", 1.0, f64::from(sums[0]) / f64::from(sums[..4].iter().sum::<u32>()), 0.0);
+        outcome.check(
+            "fraction of the possible cases at rest",
+            1.0,
+            f64::from(sums[0]) / f64::from(sums[..4].iter().sum::<u32>()),
+            0.0,
+        );
         outcome.check("cases still colliding", 0.0, f64::from(sums[2]), 0.0);
         outcome.check("cases lost", 0.0, f64::from(sums[3]), 0.0);
         Ok(outcome)

@@ -4,16 +4,18 @@ use rockfall::glam::DVec3;
 use rockfall::{Capsule, Cuboid, Integrator, Rod, Sphere, SphereState};
 
 use crate::chart::{Axis, Chart, Mark};
-use crate::measure::{alone, line_fit, mean, on_cpu, rises, with};
+use crate::measure::{line_fit, mean, on_cpu, on_one_thread, rises, with};
 use crate::{Effort, Outcome, Result};
 
 const RADIUS: f64 = 0.25;
-/// Moments of inertia of the capsule: two ends of mass 1, 1 apart.
+/// Moments of inertia of the capsule along and across its axis. The two ends have mass 1 and are 1 apart.
 const ALONG: f64 = 2.0 * 0.4 * RADIUS * RADIUS;
 const ACROSS: f64 = ALONG + 0.5;
-/// Spin about the axis in rad/s, tilt in rad, seconds.
+/// Spin about the axis, in rad/s.
 const SPIN: f64 = 80.0;
+/// Tilt of the axis, in rad.
 const TILT: f64 = 0.35;
+/// Duration of the measurement, in s.
 const SECONDS: f64 = 24.0;
 
 /// Rate of the slow steady precession: A W² cos - C s W + M G l = 0, l = 1/2, M = 2, G = 1.
@@ -32,7 +34,7 @@ fn top(outcome: &mut Outcome) -> Result<()> {
     let axis = DVec3::new(TILT.sin(), TILT.cos(), 0.0);
     let rate = precession();
     let spin = SPIN * axis + rate * (DVec3::Y - TILT.cos() * axis);
-    // The lower end bears the whole weight, of twice its own mass.
+    // The lower end bears the whole weight, twice its own.
     let low = DVec3::Y * (RADIUS - 2.0 / 1000.0);
     let mut scene = with(|settings| (settings.friction, settings.gravity) = (0.0, 1.0));
     scene.add_box(Cuboid::between([-5.0, -1.0, -5.0], [5.0, 0.0, 5.0]))?;
@@ -41,11 +43,11 @@ fn top(outcome: &mut Outcome) -> Result<()> {
     let mut simulation = on_cpu(scene, Integrator::Rk4)?;
     for (end, side) in [(parts.end1, -0.5), (parts.end2, 0.5)] {
         simulation.set_velocity(end, (side * spin.cross(axis)).as_vec3())?;
-        // Both ends turn as the body does.
+        // Both ends have the spin of the body.
         simulation.set_angular_momentum(end, (0.5 * ALONG * spin).as_vec3())?;
     }
     let before = simulation.energy()?;
-    let upright = before.angular_momentum.y;
+    let vertical = before.angular_momentum.y;
     let (mut turned, mut angles, mut tilts, mut last) = (0.0, vec![(0.0, 0.0)], Vec::new(), 0.0);
     for sample in 1..=96_u32 {
         simulation.run(u64::from(STEPS) / 4, 1.0 / STEPS as f32)?;
@@ -58,11 +60,11 @@ fn top(outcome: &mut Outcome) -> Result<()> {
         tilts.push(axis.y.acos());
     }
     let after = simulation.energy()?;
-    let kept = after.angular_momentum.y / upright - 1.0;
+    let kept = after.angular_momentum.y / vertical - 1.0;
     outcome.check("top: rate of precession (rad/s)", rate, line_fit(&angles).0, 0.01 * rate);
     let wobble = tilts.iter().map(|tilt| (tilt - TILT).abs()).fold(0.0, f64::max);
-    outcome.check("top: departure of the tilt, largest (rad)", 0.0, wobble, 0.01);
-    outcome.check("top: upright angular momentum, relative change in 24 s", 0.0, kept, 1e-3);
+    outcome.check("top: largest departure of the tilt (rad)", 0.0, wobble, 0.01);
+    outcome.check("top: vertical angular momentum, relative change in 24 s", 0.0, kept, 1e-3);
     let scale = before.kinetic;
     outcome.check("top: energy, relative change in 24 s", 0.0, (after.total() - before.total()) / scale, 1e-3);
     let axes = (Axis::linear("time (s)"), Axis::linear("angle of precession (rad)"));
@@ -74,10 +76,11 @@ fn top(outcome: &mut Outcome) -> Result<()> {
     Ok(())
 }
 
-/// Half the axes of an octahedron of unit masses.
+/// Semi-axes of an octahedron of unit masses.
 const ARMS: [f64; 3] = [0.5, 1.0, 1.5];
-/// The spin is mostly about the intermediate axis, y.
+/// Angular velocity of the frame, in rad/s, mostly about the intermediate axis y.
 const TUMBLE: DVec3 = DVec3::new(0.05, 5.0, 0.02);
+/// Duration of the flips, in s.
 const FLIPPING: f64 = 20.0;
 
 fn inertia() -> DVec3 {
@@ -85,7 +88,7 @@ fn inertia() -> DVec3 {
     DVec3::new(y + z, x + z, x + y)
 }
 
-/// Cosine of the intermediate axis and the angular momentum, over time, by Euler's equations with RK4 in f64.
+/// Cosine of the angle between the intermediate axis and the angular momentum over time, by Euler's equations with RK4 in f64.
 fn euler_tumble() -> Vec<(f64, f64)> {
     let inertia = inertia();
     let slope = |spin: DVec3| (inertia * spin).cross(spin) / inertia;
@@ -105,10 +108,10 @@ fn euler_tumble() -> Vec<(f64, f64)> {
     samples
 }
 
-/// Times, and what was seen then.
+/// Times and values.
 type Samples = Vec<(f64, f64)>;
 
-/// The same by the engine; the relative change of angular momentum and energy.
+/// Cosine of the same angle in the engine, and the relative changes of angular momentum and energy.
 fn frame_tumble(steps: u32) -> Result<(Samples, f64, f64)> {
     let mut scene = with(|settings| settings.gravity = 0.0);
     let mut ids = Vec::new();
@@ -121,7 +124,7 @@ fn frame_tumble(steps: u32) -> Result<(Samples, f64, f64)> {
     }
     for (index, (place, one)) in ids.iter().enumerate() {
         for (other, two) in &ids[..index] {
-            // The twelve edges; opposite corners are held by them.
+            // Rods are the twelve edges. They also hold opposite corners apart.
             if (*place + *other).length() > 1e-9 {
                 scene.add_rod(Rod::new(*two, *one, 0.02).length((*place - *other).length() as f32))?;
             }
@@ -142,7 +145,7 @@ fn frame_tumble(steps: u32) -> Result<(Samples, f64, f64)> {
     Ok((samples, momentum, after.kinetic / before.kinetic - 1.0))
 }
 
-/// Mean time between the flips of a cosine.
+/// Mean time between the zero crossings of a cosine.
 fn flips(samples: &[(f64, f64)]) -> f64 {
     let falls: Vec<_> = samples.iter().map(|(t, cos)| (*t, -cos)).collect();
     let mut times = rises(samples);
@@ -168,7 +171,7 @@ fn dzhanibekov(outcome: &mut Outcome) -> Result<()> {
 }
 
 pub(crate) fn run(_: Effort) -> Result<Outcome> {
-    alone(|| {
+    on_one_thread(|| {
         let mut outcome = Outcome::default();
         top(&mut outcome)?;
         dzhanibekov(&mut outcome)?;

@@ -5,18 +5,18 @@ use std::f64::consts::{PI, TAU};
 use rockfall::{Integrator, Scene, Sphere, Spring};
 
 use crate::chart::{Axis, Chart, Mark};
-use crate::measure::{alone, curve, on_cpu, period, with};
+use crate::measure::{curve, on_cpu, on_one_thread, period, with};
 use crate::{Effort, Outcome, Result};
 
-/// Spaces between the spheres, the two fixed ones included.
+/// Number of spaces between the spheres, including the two fixed ones.
 const SPACES: u32 = 40;
 const SPACE: f64 = 0.2;
 const MASS: f64 = 0.1;
 const STIFFNESS: f64 = 200.0;
-/// Springs at half of their stretched length.
+/// Tension of the string. The rest length of the springs is half of their stretched length.
 const TENSION: f64 = STIFFNESS * 0.5 * SPACE;
 const HEIGHT: f64 = 0.02;
-/// Plucked at a fifth.
+/// Index of the sphere where the string is plucked, at a fifth of its length.
 const PLUCKED: u32 = SPACES / 5;
 const MODES: u32 = 8;
 const STEP: f32 = 1.0 / 512.0;
@@ -41,20 +41,20 @@ fn string() -> Result<Scene> {
     Ok(scene)
 }
 
-/// The part of a mode in the displacements.
+/// Amplitude of a mode in the displacements.
 fn amplitude(mode: u32, displacements: impl Iterator<Item = f64>) -> f64 {
     let shape = |index: u32| (PI * f64::from(mode * index) / f64::from(SPACES)).sin();
     let sum: f64 = (0..=SPACES).zip(displacements).map(|(index, y)| shape(index) * y).sum();
     2.0 / f64::from(SPACES) * sum
 }
 
-/// The frequency of a mode, in Hz.
+/// Frequency of a mode, in Hz.
 fn frequency(mode: f64) -> f64 {
     2.0 * (TENSION / (MASS * SPACE)).sqrt() * (0.5 * PI * mode / f64::from(SPACES)).sin() / TAU
 }
 
 pub(crate) fn run(_: Effort) -> Result<Outcome> {
-    alone(|| {
+    on_one_thread(|| {
         let mut simulation = on_cpu(string()?, Integrator::Rk4)?;
         let mut samples = vec![Vec::new(); MODES as usize];
         for step in 0..6_000_u32 {
@@ -73,7 +73,7 @@ pub(crate) fn run(_: Effort) -> Result<Outcome> {
             let theory = amplitude(mode, (0..=SPACES).map(plucked)).abs();
             expected.push((f64::from(mode), 1e3 * theory));
             outcome.check(format!("mode {mode}: amplitude (1e-3 units)"), 1e3 * theory, 1e3 * largest, 0.03);
-            // The fifth has a node where the string is plucked.
+            // The fifth mode has a node where the string is plucked, so it has no frequency to measure.
             if mode != 5 {
                 let found = 1.0 / period(samples);
                 let theory = frequency(mode.into());
@@ -85,9 +85,14 @@ pub(crate) fn run(_: Effort) -> Result<Outcome> {
         outcome.charts.push(
             Chart::new("string-frequencies", "Modes of a plucked string", axes.0, axes.1)
                 .add(0, Mark::Line, "spheres and springs", curve(1.0, MODES.into(), 29, frequency))
-                .add(5, Mark::Line, "smooth string", curve(1.0, MODES.into(), 2, |mode| {
-                    (TENSION * SPACE / MASS).sqrt() * mode / (2.0 * SPACE * f64::from(SPACES))
-                }))
+                .add(
+                    5,
+                    Mark::Line,
+                    "smooth string",
+                    curve(1.0, MODES.into(), 2, |mode| {
+                        (TENSION * SPACE / MASS).sqrt() * mode / (2.0 * SPACE * f64::from(SPACES))
+                    }),
+                )
                 .add(1, Mark::Points, "measured", points),
         );
         let axes = (Axis::linear("mode"), Axis::linear("amplitude (1e-3 units)"));

@@ -1,4 +1,4 @@
-//! What an elastic gas loses, and to what: spheres with two collisions in one step.
+//! Energy changes of an elastic gas, by their cause.
 
 use std::collections::HashMap;
 
@@ -8,16 +8,16 @@ use super::{STEP, gas};
 use crate::Result;
 use crate::measure::on_cpu;
 
-/// Where the energy of an elastic gas went, over what it had.
+/// Energy gained by an elastic gas, over its initial energy, by cause. Losses are negative.
 #[derive(Default)]
 pub(super) struct Losses {
-    /// In collisions of two bodies that touch nothing else.
+    /// By collisions of two bodies that touch nothing else.
     pub(super) alone: f64,
-    /// In collisions of bodies that touch several.
+    /// By collisions in sets of bodies with more than one overlap.
     pub(super) crowded: f64,
-    /// In the rest of the step, by contact forces.
+    /// By contact forces, in the rest of the step.
     pub(super) forces: f64,
-    /// How many of either collisions there were.
+    /// Number of isolated pairs and of larger sets.
     pub(super) counts: [usize; 2],
 }
 
@@ -25,7 +25,7 @@ fn energy(sphere: &SphereState) -> f64 {
     0.5 * sphere.velocity.as_dvec3().length_squared()
 }
 
-/// Sets of spheres that hang together by overlaps: the set of each sphere, and the number of overlaps of each set.
+/// Sets of spheres that are connected by overlaps: the set of each sphere, and the number of overlaps of each set.
 fn clusters(spheres: usize, overlaps: &[[Option<usize>; 2]]) -> (Vec<usize>, Vec<usize>) {
     let mut set: Vec<usize> = (0..spheres).collect();
     for overlap in overlaps {
@@ -43,7 +43,7 @@ fn clusters(spheres: usize, overlaps: &[[Option<usize>; 2]]) -> (Vec<usize>, Vec
     (set, sizes)
 }
 
-/// Runs the phases one by one, and looks at the energy of every sphere in between.
+/// Runs the phases one by one and compares the energy of every sphere between them.
 pub(super) fn losses(per_side: u32, side: f64, steps: u32) -> Result<Losses> {
     let mut simulation = on_cpu(gas(per_side, side)?, Integrator::SymplecticEuler)?;
     let index: HashMap<SphereId, usize> = simulation.scene().sphere_ids().zip(0..).collect();
@@ -54,14 +54,15 @@ pub(super) fn losses(per_side: u32, side: f64, steps: u32) -> Result<Losses> {
         simulation.broad_phase()?;
         let before = simulation.spheres()?;
         let place = |body: &Body| if let Body::Sphere(id) = body { index.get(id).copied() } else { None };
-        // Phase 3 takes overlaps of 1e-5 of the radius for rounding.
+        // Phase 3 treats overlaps of up to 1e-5 of the radius as rounding.
         let overlaps = simulation.contacts()?.into_iter().filter(|contact| contact.overlap > 5e-6);
         let overlaps: Vec<_> = overlaps.map(|contact| [place(&contact.a), place(&contact.b)]).collect();
         let (set, sizes) = clusters(before.len(), &overlaps);
         simulation.handle_collisions()?;
         let after = simulation.spheres()?;
         simulation.update_positions(STEP)?;
-        losses.forces += simulation.spheres()?.iter().zip(&after).map(|(now, then)| energy(now) - energy(then)).sum::<f64>() / whole;
+        losses.forces +=
+            simulation.spheres()?.iter().zip(&after).map(|(now, then)| energy(now) - energy(then)).sum::<f64>() / whole;
         for (sphere, (now, then)) in after.iter().zip(&before).enumerate() {
             let part = if sizes[set[sphere]] == 1 { &mut losses.alone } else { &mut losses.crowded };
             *part += (energy(now) - energy(then)) / whole;

@@ -1,4 +1,4 @@
-//! A gas that is shaken: random kicks keep it warm against its collisions.
+//! A shaken gas: random kicks replace the energy that is lost in collisions.
 
 use rand::SeedableRng;
 use rand_pcg::Pcg64Mcg;
@@ -10,17 +10,17 @@ use crate::chart::{Axis, Chart, Mark};
 use crate::measure::{curve, mean, power_fit};
 use crate::{Outcome, Result};
 
-/// Every so many steps each sphere gets a normally distributed kick.
+/// Number of steps between two kicks. A kick changes the velocity of each sphere by a normally distributed vector.
 const EVERY: u64 = 10;
-/// Variance of a component of all kicks of a second: what keeps T = 1 where 1/tau at T = 1 is half of it.
+/// Variance of one component of all kicks in a second. It keeps the gas at T = 1 if 1/tau at T = 1 is half of it.
 const HEAT: f64 = 0.25;
 
-/// Where heat and cooling, dT/dt = HEAT - 2 T / tau with 1/tau as the root of T, are equal.
+/// Temperature at which heating and cooling are equal: dT/dt = HEAT - 2 T / tau = 0, where 1/tau is proportional to sqrt(T).
 fn balance(theory: &Theory, e: f64) -> f64 {
     (0.5 * HEAT / theory.rates(e, 1.0).1).powf(2.0 / 3.0)
 }
 
-/// The mean temperature over a time tau, half a time tau after it was set to that of theory.
+/// Mean temperature over a time tau. It begins half a time tau after the temperature was set to that of theory.
 fn shaken(state: &Checkpoint, theory: &Theory, e: f64) -> Result<f64> {
     let mut simulation = inelastic(state, e)?;
     let ids: Vec<SphereId> = simulation.scene().sphere_ids().collect();
@@ -40,14 +40,14 @@ fn shaken(state: &Checkpoint, theory: &Theory, e: f64) -> Result<f64> {
         }
         simulation.run(EVERY, STEP)?;
         if round >= rounds / 2 {
-            // Between two kicks it cools: the middle is half of a kick above the end.
+            // The gas cools between two kicks. The mean is half a kick above the value at the end.
             temperatures.push(temperature(&mut simulation)? + 0.5 * HEAT * EVERY as f64 * f64::from(STEP));
         }
     }
     Ok(mean(&temperatures))
 }
 
-/// Temperature against restitution.
+/// Checks the temperature for several restitutions.
 pub(super) fn check(outcome: &mut Outcome, theory: &Theory, state: &Checkpoint, restitutions: &[f64]) -> Result<Chart> {
     let mut points = Vec::new();
     for e in restitutions.iter().copied() {
@@ -57,7 +57,7 @@ pub(super) fn check(outcome: &mut Outcome, theory: &Theory, state: &Checkpoint, 
         points.push((1.0 - e * e, measured));
     }
     if points.len() > 1 {
-        outcome.check("shaken: power of 1 - e² in T", -2.0 / 3.0, power_fit(&points), 0.05);
+        outcome.check("shaken: exponent of 1 - e² in T", -2.0 / 3.0, power_fit(&points), 0.05);
     }
     let axes = (Axis::logarithmic("1 - e²"), Axis::logarithmic("granular temperature T"));
     let line = curve(0.15, 0.6, 20, |x| balance(theory, (1.0 - x).sqrt()));
