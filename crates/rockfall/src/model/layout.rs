@@ -117,7 +117,7 @@ pub const SYMPLECTIC_EULER: u32 = 4;
 /// Words of the dispatch sizes of the stages that rebuild the lists: x, y and z for each of
 /// [`Threads::PLANNED`](crate::model::dispatch::Threads::PLANNED).
 pub const SIZE_WORDS: u32 = 12;
-/// Number of objects from which the device writes the dispatch sizes of the stages that rebuild the lists.
+/// From this number of objects on, the device writes the dispatch sizes of the stages that rebuild the lists.
 pub const PLANNED_FROM: u32 = 1 << 22;
 /// Workgroups along one dimension of a dispatch that WebGPU guarantees.
 pub const MOST_ACROSS: u32 = 65_535;
@@ -149,7 +149,8 @@ pub const ORDER_SAMPLE: u32 = 1 << 16;
 /// Up to this number of movers, a step takes more time for dispatches than for the work of its threads. Lists may then be
 /// longer.
 pub const FEW_MOVERS: u32 = 1 << 15;
-/// Up to this number of boxes and polygons, every mover tests each of them. If there are more, they are stored in the grid.
+/// Up to this number of boxes and polygons, every mover tests each of them, because additional grid levels for them would cost
+/// more. If there are more, they are stored in the grid.
 pub const FEW_STATICS: u32 = 32;
 /// Level of the cells of size `cell_size`. Cells of level l are `2^(l - LEVEL_BIAS)` times as large.
 pub const LEVEL_BIAS: u32 = 8;
@@ -168,7 +169,7 @@ pub const ROW_Z: u32 = 0x85eb_ca77;
 /// See [`ROW_Y`].
 pub const ROW_LEVEL: u32 = 0xc2b2_ae3d;
 
-/// Number of objects from which a key of `find_neighbours` has no room for five bits beside an insertion index.
+/// From this number of objects on, a key of `find_neighbours` has no room for five more bits beside the insertion index.
 pub const MANY_OBJECTS: u32 = 1 << 27;
 
 /// Returns the maximum number of objects in a scene. With rods, ids must fit a list entry beside the feature. Without rods,

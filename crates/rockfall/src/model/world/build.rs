@@ -23,7 +23,7 @@ const FIRST_MARGIN: f32 = 2.0;
 /// Initial value of [`Step::lookahead`], in steps.
 const FIRST_LOOKAHEAD: f32 = 1.0;
 
-/// Cell size per radius. It exceeds the AABB of a sphere at rest a little, because moving spheres have larger AABBs.
+/// Cell size per radius. Cells are a little larger than the AABB of a sphere at rest, because moving spheres have larger AABBs.
 const CELL_PER_RADIUS: f32 = 2.4;
 /// Cell size per radius when all spheres that are not too large are on one level of the grid.
 const CELL_OF_ALL: f32 = 2.75;
@@ -31,7 +31,7 @@ const CELL_OF_ALL: f32 = 2.75;
 const MOVERS_PER_COLLISION: u32 = 4;
 /// Minimum number of collision records that are allocated at the start, in these scenes.
 const MIN_COLLISION_ROOM: u32 = 128;
-/// At most one sphere in this number counts as large.
+/// At most one in this number of spheres counts as large.
 const SPHERES_PER_LARGE: u32 = 8;
 
 impl World {

@@ -38,7 +38,7 @@ fn curve(position: Vec3, cell: f32) -> u64 {
     x | y << 1 | z << 2
 }
 
-/// Spreads the low 21 bits: two zeros follow each.
+/// Inserts two zeros after each of the low 21 bits.
 pub(crate) fn spread(bits: u64) -> u64 {
     let mut x = bits;
     for (shift, mask) in [
