@@ -22,6 +22,7 @@ pub mod impulse;
 pub(crate) mod lanes;
 pub mod layout;
 pub(crate) mod lists;
+pub mod part;
 pub(crate) mod state;
 pub mod status;
 pub mod step;

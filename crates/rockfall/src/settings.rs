@@ -7,127 +7,125 @@ use glam::Vec3;
 
 use crate::error::{Error, Result, quoted};
 
-/// The physical constants of a simulation.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Settings {
+/// The type of a constant, by the function that reads it.
+macro_rules! value_type {
+    (switch) => {
+        bool
+    };
+    (direction) => {
+        Vec3
+    };
+    ($number:ident) => {
+        f32
+    };
+}
+
+/// The one table of the constants. Each entry has the doc, the name, the function that reads and checks a value, the default, the unit
+/// and the range of the slider in the window, if it has one.
+macro_rules! constants {
+    ($($(#[doc = $doc:literal])+ $name:ident: $read:ident = $default:expr, $unit:literal, $slider:expr;)+) => {
+        /// The physical constants of a simulation.
+        #[derive(Clone, Copy, Debug, PartialEq)]
+        pub struct Settings {
+            $($(#[doc = $doc])+ pub $name: value_type!($read),)+
+        }
+
+        impl Default for Settings {
+            fn default() -> Self {
+                Self { $($name: $default),+ }
+            }
+        }
+
+        impl Settings {
+            /// The constants, in the order of the fields.
+            pub const TABLE: &[Constant] = &[$(Constant {
+                name: stringify!($name),
+                unit: $unit,
+                doc: concat!($($doc),+),
+                slider: $slider,
+            }),+];
+
+            /// Names that [`Settings::set`] takes.
+            pub const NAMES: &[&str] = &[$(stringify!($name)),+];
+
+            /// Sets a constant by its name, from text: a number, `on` or `off`, or for the direction `x,y,z`.
+            ///
+            /// # Errors
+            /// [`Error::UnknownSetting`] for a name that is not in [`Settings::NAMES`], [`Error::Invalid`] for a value that is not
+            /// finite, negative where that has no meaning, or not of the right kind.
+            pub fn set(&mut self, name: &str, value: &str) -> Result<()> {
+                match name {
+                    $(stringify!($name) => self.$name = $read(stringify!($name), value)?,)+
+                    _ => return Err(Error::UnknownSetting { name: name.to_owned(), expected: Self::NAMES.join(", ") }),
+                }
+                Ok(())
+            }
+
+            /// The value of a constant as text that [`Settings::set`] reads back bit for bit; `None` for an unknown name.
+            pub fn get(&self, name: &str) -> Option<String> {
+                match name {
+                    $(stringify!($name) => Some(self.$name.to_text()),)+
+                    _ => None,
+                }
+            }
+        }
+    };
+}
+
+/// An entry of [`Settings::TABLE`].
+#[derive(Clone, Copy, Debug)]
+pub struct Constant {
+    /// Name for [`Settings::set`] and [`Settings::get`].
+    pub name: &'static str,
+    /// Unit; empty for a number without one.
+    pub unit: &'static str,
+    /// Meaning, in Markdown.
+    pub doc: &'static str,
+    /// Least and greatest value of a slider, for constants that have one.
+    pub slider: Option<(f32, f32)>,
+}
+
+constants! {
     /// A contact is handled as a collision when its approach velocity exceeds this times the smaller radius, in 1/s.
-    pub activation_threshold: f32,
+    activation_threshold: not_negative = 1.0, "1/s", Some((0.0, 10.0));
     /// Coefficient of restitution e: 0 fully inelastic, 1 elastic; above 1 every collision adds energy.
-    pub restitution: f32,
+    restitution: not_negative = 0.75, "", Some((0.0, 1.0));
     /// Contact damping Cd in 1/s: force per approach velocity and reduced mass.
-    pub contact_damping: f32,
+    contact_damping: not_negative = 12.5, "1/s", Some((0.0, 50.0));
     /// Contact force Cc in 1/s²: force per overlap and reduced mass.
-    pub contact_force: f32,
+    contact_force: not_negative = 1000.0, "1/s²", Some((0.0, 5000.0));
     /// Friction mu in 1/(s² sqrt(units/s)): force per overlap, reduced mass and square root of the sliding velocity.
     /// It falls off near rest, so bodies creep on slopes.
-    pub friction: f32,
+    friction: not_negative = 50.0, "1/(s² √(units/s))", Some((0.0, 500.0));
     /// Coefficient mu_c of Coulomb friction in contacts; 0: the thesis's friction force, which `friction` scales. Where it is
     /// positive, every contact gets a friction impulse of at most mu_c times its normal force times the time step, once a step,
     /// in the place of that force.
-    pub coulomb_friction: f32,
+    coulomb_friction: not_negative = 0.0, "", Some((0.0, 2.0));
     /// Coefficient of Coulomb friction in collisions: limits the tangential impulse of a collision to this times its normal
     /// impulse; 0: collisions are smooth.
-    pub collision_friction: f32,
+    collision_friction: not_negative = 0.0, "", Some((0.0, 2.0));
     /// Gravity G in units/s².
-    pub gravity: f32,
-    /// Direction of gravity g, a unit vector (made one when set by name).
-    pub gravity_direction: Vec3,
+    gravity: finite = 1.0, "units/s²", Some((-10.0, 20.0));
     /// Whether collisions are handled as impulses; without them contact forces do everything.
-    pub collisions: bool,
+    collisions: switch = true, "", None;
+    /// Direction of gravity g, a unit vector (made one when set by name).
+    gravity_direction: direction = Vec3::NEG_Y, "", None;
     /// Whether contact damping may pull bodies together (the thesis's form).
-    pub contact_pull: bool,
+    contact_pull: switch = false, "", None;
     /// Overlap at rest in radii, F: where it is positive, `contact_force` and `contact_damping` are chosen from gravity, sizes
     /// and depth of the scene, so that bodies at rest overlap by less than F of the smaller radius
     /// ([`Scene::resolved_settings`](crate::Scene::resolved_settings)). 0: they stay as they are.
-    pub resting_overlap: f32,
-}
-
-impl Default for Settings {
-    fn default() -> Self {
-        Self {
-            activation_threshold: 1.0,
-            restitution: 0.75,
-            contact_damping: 12.5,
-            contact_force: 1000.0,
-            friction: 50.0,
-            coulomb_friction: 0.0,
-            collision_friction: 0.0,
-            gravity: 1.0,
-            gravity_direction: Vec3::NEG_Y,
-            collisions: true,
-            contact_pull: false,
-            resting_overlap: 0.0,
-        }
-    }
+    resting_overlap: fraction = 0.0, "", None;
+    /// Linear damping C in 1/s: every moving body loses velocity at the rate v' = -C v.
+    linear_damping: not_negative = 0.0, "1/s", Some((0.0, 10.0));
+    /// Angular damping C in 1/s: every moving body loses angular momentum at the rate L' = -C L.
+    angular_damping: not_negative = 0.0, "1/s", Some((0.0, 10.0));
 }
 
 impl Settings {
     /// Whether contacts get friction impulses.
     pub(crate) fn has_friction_impulses(&self) -> bool {
         self.coulomb_friction > 0.0 || self.collision_friction > 0.0
-    }
-
-    /// Names that [`Settings::set`] takes.
-    pub const NAMES: [&str; 12] = [
-        "activation_threshold",
-        "restitution",
-        "contact_damping",
-        "contact_force",
-        "friction",
-        "coulomb_friction",
-        "collision_friction",
-        "gravity",
-        "collisions",
-        "gravity_direction",
-        "contact_pull",
-        "resting_overlap",
-    ];
-
-    /// Sets a constant by its name, from text: a number, `on` or `off`, or for the direction `x,y,z`.
-    ///
-    /// # Errors
-    /// [`Error::UnknownSetting`] for a name that is not in [`Settings::NAMES`], [`Error::Invalid`] for a value that is not
-    /// finite, negative where that has no meaning, or not of the right kind.
-    pub fn set(&mut self, name: &str, value: &str) -> Result<()> {
-        match name {
-            "activation_threshold" => self.activation_threshold = not_negative("activation_threshold", value)?,
-            "restitution" => self.restitution = not_negative("restitution", value)?,
-            "contact_damping" => self.contact_damping = not_negative("contact_damping", value)?,
-            "contact_force" => self.contact_force = not_negative("contact_force", value)?,
-            "friction" => self.friction = not_negative("friction", value)?,
-            "coulomb_friction" => self.coulomb_friction = not_negative("coulomb_friction", value)?,
-            "collision_friction" => self.collision_friction = not_negative("collision_friction", value)?,
-            "gravity" => self.gravity = number("gravity", value, "a finite number")?,
-            "collisions" => self.collisions = switch("collisions", value)?,
-            "gravity_direction" => self.gravity_direction = direction("gravity_direction", value)?,
-            "contact_pull" => self.contact_pull = switch("contact_pull", value)?,
-            "resting_overlap" => self.resting_overlap = share("resting_overlap", value)?,
-            _ => {
-                return Err(Error::UnknownSetting { name: name.to_owned(), expected: Self::NAMES.join(", ") });
-            }
-        }
-        Ok(())
-    }
-
-    /// The value of a constant as text that [`Settings::set`] reads back bit for bit; `None` for an unknown name.
-    pub fn get(&self, name: &str) -> Option<String> {
-        let on_off = |on: bool| if on { "on" } else { "off" }.to_owned();
-        let g = self.gravity_direction;
-        Some(match name {
-            "activation_threshold" => self.activation_threshold.to_string(),
-            "restitution" => self.restitution.to_string(),
-            "contact_damping" => self.contact_damping.to_string(),
-            "contact_force" => self.contact_force.to_string(),
-            "friction" => self.friction.to_string(),
-            "coulomb_friction" => self.coulomb_friction.to_string(),
-            "collision_friction" => self.collision_friction.to_string(),
-            "gravity" => self.gravity.to_string(),
-            "collisions" => on_off(self.collisions),
-            "gravity_direction" => format!("{},{},{}", g.x, g.y, g.z),
-            "contact_pull" => on_off(self.contact_pull),
-            "resting_overlap" => self.resting_overlap.to_string(),
-            _ => return None,
-        })
     }
 
     /// Checks the values of a struct that was filled in by hand.
@@ -143,6 +141,29 @@ impl Settings {
     }
 }
 
+/// A value as the text that reads back as the same bits.
+trait ToText {
+    fn to_text(&self) -> String;
+}
+
+impl ToText for f32 {
+    fn to_text(&self) -> String {
+        self.to_string()
+    }
+}
+
+impl ToText for bool {
+    fn to_text(&self) -> String {
+        if *self { "on" } else { "off" }.to_owned()
+    }
+}
+
+impl ToText for Vec3 {
+    fn to_text(&self) -> String {
+        format!("{},{},{}", self.x, self.y, self.z)
+    }
+}
+
 fn invalid(field: &'static str, value: &str, expected: &'static str) -> Error {
     Error::Invalid { field, value: quoted(value), expected }
 }
@@ -152,6 +173,10 @@ fn number(field: &'static str, value: &str, expected: &'static str) -> Result<f3
         Ok(number) if number.is_finite() => Ok(number),
         _ => Err(invalid(field, value, expected)),
     }
+}
+
+fn finite(field: &'static str, value: &str) -> Result<f32> {
+    number(field, value, "a finite number")
 }
 
 fn not_negative(field: &'static str, value: &str) -> Result<f32> {
@@ -164,7 +189,7 @@ fn not_negative(field: &'static str, value: &str) -> Result<f32> {
 
 /// A share of a radius. Below a millionth of it, overlaps are lost in the rounding of coordinates; bodies that overlap by half
 /// their radius pass through each other.
-fn share(field: &'static str, value: &str) -> Result<f32> {
+fn fraction(field: &'static str, value: &str) -> Result<f32> {
     const EXPECTED: &str = "0, or a number from 0.000001 to 0.5";
     match number(field, value, EXPECTED)? {
         number if number == 0.0 || (1e-6..=0.5).contains(&number) => Ok(number),

@@ -198,7 +198,7 @@ fn the_table_of_constants_holds_every_setting() {
     let rows: Vec<_> = table.lines().filter(|line| line.starts_with("| `")).map(cells).collect();
     let defaults = Settings::default();
     for name in Settings::NAMES {
-        let row = rows.iter().find(|row| row[0].trim_matches('`') == name);
+        let row = rows.iter().find(|row| row[0].trim_matches('`') == *name);
         let row = row.unwrap_or_else(|| panic!("{SPECIFICATION} section 6.1 lacks {name}"));
         let mut stated = defaults;
         stated.set(name, row[1]).unwrap_or_else(|error| panic!("default of {name}: {error}"));

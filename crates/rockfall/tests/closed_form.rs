@@ -13,6 +13,8 @@ mod collisions;
 mod constraints;
 #[path = "closed_form/contacts.rs"]
 mod contacts;
+#[path = "closed_form/damping.rs"]
+mod damping;
 #[path = "closed_form/editing.rs"]
 mod editing;
 #[path = "closed_form/friction.rs"]

@@ -4,8 +4,9 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use rockfall::model::part::Part;
 use rockfall::step::catalog::ALL;
-use rockfall::step::wgsl::{HOOKS, Part, SHARED};
+use rockfall::step::wgsl::{HOOKS, requires, shared};
 
 /// The text without comments.
 fn code(text: &str) -> String {
@@ -94,8 +95,7 @@ fn own_files() -> BTreeMap<&'static str, Part> {
 }
 
 fn files() -> BTreeMap<&'static str, File> {
-    let shared = SHARED.iter().copied();
-    shared.chain(own_files().into_values()).map(|part| (part.file, File::of(part))).collect()
+    shared().chain(own_files().into_values()).map(|part| (part.file, File::of(part))).collect()
 }
 
 fn wgsl_below(folder: &Path, found: &mut Vec<PathBuf>) {
@@ -117,11 +117,14 @@ fn every_file_belongs_to_a_stage_or_is_shared() {
     let known = files();
     for path in &found {
         let file = path.strip_prefix(&source).expect("below src").to_str().expect("UTF-8").replace('\\', "/");
-        assert!(known.contains_key(file.as_str()), "{file} is neither a stage's nor in step::wgsl::SHARED");
+        assert!(known.contains_key(file.as_str()), "{file} is neither a stage's nor a shared file of step/wgsl.rs");
     }
-    assert_eq!(found.len(), known.len());
-    let required: BTreeSet<_> = known.values().flat_map(|file| file.part.requires()).map(|part| part.file).collect();
-    for part in SHARED {
+    // Put together from the table of body forces.
+    let generated = ["physics/forces/body_forces.wgsl"];
+    assert_eq!(found.len() + generated.len(), known.len());
+    assert!(generated.iter().all(|file| known.contains_key(file)));
+    let required: BTreeSet<_> = known.values().flat_map(|file| requires(file.part)).map(|part| part.file).collect();
+    for part in shared() {
         assert!(required.contains(part.file), "no file requires {}", part.file);
     }
 }
@@ -139,11 +142,11 @@ fn files_require_what_they_use() {
     let bindings: BTreeSet<&str> = ALL.iter().flat_map(|stage| stage.bindings).map(|binding| binding.name).collect();
     let is_hook = |name: &str| HOOKS.iter().any(|(hook, _)| *hook == name);
     for (name, file) in &files {
-        let at_hand: BTreeSet<String> = file.part.requires().flat_map(|part| files[part.file].declares.clone()).collect();
+        let at_hand: BTreeSet<String> = requires(file.part).flat_map(|part| files[part.file].declares.clone()).collect();
         for used in file.uses.difference(&at_hand) {
             let Some(from) = declarers.get(used.as_str()) else { continue };
             let is_own = file.declares.contains(used);
-            let is_elsewhere = from.iter().any(|other| SHARED.iter().any(|part| part.file == *other));
+            let is_elsewhere = from.iter().any(|other| shared().any(|part| part.file == *other));
             let is_provided = is_hook(used) || bindings.contains(used.as_str());
             assert!(is_own || is_provided || !is_elsewhere, "{name} uses {used} of {from:?} without requiring it");
         }
@@ -154,11 +157,11 @@ fn files_require_what_they_use() {
 fn files_use_what_they_require() {
     let files = files();
     for (name, file) in &files {
-        for part in file.part.requires() {
+        for part in requires(file.part) {
             let required = &files[part.file];
             let is_used = file.uses.iter().any(|used| required.declares.contains(used));
             let provides = required.declares.iter().any(|declared| HOOKS.iter().any(|(hook, _)| hook == declared));
-            let is_stage = SHARED.iter().all(|part| part.file != *name);
+            let is_stage = shared().all(|part| part.file != *name);
             assert!(is_used || is_stage && provides, "{name} requires {} and uses nothing of it", part.file);
         }
     }
@@ -184,7 +187,7 @@ fn hooks_are_used_and_provided() {
     for (hook, _) in HOOKS {
         let providers = files.values().filter(|file| file.declares.contains(*hook)).count();
         assert!(providers > 0, "no file declares the hook {hook}");
-        let is_used = SHARED.iter().any(|part| {
+        let is_used = shared().any(|part| {
             let file = &files[part.file];
             file.uses.contains(*hook) && !file.declares.contains(*hook)
         });

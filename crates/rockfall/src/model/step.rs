@@ -1,6 +1,8 @@
 //! The uniform blocks of every kernel, and the AABB of an object.
 
-use bytemuck::{Pod, Zeroable};
+use std::mem::{offset_of, size_of};
+
+use bytemuck::{Pod, Zeroable, bytes_of, bytes_of_mut};
 
 use crate::model::layout::{ENTRY_BITS, FEATURE_BITS, SWEEPS_LISTED, SWEEPS_OFF, SWEEPS_ON};
 
@@ -28,10 +30,22 @@ pub struct Step {
     pub collision_friction: f32,
     /// Magnitude of `gravity`, in units/s².
     pub gravity_size: f32,
+    /// Linear damping C in 1/s: v' = -C v.
+    pub linear_damping: f32,
+    /// Angular damping C in 1/s: L' = -C L.
+    pub angular_damping: f32,
     /// How far AABBs are grown for what accelerates within a step, in 0.02 r; 1.05 |v| dt comes on top, and as much of both
     /// for every further step of `lookahead`.
     pub margin_scale: f32,
-    /// `FLAG_*` bits.
+    /// Steps for which AABBs are grown; the more, the longer lists last, and the longer they are.
+    pub lookahead: f32,
+    /// Steps from one chance of making lists to the next: for so many lists have to last.
+    pub list_interval: f32,
+    /// Steps, or a part of one, by which AABBs stand ahead of moving spheres.
+    pub lead: f32,
+    /// How collisions are solved ([`SWEEPS_OFF`], [`SWEEPS_LISTED`], [`SWEEPS_ON`]). Results do not depend on it.
+    pub sweeps: u32,
+    /// `FLAG_*` bits. The last of the fields that change while the world stays as it is: see [`Step::with_constants_of`].
     pub flags: u32,
     /// Rows that the entries of the pair lists may take.
     pub pair_rows: u32,
@@ -80,16 +94,10 @@ pub struct Step {
     pub keys_at: u32,
     /// First word of the objects' ids in the order of their keys, in `cells`.
     pub sorted_at: u32,
-    /// Steps for which AABBs are grown; the more, the longer lists last, and the longer they are.
-    pub lookahead: f32,
     /// First word of the users: the index in order of addition of the sphere in each memory slot; 0: they are the same.
     pub insertion_indices_at: u32,
     /// First word of the slots: the memory slot of each sphere by its index in order of addition; 0: they are the same.
     pub slots_at: u32,
-    /// Steps from one chance of making lists to the next: for so many lists have to last.
-    pub list_interval: f32,
-    /// Steps, or a part of one, by which AABBs stand ahead of moving spheres.
-    pub lead: f32,
     /// First word of the long movers, in `cells`; 0: all lists are made by one thread each, for radii differ little.
     pub long_at: u32,
     /// 1: `plan_lists` decides how many workgroups the stages have that make lists.
@@ -104,15 +112,19 @@ pub struct Step {
     /// First word of the network table: per network the absolute offset of: sphere count, rod count, spheres (as `2 rod + end`, for
     /// a rod that ends in the sphere), rods. Before the table stands one word a rod: its network, or [`NO_NETWORK`].
     pub networks_at: u32,
-    /// How collisions are solved ([`SWEEPS_OFF`], [`SWEEPS_LISTED`], [`SWEEPS_ON`]). Results do not depend on it.
-    pub sweeps: u32,
     /// Collisions that the buffer of collisions has room for.
     pub collision_room: u32,
-    /// Padding to 16 bytes.
-    pub pad: [u32; 2],
 }
 
 impl Step {
+    /// This with the constants of another: the fields up to `flags`. Counts, offsets and room stay.
+    pub fn with_constants_of(&self, other: &Self) -> Self {
+        const END: usize = offset_of!(Step, flags) + size_of::<u32>();
+        let mut step = *self;
+        bytes_of_mut(&mut step)[..END].copy_from_slice(&bytes_of(other)[..END]);
+        step
+    }
+
     /// Objects that have a list: spheres and rods.
     pub const fn movers(&self) -> u32 {
         self.spheres + self.rods

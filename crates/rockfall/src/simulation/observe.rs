@@ -16,7 +16,8 @@ use crate::model::world::World;
 use crate::physics::collision::Collision;
 use crate::physics::collision::all::{impulse_in, solve};
 use crate::physics::contact::contact_force;
-use crate::physics::forces::net_force::{rates, rod_loads};
+use crate::physics::forces::net_force::rod_loads;
+use crate::physics::forces::sphere_rates;
 use crate::physics::side::side;
 use crate::physics::touch::touch;
 use crate::scene::{BoxId, PolygonId, RodId, SphereId};
@@ -119,7 +120,7 @@ impl Simulation {
         let world = self.observed()?;
         let (view, lists) = seen(&world);
         let wrenches: Vec<_> = (0..world.step.rods)
-            .flat_map(|rod| rod_loads(&view, &lists, rod, None).map(|load| [load.force, load.couple]))
+            .flat_map(|rod| rod_loads(&view, &lists, rod, None).map(|load| [load.force, load.torque]))
             .flatten()
             .map(|load| load.extend(0.0))
             .collect();
@@ -133,7 +134,8 @@ impl Simulation {
                 }
             }
             if !view.is_fixed(sphere) {
-                values.net_force = rates(&view, &lists, &wrenches, sphere, None).0 / view.inverse_mass(sphere);
+                values.net_force =
+                    sphere_rates(&view, &lists, &wrenches, sphere, None).acceleration / view.inverse_mass(sphere);
             }
             values
         };

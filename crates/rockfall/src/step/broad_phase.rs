@@ -1,4 +1,4 @@
-//! The broad phase: which pairs of objects may touch.
+//! The broad phase, which finds the pairs of objects that may touch.
 
 pub(crate) mod brute_force;
 pub(crate) mod grid;

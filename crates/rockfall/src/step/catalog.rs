@@ -1,4 +1,4 @@
-//! Every stage there is.
+//! The list of all stages.
 
 use crate::step::aabbs::update_aabbs;
 use crate::step::broad_phase::brute_force::{count_pairs, fill_pairs};
@@ -20,7 +20,7 @@ use crate::step::integrate::{
 use crate::step::reorder::{count_digits, key_spheres, measure_order, permute_spheres, scatter_digits, settle_spheres};
 use crate::step::stage::Stage;
 
-/// Every stage there is, once.
+/// All stages, each once.
 pub const ALL: [&Stage; 48] = [
     &update_aabbs::STAGE,
     &count_pairs::STAGE,

@@ -1,4 +1,4 @@
-//! The state in `Y2` becomes the state.
+//! Makes the state in `Y2` the current state.
 
 use rayon::prelude::*;
 
@@ -8,7 +8,7 @@ use crate::model::view::View;
 use crate::model::world::World;
 use crate::physics::travel::needs_rebuild;
 
-/// `Y2` becomes the state, and spheres ask for lists.
+/// Copies `Y2` to the current state, and requests a rebuild of the lists if a sphere may soon leave its AABB.
 pub(crate) fn commit(world: &mut World) {
     let [start, y2, ..] = &mut world.states;
     start.copy_from_slice(y2);

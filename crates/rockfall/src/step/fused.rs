@@ -1,3 +1,3 @@
-//! Small scenes: many steps in one dispatch.
+//! Many steps of a small scene in one dispatch.
 
 pub(crate) mod run_steps;

@@ -1,4 +1,4 @@
-//! Spatial order of spheres in memory.
+//! The spatial order of spheres in memory.
 
 pub(crate) mod count_digits;
 pub(crate) mod key_spheres;

@@ -1,4 +1,4 @@
-//! Which stages run when: [`Phase::stages`] is the step's table of contents.
+//! The order of the stages. [`Phase::stages`] lists the stages of each phase of a step.
 
 use crate::model::layout::{CELL_BLOCK, SWEEPS, SWEEPS_FEW, SWEEPS_OFF, SWEEPS_ON};
 use crate::model::step::Step;
@@ -23,54 +23,54 @@ use crate::step::integrate::{
 use crate::step::reorder::{count_digits, key_spheres, measure_order, permute_spheres, scatter_digits, settle_spheres};
 use crate::step::stage::Stage;
 
-/// In which scenes a run has something to do.
+/// The scenes in which a run has something to do.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum When {
-    /// In all.
+    /// All scenes.
     Always,
-    /// In those with rods.
+    /// Scenes with rods.
     Rods,
-    /// In those without.
+    /// Scenes without rods.
     NoRods,
-    /// In those whose collisions are listed before they are applied.
+    /// Scenes whose collisions are listed before they are applied.
     Listed,
-    /// In those with networks of fixed-length rods, whose collisions are solved by sweeps.
+    /// Scenes with networks of fixed-length rods, if collisions are solved by sweeps with a dispatch for each sweep.
     Networks,
-    /// In those whose collisions share bodies, or did so not long ago: a dispatch a sweep.
+    /// Scenes whose collisions share bodies, or did so recently. Each sweep is a dispatch.
     Swept,
-    /// The same where they are few: one dispatch for all sweeps.
+    /// Scenes like [`When::Swept`] but with few collisions. One dispatch makes all sweeps.
     SweptAtOnce,
-    /// In those with large spheres, whose collisions are solved by sweeps.
+    /// Scenes with large spheres, if collisions are solved by sweeps with a dispatch for each sweep.
     LargeSwept,
-    /// In those whose contacts get friction impulses.
+    /// Scenes whose contacts get friction impulses.
     FrictionImpulses,
-    /// In small ones, whose grid is one block of cells.
+    /// Small scenes, whose grid is one block of cells.
     OneBlock,
-    /// In larger ones.
+    /// Larger scenes, whose grid has several blocks of cells.
     ManyBlocks,
-    /// In those with bodies much larger than most.
+    /// Scenes with bodies much larger than most.
     LongMovers,
-    /// In those so large that stages with nothing to do take time.
+    /// Scenes so large that launching stages with nothing to do takes considerable time.
     Planned,
 }
 
-/// A stage, the pass it is run for, in which scenes and how often.
+/// One run of a stage: its pass, the scenes that need it, and how often it is run.
 #[derive(Clone, Copy, Debug)]
 pub struct Run {
     /// The stage.
     pub stage: &'static Stage,
-    /// 0..4 for the force evaluations of RK4, 0 and 1 for `sort_axis`, 0..8 for the digits of a sort, else 0.
+    /// The pass: 0..4 for the force evaluations of RK4, 0 and 1 for `sort_axis`, 0..8 for the digits of a sort, else 0.
     pub pass: u32,
-    /// Where it is left out.
+    /// The scenes in which the stage is run.
     pub when: When,
-    /// In which steps of a batch: every so many-th, from the first on.
+    /// How often the stage is run, in steps: in every `every`-th step of a batch, starting with the first.
     pub every: u32,
-    /// Whether `plan_lists` decides how many workgroups there are, where it is part of the step.
+    /// Whether `plan_lists`, if it is part of the step, decides the number of workgroups.
     pub planned: bool,
 }
 
 impl Run {
-    /// Whether it is part of the step in a world of these counts.
+    /// Returns whether the run is part of the step in a world of these counts.
     pub fn applies(&self, step: &Step) -> bool {
         match self.when {
             When::Always => true,
@@ -89,17 +89,17 @@ impl Run {
         }
     }
 
-    /// Workgroups in a world of these counts; 0: there is nothing to do.
+    /// Returns the number of workgroups in a world of these counts, or 0 if there is nothing to do.
     pub fn workgroups(&self, step: &Step) -> u32 {
         if self.applies(step) { self.stage.threads.workgroups(step) } else { 0 }
     }
 
-    /// Whether it is part of a step of a batch, counted from 0.
+    /// Returns whether the run is part of step `step` of a batch, counted from 0.
     pub fn is_in(&self, step: u32) -> bool {
         step.is_multiple_of(self.every)
     }
 
-    /// The CPU twin, where it applies.
+    /// Runs the CPU twin, if the run is part of the step.
     pub fn on_cpu(&self, world: &mut World) {
         if self.applies(&world.step) {
             (self.stage.cpu)(world, self.pass);
@@ -123,29 +123,29 @@ const fn pass(stage: &'static Stage, pass: u32) -> Run {
     Run { stage, pass, when: When::Always, every: 1, planned: false }
 }
 
-/// The phases of a step, each callable alone.
+/// A phase of a step. Each phase can be run on its own.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Phase {
-    /// AABBs of all objects.
+    /// Computes the AABBs of all objects.
     UpdateAabbs,
-    /// Pair lists.
+    /// Builds the pair lists.
     BroadPhase,
-    /// Impulses.
+    /// Finds collisions and applies their impulses.
     HandleCollisions,
-    /// Forces, integration, constraints.
+    /// Computes forces, integrates, and applies constraints.
     UpdatePositions,
 }
 
 impl Phase {
-    /// A step's phases, in their order.
+    /// The phases of a step, in their order.
     pub const STEP: [Self; 4] = [Self::UpdateAabbs, Self::BroadPhase, Self::HandleCollisions, Self::UpdatePositions];
 
-    /// Whether it only makes what later phases look up: no result depends on how often.
+    /// Returns whether the phase only builds AABBs and lists for later phases. Results do not depend on how often it is run.
     pub fn makes_lists(self) -> bool {
         matches!(self, Self::UpdateAabbs | Self::BroadPhase)
     }
 
-    /// The stages of this phase, in their order. [`BroadPhase::Auto`] stands for brute force here.
+    /// Returns the stages of this phase, in their order. [`BroadPhase::Auto`] is treated as brute force here.
     pub fn stages(self, integrator: Integrator, broad_phase: BroadPhase) -> &'static [Run] {
         match (self, integrator, broad_phase) {
             (Self::UpdateAabbs, _, BroadPhase::Grid) => {
@@ -219,7 +219,8 @@ impl Phase {
     }
 }
 
-/// Finds collisions, and solves those that share bodies by sweeps: each is followed by what it makes of networks.
+/// Finds collisions, solves those that share bodies by sweeps, and applies the impulses. After each sweep `project_networks`
+/// computes the changes of velocity in networks, and `gather_impulses` those of large spheres.
 const HANDLE_COLLISIONS: &[Run] = &{
     const FIRST: usize = 5;
     const LAST: usize = FIRST + 3 * SWEEPS as usize;
@@ -243,9 +244,10 @@ const HANDLE_COLLISIONS: &[Run] = &{
     runs
 };
 
-/// Puts spheres into spatial order in memory; lists and AABBs are void after it. Not part of a step.
+/// Puts spheres into spatial order in memory. Lists and AABBs are invalid afterwards. Not part of a step.
 pub const SORT_MEMORY: &[Run] = &{
-    // 3 x 10 binary digits in eight passes; an even number ends where it began.
+    // A key has 32 bits: 3 x 10 bits of the Z-order curve and 2 bits of the size class. Each of the eight passes sorts by 4
+    // bits. The number of passes is even, so that the sorted pairs end in the buffer that they began in.
     let mut runs = [run(&key_spheres::STAGE); 35];
     let mut digit = 0;
     while digit < 8 {
@@ -261,5 +263,5 @@ pub const SORT_MEMORY: &[Run] = &{
     runs
 };
 
-/// Tells how good the order of memory is, by the lists as they are. Not part of a step.
+/// Measures how well memory is ordered, from the current lists. Not part of a step.
 pub const MEASURE_ORDER: &[Run] = &[run(&measure_order::STAGE)];

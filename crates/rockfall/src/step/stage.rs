@@ -1,27 +1,28 @@
-//! What a stage is: its kernel, bindings, threads and CPU twin.
+//! The description of a stage: its kernel, bindings, threads and CPU twin.
 
 use crate::model::buffer::Buffer;
 use crate::model::dispatch::Threads;
+use crate::model::part::Part;
 use crate::model::world::World;
-use crate::step::wgsl::{Part, Wgsl};
+use crate::step::wgsl::Wgsl;
 
-/// What a binding of a stage refers to.
+/// The buffer that a binding of a stage refers to, which may depend on the pass.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Slot {
-    /// Always the same buffer.
+    /// The same buffer in every pass.
     Fixed(Buffer),
-    /// The stage state that pass p evaluates: `Start`, `Y2`, `Y3`, `Y4` for p = 0, 1, 2, 3.
+    /// The stage state that pass p of RK4 evaluates: `Start`, `Y2`, `Y3`, `Y4` for p = 0, 1, 2, 3.
     State,
-    /// The stage state that pass p makes: `Y2`, `Y3`, `Y4` for p = 0, 1, 2.
+    /// The stage state that pass p of RK4 writes: `Y2`, `Y3`, `Y4` for p = 0, 1, 2.
     Next,
-    /// What pass p of a sort begins with: `Y2` and `Y3` in turn.
+    /// The input of pass p of a sort: `Y2` for even p, `Y3` for odd p.
     Unsorted,
-    /// What it makes: the other one.
+    /// The output of pass p of a sort: `Y3` for even p, `Y2` for odd p.
     Sorted,
 }
 
 impl Slot {
-    /// The buffer in pass `pass`.
+    /// Returns the buffer in pass `pass`.
     pub fn buffer(self, pass: u32) -> Buffer {
         const STATES: [Buffer; 4] = [Buffer::Start, Buffer::Y2, Buffer::Y3, Buffer::Y4];
         match self {
@@ -43,14 +44,15 @@ pub enum Access {
     Write,
 }
 
-/// A storage buffer of a stage. Its number is 2 + its place in the stage's list (0 is `step`, 1 is `pass_`).
+/// A storage buffer of a stage. Its binding number is 2 plus its index in the stage's list. Binding 0 is the uniform block
+/// `step`, binding 1 the uniform block `pass_`.
 #[derive(Clone, Copy, Debug)]
 pub struct Binding {
-    /// Its name in the WGSL.
+    /// The name in the WGSL.
     pub name: &'static str,
-    /// Which buffer it is.
+    /// The buffer.
     pub slot: Slot,
-    /// Read only or read and written.
+    /// Read only, or read and written.
     pub access: Access,
 }
 
@@ -71,14 +73,14 @@ pub struct Stage {
     pub wgsl: Wgsl,
     /// The storage buffers, at most 8.
     pub bindings: &'static [Binding],
-    /// How many threads it has.
+    /// What the number of threads is counted from.
     pub threads: Threads,
-    /// The CPU twin; the second argument is the pass.
+    /// The CPU twin. The second argument is the pass.
     pub cpu: fn(&mut World, u32),
 }
 
 impl Stage {
-    /// The files of the kernel: those that it requires, directly or not, each once, and its own file last.
+    /// Returns the files of the kernel: all files that it requires, directly or indirectly, each once, and then its own file.
     pub fn parts(&self) -> Vec<Part> {
         self.wgsl.parts()
     }

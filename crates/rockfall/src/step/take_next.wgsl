@@ -1,4 +1,4 @@
-// The next state of a sphere becomes its state.
+// Makes the next state of a sphere its current state.
 fn take_next(i: u32) {
     for (var region = 0u; region < 3u; region++) {
         put_start(region, i, next_row(region, i));

@@ -12,23 +12,9 @@
 //! that it does not use, or declares a name twice.
 
 use crate::model::layout::MANY_OBJECTS;
+use crate::model::part::{Part, part};
 use crate::model::step::Step;
-
-/// A file of WGSL.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Part {
-    /// Path below `src/`.
-    pub file: &'static str,
-    /// Its text.
-    pub text: &'static str,
-}
-
-macro_rules! part {
-    ($file:literal) => {
-        $crate::step::wgsl::Part { file: $file, text: include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/src/", $file)) }
-    };
-}
-pub(crate) use part;
+use crate::physics::forces;
 
 /// Names that a shared file uses without requiring a file that declares them, with what they are. The stage's own file declares them,
 /// or requires one of several files that do.
@@ -53,8 +39,8 @@ pub const HOOKS: &[(&str, &str)] = &[
     ("y4_row", "reads a row of stage state 4"),
 ];
 
-/// All files that stages share.
-pub const SHARED: &[Part] = &[
+/// The files that stages share.
+const SHARED: &[Part] = &[
     part!("model/counters.wgsl"),
     part!("model/entries.wgsl"),
     part!("model/four_states.wgsl"),
@@ -79,6 +65,8 @@ pub const SHARED: &[Part] = &[
     part!("physics/contact.wgsl"),
     part!("physics/forces/attached.wgsl"),
     part!("physics/forces/net_force.wgsl"),
+    part!("physics/forces/rates.wgsl"),
+    part!("physics/forces/sphere_rates.wgsl"),
     part!("physics/forces/wrenches.wgsl"),
     part!("physics/friction_impulses.wgsl"),
     part!("physics/geometry.wgsl"),
@@ -120,18 +108,21 @@ pub const SHARED: &[Part] = &[
     part!("step/take_next.wgsl"),
 ];
 
-impl Part {
-    /// The files that it requires directly.
-    ///
-    /// # Panics
-    /// When one of them is not among [`SHARED`].
-    pub fn requires(&self) -> impl Iterator<Item = Part> {
-        let lines = self.text.lines().map_while(|line| line.strip_prefix("// requires "));
-        lines.flat_map(str::split_whitespace).map(|file| {
-            let found = SHARED.iter().find(|part| part.file == file);
-            *found.unwrap_or_else(|| panic!("{} requires {file}, which is not a shared WGSL file", self.file))
-        })
-    }
+/// Every file that stages share, with those that are put together from tables.
+pub fn shared() -> impl Iterator<Item = Part> {
+    SHARED.iter().chain(forces::PARTS).copied()
+}
+
+/// The files that a file requires directly.
+///
+/// # Panics
+/// When one of them is not among [`shared`].
+pub fn requires(part: Part) -> impl Iterator<Item = Part> {
+    let lines = part.text.lines().map_while(|line| line.strip_prefix("// requires "));
+    lines.flat_map(str::split_whitespace).map(move |file| {
+        let found = shared().find(|part| part.file == file);
+        found.unwrap_or_else(|| panic!("{} requires {file}, which is not a shared WGSL file", part.file))
+    })
 }
 
 /// The text of a kernel.
@@ -148,7 +139,7 @@ impl Wgsl {
     pub fn parts(&self) -> Vec<Part> {
         fn add(part: Part, parts: &mut Vec<Part>) {
             if !parts.contains(&part) {
-                part.requires().for_each(|required| add(required, parts));
+                requires(part).for_each(|required| add(required, parts));
                 parts.push(part);
             }
         }

@@ -5,10 +5,11 @@ use std::sync::atomic::{AtomicU32, Ordering};
 use rockfall::model::buffer::Buffer;
 use rockfall::model::dispatch::Threads;
 use rockfall::model::layout::{SWEEPS_OFF, SYMPLECTIC_EULER};
+use rockfall::model::part::Part;
 use rockfall::model::world::World;
 use rockfall::step::schedule::Run;
 use rockfall::step::stage::Stage;
-use rockfall::step::wgsl::{Part, Wgsl};
+use rockfall::step::wgsl::Wgsl;
 use rockfall::{Integrator, Settings};
 
 use crate::compare::{MEASURED, differences};

@@ -20,6 +20,8 @@ const CONSTANTS: &[Constant] = &[
     Constant { name: "friction", takes: not_negative, put: |settings, p| settings.friction = p },
     Constant { name: "coulomb_friction", takes: not_negative, put: |settings, p| settings.coulomb_friction = p },
     Constant { name: "collision_friction", takes: not_negative, put: |settings, p| settings.collision_friction = p },
+    Constant { name: "linear_damping", takes: not_negative, put: |settings, p| settings.linear_damping = p },
+    Constant { name: "angular_damping", takes: not_negative, put: |settings, p| settings.angular_damping = p },
     Constant { name: "gravity", takes: finite, put: |settings, p| settings.gravity = p },
     Constant {
         name: "resting_overlap",

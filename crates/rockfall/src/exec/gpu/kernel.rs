@@ -7,8 +7,9 @@ use crate::exec::gpu::fault::catch;
 use crate::exec::gpu::memory::chunk_bytes;
 use crate::exec::gpu::split::{Split, binding_numbers, split};
 use crate::model::layout::WORKGROUP;
+use crate::model::part::Part;
 use crate::step::stage::{Access, Stage};
-use crate::step::wgsl::{Part, Variant};
+use crate::step::wgsl::Variant;
 
 /// Subgroups of a workgroup that does whole steps, where the device allows so many: every barrier waits for all of them.
 const GROUP_SUBGROUPS: u32 = 32;

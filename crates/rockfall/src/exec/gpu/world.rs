@@ -170,7 +170,7 @@ impl GpuWorld {
     /// [`Error::Device`] when the world is another one or its indices point outside of it, or for the device's reasons.
     pub fn upload_buffer(&mut self, world: &World, buffer: Buffer) -> Result<()> {
         self.gpu.faults().check()?;
-        if self.with_constants(&world.step) != world.step {
+        if self.step.with_constants_of(&world.step) != world.step {
             return Err(Error::Device("the world's counts or offsets changed: upload it as a whole".to_owned()));
         }
         check_buffer(world, buffer)?;
@@ -243,36 +243,13 @@ impl GpuWorld {
         Ok(())
     }
 
-    /// The world's own counts, offsets and capacity, with the constants of `step`.
-    fn with_constants(&self, step: &Step) -> Step {
-        Step {
-            gravity: step.gravity,
-            dt: step.dt,
-            activation_threshold: step.activation_threshold,
-            restitution: step.restitution,
-            contact_damping: step.contact_damping,
-            contact_force: step.contact_force,
-            friction: step.friction,
-            coulomb_friction: step.coulomb_friction,
-            collision_friction: step.collision_friction,
-            gravity_size: step.gravity_size,
-            sweeps: step.sweeps,
-            margin_scale: step.margin_scale,
-            lookahead: step.lookahead,
-            list_interval: step.list_interval,
-            lead: step.lead,
-            flags: step.flags,
-            ..self.step
-        }
-    }
-
     /// Takes the constants (gravity to `flags`) from `step`; counts, offsets and capacity stay those of the upload, for
     /// the kernels rely on them.
     ///
     /// # Errors
     /// [`Error::Device`] when the device is lost.
     pub fn write_uniforms(&mut self, step: &Step) -> Result<()> {
-        self.step = self.with_constants(step);
+        self.step = self.step.with_constants_of(step);
         catch(self.gpu.device(), || {
             self.gpu.queue().write_buffer(&self.uniform, 0, bytes_of(&self.step));
         })

@@ -88,20 +88,41 @@ impl World {
 
     /// Writes the settings to the uniform block.
     pub fn set_settings(&mut self, settings: &Settings) {
+        // Every field by name, so that none is forgotten here.
+        let Settings {
+            activation_threshold,
+            restitution,
+            contact_damping,
+            contact_force,
+            friction,
+            coulomb_friction,
+            collision_friction,
+            gravity,
+            collisions,
+            gravity_direction,
+            contact_pull,
+            resting_overlap: _,
+            linear_damping,
+            angular_damping,
+        } = *settings;
         let step = &mut self.step;
-        step.gravity = (settings.gravity * settings.gravity_direction).to_array();
-        step.activation_threshold = settings.activation_threshold;
-        step.restitution = settings.restitution;
-        step.contact_damping = settings.contact_damping;
-        step.contact_force = settings.contact_force;
-        step.friction = settings.friction;
-        step.coulomb_friction = settings.coulomb_friction;
-        step.collision_friction = settings.collision_friction;
-        step.gravity_size = settings.gravity.abs() * settings.gravity_direction.length();
+        *step = Step {
+            gravity: (gravity * gravity_direction).to_array(),
+            gravity_size: gravity.abs() * gravity_direction.length(),
+            activation_threshold,
+            restitution,
+            contact_damping,
+            contact_force,
+            friction,
+            coulomb_friction,
+            collision_friction,
+            linear_damping,
+            angular_damping,
+            ..*step
+        };
         let bit = |on: bool, flag: u32| if on { flag } else { 0 };
-        step.flags = step.flags & (FLAG_CONTINUE | FLAG_GROUPS)
-            | bit(settings.collisions, FLAG_COLLISIONS)
-            | bit(settings.contact_pull, FLAG_PULL);
+        step.flags =
+            step.flags & (FLAG_CONTINUE | FLAG_GROUPS) | bit(collisions, FLAG_COLLISIONS) | bit(contact_pull, FLAG_PULL);
         step.sweeps = step.sweeps.max(step.calm_sweeps());
     }
 

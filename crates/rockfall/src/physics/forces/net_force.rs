@@ -11,11 +11,11 @@ use crate::physics::balls::{Ball, Meeting};
 use crate::physics::contact::{ContactForce, contact_force, contact_forces};
 use crate::physics::touch::touch;
 
-/// Force and couple on one body.
+/// Force and torque on one body.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Load {
     pub(crate) force: Vec3,
-    pub(crate) couple: Vec3,
+    pub(crate) torque: Vec3,
 }
 
 /// Every contact of a mover from an entry of its list on, in the list's order: its own load and its parameter on the contact if it is a
@@ -39,22 +39,22 @@ fn each_contact(
             if let Some(tally) = tally.as_deref_mut() {
                 tally.count_contact(touch.overlap);
             }
-            take(Load { force, couple: torque_a }, touch.a);
+            take(Load { force, torque: torque_a }, touch.a);
         } else {
-            take(Load { force: -force, couple: torque_b }, touch.b);
+            take(Load { force: -force, torque: torque_b }, touch.b);
         }
     }
 }
 
-/// Adds the loads of up to four contacts of a sphere with others, in their order, to `force` and `couple`. Without branches, for
+/// Adds the loads of up to four contacts of a sphere with others, in their order, to `force` and `torque`. Without branches, for
 /// processors guess badly which of them overlap: to add 0 changes nothing.
 #[inline]
-fn add_ball_loads(ball: &Ball, others: &[Entry], tally: Option<&mut Tally>, [force, couple]: &mut [Vec4; 2]) {
+fn add_ball_loads(ball: &Ball, others: &[Entry], tally: Option<&mut Tally>, [force, torque]: &mut [Vec4; 2]) {
     let Meeting { a, b, touches } = ball.meet(others);
     let loads = contact_forces(ball.view.step, &a, &b, &touches);
     let touch = touches.overlap.cmpgt(Vec4::ZERO) & first_lanes(others.len());
     *force = loads.force.or_zero(touch).add_lanes_to(*force);
-    *couple = loads.torque_a.or_zero(touch).add_lanes_to(*couple);
+    *torque = loads.torque_a.or_zero(touch).add_lanes_to(*torque);
     if let Some(tally) = tally {
         let overlaps = others.iter().zip(touches.overlap.to_array());
         for (_, overlap) in overlaps.filter(|(other, overlap)| *overlap > 0.0 && ball.is_first(other.id())) {
@@ -69,7 +69,7 @@ pub(crate) fn rod_loads(view: &View, lists: &Lists, rod: u32, tally: Option<&mut
     each_contact(view, lists, view.step.spheres + rod, 0, tally, |load, parameter| {
         for (end, share) in ends.iter_mut().zip([1.0 - parameter, parameter]) {
             end.force += share * load.force;
-            end.couple += share * load.couple;
+            end.torque += share * load.torque;
         }
     });
     ends
@@ -82,11 +82,11 @@ pub(crate) fn sphere_load(view: &View, lists: &Lists, wrenches: &[Vec4], sphere:
     let done = Ball::new(view, sphere).map_or(0, |ball| {
         ball.for_each_near(count, list, |others| add_ball_loads(&ball, others, tally.as_deref_mut(), &mut sums))
     });
-    let [force, couple] = sums.map(Vec4::truncate);
-    let mut total = Load { force, couple };
+    let [force, torque] = sums.map(Vec4::truncate);
+    let mut total = Load { force, torque };
     each_contact(view, lists, sphere, done, tally, |load, _| {
         total.force += load.force;
-        total.couple += load.couple;
+        total.torque += load.torque;
     });
     for attachment in view.attachments(sphere) {
         match attachment.kind {
@@ -94,7 +94,7 @@ pub(crate) fn sphere_load(view: &View, lists: &Lists, wrenches: &[Vec4], sphere:
                 let end = usize::from(view.rod(attachment.index).ends[1] == sphere);
                 let at = 4 * attachment.index as usize + 2 * end;
                 total.force += wrenches[at].truncate();
-                total.couple += wrenches[at + 1].truncate();
+                total.torque += wrenches[at + 1].truncate();
             }
             KIND_SPRING => total.force += spring_force(view, attachment.index, sphere),
             KIND_TETHER => total.force += tether_force(view, attachment.index, sphere),
@@ -175,12 +175,6 @@ fn tether_force(view: &View, tether: u32, sphere: u32) -> Vec3 {
     let tether = view.tether(tether);
     let d = tether.point - view.position(sphere);
     hooke(d, -view.velocity(sphere), tether.stiffness, tether.length, tether.damping)
-}
-
-/// Rate of change of velocity and of angular momentum of a moving sphere.
-pub(crate) fn rates(view: &View, lists: &Lists, wrenches: &[Vec4], sphere: u32, tally: Option<&mut Tally>) -> (Vec3, Vec3) {
-    let load = sphere_load(view, lists, wrenches, sphere, tally);
-    (Vec3::from_array(view.step.gravity) + view.inverse_mass(sphere) * load.force, load.couple)
 }
 
 /// Counts the contacts of a sphere whose forces do not matter, because it is fixed.

@@ -1,9 +1,21 @@
-//! AABBs of all objects, static ones too, grown by the motion of the step.
+//! Computes the AABBs of all objects, including static ones, grown by the motion of the step.
 //!
-//! A sphere moves by at most its margin, `(lookahead - lead) 1.05 |v| dt + lookahead |a| dt^2 / 2 + (0.05 lookahead - 0.03) r +
-//! (margin_scale - 1) 0.02 r`, before its list is made again; where it moves further, `find_collisions`, `advance` or `symplectic_euler` void the
-//! step, the host raises `margin_scale`, and the step is run again. Here a is, in scenes with large spheres, the acceleration in the last
-//! step of RK4 (`FLAG_STAGES`), else 0. A rod takes the hull of its ends, each with its own margin and the radius of the rod.
+//! The AABB of a moving sphere encloses a ball about the place that the sphere reaches after `lead` steps. The radius of this
+//! ball is the radius r of the sphere plus the margin
+//!
+//! ```text
+//! (lookahead - lead) 1.05 |v| dt + lookahead |a| dt^2 / 2 + (0.05 lookahead - 0.03) r + (margin_scale - 1) 0.02 r
+//! ```
+//!
+//! In scenes with large spheres a is the acceleration in the last step of RK4, if it is known (`FLAG_STAGES`). Otherwise a is
+//! 0. A fixed sphere has no margin.
+//!
+//! The centre of the sphere must stay within the margin of that place until its list is rebuilt. If it moves further,
+//! `find_collisions`, `advance` or `symplectic_euler` rejects the step. The host then raises `margin_scale`, and the step is
+//! repeated.
+//!
+//! The AABB of a rod is the hull of two such balls, one for each end. A ball has the radius of the rod and the margin of its
+//! end.
 
 use glam::Vec3;
 use rayon::prelude::*;
@@ -12,12 +24,13 @@ use crate::model::buffer::Buffer;
 use crate::model::dispatch::Threads;
 use crate::model::layout::FLAG_STAGES;
 use crate::model::layout::GRAIN;
+use crate::model::part::part;
 use crate::model::step::Aabb;
 use crate::model::view::{Object, View};
 use crate::model::world::World;
 use crate::physics::travel::{may_gain, may_travel, place_ahead};
 use crate::step::stage::{Stage, read, write};
-use crate::step::wgsl::{Wgsl, part};
+use crate::step::wgsl::Wgsl;
 
 /// The stage.
 pub(crate) const STAGE: Stage = Stage {
@@ -42,9 +55,9 @@ fn update_aabbs(world: &mut World, _pass: u32) {
     let objects = world.objects();
     let [start, _, third, fourth] = &world.states;
     let [view, third, fourth] = [start, third, fourth].map(|state| View::new(&world.step, &world.topology, state));
-    let knows_stages = world.step.flags & FLAG_STAGES != 0;
+    let has_stage_states = world.step.flags & FLAG_STAGES != 0;
     let gain = |sphere: u32| {
-        if knows_stages {
+        if has_stage_states {
             may_gain(&world.step, third.velocity(sphere), fourth.velocity(sphere), world.step.lookahead)
         } else {
             0.0
@@ -54,14 +67,14 @@ fn update_aabbs(world: &mut World, _pass: u32) {
     aabbs.collect_into_vec(&mut world.aabbs);
 }
 
-/// `gain` is what a sphere comes further because it accelerates.
+/// Returns the AABB of an object. `gain` returns the distance that a sphere moves further because it accelerates.
 fn aabb(view: &View, gain: &impl Fn(u32) -> f32, id: u32) -> Aabb {
-    let ball = |sphere: u32, radius: f32| ball(view, gain(sphere), sphere, radius);
+    let bounds = |sphere: u32, radius: f32| ball_bounds(view, gain(sphere), sphere, radius);
     let (min, max) = match view.object(id) {
-        Object::Sphere(sphere) => ball(sphere, view.radius(sphere)),
+        Object::Sphere(sphere) => bounds(sphere, view.radius(sphere)),
         Object::Rod(rod) => {
             let rod = view.rod(rod);
-            let [one, two] = rod.ends.map(|end| ball(end, rod.radius));
+            let [one, two] = rod.ends.map(|end| bounds(end, rod.radius));
             (one.0.min(two.0), one.1.max(two.1))
         }
         Object::Cuboid(cuboid) => {
@@ -76,8 +89,8 @@ fn aabb(view: &View, gain: &impl Fn(u32) -> f32, id: u32) -> Aabb {
     Aabb { min: min.to_array(), id, max: max.to_array(), tag: view.tag(id) }
 }
 
-/// All places that a ball of this radius about a sphere's centre may be found in within the step.
-fn ball(view: &View, gain: f32, sphere: u32, radius: f32) -> (Vec3, Vec3) {
+/// Returns the bounds of all places that a ball of this radius about the centre of a sphere may reach before lists are rebuilt.
+fn ball_bounds(view: &View, gain: f32, sphere: u32, radius: f32) -> (Vec3, Vec3) {
     let reach = radius + margin(view, gain, sphere);
     let middle = place_ahead(view.step, view.position(sphere), view.motion(sphere));
     (middle - reach, middle + reach)

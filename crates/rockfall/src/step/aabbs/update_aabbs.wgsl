@@ -2,7 +2,8 @@
 
 @group(0) @binding(2) var<storage, read> state: array<vec4f>;
 @group(0) @binding(3) var<storage, read> topology: array<u32>;
-// Two rows an AABB (see Aabb): written row by row, it takes half as long as field by field.
+// Two rows per AABB, with the layout of the struct Aabb. Writing whole rows takes half as long as writing the fields one by
+// one.
 @group(0) @binding(4) var<storage, read_write> aabbs: array<vec4u>;
 @group(0) @binding(5) var<storage, read> y3: array<vec4f>;
 @group(0) @binding(6) var<storage, read> y4: array<vec4f>;
@@ -13,7 +14,7 @@ struct Hull {
     max: vec3f,
 }
 
-// How far a sphere may move before its list is made again.
+// Returns the distance that a sphere may move before its list is rebuilt.
 fn margin(sphere: u32, velocity: vec4f, radius: f32) -> f32 {
     var gain = 0.0;
     if LARGE {
@@ -24,8 +25,9 @@ fn margin(sphere: u32, velocity: vec4f, radius: f32) -> f32 {
     return select(0.0, may_travel(velocity, radius, step.lookahead) + gain + spare, velocity.w > 0.0);
 }
 
-// A sphere, or the end of a rod of another radius.
-fn end_hull(sphere: u32, radius: f32) -> Hull {
+// Returns the AABB of a ball of this radius about the centre of a sphere. The radius is that of the sphere itself or of a rod
+// that ends in it.
+fn ball_hull(sphere: u32, radius: f32) -> Hull {
     let centre = state[position_at(sphere)];
     let velocity = state[velocity_at(sphere)];
     let reach = vec3f(radius + margin(sphere, velocity, centre.w));
@@ -35,16 +37,16 @@ fn end_hull(sphere: u32, radius: f32) -> Hull {
 
 fn hull_of(id: u32) -> Hull {
     if id < step.spheres {
-        return end_hull(id, state[position_at(id)].w);
+        return ball_hull(id, state[position_at(id)].w);
     }
     var rest = id - step.spheres;
     if rest < step.rods {
         let ends = rod_ends(rest);
-        let first = end_hull(ends.x, rod_radius(rest));
-        let second = end_hull(ends.y, rod_radius(rest));
+        let first = ball_hull(ends.x, rod_radius(rest));
+        let second = ball_hull(ends.y, rod_radius(rest));
         return Hull(min(first.min, second.min), max(first.max, second.max));
     }
-    // Of all corners at once: an edge adds to the least where it is negative, to the greatest where it is positive.
+    // The hull of all corners: the negative components of an edge lower the minimum, the positive ones raise the maximum.
     let zero = vec3f(0.0);
     rest -= step.rods;
     if rest < step.boxes {

@@ -1,4 +1,4 @@
-//! A grid of cells with several levels.
+//! The grid broad phase, whose cells have several levels of size.
 
 pub(crate) mod build_grid;
 pub(crate) mod cells;

@@ -1,7 +1,8 @@
 // requires model/order.wgsl model/step.wgsl
 
-// Putting a list in order where it stands.
+// In-place heap sort of the keys of a pair list. `first` is the slot of its first entry.
 
+// Moves the key at `top` down to its place in the heap of `size` keys, whose root is the greatest key.
 fn sift_down(first: vec2u, top: u32, size: u32) {
     var root = top;
     let key = lists[first.x + root][first.y];
@@ -22,7 +23,7 @@ fn sift_down(first: vec2u, top: u32, size: u32) {
     lists[first.x + root][first.y] = key;
 }
 
-// Heap sort in place; then every key once, as an entry. Gives their number.
+// Sorts the keys, drops duplicates, and replaces the keys by entries. Returns the number of entries.
 fn order_long(first: vec2u, count: u32) -> u32 {
     if count == 0u {
         return 0u;

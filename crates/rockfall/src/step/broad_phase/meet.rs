@@ -1,11 +1,11 @@
-//! The broad phase's question, asked of one mover: what may it meet?
+//! The test of every broad phase, on the CPU: which objects a mover may meet, and which list entries they make.
 
 use glam::Vec4;
 
 use crate::model::layout::{BOX_FEATURES, ENTRY_BITS, FEATURE_BITS, WORKGROUP};
 use crate::model::step::{Aabb, Step};
 
-/// The list entries of a mover, in ascending order of id, then feature.
+/// Calls `take` with each list entry of a mover, in ascending order of id, then feature.
 pub(crate) fn for_each_pair(step: &Step, aabbs: &[Aabb], mover: u32, mut take: impl FnMut(u32)) {
     let own = &aabbs[mover as usize];
     for (id, other) in (0..).zip(aabbs) {
@@ -15,8 +15,8 @@ pub(crate) fn for_each_pair(step: &Step, aabbs: &[Aabb], mover: u32, mut take: i
     }
 }
 
-/// The same in any order, of the blocks whose intervals in x meet the mover's own. `cells` holds the order that the blocks are
-/// of, `intervals` one a block.
+/// Calls `take` with each list entry of a mover, in any order. Only blocks whose interval in x meets that of the mover are
+/// searched. `cells` holds the sorted objects, in blocks of `WORKGROUP`. `intervals` holds the interval of each block.
 pub(crate) fn for_each_near(
     step: &Step,
     aabbs: &[Aabb],
@@ -39,19 +39,21 @@ pub(crate) fn for_each_near(
     }
 }
 
-/// AABBs overlap (touching counts) and groups are equal. Without branches, for it is asked in the hottest of all loops.
+/// Returns whether two AABBs overlap (touching counts) and the groups are equal. It has no branches, because it is called in
+/// the hottest loop.
 pub(crate) fn may_meet(a: &Aabb, b: &Aabb) -> bool {
     let axis = |k: usize| (a.min[k] <= b.max[k]) & (b.min[k] <= a.max[k]);
     axis(0) & axis(1) & axis(2) & same_group(a, b)
 }
 
-/// Groups are the low 16 bits of the tags.
+/// Returns whether the groups, the low 16 bits of the tags, are equal.
 pub(crate) fn same_group(a: &Aabb, b: &Aabb) -> bool {
     a.tag & 0xffff == b.tag & 0xffff
 }
 
-/// The entries that a mover's list has for an object that it may meet: one for each feature of a box that a rod may touch,
-/// none for itself, nor for a rod and a polygon, which the rod's end spheres meet.
+/// Calls `take` with each entry that an object makes in the list of a mover that may meet it. A box makes one entry for each
+/// feature in the list of a rod. A mover makes none in its own list. A polygon makes none in the list of a rod, because the
+/// end spheres of the rod meet it.
 pub(crate) fn entries(step: &Step, mover: u32, id: u32, mut take: impl FnMut(u32)) {
     let is_rod = mover >= step.spheres;
     let boxes = step.spheres + step.rods..step.spheres + step.rods + step.boxes;

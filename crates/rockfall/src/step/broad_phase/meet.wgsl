@@ -1,14 +1,14 @@
 // requires model/step.wgsl
 
-// What every broad phase asks: may two objects meet, and which entries does that make?
+// The test of every broad phase: whether two objects may meet, and how many list entries they make.
 
-// AABBs overlap (touching counts) and groups are equal.
+// Returns whether two AABBs overlap (touching counts) and the groups, the low 16 bits of the tags, are equal.
 fn aabbs_meet(a: Aabb, b: Aabb) -> bool {
     return all(a.min <= b.max) & all(b.min <= a.max) & (((a.tag ^ b.tag) & 0xffffu) == 0u);
 }
 
-// Entries that an object makes in the list of a mover: a rod has one for each feature of a box, and none for a polygon,
-// which its end spheres meet.
+// Returns the number of entries that an object makes in the list of a mover. A box makes one for each feature in the list of
+// a rod. A polygon makes none in the list of a rod, because the end spheres of the rod meet it.
 fn entries_of(mover: u32, id: u32) -> u32 {
     let movers = step.spheres + step.rods;
     if !(RODS & (mover >= step.spheres)) | (id < movers) {

@@ -1,15 +1,17 @@
-//! Broad phase, 2 of 3: where the slices begin, and whether the entries fit.
+//! Broad phase, 2 of 3: computes where the slices begin, and whether the entries fit.
 //!
-//! A slice is as wide as its longest list: slice offsets are the exclusive sums of `max(counts of the slice)`,
-//! the last one is the total. More than `pair_rows` voids the step (`REJECTED_PAIRS`, `pair_rows_needed`).
+//! A slice is as wide as its longest list. So the slice offsets are the exclusive prefix sums of `max(counts of the slice)`.
+//! The offset after the last slice is the total. If the total exceeds `pair_rows`, the step is rejected with
+//! `REJECTED_PAIRS`. The total is written to `pair_rows_needed`.
 
 use crate::model::buffer::Buffer;
 use crate::model::dispatch::Threads;
 use crate::model::layout::SLICE;
+use crate::model::part::part;
 use crate::model::status::{REBUILD_DONE, REJECTED_PAIRS};
 use crate::model::world::World;
 use crate::step::stage::{Stage, write};
-use crate::step::wgsl::{Wgsl, part};
+use crate::step::wgsl::Wgsl;
 
 /// The stage.
 pub(crate) const STAGE: Stage = Stage {

@@ -3,19 +3,20 @@
 @group(0) @binding(2) var<storage, read_write> lists: array<array<u32, SLICE>>;
 @group(0) @binding(3) var<storage, read_write> status: Status;
 
-// One workgroup does all slices, so it is as large as WebGPU promises.
+// Threads of the workgroup. A single workgroup scans all slices, so it is as large as WebGPU guarantees.
 const SCAN: u32 = 256u;
 
 var<workgroup> sums: array<u32, SCAN>;
 var<workgroup> carried: u32;
 var<workgroup> due: u32;
 
-// More rows than can be numbered count as all of them: they never fit.
+// Returns the sum, or the greatest u32 if it overflows. That many rows never fit.
 fn add_saturating(a: u32, b: u32) -> u32 {
     let sum = a + b;
     return select(sum, 0xffffffffu, sum < a);
 }
 
+// Returns the rows of a slice: the length of its longest list.
 fn slice_rows(slice: u32, slices: u32) -> u32 {
     if slice >= slices {
         return 0u;
@@ -58,10 +59,10 @@ fn scan_pairs(@builtin(local_invocation_index) local: u32) {
         if base + local < slices {
             put_head(step.slices_at + base + local, add_saturating(before, left));
         }
-        let all_of_them = sums[SCAN - 1u];
+        let chunk_total = sums[SCAN - 1u];
         workgroupBarrier();
         if local == 0u {
-            carried = add_saturating(before, all_of_them);
+            carried = add_saturating(before, chunk_total);
         }
     }
     workgroupBarrier();

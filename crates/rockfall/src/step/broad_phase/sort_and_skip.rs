@@ -1,4 +1,5 @@
-//! The thesis's proposal for a faster tiled test: blocks of objects sorted along x are skipped (thesis section 2.5.1).
+//! The sort-and-skip broad phase: objects are sorted along x in blocks, and blocks that cannot meet are skipped. The thesis
+//! proposes it as a faster tiled test (thesis section 2.5.1).
 
 pub(crate) mod bound_blocks;
 pub(crate) mod count_near;

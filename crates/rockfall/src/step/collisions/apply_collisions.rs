@@ -11,6 +11,7 @@ use crate::model::buffer::Buffer;
 use crate::model::counters::Tally;
 use crate::model::dispatch::Threads;
 use crate::model::lists::Lists;
+use crate::model::part::part;
 use crate::model::state::{Motion, Rows};
 use crate::model::step::Aabb;
 use crate::model::view::View;
@@ -19,7 +20,7 @@ use crate::physics::collision::all::{Outcome, solve};
 use crate::physics::collision::body::TakingPart;
 use crate::physics::travel::needs_rebuild;
 use crate::step::stage::{Stage, read, write};
-use crate::step::wgsl::{Wgsl, part};
+use crate::step::wgsl::Wgsl;
 
 /// The stage.
 pub(crate) const STAGE: Stage = Stage {

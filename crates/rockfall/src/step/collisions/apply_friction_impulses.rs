@@ -10,12 +10,13 @@ use crate::model::buffer::Buffer;
 use crate::model::counters::Tally;
 use crate::model::dispatch::Threads;
 use crate::model::lists::Lists;
+use crate::model::part::part;
 use crate::model::state::Rows;
 use crate::model::view::View;
 use crate::model::world::World;
 use crate::physics::friction_impulses::FrictionImpulses;
 use crate::step::stage::{Stage, read, write};
-use crate::step::wgsl::{Wgsl, part};
+use crate::step::wgsl::Wgsl;
 
 /// The stage.
 pub(crate) const STAGE: Stage = Stage {

@@ -7,11 +7,12 @@ use crate::model::buffer::Buffer;
 use crate::model::dispatch::Threads;
 use crate::model::layout::GRAIN;
 use crate::model::lists::Lists;
+use crate::model::part::part;
 use crate::model::view::View;
 use crate::model::world::World;
 use crate::physics::collision::body::TakingPart;
 use crate::step::stage::{Stage, read, write};
-use crate::step::wgsl::{Wgsl, part};
+use crate::step::wgsl::Wgsl;
 
 /// The stage.
 pub(crate) const STAGE: Stage = Stage {

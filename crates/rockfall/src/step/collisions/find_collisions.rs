@@ -17,13 +17,14 @@ use crate::model::dispatch::Threads;
 use crate::model::layout::GRAIN;
 use crate::model::layout::{ENTRY_COLLIDES, ENTRY_OVERLAPS, FLAG_COLLISIONS, LIST_COLLIDES, LIST_COUNT_MASK, SLICE};
 use crate::model::lists::{Entry, Slice, slices};
+use crate::model::part::part;
 use crate::model::view::View;
 use crate::model::world::World;
 use crate::physics::balls::Ball;
 use crate::physics::collision::Collision;
 use crate::physics::travel::escape_ratio;
 use crate::step::stage::{Stage, read, write};
-use crate::step::wgsl::{Wgsl, part};
+use crate::step::wgsl::Wgsl;
 
 /// The stage.
 pub(crate) const STAGE: Stage = Stage {

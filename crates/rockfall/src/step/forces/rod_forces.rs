@@ -10,11 +10,12 @@ use crate::model::counters::Tally;
 use crate::model::dispatch::Threads;
 use crate::model::layout::GRAIN;
 use crate::model::lists::Lists;
+use crate::model::part::part;
 use crate::model::view::View;
 use crate::model::world::World;
 use crate::physics::forces::net_force::rod_loads;
 use crate::step::stage::{Access, Binding, Slot, Stage, read, write};
-use crate::step::wgsl::{Wgsl, part};
+use crate::step::wgsl::Wgsl;
 
 /// The stage.
 pub(crate) const STAGE: Stage = Stage {
@@ -46,7 +47,7 @@ fn rod_forces(world: &mut World, pass: u32) {
         .map(|(rod, wrench)| {
             let mut tally = Tally::default();
             let [one, two] = rod_loads(&view, &lists, rod as u32, (pass == 0).then_some(&mut tally));
-            let loads = [one.force, one.couple, two.force, two.couple];
+            let loads = [one.force, one.torque, two.force, two.torque];
             wrench.copy_from_slice(&loads.map(|load| load.extend(0.0)));
             tally
         })

@@ -1,21 +1,24 @@
-//! Whole steps of a small scene without rods in one dispatch, of one workgroup: collisions and positions, as often as the
-//! pass tells, with barriers in the place of the ends of dispatches.
+//! Runs whole steps of a small scene without rods in one dispatch of one workgroup.
 //!
-//! What a dispatch costs on a device, some microseconds whatever it does, is most of a small scene's step. The kernel is
-//! made of the parts of the stages that it stands for, so that it does what they do; see `exec/gpu/fuse.rs` for where it takes their place.
-//! Status, void steps and replays are theirs.
+//! The dispatch runs phases of collisions and of positions, as many as the pass says. Barriers stand where the dispatches of
+//! single stages would end.
+//!
+//! A dispatch costs some microseconds whatever it does, which is most of the time of a step in a small scene. The kernel is
+//! made of the same files as the stages that it replaces, so that it computes the same. `exec/gpu/fuse.rs` decides where it
+//! replaces them. The status, rejected steps and repeated steps work as in those stages.
 
 use crate::model::buffer::Buffer;
 use crate::model::dispatch::Threads;
 #[cfg(feature = "gpu")]
 use crate::model::layout::POSITIONS_FIRST;
 use crate::model::layout::{ORDER_MASK, PHASES_SHIFT, POSITIONS_ALONE, SYMPLECTIC_EULER};
+use crate::model::part::part;
 use crate::model::step::Step;
 use crate::model::world::World;
 use crate::settings::{BroadPhase, Integrator};
 use crate::step::schedule::Phase;
 use crate::step::stage::{Stage, read, write};
-use crate::step::wgsl::{Wgsl, part};
+use crate::step::wgsl::Wgsl;
 
 /// The stage.
 pub(crate) const STAGE: Stage = Stage {
@@ -34,28 +37,30 @@ pub(crate) const STAGE: Stage = Stage {
     cpu: run_steps,
 };
 
-/// Up to so many spheres one workgroup is faster than many dispatches: a thread has one of them, where a workgroup has 1,024.
-const FEW: u32 = 1024;
+/// The most spheres for which one workgroup is faster than many dispatches. With that many, a
+/// workgroup of 1,024 threads has one sphere per thread.
+const MAX_SPHERES: u32 = 1024;
 
-/// Whether a world of these counts has room for the stage's states.
+/// Returns whether a world of these counts has the buffer of stage states that the stage needs.
 pub(crate) fn is_small(step: &Step) -> bool {
-    step.rods == 0 && (1..=FEW).contains(&step.spheres)
+    step.rods == 0 && (1..=MAX_SPHERES).contains(&step.spheres)
 }
 
-/// Whether the stage may take the place of others in such a world. Long lists want more than a thread each.
+/// Returns whether the stage may replace other stages in a world of these counts. It cannot where there may be long movers,
+/// because each of them needs more than one thread.
 #[cfg(feature = "gpu")]
 pub(crate) fn suits(step: &Step) -> bool {
     is_small(step) && step.long_at == 0
 }
 
-/// The pass of a dispatch of this phase alone: of collisions or of positions.
+/// Returns the pass of a dispatch that runs only this phase, either that of collisions or that of positions.
 #[cfg(feature = "gpu")]
 pub(crate) fn begun_with(phase: Phase, integrator: Integrator) -> u32 {
     let order = if phase == Phase::HandleCollisions { 0 } else { POSITIONS_FIRST };
     1 << PHASES_SHIFT | order | if integrator == Integrator::Rk4 { 0 } else { SYMPLECTIC_EULER }
 }
 
-/// The pass of a dispatch that does this phase after all of `pass`, if there is one.
+/// Returns the pass of a dispatch that runs all phases of `pass` and then this phase, or `None` if there is no such pass.
 #[cfg(feature = "gpu")]
 pub(crate) fn followed_by(pass: u32, phase: Phase) -> Option<u32> {
     let orders = [pass, pass & !ORDER_MASK | POSITIONS_ALONE];
@@ -63,7 +68,7 @@ pub(crate) fn followed_by(pass: u32, phase: Phase) -> Option<u32> {
     longer.find(|longer| phases(*longer).eq(phases(pass).chain([phase])))
 }
 
-/// The phases of a dispatch. They take turns, or there are no collisions.
+/// Returns the phases of a dispatch. Collisions and positions alternate, or all phases are positions.
 fn phases(pass: u32) -> impl Iterator<Item = Phase> {
     let order = pass & ORDER_MASK;
     (0..pass >> PHASES_SHIFT).map(move |k| {
@@ -71,7 +76,7 @@ fn phases(pass: u32) -> impl Iterator<Item = Phase> {
     })
 }
 
-/// The twins of the stages that it stands for.
+/// Runs the CPU twins of the stages that the kernel replaces.
 fn run_steps(world: &mut World, pass: u32) {
     let integrator = if pass & SYMPLECTIC_EULER == 0 { Integrator::Rk4 } else { Integrator::SymplecticEuler };
     for run in phases(pass).flat_map(|phase| phase.stages(integrator, BroadPhase::BruteForce)) {
@@ -84,7 +89,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn phases_join_where_they_take_turns_or_are_positions_alone() {
+    fn phases_join_if_they_alternate_or_are_all_positions() {
         let [collisions, positions] = [Phase::HandleCollisions, Phase::UpdatePositions];
         let joined = |phases: &[Phase], integrator: Integrator| {
             let (first, rest) = phases.split_first()?;
@@ -97,9 +102,9 @@ mod tests {
             vec![positions, collisions, positions, collisions],
             vec![positions; 5],
         ] {
-            for (integrator, leaps) in [(Integrator::Rk4, 0), (Integrator::SymplecticEuler, SYMPLECTIC_EULER)] {
+            for (integrator, bit) in [(Integrator::Rk4, 0), (Integrator::SymplecticEuler, SYMPLECTIC_EULER)] {
                 let pass = joined(&all, integrator);
-                assert_eq!(pass.map(|pass| (phases(pass).collect(), pass & SYMPLECTIC_EULER)), Some((all.clone(), leaps)));
+                assert_eq!(pass.map(|pass| (phases(pass).collect(), pass & SYMPLECTIC_EULER)), Some((all.clone(), bit)));
             }
         }
         for none in [vec![collisions; 2], vec![positions, positions, collisions], vec![collisions, positions, positions]] {

@@ -12,22 +12,24 @@
 @group(0) @binding(7) var<storage, read_write> orientations: array<vec4f>;
 @group(0) @binding(8) var<storage, read_write> status: StatusAtomic;
 
-// As many threads as the device lets a workgroup have; each has every so many-th sphere. Loops have as many rounds for all of
-// them: a driver was seen to let threads that leave a loop early run through the barrier after it, while their neighbours were
-// still at work.
+// Threads of the workgroup, chosen for the device when the kernel is compiled. Each thread works on every GROUP_SIZE-th
+// sphere. All threads make the same number of rounds in a loop: one driver was seen to let threads that leave a loop early
+// run through the barrier after it while their neighbours were still in the loop.
 override GROUP_SIZE: u32 = 256u;
-// Threads of a subgroup of the device with that driver.
+// Threads of a subgroup on the device with that driver.
 const LANES: u32 = 32u;
 
-// What the dispatch does, read once: see "The kernels" in ARCHITECTURE.md.
-var<workgroup> told: u32;
+// The pass index. It is read once and shared, because lavapipe is slow if the uniform block alone decides a branch: see
+// "The kernels" in ARCHITECTURE.md.
+var<workgroup> pass_index: u32;
 
-// There are no rods here.
+// The next two functions do nothing, because these scenes have no rods.
 fn add_wrench(i: u32, rod: u32, net: ptr<function, Net>) {}
 
 fn remember(i: u32, old_position: vec3f, spin: vec3f) {}
 
-// Every sphere works out its collisions itself. Where they share bodies the step is void, and stages take the place of this kernel.
+// Every sphere computes its collisions itself. If collisions share bodies, the step is rejected, and the single stages
+// replace this kernel.
 fn part_of_entry(sphere: u32, row: u32, slot: vec2u) -> Part {
     return part_by_itself(sphere, entry_id(entry_at(slot)));
 }
@@ -65,8 +67,9 @@ fn handle_collisions(local: u32) {
     if has_changes() {
         for (var first = 0u; first < step.spheres; first += GROUP_SIZE) {
             let i = first + local;
-            // One lane after another: with several at work, in loops within loops of lengths of their own, that driver was seen to let
-            // whole subgroups through the barriers below before they had written. Few spheres collide in a step.
+            // The lanes of a subgroup work one after another. When several lanes ran nested loops of different lengths, the
+            // driver named above was seen to let whole subgroups through the barriers below before they had written. This
+            // costs little, because few spheres collide in a step.
             for (var lane = 0u; lane < LANES; lane++) {
                 if (i < step.spheres) & (local % LANES == lane) {
                     if takes_part_in_any(i) {
@@ -86,8 +89,8 @@ fn handle_collisions(local: u32) {
     storageBarrier();
 }
 
-// One force evaluation, and what follows from it.
-fn evaluate(local: u32, evaluation: u32, leaps: bool) {
+// Makes one force evaluation, and computes the next stage state or the state after the step from it.
+fn evaluate(local: u32, evaluation: u32, is_symplectic_euler: bool) {
     evaluated = evaluation;
     var contacts = 0u;
     var deepest = 0.0;
@@ -96,7 +99,7 @@ fn evaluate(local: u32, evaluation: u32, leaps: bool) {
             let i = first + local;
             if i < step.spheres {
                 let net = net_in_pass(i);
-                if leaps {
+                if is_symplectic_euler {
                     write_symplectic_euler(i, net);
                 } else if evaluation == 3u {
                     turn_by(i, rotation(finish_sphere(i, net).spin));
@@ -116,7 +119,7 @@ fn evaluate(local: u32, evaluation: u32, leaps: bool) {
     }
 }
 
-// What the force evaluation of symplectic Euler made becomes the state.
+// Copies the states that symplectic Euler has computed to the current states, and turns the spheres.
 fn take_symplectic_euler_steps(local: u32) {
     if is_rejected() {
         return;
@@ -131,13 +134,13 @@ fn take_symplectic_euler_steps(local: u32) {
     }
 }
 
-fn update_positions(local: u32, leaps: bool) {
-    let evaluations = select(4u, 1u, leaps);
+fn update_positions(local: u32, is_symplectic_euler: bool) {
+    let evaluations = select(4u, 1u, is_symplectic_euler);
     for (var evaluation = 0u; evaluation < evaluations; evaluation++) {
-        evaluate(local, evaluation, leaps);
+        evaluate(local, evaluation, is_symplectic_euler);
         storageBarrier();
     }
-    if leaps {
+    if is_symplectic_euler {
         take_symplectic_euler_steps(local);
         storageBarrier();
     }
@@ -145,13 +148,14 @@ fn update_positions(local: u32, leaps: bool) {
     storageBarrier();
 }
 
-// Whether phase k of a dispatch with this pass is that of collisions.
+// Returns whether phase k of a dispatch with this pass index is that of collisions.
 fn is_collisions(k: u32, index: u32) -> bool {
     let order = index & ORDER_MASK;
     return (order != POSITIONS_ALONE) & ((k + order) % 2u == 0u);
 }
 
-// Barriers stand where all threads come by, void or not: a void step does nothing between them, nor do those after it.
+// All threads reach every barrier, even if a step is rejected. A rejected step and the steps after it do nothing between the
+// barriers.
 @compute @workgroup_size(GROUP_SIZE)
 fn run_steps(@builtin(local_invocation_index) local: u32) {
     for (var first = 0u; first < 3u * step.spheres; first += GROUP_SIZE) {
@@ -162,9 +166,9 @@ fn run_steps(@builtin(local_invocation_index) local: u32) {
     }
     storageBarrier();
     if local == 0u {
-        told = pass_.index;
+        pass_index = pass_.index;
     }
-    let index = workgroupUniformLoad(&told);
+    let index = workgroupUniformLoad(&pass_index);
     let count = index >> PHASES_SHIFT;
     for (var k = 0u; k < count; k++) {
         if is_collisions(k, index) {

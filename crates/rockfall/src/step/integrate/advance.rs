@@ -12,13 +12,16 @@ use crate::model::buffer::Buffer;
 use crate::model::counters::{Tally, count_builds};
 use crate::model::dispatch::Threads;
 use crate::model::lists::Lists;
+use crate::model::part::part;
 use crate::model::state::{Motion, Rows};
 use crate::model::view::View;
 use crate::model::world::World;
-use crate::physics::forces::net_force::{count_contacts, rates};
+use crate::physics::forces::net_force::count_contacts;
+use crate::physics::forces::rates::Rates;
+use crate::physics::forces::sphere_rates;
 use crate::physics::travel::{needs_rebuild, outside};
 use crate::step::stage::{Access, Binding, Slot, Stage, read, write};
-use crate::step::wgsl::{Wgsl, part};
+use crate::step::wgsl::Wgsl;
 
 /// The stage.
 pub(crate) const STAGE: Stage = Stage {
@@ -60,7 +63,8 @@ fn advance(world: &mut World, pass: u32) {
             }
             return origin;
         }
-        let (acceleration, torque) = rates(&view, &lists, &world.wrenches, sphere, (pass == 0).then_some(&mut *tally));
+        let Rates { acceleration, torque } =
+            sphere_rates(&view, &lists, &world.wrenches, sphere, (pass == 0).then_some(&mut *tally));
         let next = Motion {
             position: origin.position + h * view.velocity(sphere),
             velocity: origin.velocity + h * acceleration,

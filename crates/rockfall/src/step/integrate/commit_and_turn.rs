@@ -6,12 +6,13 @@ use rayon::prelude::*;
 use crate::model::buffer::Buffer;
 use crate::model::dispatch::Threads;
 use crate::model::layout::GRAIN;
+use crate::model::part::part;
 use crate::model::view::View;
 use crate::model::world::World;
 use crate::step::commit::commit;
 use crate::step::integrate::turn::turn_for;
 use crate::step::stage::{Stage, read, write};
-use crate::step::wgsl::{Wgsl, part};
+use crate::step::wgsl::Wgsl;
 
 /// The stage.
 pub(crate) const STAGE: Stage = Stage {

@@ -4,10 +4,11 @@
 use crate::model::buffer::Buffer;
 use crate::model::dispatch::Threads;
 use crate::model::layout::FLAG_CONTINUE;
+use crate::model::part::part;
 use crate::model::status::{Counters, NO_BODY, REJECTED_NON_FINITE};
 use crate::model::world::World;
 use crate::step::stage::{Stage, write};
-use crate::step::wgsl::{Wgsl, part};
+use crate::step::wgsl::Wgsl;
 
 /// The stage.
 pub(crate) const STAGE: Stage = Stage {

@@ -13,12 +13,14 @@ use crate::model::counters::Tally;
 use crate::model::dispatch::Threads;
 use crate::model::layout::SLICE;
 use crate::model::lists::Lists;
+use crate::model::part::part;
 use crate::model::state::{Motion, Rows};
 use crate::model::view::View;
 use crate::model::world::World;
-use crate::physics::forces::net_force::rates;
+use crate::physics::forces::rates::Rates;
+use crate::physics::forces::sphere_rates;
 use crate::step::stage::{Stage, read, write};
-use crate::step::wgsl::{Wgsl, part};
+use crate::step::wgsl::Wgsl;
 
 /// The stage.
 pub(crate) const STAGE: Stage = Stage {
@@ -92,7 +94,7 @@ fn finished(y: Motion, views: &[View; 3], lists: &Lists, wrenches: &[Vec4], sphe
         return (y, w1);
     }
     let spin = (w1 + 2.0 * w2 + 2.0 * w3 + w4) / 6.0;
-    let (acceleration, torque) = rates(last, lists, wrenches, sphere, None);
+    let Rates { acceleration, torque } = sphere_rates(last, lists, wrenches, sphere, None);
     let h = last.step.dt / 6.0;
     // y' = y + [(Y2 - y) + 2 (Y3 - y) + (Y4 - y)] / 3 + h/6 k4: the stage states hold k1, k2, k3.
     let mean = |y: Vec3, y2: Vec3, y3: Vec3, y4: Vec3, k4: Vec3| y + ((y2 - y) + 2.0 * (y3 - y) + (y4 - y)) / 3.0 + h * k4;

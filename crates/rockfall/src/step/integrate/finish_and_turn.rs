@@ -6,11 +6,12 @@ use rayon::prelude::*;
 use crate::model::buffer::Buffer;
 use crate::model::dispatch::Threads;
 use crate::model::layout::GRAIN;
+use crate::model::part::part;
 use crate::model::world::World;
 use crate::step::integrate::finish::finish_all;
 use crate::step::integrate::turn::turn_for;
 use crate::step::stage::{Stage, read, write};
-use crate::step::wgsl::{Wgsl, part};
+use crate::step::wgsl::Wgsl;
 
 /// The stage.
 pub(crate) const STAGE: Stage = Stage {

@@ -1,4 +1,4 @@
-// requires model/counters.wgsl model/step.wgsl physics/forces/net_force.wgsl
+// requires model/counters.wgsl model/step.wgsl physics/forces/net_force.wgsl physics/forces/sphere_rates.wgsl
 
 // The new value of three components of a sphere in a region of the state, given the slope at Y4.
 fn finished(region: u32, i: u32, slope: vec3f) -> vec3f {
@@ -21,10 +21,11 @@ fn finish_sphere(i: u32, net: Net) -> Finished {
     let old_momentum = start_row(2u, i);
     var spin = old_momentum.xyz * old_momentum.w;
     if old_velocity.w > 0.0 {
+        let rates = sphere_rates(i, old_velocity.w, net);
         var after = Motion(
             finished(0u, i, y4_row(1u, i).xyz),
-            finished(1u, i, step.gravity + old_velocity.w * net.force),
-            finished(2u, i, net.torque),
+            finished(1u, i, rates.acceleration),
+            finished(2u, i, rates.torque),
         );
         let sum = old_momentum.xyz + 2.0 * y2_row(2u, i).xyz + 2.0 * y3_row(2u, i).xyz + y4_row(2u, i).xyz;
         spin = sum * (old_momentum.w / 6.0);

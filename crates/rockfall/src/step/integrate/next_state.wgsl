@@ -1,4 +1,5 @@
-// requires model/counters.wgsl model/step.wgsl physics/forces/net_force.wgsl physics/margin.wgsl
+// requires model/counters.wgsl model/step.wgsl physics/forces/net_force.wgsl physics/forces/sphere_rates.wgsl
+// requires physics/margin.wgsl
 
 // The next stage state of a sphere, from the forces on it in the one that is evaluated.
 
@@ -25,8 +26,9 @@ fn write_next(i: u32, net: Net) {
     if old_velocity.w > 0.0 {
         let c = select(0.5, 1.0, evaluation() == 2u) * step.dt;
         after.position += c * state[velocity_at(i)].xyz;
-        after.velocity += c * (step.gravity + old_velocity.w * net.force);
-        after.momentum += c * net.torque;
+        let rates = sphere_rates(i, old_velocity.w, net);
+        after.velocity += c * rates.acceleration;
+        after.momentum += c * rates.torque;
         if !is_finite(after) {
             after = stopped(old_position.xyz, evaluation() + 1u, i);
         }

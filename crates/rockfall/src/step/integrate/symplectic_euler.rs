@@ -9,13 +9,16 @@ use crate::model::buffer::Buffer;
 use crate::model::counters::{Tally, count_builds};
 use crate::model::dispatch::Threads;
 use crate::model::lists::Lists;
+use crate::model::part::part;
 use crate::model::state::{Motion, Rows};
 use crate::model::view::View;
 use crate::model::world::World;
-use crate::physics::forces::net_force::{count_contacts, rates};
+use crate::physics::forces::net_force::count_contacts;
+use crate::physics::forces::rates::Rates;
+use crate::physics::forces::sphere_rates;
 use crate::physics::travel::escape_ratio;
 use crate::step::stage::{Stage, read, write};
-use crate::step::wgsl::{Wgsl, part};
+use crate::step::wgsl::Wgsl;
 
 /// The stage.
 pub(crate) const STAGE: Stage = Stage {
@@ -51,7 +54,7 @@ fn symplectic_euler(world: &mut World, _pass: u32) {
             return y;
         }
         tally.escape_ratio = tally.escape_ratio.max(escape_ratio(&view, &world.aabbs, sphere));
-        let (acceleration, torque) = rates(&view, &lists, &world.wrenches, sphere, Some(&mut *tally));
+        let Rates { acceleration, torque } = sphere_rates(&view, &lists, &world.wrenches, sphere, Some(&mut *tally));
         let velocity = y.velocity + dt * acceleration;
         let next =
             Motion { position: y.position + dt * velocity, velocity, angular_momentum: y.angular_momentum + dt * torque };

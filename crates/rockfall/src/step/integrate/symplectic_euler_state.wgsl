@@ -1,4 +1,5 @@
-// requires model/counters.wgsl model/step.wgsl physics/forces/net_force.wgsl physics/margin.wgsl
+// requires model/counters.wgsl model/step.wgsl physics/forces/net_force.wgsl physics/forces/sphere_rates.wgsl
+// requires physics/margin.wgsl
 
 // The next state of a sphere by symplectic Euler, from the forces on it.
 
@@ -12,8 +13,9 @@ fn write_symplectic_euler(i: u32, net: Net) {
         if ratio > 0.0 {
             report_escape(ratio);
         }
-        after.velocity += step.dt * (step.gravity + old_velocity.w * net.force);
-        after.momentum += step.dt * net.torque;
+        let rates = sphere_rates(i, old_velocity.w, net);
+        after.velocity += step.dt * rates.acceleration;
+        after.momentum += step.dt * rates.torque;
         after.position += step.dt * after.velocity;
         if !is_finite(after) {
             after = stopped(old_position.xyz, 1u, i);

@@ -1,9 +1,10 @@
 // requires model/lists.wgsl model/step.wgsl physics/contact.wgsl physics/forces/net_force.wgsl physics/geometry.wgsl
 // requires step/large_spheres/ordered_sums.wgsl step/large_spheres/workgroup_per_sphere.wgsl
 
-// Net forces by teams: a thread works out one contact of many, and they are added up in the order of the list.
+// Net forces on large spheres, with a workgroup per sphere. The threads compute one contact each, and the contact forces are
+// added in the order of the list.
 
-fn add_contacts_together(i: u32, local: u32, net: ptr<function, Net>) {
+fn add_contacts_by_workgroup(i: u32, local: u32, net: ptr<function, Net>) {
     let own = state[position_at(i)];
     let side = sphere_side(own, state[velocity_at(i)], state[momentum_at(i)]);
     let first = first_of(i);
@@ -24,21 +25,23 @@ fn add_contacts_together(i: u32, local: u32, net: ptr<function, Net>) {
     (*net).torque = second_sum();
 }
 
-// `net_in_pass` of the sphere of a team; every thread gets the sums, and the contacts that it has counted itself.
-fn net_together(i: u32, local: u32) -> Net {
+// The same as `net_in_pass`, computed by a whole workgroup. Every thread gets the total force and torque, but only the
+// contacts that it has counted itself.
+fn net_by_workgroup(i: u32, local: u32) -> Net {
     var net = no_force();
-    add_contacts_together(i, local, &net);
+    add_contacts_by_workgroup(i, local, &net);
     add_attachments(i, &net);
     return net;
 }
 
-// The net force on the sphere of a thread or of a team. All threads of a workgroup must come here.
+// Returns the net force on the mover of a thread, or on the large sphere of its workgroup. All threads of the workgroup must
+// call it.
 fn net_of(workgroup: u32, local: u32) -> Net {
     if serves_large_sphere(workgroup) {
         if broadcast_to_workgroup(local, atomicLoad(&status.rejected)) != 0u {
             return no_force();
         }
-        return net_together(large_sphere_of(workgroup), local);
+        return net_by_workgroup(large_sphere_of(workgroup), local);
     }
     let i = mover_of(workgroup, local);
     if (i < step.spheres) & (atomicLoad(&status.rejected) == 0u) {

@@ -1,14 +1,15 @@
 // requires model/step.wgsl
 
-// Two sums of vectors, of which a team works out the terms, added up in the order of a list, as one thread would: the same bits come of
-// it.
+// Two sums of vectors over a list. The threads of a workgroup compute one term each. The terms are then added in the order of
+// the list, as a single thread would add them, so that the sums are bitwise identical.
 
-// x, y and z of a term of either sum, then how many times either is added.
+// Eight rows of WORKGROUP values: x, y and z of the terms of the first sum, x, y and z of those of the second, the factors of
+// the first sum, the factors of the second.
 var<workgroup> terms: array<f32, 8u * WORKGROUP>;
-// x, y and z of either.
+// x, y and z of the first sum, then of the second.
 var<workgroup> sums: array<f32, 6>;
 
-// All threads of the workgroup must come here, and to the next.
+// Sets both sums to zero. All threads of the workgroup must call this function and `add_in_order`.
 fn begin_sums(local: u32) {
     if local < 6u {
         sums[local] = 0.0;
@@ -16,8 +17,9 @@ fn begin_sums(local: u32) {
     workgroupBarrier();
 }
 
-// Adds the terms of so many threads. A thread a component; the others go along, for all should have as many rounds before a barrier
-// (see run_steps.wgsl).
+// Adds the terms of the first `count` threads: `times_one * one` to the first sum and `times_other * other` to the second.
+// Each of the first six threads adds up one component. The other threads run the same loop, because all threads should make
+// the same number of rounds before a barrier (see run_steps.wgsl).
 fn add_in_order(local: u32, count: u32, one: vec3f, times_one: f32, other: vec3f, times_other: f32) {
     terms[local] = one.x;
     terms[WORKGROUP + local] = one.y;
@@ -41,11 +43,12 @@ fn add_in_order(local: u32, count: u32, one: vec3f, times_one: f32, other: vec3f
     }
 }
 
-// What they have come to; after a barrier.
+// Returns the first sum. Between `add_in_order` and this call there must be a barrier.
 fn first_sum() -> vec3f {
     return vec3f(sums[0], sums[1], sums[2]);
 }
 
+// Returns the second sum, under the same condition.
 fn second_sum() -> vec3f {
     return vec3f(sums[3], sums[4], sums[5]);
 }

@@ -1,9 +1,10 @@
 // requires model/step.wgsl
 
-// Who works on what in stages that go through lists: a thread on each mover, but a workgroup on each large sphere, which has hundreds of
-// neighbours. Large spheres are the last in memory. Their workgroups come first, for what takes longest should begin first.
+// How stages that go through lists assign work: a thread to each mover, but a workgroup to each large sphere, because it has
+// hundreds of neighbours. Large spheres are the last in memory. Their workgroups are the first of a dispatch, so that the
+// longest work starts first.
 
-// Whether all of a workgroup works on one sphere.
+// Returns whether all threads of a workgroup work on one large sphere.
 fn serves_large_sphere(workgroup: u32) -> bool {
     return LARGE & (workgroup < step.large);
 }
@@ -12,22 +13,23 @@ fn is_large(id: u32) -> bool {
     return LARGE & (id < step.spheres) & (id >= step.spheres - step.large);
 }
 
-// The large sphere of a team.
+// Returns the sphere of a workgroup that works on a large sphere.
 fn large_sphere_of(workgroup: u32) -> u32 {
     return step.spheres - step.large + workgroup;
 }
 
-var<workgroup> told: u32;
+var<workgroup> broadcast_word: u32;
 
-// What the first thread of a team says, for all of them: what they loop over and wait at must be the same. All must come here.
+// Returns the word of the first thread to all threads of the workgroup, because loops and branches around barriers must be
+// uniform. All threads of the workgroup must call it.
 fn broadcast_to_workgroup(local: u32, word: u32) -> u32 {
     if local == 0u {
-        told = word;
+        broadcast_word = word;
     }
-    return workgroupUniformLoad(&told);
+    return workgroupUniformLoad(&broadcast_word);
 }
 
-// Of a thread of another workgroup its mover, of one of a team the sphere of all.
+// Returns the mover of a thread. In a workgroup that works on a large sphere, it is that sphere for all threads.
 fn mover_of(workgroup: u32, local: u32) -> u32 {
     if serves_large_sphere(workgroup) {
         return large_sphere_of(workgroup);
@@ -39,7 +41,8 @@ fn mover_of(workgroup: u32, local: u32) -> u32 {
     return mover + select(0u, step.large, mover >= step.spheres - step.large);
 }
 
-// Whether a thread writes what becomes of its mover: of a team one does.
+// Returns whether a thread writes the results of its mover. In a workgroup that works on a large sphere only the first thread
+// does.
 fn is_writer(workgroup: u32, local: u32) -> bool {
     return !serves_large_sphere(workgroup) | (local == 0u);
 }

@@ -1,14 +1,17 @@
-//! Memory order, 2 of 5, for every digit of the keys, least first (radix sort): how often each value of the digit comes in every
-//! block of pairs. `sum_blocks` and `place_cells` make of these where the pairs go.
+//! Memory order, 2 of 5: counts how often each value of a digit occurs in each block of pairs.
+//!
+//! The keys are sorted by a radix sort. This stage and the next are run for every digit of the keys, from the lowest to the
+//! highest. Between the two `sum_blocks` and `place_cells` turn the counts into the places of the pairs.
 
 use bytemuck::cast_slice;
 
 use crate::model::buffer::Buffer;
 use crate::model::dispatch::Threads;
 use crate::model::layout::{CELLS_AT, DIGIT_BITS, DIGIT_BLOCK, DIGITS};
+use crate::model::part::part;
 use crate::model::world::World;
 use crate::step::stage::{Access, Binding, Slot, Stage, read, write};
-use crate::step::wgsl::{Wgsl, part};
+use crate::step::wgsl::Wgsl;
 
 /// The stage.
 pub(crate) const STAGE: Stage = Stage {
@@ -37,7 +40,7 @@ fn count_digits(world: &mut World, pass: u32) {
     }
 }
 
-/// The digit of a pair's key that a pass sorts by.
+/// Returns the digit of a pair's key that a pass sorts by.
 pub(super) fn digit(pair: [u32; 2], pass: u32) -> usize {
     (pair[0] >> (DIGIT_BITS * pass) & (DIGITS - 1)) as usize
 }

@@ -11,7 +11,7 @@ fn count_digits(
     @builtin(local_invocation_index) local: u32,
 ) {
     let block = linear_group(group, groups);
-    // The same for all threads of the workgroup.
+    // This condition is uniform across the workgroup.
     if (block * DIGIT_BLOCK >= step.spheres) | (status.rejected != 0u) {
         return;
     }

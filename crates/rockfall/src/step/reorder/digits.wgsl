@@ -1,17 +1,19 @@
 // requires model/step.wgsl
 
-// A digit of the keys of a block of pairs: each thread has a run of them, and counts for itself.
+// Counts the values of a digit in a block of pairs. Each thread counts in a run of consecutive pairs of the block.
 
+// Number of pairs in the run of a thread.
 const RUN: u32 = DIGIT_BLOCK / WORKGROUP;
 
-// Of digit d and thread t at d * WORKGROUP + t.
+// The count of digit d by thread t is element d * WORKGROUP + t.
 var<workgroup> counts: array<u32, DIGITS * WORKGROUP>;
 
 fn digit_of(pair: vec2u) -> u32 {
     return (pair.x >> (pass_.index * DIGIT_BITS)) % DIGITS;
 }
 
-// The word of `cells` for a digit and a block: digit by digit, so that the sums of all before it are where the pairs go.
+// Returns the index in `cells` of the count of a digit in a block. The counts of a digit are consecutive, so that the sum of
+// all counts before one is the place of its first pair.
 fn digit_at(digit: u32, block: u32) -> u32 {
     return CELLS_AT + digit * ((step.spheres + DIGIT_BLOCK - 1u) / DIGIT_BLOCK) + block;
 }

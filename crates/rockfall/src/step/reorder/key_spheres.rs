@@ -1,16 +1,19 @@
-//! Memory order, 1 of 5: the size of every sphere, and its place on a Z-order curve through cells of the grid's size (Morton 1966).
+//! Memory order, 1 of 5: computes the sort key of every sphere.
 //!
-//! Ten binary digits an axis: beyond 1,024 cells the curve begins again, which costs nothing but nearness. Leaves pairs of key
-//! and memory slot in `Y2`.
+//! The key holds the size class of the sphere in its highest two bits. The other 30 bits are the place of the sphere on a
+//! Z-order curve through cells of the grid's size (Morton 1966), with ten bits per axis. Beyond 1,024 cells the curve begins
+//! again. Then spheres that are far apart may get neighbouring places, which affects speed only. The stage leaves pairs of
+//! key and memory slot in `Y2`.
 
 use bytemuck::cast_slice_mut;
 
 use crate::model::buffer::Buffer;
 use crate::model::dispatch::Threads;
+use crate::model::part::part;
 use crate::model::world::World;
 use crate::model::world::order::{size_class, spread};
 use crate::step::stage::{Stage, read, write};
-use crate::step::wgsl::{Wgsl, part};
+use crate::step::wgsl::Wgsl;
 
 /// The stage.
 pub(crate) const STAGE: Stage = Stage {

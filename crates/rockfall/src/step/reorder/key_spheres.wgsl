@@ -4,7 +4,7 @@
 @group(0) @binding(3) var<storage, read_write> pairs: array<vec2u>;
 @group(0) @binding(4) var<storage, read> status: Status;
 
-// The low 10 bits, two zeros after each.
+// Spreads the low 10 bits of each component, with two zero bits between neighbours.
 fn spread(bits: vec3u) -> vec3u {
     var x = bits & vec3u(0x3ffu);
     x = (x | x << vec3u(16u)) & vec3u(0x30000ffu);
@@ -13,7 +13,8 @@ fn spread(bits: vec3u) -> vec3u {
     return (x | x << vec3u(2u)) & vec3u(0x9249249u);
 }
 
-// Large spheres come after all small ones, so that long lists stand side by side: up to 4 cells wide, 16, 64, or more.
+// Returns the size class of a sphere: 0 for up to 4 cells wide, 1 for up to 16, 2 for up to 64, 3 for more. Large spheres
+// come after all small ones in memory, so that long lists are adjacent.
 fn size_class(radius: f32) -> u32 {
     let cells = vec3f(4.0, 16.0, 64.0) * step.cell_size;
     let larger = select(vec3u(0u), vec3u(1u), vec3f(2.0 * radius) > cells);

@@ -1,14 +1,17 @@
-//! How near in memory stands what is near in space: for about [`ORDER_SAMPLE`] spheres, the binary digits of the distance in
-//! memory to every sphere in the list, added up. In perfect order most neighbours share a few cache lines; at random they are
-//! anywhere, and every digit more makes it likelier that a read has to wait for memory.
+//! Measures how close spheres that are neighbours in space are in memory.
+//!
+//! For about [`ORDER_SAMPLE`] spheres the stage adds up the number of binary digits of the distance in memory to every sphere
+//! in the list. In perfect order most neighbours share a few cache lines. In random order they are anywhere, and every
+//! additional digit makes it more likely that a read has to wait for memory.
 
 use crate::model::buffer::Buffer;
 use crate::model::dispatch::Threads;
 use crate::model::layout::ORDER_SAMPLE;
 use crate::model::lists::Lists;
+use crate::model::part::part;
 use crate::model::world::World;
 use crate::step::stage::{Stage, read, write};
-use crate::step::wgsl::{Wgsl, part};
+use crate::step::wgsl::Wgsl;
 
 /// The stage.
 pub(crate) const STAGE: Stage = Stage {

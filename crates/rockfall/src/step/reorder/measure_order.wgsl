@@ -6,7 +6,7 @@
 var<workgroup> group_entries: atomic<u32>;
 var<workgroup> group_digits: atomic<u32>;
 
-// Adds up the binary digits of how far apart a sphere and those in its list stand.
+// Adds up the number of binary digits of the distances in memory between a sphere and the spheres in its list.
 fn measure(i: u32) {
     let first = first_of(i);
     let count = count_of(i);

@@ -1,15 +1,19 @@
-//! Memory order, 4 of 5: everything that memory holds of a sphere, in its new place.
+//! Memory order, 4 of 5: copies all data of the spheres into scratch buffers, in the new order.
 //!
-//! Leaves the states in `Y3`; in `Y4` the orientations, then (tag, user, begin and end of the adjacency words), then by old slot
-//! (the new one, what rods end in the sphere).
+//! `Y3` receives the states. `Y4` receives three regions of one vec4 per sphere:
+//!
+//! 1. by new slot, the orientation;
+//! 2. by new slot, the tag, the insertion index, and the begin and end of the adjacency words;
+//! 3. by old slot, the new slot and the word that encodes which rods end in the sphere.
 
 use bytemuck::{cast_slice, cast_slice_mut};
 
 use crate::model::buffer::Buffer;
 use crate::model::dispatch::Threads;
+use crate::model::part::part;
 use crate::model::world::World;
 use crate::step::stage::{Stage, read, write};
-use crate::step::wgsl::{Wgsl, part};
+use crate::step::wgsl::Wgsl;
 
 /// The stage.
 pub(crate) const STAGE: Stage = Stage {

@@ -1,6 +1,6 @@
 // requires model/step.wgsl
 
-// All that is moved are words: no float may change on the way.
+// All data is copied as u32, so that the bits of floats cannot change.
 @group(0) @binding(2) var<storage, read> start: array<vec4u>;
 @group(0) @binding(3) var<storage, read> pairs: array<vec2u>;
 @group(0) @binding(4) var<storage, read> orientations: array<vec4u>;

@@ -1,15 +1,17 @@
-//! Memory order, 3 of 5: pairs in the order of a digit, those of the same digit as they were. After the last pass they are back
-//! in `Y2`, in the order of the keys.
+//! Memory order, 3 of 5: sorts the pairs by one digit. Pairs with the same digit keep their order.
+//!
+//! After the last pass the pairs are back in `Y2`, in the order of their keys.
 
 use bytemuck::cast_slice_mut;
 
 use crate::model::buffer::Buffer;
 use crate::model::dispatch::Threads;
 use crate::model::layout::{CELLS_AT, DIGIT_BLOCK};
+use crate::model::part::part;
 use crate::model::world::World;
 use crate::step::reorder::count_digits::digit;
 use crate::step::stage::{Access, Binding, Slot, Stage, read};
-use crate::step::wgsl::{Wgsl, part};
+use crate::step::wgsl::Wgsl;
 
 /// The stage.
 pub(crate) const STAGE: Stage = Stage {

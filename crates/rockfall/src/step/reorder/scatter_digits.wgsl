@@ -12,12 +12,12 @@ fn scatter_digits(
     @builtin(local_invocation_index) local: u32,
 ) {
     let block = linear_group(group, groups);
-    // The same for all threads of the workgroup.
+    // This condition is uniform across the workgroup.
     if (block * DIGIT_BLOCK >= step.spheres) | (status.rejected != 0u) {
         return;
     }
     count_run(block, local);
-    // Counts become places: after those of lower digits, earlier blocks and earlier threads.
+    // Replaces each count by a place: after the pairs of lower digits, of earlier blocks and of earlier threads.
     if local < DIGITS {
         var place = cells[digit_at(local, block)];
         for (var at = local * WORKGROUP; at < (local + 1u) * WORKGROUP; at++) {

@@ -1,5 +1,5 @@
-//! Memory order, 5 of 5: spheres settle in their new places, and what refers to them by memory slot follows: rods, springs,
-//! tethers, and the maps between slots and the order of addition.
+//! Memory order, 5 of 5: copies the data of the spheres from the scratch buffers to their new places, and updates everything
+//! that refers to spheres by memory slot: rods, springs, tethers, and the maps between memory slots and insertion indices.
 
 use bytemuck::cast_slice;
 use glam::Vec4;
@@ -7,9 +7,10 @@ use glam::Vec4;
 use crate::model::buffer::Buffer;
 use crate::model::dispatch::Threads;
 use crate::model::layout::{ROD_WORDS, SPRING_WORDS, TETHER_WORDS};
+use crate::model::part::part;
 use crate::model::world::World;
 use crate::step::stage::{Stage, read, write};
-use crate::step::wgsl::{Wgsl, part};
+use crate::step::wgsl::Wgsl;
 
 /// The stage.
 pub(crate) const STAGE: Stage = Stage {
@@ -36,12 +37,12 @@ fn settle_spheres(world: &mut World, _pass: u32) {
     let memory: &[[u32; 4]] = cast_slice(y4);
     start.copy_from_slice(y3);
     let records = memory[..n].iter().zip(&memory[n..2 * n]);
-    for (slot, (orientation, [tag, user, begin, end])) in records.enumerate() {
+    for (slot, (orientation, [tag, insertion_index, begin, end])) in records.enumerate() {
         orientations[slot] = Vec4::from_array(orientation.map(f32::from_bits));
         let mut set = |at: u32, place: usize, word: u32| topology[at as usize + place] = word;
         set(step.tags_at, slot, *tag);
-        set(step.insertion_indices_at, slot, *user);
-        set(step.slots_at, *user as usize, slot as u32);
+        set(step.insertion_indices_at, slot, *insertion_index);
+        set(step.slots_at, *insertion_index as usize, slot as u32);
         if step.adjacency_at != 0 {
             set(step.adjacency_at, 2 * slot, *begin);
             set(step.adjacency_at, 2 * slot + 1, *end);
@@ -52,7 +53,8 @@ fn settle_spheres(world: &mut World, _pass: u32) {
             topology[(step.ends_at + slot) as usize] = *end;
         }
     }
-    // Records that begin with so many spheres.
+    // For each kind of record: its first word, its end, the words of a record, and how many of these, at its start, are
+    // spheres.
     let referring = [
         (step.rods_at, step.rods_at + step.rods * ROD_WORDS, ROD_WORDS, 2),
         (step.springs_at, step.tethers_at, SPRING_WORDS, 2),

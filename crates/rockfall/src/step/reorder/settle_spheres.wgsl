@@ -7,12 +7,12 @@
 @group(0) @binding(6) var<storage, read_write> topology: array<u32>;
 @group(0) @binding(7) var<storage, read> status: Status;
 
-// Where the sphere went that a word refers to.
+// Replaces the old memory slot of a sphere in a topology word by the new one.
 fn follow(at: u32) {
     topology[at] = y4[2u * step.spheres + topology[at]].x;
 }
 
-// What refers to spheres, shared out among their threads.
+// Updates all records that refer to spheres. The threads of the spheres share the work.
 fn follow_all(thread: u32) {
     for (var rod = thread; rod < step.rods; rod += step.spheres) {
         follow(step.rods_at + rod * ROD_WORDS);

@@ -1,19 +1,21 @@
-//! Broad phase, 1 of 3: how many entries the list of every mover has.
+//! Broad phase, 1 of 3: counts the entries in the list of every mover.
 //!
-//! The tiled N² test of the thesis (section 2.5.1): a workgroup loads a tile of AABBs, every thread tests its own mover
-//! against it. What may meet: AABBs overlap (touching counts), groups (low 16 bits of the tags) equal, not itself, not
-//! rod and polygon. A rod has `BOX_FEATURES` entries for a box. Exact: only stored floats are compared, so `fill_pairs`
-//! decides the same.
+//! This is the tiled N² test of the thesis (section 2.5.1): a workgroup loads a tile of AABBs, and every thread tests its own
+//! mover against the tile. Two different objects may meet if their AABBs overlap (touching counts) and their groups (the low
+//! 16 bits of the tags) are equal. A rod and a polygon make no entry. A rod and a box make `BOX_FEATURES` entries.
+//!
+//! The test is exact, because it only compares stored floats. So `fill_pairs` finds the same pairs.
 
 use rayon::prelude::*;
 
 use crate::model::buffer::Buffer;
 use crate::model::dispatch::Threads;
 use crate::model::layout::GRAIN;
+use crate::model::part::part;
 use crate::model::world::World;
 use crate::step::broad_phase::meet::for_each_pair;
 use crate::step::stage::{Stage, read, write};
-use crate::step::wgsl::{Wgsl, part};
+use crate::step::wgsl::Wgsl;
 
 /// The stage.
 pub(crate) const STAGE: Stage = Stage {

@@ -17,7 +17,7 @@ fn count_pairs(
     }
     let mover = linear_thread(group, groups, local);
     let count = emit_pairs(mover, local);
-    // Past the last mover the count is 0, to the end of its slice.
+    // After the last mover, up to the end of its slice, the counts are 0.
     if mover < step.slices_at {
         put_head(mover, count);
     }

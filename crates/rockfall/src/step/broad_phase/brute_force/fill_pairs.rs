@@ -1,12 +1,13 @@
-//! Broad phase, 3 of 3: the entries, in ascending order of id, then feature. Does nothing in a void step.
+//! Broad phase, 3 of 3: writes the entries, in ascending order of id, then feature. Does nothing in a rejected step.
 
 use crate::model::buffer::Buffer;
 use crate::model::dispatch::Threads;
 use crate::model::lists::fill_slices;
+use crate::model::part::part;
 use crate::model::world::World;
 use crate::step::broad_phase::meet::for_each_pair;
 use crate::step::stage::{Stage, read, write};
-use crate::step::wgsl::{Wgsl, part};
+use crate::step::wgsl::Wgsl;
 
 /// The stage.
 pub(crate) const STAGE: Stage = Stage {

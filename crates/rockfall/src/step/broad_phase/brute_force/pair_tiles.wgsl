@@ -1,11 +1,11 @@
 // requires model/step.wgsl step/broad_phase/meet.wgsl
 
-// The tiled N² test (thesis section 2.5.1). A stage that uses it says in `emit` what becomes of an entry.
+// The tiled N² test (thesis section 2.5.1). The stage that uses it defines `emit`, which handles an entry.
 
 var<workgroup> tile: array<Aabb, WORKGROUP>;
 
-// Emits the entries of a mover in ascending order of id, then feature, and gives their number. All threads of a
-// workgroup must come here; those past the last mover only help to load tiles.
+// Emits the entries of a mover in ascending order of id, then feature, and returns their number. All threads of the workgroup
+// must call it. Threads after the last mover only help to load tiles.
 fn emit_pairs(mover: u32, local: u32) -> u32 {
     let movers = step.spheres + step.rods;
     var own: Aabb;

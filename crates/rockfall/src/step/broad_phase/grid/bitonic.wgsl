@@ -1,20 +1,23 @@
-// Puts the keys of a list in order where it stands, by a workgroup: a bitonic sort (Batcher 1968) of which each round begins with
-// mirror images. So all its comparators point the same way, and keys that are not there, greater than all, never move.
+// Sorts the keys of a list in place, with a workgroup. It is a bitonic sort (Batcher 1968) in which each round first compares
+// mirrored places. So all comparators put the lesser key first. The missing keys after the end, which count as
+// greater than all others, never move.
 //
-// The stage has `into`, the slot of the first entry, and `count`, its keys.
+// The stage that uses it defines `into`, the slot of the first entry, and `count`, the number of keys.
 
-// Keys that are ordered in workgroup memory.
+// Keys that are sorted in workgroup memory at a time, and their binary logarithm.
 const TILE_BITS: u32 = 11u;
 const TILE: u32 = 1u << TILE_BITS;
 var<workgroup> tile: array<u32, TILE>;
 
-// Two places that are compared: 2^bits apart, or, in blocks of twice as many, each other's mirror image.
+// Returns the two places of a comparison. They are 2^bits apart or, if mirrored, mirror images in a block of 2^(bits + 1)
+// places.
 fn places_of(pair: u32, bits: u32, mirrored: bool) -> vec2u {
     let stride = 1u << bits;
     let low = ((pair >> bits) << (bits + 1u)) | (pair & (stride - 1u));
     return vec2u(low, low ^ select(stride, 2u * stride - 1u, mirrored));
 }
 
+// Makes the comparisons of one distance on the list.
 fn compare_in_list(keys: u32, bits: u32, mirrored: bool, local: u32) {
     for (var pair = local; 2u * pair < keys + (2u << bits); pair += GROUP_SIZE) {
         let places = places_of(pair, bits, mirrored);
@@ -30,6 +33,7 @@ fn compare_in_list(keys: u32, bits: u32, mirrored: bool, local: u32) {
     storageBarrier();
 }
 
+// Makes the comparisons of one distance on the tile in workgroup memory.
 fn compare_in_tile(keys: u32, bits: u32, mirrored: bool, local: u32) {
     for (var pair = local; 2u * pair < keys + (2u << bits); pair += GROUP_SIZE) {
         let places = places_of(pair, bits, mirrored);
@@ -43,7 +47,7 @@ fn compare_in_tile(keys: u32, bits: u32, mirrored: bool, local: u32) {
     workgroupBarrier();
 }
 
-// The part of some rounds that stays within tiles.
+// Makes those comparisons of some rounds that stay within a tile, for every tile of the list.
 fn order_tiles(first_round: u32, last_round: u32, local: u32) {
     let keys = workgroupUniformLoad(&count);
     for (var first = 0u; first < keys; first += TILE) {
@@ -65,6 +69,7 @@ fn order_tiles(first_round: u32, last_round: u32, local: u32) {
     storageBarrier();
 }
 
+// Sorts all keys. All threads of the workgroup must call it.
 fn order_keys(local: u32) {
     storageBarrier();
     let keys = workgroupUniformLoad(&count);

@@ -1,12 +1,13 @@
-//! Grid broad phase, 1 to 5 of 6 in one, for small scenes: what `clear_cells`, `count_cells`, `sum_blocks`, `place_cells` and
-//! `sort_cells` do, by one workgroup. A dispatch takes longer than what a few thousand objects give it to do.
+//! Grid broad phase, 1 to 5 of 6, for small scenes: one workgroup does the work of `clear_cells`, `count_cells`, `sum_blocks`,
+//! `place_cells` and `sort_cells`. With a few thousand objects, launching a dispatch takes longer than its work.
 
 use crate::model::buffer::Buffer;
 use crate::model::dispatch::Threads;
+use crate::model::part::part;
 use crate::model::world::World;
 use crate::step::broad_phase::grid::{clear_cells, count_cells, scan_cells, sort_cells};
 use crate::step::stage::{Stage, read, write};
-use crate::step::wgsl::{Wgsl, part};
+use crate::step::wgsl::Wgsl;
 
 /// The stage.
 pub(crate) const STAGE: Stage = Stage {

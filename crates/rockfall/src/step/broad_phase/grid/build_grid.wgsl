@@ -6,13 +6,14 @@
 @group(0) @binding(4) var<storage, read_write> extents: array<vec4f>;
 @group(0) @binding(5) var<storage, read_write> status: Status;
 
-// One workgroup does it all, so it is as large as WebGPU promises.
+// Threads of the workgroup. A single workgroup does all the work, so it is as large as WebGPU guarantees.
 const GROUP_SIZE: u32 = 256u;
+// Cells that a thread sums.
 const OWN: u32 = CELL_BLOCK / GROUP_SIZE;
 
 var<workgroup> due: u32;
 
-// Where every cell begins: after all objects in the cells before it.
+// Replaces the count of every cell by its start: the number of objects in all cells before it.
 fn place_cells(local: u32) {
     let first = CELLS_AT + local * OWN;
     var own = 0u;

@@ -1,9 +1,10 @@
-//! The grid: which cell an object is in, and which cells it may find others in.
+//! The grid on the CPU: which cell an object is in, and which objects a mover finds in the cells around it.
 //!
-//! Levels of cells, each twice as large as the one below. An object is in one cell: that of its centre, on the lowest level
-//! (from `least_level` on) whose cells are not smaller than it. So what overlaps an AABB has its centre within half a cell of
-//! it, or half the largest edge on a level: radii of all sizes, long rods and large boxes are found with a few rows of cells a
-//! level. Cells live in a hashed table, so that the extent of the scene costs nothing.
+//! The grid has levels of cells. The cells of a level are twice as large as those of the level below. An object is in one
+//! cell: the cell of its centre on the lowest level, from `least_level` on, whose cells are not smaller than the object. So
+//! an object that overlaps an AABB has its centre within half a cell of that AABB, or within half the largest edge on the
+//! level. Spheres of all radii, long rods and large boxes are found in a few rows of cells per level. The cells are in a hash
+//! table, so that the extent of the scene costs nothing.
 
 use std::ops::Range;
 
@@ -18,33 +19,35 @@ use crate::model::step::{Aabb, Step};
 use crate::model::world::World;
 use crate::step::broad_phase::meet::{entries, may_meet, same_group};
 
-/// So many movers at most look around together,
-const TOGETHER: usize = 16;
-/// and only where all their AABBs fit into a cube so many times as large as the smallest.
-const NARROW: f32 = 5.0;
+/// The most movers that search the grid together.
+const MAX_GROUP: usize = 16;
+/// The greatest edge of the hull of such movers, in units of the largest edge of the smallest AABB among them.
+const MAX_HULL_RATIO: f32 = 5.0;
 
-/// Cells are half as wide along x: a row of them is one span of memory, which so is cut closer.
+/// Edges of a cell, in units of the cell size of its level. Cells are half as wide along x as along y and z. A row of cells
+/// along x is one span of memory, and narrower cells make the ends of the span fit more closely.
 const CELL_SHAPE: Vec4 = Vec4::new(0.5, 1.0, 1.0, 1.0);
 
-/// Cells of one size.
+/// A level of the grid: cells of one size.
 #[derive(Clone, Copy, Debug)]
 struct Level {
     number: u32,
     size: f32,
-    /// Largest edge of the AABBs on it.
+    /// Largest edge of the AABBs on this level.
     edge: f32,
-    /// Greatest coordinate, without its sign, of a centre on it.
+    /// Greatest absolute coordinate of a centre on this level.
     farthest: f32,
 }
 
-/// Along x cells are neighbours in the table; rows are scattered.
+/// Returns the place of a cell in the table. Cells that are neighbours along x are neighbours in the table. Rows are
+/// scattered over it.
 fn key(step: &Step, x: i32, y: i32, z: i32, level: u32) -> u32 {
     let row =
         (y as u32).wrapping_mul(ROW_Y).wrapping_add((z as u32).wrapping_mul(ROW_Z)).wrapping_add(level.wrapping_mul(ROW_LEVEL));
     row.wrapping_add(x as u32) & (step.cells - 1)
 }
 
-/// The cell of an object in the table, its level, and its largest edge.
+/// Returns the place in the table of the cell of an object, the level of the cell, and the largest edge of the object.
 pub(crate) fn key_of(step: &Step, aabb: &Aabb) -> (u32, u32, f32) {
     let largest = largest_edge(aabb);
     let levels = (step.least_level..TOP_LEVEL).map(|number| Level::new(step, number));
@@ -54,41 +57,43 @@ pub(crate) fn key_of(step: &Step, aabb: &Aabb) -> (u32, u32, f32) {
     (key(step, x, y, z, level.number), level.number, largest)
 }
 
-/// Greatest coordinate, without its sign, of the centre of an AABB.
+/// Returns the greatest absolute coordinate of the centre of an AABB.
 pub(crate) fn greatest_coordinate(aabb: &Aabb) -> f32 {
     extent(aabb).truncate().abs().max_element()
 }
 
-/// Whether an object is no mover, and one of few: then every mover tests it, for levels of their own would cost more.
+/// Returns whether an object is a box or polygon and these are few. Every mover then tests them one by one, because levels of
+/// their own would cost more.
 pub(crate) fn stands_apart(step: &Step, object: u32) -> bool {
     object >= step.spheres + step.rods && step.boxes + step.polygons <= FEW_STATICS
 }
 
-/// Whether a mover with this AABB looks at hundreds of objects: it is on `LONG_LEVEL` or above.
+/// Returns whether a mover with this AABB is long: it is on `LONG_LEVEL` or above, so that it has to test hundreds of objects.
 pub(crate) fn is_long(step: &Step, aabb: &Aabb) -> bool {
     step.long_at != 0 && largest_edge(aabb) > Level::new(step, LONG_LEVEL - 1).size
 }
 
-/// The extent of a sorted object; the sign of its size tells spheres from others.
+/// Returns the extent of a sorted object. The sign of its size distinguishes spheres from other objects.
 pub(crate) fn sorted_extent(step: &Step, object: u32, aabb: &Aabb) -> Vec4 {
     let extent = extent(aabb);
     if object < step.spheres { extent } else { extent.truncate().extend(-extent.w) }
 }
 
-/// Centre and largest half extent of an AABB, a little too large, so that no rounding makes it too small.
+/// Returns the centre and the largest half extent of an AABB. The half extent is slightly enlarged, so that rounding cannot
+/// make it too small.
 fn extent(aabb: &Aabb) -> Vec4 {
     let (min, max) = (0.5 * Vec3::from_array(aabb.min), 0.5 * Vec3::from_array(aabb.max));
     (min + max).extend(1.000001 * (max - min).max_element())
 }
 
-/// The sorted objects, for finding neighbours.
+/// The grid with its sorted objects, in which movers find their neighbours.
 #[derive(Clone)]
 pub(crate) struct Grid<'a> {
     step: &'a Step,
     aabbs: &'a [Aabb],
-    /// The levels that have objects.
+    /// Levels that have objects.
     levels: Vec<Level>,
-    /// Where every cell ends.
+    /// End of every cell among the sorted objects.
     ends: &'a [u32],
     sorted: &'a [u32],
     long_movers: &'a [u32],
@@ -96,19 +101,22 @@ pub(crate) struct Grid<'a> {
     extents: &'a [Vec4],
 }
 
-/// What some movers that are close together may meet.
+/// The objects that a group of movers close together may meet, and other buffers of a search.
 #[derive(Default)]
 pub(crate) struct Around {
+    /// Start and end of each range of sorted objects to search.
     spans: Vec<(u32, u32)>,
-    /// Extents of the spheres, and which they are.
+    /// Extents of the spheres.
     extents: Vec<Vec4>,
+    /// Ids of the spheres.
     ids: Vec<u32>,
-    /// The same extents, four centres and half sizes side by side.
+    /// The extents of the spheres in lanes of four: centres and half sizes.
     lanes: Vec<(Vec3x4, Vec4)>,
-    /// Rods, boxes, polygons.
+    /// Ids of the rods, boxes and polygons.
     others: Vec<u32>,
+    /// List entries of one mover.
     entries: Vec<u32>,
-    /// Pairs compared so far.
+    /// Number of pairs compared so far.
     tests: u64,
 }
 
@@ -118,7 +126,7 @@ impl<'a> Grid<'a> {
         Self {
             step,
             aabbs,
-            levels: levels.map(|level| Level::new(step, level).holding(cells)).collect(),
+            levels: levels.map(|level| Level::new(step, level).with_data(cells)).collect(),
             ends: &cells[CELLS_AT as usize..][..step.cells as usize],
             sorted: &cells[step.sorted_at as usize..][..aabbs.len()],
             long_movers: long_movers(step, cells),
@@ -126,16 +134,16 @@ impl<'a> Grid<'a> {
         }
     }
 
-    /// Hands over the entries of each of some movers, in any order. Movers that stand side by side in memory, and so in space
-    /// if they are in order, look around together.
+    /// Calls `take` with the entries of each mover of a range, in any order within a list. Lists of long movers are empty.
+    /// Movers that are adjacent in memory, and so close in space if memory is ordered, search together.
     pub(crate) fn for_each_list(&self, movers: Range<u32>, around: &mut Around, take: &mut impl FnMut(&mut Vec<u32>)) {
         let aabbs = &self.aabbs[movers.start as usize..movers.end as usize];
         let Some(hull) = aabbs.iter().copied().reduce(hull) else {
             return;
         };
         let smallest = aabbs.iter().map(largest_edge).fold(f32::INFINITY, f32::min);
-        let is_narrow = largest_edge(&hull) <= NARROW * smallest;
-        if aabbs.len() > TOGETHER || (aabbs.len() > 1 && !is_narrow) {
+        let is_narrow = largest_edge(&hull) <= MAX_HULL_RATIO * smallest;
+        if aabbs.len() > MAX_GROUP || (aabbs.len() > 1 && !is_narrow) {
             let middle = movers.start + (movers.end - movers.start) / 2;
             self.for_each_list(movers.start..middle, around, take);
             return self.for_each_list(middle..movers.end, around, take);
@@ -156,17 +164,17 @@ impl<'a> Grid<'a> {
         }
     }
 
-    /// The long movers, in any order.
+    /// Returns the long movers, in any order.
     pub(crate) fn long_movers(&self) -> &'a [u32] {
         self.long_movers
     }
 
-    /// Whether a mover with this AABB is one of them.
+    /// Returns whether a mover with this AABB is long.
     pub(crate) fn is_long(&self, aabb: &Aabb) -> bool {
         is_long(self.step, aabb)
     }
 
-    /// The entries of a long mover, in any order.
+    /// Returns the entries of a long mover, in any order.
     pub(crate) fn long_list<'b>(&self, mover: u32, around: &'b mut Around) -> &'b mut [u32] {
         let own = &self.aabbs[mover as usize];
         self.spans(own, &mut around.spans);
@@ -175,7 +183,8 @@ impl<'a> Grid<'a> {
         &mut around.entries
     }
 
-    /// How many there may be: what is in rows of cells that share places of the table counts as often as it is met there.
+    /// Returns an upper bound of the number of entries of a long mover. If rows of cells share places of the table, an object
+    /// counts once for each row in which it is found.
     pub(crate) fn count_long(&self, mover: u32, around: &mut Around) -> u32 {
         let own = &self.aabbs[mover as usize];
         self.rows(own, &mut around.spans);
@@ -184,7 +193,7 @@ impl<'a> Grid<'a> {
         around.entries.iter().filter(|entry| *entry & self.step.entry_id_mask() != mover).count() as u32
     }
 
-    /// The sorted objects in the cells around an AABB, from `start` to before `end`, each once.
+    /// Writes the ranges of sorted objects in the cells around an AABB to `spans`. Each object is in one range only.
     fn spans(&self, aabb: &Aabb, spans: &mut Vec<(u32, u32)>) {
         self.rows(aabb, spans);
         spans.sort_unstable();
@@ -196,13 +205,13 @@ impl<'a> Grid<'a> {
         }
     }
 
-    /// The sorted objects in every row of cells around an AABB. Rows may share places of the table.
+    /// Writes the range of sorted objects in every row of cells around an AABB to `spans`. Rows may share places of the table.
     fn rows(&self, aabb: &Aabb, spans: &mut Vec<(u32, u32)>) {
         let all = self.sorted.len() as u32;
         spans.clear();
         for level in &self.levels {
             let block = level.around(aabb);
-            if block.is_more_than(all, self.step.cells) {
+            if block.covers_too_much(all, self.step.cells) {
                 if level.is_within(aabb) {
                     continue;
                 }
@@ -218,7 +227,7 @@ impl<'a> Grid<'a> {
                     if first <= last {
                         spans.push((start, end));
                     } else {
-                        // Around the end of the table.
+                        // The row wraps around the end of the table.
                         spans.extend([(start, all), (0, end)]);
                     }
                 }
@@ -228,7 +237,7 @@ impl<'a> Grid<'a> {
 }
 
 impl Around {
-    /// Takes of the objects in `spans` what may meet an AABB, by extents.
+    /// Collects the objects in `spans` that may meet an AABB, judged by their extents.
     fn gather(&mut self, grid: &Grid, aabb: &Aabb) {
         self.others.clear();
         let movers = grid.step.spheres + grid.step.rods;
@@ -250,7 +259,7 @@ impl Around {
                     }
                     continue;
                 }
-                // Without branches, for processors guess badly here. What has no bounds is apart from nothing.
+                // Without branches, because processors predict them badly here. An object without bounds is never apart.
                 let apart = (*extent - centre).abs().truncate().cmpgt(Vec3::splat(extent.w + half)).any();
                 (self.extents[count], self.ids[count]) = (*extent, *id);
                 count += usize::from(!apart);
@@ -263,7 +272,7 @@ impl Around {
         self.lanes.extend(self.extents.chunks(LANES).map(|extents| Vec3x4::from_rows(filled(extents))));
     }
 
-    /// The entries of a mover.
+    /// Writes the entries of a mover to `entries`.
     fn find(&mut self, grid: &Grid, mover: u32) {
         let Self { ids, lanes, others, entries: found, tests, .. } = self;
         *tests += (ids.len() + others.len()) as u64;
@@ -300,13 +309,13 @@ impl Around {
     }
 }
 
-/// The long movers of the grid that the lists were made with, in any order.
+/// Returns the long movers of the grid that the lists were built with, in any order.
 pub(crate) fn long_movers<'a>(step: &Step, cells: &'a [u32]) -> &'a [u32] {
     let count = if step.long_at == 0 { 0 } else { cells[3].min(step.spheres + step.rods) };
     &cells[step.long_at as usize..][..count as usize]
 }
 
-/// How many pairs of objects are compared to make the lists of a world whose grid is made.
+/// Returns the number of pairs of objects that are compared to build the lists of a world whose grid is built.
 pub(crate) fn pair_tests(world: &World) -> u64 {
     let grid = Grid::new(&world.step, &world.aabbs, &world.cells, &world.extents);
     let mut around = Around::default();
@@ -319,7 +328,7 @@ pub(crate) fn pair_tests(world: &World) -> u64 {
     around.tests
 }
 
-/// The most objects in the rows of cells around a mover that is not long.
+/// Returns the greatest number of objects in the rows of cells around a mover that is not long.
 pub(crate) fn longest_search(world: &World) -> u64 {
     let grid = Grid::new(&world.step, &world.aabbs, &world.cells, &world.extents);
     let mut spans = Vec::new();
@@ -331,7 +340,7 @@ pub(crate) fn longest_search(world: &World) -> u64 {
     movers.iter().filter(|aabb| !grid.is_long(aabb)).map(&mut looked_at).max().unwrap_or(0)
 }
 
-/// The middle of an AABB, and half its largest edge with room for the rounding of centres.
+/// Returns the centre of an AABB, and half its largest edge, enlarged to allow for the rounding of centres.
 fn centre_and_half(aabb: &Aabb) -> (Vec4, f32) {
     let extent = extent(aabb);
     (extent, extent.w + 2e-6 * extent.truncate().abs().max_element())
@@ -347,15 +356,15 @@ fn largest_edge(aabb: &Aabb) -> f32 {
     (Vec3::from_array(aabb.max) - Vec3::from_array(aabb.min)).max_element()
 }
 
-/// Cells of one level, from the lowest to the highest along each axis.
+/// A block of cells of one level, from the lowest to the highest along each axis.
 struct Block {
     low: IVec3,
     high: IVec3,
 }
 
 impl Block {
-    /// Whether it has more rows than there are objects, or more cells than the table.
-    fn is_more_than(&self, objects: u32, cells: u32) -> bool {
+    /// Returns whether the block has more rows than there are objects, or at least as many cells as the table.
+    fn covers_too_much(&self, objects: u32, cells: u32) -> bool {
         let [x, y, z] = [0, 1, 2].map(|axis| f64::from(self.high[axis]) - f64::from(self.low[axis]) + 1.0);
         y * z > f64::from(objects) || x * y * z >= f64::from(cells)
     }
@@ -367,39 +376,41 @@ impl Level {
         Self { number, size, edge: size, farthest: f32::INFINITY }
     }
 
-    /// The same once all objects are counted.
-    fn holding(self, cells: &[u32]) -> Self {
+    /// Adds the data of the level that `count_cells` has written to `cells`.
+    fn with_data(self, cells: &[u32]) -> Self {
         let of_level = |first: u32| f32::from_bits(cells[(first + self.number) as usize]);
         Self { edge: of_level(EDGES_AT), farthest: of_level(FARTHEST_AT), ..self }
     }
 
-    /// The cells that the centre of an overlapping object may be in.
+    /// Returns the cells in which the centre of an overlapping object may lie.
     fn around(&self, aabb: &Aabb) -> Block {
         let [low, high] = self.places_around(aabb);
         Block { low: self.cell(low), high: self.cell(high) }
     }
 
-    /// Whether all of its objects are so near the origin that this AABB cannot overlap them.
+    /// Returns whether all objects of the level are so near the origin that this AABB cannot overlap them.
     fn is_within(&self, aabb: &Aabb) -> bool {
         let [low, high] = self.places_around(aabb);
         let far = Vec4::splat(self.farthest);
         low.cmpgt(far).any() || high.cmplt(-far).any()
     }
 
-    /// Between which places the centre of an overlapping object may be. The slack covers rounding.
+    /// Returns the lowest and the highest place at which the centre of an overlapping object may lie. The slack also covers
+    /// rounding.
     fn places_around(&self, aabb: &Aabb) -> [Vec4; 2] {
         let [min, max] = [aabb.min, aabb.max].map(|bound| Vec3::from_array(bound).extend(0.0));
         let slack = 0.5005 * self.edge + 1e-6 * min.abs().max(max.abs());
         [min - slack, max + slack]
     }
 
-    /// The cell of a place. What is far out is clamped, which keeps the order of coordinates.
+    /// Returns the cell of a place. The coordinates are clamped, so that places far out have a cell too. Clamping keeps their
+    /// order.
     fn cell(&self, place: Vec4) -> IVec3 {
         if self.number == TOP_LEVEL {
             return IVec3::ZERO;
         }
         let far = Vec4::splat((1 << 30) as f32);
-        // `floor`, which not every processor has.
+        // This is `f32::floor`, for which not every processor has an instruction.
         let floor = |x: f32| x as i32 - i32::from(x < (x as i32) as f32);
         IVec3::from_array((place / (self.size * CELL_SHAPE)).clamp(-far, far).truncate().to_array().map(floor))
     }

@@ -1,18 +1,25 @@
 // requires model/step.wgsl
 
-// The grid: which cell an object is in, and which cells it may find others in.
+// The grid: which cell an object is in.
 //
-// Levels of cells, each twice as large as the one below, and half as wide along x: a row of them is one span of memory, which so is
-// cut closer. An object is in one cell: that of its centre, on the lowest level (from `least_level` on)
-// whose cells are not smaller than it. So what overlaps an AABB has its centre within half a cell of it, on every level.
-// Cells live in a table of fixed size: along x they are neighbours, rows are scattered. Two rows may share places of the
-// table; that costs tests and makes duplicates, which `find_neighbours` drops, but loses nothing.
+// The grid has levels of cells. The cells of a level are twice as large as those of the level below. Cells are half as wide
+// along x as along y and z. A row of cells along x is one span of memory, and narrower cells make the ends of the span fit
+// more closely.
+//
+// An object is in one cell: the cell of its centre on the lowest level, from `least_level` on, whose cells are not smaller
+// than the object. So on every level an object that overlaps an AABB has its centre within half a cell of that AABB.
+//
+// The cells are in a table of fixed size. Cells that are neighbours along x are neighbours in the table. Rows are scattered
+// over it. Two rows may share places of the table. That costs tests and makes duplicates, which `find_neighbours` drops, but
+// it loses nothing.
 
-// Few boxes and polygons are tested one by one: levels of their own would cost every mover more.
+// Returns whether boxes and polygons are so few that every mover tests them one by one. Levels of their own would cost every
+// mover more.
 fn statics_stand_apart() -> bool {
     return step.boxes + step.polygons <= FEW_STATICS;
 }
 
+// Edges of a cell, in units of the cell size of its level.
 const CELL_SHAPE: vec3f = vec3f(0.5, 1.0, 1.0);
 
 fn cell_size(level: u32) -> f32 {
@@ -36,12 +43,14 @@ fn level_of(aabb: Aabb) -> u32 {
     return level;
 }
 
-// Whether a mover looks at hundreds of objects: its AABB is on LONG_LEVEL or above. A workgroup makes its list.
+// Returns whether a mover is long: its AABB is on LONG_LEVEL or above, so that it has to test hundreds of objects. A
+// workgroup builds its list.
 fn is_long(aabb: Aabb) -> bool {
     return (step.long_at != 0u) & !(largest_edge(aabb) <= cell_size(LONG_LEVEL - 1u));
 }
 
-// Clamped, so that what is far out or infinite has a cell too: clamping keeps the order of coordinates.
+// Returns the cell of a place. The coordinates are clamped, so that places far out or at infinity have a cell too. Clamping
+// keeps the order of coordinates.
 fn cell_coordinates(place: vec3f, level: u32) -> vec3i {
     if level == TOP_LEVEL {
         return vec3i(0);
@@ -54,6 +63,7 @@ fn row_key(y: i32, z: i32, level: u32) -> u32 {
     return u32(y) * ROW_Y + u32(z) * ROW_Z + level * ROW_LEVEL;
 }
 
+// Returns the place of a cell in the table.
 fn cell_key(x: i32, row: u32) -> u32 {
     return (u32(x) + row) & (step.cells - 1u);
 }

@@ -1,11 +1,12 @@
-//! Grid broad phase, 1 of 6: an empty table of cells.
+//! Grid broad phase, 1 of 6: clears the table of cells.
 
 use crate::model::buffer::Buffer;
 use crate::model::dispatch::Threads;
 use crate::model::layout::{CELLS_AT, EDGES_AT};
+use crate::model::part::part;
 use crate::model::world::World;
 use crate::step::stage::{Stage, write};
-use crate::step::wgsl::{Wgsl, part};
+use crate::step::wgsl::Wgsl;
 
 /// The stage.
 pub(crate) const STAGE: Stage = Stage {

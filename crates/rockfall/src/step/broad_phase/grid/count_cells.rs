@@ -1,5 +1,7 @@
-//! Grid broad phase, 2 of 6: the cell of every object, how many are in each, and which levels have any; and
-//! the long movers, where there may be some, in any order.
+//! Grid broad phase, 2 of 6: finds the cell of every object, and counts the objects in each cell.
+//!
+//! The stage also records which levels have objects, and for each level the largest edge and the greatest absolute coordinate
+//! of a centre. In scenes that may have long movers it collects them, in any order.
 
 use rayon::prelude::*;
 
@@ -7,10 +9,11 @@ use crate::model::buffer::Buffer;
 use crate::model::dispatch::Threads;
 use crate::model::layout::GRAIN;
 use crate::model::layout::{CELLS_AT, EDGES_AT, FARTHEST_AT};
+use crate::model::part::part;
 use crate::model::world::World;
 use crate::step::broad_phase::grid::cells::{greatest_coordinate, is_long, key_of, stands_apart};
 use crate::step::stage::{Stage, read, write};
-use crate::step::wgsl::{Wgsl, part};
+use crate::step::wgsl::Wgsl;
 
 /// The stage.
 pub(crate) const STAGE: Stage = Stage {
@@ -31,7 +34,7 @@ fn count_cells(world: &mut World, _pass: u32) {
         if !stands_apart(step, object as u32) {
             world.cells[0] |= 1 << level;
             let edge = &mut world.cells[(EDGES_AT + level) as usize];
-            // Positive floats order like their bits.
+            // Floats that are not negative have the order of their bits.
             *edge = (*edge).max(largest.max(0.0).to_bits());
             let far = &mut world.cells[(FARTHEST_AT + level) as usize];
             *far = (*far).max(greatest_coordinate(&world.aabbs[object]).to_bits());

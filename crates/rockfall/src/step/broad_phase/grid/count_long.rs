@@ -1,16 +1,17 @@
-//! Grid broad phase, before the last: how long the lists of long movers may become, so that their slices get room.
+//! Grid broad phase, between 5 and 6 of 6: counts the entries of long movers, so that their slices get enough room.
 //!
-//! A long mover looks at hundreds of objects and more: a workgroup shares out the rows of cells. Entries count twice that rows which
-//! share places of the table hold both.
+//! A long mover has to test hundreds of objects or more, so the threads of a workgroup share its rows of cells. The count is
+//! an upper bound: if two rows share places of the table, entries found in both rows count twice.
 
 use rayon::prelude::*;
 
 use crate::model::buffer::Buffer;
 use crate::model::dispatch::Threads;
+use crate::model::part::part;
 use crate::model::world::World;
 use crate::step::broad_phase::grid::cells::{Around, Grid};
 use crate::step::stage::{Stage, read, write};
-use crate::step::wgsl::{Wgsl, part};
+use crate::step::wgsl::Wgsl;
 
 /// The stage.
 pub(crate) const STAGE: Stage = Stage {

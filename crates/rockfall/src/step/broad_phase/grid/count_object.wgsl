@@ -1,7 +1,8 @@
 // requires model/step.wgsl step/broad_phase/grid/cells.wgsl
 
-// What the objects of a workgroup tell of the levels: a mask of those that have objects, and the bits of the largest edge and of the
-// greatest coordinate on each. Positive floats order like their bits.
+// What the objects of a workgroup contribute to the data of the levels: a mask of the levels that have objects, and for each
+// level the bits of the largest edge and of the greatest absolute coordinate of a centre. Floats that are not negative have
+// the order of their bits.
 var<workgroup> levels: atomic<u32>;
 var<workgroup> edges: array<atomic<u32>, LEVELS>;
 var<workgroup> farthest: array<atomic<u32>, LEVELS>;
@@ -16,7 +17,8 @@ fn clear_levels(local: u32) {
     }
 }
 
-// Counts an object in its cell, and notes it if it is a long mover, in any order; and its level, but where nobody looks for it there.
+// Counts an object in its cell. Adds it to the long movers, in any order, if it is one. Adds it to the data of its level,
+// unless every mover tests it separately.
 fn count_object(object: u32) {
     let aabb = aabbs[object];
     let level = level_of(aabb);
@@ -44,7 +46,8 @@ fn count_object(object: u32) {
     }
 }
 
-// Once all objects of the workgroup are counted. Most workgroups find that others have told as much, and to look takes less.
+// Adds the data of the workgroup to that of the levels, after all its objects are counted. Most workgroups have nothing new
+// to add, and a read takes less time than an atomic update.
 fn record_levels(local: u32) {
     if local == 0u {
         let mine = atomicLoad(&levels);

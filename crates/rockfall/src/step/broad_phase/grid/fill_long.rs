@@ -1,7 +1,7 @@
-//! Grid broad phase, after the last: the lists of long movers, each found and put in order by a workgroup.
+//! Grid broad phase, after 6 of 6: builds the lists of long movers, with a workgroup for each.
 //!
-//! The threads share out the rows of cells; what they find comes in any order, is ordered by index (in order of addition), then
-//! feature, and kept once.
+//! The threads share the rows of cells, and find entries in any order. The entries are then sorted by insertion index, then
+//! feature, and duplicates are dropped.
 
 use rayon::prelude::*;
 
@@ -9,12 +9,13 @@ use crate::model::buffer::Buffer;
 use crate::model::dispatch::Threads;
 use crate::model::layout::SLICE;
 use crate::model::lists::{put_in_order, slot};
+use crate::model::part::part;
 use crate::model::status::{REJECTED_COUNT, REJECTED_PAIRS};
 use crate::model::view::View;
 use crate::model::world::World;
 use crate::step::broad_phase::grid::cells::{Around, Grid};
 use crate::step::stage::{Stage, read, write};
-use crate::step::wgsl::{Wgsl, part};
+use crate::step::wgsl::Wgsl;
 
 /// The stage.
 pub(crate) const STAGE: Stage = Stage {

@@ -10,8 +10,9 @@
 
 // Slot of the first entry.
 var<private> into: vec2u;
+// Number of keys that are found so far.
 var<workgroup> found: atomic<u32>;
-// The same, once all is found.
+// Number of keys, once all are found.
 var<workgroup> count: u32;
 
 fn emit(mover: u32, place: u32) {
@@ -26,8 +27,8 @@ fn emit(mover: u32, place: u32) {
     }
 }
 
-// Of keys in order, each once, as an entry. Gives their number.
-fn drop_doubles(local: u32) -> u32 {
+// Drops duplicates from the sorted keys, and replaces the keys by entries. Returns the number of entries.
+fn drop_duplicates(local: u32) -> u32 {
     let keys = workgroupUniformLoad(&count);
     var kept = 0u;
     var last = NONE;
@@ -80,7 +81,7 @@ fn fill_long(
             count = atomicLoad(&found);
         }
         order_keys(local);
-        let kept = drop_doubles(local);
+        let kept = drop_duplicates(local);
         if local == 0u {
             put_head(mover, kept);
         }

@@ -1,10 +1,12 @@
-//! Grid broad phase, 6 of 6: the list of every mover but the long ones, in ascending order of index (in order of addition), then
+//! Grid broad phase, 6 of 6: builds the list of every mover except the long ones, in ascending order of insertion index, then
 //! feature.
 //!
-//! May meet: as in `count_pairs`. Where two rows of cells share places of the table an object is met twice; its entry is
-//! kept once. A slice gets its place in the order in which workgroups come to it; what is in a list does not depend on
-//! where it stands. Long movers get room for what `count_long` has counted. More than `pair_rows` voids the step, and its
-//! lists are empty.
+//! The condition for two objects to meet is that of `count_pairs`. If two rows of cells share places of the table, an object
+//! may be found twice. Its entry is kept once.
+//!
+//! Slices get their rows in the order in which workgroups request them. The contents of a list do not depend on its place.
+//! Long movers get as much room as `count_long` has counted. If the slices need more than `pair_rows` rows, the step is
+//! rejected, and lists without room are empty.
 
 use rayon::prelude::*;
 
@@ -13,12 +15,13 @@ use crate::model::dispatch::Threads;
 use crate::model::layout::GRAIN;
 use crate::model::layout::SLICE;
 use crate::model::lists::{put_in_order, slices};
+use crate::model::part::part;
 use crate::model::status::{REBUILD_DONE, REJECTED_COUNT, REJECTED_PAIRS};
 use crate::model::view::View;
 use crate::model::world::World;
 use crate::step::broad_phase::grid::cells::{Around, Grid};
 use crate::step::stage::{Stage, read, write};
-use crate::step::wgsl::{Wgsl, part};
+use crate::step::wgsl::Wgsl;
 
 /// The stage.
 pub(crate) const STAGE: Stage = Stage {
@@ -36,8 +39,9 @@ pub(crate) const STAGE: Stage = Stage {
     cpu: find_neighbours,
 };
 
-/// Entries that a slice of lists has room for before memory is asked for more: threads that do so wait for each other.
-const USUAL: usize = 20 * SLICE as usize;
+/// Initial capacity for the entries of a slice. A larger slice has to reallocate, and threads that allocate wait for each
+/// other.
+const INITIAL_CAPACITY: usize = 20 * SLICE as usize;
 
 fn find_neighbours(world: &mut World, _pass: u32) {
     if world.cells[1] == 0 {
@@ -51,7 +55,7 @@ fn find_neighbours(world: &mut World, _pass: u32) {
         .into_par_iter()
         .with_min_len(GRAIN / SLICE as usize)
         .map_init(Around::default, |around, slice| {
-            let mut found = Found { entries: Vec::with_capacity(USUAL), ..Found::default() };
+            let mut found = Found { entries: Vec::with_capacity(INITIAL_CAPACITY), ..Found::default() };
             let mut counts = found.counts.iter_mut().zip(slice * SLICE..);
             grid.for_each_list(slice * SLICE..movers.min((slice + 1) * SLICE), around, &mut |entries| {
                 put_in_order(&view, entries);
@@ -96,10 +100,11 @@ fn find_neighbours(world: &mut World, _pass: u32) {
     );
 }
 
-/// What the movers of a slice may meet.
+/// The lists of the movers of a slice.
 #[derive(Default)]
 struct Found {
+    /// The number of entries of each mover.
     counts: [u32; SLICE as usize],
-    /// The lists, one after the other.
+    /// The entries of all movers, list after list.
     entries: Vec<u32>,
 }

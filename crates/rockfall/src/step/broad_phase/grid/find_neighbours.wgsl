@@ -9,31 +9,35 @@
 @group(0) @binding(6) var<storage, read> topology: array<u32>;
 @group(0) @binding(7) var<storage, read_write> status: StatusAtomic;
 
-// So many objects are put in order at once.
-const SHORT: u32 = 32u;
-// So many are remembered, in two runs where there are rods, which have many neighbours, in three where there are large spheres, which
-// press small ones together; more are looked for again, and put in order in place.
+// Objects in a run, which a sorting network sorts at once.
+const RUN_SIZE: u32 = 32u;
+// Runs of objects that a thread remembers: two in scenes with rods, which have many neighbours, three in scenes with large
+// spheres, which press small ones together, one in others. A mover that finds more objects repeats its search, and sorts its
+// list in place.
 const RUNS: u32 = select(1u + u32(RODS), 3u, LARGE);
-const REMEMBERED: u32 = RUNS * SHORT;
-// Whether there are so many objects that a key has no room for the place beside the index: then ids are looked up.
+const REMEMBERED: u32 = RUNS * RUN_SIZE;
+// Whether there are so many objects that a key has no room for the place in the run beside the insertion index. Ids are then
+// looked up by insertion index.
 override MANY: bool = false;
 override PLACE_BITS: u32 = 5u * u32(!MANY);
 override PLACE_MASK: u32 = (1u << PLACE_BITS) - 1u;
 
-// What was found: places (see `id_at`), then ids; once in order, those that are kept. Not in workgroup memory, for that is taken from
-// the cache, which matters more here; and short, for all of it is set to 0 first, which takes time.
+// The objects found: first their places (see `id_at`), then their ids, and after sorting the ids that are kept. The array is
+// not in workgroup memory, because that is taken from the cache, which matters more here. It is short, because setting all of
+// it to 0 at the start takes time.
 var<private> ids: array<u32, REMEMBERED>;
-// The longest list of each slice of the workgroup, and where the slice begins.
+// For each slice of the workgroup: the length of its longest list, and the row in which the slice begins.
 var<workgroup> longest: array<atomic<u32>, WORKGROUP / SLICE>;
 var<workgroup> offsets: array<u32, WORKGROUP / SLICE>;
 
-// Objects found; the first of them are remembered.
+// Number of objects found. The first REMEMBERED of them are remembered.
 var<private> found: u32;
-// Entries that they make, or may make.
+// In the first search: an upper bound of the number of entries. In the second: the number of keys written.
 var<private> entries: u32;
-// Slot of the first entry, once it has a place; row 0 before.
+// Slot of the first entry. Its row is 0 until the slice is allocated.
 var<private> into: vec2u;
 
+// Handles an object that `emit_neighbours` finds. The first search remembers it, the second writes its keys to the list.
 fn emit(mover: u32, place: u32) {
     if is_remote {
         if !may_meet(mover, id_at(place)) {
@@ -59,14 +63,16 @@ fn emit(mover: u32, place: u32) {
     }
 }
 
-// The run at hand: where it begins among those remembered, and how many there are in it.
+// The current run: where it begins in `ids`, and the number of its objects.
 var<private> run_at: u32;
 var<private> in_run: u32;
 // The mover's AABB, in scenes with rods.
 var<private> own_aabb: Aabb;
 
-// Index in order of addition and, but where there are MANY, which of the run it is; NONE where the mover does not meet it, or there is
-// none. With few branches, so that memory is asked for several at a time: past the last one stands what stood there before, or 0.
+// Returns the sort key of an object of the run: its insertion index and, unless there are MANY objects, its place in the run.
+// Returns NONE if the mover does not meet the object, or if the place is after the end of the run. It has few branches, so
+// that the loads of several objects overlap. Loads after the end of the run are valid: `ids` holds an earlier value or 0
+// there.
 fn key_of(mover: u32, place: u32) -> u32 {
     let id = id_at(ids[run_at + place]);
     ids[run_at + place] = id;
@@ -89,10 +95,10 @@ fn four_keys(mover: u32, place: u32) -> vec4u {
 }
 
 fn run_id(key: u32) -> u32 {
-    return ids[run_at + key % SHORT];
+    return ids[run_at + key % RUN_SIZE];
 }
 
-// Keys in their order, and the ids that they stand for.
+// Sorted keys, and their ids.
 struct Run {
     keys: Sixteen,
     ids: Sixteen,
@@ -109,10 +115,11 @@ fn run_of(keys: Sixteen) -> Run {
     return Run(keys, Sixteen(ids_of(keys.a), ids_of(keys.b), ids_of(keys.c), ids_of(keys.d)));
 }
 
-// How many ids are kept, and the index in order of addition of the last one.
+// Number of ids that are kept, and the insertion index of the last one.
 var<private> kept: u32;
 var<private> before: u32;
 
+// Keeps an id, unless its key is NONE or a duplicate of the last one.
 fn keep(key: u32, id: u32) {
     if (key != NONE) & ((key >> PLACE_BITS) != before) {
         before = key >> PLACE_BITS;
@@ -135,7 +142,7 @@ fn keep_run(run: Run) {
     keep_4(run.keys.d, run.ids.d);
 }
 
-// Of the run at hand those that the mover meets, by their index in order of addition, ascending, each once.
+// Replaces the current run by the ids that the mover meets, in ascending order of insertion index, without duplicates.
 fn order_run(mover: u32) {
     kept = 0u;
     before = NONE;
@@ -155,7 +162,7 @@ fn order_run(mover: u32) {
     }
 }
 
-// Entries that the kept ones of the run make.
+// Returns the number of entries that the kept ids of the run make.
 fn entries_of_run(mover: u32) -> u32 {
     var sum = kept;
     if RODS & (mover >= step.spheres) {
@@ -167,27 +174,29 @@ fn entries_of_run(mover: u32) -> u32 {
     return sum;
 }
 
-// So many of each run are kept, in order.
-var<private> kept_of: vec4u;
+// Number of sorted ids that are kept in each run.
+var<private> kept_in_run: vec4u;
 
+// Sorts each run that has objects, and updates the bound of the number of entries.
 fn order_runs(mover: u32) {
     if RODS {
         own_aabb = aabbs[mover];
     }
     entries = 0u;
     for (var k = 0u; k < RUNS; k++) {
-        run_at = k * SHORT;
-        in_run = min(found - min(found, run_at), SHORT);
+        run_at = k * RUN_SIZE;
+        in_run = min(found - min(found, run_at), RUN_SIZE);
         if (k == 0u) | (in_run > 0u) {
             order_run(mover);
-            kept_of[k] = kept;
+            kept_in_run[k] = kept;
             entries += entries_of_run(mover);
         }
     }
 }
 
-// Room for a slice as wide as its longest list. A step without room for all is void, and nothing is written past the end.
-fn allot(slice: u32, rows: u32) -> u32 {
+// Allocates rows for a slice, as many as its longest list has entries. Returns the first row, or NONE if the rows do not fit.
+// In that case the step is rejected, and nothing is written past the end.
+fn allocate_rows(slice: u32, rows: u32) -> u32 {
     let offset = atomicAdd(&status.pair_rows_needed, rows);
     put_head(step.slices_at + slice, offset);
     if offset + rows > step.pair_rows {
@@ -199,17 +208,17 @@ fn allot(slice: u32, rows: u32) -> u32 {
     return select(offset, NONE, (offset + rows > step.pair_rows) | (offset + rows < offset));
 }
 
-// The index in order of addition of the next object of a run of which so many are taken already; NONE: there is none.
+// Returns the insertion index of the next object of a run after `taken` objects, or NONE if there is none.
 fn head_of_run(run: u32, taken: u32) -> u32 {
-    let id = ids[run * SHORT + min(taken, SHORT - 1u)];
-    return select(NONE, insertion_index(id), taken < kept_of[run]);
+    let id = ids[run * RUN_SIZE + min(taken, RUN_SIZE - 1u)];
+    return select(NONE, insertion_index(id), taken < kept_in_run[run]);
 }
 
-// Writes a list of which the runs are in order. An object may stand in several of them.
+// Merges the sorted runs and writes the list. An object may be in several runs.
 fn write_runs(mover: u32) {
     var place = 0u;
     if RUNS == 1u {
-        for (; place < kept_of.x; place++) {
+        for (; place < kept_in_run.x; place++) {
             lists[into.x + place][into.y] = ids[place];
         }
         put_head(mover, place);
@@ -228,7 +237,7 @@ fn write_runs(mover: u32) {
         var id = 0u;
         for (var run = 0u; run < RUNS; run++) {
             if heads[run] == least {
-                id = ids[run * SHORT + taken[run]];
+                id = ids[run * RUN_SIZE + taken[run]];
                 taken[run] += 1u;
                 heads[run] = head_of_run(run, taken[run]);
             }
@@ -260,7 +269,8 @@ fn find_neighbours(
         atomicStore(&longest[local], 0u);
     }
     workgroupBarrier();
-    // Round 0 finds and counts; round 1 finds again what was too much to remember.
+    // Round 0 finds the objects and counts the entries. Round 1 repeats the search of movers that found too many objects to
+    // remember.
     var searches = mover < step.spheres + step.rods;
     if searches {
         searches = !is_long(aabbs[mover]);
@@ -269,7 +279,7 @@ fn find_neighbours(
         if searches | (mover >= step.spheres + step.rods) {
             put_head(mover, 0u);
         } else {
-            // `count_long` has counted them, and `fill_long` will write them.
+            // The entries of a long mover: `count_long` has counted them, and `fill_long` writes them.
             entries = head_of(mover);
         }
     }
@@ -284,7 +294,7 @@ fn find_neighbours(
             atomicMax(&longest[slice], entries);
             workgroupBarrier();
             if (local % SLICE == 0u) & (mover < step.slices_at) {
-                offsets[slice] = allot(mover / SLICE, atomicLoad(&longest[slice]));
+                offsets[slice] = allocate_rows(mover / SLICE, atomicLoad(&longest[slice]));
             }
             workgroupBarrier();
             searches &= offsets[slice] != NONE;

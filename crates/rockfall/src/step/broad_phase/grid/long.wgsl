@@ -1,6 +1,7 @@
 // requires model/step.wgsl
 
-// Long movers: a workgroup works on each. The workgroups take turns: how many long movers there are is known on the device alone.
+// Long movers. One workgroup works on each of them. The workgroups take turns, because only the device knows the number of
+// long movers.
 
 const GROUP_SIZE: u32 = 256u;
 

@@ -1,22 +1,27 @@
 // requires model/step.wgsl step/broad_phase/grid/cells.wgsl step/broad_phase/meet.wgsl
 
-// All objects that a mover may meet, itself and some more, from the cells around it. The stage says in `emit` what becomes of
-// them. They come in any order, as places among the sorted objects or marked ids, and one may come twice.
+// Searches the cells around a mover for all objects that it may meet. The stage that uses it defines `emit`, which handles an
+// object. The objects come in any order, as places among the sorted objects or as marked ids. An object may come twice. The
+// mover itself and some objects that it does not meet come too.
 //
-// One loop within another within a third, and each function called from one place: graphics compilers inline everything.
+// Shader compilers inline every function, so the loops are nested as little as possible, and the large functions are called
+// from one place each.
 
-// So many sorted objects from the first one on; after the last of all comes the first, for a row may go around the end of the table.
+// A number of sorted objects from the first one on. After the last sorted object the span continues with the first one,
+// because a row may wrap around the end of the table.
 struct Span {
     first: u32,
     count: u32,
 }
 
-// Cells on a level within which the centre of an overlapping object lies. The slack covers rounding.
+// The cells on a level in which the centre of an overlapping object may lie.
 struct CellRange {
     low: vec3i,
     high: vec3i,
 }
 
+// Returns how far outside an AABB the centre of an overlapping object on a level may lie: half the largest edge, and a little
+// more to cover rounding.
 fn slack_around(own: Aabb, level: u32) -> vec3f {
     return 0.5005 * bitcast<f32>(cells[EDGES_AT + level]) + 1e-6 * max(abs(own.min), abs(own.max));
 }
@@ -26,21 +31,22 @@ fn cells_around(own: Aabb, level: u32) -> CellRange {
     return CellRange(cell_coordinates(own.min - slack, level), cell_coordinates(own.max + slack, level));
 }
 
-// Whether all objects on a level are so near the origin that an AABB cannot overlap them: what flies off as fast as it can, all alone,
-// would have too many cells to look at.
+// Returns whether all objects on a level are so near the origin that an AABB cannot overlap them. Without this test a single
+// body that flies off very fast would have too many cells to search.
 fn is_beyond(own: Aabb, level: u32) -> bool {
     let slack = slack_around(own, level);
     let far = vec3f(bitcast<f32>(cells[FARTHEST_AT + level]));
     return any(own.min - slack > far) | any(own.max + slack < -far);
 }
 
-// Whether there are more rows of cells to look at than objects, or more cells than the table has. In floats, for the product of very
-// large counts.
+// Returns whether a range has more rows of cells than there are objects, or at least as many cells as the table. The counts
+// are floats, because their product may be very large.
 fn covers_too_much(range: CellRange) -> bool {
     let size = vec3f(range.high) - vec3f(range.low) + 1.0;
     return (size.y * size.z > f32(objects())) | (size.x * size.y * size.z >= f32(step.cells));
 }
 
+// Returns the sorted objects in a row of cells.
 fn span_of_row(range: CellRange, y: i32, z: i32, level: u32) -> Span {
     let row = row_key(y, z, level);
     let first = cell_key(range.low.x, row);
@@ -52,24 +58,26 @@ fn span_of_row(range: CellRange, y: i32, z: i32, level: u32) -> Span {
     return Span(start, cells[CELLS_AT + last] - start + select(0u, objects(), first > last));
 }
 
-// Marks an id among places of sorted objects.
-const AN_ID: u32 = 0x80000000u;
+// The bit that marks an id where the other values are places of sorted objects.
+const ID_MARK: u32 = 0x80000000u;
 
-// Without a branch, so that memory is asked for several at a time; an id is a place, too, of some object.
+// Returns the id of the object at a place, or the id itself if it is marked. It has no branch, so that the loads of several
+// calls overlap. The load is valid for a marked id too, because every id is a valid place.
 fn id_at(place: u32) -> u32 {
-    let bare = place & ~AN_ID;
-    return select(cells[step.sorted_at + bare], bare, (place & AN_ID) != 0u);
+    let bare = place & ~ID_MARK;
+    return select(cells[step.sorted_at + bare], bare, (place & ID_MARK) != 0u);
 }
 
-// Where the rounding of centres, which grows with the distance from the origin, comes to so much, squares of distances may be beyond
-// all numbers: then everything is found, and the AABBs have the last word on spheres, too.
-const REMOTE: f32 = 1e12;
+// A mover whose probe has a `ball` of at least this radius is remote. The radius grows with the distance from the origin,
+// because it allows for the rounding of centres. Squares of distances may overflow for a remote mover, so that every object
+// is found. The AABBs then decide for pairs of spheres too.
+const REMOTE_REACH: f32 = 1e12;
 
-// Whether the mover that looks around is there.
+// Whether the searching mover is remote.
 var<private> is_remote: bool;
 
 fn may_meet(a: u32, b: u32) -> bool {
-    // Two spheres whose balls are apart are not found in the first place.
+    // The search does not find pairs of spheres whose balls are apart.
     if (a < step.spheres) & (b < step.spheres) & !is_remote {
         if (step.flags & FLAG_GROUPS) == 0u {
             return true;
@@ -79,12 +87,12 @@ fn may_meet(a: u32, b: u32) -> bool {
     return aabbs_meet(aabbs[a], aabbs[b]);
 }
 
-// Entries that what was found makes in the list of a mover: none for itself, nor for one of few statics that was met in a cell,
-// for those are tested one by one.
+// Returns the number of entries that a found object makes in the list of a mover. The mover itself makes none. If boxes and
+// polygons are few, one that was found in a cell makes none, because they are tested one by one.
 fn entries_found(mover: u32, place: u32) -> u32 {
     let id = id_at(place);
-    let is_known = ((place & AN_ID) == 0u) & (id >= step.spheres + step.rods) & statics_stand_apart();
-    if (id == mover) | is_known {
+    let is_tested_apart = ((place & ID_MARK) == 0u) & (id >= step.spheres + step.rods) & statics_stand_apart();
+    if (id == mover) | is_tested_apart {
         return 0u;
     }
     if !may_meet(mover, id) {
@@ -93,27 +101,30 @@ fn entries_found(mover: u32, place: u32) -> u32 {
     return entries_of(mover, id);
 }
 
-// What of a search a thread does, where a team shares it: of `across` times `across` rows of cells one, and of that one of so many parts.
+// The share of a thread in a search that a workgroup shares: one of every `across` times `across` rows of cells, and one of
+// `parts` parts of that row.
 struct Portion {
+    // The row among `across` times `across` rows.
     y: i32,
     z: i32,
     across: i32,
+    // The part of the row.
     part: u32,
     parts: u32,
 }
 
 const ALL_OF_IT = Portion(0, 0, 1, 0u, 1u);
-// Most long movers see some 8 times 8 rows, of dozens of objects each.
-const TEAM_ACROSS: u32 = 4u;
-const TEAM_PARTS: u32 = 16u;
+// How a workgroup shares a search. Most long movers search about 8 times 8 rows, with dozens of objects each.
+const GROUP_ACROSS: u32 = 4u;
+const GROUP_PARTS: u32 = 16u;
 
-// That of a thread of a workgroup of 256.
+// Returns the portion of a thread in a workgroup of 256 threads.
 fn portion_of(local: u32) -> Portion {
-    let row = local / TEAM_PARTS;
-    return Portion(i32(row % TEAM_ACROSS), i32(row / TEAM_ACROSS), i32(TEAM_ACROSS), local % TEAM_PARTS, TEAM_PARTS);
+    let row = local / GROUP_PARTS;
+    return Portion(i32(row % GROUP_ACROSS), i32(row / GROUP_ACROSS), i32(GROUP_ACROSS), local % GROUP_PARTS, GROUP_PARTS);
 }
 
-// What of a span is a thread's.
+// Returns the part of a span that belongs to a portion.
 fn share_of_span(span: Span, portion: Portion) -> Span {
     if portion.parts == 1u {
         return span;
@@ -124,12 +135,13 @@ fn share_of_span(span: Span, portion: Portion) -> Span {
     return Span(first - select(0u, objects(), first >= objects()), min(size, span.count - begin));
 }
 
-// What a mover looks around with. Rounding of centres, which grows with the distance from the origin, must not lose a pair that
-// AABBs decide on.
+// The AABB of the searching mover, as its centre and half its size. The size is enlarged to allow for the rounding of
+// centres, which grows with the distance from the origin. So no pair is lost whose AABBs overlap.
 struct Probe {
     centre: vec3f,
+    // Half the size along each axis.
     reach: vec3f,
-    // Radius of the ball that a sphere's AABB encloses, half its size.
+    // The greatest component of `reach`. For a sphere it is the radius of the ball that its AABB encloses.
     ball: f32,
     is_sphere: bool,
 }
@@ -138,15 +150,15 @@ fn probe_of(mover: u32, own: Aabb) -> Probe {
     let centre = 0.5 * own.min + 0.5 * own.max;
     let reach = 0.500002 * (own.max - own.min) + 1e-6 * abs(centre);
     let ball = max(max(reach.x, reach.y), reach.z);
-    is_remote = !(ball < REMOTE);
+    is_remote = !(ball < REMOTE_REACH);
     return Probe(centre, reach, ball, mover < step.spheres);
 }
 
-// A cube about a ball of radius 1 is in one of this radius.
-const CORNER: f32 = 1.7320509;
+// The cube around a ball of radius 1 fits into a ball of this radius, the square root of 3.
+const CUBE_TO_BALL: f32 = 1.7320509;
 
-// 1 where a sorted object is not known to be far: of two spheres, where the balls meet. What has no bounds has no centre, and is
-// far from nothing. The AABBs themselves have the last word, later.
+// Returns 1 if a sorted object may overlap the mover, else 0. For two spheres it is 1 if their balls meet. An object without
+// bounds has no centre, and the result is 1. The AABBs themselves decide later.
 fn is_close(probe: Probe, other: vec4f) -> u32 {
     let apart = other.xyz - probe.centre;
     let touching = probe.ball + abs(other.w);
@@ -155,13 +167,14 @@ fn is_close(probe: Probe, other: vec4f) -> u32 {
         let boxes_apart = any(abs(apart) > probe.reach + vec3f(abs(other.w)));
         return select(1u, 0u, boxes_apart | ((squared > touching * touching) & (other.w >= 0.0) & probe.is_sphere));
     }
-    // Of spheres and few others a ball about the cube will do: this is where most of the time goes.
-    let enough = touching * select(CORNER, 1.0, other.w >= 0.0);
+    // Without rods nearly all objects are spheres. For the others a ball around the cube is accurate enough. Most of the time
+    // of the search is spent here.
+    let enough = touching * select(CUBE_TO_BALL, 1.0, other.w >= 0.0);
     return select(1u, 0u, squared > enough * enough);
 }
 
-// Which of up to 32 sorted objects are close. Four at a time, so that memory is asked for all of them at once: `extents` has three
-// rows to spare.
+// Returns a mask of the objects that are close, among up to 32 sorted objects. Four are loaded at a time, so that their loads
+// overlap. For that `extents` has three rows of padding at the end.
 fn close_in(probe: Probe, first: u32, count: u32) -> u32 {
     var close = 0u;
     for (var k = 0u; k < count; k += 4u) {
@@ -174,8 +187,8 @@ fn close_in(probe: Probe, first: u32, count: u32) -> u32 {
     return close & (0xffffffffu >> (32u - count));
 }
 
-// Emits what is close in a span. Neighbouring threads find at different times, and what a find makes one of them do all wait for:
-// so they look first, and then go through what they found together.
+// Emits the objects of a span that are close. Neighbouring threads find objects at different times, and all of them wait
+// while one handles its object. So each thread first tests up to 32 objects, and then handles those that are close.
 fn test_span(mover: u32, probe: Probe, span: Span) {
     var first = span.first;
     var left = span.count;
@@ -190,6 +203,7 @@ fn test_span(mover: u32, probe: Probe, span: Span) {
     }
 }
 
+// Emits all objects that a mover may meet, or those in the portion of a thread.
 fn emit_neighbours(mover: u32, portion: Portion) {
     let own = aabbs[mover];
     let probe = probe_of(mover, own);
@@ -198,18 +212,19 @@ fn emit_neighbours(mover: u32, portion: Portion) {
     if statics_stand_apart() {
         for (var id = step.spheres + step.rods + thread; id < objects(); id += threads) {
             if aabbs_meet(own, aabbs[id]) {
-                emit(mover, id | AN_ID);
+                emit(mover, id | ID_MARK);
             }
         }
     }
-    var all_of_them = false;
+    // Whether all sorted objects are tested, because the AABB covers too many cells.
+    var tests_all = false;
     var levels = cells[0];
     for (var rest = levels; rest != 0u; rest &= rest - 1u) {
         let level = firstTrailingBit(rest);
         if covers_too_much(cells_around(own, level)) {
             let beyond = is_beyond(own, level);
             levels &= ~select(0u, 1u << level, beyond);
-            all_of_them |= !beyond;
+            tests_all |= !beyond;
         }
     }
     for (var rest = levels; rest != 0u; rest &= rest - 1u) {
@@ -218,9 +233,9 @@ fn emit_neighbours(mover: u32, portion: Portion) {
         var y = range.low.y + portion.y;
         var z = range.low.z + portion.z;
         var next = 32u * thread;
-        while select((y <= range.high.y) & (z <= range.high.z), next < objects(), all_of_them) {
+        while select((y <= range.high.y) & (z <= range.high.z), next < objects(), tests_all) {
             var span = Span(next, min(32u, objects() - next));
-            if !all_of_them {
+            if !tests_all {
                 span = share_of_span(span_of_row(range, y, z, level), portion);
             }
             test_span(mover, probe, span);
@@ -231,7 +246,7 @@ fn emit_neighbours(mover: u32, portion: Portion) {
                 z += portion.across;
             }
         }
-        if all_of_them {
+        if tests_all {
             return;
         }
     }

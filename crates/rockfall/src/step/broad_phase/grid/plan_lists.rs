@@ -1,14 +1,15 @@
-//! In large scenes: how many workgroups the stages have that make lists, none where there is nothing to do. To begin hundreds of
-//! thousands that return at once takes a device longer than some stages work.
+//! Decides, in large scenes, how many workgroups the stages that build lists have in this step: none if there is nothing to do.
 //!
-//! The device reads these sizes itself (indirect dispatch), so that the host need not know.
+//! Launching hundreds of thousands of workgroups that exit at once can cost more than the stage itself. The device reads
+//! these numbers itself (indirect dispatch), so that the host need not know them.
 
 use crate::model::buffer::Buffer;
 use crate::model::dispatch::Threads;
 use crate::model::layout::SIZE_WORDS;
+use crate::model::part::part;
 use crate::model::world::World;
 use crate::step::stage::{Stage, read, write};
-use crate::step::wgsl::{Wgsl, part};
+use crate::step::wgsl::Wgsl;
 
 /// The stage.
 pub(crate) const STAGE: Stage = Stage {

@@ -1,8 +1,8 @@
-// Sums over a workgroup of GROUP_SIZE threads, which the stage tells.
+// Prefix sums over a workgroup of GROUP_SIZE threads. The stage that uses it defines GROUP_SIZE.
 
 var<workgroup> sums: array<u32, GROUP_SIZE>;
 
-// Makes `sums` sums of all up to and with each.
+// Replaces each element of `sums` by the sum of all elements up to and including it. All threads of the workgroup must call it.
 fn scan_sums(local: u32) {
     workgroupBarrier();
     for (var reach = 1u; reach < GROUP_SIZE; reach *= 2u) {

@@ -1,10 +1,10 @@
 // requires model/step.wgsl step/broad_phase/grid/scan.wgsl
 
-// Four cells a row: neighbouring threads read and write neighbouring rows.
+// Four cells per row. Neighbouring threads read and write neighbouring rows.
 @group(0) @binding(2) var<storage, read_write> cells: array<vec4u>;
 @group(0) @binding(3) var<storage, read> status: Status;
 
-// Threads that share out a block: TILES times a row each.
+// Threads of the workgroup of a block, and the number of rows of the block that each thread works on.
 const GROUP_SIZE: u32 = 256u;
 const TILES: u32 = CELL_BLOCK / (4u * GROUP_SIZE);
 
@@ -16,7 +16,7 @@ fn first_row(block: u32) -> u32 {
     return (CELLS_AT + block * CELL_BLOCK) / 4u;
 }
 
-// A sum has a row, of which it is the first word: no two blocks write into one row.
+// Returns the row of the sum of a block, which is the first word of the row. So no two blocks write to the same row.
 fn sum_row(block: u32) -> u32 {
     return (step.sums_at + block * SUM_WORDS) / 4u;
 }
@@ -28,7 +28,7 @@ fn sum_blocks(
     @builtin(local_invocation_index) local: u32,
 ) {
     let block = linear_group(group, groups);
-    // The same for all threads of the workgroup.
+    // This condition is uniform across the workgroup.
     if (status.rebuild == 0u) | (status.rejected != 0u) | (block * CELL_BLOCK >= step.cells) {
         return;
     }
@@ -43,7 +43,8 @@ fn sum_blocks(
     }
 }
 
-// Objects in all blocks before one. Every block adds them up for itself, which takes less time than one more dispatch.
+// Returns the number of objects in all blocks before one. Every block adds up the sums itself, which takes less time than
+// another dispatch.
 fn sum_before(block: u32, local: u32) -> u32 {
     var sum = 0u;
     for (var k = local; k < block; k += GROUP_SIZE) {

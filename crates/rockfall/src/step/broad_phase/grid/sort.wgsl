@@ -1,5 +1,5 @@
-// Up to 32 keys put in order in registers, by networks: few instructions, none of which depends on what the keys are, so that
-// neighbouring threads do the same. (Batcher 1968.)
+// Sorting networks for up to 32 keys in registers (Batcher 1968). They take few instructions, which do not depend on the
+// keys, so that neighbouring threads execute the same ones.
 
 struct Sixteen {
     a: vec4u,
@@ -8,17 +8,18 @@ struct Sixteen {
     d: vec4u,
 }
 
-// Four keys that first rise and then fall, or the other way round, in order.
+// Sorts four keys that first rise and then fall, or first fall and then rise.
 fn ordered_4(v: vec4u) -> vec4u {
     let halves = vec4u(min(v.xy, v.zw), max(v.xy, v.zw));
     return vec4u(min(halves.x, halves.y), max(halves.x, halves.y), min(halves.z, halves.w), max(halves.z, halves.w));
 }
 
+// Sorts any four keys.
 fn sorted_4(v: vec4u) -> vec4u {
     return ordered_4(vec4u(min(v.x, v.y), max(v.x, v.y), max(v.z, v.w), min(v.z, v.w)));
 }
 
-// Sixteen keys that rise and fall.
+// Sorts sixteen keys that first rise and then fall, or first fall and then rise.
 fn ordered_16(s: Sixteen) -> Sixteen {
     let a = min(s.a, s.c);
     let b = min(s.b, s.d);
@@ -27,7 +28,8 @@ fn ordered_16(s: Sixteen) -> Sixteen {
     return Sixteen(ordered_4(min(a, b)), ordered_4(max(a, b)), ordered_4(min(c, d)), ordered_4(max(c, d)));
 }
 
-// Puts the less half of two ordered sixteens into the first, in order, and gives the greater one.
+// Merges two sorted sequences of sixteen keys. Writes the sixteen least keys to `low`, and returns the sixteen greatest, both
+// sorted.
 fn merged(low: ptr<function, Sixteen>, high: Sixteen) -> Sixteen {
     let s = *low;
     let falling = Sixteen(high.d.wzyx, high.c.wzyx, high.b.wzyx, high.a.wzyx);
@@ -35,8 +37,9 @@ fn merged(low: ptr<function, Sixteen>, high: Sixteen) -> Sixteen {
     return ordered_16(Sixteen(max(s.a, falling.a), max(s.b, falling.b), max(s.c, falling.c), max(s.d, falling.d)));
 }
 
+// Sorts any sixteen keys.
 fn sorted_16(s: Sixteen) -> Sixteen {
-    // Four columns, each in order.
+    // Sorts the four columns.
     let p = min(s.a, s.b);
     let q = max(s.a, s.b);
     let r = min(s.c, s.d);
@@ -47,12 +50,12 @@ fn sorted_16(s: Sixteen) -> Sixteen {
     let y = min(q, t);
     let second = min(x, y);
     let third = max(x, y);
-    // They are rows now; the second and the fourth fall.
+    // Turns the columns into rows. The second and the fourth row fall.
     let a = vec4u(first.x, second.x, third.x, last.x);
     let b = vec4u(last.y, third.y, second.y, first.y);
     let c = vec4u(first.z, second.z, third.z, last.z);
     let d = vec4u(last.w, third.w, second.w, first.w);
-    // Two eights, of which the second falls.
+    // Makes two sequences of eight, a rising one and a falling one.
     return ordered_16(
         Sixteen(ordered_4(min(a, b)), ordered_4(max(a, b)), ordered_4(max(c, d)).wzyx, ordered_4(min(c, d)).wzyx),
     );

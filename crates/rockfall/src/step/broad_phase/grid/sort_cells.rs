@@ -1,13 +1,16 @@
-//! Grid broad phase, 5 of 6: the objects in the order of their keys. Those of one cell come in any order; a cell's start
-//! moves on to its end, which is the start of the next.
+//! Grid broad phase, 5 of 6: sorts the objects by their keys. Objects of the same cell come in any order.
+//!
+//! Each object that is placed in a cell advances the start of the cell. In the end this is the end of the cell, where the
+//! next cell begins.
 
 use crate::model::buffer::Buffer;
 use crate::model::dispatch::Threads;
 use crate::model::layout::CELLS_AT;
+use crate::model::part::part;
 use crate::model::world::World;
 use crate::step::broad_phase::grid::cells::sorted_extent;
 use crate::step::stage::{Stage, read, write};
-use crate::step::wgsl::{Wgsl, part};
+use crate::step::wgsl::Wgsl;
 
 /// The stage.
 pub(crate) const STAGE: Stage = Stage {

@@ -1,13 +1,14 @@
-//! Broad phase sort-and-skip, 2 of 4: the interval in x of every block of 64 objects, in their order, to `extents`.
+//! Broad phase sort-and-skip, 2 of 4: writes the interval in x of every block of 64 sorted objects to `extents`.
 
 use glam::Vec4;
 
 use crate::model::buffer::Buffer;
 use crate::model::dispatch::Threads;
 use crate::model::layout::WORKGROUP;
+use crate::model::part::part;
 use crate::model::world::World;
 use crate::step::stage::{Stage, read, write};
-use crate::step::wgsl::{Wgsl, part};
+use crate::step::wgsl::Wgsl;
 
 /// The stage.
 pub(crate) const STAGE: Stage = Stage {

@@ -19,9 +19,9 @@ fn bound_blocks(
     }
     let block = linear_group(group, groups);
     let place = block * WORKGROUP + local;
-    // Of the last block's own objects, where it is not full.
-    let known = min(place, objects() - 1u);
-    let aabb = aabbs[cells[step.sorted_at + known]];
+    // In a block that is not full, the threads after the last object load the last object again.
+    let clamped = min(place, objects() - 1u);
+    let aabb = aabbs[cells[step.sorted_at + clamped]];
     least[local] = aabb.min.x;
     greatest[local] = aabb.max.x;
     for (var reach = WORKGROUP / 2u; reach > 0u; reach /= 2u) {

@@ -1,15 +1,16 @@
-//! Broad phase sort-and-skip, 3 of 4: how many entries every mover has. Blocks whose
-//! intervals do not meet that of its own block are skipped; `scan_pairs` follows.
+//! Broad phase sort-and-skip, 3 of 4: counts the entries of every mover. Blocks whose interval does not meet that of the
+//! mover's block are skipped. `scan_pairs` runs between this stage and `fill_near`.
 
 use rayon::prelude::*;
 
 use crate::model::buffer::Buffer;
 use crate::model::dispatch::Threads;
 use crate::model::layout::GRAIN;
+use crate::model::part::part;
 use crate::model::world::World;
 use crate::step::broad_phase::meet::for_each_near;
 use crate::step::stage::{Stage, read, write};
-use crate::step::wgsl::{Wgsl, part};
+use crate::step::wgsl::Wgsl;
 
 /// The stage.
 pub(crate) const STAGE: Stage = Stage {

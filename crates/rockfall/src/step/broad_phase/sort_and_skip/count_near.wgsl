@@ -28,7 +28,7 @@ fn count_near(
     if mover != NONE {
         put_head(mover, count);
     }
-    // Past the last mover the count is 0, to the end of its slice.
+    // After the last mover, up to the end of its slice, the counts are 0.
     if (place >= step.spheres + step.rods) & (place < step.slices_at) {
         put_head(place, 0u);
     }

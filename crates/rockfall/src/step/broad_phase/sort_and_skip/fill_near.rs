@@ -1,14 +1,14 @@
-//! Broad phase sort-and-skip, 4 of 4: the entries, in ascending order of index (in order
-//! of addition), then feature.
+//! Broad phase sort-and-skip, 4 of 4: writes the entries, in ascending order of insertion index, then feature.
 
 use crate::model::buffer::Buffer;
 use crate::model::dispatch::Threads;
 use crate::model::lists::{fill_slices, put_in_order};
+use crate::model::part::part;
 use crate::model::view::View;
 use crate::model::world::World;
 use crate::step::broad_phase::meet::for_each_near;
 use crate::step::stage::{Stage, read, write};
-use crate::step::wgsl::{Wgsl, part};
+use crate::step::wgsl::Wgsl;
 
 /// The stage.
 pub(crate) const STAGE: Stage = Stage {

@@ -1,11 +1,12 @@
 // requires model/step.wgsl step/broad_phase/meet.wgsl step/broad_phase/sort_and_skip/axis.wgsl
 
-// The tiled test, with blocks skipped that cannot meet (thesis section 2.5.1, its proposal). A stage that uses it says in
-// `emit` what becomes of an object.
+// The tiled test that skips blocks that cannot meet (proposed in thesis section 2.5.1). The stage that uses it defines
+// `emit`, which handles an object that a mover may meet.
 
 var<workgroup> tile: array<Aabb, WORKGROUP>;
 
-// Emits the entries of the mover in a place of the order, in any order. All threads of a workgroup must come here.
+// Emits the objects that the mover of a thread may meet, in any order. The mover is sorted object `local` of the block. All
+// threads of the workgroup must call it.
 fn emit_near(block: u32, local: u32) {
     let movers = step.spheres + step.rods;
     let interval = extents[min(block, blocks() - 1u)].xy;
@@ -16,7 +17,7 @@ fn emit_near(block: u32, local: u32) {
         own = aabbs[cells[step.sorted_at + place]];
     }
     for (var other = 0u; other < blocks(); other++) {
-        // The same for the whole workgroup.
+        // This condition is uniform across the workgroup.
         let their = extents[other].xy;
         if (their.x > interval.y) | (interval.x > their.y) {
             continue;
@@ -38,6 +39,7 @@ fn emit_near(block: u32, local: u32) {
     }
 }
 
+// Returns the mover at a place among the sorted objects, or NONE if there is none.
 fn mover_at(place: u32) -> u32 {
     if place < objects() {
         let id = cells[step.sorted_at + place];

@@ -1,15 +1,17 @@
-//! Broad phase sort-and-skip, 1 of 4: objects roughly in the order of their least x (thesis section 2.5.1, its proposal).
+//! Broad phase sort-and-skip, 1 of 4: sorts objects roughly by their least x (proposed in thesis section 2.5.1).
 //!
-//! Every block of 128 is sorted; in pass 1 the blocks begin half a block later. So an object moves by at most a block or two
-//! each time lists are made: the order becomes right step by step, and only what may be skipped depends on it. What is of the
-//! same x goes by id. Begins with the order of ids where `cells[2]` does not hold the number of objects.
+//! Each pass sorts every block of 128 objects. In pass 1 the blocks begin half a block later. So an object moves by at most
+//! one or two blocks each time lists are rebuilt, and the order improves gradually. The order only decides which blocks can
+//! be skipped. Objects with the same least x are sorted by id. If `cells[2]` does not hold the number of objects, the order
+//! of ids is the initial order.
 
 use crate::model::buffer::Buffer;
 use crate::model::dispatch::Threads;
 use crate::model::layout::WORKGROUP;
+use crate::model::part::part;
 use crate::model::world::World;
 use crate::step::stage::{Stage, read, write};
-use crate::step::wgsl::{Wgsl, part};
+use crate::step::wgsl::Wgsl;
 
 /// The stage.
 pub(crate) const STAGE: Stage = Stage {
@@ -25,9 +27,9 @@ fn sort_axis(world: &mut World, pass: u32) {
         return;
     }
     let objects = world.objects();
-    let known = world.cells[2] == objects;
+    let is_ordered = world.cells[2] == objects;
     let order = &mut world.cells[world.step.sorted_at as usize..][..objects as usize];
-    if pass == 0 && !known {
+    if pass == 0 && !is_ordered {
         order.iter_mut().zip(0..).for_each(|(place, id)| *place = id);
     }
     let first = (pass * WORKGROUP).min(objects) as usize;

@@ -9,7 +9,7 @@ const BLOCK: u32 = 2u * WORKGROUP;
 var<workgroup> keys: array<u32, BLOCK>;
 var<workgroup> ids: array<u32, BLOCK>;
 
-// Bits that order like the float.
+// Returns bits that, as an integer, have the order of the float.
 fn ordered_bits(x: f32) -> u32 {
     let bits = bitcast<u32>(x);
     return select(bits | 0x80000000u, ~bits, (bits & 0x80000000u) != 0u);
@@ -19,9 +19,9 @@ fn load(local: u32, place: u32) {
     keys[local] = NONE;
     ids[local] = NONE;
     if place < objects() {
-        // Any order of the objects will do to begin with.
-        let known = (pass_.index != 0u) | (cells[2] == objects());
-        let id = select(place, cells[step.sorted_at + place], known);
+        // Any initial order of the objects will do.
+        let is_ordered = (pass_.index != 0u) | (cells[2] == objects());
+        let id = select(place, cells[step.sorted_at + place], is_ordered);
         keys[local] = ordered_bits(aabbs[id].min.x);
         ids[local] = id;
     }
@@ -33,7 +33,7 @@ fn put(local: u32, place: u32) {
     }
 }
 
-// Two places in the order that is wanted of them; of the same x, by id.
+// Exchanges two keys and their ids unless they are in the given order. Equal keys are ordered by id.
 fn exchange(low: u32, high: u32, ascending: bool) {
     let above = (keys[low] > keys[high]) | ((keys[low] == keys[high]) & (ids[low] > ids[high]));
     if above == ascending {
@@ -57,7 +57,7 @@ fn sort_axis(
     if (status.rebuild == 0u) | (status.rejected != 0u) {
         return;
     }
-    // Before the first block of pass 1 there is half a block, which stays as pass 0 left it.
+    // In pass 1 the half block before the first block stays as pass 0 left it.
     load(local, first + local);
     load(local + WORKGROUP, first + local + WORKGROUP);
     for (var size = 2u; size <= BLOCK; size *= 2u) {
