@@ -88,7 +88,7 @@ impl World {
 
     /// Writes the settings to the uniform block.
     pub fn set_settings(&mut self, settings: &Settings) {
-        // Every field by name, so that none is forgotten here.
+        // All fields are named, so that a new setting cannot be forgotten here.
         let Settings {
             activation_threshold,
             restitution,
