@@ -1,19 +1,18 @@
-//! The memory that both backends share: plain structs and the offsets of what the buffers hold.
+//! The memory that both backends share: plain structs, and the layouts of the buffers.
 //!
-//! Every buffer of the GPU has a host array of the same layout in [`World`](world::World). The WGSL side of
-//! these declarations is `model/step.wgsl`; a test reflects it and compares names, offsets, types and sizes.
+//! Every GPU buffer that the CPU backend uses too has a host array of the same layout in [`World`](world::World). The WGSL
+//! side of these declarations is `model/step.wgsl`. A test compares names, offsets, types and sizes of both sides.
 //!
 //! ```text
-//! object ids   spheres, then rods, then boxes, then polygons, each in order of addition; spheres may stand in another
-//!              order in memory (`insertion_indices_at`), then a sphere's id is its memory slot
-//! movers       spheres and rods: the objects that have a list of pairs
+//! object ids   spheres, then rods, then boxes, then polygons, each in insertion order. Spheres may be stored in another
+//!              order (`insertion_indices_at`); then the id of a sphere is its memory slot.
+//! movers       spheres and rods: the objects that have a pair list
 //! state        3 n vec4 for n spheres: n x (position, radius), n x (velocity, inverse mass),
 //!              n x (angular momentum, inverse inertia)
-//! words        u32: rods, springs, tethers, boxes, polygons, tags, users, slots, batches, ends, adjacency (see the WORDS
-//!              constants)
-//! lists        u32, in rows of SLICE words: counts (one a mover, padded to whole slices; the top bit is a mark), slice
-//!              offsets in rows (one a slice and the end, padded to whole rows), entries
-//! row sums     f32, in scenes with rods: one a word of the list entries, of those that collide
+//! topology     u32: rods, springs, tethers, external forces, boxes, polygons, tags, insertion indices, slots, batches,
+//!              ends, networks, adjacency (record sizes: the WORDS constants of `layout`)
+//! lists        u32, in rows of SLICE words: counts (one per mover, padded to whole slices; the top bit is a flag),
+//!              slice offsets in rows (one per slice and one for the end, padded to whole rows), entries
 //! ```
 
 pub mod buffer;

@@ -1,6 +1,7 @@
-//! The formulas of docs/physics.md: the CPU backend's in Rust, the kernels' in the WGSL files beside them.
+//! The formulas of docs/physics.md, in Rust for the CPU backend and in WGSL for the kernels.
 //!
-//! Either side is written from the specification and never translated from the other, so that the two can catch each other.
+//! Both versions are written from the specification. Neither is a translation of the other, so a comparison of their results
+//! finds mistakes in either.
 
 pub(crate) mod balls;
 pub(crate) mod collision;

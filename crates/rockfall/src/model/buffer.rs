@@ -1,38 +1,40 @@
 //! The buffers that stages bind.
 
-/// A buffer that stages bind. `Start` is the state; `Y2`, `Y3`, `Y4` are the stage states of RK4, and scratch besides.
+/// A buffer that stages bind. `Start` is the state. `Y2`, `Y3` and `Y4` are the stage states of RK4, and also scratch memory.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Buffer {
     /// The state of all spheres (`World::states[0]`).
     Start,
-    /// Stage state 2; where collisions and symplectic Euler put the state before it is committed.
+    /// Stage state 2. Collisions and symplectic Euler write the new state here before it is committed.
     Y2,
-    /// Stage state 3; after the integration: old positions in region 0 and mean spins in region 2.
+    /// Stage state 3. After the integration it holds old positions in region 0 and mean spins in region 2.
     Y3,
     /// Stage state 4.
     Y4,
-    /// In small scenes without rods: all four side by side, for `run_steps`.
+    /// `Start`, `Y2`, `Y3` and `Y4` side by side in one buffer, for `run_steps`; only in small scenes without rods.
     States,
     /// AABBs of all objects.
     Aabbs,
-    /// Rods, springs, tethers, boxes, polygons, tags, users, slots, batches, ends, adjacency.
+    /// Rods, springs, tethers, external forces, boxes, polygons, tags, insertion indices, slots, batches, ends, networks,
+    /// adjacency.
     Topology,
-    /// The grid: levels, cells, sums of blocks, keys, sorted objects.
+    /// The grid: levels, cells, block sums, keys, sorted objects, long movers.
     Cells,
-    /// Per object, in the order of the grid's keys: centre and largest half extent of its AABB, negative of what is no sphere.
+    /// Centre and largest half extent of the AABB of every object, in the order of the grid's keys. The half extent is negative
+    /// for objects that are not spheres.
     Extents,
     /// The pair lists.
     Lists,
-    /// Where collisions are listed, by list entry: the number of the collision in [`Buffer::Collisions`].
+    /// For every list entry, the index of its collision in [`Buffer::Collisions`]. Empty where collisions are not listed.
     CollisionIndices,
-    /// Where collisions are listed: a record of [`COLLISION_WORDS`](crate::model::layout::COLLISION_WORDS) words each.
+    /// One record of [`COLLISION_WORDS`](crate::model::layout::COLLISION_WORDS) words per listed collision.
     Collisions,
-    /// Per rod: force and couple on end 1, force and couple on end 2.
+    /// Per rod: force and torque on end 1, force and torque on end 2.
     Wrenches,
     /// Unit quaternions (x, y, z, w) of the spheres' orientations.
     Orientations,
-    /// In large scenes: workgroups of the dispatches that make lists, as they are in this step, then as they are when there is
-    /// something to do.
+    /// Dispatch sizes of the stages that rebuild the lists: first the sizes for this step, then the sizes for a step in which
+    /// the lists are rebuilt. Used in large scenes.
     DispatchSizes,
     /// The [`Status`](crate::model::status::Status) block.
     Status,
@@ -59,7 +61,7 @@ impl Buffer {
         Self::Status,
     ];
 
-    /// What it holds, in words.
+    /// Describes the contents of the buffer, for messages.
     pub fn label(self) -> &'static str {
         match self {
             Self::Start => "the state",
@@ -72,7 +74,7 @@ impl Buffer {
             Self::Cells => "the grid",
             Self::Extents => "the extents of sorted objects",
             Self::Lists => "the pair lists",
-            Self::CollisionIndices => "the numbers of listed collisions",
+            Self::CollisionIndices => "the indices of listed collisions",
             Self::Collisions => "the listed collisions",
             Self::Wrenches => "the forces on rods",
             Self::Orientations => "the orientations",

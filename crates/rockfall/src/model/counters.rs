@@ -1,18 +1,18 @@
-//! What a stage tells the status block. Merging is independent of order, so threads may share the work as they like.
+//! What a stage adds to the status block. Tallies can be merged in any order, so threads may divide the work freely.
 
 use crate::error::BadStage;
 use crate::model::status::{BAD_STAGE_SHIFT, Counters, NO_BODY, REBUILD_DONE, REBUILD_REQUESTED, REJECTED_ESCAPED, Status};
 
-/// Counts of one body or of many.
+/// Counts for one body, or for several bodies together.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Tally {
     pub(crate) contacts: u32,
     /// Deepest overlap; not negative.
     pub(crate) max_overlap: f32,
     pub(crate) collisions: u32,
-    /// Some body may leave its AABB within the next step.
+    /// Whether some body may leave its AABB within the steps that the lists must last for.
     pub(crate) rebuild: bool,
-    /// Largest distance, in 0.02 r, of a body out of its AABB; 0: none is.
+    /// Largest distance of a body outside its AABB, in units of 0.02 r; 0 when every body is inside.
     pub(crate) escape_ratio: f32,
     bad_count: u32,
     bad_body: u32,
@@ -45,27 +45,27 @@ impl Tally {
         }
     }
 
-    /// A contact of the first force evaluation.
+    /// Counts a contact of the first force evaluation.
     pub(crate) fn count_contact(&mut self, overlap: f32) {
         self.contacts += 1;
         self.max_overlap = self.max_overlap.max(overlap);
     }
 
-    /// A body that would have stopped being finite, by its index in order of addition.
-    pub(crate) fn count_bad(&mut self, stage: BadStage, user: u32) {
+    /// Counts a body whose new state is not finite.
+    pub(crate) fn count_bad(&mut self, stage: BadStage, insertion_index: u32) {
         self.bad_count += 1;
-        self.bad_body = self.bad_body.min((stage as u32) << BAD_STAGE_SHIFT | user);
+        self.bad_body = self.bad_body.min((stage as u32) << BAD_STAGE_SHIFT | insertion_index);
     }
 
-    /// Adds this to the counters of the step under way.
+    /// Adds the tally to the counters of the current step.
     pub(crate) fn add_to(self, status: &mut Status) {
-        let told = Counters {
+        let counters = Counters {
             contacts: self.contacts,
             max_overlap: self.max_overlap.to_bits(),
             collisions: self.collisions,
             ..Counters::default()
         };
-        status.counters[0] = status.counters[0].and(told);
+        status.counters[0] = status.counters[0].and(counters);
         status.collides |= u32::from(self.collisions > 0);
         status.bad_count += self.bad_count;
         status.bad_body = status.bad_body.min(self.bad_body);
@@ -79,7 +79,7 @@ impl Tally {
     }
 }
 
-/// Counts the lists that were made in this step; those that were asked for where none are made are still due.
+/// Counts the rebuild of the lists, if there was one in this step. A request for a rebuild that was not made stays pending.
 pub(crate) fn count_builds(status: &mut Status) {
     if status.rebuild & REBUILD_DONE != 0 {
         status.rebuild &= !REBUILD_DONE;

@@ -1,6 +1,6 @@
 // requires model/order.wgsl model/step.wgsl
 
-// What a stage tells: a count of its workgroup, a sphere that left its AABB, or one whose state stopped being finite.
+// What a stage reports: the count of a workgroup, a sphere that left its AABB, or a sphere whose new state is not finite.
 
 var<workgroup> group_count: atomic<u32>;
 
@@ -19,7 +19,7 @@ fn is_finite(motion: Motion) -> bool {
     return finite(motion.position) & finite(motion.velocity) & finite(motion.momentum);
 }
 
-// Rest where a sphere was, for one whose state stopped being finite in this stage (see BadStage in error.rs).
+// Reports a sphere whose new state is not finite in this stage (see BadStage in error.rs). Returns rest at its old position.
 fn stopped(position: vec3f, stage: u32, sphere: u32) -> Motion {
     atomicAdd(&status.bad_count, 1u);
     atomicMin(&status.bad_body, stage << BAD_STAGE_SHIFT | insertion_index(sphere));

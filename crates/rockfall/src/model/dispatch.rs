@@ -1,33 +1,34 @@
-//! How many workgroups a stage has.
+//! The number of workgroups of a stage.
 
 use crate::model::layout::{CELL_BLOCK, DIGIT_BLOCK, MOST_ACROSS, SIZE_WORDS, WIDE, WORKGROUP};
 use crate::model::step::Step;
 
-/// Workgroups that take turns, at most: as many as a large device runs side by side.
-const MOST_TURNING: u32 = 1024;
+/// Maximum number of workgroups that loop over the long movers: as many as a large device runs at the same time.
+const MAX_LONG_MOVER_WORKGROUPS: u32 = 1024;
 
-/// The same over listed collisions, each of which is little work.
-const MOST_AT_COLLISIONS: u32 = 4096;
+/// Maximum number of workgroups that loop over the listed collisions, each of which is little work.
+const MAX_COLLISION_WORKGROUPS: u32 = 4096;
 
-/// In smaller scenes one for so many movers, of which few are long.
-const MOVERS_A_TURN: u32 = 256;
+/// Movers per workgroup that loops over the long movers. Few movers are long.
+const MOVERS_PER_WORKGROUP: u32 = 256;
 
-/// What a stage has a thread for.
+/// The work items of a stage, each of which gets a thread or a workgroup.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Threads {
     /// A thread per object.
     Objects,
-    /// The same in workgroups of [`WIDE`]: where threads have little to do, it is workgroups that take the time.
+    /// A thread per object, in workgroups of [`WIDE`]: where each thread has little to do, launching workgroups takes most of
+    /// the time.
     WideObjects,
     /// A thread per mover (sphere or rod).
     Movers,
     /// A thread per sphere.
     Spheres,
-    /// A thread per sphere, but a workgroup for each of the large ones.
+    /// A workgroup per large sphere, and a thread per other sphere.
     SharedSpheres,
-    /// A thread per mover, but a workgroup for each of the large spheres.
+    /// A workgroup per large sphere, and a thread per other mover.
     SharedMovers,
-    /// The same in workgroups of [`WIDE`].
+    /// A thread per sphere, in workgroups of [`WIDE`].
     WideSpheres,
     /// A thread per rod.
     Rods,
@@ -37,28 +38,29 @@ pub enum Threads {
     Networks,
     /// A workgroup per large sphere.
     LargeSpheres,
-    /// Workgroups that take turns over the listed collisions, of which the device alone knows how many there are.
+    /// Workgroups that loop over the listed collisions. Only the device knows how many collisions there are.
     Collisions,
     /// A workgroup per block of the grid's cells.
     Blocks,
-    /// A workgroup per block of spheres that are sorted.
+    /// A workgroup per block of spheres, in the sort of memory.
     DigitBlocks,
-    /// A workgroup per so many movers: they take turns over the long ones, of which the device alone knows how many there are.
+    /// Workgroups that loop over the long movers. Only the device knows how many long movers there are.
     LongMovers,
     /// One workgroup.
     One,
 }
 
 impl Threads {
-    /// Those of the stages that make lists in large scenes.
+    /// The work items of the stages that rebuild the lists. In large scenes, the device writes the dispatch sizes of these
+    /// stages.
     pub const PLANNED: [Self; SIZE_WORDS as usize / 3] = [Self::WideObjects, Self::Blocks, Self::Movers, Self::LongMovers];
 
-    /// Where the size of a dispatch of such a stage stands among [`Buffer::DispatchSizes`], in bytes.
+    /// Offset of the dispatch size in `Buffer::DispatchSizes`, in bytes; `None` when it is not in [`Threads::PLANNED`].
     pub fn size_at(self) -> Option<u64> {
         Self::PLANNED.iter().position(|threads| *threads == self).map(|place| 12 * place as u64)
     }
 
-    /// Workgroups that a stage has in a world of these counts; 0: it has nothing to do.
+    /// Returns the number of workgroups for the object counts of a world. It is 0 when the stage has nothing to do.
     pub fn workgroups(self, step: &Step) -> u32 {
         let movers = step.movers();
         match self {
@@ -73,22 +75,23 @@ impl Threads {
             Self::Batches => step.batches,
             Self::Networks => step.networks,
             Self::LargeSpheres => step.large,
-            Self::Collisions => step.collision_room.div_ceil(WORKGROUP).min(MOST_AT_COLLISIONS),
+            Self::Collisions => step.collision_room.div_ceil(WORKGROUP).min(MAX_COLLISION_WORKGROUPS),
             Self::Blocks => step.cells / CELL_BLOCK,
             Self::DigitBlocks => step.spheres.div_ceil(DIGIT_BLOCK),
-            Self::LongMovers => movers.div_ceil(MOVERS_A_TURN).min(MOST_TURNING),
+            Self::LongMovers => movers.div_ceil(MOVERS_PER_WORKGROUP).min(MAX_LONG_MOVER_WORKGROUPS),
             Self::One => 1,
         }
     }
 }
 
-/// So many workgroups as rows of nearly the same length, of at most `across`: what is too much in the last one is begun, too.
+/// Returns the dispatch size for a number of workgroups, as rows of at most `across` workgroups. All rows are equally long, so
+/// a few more workgroups than needed may be launched.
 pub fn rows(workgroups: u32, across: u32) -> [u32; 3] {
     let rows = workgroups.div_ceil(across).max(1);
     [workgroups.div_ceil(rows), rows, 1]
 }
 
-/// Workgroups of the dispatches that make lists, in rows that every device allows.
+/// Returns the dispatch sizes of [`Threads::PLANNED`], in rows that every device allows.
 pub(crate) fn sizes(step: &Step) -> Vec<u32> {
     Threads::PLANNED.iter().flat_map(|threads| rows(threads.workgroups(step), MOST_ACROSS)).collect()
 }

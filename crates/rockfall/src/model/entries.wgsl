@@ -1,6 +1,6 @@
 // requires model/step.wgsl
 
-// What a list entry holds.
+// Fields of a list entry.
 
 fn entry_id(entry: u32) -> u32 {
     return entry & ENTRY_ID_MASK;

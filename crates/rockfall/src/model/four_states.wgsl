@@ -1,8 +1,9 @@
 // requires model/step.wgsl
 
-// The four stage states of RK4 side by side in `state`, each three regions of one vec4 a sphere. The first is the state itself.
+// Access to the four stage states of RK4, which are stored side by side in `state`. Each has three regions of one vec4 per
+// sphere. The first one is the state itself.
 
-// Which of them is evaluated.
+// Index of the stage state whose forces are evaluated.
 var<private> evaluated: u32;
 
 fn state_row_at(stage: u32, region: u32, sphere: u32) -> u32 {

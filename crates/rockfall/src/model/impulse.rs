@@ -1,15 +1,15 @@
-//! What the collision phase of the CPU backend did to a contact.
+//! The impulse that the collision phase of the CPU backend applies at a contact.
 
 use glam::Vec3;
 
-/// Both objects by their order of addition, and the feature.
+/// Insertion indices of A and B, and the feature.
 pub(crate) type Key = (u32, u32, u32);
 
-/// What the collision phase gave a contact: B gets it, A the opposite.
+/// The impulse of a contact in the collision phase. B gets this impulse, A gets the opposite.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Impulse {
     pub(crate) key: Key,
-    /// Magnitude in mass units/s.
+    /// Magnitude, in units of mass times velocity.
     pub(crate) size: f32,
     /// Unit vector.
     pub(crate) direction: Vec3,

@@ -1,13 +1,13 @@
-//! Vectors four at a time, one a lane: processors do four numbers as fast as one.
+//! Four vectors side by side, one per SIMD lane: processors compute four numbers as fast as one.
 
 use std::ops::{Add, Div, Mul, Sub};
 
 use glam::{BVec4A, Mat4, Vec3, Vec4};
 
-/// How many go side by side.
+/// Number of lanes.
 pub(crate) const LANES: usize = 4;
 
-/// The first so many lanes.
+/// Returns a mask of the first `count` lanes.
 #[inline]
 pub(crate) fn first_lanes(count: usize) -> BVec4A {
     Vec4::new(0.0, 1.0, 2.0, 3.0).cmplt(Vec4::splat(count as f32))
@@ -22,12 +22,12 @@ pub(crate) struct Vec3x4 {
 }
 
 impl Vec3x4 {
-    /// The same vector four times.
+    /// Repeats a vector in all four lanes.
     pub(crate) fn splat(v: Vec3) -> Self {
         Self { x: Vec4::splat(v.x), y: Vec4::splat(v.y), z: Vec4::splat(v.z) }
     }
 
-    /// The first three components of four rows, and the fourth ones.
+    /// Splits four rows into four vectors of their first three components, and the fourth components.
     #[inline]
     pub(crate) fn from_rows(rows: [Vec4; LANES]) -> (Self, Vec4) {
         let [a, b, c, d] = rows;
@@ -35,21 +35,21 @@ impl Vec3x4 {
         (Self { x: x_axis, y: y_axis, z: z_axis }, w_axis)
     }
 
-    /// The four vectors one by one.
+    /// Returns the four vectors.
     #[inline]
     pub(crate) fn to_rows(self) -> [Vec3; LANES] {
         let rows = Mat4::from_cols(self.x, self.y, self.z, Vec4::ZERO).transpose();
         [rows.x_axis, rows.y_axis, rows.z_axis, rows.w_axis].map(Vec4::truncate)
     }
 
-    /// 0 in the lanes that are not told.
+    /// Sets the lanes that are not in the mask to 0.
     #[inline]
     pub(crate) fn or_zero(self, lanes: BVec4A) -> Self {
         let of = |v: Vec4| Vec4::select(lanes, v, Vec4::ZERO);
         Self { x: of(self.x), y: of(self.y), z: of(self.z) }
     }
 
-    /// A sum, of which the last component is of no meaning, and the four vectors after it, one after the other.
+    /// Adds the four vectors to a sum, one after the other. The last component of the sum has no meaning.
     #[inline]
     pub(crate) fn add_lanes_to(self, sum: Vec4) -> Vec4 {
         let rows = Mat4::from_cols(self.x, self.y, self.z, Vec4::ZERO).transpose();
@@ -101,7 +101,8 @@ impl Mul<Vec4> for Vec3x4 {
 impl Div<Vec4> for Vec3x4 {
     type Output = Self;
 
-    /// Not by the reciprocal, which rounds twice: what lies along an axis is exact.
+    /// Divides each component. Multiplication by the reciprocal would round twice; then a vector along an axis would not give
+    /// an exact unit vector.
     #[inline]
     fn div(self, divisor: Vec4) -> Self {
         Self { x: self.x / divisor, y: self.y / divisor, z: self.z / divisor }

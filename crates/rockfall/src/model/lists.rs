@@ -18,7 +18,7 @@ pub(crate) struct Entry {
 }
 
 impl Entry {
-    /// `id_mask`: see [`Step::entry_id_mask`].
+    /// Splits an entry. `id_mask` is [`Step::entry_id_mask`].
     pub(crate) fn new(id_mask: u32, place: u32, word: u32) -> Self {
         Self { place, word, id: word & id_mask }
     }
@@ -28,15 +28,15 @@ impl Entry {
         self.id
     }
 
-    /// Which of the possible contacts of a rod and a box.
+    /// Which of the possible contacts of a rod and a box this entry is.
     pub(crate) fn feature(self) -> u32 {
         feature_of(self.word ^ self.id)
     }
 }
 
-/// The feature in what is left of an entry without its id.
-fn feature_of(rest: u32) -> u32 {
-    (rest & ((1 << ENTRY_BITS) - 1)) >> (ENTRY_BITS - FEATURE_BITS)
+/// Returns the feature of an entry whose id bits are 0.
+fn feature_of(without_id: u32) -> u32 {
+    (without_id & ((1 << ENTRY_BITS) - 1)) >> (ENTRY_BITS - FEATURE_BITS)
 }
 
 /// The pair lists.
@@ -51,17 +51,17 @@ impl<'a> Lists<'a> {
         Self { step, words }
     }
 
-    /// The list of a mover, in its canonical order.
+    /// Returns the list of a mover, in its canonical order (see [`put_in_order`]).
     pub(crate) fn row(&self, mover: u32) -> impl Iterator<Item = Entry> + use<'a> {
         let (count, list) = self.list(mover);
         (0..count).map(list)
     }
 
-    /// How long the list of a mover is, and its entries by their places.
+    /// Returns the length of a mover's list, and a function that returns the entry at a place of the list.
     pub(crate) fn list(&self, mover: u32) -> (u32, impl Fn(u32) -> Entry + use<'a>) {
         let count = self.words[mover as usize] & LIST_COUNT_MASK;
         let first = self.step.entries_at as usize + slot(self.step, self.words, mover, 0);
-        // An empty slice may stand at the end of all.
+        // `first` may be past the end when the list belongs to an empty slice.
         let words = self.words.get(first..).unwrap_or_default();
         let id_mask = self.step.entry_id_mask();
         (count, move |place| Entry::new(id_mask, place, words[(place * SLICE) as usize]))
@@ -73,45 +73,45 @@ impl<'a> Lists<'a> {
     }
 }
 
-/// Lists up to this length are put in order by comparing each entry with each other: that needs no branches.
+/// Lists up to this length are sorted by comparing every entry with every other, which needs no branches.
 const SHORT: usize = 24;
 
-/// Puts a mover's entries, no two the same, into their canonical order: by index in order of addition, then feature.
+/// Sorts the entries of a mover into their canonical order: by insertion index, then by feature. No two entries may be equal.
 pub(crate) fn put_in_order(view: &View, entries: &mut [u32]) {
-    // Of ENTRY_BITS bits: as signed numbers, which SSE2 can compare.
+    // Keys have ENTRY_BITS bits, so they fit signed numbers, which SSE2 can compare.
     let (mask, bits) = (view.step.entry_id_mask(), ENTRY_BITS - view.step.entry_id_bits());
     let key = |entry: u32| (view.user(entry & mask) << bits | feature_of(entry & !mask)) as i32;
     if entries.len() > SHORT {
         return entries.sort_unstable_by_key(|entry| key(*entry));
     }
-    let (mut keys, mut before) = ([i32::MAX; SHORT], [0; SHORT]);
+    let (mut keys, mut unsorted) = ([i32::MAX; SHORT], [0; SHORT]);
     let len = entries.len();
-    before[..len].copy_from_slice(entries);
+    unsorted[..len].copy_from_slice(entries);
     keys.iter_mut().zip(&*entries).for_each(|(place, entry)| *place = key(*entry));
     let compared = &keys[..len.next_multiple_of(LANES)];
-    for (entry, key) in before.iter().zip(keys).take(len) {
+    for (entry, key) in unsorted.iter().zip(keys).take(len) {
         let rank: i32 = compared.iter().map(|other| i32::from(*other < key)).sum();
         entries[rank as usize] = *entry;
     }
 }
 
-/// Slot of entry `place` of a mover: its place among the words of all entries.
+/// Returns the slot of entry `place` of a mover: the index of its word within the words of all entries.
 pub(crate) fn slot(step: &Step, lists: &[u32], mover: u32, place: u32) -> usize {
     let row = lists[(step.slices_at + mover / SLICE) as usize] + place;
     row as usize * SLICE as usize + (mover % SLICE) as usize
 }
 
-/// The lists of neighbouring movers, to write to.
+/// The lists of neighbouring movers, for writing.
 pub(crate) struct Slice<'a> {
     /// The first of the movers.
     pub(crate) first: u32,
-    /// Their counts, those that pad the last slice left out.
+    /// The lengths of their lists, without the words that pad the last slice.
     pub(crate) counts: &'a mut [u32],
-    /// Their entries: entry e of the mover at place p is word `32 e + p`.
+    /// Their entries. Entry e of the mover at place p of the slice is word `32 e + p`.
     pub(crate) words: &'a mut [u32],
 }
 
-/// All slices, to be written side by side. They must stand in ascending order.
+/// Splits the lists into slices that can be written in parallel. The slice offsets must ascend.
 pub(crate) fn slices<'a>(step: &Step, lists: &'a mut [u32]) -> Vec<Slice<'a>> {
     let movers = (step.spheres + step.rods) as usize;
     let (index, mut rest) = lists.split_at_mut(step.entries_at as usize);
@@ -119,7 +119,7 @@ pub(crate) fn slices<'a>(step: &Step, lists: &'a mut [u32]) -> Vec<Slice<'a>> {
     let counts = counts[..movers].chunks_mut(SLICE as usize);
     let last = counts.len() - usize::from(counts.len() > 0);
     let slice = |(number, counts): (usize, &'a mut [u32])| {
-        // Not by the counts: a slice may be wider than its longest list.
+        // The width comes from the offsets, not from the counts: a slice may be wider than its longest list.
         let end = if number < last {
             offsets[number + 1].saturating_sub(offsets[number]) as usize * SLICE as usize
         } else {
@@ -131,7 +131,7 @@ pub(crate) fn slices<'a>(step: &Step, lists: &'a mut [u32]) -> Vec<Slice<'a>> {
     counts.enumerate().map(slice).collect()
 }
 
-/// Writes every mover's entries, which `entries` hands to the function it is given.
+/// Writes the entries of every mover. `entries` gets a mover and a function, which it calls with each entry of that mover.
 pub(crate) fn fill_slices(step: &Step, lists: &mut [u32], entries: impl Fn(u32, &mut dyn FnMut(u32)) + Sync) {
     slices(step, lists).into_par_iter().with_min_len(GRAIN / SLICE as usize).for_each(|slice| {
         for place in 0..slice.counts.len() {

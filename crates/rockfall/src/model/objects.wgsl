@@ -1,12 +1,13 @@
 // requires model/step.wgsl
 
-// Reading objects out of `state` and `words`.
+// Read access to the objects in `state` and `topology`.
 
 fn inverse_mass(sphere: u32) -> f32 {
     return state[velocity_at(sphere)].w;
 }
 
-// Angular velocity: angular momentum times inverse inertia. Fixed spheres have an inverse inertia too: a surface may move.
+// Angular velocity: angular momentum times inverse inertia. A fixed sphere has an inverse inertia too, because its surface may
+// move.
 fn spin_of(sphere: u32) -> vec3f {
     let momentum = state[momentum_at(sphere)];
     return momentum.xyz * momentum.w;
@@ -29,7 +30,7 @@ fn rod_radius(rod: u32) -> f32 {
     return float_at(step.rods_at + rod * ROD_WORDS + 2u);
 }
 
-// Not positive: the rod may change its length.
+// Fixed length of a rod; not positive when the length is free.
 fn rod_length(rod: u32) -> f32 {
     return float_at(step.rods_at + rod * ROD_WORDS + 3u);
 }
@@ -62,9 +63,10 @@ fn polygon(index: u32) -> Polygon {
     return Polygon(vector_at(at), vector_at(at + 3u), vector_at(at + 6u));
 }
 
-// First and one past the last word of what is attached to a sphere: rods first, for a rod is kind 0.
+// First word, and one past the last word, of what is attached to a sphere. Rods come first, because a rod is kind 0.
 fn adjacency(sphere: u32) -> vec2u {
-    // There is no such sphere; but where the uniform block alone decides, software Vulkan works the kernel over in every dispatch.
+    // The second condition is never true. It is here because software Vulkan recompiles the kernel in every dispatch where a
+    // branch depends on the uniform block alone.
     if (step.adjacency_at == 0u) | (sphere >= step.spheres) {
         return vec2u(0u);
     }
@@ -80,7 +82,8 @@ fn index_of(attached: u32) -> u32 {
     return attached & ((1u << KIND_SHIFT) - 1u);
 }
 
-// What rods end in a sphere: NO_ROD, SOME_RODS, or the only one, of fixed length, of a capsule's end. One word, for many wait for it.
+// Which rods end in a sphere: NO_ROD, SOME_RODS, or the index of its only rod if that has a fixed length. This is stored in one
+// word, because every contact test needs it.
 fn end_of(sphere: u32) -> u32 {
     if !RODS {
         return NO_ROD;
@@ -88,7 +91,7 @@ fn end_of(sphere: u32) -> u32 {
     return topology[step.ends_at + sphere];
 }
 
-// First word of a sphere's rods and their number.
+// First word of a sphere's rods, and the number of rods.
 fn rods_of(sphere: u32) -> vec2u {
     if end_of(sphere) == NO_ROD {
         return vec2u(0u);
@@ -104,13 +107,14 @@ fn rods_of(sphere: u32) -> vec2u {
     return vec2u(range.x, end - range.x);
 }
 
-// The only rod of a sphere, if it has exactly one and that has a fixed length: then the sphere is the end of a capsule.
+// The rod of a sphere that has exactly one rod, of fixed length; otherwise NONE. Only such a sphere can be an end of a rigid
+// capsule.
 fn capsule_rod(sphere: u32) -> u32 {
     let end = end_of(sphere);
     return select(end, NONE, end == SOME_RODS);
 }
 
-// The other end of the capsule that a sphere is an end of.
+// The other end of the rod that `capsule_rod` returns, or NONE.
 fn capsule_partner(sphere: u32) -> u32 {
     let rod = capsule_rod(sphere);
     if rod == NONE {

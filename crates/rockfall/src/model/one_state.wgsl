@@ -1,6 +1,6 @@
 // requires model/step.wgsl
 
-// Where the rows of a sphere stand in `state`, the state that the pass evaluates: three regions of one vec4 a sphere.
+// Offsets of a sphere's rows in `state`, the state that the pass evaluates. It has three regions of one vec4 per sphere.
 
 fn position_at(sphere: u32) -> u32 {
     return sphere;
@@ -14,7 +14,7 @@ fn momentum_at(sphere: u32) -> u32 {
     return 2u * step.spheres + sphere;
 }
 
-// Which force evaluation of the step this is.
+// Index of the force evaluation within the step.
 fn evaluation() -> u32 {
     return pass_.index;
 }

@@ -1,8 +1,8 @@
 // requires model/step.wgsl
 
-// From the order of memory to the order of addition and back.
+// Conversion between memory slots and insertion indices.
 
-// Index of an object in order of addition. Whatever must not depend on the order of memory goes by it.
+// Insertion index of an object. Results that must not depend on the order of memory use it.
 fn insertion_index(id: u32) -> u32 {
     if (step.insertion_indices_at == 0u) | (id >= step.spheres) {
         return id;
@@ -10,20 +10,21 @@ fn insertion_index(id: u32) -> u32 {
     return topology[step.insertion_indices_at + id];
 }
 
-// Two objects, the one that was added first before the other.
+// Two objects in insertion order.
 fn ordered(a: u32, b: u32) -> vec2u {
     return select(vec2u(b, a), vec2u(a, b), insertion_index(a) < insertion_index(b));
 }
 
-// The memory slot of a sphere, and every other object's id, by its index in order of addition.
-fn id_of(user: u32) -> u32 {
-    if (step.slots_at == 0u) | (user >= step.spheres) {
-        return user;
+// Id of the object with an insertion index. For a sphere, it is the memory slot.
+fn id_of(index: u32) -> u32 {
+    if (step.slots_at == 0u) | (index >= step.spheres) {
+        return index;
     }
-    return topology[step.slots_at + user];
+    return topology[step.slots_at + index];
 }
 
-// Orders entries by index in order of addition, then feature: not by id, for the order of memory must not show.
+// Sort key of an entry: insertion index, then feature. It does not use the id, because results must not depend on the order of
+// memory.
 fn entry_key(id: u32, feature: u32) -> u32 {
     return insertion_index(id) << FEATURE_BITS | feature;
 }

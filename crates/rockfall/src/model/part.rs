@@ -1,11 +1,11 @@
-//! A file of WGSL and its text.
+//! WGSL files that are compiled into the library.
 
-/// A file of WGSL.
+/// A WGSL file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Part {
     /// Path below `src/`.
     pub file: &'static str,
-    /// Its text.
+    /// Contents of the file.
     pub text: &'static str,
 }
 

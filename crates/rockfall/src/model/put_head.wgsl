@@ -1,6 +1,6 @@
 // requires model/step.wgsl
 
-// What `head_of` reads, for stages that write it.
+// Writes the word that `head_of` reads.
 fn put_head(mover: u32, word: u32) {
     lists[mover / SLICE][mover % SLICE] = word;
 }

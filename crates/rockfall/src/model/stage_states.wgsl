@@ -1,6 +1,6 @@
 // requires model/step.wgsl
 
-// The four stage states of a sphere, where each is a buffer of its own.
+// Access to the four stage states of RK4, each of which is a buffer of its own.
 
 fn start_row(region: u32, i: u32) -> vec4f {
     return start[region * step.spheres + i];

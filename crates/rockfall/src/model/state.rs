@@ -1,4 +1,4 @@
-//! One sphere's state, and writing it row by row from many threads.
+//! The state of one sphere, and parallel writes to the rows of a state.
 
 use std::ops::Range;
 
@@ -28,17 +28,17 @@ impl Motion {
         }
     }
 
-    /// This, or, where it is not finite, rest at `start`, which is told of the sphere with this index in order of addition.
-    pub(crate) fn or_stopped(self, start: Vec3, stage: BadStage, user: u32, tally: &mut Tally) -> Self {
+    /// Returns this motion if it is finite. Otherwise returns a sphere at rest at `start`, and counts the sphere in `tally`.
+    pub(crate) fn or_stopped(self, start: Vec3, stage: BadStage, insertion_index: u32, tally: &mut Tally) -> Self {
         if self.position.is_finite() && self.velocity.is_finite() && self.angular_momentum.is_finite() {
             return self;
         }
-        tally.count_bad(stage, user);
+        tally.count_bad(stage, insertion_index);
         Self { position: start, velocity: Vec3::ZERO, angular_momentum: Vec3::ZERO }
     }
 }
 
-/// The rows of the spheres of a slice in a state array.
+/// The rows of the spheres of one slice in a state array.
 pub(crate) struct Rows<'a> {
     first: u32,
     positions: &'a mut [Vec4],
@@ -47,7 +47,7 @@ pub(crate) struct Rows<'a> {
 }
 
 impl<'a> Rows<'a> {
-    /// All rows, slice by slice.
+    /// Splits a state array into the rows of each slice.
     pub(crate) fn of(state: &'a mut [Vec4], spheres: u32) -> impl IndexedParallelIterator<Item = Self> {
         const LENGTH: usize = SLICE as usize;
         let (positions, rest) = state.split_at_mut(spheres as usize);
@@ -62,12 +62,12 @@ impl<'a> Rows<'a> {
         rows.with_min_len(GRAIN / LENGTH)
     }
 
-    /// All spheres.
+    /// The spheres of the slice.
     pub(crate) fn spheres(&self) -> Range<u32> {
         self.first..self.first + self.positions.len() as u32
     }
 
-    /// What a sphere's row holds.
+    /// Reads the rows of a sphere.
     pub(crate) fn get(&self, sphere: u32) -> Motion {
         let place = (sphere - self.first) as usize;
         let [position, velocity, angular_momentum] =
@@ -75,7 +75,7 @@ impl<'a> Rows<'a> {
         Motion { position, velocity, angular_momentum }
     }
 
-    /// Writes the motion, and radius, inverse mass and inverse inertia of the sphere in `view`.
+    /// Writes a motion, with the radius, inverse mass and inverse inertia that the sphere has in `view`.
     pub(crate) fn set(&mut self, view: &View, sphere: u32, motion: Motion) {
         let place = (sphere - self.first) as usize;
         self.positions[place] = motion.position.extend(view.radius(sphere));
@@ -83,7 +83,7 @@ impl<'a> Rows<'a> {
         self.spins[place] = motion.angular_momentum.extend(view.inverse_inertia(sphere));
     }
 
-    /// What the constraints need to know: region 0 gets the position before the step, region 2 the mean spin.
+    /// Writes what the constraints need: the position before the step to region 0 and the mean spin to region 2.
     pub(crate) fn remember(&mut self, sphere: u32, old_position: Vec3, mean_spin: Vec3) {
         let place = (sphere - self.first) as usize;
         self.positions[place] = old_position.extend(0.0);

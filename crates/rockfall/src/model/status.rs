@@ -1,37 +1,38 @@
-//! The block `status`: what kernels tell the host, and each other.
+//! The block `status`: what the kernels report to the host and to later kernels.
 
 use bytemuck::{Pod, Zeroable};
 
-/// Bit of [`Status::rejected`]: the pair lists did not fit; [`Status::pair_rows_needed`] rows are needed.
+/// Bit of [`Status::rejected`]: the pair lists do not fit. They need [`Status::pair_rows_needed`] rows.
 pub const REJECTED_PAIRS: u32 = 1;
-/// Bit of [`Status::rejected`]: a body left its AABB before or within the step, so its list may lack a pair.
+/// Bit of [`Status::rejected`]: a body left its AABB before or during the step, so its list may lack a pair.
 pub const REJECTED_ESCAPED: u32 = 2;
-/// Bit of [`Status::rejected`]: a body's state stopped being finite in the step before; later steps do nothing.
+/// Bit of [`Status::rejected`]: a body's state stopped being finite in an earlier step, and the simulation must not continue.
 pub const REJECTED_NON_FINITE: u32 = 4;
 
-/// Bit of [`Status::rejected`]: the pair lists need more rows than can be numbered.
+/// Bit of [`Status::rejected`]: the pair lists need more rows than row numbers can count.
 pub const REJECTED_COUNT: u32 = 8;
 
-/// Bit of [`Status::rejected`]: collisions share bodies and the step was begun without sweeps, or there is no room for them.
+/// Bit of [`Status::rejected`]: there is no room for all collisions, or collisions share bodies and
+/// [`Step::sweeps`](crate::model::step::Step::sweeps) does not allow that.
 pub const REJECTED_COLLISIONS: u32 = 16;
-/// Bit of [`Status::rejected`], beside [`REJECTED_COLLISIONS`]: one workgroup cannot make all sweeps.
+/// Bit of [`Status::rejected`], together with [`REJECTED_COLLISIONS`]: one workgroup cannot do all sweeps.
 pub const REJECTED_MANY: u32 = 32;
 
-/// Bit of [`Status::rebuild`]: some body asks for new lists.
+/// Bit of [`Status::rebuild`]: some body requests new lists.
 pub const REBUILD_REQUESTED: u32 = 1;
-/// Bit of [`Status::rebuild`]: they were made in this step.
+/// Bit of [`Status::rebuild`]: the lists were rebuilt in this step.
 pub const REBUILD_DONE: u32 = 2;
 
-/// [`Status::bad_body`] when every body is finite.
+/// Value of [`Status::bad_body`] when every body is finite.
 pub const NO_BODY: u32 = u32::MAX;
-/// The place in a step where a body stopped being finite, the high bits of [`Status::bad_body`].
+/// Shift of the [`BadStage`](crate::error::BadStage) in [`Status::bad_body`].
 pub const BAD_STAGE_SHIFT: u32 = 29;
 
-/// How many [`Counters`] there are.
+/// Number of [`Counters`].
 pub const COUNTER_BLOCKS: u32 = 64;
 
-/// What some workgroups have counted in the step under way. A device adds to one word for one workgroup after the other, some
-/// nanoseconds each, so they share out [`COUNTER_BLOCKS`] of these, a sector of the cache each; `end_step` adds them up.
+/// Counts of the current step. A device serializes atomic operations on one word, at some nanoseconds each. So the workgroups
+/// spread their counts over [`COUNTER_BLOCKS`] of these blocks, each in its own cache sector. `end_step` adds them up.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
 pub struct Counters {
@@ -39,14 +40,14 @@ pub struct Counters {
     pub contacts: u32,
     /// Bits of the deepest overlap of the step's first force evaluation.
     pub max_overlap: u32,
-    /// Collisions handled.
+    /// Collisions in the step.
     pub collisions: u32,
     /// Padding to 32 bytes.
     pub pad: [u32; 5],
 }
 
 impl Counters {
-    /// Both together.
+    /// Returns the counts of both together.
     pub fn and(self, other: Self) -> Self {
         Self {
             contacts: self.contacts + other.contacts,
@@ -57,63 +58,64 @@ impl Counters {
     }
 }
 
-/// What the kernels tell the host, and each other. Counters are of the step under way unless they say `last` or `total`.
+/// What the kernels report to the host and to later kernels. Counts without `last` or `total` are those of the current step.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable)]
 pub struct Status {
-    /// What is counted; on the CPU the first holds all of it.
+    /// Counts of the workgroups. On the CPU, the first block holds all counts.
     pub counters: [Counters; COUNTER_BLOCKS as usize],
-    /// `VOID_*` bits; not 0: later stages leave the bodies alone, until the host has seen to it.
+    /// `REJECTED_*` bits. While it is not 0, later stages do not change the bodies, until the host has handled the reason.
     pub rejected: u32,
-    /// Rows that the entries of the pair lists need.
+    /// Number of rows that the entries of the pair lists need.
     pub pair_rows_needed: u32,
-    /// Bits of the largest distance, in 0.02 r, by which a body left its AABB; positive floats order like their bits.
+    /// Largest distance of a body outside its AABB, in units of 0.02 r, stored as the bits of a float. Positive floats are
+    /// ordered as their bits are.
     pub escape_ratio: u32,
-    /// Steps done since the status was last reset.
+    /// Steps completed since the status was last reset.
     pub steps: u32,
-    /// 2 once the collisions of the step under way are done, 1 when they were done before the step was begun again, so that it
-    /// does not repeat them.
+    /// 2 when the collisions of the current step are done. 1 when they were done in a previous attempt at this step, so that
+    /// they are not repeated.
     pub collided: u32,
-    /// 1 when rod lengths may be off before the integration (first step, a step with collisions).
+    /// 1 when rod lengths must be restored before the integration: in the first step and in a step with collisions.
     pub lengths_due: u32,
-    /// 1 where there are collisions in the step under way.
+    /// 1 when there are collisions in the current step.
     pub collides: u32,
-    /// Contacts of the last step done.
+    /// Contacts of the last completed step.
     pub last_contacts: u32,
-    /// Bits of the deepest overlap of the last step done.
+    /// Bits of the deepest overlap of the last completed step.
     pub last_max_overlap: u32,
-    /// Collisions of the last step done.
+    /// Collisions of the last completed step.
     pub last_collisions: u32,
-    /// Collisions of all steps done, low word.
+    /// Collisions of all completed steps, low word.
     pub total_collisions_low: u32,
-    /// Collisions of all steps done, high word.
+    /// Collisions of all completed steps, high word.
     pub total_collisions_high: u32,
-    /// Least `stage << BAD_STAGE_SHIFT | sphere` (see [`BadStage`]; the sphere's index in order of addition) over the bodies that
-    /// stopped being finite, or [`NO_BODY`].
+    /// Least `stage << BAD_STAGE_SHIFT | insertion index` over the bodies that stopped being finite, or [`NO_BODY`]. The stage
+    /// is a [`BadStage`](crate::error::BadStage).
     pub bad_body: u32,
-    /// Value of `steps` when the first body stopped being finite (that step counted); 0 while there is none.
+    /// Value of `steps` after the step in which the first body stopped being finite; 0 while there is none.
     pub bad_step: u32,
-    /// Bodies stopped for not being finite.
+    /// Number of bodies that were stopped because their new state was not finite.
     pub bad_count: u32,
-    /// The same of all steps done.
+    /// Number of such bodies in all completed steps.
     pub total_bad: u32,
     /// Value of `bad_body` in the step `bad_step`: the first body that stopped being finite, or [`NO_BODY`].
     pub first_bad: u32,
-    /// `LISTS_*` bits; while it is 0, AABBs and lists of an earlier step still hold every pair.
+    /// `REBUILD_*` bits. While it is 0, the AABBs and lists of an earlier step still hold every pair.
     pub rebuild: u32,
-    /// Steps in which AABBs and lists were made anew, since the status was last reset.
+    /// Steps in which AABBs and lists were rebuilt, since the status was last reset.
     pub builds: u32,
-    /// List entries that `measure_order` looked at.
+    /// Number of list entries in the sample of `measure_order`.
     pub order_entries: u32,
-    /// Sum of the binary digits of the distances in memory between their two spheres.
+    /// Sum, over these entries, of the number of bits of the distance in memory between the two spheres.
     pub order_digits: u32,
-    /// Collisions that were listed in the step under way; more than there is room for void it.
+    /// Collisions listed in the current step. The step is rejected when there are more than there is room for.
     pub listed: u32,
-    /// 1 where collisions share bodies in the step under way.
+    /// 1 when collisions share bodies in the current step.
     pub clustered: u32,
     /// Steps in which collisions shared bodies, since the status was last reset.
     pub clustered_steps: u32,
-    /// Those of them with more collisions than [`FEW_COLLISIONS`](crate::model::layout::FEW_COLLISIONS).
+    /// Such steps with more than [`FEW_COLLISIONS`](crate::model::layout::FEW_COLLISIONS) collisions.
     pub many_steps: u32,
 }
 
@@ -124,7 +126,7 @@ impl Default for Status {
 }
 
 impl Status {
-    /// All that was told in the step under way.
+    /// Returns the counts of all blocks together.
     pub fn total_counters(&self) -> Counters {
         self.counters.iter().copied().fold(Counters::default(), Counters::and)
     }

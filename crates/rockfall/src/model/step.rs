@@ -6,15 +6,16 @@ use bytemuck::{Pod, Zeroable, bytes_of, bytes_of_mut};
 
 use crate::model::layout::{ENTRY_BITS, FEATURE_BITS, SWEEPS_LISTED, SWEEPS_OFF, SWEEPS_ON};
 
-/// What a step needs to know: the uniform block `step` of every kernel.
+/// The parameters of a step: the uniform block `step` of every kernel.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct Step {
-    /// Gravity's acceleration, G g, in units/s².
+    /// Acceleration by gravity, G g, in units/s².
     pub gravity: [f32; 3],
     /// Time step in s.
     pub dt: f32,
-    /// A contact collides above this times the smaller radius, in 1/s.
+    /// A contact collides when its approach velocity exceeds this times the smaller radius, in 1/s (docs/physics.md section
+    /// 3.1).
     pub activation_threshold: f32,
     /// Coefficient of restitution e.
     pub restitution: f32,
@@ -24,9 +25,9 @@ pub struct Step {
     pub contact_force: f32,
     /// Friction mu.
     pub friction: f32,
-    /// Coefficient mu_c of Coulomb friction in contacts; 0: the friction force of the thesis.
+    /// Coefficient mu_c of Coulomb friction in contacts; 0 for the friction force of the thesis.
     pub coulomb_friction: f32,
-    /// Coefficient of Coulomb friction in collisions.
+    /// Coefficient mu_j of Coulomb friction in collisions.
     pub collision_friction: f32,
     /// Magnitude of `gravity`, in units/s².
     pub gravity_size: f32,
@@ -34,18 +35,19 @@ pub struct Step {
     pub linear_damping: f32,
     /// Angular damping C in 1/s: L' = -C L.
     pub angular_damping: f32,
-    /// How far AABBs are grown for what accelerates within a step, in 0.02 r; 1.05 |v| dt comes on top, and as much of both
-    /// for every further step of `lookahead`.
+    /// Margin of AABBs for accelerations in the first step, in units of 0.02 r. The margin also includes 1.05 |v| dt per step,
+    /// and 0.05 r for every further step of `lookahead`. `update_aabbs` has the whole formula.
     pub margin_scale: f32,
-    /// Steps for which AABBs are grown; the more, the longer lists last, and the longer they are.
+    /// Number of steps for which AABBs are grown. With more steps, lists are valid for longer but have more entries.
     pub lookahead: f32,
-    /// Steps from one chance of making lists to the next: for so many lists have to last.
+    /// Number of steps from one opportunity to rebuild lists to the next. Lists must last for as many steps.
     pub list_interval: f32,
-    /// Steps, or a part of one, by which AABBs stand ahead of moving spheres.
+    /// Distance by which the centres of AABBs are ahead of moving spheres, in steps of motion at their present velocity.
     pub lead: f32,
-    /// How collisions are solved ([`SWEEPS_OFF`], [`SWEEPS_LISTED`], [`SWEEPS_ON`]). Results do not depend on it.
+    /// How collisions are solved: one of the `SWEEPS_*` constants. Results do not depend on it.
     pub sweeps: u32,
-    /// `FLAG_*` bits. The last of the fields that change while the world stays as it is: see [`Step::with_constants_of`].
+    /// `FLAG_*` bits. This is the last of the fields that may change without a change of the arrays (see
+    /// [`Step::with_constants_of`]).
     pub flags: u32,
     /// Rows that the entries of the pair lists may take.
     pub pair_rows: u32,
@@ -57,13 +59,13 @@ pub struct Step {
     pub boxes: u32,
     /// Number of polygons.
     pub polygons: u32,
-    /// First word of the rods in `words`.
+    /// First word of the rods in `topology`.
     pub rods_at: u32,
     /// First word of the springs.
     pub springs_at: u32,
     /// First word of the tethers.
     pub tethers_at: u32,
-    /// First word of the outside forces.
+    /// First word of the external forces.
     pub forces_at: u32,
     /// First word of the boxes.
     pub boxes_at: u32,
@@ -71,53 +73,55 @@ pub struct Step {
     pub polygons_at: u32,
     /// First word of the tags: group (low 16 bits) and material (high 16 bits) of every object, by id.
     pub tags_at: u32,
-    /// First word of the adjacency ranges (two absolute word offsets a sphere: where its words begin and end); 0 when nothing is
-    /// attached to any sphere.
+    /// First word of the adjacency ranges; 0 when nothing is attached to any sphere. The range of a sphere is two absolute word
+    /// offsets: the start and the end of its adjacency words.
     pub adjacency_at: u32,
     /// Number of batches of fixed-length rods.
     pub batches: u32,
-    /// First word of the batch table: per batch the absolute offset of: colour count C, C + 1 absolute offsets, rod indices.
+    /// First word of the batch table, which holds the absolute offset of each batch. A batch consists of the number of colours
+    /// C, C + 1 absolute offsets, and rod indices.
     pub batches_at: u32,
     /// First word of the slice offsets in `lists`; the counts are at 0.
     pub slices_at: u32,
     /// First word of the entries in `lists`.
     pub entries_at: u32,
-    /// Size of the grid's cells at level [`LEVEL_BIAS`], in units: a little more than most bodies.
+    /// Size of the grid's cells at level [`LEVEL_BIAS`], in units. It is a little more than the size of most bodies.
     pub cell_size: f32,
-    /// The lowest level that objects are on, however small they are.
+    /// Lowest level of the grid that objects are put on, however small they are.
     pub least_level: u32,
     /// Cells of the grid's table, a power of two and a multiple of [`CELL_BLOCK`].
     pub cells: u32,
-    /// First word of the sums of blocks of cells in `cells`; the cells themselves are at [`CELLS_AT`].
+    /// First word of the block sums in `cells`. The cells themselves start at [`CELLS_AT`].
     pub sums_at: u32,
     /// First word of the objects' keys in `cells`.
     pub keys_at: u32,
     /// First word of the objects' ids in the order of their keys, in `cells`.
     pub sorted_at: u32,
-    /// First word of the users: the index in order of addition of the sphere in each memory slot; 0: they are the same.
+    /// First word of the insertion indices, one per memory slot of a sphere; 0 when slots and insertion indices are the same.
     pub insertion_indices_at: u32,
-    /// First word of the slots: the memory slot of each sphere by its index in order of addition; 0: they are the same.
+    /// First word of the slots: the memory slot of each sphere, by its insertion index; 0 when they are the same.
     pub slots_at: u32,
-    /// First word of the long movers, in `cells`; 0: all lists are made by one thread each, for radii differ little.
+    /// First word of the long movers in `cells`; 0 when radii differ so little that one thread builds each list.
     pub long_at: u32,
-    /// 1: `plan_lists` decides how many workgroups the stages have that make lists.
+    /// 1 when `plan_lists` writes the dispatch sizes of the stages that rebuild lists.
     pub planned: u32,
-    /// First word of the ends: what rods end in each sphere ([`NO_ROD`], [`SOME_RODS`], or of a capsule's end its rod); 0 without
-    /// rods.
+    /// First word of the table of ends, one word per sphere: [`NO_ROD`], [`SOME_RODS`], or the index of its only rod, if that
+    /// has a fixed length. 0 without rods.
     pub ends_at: u32,
-    /// The last so many spheres in memory are large: in stages that go through lists a workgroup works on each of them.
+    /// Number of large spheres. They are the last ones in memory. In stages that process lists, each of them has a workgroup.
     pub large: u32,
     /// Number of networks: connected sets of fixed-length rods that are not rigid capsules.
     pub networks: u32,
-    /// First word of the network table: per network the absolute offset of: sphere count, rod count, spheres (as `2 rod + end`, for
-    /// a rod that ends in the sphere), rods. Before the table stands one word a rod: its network, or [`NO_NETWORK`].
+    /// First word of the network table, which holds the absolute offset of each network. A network consists of the number of
+    /// spheres, the number of rods, the spheres (as `2 rod + end`, for a rod that ends in the sphere), and the rods. Before the
+    /// table there is one word per rod: its network, or [`NO_NETWORK`].
     pub networks_at: u32,
-    /// Collisions that the buffer of collisions has room for.
+    /// Number of collisions that the buffer `collisions` has room for.
     pub collision_room: u32,
 }
 
 impl Step {
-    /// This with the constants of another: the fields up to `flags`. Counts, offsets and room stay.
+    /// Returns this block with the constants of another one, which are the fields up to `flags`. Counts, offsets and room stay.
     pub fn with_constants_of(&self, other: &Self) -> Self {
         const END: usize = offset_of!(Step, flags) + size_of::<u32>();
         let mut step = *self;
@@ -125,23 +129,23 @@ impl Step {
         step
     }
 
-    /// Objects that have a list: spheres and rods.
+    /// Number of objects that have a list: spheres and rods.
     pub const fn movers(&self) -> u32 {
         self.spheres + self.rods
     }
 
-    /// All objects.
+    /// Number of all objects.
     pub const fn objects(&self) -> u32 {
         self.movers() + self.boxes + self.polygons
     }
 
-    /// Whether bodies may have long lists: in scenes with rods or large spheres.
+    /// Whether bodies may have long lists, which is so in scenes with rods or large spheres.
     pub const fn has_long_lists(&self) -> bool {
         self.rods > 0 || self.large > 0
     }
 
-    /// [`Step::sweeps`] where no collisions are known to share bodies. Networks are solved by sweeps alone, and friction in collisions
-    /// needs to know their impulses.
+    /// Value of [`Step::sweeps`] as long as no collisions are known to share bodies. Networks can only be solved
+    /// by sweeps. Friction in collisions needs the normal impulses, so collisions are listed.
     pub fn calm_sweeps(&self) -> u32 {
         if self.networks > 0 {
             SWEEPS_ON
@@ -152,7 +156,7 @@ impl Step {
         }
     }
 
-    /// Whether one workgroup may make all sweeps, where collisions are few.
+    /// Whether one workgroup may do all sweeps when there are few collisions.
     pub const fn may_sweep_at_once(&self) -> bool {
         self.networks == 0 && self.large == 0
     }
@@ -162,13 +166,14 @@ impl Step {
         self.coulomb_friction > 0.0 || self.collision_friction > 0.0
     }
 
-    /// The approach velocity, in units/s, above which a contact of this smaller radius collides: erratum E19. Gravity gives a body
-    /// at rest up to `|gravity| dt` within a step.
+    /// Approach velocity, in units/s, above which a contact collides (erratum E19). Gravity gives a body at rest a velocity of
+    /// up to `|gravity| dt` within a step.
     pub fn collision_velocity(&self, smaller_radius: f32) -> f32 {
         (self.activation_threshold * smaller_radius).max(2.0 * self.gravity_size * self.dt)
     }
 
-    /// Bits of the id in a list entry: 26 in scenes with rods; without there are no features, and all 30.
+    /// Bits of the id in a list entry: 26 in scenes with rods. In other scenes there are no features, so the id has all 30
+    /// bits.
     pub const fn entry_id_bits(&self) -> u32 {
         if self.rods > 0 { ENTRY_BITS - FEATURE_BITS } else { ENTRY_BITS }
     }
@@ -179,18 +184,19 @@ impl Step {
     }
 }
 
-/// The uniform block `pass_`: which force evaluation of the step this is.
+/// The uniform block `pass_`: which of several dispatches of a stage this is.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
 pub struct Pass {
-    /// 0..4 for the stages of RK4, 0 and 1 for `sort_axis`, 0..8 for the digits of a sort, what [`PHASES_SHIFT`] tells for
-    /// `run_steps`; 0 for symplectic Euler and everything else.
+    /// 0 to 3 for the force evaluations of RK4, 0 and 1 for `sort_axis`, 0 to 7 for the digits of a sort. For
+    /// `sweep_collisions`, the number of sweeps before it. For `project_networks` and `gather_impulses`, the number of sweeps
+    /// done. For `run_steps`, see [`PHASES_SHIFT`]. 0 for symplectic Euler and all other stages.
     pub index: u32,
     /// Padding to 16 bytes.
     pub pad: [u32; 3],
 }
 
-/// An axis-aligned bounding box, grown by the motion of the step.
+/// An axis-aligned bounding box, which includes a margin for motion.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct Aabb {

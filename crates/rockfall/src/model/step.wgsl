@@ -1,4 +1,5 @@
-// What every kernel knows: the uniform blocks, the status block and the constants of layout.rs and status.rs. A test compares them.
+// Declarations for every kernel: the uniform blocks, the status block, and the constants of layout.rs and status.rs. A test
+// compares them with the Rust declarations.
 
 struct Step {
     gravity: vec3f,
@@ -107,7 +108,7 @@ struct Status {
     many_steps: u32,
 }
 
-// Both where many threads of a dispatch write them.
+// `Counters` and `Status` for stages in which many threads of a dispatch write them.
 struct CountersAtomic {
     contacts: atomic<u32>,
     max_overlap: atomic<u32>,
@@ -151,8 +152,8 @@ struct StatusAtomic {
 @group(0) @binding(0) var<uniform> step: Step;
 @group(0) @binding(1) var<uniform> pass_: Pass;
 
-// Whether there are rods, and spheres so large that a workgroup works on each. Kernels for scenes without them are smaller and
-// faster.
+// Whether the scene has rods (RODS) and large spheres, each of which gets a workgroup (LARGE). Kernels for scenes without them
+// are smaller and faster.
 const RODS: bool = true;
 const LARGE: bool = true;
 
@@ -179,7 +180,7 @@ const KIND_FORCE: u32 = 3u;
 const COUNTER_BLOCKS: u32 = 64u;
 const SIZE_WORDS: u32 = 12u;
 
-// Without rods all contacts have feature 0, and ids the more bits.
+// Without rods, all contacts have feature 0, and ids get all bits.
 const FEATURE_BITS: u32 = 4u * u32(RODS);
 const FEATURE_MASK: u32 = (1u << FEATURE_BITS) - 1u;
 const ENTRY_ID_BITS: u32 = 30u - FEATURE_BITS;
@@ -242,17 +243,17 @@ const SYMPLECTIC_EULER: u32 = 4u;
 const NO_BODY: u32 = 0xffffffffu;
 const BAD_STAGE_SHIFT: u32 = 29u;
 
-// "No such object" where an id or an index is expected.
+// "No object", in place of an id or an index.
 const NONE: u32 = 0xffffffffu;
 
-// A squared length up to this counts as 0: what its direction would be is decided by rule, not by rounding.
+// A squared length up to this counts as 0 (docs/physics.md section 2.3).
 const TINY: f32 = 1e-30;
 
 fn objects() -> u32 {
     return step.spheres + step.rods + step.boxes + step.polygons;
 }
 
-// A dispatch has two dimensions, so that there may be more than 65,535 workgroups.
+// Linear index of a workgroup. Dispatches have two dimensions, because one dimension may be limited to 65,535 workgroups.
 fn linear_group(group: vec3u, groups: vec3u) -> u32 {
     return group.x + group.y * groups.x;
 }
@@ -261,12 +262,13 @@ fn linear_thread(group: vec3u, groups: vec3u, local: u32) -> u32 {
     return linear_group(group, groups) * WORKGROUP + local;
 }
 
-// In workgroups of WIDE.
+// Linear index of a thread, for workgroups of WIDE threads.
 fn wide_thread(group: vec3u, groups: vec3u, local: u32) -> u32 {
     return linear_group(group, groups) * WIDE + local;
 }
 
-// By the exponent bits: compilers may assume that there is no infinity and no NaN, and drop other tests.
+// Whether a vector is finite. It tests the exponent bits, because compilers may assume that there is no infinity or NaN and
+// drop other tests.
 fn finite(v: vec3f) -> bool {
     return all((bitcast<vec3u>(v) & vec3u(0x7f800000u)) != vec3u(0x7f800000u));
 }

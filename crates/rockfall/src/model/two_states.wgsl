@@ -1,6 +1,6 @@
 // requires model/step.wgsl
 
-// The state and the one that takes its place, where each is a buffer of its own.
+// Access to the state and the next state, each of which is a buffer of its own.
 
 fn put_start(region: u32, i: u32, row: vec4f) {
     state[region * step.spheres + i] = row;

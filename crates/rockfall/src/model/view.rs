@@ -1,4 +1,4 @@
-//! Reading a world: spheres at one stage state, and what is attached to them.
+//! Read access to a world: its objects, with the spheres in one stage state, and what is attached to the spheres.
 
 use glam::{Vec3, Vec4};
 
@@ -7,10 +7,10 @@ use crate::model::layout::{
 };
 use crate::model::step::Step;
 
-/// A squared distance up to this counts as zero.
+/// A squared distance up to this counts as zero (docs/physics.md section 2.3).
 pub(crate) const TINY: f32 = 1e-30;
 
-/// The kind of an object id, with its index within the kind.
+/// The kind of an object, with its index within that kind.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Object {
     Sphere(u32),
@@ -23,7 +23,7 @@ pub(crate) enum Object {
 pub(crate) struct RodWords {
     pub(crate) ends: [u32; 2],
     pub(crate) radius: f32,
-    /// `<= 0`: free.
+    /// Fixed length; `<= 0` when the length is free.
     pub(crate) length: f32,
 }
 
@@ -56,7 +56,7 @@ pub(crate) struct PolygonWords {
     pub(crate) right: Vec3,
 }
 
-/// What hangs on a sphere: one adjacency word.
+/// Something attached to a sphere: a rod, spring, tether or external force. Decoded from one adjacency word.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Attachment {
     pub(crate) kind: u32,
@@ -68,8 +68,8 @@ pub(crate) struct Attachment {
 pub(crate) struct View<'a> {
     pub(crate) step: &'a Step,
     topology: &'a [u32],
-    /// Index in order of addition of the sphere in each memory slot; empty: they are the same.
-    users: &'a [u32],
+    /// Insertion index of the sphere in each memory slot; empty when slots and insertion indices are the same.
+    insertion_indices: &'a [u32],
     /// Position and radius, velocity and inverse mass, angular momentum and inverse inertia of every sphere.
     rows: [&'a [Vec4]; 3],
 }
@@ -77,38 +77,38 @@ pub(crate) struct View<'a> {
 impl<'a> View<'a> {
     pub(crate) fn new(step: &'a Step, topology: &'a [u32], state: &'a [Vec4]) -> Self {
         let spheres = step.spheres as usize;
-        let users =
+        let insertion_indices =
             if step.insertion_indices_at == 0 { &[] } else { &topology[step.insertion_indices_at as usize..][..spheres] };
         let (positions, rest) = state.split_at(spheres);
         let (velocities, spins) = rest.split_at(spheres);
-        Self { step, topology, users, rows: [positions, velocities, spins] }
+        Self { step, topology, insertion_indices, rows: [positions, velocities, spins] }
     }
 
     fn row(&self, region: usize, sphere: u32) -> Vec4 {
         self.rows[region][sphere as usize]
     }
 
-    /// Index of an object in order of addition. Whatever must not depend on the order of memory goes by it.
+    /// Returns the insertion index of an object. Results that must not depend on the order of memory use it.
     pub(crate) fn user(&self, id: u32) -> u32 {
-        self.users.get(id as usize).copied().unwrap_or(id)
+        self.insertion_indices.get(id as usize).copied().unwrap_or(id)
     }
 
-    /// Two objects, the one that was added first before the other.
+    /// Returns two objects in insertion order.
     pub(crate) fn ordered(&self, a: u32, b: u32) -> (u32, u32) {
         if self.user(a) < self.user(b) { (a, b) } else { (b, a) }
     }
 
-    /// Position and radius.
+    /// Position and radius of a sphere.
     pub(crate) fn place(&self, sphere: u32) -> Vec4 {
         self.row(0, sphere)
     }
 
-    /// Velocity and inverse mass.
+    /// Velocity and inverse mass of a sphere.
     pub(crate) fn motion(&self, sphere: u32) -> Vec4 {
         self.row(1, sphere)
     }
 
-    /// Angular momentum and inverse inertia.
+    /// Angular momentum and inverse inertia of a sphere.
     pub(crate) fn rotation(&self, sphere: u32) -> Vec4 {
         self.row(2, sphere)
     }
@@ -125,7 +125,7 @@ impl<'a> View<'a> {
         self.row(1, sphere).truncate()
     }
 
-    /// 0 for a fixed sphere.
+    /// 1 / m, 0 for a fixed sphere.
     pub(crate) fn inverse_mass(&self, sphere: u32) -> f32 {
         self.row(1, sphere).w
     }
@@ -138,12 +138,12 @@ impl<'a> View<'a> {
         self.row(2, sphere).truncate()
     }
 
-    /// 1 / I, of a fixed sphere too.
+    /// 1 / I, not 0 even for a fixed sphere.
     pub(crate) fn inverse_inertia(&self, sphere: u32) -> f32 {
         self.row(2, sphere).w
     }
 
-    /// Angular velocity L / I, of a fixed sphere too.
+    /// Angular velocity L / I. For a fixed sphere, it is the spin of its surface.
     pub(crate) fn spin(&self, sphere: u32) -> Vec3 {
         let row = self.row(2, sphere);
         row.truncate() * row.w
@@ -154,12 +154,12 @@ impl<'a> View<'a> {
         if self.is_fixed(sphere) { 0.0 } else { self.inverse_inertia(sphere) }
     }
 
-    /// The velocity of the sphere's middle. What is given of a fixed sphere is the velocity of its surface; it is at rest itself.
+    /// Velocity of the sphere's centre: 0 for a fixed sphere, whose `velocity` is that of its surface.
     pub(crate) fn own_velocity(&self, sphere: u32) -> Vec3 {
         if self.is_fixed(sphere) { Vec3::ZERO } else { self.velocity(sphere) }
     }
 
-    /// The same for the angular velocity.
+    /// Angular velocity of the sphere itself: 0 for a fixed sphere, whose `spin` is that of its surface.
     pub(crate) fn own_spin(&self, sphere: u32) -> Vec3 {
         if self.is_fixed(sphere) { Vec3::ZERO } else { self.spin(sphere) }
     }
@@ -217,7 +217,7 @@ impl<'a> View<'a> {
         self.topology[(self.step.tags_at + id) as usize]
     }
 
-    /// Everything attached to a sphere, its rods first.
+    /// Everything that is attached to a sphere, rods first.
     pub(crate) fn attachments(&self, sphere: u32) -> impl Iterator<Item = Attachment> + Clone + use<'a> {
         let at = self.step.adjacency_at;
         let range = if at == 0 {
@@ -234,33 +234,33 @@ impl<'a> View<'a> {
         self.attachments(sphere).take_while(|attachment| attachment.kind == KIND_ROD).map(|attachment| attachment.index)
     }
 
-    /// Whether an object is a sphere that no rod ends in.
+    /// Whether an object is a sphere in which no rod ends.
     pub(crate) fn is_ball(&self, id: u32) -> bool {
         id < self.step.spheres && self.rods_of(id).next().is_none()
     }
 
-    /// The rod of the rigid capsule that a sphere is an end of: two moving spheres apart from each other, each with this one rod, of
-    /// fixed length.
+    /// The rod of the rigid capsule that has this sphere as an end, if there is one (docs/physics.md section 1.4).
     pub(crate) fn capsule_of(&self, sphere: u32) -> Option<u32> {
         let mut rods = self.rods_of(sphere);
         let rod = rods.next()?;
         (rods.next().is_none() && self.is_capsule(rod)).then_some(rod)
     }
 
-    /// Whether a rod is that of a rigid capsule.
+    /// Whether a rod is the rod of a rigid capsule: it has a fixed length, both its ends move and have no other rod, and their
+    /// centres do not coincide.
     pub(crate) fn is_capsule(&self, rod: u32) -> bool {
         let RodWords { ends: [one, two], length, .. } = self.rod(rod);
         let is_end = |sphere: u32| self.rods_of(sphere).nth(1).is_none() && !self.is_fixed(sphere);
         length > 0.0 && is_end(one) && is_end(two) && self.position(one).distance_squared(self.position(two)) > TINY
     }
 
-    /// The network that a rod belongs to.
+    /// The network that a rod belongs to, if any.
     pub(crate) fn network_of(&self, rod: u32) -> Option<u32> {
         let network = self.topology[(self.step.networks_at - self.step.rods + rod) as usize];
         (network != NO_NETWORK).then_some(network)
     }
 
-    /// The moving spheres of a network, and its rods.
+    /// The moving spheres and the rods of a network.
     pub(crate) fn network(&self, network: u32) -> (impl ExactSizeIterator<Item = u32> + Clone + use<'a>, &'a [u32]) {
         let topology = self.topology;
         let first = topology[(self.step.networks_at + network) as usize] as usize;

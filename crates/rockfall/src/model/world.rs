@@ -1,6 +1,6 @@
-//! Everything a step reads and writes, as plain arrays of the layout that the GPU has too.
+//! Everything that a step reads and writes, as plain arrays with the layout of the GPU buffers.
 //!
-//! A [`World`] is what the CPU backend runs on, what the GPU backend is filled from, and what tests compare.
+//! The CPU backend runs on a [`World`], the GPU backend is initialized from one, and tests compare worlds.
 
 pub(crate) mod build;
 pub(crate) mod frames;
@@ -16,58 +16,59 @@ use crate::model::layout::{LINE, SLICE, words_of};
 use crate::model::status::Status;
 use crate::model::step::{Aabb, Step};
 
-/// The buffers of [`Buffer`], on the host, and the uniform block.
+/// The host arrays of the buffers in [`Buffer`], and the uniform block.
 ///
-/// What is scratch (stage states 2 to 4, AABBs, cells, extents, lists, wrenches) may be empty in a world that runs on a device:
-/// that one has room for it from the counts.
+/// Scratch arrays (stage states 2 to 4, AABBs, cells, extents, lists, wrenches) may be empty in a world that runs on a device.
+/// The device allocates these buffers from the object counts.
 #[derive(Clone, Debug, Default)]
 pub struct World {
     /// The uniform block.
     pub step: Step,
     /// `Start`, `Y2`, `Y3`, `Y4`: `3 * spheres` each.
     pub states: [Vec<Vec4>; 4],
-    /// One an object.
+    /// One AABB per object.
     pub aabbs: Vec<Aabb>,
     /// Topology and static objects.
     pub topology: Vec<u32>,
-    /// The grid's levels, cells, sums of blocks, keys, sorted objects.
+    /// The grid: levels, cells, block sums, keys, sorted objects, long movers.
     pub cells: Vec<u32>,
-    /// One an object, in the order of the grid's keys: centre and largest half extent of its AABB, negative of what is no sphere.
+    /// Centre and largest half extent of the AABB of every object, in the order of the grid's keys. The half extent is negative
+    /// for objects that are not spheres.
     pub extents: Vec<Vec4>,
     /// Counts, slice offsets, entries: `step.entries_at` words and `step.pair_rows` rows of [`SLICE`].
     pub lists: Vec<u32>,
-    /// What the collision phase of the CPU backend gave its contacts; scratch, which no device has.
+    /// Impulses of the collision phase. Scratch of the CPU backend, without a buffer on the device.
     pub impulses: Vec<Impulse>,
-    /// `4 * rods`: force and couple on end 1, force and couple on end 2.
+    /// `4 * rods`: force and torque on end 1, force and torque on end 2.
     pub wrenches: Vec<Vec4>,
-    /// The index in order of addition of the sphere in each memory slot; empty: they are the same.
+    /// Insertion index of the sphere in each memory slot; empty when slots and insertion indices are the same.
     pub order: Vec<u32>,
     /// `spheres` unit quaternions x, y, z, w.
     pub orientations: Vec<Vec4>,
-    /// Sizes of the dispatches that make lists, x, y and z each: as they are in this step, then as they are when there is something
-    /// to do.
+    /// Dispatch sizes (x, y, z) of the stages that rebuild the lists: first the sizes for this step, then the sizes for a step
+    /// in which the lists are rebuilt.
     pub sizes: Vec<u32>,
     /// The status block.
     pub status: Status,
 }
 
 impl World {
-    /// Objects that have a list: spheres and rods.
+    /// Number of objects that have a list: spheres and rods.
     pub fn movers(&self) -> u32 {
         self.step.movers()
     }
 
-    /// All objects.
+    /// Number of all objects.
     pub fn objects(&self) -> u32 {
         self.step.objects()
     }
 
-    /// The index in order of addition of the sphere in a memory slot.
+    /// Returns the insertion index of the sphere in a memory slot.
     pub fn user(&self, slot: usize) -> usize {
-        self.order.get(slot).map_or(slot, |user| *user as usize)
+        self.order.get(slot).map_or(slot, |index| *index as usize)
     }
 
-    /// Takes the order of memory from the words.
+    /// Copies the order of memory from the topology buffer to `order`.
     pub(crate) fn take_order(&mut self) {
         if self.step.insertion_indices_at != 0 {
             let count = self.order.len();
@@ -75,14 +76,14 @@ impl World {
         }
     }
 
-    /// The host's array of a buffer.
+    /// The bytes of the host array of a buffer.
     pub fn bytes(&self, buffer: Buffer) -> &[u8] {
         match buffer {
             Buffer::Start => cast_slice(&self.states[0]),
             Buffer::Y2 => cast_slice(&self.states[1]),
             Buffer::Y3 => cast_slice(&self.states[2]),
             Buffer::Y4 => cast_slice(&self.states[3]),
-            // A device alone has them.
+            // These exist on the device only.
             Buffer::States | Buffer::CollisionIndices | Buffer::Collisions => &[],
             Buffer::Aabbs => cast_slice(&self.aabbs),
             Buffer::Topology => cast_slice(&self.topology),
@@ -96,7 +97,7 @@ impl World {
         }
     }
 
-    /// The same, to write to.
+    /// The bytes of the host array of a buffer, for writing.
     pub fn bytes_mut(&mut self, buffer: Buffer) -> &mut [u8] {
         match buffer {
             Buffer::Start => cast_slice_mut(&mut self.states[0]),
@@ -116,24 +117,25 @@ impl World {
         }
     }
 
-    /// Makes room for so many rows of list entries; the lists are void after it.
+    /// Allocates `rows` rows of list entries. The contents of the lists are lost.
     pub fn set_pair_rows(&mut self, rows: u32) {
         self.set_pair_room(rows);
         self.lists = vec![0; self.list_words() as usize];
     }
 
-    /// Words of the pair lists.
+    /// Number of words in the pair lists.
     pub(crate) fn list_words(&self) -> u64 {
         u64::from(self.step.entries_at) + words_of(self.step.pair_rows)
     }
 
-    /// Words of the numbers of listed collisions: as many as of list entries, where there is room for collisions.
+    /// Number of words in `Buffer::CollisionIndices`: one per word of the list entries; 0 when no collisions are listed.
     #[cfg(feature = "gpu")]
     pub(crate) fn slot_words(&self) -> u64 {
         if self.step.collision_room > 0 { words_of(self.step.pair_rows) } else { 0 }
     }
 
-    /// [`World::set_pair_rows`] for a world that runs on a device: the host's lists are empty.
+    /// Sets the sizes and offsets for `rows` rows of list entries, but leaves the lists on the host empty. For a world that
+    /// runs on a device.
     pub(crate) fn set_pair_room(&mut self, rows: u32) {
         let slices = self.movers().div_ceil(SLICE);
         self.step.pair_rows = rows;

@@ -1,5 +1,5 @@
-//! Contacts of one sphere with others, four at a time. Nearly all contacts of most scenes are of this kind; where no rod joins
-//! the two there are no cases to tell apart.
+//! Contacts of a sphere without rods with other spheres, four at a time. In most scenes, nearly all contacts are of this kind.
+//! They need no case distinctions.
 
 use glam::{BVec4A, Vec4};
 
@@ -10,7 +10,7 @@ use crate::physics::contact::{Approach, Sides, Touches};
 use crate::physics::side::side;
 use crate::physics::touch::ROUNDING;
 
-/// A sphere without rods, and those of its list that it touches, or nearly so.
+/// A sphere without rods.
 pub(crate) struct Ball<'a, 'b> {
     pub(crate) view: &'b View<'a>,
     sphere: u32,
@@ -18,17 +18,18 @@ pub(crate) struct Ball<'a, 'b> {
     sides: Sides,
 }
 
-/// A sphere beside up to four others.
+/// The contacts of a sphere with up to four others.
 pub(crate) struct Meeting {
-    /// The sphere itself, four times.
+    /// The sphere itself, repeated four times.
     pub(crate) a: Sides,
+    /// The other spheres.
     pub(crate) b: Sides,
-    /// Normals from the sphere to the others; an overlap may be 0 or less.
+    /// Normals from the sphere to the others. Overlaps may be 0 or negative.
     pub(crate) touches: Touches,
 }
 
 impl<'a, 'b> Ball<'a, 'b> {
-    /// The sphere, unless it has rods: then it does not meet those at the other end.
+    /// Returns `None` for a sphere with rods, because it must ignore the spheres at the other ends of its rods.
     #[inline]
     pub(crate) fn new(view: &'b View<'a>, mover: u32) -> Option<Self> {
         view.is_ball(mover).then(|| Self {
@@ -39,8 +40,9 @@ impl<'a, 'b> Ball<'a, 'b> {
         })
     }
 
-    /// Those spheres of a list of `count` entries that are so near that they may overlap, up to four at a time: most are not.
-    /// The slack leaves those near the edge to the test that counts. Gives the number of spheres, which come first in a list.
+    /// Calls `take` with the spheres of a list that are near enough to overlap, up to four at a time. Most spheres are not. The
+    /// test has some slack, so the exact test decides about spheres at the limit. `count` is the length of the list. Returns
+    /// the number of spheres in the list, which are its first entries.
     #[inline]
     pub(crate) fn for_each_near(&self, mut count: u32, entry: impl Fn(u32) -> Entry, mut take: impl FnMut(&[Entry])) -> u32 {
         while count > 0 && entry(count - 1).id() >= self.view.step.spheres {
@@ -54,7 +56,7 @@ impl<'a, 'b> Ball<'a, 'b> {
             let (others, radii) = Vec3x4::from_rows(four.map(|entry| self.view.place(entry.id())));
             let (d, reach) = (others - own, radii + radius);
             let bits = d.dot(d).cmple(1.00001 * (reach * reach)).bitmask();
-            // Without branches, for processors guess badly here.
+            // There are no branches here, because processors would often mispredict them.
             for (lane, entry) in (0..).zip(four) {
                 near[found % (2 * LANES)] = entry;
                 found += usize::from((bits >> lane & 1 == 1) & (place + lane < count));
@@ -76,7 +78,7 @@ impl<'a, 'b> Ball<'a, 'b> {
         self.view.user(self.sphere) < self.view.user(other)
     }
 
-    /// The sphere beside up to four others, at least one; the first stands in for those that are missing.
+    /// Evaluates the contacts with one to four other spheres. Unused lanes repeat the first sphere.
     #[inline]
     pub(crate) fn meet(&self, others: &[Entry]) -> Meeting {
         let view = self.view;
@@ -86,16 +88,16 @@ impl<'a, 'b> Ball<'a, 'b> {
         let (momentum, inverse_inertia) = Vec3x4::from_rows(others.map(|other| view.rotation(other)));
         let d = position - Vec3x4::splat(self.place.truncate());
         let dd = d.dot(d);
-        let at_once = dd.cmple(Vec4::splat(TINY));
-        let distance = Vec4::select(at_once, Vec4::ZERO, dd.sqrt());
+        let coincide = dd.cmple(Vec4::splat(TINY));
+        let distance = Vec4::select(coincide, Vec4::ZERO, dd.sqrt());
         let mut normal = d / distance;
-        if at_once.any() {
-            // From the one that was added first up to the other.
+        if coincide.any() {
+            // Where the centres coincide, the normal is +y from the sphere that was added first to the other.
             let up = others.map(|other| if self.is_first(other) { 1.0 } else { -1.0 });
             normal = Vec3x4 {
-                x: Vec4::select(at_once, Vec4::ZERO, normal.x),
-                y: Vec4::select(at_once, Vec4::from_array(up), normal.y),
-                z: Vec4::select(at_once, Vec4::ZERO, normal.z),
+                x: Vec4::select(coincide, Vec4::ZERO, normal.x),
+                y: Vec4::select(coincide, Vec4::from_array(up), normal.y),
+                z: Vec4::select(coincide, Vec4::ZERO, normal.z),
             };
         }
         Meeting {
@@ -113,20 +115,20 @@ impl<'a, 'b> Ball<'a, 'b> {
 }
 
 impl Meeting {
-    /// The radii that thresholds refer to.
+    /// The smaller radius of each pair, which the thresholds refer to.
     fn smaller_radius(&self) -> Vec4 {
         let [a, b] = [&self.a, &self.b].map(|sides| sides.radius.unwrap_or(Vec4::ZERO));
         a.min(b)
     }
 
-    /// Which overlap by more than rounding, and can give way.
+    /// Which contacts are pressed (docs/physics.md section 3.1).
     #[inline]
     pub(crate) fn are_pressed(&self) -> BVec4A {
         let can_move = (self.a.inverse_mass + self.b.inverse_mass).cmpgt(Vec4::ZERO);
         self.touches.overlap.cmpgt(ROUNDING * self.smaller_radius()) & can_move
     }
 
-    /// Which close faster than the threshold.
+    /// Which contacts have an approach velocity above the threshold.
     #[inline]
     pub(crate) fn collide(&self, view: &View) -> BVec4A {
         let approach = Approach::of(view.step, &self.a, &self.b, self.touches.normal);

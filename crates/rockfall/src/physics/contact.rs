@@ -1,4 +1,5 @@
-//! The contact law: repulsion, damping, friction and torque of overlapping pairs, four at a time (docs/physics.md sections 4.3 to 4.6).
+//! The contact law: repulsion, damping, friction and torque of overlapping pairs, four at a time (docs/physics.md sections 4.3
+//! to 4.6).
 
 use glam::{Vec3, Vec4};
 
@@ -10,7 +11,7 @@ use crate::physics::geometry::ROUNDED;
 use crate::physics::side::{Side, side};
 use crate::physics::touch::Touch;
 
-/// The radius that the activation threshold refers to.
+/// Returns the smaller radius of a contact, which the activation threshold refers to.
 pub(crate) fn smaller_radius(a: &Side, b: &Side) -> f32 {
     match (a.radius, b.radius) {
         (Some(a), Some(b)) => a.min(b),
@@ -19,20 +20,20 @@ pub(crate) fn smaller_radius(a: &Side, b: &Side) -> f32 {
     }
 }
 
-/// The bodies on one side of four contacts.
+/// The objects on one side of four contacts.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Sides {
     pub(crate) inverse_mass: Vec4,
-    /// 1/I of what can turn, else 0.
+    /// 1/I, 0 for objects that cannot turn.
     pub(crate) inverse_inertia: Vec4,
     pub(crate) velocity: Vec3x4,
     pub(crate) spin: Vec3x4,
-    /// `None` for what is static, in all four.
+    /// `None` for boxes and polygons, in all four contacts.
     pub(crate) radius: Option<Vec4>,
 }
 
 impl Sides {
-    /// The same body four times.
+    /// Repeats one side four times.
     pub(crate) fn splat(side: &Side) -> Self {
         Self {
             inverse_mass: Vec4::splat(side.inverse_mass),
@@ -44,16 +45,16 @@ impl Sides {
     }
 }
 
-/// Where four pairs overlap.
+/// Geometry of four contacts.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Touches {
     /// Unit normals from A to B.
     pub(crate) normal: Vec3x4,
-    /// Depths of the overlaps.
+    /// Depths of the overlaps; negative where the objects are apart.
     pub(crate) overlap: Vec4,
 }
 
-/// What a contact does: `force` on A, its opposite on B, and a torque on each. `V` is a vector, or four.
+/// The force and torques of a contact: `force` acts on A and its opposite on B. `V` is one vector or four.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct ContactForce<V> {
     pub(crate) force: V,
@@ -61,7 +62,7 @@ pub(crate) struct ContactForce<V> {
     pub(crate) torque_b: V,
 }
 
-/// The contact force of two objects that touch.
+/// Returns the contact force of two objects that overlap.
 pub(crate) fn contact_force(view: &View, object_a: Object, object_b: Object, touch: &Touch) -> ContactForce<Vec3> {
     let (a, b) = (side(view, object_a, touch.a), side(view, object_b, touch.b));
     let of_four = contact_forces(view.step, &Sides::splat(&a), &Sides::splat(&b), &Touches::splat(touch));
@@ -70,18 +71,18 @@ pub(crate) fn contact_force(view: &View, object_a: Object, object_b: Object, tou
 }
 
 impl Touches {
-    /// The same touch four times.
+    /// Repeats one contact four times.
     pub(crate) fn splat(touch: &Touch) -> Self {
         Self { normal: Vec3x4::splat(touch.normal), overlap: Vec4::splat(touch.overlap) }
     }
 }
 
-/// The velocities of four pairs that decide which rules apply.
+/// Approach velocities of four contacts, and the thresholds that they are compared with.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Approach {
-    /// Positive when closing.
+    /// Approach velocities, positive when the objects approach each other.
     pub(crate) velocity: Vec4,
-    /// Above this contacts collide.
+    /// A contact collides when its approach velocity exceeds this.
     pub(crate) threshold: Vec4,
 }
 
@@ -95,22 +96,25 @@ impl Approach {
     }
 }
 
-/// The normal force of four pairs, positive when pushing: (Cc o + Cd u) m*, and never a pull unless the settings ask for it. While
-/// collisions are on there is none in two cases. A pair that separates fast has been given its rebound by an impulse, to which a force
-/// would add (E22). An overlap that began within this step is one that the collision phase has not seen: its impulse comes in the next.
+/// Returns the normal forces of four contacts, (Cc o + Cd u) m*. Positive forces push the objects apart. Forces are not
+/// negative, unless the settings allow contact damping to pull.
+///
+/// While collisions are switched on, the force is 0 in two cases (docs/physics.md section 4.4):
+/// - The pair separates fast. An impulse has already made it rebound, and a force would add energy (E22).
+/// - The overlap began within this step. The collision phase has not seen it yet. The impulse follows in the next step.
 #[inline]
 pub(crate) fn normal_forces(step: &Step, a: &Sides, b: &Sides, overlap: Vec4, approach: &Approach) -> Vec4 {
     pressures(step, overlap, approach.velocity) * acting_masses(step, a, b, overlap, approach)
 }
 
-/// The normal force by the reduced mass.
+/// Normal forces divided by the reduced masses.
 #[inline]
 fn pressures(step: &Step, overlap: Vec4, approach: Vec4) -> Vec4 {
     let pressure = step.contact_force * overlap + step.contact_damping * approach;
     if step.flags & FLAG_PULL == 0 { pressure.max(Vec4::ZERO) } else { pressure }
 }
 
-/// m*, 0 where there is no force.
+/// Reduced masses m*, 0 where the contact exerts no force.
 #[inline]
 fn acting_masses(step: &Step, a: &Sides, b: &Sides, overlap: Vec4, approach: &Approach) -> Vec4 {
     let Approach { velocity, threshold } = *approach;
@@ -122,7 +126,8 @@ fn acting_masses(step: &Step, a: &Sides, b: &Sides, overlap: Vec4, approach: &Ap
     Vec4::select(unseen | velocity.cmplt(-threshold), Vec4::ZERO, reduced_mass)
 }
 
-/// Arms from the middles of four pairs to points that both share: the overlap is halved, or all on the mover's side.
+/// Returns the arms of four contacts: the distances from the centres or axes of A and B to their common contact point. Against
+/// a sphere or rod, each arm is shorter by half of the overlap. Against a box or polygon, the arm of A is shorter by all of it.
 #[inline]
 pub(crate) fn arms(a: &Sides, b: &Sides, overlap: Vec4) -> [Vec4; 2] {
     let radius_a = a.radius.unwrap_or(Vec4::ZERO);
@@ -132,30 +137,31 @@ pub(crate) fn arms(a: &Sides, b: &Sides, overlap: Vec4) -> [Vec4; 2] {
     }
 }
 
-/// How four pairs slide.
+/// Slip of four contacts.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Slip {
-    /// t, by which B's surface moves past A's.
+    /// t, the velocity of B's surface relative to A's surface.
     pub(crate) velocity: Vec3x4,
-    /// A slip whose square is no more than this is but the rounding of what it is the difference of.
+    /// A slip with a square up to this is only a rounding error of the velocities that are subtracted.
     pub(crate) rounded: Vec4,
 }
 
 impl Slip {
-    /// t = uB - uA without what it has along n, to which spins add nothing.
+    /// Computes t = uB - uA without its component along n. Spins do not contribute to that component.
     #[inline]
     pub(crate) fn of(a: &Sides, b: &Sides, normal: Vec3x4, [arm_a, arm_b]: [Vec4; 2], approach: Vec4) -> Self {
         let relative = a.velocity - b.velocity;
         let velocity = normal * approach - relative - (a.spin * arm_a + b.spin * arm_b).cross(normal);
-        // How large velocities are, by their sum, which is cheaper than each; opposite ones close or slip.
+        // The sum of both velocities measures their size. It is cheaper than the size of each. Where opposite velocities cancel
+        // in the sum, they contribute to the approach velocity or to the slip.
         let sum = a.velocity + b.velocity;
         let rounded = ROUNDED * ROUNDED * (sum.dot(sum) + approach * approach);
         Self { velocity, rounded: rounded.max(Vec4::splat(TINY)) }
     }
 }
 
-/// The contact forces of four pairs that touch. The law is the same from either side: what is A here need not have been added
-/// first.
+/// Returns the contact forces of four pairs that overlap. The contact law is symmetric, so A need not be the object that was
+/// added first.
 #[inline]
 pub(crate) fn contact_forces(step: &Step, a: &Sides, b: &Sides, touches: &Touches) -> ContactForce<Vec3x4> {
     let (n, overlap) = (touches.normal, touches.overlap);
@@ -164,25 +170,26 @@ pub(crate) fn contact_forces(step: &Step, a: &Sides, b: &Sides, touches: &Touche
     let normal = n * (pressures(step, overlap, approach.velocity) * mass);
     let [arm_a, arm_b] = arms(a, b, overlap);
     if step.coulomb_friction > 0.0 {
-        // Friction impulses take the place of this force.
+        // Friction impulses replace the friction force.
         return ContactForce { force: Vec3x4::default() - normal, ..ContactForce::default() };
     }
     let slip = Slip::of(a, b, n, [arm_a, arm_b], approach.velocity);
-    let slipping = a.inverse_mass + b.inverse_mass + arm_a * arm_a * a.inverse_inertia + arm_b * arm_b * b.inverse_inertia;
-    let friction = friction(&slip, step.friction * overlap * mass, slipping * (2.0 * step.dt));
-    let couple = n.cross(friction);
-    ContactForce { force: friction - normal, torque_a: couple * arm_a, torque_b: couple * arm_b }
+    let slip_inverse_mass =
+        a.inverse_mass + b.inverse_mass + arm_a * arm_a * a.inverse_inertia + arm_b * arm_b * b.inverse_inertia;
+    let friction = friction(&slip, step.friction * overlap * mass, slip_inverse_mass * (2.0 * step.dt));
+    let torque = n.cross(friction);
+    ContactForce { force: friction - normal, torque_a: torque * arm_a, torque_b: torque * arm_b }
 }
 
-/// The thesis's method 3, strength t / sqrt(|t|), and no more than t / least.
+/// Returns the friction force of the thesis's third method, strength t / sqrt(|t|), but at most t / divisor.
 ///
-/// The bound makes it stable (E25). With least = 2 w_t dt, w_t the inverse mass of the slip, the force takes half of the slip away within a
-/// step; near rest the square root alone would ask for any multiple of it. Of both quotients the lesser one is the strength over the greater
-/// of sqrt(|t|) and strength times least.
+/// The bound keeps the integration stable (E25, docs/physics.md section 4.6). With divisor = 2 w_t dt, where w_t is the inverse
+/// mass of the slip, a force at the bound removes half of the slip within a step. Near rest, the square-root law alone would
+/// change the slip by many times its value. The smaller of the two quotients is strength t / max(sqrt(|t|), strength divisor).
 #[inline]
-fn friction(slip: &Slip, strength: Vec4, least: Vec4) -> Vec3x4 {
+fn friction(slip: &Slip, strength: Vec4, divisor: Vec4) -> Vec3x4 {
     let t = slip.velocity;
     let tt = t.dot(t);
-    let per_velocity = strength / tt.sqrt().sqrt().max(strength * least);
+    let per_velocity = strength / tt.sqrt().sqrt().max(strength * divisor);
     t * Vec4::select(tt.cmple(slip.rounded), Vec4::ZERO, per_velocity)
 }

@@ -1,23 +1,24 @@
 // requires model/entries.wgsl model/lists.wgsl model/objects.wgsl model/order.wgsl model/step.wgsl physics/geometry.wgsl
 
-// The contact law (physics.md section 4), and going through the pair lists.
+// The contact law (docs/physics.md section 4), and functions that search the pair lists.
 
+// Number of entries that are tested before any of them is evaluated: one per bit of a mask.
 const LOOK: u32 = 32u;
 
-// Entries are gone through four at a time, so that memory is asked for all of them at once. Past the last one it is repeated.
+// Reads four entries at once, so that their memory requests overlap. Past the end of the list, it repeats the last entry.
 fn four_entries(first: vec2u, e: u32, count: u32) -> vec4u {
     let rows = first.x + min(vec4u(e, e + 1u, e + 2u, e + 3u), vec4u(count - 1u));
     return vec4u(lists[rows.x][first.y], lists[rows.y][first.y], lists[rows.z][first.y], lists[rows.w][first.y]);
 }
 
-// The bits of those of four that are there and for which it is true.
+// Bit mask of those of four entries from `e` on that exist and for which `yes` holds.
 fn which(yes: vec4<bool>, e: u32, count: u32) -> u32 {
     let bits = select(vec4u(0u), vec4u(1u, 2u, 4u, 8u), yes & (vec4u(e, e + 1u, e + 2u, e + 3u) < vec4u(count)));
     return bits.x | bits.y | bits.z | bits.w;
 }
 
-// Which of LOOK entries from `begin` on have one of these bits. They are looked for first and worked out then, so that neighbouring
-// threads, whose lists differ, do so together.
+// Which of LOOK entries from `begin` on have one of `bits`. Finding the entries first and evaluating them afterwards lets
+// neighbouring threads, whose lists differ, evaluate at the same time.
 fn entries_with(bits: u32, first: vec2u, begin: u32, count: u32) -> u32 {
     var found = 0u;
     for (var e = begin; e < min(count, begin + LOOK); e += 4u) {
@@ -27,7 +28,7 @@ fn entries_with(bits: u32, first: vec2u, begin: u32, count: u32) -> u32 {
     return found;
 }
 
-// Positions and radii of the spheres of those of four entries for which it is true; else that of sphere 0, for nothing.
+// Positions and radii of four spheres.
 struct Four {
     a: vec4f,
     b: vec4f,
@@ -35,16 +36,18 @@ struct Four {
     d: vec4f,
 }
 
-fn four_spheres(entries: vec4u, are_asked: vec4<bool>) -> Four {
-    let at = select(vec4u(0u), entries & vec4u(ENTRY_ID_MASK), are_asked);
+// The spheres of four entries. Where `are_needed` is false, it reads sphere 0, and the result is not used.
+fn four_spheres(entries: vec4u, are_needed: vec4<bool>) -> Four {
+    let at = select(vec4u(0u), entries & vec4u(ENTRY_ID_MASK), are_needed);
     return Four(state[position_at(at.x)], state[position_at(at.y)], state[position_at(at.z)], state[position_at(at.w)]);
 }
 
-// Squares of distances are compared with a little slack, which leaves pairs near the edge to the test that counts: what it says
-// must not depend on whether an entry has a bit already, for bits are lost when lists are made.
+// Slack of the test for close spheres, as a factor on a squared distance. It makes this test accept every pair that the exact
+// test accepts. Otherwise the result for a pair would depend on whether its entry has a bit, and bits are lost when lists are
+// rebuilt.
 const SLACK: f32 = 1.00001;
 
-// Which of four spheres are so close to one that they may touch.
+// Which of four spheres are close enough to a sphere to touch it.
 fn close(own: vec4f, four: Four) -> vec4<bool> {
     let a = four.a.xyz - own.xyz;
     let b = four.b.xyz - own.xyz;
@@ -54,28 +57,30 @@ fn close(own: vec4f, four: Four) -> vec4<bool> {
     return vec4f(dot(a, a), dot(b, b), dot(c, c), dot(d, d)) < SLACK * reach * reach;
 }
 
-// Which of LOOK entries from `begin` on are close to a sphere, have one of these bits or are no spheres. Of the others alone
-// the position is read: what costs most here is memory from many places at once.
+// Which of LOOK entries from `begin` on are close to a sphere, have one of `bits`, or are not spheres. Positions are read only
+// for spheres without these bits, because reads from scattered addresses are the most expensive part here.
 fn entries_near(own: vec4f, bits: u32, first: vec2u, begin: u32, count: u32) -> u32 {
     var found = 0u;
     for (var e = begin; e < min(count, begin + LOOK); e += 4u) {
         let entries = four_entries(first, e, count);
-        let asked = ((entries & vec4u(bits)) == vec4u(0u)) & ((entries & vec4u(ENTRY_ID_MASK)) < vec4u(step.spheres));
-        found |= which(!asked | close(own, four_spheres(entries, asked)), e, count) << (e - begin);
+        let needed = ((entries & vec4u(bits)) == vec4u(0u)) & ((entries & vec4u(ENTRY_ID_MASK)) < vec4u(step.spheres));
+        found |= which(!needed | close(own, four_spheres(entries, needed)), e, count) << (e - begin);
     }
     return found;
 }
 
-// Rods have many neighbours and few contacts: these are looked for first and worked out then, by neighbouring threads, whose lists
-// differ, together.
+// Rods have many neighbours and few contacts. So contacts are found first and evaluated afterwards, which lets neighbouring
+// threads, whose lists differ, evaluate at the same time.
 
-// Of those of LOOK entries of a sphere from `begin` on that are asked for, all but rods that have none of these bits and do not touch it.
-fn but_rods_apart(sphere: u32, own: vec4f, bits: u32, first: vec2u, begin: u32, count: u32, asked: u32) -> u32 {
-    var kept = asked;
+// Removes rods from `given`, a mask of LOOK entries of a sphere from `begin` on: those that have none of `bits` and do not
+// touch the sphere.
+fn but_rods_apart(sphere: u32, own: vec4f, bits: u32, first: vec2u, begin: u32, count: u32, given: u32) -> u32 {
+    var kept = given;
     for (var e = begin; e < min(count, begin + LOOK); e++) {
         let entry = entry_at(slot_at(first, e));
         let id = entry_id(entry);
-        if ((asked >> (e - begin) & 1u) != 0u) & ((entry & bits) == 0u) & (id >= step.spheres) & (id - step.spheres < step.rods) {
+        if ((given >> (e - begin) & 1u) != 0u) & ((entry & bits) == 0u)
+            & (id >= step.spheres) & (id - step.spheres < step.rods) {
             if touch_sphere_rod(sphere, own, bar_of(id - step.spheres)).overlap <= 0.0 {
                 kept &= ~(1u << (e - begin));
             }
@@ -84,7 +89,7 @@ fn but_rods_apart(sphere: u32, own: vec4f, bits: u32, first: vec2u, begin: u32, 
     return kept;
 }
 
-// Of LOOK entries of a rod from `begin` on those that have one of these bits or touch it.
+// Which of LOOK entries of a rod from `begin` on have one of `bits` or touch the rod.
 fn touching_rod(rod: u32, own: Bar, bits: u32, first: vec2u, begin: u32, count: u32) -> u32 {
     var found = 0u;
     for (var e = begin; e < min(count, begin + LOOK); e++) {
@@ -98,27 +103,31 @@ fn touching_rod(rod: u32, own: Bar, bits: u32, first: vec2u, begin: u32, count: 
     return found;
 }
 
-// What is read of an entry while the one before it is worked out: memory takes longer to answer than that.
+// Data of an entry. It is read while the previous entry is evaluated, because a memory request takes longer than the
+// evaluation.
 struct Met {
     entry: u32,
-    // The rows of a sphere; of what is none, those of sphere 0.
+    // The rows of the sphere; those of sphere 0 when the entry is not a sphere.
     place: vec4f,
     velocity: vec4f,
     momentum: vec4f,
 }
 
-// The first of those that are left of LOOK entries from `begin` on; where none is left, any.
+// Reads the first of the remaining entries. `rest` is a mask of LOOK entries from `begin` on. If it is empty, the result is not
+// used.
 fn meet(first: vec2u, begin: u32, rest: u32) -> Met {
     let entry = entry_at(slot_at(first, begin + select(0u, firstTrailingBit(rest), rest != 0u)));
     return met(entry, rest != 0u);
 }
 
+// Reads the data of an entry. Where it is not needed, it reads sphere 0.
 fn met(entry: u32, is_needed: bool) -> Met {
     let id = select(0u, entry_id(entry), is_needed & (entry_id(entry) < step.spheres));
     return Met(entry, state[position_at(id)], state[velocity_at(id)], state[momentum_at(id)]);
 }
 
-// Two spheres, as the first sees it. Where the centres coincide the normal points up from the sphere of lower index to the other.
+// Contact of two spheres, with the normal from `sphere` to `other`. Where the centres coincide, the normal is +y from the
+// sphere that was added first to the other.
 fn touch_two(sphere: u32, own: vec4f, other: u32, place: vec4f) -> Touch {
     let distance = place.xyz - own.xyz;
     var up = vec3f(0.0, 1.0, 0.0);
@@ -128,7 +137,8 @@ fn touch_two(sphere: u32, own: vec4f, other: u32, place: vec4f) -> Touch {
     return touch_at(distance, own.w + place.w, 0.0, 0.0, up);
 }
 
-// One side of a contact. What cannot move has inverse mass 0 and inverse inertia 0; a static object is at rest besides.
+// One side of a contact. Inverse mass and inverse inertia are 0 for fixed spheres, boxes and polygons. For boxes and polygons,
+// velocity and spin are 0 too.
 struct Side {
     velocity: vec3f,
     inverse_mass: f32,
@@ -142,7 +152,8 @@ fn sphere_side(place: vec4f, velocity: vec4f, momentum: vec4f) -> Side {
     return Side(velocity.xyz, velocity.w, momentum.xyz * momentum.w, inverse_inertia, place.w);
 }
 
-// The point of a rod at a parameter: (2.6) and (2.7). A fixed end is at rest there: its surface velocity is not the rod's.
+// The side of a rod at a parameter, by (2.6) and (2.7). A fixed end is at rest: the velocity of its surface is not that of the
+// rod.
 fn rod_side(rod: u32, at: f32) -> Side {
     let ends = rod_ends(rod);
     let v1 = state[velocity_at(ends.x)];
@@ -164,7 +175,7 @@ fn static_side() -> Side {
     return Side(vec3f(0.0), 0.0, vec3f(0.0), 0.0, 0.0);
 }
 
-// That of what is no sphere.
+// The side of an object that is not a sphere. `at` is the parameter on a rod.
 fn other_side(id: u32, at: f32) -> Side {
     if RODS & (id - step.spheres < step.rods) {
         return rod_side(id - step.spheres, at);
@@ -173,32 +184,33 @@ fn other_side(id: u32, at: f32) -> Side {
 }
 
 struct ContactForce {
-    // On A; B gets the opposite.
+    // Force on A. B gets the opposite.
     force: vec3f,
-    // On a side of arm 1.
+    // Torque per unit length of the arm. The torque on a side is `couple` times its arm.
     couple: vec3f,
     arm_a: f32,
     arm_b: f32,
 }
 
-// Smaller radius of a contact; boxes and polygons have none.
+// Smaller radius of a contact. Boxes and polygons have no radius (`b_moves` is false).
 fn smaller_radius(a: f32, b: f32, b_moves: bool) -> f32 {
     return select(a, min(a, b), b_moves);
 }
 
-// The approach velocity above which a contact of this smaller radius collides: erratum E19.
+// Approach velocity above which a contact collides, for the smaller radius of the pair: erratum E19.
 fn collision_velocity(radius: f32) -> f32 {
     return max(step.activation_threshold * radius, 2.0 * step.gravity_size * step.dt);
 }
 
-// Where the sides of a contact touch: arms to one common point, so that the pair's angular momentum is kept.
+// Arms of a contact. Both end in one common point, so the angular momentum of the pair is conserved.
 fn arms_of(a_side: Side, b_side: Side, overlap: f32, b_moves: bool) -> vec2f {
     return vec2f(a_side.radius - select(overlap, 0.5 * overlap, b_moves), select(0.0, b_side.radius - 0.5 * overlap, b_moves));
 }
 
-// The slip at the contact point, t = uB - uA without what it has along n, to which spins add nothing; 0 where it is only the rounding
-// of what it is the difference of: the square root of the friction law would make a thousandth of it. The sum of both velocities
-// tells how large they are, and is cheaper than each; opposite ones close or slip.
+// Slip at the contact point: t = uB - uA without its component along n. Spins do not contribute to that component. The result
+// is 0 where the slip is only a rounding error of the velocities that are subtracted. The square root in the friction law would
+// enlarge such an error to about a thousandth. The sum of both velocities measures their size and is cheaper than the size of
+// each. Where opposite velocities cancel in the sum, they contribute to the approach velocity or to the slip.
 fn slip_of(a_side: Side, b_side: Side, arms: vec2f, n: vec3f, approach: f32) -> vec3f {
     let relative = a_side.velocity - b_side.velocity;
     let t = approach * n - relative - cross(arms.x * a_side.spin + arms.y * b_side.spin, n);
@@ -207,8 +219,9 @@ fn slip_of(a_side: Side, b_side: Side, arms: vec2f, n: vec3f, approach: f32) -> 
     return select(t, vec3f(0.0), dot(t, t) <= max(TINY, rounded));
 }
 
-// Whether a pair makes a contact force. While collisions are on it does not where it separates fast, which is its rebound, nor where
-// the overlap began within this step, which the next one's collisions will find.
+// Whether a pair has a contact force (docs/physics.md section 4.4). While collisions are switched on, there is none when the
+// pair separates fast, which is its rebound, or when the overlap began within this step, because the next collision phase will
+// handle it.
 fn has_force(overlap: f32, approach: f32, radius: f32) -> bool {
     let threshold = collision_velocity(radius);
     let fresh = (approach > threshold) & (overlap < 2.0 * approach * step.dt);
@@ -221,7 +234,7 @@ fn pressure_of(overlap: f32, approach: f32) -> f32 {
     return select(max(press, 0.0), press, (step.flags & FLAG_PULL) != 0u);
 }
 
-// `b` is the id of B. The masses must not both be infinite.
+// Contact force of two objects that overlap. `b` is the id of B. The inverse masses must not both be 0.
 fn contact_force(a_side: Side, b_side: Side, touch: Touch, b: u32) -> ContactForce {
     let b_moves = b < step.spheres + step.rods;
     let n = touch.n;
@@ -236,12 +249,13 @@ fn contact_force(a_side: Side, b_side: Side, touch: Touch, b: u32) -> ContactFor
     let press = pressure_of(overlap, approach);
     let arms = arms_of(a_side, b_side, overlap, b_moves);
     var friction = vec3f(0.0);
-    // With Coulomb's friction there are impulses in its place; asked together for the reason in objects.wgsl.
+    // With Coulomb friction, impulses replace the friction force. The reason for the combined condition is in objects.wgsl
+    // (`adjacency`).
     if (step.coulomb_friction <= 0.0) & (overlap > 0.0) {
         let t = slip_of(a_side, b_side, arms, n, approach);
         let tt = dot(t, t);
         if tt > 0.0 {
-            // No more than half of what would stop the slip within the step, or the integration is not stable.
+            // At most half of the force that would stop the slip within the step. Otherwise the integration is unstable (E25).
             let turning = arms.x * arms.x * a_side.inverse_inertia + arms.y * arms.y * b_side.inverse_inertia;
             let most = 0.5 / ((inverse_mass + turning) * step.dt);
             friction = min(step.friction * reduced_mass * overlap / sqrt(sqrt(tt)), most) * t;

@@ -1,8 +1,11 @@
 //! Forces on spheres and rods (docs/physics.md section 4).
 //!
-//! `net_force` sums the forces of contacts and attachments. To their acceleration and torque every body force adds its own: a pair of
-//! files of one name in `forces/`, `NAME.rs` with `fn add` and `NAME.wgsl` with `fn add_NAME`, and a line in the table below. Sphere
-//! by sphere, in the order of the table; rods and capsules move by the spheres at their ends. docs/extending.md adds one step by step.
+//! `net_force` sums the forces of contacts and attachments. Then each body force adds its acceleration and torque to the rates
+//! of every moving sphere, in the order of the table below. Body forces also move rods and capsules, through the spheres at
+//! their ends.
+//!
+//! A body force consists of a line in the table and two files in `forces/`: `NAME.rs` with `fn add`, and `NAME.wgsl` with
+//! `fn add_NAME`. `docs/extending.md` explains step by step how to add one.
 
 pub(crate) mod net_force;
 pub(crate) mod rates;
@@ -16,7 +19,7 @@ use crate::model::view::View;
 use net_force::sphere_load;
 use rates::Rates;
 
-/// Declares the modules of the body forces, their sum on the CPU, and the WGSL files of the same.
+/// Declares the modules of the body forces, the function that adds all of them on the CPU, and their WGSL files.
 macro_rules! body_forces {
     ($($name:ident),+ $(,)?) => {
         $(mod $name;)+
@@ -27,7 +30,7 @@ macro_rules! body_forces {
             $($name::add(view, sphere, rates);)+
         }
 
-        /// The WGSL of the body forces, and `body_forces.wgsl`, which adds all of them.
+        /// The WGSL files of the body forces, and the generated `body_forces.wgsl`, which adds all of them.
         pub(crate) const PARTS: &[Part] = &[
             $(Part {
                 file: concat!("physics/forces/", stringify!($name), ".wgsl"),
@@ -53,7 +56,8 @@ body_forces! {
     angular_damping,
 }
 
-/// The rates of change of a moving sphere: contacts and attachments, then the body forces. `wrenches` are those of `rod_forces`.
+/// Returns the rates of change of a moving sphere, from contacts, attachments and body forces. `wrenches` are the results of
+/// `rod_forces`.
 pub(crate) fn sphere_rates(view: &View, lists: &Lists, wrenches: &[Vec4], sphere: u32, tally: Option<&mut Tally>) -> Rates {
     let load = sphere_load(view, lists, wrenches, sphere, tally);
     let mut rates = Rates { acceleration: view.inverse_mass(sphere) * load.force, torque: load.torque };

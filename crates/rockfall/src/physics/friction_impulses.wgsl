@@ -2,11 +2,12 @@
 // requires physics/contact.wgsl physics/geometry.wgsl physics/touch.wgsl step/collisions/record_of.wgsl
 // requires step/collisions/records.wgsl
 
-// Friction impulses of contacts that press (docs/physics.md section 3.9). Each takes away as much slip as it may with every body split
-// evenly among the contacts that press it: put together again, the parts have no more energy.
+// Friction impulses of pressed contacts (docs/physics.md section 3.9). The impulse of a contact counts every body as if it were
+// split evenly among the pressed contacts that touch it. Joining the parts again never adds energy.
 
-// A friction impulse, on A; B gets the opposite.
-struct Rub {
+// The friction impulse of a contact.
+struct FrictionImpulse {
+    // Impulse on A. B gets the opposite.
     impulse: vec3f,
     n: vec3f,
     arms: vec2f,
@@ -15,7 +16,7 @@ struct Rub {
     a_id: u32,
 }
 
-// Contacts that press in the list of a mover.
+// Number of pressed contacts in the list of a mover.
 fn pressed_in(row: u32) -> u32 {
     let count = count_of(row);
     let first = first_of(row);
@@ -26,7 +27,7 @@ fn pressed_in(row: u32) -> u32 {
     return found;
 }
 
-// Contacts that press a sphere or a rod that ends there.
+// Number of pressed contacts that touch a sphere or a rod that ends in it.
 fn pressed_on(sphere: u32) -> f32 {
     var found = pressed_in(sphere);
     if RODS {
@@ -38,7 +39,7 @@ fn pressed_on(sphere: u32) -> f32 {
     return f32(found);
 }
 
-// Those that press any part of a rigid capsule.
+// Number of pressed contacts that touch a rigid capsule: its ends or its rod.
 fn pressed_on_capsule(rod: u32) -> f32 {
     let ends = rod_ends(rod);
     return f32(pressed_in(ends.x) + pressed_in(ends.y) + pressed_in(step.spheres + rod));
@@ -54,13 +55,15 @@ fn friction_side(half: Half) -> Side {
     return rod_side(half.id - step.spheres, half.at);
 }
 
-// What an impulse and a couple at a parameter make of a capsule.
+// Impulse and torque on a capsule.
 struct Grip {
     push: vec3f,
-    // About the centre, across the axis and along it.
+    // Torque about the centre of mass: the part across the axis, and the part along it.
     turning: vec3f,
     rolling: vec3f,
 }
+
+// The impulse `push` and the torque `couple` act at parameter `at` of the capsule.
 
 fn grip_of(capsule: Capsule, at: f32, push: vec3f, couple: vec3f) -> Grip {
     let torque = torque_at(capsule, at, push) + couple;
@@ -77,8 +80,9 @@ fn inverse_roll(ends: vec2u) -> f32 {
     return 1.0 / (1.0 / state[momentum_at(ends.x)].w + 1.0 / state[momentum_at(ends.y)].w);
 }
 
-// What a unit impulse at the end of an arm changes the slip of one sphere by, split among what presses it.
-fn yielding_of_sphere(sphere: u32, part: f32, arm: f32) -> f32 {
+// Tangential inverse mass through one sphere, which is split among the pressed contacts that touch it. `part` is the share of
+// the impulse that the sphere gets.
+fn slip_inverse_mass_of_sphere(sphere: u32, part: f32, arm: f32) -> f32 {
     let w = inverse_mass(sphere);
     if (w <= 0.0) | (part == 0.0) {
         return 0.0;
@@ -86,17 +90,18 @@ fn yielding_of_sphere(sphere: u32, part: f32, arm: f32) -> f32 {
     return pressed_on(sphere) * part * part * (w + arm * arm * state[momentum_at(sphere)].w);
 }
 
-// The same of one side, for a unit impulse along p on A; on B it is the opposite, with the same couple.
-fn yielding_of(half: Half, n: vec3f, p: vec3f, arm: f32, is_a: bool) -> f32 {
+// Tangential inverse mass through one side. The unit impulse on A is p, the one on B is -p. The torque per arm is the same on
+// both.
+fn slip_inverse_mass_of(half: Half, n: vec3f, p: vec3f, arm: f32, is_a: bool) -> f32 {
     if half.kind == STATIC {
         return 0.0;
     }
     if !RODS | (half.kind == SPHERE) {
-        return yielding_of_sphere(half.spheres.x, 1.0, arm);
+        return slip_inverse_mass_of_sphere(half.spheres.x, 1.0, arm);
     }
     if half.kind == ROD {
-        let one = yielding_of_sphere(half.spheres.x, 1.0 - half.at, arm);
-        return one + yielding_of_sphere(half.spheres.y, half.at, arm);
+        let one = slip_inverse_mass_of_sphere(half.spheres.x, 1.0 - half.at, arm);
+        return one + slip_inverse_mass_of_sphere(half.spheres.y, half.at, arm);
     }
     let capsule = capsule_of(half.spheres, poise_of(half));
     let grip = grip_of(capsule, half.at, select(-p, p, is_a), arm * cross(n, p));
@@ -105,11 +110,11 @@ fn yielding_of(half: Half, n: vec3f, p: vec3f, arm: f32, is_a: bool) -> f32 {
     return pressed_on_capsule(capsule_rod(half.spheres.x)) * (capsule.inverse_mass + turning + rolling);
 }
 
-// The most that friction may be: of the normal impulse of a collision, and of what the contact force gives in a step.
+// Upper bound of the friction impulse, from the normal impulse of the collision and from the contact force.
 fn limit_of(slot: vec2u, a: Side, b: Side, overlap: f32, approach: f32, b_moves: bool) -> f32 {
     var limit = 0.0;
     if (entry_at(slot) & ENTRY_COLLIDES) != 0u {
-        // Only where they are listed there are records; and they are, where this is not 0.
+        // Collisions are always listed when this is not 0, so the record exists.
         if step.collision_friction > 0.0 {
             limit = step.collision_friction * impulse_at(record_of(slot)).even;
         }
@@ -123,8 +128,8 @@ fn limit_of(slot: vec2u, a: Side, b: Side, overlap: f32, approach: f32, b_moves:
     return limit;
 }
 
-// The friction impulse of the entry in a slot of a row; 0 where there is none.
-fn friction_impulse_of(row: u32, slot: vec2u) -> Rub {
+// The friction impulse of a list entry. `row` is the mover of the list. The impulse is 0 where there is none.
+fn friction_impulse_of(row: u32, slot: vec2u) -> FrictionImpulse {
     let entry = entry_at(slot);
     let pair = ordered(row, entry_id(entry));
     var a = half_of(pair.x, 0.0);
@@ -133,9 +138,9 @@ fn friction_impulse_of(row: u32, slot: vec2u) -> Rub {
     let b_poise = poise_of(b);
     let by_vertex = meets_by_vertex(a, b, a_poise, entry_feature(entry));
     let found = signed_touch(a, b, a_poise, b_poise, entry_feature(entry), by_vertex);
-    var rub = Rub(vec3f(0.0), found.n, vec2f(0.0), vec2f(found.a, found.b), pair.x);
+    var friction = FrictionImpulse(vec3f(0.0), found.n, vec2f(0.0), vec2f(found.a, found.b), pair.x);
     if found.overlap == NO_LINE {
-        return rub;
+        return friction;
     }
     if RODS {
         a.at = select(a.at, found.a, a.id >= step.spheres);
@@ -145,15 +150,17 @@ fn friction_impulse_of(row: u32, slot: vec2u) -> Rub {
     let a_side = friction_side(a);
     let b_side = friction_side(b);
     let approach = dot(a_side.velocity - b_side.velocity, found.n);
-    rub.arms = arms_of(a_side, b_side, found.overlap, b_moves);
-    let t = slip_of(a_side, b_side, rub.arms, found.n, approach);
+    friction.arms = arms_of(a_side, b_side, found.overlap, b_moves);
+    let t = slip_of(a_side, b_side, friction.arms, found.n, approach);
     let speed = length(t);
     let limit = limit_of(slot, a_side, b_side, found.overlap, approach, b_moves);
     if (speed <= 0.0) | (limit <= 0.0) {
-        return rub;
+        return friction;
     }
     let p = t / speed;
-    let yielding = yielding_of(a, found.n, p, rub.arms.x, true) + yielding_of(b, found.n, p, rub.arms.y, false);
-    rub.impulse = min(limit, speed / yielding) * p;
-    return rub;
+    // Gt of docs/physics.md section 3.9.
+    let gt = slip_inverse_mass_of(a, found.n, p, friction.arms.x, true)
+        + slip_inverse_mass_of(b, found.n, p, friction.arms.y, false);
+    friction.impulse = min(limit, speed / gt) * p;
+    return friction;
 }

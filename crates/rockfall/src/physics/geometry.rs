@@ -1,41 +1,44 @@
-//! Closest points (docs/physics.md sections 2.3 to 2.9; thesis 2.1-2.5).
+//! Closest points (docs/physics.md sections 2.3 to 2.9; equations (2.1) to (2.5) of the thesis).
 
 use glam::Vec3;
 
 use crate::model::view::{BoxWords, PolygonWords, TINY};
 
-/// A distance that is so short beside the vectors it is the difference of is their rounding, and has no direction;
+/// Relative size of a rounding error: a difference of vectors counts as 0 up to this times their length (docs/physics.md
+/// section 2.3).
 pub(crate) const ROUNDED: f32 = 5e-7;
-/// but where things are so small that rounding is more than this part of them, there is nothing else to go by.
+/// A distance above this part of the distance at which a pair begins to touch never counts as a rounding error.
 const SMALL: f32 = 0.01;
 
-/// A distance vector of things that touch within `reach`, 0 where it is but the rounding of vectors of this squared length: where
-/// it is nearly 0, what it is the difference of is no longer than the segments.
+/// Returns a distance vector, and 0 where it is only a rounding error. `squared` is the squared length of the vectors that the
+/// distance is a difference of. Where the distance is nearly 0, these vectors are no longer than the segments. `reach` is the
+/// distance at which the pair begins to touch.
 fn unrounded(d: Vec3, squared: f32, reach: f32) -> Vec3 {
     let rounded = (ROUNDED * ROUNDED * squared).min(SMALL * SMALL * reach * reach);
     if d.length_squared() <= rounded { Vec3::ZERO } else { d }
 }
 
-/// A vector without what it has along an axis of this squared length. The distance of a point from a line has nothing along
-/// it but what the rounding of the parameter adds, which would turn the normal of things that all but meet.
+/// Returns a vector without its component along an axis. `squared` is the squared length of the axis. A distance vector from a
+/// line has such a component only because the parameter is rounded. The component would change the direction of a very short
+/// distance.
 fn across(v: Vec3, axis: Vec3, squared: f32) -> Vec3 {
     v - v.dot(axis) / squared * axis
 }
 
-/// A parameter that is less far beyond an end is at the end, which belongs to the segment: rounding must not decide.
+/// A parameter that is beyond an end by at most this belongs to the segment, so that rounding errors do not decide.
 const AT_END: f32 = 1e-6;
 
-/// Whether a parameter is that of a point of a segment.
+/// Whether a parameter belongs to a segment.
 fn on_segment(parameter: f32) -> bool {
     (-AT_END..=1.0 + AT_END).contains(&parameter)
 }
 
-/// Where two segments come closest.
+/// The closest points of two segments.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct SegmentPair {
-    /// Parameter on A, in [0, 1] but for rounding.
+    /// Parameter on A, in [0, 1] up to rounding errors.
     pub(crate) a: f32,
-    /// Parameter on B, likewise.
+    /// Parameter on B, in [0, 1] up to rounding errors.
     pub(crate) b: f32,
     /// From A's point to B's.
     pub(crate) d: Vec3,
@@ -43,7 +46,8 @@ pub(crate) struct SegmentPair {
     pub(crate) normal: Option<Vec3>,
 }
 
-/// `None` where the closest points of the lines lie beyond an end, or a segment has no length. What is nearer than `reach` touches.
+/// Returns the closest points of two segments, or `None` when the closest points of the lines lie beyond an end or a segment
+/// has no length. `reach` is the distance at which the pair begins to touch.
 pub(crate) fn segment_segment([a1, a2]: [Vec3; 2], [b1, b2]: [Vec3; 2], reach: f32) -> Option<SegmentPair> {
     let (a_axis, b_axis, c) = (a2 - a1, b2 - b1, b1 - a1);
     let (aa, bb) = (a_axis.length_squared(), b_axis.length_squared());
@@ -58,13 +62,13 @@ pub(crate) fn segment_segment([a1, a2]: [Vec3; 2], [b1, b2]: [Vec3; 2], reach: f
     let a = c.dot(b_axis.cross(normal)) / nn;
     let b = c.dot(a_axis.cross(normal)) / nn;
     let normal = normal / nn.sqrt();
-    // It is along the common normal: what else there is of it comes from the rounding of a and b.
+    // The distance is along the common normal. Its other components are rounding errors of a and b.
     let d = (c + b * b_axis - a * a_axis).dot(normal) * normal;
     let d = unrounded(d, aa + bb, reach);
     (on_segment(a) && on_segment(b)).then_some(SegmentPair { a, b, d, normal: Some(normal) })
 }
 
-/// The middle of the overlapping stretch.
+/// Returns the contact of parallel segments, at the middle of the interval in which they lie side by side.
 fn parallel_segments(a_axis: Vec3, b_axis: Vec3, c: Vec3, reach: f32) -> Option<SegmentPair> {
     let aa = a_axis.length_squared();
     let t0 = c.dot(a_axis) / aa;
@@ -80,7 +84,8 @@ fn parallel_segments(a_axis: Vec3, b_axis: Vec3, c: Vec3, reach: f32) -> Option<
     Some(SegmentPair { a, b, d, normal: None })
 }
 
-/// Parameter on the segment and the vector from the point to it (2.4, 2.5); `None` beyond the ends. What is nearer than `reach` touches.
+/// Returns the parameter on a segment and the vector from a point to it (2.4, 2.5), or `None` beyond the ends. `reach` is the
+/// distance at which the pair begins to touch.
 pub(crate) fn point_segment(p: Vec3, [a1, a2]: [Vec3; 2], reach: f32) -> Option<(f32, Vec3)> {
     let axis = a2 - a1;
     let aa = axis.length_squared();
@@ -92,13 +97,14 @@ pub(crate) fn point_segment(p: Vec3, [a1, a2]: [Vec3; 2], reach: f32) -> Option<
     on_segment(a).then(|| (a, unrounded(across(a * axis - c, axis, aa), aa, reach)))
 }
 
-/// Parameters of a point along the three edges of a box.
+/// Returns the parameters of a point along the three edges of a box.
 pub(crate) fn box_parameters(cuboid: &BoxWords, p: Vec3) -> Vec3 {
     let t = p - cuboid.corner;
     Vec3::from_array(cuboid.edges.map(|edge| t.dot(edge) / edge.length_squared()))
 }
 
-/// Whether a point, so far from an edge of a box, lies in the box, its surface included, and what is outside by rounding alone.
+/// Whether a point lies in a box or on its surface, up to rounding errors (docs/physics.md section 2.9). `distance` is its
+/// distance from an edge or vertex of the box.
 pub(crate) fn box_contains(cuboid: &BoxWords, p: Vec3, distance: f32) -> bool {
     let t = box_parameters(cuboid, p);
     let rounded =
@@ -106,8 +112,8 @@ pub(crate) fn box_contains(cuboid: &BoxWords, p: Vec3, distance: f32) -> bool {
     t.cmpge(-rounded).all() && t.cmple(Vec3::ONE + rounded).all()
 }
 
-/// Unit vector from a sphere's centre into the box along which they touch, and the centre's distance from the surface,
-/// negative inside.
+/// Returns the unit normal from a sphere to a box, and the distance of the sphere's centre `p` from the surface, negative
+/// inside.
 pub(crate) fn point_box(cuboid: &BoxWords, p: Vec3, radius: f32) -> (Vec3, f32) {
     let t = box_parameters(cuboid, p);
     let clamped = t.clamp(Vec3::ZERO, Vec3::ONE);
@@ -128,7 +134,8 @@ pub(crate) fn point_box(cuboid: &BoxWords, p: Vec3, radius: f32) -> (Vec3, f32) 
     (d / distance, distance)
 }
 
-/// From inside, the way out is through the nearest face; the first one on ties.
+/// The result of [`point_box`] for a centre in the box. The sphere leaves through the nearest face. Among equally near faces it
+/// is the first one.
 fn nearest_face(cuboid: &BoxWords, t: Vec3) -> (Vec3, f32) {
     let mut nearest = (Vec3::Y, f32::INFINITY);
     for (axis, edge) in cuboid.edges.into_iter().enumerate() {
@@ -143,7 +150,8 @@ fn nearest_face(cuboid: &BoxWords, t: Vec3) -> (Vec3, f32) {
     (nearest.0, -nearest.1)
 }
 
-/// Unit normal of a polygon's face, the height of a point above it, and whether that is over the polygon, not beside it.
+/// Returns the unit normal of a polygon's face, the height of a point above its plane, and whether the point is over the
+/// polygon and not beside it.
 pub(crate) fn point_polygon(polygon: &PolygonWords, p: Vec3) -> (Vec3, f32, bool) {
     let normal = polygon.left.cross(polygon.right);
     let nn = normal.length_squared();
@@ -154,14 +162,14 @@ pub(crate) fn point_polygon(polygon: &PolygonWords, p: Vec3) -> (Vec3, f32, bool
     (face, t.dot(face), on_segment(l) && on_segment(k))
 }
 
-/// An edge of a box, and which way is out at it.
+/// An edge of a box, and its outward direction.
 pub(crate) struct BoxEdge {
     pub(crate) start: Vec3,
     pub(crate) end: Vec3,
     pub(crate) outward: Vec3,
 }
 
-/// Edge 0..12: four along each of I, J, K.
+/// Returns edge 0 to 11 of a box: four along each of I, J, K.
 pub(crate) fn box_edge(cuboid: &BoxWords, edge: u32) -> BoxEdge {
     let along = (edge / 4) as usize;
     let offset = |bit: u32, axis: usize| {
@@ -174,7 +182,7 @@ pub(crate) fn box_edge(cuboid: &BoxWords, edge: u32) -> BoxEdge {
     BoxEdge { start, end: start + cuboid.edges[along], outward: (out1 + out2).normalize() }
 }
 
-/// Vertex 0..8 of a box, and which way is out at it.
+/// Returns vertex 0 to 7 of a box, and its outward direction.
 pub(crate) fn box_vertex(cuboid: &BoxWords, vertex: u32) -> (Vec3, Vec3) {
     let mut place = cuboid.corner;
     let mut outward = Vec3::ZERO;

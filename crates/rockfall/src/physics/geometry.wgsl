@@ -1,43 +1,45 @@
 // requires model/objects.wgsl model/order.wgsl model/step.wgsl
 
-// Where two objects touch (physics.md section 2). A is the object that was added first, n points from A to B.
+// Where two objects touch (docs/physics.md section 2). A is the object that was added first. n points from A to B.
 
 struct Touch {
     n: vec3f,
-    // > 0: they touch.
+    // Positive where the objects touch.
     overlap: f32,
-    // Parameter from end 1 to end 2 of A where A is a rod.
+    // Parameter of the contact on A if A is a rod, from 0 at end 1 to 1 at end 2.
     a: f32,
-    // The same of B.
+    // Parameter of the contact on B if B is a rod.
     b: f32,
 }
 
-// The overlap of what has no contact line at all; where there is one, 0 is an overlap like others.
+// Value of `overlap` for a pair without a contact line. It is not 0, because 0 is a possible overlap of a pair with one.
 const NO_LINE: f32 = -3e38;
 
 fn no_touch() -> Touch {
     return Touch(vec3f(0.0, 1.0, 0.0), NO_LINE, 0.0, 0.0);
 }
 
-// A distance that is so short beside the vectors it is the difference of is their rounding, and has no direction;
+// Relative size of a rounding error: a difference of vectors counts as 0 up to this times their length (docs/physics.md section
+// 2.3).
 const ROUNDED: f32 = 5e-7;
-// but where things are so small that rounding is more than this part of them, there is nothing else to go by.
+// A distance above this part of the distance at which a pair begins to touch never counts as a rounding error.
 const SMALL: f32 = 0.01;
 
-// A distance vector of things that touch within a reach, 0 where it is but the rounding of vectors of this squared length: where it
-// is nearly 0, what it is the difference of is no longer than the segments.
+// A distance vector, and 0 where it is only a rounding error. `squared` is the squared length of the vectors that the distance
+// is a difference of. Where the distance is nearly 0, these vectors are no longer than the segments. `reach` is the distance
+// at which the pair begins to touch.
 fn unrounded(distance: vec3f, squared: f32, reach: f32) -> vec3f {
     let rounded = min(ROUNDED * ROUNDED * squared, SMALL * SMALL * reach * reach);
     return select(distance, vec3f(0.0), dot(distance, distance) <= rounded);
 }
 
-// A vector without what it has along an axis of this squared length. The distance of a point from a line has nothing along it but
-// what the rounding of the parameter adds, which would turn the normal of things that all but meet.
+// A vector without its component along an axis. `squared` is the squared length of the axis. A distance vector from a line has
+// such a component only because the parameter is rounded. The component would change the direction of a very short distance.
 fn across(v: vec3f, axis: vec3f, squared: f32) -> vec3f {
     return v - dot(v, axis) / squared * axis;
 }
 
-// From the distance vector, which points from A to B, and the sum of the radii.
+// Contact of two round objects, from the distance vector, which points from A to B, and `reach`, the sum of the radii.
 fn touch_at(distance: vec3f, reach: f32, a: f32, b: f32, normal_at_zero: vec3f) -> Touch {
     let squared = dot(distance, distance);
     if squared <= TINY {
@@ -53,7 +55,7 @@ struct Axis {
     radius: f32,
 }
 
-// A rod: the spheres at its ends, and its axis.
+// A rod: the ids of its end spheres, and its axis.
 struct Bar {
     ends: vec2u,
     axis: Axis,
@@ -71,18 +73,19 @@ struct Closest {
     b: f32,
     // From A's point to B's.
     distance: vec3f,
-    // The normal where the distance is 0.
+    // Normal to use where the distance is 0.
     crossing: vec3f,
 }
 
-// A parameter that is less far beyond an end is at the end, which belongs to the segment: rounding must not decide.
+// A parameter that is beyond an end by at most this belongs to the segment, so that rounding errors do not decide.
 const AT_END: f32 = 1e-6;
 
 fn unit_interval(x: f32) -> bool {
     return abs(x - 0.5) <= 0.5 + AT_END;
 }
 
-// Closest points of two segments, (2.1) to (2.3). Parallel ones meet at the middle of the stretch they share.
+// Closest points of two segments, (2.1) to (2.3). For parallel segments, the middle of the interval in which they lie side by
+// side.
 fn closest_points(a_start: vec3f, a_along: vec3f, b_start: vec3f, b_along: vec3f, reach: f32) -> Closest {
     let aa = dot(a_along, a_along);
     let bb = dot(b_along, b_along);
@@ -113,7 +116,7 @@ fn closest_points(a_start: vec3f, a_along: vec3f, b_start: vec3f, b_along: vec3f
     }
     var distance = between + closest.b * b_along - closest.a * a_along;
     if is_crossing {
-        // It is along the common normal: what else there is of it comes from the rounding of a and b.
+        // The distance is along the common normal. Its other components are rounding errors of a and b.
         distance = dot(distance, closest.crossing) * closest.crossing;
     }
     closest.distance = unrounded(distance, aa + bb, reach);
@@ -124,8 +127,8 @@ fn touch_spheres(a: vec4f, b: vec4f) -> Touch {
     return touch_at(b.xyz - a.xyz, a.w + b.w, 0.0, 0.0, vec3f(0.0, 1.0, 0.0));
 }
 
-// To whom rods of fixed length join a sphere: they are one body and ignore each other. NONE, the other end of its capsule, or,
-// where more rods end in it, SOME_RODS.
+// The sphere that a rod of fixed length connects to this sphere. Such a pair never interacts. NONE when no rod ends in the
+// sphere, SOME_RODS when several rods or a rod of free length do.
 fn bonded_partner(sphere: u32) -> u32 {
     let end = end_of(sphere);
     if (end == NO_ROD) | (end == SOME_RODS) {
@@ -134,7 +137,7 @@ fn bonded_partner(sphere: u32) -> u32 {
     return other_end(end, sphere);
 }
 
-// Whether a sphere of such partner is joined to another.
+// Whether a rod of fixed length connects spheres a and b. `partner` is the `bonded_partner` of a.
 fn joined(a: u32, partner: u32, b: u32) -> bool {
     if partner != SOME_RODS {
         return partner == b;
@@ -192,13 +195,14 @@ fn in_unit_cube(t: vec3f) -> bool {
     return all(t >= vec3f(0.0)) & all(t <= vec3f(1.0));
 }
 
-// Whether a point, so far from an edge of a box, is in the box, or but for rounding on its surface.
+// Whether a point is in a box or on its surface, up to rounding errors (docs/physics.md section 2.9). `distance` is its
+// distance from an edge or vertex of the box.
 fn in_box(point: vec3f, box: Cuboid, distance: f32) -> bool {
     let rounded = min(ROUNDED * length(point - box.corner), SMALL * distance) / sqrt(squared_edges(box));
     return all(abs(box_parameters(point, box) - 0.5) <= 0.5 + rounded);
 }
 
-// A centre inside the box leaves by the nearest face.
+// A sphere with its centre inside the box leaves through the nearest face.
 fn touch_sphere_box(centre: vec4f, box: Cuboid) -> Touch {
     let t = box_parameters(centre.xyz, box);
     let c = clamp(t, vec3f(0.0), vec3f(1.0));
@@ -217,9 +221,9 @@ fn touch_sphere_box(centre: vec4f, box: Cuboid) -> Touch {
     let lengths = sqrt(edges);
     let low = c * lengths;
     let high = (vec3f(1.0) - c) * lengths;
-    // Of faces equally far the first one counts.
+    // A later face must be nearer by this factor to replace an earlier one.
     let nearer = 1.0 - AT_END;
-    // n points into the box, against the way out.
+    // n points from the nearest face into the box.
     var depth = low.x;
     var n = box.i / lengths.x;
     if high.x < nearer * depth {
@@ -245,7 +249,7 @@ fn touch_sphere_box(centre: vec4f, box: Cuboid) -> Touch {
     return Touch(n, centre.w + depth, 0.0, 0.0);
 }
 
-// A polygon is hit on the side of N = L x R only, and not at its edges.
+// A polygon is only hit on the side of N = L x R, and not at its edges.
 fn touch_sphere_polygon(centre: vec4f, face: Polygon) -> Touch {
     let normal = cross(face.left, face.right);
     let nn = dot(normal, normal);
@@ -260,14 +264,15 @@ fn touch_sphere_polygon(centre: vec4f, face: Polygon) -> Touch {
     return no_touch();
 }
 
-// Edge g of a box: 0, 1, 2 for I, J, K, and round again.
+// Edge vector of a box: I, J, K for g modulo 3 = 0, 1, 2.
 fn box_edge(box: Cuboid, g: u32) -> vec3f {
     let turn = g % 3u;
     return select(select(box.k, box.j, turn == 1u), box.i, turn == 0u);
 }
 
-// What an edge or a vertex of a box does to a rod whose axis it comes near: it pushes it outward, also where the rod's
-// axis point is inside the box already. Negative overlap: they are apart.
+// Contact of a rod with an edge or vertex of a box. `a` is the parameter of the axis point, and `distance` points from there to
+// the edge or vertex. The rod is pushed outward, even when the axis point is inside the box. The overlap is negative when they
+// are apart.
 fn touch_box_feature(rod: Axis, box: Cuboid, a: f32, distance: vec3f, outward: vec3f) -> Touch {
     let squared = dot(distance, distance);
     if squared <= TINY {
@@ -312,8 +317,8 @@ fn touch_rod_vertex(rod: Axis, box: Cuboid, feature: u32) -> Touch {
     return touch_box_feature(rod, box, a, distance, outward);
 }
 
-// Feature f is edge f; where no edge at all is hit, vertex f. The vertex is asked first: it is cheap, and where it is
-// missed, as nearly always, the other edges do not matter.
+// Feature f is edge f, or, when no edge is hit, vertex f. The vertex is tested before the other edges, because its test is
+// cheap and nearly always fails. Then the other edges need no test.
 fn touch_rod_box(rod: Axis, box: Cuboid, feature: u32) -> Touch {
     let edge = touch_rod_edge(rod, box, feature);
     if (edge.overlap > 0.0) | (feature >= 8u) {
@@ -330,7 +335,7 @@ fn touch_rod_box(rod: Axis, box: Cuboid, feature: u32) -> Touch {
     return vertex;
 }
 
-// Inverse mass of an object where it is touched: (2.6) for a rod, 0 for what cannot move.
+// Inverse mass of an object at the contact: (2.6) for a rod, 0 for a box or polygon. `at` is the parameter on a rod.
 fn inverse_mass_at(id: u32, at: f32) -> f32 {
     if id < step.spheres {
         return inverse_mass(id);
@@ -342,7 +347,7 @@ fn inverse_mass_at(id: u32, at: f32) -> f32 {
     return (1.0 - at) * (1.0 - at) * inverse_mass(ends.x) + at * at * inverse_mass(ends.y);
 }
 
-// A rod, by its id and as it was read, and another object.
+// Contact of a rod with another object. `id` and `own` are the id and the data of the rod.
 fn touch_bar(id: u32, own: Bar, other: u32, feature: u32) -> Touch {
     let boxes = step.spheres + step.rods;
     if other < step.spheres {
@@ -361,7 +366,7 @@ fn touch_bar(id: u32, own: Bar, other: u32, feature: u32) -> Touch {
     return touch_rods(a, b);
 }
 
-// A sphere, as it was read, and what is no sphere.
+// Contact of a sphere with an object that is not a sphere. `i` is the id of the sphere, `own` its position and radius.
 fn touch_static_or_rod(i: u32, id: u32, own: vec4f) -> Touch {
     let boxes = step.spheres + step.rods;
     if id < boxes {
@@ -376,7 +381,7 @@ fn touch_static_or_rod(i: u32, id: u32, own: vec4f) -> Touch {
     return touch_sphere_polygon(own, polygon(id - boxes - step.boxes));
 }
 
-// A sphere, as it was read, and another object.
+// Contact of a sphere with another object. `id` is the id of the sphere, `own` its position and radius.
 fn touch_ball(id: u32, own: vec4f, other: u32) -> Touch {
     if other >= step.spheres {
         return touch_static_or_rod(id, other, own);
@@ -392,7 +397,7 @@ fn touch_ball(id: u32, own: vec4f, other: u32) -> Touch {
     return found;
 }
 
-// What is read of a mover once, and asked of it for every entry of its list: a sphere's position and radius, or a rod.
+// Data of a mover that is read once for all entries of its list: the position and radius of a sphere, or a rod.
 struct Own {
     id: u32,
     place: vec4f,
@@ -409,7 +414,7 @@ fn own_of(mover: u32) -> Own {
     return own;
 }
 
-// A mover and any object that it may meet, whatever they weigh. Whoever asks gets the same bits.
+// Contact of a mover with another object, whatever their masses are. The result is bitwise identical from both sides.
 fn touch_with(own: Own, id: u32, feature: u32) -> Touch {
     if own.id < step.spheres {
         return touch_ball(own.id, own.place, id);
@@ -420,7 +425,7 @@ fn touch_with(own: Own, id: u32, feature: u32) -> Touch {
     return no_touch();
 }
 
-// Any two objects that may meet, of which the first is a mover.
+// Contact of two objects. `a` must be a mover.
 fn touch(a: u32, b: u32, feature: u32) -> Touch {
     return touch_with(own_of(a), b, feature);
 }

@@ -1,4 +1,4 @@
-//! Rods of fixed length: sweeps over the coloured rods of a batch (docs/physics.md section 5.4).
+//! Corrections of rods of fixed length: sweeps over the coloured rods of a batch (docs/physics.md section 5.4).
 
 use glam::{Vec3, Vec4};
 
@@ -6,44 +6,46 @@ use crate::model::layout::ROD_WORDS;
 use crate::model::step::Step;
 use crate::model::view::{RodWords, TINY};
 
-/// A length is right when its relative error is at most this. With 1e-3 a double pendulum loses 4 % of its energy in 100 s.
+/// Largest relative error at which the sweeps end. With 1e-3 a double pendulum loses 4 % of its energy in 100 s.
 const TOLERANCE: f32 = 1e-5;
-/// A frame that has not converged by then goes on in the next step.
+/// Maximum number of sweeps. Errors that remain are corrected in the following steps.
 const MAX_SWEEPS: u32 = 400;
-/// A difference of two numbers is rounding where it is at most this times their sizes.
+/// A difference of two numbers counts as a rounding error when it is at most this times the sum of their sizes.
 const ROUNDING: f32 = 4.0 * f32::EPSILON;
 
-/// A correction by a rod of inverse masses w: end 1 gets `w1 * along`, end 2 gets `-w2 * along`.
+/// A correction of the two ends of a rod, before the multiplication by their inverse masses: end 1 changes by `w1` times the
+/// vectors, end 2 by `-w2` times the vectors.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Correction {
     pub(crate) position: Vec3,
     pub(crate) velocity: Vec3,
-    /// Relative error that was found.
+    /// Relative error before the correction.
     pub(crate) error: f32,
 }
 
-/// The two ends of a rod, as they are.
+/// The present state of the two ends of a rod.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Ends {
     /// From end 1 to end 2.
     pub(crate) d: Vec3,
-    /// Velocity of end 2 less that of end 1.
+    /// Velocity of end 2 minus velocity of end 1.
     pub(crate) velocity: Vec3,
     /// Sum of the inverse masses, positive.
     pub(crate) inverse_mass: f32,
     pub(crate) length: f32,
-    /// What rounds a distance by itself: sum of the largest coordinates of both.
+    /// Sum of the largest absolute coordinates of both ends, which determines the rounding error of the distance.
     pub(crate) place_size: f32,
-    /// The same of velocities.
+    /// Sum of the largest absolute velocity components of both ends.
     pub(crate) velocity_size: f32,
 }
 
-/// The error of a rod, 0 where it is but rounding, which no sweep can remove.
+/// Returns the relative error of a rod, and 0 when it is only a rounding error, which no sweep can remove. `size` is the size
+/// of the numbers that `error` is a difference of.
 fn unrounded(error: f32, size: f32, length: f32) -> f32 {
     if error.abs() <= ROUNDING * size { 0.0 } else { error.abs() / length }
 }
 
-/// The velocity of a fixed sphere is that of its surface; it does not count in the length of rods.
+/// Returns the velocity of a sphere's centre. The velocity of a fixed sphere is that of its surface, and its centre is at rest.
 fn own_velocity(row: Vec4) -> Vec3 {
     if row.w == 0.0 { Vec3::ZERO } else { row.truncate() }
 }
@@ -53,7 +55,7 @@ fn unit(d: Vec3) -> (Vec3, f32) {
     if dd <= TINY { (Vec3::Y, 0.0) } else { (d / dd.sqrt(), dd.sqrt()) }
 }
 
-/// Removes a length error along the rod's present direction.
+/// Removes the length error along the present direction of the rod, in positions only.
 pub(crate) fn along_axis(ends: &Ends) -> Correction {
     let (n, distance) = unit(ends.d);
     let excess = distance - ends.length;
@@ -61,8 +63,8 @@ pub(crate) fn along_axis(ends: &Ends) -> Correction {
     Correction { position: n * (excess / ends.inverse_mass), velocity: Vec3::ZERO, error }
 }
 
-/// SHAKE: removes it along the direction at the start of the step, in positions and velocities alike.
-/// With d = d0 - g w d_old, |d| = l is a quadratic in g; the root near 0 is taken.
+/// SHAKE: removes the length error along the direction at the start of the step, in positions and velocities.
+/// |d - g w d_old| = l is a quadratic equation for g. The root near 0 is used.
 pub(crate) fn shake(ends: &Ends, d_old: Vec3, dt: f32) -> Correction {
     let w = ends.inverse_mass;
     let a = w * w * d_old.length_squared();
@@ -70,7 +72,7 @@ pub(crate) fn shake(ends: &Ends, d_old: Vec3, dt: f32) -> Correction {
     let c = ends.d.length_squared() - ends.length * ends.length;
     let discriminant = b * b - a * c;
     if !(discriminant >= 0.0 && b > 0.0) {
-        // Turned too far within the step for the old direction to be of use.
+        // The rod has turned too far within the step for a correction along the old direction.
         return along_axis(ends);
     }
     let g = c / (b + discriminant.sqrt());
@@ -78,7 +80,7 @@ pub(crate) fn shake(ends: &Ends, d_old: Vec3, dt: f32) -> Correction {
     Correction { position: g * d_old, velocity: (g / dt) * d_old, error }
 }
 
-/// RATTLE: removes the velocity along the axis.
+/// RATTLE: removes the relative velocity along the axis.
 pub(crate) fn rattle(ends: &Ends, dt: f32) -> Correction {
     let (n, _) = unit(ends.d);
     let opening = ends.velocity.dot(n);
@@ -86,7 +88,7 @@ pub(crate) fn rattle(ends: &Ends, dt: f32) -> Correction {
     Correction { position: Vec3::ZERO, velocity: n * (opening / ends.inverse_mass), error }
 }
 
-/// An end that would leave what f32 holds stays as it is.
+/// Adds a change to a row, unless the result is not finite.
 fn add(row: &mut Vec4, change: Vec3) {
     let sum = row.truncate() + change;
     if sum.is_finite() {
@@ -94,7 +96,7 @@ fn add(row: &mut Vec4, change: Vec3) {
     }
 }
 
-/// One batch: rods that are swept together, colour by colour. Rods of one colour share no sphere.
+/// One batch of rods, which are corrected colour by colour. Rods of one colour share no moving sphere.
 pub(crate) struct Batch<'a> {
     topology: &'a [u32],
     first: usize,
@@ -114,8 +116,8 @@ impl<'a> Batch<'a> {
         self.topology[offset(0)..offset(self.colours())].iter().copied()
     }
 
-    /// Corrects all rods, colour after colour, until the worst error found in a sweep is within the tolerance.
-    /// A single colour is exact after one sweep.
+    /// Corrects all rods, colour after colour, until the largest error that a sweep finds is within the tolerance. A batch of a
+    /// single colour is exact after one sweep.
     pub(crate) fn sweep(&self, step: &Step, state: &mut [Vec4], correct: impl Fn(&Ends, [u32; 2]) -> Correction) {
         for _ in 0..MAX_SWEEPS {
             let mut worst: f32 = 0.0;

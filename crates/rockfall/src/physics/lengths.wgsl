@@ -1,20 +1,20 @@
 // requires model/objects.wgsl model/step.wgsl
 
-// Batches of fixed-length rods (physics.md section 5): a workgroup sweeps one batch colour by colour. The rods of one
-// colour share no sphere that moves, so that its threads do not meet.
+// Corrections of batches of fixed-length rods (docs/physics.md section 5.4). A workgroup sweeps one batch, colour by colour.
+// The rods of one colour share no moving sphere, so no two threads write to the same sphere.
 
-// Relative error of a length, and the number of sweeps, at which sweeping ends.
+// Largest relative error, and maximum number of sweeps, at which the sweeps end.
 const TOLERANCE: f32 = 1e-5;
 const MAX_SWEEPS: u32 = 400u;
 
-// An error up to this times the sum of the largest components that it is the difference of is their rounding.
+// A difference of two vectors counts as a rounding error up to this times the sum of their largest components.
 const LENGTH_ROUNDING: f32 = 4.8e-7;
 
 fn largest(v: vec3f) -> f32 {
     return max(abs(v.x), max(abs(v.y), abs(v.z)));
 }
 
-// A difference, and 0 where it is only the rounding of two vectors.
+// Absolute value of an error; 0 when it is only a rounding error of the difference of two vectors.
 fn but_rounding(error: f32, one: vec3f, two: vec3f) -> f32 {
     return select(abs(error), 0.0, abs(error) <= LENGTH_ROUNDING * (largest(one) + largest(two)));
 }
@@ -24,7 +24,7 @@ var<workgroup> go_on: u32;
 
 struct Batch {
     colours: u32,
-    // First of `colours + 1` words that hold where a colour's rods begin.
+    // First of `colours + 1` words: the offsets at which the rods of each colour start, and the end.
     at: u32,
 }
 
@@ -40,8 +40,8 @@ fn start_sweeps(local: u32) {
     workgroupBarrier();
 }
 
-// Whether another sweep is due, after `sweeps` of them. The whole workgroup must come here.
-// One colour is exact after one sweep. Positive floats order like their bits.
+// Whether another sweep is needed after `sweeps` sweeps. All threads of the workgroup must call it. A batch of one colour is
+// exact after one sweep. Positive floats are ordered as their bits are.
 fn sweep_again(local: u32, error: f32, sweeps: u32, colours: u32) -> bool {
     atomicMax(&worst, bitcast<u32>(error));
     workgroupBarrier();
@@ -53,7 +53,7 @@ fn sweep_again(local: u32, error: f32, sweeps: u32, colours: u32) -> bool {
     return workgroupUniformLoad(&go_on) != 0u;
 }
 
-// Moves the ends of a rod along it until it has its length; gives the relative error that there was.
+// Moves the ends of a rod along its axis so that the rod has its length. Returns the relative error before the correction.
 fn restore_length(rod: u32) -> f32 {
     let ends = rod_ends(rod);
     let w1 = inverse_mass(ends.x);
@@ -79,8 +79,8 @@ fn restore_length(rod: u32) -> f32 {
     return but_rounding(distance - target_length, one, two) / target_length;
 }
 
-// The rods of one colour may share a sphere that is fixed: it is not written at all. An end that would leave what f32 holds
-// stays as it is.
+// Displaces an end of a rod, unless the result is not finite. A fixed sphere is not written at all, because rods of one colour
+// may share it.
 fn move_end(sphere: u32, weight: f32, displacement: vec3f) {
     let before = state[position_at(sphere)];
     let after = before.xyz + weight * displacement;

@@ -1,13 +1,13 @@
 // requires model/step.wgsl physics/travel.wgsl
 
-// How far a sphere may move before its list is no longer enough.
+// Tests whether a sphere is still where its pair list holds.
 
-// How far a ball reaches out of the ball that its AABB encloses; not positive where it is inside. For rounding far from the
-// origin there is a little room besides, which the lists allow for.
+// How far a ball extends beyond the ball that an AABB encloses; not positive when it is inside. A tolerance covers rounding
+// errors far from the origin. Lists are built with more slack than that.
 fn reach_out(position: vec3f, radius: f32, aabb: Aabb) -> f32 {
     let half = 0.5 * aabb.max - 0.5 * aabb.min;
     let room = min(min(half.x, half.y), half.z);
-    // An AABB without bounds has no middle.
+    // An unbounded AABB has no centre.
     if room > 1e37 {
         return -1.0;
     }
@@ -16,7 +16,7 @@ fn reach_out(position: vec3f, radius: f32, aabb: Aabb) -> f32 {
     return length(position - middle) + radius - room - 2.5e-7 * max(max(far.x, far.y), far.z);
 }
 
-// How far a sphere is outside of where its list holds, in 0.02 r; 0 where it is inside.
+// How far a sphere is outside the ball that its AABB encloses, in units of 0.02 r; 0 when it is inside.
 fn escape_ratio(position: vec3f, radius: f32, aabb: Aabb) -> f32 {
     let out = reach_out(position, radius, aabb);
     if out <= 0.0 {
@@ -25,12 +25,13 @@ fn escape_ratio(position: vec3f, radius: f32, aabb: Aabb) -> f32 {
     return clamp(out / (0.02 * radius), 1e-3, 1e30);
 }
 
-// A sphere that may be outside before the lists made at the next chance hold, at the velocity at hand, asks for new ones.
+// Requests new lists when a moving sphere, at its present velocity, may leave the ball that its AABB encloses within the
+// `list_interval` steps for which the lists must last.
 fn ask_for_lists(sphere: u32, centre: vec4f, velocity: vec4f) {
     let reach = centre.w + may_travel(velocity, centre.w, step.list_interval);
     if velocity.w > 0.0 {
         if reach_out(place_ahead(centre.xyz, velocity), reach, aabbs[sphere]) > 0.0 {
-            // Among millions most find that somebody has asked before, and to look takes less than to ask.
+            // Among millions of spheres, most find the flag already set. A load is cheaper than an atomic write.
             if (atomicLoad(&status.rebuild) & REBUILD_REQUESTED) == 0u {
                 atomicOr(&status.rebuild, REBUILD_REQUESTED);
             }
@@ -38,7 +39,7 @@ fn ask_for_lists(sphere: u32, centre: vec4f, velocity: vec4f) {
     }
 }
 
-// The lists that were made in this step are counted; those that were asked for where none are made are still due.
+// Counts the rebuild of the lists, if there was one in this step. A request for a rebuild that was not made stays pending.
 fn count_rebuild() {
     if (atomicLoad(&status.rebuild) & REBUILD_DONE) != 0u {
         atomicAnd(&status.rebuild, ~REBUILD_DONE);

@@ -1,12 +1,12 @@
 // requires model/step.wgsl physics/sine.wgsl
 
-// Quaternions (x, y, z, w), and turning `orientations`.
+// Quaternions (x, y, z, w), and the rotation of `orientations`.
 
 fn multiply(a: vec4f, b: vec4f) -> vec4f {
     return vec4f(a.w * b.xyz + b.w * a.xyz + cross(a.xyz, b.xyz), a.w * b.w - dot(a.xyz, b.xyz));
 }
 
-// Rotation by an angular velocity over the step: the exponential map.
+// Rotation by an angular velocity during one step, by the exponential map.
 fn rotation(spin: vec3f) -> vec4f {
     let squared = dot(spin, spin);
     if squared <= TINY {
@@ -18,13 +18,13 @@ fn rotation(spin: vec3f) -> vec4f {
 }
 
 fn turn_by(sphere: u32, by: vec4f) {
-    // What does not spin need not be read.
+    // Without a rotation, the orientation need not be read.
     if all(by.xyz == vec3f(0.0)) {
         return;
     }
     let turned = multiply(by, orientations[sphere]);
     let q = turned / sqrt(dot(turned, turned));
-    // An angle beyond all numbers turns nothing.
+    // A rotation that is not finite is skipped.
     if finite(q.xyz) & finite(q.www) {
         orientations[sphere] = q;
     }

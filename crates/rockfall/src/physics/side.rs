@@ -1,24 +1,24 @@
-//! One side of a contact: what moves there, and how hard it is to move.
+//! One side of a contact: its velocities and inverse masses at the contact point.
 
 use glam::Vec3;
 
 use crate::model::view::{Object, View};
 
-/// One body of a contact, as seen from the contact.
+/// One object of a contact, at the contact point.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Side {
-    /// 1/m of a sphere, 1/M(a) of a rod (2.6), 0 of what is static.
+    /// 1/m of a sphere, 1/M(a) of a rod (2.6), 0 of a box or polygon.
     pub(crate) inverse_mass: f32,
-    /// 1/I of a sphere that moves; of a rod (1-a)^2 / I1 + a^2 / I2; else 0.
+    /// 1/I of a moving sphere, (1-a)^2 / I1 + a^2 / I2 of a rod; 0 of a fixed sphere, box or polygon.
     pub(crate) inverse_inertia: f32,
     pub(crate) velocity: Vec3,
     pub(crate) spin: Vec3,
-    /// `None` for what is static.
+    /// `None` for a box or polygon.
     pub(crate) radius: Option<f32>,
 }
 
-/// The side of `object`; of a rod, at `parameter`. A fixed end of a rod is at rest there: its surface velocity is that of the sphere
-/// itself alone (E26).
+/// Returns the side of `object`. For a rod, the contact is at `parameter`. A fixed end of a rod is at rest: the surface
+/// velocity of a fixed sphere counts only in contacts of the sphere itself (E26).
 pub(crate) fn side(view: &View, object: Object, parameter: f32) -> Side {
     match object {
         Object::Sphere(sphere) => Side {

@@ -1,5 +1,5 @@
-// Sine and cosine to f32 accuracy: those built in are good to 2^-11 only, too little for the small angle of a step.
-// Brought to [-pi/4, pi/4] by multiples of pi/2, then Taylor's series.
+// Sine and cosine with f32 accuracy. The built-in functions only guarantee an error of 2^-11, which is too much for the small
+// angle of a step. The angle is reduced to [-pi/4, pi/4] by multiples of pi/2. Then Taylor series are evaluated.
 fn sine_cosine(angle: f32) -> vec2f {
     let quarters = round(angle * 0.636619772);
     let x = (angle - quarters * 1.5707964) + quarters * 4.371139e-8;

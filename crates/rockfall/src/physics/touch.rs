@@ -1,5 +1,5 @@
-//! The narrow phase: where two objects overlap (docs/physics.md sections 2.6 to 2.10). The same rules tell how far apart they are where they
-//! do not, for the collision phase looks at states before the present one.
+//! The narrow phase: where two objects overlap (docs/physics.md sections 2.6 to 2.9), or how far they are apart (signed
+//! geometry, section 2.10).
 
 use glam::Vec3;
 
@@ -10,10 +10,10 @@ use crate::physics::geometry::{
 };
 use crate::physics::side::side;
 
-/// Overlaps up to this times the smaller radius are rounding, to the collision phase.
+/// In the collision phase, overlaps up to this times the smaller radius count as rounding errors (docs/physics.md section 3.1).
 pub(crate) const ROUNDING: f32 = 1e-5;
 
-/// Where spheres are and how fast: in the state at hand, or in another one.
+/// Positions and velocities of spheres, in the present state or in a state moved back in time.
 pub(crate) trait Motions {
     fn position(&self, sphere: u32) -> Vec3;
     fn velocity(&self, sphere: u32) -> Vec3;
@@ -29,12 +29,12 @@ impl Motions for View<'_> {
     }
 }
 
-/// Where A and B overlap; A is the object of lower id.
+/// The contact of objects A and B.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Touch {
     /// Unit normal from A to B.
     pub(crate) normal: Vec3,
-    /// Depth of the overlap, positive; negative: how far apart they are.
+    /// Depth of the overlap. Negative when the objects are apart, with their distance as the absolute value.
     pub(crate) overlap: f32,
     /// Parameter of the contact on A, if A is a rod.
     pub(crate) a: f32,
@@ -42,7 +42,8 @@ pub(crate) struct Touch {
     pub(crate) b: f32,
 }
 
-/// The overlap of the objects `id_a < id_b`, or `None` where they do not overlap or ignore each other.
+/// Returns the contact of two objects, or `None` when they do not overlap or never interact. In the order sphere, rod, box,
+/// polygon, the kind of A must not come after the kind of B. `feature` is the feature of a rod and a box.
 pub(crate) fn touch(view: &View, id_a: u32, id_b: u32, feature: u32) -> Option<Touch> {
     let (a, b) = (view.object(id_a), view.object(id_b));
     if ignore(view, a, b) {
@@ -53,12 +54,13 @@ pub(crate) fn touch(view: &View, id_a: u32, id_b: u32, feature: u32) -> Option<T
         (Object::Sphere(a), Object::Polygon(b)) => sphere_polygon(view, a, b),
         _ => line(view, view, a, b, None).filter(|touch| touch.overlap > 0.0),
     }?;
-    // A rod that is touched right at its fixed end cannot give way there.
+    // A rod cannot move at a fixed end.
     let inverse_mass = side(view, a, touch.a).inverse_mass + side(view, b, touch.b).inverse_mass;
     (inverse_mass > 0.0).then_some(touch)
 }
 
-/// Nothing collides with itself, and two immovable things have nothing to say to each other.
+/// Whether a pair never interacts because of the rods that the objects share or because neither can move (docs/physics.md
+/// section 1.3).
 fn ignore(view: &View, a: Object, b: Object) -> bool {
     if immovable(view, a) && immovable(view, b) {
         return true;
@@ -85,7 +87,7 @@ fn immovable(view: &View, object: Object) -> bool {
     }
 }
 
-/// What a rod meets of a box.
+/// The part of a box that a rod touches.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Feature {
     Edge(u32),
@@ -93,7 +95,8 @@ pub(crate) enum Feature {
 }
 
 impl Feature {
-    /// What a rod meets by a feature's number where both overlap; where they do not, what is nearer.
+    /// Returns the part of a box that a rod touches with `feature`. If the rod does not overlap the edge, the nearer of edge
+    /// and vertex counts (docs/physics.md section 2.10).
     pub(crate) fn of(view: &View, rod: u32, cuboid: u32, feature: u32) -> Self {
         let of = |feature| line(view, view, Object::Rod(rod), Object::Cuboid(cuboid), Some(feature));
         let (edge, vertex) = (Self::Edge(feature), Self::Vertex(feature));
@@ -108,8 +111,8 @@ impl Feature {
     }
 }
 
-/// The line along which two objects meet, with how deep they overlap or how far apart they are; `None` where their closest points lie
-/// beyond an end. Of a polygon it is its plane that counts. `feature` is what a rod meets of a box.
+/// Returns the signed geometry of two objects at the positions in `at`, or `None` when they have no contact line
+/// (docs/physics.md section 2.10). `feature` is the part of a box that a rod touches.
 pub(crate) fn line(view: &View, at: &impl Motions, a: Object, b: Object, feature: Option<Feature>) -> Option<Touch> {
     match (a, b, feature) {
         (Object::Sphere(a), Object::Sphere(b), _) => {
@@ -139,7 +142,8 @@ fn ends(at: &impl Motions, rod: RodWords) -> [Vec3; 2] {
     rod.ends.map(|end| at.position(end))
 }
 
-/// The line of two round things `d` apart, whose radii sum to `reach`.
+/// Returns the contact of two round objects. `d` is the vector between their closest points, `reach` the sum of their radii,
+/// and `zero_normal` the normal where `d` is 0.
 fn round(d: Vec3, reach: f32, zero_normal: Vec3, a: f32, b: f32) -> Touch {
     let dd = d.length_squared();
     let (normal, distance) = if dd <= TINY { (zero_normal, 0.0) } else { (d / dd.sqrt(), dd.sqrt()) };
@@ -158,7 +162,7 @@ fn rod_rod(at: &impl Motions, a: RodWords, b: RodWords) -> Option<Touch> {
     Some(round(pair.d, reach, pair.normal.unwrap_or(Vec3::Y), pair.a, pair.b))
 }
 
-/// A sphere whose middle is over the face of a polygon, not beside it and not behind it.
+/// Returns the contact of a sphere with a polygon. The centre must be over the face, neither beside nor behind it.
 fn sphere_polygon(view: &View, sphere: u32, polygon: u32) -> Option<Touch> {
     let (face, height, inside) = point_polygon(&view.polygon(polygon), view.position(sphere));
     let radius = view.radius(sphere);
@@ -166,7 +170,7 @@ fn sphere_polygon(view: &View, sphere: u32, polygon: u32) -> Option<Touch> {
     hit.then(|| Touch { normal: -face, overlap: radius - height, a: 0.0, b: 0.0 })
 }
 
-/// Feature f of a rod and a box that overlap: edge f, or, where no edge is hit, vertex f.
+/// Returns the contact of a rod with feature f of a box: edge f, or, when no edge is hit, vertex f.
 fn rod_box(view: &View, rod: RodWords, cuboid: &BoxWords, feature: u32) -> Option<Touch> {
     if is_beside(cuboid, ends(view, rod), rod.radius) {
         return None;
@@ -181,15 +185,15 @@ fn rod_box(view: &View, rod: RodWords, cuboid: &BoxWords, feature: u32) -> Optio
     rod_vertex(view, rod, cuboid, feature, true)
 }
 
-/// Whether a rod is further than its radius beyond one face of a box, with room for rounding: it touches none of the edges then. Most rods that
-/// have a box in their lists are, and twelve entries each.
+/// Whether a rod is outside one face of a box by more than its radius, with some room for rounding. Then it touches no edge.
+/// This holds for most rods that have a box in their lists, with twelve entries per box.
 fn is_beside(cuboid: &BoxWords, ends: [Vec3; 2], radius: f32) -> bool {
     let [one, two] = ends.map(|end| box_parameters(cuboid, end));
     let slack = 1.001 * radius / Vec3::from_array(cuboid.edges.map(Vec3::length)) + 1e-4;
     one.max(two).cmplt(-slack).any() || one.min(two).cmpgt(1.0 + slack).any()
 }
 
-/// A rod's axis against an edge of a box; where it must touch, only what is nearer than the rod's radius.
+/// Returns the contact of a rod with an edge of a box. With `must_touch`, the distance must be less than the rod's radius.
 fn rod_edge(at: &impl Motions, rod: RodWords, cuboid: &BoxWords, edge: u32, must_touch: bool) -> Option<Touch> {
     let [end1, end2] = ends(at, rod);
     let edge = box_edge(cuboid, edge);
@@ -198,7 +202,7 @@ fn rod_edge(at: &impl Motions, rod: RodWords, cuboid: &BoxWords, edge: u32, must
     near_feature(cuboid, rod.radius, on_axis, pair.a, pair.d, edge.outward, must_touch)
 }
 
-/// The same against a vertex.
+/// Returns the contact of a rod with a vertex of a box. With `must_touch`, the distance must be less than the rod's radius.
 fn rod_vertex(at: &impl Motions, rod: RodWords, cuboid: &BoxWords, vertex: u32, must_touch: bool) -> Option<Touch> {
     let [end1, end2] = ends(at, rod);
     let (vertex, outward) = box_vertex(cuboid, vertex);
@@ -206,7 +210,8 @@ fn rod_vertex(at: &impl Motions, rod: RodWords, cuboid: &BoxWords, vertex: u32, 
     near_feature(cuboid, rod.radius, end1 + a * (end2 - end1), a, -to_rod, outward, must_touch)
 }
 
-/// A rod's point `on_axis` against a point of the box's edges, `d` away. Inside the box the rod is pushed on outward.
+/// Returns the contact at the point `on_axis` of a rod, with parameter `a`. `d` is the vector from there to the edge or vertex.
+/// When `on_axis` is inside the box, the rod is pushed out.
 fn near_feature(
     cuboid: &BoxWords,
     radius: f32,

@@ -1,24 +1,27 @@
 // requires model/objects.wgsl model/step.wgsl physics/collision.wgsl physics/geometry.wgsl
 
-// The contact line of two objects in any place, with how deep they overlap or, negative, how far they are apart (docs/physics.md section 2).
+// Signed geometry: the contact line of two objects at any position. The overlap is negative when they are apart
+// (docs/physics.md section 2.10).
 
 fn centre_of(half: Half, poise: Poise) -> vec4f {
     let is_second = RODS & (half.kind == CAPSULE) & (half.at > 0.5);
     return vec4f(select(poise.x1, poise.x2, is_second), state[position_at(half.id)].w);
 }
 
-// Ends that no sphere and no other rod has: what moves here does not touch itself.
-fn bar_from(half: Half, poise: Poise, name: u32) -> Bar {
-    return Bar(vec2u(NONE - name), Axis(poise.x1, poise.x2 - poise.x1, rod_radius(half.id - step.spheres)));
+// The rod of a side, at the positions in `poise`. Its end ids are placeholders that match no sphere, and no other rod with
+// another `placeholder`. Pairs that share a sphere never get here, so the contact functions need no real ids.
+fn bar_from(half: Half, poise: Poise, placeholder: u32) -> Bar {
+    return Bar(vec2u(NONE - placeholder), Axis(poise.x1, poise.x2 - poise.x1, rod_radius(half.id - step.spheres)));
 }
 
-// How high a sphere stands on the plane of a polygon, wherever it is over it.
+// Contact of a sphere with the plane of a polygon, also beside the polygon.
 fn touch_plane(centre: vec4f, face: Polygon) -> Touch {
     let n = normalize(cross(face.left, face.right));
     return Touch(-n, centre.w - dot(centre.xyz - face.corner, n), 0.0, 0.0);
 }
 
-// The contact of a pair in this place, the overlap negative where they are apart; NO_LINE where they have no contact line.
+// Contact of a pair at the positions in `a_poise` and `b_poise`. The overlap is negative when they are apart, and NO_LINE when
+// they have no contact line. `by_vertex`: a rod meets vertex `feature` of a box, not edge `feature`.
 fn signed_touch(a: Half, b: Half, a_poise: Poise, b_poise: Poise, feature: u32, by_vertex: bool) -> Touch {
     let boxes = step.spheres + step.rods;
     if a.id < step.spheres {
@@ -47,7 +50,8 @@ fn signed_touch(a: Half, b: Half, a_poise: Poise, b_poise: Poise, feature: u32, 
     return touch_rod_edge(bar.axis, cuboid(b.id - boxes), feature);
 }
 
-// Whether a rod meets a box by the vertex of this number, not by the edge: where the edge does not touch, what is nearer counts.
+// Whether a rod meets vertex `feature` of a box instead of edge `feature`. If it does not overlap the edge, the nearer of the
+// two counts (docs/physics.md section 2.10).
 fn meets_by_vertex(a: Half, b: Half, poise: Poise, feature: u32) -> bool {
     let boxes = step.spheres + step.rods;
     if !RODS | (a.id < step.spheres) | (b.id < boxes) | (feature >= 8u) {

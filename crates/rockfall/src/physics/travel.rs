@@ -1,44 +1,48 @@
-//! Where a sphere may be within some steps: in a ball about the place that it comes to in a part of the first one, if nothing
-//! happens. Forwards and backwards that ball need not reach as far as one about the sphere itself.
+//! Bounds for the motion of a sphere within some steps.
+//!
+//! The bound is a ball. Its centre is ahead of the sphere: where the sphere will be after `lead` steps at its present velocity.
+//! A ball around that point can be smaller than one around the present position.
 
 use glam::{Vec3, Vec4};
 
 use crate::model::step::{Aabb, Step};
 use crate::model::view::View;
 
-/// The place that a sphere of this position, velocity and inverse mass comes to; of what cannot move, or is faster than all
-/// measure, where it is.
+/// Returns the position of a sphere after `lead` steps at constant velocity. `motion` is its velocity and inverse mass. The
+/// result is `position` for a fixed sphere and for a displacement of 1e30 or more.
 pub(crate) fn place_ahead(step: &Step, position: Vec3, motion: Vec4) -> Vec3 {
-    let way = motion.truncate() * (step.lead * step.dt);
-    let known = motion.w > 0.0 && way.abs().max_element() < 1e30;
-    if known { position + way } else { position }
+    let displacement = motion.truncate() * (step.lead * step.dt);
+    let is_usable = motion.w > 0.0 && displacement.abs().max_element() < 1e30;
+    if is_usable { position + displacement } else { position }
 }
 
-/// How much further it comes in each of so many steps where it goes on accelerating as in its last step of RK4: a dt² / 2. These were
-/// its velocities in stage states 3 and 4 then, v + dt a / 2 and v + dt a. What is beyond all measure tells nothing.
+/// Returns the extra distance that an acceleration a adds within `steps` steps, at a dt² / 2 per step. The acceleration is that
+/// of the sphere's last RK4 step: `third` and `fourth` are its velocities in stage states 3 and 4 of that step, v + dt a / 2
+/// and v + dt a. The result is 0 unless the distance is less than 1e30.
 pub(crate) fn may_gain(step: &Step, third: Vec3, fourth: Vec3, steps: f32) -> f32 {
     let gain = steps * step.dt * fourth.distance(third);
     if gain < 1e30 { gain } else { 0.0 }
 }
 
-/// How far it may come from there in so many steps, with a little room for what accelerates, the more the longer it may do so.
+/// Returns a bound for the distance of a sphere, within `steps` steps, from the point that [`place_ahead`] returns. It includes
+/// some room for acceleration, which grows with the number of steps.
 pub(crate) fn may_travel(step: &Step, velocity: Vec3, radius: f32, steps: f32) -> f32 {
     (steps - step.lead) * (1.05 * velocity.length() * step.dt) + (0.05 * steps - 0.03) * radius
 }
 
-/// How far, in 0.02 r, a moving sphere is out of the ball that its list was made for; 0: it is inside.
+/// Returns how far a moving sphere is outside the ball that its AABB encloses, in units of 0.02 r; 0 when it is inside.
 pub(crate) fn escape_ratio(view: &View, aabbs: &[Aabb], sphere: u32) -> f32 {
     if view.is_fixed(sphere) { 0.0 } else { outside(&aabbs[sphere as usize], view.position(sphere), view.radius(sphere)) }
 }
 
-/// The same for a ball at a place where it may come to be.
+/// Like [`escape_ratio`], for a sphere with this centre and radius.
 pub(crate) fn outside(aabb: &Aabb, centre: Vec3, radius: f32) -> f32 {
     let out = reach_out(aabb, centre, radius);
     if out <= 0.0 { 0.0 } else { (out / (0.02 * radius)).clamp(1e-3, 1e30) }
 }
 
-/// Whether a moving sphere, come to be here and so fast, may be out of the ball that its AABB encloses within the steps that lists
-/// have to last for.
+/// Whether a moving sphere at `centre` with `velocity` may leave the ball that its AABB encloses within the steps for which the
+/// lists must last.
 pub(crate) fn needs_rebuild(view: &View, aabbs: &[Aabb], sphere: u32, centre: Vec3, velocity: Vec3) -> bool {
     let (step, radius) = (view.step, view.radius(sphere));
     let middle = place_ahead(step, centre, velocity.extend(view.inverse_mass(sphere)));
@@ -46,12 +50,12 @@ pub(crate) fn needs_rebuild(view: &View, aabbs: &[Aabb], sphere: u32, centre: Ve
     !view.is_fixed(sphere) && reach_out(&aabbs[sphere as usize], middle, reach) > 0.0
 }
 
-/// How far a ball reaches out of the ball that an AABB encloses; not positive: it is inside. Rounding far from the origin is
-/// forgiven: lists are made with more slack than that.
+/// Returns how far a ball extends beyond the ball that an AABB encloses; not positive when it is inside. A tolerance covers
+/// rounding errors far from the origin. Lists are built with more slack than that.
 fn reach_out(aabb: &Aabb, centre: Vec3, radius: f32) -> f32 {
     let (min, max) = (Vec3::from_array(aabb.min) * 0.5, Vec3::from_array(aabb.max) * 0.5);
     let (middle, room) = (min + max, (max - min).min_element());
-    // Without bounds; it has no middle.
+    // The AABB is unbounded and has no centre.
     if room > 1e37 {
         return -1.0;
     }

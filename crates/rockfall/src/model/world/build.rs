@@ -1,4 +1,4 @@
-//! Packing a scene into the arrays of a [`World`].
+//! Packs a scene into the arrays of a [`World`].
 
 use glam::Vec4;
 
@@ -14,28 +14,28 @@ use crate::model::world::order::{size_class, spatial_order};
 use crate::scene::{Rod, Scene, Sphere, SphereId};
 use crate::settings::{BroadPhase, Settings};
 
-/// Entries that a mover's list has room for at the start; lists that need more grow.
+/// Initial room for list entries per mover. Lists that need more grow.
 const FIRST_ENTRIES: u32 = 16;
-/// The same where movers are few.
+/// Initial room for list entries per mover when there are at most [`FEW_MOVERS`] movers.
 const FIRST_ENTRIES_OF_FEW: u32 = 24;
-/// How far AABBs are grown at the start for what accelerates, in 0.02 r.
+/// Initial value of [`Step::margin_scale`].
 const FIRST_MARGIN: f32 = 2.0;
-/// Steps for which AABBs are grown at the start.
+/// Initial value of [`Step::lookahead`], in steps.
 const FIRST_LOOKAHEAD: f32 = 1.0;
 
-/// Cells are as large as AABBs of spheres at rest, and a little more, for what moves has larger ones;
+/// Cell size per radius. Cells are a little larger than the AABB of a sphere at rest, because moving spheres have larger AABBs.
 const CELL_PER_RADIUS: f32 = 2.4;
-/// a little more still where all stand on one level.
+/// Cell size per radius when all spheres that are not too large are on one level of the grid.
 const CELL_OF_ALL: f32 = 2.75;
-/// There is room for a collision of so many movers at the start, where collisions are listed from the start;
-const MOVERS_A_COLLISION: u32 = 4;
-/// and for so many at least.
-const FEW_COLLISIONS: u32 = 128;
-/// One sphere of so many is large, at most.
-const SPHERES_A_TEAM: u32 = 8;
+/// Movers per collision record that is allocated at the start, in scenes that list collisions from the start.
+const MOVERS_PER_COLLISION: u32 = 4;
+/// Minimum number of collision records that are allocated at the start, in these scenes.
+const MIN_COLLISION_ROOM: u32 = 128;
+/// At most one in this number of spheres counts as large.
+const SPHERES_PER_LARGE: u32 = 8;
 
 impl World {
-    /// The world of a scene before its first step, spheres in order of addition.
+    /// Returns the world of a scene before its first step, with spheres in order of addition.
     ///
     /// # Errors
     /// [`Error::TooManyObjects`](crate::Error::TooManyObjects) for more objects than list entries can number.
@@ -43,8 +43,8 @@ impl World {
         Ok(Self::pack(scene, Vec::new())?.with_scratch())
     }
 
-    /// The same with spheres in spatial order, which the grid broad phase allows: its lists go by order of addition
-    /// whatever the order of memory.
+    /// Like [`World::build`], but with spheres in spatial order. The grid broad phase allows this, because its lists are sorted
+    /// by insertion index in any order of memory.
     ///
     /// # Errors
     /// As for [`World::build`].
@@ -52,7 +52,7 @@ impl World {
         Ok(Self::pack(scene, order_in_space(scene))?.with_scratch())
     }
 
-    /// The same with spheres in the order of their x, which sort-and-skip begins with.
+    /// Like [`World::build`], but with spheres sorted by x, the order in which the sort-and-skip broad phase starts.
     ///
     /// # Errors
     /// As for [`World::build`].
@@ -60,8 +60,8 @@ impl World {
         Ok(Self::pack(scene, order_along_x(scene))?.with_scratch())
     }
 
-    /// The world in the order that suits a broad phase: brute force goes through memory in order of addition. It is without
-    /// scratch, which a device has for itself.
+    /// Returns the world in the order of memory that suits a broad phase, without scratch arrays. Brute force needs insertion
+    /// order.
     pub(crate) fn for_method(scene: &Scene, broad_phase: BroadPhase) -> Result<Self> {
         let counts = scene.counts();
         let order = match broad_phase.resolve(counts.spheres + counts.rods + counts.boxes + counts.polygons) {
@@ -86,9 +86,9 @@ impl World {
         Ok(world)
     }
 
-    /// Puts the constants into the uniform block.
+    /// Writes the settings to the uniform block.
     pub fn set_settings(&mut self, settings: &Settings) {
-        // Every field by name, so that none is forgotten here.
+        // All fields are named, so that a new setting cannot be forgotten here.
         let Settings {
             activation_threshold,
             restitution,
@@ -137,8 +137,9 @@ impl World {
         self.orientations = spheres().map(|sphere| sphere.orientation.into()).collect();
     }
 
-    /// Chooses the grid's cells: a little larger than most spheres. They are at least twice as many as there are objects, so that rows
-    /// of them seldom share places of the table, if not one block, which is made in one dispatch, will do.
+    /// Chooses the size and number of the grid's cells. Cells are a little larger than most spheres. The table has one block of
+    /// cells where that is enough for the objects, because one block needs one dispatch. Otherwise it has at least twice as
+    /// many cells as objects, so that rows of cells seldom share places in the table.
     fn set_grid(&mut self, scene: &Scene) {
         (self.step.cell_size, self.step.least_level) = typical_cell(scene);
         let objects = self.objects();
@@ -146,23 +147,23 @@ impl World {
         self.place_cells(cells, has_long_movers(scene, self.step.cell_size));
     }
 
-    /// Lists collisions from the start where bodies may have long lists, and solves them by sweeps where there are networks.
+    /// Lists collisions from the start when bodies may have long lists. Solves them by sweeps when there are networks.
     fn set_collision_room(&mut self) {
         let step = &mut self.step;
         if step.has_long_lists() {
-            step.collision_room = (step.movers() / MOVERS_A_COLLISION).max(FEW_COLLISIONS);
+            step.collision_room = (step.movers() / MOVERS_PER_COLLISION).max(MIN_COLLISION_ROOM);
         }
         step.sweeps = step.calm_sweeps();
     }
 
-    /// How many of the last spheres in memory are large; so many of them that a workgroup for each is not too much.
+    /// Number of large spheres at the end of memory. It is limited, because each of them gets a workgroup.
     fn large_spheres(&self, scene: &Scene) -> u32 {
         let from_last = (0..self.step.spheres as usize).rev().map(|place| &scene.spheres()[self.user(place)]);
         let is_large = |sphere: &&Sphere| size_class(sphere.radius, self.step.cell_size) > 0;
-        from_last.take((self.step.spheres / SPHERES_A_TEAM) as usize).take_while(is_large).count() as u32
+        from_last.take((self.step.spheres / SPHERES_PER_LARGE) as usize).take_while(is_large).count() as u32
     }
 
-    /// Gives the grid's table room for at least so many cells; what it holds is void after it.
+    /// Allocates a grid table of at least `cells` cells. The contents of the table are lost.
     pub fn set_cells(&mut self, cells: u32) {
         self.place_cells(cells, self.step.long_at != 0);
         self.resize_cells();
@@ -172,13 +173,13 @@ impl World {
         self.cells.resize(self.cell_words() as usize, 0);
     }
 
-    /// Words of the grid.
+    /// Number of words in the buffer `cells`.
     pub(crate) fn cell_words(&self) -> u64 {
         let long_movers = if self.step.long_at == 0 { 0 } else { self.movers() };
         u64::from(self.step.sorted_at) + u64::from(self.objects()) + u64::from(long_movers)
     }
 
-    /// [`World::set_cells`] without the table; with room for long movers, where there may be some.
+    /// Sets the sizes and offsets of the grid, but does not allocate the table. `long_movers` adds room for long movers.
     fn place_cells(&mut self, cells: u32, long_movers: bool) {
         let objects = self.objects();
         let step = &mut self.step;
@@ -191,13 +192,13 @@ impl World {
         self.sizes = sizes(step).repeat(2);
     }
 
-    /// With scratch arrays of the sizes that the counts ask for, as the CPU backend needs them.
+    /// Adds the scratch arrays that the CPU backend needs. Their sizes follow from the object counts.
     pub(crate) fn with_scratch(mut self) -> Self {
         self.add_scratch();
         self
     }
 
-    /// See [`World::with_scratch`].
+    /// Resizes the scratch arrays to the object counts. See [`World::with_scratch`].
     pub(crate) fn add_scratch(&mut self) {
         let rows = 3 * self.step.spheres as usize;
         for state in &mut self.states[1..] {
@@ -210,12 +211,13 @@ impl World {
         self.set_pair_rows(self.step.pair_rows);
     }
 
-    /// Writes the state of the spheres back into the scene it was packed from; `packed` are their handles then.
+    /// Writes the state of the spheres back to the scene that it was packed from. `packed` are the handles of the spheres at
+    /// that time.
     pub(crate) fn read_spheres(&self, scene: &mut Scene, packed: &[SphereId]) {
         let n = packed.len();
         for place in 0..n {
             let id = &packed[self.user(place)];
-            // Spheres that were removed since are gone; fixed ones have only turned.
+            // Skips spheres that have been removed since. Fixed spheres have only turned.
             let Ok(sphere) = scene.spheres.get_mut(*id) else { continue };
             sphere.orientation = glam::Quat::from_vec4(self.orientations[place]);
             if !sphere.fixed {
@@ -227,8 +229,9 @@ impl World {
     }
 }
 
-/// A little more than the AABBs of most spheres at rest, and the least level of the grid: each level of cells costs every mover a
-/// search, so where radii differ little all that are not too large stand on one.
+/// Returns the cell size, which is a little more than the AABBs of most spheres at rest, and the lowest level of the grid.
+///
+/// Every mover searches every level. So when radii differ little, all spheres that are not too large are put on one level.
 fn typical_cell(scene: &Scene) -> (f32, u32) {
     let mut radii: Vec<f32> = scene.spheres().iter().map(|sphere| sphere.radius).collect();
     let count = radii.len();
@@ -242,7 +245,7 @@ fn typical_cell(scene: &Scene) -> (f32, u32) {
     (size.clamp(1e-20, 1e20), least_level)
 }
 
-/// Whether some sphere or rod at rest is so large that it stands on [`LONG_LEVEL`](crate::model::layout::LONG_LEVEL) or above.
+/// Whether some sphere or rod at rest is so large that it belongs to [`LONG_LEVEL`](crate::model::layout::LONG_LEVEL) or above.
 fn has_long_movers(scene: &Scene, cell: f32) -> bool {
     let place = |id| scene.sphere(id).map(|sphere| sphere.position);
     let is_long = |rod: &Rod| match (place(rod.end1), place(rod.end2)) {
@@ -265,10 +268,10 @@ fn order_along_x(scene: &Scene) -> Vec<u32> {
     order
 }
 
-/// The spheres in the order of memory.
+/// Returns the spheres in the order of memory.
 pub(crate) fn in_order<'a>(scene: &'a Scene, order: &'a [u32]) -> impl Iterator<Item = &'a Sphere> + 'a {
     let spheres = scene.spheres();
-    (0..spheres.len()).map(move |slot| &spheres[order.get(slot).map_or(slot, |user| *user as usize)])
+    (0..spheres.len()).map(move |slot| &spheres[order.get(slot).map_or(slot, |index| *index as usize)])
 }
 
 #[cfg(test)]
@@ -278,32 +281,32 @@ mod tests {
     use crate::model::buffer::Buffer;
 
     #[test]
-    fn large_spheres_are_counted_where_they_are_the_last() {
+    fn large_spheres_count_only_at_the_end_of_memory() {
         let scene = Benchmark::Radii.generate(2000, 0).unwrap();
         let in_space = World::build_in_space(&scene).unwrap();
         let is_large = |sphere: &&Sphere| sphere.radius > 0.3;
         assert_eq!(in_space.step.large as usize, scene.spheres().iter().filter(is_large).count());
         assert!(in_space.step.large > 3 && in_space.step.has_long_lists());
-        // The last that was added is a small one.
+        // In insertion order the last sphere is a small one.
         assert_eq!(World::build(&scene).unwrap().step.large, 0);
-        // Were most of them large, a workgroup for each would be too much.
+        // The number is limited, because a workgroup for each of many large spheres would be too much.
         let mut mixed = Scene::new();
         for k in 0..100_u8 {
             let radius = if k < 60 { 0.1 } else { 1.0 };
             mixed.add_sphere(Sphere::new([f32::from(k), 0.0, 0.0], radius)).unwrap();
         }
-        assert_eq!(World::build(&mixed).unwrap().step.large, 100 / SPHERES_A_TEAM);
+        assert_eq!(World::build(&mixed).unwrap().step.large, 100 / SPHERES_PER_LARGE);
     }
 
     #[test]
-    fn a_world_for_a_device_carries_no_scratch() {
+    fn world_for_a_device_has_no_scratch() {
         let scene = Benchmark::Mixed.generate(100, 0).unwrap();
         let mut world = World::for_method(&scene, BroadPhase::Grid).unwrap();
         let held: Vec<Buffer> = Buffer::ALL.into_iter().filter(|buffer| !world.bytes(*buffer).is_empty()).collect();
         assert_eq!(held, [Buffer::Start, Buffer::Topology, Buffer::Orientations, Buffer::DispatchSizes, Buffer::Status]);
         world.set_pair_room(2);
         assert!(world.lists.is_empty());
-        // As large as the counts say, whatever the capacity was before.
+        // Sizes follow from the counts, not from the previous capacity.
         let whole = world.with_scratch();
         assert_eq!(whole.lists.len(), (whole.step.entries_at + 64) as usize);
         assert_eq!(whole.aabbs.len(), whole.objects() as usize);

@@ -1,19 +1,20 @@
-//! Frames of fixed-length rods: which rods are solved together, and in which order.
+//! Groups of connected fixed-length rods: which rods are solved together, and in which order.
 
 use crate::model::layout::WORKGROUP;
 
-/// Batches of rods; a batch is a list of colours, a colour a list of rods that share no moving sphere.
+/// Returns batches of rods. A batch is a list of colours. A colour is a list of rods that share no moving sphere.
 ///
-/// Rods that are joined by moving spheres are one batch. Rods that are joined to none are put together,
-/// a workgroup of them in a batch of a single colour. `rods` are (number, ends); `fixed` says which spheres are fixed:
-/// those join nothing, for no correction moves them.
+/// Rods that are connected by moving spheres form one batch. Rods that are connected to no other are collected in batches of a
+/// single colour, at most [`WORKGROUP`] in each. `rods` are (index, ends). `fixed` marks the fixed spheres. A fixed sphere does
+/// not connect its rods, because no correction moves it.
 pub(crate) fn batches(fixed: &[bool], rods: &[(u32, [u32; 2])]) -> Vec<Vec<Vec<u32>>> {
     let mut frames = Frames::new(fixed.len());
     let moving = |ends: [u32; 2]| ends.into_iter().filter(|end| !fixed[*end as usize]);
     for (_, ends) in rods {
         frames.join(moving(*ends));
     }
-    // Rods by frame, frames in the order of their first rods; rods between two fixed spheres have nothing to solve.
+    // Groups the rods by frame. Frames are in the order of their first rods. A rod between two fixed spheres needs no
+    // correction.
     let mut place_of_root = std::collections::HashMap::new();
     let mut members: Vec<Vec<(u32, [u32; 2])>> = Vec::new();
     for rod in rods {
@@ -31,8 +32,8 @@ pub(crate) fn batches(fixed: &[bool], rods: &[(u32, [u32; 2])]) -> Vec<Vec<Vec<u
     batches
 }
 
-/// Rods that keep each other's distances: connected sets of fixed-length rods, rigid capsules left out. `rods` are (number, ends),
-/// `is_capsule` says which of them are rigid capsules. Rods between two fixed spheres are in none.
+/// Returns the networks: connected sets of fixed-length rods (docs/physics.md section 1.4). Rods of rigid capsules and rods
+/// between two fixed spheres belong to none. `rods` are (index, ends). `is_capsule` tests for the rods of rigid capsules.
 pub(crate) fn networks(fixed: &[bool], rods: &[(u32, [u32; 2])], is_capsule: impl Fn(u32) -> bool) -> Vec<Vec<u32>> {
     let mut frames = Frames::new(fixed.len());
     let moving = |ends: [u32; 2]| ends.into_iter().filter(|end| !fixed[*end as usize]);
@@ -53,7 +54,7 @@ pub(crate) fn networks(fixed: &[bool], rods: &[(u32, [u32; 2])], is_capsule: imp
     networks
 }
 
-/// Greedy edge colouring: with at most d rods on a sphere, 2 d - 1 colours are enough; a chain takes two.
+/// Colours the rods greedily. With at most d rods on a sphere, 2 d - 1 colours are enough. A chain needs two.
 fn colour(frame: &[(u32, [u32; 2])], fixed: &[bool]) -> Vec<Vec<u32>> {
     let mut colours: Vec<Vec<u32>> = Vec::new();
     let mut used: std::collections::HashMap<u32, Vec<bool>> = std::collections::HashMap::new();
@@ -115,7 +116,7 @@ mod tests {
     }
 
     #[test]
-    fn a_chain_takes_two_colours_and_single_rods_share_a_batch() {
+    fn chain_has_two_colours_and_single_rods_share_a_batch() {
         let chain = [(0, [0, 1]), (1, [1, 2]), (2, [2, 3]), (3, [4, 5]), (4, [6, 7])];
         let fixed = [true, false, false, false, false, false, false, false];
         let batches = batches(&fixed, &chain);
@@ -123,8 +124,8 @@ mod tests {
     }
 
     #[test]
-    fn a_fixed_sphere_joins_nothing() {
-        // A cradle: five rods from one fixed sphere.
+    fn fixed_sphere_does_not_connect_its_rods() {
+        // Five rods from one fixed sphere.
         let rods: Vec<_> = (0..5).map(|number| (number, [0, number + 1])).collect();
         let mut fixed = [false; 6];
         fixed[0] = true;
@@ -132,7 +133,7 @@ mod tests {
     }
 
     #[test]
-    fn every_rod_of_a_dense_frame_has_one_colour_and_no_colour_a_sphere_twice() {
+    fn dense_frame_is_one_batch_and_rods_of_one_colour_share_no_sphere() {
         let mut rods = Vec::new();
         for one in 0..9 {
             for two in 0..one {

@@ -1,13 +1,14 @@
-//! The order of spheres in memory: near one another where they are near in space, along a Z-order curve (Morton 1966).
+//! The order of spheres in memory: along a Z-order curve (Morton 1966), so that spheres that are near in space are near in
+//! memory.
 //!
-//! What is near is read together, and memory order is worth a multiple of the speed at a million bodies. Large spheres come after
-//! all small ones: a slice of the pair lists is as wide as its longest list, so long lists stand side by side. No result depends on
-//! the order: wherever it counts, objects go by their index in order of addition.
+//! Neighbours are read together. At a million bodies the order of memory makes a step several times as fast. Large spheres come
+//! after all small ones. A slice of the pair lists is as wide as its longest list, so long lists should be next to each other.
+//! No result depends on the order of memory: where an order matters, objects are ordered by insertion index.
 
 use glam::{Vec3, Vec4};
 use rayon::prelude::*;
 
-/// Indices of these spheres (centre and radius) by size, and those of a size in the order of the curve through cells of this size.
+/// Returns the indices of spheres (centre and radius) sorted by size class, then by the place of their cell on the curve.
 pub(crate) fn spatial_order(balls: &[Vec4], cell: f32) -> Vec<u32> {
     let keyed = |(ball, index): (&Vec4, u32)| (size_class(ball.w, cell), curve(ball.truncate(), cell), index);
     let mut keyed: Vec<(u32, u64, u32)> = balls.par_iter().zip(0..balls.len() as u32).map(keyed).collect();
@@ -15,12 +16,12 @@ pub(crate) fn spatial_order(balls: &[Vec4], cell: f32) -> Vec<u32> {
     keyed.into_iter().map(|(.., index)| index).collect()
 }
 
-/// 0 for a sphere up to 4 cells wide, 1 up to 16, 2 up to 64, 3 for what is larger still.
+/// Returns 0 for a sphere up to 4 cells wide, 1 up to 16, 2 up to 64, 3 for a larger one.
 pub(crate) fn size_class(radius: f32, cell: f32) -> u32 {
     [4.0, 16.0, 64.0].into_iter().filter(|cells| 2.0 * radius > cells * cell).count() as u32
 }
 
-/// The inverse of an order.
+/// Returns the inverse of a permutation.
 pub(crate) fn inverse(order: &[u32]) -> Vec<u32> {
     let mut places = vec![0; order.len()];
     for (place, index) in order.iter().enumerate() {
@@ -29,14 +30,15 @@ pub(crate) fn inverse(order: &[u32]) -> Vec<u32> {
     places
 }
 
-/// Place on the curve. Beyond 2^20 cells from the origin it begins again, which costs nothing but nearness.
+/// Returns the place of a position on the curve. Beyond 2^20 cells from the origin places repeat, so spheres that are far apart
+/// in space may be close in memory.
 fn curve(position: Vec3, cell: f32) -> u64 {
-    // Casting clamps what is far out, so that the sum may go around too.
+    // The cast saturates far from the origin, so the sum may overflow and must wrap.
     let [x, y, z] = position.to_array().map(|x| spread(((x / cell).floor() as i64).wrapping_add(1 << 20) as u64 & 0x1f_ffff));
     x | y << 1 | z << 2
 }
 
-/// The low 21 bits, two zeros after each.
+/// Inserts two zeros after each of the low 21 bits.
 pub(crate) fn spread(bits: u64) -> u64 {
     let mut x = bits;
     for (shift, mask) in [
@@ -64,7 +66,7 @@ mod tests {
     }
 
     #[test]
-    fn places_beyond_all_cells_have_a_place() {
+    fn positions_beyond_all_cells_are_ordered() {
         let places = [f32::MAX, f32::MIN, 1e30, 0.0].map(|x| Vec3::splat(x).extend(1.0));
         let mut order = spatial_order(&places, 1e-20);
         order.sort_unstable();
@@ -72,7 +74,7 @@ mod tests {
     }
 
     #[test]
-    fn the_eight_cells_of_a_block_come_one_after_the_other() {
+    fn eight_cells_of_a_block_are_consecutive() {
         let place = |k| Vec3::new((k % 4) as f32, (k / 4 % 4) as f32, (k / 16) as f32) + 0.5;
         let balls: Vec<Vec4> = (0..64).map(|k| place(k).extend(0.5)).collect();
         let order = spatial_order(&balls, 1.0);

@@ -1,5 +1,5 @@
-//! Packing what stands in `words`: rods, springs, tethers, outside forces, boxes, polygons, tags, the order of memory, fixed rods, and
-//! what is attached to each sphere.
+//! Packs the topology buffer: rods, springs, tethers, external forces, boxes, polygons, tags, the order of memory, batches and
+//! networks of fixed-length rods, and what is attached to each sphere.
 
 use glam::Vec3;
 
@@ -16,7 +16,7 @@ use crate::model::world::order::inverse;
 use crate::scene::{Scene, SphereId};
 
 impl World {
-    /// Packs everything but the state of the spheres: `words`, and the counts and offsets of the uniform block.
+    /// Packs everything but the state of the spheres: the topology buffer, and the counts and offsets of the uniform block.
     ///
     /// # Errors
     /// [`Error::TooManyObjects`] for more objects than list entries can number.
@@ -70,7 +70,7 @@ fn slot_of(scene: &Scene, slots: &[u32], id: SphereId) -> Result<u32> {
     Ok(slots.get(index).copied().unwrap_or(index as u32))
 }
 
-/// Which sphere stands where, unless they stand in order of addition.
+/// Appends the insertion index of every slot and the slot of every insertion index, unless spheres are in insertion order.
 fn pack_order(order: &[u32], slots: &[u32], step: &mut Step, topology: &mut Vec<u32>) {
     (step.insertion_indices_at, step.slots_at) = (0, 0);
     let mut append = |table: &[u32]| {
@@ -83,7 +83,7 @@ fn pack_order(order: &[u32], slots: &[u32], step: &mut Step, topology: &mut Vec<
     }
 }
 
-/// Springs, tethers and outside forces.
+/// Appends springs, tethers and external forces.
 fn pack_attachments(
     scene: &Scene,
     slots: &[u32],
@@ -115,7 +115,7 @@ fn pack_attachments(
     Ok(())
 }
 
-/// Boxes, polygons, and the tags of all objects.
+/// Appends boxes, polygons, and the tags of all objects.
 fn pack_static(scene: &Scene, order: &[u32], step: &mut Step, topology: &mut Vec<u32>) {
     step.boxes_at = topology.len() as u32;
     for cuboid in scene.boxes() {
@@ -158,7 +158,7 @@ fn push_batches(topology: &mut Vec<u32>, batches: &[Vec<Vec<u32>>]) {
     }
 }
 
-/// Appends what rods end in each sphere; returns where that stands, 0 without rods.
+/// Appends the table of ends, one word per sphere (see [`Step::ends_at`]). Returns its offset, 0 without rods.
 fn push_ends(step: &Step, topology: &mut Vec<u32>) -> u32 {
     if step.rods == 0 {
         return 0;
@@ -177,8 +177,8 @@ fn push_ends(step: &Step, topology: &mut Vec<u32>) -> u32 {
     at
 }
 
-/// Appends the network of each rod and the network table (see [`Step::networks_at`]). A rod is a rigid capsule where it is the only rod
-/// of both its ends and both move.
+/// Appends the network of each rod and the network table (see [`Step::networks_at`]). A fixed-length rod belongs to a rigid
+/// capsule when both its ends move and have no other rod.
 fn push_networks(step: &mut Step, fixed: &[bool], fixed_rods: &[(u32, [u32; 2])], topology: &mut Vec<u32>) {
     (step.networks, step.networks_at) = (0, 0);
     if step.rods == 0 {
@@ -221,7 +221,8 @@ impl Adjacency {
         self.pairs.extend(spheres.iter().map(|sphere| (*sphere, kind << KIND_SHIFT | index)));
     }
 
-    /// Appends ranges and words; returns where the ranges stand, 0 when nothing is attached to any sphere.
+    /// Appends the range of every sphere, then the adjacency words. Returns the offset of the ranges, 0 when nothing is
+    /// attached to any sphere.
     fn push(mut self, topology: &mut Vec<u32>, spheres: u32) -> u32 {
         if self.pairs.is_empty() {
             return 0;

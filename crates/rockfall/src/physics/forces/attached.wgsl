@@ -1,8 +1,8 @@
 // requires model/objects.wgsl model/step.wgsl
 
-// Forces of what is attached to a sphere besides rods: springs, tethers and external forces (docs/physics.md section 4).
+// Forces of springs and tethers, and external forces (docs/physics.md sections 4.1 and 4.2).
 
-// Pull of a spring on the end at `position` towards the other end.
+// Force of a spring on the end at `position`. `constants` are stiffness, rest length and damping.
 fn spring_force(position: vec3f, velocity: vec3f, other: vec3f, other_velocity: vec3f, constants: vec3f) -> vec3f {
     let distance = other - position;
     let squared = dot(distance, distance);
@@ -14,7 +14,7 @@ fn spring_force(position: vec3f, velocity: vec3f, other: vec3f, other_velocity: 
     return (constants.x * (d - constants.y) + constants.z * dot(other_velocity - velocity, n)) * n;
 }
 
-// The force of an attachment that is no rod.
+// Force of a spring, a tether or an external force on sphere `i`.
 fn attached_force(i: u32, kind: u32, index: u32) -> vec3f {
     if kind == KIND_SPRING {
         let spring = step.springs_at + index * SPRING_WORDS;
@@ -40,7 +40,8 @@ fn attached_force(i: u32, kind: u32, index: u32) -> vec3f {
     return vector_at(step.forces_at + index * FORCE_WORDS);
 }
 
-// Second derivative of a spring's energy along a change of its distance vector, in energy per square of the displacement.
+// Second derivative of a spring's energy when its distance vector changes along `stretch`, in energy per square of the
+// displacement.
 fn spring_curvature(distance: vec3f, stretch: vec3f, stiffness: f32, rest_length: f32) -> f32 {
     let squared = dot(distance, distance);
     if squared <= TINY {

@@ -11,15 +11,15 @@ use crate::physics::balls::{Ball, Meeting};
 use crate::physics::contact::{ContactForce, contact_force, contact_forces};
 use crate::physics::touch::touch;
 
-/// Force and torque on one body.
+/// Force and torque on one sphere or rod.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Load {
     pub(crate) force: Vec3,
     pub(crate) torque: Vec3,
 }
 
-/// Every contact of a mover from an entry of its list on, in the list's order: its own load and its parameter on the contact if it is a
-/// rod. `tally`, where given, counts those in which the mover is A.
+/// Calls `take` for every contact of a mover, in the order of its list, starting at entry `from`. The arguments are the load on
+/// the mover and the parameter of the contact on it, if it is a rod. `tally` counts the contacts in which the mover is A.
 fn each_contact(
     view: &View,
     lists: &Lists,
@@ -46,8 +46,8 @@ fn each_contact(
     }
 }
 
-/// Adds the loads of up to four contacts of a sphere with others, in their order, to `force` and `torque`. Without branches, for
-/// processors guess badly which of them overlap: to add 0 changes nothing.
+/// Adds the loads of up to four contacts of a sphere with other spheres, in their order, to `force` and `torque`. Contacts
+/// without an overlap add 0. There are no branches, because processors would often mispredict which pairs overlap.
 #[inline]
 fn add_ball_loads(ball: &Ball, others: &[Entry], tally: Option<&mut Tally>, [force, torque]: &mut [Vec4; 2]) {
     let Meeting { a, b, touches } = ball.meet(others);
@@ -63,7 +63,7 @@ fn add_ball_loads(ball: &Ball, others: &[Entry], tally: Option<&mut Tally>, [for
     }
 }
 
-/// The loads on both ends of a rod: each contact is evaluated once and shared by (1 - a), a.
+/// Returns the loads on both ends of a rod. Each contact is evaluated once, and its load is shared by 1 - a and a.
 pub(crate) fn rod_loads(view: &View, lists: &Lists, rod: u32, tally: Option<&mut Tally>) -> [Load; 2] {
     let mut ends = [Load::default(); 2];
     each_contact(view, lists, view.step.spheres + rod, 0, tally, |load, parameter| {
@@ -75,7 +75,8 @@ pub(crate) fn rod_loads(view: &View, lists: &Lists, rod: u32, tally: Option<&mut
     ends
 }
 
-/// The load on a sphere, gravity left out: contacts, then what is attached to it. `wrenches` are those of `rod_forces`.
+/// Returns the load on a sphere: contacts, then everything attached to it. Body forces are not included. `wrenches` are the
+/// results of `rod_forces`.
 pub(crate) fn sphere_load(view: &View, lists: &Lists, wrenches: &[Vec4], sphere: u32, mut tally: Option<&mut Tally>) -> Load {
     let (count, list) = lists.list(sphere);
     let mut sums = [Vec4::ZERO; 2];
@@ -105,7 +106,7 @@ pub(crate) fn sphere_load(view: &View, lists: &Lists, wrenches: &[Vec4], sphere:
     total
 }
 
-/// The force of all that is attached to a sphere, rods left out.
+/// Returns the force of the springs and tethers on a sphere and its external force.
 pub(crate) fn attached_force(view: &View, sphere: u32) -> Vec3 {
     let of = |attachment: Attachment| match attachment.kind {
         KIND_SPRING => spring_force(view, attachment.index, sphere),
@@ -116,7 +117,8 @@ pub(crate) fn attached_force(view: &View, sphere: u32) -> Vec3 {
     view.attachments(sphere).map(of).sum()
 }
 
-/// Hooke's law with damping along the axis (2.16, 2.17, E5), on the end that `d` and `velocity` are seen from.
+/// Hooke's law with damping along the axis (2.16, 2.17, E5). `d` and `velocity` are the position and velocity of the other end
+/// relative to this end. Returns the force on this end.
 fn hooke(d: Vec3, velocity: Vec3, stiffness: f32, length: f32, damping: f32) -> Vec3 {
     let dd = d.length_squared();
     if dd <= TINY {
@@ -127,8 +129,9 @@ fn hooke(d: Vec3, velocity: Vec3, stiffness: f32, length: f32, damping: f32) -> 
     (stiffness * (distance - length) + damping * velocity.dot(n)) * n
 }
 
-/// Second derivative of the energy of what is attached to a sphere, in energy per square of the displacement, where it is displaced by `own`
-/// and others by what `of` gives. A spring between two that are displaced is counted by half, for both of them have it.
+/// Returns the second derivative of the energy of the springs and tethers on a sphere along a displacement, in energy per
+/// square of the displacement. The sphere is displaced along `own`, another sphere along the result of `of`. A spring between
+/// two displaced spheres counts half, because it is evaluated for both of them.
 pub(crate) fn attached_curvature(view: &View, sphere: u32, own: Vec3, of: impl Fn(u32) -> Option<Vec3>) -> f32 {
     let curvature = |d: Vec3, stretch: Vec3, stiffness: f32, length: f32| {
         let dd = d.length_squared();
@@ -177,7 +180,7 @@ fn tether_force(view: &View, tether: u32, sphere: u32) -> Vec3 {
     hooke(d, -view.velocity(sphere), tether.stiffness, tether.length, tether.damping)
 }
 
-/// Counts the contacts of a sphere whose forces do not matter, because it is fixed.
+/// Counts the contacts of a fixed sphere, without evaluating their forces.
 pub(crate) fn count_contacts(view: &View, lists: &Lists, sphere: u32, tally: &mut Tally) {
     for entry in lists.row(sphere).filter(|entry| view.user(entry.id()) > view.user(sphere)) {
         if let Some(touch) = touch(view, sphere, entry.id(), entry.feature()) {

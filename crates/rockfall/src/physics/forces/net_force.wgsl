@@ -1,25 +1,25 @@
 // requires model/counters.wgsl model/entries.wgsl model/lists.wgsl model/objects.wgsl model/order.wgsl model/step.wgsl
 // requires physics/contact.wgsl physics/forces/attached.wgsl physics/geometry.wgsl
 
-// Net force and torque on a sphere (physics.md section 4), and what is told of the contacts.
+// Net force and torque on a sphere (docs/physics.md section 4), and the counts of its contacts.
 
 struct Net {
-    // Without gravity.
+    // Without body forces.
     force: vec3f,
     torque: vec3f,
-    // Contacts with objects of higher id; in pass 0.
+    // Number of contacts with objects of higher insertion index. Counted in pass 0 only.
     contacts: u32,
-    // Deepest overlap among them.
+    // Deepest overlap of these contacts.
     deepest: f32,
 }
 
-// What a contact does to a sphere.
+// Effect of a contact on a sphere.
 struct Push {
     force: vec3f,
-    // So many times into the torque.
+    // Torque per unit length of the arm.
     couple: vec3f,
     arm: f32,
-    // 0: they are apart.
+    // 0 when the objects are apart.
     overlap: f32,
 }
 
@@ -37,7 +37,8 @@ fn add_contacts(i: u32, net: ptr<function, Net>) {
     let first = first_of(i);
     let partner = bonded_partner(i);
     for (var begin = 0u; begin < count; begin += LOOK) {
-        // What overlapped when the step began most likely still does; other pairs of spheres that do not touch cost one position.
+        // Pairs that overlapped at the start of the step most likely still do. For other pairs of spheres that do not touch,
+        // only one position is read.
         var rest = entries_near(own, ENTRY_OVERLAPS, first, begin, count);
         if RODS {
             rest = but_rods_apart(i, own, ENTRY_OVERLAPS, first, begin, count, rest);
@@ -47,7 +48,7 @@ fn add_contacts(i: u32, net: ptr<function, Net>) {
             rest &= rest - 1u;
             let ahead = meet(first, begin, rest);
             let push = push_of(i, partner, own, side, now);
-            // Counters to be one operation: whoever adds up, the same bits come of it.
+            // An explicit fma, so that the sums of one thread and those of a workgroup are bitwise identical.
             (*net).force += push.force;
             (*net).torque = fma(push.couple, vec3f(push.arm), (*net).torque);
             count_push(i, now.entry, push, net);
@@ -56,8 +57,8 @@ fn add_contacts(i: u32, net: ptr<function, Net>) {
     }
 }
 
-// The sphere is A: the other is of higher id, or also a sphere, and then all of the contact law mirrors, but for the rounding of the
-// slip.
+// Contact of a sphere with the object of an entry. The sphere is evaluated as A. The other object has a higher id or is also a
+// sphere. Between spheres the contact law is symmetric, except for rounding errors of the slip.
 fn push_of(i: u32, partner: u32, own: vec4f, side: Side, other: Met) -> Push {
     let id = entry_id(other.entry);
     var found = no_touch();
@@ -78,7 +79,7 @@ fn push_of(i: u32, partner: u32, own: vec4f, side: Side, other: Met) -> Push {
     return Push(contact.force, contact.couple, contact.arm_a, found.overlap);
 }
 
-// Contacts are told of in the first pass alone, by the side that comes first.
+// Counts a contact, only in the first pass and only on the side that was added first.
 fn count_push(i: u32, entry: u32, push: Push, net: ptr<function, Net>) {
     if (evaluation() != 0u) | (push.overlap <= 0.0) {
         return;
@@ -113,7 +114,7 @@ fn net_force(i: u32) -> Net {
     return net;
 }
 
-// What a pass of RK4 needs to know of a sphere: a fixed one's contacts are only counted.
+// Net force on a sphere in a pass of RK4. For a fixed sphere it is only evaluated in pass 0, to count its contacts.
 fn net_in_pass(i: u32) -> Net {
     if (evaluation() == 0u) | (inverse_mass(i) > 0.0) {
         return net_force(i);
@@ -123,8 +124,8 @@ fn net_in_pass(i: u32) -> Net {
 
 var<workgroup> group_deepest: atomic<u32>;
 
-// Adds the contacts of a workgroup of this number to what is told; all its threads must come here. Positive floats order like their
-// bits.
+// Adds the contacts of a workgroup to the counters. All its threads must call it. Positive floats are ordered as their bits
+// are.
 fn count_contacts_of_workgroup(workgroup: u32, local: u32, contacts: u32, deepest: f32) {
     if local == 0u {
         atomicStore(&group_count, 0u);
@@ -139,9 +140,9 @@ fn count_contacts_of_workgroup(workgroup: u32, local: u32, contacts: u32, deepes
     if local == 0u {
         let sum = atomicLoad(&group_count);
         if sum > 0u {
-            let told = workgroup % COUNTER_BLOCKS;
-            atomicAdd(&status.counters[told].contacts, sum);
-            atomicMax(&status.counters[told].max_overlap, atomicLoad(&group_deepest));
+            let counter_block = workgroup % COUNTER_BLOCKS;
+            atomicAdd(&status.counters[counter_block].contacts, sum);
+            atomicMax(&status.counters[counter_block].max_overlap, atomicLoad(&group_deepest));
         }
     }
 }

@@ -1,6 +1,6 @@
 // requires physics/forces/body_forces.wgsl physics/forces/net_force.wgsl physics/forces/rates.wgsl
 
-// The rates of change of a moving sphere of this inverse mass: contacts and attachments, then the body forces.
+// The rates of change of a moving sphere: the net force of contacts and attachments, then the body forces.
 fn sphere_rates(i: u32, inverse_mass: f32, net: Net) -> Rates {
     var rates = Rates(inverse_mass * net.force, net.torque);
     add_body_forces(i, &rates);
