@@ -12,7 +12,7 @@ use rand::{Rng as _, RngExt as _, SeedableRng as _};
 use rand_pcg::Pcg64Mcg;
 
 use crate::error::{Error, Result, quoted};
-use crate::model::layout::most_objects;
+use crate::model::layout::max_objects;
 use crate::scene::{Cuboid, Scene, Sphere};
 
 mod benchmark;
@@ -93,7 +93,7 @@ fn check_count(spheres: u32) -> Result<()> {
     if spheres == 0 {
         return Err(Error::Invalid { field: "spheres", value: "0".to_owned(), expected: "at least 1" });
     }
-    let limit = most_objects(false);
+    let limit = max_objects(false);
     if spheres > limit {
         return Err(Error::TooManyObjects { count: spheres as usize, limit: limit as usize });
     }

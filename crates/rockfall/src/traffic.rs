@@ -6,7 +6,7 @@
 //! need (weights of collisions, constraints of fixed rods, springs) is left out, so the sums are lower bounds.
 
 use crate::model::buffer::Buffer;
-use crate::model::layout::{SLICE, words_of};
+use crate::model::layout::{SLICE, words_of_rows};
 use crate::model::status::Status;
 use crate::model::step::Step;
 use crate::step::schedule::Run;
@@ -142,7 +142,7 @@ pub(crate) fn least_bytes(run: &Run, step: &Step, status: &Status) -> u64 {
         + moves.aabbs * 32 * objects
         + moves.tags * 4 * objects
         + moves.counts * 4 * (movers + movers.div_ceil(u64::from(SLICE)))
-        + moves.entries * 4 * words_of(status.pair_rows_needed)
+        + moves.entries * 4 * words_of_rows(status.pair_rows_needed)
         + moves.cells * 4 * u64::from(step.cells)
         + moves.keys * 4 * objects
         + moves.extents * 16 * objects

@@ -116,8 +116,8 @@ fn indirect_dispatches_give_bitwise_identical_results() {
     assert!((1..15).contains(&planned.status.builds), "{:?}", planned.status);
     assert_eq!(direct.status, planned.status);
     assert_eq!((direct.states[0].clone(), direct.orientations), (planned.states[0].clone(), planned.orientations));
-    let (present, all) = planned.sizes.split_at(SIZE_WORDS as usize);
-    assert!(present.iter().all(|size| *size == 0) && all.iter().all(|size| *size > 0), "{:?}", planned.sizes);
+    let (present, all) = planned.dispatch_sizes.split_at(SIZE_WORDS as usize);
+    assert!(present.iter().all(|size| *size == 0) && all.iter().all(|size| *size > 0), "{:?}", planned.dispatch_sizes);
 }
 
 #[test]

@@ -112,7 +112,7 @@ fn every_kernel_stays_within_the_limits_of_webgpu() {
             // These stages have one workgroup, not one thread, per item.
             let groups = matches!(stage.threads, Threads::One | Threads::Blocks | Threads::LongMovers);
             let wide = matches!(stage.threads, Threads::WideObjects | Threads::WideSpheres);
-            let expected = if wide { layout::WIDE } else { layout::WORKGROUP };
+            let expected = if wide { layout::WIDE_WORKGROUP } else { layout::WORKGROUP };
             assert!(groups || invocations == expected, "{}: {invocations} invocations", stage.name);
         }
     }
@@ -263,7 +263,7 @@ fn the_constants_equal_those_of_layout() {
     }
     let sizes = constants![
         layout: WORKGROUP,
-        WIDE,
+        WIDE_WORKGROUP,
         SLICE,
         ROD_WORDS,
         SPRING_WORDS,

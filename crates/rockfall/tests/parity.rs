@@ -44,7 +44,7 @@ use std::collections::BTreeMap;
 
 use compare::{MEASURED, differences, listed};
 use device::{GPU, on_gpu};
-use rockfall::model::layout::{SLICE, WORKGROUP, words_of};
+use rockfall::model::layout::{SLICE, WORKGROUP, words_of_rows};
 use rockfall::model::status::{REJECTED_NON_FINITE, REJECTED_PAIRS};
 use rockfall::{BroadPhase, Integrator, Settings};
 use trace::{Only, Plan, Scenario, Trace, trace};
@@ -277,7 +277,7 @@ fn lists_that_do_not_fit() {
     for (rows, void) in [(needed - 1, REJECTED_PAIRS), (needed, 0)] {
         let before = &mut scenario.before;
         before.step.pair_rows = rows;
-        before.lists.resize(before.step.entries_at as usize + words_of(rows) as usize, 0);
+        before.lists.resize(before.step.entries_at as usize + words_of_rows(rows) as usize, 0);
         let gpu = on_gpu(&GPU, &scenario.before, &scenario.runs);
         assert_eq!((gpu.status.rejected, gpu.status.pair_rows_needed), (void, needed));
         compare(4, &scenario);

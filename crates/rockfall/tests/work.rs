@@ -7,7 +7,7 @@
 use rockfall::Profile;
 use rockfall::exec::cpu;
 use rockfall::generate::Benchmark;
-use rockfall::model::layout::{LIST_COUNT_MASK, SLICE, words_of};
+use rockfall::model::layout::{LIST_COUNT_MASK, SLICE, words_of_rows};
 use rockfall::model::status::Status;
 use rockfall::model::world::World;
 use rockfall::step::schedule::Phase;
@@ -157,7 +157,7 @@ fn check_size(benchmark: Benchmark, most: &Bounds) {
     let movers = world.movers();
     let each = |sum: u64| sum as f64 / f64::from(movers);
     let entries = each(world.lists[..movers as usize].iter().map(|count| u64::from(*count & LIST_COUNT_MASK)).sum());
-    let words = each(words_of(world.status.pair_rows_needed));
+    let words = each(words_of_rows(world.status.pair_rows_needed));
     let summary = format!("{benchmark}: {memory} bytes per sphere; {entries:.2} entries in {words:.2} words per mover");
     println!("{summary}");
     assert!(memory <= most.memory && entries <= most.entries && words <= most.words, "{summary}");
@@ -214,7 +214,7 @@ fn work_of(benchmark: Benchmark, spheres: u32, steps: u64) -> [f64; 2] {
     let mut simulation = Simulation::with_options(scene, options).unwrap();
     simulation.run(steps, DT).unwrap();
     let world = listed(&mut simulation, World::build_in_space);
-    [cpu::pair_tests(&world), words_of(world.status.pair_rows_needed)].map(|sum| sum as f64 / f64::from(spheres))
+    [cpu::pair_tests(&world), words_of_rows(world.status.pair_rows_needed)].map(|sum| sum as f64 / f64::from(spheres))
 }
 
 /// Large spheres are spread over a lattice of small ones. No thread visits more than some hundred objects. Slices of
@@ -234,7 +234,7 @@ fn a_few_large_spheres_do_not_slow_down_many_small_ones() {
     let world = listed(&mut simulation, World::build_in_space);
     let counts = || world.lists[..world.movers() as usize].iter().map(|count| u64::from(*count & LIST_COUNT_MASK));
     let (longest, entries) = (counts().max().unwrap(), counts().sum::<u64>());
-    let (visited, words) = (cpu::longest_search(&world), words_of(world.status.pair_rows_needed));
+    let (visited, words) = (cpu::longest_search(&world), words_of_rows(world.status.pair_rows_needed));
     let summary =
         format!("at most {visited} objects per thread, lists of up to {longest}, {words} words for {entries} entries");
     println!("{summary}");

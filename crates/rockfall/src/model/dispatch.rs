@@ -1,6 +1,6 @@
 //! The number of workgroups of a stage.
 
-use crate::model::layout::{CELL_BLOCK, DIGIT_BLOCK, MOST_ACROSS, SIZE_WORDS, WIDE, WORKGROUP};
+use crate::model::layout::{CELL_BLOCK, DIGIT_BLOCK, MAX_WORKGROUPS_PER_DIMENSION, SIZE_WORDS, WIDE_WORKGROUP, WORKGROUP};
 use crate::model::step::Step;
 
 /// Maximum number of workgroups that loop over the long movers: as many as a large device runs at the same time.
@@ -17,7 +17,7 @@ const MOVERS_PER_WORKGROUP: u32 = 256;
 pub enum Threads {
     /// A thread per object.
     Objects,
-    /// A thread per object, in workgroups of [`WIDE`]: where each thread has little to do, launching workgroups takes most of
+    /// A thread per object, in workgroups of [`WIDE_WORKGROUP`]: where each thread has little to do, launching workgroups takes most of
     /// the time.
     WideObjects,
     /// A thread per mover (sphere or rod).
@@ -28,7 +28,7 @@ pub enum Threads {
     SharedSpheres,
     /// A workgroup per large sphere, and a thread per other mover.
     SharedMovers,
-    /// A thread per sphere, in workgroups of [`WIDE`].
+    /// A thread per sphere, in workgroups of [`WIDE_WORKGROUP`].
     WideSpheres,
     /// A thread per rod.
     Rods,
@@ -65,12 +65,12 @@ impl Threads {
         let movers = step.movers();
         match self {
             Self::Objects => step.objects().div_ceil(WORKGROUP),
-            Self::WideObjects => step.objects().div_ceil(WIDE),
+            Self::WideObjects => step.objects().div_ceil(WIDE_WORKGROUP),
             Self::Movers => movers.div_ceil(WORKGROUP),
             Self::Spheres => step.spheres.div_ceil(WORKGROUP),
             Self::SharedSpheres => step.large + (step.spheres - step.large).div_ceil(WORKGROUP),
             Self::SharedMovers => step.large + (movers - step.large).div_ceil(WORKGROUP),
-            Self::WideSpheres => step.spheres.div_ceil(WIDE),
+            Self::WideSpheres => step.spheres.div_ceil(WIDE_WORKGROUP),
             Self::Rods => step.rods.div_ceil(WORKGROUP),
             Self::Batches => step.batches,
             Self::Networks => step.networks,
@@ -93,5 +93,5 @@ pub fn rows(workgroups: u32, across: u32) -> [u32; 3] {
 
 /// Returns the dispatch sizes of [`Threads::PLANNED`], in rows that every device allows.
 pub(crate) fn sizes(step: &Step) -> Vec<u32> {
-    Threads::PLANNED.iter().flat_map(|threads| rows(threads.workgroups(step), MOST_ACROSS)).collect()
+    Threads::PLANNED.iter().flat_map(|threads| rows(threads.workgroups(step), MAX_WORKGROUPS_PER_DIMENSION)).collect()
 }

@@ -5,7 +5,7 @@ use crate::model::status::BAD_STAGE_SHIFT;
 /// Threads in a workgroup of most stages.
 pub const WORKGROUP: u32 = 64;
 /// Threads in a workgroup of stages whose threads have little to do.
-pub const WIDE: u32 = 256;
+pub const WIDE_WORKGROUP: u32 = 256;
 
 /// Movers in a slice of the pair lists, and words in a row of them. Entry `e` of mover `i` is word `i % SLICE` of row
 /// `entries_at / SLICE + slice_offset[i / SLICE] + e`, so that neighbouring threads read neighbouring words.
@@ -16,7 +16,7 @@ pub const SLICE: u32 = 32;
 pub const MAX_PAIR_ROWS: u32 = 15 << 28;
 
 /// Returns the number of words in `rows` rows of the pair lists.
-pub const fn words_of(rows: u32) -> u64 {
+pub const fn words_of_rows(rows: u32) -> u64 {
     SLICE as u64 * rows as u64
 }
 
@@ -118,9 +118,9 @@ pub const SYMPLECTIC_EULER: u32 = 4;
 /// [`Threads::PLANNED`](crate::model::dispatch::Threads::PLANNED).
 pub const SIZE_WORDS: u32 = 12;
 /// From this number of objects on, the device writes the dispatch sizes of the stages that rebuild the lists.
-pub const PLANNED_FROM: u32 = 1 << 22;
+pub const MIN_PLANNED_OBJECTS: u32 = 1 << 22;
 /// Workgroups along one dimension of a dispatch that WebGPU guarantees.
-pub const MOST_ACROSS: u32 = 65_535;
+pub const MAX_WORKGROUPS_PER_DIMENSION: u32 = 65_535;
 /// Words of a cache line of a device. Arrays that neighbouring threads read together start at a multiple of it.
 pub const LINE: u32 = 32;
 /// First word, in the buffer `cells`, of the largest AABB edge on each level of the grid. It is stored as the bits of a float
@@ -174,7 +174,7 @@ pub const MANY_OBJECTS: u32 = 1 << 27;
 
 /// Returns the maximum number of objects in a scene. With rods, ids must fit a list entry beside the feature. Without rods,
 /// they must fit the word that records the first body whose state is not finite.
-pub const fn most_objects(has_rods: bool) -> u32 {
+pub const fn max_objects(has_rods: bool) -> u32 {
     if has_rods { (1 << (ENTRY_BITS - FEATURE_BITS)) - 1 } else { (1 << BAD_STAGE_SHIFT) - 1 }
 }
 

@@ -80,7 +80,7 @@ const SHORT: usize = 24;
 pub(crate) fn put_in_order(view: &View, entries: &mut [u32]) {
     // Keys have ENTRY_BITS bits, so they fit signed numbers, which SSE2 can compare.
     let (mask, bits) = (view.step.entry_id_mask(), ENTRY_BITS - view.step.entry_id_bits());
-    let key = |entry: u32| (view.user(entry & mask) << bits | feature_of(entry & !mask)) as i32;
+    let key = |entry: u32| (view.insertion_index(entry & mask) << bits | feature_of(entry & !mask)) as i32;
     if entries.len() > SHORT {
         return entries.sort_unstable_by_key(|entry| key(*entry));
     }

@@ -158,7 +158,7 @@ const RODS: bool = true;
 const LARGE: bool = true;
 
 const WORKGROUP: u32 = 64u;
-const WIDE: u32 = 256u;
+const WIDE_WORKGROUP: u32 = 256u;
 const SLICE: u32 = 32u;
 
 const ROD_WORDS: u32 = 4u;
@@ -264,7 +264,7 @@ fn linear_thread(group: vec3u, groups: vec3u, local: u32) -> u32 {
 
 // Linear index of a thread, for workgroups of WIDE threads.
 fn wide_thread(group: vec3u, groups: vec3u, local: u32) -> u32 {
-    return linear_group(group, groups) * WIDE + local;
+    return linear_group(group, groups) * WIDE_WORKGROUP + local;
 }
 
 // Whether a vector is finite. It tests the exponent bits, because compilers may assume that there is no infinity or NaN and

@@ -20,7 +20,7 @@ pub(crate) enum Object {
 }
 
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct RodWords {
+pub(crate) struct RodRecord {
     pub(crate) ends: [u32; 2],
     pub(crate) radius: f32,
     /// Fixed length; `<= 0` when the length is free.
@@ -28,7 +28,7 @@ pub(crate) struct RodWords {
 }
 
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct SpringWords {
+pub(crate) struct SpringRecord {
     pub(crate) ends: [u32; 2],
     pub(crate) stiffness: f32,
     pub(crate) length: f32,
@@ -36,7 +36,7 @@ pub(crate) struct SpringWords {
 }
 
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct TetherWords {
+pub(crate) struct TetherRecord {
     pub(crate) point: Vec3,
     pub(crate) stiffness: f32,
     pub(crate) length: f32,
@@ -44,13 +44,13 @@ pub(crate) struct TetherWords {
 }
 
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct BoxWords {
+pub(crate) struct BoxRecord {
     pub(crate) corner: Vec3,
     pub(crate) edges: [Vec3; 3],
 }
 
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct PolygonWords {
+pub(crate) struct PolygonRecord {
     pub(crate) corner: Vec3,
     pub(crate) left: Vec3,
     pub(crate) right: Vec3,
@@ -89,13 +89,13 @@ impl<'a> View<'a> {
     }
 
     /// Returns the insertion index of an object. Results that must not depend on the order of memory use it.
-    pub(crate) fn user(&self, id: u32) -> u32 {
+    pub(crate) fn insertion_index(&self, id: u32) -> u32 {
         self.insertion_indices.get(id as usize).copied().unwrap_or(id)
     }
 
     /// Returns two objects in insertion order.
     pub(crate) fn ordered(&self, a: u32, b: u32) -> (u32, u32) {
-        if self.user(a) < self.user(b) { (a, b) } else { (b, a) }
+        if self.insertion_index(a) < self.insertion_index(b) { (a, b) } else { (b, a) }
     }
 
     /// Position and radius of a sphere.
@@ -183,33 +183,36 @@ impl<'a> View<'a> {
         self.record::<N>(at, index, words).map(f32::from_bits)
     }
 
-    pub(crate) fn rod(&self, rod: u32) -> RodWords {
+    pub(crate) fn rod(&self, rod: u32) -> RodRecord {
         let [end1, end2, radius, length] = self.record(self.step.rods_at, rod, ROD_WORDS);
-        RodWords { ends: [end1, end2], radius: f32::from_bits(radius), length: f32::from_bits(length) }
+        RodRecord { ends: [end1, end2], radius: f32::from_bits(radius), length: f32::from_bits(length) }
     }
 
-    pub(crate) fn spring(&self, spring: u32) -> SpringWords {
+    pub(crate) fn spring(&self, spring: u32) -> SpringRecord {
         let [a, b, k, l, c] = self.record(self.step.springs_at, spring, SPRING_WORDS);
-        SpringWords { ends: [a, b], stiffness: f32::from_bits(k), length: f32::from_bits(l), damping: f32::from_bits(c) }
+        SpringRecord { ends: [a, b], stiffness: f32::from_bits(k), length: f32::from_bits(l), damping: f32::from_bits(c) }
     }
 
-    pub(crate) fn tether(&self, tether: u32) -> TetherWords {
+    pub(crate) fn tether(&self, tether: u32) -> TetherRecord {
         let [_, x, y, z, stiffness, length, damping] = self.floats(self.step.tethers_at, tether, TETHER_WORDS);
-        TetherWords { point: Vec3::new(x, y, z), stiffness, length, damping }
+        TetherRecord { point: Vec3::new(x, y, z), stiffness, length, damping }
     }
 
     pub(crate) fn external_force(&self, force: u32) -> Vec3 {
         Vec3::from_array(self.floats(self.step.forces_at, force, FORCE_WORDS))
     }
 
-    pub(crate) fn cuboid(&self, cuboid: u32) -> BoxWords {
+    pub(crate) fn cuboid(&self, cuboid: u32) -> BoxRecord {
         let [px, py, pz, ix, iy, iz, jx, jy, jz, kx, ky, kz] = self.floats(self.step.boxes_at, cuboid, BOX_WORDS);
-        BoxWords { corner: Vec3::new(px, py, pz), edges: [Vec3::new(ix, iy, iz), Vec3::new(jx, jy, jz), Vec3::new(kx, ky, kz)] }
+        BoxRecord {
+            corner: Vec3::new(px, py, pz),
+            edges: [Vec3::new(ix, iy, iz), Vec3::new(jx, jy, jz), Vec3::new(kx, ky, kz)],
+        }
     }
 
-    pub(crate) fn polygon(&self, polygon: u32) -> PolygonWords {
+    pub(crate) fn polygon(&self, polygon: u32) -> PolygonRecord {
         let [px, py, pz, lx, ly, lz, rx, ry, rz] = self.floats(self.step.polygons_at, polygon, POLYGON_WORDS);
-        PolygonWords { corner: Vec3::new(px, py, pz), left: Vec3::new(lx, ly, lz), right: Vec3::new(rx, ry, rz) }
+        PolygonRecord { corner: Vec3::new(px, py, pz), left: Vec3::new(lx, ly, lz), right: Vec3::new(rx, ry, rz) }
     }
 
     /// Group (low 16 bits) and material (high 16 bits) of an object.
@@ -249,7 +252,7 @@ impl<'a> View<'a> {
     /// Whether a rod is the rod of a rigid capsule: it has a fixed length, both its ends move and have no other rod, and their
     /// centres do not coincide.
     pub(crate) fn is_capsule(&self, rod: u32) -> bool {
-        let RodWords { ends: [one, two], length, .. } = self.rod(rod);
+        let RodRecord { ends: [one, two], length, .. } = self.rod(rod);
         let is_end = |sphere: u32| self.rods_of(sphere).nth(1).is_none() && !self.is_fixed(sphere);
         length > 0.0 && is_end(one) && is_end(two) && self.position(one).distance_squared(self.position(two)) > TINY
     }

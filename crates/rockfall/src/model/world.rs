@@ -12,7 +12,7 @@ use glam::Vec4;
 
 use crate::model::buffer::Buffer;
 use crate::model::impulse::Impulse;
-use crate::model::layout::{LINE, SLICE, words_of};
+use crate::model::layout::{LINE, SLICE, words_of_rows};
 use crate::model::status::Status;
 use crate::model::step::{Aabb, Step};
 
@@ -47,7 +47,7 @@ pub struct World {
     pub orientations: Vec<Vec4>,
     /// Dispatch sizes (x, y, z) of the stages that rebuild the lists: first the sizes for this step, then the sizes for a step
     /// in which the lists are rebuilt.
-    pub sizes: Vec<u32>,
+    pub dispatch_sizes: Vec<u32>,
     /// The status block.
     pub status: Status,
 }
@@ -64,7 +64,7 @@ impl World {
     }
 
     /// Returns the insertion index of the sphere in a memory slot.
-    pub fn user(&self, slot: usize) -> usize {
+    pub fn insertion_index(&self, slot: usize) -> usize {
         self.order.get(slot).map_or(slot, |index| *index as usize)
     }
 
@@ -92,7 +92,7 @@ impl World {
             Buffer::Lists => cast_slice(&self.lists),
             Buffer::Wrenches => cast_slice(&self.wrenches),
             Buffer::Orientations => cast_slice(&self.orientations),
-            Buffer::DispatchSizes => cast_slice(&self.sizes),
+            Buffer::DispatchSizes => cast_slice(&self.dispatch_sizes),
             Buffer::Status => bytes_of(&self.status),
         }
     }
@@ -112,7 +112,7 @@ impl World {
             Buffer::Lists => cast_slice_mut(&mut self.lists),
             Buffer::Wrenches => cast_slice_mut(&mut self.wrenches),
             Buffer::Orientations => cast_slice_mut(&mut self.orientations),
-            Buffer::DispatchSizes => cast_slice_mut(&mut self.sizes),
+            Buffer::DispatchSizes => cast_slice_mut(&mut self.dispatch_sizes),
             Buffer::Status => bytes_of_mut(&mut self.status),
         }
     }
@@ -125,13 +125,13 @@ impl World {
 
     /// Number of words in the pair lists.
     pub(crate) fn list_words(&self) -> u64 {
-        u64::from(self.step.entries_at) + words_of(self.step.pair_rows)
+        u64::from(self.step.entries_at) + words_of_rows(self.step.pair_rows)
     }
 
     /// Number of words in `Buffer::CollisionIndices`: one per word of the list entries; 0 when no collisions are listed.
     #[cfg(feature = "gpu")]
-    pub(crate) fn slot_words(&self) -> u64 {
-        if self.step.collision_room > 0 { words_of(self.step.pair_rows) } else { 0 }
+    pub(crate) fn collision_index_words(&self) -> u64 {
+        if self.step.collision_room > 0 { words_of_rows(self.step.pair_rows) } else { 0 }
     }
 
     /// Sets the sizes and offsets for `rows` rows of list entries, but leaves the lists on the host empty. For a world that

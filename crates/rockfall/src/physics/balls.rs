@@ -75,7 +75,7 @@ impl<'a, 'b> Ball<'a, 'b> {
 
     /// Whether the sphere was added before another object.
     pub(crate) fn is_first(&self, other: u32) -> bool {
-        self.view.user(self.sphere) < self.view.user(other)
+        self.view.insertion_index(self.sphere) < self.view.insertion_index(other)
     }
 
     /// Evaluates the contacts with one to four other spheres. Unused lanes repeat the first sphere.

@@ -131,7 +131,7 @@ impl Collision {
 
     /// The key by which collisions are sorted and found. It does not depend on the order in memory.
     pub(crate) fn key(&self, view: &View) -> Key {
-        (view.user(self.a), view.user(self.b), self.feature)
+        (view.insertion_index(self.a), view.insertion_index(self.b), self.feature)
     }
 }
 

@@ -10,7 +10,7 @@ const ROD: u32 = 2u;
 const CAPSULE: u32 = 3u;
 
 // One side of a contact.
-struct Half {
+struct ContactSide {
     kind: u32,
     id: u32,
     // Both are the sphere itself, or they are the ends of the rod.
@@ -20,35 +20,35 @@ struct Half {
 }
 
 // Positions and velocities of the spheres of a side.
-struct Poise {
+struct SideMotion {
     x1: vec3f,
     x2: vec3f,
     v1: vec3f,
     v2: vec3f,
 }
 
-fn half_of(id: u32, at: f32) -> Half {
+fn contact_side(id: u32, at: f32) -> ContactSide {
     if id < step.spheres {
         if RODS {
             let rod = capsule_with(id);
             if rod != NONE {
                 let ends = rod_ends(rod);
-                return Half(CAPSULE, id, ends, select(0.0, 1.0, ends.y == id));
+                return ContactSide(CAPSULE, id, ends, select(0.0, 1.0, ends.y == id));
             }
         }
-        return Half(SPHERE, id, vec2u(id), 0.0);
+        return ContactSide(SPHERE, id, vec2u(id), 0.0);
     }
     if RODS & (id - step.spheres < step.rods) {
         let rod = id - step.spheres;
         let is_free = !(rod_length(rod) > 0.0);
-        return Half(select(CAPSULE, ROD, is_free | !is_capsule(rod)), id, rod_ends(rod), at);
+        return ContactSide(select(CAPSULE, ROD, is_free | !is_capsule(rod)), id, rod_ends(rod), at);
     }
-    return Half(STATIC, id, vec2u(0u), 0.0);
+    return ContactSide(STATIC, id, vec2u(0u), 0.0);
 }
 
 // The velocity of a fixed end of a rod counts as 0, because the motion of its surface does not move the rod.
-fn poise_of(half: Half) -> Poise {
-    var poise = Poise(vec3f(0.0), vec3f(0.0), vec3f(0.0), vec3f(0.0));
+fn side_motion(half: ContactSide) -> SideMotion {
+    var poise = SideMotion(vec3f(0.0), vec3f(0.0), vec3f(0.0), vec3f(0.0));
     if half.kind == STATIC {
         return poise;
     }
@@ -80,7 +80,7 @@ struct Capsule {
     centre: f32,
 }
 
-fn capsule_of(ends: vec2u, poise: Poise) -> Capsule {
+fn capsule_of(ends: vec2u, poise: SideMotion) -> Capsule {
     let w1 = inverse_mass(ends.x);
     let w2 = inverse_mass(ends.y);
     let l1 = state[momentum_at(ends.x)];
@@ -105,7 +105,7 @@ fn torque_at(capsule: Capsule, at: f32, n: vec3f) -> vec3f {
 
 // Velocity of a side along n, and its inverse mass for an impulse along n. On a network both are the values before the
 // projection.
-fn response(half: Half, poise: Poise, n: vec3f) -> vec2f {
+fn response(half: ContactSide, poise: SideMotion, n: vec3f) -> vec2f {
     if half.kind == STATIC {
         return vec2f(0.0);
     }
@@ -127,20 +127,20 @@ fn response(half: Half, poise: Poise, n: vec3f) -> vec2f {
 }
 
 // The approach velocity of a contact along n, and its inverse mass, summed over both sides.
-struct Closing {
+struct ApproachSpeed {
     approach: f32,
     inverse_mass: f32,
 }
 
-fn closing_of(a: Half, b: Half, a_poise: Poise, b_poise: Poise, n: vec3f) -> Closing {
+fn approach_of(a: ContactSide, b: ContactSide, a_poise: SideMotion, b_poise: SideMotion, n: vec3f) -> ApproachSpeed {
     let one = response(a, a_poise, n);
     let two = response(b, b_poise, n);
-    return Closing(one.x - two.x, one.y + two.y);
+    return ApproachSpeed(one.x - two.x, one.y + two.y);
 }
 
 // The approach velocity and the inverse mass of the contact `found` of two objects, in the present state.
-fn closing_at(a: u32, b: u32, found: Touch) -> Closing {
-    let one = half_of(a, found.a);
-    let two = half_of(b, found.b);
-    return closing_of(one, two, poise_of(one), poise_of(two), found.n);
+fn approach_at(a: u32, b: u32, found: Touch) -> ApproachSpeed {
+    let one = contact_side(a, found.a);
+    let two = contact_side(b, found.b);
+    return approach_of(one, two, side_motion(one), side_motion(two), found.n);
 }

@@ -3,7 +3,7 @@
 // The contact law (docs/physics.md section 4), and functions that search the pair lists.
 
 // Number of entries that are tested before any of them is evaluated: one per bit of a mask.
-const LOOK: u32 = 32u;
+const ENTRIES_PER_MASK: u32 = 32u;
 
 // Reads four entries at once, so that their memory requests overlap. Past the end of the list, it repeats the last entry.
 fn four_entries(first: vec2u, e: u32, count: u32) -> vec4u {
@@ -21,7 +21,7 @@ fn which(yes: vec4<bool>, e: u32, count: u32) -> u32 {
 // neighbouring threads, whose lists differ, evaluate at the same time.
 fn entries_with(bits: u32, first: vec2u, begin: u32, count: u32) -> u32 {
     var found = 0u;
-    for (var e = begin; e < min(count, begin + LOOK); e += 4u) {
+    for (var e = begin; e < min(count, begin + ENTRIES_PER_MASK); e += 4u) {
         let marked = (four_entries(first, e, count) & vec4u(bits)) != vec4u(0u);
         found |= which(marked, e, count) << (e - begin);
     }
@@ -61,7 +61,7 @@ fn close(own: vec4f, four: Four) -> vec4<bool> {
 // for spheres without these bits, because reads from scattered addresses are the most expensive part here.
 fn entries_near(own: vec4f, bits: u32, first: vec2u, begin: u32, count: u32) -> u32 {
     var found = 0u;
-    for (var e = begin; e < min(count, begin + LOOK); e += 4u) {
+    for (var e = begin; e < min(count, begin + ENTRIES_PER_MASK); e += 4u) {
         let entries = four_entries(first, e, count);
         let needed = ((entries & vec4u(bits)) == vec4u(0u)) & ((entries & vec4u(ENTRY_ID_MASK)) < vec4u(step.spheres));
         found |= which(!needed | close(own, four_spheres(entries, needed)), e, count) << (e - begin);
@@ -74,9 +74,9 @@ fn entries_near(own: vec4f, bits: u32, first: vec2u, begin: u32, count: u32) -> 
 
 // Removes rods from `given`, a mask of LOOK entries of a sphere from `begin` on: those that have none of `bits` and do not
 // touch the sphere.
-fn but_rods_apart(sphere: u32, own: vec4f, bits: u32, first: vec2u, begin: u32, count: u32, given: u32) -> u32 {
+fn without_distant_rods(sphere: u32, own: vec4f, bits: u32, first: vec2u, begin: u32, count: u32, given: u32) -> u32 {
     var kept = given;
-    for (var e = begin; e < min(count, begin + LOOK); e++) {
+    for (var e = begin; e < min(count, begin + ENTRIES_PER_MASK); e++) {
         let entry = entry_at(slot_at(first, e));
         let id = entry_id(entry);
         if ((given >> (e - begin) & 1u) != 0u) & ((entry & bits) == 0u)
@@ -92,7 +92,7 @@ fn but_rods_apart(sphere: u32, own: vec4f, bits: u32, first: vec2u, begin: u32, 
 // Which of LOOK entries of a rod from `begin` on have one of `bits` or touch the rod.
 fn touching_rod(rod: u32, own: Bar, bits: u32, first: vec2u, begin: u32, count: u32) -> u32 {
     var found = 0u;
-    for (var e = begin; e < min(count, begin + LOOK); e++) {
+    for (var e = begin; e < min(count, begin + ENTRIES_PER_MASK); e++) {
         let entry = entry_at(slot_at(first, e));
         var touches = (entry & bits) != 0u;
         if !touches {
@@ -105,7 +105,7 @@ fn touching_rod(rod: u32, own: Bar, bits: u32, first: vec2u, begin: u32, count: 
 
 // Data of an entry. It is read while the previous entry is evaluated, because a memory request takes longer than the
 // evaluation.
-struct Met {
+struct LoadedEntry {
     entry: u32,
     // The rows of the sphere; those of sphere 0 when the entry is not a sphere.
     place: vec4f,
@@ -115,15 +115,15 @@ struct Met {
 
 // Reads the first of the remaining entries. `rest` is a mask of LOOK entries from `begin` on. If it is empty, the result is not
 // used.
-fn meet(first: vec2u, begin: u32, rest: u32) -> Met {
+fn meet(first: vec2u, begin: u32, rest: u32) -> LoadedEntry {
     let entry = entry_at(slot_at(first, begin + select(0u, firstTrailingBit(rest), rest != 0u)));
-    return met(entry, rest != 0u);
+    return load_entry(entry, rest != 0u);
 }
 
 // Reads the data of an entry. Where it is not needed, it reads sphere 0.
-fn met(entry: u32, is_needed: bool) -> Met {
+fn load_entry(entry: u32, is_needed: bool) -> LoadedEntry {
     let id = select(0u, entry_id(entry), is_needed & (entry_id(entry) < step.spheres));
-    return Met(entry, state[position_at(id)], state[velocity_at(id)], state[momentum_at(id)]);
+    return LoadedEntry(entry, state[position_at(id)], state[velocity_at(id)], state[momentum_at(id)]);
 }
 
 // Contact of two spheres, with the normal from `sphere` to `other`. Where the centres coincide, the normal is +y from the
@@ -186,8 +186,8 @@ fn other_side(id: u32, at: f32) -> Side {
 struct ContactForce {
     // Force on A. B gets the opposite.
     force: vec3f,
-    // Torque per unit length of the arm. The torque on a side is `couple` times its arm.
-    couple: vec3f,
+    // Torque per unit length of the arm. The torque on a side is `torque_per_arm` times its arm.
+    torque_per_arm: vec3f,
     arm_a: f32,
     arm_b: f32,
 }

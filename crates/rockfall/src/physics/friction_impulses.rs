@@ -129,7 +129,7 @@ impl<'a> FrictionImpulses<'a> {
         if speed.is_nan() || speed * speed <= slip.rounded.x {
             return None;
         }
-        let key = (view.user(a), view.user(b), entry.feature());
+        let key = (view.insertion_index(a), view.insertion_index(b), entry.feature());
         let normal_impulse = impulse_in(self.impulses, key).map_or(0.0, |known| known.size);
         let mut limit = view.step.collision_friction * normal_impulse;
         if view.step.coulomb_friction > 0.0 && touch.overlap > 0.0 {

@@ -21,7 +21,7 @@ fn pressed_in(row: u32) -> u32 {
     let count = count_of(row);
     let first = first_of(row);
     var found = 0u;
-    for (var begin = 0u; begin < count; begin += LOOK) {
+    for (var begin = 0u; begin < count; begin += ENTRIES_PER_MASK) {
         found += countOneBits(entries_with(ENTRY_OVERLAPS, first, begin, count));
     }
     return found;
@@ -45,7 +45,7 @@ fn pressed_on_capsule(rod: u32) -> f32 {
     return f32(pressed_in(ends.x) + pressed_in(ends.y) + pressed_in(step.spheres + rod));
 }
 
-fn friction_side(half: Half) -> Side {
+fn friction_side(half: ContactSide) -> Side {
     if half.kind == STATIC {
         return static_side();
     }
@@ -56,7 +56,7 @@ fn friction_side(half: Half) -> Side {
 }
 
 // Impulse and torque on a capsule.
-struct Grip {
+struct CapsuleLoad {
     push: vec3f,
     // Torque about the centre of mass: the part across the axis, and the part along it.
     turning: vec3f,
@@ -65,14 +65,14 @@ struct Grip {
 
 // The impulse `push` and the torque `couple` act at parameter `at` of the capsule.
 
-fn grip_of(capsule: Capsule, at: f32, push: vec3f, couple: vec3f) -> Grip {
-    let torque = torque_at(capsule, at, push) + couple;
+fn capsule_load(capsule: Capsule, at: f32, push: vec3f, own_torque: vec3f) -> CapsuleLoad {
+    let torque = torque_at(capsule, at, push) + own_torque;
     let squared = dot(capsule.d, capsule.d);
     var turning = torque;
     if squared > TINY {
         turning = across(torque, capsule.d, squared);
     }
-    return Grip(push, turning, torque - turning);
+    return CapsuleLoad(push, turning, torque - turning);
 }
 
 // 1 / (I1 + I2) of a capsule's ends.
@@ -92,7 +92,7 @@ fn slip_inverse_mass_of_sphere(sphere: u32, part: f32, arm: f32) -> f32 {
 
 // Tangential inverse mass through one side. The unit impulse on A is p, the one on B is -p. The torque per arm is the same on
 // both.
-fn slip_inverse_mass_of(half: Half, n: vec3f, p: vec3f, arm: f32, is_a: bool) -> f32 {
+fn slip_inverse_mass_of(half: ContactSide, n: vec3f, p: vec3f, arm: f32, is_a: bool) -> f32 {
     if half.kind == STATIC {
         return 0.0;
     }
@@ -103,8 +103,8 @@ fn slip_inverse_mass_of(half: Half, n: vec3f, p: vec3f, arm: f32, is_a: bool) ->
         let one = slip_inverse_mass_of_sphere(half.spheres.x, 1.0 - half.at, arm);
         return one + slip_inverse_mass_of_sphere(half.spheres.y, half.at, arm);
     }
-    let capsule = capsule_of(half.spheres, poise_of(half));
-    let grip = grip_of(capsule, half.at, select(-p, p, is_a), arm * cross(n, p));
+    let capsule = capsule_of(half.spheres, side_motion(half));
+    let grip = capsule_load(capsule, half.at, select(-p, p, is_a), arm * cross(n, p));
     let turning = dot(grip.turning, grip.turning) * capsule.inverse_inertia;
     let rolling = dot(grip.rolling, grip.rolling) * inverse_roll(half.spheres);
     return pressed_on_capsule(capsule_rod(half.spheres.x)) * (capsule.inverse_mass + turning + rolling);
@@ -132,14 +132,14 @@ fn limit_of(slot: vec2u, a: Side, b: Side, overlap: f32, approach: f32, b_moves:
 fn friction_impulse_of(row: u32, slot: vec2u) -> FrictionImpulse {
     let entry = entry_at(slot);
     let pair = ordered(row, entry_id(entry));
-    var a = half_of(pair.x, 0.0);
-    var b = half_of(pair.y, 0.0);
-    let a_poise = poise_of(a);
-    let b_poise = poise_of(b);
+    var a = contact_side(pair.x, 0.0);
+    var b = contact_side(pair.y, 0.0);
+    let a_poise = side_motion(a);
+    let b_poise = side_motion(b);
     let by_vertex = meets_by_vertex(a, b, a_poise, entry_feature(entry));
     let found = signed_touch(a, b, a_poise, b_poise, entry_feature(entry), by_vertex);
     var friction = FrictionImpulse(vec3f(0.0), found.n, vec2f(0.0), vec2f(found.a, found.b), pair.x);
-    if found.overlap == NO_LINE {
+    if found.overlap == NO_CONTACT_LINE {
         return friction;
     }
     if RODS {

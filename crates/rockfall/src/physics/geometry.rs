@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use crate::model::view::{BoxWords, PolygonWords, TINY};
+use crate::model::view::{BoxRecord, PolygonRecord, TINY};
 
 /// Relative size of a rounding error: a difference of vectors counts as 0 up to this times their length (docs/physics.md
 /// section 2.3).
@@ -98,14 +98,14 @@ pub(crate) fn point_segment(p: Vec3, [a1, a2]: [Vec3; 2], reach: f32) -> Option<
 }
 
 /// Returns the parameters of a point along the three edges of a box.
-pub(crate) fn box_parameters(cuboid: &BoxWords, p: Vec3) -> Vec3 {
+pub(crate) fn box_parameters(cuboid: &BoxRecord, p: Vec3) -> Vec3 {
     let t = p - cuboid.corner;
     Vec3::from_array(cuboid.edges.map(|edge| t.dot(edge) / edge.length_squared()))
 }
 
 /// Whether a point lies in a box or on its surface, up to rounding errors (docs/physics.md section 2.9). `distance` is its
 /// distance from an edge or vertex of the box.
-pub(crate) fn box_contains(cuboid: &BoxWords, p: Vec3, distance: f32) -> bool {
+pub(crate) fn box_contains(cuboid: &BoxRecord, p: Vec3, distance: f32) -> bool {
     let t = box_parameters(cuboid, p);
     let rounded =
         (ROUNDED * p.distance(cuboid.corner)).min(SMALL * distance) / Vec3::from_array(cuboid.edges.map(Vec3::length));
@@ -114,7 +114,7 @@ pub(crate) fn box_contains(cuboid: &BoxWords, p: Vec3, distance: f32) -> bool {
 
 /// Returns the unit normal from a sphere to a box, and the distance of the sphere's centre `p` from the surface, negative
 /// inside.
-pub(crate) fn point_box(cuboid: &BoxWords, p: Vec3, radius: f32) -> (Vec3, f32) {
+pub(crate) fn point_box(cuboid: &BoxRecord, p: Vec3, radius: f32) -> (Vec3, f32) {
     let t = box_parameters(cuboid, p);
     let clamped = t.clamp(Vec3::ZERO, Vec3::ONE);
     let [i, j, k] = cuboid.edges;
@@ -136,7 +136,7 @@ pub(crate) fn point_box(cuboid: &BoxWords, p: Vec3, radius: f32) -> (Vec3, f32) 
 
 /// The result of [`point_box`] for a centre in the box. The sphere leaves through the nearest face. Among equally near faces it
 /// is the first one.
-fn nearest_face(cuboid: &BoxWords, t: Vec3) -> (Vec3, f32) {
+fn nearest_face(cuboid: &BoxRecord, t: Vec3) -> (Vec3, f32) {
     let mut nearest = (Vec3::Y, f32::INFINITY);
     for (axis, edge) in cuboid.edges.into_iter().enumerate() {
         let length = edge.length();
@@ -152,7 +152,7 @@ fn nearest_face(cuboid: &BoxWords, t: Vec3) -> (Vec3, f32) {
 
 /// Returns the unit normal of a polygon's face, the height of a point above its plane, and whether the point is over the
 /// polygon and not beside it.
-pub(crate) fn point_polygon(polygon: &PolygonWords, p: Vec3) -> (Vec3, f32, bool) {
+pub(crate) fn point_polygon(polygon: &PolygonRecord, p: Vec3) -> (Vec3, f32, bool) {
     let normal = polygon.left.cross(polygon.right);
     let nn = normal.length_squared();
     let t = p - polygon.corner;
@@ -170,7 +170,7 @@ pub(crate) struct BoxEdge {
 }
 
 /// Returns edge 0 to 11 of a box: four along each of I, J, K.
-pub(crate) fn box_edge(cuboid: &BoxWords, edge: u32) -> BoxEdge {
+pub(crate) fn box_edge(cuboid: &BoxRecord, edge: u32) -> BoxEdge {
     let along = (edge / 4) as usize;
     let offset = |bit: u32, axis: usize| {
         let set = ((edge % 4) >> bit) & 1 == 1;
@@ -183,7 +183,7 @@ pub(crate) fn box_edge(cuboid: &BoxWords, edge: u32) -> BoxEdge {
 }
 
 /// Returns vertex 0 to 7 of a box, and its outward direction.
-pub(crate) fn box_vertex(cuboid: &BoxWords, vertex: u32) -> (Vec3, Vec3) {
+pub(crate) fn box_vertex(cuboid: &BoxRecord, vertex: u32) -> (Vec3, Vec3) {
     let mut place = cuboid.corner;
     let mut outward = Vec3::ZERO;
     for (axis, edge) in cuboid.edges.into_iter().enumerate() {

@@ -13,10 +13,10 @@ struct Touch {
 }
 
 // Value of `overlap` for a pair without a contact line. It is not 0, because 0 is a possible overlap of a pair with one.
-const NO_LINE: f32 = -3e38;
+const NO_CONTACT_LINE: f32 = -3e38;
 
 fn no_touch() -> Touch {
-    return Touch(vec3f(0.0, 1.0, 0.0), NO_LINE, 0.0, 0.0);
+    return Touch(vec3f(0.0, 1.0, 0.0), NO_CONTACT_LINE, 0.0, 0.0);
 }
 
 // Relative size of a rounding error: a difference of vectors counts as 0 up to this times their length (docs/physics.md section

@@ -4,7 +4,7 @@ use glam::{Vec3, Vec4};
 
 use crate::model::layout::ROD_WORDS;
 use crate::model::step::Step;
-use crate::model::view::{RodWords, TINY};
+use crate::model::view::{RodRecord, TINY};
 
 /// Largest relative error at which the sweeps end. With 1e-3 a double pendulum loses 4 % of its energy in 100 s.
 const TOLERANCE: f32 = 1e-5;
@@ -156,9 +156,9 @@ impl<'a> Batch<'a> {
         error
     }
 
-    fn rod(&self, step: &Step, rod: u32) -> RodWords {
+    fn rod(&self, step: &Step, rod: u32) -> RodRecord {
         let at = (step.rods_at + rod * ROD_WORDS) as usize;
         let [end1, end2, radius, length] = std::array::from_fn(|word| self.topology[at + word]);
-        RodWords { ends: [end1, end2], radius: f32::from_bits(radius), length: f32::from_bits(length) }
+        RodRecord { ends: [end1, end2], radius: f32::from_bits(radius), length: f32::from_bits(length) }
     }
 }

@@ -15,7 +15,7 @@ fn largest(v: vec3f) -> f32 {
 }
 
 // Absolute value of an error; 0 when it is only a rounding error of the difference of two vectors.
-fn but_rounding(error: f32, one: vec3f, two: vec3f) -> f32 {
+fn without_rounding(error: f32, one: vec3f, two: vec3f) -> f32 {
     return select(abs(error), 0.0, abs(error) <= LENGTH_ROUNDING * (largest(one) + largest(two)));
 }
 
@@ -76,7 +76,7 @@ fn restore_length(rod: u32) -> f32 {
     let correction = n * ((distance - target_length) / sum);
     move_end(ends.x, w1, correction);
     move_end(ends.y, -w2, correction);
-    return but_rounding(distance - target_length, one, two) / target_length;
+    return without_rounding(distance - target_length, one, two) / target_length;
 }
 
 // Displaces an end of a rod, unless the result is not finite. A fixed sphere is not written at all, because rods of one colour
@@ -89,7 +89,7 @@ fn move_end(sphere: u32, weight: f32, displacement: vec3f) {
     }
 }
 
-fn kick_end(sphere: u32, weight: f32, impulse: vec3f) {
+fn change_end_velocity(sphere: u32, weight: f32, impulse: vec3f) {
     let before = state[velocity_at(sphere)];
     let after = before.xyz + weight * impulse;
     if (weight != 0.0) & finite(after) {

@@ -4,7 +4,7 @@
 
 // How far a ball extends beyond the ball that an AABB encloses; not positive when it is inside. A tolerance covers rounding
 // errors far from the origin. Lists are built with more slack than that.
-fn reach_out(position: vec3f, radius: f32, aabb: Aabb) -> f32 {
+fn distance_outside(position: vec3f, radius: f32, aabb: Aabb) -> f32 {
     let half = 0.5 * aabb.max - 0.5 * aabb.min;
     let room = min(min(half.x, half.y), half.z);
     // An unbounded AABB has no centre.
@@ -18,7 +18,7 @@ fn reach_out(position: vec3f, radius: f32, aabb: Aabb) -> f32 {
 
 // How far a sphere is outside the ball that its AABB encloses, in units of 0.02 r; 0 when it is inside.
 fn escape_ratio(position: vec3f, radius: f32, aabb: Aabb) -> f32 {
-    let out = reach_out(position, radius, aabb);
+    let out = distance_outside(position, radius, aabb);
     if out <= 0.0 {
         return 0.0;
     }
@@ -27,10 +27,10 @@ fn escape_ratio(position: vec3f, radius: f32, aabb: Aabb) -> f32 {
 
 // Requests new lists when a moving sphere, at its present velocity, may leave the ball that its AABB encloses within the
 // `list_interval` steps for which the lists must last.
-fn ask_for_lists(sphere: u32, centre: vec4f, velocity: vec4f) {
-    let reach = centre.w + may_travel(velocity, centre.w, step.list_interval);
+fn request_rebuild(sphere: u32, centre: vec4f, velocity: vec4f) {
+    let reach = centre.w + travel_bound(velocity, centre.w, step.list_interval);
     if velocity.w > 0.0 {
-        if reach_out(place_ahead(centre.xyz, velocity), reach, aabbs[sphere]) > 0.0 {
+        if distance_outside(position_ahead(centre.xyz, velocity), reach, aabbs[sphere]) > 0.0 {
             // Among millions of spheres, most find the flag already set. A load is cheaper than an atomic write.
             if (atomicLoad(&status.rebuild) & REBUILD_REQUESTED) == 0u {
                 atomicOr(&status.rebuild, REBUILD_REQUESTED);

@@ -4,7 +4,7 @@
 use glam::Vec3;
 
 use crate::model::layout::BOX_FEATURES;
-use crate::model::view::{BoxWords, Object, RodWords, TINY, View};
+use crate::model::view::{BoxRecord, Object, RodRecord, TINY, View};
 use crate::physics::geometry::{
     box_contains, box_edge, box_parameters, box_vertex, point_box, point_polygon, point_segment, segment_segment,
 };
@@ -138,7 +138,7 @@ pub(crate) fn line(view: &View, at: &impl Motions, a: Object, b: Object, feature
     }
 }
 
-fn ends(at: &impl Motions, rod: RodWords) -> [Vec3; 2] {
+fn ends(at: &impl Motions, rod: RodRecord) -> [Vec3; 2] {
     rod.ends.map(|end| at.position(end))
 }
 
@@ -150,13 +150,13 @@ fn round(d: Vec3, reach: f32, zero_normal: Vec3, a: f32, b: f32) -> Touch {
     Touch { normal, overlap: reach - distance, a, b }
 }
 
-fn sphere_rod(view: &View, at: &impl Motions, sphere: u32, rod: RodWords) -> Option<Touch> {
+fn sphere_rod(view: &View, at: &impl Motions, sphere: u32, rod: RodRecord) -> Option<Touch> {
     let reach = view.radius(sphere) + rod.radius;
     let (parameter, d) = point_segment(at.position(sphere), ends(at, rod), reach)?;
     Some(round(d, reach, Vec3::Y, 0.0, parameter))
 }
 
-fn rod_rod(at: &impl Motions, a: RodWords, b: RodWords) -> Option<Touch> {
+fn rod_rod(at: &impl Motions, a: RodRecord, b: RodRecord) -> Option<Touch> {
     let reach = a.radius + b.radius;
     let pair = segment_segment(ends(at, a), ends(at, b), reach)?;
     Some(round(pair.d, reach, pair.normal.unwrap_or(Vec3::Y), pair.a, pair.b))
@@ -171,7 +171,7 @@ fn sphere_polygon(view: &View, sphere: u32, polygon: u32) -> Option<Touch> {
 }
 
 /// Returns the contact of a rod with feature f of a box: edge f, or, when no edge is hit, vertex f.
-fn rod_box(view: &View, rod: RodWords, cuboid: &BoxWords, feature: u32) -> Option<Touch> {
+fn rod_box(view: &View, rod: RodRecord, cuboid: &BoxRecord, feature: u32) -> Option<Touch> {
     if is_beside(cuboid, ends(view, rod), rod.radius) {
         return None;
     }
@@ -187,14 +187,14 @@ fn rod_box(view: &View, rod: RodWords, cuboid: &BoxWords, feature: u32) -> Optio
 
 /// Whether a rod is outside one face of a box by more than its radius, with some room for rounding. Then it touches no edge.
 /// This holds for most rods that have a box in their lists, with twelve entries per box.
-fn is_beside(cuboid: &BoxWords, ends: [Vec3; 2], radius: f32) -> bool {
+fn is_beside(cuboid: &BoxRecord, ends: [Vec3; 2], radius: f32) -> bool {
     let [one, two] = ends.map(|end| box_parameters(cuboid, end));
     let slack = 1.001 * radius / Vec3::from_array(cuboid.edges.map(Vec3::length)) + 1e-4;
     one.max(two).cmplt(-slack).any() || one.min(two).cmpgt(1.0 + slack).any()
 }
 
 /// Returns the contact of a rod with an edge of a box. With `must_touch`, the distance must be less than the rod's radius.
-fn rod_edge(at: &impl Motions, rod: RodWords, cuboid: &BoxWords, edge: u32, must_touch: bool) -> Option<Touch> {
+fn rod_edge(at: &impl Motions, rod: RodRecord, cuboid: &BoxRecord, edge: u32, must_touch: bool) -> Option<Touch> {
     let [end1, end2] = ends(at, rod);
     let edge = box_edge(cuboid, edge);
     let pair = segment_segment([end1, end2], [edge.start, edge.end], rod.radius)?;
@@ -203,7 +203,7 @@ fn rod_edge(at: &impl Motions, rod: RodWords, cuboid: &BoxWords, edge: u32, must
 }
 
 /// Returns the contact of a rod with a vertex of a box. With `must_touch`, the distance must be less than the rod's radius.
-fn rod_vertex(at: &impl Motions, rod: RodWords, cuboid: &BoxWords, vertex: u32, must_touch: bool) -> Option<Touch> {
+fn rod_vertex(at: &impl Motions, rod: RodRecord, cuboid: &BoxRecord, vertex: u32, must_touch: bool) -> Option<Touch> {
     let [end1, end2] = ends(at, rod);
     let (vertex, outward) = box_vertex(cuboid, vertex);
     let (a, to_rod) = point_segment(vertex, [end1, end2], rod.radius)?;
@@ -213,7 +213,7 @@ fn rod_vertex(at: &impl Motions, rod: RodWords, cuboid: &BoxWords, vertex: u32, 
 /// Returns the contact at the point `on_axis` of a rod, with parameter `a`. `d` is the vector from there to the edge or vertex.
 /// When `on_axis` is inside the box, the rod is pushed out.
 fn near_feature(
-    cuboid: &BoxWords,
+    cuboid: &BoxRecord,
     radius: f32,
     on_axis: Vec3,
     a: f32,

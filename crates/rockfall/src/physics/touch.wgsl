@@ -3,14 +3,14 @@
 // Signed geometry: the contact line of two objects at any position. The overlap is negative when they are apart
 // (docs/physics.md section 2.10).
 
-fn centre_of(half: Half, poise: Poise) -> vec4f {
+fn centre_of(half: ContactSide, poise: SideMotion) -> vec4f {
     let is_second = RODS & (half.kind == CAPSULE) & (half.at > 0.5);
     return vec4f(select(poise.x1, poise.x2, is_second), state[position_at(half.id)].w);
 }
 
 // The rod of a side, at the positions in `poise`. Its end ids are placeholders that match no sphere, and no other rod with
 // another `placeholder`. Pairs that share a sphere never get here, so the contact functions need no real ids.
-fn bar_from(half: Half, poise: Poise, placeholder: u32) -> Bar {
+fn bar_from(half: ContactSide, poise: SideMotion, placeholder: u32) -> Bar {
     return Bar(vec2u(NONE - placeholder), Axis(poise.x1, poise.x2 - poise.x1, rod_radius(half.id - step.spheres)));
 }
 
@@ -22,7 +22,7 @@ fn touch_plane(centre: vec4f, face: Polygon) -> Touch {
 
 // Contact of a pair at the positions in `a_poise` and `b_poise`. The overlap is negative when they are apart, and NO_LINE when
 // they have no contact line. `by_vertex`: a rod meets vertex `feature` of a box, not edge `feature`.
-fn signed_touch(a: Half, b: Half, a_poise: Poise, b_poise: Poise, feature: u32, by_vertex: bool) -> Touch {
+fn signed_touch(a: ContactSide, b: ContactSide, a_poise: SideMotion, b_poise: SideMotion, feature: u32, by_vertex: bool) -> Touch {
     let boxes = step.spheres + step.rods;
     if a.id < step.spheres {
         let centre = centre_of(a, a_poise);
@@ -52,7 +52,7 @@ fn signed_touch(a: Half, b: Half, a_poise: Poise, b_poise: Poise, feature: u32, 
 
 // Whether a rod meets vertex `feature` of a box instead of edge `feature`. If it does not overlap the edge, the nearer of the
 // two counts (docs/physics.md section 2.10).
-fn meets_by_vertex(a: Half, b: Half, poise: Poise, feature: u32) -> bool {
+fn meets_by_vertex(a: ContactSide, b: ContactSide, poise: SideMotion, feature: u32) -> bool {
     let boxes = step.spheres + step.rods;
     if !RODS | (a.id < step.spheres) | (b.id < boxes) | (feature >= 8u) {
         return false;

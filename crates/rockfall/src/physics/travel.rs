@@ -10,7 +10,7 @@ use crate::model::view::View;
 
 /// Returns the position of a sphere after `lead` steps at constant velocity. `motion` is its velocity and inverse mass. The
 /// result is `position` for a fixed sphere and for a displacement of 1e30 or more.
-pub(crate) fn place_ahead(step: &Step, position: Vec3, motion: Vec4) -> Vec3 {
+pub(crate) fn position_ahead(step: &Step, position: Vec3, motion: Vec4) -> Vec3 {
     let displacement = motion.truncate() * (step.lead * step.dt);
     let is_usable = motion.w > 0.0 && displacement.abs().max_element() < 1e30;
     if is_usable { position + displacement } else { position }
@@ -19,14 +19,14 @@ pub(crate) fn place_ahead(step: &Step, position: Vec3, motion: Vec4) -> Vec3 {
 /// Returns the extra distance that an acceleration a adds within `steps` steps, at a dt² / 2 per step. The acceleration is that
 /// of the sphere's last RK4 step: `third` and `fourth` are its velocities in stage states 3 and 4 of that step, v + dt a / 2
 /// and v + dt a. The result is 0 unless the distance is less than 1e30.
-pub(crate) fn may_gain(step: &Step, third: Vec3, fourth: Vec3, steps: f32) -> f32 {
+pub(crate) fn acceleration_margin(step: &Step, third: Vec3, fourth: Vec3, steps: f32) -> f32 {
     let gain = steps * step.dt * fourth.distance(third);
     if gain < 1e30 { gain } else { 0.0 }
 }
 
-/// Returns a bound for the distance of a sphere, within `steps` steps, from the point that [`place_ahead`] returns. It includes
+/// Returns a bound for the distance of a sphere, within `steps` steps, from the point that [`position_ahead`] returns. It includes
 /// some room for acceleration, which grows with the number of steps.
-pub(crate) fn may_travel(step: &Step, velocity: Vec3, radius: f32, steps: f32) -> f32 {
+pub(crate) fn travel_bound(step: &Step, velocity: Vec3, radius: f32, steps: f32) -> f32 {
     (steps - step.lead) * (1.05 * velocity.length() * step.dt) + (0.05 * steps - 0.03) * radius
 }
 
@@ -37,7 +37,7 @@ pub(crate) fn escape_ratio(view: &View, aabbs: &[Aabb], sphere: u32) -> f32 {
 
 /// Like [`escape_ratio`], for a sphere with this centre and radius.
 pub(crate) fn outside(aabb: &Aabb, centre: Vec3, radius: f32) -> f32 {
-    let out = reach_out(aabb, centre, radius);
+    let out = distance_outside(aabb, centre, radius);
     if out <= 0.0 { 0.0 } else { (out / (0.02 * radius)).clamp(1e-3, 1e30) }
 }
 
@@ -45,14 +45,14 @@ pub(crate) fn outside(aabb: &Aabb, centre: Vec3, radius: f32) -> f32 {
 /// lists must last.
 pub(crate) fn needs_rebuild(view: &View, aabbs: &[Aabb], sphere: u32, centre: Vec3, velocity: Vec3) -> bool {
     let (step, radius) = (view.step, view.radius(sphere));
-    let middle = place_ahead(step, centre, velocity.extend(view.inverse_mass(sphere)));
-    let reach = radius + may_travel(step, velocity, radius, step.list_interval);
-    !view.is_fixed(sphere) && reach_out(&aabbs[sphere as usize], middle, reach) > 0.0
+    let middle = position_ahead(step, centre, velocity.extend(view.inverse_mass(sphere)));
+    let reach = radius + travel_bound(step, velocity, radius, step.list_interval);
+    !view.is_fixed(sphere) && distance_outside(&aabbs[sphere as usize], middle, reach) > 0.0
 }
 
 /// Returns how far a ball extends beyond the ball that an AABB encloses; not positive when it is inside. A tolerance covers
 /// rounding errors far from the origin. Lists are built with more slack than that.
-fn reach_out(aabb: &Aabb, centre: Vec3, radius: f32) -> f32 {
+fn distance_outside(aabb: &Aabb, centre: Vec3, radius: f32) -> f32 {
     let (min, max) = (Vec3::from_array(aabb.min) * 0.5, Vec3::from_array(aabb.max) * 0.5);
     let (middle, room) = (min + max, (max - min).min_element());
     // The AABB is unbounded and has no centre.

@@ -6,7 +6,7 @@
 
 // Position of a sphere after `lead` steps at constant velocity. `velocity.w` is the inverse mass. The result is `position` for
 // a fixed sphere, and when the displacement is 1e30 or larger.
-fn place_ahead(position: vec3f, velocity: vec4f) -> vec3f {
+fn position_ahead(position: vec3f, velocity: vec4f) -> vec3f {
     let way = step.lead * step.dt * velocity.xyz;
     return select(position, position + way, (velocity.w > 0.0) & all(abs(way) < vec3f(1e30)));
 }
@@ -14,13 +14,13 @@ fn place_ahead(position: vec3f, velocity: vec4f) -> vec3f {
 // Extra distance that an acceleration a adds within `steps` steps, at a dt^2 / 2 per step. The acceleration is that of the
 // sphere's last RK4 step: `third` and `fourth` are its velocities in stage states 3 and 4 of that step, v + dt a / 2 and v + dt
 // a. The result is 0 when the distance is 1e30 or larger.
-fn may_gain(third: vec3f, fourth: vec3f, steps: f32) -> f32 {
+fn acceleration_margin(third: vec3f, fourth: vec3f, steps: f32) -> f32 {
     let gain = steps * step.dt * length(fourth - third);
     return select(0.0, gain, gain < 1e30);
 }
 
-// Bound for the distance of a sphere, within `steps` steps, from the point that `place_ahead` returns. It includes some room
+// Bound for the distance of a sphere, within `steps` steps, from the point that `position_ahead` returns. It includes some room
 // for acceleration, which grows with the number of steps.
-fn may_travel(velocity: vec4f, radius: f32, steps: f32) -> f32 {
+fn travel_bound(velocity: vec4f, radius: f32, steps: f32) -> f32 {
     return (steps - step.lead) * 1.05 * length(velocity.xyz) * step.dt + (0.05 * steps - 0.03) * radius;
 }

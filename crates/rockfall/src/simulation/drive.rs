@@ -2,7 +2,7 @@
 
 use crate::error::BadStage;
 use crate::error::{Error, Result};
-use crate::model::layout::{MAX_PAIR_ROWS, words_of};
+use crate::model::layout::{MAX_PAIR_ROWS, words_of_rows};
 use crate::model::status::{
     BAD_STAGE_SHIFT, NO_BODY, REJECTED_COLLISIONS, REJECTED_COUNT, REJECTED_ESCAPED, REJECTED_MANY, REJECTED_NON_FINITE,
     REJECTED_PAIRS, Status,
@@ -192,7 +192,7 @@ impl Simulation {
         }
         if status.rejected & (REJECTED_PAIRS | REJECTED_COUNT) != 0 {
             let movers = (self.world.step.spheres + self.world.step.rods).max(1) as f32;
-            match self.lookahead.shorter(words_of(status.pair_rows_needed) as f32 / movers, self.world.step.rods > 0) {
+            match self.lookahead.shorter(words_of_rows(status.pair_rows_needed) as f32 / movers, self.world.step.rods > 0) {
                 Some(steps) => self.world.step.lookahead = steps,
                 None => self.grow_lists()?,
             }
@@ -256,8 +256,8 @@ impl Simulation {
         let seen = Lists {
             builds_per_step: self.window.builds as f32 / self.window.steps as f32,
             rejections_per_step: self.window.rejections as f32 / self.window.steps as f32,
-            words_per_mover: words_of(self.status.pair_rows_needed) as f32 / movers,
-            room_per_mover: Lookahead::room(words_of(step.pair_rows) as f32 / movers, step.rods > 0),
+            words_per_mover: words_of_rows(self.status.pair_rows_needed) as f32 / movers,
+            room_per_mover: Lookahead::room(words_of_rows(step.pair_rows) as f32 / movers, step.rods > 0),
             movers,
             has_rods: step.rods > 0,
             dispatches: self.list_dispatches(),
@@ -296,7 +296,7 @@ impl Simulation {
 /// Number of rows to allocate for entries when `needed` rows are needed.
 fn room_for(needed: u32) -> Result<u32> {
     if needed > MAX_PAIR_ROWS {
-        let bytes = |rows: u32| 4 * words_of(rows);
+        let bytes = |rows: u32| 4 * words_of_rows(rows);
         return Err(Error::DeviceLimit { what: "the pair lists", needed: bytes(needed), limit: bytes(MAX_PAIR_ROWS) });
     }
     Ok(needed.saturating_add(needed.div_ceil(4)).min(MAX_PAIR_ROWS))
@@ -305,7 +305,7 @@ fn room_for(needed: u32) -> Result<u32> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::model::layout::{SLICE, most_objects};
+    use crate::model::layout::{SLICE, max_objects};
 
     /// If a step is repeated whose collisions are done, lists are not rebuilt twice, nor for bodies that may turn back.
     #[test]
@@ -349,7 +349,7 @@ mod tests {
         assert!(matches!(room_for(MAX_PAIR_ROWS + 1), Err(Error::DeviceLimit { .. })));
         assert!(matches!(room_for(u32::MAX), Err(Error::DeviceLimit { .. })));
         // Counts and slice offsets of the maximum number of movers precede the entries.
-        let slices = most_objects(false).div_ceil(SLICE);
+        let slices = max_objects(false).div_ceil(SLICE);
         assert!(MAX_PAIR_ROWS.checked_add(slices + slices.div_ceil(SLICE) + 1).is_some());
     }
 }

@@ -216,8 +216,8 @@ impl Simulation {
                 self.mark_state_edited();
             }
             Dirty::Topology => {
-                self.world.set_words(&self.scene)?;
-                self.engine.upload_words(&self.world)?;
+                self.world.set_topology(&self.scene)?;
+                self.engine.upload_topology(&self.world)?;
             }
             Dirty::Clean => {}
         }

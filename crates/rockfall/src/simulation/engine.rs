@@ -28,7 +28,7 @@ pub(super) enum Engine {
 
 /// The status after submitted steps.
 #[derive(Debug)]
-pub(super) enum Look {
+pub(super) enum PendingStatus {
     /// The steps are done and the status is known.
     Known(Box<Status>),
     /// The status has yet to arrive from the device.
@@ -36,7 +36,7 @@ pub(super) enum Look {
     Pending(Mapped),
 }
 
-impl Look {
+impl PendingStatus {
     /// Waits for the status if it is still pending, and returns it.
     pub(super) async fn status(self) -> Result<Status> {
         match self {
@@ -162,21 +162,21 @@ impl Engine {
         stages: &[Run],
         steps: Range<u32>,
         recorder: Option<&mut Recorder>,
-    ) -> Result<Look> {
+    ) -> Result<PendingStatus> {
         match (self, recorder) {
             (Self::Cpu, recorder) => {
                 run_on_cpu(world, stages, steps, recorder);
-                Ok(Look::Known(Box::new(world.status)))
+                Ok(PendingStatus::Known(Box::new(world.status)))
             }
             #[cfg(feature = "gpu")]
-            (Self::Gpu(gpu), None) => Ok(Look::Pending(gpu.run_and_look(stages, &world.step, steps)?)),
+            (Self::Gpu(gpu), None) => Ok(PendingStatus::Pending(gpu.run_and_read_status(stages, &world.step, steps)?)),
             #[cfg(feature = "gpu")]
             (Self::Gpu(gpu), Some(recorder)) => {
                 let timer = gpu.run_timed(stages, &world.step, steps)?;
                 let before = std::mem::replace(&mut world.status, gpu.read_status().await?);
                 let done = world.status.steps.wrapping_sub(before.steps);
                 recorder.book(stages, &timer.read(stages).await?, done, &world.step, &world.status);
-                Ok(Look::Known(Box::new(world.status)))
+                Ok(PendingStatus::Known(Box::new(world.status)))
             }
         }
     }
@@ -206,8 +206,8 @@ impl Engine {
     }
 
     /// Uploads the topology buffer after a change, with the offsets in the uniform block.
-    pub(super) fn upload_words(&mut self, world: &World) -> Result<()> {
-        on_gpu!(self, world, gpu => gpu.upload_words(world)?)
+    pub(super) fn upload_topology(&mut self, world: &World) -> Result<()> {
+        on_gpu!(self, world, gpu => gpu.upload_topology(world)?)
     }
 
     /// Uploads the state of the spheres after a change.
@@ -219,7 +219,7 @@ impl Engine {
     }
 
     /// Reads the topology buffer back into `world`.
-    pub(super) async fn download_words(&mut self, world: &mut World) -> Result<()> {
+    pub(super) async fn download_topology(&mut self, world: &mut World) -> Result<()> {
         on_gpu!(self, world, gpu => gpu.download(world, &[Buffer::Topology]).await?)
     }
 

@@ -11,7 +11,7 @@ use crate::model::status::{Counters, NO_BODY, REBUILD_REQUESTED, Status};
 use crate::profile::Recorder;
 use crate::simulation::Simulation;
 use crate::simulation::drive::{COLLISIONS_FIRST, WITHOUT_COLLISIONS};
-use crate::simulation::engine::Look;
+use crate::simulation::engine::PendingStatus;
 use crate::step::fused::run_steps::is_small;
 use crate::step::schedule::{Phase, Run};
 
@@ -31,14 +31,14 @@ const LEAD: f32 = 0.5;
 
 /// A portion that was submitted.
 struct Portion {
-    look: Look,
+    look: PendingStatus,
     steps: u64,
     /// Number of the window in which the portion was submitted.
     settings: u32,
 }
 
 /// What one call of [`Simulation::stretch`] keeps from portion to portion.
-struct Stretch<'a> {
+struct PhaseRun<'a> {
     phases: &'a [Phase],
     is_step: bool,
     interval: u32,
@@ -50,7 +50,7 @@ impl Simulation {
     /// Runs phases up to `most` times, until a step is rejected. Returns how many times they were done.
     pub(super) async fn stretch(&mut self, phases: &[Phase], most: u64, mut recorder: Option<&mut Recorder>) -> Result<u64> {
         let is_step = phases.starts_with(&COLLISIONS_FIRST) || phases.starts_with(&WITHOUT_COLLISIONS);
-        let mut stretch = Stretch { phases, is_step, interval: 1, since: 0 };
+        let mut stretch = PhaseRun { phases, is_step, interval: 1, since: 0 };
         self.begin(&stretch)?;
         // Timing the stages of a portion requires waiting for it.
         let depth = if self.engine.dispatches() && recorder.is_none() { DEPTH } else { 1 };
@@ -70,7 +70,7 @@ impl Simulation {
     }
 
     /// Gives the engine the initial status.
-    fn begin(&mut self, stretch: &Stretch<'_>) -> Result<()> {
+    fn begin(&mut self, stretch: &PhaseRun<'_>) -> Result<()> {
         let makes_lists = stretch.phases.iter().any(|phase| phase.makes_lists());
         if (makes_lists && !stretch.is_step) || self.status.rejected != 0 || self.lists_due || self.aabbs_due {
             self.status.rebuild = REBUILD_REQUESTED;
@@ -80,7 +80,7 @@ impl Simulation {
         self.engine.begin(&self.world)
     }
 
-    async fn submit(&mut self, stretch: &mut Stretch<'_>, steps: u64, mut recorder: Option<&mut Recorder>) -> Result<Portion> {
+    async fn submit(&mut self, stretch: &mut PhaseRun<'_>, steps: u64, mut recorder: Option<&mut Recorder>) -> Result<Portion> {
         let interval = self.list_interval(stretch.is_step);
         if interval != stretch.interval {
             (stretch.interval, stretch.since) = (interval, 0);
@@ -108,7 +108,7 @@ impl Simulation {
     }
 
     /// Waits for the status after a portion and takes it over. Returns how many times the phases were done.
-    async fn finish(&mut self, stretch: &Stretch<'_>, portion: Portion) -> Result<u64> {
+    async fn finish(&mut self, stretch: &PhaseRun<'_>, portion: Portion) -> Result<u64> {
         let status = portion.look.status().await?;
         let before = std::mem::replace(&mut self.status, status);
         if !stretch.phases.contains(&Phase::UpdatePositions) {

@@ -111,7 +111,7 @@ impl Simulation {
     async fn sort_in_place(&mut self) -> Result<()> {
         self.world.status = Status { rejected: 0, rebuild: REBUILD_REQUESTED, ..self.status };
         self.engine.run(&mut self.world, SORT_MEMORY).await?;
-        self.engine.download_words(&mut self.world).await?;
+        self.engine.download_topology(&mut self.world).await?;
         self.world.take_order();
         self.packings += 1;
         self.disorder = Disorder::sorted_at(self.report.steps);

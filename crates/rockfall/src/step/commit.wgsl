@@ -1,8 +1,8 @@
-// requires physics/margin.wgsl step/take_next.wgsl
+// requires physics/margin.wgsl step/commit_next_state.wgsl
 
 // Makes the next state of a sphere its current state, and requests a rebuild of the lists if the sphere may soon leave its
 // AABB.
 fn commit(i: u32) {
-    take_next(i);
-    ask_for_lists(i, next_row(0u, i), next_row(1u, i));
+    commit_next_state(i);
+    request_rebuild(i, next_row(0u, i), next_row(1u, i));
 }

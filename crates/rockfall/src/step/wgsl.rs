@@ -105,7 +105,7 @@ const SHARED: &[Part] = &[
     part!("step/large_spheres/large_sphere_forces.wgsl"),
     part!("step/large_spheres/workgroup_per_sphere.wgsl"),
     part!("step/reorder/digits.wgsl"),
-    part!("step/take_next.wgsl"),
+    part!("step/commit_next_state.wgsl"),
 ];
 
 /// Every file that stages share, with those that are put together from tables.

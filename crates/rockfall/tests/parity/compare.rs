@@ -83,7 +83,7 @@ fn words(world: &World) -> Vec<(Buffer, &'static str, Vec<u32>)> {
     vec![
         (Buffer::Aabbs, "ids and tags", tags),
         (Buffer::Topology, "words", world.topology.clone()),
-        (Buffer::DispatchSizes, "sizes", world.sizes.clone()),
+        (Buffer::DispatchSizes, "sizes", world.dispatch_sizes.clone()),
         (Buffer::Cells, "cells", world.cells.clone()),
         (Buffer::Lists, "counts and offsets", head),
         (Buffer::Lists, "entries", lists),

@@ -1,7 +1,7 @@
 //! The grid broad phase leaves some things in any order. Here they are put into one, so that they can be compared; and scratch that
 //! a stage does not share with its twin is left out.
 
-use rockfall::model::layout::{CELLS_AT, LIST_COUNT_MASK, SLICE, words_of};
+use rockfall::model::layout::{CELLS_AT, LIST_COUNT_MASK, SLICE, words_of_rows};
 use rockfall::model::world::World;
 
 /// The world after a stage, or after a group that begins with it, with what that leaves in any order put in order.
@@ -85,7 +85,7 @@ fn order_slices(world: &mut World) {
     let before = entries.to_vec();
     let mut end = 0;
     for (offset, width) in offsets.iter_mut().zip(widths) {
-        let [from, to, words] = [*offset, end, width].map(|rows| words_of(rows) as usize);
+        let [from, to, words] = [*offset, end, width].map(|rows| words_of_rows(rows) as usize);
         entries[to..to + words].copy_from_slice(&before[from..from + words]);
         *offset = end;
         end += width;

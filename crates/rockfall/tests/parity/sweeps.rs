@@ -93,8 +93,8 @@ impl Sweeps {
         let mut along = n * ((d.length() - length) / w);
         let mut kick = DVec3::ZERO;
         let size = |one: DVec3, two: DVec3| ROUNDED * (one.abs().max_element() + two.abs().max_element());
-        let but_rounding = |error: f64, rounding: f64| if error.abs() <= rounding { 0.0 } else { error.abs() };
-        let mut error = but_rounding(d.length() - length, size(balls[one].x, balls[two].x)) / length;
+        let without_rounding = |error: f64, rounding: f64| if error.abs() <= rounding { 0.0 } else { error.abs() };
+        let mut error = without_rounding(d.length() - length, size(balls[one].x, balls[two].x)) / length;
         match rule {
             Rule::Lengths => {}
             Rule::Shake => {
@@ -114,7 +114,7 @@ impl Sweeps {
                 let opening = (balls[two].v - balls[one].v).dot(n);
                 along = DVec3::ZERO;
                 kick = n * (opening / w);
-                error = but_rounding(opening, size(balls[one].v, balls[two].v)) * dt / length;
+                error = without_rounding(opening, size(balls[one].v, balls[two].v)) * dt / length;
             }
         }
         balls[one].x += w1 * along;

@@ -5,7 +5,7 @@ use crate::model::buffer::Buffer;
 use crate::model::dispatch::sizes;
 use crate::model::layout::{
     BOX_WORDS, FORCE_WORDS, KIND_FORCE, KIND_ROD, KIND_SHIFT, KIND_SPRING, KIND_TETHER, LINE, LIST_COUNT_MASK, NO_NETWORK,
-    NO_ROD, POLYGON_WORDS, ROD_WORDS, SLICE, SOME_RODS, SPRING_WORDS, SWEEPS_OFF, TETHER_WORDS, words_of,
+    NO_ROD, POLYGON_WORDS, ROD_WORDS, SLICE, SOME_RODS, SPRING_WORDS, SWEEPS_OFF, TETHER_WORDS, words_of_rows,
 };
 use crate::model::status::REJECTED_PAIRS;
 use crate::model::world::World;
@@ -26,8 +26,8 @@ pub(crate) fn check_buffer(world: &World, buffer: Buffer) -> Result<()> {
 fn check_dispatches(world: &World) -> Result<()> {
     let all = sizes(&world.step);
     let is_known = |words: &[u32]| words.iter().zip(&all).all(|(word, known)| word == known || *word == 0);
-    let halves = world.sizes.chunks_exact(all.len());
-    ensure(world.sizes.len() == 2 * all.len() && halves.into_iter().all(is_known), "the dispatch sizes")
+    let halves = world.dispatch_sizes.chunks_exact(all.len());
+    ensure(world.dispatch_sizes.len() == 2 * all.len() && halves.into_iter().all(is_known), "the dispatch sizes")
 }
 
 fn wrong(what: &str) -> Error {
@@ -155,7 +155,7 @@ fn check_lists(world: &World) -> Result<()> {
     }
     let (head, entries) = world.lists.split_at(step.entries_at as usize);
     for (mover, count) in head[..movers as usize].iter().enumerate() {
-        let slice = words_of(head[step.slices_at as usize + mover / SLICE as usize]);
+        let slice = words_of_rows(head[step.slices_at as usize + mover / SLICE as usize]);
         for entry in 0..u64::from(*count & LIST_COUNT_MASK) {
             let slot = slice + entry * u64::from(SLICE) + mover as u64 % u64::from(SLICE);
             let word = usize::try_from(slot).ok().and_then(|slot| entries.get(slot));

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use crate::model::step::Step;
 use crate::settings::{BroadPhase, Integrator};
-use crate::step::fused::run_steps::{STAGE as RUN_STEPS, begun_with, followed_by};
+use crate::step::fused::run_steps::{STAGE as RUN_STEPS, extended_by, pass_of_phase};
 use crate::step::schedule::{Phase, Run, When};
 
 /// Returns the dispatches for `steps`, in order. `run_steps` replaces all phases except those that build lists.
@@ -27,10 +27,10 @@ pub(crate) fn fused(runs: &[Run], step: &Step, steps: Range<u32>) -> Vec<Run> {
             continue;
         };
         let last = dispatches.last_mut().filter(|run| run.stage.name == RUN_STEPS.name);
-        if let Some((run, pass)) = last.and_then(|run| followed_by(run.pass, *phase).map(|pass| (run, pass))) {
+        if let Some((run, pass)) = last.and_then(|run| extended_by(run.pass, *phase).map(|pass| (run, pass))) {
             run.pass = pass;
         } else {
-            let pass = begun_with(*phase, integrator);
+            let pass = pass_of_phase(*phase, integrator);
             dispatches.push(Run { stage: &RUN_STEPS, pass, when: When::NoRods, every: 1, planned: false });
         }
         rest = &rest[stages.len()..];

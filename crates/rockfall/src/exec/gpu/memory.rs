@@ -26,7 +26,7 @@ pub(crate) fn bytes_needed(world: &World, buffer: Buffer) -> u64 {
         Buffer::States | Buffer::Topology | Buffer::DispatchSizes | Buffer::Status => 0,
         Buffer::Cells => 4 * world.cell_words(),
         Buffer::Lists => 4 * world.list_words(),
-        Buffer::CollisionIndices => 4 * world.slot_words(),
+        Buffer::CollisionIndices => 4 * world.collision_index_words(),
         Buffer::Collisions => 4 * u64::from(COLLISION_WORDS) * u64::from(step.collision_room),
         // Rows are read four at a time, so there is room for three more.
         Buffer::Extents => vectors(u64::from(world.objects()) + 3),

@@ -17,7 +17,7 @@ use crate::model::dispatch::rows;
 use crate::model::layout::{SWEEPS_FEW, SWEEPS_OFF, SWEEPS_ON};
 use crate::model::status::Status;
 use crate::model::step::{Pass, Step};
-use crate::step::fused::run_steps::{STAGE as RUN_STEPS, suits};
+use crate::step::fused::run_steps::{STAGE as RUN_STEPS, can_fuse};
 use crate::step::schedule::Run;
 use crate::step::wgsl::Variant;
 
@@ -124,7 +124,7 @@ impl GpuWorld {
     }
 
     /// Like [`GpuWorld::run`], for steps numbered as in [`Run::is_in`]. The status after them is sent to the host.
-    pub(crate) fn run_and_look(&mut self, runs: &[Run], step: &Step, steps: Range<u32>) -> Result<Mapped> {
+    pub(crate) fn run_and_read_status(&mut self, runs: &[Run], step: &Step, steps: Range<u32>) -> Result<Mapped> {
         let staging = make_buffer(self.gpu().device(), "status", size_of::<Status>() as u64, READ_BACK)?;
         let submission = self.submit_plain(runs, step, steps, Some(&staging))?;
         Ok(Mapped::read(&staging, self.gpu().faults()).after(submission))
@@ -170,7 +170,7 @@ impl GpuWorld {
     fn fuses(&self) -> bool {
         let is_whole = |buffer: Buffer| self.chunks(buffer).len() == 1;
         let step = self.step();
-        let is_plain = step.sweeps == SWEEPS_OFF && !step.has_friction_impulses() && suits(step);
+        let is_plain = step.sweeps == SWEEPS_OFF && !step.has_friction_impulses() && can_fuse(step);
         self.joins_steps && is_plain && RUN_STEPS.bindings.iter().all(|binding| is_whole(binding.slot.buffer(0)))
     }
 

@@ -145,7 +145,7 @@ mod tests {
         let mut gpu_world = GpuWorld::new(&gpu, &world).unwrap();
         let stages = |phase: Phase| phase.stages(Integrator::Rk4, BroadPhase::Grid).iter().copied();
         let runs: Vec<Run> = Phase::STEP.into_iter().flat_map(stages).collect();
-        let status = gpu_world.run_and_look(&runs, &world.step, 0..30).unwrap();
+        let status = gpu_world.run_and_read_status(&runs, &world.step, 0..30).unwrap();
         let mut waited_for = Vec::new();
         let wait_and_note = || {
             waited_for.push(awaited());

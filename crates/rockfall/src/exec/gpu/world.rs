@@ -183,7 +183,7 @@ impl GpuWorld {
     ///
     /// # Errors
     /// As for [`GpuWorld::upload_buffer`].
-    pub fn upload_words(&mut self, world: &World) -> Result<()> {
+    pub fn upload_topology(&mut self, world: &World) -> Result<()> {
         self.gpu.faults().check()?;
         let counts = |step: &Step| (step.spheres, step.rods, step.boxes, step.polygons, step.pair_rows);
         if counts(&world.step) != counts(&self.step) {

@@ -5,8 +5,8 @@ use glam::Vec4;
 use crate::error::Result;
 use crate::model::dispatch::sizes;
 use crate::model::layout::{
-    CELL_BLOCK, CELLS_AT, FEW_MOVERS, FLAG_COLLISIONS, FLAG_CONTINUE, FLAG_GROUPS, FLAG_PULL, LEVEL_BIAS, LINE, PLANNED_FROM,
-    SLICE, SUM_WORDS,
+    CELL_BLOCK, CELLS_AT, FEW_MOVERS, FLAG_COLLISIONS, FLAG_CONTINUE, FLAG_GROUPS, FLAG_PULL, LEVEL_BIAS, LINE,
+    MIN_PLANNED_OBJECTS, SLICE, SUM_WORDS,
 };
 use crate::model::step::Step;
 use crate::model::world::World;
@@ -76,7 +76,7 @@ impl World {
         let step = Step { margin_scale: FIRST_MARGIN, lookahead: FIRST_LOOKAHEAD, list_interval: 1.0, ..Step::default() };
         let mut world = Self { step, order, ..Self::default() };
         world.set_settings(&scene.settings);
-        world.set_words(scene)?;
+        world.set_topology(scene)?;
         world.set_spheres(scene);
         world.set_grid(scene);
         world.step.large = world.large_spheres(scene);
@@ -158,7 +158,7 @@ impl World {
 
     /// Number of large spheres at the end of memory. It is limited, because each of them gets a workgroup.
     fn large_spheres(&self, scene: &Scene) -> u32 {
-        let from_last = (0..self.step.spheres as usize).rev().map(|place| &scene.spheres()[self.user(place)]);
+        let from_last = (0..self.step.spheres as usize).rev().map(|place| &scene.spheres()[self.insertion_index(place)]);
         let is_large = |sphere: &&Sphere| size_class(sphere.radius, self.step.cell_size) > 0;
         from_last.take((self.step.spheres / SPHERES_PER_LARGE) as usize).take_while(is_large).count() as u32
     }
@@ -188,8 +188,8 @@ impl World {
         step.keys_at = (step.sums_at + SUM_WORDS * (step.cells / CELL_BLOCK)).next_multiple_of(LINE);
         step.sorted_at = (step.keys_at + objects).next_multiple_of(LINE);
         step.long_at = if long_movers { step.sorted_at + objects } else { 0 };
-        step.planned = u32::from(objects >= PLANNED_FROM);
-        self.sizes = sizes(step).repeat(2);
+        step.planned = u32::from(objects >= MIN_PLANNED_OBJECTS);
+        self.dispatch_sizes = sizes(step).repeat(2);
     }
 
     /// Adds the scratch arrays that the CPU backend needs. Their sizes follow from the object counts.
@@ -216,7 +216,7 @@ impl World {
     pub(crate) fn read_spheres(&self, scene: &mut Scene, packed: &[SphereId]) {
         let n = packed.len();
         for place in 0..n {
-            let id = &packed[self.user(place)];
+            let id = &packed[self.insertion_index(place)];
             // Skips spheres that have been removed since. Fixed spheres have only turned.
             let Ok(sphere) = scene.spheres.get_mut(*id) else { continue };
             sphere.orientation = glam::Quat::from_vec4(self.orientations[place]);

@@ -6,7 +6,7 @@ use glam::Vec3;
 use crate::error::{Error, Result};
 use crate::model::layout::{
     FLAG_GROUPS, KIND_FORCE, KIND_ROD, KIND_SHIFT, KIND_SPRING, KIND_TETHER, LINE, NO_NETWORK, NO_ROD, ROD_WORDS, SOME_RODS,
-    most_objects,
+    max_objects,
 };
 use crate::model::step::Step;
 use crate::model::world::World;
@@ -20,11 +20,11 @@ impl World {
     ///
     /// # Errors
     /// [`Error::TooManyObjects`] for more objects than list entries can number.
-    pub fn set_words(&mut self, scene: &Scene) -> Result<()> {
+    pub fn set_topology(&mut self, scene: &Scene) -> Result<()> {
         let counts = scene.counts();
         let objects = counts.spheres + counts.rods + counts.boxes + counts.polygons;
         let attached = counts.springs + counts.tethers;
-        let limit = most_objects(counts.rods > 0) as usize;
+        let limit = max_objects(counts.rods > 0) as usize;
         if objects > limit || attached > limit {
             return Err(Error::TooManyObjects { count: objects.max(attached), limit });
         }

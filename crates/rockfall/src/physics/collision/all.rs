@@ -80,8 +80,9 @@ pub(crate) fn solve(view: &View, lists: &Lists) -> Outcome {
 fn collisions(view: &View, lists: &Lists) -> Vec<Collision> {
     let movers = (0..view.step.movers()).into_par_iter().with_min_len(GRAIN);
     let of_mover = |mover: u32| {
-        let own =
-            lists.row(mover).filter(move |entry| entry.word & ENTRY_COLLIDES != 0 && view.user(mover) < view.user(entry.id()));
+        let own = lists.row(mover).filter(move |entry| {
+            entry.word & ENTRY_COLLIDES != 0 && view.insertion_index(mover) < view.insertion_index(entry.id())
+        });
         own.filter_map(move |entry| Collision::between(view, mover, entry.id(), entry.feature()))
     };
     let mut collisions: Vec<Collision> = movers.filter(|mover| lists.collides(*mover)).flat_map_iter(of_mover).collect();
@@ -97,15 +98,15 @@ fn is_lone(view: &View, lists: &Lists, k: &Collision) -> bool {
 }
 
 fn is_alone_on(view: &View, lists: &Lists, k: &Collision, body: Body) -> bool {
-    let mut is_alone = true;
+    let mut is_undisturbed = true;
     body.each_row(view, |row| {
-        is_alone &= lists.row(row).filter(|entry| entry.word & ENTRY_OVERLAPS != 0).all(|entry| {
+        is_undisturbed &= lists.row(row).filter(|entry| entry.word & ENTRY_OVERLAPS != 0).all(|entry| {
             let (a, b) = view.ordered(row, entry.id());
             (a, b, entry.feature()) == (k.a, k.b, k.feature)
                 || body == Body::Sphere(row) && is_right_angled(view, row, entry.id(), k.touch.normal)
         });
     });
-    is_alone
+    is_undisturbed
 }
 
 /// Whether the contact of a sphere is with a box or a polygon, and its normal is at a right angle to n.

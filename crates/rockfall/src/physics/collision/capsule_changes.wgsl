@@ -14,7 +14,7 @@ fn lone_record(rod: u32) -> vec2u {
         if has_collisions(row) {
             let count = count_of(row);
             let first = first_of(row);
-            for (var begin = 0u; begin < count; begin += LOOK) {
+            for (var begin = 0u; begin < count; begin += ENTRIES_PER_MASK) {
                 let found = entries_with(ENTRY_COLLIDES, first, begin, count);
                 if found != 0u {
                     let r = record_of(slot_at(first, begin + firstTrailingBit(found)));
@@ -27,7 +27,7 @@ fn lone_record(rod: u32) -> vec2u {
 }
 
 // The state of an end after a change of the capsule's velocity and spin.
-fn kicked(i: u32, capsule: Capsule, is_second: bool, kick: Kick) -> Motion {
+fn kicked(i: u32, capsule: Capsule, is_second: bool, kick: CapsuleChange) -> Motion {
     let offset = select(-capsule.centre, 1.0 - capsule.centre, is_second) * capsule.d;
     let momentum = state[momentum_at(i)];
     return Motion(
@@ -39,14 +39,14 @@ fn kicked(i: u32, capsule: Capsule, is_second: bool, kick: Kick) -> Motion {
 
 // The state of an end after a lone collision. The capsule is moved back along its circle to the time of contact, gets the
 // impulse there, and is moved forward again.
-fn hit_at_contact(i: u32, half: Half, row: u32, r: u32) -> Motion {
+fn hit_at_contact(i: u32, half: ContactSide, row: u32, r: u32) -> Motion {
     let k = record_at(r);
     let impulse = impulse_at(r);
-    let now = poise_of(half);
+    let now = side_motion(half);
     let rod = capsule_rod(half.spheres.x);
     let back = turned(now.x2 - now.x1, now.v2 - now.v1, -impulse.tau);
     let capsule = capsule_of(half.spheres, now);
-    let met = capsule_of(half.spheres, Poise(vec3f(0.0), back.d, vec3f(0.0), back.q));
+    let load_entry = capsule_of(half.spheres, SideMotion(vec3f(0.0), back.d, vec3f(0.0), back.q));
     let is_a = k.a_id == row;
     var at = select(k.b, k.a, is_a);
     if row < step.spheres {
@@ -54,7 +54,7 @@ fn hit_at_contact(i: u32, half: Half, row: u32, r: u32) -> Motion {
     }
     let push = select(1.0, -1.0, is_a) * impulse.even * impulse_normal(r);
     let velocity = capsule.inverse_mass * push;
-    let spin = met.inverse_inertia * torque_at(met, at, push);
+    let spin = load_entry.inverse_inertia * torque_at(load_entry, at, push);
     let forward = turned(back.d, back.q + cross(spin, back.d), impulse.tau);
     let place = (1.0 - capsule.centre) * now.x1 + capsule.centre * now.x2 + impulse.tau * velocity;
     let share = select(-capsule.centre, 1.0 - capsule.centre, half.spheres.y == i);
@@ -65,12 +65,12 @@ fn hit_at_contact(i: u32, half: Half, row: u32, r: u32) -> Motion {
 // Writes the state of an end after the collisions of its capsule.
 fn write_capsule_end(i: u32, rod: u32) {
     let ends = rod_ends(rod);
-    let half = half_of(i, 0.0);
+    let half = contact_side(i, 0.0);
     let lone = lone_record(rod);
     if lone.x != NONE {
         write_motion(i, hit_at_contact(i, half, lone.x, lone.y));
         return;
     }
-    let capsule = capsule_of(ends, poise_of(half));
-    write_motion(i, kicked(i, capsule, ends.y == i, kick_of(capsule, rod, SWEEPS)));
+    let capsule = capsule_of(ends, side_motion(half));
+    write_motion(i, kicked(i, capsule, ends.y == i, capsule_change(capsule, rod, SWEEPS)));
 }

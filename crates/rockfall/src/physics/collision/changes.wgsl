@@ -34,7 +34,7 @@ fn add_row(sphere: u32, row: u32, change: ptr<function, Change>) {
     }
     let count = count_of(row);
     let first = first_of(row);
-    for (var begin = 0u; begin < count; begin += LOOK) {
+    for (var begin = 0u; begin < count; begin += ENTRIES_PER_MASK) {
         for (var rest = entries_with(ENTRY_COLLIDES, first, begin, count); rest != 0u; rest &= rest - 1u) {
             add_part(part_of_entry(sphere, row, slot_at(first, begin + firstTrailingBit(rest))), change);
         }
@@ -88,7 +88,7 @@ fn write_motion(i: u32, wanted: Motion) {
     }
     let position = vec4f(after.position, old_position.w);
     let velocity = vec4f(after.velocity, old_velocity.w);
-    ask_for_lists(i, position, velocity);
+    request_rebuild(i, position, velocity);
     put_next(0u, i, position);
     put_next(1u, i, velocity);
     put_next(2u, i, vec4f(after.momentum, old_momentum.w));

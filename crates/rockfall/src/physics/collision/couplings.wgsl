@@ -77,7 +77,7 @@ fn couple_sphere_row(k: Record, number: u32, sphere: u32, row: u32, times: f32) 
     }
     let count = count_of(row);
     let first = first_of(row);
-    for (var begin = 0u; (begin < count) & (near_count <= NEIGHBOURS); begin += LOOK) {
+    for (var begin = 0u; (begin < count) & (near_count <= NEIGHBOURS); begin += ENTRIES_PER_MASK) {
         for (var rest = entries_with(ENTRY_COLLIDES, first, begin, count); rest != 0u; rest &= rest - 1u) {
             let r = record_of(slot_at(first, begin + firstTrailingBit(rest)));
             let coupling = times * part_on(sphere, row, r) * dot(record_at(r).n, k.n);
@@ -87,9 +87,9 @@ fn couple_sphere_row(k: Record, number: u32, sphere: u32, row: u32, times: f32) 
 }
 
 // Collects the couplings on a rigid capsule.
-fn couple_capsule(k: Record, number: u32, half: Half, side: f32) {
+fn couple_capsule(k: Record, number: u32, half: ContactSide, side: f32) {
     let rod = capsule_rod(half.spheres.x);
-    let capsule = capsule_of(half.spheres, poise_of(half));
+    let capsule = capsule_of(half.spheres, side_motion(half));
     let torque = torque_at(capsule, half.at, k.n);
     couple_capsule_row(k, number, capsule, torque, rod, half.spheres.x, side);
     couple_capsule_row(k, number, capsule, torque, rod, half.spheres.y, side);
@@ -103,7 +103,7 @@ fn couple_capsule_row(k: Record, number: u32, capsule: Capsule, torque: vec3f, r
     }
     let count = count_of(row);
     let first = first_of(row);
-    for (var begin = 0u; (begin < count) & (near_count <= NEIGHBOURS); begin += LOOK) {
+    for (var begin = 0u; (begin < count) & (near_count <= NEIGHBOURS); begin += ENTRIES_PER_MASK) {
         for (var rest = entries_with(ENTRY_COLLIDES, first, begin, count); rest != 0u; rest &= rest - 1u) {
             let r = record_of(slot_at(first, begin + firstTrailingBit(rest)));
             let l = record_at(r);
@@ -130,7 +130,7 @@ fn is_gathered(sphere: u32) -> bool {
 }
 
 // Collects the couplings of one side.
-fn couple_side(k: Record, number: u32, half: Half, side: f32) {
+fn couple_side(k: Record, number: u32, half: ContactSide, side: f32) {
     if half.kind == STATIC {
         return;
     }
@@ -152,9 +152,9 @@ fn couple_side(k: Record, number: u32, half: Half, side: f32) {
 }
 
 // Finds and writes all couplings of a collision that is left to the sweeps.
-fn couple(k: Record, number: u32, is_only: bool) {
+fn find_couplings(k: Record, number: u32, is_only: bool) {
     begin_couplings();
-    couple_side(k, number, half_of(k.a_id, k.a), 1.0);
-    couple_side(k, number, half_of(k.b_id, k.b), -1.0);
+    couple_side(k, number, contact_side(k.a_id, k.a), 1.0);
+    couple_side(k, number, contact_side(k.b_id, k.b), -1.0);
     put_couplings(number, is_only);
 }

@@ -10,7 +10,7 @@ fn add_impulses(sphere: u32, row: u32, sweeps: u32, sum: ptr<function, vec3f>) {
     }
     let count = count_of(row);
     let first = first_of(row);
-    for (var begin = 0u; begin < count; begin += LOOK) {
+    for (var begin = 0u; begin < count; begin += ENTRIES_PER_MASK) {
         for (var rest = entries_with(ENTRY_COLLIDES, first, begin, count); rest != 0u; rest &= rest - 1u) {
             let r = record_of(slot_at(first, begin + firstTrailingBit(rest)));
             let part = impulse_after(r, sweeps) * part_on(sphere, row, r);
@@ -46,19 +46,19 @@ fn impulses_on(sphere: u32, sweeps: u32) -> vec3f {
 }
 
 // Changes of the velocity and of the spin of a rigid capsule.
-struct Kick {
+struct CapsuleChange {
     velocity: vec3f,
     spin: vec3f,
 }
 
 // Adds the impulses and the torques on a capsule by the collisions of a row.
-fn add_kicks(capsule: Capsule, rod: u32, row: u32, sweeps: u32, kick: ptr<function, Kick>) {
+fn add_kicks(capsule: Capsule, rod: u32, row: u32, sweeps: u32, kick: ptr<function, CapsuleChange>) {
     if !has_collisions(row) {
         return;
     }
     let count = count_of(row);
     let first = first_of(row);
-    for (var begin = 0u; begin < count; begin += LOOK) {
+    for (var begin = 0u; begin < count; begin += ENTRIES_PER_MASK) {
         for (var rest = entries_with(ENTRY_COLLIDES, first, begin, count); rest != 0u; rest &= rest - 1u) {
             let r = record_of(slot_at(first, begin + firstTrailingBit(rest)));
             let k = record_at(r);
@@ -75,11 +75,11 @@ fn add_kicks(capsule: Capsule, rod: u32, row: u32, sweeps: u32, kick: ptr<functi
     }
 }
 
-fn kick_of(capsule: Capsule, rod: u32, sweeps: u32) -> Kick {
-    var kick = Kick(vec3f(0.0), vec3f(0.0));
+fn capsule_change(capsule: Capsule, rod: u32, sweeps: u32) -> CapsuleChange {
+    var kick = CapsuleChange(vec3f(0.0), vec3f(0.0));
     let ends = rod_ends(rod);
     add_kicks(capsule, rod, ends.x, sweeps, &kick);
     add_kicks(capsule, rod, ends.y, sweeps, &kick);
     add_kicks(capsule, rod, step.spheres + rod, sweeps, &kick);
-    return Kick(capsule.inverse_mass * kick.velocity, capsule.inverse_inertia * kick.spin);
+    return CapsuleChange(capsule.inverse_mass * kick.velocity, capsule.inverse_inertia * kick.spin);
 }

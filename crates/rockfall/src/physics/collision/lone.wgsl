@@ -31,13 +31,13 @@ fn free_acceleration(sphere: u32) -> vec3f {
 }
 
 // Accelerations of the spheres of a side. For a capsule, both are that of its centre of mass.
-struct Pull {
+struct SideAcceleration {
     a1: vec3f,
     a2: vec3f,
 }
 
-fn pull_on(half: Half) -> Pull {
-    var pull = Pull(vec3f(0.0), vec3f(0.0));
+fn pull_on(half: ContactSide) -> SideAcceleration {
+    var pull = SideAcceleration(vec3f(0.0), vec3f(0.0));
     if half.kind == STATIC {
         return pull;
     }
@@ -55,7 +55,7 @@ fn pull_on(half: Half) -> Pull {
     if half.kind == CAPSULE {
         let centre = w1 / (w1 + w2);
         let mean = (1.0 - centre) * pull.a1 + centre * pull.a2;
-        return Pull(mean, mean);
+        return SideAcceleration(mean, mean);
     }
     return pull;
 }
@@ -80,7 +80,7 @@ fn turned(d: vec3f, q: vec3f, time: f32) -> Turned {
 
 // The state of a side at an earlier time. `with_acceleration` decides whether the positions include the term of the
 // acceleration. The velocities always do. Fixed spheres are not moved.
-fn moved_back(half: Half, poise: Poise, pull: Pull, tau: f32, with_acceleration: bool) -> Poise {
+fn moved_back(half: ContactSide, poise: SideMotion, pull: SideAcceleration, tau: f32, with_acceleration: bool) -> SideMotion {
     var back = poise;
     if half.kind == STATIC {
         return back;
@@ -94,7 +94,7 @@ fn moved_back(half: Half, poise: Poise, pull: Pull, tau: f32, with_acceleration:
         let before = turned(poise.x2 - poise.x1, poise.v2 - poise.v1, -tau);
         let moved = place - tau * velocity + square * pull.a1;
         let slowed = velocity - tau * pull.a1;
-        return Poise(
+        return SideMotion(
             moved - centre * before.d,
             moved + (1.0 - centre) * before.d,
             slowed - centre * before.q,
@@ -117,15 +117,15 @@ fn moved_back(half: Half, poise: Poise, pull: Pull, tau: f32, with_acceleration:
 // Whether a pair has a contact line there and approaches. Extreme forces can make the values infinite or NaN.
 fn closes(at: Placed) -> bool {
     let is_known = finite(vec3f(at.touch.overlap, at.closing.approach, at.closing.inverse_mass));
-    return is_known & (at.touch.overlap != NO_LINE) & (at.closing.approach > 0.0);
+    return is_known & (at.touch.overlap != NO_CONTACT_LINE) & (at.closing.approach > 0.0);
 }
 
 // Solves the lone collision of two objects, a before b in insertion order. `found` is their contact in the present state.
 fn solve_lone(a_id: u32, b_id: u32, feature: u32, found: Touch) -> Solved {
-    var a = half_of(a_id, found.a);
-    var b = half_of(b_id, found.b);
-    let a_now = poise_of(a);
-    let b_now = poise_of(b);
+    var a = contact_side(a_id, found.a);
+    var b = contact_side(b_id, found.b);
+    let a_now = side_motion(a);
+    let b_now = side_motion(b);
     let a_pull = pull_on(a);
     let b_pull = pull_on(b);
     let by_vertex = meets_by_vertex(a, b, a_now, feature);
@@ -137,23 +137,23 @@ fn solve_lone(a_id: u32, b_id: u32, feature: u32, found: Touch) -> Solved {
         }
         tau = clamp(tau + at.touch.overlap / at.closing.approach, 0.0, step.dt);
     }
-    var met = placed(&a, &b, a_now, b_now, a_pull, b_pull, tau, false, feature, by_vertex);
-    if !closes(met) {
+    var load_entry = placed(&a, &b, a_now, b_now, a_pull, b_pull, tau, false, feature, by_vertex);
+    if !closes(load_entry) {
         tau = 0.0;
-        met = Placed(found, closing_at(a_id, b_id, found));
+        load_entry = Placed(found, approach_at(a_id, b_id, found));
     }
     var pushed = Pushed(vec4u(NONE), array<vec3f, 4>(vec3f(0.0), vec3f(0.0), vec3f(0.0), vec3f(0.0)));
-    push_side(a, moved_back(a, a_now, a_pull, tau, false), -met.touch.n, 0u, &pushed);
-    push_side(b, moved_back(b, b_now, b_pull, tau, false), met.touch.n, 2u, &pushed);
-    let inverse_mass = met.closing.inverse_mass;
+    push_side(a, moved_back(a, a_now, a_pull, tau, false), -load_entry.touch.n, 0u, &pushed);
+    push_side(b, moved_back(b, b_now, b_pull, tau, false), load_entry.touch.n, 2u, &pushed);
+    let inverse_mass = load_entry.closing.inverse_mass;
     let stretching = tau * tau * curvature_along(pushed);
     var effective_inverse_mass = max(inverse_mass + stretching, 0.5 * inverse_mass);
     if !finite(vec3f(stretching)) {
         // Extreme springs: the term is infinite, or NaN.
         effective_inverse_mass = select(0.5 * inverse_mass, 3e38, bitcast<u32>(stretching) == 0x7f800000u);
     }
-    let impulse = (1.0 + step.restitution) * met.closing.approach / effective_inverse_mass;
-    return Solved(met.touch.n, met.touch.a, met.touch.b, impulse, tau);
+    let impulse = (1.0 + step.restitution) * load_entry.closing.approach / effective_inverse_mass;
+    return Solved(load_entry.touch.n, load_entry.touch.a, load_entry.touch.b, impulse, tau);
 }
 
 // The spheres that a unit impulse of a collision moves, and their changes of velocity. Each side has two places.
@@ -162,7 +162,7 @@ struct Pushed {
     velocities: array<vec3f, 4>,
 }
 
-fn push_side(half: Half, poise: Poise, n: vec3f, place: u32, pushed: ptr<function, Pushed>) {
+fn push_side(half: ContactSide, poise: SideMotion, n: vec3f, place: u32, pushed: ptr<function, Pushed>) {
     if half.kind == STATIC {
         return;
     }
@@ -225,17 +225,17 @@ fn curvature_along(pushed: Pushed) -> f32 {
 // A pair at an earlier time.
 struct Placed {
     touch: Touch,
-    closing: Closing,
+    closing: ApproachSpeed,
 }
 
 // Evaluates the contact of a pair at the time `tau` earlier. Also sets the parameters of rods in `a` and `b`.
 fn placed(
-    a: ptr<function, Half>,
-    b: ptr<function, Half>,
-    a_now: Poise,
-    b_now: Poise,
-    a_pull: Pull,
-    b_pull: Pull,
+    a: ptr<function, ContactSide>,
+    b: ptr<function, ContactSide>,
+    a_now: SideMotion,
+    b_now: SideMotion,
+    a_pull: SideAcceleration,
+    b_pull: SideAcceleration,
     tau: f32,
     with_acceleration: bool,
     feature: u32,
@@ -252,5 +252,5 @@ fn placed(
             (*b).at = found.b;
         }
     }
-    return Placed(found, closing_of(*a, *b, a_back, b_back, found.n));
+    return Placed(found, approach_of(*a, *b, a_back, b_back, found.n));
 }

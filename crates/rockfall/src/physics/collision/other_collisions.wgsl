@@ -8,21 +8,21 @@
 // objects do not influence a collision whose normal is perpendicular to theirs.
 const PERPENDICULAR: f32 = 0.001;
 
-struct Company {
+struct OtherContacts {
     // Whether no other pressed contact of the body influences the collision.
-    is_alone: bool,
+    is_undisturbed: bool,
     // Number of other collisions on the body.
     others: u32,
     // Sum of |n . n'| over the collisions on a sphere, this one included.
     weight: f32,
 }
 
-fn no_company() -> Company {
-    return Company(true, 0u, 1.0);
+fn no_company() -> OtherContacts {
+    return OtherContacts(true, 0u, 1.0);
 }
 
 // The other pressed contacts of a sphere without rods, for its collision of normal n with object `other`.
-fn plain_company(sphere: u32, other: u32, n: vec3f) -> Company {
+fn plain_company(sphere: u32, other: u32, n: vec3f) -> OtherContacts {
     var company = no_company();
     let velocity = state[velocity_at(sphere)];
     if velocity.w <= 0.0 {
@@ -31,7 +31,7 @@ fn plain_company(sphere: u32, other: u32, n: vec3f) -> Company {
     let own = state[position_at(sphere)];
     let count = count_of(sphere);
     let first = first_of(sphere);
-    for (var begin = 0u; begin < count; begin += LOOK) {
+    for (var begin = 0u; begin < count; begin += ENTRIES_PER_MASK) {
         var rest = entries_with(ENTRY_OVERLAPS, first, begin, count);
         var now = meet(first, begin, rest);
         while rest != 0u {
@@ -46,26 +46,26 @@ fn plain_company(sphere: u32, other: u32, n: vec3f) -> Company {
     return company;
 }
 
-fn add_company(sphere: u32, own: vec4f, velocity: vec4f, other: Met, n: vec3f, company: ptr<function, Company>) {
+fn add_company(sphere: u32, own: vec4f, velocity: vec4f, other: LoadedEntry, n: vec3f, company: ptr<function, OtherContacts>) {
     let is_static = entry_id(other.entry) >= step.spheres + step.rods;
     let collides = (other.entry & ENTRY_COLLIDES) != 0u;
-    (*company).is_alone &= is_static;
+    (*company).is_undisturbed &= is_static;
     (*company).others += u32(collides);
     if collides | is_static {
         let along = abs(dot(n, plain_with(sphere, own, velocity, other).n));
-        (*company).is_alone &= along <= PERPENDICULAR;
+        (*company).is_undisturbed &= along <= PERPENDICULAR;
         (*company).weight += select(0.0, along, collides);
     }
 }
 
 // The solution of a collision between two spheres without rods, or of such a sphere with a static object.
-struct Plainly {
+struct PlainSolution {
     solved: Solved,
     // Whether the collision is not lone and shares a body with another collision.
     is_shared: bool,
 }
 
-fn solve_plain(a: u32, b: u32) -> Plainly {
+fn solve_plain(a: u32, b: u32) -> PlainSolution {
     let k = plain_contact(a, b);
     let one = plain_company(a, b, k.n);
     var two = no_company();
@@ -74,9 +74,9 @@ fn solve_plain(a: u32, b: u32) -> Plainly {
         two = plain_company(b, a, k.n);
         weight += two.weight * inverse_mass(b);
     }
-    let is_lone = one.is_alone & two.is_alone;
+    let is_lone = one.is_undisturbed & two.is_undisturbed;
     let is_shared = !is_lone & (one.others + two.others > 0u);
-    return Plainly(solve_by_itself(a, b, k, weight, is_lone), is_shared);
+    return PlainSolution(solve_by_itself(a, b, k, weight, is_lone), is_shared);
 }
 
 // Solves a collision that is lone or shares no body with another collision. `weight` is its inverse mass.

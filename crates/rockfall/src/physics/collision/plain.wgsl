@@ -35,7 +35,7 @@ fn are_plain(a: u32, b: u32) -> bool {
 }
 
 // The contact of a plain sphere, seen from that sphere. Seen from the other object it is the same with the opposite normal.
-fn plain_with(sphere: u32, own: vec4f, velocity: vec4f, other_met: Met) -> Plain {
+fn plain_with(sphere: u32, own: vec4f, velocity: vec4f, other_met: LoadedEntry) -> Plain {
     let other = entry_id(other_met.entry);
     var approach = velocity.xyz;
     var inverse_mass = velocity.w;
@@ -57,5 +57,5 @@ fn plain_with(sphere: u32, own: vec4f, velocity: vec4f, other_met: Met) -> Plain
 
 // The same contact, for a pair whose rows have not been read yet.
 fn plain_contact(sphere: u32, other: u32) -> Plain {
-    return plain_with(sphere, state[position_at(sphere)], state[velocity_at(sphere)], met(other, true));
+    return plain_with(sphere, state[position_at(sphere)], state[velocity_at(sphere)], load_entry(other, true));
 }

@@ -182,7 +182,7 @@ fn tether_force(view: &View, tether: u32, sphere: u32) -> Vec3 {
 
 /// Counts the contacts of a fixed sphere, without evaluating their forces.
 pub(crate) fn count_contacts(view: &View, lists: &Lists, sphere: u32, tally: &mut Tally) {
-    for entry in lists.row(sphere).filter(|entry| view.user(entry.id()) > view.user(sphere)) {
+    for entry in lists.row(sphere).filter(|entry| view.insertion_index(entry.id()) > view.insertion_index(sphere)) {
         if let Some(touch) = touch(view, sphere, entry.id(), entry.feature()) {
             tally.count_contact(touch.overlap);
         }

@@ -17,7 +17,7 @@ struct Net {
 struct Push {
     force: vec3f,
     // Torque per unit length of the arm.
-    couple: vec3f,
+    torque_per_arm: vec3f,
     arm: f32,
     // 0 when the objects are apart.
     overlap: f32,
@@ -36,12 +36,12 @@ fn add_contacts(i: u32, net: ptr<function, Net>) {
     let side = sphere_side(own, state[velocity_at(i)], state[momentum_at(i)]);
     let first = first_of(i);
     let partner = bonded_partner(i);
-    for (var begin = 0u; begin < count; begin += LOOK) {
+    for (var begin = 0u; begin < count; begin += ENTRIES_PER_MASK) {
         // Pairs that overlapped at the start of the step most likely still do. For other pairs of spheres that do not touch,
         // only one position is read.
         var rest = entries_near(own, ENTRY_OVERLAPS, first, begin, count);
         if RODS {
-            rest = but_rods_apart(i, own, ENTRY_OVERLAPS, first, begin, count, rest);
+            rest = without_distant_rods(i, own, ENTRY_OVERLAPS, first, begin, count, rest);
         }
         var now = meet(first, begin, rest);
         while rest != 0u {
@@ -50,7 +50,7 @@ fn add_contacts(i: u32, net: ptr<function, Net>) {
             let push = push_of(i, partner, own, side, now);
             // An explicit fma, so that the sums of one thread and those of a workgroup are bitwise identical.
             (*net).force += push.force;
-            (*net).torque = fma(push.couple, vec3f(push.arm), (*net).torque);
+            (*net).torque = fma(push.torque_per_arm, vec3f(push.arm), (*net).torque);
             count_push(i, now.entry, push, net);
             now = ahead;
         }
@@ -59,7 +59,7 @@ fn add_contacts(i: u32, net: ptr<function, Net>) {
 
 // Contact of a sphere with the object of an entry. The sphere is evaluated as A. The other object has a higher id or is also a
 // sphere. Between spheres the contact law is symmetric, except for rounding errors of the slip.
-fn push_of(i: u32, partner: u32, own: vec4f, side: Side, other: Met) -> Push {
+fn push_of(i: u32, partner: u32, own: vec4f, side: Side, other: LoadedEntry) -> Push {
     let id = entry_id(other.entry);
     var found = no_touch();
     var their_side = sphere_side(other.place, other.velocity, other.momentum);
@@ -76,7 +76,7 @@ fn push_of(i: u32, partner: u32, own: vec4f, side: Side, other: Met) -> Push {
         return no_push();
     }
     let contact = contact_force(side, their_side, found, id);
-    return Push(contact.force, contact.couple, contact.arm_a, found.overlap);
+    return Push(contact.force, contact.torque_per_arm, contact.arm_a, found.overlap);
 }
 
 // Counts a contact, only in the first pass and only on the side that was added first.

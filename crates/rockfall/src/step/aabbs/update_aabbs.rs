@@ -28,7 +28,7 @@ use crate::model::part::part;
 use crate::model::step::Aabb;
 use crate::model::view::{Object, View};
 use crate::model::world::World;
-use crate::physics::travel::{may_gain, may_travel, place_ahead};
+use crate::physics::travel::{acceleration_margin, position_ahead, travel_bound};
 use crate::step::stage::{Stage, read, write};
 use crate::step::wgsl::Wgsl;
 
@@ -58,7 +58,7 @@ fn update_aabbs(world: &mut World, _pass: u32) {
     let has_stage_states = world.step.flags & FLAG_STAGES != 0;
     let gain = |sphere: u32| {
         if has_stage_states {
-            may_gain(&world.step, third.velocity(sphere), fourth.velocity(sphere), world.step.lookahead)
+            acceleration_margin(&world.step, third.velocity(sphere), fourth.velocity(sphere), world.step.lookahead)
         } else {
             0.0
         }
@@ -92,7 +92,7 @@ fn aabb(view: &View, gain: &impl Fn(u32) -> f32, id: u32) -> Aabb {
 /// Returns the bounds of all places that a ball of this radius about the centre of a sphere may reach before lists are rebuilt.
 fn ball_bounds(view: &View, gain: f32, sphere: u32, radius: f32) -> (Vec3, Vec3) {
     let reach = radius + margin(view, gain, sphere);
-    let middle = place_ahead(view.step, view.position(sphere), view.motion(sphere));
+    let middle = position_ahead(view.step, view.position(sphere), view.motion(sphere));
     (middle - reach, middle + reach)
 }
 
@@ -101,7 +101,7 @@ fn margin(view: &View, gain: f32, sphere: u32) -> f32 {
         return 0.0;
     }
     let radius = view.radius(sphere);
-    let travel = may_travel(view.step, view.velocity(sphere), radius, view.step.lookahead);
+    let travel = travel_bound(view.step, view.velocity(sphere), radius, view.step.lookahead);
     travel + gain + (view.step.margin_scale - 1.0) * 0.02 * radius
 }
 

@@ -19,10 +19,10 @@ fn margin(sphere: u32, velocity: vec4f, radius: f32) -> f32 {
     var gain = 0.0;
     if LARGE {
         let at = velocity_at(sphere);
-        gain = select(0.0, may_gain(y3[at].xyz, y4[at].xyz, step.lookahead), (step.flags & FLAG_STAGES) != 0u);
+        gain = select(0.0, acceleration_margin(y3[at].xyz, y4[at].xyz, step.lookahead), (step.flags & FLAG_STAGES) != 0u);
     }
     let spare = (step.margin_scale - 1.0) * 0.02 * radius;
-    return select(0.0, may_travel(velocity, radius, step.lookahead) + gain + spare, velocity.w > 0.0);
+    return select(0.0, travel_bound(velocity, radius, step.lookahead) + gain + spare, velocity.w > 0.0);
 }
 
 // Returns the AABB of a ball of this radius about the centre of a sphere. The radius is that of the sphere itself or of a rod
@@ -31,7 +31,7 @@ fn ball_hull(sphere: u32, radius: f32) -> Hull {
     let centre = state[position_at(sphere)];
     let velocity = state[velocity_at(sphere)];
     let reach = vec3f(radius + margin(sphere, velocity, centre.w));
-    let middle = place_ahead(centre.xyz, velocity);
+    let middle = position_ahead(centre.xyz, velocity);
     return Hull(middle - reach, middle + reach);
 }
 

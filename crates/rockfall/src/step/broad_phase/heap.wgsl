@@ -24,7 +24,7 @@ fn sift_down(first: vec2u, top: u32, size: u32) {
 }
 
 // Sorts the keys, drops duplicates, and replaces the keys by entries. Returns the number of entries.
-fn order_long(first: vec2u, count: u32) -> u32 {
+fn heap_sort_list(first: vec2u, count: u32) -> u32 {
     if count == 0u {
         return 0u;
     }

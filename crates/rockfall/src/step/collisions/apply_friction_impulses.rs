@@ -50,7 +50,8 @@ fn apply_friction_impulses(world: &mut World, _pass: u32) {
             let mut tally = Tally::default();
             for sphere in rows.spheres() {
                 let before = view.position(sphere);
-                let after = friction.rubbed(sphere).or_stopped(before, BadStage::Collisions, view.user(sphere), &mut tally);
+                let after =
+                    friction.rubbed(sphere).or_stopped(before, BadStage::Collisions, view.insertion_index(sphere), &mut tally);
                 rows.set(&view, sphere, after);
             }
             tally

@@ -30,7 +30,7 @@ fn share_of(sphere: u32, row: u32, at: f32) -> f32 {
 fn add_friction_impulses(sphere: u32, row: u32, rubbed: ptr<function, FrictionSums>) {
     let count = count_of(row);
     let first = first_of(row);
-    for (var begin = 0u; begin < count; begin += LOOK) {
+    for (var begin = 0u; begin < count; begin += ENTRIES_PER_MASK) {
         for (var rest = entries_with(ENTRY_OVERLAPS, first, begin, count); rest != 0u; rest &= rest - 1u) {
             let rub = friction_impulse_of(row, slot_at(first, begin + firstTrailingBit(rest)));
             let is_a = rub.a_id == row;
@@ -46,7 +46,7 @@ fn add_friction_impulses(sphere: u32, row: u32, rubbed: ptr<function, FrictionSu
 fn add_friction_impulses_on_capsule(capsule: Capsule, rod: u32, row: u32, rubbed: ptr<function, FrictionSums>) {
     let count = count_of(row);
     let first = first_of(row);
-    for (var begin = 0u; begin < count; begin += LOOK) {
+    for (var begin = 0u; begin < count; begin += ENTRIES_PER_MASK) {
         for (var rest = entries_with(ENTRY_OVERLAPS, first, begin, count); rest != 0u; rest &= rest - 1u) {
             let rub = friction_impulse_of(row, slot_at(first, begin + firstTrailingBit(rest)));
             let is_a = rub.a_id == row;
@@ -54,8 +54,8 @@ fn add_friction_impulses_on_capsule(capsule: Capsule, rod: u32, row: u32, rubbed
             if row < step.spheres {
                 at = select(0.0, 1.0, rod_ends(rod).y == row);
             }
-            let couple = select(rub.arms.y, rub.arms.x, is_a) * cross(rub.n, rub.impulse);
-            let grip = grip_of(capsule, at, select(-rub.impulse, rub.impulse, is_a), couple);
+            let torque = select(rub.arms.y, rub.arms.x, is_a) * cross(rub.n, rub.impulse);
+            let grip = capsule_load(capsule, at, select(-rub.impulse, rub.impulse, is_a), torque);
             (*rubbed).velocity += grip.push;
             (*rubbed).turning += grip.turning;
             (*rubbed).rolling += grip.rolling;
@@ -82,7 +82,7 @@ fn sphere_after_friction(i: u32) -> Motion {
 
 fn end_after_friction(i: u32, rod: u32) -> Motion {
     let ends = rod_ends(rod);
-    let capsule = capsule_of(ends, poise_of(half_of(i, 0.0)));
+    let capsule = capsule_of(ends, side_motion(contact_side(i, 0.0)));
     var rubbed = FrictionSums(vec3f(0.0), vec3f(0.0), vec3f(0.0));
     add_friction_impulses_on_capsule(capsule, rod, ends.x, &rubbed);
     add_friction_impulses_on_capsule(capsule, rod, ends.y, &rubbed);

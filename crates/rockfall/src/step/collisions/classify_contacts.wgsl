@@ -37,7 +37,7 @@ fn bits_of(overlap: f32, approach: f32, inverse_mass: f32, radius: f32) -> u32 {
 }
 
 // The bits of an entry of a mover. `velocity` is the velocity row of the mover, used only if the mover is a sphere.
-fn classify(own: Own, velocity: vec4f, other: Met) -> u32 {
+fn classify(own: Own, velocity: vec4f, other: LoadedEntry) -> u32 {
     let id = entry_id(other.entry);
     if are_plain(own.id, id) {
         let contact = plain_with(own.id, own.place, velocity, other);
@@ -58,7 +58,7 @@ fn classify(own: Own, velocity: vec4f, other: Met) -> u32 {
     if inverse_mass_at(pair.x, found.a) + inverse_mass_at(pair.y, found.b) <= 0.0 {
         return 0u;
     }
-    let contact = closing_at(pair.x, pair.y, found);
+    let contact = approach_at(pair.x, pair.y, found);
     return bits_of(found.overlap, contact.approach, contact.inverse_mass, pair_radius(pair.x, pair.y));
 }
 
@@ -71,13 +71,13 @@ fn entries_to_classify(own: Own, first: vec2u, begin: u32, count: u32) -> u32 {
     }
     if own.id < step.spheres {
         let near = entries_near(own.place, bits, first, begin, count);
-        return but_rods_apart(own.id, own.place, bits, first, begin, count, near);
+        return without_distant_rods(own.id, own.place, bits, first, begin, count, near);
     }
     return touching_rod(own.id, own.bar, bits, first, begin, count);
 }
 
 // Classifies an entry and returns its bits. They are written only if they have changed, which is rare.
-fn mark_entry(own: Own, velocity: vec4f, other: Met, slot: vec2u) -> u32 {
+fn mark_entry(own: Own, velocity: vec4f, other: LoadedEntry, slot: vec2u) -> u32 {
     let entry = other.entry & ~(ENTRY_OVERLAPS | ENTRY_COLLIDES);
     let bits = classify(own, velocity, other);
     if (entry | bits) != other.entry {
@@ -97,7 +97,7 @@ fn mark_entries(mover: u32) -> u32 {
     let sphere = min(mover, step.spheres - 1u);
     let own = own_of(mover);
     let velocity = state[velocity_at(sphere)];
-    for (var begin = 0u; begin < count; begin += LOOK) {
+    for (var begin = 0u; begin < count; begin += ENTRIES_PER_MASK) {
         var rest = entries_to_classify(own, first, begin, count);
         var now = meet(first, begin, rest);
         while rest != 0u {

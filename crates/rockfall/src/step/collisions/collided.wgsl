@@ -1,4 +1,4 @@
-// requires step/collisions/rows.wgsl step/take_next.wgsl
+// requires step/collisions/rows.wgsl step/commit_next_state.wgsl
 
 // Commits the next state of a sphere, if a collision may have changed it.
 
@@ -24,6 +24,6 @@ fn commit_change(i: u32) {
         status.lengths_due = 1u;
     }
     if takes_part {
-        take_next(i);
+        commit_next_state(i);
     }
 }

@@ -83,7 +83,7 @@ fn mark(view: &View, slice: &mut Slice, place: usize, tally: &mut Tally) {
         word(entry.place).set(entry.word | bits);
         if bits & ENTRY_COLLIDES != 0 {
             slice.counts[place] |= LIST_COLLIDES;
-            tally.collisions += u32::from(view.user(mover) < view.user(entry.id()));
+            tally.collisions += u32::from(view.insertion_index(mover) < view.insertion_index(entry.id()));
         }
     };
     let done = Ball::new(view, mover)

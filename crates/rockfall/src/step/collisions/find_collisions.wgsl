@@ -23,7 +23,7 @@ fn mark_entries_of_large_sphere(sphere: u32, local: u32) -> u32 {
     var collisions = 0u;
     for (var e = local; e < count; e += WORKGROUP) {
         let slot = slot_at(first, e);
-        let other = met(entry_at(slot), true);
+        let other = load_entry(entry_at(slot), true);
         if (mark_entry(own, velocity, other, slot) & ENTRY_COLLIDES) != 0u {
             atomicStore(&any_collides, 1u);
             collisions += select(0u, 1u, ordered(sphere, entry_id(other.entry)).x == sphere);

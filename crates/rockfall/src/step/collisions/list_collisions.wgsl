@@ -54,7 +54,7 @@ fn put_number(mover: u32, slot: vec2u, number: u32) {
     }
 }
 
-fn put_record(number: u32, pair: vec2u, feature: u32, found: Touch, closing: Closing) {
+fn put_record(number: u32, pair: vec2u, feature: u32, found: Touch, closing: ApproachSpeed) {
     let at = bitcast<vec2u>(vec2f(found.a, found.b));
     collisions[row_at(number, 0u)] = bitcast<vec4u>(vec4f(found.n, closing.approach));
     collisions[row_at(number, 1u)] = vec4u(pair.x, pair.y | feature << ENTRY_ID_BITS, at.x, at.y);
@@ -75,14 +75,14 @@ fn list_entry(mover: u32, slot: vec2u) {
     }
     let pair = ordered(mover, id);
     let found = touch(pair.x, pair.y, entry_feature(entry));
-    put_record(number, pair, entry_feature(entry), found, closing_at(pair.x, pair.y, found));
+    put_record(number, pair, entry_feature(entry), found, approach_at(pair.x, pair.y, found));
     put_number(mover, slot, number);
 }
 
 fn list_all(mover: u32) {
     let count = count_of(mover);
     let first = first_of(mover);
-    for (var begin = 0u; begin < count; begin += LOOK) {
+    for (var begin = 0u; begin < count; begin += ENTRIES_PER_MASK) {
         for (var rest = entries_with(ENTRY_COLLIDES, first, begin, count); rest != 0u; rest &= rest - 1u) {
             let slot = slot_at(first, begin + firstTrailingBit(rest));
             if is_own(mover, entry_id(entry_at(slot))) {

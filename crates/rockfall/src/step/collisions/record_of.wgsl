@@ -1,4 +1,4 @@
-// requires model/lists.wgsl model/step.wgsl
+// requires model/lists.wgsl
 
 // Finds the records of list entries.
 
@@ -7,7 +7,3 @@ fn record_of(slot: vec2u) -> u32 {
     return collision_indices[row_of_entries(slot)][slot.y];
 }
 
-// Whether the collisions of the step have records.
-fn are_listed() -> bool {
-    return RODS | LARGE | (step.sweeps != SWEEPS_OFF);
-}

@@ -28,7 +28,7 @@ fn change_of(sphere: u32, sweeps: u32) -> vec3f {
 }
 
 // The change of velocity of one side of a contact, at the contact, after this number of sweeps.
-fn change_at(half: Half, sweeps: u32) -> vec3f {
+fn change_at(half: ContactSide, sweeps: u32) -> vec3f {
     if half.kind == STATIC {
         return vec3f(0.0);
     }
@@ -39,8 +39,8 @@ fn change_at(half: Half, sweeps: u32) -> vec3f {
         return (1.0 - half.at) * change_of(half.spheres.x, sweeps) + half.at * change_of(half.spheres.y, sweeps);
     }
     let rod = capsule_rod(half.spheres.x);
-    let capsule = capsule_of(half.spheres, poise_of(half));
-    let kick = kick_of(capsule, rod, sweeps);
+    let capsule = capsule_of(half.spheres, side_motion(half));
+    let kick = capsule_change(capsule, rod, sweeps);
     return kick.velocity + cross(kick.spin, (half.at - capsule.centre) * capsule.d);
 }
 
@@ -55,10 +55,10 @@ fn sweep(r: u32) {
     if (gathered != 0u) & (sweeps != 0u) {
         let k = record_at(r);
         if (gathered & GATHERED_A) != 0u {
-            change += dot(k.n, change_at(half_of(k.a_id, k.a), sweeps));
+            change += dot(k.n, change_at(contact_side(k.a_id, k.a), sweeps));
         }
         if (gathered & GATHERED_B) != 0u {
-            change -= dot(k.n, change_at(half_of(k.b_id, k.b), sweeps));
+            change -= dot(k.n, change_at(contact_side(k.b_id, k.b), sweeps));
         }
     }
     put_sweep(r, sweeps, change);

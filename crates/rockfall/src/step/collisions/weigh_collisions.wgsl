@@ -28,7 +28,7 @@ fn is_across(sphere: u32, entry: u32, n: vec3f) -> bool {
 
 // The other pressed contacts of a body of collision k. The body is a moving sphere with the rods that end in it, or the
 // capsule of that sphere. The sphere does not belong to a network.
-fn company_of(k: Record, sphere: u32) -> Company {
+fn company_of(k: Record, sphere: u32) -> OtherContacts {
     var company = no_company();
     let rods = rods_of(sphere);
     for (var r = 0u; r < 1u + 2u * rods.y; r++) {
@@ -40,10 +40,10 @@ fn company_of(k: Record, sphere: u32) -> Company {
     return company;
 }
 
-fn add_row(k: Record, sphere: u32, row: u32, is_plain: bool, company: ptr<function, Company>) {
+fn add_row(k: Record, sphere: u32, row: u32, is_plain: bool, company: ptr<function, OtherContacts>) {
     let count = count_of(row);
     let first = first_of(row);
-    for (var begin = 0u; begin < count; begin += LOOK) {
+    for (var begin = 0u; begin < count; begin += ENTRIES_PER_MASK) {
         for (var rest = entries_with(ENTRY_OVERLAPS, first, begin, count); rest != 0u; rest &= rest - 1u) {
             let slot = slot_at(first, begin + firstTrailingBit(rest));
             let entry = entry_at(slot);
@@ -54,8 +54,8 @@ fn add_row(k: Record, sphere: u32, row: u32, is_plain: bool, company: ptr<functi
                 (*company).others += 1u;
                 (*company).weight += abs(dot(record_at(record_of(slot)).n, k.n));
             }
-            if (*company).is_alone {
-                (*company).is_alone = (row == sphere) & is_plain & is_across(sphere, entry, k.n);
+            if (*company).is_undisturbed {
+                (*company).is_undisturbed = (row == sphere) & is_plain & is_across(sphere, entry, k.n);
             }
         }
     }
@@ -64,7 +64,7 @@ fn add_row(k: Record, sphere: u32, row: u32, is_plain: bool, company: ptr<functi
 struct Weight {
     // The sum of N times the inverse mass over the bodies of the side (docs/physics.md section 3.7).
     weight: f32,
-    is_alone: bool,
+    is_undisturbed: bool,
     others: u32,
     // Whether a body is a network. The sweeps compute its changes of velocity.
     is_swept: bool,
@@ -80,7 +80,7 @@ fn weight_of_end(k: Record, sphere: u32, part: f32, of_network: vec2f) -> Weight
         return weight_of_network(of_network);
     }
     let company = company_of(k, sphere);
-    return Weight(company.weight * part * part * w, company.is_alone, company.others, false);
+    return Weight(company.weight * part * part * w, company.is_undisturbed, company.others, false);
 }
 
 // The weight of a network. `of_network` holds what it adds to the weight, and how many collisions touch it.
@@ -88,7 +88,7 @@ fn weight_of_network(of_network: vec2f) -> Weight {
     return Weight(of_network.x, false, u32(max(of_network.y, 1.0)) - 1u, true);
 }
 
-fn weight_of_side(k: Record, half: Half, of_network: vec4f) -> Weight {
+fn weight_of_side(k: Record, half: ContactSide, of_network: vec4f) -> Weight {
     if half.kind == STATIC {
         return Weight(0.0, true, 0u, false);
     }
@@ -98,15 +98,15 @@ fn weight_of_side(k: Record, half: Half, of_network: vec4f) -> Weight {
     if half.kind == CAPSULE {
         // Both ends have the same rows, so one end is enough.
         let company = company_of(k, half.spheres.x);
-        let inverse_mass = response(half, poise_of(half), k.n).y;
-        return Weight(f32(1u + company.others) * inverse_mass, company.is_alone, company.others, false);
+        let inverse_mass = response(half, side_motion(half), k.n).y;
+        return Weight(f32(1u + company.others) * inverse_mass, company.is_undisturbed, company.others, false);
     }
     if network_of_rod(half.id - step.spheres) != NO_NETWORK {
         return weight_of_network(of_network.xy);
     }
     let one = weight_of_end(k, half.spheres.x, 1.0 - half.at, of_network.xy);
     let two = weight_of_end(k, half.spheres.y, half.at, of_network.zw);
-    return Weight(one.weight + two.weight, one.is_alone & two.is_alone, one.others + two.others, one.is_swept | two.is_swept);
+    return Weight(one.weight + two.weight, one.is_undisturbed & two.is_undisturbed, one.others + two.others, one.is_swept | two.is_swept);
 }
 
 // Stores a collision whose impulse is known.
@@ -126,7 +126,7 @@ fn put_swept(r: u32, inverse: f32) {
 
 // The other pressed contacts of a sphere without rods. Also stores the coupling of each of its collisions with collision k.
 // `side` is 1 for A, -1 for B.
-fn plain_company_with_couplings(k: Record, number: u32, sphere: u32, side: f32) -> Company {
+fn plain_company_with_couplings(k: Record, number: u32, sphere: u32, side: f32) -> OtherContacts {
     var company = no_company();
     let own = state[position_at(sphere)];
     let velocity = state[velocity_at(sphere)];
@@ -135,7 +135,7 @@ fn plain_company_with_couplings(k: Record, number: u32, sphere: u32, side: f32) 
     }
     let count = count_of(sphere);
     let first = first_of(sphere);
-    for (var begin = 0u; begin < count; begin += LOOK) {
+    for (var begin = 0u; begin < count; begin += ENTRIES_PER_MASK) {
         for (var rest = entries_with(ENTRY_OVERLAPS, first, begin, count); rest != 0u; rest &= rest - 1u) {
             let slot = slot_at(first, begin + firstTrailingBit(rest));
             let entry = entry_at(slot);
@@ -153,9 +153,9 @@ fn plain_company_with_couplings(k: Record, number: u32, sphere: u32, side: f32) 
                 let is_static = entry_id(entry) >= step.spheres;
                 company.others += u32(collides);
                 company.weight += along;
-                company.is_alone &= is_static;
-                if company.is_alone {
-                    company.is_alone = is_across(sphere, entry, k.n);
+                company.is_undisturbed &= is_static;
+                if company.is_undisturbed {
+                    company.is_undisturbed = is_across(sphere, entry, k.n);
                 }
             }
         }
@@ -173,7 +173,7 @@ fn weigh_plain(r: u32) {
         two = plain_company_with_couplings(k, r, k.b_id, -1.0);
         weight += two.weight * inverse_mass(k.b_id);
     }
-    let is_lone = one.is_alone & two.is_alone;
+    let is_lone = one.is_undisturbed & two.is_undisturbed;
     if !is_lone & (one.others + two.others > 0u) {
         put_swept(r, 1.0 / weight);
         put_couplings(r, false);
@@ -186,23 +186,23 @@ fn weigh_plain(r: u32) {
 
 fn weigh(r: u32) {
     let k = record_at(r);
-    let a = half_of(k.a_id, k.a);
-    let b = half_of(k.b_id, k.b);
+    let a = contact_side(k.a_id, k.a);
+    let b = contact_side(k.b_id, k.b);
     let one = weight_of_side(k, a, network_weights(r, 0u));
     let two = weight_of_side(k, b, network_weights(r, 2u));
-    if one.is_alone & two.is_alone {
+    if one.is_undisturbed & two.is_undisturbed {
         let solved = solve_lone(k.a_id, k.b_id, k.feature, touch(k.a_id, k.b_id, k.feature));
         put_solved(r, solved, solved.tau);
         return;
     }
     let weight = one.weight + two.weight;
     // A contact that rods keep from moving along n gets no impulse (docs/physics.md section 3.4).
-    let unprojected = closing_of(a, b, poise_of(a), poise_of(b), k.n).inverse_mass;
+    let unprojected = approach_of(a, b, side_motion(a), side_motion(b), k.n).inverse_mass;
     let inverse = select(0.0, 1.0 / weight, weight > RIGID * unprojected);
     let is_only = one.others + two.others == 0u;
     if !is_only | one.is_swept | two.is_swept {
         put_swept(r, inverse);
-        couple(k, r, is_only);
+        find_couplings(k, r, is_only);
     } else {
         let impulse = (1.0 + step.restitution) * k.approach * inverse;
         put_solved(r, Solved(k.n, k.a, k.b, impulse, 0.0), SINGLE);

@@ -10,9 +10,9 @@
 // The force and the torque on each end of a rod, and the counters of its contacts.
 struct Wrench {
     force_1: vec3f,
-    couple_1: vec3f,
+    torque_1: vec3f,
     force_2: vec3f,
-    couple_2: vec3f,
+    torque_2: vec3f,
     contacts: u32,
     deepest: f32,
 }
@@ -34,7 +34,7 @@ fn wrench_on(rod: u32) -> Wrench {
     let count = count_of(id);
     let first = first_of(id);
     let own = bar_of(rod);
-    for (var begin = 0u; begin < count; begin += LOOK) {
+    for (var begin = 0u; begin < count; begin += ENTRIES_PER_MASK) {
         for (var rest = touching_rod(id, own, 0u, first, begin, count); rest != 0u; rest &= rest - 1u) {
             add_rod_contact(id, own, entry_at(slot_at(first, begin + firstTrailingBit(rest))), &sum);
         }
@@ -56,11 +56,11 @@ fn add_rod_contact(id: u32, own: Bar, entry: u32, sum: ptr<function, Wrench>) {
     let is_a = id < other;
     let at = select(found.b, found.a, is_a);
     let force = select(-contact.force, contact.force, is_a);
-    let couple = select(contact.arm_b, contact.arm_a, is_a) * contact.couple;
+    let torque = select(contact.arm_b, contact.arm_a, is_a) * contact.torque_per_arm;
     (*sum).force_1 += (1.0 - at) * force;
-    (*sum).couple_1 += (1.0 - at) * couple;
+    (*sum).torque_1 += (1.0 - at) * torque;
     (*sum).force_2 += at * force;
-    (*sum).couple_2 += at * couple;
+    (*sum).torque_2 += at * torque;
     if is_a {
         (*sum).contacts += 1u;
         (*sum).deepest = max((*sum).deepest, found.overlap);
@@ -79,9 +79,9 @@ fn rod_forces(
     if alive & (rod < step.rods) {
         wrench = wrench_on(rod);
         wrenches[4u * rod] = vec4f(wrench.force_1, 0.0);
-        wrenches[4u * rod + 1u] = vec4f(wrench.couple_1, 0.0);
+        wrenches[4u * rod + 1u] = vec4f(wrench.torque_1, 0.0);
         wrenches[4u * rod + 2u] = vec4f(wrench.force_2, 0.0);
-        wrenches[4u * rod + 3u] = vec4f(wrench.couple_2, 0.0);
+        wrenches[4u * rod + 3u] = vec4f(wrench.torque_2, 0.0);
     }
     if pass_.index == 0u {
         count_contacts_of_workgroup(linear_group(group, groups), local, wrench.contacts, wrench.deepest);

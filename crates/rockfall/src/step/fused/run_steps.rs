@@ -49,20 +49,20 @@ pub(crate) fn is_small(step: &Step) -> bool {
 /// Returns whether the stage may replace other stages in a world of these counts. It cannot where there may be long movers,
 /// because each of them needs more than one thread.
 #[cfg(feature = "gpu")]
-pub(crate) fn suits(step: &Step) -> bool {
+pub(crate) fn can_fuse(step: &Step) -> bool {
     is_small(step) && step.long_at == 0
 }
 
 /// Returns the pass of a dispatch that runs only this phase, either that of collisions or that of positions.
 #[cfg(feature = "gpu")]
-pub(crate) fn begun_with(phase: Phase, integrator: Integrator) -> u32 {
+pub(crate) fn pass_of_phase(phase: Phase, integrator: Integrator) -> u32 {
     let order = if phase == Phase::HandleCollisions { 0 } else { POSITIONS_FIRST };
     1 << PHASES_SHIFT | order | if integrator == Integrator::Rk4 { 0 } else { SYMPLECTIC_EULER }
 }
 
 /// Returns the pass of a dispatch that runs all phases of `pass` and then this phase, or `None` if there is no such pass.
 #[cfg(feature = "gpu")]
-pub(crate) fn followed_by(pass: u32, phase: Phase) -> Option<u32> {
+pub(crate) fn extended_by(pass: u32, phase: Phase) -> Option<u32> {
     let orders = [pass, pass & !ORDER_MASK | POSITIONS_ALONE];
     let mut longer = orders.into_iter().map(|pass| pass + (1 << PHASES_SHIFT));
     longer.find(|longer| phases(*longer).eq(phases(pass).chain([phase])))
@@ -93,7 +93,7 @@ mod tests {
         let [collisions, positions] = [Phase::HandleCollisions, Phase::UpdatePositions];
         let joined = |phases: &[Phase], integrator: Integrator| {
             let (first, rest) = phases.split_first()?;
-            rest.iter().try_fold(begun_with(*first, integrator), |pass, phase| followed_by(pass, *phase))
+            rest.iter().try_fold(pass_of_phase(*first, integrator), |pass, phase| extended_by(pass, *phase))
         };
         for all in [
             vec![collisions],

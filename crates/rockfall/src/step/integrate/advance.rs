@@ -74,7 +74,7 @@ fn advance(world: &mut World, pass: u32) {
             velocity: origin.velocity + h * acceleration,
             angular_momentum: origin.angular_momentum + h * torque,
         };
-        let next = next.or_stopped(origin.position, BAD[pass as usize], view.user(sphere), tally);
+        let next = next.or_stopped(origin.position, BAD[pass as usize], view.insertion_index(sphere), tally);
         if pass == 2 {
             // All four stage states are checked here, before the step changes the state. So a rejected step leaves it as it
             // was.

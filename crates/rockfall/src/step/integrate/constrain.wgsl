@@ -33,9 +33,9 @@ fn shake(rod: u32) -> f32 {
     let kick = correction / step.dt;
     move_end(ends.x, w1, correction);
     move_end(ends.y, -w2, correction);
-    kick_end(ends.x, w1, kick);
-    kick_end(ends.y, -w2, kick);
-    return but_rounding(length(d) - target_length, one, two) / target_length;
+    change_end_velocity(ends.x, w1, kick);
+    change_end_velocity(ends.y, -w2, kick);
+    return without_rounding(length(d) - target_length, one, two) / target_length;
 }
 
 // Sets the relative velocity of the ends along the rod to 0 (RATTLE). Returns the relative change of length that it would
@@ -58,9 +58,9 @@ fn rattle(rod: u32) -> f32 {
     let moves_2 = select(vec3f(0.0), v2.xyz, v2.w > 0.0);
     let opening = dot(moves_2 - moves_1, n);
     let impulse = n * (opening / sum);
-    kick_end(ends.x, v1.w, impulse);
-    kick_end(ends.y, -v2.w, impulse);
-    return but_rounding(opening, moves_1, moves_2) * step.dt / rod_length(rod);
+    change_end_velocity(ends.x, v1.w, impulse);
+    change_end_velocity(ends.y, -v2.w, impulse);
+    return without_rounding(opening, moves_1, moves_2) * step.dt / rod_length(rod);
 }
 
 @compute @workgroup_size(64)

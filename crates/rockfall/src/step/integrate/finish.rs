@@ -106,5 +106,5 @@ fn finished(y: Motion, views: &[View; 3], lists: &Lists, wrenches: &[Vec4], sphe
         velocity: mean(y.velocity, y2.velocity, y3.velocity, y4.velocity, acceleration),
         angular_momentum: mean(y.angular_momentum, y2.angular_momentum, y3.angular_momentum, y4.angular_momentum, torque),
     };
-    (motion.or_stopped(y.position, BadStage::Forces4, last.user(sphere), tally), spin)
+    (motion.or_stopped(y.position, BadStage::Forces4, last.insertion_index(sphere), tally), spin)
 }

@@ -37,7 +37,7 @@ fn write_next(i: u32, net: Net) {
             check_escapes(i, old_position, old_velocity.xyz, after.position);
             // Stage state 4 is close to the state at the end of the step. This is accurate enough: if a sphere leaves its
             // AABB without a request, the step is rejected.
-            ask_for_lists(i, vec4f(after.position, old_position.w), vec4f(after.velocity, old_velocity.w));
+            request_rebuild(i, vec4f(after.position, old_position.w), vec4f(after.velocity, old_velocity.w));
         }
     }
     put_next(0u, i, vec4f(after.position, old_position.w));

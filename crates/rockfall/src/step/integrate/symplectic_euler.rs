@@ -59,7 +59,7 @@ fn symplectic_euler(world: &mut World, _pass: u32) {
         let velocity = y.velocity + dt * acceleration;
         let next =
             Motion { position: y.position + dt * velocity, velocity, angular_momentum: y.angular_momentum + dt * torque };
-        next.or_stopped(y.position, BadStage::Forces1, view.user(sphere), tally)
+        next.or_stopped(y.position, BadStage::Forces1, view.insertion_index(sphere), tally)
     };
     let tally = Rows::of(y2, world.step.spheres)
         .zip(Rows::of(y3, world.step.spheres))

@@ -15,10 +15,10 @@ fn add_contacts_by_workgroup(i: u32, local: u32, net: ptr<function, Net>) {
         var push = no_push();
         if begin + local < count {
             let entry = entry_at(slot_at(first, begin + local));
-            push = push_of(i, partner, own, side, met(entry, true));
+            push = push_of(i, partner, own, side, load_entry(entry, true));
             count_push(i, entry, push, net);
         }
-        add_in_order(local, min(count - begin, WORKGROUP), push.force, 1.0, push.couple, push.arm);
+        add_in_order(local, min(count - begin, WORKGROUP), push.force, 1.0, push.torque_per_arm, push.arm);
     }
     workgroupBarrier();
     (*net).force = first_sum();

@@ -64,7 +64,7 @@ pub(crate) fn greatest_coordinate(aabb: &Aabb) -> f32 {
 
 /// Returns whether an object is a box or polygon and these are few. Every mover then tests them one by one, because levels of
 /// their own would cost more.
-pub(crate) fn stands_apart(step: &Step, object: u32) -> bool {
+pub(crate) fn is_tested_apart(step: &Step, object: u32) -> bool {
     object >= step.spheres + step.rods && step.boxes + step.polygons <= FEW_STATICS
 }
 
@@ -241,7 +241,7 @@ impl Around {
     fn gather(&mut self, grid: &Grid, aabb: &Aabb) {
         self.others.clear();
         let movers = grid.step.spheres + grid.step.rods;
-        if stands_apart(grid.step, movers) {
+        if is_tested_apart(grid.step, movers) {
             self.others.extend(movers..grid.aabbs.len() as u32);
         }
         let most: usize = self.spans.iter().map(|(start, end)| (end - start) as usize).sum();
@@ -254,7 +254,7 @@ impl Around {
             let span = *start as usize..*end as usize;
             for (extent, id) in grid.extents[span.clone()].iter().zip(&grid.sorted[span]) {
                 if *id >= grid.step.spheres {
-                    if !stands_apart(grid.step, *id) {
+                    if !is_tested_apart(grid.step, *id) {
                         self.others.push(*id);
                     }
                     continue;

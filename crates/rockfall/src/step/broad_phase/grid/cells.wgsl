@@ -15,7 +15,7 @@
 
 // Returns whether boxes and polygons are so few that every mover tests them one by one. Levels of their own would cost every
 // mover more.
-fn statics_stand_apart() -> bool {
+fn are_statics_tested_apart() -> bool {
     return step.boxes + step.polygons <= FEW_STATICS;
 }
 

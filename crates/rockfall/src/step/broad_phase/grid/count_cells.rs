@@ -11,7 +11,7 @@ use crate::model::layout::GRAIN;
 use crate::model::layout::{CELLS_AT, EDGES_AT, FARTHEST_AT};
 use crate::model::part::part;
 use crate::model::world::World;
-use crate::step::broad_phase::grid::cells::{greatest_coordinate, is_long, key_of, stands_apart};
+use crate::step::broad_phase::grid::cells::{greatest_coordinate, is_long, is_tested_apart, key_of};
 use crate::step::stage::{Stage, read, write};
 use crate::step::wgsl::Wgsl;
 
@@ -31,7 +31,7 @@ fn count_cells(world: &mut World, _pass: u32) {
     let step = &world.step;
     let keys: Vec<_> = world.aabbs.par_iter().with_min_len(GRAIN).map(|aabb| key_of(step, aabb)).collect();
     for (object, (key, level, largest)) in keys.into_iter().enumerate() {
-        if !stands_apart(step, object as u32) {
+        if !is_tested_apart(step, object as u32) {
             world.cells[0] |= 1 << level;
             let edge = &mut world.cells[(EDGES_AT + level) as usize];
             // Floats that are not negative have the order of their bits.

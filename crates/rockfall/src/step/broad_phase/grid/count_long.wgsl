@@ -29,7 +29,7 @@ fn count_long(
         }
         workgroupBarrier();
         found = 0u;
-        emit_neighbours(mover, portion_of(local));
+        emit_neighbours(mover, portion_of_thread(local));
         atomicAdd(&all_found, found);
         workgroupBarrier();
         if local == 0u {

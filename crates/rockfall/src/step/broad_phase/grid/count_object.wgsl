@@ -30,7 +30,7 @@ fn count_object(object: u32) {
     if (object < step.spheres + step.rods) & is_long(aabb) {
         atomicStore(&cells[step.long_at + atomicAdd(&cells[3], 1u)], object);
     }
-    if (object < step.spheres + step.rods) | !statics_stand_apart() {
+    if (object < step.spheres + step.rods) | !are_statics_tested_apart() {
         let edge = bitcast<u32>(max(largest_edge(aabb), 0.0));
         if (atomicLoad(&levels) >> level & 1u) == 0u {
             atomicOr(&levels, 1u << level);

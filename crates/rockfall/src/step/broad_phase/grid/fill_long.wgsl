@@ -74,7 +74,7 @@ fn fill_long(
         workgroupBarrier();
         if fits {
             into = first_of(mover);
-            emit_neighbours(mover, portion_of(local));
+            emit_neighbours(mover, portion_of_thread(local));
         }
         workgroupBarrier();
         if local == 0u {

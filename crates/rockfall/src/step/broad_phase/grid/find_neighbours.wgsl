@@ -285,7 +285,7 @@ fn find_neighbours(
     }
     for (var round = 0u; round < 2u; round++) {
         if searches {
-            emit_neighbours(mover, ALL_OF_IT);
+            emit_neighbours(mover, WHOLE_SEARCH);
         }
         if round == 0u {
             if searches & (found <= REMEMBERED) {
@@ -305,7 +305,7 @@ fn find_neighbours(
             }
             entries = 0u;
         } else if searches {
-            put_head(mover, order_long(into, entries));
+            put_head(mover, heap_sort_list(into, entries));
         }
     }
 }

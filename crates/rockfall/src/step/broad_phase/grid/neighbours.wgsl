@@ -91,7 +91,7 @@ fn may_meet(a: u32, b: u32) -> bool {
 // polygons are few, one that was found in a cell makes none, because they are tested one by one.
 fn entries_found(mover: u32, place: u32) -> u32 {
     let id = id_at(place);
-    let is_tested_apart = ((place & ID_MARK) == 0u) & (id >= step.spheres + step.rods) & statics_stand_apart();
+    let is_tested_apart = ((place & ID_MARK) == 0u) & (id >= step.spheres + step.rods) & are_statics_tested_apart();
     if (id == mover) | is_tested_apart {
         return 0u;
     }
@@ -113,13 +113,13 @@ struct Portion {
     parts: u32,
 }
 
-const ALL_OF_IT = Portion(0, 0, 1, 0u, 1u);
+const WHOLE_SEARCH = Portion(0, 0, 1, 0u, 1u);
 // How a workgroup shares a search. Most long movers search about 8 times 8 rows, with dozens of objects each.
 const GROUP_ACROSS: u32 = 4u;
 const GROUP_PARTS: u32 = 16u;
 
 // Returns the portion of a thread in a workgroup of 256 threads.
-fn portion_of(local: u32) -> Portion {
+fn portion_of_thread(local: u32) -> Portion {
     let row = local / GROUP_PARTS;
     return Portion(i32(row % GROUP_ACROSS), i32(row / GROUP_ACROSS), i32(GROUP_ACROSS), local % GROUP_PARTS, GROUP_PARTS);
 }
@@ -209,7 +209,7 @@ fn emit_neighbours(mover: u32, portion: Portion) {
     let probe = probe_of(mover, own);
     let thread = u32(portion.y + portion.z * portion.across) * portion.parts + portion.part;
     let threads = u32(portion.across * portion.across) * portion.parts;
-    if statics_stand_apart() {
+    if are_statics_tested_apart() {
         for (var id = step.spheres + step.rods + thread; id < objects(); id += threads) {
             if aabbs_meet(own, aabbs[id]) {
                 emit(mover, id | ID_MARK);

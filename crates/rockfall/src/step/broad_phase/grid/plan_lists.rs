@@ -22,7 +22,7 @@ pub(crate) const STAGE: Stage = Stage {
 
 fn plan_lists(world: &mut World, _pass: u32) {
     let is_due = world.status.rebuild != 0 && world.status.rejected == 0;
-    let (present, all) = world.sizes.split_at_mut(SIZE_WORDS as usize);
+    let (present, all) = world.dispatch_sizes.split_at_mut(SIZE_WORDS as usize);
     if is_due {
         present.copy_from_slice(all);
     } else {

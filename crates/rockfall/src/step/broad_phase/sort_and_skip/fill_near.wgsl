@@ -31,6 +31,6 @@ fn fill_near(
     emit_near(block, local);
     let mover = mover_at(block * WORKGROUP + local);
     if mover != NONE {
-        order_long(first_of(mover), count);
+        heap_sort_list(first_of(mover), count);
     }
 }

@@ -1,5 +1,5 @@
 // Makes the next state of a sphere its current state.
-fn take_next(i: u32) {
+fn commit_next_state(i: u32) {
     for (var region = 0u; region < 3u; region++) {
         put_start(region, i, next_row(region, i));
     }
