@@ -86,7 +86,6 @@ pub mod simulation;
 pub mod stability;
 #[doc(hidden)]
 pub mod step;
-mod traffic;
 
 pub use checkpoint::Checkpoint;
 pub use devices::{DeviceInfo, devices};

@@ -3,7 +3,7 @@
 use crate::model::status::Status;
 use crate::model::step::Step;
 use crate::step::schedule::{Phase, Run};
-use crate::traffic;
+use crate::step::traffic;
 
 /// The clock that measured the times of the stages.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

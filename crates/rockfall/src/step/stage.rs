@@ -4,6 +4,7 @@ use crate::model::buffer::Buffer;
 use crate::model::dispatch::Threads;
 use crate::model::part::Part;
 use crate::model::world::World;
+use crate::step::moves::Moves;
 use crate::step::wgsl::Wgsl;
 
 /// The buffer that a binding of a stage refers to, which may depend on the pass.
@@ -77,9 +78,16 @@ pub struct Stage {
     pub threads: Threads,
     /// The CPU twin. The second argument is the pass.
     pub cpu: fn(&mut World, u32),
+    /// What it must move at least, by pass.
+    pub moves: fn(u32) -> Moves,
 }
 
 impl Stage {
+    /// Whether this is the other stage.
+    pub fn is(&self, other: &Self) -> bool {
+        self.name == other.name
+    }
+
     /// Returns the files of the kernel: all files that it requires, directly or indirectly, each once, and then its own file.
     pub fn parts(&self) -> Vec<Part> {
         self.wgsl.parts()

@@ -54,7 +54,7 @@ pub(crate) fn check_sizes(limits: &wgpu::Limits, needed: impl Fn(Buffer) -> u64)
     let excess =
         |stage: &Stage| stage_buffers(stage).map(|buffer| needed(buffer).div_ceil(chunk)).sum::<u64>().saturating_sub(most);
     // `run_steps` only replaces other stages, and is not used if its arrays do not fit one binding each.
-    let needed_stages = ALL.into_iter().filter(|stage| stage.name != RUN_STEPS.name);
+    let needed_stages = ALL.into_iter().filter(|stage| !stage.is(&RUN_STEPS));
     let Some(worst) = needed_stages.max_by_key(|stage| excess(stage)) else { return Ok(()) };
     let excess = excess(worst);
     let largest = stage_buffers(worst).max_by_key(|buffer| needed(*buffer));

@@ -29,6 +29,7 @@ use crate::model::step::Aabb;
 use crate::model::view::{Object, View};
 use crate::model::world::World;
 use crate::physics::travel::{acceleration_margin, position_ahead, travel_bound};
+use crate::step::moves::{Moves, NONE};
 use crate::step::stage::{Stage, read, write};
 use crate::step::wgsl::Wgsl;
 
@@ -45,6 +46,8 @@ pub(crate) const STAGE: Stage = Stage {
         read("status", Buffer::Status),
     ],
     threads: Threads::WideObjects,
+    // Reads position and velocity.
+    moves: |_| Moves { rows: 2, tags: 1, aabbs: 1, rods: 1, ..NONE },
     cpu: update_aabbs,
 };
 

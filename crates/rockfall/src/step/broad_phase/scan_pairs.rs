@@ -10,6 +10,7 @@ use crate::model::layout::SLICE;
 use crate::model::part::part;
 use crate::model::status::{REBUILD_DONE, REJECTED_PAIRS};
 use crate::model::world::World;
+use crate::step::moves::{Moves, NONE};
 use crate::step::stage::{Stage, write};
 use crate::step::wgsl::Wgsl;
 
@@ -19,6 +20,7 @@ pub(crate) const STAGE: Stage = Stage {
     wgsl: Wgsl::File(part!("step/broad_phase/scan_pairs.wgsl")),
     bindings: &[write("lists", Buffer::Lists), write("status", Buffer::Status)],
     threads: Threads::One,
+    moves: |_| Moves { counts: 1, ..NONE },
     cpu: scan_pairs,
 };
 

@@ -21,6 +21,7 @@ use crate::model::world::World;
 use crate::physics::collision::all::{Outcome, solve};
 use crate::physics::collision::body::TakingPart;
 use crate::physics::travel::needs_rebuild;
+use crate::step::moves::{Moves, NONE};
 use crate::step::stage::{Stage, read, write};
 use crate::step::wgsl::Wgsl;
 
@@ -39,6 +40,8 @@ pub(crate) const STAGE: Stage = Stage {
         write("status", Buffer::Status),
     ],
     threads: Threads::SharedSpheres,
+    // Few bodies collide. The counts show which ones do not.
+    moves: |_| Moves { counts: 1, ..NONE },
     cpu: apply_collisions,
 };
 

@@ -17,6 +17,7 @@ use crate::model::state::Rows;
 use crate::model::view::View;
 use crate::model::world::World;
 use crate::physics::friction_impulses::FrictionImpulses;
+use crate::step::moves::{Moves, NONE};
 use crate::step::stage::{Stage, read, write};
 use crate::step::wgsl::Wgsl;
 
@@ -34,6 +35,8 @@ pub(crate) const STAGE: Stage = Stage {
         write("status", Buffer::Status),
     ],
     threads: Threads::Spheres,
+    // Reads and writes 3 rows; reads the entries for pressed contacts.
+    moves: |_| Moves { rows: 6, counts: 1, entries: 1, ..NONE },
     cpu: apply_friction_impulses,
 };
 

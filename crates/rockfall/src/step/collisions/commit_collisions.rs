@@ -11,6 +11,7 @@ use crate::model::part::part;
 use crate::model::view::View;
 use crate::model::world::World;
 use crate::physics::collision::body::TakingPart;
+use crate::step::moves::{Moves, NONE};
 use crate::step::stage::{Stage, read, write};
 use crate::step::wgsl::Wgsl;
 
@@ -26,6 +27,8 @@ pub(crate) const STAGE: Stage = Stage {
         write("status", Buffer::Status),
     ],
     threads: Threads::WideSpheres,
+    // Few bodies collide. The counts show which ones do not.
+    moves: |_| Moves { counts: 1, ..NONE },
     cpu: commit_collisions,
 };
 

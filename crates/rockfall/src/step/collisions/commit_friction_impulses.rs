@@ -7,6 +7,7 @@ use crate::model::dispatch::Threads;
 use crate::model::part::part;
 use crate::model::world::World;
 use crate::step::commit::commit;
+use crate::step::moves::{Moves, NONE};
 use crate::step::stage::{Stage, read, write};
 use crate::step::wgsl::Wgsl;
 
@@ -21,6 +22,7 @@ pub(crate) const STAGE: Stage = Stage {
         write("status", Buffer::Status),
     ],
     threads: Threads::WideSpheres,
+    moves: |_| Moves { rows: 6, sphere_aabbs: 1, ..NONE },
     cpu: commit_friction_impulses,
 };
 

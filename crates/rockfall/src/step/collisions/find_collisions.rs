@@ -27,6 +27,7 @@ use crate::model::world::World;
 use crate::physics::balls::Ball;
 use crate::physics::collision::Collision;
 use crate::physics::travel::escape_ratio;
+use crate::step::moves::{Moves, NONE};
 use crate::step::stage::{Stage, read, write};
 use crate::step::wgsl::Wgsl;
 
@@ -42,6 +43,8 @@ pub(crate) const STAGE: Stage = Stage {
         write("status", Buffer::Status),
     ],
     threads: Threads::SharedMovers,
+    // Reads position, velocity and entries. Few entries change.
+    moves: |_| Moves { rows: 2, sphere_aabbs: 1, counts: 1, entries: 1, ..NONE },
     cpu: find_collisions,
 };
 

@@ -5,6 +5,7 @@ use crate::model::buffer::Buffer;
 use crate::model::dispatch::Threads;
 use crate::model::part::part;
 use crate::model::world::World;
+use crate::step::moves::{Moves, NONE};
 use crate::step::stage::{Stage, read, write};
 use crate::step::wgsl::Wgsl;
 
@@ -21,6 +22,8 @@ pub(crate) const STAGE: Stage = Stage {
         write("status", Buffer::Status),
     ],
     threads: Threads::WideObjects,
+    // Few bodies collide. The counts show which ones do not.
+    moves: |_| Moves { counts: 1, ..NONE },
     cpu: list_collisions,
 };
 

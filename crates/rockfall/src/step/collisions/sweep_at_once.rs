@@ -5,6 +5,7 @@ use crate::model::buffer::Buffer;
 use crate::model::dispatch::Threads;
 use crate::model::part::part;
 use crate::model::world::World;
+use crate::step::moves::NONE;
 use crate::step::stage::{Stage, write};
 use crate::step::wgsl::Wgsl;
 
@@ -14,6 +15,8 @@ pub(crate) const STAGE: Stage = Stage {
     wgsl: Wgsl::File(part!("step/collisions/sweep_at_once.wgsl")),
     bindings: &[write("collisions", Buffer::Collisions), write("status", Buffer::Status)],
     threads: Threads::One,
+    // These process the collisions only.
+    moves: |_| NONE,
     cpu: sweep_at_once,
 };
 

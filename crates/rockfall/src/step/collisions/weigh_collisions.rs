@@ -9,6 +9,7 @@ use crate::model::buffer::Buffer;
 use crate::model::dispatch::Threads;
 use crate::model::part::part;
 use crate::model::world::World;
+use crate::step::moves::NONE;
 use crate::step::stage::{Stage, read, write};
 use crate::step::wgsl::Wgsl;
 
@@ -25,6 +26,8 @@ pub(crate) const STAGE: Stage = Stage {
         write("status", Buffer::Status),
     ],
     threads: Threads::Collisions,
+    // These process the collisions only.
+    moves: |_| NONE,
     cpu: weigh_collisions,
 };
 

@@ -14,6 +14,7 @@ use crate::model::part::part;
 use crate::model::view::View;
 use crate::model::world::World;
 use crate::physics::forces::net_force::rod_loads;
+use crate::step::moves::{Moves, NONE};
 use crate::step::stage::{Access, Binding, Slot, Stage, read, write};
 use crate::step::wgsl::Wgsl;
 
@@ -29,6 +30,7 @@ pub(crate) const STAGE: Stage = Stage {
         write("status", Buffer::Status),
     ],
     threads: Threads::Rods,
+    moves: |_| Moves { rods: 1, wrenches: 1, ..NONE },
     cpu: rod_forces,
 };
 

@@ -16,6 +16,7 @@ use crate::model::part::part;
 use crate::model::step::Step;
 use crate::model::world::World;
 use crate::settings::{BroadPhase, Integrator};
+use crate::step::moves::NONE;
 use crate::step::schedule::Phase;
 use crate::step::stage::{Stage, read, write};
 use crate::step::wgsl::Wgsl;
@@ -34,6 +35,8 @@ pub(crate) const STAGE: Stage = Stage {
         write("status", Buffer::Status),
     ],
     threads: Threads::One,
+    // Not part of a step, or in place of other stages, and not timed.
+    moves: |_| NONE,
     cpu: run_steps,
 };
 

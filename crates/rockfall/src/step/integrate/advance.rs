@@ -24,6 +24,7 @@ use crate::physics::forces::net_force::count_contacts;
 use crate::physics::forces::rates::Rates;
 use crate::physics::forces::sphere_rates;
 use crate::physics::travel::{needs_rebuild, outside};
+use crate::step::moves::{FORCES, Moves};
 use crate::step::stage::{Access, Binding, Slot, Stage, read, write};
 use crate::step::wgsl::Wgsl;
 
@@ -42,6 +43,8 @@ pub(crate) const STAGE: Stage = Stage {
         write("status", Buffer::Status),
     ],
     threads: Threads::SharedSpheres,
+    // Reads 3 rows, writes 3. Later passes also read the 3 rows of the starting state, and the last one AABBs.
+    moves: |pass| Moves { rows: if pass == 0 { 6 } else { 9 }, sphere_aabbs: u64::from(pass == 2), ..FORCES },
     cpu: advance,
 };
 

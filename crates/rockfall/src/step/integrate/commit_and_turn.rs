@@ -12,6 +12,7 @@ use crate::model::view::View;
 use crate::model::world::World;
 use crate::step::commit::commit;
 use crate::step::integrate::turn::turn_for;
+use crate::step::moves::{Moves, NONE};
 use crate::step::stage::{Stage, read, write};
 use crate::step::wgsl::Wgsl;
 
@@ -27,6 +28,8 @@ pub(crate) const STAGE: Stage = Stage {
         write("status", Buffer::Status),
     ],
     threads: Threads::WideSpheres,
+    // Also reads and writes the orientation.
+    moves: |_| Moves { rows: 8, sphere_aabbs: 1, ..NONE },
     cpu: commit_and_turn,
 };
 

@@ -10,6 +10,7 @@ use crate::model::dispatch::Threads;
 use crate::model::part::part;
 use crate::model::world::World;
 use crate::physics::lengths::{Batch, rattle, shake};
+use crate::step::moves::NONE;
 use crate::step::stage::{Stage, read, write};
 use crate::step::wgsl::Wgsl;
 
@@ -24,6 +25,7 @@ pub(crate) const STAGE: Stage = Stage {
         read("status", Buffer::Status),
     ],
     threads: Threads::Batches,
+    moves: |_| NONE,
     cpu: constrain,
 };
 

@@ -8,6 +8,7 @@ use crate::model::layout::FLAG_CONTINUE;
 use crate::model::part::part;
 use crate::model::status::{Counters, NO_BODY, REJECTED_NON_FINITE};
 use crate::model::world::World;
+use crate::step::moves::NONE;
 use crate::step::stage::{Stage, write};
 use crate::step::wgsl::Wgsl;
 
@@ -17,6 +18,7 @@ pub(crate) const STAGE: Stage = Stage {
     wgsl: Wgsl::File(part!("step/integrate/end_step.wgsl")),
     bindings: &[write("status", Buffer::Status)],
     threads: Threads::One,
+    moves: |_| NONE,
     cpu: end_step,
 };
 

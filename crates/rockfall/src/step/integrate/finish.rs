@@ -21,6 +21,7 @@ use crate::model::view::View;
 use crate::model::world::World;
 use crate::physics::forces::rates::Rates;
 use crate::physics::forces::sphere_rates;
+use crate::step::moves::{FORCES, Moves};
 use crate::step::stage::{Stage, read, write};
 use crate::step::wgsl::Wgsl;
 
@@ -39,6 +40,8 @@ pub(crate) const STAGE: Stage = Stage {
         write("status", Buffer::Status),
     ],
     threads: Threads::SharedSpheres,
+    // Reads 3 rows of four states; writes 3, and the old position and mean spin.
+    moves: |_| Moves { rows: 17, ..FORCES },
     cpu: finish,
 };
 

@@ -10,6 +10,7 @@ use crate::model::part::part;
 use crate::model::world::World;
 use crate::step::integrate::finish::finish_all;
 use crate::step::integrate::turn::turn_for;
+use crate::step::moves::{FORCES, Moves};
 use crate::step::stage::{Stage, read, write};
 use crate::step::wgsl::Wgsl;
 
@@ -28,6 +29,8 @@ pub(crate) const STAGE: Stage = Stage {
         write("status", Buffer::Status),
     ],
     threads: Threads::SharedSpheres,
+    // The same without the last two, but reads and writes the orientation.
+    moves: |_| Moves { rows: 17, ..FORCES },
     cpu: finish_and_turn,
 };
 

@@ -8,6 +8,7 @@ use crate::model::dispatch::Threads;
 use crate::model::part::part;
 use crate::model::world::World;
 use crate::physics::lengths::{Batch, along_axis};
+use crate::step::moves::NONE;
 use crate::step::stage::{Stage, read, write};
 use crate::step::wgsl::Wgsl;
 
@@ -17,6 +18,7 @@ pub(crate) const STAGE: Stage = Stage {
     wgsl: Wgsl::File(part!("step/integrate/restore_lengths.wgsl")),
     bindings: &[write("state", Buffer::Start), read("topology", Buffer::Topology), read("status", Buffer::Status)],
     threads: Threads::Batches,
+    moves: |_| NONE,
     cpu: restore_lengths,
 };
 

@@ -18,6 +18,7 @@ use crate::physics::forces::net_force::count_contacts;
 use crate::physics::forces::rates::Rates;
 use crate::physics::forces::sphere_rates;
 use crate::physics::travel::escape_ratio;
+use crate::step::moves::{FORCES, Moves};
 use crate::step::stage::{Stage, read, write};
 use crate::step::wgsl::Wgsl;
 
@@ -36,6 +37,8 @@ pub(crate) const STAGE: Stage = Stage {
         write("status", Buffer::Status),
     ],
     threads: Threads::SharedSpheres,
+    // Reads 3 rows, writes 3.
+    moves: |_| Moves { rows: 6, sphere_aabbs: 1, ..FORCES },
     cpu: symplectic_euler,
 };
 

@@ -27,6 +27,7 @@ use crate::model::dispatch::Threads;
 use crate::model::part::part;
 use crate::model::view::View;
 use crate::model::world::World;
+use crate::step::moves::{Moves, NONE};
 use crate::step::stage::{Stage, read, write};
 use crate::step::wgsl::Wgsl;
 
@@ -42,6 +43,8 @@ pub(crate) const STAGE: Stage = Stage {
         read("status", Buffer::Status),
     ],
     threads: Threads::Spheres,
+    // Reads the mean spin, reads and writes the orientation.
+    moves: |_| Moves { rows: 3, ..NONE },
     cpu: turn,
 };
 

@@ -10,6 +10,7 @@ use crate::model::dispatch::Threads;
 use crate::model::layout::{CELLS_AT, DIGIT_BITS, DIGIT_BLOCK, DIGITS};
 use crate::model::part::part;
 use crate::model::world::World;
+use crate::step::moves::NONE;
 use crate::step::stage::{Access, Binding, Slot, Stage, read, write};
 use crate::step::wgsl::Wgsl;
 
@@ -23,6 +24,8 @@ pub(crate) const STAGE: Stage = Stage {
         read("status", Buffer::Status),
     ],
     threads: Threads::DigitBlocks,
+    // Not part of a step, or in place of other stages, and not timed.
+    moves: |_| NONE,
     cpu: count_digits,
 };
 

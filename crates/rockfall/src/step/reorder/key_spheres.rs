@@ -12,6 +12,7 @@ use crate::model::dispatch::Threads;
 use crate::model::part::part;
 use crate::model::world::World;
 use crate::model::world::order::{size_class, spread};
+use crate::step::moves::NONE;
 use crate::step::stage::{Stage, read, write};
 use crate::step::wgsl::Wgsl;
 
@@ -21,6 +22,8 @@ pub(crate) const STAGE: Stage = Stage {
     wgsl: Wgsl::File(part!("step/reorder/key_spheres.wgsl")),
     bindings: &[read("state", Buffer::Start), write("pairs", Buffer::Y2), read("status", Buffer::Status)],
     threads: Threads::Spheres,
+    // Not part of a step, or in place of other stages, and not timed.
+    moves: |_| NONE,
     cpu: key_spheres,
 };
 

@@ -10,6 +10,7 @@ use crate::model::layout::ORDER_SAMPLE;
 use crate::model::lists::Lists;
 use crate::model::part::part;
 use crate::model::world::World;
+use crate::step::moves::NONE;
 use crate::step::stage::{Stage, read, write};
 use crate::step::wgsl::Wgsl;
 
@@ -19,6 +20,8 @@ pub(crate) const STAGE: Stage = Stage {
     wgsl: Wgsl::File(part!("step/reorder/measure_order.wgsl")),
     bindings: &[read("lists", Buffer::Lists), write("status", Buffer::Status)],
     threads: Threads::Spheres,
+    // Not part of a step, or in place of other stages, and not timed.
+    moves: |_| NONE,
     cpu: measure_order,
 };
 

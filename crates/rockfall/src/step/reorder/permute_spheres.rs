@@ -12,6 +12,7 @@ use crate::model::buffer::Buffer;
 use crate::model::dispatch::Threads;
 use crate::model::part::part;
 use crate::model::world::World;
+use crate::step::moves::NONE;
 use crate::step::stage::{Stage, read, write};
 use crate::step::wgsl::Wgsl;
 
@@ -29,6 +30,8 @@ pub(crate) const STAGE: Stage = Stage {
         read("status", Buffer::Status),
     ],
     threads: Threads::Spheres,
+    // Not part of a step, or in place of other stages, and not timed.
+    moves: |_| NONE,
     cpu: permute_spheres,
 };
 

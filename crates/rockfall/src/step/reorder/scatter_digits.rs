@@ -9,6 +9,7 @@ use crate::model::dispatch::Threads;
 use crate::model::layout::{CELLS_AT, DIGIT_BLOCK};
 use crate::model::part::part;
 use crate::model::world::World;
+use crate::step::moves::NONE;
 use crate::step::reorder::count_digits::digit;
 use crate::step::stage::{Access, Binding, Slot, Stage, read};
 use crate::step::wgsl::Wgsl;
@@ -24,6 +25,8 @@ pub(crate) const STAGE: Stage = Stage {
         read("status", Buffer::Status),
     ],
     threads: Threads::DigitBlocks,
+    // Not part of a step, or in place of other stages, and not timed.
+    moves: |_| NONE,
     cpu: scatter_digits,
 };
 

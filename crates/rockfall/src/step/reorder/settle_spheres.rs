@@ -9,6 +9,7 @@ use crate::model::dispatch::Threads;
 use crate::model::layout::{ROD_WORDS, SPRING_WORDS, TETHER_WORDS};
 use crate::model::part::part;
 use crate::model::world::World;
+use crate::step::moves::NONE;
 use crate::step::stage::{Stage, read, write};
 use crate::step::wgsl::Wgsl;
 
@@ -25,6 +26,8 @@ pub(crate) const STAGE: Stage = Stage {
         read("status", Buffer::Status),
     ],
     threads: Threads::Spheres,
+    // Not part of a step, or in place of other stages, and not timed.
+    moves: |_| NONE,
     cpu: settle_spheres,
 };
 

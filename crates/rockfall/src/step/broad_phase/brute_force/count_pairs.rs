@@ -14,6 +14,7 @@ use crate::model::layout::GRAIN;
 use crate::model::part::part;
 use crate::model::world::World;
 use crate::step::broad_phase::meet::for_each_pair;
+use crate::step::moves::{Moves, NONE};
 use crate::step::stage::{Stage, read, write};
 use crate::step::wgsl::Wgsl;
 
@@ -23,6 +24,7 @@ pub(crate) const STAGE: Stage = Stage {
     wgsl: Wgsl::File(part!("step/broad_phase/brute_force/count_pairs.wgsl")),
     bindings: &[read("aabbs", Buffer::Aabbs), write("lists", Buffer::Lists), read("status", Buffer::Status)],
     threads: Threads::Movers,
+    moves: |_| Moves { aabbs: 1, counts: 1, ..NONE },
     cpu: count_pairs,
 };
 

@@ -6,6 +6,7 @@ use crate::model::lists::fill_slices;
 use crate::model::part::part;
 use crate::model::world::World;
 use crate::step::broad_phase::meet::for_each_pair;
+use crate::step::moves::{Moves, NONE};
 use crate::step::stage::{Stage, read, write};
 use crate::step::wgsl::Wgsl;
 
@@ -15,6 +16,7 @@ pub(crate) const STAGE: Stage = Stage {
     wgsl: Wgsl::File(part!("step/broad_phase/brute_force/fill_pairs.wgsl")),
     bindings: &[read("aabbs", Buffer::Aabbs), write("lists", Buffer::Lists), read("status", Buffer::Status)],
     threads: Threads::Movers,
+    moves: |_| Moves { aabbs: 1, counts: 1, entries: 1, ..NONE },
     cpu: fill_pairs,
 };
 

@@ -6,6 +6,7 @@ use crate::model::dispatch::Threads;
 use crate::model::part::part;
 use crate::model::world::World;
 use crate::step::broad_phase::grid::{clear_cells, count_cells, scan_cells, sort_cells};
+use crate::step::moves::{Moves, NONE};
 use crate::step::stage::{Stage, read, write};
 use crate::step::wgsl::Wgsl;
 
@@ -20,6 +21,8 @@ pub(crate) const STAGE: Stage = Stage {
         write("status", Buffer::Status),
     ],
     threads: Threads::One,
+    // The sum of the following five stages before `find_neighbours`.
+    moves: |_| Moves { aabbs: 2, cells: 6, keys: 3, extents: 1, ..NONE },
     cpu: build_grid,
 };
 

@@ -5,6 +5,7 @@ use crate::model::dispatch::Threads;
 use crate::model::layout::{CELLS_AT, EDGES_AT};
 use crate::model::part::part;
 use crate::model::world::World;
+use crate::step::moves::{Moves, NONE};
 use crate::step::stage::{Stage, write};
 use crate::step::wgsl::Wgsl;
 
@@ -14,6 +15,7 @@ pub(crate) const STAGE: Stage = Stage {
     wgsl: Wgsl::File(part!("step/broad_phase/grid/clear_cells.wgsl")),
     bindings: &[write("cells", Buffer::Cells), write("status", Buffer::Status)],
     threads: Threads::Blocks,
+    moves: |_| Moves { cells: 1, ..NONE },
     cpu: clear_cells,
 };
 

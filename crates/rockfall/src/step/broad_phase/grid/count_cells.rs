@@ -12,6 +12,7 @@ use crate::model::layout::{CELLS_AT, EDGES_AT, FARTHEST_AT};
 use crate::model::part::part;
 use crate::model::world::World;
 use crate::step::broad_phase::grid::cells::{greatest_coordinate, is_long, is_tested_apart, key_of};
+use crate::step::moves::{Moves, NONE};
 use crate::step::stage::{Stage, read, write};
 use crate::step::wgsl::Wgsl;
 
@@ -21,6 +22,8 @@ pub(crate) const STAGE: Stage = Stage {
     wgsl: Wgsl::File(part!("step/broad_phase/grid/count_cells.wgsl")),
     bindings: &[read("aabbs", Buffer::Aabbs), write("cells", Buffer::Cells), read("status", Buffer::Status)],
     threads: Threads::WideObjects,
+    // Adds to its cell, which is read and written; writes the key.
+    moves: |_| Moves { aabbs: 1, cells: 2, keys: 1, ..NONE },
     cpu: count_cells,
 };
 

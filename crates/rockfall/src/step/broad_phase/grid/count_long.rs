@@ -10,6 +10,7 @@ use crate::model::dispatch::Threads;
 use crate::model::part::part;
 use crate::model::world::World;
 use crate::step::broad_phase::grid::cells::{Around, Grid};
+use crate::step::moves::NONE;
 use crate::step::stage::{Stage, read, write};
 use crate::step::wgsl::Wgsl;
 
@@ -25,6 +26,8 @@ pub(crate) const STAGE: Stage = Stage {
         read("topology", Buffer::Topology),
     ],
     threads: Threads::LongMovers,
+    // Few movers are long.
+    moves: |_| NONE,
     cpu: count_long,
 };
 

@@ -14,6 +14,7 @@ use crate::model::status::{REJECTED_COUNT, REJECTED_PAIRS};
 use crate::model::view::View;
 use crate::model::world::World;
 use crate::step::broad_phase::grid::cells::{Around, Grid};
+use crate::step::moves::NONE;
 use crate::step::stage::{Stage, read, write};
 use crate::step::wgsl::Wgsl;
 
@@ -30,6 +31,8 @@ pub(crate) const STAGE: Stage = Stage {
         read("status", Buffer::Status),
     ],
     threads: Threads::LongMovers,
+    // Few movers are long.
+    moves: |_| NONE,
     cpu: fill_long,
 };
 

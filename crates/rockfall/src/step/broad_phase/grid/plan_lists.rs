@@ -8,6 +8,7 @@ use crate::model::dispatch::Threads;
 use crate::model::layout::SIZE_WORDS;
 use crate::model::part::part;
 use crate::model::world::World;
+use crate::step::moves::NONE;
 use crate::step::stage::{Stage, read, write};
 use crate::step::wgsl::Wgsl;
 
@@ -17,6 +18,7 @@ pub(crate) const STAGE: Stage = Stage {
     wgsl: Wgsl::File(part!("step/broad_phase/grid/plan_lists.wgsl")),
     bindings: &[write("dispatch_sizes", Buffer::DispatchSizes), read("status", Buffer::Status)],
     threads: Threads::One,
+    moves: |_| NONE,
     cpu: plan_lists,
 };
 

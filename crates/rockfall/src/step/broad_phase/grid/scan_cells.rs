@@ -8,6 +8,7 @@ use crate::model::dispatch::Threads;
 use crate::model::layout::{CELL_BLOCK, CELLS_AT, SUM_WORDS};
 use crate::model::part::part;
 use crate::model::world::World;
+use crate::step::moves::{Moves, NONE};
 use crate::step::stage::{Stage, read, write};
 use crate::step::wgsl::Wgsl;
 
@@ -17,11 +18,12 @@ pub(crate) const SUM: Stage = Stage {
     wgsl: Wgsl::File(part!("step/broad_phase/grid/scan_cells.wgsl")),
     bindings: &[write("cells", Buffer::Cells), read("status", Buffer::Status)],
     threads: Threads::Blocks,
+    moves: |_| Moves { cells: 1, ..NONE },
     cpu: sum_blocks,
 };
 
 /// The stage that computes where every cell begins.
-pub(crate) const PLACE: Stage = Stage { name: "place_cells", cpu: place_cells, ..SUM };
+pub(crate) const PLACE: Stage = Stage { name: "place_cells", moves: |_| Moves { cells: 2, ..NONE }, cpu: place_cells, ..SUM };
 
 /// Returns the cells of each block together with the words of its sum.
 fn blocks(world: &mut World) -> impl Iterator<Item = (&mut [u32], &mut [u32])> {

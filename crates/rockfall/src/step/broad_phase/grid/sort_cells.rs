@@ -9,6 +9,7 @@ use crate::model::layout::CELLS_AT;
 use crate::model::part::part;
 use crate::model::world::World;
 use crate::step::broad_phase::grid::cells::sorted_extent;
+use crate::step::moves::{Moves, NONE};
 use crate::step::stage::{Stage, read, write};
 use crate::step::wgsl::Wgsl;
 
@@ -23,6 +24,8 @@ pub(crate) const STAGE: Stage = Stage {
         read("status", Buffer::Status),
     ],
     threads: Threads::WideObjects,
+    // Reads the key, writes the id and the extent.
+    moves: |_| Moves { aabbs: 1, cells: 2, keys: 2, extents: 1, ..NONE },
     cpu: sort_cells,
 };
 

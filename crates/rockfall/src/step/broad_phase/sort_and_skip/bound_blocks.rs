@@ -7,6 +7,7 @@ use crate::model::dispatch::Threads;
 use crate::model::layout::WORKGROUP;
 use crate::model::part::part;
 use crate::model::world::World;
+use crate::step::moves::{Moves, NONE};
 use crate::step::stage::{Stage, read, write};
 use crate::step::wgsl::Wgsl;
 
@@ -21,6 +22,7 @@ pub(crate) const STAGE: Stage = Stage {
         read("status", Buffer::Status),
     ],
     threads: Threads::Objects,
+    moves: |_| Moves { aabbs: 1, keys: 1, ..NONE },
     cpu: bound_blocks,
 };
 

@@ -9,6 +9,7 @@ use crate::model::layout::GRAIN;
 use crate::model::part::part;
 use crate::model::world::World;
 use crate::step::broad_phase::meet::for_each_near;
+use crate::step::moves::{Moves, NONE};
 use crate::step::stage::{Stage, read, write};
 use crate::step::wgsl::Wgsl;
 
@@ -24,6 +25,7 @@ pub(crate) const STAGE: Stage = Stage {
         read("status", Buffer::Status),
     ],
     threads: Threads::Objects,
+    moves: |_| Moves { aabbs: 1, keys: 1, counts: 1, ..NONE },
     cpu: count_near,
 };
 

@@ -10,6 +10,7 @@ use crate::model::dispatch::Threads;
 use crate::model::layout::WORKGROUP;
 use crate::model::part::part;
 use crate::model::world::World;
+use crate::step::moves::{Moves, NONE};
 use crate::step::stage::{Stage, read, write};
 use crate::step::wgsl::Wgsl;
 
@@ -19,6 +20,7 @@ pub(crate) const STAGE: Stage = Stage {
     wgsl: Wgsl::File(part!("step/broad_phase/sort_and_skip/sort_axis.wgsl")),
     bindings: &[read("aabbs", Buffer::Aabbs), write("cells", Buffer::Cells), read("status", Buffer::Status)],
     threads: Threads::Objects,
+    moves: |_| Moves { aabbs: 1, keys: 2, ..NONE },
     cpu: sort_axis,
 };
 
