@@ -57,7 +57,7 @@ pub struct StageTime {
     pub runs: u64,
     /// Time of all its dispatches, in s.
     pub seconds: f64,
-    /// Least number of bytes that all its dispatches had to move; see ARCHITECTURE.md, "Bytes that a step must move".
+    /// Least number of bytes that all its dispatches had to move; see docs/performance.md, "Bytes that a step must move".
     pub least_bytes: u64,
 }
 

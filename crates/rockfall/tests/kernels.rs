@@ -145,10 +145,10 @@ fn the_bindings_equal_those_of_the_stage() {
     }
 }
 
-/// The binding table of ARCHITECTURE.md equals the bindings of the stages.
+/// The binding tables of docs/buffers.md equal the bindings of the stages.
 #[test]
-fn the_architecture_lists_the_bindings() {
-    let text = include_str!("../../../ARCHITECTURE.md");
+fn the_documentation_lists_the_bindings() {
+    let text = include_str!("../../../docs/buffers.md");
     for stage in ALL {
         let name = |binding: &rockfall::step::stage::Binding| match binding.access {
             Access::Read => binding.name.to_owned(),
@@ -156,7 +156,7 @@ fn the_architecture_lists_the_bindings() {
         };
         let names: Vec<String> = stage.bindings.iter().map(name).collect();
         let row = format!("| `{}` | {} |", stage.name, names.join(", "));
-        assert!(text.contains(&row), "ARCHITECTURE.md lacks the row {row}");
+        assert!(text.contains(&row), "docs/buffers.md lacks the row {row}");
     }
 }
 

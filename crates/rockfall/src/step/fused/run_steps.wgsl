@@ -20,7 +20,7 @@ override GROUP_SIZE: u32 = 256u;
 const LANES: u32 = 32u;
 
 // The pass index. It is read once and shared, because lavapipe is slow if the uniform block alone decides a branch: see
-// "The kernels" in ARCHITECTURE.md.
+// "Software Vulkan" in docs/performance.md.
 var<workgroup> pass_index: u32;
 
 // The next two functions do nothing, because these scenes have no rods.
