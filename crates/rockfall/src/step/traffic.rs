@@ -35,8 +35,7 @@ pub(crate) fn least_bytes(run: &Run, step: &Step, status: &Status) -> u64 {
 mod tests {
     use super::*;
     use crate::settings::{BroadPhase, Integrator};
-    use crate::step::catalog::ALL;
-    use crate::step::schedule::{Phase, When};
+    use crate::step::schedule::Phase;
 
     fn per_sphere(integrator: Integrator) -> u64 {
         let step = Step { spheres: 1 << 20, cells: 1 << 20, ..Step::default() };
