@@ -52,6 +52,10 @@ pub enum Stiff {
     Tether(usize),
     /// The contact force, with `contact_force` and `contact_damping`.
     Contact,
+    /// The setting `linear_damping`.
+    LinearDamping,
+    /// The setting `angular_damping`.
+    AngularDamping,
 }
 
 /// Effect of a time step that is too long.
@@ -84,6 +88,8 @@ impl fmt::Display for Warning {
             Stiff::Spring(index) => write!(f, "spring {index}, with all others at its ends,")?,
             Stiff::Tether(index) => write!(f, "tether {index}, with all others at its sphere,")?,
             Stiff::Contact => write!(f, "the contact force")?,
+            Stiff::LinearDamping => write!(f, "`linear_damping`")?,
+            Stiff::AngularDamping => write!(f, "`angular_damping`")?,
         }
         let [k, c] = [self.stiffness, self.damping].map(rounded_down);
         write!(f, " is too stiff for the time step (stiffness per mass {k} /s², damping per mass {c} /s): ")?;
@@ -147,6 +153,10 @@ impl Scene {
         let contact = [settings.contact_force, settings.contact_damping].map(f64::from);
         let steps = self.contact_steps(contact, integrator);
         warnings.extend(steps.and_then(|steps| warn(Stiff::Contact, contact, steps)));
+        let dampings = [(Stiff::LinearDamping, settings.linear_damping), (Stiff::AngularDamping, settings.angular_damping)];
+        for (what, rate) in dampings.into_iter().filter(|(_, rate)| *rate > 0.0) {
+            warnings.extend(warn(what, [0.0, rate.into()], few_steps(1.0, 0.0, rate.into(), integrator)));
+        }
         warnings
     }
 

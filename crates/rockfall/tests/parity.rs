@@ -191,6 +191,8 @@ fn every_stage_under_other_settings() {
         contact_pull: true,
         gravity: 9.81,
         gravity_direction: glam::Vec3::new(0.6, 0.0, 0.8),
+        linear_damping: 2.0,
+        angular_damping: 3.0,
         ..Settings::default()
     };
     let odd = Settings {

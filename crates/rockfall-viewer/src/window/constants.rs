@@ -3,6 +3,7 @@
 use std::ops::RangeInclusive;
 
 use rockfall::Settings;
+use rockfall::settings::Constant as Entry;
 
 /// A constant of [`Settings`].
 #[derive(Debug)]
@@ -11,16 +12,12 @@ pub struct Constant {
     pub name: &'static str,
     /// Label of the slider.
     pub label: &'static str,
-    /// Unit.
-    pub unit: &'static str,
     /// The key that raises it.
     pub up: char,
     /// The key that lowers it.
     pub down: char,
     /// Change per key press.
     pub step: f32,
-    /// Range of the slider and the keys.
-    pub range: RangeInclusive<f32>,
     /// Effect of the constant, shown as a tooltip.
     pub about: &'static str,
     field: fn(&mut Settings) -> &mut f32,
@@ -31,72 +28,76 @@ pub const CONSTANTS: [Constant; 6] = [
     Constant {
         name: "activation_threshold",
         label: "contact threshold",
-        unit: "1/s",
         up: 'd',
         down: 'c',
         step: 0.1,
-        range: 0.0..=10.0,
         about: "Bodies that approach faster than this times the smaller radius collide. Slower ones only get contact forces.",
         field: |settings| &mut settings.activation_threshold,
     },
     Constant {
         name: "contact_damping",
         label: "contact damping",
-        unit: "1/s",
         up: 'f',
         down: 'v',
         step: 0.5,
-        range: 0.0..=50.0,
         about: "Damping of overlapping bodies.",
         field: |settings| &mut settings.contact_damping,
     },
     Constant {
         name: "contact_force",
         label: "contact force",
-        unit: "1/s²",
         up: 'g',
         down: 'b',
         step: 50.0,
-        range: 0.0..=5000.0,
         about: "Stiffness of contacts. Piles become unstable if it is too high for the time step.",
         field: |settings| &mut settings.contact_force,
     },
     Constant {
         name: "friction",
         label: "friction",
-        unit: "1/(s² √(units/s))",
         up: 'h',
         down: 'n',
         step: 5.0,
-        range: 0.0..=500.0,
         about: "Friction of contacts. It grows with the square root of the sliding velocity, so bodies creep on slopes.",
         field: |settings| &mut settings.friction,
     },
     Constant {
         name: "gravity",
         label: "gravity",
-        unit: "units/s²",
         up: 'j',
         down: 'm',
         step: 0.25,
-        range: -10.0..=20.0,
         about: "Downward acceleration; negative values point upwards.",
         field: |settings| &mut settings.gravity,
     },
     Constant {
         name: "restitution",
         label: "restitution",
-        unit: "",
         up: 'z',
         down: 'x',
         step: 0.05,
-        range: 0.0..=1.0,
         about: "Fraction of the approach velocity that a collision returns, from 0 to 1.",
         field: |settings| &mut settings.restitution,
     },
 ];
 
 impl Constant {
+    /// Returns the entry in the table of the settings.
+    fn entry(&self) -> &'static Entry {
+        Settings::TABLE.iter().find(|entry| entry.name == self.name).expect("every constant is a setting")
+    }
+
+    /// Returns the unit.
+    pub fn unit(&self) -> &'static str {
+        self.entry().unit
+    }
+
+    /// Returns the range of the slider and the keys.
+    pub fn range(&self) -> RangeInclusive<f32> {
+        let (low, high) = self.entry().slider.expect("every constant has a slider");
+        low..=high
+    }
+
     /// Returns the value.
     pub fn get(&self, settings: &Settings) -> f32 {
         let mut copy = *settings;
@@ -119,9 +120,15 @@ impl Constant {
         let moved = f64::from(value) + f64::from(if up { self.step } else { -self.step });
         // Rounded, because the errors of decimal steps would add up.
         let moved = ((moved * 1e4).round() / 1e4) as f32;
-        let (low, high) = (value.min(*self.range.start()), value.max(*self.range.end()));
+        let (low, high) = (value.min(*self.range().start()), value.max(*self.range().end()));
         self.set(settings, moved.clamp(low, high));
     }
+}
+
+/// Returns the settings that have a slider and no keys.
+pub fn without_keys() -> impl Iterator<Item = &'static Entry> {
+    let has_keys = |entry: &&Entry| CONSTANTS.iter().any(|constant| constant.name == entry.name);
+    Settings::TABLE.iter().filter(|entry| entry.slider.is_some()).filter(move |entry| !has_keys(entry))
 }
 
 #[cfg(test)]
@@ -135,7 +142,7 @@ mod tests {
             settings.set(constant.name, "0.5").unwrap();
             assert_eq!(constant.get(&settings), 0.5, "{}", constant.name);
             assert_eq!(constant.default_value().to_string(), Settings::default().get(constant.name).unwrap());
-            assert!(constant.range.contains(&constant.default_value()));
+            assert!(constant.range().contains(&constant.default_value()));
             settings.validate().unwrap();
         }
     }

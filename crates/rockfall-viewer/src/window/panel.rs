@@ -2,9 +2,9 @@
 
 use egui::{Color32, RichText, Ui};
 use egui_plot::{Line, Plot, PlotPoints};
-use rockfall::Energy;
+use rockfall::{Energy, Settings};
 
-use super::constants::CONSTANTS;
+use super::constants::{CONSTANTS, without_keys};
 use super::viewer::Viewer;
 use crate::draw::{ColourBy, Style};
 use crate::legend::Legend;
@@ -73,6 +73,24 @@ fn numbers(ui: &mut Ui, viewer: &mut Viewer) {
     }
 }
 
+/// Sliders of the settings that no key changes.
+fn other_constants(ui: &mut Ui, settings: &mut Settings) {
+    egui::Grid::new("other constants").num_columns(3).spacing([6.0, 4.0]).show(ui, |ui| {
+        for entry in without_keys() {
+            let value = settings.get(entry.name).and_then(|text| text.parse::<f32>().ok());
+            let (Some((low, high)), Some(mut value)) = (entry.slider, value) else { continue };
+            ui.label(entry.name.replace('_', " ")).on_hover_text(entry.doc.trim());
+            let slider = egui::Slider::new(&mut value, low..=high).clamping(egui::SliderClamping::Edits).max_decimals(3);
+            if ui.add(slider).on_hover_text(entry.doc.trim()).changed() {
+                // A value from the range of the slider is valid.
+                let _ = settings.set(entry.name, &value.to_string());
+            }
+            ui.label(RichText::new(entry.unit).weak().small());
+            ui.end_row();
+        }
+    });
+}
+
 fn constants(ui: &mut Ui, viewer: &mut Viewer) {
     let before = *viewer.session.settings();
     let mut settings = before;
@@ -81,23 +99,30 @@ fn constants(ui: &mut Ui, viewer: &mut Viewer) {
         for constant in &CONSTANTS {
             let [up, down] = [constant.up, constant.down].map(|key| key.to_ascii_uppercase());
             let default = constant.default_value();
-            let about = format!("{}\nDefault: {default} {}. Keys: {up} up, {down} down.", constant.about, constant.unit);
+            let about = format!("{}\nDefault: {default} {}. Keys: {up} up, {down} down.", constant.about, constant.unit());
             ui.label(constant.label).on_hover_text(&about);
             let mut value = constant.get(&settings);
-            let slider = egui::Slider::new(&mut value, constant.range.clone())
+            let slider = egui::Slider::new(&mut value, constant.range())
                 .clamping(egui::SliderClamping::Edits)
                 .step_by(f64::from(constant.step) / 10.0)
                 .max_decimals(3);
             if ui.add(slider).on_hover_text(about).changed() {
                 constant.set(&mut settings, value);
             }
-            ui.label(RichText::new(constant.unit).weak().small());
+            ui.label(RichText::new(constant.unit()).weak().small());
             ui.end_row();
         }
     });
-    let differs = CONSTANTS.iter().any(|constant| constant.get(&settings) != constant.default_value());
+    ui.collapsing("more constants", |ui| other_constants(ui, &mut settings));
+    let defaults = Settings::default();
+    let differs = CONSTANTS.iter().any(|constant| constant.get(&settings) != constant.default_value())
+        || without_keys().any(|entry| settings.get(entry.name) != defaults.get(entry.name));
     if ui.add_enabled(differs, egui::Button::new("Defaults").small()).clicked() {
         CONSTANTS.iter().for_each(|constant| constant.set(&mut settings, constant.default_value()));
+        for entry in without_keys() {
+            // A default is valid.
+            let _ = settings.set(entry.name, &defaults.get(entry.name).unwrap_or_default());
+        }
     }
     ui.checkbox(&mut settings.collisions, "collisions (K)").on_hover_text("Without collisions there are only contact forces.");
     ui.checkbox(&mut settings.contact_pull, "damping may pull").on_hover_text("Contact damping as in the thesis.");

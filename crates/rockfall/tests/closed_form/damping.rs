@@ -1,7 +1,8 @@
 //! Linear and angular damping: v' = -C v and L' = -C L (docs/physics.md section 4.8).
 
 use rockfall::model::world::World;
-use rockfall::{Backend, Capsule, Scene, Sphere};
+use rockfall::stability::Stiff;
+use rockfall::{Backend, Capsule, Integrator, Options, Scene, Simulation, Sphere};
 
 use crate::common::*;
 
@@ -98,7 +99,7 @@ fn rod_and_capsule_slow_by_their_ends(backend: Backend) {
         capsule.set_angular_momentum(end, moving.angular_momentum).expect("a sphere");
     }
     for simulation in [&mut rod, &mut capsule] {
-        let turning = |simulation: &mut rockfall::Simulation| {
+        let turning = |simulation: &mut Simulation| {
             let [one, two] = simulation.spheres().expect("states")[..] else { panic!("two spheres") };
             let middle = (one.velocity + two.velocity) * 0.5;
             let half = (two.position - one.position) * 0.5;
@@ -112,7 +113,29 @@ fn rod_and_capsule_slow_by_their_ends(backend: Backend) {
     }
 }
 
+/// A damped velocity is multiplied by 1 - z (symplectic Euler) or 1 - z + z^2/2 - z^3/6 + z^4/24 (RK4) in every step, z = C dt: it grows
+/// above z = 2 and z = 2.785. `Scene::stability` warns just above.
+fn damping_is_stable_up_to_the_time_step_that_is_stated(backend: Backend) {
+    for (integrator, bound) in [(Integrator::Rk4, 2.78), (Integrator::SymplecticEuler, 2.0)] {
+        for (share, is_stable) in [(0.97, true), (1.03, false)] {
+            let mut scene = damped();
+            scene.settings.angular_damping = 0.0;
+            let [ball] = spheres(&mut scene, [moving([0.0; 3], 0.5)]);
+            let dt = (share * bound / f64::from(LINEAR)) as f32;
+            let warnings = scene.stability(dt, integrator);
+            assert_eq!(warnings.iter().any(|warning| warning.what == Stiff::LinearDamping), !is_stable, "{integrator} {share}");
+            let options = Options::new().backend(backend).integrator(integrator);
+            let mut simulation = Simulation::with_options(scene, options).expect("a simulation");
+            simulation.run(60, dt).expect("steps");
+            let speed = f64::from(simulation.sphere(ball).expect("the sphere").velocity.length());
+            let before = VELOCITY.iter().map(|v| v * v).sum::<f64>().sqrt();
+            assert_eq!(speed < before, is_stable, "{integrator} {share}: {speed}");
+        }
+    }
+}
+
 both!(
+    damping_is_stable_up_to_the_time_step_that_is_stated,
     sphere_slows_exponentially,
     symplectic_euler_slows_by_the_same_factor_every_step,
     falling_sphere_tends_to_its_terminal_velocity,

@@ -24,7 +24,7 @@ use crate::{compare, plan};
 /// A mistake: in which stage and pass, the file, the text and what it becomes, and the buffer that it shows in.
 struct Mistake(&'static str, u32, &'static str, &'static str, &'static str, Buffer);
 
-static MISTAKES: [Mistake; 122] = [
+static MISTAKES: [Mistake; 125] = [
     Mistake("update_aabbs", 0, "update_aabbs.wgsl", "0.02 * radius", "0.03 * radius", Buffer::Aabbs),
     Mistake("update_aabbs", 0, "travel.wgsl", "length(fourth - third)", "length(fourth)", Buffer::Aabbs),
     Mistake("update_aabbs", 0, "travel.wgsl", "position + way", "position - way", Buffer::Aabbs),
@@ -120,6 +120,9 @@ static MISTAKES: [Mistake; 122] = [
     ),
     Mistake("symplectic_euler", 0, "contact.wgsl", "(inverse_mass + turning) * step.dt", "inverse_mass * step.dt", Buffer::Y2),
     Mistake("commit_symplectic_euler", 0, "commit_next_state.wgsl", "region < 3u", "region < 2u", Buffer::Start),
+    Mistake("advance", 0, "linear_damping.wgsl", "acceleration -= step", "acceleration += step", Buffer::Y2),
+    Mistake("symplectic_euler", 0, "angular_damping.wgsl", "torque -= step", "torque += step", Buffer::Y2),
+    Mistake("finish_and_turn", 3, "gravity.wgsl", "+= step.gravity", "-= step.gravity", Buffer::Start),
     Mistake("commit_and_turn", 0, "commit_and_turn.wgsl", "momentum.xyz * momentum.w", "momentum.xyz", Buffer::Orientations),
     Mistake("constrain", 0, "constrain.wgsl", "correction / step.dt", "correction * step.dt", Buffer::Start),
     Mistake("turn", 0, "turn.wgsl", "cross(spins + orbit, d)", "cross(spins - orbit, d)", Buffer::Start),
@@ -374,7 +377,7 @@ fn file_of(stage: &str) -> &str {
 fn plans() -> [Plan; 8] {
     let (rk4, euler) = (Integrator::Rk4, Integrator::SymplecticEuler);
     // Friction so strong that its bound holds it back.
-    let rough = Settings { friction: 5000.0, ..Settings::default() };
+    let rough = Settings { friction: 5000.0, linear_damping: 3.0, angular_damping: 4.0, ..Settings::default() };
     // Gravity so strong that it decides what collides.
     let heavy = Settings { gravity: 100.0, ..rough };
     let both = Settings { coulomb_friction: 0.3, collision_friction: 0.2, ..Settings::default() };

@@ -163,7 +163,8 @@ impl World {
             if state.fixed {
                 (loads.v[ball], loads.l[ball]) = (DVec3::ZERO, DVec3::ZERO);
             } else {
-                loads.v[ball] = loads.v[ball] / state.mass + self.set.gravity;
+                loads.v[ball] = loads.v[ball] / state.mass + self.set.gravity - self.set.linear_damping * motion.v[ball];
+                loads.l[ball] -= self.set.angular_damping * motion.l[ball];
             }
         }
         loads

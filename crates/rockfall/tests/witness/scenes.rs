@@ -87,6 +87,12 @@ fn settings(rng: &mut Pcg64Mcg) -> Settings {
     if rng.random_bool(0.3) {
         settings.collision_friction = rng.random_range(0.05..1.0);
     }
+    // From a copy, so that the numbers that follow do not depend on it.
+    let mut copy = rng.clone();
+    if copy.random_bool(0.2) {
+        settings.linear_damping = copy.random_range(0.1..5.0);
+        settings.angular_damping = copy.random_range(0.1..5.0);
+    }
     settings
 }
 
