@@ -97,7 +97,9 @@ fn block(of: &Ball, count: u8, apart: Size) -> impl Iterator<Item = Sphere> {
     let first = ball(of);
     (0..u16::from(count % 32)).map(move |k| {
         let place = Vec3::new(f32::from(k % 4), f32::from(k / 16), f32::from(k / 4 % 4));
-        Sphere { position: first.position + apart.0 * place, ..first }
+        let mut next = first;
+        next.position += apart.0 * place;
+        next
     })
 }
 

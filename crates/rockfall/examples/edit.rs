@@ -2,7 +2,7 @@
 //!
 //! `cargo run --release -p rockfall --example edit`
 
-use rockfall::{Cuboid, Scene, Settings, Simulation, Sphere};
+use rockfall::{Cuboid, Scene, Simulation, Sphere};
 
 fn main() -> rockfall::Result<()> {
     let mut scene = Scene::new();
@@ -22,7 +22,7 @@ fn main() -> rockfall::Result<()> {
         simulation.sphere(second)?.position.x
     );
 
-    let settings = Settings { gravity: -1.0, ..*simulation.settings() };
+    let settings = (*simulation.settings()).with(|settings| settings.gravity = -1.0);
     simulation.set_settings(settings)?;
     simulation.remove_sphere(second)?;
     simulation.run(100, 0.02)?;

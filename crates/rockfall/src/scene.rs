@@ -41,6 +41,7 @@ impl Default for Scene {
 
 /// Number of objects of each kind. The spheres and rods of capsules are counted as spheres and rods too.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct Counts {
     /// Spheres.
     pub spheres: usize,

@@ -26,6 +26,7 @@ macro_rules! constants {
     ($($(#[doc = $doc:literal])+ $name:ident: $read:ident = $default:expr, $unit:literal, $slider:expr;)+) => {
         /// The physical constants of a simulation.
         #[derive(Clone, Copy, Debug, PartialEq)]
+        #[non_exhaustive]
         pub struct Settings {
             $($(#[doc = $doc])+ pub $name: value_type!($read),)+
         }
@@ -74,6 +75,7 @@ macro_rules! constants {
 
 /// An entry of [`Settings::TABLE`].
 #[derive(Clone, Copy, Debug)]
+#[non_exhaustive]
 pub struct Constant {
     /// Name for [`Settings::set`] and [`Settings::get`].
     pub name: &'static str,
@@ -126,6 +128,13 @@ impl Settings {
     /// Whether contacts get friction impulses.
     pub(crate) fn has_friction_impulses(&self) -> bool {
         self.coulomb_friction > 0.0 || self.collision_friction > 0.0
+    }
+
+    /// These settings with a change, for example `Settings::default().with(|settings| settings.gravity = 9.81)`.
+    #[must_use]
+    pub fn with(mut self, change: impl FnOnce(&mut Self)) -> Self {
+        change(&mut self);
+        self
     }
 
     /// Checks the values of a struct that was filled in by hand.
@@ -227,6 +236,7 @@ fn direction(field: &'static str, value: &str) -> Result<Vec3> {
 
 /// How positions and velocities are advanced.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[non_exhaustive]
 pub enum Integrator {
     /// Fourth-order Runge-Kutta: four force evaluations a step (thesis section 2.7.5).
     #[default]
@@ -256,7 +266,7 @@ impl FromStr for Integrator {
     }
 }
 
-/// How pairs that may touch are found. All ways give the same lists.
+/// How pairs that may touch are found. All methods give the same results; their lists may differ in pairs that do not touch.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum BroadPhase {

@@ -45,6 +45,7 @@ pub use speed::{Thin, Tunnelling};
 
 /// The force for which the time step is too long.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Stiff {
     /// The spring with this index, in order of addition.
     Spring(usize),
@@ -60,6 +61,7 @@ pub enum Stiff {
 
 /// Effect of a time step that is too long.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Effect {
     /// Energy grows without bound.
     Unstable,
@@ -69,6 +71,7 @@ pub enum Effect {
 
 /// A warning that a time step is too long for a force.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Warning {
     /// The force that is too stiff or too strongly damped.
     pub what: Stiff,

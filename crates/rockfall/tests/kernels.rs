@@ -232,11 +232,9 @@ fn split(fields: Fields, name: &str) -> Fields {
 
 #[test]
 fn the_structs_equal_those_of_layout() {
-    let step = rust_fields!(Step: gravity, dt, activation_threshold, restitution, contact_damping, contact_force, friction,
-        coulomb_friction, collision_friction, gravity_size, linear_damping, angular_damping, margin_scale, lookahead, list_interval, lead, sweeps, flags, pair_rows, spheres, rods, boxes, polygons, rods_at, springs_at, tethers_at,
-        forces_at, boxes_at, polygons_at, tags_at, adjacency_at, batches, batches_at, slices_at, entries_at, cell_size, least_level, cells,
-        sums_at, keys_at, sorted_at, insertion_indices_at, slots_at, long_at, planned, ends_at, large, networks, networks_at,
-        collision_room);
+    let step: Fields = Step::FIELDS.iter().map(|(name, at, size)| ((*name).to_owned(), *at as u32, *size as u32)).collect();
+    // The size of a uniform block is rounded up to the alignment of vec3f.
+    let step = (step, (size_of::<Step>() as u32).next_multiple_of(16));
     let (pass, pass_size) = rust_fields!(Pass: index, pad);
     let pass = (split(pass, "pad"), pass_size);
     let aabb = rust_fields!(Aabb: min, id, max, tag);

@@ -186,25 +186,23 @@ fn every_stage_without_rods() {
 /// Constants off their defaults, collisions off, pulling damping.
 #[test]
 fn every_stage_under_other_settings() {
-    let off = Settings {
-        collisions: false,
-        contact_pull: true,
-        gravity: 9.81,
-        gravity_direction: glam::Vec3::new(0.6, 0.0, 0.8),
-        linear_damping: 2.0,
-        angular_damping: 3.0,
-        ..Settings::default()
-    };
-    let odd = Settings {
-        activation_threshold: 0.3,
-        restitution: 0.2,
-        contact_damping: 30.0,
-        contact_force: 400.0,
-        friction: 20.0,
+    let off = Settings::default().with(|settings| {
+        settings.collisions = false;
+        settings.contact_pull = true;
+        settings.gravity = 9.81;
+        settings.gravity_direction = glam::Vec3::new(0.6, 0.0, 0.8);
+        settings.linear_damping = 2.0;
+        settings.angular_damping = 3.0;
+    });
+    let odd = Settings::default().with(|settings| {
+        settings.activation_threshold = 0.3;
+        settings.restitution = 0.2;
+        settings.contact_damping = 30.0;
+        settings.contact_force = 400.0;
+        settings.friction = 20.0;
         // So that it decides of some what collides.
-        gravity: 9.81,
-        ..Settings::default()
-    };
+        settings.gravity = 9.81;
+    });
     for (seed, settings) in [(20, off), (21, odd)] {
         for integrator in [Integrator::Rk4, Integrator::SymplecticEuler] {
             compared(&Plan { settings, ..plan(seed, integrator) });
@@ -215,10 +213,13 @@ fn every_stage_under_other_settings() {
 /// Friction impulses, of collisions and of contacts that press, of either alone, and without collisions.
 #[test]
 fn every_stage_with_friction_impulses() {
-    let both = Settings { coulomb_friction: 0.3, collision_friction: 0.2, ..Settings::default() };
-    let coulomb = Settings { collision_friction: 0.0, ..both };
-    let of_collisions = Settings { coulomb_friction: 0.0, ..both };
-    let only = Settings { collisions: false, ..coulomb };
+    let both = Settings::default().with(|settings| {
+        settings.coulomb_friction = 0.3;
+        settings.collision_friction = 0.2;
+    });
+    let coulomb = both.with(|settings| settings.collision_friction = 0.0);
+    let of_collisions = both.with(|settings| settings.coulomb_friction = 0.0);
+    let only = coulomb.with(|settings| settings.collisions = false);
     let plans = [(22, both), (23, coulomb), (24, of_collisions), (25, only)];
     let traces = plans.map(|(seed, settings)| compared(&Plan { settings, ..plan(seed, Integrator::SymplecticEuler) }));
     let seen =
@@ -238,8 +239,11 @@ fn few_collisions_in_both_ways() {
 /// Collisions that share no bodies: with sweeps that have nothing to do, listed, and by every sphere itself.
 #[test]
 fn lone_collisions_in_every_way() {
-    let both = Settings { coulomb_friction: 0.3, collision_friction: 0.2, ..Settings::default() };
-    let coulomb = Settings { collision_friction: 0.0, ..both };
+    let both = Settings::default().with(|settings| {
+        settings.coulomb_friction = 0.3;
+        settings.collision_friction = 0.2;
+    });
+    let coulomb = both.with(|settings| settings.collision_friction = 0.0);
     let plans = [(40, true, Settings::default()), (41, false, Settings::default()), (42, true, both), (43, false, coulomb)];
     let traces = plans.map(|(seed, rods, settings)| {
         compared(&Plan { rods, only: Only::Lone, settings, ..plan(seed, Integrator::SymplecticEuler) })

@@ -160,9 +160,9 @@ fn constants_are_chosen_at_the_start_and_when_settings_change() {
     assert_eq!(*simulation.settings(), first, "motion and another sphere must not change them");
     let mut resumed = Simulation::resume(simulation.checkpoint().unwrap()).unwrap();
     assert_eq!(*resumed.settings(), first, "resuming must not change them");
-    resumed.set_settings(rockfall::Settings { friction: 7.0, ..first }).unwrap();
+    resumed.set_settings(first.with(|settings| settings.friction = 7.0)).unwrap();
     assert_eq!(resumed.settings().contact_force, first.contact_force);
-    resumed.set_settings(rockfall::Settings { gravity: 2.0, ..first }).unwrap();
+    resumed.set_settings(first.with(|settings| settings.gravity = 2.0)).unwrap();
     assert!(resumed.settings().contact_force > 1.5 * first.contact_force);
 }
 
@@ -172,7 +172,9 @@ fn is_caught(scene: &Scene, ball: &Sphere, dt: f32) -> bool {
     (0..40_u8).all(|phase| {
         let mut scene = scene.clone();
         let up = distance * (1.0 + f32::from(phase) / 40.0) + ball.radius * 2.0;
-        let id = scene.add_sphere(Sphere { position: [0.0, up, 0.0].into(), ..*ball }).unwrap();
+        let mut ball = *ball;
+        ball.position = [0.0, up, 0.0].into();
+        let id = scene.add_sphere(ball).unwrap();
         let mut simulation = Simulation::with_options(scene, Options::new().backend(Backend::Cpu)).unwrap();
         simulation.run(20, dt).unwrap();
         simulation.sphere(id).unwrap().velocity.y > 0.0

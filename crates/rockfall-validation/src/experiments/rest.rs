@@ -291,7 +291,7 @@ fn contact_law(case: Case, load: f64) -> Option<[f64; 2]> {
     let damping = 2.0 * ratio * stiffness.sqrt();
     let is_stable = match case.integrator {
         Integrator::Rk4 => case.dt.powi(2) * stiffness <= 0.5 && 4.0 * case.dt * damping <= 2.78,
-        Integrator::SymplecticEuler => case.dt.powi(2) * stiffness + 2.0 * case.dt * damping <= 1.0,
+        _ => case.dt.powi(2) * stiffness + 2.0 * case.dt * damping <= 1.0,
     };
     is_stable.then_some([stiffness, damping])
 }

@@ -6,118 +6,134 @@ use bytemuck::{Pod, Zeroable, bytes_of, bytes_of_mut};
 
 use crate::model::layout::{ENTRY_BITS, FEATURE_BITS, SWEEPS_LISTED, SWEEPS_OFF, SWEEPS_ON};
 
-/// The parameters of a step: the uniform block `step` of every kernel.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
-pub struct Step {
-    /// Acceleration by gravity, G g, in units/s².
-    pub gravity: [f32; 3],
-    /// Time step in s.
-    pub dt: f32,
-    /// A contact collides when its approach velocity exceeds this times the smaller radius, in 1/s (docs/physics.md section
-    /// 3.1).
-    pub activation_threshold: f32,
-    /// Coefficient of restitution e.
-    pub restitution: f32,
-    /// Contact damping Cd in 1/s.
-    pub contact_damping: f32,
-    /// Contact force Cc in 1/s².
-    pub contact_force: f32,
-    /// Friction mu.
-    pub friction: f32,
-    /// Coefficient mu_c of Coulomb friction in contacts; 0 for the friction force of the thesis.
-    pub coulomb_friction: f32,
-    /// Coefficient mu_j of Coulomb friction in collisions.
-    pub collision_friction: f32,
-    /// Magnitude of `gravity`, in units/s².
-    pub gravity_size: f32,
-    /// Linear damping C in 1/s: v' = -C v.
-    pub linear_damping: f32,
-    /// Angular damping C in 1/s: L' = -C L.
-    pub angular_damping: f32,
-    /// Margin of AABBs for accelerations in the first step, in units of 0.02 r. The margin also includes 1.05 |v| dt per step,
-    /// and 0.05 r for every further step of `lookahead`. `update_aabbs` has the whole formula.
-    pub margin_scale: f32,
-    /// Number of steps for which AABBs are grown. With more steps, lists are valid for longer but have more entries.
-    pub lookahead: f32,
-    /// Number of steps from one opportunity to rebuild lists to the next. Lists must last for as many steps.
-    pub list_interval: f32,
-    /// Distance by which the centres of AABBs are ahead of moving spheres, in steps of motion at their present velocity.
-    pub lead: f32,
-    /// How collisions are solved: one of the `SWEEPS_*` constants. Results do not depend on it.
-    pub sweeps: u32,
-    /// `FLAG_*` bits. This is the last of the fields that may change without a change of the arrays (see
-    /// [`Step::with_constants_of`]).
-    pub flags: u32,
-    /// Rows that the entries of the pair lists may take.
-    pub pair_rows: u32,
-    /// Number of spheres.
-    pub spheres: u32,
-    /// Number of rods.
-    pub rods: u32,
-    /// Number of boxes.
-    pub boxes: u32,
-    /// Number of polygons.
-    pub polygons: u32,
-    /// First word of the rods in `topology`.
-    pub rods_at: u32,
-    /// First word of the springs.
-    pub springs_at: u32,
-    /// First word of the tethers.
-    pub tethers_at: u32,
-    /// First word of the external forces.
-    pub forces_at: u32,
-    /// First word of the boxes.
-    pub boxes_at: u32,
-    /// First word of the polygons.
-    pub polygons_at: u32,
-    /// First word of the tags: group (low 16 bits) and material (high 16 bits) of every object, by id.
-    pub tags_at: u32,
-    /// First word of the adjacency ranges; 0 when nothing is attached to any sphere. The range of a sphere is two absolute word
-    /// offsets: the start and the end of its adjacency words.
-    pub adjacency_at: u32,
-    /// Number of batches of fixed-length rods.
-    pub batches: u32,
-    /// First word of the batch table, which holds the absolute offset of each batch. A batch consists of the number of colours
-    /// C, C + 1 absolute offsets, and rod indices.
-    pub batches_at: u32,
-    /// First word of the slice offsets in `lists`; the counts are at 0.
-    pub slices_at: u32,
-    /// First word of the entries in `lists`.
-    pub entries_at: u32,
-    /// Size of the grid's cells at level [`LEVEL_BIAS`], in units. It is a little more than the size of most bodies.
-    pub cell_size: f32,
-    /// Lowest level of the grid that objects are put on, however small they are.
-    pub least_level: u32,
-    /// Cells of the grid's table, a power of two and a multiple of [`CELL_BLOCK`].
-    pub cells: u32,
-    /// First word of the block sums in `cells`. The cells themselves start at [`CELLS_AT`].
-    pub sums_at: u32,
-    /// First word of the objects' keys in `cells`.
-    pub keys_at: u32,
-    /// First word of the objects' ids in the order of their keys, in `cells`.
-    pub sorted_at: u32,
-    /// First word of the insertion indices, one per memory slot of a sphere; 0 when slots and insertion indices are the same.
-    pub insertion_indices_at: u32,
-    /// First word of the slots: the memory slot of each sphere, by its insertion index; 0 when they are the same.
-    pub slots_at: u32,
-    /// First word of the long movers in `cells`; 0 when radii differ so little that one thread builds each list.
-    pub long_at: u32,
-    /// 1 when `plan_lists` writes the dispatch sizes of the stages that rebuild lists.
-    pub planned: u32,
-    /// First word of the table of ends, one word per sphere: [`NO_ROD`], [`SOME_RODS`], or the index of its only rod, if that
-    /// has a fixed length. 0 without rods.
-    pub ends_at: u32,
-    /// Number of large spheres. They are the last ones in memory. In stages that process lists, each of them has a workgroup.
-    pub large: u32,
-    /// Number of networks: connected sets of fixed-length rods that are not rigid capsules.
-    pub networks: u32,
-    /// First word of the network table, which holds the absolute offset of each network. A network consists of the number of
-    /// spheres, the number of rods, the spheres (as `2 rod + end`, for a rod that ends in the sphere), and the rods. Before the
-    /// table there is one word per rod: its network, or [`NO_NETWORK`].
-    pub networks_at: u32,
-    /// Number of collisions that the buffer `collisions` has room for.
-    pub collision_room: u32,
+/// A uniform block whose fields a test compares with the WGSL.
+macro_rules! uniform {
+    ($(#[$outer:meta])* pub struct $name:ident { $($(#[$inner:meta])* pub $field:ident: $type:ty,)+ }) => {
+        $(#[$outer])*
+        pub struct $name { $($(#[$inner])* pub $field: $type,)+ }
+
+        impl $name {
+            /// Name, offset and size of every field, in bytes.
+            pub const FIELDS: &'static [(&'static str, usize, usize)] =
+                &[$((stringify!($field), offset_of!($name, $field), size_of::<$type>())),+];
+        }
+    };
+}
+
+uniform! {
+    /// The parameters of a step: the uniform block `step` of every kernel.
+    #[repr(C)]
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+    pub struct Step {
+        /// Acceleration by gravity, G g, in units/s².
+        pub gravity: [f32; 3],
+        /// Time step in s.
+        pub dt: f32,
+        /// A contact collides when its approach velocity exceeds this times the smaller radius, in 1/s (docs/physics.md section
+        /// 3.1).
+        pub activation_threshold: f32,
+        /// Coefficient of restitution e.
+        pub restitution: f32,
+        /// Contact damping Cd in 1/s.
+        pub contact_damping: f32,
+        /// Contact force Cc in 1/s².
+        pub contact_force: f32,
+        /// Friction mu.
+        pub friction: f32,
+        /// Coefficient mu_c of Coulomb friction in contacts; 0 for the friction force of the thesis.
+        pub coulomb_friction: f32,
+        /// Coefficient mu_j of Coulomb friction in collisions.
+        pub collision_friction: f32,
+        /// Magnitude of `gravity`, in units/s².
+        pub gravity_size: f32,
+        /// Linear damping C in 1/s: v' = -C v.
+        pub linear_damping: f32,
+        /// Angular damping C in 1/s: L' = -C L.
+        pub angular_damping: f32,
+        /// Margin of AABBs for accelerations in the first step, in units of 0.02 r. The margin also includes 1.05 |v| dt per step,
+        /// and 0.05 r for every further step of `lookahead`. `update_aabbs` has the whole formula.
+        pub margin_scale: f32,
+        /// Number of steps for which AABBs are grown. With more steps, lists are valid for longer but have more entries.
+        pub lookahead: f32,
+        /// Number of steps from one opportunity to rebuild lists to the next. Lists must last for as many steps.
+        pub list_interval: f32,
+        /// Distance by which the centres of AABBs are ahead of moving spheres, in steps of motion at their present velocity.
+        pub lead: f32,
+        /// How collisions are solved: one of the `SWEEPS_*` constants. Results do not depend on it.
+        pub sweeps: u32,
+        /// `FLAG_*` bits. This is the last of the fields that may change without a change of the arrays (see
+        /// [`Step::with_constants_of`]).
+        pub flags: u32,
+        /// Rows that the entries of the pair lists may take.
+        pub pair_rows: u32,
+        /// Number of spheres.
+        pub spheres: u32,
+        /// Number of rods.
+        pub rods: u32,
+        /// Number of boxes.
+        pub boxes: u32,
+        /// Number of polygons.
+        pub polygons: u32,
+        /// First word of the rods in `topology`.
+        pub rods_at: u32,
+        /// First word of the springs.
+        pub springs_at: u32,
+        /// First word of the tethers.
+        pub tethers_at: u32,
+        /// First word of the external forces.
+        pub forces_at: u32,
+        /// First word of the boxes.
+        pub boxes_at: u32,
+        /// First word of the polygons.
+        pub polygons_at: u32,
+        /// First word of the tags: group (low 16 bits) and material (high 16 bits) of every object, by id.
+        pub tags_at: u32,
+        /// First word of the adjacency ranges; 0 when nothing is attached to any sphere. The range of a sphere is two absolute word
+        /// offsets: the start and the end of its adjacency words.
+        pub adjacency_at: u32,
+        /// Number of batches of fixed-length rods.
+        pub batches: u32,
+        /// First word of the batch table, which holds the absolute offset of each batch. A batch consists of the number of colours
+        /// C, C + 1 absolute offsets, and rod indices.
+        pub batches_at: u32,
+        /// First word of the slice offsets in `lists`; the counts are at 0.
+        pub slices_at: u32,
+        /// First word of the entries in `lists`.
+        pub entries_at: u32,
+        /// Size of the grid's cells at level [`LEVEL_BIAS`], in units. It is a little more than the size of most bodies.
+        pub cell_size: f32,
+        /// Lowest level of the grid that objects are put on, however small they are.
+        pub least_level: u32,
+        /// Cells of the grid's table, a power of two and a multiple of [`CELL_BLOCK`].
+        pub cells: u32,
+        /// First word of the block sums in `cells`. The cells themselves start at [`CELLS_AT`].
+        pub sums_at: u32,
+        /// First word of the objects' keys in `cells`.
+        pub keys_at: u32,
+        /// First word of the objects' ids in the order of their keys, in `cells`.
+        pub sorted_at: u32,
+        /// First word of the insertion indices, one per memory slot of a sphere; 0 when slots and insertion indices are the same.
+        pub insertion_indices_at: u32,
+        /// First word of the slots: the memory slot of each sphere, by its insertion index; 0 when they are the same.
+        pub slots_at: u32,
+        /// First word of the long movers in `cells`; 0 when radii differ so little that one thread builds each list.
+        pub long_at: u32,
+        /// 1 when `plan_lists` writes the dispatch sizes of the stages that rebuild lists.
+        pub planned: u32,
+        /// First word of the table of ends, one word per sphere: [`NO_ROD`], [`SOME_RODS`], or the index of its only rod, if that
+        /// has a fixed length. 0 without rods.
+        pub ends_at: u32,
+        /// Number of large spheres. They are the last ones in memory. In stages that process lists, each of them has a workgroup.
+        pub large: u32,
+        /// Number of networks: connected sets of fixed-length rods that are not rigid capsules.
+        pub networks: u32,
+        /// First word of the network table, which holds the absolute offset of each network. A network consists of the number of
+        /// spheres, the number of rods, the spheres (as `2 rod + end`, for a rod that ends in the sphere), and the rods. Before the
+        /// table there is one word per rod: its network, or [`NO_NETWORK`].
+        pub networks_at: u32,
+        /// Number of collisions that the buffer `collisions` has room for.
+        pub collision_room: u32,
+    }
 }
 
 impl Step {
@@ -164,12 +180,6 @@ impl Step {
     /// Whether contacts get friction impulses.
     pub fn has_friction_impulses(&self) -> bool {
         self.coulomb_friction > 0.0 || self.collision_friction > 0.0
-    }
-
-    /// Approach velocity, in units/s, above which a contact collides (erratum E19). Gravity gives a body at rest a velocity of
-    /// up to `|gravity| dt` within a step.
-    pub fn collision_velocity(&self, smaller_radius: f32) -> f32 {
-        (self.activation_threshold * smaller_radius).max(2.0 * self.gravity_size * self.dt)
     }
 
     /// Bits of the id in a list entry: 26 in scenes with rods. In other scenes there are no features, so the id has all 30

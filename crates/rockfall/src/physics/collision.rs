@@ -14,7 +14,7 @@ use glam::Vec3;
 
 use crate::model::impulse::Key;
 use crate::model::view::{Object, View};
-use crate::physics::contact::smaller_radius;
+use crate::physics::contact::{collision_velocity, smaller_radius};
 use crate::physics::side::side;
 use crate::physics::touch::ROUNDING;
 use crate::physics::touch::{Motions, Touch, touch};
@@ -126,7 +126,7 @@ impl Collision {
 
     /// Whether a pressed contact collides: its approach velocity exceeds the threshold.
     pub(crate) fn collides(&self, view: &View) -> bool {
-        self.approach > view.step.collision_velocity(self.smaller_radius(view))
+        self.approach > collision_velocity(view.step, self.smaller_radius(view))
     }
 
     /// The key by which collisions are sorted and found. It does not depend on the order in memory.

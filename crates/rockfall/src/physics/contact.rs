@@ -11,6 +11,12 @@ use crate::physics::geometry::ROUNDED;
 use crate::physics::side::{Side, side};
 use crate::physics::touch::Touch;
 
+/// Approach velocity, in units/s, above which a contact collides (erratum E19). Gravity gives a body at rest a velocity of
+/// up to `|gravity| dt` within a step.
+pub(crate) fn collision_velocity(step: &Step, smaller_radius: f32) -> f32 {
+    (step.activation_threshold * smaller_radius).max(2.0 * step.gravity_size * step.dt)
+}
+
 /// Returns the smaller radius of a contact, which the activation threshold refers to.
 pub(crate) fn smaller_radius(a: &Side, b: &Side) -> f32 {
     match (a.radius, b.radius) {
@@ -91,7 +97,7 @@ impl Approach {
     pub(crate) fn of(step: &Step, a: &Sides, b: &Sides, normal: Vec3x4) -> Self {
         let radius_a = a.radius.unwrap_or(Vec4::ZERO);
         let smaller = b.radius.map_or(radius_a, |radius_b| radius_a.min(radius_b));
-        let least = Vec4::splat(step.collision_velocity(0.0));
+        let least = Vec4::splat(collision_velocity(step, 0.0));
         Self { velocity: (a.velocity - b.velocity).dot(normal), threshold: (step.activation_threshold * smaller).max(least) }
     }
 }

@@ -20,6 +20,7 @@ pub type TetherId = Handle<Tether>;
 
 /// A solid ball, moving or fixed. Its moment of inertia is 2/5 m r².
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Sphere {
     /// Centre, in units.
     pub position: Vec3,
@@ -139,6 +140,7 @@ impl Sphere {
 
 /// A cylinder without caps between two spheres. It has no mass of its own.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Rod {
     /// The sphere at end 1.
     pub end1: SphereId,
@@ -184,6 +186,7 @@ impl Rod {
 
 /// A rigid body made of two spheres, each with half the mass, and a rod of fixed length.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Capsule {
     /// Centre of the sphere at end 1, in units.
     pub end1: Vec3,
@@ -251,6 +254,7 @@ impl Capsule {
 
 /// The spheres and the rod that a [`Capsule`] consists of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct CapsuleParts {
     /// The sphere at end 1.
     pub end1: SphereId,
@@ -262,6 +266,7 @@ pub struct CapsuleParts {
 
 /// A damped spring between two spheres.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Spring {
     /// One sphere.
     pub a: SphereId,
@@ -300,6 +305,7 @@ impl Spring {
 
 /// A damped spring between a sphere and a point in space.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Tether {
     /// The sphere.
     pub sphere: SphereId,

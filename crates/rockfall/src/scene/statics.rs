@@ -13,6 +13,7 @@ pub type PolygonId = Handle<Polygon>;
 
 /// A static box: a corner and the three orthogonal edges that meet there.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Cuboid {
     /// A corner P, in units.
     pub corner: Vec3,
@@ -62,6 +63,7 @@ impl Cuboid {
 
 /// A static parallelogram: a corner and two edges. Bodies touch it only on the side that L x R points to, and not at its edges.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Polygon {
     /// A corner P, in units.
     pub corner: Vec3,

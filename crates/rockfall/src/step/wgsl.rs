@@ -71,7 +71,7 @@ const SHARED: &[Part] = &[
     part!("physics/friction_impulses.wgsl"),
     part!("physics/geometry.wgsl"),
     part!("physics/lengths.wgsl"),
-    part!("physics/margin.wgsl"),
+    part!("physics/escape.wgsl"),
     part!("physics/rotation.wgsl"),
     part!("physics/touch.wgsl"),
     part!("physics/sine.wgsl"),

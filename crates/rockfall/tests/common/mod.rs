@@ -55,8 +55,9 @@ pub(crate) const F32_PLACE: f64 = 2e-6;
 pub(crate) const LATE: f32 = 1.0 / 128.0;
 
 /// Advances a sphere by a time at constant velocity.
-pub(crate) fn late_by(sphere: Sphere, time: f32) -> Sphere {
-    Sphere { position: sphere.position + time * sphere.velocity, ..sphere }
+pub(crate) fn late_by(mut sphere: Sphere, time: f32) -> Sphere {
+    sphere.position += time * sphere.velocity;
+    sphere
 }
 
 /// Advances a sphere by [`LATE`].

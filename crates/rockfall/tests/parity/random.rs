@@ -225,7 +225,9 @@ impl Draw<'_> {
         let other = self.ball(a);
         let gap = one.radius + other.radius - self.between(0.0005, 0.01);
         let speed = self.between(0.5, 3.0);
-        let other = Sphere { position: a + gap * direction, velocity: one.velocity - speed * direction, ..other };
+        let mut other = other;
+        other.position = a + gap * direction;
+        other.velocity = one.velocity - speed * direction;
         self.add(one);
         self.add(other);
         // Two that part slowly: what damps it would pull.
@@ -234,13 +236,17 @@ impl Draw<'_> {
         let other = self.ball(place);
         let gap = one.radius + other.radius - self.between(0.0005, 0.001);
         let slow = self.between(0.12, 0.2);
-        let other = Sphere { position: place + gap * direction, velocity: one.velocity + slow * direction, ..other };
+        let mut other = other;
+        other.position = place + gap * direction;
+        other.velocity = one.velocity + slow * direction;
         self.add(one);
         self.add(other);
         let floor = self.middle - Vec3::Y * EXTENT;
         let ball = self.ball(floor);
         let height = ball.radius - self.between(0.0005, 0.01);
-        let sunk = Sphere { position: floor + height * Vec3::Y, velocity: Vec3::new(0.5, -speed, 0.1), ..ball };
+        let mut sunk = ball;
+        sunk.position = floor + height * Vec3::Y;
+        sunk.velocity = Vec3::new(0.5, -speed, 0.1);
         self.add(sunk);
         self.floor(floor);
     }

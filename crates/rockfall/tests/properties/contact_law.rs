@@ -22,7 +22,10 @@ fn pair(one: impl Strategy<Value = Thing>, other: impl Strategy<Value = Thing>) 
         };
         let to = |thing: Thing, place: Vec3| {
             let shift = place - centre(&thing);
-            thing.map(|sphere| Sphere { position: sphere.position + shift, ..sphere })
+            thing.map(|mut sphere| {
+                sphere.position += shift;
+                sphere
+            })
         };
         [to(one, Vec3::ZERO), to(other, apart * direction)]
     })
@@ -120,7 +123,7 @@ fn a_sphere_on_a_static_object_obeys_the_contact_law() {
         scene.settings.coulomb_friction = coulomb;
         scene.settings.collisions = false;
         // Slow enough not to count as separating from the polygon.
-        let sphere = Sphere { velocity: sphere.velocity.with_y(0.1 * sphere.velocity.y), ..sphere };
+        let sphere = sphere.velocity(sphere.velocity.with_y(0.1 * sphere.velocity.y));
         let floor = sphere.position.y - sphere.radius + overlap;
         let exact = sphere.radius - (sphere.position.y - floor);
         if on_box {

@@ -3,7 +3,7 @@
 use std::cell::Cell;
 
 use proptest::prelude::*;
-use rockfall::{Backend, ContactAction, Cuboid, Polygon, Rod, Scene, Settings, Simulation, Sphere, SphereState};
+use rockfall::{Backend, ContactAction, Cuboid, Polygon, Rod, Scene, Simulation, Sphere, SphereState};
 
 use crate::things::{Outcome, Thing, ball, check, simulation, sums, thing, vector, weightless};
 
@@ -18,8 +18,18 @@ fn crowd(most: usize) -> impl Strategy<Value = Vec<Thing>> {
 fn with_rigid_motions(scene: Scene) -> Scene {
     let settings = scene.settings;
     let mut simulation = simulation(scene, Backend::Cpu);
-    let forceless = Settings { contact_force: 0.0, contact_damping: 0.0, friction: 0.0, coulomb_friction: 0.0, ..settings };
-    simulation.set_settings(Settings { collisions: false, collision_friction: 0.0, ..forceless }).unwrap();
+    let forceless = settings.with(|settings| {
+        settings.contact_force = 0.0;
+        settings.contact_damping = 0.0;
+        settings.friction = 0.0;
+        settings.coulomb_friction = 0.0;
+    });
+    simulation
+        .set_settings(forceless.with(|settings| {
+            settings.collisions = false;
+            settings.collision_friction = 0.0;
+        }))
+        .unwrap();
     // Several steps, because the initial motion may be far from rigid.
     simulation.run(3, 1e-6).unwrap();
     simulation.set_settings(settings).unwrap();
@@ -99,7 +109,10 @@ fn crowds_with_friction_gain_no_energy() {
 fn network() -> impl Strategy<Value = (Vec<Sphere>, bool)> {
     let balls = prop::collection::vec(ball(0.8, 2.0), 3..6);
     (balls, vector(2.0), vector(3.0), any::<bool>()).prop_map(|(balls, velocity, spin, is_chain)| {
-        let rigid = |ball: Sphere| Sphere { radius: 0.15, velocity: velocity + spin.cross(ball.position), ..ball };
+        let rigid = |mut ball: Sphere| {
+            ball.radius = 0.15;
+            ball.velocity(velocity + spin.cross(ball.position))
+        };
         (balls.into_iter().map(rigid).collect(), is_chain)
     })
 }

@@ -180,7 +180,8 @@ impl Edited {
                 let scene = weightless(std::slice::from_ref(thing));
                 let ids: Vec<_> = scene.spheres().iter().map(|sphere| simulation.add_sphere(*sphere).unwrap()).collect();
                 if let Some(rod) = scene.rods().first() {
-                    let rod = Rod { end1: ids[0], end2: ids[1], ..*rod };
+                    let mut rod = *rod;
+                    (rod.end1, rod.end2) = (ids[0], ids[1]);
                     self.rods.push(simulation.add_rod(rod).unwrap());
                 }
                 self.spheres.extend(ids);

@@ -25,13 +25,9 @@ impl Placed {
         self.turn * place + self.shift
     }
 
-    fn sphere(&self, sphere: Sphere) -> Sphere {
-        Sphere {
-            position: self.point(sphere.position),
-            velocity: self.turn * sphere.velocity,
-            angular_momentum: self.turn * sphere.angular_momentum,
-            ..sphere
-        }
+    fn sphere(&self, mut sphere: Sphere) -> Sphere {
+        sphere.position = self.point(sphere.position);
+        sphere.velocity(self.turn * sphere.velocity).angular_momentum(self.turn * sphere.angular_momentum)
     }
 
     fn scene(&self, things: &[Thing]) -> Scene {
@@ -94,11 +90,7 @@ fn the_unit_of_mass_does_not_matter() {
         let heavier: Vec<_> = things
             .iter()
             .map(|thing| {
-                thing.map(|sphere| Sphere {
-                    mass: factor * sphere.mass,
-                    angular_momentum: factor * sphere.angular_momentum,
-                    ..sphere
-                })
+                thing.map(|sphere| sphere.mass(factor * sphere.mass).angular_momentum(factor * sphere.angular_momentum))
             })
             .collect();
         for (a, b) in after(identity.scene(&things), 10).iter().zip(&after(identity.scene(&heavier), 10)) {

@@ -45,13 +45,10 @@ pub(crate) enum Thing {
 pub(crate) fn rod(spread: f32, speed: f32, fixed: bool) -> impl Strategy<Value = Thing> {
     let ends = (ball(spread, speed), direction(), 0.7_f32..1.8, vector(speed));
     (ends, 0.15_f32..0.3).prop_map(move |((one, direction, length, velocity), radius)| {
-        let other = Sphere {
-            position: one.position + length * direction,
-            velocity,
-            angular_momentum: 0.5 * one.angular_momentum.turned(),
-            ..one
-        };
-        let ends = [one, other].map(|end| Sphere { radius: 0.5 * end.radius, ..end });
+        let mut other = one.velocity(velocity).angular_momentum(0.5 * one.angular_momentum.turned());
+        other.position += length * direction;
+        let mut ends = [one, other];
+        ends.iter_mut().for_each(|end| end.radius *= 0.5);
         Thing::Rod { ends, radius, fixed }
     })
 }

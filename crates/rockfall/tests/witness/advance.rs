@@ -43,7 +43,7 @@ impl World {
         }
         let course = match self.set.integrator {
             Integrator::Rk4 => self.rk4(),
-            Integrator::SymplecticEuler => self.symplectic_euler(),
+            _ => self.symplectic_euler(),
         };
         self.constrain(&course.old);
         self.turn(&course);

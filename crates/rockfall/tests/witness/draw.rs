@@ -235,7 +235,9 @@ impl Draw {
         let links = self.rng.random_range(1..5);
         let hung = self.chance(0.6);
         let first = self.ball(self.middle);
-        let mut last = self.add(if hung { Sphere { radius: 0.1, ..first }.fixed() } else { Sphere { radius: 0.12, ..first } });
+        let mut anchor = first;
+        anchor.radius = if hung { 0.1 } else { 0.12 };
+        let mut last = self.add(if hung { anchor.fixed() } else { anchor });
         let strained = self.chance(0.2);
         let mut place = self.middle;
         for _ in 0..links {

@@ -3,7 +3,7 @@
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use rockfall::glam::Vec3;
-use rockfall::{Cuboid, Integrator, Polygon, Rod, Scene, Settings, Sphere, SphereId, Spring, Tether};
+use rockfall::{Integrator, Scene, Settings, Sphere, SphereId};
 
 use crate::draw::{Draw, direction};
 
@@ -69,18 +69,17 @@ pub(crate) fn plan(seed: u64, count: usize, regimes: usize) -> Plan {
 }
 
 fn settings(rng: &mut Pcg64Mcg) -> Settings {
-    let mut settings = Settings {
-        restitution: [1.0, 0.75, rng.random_range(0.0..1.0)][rng.random_range(0..3)],
-        gravity: [0.0, 1.0, rng.random_range(0.0..12.0)][rng.random_range(0..3)],
-        gravity_direction: direction(rng),
-        activation_threshold: [1.0, rng.random_range(0.0..0.5)][rng.random_range(0..2)],
-        contact_force: [1000.0, rng.random_range(100.0..2000.0)][rng.random_range(0..2)],
-        contact_damping: [12.5, 0.0, rng.random_range(0.0..30.0)][rng.random_range(0..3)],
-        friction: [50.0, 0.0, 5000.0][rng.random_range(0..3)],
-        collisions: rng.random_bool(0.85),
-        contact_pull: rng.random_bool(0.1),
-        ..Settings::default()
-    };
+    let mut settings = Settings::default().with(|settings| {
+        settings.restitution = [1.0, 0.75, rng.random_range(0.0..1.0)][rng.random_range(0..3)];
+        settings.gravity = [0.0, 1.0, rng.random_range(0.0..12.0)][rng.random_range(0..3)];
+        settings.gravity_direction = direction(rng);
+        settings.activation_threshold = [1.0, rng.random_range(0.0..0.5)][rng.random_range(0..2)];
+        settings.contact_force = [1000.0, rng.random_range(100.0..2000.0)][rng.random_range(0..2)];
+        settings.contact_damping = [12.5, 0.0, rng.random_range(0.0..30.0)][rng.random_range(0..3)];
+        settings.friction = [50.0, 0.0, 5000.0][rng.random_range(0..3)];
+        settings.collisions = rng.random_bool(0.85);
+        settings.contact_pull = rng.random_bool(0.1);
+    });
     if rng.random_bool(0.3) {
         settings.coulomb_friction = rng.random_range(0.05..1.0);
     }
@@ -117,17 +116,14 @@ fn without_stretching(scene: &Scene) -> Scene {
 /// The same scene in another unit of length, and with another mass for every third sphere.
 fn sized(scene: &Scene, size: f32, heavy: f32) -> Scene {
     let mut new = Scene::new();
-    for (at, sphere) in scene.spheres().iter().enumerate() {
+    for (at, mut sphere) in scene.spheres().iter().copied().enumerate() {
         let mass = if at % 3 == 0 { heavy } else { 1.0 };
-        let sphere = Sphere {
-            position: size * sphere.position,
-            velocity: size * sphere.velocity,
-            angular_momentum: mass * size * size * sphere.angular_momentum,
-            mass: mass * sphere.mass,
-            radius: size * sphere.radius,
-            force: mass * size * sphere.force,
-            ..*sphere
-        };
+        sphere.position *= size;
+        sphere.velocity *= size;
+        sphere.angular_momentum *= mass * size * size;
+        sphere.mass *= mass;
+        sphere.radius *= size;
+        sphere.force *= mass * size;
         new.add_sphere(sphere).expect("a valid sphere");
     }
     copy_rest(scene, &mut new, &Copy { size, ..PLAIN });
@@ -165,28 +161,36 @@ fn copy_rest(from: &Scene, to: &mut Scene, copy: &Copy) {
     let &Copy { offset, size, groups } = copy;
     let (old, new): (Vec<SphereId>, Vec<SphereId>) = (from.sphere_ids().collect(), to.sphere_ids().collect());
     let map = |id: SphereId| new[offset + old.iter().position(|&known| known == id).expect("a sphere of the scene")];
-    for rod in from.rods() {
-        let length = rod.length.map(|length| size * length);
-        let (end1, end2, group) = (map(rod.end1), map(rod.end2), groups + rod.group);
-        to.add_rod(Rod { end1, end2, radius: size * rod.radius, length, group }).expect("a valid rod");
+    for mut rod in from.rods().iter().copied() {
+        (rod.end1, rod.end2) = (map(rod.end1), map(rod.end2));
+        rod.radius *= size;
+        rod.length = rod.length.map(|length| size * length);
+        rod.group += groups;
+        to.add_rod(rod).expect("a valid rod");
     }
-    for spring in from.springs() {
-        let spring = Spring { a: map(spring.a), b: map(spring.b), length: size * spring.length, ..*spring };
+    for mut spring in from.springs().iter().copied() {
+        (spring.a, spring.b) = (map(spring.a), map(spring.b));
+        spring.length *= size;
         to.add_spring(spring).expect("a valid spring");
     }
-    for tether in from.tethers() {
-        let (point, length) = (size * tether.point, size * tether.length);
-        to.add_tether(Tether { sphere: map(tether.sphere), point, length, ..*tether }).expect("a valid tether");
+    for mut tether in from.tethers().iter().copied() {
+        tether.sphere = map(tether.sphere);
+        tether.point *= size;
+        tether.length *= size;
+        to.add_tether(tether).expect("a valid tether");
     }
-    for cuboid in from.boxes() {
-        let edges = cuboid.edges.map(|edge| size * edge);
-        let group = groups + cuboid.group;
-        to.add_box(Cuboid { corner: size * cuboid.corner, edges, group }).expect("a valid box");
+    for mut cuboid in from.boxes().iter().copied() {
+        cuboid.corner *= size;
+        cuboid.edges = cuboid.edges.map(|edge| size * edge);
+        cuboid.group += groups;
+        to.add_box(cuboid).expect("a valid box");
     }
-    for polygon in from.polygons() {
-        let (corner, left, right) = (size * polygon.corner, size * polygon.left, size * polygon.right);
-        let group = groups + polygon.group;
-        to.add_polygon(Polygon { corner, left, right, group }).expect("a valid polygon");
+    for mut polygon in from.polygons().iter().copied() {
+        polygon.corner *= size;
+        polygon.left *= size;
+        polygon.right *= size;
+        polygon.group += groups;
+        to.add_polygon(polygon).expect("a valid polygon");
     }
 }
 

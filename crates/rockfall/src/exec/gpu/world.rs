@@ -63,7 +63,7 @@ impl GpuWorld {
         let device = gpu.device();
         let limits = device.limits();
         check_sizes(&limits, |buffer| bytes_needed(world, buffer))?;
-        let uniform = make_buffer(device, "step", size_of::<Step>() as u64, UNIFORM)?;
+        let uniform = make_buffer(device, "step", (size_of::<Step>() as u64).next_multiple_of(16), UNIFORM)?;
         let mut arrays = Vec::new();
         for buffer in Buffer::ALL {
             arrays.push(Array::new(device, buffer, bytes_needed(world, buffer), chunk_bytes(&limits))?);

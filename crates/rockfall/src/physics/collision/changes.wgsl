@@ -1,5 +1,5 @@
 // requires model/counters.wgsl model/lists.wgsl model/objects.wgsl model/order.wgsl model/step.wgsl
-// requires physics/collision/other_collisions.wgsl physics/contact.wgsl physics/margin.wgsl step/collisions/rows.wgsl
+// requires physics/collision/other_collisions.wgsl physics/contact.wgsl physics/escape.wgsl step/collisions/rows.wgsl
 // requires step/collisions/report_clusters.wgsl
 
 // The state of a single sphere after its collisions.

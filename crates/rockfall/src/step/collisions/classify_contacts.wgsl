@@ -1,6 +1,6 @@
 // requires model/counters.wgsl model/entries.wgsl model/lists.wgsl model/objects.wgsl model/order.wgsl model/put_head.wgsl
 // requires model/step.wgsl physics/collision.wgsl physics/collision/plain.wgsl physics/contact.wgsl physics/geometry.wgsl
-// requires physics/margin.wgsl
+// requires physics/escape.wgsl
 
 // Decides which contacts are pressed, and which of them collide (docs/physics.md section 3.1).
 

@@ -1,5 +1,5 @@
 // requires model/one_state.wgsl model/step.wgsl physics/forces/net_force.wgsl physics/forces/wrenches.wgsl
-// requires physics/margin.wgsl step/integrate/symplectic_euler_state.wgsl step/large_spheres/large_sphere_forces.wgsl
+// requires physics/escape.wgsl step/integrate/symplectic_euler_state.wgsl step/large_spheres/large_sphere_forces.wgsl
 // requires step/large_spheres/workgroup_per_sphere.wgsl
 
 @group(0) @binding(2) var<storage, read> state: array<vec4f>;

@@ -1,5 +1,5 @@
 // requires model/counters.wgsl model/step.wgsl physics/forces/net_force.wgsl physics/forces/sphere_rates.wgsl
-// requires physics/margin.wgsl
+// requires physics/escape.wgsl
 
 // The next state of a sphere by symplectic Euler, from the forces on it.
 
