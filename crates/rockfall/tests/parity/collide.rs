@@ -394,7 +394,7 @@ pub(crate) fn sweep(
             let size = if *is_only { 1.0 } else { size };
             let wanted = j + size * (now + bodies.restitution * k.u) / weight;
             if wanted < 0.0 {
-                findings.see("held at 0".to_owned());
+                findings.see("clamped at 0".to_owned());
             }
             wanted.max(0.0)
         });

@@ -159,7 +159,7 @@ fn force(bodies: &Bodies, a: usize, b: usize, touch: &Touch, findings: &mut Find
     let pressure = touch.overlap + bodies.damping / bodies.stiffness * u;
     findings.decide("pressure", a, pressure);
     match () {
-        () if bodies.collisions && fresh > 0.0 => "unseen",
+        () if bodies.collisions && fresh > 0.0 => "fresh",
         () if bodies.collisions && leaving > 0.0 => "leaving",
         () if pressure < 0.0 => "not pulling",
         () => "pressing",
@@ -191,7 +191,7 @@ pub(crate) fn friction_impulses(world: &World, findings: &mut Findings) {
         }
         findings.decide("where it friction_impulses", a, touch.sure);
         findings.decide("overlap", a, touch.overlap);
-        findings.see(format!("{} rubbing", touch.kind));
+        findings.see(format!("{} friction impulse", touch.kind));
         if bodies.coulomb > 0.0 && touch.overlap > 0.0 {
             force(bodies, a, b, &touch, findings);
         }

@@ -14,7 +14,7 @@ use rockfall::{BroadPhase, Capsule, Cuboid, Integrator, Polygon, Rod, Scene, Sph
 use crate::broken::rewritten;
 use crate::compare::{BY_RULE, differences, listed};
 use crate::device::{GPU, on_gpu, open};
-use crate::trace::{grouped, swept};
+use crate::trace::{enable_sweeps, grouped};
 
 /// Steps of the CPU, each stage compared with the kernel; the world after them.
 fn assert_alike(gpu: &Gpu, scene: &Scene, runs: &[Run], steps: u32, margin: f32) -> World {
@@ -27,7 +27,7 @@ fn assert_alike_but(gpu: &Gpu, scene: &Scene, runs: &[Run], steps: u32, margin: 
     world.step.dt = 0.005;
     world.step.margin_scale = margin;
     world.set_pair_rows(world.movers().div_ceil(SLICE) * 100);
-    swept(&mut world);
+    enable_sweeps(&mut world);
     let groups = grouped(runs);
     for (step, group) in (0..steps).flat_map(|step| groups.iter().map(move |group| (step, group))) {
         let kernels: Vec<Run> = group.iter().map(|run| kernel(*run)).collect();
@@ -230,7 +230,7 @@ fn escapes_void_the_step() {
         world.step.margin_scale = 1e-3;
         world.set_pair_rows(1 << 9);
         let mut rejected = 0;
-        swept(&mut world);
+        enable_sweeps(&mut world);
         for group in grouped(&stages(&Phase::STEP, integrator)) {
             let before = world.clone();
             group.iter().for_each(|run| run.on_cpu(&mut world));

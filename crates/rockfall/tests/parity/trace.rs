@@ -43,7 +43,7 @@ impl Scenario {
     }
 
     /// Whether it has to do with how collisions are solved.
-    pub(crate) fn is_of_collisions(&self) -> bool {
+    pub(crate) fn solves_collisions(&self) -> bool {
         SOLVING.contains(&self.runs[0].stage.name) || self.is("run_steps")
     }
 
@@ -79,7 +79,7 @@ pub(crate) fn grouped(runs: &[Run]) -> Vec<Vec<Run>> {
 }
 
 /// A world that sweeps over its collisions.
-pub(crate) fn swept(world: &mut World) {
+pub(crate) fn enable_sweeps(world: &mut World) {
     world.step.sweeps = SWEEPS_ON;
     world.step.collision_room = 8192;
 }
@@ -154,7 +154,7 @@ fn sized(mut world: World) -> World {
     world.step.lead = 0.5;
     // As in a large scene.
     world.step.planned = 1;
-    swept(&mut world);
+    enable_sweeps(&mut world);
     world.set_pair_rows(world.movers().div_ceil(SLICE) * 64);
     // Not 0, so that a word that a stage leaves out shows.
     world.cells[CELLS_AT as usize..].fill(3);
