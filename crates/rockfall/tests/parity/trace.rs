@@ -197,8 +197,8 @@ fn run(drawn: &Clusters, plan: &Plan) -> Trace {
             if run.applies(&world.step) {
                 decide(&world, run, &mut findings);
             }
-            // Other stages of a group cannot be compared alone. With networks, neither can `commit_collisions`: the GPU commits all
-            // spheres of a network, the CPU only those that collide.
+            // Other stages of a group cannot be compared alone. With networks, neither can `commit_collisions`: the GPU commits
+            // all spheres of a network, the CPU only those that collide.
             let is_comparable = match run.stage.name {
                 "commit_collisions" => world.step.networks == 0,
                 "commit_friction_impulses" => true,
@@ -209,7 +209,8 @@ fn run(drawn: &Clusters, plan: &Plan) -> Trace {
             }
             run.on_cpu(&mut world);
             if run.stage.name == "constrain" {
-                // Swap back: an axis that turns by 180 degrees has no unique shortest rotation, so `turn` could not be compared.
+                // Swap back. An axis that turns by 180 degrees has no unique shortest rotation, so `turn` could not be
+                // compared.
                 reverse_some_rods(&mut world);
             }
         }
