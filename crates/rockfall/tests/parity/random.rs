@@ -100,7 +100,7 @@ impl Draw<'_> {
     }
 
     /// Two that overlap and nothing else.
-    pub(crate) fn duel(&mut self) {
+    pub(crate) fn sphere_pair(&mut self) {
         let (place, direction) = (self.place(), self.direction());
         let one = self.ball(place);
         self.add(one);
@@ -137,7 +137,7 @@ impl Draw<'_> {
         self.add(ball);
     }
 
-    pub(crate) fn capsule_duel(&mut self) {
+    pub(crate) fn capsule_and_sphere(&mut self) {
         let (middle, direction) = (self.middle, self.direction());
         self.scene.add_capsule(Capsule::new(middle, middle + direction, 0.25).mass(1.5)).unwrap();
         let across = self.vector(0.6);
@@ -147,7 +147,7 @@ impl Draw<'_> {
     }
 
     /// A sphere that hits a floor, and nothing else.
-    pub(crate) fn floored(&mut self) {
+    pub(crate) fn sphere_on_floor(&mut self) {
         let floor = self.middle;
         self.floor(floor);
         let mut ball = self.ball(floor);
@@ -219,7 +219,7 @@ impl Draw<'_> {
     }
 
     /// Overlaps begun within the step.
-    pub(crate) fn grazing(&mut self) {
+    pub(crate) fn shallow_overlaps(&mut self) {
         let (a, direction) = (self.place(), self.direction());
         let one = self.ball(a);
         let other = self.ball(a);
@@ -334,7 +334,7 @@ impl Draw<'_> {
     }
 
     /// Rods that meet a box at a vertex alone: past it, or through it from within.
-    pub(crate) fn box_and_splinters(&mut self) {
+    pub(crate) fn box_and_vertex_rods(&mut self) {
         let Cuboid { corner, edges, .. } = self.cuboid();
         let [i, j, k] = edges.map(Vec3::normalize);
         let out = -(i + j + k).normalize();

@@ -11,7 +11,7 @@ use rockfall::{BroadPhase, Integrator, Settings};
 
 use crate::cells;
 use crate::clusters::{Clusters, clusters};
-use crate::decisions::{self, Findings, Near};
+use crate::decisions::{self, Ambiguous, Findings};
 use crate::sweeps;
 
 /// Time step of all traces, in s. It is short because deep overlaps cause large forces.
@@ -124,17 +124,17 @@ pub(crate) fn trace(plan: &Plan) -> Trace {
     loop {
         let drawn = clusters(plan, &attempts);
         let trace = run(&drawn, plan);
-        if trace.findings.near.is_empty() {
+        if trace.findings.ambiguous.is_empty() {
             assert_eq!(trace.after.status.rejected, 0, "the step is rejected, the AABBs are too small for the forces");
             return trace;
         }
-        let mut again: Vec<usize> = trace.findings.near.iter().map(|near| drawn.cluster_of[near.object]).collect();
+        let mut again: Vec<usize> = trace.findings.ambiguous.iter().map(|decision| drawn.cluster_of[decision.object]).collect();
         again.sort_unstable();
         again.dedup();
         for cluster in again {
             attempts[cluster] += 1;
-            let mut near = trace.findings.near.iter();
-            let why = near.find(|near| drawn.cluster_of[near.object] == cluster).map(|near| near.what);
+            let mut ambiguous = trace.findings.ambiguous.iter();
+            let why = ambiguous.find(|decision| drawn.cluster_of[decision.object] == cluster).map(|decision| decision.what);
             assert!(attempts[cluster] < MAX_ATTEMPTS, "cluster {cluster} stays ambiguous: {why:?}");
         }
     }
@@ -185,7 +185,7 @@ fn run(drawn: &Clusters, plan: &Plan) -> Trace {
         if group[0].stage.name == "list_collisions" {
             let shared = decisions::collisions(&world, &mut findings).shared;
             if plan.only == Only::Lone {
-                findings.near.extend(shared.into_iter().map(|object| Near { what: "a shared body", object }));
+                findings.ambiguous.extend(shared.into_iter().map(|object| Ambiguous { what: "a shared body", object }));
             }
             scenarios.extend(collision_scenarios(&world, &group, plan));
         }
