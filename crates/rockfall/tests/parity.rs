@@ -83,7 +83,7 @@ fn assert_parity(plan: &Plan) -> Trace {
     trace
 }
 
-/// Asserts that the positions and velocities after the collisions are bitwise identical in every sweep mode (`Step::sweeps`).
+/// Asserts that the state after the collisions is bitwise identical in every sweep mode (`Step::sweeps`).
 fn assert_sweep_modes_agree(trace: &Trace) {
     let solving = trace.scenarios.iter().filter(|scenario| scenario.runs[0].stage.name == "list_collisions");
     let mut known: Vec<(usize, Vec<u32>)> = Vec::new();

@@ -386,10 +386,10 @@ pub(crate) fn sweep(
     let mut impulses = vec![0.0_f64; all.len()];
     let is_only: Vec<bool> = all.iter().map(|k| is_only(k, colliding)).collect();
     for size in SWEEP_SIZES {
-        let changes = changes_by(bodies, all, &impulses);
+        let so_far = changes_by(bodies, all, &impulses);
         let next = all.iter().zip(&weights).zip(&is_only).zip(&impulses).map(|(((k, weight), is_only), j)| {
             let of = |share: &Share| {
-                let change = changes.get(&share.ball).copied().unwrap_or_default();
+                let change = so_far.get(&share.ball).copied().unwrap_or_default();
                 change.v.dot(share.g) + bodies.balls[share.ball].i * change.l.dot(share.h)
             };
             let now = k.u - k.shares.iter().map(of).sum::<f64>();

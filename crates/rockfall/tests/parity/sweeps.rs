@@ -20,7 +20,7 @@ enum Rule {
     Rattle,
 }
 
-/// Evaluates the decisions of `restore_lengths`.
+/// Evaluates the decisions of `restore_lengths`, which corrects the lengths of the state before the integration.
 pub(crate) fn restore(world: &World, findings: &mut Findings) {
     for batch in 0..world.step.batches {
         Sweeps::new(world, batch).run(Rule::Lengths, findings);
