@@ -1,9 +1,12 @@
-//! Stage parity: the CPU twin and the kernel of every stage, from the same random world.
+//! Stage parity: the CPU code and the kernel of every stage, run on the same random world.
 //!
-//! A random step is run on the CPU; each of its stages is then run alone on both backends, from the world that it began
-//! with, and all buffers are compared. The stages that solve collisions are compared together, for what the GPU lists the CPU
-//! does not have. Counts, offsets, entries and flags must be equal, floats as close as the rounding
-//! of the input allows (see `compare.rs`). No decision of the step lies within 1e-4 of its switch (`decisions.rs`).
+//! The CPU runs a step of a random scene. Each stage of the step is then run alone on both backends, from the world as it was
+//! before the stage, and all buffers are compared. The stages that solve collisions are compared as one group, because the CPU
+//! does not have the collision lists of the GPU.
+//!
+//! Counts, offsets, entries and flags must be equal. Floats must agree as closely as rounding of the input allows (see
+//! `compare.rs`). A decision is a comparison that selects a branch, such as whether two spheres overlap. No decision of the
+//! step lies within 1e-4 of the value at which it changes (see `decisions.rs`).
 
 #![cfg(feature = "gpu")]
 
@@ -61,59 +64,60 @@ fn plan(seed: u64, integrator: Integrator) -> Plan {
     }
 }
 
-/// Fails where the backends make different things of a stage.
-fn compare(seed: u64, scenario: &Scenario) {
+/// Asserts that both backends compute the same from the world of a scenario.
+fn assert_scenario_matches(seed: u64, scenario: &Scenario) {
     let Scenario { runs, before } = scenario;
     let gpu = on_gpu(&GPU, before, runs);
     let wrong = differences(runs, before, &gpu, MEASURED);
     assert!(wrong.is_empty(), "seed {seed}, {}: {}", scenario.name(), listed(&wrong));
 }
 
-/// A trace whose every stage is the same on both backends.
-fn compared(plan: &Plan) -> Trace {
+/// Traces a plan and asserts that both backends compute the same in every stage.
+fn assert_parity(plan: &Plan) -> Trace {
     let trace = trace(plan);
-    // The other stages know nothing of how collisions are solved, and software Vulkan takes long to compile each.
-    let is_meant = |scenario: &&Scenario| plan.only == Only::All || scenario.is_of_collisions();
-    for scenario in trace.scenarios.iter().filter(is_meant) {
-        compare(plan.seed, scenario);
+    // The other stages do not depend on how collisions are solved, and software Vulkan takes long to compile each of them.
+    let is_relevant = |scenario: &&Scenario| plan.only == Only::All || scenario.solves_collisions();
+    for scenario in trace.scenarios.iter().filter(is_relevant) {
+        assert_scenario_matches(plan.seed, scenario);
     }
     trace
 }
 
-/// Fails where a way to solve collisions gives other bits than another one.
-fn same_in_every_way(trace: &Trace) {
+/// Asserts that the state after the collisions is bitwise identical in every sweep mode (`Step::sweeps`).
+fn assert_sweep_modes_agree(trace: &Trace) {
     let solving = trace.scenarios.iter().filter(|scenario| scenario.runs[0].stage.name == "list_collisions");
     let mut known: Vec<(usize, Vec<u32>)> = Vec::new();
     for Scenario { runs, before } in solving {
         let state = on_gpu(&GPU, before, runs).states[0].clone();
         let bits: Vec<u32> = bytemuck::cast_slice(&state).to_vec();
         match known.iter().find(|(stages, _)| *stages == runs.len()) {
-            Some((_, first)) => assert!(*first == bits, "sweeps {}", before.step.sweeps),
+            Some((_, first)) => assert!(*first == bits, "another result in sweep mode {}", before.step.sweeps),
             None => known.push((runs.len(), bits)),
         }
     }
 }
 
-/// Fails unless the traces decided each of `wanted` at least once: parity over nothing proves nothing.
+/// Asserts that each case in `wanted` occurs in the traces at least once. Parity proves nothing about cases that do not occur.
 fn assert_seen(traces: &[Trace], wanted: &[&str]) {
     let mut seen = BTreeMap::new();
     for (what, count) in traces.iter().flat_map(|trace| &trace.findings.seen) {
         *seen.entry(what.as_str()).or_insert(0) += count;
     }
     let missing: Vec<_> = wanted.iter().filter(|what| !seen.contains_key(**what)).collect();
-    assert!(missing.is_empty(), "never seen: {missing:?} in {seen:#?}");
+    assert!(missing.is_empty(), "these cases do not occur: {missing:?}; these do: {seen:#?}");
 }
 
-const CONTACTS: [&str; 41] = [
+/// Cases that must occur in the traces of the RK4 test. The first four must also occur with symplectic Euler.
+const CASES: [&str; 41] = [
     "sphere-sphere overlapping",
     "sphere-sphere colliding",
     "sphere-sphere pressing",
     "sphere-sphere not pulling",
-    "sphere-sphere unseen",
+    "sphere-sphere fresh",
     "sphere-rod overlapping",
     "sphere-rod colliding",
     "sphere-rod pressing",
-    "sphere-rod unseen",
+    "sphere-rod fresh",
     "rod-rod overlapping",
     "rod-rod colliding",
     "rod-rod pressing",
@@ -129,7 +133,7 @@ const CONTACTS: [&str; 41] = [
     "sphere-polygon colliding",
     "sphere-polygon pressing",
     "sphere-polygon leaving",
-    "sphere-polygon unseen",
+    "sphere-polygon fresh",
     "rod-box edge colliding",
     "rod-box edge pressing",
     "rod-box edge inside colliding",
@@ -145,13 +149,13 @@ const CONTACTS: [&str; 41] = [
     "at a right angle",
     "at its time",
     "longer than the step",
-    "held at 0",
+    "clamped at 0",
 ];
 
 #[test]
-fn every_stage_of_a_step_with_rk4() {
-    let traces: Vec<Trace> = (0..8).map(|seed| compared(&plan(seed, Integrator::Rk4))).collect();
-    assert_seen(&traces, &CONTACTS);
+fn backends_agree_on_every_stage_of_an_rk4_step() {
+    let traces: Vec<Trace> = (0..8).map(|seed| assert_parity(&plan(seed, Integrator::Rk4))).collect();
+    assert_seen(&traces, &CASES);
     assert_seen(&traces, &["swept once", "swept often", "turned too far"]);
     for trace in &traces {
         let step = &trace.after.step;
@@ -162,16 +166,16 @@ fn every_stage_of_a_step_with_rk4() {
 }
 
 #[test]
-fn every_stage_of_a_step_with_symplectic_euler() {
-    let traces: Vec<Trace> = (10..13).map(|seed| compared(&plan(seed, Integrator::SymplecticEuler))).collect();
-    assert_seen(&traces, &CONTACTS[..4]);
+fn backends_agree_on_every_stage_of_a_symplectic_euler_step() {
+    let traces: Vec<Trace> = (10..13).map(|seed| assert_parity(&plan(seed, Integrator::SymplecticEuler))).collect();
+    assert_seen(&traces, &CASES[..4]);
 }
 
-/// The stages that do what two others do in scenes with rods.
+/// Scenes without rods have stages of their own that combine two stages of other scenes: the commit and the turn of spheres.
 #[test]
-fn every_stage_without_rods() {
+fn backends_agree_on_every_stage_without_rods() {
     for (seed, integrator) in [(30, Integrator::Rk4), (31, Integrator::SymplecticEuler)] {
-        let trace = compared(&Plan { rods: false, ..plan(seed, integrator) });
+        let trace = assert_parity(&Plan { rods: false, ..plan(seed, integrator) });
         let changed = |name: &str| {
             let scenario = trace.scenarios.iter().find(|scenario| scenario.is(name)).expect(name);
             let mut after = scenario.before.clone();
@@ -179,13 +183,13 @@ fn every_stage_without_rods() {
             after.orientations != scenario.before.orientations
         };
         assert!(changed(if integrator == Integrator::Rk4 { "finish_and_turn" } else { "commit_and_turn" }));
-        assert!(!changed("turn"), "spheres turned twice");
+        assert!(!changed("turn"), "spheres are turned twice");
     }
 }
 
-/// Constants off their defaults, collisions off, pulling damping.
+/// Values other than the defaults, collisions switched off, and contact forces that may pull.
 #[test]
-fn every_stage_under_other_settings() {
+fn backends_agree_on_every_stage_under_other_settings() {
     let off = Settings::default().with(|settings| {
         settings.collisions = false;
         settings.contact_pull = true;
@@ -200,19 +204,19 @@ fn every_stage_under_other_settings() {
         settings.contact_damping = 30.0;
         settings.contact_force = 400.0;
         settings.friction = 20.0;
-        // So that it decides of some what collides.
+        // Strong enough that gravity sets the threshold velocity of some contacts (docs/physics.md section 3.1).
         settings.gravity = 9.81;
     });
     for (seed, settings) in [(20, off), (21, odd)] {
         for integrator in [Integrator::Rk4, Integrator::SymplecticEuler] {
-            compared(&Plan { settings, ..plan(seed, integrator) });
+            assert_parity(&Plan { settings, ..plan(seed, integrator) });
         }
     }
 }
 
-/// Friction impulses, of collisions and of contacts that press, of either alone, and without collisions.
+/// Both kinds of friction impulses, each kind alone, and Coulomb friction with collisions switched off.
 #[test]
-fn every_stage_with_friction_impulses() {
+fn backends_agree_on_every_stage_with_friction_impulses() {
     let both = Settings::default().with(|settings| {
         settings.coulomb_friction = 0.3;
         settings.collision_friction = 0.2;
@@ -221,24 +225,29 @@ fn every_stage_with_friction_impulses() {
     let of_collisions = both.with(|settings| settings.coulomb_friction = 0.0);
     let only = coulomb.with(|settings| settings.collisions = false);
     let plans = [(22, both), (23, coulomb), (24, of_collisions), (25, only)];
-    let traces = plans.map(|(seed, settings)| compared(&Plan { settings, ..plan(seed, Integrator::SymplecticEuler) }));
-    let seen =
-        ["sphere-sphere rubbing", "sphere-rod rubbing", "rod-rod rubbing", "sphere-polygon rubbing", "rod-box edge rubbing"];
-    assert_seen(&traces, &seen);
+    let traces = plans.map(|(seed, settings)| assert_parity(&Plan { settings, ..plan(seed, Integrator::SymplecticEuler) }));
+    let wanted = [
+        "sphere-sphere friction impulse",
+        "sphere-rod friction impulse",
+        "rod-rod friction impulse",
+        "sphere-polygon friction impulse",
+        "rod-box edge friction impulse",
+    ];
+    assert_seen(&traces, &wanted);
 }
 
-/// Collisions that one workgroup can sweep over, by one and by many.
+/// Few collisions can be swept by one workgroup or by one dispatch per sweep.
 #[test]
-fn few_collisions_in_both_ways() {
+fn both_sweep_modes_solve_few_collisions_identically() {
     let traces = [(50, true), (51, false)]
-        .map(|(seed, rods)| compared(&Plan { rods, only: Only::Few, ..plan(seed, Integrator::SymplecticEuler) }));
+        .map(|(seed, rods)| assert_parity(&Plan { rods, only: Only::Few, ..plan(seed, Integrator::SymplecticEuler) }));
     assert_seen(&traces, &["clustered", "lone", "sphere-rod colliding"]);
-    traces.iter().for_each(same_in_every_way);
+    traces.iter().for_each(assert_sweep_modes_agree);
 }
 
-/// Collisions that share no bodies: with sweeps that have nothing to do, listed, and by every sphere itself.
+/// Collisions that share no bodies can be solved with sweeps, from a list without sweeps, or by each sphere without a list.
 #[test]
-fn lone_collisions_in_every_way() {
+fn all_sweep_modes_solve_lone_collisions_identically() {
     let both = Settings::default().with(|settings| {
         settings.coulomb_friction = 0.3;
         settings.collision_friction = 0.2;
@@ -246,32 +255,33 @@ fn lone_collisions_in_every_way() {
     let coulomb = both.with(|settings| settings.collision_friction = 0.0);
     let plans = [(40, true, Settings::default()), (41, false, Settings::default()), (42, true, both), (43, false, coulomb)];
     let traces = plans.map(|(seed, rods, settings)| {
-        compared(&Plan { rods, only: Only::Lone, settings, ..plan(seed, Integrator::SymplecticEuler) })
+        assert_parity(&Plan { rods, only: Only::Lone, settings, ..plan(seed, Integrator::SymplecticEuler) })
     });
     assert_seen(&traces, &["lone", "capsule hit", "at a right angle", "sphere-rod colliding", "sphere-polygon colliding"]);
     assert!(traces.iter().all(|trace| !trace.findings.seen.contains_key("clustered")));
-    traces.iter().for_each(same_in_every_way);
+    traces.iter().for_each(assert_sweep_modes_agree);
 }
 
-/// In a void step the stages after the broad phase leave everything as it is; so they do after collisions that are done.
+/// In a rejected step the stages after the broad phase change nothing. When a previous attempt has already done the collisions,
+/// the collision stages change nothing.
 #[test]
-fn every_stage_of_a_void_step() {
+fn backends_agree_on_every_stage_of_a_rejected_step() {
     for integrator in [Integrator::Rk4, Integrator::SymplecticEuler] {
         for Scenario { runs, mut before } in trace(&plan(4, integrator)).scenarios {
             before.status.rejected = REJECTED_NON_FINITE;
-            compare(4, &Scenario { runs: runs.clone(), before: before.clone() });
+            assert_scenario_matches(4, &Scenario { runs: runs.clone(), before: before.clone() });
             if runs[0].stage.name.ends_with("_collisions") {
                 before.status.rejected = 0;
                 before.status.collided = 1;
-                compare(4, &Scenario { runs, before });
+                assert_scenario_matches(4, &Scenario { runs, before });
             }
         }
     }
 }
 
-/// Lists that do not fit void the step on both, and tell the same need.
+/// Both backends reject the step when the pair lists do not fit, and report the same number of rows that they need.
 #[test]
-fn lists_that_do_not_fit() {
+fn both_backends_reject_pair_lists_that_do_not_fit() {
     let scenarios = trace(&plan(3, Integrator::Rk4)).scenarios;
     let scan = scenarios.into_iter().find(|scenario| scenario.is("scan_pairs"));
     let mut scenario = scan.unwrap();
@@ -280,12 +290,12 @@ fn lists_that_do_not_fit() {
         scenario.runs[0].on_cpu(&mut world);
         world.status.pair_rows_needed
     };
-    for (rows, void) in [(needed - 1, REJECTED_PAIRS), (needed, 0)] {
+    for (rows, rejected) in [(needed - 1, REJECTED_PAIRS), (needed, 0)] {
         let before = &mut scenario.before;
         before.step.pair_rows = rows;
         before.lists.resize(before.step.entries_at as usize + words_of_rows(rows) as usize, 0);
         let gpu = on_gpu(&GPU, &scenario.before, &scenario.runs);
-        assert_eq!((gpu.status.rejected, gpu.status.pair_rows_needed), (void, needed));
-        compare(4, &scenario);
+        assert_eq!((gpu.status.rejected, gpu.status.pair_rows_needed), (rejected, needed));
+        assert_scenario_matches(4, &scenario);
     }
 }

@@ -1,4 +1,4 @@
-//! The objects of a world in f64, read from its buffers by their documented layout alone.
+//! The objects of a world in f64, read from its buffers by their documented layout, without the library's functions.
 
 use glam::{DVec3, Vec4};
 use rockfall::model::layout::{
@@ -14,22 +14,22 @@ pub(crate) struct Ball {
     /// Angular momentum.
     pub(crate) l: DVec3,
     pub(crate) radius: f64,
-    /// 1/m, 0 of a fixed sphere.
+    /// 1/m; 0 for a fixed sphere.
     pub(crate) w: f64,
-    /// 1/I, 0 of a fixed sphere.
+    /// 1/I; 0 for a fixed sphere.
     pub(crate) i: f64,
-    /// Acceleration by gravity, springs, tethers and external forces; 0 of a fixed sphere.
-    pub(crate) pull: DVec3,
+    /// Acceleration by gravity, springs, tethers and external forces; 0 for a fixed sphere.
+    pub(crate) acceleration: DVec3,
 }
 
-/// What impulses move as a whole (docs/physics.md section 1.4).
+/// A body: spheres that an impulse moves together (docs/physics.md section 1.4).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Body {
     /// A single sphere.
     Ball(usize),
-    /// A rigid capsule, by its rod.
+    /// A rigid capsule, by the index of its rod.
     Capsule(usize),
-    /// A network, by its least sphere.
+    /// A network, by the smallest index of its spheres.
     Network(usize),
 }
 
@@ -69,11 +69,11 @@ pub(crate) struct Bodies {
     pub(crate) faces: Vec<Face>,
     /// Group of every object, by id.
     pub(crate) groups: Vec<u32>,
-    /// The rods that end in a sphere.
+    /// Rods that end in each sphere.
     pub(crate) bars_of: Vec<Vec<usize>>,
-    /// The body of each sphere; none of a fixed one.
+    /// Body of each sphere; `None` for a fixed sphere.
     pub(crate) body_of: Vec<Option<Body>>,
-    /// Springs, and tethers, which have one end: the difference of their ends, stiffness and length.
+    /// Springs and tethers: end spheres, vector between the ends, stiffness and length. The second end of a tether is `None`.
     pub(crate) springs: Vec<([Option<usize>; 2], DVec3, f64, f64)>,
     pub(crate) dt: f64,
     pub(crate) threshold: f64,
@@ -92,7 +92,7 @@ fn vector(row: Vec4) -> DVec3 {
 }
 
 impl Bodies {
-    /// The world with its spheres in stage state `state`.
+    /// Reads a world with its spheres in stage state `state`.
     pub(crate) fn new(world: &World, state: usize) -> Self {
         let step = &world.step;
         let rows = &world.states[state];
@@ -122,7 +122,7 @@ impl Bodies {
                 radius: f64::from(rows[k].w),
                 w: f64::from(rows[n + k].w),
                 i: if rows[n + k].w > 0.0 { f64::from(rows[2 * n + k].w) } else { 0.0 },
-                pull: DVec3::ZERO,
+                acceleration: DVec3::ZERO,
             })
             .collect();
         let mut bodies = Self {
@@ -154,13 +154,13 @@ impl Bodies {
             damping: f64::from(step.contact_damping),
             collisions: step.flags & FLAG_COLLISIONS != 0,
         };
-        bodies.pull_all(world);
-        bodies.join_all();
+        bodies.set_accelerations(world);
+        bodies.find_bodies();
         bodies
     }
 
-    /// Works out the accelerations that do not come from contacts (docs/physics.md sections 4.1 and 4.2).
-    fn pull_all(&mut self, world: &World) {
+    /// Computes the accelerations that do not come from contacts (docs/physics.md sections 4.1 and 4.2).
+    fn set_accelerations(&mut self, world: &World) {
         let step = &world.step;
         let triple = |at: usize| DVec3::from_array([0, 1, 2].map(|k| f64::from(f32::from_bits(world.topology[at + k]))));
         let spring = |one: (DVec3, DVec3), other: (DVec3, DVec3), constants: DVec3| {
@@ -201,13 +201,13 @@ impl Bodies {
                     _ => {}
                 }
             }
-            self.balls[k].pull = gravity + self.balls[k].w * force;
+            self.balls[k].acceleration = gravity + self.balls[k].w * force;
         }
         self.springs = springs;
     }
 
-    /// Finds the bodies.
-    fn join_all(&mut self) {
+    /// Sets the body of each sphere.
+    fn find_bodies(&mut self) {
         let moves = |ball: usize| self.balls[ball].w > 0.0;
         let mut least: Vec<usize> = (0..self.balls.len()).collect();
         let in_network = |bar: usize| self.bars[bar].length > 0.0 && !self.is_capsule(bar);
@@ -232,13 +232,13 @@ impl Bodies {
         self.body_of = (0..self.balls.len()).map(body).collect();
     }
 
-    /// Whether a rod makes a rigid capsule of its ends.
+    /// Whether a rod and its ends form a rigid capsule.
     pub(crate) fn is_capsule(&self, bar: usize) -> bool {
         let Bar { ends, length, .. } = &self.bars[bar];
         *length > 0.0 && ends.iter().all(|end| self.balls[*end].w > 0.0 && self.bars_of[*end].len() == 1)
     }
 
-    /// The rod of the rigid capsule that an object is a part of.
+    /// Returns the rod of the rigid capsule that contains an object.
     pub(crate) fn capsule_with(&self, id: usize) -> Option<usize> {
         match self.kind(id) {
             Kind::Ball(ball) => match self.body_of[ball] {
@@ -250,7 +250,7 @@ impl Bodies {
         }
     }
 
-    /// The smaller radius of a pair; what is static has none.
+    /// Returns the smaller radius of a pair. Boxes and polygons count as infinite.
     pub(crate) fn smaller_radius(&self, a: usize, b: usize) -> f64 {
         let radius = |id| match self.kind(id) {
             Kind::Ball(ball) => self.balls[ball].radius,
@@ -260,7 +260,7 @@ impl Bodies {
         radius(a).min(radius(b))
     }
 
-    /// The threshold velocity of a pair (docs/physics.md section 3.1).
+    /// Returns the threshold velocity of a pair (docs/physics.md section 3.1).
     pub(crate) fn threshold(&self, a: usize, b: usize) -> f64 {
         (self.threshold * self.smaller_radius(a, b)).max(2.0 * self.gravity * self.dt)
     }
@@ -279,7 +279,7 @@ impl Bodies {
         self.balls.len() + self.bars.len()
     }
 
-    /// The spheres that an object stands on.
+    /// Returns a sphere itself, or the end spheres of a rod.
     pub(crate) fn spheres_of(&self, id: usize) -> Vec<usize> {
         match self.kind(id) {
             Kind::Ball(ball) => vec![ball],
@@ -292,12 +292,12 @@ impl Bodies {
         self.spheres_of(id).iter().all(|ball| self.balls[*ball].w == 0.0)
     }
 
-    /// Both ends of a rod.
+    /// Returns the positions of both ends of a rod.
     pub(crate) fn segment(&self, bar: usize) -> [DVec3; 2] {
         self.bars[bar].ends.map(|end| self.balls[end].x)
     }
 
-    /// Pairs that never overlap: of one group, one of them moves, and neither is part of the other.
+    /// Whether a pair may overlap: both are in one group, at least one of them moves, and neither is part of the other.
     pub(crate) fn may_touch(&self, a: usize, b: usize) -> bool {
         if self.groups[a] != self.groups[b] || (self.immovable(a) && self.immovable(b)) {
             return false;

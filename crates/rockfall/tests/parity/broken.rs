@@ -1,4 +1,4 @@
-//! Kernels with one plausible mistake each, which the comparison must tell: a comparison is worth what it rejects.
+//! Kernels with one plausible mistake each. The comparison of the backends must reject every one of them.
 
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::slice;
@@ -19,9 +19,10 @@ use crate::compare::{MEASURED, differences};
 use crate::decisions::entries;
 use crate::device::{GPU, on_gpu, open};
 use crate::trace::{COLLISIONS, Only, POSITIONS, Plan, Scenario, Trace, trace};
-use crate::{compare, plan};
+use crate::{assert_scenario_matches, plan};
 
-/// A mistake: in which stage and pass, the file, the text and what it becomes, and the buffer that it shows in.
+/// A mistake in a kernel: the stage and its pass, the WGSL file, the correct text, the wrong text, and the buffer that must
+/// differ.
 struct Mistake(&'static str, u32, &'static str, &'static str, &'static str, Buffer);
 
 static MISTAKES: &[Mistake] = &[
@@ -215,8 +216,8 @@ static MISTAKES: &[Mistake] = &[
         "velocity.w * part_on",
         Buffer::Start,
     ),
-    // The opposite, never ONLY, makes no difference: the last two sweeps of a collision by itself have size 1 and correct
-    // all that the others left (docs/physics.md section 3.8: p(1) = 0).
+    // Never using ONLY would make no difference: the last two sweeps have factor 1, and for a collision that is the only one
+    // on its bodies they correct everything that the other sweeps left (docs/physics.md section 3.8: p(1) = 0).
     Mistake("weigh_collisions", 0, "couplings.wgsl", "select(0u, ONLY, is_only)", "ONLY", Buffer::Start),
     Mistake("sweep_collisions", 0, "sweep_collisions.wgsl", "(sweeps != 0u)", "(sweeps > 1u)", Buffer::Start),
     Mistake(
@@ -322,12 +323,13 @@ static MISTAKES: &[Mistake] = &[
     Mistake("run_steps", COLLISIONS, "changes.wgsl", "impulse * plainly.solved.tau", "plainly.solved.tau", Buffer::Start),
 ];
 
-/// Whether a part is this file, of which the path may begin later: `changes.wgsl` is not `has_changes.wgsl`.
+/// Whether a part is the given file, which may be the end of a path. `changes.wgsl` does not match `has_changes.wgsl`.
 fn is_file(part: &Part, file: &str) -> bool {
     part.file == file || part.file.ends_with(&format!("/{file}"))
 }
 
-/// A run whose stage has another text in a file, if the file is part of it. It lives as long as the process, as stages do.
+/// Returns a run whose stage has a rewritten file, if the file is part of the stage. The memory is leaked, because stages are
+/// `'static`.
 pub(crate) fn rewritten(run: Run, file: &str, rewrite: impl Fn(&str) -> String) -> Run {
     let mut parts = run.stage.parts();
     if let Some(part) = parts.iter_mut().find(|part| is_file(part, file)) {
@@ -337,14 +339,15 @@ pub(crate) fn rewritten(run: Run, file: &str, rewrite: impl Fn(&str) -> String) 
     Run { stage: Box::leak(Box::new(stage)), ..run }
 }
 
-/// The runs with a mistake in one of their stages, which is `made` at its first use: a device keeps its kernels.
-fn broken(runs: &[Run], mistake: &Mistake, made: &mut Option<&'static Stage>) -> Vec<Run> {
+/// Returns the runs with a mistake in one of their stages. `made` caches the stage with the mistake from the first call on, so
+/// that the device compiles it only once.
+fn with_mistake(runs: &[Run], mistake: &Mistake, made: &mut Option<&'static Stage>) -> Vec<Run> {
     let Mistake(name, _, file, right, wrong, _) = mistake;
     let mut one = |run: &Run| {
         if run.stage.name != *name {
             return *run;
         }
-        // One stage for all its passes, of a name of its own: a device keeps kernels by name.
+        // All passes share one stage. It has a unique name, because a device caches kernels by name.
         let stage = *made.get_or_insert_with(|| {
             assert!(run.stage.parts().iter().any(|part| is_file(part, file)), "{name} has no {file}");
             let mistaken = rewritten(*run, file, |text| {
@@ -352,12 +355,13 @@ fn broken(runs: &[Run], mistake: &Mistake, made: &mut Option<&'static Stage>) ->
                 assert_ne!(mistaken, text, "{file} has no '{right}'");
                 mistaken
             });
-            // The same in every run, so that a driver with a cache on disk need not compile it again.
+            // The name is the same in every run of the test, so that a driver with a cache on disk can reuse the kernel.
             let mut hasher = DefaultHasher::new();
             (file, right, wrong).hash(&mut hasher);
             let new_name = format!("{name}_{:x}", hasher.finish()).leak();
             let (entry, new_entry) = (format!("fn {name}("), format!("fn {new_name}("));
-            let renamed = rewritten(mistaken, &format!("{}.wgsl", file_of(name)), |text| text.replacen(&entry, &new_entry, 1));
+            let renamed =
+                rewritten(mistaken, &format!("{}.wgsl", entry_file(name)), |text| text.replacen(&entry, &new_entry, 1));
             Box::leak(Box::new(Stage { name: new_name, ..*renamed.stage }))
         });
         Run { stage, ..*run }
@@ -365,31 +369,31 @@ fn broken(runs: &[Run], mistake: &Mistake, made: &mut Option<&'static Stage>) ->
     runs.iter().map(&mut one).collect()
 }
 
-/// The file that a stage's entry point stands in.
-fn file_of(stage: &str) -> &str {
+/// Returns the name of the file with the entry point of a stage.
+fn entry_file(stage: &str) -> &str {
     match stage {
         "sum_blocks" | "place_cells" => "scan_cells",
         _ => stage,
     }
 }
 
-/// Plans of the traces in which mistakes are looked for.
+/// Plans of the traces that must reveal the mistakes.
 fn plans() -> [Plan; 8] {
     let (rk4, euler) = (Integrator::Rk4, Integrator::SymplecticEuler);
-    // Friction so strong that its bound holds it back.
+    // Friction so strong that its bound limits it.
     let rough = Settings::default().with(|settings| {
         settings.friction = 5000.0;
         settings.linear_damping = 3.0;
         settings.angular_damping = 4.0;
     });
-    // Gravity so strong that it decides what collides.
+    // Gravity so strong that it sets the threshold velocity (docs/physics.md section 3.1).
     let heavy = rough.with(|settings| settings.gravity = 100.0);
     let both = Settings::default().with(|settings| {
         settings.coulomb_friction = 0.3;
         settings.collision_friction = 0.2;
     });
     [
-        // Without rods first: software Vulkan takes long to compile the other kernels.
+        // Plans without rods come first, because software Vulkan takes long to compile the kernels with rods.
         Plan { rods: false, only: Only::Lone, settings: rough, ..plan(6, euler) },
         Plan { rods: false, settings: heavy, ..plan(3, rk4) },
         Plan { rods: false, settings: both, ..plan(4, euler) },
@@ -397,94 +401,94 @@ fn plans() -> [Plan; 8] {
         plan(0, rk4),
         Plan { settings: both, ..plan(1, euler) },
         plan(2, rk4),
-        // Only without Coulomb friction contact forces have a torque, which changes angular momenta.
+        // Contact forces have a torque, and so change angular momenta, only without Coulomb friction.
         Plan { only: Only::Few, settings: rough, ..plan(5, euler) },
     ]
 }
 
-/// The scenarios that may tell a mistake, those that mostly do first: of those with its stage the first, the shortest group of it, the first
-/// with long movers, with large spheres, and with those and without rods; then all others.
-fn telling<'a>(traces: &'a [Trace], Mistake(stage, pass, ..): &Mistake) -> Vec<&'a Scenario> {
-    let does = |Scenario { runs, before }: &&Scenario| {
+/// Returns the scenarios that run the stage and pass of a mistake. Those that are most likely to reveal it come first: one of
+/// each special kind, such as with large spheres, with long movers or with networks. All others follow.
+fn likely_scenarios<'a>(traces: &'a [Trace], Mistake(stage, pass, ..): &Mistake) -> Vec<&'a Scenario> {
+    let runs_stage = |Scenario { runs, before }: &&Scenario| {
         let has_work = |run: &Run| run.stage.threads != Threads::LongMovers || before.cells[3] > 0;
         runs.iter().any(|run| run.stage.name == *stage && run.pass == *pass && run.applies(&before.step) && has_work(run))
     };
-    let all: Vec<&Scenario> = traces.iter().flat_map(|trace| &trace.scenarios).filter(does).collect();
+    let all: Vec<&Scenario> = traces.iter().flat_map(|trace| &trace.scenarios).filter(runs_stage).collect();
     let with_long_movers = all.iter().find(|scenario| scenario.before.cells[3] > 0);
-    let with_teams = all.iter().find(|scenario| scenario.before.step.large > 0);
-    let of_plain = all.iter().find(|scenario| scenario.before.step.large > 0 && scenario.before.step.rods == 0);
-    let alone = all.iter().find(|scenario| scenario.before.step.sweeps == SWEEPS_OFF);
+    let with_large = all.iter().find(|scenario| scenario.before.step.large > 0);
+    let large_without_rods = all.iter().find(|scenario| scenario.before.step.large > 0 && scenario.before.step.rods == 0);
+    let without_sweeps = all.iter().find(|scenario| scenario.before.step.sweeps == SWEEPS_OFF);
     let with_rods = all.iter().find(|scenario| scenario.before.step.rods > 0);
-    // On networks, of both frictions.
     let with_networks = all.iter().find(|scenario| scenario.before.step.networks > 0);
-    let mut telling: Vec<&Scenario> = Vec::new();
-    let likely = [all.first(), alone, of_plain, with_teams, with_long_movers, with_rods, with_networks];
+    let mut scenarios: Vec<&Scenario> = Vec::new();
+    let likely = [all.first(), without_sweeps, large_without_rods, with_large, with_long_movers, with_rods, with_networks];
     for scenario in likely.into_iter().flatten().chain(&all) {
-        if !telling.iter().any(|other| std::ptr::eq(*other, *scenario)) {
-            telling.push(scenario);
+        if !scenarios.iter().any(|other| std::ptr::eq(*other, *scenario)) {
+            scenarios.push(scenario);
         }
     }
-    assert!(!telling.is_empty(), "{stage} is in no trace");
-    telling
+    assert!(!scenarios.is_empty(), "no trace has pass {pass} of {stage}");
+    scenarios
 }
 
-/// A scenario that rejects the right kernels would reject every mistake.
+/// A scenario that rejects correct kernels would also reject every mistake, and prove nothing.
 #[test]
-fn kernels_without_a_mistake_are_not_told() {
+fn kernels_without_a_mistake_are_accepted() {
     for plan in plans() {
-        trace(&plan).scenarios.iter().for_each(|scenario| compare(plan.seed, scenario));
+        trace(&plan).scenarios.iter().for_each(|scenario| assert_scenario_matches(plan.seed, scenario));
     }
 }
 
-/// Whether the comparison rejects a mistake in one of the scenarios, in the buffer where it should show.
-fn is_told(gpu: &Gpu, traces: &[Trace], mistake: &Mistake) -> bool {
+/// Whether the comparison rejects a mistake: in at least one scenario, the expected buffer differs.
+fn is_rejected(gpu: &Gpu, traces: &[Trace], mistake: &Mistake) -> bool {
     let mut made = None;
-    telling(traces, mistake).into_iter().any(|Scenario { runs, before }| {
-        let after = on_gpu(gpu, before, &broken(runs, mistake, &mut made));
+    likely_scenarios(traces, mistake).into_iter().any(|Scenario { runs, before }| {
+        let after = on_gpu(gpu, before, &with_mistake(runs, mistake, &mut made));
         differences(runs, before, &after, MEASURED).iter().any(|difference| difference.buffer == mistake.5)
     })
 }
 
 #[test]
-fn a_kernel_with_a_mistake_is_told() {
+fn every_kernel_with_a_mistake_is_rejected() {
     let traces = plans().each_ref().map(trace);
-    let (left, untold) = (Mutex::new(MISTAKES.iter()), Mutex::new(Vec::new()));
-    let look = |next: fn(&mut slice::Iter<'static, Mistake>) -> Option<&'static Mistake>| {
+    let (left, accepted) = (Mutex::new(MISTAKES.iter()), Mutex::new(Vec::new()));
+    let check = |next: fn(&mut slice::Iter<'static, Mistake>) -> Option<&'static Mistake>| {
         let gpu = open();
         loop {
             let mistake = next(&mut left.lock().unwrap());
             let Some(mistake @ Mistake(stage, pass, file, _, wrong, _)) = mistake else { return };
-            if !is_told(&gpu, &traces, mistake) {
-                untold.lock().unwrap().push(format!("{stage} {pass}, {file}: '{wrong}'"));
+            if !is_rejected(&gpu, &traces, mistake) {
+                accepted.lock().unwrap().push(format!("{stage} {pass}, {file}: '{wrong}'"));
             }
         }
     };
     // Nearly all of the time goes into compiling kernels, which software Vulkan does on one thread per device. The devices
     // start at opposite ends, so that they do not compile the same unchanged kernels at the same time.
     std::thread::scope(|scope| {
-        scope.spawn(|| look(slice::Iter::next));
-        scope.spawn(|| look(slice::Iter::next_back));
+        scope.spawn(|| check(slice::Iter::next));
+        scope.spawn(|| check(slice::Iter::next_back));
     });
-    let untold = untold.into_inner().unwrap();
-    assert!(untold.is_empty(), "{untold:#?}");
+    let accepted = accepted.into_inner().unwrap();
+    assert!(accepted.is_empty(), "the comparison accepts these mistakes: {accepted:#?}");
 }
 
 #[test]
-fn there_is_a_mistake_for_every_stage() {
+fn every_stage_has_a_mistake() {
     for stage in rockfall::step::catalog::ALL {
-        assert!(MISTAKES.iter().any(|mistake| mistake.0 == stage.name), "{}", stage.name);
+        assert!(MISTAKES.iter().any(|mistake| mistake.0 == stage.name), "MISTAKES has no entry for {}", stage.name);
     }
 }
 
-/// Where there are too many objects for a key to hold the place of an id too, ids are looked up, and lists are the same.
+/// A sort key holds an insertion index and, if there is room, the place of the object's id. With too many objects there is no
+/// room, and the kernel looks up the ids. Both ways must give the same lists.
 #[test]
-fn the_place_of_an_id_in_a_key_does_not_show() {
+fn pair_lists_do_not_depend_on_the_layout_of_sort_keys() {
     let trace = trace(&plan(1, Integrator::Rk4));
     let Scenario { runs, before } = trace.scenarios.iter().find(|scenario| scenario.is("find_neighbours")).expect("a stage");
     let (right, wrong) = ("override MANY: bool = false", "const MANY: bool = true");
     let many = Mistake("find_neighbours", 0, "find_neighbours.wgsl", right, wrong, Buffer::Lists);
     let words = |world: &World| entries(world).iter().map(|entry| (entry.mover, entry.word)).collect::<Vec<_>>();
-    let found = words(&on_gpu(&GPU, before, &broken(runs, &many, &mut None)));
+    let found = words(&on_gpu(&GPU, before, &with_mistake(runs, &many, &mut None)));
     assert!(found.len() > 1000, "{} entries", found.len());
     assert_eq!(found, words(&on_gpu(&GPU, before, runs)));
 }

@@ -1,4 +1,4 @@
-//! The decisions of the grid broad phase: on which level an object is, and in which cell a coordinate lies.
+//! The decisions of the grid broad phase: the level of each object, and the cell of each coordinate.
 
 use rockfall::model::layout::{LEVEL_BIAS, TOP_LEVEL};
 use rockfall::model::world::World;
@@ -9,7 +9,7 @@ fn cell_size(world: &World, level: u32) -> f64 {
     f64::from(world.step.cell_size) * 2.0_f64.powi(level as i32 - LEVEL_BIAS as i32)
 }
 
-/// Distance from the next border of a cell, in cells.
+/// Distance from the nearest border of a cell, in cells.
 fn border(coordinate: f64) -> f64 {
     (coordinate - coordinate.round()).abs()
 }

@@ -1,5 +1,5 @@
-//! Random scenes of many small clusters, far enough apart not to meet, so that a cluster with a decision too close to
-//! call can be drawn again alone.
+//! Random scenes of many small clusters. The clusters are so far apart that they do not interact, so a cluster with an
+//! ambiguous decision can be drawn again without a change to the others.
 
 use glam::Vec3;
 use rand::SeedableRng;
@@ -9,19 +9,19 @@ use rockfall::Scene;
 use crate::random::Draw;
 use crate::trace::{Only, Plan};
 
-/// Between the middles of neighbouring clusters, in units.
+/// Distance between the centres of neighbouring clusters, in units.
 const SPACING: f32 = 9.0;
 
 type Recipe = fn(&mut Draw);
 
-/// Every kind of cluster; those that are rare to overlap stand more than once.
+/// All kinds of clusters. Kinds whose objects rarely overlap are listed more than once.
 const RECIPES: [Recipe; 29] = [
-    |d| d.duel(),
-    |d| d.duel(),
-    |d| d.capsule_duel(),
-    |d| d.floored(),
+    |d| d.sphere_pair(),
+    |d| d.sphere_pair(),
+    |d| d.capsule_and_sphere(),
+    |d| d.sphere_on_floor(),
     |d| d.spheres(6),
-    |d| d.grazing(),
+    |d| d.shallow_overlaps(),
     |d| d.sphere_on_rod(false),
     |d| d.sphere_on_rod(true),
     |d| d.rods(2),
@@ -33,7 +33,7 @@ const RECIPES: [Recipe; 29] = [
     |d| d.box_and_spheres(),
     |d| d.box_and_rods(2),
     |d| d.box_and_rods(4),
-    |d| d.box_and_splinters(),
+    |d| d.box_and_vertex_rods(),
     |d| d.polygon(),
     |d| d.polygon(),
     |d| d.chain(),
@@ -47,12 +47,12 @@ const RECIPES: [Recipe; 29] = [
     |d| d.struck_network(),
 ];
 
-/// The kinds without rods.
+/// Kinds without rods.
 const WITHOUT_RODS: [Recipe; 9] = [
-    |d| d.duel(),
-    |d| d.floored(),
+    |d| d.sphere_pair(),
+    |d| d.sphere_on_floor(),
     |d| d.spheres(6),
-    |d| d.grazing(),
+    |d| d.shallow_overlaps(),
     |d| d.box_and_spheres(),
     |d| d.attached(),
     |d| d.groups(),
@@ -60,43 +60,43 @@ const WITHOUT_RODS: [Recipe; 9] = [
     |d| d.corner(),
 ];
 
-/// Those whose collisions most often share no body.
+/// Kinds whose collisions most often share no body.
 const LONE: [Recipe; 9] = [
-    |d| d.duel(),
-    |d| d.floored(),
+    |d| d.sphere_pair(),
+    |d| d.sphere_on_floor(),
     |d| d.corner(),
-    |d| d.grazing(),
+    |d| d.shallow_overlaps(),
     |d| d.attached(),
-    |d| d.capsule_duel(),
+    |d| d.capsule_and_sphere(),
     |d| d.struck_rod(),
     |d| d.sphere_on_rod(true),
-    |d| d.box_and_splinters(),
+    |d| d.box_and_vertex_rods(),
 ];
-/// Of these the first so many are without rods.
+/// Number of kinds at the start of `LONE` that have no rods.
 const LONE_WITHOUT_RODS: usize = 5;
 
-/// Those without networks and without large spheres.
+/// Kinds without networks and without large spheres.
 const FEW: [Recipe; 8] = [
     |d| d.spheres(5),
-    |d| d.floored(),
+    |d| d.sphere_on_floor(),
     |d| d.box_and_spheres(),
-    |d| d.duel(),
+    |d| d.sphere_pair(),
     |d| d.capsules(2),
     |d| d.capsules(3),
     |d| d.struck_rod(),
     |d| d.polygon(),
 ];
-/// Of these the first so many are without rods.
+/// Number of kinds at the start of `FEW` that have no rods.
 const FEW_WITHOUT_RODS: usize = 4;
 
-/// A scene of clusters, and which cluster each object belongs to.
+/// A scene of clusters, and the cluster of each object.
 pub(crate) struct Clusters {
     pub(crate) scene: Scene,
-    /// By object id.
+    /// Cluster of each object, by object id.
     pub(crate) cluster_of: Vec<usize>,
 }
 
-/// The scene of a plan in which cluster k was drawn `attempts[k]` times.
+/// Builds the scene of a plan. `attempts[k]` is the number of times that cluster k has been drawn before; it selects the seed.
 pub(crate) fn clusters(plan: &Plan, attempts: &[u64]) -> Clusters {
     let Plan { seed, settings, rods, only, .. } = *plan;
     let recipes: &[Recipe] = match (only, rods) {
@@ -118,7 +118,7 @@ pub(crate) fn clusters(plan: &Plan, attempts: &[u64]) -> Clusters {
         let middle = SPACING * Vec3::from_array(cell.map(|k| k as f32 - 0.5 * (side - 1) as f32));
         let draw_seed = seed << 40 | (cluster as u64) << 20 | attempt;
         let mut draw = Draw { scene: &mut scene, rng: Pcg64Mcg::seed_from_u64(draw_seed), middle, giants: &mut giants };
-        // So that nothing lies where it is by design.
+        // Avoid special values, such as coordinates that are exact multiples of the spacing.
         let jitter = draw.vector(0.1);
         draw.middle += jitter;
         recipes[(cluster + seed as usize) % recipes.len()](&mut draw);

@@ -1,4 +1,5 @@
-//! The collisions of a state in f64, from docs/physics.md section 3: which are lone, what lone ones and clusters do.
+//! The collisions of a state in f64, from docs/physics.md section 3: which of them are lone, and the effects of lone collisions
+//! and of clusters.
 
 use std::collections::BTreeMap;
 
@@ -8,19 +9,19 @@ use crate::bodies::{Ball, Bodies, Body, Kind};
 use crate::decisions::{Contact, Findings};
 use crate::narrow::{Touch, signed};
 
-/// Normals up to this are at right angles (section 3.5).
+/// Largest |n n'| at which two normals count as perpendicular (section 3.5).
 const RIGHT_ANGLE: f64 = 0.001;
-/// A contact that gives way by less than this part gets no impulse (section 3.4).
+/// A contact gets no impulse if the projection reduces its inverse mass to less than this fraction (section 3.4).
 const RIGID: f64 = 1e-6;
 /// Iterations for the time of contact (section 3.6).
 const ITERATIONS: usize = 4;
-/// Sweeps of a cluster (section 3.7).
+/// Factor of each sweep of a cluster (section 3.7).
 const SWEEP_SIZES: [f64; 8] = [1.25098, 1.25098, 2.66852, 2.66852, 1.81611, 1.81611, 1.0, 1.0];
 
-/// What a sphere receives of a unit impulse: momentum and angular momentum.
+/// Share of a sphere in a unit impulse: momentum and angular momentum.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Share {
-    /// 0: of the side of A; 1: of that of B.
+    /// 0 for side A of the contact, 1 for side B.
     side: usize,
     body: Body,
     ball: usize,
@@ -28,7 +29,7 @@ pub(crate) struct Share {
     h: DVec3,
 }
 
-/// What collisions make of a sphere.
+/// Change of a sphere by collisions: position, velocity and angular momentum.
 #[derive(Clone, Copy, Default)]
 pub(crate) struct Change {
     pub(crate) x: DVec3,
@@ -36,7 +37,8 @@ pub(crate) struct Change {
     pub(crate) l: DVec3,
 }
 
-/// The shares of the unit impulse of a contact, and what surfaces add to its approach velocity.
+/// Returns the shares of the unit impulse of a contact, and the part of its approach velocity that comes from the surface
+/// velocities of fixed spheres.
 pub(crate) fn shares(bodies: &Bodies, a: usize, b: usize, touch: &Touch) -> (Vec<Share>, f64) {
     let mut all = Vec::new();
     let mut surface = 0.0;
@@ -77,7 +79,7 @@ pub(crate) fn shares(bodies: &Bodies, a: usize, b: usize, touch: &Touch) -> (Vec
     (all, surface)
 }
 
-/// g and h of section 3.3.
+/// Returns g and h of section 3.3 for both ends of a capsule.
 fn capsule_shares(bodies: &Bodies, bar: usize, place: f64, p: DVec3) -> [(usize, DVec3, DVec3); 2] {
     let ends = bodies.bars[bar].ends;
     let [one, two] = ends.map(|end| &bodies.balls[end]);
@@ -88,11 +90,11 @@ fn capsule_shares(bodies: &Bodies, bar: usize, place: f64, p: DVec3) -> [(usize,
     let it = mu * dd + 1.0 / one.i + 1.0 / two.i;
     let lever = place - m2 / mass;
     let turning = lever * mu * dd / it * (p - p.dot(d) / dd * d);
-    let couple = lever / it * d.cross(p);
-    [(ends[0], m1 / mass * p - turning, couple / one.i), (ends[1], m2 / mass * p + turning, couple / two.i)]
+    let torque = lever / it * d.cross(p);
+    [(ends[0], m1 / mass * p - turning, torque / one.i), (ends[1], m2 / mass * p + turning, torque / two.i)]
 }
 
-/// The unprojected inverse mass.
+/// Returns the inverse mass without the projection onto networks.
 pub(crate) fn inverse_mass(bodies: &Bodies, shares: &[Share]) -> f64 {
     shares
         .iter()
@@ -102,7 +104,7 @@ pub(crate) fn inverse_mass(bodies: &Bodies, shares: &[Share]) -> f64 {
         .sum()
 }
 
-/// The approach velocity.
+/// Returns the approach velocity.
 pub(crate) fn approach(bodies: &Bodies, shares: &[Share], surface: f64) -> f64 {
     let of = |share: &Share| {
         let ball = &bodies.balls[share.ball];
@@ -117,7 +119,7 @@ fn touches_body(bodies: &Bodies, contact: &Contact, body: Body) -> bool {
     balls.into_iter().any(|ball| bodies.body_of[ball] == Some(body))
 }
 
-/// The bodies of a contact: every one as often as sides of it are on that body.
+/// Returns the bodies of a contact, each with its side. A body with both sides occurs twice.
 fn bodies_of(contact: &Contact) -> Vec<(usize, Body)> {
     let mut all: Vec<_> = contact.shares.iter().map(|share| (share.side, share.body)).collect();
     all.sort_unstable();
@@ -125,7 +127,7 @@ fn bodies_of(contact: &Contact) -> Vec<(usize, Body)> {
     all
 }
 
-/// Section 3.5. `pressed` are all contacts that press.
+/// Whether a collision is lone (section 3.5). `pressed` holds all pressed contacts.
 pub(crate) fn is_lone(bodies: &Bodies, k: &Contact, pressed: &[Contact], findings: &mut Findings) -> bool {
     let mut is_lone = true;
     for (_, body) in bodies_of(k) {
@@ -142,7 +144,7 @@ pub(crate) fn is_lone(bodies: &Bodies, k: &Contact, pressed: &[Contact], finding
                 findings.decide("at a right angle", k.a, along - RIGHT_ANGLE);
                 is_lone &= along <= RIGHT_ANGLE;
                 if along <= RIGHT_ANGLE {
-                    findings.see("at a right angle".to_owned());
+                    findings.count("at a right angle".to_owned());
                 }
             } else {
                 is_lone = false;
@@ -152,7 +154,7 @@ pub(crate) fn is_lone(bodies: &Bodies, k: &Contact, pressed: &[Contact], finding
     is_lone
 }
 
-/// d and q after a time on their circle: (3).
+/// Returns d and q of a capsule after a time on their circle (equation 3).
 fn turned(d: DVec3, q: DVec3, time: f64) -> (DVec3, DVec3) {
     let rate = q.length() / d.length();
     if rate == 0.0 {
@@ -162,11 +164,11 @@ fn turned(d: DVec3, q: DVec3, time: f64) -> (DVec3, DVec3) {
     (cos * d + sin / rate * q, cos * q - sin * rate * d)
 }
 
-/// The ends of a capsule about its centre of mass.
+/// Motion of a capsule: its centre of mass, and the difference of its ends.
 struct Axle {
     centre: DVec3,
     velocity: DVec3,
-    pull: DVec3,
+    acceleration: DVec3,
     d: DVec3,
     q: DVec3,
     /// m2/M.
@@ -181,7 +183,7 @@ impl Axle {
         Self {
             centre: mean(one.x, two.x),
             velocity: mean(one.v, two.v),
-            pull: mean(one.pull, two.pull),
+            acceleration: mean(one.acceleration, two.acceleration),
             d: two.x - one.x,
             q: two.v - one.v,
             place,
@@ -193,7 +195,7 @@ impl Axle {
     }
 }
 
-/// The state of the bodies of a contact a time before.
+/// Returns the bodies with those of a contact moved back in time by `tau`.
 fn moved_back(now: &Bodies, contact: &Contact, tau: f64, with_acceleration: bool) -> Bodies {
     let mut back = now.clone();
     let square = if with_acceleration { 0.5 * tau * tau } else { 0.0 };
@@ -201,24 +203,25 @@ fn moved_back(now: &Bodies, contact: &Contact, tau: f64, with_acceleration: bool
         match body {
             Body::Capsule(bar) => {
                 let axle = Axle::of(now, bar);
-                let centre = axle.centre - tau * axle.velocity + square * axle.pull;
+                let centre = axle.centre - tau * axle.velocity + square * axle.acceleration;
                 let (d, q) = turned(axle.d, axle.q, -tau);
                 for (end, lever) in now.bars[bar].ends.into_iter().zip(axle.levers()) {
                     back.balls[end].x = centre + lever * d;
-                    back.balls[end].v = axle.velocity - tau * axle.pull + lever * q;
+                    back.balls[end].v = axle.velocity - tau * axle.acceleration + lever * q;
                 }
             }
             Body::Ball(ball) | Body::Network(ball) => {
-                let Ball { x, v, pull, .. } = now.balls[ball];
-                back.balls[ball].x = x - tau * v + square * pull;
-                back.balls[ball].v = v - tau * pull;
+                let Ball { x, v, acceleration, .. } = now.balls[ball];
+                back.balls[ball].x = x - tau * v + square * acceleration;
+                back.balls[ball].v = v - tau * acceleration;
             }
         }
     }
     back
 }
 
-/// A contact at a time before the present: its touch, shares and approach velocity, if it has a line and closes.
+/// Returns a contact at a time `tau` before the present: its touch, shares and approach velocity, and the bodies. Returns
+/// `None` when it has no contact line or does not close.
 fn closing(
     now: &Bodies,
     k: &Contact,
@@ -230,7 +233,7 @@ fn closing(
     let touch = signed(&back, k.a, k.b, &k.touch);
     findings.decide("a contact line", k.a, touch.line);
     if touch.line < 0.0 {
-        findings.see("without a line before".to_owned());
+        findings.count("without a contact line before".to_owned());
         return None;
     }
     findings.decide("the line before", k.a, touch.sure);
@@ -240,14 +243,14 @@ fn closing(
     (u > 0.0).then_some((touch, shares, u, back))
 }
 
-/// Section 3.6: adds what a lone collision does.
+/// Adds the changes by a lone collision (section 3.6).
 pub(crate) fn hit(now: &Bodies, k: &Contact, changes: &mut BTreeMap<usize, Change>, findings: &mut Findings) {
     let mut tau: f64 = 0.0;
     for _ in 0..ITERATIONS {
         let Some((touch, _, u, _)) = closing(now, k, tau, true, findings) else { break };
         tau = (tau + touch.overlap / u).clamp(0.0, now.dt);
     }
-    findings.see(if tau == now.dt { "longer than the step" } else { "at its time" }.to_owned());
+    findings.count(if tau == now.dt { "longer than the step" } else { "at its time" }.to_owned());
     let (tau, shares, u, met) = match closing(now, k, tau, false, findings) {
         Some((_, shares, u, met)) => (tau, shares, u, met),
         None => (0.0, k.shares.clone(), k.u, now.clone()),
@@ -266,7 +269,7 @@ pub(crate) fn hit(now: &Bodies, k: &Contact, changes: &mut BTreeMap<usize, Chang
     }
     for (_, body) in bodies_of(k) {
         let Body::Capsule(bar) = body else { continue };
-        findings.see("capsule hit".to_owned());
+        findings.count("capsule hit".to_owned());
         let ends = now.bars[bar].ends;
         let (before, there) = (Axle::of(now, bar), Axle::of(&met, bar));
         let of = |ball: usize| -> (DVec3, DVec3) {
@@ -284,8 +287,8 @@ pub(crate) fn hit(now: &Bodies, k: &Contact, changes: &mut BTreeMap<usize, Chang
     }
 }
 
-/// Second derivative of the energy of springs and tethers along the displacements that a unit impulse makes in a unit of time: with it
-/// springs give back what a hit takes from the movement.
+/// Returns the second derivative of the energy of springs and tethers along the displacements that a unit impulse causes in a
+/// unit of time (section 3.6). The impulse accounts for the energy that the displacement stores in springs.
 fn curvature(now: &Bodies, shares: &[Share]) -> f64 {
     let displacement = |ball: Option<usize>| -> DVec3 {
         let own = shares.iter().filter(|share| Some(share.ball) == ball);
@@ -300,7 +303,7 @@ fn curvature(now: &Bodies, shares: &[Share]) -> f64 {
     now.springs.iter().map(of).sum()
 }
 
-/// W P of impulses on the spheres of networks: what is left of the velocities where no rod changes its length (section 3.4).
+/// Returns W P applied to impulses on the spheres of networks: the velocities that change the length of no rod (section 3.4).
 fn project(bodies: &Bodies, impulses: &BTreeMap<usize, DVec3>) -> BTreeMap<usize, DVec3> {
     let is_network = |end: &usize| matches!(bodies.body_of[*end], Some(Body::Network(_)));
     let touched: Vec<Body> = impulses.keys().filter_map(|ball| bodies.body_of[*ball]).collect();
@@ -352,8 +355,8 @@ fn project(bodies: &Bodies, impulses: &BTreeMap<usize, DVec3>) -> BTreeMap<usize
     balls.map(|ball| (*ball, bodies.balls[*ball].w * left(ball))).collect()
 }
 
-/// The changes that impulses of clusters make.
-fn pushed(bodies: &Bodies, all: &[&Contact], impulses: &[f64]) -> BTreeMap<usize, Change> {
+/// Returns the changes of spheres by the impulses of clusters.
+fn changes_by(bodies: &Bodies, all: &[&Contact], impulses: &[f64]) -> BTreeMap<usize, Change> {
     let mut changes: BTreeMap<usize, Change> = BTreeMap::new();
     let mut on_networks = BTreeMap::new();
     for (share, j) in all.iter().zip(impulses).flat_map(|(k, j)| k.shares.iter().map(move |share| (share, j))) {
@@ -371,8 +374,7 @@ fn pushed(bodies: &Bodies, all: &[&Contact], impulses: &[f64]) -> BTreeMap<usize
     changes
 }
 
-/// Section 3.7: adds what all collisions do that are not lone.
-/// `colliding` are all, lone ones too.
+/// Adds the changes by all collisions that are not lone (section 3.7). `all` holds these, and `colliding` also the lone ones.
 pub(crate) fn sweep(
     bodies: &Bodies,
     all: &[&Contact],
@@ -384,37 +386,37 @@ pub(crate) fn sweep(
     let mut impulses = vec![0.0_f64; all.len()];
     let is_only: Vec<bool> = all.iter().map(|k| is_only(k, colliding)).collect();
     for size in SWEEP_SIZES {
-        let pushed = pushed(bodies, all, &impulses);
+        let so_far = changes_by(bodies, all, &impulses);
         let next = all.iter().zip(&weights).zip(&is_only).zip(&impulses).map(|(((k, weight), is_only), j)| {
             let of = |share: &Share| {
-                let change = pushed.get(&share.ball).copied().unwrap_or_default();
+                let change = so_far.get(&share.ball).copied().unwrap_or_default();
                 change.v.dot(share.g) + bodies.balls[share.ball].i * change.l.dot(share.h)
             };
             let now = k.u - k.shares.iter().map(of).sum::<f64>();
             let size = if *is_only { 1.0 } else { size };
             let wanted = j + size * (now + bodies.restitution * k.u) / weight;
             if wanted < 0.0 {
-                findings.see("held at 0".to_owned());
+                findings.count("clamped at 0".to_owned());
             }
             wanted.max(0.0)
         });
         impulses = next.collect();
     }
-    for (ball, change) in pushed(bodies, all, &impulses) {
+    for (ball, change) in changes_by(bodies, all, &impulses) {
         let sum = changes.entry(ball).or_default();
         sum.v += change.v;
         sum.l += change.l;
     }
 }
 
-/// Whether no other collision touches its bodies, and it touches each with one side.
+/// Whether no other collision touches the bodies of this one, and it touches each of them with one side only.
 fn is_only(k: &Contact, colliding: &[&Contact]) -> bool {
     let own = bodies_of(k);
     let touching = |body: &Body| colliding.iter().flat_map(|l| bodies_of(l)).filter(|(_, other)| other == body).count();
     own.iter().all(|(_, body)| touching(body) == 1)
 }
 
-/// G~ of a collision; infinite where it cannot give way.
+/// Returns the scale G~ of a collision (section 3.7). It is infinite when rods keep the contact from moving.
 fn weight(bodies: &Bodies, k: &Contact, all: &[&Contact], findings: &mut Findings) -> f64 {
     let (mut weight, mut projected) = (0.0, 0.0);
     for (side, body) in bodies_of(k) {
@@ -432,7 +434,7 @@ fn weight(bodies: &Bodies, k: &Contact, all: &[&Contact], findings: &mut Finding
             }
             Body::Capsule(_) => (loose, count),
             Body::Network(_) => {
-                findings.see("on a network".to_owned());
+                findings.count("on a network".to_owned());
                 let mut impulses = BTreeMap::new();
                 own.iter().for_each(|share| *impulses.entry(share.ball).or_insert(DVec3::ZERO) += share.g);
                 let moved = project(bodies, &impulses);
@@ -444,14 +446,14 @@ fn weight(bodies: &Bodies, k: &Contact, all: &[&Contact], findings: &mut Finding
     }
     let part = projected / k.w;
     if part < RIGID {
-        findings.see("held by rods".to_owned());
+        findings.count("held by rods".to_owned());
     }
-    // Neither is it a little more than rounding of an exact 0.
+    // A part below 1e-9 is a rounded 0, which is not ambiguous.
     findings.decide("gives way", k.a, if part < 1e-9 { -1.0 } else { part - RIGID });
     if part < RIGID { f64::INFINITY } else { weight }
 }
 
-/// Whether a collision shares a body with another one, as the GPU asks: also with one on a network.
+/// Whether a collision shares a body with another one by the rule of the GPU, where a collision on a network always does.
 pub(crate) fn is_shared(k: &Contact, all: &[&Contact]) -> bool {
     let own = bodies_of(k);
     own.iter().any(|(_, body)| matches!(body, Body::Network(_)))

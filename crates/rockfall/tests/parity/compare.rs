@@ -1,10 +1,12 @@
-//! What two backends made of one stage, or of a group of stages, field by field.
+//! Compares the results of both backends after a stage, or after a group of stages, field by field.
 //!
-//! Words must be equal. A float may differ by what rounding can do to it: both sides evaluate the same formula from the
-//! same input, in another order of operations, which is as if the input had been off by a few units in its last place.
-//! So the stage is also run, on the CPU, from inputs shaken by that much; a float may differ by [`FACTOR`] times the most
-//! that it moved by, and by [`FLOOR`] of the largest value of its field. The normal of two rods that all but cross, for
-//! one, has few good digits, and the comparison knows. Worlds that are shaken must still decide alike.
+//! Words must be equal. A float may differ by the effect of rounding. Both backends evaluate the same formula from the same
+//! input but in a different order of operations, which has the same effect as an error of a few units in the last place of the
+//! input. Therefore the CPU also runs the stage from inputs that are perturbed by this amount. A float may differ by [`FACTOR`]
+//! times its largest change under these perturbations, plus [`Tolerance::floor`] times the largest value of its field. This
+//! allows for badly conditioned values, such as the normal of two rods whose axes almost intersect.
+//!
+//! Every perturbed world must give the same words, which shows that rounding changes no decision.
 
 use glam::{Vec3, Vec4};
 use rand::{RngExt, SeedableRng};
@@ -17,25 +19,26 @@ use rockfall::step::schedule::Run;
 use crate::decisions::entries;
 use crate::order::canonical;
 
+/// Allowed difference of a float, in units of its largest change under perturbations.
 const FACTOR: f32 = 8.0;
-/// Relative to the largest component of a vector: about two units in the last place.
-const SHAKE: f32 = 2.5e-7;
+/// Largest perturbation, relative to the largest component of a vector: about two units in the last place.
+const PERTURBATION: f32 = 2.5e-7;
 
-/// How much two backends may differ.
+/// Allowed difference between the backends.
 #[derive(Clone, Copy)]
 pub(crate) struct Tolerance {
-    /// Relative to the largest value of a field.
+    /// Difference that is always allowed, relative to the largest value of a field.
     pub(crate) floor: f32,
-    /// How many shaken worlds tell what rounding can do.
-    pub(crate) shaken: u64,
+    /// Number of perturbed worlds that estimate the effect of rounding.
+    pub(crate) perturbations: u64,
 }
 
-/// Where no decision is near its switch: about ten units in the last place, and what shaking does.
-pub(crate) const MEASURED: Tolerance = Tolerance { floor: 1e-6, shaken: 6 };
-/// Where decisions are made by rule: they cannot be shaken, for a rule holds for exact values only.
-pub(crate) const BY_RULE: Tolerance = Tolerance { floor: 3e-5, shaken: 0 };
+/// For worlds without ambiguous decisions: about ten units in the last place, and the measured effect of perturbations.
+pub(crate) const MEASURED: Tolerance = Tolerance { floor: 1e-6, perturbations: 6 };
+/// For worlds in which rules for exact values decide, such as two spheres in one point. A perturbation would break the rule.
+pub(crate) const BY_RULE: Tolerance = Tolerance { floor: 3e-5, perturbations: 0 };
 
-/// These only move words about, some of which are no floats.
+/// Stages that only move words. Some of these words are not floats, so they must be bitwise identical.
 const MOVES: [&str; 5] = ["key_spheres", "count_digits", "scatter_digits", "permute_spheres", "settle_spheres"];
 
 struct Floats {
@@ -58,10 +61,10 @@ fn floats(world: &World) -> Vec<Floats> {
             field(buffer, what, flat(region));
         }
     }
-    let hulls = world.aabbs.iter().flat_map(|aabb| [aabb.min, aabb.max].concat()).collect();
-    field(Buffer::Aabbs, "bounds", hulls);
+    let bounds = world.aabbs.iter().flat_map(|aabb| [aabb.min, aabb.max].concat()).collect();
+    field(Buffer::Aabbs, "bounds", bounds);
     field(Buffer::Extents, "extents", flat(&world.extents));
-    for (place, what) in ["force 1", "couple 1", "force 2", "couple 2"].into_iter().enumerate() {
+    for (place, what) in ["force 1", "torque 1", "force 2", "torque 2"].into_iter().enumerate() {
         let own: Vec<Vec4> = world.wrenches.iter().skip(place).step_by(4).copied().collect();
         field(Buffer::Wrenches, what, flat(&own));
     }
@@ -76,7 +79,7 @@ fn words(world: &World) -> Vec<(Buffer, &'static str, Vec<u32>)> {
     let tags = world.aabbs.iter().flat_map(|aabb| [aabb.id, aabb.tag]).collect();
     let head = world.lists[..world.step.entries_at as usize].to_vec();
     let lists = entries(world).into_iter().map(|entry| entry.word).collect();
-    // Which workgroup counted what may differ between devices.
+    // The workgroup that counts an event may differ between devices, so only the sums are compared.
     let mut counters = [Counters::default(); COUNTER_BLOCKS as usize];
     counters[0] = Counters { max_overlap: 0, ..world.status.total_counters() };
     let counters = Status { counters, escape_ratio: 0, last_max_overlap: 0, ..world.status };
@@ -91,7 +94,7 @@ fn words(world: &World) -> Vec<(Buffer, &'static str, Vec<u32>)> {
     ]
 }
 
-/// A buffer, and what in it differs.
+/// A difference between the backends in one buffer.
 pub(crate) struct Difference {
     pub(crate) buffer: Buffer,
     pub(crate) text: String,
@@ -103,13 +106,13 @@ impl std::fmt::Display for Difference {
     }
 }
 
-/// The first dozen, a line each.
+/// Lists the number of differences and the first twelve of them, one per line.
 pub(crate) fn listed(differences: &[Difference]) -> String {
     let lines: Vec<String> = differences.iter().take(12).map(ToString::to_string).collect();
     format!("{} differences:\n{}", differences.len(), lines.join("\n"))
 }
 
-/// States and orientations to the last bit, for stages that move words about.
+/// Bits of all states and orientations, for stages that only move words.
 fn bits(world: &World) -> Vec<(Buffer, &'static str, Vec<u32>)> {
     let raw = |vectors: &[Vec4]| bytemuck::cast_slice(vectors).to_vec();
     let states = [Buffer::Start, Buffer::Y2, Buffer::Y3, Buffer::Y4].into_iter().zip(&world.states);
@@ -121,40 +124,41 @@ fn different_words(one: &World, other: &World) -> Vec<Difference> {
     different(words(one), words(other))
 }
 
-/// The first difference of each field.
+/// Returns the first difference of each field.
 fn different(one: Vec<(Buffer, &'static str, Vec<u32>)>, other: Vec<(Buffer, &'static str, Vec<u32>)>) -> Vec<Difference> {
     let mut all = Vec::new();
     for ((buffer, what, one), (.., other)) in one.into_iter().zip(other) {
         if one.len() != other.len() {
-            let text = format!("{what}: {} or {} of them", one.len(), other.len());
+            let text = format!("{what}: lengths {} and {}", one.len(), other.len());
             all.push(Difference { buffer, text });
         } else if let Some(at) = (0..one.len()).find(|at| one[*at] != other[*at]) {
-            let text = format!("{what}[{at}]: {:x} or {:x}", one[at], other[at]);
+            let text = format!("{what}[{at}]: {:x} and {:x}", one[at], other[at]);
             all.push(Difference { buffer, text });
         }
     }
     all
 }
 
-/// The world with everything that a stage may read moved by about a rounding error.
-fn shaken(world: &World, seed: u64) -> World {
+/// Returns the world with all states, wrenches and orientations changed by about a rounding error.
+fn perturbed(world: &World, seed: u64) -> World {
     let mut world = world.clone();
     let mut rng = Pcg64Mcg::seed_from_u64(seed);
-    let mut shake = |vector: &mut Vec4| {
-        let size = SHAKE * vector.truncate().abs().max_element();
+    let mut perturb = |vector: &mut Vec4| {
+        let size = PERTURBATION * vector.truncate().abs().max_element();
         let offset = [0; 3].map(|_| rng.random_range(-1.0_f32..1.0));
         *vector += (size * Vec3::from_array(offset)).extend(0.0);
     };
-    world.states.iter_mut().flatten().for_each(&mut shake);
-    world.wrenches.iter_mut().for_each(&mut shake);
-    world.orientations.iter_mut().for_each(&mut shake);
+    world.states.iter_mut().flatten().for_each(&mut perturb);
+    world.wrenches.iter_mut().for_each(&mut perturb);
+    world.orientations.iter_mut().for_each(&mut perturb);
     world
 }
 
-/// Everything in which `gpu` differs from what the CPU twins make of the world that the stages began with.
+/// Runs stages on the CPU and returns all differences between the result and `gpu`. `before` is the world before the stages,
+/// and `gpu` the world after the GPU has run them.
 ///
 /// # Panics
-/// When a stage decides otherwise where its input is off by no more than rounding.
+/// Panics if a perturbation of the input by about a rounding error changes a word.
 pub(crate) fn differences(runs: &[Run], before: &World, gpu: &World, tolerance: Tolerance) -> Vec<Difference> {
     let name = runs[0].stage.name;
     let after = |mut world: World| {
@@ -168,11 +172,11 @@ pub(crate) fn differences(runs: &[Run], before: &World, gpu: &World, tolerance: 
         all.extend(different(bits(gpu), bits(&cpu)));
         return all;
     }
-    let shaken: Vec<Vec<Floats>> = (0..tolerance.shaken)
+    let perturbed: Vec<Vec<Floats>> = (0..tolerance.perturbations)
         .map(|seed| {
-            let world = after(shaken(before, seed));
-            let wavering = different_words(&world, &cpu);
-            assert!(wavering.is_empty(), "{name}: rounding decides: {}", listed(&wavering));
+            let world = after(perturbed(before, seed));
+            let changed = different_words(&world, &cpu);
+            assert!(changed.is_empty(), "{name}: rounding changes a decision: {}", listed(&changed));
             floats(&world)
         })
         .collect();
@@ -181,12 +185,13 @@ pub(crate) fn differences(runs: &[Run], before: &World, gpu: &World, tolerance: 
         let finite = cpu.values.iter().filter(|value| value.is_finite());
         let floor = tolerance.floor * finite.fold(0.0_f32, |most, value| most.max(value.abs()));
         for (at, (g, c)) in gpu.values.iter().zip(&cpu.values).enumerate() {
-            let moved = shaken.iter().map(|shaken| (shaken[place].values[at] - c).abs());
-            let allowed = floor + FACTOR * moved.fold(0.0, f32::max);
-            // So written that what is not a number differs; but keys that are sorted stand here too, and one may look like that.
-            let near = (g - c).abs() <= allowed;
-            let is_left = [g, c].map(|x| x.to_bits()) == [unchanged[place].values[at].to_bits(); 2];
-            if !(near || is_left) {
+            let changes = perturbed.iter().map(|perturbed| (perturbed[place].values[at] - c).abs());
+            let allowed = floor + FACTOR * changes.fold(0.0, f32::max);
+            // False for NaN, so NaN counts as a difference. Some words here are sort keys and can have the bits of a NaN, so
+            // words that neither backend has changed are accepted.
+            let is_near = (g - c).abs() <= allowed;
+            let is_unchanged = [g, c].map(|x| x.to_bits()) == [unchanged[place].values[at].to_bits(); 2];
+            if !(is_near || is_unchanged) {
                 let text = format!("{}[{at}]: GPU {g}, CPU {c}, tolerance {allowed}", cpu.what);
                 all.push(Difference { buffer: cpu.buffer, text });
             }

@@ -1,6 +1,8 @@
-//! Every decision of a step, evaluated in f64 from docs/physics.md and not by the library: how far it is from its switch.
+//! Evaluates every decision of a step in f64, from docs/physics.md and without the library, with its slack: the distance from
+//! the value at which the decision changes.
 //!
-//! A state in which one lies within [`LIMIT`] of its switch tells nothing: rounding may take it either way.
+//! A decision is ambiguous when its slack is less than [`LIMIT`], because rounding may then decide either way. A state with an
+//! ambiguous decision cannot be used to compare the backends.
 
 use std::collections::BTreeMap;
 
@@ -12,32 +14,34 @@ use crate::bodies::{Bodies, Kind};
 use crate::collide::{self, Change, Share};
 use crate::narrow::{EDGES, Touch, touches};
 
-/// Least distance from a switch, in units, units/s, or as a pure number.
+/// Least slack of a decision, in units, units/s, or as a pure number.
 pub(crate) const LIMIT: f64 = 1e-4;
 
-/// A decision that is too close to call.
+/// An ambiguous decision.
 #[derive(Clone)]
-pub(crate) struct Near {
+pub(crate) struct Ambiguous {
     pub(crate) what: &'static str,
-    /// One of the objects that it is about.
+    /// Id of one of the objects that the decision is about.
     pub(crate) object: usize,
 }
 
-/// What a state holds, and what in it is too close to call.
+/// Ambiguous decisions of a state, and the number of times that each case occurs in it.
 #[derive(Clone, Default)]
 pub(crate) struct Findings {
-    pub(crate) near: Vec<Near>,
+    pub(crate) ambiguous: Vec<Ambiguous>,
     pub(crate) seen: BTreeMap<String, usize>,
 }
 
 impl Findings {
+    /// Records a decision if its slack is so small that it is ambiguous.
     pub(crate) fn decide(&mut self, what: &'static str, object: usize, slack: f64) {
         if slack.is_nan() || slack.abs() < LIMIT {
-            self.near.push(Near { what, object });
+            self.ambiguous.push(Ambiguous { what, object });
         }
     }
 
-    pub(crate) fn see(&mut self, what: String) {
+    /// Counts an occurrence of a case.
+    pub(crate) fn count(&mut self, what: String) {
         *self.seen.entry(what).or_default() += 1;
     }
 }
@@ -48,16 +52,16 @@ pub(crate) struct Contact {
     pub(crate) a: usize,
     pub(crate) b: usize,
     pub(crate) touch: Touch,
-    /// What each sphere receives of a unit impulse along the normal.
+    /// Shares of the spheres in a unit impulse along the normal.
     pub(crate) shares: Vec<Share>,
-    /// Inverse mass that the impulse meets, of networks as if their spheres were loose.
+    /// Inverse mass of the contact along the normal. Spheres of networks count as if they were not connected.
     pub(crate) w: f64,
-    /// Approach velocity, conjugate to the impulse.
+    /// Approach velocity.
     pub(crate) u: f64,
     pub(crate) collides: bool,
 }
 
-/// All overlaps; decisions about which there are go to `findings`.
+/// Returns all overlaps. Ambiguous decisions on whether objects overlap go to `findings`.
 pub(crate) fn contacts(bodies: &Bodies, findings: &mut Findings) -> Vec<Contact> {
     let mut all = Vec::new();
     for a in 0..bodies.movers() {
@@ -81,16 +85,16 @@ fn contact(bodies: &Bodies, a: usize, b: usize, touch: Touch) -> Contact {
     Contact { a, b, touch, w, u, collides: bodies.collisions && w > 0.0 && u > bodies.threshold(a, b), shares }
 }
 
-/// What the collision phase decides, and what it makes of the spheres.
+/// Contacts of the collision phase, and the changes of the spheres.
 #[derive(Default)]
 pub(crate) struct Collisions {
     pub(crate) contacts: Vec<Contact>,
     pub(crate) changes: BTreeMap<usize, Change>,
-    /// Objects whose collisions only sweeps can solve.
+    /// Objects whose collisions share a body with another collision, so that only sweeps can solve them.
     pub(crate) shared: Vec<usize>,
 }
 
-/// The decisions of the collision phase up to `commit_collisions`, and their outcome.
+/// Evaluates the collision phase up to `commit_collisions`: its decisions and its outcome.
 pub(crate) fn collisions(world: &World, findings: &mut Findings) -> Collisions {
     let bodies = &Bodies::new(world, 0);
     let contacts = contacts(bodies, findings);
@@ -99,22 +103,22 @@ pub(crate) fn collisions(world: &World, findings: &mut Findings) -> Collisions {
     let pressed: Vec<Contact> = contacts.iter().filter(|contact| contact.w > 0.0).cloned().collect();
     let colliding: Vec<&Contact> = pressed.iter().filter(|contact| contact.collides).collect();
     for k in &contacts {
-        findings.see(format!("{} overlapping", k.touch.kind));
+        findings.count(format!("{} overlapping", k.touch.kind));
         findings.decide("inverse mass", k.a, k.w);
         if bodies.collisions {
             findings.decide("approach", k.a, k.u - bodies.threshold(k.a, k.b));
         }
     }
     for k in &colliding {
-        findings.see(format!("{} colliding", k.touch.kind));
+        findings.count(format!("{} colliding", k.touch.kind));
         if collide::is_lone(bodies, k, &pressed, findings) {
-            findings.see("lone".to_owned());
+            findings.count("lone".to_owned());
             collide::hit(bodies, k, &mut outcome.changes, findings);
             continue;
         }
         clustered.push(*k);
         let is_shared = collide::is_shared(k, &colliding);
-        findings.see(if is_shared { "clustered" } else { "pressed" }.to_owned());
+        findings.count(if is_shared { "clustered" } else { "pressed" }.to_owned());
         outcome.shared.extend(is_shared.then_some(k.a));
     }
     collide::sweep(bodies, &clustered, &colliding, &mut outcome.changes, findings);
@@ -122,7 +126,7 @@ pub(crate) fn collisions(world: &World, findings: &mut Findings) -> Collisions {
     outcome
 }
 
-/// Velocity of the point of a contact on an object. A fixed end of a rod is at rest there (docs/physics.md section 2.2).
+/// Returns the velocity of the contact point on an object. A fixed end of a rod is at rest there (docs/physics.md section 2.2).
 fn velocity(bodies: &Bodies, id: usize, parameter: f64) -> DVec3 {
     match bodies.kind(id) {
         Kind::Ball(ball) => bodies.balls[ball].v,
@@ -137,16 +141,16 @@ fn velocity(bodies: &Bodies, id: usize, parameter: f64) -> DVec3 {
     }
 }
 
-/// The decisions of the contact law in stage state `state`.
+/// Evaluates the decisions of the contact forces in stage state `state`.
 pub(crate) fn forces(world: &World, state: usize, findings: &mut Findings) {
     let bodies = &Bodies::new(world, state);
     for Contact { a, b, touch, .. } in contacts(bodies, findings) {
         let what = force(bodies, a, b, &touch, findings);
-        findings.see(format!("{} {what}", touch.kind));
+        findings.count(format!("{} {what}", touch.kind));
     }
 }
 
-/// The decisions of one contact's force (docs/physics.md sections 4.3 and 4.4).
+/// Evaluates the decisions of the force of one contact, and returns the case (docs/physics.md sections 4.3 and 4.4).
 fn force(bodies: &Bodies, a: usize, b: usize, touch: &Touch, findings: &mut Findings) -> &'static str {
     let u = (velocity(bodies, a, touch.a) - velocity(bodies, b, touch.b)).dot(touch.n);
     let threshold = bodies.threshold(a, b);
@@ -159,14 +163,14 @@ fn force(bodies: &Bodies, a: usize, b: usize, touch: &Touch, findings: &mut Find
     let pressure = touch.overlap + bodies.damping / bodies.stiffness * u;
     findings.decide("pressure", a, pressure);
     match () {
-        () if bodies.collisions && fresh > 0.0 => "unseen",
+        () if bodies.collisions && fresh > 0.0 => "fresh",
         () if bodies.collisions && leaving > 0.0 => "leaving",
         () if pressure < 0.0 => "not pulling",
         () => "pressing",
     }
 }
 
-/// The decisions of `apply_friction_impulses`, in the state that the collisions have left (docs/physics.md section 3.9).
+/// Evaluates the decisions of `apply_friction_impulses` in the state after the collisions (docs/physics.md section 3.9).
 pub(crate) fn friction_impulses(world: &World, findings: &mut Findings) {
     let bodies = &Bodies::new(world, 0);
     let pressed = entries(world).into_iter().filter(|entry| entry.word & ENTRY_OVERLAPS != 0 && entry.mover < entry.other);
@@ -174,7 +178,7 @@ pub(crate) fn friction_impulses(world: &World, findings: &mut Findings) {
         let all = touches(bodies, a, b);
         let mut touch = all[if all.len() > 1 { feature } else { 0 }];
         if let Some(vertex) = all.get(EDGES + feature) {
-            // The edge where it touches, else what is nearer.
+            // The contact of a rod and a box is at the edge if the edge is hit, and otherwise at the nearer of edge and vertex.
             findings.decide("an edge", a, touch.overlap.min(touch.line));
             if touch.overlap.min(touch.line) < 0.0 {
                 let nearer = vertex.overlap - touch.overlap;
@@ -186,25 +190,25 @@ pub(crate) fn friction_impulses(world: &World, findings: &mut Findings) {
         }
         findings.decide("a contact line", a, touch.line);
         if touch.line < 0.0 {
-            findings.see("rub without a line".to_owned());
+            findings.count("friction without a contact line".to_owned());
             continue;
         }
-        findings.decide("where it friction_impulses", a, touch.sure);
+        findings.decide("the geometry of friction", a, touch.sure);
         findings.decide("overlap", a, touch.overlap);
-        findings.see(format!("{} rubbing", touch.kind));
+        findings.count(format!("{} friction impulse", touch.kind));
         if bodies.coulomb > 0.0 && touch.overlap > 0.0 {
             force(bodies, a, b, &touch, findings);
         }
     }
 }
 
-/// Whether every moving sphere is within the ball that its AABB encloses in stage state `state`.
+/// Evaluates, for every moving sphere, whether it lies inside the largest ball in its AABB in stage state `state`.
 pub(crate) fn escapes(world: &World, state: usize, findings: &mut Findings) {
     for (ball, id) in Bodies::new(world, state).balls.iter().zip(0..).filter(|(ball, _)| ball.w > 0.0) {
         let aabb = &world.aabbs[id];
         let [min, max] = [aabb.min, aabb.max].map(|corner| DVec3::from_array(corner.map(f64::from)));
         let room = 0.5 * (max - min).min_element() - ball.radius - ball.x.distance(0.5 * (min + max));
-        // Outside is no better than near: it would void the step.
+        // A sphere outside its AABB rejects the step, so it counts as ambiguous, too.
         findings.decide("within its AABB", id, room.max(0.0));
     }
 }
@@ -217,7 +221,7 @@ pub(crate) struct Entry {
     pub(crate) word: u32,
 }
 
-/// The pair lists, by their documented layout.
+/// Reads the pair lists by their documented layout.
 pub(crate) fn entries(world: &World) -> Vec<Entry> {
     let step = &world.step;
     let mut all = Vec::new();
@@ -225,7 +229,7 @@ pub(crate) fn entries(world: &World) -> Vec<Entry> {
         let slice = world.lists[(step.slices_at + mover / SLICE) as usize];
         for place in 0..world.lists[mover as usize] & LIST_COUNT_MASK {
             let slot = ((slice + place) * SLICE + mover % SLICE) as usize;
-            // Lists that did not fit are not to be read.
+            // Lists that did not fit are incomplete.
             let Some(word) = world.lists.get(step.entries_at as usize + slot).copied() else {
                 return all;
             };

@@ -1,4 +1,4 @@
-//! Running stages on the GPU.
+//! Runs stages on the GPU.
 
 use std::sync::LazyLock;
 
@@ -7,21 +7,21 @@ use rockfall::model::buffer::Buffer;
 use rockfall::model::world::World;
 use rockfall::step::schedule::Run;
 
-/// A test without an adapter fails: skipped it would prove nothing.
+/// Opens a GPU. Without an adapter the test fails, because a skipped test proves nothing.
 pub(crate) fn open() -> Gpu {
-    Gpu::open_blocking(true).expect("these tests need a Vulkan driver, lavapipe will do")
+    Gpu::open_blocking(true).expect("these tests need a Vulkan driver; lavapipe is enough")
 }
 
 pub(crate) static GPU: LazyLock<Gpu> = LazyLock::new(open);
 
-/// What stages make of a world on the GPU: every buffer up, the stages, every buffer down.
+/// Uploads every buffer of a world, runs stages on the GPU, downloads every buffer, and returns the resulting world.
 pub(crate) fn on_gpu(gpu: &Gpu, before: &World, runs: &[Run]) -> World {
     let mut device = GpuWorld::new(gpu, before).unwrap();
     for buffer in Buffer::ALL {
         device.upload_buffer(before, buffer).unwrap();
     }
     device.run(runs, &before.step, 1).unwrap();
-    // Nothing of what comes back may be what was there before.
+    // Overwrite everything, so that a word that is not downloaded shows as a difference.
     let mut after = before.clone();
     let vectors = [&mut after.wrenches, &mut after.orientations, &mut after.extents];
     for buffer in after.states.iter_mut().chain(vectors) {

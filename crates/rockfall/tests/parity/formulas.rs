@@ -1,4 +1,4 @@
-//! The CPU's collisions against the formulas of docs/physics.md section 3 in f64: lists, flags and the outcome.
+//! Compares the collisions of the CPU with the formulas of docs/physics.md section 3 in f64: lists, flags and outcome.
 
 use std::collections::BTreeMap;
 
@@ -23,7 +23,7 @@ fn by_pair(world: &World) -> BTreeMap<Pair, Contact> {
 }
 
 #[test]
-fn lists_and_flags_are_those_of_the_formulas() {
+fn pair_lists_and_flags_match_the_formulas() {
     for seed in 0..4 {
         let trace = trace(&plan(seed, Integrator::Rk4));
         let world = &scenario(&trace, "list_collisions").before;
@@ -38,7 +38,7 @@ fn lists_and_flags_are_those_of_the_formulas() {
             assert_eq!(entry.word & ENTRY_OVERLAPS != 0, contact.is_some(), "{pair:?}");
             assert_eq!(entry.word & ENTRY_COLLIDES != 0, collides, "{pair:?}");
         }
-        // Every overlap stands in the list of each of its movers.
+        // Every overlap must be in the list of each of its movers.
         for (pair, contact) in &expected {
             let movers = 1 + usize::from(contact.b < world.movers() as usize);
             assert_eq!(found.get(pair), Some(&movers), "{pair:?}");
@@ -47,7 +47,7 @@ fn lists_and_flags_are_those_of_the_formulas() {
 }
 
 #[test]
-fn what_collisions_do_is_that_of_the_formulas() {
+fn collisions_change_spheres_as_the_formulas_say() {
     for seed in 0..4 {
         let trace = trace(&plan(seed, Integrator::Rk4));
         let Scenario { runs, before } = scenario(&trace, "list_collisions");
@@ -60,7 +60,7 @@ fn what_collisions_do_is_that_of_the_formulas() {
             let is_near = |is: glam::DVec3, should: glam::DVec3, tolerance: f64| {
                 assert!(
                     (is - should).length() < tolerance,
-                    "seed {seed}, {number} {:?}: {is} not {should}",
+                    "seed {seed}, sphere {number} {:?}: {is} instead of {should}",
                     bodies.body_of[number]
                 );
             };

@@ -1,13 +1,13 @@
-//! The narrow phase in f64, from physics.md section 2, with the slack of every decision.
+//! The narrow phase in f64, from docs/physics.md section 2, with the slack of every decision.
 //!
-//! A condition is a number that is positive where it holds: `and` is the least, `or` the greatest of several, and the
-//! size of the result says how far the decision is from its switch.
+//! A condition is a number that is positive when the condition holds. The minimum of several conditions is their `and`, and the
+//! maximum their `or`. The absolute value is the slack: the distance from the value at which the decision changes.
 
 use glam::DVec3;
 
 use crate::bodies::{Block, Bodies, Kind};
 
-/// An overlap, or what comes near to one.
+/// An overlap of two objects, or the geometry of two objects that may overlap.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Touch {
     pub(crate) kind: &'static str,
@@ -15,14 +15,14 @@ pub(crate) struct Touch {
     /// Unit normal from A to B.
     pub(crate) n: DVec3,
     pub(crate) overlap: f64,
-    /// Parameter on A and B, where they are rods.
+    /// Parameters on A and B, if they are rods.
     pub(crate) a: f64,
     pub(crate) b: f64,
-    /// Whether it is one, as a condition.
+    /// Whether the objects overlap, as a condition.
     pub(crate) holds: f64,
-    /// Whether there is a contact line, as a condition: the pair may be apart (docs/physics.md section 2.10).
+    /// Whether there is a contact line, as a condition. The objects may be apart (docs/physics.md section 2.10).
     pub(crate) line: f64,
-    /// How far the decisions that its normal and overlap rest on are from their switches.
+    /// Slack of the decisions on which the normal and the overlap depend.
     pub(crate) sure: f64,
 }
 
@@ -32,14 +32,14 @@ impl Touch {
     }
 }
 
-/// 0 <= t <= 1.
+/// The condition 0 <= t <= 1.
 fn inside(t: f64) -> f64 {
     t.min(1.0 - t)
 }
 
-/// Distance of a pair of segments from the switch between parallel and crossing, as a condition on the sine of their angle
-/// (1e-4 is the switch). Crossing at less than a degree is badly conditioned and counts as near, too.
-fn parallel_sure(sine: f64) -> f64 {
+/// Returns the slack of the decision whether two segments are parallel, from the sine of their angle. They are parallel up to
+/// 1e-4. Angles of up to 0.02 are badly conditioned and count as ambiguous, too.
+fn parallel_slack(sine: f64) -> f64 {
     if (1e-5..=0.02).contains(&sine) { 0.0 } else { 1.0 }
 }
 
@@ -64,7 +64,7 @@ fn segments([a1, a2]: [DVec3; 2], [b1, b2]: [DVec3; 2]) -> Closest {
         let b = (a1 + a * u - b1).dot(v) / v.length_squared();
         (a, b.clamp(0.0, 1.0), high - low)
     } else {
-        // The point of either line that is closest to the other, from the two conditions D.u = 0 and D.v = 0.
+        // The points of closest approach of the two lines, from the two equations D.u = 0 and D.v = 0.
         let (uu, vv, uv) = (u.length_squared(), v.length_squared(), u.dot(v));
         let det = uu * vv - uv * uv;
         let (cu, cv) = (c.dot(u), c.dot(v));
@@ -72,11 +72,11 @@ fn segments([a1, a2]: [DVec3; 2], [b1, b2]: [DVec3; 2]) -> Closest {
         (a, b, inside(a).min(inside(b)))
     };
     let d = c + b * v - a * u;
-    Closest { a, b, d, holds, parallel, sure: parallel_sure(sine) }
+    Closest { a, b, d, holds, parallel, sure: parallel_slack(sine) }
 }
 
-/// The touch of the same objects and, of a rod and a box, of the same edge or vertex as `found`, wherever they are now
-/// (docs/physics.md section 2.10).
+/// Returns the signed geometry of the pair of `found`, in the state of `bodies` (docs/physics.md section 2.10). For a rod and a
+/// box it refers to the same edge or vertex as `found`.
 pub(crate) fn signed(bodies: &Bodies, a: usize, b: usize, found: &Touch) -> Touch {
     let mut all = touches(bodies, a, b);
     match (bodies.kind(a), bodies.kind(b)) {
@@ -85,15 +85,15 @@ pub(crate) fn signed(bodies: &Bodies, a: usize, b: usize, found: &Touch) -> Touc
     }
 }
 
-/// Edges of a box; among the touches of a rod they come before the vertices.
+/// Number of edges of a box. In the list of touches of a rod and a box, the edges come before the vertices.
 pub(crate) const EDGES: usize = 12;
 
-/// Whether a rod meets a box by a vertex.
+/// Whether a touch is that of a rod and a vertex of a box.
 pub(crate) fn is_vertex(touch: &Touch) -> bool {
     touch.kind.starts_with("rod-box vertex")
 }
 
-/// Everything that the objects `a < b` have in common: all touches that hold or might.
+/// Returns all touches of the objects `a < b`, whether or not the objects overlap there.
 pub(crate) fn touches(bodies: &Bodies, a: usize, b: usize) -> Vec<Touch> {
     if !bodies.may_touch(a, b) {
         return Vec::new();
@@ -139,7 +139,7 @@ fn rod_rod(bodies: &Bodies, a: usize, b: usize) -> Touch {
     Touch { a: closest.a, b: closest.b, line: closest.holds, sure: closest.sure, ..touch }
 }
 
-/// Parameters of a point along the edges of a box.
+/// Returns the parameters of a point along the edges of a box.
 fn parameters(block: &Block, p: DVec3) -> [f64; 3] {
     block.edges.map(|edge| (p - block.corner).dot(edge) / edge.length_squared())
 }
@@ -182,7 +182,7 @@ fn sphere_polygon(bodies: &Bodies, ball: usize, face: usize) -> Touch {
     Touch::new("sphere-polygon", -n, ball.radius - d, holds)
 }
 
-/// The corners and the twelve edges of a box, numbered as the list entries are: edge f runs along edge f/4 of the box.
+/// Returns the ends of one of the twelve edges of a box, numbered as in list entries: edge f runs along edge vector f/4.
 fn box_edge(block: &Block, feature: usize) -> [DVec3; 2] {
     let along = feature / 4;
     let mut start = block.corner;

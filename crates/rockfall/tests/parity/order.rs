@@ -1,10 +1,10 @@
-//! The grid broad phase leaves some things in any order. Here they are put into one, so that they can be compared; and scratch that
-//! a stage does not share with its twin is left out.
+//! Brings worlds into a canonical form, so that they can be compared. Results whose order is arbitrary, as in the grid broad
+//! phase, are sorted. Scratch memory that only one backend uses is cleared.
 
 use rockfall::model::layout::{CELLS_AT, LIST_COUNT_MASK, SLICE, words_of_rows};
 use rockfall::model::world::World;
 
-/// The world after a stage, or after a group that begins with it, with what that leaves in any order put in order.
+/// Returns the canonical form of a world after `stage`, or after a group of stages that begins with it.
 pub(crate) fn canonical(world: &World, stage: &str) -> World {
     let mut world = world.clone();
     match stage {
@@ -18,20 +18,20 @@ pub(crate) fn canonical(world: &World, stage: &str) -> World {
             order_slices(&mut world);
             clear_long_lists(&mut world);
         }
-        // What the device keeps of listed collisions, and where: Y2 and the forces on rods are scratch there.
+        // On the GPU, Y2 and the wrenches of rods are scratch memory here, and the status counts the listed collisions.
         "list_collisions" => {
             world.states[1].fill(glam::Vec4::ZERO);
             world.wrenches.fill(glam::Vec4::ZERO);
             (world.status.listed, world.status.clustered) = (0, 0);
         }
-        // It has stage states of its own.
+        // The fused kernel uses the stage states as scratch memory.
         "run_steps" => world.states[1..].iter_mut().for_each(|state| state.fill(glam::Vec4::ZERO)),
         _ => {}
     }
     world
 }
 
-/// The long movers come in any order.
+/// Sorts the long movers, whose order is arbitrary.
 fn order_long_movers(world: &mut World) {
     if world.step.long_at != 0 {
         let count = world.cells[3] as usize;
@@ -39,7 +39,7 @@ fn order_long_movers(world: &mut World) {
     }
 }
 
-/// The lists of long movers have their room, but nothing is in it yet.
+/// Clears the lists of long movers. At this point their room is reserved, but the entries are not written yet.
 fn clear_long_lists(world: &mut World) {
     if world.step.long_at == 0 {
         return;
@@ -54,7 +54,7 @@ fn clear_long_lists(world: &mut World) {
     }
 }
 
-/// The objects of one cell come in any order, and with each its extent.
+/// Sorts the objects of each cell, whose order is arbitrary, together with their extents.
 fn order_cells(world: &mut World) {
     let (cells, sorted) = world.cells.split_at_mut(world.step.sorted_at as usize);
     let ends = &cells[CELLS_AT as usize..][..world.step.cells as usize];
@@ -70,7 +70,8 @@ fn order_cells(world: &mut World) {
     }
 }
 
-/// Slices lie in any order, none upon another; here in that of the movers, one beside the other.
+/// Moves the slices of the pair lists into the order of the movers, without gaps. Their order is arbitrary, but they must not
+/// overlap.
 fn order_slices(world: &mut World) {
     let step = world.step;
     let (index, entries) = world.lists.split_at_mut(step.entries_at as usize);
@@ -81,7 +82,7 @@ fn order_slices(world: &mut World) {
     slices.sort_unstable();
     let ends = slices.iter().map(|(offset, width)| offset + width);
     let next = slices.iter().skip(1).map(|(offset, _)| *offset).chain([world.status.pair_rows_needed]);
-    assert!(ends.zip(next).all(|(end, next)| end <= next), "slices lie upon another: {slices:?}");
+    assert!(ends.zip(next).all(|(end, next)| end <= next), "slices overlap: {slices:?}");
     let before = entries.to_vec();
     let mut end = 0;
     for (offset, width) in offsets.iter_mut().zip(widths) {

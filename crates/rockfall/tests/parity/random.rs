@@ -1,11 +1,11 @@
-//! Random objects, cluster by cluster: one method a kind of cluster.
+//! Random objects of clusters, with one method for each kind of cluster.
 
 use glam::{Vec3, Vec3Swizzles};
 use rand::RngExt;
 use rand_pcg::Pcg64Mcg;
 use rockfall::{Capsule, Cuboid, Polygon, Rod, Scene, Sphere, SphereId, Spring, Tether};
 
-/// Everything of a cluster begins within this of its middle, in every direction.
+/// Largest distance of a random position from the centre of its cluster, along each axis.
 const EXTENT: f32 = 0.8;
 
 /// Draws the objects of one cluster.
@@ -13,7 +13,7 @@ pub(crate) struct Draw<'a> {
     pub(crate) scene: &'a mut Scene,
     pub(crate) rng: Pcg64Mcg,
     pub(crate) middle: Vec3,
-    /// Added after everything else: large spheres are the last in memory.
+    /// Large spheres. They are added after everything else, because they must be the last in memory.
     pub(crate) giants: &'a mut Vec<Sphere>,
 }
 
@@ -49,7 +49,7 @@ impl Draw<'_> {
         }
     }
 
-    /// A sphere with every state and parameter at random.
+    /// A sphere with random state and parameters.
     fn ball(&mut self, position: Vec3) -> Sphere {
         let (mass, radius) = (self.between(0.5, 3.0), self.between(0.25, 0.5));
         let sphere = Sphere::new(position, radius).mass(mass).velocity(self.vector(2.0));
@@ -68,14 +68,15 @@ impl Draw<'_> {
         self.scene.add_sphere(sphere).unwrap()
     }
 
-    /// A thin rod between two small spheres, fixed or free.
+    /// A thin rod between two small spheres, of fixed or free length.
     fn rod(&mut self, end1: Vec3, end2: Vec3) {
         let mut ends = [end1, end2].map(|end| {
             let mut ball = self.ball(end);
             ball.radius *= 0.5;
             if self.chance(0.1) { ball.fixed() } else { ball }
         });
-        // As a step leaves a rod of fixed length: docs/physics.md section 3.6 takes it that ends go on a circle.
+        // After a step, the ends of a rod of fixed length have the same velocity along its axis. docs/physics.md section 3.6
+        // relies on this, because it moves the ends on a circle.
         let along = (end2 - end1).normalize();
         let parting = (ends[1].velocity - ends[0].velocity).dot(along);
         ends[1].velocity -= parting * along;
@@ -99,8 +100,8 @@ impl Draw<'_> {
         }
     }
 
-    /// Two that overlap and nothing else.
-    pub(crate) fn duel(&mut self) {
+    /// Two spheres that overlap each other and nothing else.
+    pub(crate) fn sphere_pair(&mut self) {
         let (place, direction) = (self.place(), self.direction());
         let one = self.ball(place);
         self.add(one);
@@ -109,20 +110,21 @@ impl Draw<'_> {
         self.add(other.velocity(one.velocity - 2.0 * direction));
     }
 
-    /// One much larger than all others, which hits a floor, and some of those about its surface.
+    /// A sphere much larger than all others, which hits a floor, and small spheres about its surface.
     pub(crate) fn giant(&mut self) {
         let mut giant = self.ball(self.middle);
         giant.radius = self.between(3.0, 3.2);
         giant.velocity.y = -self.between(4.0, 5.0);
         self.giants.push(giant);
-        // Of this contact it is side A, of those with spheres side B.
+        // The large sphere is side A of this contact, and side B of those with spheres.
         let floor = self.middle - 0.98 * giant.radius * Vec3::Y;
         self.floor(floor);
         for _ in 0..13 {
             let direction = self.direction();
             self.ball_about(&giant, direction);
         }
-        // About some of them more than a workgroup has threads, in places of their own, so that few of their decisions hang together.
+        // The first two large spheres have more neighbours than a workgroup has threads. The neighbours are spread evenly, so
+        // that few of them touch each other.
         let ring = if self.giants.len() < 3 { 70 } else { 0 };
         for k in 0..ring {
             let (height, turn) = (1.0 - (k as f32 + 0.5) / 35.0, 2.399_963_2 * k as f32);
@@ -137,7 +139,8 @@ impl Draw<'_> {
         self.add(ball);
     }
 
-    pub(crate) fn capsule_duel(&mut self) {
+    /// A capsule and a sphere that hits one of its ends.
+    pub(crate) fn capsule_and_sphere(&mut self) {
         let (middle, direction) = (self.middle, self.direction());
         self.scene.add_capsule(Capsule::new(middle, middle + direction, 0.25).mass(1.5)).unwrap();
         let across = self.vector(0.6);
@@ -146,8 +149,8 @@ impl Draw<'_> {
         self.add(ball.velocity(across - 2.0 * direction));
     }
 
-    /// A sphere that hits a floor, and nothing else.
-    pub(crate) fn floored(&mut self) {
+    /// A sphere that hits a floor and nothing else.
+    pub(crate) fn sphere_on_floor(&mut self) {
         let floor = self.middle;
         self.floor(floor);
         let mut ball = self.ball(floor);
@@ -156,7 +159,7 @@ impl Draw<'_> {
         self.add(ball.velocity(velocity));
     }
 
-    /// A sphere that hits two walls at a right angle and, or not, the floor between them.
+    /// A sphere that hits two walls at a right angle.
     pub(crate) fn corner(&mut self) {
         let corner = self.middle;
         for (from, to) in [((-0.5, -1.0, -1.0), (0.0, 1.0, 1.0)), ((0.001, -1.0, -0.5), (1.5, 1.0, 0.0))] {
@@ -185,7 +188,8 @@ impl Draw<'_> {
         self.add(ball.velocity(aside - 6.0 * across));
     }
 
-    /// Rods of fixed length from a fixed sphere, with a rod of free length at their end; spheres hit an end, both kinds of rods.
+    /// A row of two rods of fixed length and one of free length, half of the time from a fixed sphere. Spheres hit an end and
+    /// rods of both kinds.
     pub(crate) fn struck_network(&mut self) {
         let places = [(-0.8, 0.3, 0.0), (0.0, -0.3, 0.1), (0.8, 0.3, -0.1), (1.5, 0.2, 0.1)];
         let (fixed, slow) = (self.chance(0.5), 0.3);
@@ -218,8 +222,8 @@ impl Draw<'_> {
         }
     }
 
-    /// Overlaps begun within the step.
-    pub(crate) fn grazing(&mut self) {
+    /// Overlaps so small that they began within the step.
+    pub(crate) fn shallow_overlaps(&mut self) {
         let (a, direction) = (self.place(), self.direction());
         let one = self.ball(a);
         let other = self.ball(a);
@@ -230,7 +234,7 @@ impl Draw<'_> {
         other.velocity = one.velocity - speed * direction;
         self.add(one);
         self.add(other);
-        // Two that part slowly: what damps it would pull.
+        // Two spheres that separate slowly, so that the damping of the contact would pull.
         let (place, direction) = (self.middle + Vec3::new(0.0, 2.5, 0.0), self.direction());
         let one = self.ball(place);
         let other = self.ball(place);
@@ -251,7 +255,7 @@ impl Draw<'_> {
         self.floor(floor);
     }
 
-    /// A skew polygon that faces up, through a point.
+    /// A skew polygon that faces up and whose centre is a given point.
     fn floor(&mut self, point: Vec3) {
         let [skew, tilt, other] = [self.between(-0.4, 0.4), self.between(-0.2, 0.2), self.between(-0.2, 0.2)];
         let (left, right) = (Vec3::new(0.1, tilt, 2.4), Vec3::new(2.4, other, skew));
@@ -275,7 +279,7 @@ impl Draw<'_> {
     }
 
     pub(crate) fn parallel_rods(&mut self) {
-        // Along an axis, so that they are parallel to the last bit.
+        // Along a coordinate axis, so that they are exactly parallel.
         let along = [Vec3::X, Vec3::Y, Vec3::Z][self.rng.random_range(0..3)];
         let across = [along.yzx(), along.zxy()].map(|axis| axis * self.between(0.08, 0.15));
         let start = self.place();
@@ -297,7 +301,7 @@ impl Draw<'_> {
         self.sphere();
     }
 
-    /// A box turned at random; its edges are of different lengths.
+    /// A box with random orientation and edges of different lengths.
     fn cuboid(&mut self) -> Cuboid {
         let (i, helper) = (self.direction(), self.direction());
         let j = i.cross(helper).normalize();
@@ -321,7 +325,7 @@ impl Draw<'_> {
     pub(crate) fn box_and_rods(&mut self, count: usize) {
         let Cuboid { corner, edges: [i, j, k], .. } = self.cuboid();
         for number in 0..count {
-            // Across the edge along I, the axis outside or inside the box.
+            // The rod crosses the edge along I. Its axis passes outside or inside the box.
             let out = -(j.normalize() + k.normalize()).normalize();
             let depth = if number % 2 == 0 { 0.06 } else { -0.08 };
             let (turn, jitter) = (self.between(-0.4, 0.4), self.vector(0.03));
@@ -333,8 +337,8 @@ impl Draw<'_> {
         self.rod_through(point, 1.8);
     }
 
-    /// Rods that meet a box at a vertex alone: past it, or through it from within.
-    pub(crate) fn box_and_splinters(&mut self) {
+    /// Rods that touch a box at a vertex only: two pass the vertex outside, and one ends near another vertex inside the box.
+    pub(crate) fn box_and_vertex_rods(&mut self) {
         let Cuboid { corner, edges, .. } = self.cuboid();
         let [i, j, k] = edges.map(Vec3::normalize);
         let out = -(i + j + k).normalize();
@@ -345,7 +349,7 @@ impl Draw<'_> {
             self.rod(point - 0.6 * along, point + 0.7 * along);
         }
         let last = corner + edges[0] + edges[1] + edges[2];
-        // From inside, ending short of every edge: only the vertex is within its radius.
+        // Ends inside, short of every edge, so that only the vertex is within its radius.
         let jitter = self.vector(0.08);
         self.rod(last + 0.3 * out + jitter, last + 0.02 * out);
     }
@@ -366,7 +370,7 @@ impl Draw<'_> {
         self.capsules(1);
     }
 
-    /// Fixed rods in a row, the first end fixed half of the time.
+    /// A row of rods of fixed length. The first end is fixed half of the time.
     pub(crate) fn chain(&mut self) {
         let mut place = self.middle - Vec3::X * 1.2;
         let hung = self.chance(0.5);
@@ -385,7 +389,7 @@ impl Draw<'_> {
         self.sphere();
     }
 
-    /// A tetrahedron of fixed rods, with a tail of a free rod.
+    /// A tetrahedron of rods of fixed length, with one more rod of free length.
     pub(crate) fn frame(&mut self) {
         let corners = [Vec3::ONE, Vec3::new(1.0, -1.0, -1.0), Vec3::new(-1.0, 1.0, -1.0), Vec3::new(-1.0, -1.0, 1.0)];
         let mut ends = Vec::new();
@@ -406,7 +410,7 @@ impl Draw<'_> {
         self.scene.add_rod(Rod::new(ends[0], tail, 0.1)).unwrap();
     }
 
-    /// Springs, tethers and outside forces.
+    /// Spheres with springs, a tether and external forces.
     pub(crate) fn attached(&mut self) {
         let spheres: Vec<SphereId> = (0..4)
             .map(|_| {
@@ -429,7 +433,7 @@ impl Draw<'_> {
         self.scene.add_tether(tether).unwrap();
     }
 
-    /// Overlapping, in groups of their own.
+    /// Overlapping spheres and a box, in several groups.
     pub(crate) fn groups(&mut self) {
         for number in 0..6 {
             let position = self.place();
@@ -440,7 +444,7 @@ impl Draw<'_> {
         self.scene.add_box(cuboid.group(2)).unwrap();
     }
 
-    /// A bit of everything in one place.
+    /// Objects of several kinds in one place.
     pub(crate) fn crowd(&mut self) {
         self.capsules(2);
         self.rods(1);

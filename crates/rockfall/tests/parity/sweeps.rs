@@ -1,5 +1,5 @@
 //! The decisions of the constraint solver (docs/physics.md section 5.4): when the sweeps over a batch end, and whether a rod
-//! has turned too far within the step. The sweeps are made again, in f64.
+//! has turned too far within the step. The sweeps are repeated here in f64.
 
 use glam::DVec3;
 use rockfall::model::world::World;
@@ -9,10 +9,10 @@ use crate::decisions::Findings;
 
 const TOLERANCE: f64 = 1e-5;
 const MAX_SWEEPS: usize = 400;
-/// Units in the last place of coordinates that an error may have and still be rounding.
+/// Largest error that counts as rounding, relative to the coordinates: four units in the last place.
 const ROUNDED: f64 = 4.0 / 8_388_608.0;
 
-/// What a sweep corrects.
+/// Rule by which a sweep corrects rods.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Rule {
     Lengths,
@@ -20,14 +20,14 @@ enum Rule {
     Rattle,
 }
 
-/// `restore_lengths`, whose errors are those of the state.
+/// Evaluates the decisions of `restore_lengths`, which corrects the lengths of the state before the integration.
 pub(crate) fn restore(world: &World, findings: &mut Findings) {
     for batch in 0..world.step.batches {
         Sweeps::new(world, batch).run(Rule::Lengths, findings);
     }
 }
 
-/// `constrain`.
+/// Evaluates the decisions of `constrain`.
 pub(crate) fn constrain(world: &World, findings: &mut Findings) {
     for batch in 0..world.step.batches {
         let mut sweeps = Sweeps::new(world, batch);
@@ -51,7 +51,7 @@ impl Sweeps {
             range.map(word).collect()
         });
         let mut bodies = Bodies::new(world, 0);
-        // What a fixed sphere is given for a velocity is its surface's; its centre rests.
+        // The velocity of a fixed sphere is that of its surface. Its centre is at rest.
         for ball in bodies.balls.iter_mut().filter(|ball| ball.w == 0.0) {
             ball.v = DVec3::ZERO;
         }
@@ -70,7 +70,7 @@ impl Sweeps {
             }
             if sweep < MAX_SWEEPS {
                 let sphere = self.bodies.bars[self.colours[0][0]].ends[0];
-                // Relative, for the tolerance itself is small.
+                // The slack is relative to the tolerance, because the tolerance is smaller than the least slack.
                 findings.decide("one more sweep", sphere, worst / TOLERANCE - 1.0);
             }
             if worst <= TOLERANCE {
@@ -81,7 +81,7 @@ impl Sweeps {
         }
     }
 
-    /// Corrects one rod; returns its relative error.
+    /// Corrects one rod and returns its relative error before the correction.
     fn visit(&mut self, rule: Rule, rod: usize, findings: &mut Findings) -> f64 {
         let (ends, length) = (self.bodies.bars[rod].ends, self.bodies.bars[rod].length);
         let [one, two] = ends;
@@ -98,7 +98,7 @@ impl Sweeps {
         match rule {
             Rule::Lengths => {}
             Rule::Shake => {
-                // The multiplier g of |d - g w old| = l that is next to 0.
+                // The root g of |d - g w old| = l that is nearest to 0.
                 let old = self.old[two] - self.old[one];
                 let (p, q) = (d.dot(old) / old.length_squared(), (d.length_squared() - length * length) / old.length_squared());
                 let discriminant = p * p - q;

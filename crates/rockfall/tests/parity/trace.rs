@@ -1,4 +1,4 @@
-//! The worlds that the stages of a step begin with, with every decision of the step far from its switch.
+//! Traces of random steps: the world before every stage. No decision of the step is near the value at which it changes.
 
 use rockfall::model::layout::{
     CELL_BLOCK, CELLS_AT, FLAG_STAGES, PHASES_SHIFT, POSITIONS_FIRST, ROD_WORDS, SLICE, SWEEPS_FEW, SWEEPS_LISTED, SWEEPS_OFF,
@@ -11,22 +11,23 @@ use rockfall::{BroadPhase, Integrator, Settings};
 
 use crate::cells;
 use crate::clusters::{Clusters, clusters};
-use crate::decisions::{self, Findings, Near};
+use crate::decisions::{self, Ambiguous, Findings};
 use crate::sweeps;
 
-/// Time step of all traces, in s: forces of deep overlaps are large.
+/// Time step of all traces, in s. It is short because deep overlaps cause large forces.
 pub(crate) const DT: f32 = 0.004;
-/// AABBs that hold what these forces do, and pairs that do not overlap besides.
+/// `Step::margin_scale` of all traces: AABBs so large that spheres stay inside under these forces, and that the pair lists also
+/// contain pairs that do not overlap.
 const MARGIN: f32 = 12.0;
-/// A cluster that still has a decision too close to call is wrong by design, not by chance.
+/// A cluster that still has an ambiguous decision after this number of attempts has it by design, not by chance.
 const MAX_ATTEMPTS: u64 = 200;
 
-/// The pass of `run_steps` that does the collisions of a step.
+/// Pass of `run_steps` that handles the collisions of a step.
 pub(crate) const COLLISIONS: u32 = 1 << PHASES_SHIFT;
-/// The one that does the rest of it.
+/// Pass of `run_steps` that does the rest of the step.
 pub(crate) const POSITIONS: u32 = 1 << PHASES_SHIFT | POSITIONS_FIRST;
 
-/// A stage, or several that can be compared after the last one only, and the world that they begin with.
+/// A stage, or a group of stages that can only be compared after the last one, with the world before it.
 pub(crate) struct Scenario {
     pub(crate) runs: Vec<Run>,
     pub(crate) before: World,
@@ -37,13 +38,13 @@ impl Scenario {
         Self { runs: vec![*run], before: before.clone() }
     }
 
-    /// Whether this is that stage alone.
+    /// Whether the scenario consists of the given stage alone.
     pub(crate) fn is(&self, stage: &str) -> bool {
         self.runs.len() == 1 && self.runs[0].stage.name == stage
     }
 
-    /// Whether it has to do with how collisions are solved.
-    pub(crate) fn is_of_collisions(&self) -> bool {
+    /// Whether the scenario depends on how collisions are solved.
+    pub(crate) fn solves_collisions(&self) -> bool {
         SOLVING.contains(&self.runs[0].stage.name) || self.is("run_steps")
     }
 
@@ -56,7 +57,7 @@ impl Scenario {
     }
 }
 
-/// Where the devices list collisions and sweep over them, the CPU does all of it in one stage.
+/// Stages that solve collisions. On the GPU each does a part of the work. The CPU computes all collisions in one of them.
 const SOLVING: [&str; 11] = [
     "list_collisions",
     "weigh_networks",
@@ -71,15 +72,15 @@ const SOLVING: [&str; 11] = [
     "commit_friction_impulses",
 ];
 
-/// Stages in the groups that can be compared.
+/// Splits stages into groups that can be compared: all stages that solve collisions, or one other stage.
 pub(crate) fn grouped(runs: &[Run]) -> Vec<Vec<Run>> {
     let is_solving = |run: &Run| SOLVING.contains(&run.stage.name);
     let groups = runs.chunk_by(|one, other| is_solving(one) && is_solving(other));
     groups.map(<[Run]>::to_vec).collect()
 }
 
-/// A world that sweeps over its collisions.
-pub(crate) fn swept(world: &mut World) {
+/// Makes a world sweep over its collisions.
+pub(crate) fn enable_sweeps(world: &mut World) {
     world.step.sweeps = SWEEPS_ON;
     world.step.collision_room = 8192;
 }
@@ -87,24 +88,24 @@ pub(crate) fn swept(world: &mut World) {
 /// One step of a random scene.
 pub(crate) struct Trace {
     pub(crate) scenarios: Vec<Scenario>,
-    /// What the step decided, and how often.
+    /// Cases that occurred in the step, and ambiguous decisions.
     pub(crate) findings: Findings,
     /// The world after the step.
     pub(crate) after: World,
 }
 
-/// What collisions there are.
+/// Which collisions the clusters of a trace cause.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Only {
     /// All kinds.
     All,
-    /// Those that share no body.
+    /// Collisions that share no body.
     Lone,
-    /// Those that one workgroup can sweep over: not on networks, not of large spheres.
+    /// Collisions that one workgroup can sweep over: without networks and large spheres.
     Few,
 }
 
-/// What makes a trace.
+/// Parameters of a trace.
 #[derive(Clone, Copy)]
 pub(crate) struct Plan {
     pub(crate) seed: u64,
@@ -112,53 +113,52 @@ pub(crate) struct Plan {
     pub(crate) integrator: Integrator,
     pub(crate) broad_phase: BroadPhase,
     pub(crate) settings: Settings,
-    /// With rods and capsules among the clusters.
+    /// Whether clusters may have rods and capsules.
     pub(crate) rods: bool,
-    /// Which of these.
     pub(crate) only: Only,
 }
 
-/// Draws clusters again until no decision of the step is near its switch.
+/// Traces a plan. Clusters with an ambiguous decision are drawn again until none is left.
 pub(crate) fn trace(plan: &Plan) -> Trace {
     let mut attempts = vec![0; plan.clusters];
     loop {
         let drawn = clusters(plan, &attempts);
         let trace = run(&drawn, plan);
-        if trace.findings.near.is_empty() {
-            assert_eq!(trace.after.status.rejected, 0, "the margins are too narrow for the forces");
+        if trace.findings.ambiguous.is_empty() {
+            assert_eq!(trace.after.status.rejected, 0, "the step is rejected, the AABBs are too small for the forces");
             return trace;
         }
-        let mut again: Vec<usize> = trace.findings.near.iter().map(|near| drawn.cluster_of[near.object]).collect();
+        let mut again: Vec<usize> = trace.findings.ambiguous.iter().map(|decision| drawn.cluster_of[decision.object]).collect();
         again.sort_unstable();
         again.dedup();
         for cluster in again {
             attempts[cluster] += 1;
-            let mut near = trace.findings.near.iter();
-            let why = near.find(|near| drawn.cluster_of[near.object] == cluster).map(|near| near.what);
-            assert!(attempts[cluster] < MAX_ATTEMPTS, "cluster {cluster}: {why:?}");
+            let mut ambiguous = trace.findings.ambiguous.iter();
+            let why = ambiguous.find(|decision| drawn.cluster_of[decision.object] == cluster).map(|decision| decision.what);
+            assert!(attempts[cluster] < MAX_ATTEMPTS, "cluster {cluster} stays ambiguous: {why:?}");
         }
     }
 }
 
-/// A world of the scene, roomy enough for its lists.
-fn built(drawn: &Clusters, plan: &Plan) -> World {
+/// Builds the world of a scene, with room for its lists.
+fn build(drawn: &Clusters, plan: &Plan) -> World {
     let mut world = World::build(&drawn.scene).unwrap();
-    // The grid of one block of cells, which so few objects get, and the grid of more.
+    // One block of cells, the number for so few objects, or two: the stages of a grid of several blocks are different.
     world.set_cells(CELL_BLOCK * (1 + plan.seed % 2) as u32);
-    sized(world)
+    with_step_settings(world)
 }
 
-fn sized(mut world: World) -> World {
+fn with_step_settings(mut world: World) -> World {
     world.step.dt = DT;
     world.step.margin_scale = MARGIN;
     world.step.lead = 0.5;
-    // As in a large scene.
+    // In large scenes `plan_lists` writes dispatch sizes. Test it here, too.
     world.step.planned = 1;
-    swept(&mut world);
+    enable_sweeps(&mut world);
     world.set_pair_rows(world.movers().div_ceil(SLICE) * 64);
-    // Not 0, so that a word that a stage leaves out shows.
+    // Not 0, so that a word that a stage fails to write is noticed.
     world.cells[CELLS_AT as usize..].fill(3);
-    // As if a step of RK4 had been done in which some accelerated.
+    // The state after an RK4 step in which some spheres accelerated.
     world.step.flags |= if world.step.large > 0 { FLAG_STAGES } else { 0 };
     let spheres = world.step.spheres as usize;
     for sphere in 0..spheres {
@@ -173,7 +173,7 @@ fn sized(mut world: World) -> World {
 }
 
 fn run(drawn: &Clusters, plan: &Plan) -> Trace {
-    let mut world = built(drawn, plan);
+    let mut world = build(drawn, plan);
     let mut scenarios = Vec::new();
     let mut findings = Findings::default();
     let settings = &drawn.scene.settings;
@@ -185,60 +185,62 @@ fn run(drawn: &Clusters, plan: &Plan) -> Trace {
         if group[0].stage.name == "list_collisions" {
             let shared = decisions::collisions(&world, &mut findings).shared;
             if plan.only == Only::Lone {
-                findings.near.extend(shared.into_iter().map(|object| Near { what: "a shared body", object }));
+                findings.ambiguous.extend(shared.into_iter().map(|object| Ambiguous { what: "a shared body", object }));
             }
-            scenarios.extend(solving(&world, &group, plan));
+            scenarios.extend(collision_scenarios(&world, &group, plan));
         }
         for run in &group {
             if run.stage.name == "constrain" {
-                turn_some(&mut world);
+                reverse_some_rods(&mut world);
             }
-            scenarios.extend(joined(&world, run, plan));
+            scenarios.extend(fused_scenario(&world, run, plan));
             if run.applies(&world.step) {
                 decide(&world, run, &mut findings);
             }
-            // The others have nothing to say without each other; of networks the GPU commits all spheres, the CPU those that collide.
-            let is_whole = match run.stage.name {
+            // Other stages of a group cannot be compared alone. With networks, neither can `commit_collisions`: the GPU commits
+            // all spheres of a network, the CPU only those that collide.
+            let is_comparable = match run.stage.name {
                 "commit_collisions" => world.step.networks == 0,
                 "commit_friction_impulses" => true,
                 _ => group.len() == 1,
             };
-            if is_whole {
+            if is_comparable {
                 scenarios.push(Scenario::one(run, &world));
             }
             run.on_cpu(&mut world);
             if run.stage.name == "constrain" {
-                // Axes that turn half around have no shortest rotation.
-                turn_some(&mut world);
+                // Swap back. An axis that turns by 180 degrees has no unique shortest rotation, so `turn` could not be
+                // compared.
+                reverse_some_rods(&mut world);
             }
         }
         if group[0].stage.name == "list_collisions" {
-            // What rebounds has an overlap of nearly 0, of which a few units in the last place are much. So the integration goes
-            // on from the state before the collisions.
+            // The integration continues from the state before the collisions. Pairs that rebound have an overlap of nearly 0,
+            // and its relative error by rounding would be large.
             world.states[0].clone_from(&start);
         }
     }
     decisions::escapes(&world, 0, &mut findings);
-    scenarios.extend(sorting(drawn));
+    scenarios.extend(memory_order_scenarios(drawn));
     Trace { scenarios, findings, after: world }
 }
 
-/// The stages that solve collisions, with sweeps and, where no collisions share a body, without; with friction impulses, where there
-/// are any, and before them.
-fn solving(world: &World, group: &[Run], plan: &Plan) -> Vec<Scenario> {
-    let mut ways = vec![SWEEPS_ON];
+/// Scenarios of the stages that solve collisions: one for each sweep mode that the collisions allow. If there are friction
+/// impulses, each mode has two scenarios: one ends before the friction impulses and one after them.
+fn collision_scenarios(world: &World, group: &[Run], plan: &Plan) -> Vec<Scenario> {
+    let mut modes = vec![SWEEPS_ON];
     if plan.only == Only::Few {
-        ways.push(SWEEPS_FEW);
+        modes.push(SWEEPS_FEW);
     }
     if plan.only == Only::Lone {
-        ways.push(SWEEPS_LISTED);
-        // Without lists nobody knows the impulses that friction goes by.
-        ways.extend((!plan.rods && world.step.collision_friction <= 0.0).then_some(SWEEPS_OFF));
+        modes.push(SWEEPS_LISTED);
+        // Collision friction reads the normal impulses from the list of collisions.
+        modes.extend((!plan.rods && world.step.collision_friction <= 0.0).then_some(SWEEPS_OFF));
     }
     let last = group.iter().position(|run| run.stage.name == "commit_collisions").expect("the stage");
     let mut ends = vec![last + 1];
     ends.extend(world.step.has_friction_impulses().then_some(group.len()));
-    let all = ways.into_iter().flat_map(|sweeps| ends.iter().map(move |end| (sweeps, *end)));
+    let all = modes.into_iter().flat_map(|sweeps| ends.iter().map(move |end| (sweeps, *end)));
     all.map(|(sweeps, end)| {
         let mut before = world.clone();
         before.step.sweeps = sweeps;
@@ -247,19 +249,20 @@ fn solving(world: &World, group: &[Run], plan: &Plan) -> Vec<Scenario> {
     .collect()
 }
 
-/// The dispatch that stands for a phase of a small scene, where this run is the first of it.
-fn joined(world: &World, first: &Run, plan: &Plan) -> Option<Scenario> {
+/// Scenario of the fused kernel `run_steps`, which does a whole phase of a small scene in one dispatch. Returns `None` unless
+/// `first` is the first run of a phase that the kernel can do.
+fn fused_scenario(world: &World, first: &Run, plan: &Plan) -> Option<Scenario> {
     let pass = match (first.stage.name, first.pass) {
-        // It solves no collisions that share a body, and makes no friction impulses.
+        // `run_steps` does not solve collisions that share a body, and does not compute friction impulses.
         ("find_collisions", 0) if plan.only == Only::Lone && !world.step.has_friction_impulses() => COLLISIONS,
         ("advance", 0) => POSITIONS,
         ("symplectic_euler", 0) => POSITIONS | SYMPLECTIC_EULER,
         _ => return None,
     };
-    let stage = ALL.into_iter().find(|stage| stage.name == "run_steps").expect("the stage of small scenes");
+    let stage = ALL.into_iter().find(|stage| stage.name == "run_steps").expect("the fused stage of small scenes");
     let run = Run { stage, pass, when: When::NoRods, every: 1, planned: false };
     run.applies(&world.step).then(|| {
-        // There are no large spheres where it is used.
+        // `run_steps` is used only in scenes without large spheres.
         let mut before = world.clone();
         before.step.large = 0;
         before.step.sweeps = SWEEPS_OFF;
@@ -267,9 +270,9 @@ fn joined(world: &World, first: &Run, plan: &Plan) -> Option<Scenario> {
     })
 }
 
-/// Putting memory in order, from the order of x.
-fn sorting(drawn: &Clusters) -> Vec<Scenario> {
-    let mut world = sized(World::build_along_x(&drawn.scene).unwrap());
+/// Scenarios of the stages that measure and sort the order of spheres in memory. The spheres begin in the order of x.
+fn memory_order_scenarios(drawn: &Clusters) -> Vec<Scenario> {
+    let mut world = with_step_settings(World::build_along_x(&drawn.scene).unwrap());
     let phases = [Phase::UpdateAabbs, Phase::BroadPhase];
     for run in phases.iter().flat_map(|phase| phase.stages(Integrator::Rk4, BroadPhase::BruteForce)) {
         run.on_cpu(&mut world);
@@ -282,8 +285,8 @@ fn sorting(drawn: &Clusters) -> Vec<Scenario> {
     scenarios
 }
 
-/// Swaps where the ends of every ninth rod were before the step: as if it had turned half around within it.
-fn turn_some(world: &mut World) {
+/// Swaps the old positions of the ends of every ninth rod, as if the rod had turned by 180 degrees within the step.
+fn reverse_some_rods(world: &mut World) {
     for rod in (0..world.step.rods).step_by(9) {
         let at = (world.step.rods_at + rod * ROD_WORDS) as usize;
         let [one, two] = [world.topology[at], world.topology[at + 1]].map(|end| end as usize);
@@ -291,7 +294,7 @@ fn turn_some(world: &mut World) {
     }
 }
 
-/// The decisions that a stage is about to make.
+/// Records the decisions that a stage makes from this world.
 fn decide(world: &World, run: &Run, findings: &mut Findings) {
     let state = run.pass as usize;
     match run.stage.name {
