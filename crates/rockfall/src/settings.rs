@@ -20,8 +20,8 @@ macro_rules! value_type {
     };
 }
 
-/// The one table of the constants. Each entry has the doc, the name, the function that reads and checks a value, the default, the unit
-/// and the range of the slider in the window, if it has one.
+/// The one table of the constants. Each entry has the doc, the name, the function that reads and checks a value, the default,
+/// the unit and the range of the slider in the window, if it has one.
 macro_rules! constants {
     ($($(#[doc = $doc:literal])+ $name:ident: $read:ident = $default:expr, $unit:literal, $slider:expr;)+) => {
         /// The physical constants of a simulation.

@@ -13,7 +13,7 @@ struct Solved {
     a: f32,
     b: f32,
     impulse: f32,
-    // Time from the first contact to the end of the last step, in s.
+    // Time since the overlap began, in s.
     tau: f32,
 }
 
@@ -114,7 +114,7 @@ fn moved_back(half: ContactSide, poise: SideMotion, pull: SideAcceleration, tau:
     return back;
 }
 
-// Whether a pair has a contact line there and approaches. Extreme forces can make the values infinite or NaN.
+// Whether a pair at an earlier time has a contact line and approaches. Extreme forces can make the values infinite or NaN.
 fn closes(at: Placed) -> bool {
     let is_known = finite(vec3f(at.touch.overlap, at.closing.approach, at.closing.inverse_mass));
     return is_known & (at.touch.overlap != NO_CONTACT_LINE) & (at.closing.approach > 0.0);
@@ -149,7 +149,7 @@ fn solve_lone(a_id: u32, b_id: u32, feature: u32, found: Touch) -> Solved {
     let stretching = tau * tau * curvature_along(pushed);
     var effective_inverse_mass = max(inverse_mass + stretching, 0.5 * inverse_mass);
     if !finite(vec3f(stretching)) {
-        // Extreme springs: the term is infinite, or NaN.
+        // With extremely stiff springs the term is infinite or NaN.
         effective_inverse_mass = select(0.5 * inverse_mass, 3e38, bitcast<u32>(stretching) == 0x7f800000u);
     }
     let impulse = (1.0 + step.restitution) * load_entry.closing.approach / effective_inverse_mass;
