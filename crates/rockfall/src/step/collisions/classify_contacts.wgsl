@@ -26,7 +26,8 @@ fn pair_radius(a: u32, b: u32) -> f32 {
     return radius;
 }
 
-// The OVERLAPS and COLLIDES bits of a contact with this overlap, approach velocity, inverse mass and smaller radius.
+// The ENTRY_OVERLAPS and ENTRY_COLLIDES bits of a contact with this overlap, approach velocity, inverse mass and smaller
+// radius.
 fn bits_of(overlap: f32, approach: f32, inverse_mass: f32, radius: f32) -> u32 {
     if overlap <= ROUNDING * radius {
         return 0u;
