@@ -1,4 +1,5 @@
-//! The constants that can be changed while running (physics.md section 6, thesis section 2.8), and how to integrate.
+//! The constants that can be changed while a simulation runs (docs/physics.md section 6, thesis section 2.8), the integrators
+//! and the broad phases.
 
 use std::fmt;
 use std::str::FromStr;
@@ -7,7 +8,7 @@ use glam::Vec3;
 
 use crate::error::{Error, Result, quoted};
 
-/// The type of a constant, by the function that reads it.
+/// The type of a constant, chosen by the name of the function that reads it.
 macro_rules! value_type {
     (switch) => {
         bool
@@ -20,8 +21,8 @@ macro_rules! value_type {
     };
 }
 
-/// The one table of the constants. Each entry has the doc, the name, the function that reads and checks a value, the default, the unit
-/// and the range of the slider in the window, if it has one.
+/// The table of all constants. Each entry has the doc, the name, the function that reads and checks a value, the default, the
+/// unit, and the range of the slider in the window, if it has one.
 macro_rules! constants {
     ($($(#[doc = $doc:literal])+ $name:ident: $read:ident = $default:expr, $unit:literal, $slider:expr;)+) => {
         /// The physical constants of a simulation.
@@ -38,7 +39,7 @@ macro_rules! constants {
         }
 
         impl Settings {
-            /// The constants, in the order of the fields.
+            /// All constants, in the order of the fields.
             pub const TABLE: &[Constant] = &[$(Constant {
                 name: stringify!($name),
                 unit: $unit,
@@ -49,11 +50,11 @@ macro_rules! constants {
             /// Names that [`Settings::set`] takes.
             pub const NAMES: &[&str] = &[$(stringify!($name)),+];
 
-            /// Sets a constant by its name, from text: a number, `on` or `off`, or for the direction `x,y,z`.
+            /// Sets a constant by its name, from text: a number, `on` or `off`, or `x,y,z` for the direction.
             ///
             /// # Errors
-            /// [`Error::UnknownSetting`] for a name that is not in [`Settings::NAMES`], [`Error::Invalid`] for a value that is not
-            /// finite, negative where that has no meaning, or not of the right kind.
+            /// - [`Error::UnknownSetting`] for a name that is not in [`Settings::NAMES`].
+            /// - [`Error::Invalid`] for a value that is not finite, not of the right kind, or out of range.
             pub fn set(&mut self, name: &str, value: &str) -> Result<()> {
                 match name {
                     $(stringify!($name) => self.$name = $read(stringify!($name), value)?,)+
@@ -62,7 +63,8 @@ macro_rules! constants {
                 Ok(())
             }
 
-            /// The value of a constant as text that [`Settings::set`] reads back bit for bit; `None` for an unknown name.
+            /// Returns the value of a constant as text, or `None` for an unknown name. [`Settings::set`] reads the text back to
+            /// the same bits.
             pub fn get(&self, name: &str) -> Option<String> {
                 match name {
                     $(stringify!($name) => Some(self.$name.to_text()),)+
@@ -100,17 +102,17 @@ constants! {
     /// It falls off near rest, so bodies creep on slopes.
     friction: not_negative = 50.0, "1/(s² √(units/s))", Some((0.0, 500.0));
     /// Coefficient mu_c of Coulomb friction in contacts; 0: the thesis's friction force, which `friction` scales. Where it is
-    /// positive, every contact gets a friction impulse of at most mu_c times its normal force times the time step, once a step,
-    /// in the place of that force.
+    /// positive, every contact gets a friction impulse of at most mu_c times its normal force times the time step, once per
+    /// step, in place of that force.
     coulomb_friction: not_negative = 0.0, "", Some((0.0, 2.0));
     /// Coefficient of Coulomb friction in collisions: limits the tangential impulse of a collision to this times its normal
-    /// impulse; 0: collisions are smooth.
+    /// impulse; 0: collisions are frictionless.
     collision_friction: not_negative = 0.0, "", Some((0.0, 2.0));
     /// Gravity G in units/s².
     gravity: finite = 1.0, "units/s²", Some((-10.0, 20.0));
-    /// Whether collisions are handled as impulses; without them contact forces do everything.
+    /// Whether collisions are handled as impulses. If not, contact forces act in collisions too.
     collisions: switch = true, "", None;
-    /// Direction of gravity g, a unit vector (made one when set by name).
+    /// Direction of gravity g, a unit vector (normalized when set by name).
     gravity_direction: direction = Vec3::NEG_Y, "", None;
     /// Whether contact damping may pull bodies together (the thesis's form).
     contact_pull: switch = false, "", None;
@@ -130,7 +132,7 @@ impl Settings {
         self.coulomb_friction > 0.0 || self.collision_friction > 0.0
     }
 
-    /// These settings with a change, for example `Settings::default().with(|settings| settings.gravity = 9.81)`.
+    /// Returns these settings with a change, for example `Settings::default().with(|settings| settings.gravity = 9.81)`.
     #[must_use]
     pub fn with(mut self, change: impl FnOnce(&mut Self)) -> Self {
         change(&mut self);
@@ -150,7 +152,7 @@ impl Settings {
     }
 }
 
-/// A value as the text that reads back as the same bits.
+/// Converts a value to text that is read back to the same bits.
 trait ToText {
     fn to_text(&self) -> String;
 }
@@ -196,8 +198,8 @@ fn not_negative(field: &'static str, value: &str) -> Result<f32> {
     }
 }
 
-/// A share of a radius. Below a millionth of it, overlaps are lost in the rounding of coordinates; bodies that overlap by half
-/// their radius pass through each other.
+/// Reads a fraction of a radius. Overlaps below a millionth of a radius are lost in the rounding of coordinates. Bodies that
+/// overlap by half their radius pass through each other.
 fn fraction(field: &'static str, value: &str) -> Result<f32> {
     const EXPECTED: &str = "0, or a number from 0.000001 to 0.5";
     match number(field, value, EXPECTED)? {
@@ -216,7 +218,7 @@ fn switch(field: &'static str, value: &str) -> Result<bool> {
 
 fn direction(field: &'static str, value: &str) -> Result<Vec3> {
     const EXPECTED: &str = "three numbers, as in 0,-1,0 or 0 -1 0, not all zero";
-    // With commas, or with spaces as vectors stand in scene files.
+    // Separated by commas, or by spaces as in scene files.
     let parts: Vec<&str> = if value.contains(',') { value.split(',').collect() } else { value.split_whitespace().collect() };
     let numbers: Vec<f32> = parts
         .into_iter()
@@ -226,7 +228,8 @@ fn direction(field: &'static str, value: &str) -> Result<Vec3> {
     let [x, y, z] = numbers[..] else {
         return Err(invalid(field, value, EXPECTED));
     };
-    // In f64, so that neither huge nor tiny components overflow; a unit vector stays as it is, bit for bit.
+    // Computed in f64, so that squares of huge components do not overflow and those of tiny ones do not underflow. A unit
+    // vector keeps its bits.
     let wide = glam::DVec3::new(x.into(), y.into(), z.into());
     if (wide.length() - 1.0).abs() < 1e-6 {
         return Ok(Vec3::new(x, y, z));
@@ -238,10 +241,10 @@ fn direction(field: &'static str, value: &str) -> Result<Vec3> {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Integrator {
-    /// Fourth-order Runge-Kutta: four force evaluations a step (thesis section 2.7.5).
+    /// Fourth-order Runge-Kutta: four force evaluations per step (thesis section 2.7.5).
     #[default]
     Rk4,
-    /// Symplectic (semi-implicit) Euler: one force evaluation a step.
+    /// Symplectic (semi-implicit) Euler: one force evaluation per step.
     SymplecticEuler,
 }
 
@@ -270,24 +273,24 @@ impl FromStr for Integrator {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum BroadPhase {
-    /// The one that is faster for so many objects.
+    /// Brute force or the grid, whichever is faster for the number of objects.
     #[default]
     Auto,
-    /// Every mover against every object, tile by tile (thesis section 2.5.1).
+    /// Tests every mover against every object, tile by tile (thesis section 2.5.1).
     BruteForce,
-    /// The same with objects kept roughly in the order of their x, in blocks that each know their interval: blocks that cannot
-    /// meet are skipped (what the thesis proposes in section 2.5.1).
+    /// Like brute force, but with objects kept roughly sorted along x, in blocks. Pairs of blocks whose intervals along x do
+    /// not meet are skipped, as the thesis proposes in section 2.5.1.
     SortAndSkip,
-    /// A hashed grid of several levels: for any number of objects, of any sizes, however spread.
+    /// Uses a hashed grid of several levels, for any number, sizes and distribution of objects.
     Grid,
 }
 
-/// Objects from which on the grid is faster than brute force: measured at 1,024 spheres on an NVIDIA H200 and at 1,000 on
-/// two CPU cores (`rockfall bench --broad-phase`).
+/// From this number of objects on, the grid is faster than brute force. Measured at 1,024 spheres on an NVIDIA H200 and at
+/// 1,000 on two CPU cores (`rockfall bench --broad-phase`).
 const GRID_FROM: usize = 1_000;
 
 impl BroadPhase {
-    /// This, or for `Auto` the one that suits so many objects.
+    /// Returns this broad phase, or the one that `Auto` chooses for this number of objects.
     pub fn resolve(self, objects: usize) -> Self {
         match self {
             Self::Auto if objects < GRID_FROM => Self::BruteForce,

@@ -1,7 +1,7 @@
 //! The step as one ordered list of stages, run by either backend.
 //!
-//! A stage is a pair of files of one name, in the folder of its phase: `NAME.rs` says what it does, declares its bindings and holds
-//! the CPU twin; `NAME.wgsl` is the kernel. [`schedule`] is the step's table of contents.
+//! A stage is a pair of files of one name, in the folder of its phase: `NAME.rs` says what it does, declares its bindings and
+//! holds the CPU twin; `NAME.wgsl` is the kernel. [`schedule`] is the step's table of contents.
 //!
 //! This module is public for tools and tests; it may change between minor versions.
 

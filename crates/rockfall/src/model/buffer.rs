@@ -7,7 +7,8 @@ pub enum Buffer {
     Start,
     /// Stage state 2. Collisions and symplectic Euler write the new state here before it is committed.
     Y2,
-    /// Stage state 3. After the integration it holds old positions in region 0 and mean spins in region 2.
+    /// Stage state 3. After the integration it holds old positions in region 0 and mean spins in region 2. A region is one
+    /// vec4 per sphere; each state has three.
     Y3,
     /// Stage state 4.
     Y4,

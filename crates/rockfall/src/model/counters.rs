@@ -10,7 +10,7 @@ pub(crate) struct Tally {
     /// Deepest overlap; not negative.
     pub(crate) max_overlap: f32,
     pub(crate) collisions: u32,
-    /// Whether some body may leave its AABB within the steps that the lists must last for.
+    /// Whether some body may leave its AABB before the next opportunity to rebuild lists.
     pub(crate) rebuild: bool,
     /// Largest distance of a body outside its AABB, in units of 0.02 r; 0 when every body is inside.
     pub(crate) escape_ratio: f32,

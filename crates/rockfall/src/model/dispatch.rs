@@ -17,8 +17,8 @@ const MOVERS_PER_WORKGROUP: u32 = 256;
 pub enum Threads {
     /// A thread per object.
     Objects,
-    /// A thread per object, in workgroups of [`WIDE_WORKGROUP`]: where each thread has little to do, launching workgroups takes most of
-    /// the time.
+    /// A thread per object, in workgroups of [`WIDE_WORKGROUP`]: where each thread has little to do, launching workgroups takes
+    /// most of the time.
     WideObjects,
     /// A thread per mover (sphere or rod).
     Movers,

@@ -69,7 +69,7 @@ pub const LIST_COLLIDES: u32 = 1 << 31;
 /// Mask of the length in that word.
 pub const LIST_COUNT_MASK: u32 = LIST_COLLIDES - 1;
 
-/// Bit of [`Step::flags`]: phase 3 (collisions) is on.
+/// Bit of [`Step::flags`]: collisions are handled as impulses.
 pub const FLAG_COLLISIONS: u32 = 1;
 /// Bit of [`Step::flags`]: contact damping may pull objects together, as in the thesis.
 pub const FLAG_PULL: u32 = 2;
@@ -81,8 +81,8 @@ pub const FLAG_GROUPS: u32 = 8;
 /// the same spheres.
 pub const FLAG_STAGES: u32 = 16;
 
-/// Value of [`Step::sweeps`]: each sphere computes the impulses of its own collisions. The step is rejected when a collision
-/// shares a body with another.
+/// Value of [`Step::sweeps`]: collisions are not listed. Each sphere computes the impulses of its own collisions. The step is
+/// rejected when a collision shares a body with another.
 pub const SWEEPS_OFF: u32 = 0;
 /// Value of [`Step::sweeps`]: collisions are listed. The step is rejected when a collision shares a body with another.
 pub const SWEEPS_LISTED: u32 = 1;
@@ -169,7 +169,8 @@ pub const ROW_Z: u32 = 0x85eb_ca77;
 /// See [`ROW_Y`].
 pub const ROW_LEVEL: u32 = 0xc2b2_ae3d;
 
-/// From this number of objects on, a key of `find_neighbours` has no room for five more bits beside the insertion index.
+/// From this number of objects on, a 32-bit key of `find_neighbours` has no room for five bits beside the insertion index. The
+/// five bits are the place of an object among the 32 objects that are sorted at once.
 pub const MANY_OBJECTS: u32 = 1 << 27;
 
 /// Returns the maximum number of objects in a scene. With rods, ids must fit a list entry beside the feature. Without rods,

@@ -57,7 +57,7 @@ impl<'a> Lists<'a> {
         (0..count).map(list)
     }
 
-    /// Returns the length of a mover's list, and a function that returns the entry at a place of the list.
+    /// Returns the length of a mover's list, and a function from a place in the list to the entry.
     pub(crate) fn list(&self, mover: u32) -> (u32, impl Fn(u32) -> Entry + use<'a>) {
         let count = self.words[mover as usize] & LIST_COUNT_MASK;
         let first = self.step.entries_at as usize + slot(self.step, self.words, mover, 0);

@@ -50,8 +50,8 @@ uniform! {
         pub linear_damping: f32,
         /// Angular damping C in 1/s: L' = -C L.
         pub angular_damping: f32,
-        /// Margin of AABBs for accelerations in the first step, in units of 0.02 r. The margin also includes 1.05 |v| dt per step,
-        /// and 0.05 r for every further step of `lookahead`. `update_aabbs` has the whole formula.
+        /// Margin of AABBs for accelerations in the first step, in units of 0.02 r. The margin also includes 1.05 |v| dt per
+        /// step, and 0.05 r for every further step of `lookahead`. `update_aabbs` has the whole formula.
         pub margin_scale: f32,
         /// Number of steps for which AABBs are grown. With more steps, lists are valid for longer but have more entries.
         pub lookahead: f32,
@@ -88,13 +88,13 @@ uniform! {
         pub polygons_at: u32,
         /// First word of the tags: group (low 16 bits) and material (high 16 bits) of every object, by id.
         pub tags_at: u32,
-        /// First word of the adjacency ranges; 0 when nothing is attached to any sphere. The range of a sphere is two absolute word
-        /// offsets: the start and the end of its adjacency words.
+        /// First word of the adjacency ranges; 0 when nothing is attached to any sphere. The range of a sphere is two absolute
+        /// word offsets: the start and the end of its adjacency words.
         pub adjacency_at: u32,
         /// Number of batches of fixed-length rods.
         pub batches: u32,
-        /// First word of the batch table, which holds the absolute offset of each batch. A batch consists of the number of colours
-        /// C, C + 1 absolute offsets, and rod indices.
+        /// First word of the batch table, which holds the absolute offset of each batch. A batch consists of the number of
+        /// colours C, C + 1 absolute offsets, and rod indices.
         pub batches_at: u32,
         /// First word of the slice offsets in `lists`; the counts are at 0.
         pub slices_at: u32,
@@ -112,7 +112,8 @@ uniform! {
         pub keys_at: u32,
         /// First word of the objects' ids in the order of their keys, in `cells`.
         pub sorted_at: u32,
-        /// First word of the insertion indices, one per memory slot of a sphere; 0 when slots and insertion indices are the same.
+        /// First word of the insertion indices, one per memory slot of a sphere; 0 when slots and insertion indices are the
+        /// same.
         pub insertion_indices_at: u32,
         /// First word of the slots: the memory slot of each sphere, by its insertion index; 0 when they are the same.
         pub slots_at: u32,
@@ -120,16 +121,17 @@ uniform! {
         pub long_at: u32,
         /// 1 when `plan_lists` writes the dispatch sizes of the stages that rebuild lists.
         pub planned: u32,
-        /// First word of the table of ends, one word per sphere: [`NO_ROD`], [`SOME_RODS`], or the index of its only rod, if that
-        /// has a fixed length. 0 without rods.
+        /// First word of the table of ends, one word per sphere: [`NO_ROD`], [`SOME_RODS`], or the index of its only rod, if
+        /// that has a fixed length. 0 without rods.
         pub ends_at: u32,
-        /// Number of large spheres. They are the last ones in memory. In stages that process lists, each of them has a workgroup.
+        /// Number of large spheres. They are the last ones in memory. In stages that process lists, each of them has a
+        /// workgroup.
         pub large: u32,
         /// Number of networks: connected sets of fixed-length rods that are not rigid capsules.
         pub networks: u32,
-        /// First word of the network table, which holds the absolute offset of each network. A network consists of the number of
-        /// spheres, the number of rods, the spheres (as `2 rod + end`, for a rod that ends in the sphere), and the rods. Before the
-        /// table there is one word per rod: its network, or [`NO_NETWORK`].
+        /// First word of the network table, which holds the absolute offset of each network. A network consists of the number
+        /// of spheres, the number of rods, the spheres (as `2 rod + end`, for a rod that ends in the sphere), and the rods.
+        /// Before the table there is one word per rod: its network, or [`NO_NETWORK`].
         pub networks_at: u32,
         /// Number of collisions that the buffer `collisions` has room for.
         pub collision_room: u32,

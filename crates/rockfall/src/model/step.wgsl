@@ -262,7 +262,7 @@ fn linear_thread(group: vec3u, groups: vec3u, local: u32) -> u32 {
     return linear_group(group, groups) * WORKGROUP + local;
 }
 
-// Linear index of a thread, for workgroups of WIDE threads.
+// Linear index of a thread, for workgroups of WIDE_WORKGROUP threads.
 fn wide_thread(group: vec3u, groups: vec3u, local: u32) -> u32 {
     return linear_group(group, groups) * WIDE_WORKGROUP + local;
 }

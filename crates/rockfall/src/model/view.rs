@@ -138,7 +138,7 @@ impl<'a> View<'a> {
         self.row(2, sphere).truncate()
     }
 
-    /// 1 / I, not 0 even for a fixed sphere.
+    /// 1 / I, positive also for a fixed sphere, whose surface may move.
     pub(crate) fn inverse_inertia(&self, sphere: u32) -> f32 {
         self.row(2, sphere).w
     }

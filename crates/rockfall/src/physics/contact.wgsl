@@ -17,8 +17,8 @@ fn which(yes: vec4<bool>, e: u32, count: u32) -> u32 {
     return bits.x | bits.y | bits.z | bits.w;
 }
 
-// Which of LOOK entries from `begin` on have one of `bits`. Finding the entries first and evaluating them afterwards lets
-// neighbouring threads, whose lists differ, evaluate at the same time.
+// Which of ENTRIES_PER_MASK entries from `begin` on have one of `bits`. Finding the entries first and evaluating them
+// afterwards lets neighbouring threads, whose lists differ, evaluate at the same time.
 fn entries_with(bits: u32, first: vec2u, begin: u32, count: u32) -> u32 {
     var found = 0u;
     for (var e = begin; e < min(count, begin + ENTRIES_PER_MASK); e += 4u) {
@@ -57,8 +57,8 @@ fn close(own: vec4f, four: Four) -> vec4<bool> {
     return vec4f(dot(a, a), dot(b, b), dot(c, c), dot(d, d)) < SLACK * reach * reach;
 }
 
-// Which of LOOK entries from `begin` on are close to a sphere, have one of `bits`, or are not spheres. Positions are read only
-// for spheres without these bits, because reads from scattered addresses are the most expensive part here.
+// Which of ENTRIES_PER_MASK entries from `begin` on are close to a sphere, have one of `bits`, or are not spheres. Positions
+// are read only for spheres without these bits, because reads from scattered addresses are the most expensive part here.
 fn entries_near(own: vec4f, bits: u32, first: vec2u, begin: u32, count: u32) -> u32 {
     var found = 0u;
     for (var e = begin; e < min(count, begin + ENTRIES_PER_MASK); e += 4u) {
@@ -72,8 +72,8 @@ fn entries_near(own: vec4f, bits: u32, first: vec2u, begin: u32, count: u32) -> 
 // Rods have many neighbours and few contacts. So contacts are found first and evaluated afterwards, which lets neighbouring
 // threads, whose lists differ, evaluate at the same time.
 
-// Removes rods from `given`, a mask of LOOK entries of a sphere from `begin` on: those that have none of `bits` and do not
-// touch the sphere.
+// Removes rods from `given`, a mask of ENTRIES_PER_MASK entries of a sphere from `begin` on: those that have none of `bits` and
+// do not touch the sphere.
 fn without_distant_rods(sphere: u32, own: vec4f, bits: u32, first: vec2u, begin: u32, count: u32, given: u32) -> u32 {
     var kept = given;
     for (var e = begin; e < min(count, begin + ENTRIES_PER_MASK); e++) {
@@ -89,7 +89,7 @@ fn without_distant_rods(sphere: u32, own: vec4f, bits: u32, first: vec2u, begin:
     return kept;
 }
 
-// Which of LOOK entries of a rod from `begin` on have one of `bits` or touch the rod.
+// Which of ENTRIES_PER_MASK entries of a rod from `begin` on have one of `bits` or touch the rod.
 fn touching_rod(rod: u32, own: Bar, bits: u32, first: vec2u, begin: u32, count: u32) -> u32 {
     var found = 0u;
     for (var e = begin; e < min(count, begin + ENTRIES_PER_MASK); e++) {
@@ -113,8 +113,8 @@ struct LoadedEntry {
     momentum: vec4f,
 }
 
-// Reads the first of the remaining entries. `rest` is a mask of LOOK entries from `begin` on. If it is empty, the result is not
-// used.
+// Reads the first of the remaining entries. `rest` is a mask of ENTRIES_PER_MASK entries from `begin` on. If it is empty, the
+// result is not used.
 fn meet(first: vec2u, begin: u32, rest: u32) -> LoadedEntry {
     let entry = entry_at(slot_at(first, begin + select(0u, firstTrailingBit(rest), rest != 0u)));
     return load_entry(entry, rest != 0u);

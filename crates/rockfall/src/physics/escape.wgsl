@@ -1,6 +1,6 @@
 // requires model/step.wgsl physics/travel.wgsl
 
-// Tests whether a sphere is still where its pair list holds.
+// Tests whether a sphere is still inside the ball for which its pair list is valid.
 
 // How far a ball extends beyond the ball that an AABB encloses; not positive when it is inside. A tolerance covers rounding
 // errors far from the origin. Lists are built with more slack than that.

@@ -65,8 +65,8 @@ impl<'a> FrictionImpulses<'a> {
         }
     }
 
-    /// A single sphere, or a sphere of a network: velocities along the rods of a network are removed by the correction of
-    /// lengths.
+    /// Returns the state of a single sphere, or of a sphere of a network. The correction of lengths removes the velocities
+    /// along the rods of a network.
     fn sphere_after_friction(&self, before: Motion, sphere: u32) -> Motion {
         let view = self.view;
         let mut after = before;
@@ -85,7 +85,7 @@ impl<'a> FrictionImpulses<'a> {
         after
     }
 
-    /// An end of a rigid capsule, which turns as one body.
+    /// Returns the state of an end of a rigid capsule, which moves as one body.
     fn end_after_friction(&self, before: Motion, sphere: u32, rod: u32) -> Motion {
         let view = self.view;
         let capsule = Capsule::of(view, view, rod);

@@ -63,8 +63,7 @@ struct CapsuleLoad {
     rolling: vec3f,
 }
 
-// The impulse `push` and the torque `couple` act at parameter `at` of the capsule.
-
+// The load on a capsule by the impulse `push` and the torque `own_torque` at parameter `at` of its axis.
 fn capsule_load(capsule: Capsule, at: f32, push: vec3f, own_torque: vec3f) -> CapsuleLoad {
     let torque = torque_at(capsule, at, push) + own_torque;
     let squared = dot(capsule.d, capsule.d);

@@ -18,7 +18,7 @@ fn rotation(spin: vec3f) -> vec4f {
 }
 
 fn turn_by(sphere: u32, by: vec4f) {
-    // Without a rotation, the orientation need not be read.
+    // A sphere that does not rotate keeps its orientation, which then need not be read.
     if all(by.xyz == vec3f(0.0)) {
         return;
     }

@@ -20,8 +20,8 @@ fn touch_plane(centre: vec4f, face: Polygon) -> Touch {
     return Touch(-n, centre.w - dot(centre.xyz - face.corner, n), 0.0, 0.0);
 }
 
-// Contact of a pair at the positions in `a_poise` and `b_poise`. The overlap is negative when they are apart, and NO_LINE when
-// they have no contact line. `by_vertex`: a rod meets vertex `feature` of a box, not edge `feature`.
+// Contact of a pair at the positions in `a_poise` and `b_poise`. The overlap is negative when they are apart, and
+// NO_CONTACT_LINE when they have no contact line. `by_vertex`: a rod meets vertex `feature` of a box, not edge `feature`.
 fn signed_touch(a: ContactSide, b: ContactSide, a_poise: SideMotion, b_poise: SideMotion, feature: u32, by_vertex: bool) -> Touch {
     let boxes = step.spheres + step.rods;
     if a.id < step.spheres {

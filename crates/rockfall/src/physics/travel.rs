@@ -24,8 +24,8 @@ pub(crate) fn acceleration_margin(step: &Step, third: Vec3, fourth: Vec3, steps:
     if gain < 1e30 { gain } else { 0.0 }
 }
 
-/// Returns a bound for the distance of a sphere, within `steps` steps, from the point that [`position_ahead`] returns. It includes
-/// some room for acceleration, which grows with the number of steps.
+/// Returns a bound for the distance of a sphere, within `steps` steps, from the point that [`position_ahead`] returns. It
+/// includes some room for acceleration, which grows with the number of steps.
 pub(crate) fn travel_bound(step: &Step, velocity: Vec3, radius: f32, steps: f32) -> f32 {
     (steps - step.lead) * (1.05 * velocity.length() * step.dt) + (0.05 * steps - 0.03) * radius
 }
@@ -41,8 +41,8 @@ pub(crate) fn outside(aabb: &Aabb, centre: Vec3, radius: f32) -> f32 {
     if out <= 0.0 { 0.0 } else { (out / (0.02 * radius)).clamp(1e-3, 1e30) }
 }
 
-/// Whether a moving sphere at `centre` with `velocity` may leave the ball that its AABB encloses within the steps for which the
-/// lists must last.
+/// Whether a moving sphere at `centre` with `velocity` may leave the ball that its AABB encloses before the next opportunity to
+/// rebuild lists.
 pub(crate) fn needs_rebuild(view: &View, aabbs: &[Aabb], sphere: u32, centre: Vec3, velocity: Vec3) -> bool {
     let (step, radius) = (view.step, view.radius(sphere));
     let middle = position_ahead(step, centre, velocity.extend(view.inverse_mass(sphere)));

@@ -15,8 +15,8 @@ use crate::stability::{Crowd, nearest, rounded_down, rounded_up};
 /// Largest overlap of one resting body, as a share of the smallest radius, that causes no warning. Under the weight of others
 /// the overlap is several times as large, and bodies sink through each other.
 const DEEP: f64 = 0.05;
-/// Safety factor of the chosen contact force. Contacts in a pile do not carry equal shares of the load. With this factor the deepest
-/// overlap in piles of 20 to 2,000 spheres with radii from 3 to 5 was 0.2 to 0.8 times the requested one.
+/// Safety factor of the chosen contact force. Contacts in a pile do not carry equal shares of the load. With this factor the
+/// deepest overlap in piles of 20 to 2,000 spheres with radii from 3 to 5 was 0.2 to 0.8 times the requested one.
 const SAFETY: f64 = 3.0;
 
 /// A warning that gravity presses resting bodies too deeply into what they lie on.
@@ -52,16 +52,16 @@ impl fmt::Display for Sinking {
 }
 
 impl Scene {
-    /// The constants that a simulation of this scene uses. Where [`Settings::resting_overlap`] is positive, its contact force and
-    /// damping replace those of [`Scene::settings`].
+    /// The constants that a simulation of this scene uses. Where [`Settings::resting_overlap`] is positive, its contact force
+    /// and damping replace those of [`Scene::settings`].
     ///
-    /// Derivation. All bodies together press on the area that they cover with the pressure p = weight / area. A sphere at the bottom
-    /// carries p (2r)², the load on the square of its diameter, but at least its own weight. For equal spheres this is the
-    /// weight of a column of l spheres. The law of contact between two such spheres, (Cc o) m/2 = l m G, gives
-    /// o = 2 l G/Cc, so an overlap of F r needs Cc = 2 l G/(F r). The largest such Cc of any moving sphere or rod is used,
-    /// times a safety factor of 3. The area is the horizontal extent of all movers, clipped to that of boxes and polygons.
-    /// A narrow tower therefore counts as one that stays narrow. A heavy body that rests on a single much lighter one presses
-    /// deeper than F.
+    /// Derivation. All bodies together press on the area that they cover with the pressure p = weight / area. A sphere at the
+    /// bottom carries p (2r)², the load on the square of its diameter, but at least its own weight. For equal spheres this is
+    /// the weight of a column of l spheres. The law of contact between two such spheres, (Cc o) m/2 = l m G, gives o = 2 l
+    /// G/Cc, so an overlap of F r needs Cc = 2 l G/(F r). The largest such Cc of any moving sphere or rod is used, times a
+    /// safety factor of 3. The area is the horizontal extent of all movers, clipped to that of boxes and polygons. A narrow
+    /// tower therefore counts as one that stays narrow. A heavy body that rests on a single much lighter one presses deeper
+    /// than F.
     ///
     /// The damping ratio Cd / (2 sqrt(Cc)) determines the restitution of a contact and is kept. `friction` is not changed, so
     /// friction becomes weaker in proportion to the contact force.

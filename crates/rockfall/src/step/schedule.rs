@@ -23,7 +23,7 @@ use crate::step::integrate::{
 use crate::step::reorder::{count_digits, key_spheres, measure_order, permute_spheres, scatter_digits, settle_spheres};
 use crate::step::stage::Stage;
 
-/// The scenes in which a run has something to do.
+/// The scenes that need a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum When {
     /// All scenes.
@@ -36,15 +36,15 @@ pub enum When {
     Listed,
     /// Scenes with networks of fixed-length rods, if collisions are solved by sweeps with a dispatch for each sweep.
     Networks,
-    /// Scenes whose collisions share bodies, or did so recently. Each sweep is a dispatch.
+    /// Scenes whose collisions share bodies, or did so recently (`SWEEPS_ON`). Each sweep is a dispatch.
     Swept,
-    /// Scenes like [`When::Swept`] but with few collisions. One dispatch makes all sweeps.
+    /// Scenes like [`When::Swept`] but with few collisions (`SWEEPS_FEW`). One dispatch makes all sweeps.
     SweptAtOnce,
     /// Scenes with large spheres, if collisions are solved by sweeps with a dispatch for each sweep.
     LargeSwept,
     /// Scenes whose contacts get friction impulses.
     FrictionImpulses,
-    /// Small scenes, whose grid is one block of cells.
+    /// Small scenes, whose grid is one block of [`CELL_BLOCK`] cells.
     OneBlock,
     /// Larger scenes, whose grid has several blocks of cells.
     ManyBlocks,
@@ -59,7 +59,8 @@ pub enum When {
 pub struct Run {
     /// The stage.
     pub stage: &'static Stage,
-    /// The pass: 0..4 for the force evaluations of RK4, 0 and 1 for `sort_axis`, 0..8 for the digits of a sort, else 0.
+    /// The pass: 0..4 for the force evaluations of RK4, 0 and 1 for `sort_axis`, 0..8 for the digits of a sort, 0..8 for
+    /// `sweep_collisions`, 1..=8 for `project_networks` and `gather_impulses`, else 0.
     pub pass: u32,
     /// The scenes in which the stage is run.
     pub when: When,
@@ -70,7 +71,7 @@ pub struct Run {
 }
 
 impl Run {
-    /// Returns whether the run is part of the step in a world of these counts.
+    /// Returns whether the run is part of a step with these parameters.
     pub fn applies(&self, step: &Step) -> bool {
         match self.when {
             When::Always => true,
@@ -89,7 +90,7 @@ impl Run {
         }
     }
 
-    /// Returns the number of workgroups in a world of these counts, or 0 if there is nothing to do.
+    /// Returns the number of workgroups in a step with these parameters, or 0 if there is nothing to do.
     pub fn workgroups(&self, step: &Step) -> u32 {
         if self.applies(step) { self.stage.threads.workgroups(step) } else { 0 }
     }
@@ -137,7 +138,7 @@ pub enum Phase {
 }
 
 impl Phase {
-    /// The phases of a step, in their order.
+    /// The phases of a step, in the order of the thesis. Whole steps run `HandleCollisions` first.
     pub const STEP: [Self; 4] = [Self::UpdateAabbs, Self::BroadPhase, Self::HandleCollisions, Self::UpdatePositions];
 
     /// Returns whether the phase only builds AABBs and lists for later phases. Results do not depend on how often it is run.

@@ -74,16 +74,16 @@ pub struct Stage {
     pub wgsl: Wgsl,
     /// The storage buffers, at most 8.
     pub bindings: &'static [Binding],
-    /// What the number of threads is counted from.
+    /// The work items of the stage, which determine the number of threads.
     pub threads: Threads,
     /// The CPU twin. The second argument is the pass.
     pub cpu: fn(&mut World, u32),
-    /// What it must move at least, by pass.
+    /// Returns the least amount of data that the stage must move in a pass.
     pub moves: fn(u32) -> Moves,
 }
 
 impl Stage {
-    /// Whether this is the other stage.
+    /// Returns whether both are the same stage.
     pub fn is(&self, other: &Self) -> bool {
         self.name == other.name
     }

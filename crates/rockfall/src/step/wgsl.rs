@@ -1,4 +1,4 @@
-//! How the WGSL of a stage is put together.
+//! Joins the WGSL files of a kernel.
 //!
 //! A kernel is the text of its own file and of all files that it requires. A file begins with lines such as
 //!
@@ -6,34 +6,34 @@
 //! // requires model/lists.wgsl physics/contact.wgsl
 //! ```
 //!
-//! which name, by paths below `src/`, the files whose declarations it uses directly. [`Wgsl::parts`] follows them; the order does not
-//! matter in WGSL. Shared files may use names that the stage provides in one way or another: its bindings, and the [`HOOKS`]. Text for
-//! other scenes comes from a [`Variant`]. `tests/wgsl.rs` checks that no file uses a name without requiring it, requires a file
-//! that it does not use, or declares a name twice.
+//! which name, by paths below `src/`, the files whose declarations it uses directly. [`Wgsl::parts`] collects the files. Their
+//! order does not matter in WGSL. Shared files may also use names that each stage provides in its own way: the names of its
+//! bindings, and the [`HOOKS`]. A [`Variant`] adapts the text to the kinds of objects in a scene. `tests/wgsl.rs` checks that
+//! no file uses a name without requiring its file, requires a file that it does not use, or declares a name twice.
 
 use crate::model::layout::MANY_OBJECTS;
 use crate::model::part::{Part, part};
 use crate::model::step::Step;
 use crate::physics::forces;
 
-/// Names that a shared file uses without requiring a file that declares them, with what they are. The stage's own file declares them,
-/// or requires one of several files that do.
+/// Names that a shared file uses without requiring a file that declares them, each with its meaning. The stage's own file
+/// declares them, or requires one of several files that do.
 pub const HOOKS: &[(&str, &str)] = &[
     ("GROUP_SIZE", "threads of a workgroup"),
-    ("add_wrench", "adds the force and torque on the end of a rod that a sphere is"),
-    ("count", "how many entries the list has that is sorted"),
-    ("emit", "what becomes of a pair that the broad phase finds"),
-    ("evaluation", "which force evaluation of RK4 this is, from 0"),
-    ("into", "where the list that is sorted begins"),
-    ("momentum_at", "where the angular momentum of a sphere stands in `state`"),
+    ("add_wrench", "adds the force and torque on the rod end that a sphere forms"),
+    ("count", "number of entries of the list to sort"),
+    ("emit", "handles a pair that the broad phase finds"),
+    ("evaluation", "number of the force evaluation of RK4, from 0"),
+    ("into", "start of the list to sort"),
+    ("momentum_at", "index of the angular momentum of a sphere in `state`"),
     ("next_row", "reads a row of the state that replaces the present one"),
-    ("part_of_entry", "what the collision of a list entry does to its sphere"),
-    ("position_at", "where the position of a sphere stands in `state`"),
+    ("part_of_entry", "effect of the collision of a list entry on its sphere"),
+    ("position_at", "index of the position of a sphere in `state`"),
     ("put_next", "writes a row of the next stage state"),
     ("put_start", "writes a row of the state"),
     ("remember", "keeps the old position and the mean spin of a sphere, for the rest of a step with rods"),
     ("start_row", "reads a row of the state at the start of the step"),
-    ("velocity_at", "where the velocity of a sphere stands in `state`"),
+    ("velocity_at", "index of the velocity of a sphere in `state`"),
     ("y2_row", "reads a row of stage state 2"),
     ("y3_row", "reads a row of stage state 3"),
     ("y4_row", "reads a row of stage state 4"),
@@ -108,7 +108,7 @@ const SHARED: &[Part] = &[
     part!("step/commit_next_state.wgsl"),
 ];
 
-/// Every file that stages share, with those that are put together from tables.
+/// Every file that stages share, including the files of the body forces and the generated `body_forces.wgsl`.
 pub fn shared() -> impl Iterator<Item = Part> {
     SHARED.iter().chain(forces::PARTS).copied()
 }
@@ -116,7 +116,7 @@ pub fn shared() -> impl Iterator<Item = Part> {
 /// The files that a file requires directly.
 ///
 /// # Panics
-/// When one of them is not among [`shared`].
+/// When one of them is not in [`shared`].
 pub fn requires(part: Part) -> impl Iterator<Item = Part> {
     let lines = part.text.lines().map_while(|line| line.strip_prefix("// requires "));
     lines.flat_map(str::split_whitespace).map(move |file| {
@@ -130,12 +130,12 @@ pub fn requires(part: Part) -> impl Iterator<Item = Part> {
 pub enum Wgsl {
     /// A file, with those that it requires.
     File(Part),
-    /// Files as they are: for tests, which change some.
+    /// All files of the kernel, used unchanged. For tests that modify some of the files.
     Parts(&'static [Part]),
 }
 
 impl Wgsl {
-    /// The files to join: those that are required, directly or not, each once, and the stage's own last.
+    /// Returns the files to join: those that are required, directly or indirectly, each once, and the stage's own file last.
     pub fn parts(&self) -> Vec<Part> {
         fn add(part: Part, parts: &mut Vec<Part>) {
             if !parts.contains(&part) {
@@ -159,19 +159,20 @@ impl Wgsl {
 pub struct Variant {
     /// There may be rods.
     pub rods: bool,
-    /// There may be spheres so large that a workgroup works on each.
+    /// There may be large spheres, each of which gets a workgroup.
     pub large: bool,
-    /// There may be so many objects that keys of the grid have no room for more than an index.
+    /// There may be so many objects that a sort key of `find_neighbours` has no room for more than an insertion index.
     pub many: bool,
 }
 
 impl Variant {
-    /// The variant for a scene with these counts.
+    /// Returns the variant for a scene with these counts.
     pub fn of(step: &Step) -> Self {
         Self { rods: step.rods > 0, large: step.large > 0, many: step.objects() >= MANY_OBJECTS }
     }
 
-    /// The WGSL of this variant. Not by constants of the pipeline, because the sizes of arrays depend on `RODS` and `LARGE`.
+    /// Returns the WGSL of this variant. It replaces constants in the text, because the sizes of arrays depend on `RODS` and
+    /// `LARGE` and so these cannot be pipeline-overridable constants.
     pub fn apply(self, text: &str) -> String {
         let constants = [("RODS", self.rods), ("LARGE", self.large)];
         constants.iter().fold(text.to_owned(), |text, (name, is_set)| {

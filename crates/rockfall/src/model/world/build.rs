@@ -23,9 +23,10 @@ const FIRST_MARGIN: f32 = 2.0;
 /// Initial value of [`Step::lookahead`], in steps.
 const FIRST_LOOKAHEAD: f32 = 1.0;
 
-/// Cell size per radius. Cells are a little larger than the AABB of a sphere at rest, because moving spheres have larger AABBs.
+/// Cell size per median radius. Cells are a little larger than the AABB of a sphere at rest, because moving spheres have larger
+/// AABBs.
 const CELL_PER_RADIUS: f32 = 2.4;
-/// Cell size per radius when all spheres that are not too large are on one level of the grid.
+/// Cell size per radius that 98 % of the spheres do not exceed, used when radii differ little (see [`typical_cell`]).
 const CELL_OF_ALL: f32 = 2.75;
 /// Movers per collision record that is allocated at the start, in scenes that list collisions from the start.
 const MOVERS_PER_COLLISION: u32 = 4;
@@ -231,7 +232,7 @@ impl World {
 
 /// Returns the cell size, which is a little more than the AABBs of most spheres at rest, and the lowest level of the grid.
 ///
-/// Every mover searches every level. So when radii differ little, all spheres that are not too large are put on one level.
+/// Every mover searches every level. So when radii differ little, all spheres but the largest 2 % are put on one level.
 fn typical_cell(scene: &Scene) -> (f32, u32) {
     let mut radii: Vec<f32> = scene.spheres().iter().map(|sphere| sphere.radius).collect();
     let count = radii.len();

@@ -1,4 +1,5 @@
-//! Groups of connected fixed-length rods: which rods are solved together, and in which order.
+//! Frames: groups of fixed-length rods that moving spheres connect. Determines which rods are solved together, and in which
+//! order.
 
 use crate::model::layout::WORKGROUP;
 

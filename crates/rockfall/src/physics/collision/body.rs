@@ -147,8 +147,8 @@ impl Capsule {
         v - v.dot(self.d) / self.d.length_squared() * self.d
     }
 
-    /// The lever of a place on the axis about the centre of mass, in units of the axis. The place is 0 at end 1 and 1 at
-    /// end 2.
+    /// The lever arm of a place on the axis about the centre of mass, in units of the length of the axis. The place is 0 at
+    /// end 1 and 1 at end 2.
     pub(crate) fn lever(&self, place: f32) -> f32 {
         place - self.centre
     }

@@ -46,7 +46,7 @@ fn hit_at_contact(i: u32, half: ContactSide, row: u32, r: u32) -> Motion {
     let rod = capsule_rod(half.spheres.x);
     let back = turned(now.x2 - now.x1, now.v2 - now.v1, -impulse.tau);
     let capsule = capsule_of(half.spheres, now);
-    let load_entry = capsule_of(half.spheres, SideMotion(vec3f(0.0), back.d, vec3f(0.0), back.q));
+    let capsule_then = capsule_of(half.spheres, SideMotion(vec3f(0.0), back.d, vec3f(0.0), back.q));
     let is_a = k.a_id == row;
     var at = select(k.b, k.a, is_a);
     if row < step.spheres {
@@ -54,7 +54,7 @@ fn hit_at_contact(i: u32, half: ContactSide, row: u32, r: u32) -> Motion {
     }
     let push = select(1.0, -1.0, is_a) * impulse.even * impulse_normal(r);
     let velocity = capsule.inverse_mass * push;
-    let spin = load_entry.inverse_inertia * torque_at(load_entry, at, push);
+    let spin = capsule_then.inverse_inertia * torque_at(capsule_then, at, push);
     let forward = turned(back.d, back.q + cross(spin, back.d), impulse.tau);
     let place = (1.0 - capsule.centre) * now.x1 + capsule.centre * now.x2 + impulse.tau * velocity;
     let share = select(-capsule.centre, 1.0 - capsule.centre, half.spheres.y == i);

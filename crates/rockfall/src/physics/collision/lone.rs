@@ -184,8 +184,8 @@ fn effective_inverse_mass(view: &View, hit: &Collision, movers: &[(MovingBody, V
     (inverse_mass + tau * tau * curvature).max(0.5 * inverse_mass)
 }
 
-/// The time for which the two have overlapped, and the collision as it was then. If the objects had no contact line then,
-/// or did not approach each other, the time is 0 and the collision is the present one.
+/// The time for which the two objects have overlapped, and the collision as it was at the start of the overlap. If the objects
+/// had no contact line then, or did not approach each other, the time is 0 and the collision is the present one.
 fn time_of_contact(view: &View, k: &Collision, movers: &[(MovingBody, Vec3)]) -> (f32, Collision) {
     let (a, b) = (view.object(k.a), view.object(k.b));
     let feature = match (a, b) {

@@ -13,7 +13,7 @@ struct Solved {
     a: f32,
     b: f32,
     impulse: f32,
-    // Time from the first contact to the end of the last step, in s.
+    // Time since the overlap began, in s.
     tau: f32,
 }
 
@@ -114,7 +114,7 @@ fn moved_back(half: ContactSide, poise: SideMotion, pull: SideAcceleration, tau:
     return back;
 }
 
-// Whether a pair has a contact line there and approaches. Extreme forces can make the values infinite or NaN.
+// Whether a pair at an earlier time has a contact line and approaches. Extreme forces can make the values infinite or NaN.
 fn closes(at: Placed) -> bool {
     let is_known = finite(vec3f(at.touch.overlap, at.closing.approach, at.closing.inverse_mass));
     return is_known & (at.touch.overlap != NO_CONTACT_LINE) & (at.closing.approach > 0.0);
@@ -137,23 +137,23 @@ fn solve_lone(a_id: u32, b_id: u32, feature: u32, found: Touch) -> Solved {
         }
         tau = clamp(tau + at.touch.overlap / at.closing.approach, 0.0, step.dt);
     }
-    var load_entry = placed(&a, &b, a_now, b_now, a_pull, b_pull, tau, false, feature, by_vertex);
-    if !closes(load_entry) {
+    var at_contact = placed(&a, &b, a_now, b_now, a_pull, b_pull, tau, false, feature, by_vertex);
+    if !closes(at_contact) {
         tau = 0.0;
-        load_entry = Placed(found, approach_at(a_id, b_id, found));
+        at_contact = Placed(found, approach_at(a_id, b_id, found));
     }
     var pushed = Pushed(vec4u(NONE), array<vec3f, 4>(vec3f(0.0), vec3f(0.0), vec3f(0.0), vec3f(0.0)));
-    push_side(a, moved_back(a, a_now, a_pull, tau, false), -load_entry.touch.n, 0u, &pushed);
-    push_side(b, moved_back(b, b_now, b_pull, tau, false), load_entry.touch.n, 2u, &pushed);
-    let inverse_mass = load_entry.closing.inverse_mass;
+    push_side(a, moved_back(a, a_now, a_pull, tau, false), -at_contact.touch.n, 0u, &pushed);
+    push_side(b, moved_back(b, b_now, b_pull, tau, false), at_contact.touch.n, 2u, &pushed);
+    let inverse_mass = at_contact.closing.inverse_mass;
     let stretching = tau * tau * curvature_along(pushed);
     var effective_inverse_mass = max(inverse_mass + stretching, 0.5 * inverse_mass);
     if !finite(vec3f(stretching)) {
-        // Extreme springs: the term is infinite, or NaN.
+        // With extremely stiff springs the term is infinite or NaN.
         effective_inverse_mass = select(0.5 * inverse_mass, 3e38, bitcast<u32>(stretching) == 0x7f800000u);
     }
-    let impulse = (1.0 + step.restitution) * load_entry.closing.approach / effective_inverse_mass;
-    return Solved(load_entry.touch.n, load_entry.touch.a, load_entry.touch.b, impulse, tau);
+    let impulse = (1.0 + step.restitution) * at_contact.closing.approach / effective_inverse_mass;
+    return Solved(at_contact.touch.n, at_contact.touch.a, at_contact.touch.b, impulse, tau);
 }
 
 // The spheres that a unit impulse of a collision moves, and their changes of velocity. Each side has two places.

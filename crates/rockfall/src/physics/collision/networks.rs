@@ -1,10 +1,11 @@
 //! Networks of fixed-length rods: the changes of velocity by impulses on their spheres, with all rod lengths kept
 //! (docs/physics.md section 3.4).
 //!
-//! dv = W (p - J' lambda) with (J W J') lambda = J W p, where J' is the transpose of J. J holds the directions of the rods.
+//! dv = W (p - J' lambda) with (J W J') lambda = J W p. Here p are the impulses, dv the changes of velocity, W the inverse
+//! masses, and lambda the tensions of the rods. J holds the directions of the rods, and J' is its transpose.
 //!
 //! The system is solved by conjugate gradients, in f64. If a network has more rods than independent lengths, the matrix is
-//! singular, and rounding errors of f32 would grow along the directions that it leaves undetermined.
+//! singular. In f32, rounding errors would grow along the directions that the matrix leaves undetermined.
 
 use glam::{DVec3, Vec3};
 

@@ -2,7 +2,7 @@
 
 // Networks of fixed-length rods: impulses on their spheres are projected so that no rod changes its length (docs/physics.md
 // section 3.4). A workgroup solves (J W J^T) lambda = J W p by conjugate gradients. J holds the directions of the rods, W
-// the inverse masses.
+// the inverse masses, p the impulses, lambda the tensions of the rods.
 //
 // Each rod has four rows in `wrenches`. The first holds the direction, the second lambda, the residual, the search
 // direction and the product of the matrix with the search direction. The other two are unused. Each sphere uses two rows in

@@ -6,9 +6,9 @@
 struct Plain {
     // Unit normal from the sphere to the other object.
     n: vec3f,
-    // > 0: the objects overlap.
+    // Positive when the objects overlap.
     overlap: f32,
-    // Approach velocity, > 0 when the objects approach each other.
+    // Approach velocity, positive when the objects approach each other.
     approach: f32,
     // G_kk: inverse mass of the contact, summed over both sides.
     inverse_mass: f32,
@@ -34,7 +34,8 @@ fn are_plain(a: u32, b: u32) -> bool {
     return is_plain(a);
 }
 
-// The contact of a plain sphere, seen from that sphere. Seen from the other object it is the same with the opposite normal.
+// The plain contact of a sphere without rods, seen from that sphere. Seen from the other object it is the same with the
+// opposite normal.
 fn plain_with(sphere: u32, own: vec4f, velocity: vec4f, other_met: LoadedEntry) -> Plain {
     let other = entry_id(other_met.entry);
     var approach = velocity.xyz;

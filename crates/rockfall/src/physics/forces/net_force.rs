@@ -19,7 +19,7 @@ pub(crate) struct Load {
 }
 
 /// Calls `take` for every contact of a mover, in the order of its list, starting at entry `from`. The arguments are the load on
-/// the mover and the parameter of the contact on it, if it is a rod. `tally` counts the contacts in which the mover is A.
+/// the mover and, if it is a rod, the parameter of the contact on it. `tally` counts the contacts in which the mover is A.
 fn each_contact(
     view: &View,
     lists: &Lists,

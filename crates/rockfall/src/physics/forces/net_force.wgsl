@@ -4,7 +4,7 @@
 // Net force and torque on a sphere (docs/physics.md section 4), and the counts of its contacts.
 
 struct Net {
-    // Without body forces.
+    // Forces of contacts and attachments, without body forces.
     force: vec3f,
     torque: vec3f,
     // Number of contacts with objects of higher insertion index. Counted in pass 0 only.

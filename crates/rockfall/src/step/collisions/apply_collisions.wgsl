@@ -16,7 +16,8 @@ fn put_next(region: u32, i: u32, row: vec4f) {
     next[region * step.spheres + i] = row;
 }
 
-// What the collision of the entry in this slot adds to a sphere. The entry is in the list of a row of the sphere.
+// What the collision of the entry in this slot adds to a sphere. The entry is in the list of `row`, a row
+// of the sphere (see rows.wgsl).
 fn part_of_entry(sphere: u32, row: u32, slot: vec2u) -> Part {
     if !RODS & !LARGE {
         let entry = entry_at(slot);

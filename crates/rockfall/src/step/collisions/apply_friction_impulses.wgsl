@@ -19,7 +19,7 @@ struct FrictionSums {
     rolling: vec3f,
 }
 
-// The share of the impulses on a row that a sphere gets.
+// The share of the impulses on a row that a sphere gets. `at` is the parameter of the contact on the row, if it is a rod.
 fn share_of(sphere: u32, row: u32, at: f32) -> f32 {
     if !RODS | (row < step.spheres) {
         return 1.0;

@@ -26,7 +26,8 @@ fn pair_radius(a: u32, b: u32) -> f32 {
     return radius;
 }
 
-// The OVERLAPS and COLLIDES bits of a contact with this overlap, approach velocity, inverse mass and smaller radius.
+// The ENTRY_OVERLAPS and ENTRY_COLLIDES bits of a contact with this overlap, approach velocity, inverse mass and smaller
+// radius.
 fn bits_of(overlap: f32, approach: f32, inverse_mass: f32, radius: f32) -> u32 {
     if overlap <= ROUNDING * radius {
         return 0u;
@@ -62,8 +63,8 @@ fn classify(own: Own, velocity: vec4f, other: LoadedEntry) -> u32 {
     return bits_of(found.overlap, contact.approach, contact.inverse_mass, pair_radius(pair.x, pair.y));
 }
 
-// Selects from LOOK entries those that must be classified. Entries without bits whose objects are too far away are left
-// out.
+// Selects, from ENTRIES_PER_MASK entries, those that must be classified. Entries without bits whose objects are too far away
+// are left out.
 fn entries_to_classify(own: Own, first: vec2u, begin: u32, count: u32) -> u32 {
     let bits = ENTRY_OVERLAPS | ENTRY_COLLIDES;
     if !RODS {

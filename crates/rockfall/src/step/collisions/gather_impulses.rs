@@ -23,7 +23,7 @@ pub(crate) const STAGE: Stage = Stage {
         write("status", Buffer::Status),
     ],
     threads: Threads::LargeSpheres,
-    // These process the collisions only.
+    // Only collisions need work, and they are few.
     moves: |_| NONE,
     cpu: gather_impulses,
 };

@@ -24,7 +24,7 @@ pub(crate) const STAGE: Stage = Stage {
         write("status", Buffer::Status),
     ],
     threads: Threads::Networks,
-    // These process the collisions only.
+    // Only collisions need work, and they are few.
     moves: |_| NONE,
     cpu: project_networks,
 };

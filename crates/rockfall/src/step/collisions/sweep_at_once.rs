@@ -15,7 +15,7 @@ pub(crate) const STAGE: Stage = Stage {
     wgsl: Wgsl::File(part!("step/collisions/sweep_at_once.wgsl")),
     bindings: &[write("collisions", Buffer::Collisions), write("status", Buffer::Status)],
     threads: Threads::One,
-    // These process the collisions only.
+    // Only collisions need work, and they are few.
     moves: |_| NONE,
     cpu: sweep_at_once,
 };

@@ -1,6 +1,6 @@
-//! Makes one sweep over the impulses of collisions that share bodies (docs/physics.md section 3.7). Of the
-//! [`SWEEPS`] sweeps, pass m makes sweep m + 1. It reads the impulses after m sweeps and writes those after m + 1 sweeps next
-//! to them.
+//! Makes one sweep over the impulses of collisions that share bodies (docs/physics.md section 3.7). Pass m
+//! makes sweep m + 1 of [`SWEEPS`]. A record has room for two impulses: the pass reads the one after m sweeps and writes the
+//! one after m + 1 sweeps.
 //!
 //! [`SWEEPS`]: crate::model::layout::SWEEPS
 
@@ -26,7 +26,7 @@ pub(crate) const STAGE: Stage = Stage {
         write("status", Buffer::Status),
     ],
     threads: Threads::Collisions,
-    // These process the collisions only.
+    // Only collisions need work, and they are few.
     moves: |_| NONE,
     cpu: sweep_collisions,
 };

@@ -1,9 +1,9 @@
 //! Prepares the listed collisions for the sweeps (docs/physics.md sections 3.5 to 3.7).
 //!
-//! The stage finds out which collisions are lone. For every other collision it computes the weight, which is the scale of
-//! its impulse in the sweeps, and finds the collisions that share a body with it. A collision that shares no body with
-//! another is solved here. The others are left to the sweeps. If the step was begun without sweeps, it is rejected
-//! (`REJECTED_COLLISIONS`).
+//! The stage finds out which collisions are lone. For every other collision it computes the weight, which is the scale of its
+//! impulse in the sweeps, and finds the collisions that share a body with it. A collision that shares no body with another one
+//! is solved here, unless one of its bodies is a network. The others are left to the sweeps. If the step was begun without
+//! sweeps, it is rejected (`REJECTED_COLLISIONS`).
 
 use crate::model::buffer::Buffer;
 use crate::model::dispatch::Threads;
@@ -26,7 +26,7 @@ pub(crate) const STAGE: Stage = Stage {
         write("status", Buffer::Status),
     ],
     threads: Threads::Collisions,
-    // These process the collisions only.
+    // Only collisions need work, and they are few.
     moves: |_| NONE,
     cpu: weigh_collisions,
 };

@@ -1,7 +1,7 @@
 //! Runs whole steps of a small scene without rods in one dispatch of one workgroup.
 //!
-//! The dispatch runs phases of collisions and of positions, as many as the pass says. Barriers stand where the dispatches of
-//! single stages would end.
+//! The dispatch runs phases of collisions and of positions, as many as the pass says. Barriers replace the ends of the
+//! dispatches of single stages.
 //!
 //! A dispatch costs some microseconds whatever it does, which is most of the time of a step in a small scene. The kernel is
 //! made of the same files as the stages that it replaces, so that it computes the same. `exec/gpu/fuse.rs` decides where it
@@ -35,7 +35,7 @@ pub(crate) const STAGE: Stage = Stage {
         write("status", Buffer::Status),
     ],
     threads: Threads::One,
-    // Not part of a step, or in place of other stages, and not timed.
+    // The stage replaces others, and its time is not measured.
     moves: |_| NONE,
     cpu: run_steps,
 };
@@ -44,12 +44,12 @@ pub(crate) const STAGE: Stage = Stage {
 /// workgroup of 1,024 threads has one sphere per thread.
 const MAX_SPHERES: u32 = 1024;
 
-/// Returns whether a world of these counts has the buffer of stage states that the stage needs.
+/// Returns whether a scene with these counts has the buffer of stage states that the stage needs.
 pub(crate) fn is_small(step: &Step) -> bool {
     step.rods == 0 && (1..=MAX_SPHERES).contains(&step.spheres)
 }
 
-/// Returns whether the stage may replace other stages in a world of these counts. It cannot where there may be long movers,
+/// Returns whether the stage may replace other stages in a scene with these counts. It cannot where there may be long movers,
 /// because each of them needs more than one thread.
 #[cfg(feature = "gpu")]
 pub(crate) fn can_fuse(step: &Step) -> bool {

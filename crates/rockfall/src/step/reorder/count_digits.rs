@@ -24,7 +24,7 @@ pub(crate) const STAGE: Stage = Stage {
         read("status", Buffer::Status),
     ],
     threads: Threads::DigitBlocks,
-    // Not part of a step, or in place of other stages, and not timed.
+    // The stage is not part of a step, so its time is not measured.
     moves: |_| NONE,
     cpu: count_digits,
 };

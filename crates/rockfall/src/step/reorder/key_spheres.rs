@@ -22,7 +22,7 @@ pub(crate) const STAGE: Stage = Stage {
     wgsl: Wgsl::File(part!("step/reorder/key_spheres.wgsl")),
     bindings: &[read("state", Buffer::Start), write("pairs", Buffer::Y2), read("status", Buffer::Status)],
     threads: Threads::Spheres,
-    // Not part of a step, or in place of other stages, and not timed.
+    // The stage is not part of a step, so its time is not measured.
     moves: |_| NONE,
     cpu: key_spheres,
 };

@@ -20,7 +20,7 @@ pub(crate) const STAGE: Stage = Stage {
     wgsl: Wgsl::File(part!("step/reorder/measure_order.wgsl")),
     bindings: &[read("lists", Buffer::Lists), write("status", Buffer::Status)],
     threads: Threads::Spheres,
-    // Not part of a step, or in place of other stages, and not timed.
+    // The stage is not part of a step, so its time is not measured.
     moves: |_| NONE,
     cpu: measure_order,
 };

@@ -21,7 +21,7 @@ use crate::step::broad_phase::meet::{entries, may_meet, same_group};
 
 /// The most movers that search the grid together.
 const MAX_GROUP: usize = 16;
-/// The greatest edge of the hull of such movers, in units of the largest edge of the smallest AABB among them.
+/// The greatest edge of the hull of the AABBs of such movers, in units of the largest edge of the smallest of these AABBs.
 const MAX_HULL_RATIO: f32 = 5.0;
 
 /// Edges of a cell, in units of the cell size of its level. Cells are half as wide along x as along y and z. A row of cells
@@ -259,7 +259,8 @@ impl Around {
                     }
                     continue;
                 }
-                // Without branches, because processors predict them badly here. An object without bounds is never apart.
+                // There are no branches here, because processors would often mispredict them. An object without bounds is never
+                // apart.
                 let apart = (*extent - centre).abs().truncate().cmpgt(Vec3::splat(extent.w + half)).any();
                 (self.extents[count], self.ids[count]) = (*extent, *id);
                 count += usize::from(!apart);

@@ -23,8 +23,8 @@ override PLACE_BITS: u32 = 5u * u32(!MANY);
 override PLACE_MASK: u32 = (1u << PLACE_BITS) - 1u;
 
 // The objects found: first their places (see `id_at`), then their ids, and after sorting the ids that are kept. The array is
-// not in workgroup memory, because that is taken from the cache, which matters more here. It is short, because setting all of
-// it to 0 at the start takes time.
+// not in workgroup memory, which would take space from the first-level cache. It is short, because setting all of it to 0 at
+// the start takes time.
 var<private> ids: array<u32, REMEMBERED>;
 // For each slice of the workgroup: the length of its longest list, and the row in which the slice begins.
 var<workgroup> longest: array<atomic<u32>, WORKGROUP / SLICE>;
@@ -279,7 +279,7 @@ fn find_neighbours(
         if searches | (mover >= step.spheres + step.rods) {
             put_head(mover, 0u);
         } else {
-            // The entries of a long mover: `count_long` has counted them, and `fill_long` writes them.
+            // `count_long` has counted the entries of a long mover, and `fill_long` writes them.
             entries = head_of(mover);
         }
     }

@@ -7,8 +7,8 @@
 // Shader compilers inline every function, so the loops are nested as little as possible, and the large functions are called
 // from one place each.
 
-// A number of sorted objects from the first one on. After the last sorted object the span continues with the first one,
-// because a row may wrap around the end of the table.
+// A range of sorted objects: the first one, and their number. After the last sorted object the span continues with the first
+// one, because a row may wrap around the end of the table.
 struct Span {
     first: u32,
     count: u32,
@@ -167,8 +167,8 @@ fn is_close(probe: Probe, other: vec4f) -> u32 {
         let boxes_apart = any(abs(apart) > probe.reach + vec3f(abs(other.w)));
         return select(1u, 0u, boxes_apart | ((squared > touching * touching) & (other.w >= 0.0) & probe.is_sphere));
     }
-    // Without rods nearly all objects are spheres. For the others a ball around the cube is accurate enough. Most of the time
-    // of the search is spent here.
+    // Without rods nearly all objects are spheres. For other objects, a ball around the cube is accurate enough. Most of the
+    // time of the search is spent here.
     let enough = touching * select(CUBE_TO_BALL, 1.0, other.w >= 0.0);
     return select(1u, 0u, squared > enough * enough);
 }

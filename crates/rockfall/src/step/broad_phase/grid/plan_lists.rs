@@ -1,4 +1,4 @@
-//! Decides, in large scenes, how many workgroups the stages that build lists have in this step: none if there is nothing to do.
+//! Decides, in large scenes, how many workgroups the stages that build lists have in this step: 0 if the lists still hold.
 //!
 //! Launching hundreds of thousands of workgroups that exit at once can cost more than the stage itself. The device reads
 //! these numbers itself (indirect dispatch), so that the host need not know them.
