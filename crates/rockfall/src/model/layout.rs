@@ -37,7 +37,8 @@ pub const POLYGON_WORDS: u32 = 9;
 pub const KIND_SHIFT: u32 = 30;
 /// Adjacency kind: a rod that ends in the sphere.
 pub const KIND_ROD: u32 = 0;
-/// Value of a sphere's word in the table of ends (see [`Step::ends_at`]): no rod ends in the sphere.
+/// Value of a sphere's word in the table of ends (see [`Step::ends_at`](crate::model::step::Step::ends_at)): no rod ends in
+/// the sphere.
 pub const NO_ROD: u32 = u32::MAX;
 /// Value of a sphere's word in the table of ends: several rods end in the sphere, or one of free length. In all other cases
 /// exactly one rod ends in the sphere, that rod has a fixed length, and the word is the index of the rod.
@@ -54,8 +55,9 @@ pub const KIND_FORCE: u32 = 3;
 
 /// Low bits of a list entry that hold the id of the other object and, above it, the feature.
 pub const ENTRY_BITS: u32 = 30;
-/// Bits of the feature in a list entry, in scenes with rods (see [`Step::entry_id_bits`]). A rod has up to [`BOX_FEATURES`]
-/// contacts with a box, each with a list entry of its own. The feature is 0 for every other pair.
+/// Bits of the feature in a list entry, in scenes with rods (see
+/// [`Step::entry_id_bits`](crate::model::step::Step::entry_id_bits)). A rod has up to [`BOX_FEATURES`] contacts with a box,
+/// each with a list entry of its own. The feature is 0 for every other pair.
 pub const FEATURE_BITS: u32 = 4;
 /// Bit of a list entry, set by `find_collisions`: the contact is pressed.
 pub const ENTRY_OVERLAPS: u32 = 1 << 30;
@@ -69,28 +71,30 @@ pub const LIST_COLLIDES: u32 = 1 << 31;
 /// Mask of the length in that word.
 pub const LIST_COUNT_MASK: u32 = LIST_COLLIDES - 1;
 
-/// Bit of [`Step::flags`]: collisions are handled as impulses.
+/// Bit of [`Step::flags`](crate::model::step::Step::flags): collisions are handled as impulses.
 pub const FLAG_COLLISIONS: u32 = 1;
-/// Bit of [`Step::flags`]: contact damping may pull objects together, as in the thesis.
+/// Bit of [`Step::flags`](crate::model::step::Step::flags): contact damping may pull objects together, as in the thesis.
 pub const FLAG_PULL: u32 = 2;
-/// Bit of [`Step::flags`]: the simulation continues when a body's state stops being finite.
+/// Bit of [`Step::flags`](crate::model::step::Step::flags): the simulation continues when a body's state stops being finite.
 pub const FLAG_CONTINUE: u32 = 4;
-/// Bit of [`Step::flags`]: objects are in more than one group.
+/// Bit of [`Step::flags`](crate::model::step::Step::flags): objects are in more than one group.
 pub const FLAG_GROUPS: u32 = 8;
-/// Bit of [`Step::flags`], in scenes with large spheres: the buffers `Y3` and `Y4` hold stage states of a recent RK4 step of
-/// the same spheres.
+/// Bit of [`Step::flags`](crate::model::step::Step::flags), in scenes with large spheres: the buffers `Y3` and `Y4` hold
+/// stage states of a recent RK4 step of the same spheres.
 pub const FLAG_STAGES: u32 = 16;
 
-/// Value of [`Step::sweeps`]: collisions are not listed. Each sphere computes the impulses of its own collisions. The step is
-/// rejected when a collision shares a body with another.
+/// Value of [`Step::sweeps`](crate::model::step::Step::sweeps): collisions are not listed. Each sphere computes the impulses
+/// of its own collisions. The step is rejected when a collision shares a body with another.
 pub const SWEEPS_OFF: u32 = 0;
-/// Value of [`Step::sweeps`]: collisions are listed. The step is rejected when a collision shares a body with another.
+/// Value of [`Step::sweeps`](crate::model::step::Step::sweeps): collisions are listed. The step is rejected when a collision
+/// shares a body with another.
 pub const SWEEPS_LISTED: u32 = 1;
-/// Value of [`Step::sweeps`]: collisions are listed, and one workgroup does all sweeps over collisions that share bodies. The
-/// step is rejected when there are more than [`FEW_COLLISIONS`] collisions, or when one has more neighbours than its record has
-/// room for.
+/// Value of [`Step::sweeps`](crate::model::step::Step::sweeps): collisions are listed, and one workgroup does all sweeps over
+/// collisions that share bodies. The step is rejected when there are more than [`FEW_COLLISIONS`] collisions, or when one has
+/// more neighbours than its record has room for.
 pub const SWEEPS_FEW: u32 = 2;
-/// Value of [`Step::sweeps`]: collisions are listed, and every sweep over collisions that share bodies is a dispatch.
+/// Value of [`Step::sweeps`](crate::model::step::Step::sweeps): collisions are listed, and every sweep over collisions that
+/// share bodies is a dispatch.
 pub const SWEEPS_ON: u32 = 3;
 /// Up to this number of collisions, one workgroup does all sweeps faster than one dispatch per sweep does.
 pub const FEW_COLLISIONS: u32 = 2048;

@@ -100,13 +100,14 @@ uniform! {
         pub slices_at: u32,
         /// First word of the entries in `lists`.
         pub entries_at: u32,
-        /// Size of the grid's cells at level [`LEVEL_BIAS`], in units. It is a little more than the size of most bodies.
+        /// Size of the grid's cells at level [`LEVEL_BIAS`](crate::model::layout::LEVEL_BIAS), in units. It is a little more
+        /// than the size of most bodies.
         pub cell_size: f32,
         /// Lowest level of the grid that objects are put on, however small they are.
         pub least_level: u32,
-        /// Cells of the grid's table, a power of two and a multiple of [`CELL_BLOCK`].
+        /// Cells of the grid's table, a power of two and a multiple of [`CELL_BLOCK`](crate::model::layout::CELL_BLOCK).
         pub cells: u32,
-        /// First word of the block sums in `cells`. The cells themselves start at [`CELLS_AT`].
+        /// First word of the block sums in `cells`. The cells themselves start at [`CELLS_AT`](crate::model::layout::CELLS_AT).
         pub sums_at: u32,
         /// First word of the objects' keys in `cells`.
         pub keys_at: u32,
@@ -121,8 +122,9 @@ uniform! {
         pub long_at: u32,
         /// 1 when `plan_lists` writes the dispatch sizes of the stages that rebuild lists.
         pub planned: u32,
-        /// First word of the table of ends, one word per sphere: [`NO_ROD`], [`SOME_RODS`], or the index of its only rod, if
-        /// that has a fixed length. 0 without rods.
+        /// First word of the table of ends, one word per sphere: [`NO_ROD`](crate::model::layout::NO_ROD),
+        /// [`SOME_RODS`](crate::model::layout::SOME_RODS), or the index of its only rod, if that has a fixed length. 0
+        /// without rods.
         pub ends_at: u32,
         /// Number of large spheres. They are the last ones in memory. In stages that process lists, each of them has a
         /// workgroup.
@@ -131,7 +133,7 @@ uniform! {
         pub networks: u32,
         /// First word of the network table, which holds the absolute offset of each network. A network consists of the number
         /// of spheres, the number of rods, the spheres (as `2 rod + end`, for a rod that ends in the sphere), and the rods.
-        /// Before the table there is one word per rod: its network, or [`NO_NETWORK`].
+        /// Before the table there is one word per rod: its network, or [`NO_NETWORK`](crate::model::layout::NO_NETWORK).
         pub networks_at: u32,
         /// Number of collisions that the buffer `collisions` has room for.
         pub collision_room: u32,
@@ -202,7 +204,8 @@ impl Step {
 pub struct Pass {
     /// 0 to 3 for the force evaluations of RK4, 0 and 1 for `sort_axis`, 0 to 7 for the digits of a sort. For
     /// `sweep_collisions`, the number of sweeps before it. For `project_networks` and `gather_impulses`, the number of sweeps
-    /// done. For `run_steps`, see [`PHASES_SHIFT`]. 0 for symplectic Euler and all other stages.
+    /// done. For `run_steps`, see [`PHASES_SHIFT`](crate::model::layout::PHASES_SHIFT). 0 for symplectic Euler and all other
+    /// stages.
     pub index: u32,
     /// Padding to 16 bytes.
     pub pad: [u32; 3],
