@@ -112,12 +112,13 @@ pub fn bounds(scene: &Scene) -> (Vec3, Vec3) {
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use rockfall::{Cuboid, Sphere};
 
     use super::*;
 
-    fn scene(boxes: &[Cuboid]) -> Scene {
+    /// Two spheres and some boxes.
+    pub(crate) fn scene(boxes: &[Cuboid]) -> Scene {
         let mut scene = Scene::new();
         scene.add_sphere(Sphere::new([0.0, 2.0, 0.0], 0.5)).unwrap();
         scene.add_sphere(Sphere::new([3.0, 2.0, 0.0], 0.25)).unwrap();

@@ -51,16 +51,7 @@ mod tests {
     use rockfall::{Cuboid, Sphere};
 
     use super::*;
-
-    fn scene(boxes: &[Cuboid]) -> Scene {
-        let mut scene = Scene::new();
-        scene.add_sphere(Sphere::new([0.0, 2.0, 0.0], 0.5)).unwrap();
-        scene.add_sphere(Sphere::new([3.0, 2.0, 0.0], 0.25)).unwrap();
-        for cuboid in boxes {
-            scene.add_box(*cuboid).unwrap();
-        }
-        scene
-    }
+    use crate::bounds::tests::scene;
 
     #[test]
     fn the_ground_is_at_the_bottom_of_the_static_objects() {

@@ -83,13 +83,8 @@ pub const CONSTANTS: [Constant; 6] = [
 
 impl Constant {
     /// Returns the entry in the table of the settings.
-    fn entry(&self) -> &'static Entry {
+    pub fn entry(&self) -> &'static Entry {
         Settings::TABLE.iter().find(|entry| entry.name == self.name).expect("every constant is a setting")
-    }
-
-    /// Returns the unit.
-    pub fn unit(&self) -> &'static str {
-        self.entry().unit
     }
 
     /// Returns the range of the slider and the keys.

@@ -2,6 +2,7 @@
 
 use egui::{Color32, RichText, Ui};
 use egui_plot::{Line, Plot, PlotPoints};
+use rockfall::settings::Constant as Entry;
 use rockfall::{Energy, Settings};
 
 use super::constants::{CONSTANTS, without_keys};
@@ -73,20 +74,29 @@ fn numbers(ui: &mut Ui, viewer: &mut Viewer) {
     }
 }
 
+/// Shows a row with the label, the slider and the unit of a number. Returns the value if it was changed.
+fn slider_row(ui: &mut Ui, label: &str, about: &str, entry: &Entry, step: Option<f32>, mut value: f32) -> Option<f32> {
+    let (low, high) = entry.slider?;
+    ui.label(label).on_hover_text(about);
+    let mut slider = egui::Slider::new(&mut value, low..=high).clamping(egui::SliderClamping::Edits).max_decimals(3);
+    if let Some(step) = step {
+        slider = slider.step_by(f64::from(step) / 10.0);
+    }
+    let is_changed = ui.add(slider).on_hover_text(about).changed();
+    ui.label(RichText::new(entry.unit).weak().small());
+    ui.end_row();
+    is_changed.then_some(value)
+}
+
 /// Sliders of the settings that no key changes.
 fn other_constants(ui: &mut Ui, settings: &mut Settings) {
     egui::Grid::new("other constants").num_columns(3).spacing([6.0, 4.0]).show(ui, |ui| {
         for entry in without_keys() {
-            let value = settings.get(entry.name).and_then(|text| text.parse::<f32>().ok());
-            let (Some((low, high)), Some(mut value)) = (entry.slider, value) else { continue };
-            ui.label(entry.name.replace('_', " ")).on_hover_text(entry.doc.trim());
-            let slider = egui::Slider::new(&mut value, low..=high).clamping(egui::SliderClamping::Edits).max_decimals(3);
-            if ui.add(slider).on_hover_text(entry.doc.trim()).changed() {
+            let Some(value) = settings.get(entry.name).and_then(|text| text.parse().ok()) else { continue };
+            if let Some(value) = slider_row(ui, &entry.name.replace('_', " "), entry.doc.trim(), entry, None, value) {
                 // A value from the range of the slider is valid.
                 let _ = settings.set(entry.name, &value.to_string());
             }
-            ui.label(RichText::new(entry.unit).weak().small());
-            ui.end_row();
         }
     });
 }
@@ -99,27 +109,20 @@ fn constants(ui: &mut Ui, viewer: &mut Viewer) {
         for constant in &CONSTANTS {
             let [up, down] = [constant.up, constant.down].map(|key| key.to_ascii_uppercase());
             let default = constant.default_value();
-            let about = format!("{}\nDefault: {default} {}. Keys: {up} up, {down} down.", constant.about, constant.unit());
-            ui.label(constant.label).on_hover_text(&about);
-            let mut value = constant.get(&settings);
-            let slider = egui::Slider::new(&mut value, constant.range())
-                .clamping(egui::SliderClamping::Edits)
-                .step_by(f64::from(constant.step) / 10.0)
-                .max_decimals(3);
-            if ui.add(slider).on_hover_text(about).changed() {
+            let about =
+                format!("{}\nDefault: {default} {}. Keys: {up} up, {down} down.", constant.about, constant.entry().unit);
+            let value = constant.get(&settings);
+            if let Some(value) = slider_row(ui, constant.label, &about, constant.entry(), Some(constant.step), value) {
                 constant.set(&mut settings, value);
             }
-            ui.label(RichText::new(constant.unit()).weak().small());
-            ui.end_row();
         }
     });
     ui.collapsing("more constants", |ui| other_constants(ui, &mut settings));
     let defaults = Settings::default();
-    let differs = CONSTANTS.iter().any(|constant| constant.get(&settings) != constant.default_value())
-        || without_keys().any(|entry| settings.get(entry.name) != defaults.get(entry.name));
+    let with_slider = || Settings::TABLE.iter().filter(|entry| entry.slider.is_some());
+    let differs = with_slider().any(|entry| settings.get(entry.name) != defaults.get(entry.name));
     if ui.add_enabled(differs, egui::Button::new("Defaults").small()).clicked() {
-        CONSTANTS.iter().for_each(|constant| constant.set(&mut settings, constant.default_value()));
-        for entry in without_keys() {
+        for entry in with_slider() {
             // A default is valid.
             let _ = settings.set(entry.name, &defaults.get(entry.name).unwrap_or_default());
         }

@@ -1,7 +1,7 @@
 //! How much data a stage must move at least.
 
 /// How many times a stage must move the data of each kind.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 pub struct Moves {
     /// Rows of 16 bytes per sphere: position and radius, velocity and inverse mass, angular momentum and inverse inertia,
     /// orientation.

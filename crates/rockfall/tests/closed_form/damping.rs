@@ -11,13 +11,14 @@ const LINEAR: f32 = 0.75;
 const ANGULAR: f32 = 1.25;
 const STEPS: u64 = 128;
 const VELOCITY: [f64; 3] = [3.0, -1.0, 2.0];
+const MOMENTUM: [f64; 3] = [0.5, 0.25, -1.0];
 
 fn damped() -> Scene {
     with(|settings| (settings.gravity, settings.linear_damping, settings.angular_damping) = (0.0, LINEAR, ANGULAR))
 }
 
 fn moving(position: [f32; 3], radius: f32) -> Sphere {
-    Sphere::new(position, radius).velocity(VELOCITY.map(|v| v as f32)).angular_momentum([0.5, 0.25, -1.0])
+    Sphere::new(position, radius).velocity(VELOCITY.map(|v| v as f32)).angular_momentum(MOMENTUM.map(|l| l as f32))
 }
 
 /// exp(-C t) after all steps.
@@ -35,7 +36,7 @@ fn sphere_slows_exponentially(backend: Backend) {
     let state = simulation.sphere(ball).expect("the sphere");
     near(state.velocity, VELOCITY.map(|v| v * left(LINEAR)), 3e-6, "velocity");
     near(state.position, VELOCITY.map(|v| v * (1.0 - left(LINEAR)) / f64::from(LINEAR)), 5e-6, "position");
-    near(state.angular_momentum, [0.5, 0.25, -1.0].map(|l: f64| l * left(ANGULAR)), 2e-6, "angular momentum");
+    near(state.angular_momentum, MOMENTUM.map(|l| l * left(ANGULAR)), 2e-6, "angular momentum");
 }
 
 /// Symplectic Euler multiplies by 1 - C dt in every step.
@@ -47,7 +48,7 @@ fn symplectic_euler_slows_by_the_same_factor_every_step(backend: Backend) {
     let state = simulation.sphere(ball).expect("the sphere");
     let after = |rate: f32| (1.0 - f64::from(rate) * f64::from(DT)).powi(STEPS as i32);
     near(state.velocity, VELOCITY.map(|v| v * after(LINEAR)), 3e-6, "velocity");
-    near(state.angular_momentum, [0.5, 0.25, -1.0].map(|l: f64| l * after(ANGULAR)), 2e-6, "angular momentum");
+    near(state.angular_momentum, MOMENTUM.map(|l| l * after(ANGULAR)), 2e-6, "angular momentum");
 }
 
 /// With gravity G the velocity tends to G / C: v = (G / C) (1 - exp(-C t)). A change of less than half a unit in the last place of v,
@@ -76,7 +77,7 @@ fn large_sphere_slows_like_small_ones(backend: Backend) {
     simulation.run(STEPS, DT).expect("steps");
     for state in simulation.spheres().expect("states") {
         near(state.velocity, VELOCITY.map(|v| v * left(LINEAR)), 3e-6, "velocity");
-        near(state.angular_momentum, [0.5, 0.25, -1.0].map(|l: f64| l * left(ANGULAR)), 2e-6, "angular momentum");
+        near(state.angular_momentum, MOMENTUM.map(|l| l * left(ANGULAR)), 2e-6, "angular momentum");
     }
 }
 

@@ -1,7 +1,8 @@
-// requires model/counters.wgsl model/entries.wgsl model/lists.wgsl model/objects.wgsl model/one_state.wgsl model/step.wgsl
-// requires physics/collision/capsule_changes.wgsl physics/collision/changes.wgsl physics/collision/impulses.wgsl
-// requires step/collisions/has_changes.wgsl step/collisions/record_of.wgsl step/collisions/records.wgsl
-// requires step/collisions/rows.wgsl step/large_spheres/ordered_sums.wgsl step/large_spheres/workgroup_per_sphere.wgsl
+// requires model/counters.wgsl model/entries.wgsl model/lists.wgsl model/objects.wgsl model/one_state.wgsl
+// requires model/put_next.wgsl model/step.wgsl physics/collision/capsule_changes.wgsl physics/collision/changes.wgsl
+// requires physics/collision/impulses.wgsl step/collisions/has_changes.wgsl step/collisions/record_of.wgsl
+// requires step/collisions/records.wgsl step/collisions/rows.wgsl step/large_spheres/ordered_sums.wgsl
+// requires step/large_spheres/workgroup_per_sphere.wgsl
 
 @group(0) @binding(2) var<storage, read> state: array<vec4f>;
 @group(0) @binding(3) var<storage, read_write> next: array<vec4f>;
@@ -11,10 +12,6 @@
 @group(0) @binding(7) var<storage, read> collision_indices: array<array<u32, SLICE>>;
 @group(0) @binding(8) var<storage, read> collisions: array<vec4u>;
 @group(0) @binding(9) var<storage, read_write> status: StatusAtomic;
-
-fn put_next(region: u32, i: u32, row: vec4f) {
-    next[region * step.spheres + i] = row;
-}
 
 // What the collision of the entry in this slot adds to a sphere. The entry is in the list of `row`, a row
 // of the sphere (see rows.wgsl).

@@ -1,5 +1,5 @@
-// requires model/one_state.wgsl model/step.wgsl physics/forces/net_force.wgsl physics/forces/wrenches.wgsl
-// requires physics/escape.wgsl step/integrate/next_state.wgsl step/large_spheres/large_sphere_forces.wgsl
+// requires model/one_state.wgsl model/put_next.wgsl model/step.wgsl physics/escape.wgsl physics/forces/net_force.wgsl
+// requires physics/forces/wrenches.wgsl step/integrate/next_state.wgsl step/large_spheres/large_sphere_forces.wgsl
 // requires step/large_spheres/workgroup_per_sphere.wgsl
 
 @group(0) @binding(2) var<storage, read> state: array<vec4f>;
@@ -13,10 +13,6 @@
 
 fn start_row(region: u32, i: u32) -> vec4f {
     return start[region * step.spheres + i];
-}
-
-fn put_next(region: u32, i: u32, row: vec4f) {
-    next[region * step.spheres + i] = row;
 }
 
 @compute @workgroup_size(64)

@@ -1,6 +1,6 @@
-// requires model/one_state.wgsl model/step.wgsl physics/forces/net_force.wgsl physics/forces/wrenches.wgsl
-// requires physics/escape.wgsl step/integrate/symplectic_euler_state.wgsl step/large_spheres/large_sphere_forces.wgsl
-// requires step/large_spheres/workgroup_per_sphere.wgsl
+// requires model/one_state.wgsl model/put_next.wgsl model/step.wgsl physics/escape.wgsl physics/forces/net_force.wgsl
+// requires physics/forces/wrenches.wgsl step/integrate/symplectic_euler_state.wgsl
+// requires step/large_spheres/large_sphere_forces.wgsl step/large_spheres/workgroup_per_sphere.wgsl
 
 @group(0) @binding(2) var<storage, read> state: array<vec4f>;
 @group(0) @binding(3) var<storage, read_write> next: array<vec4f>;
@@ -10,10 +10,6 @@
 @group(0) @binding(7) var<storage, read> wrenches: array<vec4f>;
 @group(0) @binding(8) var<storage, read> aabbs: array<Aabb>;
 @group(0) @binding(9) var<storage, read_write> status: StatusAtomic;
-
-fn put_next(region: u32, i: u32, row: vec4f) {
-    next[region * step.spheres + i] = row;
-}
 
 // Keeps data of a sphere for the later stages of a step with rods.
 fn remember(i: u32, old_position: vec3f, spin: vec3f) {
