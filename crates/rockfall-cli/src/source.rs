@@ -7,8 +7,8 @@ use rockfall::{Loaded, Scene};
 
 use crate::failure::Failure;
 
-/// Scene that `run` and `view` use when none is given.
-const BUILT_IN: &str = include_str!("../../../scenes/soft-cube.txt");
+/// Scene that `run` and `view` use when none is given: a copy of scenes/soft-cube.txt, which the package does not contain.
+const BUILT_IN: &str = include_str!("soft-cube.txt");
 const BUILT_IN_NAME: &str = "built-in soft-cube";
 const STDIN_NAME: &str = "<stdin>";
 
@@ -47,5 +47,17 @@ impl Source {
     /// Treats every failure to read a scene as wrong usage.
     fn new(name: &str, loaded: rockfall::Result<Loaded>) -> Result<Self, Failure> {
         Ok(Self { name: name.to_owned(), loaded: loaded.map_err(Failure::usage)? })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn built_in_scene_is_the_shipped_one() {
+        let shipped = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes/soft-cube.txt");
+        let shipped = std::fs::read_to_string(shipped).expect("the shipped scene");
+        assert!(shipped == BUILT_IN, "copy scenes/soft-cube.txt to crates/rockfall-cli/src/soft-cube.txt");
     }
 }
