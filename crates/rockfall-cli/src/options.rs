@@ -3,7 +3,7 @@
 use std::fmt;
 use std::path::PathBuf;
 
-use rockfall::{Backend, BroadPhase, Integrator, Options, Scene, Settings};
+use rockfall::{Backend, BroadPhase, Integrator, Optimization, Options, Scene, Settings};
 
 /// Options that determine the motion of a scene.
 #[derive(Debug, clap::Args)]
@@ -60,11 +60,17 @@ pub(crate) struct Engine {
     /// Method that finds overlapping AABBs: auto, brute-force, sort-and-skip or grid
     #[arg(long, default_value_t)]
     pub(crate) broad_phase: BroadPhase,
+    /// Leave out optimizations, to measure what they are worth; results stay the same. Separated by commas: joined-steps,
+    /// list-interval, lead, acceleration, portions, spatial-order, planned-dispatches, large-spheres, long-movers,
+    /// sweeps-at-once
+    #[arg(long, value_name = "NAME", value_delimiter = ',', hide_short_help = true)]
+    pub(crate) without: Vec<Optimization>,
 }
 
 impl Engine {
     pub(crate) fn options(&self, physics: &Physics) -> Options {
-        Options::new().backend(self.backend).broad_phase(self.broad_phase).integrator(physics.integrator)
+        let options = Options::new().backend(self.backend).broad_phase(self.broad_phase).integrator(physics.integrator);
+        self.without.iter().fold(options, |options, optimization| options.without(*optimization))
     }
 }
 

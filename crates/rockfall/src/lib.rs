@@ -93,7 +93,7 @@ pub use error::{Error, Result};
 #[cfg(feature = "gpu")]
 pub use exec::gpu;
 pub use glam;
-pub use options::{Backend, BackendInfo, Options};
+pub use options::{Backend, BackendInfo, Optimization, Options};
 pub use profile::{BufferSize, Clock, Profile, StageTime};
 pub use report::{Energy, Report, SphereState};
 pub use scene::{

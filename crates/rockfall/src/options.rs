@@ -47,6 +47,64 @@ macro_rules! names {
 
 names!(Backend, "backend", Auto = "auto", Gpu = "gpu", Cpu = "cpu");
 
+/// An optimization that can be left out, to measure what it is worth or to look for a fault in it. Results do not depend on any of
+/// them. `docs/performance.md` in the repository describes them and gives what each is worth.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum Optimization {
+    /// Whole steps of small scenes in one dispatch of a GPU.
+    JoinedSteps,
+    /// Pair lists that are rebuilt in only every 2nd, 4th or 8th step on a GPU.
+    ListInterval,
+    /// AABBs that are placed half a step ahead of their bodies.
+    Lead,
+    /// AABBs that allow for the acceleration of small spheres between large ones.
+    Acceleration,
+    /// Two portions of steps under way on a GPU at the same time.
+    Portions,
+    /// Memory in spatial order.
+    SpatialOrder,
+    /// Numbers of workgroups that the GPU decides itself, in scenes of millions.
+    PlannedDispatches,
+    /// A workgroup for each large sphere.
+    LargeSpheres,
+    /// A workgroup for each pair list of a large sphere or long rod.
+    LongMovers,
+    /// All sweeps over few collisions in one dispatch.
+    SweepsAtOnce,
+}
+
+names!(
+    Optimization,
+    "optimization",
+    JoinedSteps = "joined-steps",
+    ListInterval = "list-interval",
+    Lead = "lead",
+    Acceleration = "acceleration",
+    Portions = "portions",
+    SpatialOrder = "spatial-order",
+    PlannedDispatches = "planned-dispatches",
+    LargeSpheres = "large-spheres",
+    LongMovers = "long-movers",
+    SweepsAtOnce = "sweeps-at-once"
+);
+
+impl Optimization {
+    /// All optimizations that can be left out.
+    pub const ALL: [Self; 10] = [
+        Self::JoinedSteps,
+        Self::ListInterval,
+        Self::Lead,
+        Self::Acceleration,
+        Self::Portions,
+        Self::SpatialOrder,
+        Self::PlannedDispatches,
+        Self::LargeSpheres,
+        Self::LongMovers,
+        Self::SweepsAtOnce,
+    ];
+}
+
 /// Options that stay the same for the whole life of a simulation.
 #[derive(Clone, Debug, Default)]
 #[non_exhaustive]
@@ -65,6 +123,8 @@ pub struct Options {
     /// Whether small scenes without rods run whole steps in one dispatch on a GPU. This does not change results. `None` chooses
     /// the faster way: one dispatch, except on software adapters.
     pub join_steps: Option<bool>,
+    /// Optimizations that the simulation leaves out. This does not change results.
+    pub without: Vec<Optimization>,
 }
 
 impl Options {
@@ -101,6 +161,17 @@ impl Options {
     pub fn join_steps(mut self, join: bool) -> Self {
         self.join_steps = Some(join);
         self
+    }
+
+    /// Leaves out an optimization. May be called several times.
+    pub fn without(mut self, optimization: Optimization) -> Self {
+        self.without.push(optimization);
+        self
+    }
+
+    /// Whether the simulation uses an optimization where it applies.
+    pub fn uses(&self, optimization: Optimization) -> bool {
+        !self.without.contains(&optimization)
     }
 
     /// Sets whether the simulation continues when the state of a body stops being finite.

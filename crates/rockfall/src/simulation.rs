@@ -6,7 +6,7 @@ use crate::error::Result;
 use crate::model::layout::{FEW_MOVERS, SLICE};
 use crate::model::status::Status;
 use crate::model::world::World;
-use crate::options::{BackendInfo, Options};
+use crate::options::{BackendInfo, Optimization, Options};
 use crate::profile::Recorder;
 use crate::report::Report;
 use crate::scene::{Scene, SphereId};
@@ -331,12 +331,28 @@ fn resolve(mut scene: Scene) -> Result<Scene> {
 /// Packs a scene into a world without scratch arrays, and applies the options.
 fn prepare(scene: &Scene, options: &Options) -> Result<World> {
     scene.settings.validate()?;
-    let mut world = World::for_method(scene, options.broad_phase)?;
+    let mut world = pack(scene, options)?;
     if let Some(capacity) = options.pair_capacity {
         world.set_pair_room(capacity.div_ceil(SLICE));
     }
     if options.keep_going {
         world.step.flags |= crate::model::layout::FLAG_CONTINUE;
+    }
+    Ok(world)
+}
+
+/// Packs a scene into a world in the order of memory that suits the broad phase, without scratch arrays.
+fn pack(scene: &Scene, options: &Options) -> Result<World> {
+    let broad_phase = if options.uses(Optimization::SpatialOrder) { options.broad_phase } else { BroadPhase::BruteForce };
+    let mut world = World::for_method(scene, broad_phase)?;
+    if !options.uses(Optimization::LargeSpheres) {
+        world.step.large = 0;
+    }
+    if !options.uses(Optimization::LongMovers) {
+        world.leave_out_long_movers();
+    }
+    if !options.uses(Optimization::PlannedDispatches) {
+        world.step.planned = 0;
     }
     Ok(world)
 }

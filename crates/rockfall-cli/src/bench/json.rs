@@ -25,6 +25,7 @@ pub(crate) fn object(arguments: &Arguments, sizes: &[Measured]) -> String {
         "driver": driver,
         "integrator": arguments.physics.integrator.to_string(),
         "broad_phase": arguments.engine.broad_phase.to_string(),
+        "without": arguments.engine.without.iter().map(ToString::to_string).collect::<Vec<_>>(),
         "dt": options::as_written(arguments.physics.dt),
         "steps": arguments.steps,
         "warmup": arguments.warmup(),

@@ -100,6 +100,7 @@ fn change(checkpoint: &mut Checkpoint, past: &mut Past, arguments: &Arguments, g
     if given.has("broad_phase") {
         options.broad_phase = engine.broad_phase;
     }
+    options.without = engine.without;
     options.keep_going |= arguments.keep_going;
     options.pair_capacity = arguments.capacity.or(options.pair_capacity);
     Ok(())

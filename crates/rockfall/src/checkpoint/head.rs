@@ -17,7 +17,7 @@ pub(super) fn bytes(checkpoint: &Checkpoint) -> Vec<u8> {
     settings(&mut head, &scene.settings);
 
     // How steps are dispatched does not change results, and is chosen by the device that continues.
-    let Options { backend, integrator, broad_phase, pair_capacity, keep_going, join_steps: _ } = options;
+    let Options { backend, integrator, broad_phase, pair_capacity, keep_going, join_steps: _, without: _ } = options;
     for text in [backend.to_string(), integrator.to_string(), broad_phase.to_string()] {
         head.text(&text);
     }
@@ -56,8 +56,8 @@ pub(super) fn read(words: &mut Words) -> Result<(Checkpoint, Counts), Damage> {
 
     let (backend, integrator, broad_phase) = (words.text()?.parse()?, words.text()?.parse()?, words.text()?.parse()?);
     let (limited, capacity, keep_going) = (words.bool()?, words.u32()?, words.bool()?);
-    let options =
-        Options { backend, integrator, broad_phase, pair_capacity: limited.then_some(capacity), keep_going, join_steps: None };
+    let pair_capacity = limited.then_some(capacity);
+    let options = Options { backend, integrator, broad_phase, pair_capacity, keep_going, ..Options::default() };
 
     let time_step = words.f32()?;
     if !(time_step.is_finite() && time_step > 0.0) {

@@ -4,13 +4,12 @@ use glam::{Quat, Vec3};
 
 use crate::error::{Error, Result};
 use crate::model::layout::FLAG_CONTINUE;
-use crate::model::world::World;
 use crate::scene::{
     BoxId, Capsule, CapsuleId, Cuboid, Polygon, PolygonId, Rod, RodId, Scene, Sphere, SphereId, Spring, SpringId, Tether,
     TetherId, finite,
 };
 use crate::simulation::order::Disorder;
-use crate::simulation::{Simulation, engine};
+use crate::simulation::{Simulation, engine, pack};
 
 /// The changes that were not uploaded to the engine yet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -234,7 +233,7 @@ impl Simulation {
         let old = &self.world.step;
         let (flags, dt, rows) = (old.flags, old.dt, old.pair_rows);
         let (margin_scale, lookahead) = (old.margin_scale, old.lookahead);
-        self.world = World::for_method(&self.scene, self.options.broad_phase)?;
+        self.world = pack(&self.scene, &self.options)?;
         self.world.step.flags |= flags & FLAG_CONTINUE;
         self.world.step.dt = dt;
         self.world.step.margin_scale = margin_scale;

@@ -7,6 +7,8 @@ use crate::error::Result;
 use crate::exec::cpu;
 use crate::model::status::Status;
 use crate::model::world::World;
+#[cfg(feature = "gpu")]
+use crate::options::Optimization;
 use crate::options::{Backend, BackendInfo, Options};
 use crate::profile::Recorder;
 use crate::step::schedule::Run;
@@ -109,7 +111,8 @@ impl Engine {
     #[cfg(feature = "gpu")]
     fn on(gpu: &Gpu, options: &Options, world: &World, reason: &str) -> Result<(Self, BackendInfo)> {
         let mut gpu_world = GpuWorld::new(gpu, world)?;
-        if let Some(join) = options.join_steps {
+        let join_steps = if options.uses(Optimization::JoinedSteps) { options.join_steps } else { Some(false) };
+        if let Some(join) = join_steps {
             gpu_world.join_steps(join);
         }
         Ok((Self::Gpu(Box::new(gpu_world)), gpu_info(gpu, reason)))

@@ -8,6 +8,7 @@ use std::collections::VecDeque;
 use crate::error::Result;
 use crate::model::layout::FLAG_STAGES;
 use crate::model::status::{Counters, NO_BODY, REBUILD_REQUESTED, Status};
+use crate::options::Optimization;
 use crate::profile::Recorder;
 use crate::simulation::Simulation;
 use crate::simulation::drive::{COLLISIONS_FIRST, WITHOUT_COLLISIONS};
@@ -53,7 +54,8 @@ impl Simulation {
         let mut stretch = PhaseRun { phases, is_step, interval: 1, since: 0 };
         self.begin(&stretch)?;
         // Timing the stages of a portion requires waiting for it.
-        let depth = if self.engine.dispatches() && recorder.is_none() { DEPTH } else { 1 };
+        let overlaps = self.engine.dispatches() && recorder.is_none() && self.options.uses(Optimization::Portions);
+        let depth = if overlaps { DEPTH } else { 1 };
         let mut in_flight = VecDeque::with_capacity(depth);
         let (mut submitted, mut done) = (0, 0);
         loop {
@@ -96,7 +98,7 @@ impl Simulation {
         step.list_interval = interval as f32;
         step.flags = step.flags & !FLAG_STAGES | if self.has_stages { FLAG_STAGES } else { 0 };
         // If phases run one by one, impulses may follow the lists and reverse the motion of a body at once.
-        step.lead = if stretch.is_step { LEAD } else { 0.0 };
+        step.lead = if stretch.is_step && self.options.uses(Optimization::Lead) { LEAD } else { 0.0 };
         self.synced = false;
         let range = stretch.since..stretch.since + steps as u32;
         stretch.since = range.end % interval;
@@ -133,7 +135,7 @@ impl Simulation {
 
     /// Number of steps from one step in which lists may be rebuilt to the next.
     pub(super) fn list_interval(&self, is_step: bool) -> u32 {
-        let may_wait = is_step && self.engine.dispatches();
+        let may_wait = is_step && self.engine.dispatches() && self.options.uses(Optimization::ListInterval);
         if may_wait { self.interval.steps(self.world.step.lookahead) } else { 1 }
     }
 }

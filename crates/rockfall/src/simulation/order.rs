@@ -3,6 +3,7 @@
 use crate::error::Result;
 use crate::model::layout::ORDER_SAMPLE;
 use crate::model::status::{REBUILD_REQUESTED, Status};
+use crate::options::Optimization;
 use crate::settings::BroadPhase;
 use crate::simulation::{Simulation, engine};
 use crate::step::schedule::{MEASURE_ORDER, SORT_MEMORY};
@@ -58,7 +59,8 @@ impl Simulation {
     ///
     /// With many spheres this multiplies the speed. The simulation does so by itself when disorder has cost more than sorting.
     /// Call it after moving all bodies by edits, to avoid that delay. Results do not depend on it, but [`Simulation::slot`]
-    /// changes. With the brute-force broad phase, spheres stay in order of addition.
+    /// changes. With the brute-force broad phase, and without
+    /// [`Optimization::SpatialOrder`], spheres stay in order of addition.
     ///
     /// # Errors
     /// [`Error::Device`](crate::Error::Device) when the GPU failed.
@@ -74,6 +76,9 @@ impl Simulation {
     /// As for [`Simulation::sort_memory`].
     pub async fn sort_memory_async(&mut self) -> Result<()> {
         self.flush_async().await?;
+        if !self.options.uses(Optimization::SpatialOrder) {
+            return Ok(());
+        }
         match self.broad_phase_method() {
             BroadPhase::Grid => self.sort_in_place().await,
             BroadPhase::SortAndSkip => {

@@ -6,6 +6,7 @@
 use crate::error::Result;
 use crate::model::layout::{FEW_COLLISIONS, SWEEPS_FEW, SWEEPS_ON};
 use crate::model::status::{REJECTED_MANY, Status};
+use crate::options::Optimization;
 use crate::simulation::Simulation;
 
 /// Number of steps without collisions that share bodies after which sweeps are left out.
@@ -26,10 +27,15 @@ impl Simulation {
             self.world.step.collision_room = needed.saturating_mul(2).max(usual);
             self.engine.resize_collisions(&self.world)?;
         }
+        let at_once = self.may_sweep_at_once() && needed <= FEW_COLLISIONS && self.status.rejected & REJECTED_MANY == 0;
         let step = &mut self.world.step;
-        let at_once = step.may_sweep_at_once() && needed <= FEW_COLLISIONS && self.status.rejected & REJECTED_MANY == 0;
         step.sweeps = if at_once { SWEEPS_FEW.max(step.sweeps) } else { SWEEPS_ON };
         Ok(())
+    }
+
+    /// Whether one workgroup may do all sweeps when there are few collisions.
+    fn may_sweep_at_once(&self) -> bool {
+        self.world.step.may_sweep_at_once() && self.options.uses(Optimization::SweepsAtOnce)
     }
 
     /// Counts the steps without collisions that share bodies, and those without many of them. After enough such steps, sweeps
@@ -39,10 +45,11 @@ impl Simulation {
         let count = |steps: u64, unlike: bool| if unlike { 0 } else { steps + done };
         self.calm_steps = count(self.calm_steps, status.clustered_steps != before.clustered_steps);
         self.few_steps = count(self.few_steps, status.many_steps != before.many_steps);
+        let at_once = self.may_sweep_at_once();
         let step = &mut self.world.step;
         if self.calm_steps >= CALM {
             step.sweeps = step.calm_sweeps();
-        } else if self.few_steps >= CALM && step.sweeps == SWEEPS_ON && step.may_sweep_at_once() {
+        } else if self.few_steps >= CALM && step.sweeps == SWEEPS_ON && at_once {
             step.sweeps = SWEEPS_FEW;
         }
     }

@@ -170,6 +170,11 @@ impl World {
         self.resize_cells();
     }
 
+    /// Gives up the room for long movers, so that one thread builds each list.
+    pub(crate) fn leave_out_long_movers(&mut self) {
+        self.place_cells(self.step.cells, false);
+    }
+
     fn resize_cells(&mut self) {
         self.cells.resize(self.cell_words() as usize, 0);
     }
