@@ -21,9 +21,11 @@ macro_rules! value_type {
     };
 }
 
-/// The table of all constants. Each entry has the doc, the name, the function that reads and checks a value, the default, the
-/// unit, and the range of the slider in the window, if it has one.
-macro_rules! constants {
+/// Declares [`Settings`] and its table from the table of constants.
+macro_rules! settings {
+    (kernel { $($kernel:tt)+ } host { $($host:tt)+ }) => {
+        settings!($($kernel)+ $($host)+);
+    };
     ($($(#[doc = $doc:literal])+ $name:ident: $read:ident = $default:expr, $unit:literal, $slider:expr;)+) => {
         /// The physical constants of a simulation.
         #[derive(Clone, Copy, Debug, PartialEq)]
@@ -89,42 +91,58 @@ pub struct Constant {
     pub slider: Option<(f32, f32)>,
 }
 
-constants! {
-    /// A contact is handled as a collision when its approach velocity exceeds this times the smaller radius, in 1/s.
-    activation_threshold: not_negative = 1.0, "1/s", Some((0.0, 10.0));
-    /// Coefficient of restitution e: 0 fully inelastic, 1 elastic; above 1 every collision adds energy.
-    restitution: not_negative = 0.75, "", Some((0.0, 1.0));
-    /// Contact damping Cd in 1/s: force per approach velocity and reduced mass.
-    contact_damping: not_negative = 12.5, "1/s", Some((0.0, 50.0));
-    /// Contact force Cc in 1/s²: force per overlap and reduced mass.
-    contact_force: not_negative = 1000.0, "1/s²", Some((0.0, 5000.0));
-    /// Friction mu in 1/(s² sqrt(units/s)): force per overlap, reduced mass and square root of the sliding velocity.
-    /// It falls off near rest, so bodies creep on slopes.
-    friction: not_negative = 50.0, "1/(s² √(units/s))", Some((0.0, 500.0));
-    /// Coefficient mu_c of Coulomb friction in contacts; 0: the thesis's friction force, which `friction` scales. Where it is
-    /// positive, every contact gets a friction impulse of at most mu_c times its normal force times the time step, once per
-    /// step, in place of that force.
-    coulomb_friction: not_negative = 0.0, "", Some((0.0, 2.0));
-    /// Coefficient of Coulomb friction in collisions: limits the tangential impulse of a collision to this times its normal
-    /// impulse; 0: collisions are frictionless.
-    collision_friction: not_negative = 0.0, "", Some((0.0, 2.0));
-    /// Gravity G in units/s².
-    gravity: finite = 1.0, "units/s²", Some((-10.0, 20.0));
-    /// Whether collisions are handled as impulses. If not, contact forces act in collisions too.
-    collisions: switch = true, "", None;
-    /// Direction of gravity g, a unit vector (normalized when set by name).
-    gravity_direction: direction = Vec3::NEG_Y, "", None;
-    /// Whether contact damping may pull bodies together (the thesis's form).
-    contact_pull: switch = false, "", None;
-    /// Overlap at rest in radii, F: where it is positive, `contact_force` and `contact_damping` are chosen from gravity, sizes
-    /// and depth of the scene, so that bodies at rest overlap by less than F of the smaller radius
-    /// ([`Scene::resolved_settings`](crate::Scene::resolved_settings)). 0: they stay as they are.
-    resting_overlap: fraction = 0.0, "", None;
-    /// Linear damping C in 1/s: every moving body loses velocity at the rate v' = -C v.
-    linear_damping: not_negative = 0.0, "1/s", Some((0.0, 10.0));
-    /// Angular damping C in 1/s: every moving body loses angular momentum at the rate L' = -C L.
-    angular_damping: not_negative = 0.0, "1/s", Some((0.0, 10.0));
+/// The table of all constants. Each entry has the doc, the name, the function that reads and checks a value, the default, the
+/// unit, and the range of the slider in the window, if it has one. Entries of `kernel` are also fields of
+/// [`Step`](crate::model::step::Step), which kernels read. [`World::set_settings`](crate::model::world::World::set_settings)
+/// converts the entries of `host` to other fields.
+macro_rules! constant_table {
+    ($declare:ident) => {
+        $declare! {
+            kernel {
+                /// A contact is handled as a collision when its approach velocity exceeds this times the smaller radius, in
+                /// 1/s.
+                activation_threshold: not_negative = 1.0, "1/s", Some((0.0, 10.0));
+                /// Coefficient of restitution e: 0 fully inelastic, 1 elastic; above 1 every collision adds energy.
+                restitution: not_negative = 0.75, "", Some((0.0, 1.0));
+                /// Contact damping Cd in 1/s: force per approach velocity and reduced mass.
+                contact_damping: not_negative = 12.5, "1/s", Some((0.0, 50.0));
+                /// Contact force Cc in 1/s²: force per overlap and reduced mass.
+                contact_force: not_negative = 1000.0, "1/s²", Some((0.0, 5000.0));
+                /// Friction mu in 1/(s² sqrt(units/s)): force per overlap, reduced mass and square root of the sliding
+                /// velocity. It falls off near rest, so bodies creep on slopes.
+                friction: not_negative = 50.0, "1/(s² √(units/s))", Some((0.0, 500.0));
+                /// Coefficient mu_c of Coulomb friction in contacts; 0: the thesis's friction force, which `friction` scales.
+                /// Where it is positive, every contact gets a friction impulse of at most mu_c times its normal force times the
+                /// time step, once per step, in place of that force.
+                coulomb_friction: not_negative = 0.0, "", Some((0.0, 2.0));
+                /// Coefficient of Coulomb friction in collisions: limits the tangential impulse of a collision to this times
+                /// its normal impulse; 0: collisions are frictionless.
+                collision_friction: not_negative = 0.0, "", Some((0.0, 2.0));
+                /// Linear damping C in 1/s: every moving body loses velocity at the rate v' = -C v.
+                linear_damping: not_negative = 0.0, "1/s", Some((0.0, 10.0));
+                /// Angular damping C in 1/s: every moving body loses angular momentum at the rate L' = -C L.
+                angular_damping: not_negative = 0.0, "1/s", Some((0.0, 10.0));
+            }
+            host {
+                /// Gravity G in units/s².
+                gravity: finite = 1.0, "units/s²", Some((-10.0, 20.0));
+                /// Whether collisions are handled as impulses. If not, contact forces act in collisions too.
+                collisions: switch = true, "", None;
+                /// Direction of gravity g, a unit vector (normalized when set by name).
+                gravity_direction: direction = Vec3::NEG_Y, "", None;
+                /// Whether contact damping may pull bodies together (the thesis's form).
+                contact_pull: switch = false, "", None;
+                /// Overlap at rest in radii, F: where it is positive, `contact_force` and `contact_damping` are chosen from
+                /// gravity, sizes and depth of the scene, so that bodies at rest overlap by less than F of the smaller radius
+                /// ([`Scene::resolved_settings`](crate::Scene::resolved_settings)). 0: they stay as they are.
+                resting_overlap: fraction = 0.0, "", None;
+            }
+        }
+    };
 }
+pub(crate) use constant_table;
+
+constant_table!(settings);
 
 impl Settings {
     /// Whether contacts get friction impulses.

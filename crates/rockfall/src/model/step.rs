@@ -5,10 +5,24 @@ use std::mem::{offset_of, size_of};
 use bytemuck::{Pod, Zeroable, bytes_of, bytes_of_mut};
 
 use crate::model::layout::{ENTRY_BITS, FEATURE_BITS, SWEEPS_LISTED, SWEEPS_OFF, SWEEPS_ON};
+use crate::settings::{Settings, constant_table};
 
-/// A uniform block whose fields a test compares with the WGSL.
+/// The WGSL type of a field.
+macro_rules! wgsl_type {
+    (f32) => {
+        "f32"
+    };
+    (u32) => {
+        "u32"
+    };
+    ([f32; 3]) => {
+        "vec3f"
+    };
+}
+
+/// A uniform block and its declaration in WGSL.
 macro_rules! uniform {
-    ($(#[$outer:meta])* pub struct $name:ident { $($(#[$inner:meta])* pub $field:ident: $type:ty,)+ }) => {
+    ($(#[$outer:meta])* pub struct $name:ident { $($(#[$inner:meta])* pub $field:ident: $type:tt,)+ }) => {
         $(#[$outer])*
         pub struct $name { $($(#[$inner])* pub $field: $type,)+ }
 
@@ -16,10 +30,22 @@ macro_rules! uniform {
             /// Name, offset and size of every field, in bytes.
             pub const FIELDS: &'static [(&'static str, usize, usize)] =
                 &[$((stringify!($field), offset_of!($name, $field), size_of::<$type>())),+];
+            /// The declaration for kernels.
+            pub const WGSL: &'static str = concat!(
+                "struct ", stringify!($name), " {\n",
+                $("    ", stringify!($field), ": ", wgsl_type!($type), ",\n",)+
+                "}\n",
+            );
         }
     };
 }
 
+/// Declares [`Step`], with a field for every constant of the table that kernels read.
+macro_rules! step_block {
+    (
+        kernel { $($(#[doc = $doc:literal])+ $constant:ident: $read:ident = $default:expr, $unit:literal, $slider:expr;)+ }
+        host $host:tt
+    ) => {
 uniform! {
     /// The parameters of a step: the uniform block `step` of every kernel.
     #[repr(C)]
@@ -29,27 +55,9 @@ uniform! {
         pub gravity: [f32; 3],
         /// Time step in s.
         pub dt: f32,
-        /// A contact collides when its approach velocity exceeds this times the smaller radius, in 1/s (docs/physics.md section
-        /// 3.1).
-        pub activation_threshold: f32,
-        /// Coefficient of restitution e.
-        pub restitution: f32,
-        /// Contact damping Cd in 1/s.
-        pub contact_damping: f32,
-        /// Contact force Cc in 1/s².
-        pub contact_force: f32,
-        /// Friction mu.
-        pub friction: f32,
-        /// Coefficient mu_c of Coulomb friction in contacts; 0 for the friction force of the thesis.
-        pub coulomb_friction: f32,
-        /// Coefficient mu_j of Coulomb friction in collisions.
-        pub collision_friction: f32,
+        $($(#[doc = $doc])+ pub $constant: f32,)+
         /// Magnitude of `gravity`, in units/s².
         pub gravity_size: f32,
-        /// Linear damping C in 1/s: v' = -C v.
-        pub linear_damping: f32,
-        /// Angular damping C in 1/s: L' = -C L.
-        pub angular_damping: f32,
         /// Margin of AABBs for accelerations in the first step, in units of 0.02 r. The margin also includes 1.05 |v| dt per
         /// step, and 0.05 r for every further step of `lookahead`. `update_aabbs` has the whole formula.
         pub margin_scale: f32,
@@ -139,6 +147,17 @@ uniform! {
         pub collision_room: u32,
     }
 }
+
+impl Step {
+    /// Copies the constants that kernels read under the same name.
+    pub fn set_constants(&mut self, settings: &Settings) {
+        $(self.$constant = settings.$constant;)+
+    }
+}
+    };
+}
+
+constant_table!(step_block);
 
 impl Step {
     /// Returns this block with the constants of another one, which are the fields up to `flags`. Counts, offsets and room stay.

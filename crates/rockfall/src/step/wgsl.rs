@@ -52,6 +52,7 @@ const SHARED: &[Part] = &[
     part!("model/put_next.wgsl"),
     part!("model/stage_states.wgsl"),
     part!("model/step.wgsl"),
+    Part { file: "model/step_block.wgsl", text: Step::WGSL },
     part!("model/two_states.wgsl"),
     part!("physics/collision.wgsl"),
     part!("physics/collision/capsule_changes.wgsl"),
@@ -109,7 +110,8 @@ const SHARED: &[Part] = &[
     part!("step/reorder/digits.wgsl"),
 ];
 
-/// Every file that stages share, including the files of the body forces and the generated `body_forces.wgsl`.
+/// Every file that stages share, including the files of the body forces and the generated `step_block.wgsl` and
+/// `body_forces.wgsl`.
 pub fn shared() -> impl Iterator<Item = Part> {
     SHARED.iter().chain(forces::PARTS).copied()
 }

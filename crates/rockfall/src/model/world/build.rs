@@ -89,38 +89,11 @@ impl World {
 
     /// Writes the settings to the uniform block.
     pub fn set_settings(&mut self, settings: &Settings) {
-        // All fields are named, so that a new setting cannot be forgotten here.
-        let Settings {
-            activation_threshold,
-            restitution,
-            contact_damping,
-            contact_force,
-            friction,
-            coulomb_friction,
-            collision_friction,
-            gravity,
-            collisions,
-            gravity_direction,
-            contact_pull,
-            resting_overlap: _,
-            linear_damping,
-            angular_damping,
-        } = *settings;
+        let Settings { gravity, gravity_direction, collisions, contact_pull, .. } = *settings;
         let step = &mut self.step;
-        *step = Step {
-            gravity: (gravity * gravity_direction).to_array(),
-            gravity_size: gravity.abs() * gravity_direction.length(),
-            activation_threshold,
-            restitution,
-            contact_damping,
-            contact_force,
-            friction,
-            coulomb_friction,
-            collision_friction,
-            linear_damping,
-            angular_damping,
-            ..*step
-        };
+        step.set_constants(settings);
+        step.gravity = (gravity * gravity_direction).to_array();
+        step.gravity_size = gravity.abs() * gravity_direction.length();
         let bit = |on: bool, flag: u32| if on { flag } else { 0 };
         step.flags =
             step.flags & (FLAG_CONTINUE | FLAG_GROUPS) | bit(collisions, FLAG_COLLISIONS) | bit(contact_pull, FLAG_PULL);
