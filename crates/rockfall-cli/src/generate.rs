@@ -30,7 +30,7 @@ pub(crate) fn generate(arguments: &Arguments) -> Result<(), Failure> {
     let file = out.as_ref().map(|path| AtomicFile::create(path).map_err(|error| Failure::file(path, &error)));
     let file = file.transpose()?;
     let scene = kind.generate(*spheres, *seed)?;
-    let title = format!("rockfall generate {kind} --spheres {spheres} --seed {seed}\n\n");
+    let title = format!("# rockfall generate {kind} --spheres {spheres} --seed {seed}\n\n");
     let text = title + &scene.to_text();
     let (Some(mut file), Some(path)) = (file, out) else {
         return output::print(&text);

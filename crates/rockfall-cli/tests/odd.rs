@@ -116,7 +116,7 @@ fn a_reader_that_closes_the_pipe_is_not_an_error() {
         .unwrap();
     let mut first = String::new();
     BufReader::new(child.stdout.take().unwrap()).read_line(&mut first).unwrap();
-    assert!(first.starts_with("rockfall generate pile"), "{first}");
+    assert!(first.starts_with("# rockfall generate pile"), "{first}");
     let output = child.wait_with_output().unwrap();
     assert_eq!((output.status.code(), String::from_utf8_lossy(&output.stderr).as_ref()), (Some(0), ""));
 }
