@@ -7,6 +7,7 @@ use rockfall::generate::Kind;
 use rockfall::output::AtomicFile;
 
 use crate::failure::Failure;
+use crate::files;
 use crate::options::whole;
 use crate::output;
 
@@ -27,6 +28,9 @@ pub(crate) struct Arguments {
 
 pub(crate) fn generate(arguments: &Arguments) -> Result<(), Failure> {
     let Arguments { kind, spheres, seed, out } = arguments;
+    if let Some(path) = out {
+        files::check("--out", path, files::SCENE)?;
+    }
     let file = out.as_ref().map(|path| AtomicFile::create(path).map_err(|error| Failure::file(path, &error)));
     let file = file.transpose()?;
     let scene = kind.generate(*spheres, *seed)?;

@@ -8,6 +8,7 @@ mod bench;
 mod check;
 mod devices;
 mod failure;
+mod files;
 mod generate;
 mod interrupt;
 mod options;

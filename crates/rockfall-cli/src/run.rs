@@ -4,9 +4,11 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use rockfall::Simulation;
+use rockfall_trajectory::Format;
 
 use crate::check;
 use crate::failure::Failure;
+use crate::files;
 use crate::interrupt::Interrupt;
 use crate::options::{Engine, Physics, Substeps, whole};
 use crate::output;
@@ -14,12 +16,14 @@ use crate::progress::Progress;
 use crate::source::Source;
 use crate::summary::Summary;
 
+mod contacts;
 mod outputs;
 mod past;
 mod resume;
+mod save;
 
 use outputs::{Outputs, Wanted};
-use past::Past;
+pub(crate) use past::Past;
 pub(crate) use resume::Given;
 
 /// Details that do not fit into the one-line descriptions of the options.
@@ -59,16 +63,22 @@ pub(crate) struct Arguments {
     physics: Physics,
     #[command(flatten)]
     engine: Engine,
-    /// Write the final state of every sphere: .npz, .vtp, otherwise CSV
+    /// Write the final state of every sphere: .csv, .npz or .vtp
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
-    /// Write the state to --out every K steps instead: .npz, .pvd, otherwise CSV
+    /// Write the state to --out, and the contacts to --contacts, every K steps instead: .csv, .npz or .pvd
     #[arg(long, value_name = "K", value_parser = whole(1, u64::MAX), allow_negative_numbers = true)]
     every: Option<u64>,
-    /// Write the energies and momenta of every step as CSV
+    /// Write the energies and momenta of every step: .csv
     #[arg(long, value_name = "FILE")]
     trace: Option<PathBuf>,
-    /// Write a checkpoint for --resume when the run ends or is interrupted
+    /// Write every contact of the final state, with both bodies, point, normal, overlap and force: .csv, .npz or .vtp
+    #[arg(long, value_name = "FILE")]
+    contacts: Option<PathBuf>,
+    /// Write the final state as a scene file, with its settings: .txt
+    #[arg(long, value_name = "FILE")]
+    save: Option<PathBuf>,
+    /// Write a checkpoint for --resume when the run ends or is interrupted: .ckpt
     #[arg(long, value_name = "FILE")]
     checkpoint: Option<PathBuf>,
     /// Also write the checkpoint every N steps, replacing the previous one
@@ -106,15 +116,14 @@ pub(crate) fn run(arguments: &Arguments, given: &Given) -> Result<(), Failure> {
 
     let step = past.step(simulation.report().steps);
     let checkpoint = outputs.checkpoint().map(|path| path.display().to_string());
-    let finished = outputs.finish(&mut simulation);
+    let finished = outputs.finish(&mut simulation, &past);
     let stopped = step < past.steps;
     if stopped || result.is_err() {
         outputs::note_written(finished.as_deref().unwrap_or_default(), step);
     }
     // The first failure is the one to report: it is the cause of the others.
     result.and(finished.map(drop))?;
-    let (dt, substeps) = (past.dt, past.parts());
-    let summary = Summary { name: &past.scene, steps: step, dt, substeps, seconds: past.seconds, before: past.before() };
+    let summary = Summary::new(&past, step, &mut simulation)?;
     output::print(&if arguments.json { summary.json(&simulation) } else { summary.table(&mut simulation)? })?;
     if stopped {
         let how = checkpoint.map_or(String::new(), |path| format!("; continue with: rockfall run --resume {path}"));
@@ -127,7 +136,8 @@ pub(crate) fn run(arguments: &Arguments, given: &Given) -> Result<(), Failure> {
 fn begin(arguments: &Arguments) -> Result<Run, Failure> {
     let wanted = arguments.wanted()?;
     let Source { name, loaded } = Source::read(arguments.scene.as_deref())?;
-    for file in [&arguments.out, &arguments.trace, &arguments.checkpoint].into_iter().flatten() {
+    let Arguments { out, trace, contacts, save, checkpoint, .. } = arguments;
+    for file in [out, trace, contacts, save, checkpoint].into_iter().flatten() {
         Source::is_not(arguments.scene.as_deref(), file)?;
     }
     if loaded.scene.counts().spheres == 0 {
@@ -140,7 +150,7 @@ fn begin(arguments: &Arguments) -> Result<Run, Failure> {
     arguments.physics.change(&mut scene.settings)?;
     let (dt, integrator) = (arguments.physics.dt, arguments.physics.integrator);
     let substeps = arguments.substeps.of(&scene, dt, integrator);
-    let mut past = Past { scene: name, steps: arguments.steps, dt, substeps, ..Past::default() };
+    let mut past = Past { scene: name, comments: loaded.comments, steps: arguments.steps, dt, substeps, ..Past::default() };
     for line in check::concerns(&past.scene, &scene, past.part(), integrator).lines() {
         output::note(line);
     }
@@ -156,10 +166,26 @@ fn begin(arguments: &Arguments) -> Result<Run, Failure> {
 impl Arguments {
     /// Output files from the arguments.
     fn wanted(&self) -> Result<Wanted, Failure> {
+        // Without --every, a .pvd file has an error of its own.
+        let of_states = |path: &Option<PathBuf>| {
+            let is_series = path.as_deref().is_some_and(|path| Format::of(path) == Some(Format::Vtp));
+            if is_series || self.every.is_some() || self.resume.is_some() { files::SERIES } else { files::STATE }
+        };
+        for (option, path, known) in [
+            ("--out", &self.out, of_states(&self.out)),
+            ("--contacts", &self.contacts, of_states(&self.contacts)),
+            ("--trace", &self.trace, files::TRACE),
+            ("--save", &self.save, files::SCENE),
+            ("--checkpoint", &self.checkpoint, files::CHECKPOINT),
+        ] {
+            path.as_deref().map_or(Ok(()), |path| files::check(option, path, known))?;
+        }
         let wanted = Wanted {
             out: self.out.clone(),
             every: self.every,
             trace: self.trace.clone(),
+            contacts: self.contacts.clone(),
+            save: self.save.clone(),
             checkpoint: self.checkpoint.clone(),
             checkpoint_every: self.checkpoint_every,
         };

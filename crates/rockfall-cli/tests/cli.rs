@@ -54,8 +54,8 @@ fn json_is_one_object_with_all_keys() {
     let object: Value = serde_json::from_str(&out).unwrap();
     let mut keys: Vec<&str> = object.as_object().unwrap().keys().map(String::as_str).collect();
     keys.sort_unstable();
-    let expected = "backend collisions contacts device dt non_finite objects replays scene seconds steps \
-                    steps_per_second substeps";
+    let expected = "backend broad_phase collisions comments contacts device dt energy_end energy_start integrator max_overlap \
+                    max_overlap_radii non_finite objects replays scene seconds settings steps steps_per_second substeps time";
     assert_eq!(keys, expected.split(' ').collect::<Vec<_>>());
     assert_eq!(object["scene"], "scene.txt");
     assert_eq!(object["backend"], "cpu");
@@ -205,7 +205,8 @@ fn wrong_arguments_exit_with_code_2() {
         ("run scene.txt --set restitution=-1", "not negative"),
         ("run scene.txt --set gravity=", "a finite number"),
         ("run scene.txt --out same.csv --trace same.csv", "same file"),
-        ("run scene.txt --trace same.csv --checkpoint same.csv", "same file"),
+        ("run scene.txt --trace same.csv --contacts same.csv", "same file"),
+        ("run scene.txt --out a.pvd --contacts a.VTP --every 2", "same file"),
         ("run scene.txt --every 5", "expected --out FILE"),
         ("run scene.txt --out a.npz --every 0", "'0' for '--every"),
         ("run scene.txt --out a.pvd", "expected --every"),
@@ -235,12 +236,14 @@ fn wrong_arguments_exit_with_code_2() {
 #[test]
 fn bad_output_paths_fail_before_the_run() {
     let rockfall = Rockfall::with(SCENE);
-    fs::create_dir(rockfall.path("folder")).unwrap();
+    fs::create_dir(rockfall.path("folder.csv")).unwrap();
     for command in [
         // With this number of steps the test would not end if the run came first.
         "run scene.txt --backend cpu --steps 1000000000000 --out no/state.csv",
         "run scene.txt --backend cpu --steps 1000000000000 --trace no/trace.csv",
-        "run scene.txt --backend cpu --steps 1000000000000 --out folder",
+        "run scene.txt --backend cpu --steps 1000000000000 --contacts no/contacts.npz",
+        "run scene.txt --backend cpu --steps 1000000000000 --save no/scene.txt",
+        "run scene.txt --backend cpu --steps 1000000000000 --out folder.csv",
         "generate pile --spheres 10 --out no/pile.txt",
     ] {
         let (_, err) = rockfall.run(command, 1);
@@ -275,12 +278,12 @@ fn a_run_that_fails_writes_its_results_so_far() {
 
 #[test]
 fn check_warns_of_suspicious_lines_and_of_stiff_springs_and_contacts() {
-    let scene = "S 1 0 0 0 0 0 0 0 0 0 1 1\nS 2 5 0 0 0 0 0 0 0 0 1 1\nK 1 2 12000 5 0\nset colour red\nset friction 7\n";
+    let scene = "S 1 0 0 0 0 0 0 0 0 0 1 1\nS 2 5 0 0 0 0 0 0 0 0 1 1\nK 1 2 12000 5 0\ngravity 3\nset friction 7\n";
     let rockfall = Rockfall::with(scene);
     let (out, err) = rockfall.run("check scene.txt", 0);
     assert_eq!(err, "");
     let lines: Vec<&str> = out.lines().collect();
-    assert_eq!(lines[0], "scene.txt: 2 spheres, 1 spring");
+    assert_eq!(lines[0], "scene.txt: 2 spheres, 1 spring, 1 comment");
     assert_eq!(lines[1], "set friction 7");
     assert!(lines[2].starts_with("warning: scene.txt:4: taken for a comment"), "{out}");
     // dt² (12000 + 12000) <= 8.

@@ -160,7 +160,12 @@ fn changed() -> io::Error {
     io::Error::new(io::ErrorKind::InvalidData, "the number of spheres has changed between frames")
 }
 
-fn frames_path(path: &Path) -> io::Result<PathBuf> {
+/// Error for a finished file that a run cannot continue.
+pub(crate) fn not_as_before() -> io::Error {
+    io::Error::new(io::ErrorKind::InvalidData, "it is not what was written before")
+}
+
+pub(crate) fn frames_path(path: &Path) -> io::Result<PathBuf> {
     let name = path.file_name().ok_or_else(|| io::Error::new(io::ErrorKind::InvalidInput, "expected the name of a file"))?;
     let mut name = name.to_owned();
     name.push(".frames");
@@ -168,7 +173,13 @@ fn frames_path(path: &Path) -> io::Result<PathBuf> {
 }
 
 /// Begins an array in the archive.
-fn start_array(zip: &mut ZipWriter<impl Write + Seek>, name: &str, kind: &str, shape: &[u64], bytes: u64) -> io::Result<()> {
+pub(crate) fn start_array(
+    zip: &mut ZipWriter<impl Write + Seek>,
+    name: &str,
+    kind: &str,
+    shape: &[u64],
+    bytes: u64,
+) -> io::Result<()> {
     let large = bytes > u64::from(u32::MAX) - 1024;
     let options = SimpleFileOptions::default().compression_method(CompressionMethod::Stored).large_file(large);
     zip.start_file(format!("{name}.npy"), options)?;
@@ -224,7 +235,7 @@ fn unpack(path: &Path, scratch: &Path, mark: Mark) -> io::Result<AtomicFile> {
     let invalid = |message: &str| io::Error::new(io::ErrorKind::InvalidData, message.to_owned());
     let finished = File::open(path)
         .map_err(|error| io::Error::new(error.kind(), "what was written of it before is not there any more"))?;
-    let mut archive = ZipArchive::new(finished).map_err(|_| invalid("it is not what was written before"))?;
+    let mut archive = ZipArchive::new(finished).map_err(|_| not_as_before())?;
     let spheres = shape_of(&mut archive, "radius")?.first().copied().unwrap_or(0);
     let (whole, have) = (frame_bytes(spheres), shape_of(&mut archive, "step")?.first().copied().unwrap_or(0));
     let count = mark.bytes / whole;
@@ -244,7 +255,7 @@ fn unpack(path: &Path, scratch: &Path, mark: Mark) -> io::Result<AtomicFile> {
         Some(found) if found == mark => Ok(frames),
         _ => {
             frames.discard();
-            Err(invalid("it is not what was written before"))
+            Err(not_as_before())
         }
     }
 }
@@ -266,5 +277,5 @@ fn shape_of(archive: &mut ZipArchive<File>, name: &str) -> io::Result<Vec<u64>> 
     let text = String::from_utf8_lossy(&start[..length]);
     let shape = text.split_once("'shape': (").and_then(|(_, rest)| rest.split_once(')'));
     let numbers = shape.map(|(shape, _)| shape.split(',').filter_map(|length| length.trim().parse().ok()).collect());
-    numbers.ok_or_else(|| io::Error::new(io::ErrorKind::InvalidData, "it is not what was written before"))
+    numbers.ok_or_else(not_as_before)
 }

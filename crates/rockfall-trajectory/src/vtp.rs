@@ -63,9 +63,7 @@ impl Series {
     }
 
     pub(crate) fn frame(&mut self, frame: &Frame, scene: &Scene) -> io::Result<()> {
-        let file = format!("{:010}.vtp", frame.step);
-        commit(&self.folder.join(&file), |out| state(out, frame, scene))?;
-        self.list(frame.time, 0, &file)?;
+        self.add(frame.step, frame.time, |out| state(out, frame, scene))?;
         let counts = scene.counts();
         if counts.boxes + counts.polygons > 0 {
             if !self.static_written {
@@ -75,6 +73,18 @@ impl Series {
             self.list(frame.time, 1, STATIC)?;
         }
         Ok(())
+    }
+
+    /// Adds a file to the list.
+    pub(crate) fn add(
+        &mut self,
+        step: u64,
+        time: f64,
+        write: impl FnOnce(&mut AtomicFile) -> io::Result<()>,
+    ) -> io::Result<()> {
+        let file = format!("{step:010}.vtp");
+        commit(&self.folder.join(&file), write)?;
+        self.list(time, 0, &file)
     }
 
     fn list(&mut self, time: f64, part: u32, file: &str) -> io::Result<()> {
@@ -180,7 +190,7 @@ fn static_objects(out: &mut impl Write, scene: &Scene) -> io::Result<()> {
 
 /// XML that describes arrays, and the arrays that are appended to it.
 #[derive(Default)]
-struct Appended {
+pub(crate) struct Appended {
     xml: String,
     arrays: Vec<Vec<u8>>,
     /// Total size of the arrays in bytes, including the length before each.
@@ -188,19 +198,19 @@ struct Appended {
 }
 
 impl Appended {
-    fn open(&mut self, name: &str) {
+    pub(crate) fn open(&mut self, name: &str) {
         self.xml.push_str(&format!("<{name}>\n"));
     }
 
-    fn close(&mut self, name: &str) {
+    pub(crate) fn close(&mut self, name: &str) {
         self.xml.push_str(&format!("</{name}>\n"));
     }
 
-    fn floats(&mut self, name: &str, components: u32, bytes: Vec<u8>) {
+    pub(crate) fn floats(&mut self, name: &str, components: u32, bytes: Vec<u8>) {
         self.array("Float32", name, components, bytes);
     }
 
-    fn array(&mut self, kind: &str, name: &str, components: u32, bytes: Vec<u8>) {
+    pub(crate) fn array(&mut self, kind: &str, name: &str, components: u32, bytes: Vec<u8>) {
         self.xml.push_str(&format!(
             "<DataArray type=\"{kind}\" Name=\"{name}\" NumberOfComponents=\"{components}\" format=\"appended\" offset=\"{}\"/>\n",
             self.length
@@ -209,7 +219,7 @@ impl Appended {
         self.arrays.push(bytes);
     }
 
-    fn cells(&mut self, name: &str, connectivity: Vec<u8>, offsets: Vec<u8>) {
+    pub(crate) fn cells(&mut self, name: &str, connectivity: Vec<u8>, offsets: Vec<u8>) {
         self.open(name);
         self.array("Int64", "connectivity", 1, connectivity);
         self.array("Int64", "offsets", 1, offsets);
@@ -217,7 +227,7 @@ impl Appended {
     }
 
     /// Writes the file. `counts` are the numbers of points, vertices, lines and polygons.
-    fn write(self, out: &mut impl Write, counts: [usize; 4], time: Option<(u64, f64)>) -> io::Result<()> {
+    pub(crate) fn write(self, out: &mut impl Write, counts: [usize; 4], time: Option<(u64, f64)>) -> io::Result<()> {
         let [points, vertices, lines, polygons] = counts;
         writeln!(
             out,

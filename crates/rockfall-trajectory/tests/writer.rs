@@ -28,8 +28,11 @@ fn names(folder: &Path) -> Vec<String> {
 
 #[test]
 fn the_extension_selects_the_format() {
-    for (name, format) in [("a.npz", Format::Npz), ("a.VTP", Format::Vtp), ("a.pvd", Format::Vtp), ("a", Format::Csv)] {
-        assert_eq!(Format::of(Path::new(name)), format, "{name}");
+    for (name, format) in [("a.npz", Format::Npz), ("a.VTP", Format::Vtp), ("a.pvd", Format::Vtp), ("a.Csv", Format::Csv)] {
+        assert_eq!(Format::of(Path::new(name)), Some(format), "{name}");
+    }
+    for name in ["a", "a.vtu", "npz", "a.npz.gz", ".csv"] {
+        assert_eq!(Format::of(Path::new(name)), None, "{name}");
     }
 }
 

@@ -95,7 +95,7 @@ pub use exec::gpu;
 pub use glam;
 pub use options::{Backend, BackendInfo, Options};
 pub use profile::{BufferSize, Clock, Profile, StageTime};
-pub use report::{Energy, Report, SphereState};
+pub use report::{Energy, Report, SphereState, decimal_time};
 pub use scene::{
     BoxId, Capsule, CapsuleId, CapsuleParts, Counts, Cuboid, LineWarning, Loaded, Polygon, PolygonId, Rod, RodId, Scene,
     Sphere, SphereId, Spring, SpringId, Tether, TetherId,

@@ -8,7 +8,7 @@ use crate::model::status::Status;
 use crate::model::world::World;
 use crate::options::{BackendInfo, Options};
 use crate::profile::Recorder;
-use crate::report::Report;
+use crate::report::{Clock, Report};
 use crate::scene::{Scene, SphereId};
 use crate::settings::{BroadPhase, Integrator, Settings};
 use crate::step::schedule::Phase;
@@ -64,6 +64,7 @@ pub struct Simulation {
     packings: u64,
     status: Status,
     report: Report,
+    clock: Clock,
     time_step: f32,
     /// For how many steps ahead the lists are built.
     lookahead: Lookahead,
@@ -155,6 +156,7 @@ impl Simulation {
             engine,
             world,
             report: Report::default(),
+            clock: Clock::default(),
             time_step: DEFAULT_TIME_STEP,
             lookahead,
             interval,

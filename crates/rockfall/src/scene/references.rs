@@ -15,6 +15,20 @@ impl References {
         self.0[slot] = Some((sphere, reference));
     }
 
+    /// A different number for each of `spheres`: their references if no two are equal, otherwise their indices. Spheres without
+    /// a reference get numbers above all others.
+    pub(super) fn distinct(&self, spheres: impl Iterator<Item = SphereId> + Clone) -> Vec<u32> {
+        let mut known: Vec<u32> = spheres.clone().filter_map(|sphere| self.get(sphere)).collect();
+        let count = spheres.clone().count() as u32;
+        known.sort_unstable();
+        let first = known.last().map_or(0, |last| last.saturating_add(1));
+        if known.windows(2).any(|pair| pair[0] == pair[1]) || first.checked_add(count).is_none() {
+            return (0..count).collect();
+        }
+        let mut free = first..;
+        spheres.map(|sphere| self.get(sphere).or_else(|| free.next()).unwrap_or_default()).collect()
+    }
+
     fn get(&self, sphere: SphereId) -> Option<u32> {
         let (owner, reference) = (*self.0.get(sphere.slot())?)?;
         (owner == sphere).then_some(reference)

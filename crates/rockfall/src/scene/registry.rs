@@ -178,7 +178,7 @@ impl<T> Registry<T> {
         self.handle(self.owners[index])
     }
 
-    pub(crate) fn handles(&self) -> impl Iterator<Item = Handle<T>> + '_ {
+    pub(crate) fn handles(&self) -> impl Iterator<Item = Handle<T>> + Clone + '_ {
         self.owners.iter().map(|slot| self.handle(*slot))
     }
 }

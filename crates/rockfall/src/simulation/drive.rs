@@ -230,8 +230,7 @@ impl Simulation {
         // Small spheres between large ones are pushed hard. In other scenes, reading the stage states costs more than it saves.
         self.has_stages = self.options.integrator == Integrator::Rk4 && self.world.step.large > 0;
         let total = |status: &Status| u64::from(status.total_collisions_high) << 32 | u64::from(status.total_collisions_low);
-        self.report.steps += done;
-        self.report.time += done as f64 * f64::from(self.time_step);
+        self.clock.add(done, self.time_step, &mut self.report);
         self.report.contacts = status.last_contacts;
         self.report.max_overlap = f32::from_bits(status.last_max_overlap);
         self.report.collisions = status.last_collisions;

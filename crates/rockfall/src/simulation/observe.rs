@@ -20,7 +20,7 @@ use crate::physics::forces::net_force::rod_loads;
 use crate::physics::forces::sphere_rates;
 use crate::physics::side::side;
 use crate::physics::touch::touch;
-use crate::scene::{BoxId, PolygonId, RodId, SphereId};
+use crate::scene::{BoxId, PolygonId, RodId, Scene, SphereId};
 use crate::settings::Integrator;
 use crate::simulation::Simulation;
 use crate::step::schedule::Phase;
@@ -37,6 +37,31 @@ pub enum Body {
     Box(BoxId),
     /// A static polygon.
     Polygon(PolygonId),
+}
+
+impl Body {
+    /// Name of the kind: `sphere`, `rod`, `box` or `polygon`.
+    pub fn kind(self) -> &'static str {
+        match self {
+            Self::Sphere(_) => "sphere",
+            Self::Rod(_) => "rod",
+            Self::Box(_) => "box",
+            Self::Polygon(_) => "polygon",
+        }
+    }
+
+    /// Index of the body among those of its kind, in order of addition.
+    ///
+    /// # Errors
+    /// [`Error::StaleHandle`](crate::Error::StaleHandle) when it is not in the scene.
+    pub fn index(self, scene: &Scene) -> Result<usize> {
+        match self {
+            Self::Sphere(id) => scene.spheres.index(id),
+            Self::Rod(id) => scene.rods.index(id),
+            Self::Box(id) => scene.boxes.index(id),
+            Self::Polygon(id) => scene.polygons.index(id),
+        }
+    }
 }
 
 /// Effect of a contact on its body B. Body A receives the opposite.
