@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 use std::time::Instant;
 
-use rockfall::Simulation;
+use rockfall::{Error, Scene, Simulation};
 use rockfall_trajectory::Format;
 
 use crate::check;
@@ -196,6 +196,18 @@ impl Arguments {
     }
 }
 
+/// Adds the number by which the scene file refers to a sphere to an error that names one.
+fn named(error: Error, scene: &Scene) -> Failure {
+    let id = match &error {
+        Error::NonFinite { sphere, .. } => scene.sphere_ids().nth(*sphere),
+        _ => None,
+    };
+    match id.and_then(|id| scene.reference(id)) {
+        Some(reference) => Failure::Run(format!("{error}; the scene refers to this sphere as {reference}")),
+        None => error.into(),
+    }
+}
+
 /// Runs the remaining steps until the end or an interrupt, then writes a checkpoint of the last step.
 fn steps(run: &mut Run, interrupt: &Interrupt) -> Result<(), Failure> {
     let (start, seconds) = (Instant::now(), run.past.seconds);
@@ -206,7 +218,7 @@ fn steps(run: &mut Run, interrupt: &Interrupt) -> Result<(), Failure> {
     while result.is_ok() && !interrupt.is_requested() && done(run) < run.past.steps {
         let chunk = run.outputs.steps_from(done(run), progress.chunk());
         let moved = run.simulation.run(chunk.saturating_mul(parts), run.past.part());
-        result = moved.map(drop).map_err(|error| Failure::from(run.past.in_steps(error)));
+        result = moved.map(drop).map_err(|error| named(run.past.in_steps(error), run.simulation.scene()));
         run.past.seconds = seconds + start.elapsed().as_secs_f64();
         result = result.and_then(|()| run.outputs.after_step(&mut run.simulation, &mut run.past));
         progress.advance(chunk);

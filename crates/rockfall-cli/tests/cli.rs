@@ -76,11 +76,11 @@ fn the_state_file_reads_back_bitwise_identical() {
     rockfall.run("run scene.txt --backend cpu --steps 0 --out state.csv", 0);
     let text = rockfall.read("state.csv");
     let lines: Vec<&str> = text.lines().collect();
-    assert_eq!(lines[0], "sphere,x,y,z,vx,vy,vz,qw,qx,qy,qz,lx,ly,lz");
+    assert_eq!(lines[0], "sphere,x,y,z,vx,vy,vz,qw,qx,qy,qz,lx,ly,lz,reference");
     assert_eq!(lines.len(), 3);
-    assert_eq!(lines[1], "0,0,1,0,0,0,0,1,0,0,0,0,0,0");
+    assert_eq!(lines[1], "0,0,1,0,0,0,0,1,0,0,0,0,0,0,1");
     let second: Vec<f32> = lines[2].split(',').map(|field| field.parse().unwrap()).collect();
-    assert_eq!(second.len(), 14);
+    assert_eq!((second.len(), second[14]), (15, 2.0));
     assert_eq!(second[1], 0.25);
     assert_eq!(second[3].to_bits(), (-0.0_f32).to_bits());
     assert_eq!(second[4].to_bits(), 1e-40_f32.to_bits());
@@ -262,6 +262,7 @@ fn a_run_that_fails_writes_its_results_so_far() {
     let (_, step) = err.split_once("written up to step ").unwrap();
     let (step, files) = step.split_once(": ").unwrap();
     assert!(files.starts_with("trace.csv, state.csv\nerror: sphere 0 stopped being finite in step "), "{err}");
+    assert!(files.ends_with("; the scene refers to this sphere as 1\n"), "{err}");
     assert!(files.contains(&format!("in step {step} ")), "{err}");
     // The state file holds the failed state. The trace ends with the step before it.
     assert_eq!(rockfall.read("state.csv").lines().count(), 3);
@@ -437,6 +438,13 @@ fn help_and_version_exit_with_code_0() {
     {
         assert!(out.contains(option), "{option}: {out}");
     }
+    for (command, text) in
+        [("help", "Simulate a scene and print a summary"), ("help run", "--checkpoint-every"), ("help help", "help")]
+    {
+        let (out, err) = rockfall.run(command, 0);
+        assert!(out.contains("Usage: rockfall") && out.contains(text) && err.is_empty(), "{command}: {out}");
+    }
+    rockfall.run("help nothing", 2);
     let (out, _) = rockfall.run("--version", 0);
     assert_eq!(out, concat!("rockfall ", env!("ROCKFALL_VERSION"), "\n"));
 }

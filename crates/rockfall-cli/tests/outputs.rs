@@ -83,7 +83,7 @@ fn json_has_energies_overlap_settings_and_integrator() {
     assert_eq!(err, "");
     let object = object(&out);
     assert_eq!(object["integrator"], "symplectic-euler");
-    assert_eq!((&object["dt"], &object["time"], &object["comments"]), (&0.02.into(), &8.into(), &2.into()));
+    assert_eq!((&object["dt"], &object["time"], &object["comments"]), (&0.02.into(), &8.0.into(), &2.into()));
     let settings = object["settings"].as_object().unwrap();
     let names: Vec<&str> = settings.keys().map(String::as_str).collect();
     let mut known = rockfall::Settings::NAMES.to_vec();
@@ -144,7 +144,7 @@ fn times_are_printed_as_given() {
                 let dt: f64 = dt.parse().unwrap();
                 let expected = fields[0].parse::<f64>().unwrap() * dt;
                 assert!(fields[column].len() <= 6, "{name}: {line}");
-                assert!((fields[column].parse::<f64>().unwrap() - expected).abs() < 1e-9 * expected, "{name}: {line}");
+                assert!((fields[column].parse::<f64>().unwrap() - expected).abs() <= 1e-9 * expected, "{name}: {line}");
             }
             assert_eq!(text.lines().last().unwrap().split(',').nth(column), Some(last), "{name}");
         }
@@ -191,6 +191,26 @@ fn a_saved_scene_continues_the_run() {
             "{text}"
         );
         assert!(text.contains("\nset friction 20\n") && text.contains("\nS 901 "), "{text}");
+    }
+}
+
+/// Files that rockfall writes are not scenes, and are not read as one long comment.
+#[test]
+fn other_files_of_rockfall_are_named_as_what_they_are() {
+    let rockfall = Rockfall::with(SCENE);
+    let files = "--out a.npz --trace t.csv --contacts c.vtp --checkpoint d.ckpt";
+    rockfall.run(&format!("run scene.txt --backend cpu --steps 2 {files}"), 0);
+    let cases = [
+        ("d.ckpt", "a checkpoint, not a scene: continue its run with `rockfall run --resume d.ckpt`"),
+        ("a.npz", "an archive of arrays (.npz), not a scene"),
+        ("c.vtp", "a file for ParaView and VTK, not a scene"),
+        ("t.csv", "a table of results (.csv), not a scene"),
+    ];
+    for (file, what) in cases {
+        for command in ["run", "check"] {
+            let (_, err) = rockfall.run(&format!("{command} {file}"), 2);
+            assert!(err.starts_with(&format!("error: {file}: this is {what}")), "{err}");
+        }
     }
 }
 

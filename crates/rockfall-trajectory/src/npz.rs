@@ -10,6 +10,7 @@
 //! | `contacts` | F, N | u4 | number of contacts of each sphere, without those of its rods |
 //! | `radius`, `mass` | N | f4 | |
 //! | `fixed` | N | b1 | |
+//! | `reference` | N | i8 | number of the sphere in the scene file, -1 for none |
 //! | `rods`, `springs` | R, 2 and S, 2 | u4 | indices of the two spheres |
 //! | `rod_radius` | R | f4 | |
 //! | `tethers` | T | u4 | index of the sphere |
@@ -210,6 +211,8 @@ fn constants(zip: &mut ZipWriter<impl Write + Seek>, scene: &Scene) -> io::Resul
     array("radius", "<f4", spheres.len(), &[], bytes_of(spheres.iter().map(|sphere| sphere.radius)))?;
     array("mass", "<f4", spheres.len(), &[], bytes_of(spheres.iter().map(|sphere| sphere.mass)))?;
     array("fixed", "|b1", spheres.len(), &[], bytes_of(spheres.iter().map(|sphere| u8::from(sphere.fixed))))?;
+    let references = scene.sphere_ids().map(|id| scene.reference(id).map_or(-1, i64::from));
+    array("reference", "<i8", spheres.len(), &[], bytes_of(references))?;
     let rods = scene.rods();
     array("rods", "<u4", rods.len(), &[2], bytes_of(rods.iter().map(|rod| indices.pair(rod.end1, rod.end2))))?;
     array("rod_radius", "<f4", rods.len(), &[], bytes_of(rods.iter().map(|rod| rod.radius)))?;

@@ -10,6 +10,7 @@
 //! | `orientation` | points | unit quaternion w, x, y, z |
 //! | `radius`, `mass` | points | |
 //! | `fixed` | points | 1 for a fixed sphere |
+//! | `reference` | points | number of the sphere in the scene file, -1 for none |
 //! | `contacts` | points | number of contacts of the sphere, without those of its rods |
 //! | `kind` | cells | 0 sphere, 1 rod, 2 spring; for static objects 3 box, 4 polygon |
 //! | `cell_radius` | cells | radius of a sphere or rod, 0 for springs |
@@ -136,6 +137,8 @@ pub fn state(out: &mut impl Write, frame: &Frame, scene: &Scene) -> io::Result<(
     file.floats("mass", 1, bytes_of(spheres.iter().map(|sphere| sphere.mass)));
     file.array("UInt8", "fixed", 1, bytes_of(spheres.iter().map(|sphere| u8::from(sphere.fixed))));
     file.array("UInt32", "contacts", 1, bytes_of(frame.contacts.iter().copied()));
+    let references = frame.references.iter().map(|reference| reference.map_or(-1, i64::from));
+    file.array("Int64", "reference", 1, bytes_of(references));
     file.close("PointData");
     file.open("CellData");
     let kinds = [(0, spheres.len()), (1, rods.len()), (2, springs.len())];

@@ -50,9 +50,9 @@ fn csv_lines_hold_the_states() {
     writer.finish(simulation.scene()).expect("it is finished");
     assert_eq!(
         std::fs::read_to_string(&path).expect("a file"),
-        "step,time,sphere,x,y,z,vx,vy,vz,qw,qx,qy,qz,lx,ly,lz\n\
-         0,0,0,0,0,0,0,0.5,0,1,0,0,0,0,0,0\n0,0,1,5,0,0,0,0,0,1,0,0,0,0,0,0\n\
-         2,0.5,0,0,0.25,0,0,0.5,0,1,0,0,0,0,0,0\n2,0.5,1,5,0,0,0,0,0,1,0,0,0,0,0,0\n"
+        "step,time,sphere,x,y,z,vx,vy,vz,qw,qx,qy,qz,lx,ly,lz,reference\n\
+         0,0,0,0,0,0,0,0.5,0,1,0,0,0,0,0,0,\n0,0,1,5,0,0,0,0,0,1,0,0,0,0,0,0,\n\
+         2,0.5,0,0,0.25,0,0,0.5,0,1,0,0,0,0,0,0,\n2,0.5,1,5,0,0,0,0,0,1,0,0,0,0,0,0,\n"
     );
     assert_eq!(names(folder.path()), ["run.csv"]);
 }

@@ -42,6 +42,16 @@ pub enum Error {
         /// Maximum number of objects.
         limit: usize,
     },
+    /// A picture has a side of 0 pixels, or one that is larger than the device allows.
+    #[error("a picture of {width}x{height} pixels cannot be drawn, expected sides from 1 to {limit}")]
+    PictureSize {
+        /// Width in pixels.
+        width: u32,
+        /// Height in pixels.
+        height: u32,
+        /// Largest side in pixels.
+        limit: u32,
+    },
     /// A line of a scene file is not valid.
     #[error("{}:{line}: {field}: {message}", file.display())]
     SceneLine {

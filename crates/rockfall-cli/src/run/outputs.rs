@@ -299,7 +299,7 @@ fn write_state(path: &Path, mut file: AtomicFile, simulation: &mut Simulation, p
     frame.time = past.time(frame.step);
     let write = match is_vtp {
         true => vtp::state(&mut file, &frame, simulation.scene()),
-        false => csv::state(&mut file, &frame.spheres),
+        false => csv::state(&mut file, &frame),
     };
     write.and_then(|()| file.commit()).map_err(|error| Failure::file(path, &error))
 }

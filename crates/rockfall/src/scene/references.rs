@@ -15,6 +15,11 @@ impl References {
         self.0[slot] = Some((sphere, reference));
     }
 
+    /// Whether no sphere ever had a reference.
+    pub(crate) fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+
     /// A different number for each of `spheres`: their references if no two are equal, otherwise their indices. Spheres without
     /// a reference get numbers above all others.
     pub(super) fn distinct(&self, spheres: impl Iterator<Item = SphereId> + Clone) -> Vec<u32> {
