@@ -28,13 +28,13 @@ pub(crate) use resume::Given;
 
 /// Details that do not fit into the one-line descriptions of the options.
 const AFTER_HELP: &str = "\
-Ctrl-C or SIGTERM stops a run cleanly: it finishes the steps under way, writes its results (--out, --trace, --checkpoint) and \
-exits with code 130. A second Ctrl-C ends it at once. If a step fails, --out and --trace are written up to that step if the \
+Ctrl-C or SIGTERM stops a run cleanly: it finishes the steps under way, writes its results (--out, --trace, --contacts, --save, --checkpoint) \
+and exits with code 130. A second Ctrl-C ends it at once. If a step fails, --out and --trace are written up to that step if the \
 device can still be read, and the last checkpoint is left unchanged.
 
 --resume FILE continues a run from its checkpoint up to step N, counted from the start of the first run (--steps N). It takes \
-everything from the checkpoint: constants, time step, integrator, backend, --out, --every, --trace and --checkpoint-every, and \
-writes further checkpoints to FILE. Options on the command line override the checkpoint; a change that affects the motion is \
+everything from the checkpoint: constants, time step, integrator, backend, --out, --every, --trace, --contacts, --save and \
+--checkpoint-every, and writes further checkpoints to FILE. Options on the command line override the checkpoint; a change that affects the motion is \
 reported. With the same options on the same device, the final state, the trace and the trajectory are bitwise identical to \
 those of a run that was never stopped. Until a run ends, its trace and trajectory are next to their final path as .NAME.part. \
 A run that is killed leaves these files; --resume continues them, and a new run that writes to the same path replaces them.
@@ -43,10 +43,16 @@ A run that is killed leaves these files; --resume continues them, and a new run 
 are stable (rockfall check reports it). Everywhere else, steps and the time step are whole steps. A line of the trace counts \
 the collisions of all parts of its step; its contacts and overlap are those of the last part.
 
---out chooses the format by the extension. Without --every, the final state is written: .npz for NumPy, .vtp for ParaView, any \
-other name as CSV. With --every K, the state at the start and after every K-th step is written: .npz holds arrays \
-[frames, spheres, ...], .vtp or .pvd writes NAME.pvd and a folder NAME with the frames, any other name is CSV with the columns \
-step,time in front.";
+The extension of a file chooses its format, in upper or lower case; an unknown one is an error. Devices such as /dev/stdout get \
+CSV. Without --every, --out writes the final state: .csv, .npz for NumPy, .vtp for ParaView. With --every K, it writes the state \
+at the start and after every K-th step: .npz holds arrays [frames, spheres, ...], .vtp or .pvd writes NAME.pvd and a folder NAME \
+with the frames, .csv has the columns step,time in front.
+
+--contacts writes the contacts of the same states: both bodies, point, normal, overlap, and the force or the impulse on the \
+second body. .vtp and .pvd have a line from body to body for each contact, which shows force chains in ParaView.
+
+--save FILE.txt writes the final state as a scene file with all settings, also those of --set. `rockfall run FILE.txt` with the \
+same --dt and --integrator goes on from there.";
 
 #[derive(Debug, clap::Args)]
 #[command(after_long_help = AFTER_HELP)]

@@ -22,8 +22,8 @@
 //! - A [`Scene`] holds objects and [`Settings`]. It can be loaded from a text file, saved, and generated ([`generate`]).
 //! - A [`Simulation`] advances a scene in time, with [`Options`] that choose the backend, the integrator and the broad phase.
 //!   Objects can be added, removed and changed between steps.
-//! - [`Simulation::spheres`] and [`Simulation::sphere`] read states back. [`Simulation::energy`], [`Simulation::contacts`] and
-//!   [`Simulation::diagnostics`] evaluate them. [`Report`] counts steps, contacts and collisions.
+//! - [`Simulation::spheres`] and [`Simulation::sphere`] read states back. [`Simulation::energy`], [`Simulation::contacts`],
+//!   [`Simulation::max_overlap`] and [`Simulation::diagnostics`] evaluate them. [`Report`] counts steps, contacts and collisions.
 //! - A [`Checkpoint`] stores a simulation, so that it can be resumed with bitwise identical results.
 //! - [`Scene::stability`], [`Scene::tunnelling`] and [`Scene::sinking`] warn about an unsuitable time step or contact force.
 //! - [`Simulation::profile`] measures the time of every stage.
