@@ -146,12 +146,13 @@ pub(crate) fn settings_json(settings: &Settings) -> serde_json::Value {
 
 /// Kinetic, potential, spring and contact energy and their sum, as JSON.
 pub(crate) fn energy_json(energy: &rockfall::Energy) -> serde_json::Value {
+    // Adding 0 turns -0, the value of an empty sum, into 0.
     serde_json::json!({
-        "kinetic": energy.kinetic,
-        "potential": energy.potential,
-        "spring": energy.spring,
-        "contact": energy.contact,
-        "total": energy.total(),
+        "kinetic": energy.kinetic + 0.0,
+        "potential": energy.potential + 0.0,
+        "spring": energy.spring + 0.0,
+        "contact": energy.contact + 0.0,
+        "total": energy.total() + 0.0,
     })
 }
 

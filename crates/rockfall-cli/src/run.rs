@@ -17,13 +17,14 @@ use crate::source::Source;
 use crate::summary::Summary;
 
 mod contacts;
+mod errors;
 mod outputs;
 mod past;
 mod resume;
 mod save;
 
 use outputs::{Outputs, Wanted};
-pub(crate) use past::Past;
+use past::Past;
 pub(crate) use resume::Given;
 
 /// Details that do not fit into the one-line descriptions of the options.
@@ -129,7 +130,17 @@ pub(crate) fn run(arguments: &Arguments, given: &Given) -> Result<(), Failure> {
     }
     // The first failure is the one to report: it is the cause of the others.
     result.and(finished.map(drop))?;
-    let summary = Summary::new(&past, step, &mut simulation)?;
+    let summary = Summary {
+        name: &past.scene,
+        comments: past.comments,
+        steps: step,
+        time: past.time(step),
+        dt: past.dt,
+        substeps: past.parts(),
+        seconds: past.seconds,
+        energies: [past.before(), simulation.energy()?],
+        overlap: simulation.max_overlap()?,
+    };
     output::print(&if arguments.json { summary.json(&simulation) } else { summary.table(&mut simulation)? })?;
     if stopped {
         let how = checkpoint.map_or(String::new(), |path| format!("; continue with: rockfall run --resume {path}"));

@@ -9,41 +9,28 @@ use crate::check;
 use crate::failure::Failure;
 use crate::options::{self, InWords};
 use crate::picture;
-use crate::run::Past;
 
 /// Data for the summary that the simulation itself does not have.
 pub(crate) struct Summary<'a> {
-    past: &'a Past,
+    pub(crate) name: &'a str,
+    /// Number of lines of the scene that are comments.
+    pub(crate) comments: usize,
     /// Number of whole steps done.
-    steps: u64,
+    pub(crate) steps: u64,
     /// Time simulated, in s.
-    time: f64,
-    /// Wall time of the steps, in s.
-    seconds: f64,
+    pub(crate) time: f64,
+    pub(crate) dt: f32,
     /// Number of parts that a step is divided into.
-    substeps: u32,
-    dt: f32,
+    pub(crate) substeps: u32,
+    /// Wall time of the steps, in s.
+    pub(crate) seconds: f64,
     /// Energy at the start and at the end.
-    energies: [Energy; 2],
+    pub(crate) energies: [Energy; 2],
     /// Deepest overlaps at the end.
-    overlap: MaxOverlap,
+    pub(crate) overlap: MaxOverlap,
 }
 
-impl<'a> Summary<'a> {
-    /// Measures the present state of a simulation after `steps` whole steps.
-    pub(crate) fn new(past: &'a Past, steps: u64, simulation: &mut Simulation) -> Result<Self, Failure> {
-        Ok(Self {
-            past,
-            steps,
-            time: past.time(steps),
-            seconds: past.seconds,
-            substeps: past.parts(),
-            dt: past.dt,
-            energies: [past.before(), simulation.energy()?],
-            overlap: simulation.max_overlap()?,
-        })
-    }
-
+impl Summary<'_> {
     fn steps_per_second(&self, steps: u64) -> f64 {
         if steps == 0 { 0.0 } else { steps as f64 / self.seconds.max(1e-9) }
     }
@@ -69,8 +56,8 @@ impl<'a> Summary<'a> {
         let counts = simulation.scene().counts();
         let [start, end] = &self.energies;
         let object = json!({
-            "scene": self.past.scene,
-            "comments": self.past.comments,
+            "scene": self.name,
+            "comments": self.comments,
             "backend": backend.kind.to_string(),
             "device": backend.device,
             "integrator": simulation.integrator().to_string(),
@@ -99,7 +86,7 @@ impl<'a> Summary<'a> {
     pub(crate) fn table(&self, simulation: &mut Simulation) -> Result<String, Failure> {
         let report = simulation.report();
         let backend = simulation.backend();
-        let mut text = format!("{}\n", self.past.scene);
+        let mut text = format!("{}\n", self.name);
         let mut row = |name: &str, value: String| {
             // Writing to a string cannot fail.
             let _ = writeln!(text, "  {name:<11} {value}");
@@ -108,7 +95,7 @@ impl<'a> Summary<'a> {
         row("pairs", format!("found by {}", simulation.broad_phase_method()));
         row("integrator", simulation.integrator().to_string());
         row("settings", changed(simulation.settings()));
-        row("comments", options::counted(self.past.comments, "line of the scene", "lines of the scene"));
+        row("comments", options::counted(self.comments, "line of the scene", "lines of the scene"));
         row("objects", InWords(simulation.scene().counts()).to_string());
         if let Some(chosen) = check::chosen_contact(simulation.settings()) {
             row("constants", chosen);

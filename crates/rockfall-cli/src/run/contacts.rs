@@ -7,8 +7,8 @@ use rockfall::output::{AtomicFile, Mark};
 use rockfall_trajectory::Format;
 use rockfall_trajectory::contacts::{Contacts, Writer, lines};
 
-use super::outputs::{lost, whole, written};
-use super::past::{Past, PastFile};
+use super::errors::{lost, written};
+use super::past::{Past, PastFile, whole};
 use crate::failure::Failure;
 
 pub(super) enum ContactsFile {

@@ -9,7 +9,8 @@ use rockfall_trajectory::csv::{self, numbers};
 use rockfall_trajectory::{Format, Frame, Writer, vtp};
 
 use super::contacts::ContactsFile;
-use super::past::{Past, PastFile};
+use super::errors::{lost, written};
+use super::past::{Past, PastFile, whole};
 use super::save;
 use crate::failure::Failure;
 use crate::output;
@@ -311,24 +312,6 @@ fn open_trace(path: &Path, mark: Option<Mark>) -> Result<AtomicFile, Failure> {
         }
         None => AtomicFile::create(path).map_err(|error| Failure::file(path, &error)),
     }
-}
-
-/// Error for an output of the earlier run that cannot be continued.
-pub(super) fn lost(error: &Error, option: &str) -> Failure {
-    Failure::usage(format!("{error}; --resume cannot continue this file: give another {option}"))
-}
-
-/// Converts errors of the library, so that a file that cannot be written is reported with its name.
-pub(super) fn written<T>(result: rockfall::Result<T>) -> Result<T, Failure> {
-    result.map_err(|error| match error {
-        Error::File { file, source } => Failure::file(&file, &source),
-        error => error.into(),
-    })
-}
-
-/// Absolute path, whether or not the file exists.
-pub(super) fn whole(path: &Path) -> PathBuf {
-    std::path::absolute(path).unwrap_or_else(|_| path.to_owned())
 }
 
 /// Prints which files hold the results so far.

@@ -1,6 +1,6 @@
 //! Data that `run` stores in a checkpoint in addition to the simulation, so that a resumed run continues with the same options.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use rockfall::output::Mark;
 use rockfall::{Energy, Error, decimal_time};
@@ -110,4 +110,9 @@ impl Past {
     pub(crate) fn set_before(&mut self, energy: &Energy) {
         self.before = [energy.kinetic, energy.potential, energy.spring, energy.contact];
     }
+}
+
+/// Absolute path, whether or not the file exists.
+pub(super) fn whole(path: &Path) -> PathBuf {
+    std::path::absolute(path).unwrap_or_else(|_| path.to_owned())
 }

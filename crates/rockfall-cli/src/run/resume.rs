@@ -6,8 +6,8 @@ use clap::ArgMatches;
 use clap::parser::ValueSource;
 use rockfall::{Checkpoint, Error, Simulation};
 
-use super::outputs::{Outputs, Wanted, whole};
-use super::past::Past;
+use super::outputs::{Outputs, Wanted};
+use super::past::{Past, whole};
 use super::{Arguments, Run};
 use crate::failure::Failure;
 use crate::options::Setting;
