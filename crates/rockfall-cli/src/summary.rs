@@ -132,8 +132,8 @@ impl Summary<'_> {
 /// Lists the constants that do not have their default value.
 fn changed(settings: &Settings) -> String {
     let defaults = Settings::default();
-    let changed = |name: &&str| settings.get(name).filter(|value| defaults.get(name).as_ref() != Some(value));
-    let list: Vec<String> = Settings::NAMES.iter().filter_map(|name| Some(format!("{name} {}", changed(&name)?))).collect();
+    let changed = |name: &str| settings.get(name).filter(|value| defaults.get(name).as_ref() != Some(value));
+    let list: Vec<String> = Settings::NAMES.iter().filter_map(|name| Some(format!("{name} {}", changed(name)?))).collect();
     if list.is_empty() { "the default values".to_owned() } else { format!("{}; else the default values", list.join(", ")) }
 }
 
