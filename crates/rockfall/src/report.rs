@@ -44,19 +44,24 @@ pub fn decimal_time(start: f64, steps: u64, dt: f32) -> f64 {
 /// Where counting steps of the present length began.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Clock {
-    time: f64,
-    steps: u64,
+    start: (u64, f64),
     dt: f32,
+    /// Steps and time of the report after the last addition.
+    last: (u64, f64),
 }
 
 impl Clock {
     /// Adds steps of `dt` seconds to a report. The time does not depend on how many steps are added at once.
     pub(crate) fn add(&mut self, steps: u64, dt: f32, report: &mut Report) {
-        if self.dt != dt {
-            *self = Self { time: report.time, steps: report.steps, dt };
+        // The report is also set by checkpoints.
+        let now = (report.steps, report.time);
+        if self.dt != dt || self.last != now {
+            (self.start, self.dt) = (now, dt);
         }
+        let (first, time) = self.start;
         report.steps += steps;
-        report.time = decimal_time(self.time, report.steps - self.steps, dt);
+        report.time = decimal_time(time, report.steps - first, dt);
+        self.last = (report.steps, report.time);
     }
 }
 
@@ -163,5 +168,10 @@ mod tests {
         clock = Clock::default();
         (0..63).for_each(|_| clock.add(10, 0.1, &mut many));
         assert_eq!((one.time, many.time), (90.0, 90.0));
+        // Back to an earlier state, after a change of the time step.
+        clock.add(10, 0.05, &mut many);
+        many = Report { steps: 3, time: 0.3, ..Report::default() };
+        clock.add(2, 0.05, &mut many);
+        assert_eq!((many.steps, many.time), (5, 0.4));
     }
 }
