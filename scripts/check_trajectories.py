@@ -60,6 +60,7 @@ def check_frame(path, npz, frame):
     for name in ("radius", "mass"):
         same(f"{path}: {name}", points[name], npz[name])
     same(f"{path}: fixed", points["fixed"].astype(bool), npz["fixed"])
+    same(f"{path}: reference", points["reference"], npz["reference"])
     fields = arrays(data.GetFieldData())
     assert fields["TimeValue"] == npz["time"][frame] and fields["step"] == npz["step"][frame], path
 
@@ -110,6 +111,9 @@ def main(folder):
     same("step", npz["step"], np.array(table["step"], np.uint64).reshape(shape)[:, 0])
     same("time", npz["time"], np.array(table["time"], np.float64).reshape(shape)[:, 0])
     assert np.array_equal(np.array(table["sphere"], int).reshape(shape), np.tile(np.arange(spheres), (frames, 1)))
+    references = [int(text or -1) for text in table["reference"]]
+    same("reference", np.array(references, np.int64).reshape(shape)[-1], npz["reference"])
+    assert 900 in references and -1 in references
     assert npz["contacts"].sum() > 0 and npz["contacts"].dtype == np.uint32
     assert npz["fixed"].dtype == bool and npz["fixed"].sum() == 1
     assert len(npz["rods"]) == 7 and len(npz["springs"]) == 2 and len(npz["tethers"]) == 1

@@ -5,7 +5,7 @@ use std::path::Path;
 use rockfall::{Integrator, Scene};
 
 /// Upper bound of the length of an error message, in bytes. Messages quote words of the text.
-const LONGEST_MESSAGE: usize = 400;
+const LONGEST_MESSAGE: usize = 600;
 
 /// Reads any bytes as a scene. The error for a rejected text must name its line. An accepted text is written and read again,
 /// and the objects must be bitwise identical.

@@ -77,6 +77,7 @@ impl Twins {
     pub(crate) fn observe(&mut self) {
         self.both(Simulation::contacts);
         self.both(Simulation::diagnostics);
+        self.both(Simulation::max_overlap);
         self.both(Simulation::energy);
         self.both(|simulation| Ok(simulation.sync()?.to_text()));
     }

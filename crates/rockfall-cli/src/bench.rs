@@ -9,6 +9,7 @@ use rockfall::generate::Benchmark;
 use rockfall::output::AtomicFile;
 
 use crate::failure::Failure;
+use crate::files;
 use crate::options::{Engine, Physics, whole};
 use crate::output;
 
@@ -62,8 +63,8 @@ impl Arguments {
 }
 
 pub(crate) fn bench(arguments: &Arguments) -> Result<(), Failure> {
-    if let Some(path) = arguments.plot.as_deref().filter(|path| path.extension().is_none_or(|extension| extension != "svg")) {
-        return Err(Failure::usage(format!("--plot {}: expected a name that ends in .svg", path.display())));
+    if let Some(path) = &arguments.plot {
+        files::check("--plot", path, files::CHART)?;
     }
     // Opened first, so that a bad path fails before the measurement.
     let plot = arguments.plot.as_deref().map(|path| {

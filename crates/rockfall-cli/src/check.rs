@@ -27,7 +27,8 @@ pub(crate) fn check(arguments: &Arguments) -> Result<(), Failure> {
     let (dt, integrator) = (arguments.physics.dt, arguments.physics.integrator);
     let mut text = String::new();
     // Writing to a string cannot fail.
-    let _ = writeln!(text, "{name}: {}", InWords(scene.counts()));
+    let comments = counted(loaded.comments, "comment", "comments");
+    let _ = writeln!(text, "{name}: {}, {comments}", InWords(scene.counts()));
     let defaults = Settings::default();
     for setting in Settings::NAMES {
         let value = scene.settings.get(setting).filter(|value| defaults.get(setting).as_ref() != Some(value));

@@ -37,7 +37,9 @@ impl Failure {
 impl From<Error> for Failure {
     fn from(error: Error) -> Self {
         match error {
-            Error::Invalid { .. } | Error::UnknownSetting { .. } | Error::TooManyObjects { .. } => Self::usage(error),
+            Error::Invalid { .. } | Error::UnknownSetting { .. } | Error::TooManyObjects { .. } | Error::PictureSize { .. } => {
+                Self::usage(error)
+            }
             _ => Self::Run(error.to_string()),
         }
     }

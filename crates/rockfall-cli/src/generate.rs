@@ -7,6 +7,7 @@ use rockfall::generate::Kind;
 use rockfall::output::AtomicFile;
 
 use crate::failure::Failure;
+use crate::files;
 use crate::options::whole;
 use crate::output;
 
@@ -27,10 +28,13 @@ pub(crate) struct Arguments {
 
 pub(crate) fn generate(arguments: &Arguments) -> Result<(), Failure> {
     let Arguments { kind, spheres, seed, out } = arguments;
+    if let Some(path) = out {
+        files::check("--out", path, files::SCENE)?;
+    }
     let file = out.as_ref().map(|path| AtomicFile::create(path).map_err(|error| Failure::file(path, &error)));
     let file = file.transpose()?;
     let scene = kind.generate(*spheres, *seed)?;
-    let title = format!("rockfall generate {kind} --spheres {spheres} --seed {seed}\n\n");
+    let title = format!("# rockfall generate {kind} --spheres {spheres} --seed {seed}\n\n");
     let text = title + &scene.to_text();
     let (Some(mut file), Some(path)) = (file, out) else {
         return output::print(&text);

@@ -8,6 +8,7 @@ mod bench;
 mod check;
 mod devices;
 mod failure;
+mod files;
 mod generate;
 mod interrupt;
 mod options;
@@ -28,7 +29,6 @@ mod view;
 #[command(
     name = "rockfall",
     version = env!("ROCKFALL_VERSION"),
-    disable_help_subcommand = true,
     after_help = "Exit codes: 0 success, 1 the run failed, 2 wrong usage or a bad scene, 130 interrupted by Ctrl-C or SIGTERM."
 )]
 struct Arguments {

@@ -137,6 +137,31 @@ pub(crate) fn as_written(number: f32) -> f64 {
     number.to_string().parse().unwrap_or(f64::from(number))
 }
 
+/// All constants, as JSON: numbers as they are written, switches as true or false, directions as arrays.
+pub(crate) fn settings_json(settings: &Settings) -> serde_json::Value {
+    let number = |text: &str| serde_json::json!(text.parse::<f64>().ok());
+    let value = |text: String| match text.as_str() {
+        "on" => true.into(),
+        "off" => false.into(),
+        text if text.contains(',') => text.split(',').map(number).collect(),
+        text => number(text),
+    };
+    let entries = Settings::NAMES.iter().map(|name| ((*name).to_owned(), settings.get(name).map_or(().into(), value)));
+    serde_json::Value::Object(entries.collect())
+}
+
+/// Kinetic, potential, spring and contact energy and their sum, as JSON.
+pub(crate) fn energy_json(energy: &rockfall::Energy) -> serde_json::Value {
+    // Adding 0 turns -0, the value of an empty sum, into 0.
+    serde_json::json!({
+        "kinetic": energy.kinetic + 0.0,
+        "potential": energy.potential + 0.0,
+        "spring": energy.spring + 0.0,
+        "contact": energy.contact + 0.0,
+        "total": energy.total() + 0.0,
+    })
+}
+
 /// Number of objects of every kind, as JSON.
 pub(crate) fn counts_json(counts: &rockfall::Counts) -> serde_json::Value {
     serde_json::json!({

@@ -11,6 +11,7 @@ use rockfall_viewer::film::{self, Format, Player, Timing};
 use rockfall_viewer::picture::{Canvas, FORMAT, Picture};
 
 use crate::failure::Failure;
+use crate::files;
 use crate::options::{Engine, Physics, whole};
 use crate::output;
 use crate::progress::Progress;
@@ -102,7 +103,7 @@ enum Product {
 impl Arguments {
     fn product(&self) -> Result<Product, Failure> {
         let path = self.out.display();
-        let is_picture = self.out.extension().is_some_and(|extension| extension == "png");
+        let is_picture = self.out.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("png"));
         match (is_picture, Format::of(&self.out), self.steps) {
             (true, None, None) => Ok(Product::Picture),
             (false, Some(Format::Gif), Some(_)) if self.fps > 50 => {
@@ -116,9 +117,10 @@ impl Arguments {
                  or use --at N to choose the step of the picture"
             ))),
             (false, Some(_), None) => Err(Failure::usage(format!("--out {path} is a film: expected --steps N for its length"))),
-            (false, None, _) => Err(Failure::usage(format!(
-                "--out {path}: expected a name that ends in .png, .gif, .apng or .mp4, or a folder name that ends in /"
-            ))),
+            (false, None, _) => {
+                let expected = "a name that ends in .png, .gif, .apng or .mp4, or a folder name that ends in /";
+                Err(files::unknown("--out", &self.out, expected))
+            }
         }
     }
 

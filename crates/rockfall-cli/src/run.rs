@@ -3,10 +3,12 @@
 use std::path::PathBuf;
 use std::time::Instant;
 
-use rockfall::Simulation;
+use rockfall::{Error, Scene, Simulation};
+use rockfall_trajectory::Format;
 
 use crate::check;
 use crate::failure::Failure;
+use crate::files;
 use crate::interrupt::Interrupt;
 use crate::options::{Engine, Physics, Substeps, whole};
 use crate::output;
@@ -14,9 +16,12 @@ use crate::progress::Progress;
 use crate::source::Source;
 use crate::summary::Summary;
 
+mod contacts;
+mod errors;
 mod outputs;
 mod past;
 mod resume;
+mod save;
 
 use outputs::{Outputs, Wanted};
 use past::Past;
@@ -24,13 +29,13 @@ pub(crate) use resume::Given;
 
 /// Details that do not fit into the one-line descriptions of the options.
 const AFTER_HELP: &str = "\
-Ctrl-C or SIGTERM stops a run cleanly: it finishes the steps under way, writes its results (--out, --trace, --checkpoint) and \
-exits with code 130. A second Ctrl-C ends it at once. If a step fails, --out and --trace are written up to that step if the \
+Ctrl-C or SIGTERM stops a run cleanly: it finishes the steps under way, writes its results (--out, --trace, --contacts, --save, --checkpoint) \
+and exits with code 130. A second Ctrl-C ends it at once. If a step fails, --out and --trace are written up to that step if the \
 device can still be read, and the last checkpoint is left unchanged.
 
 --resume FILE continues a run from its checkpoint up to step N, counted from the start of the first run (--steps N). It takes \
-everything from the checkpoint: constants, time step, integrator, backend, --out, --every, --trace and --checkpoint-every, and \
-writes further checkpoints to FILE. Options on the command line override the checkpoint; a change that affects the motion is \
+everything from the checkpoint: constants, time step, integrator, backend, --out, --every, --trace, --contacts, --save and \
+--checkpoint-every, and writes further checkpoints to FILE. Options on the command line override the checkpoint; a change that affects the motion is \
 reported. With the same options on the same device, the final state, the trace and the trajectory are bitwise identical to \
 those of a run that was never stopped. Until a run ends, its trace and trajectory are next to their final path as .NAME.part. \
 A run that is killed leaves these files; --resume continues them, and a new run that writes to the same path replaces them.
@@ -39,10 +44,16 @@ A run that is killed leaves these files; --resume continues them, and a new run 
 are stable (rockfall check reports it). Everywhere else, steps and the time step are whole steps. A line of the trace counts \
 the collisions of all parts of its step; its contacts and overlap are those of the last part.
 
---out chooses the format by the extension. Without --every, the final state is written: .npz for NumPy, .vtp for ParaView, any \
-other name as CSV. With --every K, the state at the start and after every K-th step is written: .npz holds arrays \
-[frames, spheres, ...], .vtp or .pvd writes NAME.pvd and a folder NAME with the frames, any other name is CSV with the columns \
-step,time in front.";
+The extension of a file chooses its format, in upper or lower case; an unknown one is an error. Devices such as /dev/stdout get \
+CSV. Without --every, --out writes the final state: .csv, .npz for NumPy, .vtp for ParaView. With --every K, it writes the state \
+at the start and after every K-th step: .npz holds arrays [frames, spheres, ...], .vtp or .pvd writes NAME.pvd and a folder NAME \
+with the frames, .csv has the columns step,time in front.
+
+--contacts writes the contacts of the same states: both bodies, point, normal, overlap, and the force or the impulse on the \
+second body. .vtp and .pvd have a line from body to body for each contact, which shows force chains in ParaView.
+
+--save FILE.txt writes the final state as a scene file with all settings, also those of --set. `rockfall run FILE.txt` with the \
+same --dt and --integrator goes on from there.";
 
 #[derive(Debug, clap::Args)]
 #[command(after_long_help = AFTER_HELP)]
@@ -59,16 +70,22 @@ pub(crate) struct Arguments {
     physics: Physics,
     #[command(flatten)]
     engine: Engine,
-    /// Write the final state of every sphere: .npz, .vtp, otherwise CSV
+    /// Write the final state of every sphere: .csv, .npz or .vtp
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
-    /// Write the state to --out every K steps instead: .npz, .pvd, otherwise CSV
+    /// Write the state to --out, and the contacts to --contacts, every K steps instead: .csv, .npz or .pvd
     #[arg(long, value_name = "K", value_parser = whole(1, u64::MAX), allow_negative_numbers = true)]
     every: Option<u64>,
-    /// Write the energies and momenta of every step as CSV
+    /// Write the energies and momenta of every step: .csv
     #[arg(long, value_name = "FILE")]
     trace: Option<PathBuf>,
-    /// Write a checkpoint for --resume when the run ends or is interrupted
+    /// Write every contact of the final state, with both bodies, point, normal, overlap and force: .csv, .npz or .vtp
+    #[arg(long, value_name = "FILE")]
+    contacts: Option<PathBuf>,
+    /// Write the final state as a scene file, with its settings: .txt
+    #[arg(long, value_name = "FILE")]
+    save: Option<PathBuf>,
+    /// Write a checkpoint for --resume when the run ends or is interrupted: .ckpt
     #[arg(long, value_name = "FILE")]
     checkpoint: Option<PathBuf>,
     /// Also write the checkpoint every N steps, replacing the previous one
@@ -106,15 +123,24 @@ pub(crate) fn run(arguments: &Arguments, given: &Given) -> Result<(), Failure> {
 
     let step = past.step(simulation.report().steps);
     let checkpoint = outputs.checkpoint().map(|path| path.display().to_string());
-    let finished = outputs.finish(&mut simulation);
+    let finished = outputs.finish(&mut simulation, &past);
     let stopped = step < past.steps;
     if stopped || result.is_err() {
         outputs::note_written(finished.as_deref().unwrap_or_default(), step);
     }
     // The first failure is the one to report: it is the cause of the others.
     result.and(finished.map(drop))?;
-    let (dt, substeps) = (past.dt, past.parts());
-    let summary = Summary { name: &past.scene, steps: step, dt, substeps, seconds: past.seconds, before: past.before() };
+    let summary = Summary {
+        name: &past.scene,
+        comments: past.comments,
+        steps: step,
+        time: past.time(step),
+        dt: past.dt,
+        substeps: past.parts(),
+        seconds: past.seconds,
+        energies: [past.before(), simulation.energy()?],
+        overlap: simulation.max_overlap()?,
+    };
     output::print(&if arguments.json { summary.json(&simulation) } else { summary.table(&mut simulation)? })?;
     if stopped {
         let how = checkpoint.map_or(String::new(), |path| format!("; continue with: rockfall run --resume {path}"));
@@ -127,7 +153,8 @@ pub(crate) fn run(arguments: &Arguments, given: &Given) -> Result<(), Failure> {
 fn begin(arguments: &Arguments) -> Result<Run, Failure> {
     let wanted = arguments.wanted()?;
     let Source { name, loaded } = Source::read(arguments.scene.as_deref())?;
-    for file in [&arguments.out, &arguments.trace, &arguments.checkpoint].into_iter().flatten() {
+    let Arguments { out, trace, contacts, save, checkpoint, .. } = arguments;
+    for file in [out, trace, contacts, save, checkpoint].into_iter().flatten() {
         Source::is_not(arguments.scene.as_deref(), file)?;
     }
     if loaded.scene.counts().spheres == 0 {
@@ -140,7 +167,7 @@ fn begin(arguments: &Arguments) -> Result<Run, Failure> {
     arguments.physics.change(&mut scene.settings)?;
     let (dt, integrator) = (arguments.physics.dt, arguments.physics.integrator);
     let substeps = arguments.substeps.of(&scene, dt, integrator);
-    let mut past = Past { scene: name, steps: arguments.steps, dt, substeps, ..Past::default() };
+    let mut past = Past { scene: name, comments: loaded.comments, steps: arguments.steps, dt, substeps, ..Past::default() };
     for line in check::concerns(&past.scene, &scene, past.part(), integrator).lines() {
         output::note(line);
     }
@@ -156,10 +183,26 @@ fn begin(arguments: &Arguments) -> Result<Run, Failure> {
 impl Arguments {
     /// Output files from the arguments.
     fn wanted(&self) -> Result<Wanted, Failure> {
+        // Without --every, a .pvd file has an error of its own.
+        let of_states = |path: &Option<PathBuf>| {
+            let is_series = path.as_deref().is_some_and(|path| Format::of(path) == Some(Format::Vtp));
+            if is_series || self.every.is_some() || self.resume.is_some() { files::SERIES } else { files::STATE }
+        };
+        for (option, path, known) in [
+            ("--out", &self.out, of_states(&self.out)),
+            ("--contacts", &self.contacts, of_states(&self.contacts)),
+            ("--trace", &self.trace, files::TRACE),
+            ("--save", &self.save, files::SCENE),
+            ("--checkpoint", &self.checkpoint, files::CHECKPOINT),
+        ] {
+            path.as_deref().map_or(Ok(()), |path| files::check(option, path, known))?;
+        }
         let wanted = Wanted {
             out: self.out.clone(),
             every: self.every,
             trace: self.trace.clone(),
+            contacts: self.contacts.clone(),
+            save: self.save.clone(),
             checkpoint: self.checkpoint.clone(),
             checkpoint_every: self.checkpoint_every,
         };
@@ -167,6 +210,18 @@ impl Arguments {
             wanted.check()?;
         }
         Ok(wanted)
+    }
+}
+
+/// Adds the number by which the scene file refers to a sphere to an error that names one.
+fn named(error: Error, scene: &Scene) -> Failure {
+    let id = match &error {
+        Error::NonFinite { sphere, .. } => scene.sphere_ids().nth(*sphere),
+        _ => None,
+    };
+    match id.and_then(|id| scene.reference(id)) {
+        Some(reference) => Failure::Run(format!("{error}; the scene refers to this sphere as {reference}")),
+        None => error.into(),
     }
 }
 
@@ -180,7 +235,7 @@ fn steps(run: &mut Run, interrupt: &Interrupt) -> Result<(), Failure> {
     while result.is_ok() && !interrupt.is_requested() && done(run) < run.past.steps {
         let chunk = run.outputs.steps_from(done(run), progress.chunk());
         let moved = run.simulation.run(chunk.saturating_mul(parts), run.past.part());
-        result = moved.map(drop).map_err(|error| Failure::from(run.past.in_steps(error)));
+        result = moved.map(drop).map_err(|error| named(run.past.in_steps(error), run.simulation.scene()));
         run.past.seconds = seconds + start.elapsed().as_secs_f64();
         result = result.and_then(|()| run.outputs.after_step(&mut run.simulation, &mut run.past));
         progress.advance(chunk);

@@ -1,5 +1,6 @@
 //! Reads a scene from a file, from standard input, or from the built-in copy.
 
+use std::fs::File;
 use std::io::Read as _;
 use std::path::Path;
 
@@ -25,6 +26,7 @@ impl Source {
             return Self::new(BUILT_IN_NAME, Scene::parse(BUILT_IN, Path::new(BUILT_IN_NAME)));
         };
         if path != Path::new("-") {
+            refuse_other_files(path)?;
             return Self::new(&path.display().to_string(), Scene::load(path));
         }
         let mut bytes = Vec::new();
@@ -48,6 +50,35 @@ impl Source {
     fn new(name: &str, loaded: rockfall::Result<Loaded>) -> Result<Self, Failure> {
         Ok(Self { name: name.to_owned(), loaded: loaded.map_err(Failure::usage)? })
     }
+}
+
+/// Returns an error that says what a file is, if it is one that rockfall itself writes and not a scene.
+fn refuse_other_files(path: &Path) -> Result<(), Failure> {
+    // A pipe must not be read here. What cannot be opened is reported when the scene is read.
+    let Some(file) = File::open(path).ok().filter(|file| file.metadata().is_ok_and(|found| found.is_file())) else {
+        return Ok(());
+    };
+    let mut start = Vec::new();
+    let name = path.display();
+    if file.take(256).read_to_end(&mut start).is_err() {
+        return Ok(());
+    }
+    let begins = |text: &str| start.starts_with(text.as_bytes());
+    let contains = |text: &str| start.windows(text.len()).any(|window| window == text.as_bytes());
+    let what = if start.starts_with(b"\x89RKF") {
+        format!("a checkpoint, not a scene: continue its run with `rockfall run --resume {name}`")
+    } else if start.starts_with(b"PK\x03\x04") {
+        "an archive of arrays (.npz), not a scene".to_owned()
+    } else if contains("<VTKFile") {
+        "a file for ParaView and VTK, not a scene".to_owned()
+    } else if begins("sphere,x,y,z,") || begins("step,time,") {
+        "a table of results (.csv), not a scene: `rockfall run --save FILE.txt` writes the final state as a scene".to_owned()
+    } else if start.starts_with(b"\x89PNG") || begins("GIF8") {
+        "a picture, not a scene".to_owned()
+    } else {
+        return Ok(());
+    };
+    Err(Failure::usage(format!("{name}: this is {what}")))
 }
 
 #[cfg(test)]

@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use rockfall::{Energy, Scene, Simulation};
+use rockfall::{Energy, MaxOverlap, Scene, Settings, Simulation};
 use serde_json::json;
 
 use crate::check;
@@ -13,15 +13,21 @@ use crate::picture;
 /// Data for the summary that the simulation itself does not have.
 pub(crate) struct Summary<'a> {
     pub(crate) name: &'a str,
+    /// Number of lines of the scene that are comments.
+    pub(crate) comments: usize,
     /// Number of whole steps done.
     pub(crate) steps: u64,
+    /// Time simulated, in s.
+    pub(crate) time: f64,
     pub(crate) dt: f32,
     /// Number of parts that a step is divided into.
     pub(crate) substeps: u32,
     /// Wall time of the steps, in s.
     pub(crate) seconds: f64,
-    /// Energy at the start.
-    pub(crate) before: Energy,
+    /// Energy at the start and at the end.
+    pub(crate) energies: [Energy; 2],
+    /// Deepest overlaps at the end.
+    pub(crate) overlap: MaxOverlap,
 }
 
 impl Summary<'_> {
@@ -48,16 +54,26 @@ impl Summary<'_> {
         let report = simulation.report();
         let backend = simulation.backend();
         let counts = simulation.scene().counts();
+        let [start, end] = &self.energies;
         let object = json!({
             "scene": self.name,
+            "comments": self.comments,
             "backend": backend.kind.to_string(),
             "device": backend.device,
+            "integrator": simulation.integrator().to_string(),
+            "broad_phase": simulation.broad_phase_method().to_string(),
+            "settings": options::settings_json(simulation.settings()),
             "steps": self.steps,
             "dt": options::as_written(self.dt),
+            "time": self.time,
             "substeps": self.substeps,
             "seconds": self.seconds,
             "steps_per_second": self.steps_per_second(self.steps),
             "objects": options::counts_json(&counts),
+            "energy_start": options::energy_json(start),
+            "energy_end": options::energy_json(end),
+            "max_overlap": options::as_written(self.overlap.units),
+            "max_overlap_radii": options::as_written(self.overlap.radii),
             "contacts": report.contacts,
             "collisions": report.total_collisions,
             "replays": report.replays,
@@ -69,7 +85,6 @@ impl Summary<'_> {
     /// The summary as a table, for people.
     pub(crate) fn table(&self, simulation: &mut Simulation) -> Result<String, Failure> {
         let report = simulation.report();
-        let after = simulation.energy()?;
         let backend = simulation.backend();
         let mut text = format!("{}\n", self.name);
         let mut row = |name: &str, value: String| {
@@ -78,13 +93,16 @@ impl Summary<'_> {
         };
         row("backend", format!("{}: {} ({})", backend.kind, backend.device, backend.reason));
         row("pairs", format!("found by {}", simulation.broad_phase_method()));
+        row("integrator", simulation.integrator().to_string());
+        row("settings", changed(simulation.settings()));
+        row("comments", options::counted(self.comments, "line of the scene", "lines of the scene"));
         row("objects", InWords(simulation.scene().counts()).to_string());
         if let Some(chosen) = check::chosen_contact(simulation.settings()) {
             row("constants", chosen);
         }
         let speed = self.steps_per_second(self.steps);
-        let real_time = if self.seconds > 0.0 { report.time / self.seconds } else { 0.0 };
-        let length = self.length(self.steps, report.time);
+        let real_time = if self.seconds > 0.0 { self.time / self.seconds } else { 0.0 };
+        let length = self.length(self.steps, self.time);
         row("steps", format!("{length}, done in {:.3} s: {speed:.0} steps/s, {real_time:.1} times real time", self.seconds));
         let energies = |energy: &Energy| {
             let [kinetic, potential, spring, contact] =
@@ -92,9 +110,12 @@ impl Summary<'_> {
             let total = short(energy.total());
             format!("{total:>10} = {kinetic} kinetic + {potential} potential + {spring} spring + {contact} contact")
         };
-        row("energy", format!("{} at the start", energies(&self.before)));
-        row("", format!("{} at the end", energies(&after)));
-        row("contacts", format!("{} in the last step, deepest overlap {}", report.contacts, short(report.max_overlap.into())));
+        row("energy", format!("{} at the start", energies(&self.energies[0])));
+        row("", format!("{} at the end", energies(&self.energies[1])));
+        row("contacts", format!("{} in the last step", report.contacts));
+        let MaxOverlap { units, radii, .. } = self.overlap;
+        let share = short(100.0 * f64::from(radii));
+        row("overlap", format!("{} at the end, at most {share} % of the smaller radius", short(units.into())));
         row("collisions", format!("{} in all, {} in the last step", report.total_collisions, report.collisions));
         if report.replays > 0 {
             row("replays", format!("{} steps repeated, with longer lists or larger AABBs", report.replays));
@@ -106,6 +127,14 @@ impl Summary<'_> {
         text.push_str(&picture::side_view(scene));
         Ok(text)
     }
+}
+
+/// Lists the constants that do not have their default value.
+fn changed(settings: &Settings) -> String {
+    let defaults = Settings::default();
+    let changed = |name: &str| settings.get(name).filter(|value| defaults.get(name).as_ref() != Some(value));
+    let list: Vec<String> = Settings::NAMES.iter().filter_map(|name| Some(format!("{name} {}", changed(name)?))).collect();
+    if list.is_empty() { "the default values".to_owned() } else { format!("{}; else the default values", list.join(", ")) }
 }
 
 /// Formats a number with four significant digits.

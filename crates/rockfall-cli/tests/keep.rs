@@ -78,9 +78,16 @@ fn runs_killed_on_the_gpu_are_bitwise_identical() {
 /// A resumed run continues its trajectory in every format, whether the file was finished or not.
 #[test]
 fn resumed_runs_continue_their_trajectories() {
-    for out in ["run.npz", "run.pvd", "run.csv"] {
+    for (option, out) in [
+        ("--out", "run.npz"),
+        ("--out", "run.pvd"),
+        ("--out", "run.csv"),
+        ("--contacts", "run.npz"),
+        ("--contacts", "run.pvd"),
+        ("--contacts", "run.csv"),
+    ] {
         let [whole, parts] = [0, 1].map(|_| Rockfall::with(&mixed(32)));
-        let run = format!("run scene.txt --backend cpu --dt 0.01 --out {out} --every 10");
+        let run = format!("run scene.txt --backend cpu --dt 0.01 {option} {out} --every 10");
         whole.run(&format!("{run} --steps 100"), 0);
         // A run to its end, then one that continues the finished file, one that is killed, and one that continues the
         // unfinished file.

@@ -31,6 +31,51 @@ fn numpy_and_vtk_read_every_number_bitwise_identical() {
     assert!(out.starts_with("6 frames of "), "{out}");
 }
 
+#[test]
+fn numpy_and_vtk_read_the_contacts() {
+    let rockfall = Rockfall::with(&mixed(32));
+    let run = "run scene.txt --backend cpu --dt 0.01 --steps 50";
+    rockfall.run(&format!("{run} --every 10 --out frames.npz --contacts contacts.npz"), 0);
+    for file in ["contacts.csv", "contacts.pvd"] {
+        rockfall.run(&format!("{run} --every 10 --contacts {file}"), 0);
+    }
+    for file in ["last.csv", "last.npz", "last.vtp"] {
+        rockfall.run(&format!("{run} --contacts {file}"), 0);
+    }
+    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scripts/check_contacts.py");
+    let output = Command::new(python()).arg(script).arg(rockfall.folder.path()).output().expect("Python runs");
+    let (out, err) = (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
+    assert!(output.status.success(), "{out}{err}");
+    assert!(out.contains("contacts in 6 frames"), "{out}");
+}
+
+/// Three balls of mass 2 lie on each other: the contacts bear 1, 2 and 3 of them. The file names the balls as the scene does.
+#[test]
+fn the_contacts_of_a_stack_bear_its_weight() {
+    let mut scene = String::from("set gravity 9\nB -5 -1 -5 10 0 0 0 1 0 0 0 10\n");
+    for ball in 0..3 {
+        scene += &format!("S {} 0 {} 0 0 0 0 0 0 0 2 0.5\n", 70 + ball, 0.49 + 0.98 * f64::from(ball));
+    }
+    let rockfall = Rockfall::with(&scene);
+    for backend in if cfg!(feature = "gpu") { vec!["cpu", "gpu"] } else { vec!["cpu"] } {
+        rockfall.run(&format!("run scene.txt --backend {backend} --dt 0.01 --steps 2000 --contacts last.csv"), 0);
+        let text = rockfall.read("last.csv");
+        let lines: Vec<Vec<&str>> = text.lines().map(|line| line.split(',').collect()).collect();
+        let place = |name: &str| lines[0].iter().position(|column| *column == name).unwrap();
+        assert_eq!(lines.len(), 4, "{text}");
+        for line in &lines[1..] {
+            assert_eq!((line[place("step")], line[place("time")]), ("2000", "20"));
+            let [a, overlap, fx, fy]: [f64; 4] = ["a", "overlap", "fx", "fy"].map(|name| line[place(name)].parse().unwrap());
+            assert_eq!(line[place("a_reference")], format!("{}", 70.0 + a), "{text}");
+            // Ball A on the floor bears all three. A pair of balls bears those from B on.
+            let on_floor = line[place("b_kind")] == "box";
+            let (borne, sign) = if on_floor { (3.0, -1.0) } else { (2.0 - a, 1.0) };
+            assert!((fy * sign - borne * 18.0).abs() < 0.05 && fx.abs() < 1e-3, "{text}");
+            assert!(overlap > 0.0 && (on_floor == line[place("b_reference")].is_empty()), "{text}");
+        }
+    }
+}
+
 /// `.vtp` with `--every` writes a series, as `.pvd` does, because a single `.vtp` file cannot hold several states.
 #[test]
 fn a_series_is_a_list_and_a_folder() {

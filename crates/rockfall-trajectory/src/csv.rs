@@ -1,37 +1,37 @@
 //! Comma-separated values. Numbers have the fewest digits from which they are read back bitwise identical.
 //!
-//! A state has one line per sphere in insertion order, with the columns `sphere,x,y,z,vx,vy,vz,qw,qx,qy,qz,lx,ly,lz`. `q` is
-//! the unit quaternion of the orientation, `l` the angular momentum. A trajectory has the columns `step,time` before these.
+//! A state has one line per sphere in insertion order, with the columns `sphere,x,y,z,vx,vy,vz,qw,qx,qy,qz,lx,ly,lz,reference`.
+//! `q` is the unit quaternion of the orientation, `l` the angular momentum, `reference` the number of the sphere in the scene
+//! file, empty for a sphere of a capsule line and for one that a program has added. A trajectory has the columns `step,time` before these.
 
 use std::fmt::{Display, LowerExp};
 use std::io::{self, Write};
 use std::path::Path;
 
-use rockfall::SphereState;
 use rockfall::output::{AtomicFile, Mark};
 
 use crate::Frame;
 
-const STATE_HEADER: &str = "sphere,x,y,z,vx,vy,vz,qw,qx,qy,qz,lx,ly,lz";
+const STATE_HEADER: &str = "sphere,x,y,z,vx,vy,vz,qw,qx,qy,qz,lx,ly,lz,reference";
 
 /// Writes one state with its header.
 ///
 /// # Errors
 /// Returns the error of the writer.
-pub fn state(out: &mut impl Write, spheres: &[SphereState]) -> io::Result<()> {
+pub fn state(out: &mut impl Write, frame: &Frame) -> io::Result<()> {
     writeln!(out, "{STATE_HEADER}")?;
-    lines(out, "", spheres)
+    lines(out, "", frame)
 }
 
-fn lines(out: &mut impl Write, prefix: &str, spheres: &[SphereState]) -> io::Result<()> {
-    for (index, sphere) in spheres.iter().enumerate() {
+fn lines(out: &mut impl Write, prefix: &str, frame: &Frame) -> io::Result<()> {
+    for (index, (sphere, reference)) in frame.spheres.iter().zip(&frame.references).enumerate() {
         let q = sphere.orientation;
         write!(out, "{prefix}{index}")?;
         numbers(out, &sphere.position.to_array())?;
         numbers(out, &sphere.velocity.to_array())?;
         numbers(out, &[q.w, q.x, q.y, q.z])?;
         numbers(out, &sphere.angular_momentum.to_array())?;
-        writeln!(out)?;
+        writeln!(out, ",{}", reference.map_or(String::new(), |reference| reference.to_string()))?;
     }
     Ok(())
 }
@@ -68,7 +68,7 @@ impl Series {
         let mut prefix = frame.step.to_string().into_bytes();
         numbers(&mut prefix, &[frame.time])?;
         prefix.push(b',');
-        lines(&mut self.file, &String::from_utf8_lossy(&prefix), &frame.spheres)
+        lines(&mut self.file, &String::from_utf8_lossy(&prefix), frame)
     }
 
     pub(crate) fn mark(&mut self) -> io::Result<Option<Mark>> {

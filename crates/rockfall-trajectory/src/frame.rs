@@ -12,6 +12,8 @@ pub struct Frame {
     pub time: f64,
     /// States of the spheres, in insertion order.
     pub spheres: Vec<SphereState>,
+    /// Numbers of the spheres in the scene file ([`Scene::reference`]).
+    pub references: Vec<Option<u32>>,
     /// Number of contacts of every sphere, without those of its rods; empty if they were not requested.
     pub contacts: Vec<u32>,
 }
@@ -28,7 +30,10 @@ impl Frame {
             false => Vec::new(),
         };
         let report = simulation.report();
-        Ok(Self { step: report.steps, time: report.time, spheres: simulation.spheres()?, contacts })
+        let spheres = simulation.spheres()?;
+        let scene = simulation.scene();
+        let references = scene.sphere_ids().map(|id| scene.reference(id)).collect();
+        Ok(Self { step: report.steps, time: report.time, spheres, references, contacts })
     }
 }
 

@@ -21,6 +21,8 @@
 //! | [`Format::Npz`] | one archive of arrays for NumPy | see [`npz`] |
 //! | [`Format::Vtp`] | `NAME.pvd` and a folder `NAME` with the frames, for ParaView and VTK | see [`vtp`] |
 //!
+//! [`contacts`] writes the contacts between bodies in the same formats.
+//!
 //! Frames are written at once and not held in memory. All numbers are bitwise identical to those of the simulation. A file
 //! appears under its name only when it is complete. A [`Mark`] records the position in an unfinished file, from which a later
 //! program can continue.
@@ -31,6 +33,7 @@ use std::path::{Path, PathBuf};
 use rockfall::output::Mark;
 use rockfall::{Error, Result, Scene, Simulation};
 
+pub mod contacts;
 pub mod csv;
 mod frame;
 pub mod npz;
@@ -51,12 +54,14 @@ pub enum Format {
 }
 
 impl Format {
-    /// Returns the format for the extension of a path: `npz`, `vtp` or `pvd`, and [`Format::Csv`] for every other name.
-    pub fn of(path: &Path) -> Self {
-        match path.extension().and_then(|extension| extension.to_str()).map(str::to_ascii_lowercase).as_deref() {
-            Some("npz") => Self::Npz,
-            Some("vtp" | "pvd") => Self::Vtp,
-            _ => Self::Csv,
+    /// Returns the format for the extension of a path: `csv`, `npz`, `vtp` or `pvd`, in upper or lower case. `None` for every
+    /// other name.
+    pub fn of(path: &Path) -> Option<Self> {
+        match path.extension()?.to_str()?.to_ascii_lowercase().as_str() {
+            "csv" => Some(Self::Csv),
+            "npz" => Some(Self::Npz),
+            "vtp" | "pvd" => Some(Self::Vtp),
+            _ => None,
         }
     }
 }
@@ -109,16 +114,17 @@ impl Writer {
     /// # Errors
     /// [`Error::Device`] if the GPU failed, [`Error::File`] if the file cannot be written.
     pub fn frame(&mut self, simulation: &mut Simulation) -> Result<()> {
-        self.frame_of_step(simulation, simulation.report().steps)
+        let report = simulation.report();
+        self.frame_at(simulation, report.steps, report.time)
     }
 
-    /// Adds the current state with the given step number, for programs that divide their steps into several parts.
+    /// Adds the current state with the given step number and time in s, for programs that divide their steps into several parts.
     ///
     /// # Errors
     /// As for [`Writer::frame`].
-    pub fn frame_of_step(&mut self, simulation: &mut Simulation, step: u64) -> Result<()> {
+    pub fn frame_at(&mut self, simulation: &mut Simulation, step: u64, time: f64) -> Result<()> {
         let mut frame = Frame::of(simulation, !matches!(self.file, File::Csv(_)))?;
-        frame.step = step;
+        (frame.step, frame.time) = (step, time);
         let written = match &mut self.file {
             File::Csv(series) => series.frame(&frame),
             File::Npz(series) => series.frame(&frame),

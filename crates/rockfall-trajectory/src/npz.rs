@@ -10,6 +10,7 @@
 //! | `contacts` | F, N | u4 | number of contacts of each sphere, without those of its rods |
 //! | `radius`, `mass` | N | f4 | |
 //! | `fixed` | N | b1 | |
+//! | `reference` | N | i8 | number of the sphere in the scene file, -1 for none |
 //! | `rods`, `springs` | R, 2 and S, 2 | u4 | indices of the two spheres |
 //! | `rod_radius` | R | f4 | |
 //! | `tethers` | T | u4 | index of the sphere |
@@ -160,7 +161,12 @@ fn changed() -> io::Error {
     io::Error::new(io::ErrorKind::InvalidData, "the number of spheres has changed between frames")
 }
 
-fn frames_path(path: &Path) -> io::Result<PathBuf> {
+/// Error for a finished file that a run cannot continue.
+pub(crate) fn not_as_before() -> io::Error {
+    io::Error::new(io::ErrorKind::InvalidData, "it is not what was written before")
+}
+
+pub(crate) fn frames_path(path: &Path) -> io::Result<PathBuf> {
     let name = path.file_name().ok_or_else(|| io::Error::new(io::ErrorKind::InvalidInput, "expected the name of a file"))?;
     let mut name = name.to_owned();
     name.push(".frames");
@@ -168,7 +174,13 @@ fn frames_path(path: &Path) -> io::Result<PathBuf> {
 }
 
 /// Begins an array in the archive.
-fn start_array(zip: &mut ZipWriter<impl Write + Seek>, name: &str, kind: &str, shape: &[u64], bytes: u64) -> io::Result<()> {
+pub(crate) fn start_array(
+    zip: &mut ZipWriter<impl Write + Seek>,
+    name: &str,
+    kind: &str,
+    shape: &[u64],
+    bytes: u64,
+) -> io::Result<()> {
     let large = bytes > u64::from(u32::MAX) - 1024;
     let options = SimpleFileOptions::default().compression_method(CompressionMethod::Stored).large_file(large);
     zip.start_file(format!("{name}.npy"), options)?;
@@ -199,6 +211,8 @@ fn constants(zip: &mut ZipWriter<impl Write + Seek>, scene: &Scene) -> io::Resul
     array("radius", "<f4", spheres.len(), &[], bytes_of(spheres.iter().map(|sphere| sphere.radius)))?;
     array("mass", "<f4", spheres.len(), &[], bytes_of(spheres.iter().map(|sphere| sphere.mass)))?;
     array("fixed", "|b1", spheres.len(), &[], bytes_of(spheres.iter().map(|sphere| u8::from(sphere.fixed))))?;
+    let references = scene.sphere_ids().map(|id| scene.reference(id).map_or(-1, i64::from));
+    array("reference", "<i8", spheres.len(), &[], bytes_of(references))?;
     let rods = scene.rods();
     array("rods", "<u4", rods.len(), &[2], bytes_of(rods.iter().map(|rod| indices.pair(rod.end1, rod.end2))))?;
     array("rod_radius", "<f4", rods.len(), &[], bytes_of(rods.iter().map(|rod| rod.radius)))?;
@@ -224,7 +238,7 @@ fn unpack(path: &Path, scratch: &Path, mark: Mark) -> io::Result<AtomicFile> {
     let invalid = |message: &str| io::Error::new(io::ErrorKind::InvalidData, message.to_owned());
     let finished = File::open(path)
         .map_err(|error| io::Error::new(error.kind(), "what was written of it before is not there any more"))?;
-    let mut archive = ZipArchive::new(finished).map_err(|_| invalid("it is not what was written before"))?;
+    let mut archive = ZipArchive::new(finished).map_err(|_| not_as_before())?;
     let spheres = shape_of(&mut archive, "radius")?.first().copied().unwrap_or(0);
     let (whole, have) = (frame_bytes(spheres), shape_of(&mut archive, "step")?.first().copied().unwrap_or(0));
     let count = mark.bytes / whole;
@@ -244,7 +258,7 @@ fn unpack(path: &Path, scratch: &Path, mark: Mark) -> io::Result<AtomicFile> {
         Some(found) if found == mark => Ok(frames),
         _ => {
             frames.discard();
-            Err(invalid("it is not what was written before"))
+            Err(not_as_before())
         }
     }
 }
@@ -266,5 +280,5 @@ fn shape_of(archive: &mut ZipArchive<File>, name: &str) -> io::Result<Vec<u64>> 
     let text = String::from_utf8_lossy(&start[..length]);
     let shape = text.split_once("'shape': (").and_then(|(_, rest)| rest.split_once(')'));
     let numbers = shape.map(|(shape, _)| shape.split(',').filter_map(|length| length.trim().parse().ok()).collect());
-    numbers.ok_or_else(|| io::Error::new(io::ErrorKind::InvalidData, "it is not what was written before"))
+    numbers.ok_or_else(not_as_before)
 }

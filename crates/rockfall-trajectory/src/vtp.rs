@@ -10,6 +10,7 @@
 //! | `orientation` | points | unit quaternion w, x, y, z |
 //! | `radius`, `mass` | points | |
 //! | `fixed` | points | 1 for a fixed sphere |
+//! | `reference` | points | number of the sphere in the scene file, -1 for none |
 //! | `contacts` | points | number of contacts of the sphere, without those of its rods |
 //! | `kind` | cells | 0 sphere, 1 rod, 2 spring; for static objects 3 box, 4 polygon |
 //! | `cell_radius` | cells | radius of a sphere or rod, 0 for springs |
@@ -63,9 +64,7 @@ impl Series {
     }
 
     pub(crate) fn frame(&mut self, frame: &Frame, scene: &Scene) -> io::Result<()> {
-        let file = format!("{:010}.vtp", frame.step);
-        commit(&self.folder.join(&file), |out| state(out, frame, scene))?;
-        self.list(frame.time, 0, &file)?;
+        self.add(frame.step, frame.time, |out| state(out, frame, scene))?;
         let counts = scene.counts();
         if counts.boxes + counts.polygons > 0 {
             if !self.static_written {
@@ -75,6 +74,18 @@ impl Series {
             self.list(frame.time, 1, STATIC)?;
         }
         Ok(())
+    }
+
+    /// Adds a file to the list.
+    pub(crate) fn add(
+        &mut self,
+        step: u64,
+        time: f64,
+        write: impl FnOnce(&mut AtomicFile) -> io::Result<()>,
+    ) -> io::Result<()> {
+        let file = format!("{step:010}.vtp");
+        commit(&self.folder.join(&file), write)?;
+        self.list(time, 0, &file)
     }
 
     fn list(&mut self, time: f64, part: u32, file: &str) -> io::Result<()> {
@@ -126,6 +137,8 @@ pub fn state(out: &mut impl Write, frame: &Frame, scene: &Scene) -> io::Result<(
     file.floats("mass", 1, bytes_of(spheres.iter().map(|sphere| sphere.mass)));
     file.array("UInt8", "fixed", 1, bytes_of(spheres.iter().map(|sphere| u8::from(sphere.fixed))));
     file.array("UInt32", "contacts", 1, bytes_of(frame.contacts.iter().copied()));
+    let references = frame.references.iter().map(|reference| reference.map_or(-1, i64::from));
+    file.array("Int64", "reference", 1, bytes_of(references));
     file.close("PointData");
     file.open("CellData");
     let kinds = [(0, spheres.len()), (1, rods.len()), (2, springs.len())];
@@ -180,7 +193,7 @@ fn static_objects(out: &mut impl Write, scene: &Scene) -> io::Result<()> {
 
 /// XML that describes arrays, and the arrays that are appended to it.
 #[derive(Default)]
-struct Appended {
+pub(crate) struct Appended {
     xml: String,
     arrays: Vec<Vec<u8>>,
     /// Total size of the arrays in bytes, including the length before each.
@@ -188,19 +201,19 @@ struct Appended {
 }
 
 impl Appended {
-    fn open(&mut self, name: &str) {
+    pub(crate) fn open(&mut self, name: &str) {
         self.xml.push_str(&format!("<{name}>\n"));
     }
 
-    fn close(&mut self, name: &str) {
+    pub(crate) fn close(&mut self, name: &str) {
         self.xml.push_str(&format!("</{name}>\n"));
     }
 
-    fn floats(&mut self, name: &str, components: u32, bytes: Vec<u8>) {
+    pub(crate) fn floats(&mut self, name: &str, components: u32, bytes: Vec<u8>) {
         self.array("Float32", name, components, bytes);
     }
 
-    fn array(&mut self, kind: &str, name: &str, components: u32, bytes: Vec<u8>) {
+    pub(crate) fn array(&mut self, kind: &str, name: &str, components: u32, bytes: Vec<u8>) {
         self.xml.push_str(&format!(
             "<DataArray type=\"{kind}\" Name=\"{name}\" NumberOfComponents=\"{components}\" format=\"appended\" offset=\"{}\"/>\n",
             self.length
@@ -209,7 +222,7 @@ impl Appended {
         self.arrays.push(bytes);
     }
 
-    fn cells(&mut self, name: &str, connectivity: Vec<u8>, offsets: Vec<u8>) {
+    pub(crate) fn cells(&mut self, name: &str, connectivity: Vec<u8>, offsets: Vec<u8>) {
         self.open(name);
         self.array("Int64", "connectivity", 1, connectivity);
         self.array("Int64", "offsets", 1, offsets);
@@ -217,7 +230,7 @@ impl Appended {
     }
 
     /// Writes the file. `counts` are the numbers of points, vertices, lines and polygons.
-    fn write(self, out: &mut impl Write, counts: [usize; 4], time: Option<(u64, f64)>) -> io::Result<()> {
+    pub(crate) fn write(self, out: &mut impl Write, counts: [usize; 4], time: Option<(u64, f64)>) -> io::Result<()> {
         let [points, vertices, lines, polygons] = counts;
         writeln!(
             out,

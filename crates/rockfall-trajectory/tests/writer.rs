@@ -28,8 +28,11 @@ fn names(folder: &Path) -> Vec<String> {
 
 #[test]
 fn the_extension_selects_the_format() {
-    for (name, format) in [("a.npz", Format::Npz), ("a.VTP", Format::Vtp), ("a.pvd", Format::Vtp), ("a", Format::Csv)] {
-        assert_eq!(Format::of(Path::new(name)), format, "{name}");
+    for (name, format) in [("a.npz", Format::Npz), ("a.VTP", Format::Vtp), ("a.pvd", Format::Vtp), ("a.Csv", Format::Csv)] {
+        assert_eq!(Format::of(Path::new(name)), Some(format), "{name}");
+    }
+    for name in ["a", "a.vtu", "npz", "a.npz.gz", ".csv"] {
+        assert_eq!(Format::of(Path::new(name)), None, "{name}");
     }
 }
 
@@ -47,9 +50,9 @@ fn csv_lines_hold_the_states() {
     writer.finish(simulation.scene()).expect("it is finished");
     assert_eq!(
         std::fs::read_to_string(&path).expect("a file"),
-        "step,time,sphere,x,y,z,vx,vy,vz,qw,qx,qy,qz,lx,ly,lz\n\
-         0,0,0,0,0,0,0,0.5,0,1,0,0,0,0,0,0\n0,0,1,5,0,0,0,0,0,1,0,0,0,0,0,0\n\
-         2,0.5,0,0,0.25,0,0,0.5,0,1,0,0,0,0,0,0\n2,0.5,1,5,0,0,0,0,0,1,0,0,0,0,0,0\n"
+        "step,time,sphere,x,y,z,vx,vy,vz,qw,qx,qy,qz,lx,ly,lz,reference\n\
+         0,0,0,0,0,0,0,0.5,0,1,0,0,0,0,0,0,\n0,0,1,5,0,0,0,0,0,1,0,0,0,0,0,0,\n\
+         2,0.5,0,0,0.25,0,0,0.5,0,1,0,0,0,0,0,0,\n2,0.5,1,5,0,0,0,0,0,1,0,0,0,0,0,0,\n"
     );
     assert_eq!(names(folder.path()), ["run.csv"]);
 }

@@ -29,14 +29,14 @@ pub enum Format {
 }
 
 impl Format {
-    /// Returns the format that the extension of a path stands for. An existing folder, or a path that ends in a separator,
+    /// Returns the format that the extension of a path stands for, in upper or lower case. An existing folder, or a path that ends in a separator,
     /// stands for [`Format::Folder`].
     pub fn of(path: &Path) -> Option<Self> {
         let ends_in_separator = path.to_string_lossy().ends_with(std::path::is_separator);
         if ends_in_separator || path.is_dir() {
             return Some(Self::Folder);
         }
-        match path.extension()?.to_str()? {
+        match path.extension()?.to_str()?.to_ascii_lowercase().as_str() {
             "gif" => Some(Self::Gif),
             "apng" => Some(Self::Apng),
             "mp4" => Some(Self::Mp4),
@@ -103,7 +103,7 @@ mod tests {
     fn the_format_follows_from_the_path() {
         assert_eq!(Format::of(Path::new("a.gif")), Some(Format::Gif));
         assert_eq!(Format::of(Path::new("a.apng")), Some(Format::Apng));
-        assert_eq!(Format::of(Path::new("a.mp4")), Some(Format::Mp4));
+        assert_eq!(Format::of(Path::new("a.MP4")), Some(Format::Mp4));
         assert_eq!(Format::of(Path::new("frames/")), Some(Format::Folder));
         assert_eq!(Format::of(&std::env::temp_dir()), Some(Format::Folder));
         assert_eq!(Format::of(Path::new("a.avi")), None);

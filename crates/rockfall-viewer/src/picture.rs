@@ -26,12 +26,11 @@ impl Canvas {
     /// Creates a canvas; `width` and `height` are in pixels.
     ///
     /// # Errors
-    /// [`Error::Invalid`] when a side is 0 or larger than the device allows; [`Error::Device`] when memory runs out.
+    /// [`Error::PictureSize`] when a side is 0 or larger than the device allows; [`Error::Device`] when memory runs out.
     pub fn new(device: &wgpu::Device, queue: &wgpu::Queue, width: u32, height: u32) -> Result<Self> {
         let limit = device.limits().max_texture_dimension_2d;
         if width == 0 || height == 0 || width > limit || height > limit {
-            let value = format!("{width}x{height}");
-            return Err(Error::Invalid { field: "size", value, expected: "sides from 1 to the limit of the device" });
+            return Err(Error::PictureSize { width, height, limit });
         }
         catch(device, || Self::make(device, queue, width, height))
     }

@@ -13,6 +13,7 @@
 //! | 8 | length of the whole file in bytes |
 //! | ... | the head: program, device, note, constants, options, time step, counters, numbers of objects |
 //! | ... | spheres, rods, capsules, springs, tethers, boxes, polygons, each in order of addition, as 32-bit words |
+//! | ... | the reference of every sphere as a 64-bit number, -1 for none; left out if no sphere has one, and in version 1 |
 //! | 4 | CRC-32 of all bytes before |
 
 use std::fs::File;
@@ -34,7 +35,7 @@ use words::{Damage, Words};
 /// The first bytes of every checkpoint.
 const MAGIC: [u8; 8] = *b"\x89RKF\r\n\x1a\n";
 /// Version of the format. Older versions are still read.
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 /// Bytes of magic, version and length.
 const PREFIX: usize = MAGIC.len() + 4 + 8;
 /// Bytes of the checksum at the end.
@@ -135,7 +136,7 @@ impl Checkpoint {
 
     fn write(&self, out: &mut impl Write) -> io::Result<()> {
         let head = head::bytes(self);
-        let length = PREFIX + head.len() + objects::length(&self.scene.counts()) + SUFFIX;
+        let length = PREFIX + head.len() + objects::length(&self.scene) + SUFFIX;
         let mut out = Hashed { out, crc32: crc32fast::Hasher::new() };
         out.write_all(&MAGIC)?;
         out.write_all(&VERSION.to_le_bytes())?;
@@ -161,7 +162,7 @@ fn content(bytes: &[u8]) -> Result<&[u8], Damage> {
     let mut numbers = Words::new(&prefix[MAGIC.len()..]);
     let (version, length) = (numbers.u32()?, numbers.u64()?);
     if !(1..=VERSION).contains(&version) {
-        return Err(Damage::new(format!("it has version {version}, this rockfall reads version {VERSION}")));
+        return Err(Damage::new(format!("it has version {version}, this rockfall reads versions up to {VERSION}")));
     }
     if length != bytes.len() as u64 {
         return Err(Damage::new(format!("it has {} bytes, expected {length}", bytes.len())));

@@ -27,7 +27,7 @@ pub enum Error {
         kind: &'static str,
     },
     /// A setting with this name does not exist.
-    #[error("unknown setting {}, expected one of: {expected}", quoted(name))]
+    #[error("unknown setting {}{}, expected one of: {expected}", quoted(name), suggestion(name, expected))]
     UnknownSetting {
         /// The name that was given.
         name: String,
@@ -41,6 +41,16 @@ pub enum Error {
         count: usize,
         /// Maximum number of objects.
         limit: usize,
+    },
+    /// A picture has a side of 0 pixels, or one that is larger than the device allows.
+    #[error("a picture of {width}x{height} pixels cannot be drawn, expected sides from 1 to {limit}")]
+    PictureSize {
+        /// Width in pixels.
+        width: u32,
+        /// Height in pixels.
+        height: u32,
+        /// Largest side in pixels.
+        limit: u32,
     },
     /// A line of a scene file is not valid.
     #[error("{}:{line}: {field}: {message}", file.display())]
@@ -136,9 +146,39 @@ pub(crate) fn quoted(text: &str) -> String {
     shown
 }
 
+/// Returns the candidate that a mistyped word most likely means, or `None` if no candidate is near.
+pub(crate) fn nearest<'a>(word: &str, candidates: &[&'a str]) -> Option<&'a str> {
+    if word.len() > SHOWN {
+        return None;
+    }
+    let word = word.to_lowercase().replace('-', "_");
+    let distances = candidates.iter().map(|candidate| (strsim::damerau_levenshtein(&word, candidate), *candidate));
+    let (distance, candidate) = distances.min_by_key(|(distance, _)| *distance)?;
+    (3 * distance <= candidate.len()).then_some(candidate)
+}
+
+/// A remark on the candidate nearest to a word, from a list with commas; empty if none is near.
+fn suggestion(word: &str, candidates: &str) -> String {
+    let candidates: Vec<&str> = candidates.split(", ").collect();
+    nearest(word, &candidates).map_or(String::new(), |near| format!(" (did you mean {near}?)"))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_mistyped_word_has_a_suggestion() {
+        let names = crate::Settings::NAMES;
+        let cases =
+            [("gravty", "gravity"), ("Gravity", "gravity"), ("contact-froce", "contact_force"), ("frition", "friction")];
+        for (word, expected) in cases {
+            assert_eq!(nearest(word, names), Some(expected), "{word}");
+        }
+        for word in ["", "the", "table", "weight", &"gravity".repeat(20)] {
+            assert_eq!(nearest(word, names), None, "{word}");
+        }
+    }
 
     #[test]
     fn quotes_are_short_and_escape_control_characters() {

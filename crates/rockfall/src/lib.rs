@@ -22,8 +22,8 @@
 //! - A [`Scene`] holds objects and [`Settings`]. It can be loaded from a text file, saved, and generated ([`generate`]).
 //! - A [`Simulation`] advances a scene in time, with [`Options`] that choose the backend, the integrator and the broad phase.
 //!   Objects can be added, removed and changed between steps.
-//! - [`Simulation::spheres`] and [`Simulation::sphere`] read states back. [`Simulation::energy`], [`Simulation::contacts`] and
-//!   [`Simulation::diagnostics`] evaluate them. [`Report`] counts steps, contacts and collisions.
+//! - [`Simulation::spheres`] and [`Simulation::sphere`] read states back. [`Simulation::energy`], [`Simulation::contacts`],
+//!   [`Simulation::max_overlap`] and [`Simulation::diagnostics`] evaluate them. [`Report`] counts steps, contacts and collisions.
 //! - A [`Checkpoint`] stores a simulation, so that it can be resumed with bitwise identical results.
 //! - [`Scene::stability`], [`Scene::tunnelling`] and [`Scene::sinking`] warn about an unsuitable time step or contact force.
 //! - [`Simulation::profile`] measures the time of every stage.
@@ -95,13 +95,13 @@ pub use exec::gpu;
 pub use glam;
 pub use options::{Backend, BackendInfo, Optimization, Options};
 pub use profile::{BufferSize, Clock, Profile, StageTime};
-pub use report::{Energy, Report, SphereState};
+pub use report::{Energy, Report, SphereState, decimal_time};
 pub use scene::{
     BoxId, Capsule, CapsuleId, CapsuleParts, Counts, Cuboid, LineWarning, Loaded, Polygon, PolygonId, Rod, RodId, Scene,
     Sphere, SphereId, Spring, SpringId, Tether, TetherId,
 };
 pub use settings::{BroadPhase, Integrator, Settings};
-pub use simulation::{Body, Contact, ContactAction, RayHit, Simulation, SphereDiagnostics};
+pub use simulation::{Body, Contact, ContactAction, MaxOverlap, RayHit, Simulation, SphereDiagnostics};
 #[cfg(feature = "gpu")]
 pub use wgpu;
 

@@ -8,7 +8,7 @@ use crate::model::status::Status;
 use crate::model::world::World;
 use crate::options::{BackendInfo, Optimization, Options};
 use crate::profile::Recorder;
-use crate::report::Report;
+use crate::report::{Clock, Report};
 use crate::scene::{Scene, SphereId};
 use crate::settings::{BroadPhase, Integrator, Settings};
 use crate::step::schedule::Phase;
@@ -34,7 +34,7 @@ use edit::Dirty;
 use engine::Engine;
 use interval::Interval;
 use lookahead::Lookahead;
-pub use observe::{Body, Contact, ContactAction, SphereDiagnostics};
+pub use observe::{Body, Contact, ContactAction, MaxOverlap, SphereDiagnostics};
 use order::Disorder;
 pub use ray::RayHit;
 
@@ -64,6 +64,7 @@ pub struct Simulation {
     packings: u64,
     status: Status,
     report: Report,
+    clock: Clock,
     time_step: f32,
     /// For how many steps ahead the lists are built.
     lookahead: Lookahead,
@@ -155,6 +156,7 @@ impl Simulation {
             engine,
             world,
             report: Report::default(),
+            clock: Clock::default(),
             time_step: DEFAULT_TIME_STEP,
             lookahead,
             interval,

@@ -160,8 +160,30 @@ fn rejected_checkpoints_are_reported_with_the_reason() {
     bad[100] ^= 4;
     assert!(assert_rejected(&bad).contains("checksum"));
     let mut newer = good;
-    newer[8] = 2;
-    assert!(assert_rejected(&newer).contains("it has version 2, this rockfall reads version 1"));
+    newer[8] = 3;
+    assert!(assert_rejected(&newer).contains("it has version 3, this rockfall reads versions up to 2"));
+}
+
+/// A resumed simulation refers to spheres as the scene file does. Files of version 1, which have no references, are read.
+#[test]
+fn references_are_kept() {
+    let ball = |reference: u32, x: u32| format!("S {reference} {x} 0 0 0 0 0 0 0 0 1 0.5\n");
+    let text = ball(40, 0) + "C 0 5 0 1 5 0 0 0 0 1 0.25\n" + &ball(u32::MAX, 3);
+    let scene = Scene::parse(&text, "a.txt".as_ref()).expect("a scene").scene;
+    let mut simulation = Simulation::with_options(scene, Options::new().backend(Backend::Cpu)).expect("a simulation");
+    let bytes = simulation.checkpoint().expect("a checkpoint").to_bytes();
+    let references = |bytes: &[u8]| -> Vec<Option<u32>> {
+        let scene = Checkpoint::from_bytes(bytes, "file.ckpt").expect("a checkpoint").scene;
+        scene.sphere_ids().map(|id| scene.reference(id)).collect()
+    };
+    assert_eq!(references(&bytes), [Some(40), None, None, Some(u32::MAX)]);
+
+    let mut old = small();
+    old[8] = 1;
+    let end = old.len() - 4;
+    let crc32 = crc32fast::hash(&old[..end]);
+    old[end..].copy_from_slice(&crc32.to_le_bytes());
+    assert!(references(&old).iter().all(Option::is_none));
 }
 
 /// Checksums detect accidents, not deliberate changes. This test replaces every word by invalid numbers and corrects

@@ -8,7 +8,10 @@ use rockfall::{Error, Report, Simulation};
 use rockfall_trajectory::csv::{self, numbers};
 use rockfall_trajectory::{Format, Frame, Writer, vtp};
 
-use super::past::{Past, PastFile};
+use super::contacts::ContactsFile;
+use super::errors::{lost, written};
+use super::past::{Past, PastFile, whole};
+use super::save;
 use crate::failure::Failure;
 use crate::output;
 
@@ -21,6 +24,8 @@ pub(crate) struct Wanted {
     pub(crate) out: Option<PathBuf>,
     pub(crate) every: Option<u64>,
     pub(crate) trace: Option<PathBuf>,
+    pub(crate) contacts: Option<PathBuf>,
+    pub(crate) save: Option<PathBuf>,
     pub(crate) checkpoint: Option<PathBuf>,
     pub(crate) checkpoint_every: Option<u64>,
 }
@@ -28,22 +33,35 @@ pub(crate) struct Wanted {
 impl Wanted {
     /// Returns an error if the options contradict each other.
     pub(super) fn check(&self) -> Result<(), Failure> {
-        let names = [("--out", &self.out), ("--trace", &self.trace), ("--checkpoint", &self.checkpoint)];
+        let list = |path: &PathBuf| match Format::of(path) {
+            Some(Format::Vtp) if self.every.is_some() => path.with_extension("pvd"),
+            _ => path.clone(),
+        };
+        let [out, contacts] = [&self.out, &self.contacts].map(|path| path.as_ref().map(list));
+        let names = [
+            ("--out", &out),
+            ("--contacts", &contacts),
+            ("--trace", &self.trace),
+            ("--save", &self.save),
+            ("--checkpoint", &self.checkpoint),
+        ];
         let names = names.map(|(name, path)| (name, path.as_deref().map(whole)));
         for (place, (one, path)) in names.iter().enumerate() {
             if let Some((other, _)) = names[..place].iter().find(|(_, other)| path.is_some() && other == path) {
                 return Err(Failure::usage(format!("{other} and {one} name the same file")));
             }
         }
-        if self.every.is_some() && self.out.is_none() {
-            return Err(Failure::usage("--every needs a file to write to: expected --out FILE"));
+        if self.every.is_some() && self.out.is_none() && self.contacts.is_none() {
+            return Err(Failure::usage("--every needs a file to write to: expected --out FILE or --contacts FILE"));
         }
         if self.checkpoint_every.is_some() && self.checkpoint.is_none() {
             return Err(Failure::usage("--checkpoint-every needs a file to write to: expected --checkpoint FILE"));
         }
-        let pvd = |path: &PathBuf| path.extension().is_some_and(|extension| extension == "pvd");
-        if self.every.is_none() && self.out.as_ref().is_some_and(pvd) {
-            return Err(Failure::usage("--out: a .pvd file holds a series of states, expected --every K"));
+        for (option, path) in [("--out", &self.out), ("--contacts", &self.contacts)] {
+            let pvd = |path: &PathBuf| path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("pvd"));
+            if self.every.is_none() && path.as_ref().is_some_and(pvd) {
+                return Err(Failure::usage(format!("{option}: a .pvd file holds a series of states, expected --every K")));
+            }
         }
         Ok(())
     }
@@ -63,10 +81,12 @@ enum Out {
 pub(crate) struct Outputs {
     out: Option<Out>,
     trace: Option<(PathBuf, AtomicFile)>,
+    contacts: Option<ContactsFile>,
+    save: Option<(PathBuf, AtomicFile)>,
     checkpoint: Option<PathBuf>,
     checkpoint_every: Option<u64>,
-    /// Whether the trace and the trajectory are new, and need their first line and frame.
-    is_new: [bool; 2],
+    /// Whether the trace, the trajectory and the contacts are new, and need their first line and frame.
+    is_new: [bool; 3],
     /// The step of the last checkpoint.
     saved_at: Option<u64>,
     /// Total number of collisions up to the last line of the trace.
@@ -76,12 +96,14 @@ pub(crate) struct Outputs {
 impl Outputs {
     /// Opens the files. A file that the earlier run `past` had begun is continued.
     pub(crate) fn open(wanted: Wanted, past: Option<&Past>) -> Result<Self, Failure> {
-        let Wanted { out, every, trace, checkpoint, checkpoint_every } = wanted;
+        let Wanted { out, every, trace, contacts, save, checkpoint, checkpoint_every } = wanted;
         let marked = |path: &Path, past: Option<&PastFile>| -> Option<Mark> {
             past.filter(|past| past.path == whole(path)).and_then(PastFile::mark)
         };
         let out_mark = out.as_deref().and_then(|path| marked(path, past.and_then(|past| past.out.as_ref())));
-        if let Some(begun) = past.and_then(|past| past.every).filter(|begun| out_mark.is_some() && every != Some(*begun)) {
+        let contacts_mark = contacts.as_deref().and_then(|path| marked(path, past.and_then(|past| past.contacts.as_ref())));
+        let continues = out_mark.is_some() || contacts_mark.is_some();
+        if let Some(begun) = past.and_then(|past| past.every).filter(|begun| continues && every != Some(*begun)) {
             let message = "omit --every, or give another --out";
             return Err(Failure::usage(format!("--every: the existing frames were written with --every {begun}; {message}")));
         }
@@ -94,9 +116,11 @@ impl Outputs {
         Ok(Self {
             out: out.map(|path| Out::open(path, every, out_mark)).transpose()?,
             trace,
+            contacts: contacts.map(|path| ContactsFile::open(path, every, contacts_mark)).transpose()?,
+            save: save.map(|path| save::open(&path).map(|file| (path, file))).transpose()?,
             checkpoint,
             checkpoint_every,
-            is_new: [trace_mark.is_none(), out_mark.is_none()],
+            is_new: [trace_mark.is_none(), out_mark.is_none(), contacts_mark.is_none()],
             saved_at: None,
             collisions: 0,
         })
@@ -105,15 +129,18 @@ impl Outputs {
     /// Writes the header of a new trace, and the state before the first step to a new trace and trajectory.
     pub(crate) fn begin(&mut self, simulation: &mut Simulation, past: &Past) -> Result<(), Failure> {
         self.collisions = simulation.report().total_collisions;
-        let [trace, frames] = self.is_new;
+        let [trace, frames, contacts] = self.is_new;
         if let Some((path, file)) = self.trace.as_mut().filter(|_| trace) {
             writeln!(file, "{TRACE_HEADER}").map_err(|error| Failure::file(path, &error))?;
             self.trace(simulation, past)?;
         }
         let step = past.step(simulation.report().steps);
-        match &mut self.out {
-            Some(Out::Frames(_, writer, _)) if frames => Ok(written(writer.frame_of_step(simulation, step))?),
-            _ => Ok(()),
+        if let Some(Out::Frames(_, writer, _)) = self.out.as_mut().filter(|_| frames) {
+            written(writer.frame_at(simulation, step, past.time(step)))?;
+        }
+        match self.contacts.as_mut().filter(|_| contacts) {
+            Some(file) => file.after_step(simulation, past, step),
+            None => Ok(()),
         }
     }
 
@@ -125,7 +152,8 @@ impl Outputs {
         };
         let trace = self.trace.as_ref().map(|_| 1);
         let until = |every: u64| every - step % every;
-        [every, trace, self.checkpoint_every].into_iter().flatten().map(until).fold(most, u64::min)
+        let contacts = self.contacts.as_ref().and_then(ContactsFile::every);
+        [every, trace, contacts, self.checkpoint_every].into_iter().flatten().map(until).fold(most, u64::min)
     }
 
     /// Writes the outputs that are due after a step.
@@ -135,7 +163,10 @@ impl Outputs {
         if let Some(Out::Frames(_, writer, every)) = &mut self.out
             && step.is_multiple_of(*every)
         {
-            written(writer.frame_of_step(simulation, step))?;
+            written(writer.frame_at(simulation, step, past.time(step)))?;
+        }
+        if let Some(file) = &mut self.contacts {
+            file.after_step(simulation, past, step)?;
         }
         match self.checkpoint_every {
             Some(every) if step.is_multiple_of(every) => self.save(simulation, past),
@@ -153,9 +184,10 @@ impl Outputs {
         let collisions = if past.parts() > 1 { of_parts } else { report.collisions.into() };
         self.collisions = report.total_collisions;
         let mut write = || {
-            write!(file, "{}", past.step(report.steps))?;
+            let step = past.step(report.steps);
+            write!(file, "{step}")?;
             let energies = [energy.kinetic, energy.potential, energy.spring, energy.contact];
-            numbers(file, &[report.time])?;
+            numbers(file, &[past.time(step)])?;
             // Adding 0 turns -0, the value of an empty sum, into 0.
             numbers(file, &energies.map(|energy| energy + 0.0))?;
             numbers(file, &(energy.momentum + 0.0).to_array())?;
@@ -182,6 +214,13 @@ impl Outputs {
             }
             None => None,
         };
+        if let Some(file) = &mut self.contacts {
+            past.contacts = Some(file.as_past()?);
+            past.every = past.every.or(file.every());
+        } else {
+            past.contacts = None;
+        }
+        past.save = self.save.as_ref().map(|(path, _)| whole(path));
         past.checkpoint_every = self.checkpoint_every;
         let mut checkpoint = simulation.checkpoint()?;
         checkpoint.note = serde_json::to_string(past).map_err(|error| Failure::Run(error.to_string()))?;
@@ -192,7 +231,7 @@ impl Outputs {
 
     /// Completes every file with the results so far and moves it to its final path. Returns the completed files, or the first
     /// failure; further failures are only printed.
-    pub(crate) fn finish(self, simulation: &mut Simulation) -> Result<Vec<PathBuf>, Failure> {
+    pub(crate) fn finish(self, simulation: &mut Simulation, past: &Past) -> Result<Vec<PathBuf>, Failure> {
         let mut done = Vec::new();
         let mut first = Ok(());
         let mut note = |path: PathBuf, result: Result<(), Failure>| match result {
@@ -206,15 +245,24 @@ impl Outputs {
         }
         match self.out {
             Some(Out::State(path, file)) => {
-                let result = write_state(&path, file, simulation);
+                let result = write_state(&path, file, simulation, past);
                 note(path, result);
             }
             Some(Out::LastFrame(path, mut writer)) => {
-                let result = writer.frame(simulation).and_then(|()| writer.finish(simulation.scene()));
+                let step = past.step(simulation.report().steps);
+                let result =
+                    writer.frame_at(simulation, step, past.time(step)).and_then(|()| writer.finish(simulation.scene()));
                 note(path, written(result));
             }
             Some(Out::Frames(path, writer, _)) => note(path, written(writer.finish(simulation.scene()))),
             None => {}
+        }
+        if let Some(file) = self.contacts {
+            note(file.path().to_owned(), file.finish(simulation, past));
+        }
+        if let Some((path, file)) = self.save {
+            let result = save::write(&path, file, simulation, past);
+            note(path, result);
         }
         first.map(|()| done)
     }
@@ -227,7 +275,7 @@ impl Outputs {
 
 impl Out {
     fn open(path: PathBuf, every: Option<u64>, mark: Option<Mark>) -> Result<Self, Failure> {
-        let format = Format::of(&path);
+        let format = Format::of(&path).unwrap_or(Format::Csv);
         if let Some(every) = every {
             let writer = match mark {
                 Some(mark) => Writer::resume(&path, format, mark).map_err(|error| lost(&error, "--out"))?,
@@ -245,11 +293,14 @@ impl Out {
     }
 }
 
-fn write_state(path: &Path, mut file: AtomicFile, simulation: &mut Simulation) -> Result<(), Failure> {
-    let frame = Frame::of(simulation, Format::of(path) == Format::Vtp)?;
-    let write = match Format::of(path) {
-        Format::Vtp => vtp::state(&mut file, &frame, simulation.scene()),
-        _ => csv::state(&mut file, &frame.spheres),
+fn write_state(path: &Path, mut file: AtomicFile, simulation: &mut Simulation, past: &Past) -> Result<(), Failure> {
+    let is_vtp = Format::of(path) == Some(Format::Vtp);
+    let mut frame = Frame::of(simulation, is_vtp)?;
+    frame.step = past.step(frame.step);
+    frame.time = past.time(frame.step);
+    let write = match is_vtp {
+        true => vtp::state(&mut file, &frame, simulation.scene()),
+        false => csv::state(&mut file, &frame),
     };
     write.and_then(|()| file.commit()).map_err(|error| Failure::file(path, &error))
 }
@@ -261,24 +312,6 @@ fn open_trace(path: &Path, mark: Option<Mark>) -> Result<AtomicFile, Failure> {
         }
         None => AtomicFile::create(path).map_err(|error| Failure::file(path, &error)),
     }
-}
-
-/// Error for an output of the earlier run that cannot be continued.
-fn lost(error: &Error, option: &str) -> Failure {
-    Failure::usage(format!("{error}; --resume cannot continue this file: give another {option}"))
-}
-
-/// Converts errors of the library, so that a file that cannot be written is reported with its name.
-fn written<T>(result: rockfall::Result<T>) -> Result<T, Failure> {
-    result.map_err(|error| match error {
-        Error::File { file, source } => Failure::file(&file, &source),
-        error => error.into(),
-    })
-}
-
-/// Absolute path, whether or not the file exists.
-pub(super) fn whole(path: &Path) -> PathBuf {
-    std::path::absolute(path).unwrap_or_else(|_| path.to_owned())
 }
 
 /// Prints which files hold the results so far.

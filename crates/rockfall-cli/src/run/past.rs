@@ -1,9 +1,9 @@
 //! Data that `run` stores in a checkpoint in addition to the simulation, so that a resumed run continues with the same options.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use rockfall::output::Mark;
-use rockfall::{Energy, Error};
+use rockfall::{Energy, Error, decimal_time};
 use serde::{Deserialize, Serialize};
 
 /// Options and progress of a run. Stored as JSON in the note of a checkpoint.
@@ -12,6 +12,8 @@ use serde::{Deserialize, Serialize};
 pub(crate) struct Past {
     /// Name of the scene.
     pub(crate) scene: String,
+    /// Number of lines of the scene that are comments.
+    pub(crate) comments: usize,
     /// Total number of steps requested.
     pub(crate) steps: u64,
     /// Wall time of the steps so far, in s.
@@ -22,6 +24,9 @@ pub(crate) struct Past {
     /// Steps between two frames of `out`.
     pub(crate) every: Option<u64>,
     pub(crate) trace: Option<PastFile>,
+    pub(crate) contacts: Option<PastFile>,
+    /// Scene file that is written at the end, as an absolute path.
+    pub(crate) save: Option<PathBuf>,
     pub(crate) checkpoint_every: Option<u64>,
     /// Time step in s, before it is divided.
     pub(crate) dt: f32,
@@ -29,6 +34,8 @@ pub(crate) struct Past {
     pub(crate) substeps: u32,
     /// First step with this number of parts, and the number of simulation steps done before it.
     pub(crate) divided_from: [u64; 2],
+    /// First step with this time step, and the time at which it began, in s.
+    pub(crate) timed_from: (u64, f64),
 }
 
 /// An output file and how far it was written.
@@ -56,6 +63,18 @@ impl Past {
     pub(crate) fn step(&self, simulated: u64) -> u64 {
         let [step, before] = self.divided_from;
         step + simulated.saturating_sub(before) / u64::from(self.parts())
+    }
+
+    /// Time at the end of a step, in s.
+    pub(crate) fn time(&self, step: u64) -> f64 {
+        let (first, start) = self.timed_from;
+        decimal_time(start, step.saturating_sub(first), self.dt)
+    }
+
+    /// Changes the time step from a step on.
+    pub(crate) fn set_time_step(&mut self, step: u64, dt: f32) {
+        self.timed_from = (step, self.time(step));
+        self.dt = dt;
     }
 
     /// Number of parts of a step. Checkpoints of older versions do not contain it, which means 1.
@@ -91,4 +110,9 @@ impl Past {
     pub(crate) fn set_before(&mut self, energy: &Energy) {
         self.before = [energy.kinetic, energy.potential, energy.spring, energy.contact];
     }
+}
+
+/// Absolute path, whether or not the file exists.
+pub(super) fn whole(path: &Path) -> PathBuf {
+    std::path::absolute(path).unwrap_or_else(|_| path.to_owned())
 }

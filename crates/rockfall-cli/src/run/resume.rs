@@ -6,8 +6,8 @@ use clap::ArgMatches;
 use clap::parser::ValueSource;
 use rockfall::{Checkpoint, Error, Simulation};
 
-use super::outputs::{Outputs, Wanted, whole};
-use super::past::Past;
+use super::outputs::{Outputs, Wanted};
+use super::past::{Past, whole};
 use super::{Arguments, Run};
 use crate::failure::Failure;
 use crate::options::Setting;
@@ -71,7 +71,7 @@ fn change(checkpoint: &mut Checkpoint, past: &mut Past, arguments: &Arguments, g
     let (physics, options) = (&arguments.physics, &mut checkpoint.options);
     if given.has("dt") {
         differs("--dt", &physics.dt.to_string(), &past.dt.to_string());
-        past.dt = physics.dt;
+        past.set_time_step(step, physics.dt);
     }
     if given.has("integrator") {
         differs("--integrator", &physics.integrator.to_string(), &options.integrator.to_string());
@@ -115,6 +115,12 @@ fn wanted(arguments: &Arguments, past: &Past, path: &Path) -> Result<Wanted, Fai
         wanted.out = wanted.out.or(before.cloned());
         wanted.every = wanted.every.or(past.every);
     }
+    let before = past.contacts.as_ref().map(|file| &file.path);
+    if wanted.contacts.as_deref().is_none_or(|contacts| Some(&whole(contacts)) == before) {
+        wanted.contacts = wanted.contacts.or(before.cloned());
+        wanted.every = wanted.every.or(past.every);
+    }
+    wanted.save = wanted.save.or(past.save.clone());
     wanted.trace = wanted.trace.or(past.trace.as_ref().map(|file| file.path.clone()));
     wanted.checkpoint = wanted.checkpoint.or(Some(path.to_owned()));
     wanted.checkpoint_every = wanted.checkpoint_every.or(past.checkpoint_every);

@@ -32,7 +32,10 @@ pub(super) fn write(path: &Path, fps: u32, pictures: impl Iterator<Item = Result
         return pictures.next().transpose().map(drop);
     };
     let sides = u16::try_from(first.width).ok().zip(u16::try_from(first.height).ok());
-    let (width, height) = sides.ok_or_else(|| wrong(io::Error::other("a GIF has at most 65535 pixels a side")))?;
+    let (width, height) = sides.ok_or_else(|| {
+        let sides = format!("{}x{} pixels are too many, a GIF has at most 65535 a side", first.width, first.height);
+        wrong(io::Error::other(sides))
+    })?;
     let mut encoder = Encoder::new(&mut file, width, height, &[]).map_err(coded)?;
     encoder.set_repeat(Repeat::Infinite).map_err(coded)?;
     let mut before: Option<Picture> = None;

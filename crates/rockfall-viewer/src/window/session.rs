@@ -269,7 +269,7 @@ impl Session {
 
     /// Opens a scene file. If it has an error, this adds a message and keeps the present scene.
     pub fn load(&mut self, path: &Path) {
-        let Some(Loaded { mut scene, warnings }) = ({
+        let Some(Loaded { mut scene, warnings, .. }) = ({
             let loaded = Scene::load(path);
             self.ok_or_report(loaded)
         }) else {

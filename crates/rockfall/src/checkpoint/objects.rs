@@ -16,10 +16,11 @@ trait Record<const N: usize>: Sized {
     fn unpack(words: [u32; N], scene: &Scene) -> Result<Self, Damage>;
 }
 
-/// Size of all objects, in bytes.
-pub(super) fn length(counts: &Counts) -> usize {
-    let Counts { spheres, rods, capsules, springs, tethers, boxes, polygons } = counts;
-    4 * (19 * spheres + 5 * rods + 3 * capsules + 5 * springs + 7 * tethers + 13 * boxes + 10 * polygons)
+/// Size of all objects and references, in bytes.
+pub(super) fn length(scene: &Scene) -> usize {
+    let Counts { spheres, rods, capsules, springs, tethers, boxes, polygons } = scene.counts();
+    let references = if scene.references.is_empty() { 0 } else { 2 * spheres };
+    4 * (references + 19 * spheres + 5 * rods + 3 * capsules + 5 * springs + 7 * tethers + 13 * boxes + 10 * polygons)
 }
 
 pub(super) fn write(scene: &Scene, out: &mut impl Write) -> io::Result<()> {
@@ -29,7 +30,13 @@ pub(super) fn write(scene: &Scene, out: &mut impl Write) -> io::Result<()> {
     write_all(scene.springs(), scene, out)?;
     write_all(scene.tethers(), scene, out)?;
     write_all(scene.boxes(), scene, out)?;
-    write_all(scene.polygons(), scene, out)
+    write_all(scene.polygons(), scene, out)?;
+    if !scene.references.is_empty() {
+        for id in scene.sphere_ids() {
+            out.write_all(&scene.reference(id).map_or(-1, i64::from).to_le_bytes())?;
+        }
+    }
+    Ok(())
 }
 
 fn write_all<const N: usize>(objects: &[impl Record<N>], scene: &Scene, out: &mut impl Write) -> io::Result<()> {
@@ -60,7 +67,18 @@ pub(super) fn read(words: &mut Words, counts: &Counts, scene: &mut Scene) -> Res
     read_all(words, counts.springs, scene, |scene, spring| Ok(scene.add_spring(spring).map(drop)?))?;
     read_all(words, counts.tethers, scene, |scene, tether| Ok(scene.add_tether(tether).map(drop)?))?;
     read_all(words, counts.boxes, scene, |scene, cuboid| Ok(scene.add_box(cuboid).map(drop)?))?;
-    read_all(words, counts.polygons, scene, |scene, polygon| Ok(scene.add_polygon(polygon).map(drop)?))
+    read_all(words, counts.polygons, scene, |scene, polygon| Ok(scene.add_polygon(polygon).map(drop)?))?;
+    if !words.is_empty() {
+        for index in 0..counts.spheres {
+            let reference = words.u64()?.cast_signed();
+            if reference != -1 {
+                let reference = u32::try_from(reference)
+                    .map_err(|_| Damage::new(format!("the reference {reference} of a sphere is not a 32-bit number")))?;
+                scene.references.set(scene.spheres.handle_at(index), reference);
+            }
+        }
+    }
+    Ok(())
 }
 
 fn read_all<T: Record<N>, const N: usize>(

@@ -79,6 +79,10 @@ impl<'a> Words<'a> {
     }
 
     /// Checks that no bytes are left.
+    pub(super) fn is_empty(&self) -> bool {
+        self.bytes.is_empty()
+    }
+
     pub(super) fn end(&self) -> Result<(), Damage> {
         match self.bytes.len() {
             0 => Ok(()),

@@ -16,11 +16,13 @@
 //! | `@capsule ref1 ref2` | nothing: the two spheres and the rod added last are a capsule |
 //!
 //! The whole first word of a line decides its kind. A line with any other first word is a comment. The last six kinds above are
-//! comments to the reader of the thesis.
+//! comments to the reader of the thesis. `#` at the beginning of a line or after white space begins a comment up to the end of
+//! the line.
 //!
-//! So that ordinary prose can stay in a file, `set` must be followed by a known name and one value, and `T` by a number. A line
-//! that only begins like an extension, such as `set the table`, `T` without a number or an unknown word with `@`, is a comment
-//! with a warning.
+//! A line that begins with `set` or `@` and is not understood is an error. In a file without any other such line, and without
+//! tethers, it may be prose of a file for the thesis's program: there it is a comment with a warning. A comment without `#` that
+//! looks like an object or a setting (`s 1 0 2 ...`, `Sphere 1 ...`, `gravity 3`) has a warning too, and so has a second `set`
+//! of the same constant, which replaces the first one.
 
 use std::collections::HashMap;
 use std::fmt;
@@ -28,12 +30,14 @@ use std::path::Path;
 
 use glam::{Quat, Vec3};
 
+mod comment;
 mod line;
 
+use comment::{is_extension, is_number, looks_like, without_comment};
 use line::{BOX, CAPSULE, FORCE, GROUP, Kind, Line, MARK, ORIENTATION, POLYGON, ROD, SPHERE, SPRING, TETHER, Wrong};
 
 use super::{Capsule, CapsuleParts, Cuboid, Polygon, Rod, Scene, Sphere, SphereId, Spring, Tether};
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, nearest, quoted};
 use crate::settings::Settings;
 
 /// A scene that was read, with warnings about its text.
@@ -41,8 +45,10 @@ use crate::settings::Settings;
 pub struct Loaded {
     /// The scene.
     pub scene: Scene,
-    /// Warnings about lines that were read as comments but look like something else.
+    /// Warnings about lines that were read as comments but look like something else, and about constants that are set twice.
     pub warnings: Vec<LineWarning>,
+    /// Number of lines that are comments. Empty lines, and comments after an object, are not counted.
+    pub comments: usize,
 }
 
 /// A warning about a line of a scene text. The line was accepted.
@@ -66,8 +72,8 @@ impl Scene {
     /// # Errors
     /// [`Error::SceneLine`] for the first wrong line, with the field and what was expected.
     pub fn parse(text: &str, name: &Path) -> Result<Loaded> {
-        let mut reader = Reader { scene: Self::new(), warnings: Vec::new(), references: HashMap::new(), group: 0 };
         let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+        let mut reader = Reader::new(text);
         for (index, line) in text.lines().enumerate() {
             reader.line(line, index + 1).map_err(|wrong| Error::SceneLine {
                 file: name.to_owned(),
@@ -76,7 +82,7 @@ impl Scene {
                 message: wrong.message,
             })?;
         }
-        Ok(Loaded { scene: reader.scene, warnings: reader.warnings })
+        Ok(Loaded { scene: reader.scene, warnings: reader.warnings, comments: reader.comments })
     }
 
     /// Reads a scene file. Bytes that are not UTF-8 (in comments of an older encoding) are accepted outside of numbers.
@@ -102,21 +108,43 @@ fn vector(numbers: &[f32]) -> Vec3 {
     Vec3::from_slice(numbers)
 }
 
-struct Reader {
+/// First words of extensions that begin with `@`.
+const AT_WORDS: [&str; 4] = ["@group", "@orientation", "@force", "@capsule"];
+
+struct Reader<'a> {
+    /// The whole text.
+    text: &'a str,
     scene: Scene,
     warnings: Vec<LineWarning>,
+    /// Number of lines that are comments.
+    comments: usize,
+    /// Lines of the constants that were set.
+    set_at: HashMap<&'static str, usize>,
     /// The sphere that each reference stands for: the last one defined with it.
     references: HashMap<u32, SphereId>,
     /// The group of the following objects.
     group: u16,
 }
 
-impl Reader {
-    fn line(&mut self, line: &str, number: usize) -> Line<()> {
+impl<'a> Reader<'a> {
+    fn new(text: &'a str) -> Self {
+        Self {
+            text,
+            scene: Scene::new(),
+            warnings: Vec::new(),
+            comments: 0,
+            set_at: HashMap::new(),
+            references: HashMap::new(),
+            group: 0,
+        }
+    }
+
+    fn line(&mut self, whole: &str, number: usize) -> Line<()> {
         // A file of 16-bit characters would otherwise be one long comment.
-        if line.contains('\0') {
+        if whole.contains('\0') {
             return Err(Wrong { field: "text".to_owned(), message: "a NUL byte, expected plain text (UTF-8)".to_owned() });
         }
+        let line = without_comment(whole);
         let mut words = line.split_ascii_whitespace();
         match words.next().unwrap_or_default() {
             "S" => self.sphere(line),
@@ -125,26 +153,48 @@ impl Reader {
             "P" => self.polygon(line),
             "K" => self.spring(line),
             "B" => self.cuboid(line),
-            "T" if words.next().is_some_and(|word| word.parse::<f64>().is_ok()) => self.tether(line),
+            "T" if words.next().is_some_and(is_number) => self.tether(line),
             "@group" => self.group(line),
             "@orientation" => self.orientation(line),
             "@force" => self.force(line),
             "@capsule" => self.mark(line),
             "set" => self.set(line, number),
             "T" => {
-                self.comment(number, "a tether is `T ref x y z k l c`");
+                self.suspicious(number, format!("a tether is `{}`", TETHER.form()));
                 Ok(())
             }
             word if word.starts_with('@') => {
-                self.comment(number, "the known words are @group, @orientation, @force and @capsule");
+                let known = format!("expected one of {}", AT_WORDS.join(", "));
+                let message = nearest(word, &AT_WORDS).map_or(known, |near| format!("did you mean {near}?"));
+                self.not_understood(number, Wrong { field: quoted(word), message: format!("an unknown word, {message}") })
+            }
+            "" => {
+                self.comments += usize::from(line.len() < whole.len());
                 Ok(())
             }
-            _ => Ok(()),
+            _ => {
+                match looks_like(line) {
+                    Some(what) => self.suspicious(number, format!("{what}; begin a comment with #")),
+                    None => self.comments += 1,
+                }
+                Ok(())
+            }
         }
     }
 
-    fn comment(&mut self, line: usize, hint: &str) {
+    /// Counts a line as a comment, with a warning.
+    fn suspicious(&mut self, line: usize, hint: String) {
+        self.comments += 1;
         self.warnings.push(LineWarning { line, text: format!("taken for a comment; {hint}") });
+    }
+
+    /// Refuses a line that begins like an extension. In a file that has no other line like it, the line may be prose.
+    fn not_understood(&mut self, line: usize, wrong: Wrong) -> Line<()> {
+        if self.text.lines().filter(|line| is_extension(line)).nth(1).is_some() {
+            return Err(wrong);
+        }
+        self.suspicious(line, format!("{} is {}", wrong.field, wrong.message));
+        Ok(())
     }
 
     fn find(&self, kind: &Kind, name: &str, reference: u32) -> Line<SphereId> {
@@ -173,6 +223,7 @@ impl Reader {
         sphere.fixed = n[11] > 0.0;
         let id = self.scene.add_sphere(sphere).map_err(|error| SPHERE.refused(&error))?;
         self.references.insert(reference, id);
+        self.scene.references.set(id, reference);
         Ok(())
     }
 
@@ -268,11 +319,20 @@ impl Reader {
 
     fn set(&mut self, line: &str, number: usize) -> Line<()> {
         let mut words = line.split_ascii_whitespace().skip(1);
-        let Some(name) = words.next().filter(|name| Settings::NAMES.contains(name)) else {
-            let hint = format!("a setting is `set NAME VALUE` with NAME one of {}", Settings::NAMES.join(", "));
-            self.comment(number, &hint);
-            return Ok(());
+        let Some(word) = words.next() else {
+            let message = "a setting without a name, expected `set NAME VALUE`".to_owned();
+            return self.not_understood(number, Wrong { field: "set".to_owned(), message });
         };
+        let Some(name) = Settings::NAMES.iter().copied().find(|name| *name == word) else {
+            let known = format!("expected one of {}", Settings::NAMES.join(", "));
+            let message = nearest(word, Settings::NAMES).map_or(known, |near| format!("did you mean {near}?"));
+            let message = format!("an unknown setting, {message}");
+            return self.not_understood(number, Wrong { field: format!("set {}", quoted(word)), message });
+        };
+        if let Some(before) = self.set_at.insert(name, number) {
+            let text = format!("{name} is set again; this replaces line {before}");
+            self.warnings.push(LineWarning { line: number, text });
+        }
         let value = words.collect::<Vec<_>>().join(" ");
         let wrong = |error| Wrong {
             field: format!("set {name}"),

@@ -85,18 +85,125 @@ fn a_direction_is_separated_by_spaces_or_commas() {
     }
 }
 
+/// A file for the thesis's program may contain one line of prose that begins like an extension.
 #[test]
-fn lines_that_only_resemble_extensions_are_comments_with_a_warning() {
-    for line in ["set", "set colour red", "set the table", "T is for tether", "T", "@groups 1", "@"] {
-        let loaded = parse(&format!("\n{line}\n")).unwrap();
+fn a_lone_line_that_only_resembles_an_extension_is_a_comment_with_a_warning() {
+    for line in ["set", "set colour red", "set the table", "T is for tether", "T", "@groups 1", "@", "set gravty 3"] {
+        let loaded = parse(&format!("{BALLS}{line}\n")).unwrap();
         assert_eq!(loaded.warnings.len(), 1, "{line}");
-        assert_eq!(loaded.warnings[0].line, 2, "{line}");
-        assert!(loaded.warnings[0].text.starts_with("taken for a comment"), "{line}");
-        assert_eq!(loaded.scene.settings, Settings::default(), "{line}");
+        assert_eq!(loaded.warnings[0].line, 3, "{line}");
+        assert!(loaded.warnings[0].text.starts_with("taken for a comment; "), "{line}");
+        assert_eq!((loaded.scene.settings, loaded.comments), (Settings::default(), 1), "{line}");
     }
-    for line in ["setting gravity 1", "Set gravity 2", "s 1 2 3", "Tether 1 2", "SET", "// S 1", "#S 1 0"] {
-        assert_eq!(parse(line).unwrap().warnings, [], "{line}");
+    let warning = &parse("set gravty 3").unwrap().warnings[0].text;
+    assert_eq!(warning, "taken for a comment; set 'gravty' is an unknown setting, did you mean gravity?");
+}
+
+/// In a file with another extension, such a line is an error, whether the other one comes before or after it.
+#[test]
+fn a_line_that_is_not_understood_is_an_error_in_a_file_with_extensions() {
+    let cases = [
+        ("set gravty 3", "set 'gravty': an unknown setting, did you mean gravity?"),
+        ("set Gravity 3", "set 'Gravity': an unknown setting, did you mean gravity?"),
+        ("set", "set: a setting without a name, expected `set NAME VALUE`"),
+        ("@grup 1", "'@grup': an unknown word, did you mean @group?"),
+        ("@mesh hopper.stl", "'@mesh': an unknown word, expected one of @group, @orientation, @force, @capsule"),
+    ];
+    for (line, expected) in cases {
+        for other in ["set restitution 1", "@group 2", "@group", "T 1 0 0 0 1 1 1", "set out"] {
+            for text in [format!("{BALLS}{line}\n{other}"), format!("{BALLS}\n{other}\n{line}")] {
+                // A line above that is itself an error comes first.
+                if !["@group", "set out"].contains(&other) || text.ends_with(other) {
+                    let number = text.lines().position(|found| found == line).unwrap() + 1;
+                    assert_eq!(parse(&text).unwrap_err().to_string(), format!("a.txt:{number}: {expected}"), "{text}");
+                }
+            }
+        }
     }
+    let error = parse("set weight 3\nset gravity 3").unwrap_err().to_string();
+    assert!(error.starts_with("a.txt:1: set 'weight': an unknown setting, expected one of activation_threshold, "), "{error}");
+}
+
+#[test]
+fn a_comment_that_looks_like_an_object_or_a_setting_has_a_warning() {
+    let sphere = "it looks like a line `S reference x y z vx vy vz lx ly lz mass radius [fixed]`";
+    let gravity = "it looks like a setting, which is `set gravity VALUE`";
+    let cases = [
+        ("s 1 0 2 0 0 0 0 0 0 0 1 0.5", sphere),
+        ("Sphere 1 0 2 0 0 0 0 0 0 0 1 0.5", sphere),
+        ("sphere: 0 2 0 radius 0.5", sphere),
+        ("Ball radius=0.5", sphere),
+        ("b 0 0 0 1 0 0 0 1 0 0 0 1", "it looks like a line `B x y z i_x i_y i_z j_x j_y j_z k_x k_y k_z`"),
+        ("group 3", "it looks like a line `@group number`"),
+        ("SET gravity 3", gravity),
+        ("Set gravty 3", gravity),
+        ("gravity 3", gravity),
+        ("Gravity = 3", gravity),
+        ("gravity=3", gravity),
+        ("let gravity be", ""),
+        ("setting gravity 1", gravity),
+        ("contact-force 500", "it looks like a setting, which is `set contact_force VALUE`"),
+        ("mesh hopper.stl", "it looks like a mesh, which a scene cannot contain"),
+        (
+            "S1 0 2 0 0 0 0 0 0 0 1 0.5",
+            "it looks like an object, but 'S1' is not one of S, R, C, P, K, B, T, @group, @orientation, @force",
+        ),
+    ];
+    for (line, what) in cases {
+        let loaded = parse(&format!("\n{line}\n")).unwrap();
+        let expected: Vec<LineWarning> = (!what.is_empty())
+            .then(|| LineWarning { line: 2, text: format!("taken for a comment; {what}; begin a comment with #") })
+            .into_iter()
+            .collect();
+        assert_eq!(loaded.warnings, expected, "{line}");
+        assert_eq!((loaded.comments, loaded.scene.settings), (1, Settings::default()), "{line}");
+        // With # in front it is a comment without doubt.
+        for comment in [format!("#{line}"), format!("  # {line}")] {
+            let loaded = parse(&comment).unwrap();
+            assert_eq!((loaded.warnings, loaded.comments), (vec![], 1), "{comment}");
+        }
+    }
+}
+
+#[test]
+fn prose_has_no_warning() {
+    let prose = [
+        "Gravity pulls all of them down.",
+        "A box of 3 balls, and 2 rods.",
+        "Ball 1 is the heavy one.",
+        "b 12 is a note, not an object",
+        "// S 1 0 0 0 0 0 0 0 0 0 1 1",
+        "; gravity 3",
+        "Mesh of rods",
+        "It takes 3 s",
+        "Friction is on the house",
+        "3 balls",
+        "Set the table.",
+        "SET",
+    ];
+    for line in prose {
+        let loaded = parse(line).unwrap();
+        assert_eq!((loaded.warnings, loaded.comments), (vec![], 1), "{line}");
+    }
+}
+
+#[test]
+fn number_signs_begin_comments() {
+    let text = "# A title\n\n  #set gravity 7\nS 1 0 0 0 0 0 0 0 0 0 1 0.5 # the first ball\nset gravity 3\t#Moon\nprose # 1\n@group 2 #";
+    let loaded = parse(text).unwrap();
+    assert_eq!((&loaded.warnings, loaded.comments), (&vec![], 3));
+    assert_eq!((loaded.scene.counts().spheres, loaded.scene.settings.gravity), (1, 3.0));
+    // Within a word, # is part of the word.
+    let error = parse("S 1#2 0").unwrap_err().to_string();
+    assert!(error.contains("S reference: '1#2' is not a whole number"), "{error}");
+}
+
+#[test]
+fn a_constant_that_is_set_twice_has_a_warning() {
+    let loaded = parse("set gravity 3\nset friction 1\n\nset gravity 4 # again").unwrap();
+    let text = "gravity is set again; this replaces line 1".to_owned();
+    assert_eq!(loaded.warnings, [LineWarning { line: 4, text }]);
+    assert_eq!(loaded.scene.settings.gravity, 4.0);
 }
 
 /// The error message for `line` after two spheres. File name and line number are checked and removed.
@@ -228,6 +335,10 @@ fn wild_line() -> impl Strategy<Value = String> {
             "@force",
             "@capsule",
             "@",
+            "#",
+            "gravity",
+            "Sphere",
+            "mesh",
             ""
         ])
         .prop_map(str::to_owned),
@@ -236,7 +347,7 @@ fn wild_line() -> impl Strategy<Value = String> {
     let word = prop_oneof![
         4 => (0_i32..4).prop_map(|number| number.to_string()),
         4 => any::<f32>().prop_map(|number| number.to_string()),
-        1 => prop::sample::select(vec!["gravity", "collisions", "on", "inf", "nan", "-0", "1e-46", "0x1", "1,2,3", "+"])
+        1 => prop::sample::select(vec!["gravity", "collisions", "on", "inf", "nan", "-0", "1e-46", "0x1", "1,2,3", "+", "#", "=", "a=1"])
             .prop_map(str::to_owned),
         1 => "\\PC{0,4}",
     ];

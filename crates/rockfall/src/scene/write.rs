@@ -12,7 +12,8 @@ use crate::output::AtomicFile;
 use crate::settings::Settings;
 
 impl Scene {
-    /// The scene as text. References are the indices of the spheres in order of addition. A capsule becomes a C line if that
+    /// The scene as text. Spheres keep the references of the text that they were read from ([`Scene::reference`]) if these are
+    /// distinct; in other scenes, references are the indices of the spheres in order of addition. A capsule becomes a C line if that
     /// expresses it completely, otherwise two S lines, an R line and an `@capsule` line.
     ///
     /// The text reads back completely, unless a setting was given a value that [`Settings::validate`] refuses.
@@ -20,6 +21,7 @@ impl Scene {
         let mut writer = Writer {
             scene: self,
             text: String::with_capacity(64 * (self.spheres.len() + self.springs.len()) + 64 * self.rods.len()),
+            names: self.references.distinct(self.spheres.handles()),
             group: 0,
             rods_written: 0,
             capsules_written: 0,
@@ -59,6 +61,8 @@ fn is_turned(orientation: Quat) -> bool {
 struct Writer<'a> {
     scene: &'a Scene,
     text: String,
+    /// Reference of every sphere.
+    names: Vec<u32>,
     group: u16,
     /// Rods and capsules are written in insertion order, so these counts show which ones are still missing.
     rods_written: usize,
@@ -66,12 +70,12 @@ struct Writer<'a> {
 }
 
 impl Writer<'_> {
-    /// Adds a line: its first word, its references, its numbers.
-    fn line(&mut self, word: &str, references: &[usize], numbers: &[f32]) {
+    /// Adds a line: its first word, the references of spheres given by their indices, its numbers.
+    fn line(&mut self, word: &str, spheres: &[usize], numbers: &[f32]) {
         self.text.push_str(word);
         // Writing to a string cannot fail.
-        for reference in references {
-            let _ = write!(self.text, " {reference}");
+        for sphere in spheres {
+            let _ = write!(self.text, " {}", self.names[*sphere]);
         }
         for number in numbers {
             let _ = write!(self.text, " {number}");
@@ -82,7 +86,7 @@ impl Writer<'_> {
     fn set_group(&mut self, group: u16) {
         if self.group != group {
             self.group = group;
-            self.line("@group", &[group.into()], &[]);
+            self.line("@group", &[], &[group.into()]);
         }
     }
 

@@ -93,6 +93,27 @@ fn rods_keep_their_numbers_around_capsules() {
     assert!(!assert_round_trip(&scene).contains("\nC "));
 }
 
+/// Spheres keep the numbers that the user gave them. A C line has none, and equal numbers are replaced.
+#[test]
+fn references_are_kept_if_they_are_distinct() {
+    let ball = |reference: u32, x: u32| format!("S {reference} {x} 0 0 0 0 0 0 0 0 1 0.5 0\n");
+    let text = [&ball(70, 0), &ball(7, 2), "C 0 5 0 1 5 0 0 0 0 1 0.25\n", "R 7 70 0.125\n"].concat();
+    let mut scene = read(&text);
+    assert_eq!(assert_round_trip(&scene), text);
+    let ids: Vec<_> = scene.sphere_ids().collect();
+    assert_eq!(ids.iter().map(|id| scene.reference(*id)).collect::<Vec<_>>(), [Some(70), Some(7), None, None]);
+    // A sphere that a program adds in the place of a removed one does not inherit its reference. The ends of the C line count.
+    scene.remove_sphere(ids[0]).unwrap();
+    let added = scene.add_sphere(Sphere::new([9.0, 0.0, 0.0], 0.5)).unwrap();
+    assert_eq!(scene.reference(added), None);
+    assert!(assert_round_trip(&scene).contains("\nS 10 9 0 0 "), "{}", scene.to_text());
+
+    let twice = read(&(ball(7, 0) + &ball(7, 2)));
+    assert!(assert_round_trip(&twice).starts_with("S 0 0 0 0 "), "{}", twice.to_text());
+    let largest = read(&ball(u32::MAX, 0));
+    assert!(assert_round_trip(&largest).starts_with("S 0 0 0 0 "));
+}
+
 #[test]
 fn generated_scenes_read_back() {
     for kind in Kind::ALL {

@@ -232,8 +232,7 @@ impl Simulation {
         let has_large = self.options.integrator == Integrator::Rk4 && self.world.step.large > 0;
         self.has_stages = has_large && self.options.uses(Optimization::Acceleration);
         let total = |status: &Status| u64::from(status.total_collisions_high) << 32 | u64::from(status.total_collisions_low);
-        self.report.steps += done;
-        self.report.time += done as f64 * f64::from(self.time_step);
+        self.clock.add(done, self.time_step, &mut self.report);
         self.report.contacts = status.last_contacts;
         self.report.max_overlap = f32::from_bits(status.last_max_overlap);
         self.report.collisions = status.last_collisions;

@@ -12,7 +12,7 @@ pub(super) type Line<T> = Result<T, Wrong>;
 
 /// The fields of one kind of line: references first, then numbers. The last number may be optional.
 pub(super) struct Kind {
-    word: &'static str,
+    pub(super) word: &'static str,
     pub(super) references: &'static [&'static str],
     numbers: &'static [&'static str],
     last_is_optional: bool,
@@ -74,6 +74,16 @@ impl Kind {
             }
             other => Wrong { field: self.word.to_owned(), message: other.to_string() },
         }
+    }
+
+    /// The line with the names of its fields, such as `R end1 end2 radius [length]`.
+    pub(super) fn form(&self) -> String {
+        let names = self.references.iter().chain(self.numbers).map(|name| name.replace(' ', "_"));
+        let mut words: Vec<String> = std::iter::once(self.word.to_owned()).chain(names).collect();
+        if let Some(last) = words.last_mut().filter(|_| self.last_is_optional) {
+            *last = format!("[{last}]");
+        }
+        words.join(" ")
     }
 
     /// The expected number of words after the first one, for a message.

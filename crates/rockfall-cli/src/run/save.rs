@@ -1,0 +1,37 @@
+//! The file of `--save`: the final state as a scene file.
+
+use std::io::Write as _;
+use std::path::Path;
+
+use rockfall::Simulation;
+use rockfall::output::AtomicFile;
+
+use super::past::Past;
+use crate::failure::Failure;
+
+pub(super) fn open(path: &Path) -> Result<AtomicFile, Failure> {
+    AtomicFile::create(path).map_err(|error| Failure::file(path, &error))
+}
+
+/// Writes the present state. Comments at the top tell where it comes from and how to go on.
+pub(super) fn write(path: &Path, mut file: AtomicFile, simulation: &mut Simulation, past: &Past) -> Result<(), Failure> {
+    let step = past.step(simulation.report().steps);
+    let integrator = simulation.integrator();
+    let mut scene = simulation.sync()?.clone();
+    let mut text = format!("# {} after {step} steps, at {} s\n", single_line(&past.scene), past.time(step));
+    text += &format!("# It was run with --dt {} --integrator {integrator}", past.dt);
+    text += &if past.parts() > 1 { format!(" --substeps {}\n", past.parts()) } else { "\n".to_owned() };
+    if scene.settings.resting_overlap > 0.0 {
+        // With this setting, other constants would be chosen for the present positions, and the motion would change.
+        let share = std::mem::take(&mut scene.settings.resting_overlap);
+        text += &format!("# contact_force and contact_damping were chosen for resting_overlap {share}\n");
+    }
+    text += "\n";
+    text += &scene.to_text();
+    file.write_all(text.as_bytes()).and_then(|()| file.commit()).map_err(|error| Failure::file(path, &error))
+}
+
+/// Replaces control characters, so that the name of a file cannot end a comment.
+fn single_line(name: &str) -> String {
+    name.chars().map(|character| if character.is_control() { '?' } else { character }).collect()
+}

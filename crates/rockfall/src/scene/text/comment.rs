@@ -1,0 +1,102 @@
+//! Comments of a scene text, and comments that look like something else.
+
+use super::line::{BOX, CAPSULE, FORCE, GROUP, Kind, ORIENTATION, POLYGON, ROD, SPHERE, SPRING, TETHER};
+use crate::error::{nearest, quoted};
+use crate::settings::Settings;
+
+/// Number of words of a comment that are looked at.
+const WORDS: usize = 32;
+
+/// Kinds of lines with the words by which people call them, in lower case.
+const NAMES: [(&Kind, &[&str]); 10] = [
+    (&SPHERE, &["s", "sphere", "spheres", "ball"]),
+    (&ROD, &["r", "rod", "rods"]),
+    (&CAPSULE, &["c", "capsule", "capsules"]),
+    (&POLYGON, &["p", "polygon", "polygons", "plane", "triangle"]),
+    (&SPRING, &["k", "spring", "springs"]),
+    (&BOX, &["b", "box", "boxes", "cuboid", "cube"]),
+    (&TETHER, &["t", "tether", "tethers"]),
+    (&GROUP, &["group", "groups"]),
+    (&ORIENTATION, &["orientation"]),
+    (&FORCE, &["force"]),
+];
+
+/// Removes a comment from a line: from a `#` at its beginning or after white space.
+pub(super) fn without_comment(line: &str) -> &str {
+    let begins = |(at, _): &(usize, &str)| line[..*at].chars().next_back().is_none_or(char::is_whitespace);
+    line.match_indices('#').find(begins).map_or(line, |(at, _)| &line[..at])
+}
+
+/// Whether a line begins like an extension of the thesis's format.
+pub(super) fn is_extension(line: &str) -> bool {
+    let mut words = without_comment(line).split_ascii_whitespace();
+    match words.next() {
+        Some("set") => true,
+        Some("T") => words.next().is_some_and(is_number),
+        Some(word) => word.starts_with('@'),
+        None => false,
+    }
+}
+
+/// Whether a word is a number. The names of infinity and NaN are words.
+pub(super) fn is_number(word: &str) -> bool {
+    let digits = word.trim_start_matches(['+', '-', '.']);
+    digits.starts_with(|first: char| first.is_ascii_digit()) && word.parse::<f64>().is_ok()
+}
+
+fn is_value(word: &str) -> bool {
+    let word = word.trim_end_matches([',', ';', '.']);
+    is_number(word) || ["on", "off", "true", "false"].contains(&word)
+}
+
+/// The constant that a word names in any spelling: `Gravity`, `contact-force:`.
+fn setting(word: &str) -> Option<&'static str> {
+    let name = word.trim_end_matches(['=', ':']).to_ascii_lowercase().replace('-', "_");
+    Settings::NAMES.iter().copied().find(|known| *known == name)
+}
+
+/// Describes what a comment looks like and how that is written, or returns `None` for prose.
+pub(super) fn looks_like(line: &str) -> Option<String> {
+    let words: Vec<&str> = line.split_ascii_whitespace().take(WORDS).collect();
+    let (first, rest) = words.split_first()?;
+    if !is_number(first) && !first.starts_with(char::is_alphanumeric) {
+        return None;
+    }
+    if let Some(name) = setting_of(first, rest) {
+        return Some(format!("it looks like a setting, which is `set {name} VALUE`"));
+    }
+    let word = first.trim_end_matches([':', ',']).to_ascii_lowercase();
+    let is_mesh = |name: &&&str| [".stl", ".obj", ".ply"].iter().any(|end| name.to_ascii_lowercase().ends_with(end));
+    if word == "mesh" && rest.iter().any(|name| is_mesh(&name)) {
+        return Some("it looks like a mesh, which a scene cannot contain".to_owned());
+    }
+    let numbers = rest.iter().filter(|word| is_number(word)).count();
+    let mostly_numbers = numbers > 0 && 2 * numbers >= rest.len();
+    let assigns = rest.iter().any(|word| word.split_once('=').is_some_and(|(_, value)| is_number(value)));
+    let kind = NAMES.iter().find(|(_, names)| names.contains(&word.as_str()));
+    if let Some((kind, _)) = kind {
+        let fits = if word.len() == 1 { rest.first().is_some_and(|word| is_number(word)) } else { true };
+        return (fits && (mostly_numbers || assigns)).then(|| format!("it looks like a line `{}`", kind.form()));
+    }
+    (numbers >= 3 && numbers == rest.len()).then(|| {
+        let known = NAMES.map(|(kind, _)| kind.word);
+        format!("it looks like an object, but {} is not one of {}", quoted(first), known.join(", "))
+    })
+}
+
+/// The constant that a comment seems to set: `gravity 3`, `Gravity = 3`, `gravity=3`, `SET gravity 3`, `Set gravty 3`.
+fn setting_of(first: &str, rest: &[&str]) -> Option<&'static str> {
+    if let Some((name, value)) = first.split_once('=').filter(|(_, value)| is_value(value)) {
+        return setting(name).filter(|_| is_value(value));
+    }
+    let value = |words: &[&str]| match words {
+        ["=" | ":", value, ..] | [value, ..] => is_value(value.trim_start_matches('=')),
+        [] => false,
+    };
+    if let Some(name) = setting(first) {
+        return value(rest).then_some(name);
+    }
+    let (second, after) = rest.split_first()?;
+    let near = if first.eq_ignore_ascii_case("set") { nearest(second, Settings::NAMES) } else { None };
+    setting(second).or(near).filter(|_| value(after))
+}
