@@ -1,13 +1,13 @@
-//! The panel: numbers, the picked body, constants, colours and plots.
+//! The panel: numbers, constants, colours and plots.
 
 use egui::{Color32, RichText, Ui};
 use egui_plot::{Line, Plot, PlotPoints};
-use rockfall::{Energy, Settings};
+use rockfall::{Counts, Energy};
 
-use super::constants::{CONSTANTS, without_keys};
+use super::constants_panel;
 use super::viewer::Viewer;
 use crate::draw::{ColourBy, Style};
-use crate::legend::Legend;
+use crate::legend::{Legend, number};
 use crate::palette::{Kind, Rgb};
 
 /// Names and colours of the energies. The colours here and in [`PHASES`] are those of Okabe and Ito, which can be told apart
@@ -34,13 +34,10 @@ pub(super) fn show(ui: &mut Ui, viewer: &mut Viewer) {
     let section = |ui: &mut Ui, title: &str, open: bool, add: &mut dyn FnMut(&mut Ui)| {
         egui::CollapsingHeader::new(RichText::new(title).strong()).default_open(open).show(ui, add);
     };
-    if viewer.session.watch.facts().is_some() {
-        section(ui, "Picked body", true, &mut |ui| picked(ui, viewer));
-    }
-    section(ui, "Constants", true, &mut |ui| constants(ui, viewer));
+    section(ui, "Constants", true, &mut |ui| constants_panel::show(ui, viewer));
     section(ui, "Colours", true, &mut |ui| colours(ui, viewer));
     section(ui, "Energy over time", true, &mut |ui| energies(ui, viewer));
-    section(ui, "Time of the phases", true, &mut |ui| phases(ui, viewer));
+    section(ui, "Time of the phases", false, &mut |ui| phases(ui, viewer));
 }
 
 /// Shows the numbers of steps and objects, and the rates.
@@ -62,9 +59,9 @@ fn numbers(ui: &mut Ui, viewer: &mut Viewer) {
         pair(ui, "steps", report.steps.to_string(), true);
         pair(ui, "steps/s", format!("{:.0}", viewer.rates.steps), false);
         pair(ui, "frames/s", format!("{:.0}", viewer.rates.frames), true);
-        pair(ui, "bodies", counts.spheres.to_string(), false);
+        pair(ui, "bodies", bodies(&counts).to_string(), false);
         pair(ui, "contacts", report.contacts.to_string(), true);
-        pair(ui, "rods", counts.rods.to_string(), false);
+        pair(ui, "rods", counts.rods.saturating_sub(counts.capsules).to_string(), false);
         pair(ui, "collisions", report.collisions.to_string(), true);
     });
     if let Some(lag) = session.pace.lag() {
@@ -73,70 +70,9 @@ fn numbers(ui: &mut Ui, viewer: &mut Viewer) {
     }
 }
 
-/// Sliders of the settings that no key changes.
-fn other_constants(ui: &mut Ui, settings: &mut Settings) {
-    egui::Grid::new("other constants").num_columns(3).spacing([6.0, 4.0]).show(ui, |ui| {
-        for entry in without_keys() {
-            let value = settings.get(entry.name).and_then(|text| text.parse::<f32>().ok());
-            let (Some((low, high)), Some(mut value)) = (entry.slider, value) else { continue };
-            ui.label(entry.name.replace('_', " ")).on_hover_text(entry.doc.trim());
-            let slider = egui::Slider::new(&mut value, low..=high).clamping(egui::SliderClamping::Edits).max_decimals(3);
-            if ui.add(slider).on_hover_text(entry.doc.trim()).changed() {
-                // A value from the range of the slider is valid.
-                let _ = settings.set(entry.name, &value.to_string());
-            }
-            ui.label(RichText::new(entry.unit).weak().small());
-            ui.end_row();
-        }
-    });
-}
-
-fn constants(ui: &mut Ui, viewer: &mut Viewer) {
-    let before = *viewer.session.settings();
-    let mut settings = before;
-    ui.spacing_mut().slider_width = 90.0;
-    egui::Grid::new("constants").num_columns(3).spacing([6.0, 4.0]).show(ui, |ui| {
-        for constant in &CONSTANTS {
-            let [up, down] = [constant.up, constant.down].map(|key| key.to_ascii_uppercase());
-            let default = constant.default_value();
-            let about = format!("{}\nDefault: {default} {}. Keys: {up} up, {down} down.", constant.about, constant.unit());
-            ui.label(constant.label).on_hover_text(&about);
-            let mut value = constant.get(&settings);
-            let slider = egui::Slider::new(&mut value, constant.range())
-                .clamping(egui::SliderClamping::Edits)
-                .step_by(f64::from(constant.step) / 10.0)
-                .max_decimals(3);
-            if ui.add(slider).on_hover_text(about).changed() {
-                constant.set(&mut settings, value);
-            }
-            ui.label(RichText::new(constant.unit()).weak().small());
-            ui.end_row();
-        }
-    });
-    ui.collapsing("more constants", |ui| other_constants(ui, &mut settings));
-    let defaults = Settings::default();
-    let differs = CONSTANTS.iter().any(|constant| constant.get(&settings) != constant.default_value())
-        || without_keys().any(|entry| settings.get(entry.name) != defaults.get(entry.name));
-    if ui.add_enabled(differs, egui::Button::new("Defaults").small()).clicked() {
-        CONSTANTS.iter().for_each(|constant| constant.set(&mut settings, constant.default_value()));
-        for entry in without_keys() {
-            // A default is valid.
-            let _ = settings.set(entry.name, &defaults.get(entry.name).unwrap_or_default());
-        }
-    }
-    ui.checkbox(&mut settings.collisions, "collisions (K)").on_hover_text("Without collisions there are only contact forces.");
-    ui.checkbox(&mut settings.contact_pull, "damping may pull").on_hover_text("Contact damping as in the thesis.");
-    let mut time_step = viewer.session.pace.time_step * 1000.0;
-    ui.horizontal(|ui| {
-        ui.label("time step");
-        let field = egui::DragValue::new(&mut time_step).range(0.01..=100.0).speed(0.1).suffix(" ms");
-        if ui.add(field).changed() {
-            viewer.session.set_time_step(time_step / 1000.0);
-        }
-    });
-    if settings != before {
-        viewer.session.change_settings(|present| *present = settings);
-    }
+/// Returns the number of spheres and capsules. The two ends of a capsule are spheres of the scene, but one body.
+fn bodies(counts: &Counts) -> usize {
+    counts.spheres.saturating_sub(counts.capsules)
 }
 
 /// Shows the switches of the style.
@@ -189,21 +125,22 @@ fn scale(ui: &mut Ui, title: &str, range: [f32; 2], colours: &[Rgb]) {
     }
     ui.painter().add(mesh);
     ui.horizontal(|ui| {
-        ui.monospace(format!("{}", range[0]));
+        ui.monospace(number(range[0]));
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-            ui.monospace(format!("{}", range[1]));
-            ui.centered_and_justified(|ui| ui.label(RichText::new(title).weak()));
+            ui.monospace(number(range[1]));
+            ui.centered_and_justified(|ui| ui.monospace(number(0.5 * (range[0] + range[1]))));
         });
     });
+    ui.vertical_centered(|ui| ui.label(RichText::new(title).weak()));
 }
 
-fn stroke(rgb: Rgb) -> egui::Stroke {
+pub(super) fn stroke(rgb: Rgb) -> egui::Stroke {
     egui::Stroke::new(1.5, colour(rgb))
 }
 
-fn plot(name: &str) -> Plot<'_> {
+pub(super) fn plot(name: &str, height: f32) -> Plot<'_> {
     Plot::new(name)
-        .height(PLOT_HEIGHT)
+        .height(height)
         .allow_scroll(false)
         .allow_zoom(false)
         .allow_drag(false)
@@ -222,7 +159,7 @@ fn energies(ui: &mut Ui, viewer: &mut Viewer) {
         let points = watch.energies().iter().map(|sample| [sample.time, all(&sample.energy)[index]]);
         Line::new(*name, points.collect::<PlotPoints>()).stroke(stroke(*colour))
     });
-    plot("energy").show(ui, |plot| lines.for_each(|line| plot.line(line)));
+    plot("energy", PLOT_HEIGHT).show(ui, |plot| lines.for_each(|line| plot.line(line)));
     if !watch.is_unasked() {
         ui.label(RichText::new("The scene is too large to measure its energy continuously.").weak());
     }
@@ -251,19 +188,19 @@ fn phases(ui: &mut Ui, viewer: &mut Viewer) {
         let points = samples.iter().map(|sample| [sample.time, 1e3 * sample.seconds[index]]);
         Line::new(*name, points.collect::<PlotPoints>()).stroke(stroke(*colour))
     });
-    plot("phases").include_y(0.0).show(ui, |plot| lines.for_each(|line| plot.line(line)));
+    plot("phases", PLOT_HEIGHT).include_y(0.0).show(ui, |plot| lines.for_each(|line| plot.line(line)));
 }
 
-fn picked(ui: &mut Ui, viewer: &mut Viewer) {
-    let Some(facts) = viewer.session.watch.facts() else {
-        return;
-    };
-    ui.strong(&facts.title);
-    egui::Grid::new("picked").num_columns(2).spacing([8.0, 2.0]).show(ui, |ui| {
-        for (name, value) in &facts.values {
-            ui.label(RichText::new(*name).weak());
-            ui.monospace(value);
-            ui.end_row();
-        }
-    });
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::*;
+
+    #[test]
+    fn a_capsule_is_one_body() {
+        let text = "S 1 0 0 0 0 0 0 0 0 0 1 0.5\nC 3 0 0 4 0 0 0 0 0 1 0.2\nC 3 3 0 4 3 0 0 0 0 1 0.2\n";
+        let counts = rockfall::Scene::parse(text, Path::new("test")).unwrap().scene.counts();
+        assert_eq!((counts.spheres, bodies(&counts)), (5, 3));
+    }
 }

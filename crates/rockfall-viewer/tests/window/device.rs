@@ -17,6 +17,7 @@ fn on(gpu: &Gpu) -> Opener {
 fn a_lost_device_is_reported_and_another_one_continues() {
     let gpu = Gpu::open_blocking(true).expect("a Vulkan driver; scripts/test installs one");
     let mut session = Session::open(source(BALL, None), Vec::new(), 0.02, on(&gpu)).expect("it opens");
+    session.pace.real_time = false;
     session.set_running(true);
     for frame in 0..5 {
         session.frame(f64::from(frame), 0.02, |_| ());
