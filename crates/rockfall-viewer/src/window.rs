@@ -15,6 +15,7 @@ mod file_window;
 mod graphics;
 pub mod hold;
 mod input;
+mod launch;
 mod marks;
 mod menu;
 pub mod message;
@@ -34,4 +35,5 @@ mod ui;
 pub mod viewer;
 pub mod watch;
 
-pub use app::{Failure, Launch, run};
+pub use app::run;
+pub use launch::{Failure, Launch};

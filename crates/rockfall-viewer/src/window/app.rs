@@ -2,7 +2,7 @@
 
 use std::fmt;
 use std::io::Write as _;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -16,10 +16,10 @@ use winit::event::{StartCause, WindowEvent};
 use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoop};
 use winit::window::{Window, WindowId};
 
-use super::controls::Controls;
 use super::graphics::{Graphics, Widgets};
+use super::launch::{Failure, Launch};
 use super::message::Level;
-use super::session::{Session, Source};
+use super::session::Session;
 use super::viewer::Viewer;
 use super::{report, ui};
 
@@ -27,57 +27,6 @@ use super::{report, ui};
 const SIZE: (f64, f64) = (1280.0, 800.0);
 /// Number of failures of the device in one session after which the program ends.
 const REOPENED: u32 = 3;
-
-/// Arguments of [`run`].
-pub struct Launch {
-    /// The initial scene.
-    pub source: Source,
-    /// Warnings about the scene, which are shown as messages.
-    pub warnings: Vec<String>,
-    /// Options of the simulation.
-    pub options: Options,
-    /// Time step, in s.
-    pub time_step: f32,
-    /// Constants that override those of every scene: name and value.
-    pub overrides: Vec<(String, String)>,
-    /// What the mouse does.
-    pub controls: Controls,
-    /// File to write the state to after every frame and on exit, as JSON.
-    pub report: Option<PathBuf>,
-    /// Number of frames after which the device is destroyed, for tests.
-    pub lose_device_after: Option<u64>,
-}
-
-/// Reason why a window could not be opened or ended early.
-#[derive(Debug)]
-pub enum Failure {
-    /// There is no display.
-    NoDisplay(String),
-    /// The scene could not be opened, or the device failed too often.
-    Rockfall(Error),
-    /// The report could not be written.
-    Report(PathBuf, std::io::Error),
-}
-
-impl fmt::Display for Failure {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::NoDisplay(why) => {
-                write!(f, "no window can be opened here: {why}; `rockfall render` makes pictures and films without one")
-            }
-            Self::Rockfall(error) => error.fmt(f),
-            Self::Report(path, error) => write!(f, "{}: cannot be written: {error}", path.display()),
-        }
-    }
-}
-
-impl std::error::Error for Failure {}
-
-impl From<Error> for Failure {
-    fn from(error: Error) -> Self {
-        Self::Rockfall(error)
-    }
-}
 
 /// Opens a window, and returns when it is closed.
 ///

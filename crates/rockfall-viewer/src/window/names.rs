@@ -2,40 +2,29 @@
 
 use rockfall::{Body, Scene};
 
-/// A sphere or another object of a scene file.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-struct Entry {
-    /// The reference of a sphere. The spheres of a `C` line have none.
-    reference: Option<String>,
-    /// Line number, from 1.
-    line: usize,
-}
-
-/// The lines of a scene file that bodies come from.
+/// The lines of a scene file that bodies come from: for every object of a kind its line number, from 1.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Names {
-    spheres: Vec<Entry>,
-    rods: Vec<Entry>,
-    boxes: Vec<Entry>,
-    polygons: Vec<Entry>,
+    spheres: Vec<usize>,
+    rods: Vec<usize>,
+    boxes: Vec<usize>,
+    polygons: Vec<usize>,
 }
 
 impl Names {
-    /// Reads the names from a scene text that [`Scene::parse`] accepts.
+    /// Reads the lines of a scene text that [`Scene::parse`] accepts.
     pub fn of(text: &str) -> Self {
         let mut names = Self::default();
-        for (line, words) in text.lines().enumerate().map(|(index, text)| (index + 1, text.split_ascii_whitespace())) {
-            let mut words = words;
-            let entry = Entry { reference: None, line };
-            match words.next() {
-                Some("S") => names.spheres.push(Entry { reference: words.next().map(str::to_owned), line }),
+        for (line, text) in (1..).zip(text.strip_prefix('\u{feff}').unwrap_or(text).lines()) {
+            match text.split_ascii_whitespace().next() {
+                Some("S") => names.spheres.push(line),
                 Some("C") => {
-                    names.spheres.extend([entry.clone(), entry.clone()]);
-                    names.rods.push(entry);
+                    names.spheres.extend([line, line]);
+                    names.rods.push(line);
                 }
-                Some("R") => names.rods.push(entry),
-                Some("B") => names.boxes.push(entry),
-                Some("P") => names.polygons.push(entry),
+                Some("R") => names.rods.push(line),
+                Some("B") => names.boxes.push(line),
+                Some("P") => names.polygons.push(line),
                 _ => {}
             }
         }
@@ -47,38 +36,38 @@ impl Names {
         self.spheres.len()
     }
 
-    /// Returns the name of a body: the kind, and the reference of the file or the index from 0; and the line of the file that
-    /// it comes from.
+    /// Returns the name of a body, and the line of the file that it comes from. A sphere is named by its reference in the file,
+    /// other bodies and spheres without a reference by their index from 0 among those of their kind.
     pub fn name(&self, scene: &Scene, body: Body) -> (String, Option<usize>) {
         let capsules = scene.capsules();
-        let numbered = |kind: &str, index: usize, entries: &[Entry]| {
-            let entry = entries.get(index);
-            let name = match entry.and_then(|entry| entry.reference.as_deref()) {
-                Some(reference) => format!("{kind} {reference}"),
-                None => format!("{kind} {index}"),
-            };
-            (name, entry.map(|entry| entry.line))
-        };
         match body {
             Body::Sphere(id) => {
                 let index = index(scene.sphere_ids(), id);
+                let line = self.spheres.get(index).copied();
                 if let Some(capsule) = capsules.iter().position(|parts| parts.end1 == id || parts.end2 == id) {
                     let end = 1 + usize::from(capsules[capsule].end2 == id);
-                    let (_, line) = numbered("", index, &self.spheres);
                     return (format!("end {end} of capsule {capsule}"), line);
                 }
-                let fixed = scene.sphere(id).is_ok_and(|sphere| sphere.fixed);
-                numbered(if fixed { "fixed sphere" } else { "sphere" }, index, &self.spheres)
+                let kind = if scene.sphere(id).is_ok_and(|sphere| sphere.fixed) { "fixed sphere" } else { "sphere" };
+                match scene.reference(id) {
+                    Some(reference) => (format!("{kind} {reference}"), line),
+                    None => (format!("{kind} (index {index})"), line),
+                }
             }
             Body::Rod(id) => {
                 let index = index(scene.rod_ids(), id);
-                match capsules.iter().position(|parts| parts.rod == id) {
-                    Some(capsule) => (format!("capsule {capsule}"), self.rods.get(index).map(|entry| entry.line)),
-                    None => numbered("rod", index, &self.rods),
-                }
+                let capsule = capsules.iter().position(|parts| parts.rod == id);
+                let name = capsule.map_or_else(|| format!("rod {index}"), |capsule| format!("capsule {capsule}"));
+                (name, self.rods.get(index).copied())
             }
-            Body::Box(id) => numbered("box", index(scene.box_ids(), id), &self.boxes),
-            Body::Polygon(id) => numbered("polygon", index(scene.polygon_ids(), id), &self.polygons),
+            Body::Box(id) => {
+                let index = index(scene.box_ids(), id);
+                (format!("box {index}"), self.boxes.get(index).copied())
+            }
+            Body::Polygon(id) => {
+                let index = index(scene.polygon_ids(), id);
+                (format!("polygon {index}"), self.polygons.get(index).copied())
+            }
             _ => ("a body".to_owned(), None),
         }
     }
@@ -108,8 +97,9 @@ mod tests {
         assert_eq!(rods, [("capsule 0".to_owned(), Some(3)), ("rod 1".to_owned(), Some(5))]);
         let a_box = Body::Box(scene.box_ids().next().unwrap());
         assert_eq!(names.name(&scene, a_box), ("box 0".to_owned(), Some(6)));
-        // A scene without a file, or with bodies that were added later.
-        let first = Body::Sphere(scene.sphere_ids().next().unwrap());
-        assert_eq!(Names::default().name(&scene, first), ("sphere 0".to_owned(), None));
+        // A body that was added later.
+        let mut scene = scene;
+        let added = scene.add_sphere(rockfall::Sphere::new([0.0, 9.0, 0.0], 0.5)).unwrap();
+        assert_eq!(names.name(&scene, Body::Sphere(added)), ("sphere (index 4)".to_owned(), None));
     }
 }

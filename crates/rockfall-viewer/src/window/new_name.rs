@@ -39,7 +39,7 @@ mod tests {
 
     #[test]
     fn stems_of_scenes_are_plain() {
-        let names = ["scenes/bridge.txt", "the built-in scene", "standard input", "-", ""].map(stem_of);
-        assert_eq!(names, ["bridge", "the-built-in-scene", "standard-input", "scene", "scene"]);
+        let names = ["scenes/bridge.txt", "the built-in scene", "standard input", "sphere (index 4)", "-", ""].map(stem_of);
+        assert_eq!(names, ["bridge", "the-built-in-scene", "standard-input", "sphere-index-4", "scene", "scene"]);
     }
 }

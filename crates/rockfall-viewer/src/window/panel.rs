@@ -27,9 +27,13 @@ const PHASES: [(&str, Rgb); 4] = [
     ("positions", [0x00, 0x9e, 0x73]),
 ];
 const PLOT_HEIGHT: f32 = 130.0;
+/// Width of the scroll bar beside the panel.
+const SCROLL_BAR: f32 = 10.0;
 
 /// Shows the panel.
 pub(super) fn show(ui: &mut Ui, viewer: &mut Viewer) {
+    // The scroll bar must not cover anything.
+    ui.set_max_width(ui.available_width() - SCROLL_BAR);
     numbers(ui, viewer);
     let section = |ui: &mut Ui, title: &str, open: bool, add: &mut dyn FnMut(&mut Ui)| {
         egui::CollapsingHeader::new(RichText::new(title).strong()).default_open(open).show(ui, add);
@@ -64,10 +68,9 @@ fn numbers(ui: &mut Ui, viewer: &mut Viewer) {
         pair(ui, "rods", counts.rods.saturating_sub(counts.capsules).to_string(), false);
         pair(ui, "collisions", report.collisions.to_string(), true);
     });
-    if let Some(lag) = session.pace.lag() {
-        let text = format!("too slow: {:.0} % of the requested speed", 100.0 * lag);
-        ui.label(RichText::new(text).color(Color32::from_rgb(0xa8, 0x1e, 0x1e)));
-    }
+    // The line is always there, so that the sliders below do not move.
+    let slow = session.pace.lag().map(|lag| format!("too slow: {:.0} % of the requested speed", 100.0 * lag));
+    ui.label(RichText::new(slow.unwrap_or_else(|| " ".to_owned())).color(Color32::from_rgb(0xa8, 0x1e, 0x1e)));
 }
 
 /// Returns the number of spheres and capsules. The two ends of a capsule are spheres of the scene, but one body.

@@ -38,6 +38,11 @@ impl Past {
         if most < LEAST { 0 } else { most.min(MOST) }
     }
 
+    /// Returns the simulated time between two states of a scene, in s.
+    pub(super) fn interval(scene: &Scene) -> f64 {
+        SPAN / Self::capacity(scene).max(1) as f64
+    }
+
     /// Returns the simulated times of the states, in s.
     pub fn times(&self) -> impl DoubleEndedIterator<Item = f64> + ExactSizeIterator {
         self.states.iter().map(|state| state.report.time)

@@ -71,8 +71,10 @@ pub struct Session {
     scene_version: u64,
     /// Whether the device has failed. Nothing runs until [`Session::reopen`].
     device_failed: bool,
-    /// Present time, in s since the window opened.
+    /// Time of the present frame, in s since the window opened.
     now: f64,
+    /// Start of the present frame.
+    frame_started: Instant,
 }
 
 impl Session {
@@ -106,6 +108,7 @@ impl Session {
             scene_version: 0,
             device_failed: false,
             now: 0.0,
+            frame_started: Instant::now(),
         })
     }
 
@@ -129,7 +132,7 @@ impl Session {
         &self.source
     }
 
-    /// Returns the present time, in s since the window opened.
+    /// Returns the time of the present frame, in s since the window opened.
     pub fn now(&self) -> f64 {
         self.now
     }
@@ -209,7 +212,7 @@ impl Session {
     /// the last frame. `before_last` is called before the last step, so that the caller can blend between the last two
     /// states.
     pub fn frame(&mut self, now: f64, elapsed: f64, before_last: impl FnOnce(&mut Simulation)) {
-        self.now = now;
+        (self.now, self.frame_started) = (now, Instant::now());
         if !self.running || self.device_failed {
             return;
         }
@@ -219,7 +222,7 @@ impl Session {
         }
         self.before_steps();
         let start = Instant::now();
-        if self.do_steps(due - 1) {
+        if self.do_steps_of_frame(due - 1) {
             before_last(&mut self.simulation);
             if self.watch.phases_due(now) {
                 self.do_profiled();
@@ -229,6 +232,27 @@ impl Session {
         }
         self.pace.note_cost(due, start.elapsed().as_secs_f64());
         self.follow(false);
+    }
+
+    /// Makes the steps of a frame before the last one. A slow frame has many: they are interrupted to record states.
+    fn do_steps_of_frame(&mut self, steps: u64) -> bool {
+        let interval = Past::interval(self.simulation.scene()) / f64::from(self.pace.time_step);
+        let most = (interval.ceil() as u64).max(1);
+        let mut left = steps;
+        while left > most {
+            if !self.do_steps(most) {
+                return false;
+            }
+            left -= most;
+            self.record(false);
+            self.follow(false);
+        }
+        self.do_steps(left)
+    }
+
+    /// Returns the wall time in s since the window opened, also within a frame.
+    fn wall_time(&self) -> f64 {
+        self.now + self.frame_started.elapsed().as_secs_f64()
     }
 
     fn do_steps(&mut self, steps: u64) -> bool {

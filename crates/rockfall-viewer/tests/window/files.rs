@@ -180,12 +180,12 @@ fn the_motion_of_the_picked_body_is_exported() {
     viewer.save_track();
     viewer.save_track();
     let read = |name: &str| fs::read_to_string(folder.path().join(name)).expect("a table");
-    let text = read("test-sphere-0-1.csv");
+    let text = read("test-sphere-1-1.csv");
     let lines: Vec<&str> = text.lines().collect();
     assert_eq!(lines[0], "time,x,y,z,vx,vy,vz,height,speed");
     assert_eq!(lines.len(), 12, "{text}");
     // After 0.2 s of free fall from 3 units: 3 - 0.2² / 2.
     let last: Vec<f64> = lines[11].split(',').map(|number| number.parse().expect("a number")).collect();
     assert!((last[0] - 0.2).abs() < 1e-6 && (last[7] - 2.98).abs() < 1e-5 && (last[8] - 0.2).abs() < 1e-5, "{last:?}");
-    assert_eq!(read("test-sphere-0-2.csv"), text);
+    assert_eq!(read("test-sphere-1-2.csv"), text);
 }

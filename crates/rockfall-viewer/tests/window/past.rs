@@ -142,6 +142,21 @@ fn going_back_keeps_the_constants_and_removes_later_samples() {
     assert!(session.picked().is_some());
 }
 
+/// On a slow device a frame has many steps. States within the frame are recorded as well.
+#[test]
+fn the_states_within_a_slow_frame_are_recorded() {
+    let mut session = session(BALL);
+    session.pace.real_time = true;
+    session.pace.note_cost(1, 1e-6);
+    let sight = crate::pointer::sight_of(&mut session, 0);
+    session.pick(sight.origin, sight.direction);
+    session.set_running(true);
+    (0..3).for_each(|frame| session.frame(f64::from(frame), 1.0, |_| ()));
+    assert_eq!(steps(&session), 150);
+    assert!(session.past().times().len() > 20, "{} states", session.past().times().len());
+    assert!(session.track().points().len() > 20, "{} points", session.track().points().len());
+}
+
 #[test]
 fn huge_scenes_are_not_recorded() {
     let text: String = (0..150_000).map(|ball| format!("S {ball} {ball} 0 0 0 0 0 0 0 0 1 0.4\n")).collect();

@@ -117,7 +117,7 @@ fn a_click_picks_a_body_and_shows_its_values() {
     viewer.release(Button::Left, 0.0);
     assert!(matches!(viewer.session.picked(), Some(Body::Sphere(_))));
     let facts = viewer.session.watch.facts().expect("facts").clone();
-    assert_eq!(facts.title, "sphere 0");
+    assert_eq!(facts.title, "sphere 1");
     let value = |name: &str| facts.values.iter().find(|(at, _)| *at == name).expect("a value").1.clone();
     assert_eq!(value("position"), "0.000 3.000 0.000 units");
     assert_eq!(value("net force"), "0.000 -1.000 0.000 mass units/s²");
@@ -249,4 +249,21 @@ fn ctrl_and_drag_pull_the_ball_to_the_pointer() {
     assert!(pixel(&viewer, grabbed).distance(to) < 2.0, "it is at {}", pixel(&viewer, grabbed));
     viewer.release(Button::Left, 0.0);
     assert!(viewer.session.held().is_none());
+}
+
+/// A wall in front of all bodies is drawn without its faces, so a click goes through it.
+#[test]
+fn a_click_goes_through_a_wall_in_front_of_all_bodies() {
+    let wall = "B -5 -5 4 10 0 0 0 10 0 0 0 1\n";
+    let mut session = session(&format!("{BALL}{wall}"));
+    let in_front = sight_of(&mut session, 0);
+    session.pick(in_front.origin, in_front.direction);
+    assert!(matches!(session.picked(), Some(Body::Sphere(_))), "{:?}", session.picked());
+    // Beside the ball there is only the wall.
+    session.pick(in_front.origin + 2.0 * Vec3::X, in_front.direction);
+    assert!(matches!(session.picked(), Some(Body::Box(_))), "{:?}", session.picked());
+    // From behind the ball it is not in front.
+    let behind = Sight { origin: Vec3::new(0.0, 3.0, -10.0), direction: Vec3::Z, forward: Vec3::Z };
+    session.pick(behind.origin + 2.0 * Vec3::X, behind.direction);
+    assert!(matches!(session.picked(), Some(Body::Box(_))), "{:?}", session.picked());
 }

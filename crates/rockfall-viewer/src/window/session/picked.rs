@@ -6,11 +6,14 @@ use std::time::Instant;
 
 use rockfall::glam::Vec3;
 use rockfall::output::AtomicFile;
-use rockfall::{Body, Error};
+use rockfall::{Body, Error, RayHit};
 
 use super::Session;
 use crate::window::message::Level;
 use crate::window::track::{Point, Track, motion};
+
+/// Number of walls that a line of sight goes through.
+const MOST_WALLS: usize = 8;
 
 impl Session {
     /// Returns the body that was picked by a click.
@@ -20,10 +23,34 @@ impl Session {
 
     /// Picks the first body that a ray hits, or none if it hits nothing. Returns the point where the ray enters it.
     pub fn pick(&mut self, origin: Vec3, direction: Vec3) -> Option<Vec3> {
-        let hit = self.simulation.cast_ray(origin, direction);
-        let hit = self.ok_or_report(hit).flatten();
+        let hit = self.first_visible(origin, direction);
         self.set_picked(hit.map(|hit| hit.body));
         hit.map(|hit| hit.point)
+    }
+
+    /// Returns where a line of sight enters the first body that is visible. A wall in front of all spheres is drawn without its
+    /// faces, so the line goes through it if there is anything behind.
+    pub(super) fn first_visible(&mut self, origin: Vec3, direction: Vec3) -> Option<RayHit> {
+        let hit = self.simulation.cast_ray(origin, direction);
+        let first = self.ok_or_report(hit).flatten()?;
+        let direction = direction.try_normalize()?;
+        let depth = |point: Vec3| (point - origin).dot(direction);
+        let spheres = self.simulation.scene().spheres().iter();
+        let nearest = spheres.map(|sphere| depth(sphere.position) - sphere.radius).fold(f32::INFINITY, f32::min);
+        let mut hit = first;
+        for _ in 0..MOST_WALLS {
+            if !matches!(hit.body, Body::Box(_) | Body::Polygon(_)) || depth(hit.point) >= nearest {
+                return Some(hit);
+            }
+            // From within a box the ray does not enter it again.
+            let step = (1e-4 * depth(hit.point)).max(1e-6 * hit.point.length());
+            let next = self.simulation.cast_ray(hit.point + step * direction, direction);
+            let Some(next) = self.ok_or_report(next).flatten() else {
+                return Some(first);
+            };
+            hit = next;
+        }
+        Some(first)
     }
 
     /// Picks a body, or none.
@@ -59,13 +86,14 @@ impl Session {
         let Some(body) = self.picked.filter(|body| matches!(body, Body::Sphere(_) | Body::Rod(_))) else {
             return;
         };
-        if self.device_failed || !(forced || self.track.is_due(self.now)) {
+        if self.device_failed || !(forced || self.track.is_due(self.wall_time())) {
             return;
         }
         let (start, time) = (Instant::now(), self.simulation.report().time);
         let found = self.simulation.sync().map(|scene| motion(scene, body));
         if let Some((position, velocity)) = self.ok_or_report(found).flatten() {
-            self.track.add(Point { time, position, velocity }, self.now, start.elapsed().as_secs_f64());
+            let now = self.wall_time();
+            self.track.add(Point { time, position, velocity }, now, start.elapsed().as_secs_f64());
         }
     }
 

@@ -24,8 +24,7 @@ impl Session {
     /// Connects the first body in the line of sight to the pointer. A rod is held at the nearer end that is not fixed.
     pub fn hold(&mut self, sight: &Sight) {
         self.release();
-        let hit = self.simulation.cast_ray(sight.origin, sight.direction);
-        let Some(hit) = self.ok_or_report(hit).flatten() else {
+        let Some(hit) = self.first_visible(sight.origin, sight.direction) else {
             return;
         };
         self.set_picked(Some(hit.body));
@@ -117,10 +116,9 @@ impl Session {
         }
     }
 
-    /// Returns the point where a ray enters the first body.
+    /// Returns the point where a line of sight enters the first visible body.
     pub fn look(&mut self, sight: &Sight) -> Option<Vec3> {
-        let hit = self.simulation.cast_ray(sight.origin, sight.direction);
-        self.ok_or_report(hit).flatten().map(|hit| hit.point)
+        self.first_visible(sight.origin, sight.direction).map(|hit| hit.point)
     }
 }
 

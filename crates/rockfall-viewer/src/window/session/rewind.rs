@@ -22,13 +22,13 @@ impl Session {
     pub(super) fn record(&mut self, forced: bool) {
         let report = self.simulation.report();
         let scene = self.simulation.scene();
-        let due = self.past.is_due(scene, report.time, self.now) || forced && Past::capacity(scene) > 0;
+        let due = self.past.is_due(scene, report.time, self.wall_time()) || forced && Past::capacity(scene) > 0;
         if self.device_failed || !due {
             return;
         }
         let start = Instant::now();
         if let Some(state) = self.state() {
-            self.past.record(state, self.now, start.elapsed().as_secs_f64());
+            self.past.record(state, self.wall_time(), start.elapsed().as_secs_f64());
         }
     }
 

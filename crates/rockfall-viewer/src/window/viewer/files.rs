@@ -86,7 +86,7 @@ impl Viewer {
     /// Returns a name for a file made of this scene, with a number that makes it new.
     fn new_file(&self, what: &str, extension: &str) -> PathBuf {
         let stem = stem_of(&self.session.source().name);
-        let stem = if what.is_empty() { stem } else { format!("{stem}-{}", what.replace(' ', "-")) };
+        let stem = if what.is_empty() { stem } else { format!("{stem}-{}", stem_of(what)) };
         new_name(&self.folder, &stem, extension)
     }
 
