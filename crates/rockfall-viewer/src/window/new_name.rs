@@ -14,10 +14,9 @@ pub fn new_name(folder: &Path, stem: &str, extension: &str) -> PathBuf {
 /// Returns the name of a scene for the files that are made of it: `bridge` for `scenes/bridge.txt`.
 pub fn stem_of(name: &str) -> String {
     let stem = Path::new(name).file_stem().unwrap_or_default().to_string_lossy();
-    let plain: String =
-        stem.chars().map(|letter| if letter.is_alphanumeric() || letter == '_' { letter } else { '-' }).collect();
-    let plain = plain.trim_matches('-');
-    if plain.is_empty() { "scene".to_owned() } else { plain.to_owned() }
+    let words = stem.split(|letter: char| !letter.is_alphanumeric() && letter != '_').filter(|word| !word.is_empty());
+    let plain = words.collect::<Vec<_>>().join("-");
+    if plain.is_empty() { "scene".to_owned() } else { plain }
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! The panel: numbers, constants, colours and plots.
 
 use egui::{Color32, RichText, Ui};
-use egui_plot::{Line, Plot, PlotPoints};
+use egui_plot::{GridMark, Line, Plot, PlotPoints};
 use rockfall::{Counts, Energy};
 
 use super::constants_panel;
@@ -27,6 +27,8 @@ const PHASES: [(&str, Rgb); 4] = [
     ("positions", [0x00, 0x9e, 0x73]),
 ];
 const PLOT_HEIGHT: f32 = 130.0;
+/// Least distance of two ticks of a vertical axis, in points. The axis leaves out the numbers of nearer ones.
+const TICK_DISTANCE: f32 = 30.0;
 /// Width of the scroll bar beside the panel.
 const SCROLL_BAR: f32 = 10.0;
 
@@ -149,6 +151,21 @@ pub(super) fn plot(name: &str, height: f32) -> Plot<'_> {
         .allow_drag(false)
         .allow_boxed_zoom(false)
         .show_crosshair(false)
+        .y_axis_min_width(34.0)
+        .x_grid_spacer(|input| ticks(input.bounds, 5.0))
+        .y_grid_spacer(move |input| ticks(input.bounds, f64::from(height / TICK_DISTANCE)))
+}
+
+/// Returns at most this number of ticks, and at least two where possible, at multiples of 1, 2 or 5 times a power of ten.
+fn ticks((low, high): (f64, f64), most: f64) -> Vec<GridMark> {
+    let least = (high - low) / most.max(1.0);
+    if !(least.is_finite() && least > 0.0) {
+        return Vec::new();
+    }
+    let power = 10_f64.powf(least.log10().floor());
+    let step = [1.0, 2.0, 5.0].map(|step| step * power).into_iter().find(|step| *step >= least).unwrap_or(10.0 * power);
+    let (first, last) = ((low / step).ceil() as i64, (high / step).floor() as i64);
+    (first..=last).map(|tick| GridMark { value: tick as f64 * step, step_size: step }).collect()
 }
 
 fn energies(ui: &mut Ui, viewer: &mut Viewer) {
@@ -199,6 +216,15 @@ mod tests {
     use std::path::Path;
 
     use super::*;
+
+    #[test]
+    fn ticks_are_round_numbers() {
+        let values = |low: f64, high: f64| ticks((low, high), 3.0).iter().map(|tick| tick.value).collect::<Vec<f64>>();
+        assert_eq!(values(0.4, 0.75), [0.4, 0.6000000000000001]);
+        assert_eq!(values(-1.0, 11.0), [0.0, 5.0, 10.0]);
+        assert_eq!(values(100.0, 450.0), [200.0, 400.0]);
+        assert!(values(1.0, 1.0).is_empty() && values(f64::NAN, 1.0).is_empty());
+    }
 
     #[test]
     fn a_capsule_is_one_body() {

@@ -8,6 +8,8 @@ use super::track::Point;
 use super::viewer::Viewer;
 
 const WIDTH: f32 = 300.0;
+/// Size of the text of the values, in points.
+const TEXT: f32 = 11.0;
 const PLOT_HEIGHT: f32 = 84.0;
 /// Number of points above which only some are drawn.
 const MOST_POINTS: usize = 1000;
@@ -23,8 +25,8 @@ pub(super) fn show(ui: &Ui, area: Rect, viewer: &mut Viewer) {
         ui.set_width(WIDTH);
         egui::Grid::new("picked").num_columns(2).spacing([8.0, 2.0]).show(ui, |ui| {
             for (name, value) in &facts.values {
-                ui.label(RichText::new(*name).weak().small());
-                ui.label(RichText::new(value).monospace().small());
+                ui.label(RichText::new(*name).weak().size(TEXT));
+                ui.label(RichText::new(value).monospace().size(TEXT));
                 ui.end_row();
             }
         });

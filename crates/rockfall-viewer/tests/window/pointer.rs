@@ -267,3 +267,14 @@ fn a_click_goes_through_a_wall_in_front_of_all_bodies() {
     session.pick(behind.origin + 2.0 * Vec3::X, behind.direction);
     assert!(matches!(session.picked(), Some(Body::Box(_))), "{:?}", session.picked());
 }
+
+/// A capsule is one body, wherever it is clicked.
+#[test]
+fn a_click_on_the_end_of_a_capsule_picks_the_capsule() {
+    let mut session = session("C -2 0 0 2 0 0 0 0 0 1 0.4\n");
+    for x in [-2.2, 0.0, 2.2] {
+        session.pick(Vec3::new(x, 0.0, 9.0), Vec3::NEG_Z);
+        assert!(matches!(session.picked(), Some(Body::Rod(_))), "{x}: {:?}", session.picked());
+        assert_eq!(session.watch.facts().map(|facts| facts.title.as_str()), Some("capsule 0"));
+    }
+}

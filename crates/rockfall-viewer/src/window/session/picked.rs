@@ -6,7 +6,7 @@ use std::time::Instant;
 
 use rockfall::glam::Vec3;
 use rockfall::output::AtomicFile;
-use rockfall::{Body, Error, RayHit};
+use rockfall::{Body, Error, RayHit, Scene};
 
 use super::Session;
 use crate::window::message::Level;
@@ -53,8 +53,9 @@ impl Session {
         Some(first)
     }
 
-    /// Picks a body, or none.
+    /// Picks a body, or none. An end of a capsule picks the capsule.
     pub fn set_picked(&mut self, body: Option<Body>) {
+        let body = body.map(|body| whole(self.simulation.scene(), body));
         if self.picked != body {
             self.picked = body;
             self.track = self.recorded_track();
@@ -117,4 +118,10 @@ impl Session {
         }
         written
     }
+}
+
+/// Returns the rod of a capsule for its end spheres, and other bodies as they are.
+fn whole(scene: &Scene, body: Body) -> Body {
+    let capsule = scene.capsules().iter().find(|parts| body == Body::Sphere(parts.end1) || body == Body::Sphere(parts.end2));
+    capsule.map_or(body, |parts| Body::Rod(parts.rod))
 }
