@@ -14,12 +14,14 @@ use super::past::Past;
 use super::track::Track;
 use super::watch::Watch;
 
+mod concerns;
 mod edits;
 mod files;
 mod picked;
 mod pointer;
 mod rewind;
 
+use concerns::Checked;
 use edits::Edits;
 
 /// Opens a scene as a simulation on the device of the window.
@@ -63,6 +65,8 @@ pub struct Session {
     names: Names,
     past: Past,
     edits: Edits,
+    /// What the last warnings were about.
+    checked: Option<Checked>,
     /// Increases whenever objects are added, removed or replaced.
     objects_version: u64,
     /// Increases whenever the simulation is replaced.
@@ -86,7 +90,7 @@ impl Session {
         let mut simulation = opener(source.scene.clone())?;
         simulation.set_time_step(time_step)?;
         let (command_line_file, names) = (source.path.clone(), files::names_of(&source));
-        Ok(Self {
+        let mut session = Self {
             opener,
             source,
             overrides,
@@ -103,13 +107,16 @@ impl Session {
             names,
             past: Past::default(),
             edits: Edits::default(),
+            checked: None,
             objects_version: 0,
             simulation_version: 0,
             scene_version: 0,
             device_failed: false,
             now: 0.0,
             frame_started: Instant::now(),
-        })
+        };
+        session.warn();
+        Ok(session)
     }
 
     /// Returns the simulation for drawing and reading back; change it only through the session.
@@ -190,6 +197,9 @@ impl Session {
 
     /// Starts or stops the simulation.
     pub fn set_running(&mut self, running: bool) {
+        if running {
+            self.warn();
+        }
         self.running = running;
         self.pace.forget();
     }

@@ -107,5 +107,5 @@ fn capture(ui: &mut Ui, viewer: &mut Viewer) -> Option<Command> {
         }
         ui.menu_button("Record", |ui| menu::recording(ui, viewer));
     }
-    ui.button("Picture").on_hover_text("saves the picture as PNG: F12").clicked().then_some(Command::Screenshot)
+    ui.button("Screenshot").on_hover_text("saves the picture as PNG: F12").clicked().then_some(Command::Screenshot)
 }

@@ -35,7 +35,7 @@ impl Session {
     /// Opens a scene file, and returns whether it could be opened. If it has an error, this adds a message and keeps the
     /// present scene.
     pub fn load(&mut self, path: &Path) -> bool {
-        let Some(Loaded { mut scene, warnings }) = ({
+        let Some(Loaded { mut scene, warnings, .. }) = ({
             let loaded = Scene::load(path);
             self.ok_or_report(loaded)
         }) else {
@@ -112,6 +112,7 @@ impl Session {
         (self.past, self.watch) = (Past::default(), Watch::default());
         self.pace.forget();
         self.scene_version += u64::from(another);
+        self.warn();
     }
 
     /// Writes the present state as a scene text, without the tether of a held body, and returns whether that was possible.
