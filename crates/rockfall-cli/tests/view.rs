@@ -208,6 +208,12 @@ fn the_mouse_moves_the_camera() {
     session.wait("a zoom", |report| (0.59..0.78).contains(&(camera_distance(report) / camera_distance(&before))));
     session.keys("Home");
     session.wait("the initial camera", |report| report["camera"] == before["camera"]);
+    session.display.act("keydown alt");
+    session.drag(1, 60, 0);
+    session.display.act("keyup alt");
+    session.wait("a pan with Alt", |report| (at(report, "target", 0) - at(&before, "target", 0)).abs() > 0.05);
+    session.keys("Home");
+    session.wait("the initial camera again", |report| report["camera"] == before["camera"]);
     session.keys("Right Right f");
     session.wait("a framed scene", |report| at(report, "target", 0).abs() < 1e-3);
     session.point(10, 0);

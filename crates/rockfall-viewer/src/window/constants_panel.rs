@@ -12,7 +12,7 @@ use super::viewer::Viewer;
 pub(super) fn show(ui: &mut Ui, viewer: &mut Viewer) {
     let before = *viewer.session.settings();
     let mut settings = before;
-    ui.spacing_mut().slider_width = 72.0;
+    ui.spacing_mut().slider_width = 64.0;
     ui.spacing_mut().interact_size.x = 44.0;
     for entry in Settings::TABLE {
         constant(ui, &mut settings, entry, viewer.controls);
@@ -37,7 +37,7 @@ pub(super) fn show(ui: &mut Ui, viewer: &mut Viewer) {
 /// Shows a label, and widgets to its right.
 fn row(ui: &mut Ui, label: &str, about: &str, add: impl FnOnce(&mut Ui)) {
     ui.horizontal(|ui| {
-        let size = egui::vec2(112.0, ui.spacing().interact_size.y);
+        let size = egui::vec2(108.0, ui.spacing().interact_size.y);
         let layout = egui::Layout::left_to_right(egui::Align::Center);
         ui.allocate_ui_with_layout(size, layout, |ui| {
             ui.set_min_width(size.x);
