@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use rockfall_viewer::window::controls::Controls;
 use rockfall_viewer::window::{self, Launch};
 
 use crate::failure::Failure;
@@ -16,6 +17,9 @@ pub(crate) struct Arguments {
     physics: Physics,
     #[command(flatten)]
     engine: Engine,
+    /// What the mouse does: standard (left drag orbits, right drag pans), or thesis
+    #[arg(long, default_value_t)]
+    controls: Controls,
     /// Write the state of the window as JSON after every frame
     #[arg(long, value_name = "FILE", hide = true)]
     report: Option<PathBuf>,
@@ -36,6 +40,7 @@ pub(crate) fn view(arguments: &Arguments) -> Result<(), Failure> {
         options: arguments.engine.options(&arguments.physics),
         time_step: arguments.physics.dt,
         overrides: arguments.physics.overrides(),
+        controls: arguments.controls,
         report: arguments.report.clone(),
         lose_device_after: arguments.lose_device_after,
     })

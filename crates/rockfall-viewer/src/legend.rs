@@ -51,7 +51,7 @@ impl Legend {
 }
 
 /// Formats a value with at most four significant digits and without trailing zeros.
-fn number(value: f32) -> String {
+pub(crate) fn number(value: f32) -> String {
     let size = value.abs();
     if value == 0.0 {
         "0".to_owned()

@@ -2,26 +2,38 @@
 //!
 //! Modules that are tested without a window use no window or widget types: [`session`] owns the scene and runs it, [`pace`]
 //! decides when steps are due, [`controls`] maps keys to commands, [`navigation`] moves the camera, and [`viewer`] combines
-//! them. `ui`, `panel` and `file_window` are the widgets, `input` translates their events, `graphics` manages the device and
+//! them. `ui`, `menu`, `transport`, `panel`, `picked_window`, `marks` and `file_window` are the widgets, `input` translates their events, `graphics` manages the device and
 //! `app` the window.
 
 mod app;
+pub mod capture;
 pub mod constants;
+mod constants_panel;
 pub mod controls;
 pub mod dialog;
 mod file_window;
 mod graphics;
 pub mod hold;
 mod input;
+mod launch;
+mod marks;
+mod menu;
 pub mod message;
+pub mod names;
 pub mod navigation;
+pub mod new_name;
 pub mod pace;
 mod panel;
+pub mod past;
+mod picked_window;
 pub mod rates;
 mod report;
 pub mod session;
+pub mod track;
+mod transport;
 mod ui;
 pub mod viewer;
 pub mod watch;
 
-pub use app::{Failure, Launch, run};
+pub use app::run;
+pub use launch::{Failure, Launch};

@@ -9,6 +9,8 @@ mod device;
 mod files;
 #[path = "window/keys.rs"]
 mod keys;
+#[path = "window/past.rs"]
+mod past;
 #[path = "window/pointer.rs"]
 mod pointer;
 #[path = "window/time.rs"]

@@ -2,7 +2,7 @@
 
 use std::fmt;
 use std::io::Write as _;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -17,8 +17,9 @@ use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoop};
 use winit::window::{Window, WindowId};
 
 use super::graphics::{Graphics, Widgets};
+use super::launch::{Failure, Launch};
 use super::message::Level;
-use super::session::{Session, Source};
+use super::session::Session;
 use super::viewer::Viewer;
 use super::{report, ui};
 
@@ -26,55 +27,6 @@ use super::{report, ui};
 const SIZE: (f64, f64) = (1280.0, 800.0);
 /// Number of failures of the device in one session after which the program ends.
 const REOPENED: u32 = 3;
-
-/// Arguments of [`run`].
-pub struct Launch {
-    /// The initial scene.
-    pub source: Source,
-    /// Warnings about the scene, which are shown as messages.
-    pub warnings: Vec<String>,
-    /// Options of the simulation.
-    pub options: Options,
-    /// Time step, in s.
-    pub time_step: f32,
-    /// Constants that override those of every scene: name and value.
-    pub overrides: Vec<(String, String)>,
-    /// File to write the state to after every frame and on exit, as JSON.
-    pub report: Option<PathBuf>,
-    /// Number of frames after which the device is destroyed, for tests.
-    pub lose_device_after: Option<u64>,
-}
-
-/// Reason why a window could not be opened or ended early.
-#[derive(Debug)]
-pub enum Failure {
-    /// There is no display.
-    NoDisplay(String),
-    /// The scene could not be opened, or the device failed too often.
-    Rockfall(Error),
-    /// The report could not be written.
-    Report(PathBuf, std::io::Error),
-}
-
-impl fmt::Display for Failure {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::NoDisplay(why) => {
-                write!(f, "no window can be opened here: {why}; `rockfall render` makes pictures and films without one")
-            }
-            Self::Rockfall(error) => error.fmt(f),
-            Self::Report(path, error) => write!(f, "{}: cannot be written: {error}", path.display()),
-        }
-    }
-}
-
-impl std::error::Error for Failure {}
-
-impl From<Error> for Failure {
-    fn from(error: Error) -> Self {
-        Self::Rockfall(error)
-    }
-}
 
 /// Opens a window, and returns when it is closed.
 ///
@@ -84,6 +36,11 @@ pub fn run(launch: Launch) -> Result<(), Failure> {
     let events = EventLoop::new().map_err(no_display)?;
     let mut app = App { launch, open: None, failure: None, started: Instant::now() };
     events.run_app(&mut app).map_err(no_display)?;
+    if let Some(open) = &mut app.open {
+        // A film that is being recorded is completed before the program ends.
+        open.viewer.stop_recording();
+        open.viewer.report_films(true);
+    }
     if let Some(failure) = app.failure {
         return Err(failure);
     }
@@ -206,7 +163,8 @@ impl OpenWindow {
         }
         let size = window.inner_size();
         let widgets = widgets(&window);
-        let viewer = Viewer::new(session, Vec2::new(size.width as f32, size.height as f32).max(Vec2::ONE));
+        let mut viewer = Viewer::new(session, Vec2::new(size.width as f32, size.height as f32).max(Vec2::ONE));
+        viewer.controls = launch.controls;
         window.request_redraw();
         let (last_frame, first_frame, drawn) = (None, None, None);
         Ok(Self {
@@ -278,6 +236,8 @@ impl OpenWindow {
         let Some(graphics) = &mut self.graphics else {
             return Duration::ZERO;
         };
+        // Asked for before this frame, so that the picture of this frame has its full resolution.
+        let wants_picture = self.viewer.capture.wants_picture();
         let output = context.run_ui(input, |ui| {
             ui::show(ui, &mut self.viewer, &mut |size, moving| graphics.picture(size, moving));
         });
@@ -292,8 +252,23 @@ impl OpenWindow {
         if let Some(graphics) = &mut self.graphics {
             graphics.show(&self.window, is_new.then_some((&camera, &style)), widgets);
         }
+        self.capture(wants_picture);
         let root = output.viewport_output.get(&egui::ViewportId::ROOT);
         root.map_or(Duration::MAX, |viewport| viewport.repaint_delay)
+    }
+
+    /// Reads the picture back for a screenshot or a recording, and reports completed films.
+    fn capture(&mut self, wanted: bool) {
+        if let Some(graphics) = self.graphics.as_ref().filter(|_| wanted && !self.viewer.session.device_failed()) {
+            match graphics.read_picture() {
+                Ok(picture) => self.viewer.captured(picture),
+                Err(error) => self.viewer.session.fail(&error),
+            }
+        }
+        if self.viewer.capture.wants_picture() {
+            self.window.request_redraw();
+        }
+        self.viewer.report_films(false);
     }
 
     /// Updates the renderer if the picture would differ from the last one, and returns whether it does.

@@ -120,12 +120,6 @@ impl Constant {
     }
 }
 
-/// Returns the settings that have a slider and no keys.
-pub fn without_keys() -> impl Iterator<Item = &'static Entry> {
-    let has_keys = |entry: &&Entry| CONSTANTS.iter().any(|constant| constant.name == entry.name);
-    Settings::TABLE.iter().filter(|entry| entry.slider.is_some()).filter(move |entry| !has_keys(entry))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

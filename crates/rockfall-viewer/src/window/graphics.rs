@@ -10,6 +10,8 @@ use winit::window::Window;
 use super::session::Opener;
 use crate::camera::Camera;
 use crate::draw::{Renderer, Style};
+use crate::pixels::Picture as Pixels;
+use crate::read_back::read_back;
 
 /// Format of the picture of the scene, which the renderer of the widgets shows without conversion.
 const PICTURE_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
@@ -46,6 +48,7 @@ pub(super) struct Graphics {
 
 /// The texture that the scene is drawn onto.
 pub(super) struct Picture {
+    texture: wgpu::Texture,
     view: wgpu::TextureView,
     id: egui::TextureId,
     /// Width and height, in pixels.
@@ -150,7 +153,9 @@ impl Graphics {
             sample_count: 1,
             dimension: wgpu::TextureDimension::D2,
             format: PICTURE_FORMAT,
-            usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::TEXTURE_BINDING,
+            usage: wgpu::TextureUsages::RENDER_ATTACHMENT
+                | wgpu::TextureUsages::TEXTURE_BINDING
+                | wgpu::TextureUsages::COPY_SRC,
             view_formats: &[],
         });
         let view = texture.create_view(&wgpu::TextureViewDescriptor::default());
@@ -163,7 +168,7 @@ impl Graphics {
             None => self.widgets.register_native_texture(&self.device, &view, smooth),
         };
         self.renderer.resize(size[0], size[1]);
-        self.picture = Some(Picture { view, id, size });
+        self.picture = Some(Picture { texture, view, id, size });
         id
     }
 
@@ -199,6 +204,32 @@ impl Graphics {
         }
         // egui requires that handled changes are cleared.
         textures.clear();
+    }
+
+    /// Reads the last picture of the scene back.
+    ///
+    /// # Errors
+    /// [`Error::Device`] when the device failed or no picture was drawn yet.
+    pub(super) fn read_picture(&self) -> Result<Pixels> {
+        let picture = self.picture.as_ref().ok_or_else(|| Error::Device("there is no picture yet".to_owned()))?;
+        let [width, height] = picture.size;
+        let stride = (4 * width).next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
+        let staging = self.device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("read back"),
+            size: u64::from(stride) * u64::from(height),
+            usage: wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST,
+            mapped_at_creation: false,
+        });
+        let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        let layout = wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(stride), rows_per_image: None };
+        let to = wgpu::TexelCopyBufferInfo { buffer: &staging, layout };
+        encoder.copy_texture_to_buffer(picture.texture.as_image_copy(), to, picture.texture.size());
+        self.queue.submit([encoder.finish()]);
+        let pixels = read_back(&self.device, &staging, |bytes| {
+            let rows = bytes.chunks_exact(stride as usize).map(|row| &row[..4 * width as usize]);
+            rows.flat_map(|row| row.chunks_exact(4).map(|pixel| [pixel[0], pixel[1], pixel[2], pixel[3]])).collect()
+        })?;
+        Ok(Pixels { width, height, pixels })
     }
 
     /// Returns the next texture of the window; `None` while the window is not visible.

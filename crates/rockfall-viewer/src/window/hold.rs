@@ -30,7 +30,8 @@ pub struct Sight {
 }
 
 impl Sight {
-    pub(super) fn at_depth(&self, depth: f32) -> Vec3 {
+    /// Returns the point at a distance from the eye along `forward`.
+    pub fn at_depth(&self, depth: f32) -> Vec3 {
         let slope = self.direction.dot(self.forward).max(1e-3);
         self.origin + depth / slope * self.direction
     }

@@ -12,6 +12,15 @@ pub enum Level {
 }
 
 impl Level {
+    /// Time that a message is shown, in s. All messages stay in the list of the menu.
+    fn seconds(self) -> f64 {
+        match self {
+            Self::Note => 5.0,
+            Self::Warning => 10.0,
+            Self::Error => 20.0,
+        }
+    }
+
     /// Name in reports.
     pub fn name(self) -> &'static str {
         match self {
@@ -33,10 +42,18 @@ pub struct Message {
     pub at: f64,
     /// Whether the user dismissed it.
     pub dismissed: bool,
+    /// Time at which it was first shown, in s since the window opened. Opening a window may take longer than a message is
+    /// shown, so messages count from here.
+    since: Option<f64>,
 }
 
-/// Time that notes and warnings are shown, in s. Errors stay until they are dismissed.
-const SHOWN: f64 = 6.0;
+impl Message {
+    /// Whether it is shown at the time `now`.
+    fn is_shown(&self, now: f64) -> bool {
+        !self.dismissed && self.since.is_none_or(|since| now - since < self.level.seconds())
+    }
+}
+
 /// Number of messages that are kept.
 const KEPT: usize = 100;
 
@@ -51,7 +68,7 @@ impl Messages {
     pub fn add(&mut self, level: Level, text: impl Into<String>, now: f64) {
         let text = text.into();
         self.all.retain(|message| message.text != text || message.level != level);
-        self.all.push(Message { level, text, at: now, dismissed: false });
+        self.all.push(Message { level, text, at: now, dismissed: false, since: None });
         let surplus = self.all.len().saturating_sub(KEPT);
         self.all.drain(..surplus);
     }
@@ -62,10 +79,11 @@ impl Messages {
     }
 
     /// Returns the messages that are shown at the time `now`, with their indices.
-    pub fn shown(&self, now: f64) -> impl DoubleEndedIterator<Item = (usize, &Message)> {
-        let is_shown =
-            move |message: &Message| !message.dismissed && (message.level == Level::Error || now - message.at < SHOWN);
-        self.all.iter().enumerate().filter(move |(_, message)| is_shown(message))
+    pub fn shown(&mut self, now: f64) -> impl DoubleEndedIterator<Item = (usize, &Message)> {
+        for message in &mut self.all {
+            message.since.get_or_insert(now);
+        }
+        self.all.iter().enumerate().filter(move |(_, message)| message.is_shown(now))
     }
 
     /// Dismisses a message.
@@ -80,17 +98,33 @@ impl Messages {
 mod tests {
     use super::*;
 
+    fn shown(messages: &mut Messages, now: f64) -> Vec<String> {
+        messages.shown(now).map(|(_, message)| message.text.clone()).collect()
+    }
+
     #[test]
-    fn errors_stay_until_they_are_dismissed_and_notes_disappear() {
+    fn messages_disappear_and_errors_last() {
         let mut messages = Messages::default();
         messages.add(Level::Note, "saved", 0.0);
         messages.add(Level::Error, "no such file", 1.0);
-        let shown = |messages: &Messages, now| messages.shown(now).map(|(_, message)| message.text.clone()).collect::<Vec<_>>();
-        assert_eq!(shown(&messages, 2.0), ["saved", "no such file"]);
-        assert_eq!(shown(&messages, 1000.0), ["no such file"]);
-        messages.dismiss(1);
-        assert!(shown(&messages, 1000.0).is_empty());
+        assert_eq!(shown(&mut messages, 2.0), ["saved", "no such file"]);
+        assert_eq!(shown(&mut messages, 8.0), ["no such file"]);
+        assert!(shown(&mut messages, 30.0).is_empty());
         assert_eq!(messages.all().len(), 2);
+        messages.add(Level::Error, "a disk is full", 31.0);
+        assert_eq!(shown(&mut messages, 31.0), ["a disk is full"]);
+        messages.dismiss(2);
+        assert!(shown(&mut messages, 31.0).is_empty());
+    }
+
+    /// Opening a window may take a minute.
+    #[test]
+    fn a_message_is_shown_from_the_first_frame_on() {
+        let mut messages = Messages::default();
+        messages.add(Level::Warning, "a typing error", 0.0);
+        assert_eq!(shown(&mut messages, 60.0), ["a typing error"]);
+        assert_eq!(shown(&mut messages, 69.0), ["a typing error"]);
+        assert!(shown(&mut messages, 71.0).is_empty());
     }
 
     #[test]

@@ -1,7 +1,9 @@
-//! Moves the camera with the arrow keys and the mouse.
+//! Moves the camera with the arrow keys and the mouse. [`Limits`] keep the scene in the picture.
 
-use rockfall::glam::{Quat, Vec3};
+use rockfall::Scene;
+use rockfall::glam::{Quat, Vec2, Vec3};
 
+use crate::bounds::{bounds, extents_of_static_objects};
 use crate::camera::Camera;
 
 /// Rotation per pixel of a drag, in rad.
@@ -12,6 +14,10 @@ const STEEPEST: f32 = 1.55;
 const WALK: f32 = 0.7;
 /// Factor on the distance of the target per notch of the wheel.
 const ZOOM: f32 = 0.88;
+/// Size of half the picture in radii of a body, after a double click on it.
+const FOCUS: f32 = 4.0;
+/// Greatest distance of the camera from what it looks at, in radii of the scene.
+const FARTHEST: f32 = 20.0;
 
 /// An arrow key.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -99,11 +105,104 @@ pub fn walk(camera: &mut Camera, arrows: Arrows, seconds: f32) {
     camera.target += moved;
 }
 
-/// Moves the camera towards its target, or away for negative `notches` (wheel).
-pub fn zoom(camera: &mut Camera, notches: f32) {
+/// Moves the camera sideways (right drag). The point in the middle of the picture follows the pointer, which moves by this
+/// fraction of the height of the picture to the right and down.
+pub fn pan(camera: &mut Camera, moved: Vec2) {
+    let axes = camera.axes();
+    let height = 2.0 * (0.5 * camera.field_of_view).tan() * distance(camera);
+    let moved = height * (moved.y * axes.up - moved.x * axes.right);
+    camera.eye += moved;
+    camera.target += moved;
+}
+
+/// Moves the camera by a number of notches of the wheel towards a point, or away from it for negative `notches`. The point stays
+/// at the same place of the picture. The camera never passes it, and is at least `least` units in front of it. Afterwards the
+/// camera orbits about a point at that depth.
+pub fn zoom(camera: &mut Camera, notches: f32, point: Vec3, least: f32) {
     let forward = camera.axes().forward;
-    let far = (distance(camera) * ZOOM.powf(notches)).clamp(1e-4, 1e7);
-    camera.eye = camera.target - far * forward;
+    let depth = (point - camera.eye).dot(forward);
+    if depth <= 0.0 || !depth.is_finite() {
+        return;
+    }
+    // A camera that is nearer than `least` already may move away, but not nearer.
+    let factor = ZOOM.powf(notches).max((least / depth).min(1.0)).min(1e6);
+    camera.eye = point + factor * (camera.eye - point);
+    camera.target = camera.eye + factor * depth * forward;
+}
+
+/// Points the camera at a sphere, from the present direction, and moves it so near that the sphere fills a part of the picture
+/// (double click).
+pub fn focus(camera: &mut Camera, centre: Vec3, radius: f32) {
+    let forward = camera.axes().forward;
+    let near = FOCUS * radius / (0.5 * camera.field_of_view).tan();
+    camera.target = centre;
+    camera.eye = centre - near * forward;
+}
+
+/// Shows a whole bounding box from the present direction (key F). `aspect` is the width of the picture divided by its height.
+pub fn frame_all(camera: &mut Camera, (min, max): (Vec3, Vec3), aspect: f32) {
+    let radius = (0.5 * (max - min).length()).max(f32::MIN_POSITIVE);
+    let half = 0.5 * camera.field_of_view;
+    let narrow = half.min((half.tan() * aspect).atan());
+    let forward = camera.axes().forward;
+    camera.target = 0.5 * (min + max);
+    camera.eye = camera.target - radius / narrow.sin() * forward;
+}
+
+/// Where the camera may be, so that the scene stays in sight.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Limits {
+    /// Middle of the scene, in units.
+    centre: Vec3,
+    /// Distance from the middle to its farthest corner, in units.
+    radius: f32,
+    /// Least distance from the camera to what it looks at, in units.
+    pub least: f32,
+    /// Height below which the camera may not go: the bottom of all static objects.
+    floor: Option<f32>,
+}
+
+impl Limits {
+    /// Returns the limits for a scene in its present state.
+    pub fn of(scene: &Scene) -> Self {
+        let (min, max) = bounds(scene);
+        let radius = (0.5 * (max - min).length()).max(f32::MIN_POSITIVE);
+        let smallest = scene.spheres().iter().map(|sphere| sphere.radius).fold(radius, f32::min);
+        let floor = extents_of_static_objects(scene).map(|object| object.min.y).reduce(f32::min);
+        Self { centre: 0.5 * (min + max), radius, least: (0.5 * smallest).max(1e-4 * radius), floor }
+    }
+
+    /// Moves the camera back into the limits.
+    pub fn keep(&self, camera: &mut Camera) {
+        if !(camera.eye.is_finite() && camera.target.is_finite()) {
+            let away = Vec3::new(0.4, 0.4, 0.8) * (4.0 * self.radius);
+            (camera.eye, camera.target) = (self.centre + away, self.centre);
+        }
+        // What the camera looks at must be near the scene.
+        let mut target = self.centre + (camera.target - self.centre).clamp_length_max(self.radius);
+        if let Some(floor) = self.floor {
+            target.y = target.y.max(floor);
+        }
+        camera.eye += target - camera.target;
+        camera.target = target;
+        let forward = camera.axes().forward;
+        let far = distance(camera).clamp(self.least, FARTHEST * self.radius.max(self.least));
+        camera.eye = camera.target - far * forward;
+        self.stay_above_the_floor(camera);
+    }
+
+    /// Raises the camera above the floor, at the same distance from what it looks at where that is possible.
+    fn stay_above_the_floor(&self, camera: &mut Camera) {
+        let Some(lowest) = self.floor.map(|floor| floor + 0.01 * self.radius).filter(|lowest| camera.eye.y < *lowest) else {
+            return;
+        };
+        let far = distance(camera);
+        let away = camera.eye - camera.target;
+        let rise = lowest - camera.target.y;
+        let level = (far * far - rise * rise).max(0.0).sqrt();
+        let aside = Vec3::new(away.x, 0.0, away.z).try_normalize().unwrap_or(Vec3::Z);
+        camera.eye = camera.target + level * aside + rise * Vec3::Y;
+    }
 }
 
 #[cfg(test)]
@@ -173,15 +272,114 @@ mod tests {
         near(rising.target, [0.0, 2.0 + height, 0.0]);
     }
 
+    const ASPECT: f32 = 1.5;
+
+    /// Returns the position of a point in the picture: -1 to 1 from left to right and from bottom to top.
+    fn place(camera: &Camera, point: Vec3) -> Vec2 {
+        camera.view_projection(ASPECT).project_point3(point).truncate()
+    }
+
     #[test]
-    fn the_wheel_changes_the_distance_and_back() {
+    fn the_point_under_the_pointer_follows_a_right_drag() {
+        let mut panning = Camera::new([3.0, 5.0, 9.0], [0.0, 1.0, 0.0]);
+        // A tenth of the height to the right and a fifth down.
+        pan(&mut panning, Vec2::new(0.1, 0.2));
+        let moved = place(&panning, Vec3::Y);
+        assert!((moved - Vec2::new(0.2 / ASPECT, -0.4)).length() < 1e-4, "{moved}");
+    }
+
+    #[test]
+    fn the_wheel_moves_the_camera_to_the_point_under_the_pointer_and_back() {
+        let point = Vec3::new(1.0, 2.5, 1.0);
         let mut zooming = camera();
-        zoom(&mut zooming, 3.0);
-        near(zooming.eye, [0.0, 2.0, 10.0 * 0.88_f32.powi(3)]);
-        near(zooming.target, [0.0, 2.0, 0.0]);
-        zoom(&mut zooming, -3.0);
+        let before = place(&zooming, point);
+        zoom(&mut zooming, 3.0, point, 0.1);
+        assert!((place(&zooming, point) - before).length() < 1e-4);
+        near(zooming.target, [zooming.eye.x, zooming.eye.y, 1.0]);
+        assert!((distance(&zooming) - 9.0 * 0.88_f32.powi(3)).abs() < 1e-4);
+        zoom(&mut zooming, -3.0, point, 0.1);
         near(zooming.eye, [0.0, 2.0, 10.0]);
-        zoom(&mut zooming, 1e6);
-        assert!(distance(&zooming) > 0.0);
+    }
+
+    #[test]
+    fn zooming_never_passes_the_point_under_the_pointer() {
+        let point = Vec3::new(0.5, 2.0, 3.0);
+        let mut zooming = camera();
+        for _ in 0..200 {
+            zoom(&mut zooming, 2.0, point, 0.25);
+        }
+        assert!((zooming.eye.z - 3.25).abs() < 1e-4, "{}", zooming.eye);
+        zoom(&mut zooming, 1e6, point, 0.25);
+        zoom(&mut zooming, -1.0, point, 0.25);
+        assert!(zooming.eye.is_finite() && zooming.eye.z > 3.25, "{}", zooming.eye);
+    }
+
+    #[test]
+    fn a_focused_sphere_is_in_the_middle_and_fills_a_quarter_of_the_height() {
+        let mut camera = camera();
+        let centre = Vec3::new(4.0, 1.0, -3.0);
+        focus(&mut camera, centre, 0.5);
+        assert!(place(&camera, centre).length() < 1e-4);
+        assert!((place(&camera, centre + 0.5 * camera.axes().up).y - 0.25).abs() < 1e-4);
+    }
+
+    #[test]
+    fn a_framed_box_is_in_the_picture_from_every_direction() {
+        let (min, max) = (Vec3::new(-9.0, 0.0, 2.0), Vec3::new(30.0, 1.0, 3.0));
+        for eye in [[0.0, 2.0, 10.0], [50.0, 40.0, 30.0], [-8.0, 0.5, 2.5]] {
+            let mut camera = Camera::new(eye, [0.0, 2.0, 0.0]);
+            let forward = camera.axes().forward;
+            frame_all(&mut camera, (min, max), ASPECT);
+            assert!((camera.axes().forward - forward).length() < 1e-4);
+            for corner in 0..8 {
+                let pick = |bit: u32, low: f32, high: f32| if corner >> bit & 1 == 1 { high } else { low };
+                let point = Vec3::new(pick(0, min.x, max.x), pick(1, min.y, max.y), pick(2, min.z, max.z));
+                assert!(place(&camera, point).abs().max_element() <= 1.0, "{point}");
+            }
+        }
+    }
+
+    fn scene() -> Scene {
+        let text = "S 1 0 3 0 0 0 0 0 0 0 1 0.5\nB -5 -1 -5 10 0 0 0 1 0 0 0 10\n";
+        Scene::parse(text, std::path::Path::new("test")).unwrap().scene
+    }
+
+    /// Whatever the user does with the mouse, the ball or the floor below it is in the picture, and the camera is above the
+    /// ground.
+    #[test]
+    fn no_movement_loses_the_scene() {
+        let scene = scene();
+        let limits = Limits::of(&scene);
+        let mut camera = Camera::of_scene(&scene, ASPECT);
+        for step in 0..2000_u32 {
+            // Long runs of the same movement, with a direction that changes.
+            let kind = step / 40 * 7 % 6;
+            let sign = if step / 160 % 2 == 0 { 1.0 } else { -1.0 };
+            match kind {
+                0 => orbit(&mut camera, 30.0 * sign, 20.0),
+                1 => orbit(&mut camera, 10.0, -25.0 * sign),
+                2 => pan(&mut camera, Vec2::new(0.3 * sign, 0.2)),
+                3 => {
+                    let target = camera.target;
+                    zoom(&mut camera, 2.0 * sign, target, limits.least);
+                }
+                4 => turn(&mut camera, 30.0, 20.0 * sign),
+                _ => walk(&mut camera, Arrows::only(Arrow::Up), 0.5),
+            }
+            limits.keep(&mut camera);
+            assert!(camera.eye.is_finite() && camera.eye.y > -1.0, "{step}: {}", camera.eye);
+            assert!(camera.target.distance(limits.centre) <= 1.01 * limits.radius, "{step}: {}", camera.target);
+            let far = distance(&camera);
+            assert!(far >= 0.9 * limits.least && far <= 1.1 * FARTHEST * limits.radius, "{step}: {far}");
+        }
+    }
+
+    #[test]
+    fn a_camera_within_the_limits_stays() {
+        let scene = scene();
+        let mut camera = Camera::of_scene(&scene, ASPECT);
+        let before = camera;
+        Limits::of(&scene).keep(&mut camera);
+        assert!(camera.eye.distance(before.eye) < 1e-4 && camera.target.distance(before.target) < 1e-4);
     }
 }

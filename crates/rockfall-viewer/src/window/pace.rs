@@ -31,10 +31,10 @@ pub struct Pace {
 }
 
 impl Pace {
-    /// Creates a pace of one step per frame at full speed.
+    /// Creates a pace of real time at full speed.
     pub fn new(time_step: f32) -> Self {
         let (owed, wanted, done, watched) = (0.0, 0.0, 0.0, 0.0);
-        Self { real_time: false, time_step, speed: 1.0, owed, step_cost: None, wanted, done, watched }
+        Self { real_time: true, time_step, speed: 1.0, owed, step_cost: None, wanted, done, watched }
     }
 
     /// Returns the speed: 1 is normal, less is slow motion.
@@ -50,6 +50,12 @@ impl Pace {
             SPEEDS.iter().rev().copied().find(|speed| *speed < self.speed)
         };
         self.speed = next.unwrap_or(self.speed);
+        self.forget();
+    }
+
+    /// Sets one of [`SPEEDS`].
+    pub fn set_speed(&mut self, speed: f64) {
+        self.speed = speed;
         self.forget();
     }
 
@@ -104,14 +110,19 @@ mod tests {
 
     fn real_time() -> Pace {
         let mut pace = Pace::new(0.02);
-        pace.real_time = true;
         pace.note_cost(1, 1e-4);
+        pace
+    }
+
+    fn stepwise() -> Pace {
+        let mut pace = Pace::new(0.02);
+        pace.real_time = false;
         pace
     }
 
     #[test]
     fn each_frame_is_one_step_whatever_the_elapsed_time() {
-        let mut pace = Pace::new(0.02);
+        let mut pace = stepwise();
         assert_eq!([0.001, 0.5, 3.0].map(|elapsed| pace.due(elapsed)), [1, 1, 1]);
         assert_eq!(pace.alpha(), 1.0);
         assert_eq!(pace.lag(), None);
@@ -141,7 +152,7 @@ mod tests {
 
     #[test]
     fn slow_motion_makes_one_step_in_several_frames() {
-        let mut pace = Pace::new(0.02);
+        let mut pace = stepwise();
         pace.change_speed(false);
         pace.change_speed(false);
         assert_eq!(pace.speed(), 0.25);
@@ -164,7 +175,6 @@ mod tests {
     #[test]
     fn steps_that_take_too_long_are_dropped_and_reported_as_lag() {
         let mut pace = Pace::new(0.02);
-        pace.real_time = true;
         pace.note_cost(1, 0.03);
         let done: u64 = (0..100).map(|_| pace.due(0.05)).sum();
         assert!((99..=100).contains(&done), "{done}");

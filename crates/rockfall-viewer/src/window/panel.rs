@@ -1,14 +1,13 @@
-//! The panel: numbers, the picked body, constants, colours and plots.
+//! The panel: numbers, constants, colours and plots.
 
 use egui::{Color32, RichText, Ui};
-use egui_plot::{Line, Plot, PlotPoints};
-use rockfall::settings::Constant as Entry;
-use rockfall::{Energy, Settings};
+use egui_plot::{GridMark, Line, Plot, PlotPoints};
+use rockfall::{Counts, Energy};
 
-use super::constants::{CONSTANTS, without_keys};
+use super::constants_panel;
 use super::viewer::Viewer;
 use crate::draw::{ColourBy, Style};
-use crate::legend::Legend;
+use crate::legend::{Legend, number};
 use crate::palette::{Kind, Rgb};
 
 /// Names and colours of the energies. The colours here and in [`PHASES`] are those of Okabe and Ito, which can be told apart
@@ -28,20 +27,23 @@ const PHASES: [(&str, Rgb); 4] = [
     ("positions", [0x00, 0x9e, 0x73]),
 ];
 const PLOT_HEIGHT: f32 = 130.0;
+/// Least distance of two ticks of a vertical axis, in points. The axis leaves out the numbers of nearer ones.
+const TICK_DISTANCE: f32 = 30.0;
+/// Width of the scroll bar beside the panel.
+const SCROLL_BAR: f32 = 10.0;
 
 /// Shows the panel.
 pub(super) fn show(ui: &mut Ui, viewer: &mut Viewer) {
+    // The scroll bar must not cover anything.
+    ui.set_max_width(ui.available_width() - SCROLL_BAR);
     numbers(ui, viewer);
     let section = |ui: &mut Ui, title: &str, open: bool, add: &mut dyn FnMut(&mut Ui)| {
         egui::CollapsingHeader::new(RichText::new(title).strong()).default_open(open).show(ui, add);
     };
-    if viewer.session.watch.facts().is_some() {
-        section(ui, "Picked body", true, &mut |ui| picked(ui, viewer));
-    }
-    section(ui, "Constants", true, &mut |ui| constants(ui, viewer));
+    section(ui, "Constants", true, &mut |ui| constants_panel::show(ui, viewer));
     section(ui, "Colours", true, &mut |ui| colours(ui, viewer));
     section(ui, "Energy over time", true, &mut |ui| energies(ui, viewer));
-    section(ui, "Time of the phases", true, &mut |ui| phases(ui, viewer));
+    section(ui, "Time of the phases", false, &mut |ui| phases(ui, viewer));
 }
 
 /// Shows the numbers of steps and objects, and the rates.
@@ -63,83 +65,19 @@ fn numbers(ui: &mut Ui, viewer: &mut Viewer) {
         pair(ui, "steps", report.steps.to_string(), true);
         pair(ui, "steps/s", format!("{:.0}", viewer.rates.steps), false);
         pair(ui, "frames/s", format!("{:.0}", viewer.rates.frames), true);
-        pair(ui, "bodies", counts.spheres.to_string(), false);
+        pair(ui, "bodies", bodies(&counts).to_string(), false);
         pair(ui, "contacts", report.contacts.to_string(), true);
-        pair(ui, "rods", counts.rods.to_string(), false);
+        pair(ui, "rods", counts.rods.saturating_sub(counts.capsules).to_string(), false);
         pair(ui, "collisions", report.collisions.to_string(), true);
     });
-    if let Some(lag) = session.pace.lag() {
-        let text = format!("too slow: {:.0} % of the requested speed", 100.0 * lag);
-        ui.label(RichText::new(text).color(Color32::from_rgb(0xa8, 0x1e, 0x1e)));
-    }
+    // The line is always there, so that the sliders below do not move.
+    let slow = session.pace.lag().map(|lag| format!("too slow: {:.0} % of the requested speed", 100.0 * lag));
+    ui.label(RichText::new(slow.unwrap_or_else(|| " ".to_owned())).color(Color32::from_rgb(0xa8, 0x1e, 0x1e)));
 }
 
-/// Shows a row with the label, the slider and the unit of a number. Returns the value if it was changed.
-fn slider_row(ui: &mut Ui, label: &str, about: &str, entry: &Entry, step: Option<f32>, mut value: f32) -> Option<f32> {
-    let (low, high) = entry.slider?;
-    ui.label(label).on_hover_text(about);
-    let mut slider = egui::Slider::new(&mut value, low..=high).clamping(egui::SliderClamping::Edits).max_decimals(3);
-    if let Some(step) = step {
-        slider = slider.step_by(f64::from(step) / 10.0);
-    }
-    let is_changed = ui.add(slider).on_hover_text(about).changed();
-    ui.label(RichText::new(entry.unit).weak().small());
-    ui.end_row();
-    is_changed.then_some(value)
-}
-
-/// Sliders of the settings that no key changes.
-fn other_constants(ui: &mut Ui, settings: &mut Settings) {
-    egui::Grid::new("other constants").num_columns(3).spacing([6.0, 4.0]).show(ui, |ui| {
-        for entry in without_keys() {
-            let Some(value) = settings.get(entry.name).and_then(|text| text.parse().ok()) else { continue };
-            if let Some(value) = slider_row(ui, &entry.name.replace('_', " "), entry.doc.trim(), entry, None, value) {
-                // A value from the range of the slider is valid.
-                let _ = settings.set(entry.name, &value.to_string());
-            }
-        }
-    });
-}
-
-fn constants(ui: &mut Ui, viewer: &mut Viewer) {
-    let before = *viewer.session.settings();
-    let mut settings = before;
-    ui.spacing_mut().slider_width = 90.0;
-    egui::Grid::new("constants").num_columns(3).spacing([6.0, 4.0]).show(ui, |ui| {
-        for constant in &CONSTANTS {
-            let [up, down] = [constant.up, constant.down].map(|key| key.to_ascii_uppercase());
-            let default = constant.default_value();
-            let about =
-                format!("{}\nDefault: {default} {}. Keys: {up} up, {down} down.", constant.about, constant.entry().unit);
-            let value = constant.get(&settings);
-            if let Some(value) = slider_row(ui, constant.label, &about, constant.entry(), Some(constant.step), value) {
-                constant.set(&mut settings, value);
-            }
-        }
-    });
-    ui.collapsing("more constants", |ui| other_constants(ui, &mut settings));
-    let defaults = Settings::default();
-    let with_slider = || Settings::TABLE.iter().filter(|entry| entry.slider.is_some());
-    let differs = with_slider().any(|entry| settings.get(entry.name) != defaults.get(entry.name));
-    if ui.add_enabled(differs, egui::Button::new("Defaults").small()).clicked() {
-        for entry in with_slider() {
-            // A default is valid.
-            let _ = settings.set(entry.name, &defaults.get(entry.name).unwrap_or_default());
-        }
-    }
-    ui.checkbox(&mut settings.collisions, "collisions (K)").on_hover_text("Without collisions there are only contact forces.");
-    ui.checkbox(&mut settings.contact_pull, "damping may pull").on_hover_text("Contact damping as in the thesis.");
-    let mut time_step = viewer.session.pace.time_step * 1000.0;
-    ui.horizontal(|ui| {
-        ui.label("time step");
-        let field = egui::DragValue::new(&mut time_step).range(0.01..=100.0).speed(0.1).suffix(" ms");
-        if ui.add(field).changed() {
-            viewer.session.set_time_step(time_step / 1000.0);
-        }
-    });
-    if settings != before {
-        viewer.session.change_settings(|present| *present = settings);
-    }
+/// Returns the number of spheres and capsules. The two ends of a capsule are spheres of the scene, but one body.
+fn bodies(counts: &Counts) -> usize {
+    counts.spheres.saturating_sub(counts.capsules)
 }
 
 /// Shows the switches of the style.
@@ -192,26 +130,42 @@ fn scale(ui: &mut Ui, title: &str, range: [f32; 2], colours: &[Rgb]) {
     }
     ui.painter().add(mesh);
     ui.horizontal(|ui| {
-        ui.monospace(format!("{}", range[0]));
+        ui.monospace(number(range[0]));
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-            ui.monospace(format!("{}", range[1]));
-            ui.centered_and_justified(|ui| ui.label(RichText::new(title).weak()));
+            ui.monospace(number(range[1]));
+            ui.centered_and_justified(|ui| ui.monospace(number(0.5 * (range[0] + range[1]))));
         });
     });
+    ui.vertical_centered(|ui| ui.label(RichText::new(title).weak()));
 }
 
-fn stroke(rgb: Rgb) -> egui::Stroke {
+pub(super) fn stroke(rgb: Rgb) -> egui::Stroke {
     egui::Stroke::new(1.5, colour(rgb))
 }
 
-fn plot(name: &str) -> Plot<'_> {
+pub(super) fn plot(name: &str, height: f32) -> Plot<'_> {
     Plot::new(name)
-        .height(PLOT_HEIGHT)
+        .height(height)
         .allow_scroll(false)
         .allow_zoom(false)
         .allow_drag(false)
         .allow_boxed_zoom(false)
         .show_crosshair(false)
+        .y_axis_min_width(34.0)
+        .x_grid_spacer(|input| ticks(input.bounds, 5.0))
+        .y_grid_spacer(move |input| ticks(input.bounds, f64::from(height / TICK_DISTANCE)))
+}
+
+/// Returns at most this number of ticks, and at least two where possible, at multiples of 1, 2 or 5 times a power of ten.
+fn ticks((low, high): (f64, f64), most: f64) -> Vec<GridMark> {
+    let least = (high - low) / most.max(1.0);
+    if !(least.is_finite() && least > 0.0) {
+        return Vec::new();
+    }
+    let power = 10_f64.powf(least.log10().floor());
+    let step = [1.0, 2.0, 5.0].map(|step| step * power).into_iter().find(|step| *step >= least).unwrap_or(10.0 * power);
+    let (first, last) = ((low / step).ceil() as i64, (high / step).floor() as i64);
+    (first..=last).map(|tick| GridMark { value: tick as f64 * step, step_size: step }).collect()
 }
 
 fn energies(ui: &mut Ui, viewer: &mut Viewer) {
@@ -225,7 +179,7 @@ fn energies(ui: &mut Ui, viewer: &mut Viewer) {
         let points = watch.energies().iter().map(|sample| [sample.time, all(&sample.energy)[index]]);
         Line::new(*name, points.collect::<PlotPoints>()).stroke(stroke(*colour))
     });
-    plot("energy").show(ui, |plot| lines.for_each(|line| plot.line(line)));
+    plot("energy", PLOT_HEIGHT).show(ui, |plot| lines.for_each(|line| plot.line(line)));
     if !watch.is_unasked() {
         ui.label(RichText::new("The scene is too large to measure its energy continuously.").weak());
     }
@@ -254,19 +208,28 @@ fn phases(ui: &mut Ui, viewer: &mut Viewer) {
         let points = samples.iter().map(|sample| [sample.time, 1e3 * sample.seconds[index]]);
         Line::new(*name, points.collect::<PlotPoints>()).stroke(stroke(*colour))
     });
-    plot("phases").include_y(0.0).show(ui, |plot| lines.for_each(|line| plot.line(line)));
+    plot("phases", PLOT_HEIGHT).include_y(0.0).show(ui, |plot| lines.for_each(|line| plot.line(line)));
 }
 
-fn picked(ui: &mut Ui, viewer: &mut Viewer) {
-    let Some(facts) = viewer.session.watch.facts() else {
-        return;
-    };
-    ui.strong(&facts.title);
-    egui::Grid::new("picked").num_columns(2).spacing([8.0, 2.0]).show(ui, |ui| {
-        for (name, value) in &facts.values {
-            ui.label(RichText::new(*name).weak());
-            ui.monospace(value);
-            ui.end_row();
-        }
-    });
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::*;
+
+    #[test]
+    fn ticks_are_round_numbers() {
+        let values = |low: f64, high: f64| ticks((low, high), 3.0).iter().map(|tick| tick.value).collect::<Vec<f64>>();
+        assert_eq!(values(0.4, 0.75), [0.4, 0.6000000000000001]);
+        assert_eq!(values(-1.0, 11.0), [0.0, 5.0, 10.0]);
+        assert_eq!(values(100.0, 450.0), [200.0, 400.0]);
+        assert!(values(1.0, 1.0).is_empty() && values(f64::NAN, 1.0).is_empty());
+    }
+
+    #[test]
+    fn a_capsule_is_one_body() {
+        let text = "S 1 0 0 0 0 0 0 0 0 0 1 0.5\nC 3 0 0 4 0 0 0 0 0 1 0.2\nC 3 3 0 4 3 0 0 0 0 1 0.2\n";
+        let counts = rockfall::Scene::parse(text, Path::new("test")).unwrap().scene.counts();
+        assert_eq!((counts.spheres, bodies(&counts)), (5, 3));
+    }
 }

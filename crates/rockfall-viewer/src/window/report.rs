@@ -27,6 +27,8 @@ pub(super) fn report(viewer: &mut Viewer, device: &str, run: &Value) -> Value {
         .iter()
         .map(|message| json!({ "level": message.level.name(), "text": message.text, "at": message.at }))
         .collect();
+    let asked = viewer.dialog.question().map(|path| path.display().to_string());
+    let dialog = viewer.dialog.is_shown().then(|| json!({ "path": viewer.dialog.path, "overwrite": asked }));
     json!({
         "scene": session.source().name,
         "backend": simulation.backend().device,
@@ -51,6 +53,14 @@ pub(super) fn report(viewer: &mut Viewer, device: &str, run: &Value) -> Value {
         "messages": messages,
         "camera": { "eye": vector(viewer.camera.eye), "target": vector(viewer.camera.target) },
         "picture": viewer.size().to_array(),
+        "picture_origin": viewer.origin.to_array(),
+        "controls": viewer.controls.name(),
+        "dialog": dialog,
+        "busy": viewer.busy,
+        "track": viewer.session.track().points().len(),
+        "past": viewer.session.past().times().len(),
+        "can_undo": viewer.session.can_undo()[0],
+        "recording": viewer.capture.is_recording(),
         "help": viewer.help,
         "panel": viewer.panel,
         "colour_by": format!("{:?}", viewer.style.colour_by).to_lowercase(),

@@ -1,25 +1,31 @@
 //! A session: opens a scene, runs it, changes it and saves it, independently of the window. Errors become messages and do not
 //! end the session.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::time::Instant;
 
-use rockfall::{Body, Error, Loaded, Scene, Settings, Simulation};
+use rockfall::{Body, Checkpoint, Error, Scene, Settings, Simulation};
 
 use super::hold::Held;
 use super::message::{Level, Message, Messages};
+use super::names::Names;
 use super::pace::Pace;
+use super::past::Past;
+use super::track::Track;
 use super::watch::Watch;
 
+mod concerns;
+mod edits;
+mod files;
+mod picked;
 mod pointer;
+mod rewind;
+
+use concerns::Checked;
+use edits::Edits;
 
 /// Opens a scene as a simulation on the device of the window.
 pub type Opener = Box<dyn Fn(Scene) -> rockfall::Result<Simulation>>;
-
-/// Name of the file that the key R loads (thesis section 2.12.1).
-pub const INPUT: &str = "input.txt";
-/// Number of warnings about a scene file that are shown; of the others only the number is shown.
-const SHOWN_WARNINGS: usize = 3;
 
 /// A scene with its name and file.
 #[derive(Clone, Debug)]
@@ -49,8 +55,18 @@ pub struct Session {
     /// Values that are sampled at intervals.
     pub watch: Watch,
     held: Option<Held>,
+    /// The state before a body was held, for undo.
+    before_hold: Option<Checkpoint>,
     /// The body that was picked by a click.
     picked: Option<Body>,
+    /// The motion of the picked body.
+    track: Track,
+    /// Names of the bodies in the file of the scene.
+    names: Names,
+    past: Past,
+    edits: Edits,
+    /// What the last warnings were about.
+    checked: Option<Checked>,
     /// Increases whenever objects are added, removed or replaced.
     objects_version: u64,
     /// Increases whenever the simulation is replaced.
@@ -59,8 +75,10 @@ pub struct Session {
     scene_version: u64,
     /// Whether the device has failed. Nothing runs until [`Session::reopen`].
     device_failed: bool,
-    /// Present time, in s since the window opened.
+    /// Time of the present frame, in s since the window opened.
     now: f64,
+    /// Start of the present frame.
+    frame_started: Instant,
 }
 
 impl Session {
@@ -71,8 +89,8 @@ impl Session {
     pub fn open(source: Source, overrides: Vec<(String, String)>, time_step: f32, opener: Opener) -> rockfall::Result<Self> {
         let mut simulation = opener(source.scene.clone())?;
         simulation.set_time_step(time_step)?;
-        let command_line_file = source.path.clone();
-        Ok(Self {
+        let (command_line_file, names) = (source.path.clone(), files::names_of(&source));
+        let mut session = Self {
             opener,
             source,
             overrides,
@@ -83,13 +101,22 @@ impl Session {
             messages: Messages::default(),
             watch: Watch::default(),
             held: None,
+            before_hold: None,
             picked: None,
+            track: Track::default(),
+            names,
+            past: Past::default(),
+            edits: Edits::default(),
+            checked: None,
             objects_version: 0,
             simulation_version: 0,
             scene_version: 0,
             device_failed: false,
             now: 0.0,
-        })
+            frame_started: Instant::now(),
+        };
+        session.warn();
+        Ok(session)
     }
 
     /// Returns the simulation for drawing and reading back; change it only through the session.
@@ -103,13 +130,18 @@ impl Session {
     }
 
     /// Returns the messages that are shown at present, with their indices.
-    pub fn shown_messages(&self) -> impl DoubleEndedIterator<Item = (usize, &Message)> {
+    pub fn shown_messages(&mut self) -> impl DoubleEndedIterator<Item = (usize, &Message)> {
         self.messages.shown(self.now)
     }
 
     /// Returns the initial scene.
     pub fn source(&self) -> &Source {
         &self.source
+    }
+
+    /// Returns the time of the present frame, in s since the window opened.
+    pub fn now(&self) -> f64 {
+        self.now
     }
 
     /// Whether the simulation is running.
@@ -165,6 +197,9 @@ impl Session {
 
     /// Starts or stops the simulation.
     pub fn set_running(&mut self, running: bool) {
+        if running {
+            self.warn();
+        }
         self.running = running;
         self.pace.forget();
     }
@@ -172,14 +207,22 @@ impl Session {
     /// Stops the simulation and makes one step.
     pub fn single_step(&mut self) {
         self.set_running(false);
+        self.before_steps();
         self.do_steps(1);
+        self.follow(true);
+    }
+
+    /// Records the present state, and forgets the states after it if the user went back to it.
+    fn before_steps(&mut self) {
+        self.past.forget_after(self.simulation.report().steps);
+        self.record(false);
     }
 
     /// Makes the steps that are due in a frame. `now` is the time in s since the window opened, `elapsed` the time in s since
     /// the last frame. `before_last` is called before the last step, so that the caller can blend between the last two
     /// states.
     pub fn frame(&mut self, now: f64, elapsed: f64, before_last: impl FnOnce(&mut Simulation)) {
-        self.now = now;
+        (self.now, self.frame_started) = (now, Instant::now());
         if !self.running || self.device_failed {
             return;
         }
@@ -187,8 +230,9 @@ impl Session {
         if due == 0 {
             return;
         }
+        self.before_steps();
         let start = Instant::now();
-        if self.do_steps(due - 1) {
+        if self.do_steps_of_frame(due - 1) {
             before_last(&mut self.simulation);
             if self.watch.phases_due(now) {
                 self.do_profiled();
@@ -197,6 +241,28 @@ impl Session {
             }
         }
         self.pace.note_cost(due, start.elapsed().as_secs_f64());
+        self.follow(false);
+    }
+
+    /// Makes the steps of a frame before the last one. A slow frame has many: they are interrupted to record states.
+    fn do_steps_of_frame(&mut self, steps: u64) -> bool {
+        let interval = Past::interval(self.simulation.scene()) / f64::from(self.pace.time_step);
+        let most = (interval.ceil() as u64).max(1);
+        let mut left = steps;
+        while left > most {
+            if !self.do_steps(most) {
+                return false;
+            }
+            left -= most;
+            self.record(false);
+            self.follow(false);
+        }
+        self.do_steps(left)
+    }
+
+    /// Returns the wall time in s since the window opened, also within a frame.
+    fn wall_time(&self) -> f64 {
+        self.now + self.frame_started.elapsed().as_secs_f64()
     }
 
     fn do_steps(&mut self, steps: u64) -> bool {
@@ -230,8 +296,7 @@ impl Session {
             return;
         }
         let start = Instant::now();
-        let picked = self.picked;
-        let sampled = self.watch.sample(&mut self.simulation, picked);
+        let sampled = self.watch.sample(&mut self.simulation, self.picked, &self.names);
         if self.ok_or_report(sampled).is_none() {
             self.watch.disable();
         }
@@ -240,111 +305,28 @@ impl Session {
 
     /// Changes the physical constants from the next step on.
     pub fn change_settings(&mut self, change: impl FnOnce(&mut Settings)) {
-        let mut settings = *self.simulation.settings();
+        let before = *self.simulation.settings();
+        let mut settings = before;
         change(&mut settings);
         let changed = self.simulation.set_settings(settings);
-        self.ok_or_report(changed);
+        if self.ok_or_report(changed).is_some() {
+            self.edited_settings(before);
+        }
     }
 
     /// Changes the time step, in s.
     pub fn set_time_step(&mut self, time_step: f32) {
+        let before = self.pace.time_step;
         if self.apply_time_step(time_step) {
             self.pace.time_step = time_step;
             self.pace.forget();
+            self.edited_time_step(before);
         }
     }
 
     fn apply_time_step(&mut self, time_step: f32) -> bool {
         let set = self.simulation.set_time_step(time_step);
         self.ok_or_report(set).is_some()
-    }
-
-    /// Restores the initial scene.
-    pub fn reset(&mut self) {
-        let source = self.source.clone();
-        if self.replace(source, false) {
-            self.tell(Level::Note, "the scene was reset");
-        }
-    }
-
-    /// Opens a scene file. If it has an error, this adds a message and keeps the present scene.
-    pub fn load(&mut self, path: &Path) {
-        let Some(Loaded { mut scene, warnings, .. }) = ({
-            let loaded = Scene::load(path);
-            self.ok_or_report(loaded)
-        }) else {
-            return;
-        };
-        let name = path.display().to_string();
-        for warning in warnings.iter().take(SHOWN_WARNINGS) {
-            self.tell(Level::Warning, format!("{name}:{}: {}", warning.line, warning.text));
-        }
-        if warnings.len() > SHOWN_WARNINGS {
-            self.tell(Level::Warning, format!("{name}: {} more warnings", warnings.len() - SHOWN_WARNINGS));
-        }
-        let changed = self.overrides.iter().try_for_each(|(name, value)| scene.settings.set(name, value));
-        if self.ok_or_report(changed).is_none() {
-            return;
-        }
-        let another = self.source.path.as_deref() != Some(path);
-        let source = Source { name: name.clone(), path: Some(path.to_owned()), scene };
-        if self.replace(source, another) {
-            self.tell(Level::Note, format!("{name} was read"));
-        }
-    }
-
-    /// Loads [`INPUT`] from the first of these folders that contains it (key R).
-    pub fn load_input(&mut self, folders: &[PathBuf]) {
-        let candidates: Vec<PathBuf> = folders.iter().map(|folder| folder.join(INPUT)).collect();
-        match candidates.iter().find(|path| path.is_file()) {
-            Some(path) => self.load(path),
-            None => {
-                let tried: Vec<String> = candidates.iter().map(|path| path.display().to_string()).collect();
-                self.tell(Level::Error, format!("there is no {INPUT}; tried {}", tried.join(" and ")));
-            }
-        }
-    }
-
-    /// Loads the file of the command line again (key Shift+R).
-    pub fn load_given(&mut self) {
-        match self.command_line_file.clone() {
-            Some(path) => self.load(&path),
-            None => self.tell(Level::Error, "no scene file was given on the command line"),
-        }
-    }
-
-    /// Replaces the simulation by that of another scene, and returns whether the scene could be opened.
-    fn replace(&mut self, source: Source, another: bool) -> bool {
-        let opened = (self.opener)(source.scene.clone());
-        let Some(mut simulation) = self.ok_or_report(opened) else {
-            return false;
-        };
-        if let Err(error) = simulation.set_time_step(self.pace.time_step) {
-            self.fail(&error);
-        }
-        self.simulation = simulation;
-        self.source = source;
-        self.forget_bodies();
-        self.watch = Watch::default();
-        self.pace.forget();
-        self.scene_version += u64::from(another);
-        true
-    }
-
-    fn forget_bodies(&mut self) {
-        self.held = None;
-        self.picked = None;
-        self.objects_version += 1;
-        self.simulation_version += 1;
-    }
-
-    /// Writes the present state as a scene text, without the tether of a held body.
-    pub fn save(&mut self, path: &Path) {
-        let synced = self.simulation.sync().map(drop);
-        let saved = synced.and_then(|()| self.scene_without_hold().save(path));
-        if self.ok_or_report(saved).is_some() {
-            self.tell(Level::Note, format!("saved as {}", path.display()));
-        }
     }
 
     /// Returns the scene in the state that was read back last, without the tether of a held body.
@@ -368,6 +350,7 @@ impl Session {
         };
         self.simulation = simulation;
         self.forget_bodies();
+        self.past = Past::default();
         let set = self.simulation.set_time_step(self.pace.time_step);
         self.ok_or_report(set);
         self.tell(
@@ -376,9 +359,12 @@ impl Session {
         );
     }
 
-    /// Returns the body that was picked by a click.
-    pub fn picked(&self) -> Option<Body> {
-        self.picked
+    fn forget_bodies(&mut self) {
+        self.held = None;
+        self.picked = None;
+        self.track = Track::default();
+        self.objects_version += 1;
+        self.simulation_version += 1;
     }
 
     /// Returns the held body.

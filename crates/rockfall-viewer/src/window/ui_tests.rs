@@ -4,12 +4,13 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use egui::{Event, Key, Modifiers, PointerButton, RawInput, pos2};
+use rockfall::glam::Vec3;
 use rockfall::{Backend, Options, Scene, Simulation};
 
 use super::*;
 use crate::window::session::{Session, Source};
 
-/// A window of 1000 x 700 points with one ball in zero gravity.
+/// A window of 1280 x 800 points with one ball in zero gravity.
 struct Screen {
     context: egui::Context,
     viewer: Viewer,
@@ -34,7 +35,7 @@ impl Screen {
     }
 
     fn frame_of(&mut self, input: RawInput) {
-        let screen_rect = Some(Rect::from_min_size(Pos2::ZERO, egui::vec2(1000.0, 700.0)));
+        let screen_rect = Some(Rect::from_min_size(Pos2::ZERO, egui::vec2(1280.0, 800.0)));
         let input = RawInput { screen_rect, focused: true, ..input };
         let viewer = &mut self.viewer;
         let mut output = self.context.run_ui(input, |ui| show(ui, viewer, &mut |_, _| TextureId::default()));
@@ -53,7 +54,7 @@ fn button(pos: Pos2, button: PointerButton, pressed: bool, modifiers: Modifiers)
 #[test]
 fn keys_are_handled() {
     let mut screen = Screen::new();
-    screen.frame(key(Key::A, Modifiers::NONE));
+    screen.frame(key(Key::Space, Modifiers::NONE));
     assert!(screen.viewer.session.running());
     screen.frame(key(Key::Escape, Modifiers::NONE));
     assert!(screen.viewer.quit);
@@ -96,15 +97,15 @@ fn a_drag_within_one_frame_turns_the_camera() {
         button(at(60.0), PointerButton::Primary, false, Modifiers::NONE),
         Event::PointerMoved(at(0.0)),
     ]);
-    assert_eq!(screen.viewer.camera.eye, before.eye);
-    assert!(screen.viewer.camera.target != before.target && !screen.viewer.is_dragging());
+    assert!(screen.viewer.camera.target.distance(before.target) < 1e-4);
+    assert!(screen.viewer.camera.eye != before.eye && !screen.viewer.is_dragging());
 }
 
 #[test]
 fn drags_on_the_panel_and_the_menu_do_not_move_the_camera() {
     let mut screen = Screen::new();
     let before = screen.viewer.camera;
-    for place in [pos2(900.0, 650.0), pos2(500.0, 5.0)] {
+    for place in [pos2(1200.0, 700.0), pos2(500.0, 5.0)] {
         screen.frame([Event::PointerMoved(place), button(place, PointerButton::Secondary, true, Modifiers::NONE)]);
         screen.frame([Event::PointerMoved(place + egui::vec2(0.0, 30.0))]);
         assert!(!screen.viewer.is_dragging());
@@ -116,7 +117,7 @@ fn drags_on_the_panel_and_the_menu_do_not_move_the_camera() {
 #[test]
 fn ctrl_and_drag_hold_a_ball() {
     let mut screen = Screen::new();
-    let middle = project(&screen.viewer, picture_of(&screen), Vec3::ZERO).unwrap().0;
+    let middle = marks::project(&screen.viewer, picture_of(&screen), Vec3::ZERO).unwrap().0;
     let ctrl = Modifiers::CTRL;
     screen.frame([Event::PointerMoved(middle), button(middle, PointerButton::Primary, true, ctrl)]);
     assert!(screen.viewer.session.held().is_some());
@@ -126,8 +127,8 @@ fn ctrl_and_drag_hold_a_ball() {
 
 /// Returns the part of the screen that the picture covers.
 fn picture_of(screen: &Screen) -> Rect {
-    let size = egui::vec2(screen.viewer.size().x, screen.viewer.size().y);
-    Rect::from_min_max(pos2(0.0, 700.0 - size.y), pos2(size.x, 700.0))
+    let (origin, size) = (screen.viewer.origin, screen.viewer.size());
+    Rect::from_min_size(pos2(origin.x, origin.y), egui::vec2(size.x, size.y))
 }
 
 #[derive(Debug)]
@@ -156,4 +157,127 @@ fn dropped_files_are_loaded_and_errors_are_shown() {
     let last = screen.viewer.session.messages.all().last().unwrap();
     assert!(last.level == Level::Error && last.text.contains("none.txt"), "{last:?}");
     assert_eq!(screen.viewer.session.simulation_ref().scene().counts().spheres, 2);
+}
+
+fn type_text(screen: &mut Screen, text: &str) {
+    screen.frame([Event::Text(text.to_owned())]);
+}
+
+fn keep_pressed(key: Key) -> Event {
+    Event::Key { key, physical_key: None, pressed: true, repeat: true, modifiers: Modifiers::NONE }
+}
+
+/// Enter saves to the typed name. The typed name replaces the proposed one.
+#[test]
+fn enter_confirms_the_dialogs() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut screen = Screen::new();
+    screen.frame(key(Key::S, Modifiers::CTRL));
+    assert!(screen.viewer.dialog.is_shown());
+    screen.frame([]);
+    let path = folder.path().join("mine.txt");
+    type_text(&mut screen, &path.display().to_string());
+    screen.frame(key(Key::Enter, Modifiers::NONE));
+    assert!(path.is_file() && !screen.viewer.dialog.is_shown(), "{}", screen.viewer.dialog.path);
+
+    screen.frame(key(Key::O, Modifiers::CTRL));
+    screen.frame([]);
+    type_text(&mut screen, &path.display().to_string());
+    screen.frame(key(Key::Enter, Modifiers::NONE));
+    assert_eq!(screen.viewer.session.source().path.as_deref(), Some(path.as_path()));
+}
+
+#[test]
+fn a_file_is_overwritten_only_by_a_click() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("kept.txt");
+    std::fs::write(&path, "kept").unwrap();
+    let mut screen = Screen::new();
+    screen.frame(key(Key::S, Modifiers::CTRL | Modifiers::SHIFT));
+    screen.frame([]);
+    type_text(&mut screen, &path.display().to_string());
+    let [down, up] = key(Key::Enter, Modifiers::NONE);
+    screen.frame([down]);
+    assert_eq!(screen.viewer.dialog.question(), Some(path.as_path()));
+    // A key that is kept down answers nothing, and letters are no commands.
+    screen.frame([keep_pressed(Key::Enter), keep_pressed(Key::A)]);
+    screen.frame([up]);
+    assert!(screen.viewer.dialog.question().is_some() && !screen.viewer.session.running());
+    screen.frame(key(Key::Enter, Modifiers::NONE));
+    assert_eq!(std::fs::read_to_string(&path).unwrap(), "kept");
+    assert!(folder.path().join("kept-1.txt").is_file() && !screen.viewer.dialog.is_shown());
+}
+
+#[test]
+fn escape_closes_dialog_menu_field_and_help_before_the_window() {
+    let mut screen = Screen::new();
+    let escape = |screen: &mut Screen| {
+        screen.frame(key(Key::Escape, Modifiers::NONE));
+        screen.frame([]);
+        assert!(!screen.viewer.quit);
+    };
+    screen.frame(key(Key::F1, Modifiers::NONE));
+    screen.frame(key(Key::O, Modifiers::CTRL));
+    screen.frame([]);
+    escape(&mut screen);
+    assert!(!screen.viewer.dialog.is_shown() && screen.viewer.help);
+    escape(&mut screen);
+    assert!(!screen.viewer.help);
+
+    // The first menu.
+    let at = pos2(20.0, 10.0);
+    for pressed in [true, false] {
+        screen.frame([Event::PointerMoved(at), button(at, PointerButton::Primary, pressed, Modifiers::NONE)]);
+    }
+    screen.frame([]);
+    assert!(screen.viewer.busy, "the menu is open");
+    escape(&mut screen);
+    assert!(!screen.viewer.busy);
+    screen.frame(key(Key::Escape, Modifiers::NONE));
+    assert!(screen.viewer.quit);
+}
+
+/// Two fingers on a touchpad scroll in points, and a pinch is a factor.
+#[test]
+fn touchpads_zoom_and_move_the_picture() {
+    let mut screen = Screen::new();
+    // Beside the ball, so that the camera moves to a point at the present distance.
+    let at = picture_of(&screen).left_top() + egui::vec2(40.0, 40.0);
+    let distance = |screen: &Screen| screen.viewer.camera.eye.distance(screen.viewer.camera.target);
+    let wheel = |y: f32, modifiers| Event::MouseWheel {
+        unit: egui::MouseWheelUnit::Point,
+        delta: egui::vec2(0.0, y),
+        modifiers,
+        phase: egui::TouchPhase::Move,
+        source: egui::MouseWheelSource::Trackpad,
+    };
+    screen.frame([Event::PointerMoved(at)]);
+    let before = distance(&screen);
+    screen.frame([wheel(40.0, Modifiers::NONE)]);
+    let nearer = distance(&screen);
+    assert!((nearer / before - 0.88).abs() < 1e-3, "{before} {nearer}");
+    // A pinch by a factor of 2 halves the distance.
+    screen.frame([Event::Zoom(2.0)]);
+    assert!((distance(&screen) / nearer - 0.5).abs() < 0.01, "{nearer} {}", distance(&screen));
+    let camera = screen.viewer.camera;
+    screen.frame([wheel(40.0, Modifiers::ALT)]);
+    assert!(screen.viewer.camera.target.distance(camera.target) > 0.01);
+    assert!((screen.viewer.camera.axes().forward - camera.axes().forward).length() < 1e-4);
+}
+
+/// The picked body has a window of its own, which does not move the panel and leaves the middle of the picture free.
+#[test]
+fn the_picked_body_is_shown_beside_the_middle() {
+    let mut screen = Screen::new();
+    let area = picture_of(&screen);
+    let at = marks::project(&screen.viewer, area, Vec3::ZERO).unwrap().0;
+    for pressed in [true, false] {
+        screen.frame([Event::PointerMoved(at), button(at, PointerButton::Primary, pressed, Modifiers::NONE)]);
+    }
+    screen.frame([]);
+    screen.frame([]);
+    assert!(screen.viewer.session.picked().is_some());
+    let window = screen.context.memory(|memory| memory.area_rect(egui::Id::unique("picked body"))).unwrap();
+    assert!(area.contains_rect(window) && !window.contains(area.center()), "{window} in {area}");
+    assert_eq!(picture_of(&screen), area);
 }

@@ -1,72 +1,71 @@
 //! State of the window, and how commands and the mouse change it, independently of any window.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use rockfall::Scene;
 use rockfall::glam::Vec2;
 
+use super::capture::Capture;
 use super::constants::CONSTANTS;
-use super::controls::Command;
+use super::controls::{Command, Controls};
 use super::dialog::Dialog;
 use super::hold::Sight;
-use super::navigation::{self, Arrow, Arrows};
+use super::navigation::{self, Arrows, Limits};
 use super::rates::Rates;
 use super::session::Session;
+use crate::bounds::bounds;
 use crate::camera::Camera;
 use crate::draw::Style;
 use crate::legend::Legend;
 
-/// Movement of the pointer, in pixels, below which a press and release is a click.
-const CLICK: f32 = 4.0;
+mod files;
+mod mouse;
+
+use files::SavedFile;
+pub use mouse::Button;
+use mouse::Drag;
+
 /// Time that a thrown sphere takes to the target of the camera, in s.
 const FLIGHT: f32 = 0.8;
-/// Least duration that a press of an arrow key counts for, in s.
-const TAP: f64 = 0.05;
-
-/// A mouse button.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Button {
-    /// Left button.
-    Left,
-    /// Middle button.
-    Middle,
-    /// Right button.
-    Right,
-}
-
-/// Action of the mouse while a button is down.
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Drag {
-    /// A click, as long as the pointer stays near the position of the press.
-    Press(Vec2),
-    Turn,
-    Orbit,
-    Raise,
-    Hold,
-}
+/// Time after which the limits of the camera are computed again while the scene moves, in s.
+const LIMITS_INTERVAL: f64 = 0.5;
 
 /// State of the window.
 pub struct Viewer {
     /// The scene.
     pub session: Session,
+    /// What the mouse does.
+    pub controls: Controls,
     /// The camera.
     pub camera: Camera,
     size: Vec2,
+    /// Position of the picture in the window, in pixels from the upper left corner.
+    pub origin: Vec2,
     /// The camera that was computed when the scene was framed last.
     framed: Camera,
+    /// Limits of the camera, with the number of steps and the time at which they were computed.
+    limits: Option<(Limits, u64, f64)>,
     /// Whether the table of keys is shown.
     pub help: bool,
+    /// Whether all messages are shown.
+    pub messages: bool,
     /// Whether the panel is shown.
     pub panel: bool,
+    /// Whether a menu is open or a field has the keyboard focus, so that Escape only closes it.
+    pub busy: bool,
     /// Whether the window should close.
     pub quit: bool,
     arrows: Arrows,
     /// Folders in which the key R looks for `input.txt`.
     pub input_folders: Vec<PathBuf>,
-    /// The file that Ctrl+S saves to.
-    pub save_as: PathBuf,
+    /// Folder of pictures, films and tables.
+    pub folder: PathBuf,
+    /// The file that the present scene was saved to.
+    saved: Option<SavedFile>,
     /// The file dialog.
     pub dialog: Dialog,
+    /// Screenshots and recordings.
+    pub capture: Capture,
     /// Style of the picture.
     pub style: Style,
     /// Legend of the last picture.
@@ -77,6 +76,8 @@ pub struct Viewer {
     pointer: Option<Vec2>,
     /// The button that is down, and its action.
     drag: Option<(Button, Drag)>,
+    /// Position and time, in s, of the last click, to recognise a double click.
+    clicked: Option<(Vec2, f64)>,
     scene_seen: u64,
 }
 
@@ -86,21 +87,29 @@ impl Viewer {
         let camera = framing(&session.source().scene, size);
         Self {
             session,
+            controls: Controls::default(),
             camera,
             framed: camera,
+            limits: None,
             size,
+            origin: Vec2::ZERO,
             help: false,
+            messages: false,
             panel: true,
+            busy: false,
             quit: false,
             arrows: Arrows::default(),
             input_folders: default_input_folders(),
-            save_as: PathBuf::from("saved.txt"),
+            folder: PathBuf::new(),
+            saved: None,
             dialog: Dialog::default(),
+            capture: Capture::default(),
             style: Style::default(),
             legend: None,
             rates: Rates::default(),
             pointer: None,
             drag: None,
+            clicked: None,
             scene_seen: 0,
         }
     }
@@ -110,13 +119,16 @@ impl Viewer {
         let session = &mut self.session;
         match command {
             Command::Help => self.help = !self.help,
+            Command::ToggleMessages => self.messages = !self.messages,
             Command::TogglePanel => self.panel = !self.panel,
-            Command::Quit if self.dialog.is_shown() => self.dialog.close(),
-            Command::Quit => self.quit = true,
-            Command::Open => self.dialog.open(false),
-            Command::SaveAs => self.dialog.open(true),
+            Command::Quit => self.escape(),
+            Command::Open => self.ask_for_file(false),
+            Command::Save => self.save(),
+            Command::SaveAs => self.ask_for_file(true),
+            Command::Screenshot => self.capture.ask_for_screenshot(),
             Command::ToggleRunning => session.toggle_running(),
             Command::SingleStep => session.single_step(),
+            Command::Rewind { forward } => session.rewind(forward),
             Command::LoadInput => session.load_input(&self.input_folders),
             Command::LoadGiven => session.load_given(),
             Command::ToggleCollisions => session.change_settings(|settings| settings.collisions = !settings.collisions),
@@ -128,23 +140,33 @@ impl Viewer {
                 session.change_settings(|settings| CONSTANTS[constant].nudge(settings, up));
             }
             Command::Throw => self.throw(),
+            Command::Undo => session.undo(),
+            Command::Redo => session.redo(),
             Command::Reset => session.reset(),
             Command::ResetCamera => self.frame_scene(),
+            Command::FrameAll => self.frame_all(),
             Command::ChangeSpeed { faster } => session.pace.change_speed(faster),
-            Command::Save => session.save(&self.save_as),
         }
         self.frame_if_new_scene();
     }
 
-    /// Opens a scene file.
-    pub fn load(&mut self, path: &Path) {
-        self.session.load(path);
-        self.frame_if_new_scene();
-    }
-
-    /// Saves the present state.
-    pub fn save(&mut self) {
-        self.session.save(&self.save_as);
+    /// Closes the topmost thing that is open: the file dialog, a menu or field, the tables. If nothing is open, ends a recording
+    /// or else the program.
+    fn escape(&mut self) {
+        if self.dialog.is_shown() {
+            self.dialog.cancel();
+        } else if self.busy {
+            // The widgets close menus and leave fields by themselves.
+            self.busy = false;
+        } else if self.help {
+            self.help = false;
+        } else if self.messages {
+            self.messages = false;
+        } else if self.capture.is_recording() {
+            self.stop_recording();
+        } else {
+            self.quit = true;
+        }
     }
 
     /// Moves the camera if another scene was opened. When the same scene is loaded again, the camera stays.
@@ -158,6 +180,27 @@ impl Viewer {
     fn frame_scene(&mut self) {
         self.camera = framing(&self.session.source().scene, self.size);
         self.framed = self.camera;
+        self.limits = None;
+    }
+
+    fn frame_all(&mut self) {
+        let aspect = self.aspect();
+        match self.session.simulation().sync().map(bounds) {
+            Ok(bounds) => navigation::frame_all(&mut self.camera, bounds, aspect),
+            Err(error) => self.session.fail(&error),
+        }
+        self.limits = None;
+    }
+
+    /// Returns the limits of the camera for the present scene.
+    fn limits(&mut self) -> Limits {
+        let (steps, now) = (self.session.simulation_ref().report().steps, self.session.now());
+        let known = self.limits.filter(|(_, at, when)| *at == steps || now - when < LIMITS_INTERVAL);
+        let (limits, ..) = known.unwrap_or_else(|| (Limits::of(self.session.simulation_ref().scene()), steps, now));
+        if known.is_none() {
+            self.limits = Some((limits, steps, now));
+        }
+        limits
     }
 
     /// Returns the width and height of the picture, in pixels.
@@ -192,99 +235,6 @@ impl Viewer {
         let sight = self.sight();
         let distance = self.camera.eye.distance(self.camera.target);
         self.session.throw(sight.origin + 0.1 * distance * sight.direction, distance / FLIGHT * sight.direction);
-    }
-
-    /// Handles a button press over the picture; ignored while another button is down.
-    pub fn press(&mut self, button: Button, ctrl: bool) {
-        if self.drag.is_some() {
-            return;
-        }
-        let drag = match button {
-            Button::Left if ctrl => {
-                let sight = self.sight();
-                self.session.hold(&sight);
-                Drag::Hold
-            }
-            Button::Left => Drag::Press(self.pointer.unwrap_or_default()),
-            Button::Middle => Drag::Orbit,
-            Button::Right => Drag::Raise,
-        };
-        self.drag = Some((button, drag));
-    }
-
-    /// Whether a button that was pressed over the picture is still down.
-    pub fn is_dragging(&self) -> bool {
-        self.drag.is_some()
-    }
-
-    /// Handles the release of a button.
-    pub fn release(&mut self, button: Button) {
-        match self.drag.take_if(|(pressed, _)| *pressed == button) {
-            Some((_, Drag::Press(_))) => {
-                let sight = self.sight();
-                self.session.pick(sight.origin, sight.direction);
-            }
-            Some((_, Drag::Hold)) => self.session.release(),
-            _ => {}
-        }
-    }
-
-    /// Handles a movement of the pointer to a position in the picture, in pixels from the upper left corner; `None` if it left.
-    pub fn point(&mut self, pixel: Option<Vec2>) {
-        let moved = pixel.zip(self.pointer).map_or(Vec2::ZERO, |(now, before)| now - before);
-        self.pointer = pixel;
-        let Some((_, drag)) = &mut self.drag else {
-            return;
-        };
-        match drag {
-            Drag::Press(start) => {
-                let far = pixel.map_or(Vec2::ZERO, |now| now - *start);
-                if far.length() >= CLICK {
-                    *drag = Drag::Turn;
-                    navigation::turn(&mut self.camera, far.x, far.y);
-                }
-            }
-            Drag::Turn => navigation::turn(&mut self.camera, moved.x, moved.y),
-            Drag::Orbit => navigation::orbit(&mut self.camera, moved.x, moved.y),
-            Drag::Raise => navigation::raise(&mut self.camera, moved.y / self.size.y),
-            Drag::Hold => self.drag_held(),
-        }
-    }
-
-    fn drag_held(&mut self) {
-        let sight = self.sight();
-        self.session.drag(&sight);
-    }
-
-    /// Zooms by a number of notches of the wheel.
-    pub fn scroll(&mut self, notches: f32) {
-        navigation::zoom(&mut self.camera, notches);
-    }
-
-    /// Handles a press or release of an arrow key. Even the shortest press moves the camera.
-    pub fn arrow(&mut self, arrow: Arrow, down: bool) {
-        let (before, only) = (self.arrows, Arrows::only(arrow));
-        self.arrows.set(arrow, down);
-        if down && before != self.arrows {
-            self.walk_by(only, TAP);
-        }
-    }
-
-    /// Releases all arrow keys, because the window lost the keyboard focus.
-    pub fn release_arrows(&mut self) {
-        self.arrows = Arrows::default();
-    }
-
-    /// Moves the camera for `elapsed` s with the arrow keys that are down.
-    pub fn walk(&mut self, elapsed: f64) {
-        self.walk_by(self.arrows, elapsed);
-    }
-
-    fn walk_by(&mut self, arrows: Arrows, seconds: f64) {
-        navigation::walk(&mut self.camera, arrows, seconds as f32);
-        if matches!(self.drag, Some((_, Drag::Hold))) && arrows.any() {
-            self.drag_held();
-        }
     }
 
     /// Whether the picture changes without input.

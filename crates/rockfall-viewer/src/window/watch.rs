@@ -7,7 +7,10 @@ use std::collections::VecDeque;
 
 use rockfall::glam::Vec3;
 use rockfall::step::schedule::Phase;
-use rockfall::{Body, Energy, Profile, Simulation};
+use rockfall::{Body, Energy, Profile, RodId, Scene, Simulation, SphereId};
+
+use super::names::Names;
+use super::track::motion;
 
 /// Least time between two samples, in s.
 const INTERVAL: f64 = 0.25;
@@ -112,6 +115,13 @@ impl Watch {
         self.automatic &= seconds <= LONGEST;
     }
 
+    /// Removes the samples after a simulated time, in s, because the simulation went back to it.
+    pub(super) fn rewind(&mut self, time: f64) {
+        self.energies.retain(|sample| sample.time <= time);
+        self.phases.retain(|sample| sample.time <= time);
+        (self.sampled_at, self.next_at) = (None, 0.0);
+    }
+
     /// Stops automatic sampling.
     pub(super) fn disable(&mut self) {
         self.automatic = false;
@@ -122,7 +132,7 @@ impl Watch {
         keep(&mut self.phases, PhaseSample { time, seconds });
     }
 
-    pub(super) fn sample(&mut self, simulation: &mut Simulation, picked: Option<Body>) -> rockfall::Result<()> {
+    pub(super) fn sample(&mut self, simulation: &mut Simulation, picked: Option<Body>, names: &Names) -> rockfall::Result<()> {
         let energy = simulation.energy()?;
         let report = simulation.report();
         if self.sampled_at != Some(report.steps) {
@@ -130,7 +140,7 @@ impl Watch {
         }
         self.sampled_at = Some(report.steps);
         let picked = picked.filter(|body| is_there(simulation, *body));
-        self.facts = picked.map(|body| facts(simulation, body)).transpose()?;
+        self.facts = picked.map(|body| facts(simulation, body, names)).transpose()?;
         Ok(())
     }
 }
@@ -154,71 +164,75 @@ fn keep<T>(samples: &mut VecDeque<T>, sample: T) {
     }
 }
 
-/// Returns the index of a handle among those of its kind.
-fn index<T: PartialEq>(mut ids: impl Iterator<Item = T>, id: T) -> usize {
-    ids.position(|other| other == id).unwrap_or(usize::MAX)
-}
-
 fn vector(v: Vec3, unit: &str) -> String {
     format!("{:.3} {:.3} {:.3} {unit}", v.x, v.y, v.z)
 }
 
 /// Returns the name and all values of a body.
-fn facts(simulation: &mut Simulation, body: Body) -> rockfall::Result<Facts> {
-    let mut values = Vec::new();
-    let title = match body {
-        Body::Sphere(id) => {
-            let diagnostics = simulation.diagnostics()?;
-            let scene = simulation.scene();
-            let number = index(scene.sphere_ids(), id);
-            let (sphere, known) = (scene.sphere(id)?, diagnostics[number]);
-            values.push(("position", vector(sphere.position, "units")));
-            values.push(("velocity", vector(sphere.velocity, "units/s")));
-            values.push(("speed", format!("{:.3} units/s", sphere.velocity.length())));
-            values.push(("spin", vector(sphere.spin(), "rad/s")));
-            values.push(("angular momentum", vector(sphere.angular_momentum, "mass units²/s")));
-            values.push(("mass", format!("{}", sphere.mass)));
-            values.push(("radius", format!("{} units", sphere.radius)));
-            values.push(("net force", vector(known.net_force, "mass units/s²")));
-            values.push(("contacts", known.contacts.to_string()));
-            values.push(("deepest overlap", format!("{:.5} units", known.deepest_overlap)));
-            format!("{} {number}", if sphere.fixed { "fixed sphere" } else { "sphere" })
-        }
-        Body::Rod(id) => {
-            let scene = simulation.scene();
-            let rod = scene.rod(id)?;
-            let ends = [scene.sphere(rod.end1)?.position, scene.sphere(rod.end2)?.position];
-            values.push(("from", vector(ends[0], "units")));
-            values.push(("to", vector(ends[1], "units")));
-            values.push(("length", format!("{:.4} units", ends[0].distance(ends[1]))));
-            values.push(("fixed length", rod.length.map_or("none".to_owned(), |length| format!("{length} units"))));
-            values.push(("radius", format!("{} units", rod.radius)));
-            let capsule = scene.capsules().iter().any(|parts| parts.rod == id);
-            format!("{} {}", if capsule { "rod of a capsule" } else { "rod" }, index(scene.rod_ids(), id))
-        }
+fn facts(simulation: &mut Simulation, body: Body, names: &Names) -> rockfall::Result<Facts> {
+    let (title, line) = names.name(simulation.scene(), body);
+    let mut values = match body {
+        Body::Sphere(id) => facts_of_sphere(simulation, id)?,
+        Body::Rod(id) => facts_of_rod(simulation.scene(), id)?,
         Body::Box(id) => {
-            let scene = simulation.scene();
-            let cuboid = scene.cuboid(id)?;
-            values.push(("corner", vector(cuboid.corner, "units")));
-            for (name, edge) in ["edge i", "edge j", "edge k"].into_iter().zip(cuboid.edges) {
-                values.push((name, vector(edge, "units")));
-            }
-            format!("box {}", index(scene.box_ids(), id))
+            let cuboid = simulation.scene().cuboid(id)?;
+            let [i, j, k] = cuboid.edges.map(|edge| vector(edge, "units"));
+            vec![("corner", vector(cuboid.corner, "units")), ("edge i", i), ("edge j", j), ("edge k", k)]
         }
         Body::Polygon(id) => {
-            let scene = simulation.scene();
-            let polygon = scene.polygon(id)?;
-            values.push(("corner", vector(polygon.corner, "units")));
-            values.push(("edge l", vector(polygon.left, "units")));
-            values.push(("edge r", vector(polygon.right, "units")));
-            values.push(("solid towards", vector(polygon.left.cross(polygon.right).normalize(), "")));
-            format!("polygon {}", index(scene.polygon_ids(), id))
+            let polygon = simulation.scene().polygon(id)?;
+            vec![
+                ("corner", vector(polygon.corner, "units")),
+                ("edge l", vector(polygon.left, "units")),
+                ("edge r", vector(polygon.right, "units")),
+                ("solid towards", vector(polygon.left.cross(polygon.right).normalize(), "")),
+            ]
         }
-        _ => "a body".to_owned(),
+        _ => Vec::new(),
     };
     if let Body::Rod(_) | Body::Box(_) | Body::Polygon(_) = body {
         let touching = simulation.contacts()?.iter().filter(|contact| contact.a == body || contact.b == body).count();
         values.push(("contacts", touching.to_string()));
     }
+    values.extend(line.map(|line| ("line of the file", line.to_string())));
     Ok(Facts { title, values })
+}
+
+fn facts_of_sphere(simulation: &mut Simulation, id: SphereId) -> rockfall::Result<Vec<(&'static str, String)>> {
+    let diagnostics = simulation.diagnostics()?;
+    let scene = simulation.scene();
+    let index = scene.sphere_ids().position(|other| other == id).unwrap_or(usize::MAX);
+    let (sphere, known) = (scene.sphere(id)?, diagnostics.get(index));
+    let mut values = vec![
+        ("position", vector(sphere.position, "units")),
+        ("velocity", vector(sphere.velocity, "units/s")),
+        ("speed", format!("{:.3} units/s", sphere.velocity.length())),
+        ("spin", vector(sphere.spin(), "rad/s")),
+        ("angular momentum", vector(sphere.angular_momentum, "mass units²/s")),
+        ("mass", format!("{}", sphere.mass)),
+        ("radius", format!("{} units", sphere.radius)),
+    ];
+    if let Some(known) = known {
+        values.push(("net force", vector(known.net_force, "mass units/s²")));
+        values.push(("contacts", known.contacts.to_string()));
+        values.push(("deepest overlap", format!("{:.5} units", known.deepest_overlap)));
+    }
+    Ok(values)
+}
+
+fn facts_of_rod(scene: &Scene, id: RodId) -> rockfall::Result<Vec<(&'static str, String)>> {
+    let rod = scene.rod(id)?;
+    let ends = [scene.sphere(rod.end1)?.position, scene.sphere(rod.end2)?.position];
+    let mut values = Vec::new();
+    if let Some((position, velocity)) = motion(scene, Body::Rod(id)) {
+        values.push(("position", vector(position, "units")));
+        values.push(("velocity", vector(velocity, "units/s")));
+        values.push(("speed", format!("{:.3} units/s", velocity.length())));
+    }
+    values.push(("from", vector(ends[0], "units")));
+    values.push(("to", vector(ends[1], "units")));
+    values.push(("length", format!("{:.4} units", ends[0].distance(ends[1]))));
+    values.push(("fixed length", rod.length.map_or("none".to_owned(), |length| format!("{length} units"))));
+    values.push(("radius", format!("{} units", rod.radius)));
+    Ok(values)
 }

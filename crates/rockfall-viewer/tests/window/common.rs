@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use rockfall::glam::Vec2;
 use rockfall::{Backend, Options, Scene, Simulation};
+use rockfall_viewer::window::controls::Modifiers;
 use rockfall_viewer::window::session::{Opener, Session, Source};
 use rockfall_viewer::window::viewer::Viewer;
 
@@ -22,8 +23,11 @@ pub(crate) fn source(text: &str, path: Option<PathBuf>) -> Source {
     Source { name: "test".to_owned(), path, scene }
 }
 
+/// A session in which each frame is one step.
 pub(crate) fn session(text: &str) -> Session {
-    Session::open(source(text, None), Vec::new(), 0.02, on_cpu()).expect("it opens")
+    let mut session = Session::open(source(text, None), Vec::new(), 0.02, on_cpu()).expect("it opens");
+    session.pace.real_time = false;
+    session
 }
 
 /// A viewer with a picture of 800 x 600 pixels.
@@ -32,6 +36,9 @@ pub(crate) fn viewer(text: &str) -> Viewer {
     viewer.input_folders = Vec::new();
     viewer
 }
+
+pub(crate) const NONE: Modifiers = Modifiers { shift: false, ctrl: false, alt: false };
+pub(crate) const CTRL: Modifiers = Modifiers { ctrl: true, ..NONE };
 
 /// Returns the messages of a session, the last first.
 pub(crate) fn messages(session: &Session) -> Vec<&str> {

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 
 use rockfall::Scene;
 use rockfall_viewer::window::controls::Command;
+use rockfall_viewer::window::dialog::Choice;
 use rockfall_viewer::window::message::Level;
 use rockfall_viewer::window::session::Session;
 
@@ -102,17 +103,89 @@ fn the_present_state_is_saved() {
     for _ in 0..10 {
         viewer.command(Command::SingleStep);
     }
-    viewer.save_as = folder.path().join("saved.txt");
+    let path = folder.path().join("saved.txt");
     let sight = crate::pointer::sight_of(&mut viewer.session, 0);
     viewer.session.hold(&sight);
     assert_eq!(viewer.session.simulation().scene().counts().tethers, 1);
-    viewer.command(Command::Save);
-    let saved = Scene::load(&viewer.save_as).expect("it reads back").scene;
+    viewer.choose(&Choice::Save(path.clone()));
+    let saved = Scene::load(&path).expect("it reads back").scene;
     assert_eq!(saved.counts().tethers, 0);
     assert_eq!(saved.spheres(), viewer.session.simulation().scene().spheres());
     assert_eq!(saved.settings, *viewer.session.settings());
-    // A file that cannot be written gives a message.
-    viewer.save_as = PathBuf::from("/no/such/folder/saved.txt");
-    viewer.command(Command::Save);
+    // A file that cannot be written gives a message, and the dialog stays.
+    viewer.command(Command::SaveAs);
+    viewer.choose(&Choice::Save(PathBuf::from("/no/such/folder/saved.txt")));
     assert!(messages(&viewer.session)[0].contains("/no/such/folder/saved.txt"));
+    assert!(viewer.dialog.is_shown());
+}
+
+/// Ctrl+S asks the first time. Then it writes the file that was chosen, until another scene is open or another program has
+/// changed the file.
+#[test]
+fn ctrl_s_never_writes_a_file_that_was_not_chosen_for_this_scene() {
+    let folder = folder(&[("given.txt", BALL), ("other.txt", FLOATING)]);
+    let path = |name: &str| folder.path().join(name);
+    let mut viewer = viewer(BALL);
+    viewer.load(&path("given.txt"));
+    viewer.command(Command::Save);
+    // The proposed name is new, in the folder of the scene.
+    assert_eq!(viewer.dialog.path, path("given-1.txt").display().to_string());
+    let choice = viewer.dialog.confirm().expect("a new file needs no question");
+    viewer.choose(&choice);
+    assert!(path("given-1.txt").is_file() && !viewer.dialog.is_shown());
+
+    viewer.command(Command::SingleStep);
+    viewer.command(Command::Save);
+    assert!(!viewer.dialog.is_shown(), "the same scene goes to the same file");
+    let saved = Scene::load(path("given-1.txt")).expect("it reads back").scene;
+    assert_eq!(saved.spheres(), viewer.session.simulation().scene().spheres());
+
+    fs::write(path("given-1.txt"), "changed by another program").expect("a file");
+    viewer.command(Command::Save);
+    assert!(viewer.dialog.is_shown() && viewer.dialog.confirm().is_none() && viewer.dialog.question().is_some());
+    viewer.dialog.close();
+
+    viewer.load(&path("other.txt"));
+    viewer.command(Command::Save);
+    assert!(viewer.dialog.is_shown(), "another scene goes to another file");
+    assert_eq!(viewer.dialog.path, path("other-1.txt").display().to_string());
+    assert_eq!(fs::read_to_string(path("given-1.txt")).expect("a file"), "changed by another program");
+    assert_eq!(fs::read_to_string(path("given.txt")).expect("a file"), BALL);
+}
+
+/// A body has the name that the scene file gives it.
+#[test]
+fn the_picked_body_is_named_as_in_the_file() {
+    let folder = folder(&[("named.txt", "a comment\nset gravity 0\nS 17 0 0 0 0 0 0 0 0 0 1 0.5\n")]);
+    let mut viewer = viewer(BALL);
+    viewer.load(&folder.path().join("named.txt"));
+    let sight = crate::pointer::sight_of(&mut viewer.session, 0);
+    viewer.session.pick(sight.origin, sight.direction);
+    let facts = viewer.session.watch.facts().expect("facts");
+    assert_eq!(facts.title, "sphere 17");
+    assert!(facts.values.contains(&("line of the file", "3".to_owned())), "{facts:?}");
+}
+
+/// The table of the picked body has a line per step, and a file of its own.
+#[test]
+fn the_motion_of_the_picked_body_is_exported() {
+    let folder = folder(&[]);
+    let mut viewer = viewer(BALL);
+    viewer.folder = folder.path().to_owned();
+    let sight = crate::pointer::sight_of(&mut viewer.session, 0);
+    viewer.session.pick(sight.origin, sight.direction);
+    for _ in 0..10 {
+        viewer.command(Command::SingleStep);
+    }
+    viewer.save_track();
+    viewer.save_track();
+    let read = |name: &str| fs::read_to_string(folder.path().join(name)).expect("a table");
+    let text = read("test-sphere-1-1.csv");
+    let lines: Vec<&str> = text.lines().collect();
+    assert_eq!(lines[0], "time,x,y,z,vx,vy,vz,height,speed");
+    assert_eq!(lines.len(), 12, "{text}");
+    // After 0.2 s of free fall from 3 units: 3 - 0.2² / 2.
+    let last: Vec<f64> = lines[11].split(',').map(|number| number.parse().expect("a number")).collect();
+    assert!((last[0] - 0.2).abs() < 1e-6 && (last[7] - 2.98).abs() < 1e-5 && (last[8] - 0.2).abs() < 1e-5, "{last:?}");
+    assert_eq!(read("test-sphere-1-2.csv"), text);
 }

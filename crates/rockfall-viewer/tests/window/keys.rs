@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use rockfall::Settings;
+use rockfall::glam::{Vec2, Vec3};
 use rockfall_viewer::window::constants::CONSTANTS;
 use rockfall_viewer::window::controls::Command;
 use rockfall_viewer::window::viewer::Viewer;
@@ -31,6 +32,7 @@ fn state(viewer: &mut Viewer) -> BTreeMap<String, String> {
     add("panel", viewer.panel.to_string());
     add("dialog", viewer.dialog.is_shown().to_string());
     add("style", format!("{:?}", viewer.style));
+    add("all messages", viewer.messages.to_string());
     add("quit", viewer.quit.to_string());
     state
 }
@@ -50,12 +52,13 @@ fn changes(viewer: &mut Viewer, command: Command, expected: &[(&str, &str)]) {
 
 #[test]
 fn toggles_switch_on_and_off() {
-    let cases: [(Command, &str, [&str; 2]); 6] = [
+    let cases: [(Command, &str, [&str; 2]); 7] = [
         (Command::Help, "help", ["true", "false"]),
         (Command::TogglePanel, "panel", ["false", "true"]),
         (Command::ToggleRunning, "running", ["true", "false"]),
         (Command::ToggleCollisions, "collisions", ["off", "on"]),
         (Command::ToggleRealTime, "real time", ["true", "false"]),
+        (Command::ToggleMessages, "all messages", ["true", "false"]),
         (Command::Open, "dialog", ["true", ""]),
     ];
     for (command, name, [on, off]) in cases {
@@ -107,18 +110,43 @@ fn a_reset_restores_the_scene() {
     changes(
         &mut viewer,
         Command::Reset,
-        &[("gravity", "1"), ("messages", "1"), ("positions", "[3.0]"), ("spheres", "1"), ("steps", "0")],
+        &[("gravity", "1"), ("messages", "2"), ("positions", "[3.0]"), ("spheres", "1"), ("steps", "0")],
     );
     assert_eq!(viewer.camera, camera);
     changes(&mut viewer, Command::ResetCamera, &[("camera", &format!("{:?}", crate::common::viewer(BALL).camera))]);
 }
 
+/// Escape closes one thing after the other, and the window last.
 #[test]
-fn escape_closes_the_dialog_first_and_then_the_window() {
+fn escape_closes_what_is_open_before_the_window() {
     let mut viewer = viewer(BALL);
+    viewer.command(Command::ToggleMessages);
+    viewer.command(Command::Help);
+    viewer.busy = true;
     viewer.command(Command::Open);
     changes(&mut viewer, Command::Quit, &[("dialog", "false")]);
+    // A menu or a field: the widgets close it.
+    changes(&mut viewer, Command::Quit, &[]);
+    changes(&mut viewer, Command::Quit, &[("help", "false")]);
+    changes(&mut viewer, Command::Quit, &[("all messages", "false")]);
     changes(&mut viewer, Command::Quit, &[("quit", "true")]);
+}
+
+#[test]
+fn the_home_key_and_f_show_the_whole_scene() {
+    let initial = viewer(BALL).camera;
+    let mut viewer = viewer(BALL);
+    viewer.slide(Vec2::new(100.0, 40.0));
+    viewer.scroll(6.0);
+    viewer.command(Command::FrameAll);
+    let seen = |viewer: &Viewer, point: Vec3| {
+        let place = viewer.camera.view_projection(viewer.aspect()).project_point3(point);
+        place.x.abs() < 1.0 && place.y.abs() < 1.0
+    };
+    assert!(seen(&viewer, Vec3::new(0.0, 3.5, 0.0)) && seen(&viewer, Vec3::new(0.0, 2.5, 0.0)));
+    assert!((viewer.camera.axes().forward - initial.axes().forward).length() < 1e-4, "F keeps the direction");
+    viewer.command(Command::ResetCamera);
+    assert_eq!(viewer.camera, initial);
 }
 
 /// The thrown sphere has the radius and the mass of the others.
@@ -132,4 +160,21 @@ fn a_thrown_sphere_flies_to_the_target_of_the_camera() {
     assert_eq!((thrown.radius, thrown.mass), (other.radius, other.mass));
     let closest = (target - thrown.position).reject_from(thrown.velocity).length();
     assert!(closest < 1e-3 && thrown.velocity.dot(target - thrown.position) > 0.0, "{thrown:?} misses {target}");
+}
+
+/// While the simulation is stopped, every thrown sphere gets a place of its own, and no sphere overlaps another one.
+#[test]
+fn spheres_that_are_thrown_while_stopped_do_not_overlap() {
+    let mut viewer = viewer(FLOATING);
+    for _ in 0..40 {
+        viewer.command(Command::Throw);
+    }
+    let spheres = viewer.session.simulation().spheres().expect("spheres are read");
+    assert!((6..=14).contains(&spheres.len()), "{} spheres", spheres.len());
+    for (index, one) in spheres.iter().enumerate() {
+        for other in &spheres[..index] {
+            assert!(one.position.distance(other.position) >= one.radius + other.radius);
+        }
+    }
+    assert!(messages(&viewer.session).iter().any(|text| text.contains("no room")), "{:?}", messages(&viewer.session));
 }

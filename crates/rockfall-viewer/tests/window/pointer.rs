@@ -2,6 +2,7 @@
 
 use rockfall::Body;
 use rockfall::glam::{Vec2, Vec3};
+use rockfall_viewer::window::controls::{Controls, Modifiers};
 use rockfall_viewer::window::hold::Sight;
 use rockfall_viewer::window::session::Session;
 use rockfall_viewer::window::viewer::{Button, Viewer};
@@ -111,44 +112,122 @@ fn a_click_picks_a_body_and_shows_its_values() {
     let mut viewer = viewer(BALL);
     let at = pixel(&viewer, Vec3::new(0.0, 3.0, 0.0));
     viewer.point(Some(at));
-    viewer.press(Button::Left, false);
+    viewer.press(Button::Left, NONE);
     viewer.point(Some(at + 1.0));
-    viewer.release(Button::Left);
+    viewer.release(Button::Left, 0.0);
     assert!(matches!(viewer.session.picked(), Some(Body::Sphere(_))));
     let facts = viewer.session.watch.facts().expect("facts").clone();
-    assert_eq!(facts.title, "sphere 0");
+    assert_eq!(facts.title, "sphere 1");
     let value = |name: &str| facts.values.iter().find(|(at, _)| *at == name).expect("a value").1.clone();
     assert_eq!(value("position"), "0.000 3.000 0.000 units");
     assert_eq!(value("net force"), "0.000 -1.000 0.000 mass units/s²");
     assert_eq!(value("contacts"), "0");
     // A click on the background picks nothing.
     viewer.point(Some(Vec2::new(2.0, 2.0)));
-    viewer.press(Button::Left, false);
-    viewer.release(Button::Left);
+    viewer.press(Button::Left, NONE);
+    viewer.release(Button::Left, 0.0);
     assert_eq!((viewer.session.picked(), viewer.session.watch.facts()), (None, None));
+}
+
+/// Drags from the middle of the picture by 30 pixels to the right and 50 up.
+fn drag(viewer: &mut Viewer, button: Button, held: Modifiers) {
+    let start = Vec2::new(400.0, 300.0);
+    viewer.point(Some(start));
+    viewer.press(button, held);
+    for step in 1..=10 {
+        viewer.point(Some(start + step as f32 * Vec2::new(3.0, -5.0)));
+    }
+    viewer.release(button, 0.0);
 }
 
 #[test]
 fn drags_move_the_camera_but_pick_nothing() {
-    let start = Vec2::new(400.0, 300.0);
-    let cases = [(Button::Left, true, false), (Button::Right, true, true), (Button::Middle, false, true)];
-    for (button, target_moves, eye_moves) in cases {
+    let [alt, shift] = [Modifiers { alt: true, ..NONE }, Modifiers { shift: true, ..NONE }];
+    // Which of target, eye and direction move.
+    let cases = [
+        (Controls::Standard, Button::Left, NONE, [false, true, true]),
+        (Controls::Standard, Button::Left, alt, [true, true, false]),
+        (Controls::Standard, Button::Left, shift, [true, true, false]),
+        (Controls::Standard, Button::Right, NONE, [true, true, false]),
+        (Controls::Standard, Button::Right, alt, [false, true, false]),
+        (Controls::Standard, Button::Middle, NONE, [true, true, false]),
+        (Controls::Thesis, Button::Left, NONE, [true, false, true]),
+        (Controls::Thesis, Button::Right, NONE, [true, true, false]),
+        (Controls::Thesis, Button::Middle, NONE, [false, true, true]),
+    ];
+    for (controls, button, held, expected) in cases {
         let mut viewer = viewer(BALL);
+        viewer.controls = controls;
         let before = viewer.camera;
-        viewer.point(Some(start));
-        viewer.press(button, false);
-        for step in 1..=10 {
-            viewer.point(Some(start + step as f32 * Vec2::new(3.0, -5.0)));
-        }
-        viewer.release(button);
-        let moved = [viewer.camera.target != before.target, viewer.camera.eye != before.eye];
-        assert_eq!(moved, [target_moves, eye_moves], "{button:?}");
+        drag(&mut viewer, button, held);
+        let after = viewer.camera;
+        let moved = [
+            after.target.distance(before.target) > 1e-3,
+            after.eye.distance(before.eye) > 1e-3,
+            (after.axes().forward - before.axes().forward).length() > 1e-3,
+        ];
+        assert_eq!(moved, expected, "{controls} {button:?} {held:?}");
         assert_eq!(viewer.session.picked(), None);
         // After the release the pointer moves nothing.
-        let after = viewer.camera;
-        viewer.point(Some(start));
+        viewer.point(Some(Vec2::new(100.0, 100.0)));
         assert_eq!(viewer.camera, after);
     }
+}
+
+/// The picture follows the pointer in every drag of the standard controls.
+#[test]
+fn the_picture_follows_the_pointer() {
+    for button in [Button::Left, Button::Right, Button::Middle] {
+        let mut viewer = viewer(BALL);
+        // The side of the ball that faces the camera.
+        let ball = Vec3::new(0.0, 3.0, 0.0);
+        let front = ball + 0.5 * (viewer.camera.eye - ball).normalize();
+        let before = pixel(&viewer, front) - if button == Button::Left { pixel(&viewer, ball) } else { Vec2::ZERO };
+        drag(&mut viewer, button, NONE);
+        let moved = pixel(&viewer, front) - if button == Button::Left { pixel(&viewer, ball) } else { Vec2::ZERO } - before;
+        assert!(moved.x > 0.0 && moved.y < 0.0, "{button:?}: {moved}");
+    }
+}
+
+#[test]
+fn the_wheel_zooms_to_the_body_under_the_pointer_and_not_through_it() {
+    let mut viewer = viewer(FLOATING);
+    let ball = Vec3::new(2.0, 0.0, 0.0);
+    let at = pixel(&viewer, ball);
+    viewer.point(Some(at));
+    let before = viewer.camera.eye.distance(ball);
+    viewer.scroll(4.0);
+    assert!(pixel(&viewer, ball).distance(at) < 20.0, "{} was at {at}", pixel(&viewer, ball));
+    assert!(viewer.camera.eye.distance(ball) < 0.7 * before);
+    for _ in 0..100 {
+        viewer.scroll(5.0);
+    }
+    let distance = viewer.camera.eye.distance(ball);
+    assert!(distance > 0.6 && distance < 1.2, "the camera is {distance} from the middle of the ball");
+    for _ in 0..200 {
+        viewer.scroll(-5.0);
+    }
+    let far = viewer.camera.eye.length();
+    assert!(far < 100.0 && viewer.camera.target.length() < 4.0, "the scene is out of sight: {far}");
+}
+
+#[test]
+fn a_double_click_moves_the_camera_to_a_body() {
+    let mut viewer = viewer(FLOATING);
+    let ball = Vec3::new(2.0, 0.0, 0.0);
+    let at = pixel(&viewer, ball);
+    let click = |viewer: &mut Viewer, now: f64| {
+        viewer.point(Some(at));
+        viewer.press(Button::Left, NONE);
+        viewer.release(Button::Left, now);
+    };
+    let before = viewer.camera;
+    click(&mut viewer, 1.0);
+    click(&mut viewer, 2.0);
+    assert_eq!(viewer.camera, before, "two slow clicks only pick");
+    click(&mut viewer, 2.2);
+    assert!(viewer.camera.target.distance(ball) < 1e-4, "{}", viewer.camera.target);
+    assert!(viewer.camera.eye.distance(ball) < before.eye.distance(ball));
 }
 
 /// The grabbed point, half a unit in front of the centre, follows the pointer.
@@ -158,7 +237,7 @@ fn ctrl_and_drag_pull_the_ball_to_the_pointer() {
     let camera = viewer.camera;
     let before = Vec3::new(-2.0, 0.0, 0.0);
     viewer.point(Some(pixel(&viewer, before)));
-    viewer.press(Button::Left, true);
+    viewer.press(Button::Left, CTRL);
     let to = Vec2::new(500.0, 150.0);
     viewer.point(Some(to));
     viewer.session.set_running(true);
@@ -168,6 +247,34 @@ fn ctrl_and_drag_pull_the_ball_to_the_pointer() {
     assert_eq!(viewer.camera, camera);
     let grabbed = positions(&mut viewer.session)[0] + 0.5 * (camera.eye - before).normalize();
     assert!(pixel(&viewer, grabbed).distance(to) < 2.0, "it is at {}", pixel(&viewer, grabbed));
-    viewer.release(Button::Left);
+    viewer.release(Button::Left, 0.0);
     assert!(viewer.session.held().is_none());
+}
+
+/// A wall in front of all bodies is drawn without its faces, so a click goes through it.
+#[test]
+fn a_click_goes_through_a_wall_in_front_of_all_bodies() {
+    let wall = "B -5 -5 4 10 0 0 0 10 0 0 0 1\n";
+    let mut session = session(&format!("{BALL}{wall}"));
+    let in_front = sight_of(&mut session, 0);
+    session.pick(in_front.origin, in_front.direction);
+    assert!(matches!(session.picked(), Some(Body::Sphere(_))), "{:?}", session.picked());
+    // Beside the ball there is only the wall.
+    session.pick(in_front.origin + 2.0 * Vec3::X, in_front.direction);
+    assert!(matches!(session.picked(), Some(Body::Box(_))), "{:?}", session.picked());
+    // From behind the ball it is not in front.
+    let behind = Sight { origin: Vec3::new(0.0, 3.0, -10.0), direction: Vec3::Z, forward: Vec3::Z };
+    session.pick(behind.origin + 2.0 * Vec3::X, behind.direction);
+    assert!(matches!(session.picked(), Some(Body::Box(_))), "{:?}", session.picked());
+}
+
+/// A capsule is one body, wherever it is clicked.
+#[test]
+fn a_click_on_the_end_of_a_capsule_picks_the_capsule() {
+    let mut session = session("C -2 0 0 2 0 0 0 0 0 1 0.4\n");
+    for x in [-2.2, 0.0, 2.2] {
+        session.pick(Vec3::new(x, 0.0, 9.0), Vec3::NEG_Z);
+        assert!(matches!(session.picked(), Some(Body::Rod(_))), "{x}: {:?}", session.picked());
+        assert_eq!(session.watch.facts().map(|facts| facts.title.as_str()), Some("capsule 0"));
+    }
 }

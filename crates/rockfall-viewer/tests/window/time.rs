@@ -101,3 +101,23 @@ fn an_invalid_time_step_gives_a_message_and_the_old_one_stays() {
     assert!(messages(&session)[0].contains("dt"));
     assert_eq!(session.pace.time_step, 0.02);
 }
+
+/// A time step that is too long, and bodies that sink into each other, are reported before the first step and once.
+#[test]
+fn a_scene_that_cannot_work_is_reported_before_it_runs() {
+    let mut session = session(BALL);
+    assert_eq!(messages(&session), Vec::<&str>::new());
+    session.set_time_step(1.0);
+    session.set_running(true);
+    assert_eq!(steps(&mut session), 0);
+    assert!(messages(&session)[0].contains("the contact force is too stiff for the time step"), "{:?}", messages(&session));
+    let shown = session.messages.all().len();
+    session.set_running(false);
+    session.set_running(true);
+    assert_eq!(session.messages.all().len(), shown);
+
+    let sinking =
+        "set gravity 100\nS 1 0 3 0 0 0 0 0 0 0 1 0.05\nS 2 3 3 0 0 0 0 0 0 0 1 0.05\nB -5 -1 -5 10 0 0 0 1 0 0 0 10\n";
+    let session = crate::common::session(sinking);
+    assert!(messages(&session).iter().any(|text| text.starts_with("bodies at rest overlap")), "{:?}", messages(&session));
+}

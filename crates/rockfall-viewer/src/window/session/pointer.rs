@@ -15,16 +15,19 @@ const DAMPING_RATIO: f32 = 0.7;
 const GREATEST_MASS_RATIO: f32 = 40.0;
 /// Greatest number of connected bodies that are counted.
 const MOST_CONNECTED: usize = 10_000;
+/// Number of places along the way of a thrown sphere that are tried.
+const MOST_PLACES: u16 = 12;
+/// Distance of a thrown sphere from other bodies, divided by the sum of the radii.
+const GAP: f32 = 1.05;
 
 impl Session {
     /// Connects the first body in the line of sight to the pointer. A rod is held at the nearer end that is not fixed.
     pub fn hold(&mut self, sight: &Sight) {
         self.release();
-        let hit = self.simulation.cast_ray(sight.origin, sight.direction);
-        let Some(hit) = self.ok_or_report(hit).flatten() else {
+        let Some(hit) = self.first_visible(sight.origin, sight.direction) else {
             return;
         };
-        self.picked = Some(hit.body);
+        self.set_picked(Some(hit.body));
         let scene = self.simulation.scene();
         let place = |id: SphereId| scene.sphere(id).map(|sphere| (id, *sphere));
         let grabbed = match hit.body {
@@ -56,8 +59,10 @@ impl Session {
         // Damping above sphere.mass / dt would be unstable.
         let damping = (2.0 * DAMPING_RATIO * ANGULAR_FREQUENCY * mass).min(sphere.mass / self.pace.time_step);
         let tether = Tether::new(id, sphere.position, mass * ANGULAR_FREQUENCY * ANGULAR_FREQUENCY).damping(damping);
+        let before = self.state_for_undo();
         let added = self.simulation.add_tether(tether);
         if let Some(tether) = self.ok_or_report(added) {
+            self.before_hold = before;
             let depth = (grabbed - sight.origin).dot(sight.forward);
             self.held = Some(Held { sphere: id, tether, pointer: grabbed, offset: sphere.position - grabbed, depth });
         }
@@ -81,24 +86,56 @@ impl Session {
         if let Some(held) = self.held.take() {
             let removed = self.simulation.remove_tether(held.tether);
             self.ok_or_report(removed);
+            let steps = self.simulation.report().steps;
+            let before = self.before_hold.take().filter(|before| before.report.steps < steps);
+            self.edited_state("pull", before);
         }
     }
 
-    /// Adds a sphere at `origin` with this velocity. It has the mean size and density of the spheres of the scene.
+    /// Adds a sphere at `origin` with this velocity. It has the mean size and density of the spheres of the scene. If another
+    /// body is there, it starts at the next free place along its way.
     pub fn throw(&mut self, origin: Vec3, velocity: Vec3) {
-        let sphere = thrown(self.simulation.scene(), origin, velocity);
+        let synced = self.simulation.sync().map(drop);
+        if self.ok_or_report(synced).is_none() {
+            return;
+        }
+        let mut sphere = thrown(self.simulation.scene(), origin, velocity);
+        let Some(place) = free_place(self.simulation.scene(), &sphere) else {
+            self.tell(Level::Warning, "there is no room for another sphere here");
+            return;
+        };
+        sphere.position = place;
+        let before = self.state_for_undo();
         let added = self.simulation.add_sphere(sphere);
         if self.ok_or_report(added).is_some() {
             self.objects_version += 1;
+            self.edited_state("throw", before);
+            if !self.running {
+                self.tell(Level::Note, "the sphere flies as soon as the simulation runs (space)");
+            }
         }
     }
 
-    /// Picks the first body that a ray hits, or none if it hits nothing.
-    pub fn pick(&mut self, origin: Vec3, direction: Vec3) {
-        let hit = self.simulation.cast_ray(origin, direction);
-        self.picked = self.ok_or_report(hit).flatten().map(|hit| hit.body);
-        self.sample(true);
+    /// Returns the point where a line of sight enters the first visible body.
+    pub fn look(&mut self, sight: &Sight) -> Option<Vec3> {
+        self.first_visible(sight.origin, sight.direction).map(|hit| hit.point)
     }
+}
+
+/// Returns the first place along the way of a sphere where it touches no sphere and no rod.
+fn free_place(scene: &Scene, sphere: &Sphere) -> Option<Vec3> {
+    let way = sphere.velocity.normalize_or_zero() * (2.0 * sphere.radius * GAP);
+    let touches = |place: Vec3| {
+        let near = |other: Vec3, radius: f32| other.distance(place) < GAP * (radius + sphere.radius);
+        scene.spheres().iter().any(|other| near(other.position, other.radius))
+            || scene.rods().iter().any(|rod| {
+                let ends = [rod.end1, rod.end2].map(|end| scene.sphere(end).map(|sphere| sphere.position));
+                let [Ok(one), Ok(two)] = ends else { return false };
+                let along = (place - one).dot(two - one) / one.distance_squared(two).max(f32::MIN_POSITIVE);
+                near(one.lerp(two, along.clamp(0.0, 1.0)), rod.radius)
+            })
+    };
+    (0..MOST_PLACES).map(|number| sphere.position + number as f32 * way).find(|place| !touches(*place))
 }
 
 /// Returns the mass of all moving spheres that rods and springs connect to a sphere, including itself.

@@ -1,0 +1,123 @@
+//! Sliders and switches of all constants, with their units.
+
+use egui::{RichText, Ui};
+use rockfall::Settings;
+use rockfall::settings::Constant as Entry;
+
+use super::constants::CONSTANTS;
+use super::controls::Controls;
+use super::viewer::Viewer;
+
+/// Shows all entries of [`Settings::TABLE`]: a slider or a field for a number, a switch, or three fields for a direction.
+pub(super) fn show(ui: &mut Ui, viewer: &mut Viewer) {
+    let before = *viewer.session.settings();
+    let mut settings = before;
+    ui.spacing_mut().slider_width = 64.0;
+    ui.spacing_mut().interact_size.x = 44.0;
+    for entry in Settings::TABLE {
+        constant(ui, &mut settings, entry, viewer.controls);
+    }
+    let mut time_step = viewer.session.pace.time_step * 1000.0;
+    row(ui, "time step", "Simulated time of one step.", |ui| {
+        let field = egui::DragValue::new(&mut time_step).range(0.01..=1000.0).speed(0.1).max_decimals(3).suffix(" ms");
+        if ui.add(field).changed() {
+            viewer.session.set_time_step(time_step / 1000.0);
+        }
+    });
+    let defaults = Settings::default();
+    let button = egui::Button::new("Defaults").small();
+    if ui.add_enabled(settings != defaults, button).on_hover_text("sets all constants to their defaults").clicked() {
+        settings = defaults;
+    }
+    if settings != before {
+        viewer.session.change_settings(|present| *present = settings);
+    }
+}
+
+/// Shows a label, and widgets to its right.
+fn row(ui: &mut Ui, label: &str, about: &str, add: impl FnOnce(&mut Ui)) {
+    ui.horizontal(|ui| {
+        let size = egui::vec2(108.0, ui.spacing().interact_size.y);
+        let layout = egui::Layout::left_to_right(egui::Align::Center);
+        ui.allocate_ui_with_layout(size, layout, |ui| {
+            ui.set_min_width(size.x);
+            ui.label(label).on_hover_text(about);
+        });
+        add(ui);
+    });
+}
+
+fn constant(ui: &mut Ui, settings: &mut Settings, entry: &Entry, controls: Controls) {
+    let Some(text) = settings.get(entry.name) else { return };
+    let about = about(entry, controls);
+    let mut changed = None;
+    row(ui, &label(entry.name), &about, |ui| changed = value(ui, entry, &text, &about));
+    if let Some(text) = changed {
+        // A value that is not allowed changes nothing, for example a direction of zero length.
+        let _ = settings.set(entry.name, &text);
+    }
+}
+
+/// Shows the value of a constant, and returns the text of a new value.
+fn value(ui: &mut Ui, entry: &Entry, text: &str, about: &str) -> Option<String> {
+    if let Some(mut on) = switch(text) {
+        return ui.checkbox(&mut on, "").on_hover_text(about).changed().then(|| if on { "on" } else { "off" }.to_owned());
+    }
+    let mut numbers: Vec<f32> = text.split(',').filter_map(|number| number.trim().parse().ok()).collect();
+    let changed = match (numbers.as_mut_slice(), entry.slider) {
+        ([number], Some((low, high))) => {
+            let slider = egui::Slider::new(number, low..=high).clamping(egui::SliderClamping::Never).max_decimals(3);
+            ui.add(slider).on_hover_text(about).changed()
+        }
+        (numbers, _) => {
+            let fields = numbers.iter_mut().map(|number| egui::DragValue::new(number).speed(0.01).max_decimals(4));
+            // All fields have to be shown.
+            fields.fold(false, |changed, field| ui.add(field).on_hover_text(about).changed() | changed)
+        }
+    };
+    ui.label(RichText::new(entry.unit).weak().small());
+    changed.then(|| numbers.iter().map(f32::to_string).collect::<Vec<_>>().join(","))
+}
+
+fn switch(text: &str) -> Option<bool> {
+    match text {
+        "on" => Some(true),
+        "off" => Some(false),
+        _ => None,
+    }
+}
+
+/// Returns the name of a constant in the panel.
+fn label(name: &str) -> String {
+    let known = CONSTANTS.iter().find(|constant| constant.name == name);
+    known.map_or_else(|| name.replace('_', " "), |constant| constant.label.to_owned())
+}
+
+/// Returns the tooltip of a constant: its name in scene files, its meaning, default and keys.
+fn about(entry: &Entry, controls: Controls) -> String {
+    let known = CONSTANTS.iter().find(|constant| constant.name == entry.name);
+    let meaning = known.map_or_else(|| entry.doc.trim(), |constant| constant.about);
+    let default = Settings::default().get(entry.name).unwrap_or_default();
+    let keys = known.map_or_else(String::new, |constant| {
+        let shift = if constant.up == 'f' && controls == Controls::Standard { "Shift+" } else { "" };
+        format!("\nKeys: {shift}{} up, {} down.", constant.up.to_ascii_uppercase(), constant.down.to_ascii_uppercase())
+    });
+    format!("{}: {meaning}\nDefault: {default} {}{keys}", entry.name, entry.unit)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Every constant is a switch, a number or a direction, so that the panel can show it.
+    #[test]
+    fn every_constant_has_a_widget_and_a_unit_where_it_needs_one() {
+        let settings = Settings::default();
+        for entry in Settings::TABLE {
+            let text = settings.get(entry.name).unwrap();
+            let numbers = text.split(',').filter(|number| number.parse::<f32>().is_ok()).count();
+            assert!(switch(&text).is_some() || numbers == 1 || numbers == 3, "{}: {text}", entry.name);
+            assert!(about(entry, Controls::Standard).contains(entry.unit), "{}", entry.name);
+        }
+    }
+}

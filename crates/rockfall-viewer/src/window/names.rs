@@ -1,0 +1,105 @@
+//! Names of bodies as the scene file refers to them.
+
+use rockfall::{Body, Scene};
+
+/// The lines of a scene file that bodies come from: for every object of a kind its line number, from 1.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Names {
+    spheres: Vec<usize>,
+    rods: Vec<usize>,
+    boxes: Vec<usize>,
+    polygons: Vec<usize>,
+}
+
+impl Names {
+    /// Reads the lines of a scene text that [`Scene::parse`] accepts.
+    pub fn of(text: &str) -> Self {
+        let mut names = Self::default();
+        for (line, text) in (1..).zip(text.strip_prefix('\u{feff}').unwrap_or(text).lines()) {
+            match text.split_ascii_whitespace().next() {
+                Some("S") => names.spheres.push(line),
+                Some("C") => {
+                    names.spheres.extend([line, line]);
+                    names.rods.push(line);
+                }
+                Some("R") => names.rods.push(line),
+                Some("B") => names.boxes.push(line),
+                Some("P") => names.polygons.push(line),
+                _ => {}
+            }
+        }
+        names
+    }
+
+    /// Returns the number of spheres in the file.
+    pub fn spheres(&self) -> usize {
+        self.spheres.len()
+    }
+
+    /// Returns the name of a body, and the line of the file that it comes from. A sphere is named by its reference in the file,
+    /// other bodies and spheres without a reference by their index from 0 among those of their kind.
+    pub fn name(&self, scene: &Scene, body: Body) -> (String, Option<usize>) {
+        let capsules = scene.capsules();
+        match body {
+            Body::Sphere(id) => {
+                let index = index(scene.sphere_ids(), id);
+                let line = self.spheres.get(index).copied();
+                if let Some(capsule) = capsules.iter().position(|parts| parts.end1 == id || parts.end2 == id) {
+                    let end = 1 + usize::from(capsules[capsule].end2 == id);
+                    return (format!("end {end} of capsule {capsule}"), line);
+                }
+                let kind = if scene.sphere(id).is_ok_and(|sphere| sphere.fixed) { "fixed sphere" } else { "sphere" };
+                match scene.reference(id) {
+                    Some(reference) => (format!("{kind} {reference}"), line),
+                    None => (format!("{kind} (index {index})"), line),
+                }
+            }
+            Body::Rod(id) => {
+                let index = index(scene.rod_ids(), id);
+                let capsule = capsules.iter().position(|parts| parts.rod == id);
+                let name = capsule.map_or_else(|| format!("rod {index}"), |capsule| format!("capsule {capsule}"));
+                (name, self.rods.get(index).copied())
+            }
+            Body::Box(id) => {
+                let index = index(scene.box_ids(), id);
+                (format!("box {index}"), self.boxes.get(index).copied())
+            }
+            Body::Polygon(id) => {
+                let index = index(scene.polygon_ids(), id);
+                (format!("polygon {index}"), self.polygons.get(index).copied())
+            }
+            _ => ("a body".to_owned(), None),
+        }
+    }
+}
+
+/// Returns the index of a handle among those of its kind.
+fn index<T: PartialEq>(mut ids: impl Iterator<Item = T>, id: T) -> usize {
+    ids.position(|other| other == id).unwrap_or(usize::MAX)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::*;
+
+    #[test]
+    fn bodies_are_named_as_in_the_file() {
+        let text = "a comment\nS 17 0 0 0 0 0 0 0 0 0 1 0.5\nC 3 0 0 4 0 0 0 0 0 1 0.2\nS 4 9 0 0 0 0 0 0 0 0 1 0.5 1\n\
+                    R 17 4 0.1\nB 0 0 0 1 0 0 0 1 0 0 0 1\n";
+        let scene = Scene::parse(text, Path::new("test")).unwrap().scene;
+        let names = Names::of(text);
+        let spheres: Vec<_> = scene.sphere_ids().map(|id| names.name(&scene, Body::Sphere(id))).collect();
+        let expected = [("sphere 17", 2), ("end 1 of capsule 0", 3), ("end 2 of capsule 0", 3), ("fixed sphere 4", 4)];
+        assert_eq!(spheres, expected.map(|(name, line)| (name.to_owned(), Some(line))));
+        let rods: Vec<_> = scene.rod_ids().map(|id| names.name(&scene, Body::Rod(id))).collect();
+        assert_eq!(rods, [("capsule 0".to_owned(), Some(3)), ("rod 1".to_owned(), Some(5))]);
+        let a_box = Body::Box(scene.box_ids().next().unwrap());
+        assert_eq!(names.name(&scene, a_box), ("box 0".to_owned(), Some(6)));
+        // A body that was added later.
+        let mut scene = scene;
+        let added = scene.add_sphere(rockfall::Sphere::new([0.0, 9.0, 0.0], 0.5)).unwrap();
+        assert_eq!(names.name(&scene, Body::Sphere(added)), ("sphere (index 4)".to_owned(), None));
+    }
+}

@@ -1,0 +1,197 @@
+//! Undo and redo of what the user changes: constants, the time step, thrown and pulled bodies, resets and loaded scenes.
+
+use std::collections::VecDeque;
+
+use rockfall::{Checkpoint, Settings};
+
+use super::{Session, Source};
+use crate::window::message::Level;
+use crate::window::past::bytes_of;
+
+/// Greatest number of edits that can be undone.
+const MOST: usize = 100;
+/// Memory that the states of undo may take, in bytes.
+const BUDGET: usize = 256 << 20;
+/// Changes of the same constant within this time, in s, are one edit: the movement of a slider makes many.
+const ONE_EDIT: f64 = 1.0;
+
+/// What an edit replaced.
+#[derive(Clone, Debug)]
+enum Before {
+    Settings(Box<Settings>),
+    TimeStep(f32),
+    /// The state of the same scene.
+    State(Box<Checkpoint>),
+    /// The state of a scene that was replaced.
+    Scene(Box<(Source, Checkpoint)>),
+}
+
+impl Before {
+    fn bytes(&self) -> usize {
+        match self {
+            Self::Settings(_) | Self::TimeStep(_) => 0,
+            Self::State(state) => bytes_of(&state.scene),
+            Self::Scene(scene) => bytes_of(&scene.0.scene) + bytes_of(&scene.1.scene),
+        }
+    }
+}
+
+#[derive(Clone, Debug)]
+struct Edit {
+    /// Name in messages.
+    name: String,
+    before: Before,
+    /// Wall time of its last change, in s.
+    at: f64,
+}
+
+/// The edits that can be undone and redone.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Edits {
+    done: VecDeque<Edit>,
+    undone: Vec<Edit>,
+}
+
+impl Edits {
+    fn push(&mut self, edit: Edit) {
+        self.undone.clear();
+        self.done.push_back(edit);
+        while self.done.len() > MOST
+            || self.done.len() > 1 && self.done.iter().map(|edit| edit.before.bytes()).sum::<usize>() > BUDGET
+        {
+            self.done.pop_front();
+        }
+    }
+
+    /// Whether the last edit has this name and is recent, so that a further change belongs to it.
+    fn continues(&mut self, name: &str, now: f64) -> bool {
+        let last = self.done.back_mut().filter(|last| last.name == name && now - last.at < ONE_EDIT);
+        let found = last.map(|last| last.at = now).is_some();
+        if found {
+            self.undone.clear();
+        }
+        found
+    }
+}
+
+/// Returns the names of the constants that differ.
+fn changed(one: &Settings, two: &Settings) -> String {
+    let names = Settings::NAMES.iter().filter(|name| one.get(name) != two.get(name));
+    names.map(|name| name.replace('_', " ")).collect::<Vec<_>>().join(", ")
+}
+
+impl Session {
+    /// Records a change of the constants.
+    pub(super) fn edited_settings(&mut self, before: Settings) {
+        let name = changed(&before, self.simulation.settings());
+        if !name.is_empty() && !self.edits.continues(&name, self.now) {
+            self.edits.push(Edit { name, before: Before::Settings(Box::new(before)), at: self.now });
+        }
+    }
+
+    /// Records a change of the time step.
+    pub(super) fn edited_time_step(&mut self, before: f32) {
+        if before != self.pace.time_step && !self.edits.continues("time step", self.now) {
+            self.edits.push(Edit { name: "time step".to_owned(), before: Before::TimeStep(before), at: self.now });
+        }
+    }
+
+    /// Returns the present state for [`Session::edited_state`]; `None`, with a message, if the scene is too large to keep it.
+    pub(super) fn state_for_undo(&mut self) -> Option<Checkpoint> {
+        if bytes_of(self.simulation.scene()) > BUDGET / 2 {
+            self.tell(Level::Note, "the scene is too large to undo this");
+            return None;
+        }
+        self.state()
+    }
+
+    /// Records a change of the bodies.
+    pub(super) fn edited_state(&mut self, name: &str, before: Option<Checkpoint>) {
+        if let Some(before) = before {
+            // Recorded states from here on do not have this edit.
+            self.past.forget_from(self.simulation.report().steps);
+            self.edits.push(Edit { name: name.to_owned(), before: Before::State(Box::new(before)), at: self.now });
+        }
+    }
+
+    /// Records the replacement of the scene.
+    pub(super) fn edited_scene(&mut self, name: &str, before: Option<(Source, Checkpoint)>) {
+        if let Some(before) = before {
+            self.edits.push(Edit { name: name.to_owned(), before: Before::Scene(Box::new(before)), at: self.now });
+        }
+    }
+
+    /// Undoes the last edit. Constants change back at once. Where an edit changed bodies, the scene goes back to the moment
+    /// before the edit.
+    pub fn undo(&mut self) {
+        self.release();
+        let Some(edit) = self.edits.done.pop_back() else {
+            self.tell(Level::Note, "there is nothing to undo");
+            return;
+        };
+        let name = edit.name.clone();
+        if let Some(inverse) = self.swap(edit) {
+            self.edits.undone.push(inverse);
+            self.tell(Level::Note, format!("undone: {name}"));
+        }
+    }
+
+    /// Repeats the edit that was undone last.
+    pub fn redo(&mut self) {
+        self.release();
+        let Some(edit) = self.edits.undone.pop() else {
+            self.tell(Level::Note, "there is nothing to redo");
+            return;
+        };
+        let name = edit.name.clone();
+        if let Some(inverse) = self.swap(edit) {
+            self.edits.done.push_back(inverse);
+            self.tell(Level::Note, format!("redone: {name}"));
+        }
+    }
+
+    /// Whether there is an edit to undo and one to redo.
+    pub fn can_undo(&self) -> [bool; 2] {
+        [!self.edits.done.is_empty(), !self.edits.undone.is_empty()]
+    }
+
+    /// Restores what an edit replaced, and returns the edit that reverts this.
+    fn swap(&mut self, edit: Edit) -> Option<Edit> {
+        let Edit { name, before, .. } = edit;
+        let inverse = match before {
+            Before::Settings(before) => {
+                let present = *self.simulation.settings();
+                let set = self.simulation.set_settings(*before);
+                self.ok_or_report(set)?;
+                Before::Settings(Box::new(present))
+            }
+            Before::TimeStep(before) => {
+                let present = self.pace.time_step;
+                self.apply_time_step(before).then_some(())?;
+                self.pace.time_step = before;
+                self.pace.forget();
+                Before::TimeStep(present)
+            }
+            Before::State(mut before) => {
+                let present = self.state()?;
+                // Changes of constants are edits of their own.
+                before.scene.settings = *self.simulation.settings();
+                self.set_running(false);
+                self.restore(&before).then_some(())?;
+                self.past.forget_from(before.report.steps);
+                Before::State(Box::new(present))
+            }
+            Before::Scene(before) => {
+                let (source, state) = *before;
+                let present = (self.source.clone(), self.state()?);
+                self.set_running(false);
+                self.restore(&state).then_some(())?;
+                self.replaced(source);
+                self.simulation_version += 1;
+                Before::Scene(Box::new(present))
+            }
+        };
+        // A later change of the same constant is another edit.
+        Some(Edit { name, before: inverse, at: f64::NEG_INFINITY })
+    }
+}
