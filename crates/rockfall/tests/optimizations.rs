@@ -25,7 +25,7 @@ fn pile() -> Scene {
 
 /// Equal spheres in contact, so that lists last for many steps.
 fn lattice() -> Scene {
-    Benchmark::Lattice.generate(700, 3).expect("a scene")
+    Benchmark::Lattice.generate(500, 3).expect("a scene")
 }
 
 fn options() -> Options {

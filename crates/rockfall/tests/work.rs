@@ -62,7 +62,7 @@ fn a_step_has_few_dispatches() {
 /// Number of dispatches in a number of plain steps of a small scene without rods, after a number of other steps.
 #[cfg(feature = "gpu")]
 fn count_joined_dispatches(benchmark: Benchmark, before: u64, steps: u64) -> u64 {
-    let scene = benchmark.generate(1_000, 5).unwrap();
+    let scene = benchmark.generate(500, 5).unwrap();
     let options = Options::new().backend(Backend::Gpu).broad_phase(BroadPhase::Grid).join_steps(true);
     let mut simulation = Simulation::with_options(scene, options).unwrap();
     simulation.run(before, DT).unwrap();

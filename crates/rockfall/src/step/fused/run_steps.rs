@@ -40,9 +40,9 @@ pub(crate) const STAGE: Stage = Stage {
     cpu: run_steps,
 };
 
-/// The most spheres for which one workgroup is faster than many dispatches. With that many, a
-/// workgroup of 1,024 threads has one sphere per thread.
-const MAX_SPHERES: u32 = 1024;
+/// The most spheres for which one workgroup is at least as fast as many dispatches. With 1,000 spheres it takes a quarter longer
+/// (docs/performance.md, small scenes in one dispatch).
+const MAX_SPHERES: u32 = 512;
 
 /// Returns whether a scene with these counts has the buffer of stage states that the stage needs.
 pub(crate) fn is_small(step: &Step) -> bool {
