@@ -3,12 +3,14 @@
 use rockfall::glam::Vec3;
 use rockfall::{Scene, Sphere};
 
+use crate::survey::Survey;
+
 /// Static objects larger than this times the extent of the spheres are surroundings and need not be in the picture.
 const SURROUNDINGS: f32 = 0.6;
-/// Spheres farther from the majority than this times its extent are outliers.
-const OUTLIER_DISTANCE: f32 = 0.6;
 /// Distance that the spheres may fall without leaving the picture, divided by their extent.
 const FALL_DISTANCE: f32 = 1.0;
+/// Distance below the lowest place of the spheres in a film up to which the ground is shown, divided by their extent.
+const GROUND_DISTANCE: f32 = 0.15;
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 /// An axis-aligned bounding box.
@@ -18,12 +20,31 @@ pub(crate) struct Extent {
 }
 
 impl Extent {
-    fn of(points: impl IntoIterator<Item = Vec3>) -> Option<Self> {
+    pub(crate) fn of(points: impl IntoIterator<Item = Vec3>) -> Option<Self> {
         points.into_iter().map(|point| Self { min: point, max: point }).reduce(Self::with)
     }
 
     pub(crate) fn with(self, other: Self) -> Self {
         Self { min: self.min.min(other.min), max: self.max.max(other.max) }
+    }
+
+    /// The extent of a ball.
+    pub(crate) fn around(centre: Vec3, radius: f32) -> Self {
+        Self { min: centre - radius, max: centre + radius }
+    }
+
+    /// The extent with a margin on all sides.
+    pub(crate) fn grown(self, margin: f32) -> Self {
+        Self { min: self.min - margin, max: self.max + margin }
+    }
+
+    pub(crate) fn contains(self, point: Vec3) -> bool {
+        point.cmpge(self.min).all() && point.cmple(self.max).all()
+    }
+
+    /// Distance of a point from the box; 0 inside.
+    pub(crate) fn distance(self, point: Vec3) -> f32 {
+        point.distance(point.clamp(self.min, self.max))
     }
 
     pub(crate) fn size(self) -> f32 {
@@ -36,34 +57,7 @@ pub(crate) fn extent_of_spheres(scene: &Scene) -> Option<Extent> {
 }
 
 fn extent<'a>(spheres: impl Iterator<Item = &'a Sphere>) -> Option<Extent> {
-    spheres
-        .map(|sphere| Extent { min: sphere.position - sphere.radius, max: sphere.position + sphere.radius })
-        .reduce(Extent::with)
-}
-
-/// Returns the extent of the spheres without outliers. The majority is what lies between the 5 % and the 95 % quantile of each
-/// coordinate. An outlier is farther away from it than [`OUTLIER_DISTANCE`] times its size, or is below every static object.
-fn extent_without_outliers(scene: &Scene) -> Option<Extent> {
-    let spheres = scene.spheres();
-    let few = spheres.len() / 20;
-    if few == 0 {
-        return extent_of_spheres(scene);
-    }
-    let mut quantiles = [Vec3::ZERO; 2];
-    for axis in 0..3 {
-        let mut places: Vec<f32> = spheres.iter().map(|sphere| sphere.position[axis]).collect();
-        for (quantile, at) in quantiles.iter_mut().zip([few, spheres.len() - 1 - few]) {
-            quantile[axis] = *places.select_nth_unstable_by(at, f32::total_cmp).1;
-        }
-    }
-    let [low, high] = quantiles;
-    let room = Vec3::splat((high - low).max_element()) * OUTLIER_DISTANCE;
-    let lowest = extents_of_static_objects(scene).map(|object| object.min.y).reduce(f32::min).unwrap_or(f32::NEG_INFINITY);
-    let near = |sphere: &&Sphere| {
-        let place = sphere.position;
-        place.cmpge(low - room).all() && place.cmple(high + room).all() && place.y >= lowest
-    };
-    extent(spheres.iter().filter(near)).or_else(|| extent_of_spheres(scene))
+    spheres.map(|sphere| Extent::around(sphere.position, sphere.radius)).reduce(Extent::with)
 }
 
 /// Extents of the boxes and polygons.
@@ -87,7 +81,13 @@ pub(crate) fn extents_of_static_objects(scene: &Scene) -> impl Iterator<Item = E
 /// points of the tethers, nearby boxes and polygons that are not much larger than the spheres together, and a part of what the
 /// spheres may fall onto.
 pub fn bounds(scene: &Scene) -> (Vec3, Vec3) {
-    let Some(spheres) = extent_without_outliers(scene) else {
+    bounds_of_survey(&Survey::new(scene), scene)
+}
+
+/// Returns what [`bounds`] returns, for all states of a survey of the scene. Between its states nothing falls much further, so
+/// the ground is shown only if it is near.
+pub(crate) fn bounds_of_survey(survey: &Survey, scene: &Scene) -> (Vec3, Vec3) {
+    let Some(spheres) = survey.extent() else {
         let all = extents_of_static_objects(scene).reduce(Extent::with).unwrap_or(Extent { min: -Vec3::ONE, max: Vec3::ONE });
         return (all.min, all.max);
     };
@@ -95,6 +95,7 @@ pub fn bounds(scene: &Scene) -> (Vec3, Vec3) {
     let tethers = scene.tethers().iter().map(|tether| tether.point);
     shown = Extent::of(tethers).map_or(shown, |tethers| shown.with(tethers));
     let size = spheres.size();
+    let fall = if survey.moves() { GROUND_DISTANCE } else { FALL_DISTANCE };
     for object in extents_of_static_objects(scene) {
         let under = object.max.y <= spheres.min.y + 0.1 * size
             && object.min.x < spheres.max.x
@@ -102,7 +103,7 @@ pub fn bounds(scene: &Scene) -> (Vec3, Vec3) {
             && object.min.z < spheres.max.z
             && object.max.z > spheres.min.z;
         if under {
-            shown.min.y = shown.min.y.min(object.max.y.max(spheres.min.y - FALL_DISTANCE * size));
+            shown.min.y = shown.min.y.min(object.max.y.max(spheres.min.y - fall * size));
         } else if object.size() < SURROUNDINGS * size {
             let near = object.max.cmpge(spheres.min - 0.5 * size).all() && object.min.cmple(spheres.max + 0.5 * size).all();
             shown = if near { shown.with(object) } else { shown };

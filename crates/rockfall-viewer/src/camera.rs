@@ -1,7 +1,9 @@
 //! The perspective camera.
 
 use rockfall::Scene;
-use rockfall::glam::{Mat4, Vec3, Vec4};
+use rockfall::glam::{Mat4, Quat, Vec3, Vec4};
+
+use crate::survey::Survey;
 
 /// The default vertical field of view, in rad.
 const FIELD_OF_VIEW: f32 = 0.6;
@@ -56,6 +58,36 @@ impl Camera {
         }
         let distance = if distance > 0.0 { 1.12 * distance } else { 1.0 };
         Self { eye: middle - distance * forward, ..camera }
+    }
+
+    /// Creates a camera that shows the whole of a bounding box from all sides, when it orbits around its target.
+    pub fn framing_all_around(min: Vec3, max: Vec3, aspect: f32) -> Self {
+        let middle = 0.5 * (min + max);
+        let half = 0.5 * (max - min);
+        // The box around the box at every angle of its turn.
+        let across = half.x.hypot(half.z);
+        let half = Vec3::new(across, half.y, across);
+        // A box with these corners is a little too large, because its turn is a cylinder.
+        let wide = Self::framing(middle - half, middle + half, aspect);
+        Self { eye: middle + 0.85 * (wide.eye - middle), ..wide }
+    }
+
+    /// Creates a camera that shows what the moving bodies of a scene do in all states of a survey, and what they lie on. With
+    /// `all_around`, it does so from all sides.
+    pub fn of_survey(survey: &Survey, scene: &Scene, aspect: f32, all_around: bool) -> Self {
+        let (min, max) = crate::bounds::bounds_of_survey(survey, scene);
+        if all_around { Self::framing_all_around(min, max, aspect) } else { Self::framing(min, max, aspect) }
+    }
+
+    /// Returns the camera turned around the vertical through its target by an angle in rad. Seen from above, a positive angle
+    /// moves it counterclockwise.
+    pub fn orbited(self, angle: f32) -> Self {
+        Self { eye: self.target + Quat::from_rotation_y(angle) * (self.eye - self.target), ..self }
+    }
+
+    /// Returns the camera moved without turning it, so that it looks at another target.
+    pub fn looking_at(self, target: Vec3) -> Self {
+        Self { eye: self.eye + (target - self.target), target, ..self }
     }
 
     /// Creates a camera that shows the moving bodies of a scene and what they lie on or may fall onto.
@@ -131,6 +163,26 @@ mod tests {
             let Axes { right, up, forward } = Camera::new([3.0, 4.0, 5.0], target).axes();
             assert!((right.cross(up) + forward).length() < 1e-5);
             assert!(up.y >= -1e-6);
+        }
+    }
+
+    #[test]
+    fn a_box_framed_all_around_fits_the_picture_at_every_angle() {
+        for (min, max) in [(Vec3::splat(-1.0), Vec3::ONE), (Vec3::new(-9.0, 0.0, 2.0), Vec3::new(30.0, 1.0, 3.0))] {
+            for aspect in [0.5, 1.0, 2.5] {
+                let mut greatest = 0.0_f32;
+                for step in 0..36 {
+                    let camera = Camera::framing_all_around(min, max, aspect).orbited(step as f32 * 0.1745);
+                    let projection = camera.view_projection(aspect);
+                    for corner in 0..8 {
+                        let pick = |bit: u32, low: f32, high: f32| if corner >> bit & 1 == 1 { high } else { low };
+                        let point = Vec3::new(pick(0, min.x, max.x), pick(1, min.y, max.y), pick(2, min.z, max.z));
+                        let ndc = projection.project_point3(point);
+                        greatest = greatest.max(ndc.x.abs()).max(ndc.y.abs());
+                    }
+                }
+                assert!((0.7..=1.0).contains(&greatest), "{min} {max} {aspect}: {greatest}");
+            }
         }
     }
 

@@ -20,5 +20,6 @@ pub mod palette;
 pub mod picture;
 mod pixels;
 mod read_back;
+pub mod survey;
 #[cfg(feature = "window")]
 pub mod window;
