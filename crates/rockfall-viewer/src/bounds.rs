@@ -12,8 +12,8 @@ const FALL_DISTANCE: f32 = 1.0;
 /// Distance below the lowest place of the spheres in a film up to which the ground is shown, divided by their extent.
 const GROUND_DISTANCE: f32 = 0.15;
 
-#[derive(Clone, Copy, Debug, PartialEq)]
 /// An axis-aligned bounding box.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Extent {
     pub(crate) min: Vec3,
     pub(crate) max: Vec3,

@@ -7,10 +7,10 @@ use rockfall::{Result, Simulation};
 use crate::draw::{Renderer, Style};
 use crate::picture::Picture;
 
+mod ffmpeg;
 mod file_error;
 mod files;
 mod gif;
-mod mp4;
 mod timing;
 
 pub use timing::{Moment, Timing};
@@ -24,22 +24,25 @@ pub enum Format {
     Apng,
     /// H.264, encoded by the program `ffmpeg`.
     Mp4,
+    /// VP9, encoded by the program `ffmpeg`.
+    WebM,
     /// A folder with one PNG file per picture, `0000.png` first.
     Folder,
 }
 
 impl Format {
-    /// Returns the format that the extension of a path stands for. An existing folder, or a path that ends in a separator,
+    /// Returns the format that the extension of a path stands for, in any case. An existing folder, or a path that ends in a separator,
     /// stands for [`Format::Folder`].
     pub fn of(path: &Path) -> Option<Self> {
         let ends_in_separator = path.to_string_lossy().ends_with(std::path::is_separator);
         if ends_in_separator || path.is_dir() {
             return Some(Self::Folder);
         }
-        match path.extension()?.to_str()? {
+        match path.extension()?.to_str()?.to_ascii_lowercase().as_str() {
             "gif" => Some(Self::Gif),
             "apng" => Some(Self::Apng),
             "mp4" => Some(Self::Mp4),
+            "webm" => Some(Self::WebM),
             _ => None,
         }
     }
@@ -90,7 +93,8 @@ pub fn write(path: &Path, format: Format, timing: &Timing, pictures: impl Iterat
     match format {
         Format::Gif => gif::write(path, timing.fps, pictures),
         Format::Apng => files::write_apng(path, timing, pictures),
-        Format::Mp4 => mp4::write(path, timing.fps, pictures),
+        Format::Mp4 => ffmpeg::write(path, &ffmpeg::MP4, timing.fps, pictures),
+        Format::WebM => ffmpeg::write(path, &ffmpeg::WEBM, timing.fps, pictures),
         Format::Folder => files::write_folder(path, timing, pictures),
     }
 }
@@ -103,7 +107,8 @@ mod tests {
     fn the_format_follows_from_the_path() {
         assert_eq!(Format::of(Path::new("a.gif")), Some(Format::Gif));
         assert_eq!(Format::of(Path::new("a.apng")), Some(Format::Apng));
-        assert_eq!(Format::of(Path::new("a.mp4")), Some(Format::Mp4));
+        assert_eq!(Format::of(Path::new("a.MP4")), Some(Format::Mp4));
+        assert_eq!(Format::of(Path::new("a.webm")), Some(Format::WebM));
         assert_eq!(Format::of(Path::new("frames/")), Some(Format::Folder));
         assert_eq!(Format::of(&std::env::temp_dir()), Some(Format::Folder));
         assert_eq!(Format::of(Path::new("a.avi")), None);

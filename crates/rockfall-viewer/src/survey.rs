@@ -185,7 +185,10 @@ mod tests {
         for bodies in [3, 10] {
             for which in 0..bodies {
                 let extent = survey(bodies, 60, false, falls(which)).extent().unwrap();
-                assert!(extent.min.y > -20.0 && extent.max.x - extent.min.x < 2.0 * bodies as f32, "{bodies} {which} {extent:?}");
+                assert!(
+                    extent.min.y > -20.0 && extent.max.x - extent.min.x < 2.0 * bodies as f32,
+                    "{bodies} {which} {extent:?}"
+                );
             }
         }
         // A pendulum beside it is enough.
@@ -198,8 +201,10 @@ mod tests {
 
     #[test]
     fn some_of_many_bodies_that_fall_for_ever_are_left_out() {
-        let place = |body: usize, state| Vec3::new((body % 10) as f32, (body / 10) as f32, 0.0)
-            + if body % 50 == 7 { Vec3::new(3.0, 10.0 * fallen(state), 0.0) } else { Vec3::ZERO };
+        let place = |body: usize, state| {
+            Vec3::new((body % 10) as f32, (body / 10) as f32, 0.0)
+                + if body % 50 == 7 { Vec3::new(3.0, 10.0 * fallen(state), 0.0) } else { Vec3::ZERO }
+        };
         let extent = survey(200, 40, false, place).extent().unwrap();
         assert!(extent.size() < 45.0 && extent.min.y > -15.0, "{extent:?}");
     }

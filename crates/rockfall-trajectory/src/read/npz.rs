@@ -73,10 +73,9 @@ fn entry_name(name: &str) -> String {
 
 fn broken(name: &str) -> impl Fn(ZipError) -> io::Error {
     move |error| match error {
-        ZipError::FileNotFound => io::Error::new(
-            io::ErrorKind::NotFound,
-            format!("not a usable trajectory: it has no array {name}"),
-        ),
+        ZipError::FileNotFound => {
+            io::Error::new(io::ErrorKind::NotFound, format!("not a usable trajectory: it has no array {name}"))
+        }
         other => unusable(&format!("array {name}: {other}")),
     }
 }

@@ -75,7 +75,8 @@ fn read(bytes: &[u8]) -> Result<States, String> {
         let node = node.ok_or_else(|| format!("it has no array {name}"))?;
         let fits = node.attribute("type") == Some("Float32") && node.attribute("NumberOfComponents") == Some(components);
         let offset = node.attribute("offset").and_then(|offset| offset.parse::<usize>().ok()).filter(|_| fits);
-        let offset = offset.ok_or_else(|| format!("array {name}: expected {components} appended components of type Float32"))?;
+        let offset =
+            offset.ok_or_else(|| format!("array {name}: expected {components} appended components of type Float32"))?;
         let cut = || format!("array {name} is cut off");
         let rest = data.get(offset..).ok_or_else(cut)?;
         let (length, rest) = rest.split_first_chunk::<8>().ok_or_else(cut)?;

@@ -1,0 +1,179 @@
+//! Boxes and polygons between the camera and the bodies, like the near walls of a pit. They are not drawn, except for their
+//! edges.
+
+use rockfall::glam::{Mat3, Vec3};
+use rockfall::{Cuboid, Polygon, Scene};
+
+use crate::survey::Survey;
+
+/// Number of lines of sight that are tested in a frame. In larger scenes only some of the bodies are tested.
+const MOST_TESTS: usize = 4_000_000;
+/// Height of the lower point of a body that has to be visible, above its lowest point and divided by its radius.
+const FOOT: f32 = 0.08;
+/// A box is a floor if its height divided by its width is less than this. A floor is removed only if it hides more than
+/// [`FLOOR_SHARE`] of the bodies, because it may hide some that fall past it.
+const FLOOR_HEIGHT: f32 = 0.25;
+const FLOOR_SHARE: f32 = 0.1;
+
+/// The walls of a scene, and the points that they must not hide.
+#[derive(Debug, Default)]
+pub(crate) struct Walls {
+    boxes: Vec<(Cuboid, Mat3)>,
+    polygons: Vec<Polygon>,
+    /// The centre of every body, and the point where it would touch the ground.
+    points: Vec<[Vec3; 2]>,
+}
+
+impl Walls {
+    /// Takes the boxes and polygons of a scene.
+    pub(crate) fn set_scene(&mut self, scene: &Scene) {
+        let with_inverse = |cuboid: &Cuboid| {
+            let [i, j, k] = cuboid.edges;
+            (*cuboid, Mat3::from_cols(i, j, k).inverse())
+        };
+        self.boxes = scene.boxes().iter().map(with_inverse).collect();
+        self.polygons = scene.polygons().to_vec();
+    }
+
+    /// Takes the bodies that have to be visible.
+    pub(crate) fn set_bodies(&mut self, survey: &Survey) {
+        let walls = self.boxes.len() + self.polygons.len();
+        if walls == 0 {
+            return self.points.clear();
+        }
+        let balls = survey.balls();
+        let stride = (2 * walls * balls.len()).div_ceil(MOST_TESTS).max(1);
+        // An odd stride does not always meet the same body or the same state.
+        let stride = stride | 1;
+        let points = |(place, radius): (Vec3, f32)| [place, place - (1.0 - FOOT) * radius * Vec3::Y];
+        self.points = balls.into_iter().step_by(stride).map(points).collect();
+    }
+
+    /// Returns for each box, then for each polygon, 1 if it is drawn and 0 if it hides a body.
+    pub(crate) fn drawn(&self, eye: Vec3) -> Vec<u32> {
+        let boxes = self.boxes.iter().map(|(cuboid, into)| !self.is_before(cuboid, into, eye));
+        let polygons = self
+            .polygons
+            .iter()
+            .map(|polygon| !self.points.iter().flatten().any(|point| crosses_polygon(polygon, eye, *point)));
+        boxes.chain(polygons).map(u32::from).collect()
+    }
+
+    fn is_before(&self, cuboid: &Cuboid, into: &Mat3, eye: Vec3) -> bool {
+        let from = *into * (eye - cuboid.corner);
+        let hides = |points: &&[Vec3; 2]| points.iter().any(|point| crosses_unit_cube(from, *into * (*point - cuboid.corner)));
+        if !is_floor(cuboid, eye) {
+            return self.points.iter().any(|points| hides(&points));
+        }
+        let hidden = self.points.iter().filter(hides).count();
+        hidden as f32 > FLOOR_SHARE * self.points.len() as f32
+    }
+}
+
+/// Whether a box is flat and seen from above.
+fn is_floor(cuboid: &Cuboid, eye: Vec3) -> bool {
+    let extent = cuboid.edges.iter().fold(Vec3::ZERO, |sum, edge| sum + edge.abs());
+    let top = cuboid.corner.y + cuboid.edges.iter().map(|edge| edge.y.max(0.0)).sum::<f32>();
+    extent.y < FLOOR_HEIGHT * extent.x.min(extent.z) && eye.y > top
+}
+
+/// Whether the line between two points goes through a polygon.
+fn crosses_polygon(polygon: &Polygon, from: Vec3, to: Vec3) -> bool {
+    let normal = polygon.left.cross(polygon.right);
+    let [start, end] = [from, to].map(|point| normal.dot(point - polygon.corner));
+    if start * end >= 0.0 {
+        return false;
+    }
+    let point = from + start / (start - end) * (to - from) - polygon.corner;
+    // The coordinates along the edges, from the areas of the triangles.
+    let square = normal.length_squared();
+    let [left, right] = [point.cross(polygon.right).dot(normal), polygon.left.cross(point).dot(normal)];
+    (0.0..=square).contains(&left) && (0.0..=square).contains(&right)
+}
+
+/// Whether the line between two points goes through the unit cube; false if either point is in the cube.
+fn crosses_unit_cube(from: Vec3, to: Vec3) -> bool {
+    let line = to - from;
+    let inside = |point: Vec3| point.cmpge(Vec3::ZERO).all() && point.cmple(Vec3::ONE).all();
+    if inside(from) || inside(to) {
+        return false;
+    }
+    let (mut first, mut last) = (0.0_f32, 1.0_f32);
+    for axis in 0..3 {
+        let (start, along) = (from[axis], line[axis]);
+        if along.abs() < 1e-12 {
+            if !(0.0..=1.0).contains(&start) {
+                return false;
+            }
+            continue;
+        }
+        let (one, two) = (-start / along, (1.0 - start) / along);
+        first = first.max(one.min(two));
+        last = last.min(one.max(two));
+    }
+    first < last
+}
+
+#[cfg(test)]
+mod tests {
+    use rockfall::Sphere;
+
+    use super::*;
+
+    const EYE: Vec3 = Vec3::new(0.0, 1.0, 10.0);
+
+    /// Which walls are drawn before ten balls that lie on the plane y = 0, and balls at `more` places.
+    fn drawn(boxes: &[Cuboid], polygons: &[Polygon], more: &[Vec3]) -> Vec<u32> {
+        let mut scene = Scene::new();
+        for k in 0..10 {
+            scene.add_sphere(Sphere::new([0.2 * k as f32 - 0.9, 0.1, 0.0], 0.1)).unwrap();
+        }
+        for place in more {
+            scene.add_sphere(Sphere::new(*place, 0.1)).unwrap();
+        }
+        for cuboid in boxes {
+            scene.add_box(*cuboid).unwrap();
+        }
+        for polygon in polygons {
+            scene.add_polygon(*polygon).unwrap();
+        }
+        let mut walls = Walls::default();
+        walls.set_scene(&scene);
+        walls.set_bodies(&Survey::new(&scene));
+        walls.drawn(EYE)
+    }
+
+    #[test]
+    fn only_walls_in_front_of_the_bodies_are_removed() {
+        let before = Cuboid::between([-5.0, 0.0, 3.0], [5.0, 2.0, 4.0]);
+        let behind = Cuboid::between([-5.0, 0.0, -4.0], [5.0, 2.0, -3.0]);
+        let floor = Cuboid::between([-50.0, -1.0, -50.0], [50.0, 0.0, 50.0]);
+        assert_eq!(drawn(&[before, behind, floor], &[], &[]), [0, 1, 1]);
+    }
+
+    #[test]
+    fn a_wall_that_hides_a_single_body_or_its_foot_is_removed() {
+        let narrow = Cuboid::between([-0.65, 0.0, 3.0], [-0.6, 2.0, 4.0]);
+        assert_eq!(drawn(&[narrow], &[], &[]), [0]);
+        // From the eye at a height of 1, a wall of height 0.72 at z = 3 hides what is below 0.02 at z = 0.
+        let low = Cuboid::between([-5.0, 0.0, 3.0], [5.0, 0.72, 3.1]);
+        assert_eq!(drawn(&[low], &[], &[]), [0]);
+        let lower = Cuboid::between([-5.0, 0.0, 3.0], [5.0, 0.68, 3.1]);
+        assert_eq!(drawn(&[lower], &[], &[]), [1]);
+    }
+
+    #[test]
+    fn a_polygon_in_front_of_the_bodies_is_removed() {
+        let before = Polygon::new([-5.0, 0.0, 3.0], [10.0, 0.0, 0.0], [0.0, 2.0, 0.0]);
+        let beside = Polygon::new([3.0, 0.0, 3.0], [10.0, 0.0, 0.0], [0.0, 2.0, 0.0]);
+        let floor = Polygon::new([-5.0, 0.0, -5.0], [0.0, 0.0, 10.0], [10.0, 0.0, 0.0]);
+        assert_eq!(drawn(&[], &[before, beside, floor], &[]), [0, 1, 1]);
+    }
+
+    #[test]
+    fn a_body_that_fell_off_the_floor_does_not_remove_it() {
+        let floor = Cuboid::between([-5.0, -1.0, -5.0], [5.0, 0.0, 5.0]);
+        assert_eq!(drawn(&[floor], &[], &[Vec3::new(0.0, -0.7, -6.0)]), [1]);
+        assert_eq!(drawn(&[floor], &[], &[Vec3::new(0.0, -90.0, -6.0)]), [1]);
+    }
+}
