@@ -105,7 +105,28 @@ fn a_checkpoint_within_a_step_is_an_error(backend: Backend) {
     assert_bitwise_identical(&Run::of(&mut simulation), &Run::of(&mut resumed));
 }
 
-both!(a_resumed_run_is_bitwise_identical, a_checkpoint_keeps_the_results_of_edits, a_checkpoint_within_a_step_is_an_error);
+/// A simulation that goes back to a checkpoint repeats the same steps, also after objects were added and a step failed.
+fn a_restored_simulation_repeats_its_steps(backend: Backend) {
+    let mut simulation = simulation(mixed(40), backend);
+    simulation.run(10, DT).expect("steps");
+    let checkpoint = simulation.checkpoint().expect("a checkpoint");
+    simulation.run(20, DT).expect("steps");
+    let first = Run::of(&mut simulation);
+    let thrown = simulation.add_sphere(Sphere::new([0.0, 3.0, 0.0], 0.2).force([3e38, 0.0, 0.0])).expect("a valid sphere");
+    simulation.run(20, 10.0).expect_err("the added sphere stops being finite");
+    simulation.restore(&checkpoint).expect("it goes back");
+    assert_eq!(simulation.report(), checkpoint.report);
+    assert!(simulation.sphere(thrown).is_err());
+    simulation.run(20, DT).expect("steps");
+    assert_bitwise_identical(&first, &Run::of(&mut simulation));
+}
+
+both!(
+    a_resumed_run_is_bitwise_identical,
+    a_checkpoint_keeps_the_results_of_edits,
+    a_checkpoint_within_a_step_is_an_error,
+    a_restored_simulation_repeats_its_steps,
+);
 
 /// A small checkpoint with every kind of object.
 fn small() -> Vec<u8> {

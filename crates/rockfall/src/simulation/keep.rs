@@ -6,6 +6,7 @@ use crate::checkpoint::{Checkpoint, History};
 use crate::error::{Error, Result};
 use crate::model::layout::SLICE;
 use crate::options::Options;
+use crate::simulation::edit::Dirty;
 use crate::simulation::engine::Engine;
 use crate::simulation::lookahead::Lookahead;
 use crate::simulation::order::Disorder;
@@ -98,14 +99,39 @@ impl Simulation {
         Ok(simulation.with_history(checkpoint.time_step, checkpoint.report, checkpoint.history))
     }
 
+    /// Replaces the state by that of a checkpoint, without opening a device again. Handles of the simulation that took the
+    /// checkpoint are valid afterwards.
+    /// The objects, the constants and the [`Report`](crate::Report) become those of the checkpoint. The backend and the
+    /// [`Options`] stay; the options in the checkpoint are ignored. The following steps are bitwise identical to those of a
+    /// simulation that was resumed from the checkpoint with these options.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] for settings that are not allowed, [`Error::Device`] when the GPU fails, [`Error::DeviceLimit`] when
+    /// the scene is too large.
+    pub fn restore(&mut self, checkpoint: &Checkpoint) -> Result<()> {
+        checkpoint.scene.settings.validate()?;
+        // `rebuild` packs the scene, and the state on the device is replaced, so nothing has to be read back or applied.
+        (self.dirty, self.synced) = (Dirty::Clean, true);
+        self.edits.clear();
+        self.scene = checkpoint.scene.clone();
+        self.apply_history(checkpoint.time_step, checkpoint.report, checkpoint.history);
+        self.rebuild()?;
+        self.status.collided = 0;
+        Ok(())
+    }
+
     fn with_history(mut self, time_step: f32, report: crate::Report, history: History) -> Self {
+        self.apply_history(time_step, report, history);
+        self.disorder = Disorder::sorted_at(report.steps);
+        self
+    }
+
+    fn apply_history(&mut self, time_step: f32, report: crate::Report, history: History) {
         self.time_step = time_step;
         self.report = report;
-        self.disorder = Disorder::sorted_at(report.steps);
         self.status.lengths_due = u32::from(history.lengths_due);
         self.world.step.margin_scale = history.margin_scale;
         self.world.step.lookahead = history.lookahead;
         self.lookahead = Lookahead::from_steps(history.lookahead);
-        self
     }
 }
