@@ -9,6 +9,8 @@ mod check;
 mod devices;
 mod failure;
 mod generate;
+#[cfg(feature = "view")]
+mod input;
 mod interrupt;
 mod options;
 mod output;
@@ -48,7 +50,7 @@ enum Command {
     Devices,
     /// Generate a scene of any size.
     Generate(generate::Arguments),
-    /// Write a picture or a film of a scene to a file.
+    /// Write a picture or a film of a scene, a checkpoint or a trajectory to a file.
     #[cfg(feature = "view")]
     Render(render::Arguments),
     /// Show a scene in a window and interact with it; F1 lists the keys.
@@ -71,7 +73,7 @@ fn main() -> ExitCode {
         Command::Devices => devices::devices(),
         Command::Generate(arguments) => generate::generate(&arguments),
         #[cfg(feature = "view")]
-        Command::Render(arguments) => render::render(&arguments),
+        Command::Render(arguments) => render::render(&arguments, &given),
         #[cfg(feature = "window")]
         Command::View(arguments) => view::view(&arguments),
         Command::Completions(arguments) => shell::completions(&arguments),

@@ -19,7 +19,7 @@ mod past;
 mod resume;
 
 use outputs::{Outputs, Wanted};
-use past::Past;
+pub(crate) use past::Past;
 pub(crate) use resume::Given;
 
 /// Details that do not fit into the one-line descriptions of the options.

@@ -52,6 +52,8 @@ impl Format {
 #[derive(Debug)]
 pub struct Player {
     dt: f32,
+    /// Number of equal parts of a step.
+    parts: u32,
     /// Number of steps since the start of the film.
     done: u64,
 }
@@ -59,7 +61,18 @@ pub struct Player {
 impl Player {
     /// Creates a player that starts from the present state of a simulation and runs it in steps of `dt` seconds.
     pub fn new(dt: f32) -> Self {
-        Self { dt, done: 0 }
+        Self { dt, parts: 1, done: 0 }
+    }
+
+    /// Divides every step into this number of equal parts.
+    pub fn parts(mut self, parts: u32) -> Self {
+        self.parts = parts.max(1);
+        self
+    }
+
+    fn run(&self, simulation: &mut Simulation, steps: u64) -> Result<()> {
+        let steps = steps.saturating_mul(u64::from(self.parts));
+        simulation.run(steps, self.dt / self.parts as f32).map(drop)
     }
 
     /// Runs the simulation up to a moment, which must not be before the last one, and updates the renderer.
@@ -69,13 +82,13 @@ impl Player {
     pub fn show(&mut self, simulation: &mut Simulation, renderer: &mut Renderer, style: &Style, moment: Moment) -> Result<()> {
         let Moment { step, blend } = moment;
         if self.done <= step {
-            simulation.run(step - self.done, self.dt)?;
+            self.run(simulation, step - self.done)?;
             self.done = step;
             renderer.update(simulation, style)?;
         }
         if blend > 0.0 && self.done == step {
             renderer.remember();
-            simulation.step(self.dt)?;
+            self.run(simulation, 1)?;
             self.done += 1;
             renderer.update(simulation, style)?;
         }
@@ -90,12 +103,26 @@ impl Player {
 /// [`rockfall::Error::File`] when the film cannot be written, or when it needs `ffmpeg` and that is not installed; the errors
 /// of `pictures`.
 pub fn write(path: &Path, format: Format, timing: &Timing, pictures: impl Iterator<Item = Result<Picture>>) -> Result<()> {
+    write_all(path, format, timing.fps, timing.pictures(), pictures)
+}
+
+/// [`write`] for `count` pictures that do not follow from a [`Timing`], `fps` per second.
+///
+/// # Errors
+/// As for [`write`].
+pub fn write_all(
+    path: &Path,
+    format: Format,
+    fps: u32,
+    count: u64,
+    pictures: impl Iterator<Item = Result<Picture>>,
+) -> Result<()> {
     match format {
-        Format::Gif => gif::write(path, timing.fps, pictures),
-        Format::Apng => files::write_apng(path, timing, pictures),
-        Format::Mp4 => ffmpeg::write(path, &ffmpeg::MP4, timing.fps, pictures),
-        Format::WebM => ffmpeg::write(path, &ffmpeg::WEBM, timing.fps, pictures),
-        Format::Folder => files::write_folder(path, timing, pictures),
+        Format::Gif => gif::write(path, fps, pictures),
+        Format::Apng => files::write_apng(path, fps, count, pictures),
+        Format::Mp4 => ffmpeg::write(path, &ffmpeg::MP4, fps, pictures),
+        Format::WebM => ffmpeg::write(path, &ffmpeg::WEBM, fps, pictures),
+        Format::Folder => files::write_folder(path, count, pictures),
     }
 }
 

@@ -63,7 +63,8 @@ impl Renderer {
         Ok(())
     }
 
-    pub(super) fn range(&self, style: &Style) -> [f32; 2] {
+    /// Returns the range of the colour scale of the next picture.
+    pub fn range(&self, style: &Style) -> [f32; 2] {
         match style.range {
             Range::Auto => self.recent.range(),
             Range::Given(range) => range,
