@@ -42,6 +42,12 @@ impl Extent {
         point.cmpge(self.min).all() && point.cmple(self.max).all()
     }
 
+    fn corners(self) -> impl Iterator<Item = Vec3> {
+        let pick = |low: f32, high: f32, bits: u32, bit: u32| if bits >> bit & 1 == 1 { high } else { low };
+        let Self { min, max } = self;
+        (0..8).map(move |bits| Vec3::new(pick(min.x, max.x, bits, 0), pick(min.y, max.y, bits, 1), pick(min.z, max.z, bits, 2)))
+    }
+
     /// Distance of a point from the box; 0 inside.
     pub(crate) fn distance(self, point: Vec3) -> f32 {
         point.distance(point.clamp(self.min, self.max))
@@ -84,32 +90,47 @@ pub fn bounds(scene: &Scene) -> (Vec3, Vec3) {
     bounds_of_survey(&Survey::new(scene), scene)
 }
 
-/// Returns what [`bounds`] returns, for all states of a survey of the scene. Between its states nothing falls much further, so
-/// the ground is shown only if it is near.
+/// Returns what [`bounds`] returns, for all states of a survey of the scene.
 pub(crate) fn bounds_of_survey(survey: &Survey, scene: &Scene) -> (Vec3, Vec3) {
-    let Some(spheres) = survey.extent() else {
-        let all = extents_of_static_objects(scene).reduce(Extent::with).unwrap_or(Extent { min: -Vec3::ONE, max: Vec3::ONE });
-        return (all.min, all.max);
-    };
-    let mut shown = spheres;
-    let tethers = scene.tethers().iter().map(|tether| tether.point);
-    shown = Extent::of(tethers).map_or(shown, |tethers| shown.with(tethers));
+    let parts = survey.extent().map(|spheres| surroundings(spheres, survey.moves(), scene).fold(spheres, Extent::with));
+    let all = || extents_of_static_objects(scene).reduce(Extent::with);
+    let shown = parts.or_else(all).unwrap_or(Extent { min: -Vec3::ONE, max: Vec3::ONE });
+    (shown.min, shown.max)
+}
+
+/// Returns balls that a picture should show, with centre and radius: those of [`Survey::balls`], the places below them on what
+/// they may fall onto, and the corners of nearby objects.
+pub(crate) fn balls_to_show(survey: &Survey, scene: &Scene) -> Vec<(Vec3, f32)> {
+    let Some(spheres) = survey.extent() else { return Vec::new() };
+    let objects: Vec<Extent> = surroundings(spheres, survey.moves(), scene).collect();
+    let bottom = objects.iter().map(|object| object.min.y).fold(spheres.min.y, f32::min);
+    let mut balls = survey.balls();
+    let below: Vec<_> = balls.iter().map(|(place, _)| (place.with_y(bottom), 0.0)).collect();
+    balls.extend(below);
+    balls.extend(objects.iter().flat_map(|object| object.corners()).map(|corner| (corner, 0.0)));
+    balls
+}
+
+/// Extents of what a picture should show in addition to the spheres: the points of tethers, nearby objects that are not much
+/// larger than the spheres together, and as a vertical line the distance to what the spheres may fall onto. In a film the
+/// spheres have already fallen, so that is shown only if it is near.
+fn surroundings(spheres: Extent, moves: bool, scene: &Scene) -> impl Iterator<Item = Extent> {
     let size = spheres.size();
-    let fall = if survey.moves() { GROUND_DISTANCE } else { FALL_DISTANCE };
-    for object in extents_of_static_objects(scene) {
+    let fall = if moves { GROUND_DISTANCE } else { FALL_DISTANCE };
+    let objects = extents_of_static_objects(scene).filter_map(move |object| {
         let under = object.max.y <= spheres.min.y + 0.1 * size
             && object.min.x < spheres.max.x
             && object.max.x > spheres.min.x
             && object.min.z < spheres.max.z
             && object.max.z > spheres.min.z;
         if under {
-            shown.min.y = shown.min.y.min(object.max.y.max(spheres.min.y - fall * size));
-        } else if object.size() < SURROUNDINGS * size {
-            let near = object.max.cmpge(spheres.min - 0.5 * size).all() && object.min.cmple(spheres.max + 0.5 * size).all();
-            shown = if near { shown.with(object) } else { shown };
+            let middle = 0.5 * (spheres.min + spheres.max);
+            return Extent::of([middle.with_y(object.max.y.max(spheres.min.y - fall * size)), middle]);
         }
-    }
-    (shown.min, shown.max)
+        let near = object.max.cmpge(spheres.min - 0.5 * size).all() && object.min.cmple(spheres.max + 0.5 * size).all();
+        (near && object.size() < SURROUNDINGS * size).then_some(object)
+    });
+    objects.chain(Extent::of(scene.tethers().iter().map(|tether| tether.point)))
 }
 
 #[cfg(test)]

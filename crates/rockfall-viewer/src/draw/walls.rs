@@ -10,15 +10,27 @@ use crate::survey::Survey;
 const MOST_TESTS: usize = 4_000_000;
 /// Height of the lower point of a body that has to be visible, above its lowest point and divided by its radius.
 const FOOT: f32 = 0.08;
-/// A box is a floor if its height divided by its width is less than this. A floor is removed only if it hides more than
-/// [`FLOOR_SHARE`] of the bodies, because it may hide some that fall past it.
+/// A box is a floor if its height divided by its width is less than this, or if a body lies on it.
 const FLOOR_HEIGHT: f32 = 0.25;
+/// A floor is removed only if it hides more than this part of the bodies. It may hide some that fall past it, and without it
+/// the bodies on it would float.
 const FLOOR_SHARE: f32 = 0.1;
+/// Distance from a box up to which a body lies on it, divided by its radius.
+const TOUCH: f32 = 1.1;
+
+/// A box.
+#[derive(Debug)]
+struct Wall {
+    cuboid: Cuboid,
+    /// Transforms an offset from the corner to coordinates along the edges.
+    into: Mat3,
+    carries_bodies: bool,
+}
 
 /// The walls of a scene, and the points that they must not hide.
 #[derive(Debug, Default)]
 pub(crate) struct Walls {
-    boxes: Vec<(Cuboid, Mat3)>,
+    boxes: Vec<Wall>,
     polygons: Vec<Polygon>,
     /// The centre of every body, and the point where it would touch the ground.
     points: Vec<[Vec3; 2]>,
@@ -27,11 +39,11 @@ pub(crate) struct Walls {
 impl Walls {
     /// Takes the boxes and polygons of a scene.
     pub(crate) fn set_scene(&mut self, scene: &Scene) {
-        let with_inverse = |cuboid: &Cuboid| {
+        let wall = |cuboid: &Cuboid| {
             let [i, j, k] = cuboid.edges;
-            (*cuboid, Mat3::from_cols(i, j, k).inverse())
+            Wall { cuboid: *cuboid, into: Mat3::from_cols(i, j, k).inverse(), carries_bodies: false }
         };
-        self.boxes = scene.boxes().iter().map(with_inverse).collect();
+        self.boxes = scene.boxes().iter().map(wall).collect();
         self.polygons = scene.polygons().to_vec();
     }
 
@@ -45,13 +57,16 @@ impl Walls {
         let stride = (2 * walls * balls.len()).div_ceil(MOST_TESTS).max(1);
         // An odd stride does not always meet the same body or the same state.
         let stride = stride | 1;
+        for wall in &mut self.boxes {
+            wall.carries_bodies = balls.iter().step_by(stride).any(|(place, radius)| wall.carries(*place, *radius));
+        }
         let points = |(place, radius): (Vec3, f32)| [place, place - (1.0 - FOOT) * radius * Vec3::Y];
         self.points = balls.into_iter().step_by(stride).map(points).collect();
     }
 
     /// Returns for each box, then for each polygon, 1 if it is drawn and 0 if it hides a body.
     pub(crate) fn drawn(&self, eye: Vec3) -> Vec<u32> {
-        let boxes = self.boxes.iter().map(|(cuboid, into)| !self.is_before(cuboid, into, eye));
+        let boxes = self.boxes.iter().map(|wall| !self.is_before(wall, eye));
         let polygons = self
             .polygons
             .iter()
@@ -59,10 +74,11 @@ impl Walls {
         boxes.chain(polygons).map(u32::from).collect()
     }
 
-    fn is_before(&self, cuboid: &Cuboid, into: &Mat3, eye: Vec3) -> bool {
-        let from = *into * (eye - cuboid.corner);
-        let hides = |points: &&[Vec3; 2]| points.iter().any(|point| crosses_unit_cube(from, *into * (*point - cuboid.corner)));
-        if !is_floor(cuboid, eye) {
+    fn is_before(&self, wall: &Wall, eye: Vec3) -> bool {
+        let local = |point: Vec3| wall.into * (point - wall.cuboid.corner);
+        let from = local(eye);
+        let hides = |points: &&[Vec3; 2]| points.iter().any(|point| crosses_unit_cube(from, local(*point)));
+        if !wall.carries_bodies && !wall.is_flat(eye) {
             return self.points.iter().any(|points| hides(&points));
         }
         let hidden = self.points.iter().filter(hides).count();
@@ -70,11 +86,23 @@ impl Walls {
     }
 }
 
-/// Whether a box is flat and seen from above.
-fn is_floor(cuboid: &Cuboid, eye: Vec3) -> bool {
-    let extent = cuboid.edges.iter().fold(Vec3::ZERO, |sum, edge| sum + edge.abs());
-    let top = cuboid.corner.y + cuboid.edges.iter().map(|edge| edge.y.max(0.0)).sum::<f32>();
-    extent.y < FLOOR_HEIGHT * extent.x.min(extent.z) && eye.y > top
+impl Wall {
+    /// Whether the box is flat and seen from above.
+    fn is_flat(&self, eye: Vec3) -> bool {
+        let edges = &self.cuboid.edges;
+        let extent = edges.iter().fold(Vec3::ZERO, |sum, edge| sum + edge.abs());
+        let top = self.cuboid.corner.y + edges.iter().map(|edge| edge.y.max(0.0)).sum::<f32>();
+        extent.y < FLOOR_HEIGHT * extent.x.min(extent.z) && eye.y > top
+    }
+
+    /// Whether a ball lies on the box.
+    fn carries(&self, place: Vec3, radius: f32) -> bool {
+        let [i, j, k] = self.cuboid.edges;
+        let local = (self.into * (place - self.cuboid.corner)).clamp(Vec3::ZERO, Vec3::ONE);
+        let nearest = self.cuboid.corner + local.x * i + local.y * j + local.z * k;
+        let down = place - nearest;
+        down.length() < TOUCH * radius && down.y > 0.5 * radius
+    }
 }
 
 /// Whether the line between two points goes through a polygon.
@@ -168,6 +196,19 @@ mod tests {
         let beside = Polygon::new([3.0, 0.0, 3.0], [10.0, 0.0, 0.0], [0.0, 2.0, 0.0]);
         let floor = Polygon::new([-5.0, 0.0, -5.0], [0.0, 0.0, 10.0], [10.0, 0.0, 0.0]);
         assert_eq!(drawn(&[], &[before, beside, floor], &[]), [0, 1, 1]);
+    }
+
+    #[test]
+    fn a_step_that_carries_bodies_is_not_removed_for_a_single_one_behind_it() {
+        let step = Cuboid::between([-5.0, 0.0, 2.0], [5.0, 0.5, 2.5]);
+        let behind = Vec3::new(0.0, 0.2, 1.0);
+        let on_it: Vec<Vec3> = (0..10).map(|k| Vec3::new(k as f32, 0.6, 2.2)).collect();
+        // The ten balls of the scene are behind it too, unless it is low.
+        assert_eq!(drawn(&[step], &[], &on_it), [0]);
+        let low = Cuboid::between([-5.0, -1.0, 2.0], [5.0, 0.0, 2.5]);
+        let on_it: Vec<Vec3> = (0..10).map(|k| Vec3::new(k as f32, 0.1, 2.2)).collect();
+        assert_eq!(drawn(&[low], &[], &[behind - 0.5 * Vec3::Y]), [0]);
+        assert_eq!(drawn(&[low], &[], &[&on_it[..], &[behind - 0.5 * Vec3::Y]].concat()), [1]);
     }
 
     #[test]
