@@ -53,7 +53,7 @@ enum Command {
     /// Write a picture or a film of a scene, a checkpoint or a trajectory to a file.
     #[cfg(feature = "view")]
     Render(render::Arguments),
-    /// Show a scene in a window and interact with it; F1 lists the keys.
+    /// Show a scene, a checkpoint or a trajectory in a window and interact with it; F1 lists the keys.
     #[cfg(feature = "window")]
     View(view::Arguments),
     /// Print a script that completes commands and options in a shell.
@@ -75,7 +75,7 @@ fn main() -> ExitCode {
         #[cfg(feature = "view")]
         Command::Render(arguments) => render::render(&arguments, &given),
         #[cfg(feature = "window")]
-        Command::View(arguments) => view::view(&arguments),
+        Command::View(arguments) => view::view(&arguments, &given),
         Command::Completions(arguments) => shell::completions(&arguments),
         Command::Man(arguments) => shell::manual(&arguments),
     };

@@ -216,17 +216,7 @@ pub(crate) fn render(arguments: &Arguments, given: &Given) -> Result<(), Failure
         Input::Checkpoint(saved) => Footage::Live(checkpoint(arguments, given, *saved)?),
         Input::Trajectory(reader) => {
             let name = arguments.scene.display().to_string();
-            for (option, id) in [
-                ("dt", "dt"),
-                ("integrator", "integrator"),
-                ("set", "set"),
-                ("backend", "backend"),
-                ("broad-phase", "broad_phase"),
-            ] {
-                if given.has(id) {
-                    return Err(Failure::usage(format!("--{option}: {name} is a trajectory, which is not run again")));
-                }
-            }
+            given.refuse_for_trajectory(&name)?;
             Footage::Recorded(Recorded::new(name, *reader)?)
         }
     };

@@ -9,6 +9,8 @@ mod device;
 mod files;
 #[path = "window/keys.rs"]
 mod keys;
+#[path = "window/playback.rs"]
+mod playback;
 #[path = "window/pointer.rs"]
 mod pointer;
 #[path = "window/time.rs"]

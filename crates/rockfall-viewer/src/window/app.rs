@@ -1,5 +1,6 @@
 //! The window: handles events and draws frames.
 
+use std::cell::RefCell;
 use std::fmt;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
@@ -18,6 +19,7 @@ use winit::window::{Window, WindowId};
 
 use super::graphics::{Graphics, Widgets};
 use super::message::Level;
+use super::session::playback::Playback;
 use super::session::{Session, Source};
 use super::viewer::Viewer;
 use super::{report, ui};
@@ -33,6 +35,8 @@ pub struct Launch {
     pub source: Source,
     /// Warnings about the scene, which are shown as messages.
     pub warnings: Vec<String>,
+    /// The trajectory to play, whose scene is the initial one.
+    pub playback: RefCell<Option<Playback>>,
     /// Options of the simulation.
     pub options: Options,
     /// Time step, in s.
@@ -201,6 +205,9 @@ impl OpenWindow {
         let graphics = Graphics::open(&window, events.owned_display_handle())?;
         let opener = graphics.opener(&launch.options);
         let mut session = Session::open(launch.source.clone(), launch.overrides.clone(), launch.time_step, opener)?;
+        if let Some(playback) = launch.playback.take() {
+            session.play(playback);
+        }
         for warning in &launch.warnings {
             session.tell(Level::Warning, warning);
         }
