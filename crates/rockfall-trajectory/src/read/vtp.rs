@@ -63,6 +63,9 @@ impl Frames {
 
 /// Reads a frame. The arrays follow the XML in binary form, each after its length.
 fn read(bytes: &[u8]) -> Result<States, String> {
+    if !bytes.trim_ascii_end().ends_with(b"</VTKFile>") {
+        return Err("it is cut off or not a .vtp file".to_owned());
+    }
     const DATA: &[u8] = b"<AppendedData encoding=\"raw\">\n_";
     let at = bytes.windows(DATA.len()).position(|window| window == DATA).ok_or("it has no appended arrays")?;
     let head = std::str::from_utf8(&bytes[..at]).map_err(|_| "it is not a .vtp file")?;
