@@ -85,7 +85,7 @@ impl Camera {
         let depths = || balls.iter().map(|(centre, _)| forward.dot(*centre));
         let middle = 0.5 * (depths().fold(f32::INFINITY, f32::min) + depths().fold(f32::NEG_INFINITY, f32::max));
         let distance = MARGIN * (middle - wide.min(high));
-        if !(distance.is_finite() && distance > 0.0) {
+        if !(distance.is_finite() && distance > 1e-5 * middle.abs()) {
             return None;
         }
         let target = x * right + y * up + middle * forward;

@@ -8,9 +8,9 @@ use rockfall::model::step::Step;
 use rockfall::wgpu;
 use rockfall::{Result, Scene, Simulation};
 
-use crate::bounds::Extent;
 pub use crate::bounds::bounds;
 use crate::camera::Camera;
+use crate::extent::Extent;
 use crate::legend::Legend;
 pub use crate::palette;
 use crate::survey::Survey;

@@ -68,6 +68,8 @@ fn number(value: f32) -> String {
     }
 }
 
+/// Title of the scale of the number of contacts.
+pub(crate) const CONTACTS: &str = "contacts";
 /// Number of ticks on a scale.
 const MOST_TICKS: usize = 6;
 
@@ -125,7 +127,9 @@ impl Sheet<'_> {
             let x = left + x as f32;
             self.fill([x, bar, x + 1.0, end], [channel(0), channel(1), channel(2)], |_, _| 1.0);
         }
-        for (part, label) in self.ticks(range, long) {
+        // There is no half of a contact.
+        let least = if title == CONTACTS { 1.0 } else { 0.0 };
+        for (part, label) in self.ticks(range, long, least) {
             let x = left + part * long;
             let mark = [x.min(left + long - 1.0), end, x.min(left + long - 1.0) + 1.0, end + 0.25 * em];
             self.fill(mark, INK, |_, _| 1.0);
@@ -136,8 +140,8 @@ impl Sheet<'_> {
         }
     }
 
-    /// Returns as many ticks at round values as fit: their positions from 0 to 1, and their labels.
-    fn ticks(&self, range: [f32; 2], long: f32) -> Vec<(f32, String)> {
+    /// Returns as many ticks at round values as fit, at least `least` apart: their positions from 0 to 1, and their labels.
+    fn ticks(&self, range: [f32; 2], long: f32, least: f64) -> Vec<(f32, String)> {
         let labelled = |step: f64| -> Vec<(f32, String)> {
             let part = |value: f64| ((value - f64::from(range[0])) / f64::from(range[1] - range[0])) as f32;
             round_values(range, step).into_iter().map(|value| (part(value), number(value as f32))).collect()
@@ -146,7 +150,8 @@ impl Sheet<'_> {
             let needs = |pair: &[(f32, String)]| 0.5 * (self.width(&pair[0].1) + self.width(&pair[1].1)) + 0.8 * self.em;
             ticks.windows(2).all(|pair| (pair[1].0 - pair[0].0) * long >= needs(pair))
         };
-        let found = steps(range).map(labelled).find(|ticks| ticks.len() <= MOST_TICKS && fits(ticks));
+        let found =
+            steps(range).filter(|step| *step >= least).map(labelled).find(|ticks| ticks.len() <= MOST_TICKS && fits(ticks));
         found.filter(|ticks| ticks.len() > 1).unwrap_or_else(|| {
             // No two round values fit, so the ends of the range have to do.
             vec![(0.0, number(range[0])), (1.0, number(range[1]))]
@@ -248,12 +253,14 @@ mod tests {
         let mut picture = blank();
         let font = FontRef::try_from_slice(epaint_default_fonts::UBUNTU_LIGHT).unwrap();
         let sheet = Sheet { picture: &mut picture, font, em: 12.0 };
-        let ticks = |range| sheet.ticks(range, 150.0).into_iter().map(|(_, label)| label).collect::<Vec<_>>();
+        let spaced = |range, least| sheet.ticks(range, 150.0, least).into_iter().map(|(_, label)| label).collect::<Vec<_>>();
+        let ticks = |range| spaced(range, 0.0);
+        assert_eq!(spaced([0.0, 2.0], 1.0), ["0", "1", "2"]);
         assert_eq!(ticks([0.0, 5.0]), ["0", "1", "2", "3", "4", "5"]);
         assert_eq!(ticks([0.0, 20.0]), ["0", "5", "10", "15", "20"]);
         assert_eq!(ticks([0.13, 0.94]), ["0.2", "0.4", "0.6", "0.8"]);
         assert_eq!(ticks([-3.0, 4.0]), ["-2", "0", "2", "4"]);
-        assert_eq!(ticks([0.0, 2e-7]), ["0", "1e-7", "2e-7"]);
+        assert_eq!(ticks([0.0, 2e-7]), ["0", "5e-8", "1e-7", "1.5e-7", "2e-7"]);
         assert_eq!(ticks([1.00001, 1.00002]).len(), 2);
     }
 

@@ -14,6 +14,7 @@
 mod bounds;
 pub mod camera;
 pub mod draw;
+mod extent;
 pub mod film;
 pub mod legend;
 pub mod palette;

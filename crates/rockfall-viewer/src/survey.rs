@@ -3,7 +3,7 @@
 use rockfall::Scene;
 use rockfall::glam::Vec3;
 
-use crate::bounds::{Extent, extents_of_static_objects};
+use crate::extent::{Extent, extents_of_static_objects};
 
 /// Approximate number of bodies whose places are kept.
 const MOST_BODIES: usize = 1000;

@@ -121,7 +121,9 @@ fn the_scale_does_not_depend_on_a_body_that_falls_for_ever() {
 fn spheres_have_their_own_colours_and_the_light_comes_from_the_given_side() {
     let mut scene = Scene::new();
     scene.settings.gravity = 0.0;
-    [-1.0, 1.0].map(|x| scene.add_sphere(Sphere::new([x, 0.0, 0.0], 0.8)).unwrap());
+    for x in [-1.0, 1.0] {
+        scene.add_sphere(Sphere::new([x, 0.0, 0.0], 0.8)).unwrap();
+    }
     let mut simulation = simulation(scene, Backend::Cpu);
     let (mut renderer, canvas, mut style) = (renderer(), canvas(), Style::default());
     renderer.set_colours(vec![None, Some([255, 0, 0])]);

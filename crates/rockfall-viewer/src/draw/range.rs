@@ -4,8 +4,8 @@ use bytemuck::{Pod, Zeroable};
 use rockfall::exec::gpu::catch;
 use rockfall::{Result, Scene, wgpu};
 
-use crate::bounds::Extent;
 use crate::draw::layouts::Layouts;
+use crate::extent::Extent;
 use crate::read_back::read_back;
 
 /// Factor by which the recorded value decreases per frame, so that the scale shrinks slowly.

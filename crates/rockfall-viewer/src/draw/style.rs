@@ -3,6 +3,7 @@
 use rockfall::SphereDiagnostics;
 use rockfall::glam::Vec3;
 
+use crate::legend::CONTACTS;
 use crate::palette::{KINDS, Rgb};
 
 /// The quantity that the colour of a body shows.
@@ -37,7 +38,7 @@ impl ColourBy {
         match self {
             Self::Kind | Self::Body => None,
             Self::Speed => Some("speed, units/s"),
-            Self::Contacts => Some("contacts"),
+            Self::Contacts => Some(CONTACTS),
             Self::Overlap => Some("deepest overlap, units"),
             Self::Force => Some("net force, mass units/s²"),
             Self::ContactForce => Some("contact force, mass units/s²"),

@@ -2,7 +2,7 @@
 
 use rockfall::Scene;
 
-use crate::bounds::{Extent, extent_of_spheres, extents_of_static_objects};
+use crate::extent::{Extent, extent_of_spheres, extents_of_static_objects};
 
 /// Properties of a scene that the renderer needs in addition to the buffers.
 #[derive(Clone, Debug, PartialEq)]

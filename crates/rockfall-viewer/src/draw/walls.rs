@@ -183,10 +183,10 @@ mod tests {
     fn a_wall_that_hides_a_single_body_or_its_foot_is_removed() {
         let narrow = Cuboid::between([-0.65, 0.0, 3.0], [-0.6, 2.0, 4.0]);
         assert_eq!(drawn(&[narrow], &[], &[]), [0]);
-        // From the eye at a height of 1, a wall of height 0.72 at z = 3 hides what is below 0.02 at z = 0.
-        let low = Cuboid::between([-5.0, 0.0, 3.0], [5.0, 0.72, 3.1]);
+        // From the eye at (0, 1, 10), a wall of height 0.306 at z = 3 hides what is below 0.008 at z = 0.
+        let low = Cuboid::between([-5.0, 0.0, 3.0], [5.0, 0.32, 3.1]);
         assert_eq!(drawn(&[low], &[], &[]), [0]);
-        let lower = Cuboid::between([-5.0, 0.0, 3.0], [5.0, 0.68, 3.1]);
+        let lower = Cuboid::between([-5.0, 0.0, 3.0], [5.0, 0.30, 3.1]);
         assert_eq!(drawn(&[lower], &[], &[]), [1]);
     }
 

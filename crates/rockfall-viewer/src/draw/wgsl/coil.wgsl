@@ -14,8 +14,8 @@ const TURN: f32 = 6.2831853;
 const WIRE: f32 = 0.6;
 const LINE: f32 = 0.45;
 /// Distance between two turns, and radius of the turns, between which a coil becomes a line, in pixels.
-const PITCH: vec2f = vec2f(4.5, 8.0);
-const TURN_RADIUS: vec2f = vec2f(2.0, 4.0);
+const PITCH: vec2f = vec2f(3.0, 5.0);
+const TURN_RADIUS: vec2f = vec2f(1.5, 3.0);
 
 /// A coil from one surface to the other.
 struct Coil {
