@@ -227,11 +227,10 @@ fn columns([width, height]: [usize; 2], pixels: &[u8]) -> Vec<f32> {
 #[test]
 fn the_camera_frames_what_happens_in_the_whole_film() {
     let folder = Folder::new();
-    let scene = "set gravity 0\nS 1 0 0 0 40 0 0 0 0 0 1 0.5 0\nS 2 0 2 0 0 0 0 0 0 0 1 0.5 0\n";
+    let scene = "set gravity 0\nS 1 0 0 0 12 0 0 0 0 0 1 0.5 0\nS 2 0 2 0 0 0 0 0 0 0 1 0.5 0\n";
     fs::write(folder.path("scene.txt"), scene).unwrap();
     let style = "--plain --background white --backend cpu --fps 5 --colour spheres=black --at 0";
     let places = |film: &[Vec<u8>]| -> Vec<Option<usize>> {
-        // The ground is below the balls, so the upper half has nothing but them.
         let darkest = |picture: &Vec<u8>| {
             let columns = columns([96, 64], picture);
             (0..96).filter(|x| columns[*x] < 250.0).max()

@@ -246,7 +246,7 @@ impl Renderer {
         };
         let blend = if self.buffers.can_blend() { self.blend } else { 1.0 };
         let summary = self.summary.clone().unwrap_or_default();
-        self.buffers.set_drawn(&self.queue, &self.walls.drawn(camera.eye));
+        self.buffers.set_drawn(&self.queue, &self.walls.drawn(camera.eye, self.survey.is_none()));
         let mut frame = Frame::new(&self.step, camera, style, &summary, targets.size);
         (frame.blend, frame.range) = (blend, self.range(style));
         self.queue.write_buffer(&self.uniform, 0, bytemuck::bytes_of(&frame));

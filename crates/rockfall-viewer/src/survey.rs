@@ -13,9 +13,11 @@ const MANY: usize = 20;
 const OUTLIER_DISTANCE: f32 = 0.6;
 /// A body that comes back from an excursion is shown up to this distance from the majority, divided by its extent.
 const EXCURSION: f32 = 2.0;
-/// Distance from the other bodies, divided by their extent, from which on one of a few bodies is an outlier. The first holds
-/// for a body that has moved away, the second for one that was there from the start.
-const ESCAPED: [f32; 2] = [3.0, 10.0];
+/// Distance from the other bodies, divided by their extent, from which on one of a few bodies is an outlier: for a body that
+/// has fallen, one that was there from the start, and one that has moved to a side, which may be what the film is about.
+const FALLEN: f32 = 3.0;
+const FAR: f32 = 10.0;
+const FLOWN: f32 = 30.0;
 
 /// The places of the bodies in one or several states of a scene, for [`Camera::of_survey`](crate::camera::Camera::of_survey).
 ///
@@ -28,6 +30,8 @@ pub struct Survey {
     paths: Vec<Vec<Vec3>>,
     /// Points that belong to the bodies: the fixed ends of tethers.
     anchors: Option<Extent>,
+    /// Direction of gravity.
+    down: Vec3,
     /// Height of the lowest point of the static objects. Bodies below it fall for ever.
     lowest: f32,
 }
@@ -43,6 +47,7 @@ impl Survey {
             radii: spheres.iter().step_by(stride).map(|sphere| sphere.radius).collect(),
             paths: vec![Vec::new(); spheres.len().div_ceil(stride)],
             anchors: Extent::of(scene.tethers().iter().map(|tether| tether.point)),
+            down: scene.settings.gravity_direction,
             lowest: lowest.unwrap_or(f32::NEG_INFINITY),
         };
         survey.add(scene);
@@ -101,9 +106,11 @@ impl Survey {
             let Some(at) = (0..left.len()).find(|at| self.escapes(left[*at], &left)) else { break };
             escaped.push(left.swap_remove(at));
         }
-        let Some(room) = self.extent_of(&left, None).map(|extent| extent.grown(0.3 * extent.size())) else {
-            return Vec::new();
-        };
+        let Some(others) = self.extent_of(&left, None) else { return Vec::new() };
+        // The start of a body that flies away is shown, if it starts among the others.
+        let starts = escaped.iter().filter_map(|body| Some(Extent::around(*self.paths[*body].first()?, self.radii[*body])));
+        let near = starts.filter(|start| others.distance(start.min) < others.size());
+        let room = near.fold(others, Extent::with).grown(0.3 * others.size());
         let path = |body: usize| self.paths[body].iter().map(move |place| (*place, self.radii[body]));
         let kept = left.iter().flat_map(|body| path(*body));
         kept.chain(escaped.iter().flat_map(|body| path(*body)).filter(|(place, _)| room.contains(*place))).collect()
@@ -117,7 +124,13 @@ impl Survey {
         };
         let [before, after] = [first, last].map(|place| others.distance(*place));
         let moved = after > 4.0 * before + self.radii[body];
-        after > ESCAPED[usize::from(!moved)] * others.size() || !last.is_finite()
+        let beside = *last - last.clamp(others.min, others.max);
+        let room = match moved {
+            true if beside.dot(self.down) > 0.7 * beside.length() => FALLEN,
+            true => FLOWN,
+            false => FAR,
+        };
+        after > room * others.size() || !last.is_finite()
     }
 
     /// Extent of the paths of some bodies and the anchors, without one of the bodies.
@@ -197,6 +210,14 @@ mod tests {
         scene.add_tether(Tether::new(bob, [0.0, 0.0, 0.0], 1.0)).unwrap();
         scene.add_sphere(Sphere::new([2.0, -4000.0, 0.0], 0.5)).unwrap();
         assert!(Survey::new(&scene).extent().unwrap().size() < 4.0);
+    }
+
+    #[test]
+    fn one_of_two_bodies_that_moves_to_a_side_is_shown() {
+        let place =
+            |body: usize, state: usize| 2.0 * body as f32 * Vec3::Y + Vec3::X * if body == 0 { state as f32 } else { 0.0 };
+        assert_eq!(survey(2, 21, false, place).extent().unwrap().max.x, 20.5);
+        assert!(survey(2, 200, false, place).extent().unwrap().max.x < 2.0);
     }
 
     #[test]

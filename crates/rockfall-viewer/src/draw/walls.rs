@@ -18,6 +18,9 @@ const FLOOR_SHARE: f32 = 0.1;
 /// Distance from a box up to which a body lies on it, divided by its radius.
 const TOUCH: f32 = 1.1;
 
+/// Number of frames for which a wall stays away, so that it does not flicker when bodies move behind it.
+const HELD: u32 = 45;
+
 /// A box.
 #[derive(Debug)]
 struct Wall {
@@ -32,6 +35,8 @@ struct Wall {
 pub(crate) struct Walls {
     boxes: Vec<Wall>,
     polygons: Vec<Polygon>,
+    /// For how many calls each box and each polygon is not drawn.
+    held: Vec<u32>,
     /// The centre of every body, and the point where it would touch the ground.
     points: Vec<[Vec3; 2]>,
 }
@@ -45,6 +50,7 @@ impl Walls {
         };
         self.boxes = scene.boxes().iter().map(wall).collect();
         self.polygons = scene.polygons().to_vec();
+        self.held.clear();
     }
 
     /// Takes the bodies that have to be visible.
@@ -64,14 +70,22 @@ impl Walls {
         self.points = balls.into_iter().step_by(stride).map(points).collect();
     }
 
-    /// Returns for each box, then for each polygon, 1 if it is drawn and 0 if it hides a body.
-    pub(crate) fn drawn(&self, eye: Vec3) -> Vec<u32> {
-        let boxes = self.boxes.iter().map(|wall| !self.is_before(wall, eye));
-        let polygons = self
-            .polygons
-            .iter()
-            .map(|polygon| !self.points.iter().flatten().any(|point| crosses_polygon(polygon, eye, *point)));
-        boxes.chain(polygons).map(u32::from).collect()
+    /// Returns for each box, then for each polygon, 1 if it is drawn and 0 if it hides a body. With `hold`, a wall that has
+    /// hidden a body stays away for the next [`HELD`] calls.
+    pub(crate) fn drawn(&mut self, eye: Vec3, hold: bool) -> Vec<u32> {
+        let boxes = self.boxes.iter().map(|wall| self.is_before(wall, eye));
+        let points = || self.points.iter().flatten();
+        let polygons = self.polygons.iter().map(|polygon| points().any(|point| crosses_polygon(polygon, eye, *point)));
+        let hides: Vec<bool> = boxes.chain(polygons).collect();
+        self.held.resize(hides.len(), 0);
+        for (held, hides) in self.held.iter_mut().zip(hides) {
+            *held = match hides {
+                true => HELD,
+                false if hold => held.saturating_sub(1),
+                false => 0,
+            };
+        }
+        self.held.iter().map(|held| u32::from(*held == 0)).collect()
     }
 
     fn is_before(&self, wall: &Wall, eye: Vec3) -> bool {
@@ -168,7 +182,7 @@ mod tests {
         let mut walls = Walls::default();
         walls.set_scene(&scene);
         walls.set_bodies(&Survey::new(&scene));
-        walls.drawn(EYE)
+        walls.drawn(EYE, false)
     }
 
     #[test]
@@ -188,6 +202,26 @@ mod tests {
         assert_eq!(drawn(&[low], &[], &[]), [0]);
         let lower = Cuboid::between([-5.0, 0.0, 3.0], [5.0, 0.30, 3.1]);
         assert_eq!(drawn(&[lower], &[], &[]), [1]);
+    }
+
+    #[test]
+    fn a_wall_comes_back_some_frames_after_the_body_has_left() {
+        let scene = |x: f32| {
+            let mut scene = Scene::new();
+            scene.add_sphere(Sphere::new([x, 0.5, 0.0], 0.1)).unwrap();
+            scene.add_box(Cuboid::between([-0.5, 0.0, 3.0], [0.5, 2.0, 4.0])).unwrap();
+            scene
+        };
+        let mut walls = Walls::default();
+        walls.set_scene(&scene(0.0));
+        let mut drawn = |x: f32, hold: bool| {
+            walls.set_bodies(&Survey::new(&scene(x)));
+            walls.drawn(EYE, hold)
+        };
+        assert_eq!(drawn(0.0, true), [0]);
+        assert!((1..HELD).all(|_| drawn(4.0, true) == [0]));
+        assert_eq!(drawn(4.0, true), [1]);
+        assert_eq!([drawn(0.0, false), drawn(4.0, false)], [[0], [1]]);
     }
 
     #[test]
