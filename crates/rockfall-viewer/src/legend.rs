@@ -148,7 +148,7 @@ impl Sheet<'_> {
         };
         let fits = |ticks: &[(f32, String)]| {
             let needs = |pair: &[(f32, String)]| 0.5 * (self.width(&pair[0].1) + self.width(&pair[1].1)) + 0.8 * self.em;
-            ticks.windows(2).all(|pair| (pair[1].0 - pair[0].0) * long >= needs(pair))
+            ticks.windows(2).all(|pair| pair[0].1 != pair[1].1 && (pair[1].0 - pair[0].0) * long >= needs(pair))
         };
         let found =
             steps(range).filter(|step| *step >= least).map(labelled).find(|ticks| ticks.len() <= MOST_TICKS && fits(ticks));

@@ -10,7 +10,7 @@ use crate::survey::Survey;
 const MOST_TESTS: usize = 4_000_000;
 /// Height of the lower point of a body that has to be visible, above its lowest point and divided by its radius.
 const FOOT: f32 = 0.08;
-/// A box is a floor if its height divided by its width is less than this, or if a body lies on it.
+/// A box is a floor if its height divided by its width is less than this, or if more bodies lie on it than it hides.
 const FLOOR_HEIGHT: f32 = 0.25;
 /// A floor is removed only if it hides more than this part of the bodies. It may hide some that fall past it, and without it
 /// the bodies on it would float.
@@ -27,7 +27,8 @@ struct Wall {
     cuboid: Cuboid,
     /// Transforms an offset from the corner to coordinates along the edges.
     into: Mat3,
-    carries_bodies: bool,
+    /// Number of bodies that lie on the box.
+    carried: usize,
 }
 
 /// The walls of a scene, and the points that they must not hide.
@@ -46,7 +47,7 @@ impl Walls {
     pub(crate) fn set_scene(&mut self, scene: &Scene) {
         let wall = |cuboid: &Cuboid| {
             let [i, j, k] = cuboid.edges;
-            Wall { cuboid: *cuboid, into: Mat3::from_cols(i, j, k).inverse(), carries_bodies: false }
+            Wall { cuboid: *cuboid, into: Mat3::from_cols(i, j, k).inverse(), carried: 0 }
         };
         self.boxes = scene.boxes().iter().map(wall).collect();
         self.polygons = scene.polygons().to_vec();
@@ -64,7 +65,7 @@ impl Walls {
         // An odd stride does not always meet the same body or the same state.
         let stride = stride | 1;
         for wall in &mut self.boxes {
-            wall.carries_bodies = balls.iter().step_by(stride).any(|(place, radius)| wall.carries(*place, *radius));
+            wall.carried = balls.iter().step_by(stride).filter(|(place, radius)| wall.carries(*place, *radius)).count();
         }
         let points = |(place, radius): (Vec3, f32)| [place, place - (1.0 - FOOT) * radius * Vec3::Y];
         self.points = balls.into_iter().step_by(stride).map(points).collect();
@@ -92,11 +93,9 @@ impl Walls {
         let local = |point: Vec3| wall.into * (point - wall.cuboid.corner);
         let from = local(eye);
         let hides = |points: &&[Vec3; 2]| points.iter().any(|point| crosses_unit_cube(from, local(*point)));
-        if !wall.carries_bodies && !wall.is_flat(eye) {
-            return self.points.iter().any(|points| hides(&points));
-        }
         let hidden = self.points.iter().filter(hides).count();
-        hidden as f32 > FLOOR_SHARE * self.points.len() as f32
+        let is_floor = wall.carried > hidden || wall.is_flat(eye);
+        hidden > 0 && (!is_floor || hidden as f32 > FLOOR_SHARE * self.points.len() as f32)
     }
 }
 
@@ -243,6 +242,9 @@ mod tests {
         let on_it: Vec<Vec3> = (0..10).map(|k| Vec3::new(k as f32, 0.1, 2.2)).collect();
         assert_eq!(drawn(&[low], &[], &[behind - 0.5 * Vec3::Y]), [0]);
         assert_eq!(drawn(&[low], &[], &[&on_it[..], &[behind - 0.5 * Vec3::Y]].concat()), [1]);
+        // A body on a wall that hides two others does not keep it.
+        let two = [behind - 0.5 * Vec3::Y, behind - 0.5 * Vec3::Y + 0.3 * Vec3::X];
+        assert_eq!(drawn(&[low], &[], &[&on_it[..1], &two].concat()), [0]);
     }
 
     #[test]
