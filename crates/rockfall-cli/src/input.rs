@@ -18,7 +18,7 @@ const ARCHIVE: &[u8] = b"PK\x03\x04";
 
 /// A file that was opened.
 pub(crate) enum Input {
-    Scene(Source),
+    Scene(Box<Source>),
     Checkpoint(Box<Saved>),
     Trajectory(Box<Reader>),
 }
@@ -36,7 +36,7 @@ impl Input {
     /// Opens a file. `None` selects the built-in scene, `-` a scene from standard input.
     pub(crate) fn read(path: Option<&Path>) -> Result<Self, Failure> {
         let Some(path) = path else {
-            return Source::read(None).map(Self::Scene);
+            return Self::scene(None);
         };
         match Kind::of(path) {
             Kind::Checkpoint => Saved::read(path).map(|saved| Self::Checkpoint(Box::new(saved))),
@@ -46,8 +46,14 @@ impl Input {
                  `run --every K --out NAME.npz` or `NAME.pvd` writes it",
                 path.display()
             ))),
-            Kind::Scene => Source::read(Some(path)).map(Self::Scene),
+            Kind::Scene => Self::scene(Some(path)),
         }
+    }
+}
+
+impl Input {
+    fn scene(path: Option<&Path>) -> Result<Self, Failure> {
+        Source::read(path).map(|source| Self::Scene(Box::new(source)))
     }
 }
 

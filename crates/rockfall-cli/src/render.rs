@@ -212,12 +212,12 @@ pub(crate) fn render(arguments: &Arguments, given: &Given) -> Result<(), Failure
     let product = arguments.product(matches!(input, Input::Trajectory(_)))?;
     Source::is_not(Some(&arguments.scene), &arguments.out)?;
     let footage = match input {
-        Input::Scene(source) => Footage::Live(scene(arguments, source)?),
-        Input::Checkpoint(saved) => Footage::Live(checkpoint(arguments, given, *saved)?),
+        Input::Scene(source) => Footage::Live(Box::new(scene(arguments, *source)?)),
+        Input::Checkpoint(saved) => Footage::Live(Box::new(checkpoint(arguments, given, *saved)?)),
         Input::Trajectory(reader) => {
             let name = arguments.scene.display().to_string();
             given.refuse_for_trajectory(&name)?;
-            Footage::Recorded(Recorded::new(name, *reader)?)
+            Footage::Recorded(Box::new(Recorded::new(name, *reader)?))
         }
     };
     // Created first, so that a picture size that the device does not support fails before the simulation.

@@ -46,7 +46,8 @@ impl Shown {
         let name = arguments.scene.as_ref().map_or(String::new(), |path| path.display().to_string());
         let options = arguments.engine.options(&arguments.physics);
         match Input::read(arguments.scene.as_deref())? {
-            Input::Scene(Source { name, loaded }) => {
+            Input::Scene(source) => {
+                let Source { name, loaded } = *source;
                 let mut scene = loaded.scene;
                 arguments.physics.change(&mut scene.settings)?;
                 let warnings = loaded.warnings.iter();

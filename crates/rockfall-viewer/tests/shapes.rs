@@ -198,10 +198,14 @@ fn walls_before_a_body_leave_only_their_edges() {
         picture(scene, &camera, &style)
     };
     let free = shown(&|_| ());
-    let wall: [&dyn Fn(&mut Scene); 2] =
-        [&|scene| drop(scene.add_box(Cuboid::between([-1.5, 0.0, 2.0], [1.5, 1.6, 2.5])).map(|_| ())), &|scene| {
-            drop(scene.add_polygon(Polygon::new([-1.5, 0.0, 2.0], [3.0, 0.0, 0.0], [0.0, 1.6, 0.0])).map(|_| ()))
-        }];
+    let wall: [&dyn Fn(&mut Scene); 2] = [
+        &|scene| {
+            scene.add_box(Cuboid::between([-1.5, 0.0, 2.0], [1.5, 1.6, 2.5])).unwrap();
+        },
+        &|scene| {
+            scene.add_polygon(Polygon::new([-1.5, 0.0, 2.0], [3.0, 0.0, 0.0], [0.0, 1.6, 0.0])).unwrap();
+        },
+    ];
     for (name, wall) in [("box", wall[0]), ("polygon", wall[1])] {
         let behind = shown(wall);
         for point in [Vec3::new(0.0, 0.5, 0.5), Vec3::new(0.0, 0.05, 0.2), Vec3::new(0.8, 0.5, 0.0)] {
@@ -215,7 +219,9 @@ fn walls_before_a_body_leave_only_their_edges() {
         assert!(darkest > Some(30), "{name}: {darkest:?}");
     }
     // A wall beside the body is whole.
-    let beside = shown(&|scene| drop(scene.add_box(Cuboid::between([1.5, 0.0, 2.0], [3.0, 1.6, 2.5])).map(|_| ())));
+    let beside = shown(&|scene| {
+        scene.add_box(Cuboid::between([1.5, 0.0, 2.0], [3.0, 1.6, 2.5])).unwrap();
+    });
     let [x, y] = projected(&camera, Vec3::new(2.2, 0.8, 2.5)).map(|place| place as u32);
     assert_ne!(pixel(&beside, x, y), pixel(&free, x, y));
 }

@@ -15,8 +15,8 @@ const SURVEYED: u64 = 100;
 
 /// The states that a picture or a film shows.
 pub(super) enum Footage {
-    Live(Live),
-    Recorded(Recorded),
+    Live(Box<Live>),
+    Recorded(Box<Recorded>),
 }
 
 /// Which part of the states a film shows.
@@ -59,7 +59,7 @@ impl Footage {
     /// Shows a moment, which must not be before the last one.
     pub(super) fn show(&mut self, renderer: &mut Renderer, style: &Style, moment: Moment) -> rockfall::Result<()> {
         match self {
-            Self::Live(live) => live.player.show(&mut live.simulation, renderer, style, moment),
+            Self::Live(live) => live.show(renderer, style, moment),
             Self::Recorded(recorded) => recorded.show(renderer, style, moment),
         }
     }
@@ -111,6 +111,10 @@ impl Live {
 
     fn timing(&self, cut: Cut) -> Timing {
         Timing { steps: cut.steps.unwrap_or(0), dt: self.dt, fps: cut.fps, speed: cut.speed }
+    }
+
+    fn show(&mut self, renderer: &mut Renderer, style: &Style, moment: Moment) -> rockfall::Result<()> {
+        self.player.show(&mut self.simulation, renderer, style, moment)
     }
 
     fn run(&mut self, steps: u64) -> Result<(), Failure> {

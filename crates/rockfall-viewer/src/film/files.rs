@@ -26,12 +26,7 @@ pub(super) fn write_apng(path: &Path, fps: u32, count: u64, pictures: impl Itera
     file.commit().map_err(&wrong)
 }
 
-fn start<'a>(
-    file: &'a mut AtomicFile,
-    [width, height]: [u32; 2],
-    fps: u32,
-    count: u64,
-) -> io::Result<png::Writer<&'a mut AtomicFile>> {
+fn start(file: &mut AtomicFile, [width, height]: [u32; 2], fps: u32, count: u64) -> io::Result<png::Writer<&mut AtomicFile>> {
     let mut encoder = png::Encoder::new(file, width, height);
     encoder.set_color(png::ColorType::Rgb);
     encoder.set_depth(png::BitDepth::Eight);
