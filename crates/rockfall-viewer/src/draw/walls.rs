@@ -92,6 +92,10 @@ impl Walls {
     fn is_before(&self, wall: &Wall, eye: Vec3) -> bool {
         let local = |point: Vec3| wall.into * (point - wall.cuboid.corner);
         let from = local(eye);
+        if is_in_unit_cube(from) {
+            // Everything is behind the faces of a box around the eye.
+            return true;
+        }
         let hides = |points: &&[Vec3; 2]| points.iter().any(|point| crosses_unit_cube(from, local(*point)));
         let hidden = self.points.iter().filter(hides).count();
         let is_floor = wall.carried > hidden || wall.is_flat(eye);
@@ -132,11 +136,14 @@ fn crosses_polygon(polygon: &Polygon, from: Vec3, to: Vec3) -> bool {
     (0.0..=square).contains(&left) && (0.0..=square).contains(&right)
 }
 
+fn is_in_unit_cube(point: Vec3) -> bool {
+    point.cmpge(Vec3::ZERO).all() && point.cmple(Vec3::ONE).all()
+}
+
 /// Whether the line between two points goes through the unit cube; false if either point is in the cube.
 fn crosses_unit_cube(from: Vec3, to: Vec3) -> bool {
     let line = to - from;
-    let inside = |point: Vec3| point.cmpge(Vec3::ZERO).all() && point.cmple(Vec3::ONE).all();
-    if inside(from) || inside(to) {
+    if is_in_unit_cube(from) || is_in_unit_cube(to) {
         return false;
     }
     let (mut first, mut last) = (0.0_f32, 1.0_f32);
@@ -189,7 +196,8 @@ mod tests {
         let before = Cuboid::between([-5.0, 0.0, 3.0], [5.0, 2.0, 4.0]);
         let behind = Cuboid::between([-5.0, 0.0, -4.0], [5.0, 2.0, -3.0]);
         let floor = Cuboid::between([-50.0, -1.0, -50.0], [50.0, 0.0, 50.0]);
-        assert_eq!(drawn(&[before, behind, floor], &[], &[]), [0, 1, 1]);
+        let around_the_eye = Cuboid::between([-5.0, 0.0, 9.0], [5.0, 2.0, 11.0]);
+        assert_eq!(drawn(&[before, behind, floor, around_the_eye], &[], &[]), [0, 1, 1, 0]);
     }
 
     #[test]
