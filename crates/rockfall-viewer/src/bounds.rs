@@ -8,6 +8,8 @@ use crate::survey::Survey;
 
 /// Static objects larger than this times the extent of the spheres are surroundings and need not be in the picture.
 const SURROUNDINGS: f32 = 0.6;
+/// The same in a film, whose extent contains all that the spheres reach.
+const SURROUNDINGS_OF_FILM: f32 = 0.2;
 /// Distance that the spheres may fall without leaving the picture, divided by their extent.
 const FALL_DISTANCE: f32 = 1.0;
 /// Distance below the lowest place of the spheres in a film up to which the ground is shown, divided by their extent.
@@ -46,7 +48,7 @@ pub(crate) fn balls_to_show(survey: &Survey, scene: &Scene) -> Vec<(Vec3, f32)> 
 /// spheres have already fallen, so that is shown only if it is near.
 fn surroundings(spheres: Extent, moves: bool, scene: &Scene) -> impl Iterator<Item = Extent> {
     let size = spheres.size();
-    let fall = if moves { GROUND_DISTANCE } else { FALL_DISTANCE };
+    let (fall, most) = if moves { (GROUND_DISTANCE, SURROUNDINGS_OF_FILM) } else { (FALL_DISTANCE, SURROUNDINGS) };
     let objects = extents_of_static_objects(scene).filter_map(move |object| {
         let under = object.max.y <= spheres.min.y + 0.1 * size
             && object.min.x < spheres.max.x
@@ -58,7 +60,7 @@ fn surroundings(spheres: Extent, moves: bool, scene: &Scene) -> impl Iterator<It
             return Extent::of([middle.with_y(object.max.y.max(spheres.min.y - fall * size)), middle]);
         }
         let near = object.max.cmpge(spheres.min - 0.5 * size).all() && object.min.cmple(spheres.max + 0.5 * size).all();
-        (near && object.size() < SURROUNDINGS * size).then_some(object)
+        (near && object.size() < most * size).then_some(object)
     });
     objects.chain(Extent::of(scene.tethers().iter().map(|tether| tether.point)))
 }
@@ -93,6 +95,18 @@ mod tests {
         assert_eq!(bounds(&scene(&[beside])).1, Vec3::new(4.5, 3.0, 1.0));
         let far = Cuboid::between([40.0, 1.6, 0.0], [40.5, 3.0, 1.0]);
         assert_eq!(bounds(&scene(&[far])).1, Vec3::new(3.25, 2.5, 0.5));
+    }
+
+    #[test]
+    fn in_a_film_only_small_boxes_near_the_spheres_count() {
+        let beside = Cuboid::between([4.0, 1.6, 0.0], [4.5, 3.0, 1.0]);
+        let small = Cuboid::between([4.0, 1.6, 0.0], [4.5, 2.0, 0.5]);
+        for (cuboid, right) in [(beside, 3.25), (small, 4.5)] {
+            let scene = scene(&[cuboid]);
+            let mut film = Survey::new(&scene);
+            film.add(&scene);
+            assert_eq!(bounds_of_survey(&film, &scene).1.x, right);
+        }
     }
 
     #[test]
