@@ -66,7 +66,7 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true)]
     look_at: Option<[f32; 3]>,
     /// Keep this body in the middle of the picture: the number of a sphere
-    #[arg(long, value_name = "BODY", value_parser = whole(0, u32::MAX), allow_negative_numbers = true, conflicts_with = "look_at")]
+    #[arg(long, value_name = "BODY", value_parser = whole(0, u32::MAX), conflicts_with = "look_at")]
     follow: Option<u32>,
     /// Turn the camera around the middle of the picture, in degrees per second of film
     #[arg(long, value_name = "DEGREES", value_parser = degrees, allow_negative_numbers = true)]

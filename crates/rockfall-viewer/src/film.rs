@@ -31,8 +31,8 @@ pub enum Format {
 }
 
 impl Format {
-    /// Returns the format that the extension of a path stands for, in any case. An existing folder, or a path that ends in a separator,
-    /// stands for [`Format::Folder`].
+    /// Returns the format that the extension of a path stands for, in upper or lower case. An existing folder, or a path that
+    /// ends in a separator, stands for [`Format::Folder`].
     pub fn of(path: &Path) -> Option<Self> {
         let ends_in_separator = path.to_string_lossy().ends_with(std::path::is_separator);
         if ends_in_separator || path.is_dir() {

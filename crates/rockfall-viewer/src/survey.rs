@@ -160,7 +160,7 @@ mod tests {
 
     use super::*;
 
-    /// A survey of `states` states of spheres of radius 0.5, whose places follow from body and state, with a floor below y = -1.
+    /// A survey of `states` states of spheres of radius 0.5, whose places follow from body and state. The floor is at y = -1.
     fn survey(bodies: usize, states: usize, floor: bool, place: impl Fn(usize, usize) -> Vec3) -> Survey {
         let scene = |state: usize| {
             let mut scene = Scene::new();
