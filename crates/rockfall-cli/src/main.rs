@@ -10,6 +10,8 @@ mod devices;
 mod failure;
 mod files;
 mod generate;
+#[cfg(feature = "view")]
+mod input;
 mod interrupt;
 mod options;
 mod output;
@@ -48,10 +50,10 @@ enum Command {
     Devices,
     /// Generate a scene of any size.
     Generate(generate::Arguments),
-    /// Write a picture or a film of a scene to a file.
+    /// Write a picture or a film of a scene, a checkpoint or a trajectory to a file.
     #[cfg(feature = "view")]
     Render(render::Arguments),
-    /// Show a scene in a window and interact with it; F1 lists the keys.
+    /// Show a scene, a checkpoint or a trajectory in a window and interact with it; F1 lists the keys.
     #[cfg(feature = "window")]
     View(view::Arguments),
     /// Print a script that completes commands and options in a shell.
@@ -71,9 +73,9 @@ fn main() -> ExitCode {
         Command::Devices => devices::devices(),
         Command::Generate(arguments) => generate::generate(&arguments),
         #[cfg(feature = "view")]
-        Command::Render(arguments) => render::render(&arguments),
+        Command::Render(arguments) => render::render(&arguments, &given),
         #[cfg(feature = "window")]
-        Command::View(arguments) => view::view(&arguments),
+        Command::View(arguments) => view::view(&arguments, &given),
         Command::Completions(arguments) => shell::completions(&arguments),
         Command::Man(arguments) => shell::manual(&arguments),
     };

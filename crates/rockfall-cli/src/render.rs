@@ -1,32 +1,53 @@
-//! `rockfall render`: writes a picture or a film of a scene, without a window.
+//! `rockfall render`: writes a picture or a film of a scene, a checkpoint or a trajectory, without a window.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
-use rockfall::exec::gpu::Gpu;
-use rockfall::output::AtomicFile;
-use rockfall::{Scene, Simulation};
-use rockfall_viewer::camera::Camera;
-use rockfall_viewer::draw::{ColourBy, FrameTimes, Pass, Range, Renderer, Style};
-use rockfall_viewer::film::{self, Format, Player, Timing};
-use rockfall_viewer::picture::{Canvas, FORMAT, Picture};
+use rockfall::Simulation;
+use rockfall::glam::Vec3;
+use rockfall_viewer::draw::{Background, ColourBy, Range, Style};
+use rockfall_viewer::film::Format;
+use rockfall_viewer::palette::Rgb;
 
 use crate::failure::Failure;
 use crate::files;
+use crate::input::{Input, Saved};
 use crate::options::{Engine, Physics, whole};
 use crate::output;
-use crate::progress::Progress;
+use crate::run::Given;
 use crate::source::Source;
 
+mod camera;
+mod colours;
+mod footage;
+mod studio;
+
+use colours::Paint;
+use footage::{Cut, Footage, Live, Recorded};
+use studio::Studio;
+
+/// Details that do not fit into the one-line descriptions of the options.
+const AFTER_HELP: &str = "\
+A checkpoint continues with its constants, time step and integrator; --at and --steps count from it. The scene of a trajectory \
+is drawn as it was recorded, without running it again: --at is the number of a step in it, and a film shows all of it unless \
+--steps is given. A trajectory is what `rockfall run --every K --out NAME.npz` or `NAME.pvd` writes.
+
+Without --camera and --look-at, the camera shows what the bodies do over the whole film. For this a scene is run once before \
+the film is drawn. Bodies that fall or fly away from all others do not count. A box or polygon that hides a body is not drawn, \
+except for its edges.
+
+The number of a body is its reference in the scene text; in a scene without references, the order of addition from 0.";
+
 #[derive(Debug, clap::Args)]
+#[command(after_long_help = AFTER_HELP)]
 pub(crate) struct Arguments {
-    /// Scene file, or - for standard input
+    /// Scene, checkpoint or trajectory (.npz, .pvd), or - for a scene from standard input
     scene: PathBuf,
-    /// FILE.png for a picture; for a film FILE.gif, FILE.apng, FILE.mp4 (needs the program ffmpeg) or FOLDER/
+    /// FILE.png or .jpg for a picture; for a film FILE.gif, .apng, .mp4, .webm (these need the program ffmpeg) or FOLDER/
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
-    /// Number of steps before the picture is taken or the film begins
-    #[arg(long, value_name = "STEP", default_value_t = 0, value_parser = whole(0, u64::MAX), allow_negative_numbers = true)]
-    at: u64,
+    /// Number of steps before the picture is taken or the film begins; in a trajectory, the number of the step
+    #[arg(long, value_name = "STEP", value_parser = whole(0, u64::MAX), allow_negative_numbers = true)]
+    at: Option<u64>,
     /// Number of steps that the film shows
     #[arg(long, value_name = "N", value_parser = whole(1, u64::MAX), allow_negative_numbers = true)]
     steps: Option<u64>,
@@ -39,18 +60,33 @@ pub(crate) struct Arguments {
     /// Size of the picture in pixels
     #[arg(long, value_name = "WxH", default_value = "1280x720", value_parser = size, allow_hyphen_values = true)]
     size: [u32; 2],
-    /// Position of the camera [default: chosen so that the scene is in view]
+    /// Position of the camera [default: chosen so that all that happens is in view]
     #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true)]
     camera: Option<[f32; 3]>,
-    /// Point in the middle of the picture [default: chosen so that the scene is in view]
+    /// Point in the middle of the picture [default: chosen so that all that happens is in view]
     #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true)]
     look_at: Option<[f32; 3]>,
-    /// Quantity shown by colour, with a legend: kind, speed, contacts, overlap or force
+    /// Keep this body in the middle of the picture: the number of a sphere
+    #[arg(long, value_name = "BODY", value_parser = whole(0, u32::MAX), conflicts_with = "look_at")]
+    follow: Option<u32>,
+    /// Turn the camera around the middle of the picture, in degrees per second of film
+    #[arg(long, value_name = "DEGREES", value_parser = degrees, allow_negative_numbers = true)]
+    orbit: Option<f32>,
+    /// What colours show, with a legend: kind, speed, contacts, overlap, force, body, or contact-force for force chains
     #[arg(long, value_name = "WHAT", value_parser = colour_by)]
     colour_by: Option<ColourBy>,
-    /// Values at the ends of the colour scale [default: from 0 to about the largest value]
+    /// Values at the ends of the colour scale [default: from 0 to about the 99th percentile]
     #[arg(long, value_name = "FROM,TO", value_parser = range, allow_hyphen_values = true, requires = "colour_by")]
     range: Option<[f32; 2]>,
+    /// Colour of a sphere, of spheres (1-9) or of a kind (boxes): red, ff8800 and others; may be repeated
+    #[arg(long, value_name = "WHAT=COLOUR", value_parser = colours::paint)]
+    colour: Vec<Paint>,
+    /// Colour of the background, or two: at the horizon and straight up
+    #[arg(long, value_name = "COLOUR[,COLOUR]", value_parser = colours::background)]
+    background: Option<[Rgb; 2]>,
+    /// Direction from the scene towards the sun [default: -0.45,0.8,0.4]
+    #[arg(long, value_name = "X,Y,Z", value_parser = light, allow_hyphen_values = true)]
+    light: Option<[f32; 3]>,
     /// Draw without shadows and ambient occlusion
     #[arg(long)]
     plain: bool,
@@ -79,6 +115,15 @@ fn point(text: &str) -> Result<[f32; 3], String> {
     numbers(text).ok_or_else(|| "expected three finite numbers, as in 4,2.5,-8".to_owned())
 }
 
+fn light(text: &str) -> Result<[f32; 3], String> {
+    let found = numbers(text).filter(|numbers| *numbers != [0.0; 3]);
+    found.ok_or_else(|| "expected three finite numbers that are not all 0, as in 0.5,1,0.5".to_owned())
+}
+
+fn degrees(text: &str) -> Result<f32, String> {
+    text.parse().ok().filter(|angle: &f32| angle.is_finite()).ok_or_else(|| "expected a finite number of degrees".to_owned())
+}
+
 fn range(text: &str) -> Result<[f32; 2], String> {
     let found = numbers(text).filter(|[from, to]| from < to);
     found.ok_or_else(|| "expected two finite numbers, the first less than the second, as in 0,2.5".to_owned())
@@ -95,33 +140,52 @@ fn colour_by(text: &str) -> Result<ColourBy, String> {
 }
 
 /// What is written: a picture or a film.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Product {
-    Picture,
-    Film(Format, Timing),
+    Png,
+    Jpeg,
+    Film(Format),
+}
+
+/// The names that `--out` can have.
+const EXPECTED: &str = "a name that ends in .png, .jpg or .jpeg, .gif, .apng, .mp4 or .webm, or a folder name that ends in /";
+
+impl Product {
+    /// The one place that knows which extension stands for what.
+    fn of(path: &std::path::Path) -> Option<Self> {
+        if let Some(format) = Format::of(path) {
+            return Some(Self::Film(format));
+        }
+        match path.extension()?.to_str()?.to_ascii_lowercase().as_str() {
+            "png" => Some(Self::Png),
+            "jpg" | "jpeg" => Some(Self::Jpeg),
+            _ => None,
+        }
+    }
 }
 
 impl Arguments {
-    fn product(&self) -> Result<Product, Failure> {
+    /// Checks what can be checked before the scene is read. `has_length` says whether the input itself has an end.
+    fn product(&self, has_length: bool) -> Result<Product, Failure> {
         let path = self.out.display();
-        let is_picture = self.out.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("png"));
-        match (is_picture, Format::of(&self.out), self.steps) {
-            (true, None, None) => Ok(Product::Picture),
-            (false, Some(Format::Gif), Some(_)) if self.fps > 50 => {
-                Err(Failure::usage(format!("--fps {}: a GIF has at most 50 pictures per second", self.fps)))
+        let product = Product::of(&self.out).ok_or_else(|| files::unknown("--out", &self.out, EXPECTED))?;
+        let wrong = match (product, self.steps) {
+            (Product::Film(_), None) if !has_length => {
+                format!("--out {path} is a film: expected --steps N for its length")
             }
-            (false, Some(format), Some(steps)) => {
-                Ok(Product::Film(format, Timing { steps, dt: self.physics.dt, fps: self.fps, speed: self.speed }))
+            (Product::Film(Format::Gif), _) if self.fps > 50 => {
+                format!("--fps {}: a GIF has at most 50 pictures per second", self.fps)
             }
-            (true, ..) => Err(Failure::usage(format!(
-                "--out {path} is a single picture, but --steps asks for a film: name a .gif, .apng or .mp4 file or a folder/, \
-                 or use --at N to choose the step of the picture"
-            ))),
-            (false, Some(_), None) => Err(Failure::usage(format!("--out {path} is a film: expected --steps N for its length"))),
-            (false, None, _) => {
-                let expected = "a name that ends in .png, .gif, .apng or .mp4, or a folder name that ends in /";
-                Err(files::unknown("--out", &self.out, expected))
+            (Product::Png | Product::Jpeg, Some(_)) => format!(
+                "--out {path} is a single picture, but --steps asks for a film: name a .gif, .apng, .mp4 or .webm file or a \
+                 folder/, or use --at N to choose the step of the picture"
+            ),
+            (Product::Png | Product::Jpeg, None) if self.orbit.is_some() => {
+                format!("--out {path} is a single picture, but --orbit asks for a film")
             }
-        }
+            _ => return Ok(product),
+        };
+        Err(Failure::usage(wrong))
     }
 
     fn style(&self) -> Style {
@@ -130,141 +194,54 @@ impl Arguments {
         style.range = self.range.map_or(Range::Auto, Range::Given);
         style.shadows = !self.plain;
         style.occlusion = !self.plain;
+        if let Some([horizon, zenith]) = self.background {
+            style.background = Background { horizon, zenith };
+        }
+        style.light = self.light.map_or(style.light, Vec3::from);
         style
     }
 
-    /// Camera from the arguments. What they do not set comes from the camera that frames the scene.
-    fn camera(&self, scene: &Scene) -> Result<Camera, Failure> {
-        let [width, height] = self.size.map(|side| side as f32);
-        let framing = Camera::of_scene(scene, width / height);
-        let eye = self.camera.map_or(framing.eye, Into::into);
-        let target = self.look_at.map_or(framing.target, Into::into);
-        if eye == target {
-            return Err(Failure::usage("--camera and --look-at are the same point, expected two different points"));
-        }
-        Ok(Camera { eye, target, ..framing })
+    fn cut(&self) -> Cut {
+        Cut { fps: self.fps, speed: self.speed, steps: self.steps }
     }
 }
 
-pub(crate) fn render(arguments: &Arguments) -> Result<(), Failure> {
-    let product = arguments.product()?;
-    let Source { name, loaded } = Source::read(Some(&arguments.scene))?;
+pub(crate) fn render(arguments: &Arguments, given: &Given) -> Result<(), Failure> {
+    // A name that no file can have is refused before a long file is read.
+    arguments.product(true)?;
+    let input = Input::read(Some(&arguments.scene))?;
+    let product = arguments.product(matches!(input, Input::Trajectory(_)))?;
+    Source::is_not(Some(&arguments.scene), &arguments.out)?;
+    let footage = match input {
+        Input::Scene(source) => Footage::Live(Box::new(scene(arguments, *source)?)),
+        Input::Checkpoint(saved) => Footage::Live(Box::new(checkpoint(arguments, given, *saved)?)),
+        Input::Trajectory(reader) => {
+            let name = arguments.scene.display().to_string();
+            given.refuse_for_trajectory(&name)?;
+            Footage::Recorded(Box::new(Recorded::new(name, *reader)?))
+        }
+    };
+    // Created first, so that a picture size that the device does not support fails before the simulation.
+    let studio = Studio::new(arguments, footage)?;
+    match product {
+        Product::Png | Product::Jpeg => studio.picture(arguments, product),
+        Product::Film(format) => studio.film(arguments, format),
+    }
+}
+
+/// Prepares a run of a scene.
+fn scene(arguments: &Arguments, Source { name, loaded }: Source) -> Result<Live, Failure> {
     for warning in &loaded.warnings {
         output::note(&format!("warning: {name}:{}: {}", warning.line, warning.text));
     }
     let mut scene = loaded.scene;
     arguments.physics.change(&mut scene.settings)?;
     let simulation = Simulation::with_options(scene, arguments.engine.options(&arguments.physics))?;
-    // Created first, so that a picture size that the device does not support fails before the simulation.
-    let mut studio = Studio::new(arguments, simulation)?;
-    match product {
-        Product::Picture => {
-            let path = &arguments.out;
-            let mut file = AtomicFile::create(path).map_err(|error| Failure::file(path, &error))?;
-            let picture = studio.picture(arguments)?;
-            if let Some(frames) = arguments.bench {
-                studio.bench(arguments, frames)?;
-            }
-            picture.write_png(&mut file).and_then(|()| file.commit()).map_err(|error| Failure::file(path, &error))
-        }
-        Product::Film(format, timing) => studio.film(arguments, &arguments.out, format, timing),
-    }
+    Ok(Live::new(simulation, arguments.physics.dt, 1))
 }
 
-/// A simulation and everything needed to draw it.
-struct Studio {
-    simulation: Simulation,
-    renderer: Renderer,
-    canvas: Canvas,
-    style: Style,
-}
-
-impl Studio {
-    fn new(arguments: &Arguments, simulation: Simulation) -> Result<Self, Failure> {
-        // Draws on the device of the simulation. A simulation on the CPU is drawn on any adapter, including software.
-        let gpu = match simulation.gpu_view() {
-            Some(view) => view.gpu().clone(),
-            None => Gpu::open_blocking(true).map_err(|error| {
-                Failure::Run(format!(
-                    "drawing needs a graphics adapter, even with --backend cpu; software Vulkan is enough: {error}"
-                ))
-            })?,
-        };
-        let [width, height] = arguments.size;
-        let canvas = Canvas::new(gpu.device(), gpu.queue(), width, height)?;
-        let renderer = Renderer::new(gpu.device(), gpu.queue(), FORMAT)?;
-        Ok(Self { simulation, renderer, canvas, style: arguments.style() })
-    }
-
-    fn picture(&mut self, arguments: &Arguments) -> Result<Picture, Failure> {
-        self.advance(arguments)?;
-        // The default camera depends on the positions of the bodies at this step.
-        let camera = arguments.camera(self.simulation.sync()?)?;
-        self.renderer.update(&mut self.simulation, &self.style)?;
-        Ok(self.take(&camera, arguments)?)
-    }
-
-    fn take(&mut self, camera: &Camera, arguments: &Arguments) -> rockfall::Result<Picture> {
-        let mut picture = self.canvas.take(&mut self.renderer, camera, &self.style)?;
-        if arguments.colour_by.is_some() {
-            self.renderer.legend(&self.style).draw(&mut picture)?;
-        }
-        Ok(picture)
-    }
-
-    fn film(&mut self, arguments: &Arguments, path: &Path, format: Format, timing: Timing) -> Result<(), Failure> {
-        self.advance(arguments)?;
-        let camera = arguments.camera(self.simulation.sync()?)?;
-        let mut player = Player::new(timing.dt);
-        let mut progress = Progress::pictures(timing.pictures());
-        let pictures = (0..timing.pictures()).map(|index| {
-            player.show(&mut self.simulation, &mut self.renderer, &self.style, timing.moment(index))?;
-            let picture = self.take(&camera, arguments)?;
-            progress.advance(1);
-            Ok(picture)
-        });
-        let result = film::write(path, format, &timing, pictures);
-        progress.finish();
-        Ok(result?)
-    }
-
-    /// Prints the median time of every pass and the number of spheres drawn by each method.
-    fn bench(&mut self, arguments: &Arguments, frames: u32) -> Result<(), Failure> {
-        let camera = arguments.camera(self.simulation.sync()?)?;
-        self.renderer.time_frames()?;
-        let mut found = Vec::new();
-        for _ in 0..frames {
-            self.canvas.draw(&mut self.renderer, &camera, &self.style)?;
-            found.extend(self.renderer.frame_times()?);
-        }
-        let median = |of: &dyn Fn(&FrameTimes) -> f64| {
-            let mut times: Vec<f64> = found.iter().map(of).collect();
-            times.sort_by(f64::total_cmp);
-            1e3 * times[times.len() / 2]
-        };
-        let last = found.last().copied().unwrap_or_default();
-        let [width, height] = arguments.size;
-        let mut text = format!("{frames} frames of {width}x{height}, medians\n");
-        for pass in Pass::ALL {
-            text += &format!("  {:<10} {:9.3} ms\n", pass.name(), median(&|times| times.passes[pass as usize]));
-        }
-        text += &format!("  {:<10} {:9.3} ms\n", "all", median(&FrameTimes::total));
-        text += &format!("  spheres    {} ray-cast, {} as discs, {} in shadows\n", last.near, last.far, last.shadows);
-        output::print(&text)
-    }
-
-    /// Runs the steps before the picture or the film.
-    fn advance(&mut self, arguments: &Arguments) -> Result<(), Failure> {
-        let mut progress = Progress::new(arguments.at);
-        let mut left = arguments.at;
-        let mut result = Ok(());
-        while left > 0 && result.is_ok() {
-            let chunk = progress.chunk();
-            result = self.simulation.run(chunk, arguments.physics.dt).map(drop);
-            left -= chunk;
-            progress.advance(chunk);
-        }
-        progress.finish();
-        Ok(result?)
-    }
+/// Prepares a run that continues a checkpoint. Options on the command line override those of the checkpoint.
+fn checkpoint(arguments: &Arguments, given: &Given, saved: Saved) -> Result<Live, Failure> {
+    let (dt, parts, checkpoint) = saved.changed(given, &arguments.physics, &arguments.engine)?;
+    Ok(Live::new(Simulation::resume(checkpoint)?, dt, parts))
 }

@@ -24,7 +24,7 @@ mod resume;
 mod save;
 
 use outputs::{Outputs, Wanted};
-use past::Past;
+pub(crate) use past::Past;
 pub(crate) use resume::Given;
 
 /// Details that do not fit into the one-line descriptions of the options.

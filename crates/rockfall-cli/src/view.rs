@@ -2,16 +2,21 @@
 
 use std::path::PathBuf;
 
+use rockfall::{Backend, Options, Scene, Simulation};
+use rockfall_trajectory::Reader;
 use rockfall_viewer::window::controls::Controls;
+use rockfall_viewer::window::session::playback::Playback;
 use rockfall_viewer::window::{self, Launch};
 
 use crate::failure::Failure;
+use crate::input::Input;
 use crate::options::{Engine, Physics};
+use crate::run::Given;
 use crate::source::Source;
 
 #[derive(Debug, clap::Args)]
 pub(crate) struct Arguments {
-    /// Scene file, or - for standard input [default: a built-in scene]
+    /// Scene, checkpoint or trajectory (.npz, .pvd), or - for a scene from standard input [default: a built-in scene]
     scene: Option<PathBuf>,
     #[command(flatten)]
     physics: Physics,
@@ -28,17 +33,68 @@ pub(crate) struct Arguments {
     lose_device_after: Option<u64>,
 }
 
-pub(crate) fn view(arguments: &Arguments) -> Result<(), Failure> {
-    let Source { name, loaded } = Source::read(arguments.scene.as_deref())?;
-    let mut scene = loaded.scene;
-    arguments.physics.change(&mut scene.settings)?;
-    let warnings = loaded.warnings.iter().map(|warning| format!("{name}:{}: {}", warning.line, warning.text)).collect();
-    let path = arguments.scene.clone().filter(|path| path.as_os_str() != "-");
+/// What the window shows.
+struct Shown {
+    name: String,
+    scene: Scene,
+    warnings: Vec<String>,
+    options: Options,
+    time_step: f32,
+    playback: Option<Playback>,
+    /// The scene text, which can be read again.
+    path: Option<PathBuf>,
+}
+
+impl Shown {
+    fn read(arguments: &Arguments, given: &Given) -> Result<Self, Failure> {
+        let name = arguments.scene.as_ref().map_or(String::new(), |path| path.display().to_string());
+        let options = arguments.engine.options(&arguments.physics);
+        match Input::read(arguments.scene.as_deref())? {
+            Input::Scene(source) => {
+                let Source { name, loaded } = *source;
+                let mut scene = loaded.scene;
+                arguments.physics.change(&mut scene.settings)?;
+                let warnings = loaded.warnings.iter();
+                let warnings = warnings.map(|warning| format!("{name}:{}: {}", warning.line, warning.text)).collect();
+                let path = arguments.scene.clone().filter(|path| path.as_os_str() != "-");
+                Ok(Self { name, scene, warnings, options, time_step: arguments.physics.dt, playback: None, path })
+            }
+            Input::Checkpoint(saved) => {
+                let (dt, parts, checkpoint) = saved.changed(given, &arguments.physics, &arguments.engine)?;
+                let integrator = checkpoint.options.integrator;
+                let options = options.integrator(integrator);
+                let time_step = dt / parts as f32;
+                Ok(Self { name, scene: checkpoint.scene, warnings: Vec::new(), options, time_step, playback: None, path: None })
+            }
+            Input::Trajectory(reader) => {
+                given.refuse_for_trajectory(&name)?;
+                let (scene, playback) = playback(name.clone(), *reader)?;
+                let time_step = playback.time_step().unwrap_or(arguments.physics.dt);
+                Ok(Self { name, scene, warnings: Vec::new(), options, time_step, playback: Some(playback), path: None })
+            }
+        }
+    }
+}
+
+/// Returns the scene with the states of the first frame, and what plays the frames.
+fn playback(name: String, mut reader: Reader) -> Result<(Scene, Playback), Failure> {
+    let first = reader.frame(0).map_err(Failure::usage)?;
+    let mut simulation = Simulation::with_options(reader.scene().clone(), Options::new().backend(Backend::Cpu))?;
+    first.apply(&mut simulation)?;
+    let scene = simulation.sync()?.clone();
+    let moments = reader.moments().iter().map(|moment| (moment.step, moment.time)).collect();
+    let show = Box::new(move |index: usize, simulation: &mut Simulation| reader.frame(index)?.apply(simulation));
+    Ok((scene, Playback { name, moments, show }))
+}
+
+pub(crate) fn view(arguments: &Arguments, given: &Given) -> Result<(), Failure> {
+    let Shown { name, scene, warnings, options, time_step, playback, path } = Shown::read(arguments, given)?;
     window::run(Launch {
         source: window::session::Source { name, path, scene },
         warnings,
-        options: arguments.engine.options(&arguments.physics),
-        time_step: arguments.physics.dt,
+        playback: playback.into(),
+        options,
+        time_step,
         overrides: arguments.physics.overrides(),
         controls: arguments.controls,
         report: arguments.report.clone(),

@@ -40,6 +40,21 @@ impl Folder {
         command
     }
 
+    /// Runs any command, checks its exit code and returns standard error.
+    #[track_caller]
+    fn rockfall(&self, arguments: &str, code: i32) -> String {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_rockfall"));
+        command.current_dir(self.0.path()).args(arguments.split_whitespace()).env("XDG_RUNTIME_DIR", self.0.path());
+        finish(&command.output().unwrap(), arguments, code)
+    }
+
+    /// Pictures of a film, drawn into the folder `film`.
+    fn film(&self, input: &str, arguments: &str) -> Vec<Vec<u8>> {
+        self.rockfall(&format!("render {input} --out film/ --size 96x64 {arguments}"), 0);
+        let count = fs::read_dir(self.path("film")).unwrap().count();
+        (0..count).map(|number| self.picture(&format!("film/{number:04}.png")).0).collect()
+    }
+
     /// Runs a command, checks its exit code and returns standard error.
     #[track_caller]
     fn render(&self, arguments: &str, code: i32) -> String {
@@ -127,6 +142,142 @@ fn the_last_picture_of_a_film_shows_the_last_step() {
     assert_ne!(folder.picture("all/0006.png"), folder.picture("next.png"));
 }
 
+/// A film needs no second run: that of a trajectory has the pictures of a film of the scene.
+#[test]
+fn films_of_trajectories_show_the_recorded_states() {
+    let folder = Folder::new();
+    let camera = "--camera 3,3,6 --look-at 0,1,0";
+    let live = folder.film("scene.txt", &format!("--backend cpu --steps 20 --fps 10 {camera}"));
+    assert_eq!(live.len(), 5);
+    for out in ["run.npz", "run.pvd"] {
+        folder.rockfall(&format!("run scene.txt --backend cpu --steps 20 --every 5 --out {out}"), 0);
+        // Without --steps, to its end.
+        assert_eq!(folder.film(out, &format!("--fps 10 {camera}")), live, "{out}");
+        assert_eq!(folder.film(out, &format!("--fps 10 --at 10 --steps 5 {camera}")), live[2..4], "{out}");
+        folder.rockfall(&format!("render {out} --at 15 --out a.png --size 96x64 {camera}"), 0);
+        assert_eq!(folder.picture("a.png").0, live[3], "{out}");
+    }
+    // Between two frames, bodies are between their places in the frames.
+    let between = folder.film("run.npz", &format!("--fps 20 {camera}"));
+    assert_eq!((between.len(), &between[2]), (9, &live[1]));
+    assert!(between[1] != between[0] && between[1] != between[2]);
+    for (arguments, message) in [
+        ("run.npz --dt 0.1 --out x.gif", "--dt: run.npz is a trajectory"),
+        ("run.npz --set gravity=1 --out x.gif", "--set: run.npz is a trajectory"),
+        ("run.npz --at 21 --out x.png", "run.npz has the steps 0 to 20"),
+        ("run.npz --at 5 --steps 16 --out x.gif", "run.npz has the steps 0 to 20"),
+    ] {
+        let err = folder.rockfall(&format!("render {arguments}"), 2);
+        assert!(err.contains(message), "{arguments}: {err}");
+    }
+}
+
+#[test]
+fn checkpoints_go_on_with_their_time_step() {
+    let folder = Folder::new();
+    let camera = "--size 96x64 --camera 3,3,6 --look-at 0,1,0";
+    folder.rockfall("run scene.txt --backend cpu --dt 0.01 --substeps 2 --steps 20 --checkpoint run.ckpt", 0);
+    folder.rockfall("run scene.txt --backend cpu --dt 0.01 --substeps 2 --steps 40 --checkpoint later.ckpt", 0);
+    for (input, more, out) in
+        [("run.ckpt", "", "a"), ("run.ckpt", "--at 20", "b"), ("later.ckpt", "", "c"), ("run.ckpt", "--at 20 --dt 0.02", "d")]
+    {
+        folder.rockfall(&format!("render {input} --out {out}.png {camera} {more}"), 0);
+    }
+    let [a, b, c, d] = ["a.png", "b.png", "c.png", "d.png"].map(|name| folder.picture(name).0);
+    assert!(a != b && b == c && c != d);
+}
+
+#[test]
+fn damaged_and_unsuitable_files_are_refused_by_name() {
+    let folder = Folder::new();
+    folder.rockfall("run scene.txt --backend cpu --steps 4 --every 2 --out run.npz --checkpoint run.ckpt", 0);
+    folder.rockfall("run scene.txt --backend cpu --steps 4 --out state.csv", 0);
+    folder.rockfall("run scene.txt --backend cpu --steps 4 --every 2 --out run.csv", 0);
+    folder.rockfall("run scene.txt --backend cpu --steps 4 --out state.vtp", 0);
+    for name in ["run.npz", "run.ckpt"] {
+        let bytes = fs::read(folder.path(name)).unwrap();
+        fs::write(folder.path(&format!("cut-{name}")), &bytes[..bytes.len() / 2]).unwrap();
+    }
+    fs::write(folder.path("empty.npz"), "").unwrap();
+    for (input, message) in [
+        ("cut-run.npz", "not a usable trajectory"),
+        ("cut-run.ckpt", "not a usable checkpoint"),
+        ("empty.npz", "not a usable trajectory"),
+        ("state.csv", "a state in CSV cannot be shown"),
+        ("run.csv", "a trajectory in CSV cannot be shown"),
+        ("state.vtp", "a single .vtp file cannot be shown"),
+    ] {
+        let commands: &[&str] =
+            if cfg!(feature = "window") { &["render --out a.png", "view"] } else { &["render --out a.png"] };
+        for command in commands {
+            let err = folder.rockfall(&format!("{command} {input}"), 2);
+            assert!(err.contains(message) && err.contains(input), "{command} {input}: {err}");
+        }
+    }
+    assert!(!folder.path("a.png").exists());
+}
+
+/// Mean brightness of the pixels of a column of a picture.
+fn columns([width, height]: [usize; 2], pixels: &[u8]) -> Vec<f32> {
+    let sum = |x: usize| (0..height).map(|y| f32::from(pixels[3 * (y * width + x)])).sum::<f32>();
+    (0..width).map(|x| sum(x) / height as f32).collect()
+}
+
+/// The ball rolls far to the right during the film. A camera that framed the first state would lose it.
+#[test]
+fn the_camera_frames_what_happens_in_the_whole_film() {
+    let folder = Folder::new();
+    let scene = "set gravity 0\nS 1 0 0 0 12 0 0 0 0 0 1 0.5 0\nS 2 0 2 0 0 0 0 0 0 0 1 0.5 0\n";
+    fs::write(folder.path("scene.txt"), scene).unwrap();
+    let style = "--plain --background white --backend cpu --fps 5 --colour spheres=black --at 0";
+    let places = |film: &[Vec<u8>]| -> Vec<Option<usize>> {
+        let darkest = |picture: &Vec<u8>| {
+            let columns = columns([96, 64], picture);
+            (0..96).filter(|x| columns[*x] < 250.0).max()
+        };
+        film.iter().map(darkest).collect()
+    };
+    let film = folder.film("scene.txt", &format!("--steps 50 {style}"));
+    let places = places(&film);
+    assert!(places.windows(2).all(|pair| pair[0] <= pair[1]), "{places:?}");
+    assert!(places[0] < Some(40) && places[5] > Some(60), "{places:?}");
+    // With --follow, the ball stays where it is, and the other one leaves.
+    let followed = folder.film("scene.txt", &format!("--steps 50 --follow 1 {style}"));
+    assert_ne!(followed[0], followed[5]);
+    assert_ne!(film[0], followed[0]);
+    // An orbit shows the scene from other sides.
+    let turned = folder.film("scene.txt", &format!("--steps 50 --orbit 90 {style} --camera 20,3,0 --look-at 0,0,0"));
+    let still = folder.film("scene.txt", &format!("--steps 50 {style} --camera 20,3,0 --look-at 0,0,0"));
+    assert!(turned[0] == still[0] && turned[5] != still[5]);
+}
+
+#[test]
+fn options_of_the_style_change_the_picture_and_jpeg_is_written() {
+    let folder = Folder::new();
+    folder.render("--out a.png --size 96x64", 0);
+    let mut pictures = vec![folder.picture("a.png").0];
+    for more in [
+        "--background black",
+        "--background white,navy",
+        "--light 1,0.5,0",
+        "--colour 1=red",
+        "--colour 1-2=00ff00",
+        "--colour fixed-spheres=yellow",
+        "--colour-by body",
+        "--colour-by contact-force",
+    ] {
+        folder.render(&format!("--out a.PNG --size 96x64 {more}"), 0);
+        let picture = folder.picture("a.PNG").0;
+        assert!(!pictures.contains(&picture), "{more} changes nothing");
+        pictures.push(picture);
+    }
+    for name in ["a.jpg", "a.JPEG"] {
+        folder.render(&format!("--out {name} --size 96x64"), 0);
+        let bytes = fs::read(folder.path(name)).unwrap();
+        assert!(bytes.starts_with(b"\xff\xd8\xff") && bytes.ends_with(b"\xff\xd9") && bytes.len() > 1000, "{name}");
+    }
+}
+
 #[test]
 #[cfg(unix)]
 fn mp4_needs_ffmpeg_and_reports_when_it_is_missing_or_fails() {
@@ -143,8 +294,21 @@ fn mp4_needs_ffmpeg_and_reports_when_it_is_missing_or_fails() {
         finish(&folder.command(arguments).env("PATH", path).output().unwrap(), arguments, code)
     };
     // A stand-in for ffmpeg that writes the number of bytes of its input to the file in its last argument.
-    program("for last; do :; done; [ \"$last\" = -version ] || wc -c > \"$last\"");
+    program("for last; do :; done; [ \"$last\" = -version ] || { echo \"$@\" > arguments; wc -c > \"$last\"; }");
+    finish(
+        &folder
+            .command("--out a.WebM --steps 10 --size 65x48")
+            .env("PATH", format!("{}:/usr/bin:/bin", folder.path("bin").display()))
+            .output()
+            .unwrap(),
+        "",
+        0,
+    );
+    let arguments = fs::read_to_string(folder.path("arguments")).unwrap();
+    assert!(arguments.contains("-c:v libvpx-vp9") && arguments.contains("-f webm"), "{arguments}");
+    fs::remove_file(folder.path("a.WebM")).unwrap();
     run(0);
+    fs::remove_file(folder.path("arguments")).unwrap();
     assert_eq!(fs::read_to_string(folder.path("a.mp4")).unwrap().trim(), (6 * 65 * 48 * 3).to_string());
     // An existing file is kept when the next film fails.
     program("for last; do :; done; [ \"$last\" = -version ] && exit 0; cat > /dev/null; echo no such codec >&2; exit 3");
@@ -165,8 +329,8 @@ fn mp4_needs_ffmpeg_and_reports_when_it_is_missing_or_fails() {
 fn wrong_arguments_are_refused_and_leave_no_files() {
     let folder = Folder::new();
     for (arguments, message) in [
-        ("--out a.bmp", ".png, .gif, .apng or .mp4"),
-        ("--out a", ".png, .gif, .apng or .mp4"),
+        ("--out a.bmp", ".png, .jpg or .jpeg, .gif, .apng, .mp4 or .webm"),
+        ("--out a", ".png, .jpg or .jpeg, .gif, .apng, .mp4 or .webm"),
         ("--out a.png --steps 5", "--at"),
         ("--out a.gif", "--steps"),
         ("--out a.gif --steps 5 --fps 60", "50 pictures"),
@@ -179,8 +343,17 @@ fn wrong_arguments_are_refused_and_leave_no_files() {
         ("--out a.png --camera 1,2", "three finite numbers"),
         ("--out a.png --look-at 1,2,nan", "three finite numbers"),
         ("--out a.png --camera 1,2,3 --look-at 1,2,3", "the same point"),
-        ("--out a.png --colour-by taste", "kind speed contacts overlap force"),
+        ("--out a.png --colour-by taste", "kind speed contacts overlap force body contact-force"),
         ("--out a.png --range 0,1", "--colour-by"),
+        ("--out a.jpg --orbit 20", "film"),
+        ("--out a.png --follow 3", "no sphere 3"),
+        ("--out a.png --follow 1 --look-at 1,2,3", "cannot be used with"),
+        ("--out a.gif --steps 5 --orbit fast", "number of degrees"),
+        ("--out a.png --colour 9=red", "no sphere 9"),
+        ("--out a.png --colour 1=reddish", "six hexadecimal digits"),
+        ("--out a.png --colour walls=red", "boxes polygons"),
+        ("--out a.png --background ff88", "six hexadecimal digits"),
+        ("--out a.png --light 0,0,0", "not all 0"),
         ("--out a.png --colour-by speed --range 2,1", "the first less than the second"),
     ] {
         let err = folder.render(arguments, 2);

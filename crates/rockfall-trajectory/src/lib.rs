@@ -1,4 +1,4 @@
-//! Writes trajectories, the states of a [`Simulation`] over time, to files for other tools.
+//! Writes trajectories, the states of a [`Simulation`] over time, to files for other tools, and reads them back.
 //!
 //! ```no_run
 //! use rockfall::{Scene, Simulation};
@@ -22,6 +22,7 @@
 //! | [`Format::Vtp`] | `NAME.pvd` and a folder `NAME` with the frames, for ParaView and VTK | see [`vtp`] |
 //!
 //! [`contacts`] writes the contacts between bodies in the same formats.
+//! A [`Reader`] reads NumPy and ParaView trajectories back.
 //!
 //! Frames are written at once and not held in memory. All numbers are bitwise identical to those of the simulation. A file
 //! appears under its name only when it is complete. A [`Mark`] records the position in an unfinished file, from which a later
@@ -37,9 +38,11 @@ pub mod contacts;
 pub mod csv;
 mod frame;
 pub mod npz;
+mod read;
 pub mod vtp;
 
 pub use frame::Frame;
+pub use read::{Moment, Reader, States};
 
 /// File format of a trajectory.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

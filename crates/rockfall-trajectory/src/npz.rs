@@ -17,6 +17,7 @@
 //! | `tether_point` | T, 3 | f4 | |
 //! | `boxes` | B, 4, 3 | f4 | corner and three edges |
 //! | `polygons` | P, 3, 3 | f4 | corner and two edges |
+//! | `scene` | | S | the scene text of the last state, with all objects and settings: `run["scene"].item().decode()` |
 //!
 //! The types are NumPy's, with sizes in bytes. In the archive, each array is contiguous over all frames. Frames are therefore
 //! written to `.NAME.frames.part` first and rearranged when the trajectory is finished, which needs twice the disk space.
@@ -230,7 +231,15 @@ fn constants(zip: &mut ZipWriter<impl Write + Seek>, scene: &Scene) -> io::Resul
     array("boxes", "<f4", boxes.len(), &[4, 3], bytes_of(corners))?;
     let polygons = scene.polygons();
     let corners = polygons.iter().map(|polygon| [polygon.corner, polygon.left, polygon.right].map(|vector| vector.to_array()));
-    array("polygons", "<f4", polygons.len(), &[3, 3], bytes_of(corners))
+    array("polygons", "<f4", polygons.len(), &[3, 3], bytes_of(corners))?;
+    // The scene also has what no array above has: capsules, rest lengths, groups and settings.
+    let mut text = scene.to_text();
+    if text.is_empty() {
+        // NumPy has no text of length 0.
+        text.push('\n');
+    }
+    start_array(zip, "scene", &format!("|S{}", text.len()), &[], text.len() as u64)?;
+    zip.write_all(text.as_bytes())
 }
 
 /// Writes the frames of a finished archive, up to a mark, one after the other to `scratch`.

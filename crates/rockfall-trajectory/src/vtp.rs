@@ -1,7 +1,7 @@
 //! PolyData for ParaView and VTK: XML with the numbers appended in binary form.
 //!
 //! A series `NAME.pvd` lists the frames `NAME/STEP.vtp` with their times, and with every frame the file `NAME/static.vtp`,
-//! which has the boxes and polygons. A frame has a point and a vertex cell for every sphere in insertion order, then a line cell for
+//! which has the boxes and polygons. `NAME/scene.txt` is the scene text of the first state. A frame has a point and a vertex cell for every sphere in insertion order, then a line cell for
 //! every rod and every spring.
 //!
 //! | array | belongs to | contents |
@@ -34,6 +34,8 @@ const HEAD: &str =
     "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"1.0\" byte_order=\"LittleEndian\">\n<Collection>\n";
 const FOOT: &str = "</Collection>\n</VTKFile>\n";
 const STATIC: &str = "static.vtp";
+/// The scene text, from which [`crate::Reader`] takes the objects.
+pub(crate) const SCENE: &str = "scene.txt";
 
 #[derive(Debug)]
 pub(crate) struct Series {
@@ -42,6 +44,7 @@ pub(crate) struct Series {
     /// Name of the folder in the list.
     name: String,
     static_written: bool,
+    scene_written: bool,
 }
 
 impl Series {
@@ -60,11 +63,15 @@ impl Series {
         let name = folder.file_name().and_then(|name| name.to_str()).map(escaped);
         let name = name.ok_or_else(|| io::Error::new(io::ErrorKind::InvalidInput, "the name of the file is not UTF-8"))?;
         fs::create_dir_all(&folder)?;
-        Ok(Self { list, folder, name, static_written: false })
+        Ok(Self { list, folder, name, static_written: false, scene_written: false })
     }
 
     pub(crate) fn frame(&mut self, frame: &Frame, scene: &Scene) -> io::Result<()> {
         self.add(frame.step, frame.time, |out| state(out, frame, scene))?;
+        if !self.scene_written {
+            commit(&self.folder.join(SCENE), |out| out.write_all(scene.to_text().as_bytes()))?;
+            self.scene_written = true;
+        }
         let counts = scene.counts();
         if counts.boxes + counts.polygons > 0 {
             if !self.static_written {

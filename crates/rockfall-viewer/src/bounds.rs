@@ -1,114 +1,68 @@
 //! Bounding boxes of the parts of a scene.
 
+use rockfall::Scene;
 use rockfall::glam::Vec3;
-use rockfall::{Scene, Sphere};
+
+use crate::extent::{Extent, extents_of_static_objects};
+use crate::survey::Survey;
 
 /// Static objects larger than this times the extent of the spheres are surroundings and need not be in the picture.
 const SURROUNDINGS: f32 = 0.6;
-/// Spheres farther from the majority than this times its extent are outliers.
-const OUTLIER_DISTANCE: f32 = 0.6;
+/// The same in a film, whose extent contains all that the spheres reach.
+const SURROUNDINGS_OF_FILM: f32 = 0.2;
 /// Distance that the spheres may fall without leaving the picture, divided by their extent.
 const FALL_DISTANCE: f32 = 1.0;
-
-#[derive(Clone, Copy, Debug, PartialEq)]
-/// An axis-aligned bounding box.
-pub(crate) struct Extent {
-    pub(crate) min: Vec3,
-    pub(crate) max: Vec3,
-}
-
-impl Extent {
-    fn of(points: impl IntoIterator<Item = Vec3>) -> Option<Self> {
-        points.into_iter().map(|point| Self { min: point, max: point }).reduce(Self::with)
-    }
-
-    pub(crate) fn with(self, other: Self) -> Self {
-        Self { min: self.min.min(other.min), max: self.max.max(other.max) }
-    }
-
-    pub(crate) fn size(self) -> f32 {
-        (self.max - self.min).max_element()
-    }
-}
-
-pub(crate) fn extent_of_spheres(scene: &Scene) -> Option<Extent> {
-    extent(scene.spheres().iter())
-}
-
-fn extent<'a>(spheres: impl Iterator<Item = &'a Sphere>) -> Option<Extent> {
-    spheres
-        .map(|sphere| Extent { min: sphere.position - sphere.radius, max: sphere.position + sphere.radius })
-        .reduce(Extent::with)
-}
-
-/// Returns the extent of the spheres without outliers. The majority is what lies between the 5 % and the 95 % quantile of each
-/// coordinate. An outlier is farther away from it than [`OUTLIER_DISTANCE`] times its size, or is below every static object.
-fn extent_without_outliers(scene: &Scene) -> Option<Extent> {
-    let spheres = scene.spheres();
-    let few = spheres.len() / 20;
-    if few == 0 {
-        return extent_of_spheres(scene);
-    }
-    let mut quantiles = [Vec3::ZERO; 2];
-    for axis in 0..3 {
-        let mut places: Vec<f32> = spheres.iter().map(|sphere| sphere.position[axis]).collect();
-        for (quantile, at) in quantiles.iter_mut().zip([few, spheres.len() - 1 - few]) {
-            quantile[axis] = *places.select_nth_unstable_by(at, f32::total_cmp).1;
-        }
-    }
-    let [low, high] = quantiles;
-    let room = Vec3::splat((high - low).max_element()) * OUTLIER_DISTANCE;
-    let lowest = extents_of_static_objects(scene).map(|object| object.min.y).reduce(f32::min).unwrap_or(f32::NEG_INFINITY);
-    let near = |sphere: &&Sphere| {
-        let place = sphere.position;
-        place.cmpge(low - room).all() && place.cmple(high + room).all() && place.y >= lowest
-    };
-    extent(spheres.iter().filter(near)).or_else(|| extent_of_spheres(scene))
-}
-
-/// Extents of the boxes and polygons.
-pub(crate) fn extents_of_static_objects(scene: &Scene) -> impl Iterator<Item = Extent> {
-    let boxes = scene.boxes().iter().filter_map(|cuboid| {
-        let [i, j, k] = cuboid.edges;
-        let corner = |bits: u32| {
-            let part = |bit: u32, edge: Vec3| if bits >> bit & 1 == 1 { edge } else { Vec3::ZERO };
-            cuboid.corner + part(0, i) + part(1, j) + part(2, k)
-        };
-        Extent::of((0..8).map(corner))
-    });
-    let polygons = scene.polygons().iter().filter_map(|polygon| {
-        let (corner, left, right) = (polygon.corner, polygon.left, polygon.right);
-        Extent::of([corner, corner + left, corner + right, corner + left + right])
-    });
-    boxes.chain(polygons)
-}
+/// Distance below the lowest place of the spheres in a film up to which the ground is shown, divided by their extent.
+const GROUND_DISTANCE: f32 = 0.15;
 
 /// Returns the minimum and maximum corners of the part of a scene that a picture should show: the spheres without outliers, the
 /// points of the tethers, nearby boxes and polygons that are not much larger than the spheres together, and a part of what the
 /// spheres may fall onto.
 pub fn bounds(scene: &Scene) -> (Vec3, Vec3) {
-    let Some(spheres) = extent_without_outliers(scene) else {
-        let all = extents_of_static_objects(scene).reduce(Extent::with).unwrap_or(Extent { min: -Vec3::ONE, max: Vec3::ONE });
-        return (all.min, all.max);
-    };
-    let mut shown = spheres;
-    let tethers = scene.tethers().iter().map(|tether| tether.point);
-    shown = Extent::of(tethers).map_or(shown, |tethers| shown.with(tethers));
+    bounds_of_survey(&Survey::new(scene), scene)
+}
+
+/// Returns what [`bounds`] returns, for all states of a survey of the scene.
+pub(crate) fn bounds_of_survey(survey: &Survey, scene: &Scene) -> (Vec3, Vec3) {
+    let parts = survey.extent().map(|spheres| surroundings(spheres, survey.moves(), scene).fold(spheres, Extent::with));
+    let all = || extents_of_static_objects(scene).reduce(Extent::with);
+    let shown = parts.or_else(all).unwrap_or(Extent { min: -Vec3::ONE, max: Vec3::ONE });
+    (shown.min, shown.max)
+}
+
+/// Returns balls that a picture should show, with centre and radius: those of [`Survey::balls`], the places below them on what
+/// they may fall onto, and the corners of nearby objects.
+pub(crate) fn balls_to_show(survey: &Survey, scene: &Scene) -> Vec<(Vec3, f32)> {
+    let Some(spheres) = survey.extent() else { return Vec::new() };
+    let objects: Vec<Extent> = surroundings(spheres, survey.moves(), scene).collect();
+    let bottom = objects.iter().map(|object| object.min.y).fold(spheres.min.y, f32::min);
+    let mut balls = survey.balls();
+    let below: Vec<_> = balls.iter().map(|(place, _)| (place.with_y(bottom), 0.0)).collect();
+    balls.extend(below);
+    balls.extend(objects.iter().flat_map(|object| object.corners()).map(|corner| (corner, 0.0)));
+    balls
+}
+
+/// Extents of what a picture should show in addition to the spheres: the points of tethers, nearby objects that are not much
+/// larger than the spheres together, and as a vertical line the distance to what the spheres may fall onto. In a film the
+/// spheres have already fallen, so that is shown only if it is near.
+fn surroundings(spheres: Extent, moves: bool, scene: &Scene) -> impl Iterator<Item = Extent> {
     let size = spheres.size();
-    for object in extents_of_static_objects(scene) {
+    let (fall, most) = if moves { (GROUND_DISTANCE, SURROUNDINGS_OF_FILM) } else { (FALL_DISTANCE, SURROUNDINGS) };
+    let objects = extents_of_static_objects(scene).filter_map(move |object| {
         let under = object.max.y <= spheres.min.y + 0.1 * size
             && object.min.x < spheres.max.x
             && object.max.x > spheres.min.x
             && object.min.z < spheres.max.z
             && object.max.z > spheres.min.z;
         if under {
-            shown.min.y = shown.min.y.min(object.max.y.max(spheres.min.y - FALL_DISTANCE * size));
-        } else if object.size() < SURROUNDINGS * size {
-            let near = object.max.cmpge(spheres.min - 0.5 * size).all() && object.min.cmple(spheres.max + 0.5 * size).all();
-            shown = if near { shown.with(object) } else { shown };
+            let middle = 0.5 * (spheres.min + spheres.max);
+            return Extent::of([middle.with_y(object.max.y.max(spheres.min.y - fall * size)), middle]);
         }
-    }
-    (shown.min, shown.max)
+        let near = object.max.cmpge(spheres.min - 0.5 * size).all() && object.min.cmple(spheres.max + 0.5 * size).all();
+        (near && object.size() < most * size).then_some(object)
+    });
+    objects.chain(Extent::of(scene.tethers().iter().map(|tether| tether.point)))
 }
 
 #[cfg(test)]
@@ -142,6 +96,18 @@ pub(crate) mod tests {
         assert_eq!(bounds(&scene(&[beside])).1, Vec3::new(4.5, 3.0, 1.0));
         let far = Cuboid::between([40.0, 1.6, 0.0], [40.5, 3.0, 1.0]);
         assert_eq!(bounds(&scene(&[far])).1, Vec3::new(3.25, 2.5, 0.5));
+    }
+
+    #[test]
+    fn in_a_film_only_small_boxes_near_the_spheres_count() {
+        let beside = Cuboid::between([4.0, 1.6, 0.0], [4.5, 3.0, 1.0]);
+        let small = Cuboid::between([4.0, 1.6, 0.0], [4.5, 2.0, 0.5]);
+        for (cuboid, right) in [(beside, 3.25), (small, 4.5)] {
+            let scene = scene(&[cuboid]);
+            let mut film = Survey::new(&scene);
+            film.add(&scene);
+            assert_eq!(bounds_of_survey(&film, &scene).1.x, right);
+        }
     }
 
     #[test]

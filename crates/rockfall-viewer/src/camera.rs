@@ -1,12 +1,17 @@
 //! The perspective camera.
 
 use rockfall::Scene;
-use rockfall::glam::{Mat4, Vec3, Vec4};
+use rockfall::glam::{Mat4, Quat, Vec3, Vec4};
+
+use crate::extent::Extent;
+use crate::survey::Survey;
 
 /// The default vertical field of view, in rad.
 const FIELD_OF_VIEW: f32 = 0.6;
 /// Direction from the target to the default camera: to the right, above, in front.
 const DIRECTION_TO_CAMERA: Vec3 = Vec3::new(0.45, 0.50, 1.0);
+/// Distance of a camera that frames something, divided by the least distance.
+const MARGIN: f32 = 1.12;
 /// Distance of the near plane divided by the distance of the target.
 const NEAR: f32 = 1e-3;
 
@@ -54,14 +59,82 @@ impl Camera {
             let across = (offset.dot(right).abs() / aspect).max(offset.dot(up).abs());
             distance = distance.max(across / tangent - offset.dot(forward));
         }
-        let distance = if distance > 0.0 { 1.12 * distance } else { 1.0 };
+        let distance = if distance > 0.0 { MARGIN * distance } else { 1.0 };
         Self { eye: middle - distance * forward, ..camera }
+    }
+
+    /// Creates the camera nearest to some balls, given by centre and radius, that shows all of them with a margin and looks in
+    /// the direction of [`Camera::framing`]. `None` if there are no balls, or if they have no size.
+    pub(crate) fn fitting(balls: &[(Vec3, f32)], aspect: f32) -> Option<Self> {
+        let camera = Self::new(DIRECTION_TO_CAMERA.normalize(), Vec3::ZERO);
+        let Axes { right, up, forward } = camera.axes();
+        let tangent = (0.5 * camera.field_of_view).tan();
+        // For the sides of the picture along an axis: the place of the eye across, and how far forward it may be. A ball is
+        // inside of a side if its centre is, and the side is moved inwards by the radius.
+        let place = |axis: Vec3, tangent: f32| {
+            let width = tangent.hypot(1.0);
+            let [mut most, mut least] = [f32::NEG_INFINITY, f32::INFINITY];
+            for (centre, radius) in balls {
+                let (across, along) = (axis.dot(*centre), tangent * forward.dot(*centre));
+                most = most.max(across + radius * width - along);
+                least = least.min(across - radius * width + along);
+            }
+            (0.5 * (most + least), (least - most) / (2.0 * tangent))
+        };
+        let (x, wide) = place(right, aspect * tangent);
+        let (y, high) = place(up, tangent);
+        let extent = balls.iter().map(|(centre, radius)| Extent::around(*centre, *radius)).reduce(Extent::with)?;
+        // The target is as far away as the middle of the balls, because the camera turns around it.
+        let middle = forward.dot(0.5 * (extent.min + extent.max));
+        let distance = MARGIN * (middle - wide.min(high));
+        if !(distance.is_finite() && distance > 1e-5 * middle.abs()) {
+            return None;
+        }
+        let target = x * right + y * up + middle * forward;
+        Some(Self { eye: target - distance * forward, target, ..camera })
+    }
+
+    /// Creates a camera that shows the whole of a bounding box from all sides, when it orbits around its target.
+    pub fn framing_all_around(min: Vec3, max: Vec3, aspect: f32) -> Self {
+        let middle = 0.5 * (min + max);
+        let half = 0.5 * (max - min);
+        // The box around the box at every angle of its turn.
+        let across = half.x.hypot(half.z);
+        let half = Vec3::new(across, half.y, across);
+        // A box with these corners is a little too large, because its turn is a cylinder.
+        let wide = Self::framing(middle - half, middle + half, aspect);
+        Self { eye: middle + 0.85 * (wide.eye - middle), ..wide }
+    }
+
+    /// Creates a camera that shows what the moving bodies of a scene do in all states of a survey, and what they lie on. With
+    /// `all_around`, it does so from all sides.
+    pub fn of_survey(survey: &Survey, scene: &Scene, aspect: f32, all_around: bool) -> Self {
+        let (min, max) = crate::bounds::bounds_of_survey(survey, scene);
+        if all_around {
+            return Self::framing_all_around(min, max, aspect);
+        }
+        if !survey.moves() {
+            // Bodies need room to move.
+            return Self::framing(min, max, aspect);
+        }
+        let balls = crate::bounds::balls_to_show(survey, scene);
+        Self::fitting(&balls, aspect).unwrap_or_else(|| Self::framing(min, max, aspect))
+    }
+
+    /// Returns the camera turned around the vertical through its target by an angle in rad. Seen from above, a positive angle
+    /// moves it counterclockwise.
+    pub fn orbited(self, angle: f32) -> Self {
+        Self { eye: self.target + Quat::from_rotation_y(angle) * (self.eye - self.target), ..self }
+    }
+
+    /// Returns the camera moved without turning it, so that it looks at another target.
+    pub fn looking_at(self, target: Vec3) -> Self {
+        Self { eye: self.eye + (target - self.target), target, ..self }
     }
 
     /// Creates a camera that shows the moving bodies of a scene and what they lie on or may fall onto.
     pub fn of_scene(scene: &Scene, aspect: f32) -> Self {
-        let (min, max) = crate::bounds::bounds(scene);
-        Self::framing(min, max, aspect)
+        Self::of_survey(&Survey::new(scene), scene, aspect, false)
     }
 
     /// Returns the unit vectors of the camera.
@@ -132,6 +205,51 @@ mod tests {
             assert!((right.cross(up) + forward).length() < 1e-5);
             assert!(up.y >= -1e-6);
         }
+    }
+
+    #[test]
+    fn a_box_framed_all_around_fits_the_picture_at_every_angle() {
+        for (min, max) in [(Vec3::splat(-1.0), Vec3::ONE), (Vec3::new(-9.0, 0.0, 2.0), Vec3::new(30.0, 1.0, 3.0))] {
+            for aspect in [0.5, 1.0, 2.5] {
+                let mut greatest = 0.0_f32;
+                for step in 0..36 {
+                    let camera = Camera::framing_all_around(min, max, aspect).orbited(step as f32 * 0.1745);
+                    let projection = camera.view_projection(aspect);
+                    for corner in 0..8 {
+                        let pick = |bit: u32, low: f32, high: f32| if corner >> bit & 1 == 1 { high } else { low };
+                        let point = Vec3::new(pick(0, min.x, max.x), pick(1, min.y, max.y), pick(2, min.z, max.z));
+                        let ndc = projection.project_point3(point);
+                        greatest = greatest.max(ndc.x.abs()).max(ndc.y.abs());
+                    }
+                }
+                assert!((0.7..=1.0).contains(&greatest), "{min} {max} {aspect}: {greatest}");
+            }
+        }
+    }
+
+    #[test]
+    fn balls_that_are_fitted_touch_the_edges_of_the_picture() {
+        let balls: Vec<_> =
+            (0..40).map(|k| (Vec3::new(k as f32, (k % 7) as f32, (k % 3) as f32), 0.1 * (k % 5) as f32)).collect();
+        for aspect in [0.5, 1.0, 2.5] {
+            let camera = Camera::fitting(&balls, aspect).unwrap();
+            let Axes { forward, .. } = camera.axes();
+            let projection = camera.view_projection(aspect);
+            let reach = |(centre, radius): &(Vec3, f32)| {
+                let ndc = projection.project_point3(*centre);
+                let size = radius / (0.5 * camera.field_of_view).tan() / forward.dot(*centre - camera.eye);
+                (ndc.x.abs() + size / aspect).max(ndc.y.abs() + size)
+            };
+            let greatest = balls.iter().map(reach).fold(0.0, f32::max);
+            assert!((0.7..=1.0).contains(&greatest), "{aspect}: {greatest}");
+        }
+        assert_eq!(Camera::fitting(&[], 1.0), None);
+        assert_eq!(Camera::fitting(&[(Vec3::ONE, 0.0)], 1.0), None);
+        // A thin row along the line of sight is nearer than its bounding box would allow.
+        let row: Vec<_> = (0..30).map(|k| (Vec3::new(k as f32, 0.0, -(k as f32)), 0.5)).collect();
+        let boxed = Camera::framing(Vec3::new(-0.5, -0.5, -29.5), Vec3::new(29.5, 0.5, 0.5), 1.6);
+        let fitted = Camera::fitting(&row, 1.6).unwrap();
+        assert!(fitted.eye.distance(fitted.target) < boxed.eye.distance(boxed.target));
     }
 
     #[test]

@@ -6,19 +6,21 @@
 use rockfall::exec::gpu::catch;
 use rockfall::model::step::Step;
 use rockfall::wgpu;
-use rockfall::{Cuboid, Result, Scene, Simulation};
+use rockfall::{Result, Scene, Simulation};
 
 pub use crate::bounds::bounds;
 use crate::camera::Camera;
+use crate::extent::Extent;
 use crate::legend::Legend;
 pub use crate::palette;
+use crate::survey::Survey;
 
 mod buffers;
+mod chains;
 mod coil;
 mod cull;
 mod formats;
 mod frame;
-mod glass;
 mod layouts;
 mod passes;
 mod pipelines;
@@ -28,20 +30,24 @@ mod style;
 mod summary;
 mod targets;
 mod timing;
+mod values;
+mod walls;
 
 use buffers::SceneBuffers;
+use chains::Chains;
 use coil::{CoilMesh, Resolution};
 use cull::Cull;
 use frame::Frame;
 use layouts::Layouts;
 use pipelines::Pipelines;
 use pyramid::PyramidBuilder;
-use range::{RecentMaximum, SpeedReduction};
+use range::{RecentPercentile, SpeedPercentile};
 pub use style::{Background, ColourBy, Range, Style};
 use summary::SceneSummary;
 use targets::{ShadowMap, Targets};
 use timing::Timer;
 pub use timing::{FrameTimes, Pass};
+use walls::Walls;
 
 /// Draws a simulation onto textures of one format.
 ///
@@ -83,12 +89,21 @@ pub struct Renderer {
     timer: Option<Timer>,
     targets: Option<Targets>,
     summary: Option<SceneSummary>,
-    boxes: Vec<Cuboid>,
+    walls: Walls,
+    /// What the bodies do over a film, if that was given.
+    survey: Option<Survey>,
+    /// Where the bodies are whose values determine the scale.
+    region: Extent,
+    chains: Chains,
+    /// Colours of single spheres, by insertion index.
+    colours: Vec<Option<palette::Rgb>>,
+    /// Whether these colours have to be uploaded.
+    colours_due: bool,
     /// Whether the scene has objects of each kind of [`palette::KINDS`].
     present: [bool; 8],
-    speed_reduction: SpeedReduction,
-    recent_maximum: RecentMaximum,
-    /// The quantity that `recent_maximum` belongs to.
+    speeds: SpeedPercentile,
+    recent: RecentPercentile,
+    /// The quantity that `recent` belongs to.
     coloured_by: ColourBy,
     step: Step,
     blend: f32,
@@ -126,10 +141,15 @@ impl Renderer {
             buffers: SceneBuffers::default(),
             targets: None,
             summary: None,
-            boxes: Vec::new(),
+            walls: Walls::default(),
+            survey: None,
+            region: Extent::default(),
+            chains: Chains::default(),
+            colours: Vec::new(),
+            colours_due: false,
             present: [false; 8],
-            speed_reduction: SpeedReduction::new(device, queue),
-            recent_maximum: RecentMaximum::default(),
+            speeds: SpeedPercentile::new(device, queue),
+            recent: RecentPercentile::default(),
             coloured_by: ColourBy::Kind,
             step: Step::default(),
             blend: 1.0,
@@ -149,12 +169,15 @@ impl Renderer {
     /// and rods belong to capsules. Later changes to the objects of the scene are detected by [`Renderer::update`].
     pub fn set_scene(&mut self, simulation: &Simulation) {
         self.summary = Some(SceneSummary::of(simulation.scene()));
+        self.survey = None;
         self.update_objects(simulation);
+        self.set_region(&Survey::new(simulation.scene()));
     }
 
     fn update_objects(&mut self, simulation: &Simulation) {
         self.buffers.mark_capsules(&self.device, &self.queue, simulation);
-        self.boxes = simulation.scene().boxes().to_vec();
+        self.walls.set_scene(simulation.scene());
+        self.colours_due = true;
         self.present = present(simulation.scene());
     }
 
@@ -171,6 +194,10 @@ impl Renderer {
         } else if self.buffers.is_stale(simulation) {
             self.update_objects(simulation);
         }
+        match &self.survey {
+            Some(survey) => self.walls.set_bodies(survey),
+            None => self.walls.set_bodies(&Survey::new(simulation.scene())),
+        }
         self.step = self.buffers.update(&self.device, &self.queue, simulation)?;
         self.update_values(simulation, style)?;
         if self.buffers.bind(&self.device, &self.layouts.bodies, &self.uniform) {
@@ -183,39 +210,16 @@ impl Renderer {
         Ok(())
     }
 
-    /// Evaluates the quantity that the colours show, and its greatest value.
-    fn update_values(&mut self, simulation: &mut Simulation, style: &Style) -> Result<()> {
-        let by = style.colour_by;
-        if self.coloured_by != by {
-            (self.coloured_by, self.recent_maximum) = (by, RecentMaximum::default());
-        }
-        if by.is_evaluated() {
-            let values: Vec<f32> = simulation.diagnostics()?.iter().map(|found| by.value_of(found)).collect();
-            self.recent_maximum.record(values.iter().copied().fold(0.0, f32::max));
-            self.buffers.set_values(&self.queue, simulation, values.into_iter());
-        } else if by == ColourBy::Speed
-            && style.range == Range::Auto
-            && let Some(state) = self.buffers.state()
-        {
-            self.recent_maximum.record(self.speed_reduction.greatest(state, self.step.spheres)?);
-        }
-        Ok(())
-    }
-
-    fn range(&self, style: &Style) -> [f32; 2] {
-        match style.range {
-            Range::Auto => self.recent_maximum.range(),
-            Range::Given(range) => range,
-        }
-    }
-
     /// Returns the legend of the next picture.
     pub fn legend(&self, style: &Style) -> Legend {
         match style.colour_by.title() {
             Some(title) => Legend::scale(title, self.range(style)),
             None => {
-                let kinds = palette::KINDS.into_iter().zip(self.present);
-                Legend::Kinds(kinds.filter(|(_, present)| *present).map(|(kind, _)| kind).collect())
+                let shown = self.present.map(|present| present && style.colour_by == ColourBy::Kind);
+                let kinds = palette::KINDS.into_iter().zip(style.kinds).zip(shown);
+                Legend::Kinds(
+                    kinds.filter(|(_, shown)| *shown).map(|((kind, colour), _)| palette::Kind { colour, ..kind }).collect(),
+                )
             }
         }
     }
@@ -242,7 +246,7 @@ impl Renderer {
         };
         let blend = if self.buffers.can_blend() { self.blend } else { 1.0 };
         let summary = self.summary.clone().unwrap_or_default();
-        self.buffers.set_opacities(&self.queue, &glass::opacities(&self.boxes, &summary.sample_positions, camera.eye));
+        self.buffers.set_drawn(&self.queue, &self.walls.drawn(camera.eye, self.survey.is_none()));
         let mut frame = Frame::new(&self.step, camera, style, &summary, targets.size);
         (frame.blend, frame.range) = (blend, self.range(style));
         self.queue.write_buffer(&self.uniform, 0, bytemuck::bytes_of(&frame));

@@ -7,10 +7,10 @@ use rockfall::{Result, Simulation};
 use crate::draw::{Renderer, Style};
 use crate::picture::Picture;
 
+mod ffmpeg;
 mod file_error;
 mod files;
 mod gif;
-mod mp4;
 mod timing;
 
 pub use timing::{Moment, Timing};
@@ -24,13 +24,15 @@ pub enum Format {
     Apng,
     /// H.264, encoded by the program `ffmpeg`.
     Mp4,
+    /// VP9, encoded by the program `ffmpeg`.
+    WebM,
     /// A folder with one PNG file per picture, `0000.png` first.
     Folder,
 }
 
 impl Format {
-    /// Returns the format that the extension of a path stands for, in upper or lower case. An existing folder, or a path that ends in a separator,
-    /// stands for [`Format::Folder`].
+    /// Returns the format that the extension of a path stands for, in upper or lower case. An existing folder, or a path that
+    /// ends in a separator, stands for [`Format::Folder`].
     pub fn of(path: &Path) -> Option<Self> {
         let ends_in_separator = path.to_string_lossy().ends_with(std::path::is_separator);
         if ends_in_separator || path.is_dir() {
@@ -40,6 +42,7 @@ impl Format {
             "gif" => Some(Self::Gif),
             "apng" => Some(Self::Apng),
             "mp4" => Some(Self::Mp4),
+            "webm" => Some(Self::WebM),
             _ => None,
         }
     }
@@ -49,6 +52,8 @@ impl Format {
 #[derive(Debug)]
 pub struct Player {
     dt: f32,
+    /// Number of equal parts of a step.
+    parts: u32,
     /// Number of steps since the start of the film.
     done: u64,
 }
@@ -56,7 +61,18 @@ pub struct Player {
 impl Player {
     /// Creates a player that starts from the present state of a simulation and runs it in steps of `dt` seconds.
     pub fn new(dt: f32) -> Self {
-        Self { dt, done: 0 }
+        Self { dt, parts: 1, done: 0 }
+    }
+
+    /// Divides every step into this number of equal parts.
+    pub fn parts(mut self, parts: u32) -> Self {
+        self.parts = parts.max(1);
+        self
+    }
+
+    fn run(&self, simulation: &mut Simulation, steps: u64) -> Result<()> {
+        let steps = steps.saturating_mul(u64::from(self.parts));
+        simulation.run(steps, self.dt / self.parts as f32).map(drop)
     }
 
     /// Runs the simulation up to a moment, which must not be before the last one, and updates the renderer.
@@ -66,13 +82,13 @@ impl Player {
     pub fn show(&mut self, simulation: &mut Simulation, renderer: &mut Renderer, style: &Style, moment: Moment) -> Result<()> {
         let Moment { step, blend } = moment;
         if self.done <= step {
-            simulation.run(step - self.done, self.dt)?;
+            self.run(simulation, step - self.done)?;
             self.done = step;
             renderer.update(simulation, style)?;
         }
         if blend > 0.0 && self.done == step {
             renderer.remember();
-            simulation.step(self.dt)?;
+            self.run(simulation, 1)?;
             self.done += 1;
             renderer.update(simulation, style)?;
         }
@@ -87,11 +103,26 @@ impl Player {
 /// [`rockfall::Error::File`] when the film cannot be written, or when it needs `ffmpeg` and that is not installed; the errors
 /// of `pictures`.
 pub fn write(path: &Path, format: Format, timing: &Timing, pictures: impl Iterator<Item = Result<Picture>>) -> Result<()> {
+    write_all(path, format, timing.fps, timing.pictures(), pictures)
+}
+
+/// [`write`] for `count` pictures that do not follow from a [`Timing`], `fps` per second.
+///
+/// # Errors
+/// As for [`write`].
+pub fn write_all(
+    path: &Path,
+    format: Format,
+    fps: u32,
+    count: u64,
+    pictures: impl Iterator<Item = Result<Picture>>,
+) -> Result<()> {
     match format {
-        Format::Gif => gif::write(path, timing.fps, pictures),
-        Format::Apng => files::write_apng(path, timing, pictures),
-        Format::Mp4 => mp4::write(path, timing.fps, pictures),
-        Format::Folder => files::write_folder(path, timing, pictures),
+        Format::Gif => gif::write(path, fps, pictures),
+        Format::Apng => files::write_apng(path, fps, count, pictures),
+        Format::Mp4 => ffmpeg::write(path, &ffmpeg::MP4, fps, pictures),
+        Format::WebM => ffmpeg::write(path, &ffmpeg::WEBM, fps, pictures),
+        Format::Folder => files::write_folder(path, count, pictures),
     }
 }
 
@@ -104,6 +135,7 @@ mod tests {
         assert_eq!(Format::of(Path::new("a.gif")), Some(Format::Gif));
         assert_eq!(Format::of(Path::new("a.apng")), Some(Format::Apng));
         assert_eq!(Format::of(Path::new("a.MP4")), Some(Format::Mp4));
+        assert_eq!(Format::of(Path::new("a.webm")), Some(Format::WebM));
         assert_eq!(Format::of(Path::new("frames/")), Some(Format::Folder));
         assert_eq!(Format::of(&std::env::temp_dir()), Some(Format::Folder));
         assert_eq!(Format::of(Path::new("a.avi")), None);

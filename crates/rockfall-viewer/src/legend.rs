@@ -43,6 +43,8 @@ impl Legend {
         let em = (picture.height as f32 / 26.0).clamp(11.0, 40.0);
         let mut sheet = Sheet { picture, font, em };
         match self {
+            // Colours without a meaning need no explanation.
+            Self::Kinds(kinds) if kinds.is_empty() => {}
             Self::Kinds(kinds) => sheet.kinds(kinds),
             Self::Scale { title, range, colours } => sheet.scale(title, *range, colours),
         }
@@ -60,8 +62,29 @@ pub(crate) fn number(value: f32) -> String {
         let text = format!("{value:.digits$}");
         if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
     } else {
-        format!("{value:.2e}")
+        let text = format!("{value:.2e}");
+        let (digits, exponent) = text.split_once('e').unwrap_or((&text, "0"));
+        format!("{}e{exponent}", digits.trim_end_matches('0').trim_end_matches('.'))
     }
+}
+
+/// Title of the scale of the number of contacts.
+pub(crate) const CONTACTS: &str = "contacts";
+/// Number of ticks on a scale.
+const MOST_TICKS: usize = 6;
+
+/// Round distances of ticks, in ascending order: 1, 2 and 5 times a power of ten.
+fn steps(range: [f32; 2]) -> impl Iterator<Item = f64> {
+    let power = f64::from(range[1] - range[0]).log10().floor() as i32 - 1;
+    (power..power + 3).flat_map(|power| [1.0, 2.0, 5.0].map(|step| step * 10_f64.powi(power)))
+}
+
+/// The multiples of a step in a range.
+fn round_values(range: [f32; 2], step: f64) -> Vec<f64> {
+    // Rounding errors must not drop the ends.
+    let first = (f64::from(range[0]) / step - 1e-4).ceil() as i64;
+    let last = (f64::from(range[1]) / step + 1e-4).floor() as i64;
+    (first..=last.min(first.saturating_add(100))).map(|multiple| multiple as f64 * step).collect()
 }
 
 /// A picture with a font; lengths are in pixels.
@@ -104,11 +127,35 @@ impl Sheet<'_> {
             let x = left + x as f32;
             self.fill([x, bar, x + 1.0, end], [channel(0), channel(1), channel(2)], |_, _| 1.0);
         }
-        for (part, align) in [(0.0, 0.0), (0.5, 0.5), (1.0, 1.0)] {
-            let label = number(range[0] + part * (range[1] - range[0]));
-            let x = left + part * long - align * self.width(&label);
-            self.text(&label, x, top + 2.5 * em);
+        // There is no half of a contact.
+        let least = if title == CONTACTS { 1.0 } else { 0.0 };
+        for (part, label) in self.ticks(range, long, least) {
+            let x = left + part * long;
+            let mark = [x.min(left + long - 1.0), end, x.min(left + long - 1.0) + 1.0, end + 0.25 * em];
+            self.fill(mark, INK, |_, _| 1.0);
+            let width = self.width(&label);
+            // The first and the last label stay within the sheet.
+            let x = (x - 0.5 * width).clamp(left - 0.3 * em, left + long - width + 0.3 * em);
+            self.text(&label, x, top + 2.55 * em);
         }
+    }
+
+    /// Returns as many ticks at round values as fit, at least `least` apart: their positions from 0 to 1, and their labels.
+    fn ticks(&self, range: [f32; 2], long: f32, least: f64) -> Vec<(f32, String)> {
+        let labelled = |step: f64| -> Vec<(f32, String)> {
+            let part = |value: f64| ((value - f64::from(range[0])) / f64::from(range[1] - range[0])) as f32;
+            round_values(range, step).into_iter().map(|value| (part(value), number(value as f32))).collect()
+        };
+        let fits = |ticks: &[(f32, String)]| {
+            let needs = |pair: &[(f32, String)]| 0.5 * (self.width(&pair[0].1) + self.width(&pair[1].1)) + 0.8 * self.em;
+            ticks.windows(2).all(|pair| pair[0].1 != pair[1].1 && (pair[1].0 - pair[0].0) * long >= needs(pair))
+        };
+        let found =
+            steps(range).filter(|step| *step >= least).map(labelled).find(|ticks| ticks.len() <= MOST_TICKS && fits(ticks));
+        found.filter(|ticks| ticks.len() > 1).unwrap_or_else(|| {
+            // No two round values fit, so the ends of the range have to do.
+            vec![(0.0, number(range[0])), (1.0, number(range[1]))]
+        })
     }
 
     /// Draws a background for contents of this size and returns the upper left corner of the contents.
@@ -180,7 +227,7 @@ mod tests {
     #[test]
     fn numbers_have_at_most_four_digits() {
         let shown = [0.0, 0.5, 2.0, 1234.5, 0.0125, 1e-6].map(number);
-        assert_eq!(shown, ["0", "0.5", "2", "1234", "0.0125", "1.00e-6"]);
+        assert_eq!(shown, ["0", "0.5", "2", "1234", "0.0125", "1e-6"]);
     }
 
     fn blank() -> Picture {
@@ -199,6 +246,22 @@ mod tests {
         assert!(last > first + 100, "{first} {last}");
         // Nothing outside the legend changes.
         assert!(picture.pixels[..400 * 200].iter().all(|pixel| *pixel == [90, 90, 90, 255]));
+    }
+
+    #[test]
+    fn ticks_are_at_round_values() {
+        let mut picture = blank();
+        let font = FontRef::try_from_slice(epaint_default_fonts::UBUNTU_LIGHT).unwrap();
+        let sheet = Sheet { picture: &mut picture, font, em: 12.0 };
+        let spaced = |range, least| sheet.ticks(range, 150.0, least).into_iter().map(|(_, label)| label).collect::<Vec<_>>();
+        let ticks = |range| spaced(range, 0.0);
+        assert_eq!(spaced([0.0, 2.0], 1.0), ["0", "1", "2"]);
+        assert_eq!(ticks([0.0, 5.0]), ["0", "1", "2", "3", "4", "5"]);
+        assert_eq!(ticks([0.0, 20.0]), ["0", "5", "10", "15", "20"]);
+        assert_eq!(ticks([0.13, 0.94]), ["0.2", "0.4", "0.6", "0.8"]);
+        assert_eq!(ticks([-3.0, 4.0]), ["-2", "0", "2", "4"]);
+        assert_eq!(ticks([0.0, 2e-7]), ["0", "5e-8", "1e-7", "1.5e-7", "2e-7"]);
+        assert_eq!(ticks([1.00001, 1.00002]).len(), 2);
     }
 
     #[test]

@@ -14,11 +14,13 @@
 mod bounds;
 pub mod camera;
 pub mod draw;
+mod extent;
 pub mod film;
 pub mod legend;
 pub mod palette;
 pub mod picture;
 mod pixels;
 mod read_back;
+pub mod survey;
 #[cfg(feature = "window")]
 pub mod window;

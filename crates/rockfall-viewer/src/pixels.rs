@@ -29,6 +29,23 @@ impl Picture {
         Ok(writer.finish()?)
     }
 
+    /// Writes the picture as a JPEG file; `quality` is from 1 to 100.
+    ///
+    /// # Errors
+    /// Those of the writer, and [`std::io::ErrorKind::InvalidInput`] for a picture with more than 65,535 pixels a side.
+    pub fn write_jpeg(&self, to: impl Write, quality: u8) -> std::io::Result<()> {
+        let sides = u16::try_from(self.width).ok().zip(u16::try_from(self.height).ok());
+        let (width, height) = sides
+            .ok_or_else(|| std::io::Error::new(std::io::ErrorKind::InvalidInput, "a JPEG has at most 65535 pixels a side"))?;
+        let mut encoder = jpeg_encoder::Encoder::new(to, quality.clamp(1, 100));
+        // Full resolution of colour: thin coloured lines would otherwise fade.
+        encoder.set_sampling_factor(jpeg_encoder::SamplingFactor::R_4_4_4);
+        encoder.encode(&self.rgb(), width, height, jpeg_encoder::ColorType::Rgb).map_err(|error| match error {
+            jpeg_encoder::EncodingError::IoError(error) => error,
+            other => std::io::Error::other(other),
+        })
+    }
+
     /// Returns red, green and blue of every pixel, one after the other.
     pub fn rgb(&self) -> Vec<u8> {
         self.pixels.iter().flat_map(|[r, g, b, _]| [*r, *g, *b]).collect()

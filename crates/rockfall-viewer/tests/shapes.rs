@@ -167,6 +167,66 @@ fn springs_of_any_length_have_six_turns_between_the_surfaces() {
 }
 
 #[test]
+fn a_far_spring_is_a_thin_line() {
+    // The turns are 2.7 pixels apart, with a radius of 2.8 pixels.
+    let camera = Camera::new([0.0, 0.0, 100.0], [0.0, 0.0, 0.0]);
+    let sprung = |stiffness: Option<f32>| {
+        scene(|scene| {
+            let ends = [-4.0, 4.0].map(|x| scene.add_sphere(Sphere::new([x, 0.0, 0.0], 2.0)).unwrap());
+            if let Some(stiffness) = stiffness {
+                scene.add_spring(Spring::new(ends[0], ends[1], stiffness, 8.0)).unwrap();
+            }
+        })
+    };
+    let [with, without] = [Some(1.0), None].map(|spring| picture(sprung(spring), &camera, &outlines()));
+    let changed: Vec<(u32, u32)> = pixels().filter(|(x, y)| pixel(&with, *x, *y) != pixel(&without, *x, *y)).collect();
+    let rows = changed.iter().map(|(_, y)| *y);
+    let height = rows.clone().max().unwrap() + 1 - rows.min().unwrap();
+    assert!(height <= 2 && changed.len() >= 10, "{height} rows, {} pixels", changed.len());
+}
+
+#[test]
+fn walls_before_a_body_leave_only_their_edges() {
+    let camera = Camera::new([0.0, 0.5, 10.0], [0.0, 0.5, 0.0]);
+    let style = rockfall_viewer::draw::Style::default();
+    let shown = |fill: &dyn Fn(&mut Scene)| {
+        let scene = scene(|scene| {
+            scene.add_sphere(Sphere::new([0.0, 0.5, 0.0], 0.5)).unwrap();
+            scene.add_box(Cuboid::between([-9.0, -0.5, -9.0], [9.0, 0.0, 9.0])).unwrap();
+            fill(scene);
+        });
+        picture(scene, &camera, &style)
+    };
+    let free = shown(&|_| ());
+    let wall: [&dyn Fn(&mut Scene); 2] = [
+        &|scene| {
+            scene.add_box(Cuboid::between([-1.5, 0.0, 2.0], [1.5, 1.6, 2.5])).unwrap();
+        },
+        &|scene| {
+            scene.add_polygon(Polygon::new([-1.5, 0.0, 2.0], [3.0, 0.0, 0.0], [0.0, 1.6, 0.0])).unwrap();
+        },
+    ];
+    for (name, wall) in [("box", wall[0]), ("polygon", wall[1])] {
+        let behind = shown(wall);
+        for point in [Vec3::new(0.0, 0.5, 0.5), Vec3::new(0.0, 0.05, 0.2), Vec3::new(0.8, 0.5, 0.0)] {
+            let [x, y] = projected(&camera, point).map(|place| place as u32);
+            assert_eq!(pixel(&behind, x, y), pixel(&free, x, y), "{name}: {point} is behind something");
+        }
+        // The upper edge is a dark line.
+        let [x, y] = projected(&camera, Vec3::new(0.4, 1.6, if name == "box" { 2.5 } else { 2.0 }));
+        let row = |picture: &_, y: u32| pixel(picture, x as u32, y).map(u32::from).iter().sum::<u32>();
+        let darkest = (y as u32 - 1..=y as u32 + 1).map(|y| row(&free, y).saturating_sub(row(&behind, y))).max();
+        assert!(darkest > Some(30), "{name}: {darkest:?}");
+    }
+    // A wall beside the body is whole.
+    let beside = shown(&|scene| {
+        scene.add_box(Cuboid::between([1.5, 0.0, 2.0], [3.0, 1.6, 2.5])).unwrap();
+    });
+    let [x, y] = projected(&camera, Vec3::new(2.2, 0.8, 2.5)).map(|place| place as u32);
+    assert_ne!(pixel(&beside, x, y), pixel(&free, x, y));
+}
+
+#[test]
 fn tethers_have_six_turns_between_the_sphere_and_their_anchor() {
     let camera = Camera::new([0.0, 0.0, 6.0], [0.0, 0.0, 0.0]);
     let tethered = scene(|scene| {

@@ -11,6 +11,8 @@ mod files;
 mod keys;
 #[path = "window/past.rs"]
 mod past;
+#[path = "window/playback.rs"]
+mod playback;
 #[path = "window/pointer.rs"]
 mod pointer;
 #[path = "window/time.rs"]

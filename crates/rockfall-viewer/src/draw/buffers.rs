@@ -20,8 +20,8 @@ pub(crate) struct SceneBuffers {
     values: Option<wgpu::Buffer>,
     /// One bit per sphere, by insertion index, then from a new word on one bit per rod: whether it is part of a capsule.
     capsule_bits: Option<wgpu::Buffer>,
-    /// Opacity of each box.
-    opacities: Option<wgpu::Buffer>,
+    /// For each box, then for each polygon, whether it is drawn.
+    drawn: Option<wgpu::Buffer>,
     /// Memory version of the simulation when the capsules were marked.
     marked_version: Option<u64>,
     /// Memory version of the simulation when `old` was copied.
@@ -67,8 +67,8 @@ impl SceneBuffers {
         self.values = Some(make(device, "values", 4 * counts.spheres as u64));
         let [positions, orientations] = ["old positions", "old orientations"];
         self.old = [positions, orientations].map(|label| make(device, label, 16 * counts.spheres as u64)).to_vec();
-        self.opacities = Some(make(device, "opacities", 4 * counts.boxes as u64));
-        self.set_opacities(queue, &vec![1.0; counts.boxes]);
+        self.drawn = Some(make(device, "drawn", 4 * (counts.boxes + counts.polygons) as u64));
+        self.set_drawn(queue, &vec![1; counts.boxes + counts.polygons]);
         self.old_version = None;
         self.marked_version = Some(simulation.memory_version());
     }
@@ -105,10 +105,10 @@ impl SceneBuffers {
         }
     }
 
-    /// Uploads the opacities of the boxes, in insertion order.
-    pub(crate) fn set_opacities(&self, queue: &wgpu::Queue, opacities: &[f32]) {
-        if let Some(buffer) = &self.opacities {
-            queue.write_buffer(buffer, 0, bytemuck::cast_slice(opacities));
+    /// Uploads whether each box and then each polygon is drawn, in insertion order.
+    pub(crate) fn set_drawn(&self, queue: &wgpu::Queue, drawn: &[u32]) {
+        if let Some(buffer) = &self.drawn {
+            queue.write_buffer(buffer, 0, bytemuck::cast_slice(drawn));
         }
     }
 
@@ -139,7 +139,7 @@ impl SceneBuffers {
 
     /// Creates the bind group if the buffers have changed, and returns whether they have.
     pub(crate) fn bind(&mut self, device: &wgpu::Device, layout: &wgpu::BindGroupLayout, uniform: &wgpu::Buffer) -> bool {
-        let own = self.old.iter().chain(&self.values).chain(&self.capsule_bits).chain(&self.opacities);
+        let own = self.old.iter().chain(&self.values).chain(&self.capsule_bits).chain(&self.drawn);
         let buffers: Vec<wgpu::Buffer> = self.physics.iter().chain(own).cloned().collect();
         if buffers == self.bound && self.group.is_some() || buffers.len() != STORAGE as usize {
             return false;

@@ -73,8 +73,6 @@ const SHADOWS: u32 = 1;
 const OCCLUSION: u32 = 2;
 const CULL_HIDDEN: u32 = 4;
 
-/// Direction towards the sun.
-const SUN: Vec3 = Vec3::new(-0.45, 0.80, 0.40);
 /// Extent of the shadow map around the target of the camera, divided by that of the picture.
 const SHADOW_REACH: f32 = 1.5;
 /// Extent of the shadow map along the direction of the sun, divided by its extent across.
@@ -111,9 +109,10 @@ struct Light {
 }
 
 impl Light {
-    fn new(camera: &Camera, aspect: f32) -> Self {
-        let towards = SUN.normalize();
-        let right = Vec3::Y.cross(towards).normalize();
+    fn new(camera: &Camera, aspect: f32, towards: Vec3) -> Self {
+        let towards = towards.try_normalize().unwrap_or(Vec3::Y);
+        // For a sun straight above, any horizontal direction is suitable.
+        let right = Vec3::Y.cross(towards).try_normalize().unwrap_or(Vec3::X);
         let up = towards.cross(right);
         let picture = camera.eye.distance(camera.target) * (0.5 * camera.field_of_view).tan() * aspect.max(1.0);
         let reach = (SHADOW_REACH * picture).max(f32::MIN_POSITIVE);
@@ -142,7 +141,7 @@ impl Frame {
         let viewport = size.map(|side| side as f32);
         let aspect = viewport[0] / viewport[1];
         let Axes { right, up, forward } = camera.axes();
-        let light = Light::new(camera, aspect);
+        let light = Light::new(camera, aspect, style.light);
         let distance = camera.eye.distance(camera.target);
         let level = (distance / CELLS_AWAY).max(1e-30).log10();
         let coil = Resolution::of(springs(step) + tethers(step));
@@ -188,7 +187,7 @@ impl Frame {
             insertion_indices_at: step.insertion_indices_at,
             colour_by: style.colour_by as u32,
             light_size: SHADOW_SIZE as f32,
-            kinds: palette::KINDS.map(|kind| opaque(kind.colour)),
+            kinds: style.kinds.map(opaque),
             scale: palette::SCALE.map(opaque),
         }
     }

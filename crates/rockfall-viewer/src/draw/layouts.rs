@@ -67,11 +67,11 @@ impl Layouts {
     }
 
     /// Layout of the speed reduction: the state and the result.
-    pub(crate) fn of_greatest(device: &wgpu::Device) -> wgpu::BindGroupLayout {
+    pub(crate) fn of_percentile(device: &wgpu::Device) -> wgpu::BindGroupLayout {
         let storage = |binding, read_only| {
             entry(binding, wgpu::ShaderStages::COMPUTE, buffer(wgpu::BufferBindingType::Storage { read_only }))
         };
         let entries = [storage(0, true), storage(1, false)];
-        device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some("greatest"), entries: &entries })
+        device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some("percentile"), entries: &entries })
     }
 }

@@ -121,8 +121,17 @@ impl Renderer {
             pass.draw(0..3, 0..1);
         }
         if self.step.boxes > 0 {
-            pass.set_pipeline(&self.pipelines.glass);
+            pass.set_pipeline(&self.pipelines.box_edges);
             pass.draw(0..36, 0..self.step.boxes);
+        }
+        if self.step.polygons > 0 {
+            pass.set_pipeline(&self.pipelines.polygon_edges);
+            pass.draw(0..6, 0..self.step.polygons);
+        }
+        if let Some((chains, count)) = self.chains.drawn() {
+            pass.set_pipeline(&self.pipelines.chains);
+            pass.set_vertex_buffer(0, chains.slice(..));
+            pass.draw(0..4, 0..count);
         }
     }
 

@@ -3,6 +3,7 @@
 use rockfall::wgpu;
 use wgpu::PrimitiveTopology::{TriangleList, TriangleStrip};
 
+use crate::draw::chains::CHAINS;
 use crate::draw::formats::{DEPTH_FORMAT, LIGHT_FORMAT, OPENNESS_FORMAT, SAMPLES};
 use crate::draw::layouts::Layouts;
 
@@ -11,8 +12,9 @@ macro_rules! wgsl {
 }
 
 /// Shaders that draw bodies and their shadows.
-pub(crate) const BODIES: &str =
-    wgsl!("frame", "colour", "light", "surface", "sphere", "capsule", "flat", "far", "coil", "picture", "ground", "shadow");
+pub(crate) const BODIES: &str = wgsl!(
+    "frame", "colour", "light", "surface", "sphere", "capsule", "flat", "far", "coil", "chain", "picture", "ground", "shadow"
+);
 /// Shaders that select the spheres to draw.
 pub(crate) const CULL: &str = wgsl!("frame", "colour", "cull");
 /// Shader of the ambient occlusion.
@@ -30,7 +32,9 @@ enum RenderTarget {
     /// The same, blended over the bodies, with depth test.
     Ground,
     /// The same, blended over the bodies, with depth test but without writing depth.
-    Glass,
+    Edges,
+    /// The same, over everything, without depth test.
+    Chains,
     /// The shadow map.
     Shadows,
     /// A texture without depth.
@@ -57,7 +61,9 @@ pub(crate) struct Pipelines {
     pub(crate) anchors: Kind,
     pub(crate) sky: wgpu::RenderPipeline,
     pub(crate) ground: wgpu::RenderPipeline,
-    pub(crate) glass: wgpu::RenderPipeline,
+    pub(crate) box_edges: wgpu::RenderPipeline,
+    pub(crate) polygon_edges: wgpu::RenderPipeline,
+    pub(crate) chains: wgpu::RenderPipeline,
     pub(crate) occlusion: wgpu::RenderPipeline,
     pub(crate) finish: wgpu::RenderPipeline,
 }
@@ -68,8 +74,8 @@ struct PipelineBuilder<'a> {
     module: wgpu::ShaderModule,
     layouts: Vec<Option<&'a wgpu::BindGroupLayout>>,
     constants: &'a [(&'a str, f64)],
-    /// Whether the instances are the spheres of a list.
-    listed: bool,
+    /// The vertex buffer of the instances.
+    instances: Option<wgpu::VertexBufferLayout<'a>>,
 }
 
 /// Vertex buffer with the memory slots of a list of spheres, one per instance.
@@ -89,7 +95,7 @@ impl<'a> PipelineBuilder<'a> {
     ) -> Self {
         let source = wgpu::ShaderSource::Wgsl(text.into());
         let module = device.create_shader_module(wgpu::ShaderModuleDescriptor { label: Some(label), source });
-        Self { device, module, layouts: layouts.iter().map(|layout| Some(*layout)).collect(), constants, listed: false }
+        Self { device, module, layouts: layouts.iter().map(|layout| Some(*layout)).collect(), constants, instances: None }
     }
 
     fn make(
@@ -108,6 +114,7 @@ impl<'a> PipelineBuilder<'a> {
         });
         let compilation_options = wgpu::PipelineCompilationOptions { constants: self.constants, ..Default::default() };
         let target = render_target.colour();
+        let instances = self.instances.clone().map(Some);
         self.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
             label: Some(fragment.unwrap_or(vertex)),
             layout: Some(&layout),
@@ -115,7 +122,7 @@ impl<'a> PipelineBuilder<'a> {
                 module: &self.module,
                 entry_point: Some(vertex),
                 compilation_options: compilation_options.clone(),
-                buffers: if self.listed { &[Some(SLOTS)] } else { &[] },
+                buffers: instances.as_slice(),
             },
             primitive: wgpu::PrimitiveState { topology, ..Default::default() },
             depth_stencil: render_target.depth(),
@@ -146,7 +153,7 @@ impl RenderTarget {
     fn colour(self) -> Option<Option<wgpu::ColorTargetState>> {
         match self {
             Self::Bodies | Self::Sky => Some(Some(LIGHT_FORMAT.into())),
-            Self::Ground | Self::Glass => Some(Some(wgpu::ColorTargetState {
+            Self::Ground | Self::Edges | Self::Chains => Some(Some(wgpu::ColorTargetState {
                 format: LIGHT_FORMAT,
                 blend: Some(wgpu::BlendState::PREMULTIPLIED_ALPHA_BLENDING),
                 write_mask: wgpu::ColorWrites::ALL,
@@ -162,14 +169,14 @@ impl RenderTarget {
 
     fn depth(self) -> Option<wgpu::DepthStencilState> {
         let compare = match self {
-            Self::Bodies | Self::Ground | Self::Glass => wgpu::CompareFunction::Greater,
-            Self::Sky => wgpu::CompareFunction::Always,
+            Self::Bodies | Self::Ground | Self::Edges => wgpu::CompareFunction::Greater,
+            Self::Sky | Self::Chains => wgpu::CompareFunction::Always,
             Self::Shadows => wgpu::CompareFunction::Less,
             Self::Texture(_) => return None,
         };
         Some(wgpu::DepthStencilState {
             format: DEPTH_FORMAT,
-            depth_write_enabled: Some(!matches!(self, Self::Sky | Self::Glass)),
+            depth_write_enabled: Some(!matches!(self, Self::Sky | Self::Edges | Self::Chains)),
             depth_compare: Some(compare),
             stencil: wgpu::StencilState::default(),
             bias: wgpu::DepthBiasState::default(),
@@ -180,7 +187,8 @@ impl RenderTarget {
 impl Pipelines {
     pub(crate) fn new(device: &wgpu::Device, layouts: &Layouts, format: wgpu::TextureFormat) -> Self {
         let bodies = PipelineBuilder::new(device, "bodies", BODIES, &[&layouts.bodies, &layouts.shadows], &[]);
-        let listed = PipelineBuilder { listed: true, ..bodies.clone() };
+        let listed = PipelineBuilder { instances: Some(SLOTS), ..bodies.clone() };
+        let chained = PipelineBuilder { instances: Some(CHAINS), ..bodies.clone() };
         let occlusion = PipelineBuilder::new(device, "occlusion", OCCLUSION, &[&layouts.bodies, &layouts.occlusion], &[]);
         let encodes = [("ENCODES", f64::from(u8::from(format.is_srgb())))];
         let finish = PipelineBuilder::new(device, "finish", FINISH, &[&layouts.bodies, &layouts.finish], &encodes);
@@ -195,7 +203,9 @@ impl Pipelines {
             anchors: bodies.kind(TriangleStrip, "anchor", "sphere", true),
             sky: bodies.make(RenderTarget::Sky, TriangleList, "whole_picture", Some("sky")),
             ground: bodies.make(RenderTarget::Ground, TriangleList, "whole_picture", Some("ground")),
-            glass: bodies.make(RenderTarget::Glass, TriangleList, "glass_vertex", Some("glass_surface")),
+            box_edges: bodies.make(RenderTarget::Edges, TriangleList, "box_edges_vertex", Some("edges_surface")),
+            polygon_edges: bodies.make(RenderTarget::Edges, TriangleList, "polygon_edges_vertex", Some("edges_surface")),
+            chains: chained.make(RenderTarget::Chains, TriangleStrip, "chain_vertex", Some("chain_surface")),
             occlusion: occlusion.make(RenderTarget::Texture(OPENNESS_FORMAT), TriangleList, "whole_picture", Some("occlusion")),
             finish: finish.make(RenderTarget::Texture(format), TriangleList, "whole_picture", Some("finish")),
         }

@@ -1,8 +1,10 @@
 //! The style of a picture: what its colours mean, shadows, ground and background.
 
 use rockfall::SphereDiagnostics;
+use rockfall::glam::Vec3;
 
-use crate::palette::Rgb;
+use crate::legend::CONTACTS;
+use crate::palette::{KINDS, Rgb};
 
 /// The quantity that the colour of a body shows.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -19,6 +21,10 @@ pub enum ColourBy {
     Overlap = 3,
     /// Net force, in mass units/s².
     Force = 4,
+    /// A colour for every body.
+    Body = 5,
+    /// Normal force of every contact, as a line between the two bodies, in mass units/s².
+    ContactForce = 6,
 }
 
 impl ColourBy {
@@ -27,19 +33,21 @@ impl ColourBy {
         matches!(self, Self::Contacts | Self::Overlap | Self::Force)
     }
 
-    /// Name of the quantity with its unit; `None` for [`ColourBy::Kind`].
+    /// Name of the quantity with its unit; `None` for [`ColourBy::Kind`] and [`ColourBy::Body`], which have no scale.
     pub fn title(self) -> Option<&'static str> {
         match self {
-            Self::Kind => None,
+            Self::Kind | Self::Body => None,
             Self::Speed => Some("speed, units/s"),
-            Self::Contacts => Some("contacts"),
+            Self::Contacts => Some(CONTACTS),
             Self::Overlap => Some("deepest overlap, units"),
             Self::Force => Some("net force, mass units/s²"),
+            Self::ContactForce => Some("contact force, mass units/s²"),
         }
     }
 
     /// All values.
-    pub const ALL: [Self; 5] = [Self::Kind, Self::Speed, Self::Contacts, Self::Overlap, Self::Force];
+    pub const ALL: [Self; 7] =
+        [Self::Kind, Self::Speed, Self::Contacts, Self::Overlap, Self::Force, Self::Body, Self::ContactForce];
 
     /// Name on the command line.
     pub fn name(self) -> &'static str {
@@ -49,12 +57,14 @@ impl ColourBy {
             Self::Contacts => "contacts",
             Self::Overlap => "overlap",
             Self::Force => "force",
+            Self::Body => "body",
+            Self::ContactForce => "contact-force",
         }
     }
 
     pub(crate) fn value_of(self, values: &SphereDiagnostics) -> f32 {
         match self {
-            Self::Kind | Self::Speed => 0.0,
+            Self::Kind | Self::Speed | Self::Body | Self::ContactForce => 0.0,
             Self::Contacts => values.contacts as f32,
             Self::Overlap => values.deepest_overlap,
             Self::Force => values.net_force.length(),
@@ -65,7 +75,8 @@ impl ColourBy {
 /// The range of the colour scale.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Range {
-    /// From 0 to the next round number above the greatest value of the last frames.
+    /// From 0 to the next round number above the 99th percentile of the values of the last frames. Values of 0 and bodies far
+    /// from all others do not count.
     #[default]
     Auto,
     /// From the first value to the second.
@@ -103,6 +114,10 @@ pub struct Style {
     pub ground: bool,
     /// Colours of the background.
     pub background: Background,
+    /// Direction towards the sun; its length does not matter.
+    pub light: Vec3,
+    /// Colours of the kinds of objects, in the order of [`KINDS`].
+    pub kinds: [Rgb; 8],
 }
 
 impl Default for Style {
@@ -114,6 +129,8 @@ impl Default for Style {
             occlusion: true,
             ground: true,
             background: Background::default(),
+            light: Vec3::new(-0.45, 0.80, 0.40),
+            kinds: KINDS.map(|kind| kind.colour),
         }
     }
 }

@@ -1,18 +1,12 @@
 //! Properties of a scene that the renderer needs in addition to the buffers.
 
 use rockfall::Scene;
-use rockfall::glam::Vec3;
 
-use crate::bounds::{Extent, extent_of_spheres, extents_of_static_objects};
-
-/// Approximate number of sphere positions that are kept.
-const SAMPLES: usize = 100;
+use crate::extent::{Extent, extent_of_spheres, extents_of_static_objects};
 
 /// Properties of a scene that the renderer needs in addition to the buffers.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct SceneSummary {
-    /// Positions of every n-th sphere, about [`SAMPLES`] in all.
-    pub(crate) sample_positions: Vec<Vec3>,
     /// Height of the ground: the bottom of all static objects. Without static objects it is 0 if that is a short distance
     /// below the spheres, else the bottom of the spheres.
     pub(crate) ground: f32,
@@ -22,7 +16,7 @@ pub(crate) struct SceneSummary {
 
 impl Default for SceneSummary {
     fn default() -> Self {
-        Self { sample_positions: Vec::new(), ground: 0.0, typical_radius: 1.0 }
+        Self { ground: 0.0, typical_radius: 1.0 }
     }
 }
 
@@ -40,9 +34,7 @@ impl SceneSummary {
             (None, Some(spheres)) => spheres.min.y,
             (None, None) => 0.0,
         };
-        let stride = (scene.spheres().len() / SAMPLES).max(1);
-        let sample_positions = scene.spheres().iter().step_by(stride).map(|sphere| sphere.position).collect();
-        Self { sample_positions, ground, typical_radius }
+        Self { ground, typical_radius }
     }
 }
 

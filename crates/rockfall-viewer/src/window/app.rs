@@ -158,6 +158,9 @@ impl OpenWindow {
         let graphics = Graphics::open(&window, events.owned_display_handle())?;
         let opener = graphics.opener(&launch.options);
         let mut session = Session::open(launch.source.clone(), launch.overrides.clone(), launch.time_step, opener)?;
+        if let Some(playback) = launch.playback.take() {
+            session.play(playback);
+        }
         for warning in &launch.warnings {
             session.tell(Level::Warning, warning);
         }

@@ -1,5 +1,6 @@
 //! The arguments of a window, and the reasons why it ends early.
 
+use std::cell::RefCell;
 use std::fmt;
 use std::path::PathBuf;
 
@@ -7,6 +8,7 @@ use rockfall::{Error, Options};
 
 use super::controls::Controls;
 use super::session::Source;
+use super::session::playback::Playback;
 
 /// Arguments of [`run`](super::run).
 pub struct Launch {
@@ -14,6 +16,8 @@ pub struct Launch {
     pub source: Source,
     /// Warnings about the scene, which are shown as messages.
     pub warnings: Vec<String>,
+    /// The trajectory to play, whose scene is the initial one.
+    pub playback: RefCell<Option<Playback>>,
     /// Options of the simulation.
     pub options: Options,
     /// Time step, in s.

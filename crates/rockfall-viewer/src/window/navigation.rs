@@ -3,8 +3,9 @@
 use rockfall::Scene;
 use rockfall::glam::{Quat, Vec2, Vec3};
 
-use crate::bounds::{bounds, extents_of_static_objects};
+use crate::bounds::bounds;
 use crate::camera::Camera;
+use crate::extent::extents_of_static_objects;
 
 /// Rotation per pixel of a drag, in rad.
 const TURN: f32 = 0.004;

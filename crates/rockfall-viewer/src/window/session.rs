@@ -18,11 +18,14 @@ mod concerns;
 mod edits;
 mod files;
 mod picked;
+pub mod playback;
 mod pointer;
 mod rewind;
 
 use concerns::Checked;
 use edits::Edits;
+
+use playback::Playback;
 
 /// Opens a scene as a simulation on the device of the window.
 pub type Opener = Box<dyn Fn(Scene) -> rockfall::Result<Simulation>>;
@@ -75,6 +78,8 @@ pub struct Session {
     scene_version: u64,
     /// Whether the device has failed. Nothing runs until [`Session::reopen`].
     device_failed: bool,
+    /// The trajectory that is played.
+    playback: Option<Playback>,
     /// Time of the present frame, in s since the window opened.
     now: f64,
     /// Start of the present frame.
@@ -112,6 +117,7 @@ impl Session {
             simulation_version: 0,
             scene_version: 0,
             device_failed: false,
+            playback: None,
             now: 0.0,
             frame_started: Instant::now(),
         };
@@ -266,6 +272,9 @@ impl Session {
     }
 
     fn do_steps(&mut self, steps: u64) -> bool {
+        if self.is_playing_back() {
+            return self.play_frames(steps);
+        }
         let result = if steps > 0 { self.simulation.run(steps, self.pace.time_step).map(drop) } else { Ok(()) };
         self.stop_on(result)
     }
@@ -273,7 +282,7 @@ impl Session {
     /// Makes one step and measures the time of its phases.
     fn do_profiled(&mut self) {
         // Devices without timestamps make the step without measuring.
-        if self.simulation.clock().is_err() {
+        if self.is_playing_back() || self.simulation.clock().is_err() {
             self.do_steps(1);
             return;
         }

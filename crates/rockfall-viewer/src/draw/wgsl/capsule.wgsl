@@ -41,9 +41,16 @@ fn capsule_vertex(@builtin(vertex_index) corner: u32, @builtin(instance_index) r
     vertex.end2 = end2;
     vertex.orientation = orientation(slots.x);
     vertex.whole = select(0u, 1u, is_capsule(rod));
-    if frame.colour_by != BY_KIND {
+    if is_on_scale() {
         vertex.colour1 = scale_colour(value_of(slots.x));
         vertex.colour2 = scale_colour(value_of(slots.y));
+    } else if vertex.whole == 1u && (frame.colour_by != BY_KIND || own_colour(slots.x).a > 0.0) {
+        // A capsule is one body, with the colour of its first end.
+        vertex.colour1 = sphere_colour(slots.x);
+        vertex.colour2 = vertex.colour1;
+    } else if frame.colour_by == BY_CONTACT_FORCE {
+        vertex.colour1 = PALE;
+        vertex.colour2 = PALE;
     } else {
         let kind = select(KIND_ROD, KIND_CAPSULE, vertex.whole == 1u);
         vertex.colour1 = frame.kinds[kind].rgb * (0.9 + 0.2 * hash(rod));

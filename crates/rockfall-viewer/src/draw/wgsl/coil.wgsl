@@ -1,4 +1,5 @@
-// Springs and tethers: a wire coiled around the line between the ends. The number of turns does not depend on the length.
+// Springs and tethers: a wire coiled around the line between the ends. The number of turns does not depend on the length. Far
+// away, where the turns could not be told apart, the coil becomes a thin line.
 
 struct CoilVertex {
     @builtin(position) place: vec4f,
@@ -9,6 +10,12 @@ struct CoilVertex {
 
 const TURNS: f32 = 6.0;
 const TURN: f32 = 6.2831853;
+/// Least radius of a wire, and radius of the line that a far coil becomes, in pixels.
+const WIRE: f32 = 0.6;
+const LINE: f32 = 0.45;
+/// Distance between two turns, and radius of the turns, between which a coil becomes a line, in pixels.
+const PITCH: vec2f = vec2f(3.0, 5.0);
+const TURN_RADIUS: vec2f = vec2f(1.5, 3.0);
 
 /// A coil from one surface to the other.
 struct Coil {
@@ -41,6 +48,12 @@ fn coil_between(end1: vec4f, end2: vec4f, rest: f32) -> Coil {
     return coil;
 }
 
+/// Returns how much of the radius of the turns is shown, from 0 for a line to 1. `pixel` is the width of a pixel.
+fn coiled_part(coil: Coil, pixel: f32) -> f32 {
+    let pitch = length(coil.line) / TURNS;
+    return smoothstep(PITCH.x, PITCH.y, pitch / pixel) * smoothstep(TURN_RADIUS.x, TURN_RADIUS.y, coil.radius / pixel);
+}
+
 fn coil_vertex(coil: Coil, index: u32, colour: vec3f) -> CoilVertex {
     var vertex: CoilVertex;
     vertex.place = NOWHERE;
@@ -54,14 +67,16 @@ fn coil_vertex(coil: Coil, index: u32, colour: vec3f) -> CoilVertex {
     let v = cross(axis, u);
     let outwards = cos(angle) * u + sin(angle) * v;
     let around = cos(angle) * v - sin(angle) * u;
+    let pixel = pixel_width() * max(dot(coil.start + 0.5 * coil.line - frame.eye, frame.forward), 0.0);
+    let coiled = coiled_part(coil, pixel);
     // The wire begins and ends on the axis.
-    let radius = coil.radius * smoothstep(0.0, 0.08, part) * smoothstep(1.0, 0.92, part);
+    let radius = coiled * coil.radius * smoothstep(0.0, 0.08, part) * smoothstep(1.0, 0.92, part);
     let along = normalize(coil.line + TURN * TURNS * radius * around);
     let side = TURN * f32(index % frame.coil_sides) / f32(frame.coil_sides);
     vertex.normal = cos(side) * outwards + sin(side) * normalize(cross(along, outwards));
     let middle = coil.start + part * coil.line + radius * outwards;
-    // A radius of at least 0.6 pixels, so that the wire stays visible.
-    let wire = max(coil.wire, 0.6 * pixel_width() * dot(middle - frame.eye, frame.forward));
+    // Wide enough that the wire stays visible.
+    let wire = mix(LINE * pixel, max(coil.wire, WIRE * pixel), coiled);
     vertex.point = middle + wire * vertex.normal;
     vertex.place = frame.view_projection * vec4f(vertex.point, 1.0);
     vertex.colour = colour;

@@ -7,6 +7,9 @@ fn hash(index: u32) -> f32 {
     return f32(((word >> 22u) ^ word) & 0xffffu) / 65535.0;
 }
 
+/// Colour of the bodies behind force chains.
+const PALE: vec3f = vec3f(0.62, 0.64, 0.66);
+
 fn value_of(slot: u32) -> f32 {
     if frame.colour_by == BY_SPEED {
         return length(state[frame.spheres + slot].xyz);
@@ -21,9 +24,43 @@ fn scale_colour(value: f32) -> vec3f {
     return mix(frame.scale[stop].rgb, frame.scale[stop + 1u].rgb, place - f32(stop));
 }
 
+/// Returns the colour that was given to a sphere, and 1 if there is one. A value is 1 + 65536 red + 256 green + blue in sRGB.
+fn own_colour(slot: u32) -> vec4f {
+    let value = values[slot];
+    if (frame.colour_by != BY_KIND && frame.colour_by != BY_BODY) || value < 1.0 {
+        return vec4f(0.0);
+    }
+    let bits = u32(value) - 1u;
+    let encoded = vec3f(vec3u(bits >> 16u, (bits >> 8u) & 255u, bits & 255u)) / 255.0;
+    let linear = select(pow((encoded + 0.055) / 1.055, vec3f(2.4)), encoded / 12.92, encoded <= vec3f(0.04045));
+    return vec4f(linear, 1.0);
+}
+
+/// Returns one of many colours that are easy to tell apart for successive numbers.
+fn distinct_colour(number: u32) -> vec3f {
+    let hue = 6.2831853 * fract(0.61803399 * f32(number % 65536u));
+    let tone = 0.30 + 0.22 * cos(hue - vec3f(0.0, 2.0943951, 4.1887902));
+    return tone * (0.75 + 0.5 * hash(number));
+}
+
+/// Whether a body is coloured by a value on the scale.
+fn is_on_scale() -> bool {
+    return frame.colour_by != BY_KIND && frame.colour_by != BY_BODY && frame.colour_by != BY_CONTACT_FORCE;
+}
+
 fn sphere_colour(slot: u32) -> vec3f {
-    if frame.colour_by != BY_KIND {
+    if is_on_scale() {
         return scale_colour(value_of(slot));
+    }
+    let own = own_colour(slot);
+    if own.a > 0.0 {
+        return own.rgb;
+    }
+    if frame.colour_by == BY_CONTACT_FORCE {
+        return select(PALE, 0.6 * PALE, is_fixed(slot));
+    }
+    if frame.colour_by == BY_BODY && !is_fixed(slot) {
+        return distinct_colour(insertion_index(slot));
     }
     if is_fixed(slot) {
         return frame.kinds[KIND_FIXED].rgb;
@@ -34,8 +71,11 @@ fn sphere_colour(slot: u32) -> vec3f {
 
 /// Returns the second tone of a body's pattern.
 fn second_tone(colour: vec3f) -> vec3f {
-    if frame.colour_by != BY_KIND {
+    if is_on_scale() {
         return 0.62 * colour;
+    }
+    if frame.colour_by == BY_CONTACT_FORCE {
+        return 0.9 * colour;
     }
     return mix(colour, vec3f(0.93, 0.90, 0.84), 0.82);
 }

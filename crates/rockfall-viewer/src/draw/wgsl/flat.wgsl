@@ -8,7 +8,6 @@ struct FlatVertex {
     @location(2) on_face: vec2f,
     @location(3) @interpolate(flat) sides: vec2f,
     @location(4) @interpolate(flat) colour: vec3f,
-    @location(5) @interpolate(flat) opacity: f32,
 }
 
 struct FlatSurface {
@@ -37,18 +36,17 @@ fn face(corner: vec3f, first: vec3f, second: vec3f, normal: vec3f, index: u32) -
 @vertex
 fn box_vertex(@builtin(vertex_index) index: u32, @builtin(instance_index) number: u32) -> FlatVertex {
     var vertex = box_corner(index, number);
-    if opacities[number] < 1.0 {
+    if drawn[number] == 0u {
         vertex.place = NOWHERE;
     }
     return vertex;
 }
 
-/// Boxes that hide bodies are drawn as glass.
+/// Of boxes that hide bodies, only the edges are drawn.
 @vertex
-fn glass_vertex(@builtin(vertex_index) index: u32, @builtin(instance_index) number: u32) -> FlatVertex {
+fn box_edges_vertex(@builtin(vertex_index) index: u32, @builtin(instance_index) number: u32) -> FlatVertex {
     var vertex = box_corner(index, number);
-    vertex.opacity = opacities[number];
-    if vertex.opacity >= 1.0 {
+    if drawn[number] != 0u {
         vertex.place = NOWHERE;
     }
     return vertex;
@@ -69,7 +67,20 @@ fn box_corner(index: u32, number: u32) -> FlatVertex {
 
 @vertex
 fn polygon_vertex(@builtin(vertex_index) index: u32, @builtin(instance_index) number: u32) -> FlatVertex {
-    return polygon_corner(index, number);
+    var vertex = polygon_corner(index, number);
+    if !is_polygon_drawn(number) {
+        vertex.place = NOWHERE;
+    }
+    return vertex;
+}
+
+@vertex
+fn polygon_edges_vertex(@builtin(vertex_index) index: u32, @builtin(instance_index) number: u32) -> FlatVertex {
+    var vertex = polygon_corner(index, number);
+    if is_polygon_drawn(number) {
+        vertex.place = NOWHERE;
+    }
+    return vertex;
 }
 
 fn polygon_corner(index: u32, number: u32) -> FlatVertex {
@@ -120,10 +131,9 @@ fn box_surface(vertex: FlatVertex) -> @location(0) vec4f {
 }
 
 @fragment
-fn glass_surface(vertex: FlatVertex) -> @location(0) vec4f {
-    let rim = rim_at(vertex, fwidth(vertex.on_face));
-    let opacity = mix(mix(0.004, 0.4, rim), 1.0, vertex.opacity);
-    return vec4f(mix(vec3f(0.75, 0.80, 0.84), vertex.colour, vertex.opacity) * (1.0 - 0.6 * rim), 1.0) * opacity;
+fn edges_surface(vertex: FlatVertex) -> @location(0) vec4f {
+    let opacity = 0.45 * rim_at(vertex, fwidth(vertex.on_face));
+    return vec4f(vec3f(0.16, 0.18, 0.21), 1.0) * opacity;
 }
 
 @fragment

@@ -55,6 +55,8 @@ const LEAST_SHADOW: f32 = 2.0;
 
 const BY_KIND: u32 = 0u;
 const BY_SPEED: u32 = 1u;
+const BY_BODY: u32 = 5u;
+const BY_CONTACT_FORCE: u32 = 6u;
 
 const KIND_SPHERE: u32 = 0u;
 const KIND_FIXED: u32 = 1u;
@@ -73,8 +75,8 @@ const KIND_POLYGON: u32 = 7u;
 @group(0) @binding(5) var<storage, read> old_orientations: array<vec4f>;
 @group(0) @binding(6) var<storage, read> values: array<f32>;
 @group(0) @binding(7) var<storage, read> capsule_bits: array<u32>;
-/// Opacity of each box.
-@group(0) @binding(8) var<storage, read> opacities: array<f32>;
+/// For each box, then for each polygon: 1 if it is drawn, 0 if only its edges are.
+@group(0) @binding(8) var<storage, read> drawn: array<u32>;
 
 fn topology_float(at: u32) -> f32 {
     return bitcast<f32>(topology[at]);
@@ -112,6 +114,11 @@ fn insertion_index(slot: u32) -> u32 {
 
 fn is_fixed(slot: u32) -> bool {
     return state[frame.spheres + slot].w == 0.0;
+}
+
+/// Whether polygon `number` is drawn. The words of the polygons follow those of the boxes.
+fn is_polygon_drawn(number: u32) -> bool {
+    return drawn[(frame.polygons_at - frame.boxes_at) / 12u + number] != 0u;
 }
 
 /// Returns bit `index` of the bits in `capsule_bits` that begin at word `at`.

@@ -79,8 +79,8 @@ fn capsule_shadow(vertex: CapsuleShadow) -> @builtin(frag_depth) f32 {
 
 @vertex
 fn box_shadow_vertex(@builtin(vertex_index) index: u32, @builtin(instance_index) number: u32) -> @builtin(position) vec4f {
-    // Glass casts no shadow.
-    if opacities[number] < 0.5 {
+    // Without this, the shadow of a wall that is not there would fall on the bodies.
+    if drawn[number] == 0u {
         return NOWHERE;
     }
     return in_map(box_corner(index, number).point);
@@ -88,6 +88,9 @@ fn box_shadow_vertex(@builtin(vertex_index) index: u32, @builtin(instance_index)
 
 @vertex
 fn polygon_shadow_vertex(@builtin(vertex_index) index: u32, @builtin(instance_index) number: u32) -> @builtin(position) vec4f {
+    if !is_polygon_drawn(number) {
+        return NOWHERE;
+    }
     return in_map(polygon_corner(index, number).point);
 }
 

@@ -1,4 +1,4 @@
-//! Films as MP4, encoded by the program `ffmpeg`.
+//! Films as MP4 and WebM, encoded by the program `ffmpeg`.
 
 use std::io::{self, Read as _, Write as _};
 use std::path::{Path, PathBuf};
@@ -9,16 +9,28 @@ use rockfall::Result;
 use crate::film::file_error::file_error;
 use crate::picture::Picture;
 
-pub(super) fn write(path: &Path, fps: u32, pictures: impl Iterator<Item = Result<Picture>>) -> Result<()> {
+/// A container with its encoder.
+pub(super) struct Encoding {
+    /// Name of the container, which is also the extension.
+    name: &'static str,
+    options: &'static [&'static str],
+}
+
+pub(super) const MP4: Encoding = Encoding { name: "mp4", options: &["-movflags", "+faststart"] };
+/// Constant quality; ffmpeg's default bit rate is too low for the fine patterns of bodies.
+pub(super) const WEBM: Encoding =
+    Encoding { name: "webm", options: &["-c:v", "libvpx-vp9", "-crf", "30", "-b:v", "0", "-row-mt", "1"] };
+
+pub(super) fn write(path: &Path, encoding: &Encoding, fps: u32, pictures: impl Iterator<Item = Result<Picture>>) -> Result<()> {
     let wrong = file_error(path);
     let mut pictures = pictures.peekable();
     // Before the first picture is drawn, because the program may be missing.
-    check().map_err(&wrong)?;
+    check(encoding).map_err(&wrong)?;
     let Some(Ok(first)) = pictures.peek() else {
         return pictures.next().transpose().map(drop);
     };
     let temporary = TemporaryFile::beside(path);
-    let mut ffmpeg = start(&temporary.path, first, fps).map_err(&wrong)?;
+    let mut ffmpeg = start(&temporary.path, encoding, first, fps).map_err(&wrong)?;
     let mut to = ffmpeg.stdin.take();
     let mut result = Ok(());
     for picture in pictures {
@@ -44,23 +56,25 @@ fn command() -> Command {
     command
 }
 
-fn check() -> io::Result<()> {
+fn check(encoding: &Encoding) -> io::Result<()> {
     let run = command().arg("-version").stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null()).status();
     run.map(drop).map_err(|error| match error.kind() {
-        io::ErrorKind::NotFound => io::Error::other(
-            "writing .mp4 requires the program ffmpeg, which is not installed (or not on the PATH); \
+        io::ErrorKind::NotFound => io::Error::other(format!(
+            "writing .{} requires the program ffmpeg, which is not installed (or not on the PATH); \
              install it, or write a .gif or an .apng",
-        ),
+            encoding.name
+        )),
         _ => error,
     })
 }
 
-fn start(path: &Path, first: &Picture, fps: u32) -> io::Result<Child> {
+fn start(path: &Path, encoding: &Encoding, first: &Picture, fps: u32) -> io::Result<Child> {
     let size = format!("{}x{}", first.width, first.height);
     command()
         .args(["-y", "-f", "rawvideo", "-pixel_format", "rgb24", "-video_size", &size, "-framerate", &fps.to_string()])
-        .args(["-i", "-", "-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2", "-pix_fmt", "yuv420p", "-movflags", "+faststart"])
-        .args(["-f", "mp4"])
+        .args(["-i", "-", "-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2", "-pix_fmt", "yuv420p"])
+        .args(encoding.options)
+        .args(["-f", encoding.name])
         .arg(path)
         .stdin(Stdio::piped())
         .stdout(Stdio::null())

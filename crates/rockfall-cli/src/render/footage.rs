@@ -1,0 +1,291 @@
+//! The states that a picture or a film shows: of a simulation that runs, or of a trajectory.
+
+use rockfall::exec::gpu::Gpu;
+use rockfall::{Backend, Checkpoint, Options, Simulation};
+use rockfall_trajectory::{Moment as FrameTime, Reader};
+use rockfall_viewer::draw::{Renderer, Style};
+use rockfall_viewer::film::{Moment, Player, Timing};
+use rockfall_viewer::survey::Survey;
+
+use crate::failure::Failure;
+use crate::progress::Progress;
+
+/// Number of states from which the camera and the colour scale of a film are chosen.
+const SURVEYED: u64 = 100;
+
+/// The states that a picture or a film shows.
+pub(super) enum Footage {
+    Live(Box<Live>),
+    Recorded(Box<Recorded>),
+}
+
+/// Which part of the states a film shows.
+#[derive(Clone, Copy)]
+pub(super) struct Cut {
+    pub(super) fps: u32,
+    /// Simulated seconds per second of film.
+    pub(super) speed: f64,
+    /// Number of steps; `None` for all.
+    pub(super) steps: Option<u64>,
+}
+
+impl Footage {
+    pub(super) fn simulation(&mut self) -> &mut Simulation {
+        match self {
+            Self::Live(live) => &mut live.simulation,
+            Self::Recorded(recorded) => &mut recorded.simulation,
+        }
+    }
+
+    /// Goes to the first state: after `at` steps, or at step `at` of a trajectory. `None` is the start.
+    pub(super) fn go_to(&mut self, at: Option<u64>) -> Result<(), Failure> {
+        match self {
+            Self::Live(live) => live.advance(at.unwrap_or(0)),
+            Self::Recorded(recorded) => recorded.go_to(at),
+        }
+    }
+
+    /// The moments of the pictures of a film that starts at the present state.
+    pub(super) fn moments(&self, cut: Cut) -> Result<Vec<Moment>, Failure> {
+        match self {
+            Self::Live(live) => {
+                let timing = live.timing(cut);
+                Ok((0..timing.pictures()).map(|index| timing.moment(index)).collect())
+            }
+            Self::Recorded(recorded) => recorded.moments(cut),
+        }
+    }
+
+    /// Shows a moment, which must not be before the last one.
+    pub(super) fn show(&mut self, renderer: &mut Renderer, style: &Style, moment: Moment) -> rockfall::Result<()> {
+        match self {
+            Self::Live(live) => live.show(renderer, style, moment),
+            Self::Recorded(recorded) => recorded.show(renderer, style, moment),
+        }
+    }
+
+    /// Goes through the states of a film and back to its first state. `look` is called for every state.
+    pub(super) fn survey(
+        &mut self,
+        moments: &[Moment],
+        mut look: impl FnMut(&mut Simulation) -> rockfall::Result<()>,
+    ) -> Result<Survey, Failure> {
+        let mut survey: Option<Survey> = None;
+        let mut add = |simulation: &mut Simulation| -> rockfall::Result<()> {
+            look(simulation)?;
+            let scene = simulation.sync()?;
+            match &mut survey {
+                Some(survey) => survey.add(scene),
+                None => survey = Some(Survey::new(scene)),
+            }
+            Ok(())
+        };
+        match self {
+            Self::Live(live) => live.each_state(moments, &mut add)?,
+            Self::Recorded(recorded) => recorded.each_state(moments, &mut add)?,
+        }
+        Ok(survey.unwrap_or_else(|| Survey::new(self.simulation().scene())))
+    }
+}
+
+/// Every n-th moment, and the last one.
+fn surveyed(moments: &[Moment]) -> impl Iterator<Item = Moment> {
+    let stride = (moments.len() as u64).div_ceil(SURVEYED).max(1) as usize;
+    let last = moments.last().filter(|_| !(moments.len() - 1).is_multiple_of(stride)).copied();
+    moments.iter().step_by(stride).copied().chain(last)
+}
+
+/// A simulation that runs.
+pub(super) struct Live {
+    simulation: Simulation,
+    player: Player,
+    dt: f32,
+    parts: u32,
+}
+
+impl Live {
+    /// `parts` is the number of equal parts of a step of `dt` seconds.
+    pub(super) fn new(simulation: Simulation, dt: f32, parts: u32) -> Self {
+        Self { simulation, player: Player::new(dt).parts(parts), dt, parts }
+    }
+
+    fn timing(&self, cut: Cut) -> Timing {
+        Timing { steps: cut.steps.unwrap_or(0), dt: self.dt, fps: cut.fps, speed: cut.speed }
+    }
+
+    fn show(&mut self, renderer: &mut Renderer, style: &Style, moment: Moment) -> rockfall::Result<()> {
+        self.player.show(&mut self.simulation, renderer, style, moment)
+    }
+
+    fn run(&mut self, steps: u64) -> Result<(), Failure> {
+        let parts = self.parts;
+        Ok(self.simulation.run(steps.saturating_mul(u64::from(parts)), self.dt / parts as f32).map(drop)?)
+    }
+
+    fn advance(&mut self, steps: u64) -> Result<(), Failure> {
+        let mut progress = Progress::new(steps);
+        let mut left = steps;
+        let mut result = Ok(());
+        while left > 0 && result.is_ok() {
+            let chunk = progress.chunk();
+            result = self.run(chunk);
+            left -= chunk;
+            progress.advance(chunk);
+        }
+        progress.finish();
+        result
+    }
+
+    /// Runs through all moments, then restores the first state, from which the film then takes the same steps.
+    fn each_state(
+        &mut self,
+        moments: &[Moment],
+        look: &mut dyn FnMut(&mut Simulation) -> rockfall::Result<()>,
+    ) -> Result<(), Failure> {
+        let start: Checkpoint = self.simulation.checkpoint()?;
+        let mut done = 0;
+        for moment in surveyed(moments) {
+            self.advance(moment.step - done)?;
+            done = moment.step;
+            look(&mut self.simulation)?;
+        }
+        Ok(self.simulation.restore(&start)?)
+    }
+}
+
+/// A trajectory, and a simulation that takes its states. Its steps are the frames of the trajectory.
+pub(super) struct Recorded {
+    name: String,
+    reader: Reader,
+    simulation: Simulation,
+    /// The moment that the picture or the film starts at.
+    start: Moment,
+    /// The frame that the simulation has.
+    present: Option<usize>,
+}
+
+impl Recorded {
+    pub(super) fn new(name: String, reader: Reader) -> Result<Self, Failure> {
+        let options = Options::new().backend(Backend::Cpu);
+        let mut simulation = Simulation::with_options(reader.scene().clone(), options)?;
+        if let [first, second, ..] = reader.moments()
+            && second.step > first.step
+        {
+            // Forces of collisions depend on the time step.
+            let dt = (second.time - first.time) / (second.step - first.step) as f64;
+            if dt > 0.0 {
+                simulation.set_time_step(dt as f32)?;
+            }
+        }
+        Ok(Self { name, reader, simulation, start: Moment { step: 0, blend: 0.0 }, present: None })
+    }
+
+    fn ends(&self) -> [FrameTime; 2] {
+        let moments = self.reader.moments();
+        [moments[0], moments[moments.len() - 1]]
+    }
+
+    /// The moment of a value of the frames that rises, such as time or step.
+    fn moment_of(&self, value: f64, of: impl Fn(&FrameTime) -> f64) -> Moment {
+        let frames = self.reader.moments();
+        let after = frames.partition_point(|frame| of(frame) <= value + 1e-9 * value.abs());
+        let frame = after.saturating_sub(1);
+        let blend = frames
+            .get(after)
+            .filter(|_| after > 0)
+            .map_or(0.0, |next| (value - of(&frames[frame])) / (of(next) - of(&frames[frame])).max(f64::MIN_POSITIVE));
+        // As for a simulation that runs, a moment close to a state is that state.
+        if blend > 1.0 - 1e-5 {
+            return Moment { step: frame as u64 + 1, blend: 0.0 };
+        }
+        Moment { step: frame as u64, blend: if blend < 1e-4 { 0.0 } else { blend as f32 } }
+    }
+
+    fn go_to(&mut self, at: Option<u64>) -> Result<(), Failure> {
+        let [first, last] = self.ends().map(|end| end.step);
+        let at = at.unwrap_or(first);
+        if !(first..=last).contains(&at) {
+            return Err(self.outside(&format!("--at {at}"), first, last));
+        }
+        self.start = self.moment_of(at as f64, |frame| frame.step as f64);
+        Ok(self.apply(self.start.step as usize)?)
+    }
+
+    fn outside(&self, what: &str, first: u64, last: u64) -> Failure {
+        Failure::usage(format!("{what}: {} has the steps {first} to {last}", self.name))
+    }
+
+    fn time_of(&self, Moment { step, blend }: Moment) -> f64 {
+        let frames = self.reader.moments();
+        let from = frames[step as usize].time;
+        frames.get(step as usize + 1).map_or(from, |next| from + f64::from(blend) * (next.time - from))
+    }
+
+    fn moments(&self, cut: Cut) -> Result<Vec<Moment>, Failure> {
+        let frames = self.reader.moments();
+        let [first, last] = self.ends();
+        let from = self.time_of(self.start);
+        let until = match cut.steps {
+            None => last.time,
+            Some(steps) => {
+                let begin = frames[self.start.step as usize];
+                let at = begin.step as f64
+                    + f64::from(self.start.blend)
+                        * frames.get(self.start.step as usize + 1).map_or(0.0, |next| (next.step - begin.step) as f64);
+                let end = at.round() as u64 + steps;
+                if end > last.step {
+                    return Err(self.outside(&format!("--steps {steps}"), first.step, last.step));
+                }
+                self.time_of(self.moment_of(end as f64, |frame| frame.step as f64))
+            }
+        };
+        let count = ((until - from) * f64::from(cut.fps) / cut.speed + 1e-6).floor().max(0.0) as u64 + 1;
+        let time = |index: u64| from + index as f64 * cut.speed / f64::from(cut.fps);
+        Ok((0..count).map(|index| self.moment_of(time(index).min(until), |frame| frame.time)).collect())
+    }
+
+    /// Gives the states of a frame to the simulation.
+    fn apply(&mut self, frame: usize) -> rockfall::Result<()> {
+        if self.present != Some(frame) {
+            self.reader.frame(frame)?.apply(&mut self.simulation)?;
+            self.present = Some(frame);
+        }
+        Ok(())
+    }
+
+    fn show(&mut self, renderer: &mut Renderer, style: &Style, moment: Moment) -> rockfall::Result<()> {
+        self.apply(moment.step as usize)?;
+        renderer.update(&mut self.simulation, style)?;
+        if moment.blend > 0.0 {
+            renderer.remember();
+            self.apply(moment.step as usize + 1)?;
+            renderer.update(&mut self.simulation, style)?;
+        }
+        renderer.set_blend(if moment.blend > 0.0 { moment.blend } else { 1.0 });
+        Ok(())
+    }
+
+    fn each_state(
+        &mut self,
+        moments: &[Moment],
+        look: &mut dyn FnMut(&mut Simulation) -> rockfall::Result<()>,
+    ) -> Result<(), Failure> {
+        for moment in surveyed(moments) {
+            self.apply(moment.step as usize)?;
+            look(&mut self.simulation)?;
+        }
+        Ok(self.apply(self.start.step as usize)?)
+    }
+}
+
+/// The device to draw on: that of the simulation, or for a simulation on the CPU any adapter, including software.
+pub(super) fn device(simulation: &Simulation) -> Result<Gpu, Failure> {
+    match simulation.gpu_view() {
+        Some(view) => Ok(view.gpu().clone()),
+        None => Gpu::open_blocking(true).map_err(|error| {
+            Failure::Run(format!(
+                "drawing needs a graphics adapter, even with --backend cpu; software Vulkan is enough: {error}"
+            ))
+        }),
+    }
+}

@@ -1,0 +1,165 @@
+//! Draws the pictures.
+
+use rockfall::glam::Vec3;
+use rockfall::output::AtomicFile;
+use rockfall_viewer::camera::Camera;
+use rockfall_viewer::draw::{FrameTimes, Pass, Range, Renderer, Style};
+use rockfall_viewer::film::{self, Format, Moment};
+use rockfall_viewer::picture::{Canvas, FORMAT, Picture};
+use rockfall_viewer::survey::Survey;
+
+use super::camera::Shot;
+use super::footage::{Footage, device};
+use super::{Arguments, Product, colours};
+use crate::failure::Failure;
+use crate::output;
+use crate::progress::Progress;
+
+/// Quality of a JPEG file, from 1 to 100: no artefacts that the eye sees at the edges of bodies.
+const JPEG_QUALITY: u8 = 92;
+
+/// The states to draw, and everything needed to draw them.
+pub(super) struct Studio {
+    footage: Footage,
+    renderer: Renderer,
+    canvas: Canvas,
+    style: Style,
+}
+
+impl Studio {
+    pub(super) fn new(arguments: &Arguments, mut footage: Footage) -> Result<Self, Failure> {
+        let gpu = device(footage.simulation())?;
+        let [width, height] = arguments.size;
+        let canvas = Canvas::new(gpu.device(), gpu.queue(), width, height)?;
+        let mut renderer = Renderer::new(gpu.device(), gpu.queue(), FORMAT)?;
+        let mut style = arguments.style();
+        let scene = footage.simulation().scene();
+        renderer.set_colours(colours::apply(&arguments.colour, scene, &mut style)?);
+        Ok(Self { footage, renderer, canvas, style })
+    }
+
+    pub(super) fn picture(mut self, arguments: &Arguments, product: Product) -> Result<(), Failure> {
+        let path = &arguments.out;
+        let mut file = AtomicFile::create(path).map_err(|error| Failure::file(path, &error))?;
+        self.footage.go_to(arguments.at)?;
+        let simulation = self.footage.simulation();
+        let survey = Survey::new(simulation.sync()?);
+        let camera = Shot::new(arguments, &survey, simulation)?.at(0.0, None);
+        self.renderer.update(simulation, &self.style)?;
+        let picture = self.take(&camera, arguments)?;
+        if let Some(frames) = arguments.bench {
+            self.bench(arguments, &camera, frames)?;
+        }
+        let written = match product {
+            Product::Jpeg => picture.write_jpeg(&mut file, JPEG_QUALITY),
+            _ => picture.write_png(&mut file),
+        };
+        written.and_then(|()| file.commit()).map_err(|error| Failure::file(path, &error))
+    }
+
+    fn take(&mut self, camera: &Camera, arguments: &Arguments) -> rockfall::Result<Picture> {
+        let mut picture = self.canvas.take(&mut self.renderer, camera, &self.style)?;
+        if arguments.colour_by.is_some() {
+            self.renderer.legend(&self.style).draw(&mut picture)?;
+        }
+        Ok(picture)
+    }
+
+    pub(super) fn film(mut self, arguments: &Arguments, format: Format) -> Result<(), Failure> {
+        self.footage.go_to(arguments.at)?;
+        let moments = self.footage.moments(arguments.cut())?;
+        let survey = self.survey(arguments, &moments)?;
+        let shot = Shot::new(arguments, &survey, self.footage.simulation())?;
+        self.renderer.set_scene(self.footage.simulation());
+        self.renderer.set_survey(survey);
+        let mut progress = Progress::pictures(moments.len() as u64);
+        let mut follower = Follower { shot: &shot, from: None };
+        let pictures = moments.iter().enumerate().map(|(index, moment)| {
+            let followed = follower.show(&mut self, *moment)?;
+            let camera = shot.at(index as f64 / f64::from(arguments.fps), followed);
+            progress.advance(1);
+            self.take(&camera, arguments)
+        });
+        let count = moments.len() as u64;
+        let result = film::write_all(&arguments.out, format, arguments.fps, count, pictures);
+        progress.finish();
+        Ok(result?)
+    }
+
+    /// Finds out what happens in the film, as far as the camera, walls and the colour scale depend on it, and fixes the scale.
+    fn survey(&mut self, arguments: &Arguments, moments: &[Moment]) -> Result<Survey, Failure> {
+        let has_camera = arguments.camera.is_some() && (arguments.look_at.is_some() || arguments.follow.is_some());
+        let has_scale = arguments.range.is_some() || self.style.colour_by.title().is_none();
+        let scene = self.footage.simulation().scene();
+        if has_camera && has_scale && scene.boxes().is_empty() && scene.polygons().is_empty() {
+            return Ok(Survey::new(scene));
+        }
+        let mut end = 0.0_f32;
+        let Self { footage, renderer, style, .. } = self;
+        let survey = footage.survey(moments, |simulation| {
+            if !has_scale {
+                renderer.update(simulation, style)?;
+                end = end.max(renderer.range(style)[1]);
+            }
+            Ok(())
+        })?;
+        if !has_scale {
+            // The colours mean the same in all pictures.
+            style.range = Range::Given([0.0, end]);
+        }
+        Ok(survey)
+    }
+
+    /// Prints the median time of every pass and the number of spheres drawn by each method.
+    fn bench(&mut self, arguments: &Arguments, camera: &Camera, frames: u32) -> Result<(), Failure> {
+        self.renderer.time_frames()?;
+        let mut found = Vec::new();
+        for _ in 0..frames {
+            self.canvas.draw(&mut self.renderer, camera, &self.style)?;
+            found.extend(self.renderer.frame_times()?);
+        }
+        let median = |of: &dyn Fn(&FrameTimes) -> f64| {
+            let mut times: Vec<f64> = found.iter().map(of).collect();
+            times.sort_by(f64::total_cmp);
+            1e3 * times[times.len() / 2]
+        };
+        let last = found.last().copied().unwrap_or_default();
+        let [width, height] = arguments.size;
+        let mut text = format!("{frames} frames of {width}x{height}, medians\n");
+        for pass in Pass::ALL {
+            text += &format!("  {:<10} {:9.3} ms\n", pass.name(), median(&|times| times.passes[pass as usize]));
+        }
+        text += &format!("  {:<10} {:9.3} ms\n", "all", median(&FrameTimes::total));
+        text += &format!("  spheres    {} ray-cast, {} as discs, {} in shadows\n", last.near, last.far, last.shadows);
+        output::print(&text)
+    }
+}
+
+/// Shows moments, and finds where the followed body is between two states.
+struct Follower<'a> {
+    shot: &'a Shot,
+    /// The step of the state before the moment, and the place of the body in it.
+    from: Option<(u64, Option<Vec3>)>,
+}
+
+impl Follower<'_> {
+    /// Shows a moment and returns the place of the followed body.
+    fn show(&mut self, studio: &mut Studio, moment: Moment) -> rockfall::Result<Option<Vec3>> {
+        let Studio { footage, renderer, style, .. } = studio;
+        if !self.shot.follows() {
+            footage.show(renderer, style, moment)?;
+            return Ok(None);
+        }
+        if self.from.is_none_or(|(step, _)| step != moment.step) {
+            footage.show(renderer, style, Moment { blend: 0.0, ..moment })?;
+            self.from = Some((moment.step, self.shot.followed(footage.simulation())?));
+        }
+        let before = self.from.and_then(|(_, place)| place);
+        if moment.blend == 0.0 {
+            return Ok(before);
+        }
+        footage.show(renderer, style, moment)?;
+        let after = self.shot.followed(footage.simulation())?;
+        Ok(before.zip(after).map(|(before, after)| before.lerp(after, moment.blend)))
+    }
+}

@@ -1,0 +1,73 @@
+//! The values that the colours show, and the range of their scale.
+
+use rockfall::{Result, Simulation};
+
+use crate::draw::range::{RecentPercentile, percentile, percentile_in};
+use crate::draw::style::{ColourBy, Range, Style};
+use crate::draw::{Renderer, palette};
+use crate::survey::Survey;
+
+/// Distance from the bodies of a scene up to which others count for the scale, divided by the extent of the bodies.
+const REGION: f32 = 2.0;
+
+/// The number that the shaders read as a colour; 0 for none.
+fn coded(colour: Option<palette::Rgb>) -> f32 {
+    colour.map_or(0.0, |[r, g, b]| (1 + (u32::from(r) << 16) + (u32::from(g) << 8) + u32::from(b)) as f32)
+}
+
+impl Renderer {
+    /// Takes what the bodies do over a film. Walls that hide a body in any of its states are then removed in all pictures, and
+    /// bodies that are far away do not count for the scale.
+    pub fn set_survey(&mut self, survey: Survey) {
+        self.set_region(&survey);
+        self.survey = Some(survey);
+    }
+
+    /// Gives single spheres a colour of their own, by insertion index; those without one are coloured as their kind, as are all
+    /// that are not in the list. These colours are shown with [`ColourBy::Kind`] and [`ColourBy::Body`].
+    pub fn set_colours(&mut self, colours: Vec<Option<palette::Rgb>>) {
+        self.colours = colours;
+        self.colours_due = true;
+    }
+
+    pub(super) fn set_region(&mut self, survey: &Survey) {
+        self.region = survey.extent().map_or(self.region, |extent| extent.grown(REGION * extent.size()));
+    }
+
+    /// Evaluates the quantity that the colours show, and its 99th percentile.
+    pub(super) fn update_values(&mut self, simulation: &mut Simulation, style: &Style) -> Result<()> {
+        let by = style.colour_by;
+        if self.coloured_by != by {
+            (self.coloured_by, self.recent) = (by, RecentPercentile::default());
+            self.colours_due = true;
+            self.chains.clear();
+        }
+        if by.is_evaluated() {
+            let values: Vec<f32> = simulation.diagnostics()?.iter().map(|found| by.value_of(found)).collect();
+            self.recent.record(percentile_in(simulation.scene(), &values, self.region));
+            self.buffers.set_values(&self.queue, simulation, values.into_iter());
+        } else if by == ColourBy::ContactForce {
+            let forces = self.chains.update(&self.device, simulation)?;
+            self.recent.record(percentile(forces.into_iter()));
+        } else if by == ColourBy::Speed
+            && style.range == Range::Auto
+            && let Some(state) = self.buffers.state()
+        {
+            self.recent.record(self.speeds.of(state, self.step.spheres, self.region)?);
+        }
+        if matches!(by, ColourBy::Kind | ColourBy::Body) && std::mem::take(&mut self.colours_due) {
+            let colour = |index| coded(self.colours.get(index).copied().flatten());
+            let spheres = simulation.scene().counts().spheres;
+            self.buffers.set_values(&self.queue, simulation, (0..spheres).map(colour));
+        }
+        Ok(())
+    }
+
+    /// Returns the range of the colour scale of the next picture.
+    pub fn range(&self, style: &Style) -> [f32; 2] {
+        match style.range {
+            Range::Auto => self.recent.range(),
+            Range::Given(range) => range,
+        }
+    }
+}

@@ -1,0 +1,264 @@
+//! Boxes and polygons between the camera and the bodies, like the near walls of a pit. They are not drawn, except for their
+//! edges.
+
+use rockfall::glam::{Mat3, Vec3};
+use rockfall::{Cuboid, Polygon, Scene};
+
+use crate::survey::Survey;
+
+/// Number of lines of sight that are tested in a frame. In larger scenes only some of the bodies are tested.
+const MOST_TESTS: usize = 4_000_000;
+/// Height of the lower point of a body that has to be visible, above its lowest point and divided by its radius.
+const FOOT: f32 = 0.08;
+/// A box is a floor if its height divided by its width is less than this, or if more bodies lie on it than it hides.
+const FLOOR_HEIGHT: f32 = 0.25;
+/// A floor is removed only if it hides more than this part of the bodies. It may hide some that fall past it, and without it
+/// the bodies on it would float.
+const FLOOR_SHARE: f32 = 0.1;
+/// Distance from a box up to which a body lies on it, divided by its radius.
+const TOUCH: f32 = 1.1;
+
+/// Number of frames for which a wall stays away, so that it does not flicker when bodies move behind it.
+const HELD: u32 = 45;
+
+/// A box.
+#[derive(Debug)]
+struct Wall {
+    cuboid: Cuboid,
+    /// Transforms an offset from the corner to coordinates along the edges.
+    into: Mat3,
+    /// Number of bodies that lie on the box.
+    carried: usize,
+}
+
+/// The walls of a scene, and the points that they must not hide.
+#[derive(Debug, Default)]
+pub(crate) struct Walls {
+    boxes: Vec<Wall>,
+    polygons: Vec<Polygon>,
+    /// For how many calls each box and each polygon is not drawn.
+    held: Vec<u32>,
+    /// The centre of every body, and the point where it would touch the ground.
+    points: Vec<[Vec3; 2]>,
+}
+
+impl Walls {
+    /// Takes the boxes and polygons of a scene.
+    pub(crate) fn set_scene(&mut self, scene: &Scene) {
+        let wall = |cuboid: &Cuboid| {
+            let [i, j, k] = cuboid.edges;
+            Wall { cuboid: *cuboid, into: Mat3::from_cols(i, j, k).inverse(), carried: 0 }
+        };
+        self.boxes = scene.boxes().iter().map(wall).collect();
+        self.polygons = scene.polygons().to_vec();
+        self.held.clear();
+    }
+
+    /// Takes the bodies that have to be visible.
+    pub(crate) fn set_bodies(&mut self, survey: &Survey) {
+        let walls = self.boxes.len() + self.polygons.len();
+        if walls == 0 {
+            return self.points.clear();
+        }
+        let balls = survey.balls();
+        let stride = (2 * walls * balls.len()).div_ceil(MOST_TESTS).max(1);
+        // An odd stride does not always meet the same body or the same state.
+        let stride = stride | 1;
+        for wall in &mut self.boxes {
+            wall.carried = balls.iter().step_by(stride).filter(|(place, radius)| wall.carries(*place, *radius)).count();
+        }
+        let points = |(place, radius): (Vec3, f32)| [place, place - (1.0 - FOOT) * radius * Vec3::Y];
+        self.points = balls.into_iter().step_by(stride).map(points).collect();
+    }
+
+    /// Returns for each box, then for each polygon, 1 if it is drawn and 0 if it hides a body. With `hold`, a wall that has
+    /// hidden a body stays away for the next [`HELD`] calls.
+    pub(crate) fn drawn(&mut self, eye: Vec3, hold: bool) -> Vec<u32> {
+        let boxes = self.boxes.iter().map(|wall| self.is_before(wall, eye));
+        let points = || self.points.iter().flatten();
+        let polygons = self.polygons.iter().map(|polygon| points().any(|point| crosses_polygon(polygon, eye, *point)));
+        let hides: Vec<bool> = boxes.chain(polygons).collect();
+        self.held.resize(hides.len(), 0);
+        for (held, hides) in self.held.iter_mut().zip(hides) {
+            *held = match hides {
+                true => HELD,
+                false if hold => held.saturating_sub(1),
+                false => 0,
+            };
+        }
+        self.held.iter().map(|held| u32::from(*held == 0)).collect()
+    }
+
+    fn is_before(&self, wall: &Wall, eye: Vec3) -> bool {
+        let local = |point: Vec3| wall.into * (point - wall.cuboid.corner);
+        let from = local(eye);
+        if is_in_unit_cube(from) {
+            // Everything is behind the faces of a box around the eye.
+            return true;
+        }
+        let hides = |points: &&[Vec3; 2]| points.iter().any(|point| crosses_unit_cube(from, local(*point)));
+        let hidden = self.points.iter().filter(hides).count();
+        let is_floor = wall.carried > hidden || wall.is_flat(eye);
+        hidden > 0 && (!is_floor || hidden as f32 > FLOOR_SHARE * self.points.len() as f32)
+    }
+}
+
+impl Wall {
+    /// Whether the box is flat and seen from above.
+    fn is_flat(&self, eye: Vec3) -> bool {
+        let edges = &self.cuboid.edges;
+        let extent = edges.iter().fold(Vec3::ZERO, |sum, edge| sum + edge.abs());
+        let top = self.cuboid.corner.y + edges.iter().map(|edge| edge.y.max(0.0)).sum::<f32>();
+        extent.y < FLOOR_HEIGHT * extent.x.min(extent.z) && eye.y > top
+    }
+
+    /// Whether a ball lies on the box.
+    fn carries(&self, place: Vec3, radius: f32) -> bool {
+        let [i, j, k] = self.cuboid.edges;
+        let local = (self.into * (place - self.cuboid.corner)).clamp(Vec3::ZERO, Vec3::ONE);
+        let nearest = self.cuboid.corner + local.x * i + local.y * j + local.z * k;
+        let down = place - nearest;
+        down.length() < TOUCH * radius && down.y > 0.5 * radius
+    }
+}
+
+/// Whether the line between two points goes through a polygon.
+fn crosses_polygon(polygon: &Polygon, from: Vec3, to: Vec3) -> bool {
+    let normal = polygon.left.cross(polygon.right);
+    let [start, end] = [from, to].map(|point| normal.dot(point - polygon.corner));
+    if start * end >= 0.0 {
+        return false;
+    }
+    let point = from + start / (start - end) * (to - from) - polygon.corner;
+    // The coordinates along the edges, from the areas of the triangles.
+    let square = normal.length_squared();
+    let [left, right] = [point.cross(polygon.right).dot(normal), polygon.left.cross(point).dot(normal)];
+    (0.0..=square).contains(&left) && (0.0..=square).contains(&right)
+}
+
+fn is_in_unit_cube(point: Vec3) -> bool {
+    point.cmpge(Vec3::ZERO).all() && point.cmple(Vec3::ONE).all()
+}
+
+/// Whether the line between two points goes through the unit cube; false if either point is in the cube.
+fn crosses_unit_cube(from: Vec3, to: Vec3) -> bool {
+    let line = to - from;
+    if is_in_unit_cube(from) || is_in_unit_cube(to) {
+        return false;
+    }
+    let (mut first, mut last) = (0.0_f32, 1.0_f32);
+    for axis in 0..3 {
+        let (start, along) = (from[axis], line[axis]);
+        if along.abs() < 1e-12 {
+            if !(0.0..=1.0).contains(&start) {
+                return false;
+            }
+            continue;
+        }
+        let (one, two) = (-start / along, (1.0 - start) / along);
+        first = first.max(one.min(two));
+        last = last.min(one.max(two));
+    }
+    first < last
+}
+
+#[cfg(test)]
+mod tests {
+    use rockfall::Sphere;
+
+    use super::*;
+
+    const EYE: Vec3 = Vec3::new(0.0, 1.0, 10.0);
+
+    /// Which walls are drawn before ten balls that lie on the plane y = 0, and balls at `more` places.
+    fn drawn(boxes: &[Cuboid], polygons: &[Polygon], more: &[Vec3]) -> Vec<u32> {
+        let mut scene = Scene::new();
+        for k in 0..10 {
+            scene.add_sphere(Sphere::new([0.2 * k as f32 - 0.9, 0.1, 0.0], 0.1)).unwrap();
+        }
+        for place in more {
+            scene.add_sphere(Sphere::new(*place, 0.1)).unwrap();
+        }
+        for cuboid in boxes {
+            scene.add_box(*cuboid).unwrap();
+        }
+        for polygon in polygons {
+            scene.add_polygon(*polygon).unwrap();
+        }
+        let mut walls = Walls::default();
+        walls.set_scene(&scene);
+        walls.set_bodies(&Survey::new(&scene));
+        walls.drawn(EYE, false)
+    }
+
+    #[test]
+    fn only_walls_in_front_of_the_bodies_are_removed() {
+        let before = Cuboid::between([-5.0, 0.0, 3.0], [5.0, 2.0, 4.0]);
+        let behind = Cuboid::between([-5.0, 0.0, -4.0], [5.0, 2.0, -3.0]);
+        let floor = Cuboid::between([-50.0, -1.0, -50.0], [50.0, 0.0, 50.0]);
+        let around_the_eye = Cuboid::between([-5.0, 0.0, 9.0], [5.0, 2.0, 11.0]);
+        assert_eq!(drawn(&[before, behind, floor, around_the_eye], &[], &[]), [0, 1, 1, 0]);
+    }
+
+    #[test]
+    fn a_wall_that_hides_a_single_body_or_its_foot_is_removed() {
+        let narrow = Cuboid::between([-0.65, 0.0, 3.0], [-0.6, 2.0, 4.0]);
+        assert_eq!(drawn(&[narrow], &[], &[]), [0]);
+        // From the eye at (0, 1, 10), a wall of height 0.306 at z = 3 hides what is below 0.008 at z = 0.
+        let low = Cuboid::between([-5.0, 0.0, 3.0], [5.0, 0.32, 3.1]);
+        assert_eq!(drawn(&[low], &[], &[]), [0]);
+        let lower = Cuboid::between([-5.0, 0.0, 3.0], [5.0, 0.30, 3.1]);
+        assert_eq!(drawn(&[lower], &[], &[]), [1]);
+    }
+
+    #[test]
+    fn a_wall_comes_back_some_frames_after_the_body_has_left() {
+        let scene = |x: f32| {
+            let mut scene = Scene::new();
+            scene.add_sphere(Sphere::new([x, 0.5, 0.0], 0.1)).unwrap();
+            scene.add_box(Cuboid::between([-0.5, 0.0, 3.0], [0.5, 2.0, 4.0])).unwrap();
+            scene
+        };
+        let mut walls = Walls::default();
+        walls.set_scene(&scene(0.0));
+        let mut drawn = |x: f32, hold: bool| {
+            walls.set_bodies(&Survey::new(&scene(x)));
+            walls.drawn(EYE, hold)
+        };
+        assert_eq!(drawn(0.0, true), [0]);
+        assert!((1..HELD).all(|_| drawn(4.0, true) == [0]));
+        assert_eq!(drawn(4.0, true), [1]);
+        assert_eq!([drawn(0.0, false), drawn(4.0, false)], [[0], [1]]);
+    }
+
+    #[test]
+    fn a_polygon_in_front_of_the_bodies_is_removed() {
+        let before = Polygon::new([-5.0, 0.0, 3.0], [10.0, 0.0, 0.0], [0.0, 2.0, 0.0]);
+        let beside = Polygon::new([3.0, 0.0, 3.0], [10.0, 0.0, 0.0], [0.0, 2.0, 0.0]);
+        let floor = Polygon::new([-5.0, 0.0, -5.0], [0.0, 0.0, 10.0], [10.0, 0.0, 0.0]);
+        assert_eq!(drawn(&[], &[before, beside, floor], &[]), [0, 1, 1]);
+    }
+
+    #[test]
+    fn a_step_that_carries_bodies_is_not_removed_for_a_single_one_behind_it() {
+        let step = Cuboid::between([-5.0, 0.0, 2.0], [5.0, 0.5, 2.5]);
+        let behind = Vec3::new(0.0, 0.2, 1.0);
+        let on_it: Vec<Vec3> = (0..10).map(|k| Vec3::new(k as f32, 0.6, 2.2)).collect();
+        // The ten balls of the scene are behind it too, unless it is low.
+        assert_eq!(drawn(&[step], &[], &on_it), [0]);
+        let low = Cuboid::between([-5.0, -1.0, 2.0], [5.0, 0.0, 2.5]);
+        let on_it: Vec<Vec3> = (0..10).map(|k| Vec3::new(k as f32, 0.1, 2.2)).collect();
+        assert_eq!(drawn(&[low], &[], &[behind - 0.5 * Vec3::Y]), [0]);
+        assert_eq!(drawn(&[low], &[], &[&on_it[..], &[behind - 0.5 * Vec3::Y]].concat()), [1]);
+        // A body on a wall that hides two others does not keep it.
+        let two = [behind - 0.5 * Vec3::Y, behind - 0.5 * Vec3::Y + 0.3 * Vec3::X];
+        assert_eq!(drawn(&[low], &[], &[&on_it[..1], &two].concat()), [0]);
+    }
+
+    #[test]
+    fn a_body_that_fell_off_the_floor_does_not_remove_it() {
+        let floor = Cuboid::between([-5.0, -1.0, -5.0], [5.0, 0.0, 5.0]);
+        assert_eq!(drawn(&[floor], &[], &[Vec3::new(0.0, -0.7, -6.0)]), [1]);
+        assert_eq!(drawn(&[floor], &[], &[Vec3::new(0.0, -90.0, -6.0)]), [1]);
+    }
+}

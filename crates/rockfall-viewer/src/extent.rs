@@ -1,0 +1,75 @@
+//! Axis-aligned bounding boxes of objects.
+
+use rockfall::glam::Vec3;
+use rockfall::{Scene, Sphere};
+
+/// An axis-aligned bounding box.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Extent {
+    pub(crate) min: Vec3,
+    pub(crate) max: Vec3,
+}
+
+impl Extent {
+    pub(crate) fn of(points: impl IntoIterator<Item = Vec3>) -> Option<Self> {
+        points.into_iter().map(|point| Self { min: point, max: point }).reduce(Self::with)
+    }
+
+    pub(crate) fn with(self, other: Self) -> Self {
+        Self { min: self.min.min(other.min), max: self.max.max(other.max) }
+    }
+
+    /// The extent of a ball.
+    pub(crate) fn around(centre: Vec3, radius: f32) -> Self {
+        Self { min: centre - radius, max: centre + radius }
+    }
+
+    /// The extent with a margin on all sides.
+    pub(crate) fn grown(self, margin: f32) -> Self {
+        Self { min: self.min - margin, max: self.max + margin }
+    }
+
+    pub(crate) fn contains(self, point: Vec3) -> bool {
+        point.cmpge(self.min).all() && point.cmple(self.max).all()
+    }
+
+    pub(crate) fn corners(self) -> impl Iterator<Item = Vec3> {
+        let pick = |low: f32, high: f32, bits: u32, bit: u32| if bits >> bit & 1 == 1 { high } else { low };
+        let Self { min, max } = self;
+        (0..8).map(move |bits| Vec3::new(pick(min.x, max.x, bits, 0), pick(min.y, max.y, bits, 1), pick(min.z, max.z, bits, 2)))
+    }
+
+    /// Distance of a point from the box; 0 inside.
+    pub(crate) fn distance(self, point: Vec3) -> f32 {
+        point.distance(point.clamp(self.min, self.max))
+    }
+
+    pub(crate) fn size(self) -> f32 {
+        (self.max - self.min).max_element()
+    }
+}
+
+pub(crate) fn extent_of_spheres(scene: &Scene) -> Option<Extent> {
+    extent(scene.spheres().iter())
+}
+
+fn extent<'a>(spheres: impl Iterator<Item = &'a Sphere>) -> Option<Extent> {
+    spheres.map(|sphere| Extent::around(sphere.position, sphere.radius)).reduce(Extent::with)
+}
+
+/// Extents of the boxes and polygons.
+pub(crate) fn extents_of_static_objects(scene: &Scene) -> impl Iterator<Item = Extent> {
+    let boxes = scene.boxes().iter().filter_map(|cuboid| {
+        let [i, j, k] = cuboid.edges;
+        let corner = |bits: u32| {
+            let part = |bit: u32, edge: Vec3| if bits >> bit & 1 == 1 { edge } else { Vec3::ZERO };
+            cuboid.corner + part(0, i) + part(1, j) + part(2, k)
+        };
+        Extent::of((0..8).map(corner))
+    });
+    let polygons = scene.polygons().iter().filter_map(|polygon| {
+        let (corner, left, right) = (polygon.corner, polygon.left, polygon.right);
+        Extent::of([corner, corner + left, corner + right, corner + left + right])
+    });
+    boxes.chain(polygons)
+}
