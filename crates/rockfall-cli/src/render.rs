@@ -11,6 +11,7 @@ use rockfall_viewer::film::{self, Format, Player, Timing};
 use rockfall_viewer::picture::{Canvas, FORMAT, Picture};
 
 use crate::failure::Failure;
+use crate::interrupt::Interrupt;
 use crate::options::{Engine, Physics, whole};
 use crate::output;
 use crate::progress::Progress;
@@ -144,7 +145,7 @@ impl Arguments {
     }
 }
 
-pub(crate) fn render(arguments: &Arguments) -> Result<(), Failure> {
+pub(crate) fn render(arguments: &Arguments, interrupt: &'static Interrupt) -> Result<(), Failure> {
     let product = arguments.product()?;
     let Source { name, loaded } = Source::read(Some(&arguments.scene))?;
     for warning in &loaded.warnings {
@@ -154,7 +155,9 @@ pub(crate) fn render(arguments: &Arguments) -> Result<(), Failure> {
     arguments.physics.change(&mut scene.settings)?;
     let simulation = Simulation::with_options(scene, arguments.engine.options(&arguments.physics))?;
     // Created first, so that a picture size that the device does not support fails before the simulation.
-    let mut studio = Studio::new(arguments, simulation)?;
+    let mut studio = Studio::new(arguments, simulation, interrupt)?;
+    interrupt.hold();
+    interrupt.leaves("; no picture or film is written".to_owned());
     match product {
         Product::Picture => {
             let path = &arguments.out;
@@ -175,10 +178,11 @@ struct Studio {
     renderer: Renderer,
     canvas: Canvas,
     style: Style,
+    interrupt: &'static Interrupt,
 }
 
 impl Studio {
-    fn new(arguments: &Arguments, simulation: Simulation) -> Result<Self, Failure> {
+    fn new(arguments: &Arguments, simulation: Simulation, interrupt: &'static Interrupt) -> Result<Self, Failure> {
         // Draws on the device of the simulation. A simulation on the CPU is drawn on any adapter, including software.
         let gpu = match simulation.gpu_view() {
             Some(view) => view.gpu().clone(),
@@ -191,7 +195,7 @@ impl Studio {
         let [width, height] = arguments.size;
         let canvas = Canvas::new(gpu.device(), gpu.queue(), width, height)?;
         let renderer = Renderer::new(gpu.device(), gpu.queue(), FORMAT)?;
-        Ok(Self { simulation, renderer, canvas, style: arguments.style() })
+        Ok(Self { simulation, renderer, canvas, style: arguments.style(), interrupt })
     }
 
     fn picture(&mut self, arguments: &Arguments) -> Result<Picture, Failure> {
@@ -215,15 +219,28 @@ impl Studio {
         let camera = arguments.camera(self.simulation.sync()?)?;
         let mut player = Player::new(timing.dt);
         let mut progress = Progress::pictures(timing.pictures());
-        let pictures = (0..timing.pictures()).map(|index| {
+        let interrupt = self.interrupt;
+        let mut taken = 0;
+        // After a signal the film ends with the pictures so far, at least one.
+        let indices = (0..timing.pictures()).take_while(|index| *index == 0 || !interrupt.is_requested());
+        let pictures = indices.map(|index| {
             player.show(&mut self.simulation, &mut self.renderer, &self.style, timing.moment(index))?;
             let picture = self.take(&camera, arguments)?;
             progress.advance(1);
+            taken += 1;
+            if taken == timing.pictures() {
+                interrupt.finishes();
+            }
             Ok(picture)
         });
         let result = film::write(path, format, &timing, pictures);
         progress.finish();
-        Ok(result?)
+        result?;
+        if taken < timing.pictures() {
+            let (path, all) = (path.display(), timing.pictures());
+            return Err(Failure::Interrupted(format!("stopped after {taken} of {all} pictures, written to {path}")));
+        }
+        Ok(())
     }
 
     /// Prints the median time of every pass and the number of spheres drawn by each method.
@@ -261,6 +278,11 @@ impl Studio {
             result = self.simulation.run(chunk, arguments.physics.dt).map(drop);
             left -= chunk;
             progress.advance(chunk);
+            if left > 0 && self.interrupt.is_requested() {
+                progress.finish();
+                let (step, all) = (arguments.at - left, arguments.at);
+                return Err(Failure::Interrupted(format!("stopped at step {step} of {all}, before the first picture")));
+            }
         }
         progress.finish();
         Ok(result?)

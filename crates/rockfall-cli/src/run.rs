@@ -95,13 +95,14 @@ struct Run {
     past: Past,
 }
 
-pub(crate) fn run(arguments: &Arguments, given: &Given) -> Result<(), Failure> {
-    let interrupt = Interrupt::listen();
+pub(crate) fn run(arguments: &Arguments, given: &Given, interrupt: &'static Interrupt) -> Result<(), Failure> {
     let mut run = match &arguments.resume {
         Some(path) => resume::open(arguments, given, path)?,
         None => begin(arguments)?,
     };
-    let result = steps(&mut run, &interrupt);
+    interrupt.hold();
+    let result = steps(&mut run, interrupt);
+    interrupt.finishes();
     let Run { mut simulation, outputs, past } = run;
 
     let step = past.step(simulation.report().steps);
@@ -177,12 +178,14 @@ fn steps(run: &mut Run, interrupt: &Interrupt) -> Result<(), Failure> {
     let done = |run: &Run| run.past.step(run.simulation.report().steps);
     let mut progress = Progress::new(run.past.steps - done(run));
     let mut result = Ok(());
+    interrupt.leaves(run.outputs.left());
     while result.is_ok() && !interrupt.is_requested() && done(run) < run.past.steps {
         let chunk = run.outputs.steps_from(done(run), progress.chunk());
         let moved = run.simulation.run(chunk.saturating_mul(parts), run.past.part());
         result = moved.map(drop).map_err(|error| Failure::from(run.past.in_steps(error)));
         run.past.seconds = seconds + start.elapsed().as_secs_f64();
         result = result.and_then(|()| run.outputs.after_step(&mut run.simulation, &mut run.past));
+        interrupt.leaves(run.outputs.left());
         progress.advance(chunk);
     }
     progress.finish();

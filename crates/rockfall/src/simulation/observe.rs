@@ -5,12 +5,12 @@
 use glam::Vec3;
 use rayon::prelude::*;
 
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::exec::cpu;
 use crate::model::impulse::Impulse;
 use crate::model::layout::{ENTRY_COLLIDES, ENTRY_OVERLAPS};
 use crate::model::lists::{Entry, Lists};
-use crate::model::status::Status;
+use crate::model::status::{REJECTED_COUNT, REJECTED_ESCAPED, REJECTED_PAIRS, Status};
 use crate::model::view::{Object, View};
 use crate::model::world::World;
 use crate::physics::collision::Collision;
@@ -23,6 +23,7 @@ use crate::physics::touch::touch;
 use crate::scene::{BoxId, PolygonId, RodId, SphereId};
 use crate::settings::Integrator;
 use crate::simulation::Simulation;
+use crate::simulation::drive::{MAX_ATTEMPTS, margin_after_escape, room_for};
 use crate::step::schedule::Phase;
 
 /// One of the two bodies of a contact.
@@ -169,7 +170,7 @@ impl Simulation {
         let mut world = World::build(&self.scene)?;
         world.step.dt = self.time_step;
         let method = self.broad_phase_method();
-        loop {
+        for attempts in 0..=MAX_ATTEMPTS {
             world.status = Status::default();
             let phases = [Phase::UpdateAabbs, Phase::BroadPhase].iter().flat_map(|phase| phase.stages(Integrator::Rk4, method));
             let stages: Vec<_> =
@@ -178,8 +179,19 @@ impl Simulation {
             if world.status.rejected == 0 {
                 return Ok(world);
             }
-            world.set_pair_rows(world.status.pair_rows_needed);
+            // As in a step (`handle_rejection`): longer lists, or larger AABBs where coordinates or velocities are so large that
+            // rounding takes a body out of its own AABB.
+            if world.status.rejected & REJECTED_ESCAPED != 0 {
+                let escape = f32::from_bits(world.status.escape_ratio);
+                world.step.margin_scale = margin_after_escape(world.step.margin_scale, escape, attempts);
+            }
+            if world.status.rejected & (REJECTED_PAIRS | REJECTED_COUNT) != 0 {
+                let count = world.status.rejected & REJECTED_COUNT != 0;
+                world.set_pair_rows(room_for(if count { u32::MAX } else { world.status.pair_rows_needed })?);
+            }
         }
+        let reason = format!("the contacts cannot be found, AABB margin {}", world.step.margin_scale);
+        Err(Error::Stuck { step: self.report.steps, attempts: MAX_ATTEMPTS, reason })
     }
 
     fn body(&self, view: &View, id: u32) -> Body {
