@@ -101,7 +101,7 @@ pub use scene::{
     Sphere, SphereId, Spring, SpringId, Tether, TetherId,
 };
 pub use settings::{BroadPhase, Integrator, Settings};
-pub use simulation::{Body, Contact, ContactAction, RayHit, Simulation, SphereDiagnostics};
+pub use simulation::{Body, Contact, ContactAction, MaxOverlap, RayHit, Simulation, SphereDiagnostics};
 #[cfg(feature = "gpu")]
 pub use wgpu;
 

@@ -6,6 +6,7 @@ use crate::error::Result;
 use crate::settings::Settings;
 
 mod objects;
+mod references;
 mod registry;
 mod statics;
 mod text;
@@ -13,6 +14,7 @@ mod write;
 
 pub(crate) use objects::finite;
 pub use objects::{Capsule, CapsuleId, CapsuleParts, Rod, RodId, Sphere, SphereId, Spring, SpringId, Tether, TetherId};
+pub(crate) use references::References;
 pub use registry::Handle;
 pub(crate) use registry::Registry;
 use registry::new_scene_number;
@@ -31,6 +33,7 @@ pub struct Scene {
     pub(crate) tethers: Registry<Tether>,
     pub(crate) boxes: Registry<Cuboid>,
     pub(crate) polygons: Registry<Polygon>,
+    pub(crate) references: References,
 }
 
 impl Default for Scene {
@@ -72,6 +75,7 @@ impl Scene {
             tethers: Registry::new(number, "tether"),
             boxes: Registry::new(number, "box"),
             polygons: Registry::new(number, "polygon"),
+            references: References::default(),
         }
     }
 

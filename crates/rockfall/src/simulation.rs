@@ -34,7 +34,7 @@ use edit::Dirty;
 use engine::Engine;
 use interval::Interval;
 use lookahead::Lookahead;
-pub use observe::{Body, Contact, ContactAction, SphereDiagnostics};
+pub use observe::{Body, Contact, ContactAction, MaxOverlap, SphereDiagnostics};
 use order::Disorder;
 pub use ray::RayHit;
 

@@ -25,6 +25,11 @@ impl<T> Clone for Handle<T> {
 impl<T> Copy for Handle<T> {}
 
 impl<T> Handle<T> {
+    /// Place of the object in tables that are indexed by slot. Another object may take it when the object was removed.
+    pub(super) fn slot(self) -> usize {
+        self.slot as usize
+    }
+
     fn key(self) -> (u32, u32, u32) {
         (self.scene, self.slot, self.generation)
     }

@@ -173,6 +173,7 @@ impl Reader {
         sphere.fixed = n[11] > 0.0;
         let id = self.scene.add_sphere(sphere).map_err(|error| SPHERE.refused(&error))?;
         self.references.insert(reference, id);
+        self.scene.references.set(id, reference);
         Ok(())
     }
 

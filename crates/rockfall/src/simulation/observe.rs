@@ -83,7 +83,50 @@ pub struct SphereDiagnostics {
     pub deepest_overlap: f32,
 }
 
+/// The deepest overlaps of a state, measured in units and in radii.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
+pub struct MaxOverlap {
+    /// The deepest overlap, in units; 0 without contacts.
+    pub units: f32,
+    /// The largest ratio of an overlap to the smaller radius of its two bodies. The radius of a rod is that of its surface. Boxes
+    /// and polygons have no radius, so the radius of the other body counts. 0 without contacts.
+    pub radii: f32,
+    /// The two bodies with the overlap `radii`, in the order spheres, rods, boxes, polygons; `None` without contacts.
+    pub bodies: Option<[Body; 2]>,
+}
+
 impl Simulation {
+    /// The deepest overlaps of the current state, over all pairs that touch and of which at least one can move.
+    ///
+    /// [`Report::max_overlap`](crate::Report::max_overlap) is the deepest overlap at the beginning of the last step.
+    ///
+    /// # Errors
+    /// As for [`Simulation::sync`].
+    pub fn max_overlap(&mut self) -> Result<MaxOverlap> {
+        let world = self.observed()?;
+        let (view, lists) = view_and_lists(&world);
+        let of_mover = |mover: u32| {
+            let own = lists.row(mover).filter(|entry| entry.id() > mover);
+            own.fold((0.0, 0.0, [0; 2]), |(units, radii, ids): (f32, f32, [u32; 2]), entry| {
+                let Some(touch) = touch(&view, mover, entry.id(), entry.feature()) else { return (units, radii, ids) };
+                let ratio = touch.overlap / smaller_radius(&view, mover, entry.id());
+                let units = units.max(touch.overlap);
+                if ratio > radii { (units, ratio, [mover, entry.id()]) } else { (units, radii, ids) }
+            })
+        };
+        // The first of equal overlaps counts, so the result does not depend on the number of threads.
+        let all: Vec<_> = (0..world.movers()).into_par_iter().map(of_mover).collect();
+        let mut most = MaxOverlap::default();
+        for (units, radii, ids) in all {
+            most.units = most.units.max(units);
+            if radii > most.radii {
+                (most.radii, most.bodies) = (radii, Some(ids.map(|id| self.body(&view, id))));
+            }
+        }
+        Ok(most)
+    }
+
     /// All contacts of the current state, with the force or impulse that each exerts at the beginning of the next step.
     ///
     /// # Errors
@@ -206,6 +249,12 @@ impl Simulation {
 
 fn view_and_lists(world: &World) -> (View<'_>, Lists<'_>) {
     (View::new(&world.step, &world.topology, &world.states[0]), Lists::new(&world.step, &world.lists))
+}
+
+/// The smaller radius of two objects of which at least one is a sphere or a rod.
+fn smaller_radius(view: &View, a: u32, b: u32) -> f32 {
+    let radius = |id| side(view, view.object(id), 0.0).radius.unwrap_or(f32::INFINITY);
+    radius(a).min(radius(b))
 }
 
 /// Effect of the contact of a list entry at the beginning of the next step.

@@ -73,6 +73,30 @@ fn crossing_rods_are_one_contact_with_a_force(backend: Backend) {
     force(&contact, [0.0, 160.0 / 9.0, 0.0]);
 }
 
+/// A ball of radius 1 overlaps the floor by 0.05, its radius by 5 %. A rod of radius 0.1 overlaps a ball of radius 0.5 by 0.02,
+/// its own radius by 20 %. Two fixed balls overlap by more than both, which has no effect.
+fn the_deepest_overlap_in_radii_is_that_of_the_smaller_body(backend: Backend) {
+    let mut scene = weightless();
+    floor_box(&mut scene);
+    spheres(&mut scene, [Sphere::new([0.0, 0.95, 0.0], 1.0)]);
+    spheres(&mut scene, [4.0, 4.2].map(|x| Sphere::new([x, 3.0, 0.0], 0.5).fixed()));
+    let thin = rod(&mut scene, [-1.0, 1.0].map(|z| Sphere::new([0.0, 9.0, z], 0.05)), 0.1);
+    let [ball] = spheres(&mut scene, [Sphere::new([0.0, 9.58, 0.0], 0.5)]);
+    let mut simulation = simulation(scene, backend);
+    let most = simulation.max_overlap().expect("a state");
+    close(most.units, 0.05, 1e-6, "units");
+    close(most.radii, 0.2, 1e-5, "radii");
+    assert_eq!(most.bodies, Some([Body::Sphere(ball), Body::Rod(thin)]));
+
+    // The number is that of the state after a step, not of its beginning.
+    simulation.step(0.001).expect("a step");
+    let y = simulation.sphere(ball).expect("a ball").position.y;
+    let ends = simulation.scene().rod(thin).expect("a rod").end1;
+    let axis = simulation.sphere(ends).expect("an end").position.y;
+    close(simulation.max_overlap().expect("a state").radii, f64::from((0.6 - (y - axis)) / 0.1), 1e-5, "radii after a step");
+    assert!(y > 9.58, "the contact pushes the ball away");
+}
+
 /// In the contact of a ball with a polygon, body B is the polygon.
 fn a_polygon_is_body_b_of_its_contact(backend: Backend) {
     let mut scene = weightless();
@@ -195,6 +219,7 @@ both!(
     a_resting_ball_is_one_contact_with_a_force,
     crossing_rods_are_one_contact_with_a_force,
     a_polygon_is_body_b_of_its_contact,
+    the_deepest_overlap_in_radii_is_that_of_the_smaller_body,
     contacts_report_the_impulses_that_phase_3_applies,
     diagnostics_hold_net_force_contacts_and_deepest_overlap,
     every_kind_of_energy_is_reported,
