@@ -5,6 +5,7 @@ use std::time::Instant;
 
 use rockfall::Simulation;
 
+use crate::aftermath;
 use crate::check;
 use crate::failure::Failure;
 use crate::interrupt::Interrupt;
@@ -117,6 +118,10 @@ pub(crate) fn run(arguments: &Arguments, given: &Given, interrupt: &'static Inte
     let (dt, substeps) = (past.dt, past.parts());
     let summary = Summary { name: &past.scene, steps: step, dt, substeps, seconds: past.seconds, before: past.before() };
     output::print(&if arguments.json { summary.json(&simulation) } else { summary.table(&mut simulation)? })?;
+    if !stopped {
+        let before = (!past.changed).then(|| past.before());
+        aftermath::warn(&past.scene, &mut simulation, before.as_ref())?;
+    }
     if stopped {
         let how = checkpoint.map_or(String::new(), |path| format!("; continue with: rockfall run --resume {path}"));
         return Err(Failure::Interrupted(format!("stopped at step {step} of {}{how}", past.steps)));
