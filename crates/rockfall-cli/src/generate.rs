@@ -29,8 +29,15 @@ pub(crate) fn generate(arguments: &Arguments) -> Result<(), Failure> {
     let Arguments { kind, spheres, seed, out } = arguments;
     let file = out.as_ref().map(|path| AtomicFile::create(path).map_err(|error| Failure::file(path, &error)));
     let file = file.transpose()?;
-    let scene = kind.generate(*spheres, *seed)?;
-    let title = format!("rockfall generate {kind} --spheres {spheres} --seed {seed}\n\n");
+    let mut scene = kind.generate(*spheres, *seed)?;
+    let mut title = format!("rockfall generate {kind} --spheres {spheres} --seed {seed}\n");
+    let gravity = scene.gentle_gravity();
+    if gravity != scene.settings.gravity {
+        title += "# Gravity is so small that bodies at rest overlap by less than 5 % of their radius at a time step of 0.02 s.\n\
+                  # For more gravity, use resting_overlap and a shorter time step (rockfall check suggests both).\n";
+        scene.settings.gravity = gravity;
+    }
+    title.push('\n');
     let text = title + &scene.to_text();
     let (Some(mut file), Some(path)) = (file, out) else {
         return output::print(&text);

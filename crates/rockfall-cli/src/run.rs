@@ -25,8 +25,9 @@ pub(crate) use resume::Given;
 
 /// Details that do not fit into the one-line descriptions of the options.
 const AFTER_HELP: &str = "\
-Ctrl-C or SIGTERM stops a run cleanly: it finishes the steps under way, writes its results (--out, --trace, --checkpoint) and \
-exits with code 130. A second Ctrl-C ends it at once. If a step fails, --out and --trace are written up to that step if the \
+Ctrl-C or SIGTERM stops a run cleanly: it finishes the step under way, writes its results (--out, --trace, --checkpoint) and \
+exits with code 130. A step that takes longer than 0.8 s is abandoned: the last checkpoint and the .part files stay as they \
+are. A second Ctrl-C ends the run at once. If a step fails, --out and --trace are written up to that step if the \
 device can still be read, and the last checkpoint is left unchanged.
 
 --resume FILE continues a run from its checkpoint up to step N, counted from the start of the first run (--steps N). It takes \
@@ -145,7 +146,7 @@ fn begin(arguments: &Arguments) -> Result<Run, Failure> {
     let mut scene = loaded.scene;
     arguments.physics.change(&mut scene.settings)?;
     let (dt, integrator) = (arguments.physics.dt, arguments.physics.integrator);
-    let substeps = arguments.substeps.of(&scene, dt, integrator);
+    let substeps = arguments.substeps.of(&scene, dt, integrator)?;
     let mut past = Past { scene: name, steps: arguments.steps, dt, substeps, ..Past::default() };
     for line in check::concerns(&past.scene, &scene, past.part(), integrator).lines() {
         output::note(line);

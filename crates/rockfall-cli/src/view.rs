@@ -24,11 +24,17 @@ pub(crate) struct Arguments {
     lose_device_after: Option<u64>,
 }
 
+/// Number of warnings about the time step and the overlaps of a scene that the window shows.
+const CONCERNS: usize = 3;
+
 pub(crate) fn view(arguments: &Arguments) -> Result<(), Failure> {
     let Source { name, loaded } = Source::read(arguments.scene.as_deref())?;
     let mut scene = loaded.scene;
     arguments.physics.change(&mut scene.settings)?;
-    let warnings = loaded.warnings.iter().map(|warning| format!("{name}:{}: {}", warning.line, warning.text)).collect();
+    let lines = loaded.warnings.iter().map(|warning| format!("{name}:{}: {}", warning.line, warning.text));
+    // Springs may cause thousands of warnings of one kind.
+    let concerns = scene.concerns(arguments.physics.dt, arguments.physics.integrator).into_iter().take(CONCERNS);
+    let warnings = lines.chain(concerns.map(|concern| format!("{name}: {concern}"))).collect();
     let path = arguments.scene.clone().filter(|path| path.as_os_str() != "-");
     window::run(Launch {
         source: window::session::Source { name, path, scene },

@@ -89,7 +89,7 @@ fn change(checkpoint: &mut Checkpoint, past: &mut Past, arguments: &Arguments, g
         checkpoint.scene.settings = checkpoint.scene.resolved_settings();
     }
     if given.has("substeps") {
-        let substeps = arguments.substeps.of(&checkpoint.scene, past.dt, options.integrator);
+        let substeps = arguments.substeps.of(&checkpoint.scene, past.dt, options.integrator)?;
         differs("--substeps", &substeps.to_string(), &past.parts().to_string());
         past.divide(substeps, simulated);
     }

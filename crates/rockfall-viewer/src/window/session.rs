@@ -286,6 +286,9 @@ impl Session {
         if self.ok_or_report(changed).is_none() {
             return;
         }
+        for concern in scene.concerns(self.pace.time_step, self.simulation.integrator()).into_iter().take(SHOWN_WARNINGS) {
+            self.tell(Level::Warning, format!("{name}: {concern}"));
+        }
         let another = self.source.path.as_deref() != Some(path);
         let source = Source { name: name.clone(), path: Some(path.to_owned()), scene };
         if self.replace(source, another) {
