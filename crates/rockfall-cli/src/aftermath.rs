@@ -57,6 +57,6 @@ fn growth(scene: &Scene, before: &Energy, after: &Energy) -> Option<f64> {
     let moved = before.kinetic + before.spring + before.contact + fallen + 0.2 * weights * f64::from(settings.gravity.abs());
     let allowed = GROWTH * moved + ROUNDING * before.potential.abs().max(after.potential.abs());
     let growth = after.total() - before.total();
-    // Energies that are not finite have grown, too.
-    (!(growth <= allowed)).then_some(growth)
+    // An energy that is not finite has grown, too.
+    (growth > allowed || growth.is_nan()).then_some(growth)
 }

@@ -10,6 +10,9 @@ use crate::failure::Failure;
 use crate::options::whole;
 use crate::output;
 
+/// Gravity in scenes of soft blobs, in units/s². Up to 300 spheres then rest with overlaps of less than 5 % of their radius.
+const SOFT_GRAVITY: f32 = 0.2;
+
 #[derive(Debug, clap::Args)]
 pub(crate) struct Arguments {
     /// Kind of scene: pile, mixed, soft, chain or hopper
@@ -31,7 +34,9 @@ pub(crate) fn generate(arguments: &Arguments) -> Result<(), Failure> {
     let file = file.transpose()?;
     let mut scene = kind.generate(*spheres, *seed)?;
     let mut title = format!("rockfall generate {kind} --spheres {spheres} --seed {seed}\n");
-    let gravity = scene.gentle_gravity();
+    // A blob stands on few of its spheres, and blobs lie on each other.
+    let most = if *kind == Kind::Soft { SOFT_GRAVITY } else { f32::INFINITY };
+    let gravity = scene.gentle_gravity().min(most);
     if gravity != scene.settings.gravity {
         title += "# Gravity is so small that bodies at rest overlap by less than 5 % of their radius at a time step of 0.02 s.\n\
                   # For more gravity, use resting_overlap and a shorter time step (rockfall check suggests both).\n";

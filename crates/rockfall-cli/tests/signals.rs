@@ -61,7 +61,7 @@ fn a_second_signal_ends_a_run_at_once() {
     sleep(Duration::from_millis(100));
     signal(&child, "-INT");
     let (_, err) = end_within(child, SOON, arguments, 130);
-    assert_eq!(err, "");
+    assert!(!err.contains("stopped"), "{err}");
 }
 
 /// Commands that have nothing to finish: one that waits for its input, one that computes, one that measures.
