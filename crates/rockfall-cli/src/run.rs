@@ -98,11 +98,13 @@ struct Run {
 }
 
 pub(crate) fn run(arguments: &Arguments, given: &Given, interrupt: &'static Interrupt) -> Result<(), Failure> {
+    // From the start, because output files that were only created are removed again.
+    interrupt.hold();
+    interrupt.leaves("; no results are written".to_owned());
     let mut run = match &arguments.resume {
         Some(path) => resume::open(arguments, given, path)?,
         None => begin(arguments)?,
     };
-    interrupt.hold();
     let result = steps(&mut run, interrupt);
     interrupt.finishes();
     let Run { mut simulation, outputs, past } = run;

@@ -88,7 +88,8 @@ fn sinking_bodies_are_reported_in_radii_with_constants_that_help() {
     assert!(end.contains("`set resting_overlap 0.02` chooses a contact_force of "), "{err}");
     let (out, _) = rockfall.run("check scene.txt", 0);
     let suggestion = out.lines().find(|line| line.starts_with("suggestion: ")).unwrap();
-    let options: Vec<&str> = suggestion.split(' ').filter(|word| word.starts_with("--") || word.starts_with("0.0")).collect();
+    let options: Vec<&str> =
+        suggestion.split(' ').filter(|word| ["--", "0.0", "resting_"].iter().any(|begin| word.starts_with(begin))).collect();
     let (_, err) = rockfall.run(&format!("run scene.txt --backend cpu --steps 2000 {}", options.join(" ")), 0);
     assert_eq!(err, "", "{suggestion}");
 }

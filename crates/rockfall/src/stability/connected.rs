@@ -82,8 +82,8 @@ pub(super) fn sets(scene: &Scene, directions: [DVec3; 3]) -> Vec<Set> {
     }
     for (index, sphere) in spheres.iter().enumerate() {
         let set = &mut sets[place[root(&mut parents, index as u32) as usize]];
-        // It may turn about its centre, so it may reach as far as it is long.
-        let reach = (set.own.max - set.own.min).length();
+        // Several spheres may turn about their centre, so they may reach as far as they are apart.
+        let reach = if set.spheres.len() > 1 { (set.own.max - set.own.min).length() } else { 0.0 };
         let v = turn(sphere.velocity.as_dvec3());
         let rise = v.x.min(0.0).powi(2) / (2.0 * gravity);
         let side = |v: f64, bound: f64| {
