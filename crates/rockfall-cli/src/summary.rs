@@ -96,7 +96,7 @@ impl Summary<'_> {
         row("", format!("{} at the end", energies(&after)));
         row("contacts", format!("{} in the last step, deepest overlap {}", report.contacts, short(report.max_overlap.into())));
         let resting = simulation.resting_overlap()?;
-        row("overlap", format!("{} radii at the end, between bodies that press each other", short(resting.radii.into())));
+        row("overlap", format!("{} radii at the end, between bodies at rest", short(resting.radii.into())));
         row("collisions", format!("{} in all, {} in the last step", report.total_collisions, report.collisions));
         if report.replays > 0 {
             row("replays", format!("{} steps repeated, with longer lists or larger AABBs", report.replays));

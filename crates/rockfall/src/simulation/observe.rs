@@ -15,7 +15,7 @@ use crate::model::view::{Object, View};
 use crate::model::world::World;
 use crate::physics::collision::Collision;
 use crate::physics::collision::all::{impulse_in, solve};
-use crate::physics::contact::contact_force;
+use crate::physics::contact::{collision_velocity, contact_force};
 use crate::physics::forces::net_force::rod_loads;
 use crate::physics::forces::sphere_rates;
 use crate::physics::side::side;
@@ -108,8 +108,9 @@ impl Simulation {
         Ok(deepest(&self.scene, &world, |_, _, _, _| true))
     }
 
-    /// Like [`Simulation::max_overlap`], over the contacts that exert a force: bodies that rest on each other or are pressed
-    /// together. A pair that an impulse turns back overlaps for a step or two, as deep as it moved within a step.
+    /// Like [`Simulation::max_overlap`], over the contacts of bodies at rest: both are slower than the velocity above which they
+    /// would collide (docs/physics.md section 3.1), and the contact exerts a force. A fast body may overlap another one for a
+    /// step or two, as deep as it moves within a step.
     ///
     /// # Errors
     /// As for [`Simulation::sync`].
@@ -117,7 +118,12 @@ impl Simulation {
         let world = self.observed()?;
         Ok(deepest(&self.scene, &world, |view, mover, entry, touch| {
             let [a, b] = [mover, entry.id()].map(|id| view.object(id));
-            entry.word & ENTRY_COLLIDES == 0 && contact_force(view, a, b, touch).force != Vec3::ZERO
+            let threshold = collision_velocity(view.step, smaller_radius(view, mover, entry.id()));
+            let rests = [(a, touch.a), (b, touch.b)].into_iter().all(|(object, parameter)| {
+                let side = side(view, object, parameter);
+                side.inverse_mass == 0.0 || side.velocity.length() <= threshold
+            });
+            rests && entry.word & ENTRY_COLLIDES == 0 && contact_force(view, a, b, touch).force != Vec3::ZERO
         }))
     }
 
