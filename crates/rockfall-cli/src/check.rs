@@ -2,7 +2,8 @@
 
 use std::fmt::Write as _;
 
-use rockfall::{Integrator, Scene, Settings};
+use rockfall::stability::Suggestion;
+use rockfall::{Body, Integrator, Scene, Settings};
 
 use crate::failure::Failure;
 use crate::options::{InWords, Physics, SceneArgument, counted};
@@ -50,6 +51,8 @@ pub(crate) fn check(arguments: &Arguments) -> Result<(), Failure> {
         let parts = scene.substeps_for(dt, integrator);
         let _ = writeln!(text, "rockfall run --substeps {parts} makes the time step short enough for springs and contacts");
     }
+    text.push_str(&suggestion(&scene, dt, integrator));
+    text.push_str(&placement(&name, &scene)?);
     if scene.counts().spheres == 0 {
         warnings(&mut text, [format!("{name}: no spheres, so nothing will move")].into_iter());
     }
@@ -65,14 +68,45 @@ pub(crate) fn chosen_contact(settings: &Settings) -> Option<String> {
 /// Warnings, one per line: parts of the scene for which the time step is too long, and bodies that sink into each other.
 pub(crate) fn concerns(name: &str, scene: &Scene, dt: f32, integrator: Integrator) -> String {
     let mut text = String::new();
-    let stiff = scene.stability(dt, integrator);
+    // Springs and tethers may cause thousands of warnings of one kind.
+    let (stiff, others) = (scene.stability(dt, integrator), scene.concerns(dt, integrator));
     warnings(&mut text, stiff.iter().map(|warning| format!("{name}: {warning}")));
-    let sinking = scene.sinking(integrator).map(|sinking| format!("{name}: {sinking}"));
-    let tunnelling = scene.tunnelling(dt).map(|tunnelling| format!("{name}: {tunnelling}"));
-    for warning in [sinking, tunnelling].into_iter().flatten() {
-        let _ = writeln!(text, "warning: {warning}");
+    for warning in others.iter().skip(stiff.len()) {
+        let _ = writeln!(text, "warning: {name}: {warning}");
     }
     text
+}
+
+/// Options with which `run` has nothing to warn of, if that is not so now.
+fn suggestion(scene: &Scene, dt: f32, integrator: Integrator) -> String {
+    let Some(Suggestion { resting_overlap, contact_force, contact_damping, time_step, .. }) = scene.suggestion(dt, integrator)
+    else {
+        return String::new();
+    };
+    let contact = resting_overlap.map_or_else(String::new, |share| {
+        format!(" --set resting_overlap={share} (contact_force {contact_force} /s², contact_damping {contact_damping} /s)")
+    });
+    format!("suggestion: --dt {time_step} (s){contact}\n")
+}
+
+/// Reports bodies that overlap at the start and bodies that fall for ever.
+fn placement(name: &str, scene: &Scene) -> Result<String, Failure> {
+    let found = scene.placement()?;
+    let mut text = match found.deepest {
+        0.0 => "no overlaps at the start\n".to_owned(),
+        deepest => format!("deepest overlap at the start: {deepest:.4} radii of the smaller body\n"),
+    };
+    warnings(&mut text, found.overlaps.iter().map(|overlap| format!("{name}: {} at the start", overlap.describe(scene))));
+    // A note, because some scenes want it: the example of the thesis does.
+    for sphere in found.falling.iter().take(SHOWN) {
+        let body = scene.name_of(Body::Sphere(*sphere));
+        let _ =
+            writeln!(text, "note: {name}: {body} will fall for ever: nothing holds it, and nothing is below it along gravity");
+    }
+    if found.falling.len() > SHOWN {
+        let _ = writeln!(text, "note: and {} like these", counted(found.falling.len() - SHOWN, "more", "more"));
+    }
+    Ok(text)
 }
 
 fn warnings(text: &mut String, warnings: impl ExactSizeIterator<Item = String>) {

@@ -11,6 +11,9 @@ use crate::files;
 use crate::options::whole;
 use crate::output;
 
+/// Gravity in scenes of soft blobs, in units/s². Up to 300 spheres then rest with overlaps of less than 5 % of their radius.
+const SOFT_GRAVITY: f32 = 0.2;
+
 #[derive(Debug, clap::Args)]
 pub(crate) struct Arguments {
     /// Kind of scene: pile, mixed, soft, chain or hopper
@@ -33,8 +36,17 @@ pub(crate) fn generate(arguments: &Arguments) -> Result<(), Failure> {
     }
     let file = out.as_ref().map(|path| AtomicFile::create(path).map_err(|error| Failure::file(path, &error)));
     let file = file.transpose()?;
-    let scene = kind.generate(*spheres, *seed)?;
-    let title = format!("# rockfall generate {kind} --spheres {spheres} --seed {seed}\n\n");
+    let mut scene = kind.generate(*spheres, *seed)?;
+    let mut title = format!("# rockfall generate {kind} --spheres {spheres} --seed {seed}\n");
+    // A blob stands on few of its spheres, and blobs lie on each other.
+    let most = if *kind == Kind::Soft { SOFT_GRAVITY } else { f32::INFINITY };
+    let gravity = scene.gentle_gravity().min(most);
+    if gravity != scene.settings.gravity {
+        title += "# Gravity is so small that bodies at rest overlap by less than 5 % of their radius at a time step of 0.02 s.\n\
+                  # For more gravity, use resting_overlap and a shorter time step (rockfall check suggests both).\n";
+        scene.settings.gravity = gravity;
+    }
+    title.push('\n');
     let text = title + &scene.to_text();
     let (Some(mut file), Some(path)) = (file, out) else {
         return output::print(&text);

@@ -4,6 +4,7 @@ use std::process::ExitCode;
 
 use clap::{CommandFactory as _, FromArgMatches as _, Parser, Subcommand};
 
+mod aftermath;
 mod bench;
 mod check;
 mod devices;
@@ -65,15 +66,17 @@ enum Command {
 fn main() -> ExitCode {
     let matches = Arguments::command().get_matches();
     let arguments = Arguments::from_arg_matches(&matches).unwrap_or_else(|error| error.exit());
+    // In all commands: exit code 130 does not depend on what a command does.
+    let interrupt = interrupt::Interrupt::listen();
     let given = run::Given(matches.subcommand().map_or(&matches, |(_, matches)| matches));
     let result = match arguments.command {
-        Command::Run(arguments) => run::run(&arguments, &given),
+        Command::Run(arguments) => run::run(&arguments, &given, interrupt),
         Command::Check(arguments) => check::check(&arguments),
         Command::Bench(arguments) => bench::bench(&arguments),
         Command::Devices => devices::devices(),
         Command::Generate(arguments) => generate::generate(&arguments),
         #[cfg(feature = "view")]
-        Command::Render(arguments) => render::render(&arguments, &given),
+        Command::Render(arguments) => render::render(&arguments, &given, interrupt),
         #[cfg(feature = "window")]
         Command::View(arguments) => view::view(&arguments, &given),
         Command::Completions(arguments) => shell::completions(&arguments),

@@ -3,6 +3,7 @@
 use std::fmt;
 use std::path::PathBuf;
 
+use crate::failure::Failure;
 use rockfall::{Backend, BroadPhase, Integrator, Optimization, Options, Scene, Settings};
 
 /// Options that determine the motion of a scene.
@@ -29,10 +30,17 @@ pub(crate) enum Substeps {
 
 impl Substeps {
     /// The number of parts of a step of `dt` seconds.
-    pub(crate) fn of(self, scene: &Scene, dt: f32, integrator: Integrator) -> u32 {
+    ///
+    /// # Errors
+    /// Wrong usage when `auto` needs too many.
+    pub(crate) fn of(self, scene: &Scene, dt: f32, integrator: Integrator) -> Result<u32, Failure> {
         match self {
-            Self::Auto => scene.substeps_for(dt, integrator),
-            Self::Parts(parts) => parts,
+            Self::Auto => {
+                let parts = scene.substeps_for(dt, integrator);
+                let message = format!("--substeps auto: a step of {dt} s needs {parts} parts, expected at most {MAX_SUBSTEPS}");
+                if parts > MAX_SUBSTEPS { Err(Failure::usage(message)) } else { Ok(parts) }
+            }
+            Self::Parts(parts) => Ok(parts),
         }
     }
 }

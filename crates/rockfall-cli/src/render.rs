@@ -11,6 +11,7 @@ use rockfall_viewer::palette::Rgb;
 use crate::failure::Failure;
 use crate::files;
 use crate::input::{Input, Saved};
+use crate::interrupt::Interrupt;
 use crate::options::{Engine, Physics, whole};
 use crate::output;
 use crate::run::Given;
@@ -206,15 +207,15 @@ impl Arguments {
     }
 }
 
-pub(crate) fn render(arguments: &Arguments, given: &Given) -> Result<(), Failure> {
+pub(crate) fn render(arguments: &Arguments, given: &Given, interrupt: &'static Interrupt) -> Result<(), Failure> {
     // A name that no file can have is refused before a long file is read.
     arguments.product(true)?;
     let input = Input::read(Some(&arguments.scene))?;
     let product = arguments.product(matches!(input, Input::Trajectory(_)))?;
     Source::is_not(Some(&arguments.scene), &arguments.out)?;
     let footage = match input {
-        Input::Scene(source) => Footage::Live(Box::new(scene(arguments, *source)?)),
-        Input::Checkpoint(saved) => Footage::Live(Box::new(checkpoint(arguments, given, *saved)?)),
+        Input::Scene(source) => Footage::Live(Box::new(scene(arguments, *source, interrupt)?)),
+        Input::Checkpoint(saved) => Footage::Live(Box::new(checkpoint(arguments, given, *saved, interrupt)?)),
         Input::Trajectory(reader) => {
             let name = arguments.scene.display().to_string();
             given.refuse_for_trajectory(&name)?;
@@ -222,7 +223,9 @@ pub(crate) fn render(arguments: &Arguments, given: &Given) -> Result<(), Failure
         }
     };
     // Created first, so that a picture size that the device does not support fails before the simulation.
-    let studio = Studio::new(arguments, footage)?;
+    let studio = Studio::new(arguments, footage, interrupt)?;
+    interrupt.hold();
+    interrupt.leaves("; no picture or film is written".to_owned());
     match product {
         Product::Png | Product::Jpeg => studio.picture(arguments, product),
         Product::Film(format) => studio.film(arguments, format),
@@ -230,18 +233,18 @@ pub(crate) fn render(arguments: &Arguments, given: &Given) -> Result<(), Failure
 }
 
 /// Prepares a run of a scene.
-fn scene(arguments: &Arguments, Source { name, loaded }: Source) -> Result<Live, Failure> {
+fn scene(arguments: &Arguments, Source { name, loaded }: Source, interrupt: &'static Interrupt) -> Result<Live, Failure> {
     for warning in &loaded.warnings {
         output::note(&format!("warning: {name}:{}: {}", warning.line, warning.text));
     }
     let mut scene = loaded.scene;
     arguments.physics.change(&mut scene.settings)?;
     let simulation = Simulation::with_options(scene, arguments.engine.options(&arguments.physics))?;
-    Ok(Live::new(simulation, arguments.physics.dt, 1))
+    Ok(Live::new(simulation, arguments.physics.dt, 1, interrupt))
 }
 
 /// Prepares a run that continues a checkpoint. Options on the command line override those of the checkpoint.
-fn checkpoint(arguments: &Arguments, given: &Given, saved: Saved) -> Result<Live, Failure> {
+fn checkpoint(arguments: &Arguments, given: &Given, saved: Saved, interrupt: &'static Interrupt) -> Result<Live, Failure> {
     let (dt, parts, checkpoint) = saved.changed(given, &arguments.physics, &arguments.engine)?;
-    Ok(Live::new(Simulation::resume(checkpoint)?, dt, parts))
+    Ok(Live::new(Simulation::resume(checkpoint)?, dt, parts, interrupt))
 }

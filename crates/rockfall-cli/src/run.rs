@@ -6,6 +6,7 @@ use std::time::Instant;
 use rockfall::{Error, Scene, Simulation};
 use rockfall_trajectory::Format;
 
+use crate::aftermath;
 use crate::check;
 use crate::failure::Failure;
 use crate::files;
@@ -29,8 +30,9 @@ pub(crate) use resume::Given;
 
 /// Details that do not fit into the one-line descriptions of the options.
 const AFTER_HELP: &str = "\
-Ctrl-C or SIGTERM stops a run cleanly: it finishes the steps under way, writes its results (--out, --trace, --contacts, --save, --checkpoint) \
-and exits with code 130. A second Ctrl-C ends it at once. If a step fails, --out and --trace are written up to that step if the \
+Ctrl-C or SIGTERM stops a run cleanly: it finishes the step under way, writes its results (--out, --trace, --contacts, --save, \
+--checkpoint) and exits with code 130. A step that takes longer than 0.8 s is abandoned: the last checkpoint and the .part files \
+stay as they are. A second Ctrl-C ends the run at once. If a step fails, --out and --trace are written up to that step if the \
 device can still be read, and the last checkpoint is left unchanged.
 
 --resume FILE continues a run from its checkpoint up to step N, counted from the start of the first run (--steps N). It takes \
@@ -112,13 +114,16 @@ struct Run {
     past: Past,
 }
 
-pub(crate) fn run(arguments: &Arguments, given: &Given) -> Result<(), Failure> {
-    let interrupt = Interrupt::listen();
+pub(crate) fn run(arguments: &Arguments, given: &Given, interrupt: &'static Interrupt) -> Result<(), Failure> {
+    // From the start, because output files that were only created are removed again.
+    interrupt.hold();
+    interrupt.leaves("; no results are written".to_owned());
     let mut run = match &arguments.resume {
         Some(path) => resume::open(arguments, given, path)?,
         None => begin(arguments)?,
     };
-    let result = steps(&mut run, &interrupt);
+    let result = steps(&mut run, interrupt);
+    interrupt.finishes();
     let Run { mut simulation, outputs, past } = run;
 
     let step = past.step(simulation.report().steps);
@@ -142,6 +147,10 @@ pub(crate) fn run(arguments: &Arguments, given: &Given) -> Result<(), Failure> {
         overlap: simulation.max_overlap()?,
     };
     output::print(&if arguments.json { summary.json(&simulation) } else { summary.table(&mut simulation)? })?;
+    if !stopped {
+        let before = (!past.changed).then(|| past.before());
+        aftermath::warn(&past.scene, &mut simulation, before.as_ref())?;
+    }
     if stopped {
         let how = checkpoint.map_or(String::new(), |path| format!("; continue with: rockfall run --resume {path}"));
         return Err(Failure::Interrupted(format!("stopped at step {step} of {}{how}", past.steps)));
@@ -166,7 +175,7 @@ fn begin(arguments: &Arguments) -> Result<Run, Failure> {
     let mut scene = loaded.scene;
     arguments.physics.change(&mut scene.settings)?;
     let (dt, integrator) = (arguments.physics.dt, arguments.physics.integrator);
-    let substeps = arguments.substeps.of(&scene, dt, integrator);
+    let substeps = arguments.substeps.of(&scene, dt, integrator)?;
     let mut past = Past { scene: name, comments: loaded.comments, steps: arguments.steps, dt, substeps, ..Past::default() };
     for line in check::concerns(&past.scene, &scene, past.part(), integrator).lines() {
         output::note(line);
@@ -232,12 +241,14 @@ fn steps(run: &mut Run, interrupt: &Interrupt) -> Result<(), Failure> {
     let done = |run: &Run| run.past.step(run.simulation.report().steps);
     let mut progress = Progress::new(run.past.steps - done(run));
     let mut result = Ok(());
+    interrupt.leaves(run.outputs.left());
     while result.is_ok() && !interrupt.is_requested() && done(run) < run.past.steps {
         let chunk = run.outputs.steps_from(done(run), progress.chunk());
         let moved = run.simulation.run(chunk.saturating_mul(parts), run.past.part());
         result = moved.map(drop).map_err(|error| named(run.past.in_steps(error), run.simulation.scene()));
         run.past.seconds = seconds + start.elapsed().as_secs_f64();
         result = result.and_then(|()| run.outputs.after_step(&mut run.simulation, &mut run.past));
+        interrupt.leaves(run.outputs.left());
         progress.advance(chunk);
     }
     progress.finish();

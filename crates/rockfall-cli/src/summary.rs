@@ -114,8 +114,9 @@ impl Summary<'_> {
         row("", format!("{} at the end", energies(&self.energies[1])));
         row("contacts", format!("{} in the last step", report.contacts));
         let MaxOverlap { units, radii, .. } = self.overlap;
-        let share = short(100.0 * f64::from(radii));
-        row("overlap", format!("{} at the end, at most {share} % of the smaller radius", short(units.into())));
+        let resting = simulation.resting_overlap()?.radii;
+        let [units, radii, resting] = [units, radii, resting].map(|number| short(number.into()));
+        row("overlap", format!("{units} at the end, {radii} radii; {resting} radii between bodies at rest"));
         row("collisions", format!("{} in all, {} in the last step", report.total_collisions, report.collisions));
         if report.replays > 0 {
             row("replays", format!("{} steps repeated, with longer lists or larger AABBs", report.replays));

@@ -295,7 +295,10 @@ fn check_warns_of_suspicious_lines_and_of_stiff_springs_and_contacts() {
         "{out}"
     );
     assert_eq!(lines[4], "rockfall run --substeps 2 makes the time step short enough for springs and contacts");
-    assert_eq!(lines.len(), 5, "{out}");
+    assert_eq!(lines[5], "suggestion: --dt 0.0182 (s)");
+    assert_eq!(lines[6], "no overlaps at the start");
+    assert!(lines[7].starts_with("note: scene.txt: sphere 1 will fall for ever"), "{out}");
+    assert_eq!(lines.len(), 8, "{out}");
     let (out, _) = rockfall.run("check scene.txt --dt 0.0182", 0);
     assert!(out.contains("stable at a time step of 0.0182 s (rk4)"), "{out}");
     let (out, _) = rockfall.run("check scene.txt --dt 0.0182 --integrator symplectic-euler", 0);

@@ -78,6 +78,7 @@ pub mod model;
 mod options;
 pub mod output;
 mod physics;
+pub mod placement;
 pub mod profile;
 pub mod report;
 pub mod scene;

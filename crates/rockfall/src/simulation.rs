@@ -20,7 +20,7 @@ mod flight;
 mod interval;
 mod keep;
 mod lookahead;
-mod observe;
+pub(crate) mod observe;
 mod order;
 mod prepare;
 mod profile;

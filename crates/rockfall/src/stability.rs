@@ -33,14 +33,18 @@
 use std::fmt;
 
 use crate::scene::{Scene, Sphere};
-use crate::settings::Integrator;
+use crate::settings::{Integrator, Settings};
 
 mod bounds;
+mod connected;
 mod depth;
+mod falling;
+mod resolution;
 mod speed;
 
 use bounds::{Steps, crowd_steps, few_steps, spring_steps};
-pub use depth::Sinking;
+pub use depth::{Remedy, Sinking};
+pub use resolution::Coarse;
 pub use speed::{Thin, Tunnelling};
 
 /// The force for which the time step is too long.
@@ -103,6 +107,20 @@ impl fmt::Display for Warning {
         })?;
         write!(f, "; the largest time step that works is {} s", rounded_down(self.largest_dt))
     }
+}
+
+/// Constants and a time step that cause no warnings.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Suggestion {
+    /// A value for [`Settings::resting_overlap`]; `None` if the present contact force will do.
+    pub resting_overlap: Option<f32>,
+    /// The contact force in use with it, in 1/s².
+    pub contact_force: f32,
+    /// The contact damping in use with it, in 1/s.
+    pub contact_damping: f32,
+    /// The time step, in s.
+    pub time_step: f32,
 }
 
 /// Rounds to three significant digits, never above the number itself.
@@ -175,6 +193,44 @@ impl Scene {
             parts += 1;
         }
         parts
+    }
+
+    /// Everything that a run of this scene with a time step of `dt` seconds should be warned of, one message each: an unstable
+    /// time step, bodies that sink into each other, bodies that pass through thin things, and positions that are too coarse.
+    pub fn concerns(&self, dt: f32, integrator: Integrator) -> Vec<String> {
+        let mut concerns: Vec<String> = self.stability(dt, integrator).iter().map(Warning::to_string).collect();
+        concerns.extend(self.sinking(integrator).map(|sinking| sinking.to_string()));
+        concerns.extend(self.tunnelling(dt).map(|tunnelling| tunnelling.to_string()));
+        concerns.extend(self.coarse().map(|coarse| coarse.to_string()));
+        concerns
+    }
+
+    /// Constants and a time step, at most `dt` seconds, with which the scene causes none of the warnings of
+    /// [`Scene::stability`], [`Scene::sinking`] and [`Scene::tunnelling`]. `None` if there are none now.
+    pub fn suggestion(&self, dt: f32, integrator: Integrator) -> Option<Suggestion> {
+        let mut settings = self.settings;
+        let sinking = self.sinking(integrator);
+        if sinking.is_some() {
+            settings.resting_overlap = 0.02;
+        }
+        let mended = Self { settings, ..self.clone() };
+        let stiff = mended.stability(dt, integrator).into_iter().map(|warning| warning.largest_dt);
+        let bounds = stiff.chain(mended.tunnelling(dt).map(|tunnelling| tunnelling.largest_dt));
+        let largest = bounds.fold(f64::INFINITY, f64::min);
+        if largest.is_infinite() && sinking.is_none() {
+            return None;
+        }
+        let mut time_step = rounded_down(largest.min(dt.into())) as f32;
+        if f64::from(time_step) > largest {
+            time_step = time_step.next_down();
+        }
+        let Settings { contact_force, contact_damping, .. } = mended.resolved_settings();
+        Some(Suggestion {
+            resting_overlap: sinking.map(|_| settings.resting_overlap),
+            contact_force,
+            contact_damping,
+            time_step,
+        })
     }
 
     /// The bounds of the contact force; `None` if no moving body can touch anything.

@@ -8,6 +8,7 @@ use rockfall_viewer::film::{Moment, Player, Timing};
 use rockfall_viewer::survey::Survey;
 
 use crate::failure::Failure;
+use crate::interrupt::Interrupt;
 use crate::progress::Progress;
 
 /// Number of states from which the camera and the colour scale of a film are chosen.
@@ -101,12 +102,13 @@ pub(super) struct Live {
     player: Player,
     dt: f32,
     parts: u32,
+    interrupt: &'static Interrupt,
 }
 
 impl Live {
     /// `parts` is the number of equal parts of a step of `dt` seconds.
-    pub(super) fn new(simulation: Simulation, dt: f32, parts: u32) -> Self {
-        Self { simulation, player: Player::new(dt).parts(parts), dt, parts }
+    pub(super) fn new(simulation: Simulation, dt: f32, parts: u32, interrupt: &'static Interrupt) -> Self {
+        Self { simulation, player: Player::new(dt).parts(parts), dt, parts, interrupt }
     }
 
     fn timing(&self, cut: Cut) -> Timing {
@@ -131,6 +133,10 @@ impl Live {
             result = self.run(chunk);
             left -= chunk;
             progress.advance(chunk);
+            if left > 0 && self.interrupt.is_requested() {
+                progress.finish();
+                return Err(Failure::Interrupted(format!("stopped {left} steps before the first picture")));
+            }
         }
         progress.finish();
         result

@@ -12,6 +12,7 @@ use super::camera::Shot;
 use super::footage::{Footage, device};
 use super::{Arguments, Product, colours};
 use crate::failure::Failure;
+use crate::interrupt::Interrupt;
 use crate::output;
 use crate::progress::Progress;
 
@@ -24,10 +25,11 @@ pub(super) struct Studio {
     renderer: Renderer,
     canvas: Canvas,
     style: Style,
+    interrupt: &'static Interrupt,
 }
 
 impl Studio {
-    pub(super) fn new(arguments: &Arguments, mut footage: Footage) -> Result<Self, Failure> {
+    pub(super) fn new(arguments: &Arguments, mut footage: Footage, interrupt: &'static Interrupt) -> Result<Self, Failure> {
         let gpu = device(footage.simulation())?;
         let [width, height] = arguments.size;
         let canvas = Canvas::new(gpu.device(), gpu.queue(), width, height)?;
@@ -35,7 +37,7 @@ impl Studio {
         let mut style = arguments.style();
         let scene = footage.simulation().scene();
         renderer.set_colours(colours::apply(&arguments.colour, scene, &mut style)?);
-        Ok(Self { footage, renderer, canvas, style })
+        Ok(Self { footage, renderer, canvas, style, interrupt })
     }
 
     pub(super) fn picture(mut self, arguments: &Arguments, product: Product) -> Result<(), Failure> {
@@ -74,16 +76,34 @@ impl Studio {
         self.renderer.set_survey(survey);
         let mut progress = Progress::pictures(moments.len() as u64);
         let mut follower = Follower { shot: &shot, from: None };
-        let pictures = moments.iter().enumerate().map(|(index, moment)| {
+        let (interrupt, count) = (self.interrupt, moments.len());
+        let mut taken = 0;
+        // After a signal the film ends with the pictures so far, at least one.
+        let shown = moments.iter().enumerate().take_while(|(index, _)| *index == 0 || !interrupt.is_requested());
+        let pictures = shown.map(|(index, moment)| {
             let followed = follower.show(&mut self, *moment)?;
             let camera = shot.at(index as f64 / f64::from(arguments.fps), followed);
+            let picture = self.take(&camera, arguments)?;
             progress.advance(1);
-            self.take(&camera, arguments)
+            taken += 1;
+            if taken == count {
+                interrupt.finishes();
+            }
+            Ok(picture)
         });
-        let count = moments.len() as u64;
-        let result = film::write_all(&arguments.out, format, arguments.fps, count, pictures);
+        let result = film::write_all(&arguments.out, format, arguments.fps, count as u64, pictures);
         progress.finish();
-        Ok(result?)
+        if taken < count && format == Format::Apng && interrupt.is_requested() {
+            // Its header has the number of pictures.
+            let how = "an APNG cannot end early, so no film is written";
+            return Err(Failure::Interrupted(format!("stopped after {taken} of {count} pictures; {how}")));
+        }
+        result?;
+        if taken < count {
+            let path = arguments.out.display();
+            return Err(Failure::Interrupted(format!("stopped after {taken} of {count} pictures, written to {path}")));
+        }
+        Ok(())
     }
 
     /// Finds out what happens in the film, as far as the camera, walls and the colour scale depend on it, and fixes the scale.

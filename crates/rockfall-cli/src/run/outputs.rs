@@ -267,6 +267,16 @@ impl Outputs {
         first.map(|()| done)
     }
 
+    /// What is left of the results if the program ends now, for a message.
+    pub(crate) fn left(&self) -> String {
+        match (&self.checkpoint, self.saved_at) {
+            (Some(path), Some(step)) => {
+                format!("; continue from step {step} with: rockfall run --resume {}", path.display())
+            }
+            _ => "; no results are written".to_owned(),
+        }
+    }
+
     /// Path of the checkpoint, if one is written.
     pub(crate) fn checkpoint(&self) -> Option<&Path> {
         self.checkpoint.as_deref()

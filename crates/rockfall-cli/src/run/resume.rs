@@ -84,11 +84,12 @@ fn change(checkpoint: &mut Checkpoint, past: &mut Past, arguments: &Arguments, g
         differs(&format!("--set {name}"), &settings.get(name).unwrap_or_default(), &then);
     }
     if !physics.set.is_empty() {
+        past.changed = true;
         // A resumed simulation uses its constants as stored, so `resting_overlap` has to be resolved here.
         checkpoint.scene.settings = checkpoint.scene.resolved_settings();
     }
     if given.has("substeps") {
-        let substeps = arguments.substeps.of(&checkpoint.scene, past.dt, options.integrator);
+        let substeps = arguments.substeps.of(&checkpoint.scene, past.dt, options.integrator)?;
         differs("--substeps", &substeps.to_string(), &past.parts().to_string());
         past.divide(substeps, simulated);
     }

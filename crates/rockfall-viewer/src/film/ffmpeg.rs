@@ -53,6 +53,9 @@ pub(super) fn write(path: &Path, encoding: &Encoding, fps: u32, pictures: impl I
 fn command() -> Command {
     let mut command = Command::new("ffmpeg");
     command.args(["-nostdin", "-hide_banner", "-loglevel", "error"]);
+    // Ctrl-C in a terminal must not reach it, so that it completes the film with the pictures so far.
+    #[cfg(unix)]
+    std::os::unix::process::CommandExt::process_group(&mut command, 0);
     command
 }
 

@@ -25,7 +25,7 @@ const BATCH: u64 = 32;
 /// and interval are adapted.
 const BATCH_OF_SMALL: u64 = 16;
 /// Maximum number of times in a row that a step may be rejected.
-const MAX_ATTEMPTS: u32 = 64;
+pub(super) const MAX_ATTEMPTS: u32 = 64;
 /// Factor per step by which a raised AABB margin decays. A margin that has decayed too far causes a rejected step.
 const MARGIN_DECAY: f32 = 0.997;
 /// The same in scenes with rods or large spheres. Their lists are so long that lengthening them costs more than a rejected
@@ -166,6 +166,12 @@ impl Simulation {
         if status.rejected == 0 {
             return Ok(());
         }
+        // Before the remedies: no cause may be removed without end.
+        if attempts > MAX_ATTEMPTS {
+            let reason =
+                format!("{} rows of pairs needed, AABB margin {}", status.pair_rows_needed, self.world.step.margin_scale);
+            return Err(Error::Stuck { step: self.report.steps + 1, attempts, reason });
+        }
         self.report.replays += 1;
         if status.rejected & REJECTED_COLLISIONS != 0 {
             self.begin_sweeps()?;
@@ -183,11 +189,6 @@ impl Simulation {
             return Ok(());
         }
         self.window.restart();
-        if attempts > MAX_ATTEMPTS {
-            let reason =
-                format!("{} rows of pairs needed, AABB margin {}", status.pair_rows_needed, self.world.step.margin_scale);
-            return Err(Error::Stuck { step: self.report.steps + 1, attempts, reason });
-        }
         if status.rejected & REJECTED_COUNT != 0 {
             self.status.pair_rows_needed = u32::MAX;
         }
@@ -212,13 +213,7 @@ impl Simulation {
             step.lookahead = self.lookahead.give_up().unwrap_or(step.lookahead);
             return;
         }
-        // The first increase is small, because it enlarges all AABBs. After 16 attempts no finite margin is large enough,
-        // because some force is beyond all bounds.
-        step.margin_scale = match attempts {
-            0 => step.margin_scale + 1.25 * escape + MARGIN_STEP,
-            1..=16 => (step.margin_scale + escape) * 1.25,
-            _ => f32::INFINITY,
-        };
+        step.margin_scale = margin_after_escape(step.margin_scale, escape, attempts);
     }
 
     /// Adds the results of a portion to the report. `before` is the status before the portion.
@@ -294,8 +289,19 @@ impl Simulation {
     }
 }
 
+/// The margin to try next when a body left its AABB by `escape` with the margin `margin`, all in units of 0.02 r. `attempts` is
+/// the number of attempts before. The first increase is small, because it enlarges all AABBs. After 16 attempts no finite margin
+/// is large enough, because some force or coordinate is beyond all bounds.
+pub(super) fn margin_after_escape(margin: f32, escape: f32, attempts: u32) -> f32 {
+    match attempts {
+        0 => margin + 1.25 * escape + MARGIN_STEP,
+        1..=16 => (margin + escape) * 1.25,
+        _ => f32::INFINITY,
+    }
+}
+
 /// Number of rows to allocate for entries when `needed` rows are needed.
-fn room_for(needed: u32) -> Result<u32> {
+pub(super) fn room_for(needed: u32) -> Result<u32> {
     if needed > MAX_PAIR_ROWS {
         let bytes = |rows: u32| 4 * words_of_rows(rows);
         return Err(Error::DeviceLimit { what: "the pair lists", needed: bytes(needed), limit: bytes(MAX_PAIR_ROWS) });

@@ -5,24 +5,25 @@
 use glam::Vec3;
 use rayon::prelude::*;
 
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::exec::cpu;
 use crate::model::impulse::Impulse;
 use crate::model::layout::{ENTRY_COLLIDES, ENTRY_OVERLAPS};
 use crate::model::lists::{Entry, Lists};
-use crate::model::status::Status;
+use crate::model::status::{REJECTED_COUNT, REJECTED_ESCAPED, REJECTED_PAIRS, Status};
 use crate::model::view::{Object, View};
 use crate::model::world::World;
 use crate::physics::collision::Collision;
 use crate::physics::collision::all::{impulse_in, solve};
-use crate::physics::contact::contact_force;
+use crate::physics::contact::{collision_velocity, contact_force};
 use crate::physics::forces::net_force::rod_loads;
 use crate::physics::forces::sphere_rates;
 use crate::physics::side::side;
-use crate::physics::touch::touch;
+use crate::physics::touch::{Touch, touch};
 use crate::scene::{BoxId, PolygonId, RodId, Scene, SphereId};
-use crate::settings::Integrator;
+use crate::settings::{BroadPhase, Integrator};
 use crate::simulation::Simulation;
+use crate::simulation::drive::{MAX_ATTEMPTS, margin_after_escape, room_for};
 use crate::step::schedule::Phase;
 
 /// One of the two bodies of a contact.
@@ -129,26 +130,26 @@ impl Simulation {
     /// As for [`Simulation::sync`].
     pub fn max_overlap(&mut self) -> Result<MaxOverlap> {
         let world = self.observed()?;
-        let (view, lists) = view_and_lists(&world);
-        let of_mover = |mover: u32| {
-            let own = lists.row(mover).filter(|entry| entry.id() > mover);
-            own.fold((0.0, 0.0, [0; 2]), |(units, radii, ids): (f32, f32, [u32; 2]), entry| {
-                let Some(touch) = touch(&view, mover, entry.id(), entry.feature()) else { return (units, radii, ids) };
-                let ratio = touch.overlap / smaller_radius(&view, mover, entry.id());
-                let units = units.max(touch.overlap);
-                if ratio > radii { (units, ratio, [mover, entry.id()]) } else { (units, radii, ids) }
-            })
-        };
-        // The first of equal overlaps counts, so the result does not depend on the number of threads.
-        let all: Vec<_> = (0..world.movers()).into_par_iter().map(of_mover).collect();
-        let mut most = MaxOverlap::default();
-        for (units, radii, ids) in all {
-            most.units = most.units.max(units);
-            if radii > most.radii {
-                (most.radii, most.bodies) = (radii, Some(ids.map(|id| self.body(&view, id))));
-            }
-        }
-        Ok(most)
+        Ok(deepest(&self.scene, &world, |_, _, _, _| true))
+    }
+
+    /// Like [`Simulation::max_overlap`], over the contacts of bodies at rest: both are slower than the velocity above which they
+    /// would collide (docs/physics.md section 3.1), and the contact exerts a force. A fast body may overlap another one for a
+    /// step or two, as deep as it moves within a step.
+    ///
+    /// # Errors
+    /// As for [`Simulation::sync`].
+    pub fn resting_overlap(&mut self) -> Result<MaxOverlap> {
+        let world = self.observed()?;
+        Ok(deepest(&self.scene, &world, |view, mover, entry, touch| {
+            let [a, b] = [mover, entry.id()].map(|id| view.object(id));
+            let threshold = collision_velocity(view.step, smaller_radius(view, mover, entry.id()));
+            let rests = [(a, touch.a), (b, touch.b)].into_iter().all(|(object, parameter)| {
+                let side = side(view, object, parameter);
+                side.inverse_mass == 0.0 || side.velocity.length() <= threshold
+            });
+            rests && entry.word & ENTRY_COLLIDES == 0 && contact_force(view, a, b, touch).force != Vec3::ZERO
+        }))
     }
 
     /// All contacts of the current state, with the force or impulse that each exerts at the beginning of the next step.
@@ -234,38 +235,82 @@ impl Simulation {
     /// A copy of the current state with AABBs, lists and collision flags of its own.
     fn observed(&mut self) -> Result<World> {
         self.sync()?;
-        let mut world = World::build(&self.scene)?;
-        world.step.dt = self.time_step;
-        let method = self.broad_phase_method();
-        loop {
-            world.status = Status::default();
-            let phases = [Phase::UpdateAabbs, Phase::BroadPhase].iter().flat_map(|phase| phase.stages(Integrator::Rk4, method));
-            let stages: Vec<_> =
-                phases.chain(Phase::HandleCollisions.stages(Integrator::Rk4, method).first()).copied().collect();
-            cpu::run(&mut world, &stages);
-            if world.status.rejected == 0 {
-                return Ok(world);
-            }
-            world.set_pair_rows(world.status.pair_rows_needed);
-        }
+        observe(&self.scene, self.time_step, self.broad_phase_method(), self.report.steps)
     }
 
     fn body(&self, view: &View, id: u32) -> Body {
-        match view.object(id) {
-            Object::Sphere(sphere) => Body::Sphere(self.scene.spheres.handle_at(sphere as usize)),
-            Object::Rod(rod) => Body::Rod(self.scene.rods.handle_at(rod as usize)),
-            Object::Cuboid(cuboid) => Body::Box(self.scene.boxes.handle_at(cuboid as usize)),
-            Object::Polygon(polygon) => Body::Polygon(self.scene.polygons.handle_at(polygon as usize)),
-        }
+        body(&self.scene, view, id)
     }
 }
 
-fn view_and_lists(world: &World) -> (View<'_>, Lists<'_>) {
+pub(crate) fn body(scene: &Scene, view: &View, id: u32) -> Body {
+    match view.object(id) {
+        Object::Sphere(sphere) => Body::Sphere(scene.spheres.handle_at(sphere as usize)),
+        Object::Rod(rod) => Body::Rod(scene.rods.handle_at(rod as usize)),
+        Object::Cuboid(cuboid) => Body::Box(scene.boxes.handle_at(cuboid as usize)),
+        Object::Polygon(polygon) => Body::Polygon(scene.polygons.handle_at(polygon as usize)),
+    }
+}
+
+/// The state of a scene after `step` steps of `dt` seconds, with AABBs, lists and collision flags.
+pub(crate) fn observe(scene: &Scene, dt: f32, method: BroadPhase, step: u64) -> Result<World> {
+    let mut world = World::build(scene)?;
+    world.step.dt = dt;
+    for attempts in 0..=MAX_ATTEMPTS {
+        world.status = Status::default();
+        let phases = [Phase::UpdateAabbs, Phase::BroadPhase].iter().flat_map(|phase| phase.stages(Integrator::Rk4, method));
+        let stages: Vec<_> = phases.chain(Phase::HandleCollisions.stages(Integrator::Rk4, method).first()).copied().collect();
+        cpu::run(&mut world, &stages);
+        let status = &world.status;
+        if status.rejected == 0 {
+            return Ok(world);
+        }
+        // As in a step (`handle_rejection`): longer lists, or larger AABBs where coordinates or velocities are so large that
+        // rounding takes a body out of its own AABB.
+        if status.rejected & REJECTED_ESCAPED != 0 {
+            let escape = f32::from_bits(status.escape_ratio);
+            world.step.margin_scale = margin_after_escape(world.step.margin_scale, escape, attempts);
+        }
+        if status.rejected & (REJECTED_PAIRS | REJECTED_COUNT) != 0 {
+            let too_many = status.rejected & REJECTED_COUNT != 0;
+            world.set_pair_rows(room_for(if too_many { u32::MAX } else { status.pair_rows_needed })?);
+        }
+    }
+    let reason = format!("the contacts cannot be found, AABB margin {}", world.step.margin_scale);
+    Err(Error::Stuck { step, attempts: MAX_ATTEMPTS, reason })
+}
+
+/// The deepest overlaps of the contacts for which `counts` is true.
+fn deepest(scene: &Scene, world: &World, counts: impl Fn(&View, u32, Entry, &Touch) -> bool + Sync) -> MaxOverlap {
+    let (view, lists) = view_and_lists(world);
+    let of_mover = |mover: u32| {
+        let own = lists.row(mover).filter(|entry| entry.id() > mover);
+        own.fold((0.0, 0.0, [0; 2]), |(units, radii, ids): (f32, f32, [u32; 2]), entry| {
+            let touch = touch(&view, mover, entry.id(), entry.feature()).filter(|touch| counts(&view, mover, entry, touch));
+            let Some(touch) = touch else { return (units, radii, ids) };
+            let ratio = touch.overlap / smaller_radius(&view, mover, entry.id());
+            let units = units.max(touch.overlap);
+            if ratio > radii { (units, ratio, [mover, entry.id()]) } else { (units, radii, ids) }
+        })
+    };
+    // The first of equal overlaps counts, so the result does not depend on the number of threads.
+    let all: Vec<_> = (0..world.movers()).into_par_iter().map(of_mover).collect();
+    let mut most = MaxOverlap::default();
+    for (units, radii, ids) in all {
+        most.units = most.units.max(units);
+        if radii > most.radii {
+            (most.radii, most.bodies) = (radii, Some(ids.map(|id| body(scene, &view, id))));
+        }
+    }
+    most
+}
+
+pub(crate) fn view_and_lists(world: &World) -> (View<'_>, Lists<'_>) {
     (View::new(&world.step, &world.topology, &world.states[0]), Lists::new(&world.step, &world.lists))
 }
 
 /// The smaller radius of two objects of which at least one is a sphere or a rod.
-fn smaller_radius(view: &View, a: u32, b: u32) -> f32 {
+pub(crate) fn smaller_radius(view: &View, a: u32, b: u32) -> f32 {
     let radius = |id| side(view, view.object(id), 0.0).radius.unwrap_or(f32::INFINITY);
     radius(a).min(radius(b))
 }

@@ -120,7 +120,7 @@ fn a_resting_overlap_chooses_the_contact_force_of_a_column() {
     let settings = scene.resolved_settings();
     // The lowest carries four bodies: 3 * 2 * 4 * 9 / (0.05 * 0.1).
     assert!((settings.contact_force / 43200.0 - 1.0).abs() < 1e-5, "{}", settings.contact_force);
-    let ratio = |settings: &crate::Settings| settings.contact_damping / settings.contact_force.sqrt();
+    let ratio = |settings: &Settings| settings.contact_damping / settings.contact_force.sqrt();
     assert!((ratio(&settings) / ratio(&scene.settings) - 1.0).abs() < 1e-5);
     // Side by side, each body carries only itself.
     let mut flat = balls([0.0, 0.2, 0.4, 0.6].map(|x| Sphere::new([x, 0.0, 0.0], 0.1).mass(3.0)));

@@ -1,12 +1,12 @@
 //! Warns of time steps and constants that do not work for a scene, before it runs.
 
-use rockfall::{Integrator, Scene, Settings};
+use rockfall::Settings;
 
 use super::Session;
 use crate::window::message::Level;
 
-/// Number of springs, tethers and contacts that are too stiff for which a message is shown.
-const SHOWN: usize = 2;
+/// Number of warnings that are shown. A scene may have thousands of springs that are too stiff.
+const SHOWN: usize = 4;
 
 /// What the last warnings were about.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -16,17 +16,6 @@ pub(super) struct Checked {
     scene: u64,
 }
 
-/// Returns the warnings about a scene at a time step of `dt` seconds.
-fn concerns(scene: &Scene, dt: f32, integrator: Integrator) -> Vec<String> {
-    let stiff = scene.stability(dt, integrator);
-    let mut texts: Vec<String> = stiff.iter().take(SHOWN).map(ToString::to_string).collect();
-    if stiff.len() > SHOWN {
-        texts.push(format!("{} more parts of the scene are too stiff for the time step", stiff.len() - SHOWN));
-    }
-    texts.extend(scene.sinking(integrator).map(|sinking| sinking.to_string()));
-    texts
-}
-
 impl Session {
     /// Shows the warnings about the scene, unless nothing has changed since they were shown last.
     pub(super) fn warn(&mut self) {
@@ -34,8 +23,13 @@ impl Session {
         let checked = Checked { settings: *self.simulation.settings(), time_step, scene: self.simulation_version };
         if self.checked != Some(checked) {
             self.checked = Some(checked);
-            for text in concerns(self.simulation.scene(), time_step, self.simulation.integrator()) {
+            let concerns = self.simulation.scene().concerns(time_step, self.simulation.integrator());
+            let more = concerns.len().saturating_sub(SHOWN);
+            for text in concerns.into_iter().take(SHOWN) {
                 self.tell(Level::Warning, text);
+            }
+            if more > 0 {
+                self.tell(Level::Warning, format!("{more} more warnings; `rockfall check` prints them"));
             }
         }
     }

@@ -1,0 +1,167 @@
+//! Warnings of `run` and `check`: unstable steps, growing energy, overlaps, places of bodies.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+mod common;
+
+use common::Rockfall;
+
+fn scenes() -> Vec<PathBuf> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes");
+    let mut paths: Vec<PathBuf> = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect();
+    paths.sort();
+    paths
+}
+
+fn scene(name: &str) -> String {
+    scenes().into_iter().find(|path| path.ends_with(name)).unwrap().display().to_string()
+}
+
+/// Ten balls of a radius of 0.05 that fall on a floor with walls, in SI units.
+fn ten_balls() -> String {
+    let mut text = "set gravity 9.81\nB -1 -1 -1 2 0 0 0 1 0 0 0 2\n".to_owned();
+    for ball in 0..10 {
+        text += &format!("S {ball} {} 0.2 0 0 0 0 0 0 0 1 0.05\n", 0.15 * f64::from(ball) - 0.7);
+    }
+    text
+}
+
+#[test]
+fn run_warns_of_an_unstable_step_and_of_energy_that_grew() {
+    let rockfall = Rockfall::with("");
+    let bridge = scene("bridge.txt");
+    let (_, err) = rockfall.run(&format!("run {bridge} --backend cpu --dt 1 --steps 200"), 0);
+    assert!(err.contains("the contact force is too stiff for the time step"), "{err}");
+    assert!(err.contains("the energy grew by ") && err.contains("units²/s²"), "{err}");
+    // The first warning comes before the run starts, also if the run fails or is ended.
+    let (_, err) = rockfall.run(&format!("run {bridge} --backend cpu --dt 1 --steps 0"), 0);
+    assert!(err.contains("too stiff") && !err.contains("grew"), "{err}");
+    let (_, err) = rockfall.run(&format!("run {bridge} --backend cpu --steps 200"), 0);
+    assert_eq!(err, "");
+}
+
+/// Causes of growing energy: moving surfaces, external forces, a restitution above 1.
+#[test]
+fn energy_may_grow_with_a_cause() {
+    let ball = "set gravity 0\nS 1 0 0 0 0 0 0 0 0 0 1 0.1\n";
+    for cause in ["@force 1 1 0 0\n", "S 2 0 -0.19 0 1 0 0 0 0 0 1 0.1 1\n"] {
+        let rockfall = Rockfall::with(&format!("{ball}{cause}"));
+        let (out, err) = rockfall.run("run scene.txt --backend cpu --steps 100", 0);
+        assert!(out.contains("energy") && !err.contains("grew"), "{cause}: {err}");
+    }
+}
+
+#[test]
+fn no_scene_of_the_project_warns_during_its_default_run() {
+    let rockfall = Rockfall::with("");
+    for path in scenes() {
+        let (out, err) = rockfall.run(&format!("run {} --backend cpu", path.display()), 0);
+        assert!(out.contains("radii at the end"), "{out}");
+        // Fallen dominoes press the thin rods of their frames into each other. The scene tells which settings prevent it.
+        let is_known = |line: &&str| path.ends_with("dominoes.txt") && line.contains(" overlap by ");
+        let warnings: Vec<&str> = err.lines().filter(|line| !is_known(line)).collect();
+        assert!(warnings.is_empty(), "{}: {warnings:?}", path.display());
+    }
+}
+
+#[test]
+fn generated_piles_rest_with_small_overlaps() {
+    for (kind, spheres) in [("pile", 1000), ("hopper", 1000), ("mixed", 500), ("chain", 200), ("soft", 100)] {
+        let rockfall = Rockfall::with("");
+        rockfall.run(&format!("generate {kind} --spheres {spheres} --out {kind}.txt"), 0);
+        let (out, _) = rockfall.run(&format!("check {kind}.txt"), 0);
+        assert!(!out.contains("warning"), "{kind}: {out}");
+        let (_, err) = rockfall.run(&format!("run {kind}.txt --backend cpu"), 0);
+        assert_eq!(err, "", "{kind}");
+    }
+}
+
+#[test]
+fn sinking_bodies_are_reported_in_radii_with_constants_that_help() {
+    let rockfall = Rockfall::with(&ten_balls());
+    let (out, err) = rockfall.run("run scene.txt --backend cpu", 0);
+    assert!(out.contains("  overlap     0.196"), "{out}");
+    let end = err.lines().last().unwrap();
+    assert!(end.contains("at the end sphere ") && end.contains(" overlap by 0.196 radii of the smaller one"), "{err}");
+    assert!(end.contains("`set resting_overlap 0.02` chooses a contact_force of "), "{err}");
+    let (out, _) = rockfall.run("check scene.txt", 0);
+    let suggestion = out.lines().find(|line| line.starts_with("suggestion: ")).unwrap();
+    let options: Vec<&str> =
+        suggestion.split(' ').filter(|word| ["--", "0.0", "resting_"].iter().any(|begin| word.starts_with(begin))).collect();
+    let (_, err) = rockfall.run(&format!("run scene.txt --backend cpu --steps 2000 {}", options.join(" ")), 0);
+    assert_eq!(err, "", "{suggestion}");
+}
+
+#[test]
+fn check_estimates_the_overlap_below_a_pile() {
+    let mut text = "B -0.5 -1 -0.5 1 0 0 0 1 0 0 0 1\n".to_owned();
+    for ball in 0..100 {
+        text += &format!("S {ball} 0 {} 0 0 0 0 0 0 0 1 0.1\n", 0.1 + 0.21 * f64::from(ball));
+    }
+    let (out, _) = Rockfall::with(&text).run("check scene.txt", 0);
+    assert!(out.contains("bodies below others carry about 100 times their weight and overlap by about 0.2 units"), "{out}");
+}
+
+#[test]
+fn check_finds_bodies_inside_others_and_names_them() {
+    let text = "set gravity 0\nB 0 0 0 1 0 0 0 1 0 0 0 1\nS 7 5 0 0 0 0 0 0 0 0 1 0.2\nS 8 5 0 0 0 0 0 0 0 0 1 0.2\n\
+                S 9 0.5 0.7 0.5 0 0 0 0 0 0 1 0.1\nS 10 0.5 1.05 0.5 0 0 0 0 0 0 1 0.1\nS 11 0.2 1.099 0.2 0 0 0 0 0 0 1 0.1\n\
+                C 9 0 0 10 0 0 0 0 0 1 0.2\nS 12 10.3 0 0 0 0 0 0 0 0 1 0.2\n";
+    let (out, _) = Rockfall::with(text).run("check scene.txt", 0);
+    for line in [
+        "warning: scene.txt: sphere 7 and sphere 8 have the same centre at the start",
+        "warning: scene.txt: sphere 9 has its centre or axis inside box number 0, 4.000 radii (4.000e-1 units) at the start",
+        "warning: scene.txt: sphere 10 and box number 0 overlap by 0.500 radii (5.000e-2 units) at the start",
+        "warning: scene.txt: capsule number 0 and sphere 12 overlap by 0.500 radii (1.000e-1 units) at the start",
+        "deepest overlap at the start: 4.0000 radii of the smaller body",
+    ] {
+        assert!(out.lines().any(|printed| printed == line), "{line}\n{out}");
+    }
+    assert!(!out.contains("sphere 11") && !out.contains("fall for ever"), "{out}");
+}
+
+#[test]
+fn check_finds_bodies_that_fall_for_ever() {
+    let floor = "B -5 -1 -5 10 0 0 0 1 0 0 0 10\n";
+    let falling = |text: &str| {
+        let (out, _) = Rockfall::with(text).run("check scene.txt", 0);
+        let lines = out.lines().filter(|line| line.contains("will fall for ever")).map(|line| line.split(' ').nth(3).unwrap());
+        lines.map(str::to_owned).collect::<Vec<String>>()
+    };
+    let ball = |number: u32, x: f32, y: f32, vx: f32| format!("S {number} {x} {y} 0 {vx} 0 0 0 0 0 1 0.5\n");
+    assert_eq!(falling(&(floor.to_owned() + &ball(1, 0.0, 1.0, 0.0) + &ball(2, 8.0, 1.0, 0.0))), ["2"]);
+    assert_eq!(falling(&ball(3, 0.0, 0.0, 0.0)), ["3"]);
+    // Below the floor; on its way to the floor; away from it; upwards past it.
+    assert_eq!(falling(&(floor.to_owned() + &ball(4, 0.0, -5.0, 0.0))), ["4"]);
+    assert!(falling(&(floor.to_owned() + &ball(5, -8.0, 1.0, 2.0))).is_empty());
+    assert_eq!(falling(&(floor.to_owned() + &ball(6, -8.0, 1.0, -2.0))), ["6"]);
+    // Hung on a spring, a tether or a rod; lying on one that is caught; without gravity.
+    for held in ["S 9 0 9 0 0 0 0 0 0 0 1 0.5 1\nK 1 9 10 1 0\n", "T 1 0 9 0 10 1 0\n", "@force 1 0 1 0\n", "set gravity 0\n"] {
+        assert!(falling(&(ball(1, 0.0, 1.0, 0.0) + held)).is_empty(), "{held}");
+    }
+    assert!(falling(&(floor.to_owned() + &ball(1, 5.4, 0.5, 0.0) + &ball(2, 6.2, 1.5, 0.0))).is_empty());
+    let side = "set gravity_direction 1 0 0\n".to_owned() + floor;
+    assert_eq!(falling(&(side + &ball(1, 0.0, 1.0, 0.0))), ["1"]);
+}
+
+#[test]
+fn check_warns_where_positions_are_coarse() {
+    let scene = |x: f64| Rockfall::with(&format!("set gravity 0\nS 1 {x} 0 0 0 0 0 0 0 0 1 0.1\n"));
+    let (out, _) = scene(5000.0).run("check scene.txt", 0);
+    assert!(!out.contains("warning"), "{out}");
+    let (out, _) = scene(100_000.0).run("check scene.txt", 0);
+    assert!(out.contains("f32 resolves 0.00781 units, 7.81 % of the radius 0.1 units of sphere number 0"), "{out}");
+}
+
+#[test]
+fn check_of_a_hundred_thousand_spheres_is_fast() {
+    let rockfall = Rockfall::with("");
+    rockfall.run("generate pile --spheres 100000 --out pile.txt", 0);
+    let start = Instant::now();
+    let (out, _) = rockfall.run("check pile.txt", 0);
+    assert!(out.contains("no overlaps at the start"), "{out}");
+    // 1 s on an idle machine.
+    assert!(start.elapsed() < Duration::from_secs(20), "{:?}", start.elapsed());
+}

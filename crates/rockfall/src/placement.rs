@@ -1,0 +1,142 @@
+//! Checks where a scene places its bodies: bodies that overlap deeply or coincide, and bodies that fall for ever.
+
+use std::fmt;
+
+use rayon::prelude::*;
+
+use crate::error::Result;
+use crate::physics::touch::touch;
+use crate::scene::{Scene, SphereId};
+use crate::settings::BroadPhase;
+use crate::simulation::Body;
+use crate::simulation::observe::{body, observe, smaller_radius, view_and_lists};
+
+/// Largest overlap of two bodies, in radii of the smaller one, that causes no warning.
+pub const DEEP: f32 = 0.05;
+/// Overlap of two spheres, as a share of the largest possible one, from which on their centres coincide.
+const COINCIDE: f32 = 1.0 - 1e-5;
+
+/// Problems of the initial positions of a scene.
+#[derive(Clone, Debug, Default)]
+#[non_exhaustive]
+pub struct Placement {
+    /// The deepest overlap of two bodies, in radii of the smaller one; 0 when nothing overlaps.
+    pub deepest: f32,
+    /// Pairs of bodies that overlap by more than [`DEEP`], the deepest first.
+    pub overlaps: Vec<Overlap>,
+    /// Spheres that will fall for ever: one for each set of connected bodies. See [`Scene::falling`].
+    pub falling: Vec<SphereId>,
+}
+
+/// Two bodies that overlap deeply.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Overlap {
+    /// The bodies, in the order spheres, rods, boxes, polygons.
+    pub bodies: [Body; 2],
+    /// Depth of the overlap, in units.
+    pub units: f32,
+    /// Depth of the overlap, in radii of the smaller body.
+    pub radii: f32,
+    /// What the overlap is.
+    pub what: Inside,
+}
+
+/// How two bodies overlap.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Inside {
+    /// The centres of two spheres coincide.
+    Coincident,
+    /// The centre of a sphere, or the axis of a rod, is inside a box.
+    Box,
+    /// The surfaces overlap.
+    Surface,
+}
+
+impl Scene {
+    /// Checks the initial positions: overlaps of more than 5 % of the smaller radius, and bodies that fall for ever.
+    ///
+    /// # Errors
+    /// As for [`Simulation::new`](crate::Simulation::new), if the scene is too large.
+    pub fn placement(&self) -> Result<Placement> {
+        let mut found = Placement { falling: self.falling(), ..Placement::default() };
+        if self.spheres().is_empty() {
+            return Ok(found);
+        }
+        let objects = self.spheres().len() + self.rods().len() + self.boxes().len() + self.polygons().len();
+        // The AABBs of a time step of almost 0 are the smallest, so they give the fewest pairs.
+        let world = observe(self, 1e-9, BroadPhase::Auto.resolve(objects), 0)?;
+        let (view, lists) = view_and_lists(&world);
+        let of_mover = |mover: u32| {
+            let own = lists.row(mover).filter(move |entry| entry.id() > mover);
+            let (view, scene) = (&view, self);
+            own.filter_map(move |entry| {
+                let touch = touch(view, mover, entry.id(), entry.feature())?;
+                let radius = smaller_radius(view, mover, entry.id());
+                let bodies = [mover, entry.id()].map(|id| body(scene, view, id));
+                let what = scene.how(bodies, touch.overlap, radius);
+                Some(Overlap { bodies, units: touch.overlap, radii: touch.overlap / radius, what })
+            })
+        };
+        let mut overlaps: Vec<Overlap> = (0..world.movers()).into_par_iter().flat_map_iter(of_mover).collect();
+        found.deepest = overlaps.iter().map(|overlap| overlap.radii).fold(0.0, f32::max);
+        overlaps.retain(|overlap| overlap.radii > DEEP);
+        // A stable sort keeps the order of addition among equals.
+        overlaps.sort_by(|a, b| b.radii.total_cmp(&a.radii));
+        found.overlaps = overlaps;
+        Ok(found)
+    }
+
+    fn how(&self, bodies: [Body; 2], overlap: f32, radius: f32) -> Inside {
+        match bodies {
+            [Body::Sphere(a), Body::Sphere(b)] => {
+                let sum = [a, b].map(|id| self.sphere(id).map_or(0.0, |sphere| sphere.radius)).iter().sum::<f32>();
+                if overlap >= COINCIDE * sum { Inside::Coincident } else { Inside::Surface }
+            }
+            [_, Body::Box(_)] if overlap >= radius => Inside::Box,
+            _ => Inside::Surface,
+        }
+    }
+
+    /// The name of a body for a message: `sphere 7` for the sphere that the scene text calls 7; otherwise its index in order of
+    /// addition, such as `sphere number 3`, `box number 0`.
+    pub fn name_of(&self, body: Body) -> String {
+        let place = |index: Result<usize>| index.map_or_else(|_| "?".to_owned(), |index| index.to_string());
+        match body {
+            Body::Sphere(id) => match self.reference(id) {
+                Some(reference) => format!("sphere {reference}"),
+                None => match self.capsules().iter().position(|capsule| [capsule.end1, capsule.end2].contains(&id)) {
+                    Some(capsule) => format!("capsule number {capsule}"),
+                    None => format!("sphere number {}", place(self.spheres.index(id))),
+                },
+            },
+            Body::Rod(id) => format!("rod number {}", place(self.rods.index(id))),
+            Body::Box(id) => format!("box number {}", place(self.boxes.index(id))),
+            Body::Polygon(id) => format!("polygon number {}", place(self.polygons.index(id))),
+        }
+    }
+}
+
+impl Overlap {
+    /// A message that names both bodies.
+    pub fn describe(&self, scene: &Scene) -> String {
+        let [a, b] = self.bodies.map(|body| scene.name_of(body));
+        let Self { units, radii, what, .. } = self;
+        let depth = Depth(*radii, *units);
+        match what {
+            Inside::Coincident => format!("{a} and {b} have the same centre"),
+            Inside::Box => format!("{a} has its centre or axis inside {b}, {depth}"),
+            Inside::Surface => format!("{a} and {b} overlap by {depth}"),
+        }
+    }
+}
+
+/// A depth in radii and in units.
+struct Depth(f32, f32);
+
+impl fmt::Display for Depth {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{:.3} radii ({:.3e} units)", self.0, self.1)
+    }
+}
