@@ -40,11 +40,15 @@ pub(crate) const STAGE: Stage = Stage {
     cpu: run_steps,
 };
 
+/// The most spheres of a small scene. With that many, a workgroup of 1,024 threads has one sphere per thread.
+const MAX_SPHERES: u32 = 1024;
 /// The most spheres for which one workgroup is at least as fast as many dispatches. With 1,000 spheres it takes a quarter longer
 /// (docs/performance.md, small scenes in one dispatch).
-const MAX_SPHERES: u32 = 512;
+#[cfg(feature = "gpu")]
+const MAX_FUSED_SPHERES: u32 = 512;
 
-/// Returns whether a scene with these counts has the buffer of stage states that the stage needs.
+/// Returns whether a scene with these counts is small: it has the buffer of stage states that the stage needs, and its steps are
+/// submitted in long portions.
 pub(crate) fn is_small(step: &Step) -> bool {
     step.rods == 0 && (1..=MAX_SPHERES).contains(&step.spheres)
 }
@@ -53,7 +57,7 @@ pub(crate) fn is_small(step: &Step) -> bool {
 /// because each of them needs more than one thread.
 #[cfg(feature = "gpu")]
 pub(crate) fn can_fuse(step: &Step) -> bool {
-    is_small(step) && step.long_at == 0
+    is_small(step) && step.spheres <= MAX_FUSED_SPHERES && step.long_at == 0
 }
 
 /// Returns the pass of a dispatch that runs only this phase, either that of collisions or that of positions.
