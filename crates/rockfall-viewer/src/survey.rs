@@ -85,7 +85,8 @@ impl Survey {
     /// Returns the centres and radii of the bodies that a picture should show, in all states.
     pub fn balls(&self) -> Vec<(Vec3, f32)> {
         let grounds = self.grounds();
-        let groups: Vec<&Group> = self.groups.iter().filter(|group| !matches!(group.bodies[..], [one] if grounds[one])).collect();
+        let groups: Vec<&Group> =
+            self.groups.iter().filter(|group| !matches!(group.bodies[..], [one] if grounds[one])).collect();
         let balls = if self.paths.len() < MANY { self.without_escaped(&groups) } else { self.without_outliers(&groups) };
         if balls.is_empty() { self.all().collect() } else { balls }
     }
@@ -355,7 +356,9 @@ mod tests {
             scene.add_sphere(sphere).unwrap()
         });
         scene.add_rod(Rod::new(pair[0], pair[1], 0.01)).unwrap();
-        (0..3).for_each(|k| drop(scene.add_sphere(Sphere::new([k as f32, 0.0, 0.0], 0.1)).unwrap()));
+        for k in 0..3 {
+            scene.add_sphere(Sphere::new([k as f32, 0.0, 0.0], 0.1)).unwrap();
+        }
         assert!(Survey::new(&scene).extent().unwrap().min.y > -1.0);
     }
 
@@ -395,10 +398,15 @@ mod tests {
     #[test]
     fn a_huge_fixed_sphere_is_a_ground() {
         let mut scene = Scene::new();
-        (0..3).for_each(|k| drop(scene.add_sphere(Sphere::new([k as f32, 0.5, 0.0], 0.5)).unwrap()));
+        for k in 0..3 {
+            scene.add_sphere(Sphere::new([k as f32, 0.5, 0.0], 0.5)).unwrap();
+        }
         let mut ground = Sphere::new([0.0, -100.0, 0.0], 100.0);
         ground.fixed = true;
         scene.add_sphere(ground).unwrap();
-        assert_eq!(Survey::new(&scene).extent(), Some(Extent { min: Vec3::new(-0.5, 0.0, -0.5), max: Vec3::new(2.5, 1.0, 0.5) }));
+        assert_eq!(
+            Survey::new(&scene).extent(),
+            Some(Extent { min: Vec3::new(-0.5, 0.0, -0.5), max: Vec3::new(2.5, 1.0, 0.5) })
+        );
     }
 }
