@@ -292,7 +292,7 @@ fn the_camera_that_was_chosen_is_printed_as_options() {
 }
 
 /// Two balls that a stiff spring connects.
-const STIFF: &str = "set gravity 0\nS 1 0 0 0 1 0 0 0 0 0 1 0.1\nS 2 1 0 0 0 0 0 0 0 0 1 0.1\nL 1 2 200000 0.9\n";
+const STIFF: &str = "set gravity 0\nS 1 0 0 0 1 0 0 0 0 0 1 0.1\nS 2 1 0 0 0 0 0 0 0 0 1 0.1\nK 1 2 40000 0.9 0\n";
 
 #[test]
 fn pictures_and_films_have_the_warnings_of_a_run() {
