@@ -1,6 +1,8 @@
 //! Groups of bodies that rods and springs hold together.
 
-use rockfall::{Body, Scene, SphereId};
+use std::collections::BTreeMap;
+
+use rockfall::{Body, Scene, Sphere, SphereId};
 
 /// Bodies that cannot leave each other.
 #[derive(Clone, Debug, Default)]
@@ -13,7 +15,13 @@ pub(crate) struct Group {
 
 /// Returns the groups of a scene, with every `stride`-th sphere. A sphere without bonds is a group of its own.
 pub(crate) fn groups(scene: &Scene, stride: usize) -> Vec<Group> {
-    let mut parents: Vec<usize> = (0..scene.spheres().len()).collect();
+    let spheres = scene.spheres();
+    let has_bonds = !(scene.rods().is_empty() && scene.springs().is_empty() && scene.tethers().is_empty());
+    if !has_bonds {
+        let alone = |(body, sphere): (usize, &Sphere)| Group { bodies: vec![body], held: sphere.fixed };
+        return spheres.iter().step_by(stride).enumerate().map(alone).collect();
+    }
+    let mut parents: Vec<usize> = (0..spheres.len()).collect();
     let index = |id: SphereId| Body::Sphere(id).index(scene).ok();
     let rods = scene.rods().iter().map(|rod| (rod.end1, rod.end2));
     let springs = scene.springs().iter().map(|spring| (spring.a, spring.b));
@@ -23,19 +31,18 @@ pub(crate) fn groups(scene: &Scene, stride: usize) -> Vec<Group> {
             parents[a] = b;
         }
     }
-    let mut groups = vec![Group::default(); parents.len()];
-    for (body, sphere) in scene.spheres().iter().enumerate() {
-        let group = &mut groups[root(&mut parents, body)];
-        group.held |= sphere.fixed;
-        if body.is_multiple_of(stride) {
-            group.bodies.push(body / stride);
-        }
+    let mut held = vec![false; parents.len()];
+    let fixed = (0..parents.len()).filter(|body| spheres[*body].fixed);
+    for body in fixed.chain(scene.tethers().iter().filter_map(|tether| index(tether.sphere))) {
+        held[root(&mut parents, body)] = true;
     }
-    for body in scene.tethers().iter().filter_map(|tether| index(tether.sphere)) {
-        groups[root(&mut parents, body)].held = true;
+    let mut groups: BTreeMap<usize, Group> = BTreeMap::new();
+    for (at, body) in (0..parents.len()).step_by(stride).enumerate() {
+        let root = root(&mut parents, body);
+        let group = groups.entry(root).or_insert_with(|| Group { held: held[root], ..Group::default() });
+        group.bodies.push(at);
     }
-    groups.retain(|group| !group.bodies.is_empty());
-    groups
+    groups.into_values().collect()
 }
 
 /// Returns the body that stands for the group of another one, and shortens the way to it.
@@ -49,7 +56,7 @@ fn root(parents: &mut [usize], mut body: usize) -> usize {
 
 #[cfg(test)]
 mod tests {
-    use rockfall::{Rod, Sphere, Spring, Tether};
+    use rockfall::{Rod, Spring, Tether};
 
     use super::*;
 
@@ -67,6 +74,10 @@ mod tests {
         found.sort();
         let alone = |body: usize| (vec![body], body == 8);
         assert_eq!(found, [(vec![0, 3, 5], true), alone(1), alone(2), alone(4), alone(6), alone(7), alone(8)]);
+        let mut free = Scene::new();
+        (0..5).for_each(|k| _ = free.add_sphere(Sphere::new([2.0 * k as f32, 0.0, 0.0], 0.5)).unwrap());
+        let found: Vec<_> = groups(&free, 2).into_iter().map(|group| (group.bodies, group.held)).collect();
+        assert_eq!(found, [(vec![0], false), (vec![1], false), (vec![2], false)]);
         // Of every third sphere.
         let mut found: Vec<_> = groups(&scene, 3).into_iter().map(|group| group.bodies).collect();
         found.sort();

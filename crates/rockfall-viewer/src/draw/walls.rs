@@ -60,9 +60,13 @@ impl Walls {
         self.held.clear();
     }
 
+    pub(crate) fn is_empty(&self) -> bool {
+        self.boxes.is_empty() && self.polygons.is_empty()
+    }
+
     /// Takes the bodies that have to be visible.
     pub(crate) fn set_bodies(&mut self, survey: &Survey) {
-        if self.boxes.is_empty() && self.polygons.is_empty() {
+        if self.is_empty() {
             return self.balls.clear();
         }
         let balls = survey.balls();
