@@ -40,7 +40,7 @@ impl Progress {
     }
 
     fn of(what: &'static str, steps: u64) -> Self {
-        let template = format!("{{bar:40}} {{human_pos}}/{{human_len}} {what}, {{per_sec}}, {{eta}} to go");
+        let template = format!("{{wide_bar}} {{human_pos}}/{{human_len}} {what}, {{per_sec}}, {{eta}} to go");
         let style = ProgressStyle::with_template(&template);
         let bar = || {
             let bar = ProgressBar::new(steps).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
