@@ -77,6 +77,11 @@ pub(crate) fn concerns(name: &str, scene: &Scene, dt: f32, integrator: Integrato
     text
 }
 
+/// Prints the warnings of [`concerns`] before a scene runs.
+pub(crate) fn warn(name: &str, scene: &Scene, dt: f32, integrator: Integrator) {
+    concerns(name, scene, dt, integrator).lines().for_each(output::note);
+}
+
 /// Options with which `run` has nothing to warn of, if that is not so now.
 fn suggestion(scene: &Scene, dt: f32, integrator: Integrator) -> String {
     let Some(Suggestion { resting_overlap, contact_force, contact_damping, time_step, .. }) = scene.suggestion(dt, integrator)

@@ -94,7 +94,7 @@ impl Kind {
 impl Given<'_> {
     /// Returns an error if an option was given that has no effect on a trajectory.
     pub(crate) fn refuse_for_trajectory(&self, name: &str) -> Result<(), Failure> {
-        match ["dt", "integrator", "set", "broad_phase"].into_iter().find(|id| self.has(id)) {
+        match ["dt", "integrator", "set", "broad_phase", "substeps"].into_iter().find(|id| self.has(id)) {
             Some(id) => {
                 Err(Failure::usage(format!("--{}: {name} is a trajectory, which is not simulated again", id.replace('_', "-"))))
             }

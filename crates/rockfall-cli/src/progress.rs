@@ -33,12 +33,22 @@ impl Progress {
         Self::of("pictures", pictures)
     }
 
+    /// Progress of the run from which the camera of a film is chosen.
+    #[cfg(feature = "view")]
+    pub(crate) fn survey(steps: u64) -> Self {
+        Self::of("steps before the film is drawn", steps)
+    }
+
     fn of(what: &'static str, steps: u64) -> Self {
-        let template = format!("{{bar:40}} {{human_pos}}/{{human_len}} {what}, {{per_sec}}, {{eta}} to go");
+        let template = format!("{{wide_bar}} {{human_pos}}/{{human_len}} {what}, {{per_sec}}, {{eta}} to go");
         let style = ProgressStyle::with_template(&template);
-        let bar = std::io::stderr()
-            .is_terminal()
-            .then(|| ProgressBar::new(steps).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar())));
+        let bar = || {
+            let bar = ProgressBar::new(steps).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
+            // Also in the middle of a step or picture that takes long.
+            bar.enable_steady_tick(UPDATE_INTERVAL);
+            bar
+        };
+        let bar = (std::io::stderr().is_terminal() && steps > 0).then(bar);
         let now = Instant::now();
         Self { bar, what, steps, done: 0, start: now, last_line: now }
     }
@@ -62,8 +72,16 @@ impl Progress {
         }
     }
 
+    /// Clears the bar.
     pub(crate) fn finish(self) {
-        if let Some(bar) = self.bar {
+        drop(self);
+    }
+}
+
+impl Drop for Progress {
+    fn drop(&mut self) {
+        // Also after an error, so that its message does not follow a bar that is left in the middle.
+        if let Some(bar) = &self.bar {
             bar.finish_and_clear();
         }
     }

@@ -8,11 +8,12 @@ use rockfall_viewer::draw::{Background, ColourBy, Range, Style};
 use rockfall_viewer::film::Format;
 use rockfall_viewer::palette::Rgb;
 
+use crate::check;
 use crate::failure::Failure;
 use crate::files;
 use crate::input::{Input, Saved};
 use crate::interrupt::Interrupt;
-use crate::options::{Engine, Physics, whole};
+use crate::options::{Engine, Physics, Substeps, whole};
 use crate::output;
 use crate::run::Given;
 use crate::source::Source;
@@ -33,8 +34,11 @@ is drawn as it was recorded, without running it again: --at is the number of a s
 --steps is given. A trajectory is what `rockfall run --every K --out NAME.npz` or `NAME.pvd` writes.
 
 Without --camera and --look-at, the camera shows what the bodies do over the whole film. For this a scene is run once before \
-the film is drawn. Bodies that fall or fly away from all others do not count. A box or polygon that hides a body is not drawn, \
-except for its edges.
+the film is drawn. Bodies that fall or fly away from all others do not count. At the end, the command prints the options that \
+give this camera. A box or polygon that hides a body is not drawn, except for its edges.
+
+--substeps N divides every step into N equal parts, as in `rockfall run`; --at and --steps count whole steps. Warnings are those \
+of `rockfall run`.
 
 The number of a body is its reference in the scene text; in a scene without references, the order of addition from 0.";
 
@@ -43,7 +47,7 @@ The number of a body is its reference in the scene text; in a scene without refe
 pub(crate) struct Arguments {
     /// Scene, checkpoint or trajectory (.npz, .pvd), or - for a scene from standard input
     scene: PathBuf,
-    /// FILE.png or .jpg for a picture; for a film FILE.gif, .apng, .mp4, .webm (these need the program ffmpeg) or FOLDER/
+    /// FILE.png or .jpg for a picture; FILE.gif, .apng or FOLDER/ for a film, or .mp4 or .webm with the program ffmpeg
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
     /// Number of steps before the picture is taken or the film begins; in a trajectory, the number of the step
@@ -94,6 +98,10 @@ pub(crate) struct Arguments {
     /// Draw the picture this number of times and print the time of each pass on the device
     #[arg(long, value_name = "N", hide = true, value_parser = whole(1, u32::MAX), allow_negative_numbers = true)]
     bench: Option<u32>,
+    /// Divide every step into N equal parts; auto chooses the smallest stable N for springs and contacts [default: 1, or that
+    /// of the checkpoint]
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    substeps: Option<Substeps>,
     #[command(flatten)]
     physics: Physics,
     #[command(flatten)]
@@ -234,17 +242,30 @@ pub(crate) fn render(arguments: &Arguments, given: &Given, interrupt: &'static I
 
 /// Prepares a run of a scene.
 fn scene(arguments: &Arguments, Source { name, loaded }: Source, interrupt: &'static Interrupt) -> Result<Live, Failure> {
+    if loaded.scene.counts().spheres == 0 {
+        output::note(&format!("warning: {name}: no spheres, so nothing will move"));
+    }
     for warning in &loaded.warnings {
         output::note(&format!("warning: {name}:{}: {}", warning.line, warning.text));
     }
     let mut scene = loaded.scene;
     arguments.physics.change(&mut scene.settings)?;
+    let (dt, integrator) = (arguments.physics.dt, arguments.physics.integrator);
+    let parts = arguments.substeps.unwrap_or(Substeps::Parts(1)).of(&scene, dt, integrator)?;
+    check::warn(&name, &scene, dt / parts as f32, integrator);
     let simulation = Simulation::with_options(scene, arguments.engine.options(&arguments.physics))?;
-    Ok(Live::new(simulation, arguments.physics.dt, 1, interrupt))
+    Live::new(name, simulation, dt, parts, interrupt)
 }
 
 /// Prepares a run that continues a checkpoint. Options on the command line override those of the checkpoint.
 fn checkpoint(arguments: &Arguments, given: &Given, saved: Saved, interrupt: &'static Interrupt) -> Result<Live, Failure> {
-    let (dt, parts, checkpoint) = saved.changed(given, &arguments.physics, &arguments.engine)?;
-    Ok(Live::new(Simulation::resume(checkpoint)?, dt, parts, interrupt))
+    let name = arguments.scene.display().to_string();
+    let (dt, mut parts, mut checkpoint) = saved.changed(given, &arguments.physics, &arguments.engine)?;
+    let integrator = checkpoint.options.integrator;
+    if let Some(substeps) = arguments.substeps {
+        parts = substeps.of(&checkpoint.scene, dt, integrator)?;
+        checkpoint.time_step = dt / parts as f32;
+    }
+    check::warn(&name, &checkpoint.scene, dt / parts as f32, integrator);
+    Live::new(name, Simulation::resume(checkpoint)?, dt, parts, interrupt)
 }

@@ -177,9 +177,7 @@ fn begin(arguments: &Arguments) -> Result<Run, Failure> {
     let (dt, integrator) = (arguments.physics.dt, arguments.physics.integrator);
     let substeps = arguments.substeps.of(&scene, dt, integrator)?;
     let mut past = Past { scene: name, comments: loaded.comments, steps: arguments.steps, dt, substeps, ..Past::default() };
-    for line in check::concerns(&past.scene, &scene, past.part(), integrator).lines() {
-        output::note(line);
-    }
+    check::warn(&past.scene, &scene, past.part(), integrator);
     let mut outputs = Outputs::open(wanted, None)?;
     let mut options = arguments.engine.options(&arguments.physics).keep_going(arguments.keep_going);
     options.pair_capacity = arguments.capacity;

@@ -92,7 +92,9 @@ fn pictures_depend_on_step_camera_and_colours() {
     ];
     let mut pictures = Vec::new();
     for more in arguments {
-        assert_eq!(folder.render(&format!("--out a.png --size 96x64 {more}"), 0), "");
+        let err = folder.render(&format!("--out a.png --size 96x64 {more}"), 0);
+        let camera = if more.contains("--camera") { "" } else { "camera: " };
+        assert!(err.starts_with(&format!("wrote a.png: 96x64 pixels\n{camera}")) && err.lines().count() < 3, "{err}");
         let (pixels, size) = folder.picture("a.png");
         assert_eq!(size, [96, 64]);
         assert!(!pictures.contains(&pixels), "{more} changes nothing");
@@ -249,6 +251,83 @@ fn the_camera_frames_what_happens_in_the_whole_film() {
     let turned = folder.film("scene.txt", &format!("--steps 50 --orbit 90 {style} --camera 20,3,0 --look-at 0,0,0"));
     let still = folder.film("scene.txt", &format!("--steps 50 {style} --camera 20,3,0 --look-at 0,0,0"));
     assert!(turned[0] == still[0] && turned[5] != still[5]);
+}
+
+/// The ball of a pendulum is as far from its pivot as 50 times the radius of the pivot.
+#[test]
+fn the_ball_of_a_pendulum_is_in_view_whatever_its_radius() {
+    let folder = Folder::new();
+    let style =
+        "--backend cpu --plain --background white --colour spheres=black --colour rods=white --colour fixed-spheres=white";
+    for [pivot, ball] in [[0.02, 0.05], [0.02, 0.1], [0.04, 0.2], [0.05, 0.05]] {
+        let ends = [format!("S 1 0 2 0 0 0 0 0 0 0 1 {pivot} 1"), format!("S 2 0.0871557 1.0038053 0 0 0 0 0 0 0 1 {ball} 0")];
+        fs::write(folder.path("scene.txt"), format!("set gravity 9.81\n{}\n{}\nR 1 2 0.01 1\n", ends[0], ends[1])).unwrap();
+        folder.rockfall(&format!("render scene.txt --out a.png --size 192x128 {style}"), 0);
+        let mut pictures = vec![folder.picture("a.png").0];
+        folder.rockfall(&format!("render scene.txt --out film/ --size 192x128 --steps 40 --fps 5 {style}"), 0);
+        pictures.extend((0..5).map(|number| folder.picture(&format!("film/{number:04}.png")).0));
+        for (number, picture) in pictures.iter().enumerate() {
+            let black = (0..picture.len() / 3).filter(|at| picture[3 * at] < 100).count();
+            assert!(black > 3, "{pivot} {ball}, picture {number}: the ball is out of view");
+        }
+    }
+}
+
+#[test]
+fn the_camera_that_was_chosen_is_printed_as_options() {
+    let folder = Folder::new();
+    let near = |a: &[u8], b: &[u8]| a.iter().zip(b).map(|(a, b)| u64::from(a.abs_diff(*b))).sum::<u64>() < a.len() as u64 / 4;
+    for more in ["", "--follow 1", "--look-at 0,1,0", "--at 30"] {
+        let err = folder.render(&format!("--out a.png --size 96x64 {more}"), 0);
+        let options = err.lines().find_map(|line| line.strip_prefix("camera: ")).unwrap().to_owned();
+        let at = if more.starts_with("--at") { more } else { "" };
+        let again = folder.render(&format!("--out b.png --size 96x64 {options} {at}"), 0);
+        assert!(again.starts_with("wrote b.png: 96x64 pixels\n") && !again.contains("camera: "), "{again}");
+        assert!(near(&folder.picture("a.png").0, &folder.picture("b.png").0), "{more}: {options}");
+    }
+    let err = folder.render("--out a.gif --steps 10 --size 64x48", 0);
+    assert!(err.starts_with("wrote a.gif: 6 pictures, 0.2 s at 25 per second\ncamera: --camera "), "{err}");
+    let err = folder.render("--out film/ --steps 10 --size 64x48 --camera 1,2,3 --look-at 0,0,0", 0);
+    assert_eq!(err, "wrote film/: 6 pictures, 0.2 s at 25 per second\n");
+}
+
+/// Two balls that a stiff spring connects.
+const STIFF: &str = "set gravity 0\nS 1 0 0 0 1 0 0 0 0 0 1 0.1\nS 2 1 0 0 0 0 0 0 0 0 1 0.1\nK 1 2 40000 0.9 0\n";
+
+#[test]
+fn pictures_and_films_have_the_warnings_of_a_run() {
+    let folder = Folder::new();
+    fs::write(folder.path("scene.txt"), STIFF).unwrap();
+    let warnings =
+        |err: String| -> Vec<String> { err.lines().filter(|line| line.starts_with("warning: ")).map(str::to_owned).collect() };
+    let run = warnings(folder.rockfall("run scene.txt --backend cpu --steps 5 --checkpoint a.ckpt", 0));
+    assert!(run.iter().any(|line| line.contains("too stiff")) && run.iter().any(|line| line.contains("grew")), "{run:?}");
+    assert_eq!(warnings(folder.render("--out a.png --size 32x24 --at 5", 0)), run);
+    assert_eq!(warnings(folder.render("--out a.gif --size 32x24 --steps 5 --fps 50", 0)), run);
+    let before = warnings(folder.render("--out a.png --size 32x24", 0));
+    assert_eq!(before, run[..before.len()]);
+    assert!(!before.is_empty());
+    let err = folder.rockfall("render a.ckpt --out a.png --size 32x24", 0);
+    assert!(err.starts_with("warning: a.ckpt: ") && !err.contains("grew"), "{err}");
+
+    // With the number of parts that `check` recommends, there is nothing to warn of, and the picture is that of `run`.
+    let camera = "--size 32x24 --camera 0,0,4 --look-at 0.5,0,0";
+    let err = folder.render(&format!("--out a.png --at 5 --substeps auto {camera}"), 0);
+    assert_eq!(err, "wrote a.png: 32x24 pixels\n");
+    folder.rockfall("run scene.txt --backend cpu --steps 5 --substeps auto --checkpoint b.ckpt", 0);
+    folder.rockfall(&format!("render b.ckpt --out b.png {camera}"), 0);
+    assert_eq!(folder.picture("a.png"), folder.picture("b.png"));
+    let err = folder.rockfall(&format!("render b.ckpt --out b.png --at 5 --substeps 1 {camera}"), 0);
+    assert!(err.contains("too stiff"), "{err}");
+    for (arguments, message) in [("--substeps 0", "expected a whole number from 1"), ("--substeps many", "or auto")] {
+        let err = folder.render(&format!("--out c.png {arguments}"), 2);
+        assert!(err.contains(message), "{err}");
+    }
+    folder.rockfall("run scene.txt --backend cpu --steps 5 --every 1 --substeps auto --out a.npz", 0);
+    let err = folder.rockfall("render a.npz --out c.png --substeps 2", 2);
+    assert!(err.contains("--substeps: a.npz is a trajectory"), "{err}");
+    fs::write(folder.path("scene.txt"), "B 0 0 0 1 0 0 0 1 0 0 0 1\n").unwrap();
+    assert!(folder.render("--out a.png --size 32x24", 0).starts_with("warning: scene.txt: no spheres, so nothing will move\n"));
 }
 
 #[test]

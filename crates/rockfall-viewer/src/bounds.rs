@@ -118,8 +118,11 @@ pub(crate) mod tests {
         }
         let all = bounds(&scene);
         assert_eq!(all, (Vec3::splat(-0.5), Vec3::new(9.5, 9.5, 0.5)));
-        scene.add_sphere(Sphere::new([4.0, -300.0, 0.0], 0.5)).unwrap();
-        scene.add_sphere(Sphere::new([90.0, 4.0, 0.0], 0.5)).unwrap();
+        for (place, velocity) in [([4.0, -300.0, 0.0], [0.0, -70.0, 0.0]), ([90.0, 4.0, 0.0], [8.0, 0.0, 0.0])] {
+            let mut sphere = Sphere::new(place, 0.5);
+            sphere.velocity = velocity.into();
+            scene.add_sphere(sphere).unwrap();
+        }
         assert_eq!(bounds(&scene), all);
     }
 }

@@ -196,6 +196,7 @@ impl Renderer {
         }
         match &self.survey {
             Some(survey) => self.walls.set_bodies(survey),
+            None if self.walls.is_empty() => (),
             None => self.walls.set_bodies(&Survey::new(simulation.scene())),
         }
         self.step = self.buffers.update(&self.device, &self.queue, simulation)?;

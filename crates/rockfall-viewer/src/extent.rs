@@ -39,9 +39,9 @@ impl Extent {
         (0..8).map(move |bits| Vec3::new(pick(min.x, max.x, bits, 0), pick(min.y, max.y, bits, 1), pick(min.z, max.z, bits, 2)))
     }
 
-    /// Distance of a point from the box; 0 inside.
-    pub(crate) fn distance(self, point: Vec3) -> f32 {
-        point.distance(point.clamp(self.min, self.max))
+    /// The way from the box to a point; zero inside.
+    pub(crate) fn to(self, point: Vec3) -> Vec3 {
+        point - point.clamp(self.min, self.max)
     }
 
     pub(crate) fn size(self) -> f32 {

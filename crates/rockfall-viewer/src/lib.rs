@@ -16,6 +16,7 @@ pub mod camera;
 pub mod draw;
 mod extent;
 pub mod film;
+mod groups;
 pub mod legend;
 pub mod palette;
 pub mod picture;

@@ -4,6 +4,7 @@
 use rockfall::glam::{DVec3, Quat, Vec3};
 use rockfall::{Backend, Capsule, Cuboid, Polygon, Rod, Scene, Sphere, Spring, Tether};
 use rockfall_viewer::camera::{Axes, Camera};
+use rockfall_viewer::draw::Background;
 
 mod common;
 use common::{
@@ -109,7 +110,7 @@ fn boxes_cover_their_six_faces() {
 }
 
 #[test]
-fn polygons_are_opaque_on_the_solid_side_and_hatched_on_the_other() {
+fn polygons_are_opaque_and_darker_on_the_side_that_is_not_solid() {
     let camera = camera();
     let (corner, left, right) = (Vec3::new(-1.0, -0.2, 0.0), Vec3::new(2.0, 0.2, 0.1), Vec3::new(0.2, 1.3, -0.3));
     let edges = [left.as_dvec3(), right.as_dvec3()];
@@ -119,17 +120,36 @@ fn polygons_are_opaque_on_the_solid_side_and_hatched_on_the_other() {
     };
     // left x right points towards the camera.
     assert!(left.cross(right).dot(camera.eye - corner) > 0.0);
-    assert_covers(&shown(left, right), &camera, meets);
-    // From behind there are stripes and gaps, all within the outline.
-    let behind = shown(right, left);
-    let whole = pixels().filter_map(|(x, y)| Some((x, y, expected(&camera, x, y, meets)?)));
-    let (mut covered, mut drawn) = (0, 0);
-    for (x, y, inside) in whole {
-        covered += u32::from(inside);
-        drawn += u32::from(inside && is_drawn(&behind, x, y));
-        assert!(inside || !is_drawn(&behind, x, y));
-    }
-    assert!((0.2..0.8).contains(&(f64::from(drawn) / f64::from(covered))), "{drawn} of {covered}");
+    let [front, back] = [shown(left, right), shown(right, left)];
+    assert_covers(&front, &camera, meets);
+    assert_covers(&back, &camera, meets);
+    let [x, y] = projected(&camera, corner + 0.5 * (left + right)).map(|at| at as u32);
+    let [front, back] = [front, back].map(|picture| f64::from(pixel(&picture, x, y)[0]));
+    assert!((0.8..0.95).contains(&(back / front)), "{back} {front}");
+}
+
+#[test]
+fn polygons_whose_corners_differ_by_rounding_have_no_gaps() {
+    let camera = camera();
+    // Pixels of which a part shows the background.
+    let gaps = |gap: f32| {
+        let shown = |background: [u8; 3]| {
+            let strips = scene(|scene| {
+                for k in 0..40 {
+                    let corner = Vec3::new(-2.0 + 0.1 * k as f32, -1.0 + 0.01 * k as f32, 0.0);
+                    scene.add_polygon(Polygon::new(corner, [0.1 - gap, 0.01, 0.0], [0.013, 2.0, 0.4])).unwrap();
+                }
+            });
+            let mut style = outlines();
+            style.background = Background { horizon: background, zenith: background };
+            picture(strips, &camera, &style)
+        };
+        let [white, black] = [shown([255; 3]), shown([0; 3])];
+        let inside = pixels().filter(|(x, y)| (100..220).contains(x) && (100..140).contains(y));
+        inside.filter(|(x, y)| pixel(&white, *x, *y) != pixel(&black, *x, *y)).count()
+    };
+    assert_eq!(gaps(0.0002), 0);
+    assert!(gaps(0.05) > 1000);
 }
 
 /// Returns the number of separate drawn intervals along a line in the picture.

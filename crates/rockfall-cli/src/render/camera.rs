@@ -45,6 +45,23 @@ impl Shot {
         Ok(Self { camera: Camera { eye, target, ..framing }, follow, orbit })
     }
 
+    /// The options that give this camera; `None` if the arguments have them.
+    pub(super) fn options(&self, arguments: &Arguments) -> Option<String> {
+        let has_target = arguments.look_at.is_some() || arguments.follow.is_some();
+        if arguments.camera.is_some() && has_target {
+            return None;
+        }
+        let Camera { eye, target, .. } = self.camera;
+        // About four digits of the distance: the picture does not depend on more.
+        let decimals = (3.0 - eye.distance(target).log10().floor()).clamp(0.0, 40.0) as usize;
+        let written = |point: Vec3| point.to_array().map(|number| format!("{number:.decimals$}")).join(",");
+        let look_at = match arguments.follow {
+            Some(number) => format!("--follow {number}"),
+            None => format!("--look-at {}", written(target)),
+        };
+        Some(format!("--camera {} {look_at}", written(eye)))
+    }
+
     /// The camera `seconds` after the start of the film, with the place of the body that it follows.
     pub(super) fn at(&self, seconds: f64, followed: Option<Vec3>) -> Camera {
         let camera = self.camera.orbited((f64::from(self.orbit) * seconds) as f32);

@@ -1,12 +1,13 @@
 //! The states that a picture or a film shows: of a simulation that runs, or of a trajectory.
 
 use rockfall::exec::gpu::Gpu;
-use rockfall::{Backend, Checkpoint, Options, Simulation};
+use rockfall::{Backend, Checkpoint, Energy, Options, Simulation};
 use rockfall_trajectory::{Moment as FrameTime, Reader};
 use rockfall_viewer::draw::{Renderer, Style};
 use rockfall_viewer::film::{Moment, Player, Timing};
 use rockfall_viewer::survey::Survey;
 
+use crate::aftermath;
 use crate::failure::Failure;
 use crate::interrupt::Interrupt;
 use crate::progress::Progress;
@@ -43,6 +44,16 @@ impl Footage {
         match self {
             Self::Live(live) => live.advance(at.unwrap_or(0)),
             Self::Recorded(recorded) => recorded.go_to(at),
+        }
+    }
+
+    /// Prints the warnings of `run` at the end of a simulation.
+    pub(super) fn warn(&mut self) -> Result<(), Failure> {
+        match self {
+            Self::Live(live) if live.simulation.report().steps > live.start.0 => {
+                aftermath::warn(&live.name, &mut live.simulation, Some(&live.start.1))
+            }
+            _ => Ok(()),
         }
     }
 
@@ -98,7 +109,10 @@ fn surveyed(moments: &[Moment]) -> impl Iterator<Item = Moment> {
 
 /// A simulation that runs.
 pub(super) struct Live {
+    name: String,
     simulation: Simulation,
+    /// The number of steps and the energy at the start.
+    start: (u64, Energy),
     player: Player,
     dt: f32,
     parts: u32,
@@ -107,8 +121,15 @@ pub(super) struct Live {
 
 impl Live {
     /// `parts` is the number of equal parts of a step of `dt` seconds.
-    pub(super) fn new(simulation: Simulation, dt: f32, parts: u32, interrupt: &'static Interrupt) -> Self {
-        Self { simulation, player: Player::new(dt).parts(parts), dt, parts, interrupt }
+    pub(super) fn new(
+        name: String,
+        mut simulation: Simulation,
+        dt: f32,
+        parts: u32,
+        interrupt: &'static Interrupt,
+    ) -> Result<Self, Failure> {
+        let start = (simulation.report().steps, simulation.energy()?);
+        Ok(Self { name, simulation, start, player: Player::new(dt).parts(parts), dt, parts, interrupt })
     }
 
     fn timing(&self, cut: Cut) -> Timing {
@@ -125,21 +146,21 @@ impl Live {
     }
 
     fn advance(&mut self, steps: u64) -> Result<(), Failure> {
-        let mut progress = Progress::new(steps);
+        self.advance_with(steps, &mut Progress::new(steps))
+    }
+
+    fn advance_with(&mut self, steps: u64, progress: &mut Progress) -> Result<(), Failure> {
         let mut left = steps;
-        let mut result = Ok(());
-        while left > 0 && result.is_ok() {
-            let chunk = progress.chunk();
-            result = self.run(chunk);
+        while left > 0 {
+            let chunk = progress.chunk().min(left);
+            self.run(chunk)?;
             left -= chunk;
             progress.advance(chunk);
             if left > 0 && self.interrupt.is_requested() {
-                progress.finish();
                 return Err(Failure::Interrupted(format!("stopped {left} steps before the first picture")));
             }
         }
-        progress.finish();
-        result
+        Ok(())
     }
 
     /// Runs through all moments, then restores the first state, from which the film then takes the same steps.
@@ -149,9 +170,10 @@ impl Live {
         look: &mut dyn FnMut(&mut Simulation) -> rockfall::Result<()>,
     ) -> Result<(), Failure> {
         let start: Checkpoint = self.simulation.checkpoint()?;
+        let mut progress = Progress::survey(moments.last().map_or(0, |moment| moment.step));
         let mut done = 0;
         for moment in surveyed(moments) {
-            self.advance(moment.step - done)?;
+            self.advance_with(moment.step - done, &mut progress)?;
             done = moment.step;
             look(&mut self.simulation)?;
         }

@@ -13,6 +13,7 @@ use super::footage::{Footage, device};
 use super::{Arguments, Product, colours};
 use crate::failure::Failure;
 use crate::interrupt::Interrupt;
+use crate::options::counted;
 use crate::output;
 use crate::progress::Progress;
 
@@ -46,7 +47,8 @@ impl Studio {
         self.footage.go_to(arguments.at)?;
         let simulation = self.footage.simulation();
         let survey = Survey::new(simulation.sync()?);
-        let camera = Shot::new(arguments, &survey, simulation)?.at(0.0, None);
+        let shot = Shot::new(arguments, &survey, simulation)?;
+        let camera = shot.at(0.0, None);
         self.renderer.update(simulation, &self.style)?;
         let picture = self.take(&camera, arguments)?;
         if let Some(frames) = arguments.bench {
@@ -56,7 +58,18 @@ impl Studio {
             Product::Jpeg => picture.write_jpeg(&mut file, JPEG_QUALITY),
             _ => picture.write_png(&mut file),
         };
-        written.and_then(|()| file.commit()).map_err(|error| Failure::file(path, &error))
+        written.and_then(|()| file.commit()).map_err(|error| Failure::file(path, &error))?;
+        let [width, height] = arguments.size;
+        self.finish(arguments, &shot, &format!("{width}x{height} pixels"))
+    }
+
+    /// Prints what was written and the options that give the camera, then the warnings of the run.
+    fn finish(&mut self, arguments: &Arguments, shot: &Shot, what: &str) -> Result<(), Failure> {
+        output::note(&format!("wrote {}: {what}", arguments.out.display()));
+        if let Some(options) = shot.options(arguments) {
+            output::note(&format!("camera: {options}"));
+        }
+        self.footage.warn()
     }
 
     fn take(&mut self, camera: &Camera, arguments: &Arguments) -> rockfall::Result<Picture> {
@@ -74,9 +87,9 @@ impl Studio {
         let shot = Shot::new(arguments, &survey, self.footage.simulation())?;
         self.renderer.set_scene(self.footage.simulation());
         self.renderer.set_survey(survey);
-        let mut progress = Progress::pictures(moments.len() as u64);
         let mut follower = Follower { shot: &shot, from: None };
         let (interrupt, count) = (self.interrupt, moments.len());
+        let mut progress = Progress::pictures(count as u64);
         let mut taken = 0;
         // After a signal the film ends with the pictures so far, at least one.
         let shown = moments.iter().enumerate().take_while(|(index, _)| *index == 0 || !interrupt.is_requested());
@@ -103,7 +116,9 @@ impl Studio {
             let path = arguments.out.display();
             return Err(Failure::Interrupted(format!("stopped after {taken} of {count} pictures, written to {path}")));
         }
-        Ok(())
+        let (pictures, fps) = (counted(count, "picture", "pictures"), arguments.fps);
+        let seconds = count as f64 / f64::from(fps);
+        self.finish(arguments, &shot, &format!("{pictures}, {seconds:.1} s at {fps} per second"))
     }
 
     /// Finds out what happens in the film, as far as the camera, walls and the colour scale depend on it, and fixes the scale.

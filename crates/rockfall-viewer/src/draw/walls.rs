@@ -8,10 +8,16 @@ use crate::survey::Survey;
 
 /// Number of lines of sight that are tested in a frame. In larger scenes only some of the bodies are tested.
 const MOST_TESTS: usize = 4_000_000;
+/// Number of points of the outline of a body that a polygon must not hide, and their distance from the centre, divided by the
+/// radius. Polygons may be small parts of a wall, which would cover a part of a body.
+const OUTLINE: usize = 8;
+const OUTLINE_RADIUS: f32 = 0.9;
 /// Height of the lower point of a body that has to be visible, above its lowest point and divided by its radius.
 const FOOT: f32 = 0.08;
 /// A box is a floor if its height divided by its width is less than this, or if more bodies lie on it than it hides.
 const FLOOR_HEIGHT: f32 = 0.25;
+/// A polygon is a floor for a camera that sees its solid side if the normal of this side points upwards by at least this.
+const FLOOR_NORMAL: f32 = 0.3;
 /// A floor is removed only if it hides more than this part of the bodies. It may hide some that fall past it, and without it
 /// the bodies on it would float.
 const FLOOR_SHARE: f32 = 0.1;
@@ -38,8 +44,8 @@ pub(crate) struct Walls {
     polygons: Vec<Polygon>,
     /// For how many calls each box and each polygon is not drawn.
     held: Vec<u32>,
-    /// The centre of every body, and the point where it would touch the ground.
-    points: Vec<[Vec3; 2]>,
+    /// The centre and radius of every body.
+    balls: Vec<(Vec3, f32)>,
 }
 
 impl Walls {
@@ -54,29 +60,31 @@ impl Walls {
         self.held.clear();
     }
 
+    pub(crate) fn is_empty(&self) -> bool {
+        self.boxes.is_empty() && self.polygons.is_empty()
+    }
+
     /// Takes the bodies that have to be visible.
     pub(crate) fn set_bodies(&mut self, survey: &Survey) {
-        let walls = self.boxes.len() + self.polygons.len();
-        if walls == 0 {
-            return self.points.clear();
+        if self.is_empty() {
+            return self.balls.clear();
         }
         let balls = survey.balls();
-        let stride = (2 * walls * balls.len()).div_ceil(MOST_TESTS).max(1);
+        let tests = 2 * self.boxes.len() + (2 + OUTLINE) * self.polygons.len();
+        let stride = (tests * balls.len()).div_ceil(MOST_TESTS).max(1);
         // An odd stride does not always meet the same body or the same state.
         let stride = stride | 1;
         for wall in &mut self.boxes {
             wall.carried = balls.iter().step_by(stride).filter(|(place, radius)| wall.carries(*place, *radius)).count();
         }
-        let points = |(place, radius): (Vec3, f32)| [place, place - (1.0 - FOOT) * radius * Vec3::Y];
-        self.points = balls.into_iter().step_by(stride).map(points).collect();
+        self.balls = balls.into_iter().step_by(stride).collect();
     }
 
     /// Returns for each box, then for each polygon, 1 if it is drawn and 0 if it hides a body. With `hold`, a wall that has
     /// hidden a body stays away for the next [`HELD`] calls.
     pub(crate) fn drawn(&mut self, eye: Vec3, hold: bool) -> Vec<u32> {
         let boxes = self.boxes.iter().map(|wall| self.is_before(wall, eye));
-        let points = || self.points.iter().flatten();
-        let polygons = self.polygons.iter().map(|polygon| points().any(|point| crosses_polygon(polygon, eye, *point)));
+        let polygons = self.polygons.iter().map(|polygon| self.is_polygon_before(polygon, eye));
         let hides: Vec<bool> = boxes.chain(polygons).collect();
         self.held.resize(hides.len(), 0);
         for (held, hides) in self.held.iter_mut().zip(hides) {
@@ -96,10 +104,20 @@ impl Walls {
             // Everything is behind the faces of a box around the eye.
             return true;
         }
-        let hides = |points: &&[Vec3; 2]| points.iter().any(|point| crosses_unit_cube(from, local(*point)));
-        let hidden = self.points.iter().filter(hides).count();
-        let is_floor = wall.carried > hidden || wall.is_flat(eye);
-        hidden > 0 && (!is_floor || hidden as f32 > FLOOR_SHARE * self.points.len() as f32)
+        let hides = |ball: &&(Vec3, f32)| centre_and_foot(**ball).iter().any(|point| crosses_unit_cube(from, local(*point)));
+        let hidden = self.balls.iter().filter(hides).count();
+        self.is_removed(hidden, wall.carried > hidden || wall.is_flat(eye))
+    }
+
+    fn is_polygon_before(&self, polygon: &Polygon, eye: Vec3) -> bool {
+        let normal = polygon.left.cross(polygon.right);
+        let is_floor = normal.dot(eye - polygon.corner) > 0.0 && normal.y > FLOOR_NORMAL * normal.length();
+        let hidden = self.balls.iter().filter(|ball| hides(polygon, normal, eye, **ball)).count();
+        self.is_removed(hidden, is_floor)
+    }
+
+    fn is_removed(&self, hidden: usize, is_floor: bool) -> bool {
+        hidden > 0 && (!is_floor || hidden as f32 > FLOOR_SHARE * self.balls.len() as f32)
     }
 }
 
@@ -120,6 +138,27 @@ impl Wall {
         let down = place - nearest;
         down.length() < TOUCH * radius && down.y > 0.5 * radius
     }
+}
+
+/// The centre of a body, and the point where it would touch the ground.
+fn centre_and_foot((place, radius): (Vec3, f32)) -> [Vec3; 2] {
+    [place, place - (1.0 - FOOT) * radius * Vec3::Y]
+}
+
+/// Whether a polygon hides the centre, the foot or a part of the outline of a ball.
+fn hides(polygon: &Polygon, normal: Vec3, eye: Vec3, ball: (Vec3, f32)) -> bool {
+    let (place, radius) = ball;
+    let [start, end] = [eye, place].map(|point| normal.dot(point - polygon.corner));
+    if start * end > 0.0 && end.abs() > radius * normal.length() {
+        // All of the ball is on this side of the plane.
+        return false;
+    }
+    let (across, along) = (place - eye).normalize_or(Vec3::Z).any_orthonormal_pair();
+    let outline = (0..OUTLINE).map(|point| {
+        let (sin, cos) = (std::f32::consts::TAU * point as f32 / OUTLINE as f32).sin_cos();
+        place + OUTLINE_RADIUS * radius * (cos * across + sin * along)
+    });
+    centre_and_foot(ball).into_iter().chain(outline).any(|point| crosses_polygon(polygon, eye, point))
 }
 
 /// Whether the line between two points goes through a polygon.
@@ -237,6 +276,33 @@ mod tests {
         let beside = Polygon::new([3.0, 0.0, 3.0], [10.0, 0.0, 0.0], [0.0, 2.0, 0.0]);
         let floor = Polygon::new([-5.0, 0.0, -5.0], [0.0, 0.0, 10.0], [10.0, 0.0, 0.0]);
         assert_eq!(drawn(&[], &[before, beside, floor], &[]), [0, 1, 1]);
+    }
+
+    #[test]
+    fn a_polygon_that_covers_a_part_of_a_body_is_removed() {
+        // Beside the first ball, whose centre is at x = -0.9; a line of sight at z = 3 is at 0.7 times the x at z = 0.
+        let beside = |x: f32| Polygon::new([x - 1.0, -1.0, 3.0], [0.0, 2.0, 0.0], [1.0, 0.0, 0.0]);
+        assert_eq!(drawn(&[], &[beside(-0.66), beside(-0.71)], &[]), [0, 1]);
+        assert_eq!(drawn(&[], &[flipped(beside(-0.66)), flipped(beside(-0.71))], &[]), [0, 1]);
+    }
+
+    #[test]
+    fn a_polygon_on_which_the_bodies_lie_is_removed_only_if_seen_from_behind() {
+        // An inclined plane that rises to the back, and one that rises to the front, whose back is seen.
+        let plane = |rise: f32| Polygon::new([-5.0, -0.01 - 5.0 * rise, -5.0], [0.0, 10.0 * rise, 10.0], [10.0, 0.0, 0.0]);
+        assert_eq!(drawn(&[], &[plane(-0.3)], &[]), [1]);
+        assert_eq!(drawn(&[], &[plane(0.3)], &[]), [0]);
+    }
+
+    #[test]
+    fn a_body_that_fell_past_a_polygon_does_not_remove_it() {
+        let floor = Polygon::new([-5.0, 0.0, -5.0], [0.0, 0.0, 10.0], [10.0, 0.0, 0.0]);
+        let fallen = Vec3::new(0.0, -0.7, -6.0);
+        assert_eq!(drawn(&[], &[floor, flipped(floor)], &[fallen]), [1, 0]);
+    }
+
+    fn flipped(polygon: Polygon) -> Polygon {
+        Polygon::new(polygon.corner, polygon.right, polygon.left)
     }
 
     #[test]

@@ -10,10 +10,11 @@ struct FlatVertex {
     @location(4) @interpolate(flat) colour: vec3f,
 }
 
-struct FlatSurface {
-    @location(0) colour: vec4f,
-    @builtin(sample_mask) covered: u32,
-}
+/// Brightness of the side of a polygon that bodies can pass through.
+const BACK: f32 = 0.85;
+/// Distance by which polygons are enlarged on all sides, in pixels. It closes the gaps between polygons whose corners differ by
+/// rounding, through which single samples would show the background.
+const OVERLAP: f32 = 0.35;
 
 fn quad_corner(index: u32) -> vec2f {
     // Two triangles.
@@ -88,6 +89,11 @@ fn polygon_corner(index: u32, number: u32) -> FlatVertex {
     let left = topology_vector(at + 3u);
     let right = topology_vector(at + 6u);
     var vertex = face(topology_vector(at), left, right, normalize(cross(left, right)), index);
+    let pixel = pixel_width() * max(dot(vertex.point - frame.eye, frame.forward), 0.0);
+    let more = OVERLAP * pixel * (2.0 * quad_corner(index) - 1.0);
+    vertex.on_face += more;
+    vertex.point += more.x / vertex.sides.x * left + more.y / vertex.sides.y * right;
+    vertex.place = frame.view_projection * vec4f(vertex.point, 1.0);
     vertex.colour = frame.kinds[KIND_POLYGON].rgb;
     return vertex;
 }
@@ -137,22 +143,10 @@ fn edges_surface(vertex: FlatVertex) -> @location(0) vec4f {
 }
 
 @fragment
-fn polygon_surface(vertex: FlatVertex) -> FlatSurface {
+fn polygon_surface(vertex: FlatVertex) -> @location(0) vec4f {
     let width = fwidth(vertex.on_face);
     let view = normalize(frame.eye - vertex.point);
-    let outside = dot(vertex.normal, view) > 0.0;
-    let rim = rim_at(vertex, width);
-    let colour = vertex.colour * (1.0 - 0.35 * rim);
-    var surface: FlatSurface;
-    surface.colour = vec4f(lit(colour, vertex.point, select(-vertex.normal, vertex.normal, outside), view), 1.0);
-    surface.covered = 15u;
-    if !outside {
-        // The side that bodies can pass through is hatched, so that it is partly transparent.
-        let period = 0.08 * min(vertex.sides.x, vertex.sides.y);
-        let across = dot(vertex.on_face, vec2f(0.7071068));
-        let stripe = abs(fract(across / period) - 0.5) * period;
-        let there = max(line_at(stripe, 0.12 * period, dot(width, vec2f(0.7071068))), rim);
-        surface.covered = (1u << u32(round(4.0 * there))) - 1u;
-    }
-    return surface;
+    let is_front = dot(vertex.normal, view) > 0.0;
+    let colour = vertex.colour * select(BACK, 1.0, is_front) * (1.0 - 0.35 * rim_at(vertex, width));
+    return vec4f(lit(colour, vertex.point, select(-vertex.normal, vertex.normal, is_front), view), 1.0);
 }

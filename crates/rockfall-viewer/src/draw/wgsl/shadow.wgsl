@@ -88,9 +88,7 @@ fn box_shadow_vertex(@builtin(vertex_index) index: u32, @builtin(instance_index)
 
 @vertex
 fn polygon_shadow_vertex(@builtin(vertex_index) index: u32, @builtin(instance_index) number: u32) -> @builtin(position) vec4f {
-    if !is_polygon_drawn(number) {
-        return NOWHERE;
-    }
+    // Also of a polygon that hides a body, because its neighbours, such as the rest of a bowl, would show a hole in the shadow.
     return in_map(polygon_corner(index, number).point);
 }
 
