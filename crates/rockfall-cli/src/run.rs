@@ -180,6 +180,8 @@ fn begin(arguments: &Arguments) -> Result<Run, Failure> {
     for line in check::concerns(&past.scene, &scene, past.part(), integrator).lines() {
         output::note(line);
     }
+    // Rods that jump to their length change the energy; a warning above has the reason.
+    past.changed = scene.odd_rods().iter().any(|rod| rod.length.is_some());
     let mut outputs = Outputs::open(wanted, None)?;
     let mut options = arguments.engine.options(&arguments.physics).keep_going(arguments.keep_going);
     options.pair_capacity = arguments.capacity;
