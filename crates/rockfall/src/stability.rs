@@ -49,6 +49,9 @@ pub use resolution::Coarse;
 pub use rods::OddRod;
 pub use speed::{Thin, Tunnelling};
 
+/// Largest number of spheres for which the check compares every two of them.
+const FEW: usize = 32;
+
 /// The force for which the time step is too long.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
@@ -253,6 +256,21 @@ impl Scene {
         }
     }
 
+    /// Whether no two bodies can touch, because there are no boxes and polygons and every two spheres are fixed or joined by a
+    /// rod of fixed length. `false` for many spheres, without a look at them.
+    fn is_bonded(&self) -> bool {
+        let spheres = self.spheres();
+        if spheres.len() > FEW || !self.boxes().is_empty() || !self.polygons().is_empty() {
+            return false;
+        }
+        let rods = self.rods().iter().filter(|rod| rod.length.is_some());
+        let bonds: Vec<[usize; 2]> =
+            rods.filter_map(|rod| Some([self.spheres.index(rod.end1).ok()?, self.spheres.index(rod.end2).ok()?])).collect();
+        let is_bond = |a, b| bonds.contains(&[a, b]) || bonds.contains(&[b, a]);
+        let mut pairs = (0..spheres.len()).flat_map(|b| (0..b).map(move |a| (a, b)));
+        pairs.all(|(a, b)| (spheres[a].fixed && spheres[b].fixed) || is_bond(a, b))
+    }
+
     /// Returns how many bodies can touch each other.
     fn crowd(&self) -> Crowd {
         if self.is_bonded() {
@@ -276,26 +294,6 @@ impl Scene {
             _ => Crowd::Many,
         };
         groups.iter().map(of_group).max().unwrap_or(Crowd::None)
-    }
-}
-
-/// Largest number of spheres for which the check compares every two of them.
-const FEW: usize = 32;
-
-impl Scene {
-    /// Whether no two bodies can touch, because there are no boxes and polygons and every two spheres are fixed or joined by a
-    /// rod of fixed length. `false` for many spheres, without a look at them.
-    fn is_bonded(&self) -> bool {
-        let spheres = self.spheres();
-        if spheres.len() > FEW || !self.boxes().is_empty() || !self.polygons().is_empty() {
-            return false;
-        }
-        let rods = self.rods().iter().filter(|rod| rod.length.is_some());
-        let bonds: Vec<[usize; 2]> =
-            rods.filter_map(|rod| Some([self.spheres.index(rod.end1).ok()?, self.spheres.index(rod.end2).ok()?])).collect();
-        let is_bond = |a, b| bonds.contains(&[a, b]) || bonds.contains(&[b, a]);
-        let mut pairs = (0..spheres.len()).flat_map(|b| (0..b).map(move |a| (a, b)));
-        pairs.all(|(a, b)| (spheres[a].fixed && spheres[b].fixed) || is_bond(a, b))
     }
 }
 
