@@ -169,6 +169,18 @@ fn bodies_that_left_are_told_and_are_not_in_the_picture() {
     assert!(out.contains("\n  left        1 body is at least 259 units away from all others"), "{out}");
     assert_eq!(picture(&near), picture(&out));
     assert!(picture(&near).len() > 10, "{near}");
+    // Bodies below the floor count from a shorter distance on.
+    let floor = near_floor() + "S 10 2 -40 0 0 0 0 0 0 0 1 0.4\nS 11 2 -300 0 0 0 0 0 0 0 1 0.4\n";
+    let (out, _) = Rockfall::with(&floor).run("run scene.txt --backend cpu --steps 1", 0);
+    assert!(out.contains("\n  left        2 bodies are at least 40 units away from all others"), "{out}");
+    let (out, _) = Rockfall::with(&near_floor()).run("run scene.txt --backend cpu --steps 1", 0);
+    assert!(!out.contains("\n  left "), "{out}");
+}
+
+/// Six balls in a row on a floor.
+fn near_floor() -> String {
+    let balls = (0..6).map(|ball| format!("S {ball} {ball} 0.4 0 0 0 0 0 0 0 1 0.4\n"));
+    "B -1 -1 -1 8 0 0 0 1 0 0 0 2\n".to_owned() + &balls.collect::<String>()
 }
 
 #[test]
