@@ -37,6 +37,11 @@ pub(crate) fn check(arguments: &Arguments) -> Result<(), Failure> {
             let _ = writeln!(text, "set {setting} {value}");
         }
     }
+    let Settings { gravity, gravity_direction, .. } = scene.settings;
+    if gravity < 0.0 {
+        let up = if gravity_direction == defaults.gravity_direction { ", so bodies fall upwards" } else { "" };
+        let _ = writeln!(text, "note: {name}: gravity is negative: it acts against gravity_direction{up}");
+    }
     let suspicious_lines = loaded.warnings.iter().map(|warning| format!("{name}:{}: {}", warning.line, warning.text));
     warnings(&mut text, suspicious_lines);
     if let Some(chosen) = chosen_contact(&scene.resolved_settings()) {
@@ -65,14 +70,18 @@ pub(crate) fn chosen_contact(settings: &Settings) -> Option<String> {
     (share > 0.0).then(|| format!("contact_force {force}, contact_damping {damping}, chosen for resting_overlap {share}"))
 }
 
-/// Warnings, one per line: parts of the scene for which the time step is too long, and bodies that sink into each other.
+/// Warnings, one per line: parts of the scene for which the time step is too long, bodies that sink into each other, and rods
+/// that are likely mistakes.
 pub(crate) fn concerns(name: &str, scene: &Scene, dt: f32, integrator: Integrator) -> String {
     let mut text = String::new();
     // Springs and tethers may cause thousands of warnings of one kind.
     let (stiff, others) = (scene.stability(dt, integrator), scene.concerns(dt, integrator));
     warnings(&mut text, stiff.iter().map(|warning| format!("{name}: {warning}")));
-    for warning in others.iter().skip(stiff.len()) {
-        let _ = writeln!(text, "warning: {name}: {warning}");
+    // Rods come last, and there may be thousands of them, too.
+    let rods = scene.odd_rods().len();
+    let (others, rods) = others[stiff.len()..].split_at(others.len() - stiff.len() - rods);
+    for list in [others, rods] {
+        warnings(&mut text, list.iter().map(|warning| format!("{name}: {warning}")));
     }
     text
 }

@@ -46,6 +46,9 @@ pub(crate) fn generate(arguments: &Arguments) -> Result<(), Failure> {
                   # For more gravity, use resting_overlap and a shorter time step (rockfall check suggests both).\n";
         scene.settings.gravity = gravity;
     }
+    for line in kind.note(*spheres).lines() {
+        title += &format!("# {line}\n");
+    }
     title.push('\n');
     let text = title + &scene.to_text();
     let (Some(mut file), Some(path)) = (file, out) else {

@@ -11,6 +11,7 @@ mod devices;
 mod failure;
 mod files;
 mod generate;
+mod hints;
 #[cfg(feature = "view")]
 mod input;
 mod interrupt;
@@ -64,7 +65,12 @@ enum Command {
 }
 
 fn main() -> ExitCode {
-    let matches = Arguments::command().get_matches();
+    let mut command = Arguments::command();
+    let matches = command.try_get_matches_from_mut(std::env::args_os()).unwrap_or_else(|mut error| {
+        let words: Vec<String> = std::env::args_os().skip(1).map(|word| word.to_string_lossy().into_owned()).collect();
+        hints::add(&mut error, &command, &words);
+        error.exit()
+    });
     let arguments = Arguments::from_arg_matches(&matches).unwrap_or_else(|error| error.exit());
     // In all commands: exit code 130 does not depend on what a command does.
     let interrupt = interrupt::Interrupt::listen();

@@ -115,7 +115,7 @@ impl std::str::FromStr for Setting {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        let (name, value) = text.split_once('=').ok_or("expected NAME=VALUE")?;
+        let (name, value) = text.split_once('=').ok_or("expected NAME=VALUE, as in --set gravity=9.81")?;
         let tried = Settings::default().set(name, value);
         tried.map_err(|error| error.to_string())?;
         Ok(Self { name: name.to_owned(), value: value.to_owned() })

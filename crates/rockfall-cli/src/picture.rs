@@ -3,14 +3,19 @@
 use rockfall::Scene;
 use rockfall::glam::Vec3;
 
+mod left;
+
+pub(crate) use left::Left;
+
 /// Largest size of the picture in characters. A character is about twice as high as wide.
 const WIDTH: usize = 72;
 const HEIGHT: usize = 24;
 
 /// Draws the scene as seen along -z, with x to the right and y up. Spheres are `O`, `o` or `.`, from near to far. Rods are `-`.
-/// Boxes that cross the plane z = 0 are `#`, behind everything else. The picture is empty for a scene without spheres.
-pub(crate) fn side_view(scene: &Scene) -> String {
-    let Some(frame) = Frame::around(scene) else {
+/// Boxes that cross the plane z = 0 are `#`, behind everything else. Bodies that left the others are not
+/// drawn. The picture is empty for a scene without spheres.
+pub(crate) fn side_view(scene: &Scene, left: &Left) -> String {
+    let Some(frame) = Frame::around(scene, left) else {
         return String::new();
     };
     let mut cells = vec![vec![b' '; frame.columns]; frame.rows];
@@ -36,17 +41,21 @@ pub(crate) fn side_view(scene: &Scene) -> String {
             }
         });
     };
+    let is_shown = |point: Vec3| point.cmpge(frame.low).all() && point.cmple(frame.high).all();
     for rod in scene.rods() {
         let [Ok(a), Ok(b)] = [rod.end1, rod.end2].map(|id| scene.sphere(id).map(|sphere| sphere.position)) else {
             continue;
         };
+        if !is_shown(a) || !is_shown(b) {
+            continue;
+        }
         // Enough points that no cell between the ends is skipped.
         let points = (a.distance(b) / frame.size).clamp(1.0, WIDTH as f32) as usize * 2;
         for part in 0..=points {
             dot(a.lerp(b, part as f32 / points as f32), rod.radius, Some(b'-'));
         }
     }
-    for sphere in scene.spheres() {
+    for sphere in left.others(scene) {
         // Slightly in front of the rods that end in it.
         dot(sphere.position + Vec3::Z * 1e-3 * frame.size, sphere.radius, None);
     }
@@ -71,6 +80,9 @@ struct Frame {
     top: f32,
     back: f32,
     front: f32,
+    /// Bounds of the spheres that are shown.
+    low: Vec3,
+    high: Vec3,
     /// Width of a character, in units; its height is twice that.
     size: f32,
     columns: usize,
@@ -78,9 +90,9 @@ struct Frame {
 }
 
 impl Frame {
-    fn around(scene: &Scene) -> Option<Self> {
+    fn around(scene: &Scene, left: &Left) -> Option<Self> {
         let mut bounds: Option<(Vec3, Vec3)> = None;
-        for sphere in scene.spheres().iter().filter(|sphere| sphere.position.is_finite()) {
+        for sphere in left.others(scene).filter(|sphere| sphere.position.is_finite()) {
             let (low, high) = (sphere.position - sphere.radius, sphere.position + sphere.radius);
             let (lowest, highest) = bounds.unwrap_or((low, high));
             bounds = Some((lowest.min(low), highest.max(high)));
@@ -97,6 +109,8 @@ impl Frame {
             top: high.y + 2.0 * size,
             back: low.z,
             front: high.z,
+            low,
+            high,
             size,
             columns: ((wide / size).ceil() as usize + 2).min(WIDTH),
             rows: ((tall / (2.0 * size)).ceil() as usize + 2).min(HEIGHT),

@@ -178,6 +178,8 @@ fn begin(arguments: &Arguments) -> Result<Run, Failure> {
     let substeps = arguments.substeps.of(&scene, dt, integrator)?;
     let mut past = Past { scene: name, comments: loaded.comments, steps: arguments.steps, dt, substeps, ..Past::default() };
     check::warn(&past.scene, &scene, past.part(), integrator);
+    // Rods that jump to their length change the energy; a warning above has the reason.
+    past.changed = scene.odd_rods().iter().any(|rod| rod.length.is_some());
     let mut outputs = Outputs::open(wanted, None)?;
     let mut options = arguments.engine.options(&arguments.physics).keep_going(arguments.keep_going);
     options.pair_capacity = arguments.capacity;

@@ -119,13 +119,18 @@ impl Summary<'_> {
         row("overlap", format!("{units} at the end, {radii} radii; {resting} radii between bodies at rest"));
         row("collisions", format!("{} in all, {} in the last step", report.total_collisions, report.collisions));
         if report.replays > 0 {
-            row("replays", format!("{} steps repeated, with longer lists or larger AABBs", report.replays));
+            let steps = if report.replays == 1 { "step" } else { "steps" };
+            row("replays", format!("{} {steps} repeated, with longer lists or larger AABBs", report.replays));
         }
         if report.non_finite > 0 {
             row("not finite", format!("a body with non-finite values was stopped {} times", report.non_finite));
         }
         let scene: &Scene = simulation.sync()?;
-        text.push_str(&picture::side_view(scene));
+        let left = picture::Left::of(scene);
+        if let Some(told) = left.describe() {
+            let _ = writeln!(text, "  {:<11} {told}", "left");
+        }
+        text.push_str(&picture::side_view(scene, &left));
         Ok(text)
     }
 }

@@ -29,7 +29,7 @@ const PHASES: &str = "aabb_update collision_detection collision_response forces_
 fn check_json(backend: &str) {
     let out = bench(&format!("lattice --spheres 27,64 --steps 40 --runs 2 --warmup 2 --backend {backend} --json"), 0);
     let object: Value = serde_json::from_str(&out).unwrap();
-    let expected = "version commit scene backend device driver integrator broad_phase dt steps warmup runs seed \
+    let expected = "version commit scene without backend device driver integrator broad_phase dt steps warmup runs seed \
                     copy_bytes_per_second sizes";
     assert_eq!(keys(&object), words(expected));
     assert_eq!(object["backend"], backend);

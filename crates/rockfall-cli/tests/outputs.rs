@@ -136,9 +136,9 @@ fn json_has_energies_overlap_settings_and_integrator() {
     let (out, _) = rockfall.run(run, 0);
     for text in [
         "integrator  symplectic-euler\n",
-        "settings    restitution 0.25, gravity 9, linear_damping 0.1; else the default values\n",
+        "settings    restitution 0.25, linear_damping 0.1, gravity 9; else the default values\n",
         "comments    2 lines of the scene\n",
-        "at the end, at most 1.80",
+        " at the end, 0.01800 radii",
     ] {
         assert!(out.contains(text), "{text}: {out}");
     }

@@ -58,7 +58,7 @@ fn no_scene_of_the_project_warns_during_its_default_run() {
     let rockfall = Rockfall::with("");
     for path in scenes() {
         let (out, err) = rockfall.run(&format!("run {} --backend cpu", path.display()), 0);
-        assert!(out.contains("radii at the end"), "{out}");
+        assert!(out.contains(" radii between bodies at rest"), "{out}");
         // Fallen dominoes press the thin rods of their frames into each other. The scene tells which settings prevent it.
         let is_known = |line: &&str| path.ends_with("dominoes.txt") && line.contains(" overlap by ");
         let warnings: Vec<&str> = err.lines().filter(|line| !is_known(line)).collect();
@@ -82,7 +82,7 @@ fn generated_piles_rest_with_small_overlaps() {
 fn sinking_bodies_are_reported_in_radii_with_constants_that_help() {
     let rockfall = Rockfall::with(&ten_balls());
     let (out, err) = rockfall.run("run scene.txt --backend cpu", 0);
-    assert!(out.contains("  overlap     0.196"), "{out}");
+    assert!(out.contains("; 0.1962 radii between bodies at rest"), "{out}");
     let end = err.lines().last().unwrap();
     assert!(end.contains("at the end sphere ") && end.contains(" overlap by 0.196 radii of the smaller one"), "{err}");
     assert!(end.contains("`set resting_overlap 0.02` chooses a contact_force of "), "{err}");

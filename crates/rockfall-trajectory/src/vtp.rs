@@ -51,11 +51,19 @@ impl Series {
     pub(crate) fn create(path: &Path) -> io::Result<Self> {
         let mut list = AtomicFile::create(&path.with_extension("pvd"))?;
         list.write_all(HEAD.as_bytes())?;
-        Self::open(path, list)
+        let series = Self::open(path, list)?;
+        // One of an earlier trajectory would be taken for that of this one.
+        match fs::remove_file(series.folder.join(SCENE)) {
+            Err(error) if error.kind() != io::ErrorKind::NotFound => Err(error),
+            _ => Ok(series),
+        }
     }
 
     pub(crate) fn resume(path: &Path, mark: Mark) -> io::Result<Self> {
-        Self::open(path, AtomicFile::resume(&path.with_extension("pvd"), mark)?)
+        let series = Self::open(path, AtomicFile::resume(&path.with_extension("pvd"), mark)?)?;
+        // The scene is that of the first frame.
+        let scene_written = series.folder.join(SCENE).exists();
+        Ok(Self { scene_written, ..series })
     }
 
     fn open(path: &Path, list: AtomicFile) -> io::Result<Self> {

@@ -68,6 +68,14 @@ impl Kind {
     }
 }
 
+impl Kind {
+    /// What the author of a scene of this kind should know to change it, as lines of text: for a hopper, where its opening is,
+    /// and the line of a box that closes it. Empty for the other kinds.
+    pub fn note(self, spheres: u32) -> String {
+        if self == Self::Hopper { hopper::note(spheres) } else { String::new() }
+    }
+}
+
 impl fmt::Display for Kind {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(self.name())

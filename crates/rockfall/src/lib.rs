@@ -26,6 +26,7 @@
 //!   [`Simulation::max_overlap`] and [`Simulation::diagnostics`] evaluate them. [`Report`] counts steps, contacts and collisions.
 //! - A [`Checkpoint`] stores a simulation, so that it can be resumed with bitwise identical results.
 //! - [`Scene::stability`], [`Scene::tunnelling`] and [`Scene::sinking`] warn about an unsuitable time step or contact force.
+//!   [`Scene::odd_rods`] finds rods that are likely mistakes.
 //! - [`Simulation::profile`] measures the time of every stage.
 //!
 //! Objects are plain builders. Lengths and masses are in arbitrary units, times in seconds; every field states its unit.

@@ -40,12 +40,17 @@ mod connected;
 mod depth;
 mod falling;
 mod resolution;
+mod rods;
 mod speed;
 
 use bounds::{Steps, crowd_steps, few_steps, spring_steps};
 pub use depth::{Remedy, Sinking};
 pub use resolution::Coarse;
+pub use rods::OddRod;
 pub use speed::{Thin, Tunnelling};
+
+/// Largest number of spheres for which the check compares every two of them.
+const FEW: usize = 32;
 
 /// The force for which the time step is too long.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -196,12 +201,14 @@ impl Scene {
     }
 
     /// Everything that a run of this scene with a time step of `dt` seconds should be warned of, one message each: an unstable
-    /// time step, bodies that sink into each other, bodies that pass through thin things, and positions that are too coarse.
+    /// time step, bodies that sink into each other, bodies that pass through thin things, positions that are too coarse, and
+    /// rods that are likely mistakes.
     pub fn concerns(&self, dt: f32, integrator: Integrator) -> Vec<String> {
         let mut concerns: Vec<String> = self.stability(dt, integrator).iter().map(Warning::to_string).collect();
         concerns.extend(self.sinking(integrator).map(|sinking| sinking.to_string()));
         concerns.extend(self.tunnelling(dt).map(|tunnelling| tunnelling.to_string()));
         concerns.extend(self.coarse().map(|coarse| coarse.to_string()));
+        concerns.extend(self.odd_rods().iter().map(|rod| rod.describe(self)));
         concerns
     }
 
@@ -249,8 +256,26 @@ impl Scene {
         }
     }
 
+    /// Whether no two bodies can touch, because there are no boxes and polygons and every two spheres are fixed or joined by a
+    /// rod of fixed length. `false` for many spheres, without a look at them.
+    fn is_bonded(&self) -> bool {
+        let spheres = self.spheres();
+        if spheres.len() > FEW || !self.boxes().is_empty() || !self.polygons().is_empty() {
+            return false;
+        }
+        let rods = self.rods().iter().filter(|rod| rod.length.is_some());
+        let bonds: Vec<[usize; 2]> =
+            rods.filter_map(|rod| Some([self.spheres.index(rod.end1).ok()?, self.spheres.index(rod.end2).ok()?])).collect();
+        let is_bond = |a, b| bonds.contains(&[a, b]) || bonds.contains(&[b, a]);
+        let mut pairs = (0..spheres.len()).flat_map(|b| (0..b).map(move |a| (a, b)));
+        pairs.all(|(a, b)| (spheres[a].fixed && spheres[b].fixed) || is_bond(a, b))
+    }
+
     /// Returns how many bodies can touch each other.
     fn crowd(&self) -> Crowd {
+        if self.is_bonded() {
+            return Crowd::None;
+        }
         // Numbers of movers and of all other objects, by group.
         let mut groups = vec![[0_usize; 2]; 1 << 16];
         for sphere in self.spheres() {

@@ -20,7 +20,8 @@ pub(crate) struct Past {
     pub(crate) seconds: f64,
     /// Kinetic, potential, spring and contact energy at the start.
     pub(crate) before: [f64; 4],
-    /// Whether constants were changed since the start, so that energies cannot be compared with `before`.
+    /// Whether constants were changed since the start, or rods jumped to their length in the first step, so that energies cannot
+    /// be compared with `before`.
     pub(crate) changed: bool,
     pub(crate) out: Option<PastFile>,
     /// Steps between two frames of `out`.

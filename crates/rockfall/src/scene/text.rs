@@ -19,8 +19,8 @@
 //! comments to the reader of the thesis. `#` at the beginning of a line or after white space begins a comment up to the end of
 //! the line.
 //!
-//! A line that begins with `set` or `@` and is not understood is an error. In a file without any other such line, and without
-//! tethers, it may be prose of a file for the thesis's program: there it is a comment with a warning. A comment without `#` that
+//! A line that begins with `set` or `@` and is not understood is an error. In a file without any other such line, without
+//! tethers and without `#`, it may be prose of a file for the thesis's program: there it is a comment with a warning. A comment without `#` that
 //! looks like an object or a setting (`s 1 0 2 ...`, `Sphere 1 ...`, `gravity 3`) has a warning too, and so has a second `set`
 //! of the same constant, which replaces the first one.
 
@@ -33,7 +33,7 @@ use glam::{Quat, Vec3};
 mod comment;
 mod line;
 
-use comment::{is_extension, is_number, looks_like, without_comment};
+use comment::{has_number_sign, is_extension, is_number, looks_like, may_be_prose, without_comment};
 use line::{BOX, CAPSULE, FORCE, GROUP, Kind, Line, MARK, ORIENTATION, POLYGON, ROD, SPHERE, SPRING, TETHER, Wrong};
 
 use super::{Capsule, CapsuleParts, Cuboid, Polygon, Rod, Scene, Sphere, SphereId, Spring, Tether};
@@ -79,7 +79,7 @@ impl Scene {
                 file: name.to_owned(),
                 line: index + 1,
                 field: wrong.field,
-                message: wrong.message,
+                message: wrong.message + if may_be_prose(line) { "; if the line is a comment, begin it with #" } else { "" },
             })?;
         }
         Ok(Loaded { scene: reader.scene, warnings: reader.warnings, comments: reader.comments })
@@ -106,6 +106,23 @@ impl Scene {
 
 fn vector(numbers: &[f32]) -> Vec3 {
     Vec3::from_slice(numbers)
+}
+
+/// A value for a message, or a word in place of one that is missing or long.
+fn shown(value: &str) -> &str {
+    if is_number(value) && value.len() < 20 { value } else { "VALUE" }
+}
+
+/// The option of the command line that a word after `set` means.
+fn option_for(word: &str) -> Option<&'static str> {
+    match word.to_ascii_lowercase().replace('-', "_").as_str() {
+        "dt" | "timestep" | "time_step" => Some("--dt SECONDS"),
+        "steps" => Some("--steps N"),
+        "time" | "duration" => Some("--steps N, with a time step of --dt SECONDS"),
+        "integrator" => Some("--integrator NAME"),
+        "substeps" => Some("--substeps N"),
+        _ => None,
+    }
 }
 
 /// First words of extensions that begin with `@`.
@@ -153,7 +170,8 @@ impl<'a> Reader<'a> {
             "P" => self.polygon(line),
             "K" => self.spring(line),
             "B" => self.cuboid(line),
-            "T" if words.next().is_some_and(is_number) => self.tether(line),
+            // Here, nan and inf are numbers, which a tether refuses by name.
+            "T" if words.next().is_some_and(|word| word.parse::<f64>().is_ok()) => self.tether(line),
             "@group" => self.group(line),
             "@orientation" => self.orientation(line),
             "@force" => self.force(line),
@@ -188,9 +206,10 @@ impl<'a> Reader<'a> {
         self.warnings.push(LineWarning { line, text: format!("taken for a comment; {hint}") });
     }
 
-    /// Refuses a line that begins like an extension. In a file that has no other line like it, the line may be prose.
+    /// Refuses a line that begins like an extension. In a file that has no other line like it and no `#`, the line may be prose.
     fn not_understood(&mut self, line: usize, wrong: Wrong) -> Line<()> {
-        if self.text.lines().filter(|line| is_extension(line)).nth(1).is_some() {
+        let other = self.text.lines().filter(|line| is_extension(line)).nth(1).is_some();
+        if other || self.text.lines().any(has_number_sign) {
             return Err(wrong);
         }
         self.suspicious(line, format!("{} is {}", wrong.field, wrong.message));
@@ -323,7 +342,15 @@ impl<'a> Reader<'a> {
             let message = "a setting without a name, expected `set NAME VALUE`".to_owned();
             return self.not_understood(number, Wrong { field: "set".to_owned(), message });
         };
+        if let Some((name, value)) = word.split_once('=').filter(|(name, _)| Settings::NAMES.contains(name)) {
+            let message = format!("expected a space in place of `=`: `set {name} {}`", shown(value));
+            return Err(Wrong { field: format!("set {}", quoted(word)), message });
+        }
         let Some(name) = Settings::NAMES.iter().copied().find(|name| *name == word) else {
+            if let Some(option) = option_for(word) {
+                let message = format!("not part of a scene, it is an option of the command line: {option}");
+                return self.not_understood(number, Wrong { field: format!("set {}", quoted(word)), message });
+            }
             let known = format!("expected one of {}", Settings::NAMES.join(", "));
             let message = nearest(word, Settings::NAMES).map_or(known, |near| format!("did you mean {near}?"));
             let message = format!("an unknown setting, {message}");
@@ -338,6 +365,10 @@ impl<'a> Reader<'a> {
             field: format!("set {name}"),
             message: match error {
                 Error::Invalid { expected, .. } if value.is_empty() => format!("no value, expected {expected}"),
+                Error::Invalid { value: given, .. } if value.starts_with('=') => {
+                    let rest = value.trim_start_matches('=').trim();
+                    format!("{given} is not allowed, expected no `=`: `set {name} {}`", shown(rest))
+                }
                 Error::Invalid { value, expected, .. } => format!("{value} is not allowed, expected {expected}"),
                 other => other.to_string(),
             },

@@ -125,6 +125,8 @@ impl Scene {
     ///
     /// A body alone overlaps by gravity / `contact_force`. In a scene of three or more moving bodies, those below others carry
     /// them. Their load is estimated as in [`Scene::resolved_settings`], without the bodies that fixed spheres or tethers hold.
+    /// Where nothing can touch, and where rods, springs and tethers hold all bodies and there are no boxes and polygons, no body
+    /// rests on another one.
     pub fn sinking(&self, integrator: Integrator) -> Option<Sinking> {
         let settings = self.resolved_settings();
         let crowd = self.crowd();
@@ -134,26 +136,30 @@ impl Scene {
             return None;
         }
         let radii = self.spheres().iter().filter(|sphere| !sphere.fixed).map(|sphere| f64::from(sphere.radius));
-        let radius = radii.fold(f64::INFINITY, f64::min);
-        let overlap = gravity / force;
+        let smallest = radii.fold(f64::INFINITY, f64::min);
+        let alone = gravity / force;
         // Constants are f32, so an intended 5 % may be slightly exceeded.
         let is_deep = |overlap: f64, radius: f64| overlap > DEEP * (1.0 + 1e-6) * radius;
-        let (overlap, radius, load, needed) = if is_deep(overlap, radius) {
-            (overlap, radius, 1.0, gravity / (DEEP * radius))
-        } else if crowd == Crowd::Many {
-            let [load, radius] = self.load_of_loose();
-            if load <= 1.0 {
-                return None;
-            }
-            (2.0 * load * overlap, radius, load, 2.0 * SAFETY * load * gravity / (DEEP * radius))
+        let needed = gravity / (DEEP * smallest);
+        // Where bodies carry others, the constants for a body alone are not enough.
+        let [load, radius] = if crowd == Crowd::Many { self.load_of_loose() } else { [1.0, smallest] };
+        let (overlap, radius, load, needed) = if load > 1.0 && is_deep(2.0 * load * alone, radius) {
+            (2.0 * load * alone, radius, load, needed.max(2.0 * SAFETY * load * gravity / (DEEP * radius)))
+        } else if is_deep(alone, smallest) && !self.is_hung() {
+            (alone, smallest, 1.0, needed)
         } else {
             return None;
         };
         let contact_force = rounded_up(needed);
         let contact_damping = rounded_down(damping_for(&settings, contact_force));
         let steps = self.contact_steps([contact_force, contact_damping], integrator)?;
-        let warning = Sinking { overlap, radius, load, contact_force, contact_damping, largest_dt: steps.rest };
-        is_deep(overlap, radius).then_some(warning)
+        Some(Sinking { overlap, radius, load, contact_force, contact_damping, largest_dt: steps.rest })
+    }
+
+    /// Whether rods, springs and tethers hold all moving bodies, and there are no boxes and polygons to rest on.
+    fn is_hung(&self) -> bool {
+        let is_free = self.boxes().is_empty() && self.polygons().is_empty();
+        is_free && directions(self).is_some_and(|directions| sets(self, directions).iter().all(|set| set.held))
     }
 
     /// The largest gravity up to the present one at which bodies at rest overlap by less than 5 % of their radius, whatever they

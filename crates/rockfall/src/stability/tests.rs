@@ -62,6 +62,40 @@ fn a_crowd_counts_bodies_that_can_touch_in_one_group() {
 }
 
 #[test]
+fn spheres_that_rods_of_fixed_length_join_touch_nothing() {
+    let mut scene = balls([Sphere::new([0.0; 3], 0.1).fixed(), Sphere::new([1.0, 0.0, 0.0], 0.1)]);
+    let ids: Vec<crate::SphereId> = scene.sphere_ids().collect();
+    let rod = scene.add_rod(crate::Rod::new(ids[0], ids[1], 0.01)).unwrap();
+    assert_ne!(scene.crowd(), Crowd::None);
+    scene.update_rod(rod, |rod| rod.length = Some(1.0)).unwrap();
+    assert_eq!(scene.crowd(), Crowd::None);
+    scene.settings.gravity = 10.0;
+    assert_eq!(scene.sinking(Integrator::Rk4), None);
+    scene.add_sphere(Sphere::new([2.0, 0.0, 0.0], 0.1)).unwrap();
+    assert_ne!(scene.crowd(), Crowd::None);
+    assert!(scene.sinking(Integrator::Rk4).is_some());
+}
+
+#[test]
+fn a_rod_that_jumps_or_holds_nothing_is_odd() {
+    let mut scene = balls([Sphere::new([0.0; 3], 0.1).fixed(), Sphere::new([1.0, 0.0, 0.0], 0.1)]);
+    let ids: Vec<crate::SphereId> = scene.sphere_ids().collect();
+    let rod = scene.add_rod(crate::Rod::new(ids[0], ids[1], 0.01)).unwrap();
+    let free = scene.odd_rods();
+    assert_eq!((free.len(), free[0].rod, free[0].length, free[0].distance), (1, rod, None, 1.0));
+    assert!(free[0].describe(&scene).starts_with("the rod from sphere number 0 to sphere number 1 has no length"));
+    for (length, odd) in [(1.0, 0), (1.009, 0), (1.02, 1), (0.98, 1)] {
+        scene.update_rod(rod, |rod| rod.length = Some(length)).unwrap();
+        assert_eq!(scene.odd_rods().len(), odd, "{length}");
+    }
+    // Neither end of a rod between loose spheres needs to be held.
+    let mut loose = balls([Sphere::new([0.0; 3], 0.1), Sphere::new([9.0, 0.0, 0.0], 0.1)]);
+    let ids: Vec<crate::SphereId> = loose.sphere_ids().collect();
+    loose.add_rod(crate::Rod::new(ids[0], ids[1], 0.01)).unwrap();
+    assert_eq!(loose.odd_rods(), []);
+}
+
+#[test]
 fn a_crowd_is_restless_before_it_is_unstable() {
     let mut scene = balls([0.0, 1.0, 2.0].map(|x| Sphere::new([x, 0.0, 0.0], 0.1)));
     let effect = |scene: &Scene, dt| scene.stability(dt, Integrator::Rk4).first().map(|warning| warning.effect);

@@ -27,6 +27,24 @@ pub(super) fn without_comment(line: &str) -> &str {
     line.match_indices('#').find(begins).map_or(line, |(at, _)| &line[..at])
 }
 
+/// Whether a line has a comment that begins with `#`, which the thesis's format lacks.
+pub(super) fn has_number_sign(line: &str) -> bool {
+    without_comment(line).len() < line.len()
+}
+
+/// Whether the line of an object is prose that only begins with the letter of one, such as `K is the spring`: less than half of
+/// its words after the first one are numbers.
+pub(super) fn may_be_prose(line: &str) -> bool {
+    let mut words = without_comment(line).split_ascii_whitespace().take(WORDS);
+    let is_letter = words.next().is_some_and(|word| word.len() == 1);
+    let (mut numbers, mut others) = (0, 0);
+    for word in words {
+        let count = if is_number(word) { &mut numbers } else { &mut others };
+        *count += 1;
+    }
+    is_letter && others > numbers
+}
+
 /// Whether a line begins like an extension of the thesis's format.
 pub(super) fn is_extension(line: &str) -> bool {
     let mut words = without_comment(line).split_ascii_whitespace();
