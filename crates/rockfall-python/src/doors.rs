@@ -115,7 +115,10 @@ pub(crate) fn handle<T: Copy>(handles: &[T], kind: &str, id: i64) -> PyResult<T>
 }
 
 /// Calls a function with the objects of a native scene or simulation, without the GIL.
-pub(crate) fn with<R: Send>(target: &Bound<'_, PyAny>, call: impl FnOnce(&mut dyn Doors, &mut Ids) -> PyResult<R> + Send) -> PyResult<R> {
+pub(crate) fn with<R: Send>(
+    target: &Bound<'_, PyAny>,
+    call: impl FnOnce(&mut dyn Doors, &mut Ids) -> PyResult<R> + Send,
+) -> PyResult<R> {
     if let Ok(scene) = target.cast::<Scene>() {
         let scene = scene.get();
         return target.py().detach(|| {
@@ -131,7 +134,10 @@ pub(crate) fn with<R: Send>(target: &Bound<'_, PyAny>, call: impl FnOnce(&mut dy
 }
 
 /// Calls a function with the objects of a native scene or simulation that it does not change.
-pub(crate) fn look<R: Send>(target: &Bound<'_, PyAny>, call: impl FnOnce(&rockfall::Scene, &Ids) -> PyResult<R> + Send) -> PyResult<R> {
+pub(crate) fn look<R: Send>(
+    target: &Bound<'_, PyAny>,
+    call: impl FnOnce(&rockfall::Scene, &Ids) -> PyResult<R> + Send,
+) -> PyResult<R> {
     match target.cast::<Simulation>() {
         Ok(simulation) => simulation.get().read(target.py(), |running| {
             let Running { simulation, ids, .. } = running;
@@ -153,9 +159,14 @@ pub(crate) fn get_setting(target: &Bound<'_, PyAny>, name: &str) -> PyResult<Str
 /// Sets a physical constant from text.
 #[pyfunction]
 pub(crate) fn set_setting(target: &Bound<'_, PyAny>, name: &str, value: &str) -> PyResult<()> {
-    with(target, |doors, _| {
+    let put = |doors: &mut dyn Doors| {
         let mut settings = doors.objects().settings;
         settings.set(name, value).or_raise()?;
         doors.put_settings(settings).or_raise()
-    })
+    };
+    match target.cast::<Simulation>() {
+        // Constants are not part of the memory that views show.
+        Ok(simulation) => simulation.get().read(target.py(), |running| put(&mut running.simulation)),
+        Err(_) => with(target, |doors, _| put(doors)),
+    }
 }

@@ -117,7 +117,8 @@ pub(crate) fn add_rods(
 
 /// The spheres of each row, which must be in the scene and different.
 fn pairs(scene: &rockfall::Scene, ids: &Ids, one: &[i64], two: &[i64]) -> PyResult<Vec<(SphereId, SphereId)>> {
-    let found: Vec<_> = ends(&ids.spheres, one).zip(ends(&ids.spheres, two)).map(|(a, b)| Ok((a?, b?))).collect::<PyResult<_>>()?;
+    let found: Vec<_> =
+        ends(&ids.spheres, one).zip(ends(&ids.spheres, two)).map(|(a, b)| Ok((a?, b?))).collect::<PyResult<_>>()?;
     for (row, (a, b)) in found.iter().enumerate() {
         scene.sphere(*a).and(scene.sphere(*b)).or_raise()?;
         if a == b {
@@ -294,7 +295,12 @@ pub(crate) fn remove(target: &Bound<'_, PyAny>, kind: &str, numbers: Numbers<'_>
 
 /// Changes fields of rods, springs or tethers: pairs of a name and an array with one value per object.
 #[pyfunction]
-pub(crate) fn update(target: &Bound<'_, PyAny>, kind: &str, numbers: Numbers<'_>, fields: Vec<(String, Rows<'_>)>) -> PyResult<()> {
+pub(crate) fn update(
+    target: &Bound<'_, PyAny>,
+    kind: &str,
+    numbers: Numbers<'_>,
+    fields: Vec<(String, Rows<'_>)>,
+) -> PyResult<()> {
     let numbers = numbers.as_slice()?;
     let fields: Vec<(&str, &[f32])> =
         fields.iter().map(|(name, rows)| Ok((name.as_str(), rows.as_slice()?))).collect::<PyResult<_>>()?;

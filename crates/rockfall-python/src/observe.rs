@@ -60,7 +60,9 @@ pub(crate) fn contacts<'py>(simulation: &Bound<'py, Simulation>) -> PyResult<(Ma
 
 /// Number of contacts, net force and deepest overlap of every sphere.
 #[pyfunction]
-pub(crate) fn diagnostics<'py>(simulation: &Bound<'py, Simulation>) -> PyResult<(Column<'py, u32>, Matrix<'py, f32>, Column<'py, f32>)> {
+pub(crate) fn diagnostics<'py>(
+    simulation: &Bound<'py, Simulation>,
+) -> PyResult<(Column<'py, u32>, Matrix<'py, f32>, Column<'py, f32>)> {
     let py = simulation.py();
     let found = simulation.get().read(py, |running| running.simulation.diagnostics().or_raise())?;
     let contacts = found.iter().map(|sphere| sphere.contacts).collect();
@@ -151,8 +153,14 @@ pub(crate) fn table<'py>(target: &Bound<'py, PyAny>, kind: &str) -> PyResult<(Ma
                 (3, 2)
             }
             "rod" => {
-                rows!(rods, rod_ids, rods, o, [place(o.end1), place(o.end2), i64::from(o.group)],
-                    [[o.radius, o.length.unwrap_or(0.0)]]);
+                rows!(
+                    rods,
+                    rod_ids,
+                    rods,
+                    o,
+                    [place(o.end1), place(o.end2), i64::from(o.group)],
+                    [[o.radius, o.length.unwrap_or(0.0)]]
+                );
                 (4, 2)
             }
             "capsule" => {
@@ -164,18 +172,36 @@ pub(crate) fn table<'py>(target: &Bound<'py, PyAny>, kind: &str) -> PyResult<(Ma
                 (3, 3)
             }
             "tether" => {
-                rows!(tethers, tether_ids, tethers, o, [place(o.sphere)],
-                    [o.point.to_array(), [o.stiffness, o.length, o.damping]]);
+                rows!(
+                    tethers,
+                    tether_ids,
+                    tethers,
+                    o,
+                    [place(o.sphere)],
+                    [o.point.to_array(), [o.stiffness, o.length, o.damping]]
+                );
                 (2, 6)
             }
             "box" => {
-                rows!(boxes, box_ids, boxes, o, [i64::from(o.group)], [o.corner.to_array(), o.edges[0].to_array(),
-                    o.edges[1].to_array(), o.edges[2].to_array()]);
+                rows!(
+                    boxes,
+                    box_ids,
+                    boxes,
+                    o,
+                    [i64::from(o.group)],
+                    [o.corner.to_array(), o.edges[0].to_array(), o.edges[1].to_array(), o.edges[2].to_array()]
+                );
                 (2, 12)
             }
             "polygon" => {
-                rows!(polygons, polygon_ids, polygons, o, [i64::from(o.group)], [o.corner.to_array(), o.left.to_array(),
-                    o.right.to_array()]);
+                rows!(
+                    polygons,
+                    polygon_ids,
+                    polygons,
+                    o,
+                    [i64::from(o.group)],
+                    [o.corner.to_array(), o.left.to_array(), o.right.to_array()]
+                );
                 (2, 9)
             }
             _ => return Err(PyValueError::new_err(format!("kind: {kind} is not a kind of object"))),

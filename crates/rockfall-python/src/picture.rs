@@ -64,7 +64,8 @@ impl Tools {
         let gpu = match simulation.gpu_view() {
             Some(view) => view.gpu().clone(),
             None => Gpu::open_blocking(true).map_err(|error| {
-                let text = format!("drawing needs a graphics adapter, even with backend=\"cpu\"; software Vulkan is enough: {error}");
+                let text =
+                    format!("drawing needs a graphics adapter, even with backend=\"cpu\"; software Vulkan is enough: {error}");
                 SimulationError::new_err(text)
             })?,
         };

@@ -1,6 +1,7 @@
 //! The native simulation: steps, edits of states, checkpoints.
 
 use std::path::PathBuf;
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
@@ -39,20 +40,46 @@ impl Drop for Running {
 /// A simulation.
 #[pyclass(frozen, module = "rockfall._rockfall")]
 #[derive(Debug)]
-pub(crate) struct Simulation(Mutex<Running>);
+pub(crate) struct Simulation {
+    running: Mutex<Running>,
+    /// Number of threads that wait for the simulation.
+    waiting: AtomicUsize,
+}
 
 impl Simulation {
     fn of(simulation: rockfall::Simulation, ids: Ids) -> Self {
-        Self(Mutex::new(Running { simulation, ids, lender: Lender::default(), edited: false }))
+        let running = Running { simulation, ids, lender: Lender::default(), edited: false };
+        Self { running: Mutex::new(running), waiting: AtomicUsize::new(0) }
     }
 
     /// Calls a function without the GIL, while no other thread uses the simulation. Threads that wait for it do not hold the GIL.
     fn locked<R: Send>(&self, py: Python<'_>, call: impl FnOnce(&mut Running) -> R + Send) -> R {
-        py.detach(|| call(&mut self.0.lock().unwrap_or_else(PoisonError::into_inner)))
+        py.detach(|| {
+            self.waiting.fetch_add(1, Ordering::Relaxed);
+            let mut running = self.running.lock().unwrap_or_else(PoisonError::into_inner);
+            self.waiting.fetch_sub(1, Ordering::Relaxed);
+            call(&mut running)
+        })
+    }
+
+    /// Lets other threads use the simulation if they wait for it: the lock itself prefers the thread that has just had it.
+    fn make_way(&self, py: Python<'_>) {
+        if self.waiting.load(Ordering::Relaxed) > 0 {
+            py.detach(|| {
+                let end = Instant::now() + PATIENCE;
+                while self.waiting.load(Ordering::Relaxed) > 0 && Instant::now() < end {
+                    std::thread::sleep(Duration::from_micros(50));
+                }
+            });
+        }
     }
 
     /// Calls a function that changes the memory of the state.
-    fn change<R: Send>(&self, py: Python<'_>, call: impl FnOnce(&mut rockfall::Simulation) -> PyResult<R> + Send) -> PyResult<R> {
+    fn change<R: Send>(
+        &self,
+        py: Python<'_>,
+        call: impl FnOnce(&mut rockfall::Simulation) -> PyResult<R> + Send,
+    ) -> PyResult<R> {
         self.locked(py, |running| {
             running.lender.release(&mut running.simulation);
             running.edited = false;
@@ -133,6 +160,7 @@ impl Simulation {
                 _ => {}
             }
             py.check_signals()?;
+            self.make_way(py);
         }
         Ok(())
     }
@@ -218,9 +246,10 @@ impl Simulation {
     /// Sets the rows of a field that differ from the current state. Returns their number.
     fn put(&self, py: Python<'_>, field: &str, rows: Rows<'_>) -> PyResult<usize> {
         let (field, rows): (Field, _) = (field.parse()?, rows.as_slice()?);
-        self.edit(py, |running| {
+        self.read(py, |running| {
             let now = Table::of(running.simulation.sync().or_raise()?, field);
             let changed = now.differences(rows)?;
+            running.edited = !changed.is_empty();
             let ids: Vec<_> = running.simulation.scene().sphere_ids().collect();
             for row in &changed {
                 field.set(&mut running.simulation, ids[*row], rows, *row).or_raise()?;
@@ -233,7 +262,11 @@ impl Simulation {
     fn set(&self, py: Python<'_>, field: &str, numbers: Numbers<'_>, rows: Rows<'_>) -> PyResult<()> {
         let field: Field = field.parse()?;
         if rows.len() != numbers.len() * field.columns() {
-            return Err(PyValueError::new_err(format!("expected {} rows, got {}", numbers.len(), rows.len() / field.columns())));
+            return Err(PyValueError::new_err(format!(
+                "expected {} rows, got {}",
+                numbers.len(),
+                rows.len() / field.columns()
+            )));
         }
         let (numbers, rows) = (numbers.as_slice()?, rows.as_slice()?);
         self.edit(py, |running| {

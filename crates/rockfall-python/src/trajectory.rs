@@ -26,7 +26,8 @@ impl TrajectoryWriter {
     #[new]
     fn new(py: Python<'_>, path: PathBuf) -> PyResult<Self> {
         let Some(format) = Format::of(&path) else {
-            let text = format!("path: {} is not a trajectory, expected a name that ends in .npz, .pvd, .vtp or .csv", path.display());
+            let text =
+                format!("path: {} is not a trajectory, expected a name that ends in .npz, .pvd, .vtp or .csv", path.display());
             return Err(PyValueError::new_err(text));
         };
         py.detach(|| Ok(Self(Mutex::new(Some(Writer::create(path, format).or_raise()?)))))

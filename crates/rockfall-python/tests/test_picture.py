@@ -28,9 +28,11 @@ def test_a_picture_is_an_array_an_image_and_a_file(sim: rf.Simulation, tmp_path:
     np.testing.assert_array_equal(np.asarray(picture.pil()), pixels)
     assert picture._repr_png_() == picture.png() and picture.png().startswith(b"\x89PNG")
     picture.save(tmp_path / "a.png")
-    np.testing.assert_array_equal(np.asarray(PIL.Image.open(tmp_path / "a.png").convert("RGB")), pixels)
+    with PIL.Image.open(tmp_path / "a.png") as image:
+        np.testing.assert_array_equal(np.asarray(image.convert("RGB")), pixels)
     picture.save(tmp_path / "a.jpg")
-    assert PIL.Image.open(tmp_path / "a.jpg").size == (96, 54)
+    with PIL.Image.open(tmp_path / "a.jpg") as image:
+        assert image.size == (96, 54)
     assert "96x54" in repr(picture)
     with pytest.raises(ValueError, match=r"path: expected a name that ends in \.png"):
         picture.save(tmp_path / "a.tif")

@@ -46,7 +46,7 @@ def test_the_way_of_running_does_not_change_a_bit(scene: rf.Scene) -> None:
 def test_options_reach_the_simulation(scene: rf.Scene) -> None:
     sim = rf.Simulation(scene, backend="cpu", integrator="symplectic-euler", broad_phase="sort-and-skip", keep_going=True)
     assert (sim.integrator, sim.broad_phase_method) == ("symplectic-euler", "sort-and-skip")
-    assert sim.backend.kind == "cpu" and "CPU" in sim.backend.device and sim.device_memory == 0
+    assert sim.backend.kind == "cpu" and "CPU" in sim.backend.device and sim.memory > 0
     assert "45 spheres" in repr(sim)
     grid = rf.Simulation(scene, backend="cpu", integrator="symplectic-euler", broad_phase="grid")
     sim.run(50), grid.run(50)
@@ -77,7 +77,7 @@ def test_the_gpu_backend_agrees_and_copies_through_the_host(scene: rf.Scene) -> 
     for sim in sims:
         sim.velocities[:] *= 0.5
         sim.run(10)
-    assert sims[1].backend.kind == "gpu" and sims[1].device_memory > 0
+    assert sims[1].backend.kind == "gpu" and sims[1].memory > 0
     np.testing.assert_allclose(sims[0].positions, sims[1].positions, atol=1e-4)
     with pytest.raises(rf.SimulationError, match="state"):
         _ = sims[1].state
@@ -215,7 +215,7 @@ def test_objects_are_edited_between_steps() -> None:
     assert sim.sphere_ids.tolist() == [1, 2, 3, 4, 5]
     sim.run(5)
     assert sim.positions.shape == (5, 3) and np.isfinite(sim.positions).all()
-    assert sim.scene.counts == sim.counts and sim.scene.to_text().count("\nS ") >= 4
+    assert sim.scene.counts == sim.counts and "K 0 1 20 " in sim.scene.to_text()
 
 
 def test_contacts_energies_and_diagnostics() -> None:
@@ -286,7 +286,8 @@ def test_other_threads_run_while_a_simulation_steps(sim: rf.Simulation) -> None:
     sim.run(3000)
     stop.set()
     thread.join()
-    assert any(0 < now < sim.time for now in ticks), "the other thread saw the simulation under way"
+    under_way = [now for now in ticks if 0 < now < sim.time]
+    assert len(set(under_way)) > 1, "the other thread saw the simulation under way"
 
 
 def test_a_progress_bar_is_shown(sim: rf.Simulation, capsys: pytest.CaptureFixture[str]) -> None:

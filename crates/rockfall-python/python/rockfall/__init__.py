@@ -14,8 +14,9 @@
 from __future__ import annotations
 
 from rockfall import _rockfall
+from rockfall._bodies import Capsules
 from rockfall._info import devices, info
-from rockfall._objects import Capsules, Counts, Objects
+from rockfall._objects import Counts, Objects
 from rockfall._picture import Picture
 from rockfall._reports import Backend, Device, Energy, Overlap, Profile, Report, StageTime, State
 from rockfall._rockfall import SimulationError

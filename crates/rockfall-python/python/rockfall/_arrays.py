@@ -43,7 +43,7 @@ def _shape(columns: tuple[int, ...], count: int | None) -> str:
 
 def rows_of(name: str, value: Any, columns: tuple[int, ...] = ()) -> int | None:
     """Returns the number of rows of an argument; None for a single row, which counts for all."""
-    shape = np.shape(value) if not hasattr(value, "shape") else tuple(value.shape)
+    shape = tuple(value.shape) if hasattr(value, "shape") else _host(name, value).shape
     return None if len(shape) == len(columns) else int(shape[0]) if shape else None
 
 

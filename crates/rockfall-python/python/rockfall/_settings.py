@@ -18,10 +18,10 @@ def _to_text(name: str, value: Any, default: str) -> str:
             raise TypeError(f"{name}: expected True or False, got {value!r}")
         return "on" if value else "off"
     if "," in default:
-        return ",".join(str(number) for number in floats(name, value, (3,))[0])
+        return ",".join(str(number) for number in floats(name, value, (3,), 1)[0])
     if isinstance(value, (bool, str, bytes)):
         raise TypeError(f"{name}: expected a number, got {value!r}")
-    return str(floats(name, value)[0])
+    return str(floats(name, value, (), 1)[0])
 
 
 def _from_text(text: str) -> bool | float | tuple[float, ...]:

@@ -9,32 +9,16 @@ import numpy as np
 import numpy.typing as npt
 
 from rockfall import _rockfall
-from rockfall._arrays import FloatArray, IntArray, floats, integers, quaternions, time_step, whole
-from rockfall._objects import Objects
+from rockfall._arrays import FloatArray, floats, time_step, whole
+from rockfall._observe import Observed
 from rockfall._picture import Picture
 from rockfall._progress import Progress
-from rockfall._reports import (
-    BODY_KINDS,
-    CONTACT,
-    DIAGNOSTICS,
-    RAY_HIT,
-    Backend,
-    Energy,
-    Overlap,
-    Profile,
-    Report,
-    StageTime,
-    State,
-)
+from rockfall._reports import Backend, Profile, Report, StageTime
 from rockfall._scene import Scene
-from rockfall._settings import Settings
 from rockfall._trajectory import Recording
 
-#: Columns of the fields of spheres that can be set.
-_FIELDS = {"position": 3, "velocity": 3, "orientation": 4, "angular_momentum": 3, "force": 3}
 
-
-class Simulation(Objects):
+class Simulation(Observed):
     """A scene that advances in time.
 
     Parameters
@@ -93,10 +77,9 @@ class Simulation(Objects):
         self._begin(_rockfall.Simulation(scene._native, backend, integrator, broad_phase, bool(keep_going)), dt)
 
     def _begin(self, native: Any, dt: float) -> None:
-        self._native: Any = native
+        self._native = native
         self._dt = dt
-        #: Arrays that were handed out and may be written to, by field.
-        self._live: dict[str, FloatArray] = {}
+        self._live = {}
         self._recordings: list[Recording] = []
         self._studio: Any = None
 
@@ -249,181 +232,9 @@ class Simulation(Objects):
         return name
 
     @property
-    def device_memory(self) -> int:
-        """Memory on the GPU, in bytes; 0 on the CPU backend."""
+    def memory(self) -> int:
+        """Size of the arrays of the simulation, in bytes: on the GPU, or on the CPU backend in host memory."""
         return int(self._native.device_memory())
-
-    # State
-
-    def _field(self, field: str) -> FloatArray:
-        array = self._live.get(field)
-        if array is None:
-            array = self._native.get(field)
-            self._live[field] = array
-        return array
-
-    def _set_field(self, field: str, value: Any) -> None:
-        array = self._field(field)
-        if value is not array:
-            columns = _FIELDS[field]
-            array[:] = quaternions(field, value, len(array)) if columns == 4 else floats(field, value, (3,), len(array))
-        self._commit()
-
-    def _commit(self) -> None:
-        """Applies what was written to arrays, and makes them snapshots."""
-        if not self._live:
-            return
-        live, self._live = self._live, {}
-        for array in live.values():
-            array.flags.writeable = False
-        # All are checked before the first is applied.
-        for field, array in live.items():
-            quaternions(field, array) if field == "orientation" else floats(field, array, (3,))
-        for field, array in live.items():
-            self._native.put(field, array)
-
-    def _edited(self) -> None:
-        self._commit()
-
-    def _constant(self, field: str) -> FloatArray:
-        array: FloatArray = self._native.get(field)
-        array.flags.writeable = False
-        return array
-
-    @property
-    def positions(self) -> FloatArray:
-        """Centres of shape (N, 3), in units. Can be set, and written to until the next step."""
-        return self._field("position")
-
-    @positions.setter
-    def positions(self, value: npt.ArrayLike) -> None:
-        self._set_field("position", value)
-
-    @property
-    def velocities(self) -> FloatArray:
-        """Velocities of shape (N, 3), in units/s. Can be set, and written to until the next step."""
-        return self._field("velocity")
-
-    @velocities.setter
-    def velocities(self, value: npt.ArrayLike) -> None:
-        self._set_field("velocity", value)
-
-    @property
-    def orientations(self) -> FloatArray:
-        """Unit quaternions w, x, y, z of shape (N, 4). Can be set, and written to until the next step."""
-        return self._field("orientation")
-
-    @orientations.setter
-    def orientations(self, value: npt.ArrayLike) -> None:
-        self._set_field("orientation", value)
-
-    @property
-    def angular_momenta(self) -> FloatArray:
-        """Angular momenta of shape (N, 3), in mass units²/s. Can be set, and written to until the next step."""
-        return self._field("angular_momentum")
-
-    @angular_momenta.setter
-    def angular_momenta(self, value: npt.ArrayLike) -> None:
-        self._set_field("angular_momentum", value)
-
-    @property
-    def external_forces(self) -> FloatArray:
-        """External forces of shape (N, 3), in mass units/s². They act until they are changed."""
-        return self._field("force")
-
-    @external_forces.setter
-    def external_forces(self, value: npt.ArrayLike) -> None:
-        self._set_field("force", value)
-
-    @property
-    def radii(self) -> FloatArray:
-        """Radii of shape (N,), in units. Read-only."""
-        return self._constant("radius")
-
-    @property
-    def masses(self) -> FloatArray:
-        """Masses of shape (N,). Read-only."""
-        return self._constant("mass")
-
-    @property
-    def fixed(self) -> npt.NDArray[np.bool_]:
-        """Whether each sphere is fixed, of shape (N,). Read-only."""
-        array = self._native.get("fixed") != 0
-        array.flags.writeable = False
-        return array
-
-    @property
-    def sphere_ids(self) -> IntArray:
-        """Number of each sphere, of shape (N,): row k of :attr:`positions` is the sphere with number ``sphere_ids[k]``."""
-        ids: IntArray = self.table("sphere")["id"].copy()
-        return ids
-
-    def set(
-        self,
-        ids: npt.ArrayLike,
-        *,
-        position: npt.ArrayLike | None = None,
-        velocity: npt.ArrayLike | None = None,
-        orientation: npt.ArrayLike | None = None,
-        angular_momentum: npt.ArrayLike | None = None,
-        force: npt.ArrayLike | None = None,
-    ) -> None:
-        """Set the state of spheres.
-
-        Parameters
-        ----------
-        ids : array_like of int, shape (M,) or ()
-            Numbers of the spheres.
-        position, velocity, angular_momentum, force : array_like, shape (M, 3) or (3,), optional
-            New values, in units, units/s, mass units²/s and mass units/s².
-        orientation : array_like, shape (M, 4) or (4,), optional
-            Unit quaternions w, x, y, z.
-
-        Raises
-        ------
-        ValueError, TypeError
-            For wrong shapes and numbers that are not finite. Nothing is set then.
-        LookupError
-            For a sphere that does not exist.
-        """
-        numbers = integers("ids", ids)
-        given = {"position": position, "velocity": velocity, "angular_momentum": angular_momentum, "force": force}
-        arrays = {name: floats(name, value, (3,), len(numbers)) for name, value in given.items() if value is not None}
-        if orientation is not None:
-            arrays["orientation"] = quaternions("orientation", orientation, len(numbers))
-        self._commit()
-        for name, rows in arrays.items():
-            self._native.set(name, numbers, rows)
-
-    def apply_impulse(self, ids: npt.ArrayLike, impulse: npt.ArrayLike) -> None:
-        """Apply impulses to spheres, in mass units/s: each velocity changes by impulse / mass.
-
-        Parameters
-        ----------
-        ids : array_like of int, shape (M,) or ()
-            Numbers of the spheres. Fixed spheres do not change.
-        impulse : array_like, shape (M, 3) or (3,)
-            Impulses, in mass units/s.
-        """
-        numbers = integers("ids", ids)
-        rows = floats("impulse", impulse, (3,), len(numbers))
-        self._commit()
-        self._native.set("impulse", numbers, rows)
-
-    @property
-    def state(self) -> State:
-        """The memory of the CPU backend as read-only views, without copies; see :class:`State`.
-
-        Raises
-        ------
-        SimulationError
-            On the GPU backend.
-        """
-        self._commit()
-        found = self._native.state()
-        if found is None:
-            raise _rockfall.SimulationError("state: the memory is on the GPU; use positions and the other arrays, or backend=\"cpu\"")
-        return State(*found)
 
     @property
     def scene(self) -> Scene:
@@ -431,95 +242,10 @@ class Simulation(Objects):
         self._commit()
         return Scene._of(self._native.scene())
 
-    # Observation
-
-    @property
-    def energy(self) -> Energy:
-        """Energies and momenta of the current state."""
-        self._commit()
-        found = _rockfall.energy(self._native)
-        found["momentum"] = tuple(found["momentum"])
-        found["angular_momentum"] = tuple(found["angular_momentum"])
-        return Energy(**found)
-
-    @property
-    def contacts(self) -> np.ndarray:
-        """All contacts of the current state, as a structured array with one row per contact.
-
-        Fields: ``a_kind``, ``a``, ``b_kind`` and ``b`` (kind and row of both bodies, in order of addition), ``point`` (3) and
-        ``overlap`` in units, ``normal`` (3) from A to B, ``force`` (3) on B in mass units/s² and ``impulse`` (3) on B in mass
-        units/s, of which one is zero.
-        """
-        self._commit()
-        whole_numbers, real = _rockfall.contacts(self._native)
-        found = np.zeros(len(whole_numbers), dtype=CONTACT)
-        for place, body in enumerate(("a", "b")):
-            found[f"{body}_kind"] = BODY_KINDS[whole_numbers[:, 2 * place]]
-            found[body] = whole_numbers[:, 2 * place + 1]
-        found["point"], found["normal"], found["overlap"] = real[:, :3], real[:, 3:6], real[:, 9]
-        is_impulse = whole_numbers[:, 4:] != 0
-        found["impulse"] = np.where(is_impulse, real[:, 6:9], 0)
-        found["force"] = np.where(is_impulse, 0, real[:, 6:9])
-        return found
-
-    @property
-    def diagnostics(self) -> np.ndarray:
-        """Number of contacts, net force (3) in mass units/s² and deepest overlap in units of every sphere.
-
-        A structured array of shape (N,) with the fields ``contacts``, ``net_force`` and ``deepest_overlap``.
-        """
-        self._commit()
-        contacts, forces, overlaps = _rockfall.diagnostics(self._native)
-        found = np.empty(len(contacts), dtype=DIAGNOSTICS)
-        found["contacts"], found["net_force"], found["deepest_overlap"] = contacts, forces, overlaps
-        return found
-
-    def _overlap(self, resting: bool) -> Overlap:
-        self._commit()
-        units, radii, bodies = _rockfall.max_overlap(self._native, resting)
-        return Overlap(units, radii, None if bodies is None else (tuple(bodies[0]), tuple(bodies[1])))
-
-    @property
-    def max_overlap(self) -> Overlap:
-        """The deepest overlaps of the current state."""
-        return self._overlap(False)
-
-    @property
-    def resting_overlap(self) -> Overlap:
-        """The deepest overlaps between bodies at rest."""
-        return self._overlap(True)
-
-    def cast_rays(self, origin: npt.ArrayLike, direction: npt.ArrayLike) -> np.ndarray:
-        """The first body that each ray enters.
-
-        Parameters
-        ----------
-        origin, direction : array_like, shape (M, 3) or (3,)
-            Origins in units, and directions of any length except 0.
-
-        Returns
-        -------
-        ndarray, structured, shape (M,)
-            Fields ``kind`` and ``index`` (row in order of addition), ``distance`` and ``point`` (3) in units, and ``normal`` (3).
-            A ray that enters nothing has kind "", index -1, an infinite distance, and NaN.
-        """
-        self._commit()
-        count = max(len(floats("origin", origin, (3,))), len(floats("direction", direction, (3,))))
-        origins, directions = floats("origin", origin, (3,), count), floats("direction", direction, (3,), count)
-        zero = ~directions.any(axis=1)
-        if zero.any():
-            row = int(np.flatnonzero(zero)[0])
-            raise ValueError(f"direction: expected vectors that are not zero, got [0, 0, 0] at row {row}")
-        whole_numbers, real = _rockfall.cast_rays(self._native, origins, directions)
-        found = np.empty(count, dtype=RAY_HIT)
-        found["kind"], found["index"] = BODY_KINDS[whole_numbers[:, 0]], whole_numbers[:, 1]
-        found["distance"], found["point"], found["normal"] = real[:, 0], real[:, 1:4], real[:, 4:]
-        return found
-
     # Files
 
     def save_checkpoint(self, path: str | os.PathLike[str]) -> None:
-        """Write everything that determines the following steps to a file, for :meth:`resume` and ``rockfall run --resume``."""
+        """Write everything that determines the following steps to a file, for :meth:`resume` and :meth:`restore`."""
         self._commit()
         self._native.save_checkpoint(os.fspath(path))
 
@@ -617,7 +343,5 @@ def _one_row(name: str, value: Any) -> FloatArray:
     rows = floats(name, value, (3,))
     if len(rows) != 1:
         raise ValueError(f"{name}: expected shape (3,), got {rows.shape}")
-    return rows[0]
-
-
-__all__ = ["Settings", "Simulation"]
+    row: FloatArray = rows[0]
+    return row
