@@ -2,7 +2,7 @@
 
 use std::sync::PoisonError;
 
-use pyo3::exceptions::{PyLookupError, PyTypeError};
+use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use rockfall::{
     BoxId, Capsule, CapsuleId, Cuboid, Polygon, PolygonId, Result, Rod, RodId, Settings, Sphere, SphereId, Spring, SpringId,
@@ -10,6 +10,7 @@ use rockfall::{
 };
 
 use crate::errors::Raise;
+use crate::ids::Ids;
 use crate::scene::Scene;
 use crate::simulation::{Running, Simulation};
 
@@ -76,42 +77,6 @@ doors! {
     update_rod(id: RodId, change: Change<Rod>) -> ();
     update_spring(id: SpringId, change: Change<Spring>) -> ();
     update_tether(id: TetherId, change: Change<Tether>) -> ();
-}
-
-/// The handles of all objects that were ever added, by kind. The position in a list is the number that Python sees. It is never
-/// given to another object.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct Ids {
-    pub(crate) spheres: Vec<SphereId>,
-    pub(crate) rods: Vec<RodId>,
-    pub(crate) capsules: Vec<CapsuleId>,
-    pub(crate) springs: Vec<SpringId>,
-    pub(crate) tethers: Vec<TetherId>,
-    pub(crate) boxes: Vec<BoxId>,
-    pub(crate) polygons: Vec<PolygonId>,
-}
-
-impl Ids {
-    /// Numbers the objects of a scene in order of addition.
-    pub(crate) fn of(scene: &rockfall::Scene) -> Self {
-        Self {
-            spheres: scene.sphere_ids().collect(),
-            rods: scene.rod_ids().collect(),
-            capsules: scene.capsule_ids().collect(),
-            springs: scene.spring_ids().collect(),
-            tethers: scene.tether_ids().collect(),
-            boxes: scene.box_ids().collect(),
-            polygons: scene.polygon_ids().collect(),
-        }
-    }
-}
-
-/// The handle with a number.
-pub(crate) fn handle<T: Copy>(handles: &[T], kind: &str, id: i64) -> PyResult<T> {
-    let found = usize::try_from(id).ok().and_then(|place| handles.get(place));
-    found.copied().ok_or_else(|| {
-        PyLookupError::new_err(format!("there is no {kind} {id}: expected a number that add_{kind}s or add_{kind} returned"))
-    })
 }
 
 /// Calls a function with the objects of a native scene or simulation, without the GIL.

@@ -3,8 +3,10 @@
 
 use pyo3::prelude::*;
 
+mod arguments;
 mod doors;
 mod errors;
+mod ids;
 mod memory;
 mod objects;
 mod observe;

@@ -8,6 +8,7 @@ use pyo3::prelude::*;
 use rockfall::glam::Vec3;
 use rockfall::{Body, ContactAction, Scene, SphereId};
 
+use crate::arguments::{Rows, vector};
 use crate::doors::look;
 use crate::errors::Raise;
 use crate::simulation::Simulation;
@@ -96,8 +97,8 @@ pub(crate) fn max_overlap(simulation: &Bound<'_, Simulation>, resting: bool) -> 
 #[pyfunction]
 pub(crate) fn cast_rays<'py>(
     simulation: &Bound<'py, Simulation>,
-    origins: crate::objects::Rows<'_>,
-    directions: crate::objects::Rows<'_>,
+    origins: Rows<'_>,
+    directions: Rows<'_>,
 ) -> PyResult<(Matrix<'py, i64>, Matrix<'py, f32>)> {
     let (origins, directions) = (origins.as_slice()?, directions.as_slice()?);
     if origins.len() != directions.len() {
@@ -106,7 +107,7 @@ pub(crate) fn cast_rays<'py>(
     let (whole, real) = simulation.get().read(simulation.py(), |running| {
         let (mut whole, mut real) = (Vec::new(), Vec::new());
         for row in 0..origins.len() / 3 {
-            let [origin, direction] = [origins, directions].map(|rows| crate::objects::vector(rows, row));
+            let [origin, direction] = [origins, directions].map(|rows| vector(rows, row));
             match running.simulation.cast_ray(origin, direction).or_raise()? {
                 Some(hit) => {
                     whole.extend([kind(hit.body), hit.body.index(running.simulation.scene()).or_raise()? as i64]);

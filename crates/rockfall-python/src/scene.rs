@@ -5,8 +5,8 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use pyo3::prelude::*;
 
-use crate::doors::Ids;
 use crate::errors::Raise;
+use crate::ids::Ids;
 
 /// A scene and the numbers of its objects.
 #[derive(Debug)]

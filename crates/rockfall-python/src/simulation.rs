@@ -10,10 +10,10 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use rockfall::{Checkpoint, Options};
 
-use crate::doors::{Ids, handle};
+use crate::arguments::{Numbers, Rows};
 use crate::errors::Raise;
+use crate::ids::{Ids, handle};
 use crate::memory::{Lender, Views};
-use crate::objects::{Numbers, Rows};
 use crate::scene::Scene;
 use crate::states::{Field, Table};
 use crate::tables::{BackendInfo, ProfileOf, Report};

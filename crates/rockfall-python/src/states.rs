@@ -7,7 +7,7 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use rockfall::{Result, Scene, Simulation, Sphere, SphereId};
 
-use crate::objects::{quaternion, vector};
+use crate::arguments::{quaternion, vector};
 
 /// A field of spheres.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
