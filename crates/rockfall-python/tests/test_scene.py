@@ -118,6 +118,15 @@ def test_settings_are_attributes_with_units() -> None:
     assert set(scene.settings) == set(scene.settings.keys()) and len(scene.settings) == len(list(scene.settings))
 
 
+def test_every_setting_is_set_and_documented() -> None:
+    for scene in (rf.Scene(), rf.Simulation(rf.Scene(), backend="cpu")):
+        for name, value in scene.settings.items():
+            new = (1.0, 0.0, 0.0) if isinstance(value, tuple) else not value if isinstance(value, bool) else 0.25
+            setattr(scene.settings, name, new)
+            assert scene.settings[name] == new, name
+            assert "Default" in getattr(rf.Settings, name).__doc__
+
+
 def test_declared_settings_are_those_of_the_library() -> None:
     declared = [name for name in rf.Settings.__annotations__ if not name.startswith("_")] or None
     text = pathlib.Path(rf.__file__).with_name("_settings.py").read_text()
