@@ -47,9 +47,10 @@ class Picture:
 
     def png(self) -> bytes:
         """The bytes of a PNG file."""
-        if self._png is None:
-            self._png = self._native.png()
-        return self._png
+        png = self._png
+        if png is None:
+            self._png = png = bytes(self._native.png())
+        return png
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write the picture to a file whose name ends in .png, .jpg or .jpeg.
