@@ -12,7 +12,7 @@ use rockfall::{
 use crate::errors::Raise;
 use crate::ids::Ids;
 use crate::scene::Scene;
-use crate::simulation::{Running, Simulation};
+use crate::simulation::Simulation;
 
 /// A change of an object.
 pub(crate) type Change<'a, T> = &'a dyn Fn(&mut T);
@@ -98,16 +98,14 @@ pub(crate) fn with<R: Send>(
     Err(PyTypeError::new_err("target: expected a Scene or a Simulation"))
 }
 
-/// Calls a function with the objects of a native scene or simulation that it does not change.
+/// Calls a function with the objects of a native scene or simulation that it does not change. The states of the spheres may be
+/// those of an earlier step.
 pub(crate) fn look<R: Send>(
     target: &Bound<'_, PyAny>,
     call: impl FnOnce(&rockfall::Scene, &Ids) -> PyResult<R> + Send,
 ) -> PyResult<R> {
     match target.cast::<Simulation>() {
-        Ok(simulation) => simulation.get().read(target.py(), |running| {
-            let Running { simulation, ids, .. } = running;
-            call(simulation.sync().or_raise()?, ids)
-        }),
+        Ok(simulation) => simulation.get().locked(target.py(), |running| call(running.simulation.scene(), &running.ids)),
         Err(_) => with(target, |doors, ids| call(doors.objects(), ids)),
     }
 }

@@ -53,7 +53,7 @@ impl Simulation {
     }
 
     /// Calls a function without the GIL, while no other thread uses the simulation. Threads that wait for it do not hold the GIL.
-    fn locked<R: Send>(&self, py: Python<'_>, call: impl FnOnce(&mut Running) -> R + Send) -> R {
+    pub(crate) fn locked<R: Send>(&self, py: Python<'_>, call: impl FnOnce(&mut Running) -> R + Send) -> R {
         py.detach(|| {
             self.waiting.fetch_add(1, Ordering::Relaxed);
             let mut running = self.running.lock().unwrap_or_else(PoisonError::into_inner);

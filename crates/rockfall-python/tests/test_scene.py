@@ -100,6 +100,37 @@ def test_arrays_of_any_layout_and_dtype_are_taken() -> None:
     assert sim.masses.tolist() == [1, 2, 3, 4] + 8 * [1]
 
 
+class Foreign:
+    """An array of another library in host memory, which speaks DLPack only."""
+
+    def __init__(self, array: np.ndarray) -> None:
+        self.array = array
+        self.shape = array.shape
+
+    def __dlpack__(self, **options: object) -> object:
+        return self.array.__dlpack__(**options)  # type: ignore[arg-type]
+
+    def __dlpack_device__(self) -> tuple[int, int]:
+        return self.array.__dlpack_device__()
+
+
+def test_arrays_of_other_libraries_are_taken_and_given() -> None:
+    scene = rf.Scene()
+    position = np.arange(6.0).reshape(2, 3)
+    scene.add_spheres(Foreign(position), Foreign(np.array([0.5, 0.25], np.float32)))
+    sim = rf.Simulation(scene, backend="cpu")
+    np.testing.assert_array_equal(sim.positions, position)
+    sim.velocities = Foreign(position)
+    shared = np.from_dlpack(Foreign(sim.velocities))
+    np.testing.assert_array_equal(shared, position)
+    twin = rf.Scene()
+    twin.add_spheres(sim.positions, sim.radii, sim.masses, sim.velocities, orientation=sim.orientations)
+    assert twin.to_text() == sim.scene.to_text(), "what comes out of one call goes into another"
+    views = sim.state
+    twin.add_spheres(views.positions, views.radii)
+    assert twin.counts.spheres == 4
+
+
 def test_settings_are_attributes_with_units() -> None:
     scene = rf.Scene()
     scene.settings.gravity = 9.81
