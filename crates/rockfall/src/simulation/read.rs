@@ -1,6 +1,6 @@
 //! Reads states and energies back.
 
-use glam::{DVec3, Vec3};
+use glam::{DVec3, Vec3, Vec4};
 
 use crate::error::Result;
 use crate::model::world::World;
@@ -43,6 +43,18 @@ impl Simulation {
             #[cfg(feature = "gpu")]
             engine::Engine::Gpu(_) => None,
         }
+    }
+
+    /// Copies the state and the orientations of the CPU backend to new memory, which the simulation uses from now on, and
+    /// returns the old memory: `World::states[0]` and `World::orientations`, each at the address that [`Simulation::cpu_view`]
+    /// showed. A program that shares this memory with others calls it before the next step or edit. `None` on the GPU backend.
+    pub fn replace_cpu_state(&mut self) -> Option<[Vec<Vec4>; 2]> {
+        self.cpu_view()?;
+        let arrays = [&mut self.world.states[0], &mut self.world.orientations];
+        Some(arrays.map(|array| {
+            let copy = array.clone();
+            std::mem::replace(array, copy)
+        }))
     }
 
     /// A number that changes whenever memory is packed or sorted again: after objects were added or removed, and when spheres

@@ -1,0 +1,52 @@
+"""rockfall: a rigid-body physics engine on the GPU and the CPU, with NumPy arrays.
+
+>>> import numpy as np, rockfall as rf
+>>> scene = rf.Scene()
+>>> floor = scene.add_box([-5, -1, -5], [5, 0, 5])
+>>> balls = scene.add_spheres(np.random.rand(1000, 3) * 4, radius=0.1, mass=1.0)
+>>> sim = rf.Simulation(scene, dt=0.01)
+>>> report = sim.run(1000)
+>>> sim.positions.shape
+(1000, 3)
+>>> picture = sim.render(size=(960, 540))
+"""
+
+from __future__ import annotations
+
+from rockfall import _rockfall
+from rockfall._bodies import Capsules
+from rockfall._info import devices, info
+from rockfall._objects import Counts, Objects
+from rockfall._picture import Picture
+from rockfall._reports import Backend, Device, Energy, Overlap, Profile, Report, StageTime, State
+from rockfall._rockfall import SimulationError
+from rockfall._scene import Scene
+from rockfall._settings import Settings
+from rockfall._simulation import Simulation
+from rockfall._trajectory import Frame, Recording, Trajectory
+
+__version__: str = _rockfall.__version__
+
+__all__ = [
+    "Backend",
+    "Capsules",
+    "Counts",
+    "Device",
+    "Energy",
+    "Frame",
+    "Objects",
+    "Overlap",
+    "Picture",
+    "Profile",
+    "Recording",
+    "Report",
+    "Scene",
+    "Settings",
+    "Simulation",
+    "SimulationError",
+    "StageTime",
+    "State",
+    "Trajectory",
+    "devices",
+    "info",
+]

@@ -1,0 +1,250 @@
+"""What scenes and simulations have in common: their objects and constants."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from rockfall import _rockfall
+from rockfall._arrays import IntArray, common, floats, integers
+from rockfall._bodies import Bodies, first_of, numbers_from
+from rockfall._settings import Settings
+
+#: Names of the kinds of objects.
+KINDS = ("sphere", "rod", "capsule", "spring", "tether", "box", "polygon")
+
+_COLUMNS: dict[str, tuple[list[str], list[tuple[str, int]]]] = {
+    "sphere": (["id", "fixed", "group"], [("radius", 1), ("mass", 1)]),
+    "rod": (["id", "end1", "end2", "group"], [("radius", 1), ("length", 1)]),
+    "capsule": (["id", "end1", "end2"], []),
+    "spring": (["id", "a", "b"], [("stiffness", 1), ("length", 1), ("damping", 1)]),
+    "tether": (["id", "sphere"], [("point", 3), ("stiffness", 1), ("length", 1), ("damping", 1)]),
+    "box": (["id", "group"], [("corner", 3), ("i", 3), ("j", 3), ("k", 3)]),
+    "polygon": (["id", "group"], [("corner", 3), ("left", 3), ("right", 3)]),
+}
+
+
+class Counts(NamedTuple):
+    """Number of objects of each kind. The spheres and rods of capsules count as spheres and rods too."""
+
+    spheres: int
+    rods: int
+    capsules: int
+    springs: int
+    tethers: int
+    boxes: int
+    polygons: int
+
+
+class Objects(Bodies):
+    """Objects that can be added, removed and changed. The base of :class:`Scene` and :class:`Simulation`.
+
+    Every ``add`` method takes N objects at once. An argument with one value instead of N counts for all of them. It returns
+    the numbers of the new objects as an int64 array of shape (N,). Numbers count from 0 in the order of addition and are never
+    used again, so they stay valid when other objects are removed. As long as nothing is removed, the number of a sphere is
+    also its row in arrays such as :attr:`Simulation.positions`. If one row is wrong, nothing is added.
+
+    Arrays may have any real or integer dtype; they are copied to float32. They may be read-only, not contiguous, lists, and
+    arrays of other libraries in host memory.
+
+    Lengths are in arbitrary units, masses in arbitrary mass units, times in seconds.
+    """
+
+    @property
+    def settings(self) -> Settings:
+        """The physical constants, as attributes: ``settings.gravity = 9.81``."""
+        return Settings(self._native)
+
+    @settings.setter
+    def settings(self, value: Any) -> None:
+        self._edited()
+        for name, number in value.items():
+            self.settings[name] = number
+
+    @property
+    def counts(self) -> Counts:
+        """Number of objects of each kind."""
+        return Counts(*_rockfall.counts(self._native))
+
+    def add_boxes(self, corner: npt.ArrayLike, edges: npt.ArrayLike, *, group: npt.ArrayLike = 0) -> IntArray:
+        """Add static boxes.
+
+        Parameters
+        ----------
+        corner : array_like, shape (N, 3) or (3,)
+            A corner of each box, in units.
+        edges : array_like, shape (N, 3, 3) or (3, 3)
+            The three edges from that corner, one per row, at right angles to each other, in units.
+        group : array_like of int, shape (N,) or ()
+            Collision groups from 0 to 65535.
+
+        Returns
+        -------
+        ndarray of int64, shape (N,)
+            Numbers of the boxes.
+
+        Raises
+        ------
+        ValueError, TypeError
+            As for :meth:`add_spheres`, and for edges that are not at right angles.
+        """
+        count = common(corner=(corner, (3,)), edges=(edges, (3, 3)), group=(group, ()))
+        arguments = (
+            floats("corner", corner, (3,), count),
+            floats("edges", edges, (3, 3), count).reshape(3 * count, 3),
+            integers("group", group, count, dtype=np.uint16),
+        )
+        self._edited()
+        return numbers_from(_rockfall.add_boxes(self._native, *arguments), count)
+
+    def add_box(self, min: npt.ArrayLike, max: npt.ArrayLike, *, group: int = 0) -> int:
+        """Add a static box with edges along the axes, between two opposite corners of shape (3,), in units."""
+        low, high = floats("min", min, (3,)), floats("max", max, (3,))
+        if len(low) != 1 or len(high) != 1:
+            raise ValueError(f"min, max: expected shape (3,) each, got {low.shape} and {high.shape}; add_boxes takes arrays")
+        with np.errstate(over="ignore"):
+            size = high[0] - low[0]
+        if not (np.abs(size) > 0).all():
+            raise ValueError(f"max: expected a corner that differs from min in every coordinate, got {high[0].tolist()}")
+        return first_of(self.add_boxes(low[0], np.diag(size), group=group))
+
+    def add_polygons(
+        self, corner: npt.ArrayLike, left: npt.ArrayLike, right: npt.ArrayLike, *, group: npt.ArrayLike = 0
+    ) -> IntArray:
+        """Add static parallelograms. Bodies touch them only on the side that left x right points to.
+
+        Parameters
+        ----------
+        corner : array_like, shape (N, 3) or (3,)
+            A corner of each polygon, in units.
+        left, right : array_like, shape (N, 3) or (3,)
+            The two edges from that corner, in units.
+        group : array_like of int, shape (N,) or ()
+            Collision groups from 0 to 65535.
+
+        Returns
+        -------
+        ndarray of int64, shape (N,)
+            Numbers of the polygons.
+
+        Raises
+        ------
+        ValueError, TypeError
+            As for :meth:`add_spheres`, and for edges that are parallel.
+        """
+        count = common(corner=(corner, (3,)), left=(left, (3,)), right=(right, (3,)), group=(group, ()))
+        arguments = (
+            floats("corner", corner, (3,), count),
+            floats("left", left, (3,), count),
+            floats("right", right, (3,), count),
+            integers("group", group, count, dtype=np.uint16),
+        )
+        self._edited()
+        return numbers_from(_rockfall.add_polygons(self._native, *arguments), count)
+
+    def remove(self, kind: str, ids: npt.ArrayLike) -> None:
+        """Remove objects.
+
+        A sphere is removed with its rods, capsules, springs and tethers, and a capsule with its spheres and its rod. If a rod
+        of a capsule is removed, the two spheres stay. The time grows with the number of removed objects times the number of
+        objects of the kind.
+
+        Parameters
+        ----------
+        kind : str
+            sphere, rod, capsule, spring, tether, box or polygon.
+        ids : array_like of int, shape (N,) or ()
+            Numbers of the objects, as ``add`` methods returned them.
+
+        Raises
+        ------
+        ValueError
+            For an unknown kind.
+        LookupError
+            For an object that does not exist. Nothing is removed then.
+        """
+        _check_kind(kind)
+        numbers = np.unique(integers("ids", ids))
+        self._edited()
+        _rockfall.remove(self._native, kind, numbers)
+
+    def update_rods(self, ids: npt.ArrayLike, *, radius: npt.ArrayLike | None = None, length: npt.ArrayLike | None = None) -> None:
+        """Change radii and lengths of rods, in units. A length of 0 leaves a rod free."""
+        self._update("rod", ids, radius=(radius, (), True), length=(length, (), False))
+
+    def update_springs(
+        self,
+        ids: npt.ArrayLike,
+        *,
+        stiffness: npt.ArrayLike | None = None,
+        length: npt.ArrayLike | None = None,
+        damping: npt.ArrayLike | None = None,
+    ) -> None:
+        """Change constants of springs: stiffness in mass/s², length in units, damping in mass/s."""
+        self._update("spring", ids, stiffness=(stiffness, (), False), length=(length, (), False), damping=(damping, (), False))
+
+    def update_tethers(
+        self,
+        ids: npt.ArrayLike,
+        *,
+        point: npt.ArrayLike | None = None,
+        stiffness: npt.ArrayLike | None = None,
+        length: npt.ArrayLike | None = None,
+        damping: npt.ArrayLike | None = None,
+    ) -> None:
+        """Change points and constants of tethers, for example to drag bodies. Units as for :meth:`add_tethers`."""
+        self._update(
+            "tether",
+            ids,
+            point=(point, (3,), None),
+            stiffness=(stiffness, (), False),
+            length=(length, (), False),
+            damping=(damping, (), False),
+        )
+
+    def _update(self, kind: str, ids: npt.ArrayLike, **fields: tuple[Any, tuple[int, ...], bool | None]) -> None:
+        numbers = integers("ids", ids)
+        given: list[tuple[str, Any]] = []
+        for name, (value, columns, positive) in fields.items():
+            if value is not None:
+                array = floats(
+                    name, value, columns, len(numbers), positive=positive is True, not_negative=positive is False
+                )
+                given.append((name, array.reshape(-1, 1) if not columns else array))
+        self._edited()
+        _rockfall.update(self._native, kind, numbers, given)
+
+    def table(self, kind: str) -> npt.NDArray[Any]:
+        """All objects of a kind and their parameters.
+
+        Parameters
+        ----------
+        kind : str
+            sphere, rod, capsule, spring, tether, box or polygon.
+
+        Returns
+        -------
+        ndarray, structured, shape (N,)
+            One row per object in order of addition. The field ``id`` is the number of the object. Fields that refer to spheres
+            (``end1``, ``a``, ``sphere`` and others) hold rows of arrays such as :attr:`Simulation.positions`.
+        """
+        _check_kind(kind)
+        whole, real = _rockfall.table(self._native, kind)
+        names, columns = _COLUMNS[kind]
+        dtype = [(name, np.int64) for name in names]
+        dtype += [(name, np.float32) if width == 1 else (name, np.float32, (width,)) for name, width in columns]  # type: ignore[misc]
+        table = np.empty(len(whole), dtype=dtype)
+        for place, name in enumerate(names):
+            table[name] = whole[:, place]
+        place = 0
+        for name, width in columns:
+            table[name] = real[:, place] if width == 1 else real[:, place : place + width]
+            place += width
+        return table
+
+
+def _check_kind(kind: str) -> None:
+    if kind not in KINDS:
+        raise ValueError(f"kind: expected one of {', '.join(KINDS)}, got {kind!r}")

@@ -1,0 +1,98 @@
+"""Contacts, energies, diagnostics and ray casts."""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+
+from rockfall import _rockfall
+from rockfall._arrays import floats
+from rockfall._reports import BODY_KINDS, CONTACT, DIAGNOSTICS, RAY_HIT, Energy, Overlap
+from rockfall._states import States
+
+
+class Observed(States):
+    """What can be found out about a state. A base of :class:`Simulation`."""
+
+    @property
+    def energy(self) -> Energy:
+        """Energies and momenta of the current state."""
+        self._commit()
+        found = _rockfall.energy(self._native)
+        found["momentum"] = tuple(found["momentum"])
+        found["angular_momentum"] = tuple(found["angular_momentum"])
+        return Energy(**found)
+
+    @property
+    def contacts(self) -> np.ndarray:
+        """All contacts of the current state, as a structured array with one row per contact.
+
+        Fields: ``a_kind``, ``a``, ``b_kind`` and ``b`` (kind and row of both bodies, in order of addition), ``point`` (3) and
+        ``overlap`` in units, ``normal`` (3) from A to B, ``force`` (3) on B in mass units/s² and ``impulse`` (3) on B in mass
+        units/s, of which one is zero.
+        """
+        self._commit()
+        whole_numbers, real = _rockfall.contacts(self._native)
+        found = np.zeros(len(whole_numbers), dtype=CONTACT)
+        for place, body in enumerate(("a", "b")):
+            found[f"{body}_kind"] = BODY_KINDS[whole_numbers[:, 2 * place]]
+            found[body] = whole_numbers[:, 2 * place + 1]
+        found["point"], found["normal"], found["overlap"] = real[:, :3], real[:, 3:6], real[:, 9]
+        is_impulse = whole_numbers[:, 4:] != 0
+        found["impulse"] = np.where(is_impulse, real[:, 6:9], 0)
+        found["force"] = np.where(is_impulse, 0, real[:, 6:9])
+        return found
+
+    @property
+    def diagnostics(self) -> np.ndarray:
+        """Number of contacts, net force (3) in mass units/s² and deepest overlap in units of every sphere.
+
+        A structured array of shape (N,) with the fields ``contacts``, ``net_force`` and ``deepest_overlap``.
+        """
+        self._commit()
+        contacts, forces, overlaps = _rockfall.diagnostics(self._native)
+        found = np.empty(len(contacts), dtype=DIAGNOSTICS)
+        found["contacts"], found["net_force"], found["deepest_overlap"] = contacts, forces, overlaps
+        return found
+
+    def _overlap(self, resting: bool) -> Overlap:
+        self._commit()
+        units, radii, bodies = _rockfall.max_overlap(self._native, resting)
+        return Overlap(units, radii, None if bodies is None else (bodies[0], bodies[1]))
+
+    @property
+    def max_overlap(self) -> Overlap:
+        """The deepest overlaps of the current state."""
+        return self._overlap(False)
+
+    @property
+    def resting_overlap(self) -> Overlap:
+        """The deepest overlaps between bodies at rest."""
+        return self._overlap(True)
+
+    def cast_rays(self, origin: npt.ArrayLike, direction: npt.ArrayLike) -> np.ndarray:
+        """The first body that each ray enters.
+
+        Parameters
+        ----------
+        origin, direction : array_like, shape (M, 3) or (3,)
+            Origins in units, and directions of any length except 0.
+
+        Returns
+        -------
+        ndarray, structured, shape (M,)
+            Fields ``kind`` and ``index`` (row in order of addition), ``distance`` and ``point`` (3) in units, and ``normal`` (3).
+            A ray that enters nothing has kind "", index -1, an infinite distance, and NaN.
+        """
+        self._commit()
+        count = max(len(floats("origin", origin, (3,))), len(floats("direction", direction, (3,))))
+        origins, directions = floats("origin", origin, (3,), count), floats("direction", direction, (3,), count)
+        zero = ~directions.any(axis=1)
+        if zero.any():
+            row = int(np.flatnonzero(zero)[0])
+            raise ValueError(f"direction: expected vectors that are not zero, got [0, 0, 0] at row {row}")
+        whole_numbers, real = _rockfall.cast_rays(self._native, origins, directions)
+        found = np.empty(count, dtype=RAY_HIT)
+        found["kind"], found["index"] = BODY_KINDS[whole_numbers[:, 0]], whole_numbers[:, 1]
+        found["distance"], found["point"], found["normal"] = real[:, 0], real[:, 1:4], real[:, 4:]
+        return found

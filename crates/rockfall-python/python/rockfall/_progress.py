@@ -1,0 +1,44 @@
+"""Progress bars."""
+
+from __future__ import annotations
+
+import sys
+import time
+from types import TracebackType
+from typing import Any
+
+
+class Progress:
+    """A progress bar on standard error, by tqdm where it is installed. Without a total, it shows nothing."""
+
+    def __init__(self, total: int | None) -> None:
+        self._total = total
+        self._done = 0
+        self._shown = 0.0
+        self._bar: Any = None
+        if total is not None:
+            try:
+                from tqdm.auto import tqdm
+            except ImportError:
+                return
+            self._bar = tqdm(total=total, unit="step")
+
+    def advance(self, steps: int) -> None:
+        """Count steps."""
+        self._done += steps
+        if self._bar is not None:
+            self._bar.update(steps)
+        elif self._total is not None and (self._done == self._total or time.monotonic() - self._shown > 0.2):
+            self._shown = time.monotonic()
+            print(f"\r{self._done} of {self._total} steps", end="", file=sys.stderr, flush=True)
+
+    def __enter__(self) -> Progress:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        if self._bar is not None:
+            self._bar.close()
+        elif self._done:
+            print(file=sys.stderr)

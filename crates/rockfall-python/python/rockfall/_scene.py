@@ -1,0 +1,107 @@
+"""Scenes."""
+
+from __future__ import annotations
+
+import os
+from typing import Any
+
+from rockfall import _rockfall
+from rockfall._arrays import time_step
+from rockfall._objects import Objects
+
+
+class Scene(Objects):
+    """Objects and physical constants, without time.
+
+    ``Scene()`` is empty. :meth:`parse` and :meth:`load` read a scene text. A :class:`Simulation` takes a copy of a scene, so that
+    several simulations can start from the same one.
+
+    Examples
+    --------
+    >>> import rockfall as rf
+    >>> scene = rf.Scene()
+    >>> scene.add_box([-5, -1, -5], [5, 0, 5])
+    0
+    >>> scene.add_spheres([[0, 1, 0], [0, 2, 0]], radius=0.4)
+    array([0, 1])
+    >>> scene.settings.gravity = 9.81
+    """
+
+    def __init__(self) -> None:
+        self._native: Any = _rockfall.Scene()
+
+    @classmethod
+    def _of(cls, native: Any) -> Scene:
+        scene = cls.__new__(cls)
+        scene._native = native
+        return scene
+
+    @classmethod
+    def parse(cls, text: str, name: str = "scene") -> Scene:
+        """Read a scene text. ``name`` names its source in messages.
+
+        Raises
+        ------
+        ValueError
+            For the first wrong line, with its number, the field and what was expected.
+        """
+        if not isinstance(text, str):
+            raise TypeError(f"text: expected a str, got {type(text).__name__}")
+        return cls._of(_rockfall.Scene.parse(text, name))
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str]) -> Scene:
+        """Read a scene file.
+
+        Raises
+        ------
+        OSError
+            If the file cannot be read.
+        ValueError
+            As for :meth:`parse`.
+        """
+        return cls._of(_rockfall.Scene.load(os.fspath(path)))
+
+    def to_text(self) -> str:
+        """The scene as text, which :meth:`parse` reads back to the same bits."""
+        text: str = self._native.to_text()
+        return text
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write the scene to a text file. Raises OSError if the file cannot be written."""
+        self._native.save(os.fspath(path))
+
+    def copy(self) -> Scene:
+        """A copy with the same numbers of objects."""
+        return Scene._of(self._native.copy())
+
+    @property
+    def warnings(self) -> list[tuple[int, str]]:
+        """Warnings about the text that the scene was read from: line number and text."""
+        return list(self._native.warnings())
+
+    def check(self, dt: float = 0.02, integrator: str = "rk4") -> list[str]:
+        """Warnings about a time step (in s) or constants that do not suit the scene, and about bodies that overlap.
+
+        An empty list means that nothing was found. ``rockfall check`` on the command line reports the same.
+        """
+        found: list[str] = self._native.check(time_step("dt", dt), integrator)
+        return found
+
+    def __copy__(self) -> Scene:
+        return self.copy()
+
+    def __deepcopy__(self, memo: Any) -> Scene:
+        return self.copy()
+
+    def __reduce__(self) -> Any:
+        # The text holds every object and constant, but numbers of objects start again from 0.
+        return (_parse, (self.to_text(),))
+
+    def __repr__(self) -> str:
+        counts = ", ".join(f"{count} {kind}" for kind, count in self.counts._asdict().items() if count)
+        return f"<rockfall.Scene: {counts or 'empty'}>"
+
+
+def _parse(text: str) -> Scene:
+    return Scene.parse(text)

@@ -1,0 +1,347 @@
+"""Simulations."""
+
+from __future__ import annotations
+
+import os
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from rockfall import _rockfall
+from rockfall._arrays import FloatArray, floats, time_step, whole
+from rockfall._observe import Observed
+from rockfall._picture import Picture
+from rockfall._progress import Progress
+from rockfall._reports import Backend, Profile, Report, StageTime
+from rockfall._scene import Scene
+from rockfall._trajectory import Recording
+
+
+class Simulation(Observed):
+    """A scene that advances in time.
+
+    Parameters
+    ----------
+    scene : Scene
+        The scene, of which the simulation takes a copy.
+    dt : float
+        Time step, in s. It can be changed later.
+    backend : {"auto", "gpu", "cpu"}
+        "auto" uses a hardware GPU where there is one, otherwise the CPU.
+    integrator : {"rk4", "symplectic-euler"}
+        How positions and velocities are advanced.
+    broad_phase : {"auto", "brute-force", "sort-and-skip", "grid"}
+        How pairs that may touch are found. Results do not depend on it.
+    keep_going : bool
+        Whether to continue when the state of a body stops being finite. The body is then stopped and counted in
+        :attr:`report`.
+
+    Raises
+    ------
+    ValueError
+        For a value that is not allowed.
+    SimulationError
+        If there is no GPU for ``backend="gpu"``, or the scene is too large.
+
+    Notes
+    -----
+    Arrays such as :attr:`positions` are copies in order of addition. They belong to the state in which they were read:
+
+    - Writing to one changes the simulation. The change takes effect before the next step, edit or read.
+    - With the next step or edit it becomes a read-only snapshot, which keeps its values. Read the attribute again for the new
+      state.
+
+    So ``sim.velocities[:] = 0`` stops all bodies, and ``moved = sim.positions - before`` is what it seems to be. Call
+    ``.copy()`` for an array to compute in.
+
+    Several threads may use a simulation. They wait for each other, without the GIL.
+    """
+
+    def __init__(
+        self,
+        scene: Scene,
+        dt: float = 0.02,
+        *,
+        backend: str = "auto",
+        integrator: str = "rk4",
+        broad_phase: str = "auto",
+        keep_going: bool = False,
+    ) -> None:
+        if not isinstance(scene, Scene):
+            raise TypeError(f"scene: expected a rockfall.Scene, got {type(scene).__name__}")
+        for name, value in (("backend", backend), ("integrator", integrator), ("broad_phase", broad_phase)):
+            if not isinstance(value, str):
+                raise TypeError(f"{name}: expected a str, got {type(value).__name__}")
+        dt = time_step("dt", dt)
+        self._begin(_rockfall.Simulation(scene._native, backend, integrator, broad_phase, bool(keep_going)), dt)
+
+    def _begin(self, native: Any, dt: float) -> None:
+        self._native = native
+        self._dt = dt
+        self._live = {}
+        self._recordings: list[Recording] = []
+        self._studio: Any = None
+
+    @classmethod
+    def resume(cls, path: str | os.PathLike[str], *, backend: str | None = None) -> Simulation:
+        """Continue from a checkpoint, with results that are bitwise identical to those of a run that never stopped.
+
+        Objects are numbered from 0 again.
+
+        Parameters
+        ----------
+        path : path
+            A file that :meth:`save_checkpoint` or ``rockfall run --checkpoint`` wrote.
+        backend : {"auto", "gpu", "cpu"}, optional
+            Another backend than that of the checkpoint. Results then differ by rounding.
+
+        Raises
+        ------
+        OSError
+            If the file cannot be read.
+        ValueError
+            If it is not a usable checkpoint.
+        """
+        simulation = cls.__new__(cls)
+        native = _rockfall.Simulation.resume(os.fspath(path), backend)
+        # The decimal number that was written as f32.
+        simulation._begin(native, float(str(np.float32(native.time_step()))))
+        return simulation
+
+    # Steps
+
+    @property
+    def dt(self) -> float:
+        """Time step, in s."""
+        return self._dt
+
+    @dt.setter
+    def dt(self, value: float) -> None:
+        self._dt = time_step("dt", value)
+
+    def run(self, steps: int, *, progress: bool = False) -> Report:
+        """Run steps.
+
+        Parameters
+        ----------
+        steps : int
+            Number of steps.
+        progress : bool
+            Whether to show a progress bar, by tqdm where it is installed.
+
+        Returns
+        -------
+        Report
+            Counts and times of all steps so far.
+
+        Raises
+        ------
+        SimulationError
+            When the state of a body stops being finite, or the device fails. The steps before are done.
+        KeyboardInterrupt
+            After Ctrl-C. The simulation is between two steps and can go on.
+
+        Notes
+        -----
+        Other threads of Python run meanwhile.
+        """
+        left = whole("steps", steps)
+        self._commit()
+        if not progress and not self._recordings:
+            self._native.run(left, self._dt, None)
+            return self.report
+        with Progress(left if progress else None) as bar:
+            while left > 0:
+                count = left
+                if self._recordings:
+                    done = self.steps
+                    count = min(left, *(recording._steps_until_frame(done) for recording in self._recordings))
+                self._native.run(count, self._dt, bar.advance if progress else None)
+                left -= count
+                if self._recordings:
+                    done = self.steps
+                    for recording in list(self._recordings):
+                        recording._after(done)
+        return self.report
+
+    def step(self) -> None:
+        """Run one step. Raises as :meth:`run`."""
+        if self._live or self._recordings:
+            self.run(1)
+        else:
+            self._native.run(1, self._dt, None)
+
+    def update_aabbs(self) -> None:
+        """Run phase 1 of a step alone: compute the AABBs of all objects."""
+        self._phase("update_aabbs")
+
+    def broad_phase(self) -> None:
+        """Run phase 2 of a step alone: build the pair lists."""
+        self._phase("broad_phase")
+
+    def handle_collisions(self) -> None:
+        """Run phase 3 of a step alone: handle collisions, whether or not they are switched on."""
+        self._phase("handle_collisions")
+
+    def update_positions(self) -> None:
+        """Run phase 4 of a step alone: forces, integration and constraints. Counts as a step."""
+        self._phase("update_positions")
+
+    def _phase(self, phase: str) -> None:
+        self._commit()
+        self._native.phase(phase, self._dt)
+
+    def profile(self, steps: int) -> Profile:
+        """Run steps and measure the time of every stage. It takes longer than :meth:`run`."""
+        self._commit()
+        found = self._native.profile(whole("steps", steps, least=1), self._dt)
+        found["stages"] = [StageTime(*stage) for stage in found["stages"]]
+        return Profile(**found)
+
+    @property
+    def steps(self) -> int:
+        """Number of steps done."""
+        return self.report.steps
+
+    @property
+    def time(self) -> float:
+        """Time simulated, in s."""
+        return self.report.time
+
+    @property
+    def report(self) -> Report:
+        """Counts and times of all steps so far."""
+        return Report(**self._native.report())
+
+    @property
+    def backend(self) -> Backend:
+        """The backend that runs the simulation, and why it was chosen."""
+        return Backend(**self._native.backend())
+
+    @property
+    def integrator(self) -> str:
+        """The integrator: "rk4" or "symplectic-euler"."""
+        name: str = self._native.methods()[0]
+        return name
+
+    @property
+    def broad_phase_method(self) -> str:
+        """The method that finds pairs: the requested one, or the one chosen for the number of objects."""
+        name: str = self._native.methods()[1]
+        return name
+
+    @property
+    def memory(self) -> int:
+        """Size of the arrays of the simulation, in bytes: on the GPU, or on the CPU backend in host memory."""
+        return int(self._native.device_memory())
+
+    @property
+    def scene(self) -> Scene:
+        """A copy of the scene with the current state. Its objects are numbered from 0."""
+        self._commit()
+        return Scene._of(self._native.scene())
+
+    # Files
+
+    def save_checkpoint(self, path: str | os.PathLike[str]) -> None:
+        """Write everything that determines the following steps to a file, for :meth:`resume` and :meth:`restore`."""
+        self._commit()
+        self._native.save_checkpoint(os.fspath(path))
+
+    def restore(self, path: str | os.PathLike[str]) -> None:
+        """Replace the state by that of a checkpoint. The backend and the options stay. Objects are numbered from 0 again."""
+        self._commit()
+        self._native.restore(os.fspath(path))
+
+    def record(self, path: str | os.PathLike[str], every: int = 1) -> Recording:
+        """Begin a trajectory that :meth:`run` and :meth:`step` add frames to: now, and after every ``every``-th step.
+
+        Parameters
+        ----------
+        path : path
+            A name that ends in ``.npz`` (NumPy), ``.pvd`` (ParaView) or ``.csv``.
+        every : int
+            Number of steps from frame to frame.
+
+        Returns
+        -------
+        Recording
+            A context manager, which completes the file at its end.
+
+        Examples
+        --------
+        >>> with sim.record("column.npz", every=10):  # doctest: +SKIP
+        ...     sim.run(1000)
+        """
+        recording = Recording(self, path, every)
+        self._recordings.append(recording)
+        return recording
+
+    # Pictures
+
+    def render(
+        self,
+        size: tuple[int, int] = (1280, 720),
+        *,
+        colour_by: str | None = None,
+        range: tuple[float, float] | None = None,
+        camera: npt.ArrayLike | None = None,
+        look_at: npt.ArrayLike | None = None,
+        plain: bool = False,
+    ) -> Picture:
+        """Draw the current state. The picture shows itself in a notebook.
+
+        Parameters
+        ----------
+        size : (int, int)
+            Width and height, in pixels.
+        colour_by : str, optional
+            What colours show, with a legend: kind, speed, contacts, overlap, force, body or contact-force.
+        range : (float, float), optional
+            Values at the ends of the colour scale; by default from 0 to about the 99th percentile.
+        camera : array_like, shape (3,), optional
+            Position of the camera, in units; by default chosen so that all bodies are in view.
+        look_at : array_like, shape (3,), optional
+            Point in the middle of the picture, in units.
+        plain : bool
+            Whether to draw without shadows and ambient occlusion.
+
+        Raises
+        ------
+        ValueError
+            For a wrong size, an unknown ``colour_by``, or a camera at the point it looks at.
+        SimulationError
+            If there is no graphics adapter. Software Vulkan is enough.
+        """
+        sides = np.shape(size)
+        if sides != (2,):
+            raise ValueError(f"size: expected width and height, got {size!r}")
+        width, height = (whole("size", side, least=1) for side in size)
+        if max(width, height) > 1 << 16:
+            raise ValueError(f"size: expected sides up to {1 << 16} pixels, got {width}x{height}")
+        points = [
+            None if value is None else [float(number) for number in _one_row(name, value)]
+            for name, value in (("camera", camera), ("look_at", look_at))
+        ]
+        ends = None
+        if range is not None:
+            if np.shape(range) != (2,) or not range[0] < range[1]:
+                raise ValueError(f"range: expected two numbers, the first less than the second, got {range!r}")
+            ends = [float(end) for end in floats("range", range, ())]
+        self._commit()
+        if self._studio is None:
+            self._studio = _rockfall.Studio()
+        return Picture(self._studio.take(self._native, (width, height), colour_by, ends, points[0], points[1], bool(plain)))
+
+    def __repr__(self) -> str:
+        report = self.report
+        return f"<rockfall.Simulation: {self.counts.spheres} spheres, step {report.steps}, {report.time:g} s, {self.backend.kind}>"
+
+
+def _one_row(name: str, value: Any) -> FloatArray:
+    rows = floats(name, value, (3,))
+    if len(rows) != 1:
+        raise ValueError(f"{name}: expected shape (3,), got {rows.shape}")
+    row: FloatArray = rows[0]
+    return row

@@ -1,0 +1,194 @@
+"""The states of spheres as arrays."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from rockfall import _rockfall
+from rockfall._arrays import FloatArray, IntArray, floats, integers, quaternions
+from rockfall._objects import Objects
+from rockfall._reports import State
+
+#: Columns of the fields of spheres that can be set.
+_FIELDS = {"position": 3, "velocity": 3, "orientation": 4, "angular_momentum": 3, "force": 3}
+
+
+class States(Objects):
+    """Spheres with states that change. A base of :class:`Simulation`."""
+
+    _native: Any
+    #: Arrays that were handed out and may be written to, by field.
+    _live: dict[str, FloatArray]
+
+    def _field(self, field: str) -> FloatArray:
+        array = self._live.get(field)
+        if array is None:
+            array = self._native.get(field)
+            self._live[field] = array
+        return array
+
+    def _set_field(self, field: str, value: Any) -> None:
+        array = self._field(field)
+        if value is not array:
+            columns = _FIELDS[field]
+            array[:] = quaternions(field, value, len(array)) if columns == 4 else floats(field, value, (3,), len(array))
+        self._commit()
+
+    def _commit(self) -> None:
+        """Applies what was written to arrays, and makes them snapshots."""
+        if not self._live:
+            return
+        live, self._live = self._live, {}
+        for array in live.values():
+            array.flags.writeable = False
+        # All are checked before the first is applied.
+        for field, array in live.items():
+            quaternions(field, array) if field == "orientation" else floats(field, array, (3,))
+        for field, array in live.items():
+            self._native.put(field, array)
+
+    def _edited(self) -> None:
+        self._commit()
+
+    def _constant(self, field: str) -> FloatArray:
+        array: FloatArray = self._native.get(field)
+        array.flags.writeable = False
+        return array
+
+    @property
+    def positions(self) -> FloatArray:
+        """Centres of shape (N, 3), in units. Can be set, and written to until the next step."""
+        return self._field("position")
+
+    @positions.setter
+    def positions(self, value: npt.ArrayLike) -> None:
+        self._set_field("position", value)
+
+    @property
+    def velocities(self) -> FloatArray:
+        """Velocities of shape (N, 3), in units/s. Can be set, and written to until the next step."""
+        return self._field("velocity")
+
+    @velocities.setter
+    def velocities(self, value: npt.ArrayLike) -> None:
+        self._set_field("velocity", value)
+
+    @property
+    def orientations(self) -> FloatArray:
+        """Unit quaternions w, x, y, z of shape (N, 4). Can be set, and written to until the next step."""
+        return self._field("orientation")
+
+    @orientations.setter
+    def orientations(self, value: npt.ArrayLike) -> None:
+        self._set_field("orientation", value)
+
+    @property
+    def angular_momenta(self) -> FloatArray:
+        """Angular momenta of shape (N, 3), in mass units²/s. Can be set, and written to until the next step."""
+        return self._field("angular_momentum")
+
+    @angular_momenta.setter
+    def angular_momenta(self, value: npt.ArrayLike) -> None:
+        self._set_field("angular_momentum", value)
+
+    @property
+    def external_forces(self) -> FloatArray:
+        """External forces of shape (N, 3), in mass units/s². They act until they are changed."""
+        return self._field("force")
+
+    @external_forces.setter
+    def external_forces(self, value: npt.ArrayLike) -> None:
+        self._set_field("force", value)
+
+    @property
+    def radii(self) -> FloatArray:
+        """Radii of shape (N,), in units. Read-only."""
+        return self._constant("radius")
+
+    @property
+    def masses(self) -> FloatArray:
+        """Masses of shape (N,). Read-only."""
+        return self._constant("mass")
+
+    @property
+    def fixed(self) -> npt.NDArray[np.bool_]:
+        """Whether each sphere is fixed, of shape (N,). Read-only."""
+        array: npt.NDArray[np.bool_] = self._native.get("fixed") != 0
+        array.flags.writeable = False
+        return array
+
+    @property
+    def sphere_ids(self) -> IntArray:
+        """Number of each sphere, of shape (N,): row k of :attr:`positions` is the sphere with number ``sphere_ids[k]``."""
+        ids: IntArray = self.table("sphere")["id"].copy()
+        return ids
+
+    def set(
+        self,
+        ids: npt.ArrayLike,
+        *,
+        position: npt.ArrayLike | None = None,
+        velocity: npt.ArrayLike | None = None,
+        orientation: npt.ArrayLike | None = None,
+        angular_momentum: npt.ArrayLike | None = None,
+        force: npt.ArrayLike | None = None,
+    ) -> None:
+        """Set the state of spheres.
+
+        Parameters
+        ----------
+        ids : array_like of int, shape (M,) or ()
+            Numbers of the spheres.
+        position, velocity, angular_momentum, force : array_like, shape (M, 3) or (3,), optional
+            New values, in units, units/s, mass units²/s and mass units/s².
+        orientation : array_like, shape (M, 4) or (4,), optional
+            Unit quaternions w, x, y, z.
+
+        Raises
+        ------
+        ValueError, TypeError
+            For wrong shapes and numbers that are not finite. Nothing is set then.
+        LookupError
+            For a sphere that does not exist.
+        """
+        numbers = integers("ids", ids)
+        given = {"position": position, "velocity": velocity, "angular_momentum": angular_momentum, "force": force}
+        arrays = {name: floats(name, value, (3,), len(numbers)) for name, value in given.items() if value is not None}
+        if orientation is not None:
+            arrays["orientation"] = quaternions("orientation", orientation, len(numbers))
+        self._commit()
+        for name, rows in arrays.items():
+            self._native.set(name, numbers, rows)
+
+    def apply_impulse(self, ids: npt.ArrayLike, impulse: npt.ArrayLike) -> None:
+        """Apply impulses to spheres, in mass units/s: each velocity changes by impulse / mass.
+
+        Parameters
+        ----------
+        ids : array_like of int, shape (M,) or ()
+            Numbers of the spheres. Fixed spheres do not change.
+        impulse : array_like, shape (M, 3) or (3,)
+            Impulses, in mass units/s.
+        """
+        numbers = integers("ids", ids)
+        rows = floats("impulse", impulse, (3,), len(numbers))
+        self._commit()
+        self._native.set("impulse", numbers, rows)
+
+    @property
+    def state(self) -> State:
+        """The memory of the CPU backend as read-only views, without copies; see :class:`State`.
+
+        Raises
+        ------
+        SimulationError
+            On the GPU backend.
+        """
+        self._commit()
+        found = self._native.state()
+        if found is None:
+            raise _rockfall.SimulationError("state: the memory is on the GPU; use positions and the other arrays, or backend=\"cpu\"")
+        return State(*found)

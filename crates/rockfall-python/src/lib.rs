@@ -1,0 +1,50 @@
+//! The native part of the Python package `rockfall`. The Python part, in `python/rockfall`, checks arguments and has the names and
+//! the documentation that users see.
+
+use pyo3::prelude::*;
+
+mod arguments;
+mod doors;
+mod errors;
+mod ids;
+mod memory;
+mod objects;
+mod observe;
+mod picture;
+mod scene;
+mod simulation;
+mod states;
+mod tables;
+mod trajectory;
+
+/// The native part of rockfall.
+#[pymodule]
+mod _rockfall {
+    use super::{Bound, PyModule, PyModuleMethods, PyResult};
+
+    #[pymodule_export]
+    use crate::doors::{get_setting, set_setting};
+    #[pymodule_export]
+    use crate::errors::SimulationError;
+    #[pymodule_export]
+    use crate::objects::{
+        add_boxes, add_capsules, add_polygons, add_rods, add_spheres, add_springs, add_tethers, remove, update,
+    };
+    #[pymodule_export]
+    use crate::observe::{cast_rays, contacts, counts, diagnostics, energy, max_overlap, table};
+    #[pymodule_export]
+    use crate::picture::{Picture, Studio};
+    #[pymodule_export]
+    use crate::scene::Scene;
+    #[pymodule_export]
+    use crate::simulation::Simulation;
+    #[pymodule_export]
+    use crate::tables::{constants, devices};
+    #[pymodule_export]
+    use crate::trajectory::{TrajectoryReader, TrajectoryWriter};
+
+    #[pymodule_init]
+    fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
+        module.add("__version__", env!("CARGO_PKG_VERSION"))
+    }
+}

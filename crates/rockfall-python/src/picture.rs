@@ -1,0 +1,139 @@
+//! Pictures of simulations.
+
+use numpy::{PyArray1, PyArrayMethods};
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+use pyo3::types::PyBytes;
+use rockfall::exec::gpu::Gpu;
+use rockfall_viewer::camera::Camera;
+use rockfall_viewer::draw::{ColourBy, Range, Renderer, Style};
+use rockfall_viewer::picture::{Canvas, FORMAT};
+use rockfall_viewer::survey::Survey;
+
+use crate::errors::{Raise, SimulationError};
+use crate::simulation::Simulation;
+
+/// A picture in host memory.
+#[pyclass(frozen, module = "rockfall._rockfall")]
+pub(crate) struct Picture(rockfall_viewer::picture::Picture);
+
+#[pymethods]
+impl Picture {
+    /// Width and height, in pixels.
+    fn size(&self) -> (u32, u32) {
+        (self.0.width, self.0.height)
+    }
+
+    /// Red, green and blue of every pixel, of shape (height, width, 3).
+    fn pixels<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let shape = [self.0.height as usize, self.0.width as usize, 3];
+        Ok(PyArray1::from_vec(py, self.0.rgb()).reshape(shape)?.into_any())
+    }
+
+    fn png<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
+        let bytes = py.detach(|| {
+            let mut bytes = Vec::new();
+            self.0.write_png(&mut bytes).map(|()| bytes)
+        })?;
+        Ok(PyBytes::new(py, &bytes))
+    }
+
+    fn jpeg<'py>(&self, py: Python<'py>, quality: u8) -> PyResult<Bound<'py, PyBytes>> {
+        let bytes = py.detach(|| {
+            let mut bytes = Vec::new();
+            self.0.write_jpeg(&mut bytes, quality).map(|()| bytes)
+        })?;
+        Ok(PyBytes::new(py, &bytes))
+    }
+}
+
+/// What is needed to draw on a device. Kept between pictures, because creating it takes longer than drawing.
+#[pyclass(frozen, module = "rockfall._rockfall")]
+pub(crate) struct Studio(std::sync::Mutex<Option<Tools>>);
+
+struct Tools {
+    gpu: Gpu,
+    renderer: Renderer,
+    canvas: Canvas,
+    size: (u32, u32),
+}
+
+impl Tools {
+    /// The device is that of the simulation, or for one on the CPU any adapter, including software.
+    fn new(simulation: &rockfall::Simulation, size: (u32, u32)) -> PyResult<Self> {
+        let gpu = match simulation.gpu_view() {
+            Some(view) => view.gpu().clone(),
+            None => Gpu::open_blocking(true).map_err(|error| {
+                let text =
+                    format!("drawing needs a graphics adapter, even with backend=\"cpu\"; software Vulkan is enough: {error}");
+                SimulationError::new_err(text)
+            })?,
+        };
+        let canvas = Canvas::new(gpu.device(), gpu.queue(), size.0, size.1).or_raise()?;
+        let renderer = Renderer::new(gpu.device(), gpu.queue(), FORMAT).or_raise()?;
+        Ok(Self { gpu, renderer, canvas, size })
+    }
+
+    fn resize(&mut self, size: (u32, u32)) -> PyResult<()> {
+        if self.size != size {
+            self.canvas = Canvas::new(self.gpu.device(), self.gpu.queue(), size.0, size.1).or_raise()?;
+            self.size = size;
+        }
+        Ok(())
+    }
+}
+
+#[pymethods]
+impl Studio {
+    #[new]
+    fn new() -> Self {
+        Self(std::sync::Mutex::new(None))
+    }
+
+    #[allow(clippy::too_many_arguments)]
+    fn take(
+        &self,
+        simulation: &Bound<'_, Simulation>,
+        size: (u32, u32),
+        colour_by: Option<&str>,
+        range: Option<[f32; 2]>,
+        camera: Option<[f32; 3]>,
+        look_at: Option<[f32; 3]>,
+        plain: bool,
+    ) -> PyResult<Picture> {
+        let mut style = Style::default();
+        if let Some(name) = colour_by {
+            style.colour_by = ColourBy::ALL.into_iter().find(|by| by.name() == name).ok_or_else(|| {
+                let names = ColourBy::ALL.map(ColourBy::name).join(", ");
+                PyValueError::new_err(format!("colour_by: {name:?} is not known, expected one of: {names}"))
+            })?;
+        }
+        style.range = range.map_or(Range::Auto, Range::Given);
+        (style.shadows, style.occlusion) = (!plain, !plain);
+        simulation.get().read(simulation.py(), |running| {
+            let mut tools = self.0.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+            let own = &mut running.simulation;
+            if tools.is_none() {
+                *tools = Some(Tools::new(own, size)?);
+            }
+            let Some(tools) = tools.as_mut() else {
+                return Err(SimulationError::new_err("nothing to draw with"));
+            };
+            tools.resize(size)?;
+            let survey = Survey::new(own.sync().or_raise()?);
+            let framing = Camera::of_survey(&survey, own.scene(), size.0 as f32 / size.1 as f32, false);
+            let eye = camera.map_or(framing.eye, Into::into);
+            let target = look_at.map_or(framing.target, Into::into);
+            if eye == target {
+                return Err(PyValueError::new_err("camera and look_at are the same point, expected two different points"));
+            }
+            tools.renderer.update(own, &style).or_raise()?;
+            let camera = Camera { eye, target, ..framing };
+            let mut picture = tools.canvas.take(&mut tools.renderer, &camera, &style).or_raise()?;
+            if colour_by.is_some() {
+                tools.renderer.legend(&style).draw(&mut picture).or_raise()?;
+            }
+            Ok(Picture(picture))
+        })
+    }
+}

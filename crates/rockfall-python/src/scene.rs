@@ -1,0 +1,90 @@
+//! The native scene.
+
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+use pyo3::prelude::*;
+
+use crate::errors::Raise;
+use crate::ids::Ids;
+
+/// A scene and the numbers of its objects.
+#[derive(Debug)]
+pub(crate) struct Built {
+    pub(crate) scene: rockfall::Scene,
+    pub(crate) ids: Ids,
+    /// Warnings about the text that it was read from: line number and text.
+    warnings: Vec<(usize, String)>,
+}
+
+/// Objects and physical constants.
+#[pyclass(frozen, module = "rockfall._rockfall")]
+#[derive(Debug)]
+pub(crate) struct Scene(pub(crate) Mutex<Built>);
+
+impl Scene {
+    pub(crate) fn of(scene: rockfall::Scene) -> Self {
+        let ids = Ids::of(&scene);
+        Self(Mutex::new(Built { scene, ids, warnings: Vec::new() }))
+    }
+
+    fn read(loaded: rockfall::Loaded) -> Self {
+        let built = Self::of(loaded.scene);
+        built.lock().warnings = loaded.warnings.into_iter().map(|warning| (warning.line, warning.text)).collect();
+        built
+    }
+
+    /// Only for work that does not wait for Python.
+    pub(crate) fn lock(&self) -> MutexGuard<'_, Built> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+#[pymethods]
+impl Scene {
+    #[new]
+    fn new() -> Self {
+        Self::of(rockfall::Scene::new())
+    }
+
+    #[staticmethod]
+    fn parse(py: Python<'_>, text: &str, name: &str) -> PyResult<Self> {
+        py.detach(|| rockfall::Scene::parse(text, Path::new(name)).or_raise().map(Self::read))
+    }
+
+    #[staticmethod]
+    fn load(py: Python<'_>, path: PathBuf) -> PyResult<Self> {
+        py.detach(|| rockfall::Scene::load(path).or_raise().map(Self::read))
+    }
+
+    fn to_text(&self, py: Python<'_>) -> String {
+        py.detach(|| self.lock().scene.to_text())
+    }
+
+    fn save(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
+        py.detach(|| self.lock().scene.save(path).or_raise())
+    }
+
+    fn copy(&self, py: Python<'_>) -> Self {
+        py.detach(|| {
+            let built = self.lock();
+            Self(Mutex::new(Built { scene: built.scene.clone(), ids: built.ids.clone(), warnings: built.warnings.clone() }))
+        })
+    }
+
+    fn warnings(&self, py: Python<'_>) -> Vec<(usize, String)> {
+        py.detach(|| self.lock().warnings.clone())
+    }
+
+    /// Warnings about an unsuitable time step or contact force, and about bodies that overlap.
+    fn check(&self, py: Python<'_>, dt: f32, integrator: &str) -> PyResult<Vec<String>> {
+        let integrator: rockfall::Integrator = integrator.parse().or_raise()?;
+        py.detach(|| {
+            let scene = &self.lock().scene;
+            let mut found: Vec<String> = scene.concerns(dt, integrator).iter().map(ToString::to_string).collect();
+            let placement = scene.placement().or_raise()?;
+            found.extend(placement.overlaps.iter().map(|overlap| format!("{} at the start", overlap.describe(scene))));
+            Ok(found)
+        })
+    }
+}

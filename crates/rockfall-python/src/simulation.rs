@@ -1,0 +1,281 @@
+//! The native simulation: steps, edits of states, checkpoints.
+
+use std::path::PathBuf;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Mutex, PoisonError};
+use std::time::{Duration, Instant};
+
+use numpy::PyUntypedArrayMethods;
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+use rockfall::{Checkpoint, Options};
+
+use crate::arguments::{Numbers, Rows};
+use crate::errors::Raise;
+use crate::ids::{Ids, handle};
+use crate::memory::{Lender, Views};
+use crate::scene::Scene;
+use crate::states::{Field, Table};
+use crate::tables::{BackendInfo, ProfileOf, Report};
+
+/// Time after which a run looks for signals such as Ctrl-C.
+const PATIENCE: Duration = Duration::from_millis(50);
+
+/// A simulation, the numbers of its objects, and the arrays that use its memory.
+#[derive(Debug)]
+pub(crate) struct Running {
+    pub(crate) simulation: rockfall::Simulation,
+    pub(crate) ids: Ids,
+    lender: Lender,
+    /// There may be edits that have not reached the memory yet.
+    edited: bool,
+}
+
+impl Drop for Running {
+    fn drop(&mut self) {
+        self.lender.release(&mut self.simulation);
+    }
+}
+
+/// A simulation.
+#[pyclass(frozen, module = "rockfall._rockfall")]
+#[derive(Debug)]
+pub(crate) struct Simulation {
+    running: Mutex<Running>,
+    /// Number of threads that wait for the simulation.
+    waiting: AtomicUsize,
+}
+
+impl Simulation {
+    fn of(simulation: rockfall::Simulation, ids: Ids) -> Self {
+        let running = Running { simulation, ids, lender: Lender::default(), edited: false };
+        Self { running: Mutex::new(running), waiting: AtomicUsize::new(0) }
+    }
+
+    /// Calls a function without the GIL, while no other thread uses the simulation. Threads that wait for it do not hold the GIL.
+    pub(crate) fn locked<R: Send>(&self, py: Python<'_>, call: impl FnOnce(&mut Running) -> R + Send) -> R {
+        py.detach(|| {
+            self.waiting.fetch_add(1, Ordering::Relaxed);
+            let mut running = self.running.lock().unwrap_or_else(PoisonError::into_inner);
+            self.waiting.fetch_sub(1, Ordering::Relaxed);
+            call(&mut running)
+        })
+    }
+
+    /// Lets other threads use the simulation if they wait for it: the lock itself prefers the thread that has just had it.
+    fn make_way(&self, py: Python<'_>) {
+        if self.waiting.load(Ordering::Relaxed) > 0 {
+            py.detach(|| {
+                let end = Instant::now() + PATIENCE;
+                while self.waiting.load(Ordering::Relaxed) > 0 && Instant::now() < end {
+                    std::thread::sleep(Duration::from_micros(50));
+                }
+            });
+        }
+    }
+
+    /// Calls a function that changes the memory of the state.
+    fn change<R: Send>(
+        &self,
+        py: Python<'_>,
+        call: impl FnOnce(&mut rockfall::Simulation) -> PyResult<R> + Send,
+    ) -> PyResult<R> {
+        self.locked(py, |running| {
+            running.lender.release(&mut running.simulation);
+            running.edited = false;
+            call(&mut running.simulation)
+        })
+    }
+
+    /// Calls a function that collects edits, which change memory with the next step or read.
+    pub(crate) fn edit<R: Send>(&self, py: Python<'_>, call: impl FnOnce(&mut Running) -> PyResult<R> + Send) -> PyResult<R> {
+        self.locked(py, |running| {
+            running.edited = true;
+            call(running)
+        })
+    }
+
+    /// Calls a function that leaves the memory of the state as it is.
+    pub(crate) fn read<R: Send>(&self, py: Python<'_>, call: impl FnOnce(&mut Running) -> PyResult<R> + Send) -> PyResult<R> {
+        self.locked(py, |running| {
+            if std::mem::take(&mut running.edited) {
+                running.lender.release(&mut running.simulation);
+                running.simulation.flush().or_raise()?;
+            }
+            call(running)
+        })
+    }
+}
+
+/// Options from their names.
+fn options(backend: &str, integrator: &str, broad_phase: &str, keep_going: bool) -> PyResult<Options> {
+    Ok(Options::new()
+        .backend(backend.parse().or_raise()?)
+        .integrator(integrator.parse().or_raise()?)
+        .broad_phase(broad_phase.parse().or_raise()?)
+        .keep_going(keep_going))
+}
+
+#[pymethods]
+impl Simulation {
+    #[new]
+    fn new(scene: &Bound<'_, Scene>, backend: &str, integrator: &str, broad_phase: &str, keep_going: bool) -> PyResult<Self> {
+        let options = options(backend, integrator, broad_phase, keep_going)?;
+        let own = scene.get();
+        scene.py().detach(|| {
+            let (objects, ids) = {
+                let built = own.lock();
+                (built.scene.clone(), built.ids.clone())
+            };
+            Ok(Self::of(rockfall::Simulation::with_options(objects, options).or_raise()?, ids))
+        })
+    }
+
+    #[staticmethod]
+    fn resume(py: Python<'_>, path: PathBuf, backend: Option<&str>) -> PyResult<Self> {
+        let backend = backend.map(str::parse).transpose().or_raise()?;
+        py.detach(|| {
+            let mut checkpoint = Checkpoint::load(path).or_raise()?;
+            checkpoint.options.backend = backend.unwrap_or(checkpoint.options.backend);
+            let simulation = rockfall::Simulation::resume(checkpoint).or_raise()?;
+            let ids = Ids::of(simulation.scene());
+            Ok(Self::of(simulation, ids))
+        })
+    }
+
+    /// Runs steps in portions, and handles signals between them.
+    fn run(&self, py: Python<'_>, steps: u64, dt: f32, progress: Option<&Bound<'_, PyAny>>) -> PyResult<()> {
+        let (mut left, mut portion) = (steps, 16);
+        while left > 0 {
+            let count = left.min(portion);
+            let start = Instant::now();
+            self.change(py, |simulation| simulation.run(count, dt).map(drop).or_raise())?;
+            left -= count;
+            if let Some(progress) = progress {
+                progress.call1((count,))?;
+            }
+            match start.elapsed() {
+                taken if taken < PATIENCE / 2 => portion = portion.saturating_mul(2),
+                taken if taken > PATIENCE => portion = (portion / 2).max(1),
+                _ => {}
+            }
+            py.check_signals()?;
+            self.make_way(py);
+        }
+        Ok(())
+    }
+
+    fn phase(&self, py: Python<'_>, phase: &str, dt: f32) -> PyResult<()> {
+        self.change(py, |simulation| {
+            match phase {
+                "update_aabbs" => simulation.update_aabbs(),
+                "broad_phase" => simulation.broad_phase(),
+                "handle_collisions" => simulation.handle_collisions(),
+                _ => simulation.update_positions(dt),
+            }
+            .or_raise()
+        })
+    }
+
+    fn profile(&self, py: Python<'_>, steps: u64, dt: f32) -> PyResult<ProfileOf> {
+        self.change(py, |simulation| simulation.profile(steps, dt).map(ProfileOf::from).or_raise())
+    }
+
+    fn sort_memory(&self, py: Python<'_>) -> PyResult<()> {
+        self.change(py, |simulation| simulation.sort_memory().or_raise())
+    }
+
+    fn report(&self, py: Python<'_>) -> Report {
+        self.locked(py, |running| running.simulation.report().into())
+    }
+
+    fn backend(&self, py: Python<'_>) -> BackendInfo {
+        self.locked(py, |running| running.simulation.backend().into())
+    }
+
+    fn methods(&self, py: Python<'_>) -> (String, String) {
+        self.locked(py, |running| {
+            (running.simulation.integrator().to_string(), running.simulation.broad_phase_method().to_string())
+        })
+    }
+
+    fn device_memory(&self, py: Python<'_>) -> u64 {
+        self.locked(py, |running| running.simulation.device_memory())
+    }
+
+    fn time_step(&self, py: Python<'_>) -> f32 {
+        self.locked(py, |running| running.simulation.time_step())
+    }
+
+    fn memory_version(&self, py: Python<'_>) -> u64 {
+        self.locked(py, |running| running.simulation.memory_version())
+    }
+
+    fn save_checkpoint(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
+        self.read(py, |running| running.simulation.save_checkpoint(path).or_raise())
+    }
+
+    fn restore(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
+        let checkpoint = py.detach(|| Checkpoint::load(path)).or_raise()?;
+        self.edit(py, |running| {
+            running.lender.release(&mut running.simulation);
+            running.simulation.restore(&checkpoint).or_raise()?;
+            running.ids = Ids::of(running.simulation.scene());
+            Ok(())
+        })
+    }
+
+    /// A scene with the current state. Its objects are numbered from 0.
+    fn scene(&self, py: Python<'_>) -> PyResult<Scene> {
+        self.read(py, |running| Ok(Scene::of(running.simulation.sync().or_raise()?.clone())))
+    }
+
+    /// The memory of the CPU backend.
+    fn state<'py>(&self, py: Python<'py>) -> PyResult<Option<Views<'py>>> {
+        let loan = self.read(py, |running| Ok(running.lender.lend(&running.simulation)))?;
+        loan.map(|loan| loan.views(py)).transpose()
+    }
+
+    /// A field of all spheres, in order of addition.
+    fn get<'py>(&self, py: Python<'py>, field: &str) -> PyResult<Bound<'py, PyAny>> {
+        let field: Field = field.parse()?;
+        let table = self.read(py, |running| Ok(Table::of(running.simulation.sync().or_raise()?, field)))?;
+        table.array(py)
+    }
+
+    /// Sets the rows of a field that differ from the current state. Returns their number.
+    fn put(&self, py: Python<'_>, field: &str, rows: Rows<'_>) -> PyResult<usize> {
+        let (field, rows): (Field, _) = (field.parse()?, rows.as_slice()?);
+        self.read(py, |running| {
+            let now = Table::of(running.simulation.sync().or_raise()?, field);
+            let changed = now.differences(rows)?;
+            running.edited = !changed.is_empty();
+            let ids: Vec<_> = running.simulation.scene().sphere_ids().collect();
+            for row in &changed {
+                field.set(&mut running.simulation, ids[*row], rows, *row).or_raise()?;
+            }
+            Ok(changed.len())
+        })
+    }
+
+    /// Sets a field of the spheres with these numbers, or applies impulses.
+    fn set(&self, py: Python<'_>, field: &str, numbers: Numbers<'_>, rows: Rows<'_>) -> PyResult<()> {
+        let field: Field = field.parse()?;
+        if rows.len() != numbers.len() * field.columns() {
+            return Err(PyValueError::new_err(format!(
+                "expected {} rows, got {}",
+                numbers.len(),
+                rows.len() / field.columns()
+            )));
+        }
+        let (numbers, rows) = (numbers.as_slice()?, rows.as_slice()?);
+        self.edit(py, |running| {
+            let spheres: Vec<_> =
+                numbers.iter().map(|id| handle(&running.ids.spheres, "sphere", *id)).collect::<PyResult<_>>()?;
+            let scene = running.simulation.scene();
+            spheres.iter().try_for_each(|id| scene.sphere(*id).map(drop)).or_raise()?;
+            let set = |(row, id)| field.set(&mut running.simulation, id, rows, row);
+            spheres.into_iter().enumerate().try_for_each(set).or_raise()
+        })
+    }
+}

@@ -1,0 +1,88 @@
+//! Trajectories: files with the states over time.
+
+use std::path::PathBuf;
+use std::sync::{Mutex, PoisonError};
+
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+use rockfall_trajectory::{Format, Reader, States, Writer};
+
+use crate::errors::Raise;
+use crate::scene::Scene;
+use crate::simulation::Simulation;
+
+use numpy::{PyArray1, PyArray2, PyArrayMethods};
+
+/// A trajectory that is being written. `None` once it is finished.
+#[pyclass(frozen, module = "rockfall._rockfall")]
+pub(crate) struct TrajectoryWriter(Mutex<Option<Writer>>);
+
+fn finished() -> PyErr {
+    PyValueError::new_err("the recording is finished")
+}
+
+#[pymethods]
+impl TrajectoryWriter {
+    #[new]
+    fn new(py: Python<'_>, path: PathBuf) -> PyResult<Self> {
+        let Some(format) = Format::of(&path) else {
+            let text =
+                format!("path: {} is not a trajectory, expected a name that ends in .npz, .pvd, .vtp or .csv", path.display());
+            return Err(PyValueError::new_err(text));
+        };
+        py.detach(|| Ok(Self(Mutex::new(Some(Writer::create(path, format).or_raise()?)))))
+    }
+
+    fn frame(&self, simulation: &Bound<'_, Simulation>) -> PyResult<()> {
+        simulation.get().read(simulation.py(), |running| {
+            let mut writer = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+            writer.as_mut().ok_or_else(finished)?.frame(&mut running.simulation).or_raise()
+        })
+    }
+
+    fn finish(&self, simulation: &Bound<'_, Simulation>) -> PyResult<()> {
+        simulation.get().read(simulation.py(), |running| {
+            let writer = self.0.lock().unwrap_or_else(PoisonError::into_inner).take();
+            writer.ok_or_else(finished)?.finish(running.simulation.scene()).or_raise()
+        })
+    }
+}
+
+/// A trajectory that is read from a file.
+#[pyclass(frozen, module = "rockfall._rockfall")]
+pub(crate) struct TrajectoryReader(Mutex<Reader>);
+
+type Frame<'py> = [Bound<'py, PyArray2<f32>>; 4];
+
+#[pymethods]
+impl TrajectoryReader {
+    #[new]
+    fn new(py: Python<'_>, path: PathBuf) -> PyResult<Self> {
+        py.detach(|| Ok(Self(Mutex::new(Reader::open(path).or_raise()?))))
+    }
+
+    fn scene(&self, py: Python<'_>) -> Scene {
+        py.detach(|| Scene::of(self.0.lock().unwrap_or_else(PoisonError::into_inner).scene().clone()))
+    }
+
+    /// Step and time of every frame.
+    fn moments(&self, py: Python<'_>) -> Vec<(u64, f64)> {
+        py.detach(|| {
+            let reader = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+            reader.moments().iter().map(|moment| (moment.step, moment.time)).collect()
+        })
+    }
+
+    /// Positions, velocities, orientations w, x, y, z, and angular momenta.
+    fn frame<'py>(&self, py: Python<'py>, index: usize) -> PyResult<Frame<'py>> {
+        let states = py.detach(|| self.0.lock().unwrap_or_else(PoisonError::into_inner).frame(index)).or_raise()?;
+        let States { positions, velocities, orientations, angular_momenta } = states;
+        let rows = |numbers: Vec<f32>, columns: usize| {
+            let count = numbers.len() / columns;
+            PyArray1::from_vec(py, numbers).reshape([count, columns])
+        };
+        let vectors = |vectors: Vec<rockfall::glam::Vec3>| rows(vectors.iter().flat_map(|v| v.to_array()).collect(), 3);
+        let turns = orientations.iter().flat_map(|q| [q.w, q.x, q.y, q.z]).collect();
+        Ok([vectors(positions)?, vectors(velocities)?, rows(turns, 4)?, vectors(angular_momenta)?])
+    }
+}

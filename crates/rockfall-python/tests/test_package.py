@@ -1,0 +1,96 @@
+"""The package as a whole."""
+
+from __future__ import annotations
+
+import inspect
+import pathlib
+import re
+
+import pytest
+
+import rockfall as rf
+from rockfall import _rockfall
+
+TESTS = pathlib.Path(__file__).parent
+
+
+def public() -> list[str]:
+    """All public functions, methods and properties, as Class.name."""
+    found = ["devices", "info"]
+    for name in rf.__all__:
+        cls = getattr(rf, name)
+        if name == "Settings":
+            # The constants have tests of their own.
+            found += [f"Settings.{member}" for member in ("items", "keys", "update")]
+        elif inspect.isclass(cls) and not issubclass(cls, (tuple, Exception)):
+            found += [f"{name}.{member}" for member in vars(cls) if not member.startswith("_")]
+    return found
+
+
+def test_info_names_the_versions_and_devices() -> None:
+    info = rf.info()
+    assert info.version == rf.__version__ == _rockfall.__version__
+    assert info.devices == rf.devices()
+    assert info.backend in ("cpu", "gpu") and "arrays" in str(info)
+
+
+def test_everything_public_is_documented() -> None:
+    missing = []
+    for name in public():
+        owner = rf
+        for part in name.split("."):
+            owner = inspect.getattr_static(owner, part)
+        is_field = isinstance(owner, (int, str, float)) or type(owner).__name__ == "member_descriptor"
+        if not is_field and not inspect.getdoc(owner):
+            missing.append(name)
+    assert missing == []
+
+
+def test_everything_public_is_used_in_a_test() -> None:
+    text = "".join(path.read_text() for path in TESTS.glob("test_*.py"))
+    unused = [name for name in public() if not re.search(rf"\b{name.split('.')[-1]}\b", text.replace("def test_", ""))]
+    assert unused == []
+
+
+def test_the_stubs_declare_what_the_native_module_has() -> None:
+    stub = pathlib.Path(rf.__file__).with_name("_rockfall.pyi").read_text()
+    classes: dict[str, set[str]] = {}
+    current = ""
+    functions = set()
+    for line in stub.splitlines():
+        if found := re.match(r"class (\w+)", line):
+            current = found[1]
+            classes[current] = set()
+        elif found := re.match(r"    def (\w+)", line):
+            classes[current].add(found[1])
+        elif found := re.match(r"def (\w+)", line):
+            functions.add(found[1])
+    native = {name: getattr(_rockfall, name) for name in dir(_rockfall) if not name.startswith("__")}
+    assert {name for name, value in native.items() if inspect.isclass(value)} == set(classes)
+    assert {name for name, value in native.items() if not inspect.isclass(value)} == functions
+    for name, members in classes.items():
+        if name != "SimulationError":
+            own = {member for member in vars(native[name]) if not member.startswith("_")}
+            assert own == members - {"__new__"}, name
+
+
+def test_the_example_of_the_package_runs() -> None:
+    code = [line[4:] for line in (rf.__doc__ or "").splitlines() if line.startswith(">>> ")]
+    assert len(code) >= 7
+    names: dict[str, object] = {}
+    for line in code:
+        if line != "sim.positions.shape":
+            exec(line, names)  # noqa: S102
+    sim = names["sim"]
+    assert isinstance(sim, rf.Simulation) and sim.positions.shape == (1000, 3)
+
+
+@pytest.mark.parametrize("page", ["README.md", "docs/python.md"])
+def test_the_examples_of_the_documentation_run(page: str, tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    text = (TESTS.parents[2] / page).read_text()
+    blocks = re.findall(r"```python\n(.*?)```", text, re.DOTALL)
+    assert blocks
+    monkeypatch.chdir(tmp_path)
+    names: dict[str, object] = {}
+    for block in blocks:
+        exec(block, names)  # noqa: S102

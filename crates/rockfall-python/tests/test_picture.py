@@ -1,0 +1,56 @@
+"""Pictures."""
+
+from __future__ import annotations
+
+import pathlib
+
+import numpy as np
+import PIL.Image
+import pytest
+
+import rockfall as rf
+
+
+@pytest.fixture(scope="module")
+def sim() -> rf.Simulation:
+    scene = rf.Scene()
+    scene.add_box([-2, -1, -2], [2, 0, 2])
+    scene.add_spheres([[0, 1, 0], [1, 2, 0]], 0.5, velocity=[[0, 0, 0], [1, 0, 0]])
+    return rf.Simulation(scene, backend="cpu")
+
+
+def test_a_picture_is_an_array_an_image_and_a_file(sim: rf.Simulation, tmp_path: pathlib.Path) -> None:
+    picture = sim.render(size=(96, 54))
+    pixels = picture.numpy()
+    assert pixels.shape == (54, 96, 3) and pixels.dtype == np.uint8 and picture.size == (96, 54)
+    assert pixels.std() > 5, "something is drawn"
+    np.testing.assert_array_equal(np.asarray(picture), pixels)
+    np.testing.assert_array_equal(np.asarray(picture.pil()), pixels)
+    assert picture._repr_png_() == picture.png() and picture.png().startswith(b"\x89PNG")
+    picture.save(tmp_path / "a.png")
+    with PIL.Image.open(tmp_path / "a.png") as image:
+        np.testing.assert_array_equal(np.asarray(image.convert("RGB")), pixels)
+    picture.save(tmp_path / "a.jpg")
+    with PIL.Image.open(tmp_path / "a.jpg") as image:
+        assert image.size == (96, 54)
+    assert "96x54" in repr(picture)
+    with pytest.raises(ValueError, match=r"path: expected a name that ends in \.png"):
+        picture.save(tmp_path / "a.tif")
+    with pytest.raises(OSError):
+        picture.save(tmp_path / "no" / "a.png")
+
+
+def test_camera_colours_and_state_change_the_picture(sim: rf.Simulation) -> None:
+    plain = sim.render(size=(96, 54), plain=True).numpy()
+    np.testing.assert_array_equal(plain, sim.render(size=(96, 54), plain=True).numpy())
+    others = [
+        sim.render(size=(96, 54)),
+        sim.render(size=(96, 54), plain=True, camera=[0, 5, 10]),
+        sim.render(size=(96, 54), plain=True, look_at=[0, 0, 0]),
+        sim.render(size=(96, 54), plain=True, colour_by="speed", range=(0, 2)),
+    ]
+    for other in others:
+        assert not np.array_equal(plain, other.numpy())
+    sim.positions[0] += [0, 1, 0]
+    assert not np.array_equal(plain, sim.render(size=(96, 54), plain=True).numpy())
+    assert sim.render(size=(50, 60)).numpy().shape == (60, 50, 3)

@@ -1,0 +1,201 @@
+"""Building scenes."""
+
+from __future__ import annotations
+
+import copy
+import pathlib
+import pickle
+import time
+
+import numpy as np
+import pytest
+
+import rockfall as rf
+
+
+def test_every_kind_of_object_is_added_in_bulk() -> None:
+    scene = rf.Scene()
+    spheres = scene.add_spheres(
+        np.eye(3),
+        [1, 2, 3],
+        mass=[4, 5, 6],
+        velocity=[0, 1, 0],
+        angular_momentum=[1, 0, 0],
+        orientation=[0, 1, 0, 0],
+        force=[0, 0, 2],
+        fixed=[False, True, False],
+        group=7,
+    )
+    assert spheres.tolist() == [0, 1, 2] and spheres.dtype == np.int64
+    assert scene.add_sphere([0, 9, 0], 1.0, 2.0, velocity=[1, 2, 3]) == 3
+    assert scene.add_rods(spheres[:2], spheres[1:], 0.1, [0, 2]).tolist() == [0, 1]
+    assert scene.add_rod(0, 3, 0.1, 9.0) == 2
+    assert scene.add_springs(spheres[:2], spheres[1:], 5).tolist() == [0, 1]
+    assert scene.add_spring(0, 2, 5, 1.5, 0.5) == 2
+    assert scene.add_tethers([0, 1], [[0, 5, 0], [0, 6, 0]], 3, 1, 0.5).tolist() == [0, 1]
+    capsules = scene.add_capsules([[0, 0, 5], [0, 0, 7]], [[1, 0, 5], [1, 0, 7]], 0.2, mass=3, velocity=[0, 1, 0])
+    assert [part.tolist() for part in capsules] == [[0, 1], [[4, 5], [6, 7]], [3, 4]]
+    assert scene.add_boxes([[0, 0, 0], [9, 0, 0]], np.eye(3)).tolist() == [0, 1]
+    assert scene.add_box([0, 0, 0], [1, 2, 3]) == 2
+    assert scene.add_polygons([0, 0, 0], [[1, 0, 0]], [[0, 0, 1]]).tolist() == [0]
+    assert scene.counts == rf.Counts(8, 5, 2, 3, 2, 3, 1)
+
+    table = scene.table("sphere")
+    assert table["radius"][:4].tolist() == [1, 2, 3, 1] and table["mass"][:4].tolist() == [4, 5, 6, 2]
+    assert table["fixed"][:4].tolist() == [0, 1, 0, 0] and table["group"][:4].tolist() == [7, 7, 7, 0]
+    assert scene.table("rod")[["end1", "end2", "length"]].tolist()[:3] == [(0, 1, 0.0), (1, 2, 2.0), (0, 3, 9.0)]
+    assert scene.table("rod")["end1"][3] == 4
+    springs = scene.table("spring")
+    np.testing.assert_allclose(springs["length"], [np.sqrt(2), np.sqrt(2), 1.5], rtol=1e-6)
+    assert springs["damping"].tolist() == [0, 0, 0.5]
+    assert scene.table("tether")["point"].tolist() == [[0, 5, 0], [0, 6, 0]]
+    assert scene.table("capsule")[["end1", "end2"]].tolist() == [(4, 5), (6, 7)]
+    assert scene.table("box")["k"].tolist() == [[0, 0, 1], [0, 0, 1], [0, 0, 3]]
+    assert scene.table("polygon")["right"].tolist() == [[0, 0, 1]]
+
+    sim = rf.Simulation(scene, backend="cpu")
+    assert sim.velocities[3].tolist() == [1, 2, 3] and sim.velocities[6].tolist() == [0, 1, 0]
+    assert sim.orientations[0].tolist() == [0, 1, 0, 0] and sim.angular_momenta[1].tolist() == [1, 0, 0]
+    assert sim.external_forces[2].tolist() == [0, 0, 2] and sim.fixed.tolist()[:3] == [False, True, False]
+    assert sim.masses[4] == 1.5 and sim.radii[4] == np.float32(0.2)
+
+
+def test_objects_are_removed_and_changed() -> None:
+    scene = rf.Scene()
+    ids = scene.add_spheres(np.arange(12).reshape(4, 3), 0.1)
+    rods = scene.add_rods(ids[:-1], ids[1:], 0.05)
+    springs = scene.add_springs(ids[:-1], ids[1:], 1)
+    tethers = scene.add_tethers(ids, [0, 0, 0], 1)
+    scene.update_rods(rods[1], radius=0.02, length=3)
+    scene.update_springs(springs, stiffness=[1, 2, 3], length=4, damping=0.5)
+    scene.update_tethers(tethers[1:3], point=[1, 2, 3], stiffness=5, length=1, damping=2)
+    assert scene.table("rod")["length"].tolist() == [0, 3, 0]
+    assert scene.table("spring")["stiffness"].tolist() == [1, 2, 3]
+    assert scene.table("tether")["point"].tolist() == [[0, 0, 0], [1, 2, 3], [1, 2, 3], [0, 0, 0]]
+    scene.remove("sphere", [1, 1])
+    assert scene.counts == rf.Counts(3, 1, 0, 1, 3, 0, 0)
+    assert scene.table("sphere")["id"].tolist() == [0, 2, 3]
+    assert scene.table("rod")[["id", "end1", "end2"]].tolist() == [(2, 1, 2)], "ends are rows, not numbers"
+    assert scene.add_sphere([0, 0, 0], 1.0) == 4, "numbers are not used again"
+    with pytest.raises(LookupError, match="stale"):
+        scene.add_rod(1, 2, 0.1)
+    with pytest.raises(LookupError, match="stale"):
+        scene.remove("sphere", [0, 1])
+    assert scene.counts.spheres == 4, "nothing was removed"
+    for kind, number in [("rod", 2), ("spring", 2), ("tether", 0)]:
+        scene.remove(kind, number)
+    assert scene.counts == rf.Counts(4, 0, 0, 0, 2, 0, 0)
+
+
+def test_arrays_of_any_layout_and_dtype_are_taken() -> None:
+    data = np.arange(24, dtype=np.float64).reshape(4, 6)
+    data.flags.writeable = False
+    scene = rf.Scene()
+    scene.add_spheres(data[:, ::2], np.float16(0.5), mass=np.arange(1, 5, dtype=np.uint8))
+    scene.add_spheres(np.asfortranarray(data[:, :3]), [1, 1, 1, 1])
+    scene.add_spheres(data.astype(">f4")[:, :3], 1)
+    scene.add_spheres(np.empty((0, 3)), 1)
+    sim = rf.Simulation(scene, backend="cpu")
+    np.testing.assert_array_equal(sim.positions, np.concatenate([data[:, ::2], data[:, :3], data[:, :3]]))
+    assert sim.masses.tolist() == [1, 2, 3, 4] + 8 * [1]
+
+
+class Foreign:
+    """An array of another library in host memory, which speaks DLPack only."""
+
+    def __init__(self, array: np.ndarray) -> None:
+        self.array = array
+        self.shape = array.shape
+
+    def __dlpack__(self, **options: object) -> object:
+        return self.array.__dlpack__(**options)  # type: ignore[arg-type]
+
+    def __dlpack_device__(self) -> tuple[int, int]:
+        return self.array.__dlpack_device__()
+
+
+def test_arrays_of_other_libraries_are_taken_and_given() -> None:
+    scene = rf.Scene()
+    position = np.arange(6.0).reshape(2, 3)
+    scene.add_spheres(Foreign(position), Foreign(np.array([0.5, 0.25], np.float32)))
+    sim = rf.Simulation(scene, backend="cpu")
+    np.testing.assert_array_equal(sim.positions, position)
+    sim.velocities = Foreign(position)
+    shared = np.from_dlpack(Foreign(sim.velocities))
+    np.testing.assert_array_equal(shared, position)
+    twin = rf.Scene()
+    twin.add_spheres(sim.positions, sim.radii, sim.masses, sim.velocities, orientation=sim.orientations)
+    assert twin.to_text() == sim.scene.to_text(), "what comes out of one call goes into another"
+    views = sim.state
+    twin.add_spheres(views.positions, views.radii)
+    assert twin.counts.spheres == 4
+
+
+def test_settings_are_attributes_with_units() -> None:
+    scene = rf.Scene()
+    scene.settings.gravity = 9.81
+    scene.settings.collisions = False
+    scene.settings.gravity_direction = [0, 0, -1]
+    scene.settings.update(friction=0, restitution=np.float32(0.1))
+    scene.settings["linear_damping"] = 0.25
+    assert scene.settings.gravity == 9.81 and scene.settings.collisions is False
+    assert scene.settings.gravity_direction == (0, 0, -1) and scene.settings["linear_damping"] == 0.25
+    assert dict(scene.settings.items())["restitution"] == 0.1
+    assert "units/s²" in rf.Settings.gravity.__doc__  # type: ignore[attr-defined]
+    assert "set gravity 9.81" in scene.to_text()
+    other = rf.Scene()
+    other.settings = scene.settings
+    assert repr(other.settings) == repr(scene.settings)
+    assert set(scene.settings) == set(scene.settings.keys()) and len(scene.settings) == len(list(scene.settings))
+
+
+def test_every_setting_is_set_and_documented() -> None:
+    for scene in (rf.Scene(), rf.Simulation(rf.Scene(), backend="cpu")):
+        for name, value in scene.settings.items():
+            new = (1.0, 0.0, 0.0) if isinstance(value, tuple) else not value if isinstance(value, bool) else 0.25
+            setattr(scene.settings, name, new)
+            assert scene.settings[name] == new, name
+            assert "Default" in getattr(rf.Settings, name).__doc__
+
+
+def test_declared_settings_are_those_of_the_library() -> None:
+    declared = [name for name in rf.Settings.__annotations__ if not name.startswith("_")] or None
+    text = pathlib.Path(rf.__file__).with_name("_settings.py").read_text()
+    block = text.split("if TYPE_CHECKING:\n        ")[1].split("\n\n")[0]
+    names = [line.split(":")[0].strip() for line in block.splitlines()]
+    assert names == list(rf.Scene().settings), declared
+
+
+def test_text_is_read_and_written_without_loss(scene: rf.Scene, tmp_path: pathlib.Path) -> None:
+    text = scene.to_text()
+    assert rf.Scene.parse(text).to_text() == text
+    scene.save(tmp_path / "scene.txt")
+    assert rf.Scene.load(tmp_path / "scene.txt").to_text() == text
+    assert rf.Scene.load(str(tmp_path / "scene.txt")).counts == scene.counts
+    for twin in (scene.copy(), copy.copy(scene), copy.deepcopy(scene), pickle.loads(pickle.dumps(scene))):
+        twin.add_sphere([0, 20, 0], 1.0)
+        assert twin.counts.spheres == scene.counts.spheres + 1
+    assert scene.to_text() == text
+    assert rf.Scene.parse("Sphere 1 0 0\nS 1 0 2 0 0 0 0 0 0 0 1 0.5 0").warnings[0][0] == 1
+
+
+def test_check_reports_a_long_time_step(scene: rf.Scene) -> None:
+    assert any("time step" in line for line in scene.check(dt=1.0)), scene.check(dt=1.0)
+    single = rf.Scene()
+    single.add_sphere([0, 0, 0], 1.0)
+    assert single.check() == []
+
+
+def test_a_million_objects_are_added_in_a_second() -> None:
+    count = 1_000_000
+    position = np.random.default_rng(0).random((count, 3)) * 100
+    scene = rf.Scene()
+    # Processor time, so that other programs do not matter.
+    start = time.process_time()
+    ids = scene.add_spheres(position, 0.1)
+    spheres = time.process_time()
+    scene.add_rods(ids[:-1], ids[1:], 0.05)
+    scene.add_springs(ids[:-1], ids[1:], 10.0)
+    assert spheres - start < 1.0
+    assert time.process_time() - spheres < 2.0
+    assert scene.counts[:4] == (count, count - 1, 0, count - 1)
