@@ -23,6 +23,7 @@ from rockfall._rockfall import SimulationError
 from rockfall._scene import Scene
 from rockfall._settings import Settings
 from rockfall._simulation import Simulation
+from rockfall._sweep import SweepError, SweepResult, sweep
 from rockfall._trajectory import Frame, Recording, Trajectory
 
 __version__: str = _rockfall.__version__
@@ -46,7 +47,10 @@ __all__ = [
     "SimulationError",
     "StageTime",
     "State",
+    "SweepError",
+    "SweepResult",
     "Trajectory",
     "devices",
     "info",
+    "sweep",
 ]

@@ -11,8 +11,9 @@ from typing import Any
 class Progress:
     """A progress bar on standard error, by tqdm where it is installed. Without a total, it shows nothing."""
 
-    def __init__(self, total: int | None) -> None:
+    def __init__(self, total: int | None, unit: str = "step") -> None:
         self._total = total
+        self._unit = unit
         self._done = 0
         self._shown = 0.0
         self._bar: Any = None
@@ -21,7 +22,7 @@ class Progress:
                 from tqdm.auto import tqdm
             except ImportError:
                 return
-            self._bar = tqdm(total=total, unit="step")
+            self._bar = tqdm(total=total, unit=unit)
 
     def advance(self, steps: int) -> None:
         """Count steps."""
@@ -30,7 +31,7 @@ class Progress:
             self._bar.update(steps)
         elif self._total is not None and (self._done == self._total or time.monotonic() - self._shown > 0.2):
             self._shown = time.monotonic()
-            print(f"\r{self._done} of {self._total} steps", end="", file=sys.stderr, flush=True)
+            print(f"\r{self._done} of {self._total} {self._unit}s", end="", file=sys.stderr, flush=True)
 
     def __enter__(self) -> Progress:
         return self
