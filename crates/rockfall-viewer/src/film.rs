@@ -106,10 +106,10 @@ pub fn write(path: &Path, format: Format, timing: &Timing, pictures: impl Iterat
     write_all(path, format, timing.fps, timing.pictures(), pictures)
 }
 
-/// [`write`] for `count` pictures that do not follow from a [`Timing`], `fps` per second.
+/// [`write()`] for `count` pictures that do not follow from a [`Timing`], `fps` per second.
 ///
 /// # Errors
-/// As for [`write`].
+/// As for [`write()`].
 pub fn write_all(
     path: &Path,
     format: Format,

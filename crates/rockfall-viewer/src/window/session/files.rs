@@ -60,7 +60,7 @@ impl Session {
         opened
     }
 
-    /// Loads [`INPUT`] from the first of these folders that contains it (key R).
+    /// Loads `input.txt` from the first of these folders that contains it (key R).
     pub fn load_input(&mut self, folders: &[PathBuf]) {
         let candidates: Vec<PathBuf> = folders.iter().map(|folder| folder.join(INPUT)).collect();
         match candidates.iter().find(|path| path.is_file()) {
