@@ -132,8 +132,8 @@ impl Kind {
             Ok(number) if number.is_finite() => Ok(number),
             Ok(_) => Err(self.wrong(name, format!("{} is not finite (in f32), expected a finite number", quoted(word)))),
             Err(_) if name == "fixed" => {
-                let use_one = "use 1 for a fixed sphere, 0 or nothing for one that moves";
-                Err(self.wrong(name, format!("{} is not a number: {use_one}", quoted(word))))
+                let use_one = "expected 1 for a fixed sphere, 0 or nothing for one that moves";
+                Err(self.wrong(name, format!("{} is not a number, {use_one}", quoted(word))))
             }
             Err(_) => Err(self.wrong(name, format!("{} is not a number, expected a finite number", quoted(word)))),
         }
