@@ -16,6 +16,8 @@ use crate::step::schedule::Phase;
 mod drive;
 mod edit;
 mod engine;
+#[cfg(feature = "gpu")]
+mod exchange;
 mod flight;
 mod interval;
 mod keep;
@@ -83,6 +85,8 @@ pub struct Simulation {
     has_stages: bool,
     /// `scene` holds the current state.
     synced: bool,
+    /// `scene` holds the current external forces.
+    forces_synced: bool,
     /// Steps since the last step in which collisions shared a body.
     calm_steps: u64,
     /// Steps since the last step in which many collisions shared a body.
@@ -167,6 +171,7 @@ impl Simulation {
             lists_due: true,
             has_stages: false,
             synced: true,
+            forces_synced: true,
             calm_steps: 0,
             few_steps: 0,
         }

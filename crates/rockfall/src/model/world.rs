@@ -50,6 +50,8 @@ pub struct World {
     pub dispatch_sizes: Vec<u32>,
     /// The status block.
     pub status: Status,
+    /// The topology buffer has an external force for each sphere, in insertion order. Otherwise only for those with a force.
+    pub(crate) has_force_on_each: bool,
 }
 
 impl World {

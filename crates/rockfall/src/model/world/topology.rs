@@ -49,6 +49,7 @@ impl World {
             }
         }
         pack_attachments(scene, &slots, step, &mut topology, &mut adjacency)?;
+        pack_forces(scene, &slots, self.has_force_on_each, step, &mut topology, &mut adjacency);
         pack_static(scene, &self.order, step, &mut topology);
         pack_order(&self.order, &slots, step, &mut topology);
 
@@ -83,7 +84,7 @@ fn pack_order(order: &[u32], slots: &[u32], step: &mut Step, topology: &mut Vec<
     }
 }
 
-/// Appends springs, tethers and external forces.
+/// Appends springs and tethers.
 fn pack_attachments(
     scene: &Scene,
     slots: &[u32],
@@ -106,13 +107,24 @@ fn pack_attachments(
         topology.extend([tether.stiffness, tether.length, tether.damping].map(f32::to_bits));
         adjacency.attach(KIND_TETHER, number, &[sphere]);
     }
+    Ok(())
+}
+
+/// Appends external forces: of each sphere, or of those with a force.
+fn pack_forces(
+    scene: &Scene,
+    slots: &[u32],
+    on_each: bool,
+    step: &mut Step,
+    topology: &mut Vec<u32>,
+    adjacency: &mut Adjacency,
+) {
     step.forces_at = topology.len() as u32;
-    let pushed = scene.spheres().iter().zip(0..).filter(|(sphere, _)| sphere.force != Vec3::ZERO);
+    let pushed = scene.spheres().iter().zip(0..).filter(|(sphere, _)| on_each || sphere.force != Vec3::ZERO);
     for ((sphere, number), force) in pushed.zip(0..) {
         push_vectors(topology, &[sphere.force]);
         adjacency.attach(KIND_FORCE, force, &[slots.get(number as usize).copied().unwrap_or(number)]);
     }
-    Ok(())
 }
 
 /// Appends boxes, polygons, and the tags of all objects.
