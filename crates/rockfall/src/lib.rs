@@ -70,6 +70,7 @@
 
 pub mod checkpoint;
 mod devices;
+mod disjoint;
 pub mod error;
 #[doc(hidden)]
 pub mod exec;

@@ -5,6 +5,7 @@
 use crate::error::Result;
 use crate::settings::Settings;
 
+mod bonded;
 mod objects;
 mod references;
 mod registry;
@@ -12,6 +13,7 @@ mod statics;
 mod text;
 mod write;
 
+pub use bonded::BondedSets;
 pub(crate) use objects::finite;
 pub use objects::{Capsule, CapsuleId, CapsuleParts, Rod, RodId, Sphere, SphereId, Spring, SpringId, Tether, TetherId};
 pub(crate) use references::References;
