@@ -4,13 +4,14 @@ use glam::Vec3;
 
 use crate::error::Result;
 use crate::model::layout::{FEW_MOVERS, SLICE};
+use crate::model::muscles::MuscleClock;
 use crate::model::status::Status;
 use crate::model::world::World;
 use crate::options::{BackendInfo, Optimization, Options};
 use crate::profile::Recorder;
 use crate::report::{Clock, Report};
 use crate::scene::{Scene, SphereId};
-use crate::settings::{BroadPhase, Integrator, Settings};
+use crate::settings::{BroadPhase, DEFAULT_TIME_STEP, Integrator, Settings};
 use crate::step::schedule::Phase;
 
 mod drive;
@@ -30,7 +31,6 @@ mod ray;
 mod read;
 mod sweeps;
 
-pub use drive::DEFAULT_TIME_STEP;
 use drive::Window;
 use edit::Dirty;
 use engine::Engine;
@@ -68,6 +68,7 @@ pub struct Simulation {
     report: Report,
     clock: Clock,
     time_step: f32,
+    muscle_clock: MuscleClock,
     /// For how many steps ahead the lists are built.
     lookahead: Lookahead,
     /// How often the lists may be rebuilt within a batch, in steps.
@@ -162,6 +163,7 @@ impl Simulation {
             report: Report::default(),
             clock: Clock::default(),
             time_step: DEFAULT_TIME_STEP,
+            muscle_clock: MuscleClock::default(),
             lookahead,
             interval,
             window: Window::default(),

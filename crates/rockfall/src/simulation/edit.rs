@@ -97,7 +97,8 @@ edits! {
         remove_box(id: BoxId) -> ();
     Everything: /// Removes a polygon.
         remove_polygon(id: PolygonId) -> ();
-    Topology: /// Changes a spring's constants.
+    Topology: /// Changes a spring's constants and its muscle. The phase of a muscle follows from its frequency and the time since
+        /// the start of the simulation, so another frequency changes the phase at once.
         update_spring(id: SpringId, change: impl FnOnce(&mut Spring)) -> ();
     Topology: /// Changes a tether's point and constants, for example to hold or drag a body.
         update_tether(id: TetherId, change: impl FnOnce(&mut Tether)) -> ();

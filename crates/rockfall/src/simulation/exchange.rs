@@ -2,6 +2,7 @@
 
 use crate::error::{Error, Result};
 use crate::exec::gpu::{GpuWorld, Table};
+use crate::simulation::edit::Dirty;
 use crate::simulation::{Simulation, engine};
 
 impl Simulation {
@@ -39,8 +40,8 @@ impl Simulation {
         self.on_gpu()?.check_table(table, from).await?;
         if table == Table::Forces && !self.world.has_force_on_each {
             self.world.has_force_on_each = true;
-            self.world.set_topology(&self.scene)?;
-            self.engine.upload_topology(&self.world)?;
+            self.dirty = self.dirty.max(Dirty::Topology);
+            self.flush_async().await?;
         }
         let submission = self.on_gpu()?.write_table(table, from)?;
         if table == Table::Forces {

@@ -54,6 +54,7 @@ impl Simulation {
                 lengths_due: self.status.lengths_due != 0,
                 margin_scale: step.margin_scale,
                 lookahead: step.lookahead,
+                clock: self.muscle_clock,
             },
         })
     }
@@ -129,6 +130,7 @@ impl Simulation {
     fn apply_history(&mut self, time_step: f32, report: crate::Report, history: History) {
         self.time_step = time_step;
         self.report = report;
+        self.muscle_clock = history.clock;
         self.status.lengths_due = u32::from(history.lengths_due);
         self.world.step.margin_scale = history.margin_scale;
         self.world.step.lookahead = history.lookahead;

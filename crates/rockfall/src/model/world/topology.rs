@@ -5,8 +5,8 @@ use glam::Vec3;
 
 use crate::error::{Error, Result};
 use crate::model::layout::{
-    FLAG_GROUPS, KIND_FORCE, KIND_ROD, KIND_SHIFT, KIND_SPRING, KIND_TETHER, LINE, NO_NETWORK, NO_ROD, ROD_WORDS, SOME_RODS,
-    max_objects,
+    FLAG_GROUPS, KIND_FORCE, KIND_ROD, KIND_SHIFT, KIND_SPRING, KIND_TETHER, LINE, MUSCLE_WORDS, NO_NETWORK, NO_ROD, ROD_WORDS,
+    SOME_RODS, max_objects,
 };
 use crate::model::step::Step;
 use crate::model::world::World;
@@ -62,6 +62,8 @@ impl World {
         push_networks(step, &fixed, &fixed_rods, &mut topology);
         step.adjacency_at = adjacency.push(&mut topology, step.spheres);
         self.topology = topology;
+        let clock = self.muscles_for.take().unwrap_or_default();
+        self.set_muscles(scene, &clock);
         Ok(())
     }
 }
@@ -84,7 +86,7 @@ fn pack_order(order: &[u32], slots: &[u32], step: &mut Step, topology: &mut Vec<
     }
 }
 
-/// Appends springs and tethers.
+/// Appends springs, tethers and an empty table of muscles.
 fn pack_attachments(
     scene: &Scene,
     slots: &[u32],
@@ -106,6 +108,12 @@ fn pack_attachments(
         push_vectors(topology, &[tether.point]);
         topology.extend([tether.stiffness, tether.length, tether.damping].map(f32::to_bits));
         adjacency.attach(KIND_TETHER, number, &[sphere]);
+    }
+    step.muscles_at = 0;
+    if scene.springs().iter().any(|spring| spring.muscle.is_some()) {
+        // `World::set_muscles` fills the table.
+        step.muscles_at = topology.len() as u32;
+        topology.resize(topology.len() + scene.springs().len() * MUSCLE_WORDS as usize, 0);
     }
     Ok(())
 }
