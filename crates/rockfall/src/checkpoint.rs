@@ -11,7 +11,7 @@
 //! | 8 | `\x89RKF\r\n\x1a\n`; a transfer as text changes these bytes, so it is detected |
 //! | 4 | version of the format |
 //! | 8 | length of the whole file in bytes |
-//! | ... | the head: program, device, note, constants, options, time step, counters, numbers of objects |
+//! | ... | the head: program, device, note, constants, options, time step, counters, numbers of objects; from version 3 on also materials and pairs |
 //! | ... | spheres, rods, capsules, springs, tethers, boxes, polygons, each in order of addition, as 32-bit words |
 //! | ... | the reference of every sphere as a 64-bit number, -1 for none; left out if no sphere has one, and in version 1 |
 //! | 4 | CRC-32 of all bytes before |
@@ -35,7 +35,7 @@ use words::{Damage, Words};
 /// The first bytes of every checkpoint.
 const MAGIC: [u8; 8] = *b"\x89RKF\r\n\x1a\n";
 /// Version of the format. Older versions are still read.
-const VERSION: u32 = 2;
+const VERSION: u32 = 3;
 /// Bytes of magic, version and length.
 const PREFIX: usize = MAGIC.len() + 4 + 8;
 /// Bytes of the checksum at the end.
@@ -125,8 +125,9 @@ impl Checkpoint {
     /// [`Error::Checkpoint`] when the bytes are damaged, not a checkpoint, or of a later version.
     pub fn from_bytes(bytes: &[u8], name: impl Into<PathBuf>) -> Result<Self> {
         let read = || -> Result<Self, Damage> {
-            let mut words = Words::new(content(bytes)?);
-            let (mut checkpoint, counts) = head::read(&mut words)?;
+            let (version, content) = content(bytes)?;
+            let mut words = Words::new(content);
+            let (mut checkpoint, counts) = head::read(&mut words, version)?;
             objects::read(&mut words, &counts, &mut checkpoint.scene)?;
             words.end()?;
             Ok(checkpoint)
@@ -148,8 +149,8 @@ impl Checkpoint {
     }
 }
 
-/// Returns the bytes between prefix and checksum, if the file is intact.
-fn content(bytes: &[u8]) -> Result<&[u8], Damage> {
+/// Returns the version and the bytes between prefix and checksum, if the file is intact.
+fn content(bytes: &[u8]) -> Result<(u32, &[u8]), Damage> {
     if bytes.is_empty() {
         return Err(Damage::new("it is empty"));
     }
@@ -174,7 +175,7 @@ fn content(bytes: &[u8]) -> Result<&[u8], Damage> {
     if Words::new(suffix).u32()? != crc32fast::hash(&bytes[..PREFIX + end]) {
         return Err(Damage::new("its checksum is wrong: some of its bytes have changed"));
     }
-    Ok(content)
+    Ok((version, content))
 }
 
 /// A writer that hashes all bytes that pass through it.

@@ -74,6 +74,7 @@ const SHARED: &[Part] = &[
     part!("physics/friction_impulses.wgsl"),
     part!("physics/geometry.wgsl"),
     part!("physics/lengths.wgsl"),
+    part!("physics/pairs.wgsl"),
     part!("physics/rotation.wgsl"),
     part!("physics/sine.wgsl"),
     part!("physics/touch.wgsl"),
@@ -164,6 +165,8 @@ pub struct Variant {
     pub rods: bool,
     /// There may be large spheres, each of which gets a workgroup.
     pub large: bool,
+    /// There may be pairs of materials.
+    pub materials: bool,
     /// There may be so many objects that a sort key of `find_neighbours` has no room for more than an insertion index.
     pub many: bool,
 }
@@ -171,13 +174,14 @@ pub struct Variant {
 impl Variant {
     /// Returns the variant for a scene with these counts.
     pub fn of(step: &Step) -> Self {
-        Self { rods: step.rods > 0, large: step.large > 0, many: step.objects() >= MANY_OBJECTS }
+        let Step { rods, large, materials, .. } = *step;
+        Self { rods: rods > 0, large: large > 0, materials: materials > 0, many: step.objects() >= MANY_OBJECTS }
     }
 
     /// Returns the WGSL of this variant. It replaces constants in the text, because the sizes of arrays depend on `RODS` and
     /// `LARGE` and so these cannot be pipeline-overridable constants.
     pub fn apply(self, text: &str) -> String {
-        let constants = [("RODS", self.rods), ("LARGE", self.large)];
+        let constants = [("RODS", self.rods), ("LARGE", self.large), ("MATERIALS", self.materials)];
         constants.iter().fold(text.to_owned(), |text, (name, is_set)| {
             text.replace(&format!("const {name}: bool = true;"), &format!("const {name}: bool = {is_set};"))
         })
