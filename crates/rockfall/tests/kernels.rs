@@ -27,7 +27,7 @@ fn module(stage: &Stage) -> Module {
 
 /// The module for scenes with or without rods and large spheres.
 fn module_for(stage: &Stage, rods: bool, large: bool) -> Module {
-    let text = Variant { rods, large, materials: true, many: false }.apply(&source(stage));
+    let text = Variant { rods, large, materials: true, law: 0, many: false }.apply(&source(stage));
     naga::front::wgsl::parse_str(&text).unwrap_or_else(|e| panic!("{}: {}", stage.name, e.emit_to_string(&text)))
 }
 

@@ -4,7 +4,6 @@ use std::collections::BTreeMap;
 
 use crate::error::{Error, Result, quoted};
 use crate::scene::Scene;
-use crate::scene::objects::invalid;
 use crate::scene::registry::Handle;
 
 /// Handle of a [`Material`].
@@ -142,6 +141,10 @@ impl Pair {
 /// sqrt(a b), computed in f64 so that the mean of equal numbers is that number.
 fn geometric_mean(one: f32, other: f32) -> f32 {
     (f64::from(one) * f64::from(other)).sqrt() as f32
+}
+
+fn invalid(field: &'static str, value: impl std::fmt::Debug, expected: &'static str) -> Error {
+    Error::Invalid { field, value: format!("{value:?}"), expected }
 }
 
 fn known(field: &'static str, value: Option<f32>, is_right: impl Fn(f32) -> bool, expected: &'static str) -> Result<()> {
