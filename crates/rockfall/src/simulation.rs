@@ -267,7 +267,7 @@ impl Simulation {
 
     /// The phases of a whole step, in the order in which they run.
     fn step_phases(&self) -> &'static [Phase] {
-        let has_phase = self.scene.settings.collisions || self.scene.settings.has_friction_impulses();
+        let has_phase = self.scene.settings.collisions || self.world.step.has_friction_impulses();
         if has_phase { &drive::COLLISIONS_FIRST } else { &drive::WITHOUT_COLLISIONS }
     }
 

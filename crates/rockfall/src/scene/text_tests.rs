@@ -108,7 +108,10 @@ fn a_line_that_is_not_understood_is_an_error_in_a_file_with_extensions() {
         ("set Gravity 3", "set 'Gravity': an unknown setting, did you mean gravity?"),
         ("set", "set: a setting without a name, expected `set NAME VALUE`"),
         ("@grup 1", "'@grup': an unknown word, did you mean @group?"),
-        ("@mesh hopper.stl", "'@mesh': an unknown word, expected one of @group, @orientation, @force, @capsule, @muscle"),
+        (
+            "@mesh hopper.stl",
+            "'@mesh': an unknown word, expected one of @group, @orientation, @force, @capsule, @muscle, @material, @pair, @use",
+        ),
     ];
     for (line, expected) in cases {
         for other in ["set restitution 1", "@group 2", "@group", "T 1 0 0 0 1 1 1", "set out"] {

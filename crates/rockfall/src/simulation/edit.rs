@@ -5,8 +5,8 @@ use glam::{Quat, Vec3};
 use crate::error::{Error, Result};
 use crate::model::layout::FLAG_CONTINUE;
 use crate::scene::{
-    BoxId, Capsule, CapsuleId, Cuboid, Polygon, PolygonId, Rod, RodId, Scene, Sphere, SphereId, Spring, SpringId, Tether,
-    TetherId, finite,
+    BoxId, Capsule, CapsuleId, Cuboid, Material, MaterialId, Pair, Polygon, PolygonId, Rod, RodId, Scene, Sphere, SphereId,
+    Spring, SpringId, Tether, TetherId, finite,
 };
 use crate::simulation::order::Disorder;
 use crate::simulation::{Simulation, engine, pack};
@@ -102,8 +102,14 @@ edits! {
         update_spring(id: SpringId, change: impl FnOnce(&mut Spring)) -> ();
     Topology: /// Changes a tether's point and constants, for example to hold or drag a body.
         update_tether(id: TetherId, change: impl FnOnce(&mut Tether)) -> ();
-    Everything: /// Changes a rod's radius, length and group.
+    Everything: /// Changes a rod's radius, length, group and material.
         update_rod(id: RodId, change: impl FnOnce(&mut Rod)) -> ();
+    Topology: /// Adds a material.
+        add_material(material: Material) -> MaterialId;
+    Topology: /// Changes the constants of a material.
+        update_material(id: MaterialId, change: impl FnOnce(&mut Material)) -> ();
+    Topology: /// Sets the properties of the contacts between two materials.
+        set_pair(one: MaterialId, other: MaterialId, pair: Pair) -> ();
 }
 
 /// Changing the state of spheres. Changes take effect with the next step or read.

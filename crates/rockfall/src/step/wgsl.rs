@@ -75,6 +75,7 @@ const SHARED: &[Part] = &[
     part!("physics/friction_impulses.wgsl"),
     part!("physics/geometry.wgsl"),
     part!("physics/lengths.wgsl"),
+    part!("physics/pairs.wgsl"),
     part!("physics/rotation.wgsl"),
     part!("physics/sine.wgsl"),
     part!("physics/touch.wgsl"),
@@ -167,6 +168,8 @@ pub struct Variant {
     pub large: bool,
     /// There may be springs with muscles.
     pub muscles: bool,
+    /// There may be pairs of materials.
+    pub materials: bool,
     /// There may be so many objects that a sort key of `find_neighbours` has no room for more than an insertion index.
     pub many: bool,
 }
@@ -174,13 +177,20 @@ pub struct Variant {
 impl Variant {
     /// Returns the variant for a scene with these counts.
     pub fn of(step: &Step) -> Self {
-        Self { rods: step.rods > 0, large: step.large > 0, muscles: step.muscles_at > 0, many: step.objects() >= MANY_OBJECTS }
+        let Step { rods, large, muscles_at, materials, .. } = *step;
+        Self {
+            rods: rods > 0,
+            large: large > 0,
+            muscles: muscles_at > 0,
+            materials: materials > 0,
+            many: step.objects() >= MANY_OBJECTS,
+        }
     }
 
     /// Returns the WGSL of this variant. It replaces constants in the text, because the sizes of arrays depend on `RODS` and
     /// `LARGE` and so these cannot be pipeline-overridable constants.
     pub fn apply(self, text: &str) -> String {
-        let constants = [("RODS", self.rods), ("LARGE", self.large), ("MUSCLES", self.muscles)];
+        let constants = [("RODS", self.rods), ("LARGE", self.large), ("MUSCLES", self.muscles), ("MATERIALS", self.materials)];
         constants.iter().fold(text.to_owned(), |text, (name, is_set)| {
             text.replace(&format!("const {name}: bool = true;"), &format!("const {name}: bool = {is_set};"))
         })

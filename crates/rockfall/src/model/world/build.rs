@@ -7,8 +7,8 @@ use glam::Vec4;
 use crate::error::Result;
 use crate::model::dispatch::sizes;
 use crate::model::layout::{
-    CELL_BLOCK, CELLS_AT, FEW_MOVERS, FLAG_COLLISIONS, FLAG_CONTINUE, FLAG_GROUPS, FLAG_PULL, LEVEL_BIAS, LINE,
-    MIN_PLANNED_OBJECTS, SLICE, SUM_WORDS,
+    CELL_BLOCK, CELLS_AT, FEW_MOVERS, FLAG_COLLISIONS, FLAG_CONTINUE, FLAG_GROUPS, FLAG_PAIR_FRICTION, FLAG_PULL, LEVEL_BIAS,
+    LINE, MIN_PLANNED_OBJECTS, SLICE, SUM_WORDS,
 };
 use crate::model::step::Step;
 use crate::model::world::World;
@@ -97,8 +97,9 @@ impl World {
         step.gravity = (gravity * gravity_direction).to_array();
         step.gravity_size = gravity.abs() * gravity_direction.length();
         let bit = |on: bool, flag: u32| if on { flag } else { 0 };
-        step.flags =
-            step.flags & (FLAG_CONTINUE | FLAG_GROUPS) | bit(collisions, FLAG_COLLISIONS) | bit(contact_pull, FLAG_PULL);
+        step.flags = step.flags & (FLAG_CONTINUE | FLAG_GROUPS | FLAG_PAIR_FRICTION)
+            | bit(collisions, FLAG_COLLISIONS)
+            | bit(contact_pull, FLAG_PULL);
         step.sweeps = step.sweeps.max(step.calm_sweeps());
     }
 
