@@ -173,7 +173,7 @@ fn a_comment_that_looks_like_an_object_or_a_setting_has_a_warning() {
         ("mesh hopper.stl", "it looks like a mesh, which a scene cannot contain"),
         (
             "S1 0 2 0 0 0 0 0 0 0 1 0.5",
-            "it looks like an object, but 'S1' is not one of S, R, C, P, K, B, T, @group, @orientation, @force",
+            "it looks like an object, but 'S1' is not one of S, R, C, P, K, B, T, @group, @orientation, @force, @muscle",
         ),
     ];
     for (line, what) in cases {
