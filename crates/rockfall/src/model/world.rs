@@ -51,6 +51,8 @@ pub struct World {
     pub dispatch_sizes: Vec<u32>,
     /// The status block.
     pub status: Status,
+    /// Whether stages may be joined that give the same together.
+    pub(crate) joins_steps: bool,
     /// The clock for which the table of muscles was made.
     pub(crate) muscles_for: Option<MuscleClock>,
 }
