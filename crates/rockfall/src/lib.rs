@@ -89,6 +89,8 @@ pub mod simulation;
 pub mod stability;
 #[doc(hidden)]
 pub mod step;
+#[cfg(not(target_family = "wasm"))]
+mod worlds;
 
 pub use checkpoint::Checkpoint;
 pub use devices::{DeviceInfo, devices};
@@ -107,6 +109,8 @@ pub use settings::{BroadPhase, Integrator, Settings};
 pub use simulation::{Body, Contact, ContactAction, MaxOverlap, RayHit, Simulation, SphereDiagnostics};
 #[cfg(feature = "gpu")]
 pub use wgpu;
+#[cfg(not(target_family = "wasm"))]
+pub use worlds::{WorldPath, WorldReport, Worlds};
 
 /// Runs the example of the README as a test.
 #[cfg(doctest)]

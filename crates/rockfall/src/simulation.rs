@@ -3,6 +3,8 @@
 use glam::Vec3;
 
 use crate::error::Result;
+#[cfg(feature = "gpu")]
+use crate::exec::gpu::Gpu;
 use crate::model::layout::{FEW_MOVERS, SLICE};
 use crate::model::muscles::MuscleClock;
 use crate::model::status::Status;
@@ -140,6 +142,15 @@ impl Simulation {
         let world = prepare(&scene, &options)?;
         let (engine, info) = Engine::on_device(&options, device, queue, &world)?;
         Ok(Self::assemble(scene, options, world, engine, info))
+    }
+
+    /// Creates a simulation on a GPU that others share, with the kernels that are compiled already.
+    #[cfg(feature = "gpu")]
+    pub(crate) fn on_gpu(scene: Scene, options: Options, gpu: &Gpu, info: &BackendInfo) -> Result<Self> {
+        let scene = resolve(scene)?;
+        let world = prepare(&scene, &options)?;
+        let engine = Engine::on(gpu, &options, &world)?;
+        Ok(Self::assemble(scene, options, world, engine, info.clone()))
     }
 
     fn assemble(scene: Scene, options: Options, mut world: World, engine: Engine, info: BackendInfo) -> Self {
@@ -330,6 +341,12 @@ impl Simulation {
     }
 }
 
+/// Opens the GPU that the options ask for; `None` for the CPU.
+#[cfg(all(feature = "gpu", not(target_family = "wasm")))]
+pub(crate) fn open_device(options: &Options) -> Result<(Option<Gpu>, BackendInfo)> {
+    engine::block_on(None, engine::open_device(options))
+}
+
 /// Resolves the constants of a scene that its settings leave to be chosen.
 fn resolve(mut scene: Scene) -> Result<Scene> {
     scene.settings.validate()?;
@@ -360,6 +377,7 @@ fn pack(scene: &Scene, options: &Options) -> Result<World> {
     if !options.uses(Optimization::LongMovers) {
         world.leave_out_long_movers();
     }
+    world.joins_steps = options.uses(Optimization::JoinedSteps) && options.join_steps != Some(false);
     if !options.uses(Optimization::PlannedDispatches) {
         world.step.planned = 0;
     }

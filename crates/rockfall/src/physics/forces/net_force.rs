@@ -75,10 +75,13 @@ pub(crate) fn rod_loads(view: &View, lists: &Lists, rod: u32, tally: Option<&mut
     ends
 }
 
-/// Returns the load on a sphere: contacts, then everything attached to it. Body forces are not included. `wrenches` are the
-/// results of `rod_forces`.
-pub(crate) fn sphere_load(view: &View, lists: &Lists, wrenches: &[Vec4], sphere: u32, mut tally: Option<&mut Tally>) -> Load {
+/// Returns the load of the contacts of a sphere.
+#[inline]
+pub(crate) fn contact_load(view: &View, lists: &Lists, sphere: u32, mut tally: Option<&mut Tally>) -> Load {
     let (count, list) = lists.list(sphere);
+    if count == 0 {
+        return Load::default();
+    }
     let mut sums = [Vec4::ZERO; 2];
     let done = Ball::new(view, sphere).map_or(0, |ball| {
         ball.for_each_near(count, list, |others| add_ball_loads(&ball, others, tally.as_deref_mut(), &mut sums))
@@ -89,6 +92,13 @@ pub(crate) fn sphere_load(view: &View, lists: &Lists, wrenches: &[Vec4], sphere:
         total.force += load.force;
         total.torque += load.torque;
     });
+    total
+}
+
+/// Returns the load on a sphere: contacts, then everything attached to it. Body forces are not included. `wrenches` are the
+/// results of `rod_forces`.
+pub(crate) fn sphere_load(view: &View, lists: &Lists, wrenches: &[Vec4], sphere: u32, tally: Option<&mut Tally>) -> Load {
+    let mut total = contact_load(view, lists, sphere, tally);
     for attachment in view.attachments(sphere) {
         match attachment.kind {
             KIND_ROD => {
@@ -174,7 +184,7 @@ fn spring_force(view: &View, spring: u32, sphere: u32) -> Vec3 {
     )
 }
 
-fn tether_force(view: &View, tether: u32, sphere: u32) -> Vec3 {
+pub(crate) fn tether_force(view: &View, tether: u32, sphere: u32) -> Vec3 {
     let tether = view.tether(tether);
     let d = tether.point - view.position(sphere);
     hooke(d, -view.velocity(sphere), tether.stiffness, tether.length, tether.damping)
