@@ -133,7 +133,7 @@ where
     }
 }
 
-fn time_step(text: &str) -> Result<f32, String> {
+pub(crate) fn time_step(text: &str) -> Result<f32, String> {
     match text.parse::<f32>() {
         Ok(dt) if dt.is_finite() && dt > 0.0 => Ok(dt),
         _ => Err("expected a finite number of seconds greater than 0".to_owned()),
