@@ -15,6 +15,7 @@ from __future__ import annotations
 
 from rockfall import _rockfall
 from rockfall._bodies import Capsules
+from rockfall._film import Film, film
 from rockfall._info import devices, info
 from rockfall._objects import Counts, Objects
 from rockfall._picture import Picture
@@ -25,6 +26,8 @@ from rockfall._settings import Settings
 from rockfall._simulation import Simulation
 from rockfall._sweep import SweepError, SweepResult, sweep
 from rockfall._trajectory import Frame, Recording, Trajectory
+from rockfall._view import view
+from rockfall._window import Window
 
 __version__: str = _rockfall.__version__
 
@@ -34,6 +37,7 @@ __all__ = [
     "Counts",
     "Device",
     "Energy",
+    "Film",
     "Frame",
     "Objects",
     "Overlap",
@@ -50,7 +54,10 @@ __all__ = [
     "SweepError",
     "SweepResult",
     "Trajectory",
+    "Window",
     "devices",
+    "film",
     "info",
     "sweep",
+    "view",
 ]
