@@ -13,6 +13,8 @@ mod objects;
 mod observe;
 mod picture;
 mod scene;
+#[cfg_attr(not(target_os = "linux"), path = "shared/elsewhere.rs")]
+mod shared;
 mod simulation;
 mod states;
 mod tables;
@@ -39,6 +41,8 @@ mod _rockfall {
     use crate::picture::{Picture, Studio, framing};
     #[pymodule_export]
     use crate::scene::Scene;
+    #[pymodule_export]
+    use crate::shared::SharedArray;
     #[pymodule_export]
     use crate::simulation::Simulation;
     #[pymodule_export]

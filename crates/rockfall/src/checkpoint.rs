@@ -11,7 +11,7 @@
 //! | 8 | `\x89RKF\r\n\x1a\n`; a transfer as text changes these bytes, so it is detected |
 //! | 4 | version of the format |
 //! | 8 | length of the whole file in bytes |
-//! | ... | the head: program, device, note, constants, options, time step, counters, numbers of objects |
+//! | ... | the head (from version 3 on with the time of muscles): program, device, note, constants, options, time step, counters, numbers of objects |
 //! | ... | spheres, rods, capsules, springs, tethers, boxes, polygons, each in order of addition, as 32-bit words |
 //! | ... | the reference of every sphere as a 64-bit number, -1 for none; left out if no sphere has one, and in version 1 |
 //! | 4 | CRC-32 of all bytes before |
@@ -21,6 +21,7 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use crate::error::{Error, Result};
+use crate::model::muscles::MuscleClock;
 use crate::options::Options;
 use crate::output::AtomicFile;
 use crate::report::Report;
@@ -35,7 +36,9 @@ use words::{Damage, Words};
 /// The first bytes of every checkpoint.
 const MAGIC: [u8; 8] = *b"\x89RKF\r\n\x1a\n";
 /// Version of the format. Older versions are still read.
-const VERSION: u32 = 2;
+const VERSION: u32 = 3;
+/// First version with muscles.
+const WITH_MUSCLES: u32 = 3;
 /// Bytes of magic, version and length.
 const PREFIX: usize = MAGIC.len() + 4 + 8;
 /// Bytes of the checksum at the end.
@@ -76,6 +79,8 @@ pub(crate) struct History {
     pub(crate) margin_scale: f32,
     /// For how many steps AABBs are grown. Results do not depend on it.
     pub(crate) lookahead: f32,
+    /// The time of the muscles.
+    pub(crate) clock: MuscleClock,
 }
 
 impl Checkpoint {
@@ -125,9 +130,10 @@ impl Checkpoint {
     /// [`Error::Checkpoint`] when the bytes are damaged, not a checkpoint, or of a later version.
     pub fn from_bytes(bytes: &[u8], name: impl Into<PathBuf>) -> Result<Self> {
         let read = || -> Result<Self, Damage> {
-            let mut words = Words::new(content(bytes)?);
-            let (mut checkpoint, counts) = head::read(&mut words)?;
-            objects::read(&mut words, &counts, &mut checkpoint.scene)?;
+            let (version, content) = content(bytes)?;
+            let mut words = Words::new(content);
+            let (mut checkpoint, counts) = head::read(&mut words, version)?;
+            objects::read(&mut words, version, &counts, &mut checkpoint.scene)?;
             words.end()?;
             Ok(checkpoint)
         };
@@ -148,8 +154,8 @@ impl Checkpoint {
     }
 }
 
-/// Returns the bytes between prefix and checksum, if the file is intact.
-fn content(bytes: &[u8]) -> Result<&[u8], Damage> {
+/// Returns the version and the bytes between prefix and checksum, if the file is intact.
+fn content(bytes: &[u8]) -> Result<(u32, &[u8]), Damage> {
     if bytes.is_empty() {
         return Err(Damage::new("it is empty"));
     }
@@ -174,7 +180,7 @@ fn content(bytes: &[u8]) -> Result<&[u8], Damage> {
     if Words::new(suffix).u32()? != crc32fast::hash(&bytes[..PREFIX + end]) {
         return Err(Damage::new("its checksum is wrong: some of its bytes have changed"));
     }
-    Ok(content)
+    Ok((version, content))
 }
 
 /// A writer that hashes all bytes that pass through it.

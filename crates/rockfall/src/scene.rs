@@ -5,6 +5,8 @@
 use crate::error::Result;
 use crate::settings::Settings;
 
+mod bonded;
+mod muscle;
 mod objects;
 mod references;
 mod registry;
@@ -12,6 +14,8 @@ mod statics;
 mod text;
 mod write;
 
+pub use bonded::BondedSets;
+pub use muscle::Muscle;
 pub(crate) use objects::finite;
 pub use objects::{Capsule, CapsuleId, CapsuleParts, Rod, RodId, Sphere, SphereId, Spring, SpringId, Tether, TetherId};
 pub(crate) use references::References;
@@ -119,7 +123,8 @@ impl Scene {
     ///
     /// # Errors
     /// [`Error::StaleHandle`](crate::Error::StaleHandle) for a sphere that is not in the scene,
-    /// [`Error::Invalid`](crate::Error::Invalid) for a negative constant or a spring from a sphere to itself.
+    /// [`Error::Invalid`](crate::Error::Invalid) for a negative constant, a muscle with a number out of range, or a spring from a
+    /// sphere to itself.
     pub fn add_spring(&mut self, spring: Spring) -> Result<SpringId> {
         self.check_ends(spring.a, spring.b)?;
         spring.validate()?;
@@ -226,7 +231,7 @@ impl Scene {
         self.polygons.remove(id)
     }
 
-    /// Changes a spring's constants. Its spheres cannot be changed.
+    /// Changes a spring's constants and its muscle. Its spheres cannot be changed.
     ///
     /// # Errors
     /// As for [`Scene::add_spring`]. Nothing is changed then.
@@ -266,6 +271,14 @@ impl Scene {
         rod.validate()?;
         *self.rods.get_mut(id)? = rod;
         Ok(())
+    }
+
+    /// Advances the phases of all muscles by `time` seconds, so that a simulation of this scene begins with the rest lengths that
+    /// they have after that time.
+    pub fn advance_muscles(&mut self, time: f64) {
+        for spring in self.springs.objects_mut() {
+            spring.muscle = spring.muscle.map(|muscle| muscle.after(time));
+        }
     }
 
     /// Number of objects of each kind.

@@ -8,6 +8,9 @@ use glam::Vec3;
 
 use crate::error::{Error, Result, quoted};
 
+/// The fixed time step of the thesis, in s.
+pub const DEFAULT_TIME_STEP: f32 = 0.02;
+
 /// The type of a constant, chosen by the name of the function that reads it.
 macro_rules! value_type {
     (switch) => {

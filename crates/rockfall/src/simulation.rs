@@ -4,18 +4,21 @@ use glam::Vec3;
 
 use crate::error::Result;
 use crate::model::layout::{FEW_MOVERS, SLICE};
+use crate::model::muscles::MuscleClock;
 use crate::model::status::Status;
 use crate::model::world::World;
 use crate::options::{BackendInfo, Optimization, Options};
 use crate::profile::Recorder;
 use crate::report::{Clock, Report};
 use crate::scene::{Scene, SphereId};
-use crate::settings::{BroadPhase, Integrator, Settings};
+use crate::settings::{BroadPhase, DEFAULT_TIME_STEP, Integrator, Settings};
 use crate::step::schedule::Phase;
 
 mod drive;
 mod edit;
 mod engine;
+#[cfg(feature = "gpu")]
+mod exchange;
 mod flight;
 mod interval;
 mod keep;
@@ -28,7 +31,6 @@ mod ray;
 mod read;
 mod sweeps;
 
-pub use drive::DEFAULT_TIME_STEP;
 use drive::Window;
 use edit::Dirty;
 use engine::Engine;
@@ -66,6 +68,7 @@ pub struct Simulation {
     report: Report,
     clock: Clock,
     time_step: f32,
+    muscle_clock: MuscleClock,
     /// For how many steps ahead the lists are built.
     lookahead: Lookahead,
     /// How often the lists may be rebuilt within a batch, in steps.
@@ -83,6 +86,8 @@ pub struct Simulation {
     has_stages: bool,
     /// `scene` holds the current state.
     synced: bool,
+    /// `scene` holds the current external forces.
+    forces_synced: bool,
     /// Steps since the last step in which collisions shared a body.
     calm_steps: u64,
     /// Steps since the last step in which many collisions shared a body.
@@ -158,6 +163,7 @@ impl Simulation {
             report: Report::default(),
             clock: Clock::default(),
             time_step: DEFAULT_TIME_STEP,
+            muscle_clock: MuscleClock::default(),
             lookahead,
             interval,
             window: Window::default(),
@@ -167,6 +173,7 @@ impl Simulation {
             lists_due: true,
             has_stages: false,
             synced: true,
+            forces_synced: true,
             calm_steps: 0,
             few_steps: 0,
         }

@@ -181,8 +181,8 @@ fn rejected_checkpoints_are_reported_with_the_reason() {
     bad[100] ^= 4;
     assert!(assert_rejected(&bad).contains("checksum"));
     let mut newer = good;
-    newer[8] = 3;
-    assert!(assert_rejected(&newer).contains("it has version 3, this rockfall reads versions up to 2"));
+    newer[8] = 4;
+    assert!(assert_rejected(&newer).contains("it has version 4, this rockfall reads versions up to 3"));
 }
 
 /// A resumed simulation refers to spheres as the scene file does. Files of version 1, which have no references, are read.

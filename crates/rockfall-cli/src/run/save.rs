@@ -13,11 +13,11 @@ pub(super) fn open(path: &Path) -> Result<AtomicFile, Failure> {
     AtomicFile::create(path).map_err(|error| Failure::file(path, &error))
 }
 
-/// Writes the present state. Comments at the top tell where it comes from and how to go on.
+/// Writes the present state, with the present phases of muscles. Comments at the top tell where it comes from and how to go on.
 pub(super) fn write(path: &Path, mut file: AtomicFile, simulation: &mut Simulation, past: &Past) -> Result<(), Failure> {
     let step = past.step(simulation.report().steps);
     let integrator = simulation.integrator();
-    let mut scene = simulation.sync()?.clone();
+    let mut scene = simulation.snapshot()?;
     let mut text = format!("# {} after {step} steps, at {} s\n", single_line(&past.scene), past.time(step));
     text += &format!("# It was run with --dt {} --integrator {integrator}", past.dt);
     text += &if past.parts() > 1 { format!(" --substeps {}\n", past.parts()) } else { "\n".to_owned() };

@@ -15,6 +15,7 @@ from __future__ import annotations
 
 from rockfall import _rockfall
 from rockfall._bodies import Capsules
+from rockfall._device import DeviceArray
 from rockfall._film import Film, film
 from rockfall._info import devices, info
 from rockfall._objects import Counts, Objects
@@ -36,6 +37,7 @@ __all__ = [
     "Capsules",
     "Counts",
     "Device",
+    "DeviceArray",
     "Energy",
     "Film",
     "Frame",

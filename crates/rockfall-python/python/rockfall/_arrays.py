@@ -8,12 +8,16 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from rockfall._device import DeviceArray
+
 FloatArray = npt.NDArray[np.float32]
 IntArray = npt.NDArray[np.int64]
 
 
 def _host(name: str, value: Any) -> npt.NDArray[Any]:
     """Returns a value as an array in host memory. Takes lists, NumPy arrays and whatever speaks DLPack on the CPU."""
+    if isinstance(value, DeviceArray):
+        return value.numpy()
     device = getattr(value, "__dlpack_device__", None)
     try:
         if device is not None and not isinstance(value, np.ndarray):

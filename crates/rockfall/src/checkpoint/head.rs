@@ -2,7 +2,8 @@
 //! a new field that is missing here.
 
 use super::words::{Damage, Head, Words};
-use super::{Checkpoint, History};
+use super::{Checkpoint, History, WITH_MUSCLES};
+use crate::model::muscles::MuscleClock;
 use crate::options::Options;
 use crate::report::Report;
 use crate::scene::{Counts, Scene};
@@ -36,10 +37,14 @@ pub(super) fn bytes(checkpoint: &Checkpoint) -> Vec<u8> {
         head.u64(*count);
     }
 
-    let History { lengths_due, margin_scale, lookahead } = history;
+    let History { lengths_due, margin_scale, lookahead, clock } = history;
     head.u32(u32::from(*lengths_due));
     head.f32(*margin_scale);
     head.f32(*lookahead);
+    let MuscleClock { start, dt, steps } = clock;
+    head.f64(*start);
+    head.f32(*dt);
+    head.u64(*steps);
 
     let Counts { spheres, rods, capsules, springs, tethers, boxes, polygons } = scene.counts();
     for count in [spheres, rods, capsules, springs, tethers, boxes, polygons] {
@@ -49,7 +54,7 @@ pub(super) fn bytes(checkpoint: &Checkpoint) -> Vec<u8> {
 }
 
 /// Reads the checkpoint without its objects, and the numbers of objects.
-pub(super) fn read(words: &mut Words) -> Result<(Checkpoint, Counts), Damage> {
+pub(super) fn read(words: &mut Words, version: u32) -> Result<(Checkpoint, Counts), Damage> {
     let (program, device, note) = (words.text()?, words.text()?, words.text()?);
     let mut scene = Scene::new();
     scene.settings = read_settings(words)?;
@@ -74,7 +79,16 @@ pub(super) fn read(words: &mut Words) -> Result<(Checkpoint, Counts), Damage> {
         list_builds: words.u64()?,
         non_finite: words.u64()?,
     };
-    let history = History { lengths_due: words.bool()?, margin_scale: words.f32()?, lookahead: words.f32()? };
+    let (lengths_due, margin_scale, lookahead) = (words.bool()?, words.f32()?, words.f32()?);
+    let clock = if version < WITH_MUSCLES {
+        MuscleClock { start: report.time, dt: time_step, steps: 0 }
+    } else {
+        MuscleClock { start: words.f64()?, dt: words.f32()?, steps: words.u64()? }
+    };
+    if !(clock.start.is_finite() && clock.start >= 0.0 && clock.dt.is_finite() && clock.dt > 0.0) {
+        return Err(Damage::new(format!("its muscles began at {} s with steps of {} s", clock.start, clock.dt)));
+    }
+    let history = History { lengths_due, margin_scale, lookahead, clock };
     if !(history.margin_scale >= 0.0 && history.lookahead >= 1.0) {
         return Err(Damage::new(format!(
             "its AABB margin {} or its lookahead of {} steps is out of range",

@@ -101,10 +101,11 @@ struct StatusAtomic {
 @group(0) @binding(0) var<uniform> step: Step;
 @group(0) @binding(1) var<uniform> pass_: Pass;
 
-// Whether the scene has rods (RODS) and large spheres, each of which gets a workgroup (LARGE). Kernels for scenes without them
-// are smaller and faster.
+// Whether the scene has rods (RODS), large spheres, each of which gets a workgroup (LARGE), and springs with muscles (MUSCLES).
+// Kernels for scenes without them are smaller and faster.
 const RODS: bool = true;
 const LARGE: bool = true;
+const MUSCLES: bool = true;
 
 const WORKGROUP: u32 = 64u;
 const WIDE_WORKGROUP: u32 = 256u;
@@ -112,6 +113,7 @@ const SLICE: u32 = 32u;
 
 const ROD_WORDS: u32 = 4u;
 const SPRING_WORDS: u32 = 5u;
+const MUSCLE_WORDS: u32 = 5u;
 const TETHER_WORDS: u32 = 7u;
 const FORCE_WORDS: u32 = 3u;
 const BOX_WORDS: u32 = 12u;

@@ -3,8 +3,11 @@
 use glam::{Vec3, Vec4};
 
 use crate::model::layout::{
-    BOX_WORDS, FORCE_WORDS, KIND_ROD, KIND_SHIFT, NO_NETWORK, POLYGON_WORDS, ROD_WORDS, SPRING_WORDS, TETHER_WORDS,
+    BOX_WORDS, FORCE_WORDS, KIND_ROD, KIND_SHIFT, MUSCLE_WORDS, NO_NETWORK, POLYGON_WORDS, ROD_WORDS, SPRING_WORDS,
+    TETHER_WORDS,
 };
+use crate::model::muscles::{half_steps, muscle_length};
+use crate::model::status::Status;
 use crate::model::step::Step;
 
 /// A squared distance up to this counts as zero (docs/physics.md section 2.3).
@@ -72,6 +75,8 @@ pub(crate) struct View<'a> {
     insertion_indices: &'a [u32],
     /// Position and radius, velocity and inverse mass, angular momentum and inverse inertia of every sphere.
     rows: [&'a [Vec4]; 3],
+    /// Half steps since the base of the muscles' clock.
+    half_steps: u32,
 }
 
 impl<'a> View<'a> {
@@ -81,7 +86,12 @@ impl<'a> View<'a> {
             if step.insertion_indices_at == 0 { &[] } else { &topology[step.insertion_indices_at as usize..][..spheres] };
         let (positions, rest) = state.split_at(spheres);
         let (velocities, spins) = rest.split_at(spheres);
-        Self { step, topology, insertion_indices, rows: [positions, velocities, spins] }
+        Self { step, topology, insertion_indices, rows: [positions, velocities, spins], half_steps: 0 }
+    }
+
+    /// The view at the time of a force evaluation of the step, which the rest lengths of muscles depend on.
+    pub(crate) fn at_evaluation(self, status: &Status, evaluation: u32) -> Self {
+        Self { half_steps: half_steps(self.step, status, evaluation), ..self }
     }
 
     fn row(&self, region: usize, sphere: u32) -> Vec4 {
@@ -188,9 +198,14 @@ impl<'a> View<'a> {
         RodRecord { ends: [end1, end2], radius: f32::from_bits(radius), length: f32::from_bits(length) }
     }
 
+    /// A spring. The length is that at the time of the view.
     pub(crate) fn spring(&self, spring: u32) -> SpringRecord {
         let [a, b, k, l, c] = self.record(self.step.springs_at, spring, SPRING_WORDS);
-        SpringRecord { ends: [a, b], stiffness: f32::from_bits(k), length: f32::from_bits(l), damping: f32::from_bits(c) }
+        let mut length = f32::from_bits(l);
+        if self.step.muscles_at != 0 {
+            length = muscle_length(self.record(self.step.muscles_at, spring, MUSCLE_WORDS), length, self.half_steps);
+        }
+        SpringRecord { ends: [a, b], stiffness: f32::from_bits(k), length, damping: f32::from_bits(c) }
     }
 
     pub(crate) fn tether(&self, tether: u32) -> TetherRecord {

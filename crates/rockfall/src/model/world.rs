@@ -13,6 +13,7 @@ use glam::Vec4;
 use crate::model::buffer::Buffer;
 use crate::model::impulse::Impulse;
 use crate::model::layout::{LINE, SLICE, words_of_rows};
+use crate::model::muscles::MuscleClock;
 use crate::model::status::Status;
 use crate::model::step::{Aabb, Step};
 
@@ -50,6 +51,10 @@ pub struct World {
     pub dispatch_sizes: Vec<u32>,
     /// The status block.
     pub status: Status,
+    /// The topology buffer has an external force for each sphere, in insertion order. Otherwise only for those with a force.
+    pub(crate) has_force_on_each: bool,
+    /// The clock for which the table of muscles was made.
+    pub(crate) muscles_for: Option<MuscleClock>,
 }
 
 impl World {

@@ -5,6 +5,7 @@
 use glam::{Quat, Vec3};
 
 use crate::error::{Error, Result};
+use crate::scene::muscle::Muscle;
 use crate::scene::registry::Handle;
 
 /// Handle of a [`Sphere`].
@@ -278,12 +279,14 @@ pub struct Spring {
     pub length: f32,
     /// Damping c in mass/s, not negative.
     pub damping: f32,
+    /// Makes the rest length oscillate; `None` for a constant rest length.
+    pub muscle: Option<Muscle>,
 }
 
 impl Spring {
     /// Creates an undamped spring of `stiffness` in mass/s² and rest `length` in units.
     pub fn new(a: SphereId, b: SphereId, stiffness: f32, length: f32) -> Self {
-        Self { a, b, stiffness, length, damping: 0.0 }
+        Self { a, b, stiffness, length, damping: 0.0, muscle: None }
     }
 
     /// Sets the damping, in mass/s.
@@ -296,6 +299,7 @@ impl Spring {
         not_negative("spring.stiffness", self.stiffness)?;
         not_negative("spring.length", self.length)?;
         not_negative("spring.damping", self.damping)?;
+        self.muscle.map_or(Ok(()), |muscle| muscle.validate())?;
         if self.a == self.b {
             return Err(invalid("spring.b", self.b, "a sphere other than a"));
         }
@@ -357,6 +361,6 @@ fn positive(field: &'static str, value: f32) -> Result<()> {
     if value.is_finite() && value > 0.0 { Ok(()) } else { Err(invalid(field, value, "a finite number greater than 0")) }
 }
 
-fn not_negative(field: &'static str, value: f32) -> Result<()> {
+pub(crate) fn not_negative(field: &'static str, value: f32) -> Result<()> {
     if value.is_finite() && value >= 0.0 { Ok(()) } else { Err(invalid(field, value, "a finite number, not negative")) }
 }

@@ -13,9 +13,10 @@
 //! | `@group N` | nothing: the objects of the lines below belong to group N |
 //! | `@orientation ref w x y z` | nothing: sets the orientation of that sphere |
 //! | `@force ref x y z` | nothing: sets the external force on that sphere |
+//! | `@muscle amplitude frequency phase` | nothing: the rest length of the spring added last oscillates |
 //! | `@capsule ref1 ref2` | nothing: the two spheres and the rod added last are a capsule |
 //!
-//! The whole first word of a line decides its kind. A line with any other first word is a comment. The last six kinds above are
+//! The whole first word of a line decides its kind. A line with any other first word is a comment. The last seven kinds above are
 //! comments to the reader of the thesis. `#` at the beginning of a line or after white space begins a comment up to the end of
 //! the line.
 //!
@@ -34,9 +35,9 @@ mod comment;
 mod line;
 
 use comment::{has_number_sign, is_extension, is_number, looks_like, may_be_prose, without_comment};
-use line::{BOX, CAPSULE, FORCE, GROUP, Kind, Line, MARK, ORIENTATION, POLYGON, ROD, SPHERE, SPRING, TETHER, Wrong};
+use line::{BOX, CAPSULE, FORCE, GROUP, Kind, Line, MARK, MUSCLE, ORIENTATION, POLYGON, ROD, SPHERE, SPRING, TETHER, Wrong};
 
-use super::{Capsule, CapsuleParts, Cuboid, Polygon, Rod, Scene, Sphere, SphereId, Spring, Tether};
+use super::{Capsule, CapsuleParts, Cuboid, Muscle, Polygon, Rod, Scene, Sphere, SphereId, Spring, Tether};
 use crate::error::{Error, Result, nearest, quoted};
 use crate::settings::Settings;
 
@@ -126,7 +127,7 @@ fn option_for(word: &str) -> Option<&'static str> {
 }
 
 /// First words of extensions that begin with `@`.
-const AT_WORDS: [&str; 4] = ["@group", "@orientation", "@force", "@capsule"];
+const AT_WORDS: [&str; 5] = ["@group", "@orientation", "@force", "@capsule", "@muscle"];
 
 struct Reader<'a> {
     /// The whole text.
@@ -176,6 +177,7 @@ impl<'a> Reader<'a> {
             "@orientation" => self.orientation(line),
             "@force" => self.force(line),
             "@capsule" => self.mark(line),
+            "@muscle" => self.muscle(line),
             "set" => self.set(line, number),
             "T" => {
                 self.suspicious(number, format!("a tether is `{}`", TETHER.form()));
@@ -334,6 +336,20 @@ impl<'a> Reader<'a> {
             }
             _ => Err(MARK.wrong("end1", "expected right after the R line, with a length, of these two spheres")),
         }
+    }
+
+    fn muscle(&mut self, line: &str) -> Line<()> {
+        let ([], [amplitude, frequency, phase]) = MUSCLE.read::<0, 3>(line)?;
+        let Some(spring) = self.scene.springs.objects_mut().last_mut() else {
+            return Err(MUSCLE.wrong("line", "expected after the K line of a spring"));
+        };
+        if spring.muscle.is_some() {
+            return Err(MUSCLE.wrong("line", "the spring of the last K line has a muscle already, expected one per spring"));
+        }
+        let muscle = Muscle::new(amplitude, frequency, phase);
+        muscle.validate().map_err(|error| MUSCLE.refused(&error))?;
+        spring.muscle = Some(muscle);
+        Ok(())
     }
 
     fn set(&mut self, line: &str, number: usize) -> Line<()> {

@@ -54,6 +54,7 @@ impl Simulation {
                 lengths_due: self.status.lengths_due != 0,
                 margin_scale: step.margin_scale,
                 lookahead: step.lookahead,
+                clock: self.muscle_clock,
             },
         })
     }
@@ -111,7 +112,7 @@ impl Simulation {
     pub fn restore(&mut self, checkpoint: &Checkpoint) -> Result<()> {
         checkpoint.scene.settings.validate()?;
         // `rebuild` packs the scene, and the state on the device is replaced, so nothing has to be read back or applied.
-        (self.dirty, self.synced) = (Dirty::Clean, true);
+        (self.dirty, self.synced, self.forces_synced) = (Dirty::Clean, true, true);
         self.edits.clear();
         self.scene = checkpoint.scene.clone();
         self.apply_history(checkpoint.time_step, checkpoint.report, checkpoint.history);
@@ -129,6 +130,7 @@ impl Simulation {
     fn apply_history(&mut self, time_step: f32, report: crate::Report, history: History) {
         self.time_step = time_step;
         self.report = report;
+        self.muscle_clock = history.clock;
         self.status.lengths_due = u32::from(history.lengths_due);
         self.world.step.margin_scale = history.margin_scale;
         self.world.step.lookahead = history.lookahead;

@@ -67,6 +67,7 @@ const SHARED: &[Part] = &[
     part!("physics/contact.wgsl"),
     part!("physics/escape.wgsl"),
     part!("physics/forces/attached.wgsl"),
+    part!("physics/forces/muscle.wgsl"),
     part!("physics/forces/net_force.wgsl"),
     part!("physics/forces/rates.wgsl"),
     part!("physics/forces/sphere_rates.wgsl"),
@@ -164,6 +165,8 @@ pub struct Variant {
     pub rods: bool,
     /// There may be large spheres, each of which gets a workgroup.
     pub large: bool,
+    /// There may be springs with muscles.
+    pub muscles: bool,
     /// There may be so many objects that a sort key of `find_neighbours` has no room for more than an insertion index.
     pub many: bool,
 }
@@ -171,13 +174,13 @@ pub struct Variant {
 impl Variant {
     /// Returns the variant for a scene with these counts.
     pub fn of(step: &Step) -> Self {
-        Self { rods: step.rods > 0, large: step.large > 0, many: step.objects() >= MANY_OBJECTS }
+        Self { rods: step.rods > 0, large: step.large > 0, muscles: step.muscles_at > 0, many: step.objects() >= MANY_OBJECTS }
     }
 
     /// Returns the WGSL of this variant. It replaces constants in the text, because the sizes of arrays depend on `RODS` and
     /// `LARGE` and so these cannot be pipeline-overridable constants.
     pub fn apply(self, text: &str) -> String {
-        let constants = [("RODS", self.rods), ("LARGE", self.large)];
+        let constants = [("RODS", self.rods), ("LARGE", self.large), ("MUSCLES", self.muscles)];
         constants.iter().fold(text.to_owned(), |text, (name, is_set)| {
             text.replace(&format!("const {name}: bool = true;"), &format!("const {name}: bool = {is_set};"))
         })

@@ -59,7 +59,7 @@ fn advance(world: &mut World, pass: u32) {
     }
     let (done, todo) = world.states.split_at_mut(pass as usize + 1);
     let start = View::new(&world.step, &world.topology, &done[0]);
-    let view = View::new(&world.step, &world.topology, &done[pass as usize]);
+    let view = View::new(&world.step, &world.topology, &done[pass as usize]).at_evaluation(&world.status, pass);
     let lists = Lists::new(&world.step, &world.lists);
     let h = world.step.dt * [0.5, 0.5, 1.0][pass as usize];
     let next = |sphere: u32, tally: &mut Tally| {
