@@ -181,8 +181,8 @@ def film(
 
     Notes
     -----
-    Unless ``camera``, ``look_at`` and the colours are given, the steps are run twice: first to find out what happens, then for
-    the pictures.
+    The steps are run twice: first to find out what happens, then for the pictures. They are run once if ``camera``, ``look_at``
+    (or ``follow``) and the colour scale are given and there are no boxes and polygons, which may hide bodies.
 
     Examples
     --------
