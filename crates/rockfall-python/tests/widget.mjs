@@ -42,7 +42,7 @@ const el = new Node("div");
 const stop = widget.render({ model, el });
 const [picture, bar] = el.children[0].children;
 const [play, slider, caption] = bar.children;
-const before = { src: picture.src, max: slider.max, value: slider.value, caption: caption.textContent, play: play.title };
+const before = { src: picture.src, max: slider.max, value: slider.value, caption: caption.textContent, play: play.textContent };
 
 // Two moves before an answer become one message.
 picture.fire("pointerdown", { clientX: 10, clientY: 10 });

@@ -51,8 +51,7 @@ function render({ model, el }) {
     slider.max = model.get("last");
     if (state === null) slider.value = model.get("shown");
     caption.textContent = model.get("caption");
-    play.textContent = model.get("playing") ? "\u23f8" : "\u25b6";
-    play.title = model.get("playing") ? "Pause" : "Play";
+    play.textContent = model.get("playing") ? "Pause" : "Play";
   }
 
   play.addEventListener("click", () => {
