@@ -7,6 +7,9 @@
 //! the change of the phase in half a time step, 64 bits each with the low word first. Force evaluations are a whole number of half
 //! steps apart. Springs without a muscle have amplitude 0, which leaves their rest length as it is.
 
+use glam::Vec4;
+
+use crate::model::lanes::LANES;
 use crate::model::layout::MUSCLE_WORDS;
 use crate::model::status::Status;
 use crate::model::step::Step;
@@ -120,19 +123,49 @@ pub(crate) fn half_steps(step: &Step, status: &Status, evaluation: u32) -> u32 {
 
 /// Rest length of a spring of constant length `length` with this record in the table, after a number of half steps.
 pub(crate) fn muscle_length(record: [u32; MUSCLE_WORDS as usize], length: f32, half_steps: u32) -> f32 {
-    let [amplitude, low, high, step_low, step_high] = record;
-    let wide = |low: u32, high: u32| u64::from(high) << 32 | u64::from(low);
-    let phase = wide(low, high).wrapping_add(wide(step_low, step_high).wrapping_mul(half_steps.into()));
-    length * (1.0 + f32::from_bits(amplitude) * sine(phase))
+    MusclesOfFour::of(&[record]).lengths(Vec4::splat(length), half_steps).x
 }
 
-/// Sine of a phase. The error is less than 2e-7.
-fn sine(phase: u64) -> f32 {
+/// The muscles of four springs.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct MusclesOfFour {
+    amplitudes: Vec4,
+    /// Phases at the base of the clock, and their change in half a step.
+    phases: [u64; LANES],
+    changes: [u64; LANES],
+}
+
+impl MusclesOfFour {
+    /// The muscles of up to four records.
+    pub(crate) fn of(records: &[[u32; MUSCLE_WORDS as usize]]) -> Self {
+        let wide = |low: u32, high: u32| u64::from(high) << 32 | u64::from(low);
+        let mut four = Self::default();
+        for (lane, [amplitude, low, high, step_low, step_high]) in records.iter().enumerate() {
+            four.amplitudes[lane] = f32::from_bits(*amplitude);
+            four.phases[lane] = wide(*low, *high);
+            four.changes[lane] = wide(*step_low, *step_high);
+        }
+        four
+    }
+
+    /// Rest lengths of the springs of these constant lengths after a number of half steps.
+    #[inline]
+    pub(crate) fn lengths(&self, lengths: Vec4, half_steps: u32) -> Vec4 {
+        let phase = |lane: usize| self.phases[lane].wrapping_add(self.changes[lane].wrapping_mul(half_steps.into()));
+        lengths * (1.0 + self.amplitudes * sines(std::array::from_fn(phase)))
+    }
+}
+
+/// Sines of phases. The error is less than 2e-7.
+#[inline]
+fn sines(phases: [u64; LANES]) -> Vec4 {
     const RADIANS: f32 = (std::f64::consts::TAU / 18_446_744_073_709_551_616.0) as f32;
-    let turns = phase.cast_signed();
-    // sin(pi - x) = sin x reduces the angle to a quarter turn to either side, exactly.
-    let folded = if turns.unsigned_abs() > 1 << 62 { i64::MIN.wrapping_sub(turns) } else { turns };
-    let x = folded as f32 * RADIANS;
+    let folded = |phase: u64| {
+        let turns = phase.cast_signed();
+        // sin(pi - x) = sin x reduces the angle to a quarter turn to either side, exactly.
+        (if turns.unsigned_abs() > 1 << 62 { i64::MIN.wrapping_sub(turns) } else { turns }) as f32
+    };
+    let x = Vec4::from_array(phases.map(folded)) * RADIANS;
     let xx = x * x;
     let [a3, a5, a7, a9, a11] = [-1.0 / 6.0, 1.0 / 120.0, -1.0 / 5040.0, 1.0 / 362_880.0, -1.0 / 39_916_800.0];
     x + x * xx * (a3 + xx * (a5 + xx * (a7 + xx * (a9 + xx * a11))))
@@ -141,6 +174,10 @@ fn sine(phase: u64) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    fn sine(phase: u64) -> f32 {
+        sines([phase; LANES]).w
+    }
 
     #[test]
     fn sines_are_exact_to_f32() {

@@ -13,6 +13,7 @@
 
 use crate::model::layout::MANY_OBJECTS;
 use crate::model::part::{Part, part};
+use crate::model::status::COUNTER_BLOCKS;
 use crate::model::step::Step;
 use crate::physics::forces;
 
@@ -169,20 +170,35 @@ pub struct Variant {
     pub muscles: bool,
     /// There may be so many objects that a sort key of `find_neighbours` has no room for more than an insertion index.
     pub many: bool,
+    /// Each workgroup has a world of its own: it has its own copy of the block `step`, and one block of counters.
+    pub worlds: bool,
 }
 
 impl Variant {
     /// Returns the variant for a scene with these counts.
     pub fn of(step: &Step) -> Self {
-        Self { rods: step.rods > 0, large: step.large > 0, muscles: step.muscles_at > 0, many: step.objects() >= MANY_OBJECTS }
+        Self {
+            rods: step.rods > 0,
+            large: step.large > 0,
+            muscles: step.muscles_at > 0,
+            many: step.objects() >= MANY_OBJECTS,
+            worlds: false,
+        }
     }
 
     /// Returns the WGSL of this variant. It replaces constants in the text, because the sizes of arrays depend on `RODS` and
     /// `LARGE` and so these cannot be pipeline-overridable constants.
     pub fn apply(self, text: &str) -> String {
         let constants = [("RODS", self.rods), ("LARGE", self.large), ("MUSCLES", self.muscles)];
-        constants.iter().fold(text.to_owned(), |text, (name, is_set)| {
+        let replaced = constants.iter().fold(text.to_owned(), |text, (name, is_set)| {
             text.replace(&format!("const {name}: bool = true;"), &format!("const {name}: bool = {is_set};"))
-        })
+        });
+        if !self.worlds {
+            return replaced;
+        }
+        let block = format!("const COUNTER_BLOCKS: u32 = {COUNTER_BLOCKS}u;");
+        replaced
+            .replace("@group(0) @binding(0) var<uniform> step: Step;", "var<private> step: Step;")
+            .replace(&block, "const COUNTER_BLOCKS: u32 = 1u;")
     }
 }
