@@ -5,6 +5,7 @@
 use crate::error::Result;
 use crate::settings::Settings;
 
+mod checks;
 mod muscle;
 mod objects;
 mod references;
@@ -13,8 +14,8 @@ mod statics;
 mod text;
 mod write;
 
+pub(crate) use checks::finite;
 pub use muscle::Muscle;
-pub(crate) use objects::finite;
 pub use objects::{Capsule, CapsuleId, CapsuleParts, Rod, RodId, Sphere, SphereId, Spring, SpringId, Tether, TetherId};
 pub(crate) use references::References;
 pub use registry::Handle;

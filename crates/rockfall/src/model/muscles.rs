@@ -13,8 +13,7 @@ use crate::model::lanes::LANES;
 use crate::model::layout::MUSCLE_WORDS;
 use crate::model::status::Status;
 use crate::model::step::Step;
-use crate::model::world::World;
-use crate::scene::{Muscle, Scene};
+use crate::scene::Muscle;
 use crate::settings::DEFAULT_TIME_STEP;
 
 /// Steps after which the phases in the table are advanced. Counts of half steps since then fit 32 bits.
@@ -77,7 +76,7 @@ impl MuscleClock {
     }
 
     /// The record of a spring.
-    fn record(&self, muscle: Option<Muscle>) -> [u32; MUSCLE_WORDS as usize] {
+    pub(crate) fn record(&self, muscle: Option<Muscle>) -> [u32; MUSCLE_WORDS as usize] {
         let Some(muscle) = muscle else { return [0; MUSCLE_WORDS as usize] };
         let words = |phase: u64| [phase as u32, (phase >> 32) as u32];
         let ([low, high], [step_low, step_high]) = (words(self.phase_at(&muscle, self.base())), words(self.half_step(&muscle)));
@@ -85,7 +84,7 @@ impl MuscleClock {
     }
 
     /// Whether the tables for both clocks are the same.
-    fn has_table_of(&self, other: &Self) -> bool {
+    pub(crate) fn has_table_of(&self, other: &Self) -> bool {
         (self.start.to_bits(), self.dt.to_bits(), self.base()) == (other.start.to_bits(), other.dt.to_bits(), other.base())
     }
 }
@@ -95,24 +94,6 @@ fn to_phase(turns: f64) -> u64 {
     // The factor is exact, and the result is below 2^64 because the fraction is at most 1 - 2^-53. A fraction that is rounded to 1
     // becomes u64::MAX, which is 2^-64 turns off.
     (turns.rem_euclid(1.0) * 2.0_f64.powi(64)) as u64
-}
-
-impl World {
-    /// Writes the table of muscles for a clock, unless the present table is the same. Returns whether it was written. `scene` is
-    /// the scene that the topology was packed from.
-    pub(crate) fn set_muscles(&mut self, scene: &Scene, clock: &MuscleClock) -> bool {
-        self.step.muscle_step = clock.steps_since_base();
-        let is_same = self.muscles_for.is_some_and(|known| known.has_table_of(clock));
-        if self.step.muscles_at == 0 || is_same {
-            return false;
-        }
-        self.muscles_for = Some(*clock);
-        let table = &mut self.topology[self.step.muscles_at as usize..];
-        for (record, spring) in table.chunks_exact_mut(MUSCLE_WORDS as usize).zip(scene.springs()) {
-            record.copy_from_slice(&clock.record(spring.muscle));
-        }
-        true
-    }
 }
 
 /// Half steps since the base of the muscles' clock, at a force evaluation of a step.

@@ -167,10 +167,10 @@ impl Springs {
                 four.length = four.muscles.lengths(four.constant_length, view.half_steps());
             }
             let forces = four.forces(view);
-            for lane in 0..LANES {
-                self.loads[four.a[lane] as usize].force += forces[lane];
+            for ((a, b), force) in four.a.iter().zip(four.b).zip(forces) {
+                self.loads[*a as usize].force += force;
                 // The force on the other end is computed from negated vectors, so it is the same with the other sign.
-                self.loads[four.b[lane] as usize].force -= forces[lane];
+                self.loads[b as usize].force -= force;
             }
         }
         let step = view.step;
