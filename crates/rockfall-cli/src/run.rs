@@ -166,18 +166,10 @@ fn begin(arguments: &Arguments) -> Result<Run, Failure> {
     for file in [out, trace, contacts, save, checkpoint].into_iter().flatten() {
         Source::is_not(arguments.scene.as_deref(), file)?;
     }
-    if loaded.scene.counts().spheres == 0 {
-        output::note(&format!("warning: {name}: no spheres, so nothing will move"));
-    }
-    for warning in &loaded.warnings {
-        output::note(&format!("warning: {name}:{}: {}", warning.line, warning.text));
-    }
-    let mut scene = loaded.scene;
-    arguments.physics.change(&mut scene.settings)?;
-    let (dt, integrator) = (arguments.physics.dt, arguments.physics.integrator);
-    let substeps = arguments.substeps.of(&scene, dt, integrator)?;
-    let mut past = Past { scene: name, comments: loaded.comments, steps: arguments.steps, dt, substeps, ..Past::default() };
-    check::warn(&past.scene, &scene, past.part(), integrator);
+    let comments = loaded.comments;
+    let dt = arguments.physics.dt;
+    let (scene, substeps) = check::prepare(&name, loaded, &arguments.physics, arguments.substeps)?;
+    let mut past = Past { scene: name, comments, steps: arguments.steps, dt, substeps, ..Past::default() };
     // Rods that jump to their length change the energy; a warning above has the reason.
     past.changed = scene.odd_rods().iter().any(|rod| rod.length.is_some());
     let mut outputs = Outputs::open(wanted, None)?;

@@ -12,6 +12,8 @@ mod objects;
 mod observe;
 mod picture;
 mod scene;
+#[cfg_attr(not(target_os = "linux"), path = "shared/elsewhere.rs")]
+mod shared;
 mod simulation;
 mod states;
 mod tables;
@@ -36,6 +38,8 @@ mod _rockfall {
     use crate::picture::{Picture, Studio};
     #[pymodule_export]
     use crate::scene::Scene;
+    #[pymodule_export]
+    use crate::shared::SharedArray;
     #[pymodule_export]
     use crate::simulation::Simulation;
     #[pymodule_export]

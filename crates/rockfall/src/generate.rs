@@ -68,9 +68,7 @@ impl Kind {
             Self::Hopper => hopper::hopper(spheres, &mut random),
         }
     }
-}
 
-impl Kind {
     /// What the author of a scene of this kind should know to change it, as lines of text: for a hopper, where its opening is,
     /// and the line of a box that closes it. Empty for the other kinds.
     pub fn note(self, spheres: u32) -> String {
@@ -96,9 +94,10 @@ impl FromStr for Kind {
     }
 }
 
+/// Checks that a scene can have this number of spheres.
+///
 /// # Errors
 /// [`Error::Invalid`] for 0, [`Error::TooManyObjects`] for more than the engine can number.
-/// Checks that a scene can have this number of spheres.
 fn check_count(spheres: u32) -> Result<()> {
     if spheres == 0 {
         return Err(Error::Invalid { field: "spheres", value: "0".to_owned(), expected: "at least 1" });

@@ -70,6 +70,7 @@
 
 pub mod checkpoint;
 mod devices;
+mod disjoint;
 pub mod error;
 #[doc(hidden)]
 pub mod exec;
@@ -101,8 +102,8 @@ pub use options::{Backend, BackendInfo, Optimization, Options};
 pub use profile::{BufferSize, Clock, Profile, StageTime};
 pub use report::{Energy, Report, SphereState, decimal_time};
 pub use scene::{
-    BoxId, Capsule, CapsuleId, CapsuleParts, Counts, Cuboid, LineWarning, Loaded, Muscle, Polygon, PolygonId, Rod, RodId,
-    Scene, Sphere, SphereId, Spring, SpringId, Tether, TetherId,
+    BoxId, Capsule, CapsuleId, CapsuleParts, Counts, Cuboid, LineWarning, Loaded, Material, MaterialId, Muscle, Pair, Polygon,
+    PolygonId, Rod, RodId, Scene, Sphere, SphereId, Spring, SpringId, Tether, TetherId,
 };
 pub use settings::{BroadPhase, Integrator, Settings};
 pub use simulation::{Body, Contact, ContactAction, MaxOverlap, RayHit, Simulation, SphereDiagnostics};

@@ -10,6 +10,7 @@ pub(crate) mod forces;
 pub(crate) mod friction_impulses;
 pub(crate) mod geometry;
 pub(crate) mod lengths;
+pub(crate) mod pairs;
 pub(crate) mod side;
 pub(crate) mod touch;
 pub(crate) mod travel;

@@ -148,11 +148,6 @@ pub(crate) use constant_table;
 constant_table!(settings);
 
 impl Settings {
-    /// Whether contacts get friction impulses.
-    pub(crate) fn has_friction_impulses(&self) -> bool {
-        self.coulomb_friction > 0.0 || self.collision_friction > 0.0
-    }
-
     /// Returns these settings with a change, for example `Settings::default().with(|settings| settings.gravity = 9.81)`.
     #[must_use]
     pub fn with(mut self, change: impl FnOnce(&mut Self)) -> Self {

@@ -19,6 +19,8 @@ use crate::step::schedule::Phase;
 mod drive;
 mod edit;
 mod engine;
+#[cfg(feature = "gpu")]
+mod exchange;
 mod flight;
 mod interval;
 mod keep;
@@ -88,6 +90,8 @@ pub struct Simulation {
     has_stages: bool,
     /// `scene` holds the current state.
     synced: bool,
+    /// `scene` holds the current external forces.
+    forces_synced: bool,
     /// Steps since the last step in which collisions shared a body.
     calm_steps: u64,
     /// Steps since the last step in which many collisions shared a body.
@@ -182,6 +186,7 @@ impl Simulation {
             lists_due: true,
             has_stages: false,
             synced: true,
+            forces_synced: true,
             calm_steps: 0,
             few_steps: 0,
         }
@@ -275,7 +280,7 @@ impl Simulation {
 
     /// The phases of a whole step, in the order in which they run.
     fn step_phases(&self) -> &'static [Phase] {
-        let has_phase = self.scene.settings.collisions || self.scene.settings.has_friction_impulses();
+        let has_phase = self.scene.settings.collisions || self.world.step.has_friction_impulses();
         if has_phase { &drive::COLLISIONS_FIRST } else { &drive::WITHOUT_COLLISIONS }
     }
 

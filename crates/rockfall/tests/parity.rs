@@ -61,6 +61,7 @@ fn plan(seed: u64, integrator: Integrator) -> Plan {
         settings: Settings::default(),
         rods: true,
         only: Only::All,
+        materials: false,
     }
 }
 
@@ -234,6 +235,20 @@ fn backends_agree_on_every_stage_with_friction_impulses() {
         "rod-box edge friction impulse",
     ];
     assert_seen(&traces, &wanted);
+}
+
+/// Restitution and friction of pairs of materials.
+#[test]
+fn backends_agree_on_every_stage_with_materials() {
+    let rough = Settings::default().with(|settings| settings.coulomb_friction = 0.2);
+    let plans = [
+        Plan { settings: rough, ..plan(60, Integrator::SymplecticEuler) },
+        Plan { rods: false, only: Only::Few, ..plan(61, Integrator::SymplecticEuler) },
+        plan(62, Integrator::Rk4),
+    ];
+    let traces = plans.map(|plan| assert_parity(&Plan { materials: true, ..plan }));
+    assert_seen(&traces, &["clustered", "lone", "sphere-sphere friction impulse", "rod-rod friction impulse"]);
+    assert_sweep_modes_agree(&traces[1]);
 }
 
 /// Few collisions can be swept by one workgroup or by one dispatch per sweep.

@@ -15,6 +15,7 @@ from __future__ import annotations
 
 from rockfall import _rockfall
 from rockfall._bodies import Capsules
+from rockfall._device import DeviceArray
 from rockfall._info import devices, info
 from rockfall._objects import Counts, Objects
 from rockfall._picture import Picture
@@ -33,6 +34,7 @@ __all__ = [
     "Capsules",
     "Counts",
     "Device",
+    "DeviceArray",
     "Energy",
     "Frame",
     "Objects",

@@ -55,6 +55,12 @@ class Simulation(Observed):
     So ``sim.velocities[:] = 0`` stops all bodies, and ``moved = sim.positions - before`` is what it seems to be. Call
     ``.copy()`` for an array to compute in.
 
+    On the GPU backend of an NVIDIA card under Linux, arrays are :class:`DeviceArray`. PyTorch and CuPy read and write them
+    without a copy through the host:
+
+    >>> positions = torch.from_dlpack(sim.positions)    # doctest: +SKIP
+    >>> sim.external_forces = -positions.contiguous()   # doctest: +SKIP
+
     Several threads may use a simulation. They wait for each other, without the GIL.
     """
 
@@ -218,6 +224,16 @@ class Simulation(Observed):
     def backend(self) -> Backend:
         """The backend that runs the simulation, and why it was chosen."""
         return Backend(**self._native.backend())
+
+    @property
+    def array_sharing(self) -> str:
+        """How arrays reach PyTorch, CuPy and other libraries on the GPU.
+
+        "device" if they share the memory of the device by DLPack, otherwise "host: " and the reason why they are copied through
+        the host.
+        """
+        reason = self._native.not_shared()
+        return "device" if reason is None else f"host: {reason}"
 
     @property
     def integrator(self) -> str:

@@ -16,8 +16,8 @@ pub enum Buffer {
     States,
     /// AABBs of all objects.
     Aabbs,
-    /// Rods, springs, tethers, external forces, boxes, polygons, tags, insertion indices, slots, batches, ends, networks,
-    /// adjacency.
+    /// Rods, springs, tethers, external forces, boxes, polygons, tags, pairs of materials, insertion indices, slots, batches,
+    /// ends, networks, adjacency.
     Topology,
     /// The grid: levels, cells, block sums, keys, sorted objects, long movers.
     Cells,

@@ -85,6 +85,17 @@ pub const FLAG_GROUPS: u32 = 8;
 /// stage states of a recent RK4 step of the same spheres.
 pub const FLAG_STAGES: u32 = 16;
 
+/// Bit of [`Step::flags`](crate::model::step::Step::flags): some pair of materials has Coulomb friction.
+pub const FLAG_PAIR_FRICTION: u32 = 32;
+
+/// Shift of the material in a tag.
+pub const MATERIAL_SHIFT: u32 = 16;
+/// Mask of the group in a tag.
+pub const GROUP_MASK: u32 = (1 << MATERIAL_SHIFT) - 1;
+/// Words of a pair of materials in the topology buffer: restitution, strength of the square-root friction, coefficient of
+/// Coulomb friction in contacts, the same in collisions. A negative number stands for the constant of the scene.
+pub const PAIR_WORDS: u32 = 4;
+
 /// Value of [`Step::sweeps`](crate::model::step::Step::sweeps): collisions are not listed. Each sphere computes the impulses
 /// of its own collisions. The step is rejected when a collision shares a body with another.
 pub const SWEEPS_OFF: u32 = 0;

@@ -3,8 +3,8 @@
 use glam::{Vec3, Vec4};
 
 use crate::model::layout::{
-    BOX_WORDS, FORCE_WORDS, KIND_ROD, KIND_SHIFT, MUSCLE_WORDS, NO_NETWORK, POLYGON_WORDS, ROD_WORDS, SPRING_WORDS,
-    TETHER_WORDS,
+    BOX_WORDS, FORCE_WORDS, KIND_ROD, KIND_SHIFT, MATERIAL_SHIFT, MUSCLE_WORDS, NO_NETWORK, PAIR_WORDS, POLYGON_WORDS,
+    ROD_WORDS, SPRING_WORDS, TETHER_WORDS,
 };
 use crate::model::muscles::{half_steps, muscle_length};
 use crate::model::status::Status;
@@ -248,6 +248,13 @@ impl<'a> View<'a> {
     /// Group (low 16 bits) and material (high 16 bits) of an object.
     pub(crate) fn tag(&self, id: u32) -> u32 {
         self.topology[(self.step.tags_at + id) as usize]
+    }
+
+    /// The row of the materials of two objects in the table of pairs; `None` without a table.
+    pub(crate) fn pair(&self, a: u32, b: u32) -> Option<[f32; PAIR_WORDS as usize]> {
+        let Step { materials, pairs_at, .. } = *self.step;
+        let [one, other] = [a, b].map(|id| self.tag(id) >> MATERIAL_SHIFT);
+        (materials > 0).then(|| self.floats(pairs_at, one * materials + other, PAIR_WORDS))
     }
 
     /// Everything that is attached to a sphere, rods first.

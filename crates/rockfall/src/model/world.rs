@@ -52,6 +52,8 @@ pub struct World {
     pub dispatch_sizes: Vec<u32>,
     /// The status block.
     pub status: Status,
+    /// The topology buffer has an external force for each sphere, in insertion order. Otherwise only for those with a force.
+    pub(crate) has_force_on_each: bool,
     /// Whether stages may be joined that give the same together.
     pub(crate) joins_steps: bool,
     /// The clock for which the table of muscles was made.

@@ -5,8 +5,8 @@ use glam::{Quat, Vec3};
 use crate::error::{Error, Result};
 use crate::model::layout::FLAG_CONTINUE;
 use crate::scene::{
-    BoxId, Capsule, CapsuleId, Cuboid, Polygon, PolygonId, Rod, RodId, Scene, Sphere, SphereId, Spring, SpringId, Tether,
-    TetherId, finite,
+    BoxId, Capsule, CapsuleId, Cuboid, Material, MaterialId, Pair, Polygon, PolygonId, Rod, RodId, Scene, Sphere, SphereId,
+    Spring, SpringId, Tether, TetherId, finite,
 };
 use crate::simulation::order::Disorder;
 use crate::simulation::{Simulation, engine, pack};
@@ -29,6 +29,7 @@ pub(super) enum Edit {
     AngularMomentum(Vec3),
     Orientation(Quat),
     Impulse(Vec3),
+    Force(Vec3),
 }
 
 /// A change together with the sphere that it applies to. Changes are applied in the order of the calls.
@@ -43,6 +44,7 @@ impl Edit {
             Self::Orientation(orientation) => sphere.orientation = orientation,
             Self::Impulse(impulse) if !sphere.fixed => sphere.velocity += impulse / sphere.mass,
             Self::Impulse(_) => {}
+            Self::Force(force) => sphere.force = force,
         }
     }
 }
@@ -100,8 +102,14 @@ edits! {
         update_spring(id: SpringId, change: impl FnOnce(&mut Spring)) -> ();
     Topology: /// Changes a tether's point and constants, for example to hold or drag a body.
         update_tether(id: TetherId, change: impl FnOnce(&mut Tether)) -> ();
-    Everything: /// Changes a rod's radius, length and group.
+    Everything: /// Changes a rod's radius, length, group and material.
         update_rod(id: RodId, change: impl FnOnce(&mut Rod)) -> ();
+    Topology: /// Adds a material.
+        add_material(material: Material) -> MaterialId;
+    Topology: /// Changes the constants of a material.
+        update_material(id: MaterialId, change: impl FnOnce(&mut Material)) -> ();
+    Topology: /// Sets the properties of the contacts between two materials.
+        set_pair(one: MaterialId, other: MaterialId, pair: Pair) -> ();
 }
 
 /// Changing the state of spheres. Changes take effect with the next step or read.
@@ -170,7 +178,12 @@ impl Simulation {
     pub fn set_force(&mut self, id: SphereId, force: impl Into<Vec3>) -> Result<()> {
         let force = force.into();
         finite("force", force)?;
-        self.scene.spheres.get_mut(id)?.force = force;
+        if self.forces_synced {
+            self.scene.spheres.get_mut(id)?.force = force;
+        } else {
+            // Reading the forces back would replace it.
+            self.edit(id, Edit::Force(force))?;
+        }
         self.dirty = self.dirty.max(Dirty::Topology);
         Ok(())
     }
@@ -202,6 +215,10 @@ impl Simulation {
         }
         if self.dirty == Dirty::Everything || !self.edits.is_empty() {
             self.pull().await?;
+        }
+        #[cfg(feature = "gpu")]
+        if self.dirty != Dirty::Clean {
+            self.pull_forces().await?;
         }
         let edits = std::mem::take(&mut self.edits);
         for (id, edit) in &edits {
@@ -251,7 +268,7 @@ impl Simulation {
         Ok(())
     }
 
-    fn mark_state_edited(&mut self) {
+    pub(super) fn mark_state_edited(&mut self) {
         self.status.lengths_due = 1;
         self.aabbs_due = true;
         self.lists_due = true;
@@ -265,6 +282,8 @@ impl Simulation {
     pub async fn sync_async(&mut self) -> Result<&Scene> {
         self.flush_async().await?;
         self.pull().await?;
+        #[cfg(feature = "gpu")]
+        self.pull_forces().await?;
         Ok(&self.scene)
     }
 

@@ -124,7 +124,7 @@ impl Simulation {
     pub fn restore(&mut self, checkpoint: &Checkpoint) -> Result<()> {
         checkpoint.scene.settings.validate()?;
         // `rebuild` packs the scene, and the state on the device is replaced, so nothing has to be read back or applied.
-        (self.dirty, self.synced) = (Dirty::Clean, true);
+        (self.dirty, self.synced, self.forces_synced) = (Dirty::Clean, true, true);
         self.edits.clear();
         self.scene = checkpoint.scene.clone();
         self.apply_history(checkpoint.time_step, checkpoint.report, checkpoint.history);

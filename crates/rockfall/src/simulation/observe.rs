@@ -143,10 +143,10 @@ impl Simulation {
     pub fn resting_overlap(&mut self) -> Result<MaxOverlap> {
         let world = self.observed()?;
         Ok(deepest(&self.scene, &world, |view, mover, entry, touch| {
-            let [a, b] = [mover, entry.id()].map(|id| view.object(id));
+            let [a, b] = [mover, entry.id()];
             let threshold = collision_velocity(view.step, smaller_radius(view, mover, entry.id()));
-            let rests = [(a, touch.a), (b, touch.b)].into_iter().all(|(object, parameter)| {
-                let side = side(view, object, parameter);
+            let rests = [(a, touch.a), (b, touch.b)].into_iter().all(|(id, parameter)| {
+                let side = side(view, view.object(id), parameter);
                 side.inverse_mass == 0.0 || side.velocity.length() <= threshold
             });
             rests && entry.word & ENTRY_COLLIDES == 0 && contact_force(view, a, b, touch).force != Vec3::ZERO
@@ -326,7 +326,7 @@ fn action(view: &View, impulses: &[Impulse], mover: u32, entry: Entry) -> Option
         let impulse = impulse_in(impulses, collision.key(view)).map_or(Vec3::ZERO, |known| known.size * known.direction);
         return Some((collision, ContactAction::Impulse(impulse)));
     }
-    let force = contact_force(view, view.object(collision.a), view.object(collision.b), &collision.touch).force;
+    let force = contact_force(view, collision.a, collision.b, &collision.touch).force;
     Some((collision, ContactAction::Force(-force)))
 }
 

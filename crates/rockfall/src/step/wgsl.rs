@@ -76,6 +76,7 @@ const SHARED: &[Part] = &[
     part!("physics/friction_impulses.wgsl"),
     part!("physics/geometry.wgsl"),
     part!("physics/lengths.wgsl"),
+    part!("physics/pairs.wgsl"),
     part!("physics/rotation.wgsl"),
     part!("physics/sine.wgsl"),
     part!("physics/touch.wgsl"),
@@ -168,6 +169,8 @@ pub struct Variant {
     pub large: bool,
     /// There may be springs with muscles.
     pub muscles: bool,
+    /// There may be pairs of materials.
+    pub materials: bool,
     /// There may be so many objects that a sort key of `find_neighbours` has no room for more than an insertion index.
     pub many: bool,
     /// Each workgroup has a world of its own: it has its own copy of the block `step`, and one block of counters.
@@ -177,10 +180,12 @@ pub struct Variant {
 impl Variant {
     /// Returns the variant for a scene with these counts.
     pub fn of(step: &Step) -> Self {
+        let Step { rods, large, muscles_at, materials, .. } = *step;
         Self {
-            rods: step.rods > 0,
-            large: step.large > 0,
-            muscles: step.muscles_at > 0,
+            rods: rods > 0,
+            large: large > 0,
+            muscles: muscles_at > 0,
+            materials: materials > 0,
             many: step.objects() >= MANY_OBJECTS,
             worlds: false,
         }
@@ -189,7 +194,7 @@ impl Variant {
     /// Returns the WGSL of this variant. It replaces constants in the text, because the sizes of arrays depend on `RODS` and
     /// `LARGE` and so these cannot be pipeline-overridable constants.
     pub fn apply(self, text: &str) -> String {
-        let constants = [("RODS", self.rods), ("LARGE", self.large), ("MUSCLES", self.muscles)];
+        let constants = [("RODS", self.rods), ("LARGE", self.large), ("MUSCLES", self.muscles), ("MATERIALS", self.materials)];
         let replaced = constants.iter().fold(text.to_owned(), |text, (name, is_set)| {
             text.replace(&format!("const {name}: bool = true;"), &format!("const {name}: bool = {is_set};"))
         });

@@ -301,7 +301,7 @@ static MISTAKES: &[Mistake] = &[
         "apply_friction_impulses",
         0,
         "friction_impulses.wgsl",
-        "limit = step.collision_friction * impulse_at",
+        "limit = in_collisions * impulse_at",
         "limit = impulse_at",
         Buffer::Start,
     ),
@@ -322,6 +322,11 @@ static MISTAKES: &[Mistake] = &[
         "rubbed.rolling",
         Buffer::Start,
     ),
+    Mistake("weigh_collisions", 0, "pairs.wgsl", "one * step.materials + other", "one * step.materials", Buffer::Start),
+    Mistake("weigh_collisions", 0, "pairs.wgsl", "a, b, 0u, step.restitution", "a, b, 1u, step.restitution", Buffer::Start),
+    Mistake("weigh_collisions", 0, "couplings.wgsl", "bitcast<u32>(restitution)", "0u", Buffer::Start),
+    Mistake("symplectic_euler", 0, "contact.wgsl", "min(friction_of(a, b)", "min(step.friction", Buffer::Y2),
+    Mistake("apply_friction_impulses", 0, "pairs.wgsl", "given < 0.0", "given <= 0.0", Buffer::Start),
     Mistake("commit_friction_impulses", 0, "commit_next_state.wgsl", "region < 3u", "region < 1u", Buffer::Start),
     Mistake("advance", 1, "contact.wgsl", "fresh | (approach < -threshold)", "fresh", Buffer::Y3),
     Mistake("run_steps", COLLISIONS, "changes.wgsl", "impulse * plainly.solved.tau", "plainly.solved.tau", Buffer::Start),
@@ -382,7 +387,7 @@ fn entry_file(stage: &str) -> &str {
 }
 
 /// Plans of the traces that must reveal the mistakes.
-fn plans() -> [Plan; 8] {
+fn plans() -> [Plan; 9] {
     let (rk4, euler) = (Integrator::Rk4, Integrator::SymplecticEuler);
     // Friction so strong that its bound limits it.
     let rough = Settings::default().with(|settings| {
@@ -402,6 +407,7 @@ fn plans() -> [Plan; 8] {
         Plan { rods: false, settings: heavy, ..plan(3, rk4) },
         Plan { rods: false, settings: both, ..plan(4, euler) },
         Plan { rods: false, only: Only::Few, ..plan(7, euler) },
+        Plan { rods: false, only: Only::Few, materials: true, settings: both, ..plan(8, euler) },
         plan(0, rk4),
         Plan { settings: both, ..plan(1, euler) },
         plan(2, rk4),

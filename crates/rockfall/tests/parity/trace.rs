@@ -116,6 +116,8 @@ pub(crate) struct Plan {
     /// Whether clusters may have rods and capsules.
     pub(crate) rods: bool,
     pub(crate) only: Only,
+    /// Whether objects have materials.
+    pub(crate) materials: bool,
 }
 
 /// Traces a plan. Clusters with an ambiguous decision are drawn again until none is left.

@@ -196,6 +196,10 @@ impl GpuWorld {
         }
         self.fit(world, Buffer::Topology)?;
         self.write(Buffer::Topology, world.bytes(Buffer::Topology))?;
+        if Variant::of(&world.step) != Variant::of(&self.step) {
+            // They have kernels of their own.
+            self.ready.clear();
+        }
         self.step = world.step;
         self.write_uniforms(&world.step)
     }

@@ -1,12 +1,14 @@
 //! Packs a scene into the arrays of a [`World`].
 
+#[cfg(feature = "gpu")]
+use glam::Vec3;
 use glam::Vec4;
 
 use crate::error::Result;
 use crate::model::dispatch::sizes;
 use crate::model::layout::{
-    CELL_BLOCK, CELLS_AT, FEW_MOVERS, FLAG_COLLISIONS, FLAG_CONTINUE, FLAG_GROUPS, FLAG_PULL, LEVEL_BIAS, LINE,
-    MIN_PLANNED_OBJECTS, SLICE, SUM_WORDS,
+    CELL_BLOCK, CELLS_AT, FEW_MOVERS, FLAG_COLLISIONS, FLAG_CONTINUE, FLAG_GROUPS, FLAG_PAIR_FRICTION, FLAG_PULL, LEVEL_BIAS,
+    LINE, MIN_PLANNED_OBJECTS, SLICE, SUM_WORDS,
 };
 use crate::model::step::Step;
 use crate::model::world::World;
@@ -95,8 +97,9 @@ impl World {
         step.gravity = (gravity * gravity_direction).to_array();
         step.gravity_size = gravity.abs() * gravity_direction.length();
         let bit = |on: bool, flag: u32| if on { flag } else { 0 };
-        step.flags =
-            step.flags & (FLAG_CONTINUE | FLAG_GROUPS) | bit(collisions, FLAG_COLLISIONS) | bit(contact_pull, FLAG_PULL);
+        step.flags = step.flags & (FLAG_CONTINUE | FLAG_GROUPS | FLAG_PAIR_FRICTION)
+            | bit(collisions, FLAG_COLLISIONS)
+            | bit(contact_pull, FLAG_PULL);
         step.sweeps = step.sweeps.max(step.calm_sweeps());
     }
 
@@ -188,6 +191,19 @@ impl World {
         self.extents.resize(self.objects() as usize, Vec4::ZERO);
         self.wrenches.resize(4 * self.step.rods as usize, Vec4::ZERO);
         self.set_pair_rows(self.step.pair_rows);
+    }
+
+    /// Writes the external forces back to the scene that was packed with a force for each sphere. `packed` are the handles of
+    /// the spheres at that time.
+    #[cfg(feature = "gpu")]
+    pub(crate) fn read_forces(&self, scene: &mut Scene, packed: &[SphereId]) {
+        let forces = self.topology[self.step.forces_at as usize..].chunks_exact(crate::model::layout::FORCE_WORDS as usize);
+        for (id, force) in packed.iter().zip(forces) {
+            // Skips spheres that have been removed since.
+            if let Ok(sphere) = scene.spheres.get_mut(*id) {
+                sphere.force = Vec3::from_array([force[0], force[1], force[2]].map(f32::from_bits));
+            }
+        }
     }
 
     /// Writes the state of the spheres back to the scene that it was packed from. `packed` are the handles of the spheres at

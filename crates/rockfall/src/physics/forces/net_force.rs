@@ -34,7 +34,7 @@ fn each_contact(
         let Some(touch) = touch(view, id_a, id_b, entry.feature()) else {
             continue;
         };
-        let ContactForce { force, torque_a, torque_b } = contact_force(view, view.object(id_a), view.object(id_b), &touch);
+        let ContactForce { force, torque_a, torque_b } = contact_force(view, id_a, id_b, &touch);
         if mover == id_a {
             if let Some(tally) = tally.as_deref_mut() {
                 tally.count_contact(touch.overlap);
@@ -51,7 +51,7 @@ fn each_contact(
 #[inline]
 fn add_ball_loads(ball: &Ball, others: &[Entry], tally: Option<&mut Tally>, [force, torque]: &mut [Vec4; 2]) {
     let Meeting { a, b, touches } = ball.meet(others);
-    let loads = contact_forces(ball.view.step, &a, &b, &touches);
+    let loads = contact_forces(ball.view.step, &a, &b, &touches, &ball.surfaces(others));
     let touch = touches.overlap.cmpgt(Vec4::ZERO) & first_lanes(others.len());
     *force = loads.force.or_zero(touch).add_lanes_to(*force);
     *torque = loads.torque_a.or_zero(touch).add_lanes_to(*torque);
