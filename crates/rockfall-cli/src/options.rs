@@ -77,7 +77,11 @@ pub(crate) struct Engine {
 
 impl Engine {
     pub(crate) fn options(&self, physics: &Physics) -> Options {
-        let options = Options::new().backend(self.backend).broad_phase(self.broad_phase).integrator(physics.integrator);
+        self.with_integrator(physics.integrator)
+    }
+
+    pub(crate) fn with_integrator(&self, integrator: Integrator) -> Options {
+        let options = Options::new().backend(self.backend).broad_phase(self.broad_phase).integrator(integrator);
         self.without.iter().fold(options, |options, optimization| options.without(*optimization))
     }
 }

@@ -6,6 +6,7 @@ use crate::error::Result;
 use crate::settings::Settings;
 
 mod bonded;
+mod checks;
 mod materials;
 mod muscle;
 mod objects;
@@ -16,10 +17,10 @@ mod text;
 mod write;
 
 pub use bonded::BondedSets;
+pub(crate) use checks::finite;
 pub(crate) use materials::Pairs;
 pub use materials::{MAX_MATERIALS, Material, MaterialId, Pair};
 pub use muscle::Muscle;
-pub(crate) use objects::finite;
 pub use objects::{Capsule, CapsuleId, CapsuleParts, Rod, RodId, Sphere, SphereId, Spring, SpringId, Tether, TetherId};
 pub(crate) use references::References;
 pub use registry::Handle;

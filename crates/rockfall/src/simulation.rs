@@ -25,6 +25,8 @@ mod flight;
 mod interval;
 mod keep;
 mod lookahead;
+#[cfg(all(feature = "gpu", not(target_family = "wasm")))]
+pub(crate) mod mirror;
 pub(crate) mod observe;
 mod order;
 mod prepare;

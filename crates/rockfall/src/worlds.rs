@@ -13,6 +13,11 @@ use crate::report::{Report, SphereState};
 use crate::scene::{Scene, Spring};
 use crate::simulation::Simulation;
 
+#[cfg(feature = "gpu")]
+mod device;
+#[cfg(feature = "gpu")]
+use device::Batch;
+
 /// A batch of scenes that advance side by side, each in its own world.
 ///
 /// Worlds do not affect each other. Each has its own objects, statics and settings, in its own coordinates, and advances exactly as
@@ -27,12 +32,17 @@ pub struct Worlds {
     info: BackendInfo,
     #[cfg(feature = "gpu")]
     gpu: Option<Gpu>,
+    /// The worlds that run on the device, one workgroup each.
+    #[cfg(feature = "gpu")]
+    batch: Option<Batch>,
     worlds: Vec<World>,
 }
 
 #[derive(Debug)]
 struct World {
+    /// The simulation that runs the world or, on [`WorldPath::Device`], holds its objects on the host.
     simulation: Simulation,
+    path: WorldPath,
     /// The state that [`Worlds::reset`] returns to.
     start: Checkpoint,
     stopped: Option<Error>,
@@ -45,6 +55,10 @@ pub enum WorldPath {
     /// By a simulation of its own, which supports all objects and settings. On a GPU its steps are dispatched one world after the
     /// other.
     Simulation,
+    /// By a workgroup of the GPU, which runs many steps in one dispatch, side by side with other worlds. This path takes worlds of
+    /// up to 32 spheres, 37 objects and about 60 springs, without rods, collisions as impulses
+    /// ([`Settings::collisions`](crate::Settings::collisions)) and friction impulses.
+    Device,
 }
 
 /// The report on one world.
@@ -64,14 +78,14 @@ pub struct WorldReport {
 }
 
 impl World {
-    fn new(mut simulation: Simulation) -> Result<Self> {
+    fn new(mut simulation: Simulation, path: WorldPath) -> Result<Self> {
         let start = simulation.checkpoint()?;
-        Ok(Self { simulation, start, stopped: None })
+        Ok(Self { simulation, path, start, stopped: None })
     }
 
     /// Runs steps, unless the world is stopped.
     fn run(&mut self, steps: u64, dt: f32) {
-        if self.stopped.is_none() {
+        if self.stopped.is_none() && self.path == WorldPath::Simulation {
             self.stopped = self.simulation.run(steps, dt).err();
         }
     }
@@ -93,6 +107,10 @@ impl Worlds {
         let mut worlds = Self::empty(options)?;
         let scenes: Vec<Scene> = scenes.into_iter().collect();
         worlds.worlds = worlds.create_all(scenes)?;
+        #[cfg(feature = "gpu")]
+        if let Some(gpu) = &worlds.gpu {
+            worlds.batch = Some(Batch::new(gpu, &worlds.worlds)?);
+        }
         Ok(worlds)
     }
 
@@ -100,7 +118,7 @@ impl Worlds {
     fn empty(options: Options) -> Result<Self> {
         let (gpu, info) = crate::simulation::open_device(&options)?;
         let options = options.backend(info.kind);
-        Ok(Self { options, info, gpu, worlds: Vec::new() })
+        Ok(Self { options, info, gpu, batch: None, worlds: Vec::new() })
     }
 
     #[cfg(not(feature = "gpu"))]
@@ -121,9 +139,12 @@ impl Worlds {
     fn create(&self, scene: Scene) -> Result<World> {
         #[cfg(feature = "gpu")]
         if let Some(gpu) = &self.gpu {
-            return World::new(Simulation::on_gpu(scene, self.options.clone(), gpu, &self.info)?);
+            if let Some(mirror) = device::mirror(&scene, &self.options)? {
+                return World::new(mirror, WorldPath::Device);
+            }
+            return World::new(Simulation::on_gpu(scene, self.options.clone(), gpu, &self.info)?, WorldPath::Simulation);
         }
-        World::new(Simulation::with_options(scene, self.options.clone())?)
+        World::new(Simulation::with_options(scene, self.options.clone())?, WorldPath::Simulation)
     }
 
     /// Number of worlds.
@@ -150,11 +171,17 @@ impl Worlds {
     ///
     /// # Errors
     /// [`Error::Invalid`] for a time step that is not positive and finite. Errors of single worlds stop these worlds and are in
-    /// their reports.
+    /// their reports. [`Error::Device`] when the GPU fails.
     pub fn run(&mut self, steps: u64, dt: f32) -> Result<()> {
         if !(dt.is_finite() && dt > 0.0) {
             let expected = "a time step in seconds, finite and greater than 0";
             return Err(Error::Invalid { field: "dt", value: dt.to_string(), expected });
+        }
+        #[cfg(feature = "gpu")]
+        if let (Some(batch), Some(gpu)) = (&mut self.batch, &self.gpu) {
+            batch.run(&mut self.worlds, steps, dt, &self.options, |checkpoint| {
+                Simulation::resume_on_gpu(checkpoint, gpu, &self.info)
+            })?;
         }
         match self.info.kind {
             Backend::Cpu => self.worlds.par_iter_mut().for_each(|world| world.run(steps, dt)),
@@ -163,13 +190,24 @@ impl Worlds {
         Ok(())
     }
 
-    fn world(&self, world: usize) -> Result<&World> {
-        self.worlds.get(world).ok_or_else(|| self.no_world(world))
+    /// Reads the states of the worlds on the device back, if they have changed.
+    fn refresh(&mut self) -> Result<()> {
+        #[cfg(feature = "gpu")]
+        if let Some(batch) = &mut self.batch {
+            batch.refresh(&mut self.worlds)?;
+        }
+        Ok(())
     }
 
-    fn world_mut(&mut self, world: usize) -> Result<&mut World> {
-        let missing = self.no_world(world);
-        self.worlds.get_mut(world).ok_or(missing)
+    /// A world with its present state on the host or in its own simulation.
+    fn current(&mut self, world: usize) -> Result<&mut World> {
+        self.world(world)?;
+        self.refresh()?;
+        Ok(&mut self.worlds[world])
+    }
+
+    fn world(&self, world: usize) -> Result<&World> {
+        self.worlds.get(world).ok_or_else(|| self.no_world(world))
     }
 
     fn no_world(&self, world: usize) -> Error {
@@ -193,7 +231,7 @@ impl Worlds {
     /// # Errors
     /// [`Error::Invalid`] for a world that does not exist, [`Error::Device`] when the GPU fails.
     pub fn snapshot(&mut self, world: usize) -> Result<Scene> {
-        self.world_mut(world)?.simulation.snapshot()
+        self.current(world)?.simulation.snapshot()
     }
 
     /// The current states of all spheres of a world, in order of addition.
@@ -201,7 +239,7 @@ impl Worlds {
     /// # Errors
     /// As for [`Worlds::snapshot`].
     pub fn states(&mut self, world: usize) -> Result<Vec<SphereState>> {
-        self.world_mut(world)?.simulation.spheres()
+        self.current(world)?.simulation.spheres()
     }
 
     /// The current states of all spheres of all worlds: one list per world.
@@ -209,6 +247,7 @@ impl Worlds {
     /// # Errors
     /// [`Error::Device`] when the GPU fails.
     pub fn all_states(&mut self) -> Result<Vec<Vec<SphereState>>> {
+        self.refresh()?;
         match self.info.kind {
             Backend::Cpu => self.worlds.par_iter_mut().map(|world| world.simulation.spheres()).collect(),
             _ => self.worlds.iter_mut().map(|world| world.simulation.spheres()).collect(),
@@ -222,7 +261,7 @@ impl Worlds {
     /// [`Error::Invalid`] for a world that does not exist, another number of states than spheres, or a value that is not finite.
     /// Nothing is changed then. [`Error::Device`] when the GPU fails.
     pub fn set_states(&mut self, world: usize, states: &[SphereState]) -> Result<()> {
-        let simulation = &mut self.world_mut(world)?.simulation;
+        let simulation = &mut self.current(world)?.simulation;
         let ids: Vec<_> = simulation.scene().sphere_ids().collect();
         check_count("states", states.len(), ids.len(), "one state per sphere of the world")?;
         for state in states {
@@ -244,7 +283,9 @@ impl Worlds {
             simulation.set_angular_momentum(id, state.angular_momentum)?;
             simulation.set_orientation(id, state.orientation)?;
         }
-        simulation.flush()
+        simulation.flush()?;
+        self.changed(world);
+        Ok(())
     }
 
     /// Sets the rest lengths of all springs of a world, in units, one per spring in order of addition. They hold until they are
@@ -254,7 +295,7 @@ impl Worlds {
     /// [`Error::Invalid`] for a world that does not exist, another number of lengths than springs, or a length that is negative or
     /// not finite. Nothing is changed then.
     pub fn set_rest_lengths(&mut self, world: usize, lengths: &[f32]) -> Result<()> {
-        let simulation = &mut self.world_mut(world)?.simulation;
+        let simulation = &mut self.current(world)?.simulation;
         let ids: Vec<_> = simulation.scene().spring_ids().collect();
         check_count("rest lengths", lengths.len(), ids.len(), "one length per spring of the world")?;
         if let Some(bad) = lengths.iter().find(|length| !(length.is_finite() && **length >= 0.0)) {
@@ -264,6 +305,7 @@ impl Worlds {
         for (id, length) in ids.into_iter().zip(lengths) {
             simulation.update_spring(id, |spring: &mut Spring| spring.length = *length)?;
         }
+        self.changed(world);
         Ok(())
     }
 
@@ -274,13 +316,14 @@ impl Worlds {
     /// [`Error::Invalid`] for a world that does not exist, another number of forces than spheres, or a force that is not finite.
     /// Nothing is changed then.
     pub fn set_forces(&mut self, world: usize, forces: &[Vec3]) -> Result<()> {
-        let simulation = &mut self.world_mut(world)?.simulation;
+        let simulation = &mut self.current(world)?.simulation;
         let ids: Vec<_> = simulation.scene().sphere_ids().collect();
         check_count("forces", forces.len(), ids.len(), "one force per sphere of the world")?;
         forces.iter().try_for_each(|force| crate::scene::finite("force", *force))?;
         for (id, force) in ids.into_iter().zip(forces) {
             simulation.set_force(id, *force)?;
         }
+        self.changed(world);
         Ok(())
     }
 
@@ -292,7 +335,12 @@ impl Worlds {
         for world in worlds {
             self.world(*world)?;
         }
-        worlds.iter().try_for_each(|world| self.worlds[*world].reset())
+        self.refresh()?;
+        for world in worlds {
+            self.worlds[*world].reset()?;
+            self.changed(*world);
+        }
+        Ok(())
     }
 
     /// Replaces a world by a new one with this scene, at time 0.
@@ -301,8 +349,20 @@ impl Worlds {
     /// [`Error::Invalid`] for a world that does not exist. Otherwise as for [`Worlds::new`]. The world is unchanged then.
     pub fn replace(&mut self, world: usize, scene: Scene) -> Result<()> {
         self.world(world)?;
-        self.worlds[world] = self.create(scene)?;
+        let new = self.create(scene)?;
+        self.refresh()?;
+        self.worlds[world] = new;
+        self.changed(world);
         Ok(())
+    }
+
+    /// Notes that a world on the device must be uploaded again.
+    fn changed(&mut self, world: usize) {
+        #[cfg(feature = "gpu")]
+        if let Some(batch) = &mut self.batch {
+            batch.changed(world);
+        }
+        let _ = world;
     }
 
     /// The report on a world. `bounds` are the least and greatest coordinates of the centres of spheres that have not escaped;
@@ -311,7 +371,7 @@ impl Worlds {
     /// # Errors
     /// As for [`Worlds::snapshot`].
     pub fn report(&mut self, world: usize, bounds: Option<[Vec3; 2]>) -> Result<WorldReport> {
-        let world = self.world_mut(world)?;
+        let world = self.current(world)?;
         let escaped = match bounds {
             Some([least, greatest]) => world.simulation.sync()?.spheres().iter().position(|sphere| {
                 let inside = sphere.position.cmpge(least) & sphere.position.cmple(greatest);
@@ -321,7 +381,7 @@ impl Worlds {
         };
         Ok(WorldReport {
             report: world.simulation.report(),
-            path: WorldPath::Simulation,
+            path: world.path,
             stopped: world.stopped.as_ref().map(Error::to_string),
             escaped,
         })

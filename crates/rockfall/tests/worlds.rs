@@ -81,6 +81,13 @@ fn a_world_advances_as_a_simulation_of_its_own(backend: Backend) {
         let mut whole = worlds(&scenes, &options);
         whole.run(steps, DT).expect("steps");
         assert_eq!(all_bits(&mut whole), expected);
+        for (world, scene) in scenes.iter().enumerate() {
+            let counts = scene.counts();
+            let is_small = counts.rods == 0 && counts.spheres > 0 && !scene.settings.collisions;
+            let on_device = backend == Backend::Gpu && is_small && scene.settings.coulomb_friction == 0.0;
+            let path = if on_device { WorldPath::Device } else { WorldPath::Simulation };
+            assert_eq!(whole.report(world, None).expect("a report").path, path, "scene {world}");
+        }
         // Backwards, with one world twice, and in several calls.
         let mut order: Vec<usize> = (0..scenes.len()).rev().collect();
         order.insert(1, 0);
@@ -191,12 +198,70 @@ fn a_world_is_controlled_as_a_simulation(backend: Backend) {
     assert_eq!(bits(&worlds.states(1).expect("states")), bits(&simulation.spheres().expect("states")));
 }
 
+/// Another time step, and a world that grows too large for a workgroup, change nothing but the path.
+fn time_steps_and_sizes_may_change(backend: Backend) {
+    let scene = creature(20, 6).expect("a creature");
+    let options = Options::new().backend(backend);
+    let mut worlds = worlds(&[scene.clone(), creature(8, 1).expect("a creature")], &options);
+    let mut simulation = Simulation::with_options(scene.clone(), options).expect("it opens");
+    let forces = vec![Vec3::new(0.5, 1.0, 0.0); scene.spheres().len()];
+    for (steps, dt) in [(7, DT), (5, 0.004), (6, DT)] {
+        worlds.run(steps, dt).expect("steps");
+        simulation.run(steps, dt).expect("steps");
+        let [one, other] = [worlds.report(0, None).expect("a report").report, simulation.report()];
+        assert_eq!(
+            (one.steps, one.time, one.contacts, one.max_overlap),
+            (other.steps, other.time, other.contacts, other.max_overlap)
+        );
+        if dt == 0.004 {
+            worlds.set_forces(0, &forces).expect("forces");
+            let ids: Vec<_> = simulation.scene().sphere_ids().collect();
+            ids.iter().zip(&forces).for_each(|(id, force)| simulation.set_force(*id, *force).expect("a force"));
+        }
+    }
+    assert_eq!(bits(&worlds.states(0).expect("states")), bits(&simulation.spheres().expect("states")));
+    let snapshot = worlds.snapshot(0).expect("a scene");
+    assert_eq!(snapshot.springs()[3].muscle, simulation.snapshot().expect("a scene").springs()[3].muscle);
+}
+
 both!(
+    time_steps_and_sizes_may_change,
     a_world_advances_as_a_simulation_of_its_own,
     a_world_that_is_not_finite_affects_no_other,
     worlds_can_be_reset_and_replaced,
     a_world_is_controlled_as_a_simulation,
 );
+
+/// On the CPU, small scenes have one function for the phase of positions. It computes the same as the stages, also where bodies are
+/// fixed, coincide, collide or stop being finite.
+#[test]
+fn positions_in_one_function_equal_those_of_the_stages() {
+    let mut scenes = scenes();
+    let mut odd = creature(8, 2).expect("a creature");
+    let ids: Vec<_> = odd.sphere_ids().collect();
+    let at = odd.sphere(ids[1]).expect("a sphere").position;
+    let twin = odd.add_sphere(Sphere::new(at, 0.1).velocity([1.0, 0.0, 0.0])).expect("a sphere");
+    let fixed = odd.add_sphere(Sphere::new(at + Vec3::Y, 0.3).fixed().velocity([0.0, 0.0, 2.0])).expect("a sphere");
+    odd.add_spring(Spring::new(ids[1], twin, 100.0, 0.2)).expect("a spring");
+    odd.add_spring(Spring::new(fixed, twin, 50.0, 0.1).damping(1.0)).expect("a spring");
+    odd.add_tether(Tether::new(twin, at, 10.0)).expect("a tether");
+    odd.settings.linear_damping = 0.3;
+    scenes.push(odd.clone());
+    odd.add_tether(Tether::new(ids[3], at, 1e38)).expect("a tether");
+    scenes.push(odd);
+    scenes.push(Kind::Pile.generate(127, 1).expect("a scene"));
+    let options = Options::new().backend(Backend::Cpu);
+    for (number, scene) in scenes.iter().enumerate() {
+        let [joined, apart] = [true, false].map(|join| {
+            let options = options.clone().join_steps(join).keep_going(true);
+            let mut simulation = Simulation::with_options(scene.clone(), options).expect("it opens");
+            simulation.run(200, DT).expect("steps");
+            let report = simulation.report();
+            (bits(&simulation.spheres().expect("states")), report)
+        });
+        assert!(joined == apart, "scene {number}: {:?} {:?}", joined.1, apart.1);
+    }
+}
 
 #[test]
 fn wrong_numbers_and_worlds_are_errors() {

@@ -20,6 +20,8 @@ mod timer;
 mod transfer;
 mod wait;
 mod world;
+#[cfg(not(target_family = "wasm"))]
+pub(crate) mod worlds;
 
 pub use device::{Gpu, adapters, instance};
 pub use exchange::Table;

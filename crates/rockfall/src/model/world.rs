@@ -4,6 +4,7 @@
 
 pub(crate) mod build;
 pub(crate) mod frames;
+pub(crate) mod muscles;
 pub(crate) mod order;
 pub(crate) mod topology;
 

@@ -4,7 +4,11 @@ use std::path::Path;
 
 use crate::checkpoint::{Checkpoint, History};
 use crate::error::{Error, Result};
+#[cfg(feature = "gpu")]
+use crate::exec::gpu::Gpu;
 use crate::model::layout::SLICE;
+#[cfg(feature = "gpu")]
+use crate::options::BackendInfo;
 use crate::options::Options;
 use crate::simulation::edit::Dirty;
 use crate::simulation::engine::Engine;
@@ -97,6 +101,14 @@ impl Simulation {
     #[cfg(feature = "gpu")]
     pub fn resume_on_device(checkpoint: Checkpoint, device: &wgpu::Device, queue: &wgpu::Queue) -> Result<Self> {
         let simulation = Self::on_device_as_is(checkpoint.scene, checkpoint.options, device, queue)?;
+        Ok(simulation.with_history(checkpoint.time_step, checkpoint.report, checkpoint.history))
+    }
+
+    /// [`Simulation::resume`] on a GPU that others share.
+    #[cfg(feature = "gpu")]
+    pub(crate) fn resume_on_gpu(checkpoint: Checkpoint, gpu: &Gpu, info: &BackendInfo) -> Result<Self> {
+        let options = Options { backend: info.kind, ..checkpoint.options };
+        let simulation = Self::on_gpu(checkpoint.scene, options, gpu, info)?;
         Ok(simulation.with_history(checkpoint.time_step, checkpoint.report, checkpoint.history))
     }
 

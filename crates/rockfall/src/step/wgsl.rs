@@ -13,6 +13,7 @@
 
 use crate::model::layout::MANY_OBJECTS;
 use crate::model::part::{Part, part};
+use crate::model::status::COUNTER_BLOCKS;
 use crate::model::step::Step;
 use crate::physics::forces;
 
@@ -172,6 +173,8 @@ pub struct Variant {
     pub materials: bool,
     /// There may be so many objects that a sort key of `find_neighbours` has no room for more than an insertion index.
     pub many: bool,
+    /// Each workgroup has a world of its own: it has its own copy of the block `step`, and one block of counters.
+    pub worlds: bool,
 }
 
 impl Variant {
@@ -184,6 +187,7 @@ impl Variant {
             muscles: muscles_at > 0,
             materials: materials > 0,
             many: step.objects() >= MANY_OBJECTS,
+            worlds: false,
         }
     }
 
@@ -191,8 +195,15 @@ impl Variant {
     /// `LARGE` and so these cannot be pipeline-overridable constants.
     pub fn apply(self, text: &str) -> String {
         let constants = [("RODS", self.rods), ("LARGE", self.large), ("MUSCLES", self.muscles), ("MATERIALS", self.materials)];
-        constants.iter().fold(text.to_owned(), |text, (name, is_set)| {
+        let replaced = constants.iter().fold(text.to_owned(), |text, (name, is_set)| {
             text.replace(&format!("const {name}: bool = true;"), &format!("const {name}: bool = {is_set};"))
-        })
+        });
+        if !self.worlds {
+            return replaced;
+        }
+        let block = format!("const COUNTER_BLOCKS: u32 = {COUNTER_BLOCKS}u;");
+        replaced
+            .replace("@group(0) @binding(0) var<uniform> step: Step;", "var<private> step: Step;")
+            .replace(&block, "const COUNTER_BLOCKS: u32 = 1u;")
     }
 }

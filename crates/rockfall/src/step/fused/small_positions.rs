@@ -7,8 +7,9 @@ use glam::{Vec3, Vec4};
 
 use crate::model::counters::{Tally, count_builds};
 use crate::model::lanes::{LANES, Vec3x4};
-use crate::model::layout::{GRAIN, KIND_FORCE, KIND_TETHER};
+use crate::model::layout::{GRAIN, KIND_FORCE, KIND_TETHER, MUSCLE_WORDS, SPRING_WORDS};
 use crate::model::lists::Lists;
+use crate::model::muscles::MusclesOfFour;
 use crate::model::state::Motion;
 use crate::model::view::{TINY, View};
 use crate::model::world::World;
@@ -119,8 +120,11 @@ struct Four {
     a: [u32; LANES],
     b: [u32; LANES],
     stiffness: Vec4,
+    /// Rest lengths, without and with muscles.
+    constant_length: Vec4,
     length: Vec4,
     damping: Vec4,
+    muscles: MusclesOfFour,
 }
 
 /// The springs of a world, and the load on each sphere.
@@ -134,14 +138,22 @@ impl Springs {
         let step = &world.step;
         let count = springs_of(world);
         let view = View::new(step, &world.topology, &world.states[0]);
-        let mut fours = vec![Four::default(); count.div_ceil(LANES)];
-        for (spring, number) in (0..count).zip(0..) {
-            let record = view.spring(number);
-            let (four, lane) = (&mut fours[spring / LANES], spring % LANES);
-            [four.a[lane], four.b[lane]] = record.ends;
-            four.stiffness[lane] = record.stiffness;
-            four.length[lane] = record.length;
-            four.damping[lane] = record.damping;
+        let mut fours = vec![Four::default(); (count as usize).div_ceil(LANES)];
+        for (four, first) in fours.iter_mut().zip((0..).step_by(LANES)) {
+            let springs = first..count.min(first + LANES as u32);
+            for (lane, spring) in springs.clone().enumerate() {
+                let record = view.plain_spring(spring);
+                [four.a[lane], four.b[lane]] = record.ends;
+                four.stiffness[lane] = record.stiffness;
+                four.constant_length[lane] = record.length;
+                four.damping[lane] = record.damping;
+            }
+            four.length = four.constant_length;
+            if step.muscles_at != 0 {
+                let mut records = [[0; MUSCLE_WORDS as usize]; LANES];
+                records.iter_mut().zip(springs).for_each(|(record, spring)| *record = view.muscle(spring));
+                four.muscles = MusclesOfFour::of(&records);
+            }
         }
         Self { fours, loads: vec![Load::default(); step.spheres as usize] }
     }
@@ -150,22 +162,20 @@ impl Springs {
     /// springs, tethers, forces, each in insertion order. `has_new_time` tells whether the rest lengths of muscles change.
     fn evaluate(&mut self, view: &View, has_new_time: bool) {
         let has_muscles = view.step.muscles_at != 0;
-        for (number, four) in (0..).step_by(LANES).zip(&mut self.fours) {
+        for four in &mut self.fours {
             if has_muscles && has_new_time {
-                // The unused lanes of the last four have no records.
-                for lane in (0..LANES).filter(|lane| four.a[*lane] != four.b[*lane]) {
-                    four.length[lane] = view.spring(number + lane as u32).length;
-                }
+                four.length = four.muscles.lengths(four.constant_length, view.half_steps());
             }
             let forces = four.forces(view);
-            for lane in 0..LANES {
-                self.loads[four.a[lane] as usize].force += forces[lane];
+            for ((a, b), force) in four.a.iter().zip(four.b).zip(forces) {
+                self.loads[*a as usize].force += force;
                 // The force on the other end is computed from negated vectors, so it is the same with the other sign.
-                self.loads[four.b[lane] as usize].force -= forces[lane];
+                self.loads[b as usize].force -= force;
             }
         }
         let step = view.step;
-        if step.forces_at > step.tethers_at || step.boxes_at > step.forces_at {
+        let forces_end = if step.muscles_at == 0 { step.boxes_at } else { step.muscles_at };
+        if forces_end > step.tethers_at {
             self.add_others(view);
         }
     }
@@ -184,8 +194,8 @@ impl Springs {
 }
 
 /// Number of springs of a world.
-fn springs_of(world: &World) -> usize {
-    (world.step.tethers_at - world.step.springs_at) as usize / crate::model::layout::SPRING_WORDS as usize
+fn springs_of(world: &World) -> u32 {
+    (world.step.tethers_at - world.step.springs_at) / SPRING_WORDS
 }
 
 impl Four {
