@@ -5,14 +5,19 @@
 use crate::error::Result;
 use crate::settings::Settings;
 
+mod any;
+mod contact_law;
 mod materials;
 mod objects;
 mod references;
 mod registry;
+mod restitution;
 mod statics;
 mod text;
 mod write;
 
+pub(crate) use any::AnyId;
+pub(crate) use contact_law::Dampings;
 pub(crate) use materials::Pairs;
 pub use materials::{MAX_MATERIALS, Material, MaterialId, Pair};
 pub(crate) use objects::finite;

@@ -10,6 +10,7 @@ use crate::simulation::edit::Dirty;
 use crate::simulation::engine::Engine;
 use crate::simulation::lookahead::Lookahead;
 use crate::simulation::order::Disorder;
+use crate::simulation::springs::put_springs;
 use crate::simulation::{Simulation, engine, prepare};
 
 impl Simulation {
@@ -37,6 +38,7 @@ impl Simulation {
             });
         }
         self.sync_async().await?;
+        let springs = self.springs().await?;
         let step = &self.world.step;
         Ok(Checkpoint {
             scene: self.scene.clone(),
@@ -55,6 +57,7 @@ impl Simulation {
                 margin_scale: step.margin_scale,
                 lookahead: step.lookahead,
             },
+            springs,
         })
     }
 
@@ -83,7 +86,8 @@ impl Simulation {
     /// # Errors
     /// As for [`Simulation::resume`].
     pub async fn resume_async(checkpoint: Checkpoint) -> Result<Self> {
-        let world = prepare(&checkpoint.scene, &checkpoint.options)?;
+        let mut world = prepare(&checkpoint.scene, &checkpoint.options)?;
+        put_springs(&mut world, &checkpoint.scene, &checkpoint.springs);
         let (engine, info) = Engine::open(&checkpoint.options, &world).await?;
         let simulation = Self::assemble(checkpoint.scene, checkpoint.options, world, engine, info);
         Ok(simulation.with_history(checkpoint.time_step, checkpoint.report, checkpoint.history))
@@ -95,7 +99,8 @@ impl Simulation {
     /// As for [`Simulation::on_device`].
     #[cfg(feature = "gpu")]
     pub fn resume_on_device(checkpoint: Checkpoint, device: &wgpu::Device, queue: &wgpu::Queue) -> Result<Self> {
-        let simulation = Self::on_device_as_is(checkpoint.scene, checkpoint.options, device, queue)?;
+        let springs = &checkpoint.springs;
+        let simulation = Self::on_device_as_is(checkpoint.scene, checkpoint.options, springs, device, queue)?;
         Ok(simulation.with_history(checkpoint.time_step, checkpoint.report, checkpoint.history))
     }
 
@@ -110,12 +115,13 @@ impl Simulation {
     /// the scene is too large.
     pub fn restore(&mut self, checkpoint: &Checkpoint) -> Result<()> {
         checkpoint.scene.settings.validate()?;
+        checkpoint.scene.check_contact_law(self.options.integrator)?;
         // `rebuild` packs the scene, and the state on the device is replaced, so nothing has to be read back or applied.
         (self.dirty, self.synced) = (Dirty::Clean, true);
         self.edits.clear();
         self.scene = checkpoint.scene.clone();
         self.apply_history(checkpoint.time_step, checkpoint.report, checkpoint.history);
-        self.rebuild()?;
+        self.rebuild(&checkpoint.springs)?;
         self.status.collided = 0;
         Ok(())
     }

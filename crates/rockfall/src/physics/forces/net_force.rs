@@ -4,7 +4,7 @@ use glam::{Vec3, Vec4};
 
 use crate::model::counters::Tally;
 use crate::model::lanes::first_lanes;
-use crate::model::layout::{KIND_FORCE, KIND_ROD, KIND_SPRING, KIND_TETHER};
+use crate::model::layout::{KIND_FORCE, KIND_ROD, KIND_SPRING, KIND_TETHER, LAW_THESIS};
 use crate::model::lists::{Entry, Lists};
 use crate::model::view::{Attachment, TINY, View};
 use crate::physics::balls::{Ball, Meeting};
@@ -76,8 +76,13 @@ pub(crate) fn rod_loads(view: &View, lists: &Lists, rod: u32, tally: Option<&mut
 }
 
 /// Returns the load on a sphere: contacts, then everything attached to it. Body forces are not included. `wrenches` are the
-/// results of `rod_forces`.
+/// results of `rod_forces` or `law_forces`.
 pub(crate) fn sphere_load(view: &View, lists: &Lists, wrenches: &[Vec4], sphere: u32, mut tally: Option<&mut Tally>) -> Load {
+    if view.step.law != LAW_THESIS {
+        let at = (4 * view.step.rods + 2 * sphere) as usize;
+        let total = Load { force: wrenches[at].truncate(), torque: wrenches[at + 1].truncate() };
+        return with_attachments(view, wrenches, sphere, total);
+    }
     let (count, list) = lists.list(sphere);
     let mut sums = [Vec4::ZERO; 2];
     let done = Ball::new(view, sphere).map_or(0, |ball| {
@@ -89,6 +94,11 @@ pub(crate) fn sphere_load(view: &View, lists: &Lists, wrenches: &[Vec4], sphere:
         total.force += load.force;
         total.torque += load.torque;
     });
+    with_attachments(view, wrenches, sphere, total)
+}
+
+/// Adds everything attached to a sphere to the load of its contacts.
+fn with_attachments(view: &View, wrenches: &[Vec4], sphere: u32, mut total: Load) -> Load {
     for attachment in view.attachments(sphere) {
         match attachment.kind {
             KIND_ROD => {
