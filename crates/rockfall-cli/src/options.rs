@@ -155,6 +155,7 @@ pub(crate) fn settings_json(settings: &Settings) -> serde_json::Value {
     let value = |text: String| match text.as_str() {
         "on" => true.into(),
         "off" => false.into(),
+        text if rockfall::ContactLaw::ALL.iter().any(|law| law.name() == text) => text.into(),
         text if text.contains(',') => text.split(',').map(number).collect(),
         text => number(text),
     };

@@ -16,7 +16,7 @@
 //! | `@muscle amplitude frequency phase` | nothing: the rest length of the spring added last oscillates |
 //! | `@capsule ref1 ref2` | nothing: the two spheres and the rod added last are a capsule |
 //! | `@material NAME density=D young=E poisson=N` | nothing: defines a material; each constant may be left out |
-//! | `@pair NAME NAME restitution=e friction=mu` | nothing: sets properties of the contacts between two materials |
+//! | `@pair NAME NAME restitution=e friction=mu stiffness=k` | nothing: sets properties of the contacts between two materials |
 //! | `@use NAME` | nothing: the objects of the lines below are of this material; `@use -`: of none |
 //!
 //! The whole first word of a line decides its kind. A line with any other first word is a comment. The last ten kinds above are
@@ -411,7 +411,13 @@ impl<'a> Reader<'a> {
                 other => other.to_string(),
             },
         };
-        self.scene.settings.set(name, &value).map_err(wrong)
+        let given = self.set_at.contains_key("collisions").then_some(self.scene.settings.collisions);
+        self.scene.settings.set(name, &value).map_err(wrong)?;
+        if let Some(collisions) = given.filter(|_| name == "contact_law") {
+            // The order of the lines does not matter.
+            self.scene.settings.collisions = collisions;
+        }
+        Ok(())
     }
 }
 

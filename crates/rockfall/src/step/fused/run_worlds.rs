@@ -8,7 +8,7 @@ use bytemuck::{Pod, Zeroable};
 
 use crate::model::buffer::Buffer;
 use crate::model::dispatch::Threads;
-use crate::model::layout::FLAG_COLLISIONS;
+use crate::model::layout::{FLAG_COLLISIONS, LAW_THESIS};
 use crate::model::part::part;
 use crate::model::status::NO_BODY;
 use crate::model::world::World;
@@ -67,5 +67,11 @@ pub(crate) fn fits(world: &World) -> bool {
         && world.objects() <= WORLD_ENTRIES + 1
         && world.topology.len() <= WORLD_TOPOLOGY as usize;
     let has_impulses = step.flags & FLAG_COLLISIONS != 0 || step.has_friction_impulses();
-    is_small && step.rods == 0 && step.large == 0 && step.materials == 0 && step.insertion_indices_at == 0 && !has_impulses
+    is_small
+        && step.rods == 0
+        && step.large == 0
+        && step.materials == 0
+        && step.law == LAW_THESIS
+        && step.insertion_indices_at == 0
+        && !has_impulses
 }
