@@ -49,7 +49,7 @@ pub(crate) struct Arguments {
     /// What counts: distance, speed, height, jump or climb
     #[arg(long, default_value_t = Goal::Distance)]
     goal: Goal,
-    /// Scene with the ground and the constants; only boxes and polygons [default: level, with gravity 9.81 and Coulomb friction 0.8]
+    /// Scene with the ground and the constants; only boxes and polygons [default: level, with gravity 9.81]
     #[arg(long, value_name = "FILE")]
     ground: Option<PathBuf>,
     /// Seed of the random numbers

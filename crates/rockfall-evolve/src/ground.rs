@@ -12,17 +12,19 @@ pub struct Ground {
 }
 
 impl Ground {
-    /// Level ground at height 0 with Earth's gravity and Coulomb friction.
+    /// Level ground at height 0 with Earth's gravity. Feet stick by the friction of the thesis (docs/physics.md section 4.5): about
+    /// 0.6 times the normal force at 0.1 units/s. There are no impulses, so that small creatures run on a GPU side by side
+    /// ([`WorldPath::Device`](rockfall::WorldPath::Device)).
     ///
     /// # Errors
     /// None for these constants.
     pub fn level() -> Result<Self> {
         let mut scene = Scene::new();
         scene.settings.set("gravity", "9.81")?;
-        scene.settings.set("coulomb_friction", "0.8")?;
-        scene.settings.set("collision_friction", "0.8")?;
-        scene.settings.set("restitution", "0.1")?;
-        scene.settings.set("resting_overlap", "0.04")?;
+        scene.settings.set("collisions", "off")?;
+        scene.settings.set("contact_force", "8000")?;
+        scene.settings.set("contact_damping", "60")?;
+        scene.settings.set("friction", "16000")?;
         scene.add_box(Cuboid::between([-EXTENT, -10.0, -EXTENT], [EXTENT, 0.0, EXTENT]))?;
         Ok(Self { scene })
     }
