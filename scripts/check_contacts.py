@@ -14,18 +14,11 @@ from pathlib import Path
 import numpy as np
 from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkFiltersCore import vtkTubeFilter
-from vtkmodules.vtkIOXML import vtkXMLPolyDataReader
+
+from output_files import arrays, poly_data, same
 
 KINDS = {"sphere": 0, "rod": 1, "box": 3, "polygon": 4}
 VECTORS = {"point": "x y z", "normal": "nx ny nz", "force": "fx fy fz", "impulse": "ix iy iz"}
-
-
-def same(what, one, other):
-    """Asserts that two arrays have the same shape, the same type and the same bits."""
-    one, other = np.asarray(one), np.asarray(other)
-    assert one.shape == other.shape, f"{what}: shapes {one.shape} and {other.shape}"
-    assert one.dtype == other.dtype, f"{what}: types {one.dtype} and {other.dtype}"
-    assert one.tobytes() == other.tobytes(), f"{what} differs"
 
 
 def check_csv(path, npz):
@@ -45,17 +38,9 @@ def check_csv(path, npz):
     same("time", np.array([row["time"] for row in rows], np.float64), npz["time"][npz["frame"]])
 
 
-def arrays(data):
-    return {data.GetArrayName(i): vtk_to_numpy(data.GetArray(i)) for i in range(data.GetNumberOfArrays())}
-
-
 def check_lines(path, npz, frame):
     """Compares one PolyData file with one frame of the arrays. Returns the ends of its lines."""
-    reader = vtkXMLPolyDataReader()
-    reader.SetFileName(str(path))
-    reader.Update()
-    assert reader.GetErrorCode() == 0, f"{path}: VTK error {reader.GetErrorCode()}"
-    data = reader.GetOutput()
+    data = poly_data(path)
     of_frame = npz["frame"] == frame
     count = int(npz["count"][frame])
     assert (data.GetNumberOfPoints(), data.GetNumberOfLines(), data.GetNumberOfCells()) == (2 * count, count, count)

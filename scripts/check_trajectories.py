@@ -12,17 +12,10 @@ from pathlib import Path
 
 import numpy as np
 from vtkmodules.util.numpy_support import vtk_to_numpy
-from vtkmodules.vtkIOXML import vtkXMLPolyDataReader
+
+from output_files import arrays, poly_data, same
 
 VECTORS = {"position": "x y z", "velocity": "vx vy vz", "orientation": "qw qx qy qz", "angular_momentum": "lx ly lz"}
-
-
-def same(what, one, other):
-    """Asserts that two arrays have the same shape, the same type and the same bits."""
-    one, other = np.asarray(one), np.asarray(other)
-    assert one.shape == other.shape, f"{what}: shapes {one.shape} and {other.shape}"
-    assert one.dtype == other.dtype, f"{what}: types {one.dtype} and {other.dtype}"
-    assert one.tobytes() == other.tobytes(), f"{what} differs"
 
 
 def read_csv(path):
@@ -35,18 +28,6 @@ def read_csv(path):
 def vectors(table, names, shape):
     columns = [np.array([np.float32(text) for text in table[name]]) for name in names.split()]
     return np.stack(columns, axis=-1).reshape(*shape, len(columns))
-
-
-def poly_data(path):
-    reader = vtkXMLPolyDataReader()
-    reader.SetFileName(str(path))
-    reader.Update()
-    assert reader.GetErrorCode() == 0, f"{path}: VTK error {reader.GetErrorCode()}"
-    return reader.GetOutput()
-
-
-def arrays(data):
-    return {data.GetArrayName(i): vtk_to_numpy(data.GetArray(i)) for i in range(data.GetNumberOfArrays())}
 
 
 def check_frame(path, npz, frame):

@@ -3,10 +3,10 @@
 use std::fmt::Write as _;
 
 use rockfall::stability::Suggestion;
-use rockfall::{Body, Integrator, Scene, Settings};
+use rockfall::{Body, Integrator, Loaded, Scene, Settings};
 
 use crate::failure::Failure;
-use crate::options::{InWords, Physics, SceneArgument, counted};
+use crate::options::{InWords, Physics, SceneArgument, Substeps, counted};
 use crate::output;
 use crate::source::Source;
 
@@ -65,6 +65,22 @@ pub(crate) fn check(arguments: &Arguments) -> Result<(), Failure> {
         warnings(&mut text, [format!("{name}: no spheres, so nothing will move")].into_iter());
     }
     output::print(&text)
+}
+
+/// Prints the warnings about a scene that is to be run, and applies the settings of the command line. Returns the scene and the
+/// number of parts of a step.
+pub(crate) fn prepare(name: &str, loaded: Loaded, physics: &Physics, substeps: Substeps) -> Result<(Scene, u32), Failure> {
+    if loaded.scene.counts().spheres == 0 {
+        output::note(&format!("warning: {name}: no spheres, so nothing will move"));
+    }
+    for warning in &loaded.warnings {
+        output::note(&format!("warning: {name}:{}: {}", warning.line, warning.text));
+    }
+    let mut scene = loaded.scene;
+    physics.change(&mut scene.settings)?;
+    let parts = substeps.of(&scene, physics.dt, physics.integrator)?;
+    warn(name, &scene, physics.dt / parts as f32, physics.integrator);
+    Ok((scene, parts))
 }
 
 /// Describes the contact constants that `resting_overlap` sets, if it is in use.

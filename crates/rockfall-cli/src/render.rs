@@ -14,7 +14,6 @@ use crate::files;
 use crate::input::{Input, Saved};
 use crate::interrupt::Interrupt;
 use crate::options::{Engine, Physics, Substeps, whole};
-use crate::output;
 use crate::run::Given;
 use crate::source::Source;
 
@@ -242,19 +241,10 @@ pub(crate) fn render(arguments: &Arguments, given: &Given, interrupt: &'static I
 
 /// Prepares a run of a scene.
 fn scene(arguments: &Arguments, Source { name, loaded }: Source, interrupt: &'static Interrupt) -> Result<Live, Failure> {
-    if loaded.scene.counts().spheres == 0 {
-        output::note(&format!("warning: {name}: no spheres, so nothing will move"));
-    }
-    for warning in &loaded.warnings {
-        output::note(&format!("warning: {name}:{}: {}", warning.line, warning.text));
-    }
-    let mut scene = loaded.scene;
-    arguments.physics.change(&mut scene.settings)?;
-    let (dt, integrator) = (arguments.physics.dt, arguments.physics.integrator);
-    let parts = arguments.substeps.unwrap_or(Substeps::Parts(1)).of(&scene, dt, integrator)?;
-    check::warn(&name, &scene, dt / parts as f32, integrator);
+    let substeps = arguments.substeps.unwrap_or(Substeps::Parts(1));
+    let (scene, parts) = check::prepare(&name, loaded, &arguments.physics, substeps)?;
     let simulation = Simulation::with_options(scene, arguments.engine.options(&arguments.physics))?;
-    Live::new(name, simulation, dt, parts, interrupt)
+    Live::new(name, simulation, arguments.physics.dt, parts, interrupt)
 }
 
 /// Prepares a run that continues a checkpoint. Options on the command line override those of the checkpoint.

@@ -24,16 +24,17 @@
 //! Tube: vary the radius by scalar to see force chains. A series `NAME.pvd` lists the files `NAME/STEP.vtp`.
 
 use std::io::{self, Write};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use rockfall::glam::Vec3;
 use rockfall::output::{AtomicFile, Mark};
 use rockfall::{Body, Contact, ContactAction, Result, Scene, Simulation};
 
+use crate::Format;
 use crate::csv::numbers;
 use crate::frame::bytes_of;
-use crate::vtp::{self, Appended};
-use crate::{Format, named};
+use crate::target::{Content, Series, Target};
+use crate::vtp::Appended;
 
 mod npz;
 
@@ -195,18 +196,23 @@ pub fn lines(out: &mut impl Write, contacts: &Contacts) -> io::Result<()> {
     file.write(out, [2 * rows.len(), 0, rows.len(), 0], Some((contacts.step, contacts.time)))
 }
 
-#[derive(Debug)]
-enum File {
-    Csv(AtomicFile),
-    Npz(Box<npz::Series>),
-    Vtp(vtp::Series),
+impl Content for Contacts {
+    const HEADER: &str = HEADER;
+    type Arrays = npz::Records;
+
+    fn unpack(path: &Path, scratch: &mut AtomicFile, mark: Mark) -> io::Result<()> {
+        npz::unpack(path, scratch, mark)
+    }
+
+    fn arrays(scratch: &mut AtomicFile, bytes: u64) -> io::Result<Self::Arrays> {
+        npz::Records::new(scratch, bytes)
+    }
 }
 
 /// A file of contacts that is being written, frame by frame. [`Writer`](crate::Writer) describes how files appear.
 #[derive(Debug)]
 pub struct Writer {
-    path: PathBuf,
-    file: File,
+    target: Target<npz::Records>,
 }
 
 impl Writer {
@@ -215,15 +221,7 @@ impl Writer {
     /// # Errors
     /// [`rockfall::Error::File`] if the path cannot be written to.
     pub fn create(path: impl AsRef<Path>, format: Format) -> Result<Self> {
-        let path = path.as_ref();
-        let file = match format {
-            Format::Csv => {
-                AtomicFile::create(path).and_then(|mut file| writeln!(file, "{HEADER}").map(|()| file)).map(File::Csv)
-            }
-            Format::Npz => npz::Series::create(path).map(|series| File::Npz(Box::new(series))),
-            Format::Vtp => vtp::Series::create(path).map(File::Vtp),
-        };
-        named(path, file).map(|file| Self { path: path.to_owned(), file })
+        Ok(Self { target: Target::create::<Contacts>(path.as_ref(), format)? })
     }
 
     /// Continues a file from a mark, whether it was finished or not. Frames after the mark are removed.
@@ -232,13 +230,7 @@ impl Writer {
     /// [`rockfall::Error::File`] if the path cannot be written to, or if the contents before the mark are missing or have
     /// changed.
     pub fn resume(path: impl AsRef<Path>, format: Format, mark: Mark) -> Result<Self> {
-        let path = path.as_ref();
-        let file = match format {
-            Format::Csv => AtomicFile::resume(path, mark).map(File::Csv),
-            Format::Npz => npz::Series::resume(path, mark).map(|series| File::Npz(Box::new(series))),
-            Format::Vtp => vtp::Series::resume(path, mark).map(File::Vtp),
-        };
-        named(path, file).map(|file| Self { path: path.to_owned(), file })
+        Ok(Self { target: Target::resume::<Contacts>(path.as_ref(), format, mark)? })
     }
 
     /// Adds a frame.
@@ -246,12 +238,11 @@ impl Writer {
     /// # Errors
     /// [`rockfall::Error::File`] if the file cannot be written.
     pub fn frame(&mut self, contacts: &Contacts) -> Result<()> {
-        let written = match &mut self.file {
-            File::Csv(file) => csv(file, contacts),
-            File::Npz(series) => series.frame(contacts),
-            File::Vtp(series) => series.add(contacts.step, contacts.time, |out| lines(out, contacts)),
-        };
-        named(&self.path, written)
+        self.target.write(|series| match series {
+            Series::Csv(file) => csv(file, contacts),
+            Series::Npz(npz) => npz.1.frame(&mut npz.0.scratch, contacts),
+            Series::Vtp(series) => series.add(contacts.step, contacts.time, |out| lines(out, contacts)),
+        })
     }
 
     /// Writes everything so far to the disk and returns the position for [`Writer::resume`], as
@@ -260,12 +251,7 @@ impl Writer {
     /// # Errors
     /// [`rockfall::Error::File`] if the file cannot be written.
     pub fn mark(&mut self) -> Result<Option<Mark>> {
-        let mark = match &mut self.file {
-            File::Csv(file) => file.mark(),
-            File::Npz(series) => series.mark(),
-            File::Vtp(series) => series.mark(),
-        };
-        named(&self.path, mark)
+        self.target.mark()
     }
 
     /// Completes the file and moves it to its final path.
@@ -273,11 +259,6 @@ impl Writer {
     /// # Errors
     /// [`rockfall::Error::File`] if the file cannot be written.
     pub fn finish(self) -> Result<()> {
-        let finished = match self.file {
-            File::Csv(file) => file.commit(),
-            File::Npz(series) => series.finish(),
-            File::Vtp(series) => series.finish(),
-        };
-        named(&self.path, finished)
+        self.target.finish(|archive, _| npz::finish(archive))
     }
 }

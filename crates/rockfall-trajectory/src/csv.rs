@@ -6,20 +6,18 @@
 
 use std::fmt::{Display, LowerExp};
 use std::io::{self, Write};
-use std::path::Path;
-
-use rockfall::output::{AtomicFile, Mark};
 
 use crate::Frame;
 
-const STATE_HEADER: &str = "sphere,x,y,z,vx,vy,vz,qw,qx,qy,qz,lx,ly,lz,reference";
+/// First line of a trajectory.
+pub(crate) const HEADER: &str = "step,time,sphere,x,y,z,vx,vy,vz,qw,qx,qy,qz,lx,ly,lz,reference";
 
 /// Writes one state with its header.
 ///
 /// # Errors
 /// Returns the error of the writer.
 pub fn state(out: &mut impl Write, frame: &Frame) -> io::Result<()> {
-    writeln!(out, "{STATE_HEADER}")?;
+    writeln!(out, "{}", HEADER.trim_start_matches("step,time,"))?;
     lines(out, "", frame)
 }
 
@@ -48,34 +46,10 @@ pub fn numbers<N: Copy + Display + LowerExp + Into<f64>>(out: &mut impl Write, n
     })
 }
 
-#[derive(Debug)]
-pub(crate) struct Series {
-    file: AtomicFile,
-}
-
-impl Series {
-    pub(crate) fn create(path: &Path) -> io::Result<Self> {
-        let mut file = AtomicFile::create(path)?;
-        writeln!(file, "step,time,{STATE_HEADER}")?;
-        Ok(Self { file })
-    }
-
-    pub(crate) fn resume(path: &Path, mark: Mark) -> io::Result<Self> {
-        Ok(Self { file: AtomicFile::resume(path, mark)? })
-    }
-
-    pub(crate) fn frame(&mut self, frame: &Frame) -> io::Result<()> {
-        let mut prefix = frame.step.to_string().into_bytes();
-        numbers(&mut prefix, &[frame.time])?;
-        prefix.push(b',');
-        lines(&mut self.file, &String::from_utf8_lossy(&prefix), frame)
-    }
-
-    pub(crate) fn mark(&mut self) -> io::Result<Option<Mark>> {
-        self.file.mark()
-    }
-
-    pub(crate) fn finish(self) -> io::Result<()> {
-        self.file.commit()
-    }
+/// Writes one state of a trajectory.
+pub(crate) fn frame(out: &mut impl Write, frame: &Frame) -> io::Result<()> {
+    let mut prefix = frame.step.to_string().into_bytes();
+    numbers(&mut prefix, &[frame.time])?;
+    prefix.push(b',');
+    lines(out, &String::from_utf8_lossy(&prefix), frame)
 }

@@ -29,16 +29,19 @@
 //! program can continue.
 
 use std::io;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-use rockfall::output::Mark;
-use rockfall::{Error, Result, Scene, Simulation};
+use rockfall::output::{AtomicFile, Mark};
+use rockfall::{Result, Scene, Simulation};
+
+use target::{Content, Series, Target};
 
 pub mod contacts;
 pub mod csv;
 mod frame;
 pub mod npz;
 mod read;
+mod target;
 pub mod vtp;
 
 pub use frame::Frame;
@@ -69,18 +72,26 @@ impl Format {
     }
 }
 
-#[derive(Debug)]
-enum File {
-    Csv(csv::Series),
-    Npz(Box<npz::Series>),
-    Vtp(vtp::Series),
+/// The contents of a trajectory.
+enum Trajectory {}
+
+impl Content for Trajectory {
+    const HEADER: &str = csv::HEADER;
+    type Arrays = npz::Frames;
+
+    fn unpack(path: &Path, scratch: &mut AtomicFile, mark: Mark) -> io::Result<()> {
+        npz::unpack(path, scratch, mark)
+    }
+
+    fn arrays(_scratch: &mut AtomicFile, bytes: u64) -> io::Result<Self::Arrays> {
+        Ok(npz::Frames::new(bytes))
+    }
 }
 
 /// A trajectory that is being written.
 #[derive(Debug)]
 pub struct Writer {
-    path: PathBuf,
-    file: File,
+    target: Target<npz::Frames>,
 }
 
 impl Writer {
@@ -89,13 +100,7 @@ impl Writer {
     /// # Errors
     /// [`Error::File`] if the path cannot be written to.
     pub fn create(path: impl AsRef<Path>, format: Format) -> Result<Self> {
-        let path = path.as_ref();
-        let file = match format {
-            Format::Csv => csv::Series::create(path).map(File::Csv),
-            Format::Npz => npz::Series::create(path).map(|series| File::Npz(Box::new(series))),
-            Format::Vtp => vtp::Series::create(path).map(File::Vtp),
-        };
-        named(path, file).map(|file| Self { path: path.to_owned(), file })
+        Ok(Self { target: Target::create::<Trajectory>(path.as_ref(), format)? })
     }
 
     /// Continues a trajectory from a mark, whether it was finished or not. Frames after the mark are removed.
@@ -103,13 +108,7 @@ impl Writer {
     /// # Errors
     /// [`Error::File`] if the path cannot be written to, or if the contents before the mark are missing or have changed.
     pub fn resume(path: impl AsRef<Path>, format: Format, mark: Mark) -> Result<Self> {
-        let path = path.as_ref();
-        let file = match format {
-            Format::Csv => csv::Series::resume(path, mark).map(File::Csv),
-            Format::Npz => npz::Series::resume(path, mark).map(|series| File::Npz(Box::new(series))),
-            Format::Vtp => vtp::Series::resume(path, mark).map(File::Vtp),
-        };
-        named(path, file).map(|file| Self { path: path.to_owned(), file })
+        Ok(Self { target: Target::resume::<Trajectory>(path.as_ref(), format, mark)? })
     }
 
     /// Adds the current state as a frame. With [`Format::Npz`], the objects must be the same in all frames.
@@ -126,14 +125,13 @@ impl Writer {
     /// # Errors
     /// As for [`Writer::frame`].
     pub fn frame_at(&mut self, simulation: &mut Simulation, step: u64, time: f64) -> Result<()> {
-        let mut frame = Frame::of(simulation, !matches!(self.file, File::Csv(_)))?;
+        let mut frame = Frame::of(simulation, !self.target.is_csv())?;
         (frame.step, frame.time) = (step, time);
-        let written = match &mut self.file {
-            File::Csv(series) => series.frame(&frame),
-            File::Npz(series) => series.frame(&frame),
-            File::Vtp(series) => series.frame(&frame, simulation.scene()),
-        };
-        named(&self.path, written)
+        self.target.write(|series| match series {
+            Series::Csv(file) => csv::frame(file, &frame),
+            Series::Npz(npz) => npz.1.frame(&mut npz.0.scratch, &frame),
+            Series::Vtp(series) => series.frame(&frame, simulation.scene()),
+        })
     }
 
     /// Writes everything so far to the disk and returns the position for [`Writer::resume`]. From then on, the unfinished file
@@ -142,12 +140,7 @@ impl Writer {
     /// # Errors
     /// [`Error::File`] if the file cannot be written.
     pub fn mark(&mut self) -> Result<Option<Mark>> {
-        let mark = match &mut self.file {
-            File::Csv(series) => series.mark(),
-            File::Npz(series) => series.mark(),
-            File::Vtp(series) => series.mark(),
-        };
-        named(&self.path, mark)
+        self.target.mark()
     }
 
     /// Completes the trajectory and moves it to its final path. The scene provides the data that is the same in all frames.
@@ -155,15 +148,6 @@ impl Writer {
     /// # Errors
     /// [`Error::File`] if the file cannot be written.
     pub fn finish(self, scene: &Scene) -> Result<()> {
-        let finished = match self.file {
-            File::Csv(series) => series.finish(),
-            File::Npz(series) => series.finish(scene),
-            File::Vtp(series) => series.finish(),
-        };
-        named(&self.path, finished)
+        self.target.finish(|archive, frames| frames.finish(archive, scene))
     }
-}
-
-fn named<T>(path: &Path, result: io::Result<T>) -> Result<T> {
-    result.map_err(|source| Error::File { file: path.to_owned(), source })
 }

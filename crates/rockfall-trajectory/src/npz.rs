@@ -24,15 +24,18 @@
 
 use std::fs::File;
 use std::io::{self, Read, Seek, SeekFrom, Write};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use rockfall::Scene;
 use rockfall::output::{AtomicFile, Mark};
-use zip::write::SimpleFileOptions;
-use zip::{CompressionMethod, ZipArchive, ZipWriter};
+use zip::{ZipArchive, ZipWriter};
 
 use crate::Frame;
 use crate::frame::{Indices, bytes_of};
+
+pub(crate) mod archive;
+
+use archive::{Archive, header, not_as_before, open_finished, start_array};
 
 /// Arrays that have a part in every frame.
 const FRAME_ARRAYS: [FrameArray; 7] = [
@@ -65,35 +68,21 @@ fn frame_bytes(spheres: u64) -> u64 {
     FRAME_ARRAYS.iter().map(|array| array.bytes(spheres)).sum()
 }
 
+/// State of an unfinished file. Its scratch file has the frames one after the other, each with its part of every array.
 #[derive(Debug)]
-pub(crate) struct Series {
-    /// Final file. It is opened at the start, so that a bad path fails at once.
-    archive: AtomicFile,
-    /// The frames one after the other, each with its part of every array.
-    frames: AtomicFile,
-    /// Number of bytes written to `frames`.
+pub(crate) struct Frames {
+    /// Number of bytes in the scratch file.
     bytes: u64,
     /// Number of spheres in the previous frames; `None` before the first frame after opening.
     spheres: Option<usize>,
 }
 
-impl Series {
-    pub(crate) fn create(path: &Path) -> io::Result<Self> {
-        let archive = AtomicFile::create(path)?;
-        Ok(Self { archive, frames: AtomicFile::create(&frames_path(path)?)?, bytes: 0, spheres: None })
+impl Frames {
+    pub(crate) fn new(bytes: u64) -> Self {
+        Self { bytes, spheres: None }
     }
 
-    pub(crate) fn resume(path: &Path, mark: Mark) -> io::Result<Self> {
-        let archive = AtomicFile::create(path)?;
-        let scratch = frames_path(path)?;
-        let frames = match AtomicFile::resume(&scratch, mark) {
-            Err(error) if error.kind() == io::ErrorKind::NotFound => unpack(path, &scratch, mark)?,
-            result => result?,
-        };
-        Ok(Self { archive, frames, bytes: mark.bytes, spheres: None })
-    }
-
-    pub(crate) fn frame(&mut self, frame: &Frame) -> io::Result<()> {
+    pub(crate) fn frame(&mut self, scratch: &mut AtomicFile, frame: &Frame) -> io::Result<()> {
         let spheres = &frame.spheres;
         let whole = self.bytes.is_multiple_of(frame_bytes(spheres.len() as u64));
         if !whole || self.spheres.is_some_and(|previous| previous != spheres.len()) {
@@ -113,91 +102,46 @@ impl Series {
             bytes_of(frame.contacts.iter().copied()),
         ];
         for part in parts {
-            self.frames.write_all(&part)?;
+            scratch.write_all(&part)?;
             self.bytes += part.len() as u64;
         }
         Ok(())
     }
 
-    pub(crate) fn mark(&mut self) -> io::Result<Option<Mark>> {
-        self.frames.mark()
-    }
-
-    pub(crate) fn finish(mut self, scene: &Scene) -> io::Result<()> {
+    pub(crate) fn finish(self, archive: Archive, scene: &Scene) -> io::Result<()> {
         let spheres = scene.counts().spheres as u64;
         let whole = frame_bytes(spheres);
         if !self.bytes.is_multiple_of(whole) {
             return Err(changed());
         }
         let count = self.bytes / whole;
-        let frames = self.frames.reader()?;
-        let mut zip = ZipWriter::new_stream(&mut self.archive);
-        let mut at = 0;
-        for array in &FRAME_ARRAYS {
-            let part = array.bytes(spheres);
-            let mut shape = vec![count];
-            if let Some(of_sphere) = array.shape {
-                shape.push(spheres);
-                shape.extend(of_sphere);
-            }
-            start_array(&mut zip, array.name, array.kind, &shape, count * part)?;
-            for frame in 0..count {
-                frames.seek(SeekFrom::Start(frame * whole + at))?;
-                let copied = io::copy(&mut (&*frames).take(part), &mut zip)?;
-                if copied != part {
-                    return Err(io::Error::new(io::ErrorKind::UnexpectedEof, "the frames written so far are incomplete"));
+        archive.finish(|zip, scratch| {
+            let frames = scratch.reader()?;
+            let mut at = 0;
+            for array in &FRAME_ARRAYS {
+                let part = array.bytes(spheres);
+                let mut shape = vec![count];
+                if let Some(of_sphere) = array.shape {
+                    shape.push(spheres);
+                    shape.extend(of_sphere);
                 }
+                start_array(zip, array.name, array.kind, &shape, count * part)?;
+                for frame in 0..count {
+                    frames.seek(SeekFrom::Start(frame * whole + at))?;
+                    let copied = io::copy(&mut (&*frames).take(part), zip)?;
+                    if copied != part {
+                        return Err(io::Error::new(io::ErrorKind::UnexpectedEof, "the frames written so far are incomplete"));
+                    }
+                }
+                at += part;
             }
-            at += part;
-        }
-        constants(&mut zip, scene)?;
-        zip.finish()?;
-        self.archive.commit()?;
-        self.frames.discard();
-        Ok(())
+            constants(zip, scene)
+        })
     }
 }
 
 fn changed() -> io::Error {
     io::Error::new(io::ErrorKind::InvalidData, "the number of spheres has changed between frames")
-}
-
-/// Error for a finished file that a run cannot continue.
-pub(crate) fn not_as_before() -> io::Error {
-    io::Error::new(io::ErrorKind::InvalidData, "it is not what was written before")
-}
-
-pub(crate) fn frames_path(path: &Path) -> io::Result<PathBuf> {
-    let name = path.file_name().ok_or_else(|| io::Error::new(io::ErrorKind::InvalidInput, "expected the name of a file"))?;
-    let mut name = name.to_owned();
-    name.push(".frames");
-    Ok(path.with_file_name(name))
-}
-
-/// Begins an array in the archive.
-pub(crate) fn start_array(
-    zip: &mut ZipWriter<impl Write + Seek>,
-    name: &str,
-    kind: &str,
-    shape: &[u64],
-    bytes: u64,
-) -> io::Result<()> {
-    let large = bytes > u64::from(u32::MAX) - 1024;
-    let options = SimpleFileOptions::default().compression_method(CompressionMethod::Stored).large_file(large);
-    zip.start_file(format!("{name}.npy"), options)?;
-    zip.write_all(&header(kind, shape))
-}
-
-/// Header of format 1.0 of `.npy`: magic bytes, length, and a description in Python syntax. The header is padded to a multiple
-/// of 64 bytes.
-fn header(kind: &str, shape: &[u64]) -> Vec<u8> {
-    let shape: String = shape.iter().map(|length| format!("{length}, ")).collect();
-    let text = format!("{{'descr': '{kind}', 'fortran_order': False, 'shape': ({}), }}", shape.trim_end());
-    let length = (10 + text.len() + 1).next_multiple_of(64) - 10;
-    let mut bytes = b"\x93NUMPY\x01\x00".to_vec();
-    bytes.extend((length as u16).to_le_bytes());
-    bytes.extend(format!("{text:<width$}\n", width = length - 1).as_bytes());
-    bytes
 }
 
 /// Writes the arrays that are the same in all frames.
@@ -243,33 +187,23 @@ fn constants(zip: &mut ZipWriter<impl Write + Seek>, scene: &Scene) -> io::Resul
 }
 
 /// Writes the frames of a finished archive, up to a mark, one after the other to `scratch`.
-fn unpack(path: &Path, scratch: &Path, mark: Mark) -> io::Result<AtomicFile> {
-    let invalid = |message: &str| io::Error::new(io::ErrorKind::InvalidData, message.to_owned());
-    let finished = File::open(path)
-        .map_err(|error| io::Error::new(error.kind(), "what was written of it before is not there any more"))?;
-    let mut archive = ZipArchive::new(finished).map_err(|_| not_as_before())?;
+pub(crate) fn unpack(path: &Path, scratch: &mut AtomicFile, mark: Mark) -> io::Result<()> {
+    let mut archive = open_finished(path)?;
     let spheres = shape_of(&mut archive, "radius")?.first().copied().unwrap_or(0);
     let (whole, have) = (frame_bytes(spheres), shape_of(&mut archive, "step")?.first().copied().unwrap_or(0));
     let count = mark.bytes / whole;
     if !mark.bytes.is_multiple_of(whole) || have < count {
-        return Err(invalid("it has fewer frames than were written before"));
+        return Err(io::Error::new(io::ErrorKind::InvalidData, "it has fewer frames than were written before"));
     }
-    let mut frames = AtomicFile::create(scratch)?;
     for frame in 0..count {
         for array in &FRAME_ARRAYS {
             let part = array.bytes(spheres);
             let mut entry = archive.by_name_seek(&format!("{}.npy", array.name))?;
             entry.seek(SeekFrom::Start(header_bytes(array, have, spheres) + frame * part))?;
-            io::copy(&mut entry.take(part), &mut frames)?;
+            io::copy(&mut entry.take(part), scratch)?;
         }
     }
-    match frames.mark()? {
-        Some(found) if found == mark => Ok(frames),
-        _ => {
-            frames.discard();
-            Err(not_as_before())
-        }
-    }
+    Ok(())
 }
 
 /// Size in bytes of the header of an array that this module has written.

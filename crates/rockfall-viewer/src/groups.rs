@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use rockfall::{Body, Scene, Sphere, SphereId};
+use rockfall::Scene;
 
 /// Bodies that cannot leave each other.
 #[derive(Clone, Debug, Default)]
@@ -15,48 +15,18 @@ pub(crate) struct Group {
 
 /// Returns the groups of a scene, with every `stride`-th sphere. A sphere without bonds is a group of its own.
 pub(crate) fn groups(scene: &Scene, stride: usize) -> Vec<Group> {
-    let spheres = scene.spheres();
-    let has_bonds = !(scene.rods().is_empty() && scene.springs().is_empty() && scene.tethers().is_empty());
-    if !has_bonds {
-        let alone = |(body, sphere): (usize, &Sphere)| Group { bodies: vec![body], held: sphere.fixed };
-        return spheres.iter().step_by(stride).enumerate().map(alone).collect();
-    }
-    let mut parents: Vec<usize> = (0..spheres.len()).collect();
-    let index = |id: SphereId| Body::Sphere(id).index(scene).ok();
-    let rods = scene.rods().iter().map(|rod| (rod.end1, rod.end2));
-    let springs = scene.springs().iter().map(|spring| (spring.a, spring.b));
-    for (a, b) in rods.chain(springs) {
-        if let Some((a, b)) = index(a).zip(index(b)) {
-            let (a, b) = (root(&mut parents, a), root(&mut parents, b));
-            parents[a] = b;
-        }
-    }
-    let mut held = vec![false; parents.len()];
-    let fixed = (0..parents.len()).filter(|body| spheres[*body].fixed);
-    for body in fixed.chain(scene.tethers().iter().filter_map(|tether| index(tether.sphere))) {
-        held[root(&mut parents, body)] = true;
-    }
+    let sets = scene.bonded_sets(|_| true);
     let mut groups: BTreeMap<usize, Group> = BTreeMap::new();
-    for (at, body) in (0..parents.len()).step_by(stride).enumerate() {
-        let root = root(&mut parents, body);
-        let group = groups.entry(root).or_insert_with(|| Group { held: held[root], ..Group::default() });
+    for (at, body) in (0..scene.spheres().len()).step_by(stride).enumerate() {
+        let group = groups.entry(sets.first(body)).or_insert_with(|| Group { held: sets.is_held(body), ..Group::default() });
         group.bodies.push(at);
     }
     groups.into_values().collect()
 }
 
-/// Returns the body that stands for the group of another one, and shortens the way to it.
-fn root(parents: &mut [usize], mut body: usize) -> usize {
-    while parents[body] != body {
-        parents[body] = parents[parents[body]];
-        body = parents[body];
-    }
-    body
-}
-
 #[cfg(test)]
 mod tests {
-    use rockfall::{Rod, Spring, Tether};
+    use rockfall::{Rod, Sphere, Spring, Tether};
 
     use super::*;
 

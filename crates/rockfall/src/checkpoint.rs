@@ -9,9 +9,9 @@
 //! | bytes | what |
 //! |---|---|
 //! | 8 | `\x89RKF\r\n\x1a\n`; a transfer as text changes these bytes, so it is detected |
-//! | 4 | version of the format: 3, or 2 if the scene has no materials |
+//! | 4 | version of the format |
 //! | 8 | length of the whole file in bytes |
-//! | ... | the head: program, device, note, constants, options, time step, counters, numbers of objects; from version 3 on also materials, pairs, and the springs of contacts |
+//! | ... | the head: program, device, note, constants, options, time step, counters, numbers of objects; from version 3 on also the time of muscles, materials, pairs and the springs of contacts |
 //! | ... | spheres, rods, capsules, springs, tethers, boxes, polygons, each in order of addition, as 32-bit words |
 //! | ... | the reference of every sphere as a 64-bit number, -1 for none; left out if no sphere has one, and in version 1 |
 //! | 4 | CRC-32 of all bytes before |
@@ -23,6 +23,7 @@ use std::path::{Path, PathBuf};
 use glam::Vec3;
 
 use crate::error::{Error, Result};
+use crate::model::muscles::MuscleClock;
 use crate::options::Options;
 use crate::output::AtomicFile;
 use crate::report::Report;
@@ -39,8 +40,8 @@ use words::{Damage, Words};
 const MAGIC: [u8; 8] = *b"\x89RKF\r\n\x1a\n";
 /// Latest version of the format. Older versions are still read.
 const VERSION: u32 = 3;
-/// Version of the checkpoints of scenes without materials, which earlier programs read too.
-const VERSION_WITHOUT_MATERIALS: u32 = 2;
+/// First version with muscles.
+const WITH_MUSCLES: u32 = 3;
 /// Bytes of magic, version and length.
 const PREFIX: usize = MAGIC.len() + 4 + 8;
 /// Bytes of the checksum at the end.
@@ -94,6 +95,8 @@ pub(crate) struct History {
     pub(crate) margin_scale: f32,
     /// For how many steps AABBs are grown. Results do not depend on it.
     pub(crate) lookahead: f32,
+    /// The time of the muscles.
+    pub(crate) clock: MuscleClock,
 }
 
 impl Checkpoint {
@@ -147,7 +150,7 @@ impl Checkpoint {
             let mut words = Words::new(content);
             let (mut checkpoint, counts) = head::read(&mut words, version)?;
             let springs = if version >= head::MATERIALS_SINCE { springs::read(&mut words)? } else { Vec::new() };
-            objects::read(&mut words, &counts, &mut checkpoint.scene)?;
+            objects::read(&mut words, version, &counts, &mut checkpoint.scene)?;
             checkpoint.springs = springs::named(&springs, &checkpoint.scene)?;
             words.end()?;
             Ok(checkpoint)
@@ -156,15 +159,12 @@ impl Checkpoint {
     }
 
     fn write(&self, out: &mut impl Write) -> io::Result<()> {
-        let version = if self.scene.materials().is_empty() { VERSION_WITHOUT_MATERIALS } else { VERSION };
-        let mut head = head::bytes(self, version);
-        if version >= head::MATERIALS_SINCE {
-            head.extend(springs::bytes(self));
-        }
+        let mut head = head::bytes(self);
+        head.extend(springs::bytes(self));
         let length = PREFIX + head.len() + objects::length(&self.scene) + SUFFIX;
         let mut out = Hashed { out, crc32: crc32fast::Hasher::new() };
         out.write_all(&MAGIC)?;
-        out.write_all(&version.to_le_bytes())?;
+        out.write_all(&VERSION.to_le_bytes())?;
         out.write_all(&(length as u64).to_le_bytes())?;
         out.write_all(&head)?;
         objects::write(&self.scene, &mut out)?;

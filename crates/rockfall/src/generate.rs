@@ -17,9 +17,11 @@ use crate::scene::{Cuboid, Scene, Sphere};
 
 mod benchmark;
 mod bodies;
+mod creature;
 mod hopper;
 
 pub use benchmark::{Benchmark, LAYERS};
+pub use creature::creature;
 
 /// The kind of scene to generate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -66,9 +68,7 @@ impl Kind {
             Self::Hopper => hopper::hopper(spheres, &mut random),
         }
     }
-}
 
-impl Kind {
     /// What the author of a scene of this kind should know to change it, as lines of text: for a hopper, where its opening is,
     /// and the line of a box that closes it. Empty for the other kinds.
     pub fn note(self, spheres: u32) -> String {
@@ -94,9 +94,10 @@ impl FromStr for Kind {
     }
 }
 
+/// Checks that a scene can have this number of spheres.
+///
 /// # Errors
 /// [`Error::Invalid`] for 0, [`Error::TooManyObjects`] for more than the engine can number.
-/// Checks that a scene can have this number of spheres.
 fn check_count(spheres: u32) -> Result<()> {
     if spheres == 0 {
         return Err(Error::Invalid { field: "spheres", value: "0".to_owned(), expected: "at least 1" });
@@ -149,8 +150,13 @@ struct Cells {
 
 impl Cells {
     fn new(count: u32, size: f32, bottom: f32) -> Self {
+        Self::flat(count, u32::MAX, size, bottom)
+    }
+
+    /// A block of at most `layers` layers.
+    fn flat(count: u32, layers: u32, size: f32, bottom: f32) -> Self {
         let mut across = 1;
-        while u64::from(across).pow(3) < u64::from(count) {
+        while u64::from(across).pow(2) * u64::from(across.min(layers)) < u64::from(count) {
             across += 1;
         }
         Self { across, layers: count.div_ceil(across * across).max(1), size, bottom }

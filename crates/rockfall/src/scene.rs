@@ -6,8 +6,11 @@ use crate::error::Result;
 use crate::settings::Settings;
 
 mod any;
+mod bonded;
+mod checks;
 mod contact_law;
 mod materials;
+mod muscle;
 mod objects;
 mod references;
 mod registry;
@@ -17,10 +20,12 @@ mod text;
 mod write;
 
 pub(crate) use any::AnyId;
+pub use bonded::BondedSets;
+pub(crate) use checks::finite;
 pub(crate) use contact_law::Dampings;
 pub(crate) use materials::Pairs;
 pub use materials::{MAX_MATERIALS, Material, MaterialId, Pair};
-pub(crate) use objects::finite;
+pub use muscle::Muscle;
 pub use objects::{Capsule, CapsuleId, CapsuleParts, Rod, RodId, Sphere, SphereId, Spring, SpringId, Tether, TetherId};
 pub(crate) use references::References;
 pub use registry::Handle;
@@ -137,7 +142,8 @@ impl Scene {
     ///
     /// # Errors
     /// [`Error::StaleHandle`](crate::Error::StaleHandle) for a sphere that is not in the scene,
-    /// [`Error::Invalid`](crate::Error::Invalid) for a negative constant or a spring from a sphere to itself.
+    /// [`Error::Invalid`](crate::Error::Invalid) for a negative constant, a muscle with a number out of range, or a spring from a
+    /// sphere to itself.
     pub fn add_spring(&mut self, spring: Spring) -> Result<SpringId> {
         self.check_ends(spring.a, spring.b)?;
         spring.validate()?;
@@ -246,7 +252,7 @@ impl Scene {
         self.polygons.remove(id)
     }
 
-    /// Changes a spring's constants. Its spheres cannot be changed.
+    /// Changes a spring's constants and its muscle. Its spheres cannot be changed.
     ///
     /// # Errors
     /// As for [`Scene::add_spring`]. Nothing is changed then.
@@ -287,6 +293,14 @@ impl Scene {
         self.material_number(rod.material)?;
         *self.rods.get_mut(id)? = rod;
         Ok(())
+    }
+
+    /// Advances the phases of all muscles by `time` seconds, so that a simulation of this scene begins with the rest lengths that
+    /// they have after that time.
+    pub fn advance_muscles(&mut self, time: f64) {
+        for spring in self.springs.objects_mut() {
+            spring.muscle = spring.muscle.map(|muscle| muscle.after(time));
+        }
     }
 
     /// Number of objects of each kind.

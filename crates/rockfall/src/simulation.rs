@@ -5,23 +5,30 @@ use glam::Vec3;
 #[cfg(feature = "gpu")]
 use crate::checkpoint::KeptSpring;
 use crate::error::Result;
+#[cfg(feature = "gpu")]
+use crate::exec::gpu::Gpu;
 use crate::model::layout::{FEW_MOVERS, SLICE};
+use crate::model::muscles::MuscleClock;
 use crate::model::status::Status;
 use crate::model::world::World;
 use crate::options::{BackendInfo, Optimization, Options};
 use crate::profile::Recorder;
 use crate::report::{Clock, Report};
 use crate::scene::{AnyId, Scene, SphereId};
-use crate::settings::{BroadPhase, Integrator, Settings};
+use crate::settings::{BroadPhase, DEFAULT_TIME_STEP, Integrator, Settings};
 use crate::step::schedule::Phase;
 
 mod drive;
 mod edit;
 mod engine;
+#[cfg(feature = "gpu")]
+mod exchange;
 mod flight;
 mod interval;
 mod keep;
 mod lookahead;
+#[cfg(all(feature = "gpu", not(target_family = "wasm")))]
+pub(crate) mod mirror;
 pub(crate) mod observe;
 mod order;
 mod prepare;
@@ -31,7 +38,6 @@ mod read;
 mod springs;
 mod sweeps;
 
-pub use drive::DEFAULT_TIME_STEP;
 use drive::Window;
 use edit::Dirty;
 use engine::Engine;
@@ -71,6 +77,7 @@ pub struct Simulation {
     report: Report,
     clock: Clock,
     time_step: f32,
+    muscle_clock: MuscleClock,
     /// For how many steps ahead the lists are built.
     lookahead: Lookahead,
     /// How often the lists may be rebuilt within a batch, in steps.
@@ -88,6 +95,8 @@ pub struct Simulation {
     has_stages: bool,
     /// `scene` holds the current state.
     synced: bool,
+    /// `scene` holds the current external forces.
+    forces_synced: bool,
     /// Steps since the last step in which collisions shared a body.
     calm_steps: u64,
     /// Steps since the last step in which many collisions shared a body.
@@ -149,6 +158,15 @@ impl Simulation {
         Ok(Self::assemble(scene, options, world, engine, info))
     }
 
+    /// Creates a simulation on a GPU that others share, with the kernels that are compiled already.
+    #[cfg(feature = "gpu")]
+    pub(crate) fn on_gpu(scene: Scene, options: Options, gpu: &Gpu, info: &BackendInfo) -> Result<Self> {
+        let scene = resolve(scene)?;
+        let world = prepare(&scene, &options)?;
+        let engine = Engine::on(gpu, &options, &world)?;
+        Ok(Self::assemble(scene, options, world, engine, info.clone()))
+    }
+
     fn assemble(scene: Scene, options: Options, mut world: World, engine: Engine, info: BackendInfo) -> Self {
         engine.complete(&mut world);
         let (mut lookahead, mut interval) = (Lookahead::default(), Interval::default());
@@ -171,6 +189,7 @@ impl Simulation {
             report: Report::default(),
             clock: Clock::default(),
             time_step: DEFAULT_TIME_STEP,
+            muscle_clock: MuscleClock::default(),
             lookahead,
             interval,
             window: Window::default(),
@@ -180,6 +199,7 @@ impl Simulation {
             lists_due: true,
             has_stages: false,
             synced: true,
+            forces_synced: true,
             calm_steps: 0,
             few_steps: 0,
         }
@@ -354,6 +374,12 @@ fn ids_of(scene: &Scene) -> Vec<AnyId> {
     if scene.settings.contact_law.has_history() { scene.any_ids() } else { Vec::new() }
 }
 
+/// Opens the GPU that the options ask for; `None` for the CPU.
+#[cfg(all(feature = "gpu", not(target_family = "wasm")))]
+pub(crate) fn open_device(options: &Options) -> Result<(Option<Gpu>, BackendInfo)> {
+    engine::block_on(None, engine::open_device(options))
+}
+
 /// Resolves the constants of a scene that its settings leave to be chosen.
 fn resolve(mut scene: Scene) -> Result<Scene> {
     scene.settings.validate()?;
@@ -385,6 +411,7 @@ fn pack(scene: &Scene, options: &Options) -> Result<World> {
     if !options.uses(Optimization::LongMovers) {
         world.leave_out_long_movers();
     }
+    world.joins_steps = options.uses(Optimization::JoinedSteps) && options.join_steps != Some(false);
     if !options.uses(Optimization::PlannedDispatches) {
         world.step.planned = 0;
     }

@@ -231,12 +231,56 @@ fn references_are_kept() {
     };
     assert_eq!(references(&bytes), [Some(40), None, None, Some(u32::MAX)]);
 
-    let mut old = small();
-    old[8] = 1;
-    let end = old.len() - 4;
-    let crc32 = crc32fast::hash(&old[..end]);
-    old[end..].copy_from_slice(&crc32.to_le_bytes());
-    assert!(references(&old).iter().all(Option::is_none));
+    for version in [1, 2] {
+        let old = older(small(), version, 3);
+        assert!(references(&old).iter().all(Option::is_none));
+    }
+}
+
+/// A checkpoint as it was in a version before 3: without the time of muscles, and with springs of 5 words. The scene has `springs`
+/// springs and no muscles.
+fn older(bytes: Vec<u8>, version: u8, springs: usize) -> Vec<u8> {
+    let checkpoint = Checkpoint::from_bytes(&bytes, "memory").expect("a valid checkpoint");
+    let mut bytes = bytes;
+    let mut remove = |pattern: &[u8], kept: usize| {
+        let place = bytes.windows(pattern.len()).position(|window| window == pattern).expect("the pattern is in the file");
+        bytes.drain(place + kept..place + pattern.len());
+    };
+    let clock = [&0.0_f64.to_le_bytes()[..], &DT.to_le_bytes(), &checkpoint.report.steps.to_le_bytes()].concat();
+    remove(&clock, 0);
+    for spring in &checkpoint.scene.springs()[..springs] {
+        let numbers = [spring.stiffness, spring.length, spring.damping];
+        let pattern = [numbers.map(f32::to_le_bytes).concat(), vec![0; 16]].concat();
+        remove(&pattern, 12);
+    }
+    bytes[8] = version;
+    let length = bytes.len() as u64;
+    bytes[12..20].copy_from_slice(&length.to_le_bytes());
+    let end = bytes.len() - 4;
+    let crc32 = crc32fast::hash(&bytes[..end]);
+    bytes[end..].copy_from_slice(&crc32.to_le_bytes());
+    bytes
+}
+
+/// Muscles and their time are kept. Files of earlier versions have none.
+#[test]
+fn muscles_are_kept() {
+    let checkpoint = Checkpoint::from_bytes(&older(small(), 2, 3), "file.ckpt").expect("a checkpoint of version 2");
+    assert_eq!(checkpoint.scene.springs().len(), 3);
+    assert!(checkpoint.scene.springs().iter().all(|spring| spring.muscle.is_none() && spring.stiffness == 200.0));
+    let old = Simulation::resume(checkpoint).expect("it resumes");
+    assert_eq!(old.muscle_time(), 0.03);
+    let mut scene = mixed(2);
+    let id = scene.spring_ids().nth(1).expect("a spring");
+    let muscle = rockfall::Muscle::new(0.25, 1.5, -3.0);
+    scene.update_spring(id, |spring| spring.muscle = Some(muscle)).expect("a muscle");
+    let mut simulation = simulation(scene, Backend::Cpu);
+    simulation.run(3, DT).expect("steps");
+    let bytes = simulation.checkpoint().expect("a checkpoint").to_bytes();
+    let kept = Checkpoint::from_bytes(&bytes, "file.ckpt").expect("a checkpoint");
+    let muscles: Vec<_> = kept.scene.springs().iter().map(|spring| spring.muscle).collect();
+    assert_eq!(muscles, [None, Some(muscle), None]);
+    assert_eq!(Simulation::resume(kept).expect("it resumes").muscle_time(), simulation.muscle_time());
 }
 
 /// Checksums detect accidents, not deliberate changes. This test replaces every word by invalid numbers and corrects

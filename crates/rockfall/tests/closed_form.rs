@@ -23,6 +23,8 @@ mod editing;
 mod friction;
 #[path = "closed_form/materials.rs"]
 mod materials;
+#[path = "closed_form/muscles.rs"]
+mod muscles;
 #[path = "closed_form/observing.rs"]
 mod observing;
 #[path = "closed_form/rods.rs"]

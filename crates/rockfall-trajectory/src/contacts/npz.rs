@@ -3,16 +3,14 @@
 //! Frames are written to `.NAME.frames.part` first, as records of equal size: one that begins a frame, then one per contact. When
 //! the file is finished, they are rearranged into arrays.
 
-use std::fs::File;
 use std::io::{self, BufReader, Read, Write};
 use std::path::Path;
 
 use rockfall::output::{AtomicFile, Mark};
-use zip::{ZipArchive, ZipWriter};
 
 use super::{Contacts, Row};
 use crate::frame::bytes_of;
-use crate::npz::{frames_path, not_as_before, start_array};
+use crate::npz::archive::{Archive, not_as_before, open_finished, start_array};
 
 /// An array with one item per contact.
 struct Column {
@@ -51,71 +49,48 @@ const RECORD: usize = 86;
 /// Place of `a_kind` in a record, and its value in a record that begins a frame.
 const KIND: (usize, u8) = (8, u8::MAX);
 
+/// State of an unfinished file.
 #[derive(Debug)]
-pub(super) struct Series {
-    /// Final file. It is opened at the start, so that a bad path fails at once.
-    archive: AtomicFile,
-    records: AtomicFile,
+pub(crate) struct Records {
+    /// Number of frames in the scratch file.
     frames: u64,
 }
 
-impl Series {
-    pub(super) fn create(path: &Path) -> io::Result<Self> {
-        let archive = AtomicFile::create(path)?;
-        Ok(Self { archive, records: AtomicFile::create(&frames_path(path)?)?, frames: 0 })
+impl Records {
+    pub(super) fn new(scratch: &mut AtomicFile, bytes: u64) -> io::Result<Self> {
+        let frames = if bytes == 0 { 0 } else { beginnings(scratch)?.len() as u64 };
+        Ok(Self { frames })
     }
 
-    pub(super) fn resume(path: &Path, mark: Mark) -> io::Result<Self> {
-        let archive = AtomicFile::create(path)?;
-        let scratch = frames_path(path)?;
-        let mut records = match AtomicFile::resume(&scratch, mark) {
-            Err(error) if error.kind() == io::ErrorKind::NotFound => unpack(path, &scratch, mark)?,
-            result => result?,
-        };
-        let frames = beginnings(&mut records)?.len() as u64;
-        Ok(Self { archive, records, frames })
-    }
-
-    pub(super) fn frame(&mut self, contacts: &Contacts) -> io::Result<()> {
+    pub(super) fn frame(&mut self, scratch: &mut AtomicFile, contacts: &Contacts) -> io::Result<()> {
         let (frame, count) = (self.frames, contacts.rows.len() as u64);
-        self.records.write_all(&beginning(
-            frame,
-            contacts.step.to_le_bytes(),
-            contacts.time.to_le_bytes(),
-            count.to_le_bytes(),
-        ))?;
+        scratch.write_all(&beginning(frame, contacts.step.to_le_bytes(), contacts.time.to_le_bytes(), count.to_le_bytes()))?;
         self.frames += 1;
-        contacts.rows.iter().try_for_each(|row| self.records.write_all(&record(frame, row)))
+        contacts.rows.iter().try_for_each(|row| scratch.write_all(&record(frame, row)))
     }
+}
 
-    pub(super) fn mark(&mut self) -> io::Result<Option<Mark>> {
-        self.records.mark()
-    }
-
-    pub(super) fn finish(mut self) -> io::Result<()> {
-        let frames = beginnings(&mut self.records)?;
+pub(super) fn finish(archive: Archive) -> io::Result<()> {
+    archive.finish(|zip, scratch| {
+        let frames = beginnings(scratch)?;
         let count: u64 = frames.iter().map(|[_, _, count]| u64::from_le_bytes(*count)).sum();
-        let mut zip = ZipWriter::new_stream(&mut self.archive);
         for (place, (name, kind)) in FRAME_ARRAYS.into_iter().enumerate() {
             let bytes: Vec<u8> = frames.iter().flat_map(|frame| frame[place]).collect();
-            start_array(&mut zip, name, kind, &[frames.len() as u64], bytes.len() as u64)?;
+            start_array(zip, name, kind, &[frames.len() as u64], bytes.len() as u64)?;
             zip.write_all(&bytes)?;
         }
         let mut at = 0;
         for column in &COLUMNS {
             let shape = [&[count], column.shape].concat();
-            start_array(&mut zip, column.name, column.kind, &shape, count * column.bytes as u64)?;
-            each_record(&mut self.records, |record| match record[KIND.0] {
+            start_array(zip, column.name, column.kind, &shape, count * column.bytes as u64)?;
+            each_record(scratch, |record| match record[KIND.0] {
                 kind if kind == KIND.1 => Ok(()),
                 _ => zip.write_all(&record[at..at + column.bytes]),
             })?;
             at += column.bytes;
         }
-        zip.finish()?;
-        self.archive.commit()?;
-        self.records.discard();
         Ok(())
-    }
+    })
 }
 
 /// The record that begins a frame.
@@ -167,10 +142,8 @@ fn beginnings(records: &mut AtomicFile) -> io::Result<Vec<[[u8; 8]; 3]>> {
 }
 
 /// Writes the records of a finished archive, up to a mark, to `scratch`.
-fn unpack(path: &Path, scratch: &Path, mark: Mark) -> io::Result<AtomicFile> {
-    let finished = File::open(path)
-        .map_err(|error| io::Error::new(error.kind(), "what was written of it before is not there any more"))?;
-    let mut archive = ZipArchive::new(finished).map_err(|_| not_as_before())?;
+pub(super) fn unpack(path: &Path, scratch: &mut AtomicFile, mark: Mark) -> io::Result<()> {
+    let mut archive = open_finished(path)?;
     let mut array = |name: &str| -> io::Result<Vec<u8>> {
         let mut bytes = Vec::new();
         archive.by_name(&format!("{name}.npy")).map_err(|_| not_as_before())?.read_to_end(&mut bytes)?;
@@ -183,28 +156,21 @@ fn unpack(path: &Path, scratch: &Path, mark: Mark) -> io::Result<AtomicFile> {
     let eight = |bytes: &[u8], index: usize| -> io::Result<[u8; 8]> {
         bytes.get(8 * index..8 * index + 8).and_then(|bytes| bytes.try_into().ok()).ok_or_else(not_as_before)
     };
-    let mut records = AtomicFile::create(scratch)?;
     let (mut written, mut contact) = (0, 0);
     for frame in 0..steps.len() / 8 {
         if written >= mark.bytes {
             break;
         }
         let count = eight(&counts, frame)?;
-        records.write_all(&beginning(frame as u64, eight(&steps, frame)?, eight(&times, frame)?, count))?;
+        scratch.write_all(&beginning(frame as u64, eight(&steps, frame)?, eight(&times, frame)?, count))?;
         for _ in 0..u64::from_le_bytes(count) {
             for (column, bytes) in COLUMNS.iter().zip(&columns) {
-                records
+                scratch
                     .write_all(bytes.get(contact * column.bytes..(contact + 1) * column.bytes).ok_or_else(not_as_before)?)?;
             }
             contact += 1;
         }
         written += RECORD as u64 * (1 + u64::from_le_bytes(count));
     }
-    match records.mark()? {
-        Some(found) if found == mark => Ok(records),
-        _ => {
-            records.discard();
-            Err(not_as_before())
-        }
-    }
+    Ok(())
 }

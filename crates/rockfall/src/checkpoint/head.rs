@@ -2,7 +2,8 @@
 //! a new field that is missing here.
 
 use super::words::{Damage, Head, Words};
-use super::{Checkpoint, History};
+use super::{Checkpoint, History, WITH_MUSCLES};
+use crate::model::muscles::MuscleClock;
 use crate::options::Options;
 use crate::report::Report;
 use crate::scene::{Counts, Material, Pair, Scene};
@@ -11,7 +12,7 @@ use crate::settings::Settings;
 /// First version that holds materials and pairs.
 pub(super) const MATERIALS_SINCE: u32 = 3;
 
-pub(super) fn bytes(checkpoint: &Checkpoint, version: u32) -> Vec<u8> {
+pub(super) fn bytes(checkpoint: &Checkpoint) -> Vec<u8> {
     let Checkpoint { scene, options, time_step, report, note, device, program, history, springs: _ } = checkpoint;
     let mut head = Head::default();
     for text in [program, device, note] {
@@ -39,18 +40,20 @@ pub(super) fn bytes(checkpoint: &Checkpoint, version: u32) -> Vec<u8> {
         head.u64(*count);
     }
 
-    let History { lengths_due, margin_scale, lookahead } = history;
+    let History { lengths_due, margin_scale, lookahead, clock } = history;
     head.u32(u32::from(*lengths_due));
     head.f32(*margin_scale);
     head.f32(*lookahead);
+    let MuscleClock { start, dt, steps } = clock;
+    head.f64(*start);
+    head.f32(*dt);
+    head.u64(*steps);
 
     let Counts { spheres, rods, capsules, springs, tethers, boxes, polygons } = scene.counts();
     for count in [spheres, rods, capsules, springs, tethers, boxes, polygons] {
         head.u64(count as u64);
     }
-    if version >= MATERIALS_SINCE {
-        materials(&mut head, scene);
-    }
+    materials(&mut head, scene);
     head.bytes
 }
 
@@ -80,7 +83,16 @@ pub(super) fn read(words: &mut Words, version: u32) -> Result<(Checkpoint, Count
         list_builds: words.u64()?,
         non_finite: words.u64()?,
     };
-    let history = History { lengths_due: words.bool()?, margin_scale: words.f32()?, lookahead: words.f32()? };
+    let (lengths_due, margin_scale, lookahead) = (words.bool()?, words.f32()?, words.f32()?);
+    let clock = if version < WITH_MUSCLES {
+        MuscleClock { start: report.time, dt: time_step, steps: 0 }
+    } else {
+        MuscleClock { start: words.f64()?, dt: words.f32()?, steps: words.u64()? }
+    };
+    if !(clock.start.is_finite() && clock.start >= 0.0 && clock.dt.is_finite() && clock.dt > 0.0) {
+        return Err(Damage::new(format!("its muscles began at {} s with steps of {} s", clock.start, clock.dt)));
+    }
+    let history = History { lengths_due, margin_scale, lookahead, clock };
     if !(history.margin_scale >= 0.0 && history.lookahead >= 1.0) {
         return Err(Damage::new(format!(
             "its AABB margin {} or its lookahead of {} steps is out of range",

@@ -4,8 +4,11 @@ use std::io::{self, Write};
 
 use glam::{Quat, Vec3};
 
+use super::WITH_MUSCLES;
 use super::words::{Damage, Words};
-use crate::scene::{CapsuleParts, Counts, Cuboid, Handle, MaterialId, Polygon, Registry, Rod, Scene, Sphere, Spring, Tether};
+use crate::scene::{
+    CapsuleParts, Counts, Cuboid, Handle, MaterialId, Muscle, Polygon, Registry, Rod, Scene, Sphere, Spring, Tether,
+};
 
 /// Maximum number of bytes written at once.
 const CHUNK: usize = 1 << 16;
@@ -20,7 +23,7 @@ trait Record<const N: usize>: Sized {
 pub(super) fn length(scene: &Scene) -> usize {
     let Counts { spheres, rods, capsules, springs, tethers, boxes, polygons } = scene.counts();
     let references = if scene.references.is_empty() { 0 } else { 2 * spheres };
-    4 * (references + 19 * spheres + 5 * rods + 3 * capsules + 5 * springs + 7 * tethers + 13 * boxes + 10 * polygons)
+    4 * (references + 19 * spheres + 5 * rods + 3 * capsules + 9 * springs + 7 * tethers + 13 * boxes + 10 * polygons)
 }
 
 pub(super) fn write(scene: &Scene, out: &mut impl Write) -> io::Result<()> {
@@ -52,7 +55,7 @@ fn write_all<const N: usize>(objects: &[impl Record<N>], scene: &Scene, out: &mu
     Ok(())
 }
 
-pub(super) fn read(words: &mut Words, counts: &Counts, scene: &mut Scene) -> Result<(), Damage> {
+pub(super) fn read(words: &mut Words, version: u32, counts: &Counts, scene: &mut Scene) -> Result<(), Damage> {
     read_all(words, counts.spheres, scene, |scene, sphere: Sphere| {
         // A step may leave an orientation that is not a unit quaternion. No other value depends on it.
         Sphere { orientation: Quat::IDENTITY, ..sphere }.validate()?;
@@ -64,7 +67,11 @@ pub(super) fn read(words: &mut Words, counts: &Counts, scene: &mut Scene) -> Res
         scene.capsules.add(parts);
         Ok(())
     })?;
-    read_all(words, counts.springs, scene, |scene, spring| Ok(scene.add_spring(spring).map(drop)?))?;
+    if version < WITH_MUSCLES {
+        read_all(words, counts.springs, scene, |scene, Plain(spring)| Ok(scene.add_spring(spring).map(drop)?))?;
+    } else {
+        read_all(words, counts.springs, scene, |scene, spring: Spring| Ok(scene.add_spring(spring).map(drop)?))?;
+    }
     read_all(words, counts.tethers, scene, |scene, tether| Ok(scene.add_tether(tether).map(drop)?))?;
     read_all(words, counts.boxes, scene, |scene, cuboid| Ok(scene.add_box(cuboid).map(drop)?))?;
     read_all(words, counts.polygons, scene, |scene, polygon| Ok(scene.add_polygon(polygon).map(drop)?))?;
@@ -172,16 +179,44 @@ impl Record<3> for CapsuleParts {
     }
 }
 
-impl Record<5> for Spring {
+/// A spring without a muscle, as stored before version 3.
+struct Plain(Spring);
+
+impl Record<5> for Plain {
     fn pack(&self, scene: &Scene) -> [u32; 5] {
-        let Self { a, b, stiffness, length, damping } = *self;
+        let Spring { a, b, stiffness, length, damping, muscle: _ } = self.0;
         let [stiffness, length, damping] = [stiffness, length, damping].map(f32::to_bits);
         [index(&scene.spheres, a), index(&scene.spheres, b), stiffness, length, damping]
     }
 
     fn unpack([a, b, stiffness, length, damping]: [u32; 5], scene: &Scene) -> Result<Self, Damage> {
         let [stiffness, length, damping] = [stiffness, length, damping].map(f32::from_bits);
-        Ok(Self { a: handle(&scene.spheres, a)?, b: handle(&scene.spheres, b)?, stiffness, length, damping })
+        let (a, b) = (handle(&scene.spheres, a)?, handle(&scene.spheres, b)?);
+        Ok(Self(Spring::new(a, b, stiffness, length).damping(damping)))
+    }
+}
+
+/// The words of a spring without a muscle, whether it has one, and the words of the muscle.
+impl Record<9> for Spring {
+    fn pack(&self, scene: &Scene) -> [u32; 9] {
+        let mut words = [0; 9];
+        words[..5].copy_from_slice(&Plain(*self).pack(scene));
+        if let Some(Muscle { amplitude, frequency, phase }) = self.muscle {
+            words[5] = 1;
+            words[6..].copy_from_slice(&[amplitude, frequency, phase].map(f32::to_bits));
+        }
+        words
+    }
+
+    fn unpack(words: [u32; 9], scene: &Scene) -> Result<Self, Damage> {
+        let [a, b, stiffness, length, damping, has_muscle, rest @ ..] = words;
+        let Plain(spring) = Plain::unpack([a, b, stiffness, length, damping], scene)?;
+        let [amplitude, frequency, phase] = rest.map(f32::from_bits);
+        match has_muscle {
+            0 => Ok(spring),
+            1 => Ok(spring.muscle(Muscle::new(amplitude, frequency, phase))),
+            other => Err(Damage::new(format!("the flag of a muscle is {other}, expected 0 or 1"))),
+        }
     }
 }
 

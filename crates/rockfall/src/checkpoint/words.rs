@@ -84,11 +84,12 @@ impl<'a> Words<'a> {
         String::from_utf8(bytes).map_err(|_| Damage::new("a text is not UTF-8"))
     }
 
-    /// Checks that no bytes are left.
+    /// Whether no bytes are left.
     pub(super) fn is_empty(&self) -> bool {
         self.bytes.is_empty()
     }
 
+    /// Checks that no bytes are left.
     pub(super) fn end(&self) -> Result<(), Damage> {
         match self.bytes.len() {
             0 => Ok(()),

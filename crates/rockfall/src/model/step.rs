@@ -69,6 +69,8 @@ uniform! {
         pub lead: f32,
         /// How collisions are solved: one of the `SWEEPS_*` constants. Results do not depend on it.
         pub sweeps: u32,
+        /// Steps since the base of the muscles' phases when the counter of steps in the status was 0.
+        pub muscle_step: u32,
         /// `FLAG_*` bits. This is the last of the fields that may change without a change of the arrays (see
         /// [`Step::with_constants_of`]).
         pub flags: u32,
@@ -86,6 +88,8 @@ uniform! {
         pub rods_at: u32,
         /// First word of the springs.
         pub springs_at: u32,
+        /// First word of the muscles: one record per spring, 0 when no spring has a muscle.
+        pub muscles_at: u32,
         /// First word of the tethers.
         pub tethers_at: u32,
         /// First word of the external forces.

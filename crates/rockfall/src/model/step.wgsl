@@ -101,10 +101,12 @@ struct StatusAtomic {
 @group(0) @binding(0) var<uniform> step: Step;
 @group(0) @binding(1) var<uniform> pass_: Pass;
 
-// Whether the scene has rods (RODS), large spheres, each of which gets a workgroup (LARGE), and pairs of materials (MATERIALS).
+// Whether the scene has rods (RODS), large spheres, each of which gets a workgroup (LARGE), springs with muscles
+// (MUSCLES), and pairs of materials (MATERIALS).
 // Kernels for scenes without them are smaller and faster.
 const RODS: bool = true;
 const LARGE: bool = true;
+const MUSCLES: bool = true;
 const MATERIALS: bool = true;
 // The contact law. Kernels are compiled for one law.
 const LAW: u32 = 1u;
@@ -115,6 +117,7 @@ const SLICE: u32 = 32u;
 
 const ROD_WORDS: u32 = 4u;
 const SPRING_WORDS: u32 = 5u;
+const MUSCLE_WORDS: u32 = 5u;
 const TETHER_WORDS: u32 = 7u;
 const FORCE_WORDS: u32 = 3u;
 const BOX_WORDS: u32 = 12u;

@@ -4,6 +4,7 @@
 
 pub(crate) mod build;
 pub(crate) mod frames;
+pub(crate) mod muscles;
 pub(crate) mod order;
 pub(crate) mod topology;
 
@@ -13,6 +14,7 @@ use glam::Vec4;
 use crate::model::buffer::Buffer;
 use crate::model::impulse::Impulse;
 use crate::model::layout::{HISTORY_WORDS, LAW_THESIS, LINE, NO_KEY, SLICE, words_of_rows};
+use crate::model::muscles::MuscleClock;
 use crate::model::status::Status;
 use crate::model::step::{Aabb, Step};
 
@@ -53,6 +55,12 @@ pub struct World {
     pub dispatch_sizes: Vec<u32>,
     /// The status block.
     pub status: Status,
+    /// The topology buffer has an external force for each sphere, in insertion order. Otherwise only for those with a force.
+    pub(crate) has_force_on_each: bool,
+    /// Whether stages may be joined that give the same together.
+    pub(crate) joins_steps: bool,
+    /// The clock for which the table of muscles was made.
+    pub(crate) muscles_for: Option<MuscleClock>,
 }
 
 impl World {

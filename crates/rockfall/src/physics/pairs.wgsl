@@ -1,6 +1,6 @@
 // requires model/objects.wgsl model/step.wgsl
 
-// Properties of the contacts of two objects, which follow from their materials (docs/physics.md section 4.9).
+// Properties of the contacts of two objects, which follow from their materials (docs/physics.md section 4.10).
 
 // A property of the pair of objects a and b: the one at `place` in the row of their materials, or `of_scene` where that is not
 // given.

@@ -1,4 +1,4 @@
-//! Constants of the contact laws with history, from materials and pairs (docs/physics.md section 4.10).
+//! Constants of the contact laws with history, from materials and pairs (docs/physics.md section 4.11).
 
 use crate::error::{Error, Result};
 use crate::scene::restitution::damping_for;

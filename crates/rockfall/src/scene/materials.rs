@@ -1,4 +1,4 @@
-//! Materials of objects, and the properties of pairs of materials (docs/physics.md section 4.9).
+//! Materials of objects, and the properties of pairs of materials (docs/physics.md section 4.10).
 
 use std::collections::BTreeMap;
 

@@ -2,12 +2,14 @@
 //!
 //! Lengths are in arbitrary length units ("units"), masses in arbitrary mass units ("mass"), and times in seconds.
 
-use std::f64::consts::PI;
+use std::f64::consts::{PI, TAU};
 
 use glam::{Quat, Vec3};
 
 use crate::error::{Error, Result};
+use crate::scene::checks::{finite, invalid, not_negative, positive};
 use crate::scene::materials::MaterialId;
+use crate::scene::muscle::Muscle;
 use crate::scene::registry::Handle;
 
 /// Handle of a [`Sphere`].
@@ -319,12 +321,14 @@ pub struct Spring {
     pub length: f32,
     /// Damping c in mass/s, not negative.
     pub damping: f32,
+    /// Makes the rest length oscillate; `None` for a constant rest length.
+    pub muscle: Option<Muscle>,
 }
 
 impl Spring {
     /// Creates an undamped spring of `stiffness` in mass/s² and rest `length` in units.
     pub fn new(a: SphereId, b: SphereId, stiffness: f32, length: f32) -> Self {
-        Self { a, b, stiffness, length, damping: 0.0 }
+        Self { a, b, stiffness, length, damping: 0.0, muscle: None }
     }
 
     /// Sets the damping, in mass/s.
@@ -333,10 +337,23 @@ impl Spring {
         self
     }
 
+    /// Makes the spring a muscle.
+    pub fn muscle(mut self, muscle: Muscle) -> Self {
+        self.muscle = Some(muscle);
+        self
+    }
+
+    /// The rest length at a phase of the muscle in turns, in units.
+    pub(crate) fn length_at_phase(&self, turns: f64) -> f64 {
+        let share = self.muscle.map_or(0.0, |muscle| f64::from(muscle.amplitude) * (TAU * turns).sin());
+        f64::from(self.length) * (1.0 + share)
+    }
+
     pub(crate) fn validate(&self) -> Result<()> {
         not_negative("spring.stiffness", self.stiffness)?;
         not_negative("spring.length", self.length)?;
         not_negative("spring.damping", self.damping)?;
+        self.muscle.map_or(Ok(()), |muscle| muscle.validate())?;
         if self.a == self.b {
             return Err(invalid("spring.b", self.b, "a sphere other than a"));
         }
@@ -384,20 +401,4 @@ impl Tether {
         not_negative("tether.length", self.length)?;
         not_negative("tether.damping", self.damping)
     }
-}
-
-pub(crate) fn invalid(field: &'static str, value: impl std::fmt::Debug, expected: &'static str) -> Error {
-    Error::Invalid { field, value: format!("{value:?}"), expected }
-}
-
-pub(crate) fn finite(field: &'static str, value: Vec3) -> Result<()> {
-    if value.is_finite() { Ok(()) } else { Err(invalid(field, value.to_array(), "three finite numbers")) }
-}
-
-fn positive(field: &'static str, value: f32) -> Result<()> {
-    if value.is_finite() && value > 0.0 { Ok(()) } else { Err(invalid(field, value, "a finite number greater than 0")) }
-}
-
-fn not_negative(field: &'static str, value: f32) -> Result<()> {
-    if value.is_finite() && value >= 0.0 { Ok(()) } else { Err(invalid(field, value, "a finite number, not negative")) }
 }

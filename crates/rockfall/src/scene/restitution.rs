@@ -1,4 +1,4 @@
-//! The damping that gives a coefficient of restitution (docs/physics.md section 4.10).
+//! The damping that gives a coefficient of restitution (docs/physics.md section 4.11).
 
 use crate::settings::ContactLaw;
 

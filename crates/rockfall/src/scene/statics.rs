@@ -3,8 +3,8 @@
 use glam::Vec3;
 
 use crate::error::{Error, Result};
+use crate::scene::checks::{finite, invalid};
 use crate::scene::materials::MaterialId;
-use crate::scene::objects::{finite, invalid};
 use crate::scene::registry::Handle;
 
 /// Handle of a [`Cuboid`].

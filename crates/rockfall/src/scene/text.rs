@@ -13,12 +13,13 @@
 //! | `@group N` | nothing: the objects of the lines below belong to group N |
 //! | `@orientation ref w x y z` | nothing: sets the orientation of that sphere |
 //! | `@force ref x y z` | nothing: sets the external force on that sphere |
+//! | `@muscle amplitude frequency phase` | nothing: the rest length of the spring added last oscillates |
 //! | `@capsule ref1 ref2` | nothing: the two spheres and the rod added last are a capsule |
 //! | `@material NAME density=D young=E poisson=N` | nothing: defines a material; each constant may be left out |
 //! | `@pair NAME NAME restitution=e friction=mu stiffness=k` | nothing: sets properties of the contacts between two materials |
 //! | `@use NAME` | nothing: the objects of the lines below are of this material; `@use -`: of none |
 //!
-//! The whole first word of a line decides its kind. A line with any other first word is a comment. The last nine kinds above are
+//! The whole first word of a line decides its kind. A line with any other first word is a comment. The last ten kinds above are
 //! comments to the reader of the thesis. `#` at the beginning of a line or after white space begins a comment up to the end of
 //! the line.
 //!
@@ -39,10 +40,10 @@ mod comment;
 mod line;
 mod materials;
 
-use comment::{has_number_sign, is_extension, is_number, looks_like, may_be_prose, without_comment};
-use line::{BOX, CAPSULE, FORCE, GROUP, Kind, Line, MARK, ORIENTATION, POLYGON, ROD, SPHERE, SPRING, TETHER, Wrong};
+use comment::{Title, has_number_sign, is_extension, is_number, looks_like, may_be_prose, without_comment};
+use line::{BOX, CAPSULE, FORCE, GROUP, Kind, Line, MARK, MUSCLE, ORIENTATION, POLYGON, ROD, SPHERE, SPRING, TETHER, Wrong};
 
-use super::{Capsule, CapsuleParts, Cuboid, MaterialId, Polygon, Rod, Scene, Sphere, SphereId, Spring, Tether};
+use super::{Capsule, CapsuleParts, Cuboid, MaterialId, Muscle, Polygon, Rod, Scene, Sphere, SphereId, Spring, Tether};
 use crate::error::{Error, Result, nearest, quoted};
 use crate::settings::Settings;
 
@@ -55,6 +56,8 @@ pub struct Loaded {
     pub warnings: Vec<LineWarning>,
     /// Number of lines that are comments. Empty lines, and comments after an object, are not counted.
     pub comments: usize,
+    /// The comment at the beginning of the text, up to the first line that is empty or no comment, without `#`. One item per line.
+    pub title: Vec<String>,
 }
 
 /// A warning about a line of a scene text. The line was accepted.
@@ -80,15 +83,18 @@ impl Scene {
     pub fn parse(text: &str, name: &Path) -> Result<Loaded> {
         let text = text.strip_prefix('\u{feff}').unwrap_or(text);
         let mut reader = Reader::new(text);
+        let mut title = Title::default();
         for (index, line) in text.lines().enumerate() {
+            let before = reader.comments;
             reader.line(line, index + 1).map_err(|wrong| Error::SceneLine {
                 file: name.to_owned(),
                 line: index + 1,
                 field: wrong.field,
                 message: wrong.message + if may_be_prose(line) { "; if the line is a comment, begin it with #" } else { "" },
             })?;
+            title.add(line, reader.comments > before);
         }
-        Ok(Loaded { scene: reader.scene, warnings: reader.warnings, comments: reader.comments })
+        Ok(Loaded { scene: reader.scene, warnings: reader.warnings, comments: reader.comments, title: title.lines })
     }
 
     /// Reads a scene file. Bytes that are not UTF-8 (in comments of an older encoding) are accepted outside of numbers.
@@ -132,7 +138,7 @@ fn option_for(word: &str) -> Option<&'static str> {
 }
 
 /// First words of extensions that begin with `@`.
-const AT_WORDS: [&str; 7] = ["@group", "@orientation", "@force", "@capsule", "@material", "@pair", "@use"];
+const AT_WORDS: [&str; 8] = ["@group", "@orientation", "@force", "@capsule", "@muscle", "@material", "@pair", "@use"];
 
 struct Reader<'a> {
     /// The whole text.
@@ -185,6 +191,7 @@ impl<'a> Reader<'a> {
             "@orientation" => self.orientation(line),
             "@force" => self.force(line),
             "@capsule" => self.mark(line),
+            "@muscle" => self.muscle(line),
             "@material" => self.material(line),
             "@pair" => self.properties(line, number),
             "@use" => self.use_material(line),
@@ -351,6 +358,20 @@ impl<'a> Reader<'a> {
             }
             _ => Err(MARK.wrong("end1", "expected right after the R line, with a length, of these two spheres")),
         }
+    }
+
+    fn muscle(&mut self, line: &str) -> Line<()> {
+        let ([], [amplitude, frequency, phase]) = MUSCLE.read::<0, 3>(line)?;
+        let Some(spring) = self.scene.springs.objects_mut().last_mut() else {
+            return Err(MUSCLE.wrong("line", "expected after the K line of a spring"));
+        };
+        if spring.muscle.is_some() {
+            return Err(MUSCLE.wrong("line", "the spring of the last K line has a muscle already, expected one per spring"));
+        }
+        let muscle = Muscle::new(amplitude, frequency, phase);
+        muscle.validate().map_err(|error| MUSCLE.refused(&error))?;
+        spring.muscle = Some(muscle);
+        Ok(())
     }
 
     fn set(&mut self, line: &str, number: usize) -> Line<()> {

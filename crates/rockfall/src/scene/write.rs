@@ -238,6 +238,9 @@ impl Writer<'_> {
         for spring in self.scene.springs() {
             let ends = [self.index(spring.a), self.index(spring.b)];
             self.line("K", &ends, &[spring.stiffness, spring.length, spring.damping]);
+            if let Some(muscle) = spring.muscle {
+                self.line("@muscle", &[], &[muscle.amplitude, muscle.frequency, muscle.phase]);
+            }
         }
         for tether in self.scene.tethers() {
             let [x, y, z] = tether.point.to_array();

@@ -27,7 +27,8 @@ fn contents(scene: &Scene) -> Vec<String> {
     }));
     all.extend(scene.springs().iter().map(|spring| {
         let ends = (index(spring.a), index(spring.b));
-        format!("spring {ends:?} {:?} {:?} {:?}", spring.stiffness, spring.length, spring.damping)
+        let muscle = spring.muscle.map(|muscle| format!("{muscle:?}"));
+        format!("spring {ends:?} {:?} {:?} {:?} {muscle:?}", spring.stiffness, spring.length, spring.damping)
     }));
     all.extend(scene.tethers().iter().map(|tether| {
         let numbers = (tether.point, tether.stiffness, tether.length, tether.damping);
@@ -233,7 +234,10 @@ fn build(additions: Vec<Addition>) -> Scene {
             }
             Addition::Spring(a, b, k, l, c) => {
                 let (Some(a), Some(b)) = (pick(a), pick(b)) else { continue };
-                scene.add_spring(Spring::new(a, b, k, l).damping(c)).map(drop)
+                let mut spring = Spring::new(a, b, k, l).damping(c);
+                // Some of them are out of range.
+                spring.muscle = (k > 1.0).then(|| crate::Muscle::new(1.01 / k, l, -c));
+                scene.add_spring(spring).map(drop)
             }
             Addition::Tether(a, point, k) => {
                 let Some(a) = pick(a) else { continue };

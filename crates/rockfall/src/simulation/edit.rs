@@ -31,6 +31,7 @@ pub(super) enum Edit {
     AngularMomentum(Vec3),
     Orientation(Quat),
     Impulse(Vec3),
+    Force(Vec3),
 }
 
 /// A change together with the sphere that it applies to. Changes are applied in the order of the calls.
@@ -45,6 +46,7 @@ impl Edit {
             Self::Orientation(orientation) => sphere.orientation = orientation,
             Self::Impulse(impulse) if !sphere.fixed => sphere.velocity += impulse / sphere.mass,
             Self::Impulse(_) => {}
+            Self::Force(force) => sphere.force = force,
         }
     }
 }
@@ -97,7 +99,8 @@ edits! {
         remove_box(id: BoxId) -> ();
     Everything: /// Removes a polygon.
         remove_polygon(id: PolygonId) -> ();
-    Topology: /// Changes a spring's constants.
+    Topology: /// Changes a spring's constants and its muscle. The phase of a muscle follows from its frequency and the time since
+        /// the start of the simulation, so another frequency changes the phase at once.
         update_spring(id: SpringId, change: impl FnOnce(&mut Spring)) -> ();
     Topology: /// Changes a tether's point and constants, for example to hold or drag a body.
         update_tether(id: TetherId, change: impl FnOnce(&mut Tether)) -> ();
@@ -177,7 +180,12 @@ impl Simulation {
     pub fn set_force(&mut self, id: SphereId, force: impl Into<Vec3>) -> Result<()> {
         let force = force.into();
         finite("force", force)?;
-        self.scene.spheres.get_mut(id)?.force = force;
+        if self.forces_synced {
+            self.scene.spheres.get_mut(id)?.force = force;
+        } else {
+            // Reading the forces back would replace it.
+            self.edit(id, Edit::Force(force))?;
+        }
         self.dirty = self.dirty.max(Dirty::Topology);
         Ok(())
     }
@@ -212,6 +220,10 @@ impl Simulation {
         }
         if self.dirty == Dirty::Everything || !self.edits.is_empty() {
             self.pull().await?;
+        }
+        #[cfg(feature = "gpu")]
+        if self.dirty != Dirty::Clean {
+            self.pull_forces().await?;
         }
         let springs = if self.dirty == Dirty::Everything { self.springs().await? } else { Vec::new() };
         let edits = std::mem::take(&mut self.edits);
@@ -264,7 +276,7 @@ impl Simulation {
         Ok(())
     }
 
-    fn mark_state_edited(&mut self) {
+    pub(super) fn mark_state_edited(&mut self) {
         self.status.lengths_due = 1;
         self.aabbs_due = true;
         self.lists_due = true;
@@ -278,6 +290,8 @@ impl Simulation {
     pub async fn sync_async(&mut self) -> Result<&Scene> {
         self.flush_async().await?;
         self.pull().await?;
+        #[cfg(feature = "gpu")]
+        self.pull_forces().await?;
         Ok(&self.scene)
     }
 

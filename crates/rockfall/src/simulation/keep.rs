@@ -4,7 +4,11 @@ use std::path::Path;
 
 use crate::checkpoint::{Checkpoint, History};
 use crate::error::{Error, Result};
+#[cfg(feature = "gpu")]
+use crate::exec::gpu::Gpu;
 use crate::model::layout::SLICE;
+#[cfg(feature = "gpu")]
+use crate::options::BackendInfo;
 use crate::options::Options;
 use crate::simulation::edit::Dirty;
 use crate::simulation::engine::Engine;
@@ -56,6 +60,7 @@ impl Simulation {
                 lengths_due: self.status.lengths_due != 0,
                 margin_scale: step.margin_scale,
                 lookahead: step.lookahead,
+                clock: self.muscle_clock,
             },
             springs,
         })
@@ -104,6 +109,14 @@ impl Simulation {
         Ok(simulation.with_history(checkpoint.time_step, checkpoint.report, checkpoint.history))
     }
 
+    /// [`Simulation::resume`] on a GPU that others share.
+    #[cfg(feature = "gpu")]
+    pub(crate) fn resume_on_gpu(checkpoint: Checkpoint, gpu: &Gpu, info: &BackendInfo) -> Result<Self> {
+        let options = Options { backend: info.kind, ..checkpoint.options };
+        let simulation = Self::on_gpu(checkpoint.scene, options, gpu, info)?;
+        Ok(simulation.with_history(checkpoint.time_step, checkpoint.report, checkpoint.history))
+    }
+
     /// Replaces the state by that of a checkpoint, without opening a device again. Handles of the simulation that took the
     /// checkpoint are valid afterwards.
     /// The objects, the constants and the [`Report`](crate::Report) become those of the checkpoint. The backend and the
@@ -117,7 +130,7 @@ impl Simulation {
         checkpoint.scene.settings.validate()?;
         checkpoint.scene.check_contact_law(self.options.integrator)?;
         // `rebuild` packs the scene, and the state on the device is replaced, so nothing has to be read back or applied.
-        (self.dirty, self.synced) = (Dirty::Clean, true);
+        (self.dirty, self.synced, self.forces_synced) = (Dirty::Clean, true, true);
         self.edits.clear();
         self.scene = checkpoint.scene.clone();
         self.apply_history(checkpoint.time_step, checkpoint.report, checkpoint.history);
@@ -135,6 +148,7 @@ impl Simulation {
     fn apply_history(&mut self, time_step: f32, report: crate::Report, history: History) {
         self.time_step = time_step;
         self.report = report;
+        self.muscle_clock = history.clock;
         self.status.lengths_due = u32::from(history.lengths_due);
         self.world.step.margin_scale = history.margin_scale;
         self.world.step.lookahead = history.lookahead;

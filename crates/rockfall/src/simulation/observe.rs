@@ -10,6 +10,7 @@ use crate::exec::cpu;
 use crate::model::impulse::Impulse;
 use crate::model::layout::{ENTRY_COLLIDES, ENTRY_OVERLAPS, FLAG_COLLISIONS, LAW_THESIS};
 use crate::model::lists::{Entry, Lists};
+use crate::model::muscles::MuscleClock;
 use crate::model::status::{REJECTED_COUNT, REJECTED_ESCAPED, REJECTED_HISTORY, REJECTED_PAIRS, Status};
 use crate::model::view::{Object, View};
 use crate::model::world::World;
@@ -246,7 +247,8 @@ impl Simulation {
         self.sync()?;
         let device = self.engine.waiter();
         let springs = engine::block_on(device, self.springs())?;
-        let mut world = observe(&self.scene, self.time_step, self.broad_phase_method(), self.report.steps)?;
+        let step = self.report.steps;
+        let mut world = observe(&self.scene, self.time_step, self.broad_phase_method(), step, &self.muscle_clock)?;
         put_springs(&mut world, &self.scene, &springs);
         while world.step.law != LAW_THESIS {
             (law_forces::STAGE.cpu)(&mut world, 0);
@@ -274,8 +276,9 @@ pub(crate) fn body(scene: &Scene, view: &View, id: u32) -> Body {
 }
 
 /// The state of a scene after `step` steps of `dt` seconds, with AABBs, lists and collision flags.
-pub(crate) fn observe(scene: &Scene, dt: f32, method: BroadPhase, step: u64) -> Result<World> {
+pub(crate) fn observe(scene: &Scene, dt: f32, method: BroadPhase, step: u64, clock: &MuscleClock) -> Result<World> {
     let mut world = World::build(scene)?;
+    world.set_muscles(scene, clock);
     world.step.dt = dt;
     for attempts in 0..=MAX_ATTEMPTS {
         world.status = Status::default();
@@ -327,7 +330,8 @@ fn deepest(scene: &Scene, world: &World, counts: impl Fn(&View, u32, Entry, &Tou
 }
 
 pub(crate) fn view_and_lists(world: &World) -> (View<'_>, Lists<'_>) {
-    (View::new(&world.step, &world.topology, &world.states[0]), Lists::new(&world.step, &world.lists))
+    let view = View::new(&world.step, &world.topology, &world.states[0]).at_evaluation(&world.status, 0);
+    (view, Lists::new(&world.step, &world.lists))
 }
 
 /// The smaller radius of two objects of which at least one is a sphere or a rod.

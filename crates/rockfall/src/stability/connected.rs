@@ -1,8 +1,8 @@
-//! Sets of bodies that rods, springs and tethers connect, and where they are along gravity and across it.
+//! Sets of bodies that rods, springs and tethers connect or hold, and where they are along gravity and across it.
 
 use glam::{DVec3, Vec3};
 
-use crate::scene::{Scene, SphereId};
+use crate::scene::{BondedSets, Scene, SphereId};
 
 /// Bounds along gravity and across it: `[down, east, north]`.
 #[derive(Clone, Copy, Debug)]
@@ -39,8 +39,8 @@ pub(super) struct Set {
     /// A fixed sphere or a tether holds it, or an external force moves it.
     pub(super) held: bool,
     pub(super) first: SphereId,
-    /// Indices of its spheres, in order of addition.
-    pub(super) spheres: Vec<u32>,
+    /// Number of its spheres.
+    bodies: u32,
 }
 
 /// Directions `[down, east, north]` of a scene; `None` without gravity.
@@ -51,39 +51,40 @@ pub(super) fn directions(scene: &Scene) -> Option<[DVec3; 3]> {
     (gravity != 0.0 && down.is_finite()).then_some([down, east, north])
 }
 
+impl Scene {
+    /// The sets of bodies that rods and springs connect. Fixed spheres, tethers and external forces hold their sets.
+    pub(super) fn sets_at_rest(&self) -> BondedSets {
+        let mut sets = self.bonded_sets(|_| true);
+        for (index, sphere) in self.spheres().iter().enumerate() {
+            if sphere.force != Vec3::ZERO {
+                sets.hold(index);
+            }
+        }
+        sets
+    }
+}
+
 /// The sets of connected bodies, fixed ones included.
 pub(super) fn sets(scene: &Scene, directions: [DVec3; 3]) -> Vec<Set> {
     let (spheres, gravity) = (scene.spheres(), f64::from(scene.settings.gravity.abs()));
     let turn = |point: DVec3| turned(directions, point);
-    let mut parents: Vec<u32> = (0..spheres.len() as u32).collect();
-    let pairs = scene.rods().iter().map(|rod| [rod.end1, rod.end2]);
-    for ends in pairs.chain(scene.springs().iter().map(|spring| [spring.a, spring.b])) {
-        let [Ok(one), Ok(two)] = ends.map(|id| scene.spheres.index(id)) else { continue };
-        let (one, two) = (root(&mut parents, one as u32), root(&mut parents, two as u32));
-        parents[one.max(two) as usize] = one.min(two);
-    }
-    let mut place = vec![usize::MAX; spheres.len()];
+    let bonded = scene.sets_at_rest();
+    let mut place = vec![u32::MAX; spheres.len()];
     let mut sets: Vec<Set> = Vec::new();
-    for (index, (sphere, first)) in spheres.iter().zip(scene.sphere_ids()).enumerate() {
-        let root = root(&mut parents, index as u32) as usize;
-        if place[root] == usize::MAX {
-            place[root] = sets.len();
-            sets.push(Set { own: NOTHING, path: NOTHING, held: false, first, spheres: Vec::new() });
+    for (index, (sphere, id)) in spheres.iter().zip(scene.sphere_ids()).enumerate() {
+        let first = bonded.first(index);
+        if first == index {
+            place[index] = sets.len() as u32;
+            sets.push(Set { own: NOTHING, path: NOTHING, held: bonded.is_held(index), first: id, bodies: 0 });
         }
-        let set = &mut sets[place[root]];
-        set.spheres.push(index as u32);
+        let set = &mut sets[place[first] as usize];
+        set.bodies += 1;
         set.own.add(turn(sphere.position.as_dvec3()), sphere.radius.into());
-        set.held |= sphere.fixed || sphere.force != Vec3::ZERO;
-    }
-    for tether in scene.tethers() {
-        if let Ok(index) = scene.spheres.index(tether.sphere) {
-            sets[place[root(&mut parents, index as u32) as usize]].held = true;
-        }
     }
     for (index, sphere) in spheres.iter().enumerate() {
-        let set = &mut sets[place[root(&mut parents, index as u32) as usize]];
+        let set = &mut sets[place[bonded.first(index)] as usize];
         // Several spheres may turn about their centre, so they may reach as far as they are apart.
-        let reach = if set.spheres.len() > 1 { (set.own.max - set.own.min).length() } else { 0.0 };
+        let reach = if set.bodies > 1 { (set.own.max - set.own.min).length() } else { 0.0 };
         let v = turn(sphere.velocity.as_dvec3());
         let rise = v.x.min(0.0).powi(2) / (2.0 * gravity);
         let side = |v: f64, bound: f64| {
@@ -105,14 +106,4 @@ pub(super) fn sets(scene: &Scene, directions: [DVec3; 3]) -> Vec<Set> {
 /// A point as its components along the directions.
 pub(super) fn turned(directions: [DVec3; 3], point: DVec3) -> DVec3 {
     DVec3::from_array(directions.map(|direction| direction.dot(point)))
-}
-
-/// The root of a sphere's set.
-fn root(parents: &mut [u32], mut sphere: u32) -> u32 {
-    while parents[sphere as usize] != sphere {
-        let above = parents[sphere as usize];
-        parents[sphere as usize] = parents[above as usize];
-        sphere = above;
-    }
-    sphere
 }

@@ -8,9 +8,8 @@ use std::fmt;
 
 use glam::{DVec2, DVec3};
 
-use crate::scene::Scene;
+use crate::scene::{BondedSets, Scene, Sphere};
 use crate::settings::{Integrator, Settings};
-use crate::stability::connected::{directions, sets};
 use crate::stability::{Crowd, nearest, rounded_down, rounded_up};
 
 /// Largest overlap of one resting body, as a share of the smallest radius, that causes no warning. Under the weight of others
@@ -23,7 +22,7 @@ const SAFETY: f64 = 3.0;
 /// Least number of loose spheres that count as a pile. Fewer ones need not end on top of each other.
 const PILE: usize = 64;
 /// Safety factor of [`Scene::gentle_gravity`].
-const GENTLE: f64 = 6.0;
+const GENTLE: f64 = 8.0;
 
 /// A warning that gravity presses resting bodies too deeply into what they lie on.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -111,8 +110,8 @@ impl Scene {
     pub fn resolved_settings(&self) -> Settings {
         let mut settings = self.settings;
         let share = f64::from(settings.resting_overlap);
-        let load = self.heaviest_load();
-        if share <= 0.0 || load <= 0.0 {
+        let load = if share > 0.0 { self.heaviest_load() } else { 0.0 };
+        if load <= 0.0 {
             return settings;
         }
         let force = (2.0 * SAFETY * load / share).min(f64::from(f32::MAX));
@@ -142,11 +141,12 @@ impl Scene {
         // Constants are f32, so an intended 5 % may be slightly exceeded.
         let is_deep = |overlap: f64, radius: f64| overlap > DEEP * (1.0 + 1e-6) * radius;
         let needed = gravity / (DEEP * smallest);
+        let sets = self.sets_at_rest();
         // Where bodies carry others, the constants for a body alone are not enough.
-        let [load, radius] = if crowd == Crowd::Many { self.load_of_loose() } else { [1.0, smallest] };
+        let [load, radius] = if crowd == Crowd::Many { self.load_of_loose(&sets) } else { [1.0, smallest] };
         let (overlap, radius, load, needed) = if load > 1.0 && is_deep(2.0 * load * alone, radius) {
             (2.0 * load * alone, radius, load, needed.max(2.0 * SAFETY * load * gravity / (DEEP * radius)))
-        } else if is_deep(alone, smallest) && !self.is_hung() {
+        } else if is_deep(alone, smallest) && !self.is_hung(&sets) {
             (alone, smallest, 1.0, needed)
         } else {
             return None;
@@ -158,18 +158,18 @@ impl Scene {
     }
 
     /// Whether rods, springs and tethers hold all moving bodies, and there are no boxes and polygons to rest on.
-    fn is_hung(&self) -> bool {
+    fn is_hung(&self, sets: &BondedSets) -> bool {
         let is_free = self.boxes().is_empty() && self.polygons().is_empty();
-        is_free && directions(self).is_some_and(|directions| sets(self, directions).iter().all(|set| set.held))
+        is_free && (0..self.spheres().len()).all(|sphere| sets.is_held(sphere))
     }
 
     /// The largest gravity up to the present one at which bodies at rest overlap by less than 5 % of their radius, whatever they
     /// carry, at the present contact force. The sign is that of the present gravity.
     pub fn gentle_gravity(&self) -> f32 {
         let gravity = self.settings.gravity;
-        let [load, radius] = self.load_of_loose();
+        let [load, radius] = self.load_of_loose(&self.sets_at_rest());
         // Contacts do not carry equal shares, as in `resolved_settings`, and bodies that still settle press deeper. The deepest
-        // overlaps in piles and hoppers of 100 to 5,000 spheres after 20 s were 1 to 4 times the estimate without the factor.
+        // overlaps in piles and hoppers of 100 to 5,000 spheres after 20 s were 1 to 6 times the estimate without the factor.
         let largest = DEEP * radius * f64::from(self.settings.contact_force) / (2.0 * GENTLE * load);
         let rounded = rounded_down(largest) as f32;
         if rounded < gravity.abs() { rounded.copysign(gravity) } else { gravity }
@@ -188,42 +188,27 @@ impl Scene {
 
     /// The load and the radius of the body with the largest ratio of the two, among the bodies that nothing holds; a load of 1
     /// if they are too few for a pile.
-    fn load_of_loose(&self) -> [f64; 2] {
-        let mut loose =
-            Self { settings: self.settings, boxes: self.boxes.clone(), polygons: self.polygons.clone(), ..Self::new() };
-        let sets = directions(self).map_or_else(Vec::new, |directions| sets(self, directions));
-        for set in sets.iter().filter(|set| !set.held) {
-            for index in &set.spheres {
-                // Spheres of the scene are valid.
-                let _ = loose.spheres.add(self.spheres()[*index as usize]);
-            }
+    fn load_of_loose(&self, sets: &BondedSets) -> [f64; 2] {
+        let loose: Vec<&Sphere> =
+            self.spheres().iter().enumerate().filter(|(index, _)| !sets.is_held(*index)).map(|(_, sphere)| sphere).collect();
+        if loose.len() < PILE {
+            return [1.0, loose.iter().map(|sphere| f64::from(sphere.radius)).fold(f64::INFINITY, f64::min)];
         }
-        if loose.spheres().len() < PILE {
-            return [1.0, loose.spheres().iter().map(|sphere| f64::from(sphere.radius)).fold(f64::INFINITY, f64::min)];
-        }
-        let loads = loose.loads_of_spheres();
-        loads.max_by(|a, b| (a[0] / a[1]).total_cmp(&(b[0] / b[1]))).unwrap_or([1.0, f64::INFINITY])
-    }
-
-    /// The load and the radius of every moving sphere.
-    fn loads_of_spheres(&self) -> impl Iterator<Item = [f64; 2]> + '_ {
-        let movers = || self.spheres().iter().filter(|sphere| !sphere.fixed);
-        let mass: f64 = movers().map(|sphere| f64::from(sphere.mass)).sum();
-        let area = self.covered_area();
-        movers().map(move |sphere| {
+        let carried = self.carried(&loose);
+        let loads = loose.iter().map(|sphere| {
             let [own, radius] = [sphere.mass, sphere.radius].map(f64::from);
-            [(mass / area * 4.0 * radius * radius).clamp(own, mass.max(own)) / own, radius]
-        })
+            [carried(own, radius) / own, radius]
+        });
+        loads.max_by(|a, b| (a[0] / a[1]).total_cmp(&(b[0] / b[1]))).unwrap_or([1.0, f64::INFINITY])
     }
 
     /// The largest l G / r of all moving spheres and rods, where l is the mass that the body carries divided by its own mass.
     fn heaviest_load(&self) -> f64 {
         let gravity = f64::from(self.settings.gravity.abs());
-        let movers = || self.spheres().iter().filter(|sphere| !sphere.fixed);
-        let mass: f64 = movers().map(|sphere| f64::from(sphere.mass)).sum();
-        let area = self.covered_area();
-        let of_body = |own: f64, radius: f64| (mass / area * 4.0 * radius * radius).clamp(own, mass.max(own)) / (own * radius);
-        let spheres = movers().map(|sphere| of_body(sphere.mass.into(), sphere.radius.into()));
+        let movers: Vec<&Sphere> = self.spheres().iter().filter(|sphere| !sphere.fixed).collect();
+        let carried = self.carried(&movers);
+        let of_body = |own: f64, radius: f64| carried(own, radius) / (own * radius);
+        let spheres = movers.iter().map(|sphere| of_body(sphere.mass.into(), sphere.radius.into()));
         let rods = self.rods().iter().filter_map(|rod| {
             let ends = [rod.end1, rod.end2].map(|id| self.sphere(id).ok().filter(|sphere| !sphere.fixed));
             let lighter = ends.into_iter().flatten().map(|sphere| f64::from(sphere.mass)).reduce(f64::min)?;
@@ -232,11 +217,18 @@ impl Scene {
         gravity * spheres.chain(rods).fold(0.0, f64::max)
     }
 
+    /// The mass that a body of a pile of moving spheres carries, by its own mass and its radius: what lies on the square of its
+    /// diameter, and at least itself.
+    fn carried(&self, movers: &[&Sphere]) -> impl Fn(f64, f64) -> f64 {
+        let mass: f64 = movers.iter().map(|sphere| f64::from(sphere.mass)).sum();
+        let area = self.covered_area(movers);
+        move |own, radius| (mass / area * 4.0 * radius * radius).clamp(own, mass.max(own))
+    }
+
     /// The horizontal area that movers cover after they have fallen down, in units².
-    fn covered_area(&self) -> f64 {
+    fn covered_area(&self, movers: &[&Sphere]) -> f64 {
         let (east, north) = self.settings.gravity_direction.as_dvec3().normalize().any_orthonormal_pair();
         let flat = |point: DVec3| DVec2::new(point.dot(east), point.dot(north));
-        let movers = self.spheres().iter().filter(|sphere| !sphere.fixed);
         let mut own = Span::default();
         let mut widest = 0.0_f64;
         for sphere in movers {

@@ -1,6 +1,6 @@
 //! Finds rods that do not do what their author wants: rods that jump to another length, and rods that hold nothing.
 
-use crate::scene::{RodId, Scene, SphereId};
+use crate::scene::{BondedSets, RodId, Scene, SphereId};
 use crate::simulation::Body;
 use crate::stability::nearest;
 
@@ -36,7 +36,7 @@ impl Scene {
     /// that length at once. A rod without a length holds nothing. It is reported if one of its ends is fixed and nothing else
     /// (rods of fixed length, springs, tethers) holds the other end.
     pub fn odd_rods(&self) -> Vec<OddRod> {
-        let mut held: Option<Vec<bool>> = None;
+        let mut sets: Option<BondedSets> = None;
         let mut odd = Vec::new();
         for (rod, id) in self.rods().iter().zip(self.rod_ids()) {
             let ends = [rod.end1, rod.end2];
@@ -51,7 +51,8 @@ impl Scene {
                     (length - distance).abs() > DIFFERENT * length.max(distance) + ROUNDING * f64::from(farthest)
                 }
                 None if one.fixed != two.fixed => {
-                    !held.get_or_insert_with(|| self.held_by_lengths())[if one.fixed { b } else { a }]
+                    let sets = sets.get_or_insert_with(|| self.bonded_sets(|rod| rod.length.is_some()));
+                    !sets.is_held(if one.fixed { b } else { a })
                 }
                 None => false,
             };
@@ -60,31 +61,6 @@ impl Scene {
             }
         }
         odd
-    }
-
-    /// For every sphere, whether rods of fixed length, springs and tethers connect it to something fixed.
-    fn held_by_lengths(&self) -> Vec<bool> {
-        let mut neighbours: Vec<Vec<usize>> = vec![Vec::new(); self.spheres().len()];
-        let rods = self.rods().iter().filter(|rod| rod.length.is_some()).map(|rod| [rod.end1, rod.end2]);
-        for ends in rods.chain(self.springs().iter().map(|spring| [spring.a, spring.b])) {
-            if let [Ok(a), Ok(b)] = ends.map(|id| self.spheres.index(id)) {
-                neighbours[a].push(b);
-                neighbours[b].push(a);
-            }
-        }
-        let mut held: Vec<bool> = self.spheres().iter().map(|sphere| sphere.fixed).collect();
-        for index in self.tethers().iter().filter_map(|tether| self.spheres.index(tether.sphere).ok()) {
-            held[index] = true;
-        }
-        let mut reached: Vec<usize> = (0..held.len()).filter(|index| held[*index]).collect();
-        while let Some(sphere) = reached.pop() {
-            for next in &neighbours[sphere] {
-                if !std::mem::replace(&mut held[*next], true) {
-                    reached.push(*next);
-                }
-            }
-        }
-        held
     }
 }
 

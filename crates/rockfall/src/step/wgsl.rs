@@ -13,6 +13,7 @@
 
 use crate::model::layout::MANY_OBJECTS;
 use crate::model::part::{Part, part};
+use crate::model::status::COUNTER_BLOCKS;
 use crate::model::step::Step;
 use crate::physics::forces;
 
@@ -68,6 +69,7 @@ const SHARED: &[Part] = &[
     part!("physics/contact.wgsl"),
     part!("physics/escape.wgsl"),
     part!("physics/forces/attached.wgsl"),
+    part!("physics/forces/muscle.wgsl"),
     part!("physics/forces/net_force.wgsl"),
     part!("physics/forces/rates.wgsl"),
     part!("physics/forces/sphere_rates.wgsl"),
@@ -173,26 +175,45 @@ pub struct Variant {
     pub large: bool,
     /// The contact law, one of the `LAW_*` constants.
     pub law: u32,
+    /// There may be springs with muscles.
+    pub muscles: bool,
     /// There may be pairs of materials.
     pub materials: bool,
     /// There may be so many objects that a sort key of `find_neighbours` has no room for more than an insertion index.
     pub many: bool,
+    /// Each workgroup has a world of its own: it has its own copy of the block `step`, and one block of counters.
+    pub worlds: bool,
 }
 
 impl Variant {
     /// Returns the variant for a scene with these counts.
     pub fn of(step: &Step) -> Self {
-        let Step { rods, large, materials, law, .. } = *step;
-        Self { law, rods: rods > 0, large: large > 0, materials: materials > 0, many: step.objects() >= MANY_OBJECTS }
+        let Step { rods, large, muscles_at, materials, law, .. } = *step;
+        Self {
+            law,
+            rods: rods > 0,
+            large: large > 0,
+            muscles: muscles_at > 0,
+            materials: materials > 0,
+            many: step.objects() >= MANY_OBJECTS,
+            worlds: false,
+        }
     }
 
     /// Returns the WGSL of this variant. It replaces constants in the text, because the sizes of arrays depend on `RODS` and
     /// `LARGE` and so these cannot be pipeline-overridable constants.
     pub fn apply(self, text: &str) -> String {
-        let constants = [("RODS", self.rods), ("LARGE", self.large), ("MATERIALS", self.materials)];
+        let constants = [("RODS", self.rods), ("LARGE", self.large), ("MUSCLES", self.muscles), ("MATERIALS", self.materials)];
         let text = text.replace("const LAW: u32 = 1u;", &format!("const LAW: u32 = {}u;", self.law));
-        constants.iter().fold(text, |text, (name, is_set)| {
+        let replaced = constants.iter().fold(text, |text, (name, is_set)| {
             text.replace(&format!("const {name}: bool = true;"), &format!("const {name}: bool = {is_set};"))
-        })
+        });
+        if !self.worlds {
+            return replaced;
+        }
+        let block = format!("const COUNTER_BLOCKS: u32 = {COUNTER_BLOCKS}u;");
+        replaced
+            .replace("@group(0) @binding(0) var<uniform> step: Step;", "var<private> step: Step;")
+            .replace(&block, "const COUNTER_BLOCKS: u32 = 1u;")
     }
 }

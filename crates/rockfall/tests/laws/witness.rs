@@ -1,4 +1,4 @@
-//! Oblique impacts of two spheres, computed in f64 from docs/physics.md section 4.10 alone, against both backends.
+//! Oblique impacts of two spheres, computed in f64 from docs/physics.md section 4.11 alone, against both backends.
 
 use rockfall::glam::{DVec3, Vec3};
 use rockfall::{Backend, ContactLaw, Scene, Sphere};

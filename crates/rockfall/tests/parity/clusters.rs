@@ -117,7 +117,13 @@ pub(crate) fn clusters(plan: &Plan, attempts: &[u64]) -> Clusters {
         let cell = [cluster % side, cluster / side % side, cluster / side / side];
         let middle = SPACING * Vec3::from_array(cell.map(|k| k as f32 - 0.5 * (side - 1) as f32));
         let draw_seed = seed << 40 | (cluster as u64) << 20 | attempt;
-        let mut draw = Draw { scene: &mut scene, rng: Pcg64Mcg::seed_from_u64(draw_seed), middle, giants: &mut giants };
+        let mut draw = Draw {
+            scene: &mut scene,
+            rng: Pcg64Mcg::seed_from_u64(draw_seed),
+            middle,
+            giants: &mut giants,
+            muscles: seed % 3 != 1,
+        };
         // Avoid special values, such as coordinates that are exact multiples of the spacing.
         let jitter = draw.vector(0.1);
         draw.middle += jitter;

@@ -5,8 +5,8 @@ use crate::model::buffer::Buffer;
 use crate::model::dispatch::sizes;
 use crate::model::layout::{
     BOX_WORDS, FORCE_WORDS, KIND_FORCE, KIND_ROD, KIND_SHIFT, KIND_SPRING, KIND_TETHER, LINE, LIST_COUNT_MASK, MATERIAL_SHIFT,
-    NO_NETWORK, NO_ROD, PAIR_WORDS, POLYGON_WORDS, ROD_WORDS, SLICE, SOME_RODS, SPRING_WORDS, SWEEPS_OFF, TETHER_WORDS,
-    words_of_rows,
+    MUSCLE_WORDS, NO_NETWORK, NO_ROD, PAIR_WORDS, POLYGON_WORDS, ROD_WORDS, SLICE, SOME_RODS, SPRING_WORDS, SWEEPS_OFF,
+    TETHER_WORDS, words_of_rows,
 };
 use crate::model::status::REJECTED_PAIRS;
 use crate::model::world::World;
@@ -118,7 +118,8 @@ fn check_attached(world: &World, word: u32) -> Result<()> {
         KIND_ROD => ensure(index < step.rods, "a rod in the adjacency"),
         KIND_SPRING => {
             let spring = record(step.springs_at, SPRING_WORDS, "a spring in the adjacency")?;
-            ensure(spring[0] < step.spheres && spring[1] < step.spheres, "the end of a spring")
+            ensure(spring[0] < step.spheres && spring[1] < step.spheres, "the end of a spring")?;
+            ensure(step.muscles_at == 0 || record(step.muscles_at, MUSCLE_WORDS, "a muscle").is_ok(), "the muscle of a spring")
         }
         KIND_TETHER => record(step.tethers_at, TETHER_WORDS, "a tether in the adjacency").map(|_| ()),
         KIND_FORCE => record(step.forces_at, FORCE_WORDS, "a force in the adjacency").map(|_| ()),

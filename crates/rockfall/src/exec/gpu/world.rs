@@ -191,6 +191,10 @@ impl GpuWorld {
             return Err(Error::Device("the world's counts changed: upload it as a whole".to_owned()));
         }
         check_buffer(world, Buffer::Topology)?;
+        if Variant::of(&world.step) != Variant::of(&self.step) {
+            // A spring may have got the first muscle.
+            self.ready.clear();
+        }
         self.fit(world, Buffer::Topology)?;
         self.write(Buffer::Topology, world.bytes(Buffer::Topology))?;
         if Variant::of(&world.step) != Variant::of(&self.step) {

@@ -1,5 +1,7 @@
 //! Packs a scene into the arrays of a [`World`].
 
+#[cfg(feature = "gpu")]
+use glam::Vec3;
 use glam::Vec4;
 
 use crate::error::Result;
@@ -196,6 +198,19 @@ impl World {
         self.extents.resize(self.objects() as usize, Vec4::ZERO);
         self.wrenches.resize(self.wrench_count(), Vec4::ZERO);
         self.set_pair_rows(self.step.pair_rows);
+    }
+
+    /// Writes the external forces back to the scene that was packed with a force for each sphere. `packed` are the handles of
+    /// the spheres at that time.
+    #[cfg(feature = "gpu")]
+    pub(crate) fn read_forces(&self, scene: &mut Scene, packed: &[SphereId]) {
+        let forces = self.topology[self.step.forces_at as usize..].chunks_exact(crate::model::layout::FORCE_WORDS as usize);
+        for (id, force) in packed.iter().zip(forces) {
+            // Skips spheres that have been removed since.
+            if let Ok(sphere) = scene.spheres.get_mut(*id) {
+                sphere.force = Vec3::from_array([force[0], force[1], force[2]].map(f32::from_bits));
+            }
+        }
     }
 
     /// Writes the state of the spheres back to the scene that it was packed from. `packed` are the handles of the spheres at

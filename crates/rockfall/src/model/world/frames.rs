@@ -1,6 +1,7 @@
 //! Frames: groups of fixed-length rods that moving spheres connect. Determines which rods are solved together, and in which
 //! order.
 
+use crate::disjoint::DisjointSets;
 use crate::model::layout::WORKGROUP;
 
 /// Returns batches of rods. A batch is a list of colours. A colour is a list of rods that share no moving sphere.
@@ -9,24 +10,8 @@ use crate::model::layout::WORKGROUP;
 /// single colour, at most [`WORKGROUP`] in each. `rods` are (index, ends). `fixed` marks the fixed spheres. A fixed sphere does
 /// not connect its rods, because no correction moves it.
 pub(crate) fn batches(fixed: &[bool], rods: &[(u32, [u32; 2])]) -> Vec<Vec<Vec<u32>>> {
-    let mut frames = Frames::new(fixed.len());
-    let moving = |ends: [u32; 2]| ends.into_iter().filter(|end| !fixed[*end as usize]);
-    for (_, ends) in rods {
-        frames.join(moving(*ends));
-    }
-    // Groups the rods by frame. Frames are in the order of their first rods. A rod between two fixed spheres needs no
-    // correction.
-    let mut place_of_root = std::collections::HashMap::new();
-    let mut members: Vec<Vec<(u32, [u32; 2])>> = Vec::new();
-    for rod in rods {
-        let Some(end) = moving(rod.1).next() else { continue };
-        let place = *place_of_root.entry(frames.root(end)).or_insert_with(|| {
-            members.push(Vec::new());
-            members.len() - 1
-        });
-        members[place].push(*rod);
-    }
-    let (single, joined): (Vec<_>, Vec<_>) = members.into_iter().partition(|frame| frame.len() == 1);
+    let frames = connected(fixed, rods);
+    let (single, joined): (Vec<_>, Vec<_>) = frames.into_iter().partition(|frame| frame.len() == 1);
     let single: Vec<u32> = single.into_iter().flatten().map(|(number, _)| number).collect();
     let mut batches: Vec<_> = single.chunks(WORKGROUP as usize).map(|chunk| vec![chunk.to_vec()]).collect();
     batches.extend(joined.iter().map(|frame| colour(frame, fixed)));
@@ -36,23 +21,20 @@ pub(crate) fn batches(fixed: &[bool], rods: &[(u32, [u32; 2])]) -> Vec<Vec<Vec<u
 /// Returns the networks: connected sets of fixed-length rods (docs/physics.md section 1.4). Rods of rigid capsules and rods
 /// between two fixed spheres belong to none. `rods` are (index, ends). `is_capsule` tests for the rods of rigid capsules.
 pub(crate) fn networks(fixed: &[bool], rods: &[(u32, [u32; 2])], is_capsule: impl Fn(u32) -> bool) -> Vec<Vec<u32>> {
-    let mut frames = Frames::new(fixed.len());
-    let moving = |ends: [u32; 2]| ends.into_iter().filter(|end| !fixed[*end as usize]);
-    let rods = || rods.iter().filter(|(number, _)| !is_capsule(*number));
-    for (_, ends) in rods() {
-        frames.join(moving(*ends));
+    let rods: Vec<_> = rods.iter().copied().filter(|(number, _)| !is_capsule(*number)).collect();
+    connected(fixed, &rods).into_iter().map(|network| network.into_iter().map(|(number, _)| number).collect()).collect()
+}
+
+/// Groups rods that are connected by moving spheres, in the order of their first rods. Rods between two fixed spheres are left
+/// out, because they need no correction.
+fn connected(fixed: &[bool], rods: &[(u32, [u32; 2])]) -> Vec<Vec<(u32, [u32; 2])>> {
+    if rods.is_empty() {
+        return Vec::new();
     }
-    let mut place_of_root = std::collections::HashMap::new();
-    let mut networks: Vec<Vec<u32>> = Vec::new();
-    for (number, ends) in rods() {
-        let Some(end) = moving(*ends).next() else { continue };
-        let place = *place_of_root.entry(frames.root(end)).or_insert_with(|| {
-            networks.push(Vec::new());
-            networks.len() - 1
-        });
-        networks[place].push(*number);
-    }
-    networks
+    let moving = |ends: [u32; 2]| ends.into_iter().map(|end| end as usize).filter(|end| !fixed[*end]);
+    let mut spheres = DisjointSets::new(fixed.len());
+    rods.iter().for_each(|(_, ends)| spheres.join(moving(*ends)));
+    spheres.group(rods.iter().filter_map(|rod| Some((moving(rod.1).next()?, *rod))))
 }
 
 /// Colours the rods greedily. With at most d rods on a sphere, 2 d - 1 colours are enough. A chain needs two.
@@ -76,34 +58,6 @@ fn colour(frame: &[(u32, [u32; 2])], fixed: &[bool]) -> Vec<Vec<u32>> {
         }
     }
     colours
-}
-
-/// Union-find over spheres.
-struct Frames {
-    parent: Vec<u32>,
-}
-
-impl Frames {
-    fn new(spheres: usize) -> Self {
-        Self { parent: (0..spheres as u32).collect() }
-    }
-
-    fn root(&mut self, mut sphere: u32) -> u32 {
-        while self.parent[sphere as usize] != sphere {
-            let above = self.parent[sphere as usize];
-            self.parent[sphere as usize] = self.parent[above as usize];
-            sphere = above;
-        }
-        sphere
-    }
-
-    fn join(&mut self, mut spheres: impl Iterator<Item = u32>) {
-        let Some(first) = spheres.next() else { return };
-        for other in spheres {
-            let (a, b) = (self.root(first), self.root(other));
-            self.parent[a.max(b) as usize] = a.min(b);
-        }
-    }
 }
 
 #[cfg(test)]

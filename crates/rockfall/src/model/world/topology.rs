@@ -6,7 +6,7 @@ use glam::Vec3;
 use crate::error::{Error, Result};
 use crate::model::layout::{
     FLAG_GROUPS, FLAG_PAIR_FRICTION, GROUP_MASK, KIND_FORCE, KIND_ROD, KIND_SHIFT, KIND_SPRING, KIND_TETHER, LINE,
-    MATERIAL_SHIFT, NO_NETWORK, NO_ROD, ROD_WORDS, SOME_RODS, max_objects,
+    MATERIAL_SHIFT, MUSCLE_WORDS, NO_NETWORK, NO_ROD, ROD_WORDS, SOME_RODS, max_objects,
 };
 use crate::model::step::Step;
 use crate::model::world::World;
@@ -49,6 +49,7 @@ impl World {
             }
         }
         pack_attachments(scene, &slots, step, &mut topology, &mut adjacency)?;
+        pack_forces(scene, &slots, self.has_force_on_each, step, &mut topology, &mut adjacency);
         pack_static(scene, &self.order, step, &mut topology)?;
         pack_pairs(scene, step, &mut topology);
         pack_order(&self.order, &slots, step, &mut topology);
@@ -62,6 +63,8 @@ impl World {
         push_networks(step, &fixed, &fixed_rods, &mut topology);
         step.adjacency_at = adjacency.push(&mut topology, step.spheres);
         self.topology = topology;
+        let clock = self.muscles_for.take().unwrap_or_default();
+        self.set_muscles(scene, &clock);
         Ok(())
     }
 }
@@ -84,7 +87,7 @@ fn pack_order(order: &[u32], slots: &[u32], step: &mut Step, topology: &mut Vec<
     }
 }
 
-/// Appends springs, tethers and external forces.
+/// Appends springs, tethers and an empty table of muscles.
 fn pack_attachments(
     scene: &Scene,
     slots: &[u32],
@@ -107,13 +110,30 @@ fn pack_attachments(
         topology.extend([tether.stiffness, tether.length, tether.damping].map(f32::to_bits));
         adjacency.attach(KIND_TETHER, number, &[sphere]);
     }
+    step.muscles_at = 0;
+    if scene.springs().iter().any(|spring| spring.muscle.is_some()) {
+        // `World::set_muscles` fills the table.
+        step.muscles_at = topology.len() as u32;
+        topology.resize(topology.len() + scene.springs().len() * MUSCLE_WORDS as usize, 0);
+    }
+    Ok(())
+}
+
+/// Appends external forces: of each sphere, or of those with a force.
+fn pack_forces(
+    scene: &Scene,
+    slots: &[u32],
+    on_each: bool,
+    step: &mut Step,
+    topology: &mut Vec<u32>,
+    adjacency: &mut Adjacency,
+) {
     step.forces_at = topology.len() as u32;
-    let pushed = scene.spheres().iter().zip(0..).filter(|(sphere, _)| sphere.force != Vec3::ZERO);
+    let pushed = scene.spheres().iter().zip(0..).filter(|(sphere, _)| on_each || sphere.force != Vec3::ZERO);
     for ((sphere, number), force) in pushed.zip(0..) {
         push_vectors(topology, &[sphere.force]);
         adjacency.attach(KIND_FORCE, force, &[slots.get(number as usize).copied().unwrap_or(number)]);
     }
-    Ok(())
 }
 
 /// Appends boxes, polygons, and the tags of all objects.

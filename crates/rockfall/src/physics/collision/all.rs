@@ -6,6 +6,7 @@
 use glam::Vec3;
 use rayon::prelude::*;
 
+use crate::disjoint::DisjointSets;
 use crate::model::impulse::{Impulse, Key};
 use crate::model::layout::GRAIN;
 use crate::model::layout::{ENTRY_COLLIDES, ENTRY_OVERLAPS};
@@ -128,33 +129,9 @@ fn touching(collisions: &[Collision]) -> Vec<Touching> {
 
 /// Groups the collisions that are not lone into clusters: sets that are connected by shared bodies.
 fn clusters(touching: &[Touching], are_lone: &[bool]) -> Vec<Vec<usize>> {
-    let mut parents: Vec<usize> = (0..are_lone.len()).collect();
+    let mut sets = DisjointSets::new(are_lone.len());
     for on_one in touching.chunk_by(|one, other| one.body == other.body) {
-        let mut joined = on_one.iter().map(|touching| touching.collision).filter(|collision| !are_lone[*collision]);
-        let Some(first) = joined.next() else { continue };
-        for other in joined {
-            let (one, other) = (root(&mut parents, first), root(&mut parents, other));
-            parents[one.max(other)] = one.min(other);
-        }
+        sets.join(on_one.iter().map(|touching| touching.collision).filter(|collision| !are_lone[*collision]));
     }
-    let mut clusters: Vec<Vec<usize>> = Vec::new();
-    let mut place_of_root = vec![usize::MAX; are_lone.len()];
-    for collision in (0..are_lone.len()).filter(|collision| !are_lone[*collision]) {
-        let root = root(&mut parents, collision);
-        if place_of_root[root] == usize::MAX {
-            place_of_root[root] = clusters.len();
-            clusters.push(Vec::new());
-        }
-        clusters[place_of_root[root]].push(collision);
-    }
-    clusters
-}
-
-/// The collision with the lowest number in the set that this one belongs to.
-fn root(parents: &mut [usize], mut collision: usize) -> usize {
-    while parents[collision] != collision {
-        parents[collision] = parents[parents[collision]];
-        collision = parents[collision];
-    }
-    collision
+    sets.group((0..are_lone.len()).filter(|collision| !are_lone[*collision]).map(|collision| (collision, collision)))
 }

@@ -1,5 +1,5 @@
 // requires model/objects.wgsl model/step.wgsl physics/collision.wgsl physics/forces/attached.wgsl physics/geometry.wgsl
-// requires physics/pairs.wgsl physics/touch.wgsl physics/sine.wgsl
+// requires physics/forces/muscle.wgsl physics/pairs.wgsl physics/touch.wgsl physics/sine.wgsl
 
 // Solves lone collisions at their time of contact (docs/physics.md section 3.6). The pair is moved back to the time at
 // which it first touched.
@@ -211,7 +211,8 @@ fn curvature_along(pushed: Pushed) -> f32 {
                     }
                 }
                 let distance = state[position_at(other)].xyz - state[position_at(sphere)].xyz;
-                sum += part * spring_curvature(distance, stretch, float_at(spring + 2u), float_at(spring + 3u));
+                let length = rest_length(index, float_at(spring + 3u));
+                sum += part * spring_curvature(distance, stretch, float_at(spring + 2u), length);
             } else if kind == KIND_TETHER {
                 let tether = step.tethers_at + index * TETHER_WORDS;
                 let distance = vector_at(tether + 1u) - state[position_at(sphere)].xyz;

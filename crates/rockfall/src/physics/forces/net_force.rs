@@ -75,15 +75,13 @@ pub(crate) fn rod_loads(view: &View, lists: &Lists, rod: u32, tally: Option<&mut
     ends
 }
 
-/// Returns the load on a sphere: contacts, then everything attached to it. Body forces are not included. `wrenches` are the
-/// results of `rod_forces` or `law_forces`.
-pub(crate) fn sphere_load(view: &View, lists: &Lists, wrenches: &[Vec4], sphere: u32, mut tally: Option<&mut Tally>) -> Load {
-    if view.step.law != LAW_THESIS {
-        let at = (4 * view.step.rods + 2 * sphere) as usize;
-        let total = Load { force: wrenches[at].truncate(), torque: wrenches[at + 1].truncate() };
-        return with_attachments(view, wrenches, sphere, total);
-    }
+/// Returns the load of the contacts of a sphere.
+#[inline]
+pub(crate) fn contact_load(view: &View, lists: &Lists, sphere: u32, mut tally: Option<&mut Tally>) -> Load {
     let (count, list) = lists.list(sphere);
+    if count == 0 {
+        return Load::default();
+    }
     let mut sums = [Vec4::ZERO; 2];
     let done = Ball::new(view, sphere).map_or(0, |ball| {
         ball.for_each_near(count, list, |others| add_ball_loads(&ball, others, tally.as_deref_mut(), &mut sums))
@@ -94,11 +92,18 @@ pub(crate) fn sphere_load(view: &View, lists: &Lists, wrenches: &[Vec4], sphere:
         total.force += load.force;
         total.torque += load.torque;
     });
-    with_attachments(view, wrenches, sphere, total)
+    total
 }
 
-/// Adds everything attached to a sphere to the load of its contacts.
-fn with_attachments(view: &View, wrenches: &[Vec4], sphere: u32, mut total: Load) -> Load {
+/// Returns the load on a sphere: contacts, then everything attached to it. Body forces are not included. `wrenches` are the
+/// results of `rod_forces` or `law_forces`.
+pub(crate) fn sphere_load(view: &View, lists: &Lists, wrenches: &[Vec4], sphere: u32, tally: Option<&mut Tally>) -> Load {
+    let mut total = if view.step.law == LAW_THESIS {
+        contact_load(view, lists, sphere, tally)
+    } else {
+        let at = (4 * view.step.rods + 2 * sphere) as usize;
+        Load { force: wrenches[at].truncate(), torque: wrenches[at + 1].truncate() }
+    };
     for attachment in view.attachments(sphere) {
         match attachment.kind {
             KIND_ROD => {
@@ -184,7 +189,7 @@ fn spring_force(view: &View, spring: u32, sphere: u32) -> Vec3 {
     )
 }
 
-fn tether_force(view: &View, tether: u32, sphere: u32) -> Vec3 {
+pub(crate) fn tether_force(view: &View, tether: u32, sphere: u32) -> Vec3 {
     let tether = view.tether(tether);
     let d = tether.point - view.position(sphere);
     hooke(d, -view.velocity(sphere), tether.stiffness, tether.length, tether.damping)

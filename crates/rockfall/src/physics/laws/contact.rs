@@ -1,4 +1,4 @@
-//! Force and torques of a contact by a law with history, and its tangential spring (docs/physics.md section 4.10).
+//! Force and torques of a contact by a law with history, and its tangential spring (docs/physics.md section 4.11).
 
 use glam::Vec3;
 

@@ -1,7 +1,7 @@
 // requires model/step.wgsl physics/contact.wgsl physics/geometry.wgsl physics/laws/hertz_mindlin.wgsl
 // requires physics/laws/history.wgsl physics/laws/linear.wgsl physics/laws/stiffness.wgsl physics/pairs.wgsl
 
-// Forces of a contact by a law with history, and its tangential spring (docs/physics.md section 4.10).
+// Forces of a contact by a law with history, and its tangential spring (docs/physics.md section 4.11).
 
 fn law_stiffness(constants: vec4f, radius: f32, overlap: f32) -> Stiffness {
     if LAW == LAW_HERTZ_MINDLIN {

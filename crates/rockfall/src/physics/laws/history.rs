@@ -1,4 +1,4 @@
-//! Where the springs of contacts are kept from step to step (docs/physics.md section 4.10).
+//! Where the springs of contacts are kept from step to step (docs/physics.md section 4.11).
 //!
 //! Every mover has a row of records, by insertion index, so rows do not change when memory is sorted. The record of a contact is
 //! in the row of one of the two objects, its owner. The record names the other object by a key that does not depend on the order

@@ -1,6 +1,6 @@
 // requires model/objects.wgsl model/order.wgsl model/step.wgsl
 
-// Where the springs of contacts are kept (docs/physics.md section 4.10). A row of `histories` belongs to a mover, by insertion
+// Where the springs of contacts are kept (docs/physics.md section 4.11). A row of `histories` belongs to a mover, by insertion
 // index. It has `history_room` records of two vectors: displacement and overlap; three unused words and the key of the other
 // object. A record without a key ends the row. The rows after the step follow those before it.
 

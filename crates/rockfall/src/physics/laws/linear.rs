@@ -1,4 +1,4 @@
-//! The law `linear`: springs of constant stiffness (docs/physics.md section 4.10).
+//! The law `linear`: springs of constant stiffness (docs/physics.md section 4.11).
 
 use super::{Constants, Stiffness};
 

@@ -1,6 +1,6 @@
 //! Comments of a scene text, and comments that look like something else.
 
-use super::line::{BOX, CAPSULE, FORCE, GROUP, Kind, ORIENTATION, POLYGON, ROD, SPHERE, SPRING, TETHER};
+use super::line::{BOX, CAPSULE, FORCE, GROUP, Kind, MUSCLE, ORIENTATION, POLYGON, ROD, SPHERE, SPRING, TETHER};
 use crate::error::{nearest, quoted};
 use crate::settings::Settings;
 
@@ -8,7 +8,7 @@ use crate::settings::Settings;
 const WORDS: usize = 32;
 
 /// Kinds of lines with the words by which people call them, in lower case.
-const NAMES: [(&Kind, &[&str]); 10] = [
+const NAMES: [(&Kind, &[&str]); 11] = [
     (&SPHERE, &["s", "sphere", "spheres", "ball"]),
     (&ROD, &["r", "rod", "rods"]),
     (&CAPSULE, &["c", "capsule", "capsules"]),
@@ -19,7 +19,28 @@ const NAMES: [(&Kind, &[&str]); 10] = [
     (&GROUP, &["group", "groups"]),
     (&ORIENTATION, &["orientation"]),
     (&FORCE, &["force"]),
+    (&MUSCLE, &["muscle", "muscles"]),
 ];
+
+/// The comment at the beginning of a text.
+#[derive(Default)]
+pub(super) struct Title {
+    pub(super) lines: Vec<String>,
+    is_complete: bool,
+}
+
+impl Title {
+    /// Adds the next line of the text.
+    pub(super) fn add(&mut self, line: &str, is_comment: bool) {
+        let is_blank = line.trim().is_empty();
+        self.is_complete |= !is_comment && !(is_blank && self.lines.is_empty());
+        if is_comment && !self.is_complete {
+            let text = line.trim_end();
+            let text = text.trim_start().strip_prefix('#').unwrap_or(text);
+            self.lines.push(text.strip_prefix(' ').unwrap_or(text).to_owned());
+        }
+    }
+}
 
 /// Removes a comment from a line: from a `#` at its beginning or after white space.
 pub(super) fn without_comment(line: &str) -> &str {

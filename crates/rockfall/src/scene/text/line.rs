@@ -40,6 +40,8 @@ pub(super) const POLYGON: Kind = Kind {
 };
 pub(super) const SPRING: Kind =
     Kind { word: "K", references: &["a", "b"], numbers: &["stiffness", "length", "damping"], last_is_optional: false };
+pub(super) const MUSCLE: Kind =
+    Kind { word: "@muscle", references: &[], numbers: &["amplitude", "frequency", "phase"], last_is_optional: false };
 pub(super) const BOX: Kind = Kind {
     word: "B",
     references: &[],

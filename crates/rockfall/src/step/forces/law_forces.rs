@@ -1,4 +1,4 @@
-//! Computes the contact forces of a law with history, and advances the springs of the contacts (docs/physics.md section 4.10).
+//! Computes the contact forces of a law with history, and advances the springs of the contacts (docs/physics.md section 4.11).
 //!
 //! Both sides of a contact evaluate it in the same way, so their forces are equal and opposite. The owner of a contact writes its
 //! new spring to the second table of `Histories`. `commit_history` takes it over when the step is accepted. The step is rejected
