@@ -12,7 +12,7 @@ use crate::exec::gpu::wait::{Mapped, block_on};
 use crate::exec::gpu::world::UNIFORM;
 use crate::model::buffer::Buffer;
 use crate::model::dispatch::rows;
-use crate::model::layout::{PHASES_SHIFT, SYMPLECTIC_EULER};
+use crate::model::layout::{LAW_THESIS, PHASES_SHIFT, SYMPLECTIC_EULER};
 use crate::model::step::{Pass, Step};
 use crate::model::world::World;
 use crate::settings::Integrator;
