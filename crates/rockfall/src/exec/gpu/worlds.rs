@@ -101,7 +101,8 @@ impl DeviceWorlds {
         if self.count == 0 {
             return Ok(());
         }
-        let variant = Variant { law: LAW_THESIS, rods: false, large: false, muscles: false, materials: false, many: false, worlds: true };
+        let variant =
+            Variant { law: LAW_THESIS, rods: false, large: false, muscles: false, materials: false, many: false, worlds: true };
         let kernel = self.gpu.kernel(&STAGE, variant, vec![1; STAGE.bindings.len()])?;
         let device = self.gpu.device();
         let across = device.limits().max_compute_workgroups_per_dimension;
