@@ -9,7 +9,7 @@
 //! movers       spheres and rods: the objects that have a pair list
 //! state        3 n vec4 for n spheres: n x (position, radius), n x (velocity, inverse mass),
 //!              n x (angular momentum, inverse inertia)
-//! topology     u32: rods, springs, tethers, external forces, muscles, boxes, polygons, tags, insertion indices, slots,
+//! topology     u32: rods, springs, tethers, external forces, muscles, boxes, polygons, tags, pairs, insertion indices, slots,
 //!              batches, ends, networks, adjacency (record sizes: the WORDS constants of `layout`)
 //! lists        u32, in rows of SLICE words: counts (one per mover, padded to whole slices; the top bit is a flag),
 //!              slice offsets in rows (one per slice and one for the end, padded to whole rows), entries

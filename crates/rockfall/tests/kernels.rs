@@ -27,7 +27,7 @@ fn module(stage: &Stage) -> Module {
 
 /// The module for scenes with or without rods, large spheres and muscles.
 fn module_for(stage: &Stage, [rods, large, muscles]: [bool; 3]) -> Module {
-    let text = Variant { rods, large, muscles, many: false }.apply(&source(stage));
+    let text = Variant { rods, large, muscles, law: 0, materials: true, many: false, worlds: false }.apply(&source(stage));
     naga::front::wgsl::parse_str(&text).unwrap_or_else(|e| panic!("{}: {}", stage.name, e.emit_to_string(&text)))
 }
 

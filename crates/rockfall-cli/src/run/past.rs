@@ -14,6 +14,8 @@ pub(crate) struct Past {
     pub(crate) scene: String,
     /// Number of lines of the scene that are comments.
     pub(crate) comments: usize,
+    /// The comment at the beginning of the scene, without `#`.
+    pub(crate) title: Vec<String>,
     /// Total number of steps requested.
     pub(crate) steps: u64,
     /// Wall time of the steps so far, in s.

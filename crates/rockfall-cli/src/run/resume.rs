@@ -17,8 +17,9 @@ use crate::output;
 pub(crate) struct Given<'a>(pub(crate) &'a ArgMatches);
 
 impl Given<'_> {
+    /// Whether an argument is on the command line. A subcommand need not have it: `view` has no `--substeps`.
     pub(crate) fn has(&self, name: &str) -> bool {
-        self.0.value_source(name) == Some(ValueSource::CommandLine)
+        self.0.try_contains_id(name).is_ok() && self.0.value_source(name) == Some(ValueSource::CommandLine)
     }
 }
 

@@ -6,11 +6,14 @@ use super::{Checkpoint, History, WITH_MUSCLES};
 use crate::model::muscles::MuscleClock;
 use crate::options::Options;
 use crate::report::Report;
-use crate::scene::{Counts, Scene};
+use crate::scene::{Counts, Material, Pair, Scene};
 use crate::settings::Settings;
 
-pub(super) fn bytes(checkpoint: &Checkpoint) -> Vec<u8> {
-    let Checkpoint { scene, options, time_step, report, note, device, program, history } = checkpoint;
+/// First version that holds materials and pairs.
+pub(super) const MATERIALS_SINCE: u32 = 3;
+
+pub(super) fn bytes(checkpoint: &Checkpoint, version: u32) -> Vec<u8> {
+    let Checkpoint { scene, options, time_step, report, note, device, program, history, springs: _ } = checkpoint;
     let mut head = Head::default();
     for text in [program, device, note] {
         head.text(text);
@@ -49,6 +52,9 @@ pub(super) fn bytes(checkpoint: &Checkpoint) -> Vec<u8> {
     let Counts { spheres, rods, capsules, springs, tethers, boxes, polygons } = scene.counts();
     for count in [spheres, rods, capsules, springs, tethers, boxes, polygons] {
         head.u64(count as u64);
+    }
+    if version >= MATERIALS_SINCE {
+        materials(&mut head, scene);
     }
     head.bytes
 }
@@ -108,7 +114,10 @@ pub(super) fn read(words: &mut Words, version: u32) -> Result<(Checkpoint, Count
         boxes: count()?,
         polygons: count()?,
     };
-    Ok((Checkpoint { scene, options, time_step, report, note, device, program, history }, counts))
+    if version >= MATERIALS_SINCE {
+        read_materials(words, &mut scene)?;
+    }
+    Ok((Checkpoint { scene, options, time_step, report, note, device, program, history, springs: Vec::new() }, counts))
 }
 
 /// Writes the constants by name, as text that reads back bitwise identical. The direction of gravity is also stored as numbers,
@@ -133,4 +142,37 @@ fn read_settings(words: &mut Words) -> Result<Settings, Damage> {
     settings.gravity_direction = words.vec3()?;
     settings.validate()?;
     Ok(settings)
+}
+
+/// Writes materials in insertion order, then the properties of pairs with the indices of the two materials.
+fn materials(head: &mut Head, scene: &Scene) {
+    head.u32(scene.materials().len() as u32);
+    for Material { name, density, young, poisson } in scene.materials() {
+        head.text(name);
+        [density, young, poisson].into_iter().for_each(|constant| head.known(*constant));
+    }
+    head.u32(scene.pairs.len() as u32);
+    for ((one, other), Pair { restitution, friction, stiffness }) in &scene.pairs {
+        head.u32(u32::from(*one));
+        head.u32(u32::from(*other));
+        [restitution, friction, stiffness].into_iter().for_each(|property| head.known(*property));
+    }
+}
+
+fn read_materials(words: &mut Words, scene: &mut Scene) -> Result<(), Damage> {
+    for _ in 0..words.u32()? {
+        let mut material = Material::new(words.text()?);
+        (material.density, material.young, material.poisson) = (words.known()?, words.known()?, words.known()?);
+        scene.add_material(material)?;
+    }
+    for _ in 0..words.u32()? {
+        let [one, other] = [words.u32()?, words.u32()?].map(|index| index as usize);
+        if one.max(other) >= scene.materials().len() {
+            return Err(Damage::new(format!("a pair refers to material {} of {}", one.max(other), scene.materials().len())));
+        }
+        let pair = Pair { restitution: words.known()?, friction: words.known()?, stiffness: words.known()? };
+        let [one, other] = [one, other].map(|index| scene.materials.handle_at(index));
+        scene.set_pair(one, other, pair)?;
+    }
+    Ok(())
 }

@@ -10,6 +10,7 @@ mod array;
 mod check;
 mod device;
 mod exchange;
+mod exchangers;
 mod fault;
 mod fuse;
 mod kernel;
@@ -20,6 +21,8 @@ mod timer;
 mod transfer;
 mod wait;
 mod world;
+#[cfg(not(target_family = "wasm"))]
+pub(crate) mod worlds;
 
 pub use device::{Gpu, adapters, instance};
 pub use exchange::Table;

@@ -7,11 +7,13 @@
 //! the change of the phase in half a time step, 64 bits each with the low word first. Force evaluations are a whole number of half
 //! steps apart. Springs without a muscle have amplitude 0, which leaves their rest length as it is.
 
+use glam::Vec4;
+
+use crate::model::lanes::LANES;
 use crate::model::layout::MUSCLE_WORDS;
 use crate::model::status::Status;
 use crate::model::step::Step;
-use crate::model::world::World;
-use crate::scene::{Muscle, Scene};
+use crate::scene::Muscle;
 use crate::settings::DEFAULT_TIME_STEP;
 
 /// Steps after which the phases in the table are advanced. Counts of half steps since then fit 32 bits.
@@ -74,7 +76,7 @@ impl MuscleClock {
     }
 
     /// The record of a spring.
-    fn record(&self, muscle: Option<Muscle>) -> [u32; MUSCLE_WORDS as usize] {
+    pub(crate) fn record(&self, muscle: Option<Muscle>) -> [u32; MUSCLE_WORDS as usize] {
         let Some(muscle) = muscle else { return [0; MUSCLE_WORDS as usize] };
         let words = |phase: u64| [phase as u32, (phase >> 32) as u32];
         let ([low, high], [step_low, step_high]) = (words(self.phase_at(&muscle, self.base())), words(self.half_step(&muscle)));
@@ -82,7 +84,7 @@ impl MuscleClock {
     }
 
     /// Whether the tables for both clocks are the same.
-    fn has_table_of(&self, other: &Self) -> bool {
+    pub(crate) fn has_table_of(&self, other: &Self) -> bool {
         (self.start.to_bits(), self.dt.to_bits(), self.base()) == (other.start.to_bits(), other.dt.to_bits(), other.base())
     }
 }
@@ -94,24 +96,6 @@ fn to_phase(turns: f64) -> u64 {
     (turns.rem_euclid(1.0) * 2.0_f64.powi(64)) as u64
 }
 
-impl World {
-    /// Writes the table of muscles for a clock, unless the present table is the same. Returns whether it was written. `scene` is
-    /// the scene that the topology was packed from.
-    pub(crate) fn set_muscles(&mut self, scene: &Scene, clock: &MuscleClock) -> bool {
-        self.step.muscle_step = clock.steps_since_base();
-        let is_same = self.muscles_for.is_some_and(|known| known.has_table_of(clock));
-        if self.step.muscles_at == 0 || is_same {
-            return false;
-        }
-        self.muscles_for = Some(*clock);
-        let table = &mut self.topology[self.step.muscles_at as usize..];
-        for (record, spring) in table.chunks_exact_mut(MUSCLE_WORDS as usize).zip(scene.springs()) {
-            record.copy_from_slice(&clock.record(spring.muscle));
-        }
-        true
-    }
-}
-
 /// Half steps since the base of the muscles' clock, at a force evaluation of a step.
 pub(crate) fn half_steps(step: &Step, status: &Status, evaluation: u32) -> u32 {
     // RK4 evaluates forces at the start of the step, twice in its middle, and at its end.
@@ -120,19 +104,49 @@ pub(crate) fn half_steps(step: &Step, status: &Status, evaluation: u32) -> u32 {
 
 /// Rest length of a spring of constant length `length` with this record in the table, after a number of half steps.
 pub(crate) fn muscle_length(record: [u32; MUSCLE_WORDS as usize], length: f32, half_steps: u32) -> f32 {
-    let [amplitude, low, high, step_low, step_high] = record;
-    let wide = |low: u32, high: u32| u64::from(high) << 32 | u64::from(low);
-    let phase = wide(low, high).wrapping_add(wide(step_low, step_high).wrapping_mul(half_steps.into()));
-    length * (1.0 + f32::from_bits(amplitude) * sine(phase))
+    MusclesOfFour::of(&[record]).lengths(Vec4::splat(length), half_steps).x
 }
 
-/// Sine of a phase. The error is less than 2e-7.
-fn sine(phase: u64) -> f32 {
+/// The muscles of four springs.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct MusclesOfFour {
+    amplitudes: Vec4,
+    /// Phases at the base of the clock, and their change in half a step.
+    phases: [u64; LANES],
+    changes: [u64; LANES],
+}
+
+impl MusclesOfFour {
+    /// The muscles of up to four records.
+    pub(crate) fn of(records: &[[u32; MUSCLE_WORDS as usize]]) -> Self {
+        let wide = |low: u32, high: u32| u64::from(high) << 32 | u64::from(low);
+        let mut four = Self::default();
+        for (lane, [amplitude, low, high, step_low, step_high]) in records.iter().enumerate() {
+            four.amplitudes[lane] = f32::from_bits(*amplitude);
+            four.phases[lane] = wide(*low, *high);
+            four.changes[lane] = wide(*step_low, *step_high);
+        }
+        four
+    }
+
+    /// Rest lengths of the springs of these constant lengths after a number of half steps.
+    #[inline]
+    pub(crate) fn lengths(&self, lengths: Vec4, half_steps: u32) -> Vec4 {
+        let phase = |lane: usize| self.phases[lane].wrapping_add(self.changes[lane].wrapping_mul(half_steps.into()));
+        lengths * (1.0 + self.amplitudes * sines(std::array::from_fn(phase)))
+    }
+}
+
+/// Sines of phases. The error is less than 2e-7.
+#[inline]
+fn sines(phases: [u64; LANES]) -> Vec4 {
     const RADIANS: f32 = (std::f64::consts::TAU / 18_446_744_073_709_551_616.0) as f32;
-    let turns = phase.cast_signed();
-    // sin(pi - x) = sin x reduces the angle to a quarter turn to either side, exactly.
-    let folded = if turns.unsigned_abs() > 1 << 62 { i64::MIN.wrapping_sub(turns) } else { turns };
-    let x = folded as f32 * RADIANS;
+    let folded = |phase: u64| {
+        let turns = phase.cast_signed();
+        // sin(pi - x) = sin x reduces the angle to a quarter turn to either side, exactly.
+        (if turns.unsigned_abs() > 1 << 62 { i64::MIN.wrapping_sub(turns) } else { turns }) as f32
+    };
+    let x = Vec4::from_array(phases.map(folded)) * RADIANS;
     let xx = x * x;
     let [a3, a5, a7, a9, a11] = [-1.0 / 6.0, 1.0 / 120.0, -1.0 / 5040.0, 1.0 / 362_880.0, -1.0 / 39_916_800.0];
     x + x * xx * (a3 + xx * (a5 + xx * (a7 + xx * (a9 + xx * a11))))
@@ -141,6 +155,10 @@ fn sine(phase: u64) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    fn sine(phase: u64) -> f32 {
+        sines([phase; LANES]).w
+    }
 
     #[test]
     fn sines_are_exact_to_f32() {

@@ -3,8 +3,8 @@
 use glam::{Vec3, Vec4};
 
 use crate::model::layout::{
-    BOX_WORDS, FORCE_WORDS, KIND_ROD, KIND_SHIFT, MUSCLE_WORDS, NO_NETWORK, POLYGON_WORDS, ROD_WORDS, SPRING_WORDS,
-    TETHER_WORDS,
+    BOX_WORDS, FORCE_WORDS, KIND_ROD, KIND_SHIFT, MATERIAL_SHIFT, MUSCLE_WORDS, NO_NETWORK, PAIR_WORDS, POLYGON_WORDS,
+    ROD_WORDS, SPRING_WORDS, TETHER_WORDS,
 };
 use crate::model::muscles::{half_steps, muscle_length};
 use crate::model::status::Status;
@@ -198,14 +198,29 @@ impl<'a> View<'a> {
         RodRecord { ends: [end1, end2], radius: f32::from_bits(radius), length: f32::from_bits(length) }
     }
 
+    /// The record of a spring's muscle, in scenes with muscles.
+    pub(crate) fn muscle(&self, spring: u32) -> [u32; MUSCLE_WORDS as usize] {
+        self.record(self.step.muscles_at, spring, MUSCLE_WORDS)
+    }
+
+    /// Half steps since the base of the muscles' clock.
+    pub(crate) fn half_steps(&self) -> u32 {
+        self.half_steps
+    }
+
+    /// A spring without its muscle.
+    pub(crate) fn plain_spring(&self, spring: u32) -> SpringRecord {
+        let [a, b, k, l, c] = self.record(self.step.springs_at, spring, SPRING_WORDS);
+        SpringRecord { ends: [a, b], stiffness: f32::from_bits(k), length: f32::from_bits(l), damping: f32::from_bits(c) }
+    }
+
     /// A spring. The length is that at the time of the view.
     pub(crate) fn spring(&self, spring: u32) -> SpringRecord {
-        let [a, b, k, l, c] = self.record(self.step.springs_at, spring, SPRING_WORDS);
-        let mut length = f32::from_bits(l);
+        let mut record = self.plain_spring(spring);
         if self.step.muscles_at != 0 {
-            length = muscle_length(self.record(self.step.muscles_at, spring, MUSCLE_WORDS), length, self.half_steps);
+            record.length = muscle_length(self.muscle(spring), record.length, self.half_steps);
         }
-        SpringRecord { ends: [a, b], stiffness: f32::from_bits(k), length, damping: f32::from_bits(c) }
+        record
     }
 
     pub(crate) fn tether(&self, tether: u32) -> TetherRecord {
@@ -233,6 +248,13 @@ impl<'a> View<'a> {
     /// Group (low 16 bits) and material (high 16 bits) of an object.
     pub(crate) fn tag(&self, id: u32) -> u32 {
         self.topology[(self.step.tags_at + id) as usize]
+    }
+
+    /// The row of the materials of two objects in the table of pairs; `None` without a table.
+    pub(crate) fn pair(&self, a: u32, b: u32) -> Option<[f32; PAIR_WORDS as usize]> {
+        let Step { materials, pairs_at, .. } = *self.step;
+        let [one, other] = [a, b].map(|id| self.tag(id) >> MATERIAL_SHIFT);
+        (materials > 0).then(|| self.floats(pairs_at, one * materials + other, PAIR_WORDS))
     }
 
     /// Everything that is attached to a sphere, rods first.

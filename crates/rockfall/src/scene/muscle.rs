@@ -1,11 +1,9 @@
 //! Muscles: springs whose rest length oscillates.
 
-use std::f64::consts::TAU;
-
 use crate::error::{Error, Result};
-use crate::scene::objects::{Spring, invalid, not_negative};
+use crate::scene::checks::{invalid, not_negative};
 
-/// Makes the rest length of a [`Spring`] oscillate about its constant `l`: l (1 + A sin(2 pi (F t + P))), where t is the time since
+/// Makes the rest length of a [`Spring`](crate::Spring) oscillate about its constant `l`: l (1 + A sin(2 pi (F t + P))), where t is the time since
 /// the start of the simulation (docs/physics.md section 4.9).
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
@@ -45,20 +43,6 @@ impl Muscle {
         // Rounding to f32 may give 1, which is the same phase as 0.
         let phase = turns.rem_euclid(1.0) as f32 % 1.0;
         Self { phase, ..*self }
-    }
-}
-
-impl Spring {
-    /// Makes the spring a muscle.
-    pub fn muscle(mut self, muscle: Muscle) -> Self {
-        self.muscle = Some(muscle);
-        self
-    }
-
-    /// The rest length at a phase of the muscle in turns, in units.
-    pub(crate) fn length_at_phase(&self, turns: f64) -> f64 {
-        let share = self.muscle.map_or(0.0, |muscle| f64::from(muscle.amplitude) * (TAU * turns).sin());
-        f64::from(self.length) * (1.0 + share)
     }
 }
 

@@ -15,10 +15,15 @@
 //! | `@force ref x y z` | nothing: sets the external force on that sphere |
 //! | `@muscle amplitude frequency phase` | nothing: the rest length of the spring added last oscillates |
 //! | `@capsule ref1 ref2` | nothing: the two spheres and the rod added last are a capsule |
+//! | `@material NAME density=D young=E poisson=N` | nothing: defines a material; each constant may be left out |
+//! | `@pair NAME NAME restitution=e friction=mu stiffness=k` | nothing: sets properties of the contacts between two materials |
+//! | `@use NAME` | nothing: the objects of the lines below are of this material; `@use -`: of none |
 //!
-//! The whole first word of a line decides its kind. A line with any other first word is a comment. The last seven kinds above are
+//! The whole first word of a line decides its kind. A line with any other first word is a comment. The last ten kinds above are
 //! comments to the reader of the thesis. `#` at the beginning of a line or after white space begins a comment up to the end of
 //! the line.
+//!
+//! `-` in place of the mass of a sphere or capsule stands for its volume times the density of the material in use.
 //!
 //! A line that begins with `set` or `@` and is not understood is an error. In a file without any other such line, without
 //! tethers and without `#`, it may be prose of a file for the thesis's program: there it is a comment with a warning. A comment without `#` that
@@ -33,11 +38,12 @@ use glam::{Quat, Vec3};
 
 mod comment;
 mod line;
+mod materials;
 
-use comment::{has_number_sign, is_extension, is_number, looks_like, may_be_prose, without_comment};
+use comment::{Title, has_number_sign, is_extension, is_number, looks_like, may_be_prose, without_comment};
 use line::{BOX, CAPSULE, FORCE, GROUP, Kind, Line, MARK, MUSCLE, ORIENTATION, POLYGON, ROD, SPHERE, SPRING, TETHER, Wrong};
 
-use super::{Capsule, CapsuleParts, Cuboid, Muscle, Polygon, Rod, Scene, Sphere, SphereId, Spring, Tether};
+use super::{Capsule, CapsuleParts, Cuboid, MaterialId, Muscle, Polygon, Rod, Scene, Sphere, SphereId, Spring, Tether};
 use crate::error::{Error, Result, nearest, quoted};
 use crate::settings::Settings;
 
@@ -50,6 +56,8 @@ pub struct Loaded {
     pub warnings: Vec<LineWarning>,
     /// Number of lines that are comments. Empty lines, and comments after an object, are not counted.
     pub comments: usize,
+    /// The comment at the beginning of the text, up to the first line that is empty or no comment, without `#`. One item per line.
+    pub title: Vec<String>,
 }
 
 /// A warning about a line of a scene text. The line was accepted.
@@ -75,15 +83,18 @@ impl Scene {
     pub fn parse(text: &str, name: &Path) -> Result<Loaded> {
         let text = text.strip_prefix('\u{feff}').unwrap_or(text);
         let mut reader = Reader::new(text);
+        let mut title = Title::default();
         for (index, line) in text.lines().enumerate() {
+            let before = reader.comments;
             reader.line(line, index + 1).map_err(|wrong| Error::SceneLine {
                 file: name.to_owned(),
                 line: index + 1,
                 field: wrong.field,
                 message: wrong.message + if may_be_prose(line) { "; if the line is a comment, begin it with #" } else { "" },
             })?;
+            title.add(line, reader.comments > before);
         }
-        Ok(Loaded { scene: reader.scene, warnings: reader.warnings, comments: reader.comments })
+        Ok(Loaded { scene: reader.scene, warnings: reader.warnings, comments: reader.comments, title: title.lines })
     }
 
     /// Reads a scene file. Bytes that are not UTF-8 (in comments of an older encoding) are accepted outside of numbers.
@@ -127,7 +138,7 @@ fn option_for(word: &str) -> Option<&'static str> {
 }
 
 /// First words of extensions that begin with `@`.
-const AT_WORDS: [&str; 5] = ["@group", "@orientation", "@force", "@capsule", "@muscle"];
+const AT_WORDS: [&str; 8] = ["@group", "@orientation", "@force", "@capsule", "@muscle", "@material", "@pair", "@use"];
 
 struct Reader<'a> {
     /// The whole text.
@@ -142,6 +153,8 @@ struct Reader<'a> {
     references: HashMap<u32, SphereId>,
     /// The group of the following objects.
     group: u16,
+    /// The material of the following objects.
+    material: Option<MaterialId>,
 }
 
 impl<'a> Reader<'a> {
@@ -154,6 +167,7 @@ impl<'a> Reader<'a> {
             set_at: HashMap::new(),
             references: HashMap::new(),
             group: 0,
+            material: None,
         }
     }
 
@@ -178,6 +192,9 @@ impl<'a> Reader<'a> {
             "@force" => self.force(line),
             "@capsule" => self.mark(line),
             "@muscle" => self.muscle(line),
+            "@material" => self.material(line),
+            "@pair" => self.properties(line, number),
+            "@use" => self.use_material(line),
             "set" => self.set(line, number),
             "T" => {
                 self.suspicious(number, format!("a tether is `{}`", TETHER.form()));
@@ -239,9 +256,10 @@ impl<'a> Reader<'a> {
         let mut sphere = Sphere::new(vector(&n[0..3]), n[10])
             .velocity(vector(&n[3..6]))
             .angular_momentum(vector(&n[6..9]))
-            .mass(n[9])
             .group(self.group);
+        sphere.mass = self.mass(&SPHERE, n[9], |density| sphere.density(density).mass)?;
         sphere.fixed = n[11] > 0.0;
+        sphere.material = self.material;
         let id = self.scene.add_sphere(sphere).map_err(|error| SPHERE.refused(&error))?;
         self.references.insert(reference, id);
         self.scene.references.set(id, reference);
@@ -253,14 +271,16 @@ impl<'a> Reader<'a> {
         let (end1, end2) = self.pair(&ROD, references)?;
         let mut rod = Rod::new(end1, end2, radius).group(self.group);
         rod.length = (length > 0.0).then_some(length);
+        rod.material = self.material;
         self.scene.add_rod(rod).map_err(|error| ROD.refused(&error))?;
         Ok(())
     }
 
     fn capsule(&mut self, line: &str) -> Line<()> {
         let ([], n) = CAPSULE.read::<0, 11>(line)?;
-        let capsule =
-            Capsule::new(vector(&n[0..3]), vector(&n[3..6]), n[10]).velocity(vector(&n[6..9])).mass(n[9]).group(self.group);
+        let capsule = Capsule::new(vector(&n[0..3]), vector(&n[3..6]), n[10]).velocity(vector(&n[6..9])).group(self.group);
+        let mass = self.mass(&CAPSULE, n[9], |density| capsule.density(density).mass)?;
+        let capsule = Capsule { material: self.material, ..capsule.mass(mass) };
         self.scene.add_capsule(capsule).map_err(|error| CAPSULE.refused(&error))?;
         Ok(())
     }
@@ -268,6 +288,7 @@ impl<'a> Reader<'a> {
     fn polygon(&mut self, line: &str) -> Line<()> {
         let ([], n) = POLYGON.read::<0, 9>(line)?;
         let polygon = Polygon::new(vector(&n[0..3]), vector(&n[3..6]), vector(&n[6..9])).group(self.group);
+        let polygon = Polygon { material: self.material, ..polygon };
         self.scene.add_polygon(polygon).map_err(|error| POLYGON.refused(&error))?;
         Ok(())
     }
@@ -283,6 +304,7 @@ impl<'a> Reader<'a> {
     fn cuboid(&mut self, line: &str) -> Line<()> {
         let ([], n) = BOX.read::<0, 12>(line)?;
         let cuboid = Cuboid::new(vector(&n[0..3]), vector(&n[3..6]), vector(&n[6..9]), vector(&n[9..12])).group(self.group);
+        let cuboid = Cuboid { material: self.material, ..cuboid };
         self.scene.add_box(cuboid).map_err(|error| BOX.refused(&error))?;
         Ok(())
     }
@@ -389,7 +411,13 @@ impl<'a> Reader<'a> {
                 other => other.to_string(),
             },
         };
-        self.scene.settings.set(name, &value).map_err(wrong)
+        let given = self.set_at.contains_key("collisions").then_some(self.scene.settings.collisions);
+        self.scene.settings.set(name, &value).map_err(wrong)?;
+        if let Some(collisions) = given.filter(|_| name == "contact_law") {
+            // The order of the lines does not matter.
+            self.scene.settings.collisions = collisions;
+        }
+        Ok(())
     }
 }
 

@@ -108,7 +108,10 @@ fn a_line_that_is_not_understood_is_an_error_in_a_file_with_extensions() {
         ("set Gravity 3", "set 'Gravity': an unknown setting, did you mean gravity?"),
         ("set", "set: a setting without a name, expected `set NAME VALUE`"),
         ("@grup 1", "'@grup': an unknown word, did you mean @group?"),
-        ("@mesh hopper.stl", "'@mesh': an unknown word, expected one of @group, @orientation, @force, @capsule, @muscle"),
+        (
+            "@mesh hopper.stl",
+            "'@mesh': an unknown word, expected one of @group, @orientation, @force, @capsule, @muscle, @material, @pair, @use",
+        ),
     ];
     for (line, expected) in cases {
         for other in ["set restitution 1", "@group 2", "@group", "T 1 0 0 0 1 1 1", "set out"] {
@@ -170,7 +173,7 @@ fn a_comment_that_looks_like_an_object_or_a_setting_has_a_warning() {
         ("mesh hopper.stl", "it looks like a mesh, which a scene cannot contain"),
         (
             "S1 0 2 0 0 0 0 0 0 0 1 0.5",
-            "it looks like an object, but 'S1' is not one of S, R, C, P, K, B, T, @group, @orientation, @force",
+            "it looks like an object, but 'S1' is not one of S, R, C, P, K, B, T, @group, @orientation, @force, @muscle",
         ),
     ];
     for (line, what) in cases {

@@ -15,7 +15,7 @@ impl Simulation {
     #[cfg(not(target_family = "wasm"))]
     pub fn read_table(&mut self, table: Table, into: &wgpu::Buffer) -> Result<wgpu::SubmissionIndex> {
         self.flush()?;
-        self.on_gpu()?.read_table(table, into)
+        self.gpu_world()?.read_table(table, into)
     }
 
     /// Sets a field of all spheres from a buffer on the device, in order of addition and without a copy through the host. The
@@ -37,13 +37,13 @@ impl Simulation {
     /// As for [`Simulation::write_table`].
     pub async fn write_table_async(&mut self, table: Table, from: &wgpu::Buffer) -> Result<wgpu::SubmissionIndex> {
         self.flush_async().await?;
-        self.on_gpu()?.check_table(table, from).await?;
+        self.gpu_world()?.check_table(table, from).await?;
         if table == Table::Forces && !self.world.has_force_on_each {
             self.world.has_force_on_each = true;
             self.dirty = self.dirty.max(Dirty::Topology);
             self.flush_async().await?;
         }
-        let submission = self.on_gpu()?.write_table(table, from)?;
+        let submission = self.gpu_world()?.write_table(table, from)?;
         if table == Table::Forces {
             self.forces_synced = false;
         } else {
@@ -53,7 +53,7 @@ impl Simulation {
         Ok(submission)
     }
 
-    fn on_gpu(&self) -> Result<&GpuWorld> {
+    fn gpu_world(&self) -> Result<&GpuWorld> {
         self.gpu_view().ok_or_else(|| Error::Device("a table on the device needs the GPU backend".to_owned()))
     }
 

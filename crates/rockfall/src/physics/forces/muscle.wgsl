@@ -34,11 +34,15 @@ fn sine_of_phase(phase: u32) -> f32 {
     return select(value, -value, (quarter & 2u) == 2u);
 }
 
-// Rest length of a spring at the present force evaluation. Without a muscle, its amplitude in the table is 0.
+// Rest length of a spring of constant length `length` at the present force evaluation. `muscle` is the first word of its record.
+// The amplitude is 0 if it has no muscle.
+fn muscle_length(muscle: u32, length: f32) -> f32 {
+    return length * fma(float_at(muscle), sine_of_phase(muscle_phase(muscle)), 1.0);
+}
+
 fn rest_length(spring: u32, length: f32) -> f32 {
     if MUSCLES {
-        let muscle = step.muscles_at + spring * MUSCLE_WORDS;
-        return length * fma(float_at(muscle), sine_of_phase(muscle_phase(muscle)), 1.0);
+        return muscle_length(step.muscles_at + spring * MUSCLE_WORDS, length);
     }
     return length;
 }
