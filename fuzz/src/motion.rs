@@ -2,7 +2,9 @@
 
 use rockfall::glam::{Quat, Vec3};
 use rockfall::step::schedule::Phase;
-use rockfall::{Capsule, Cuboid, Integrator, Options, Polygon, Rod, Settings, Simulation, Sphere, SphereId, Spring, Tether};
+use rockfall::{
+    Capsule, Cuboid, Integrator, Muscle, Options, Polygon, Rod, Settings, Simulation, Sphere, SphereId, Spring, Tether,
+};
 
 use super::case::{Action, Add, Ball, Case, Change, Kind};
 use super::number::{Size, vector};
@@ -151,7 +153,9 @@ fn attach(twins: &mut Twins, what: &Add) {
         }
         Add::Spring { ends: which, numbers: [stiffness, length, damping] } => {
             let Some([one, two]) = ends(twins, which) else { return };
-            let spring = Spring::new(one, two, stiffness.0, length.0).damping(damping.0);
+            let mut spring = Spring::new(one, two, stiffness.0, length.0).damping(damping.0);
+            // A quarter of the springs are muscles. Some of them are out of range.
+            spring.muscle = (which[0] >= 192).then(|| Muscle::new(stiffness.0 * 0.01, damping.0, length.0));
             twins.both(|simulation| simulation.add_spring(spring));
         }
         Add::Tether { sphere, point, numbers: [stiffness, length, damping] } => {

@@ -19,11 +19,21 @@ mod measure;
 mod phases;
 mod spread;
 mod table;
+mod worlds;
 
 use measure::Measured;
 
+/// What is measured instead of steps of one scene.
+#[derive(Debug, clap::Subcommand)]
+enum Other {
+    Worlds(worlds::Arguments),
+}
+
 #[derive(Debug, clap::Args)]
+#[command(args_conflicts_with_subcommands = true, disable_help_subcommand = true)]
 pub(crate) struct Arguments {
+    #[command(subcommand)]
+    other: Option<Other>,
     /// Scene to measure: thesis, lattice, pile, settled, shuffled, mixed or radii
     #[arg(default_value_t = Benchmark::Thesis)]
     scene: Benchmark,
@@ -63,6 +73,9 @@ impl Arguments {
 }
 
 pub(crate) fn bench(arguments: &Arguments) -> Result<(), Failure> {
+    if let Some(Other::Worlds(arguments)) = &arguments.other {
+        return worlds::bench(arguments);
+    }
     if let Some(path) = &arguments.plot {
         files::check("--plot", path, files::CHART)?;
     }

@@ -39,7 +39,8 @@ device can still be read, and the last checkpoint is left unchanged.
 everything from the checkpoint: constants, time step, integrator, backend, --out, --every, --trace, --contacts, --save and \
 --checkpoint-every, and writes further checkpoints to FILE. Options on the command line override the checkpoint; a change that affects the motion is \
 reported. With the same options on the same device, the final state, the trace and the trajectory are bitwise identical to \
-those of a run that was never stopped. Until a run ends, its trace and trajectory are next to their final path as .NAME.part. \
+those of a run that was never stopped. A checkpoint of a program that uses the library or of Python has no number of steps, so \
+it needs --steps. Until a run ends, its trace and trajectory are next to their final path as .NAME.part. \
 A run that is killed leaves these files; --resume continues them, and a new run that writes to the same path replaces them.
 
 --substeps N divides every step into N equal parts; auto chooses the smallest N for which the springs and the contact force \

@@ -71,6 +71,26 @@ fn check_json(backend: &str) {
     }
 }
 
+/// Worlds side by side are measured with the number of stopped worlds, and their options do not mix with those of scenes.
+#[test]
+fn worlds_are_measured() {
+    let out = bench("worlds --worlds 3,5 --spheres 8 --steps 20 --runs 2 --backend cpu --json", 0);
+    let result: Value = serde_json::from_str(&out).unwrap();
+    assert_eq!((&result["scene"], &result["spheres"], &result["dt"]), (&"worlds".into(), &8.into(), &0.005.into()));
+    let sizes = result["sizes"].as_array().unwrap();
+    assert_eq!(sizes.iter().map(|size| size["worlds"].as_u64()).collect::<Vec<_>>(), [Some(3), Some(5)]);
+    for size in sizes {
+        assert!(size["world_steps_per_second"]["median"].as_f64().unwrap() > 100.0, "{size}");
+        assert_eq!((&size["stopped"], &size["path"]), (&0.into(), &"simulation".into()));
+    }
+    let table = bench("worlds --worlds 2 --spheres 20 --steps 5 --runs 1 --backend cpu --collisions", 0);
+    assert!(table.starts_with("rockfall bench worlds, 20 spheres and 60 springs with muscles each, ground"), "{table}");
+    assert!(table.contains("collisions and contact forces, rk4: CPU"), "{table}");
+    for wrong in ["worlds --warmup 3", "worlds --worlds 0", "--spheres 8 worlds"] {
+        bench(wrong, 2);
+    }
+}
+
 #[test]
 fn json_has_all_keys_on_the_cpu() {
     check_json("cpu");

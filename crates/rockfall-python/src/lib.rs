@@ -6,12 +6,15 @@ use pyo3::prelude::*;
 mod arguments;
 mod doors;
 mod errors;
+mod film;
 mod ids;
 mod memory;
 mod objects;
 mod observe;
 mod picture;
 mod scene;
+#[cfg_attr(not(target_os = "linux"), path = "shared/elsewhere.rs")]
+mod shared;
 mod simulation;
 mod states;
 mod tables;
@@ -27,15 +30,19 @@ mod _rockfall {
     #[pymodule_export]
     use crate::errors::SimulationError;
     #[pymodule_export]
+    use crate::film::{Film, Filming};
+    #[pymodule_export]
     use crate::objects::{
         add_boxes, add_capsules, add_polygons, add_rods, add_spheres, add_springs, add_tethers, remove, update,
     };
     #[pymodule_export]
     use crate::observe::{cast_rays, contacts, counts, diagnostics, energy, max_overlap, table};
     #[pymodule_export]
-    use crate::picture::{Picture, Studio};
+    use crate::picture::{Picture, Studio, framing};
     #[pymodule_export]
     use crate::scene::Scene;
+    #[pymodule_export]
+    use crate::shared::SharedArray;
     #[pymodule_export]
     use crate::simulation::Simulation;
     #[pymodule_export]

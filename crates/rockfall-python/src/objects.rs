@@ -1,22 +1,72 @@
 //! Adds, removes and changes objects in bulk. The Python layer has checked shapes, types and ranges and repeats scalars, so all
 //! arrays are contiguous and have one row per object. Nothing is added when a row is wrong.
 
-use numpy::PyUntypedArrayMethods;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use rockfall::{Capsule, Cuboid, Polygon, Rod, Sphere, SphereId, Spring, Tether};
 
 use crate::arguments::{Floats, Groups, Numbers, Rows, Switches, check, quaternion, vector};
-use crate::doors::with;
+use crate::doors::{Doors, with};
 use crate::errors::{Raise, raise};
 use crate::ids::{Ids, handle};
 
+/// An error of a row. Only errors of values name the row.
 fn at_row(row: usize, error: rockfall::Error) -> PyErr {
-    PyValueError::new_err(format!("row {row}: {error}"))
+    match error {
+        rockfall::Error::Invalid { .. } => PyValueError::new_err(format!("row {row}: {error}")),
+        other => raise(other),
+    }
 }
 
-fn ends<'a>(spheres: &'a [SphereId], ids: &'a [i64]) -> impl Iterator<Item = PyResult<SphereId>> + 'a {
-    ids.iter().map(|id| handle(spheres, "sphere", *id))
+/// Makes slices of arrays, checks that all have the same number of rows, and defines that number.
+macro_rules! rows {
+    ($count:ident: $($array:ident / $columns:literal),+) => {
+        $(let $array = $array.as_slice()?;)+
+        let lengths = [$($array.len() / $columns),+];
+        let $count = lengths[0];
+        check($count, &lengths)?;
+    };
+}
+
+/// Adds objects, and their handles to those of the kind. Returns the number of the first.
+fn add_all<D: Doors + ?Sized, T, Id>(
+    doors: &mut D,
+    ids: &mut Vec<Id>,
+    objects: impl ExactSizeIterator<Item = T>,
+    add: fn(&mut D, T) -> rockfall::Result<Id>,
+) -> PyResult<usize> {
+    let first = ids.len();
+    ids.reserve(objects.len());
+    for (row, object) in objects.enumerate() {
+        ids.push(add(doors, object).map_err(|error| at_row(row, error))?);
+    }
+    Ok(first)
+}
+
+/// Adds objects to an empty scene, so that a wrong row is found before the first object is added.
+fn try_all<T, Id>(
+    objects: impl ExactSizeIterator<Item = T>,
+    add: fn(&mut rockfall::Scene, T) -> rockfall::Result<Id>,
+) -> PyResult<()> {
+    add_all(&mut rockfall::Scene::new(), &mut Vec::new(), objects, add).map(drop)
+}
+
+/// The spheres of each row.
+fn ends(spheres: &[SphereId], numbers: &[i64]) -> PyResult<Vec<SphereId>> {
+    numbers.iter().map(|number| handle(spheres, "sphere", *number)).collect()
+}
+
+/// The spheres of each row, which must be in the scene and different.
+fn pairs(scene: &rockfall::Scene, ids: &Ids, one: &[i64], two: &[i64]) -> PyResult<Vec<(SphereId, SphereId)>> {
+    let found: Vec<_> = ends(&ids.spheres, one)?.into_iter().zip(ends(&ids.spheres, two)?).collect();
+    for (row, (a, b)) in found.iter().enumerate() {
+        scene.sphere(*a).and(scene.sphere(*b)).or_raise()?;
+        if a == b {
+            let text = format!("row {row}: both ends are sphere {}, expected two different spheres", one[row]);
+            return Err(PyValueError::new_err(text));
+        }
+    }
+    Ok(found)
 }
 
 /// Adds spheres and returns the number of the first.
@@ -34,34 +84,20 @@ pub(crate) fn add_spheres(
     fixed: Switches<'_>,
     group: Groups<'_>,
 ) -> PyResult<usize> {
-    let count = radius.len();
-    let vectors = [&position, &velocity, &angular_momentum, &force];
-    check(count, &vectors.map(|rows| rows.len() / 3))?;
-    check(count, &[mass.len(), orientation.len() / 4, fixed.len(), group.len()])?;
-    let [position, velocity, angular_momentum, force] =
-        [position.as_slice()?, velocity.as_slice()?, angular_momentum.as_slice()?, force.as_slice()?];
-    let (radius, mass, orientation) = (radius.as_slice()?, mass.as_slice()?, orientation.as_slice()?);
-    let (fixed, group) = (fixed.as_slice()?, group.as_slice()?);
+    rows!(count: position / 3, radius / 1, mass / 1, velocity / 3, angular_momentum / 3, orientation / 4, force / 3, fixed / 1,
+          group / 1);
+    let sphere = |k: usize| {
+        let mut sphere = Sphere::new(vector(position, k), radius[k]).mass(mass[k]).group(group[k]);
+        sphere.velocity = vector(velocity, k);
+        sphere.angular_momentum = vector(angular_momentum, k);
+        sphere.orientation = quaternion(orientation, k);
+        sphere.force = vector(force, k);
+        sphere.fixed = fixed[k];
+        sphere
+    };
     with(target, |doors, ids| {
-        let sphere = |k: usize| {
-            let mut sphere = Sphere::new(vector(position, k), radius[k]).mass(mass[k]).group(group[k]);
-            sphere.velocity = vector(velocity, k);
-            sphere.angular_momentum = vector(angular_momentum, k);
-            sphere.orientation = quaternion(orientation, k);
-            sphere.force = vector(force, k);
-            sphere.fixed = fixed[k];
-            sphere
-        };
-        let mut scratch = rockfall::Scene::new();
-        for k in 0..count {
-            scratch.add_sphere(sphere(k)).map_err(|error| at_row(k, error))?;
-        }
-        let first = ids.spheres.len();
-        ids.spheres.reserve(count);
-        for sphere in scratch.spheres() {
-            ids.spheres.push(doors.add_sphere(*sphere).or_raise()?);
-        }
-        Ok(first)
+        try_all((0..count).map(sphere), Doors::add_sphere)?;
+        add_all(doors, &mut ids.spheres, (0..count).map(sphere), Doors::add_sphere)
     })
 }
 
@@ -75,35 +111,16 @@ pub(crate) fn add_rods(
     length: Floats<'_>,
     group: Groups<'_>,
 ) -> PyResult<usize> {
-    let count = end1.len();
-    check(count, &[end2.len(), radius.len(), length.len(), group.len()])?;
-    let (end1, end2, radius, length) = (end1.as_slice()?, end2.as_slice()?, radius.as_slice()?, length.as_slice()?);
-    let group = group.as_slice()?;
+    rows!(count: end1 / 1, end2 / 1, radius / 1, length / 1, group / 1);
     with(target, |doors, ids| {
         let pairs = pairs(doors.objects(), ids, end1, end2)?;
-        let first = ids.rods.len();
-        ids.rods.reserve(count);
-        for (k, (one, two)) in pairs.into_iter().enumerate() {
-            let mut rod = Rod::new(one, two, radius[k]).group(group[k]);
+        let rod = |k: usize| {
+            let mut rod = Rod::new(pairs[k].0, pairs[k].1, radius[k]).group(group[k]);
             rod.length = (length[k] > 0.0).then_some(length[k]);
-            ids.rods.push(doors.add_rod(rod).map_err(|error| at_row(k, error))?);
-        }
-        Ok(first)
+            rod
+        };
+        add_all(doors, &mut ids.rods, (0..count).map(rod), Doors::add_rod)
     })
-}
-
-/// The spheres of each row, which must be in the scene and different.
-fn pairs(scene: &rockfall::Scene, ids: &Ids, one: &[i64], two: &[i64]) -> PyResult<Vec<(SphereId, SphereId)>> {
-    let found: Vec<_> =
-        ends(&ids.spheres, one).zip(ends(&ids.spheres, two)).map(|(a, b)| Ok((a?, b?))).collect::<PyResult<_>>()?;
-    for (row, (a, b)) in found.iter().enumerate() {
-        scene.sphere(*a).and(scene.sphere(*b)).or_raise()?;
-        if a == b {
-            let text = format!("row {row}: both ends are sphere {}, expected two different spheres", one[row]);
-            return Err(PyValueError::new_err(text));
-        }
-    }
-    Ok(found)
 }
 
 /// Adds springs and returns the number of the first.
@@ -116,24 +133,19 @@ pub(crate) fn add_springs(
     length: Floats<'_>,
     damping: Floats<'_>,
 ) -> PyResult<usize> {
-    let count = a.len();
-    check(count, &[b.len(), stiffness.len(), length.len(), damping.len()])?;
-    let (a, b, stiffness) = (a.as_slice()?, b.as_slice()?, stiffness.as_slice()?);
-    let (length, damping) = (length.as_slice()?, damping.as_slice()?);
+    rows!(count: a / 1, b / 1, stiffness / 1, length / 1, damping / 1);
     with(target, |doors, ids| {
-        let pairs = pairs(doors.objects(), ids, a, b)?;
-        let first = ids.springs.len();
-        ids.springs.reserve(count);
-        for (k, (a, b)) in pairs.into_iter().enumerate() {
+        let scene = doors.objects();
+        let place = |sphere: SphereId| scene.sphere(sphere).map(|sphere| sphere.position).or_raise();
+        let pairs = pairs(scene, ids, a, b)?;
+        let spring = |k: usize| {
+            let (a, b) = pairs[k];
             // A negative length stands for the distance of the spheres.
-            let rest = match length[k] {
-                length if length >= 0.0 => length,
-                _ => doors.objects().sphere(a).or_raise()?.position.distance(doors.objects().sphere(b).or_raise()?.position),
-            };
-            let spring = Spring::new(a, b, stiffness[k], rest).damping(damping[k]);
-            ids.springs.push(doors.add_spring(spring).map_err(|error| at_row(k, error))?);
-        }
-        Ok(first)
+            let rest = if length[k] >= 0.0 { length[k] } else { place(a)?.distance(place(b)?) };
+            Ok(Spring::new(a, b, stiffness[k], rest).damping(damping[k]))
+        };
+        let springs: Vec<_> = (0..count).map(spring).collect::<PyResult<_>>()?;
+        add_all(doors, &mut ids.springs, springs.into_iter(), Doors::add_spring)
     })
 }
 
@@ -147,19 +159,12 @@ pub(crate) fn add_tethers(
     length: Floats<'_>,
     damping: Floats<'_>,
 ) -> PyResult<usize> {
-    let count = sphere.len();
-    check(count, &[point.len() / 3, stiffness.len(), length.len(), damping.len()])?;
-    let (sphere, point, stiffness) = (sphere.as_slice()?, point.as_slice()?, stiffness.as_slice()?);
-    let (length, damping) = (length.as_slice()?, damping.as_slice()?);
+    rows!(count: sphere / 1, point / 3, stiffness / 1, length / 1, damping / 1);
     with(target, |doors, ids| {
-        let spheres: Vec<_> = ends(&ids.spheres, sphere).collect::<PyResult<_>>()?;
+        let spheres = ends(&ids.spheres, sphere)?;
         spheres.iter().try_for_each(|id| doors.objects().sphere(*id).map(drop)).or_raise()?;
-        let first = ids.tethers.len();
-        for (k, id) in spheres.into_iter().enumerate() {
-            let tether = Tether::new(id, vector(point, k), stiffness[k]).length(length[k]).damping(damping[k]);
-            ids.tethers.push(doors.add_tether(tether).map_err(|error| at_row(k, error))?);
-        }
-        Ok(first)
+        let tether = |k: usize| Tether::new(spheres[k], vector(point, k), stiffness[k]).length(length[k]).damping(damping[k]);
+        add_all(doors, &mut ids.tethers, (0..count).map(tether), Doors::add_tether)
     })
 }
 
@@ -175,49 +180,35 @@ pub(crate) fn add_capsules(
     velocity: Rows<'_>,
     group: Groups<'_>,
 ) -> PyResult<(usize, usize, usize)> {
-    let count = radius.len();
-    check(count, &[end1.len() / 3, end2.len() / 3, mass.len(), velocity.len() / 3, group.len()])?;
-    let (end1, end2, velocity) = (end1.as_slice()?, end2.as_slice()?, velocity.as_slice()?);
-    let (radius, mass, group) = (radius.as_slice()?, mass.as_slice()?, group.as_slice()?);
+    rows!(count: end1 / 3, end2 / 3, radius / 1, mass / 1, velocity / 3, group / 1);
+    let capsule = |k: usize| {
+        let capsule = Capsule::new(vector(end1, k), vector(end2, k), radius[k]).mass(mass[k]);
+        capsule.velocity(vector(velocity, k)).group(group[k])
+    };
     with(target, |doors, ids| {
-        let capsule = |k: usize| {
-            let capsule = Capsule::new(vector(end1, k), vector(end2, k), radius[k]).mass(mass[k]);
-            capsule.velocity(vector(velocity, k)).group(group[k])
-        };
-        let mut scratch = rockfall::Scene::new();
-        for k in 0..count {
-            scratch.add_capsule(capsule(k)).map_err(|error| at_row(k, error))?;
-        }
-        let first = (ids.capsules.len(), ids.spheres.len(), ids.rods.len());
-        for k in 0..count {
-            let id = doors.add_capsule(capsule(k)).or_raise()?;
-            let parts = *doors.objects().capsule(id).or_raise()?;
-            ids.capsules.push(id);
+        try_all((0..count).map(capsule), Doors::add_capsule)?;
+        let (spheres, rods) = (ids.spheres.len(), ids.rods.len());
+        let first = add_all(doors, &mut ids.capsules, (0..count).map(capsule), Doors::add_capsule)?;
+        for id in &ids.capsules[first..] {
+            let parts = doors.objects().capsule(*id).or_raise()?;
             ids.spheres.extend([parts.end1, parts.end2]);
             ids.rods.push(parts.rod);
         }
-        Ok(first)
+        Ok((first, spheres, rods))
     })
 }
 
 /// Adds boxes from corners and edges (three rows of the array `edges` per box), and returns the number of the first.
 #[pyfunction]
 pub(crate) fn add_boxes(target: &Bound<'_, PyAny>, corner: Rows<'_>, edges: Rows<'_>, group: Groups<'_>) -> PyResult<usize> {
-    let count = group.len();
-    check(count, &[corner.len() / 3, edges.len() / 9])?;
-    let (corner, edges, group) = (corner.as_slice()?, edges.as_slice()?, group.as_slice()?);
+    rows!(count: corner / 3, edges / 9, group / 1);
+    let cuboid = |k: usize| {
+        let [i, j, l] = [3 * k, 3 * k + 1, 3 * k + 2].map(|row| vector(edges, row));
+        Cuboid::new(vector(corner, k), i, j, l).group(group[k])
+    };
     with(target, |doors, ids| {
-        let cuboid = |k: usize| {
-            let [i, j, l] = [3 * k, 3 * k + 1, 3 * k + 2].map(|row| vector(edges, row));
-            Cuboid::new(vector(corner, k), i, j, l).group(group[k])
-        };
-        let mut scratch = rockfall::Scene::new();
-        (0..count).try_for_each(|k| scratch.add_box(cuboid(k)).map(drop).map_err(|error| at_row(k, error)))?;
-        let first = ids.boxes.len();
-        for k in 0..count {
-            ids.boxes.push(doors.add_box(cuboid(k)).or_raise()?);
-        }
-        Ok(first)
+        try_all((0..count).map(cuboid), Doors::add_box)?;
+        add_all(doors, &mut ids.boxes, (0..count).map(cuboid), Doors::add_box)
     })
 }
 
@@ -230,18 +221,11 @@ pub(crate) fn add_polygons(
     right: Rows<'_>,
     group: Groups<'_>,
 ) -> PyResult<usize> {
-    let count = group.len();
-    check(count, &[corner.len() / 3, left.len() / 3, right.len() / 3])?;
-    let (corner, left, right, group) = (corner.as_slice()?, left.as_slice()?, right.as_slice()?, group.as_slice()?);
+    rows!(count: corner / 3, left / 3, right / 3, group / 1);
+    let polygon = |k: usize| Polygon::new(vector(corner, k), vector(left, k), vector(right, k)).group(group[k]);
     with(target, |doors, ids| {
-        let polygon = |k: usize| Polygon::new(vector(corner, k), vector(left, k), vector(right, k)).group(group[k]);
-        let mut scratch = rockfall::Scene::new();
-        (0..count).try_for_each(|k| scratch.add_polygon(polygon(k)).map(drop).map_err(|error| at_row(k, error)))?;
-        let first = ids.polygons.len();
-        for k in 0..count {
-            ids.polygons.push(doors.add_polygon(polygon(k)).or_raise()?);
-        }
-        Ok(first)
+        try_all((0..count).map(polygon), Doors::add_polygon)?;
+        add_all(doors, &mut ids.polygons, (0..count).map(polygon), Doors::add_polygon)
     })
 }
 

@@ -15,6 +15,7 @@ use crate::errors::Raise;
 use crate::ids::{Ids, handle};
 use crate::memory::{Lender, Views};
 use crate::scene::Scene;
+use crate::shared::{Given, SharedArray, Sharing};
 use crate::states::{Field, Table};
 use crate::tables::{BackendInfo, ProfileOf, Report};
 
@@ -27,8 +28,17 @@ pub(crate) struct Running {
     pub(crate) simulation: rockfall::Simulation,
     pub(crate) ids: Ids,
     lender: Lender,
+    /// Memory shared with other libraries on the device, or the reason why there is none. Opened at the first use.
+    sharing: Option<Result<Sharing, String>>,
     /// There may be edits that have not reached the memory yet.
     edited: bool,
+}
+
+impl Running {
+    fn sharing(&mut self) -> Result<(&mut Sharing, &mut rockfall::Simulation), &str> {
+        let sharing = self.sharing.get_or_insert_with(|| Sharing::open(&self.simulation));
+        sharing.as_mut().map(|sharing| (sharing, &mut self.simulation)).map_err(|reason| reason.as_str())
+    }
 }
 
 impl Drop for Running {
@@ -48,7 +58,7 @@ pub(crate) struct Simulation {
 
 impl Simulation {
     fn of(simulation: rockfall::Simulation, ids: Ids) -> Self {
-        let running = Running { simulation, ids, lender: Lender::default(), edited: false };
+        let running = Running { simulation, ids, lender: Lender::default(), sharing: None, edited: false };
         Self { running: Mutex::new(running), waiting: AtomicUsize::new(0) }
     }
 
@@ -75,7 +85,7 @@ impl Simulation {
     }
 
     /// Calls a function that changes the memory of the state.
-    fn change<R: Send>(
+    pub(crate) fn change<R: Send>(
         &self,
         py: Python<'_>,
         call: impl FnOnce(&mut rockfall::Simulation) -> PyResult<R> + Send,
@@ -241,6 +251,31 @@ impl Simulation {
         let field: Field = field.parse()?;
         let table = self.read(py, |running| Ok(Table::of(running.simulation.sync().or_raise()?, field)))?;
         table.array(py)
+    }
+
+    /// Why arrays on the device cannot be used by other libraries there; `None` where they can.
+    fn not_shared(&self, py: Python<'_>) -> Option<String> {
+        self.locked(py, |running| running.sharing().err().map(str::to_owned))
+    }
+
+    /// A field of all spheres on the device, in order of addition; `None` where memory cannot be shared.
+    fn shared(&self, py: Python<'_>, field: &str) -> PyResult<Option<SharedArray>> {
+        let field: Field = field.parse()?;
+        self.read(py, |running| match running.sharing() {
+            Ok((sharing, simulation)) => sharing.read(simulation, field),
+            Err(_) => Ok(None),
+        })
+    }
+
+    /// Sets a field of all spheres from an array on the device. Returns whether the array is there.
+    fn put_shared(&self, py: Python<'_>, field: &str, array: &Bound<'_, PyAny>) -> PyResult<bool> {
+        let field: Field = field.parse()?;
+        let device = self.locked(py, |running| running.sharing().ok().map(|(sharing, _)| sharing.device()));
+        let Some(given) = device.map(|device| Given::take(array, device)).transpose()?.flatten() else { return Ok(false) };
+        self.read(py, |running| match running.sharing() {
+            Ok((sharing, simulation)) => sharing.write(simulation, field, &given).map(|()| true),
+            Err(_) => Ok(false),
+        })
     }
 
     /// Sets the rows of a field that differ from the current state. Returns their number.

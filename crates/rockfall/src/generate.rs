@@ -17,9 +17,11 @@ use crate::scene::{Cuboid, Scene, Sphere};
 
 mod benchmark;
 mod bodies;
+mod creature;
 mod hopper;
 
 pub use benchmark::{Benchmark, LAYERS};
+pub use creature::creature;
 
 /// The kind of scene to generate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

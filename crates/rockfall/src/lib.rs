@@ -89,6 +89,8 @@ pub mod simulation;
 pub mod stability;
 #[doc(hidden)]
 pub mod step;
+#[cfg(not(target_family = "wasm"))]
+mod worlds;
 
 pub use checkpoint::Checkpoint;
 pub use devices::{DeviceInfo, devices};
@@ -100,13 +102,15 @@ pub use options::{Backend, BackendInfo, Optimization, Options};
 pub use profile::{BufferSize, Clock, Profile, StageTime};
 pub use report::{Energy, Report, SphereState, decimal_time};
 pub use scene::{
-    BoxId, Capsule, CapsuleId, CapsuleParts, Counts, Cuboid, LineWarning, Loaded, Polygon, PolygonId, Rod, RodId, Scene,
-    Sphere, SphereId, Spring, SpringId, Tether, TetherId,
+    BoxId, Capsule, CapsuleId, CapsuleParts, Counts, Cuboid, LineWarning, Loaded, Material, MaterialId, Muscle, Pair, Polygon,
+    PolygonId, Rod, RodId, Scene, Sphere, SphereId, Spring, SpringId, Tether, TetherId,
 };
-pub use settings::{BroadPhase, Integrator, Settings};
+pub use settings::{BroadPhase, ContactLaw, Integrator, Settings};
 pub use simulation::{Body, Contact, ContactAction, MaxOverlap, RayHit, Simulation, SphereDiagnostics};
 #[cfg(feature = "gpu")]
 pub use wgpu;
+#[cfg(not(target_family = "wasm"))]
+pub use worlds::{WorldPath, WorldReport, Worlds};
 
 /// Runs the example of the README as a test.
 #[cfg(doctest)]

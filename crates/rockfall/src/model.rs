@@ -9,8 +9,8 @@
 //! movers       spheres and rods: the objects that have a pair list
 //! state        3 n vec4 for n spheres: n x (position, radius), n x (velocity, inverse mass),
 //!              n x (angular momentum, inverse inertia)
-//! topology     u32: rods, springs, tethers, external forces, boxes, polygons, tags, insertion indices, slots, batches,
-//!              ends, networks, adjacency (record sizes: the WORDS constants of `layout`)
+//! topology     u32: rods, springs, tethers, external forces, muscles, boxes, polygons, tags, pairs, insertion indices, slots,
+//!              batches, ends, networks, adjacency (record sizes: the WORDS constants of `layout`)
 //! lists        u32, in rows of SLICE words: counts (one per mover, padded to whole slices; the top bit is a flag),
 //!              slice offsets in rows (one per slice and one for the end, padded to whole rows), entries
 //! ```
@@ -22,6 +22,7 @@ pub mod impulse;
 pub(crate) mod lanes;
 pub mod layout;
 pub(crate) mod lists;
+pub(crate) mod muscles;
 pub mod part;
 pub(crate) mod state;
 pub mod status;

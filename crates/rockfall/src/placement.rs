@@ -5,6 +5,7 @@ use std::fmt;
 use rayon::prelude::*;
 
 use crate::error::Result;
+use crate::model::muscles::MuscleClock;
 use crate::physics::touch::touch;
 use crate::scene::{Scene, SphereId};
 use crate::settings::BroadPhase;
@@ -66,7 +67,7 @@ impl Scene {
         }
         let objects = self.spheres().len() + self.rods().len() + self.boxes().len() + self.polygons().len();
         // The AABBs of a time step of almost 0 are the smallest, so they give the fewest pairs.
-        let world = observe(self, 1e-9, BroadPhase::Auto.resolve(objects), 0)?;
+        let world = observe(self, 1e-9, BroadPhase::Auto.resolve(objects), 0, &MuscleClock::default())?;
         let (view, lists) = view_and_lists(&world);
         let of_mover = |mover: u32| {
             let own = lists.row(mover).filter(move |entry| entry.id() > mover);

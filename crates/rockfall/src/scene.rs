@@ -5,16 +5,27 @@
 use crate::error::Result;
 use crate::settings::Settings;
 
+mod any;
 mod bonded;
+mod checks;
+mod contact_law;
+mod materials;
+mod muscle;
 mod objects;
 mod references;
 mod registry;
+mod restitution;
 mod statics;
 mod text;
 mod write;
 
+pub(crate) use any::AnyId;
 pub use bonded::BondedSets;
-pub(crate) use objects::finite;
+pub(crate) use checks::finite;
+pub(crate) use contact_law::Dampings;
+pub(crate) use materials::Pairs;
+pub use materials::{MAX_MATERIALS, Material, MaterialId, Pair};
+pub use muscle::Muscle;
 pub use objects::{Capsule, CapsuleId, CapsuleParts, Rod, RodId, Sphere, SphereId, Spring, SpringId, Tether, TetherId};
 pub(crate) use references::References;
 pub use registry::Handle;
@@ -35,6 +46,8 @@ pub struct Scene {
     pub(crate) tethers: Registry<Tether>,
     pub(crate) boxes: Registry<Cuboid>,
     pub(crate) polygons: Registry<Polygon>,
+    pub(crate) materials: Registry<Material>,
+    pub(crate) pairs: Pairs,
     pub(crate) references: References,
 }
 
@@ -77,6 +90,8 @@ impl Scene {
             tethers: Registry::new(number, "tether"),
             boxes: Registry::new(number, "box"),
             polygons: Registry::new(number, "polygon"),
+            materials: Registry::new(number, "material"),
+            pairs: Pairs::new(),
             references: References::default(),
         }
     }
@@ -85,9 +100,11 @@ impl Scene {
     ///
     /// # Errors
     /// [`Error::Invalid`](crate::Error::Invalid) when a field is not finite, mass or radius is not positive, or the orientation
-    /// is not a unit quaternion.
+    /// is not a unit quaternion. [`Error::StaleHandle`](crate::Error::StaleHandle) for a material that is not in the scene, here
+    /// and for all other objects.
     pub fn add_sphere(&mut self, sphere: Sphere) -> Result<SphereId> {
         sphere.validate()?;
+        self.material_number(sphere.material)?;
         Ok(self.spheres.add(sphere))
     }
 
@@ -98,6 +115,7 @@ impl Scene {
     /// [`Error::Invalid`](crate::Error::Invalid) for a radius or length that is not positive, or a rod from a sphere to itself.
     pub fn add_rod(&mut self, rod: Rod) -> Result<RodId> {
         self.check_ends(rod.end1, rod.end2)?;
+        self.material_number(rod.material)?;
         rod.validate()?;
         Ok(self.rods.add(rod))
     }
@@ -108,12 +126,15 @@ impl Scene {
     /// [`Error::Invalid`](crate::Error::Invalid) as for its spheres and its rod, and when the ends coincide.
     pub fn add_capsule(&mut self, capsule: Capsule) -> Result<CapsuleId> {
         let end = |position| {
-            Sphere::new(position, capsule.radius).mass(capsule.mass * 0.5).velocity(capsule.velocity).group(capsule.group)
+            let sphere = Sphere::new(position, capsule.radius).mass(capsule.mass * 0.5).velocity(capsule.velocity);
+            Sphere { material: capsule.material, ..sphere.group(capsule.group) }
         };
         let length = capsule.validate()?;
+        self.material_number(capsule.material)?;
         let end1 = self.spheres.add(end(capsule.end1));
         let end2 = self.spheres.add(end(capsule.end2));
-        let rod = self.rods.add(Rod::new(end1, end2, capsule.radius).length(length).group(capsule.group));
+        let rod = Rod::new(end1, end2, capsule.radius).length(length).group(capsule.group);
+        let rod = self.rods.add(Rod { material: capsule.material, ..rod });
         Ok(self.capsules.add(CapsuleParts { end1, end2, rod }))
     }
 
@@ -121,7 +142,8 @@ impl Scene {
     ///
     /// # Errors
     /// [`Error::StaleHandle`](crate::Error::StaleHandle) for a sphere that is not in the scene,
-    /// [`Error::Invalid`](crate::Error::Invalid) for a negative constant or a spring from a sphere to itself.
+    /// [`Error::Invalid`](crate::Error::Invalid) for a negative constant, a muscle with a number out of range, or a spring from a
+    /// sphere to itself.
     pub fn add_spring(&mut self, spring: Spring) -> Result<SpringId> {
         self.check_ends(spring.a, spring.b)?;
         spring.validate()?;
@@ -145,6 +167,7 @@ impl Scene {
     /// [`Error::Invalid`](crate::Error::Invalid) for edges that are not orthogonal, or too short or too long for f32.
     pub fn add_box(&mut self, cuboid: Cuboid) -> Result<BoxId> {
         cuboid.validate()?;
+        self.material_number(cuboid.material)?;
         Ok(self.boxes.add(cuboid))
     }
 
@@ -154,6 +177,7 @@ impl Scene {
     /// [`Error::Invalid`](crate::Error::Invalid) for edges that are parallel, or too short or too long for f32.
     pub fn add_polygon(&mut self, polygon: Polygon) -> Result<PolygonId> {
         polygon.validate()?;
+        self.material_number(polygon.material)?;
         Ok(self.polygons.add(polygon))
     }
 
@@ -228,7 +252,7 @@ impl Scene {
         self.polygons.remove(id)
     }
 
-    /// Changes a spring's constants. Its spheres cannot be changed.
+    /// Changes a spring's constants and its muscle. Its spheres cannot be changed.
     ///
     /// # Errors
     /// As for [`Scene::add_spring`]. Nothing is changed then.
@@ -256,7 +280,7 @@ impl Scene {
         Ok(())
     }
 
-    /// Changes a rod's radius, length and group. Its ends cannot be changed.
+    /// Changes a rod's radius, length, group and material. Its ends cannot be changed.
     ///
     /// # Errors
     /// As for [`Scene::add_rod`]. Nothing is changed then.
@@ -266,8 +290,17 @@ impl Scene {
         change(&mut rod);
         (rod.end1, rod.end2) = ends;
         rod.validate()?;
+        self.material_number(rod.material)?;
         *self.rods.get_mut(id)? = rod;
         Ok(())
+    }
+
+    /// Advances the phases of all muscles by `time` seconds, so that a simulation of this scene begins with the rest lengths that
+    /// they have after that time.
+    pub fn advance_muscles(&mut self, time: f64) {
+        for spring in self.springs.objects_mut() {
+            spring.muscle = spring.muscle.map(|muscle| muscle.after(time));
+        }
     }
 
     /// Number of objects of each kind.
@@ -318,4 +351,5 @@ readers! {
     tether, tethers, tether_ids, TetherId, Tether, "tether";
     cuboid, boxes, box_ids, BoxId, Cuboid, "box";
     polygon, polygons, polygon_ids, PolygonId, Polygon, "polygon";
+    material, materials, material_ids, MaterialId, Material, "material";
 }

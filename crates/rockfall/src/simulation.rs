@@ -2,33 +2,42 @@
 
 use glam::Vec3;
 
+#[cfg(feature = "gpu")]
+use crate::checkpoint::KeptSpring;
 use crate::error::Result;
+#[cfg(feature = "gpu")]
+use crate::exec::gpu::Gpu;
 use crate::model::layout::{FEW_MOVERS, SLICE};
+use crate::model::muscles::MuscleClock;
 use crate::model::status::Status;
 use crate::model::world::World;
 use crate::options::{BackendInfo, Optimization, Options};
 use crate::profile::Recorder;
 use crate::report::{Clock, Report};
-use crate::scene::{Scene, SphereId};
-use crate::settings::{BroadPhase, Integrator, Settings};
+use crate::scene::{AnyId, Scene, SphereId};
+use crate::settings::{BroadPhase, DEFAULT_TIME_STEP, Integrator, Settings};
 use crate::step::schedule::Phase;
 
 mod drive;
 mod edit;
 mod engine;
+#[cfg(feature = "gpu")]
+mod exchange;
 mod flight;
 mod interval;
 mod keep;
 mod lookahead;
+#[cfg(all(feature = "gpu", not(target_family = "wasm")))]
+pub(crate) mod mirror;
 pub(crate) mod observe;
 mod order;
 mod prepare;
 mod profile;
 mod ray;
 mod read;
+mod springs;
 mod sweeps;
 
-pub use drive::DEFAULT_TIME_STEP;
 use drive::Window;
 use edit::Dirty;
 use engine::Engine;
@@ -59,6 +68,8 @@ pub struct Simulation {
     world: World,
     /// Handles of the spheres in insertion order, as they were when `world` was packed.
     packed: Vec<SphereId>,
+    /// Handles of all objects at that time, by number; empty with the law of the thesis.
+    packed_ids: Vec<AnyId>,
     disorder: Disorder,
     /// Number of times that the scene was packed or its memory was sorted.
     packings: u64,
@@ -66,6 +77,7 @@ pub struct Simulation {
     report: Report,
     clock: Clock,
     time_step: f32,
+    muscle_clock: MuscleClock,
     /// For how many steps ahead the lists are built.
     lookahead: Lookahead,
     /// How often the lists may be rebuilt within a batch, in steps.
@@ -83,6 +95,8 @@ pub struct Simulation {
     has_stages: bool,
     /// `scene` holds the current state.
     synced: bool,
+    /// `scene` holds the current external forces.
+    forces_synced: bool,
     /// Steps since the last step in which collisions shared a body.
     calm_steps: u64,
     /// Steps since the last step in which many collisions shared a body.
@@ -126,15 +140,31 @@ impl Simulation {
     /// the device.
     #[cfg(feature = "gpu")]
     pub fn on_device(scene: Scene, options: Options, device: &wgpu::Device, queue: &wgpu::Queue) -> Result<Self> {
-        Self::on_device_as_is(resolve(scene)?, options, device, queue)
+        Self::on_device_as_is(resolve(scene)?, options, &[], device, queue)
     }
 
-    /// [`Simulation::on_device`] for a scene whose constants are resolved already.
+    /// [`Simulation::on_device`] for a scene whose constants are resolved already, with the springs of its contacts.
     #[cfg(feature = "gpu")]
-    fn on_device_as_is(scene: Scene, options: Options, device: &wgpu::Device, queue: &wgpu::Queue) -> Result<Self> {
-        let world = prepare(&scene, &options)?;
+    fn on_device_as_is(
+        scene: Scene,
+        options: Options,
+        springs: &[KeptSpring],
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+    ) -> Result<Self> {
+        let mut world = prepare(&scene, &options)?;
+        springs::put_springs(&mut world, &scene, springs);
         let (engine, info) = Engine::on_device(&options, device, queue, &world)?;
         Ok(Self::assemble(scene, options, world, engine, info))
+    }
+
+    /// Creates a simulation on a GPU that others share, with the kernels that are compiled already.
+    #[cfg(feature = "gpu")]
+    pub(crate) fn on_gpu(scene: Scene, options: Options, gpu: &Gpu, info: &BackendInfo) -> Result<Self> {
+        let scene = resolve(scene)?;
+        let world = prepare(&scene, &options)?;
+        let engine = Engine::on(gpu, &options, &world)?;
+        Ok(Self::assemble(scene, options, world, engine, info.clone()))
     }
 
     fn assemble(scene: Scene, options: Options, mut world: World, engine: Engine, info: BackendInfo) -> Self {
@@ -147,6 +177,7 @@ impl Simulation {
         }
         Self {
             packed: scene.sphere_ids().collect(),
+            packed_ids: ids_of(&scene),
             disorder: Disorder::default(),
             packings: 1,
             status: world.status,
@@ -158,6 +189,7 @@ impl Simulation {
             report: Report::default(),
             clock: Clock::default(),
             time_step: DEFAULT_TIME_STEP,
+            muscle_clock: MuscleClock::default(),
             lookahead,
             interval,
             window: Window::default(),
@@ -167,6 +199,7 @@ impl Simulation {
             lists_due: true,
             has_stages: false,
             synced: true,
+            forces_synced: true,
             calm_steps: 0,
             few_steps: 0,
         }
@@ -204,11 +237,24 @@ impl Simulation {
         settings.validate()?;
         let decides = |s: &Settings| (s.resting_overlap, s.gravity, s.gravity_direction, s.contact_force, s.contact_damping);
         let same = decides(&settings) == decides(&self.scene.settings);
-        self.scene.settings = settings;
+        let before = std::mem::replace(&mut self.scene.settings, settings);
+        if let Err(error) = self.scene.check_contact_law(self.options.integrator) {
+            self.scene.settings = before;
+            return Err(error);
+        }
+        if before.contact_law != settings.contact_law {
+            self.dirty = Dirty::Everything;
+        } else if settings.contact_law.has_history() {
+            // The table of pairs has constants that follow from the settings.
+            self.dirty = self.dirty.max(Dirty::Topology);
+        }
         if !same {
             self.scene.settings = self.scene.resolved_settings();
         }
+        let law = self.world.step.law;
         self.world.set_settings(&self.scene.settings);
+        // Another law takes effect when the scene is packed again.
+        self.world.step.law = law;
         Ok(())
     }
 
@@ -260,7 +306,7 @@ impl Simulation {
 
     /// The phases of a whole step, in the order in which they run.
     fn step_phases(&self) -> &'static [Phase] {
-        let has_phase = self.scene.settings.collisions || self.scene.settings.has_friction_impulses();
+        let has_phase = self.scene.settings.collisions || self.world.step.has_friction_impulses();
         if has_phase { &drive::COLLISIONS_FIRST } else { &drive::WITHOUT_COLLISIONS }
     }
 
@@ -323,6 +369,17 @@ impl Simulation {
     }
 }
 
+/// Opens the GPU that the options ask for; `None` for the CPU.
+#[cfg(all(feature = "gpu", not(target_family = "wasm")))]
+pub(crate) fn open_device(options: &Options) -> Result<(Option<Gpu>, BackendInfo)> {
+    engine::block_on(None, engine::open_device(options))
+}
+
+/// Handles of all objects that can touch, for contact laws with history.
+fn ids_of(scene: &Scene) -> Vec<AnyId> {
+    if scene.settings.contact_law.has_history() { scene.any_ids() } else { Vec::new() }
+}
+
 /// Resolves the constants of a scene that its settings leave to be chosen.
 fn resolve(mut scene: Scene) -> Result<Scene> {
     scene.settings.validate()?;
@@ -333,6 +390,7 @@ fn resolve(mut scene: Scene) -> Result<Scene> {
 /// Packs a scene into a world without scratch arrays, and applies the options.
 fn prepare(scene: &Scene, options: &Options) -> Result<World> {
     scene.settings.validate()?;
+    scene.check_contact_law(options.integrator)?;
     let mut world = pack(scene, options)?;
     if let Some(capacity) = options.pair_capacity {
         world.set_pair_room(capacity.div_ceil(SLICE));
@@ -353,6 +411,7 @@ fn pack(scene: &Scene, options: &Options) -> Result<World> {
     if !options.uses(Optimization::LongMovers) {
         world.leave_out_long_movers();
     }
+    world.joins_steps = options.uses(Optimization::JoinedSteps) && options.join_steps != Some(false);
     if !options.uses(Optimization::PlannedDispatches) {
         world.step.planned = 0;
     }

@@ -39,12 +39,16 @@ mod bounds;
 mod connected;
 mod depth;
 mod falling;
+mod laws;
+mod muscles;
 mod resolution;
 mod rods;
 mod speed;
 
 use bounds::{Steps, crowd_steps, few_steps, spring_steps};
 pub use depth::{Remedy, Sinking};
+pub use laws::LawTime;
+pub use muscles::FastMuscle;
 pub use resolution::Coarse;
 pub use rods::OddRod;
 pub use speed::{Thin, Tunnelling};
@@ -201,10 +205,13 @@ impl Scene {
     }
 
     /// Everything that a run of this scene with a time step of `dt` seconds should be warned of, one message each: an unstable
-    /// time step, bodies that sink into each other, bodies that pass through thin things, positions that are too coarse, and
-    /// rods that are likely mistakes.
+    /// time step, one that is too long for a contact law with history, muscles that are too fast for it, bodies that sink into each
+    /// other, bodies that pass through thin things, positions that are too coarse, and rods that are likely mistakes.
     pub fn concerns(&self, dt: f32, integrator: Integrator) -> Vec<String> {
         let mut concerns: Vec<String> = self.stability(dt, integrator).iter().map(Warning::to_string).collect();
+        let slow = self.law_time().filter(|time| time.is_exceeded_by(dt));
+        concerns.extend(slow.map(|time| time.describe(dt).to_string()));
+        concerns.extend(self.fast_muscle(dt).map(|muscle| muscle.to_string()));
         concerns.extend(self.sinking(integrator).map(|sinking| sinking.to_string()));
         concerns.extend(self.tunnelling(dt).map(|tunnelling| tunnelling.to_string()));
         concerns.extend(self.coarse().map(|coarse| coarse.to_string()));
@@ -213,7 +220,7 @@ impl Scene {
     }
 
     /// Constants and a time step, at most `dt` seconds, with which the scene causes none of the warnings of
-    /// [`Scene::stability`], [`Scene::sinking`] and [`Scene::tunnelling`]. `None` if there are none now.
+    /// [`Scene::stability`], [`Scene::fast_muscle`], [`Scene::sinking`] and [`Scene::tunnelling`]. `None` if there are none now.
     pub fn suggestion(&self, dt: f32, integrator: Integrator) -> Option<Suggestion> {
         let mut settings = self.settings;
         let sinking = self.sinking(integrator);
@@ -222,7 +229,9 @@ impl Scene {
         }
         let mended = Self { settings, ..self.clone() };
         let stiff = mended.stability(dt, integrator).into_iter().map(|warning| warning.largest_dt);
-        let bounds = stiff.chain(mended.tunnelling(dt).map(|tunnelling| tunnelling.largest_dt));
+        let bounds = stiff
+            .chain(mended.tunnelling(dt).map(|tunnelling| tunnelling.largest_dt))
+            .chain(mended.fast_muscle(dt).map(|muscle| muscle.largest_dt));
         let largest = bounds.fold(f64::INFINITY, f64::min);
         if largest.is_infinite() && sinking.is_none() {
             return None;
@@ -240,8 +249,11 @@ impl Scene {
         })
     }
 
-    /// The bounds of the contact force; `None` if no moving body can touch anything.
+    /// The bounds of the contact force; `None` if no moving body can touch anything, and for contact laws other than the thesis's.
     fn contact_steps(&self, [force, damping]: [f64; 2], integrator: Integrator) -> Option<Steps> {
+        if self.settings.contact_law.has_history() {
+            return None;
+        }
         match self.crowd() {
             Crowd::None => None,
             Crowd::Pair => Some(few_steps(1.0, force, damping, integrator)),

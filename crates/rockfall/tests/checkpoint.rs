@@ -2,7 +2,9 @@
 //! files are rejected.
 
 use rockfall::glam::{Quat, Vec3};
-use rockfall::{Backend, BroadPhase, Checkpoint, Error, Integrator, Options, Scene, Simulation, Sphere, SphereId};
+use rockfall::{
+    Backend, BroadPhase, Checkpoint, Error, Integrator, Material, Options, Pair, Scene, Simulation, Sphere, SphereId,
+};
 
 #[macro_use]
 mod common;
@@ -137,6 +139,36 @@ fn small() -> Vec<u8> {
     checkpoint.to_bytes()
 }
 
+/// A small checkpoint with materials, and the springs of three contacts.
+fn small_with_materials() -> Vec<u8> {
+    let text = "set contact_law hertz-mindlin\n@material a density=2 young=1e4 poisson=0.3\n@material b young=1e4 poisson=0\n\
+                @pair a b restitution=0.5 friction=0.4\n@use a\nS 7 0 0.49 0 1 0 0 0 0 0 - 0.5\n\
+                C 3 0.49 0 4 0.49 0 1 0 0 - 0.5\n@use b\nB -5 -1 -5 10 0 0 0 1 0 0 0 10\n@use -\n@material c\n";
+    let scene = Scene::parse(text, "a.txt".as_ref()).expect("a scene").scene;
+    let options = Options::new().backend(Backend::Cpu).integrator(Integrator::SymplecticEuler);
+    let mut simulation = Simulation::with_options(scene, options).expect("it opens");
+    simulation.run(3, 1e-3).expect("steps");
+    simulation.checkpoint().expect("a checkpoint").to_bytes()
+}
+
+#[test]
+fn materials_and_springs_are_kept() {
+    let bytes = small_with_materials();
+    let checkpoint = Checkpoint::from_bytes(&bytes, "memory").expect("a valid checkpoint");
+    let scene = &checkpoint.scene;
+    let [a, b] = ["a", "b"].map(|name| scene.find_material(name));
+    assert_eq!(scene.materials().len(), 3);
+    assert_eq!(scene.materials()[0], Material::new("a").density(2.0).young(1e4).poisson(0.3));
+    let given = scene.given_pair(a.expect("a"), b.expect("b")).expect("materials of the scene");
+    assert_eq!(given, Some(Pair::default().restitution(0.5).friction(0.4)));
+    assert!(scene.spheres().iter().all(|sphere| sphere.material == a) && scene.boxes()[0].material == b);
+    assert_eq!(scene.rods()[0].material, a);
+    assert_eq!(checkpoint.to_bytes(), bytes, "the same state must give the same bytes");
+    // Three contacts with springs of 28 bytes are more than the bytes of the same scene before its first step.
+    let mut fresh = Simulation::with_options(scene.clone(), checkpoint.options.clone()).expect("it opens");
+    assert!(fresh.checkpoint().expect("a checkpoint").to_bytes().len() + 3 * 28 <= bytes.len());
+}
+
 #[track_caller]
 fn assert_rejected(bytes: &[u8]) -> String {
     match Checkpoint::from_bytes(bytes, "file.ckpt") {
@@ -181,8 +213,8 @@ fn rejected_checkpoints_are_reported_with_the_reason() {
     bad[100] ^= 4;
     assert!(assert_rejected(&bad).contains("checksum"));
     let mut newer = good;
-    newer[8] = 3;
-    assert!(assert_rejected(&newer).contains("it has version 3, this rockfall reads versions up to 2"));
+    newer[8] = 4;
+    assert!(assert_rejected(&newer).contains("it has version 4, this rockfall reads versions up to 3"));
 }
 
 /// A resumed simulation refers to spheres as the scene file does. Files of version 1, which have no references, are read.
@@ -199,23 +231,72 @@ fn references_are_kept() {
     };
     assert_eq!(references(&bytes), [Some(40), None, None, Some(u32::MAX)]);
 
-    let mut old = small();
-    old[8] = 1;
-    let end = old.len() - 4;
-    let crc32 = crc32fast::hash(&old[..end]);
-    old[end..].copy_from_slice(&crc32.to_le_bytes());
-    assert!(references(&old).iter().all(Option::is_none));
+    for version in [1, 2] {
+        let old = older(small(), version, 3);
+        assert!(references(&old).iter().all(Option::is_none));
+    }
+}
+
+/// A checkpoint as it was in a version before 3: without the time of muscles, and with springs of 5 words. The scene has `springs`
+/// springs and no muscles.
+fn older(bytes: Vec<u8>, version: u8, springs: usize) -> Vec<u8> {
+    let checkpoint = Checkpoint::from_bytes(&bytes, "memory").expect("a valid checkpoint");
+    let mut bytes = bytes;
+    let mut remove = |pattern: &[u8], kept: usize| {
+        let place = bytes.windows(pattern.len()).position(|window| window == pattern).expect("the pattern is in the file");
+        bytes.drain(place + kept..place + pattern.len());
+    };
+    let clock = [&0.0_f64.to_le_bytes()[..], &DT.to_le_bytes(), &checkpoint.report.steps.to_le_bytes()].concat();
+    remove(&clock, 0);
+    for spring in &checkpoint.scene.springs()[..springs] {
+        let numbers = [spring.stiffness, spring.length, spring.damping];
+        let pattern = [numbers.map(f32::to_le_bytes).concat(), vec![0; 16]].concat();
+        remove(&pattern, 12);
+    }
+    bytes[8] = version;
+    let length = bytes.len() as u64;
+    bytes[12..20].copy_from_slice(&length.to_le_bytes());
+    let end = bytes.len() - 4;
+    let crc32 = crc32fast::hash(&bytes[..end]);
+    bytes[end..].copy_from_slice(&crc32.to_le_bytes());
+    bytes
+}
+
+/// Muscles and their time are kept. Files of earlier versions have none.
+#[test]
+fn muscles_are_kept() {
+    let checkpoint = Checkpoint::from_bytes(&older(small(), 2, 3), "file.ckpt").expect("a checkpoint of version 2");
+    assert_eq!(checkpoint.scene.springs().len(), 3);
+    assert!(checkpoint.scene.springs().iter().all(|spring| spring.muscle.is_none() && spring.stiffness == 200.0));
+    let old = Simulation::resume(checkpoint).expect("it resumes");
+    assert_eq!(old.muscle_time(), 0.03);
+    let mut scene = mixed(2);
+    let id = scene.spring_ids().nth(1).expect("a spring");
+    let muscle = rockfall::Muscle::new(0.25, 1.5, -3.0);
+    scene.update_spring(id, |spring| spring.muscle = Some(muscle)).expect("a muscle");
+    let mut simulation = simulation(scene, Backend::Cpu);
+    simulation.run(3, DT).expect("steps");
+    let bytes = simulation.checkpoint().expect("a checkpoint").to_bytes();
+    let kept = Checkpoint::from_bytes(&bytes, "file.ckpt").expect("a checkpoint");
+    let muscles: Vec<_> = kept.scene.springs().iter().map(|spring| spring.muscle).collect();
+    assert_eq!(muscles, [None, Some(muscle), None]);
+    assert_eq!(Simulation::resume(kept).expect("it resumes").muscle_time(), simulation.muscle_time());
 }
 
 /// Checksums detect accidents, not deliberate changes. This test replaces every word by invalid numbers and corrects
 /// the checksum. The file is then rejected or accepted, but nothing panics and nothing allocates all memory.
 #[test]
 fn invalid_numbers_with_a_correct_checksum_cause_no_panic() {
-    let good = small();
+    for good in [small(), small_with_materials()] {
+        assert_no_panic(&good);
+    }
+}
+
+fn assert_no_panic(good: &[u8]) {
     let (mut accepted, mut rejected) = (0, 0);
     for place in 20..good.len() - 8 {
         for nonsense in [0, 1, u32::MAX, f32::NAN.to_bits(), f32::INFINITY.to_bits(), 0x8000_0000, 0x7fff_ffff] {
-            let mut bad = good.clone();
+            let mut bad = good.to_vec();
             bad[place..place + 4].copy_from_slice(&nonsense.to_le_bytes());
             let end = bad.len() - 4;
             let crc32 = crc32fast::hash(&bad[..end]);

@@ -21,6 +21,10 @@ mod damping;
 mod editing;
 #[path = "closed_form/friction.rs"]
 mod friction;
+#[path = "closed_form/materials.rs"]
+mod materials;
+#[path = "closed_form/muscles.rs"]
+mod muscles;
 #[path = "closed_form/observing.rs"]
 mod observing;
 #[path = "closed_form/rods.rs"]

@@ -22,20 +22,20 @@ fn source(stage: &Stage) -> String {
 }
 
 fn module(stage: &Stage) -> Module {
-    module_for(stage, true, true)
+    module_for(stage, [true; 3])
 }
 
-/// The module for scenes with or without rods and large spheres.
-fn module_for(stage: &Stage, rods: bool, large: bool) -> Module {
-    let text = Variant { rods, large, many: false }.apply(&source(stage));
+/// The module for scenes with or without rods, large spheres and muscles.
+fn module_for(stage: &Stage, [rods, large, muscles]: [bool; 3]) -> Module {
+    let text = Variant { rods, large, muscles, law: 0, materials: true, many: false, worlds: false }.apply(&source(stage));
     naga::front::wgsl::parse_str(&text).unwrap_or_else(|e| panic!("{}: {}", stage.name, e.emit_to_string(&text)))
 }
 
 #[test]
 fn every_kernel_is_valid() {
-    let scenes = [(false, false), (false, true), (true, false), (true, true)];
-    for (stage, (rods, large)) in ALL.into_iter().flat_map(|stage| scenes.map(|scene| (stage, scene))) {
-        let module = module_for(stage, rods, large);
+    let scenes = (0..8).map(|bits| [1, 2, 4].map(|bit| bits & bit != 0));
+    for (stage, scene) in ALL.into_iter().flat_map(|stage| scenes.clone().map(move |scene| (stage, scene))) {
+        let module = module_for(stage, scene);
         Validator::new(ValidationFlags::all(), Capabilities::empty())
             .validate(&module)
             .unwrap_or_else(|e| panic!("{}: {}", stage.name, e.emit_to_string(&source(stage))));
@@ -387,7 +387,7 @@ fn the_bits_of_a_list_entry_equal_those_of_layout() {
 
 /// Value of a constant that depends on whether the scene has rods, if the stage uses it.
 fn constant_with(stage: &Stage, rods: bool, name: &str) -> Option<u32> {
-    let module = module_for(stage, rods, true);
+    let module = module_for(stage, [rods, true, true]);
     let mut constants = module.constants.iter().map(|(_, constant)| constant);
     let init = constants.find(|constant| constant.name.as_deref() == Some(name))?.init;
     match module.global_expressions[init] {

@@ -11,7 +11,9 @@ use common::mixed::{Run, assert_bitwise_identical};
 use common::{floor_box, spheres, weightless, with};
 use rockfall::generate::Benchmark;
 use rockfall::glam::Vec3;
-use rockfall::{Backend, BroadPhase, Error, Integrator, Options, Polygon, Scene, Simulation, Sphere, SphereId, Spring, Tether};
+use rockfall::{
+    Backend, BroadPhase, Error, Integrator, Muscle, Options, Polygon, Scene, Simulation, Sphere, SphereId, Spring, Tether,
+};
 
 /// Spheres that fall on each other, on a box and on a polygon, some with springs, tethers and forces. There are more of
 /// them than a workgroup of software Vulkan has threads, and not a multiple of that number.
@@ -86,6 +88,31 @@ fn run_both_modes(scene: &Scene, options: &Options, act: impl Fn(&mut Simulation
     assert_eq!(counts(&runs[0]), counts(&runs[1]));
     assert_bitwise_identical(&runs[0], &runs[1]);
     runs
+}
+
+/// The time of muscles goes on within a dispatch.
+#[test]
+fn muscles_in_one_dispatch_equal_those_of_the_stages() {
+    for integrator in [Integrator::Rk4, Integrator::SymplecticEuler] {
+        let mut scene = side_by_side(60);
+        let springs: Vec<_> = scene.spring_ids().collect();
+        for (id, number) in springs.into_iter().zip(0_u8..) {
+            let muscle = Muscle::new(0.1, 3.0, 0.3 * f32::from(number));
+            scene.update_spring(id, |spring| spring.muscle = (number != 1).then_some(muscle)).expect("a valid muscle");
+        }
+        let options = Options::new().integrator(integrator);
+        let [joined, _] = run_both_modes(&scene, &options, |simulation, joined| {
+            run(simulation, 20, joined);
+            run(simulation, 12, joined);
+        });
+        let mut still = scene.clone();
+        let springs: Vec<_> = still.spring_ids().collect();
+        springs.into_iter().for_each(|id| still.update_spring(id, |spring| spring.muscle = None).expect("a valid spring"));
+        let mut simulation = simulation(still, options);
+        run(&mut simulation, 32, true);
+        let moved = Run::of(&mut simulation).spheres[0].position.distance(joined.spheres[0].position);
+        assert!(moved > 1e-3, "muscles move spheres by {moved}");
+    }
 }
 
 #[test]

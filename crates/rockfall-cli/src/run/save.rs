@@ -13,12 +13,12 @@ pub(super) fn open(path: &Path) -> Result<AtomicFile, Failure> {
     AtomicFile::create(path).map_err(|error| Failure::file(path, &error))
 }
 
-/// Writes the present state. The title of the scene comes first. After it, comments name where the state comes from and how to go
+/// Writes the present state, with the present phases of muscles. The title of the scene comes first. After it, comments name where the state comes from and how to go
 /// on.
 pub(super) fn write(path: &Path, mut file: AtomicFile, simulation: &mut Simulation, past: &Past) -> Result<(), Failure> {
     let step = past.step(simulation.report().steps);
     let integrator = simulation.integrator();
-    let mut scene = simulation.sync()?.clone();
+    let mut scene = simulation.snapshot()?;
     let mut text = String::new();
     for line in &past.title {
         text += format!("# {}", single_line(line)).trim_end();

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Callable
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
+
+from rockfall._device import DeviceArray
 
 FloatArray = npt.NDArray[np.float32]
 IntArray = npt.NDArray[np.int64]
@@ -13,6 +16,8 @@ IntArray = npt.NDArray[np.int64]
 
 def _host(name: str, value: Any) -> npt.NDArray[Any]:
     """Returns a value as an array in host memory. Takes lists, NumPy arrays and whatever speaks DLPack on the CPU."""
+    if isinstance(value, DeviceArray):
+        return value.numpy()
     device = getattr(value, "__dlpack_device__", None)
     try:
         if device is not None and not isinstance(value, np.ndarray):
@@ -134,6 +139,33 @@ def common(**arguments: tuple[Any, tuple[int, ...]]) -> int:
             raise ValueError(f"{name}: expected {found[1]} rows as in {found[0]}, got {rows}")
         found = found or (name, rows)
     return 1 if found is None else found[1]
+
+
+class Kind(NamedTuple):
+    """What an argument with one row per object holds."""
+
+    #: Shape of a row.
+    columns: tuple[int, ...]
+    #: Converts an argument, from its name, its value and the number of rows.
+    convert: Callable[[str, Any, int], npt.NDArray[Any]]
+
+
+REAL = Kind((), lambda name, value, count: floats(name, value, (), count))
+POSITIVE = Kind((), lambda name, value, count: floats(name, value, (), count, positive=True))
+NOT_NEGATIVE = Kind((), lambda name, value, count: floats(name, value, (), count, not_negative=True))
+VECTOR = Kind((3,), lambda name, value, count: floats(name, value, (3,), count))
+#: Three vectors in a row, which become three rows.
+MATRIX = Kind((3, 3), lambda name, value, count: floats(name, value, (3, 3), count).reshape(3 * count, 3))
+QUATERNION = Kind((4,), quaternions)
+NUMBER = Kind((), integers)
+GROUP = Kind((), lambda name, value, count: integers(name, value, count, dtype=np.uint16))
+SWITCH = Kind((), switches)
+
+
+def columns(**arguments: tuple[Any, Kind]) -> tuple[int, list[npt.NDArray[Any]]]:
+    """Returns the number of rows that the arguments have in common, and the arguments as arrays with this number of rows."""
+    count = common(**{name: (value, kind.columns) for name, (value, kind) in arguments.items()})
+    return count, [kind.convert(name, value, count) for name, (value, kind) in arguments.items()]
 
 
 def whole(name: str, value: Any, *, least: int = 0) -> int:

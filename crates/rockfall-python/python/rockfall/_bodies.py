@@ -2,13 +2,29 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
 from rockfall import _rockfall
-from rockfall._arrays import IntArray, common, floats, integers, quaternions, rows_of, switches
+from rockfall._arrays import (
+    GROUP,
+    NOT_NEGATIVE,
+    NUMBER,
+    POSITIVE,
+    QUATERNION,
+    REAL,
+    SWITCH,
+    VECTOR,
+    IntArray,
+    Kind,
+    columns,
+    rows_of,
+)
+
+_ZERO = (0.0, 0.0, 0.0)
 
 
 class Capsules(NamedTuple):
@@ -33,6 +49,17 @@ class Bodies:
 
     def _edited(self) -> None:
         """Called before objects are added, removed or changed."""
+
+    def _add(self, add: Callable[..., Any], **arguments: tuple[Any, Kind]) -> tuple[int, Any]:
+        """Adds objects with a native function. Returns their number and what the function returns."""
+        count, arrays = columns(**arguments)
+        self._edited()
+        return count, add(self._native, *arrays)
+
+    def _add_kind(self, add: Callable[..., int], **arguments: tuple[Any, Kind]) -> IntArray:
+        """Adds objects with a native function that returns the number of the first. Returns the numbers of all."""
+        count, first = self._add(add, **arguments)
+        return numbers_from(first, count)
 
     def add_spheres(
         self,
@@ -82,34 +109,18 @@ class Bodies:
         TypeError
             For an array that does not hold numbers, or that is on a device.
         """
-        count = common(
-            position=(position, (3,)),
-            radius=(radius, ()),
-            mass=(mass, ()),
-            velocity=(velocity, (3,)),
-            angular_momentum=(angular_momentum, (3,)),
-            orientation=(orientation, (4,)),
-            force=(force, (3,)),
-            fixed=(fixed, ()),
-            group=(group, ()),
+        return self._add_kind(
+            _rockfall.add_spheres,
+            position=(position, VECTOR),
+            radius=(radius, POSITIVE),
+            mass=(mass, POSITIVE),
+            velocity=(_ZERO if velocity is None else velocity, VECTOR),
+            angular_momentum=(_ZERO if angular_momentum is None else angular_momentum, VECTOR),
+            orientation=((1.0, 0.0, 0.0, 0.0) if orientation is None else orientation, QUATERNION),
+            force=(_ZERO if force is None else force, VECTOR),
+            fixed=(fixed, SWITCH),
+            group=(group, GROUP),
         )
-
-        def vectors(name: str, value: Any) -> Any:
-            return floats(name, (0.0, 0.0, 0.0) if value is None else value, (3,), count)
-
-        arguments = (
-            floats("position", position, (3,), count),
-            floats("radius", radius, (), count, positive=True),
-            floats("mass", mass, (), count, positive=True),
-            vectors("velocity", velocity),
-            vectors("angular_momentum", angular_momentum),
-            quaternions("orientation", (1.0, 0.0, 0.0, 0.0) if orientation is None else orientation, count),
-            vectors("force", force),
-            switches("fixed", fixed, count),
-            integers("group", group, count, dtype=np.uint16),
-        )
-        self._edited()
-        return numbers_from(_rockfall.add_spheres(self._native, *arguments), count)
 
     def add_sphere(self, position: npt.ArrayLike, radius: float, mass: float = 1.0, **options: Any) -> int:
         """Add one sphere and return its number. The options are those of :meth:`add_spheres`."""
@@ -150,16 +161,14 @@ class Bodies:
         LookupError
             For a sphere that does not exist.
         """
-        count = common(end1=(end1, ()), end2=(end2, ()), radius=(radius, ()), length=(length, ()), group=(group, ()))
-        arguments = (
-            integers("end1", end1, count),
-            integers("end2", end2, count),
-            floats("radius", radius, (), count, positive=True),
-            floats("length", 0.0 if length is None else length, (), count, not_negative=True),
-            integers("group", group, count, dtype=np.uint16),
+        return self._add_kind(
+            _rockfall.add_rods,
+            end1=(end1, NUMBER),
+            end2=(end2, NUMBER),
+            radius=(radius, POSITIVE),
+            length=(0.0 if length is None else length, NOT_NEGATIVE),
+            group=(group, GROUP),
         )
-        self._edited()
-        return numbers_from(_rockfall.add_rods(self._native, *arguments), count)
 
     def add_rod(self, end1: int, end2: int, radius: float, length: float | None = None, *, group: int = 0) -> int:
         """Add one rod and return its number; see :meth:`add_rods`."""
@@ -201,19 +210,15 @@ class Bodies:
         ValueError, TypeError
             As for :meth:`add_spheres`, and for ends that coincide.
         """
-        count = common(
-            end1=(end1, (3,)), end2=(end2, (3,)), radius=(radius, ()), mass=(mass, ()), velocity=(velocity, (3,)), group=(group, ())
+        count, (capsules, spheres, rods) = self._add(
+            _rockfall.add_capsules,
+            end1=(end1, VECTOR),
+            end2=(end2, VECTOR),
+            radius=(radius, POSITIVE),
+            mass=(mass, POSITIVE),
+            velocity=(_ZERO if velocity is None else velocity, VECTOR),
+            group=(group, GROUP),
         )
-        arguments = (
-            floats("end1", end1, (3,), count),
-            floats("end2", end2, (3,), count),
-            floats("radius", radius, (), count, positive=True),
-            floats("mass", mass, (), count, positive=True),
-            floats("velocity", (0.0, 0.0, 0.0) if velocity is None else velocity, (3,), count),
-            integers("group", group, count, dtype=np.uint16),
-        )
-        self._edited()
-        capsules, spheres, rods = _rockfall.add_capsules(self._native, *arguments)
         return Capsules(numbers_from(capsules, count), numbers_from(spheres, 2 * count).reshape(count, 2), numbers_from(rods, count))
 
     def add_springs(
@@ -247,16 +252,14 @@ class Bodies:
         ValueError, TypeError, LookupError
             As for :meth:`add_rods`.
         """
-        count = common(a=(a, ()), b=(b, ()), stiffness=(stiffness, ()), length=(length, ()), damping=(damping, ()))
-        arguments = (
-            integers("a", a, count),
-            integers("b", b, count),
-            floats("stiffness", stiffness, (), count, not_negative=True),
-            floats("length", -1.0, (), count) if length is None else floats("length", length, (), count, not_negative=True),
-            floats("damping", damping, (), count, not_negative=True),
+        return self._add_kind(
+            _rockfall.add_springs,
+            a=(a, NUMBER),
+            b=(b, NUMBER),
+            stiffness=(stiffness, NOT_NEGATIVE),
+            length=(-1.0, REAL) if length is None else (length, NOT_NEGATIVE),
+            damping=(damping, NOT_NEGATIVE),
         )
-        self._edited()
-        return numbers_from(_rockfall.add_springs(self._native, *arguments), count)
 
     def add_spring(self, a: int, b: int, stiffness: float, length: float | None = None, damping: float = 0.0) -> int:
         """Add one spring and return its number; see :meth:`add_springs`."""
@@ -292,18 +295,14 @@ class Bodies:
         ValueError, TypeError, LookupError
             As for :meth:`add_rods`.
         """
-        count = common(
-            sphere=(sphere, ()), point=(point, (3,)), stiffness=(stiffness, ()), length=(length, ()), damping=(damping, ())
+        return self._add_kind(
+            _rockfall.add_tethers,
+            sphere=(sphere, NUMBER),
+            point=(point, VECTOR),
+            stiffness=(stiffness, NOT_NEGATIVE),
+            length=(length, NOT_NEGATIVE),
+            damping=(damping, NOT_NEGATIVE),
         )
-        arguments = (
-            integers("sphere", sphere, count),
-            floats("point", point, (3,), count),
-            floats("stiffness", stiffness, (), count, not_negative=True),
-            floats("length", length, (), count, not_negative=True),
-            floats("damping", damping, (), count, not_negative=True),
-        )
-        self._edited()
-        return numbers_from(_rockfall.add_tethers(self._native, *arguments), count)
 
 
 def first_of(numbers: IntArray) -> int:

@@ -42,7 +42,7 @@ def info() -> Info:
     found = devices()
     arrays = {
         "cpu": "NumPy arrays; Simulation.state shares the memory without a copy",
-        "gpu": "copied through the host to NumPy arrays",
+        "gpu": "shared by DLPack with NVIDIA cards on Linux, else copied through the host; Simulation.array_sharing tells which",
     }
     backend = "gpu" if any(not device.software for device in found) else "cpu"
     return Info(_rockfall.__version__, np.__version__, found, backend, arrays)

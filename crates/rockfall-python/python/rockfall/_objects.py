@@ -8,8 +8,8 @@ import numpy as np
 import numpy.typing as npt
 
 from rockfall import _rockfall
-from rockfall._arrays import IntArray, common, floats, integers
-from rockfall._bodies import Bodies, first_of, numbers_from
+from rockfall._arrays import GROUP, MATRIX, NOT_NEGATIVE, POSITIVE, VECTOR, IntArray, Kind, floats, integers
+from rockfall._bodies import Bodies, first_of
 from rockfall._settings import Settings
 
 #: Names of the kinds of objects.
@@ -90,14 +90,9 @@ class Objects(Bodies):
         ValueError, TypeError
             As for :meth:`add_spheres`, and for edges that are not at right angles.
         """
-        count = common(corner=(corner, (3,)), edges=(edges, (3, 3)), group=(group, ()))
-        arguments = (
-            floats("corner", corner, (3,), count),
-            floats("edges", edges, (3, 3), count).reshape(3 * count, 3),
-            integers("group", group, count, dtype=np.uint16),
+        return self._add_kind(
+            _rockfall.add_boxes, corner=(corner, VECTOR), edges=(edges, MATRIX), group=(group, GROUP)
         )
-        self._edited()
-        return numbers_from(_rockfall.add_boxes(self._native, *arguments), count)
 
     def add_box(self, min: npt.ArrayLike, max: npt.ArrayLike, *, group: int = 0) -> int:
         """Add a static box with edges along the axes, between two opposite corners of shape (3,), in units."""
@@ -134,15 +129,13 @@ class Objects(Bodies):
         ValueError, TypeError
             As for :meth:`add_spheres`, and for edges that are parallel.
         """
-        count = common(corner=(corner, (3,)), left=(left, (3,)), right=(right, (3,)), group=(group, ()))
-        arguments = (
-            floats("corner", corner, (3,), count),
-            floats("left", left, (3,), count),
-            floats("right", right, (3,), count),
-            integers("group", group, count, dtype=np.uint16),
+        return self._add_kind(
+            _rockfall.add_polygons,
+            corner=(corner, VECTOR),
+            left=(left, VECTOR),
+            right=(right, VECTOR),
+            group=(group, GROUP),
         )
-        self._edited()
-        return numbers_from(_rockfall.add_polygons(self._native, *arguments), count)
 
     def remove(self, kind: str, ids: npt.ArrayLike) -> None:
         """Remove objects.
@@ -172,7 +165,7 @@ class Objects(Bodies):
 
     def update_rods(self, ids: npt.ArrayLike, *, radius: npt.ArrayLike | None = None, length: npt.ArrayLike | None = None) -> None:
         """Change radii and lengths of rods, in units. A length of 0 leaves a rod free."""
-        self._update("rod", ids, radius=(radius, (), True), length=(length, (), False))
+        self._update("rod", ids, radius=(radius, POSITIVE), length=(length, NOT_NEGATIVE))
 
     def update_springs(
         self,
@@ -183,7 +176,13 @@ class Objects(Bodies):
         damping: npt.ArrayLike | None = None,
     ) -> None:
         """Change constants of springs: stiffness in mass/s², length in units, damping in mass/s."""
-        self._update("spring", ids, stiffness=(stiffness, (), False), length=(length, (), False), damping=(damping, (), False))
+        self._update(
+            "spring",
+            ids,
+            stiffness=(stiffness, NOT_NEGATIVE),
+            length=(length, NOT_NEGATIVE),
+            damping=(damping, NOT_NEGATIVE),
+        )
 
     def update_tethers(
         self,
@@ -198,21 +197,19 @@ class Objects(Bodies):
         self._update(
             "tether",
             ids,
-            point=(point, (3,), None),
-            stiffness=(stiffness, (), False),
-            length=(length, (), False),
-            damping=(damping, (), False),
+            point=(point, VECTOR),
+            stiffness=(stiffness, NOT_NEGATIVE),
+            length=(length, NOT_NEGATIVE),
+            damping=(damping, NOT_NEGATIVE),
         )
 
-    def _update(self, kind: str, ids: npt.ArrayLike, **fields: tuple[Any, tuple[int, ...], bool | None]) -> None:
+    def _update(self, kind: str, ids: npt.ArrayLike, **fields: tuple[Any, Kind]) -> None:
         numbers = integers("ids", ids)
         given: list[tuple[str, Any]] = []
-        for name, (value, columns, positive) in fields.items():
+        for name, (value, rows) in fields.items():
             if value is not None:
-                array = floats(
-                    name, value, columns, len(numbers), positive=positive is True, not_negative=positive is False
-                )
-                given.append((name, array.reshape(-1, 1) if not columns else array))
+                array = rows.convert(name, value, len(numbers))
+                given.append((name, array if rows.columns else array.reshape(-1, 1)))
         self._edited()
         _rockfall.update(self._native, kind, numbers, given)
 

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 import numpy.typing as npt
 
 from rockfall import _rockfall
 from rockfall._arrays import FloatArray, IntArray, floats, integers, quaternions
+from rockfall._device import DeviceArray, is_on_cuda
 from rockfall._objects import Objects
 from rockfall._reports import State
 
@@ -26,24 +27,46 @@ class States(Objects):
     def _field(self, field: str) -> FloatArray:
         array = self._live.get(field)
         if array is None:
-            array = self._native.get(field)
+            shared = self._native.shared(field)
+            # A DeviceArray does what an array does.
+            array = self._native.get(field) if shared is None else cast(FloatArray, DeviceArray(shared))
             self._live[field] = array
         return array
 
     def _set_field(self, field: str, value: Any) -> None:
+        if is_on_cuda(value) and value is not self._live.get(field) and self._put_shared(field, value):
+            return
         array = self._field(field)
         if value is not array:
             columns = _FIELDS[field]
             array[:] = quaternions(field, value, len(array)) if columns == 4 else floats(field, value, (3,), len(array))
         self._commit()
 
+    def _put_shared(self, field: str, value: Any) -> bool:
+        """Sets a field from an array on the device, unless it is another device than that of the simulation."""
+        if getattr(value, "requires_grad", False):
+            raise TypeError(f"{field}: expected an array without a gradient; call .detach() first")
+        self._commit()
+        try:
+            return bool(self._native.put_shared(field, value))
+        except (TypeError, ValueError, BufferError) as error:
+            raise type(error)(f"{field}: {error}") from None
+
     def _commit(self) -> None:
         """Applies what was written to arrays, and makes them snapshots."""
         if not self._live:
             return
-        live, self._live = self._live, {}
-        for array in live.values():
-            array.flags.writeable = False
+        taken, self._live = self._live, {}
+        live: dict[str, FloatArray] = {}
+        for field, array in taken.items():
+            if isinstance(array, DeviceArray):
+                changed = array._changed()
+                array._freeze()
+                if changed:
+                    live[field] = array._on_host()
+            else:
+                array.flags.writeable = False
+                live[field] = array
         # All are checked before the first is applied.
         for field, array in live.items():
             quaternions(field, array) if field == "orientation" else floats(field, array, (3,))

@@ -2,14 +2,18 @@
 //! a new field that is missing here.
 
 use super::words::{Damage, Head, Words};
-use super::{Checkpoint, History};
+use super::{Checkpoint, History, WITH_MUSCLES};
+use crate::model::muscles::MuscleClock;
 use crate::options::Options;
 use crate::report::Report;
-use crate::scene::{Counts, Scene};
+use crate::scene::{Counts, Material, Pair, Scene};
 use crate::settings::Settings;
 
-pub(super) fn bytes(checkpoint: &Checkpoint) -> Vec<u8> {
-    let Checkpoint { scene, options, time_step, report, note, device, program, history } = checkpoint;
+/// First version that holds materials and pairs.
+pub(super) const MATERIALS_SINCE: u32 = 3;
+
+pub(super) fn bytes(checkpoint: &Checkpoint, version: u32) -> Vec<u8> {
+    let Checkpoint { scene, options, time_step, report, note, device, program, history, springs: _ } = checkpoint;
     let mut head = Head::default();
     for text in [program, device, note] {
         head.text(text);
@@ -36,20 +40,27 @@ pub(super) fn bytes(checkpoint: &Checkpoint) -> Vec<u8> {
         head.u64(*count);
     }
 
-    let History { lengths_due, margin_scale, lookahead } = history;
+    let History { lengths_due, margin_scale, lookahead, clock } = history;
     head.u32(u32::from(*lengths_due));
     head.f32(*margin_scale);
     head.f32(*lookahead);
+    let MuscleClock { start, dt, steps } = clock;
+    head.f64(*start);
+    head.f32(*dt);
+    head.u64(*steps);
 
     let Counts { spheres, rods, capsules, springs, tethers, boxes, polygons } = scene.counts();
     for count in [spheres, rods, capsules, springs, tethers, boxes, polygons] {
         head.u64(count as u64);
     }
+    if version >= MATERIALS_SINCE {
+        materials(&mut head, scene);
+    }
     head.bytes
 }
 
 /// Reads the checkpoint without its objects, and the numbers of objects.
-pub(super) fn read(words: &mut Words) -> Result<(Checkpoint, Counts), Damage> {
+pub(super) fn read(words: &mut Words, version: u32) -> Result<(Checkpoint, Counts), Damage> {
     let (program, device, note) = (words.text()?, words.text()?, words.text()?);
     let mut scene = Scene::new();
     scene.settings = read_settings(words)?;
@@ -74,7 +85,16 @@ pub(super) fn read(words: &mut Words) -> Result<(Checkpoint, Counts), Damage> {
         list_builds: words.u64()?,
         non_finite: words.u64()?,
     };
-    let history = History { lengths_due: words.bool()?, margin_scale: words.f32()?, lookahead: words.f32()? };
+    let (lengths_due, margin_scale, lookahead) = (words.bool()?, words.f32()?, words.f32()?);
+    let clock = if version < WITH_MUSCLES {
+        MuscleClock { start: report.time, dt: time_step, steps: 0 }
+    } else {
+        MuscleClock { start: words.f64()?, dt: words.f32()?, steps: words.u64()? }
+    };
+    if !(clock.start.is_finite() && clock.start >= 0.0 && clock.dt.is_finite() && clock.dt > 0.0) {
+        return Err(Damage::new(format!("its muscles began at {} s with steps of {} s", clock.start, clock.dt)));
+    }
+    let history = History { lengths_due, margin_scale, lookahead, clock };
     if !(history.margin_scale >= 0.0 && history.lookahead >= 1.0) {
         return Err(Damage::new(format!(
             "its AABB margin {} or its lookahead of {} steps is out of range",
@@ -94,7 +114,10 @@ pub(super) fn read(words: &mut Words) -> Result<(Checkpoint, Counts), Damage> {
         boxes: count()?,
         polygons: count()?,
     };
-    Ok((Checkpoint { scene, options, time_step, report, note, device, program, history }, counts))
+    if version >= MATERIALS_SINCE {
+        read_materials(words, &mut scene)?;
+    }
+    Ok((Checkpoint { scene, options, time_step, report, note, device, program, history, springs: Vec::new() }, counts))
 }
 
 /// Writes the constants by name, as text that reads back bitwise identical. The direction of gravity is also stored as numbers,
@@ -119,4 +142,37 @@ fn read_settings(words: &mut Words) -> Result<Settings, Damage> {
     settings.gravity_direction = words.vec3()?;
     settings.validate()?;
     Ok(settings)
+}
+
+/// Writes materials in insertion order, then the properties of pairs with the indices of the two materials.
+fn materials(head: &mut Head, scene: &Scene) {
+    head.u32(scene.materials().len() as u32);
+    for Material { name, density, young, poisson } in scene.materials() {
+        head.text(name);
+        [density, young, poisson].into_iter().for_each(|constant| head.known(*constant));
+    }
+    head.u32(scene.pairs.len() as u32);
+    for ((one, other), Pair { restitution, friction, stiffness }) in &scene.pairs {
+        head.u32(u32::from(*one));
+        head.u32(u32::from(*other));
+        [restitution, friction, stiffness].into_iter().for_each(|property| head.known(*property));
+    }
+}
+
+fn read_materials(words: &mut Words, scene: &mut Scene) -> Result<(), Damage> {
+    for _ in 0..words.u32()? {
+        let mut material = Material::new(words.text()?);
+        (material.density, material.young, material.poisson) = (words.known()?, words.known()?, words.known()?);
+        scene.add_material(material)?;
+    }
+    for _ in 0..words.u32()? {
+        let [one, other] = [words.u32()?, words.u32()?].map(|index| index as usize);
+        if one.max(other) >= scene.materials().len() {
+            return Err(Damage::new(format!("a pair refers to material {} of {}", one.max(other), scene.materials().len())));
+        }
+        let pair = Pair { restitution: words.known()?, friction: words.known()?, stiffness: words.known()? };
+        let [one, other] = [one, other].map(|index| scene.materials.handle_at(index));
+        scene.set_pair(one, other, pair)?;
+    }
+    Ok(())
 }

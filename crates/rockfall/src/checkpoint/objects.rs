@@ -4,8 +4,11 @@ use std::io::{self, Write};
 
 use glam::{Quat, Vec3};
 
+use super::WITH_MUSCLES;
 use super::words::{Damage, Words};
-use crate::scene::{CapsuleParts, Counts, Cuboid, Handle, Polygon, Registry, Rod, Scene, Sphere, Spring, Tether};
+use crate::scene::{
+    CapsuleParts, Counts, Cuboid, Handle, MaterialId, Muscle, Polygon, Registry, Rod, Scene, Sphere, Spring, Tether,
+};
 
 /// Maximum number of bytes written at once.
 const CHUNK: usize = 1 << 16;
@@ -20,7 +23,7 @@ trait Record<const N: usize>: Sized {
 pub(super) fn length(scene: &Scene) -> usize {
     let Counts { spheres, rods, capsules, springs, tethers, boxes, polygons } = scene.counts();
     let references = if scene.references.is_empty() { 0 } else { 2 * spheres };
-    4 * (references + 19 * spheres + 5 * rods + 3 * capsules + 5 * springs + 7 * tethers + 13 * boxes + 10 * polygons)
+    4 * (references + 19 * spheres + 5 * rods + 3 * capsules + 9 * springs + 7 * tethers + 13 * boxes + 10 * polygons)
 }
 
 pub(super) fn write(scene: &Scene, out: &mut impl Write) -> io::Result<()> {
@@ -52,7 +55,7 @@ fn write_all<const N: usize>(objects: &[impl Record<N>], scene: &Scene, out: &mu
     Ok(())
 }
 
-pub(super) fn read(words: &mut Words, counts: &Counts, scene: &mut Scene) -> Result<(), Damage> {
+pub(super) fn read(words: &mut Words, version: u32, counts: &Counts, scene: &mut Scene) -> Result<(), Damage> {
     read_all(words, counts.spheres, scene, |scene, sphere: Sphere| {
         // A step may leave an orientation that is not a unit quaternion. No other value depends on it.
         Sphere { orientation: Quat::IDENTITY, ..sphere }.validate()?;
@@ -64,7 +67,11 @@ pub(super) fn read(words: &mut Words, counts: &Counts, scene: &mut Scene) -> Res
         scene.capsules.add(parts);
         Ok(())
     })?;
-    read_all(words, counts.springs, scene, |scene, spring| Ok(scene.add_spring(spring).map(drop)?))?;
+    if version < WITH_MUSCLES {
+        read_all(words, counts.springs, scene, |scene, Plain(spring)| Ok(scene.add_spring(spring).map(drop)?))?;
+    } else {
+        read_all(words, counts.springs, scene, |scene, spring: Spring| Ok(scene.add_spring(spring).map(drop)?))?;
+    }
     read_all(words, counts.tethers, scene, |scene, tether| Ok(scene.add_tether(tether).map(drop)?))?;
     read_all(words, counts.boxes, scene, |scene, cuboid| Ok(scene.add_box(cuboid).map(drop)?))?;
     read_all(words, counts.polygons, scene, |scene, polygon| Ok(scene.add_polygon(polygon).map(drop)?))?;
@@ -101,20 +108,30 @@ fn read_all<T: Record<N>, const N: usize>(
 }
 
 impl Record<19> for Sphere {
-    fn pack(&self, _scene: &Scene) -> [u32; 19] {
-        let Self { position: x, velocity: v, angular_momentum: l, orientation: q, mass, radius, fixed, force: f, group } =
-            *self;
+    fn pack(&self, scene: &Scene) -> [u32; 19] {
+        let Self {
+            position: x,
+            velocity: v,
+            angular_momentum: l,
+            orientation: q,
+            mass,
+            radius,
+            fixed,
+            force: f,
+            group,
+            material,
+        } = *self;
         let mut words = [0; 19];
         let numbers =
             [x.x, x.y, x.z, v.x, v.y, v.z, l.x, l.y, l.z, q.x, q.y, q.z, q.w, mass, radius, f.x, f.y, f.z].map(f32::to_bits);
         words[..18].copy_from_slice(&numbers);
-        words[18] = u32::from(group) | u32::from(fixed) << 16;
+        words[18] = tag(scene, group, fixed, material);
         words
     }
 
-    fn unpack(words: [u32; 19], _scene: &Scene) -> Result<Self, Damage> {
+    fn unpack(words: [u32; 19], scene: &Scene) -> Result<Self, Damage> {
         let number = |place: usize| f32::from_bits(words[place]);
-        let (group, fixed) = group_and_flag(words[18])?;
+        let (group, fixed, material) = read_tag(words[18], scene)?;
         Ok(Self {
             position: vector(&words[0..]),
             velocity: vector(&words[3..]),
@@ -125,26 +142,28 @@ impl Record<19> for Sphere {
             fixed,
             force: vector(&words[15..]),
             group,
+            material,
         })
     }
 }
 
 impl Record<5> for Rod {
     fn pack(&self, scene: &Scene) -> [u32; 5] {
-        let Self { end1, end2, radius, length, group } = *self;
-        let held = u32::from(length.is_some()) << 16;
+        let Self { end1, end2, radius, length, group, material } = *self;
+        let tag = tag(scene, group, length.is_some(), material);
         let (radius, length) = (radius.to_bits(), length.unwrap_or(0.0).to_bits());
-        [index(&scene.spheres, end1), index(&scene.spheres, end2), radius, length, u32::from(group) | held]
+        [index(&scene.spheres, end1), index(&scene.spheres, end2), radius, length, tag]
     }
 
-    fn unpack([end1, end2, radius, length, group]: [u32; 5], scene: &Scene) -> Result<Self, Damage> {
-        let (group, held) = group_and_flag(group)?;
+    fn unpack([end1, end2, radius, length, tag]: [u32; 5], scene: &Scene) -> Result<Self, Damage> {
+        let (group, held, material) = read_tag(tag, scene)?;
         Ok(Self {
             end1: handle(&scene.spheres, end1)?,
             end2: handle(&scene.spheres, end2)?,
             radius: f32::from_bits(radius),
             length: held.then_some(f32::from_bits(length)),
             group,
+            material,
         })
     }
 }
@@ -160,16 +179,44 @@ impl Record<3> for CapsuleParts {
     }
 }
 
-impl Record<5> for Spring {
+/// A spring without a muscle, as stored before version 3.
+struct Plain(Spring);
+
+impl Record<5> for Plain {
     fn pack(&self, scene: &Scene) -> [u32; 5] {
-        let Self { a, b, stiffness, length, damping } = *self;
+        let Spring { a, b, stiffness, length, damping, muscle: _ } = self.0;
         let [stiffness, length, damping] = [stiffness, length, damping].map(f32::to_bits);
         [index(&scene.spheres, a), index(&scene.spheres, b), stiffness, length, damping]
     }
 
     fn unpack([a, b, stiffness, length, damping]: [u32; 5], scene: &Scene) -> Result<Self, Damage> {
         let [stiffness, length, damping] = [stiffness, length, damping].map(f32::from_bits);
-        Ok(Self { a: handle(&scene.spheres, a)?, b: handle(&scene.spheres, b)?, stiffness, length, damping })
+        let (a, b) = (handle(&scene.spheres, a)?, handle(&scene.spheres, b)?);
+        Ok(Self(Spring::new(a, b, stiffness, length).damping(damping)))
+    }
+}
+
+/// The words of a spring without a muscle, whether it has one, and the words of the muscle.
+impl Record<9> for Spring {
+    fn pack(&self, scene: &Scene) -> [u32; 9] {
+        let mut words = [0; 9];
+        words[..5].copy_from_slice(&Plain(*self).pack(scene));
+        if let Some(Muscle { amplitude, frequency, phase }) = self.muscle {
+            words[5] = 1;
+            words[6..].copy_from_slice(&[amplitude, frequency, phase].map(f32::to_bits));
+        }
+        words
+    }
+
+    fn unpack(words: [u32; 9], scene: &Scene) -> Result<Self, Damage> {
+        let [a, b, stiffness, length, damping, has_muscle, rest @ ..] = words;
+        let Plain(spring) = Plain::unpack([a, b, stiffness, length, damping], scene)?;
+        let [amplitude, frequency, phase] = rest.map(f32::from_bits);
+        match has_muscle {
+            0 => Ok(spring),
+            1 => Ok(spring.muscle(Muscle::new(amplitude, frequency, phase))),
+            other => Err(Damage::new(format!("the flag of a muscle is {other}, expected 0 or 1"))),
+        }
     }
 }
 
@@ -187,30 +234,32 @@ impl Record<7> for Tether {
 }
 
 impl Record<13> for Cuboid {
-    fn pack(&self, _scene: &Scene) -> [u32; 13] {
-        let Self { corner, edges: [i, j, k], group } = *self;
-        let mut words = [u32::from(group); 13];
+    fn pack(&self, scene: &Scene) -> [u32; 13] {
+        let Self { corner, edges: [i, j, k], group, material } = *self;
+        let mut words = [tag(scene, group, false, material); 13];
         put(&mut words, [corner, i, j, k]);
         words
     }
 
-    fn unpack(words: [u32; 13], _scene: &Scene) -> Result<Self, Damage> {
+    fn unpack(words: [u32; 13], scene: &Scene) -> Result<Self, Damage> {
+        let (group, _, material) = read_tag(words[12], scene)?;
         let edges = [vector(&words[3..]), vector(&words[6..]), vector(&words[9..])];
-        Ok(Self { corner: vector(&words), edges, group: group_and_flag(words[12])?.0 })
+        Ok(Self { corner: vector(&words), edges, group, material })
     }
 }
 
 impl Record<10> for Polygon {
-    fn pack(&self, _scene: &Scene) -> [u32; 10] {
-        let Self { corner, left, right, group } = *self;
-        let mut words = [u32::from(group); 10];
+    fn pack(&self, scene: &Scene) -> [u32; 10] {
+        let Self { corner, left, right, group, material } = *self;
+        let mut words = [tag(scene, group, false, material); 10];
         put(&mut words, [corner, left, right]);
         words
     }
 
-    fn unpack(words: [u32; 10], _scene: &Scene) -> Result<Self, Damage> {
-        let (left, right) = (vector(&words[3..]), vector(&words[6..]));
-        Ok(Self { corner: vector(&words), left, right, group: group_and_flag(words[9])?.0 })
+    fn unpack(words: [u32; 10], scene: &Scene) -> Result<Self, Damage> {
+        let (group, _, material) = read_tag(words[9], scene)?;
+        let [corner, left, right] = [vector(&words), vector(&words[3..]), vector(&words[6..])];
+        Ok(Self { corner, left, right, group, material })
     }
 }
 
@@ -225,12 +274,23 @@ fn vector(words: &[u32]) -> Vec3 {
     Vec3::new(f32::from_bits(words[0]), f32::from_bits(words[1]), f32::from_bits(words[2]))
 }
 
-/// Splits a word into a group and the flag in the bit above it.
-fn group_and_flag(word: u32) -> Result<(u16, bool), Damage> {
-    match word >> 16 {
-        bit @ (0 | 1) => Ok((word as u16, bit == 1)),
-        _ => Err(Damage::new(format!("an object has the unknown flags {word:#x}"))),
+/// Bit of the flag in a tag. The number of the material is above it.
+const FLAG_SHIFT: u32 = 16;
+
+/// Packs a group, a flag and a material into a word. Versions 1 and 2 have no material, which is the number 0.
+fn tag(scene: &Scene, group: u16, flag: bool, material: Option<MaterialId>) -> u32 {
+    // The scene contains the materials of all its objects.
+    let number = scene.material_number(material).unwrap_or_default();
+    u32::from(group) | u32::from(flag) << FLAG_SHIFT | u32::from(number) << (FLAG_SHIFT + 1)
+}
+
+/// Splits a word into group, flag and material.
+fn read_tag(word: u32, scene: &Scene) -> Result<(u16, bool, Option<MaterialId>), Damage> {
+    let (flag, number) = (word >> FLAG_SHIFT & 1 == 1, word >> (FLAG_SHIFT + 1));
+    if number as usize > scene.materials().len() {
+        return Err(Damage::new(format!("an object has the unknown flags {word:#x}")));
     }
+    Ok((word as u16, flag, scene.material_of_number(number as u16)))
 }
 
 /// The insertion index of an object. The scene contains every object that it refers to.

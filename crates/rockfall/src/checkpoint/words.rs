@@ -68,6 +68,12 @@ impl<'a> Words<'a> {
         }
     }
 
+    /// A number that may be missing, as written by [`Head::known`].
+    pub(super) fn known(&mut self) -> Result<Option<f32>, Damage> {
+        let (is_known, number) = (self.bool()?, self.f32()?);
+        Ok(is_known.then_some(number))
+    }
+
     pub(super) fn vec3(&mut self) -> Result<Vec3, Damage> {
         Ok(Vec3::new(self.f32()?, self.f32()?, self.f32()?))
     }
@@ -109,6 +115,12 @@ impl Head {
 
     pub(super) fn f32(&mut self, number: f32) {
         self.u32(number.to_bits());
+    }
+
+    /// A number that may be missing: a flag and the number, or 0.
+    pub(super) fn known(&mut self, number: Option<f32>) {
+        self.u32(u32::from(number.is_some()));
+        self.f32(number.unwrap_or(0.0));
     }
 
     pub(super) fn f64(&mut self, number: f64) {

@@ -9,6 +9,8 @@
 mod array;
 mod check;
 mod device;
+mod exchange;
+mod exchangers;
 mod fault;
 mod fuse;
 mod kernel;
@@ -19,8 +21,11 @@ mod timer;
 mod transfer;
 mod wait;
 mod world;
+#[cfg(not(target_family = "wasm"))]
+pub(crate) mod worlds;
 
 pub use device::{Gpu, adapters, instance};
+pub use exchange::Table;
 pub use fault::catch;
 pub use kernel::{join, locate_lines};
 pub use split::{Split, split};

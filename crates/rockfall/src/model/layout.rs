@@ -24,6 +24,8 @@ pub const fn words_of_rows(rows: u32) -> u64 {
 pub const ROD_WORDS: u32 = 4;
 /// Words of a spring: sphere A, sphere B, stiffness k, rest length l, damping c.
 pub const SPRING_WORDS: u32 = 5;
+/// Words of a muscle: amplitude, phase, change of the phase in half a step. Phases have 64 bits, low word first.
+pub const MUSCLE_WORDS: u32 = 5;
 /// Words of a tether: sphere, the point's x, y, z, stiffness k, rest length l, damping c.
 pub const TETHER_WORDS: u32 = 7;
 /// Words of an external force: x, y, z.
@@ -82,6 +84,30 @@ pub const FLAG_GROUPS: u32 = 8;
 /// Bit of [`Step::flags`](crate::model::step::Step::flags), in scenes with large spheres: the buffers `Y3` and `Y4` hold
 /// stage states of a recent RK4 step of the same spheres.
 pub const FLAG_STAGES: u32 = 16;
+
+/// Bit of [`Step::flags`](crate::model::step::Step::flags): some pair of materials has Coulomb friction.
+pub const FLAG_PAIR_FRICTION: u32 = 32;
+
+/// Shift of the material in a tag.
+pub const MATERIAL_SHIFT: u32 = 16;
+/// Mask of the group in a tag.
+pub const GROUP_MASK: u32 = (1 << MATERIAL_SHIFT) - 1;
+/// Words of a pair of materials in the topology buffer: restitution, strength of the square-root friction, coefficient of
+/// Coulomb friction in contacts, the same in collisions. A negative number stands for the constant of the scene. Then, for laws
+/// with history: normal constant, tangential constant, damping, coefficient of friction.
+pub const PAIR_WORDS: u32 = 8;
+/// Value of [`Step::law`](crate::model::step::Step::law): the law of the thesis.
+pub const LAW_THESIS: u32 = 0;
+/// Value of [`Step::law`](crate::model::step::Step::law): the law `linear`.
+pub const LAW_LINEAR: u32 = 1;
+/// Value of [`Step::law`](crate::model::step::Step::law): the law `hertz-mindlin`.
+pub const LAW_HERTZ_MINDLIN: u32 = 2;
+/// Words of the spring of a contact: displacement x, y, z, overlap, three unused words, key.
+pub const HISTORY_WORDS: u32 = 8;
+/// Key of a record without a contact. It ends a row.
+pub const NO_KEY: u32 = u32::MAX;
+/// Initial number of records in a row.
+pub const FIRST_HISTORY_ROOM: u32 = 8;
 
 /// Value of [`Step::sweeps`](crate::model::step::Step::sweeps): collisions are not listed. Each sphere computes the impulses
 /// of its own collisions. The step is rejected when a collision shares a body with another.

@@ -4,7 +4,7 @@ use std::mem::{offset_of, size_of};
 
 use bytemuck::{Pod, Zeroable, bytes_of, bytes_of_mut};
 
-use crate::model::layout::{ENTRY_BITS, FEATURE_BITS, SWEEPS_LISTED, SWEEPS_OFF, SWEEPS_ON};
+use crate::model::layout::{ENTRY_BITS, FEATURE_BITS, FLAG_PAIR_FRICTION, SWEEPS_LISTED, SWEEPS_OFF, SWEEPS_ON};
 use crate::settings::{Settings, constant_table};
 
 /// The WGSL type of a field.
@@ -69,6 +69,8 @@ uniform! {
         pub lead: f32,
         /// How collisions are solved: one of the `SWEEPS_*` constants. Results do not depend on it.
         pub sweeps: u32,
+        /// Steps since the base of the muscles' phases when the counter of steps in the status was 0.
+        pub muscle_step: u32,
         /// `FLAG_*` bits. This is the last of the fields that may change without a change of the arrays (see
         /// [`Step::with_constants_of`]).
         pub flags: u32,
@@ -86,6 +88,8 @@ uniform! {
         pub rods_at: u32,
         /// First word of the springs.
         pub springs_at: u32,
+        /// First word of the muscles: one record per spring, 0 when no spring has a muscle.
+        pub muscles_at: u32,
         /// First word of the tethers.
         pub tethers_at: u32,
         /// First word of the external forces.
@@ -145,6 +149,15 @@ uniform! {
         pub networks_at: u32,
         /// Number of collisions that the buffer `collisions` has room for.
         pub collision_room: u32,
+        /// Number of rows and columns of the table of pairs: the number of materials plus 1, because row and column 0 are those
+        /// of objects without a material. 0 when no properties of pairs are given.
+        pub materials: u32,
+        /// The contact law, one of the `LAW_*` constants.
+        pub law: u32,
+        /// Records per row of the springs of contacts; 0 for the law of the thesis.
+        pub history_room: u32,
+        /// First word of the table of pairs, which has [`PAIR_WORDS`](crate::model::layout::PAIR_WORDS) words per pair.
+        pub pairs_at: u32,
     }
 }
 
@@ -188,7 +201,7 @@ impl Step {
     pub fn calm_sweeps(&self) -> u32 {
         if self.networks > 0 {
             SWEEPS_ON
-        } else if self.has_long_lists() || self.collision_friction > 0.0 {
+        } else if self.has_long_lists() || self.collision_friction > 0.0 || self.has_pair_friction() {
             SWEEPS_LISTED
         } else {
             SWEEPS_OFF
@@ -202,7 +215,12 @@ impl Step {
 
     /// Whether contacts get friction impulses.
     pub fn has_friction_impulses(&self) -> bool {
-        self.coulomb_friction > 0.0 || self.collision_friction > 0.0
+        self.coulomb_friction > 0.0 || self.collision_friction > 0.0 || self.has_pair_friction()
+    }
+
+    /// Whether some pair of materials has Coulomb friction.
+    const fn has_pair_friction(&self) -> bool {
+        self.flags & FLAG_PAIR_FRICTION != 0
     }
 
     /// Bits of the id in a list entry: 26 in scenes with rods. In other scenes there are no features, so the id has all 30

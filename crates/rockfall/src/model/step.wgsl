@@ -101,10 +101,15 @@ struct StatusAtomic {
 @group(0) @binding(0) var<uniform> step: Step;
 @group(0) @binding(1) var<uniform> pass_: Pass;
 
-// Whether the scene has rods (RODS) and large spheres, each of which gets a workgroup (LARGE). Kernels for scenes without them
-// are smaller and faster.
+// Whether the scene has rods (RODS), large spheres, each of which gets a workgroup (LARGE), springs with muscles
+// (MUSCLES), and pairs of materials (MATERIALS).
+// Kernels for scenes without them are smaller and faster.
 const RODS: bool = true;
 const LARGE: bool = true;
+const MUSCLES: bool = true;
+const MATERIALS: bool = true;
+// The contact law. Kernels are compiled for one law.
+const LAW: u32 = 1u;
 
 const WORKGROUP: u32 = 64u;
 const WIDE_WORKGROUP: u32 = 256u;
@@ -112,10 +117,20 @@ const SLICE: u32 = 32u;
 
 const ROD_WORDS: u32 = 4u;
 const SPRING_WORDS: u32 = 5u;
+const MUSCLE_WORDS: u32 = 5u;
 const TETHER_WORDS: u32 = 7u;
 const FORCE_WORDS: u32 = 3u;
 const BOX_WORDS: u32 = 12u;
 const POLYGON_WORDS: u32 = 9u;
+const PAIR_WORDS: u32 = 8u;
+const MATERIAL_SHIFT: u32 = 16u;
+const LAW_THESIS: u32 = 0u;
+const LAW_LINEAR: u32 = 1u;
+const LAW_HERTZ_MINDLIN: u32 = 2u;
+const HISTORY_WORDS: u32 = 8u;
+const NO_KEY: u32 = 0xffffffffu;
+const FIRST_HISTORY_ROOM: u32 = 8u;
+const GROUP_MASK: u32 = (1u << MATERIAL_SHIFT) - 1u;
 
 const KIND_SHIFT: u32 = 30u;
 const NO_ROD: u32 = 0xffffffffu;
@@ -163,6 +178,7 @@ const FLAG_PULL: u32 = 2u;
 const FLAG_CONTINUE: u32 = 4u;
 const FLAG_GROUPS: u32 = 8u;
 const FLAG_STAGES: u32 = 16u;
+const FLAG_PAIR_FRICTION: u32 = 32u;
 
 const REJECTED_PAIRS: u32 = 1u;
 const REJECTED_ESCAPED: u32 = 2u;
@@ -170,6 +186,7 @@ const REJECTED_NON_FINITE: u32 = 4u;
 const REJECTED_COUNT: u32 = 8u;
 const REJECTED_COLLISIONS: u32 = 16u;
 const REJECTED_MANY: u32 = 32u;
+const REJECTED_HISTORY: u32 = 64u;
 
 const REBUILD_REQUESTED: u32 = 1u;
 const REBUILD_DONE: u32 = 2u;

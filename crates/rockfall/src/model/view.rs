@@ -3,8 +3,11 @@
 use glam::{Vec3, Vec4};
 
 use crate::model::layout::{
-    BOX_WORDS, FORCE_WORDS, KIND_ROD, KIND_SHIFT, NO_NETWORK, POLYGON_WORDS, ROD_WORDS, SPRING_WORDS, TETHER_WORDS,
+    BOX_WORDS, FORCE_WORDS, KIND_ROD, KIND_SHIFT, MATERIAL_SHIFT, MUSCLE_WORDS, NO_NETWORK, PAIR_WORDS, POLYGON_WORDS,
+    ROD_WORDS, SPRING_WORDS, TETHER_WORDS,
 };
+use crate::model::muscles::{half_steps, muscle_length};
+use crate::model::status::Status;
 use crate::model::step::Step;
 
 /// A squared distance up to this counts as zero (docs/physics.md section 2.3).
@@ -72,6 +75,8 @@ pub(crate) struct View<'a> {
     insertion_indices: &'a [u32],
     /// Position and radius, velocity and inverse mass, angular momentum and inverse inertia of every sphere.
     rows: [&'a [Vec4]; 3],
+    /// Half steps since the base of the muscles' clock.
+    half_steps: u32,
 }
 
 impl<'a> View<'a> {
@@ -81,7 +86,12 @@ impl<'a> View<'a> {
             if step.insertion_indices_at == 0 { &[] } else { &topology[step.insertion_indices_at as usize..][..spheres] };
         let (positions, rest) = state.split_at(spheres);
         let (velocities, spins) = rest.split_at(spheres);
-        Self { step, topology, insertion_indices, rows: [positions, velocities, spins] }
+        Self { step, topology, insertion_indices, rows: [positions, velocities, spins], half_steps: 0 }
+    }
+
+    /// The view at the time of a force evaluation of the step, which the rest lengths of muscles depend on.
+    pub(crate) fn at_evaluation(self, status: &Status, evaluation: u32) -> Self {
+        Self { half_steps: half_steps(self.step, status, evaluation), ..self }
     }
 
     fn row(&self, region: usize, sphere: u32) -> Vec4 {
@@ -188,9 +198,29 @@ impl<'a> View<'a> {
         RodRecord { ends: [end1, end2], radius: f32::from_bits(radius), length: f32::from_bits(length) }
     }
 
-    pub(crate) fn spring(&self, spring: u32) -> SpringRecord {
+    /// The record of a spring's muscle, in scenes with muscles.
+    pub(crate) fn muscle(&self, spring: u32) -> [u32; MUSCLE_WORDS as usize] {
+        self.record(self.step.muscles_at, spring, MUSCLE_WORDS)
+    }
+
+    /// Half steps since the base of the muscles' clock.
+    pub(crate) fn half_steps(&self) -> u32 {
+        self.half_steps
+    }
+
+    /// A spring without its muscle.
+    pub(crate) fn plain_spring(&self, spring: u32) -> SpringRecord {
         let [a, b, k, l, c] = self.record(self.step.springs_at, spring, SPRING_WORDS);
         SpringRecord { ends: [a, b], stiffness: f32::from_bits(k), length: f32::from_bits(l), damping: f32::from_bits(c) }
+    }
+
+    /// A spring. The length is that at the time of the view.
+    pub(crate) fn spring(&self, spring: u32) -> SpringRecord {
+        let mut record = self.plain_spring(spring);
+        if self.step.muscles_at != 0 {
+            record.length = muscle_length(self.muscle(spring), record.length, self.half_steps);
+        }
+        record
     }
 
     pub(crate) fn tether(&self, tether: u32) -> TetherRecord {
@@ -218,6 +248,13 @@ impl<'a> View<'a> {
     /// Group (low 16 bits) and material (high 16 bits) of an object.
     pub(crate) fn tag(&self, id: u32) -> u32 {
         self.topology[(self.step.tags_at + id) as usize]
+    }
+
+    /// The row of the materials of two objects in the table of pairs; `None` without a table.
+    pub(crate) fn pair(&self, a: u32, b: u32) -> Option<[f32; PAIR_WORDS as usize]> {
+        let Step { materials, pairs_at, .. } = *self.step;
+        let [one, other] = [a, b].map(|id| self.tag(id) >> MATERIAL_SHIFT);
+        (materials > 0).then(|| self.floats(pairs_at, one * materials + other, PAIR_WORDS))
     }
 
     /// Everything that is attached to a sphere, rods first.

@@ -7,6 +7,7 @@ use crate::model::lanes::{LANES, Vec3x4};
 use crate::model::lists::Entry;
 use crate::model::view::{Object, TINY, View};
 use crate::physics::contact::{Approach, Sides, Touches};
+use crate::physics::pairs::Surfaces;
 use crate::physics::side::side;
 use crate::physics::touch::ROUNDING;
 
@@ -76,6 +77,12 @@ impl<'a, 'b> Ball<'a, 'b> {
     /// Whether the sphere was added before another object.
     pub(crate) fn is_first(&self, other: u32) -> bool {
         self.view.insertion_index(self.sphere) < self.view.insertion_index(other)
+    }
+
+    /// The friction of the contacts with one to four other spheres, in the lanes of [`Ball::meet`].
+    #[inline]
+    pub(crate) fn surfaces(&self, others: &[Entry]) -> Surfaces {
+        Surfaces::of(self.view, self.sphere, std::array::from_fn(|lane| others.get(lane).unwrap_or(&others[0]).id()))
     }
 
     /// Evaluates the contacts with one to four other spheres. Unused lanes repeat the first sphere.

@@ -6,8 +6,9 @@ use glam::{Vec3, Vec4};
 use crate::model::lanes::Vec3x4;
 use crate::model::layout::{FLAG_COLLISIONS, FLAG_PULL};
 use crate::model::step::Step;
-use crate::model::view::{Object, TINY, View};
+use crate::model::view::{TINY, View};
 use crate::physics::geometry::ROUNDED;
+use crate::physics::pairs::{Surface, Surfaces};
 use crate::physics::side::{Side, side};
 use crate::physics::touch::Touch;
 
@@ -69,9 +70,11 @@ pub(crate) struct ContactForce<V> {
 }
 
 /// Returns the contact force of two objects that overlap.
-pub(crate) fn contact_force(view: &View, object_a: Object, object_b: Object, touch: &Touch) -> ContactForce<Vec3> {
-    let (a, b) = (side(view, object_a, touch.a), side(view, object_b, touch.b));
-    let of_four = contact_forces(view.step, &Sides::splat(&a), &Sides::splat(&b), &Touches::splat(touch));
+pub(crate) fn contact_force(view: &View, id_a: u32, id_b: u32, touch: &Touch) -> ContactForce<Vec3> {
+    let [a, b] =
+        [(id_a, touch.a), (id_b, touch.b)].map(|(id, parameter)| Sides::splat(&side(view, view.object(id), parameter)));
+    let surfaces = Surfaces::splat(&Surface::of(view, id_a, id_b));
+    let of_four = contact_forces(view.step, &a, &b, &Touches::splat(touch), &surfaces);
     let [force, torque_a, torque_b] = [of_four.force, of_four.torque_a, of_four.torque_b].map(|v| v.to_rows()[0]);
     ContactForce { force, torque_a, torque_b }
 }
@@ -169,20 +172,28 @@ impl Slip {
 /// Returns the contact forces of four pairs that overlap. The contact law is symmetric, so A need not be the object that was
 /// added first.
 #[inline]
-pub(crate) fn contact_forces(step: &Step, a: &Sides, b: &Sides, touches: &Touches) -> ContactForce<Vec3x4> {
+pub(crate) fn contact_forces(
+    step: &Step,
+    a: &Sides,
+    b: &Sides,
+    touches: &Touches,
+    surfaces: &Surfaces,
+) -> ContactForce<Vec3x4> {
     let (n, overlap) = (touches.normal, touches.overlap);
     let approach = Approach::of(step, a, b, n);
     let mass = acting_masses(step, a, b, overlap, &approach);
     let normal = n * (pressures(step, overlap, approach.velocity) * mass);
     let [arm_a, arm_b] = arms(a, b, overlap);
-    if step.coulomb_friction > 0.0 {
-        // Friction impulses replace the friction force.
+    // Friction impulses replace the friction force.
+    let has_impulses = surfaces.coulomb_friction.cmpgt(Vec4::ZERO);
+    if has_impulses.all() {
         return ContactForce { force: Vec3x4::default() - normal, ..ContactForce::default() };
     }
+    let strength = Vec4::select(has_impulses, Vec4::ZERO, surfaces.friction);
     let slip = Slip::of(a, b, n, [arm_a, arm_b], approach.velocity);
     let slip_inverse_mass =
         a.inverse_mass + b.inverse_mass + arm_a * arm_a * a.inverse_inertia + arm_b * arm_b * b.inverse_inertia;
-    let friction = friction(&slip, step.friction * overlap * mass, slip_inverse_mass * (2.0 * step.dt));
+    let friction = friction(&slip, strength * overlap * mass, slip_inverse_mass * (2.0 * step.dt));
     let torque = n.cross(friction);
     ContactForce { force: friction - normal, torque_a: torque * arm_a, torque_b: torque * arm_b }
 }

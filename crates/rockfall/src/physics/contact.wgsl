@@ -1,4 +1,5 @@
 // requires model/entries.wgsl model/lists.wgsl model/objects.wgsl model/order.wgsl model/step.wgsl physics/geometry.wgsl
+// requires physics/pairs.wgsl
 
 // The contact law (docs/physics.md section 4), and functions that search the pair lists.
 
@@ -234,8 +235,8 @@ fn pressure_of(overlap: f32, approach: f32) -> f32 {
     return select(max(press, 0.0), press, (step.flags & FLAG_PULL) != 0u);
 }
 
-// Contact force of two objects that overlap. `b` is the id of B. The inverse masses must not both be 0.
-fn contact_force(a_side: Side, b_side: Side, touch: Touch, b: u32) -> ContactForce {
+// Contact force of two objects that overlap, by their ids `a` and `b`. The inverse masses must not both be 0.
+fn contact_force(a_side: Side, b_side: Side, touch: Touch, a: u32, b: u32) -> ContactForce {
     let b_moves = b < step.spheres + step.rods;
     let n = touch.n;
     let overlap = touch.overlap;
@@ -251,14 +252,14 @@ fn contact_force(a_side: Side, b_side: Side, touch: Touch, b: u32) -> ContactFor
     var friction = vec3f(0.0);
     // With Coulomb friction, impulses replace the friction force. The reason for the combined condition is in objects.wgsl
     // (`adjacency`).
-    if (step.coulomb_friction <= 0.0) & (overlap > 0.0) {
+    if (coulomb_friction_of(a, b) <= 0.0) & (overlap > 0.0) {
         let t = slip_of(a_side, b_side, arms, n, approach);
         let tt = dot(t, t);
         if tt > 0.0 {
             // At most half of the force that would stop the slip within the step. Otherwise the integration is unstable (E25).
             let turning = arms.x * arms.x * a_side.inverse_inertia + arms.y * arms.y * b_side.inverse_inertia;
             let most = 0.5 / ((inverse_mass + turning) * step.dt);
-            friction = min(step.friction * reduced_mass * overlap / sqrt(sqrt(tt)), most) * t;
+            friction = min(friction_of(a, b) * reduced_mass * overlap / sqrt(sqrt(tt)), most) * t;
         }
     }
     return ContactForce(friction - press * reduced_mass * n, cross(n, friction), arms.x, arms.y);

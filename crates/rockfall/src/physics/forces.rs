@@ -16,7 +16,7 @@ use crate::model::counters::Tally;
 use crate::model::lists::Lists;
 use crate::model::part::Part;
 use crate::model::view::View;
-use net_force::sphere_load;
+use net_force::{Load, sphere_load};
 use rates::Rates;
 
 /// Declares the modules of the body forces, the function that adds all of them on the CPU, and their WGSL files.
@@ -59,7 +59,12 @@ body_forces! {
 /// Returns the rates of change of a moving sphere, from contacts, attachments and body forces. `wrenches` are the results of
 /// `rod_forces`.
 pub(crate) fn sphere_rates(view: &View, lists: &Lists, wrenches: &[Vec4], sphere: u32, tally: Option<&mut Tally>) -> Rates {
-    let load = sphere_load(view, lists, wrenches, sphere, tally);
+    rates_of(view, sphere, &sphere_load(view, lists, wrenches, sphere, tally))
+}
+
+/// Returns the rates of change of a moving sphere from the load of its contacts and attachments, and body forces.
+#[inline]
+pub(crate) fn rates_of(view: &View, sphere: u32, load: &Load) -> Rates {
     let mut rates = Rates { acceleration: view.inverse_mass(sphere) * load.force, torque: load.torque };
     add_body_forces(view, sphere, &mut rates);
     rates

@@ -16,6 +16,7 @@ use crate::model::view::{Object, View};
 use crate::physics::collision::all::impulse_in;
 use crate::physics::collision::body::{Body, Capsule, sphere_rows};
 use crate::physics::contact::{Approach, Sides, Slip, Touches, arms, normal_forces};
+use crate::physics::pairs::Surface;
 use crate::physics::side::side;
 use crate::physics::touch::{Feature, Touch, line};
 
@@ -131,10 +132,11 @@ impl<'a> FrictionImpulses<'a> {
         }
         let key = (view.insertion_index(a), view.insertion_index(b), entry.feature());
         let normal_impulse = impulse_in(self.impulses, key).map_or(0.0, |known| known.size);
-        let mut limit = view.step.collision_friction * normal_impulse;
-        if view.step.coulomb_friction > 0.0 && touch.overlap > 0.0 {
+        let surface = Surface::of(view, a, b);
+        let mut limit = surface.collision_friction * normal_impulse;
+        if surface.coulomb_friction > 0.0 && touch.overlap > 0.0 {
             let force = normal_forces(view.step, of_a, of_b, overlap, &approach).max(Vec4::ZERO).x;
-            limit += view.step.coulomb_friction * view.step.dt * force;
+            limit += surface.coulomb_friction * view.step.dt * force;
         }
         let unit = FrictionImpulse { a, b, touch, impulse: t / speed, arms: arms.map(|arm| arm.x) };
         let size = limit.min(speed / self.slip_inverse_mass(&unit));

@@ -1,5 +1,5 @@
 // requires model/entries.wgsl model/lists.wgsl model/objects.wgsl model/order.wgsl model/step.wgsl physics/collision.wgsl
-// requires physics/contact.wgsl physics/geometry.wgsl physics/touch.wgsl step/collisions/record_of.wgsl
+// requires physics/contact.wgsl physics/geometry.wgsl physics/pairs.wgsl physics/touch.wgsl step/collisions/record_of.wgsl
 // requires step/collisions/records.wgsl
 
 // Friction impulses of pressed contacts (docs/physics.md section 3.9). The impulse of a contact counts every body as if it were
@@ -110,18 +110,20 @@ fn slip_inverse_mass_of(half: ContactSide, n: vec3f, p: vec3f, arm: f32, is_a: b
 }
 
 // Upper bound of the friction impulse, from the normal impulse of the collision and from the contact force.
-fn limit_of(slot: vec2u, a: Side, b: Side, overlap: f32, approach: f32, b_moves: bool) -> f32 {
+fn limit_of(slot: vec2u, pair: vec2u, a: Side, b: Side, overlap: f32, approach: f32, b_moves: bool) -> f32 {
     var limit = 0.0;
+    let in_collisions = collision_friction_of(pair.x, pair.y);
+    let in_contacts = coulomb_friction_of(pair.x, pair.y);
     if (entry_at(slot) & ENTRY_COLLIDES) != 0u {
         // Collisions are always listed when this is not 0, so the record exists.
-        if step.collision_friction > 0.0 {
-            limit = step.collision_friction * impulse_at(record_of(slot)).even;
+        if in_collisions > 0.0 {
+            limit = in_collisions * impulse_at(record_of(slot)).even;
         }
     }
-    if (overlap > 0.0) & (step.coulomb_friction > 0.0) {
+    if (overlap > 0.0) & (in_contacts > 0.0) {
         if has_force(overlap, approach, smaller_radius(a.radius, b.radius, b_moves)) {
             let force = max(pressure_of(overlap, approach), 0.0) / (a.inverse_mass + b.inverse_mass);
-            limit += step.coulomb_friction * step.dt * force;
+            limit += in_contacts * step.dt * force;
         }
     }
     return limit;
@@ -152,7 +154,7 @@ fn friction_impulse_of(row: u32, slot: vec2u) -> FrictionImpulse {
     friction.arms = arms_of(a_side, b_side, found.overlap, b_moves);
     let t = slip_of(a_side, b_side, friction.arms, found.n, approach);
     let speed = length(t);
-    let limit = limit_of(slot, a_side, b_side, found.overlap, approach, b_moves);
+    let limit = limit_of(slot, pair, a_side, b_side, found.overlap, approach, b_moves);
     if (speed <= 0.0) | (limit <= 0.0) {
         return friction;
     }

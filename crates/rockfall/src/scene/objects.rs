@@ -2,9 +2,14 @@
 //!
 //! Lengths are in arbitrary length units ("units"), masses in arbitrary mass units ("mass"), and times in seconds.
 
+use std::f64::consts::{PI, TAU};
+
 use glam::{Quat, Vec3};
 
 use crate::error::{Error, Result};
+use crate::scene::checks::{finite, invalid, not_negative, positive};
+use crate::scene::materials::MaterialId;
+use crate::scene::muscle::Muscle;
 use crate::scene::registry::Handle;
 
 /// Handle of a [`Sphere`].
@@ -40,6 +45,8 @@ pub struct Sphere {
     pub force: Vec3,
     /// Collision group. Objects of different groups never touch.
     pub group: u16,
+    /// Material; `None` for an object to whose contacts the constants of the scene apply.
+    pub material: Option<MaterialId>,
 }
 
 impl Sphere {
@@ -55,6 +62,7 @@ impl Sphere {
             fixed: false,
             force: Vec3::ZERO,
             group: 0,
+            material: None,
         }
     }
 
@@ -62,6 +70,12 @@ impl Sphere {
     pub fn mass(mut self, mass: f32) -> Self {
         self.mass = mass;
         self
+    }
+
+    /// Sets the mass from a density in mass/units³: density 4/3 pi r³.
+    pub fn density(self, density: f32) -> Self {
+        let radius = f64::from(self.radius);
+        self.mass((f64::from(density) * 4.0 / 3.0 * PI * radius.powi(3)) as f32)
     }
 
     /// Sets the velocity, in units/s.
@@ -97,6 +111,12 @@ impl Sphere {
     /// Sets the group.
     pub fn group(mut self, group: u16) -> Self {
         self.group = group;
+        self
+    }
+
+    /// Sets the material.
+    pub fn material(mut self, material: MaterialId) -> Self {
+        self.material = Some(material);
         self
     }
 
@@ -152,12 +172,14 @@ pub struct Rod {
     pub length: Option<f32>,
     /// Collision group. Objects of different groups never touch.
     pub group: u16,
+    /// Material; `None` for an object to whose contacts the constants of the scene apply.
+    pub material: Option<MaterialId>,
 }
 
 impl Rod {
     /// Creates a rod of free length. The radius is in units.
     pub fn new(end1: SphereId, end2: SphereId, radius: f32) -> Self {
-        Self { end1, end2, radius, length: None, group: 0 }
+        Self { end1, end2, radius, length: None, group: 0, material: None }
     }
 
     /// Holds the rod at a length, in units, greater than 0.
@@ -169,6 +191,12 @@ impl Rod {
     /// Sets the group.
     pub fn group(mut self, group: u16) -> Self {
         self.group = group;
+        self
+    }
+
+    /// Sets the material.
+    pub fn material(mut self, material: MaterialId) -> Self {
+        self.material = Some(material);
         self
     }
 
@@ -200,18 +228,27 @@ pub struct Capsule {
     pub radius: f32,
     /// Collision group. Objects of different groups never touch.
     pub group: u16,
+    /// Material; `None` for an object to whose contacts the constants of the scene apply.
+    pub material: Option<MaterialId>,
 }
 
 impl Capsule {
     /// Creates a capsule of mass 1 at rest. Ends and radius are in units.
     pub fn new(end1: impl Into<Vec3>, end2: impl Into<Vec3>, radius: f32) -> Self {
-        Self { end1: end1.into(), end2: end2.into(), velocity: Vec3::ZERO, mass: 1.0, radius, group: 0 }
+        Self { end1: end1.into(), end2: end2.into(), velocity: Vec3::ZERO, mass: 1.0, radius, group: 0, material: None }
     }
 
     /// Sets the mass.
     pub fn mass(mut self, mass: f32) -> Self {
         self.mass = mass;
         self
+    }
+
+    /// Sets the mass from a density in mass/units³: density times the volume of the whole capsule, pi r² (l + 4/3 r), where l is
+    /// the distance of the ends.
+    pub fn density(self, density: f32) -> Self {
+        let (radius, length) = (f64::from(self.radius), self.end1.as_dvec3().distance(self.end2.as_dvec3()));
+        self.mass((f64::from(density) * PI * radius * radius * (length + 4.0 / 3.0 * radius)) as f32)
     }
 
     /// Sets the velocity, in units/s.
@@ -223,6 +260,12 @@ impl Capsule {
     /// Sets the group.
     pub fn group(mut self, group: u16) -> Self {
         self.group = group;
+        self
+    }
+
+    /// Sets the material.
+    pub fn material(mut self, material: MaterialId) -> Self {
+        self.material = Some(material);
         self
     }
 
@@ -278,12 +321,14 @@ pub struct Spring {
     pub length: f32,
     /// Damping c in mass/s, not negative.
     pub damping: f32,
+    /// Makes the rest length oscillate; `None` for a constant rest length.
+    pub muscle: Option<Muscle>,
 }
 
 impl Spring {
     /// Creates an undamped spring of `stiffness` in mass/s² and rest `length` in units.
     pub fn new(a: SphereId, b: SphereId, stiffness: f32, length: f32) -> Self {
-        Self { a, b, stiffness, length, damping: 0.0 }
+        Self { a, b, stiffness, length, damping: 0.0, muscle: None }
     }
 
     /// Sets the damping, in mass/s.
@@ -292,10 +337,23 @@ impl Spring {
         self
     }
 
+    /// Makes the spring a muscle.
+    pub fn muscle(mut self, muscle: Muscle) -> Self {
+        self.muscle = Some(muscle);
+        self
+    }
+
+    /// The rest length at a phase of the muscle in turns, in units.
+    pub(crate) fn length_at_phase(&self, turns: f64) -> f64 {
+        let share = self.muscle.map_or(0.0, |muscle| f64::from(muscle.amplitude) * (TAU * turns).sin());
+        f64::from(self.length) * (1.0 + share)
+    }
+
     pub(crate) fn validate(&self) -> Result<()> {
         not_negative("spring.stiffness", self.stiffness)?;
         not_negative("spring.length", self.length)?;
         not_negative("spring.damping", self.damping)?;
+        self.muscle.map_or(Ok(()), |muscle| muscle.validate())?;
         if self.a == self.b {
             return Err(invalid("spring.b", self.b, "a sphere other than a"));
         }
@@ -343,20 +401,4 @@ impl Tether {
         not_negative("tether.length", self.length)?;
         not_negative("tether.damping", self.damping)
     }
-}
-
-pub(crate) fn invalid(field: &'static str, value: impl std::fmt::Debug, expected: &'static str) -> Error {
-    Error::Invalid { field, value: format!("{value:?}"), expected }
-}
-
-pub(crate) fn finite(field: &'static str, value: Vec3) -> Result<()> {
-    if value.is_finite() { Ok(()) } else { Err(invalid(field, value.to_array(), "three finite numbers")) }
-}
-
-fn positive(field: &'static str, value: f32) -> Result<()> {
-    if value.is_finite() && value > 0.0 { Ok(()) } else { Err(invalid(field, value, "a finite number greater than 0")) }
-}
-
-fn not_negative(field: &'static str, value: f32) -> Result<()> {
-    if value.is_finite() && value >= 0.0 { Ok(()) } else { Err(invalid(field, value, "a finite number, not negative")) }
 }

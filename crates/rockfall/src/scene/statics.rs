@@ -3,7 +3,8 @@
 use glam::Vec3;
 
 use crate::error::{Error, Result};
-use crate::scene::objects::{finite, invalid};
+use crate::scene::checks::{finite, invalid};
+use crate::scene::materials::MaterialId;
 use crate::scene::registry::Handle;
 
 /// Handle of a [`Cuboid`].
@@ -21,12 +22,14 @@ pub struct Cuboid {
     pub edges: [Vec3; 3],
     /// Collision group. Objects of different groups never touch.
     pub group: u16,
+    /// Material; `None` for an object to whose contacts the constants of the scene apply.
+    pub material: Option<MaterialId>,
 }
 
 impl Cuboid {
     /// Creates a box from a corner and three orthogonal edges, in units.
     pub fn new(corner: impl Into<Vec3>, i: impl Into<Vec3>, j: impl Into<Vec3>, k: impl Into<Vec3>) -> Self {
-        Self { corner: corner.into(), edges: [i.into(), j.into(), k.into()], group: 0 }
+        Self { corner: corner.into(), edges: [i.into(), j.into(), k.into()], group: 0, material: None }
     }
 
     /// Creates an axis-aligned box between two opposite corners, in units.
@@ -39,6 +42,12 @@ impl Cuboid {
     /// Sets the group.
     pub fn group(mut self, group: u16) -> Self {
         self.group = group;
+        self
+    }
+
+    /// Sets the material.
+    pub fn material(mut self, material: MaterialId) -> Self {
+        self.material = Some(material);
         self
     }
 
@@ -73,17 +82,25 @@ pub struct Polygon {
     pub right: Vec3,
     /// Collision group. Objects of different groups never touch.
     pub group: u16,
+    /// Material; `None` for an object to whose contacts the constants of the scene apply.
+    pub material: Option<MaterialId>,
 }
 
 impl Polygon {
     /// Creates a polygon from a corner and two edges that are not parallel, in units.
     pub fn new(corner: impl Into<Vec3>, left: impl Into<Vec3>, right: impl Into<Vec3>) -> Self {
-        Self { corner: corner.into(), left: left.into(), right: right.into(), group: 0 }
+        Self { corner: corner.into(), left: left.into(), right: right.into(), group: 0, material: None }
     }
 
     /// Sets the group.
     pub fn group(mut self, group: u16) -> Self {
         self.group = group;
+        self
+    }
+
+    /// Sets the material.
+    pub fn material(mut self, material: MaterialId) -> Self {
+        self.material = Some(material);
         self
     }
 

@@ -13,11 +13,17 @@
 //! | `@group N` | nothing: the objects of the lines below belong to group N |
 //! | `@orientation ref w x y z` | nothing: sets the orientation of that sphere |
 //! | `@force ref x y z` | nothing: sets the external force on that sphere |
+//! | `@muscle amplitude frequency phase` | nothing: the rest length of the spring added last oscillates |
 //! | `@capsule ref1 ref2` | nothing: the two spheres and the rod added last are a capsule |
+//! | `@material NAME density=D young=E poisson=N` | nothing: defines a material; each constant may be left out |
+//! | `@pair NAME NAME restitution=e friction=mu stiffness=k` | nothing: sets properties of the contacts between two materials |
+//! | `@use NAME` | nothing: the objects of the lines below are of this material; `@use -`: of none |
 //!
-//! The whole first word of a line decides its kind. A line with any other first word is a comment. The last six kinds above are
+//! The whole first word of a line decides its kind. A line with any other first word is a comment. The last ten kinds above are
 //! comments to the reader of the thesis. `#` at the beginning of a line or after white space begins a comment up to the end of
 //! the line.
+//!
+//! `-` in place of the mass of a sphere or capsule stands for its volume times the density of the material in use.
 //!
 //! A line that begins with `set` or `@` and is not understood is an error. In a file without any other such line, without
 //! tethers and without `#`, it may be prose of a file for the thesis's program: there it is a comment with a warning. A comment without `#` that
@@ -32,11 +38,12 @@ use glam::{Quat, Vec3};
 
 mod comment;
 mod line;
+mod materials;
 
 use comment::{Title, has_number_sign, is_extension, is_number, looks_like, may_be_prose, without_comment};
-use line::{BOX, CAPSULE, FORCE, GROUP, Kind, Line, MARK, ORIENTATION, POLYGON, ROD, SPHERE, SPRING, TETHER, Wrong};
+use line::{BOX, CAPSULE, FORCE, GROUP, Kind, Line, MARK, MUSCLE, ORIENTATION, POLYGON, ROD, SPHERE, SPRING, TETHER, Wrong};
 
-use super::{Capsule, CapsuleParts, Cuboid, Polygon, Rod, Scene, Sphere, SphereId, Spring, Tether};
+use super::{Capsule, CapsuleParts, Cuboid, MaterialId, Muscle, Polygon, Rod, Scene, Sphere, SphereId, Spring, Tether};
 use crate::error::{Error, Result, nearest, quoted};
 use crate::settings::Settings;
 
@@ -131,7 +138,7 @@ fn option_for(word: &str) -> Option<&'static str> {
 }
 
 /// First words of extensions that begin with `@`.
-const AT_WORDS: [&str; 4] = ["@group", "@orientation", "@force", "@capsule"];
+const AT_WORDS: [&str; 8] = ["@group", "@orientation", "@force", "@capsule", "@muscle", "@material", "@pair", "@use"];
 
 struct Reader<'a> {
     /// The whole text.
@@ -146,6 +153,8 @@ struct Reader<'a> {
     references: HashMap<u32, SphereId>,
     /// The group of the following objects.
     group: u16,
+    /// The material of the following objects.
+    material: Option<MaterialId>,
 }
 
 impl<'a> Reader<'a> {
@@ -158,6 +167,7 @@ impl<'a> Reader<'a> {
             set_at: HashMap::new(),
             references: HashMap::new(),
             group: 0,
+            material: None,
         }
     }
 
@@ -181,6 +191,10 @@ impl<'a> Reader<'a> {
             "@orientation" => self.orientation(line),
             "@force" => self.force(line),
             "@capsule" => self.mark(line),
+            "@muscle" => self.muscle(line),
+            "@material" => self.material(line),
+            "@pair" => self.properties(line, number),
+            "@use" => self.use_material(line),
             "set" => self.set(line, number),
             "T" => {
                 self.suspicious(number, format!("a tether is `{}`", TETHER.form()));
@@ -242,9 +256,10 @@ impl<'a> Reader<'a> {
         let mut sphere = Sphere::new(vector(&n[0..3]), n[10])
             .velocity(vector(&n[3..6]))
             .angular_momentum(vector(&n[6..9]))
-            .mass(n[9])
             .group(self.group);
+        sphere.mass = self.mass(&SPHERE, n[9], |density| sphere.density(density).mass)?;
         sphere.fixed = n[11] > 0.0;
+        sphere.material = self.material;
         let id = self.scene.add_sphere(sphere).map_err(|error| SPHERE.refused(&error))?;
         self.references.insert(reference, id);
         self.scene.references.set(id, reference);
@@ -256,14 +271,16 @@ impl<'a> Reader<'a> {
         let (end1, end2) = self.pair(&ROD, references)?;
         let mut rod = Rod::new(end1, end2, radius).group(self.group);
         rod.length = (length > 0.0).then_some(length);
+        rod.material = self.material;
         self.scene.add_rod(rod).map_err(|error| ROD.refused(&error))?;
         Ok(())
     }
 
     fn capsule(&mut self, line: &str) -> Line<()> {
         let ([], n) = CAPSULE.read::<0, 11>(line)?;
-        let capsule =
-            Capsule::new(vector(&n[0..3]), vector(&n[3..6]), n[10]).velocity(vector(&n[6..9])).mass(n[9]).group(self.group);
+        let capsule = Capsule::new(vector(&n[0..3]), vector(&n[3..6]), n[10]).velocity(vector(&n[6..9])).group(self.group);
+        let mass = self.mass(&CAPSULE, n[9], |density| capsule.density(density).mass)?;
+        let capsule = Capsule { material: self.material, ..capsule.mass(mass) };
         self.scene.add_capsule(capsule).map_err(|error| CAPSULE.refused(&error))?;
         Ok(())
     }
@@ -271,6 +288,7 @@ impl<'a> Reader<'a> {
     fn polygon(&mut self, line: &str) -> Line<()> {
         let ([], n) = POLYGON.read::<0, 9>(line)?;
         let polygon = Polygon::new(vector(&n[0..3]), vector(&n[3..6]), vector(&n[6..9])).group(self.group);
+        let polygon = Polygon { material: self.material, ..polygon };
         self.scene.add_polygon(polygon).map_err(|error| POLYGON.refused(&error))?;
         Ok(())
     }
@@ -286,6 +304,7 @@ impl<'a> Reader<'a> {
     fn cuboid(&mut self, line: &str) -> Line<()> {
         let ([], n) = BOX.read::<0, 12>(line)?;
         let cuboid = Cuboid::new(vector(&n[0..3]), vector(&n[3..6]), vector(&n[6..9]), vector(&n[9..12])).group(self.group);
+        let cuboid = Cuboid { material: self.material, ..cuboid };
         self.scene.add_box(cuboid).map_err(|error| BOX.refused(&error))?;
         Ok(())
     }
@@ -341,6 +360,20 @@ impl<'a> Reader<'a> {
         }
     }
 
+    fn muscle(&mut self, line: &str) -> Line<()> {
+        let ([], [amplitude, frequency, phase]) = MUSCLE.read::<0, 3>(line)?;
+        let Some(spring) = self.scene.springs.objects_mut().last_mut() else {
+            return Err(MUSCLE.wrong("line", "expected after the K line of a spring"));
+        };
+        if spring.muscle.is_some() {
+            return Err(MUSCLE.wrong("line", "the spring of the last K line has a muscle already, expected one per spring"));
+        }
+        let muscle = Muscle::new(amplitude, frequency, phase);
+        muscle.validate().map_err(|error| MUSCLE.refused(&error))?;
+        spring.muscle = Some(muscle);
+        Ok(())
+    }
+
     fn set(&mut self, line: &str, number: usize) -> Line<()> {
         let mut words = line.split_ascii_whitespace().skip(1);
         let Some(word) = words.next() else {
@@ -378,7 +411,13 @@ impl<'a> Reader<'a> {
                 other => other.to_string(),
             },
         };
-        self.scene.settings.set(name, &value).map_err(wrong)
+        let given = self.set_at.contains_key("collisions").then_some(self.scene.settings.collisions);
+        self.scene.settings.set(name, &value).map_err(wrong)?;
+        if let Some(collisions) = given.filter(|_| name == "contact_law") {
+            // The order of the lines does not matter.
+            self.scene.settings.collisions = collisions;
+        }
+        Ok(())
     }
 }
 

@@ -37,7 +37,7 @@ fn the_examples_of_the_thesis_load() {
 fn every_kind_of_line() {
     let text = format!(
         "{BALLS}R 1 2 0.1\nR 1 2 0.1 -1\nR 1 2 0.1 3.5\nC 0 5 0 0 6 0 1 2 3 4 0.25\nP 0 0 0 0 0 1 1 0 0\n\
-         K 2 1 10 3 0.5\nB 0 -1 0 1 0 0 0 2 0 0 0 3\nT 2 0 9 0 20 1 0.1\nset gravity 9.81\nset collisions off\n\
+         K 2 1 10 3 0.5\n@muscle 0.25 2 -0.125\nB 0 -1 0 1 0 0 0 2 0 0 0 3\nT 2 0 9 0 20 1 0.1\nset gravity 9.81\nset collisions off\n\
          @group 7\nS 4000000000 9 9 9 0 0 0 0 0 0 1 1 1\n@orientation 4000000000 0 1 0 0\n@force 4000000000 1 2 3\n\
          R 1 2 0.5 3\n@capsule 1 2\n"
     );
@@ -51,7 +51,8 @@ fn every_kind_of_line() {
     assert_eq!(scene.capsules().len(), 2);
     assert_eq!(scene.capsules()[1].rod, scene.rod_ids().last().unwrap());
     assert_eq!(scene.polygons(), [Polygon::new([0.0; 3], Vec3::Z, Vec3::X)]);
-    assert_eq!(scene.springs(), [Spring::new(ids[1], ids[0], 10.0, 3.0).damping(0.5)]);
+    let muscle = Muscle::new(0.25, 2.0, -0.125);
+    assert_eq!(scene.springs(), [Spring::new(ids[1], ids[0], 10.0, 3.0).damping(0.5).muscle(muscle)]);
     assert_eq!(scene.boxes(), [Cuboid::between([0.0, -1.0, 0.0], [1.0, 1.0, 3.0])]);
     assert_eq!(scene.tethers(), [Tether::new(ids[1], [0.0, 9.0, 0.0], 20.0).length(1.0).damping(0.1)]);
     assert_eq!((scene.settings.gravity, scene.settings.collisions), (9.81, false));
@@ -107,7 +108,10 @@ fn a_line_that_is_not_understood_is_an_error_in_a_file_with_extensions() {
         ("set Gravity 3", "set 'Gravity': an unknown setting, did you mean gravity?"),
         ("set", "set: a setting without a name, expected `set NAME VALUE`"),
         ("@grup 1", "'@grup': an unknown word, did you mean @group?"),
-        ("@mesh hopper.stl", "'@mesh': an unknown word, expected one of @group, @orientation, @force, @capsule"),
+        (
+            "@mesh hopper.stl",
+            "'@mesh': an unknown word, expected one of @group, @orientation, @force, @capsule, @muscle, @material, @pair, @use",
+        ),
     ];
     for (line, expected) in cases {
         for other in ["set restitution 1", "@group 2", "@group", "T 1 0 0 0 1 1 1", "set out"] {
@@ -122,6 +126,29 @@ fn a_line_that_is_not_understood_is_an_error_in_a_file_with_extensions() {
     }
     let error = parse("set weight 3\nset gravity 3").unwrap_err().to_string();
     assert!(error.starts_with("a.txt:1: set 'weight': an unknown setting, expected one of activation_threshold, "), "{error}");
+}
+
+#[test]
+fn a_muscle_belongs_to_the_spring_of_the_last_line() {
+    let spring = format!("{BALLS}K 1 2 10 3 0\n");
+    let error = |text: String| parse(&text).unwrap_err().to_string();
+    assert_eq!(error(format!("{BALLS}@muscle 0.1 2 0")), "a.txt:3: @muscle line: expected after the K line of a spring");
+    let second = "the spring of the last K line has a muscle already, expected one per spring";
+    assert_eq!(error(format!("{spring}@muscle 0.1 2 0\n@muscle 0.1 2 0")), format!("a.txt:5: @muscle line: {second}"));
+    for (line, expected) in [
+        ("@muscle 1.5 2 0", "@muscle amplitude: 1.5 is not allowed, expected a number from -1 to 1"),
+        ("@muscle 0.1 -2 0", "@muscle frequency: -2 is not allowed, expected a finite number, not negative"),
+        ("@muscle 0.1 2", "@muscle phase: missing, expected 3 numbers after @muscle, found 2"),
+        ("@muscle 0.1 2 nan", "@muscle phase: 'nan' is not finite (in f32), expected a finite number"),
+    ] {
+        assert_eq!(error(format!("{spring}{line}")), format!("a.txt:4: {expected}"));
+    }
+    // Other lines may stand between them.
+    let scene = scene(&format!("{spring}K 1 2 5 3 0\nS 3 9 9 9 0 0 0 0 0 0 1 1\n@muscle 0.1 2 0.5"));
+    assert_eq!(
+        scene.springs().iter().map(|spring| spring.muscle).collect::<Vec<_>>(),
+        [None, Some(Muscle::new(0.1, 2.0, 0.5))]
+    );
 }
 
 #[test]
@@ -146,7 +173,7 @@ fn a_comment_that_looks_like_an_object_or_a_setting_has_a_warning() {
         ("mesh hopper.stl", "it looks like a mesh, which a scene cannot contain"),
         (
             "S1 0 2 0 0 0 0 0 0 0 1 0.5",
-            "it looks like an object, but 'S1' is not one of S, R, C, P, K, B, T, @group, @orientation, @force",
+            "it looks like an object, but 'S1' is not one of S, R, C, P, K, B, T, @group, @orientation, @force, @muscle",
         ),
     ];
     for (line, what) in cases {

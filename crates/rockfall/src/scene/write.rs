@@ -6,7 +6,7 @@ use std::path::Path;
 
 use glam::{Quat, Vec3};
 
-use super::{Rod, Scene, Sphere};
+use super::{Material, MaterialId, Pair, Rod, Scene, Sphere};
 use crate::error::{Error, Result};
 use crate::output::AtomicFile;
 use crate::settings::Settings;
@@ -23,10 +23,12 @@ impl Scene {
             text: String::with_capacity(64 * (self.spheres.len() + self.springs.len()) + 64 * self.rods.len()),
             names: self.references.distinct(self.spheres.handles()),
             group: 0,
+            material: None,
             rods_written: 0,
             capsules_written: 0,
         };
         writer.settings();
+        writer.materials();
         writer.spheres_and_rods();
         writer.springs_and_tethers();
         writer.statics();
@@ -64,6 +66,7 @@ struct Writer<'a> {
     /// Reference of every sphere.
     names: Vec<u32>,
     group: u16,
+    material: Option<MaterialId>,
     /// Rods and capsules are written in insertion order, so these counts show which ones are still missing.
     rods_written: usize,
     capsules_written: usize,
@@ -83,10 +86,16 @@ impl Writer<'_> {
         self.text.push('\n');
     }
 
-    fn set_group(&mut self, group: u16) {
+    /// Writes lines that set the group and the material of the following objects, if they change.
+    fn set_group(&mut self, group: u16, material: Option<MaterialId>) {
         if self.group != group {
             self.group = group;
             self.line("@group", &[], &[group.into()]);
+        }
+        if self.material != material {
+            self.material = material;
+            let name = material.and_then(|id| self.scene.material(id).ok()).map_or("-", |material| &material.name);
+            let _ = writeln!(self.text, "@use {name}");
         }
     }
 
@@ -94,10 +103,36 @@ impl Writer<'_> {
         let defaults = Settings::default();
         for name in Settings::NAMES {
             let value = self.scene.settings.get(name);
-            if let Some(value) = value.filter(|value| defaults.get(name).as_ref() != Some(value)) {
+            // Setting a law by name switches collisions off.
+            let is_decided = *name == "collisions" && self.scene.settings.contact_law.has_history();
+            if let Some(value) = value.filter(|value| is_decided || defaults.get(name).as_ref() != Some(value)) {
                 let _ = writeln!(self.text, "set {name} {value}");
             }
         }
+    }
+
+    fn materials(&mut self) {
+        for material in self.scene.materials() {
+            let mut copy = material.clone();
+            let _ = write!(self.text, "@material {}", material.name);
+            self.constants(&Material::KEYS, |key| copy.constant(key).copied().flatten());
+        }
+        let name = |index: &u16| &self.scene.materials()[usize::from(*index)].name;
+        for ((one, other), pair) in &self.scene.pairs {
+            let mut copy = *pair;
+            let _ = write!(self.text, "@pair {} {}", name(one), name(other));
+            self.constants(&Pair::KEYS, |key| copy.property(key).copied().flatten());
+        }
+    }
+
+    /// Ends a line with the constants that are known.
+    fn constants(&mut self, keys: &[&str], mut value: impl FnMut(&str) -> Option<f32>) {
+        for key in keys {
+            if let Some(value) = value(key) {
+                let _ = write!(self.text, " {key}={value}");
+            }
+        }
+        self.text.push('\n');
     }
 
     /// Insertion index of a sphere of the scene.
@@ -157,7 +192,7 @@ impl Writer<'_> {
     }
 
     fn capsule(&mut self, first: &Sphere, second: &Sphere) {
-        self.set_group(first.group);
+        self.set_group(first.group, first.material);
         let [a, b, v] = [first.position, second.position, first.velocity];
         let mass = first.mass * 2.0;
         self.line("C", &[], &[a.x, a.y, a.z, b.x, b.y, b.z, v.x, v.y, v.z, mass, first.radius]);
@@ -166,7 +201,7 @@ impl Writer<'_> {
     }
 
     fn sphere(&mut self, index: usize, sphere: &Sphere) {
-        self.set_group(sphere.group);
+        self.set_group(sphere.group, sphere.material);
         let [p, v, l] = [sphere.position, sphere.velocity, sphere.angular_momentum];
         let fixed = if sphere.fixed { 1.0 } else { 0.0 };
         self.line("S", &[index], &[p.x, p.y, p.z, v.x, v.y, v.z, l.x, l.y, l.z, sphere.mass, sphere.radius, fixed]);
@@ -185,7 +220,7 @@ impl Writer<'_> {
         while self.rods_written < end {
             let rod = &scene.rods()[self.rods_written];
             let ends = [self.index(rod.end1), self.index(rod.end2)];
-            self.set_group(rod.group);
+            self.set_group(rod.group, rod.material);
             match rod.length {
                 Some(length) => self.line("R", &ends, &[rod.radius, length]),
                 None => self.line("R", &ends, &[rod.radius]),
@@ -203,6 +238,9 @@ impl Writer<'_> {
         for spring in self.scene.springs() {
             let ends = [self.index(spring.a), self.index(spring.b)];
             self.line("K", &ends, &[spring.stiffness, spring.length, spring.damping]);
+            if let Some(muscle) = spring.muscle {
+                self.line("@muscle", &[], &[muscle.amplitude, muscle.frequency, muscle.phase]);
+            }
         }
         for tether in self.scene.tethers() {
             let [x, y, z] = tether.point.to_array();
@@ -213,12 +251,12 @@ impl Writer<'_> {
 
     fn statics(&mut self) {
         for cuboid in self.scene.boxes() {
-            self.set_group(cuboid.group);
+            self.set_group(cuboid.group, cuboid.material);
             let [i, j, k] = cuboid.edges;
             self.vectors("B", &[cuboid.corner, i, j, k]);
         }
         for polygon in self.scene.polygons() {
-            self.set_group(polygon.group);
+            self.set_group(polygon.group, polygon.material);
             self.vectors("P", &[polygon.corner, polygon.left, polygon.right]);
         }
     }
@@ -235,11 +273,11 @@ fn is_plain(first: &Sphere, second: &Sphere, rod: &Rod) -> bool {
         let still = bits(sphere.angular_momentum) == [0; 3] && bits(sphere.force) == [0; 3];
         still && !is_turned(sphere.orientation) && !sphere.fixed
     };
-    let numbers = |sphere: &Sphere| (sphere.mass, sphere.radius, bits(sphere.velocity), sphere.group);
+    let numbers = |sphere: &Sphere| (sphere.mass, sphere.radius, bits(sphere.velocity), sphere.group, sphere.material);
     at_rest(first)
         && at_rest(second)
         && numbers(first) == numbers(second)
-        && (rod.radius, rod.group) == (first.radius, first.group)
+        && (rod.radius, rod.group, rod.material) == (first.radius, first.group, first.material)
         && rod.length == Some(first.position.distance(second.position))
 }
 

@@ -19,7 +19,7 @@ fn contents(scene: &Scene) -> Vec<String> {
     let mut all: Vec<String> = scene.spheres().iter().map(|sphere| format!("{sphere:?}")).collect();
     all.extend(scene.rods().iter().map(|rod| {
         let ends = (index(rod.end1), index(rod.end2));
-        format!("rod {ends:?} {:?} {:?} {}", rod.radius, rod.length, rod.group)
+        format!("rod {ends:?} {:?} {:?} {} {:?}", rod.radius, rod.length, rod.group, rod.material)
     }));
     all.extend(scene.capsules().iter().map(|parts| {
         let rod = scene.rods.index(parts.rod).unwrap();
@@ -27,7 +27,8 @@ fn contents(scene: &Scene) -> Vec<String> {
     }));
     all.extend(scene.springs().iter().map(|spring| {
         let ends = (index(spring.a), index(spring.b));
-        format!("spring {ends:?} {:?} {:?} {:?}", spring.stiffness, spring.length, spring.damping)
+        let muscle = spring.muscle.map(|muscle| format!("{muscle:?}"));
+        format!("spring {ends:?} {:?} {:?} {:?} {muscle:?}", spring.stiffness, spring.length, spring.damping)
     }));
     all.extend(scene.tethers().iter().map(|tether| {
         let numbers = (tether.point, tether.stiffness, tether.length, tether.damping);
@@ -35,7 +36,8 @@ fn contents(scene: &Scene) -> Vec<String> {
     }));
     all.extend(scene.boxes().iter().map(|cuboid| format!("{cuboid:?}")));
     all.extend(scene.polygons().iter().map(|polygon| format!("{polygon:?}")));
-    all.push(format!("{:?}", scene.settings));
+    all.extend(scene.materials().iter().map(|material| format!("{material:?}")));
+    all.push(format!("{:?} {:?}", scene.settings, scene.pairs));
     all
 }
 
@@ -180,6 +182,10 @@ enum Addition {
     Polygon(Vec3, u16),
     Remove(usize),
     Setting(f32),
+    /// Density, Young's modulus, Poisson's ratio.
+    Material([Option<f32>; 3]),
+    /// The two materials, restitution, friction, stiffness.
+    Pair(usize, usize, [Option<f32>; 3]),
 }
 
 fn addition() -> impl Strategy<Value = Addition> {
@@ -188,7 +194,7 @@ fn addition() -> impl Strategy<Value = Addition> {
     prop_oneof![
         3 => sphere().prop_map(Addition::Sphere),
         3 => capsule.prop_map(|(end1, end2, velocity, mass, radius, group)| {
-            Addition::Capsule(Capsule { end1, end2, velocity, mass, radius, group })
+            Addition::Capsule(Capsule { end1, end2, velocity, mass, radius, group, material: None })
         }),
         2 => (any::<usize>(), any::<usize>(), positive.clone(), prop::option::of(positive.clone()))
             .prop_map(|(a, b, radius, length)| Addition::Rod(a, b, radius, length)),
@@ -199,42 +205,62 @@ fn addition() -> impl Strategy<Value = Addition> {
         1 => (vector(), 0_u16..3).prop_map(|(corner, group)| Addition::Polygon(corner, group)),
         1 => any::<usize>().prop_map(Addition::Remove),
         1 => number().prop_map(Addition::Setting),
+        2 => [prop::option::of(positive.clone()), prop::option::of(positive), prop::option::of(0.0_f32..0.49)]
+            .prop_map(Addition::Material),
+        1 => (any::<usize>(), any::<usize>(), [prop::option::of(0.0_f32..1.0), prop::option::of(0.0_f32..2.0), prop::option::of(0.1_f32..9e9)])
+            .prop_map(|(one, other, properties)| Addition::Pair(one, other, properties)),
     ]
 }
 
 /// Builds a scene from the additions that it accepts.
 fn build(additions: Vec<Addition>) -> Scene {
     let mut scene = Scene::new();
-    for addition in additions {
+    for (number, addition) in additions.into_iter().enumerate() {
         let ids: Vec<_> = scene.sphere_ids().collect();
+        let materials: Vec<_> = scene.material_ids().collect();
+        // Every third object has no material.
+        let material = |chosen: usize| materials.get(chosen % (materials.len() + 1 + chosen % 3)).copied();
         let pick = |number: usize| ids.get(number % ids.len().max(1)).copied();
         let _ = match addition {
-            Addition::Sphere(sphere) => scene.add_sphere(sphere).map(drop),
-            Addition::Capsule(capsule) => scene.add_capsule(capsule).map(drop),
+            Addition::Sphere(sphere) => scene.add_sphere(Sphere { material: material(number), ..sphere }).map(drop),
+            Addition::Capsule(capsule) => scene.add_capsule(Capsule { material: material(number), ..capsule }).map(drop),
             Addition::Rod(a, b, radius, length) => {
                 let (Some(end1), Some(end2)) = (pick(a), pick(b)) else {
                     continue;
                 };
-                let group = (a % 2) as u16;
-                let rod = Rod { end1, end2, radius, length, group };
+                let (group, material) = ((a % 2) as u16, material(a));
+                let rod = Rod { end1, end2, radius, length, group, material };
                 scene.add_rod(rod).map(drop)
             }
             Addition::Spring(a, b, k, l, c) => {
                 let (Some(a), Some(b)) = (pick(a), pick(b)) else { continue };
-                scene.add_spring(Spring::new(a, b, k, l).damping(c)).map(drop)
+                let mut spring = Spring::new(a, b, k, l).damping(c);
+                // Some of them are out of range.
+                spring.muscle = (k > 1.0).then(|| crate::Muscle::new(1.01 / k, l, -c));
+                scene.add_spring(spring).map(drop)
             }
             Addition::Tether(a, point, k) => {
                 let Some(a) = pick(a) else { continue };
                 scene.add_tether(Tether::new(a, point, k).length(0.5)).map(drop)
             }
             Addition::Box(corner, group) => {
-                scene.add_box(Cuboid::new(corner, Vec3::X, Vec3::Y * 0.3, Vec3::Z * 7.0).group(group)).map(drop)
+                let cuboid = Cuboid::new(corner, Vec3::X, Vec3::Y * 0.3, Vec3::Z * 7.0).group(group);
+                scene.add_box(Cuboid { material: material(number), ..cuboid }).map(drop)
             }
             Addition::Polygon(corner, group) => {
-                scene.add_polygon(Polygon::new(corner, Vec3::X, Vec3::new(0.3, 0.1, 1.0)).group(group)).map(drop)
+                let polygon = Polygon::new(corner, Vec3::X, Vec3::new(0.3, 0.1, 1.0)).group(group);
+                scene.add_polygon(Polygon { material: material(number), ..polygon }).map(drop)
             }
             Addition::Remove(number) => pick(number).map_or(Ok(()), |id| scene.remove_sphere(id)),
             Addition::Setting(number) => scene.settings.set("gravity", &number.to_string()),
+            Addition::Material([density, young, poisson]) => {
+                let name = format!("m{number}");
+                scene.add_material(Material { name, density, young, poisson }).map(drop)
+            }
+            Addition::Pair(one, other, [restitution, friction, stiffness]) => match (material(one), material(other)) {
+                (Some(one), Some(other)) => scene.set_pair(one, other, Pair { restitution, friction, stiffness }),
+                _ => Ok(()),
+            },
         };
     }
     scene

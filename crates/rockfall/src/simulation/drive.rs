@@ -3,9 +3,10 @@
 use crate::error::BadStage;
 use crate::error::{Error, Result};
 use crate::model::layout::{MAX_PAIR_ROWS, words_of_rows};
+use crate::model::muscles::BASE_STEPS;
 use crate::model::status::{
-    BAD_STAGE_SHIFT, NO_BODY, REJECTED_COLLISIONS, REJECTED_COUNT, REJECTED_ESCAPED, REJECTED_MANY, REJECTED_NON_FINITE,
-    REJECTED_PAIRS, Status,
+    BAD_STAGE_SHIFT, NO_BODY, REJECTED_COLLISIONS, REJECTED_COUNT, REJECTED_ESCAPED, REJECTED_HISTORY, REJECTED_MANY,
+    REJECTED_NON_FINITE, REJECTED_PAIRS, Status,
 };
 use crate::options::Optimization;
 use crate::profile::Recorder;
@@ -15,9 +16,6 @@ use crate::simulation::interval::LONGEST;
 use crate::simulation::lookahead::{Lists, Lookahead};
 use crate::step::fused::run_steps::is_small;
 use crate::step::schedule::Phase;
-
-/// The fixed time step of the thesis, in s.
-pub const DEFAULT_TIME_STEP: f32 = 0.02;
 
 /// Number of steps after which lookahead and interval are adapted.
 const BATCH: u64 = 32;
@@ -100,11 +98,14 @@ impl Simulation {
             let overdue = self.overdue(phases);
             let all: Vec<Phase> = overdue.iter().chain(phases).copied().collect();
             // Overdue phases run once, not in every step.
-            let most = if overdue.is_empty() { left.min(self.in_order_for()) } else { 1 };
+            let most = if overdue.is_empty() { left.min(self.in_order_for()).min(BASE_STEPS) } else { 1 };
             let done = self.stretch(&all, most, recorder.as_deref_mut()).await?;
             left -= done;
             attempts = if done > 0 { 0 } else { attempts + 1 };
             self.note_lists(&all, done);
+            if self.status.rejected & REJECTED_HISTORY != 0 {
+                self.grow_histories().await?;
+            }
             self.handle_rejection(attempts)?;
         }
         Ok(())
@@ -228,6 +229,7 @@ impl Simulation {
         self.has_stages = has_large && self.options.uses(Optimization::Acceleration);
         let total = |status: &Status| u64::from(status.total_collisions_high) << 32 | u64::from(status.total_collisions_low);
         self.clock.add(done, self.time_step, &mut self.report);
+        self.muscle_clock.steps += done;
         self.report.contacts = status.last_contacts;
         self.report.max_overlap = f32::from_bits(status.last_max_overlap);
         self.report.collisions = status.last_collisions;

@@ -2,14 +2,16 @@
 
 use glam::{Quat, Vec3};
 
+use crate::checkpoint::KeptSpring;
 use crate::error::{Error, Result};
 use crate::model::layout::FLAG_CONTINUE;
 use crate::scene::{
-    BoxId, Capsule, CapsuleId, Cuboid, Polygon, PolygonId, Rod, RodId, Scene, Sphere, SphereId, Spring, SpringId, Tether,
-    TetherId, finite,
+    BoxId, Capsule, CapsuleId, Cuboid, Material, MaterialId, Pair, Polygon, PolygonId, Rod, RodId, Scene, Sphere, SphereId,
+    Spring, SpringId, Tether, TetherId, finite,
 };
 use crate::simulation::order::Disorder;
-use crate::simulation::{Simulation, engine, pack};
+use crate::simulation::springs::put_springs;
+use crate::simulation::{Simulation, engine, ids_of, pack};
 
 /// The changes that were not uploaded to the engine yet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -29,6 +31,7 @@ pub(super) enum Edit {
     AngularMomentum(Vec3),
     Orientation(Quat),
     Impulse(Vec3),
+    Force(Vec3),
 }
 
 /// A change together with the sphere that it applies to. Changes are applied in the order of the calls.
@@ -43,6 +46,7 @@ impl Edit {
             Self::Orientation(orientation) => sphere.orientation = orientation,
             Self::Impulse(impulse) if !sphere.fixed => sphere.velocity += impulse / sphere.mass,
             Self::Impulse(_) => {}
+            Self::Force(force) => sphere.force = force,
         }
     }
 }
@@ -95,12 +99,19 @@ edits! {
         remove_box(id: BoxId) -> ();
     Everything: /// Removes a polygon.
         remove_polygon(id: PolygonId) -> ();
-    Topology: /// Changes a spring's constants.
+    Topology: /// Changes a spring's constants and its muscle. The phase of a muscle follows from its frequency and the time since
+        /// the start of the simulation, so another frequency changes the phase at once.
         update_spring(id: SpringId, change: impl FnOnce(&mut Spring)) -> ();
     Topology: /// Changes a tether's point and constants, for example to hold or drag a body.
         update_tether(id: TetherId, change: impl FnOnce(&mut Tether)) -> ();
-    Everything: /// Changes a rod's radius, length and group.
+    Everything: /// Changes a rod's radius, length, group and material.
         update_rod(id: RodId, change: impl FnOnce(&mut Rod)) -> ();
+    Topology: /// Adds a material.
+        add_material(material: Material) -> MaterialId;
+    Topology: /// Changes the constants of a material.
+        update_material(id: MaterialId, change: impl FnOnce(&mut Material)) -> ();
+    Topology: /// Sets the properties of the contacts between two materials.
+        set_pair(one: MaterialId, other: MaterialId, pair: Pair) -> ();
 }
 
 /// Changing the state of spheres. Changes take effect with the next step or read.
@@ -169,7 +180,12 @@ impl Simulation {
     pub fn set_force(&mut self, id: SphereId, force: impl Into<Vec3>) -> Result<()> {
         let force = force.into();
         finite("force", force)?;
-        self.scene.spheres.get_mut(id)?.force = force;
+        if self.forces_synced {
+            self.scene.spheres.get_mut(id)?.force = force;
+        } else {
+            // Reading the forces back would replace it.
+            self.edit(id, Edit::Force(force))?;
+        }
         self.dirty = self.dirty.max(Dirty::Topology);
         Ok(())
     }
@@ -199,9 +215,17 @@ impl Simulation {
         if self.dirty == Dirty::Clean && self.edits.is_empty() {
             return Ok(());
         }
+        if self.dirty != Dirty::Clean {
+            self.scene.check_contact_law(self.options.integrator)?;
+        }
         if self.dirty == Dirty::Everything || !self.edits.is_empty() {
             self.pull().await?;
         }
+        #[cfg(feature = "gpu")]
+        if self.dirty != Dirty::Clean {
+            self.pull_forces().await?;
+        }
+        let springs = if self.dirty == Dirty::Everything { self.springs().await? } else { Vec::new() };
         let edits = std::mem::take(&mut self.edits);
         for (id, edit) in &edits {
             // Edits of a sphere that was removed afterwards have no effect.
@@ -211,7 +235,7 @@ impl Simulation {
         }
         match std::mem::replace(&mut self.dirty, Dirty::Clean) {
             Dirty::Everything => {
-                self.rebuild()?;
+                self.rebuild(&springs)?;
                 self.mark_state_edited();
             }
             Dirty::Topology => {
@@ -228,8 +252,8 @@ impl Simulation {
         Ok(())
     }
 
-    /// Packs the scene again. The lists keep their capacity.
-    pub(super) fn rebuild(&mut self) -> Result<()> {
+    /// Packs the scene again, with the springs of contacts. The lists keep their capacity.
+    pub(super) fn rebuild(&mut self, springs: &[KeptSpring]) -> Result<()> {
         let old = &self.world.step;
         let (flags, dt, rows) = (old.flags, old.dt, old.pair_rows);
         let (margin_scale, lookahead) = (old.margin_scale, old.lookahead);
@@ -239,7 +263,9 @@ impl Simulation {
         self.world.step.margin_scale = margin_scale;
         self.world.step.lookahead = lookahead;
         self.world.set_pair_room(rows);
+        put_springs(&mut self.world, &self.scene, springs);
         self.engine.complete(&mut self.world);
+        self.packed_ids = ids_of(&self.scene);
         self.packed = self.scene.sphere_ids().collect();
         self.packings += 1;
         self.engine.replace(&self.world)?;
@@ -250,7 +276,7 @@ impl Simulation {
         Ok(())
     }
 
-    fn mark_state_edited(&mut self) {
+    pub(super) fn mark_state_edited(&mut self) {
         self.status.lengths_due = 1;
         self.aabbs_due = true;
         self.lists_due = true;
@@ -264,6 +290,8 @@ impl Simulation {
     pub async fn sync_async(&mut self) -> Result<&Scene> {
         self.flush_async().await?;
         self.pull().await?;
+        #[cfg(feature = "gpu")]
+        self.pull_forces().await?;
         Ok(&self.scene)
     }
 

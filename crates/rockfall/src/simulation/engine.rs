@@ -11,6 +11,7 @@ use crate::model::world::World;
 use crate::options::Optimization;
 use crate::options::{Backend, BackendInfo, Options};
 use crate::profile::Recorder;
+use crate::step::fused::small_positions::{stages_before, update_positions};
 use crate::step::schedule::Run;
 
 #[cfg(feature = "gpu")]
@@ -73,19 +74,10 @@ macro_rules! on_gpu {
 impl Engine {
     #[cfg(feature = "gpu")]
     pub(super) async fn open(options: &Options, world: &World) -> Result<(Self, BackendInfo)> {
-        let gpu = match options.backend {
-            Backend::Cpu => return Ok((Self::Cpu, cpu_info("requested"))),
-            Backend::Gpu => Gpu::open(true).await?,
-            Backend::Auto => match Gpu::open(false).await {
-                Ok(gpu) => gpu,
-                Err(crate::Error::NoAdapter(_)) => {
-                    return Ok((Self::Cpu, cpu_info("no hardware GPU was found")));
-                }
-                Err(error) => return Ok((Self::Cpu, cpu_info(&format!("no GPU could be opened: {error}")))),
-            },
-        };
-        let reason = if options.backend == Backend::Auto { "the best hardware GPU" } else { "requested" };
-        Self::on(&gpu, options, world, reason)
+        match open_device(options).await? {
+            (Some(gpu), info) => Ok((Self::on(&gpu, options, world)?, info)),
+            (None, info) => Ok((Self::Cpu, info)),
+        }
     }
 
     #[cfg(not(feature = "gpu"))]
@@ -105,17 +97,18 @@ impl Engine {
         queue: &wgpu::Queue,
         world: &World,
     ) -> Result<(Self, BackendInfo)> {
-        Self::on(&Gpu::on_device(device.clone(), queue.clone()), options, world, "the caller's device")
+        let gpu = Gpu::on_device(device.clone(), queue.clone());
+        Ok((Self::on(&gpu, options, world)?, gpu_info(&gpu, "the caller's device")))
     }
 
     #[cfg(feature = "gpu")]
-    fn on(gpu: &Gpu, options: &Options, world: &World, reason: &str) -> Result<(Self, BackendInfo)> {
+    pub(super) fn on(gpu: &Gpu, options: &Options, world: &World) -> Result<Self> {
         let mut gpu_world = GpuWorld::new(gpu, world)?;
         let join_steps = if options.uses(Optimization::JoinedSteps) { options.join_steps } else { Some(false) };
         if let Some(join) = join_steps {
             gpu_world.join_steps(join);
         }
-        Ok((Self::Gpu(Box::new(gpu_world)), gpu_info(gpu, reason)))
+        Ok(Self::Gpu(Box::new(gpu_world)))
     }
 
     pub(super) fn waiter(&self) -> Waiter {
@@ -226,19 +219,49 @@ impl Engine {
         on_gpu!(self, world, gpu => gpu.download(world, &[Buffer::Topology]).await?)
     }
 
+    /// Resizes the springs of contacts on the device to the size of those of the world, and uploads them.
+    pub(super) fn resize_histories(&mut self, world: &World) -> Result<()> {
+        on_gpu!(self, world, gpu => gpu.resize_histories(world)?)
+    }
+
+    /// Reads the springs of contacts back into `world`.
+    pub(super) async fn download_histories(&mut self, world: &mut World) -> Result<()> {
+        on_gpu!(self, world, gpu => gpu.download(world, &[Buffer::Histories]).await?)
+    }
+
     /// Reads the state of the spheres back into `world`.
     pub(super) async fn download_spheres(&mut self, world: &mut World) -> Result<()> {
         on_gpu!(self, world, gpu => gpu.download(world, &[Buffer::Start, Buffer::Orientations]).await?)
     }
 }
 
+/// Opens the GPU that the options ask for; `None` for the CPU.
+#[cfg(feature = "gpu")]
+pub(super) async fn open_device(options: &Options) -> Result<(Option<Gpu>, BackendInfo)> {
+    let (gpu, reason) = match options.backend {
+        Backend::Cpu => return Ok((None, cpu_info("requested"))),
+        Backend::Gpu => (Gpu::open(true).await?, "requested"),
+        Backend::Auto => match Gpu::open(false).await {
+            Ok(gpu) => (gpu, "the best hardware GPU"),
+            Err(crate::Error::NoAdapter(_)) => return Ok((None, cpu_info("no hardware GPU was found"))),
+            Err(error) => return Ok((None, cpu_info(&format!("no GPU could be opened: {error}")))),
+        },
+    };
+    let info = gpu_info(&gpu, reason);
+    Ok((Some(gpu), info))
+}
+
 fn run_on_cpu(world: &mut World, stages: &[Run], steps: Range<u32>, recorder: Option<&mut Recorder>) {
     let (before, mut times, timed) = (world.status.steps, Vec::new(), recorder.is_some());
     // The steps start inside the pool, because waking a pool thread in every stage costs more than a step of a small scene.
     rayon::scope(|_| {
+        let before_positions = stages_before(world, stages).filter(|_| !timed);
         for _ in steps {
             if timed {
                 times.push(cpu::run_timed(world, stages));
+            } else if let Some(count) = before_positions {
+                cpu::run(world, &stages[..count]);
+                update_positions(world);
             } else {
                 cpu::run(world, stages);
             }

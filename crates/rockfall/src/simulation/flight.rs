@@ -71,11 +71,15 @@ impl Simulation {
         }
     }
 
-    /// Gives the engine the initial status.
+    /// Gives the engine the initial status and the phases of the muscles.
     fn begin(&mut self, stretch: &PhaseRun<'_>) -> Result<()> {
         let makes_lists = stretch.phases.iter().any(|phase| phase.makes_lists());
         if (makes_lists && !stretch.is_step) || self.status.rejected != 0 || self.lists_due || self.aabbs_due {
             self.status.rebuild = REBUILD_REQUESTED;
+        }
+        self.muscle_clock.set_time_step(self.time_step);
+        if self.world.set_muscles(&self.scene, &self.muscle_clock) {
+            self.engine.upload_topology(&self.world)?;
         }
         self.status = resumed(self.status);
         self.world.status = self.status;

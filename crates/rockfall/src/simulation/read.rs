@@ -3,9 +3,10 @@
 use glam::{DVec3, Vec3, Vec4};
 
 use crate::error::Result;
+use crate::model::muscles::MuscleClock;
 use crate::model::world::World;
 use crate::report::{Energy, SphereState};
-use crate::scene::{Scene, SphereId};
+use crate::scene::{Scene, SphereId, Spring, SpringId};
 use crate::simulation::{Simulation, engine};
 
 impl Simulation {
@@ -90,7 +91,33 @@ impl Simulation {
         Ok(self.sync()?.spheres().iter().map(SphereState::from).collect())
     }
 
-    /// Energies and momenta of the current state.
+    /// The present rest length of a spring, in units. That of a muscle oscillates. Reads nothing back.
+    ///
+    /// # Errors
+    /// [`Error::StaleHandle`](crate::Error::StaleHandle) when the spring is not in the scene.
+    pub fn rest_length(&self, id: SpringId) -> Result<f64> {
+        Ok(rest_length(self.scene.spring(id)?, &self.muscle_clock))
+    }
+
+    /// The time that muscles are at, in s: the sum of all time steps as the f32 numbers that they are.
+    /// [`Report::time`](crate::Report::time) is their sum as decimal numbers.
+    pub fn muscle_time(&self) -> f64 {
+        self.muscle_clock.time()
+    }
+
+    /// Reads the state back, and returns a scene from which another simulation goes on where this one is: the phases of its
+    /// muscles are the present ones.
+    ///
+    /// # Errors
+    /// As for [`Simulation::sync`].
+    pub fn snapshot(&mut self) -> Result<Scene> {
+        let time = self.muscle_clock.time();
+        let mut scene = self.sync()?.clone();
+        scene.advance_muscles(time);
+        Ok(scene)
+    }
+
+    /// Energies and momenta of the current state. The energy of a spring is that at its present rest length.
     ///
     /// # Errors
     /// As for [`Simulation::sync`].
@@ -98,7 +125,7 @@ impl Simulation {
         let gravity = self.gravity().as_dvec3();
         let contact = self.contact_energy()?;
         let mut energy = spheres_energy(&self.scene, gravity);
-        energy.spring = spring_energy(&self.scene)?;
+        energy.spring = spring_energy(&self.scene, &self.muscle_clock)?;
         energy.contact = contact;
         Ok(energy)
     }
@@ -118,17 +145,21 @@ fn spheres_energy(scene: &Scene, gravity: DVec3) -> Energy {
     energy
 }
 
-fn spring_energy(scene: &Scene) -> Result<f64> {
-    let elastic = |from: Vec3, to: Vec3, stiffness: f32, length: f32| {
-        0.5 * f64::from(stiffness) * (from.as_dvec3().distance(to.as_dvec3()) - f64::from(length)).powi(2)
+fn rest_length(spring: &Spring, clock: &MuscleClock) -> f64 {
+    spring.length_at_phase(spring.muscle.map_or(0.0, |muscle| clock.turns(&muscle)))
+}
+
+fn spring_energy(scene: &Scene, clock: &MuscleClock) -> Result<f64> {
+    let elastic = |from: Vec3, to: Vec3, stiffness: f32, length: f64| {
+        0.5 * f64::from(stiffness) * (from.as_dvec3().distance(to.as_dvec3()) - length).powi(2)
     };
     let mut total = 0.0;
     for spring in scene.springs() {
         let (a, b) = (scene.sphere(spring.a)?, scene.sphere(spring.b)?);
-        total += elastic(a.position, b.position, spring.stiffness, spring.length);
+        total += elastic(a.position, b.position, spring.stiffness, rest_length(spring, clock));
     }
     for tether in scene.tethers() {
-        total += elastic(scene.sphere(tether.sphere)?.position, tether.point, tether.stiffness, tether.length);
+        total += elastic(scene.sphere(tether.sphere)?.position, tether.point, tether.stiffness, tether.length.into());
     }
     Ok(total)
 }

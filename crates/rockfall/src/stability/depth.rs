@@ -131,7 +131,8 @@ impl Scene {
         let crowd = self.crowd();
         let [gravity, force] = [settings.gravity.abs(), settings.contact_force].map(f64::from);
         // Without a contact force no body is meant to rest.
-        if force <= 0.0 || settings.resting_overlap > 0.0 || crowd == Crowd::None {
+        let other_law = settings.contact_law.has_history();
+        if other_law || force <= 0.0 || settings.resting_overlap > 0.0 || crowd == Crowd::None {
             return None;
         }
         let radii = self.spheres().iter().filter(|sphere| !sphere.fixed).map(|sphere| f64::from(sphere.radius));

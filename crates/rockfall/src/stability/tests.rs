@@ -1,5 +1,21 @@
 use super::*;
-use crate::{Spring, Tether};
+use crate::{Muscle, Spring, Tether};
+
+#[test]
+fn a_muscle_needs_ten_steps_in_a_period() {
+    let mut scene = Scene::new();
+    let ends = [0.0, 1.0].map(|x| scene.add_sphere(Sphere::new([x, 0.0, 0.0], 0.1)).unwrap());
+    let spring = Spring::new(ends[0], ends[1], 1.0, 1.0);
+    scene.add_spring(spring.muscle(Muscle::new(0.0, 100.0, 0.0))).unwrap();
+    scene.add_spring(spring.muscle(Muscle::new(0.1, 4.0, 0.0))).unwrap();
+    scene.add_spring(spring.muscle(Muscle::new(0.1, 5.0, 0.0))).unwrap();
+    assert_eq!(scene.fast_muscle(0.0199), None);
+    let fast = scene.fast_muscle(0.04).unwrap();
+    assert_eq!((fast.spring, fast.frequency, fast.largest_dt), (2, 5.0, 0.02));
+    assert!((fast.steps - 5.0).abs() < 1e-6);
+    assert!(scene.concerns(0.04, Integrator::Rk4).iter().any(|concern| concern.contains("the muscle of spring 2")));
+    assert!(f64::from(scene.suggestion(0.04, Integrator::Rk4).unwrap().time_step) <= 0.02);
+}
 
 #[test]
 fn all_springs_of_a_sphere_are_summed_and_fixed_spheres_do_not_count() {

@@ -13,6 +13,7 @@
 
 use crate::model::layout::MANY_OBJECTS;
 use crate::model::part::{Part, part};
+use crate::model::status::COUNTER_BLOCKS;
 use crate::model::step::Step;
 use crate::physics::forces;
 
@@ -20,6 +21,7 @@ use crate::physics::forces;
 /// declares them, or requires one of several files that do.
 pub const HOOKS: &[(&str, &str)] = &[
     ("GROUP_SIZE", "threads of a workgroup"),
+    ("add_law_load", "adds the force and torque of the contacts of a sphere, for laws with history"),
     ("add_wrench", "adds the force and torque on the rod end that a sphere forms"),
     ("count", "number of entries of the list to sort"),
     ("emit", "handles a pair that the broad phase finds"),
@@ -67,13 +69,20 @@ const SHARED: &[Part] = &[
     part!("physics/contact.wgsl"),
     part!("physics/escape.wgsl"),
     part!("physics/forces/attached.wgsl"),
+    part!("physics/forces/muscle.wgsl"),
     part!("physics/forces/net_force.wgsl"),
     part!("physics/forces/rates.wgsl"),
     part!("physics/forces/sphere_rates.wgsl"),
     part!("physics/forces/wrenches.wgsl"),
     part!("physics/friction_impulses.wgsl"),
     part!("physics/geometry.wgsl"),
+    part!("physics/laws/contact.wgsl"),
+    part!("physics/laws/hertz_mindlin.wgsl"),
+    part!("physics/laws/history.wgsl"),
+    part!("physics/laws/linear.wgsl"),
+    part!("physics/laws/stiffness.wgsl"),
     part!("physics/lengths.wgsl"),
+    part!("physics/pairs.wgsl"),
     part!("physics/rotation.wgsl"),
     part!("physics/sine.wgsl"),
     part!("physics/touch.wgsl"),
@@ -164,22 +173,47 @@ pub struct Variant {
     pub rods: bool,
     /// There may be large spheres, each of which gets a workgroup.
     pub large: bool,
+    /// There may be springs with muscles.
+    pub muscles: bool,
+    /// The contact law, one of the `LAW_*` constants.
+    pub law: u32,
+    /// There may be pairs of materials.
+    pub materials: bool,
     /// There may be so many objects that a sort key of `find_neighbours` has no room for more than an insertion index.
     pub many: bool,
+    /// Each workgroup has a world of its own: it has its own copy of the block `step`, and one block of counters.
+    pub worlds: bool,
 }
 
 impl Variant {
     /// Returns the variant for a scene with these counts.
     pub fn of(step: &Step) -> Self {
-        Self { rods: step.rods > 0, large: step.large > 0, many: step.objects() >= MANY_OBJECTS }
+        let Step { rods, large, muscles_at, materials, law, .. } = *step;
+        Self {
+            law,
+            rods: rods > 0,
+            large: large > 0,
+            muscles: muscles_at > 0,
+            materials: materials > 0,
+            many: step.objects() >= MANY_OBJECTS,
+            worlds: false,
+        }
     }
 
     /// Returns the WGSL of this variant. It replaces constants in the text, because the sizes of arrays depend on `RODS` and
     /// `LARGE` and so these cannot be pipeline-overridable constants.
     pub fn apply(self, text: &str) -> String {
-        let constants = [("RODS", self.rods), ("LARGE", self.large)];
-        constants.iter().fold(text.to_owned(), |text, (name, is_set)| {
+        let constants = [("RODS", self.rods), ("LARGE", self.large), ("MUSCLES", self.muscles), ("MATERIALS", self.materials)];
+        let text = text.replace("const LAW: u32 = 1u;", &format!("const LAW: u32 = {}u;", self.law));
+        let replaced = constants.iter().fold(text, |text, (name, is_set)| {
             text.replace(&format!("const {name}: bool = true;"), &format!("const {name}: bool = {is_set};"))
-        })
+        });
+        if !self.worlds {
+            return replaced;
+        }
+        let block = format!("const COUNTER_BLOCKS: u32 = {COUNTER_BLOCKS}u;");
+        replaced
+            .replace("@group(0) @binding(0) var<uniform> step: Step;", "var<private> step: Step;")
+            .replace(&block, "const COUNTER_BLOCKS: u32 = 1u;")
     }
 }

@@ -2,8 +2,8 @@
 
 use glam::{DVec3, Vec4};
 use rockfall::model::layout::{
-    BOX_WORDS, FLAG_COLLISIONS, FORCE_WORDS, KIND_FORCE, KIND_SHIFT, KIND_SPRING, KIND_TETHER, POLYGON_WORDS, ROD_WORDS,
-    SPRING_WORDS, TETHER_WORDS,
+    BOX_WORDS, FLAG_COLLISIONS, FORCE_WORDS, KIND_FORCE, KIND_SHIFT, KIND_SPRING, KIND_TETHER, MUSCLE_WORDS, POLYGON_WORDS,
+    ROD_WORDS, SPRING_WORDS, TETHER_WORDS,
 };
 use rockfall::model::world::World;
 
@@ -89,6 +89,17 @@ pub(crate) struct Bodies {
 
 fn vector(row: Vec4) -> DVec3 {
     row.truncate().as_dvec3()
+}
+
+/// Factor of a spring's rest length at the start of the step (docs/physics.md section 4.9).
+fn muscle(world: &World, spring: u32) -> f64 {
+    if world.step.muscles_at == 0 {
+        return 1.0;
+    }
+    let record = &world.topology[(world.step.muscles_at + spring * MUSCLE_WORDS) as usize..];
+    let turns = |low: usize| (f64::from(record[low]) / 4_294_967_296.0 + f64::from(record[low + 1])) / 4_294_967_296.0;
+    let half_steps = 2.0 * (f64::from(world.step.muscle_step) + f64::from(world.status.steps));
+    1.0 + f64::from(f32::from_bits(record[0])) * (std::f64::consts::TAU * (turns(1) + half_steps * turns(3))).sin()
 }
 
 impl Bodies {
@@ -183,7 +194,8 @@ impl Bodies {
                         let at = (step.springs_at + index * SPRING_WORDS) as usize;
                         let ends = [at, at + 1].map(|end| world.topology[end] as usize);
                         let other = &self.balls[ends[usize::from(ends[0] == k)]];
-                        let constants = triple(at + 2);
+                        let mut constants = triple(at + 2);
+                        constants.y *= muscle(world, index);
                         force += spring(own, (other.x, other.v), constants);
                         let fixed_other = other.w == 0.0;
                         if ends[0] == k || fixed_other {

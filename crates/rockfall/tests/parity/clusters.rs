@@ -4,7 +4,7 @@
 use glam::Vec3;
 use rand::SeedableRng;
 use rand_pcg::Pcg64Mcg;
-use rockfall::Scene;
+use rockfall::{Material, MaterialId, Pair, Rod, Scene, Spring, Tether};
 
 use crate::random::Draw;
 use crate::trace::{Only, Plan};
@@ -117,7 +117,13 @@ pub(crate) fn clusters(plan: &Plan, attempts: &[u64]) -> Clusters {
         let cell = [cluster % side, cluster / side % side, cluster / side / side];
         let middle = SPACING * Vec3::from_array(cell.map(|k| k as f32 - 0.5 * (side - 1) as f32));
         let draw_seed = seed << 40 | (cluster as u64) << 20 | attempt;
-        let mut draw = Draw { scene: &mut scene, rng: Pcg64Mcg::seed_from_u64(draw_seed), middle, giants: &mut giants };
+        let mut draw = Draw {
+            scene: &mut scene,
+            rng: Pcg64Mcg::seed_from_u64(draw_seed),
+            middle,
+            giants: &mut giants,
+            muscles: seed % 3 != 1,
+        };
         // Avoid special values, such as coordinates that are exact multiples of the spacing.
         let jitter = draw.vector(0.1);
         draw.middle += jitter;
@@ -132,5 +138,58 @@ pub(crate) fn clusters(plan: &Plan, attempts: &[u64]) -> Clusters {
         scene.add_sphere(giant).unwrap();
     }
     owners[0].extend(clusters_of_giants);
+    if plan.materials {
+        scene = with_materials(&scene);
+    }
     Clusters { scene, cluster_of: owners.concat() }
+}
+
+/// The same scene with materials: every third object has none, unless the contact law needs it, some pairs are not given, and some have no friction.
+fn with_materials(scene: &Scene) -> Scene {
+    let mut made = Scene::new();
+    made.settings = scene.settings;
+    let materials = [("hard", 2e3), ("soft", 5e2)].map(|(name, young)| Material::new(name).young(young).poisson(0.3));
+    let [hard, soft] = materials.map(|material| made.add_material(material).unwrap());
+    made.set_pair(hard, hard, Pair::default().restitution(0.9).friction(0.4).stiffness(300.0)).unwrap();
+    made.set_pair(hard, soft, Pair::default().restitution(0.3).friction(0.0)).unwrap();
+    made.set_pair(soft, soft, Pair::default().stiffness(100.0)).unwrap();
+    let has_history = scene.settings.contact_law.has_history();
+    let mut place = 0;
+    let mut next = || -> Option<MaterialId> {
+        place += 1;
+        // The laws with history need a material for every object.
+        [if has_history { Some(hard) } else { None }, Some(hard), Some(soft)][place % 3]
+    };
+    let old: Vec<_> = scene.sphere_ids().collect();
+    let mut spheres = Vec::new();
+    for sphere in scene.spheres() {
+        let mut sphere = *sphere;
+        sphere.material = next();
+        spheres.push(made.add_sphere(sphere).unwrap());
+    }
+    let same = |id| spheres[old.iter().position(|other| *other == id).unwrap()];
+    for rod in scene.rods() {
+        let mut copy = Rod::new(same(rod.end1), same(rod.end2), rod.radius).group(rod.group);
+        (copy.length, copy.material) = (rod.length, next());
+        made.add_rod(copy).unwrap();
+    }
+    for spring in scene.springs() {
+        let copy = Spring::new(same(spring.a), same(spring.b), spring.stiffness, spring.length);
+        made.add_spring(copy.damping(spring.damping)).unwrap();
+    }
+    for tether in scene.tethers() {
+        let copy = Tether::new(same(tether.sphere), tether.point, tether.stiffness).length(tether.length);
+        made.add_tether(copy.damping(tether.damping)).unwrap();
+    }
+    for cuboid in scene.boxes() {
+        let mut copy = *cuboid;
+        copy.material = next();
+        made.add_box(copy).unwrap();
+    }
+    for polygon in scene.polygons() {
+        let mut copy = *polygon;
+        copy.material = next();
+        made.add_polygon(copy).unwrap();
+    }
+    made
 }

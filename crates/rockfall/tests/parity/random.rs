@@ -3,7 +3,7 @@
 use glam::{Vec3, Vec3Swizzles};
 use rand::RngExt;
 use rand_pcg::Pcg64Mcg;
-use rockfall::{Capsule, Cuboid, Polygon, Rod, Scene, Sphere, SphereId, Spring, Tether};
+use rockfall::{Capsule, Cuboid, Muscle, Polygon, Rod, Scene, Sphere, SphereId, Spring, Tether};
 
 /// Largest distance of a random position from the centre of its cluster, along each axis.
 const EXTENT: f32 = 0.8;
@@ -15,6 +15,8 @@ pub(crate) struct Draw<'a> {
     pub(crate) middle: Vec3,
     /// Large spheres. They are added after everything else, because they must be the last in memory.
     pub(crate) giants: &'a mut Vec<Sphere>,
+    /// Whether springs have muscles.
+    pub(crate) muscles: bool,
 }
 
 impl Draw<'_> {
@@ -424,7 +426,10 @@ impl Draw<'_> {
             let (stiffness, length) = (self.between(10.0, 100.0), self.between(0.2, 1.5));
             let spring = Spring::new(spheres[one], spheres[two], stiffness, length);
             let damping = self.between(0.0, 4.0);
-            self.scene.add_spring(spring.damping(damping)).unwrap();
+            let mut spring = spring.damping(damping);
+            // All quarters of a turn, so fast that a step changes the phase much. One spring has none.
+            spring.muscle = (self.muscles && one > 0).then(|| Muscle::new(0.3, 40.0 * stiffness, stiffness));
+            self.scene.add_spring(spring).unwrap();
         }
         let point = self.place();
         let (stiffness, length) = (self.between(10.0, 100.0), self.between(0.0, 0.5));

@@ -1,7 +1,7 @@
 //! Special numbers in every edit of a simulation, and in the time step.
 
 use rockfall::glam::Quat;
-use rockfall::{Backend, Error, Result, Rod, Scene, Simulation, Sphere, SphereId, Spring, Tether};
+use rockfall::{Backend, Error, Muscle, Result, Rod, Scene, Simulation, Sphere, SphereId, Spring, Tether};
 
 use crate::common::*;
 use crate::fields::{POISONS, check_accepted, finite, not_negative, positive};
@@ -84,6 +84,14 @@ const EDITS: &[Edit] = &[
         make: |simulation, _, p| {
             let id = first!(simulation, spring_ids);
             simulation.update_spring(id, |spring| spring.damping = p)
+        },
+    },
+    Edit {
+        name: "muscle.frequency",
+        accepts: not_negative,
+        make: |simulation, _, p| {
+            let id = first!(simulation, spring_ids);
+            simulation.update_spring(id, |spring| spring.muscle = Some(Muscle::new(0.1, p, 0.0)))
         },
     },
     Edit {

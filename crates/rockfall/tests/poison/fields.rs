@@ -1,7 +1,7 @@
 //! Every field of every object, and the numbers that it accepts.
 
 use rockfall::glam::{Quat, Vec3};
-use rockfall::{Capsule, Cuboid, Error, Polygon, Result, Rod, Scene, Sphere, Spring, Tether};
+use rockfall::{Capsule, Cuboid, Error, Muscle, Polygon, Result, Rod, Scene, Sphere, Spring, Tether};
 
 /// Special numbers that every field is tested with.
 pub(crate) const POISONS: [f32; 18] = [
@@ -196,6 +196,9 @@ fields! {
     add_spring "spring.stiffness" not_negative false |spring, p| spring.stiffness = p;
     add_spring "spring.length" not_negative false |spring, p| spring.length = p;
     add_spring "spring.damping" not_negative false |spring, p| spring.damping = p;
+    add_spring "muscle.amplitude" amplitude false |spring, p| spring.muscle = Some(Muscle::new(p, 1.0, 0.0));
+    add_spring "muscle.frequency" not_negative false |spring, p| spring.muscle = Some(Muscle::new(0.1, p, 0.0));
+    add_spring "muscle.phase" finite false |spring, p| spring.muscle = Some(Muscle::new(0.1, 1.0, p));
     add_tether "tether.point" finite false |tether, p| tether.point.x = p;
     add_tether "tether.stiffness" not_negative false |tether, p| tether.stiffness = p;
     add_tether "tether.length" not_negative false |tether, p| tether.length = p;
@@ -205,6 +208,11 @@ fields! {
     add_polygon "polygon.corner" finite false |polygon, p| polygon.corner.x = p;
     add_polygon "polygon.left" edge false |polygon, p| polygon.left.z = p;
     add_polygon "polygon.right" edge false |polygon, p| polygon.right.x = p;
+}
+
+/// Accepts the amplitude of a muscle.
+fn amplitude(p: f32) -> bool {
+    p.abs() <= 1.0
 }
 
 /// Accepts no number: none makes a unit quaternion with the other components.

@@ -4,8 +4,9 @@ use crate::error::{Error, Result};
 use crate::model::buffer::Buffer;
 use crate::model::dispatch::sizes;
 use crate::model::layout::{
-    BOX_WORDS, FORCE_WORDS, KIND_FORCE, KIND_ROD, KIND_SHIFT, KIND_SPRING, KIND_TETHER, LINE, LIST_COUNT_MASK, NO_NETWORK,
-    NO_ROD, POLYGON_WORDS, ROD_WORDS, SLICE, SOME_RODS, SPRING_WORDS, SWEEPS_OFF, TETHER_WORDS, words_of_rows,
+    BOX_WORDS, FORCE_WORDS, KIND_FORCE, KIND_ROD, KIND_SHIFT, KIND_SPRING, KIND_TETHER, LINE, LIST_COUNT_MASK, MATERIAL_SHIFT,
+    MUSCLE_WORDS, NO_NETWORK, NO_ROD, PAIR_WORDS, POLYGON_WORDS, ROD_WORDS, SLICE, SOME_RODS, SPRING_WORDS, SWEEPS_OFF,
+    TETHER_WORDS, words_of_rows,
 };
 use crate::model::status::REJECTED_PAIRS;
 use crate::model::world::World;
@@ -54,7 +55,12 @@ fn check_topology(world: &World) -> Result<()> {
     }
     slice(world, step.boxes_at, u64::from(step.boxes) * u64::from(BOX_WORDS), "boxes")?;
     slice(world, step.polygons_at, u64::from(step.polygons) * u64::from(POLYGON_WORDS), "polygons")?;
-    slice(world, step.tags_at, u64::from(world.objects()), "tags")?;
+    let tags = slice(world, step.tags_at, u64::from(world.objects()), "tags")?;
+    if step.materials > 0 {
+        let pairs = u64::from(step.materials) * u64::from(step.materials);
+        slice(world, step.pairs_at, pairs * u64::from(PAIR_WORDS), "pairs of materials")?;
+        ensure(tags.iter().all(|tag| tag >> MATERIAL_SHIFT < step.materials), "the material of an object")?;
+    }
     if step.adjacency_at != 0 {
         check_adjacency(world)?;
     }
@@ -112,7 +118,8 @@ fn check_attached(world: &World, word: u32) -> Result<()> {
         KIND_ROD => ensure(index < step.rods, "a rod in the adjacency"),
         KIND_SPRING => {
             let spring = record(step.springs_at, SPRING_WORDS, "a spring in the adjacency")?;
-            ensure(spring[0] < step.spheres && spring[1] < step.spheres, "the end of a spring")
+            ensure(spring[0] < step.spheres && spring[1] < step.spheres, "the end of a spring")?;
+            ensure(step.muscles_at == 0 || record(step.muscles_at, MUSCLE_WORDS, "a muscle").is_ok(), "the muscle of a spring")
         }
         KIND_TETHER => record(step.tethers_at, TETHER_WORDS, "a tether in the adjacency").map(|_| ()),
         KIND_FORCE => record(step.forces_at, FORCE_WORDS, "a force in the adjacency").map(|_| ()),

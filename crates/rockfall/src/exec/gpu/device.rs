@@ -2,10 +2,11 @@
 
 use std::cmp::Reverse;
 use std::collections::HashMap;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use crate::error::{Error, Result};
-use crate::exec::gpu::fault::Faults;
+use crate::exec::gpu::exchangers::Exchangers;
+use crate::exec::gpu::fault::{Faults, catch};
 use crate::exec::gpu::kernel::Kernel;
 use crate::model::layout::WORKGROUP;
 use crate::step::stage::Stage;
@@ -23,6 +24,7 @@ struct Inner {
     queue: wgpu::Queue,
     faults: Faults,
     kernels: Mutex<HashMap<KernelKey, Arc<Kernel>>>,
+    exchangers: OnceLock<Arc<Exchangers>>,
 }
 
 /// Name of the stage, variant, number of chunks of each array.
@@ -126,10 +128,12 @@ impl Gpu {
 
     async fn open_adapter(adapter: &wgpu::Adapter) -> Result<Self, wgpu::RequestDeviceError> {
         let timing = wgpu::Features::TIMESTAMP_QUERY | wgpu::Features::TIMESTAMP_QUERY_INSIDE_PASSES;
+        // Lets other programs on the device, such as PyTorch, use memory that `Simulation::read_table` writes.
+        let sharing = wgpu::Features::VULKAN_EXTERNAL_MEMORY_FD;
         let (device, queue) = adapter
             .request_device(&wgpu::DeviceDescriptor {
                 label: Some("rockfall"),
-                required_features: adapter.features() & timing,
+                required_features: adapter.features() & (timing | sharing),
                 required_limits: adapter.limits(),
                 ..Default::default()
             })
@@ -168,7 +172,7 @@ impl Gpu {
     }
 
     fn with(device: wgpu::Device, queue: wgpu::Queue, faults: Faults) -> Self {
-        Self { inner: Arc::new(Inner { device, queue, faults, kernels: Mutex::default() }) }
+        Self { inner: Arc::new(Inner { device, queue, faults, kernels: Mutex::default(), exchangers: OnceLock::new() }) }
     }
 
     /// The device.
@@ -206,6 +210,15 @@ impl Gpu {
 
     pub(crate) fn faults(&self) -> &Faults {
         &self.inner.faults
+    }
+
+    /// The kernels of [`Table`](crate::exec::gpu::Table), compiled at their first use.
+    pub(super) fn exchangers(&self) -> Result<Arc<Exchangers>> {
+        if self.inner.exchangers.get().is_none() {
+            let made = Arc::new(catch(self.device(), || Exchangers::new(self.device()))?);
+            let _ = self.inner.exchangers.set(made);
+        }
+        self.inner.exchangers.get().cloned().ok_or_else(|| Error::Device("a kernel is missing".to_owned()))
     }
 
     /// Number of kernels compiled so far.

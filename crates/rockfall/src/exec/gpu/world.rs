@@ -23,13 +23,14 @@ use crate::step::wgsl::Variant;
 pub(super) const UNIFORM: wgpu::BufferUsages = wgpu::BufferUsages::UNIFORM.union(wgpu::BufferUsages::COPY_DST);
 
 /// What a world's buffers hold when a step begins; everything else is written before it is read.
-const KEPT: [Buffer; 7] = [
+const KEPT: [Buffer; 8] = [
     Buffer::Start,
     Buffer::Aabbs,
     Buffer::Topology,
     Buffer::Lists,
     Buffer::Orientations,
     Buffer::DispatchSizes,
+    Buffer::Histories,
     Buffer::Status,
 ];
 
@@ -190,8 +191,16 @@ impl GpuWorld {
             return Err(Error::Device("the world's counts changed: upload it as a whole".to_owned()));
         }
         check_buffer(world, Buffer::Topology)?;
+        if Variant::of(&world.step) != Variant::of(&self.step) {
+            // A spring may have got the first muscle.
+            self.ready.clear();
+        }
         self.fit(world, Buffer::Topology)?;
         self.write(Buffer::Topology, world.bytes(Buffer::Topology))?;
+        if Variant::of(&world.step) != Variant::of(&self.step) {
+            // They have kernels of their own.
+            self.ready.clear();
+        }
         self.step = world.step;
         self.write_uniforms(&world.step)
     }
@@ -222,6 +231,17 @@ impl GpuWorld {
         self.fit(world, Buffer::Collisions)?;
         self.step.collision_room = world.step.collision_room;
         Ok(())
+    }
+
+    /// Takes over the room for springs of contacts of `world`, and the springs.
+    ///
+    /// # Errors
+    /// As for [`GpuWorld::new`].
+    pub(crate) fn resize_histories(&mut self, world: &World) -> Result<()> {
+        self.gpu.faults().check()?;
+        self.fit(world, Buffer::Histories)?;
+        self.step.history_room = world.step.history_room;
+        self.write(Buffer::Histories, world.bytes(Buffer::Histories))
     }
 
     fn fit(&mut self, world: &World, buffer: Buffer) -> Result<()> {

@@ -1,19 +1,19 @@
-//! Packs the topology buffer: rods, springs, tethers, external forces, boxes, polygons, tags, the order of memory, batches and
-//! networks of fixed-length rods, and what is attached to each sphere.
+//! Packs the topology buffer: rods, springs, tethers, external forces, boxes, polygons, tags, pairs of materials, the order of
+//! memory, batches and networks of fixed-length rods, and what is attached to each sphere.
 
 use glam::Vec3;
 
 use crate::error::{Error, Result};
 use crate::model::layout::{
-    FLAG_GROUPS, KIND_FORCE, KIND_ROD, KIND_SHIFT, KIND_SPRING, KIND_TETHER, LINE, NO_NETWORK, NO_ROD, ROD_WORDS, SOME_RODS,
-    max_objects,
+    FLAG_GROUPS, FLAG_PAIR_FRICTION, GROUP_MASK, KIND_FORCE, KIND_ROD, KIND_SHIFT, KIND_SPRING, KIND_TETHER, LINE,
+    MATERIAL_SHIFT, MUSCLE_WORDS, NO_NETWORK, NO_ROD, ROD_WORDS, SOME_RODS, max_objects,
 };
 use crate::model::step::Step;
 use crate::model::world::World;
 use crate::model::world::build::in_order;
 use crate::model::world::frames::{batches, networks};
 use crate::model::world::order::inverse;
-use crate::scene::{Scene, SphereId};
+use crate::scene::{Dampings, Pair, Scene, SphereId};
 
 impl World {
     /// Packs everything but the state of the spheres: the topology buffer, and the counts and offsets of the uniform block.
@@ -49,7 +49,9 @@ impl World {
             }
         }
         pack_attachments(scene, &slots, step, &mut topology, &mut adjacency)?;
-        pack_static(scene, &self.order, step, &mut topology);
+        pack_forces(scene, &slots, self.has_force_on_each, step, &mut topology, &mut adjacency);
+        pack_static(scene, &self.order, step, &mut topology)?;
+        pack_pairs(scene, step, &mut topology);
         pack_order(&self.order, &slots, step, &mut topology);
 
         let fixed: Vec<bool> = in_order(scene, &self.order).map(|sphere| sphere.fixed).collect();
@@ -61,6 +63,8 @@ impl World {
         push_networks(step, &fixed, &fixed_rods, &mut topology);
         step.adjacency_at = adjacency.push(&mut topology, step.spheres);
         self.topology = topology;
+        let clock = self.muscles_for.take().unwrap_or_default();
+        self.set_muscles(scene, &clock);
         Ok(())
     }
 }
@@ -83,7 +87,7 @@ fn pack_order(order: &[u32], slots: &[u32], step: &mut Step, topology: &mut Vec<
     }
 }
 
-/// Appends springs, tethers and external forces.
+/// Appends springs, tethers and an empty table of muscles.
 fn pack_attachments(
     scene: &Scene,
     slots: &[u32],
@@ -106,17 +110,34 @@ fn pack_attachments(
         topology.extend([tether.stiffness, tether.length, tether.damping].map(f32::to_bits));
         adjacency.attach(KIND_TETHER, number, &[sphere]);
     }
-    step.forces_at = topology.len() as u32;
-    let pushed = scene.spheres().iter().zip(0..).filter(|(sphere, _)| sphere.force != Vec3::ZERO);
-    for ((sphere, number), force) in pushed.zip(0..) {
-        push_vectors(topology, &[sphere.force]);
-        adjacency.attach(KIND_FORCE, force, &[slots.get(number as usize).copied().unwrap_or(number)]);
+    step.muscles_at = 0;
+    if scene.springs().iter().any(|spring| spring.muscle.is_some()) {
+        // `World::set_muscles` fills the table.
+        step.muscles_at = topology.len() as u32;
+        topology.resize(topology.len() + scene.springs().len() * MUSCLE_WORDS as usize, 0);
     }
     Ok(())
 }
 
+/// Appends external forces: of each sphere, or of those with a force.
+fn pack_forces(
+    scene: &Scene,
+    slots: &[u32],
+    on_each: bool,
+    step: &mut Step,
+    topology: &mut Vec<u32>,
+    adjacency: &mut Adjacency,
+) {
+    step.forces_at = topology.len() as u32;
+    let pushed = scene.spheres().iter().zip(0..).filter(|(sphere, _)| on_each || sphere.force != Vec3::ZERO);
+    for ((sphere, number), force) in pushed.zip(0..) {
+        push_vectors(topology, &[sphere.force]);
+        adjacency.attach(KIND_FORCE, force, &[slots.get(number as usize).copied().unwrap_or(number)]);
+    }
+}
+
 /// Appends boxes, polygons, and the tags of all objects.
-fn pack_static(scene: &Scene, order: &[u32], step: &mut Step, topology: &mut Vec<u32>) {
+fn pack_static(scene: &Scene, order: &[u32], step: &mut Step, topology: &mut Vec<u32>) -> Result<()> {
     step.boxes_at = topology.len() as u32;
     for cuboid in scene.boxes() {
         let [i, j, k] = cuboid.edges;
@@ -128,14 +149,46 @@ fn pack_static(scene: &Scene, order: &[u32], step: &mut Step, topology: &mut Vec
     }
     step.tags_at = topology.len() as u32;
     let tags_at = topology.len();
-    topology.extend(in_order(scene, order).map(|sphere| u32::from(sphere.group)));
-    topology.extend(scene.rods().iter().map(|rod| u32::from(rod.group)));
-    topology.extend(scene.boxes().iter().map(|cuboid| u32::from(cuboid.group)));
-    topology.extend(scene.polygons().iter().map(|polygon| u32::from(polygon.group)));
+    let spheres = in_order(scene, order).map(|sphere| (sphere.group, sphere.material));
+    let rods = scene.rods().iter().map(|rod| (rod.group, rod.material));
+    let boxes = scene.boxes().iter().map(|cuboid| (cuboid.group, cuboid.material));
+    let polygons = scene.polygons().iter().map(|polygon| (polygon.group, polygon.material));
+    for (group, material) in spheres.chain(rods).chain(boxes).chain(polygons) {
+        topology.push(u32::from(group) | u32::from(scene.material_number(material)?) << MATERIAL_SHIFT);
+    }
     step.flags &= !FLAG_GROUPS;
-    if topology[tags_at..].windows(2).any(|tags| tags[0] != tags[1]) {
+    if topology[tags_at..].windows(2).any(|tags| (tags[0] ^ tags[1]) & GROUP_MASK != 0) {
         step.flags |= FLAG_GROUPS;
     }
+    Ok(())
+}
+
+/// Appends the table of pairs, unless no properties of pairs are given.
+fn pack_pairs(scene: &Scene, step: &mut Step, topology: &mut Vec<u32>) {
+    /// Stands for the constant of the scene.
+    const OF_SCENE: f32 = -1.0;
+    step.flags &= !FLAG_PAIR_FRICTION;
+    (step.materials, step.pairs_at) = (0, 0);
+    let law = scene.settings.contact_law;
+    if scene.pairs.is_empty() && !law.has_history() {
+        return;
+    }
+    let numbers = 0..=scene.materials().len() as u16;
+    (step.materials, step.pairs_at) = (numbers.len() as u32, topology.len() as u32);
+    let mut dampings = Dampings::default();
+    for (one, other) in numbers.clone().flat_map(|one| numbers.clone().map(move |other| (one, other))) {
+        let Pair { restitution, friction, .. } = scene.pair_of_numbers(one, other);
+        // Coulomb friction replaces the friction force of the square-root law. It is part of the laws with history.
+        let root = friction.map_or(OF_SCENE, |_| 0.0);
+        let in_collisions = friction.unwrap_or(OF_SCENE);
+        let in_contacts = if law.has_history() { 0.0 } else { in_collisions };
+        topology.extend([restitution.unwrap_or(OF_SCENE), root, in_contacts, in_collisions].map(f32::to_bits));
+        topology.extend(scene.law_constants(one, other, &mut dampings).map(f32::to_bits));
+        if in_contacts > 0.0 || in_collisions > 0.0 && scene.settings.collisions {
+            step.flags |= FLAG_PAIR_FRICTION;
+        }
+    }
+    step.sweeps = step.sweeps.max(step.calm_sweeps());
 }
 
 fn push_vectors(topology: &mut Vec<u32>, vectors: &[Vec3]) {

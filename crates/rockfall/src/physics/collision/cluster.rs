@@ -16,6 +16,7 @@ use crate::model::view::View;
 use crate::physics::collision::body::{Body, Capsule, Part};
 use crate::physics::collision::networks::Network;
 use crate::physics::collision::{Change, Collision};
+use crate::physics::pairs::Surface;
 
 /// Rods keep a contact from moving when its inverse mass is less than this fraction of the value before the projection. It
 /// gets no impulse.
@@ -155,6 +156,7 @@ struct Row<'a> {
     scale: f32,
     /// Whether it is the only collision on its bodies and touches each of them with one side only.
     is_only: bool,
+    restitution: f32,
     impulse: f32,
 }
 
@@ -174,7 +176,8 @@ pub(super) fn solve(view: &View, all: &[Collision], touching: &[Touching], membe
         .iter()
         .map(|member| {
             let collision = &all[*member];
-            let mut row = Row { collision, bodies: [0; 4], scale: 0.0, is_only: false, impulse: 0.0 };
+            let restitution = Surface::of(view, collision.a, collision.b).restitution;
+            let mut row = Row { collision, bodies: [0; 4], scale: 0.0, is_only: false, restitution, impulse: 0.0 };
             for (place, part) in row.bodies.iter_mut().zip(collision.parts()) {
                 *place = bodies.binary_search(&part.body).unwrap_or_default();
             }
@@ -188,7 +191,7 @@ pub(super) fn solve(view: &View, all: &[Collision], touching: &[Touching], membe
         body.update();
     });
     for number in 0..SWEEPS as usize {
-        let has_changed = sweep(&mut rows, &moved, view.step.restitution, SWEEP_SIZES[number / 2]);
+        let has_changed = sweep(&mut rows, &moved, SWEEP_SIZES[number / 2]);
         if !has_changed {
             break;
         }
@@ -229,14 +232,14 @@ fn of_body(body: Body, touching: &[Touching]) -> impl Iterator<Item = &Touching>
 }
 
 /// Makes one sweep. Returns whether any impulse has changed.
-fn sweep(rows: &mut [Row], moved: &[Moved], restitution: f32, factor: f32) -> bool {
+fn sweep(rows: &mut [Row], moved: &[Moved], factor: f32) -> bool {
     let mut has_changed = false;
     for row in rows.iter_mut().filter(|row| row.scale > 0.0) {
         let n = row.collision.touch.normal;
         let reduction: f32 = row.parts().map(|(part, place)| part.sign * moved[place].velocity(part, n)).sum();
         let approach = row.collision.approach;
         let factor = if row.is_only { 1.0 } else { factor };
-        let impulse = (row.impulse + ((1.0 + restitution) * approach - reduction) * factor / row.scale).max(0.0);
+        let impulse = (row.impulse + ((1.0 + row.restitution) * approach - reduction) * factor / row.scale).max(0.0);
         has_changed |= impulse != row.impulse;
         row.impulse = impulse;
     }

@@ -45,7 +45,8 @@ fn put_sweep(r: u32, sweeps: u32, change: f32) {
     let is_only = (collisions[row_at(r, 2u)].x & ONLY) != 0u;
     let size = select(SWEEP_SIZES[sweeps / 2u], 1.0, is_only) * impulse.inverse;
     // The operations are explicit `fma`s, so that the results of all kernels that sweep are bitwise identical.
-    let after = max(0.0, fma(fma(1.0 + step.restitution, approach, change), size, before));
+    let restitution = select(step.restitution, bitcast<f32>(collisions[row_at(r, 2u)].w), MATERIALS);
+    let after = max(0.0, fma(fma(1.0 + restitution, approach, change), size, before));
     let is_even = (sweeps & 1u) == 0u;
     let row = vec4f(select(after, before, is_even), select(before, after, is_even), impulse.inverse, impulse.tau);
     collisions[row_at(r, 3u)] = bitcast<vec4u>(row);

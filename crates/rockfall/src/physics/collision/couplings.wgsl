@@ -1,5 +1,5 @@
 // requires model/lists.wgsl model/objects.wgsl model/step.wgsl physics/collision.wgsl physics/collision/impulses.wgsl
-// requires physics/contact.wgsl step/collisions/record_of.wgsl step/collisions/records.wgsl step/collisions/rows.wgsl
+// requires physics/contact.wgsl physics/pairs.wgsl step/collisions/record_of.wgsl step/collisions/records.wgsl step/collisions/rows.wgsl
 // requires step/collisions/report_clusters.wgsl
 
 // Finds the neighbours of a collision, which are other collisions that share a body with it, and the couplings
@@ -48,7 +48,12 @@ fn put_couplings(r: u32, is_only: bool) {
         need_dispatches();
     }
     let bits = gathered | select(0u, ONLY, is_only);
-    collisions[row_at(r, 2u)] = vec4u(bits, bitcast<u32>(own_coupling), near_count, 0u);
+    var restitution = 0.0;
+    if MATERIALS {
+        let k = record_at(r);
+        restitution = restitution_of(k.a_id, k.b_id);
+    }
+    collisions[row_at(r, 2u)] = vec4u(bits, bitcast<u32>(own_coupling), near_count, bitcast<u32>(restitution));
     for (var place = 0u; place < near_count; place += 2u) {
         collisions[row_at(r, 4u + place / 2u)] = vec4u(near[place], near[min(place + 1u, near_count - 1u)]);
     }

@@ -12,6 +12,7 @@ use crate::model::view::{Object, View};
 use crate::physics::collision::body::{Body, Capsule, Part};
 use crate::physics::collision::{Change, Collision};
 use crate::physics::forces::net_force::{attached_curvature, attached_force};
+use crate::physics::pairs::Surface;
 use crate::physics::touch::{Feature, Motions, line};
 
 /// Number of iterations for the time of contact.
@@ -136,7 +137,7 @@ pub(super) fn solve(view: &View, k: &Collision) -> Outcome {
     }
     let movers = &movers[..k.parts().len()];
     let (tau, hit) = time_of_contact(view, k, movers);
-    let size = (1.0 + view.step.restitution) * hit.approach / effective_inverse_mass(view, &hit, movers, tau);
+    let size = (1.0 + Surface::of(view, k.a, k.b).restitution) * hit.approach / effective_inverse_mass(view, &hit, movers, tau);
     let impulse = Impulse { key: k.key(view), size, direction: hit.touch.normal };
     let mut outcome = Outcome { impulse, ..Outcome::default() };
     for (part, (mover, _)) in hit.parts().iter().zip(movers) {

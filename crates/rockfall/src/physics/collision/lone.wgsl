@@ -1,5 +1,5 @@
 // requires model/objects.wgsl model/step.wgsl physics/collision.wgsl physics/forces/attached.wgsl physics/geometry.wgsl
-// requires physics/touch.wgsl physics/sine.wgsl
+// requires physics/forces/muscle.wgsl physics/pairs.wgsl physics/touch.wgsl physics/sine.wgsl
 
 // Solves lone collisions at their time of contact (docs/physics.md section 3.6). The pair is moved back to the time at
 // which it first touched.
@@ -152,7 +152,7 @@ fn solve_lone(a_id: u32, b_id: u32, feature: u32, found: Touch) -> Solved {
         // With extremely stiff springs the term is infinite or NaN.
         effective_inverse_mass = select(0.5 * inverse_mass, 3e38, bitcast<u32>(stretching) == 0x7f800000u);
     }
-    let impulse = (1.0 + step.restitution) * at_contact.closing.approach / effective_inverse_mass;
+    let impulse = (1.0 + restitution_of(a_id, b_id)) * at_contact.closing.approach / effective_inverse_mass;
     return Solved(at_contact.touch.n, at_contact.touch.a, at_contact.touch.b, impulse, tau);
 }
 
@@ -211,7 +211,8 @@ fn curvature_along(pushed: Pushed) -> f32 {
                     }
                 }
                 let distance = state[position_at(other)].xyz - state[position_at(sphere)].xyz;
-                sum += part * spring_curvature(distance, stretch, float_at(spring + 2u), float_at(spring + 3u));
+                let length = rest_length(index, float_at(spring + 3u));
+                sum += part * spring_curvature(distance, stretch, float_at(spring + 2u), length);
             } else if kind == KIND_TETHER {
                 let tether = step.tethers_at + index * TETHER_WORDS;
                 let distance = vector_at(tether + 1u) - state[position_at(sphere)].xyz;

@@ -1,5 +1,5 @@
 // requires model/entries.wgsl model/lists.wgsl model/objects.wgsl model/step.wgsl physics/collision/plain.wgsl
-// requires physics/collision/lone.wgsl physics/contact.wgsl physics/geometry.wgsl
+// requires physics/collision/lone.wgsl physics/contact.wgsl physics/geometry.wgsl physics/pairs.wgsl
 
 // The other pressed contacts of the bodies of a collision. They decide whether it is lone, and how large its weight is,
 // which is its scale in the sweeps (docs/physics.md sections 3.5 and 3.7).
@@ -84,5 +84,5 @@ fn solve_by_itself(a: u32, b: u32, k: Plain, weight: f32, is_lone: bool) -> Solv
     if is_lone {
         return solve_lone(a, b, 0u, Touch(k.n, k.overlap, 0.0, 0.0));
     }
-    return Solved(k.n, 0.0, 0.0, (1.0 + step.restitution) * k.approach / weight, 0.0);
+    return Solved(k.n, 0.0, 0.0, (1.0 + restitution_of(a, b)) * k.approach / weight, 0.0);
 }

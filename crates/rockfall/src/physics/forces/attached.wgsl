@@ -1,4 +1,4 @@
-// requires model/objects.wgsl model/step.wgsl
+// requires model/objects.wgsl model/step.wgsl physics/forces/muscle.wgsl
 
 // Forces of springs and tethers, and external forces (docs/physics.md sections 4.1 and 4.2).
 
@@ -19,12 +19,13 @@ fn attached_force(i: u32, kind: u32, index: u32) -> vec3f {
     if kind == KIND_SPRING {
         let spring = step.springs_at + index * SPRING_WORDS;
         let other = select(topology[spring], topology[spring + 1u], topology[spring] == i);
+        let constants = vector_at(spring + 2u);
         return spring_force(
             state[position_at(i)].xyz,
             state[velocity_at(i)].xyz,
             state[position_at(other)].xyz,
             state[velocity_at(other)].xyz,
-            vector_at(spring + 2u),
+            vec3f(constants.x, rest_length(index, constants.y), constants.z),
         );
     }
     if kind == KIND_TETHER {

@@ -4,7 +4,7 @@ use glam::{Vec3, Vec4};
 
 use crate::model::counters::Tally;
 use crate::model::lanes::first_lanes;
-use crate::model::layout::{KIND_FORCE, KIND_ROD, KIND_SPRING, KIND_TETHER};
+use crate::model::layout::{KIND_FORCE, KIND_ROD, KIND_SPRING, KIND_TETHER, LAW_THESIS};
 use crate::model::lists::{Entry, Lists};
 use crate::model::view::{Attachment, TINY, View};
 use crate::physics::balls::{Ball, Meeting};
@@ -34,7 +34,7 @@ fn each_contact(
         let Some(touch) = touch(view, id_a, id_b, entry.feature()) else {
             continue;
         };
-        let ContactForce { force, torque_a, torque_b } = contact_force(view, view.object(id_a), view.object(id_b), &touch);
+        let ContactForce { force, torque_a, torque_b } = contact_force(view, id_a, id_b, &touch);
         if mover == id_a {
             if let Some(tally) = tally.as_deref_mut() {
                 tally.count_contact(touch.overlap);
@@ -51,7 +51,7 @@ fn each_contact(
 #[inline]
 fn add_ball_loads(ball: &Ball, others: &[Entry], tally: Option<&mut Tally>, [force, torque]: &mut [Vec4; 2]) {
     let Meeting { a, b, touches } = ball.meet(others);
-    let loads = contact_forces(ball.view.step, &a, &b, &touches);
+    let loads = contact_forces(ball.view.step, &a, &b, &touches, &ball.surfaces(others));
     let touch = touches.overlap.cmpgt(Vec4::ZERO) & first_lanes(others.len());
     *force = loads.force.or_zero(touch).add_lanes_to(*force);
     *torque = loads.torque_a.or_zero(touch).add_lanes_to(*torque);
@@ -75,10 +75,13 @@ pub(crate) fn rod_loads(view: &View, lists: &Lists, rod: u32, tally: Option<&mut
     ends
 }
 
-/// Returns the load on a sphere: contacts, then everything attached to it. Body forces are not included. `wrenches` are the
-/// results of `rod_forces`.
-pub(crate) fn sphere_load(view: &View, lists: &Lists, wrenches: &[Vec4], sphere: u32, mut tally: Option<&mut Tally>) -> Load {
+/// Returns the load of the contacts of a sphere.
+#[inline]
+pub(crate) fn contact_load(view: &View, lists: &Lists, sphere: u32, mut tally: Option<&mut Tally>) -> Load {
     let (count, list) = lists.list(sphere);
+    if count == 0 {
+        return Load::default();
+    }
     let mut sums = [Vec4::ZERO; 2];
     let done = Ball::new(view, sphere).map_or(0, |ball| {
         ball.for_each_near(count, list, |others| add_ball_loads(&ball, others, tally.as_deref_mut(), &mut sums))
@@ -89,6 +92,23 @@ pub(crate) fn sphere_load(view: &View, lists: &Lists, wrenches: &[Vec4], sphere:
         total.force += load.force;
         total.torque += load.torque;
     });
+    total
+}
+
+/// Returns the load on a sphere: contacts, then everything attached to it. Body forces are not included. `wrenches` are the
+/// results of `rod_forces` or `law_forces`.
+pub(crate) fn sphere_load(view: &View, lists: &Lists, wrenches: &[Vec4], sphere: u32, tally: Option<&mut Tally>) -> Load {
+    let contacts = if view.step.law == LAW_THESIS {
+        contact_load(view, lists, sphere, tally)
+    } else {
+        let at = (4 * view.step.rods + 2 * sphere) as usize;
+        Load { force: wrenches[at].truncate(), torque: wrenches[at + 1].truncate() }
+    };
+    with_attachments(view, wrenches, sphere, contacts)
+}
+
+/// Adds everything attached to a sphere to the load of its contacts.
+fn with_attachments(view: &View, wrenches: &[Vec4], sphere: u32, mut total: Load) -> Load {
     for attachment in view.attachments(sphere) {
         match attachment.kind {
             KIND_ROD => {
@@ -174,7 +194,7 @@ fn spring_force(view: &View, spring: u32, sphere: u32) -> Vec3 {
     )
 }
 
-fn tether_force(view: &View, tether: u32, sphere: u32) -> Vec3 {
+pub(crate) fn tether_force(view: &View, tether: u32, sphere: u32) -> Vec3 {
     let tether = view.tether(tether);
     let d = tether.point - view.position(sphere);
     hooke(d, -view.velocity(sphere), tether.stiffness, tether.length, tether.damping)

@@ -75,7 +75,7 @@ fn push_of(i: u32, partner: u32, own: vec4f, side: Side, other: LoadedEntry) -> 
     if (found.overlap <= 0.0) | (side.inverse_mass + their_side.inverse_mass <= 0.0) {
         return no_push();
     }
-    let contact = contact_force(side, their_side, found, id);
+    let contact = contact_force(side, their_side, found, i, id);
     return Push(contact.force, contact.torque_per_arm, contact.arm_a, found.overlap);
 }
 
@@ -109,7 +109,11 @@ fn no_force() -> Net {
 
 fn net_force(i: u32) -> Net {
     var net = no_force();
-    add_contacts(i, &net);
+    if LAW == LAW_THESIS {
+        add_contacts(i, &net);
+    } else {
+        add_law_load(i, &net);
+    }
     add_attachments(i, &net);
     return net;
 }

@@ -1,6 +1,6 @@
 //! Comments of a scene text, and comments that look like something else.
 
-use super::line::{BOX, CAPSULE, FORCE, GROUP, Kind, ORIENTATION, POLYGON, ROD, SPHERE, SPRING, TETHER};
+use super::line::{BOX, CAPSULE, FORCE, GROUP, Kind, MUSCLE, ORIENTATION, POLYGON, ROD, SPHERE, SPRING, TETHER};
 use crate::error::{nearest, quoted};
 use crate::settings::Settings;
 
@@ -8,7 +8,7 @@ use crate::settings::Settings;
 const WORDS: usize = 32;
 
 /// Kinds of lines with the words by which people call them, in lower case.
-const NAMES: [(&Kind, &[&str]); 10] = [
+const NAMES: [(&Kind, &[&str]); 11] = [
     (&SPHERE, &["s", "sphere", "spheres", "ball"]),
     (&ROD, &["r", "rod", "rods"]),
     (&CAPSULE, &["c", "capsule", "capsules"]),
@@ -19,6 +19,7 @@ const NAMES: [(&Kind, &[&str]); 10] = [
     (&GROUP, &["group", "groups"]),
     (&ORIENTATION, &["orientation"]),
     (&FORCE, &["force"]),
+    (&MUSCLE, &["muscle", "muscles"]),
 ];
 
 /// The comment at the beginning of a text.

@@ -40,6 +40,8 @@ pub(super) const POLYGON: Kind = Kind {
 };
 pub(super) const SPRING: Kind =
     Kind { word: "K", references: &["a", "b"], numbers: &["stiffness", "length", "damping"], last_is_optional: false };
+pub(super) const MUSCLE: Kind =
+    Kind { word: "@muscle", references: &[], numbers: &["amplitude", "frequency", "phase"], last_is_optional: false };
 pub(super) const BOX: Kind = Kind {
     word: "B",
     references: &[],
@@ -57,6 +59,15 @@ pub(super) const ORIENTATION: Kind =
     Kind { word: "@orientation", references: &["sphere"], numbers: &["w", "x", "y", "z"], last_is_optional: false };
 pub(super) const FORCE: Kind =
     Kind { word: "@force", references: &["sphere"], numbers: &["x", "y", "z"], last_is_optional: false };
+pub(super) const MATERIAL: Kind =
+    Kind { word: "@material", references: &["NAME"], numbers: &["density=D", "young=E", "poisson=N"], last_is_optional: false };
+pub(super) const PAIR: Kind = Kind {
+    word: "@pair",
+    references: &["NAME", "NAME"],
+    numbers: &["restitution=e", "friction=mu", "stiffness=k"],
+    last_is_optional: false,
+};
+pub(super) const USE: Kind = Kind { word: "@use", references: &["NAME"], numbers: &[], last_is_optional: false };
 pub(super) const MARK: Kind = Kind { word: "@capsule", references: &["end1", "end2"], numbers: &[], last_is_optional: false };
 
 impl Kind {
@@ -130,6 +141,8 @@ impl Kind {
     fn number(&self, name: &str, word: &str) -> Line<f32> {
         match word.parse::<f32>() {
             Ok(number) if number.is_finite() => Ok(number),
+            // Stands for the mass that follows from the density of the material.
+            Err(_) if name == "mass" && word == "-" => Ok(f32::NAN),
             Ok(_) => Err(self.wrong(name, format!("{} is not finite (in f32), expected a finite number", quoted(word)))),
             Err(_) if name == "fixed" => {
                 let use_one = "expected 1 for a fixed sphere, 0 or nothing for one that moves";

@@ -54,7 +54,7 @@ fn apply_collisions(world: &mut World, _pass: u32) {
         return;
     }
     let [start, y2, ..] = &mut world.states;
-    let view = View::new(&world.step, &world.topology, start);
+    let view = View::new(&world.step, &world.topology, start).at_evaluation(&world.status, 0);
     let lists = Lists::new(&world.step, &world.lists);
     let outcome = solve(&view, &lists);
     let taking_part = TakingPart::new(&view, &lists);

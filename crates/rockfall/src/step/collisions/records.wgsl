@@ -8,7 +8,8 @@
 //     0      n; approach velocity
 //     1      id of A; id of B and feature, packed like a list entry; parameter on A; parameter on B
 //     2      lone collision: n at the time of contact
-//            swept collision: GATHERED_* and ONLY bits; coupling with itself; number of neighbours in rows 4..12
+//            swept collision: GATHERED_* and ONLY bits; coupling with itself; number of neighbours in rows 4..12;
+//            coefficient of restitution, in scenes with pairs of materials
 //     3      impulse after an even number of sweeps; impulse after an odd number of sweeps; 1 / weight;
 //            state: SHARED, SINGLE, or the time of contact of a lone collision, which is not negative
 //     4..8   until `weigh_collisions`: a row each for end 1 of A, end 2 of A, end 1 of B, end 2 of B, which holds what a

@@ -1,6 +1,6 @@
 // requires model/entries.wgsl model/lists.wgsl model/objects.wgsl model/one_state.wgsl model/step.wgsl physics/collision.wgsl
 // requires physics/collision/other_collisions.wgsl physics/collision/couplings.wgsl physics/collision/impulses.wgsl
-// requires physics/collision/plain.wgsl physics/collision/lone.wgsl physics/contact.wgsl physics/geometry.wgsl
+// requires physics/collision/plain.wgsl physics/collision/lone.wgsl physics/contact.wgsl physics/geometry.wgsl physics/pairs.wgsl
 // requires step/collisions/has_changes.wgsl step/collisions/record_of.wgsl step/collisions/records.wgsl
 // requires step/collisions/rows.wgsl step/collisions/report_clusters.wgsl
 
@@ -204,7 +204,7 @@ fn weigh(r: u32) {
         put_swept(r, inverse);
         find_couplings(k, r, is_only);
     } else {
-        let impulse = (1.0 + step.restitution) * k.approach * inverse;
+        let impulse = (1.0 + restitution_of(k.a_id, k.b_id)) * k.approach * inverse;
         put_solved(r, Solved(k.n, k.a, k.b, impulse, 0.0), SINGLE);
     }
 }

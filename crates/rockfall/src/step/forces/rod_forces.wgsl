@@ -52,7 +52,7 @@ fn add_rod_contact(id: u32, own: Bar, entry: u32, sum: ptr<function, Wrench>) {
     if (found.overlap <= 0.0) | (a_side.inverse_mass + b_side.inverse_mass <= 0.0) {
         return;
     }
-    let contact = contact_force(a_side, b_side, found, b);
+    let contact = contact_force(a_side, b_side, found, a, b);
     let is_a = id < other;
     let at = select(found.b, found.a, is_a);
     let force = select(-contact.force, contact.force, is_a);

@@ -18,6 +18,7 @@ use crate::model::dispatch::Threads;
 use crate::model::lists::Lists;
 use crate::model::part::part;
 use crate::model::state::{Motion, Rows};
+use crate::model::step::Aabb;
 use crate::model::view::View;
 use crate::model::world::World;
 use crate::physics::forces::net_force::count_contacts;
@@ -59,9 +60,8 @@ fn advance(world: &mut World, pass: u32) {
     }
     let (done, todo) = world.states.split_at_mut(pass as usize + 1);
     let start = View::new(&world.step, &world.topology, &done[0]);
-    let view = View::new(&world.step, &world.topology, &done[pass as usize]);
+    let view = View::new(&world.step, &world.topology, &done[pass as usize]).at_evaluation(&world.status, pass);
     let lists = Lists::new(&world.step, &world.lists);
-    let h = world.step.dt * [0.5, 0.5, 1.0][pass as usize];
     let next = |sphere: u32, tally: &mut Tally| {
         let origin = Motion::of(&start, sphere);
         if view.is_fixed(sphere) {
@@ -70,26 +70,8 @@ fn advance(world: &mut World, pass: u32) {
             }
             return origin;
         }
-        let Rates { acceleration, torque } =
-            sphere_rates(&view, &lists, &world.wrenches, sphere, (pass == 0).then_some(&mut *tally));
-        let next = Motion {
-            position: origin.position + h * view.velocity(sphere),
-            velocity: origin.velocity + h * acceleration,
-            angular_momentum: origin.angular_momentum + h * torque,
-        };
-        let next = next.or_stopped(origin.position, BAD[pass as usize], view.insertion_index(sphere), tally);
-        if pass == 2 {
-            // All four stage states are checked here, before the step changes the state. So a rejected step leaves it as it
-            // was.
-            let second = origin.position + 0.5 * world.step.dt * origin.velocity;
-            let second = if second.is_finite() { second } else { origin.position };
-            for position in [origin.position, second, view.position(sphere), next.position] {
-                let escaped = outside(&world.aabbs[sphere as usize], position, view.radius(sphere));
-                tally.escape_ratio = tally.escape_ratio.max(escaped);
-            }
-            tally.rebuild |= needs_rebuild(&view, &world.aabbs, sphere, next.position, next.velocity);
-        }
-        next
+        let rates = sphere_rates(&view, &lists, &world.wrenches, sphere, (pass == 0).then_some(&mut *tally));
+        next_state(&start, &view, &world.aabbs, pass, sphere, &rates, tally)
     };
     let tally = Rows::of(&mut todo[0], world.step.spheres)
         .map(|mut rows| {
@@ -101,4 +83,36 @@ fn advance(world: &mut World, pass: u32) {
         })
         .reduce(Tally::default, Tally::merge);
     tally.add_to(&mut world.status);
+}
+
+/// The next stage state of a moving sphere, from its rates of change in the evaluated one.
+#[inline]
+pub(crate) fn next_state(
+    start: &View,
+    view: &View,
+    aabbs: &[Aabb],
+    pass: u32,
+    sphere: u32,
+    rates: &Rates,
+    tally: &mut Tally,
+) -> Motion {
+    let (origin, dt) = (Motion::of(start, sphere), view.step.dt);
+    let h = dt * [0.5, 0.5, 1.0][pass as usize];
+    let next = Motion {
+        position: origin.position + h * view.velocity(sphere),
+        velocity: origin.velocity + h * rates.acceleration,
+        angular_momentum: origin.angular_momentum + h * rates.torque,
+    };
+    let next = next.or_stopped(origin.position, BAD[pass as usize], view.insertion_index(sphere), tally);
+    if pass == 2 {
+        // All four stage states are checked here, before the step changes the state. So a rejected step leaves it as it was.
+        let second = origin.position + 0.5 * dt * origin.velocity;
+        let second = if second.is_finite() { second } else { origin.position };
+        for position in [origin.position, second, view.position(sphere), next.position] {
+            let escaped = outside(&aabbs[sphere as usize], position, view.radius(sphere));
+            tally.escape_ratio = tally.escape_ratio.max(escaped);
+        }
+        tally.rebuild |= needs_rebuild(view, aabbs, sphere, next.position, next.velocity);
+    }
+    next
 }

@@ -22,7 +22,7 @@ pub(crate) const STAGE: Stage = Stage {
     cpu: end_step,
 };
 
-fn end_step(world: &mut World, _pass: u32) {
+pub(crate) fn end_step(world: &mut World, _pass: u32) {
     let status = &mut world.status;
     if status.rejected != 0 {
         return;

@@ -6,7 +6,7 @@
 //! The stage leaves the old position in region 0 of `Y3` and the mean spin (w1 + 2 w2 + 2 w3 + w4) / 6 in region 2, for
 //! `constrain` and `turn`. In scenes without rods these two stages do not run, and `finish_and_turn` replaces this one.
 
-use glam::{Vec3, Vec4};
+use glam::Vec3;
 use rayon::prelude::*;
 
 use crate::error::BadStage;
@@ -70,7 +70,7 @@ pub(super) struct Finished {
 /// Computes the new state of all spheres.
 pub(super) fn finish_all(world: &mut World) -> Vec<Finished> {
     let [start, y2, y3, y4] = &mut world.states;
-    let views = [&*y2, y3, y4].map(|state| View::new(&world.step, &world.topology, state));
+    let views = [&*y2, y3, y4].map(|state| View::new(&world.step, &world.topology, state).at_evaluation(&world.status, 3));
     let lists = Lists::new(&world.step, &world.lists);
     let mut all = vec![Finished::default(); world.step.spheres as usize];
     let tally = Rows::of(start, world.step.spheres)
@@ -79,7 +79,8 @@ pub(super) fn finish_all(world: &mut World) -> Vec<Finished> {
             let mut tally = Tally::default();
             for (sphere, done) in rows.spheres().zip(all) {
                 let start = rows.get(sphere);
-                let (motion, spin) = finished(start, &views, &lists, &world.wrenches, sphere, &mut tally);
+                let rates = || sphere_rates(&views[2], &lists, &world.wrenches, sphere, None);
+                let (motion, spin) = finished(start, &views, sphere, rates, &mut tally);
                 rows.set(&views[2], sphere, motion);
                 *done = Finished { old_position: start.position, spin };
             }
@@ -91,7 +92,14 @@ pub(super) fn finish_all(world: &mut World) -> Vec<Finished> {
 }
 
 /// The new state of a sphere, and its mean spin over the step.
-fn finished(y: Motion, views: &[View; 3], lists: &Lists, wrenches: &[Vec4], sphere: u32, tally: &mut Tally) -> (Motion, Vec3) {
+#[inline]
+pub(crate) fn finished(
+    y: Motion,
+    views: &[View; 3],
+    sphere: u32,
+    rates: impl FnOnce() -> Rates,
+    tally: &mut Tally,
+) -> (Motion, Vec3) {
     let [y2, y3, y4] = views.map(|view| Motion::of(&view, sphere));
     let last = &views[2];
     let [w1, w2, w3, w4] = [y, y2, y3, y4].map(|motion| motion.angular_momentum * last.inverse_inertia(sphere));
@@ -99,7 +107,7 @@ fn finished(y: Motion, views: &[View; 3], lists: &Lists, wrenches: &[Vec4], sphe
         return (y, w1);
     }
     let spin = (w1 + 2.0 * w2 + 2.0 * w3 + w4) / 6.0;
-    let Rates { acceleration, torque } = sphere_rates(last, lists, wrenches, sphere, None);
+    let Rates { acceleration, torque } = rates();
     let sixth_step = last.step.dt / 6.0;
     // y' = y + [(Y2 - y) + 2 (Y3 - y) + (Y4 - y)] / 3 + dt/6 k4. The stage states hold k1, k2 and k3.
     let mean =

@@ -9,6 +9,7 @@ use crate::error::BadStage;
 use crate::model::buffer::Buffer;
 use crate::model::counters::{Tally, count_builds};
 use crate::model::dispatch::Threads;
+use crate::model::layout::LAW_THESIS;
 use crate::model::lists::Lists;
 use crate::model::part::part;
 use crate::model::state::{Motion, Rows};
@@ -48,13 +49,15 @@ fn symplectic_euler(world: &mut World, _pass: u32) {
     }
     count_builds(&mut world.status);
     let [start, y2, y3, _] = &mut world.states;
-    let view = View::new(&world.step, &world.topology, start);
+    let view = View::new(&world.step, &world.topology, start).at_evaluation(&world.status, 0);
     let lists = Lists::new(&world.step, &world.lists);
     let dt = world.step.dt;
     let next = |sphere: u32, tally: &mut Tally| {
         let y = Motion::of(&view, sphere);
         if view.is_fixed(sphere) {
-            count_contacts(&view, &lists, sphere, tally);
+            if world.step.law == LAW_THESIS {
+                count_contacts(&view, &lists, sphere, tally);
+            }
             return y;
         }
         tally.escape_ratio = tally.escape_ratio.max(escape_ratio(&view, &world.aabbs, sphere));

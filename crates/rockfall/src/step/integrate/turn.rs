@@ -79,7 +79,7 @@ fn turn(world: &mut World, _pass: u32) {
 }
 
 /// Rotates an orientation by a spin, in rad/s, for a time, in s.
-pub(super) fn turn_for(orientation: &mut Vec4, spin: Vec3, time: f32) {
+pub(crate) fn turn_for(orientation: &mut Vec4, spin: Vec3, time: f32) {
     turn_by(orientation, Quat::from_scaled_axis(spin * time));
 }
 

@@ -1,0 +1,189 @@
+//! Copies of states between the arrays of a world, in the order of memory, and a table on the device in insertion order. Other
+//! programs on the device, such as PyTorch, read and write such tables without a copy through the host.
+
+use bytemuck::{Pod, Zeroable, bytes_of};
+
+use crate::error::{Error, Result};
+use crate::exec::gpu::exchangers::Exchangers;
+use crate::exec::gpu::fault::catch;
+use crate::exec::gpu::memory::{READ_BACK, make_buffer};
+use crate::exec::gpu::wait::Mapped;
+use crate::exec::gpu::world::{GpuWorld, UNIFORM};
+use crate::model::buffer::Buffer;
+use crate::model::dispatch::rows;
+
+/// Threads per workgroup in `exchange.wgsl`.
+const THREADS: u32 = 256;
+
+/// A field of the spheres as a table of `f32` on the device: one row per sphere in order of addition, without gaps.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Table {
+    /// x, y, z, in units.
+    Positions,
+    /// x, y, z, in units/s.
+    Velocities,
+    /// x, y, z, in mass units²/s.
+    AngularMomenta,
+    /// Unit quaternions w, x, y, z.
+    Orientations,
+    /// External forces x, y, z, in mass units/s². Can only be written.
+    Forces,
+}
+
+impl Table {
+    /// Numbers per sphere.
+    pub fn columns(self) -> u32 {
+        if self == Self::Orientations { 4 } else { 3 }
+    }
+
+    /// Size in bytes for this number of spheres.
+    pub fn bytes(self, spheres: usize) -> u64 {
+        4 * u64::from(self.columns()) * spheres as u64
+    }
+
+    /// What every row must be.
+    fn expected(self) -> &'static str {
+        if self == Self::Orientations { "unit quaternions w, x, y, z" } else { "finite numbers" }
+    }
+
+    /// The array that holds the field, and the region of it, counted in rows per sphere.
+    fn place(self) -> Option<(Buffer, u32)> {
+        match self {
+            Self::Positions => Some((Buffer::Start, 0)),
+            Self::Velocities => Some((Buffer::Start, 1)),
+            Self::AngularMomenta => Some((Buffer::Start, 2)),
+            Self::Orientations => Some((Buffer::Orientations, 0)),
+            Self::Forces => None,
+        }
+    }
+}
+
+/// The uniform block of `exchange.wgsl`.
+#[derive(Clone, Copy, Zeroable, Pod)]
+#[repr(C)]
+struct Exchange {
+    spheres: u32,
+    first: u32,
+    columns: u32,
+    slots_at: u32,
+    component: u32,
+    padding: [u32; 3],
+}
+
+impl GpuWorld {
+    /// Copies a field of the state to `table`. Submits the copy without waiting for it.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] for [`Table::Forces`] and a buffer that is too small, [`Error::Device`] when the state is larger than
+    /// the device's limit for one binding.
+    pub fn read_table(&self, table: Table, into: &wgpu::Buffer) -> Result<wgpu::SubmissionIndex> {
+        if table.place().is_none() {
+            return Err(Error::Invalid {
+                field: "table",
+                value: "forces".to_owned(),
+                expected: "positions, velocities, angular momenta or orientations",
+            });
+        }
+        let mut encoder = self.encoder();
+        self.encode_exchange(&mut encoder, table, into, None, |kernels| &kernels.gather)?;
+        Ok(self.gpu().queue().submit([encoder.finish()]))
+    }
+
+    /// Copies `table` to a field of the state. Submits the copy without waiting for it. Forces need an entry for each sphere in
+    /// the topology buffer.
+    pub(crate) fn write_table(&self, table: Table, from: &wgpu::Buffer) -> Result<wgpu::SubmissionIndex> {
+        let mut encoder = self.encoder();
+        if table == Table::Forces {
+            let (bytes, at) = (self.check_size(table, from)?, 4 * u64::from(self.step().forces_at));
+            let topology = self.buffer(Buffer::Topology)?;
+            catch(self.gpu().device(), || encoder.copy_buffer_to_buffer(from, 0, topology, at, bytes))?;
+        } else {
+            self.encode_exchange(&mut encoder, table, from, None, |kernels| &kernels.scatter)?;
+        }
+        Ok(self.gpu().queue().submit([encoder.finish()]))
+    }
+
+    /// Checks the numbers of a table.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] for numbers that are not finite and for quaternions that are not unit quaternions.
+    pub(crate) async fn check_table(&self, table: Table, buffer: &wgpu::Buffer) -> Result<()> {
+        let device = self.gpu().device();
+        let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC | wgpu::BufferUsages::COPY_DST;
+        let found = make_buffer(device, "first bad row", 4, usage)?;
+        let staging = make_buffer(device, "first bad row", 4, READ_BACK)?;
+        let mut encoder = self.encoder();
+        self.gpu().queue().write_buffer(&found, 0, &u32::MAX.to_le_bytes());
+        self.encode_exchange(&mut encoder, table, buffer, Some(&found), |kernels| &kernels.check)?;
+        encoder.copy_buffer_to_buffer(&found, 0, &staging, 0, 4);
+        let submission = catch(device, || self.gpu().queue().submit([encoder.finish()]))?;
+        let view = Mapped::read(&staging, self.gpu().faults()).after(submission).bytes("the check of a table").await?;
+        match bytemuck::pod_read_unaligned(&view) {
+            u32::MAX => Ok(()),
+            row => Err(Error::Invalid { field: "table", value: format!("row {row}"), expected: table.expected() }),
+        }
+    }
+
+    fn encoder(&self) -> wgpu::CommandEncoder {
+        self.gpu().device().create_command_encoder(&wgpu::CommandEncoderDescriptor::default())
+    }
+
+    /// Number of bytes of a table, after a check that the buffer holds as many.
+    fn check_size(&self, table: Table, buffer: &wgpu::Buffer) -> Result<u64> {
+        let bytes = table.bytes(self.step().spheres as usize);
+        if buffer.size() < bytes {
+            return Err(Error::Invalid {
+                field: "table",
+                value: format!("{} bytes", buffer.size()),
+                expected: "a buffer with room for a row per sphere",
+            });
+        }
+        Ok(bytes)
+    }
+
+    fn encode_exchange(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        table: Table,
+        buffer: &wgpu::Buffer,
+        found: Option<&wgpu::Buffer>,
+        kernel: impl Fn(&Exchangers) -> &wgpu::ComputePipeline,
+    ) -> Result<()> {
+        self.check_size(table, buffer)?;
+        let step = self.step();
+        // `check` does not read the array.
+        let (array, region) = table.place().unwrap_or((Buffer::Start, 0));
+        let block = Exchange {
+            spheres: step.spheres,
+            first: region * step.spheres,
+            columns: table.columns(),
+            slots_at: step.slots_at,
+            // Rows hold x, y, z, w.
+            component: if table == Table::Orientations { 3 } else { 0 },
+            padding: [0; 3],
+        };
+        let (device, queue) = (self.gpu().device(), self.gpu().queue());
+        let uniform = make_buffer(device, "exchange", size_of::<Exchange>() as u64, UNIFORM)?;
+        let unused = make_buffer(device, "unused", 4, wgpu::BufferUsages::STORAGE)?;
+        let buffers = [&uniform, self.buffer(array)?, self.buffer(Buffer::Topology)?, buffer, found.unwrap_or(&unused)];
+        let kernels = self.gpu().exchangers()?;
+        let across = device.limits().max_compute_workgroups_per_dimension;
+        catch(device, || {
+            queue.write_buffer(&uniform, 0, bytes_of(&block));
+            let entries: Vec<_> = (0..)
+                .zip(buffers)
+                .map(|(binding, buffer)| wgpu::BindGroupEntry { binding, resource: buffer.as_entire_binding() })
+                .collect();
+            let group = device.create_bind_group(&wgpu::BindGroupDescriptor {
+                label: Some("exchange"),
+                layout: &kernels.layout,
+                entries: &entries,
+            });
+            let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
+            pass.set_pipeline(kernel(&kernels));
+            pass.set_bind_group(0, &group, &[]);
+            let [x, y, z] = rows(step.spheres.div_ceil(THREADS), across);
+            pass.dispatch_workgroups(x, y, z);
+        })
+    }
+}

@@ -1,0 +1,48 @@
+// requires model/objects.wgsl model/step.wgsl
+
+// Rest lengths of muscles (docs/physics.md section 4.9). Phases are in units of 2^-64 turns.
+
+// The upper word of the product of two words.
+fn upper_product(a: u32, b: u32) -> u32 {
+    let low = (a & 0xffffu) * (b & 0xffffu);
+    let cross_a = (a >> 16u) * (b & 0xffffu);
+    let cross_b = (a & 0xffffu) * (b >> 16u);
+    let middle = (low >> 16u) + (cross_a & 0xffffu) + (cross_b & 0xffffu);
+    return (a >> 16u) * (b >> 16u) + (cross_a >> 16u) + (cross_b >> 16u) + (middle >> 16u);
+}
+
+// The upper word of the phase of a muscle at the present force evaluation: the phase at the base of the clock, and the change in
+// half a step times the half steps since then. `muscle` is the first word of its record.
+fn muscle_phase(muscle: u32) -> u32 {
+    let half_steps = 2u * (step.muscle_step + status.steps) + (evaluation() + 1u) / 2u;
+    let change = topology[muscle + 3u];
+    let low = change * half_steps;
+    let carry = u32(low + topology[muscle + 1u] < low);
+    let high = topology[muscle + 4u] * half_steps + upper_product(change, half_steps);
+    return topology[muscle + 2u] + high + carry;
+}
+
+// Sine of a phase, given by its upper word. It is the sine or cosine of an angle of at most an eighth turn.
+fn sine_of_phase(phase: u32) -> f32 {
+    let quarter = (phase + 0x20000000u) >> 30u;
+    // 2 pi / 2^32.
+    let x = f32(bitcast<i32>(phase - (quarter << 30u))) * 1.4629180792671596e-9;
+    let xx = x * x;
+    let s = x * (1.0 + xx * (-1.0 / 6.0 + xx * (1.0 / 120.0 + xx * (-1.0 / 5040.0 + xx * (1.0 / 362880.0)))));
+    let c = 1.0 + xx * (-0.5 + xx * (1.0 / 24.0 + xx * (-1.0 / 720.0 + xx * (1.0 / 40320.0))));
+    let value = select(s, c, (quarter & 1u) == 1u);
+    return select(value, -value, (quarter & 2u) == 2u);
+}
+
+// Rest length of a spring of constant length `length` at the present force evaluation. `muscle` is the first word of its record.
+// The amplitude is 0 if it has no muscle.
+fn muscle_length(muscle: u32, length: f32) -> f32 {
+    return length * fma(float_at(muscle), sine_of_phase(muscle_phase(muscle)), 1.0);
+}
+
+fn rest_length(spring: u32, length: f32) -> f32 {
+    if MUSCLES {
+        return muscle_length(step.muscles_at + spring * MUSCLE_WORDS, length);
+    }
+    return length;
+}

@@ -1,0 +1,43 @@
+// requires model/objects.wgsl model/step.wgsl
+
+// Properties of the contacts of two objects, which follow from their materials (docs/physics.md section 4.10).
+
+// A property of the pair of objects a and b: the one at `place` in the row of their materials, or `of_scene` where that is not
+// given.
+fn pair_property(a: u32, b: u32, place: u32, of_scene: f32) -> f32 {
+    if !MATERIALS {
+        return of_scene;
+    }
+    let one = topology[step.tags_at + a] >> MATERIAL_SHIFT;
+    let other = topology[step.tags_at + b] >> MATERIAL_SHIFT;
+    let given = float_at(step.pairs_at + PAIR_WORDS * (one * step.materials + other) + place);
+    return select(given, of_scene, given < 0.0);
+}
+
+// Coefficient of restitution.
+fn restitution_of(a: u32, b: u32) -> f32 {
+    return pair_property(a, b, 0u, step.restitution);
+}
+
+// Strength of the friction force of the square-root law.
+fn friction_of(a: u32, b: u32) -> f32 {
+    return pair_property(a, b, 1u, step.friction);
+}
+
+// Coefficient of Coulomb friction in contacts.
+fn coulomb_friction_of(a: u32, b: u32) -> f32 {
+    return pair_property(a, b, 2u, step.coulomb_friction);
+}
+
+// Coefficient of Coulomb friction in collisions.
+fn collision_friction_of(a: u32, b: u32) -> f32 {
+    return pair_property(a, b, 3u, step.collision_friction);
+}
+
+// Constants of a law with history: normal, tangential, damping, friction.
+fn law_constants_of(a: u32, b: u32) -> vec4f {
+    let one = topology[step.tags_at + a] >> MATERIAL_SHIFT;
+    let other = topology[step.tags_at + b] >> MATERIAL_SHIFT;
+    let at = step.pairs_at + PAIR_WORDS * (one * step.materials + other) + 4u;
+    return vec4f(float_at(at), float_at(at + 1u), float_at(at + 2u), float_at(at + 3u));
+}

@@ -1,0 +1,77 @@
+//! Runs many steps of many small worlds in one dispatch, with one workgroup per world. The data of a world are in workgroup memory.
+//!
+//! The kernel is made of the same files as the stages, so that it computes the same. It takes worlds without rods, collisions as
+//! impulses and friction impulses, which no step can reject. Lists hold all pairs and are never rebuilt. `exec/gpu/worlds.rs`
+//! binds and dispatches it.
+
+use bytemuck::{Pod, Zeroable};
+
+use crate::model::buffer::Buffer;
+use crate::model::dispatch::Threads;
+use crate::model::layout::{FLAG_COLLISIONS, LAW_THESIS};
+use crate::model::part::part;
+use crate::model::status::NO_BODY;
+use crate::model::world::World;
+use crate::step::moves::NONE;
+use crate::step::stage::{Stage, read, write};
+use crate::step::wgsl::Wgsl;
+
+/// Most spheres of a world: one per thread.
+pub(crate) const WORLD_SPHERES: u32 = 32;
+/// Most entries of a list.
+const WORLD_ENTRIES: u32 = 36;
+/// Most words of topology.
+pub(crate) const WORLD_TOPOLOGY: u32 = 896;
+
+/// The kernel. Each of its arrays holds the data of all worlds; the buffers only say how they are bound. It has no twin on the CPU
+/// and is not part of a step.
+pub(crate) const STAGE: Stage = Stage {
+    name: "run_worlds",
+    wgsl: Wgsl::File(part!("step/fused/run_worlds.wgsl")),
+    bindings: &[
+        read("parameters", Buffer::DispatchSizes),
+        write("starts", Buffer::Start),
+        read("topologies", Buffer::Topology),
+        write("turns", Buffer::Orientations),
+        write("results", Buffer::Status),
+    ],
+    threads: Threads::One,
+    moves: |_| NONE,
+    cpu: |_, _| {},
+};
+
+/// What a world reports: `WorldResult` of the kernel. Counts begin with the upload of the world.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable)]
+pub(crate) struct WorldResult {
+    pub(crate) steps: u32,
+    pub(crate) rejected: u32,
+    pub(crate) contacts: u32,
+    pub(crate) max_overlap: u32,
+    pub(crate) total_bad: u32,
+    pub(crate) first_bad: u32,
+    pub(crate) bad_step: u32,
+    pub(crate) pad: u32,
+}
+
+impl WorldResult {
+    /// Before the first step.
+    pub(crate) const START: Self =
+        Self { steps: 0, rejected: 0, contacts: 0, max_overlap: 0, total_bad: 0, first_bad: NO_BODY, bad_step: 0, pad: 0 };
+}
+
+/// Whether the kernel can run a world.
+pub(crate) fn fits(world: &World) -> bool {
+    let step = &world.step;
+    let is_small = (1..=WORLD_SPHERES).contains(&step.spheres)
+        && world.objects() <= WORLD_ENTRIES + 1
+        && world.topology.len() <= WORLD_TOPOLOGY as usize;
+    let has_impulses = step.flags & FLAG_COLLISIONS != 0 || step.has_friction_impulses();
+    is_small
+        && step.rods == 0
+        && step.large == 0
+        && step.materials == 0
+        && step.law == LAW_THESIS
+        && step.insertion_indices_at == 0
+        && !has_impulses
+}

@@ -1,0 +1,217 @@
+//! Runs the phase of positions of a small scene without rods on one thread of the CPU, for RK4.
+//!
+//! It computes the same, bit for bit, as the stages that it replaces, and takes a fraction of their time: every spring is evaluated
+//! once for both of its ends, four springs at a time, and no stage starts or ends.
+
+use glam::{Vec3, Vec4};
+
+use crate::model::counters::{Tally, count_builds};
+use crate::model::lanes::{LANES, Vec3x4};
+use crate::model::layout::{GRAIN, KIND_FORCE, KIND_TETHER, MUSCLE_WORDS, SPRING_WORDS};
+use crate::model::lists::Lists;
+use crate::model::muscles::MusclesOfFour;
+use crate::model::state::Motion;
+use crate::model::view::{TINY, View};
+use crate::model::world::World;
+use crate::physics::forces::net_force::{Load, contact_load, count_contacts, tether_force};
+use crate::physics::forces::rates_of;
+use crate::settings::{BroadPhase, Integrator};
+use crate::step::integrate::advance::next_state;
+use crate::step::integrate::end_step;
+use crate::step::integrate::finish::finished;
+use crate::step::integrate::turn::turn_for;
+use crate::step::schedule::{Phase, Run};
+
+/// Returns how many of the stages of a step come before the phase of positions, if [`update_positions`] can replace that phase. The
+/// stages of larger scenes are divided among threads.
+pub(crate) fn stages_before(world: &World, stages: &[Run]) -> Option<usize> {
+    let step = &world.step;
+    let replaced = Phase::UpdatePositions.stages(Integrator::Rk4, BroadPhase::BruteForce);
+    let first = stages.len().checked_sub(replaced.len())?;
+    let is_same = |(one, other): (&Run, &Run)| one.stage.is(other.stage) && one.pass == other.pass;
+    let fits = step.rods == 0 && step.spheres > 0 && (step.spheres as usize) < 2 * GRAIN;
+    (world.joins_steps && fits && stages[first..].iter().zip(replaced).all(is_same)).then_some(first)
+}
+
+/// Runs the phase.
+pub(crate) fn update_positions(world: &mut World) {
+    if world.status.rejected != 0 {
+        return;
+    }
+    count_builds(&mut world.status);
+    let mut springs = Springs::new(world);
+    for pass in 0..3 {
+        advance(world, &mut springs, pass);
+        if world.status.rejected != 0 {
+            return;
+        }
+    }
+    finish(world, &mut springs);
+    end_step::end_step(world, 0);
+}
+
+/// Computes the next stage state, as the stage `advance` does.
+fn advance(world: &mut World, springs: &mut Springs, pass: u32) {
+    let (done, todo) = world.states.split_at_mut(pass as usize + 1);
+    let start = View::new(&world.step, &world.topology, &done[0]);
+    let view = View::new(&world.step, &world.topology, &done[pass as usize]).at_evaluation(&world.status, pass);
+    let lists = Lists::new(&world.step, &world.lists);
+    let mut tally = Tally::default();
+    for sphere in 0..world.step.spheres {
+        springs.loads[sphere as usize] = if !view.is_fixed(sphere) {
+            contact_load(&view, &lists, sphere, (pass == 0).then_some(&mut tally))
+        } else {
+            if pass == 0 {
+                count_contacts(&view, &lists, sphere, &mut tally);
+            }
+            Load::default()
+        };
+    }
+    // Stages 2 and 3 are at the same time.
+    springs.evaluate(&view, pass != 2);
+    for sphere in 0..world.step.spheres {
+        let next = if view.is_fixed(sphere) {
+            Motion::of(&start, sphere)
+        } else {
+            let rates = rates_of(&view, sphere, &springs.loads[sphere as usize]);
+            next_state(&start, &view, &world.aabbs, pass, sphere, &rates, &mut tally)
+        };
+        set(&mut todo[0], &start, sphere, next);
+    }
+    tally.add_to(&mut world.status);
+}
+
+/// Computes the state after the step and turns the spheres, as the stage `finish_and_turn` does.
+fn finish(world: &mut World, springs: &mut Springs) {
+    let [start, y2, y3, y4] = &mut world.states;
+    let views = [&*y2, y3, y4].map(|state| View::new(&world.step, &world.topology, state).at_evaluation(&world.status, 3));
+    let last = &views[2];
+    let lists = Lists::new(&world.step, &world.lists);
+    for sphere in 0..world.step.spheres {
+        let is_fixed = last.is_fixed(sphere);
+        springs.loads[sphere as usize] = if is_fixed { Load::default() } else { contact_load(last, &lists, sphere, None) };
+    }
+    springs.evaluate(last, true);
+    let mut tally = Tally::default();
+    let n = world.step.spheres as usize;
+    for sphere in 0..world.step.spheres {
+        let place = sphere as usize;
+        let [position, velocity, angular_momentum] = [0, n, 2 * n].map(|region| start[region + place].truncate());
+        let before = Motion { position, velocity, angular_momentum };
+        let rates = || rates_of(last, sphere, &springs.loads[place]);
+        let (motion, spin) = finished(before, &views, sphere, rates, &mut tally);
+        set(start, last, sphere, motion);
+        turn_for(&mut world.orientations[place], spin, world.step.dt);
+    }
+    tally.add_to(&mut world.status);
+}
+
+/// Writes a motion, with the radius, inverse mass and inverse inertia that the sphere has in `view`.
+fn set(state: &mut [Vec4], view: &View, sphere: u32, motion: Motion) {
+    let (place, n) = (sphere as usize, view.step.spheres as usize);
+    state[place] = motion.position.extend(view.radius(sphere));
+    state[n + place] = motion.velocity.extend(view.inverse_mass(sphere));
+    state[2 * n + place] = motion.angular_momentum.extend(view.inverse_inertia(sphere));
+}
+
+/// Four springs. The last ones may be unused: they have equal ends.
+#[derive(Clone, Copy, Default)]
+struct Four {
+    a: [u32; LANES],
+    b: [u32; LANES],
+    stiffness: Vec4,
+    /// Rest lengths, without and with muscles.
+    constant_length: Vec4,
+    length: Vec4,
+    damping: Vec4,
+    muscles: MusclesOfFour,
+}
+
+/// The springs of a world, and the load on each sphere.
+struct Springs {
+    fours: Vec<Four>,
+    loads: Vec<Load>,
+}
+
+impl Springs {
+    fn new(world: &World) -> Self {
+        let step = &world.step;
+        let count = springs_of(world);
+        let view = View::new(step, &world.topology, &world.states[0]);
+        let mut fours = vec![Four::default(); (count as usize).div_ceil(LANES)];
+        for (four, first) in fours.iter_mut().zip((0..).step_by(LANES)) {
+            let springs = first..count.min(first + LANES as u32);
+            for (lane, spring) in springs.clone().enumerate() {
+                let record = view.plain_spring(spring);
+                [four.a[lane], four.b[lane]] = record.ends;
+                four.stiffness[lane] = record.stiffness;
+                four.constant_length[lane] = record.length;
+                four.damping[lane] = record.damping;
+            }
+            four.length = four.constant_length;
+            if step.muscles_at != 0 {
+                let mut records = [[0; MUSCLE_WORDS as usize]; LANES];
+                records.iter_mut().zip(springs).for_each(|(record, spring)| *record = view.muscle(spring));
+                four.muscles = MusclesOfFour::of(&records);
+            }
+        }
+        Self { fours, loads: vec![Load::default(); step.spheres as usize] }
+    }
+
+    /// Adds the forces of springs, tethers and external forces to the loads, on every sphere in the order of its attachments:
+    /// springs, tethers, forces, each in insertion order. `has_new_time` tells whether the rest lengths of muscles change.
+    fn evaluate(&mut self, view: &View, has_new_time: bool) {
+        let has_muscles = view.step.muscles_at != 0;
+        for four in &mut self.fours {
+            if has_muscles && has_new_time {
+                four.length = four.muscles.lengths(four.constant_length, view.half_steps());
+            }
+            let forces = four.forces(view);
+            for ((a, b), force) in four.a.iter().zip(four.b).zip(forces) {
+                self.loads[*a as usize].force += force;
+                // The force on the other end is computed from negated vectors, so it is the same with the other sign.
+                self.loads[b as usize].force -= force;
+            }
+        }
+        let step = view.step;
+        let forces_end = if step.muscles_at == 0 { step.boxes_at } else { step.muscles_at };
+        if forces_end > step.tethers_at {
+            self.add_others(view);
+        }
+    }
+
+    fn add_others(&mut self, view: &View) {
+        for (sphere, load) in (0..).zip(&mut self.loads) {
+            for attachment in view.attachments(sphere) {
+                match attachment.kind {
+                    KIND_TETHER => load.force += tether_force(view, attachment.index, sphere),
+                    KIND_FORCE => load.force += view.external_force(attachment.index),
+                    _ => {}
+                }
+            }
+        }
+    }
+}
+
+/// Number of springs of a world.
+fn springs_of(world: &World) -> u32 {
+    (world.step.tethers_at - world.step.springs_at) / SPRING_WORDS
+}
+
+impl Four {
+    /// The forces on the ends A. The operations are those for a single spring.
+    #[inline]
+    fn forces(&self, view: &View) -> [Vec3; LANES] {
+        let at = |ends: [u32; LANES]| Vec3x4::from_rows(ends.map(|end| view.place(end))).0;
+        let motion = |ends: [u32; LANES]| Vec3x4::from_rows(ends.map(|end| view.motion(end))).0;
+        let d = at(self.b) - at(self.a);
+        let velocity = motion(self.b) - motion(self.a);
+        let dd = d.dot(d);
+        let distance = dd.sqrt();
+        let n = d / distance;
+        let size = self.stiffness * (distance - self.length) + self.damping * velocity.dot(n);
+        let force = n * size;
+        let coincide = dd.cmple(Vec4::splat(TINY));
+        force.or_zero(!coincide).to_rows()
+    }
+}

@@ -1,0 +1,396 @@
+//! Many small worlds that advance side by side.
+
+use rayon::prelude::*;
+
+use glam::Vec3;
+
+use crate::checkpoint::Checkpoint;
+use crate::error::{Error, Result};
+#[cfg(feature = "gpu")]
+use crate::exec::gpu::Gpu;
+use crate::options::{Backend, BackendInfo, Options};
+use crate::report::{Report, SphereState};
+use crate::scene::{Scene, Spring};
+use crate::simulation::Simulation;
+
+#[cfg(feature = "gpu")]
+mod device;
+#[cfg(feature = "gpu")]
+use device::Batch;
+
+/// A batch of scenes that advance side by side, each in its own world.
+///
+/// Worlds do not affect each other. Each has its own objects, statics and settings, in its own coordinates, and advances exactly as
+/// in a [`Simulation`] of its own with the same options on the same device: the results are bitwise identical, whatever other worlds
+/// are in the batch and in whichever place a world is. A world in which a body stops being finite is stopped and reported
+/// ([`WorldReport::stopped`]), and the other worlds go on.
+///
+/// Worlds are numbered from 0 in the order of the scenes. On the CPU backend they are divided among the threads of rayon's pool.
+#[derive(Debug)]
+pub struct Worlds {
+    options: Options,
+    info: BackendInfo,
+    #[cfg(feature = "gpu")]
+    gpu: Option<Gpu>,
+    /// The worlds that run on the device, one workgroup each.
+    #[cfg(feature = "gpu")]
+    batch: Option<Batch>,
+    worlds: Vec<World>,
+}
+
+#[derive(Debug)]
+struct World {
+    /// The simulation that runs the world or, on [`WorldPath::Device`], holds its objects on the host.
+    simulation: Simulation,
+    path: WorldPath,
+    /// The state that [`Worlds::reset`] returns to.
+    start: Checkpoint,
+    stopped: Option<Error>,
+}
+
+/// How a world is run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum WorldPath {
+    /// By a simulation of its own, which supports all objects and settings. On a GPU its steps are dispatched one world after the
+    /// other.
+    Simulation,
+    /// By a workgroup of the GPU, which runs many steps in one dispatch, side by side with other worlds. This path takes worlds of
+    /// up to 32 spheres, 37 objects and about 60 springs, without rods, collisions as impulses
+    /// ([`Settings::collisions`](crate::Settings::collisions)) and friction impulses.
+    Device,
+}
+
+/// The report on one world.
+#[derive(Clone, Debug)]
+#[non_exhaustive]
+pub struct WorldReport {
+    /// Counts and times of all steps of this world since it was created, replaced or reset.
+    pub report: Report,
+    /// How the world is run. Results do not depend on it.
+    pub path: WorldPath,
+    /// Why the world does not advance any more: the message of [`Error::NonFinite`] or of an error of the device. `None` while it
+    /// advances.
+    pub stopped: Option<String>,
+    /// The first sphere, in order of addition, whose centre is outside of the bounds of [`Worlds::report`]. `None` when all are
+    /// inside.
+    pub escaped: Option<usize>,
+}
+
+impl World {
+    fn new(mut simulation: Simulation, path: WorldPath) -> Result<Self> {
+        let start = simulation.checkpoint()?;
+        Ok(Self { simulation, path, start, stopped: None })
+    }
+
+    /// Runs steps, unless the world is stopped.
+    fn run(&mut self, steps: u64, dt: f32) {
+        if self.stopped.is_none() && self.path == WorldPath::Simulation {
+            self.stopped = self.simulation.run(steps, dt).err();
+        }
+    }
+
+    fn reset(&mut self) -> Result<()> {
+        self.stopped = None;
+        self.simulation.restore(&self.start)
+    }
+}
+
+impl Worlds {
+    /// Creates a world for each scene. All worlds have the same options.
+    ///
+    /// With [`Backend::Auto`] they run on a hardware GPU if there is one, otherwise on the CPU.
+    ///
+    /// # Errors
+    /// As for [`Simulation::with_options`], for the first scene that is refused.
+    pub fn new(scenes: impl IntoIterator<Item = Scene>, options: Options) -> Result<Self> {
+        let mut worlds = Self::empty(options)?;
+        let scenes: Vec<Scene> = scenes.into_iter().collect();
+        worlds.worlds = worlds.create_all(scenes)?;
+        #[cfg(feature = "gpu")]
+        if let Some(gpu) = &worlds.gpu {
+            worlds.batch = Some(Batch::new(gpu, &worlds.worlds)?);
+        }
+        Ok(worlds)
+    }
+
+    #[cfg(feature = "gpu")]
+    fn empty(options: Options) -> Result<Self> {
+        let (gpu, info) = crate::simulation::open_device(&options)?;
+        let options = options.backend(info.kind);
+        Ok(Self { options, info, gpu, batch: None, worlds: Vec::new() })
+    }
+
+    #[cfg(not(feature = "gpu"))]
+    fn empty(options: Options) -> Result<Self> {
+        // Another backend is refused in the way of a simulation.
+        let info = Simulation::with_options(Scene::new(), options.clone())?.backend().clone();
+        Ok(Self { options: options.backend(info.kind), info, worlds: Vec::new() })
+    }
+
+    fn create_all(&self, scenes: Vec<Scene>) -> Result<Vec<World>> {
+        match self.info.kind {
+            // Each is packed by one thread.
+            Backend::Cpu => scenes.into_par_iter().map(|scene| self.create(scene)).collect(),
+            _ => scenes.into_iter().map(|scene| self.create(scene)).collect(),
+        }
+    }
+
+    fn create(&self, scene: Scene) -> Result<World> {
+        #[cfg(feature = "gpu")]
+        if let Some(gpu) = &self.gpu {
+            if let Some(mirror) = device::mirror(&scene, &self.options)? {
+                return World::new(mirror, WorldPath::Device);
+            }
+            return World::new(Simulation::on_gpu(scene, self.options.clone(), gpu, &self.info)?, WorldPath::Simulation);
+        }
+        World::new(Simulation::with_options(scene, self.options.clone())?, WorldPath::Simulation)
+    }
+
+    /// Number of worlds.
+    pub fn len(&self) -> usize {
+        self.worlds.len()
+    }
+
+    /// Whether there are no worlds.
+    pub fn is_empty(&self) -> bool {
+        self.worlds.is_empty()
+    }
+
+    /// The backend that runs the worlds, and why it was chosen.
+    pub fn backend(&self) -> &BackendInfo {
+        &self.info
+    }
+
+    /// The options of all worlds.
+    pub fn options(&self) -> &Options {
+        &self.options
+    }
+
+    /// Advances every world that is not stopped by `steps` steps of `dt` seconds.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] for a time step that is not positive and finite. Errors of single worlds stop these worlds and are in
+    /// their reports. [`Error::Device`] when the GPU fails.
+    pub fn run(&mut self, steps: u64, dt: f32) -> Result<()> {
+        if !(dt.is_finite() && dt > 0.0) {
+            let expected = "a time step in seconds, finite and greater than 0";
+            return Err(Error::Invalid { field: "dt", value: dt.to_string(), expected });
+        }
+        #[cfg(feature = "gpu")]
+        if let (Some(batch), Some(gpu)) = (&mut self.batch, &self.gpu) {
+            batch.run(&mut self.worlds, steps, dt, &self.options, |checkpoint| {
+                Simulation::resume_on_gpu(checkpoint, gpu, &self.info)
+            })?;
+        }
+        match self.info.kind {
+            Backend::Cpu => self.worlds.par_iter_mut().for_each(|world| world.run(steps, dt)),
+            _ => self.worlds.iter_mut().for_each(|world| world.run(steps, dt)),
+        }
+        Ok(())
+    }
+
+    /// Reads the states of the worlds on the device back, if they have changed.
+    fn refresh(&mut self) -> Result<()> {
+        #[cfg(feature = "gpu")]
+        if let Some(batch) = &mut self.batch {
+            batch.refresh(&mut self.worlds)?;
+        }
+        Ok(())
+    }
+
+    /// A world with its present state on the host or in its own simulation.
+    fn current(&mut self, world: usize) -> Result<&mut World> {
+        self.world(world)?;
+        self.refresh()?;
+        Ok(&mut self.worlds[world])
+    }
+
+    fn world(&self, world: usize) -> Result<&World> {
+        self.worlds.get(world).ok_or_else(|| self.no_world(world))
+    }
+
+    fn no_world(&self, world: usize) -> Error {
+        Error::Invalid {
+            field: "world",
+            value: format!("{world} of {}", self.len()),
+            expected: "a number below that of worlds",
+        }
+    }
+
+    /// The scene of a world with its current objects, in the state that was read back last.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] for a world that does not exist.
+    pub fn scene(&self, world: usize) -> Result<&Scene> {
+        Ok(self.world(world)?.simulation.scene())
+    }
+
+    /// Reads the state of a world back, and returns a scene from which a simulation goes on where the world is.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] for a world that does not exist, [`Error::Device`] when the GPU fails.
+    pub fn snapshot(&mut self, world: usize) -> Result<Scene> {
+        self.current(world)?.simulation.snapshot()
+    }
+
+    /// The current states of all spheres of a world, in order of addition.
+    ///
+    /// # Errors
+    /// As for [`Worlds::snapshot`].
+    pub fn states(&mut self, world: usize) -> Result<Vec<SphereState>> {
+        self.current(world)?.simulation.spheres()
+    }
+
+    /// The current states of all spheres of all worlds: one list per world.
+    ///
+    /// # Errors
+    /// [`Error::Device`] when the GPU fails.
+    pub fn all_states(&mut self) -> Result<Vec<Vec<SphereState>>> {
+        self.refresh()?;
+        match self.info.kind {
+            Backend::Cpu => self.worlds.par_iter_mut().map(|world| world.simulation.spheres()).collect(),
+            _ => self.worlds.iter_mut().map(|world| world.simulation.spheres()).collect(),
+        }
+    }
+
+    /// Sets position, velocity, angular momentum and orientation of all spheres of a world, one state per sphere in order of
+    /// addition. A fixed sphere may be moved too. The other fields of the states are ignored.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] for a world that does not exist, another number of states than spheres, or a value that is not finite.
+    /// Nothing is changed then. [`Error::Device`] when the GPU fails.
+    pub fn set_states(&mut self, world: usize, states: &[SphereState]) -> Result<()> {
+        let simulation = &mut self.current(world)?.simulation;
+        let ids: Vec<_> = simulation.scene().sphere_ids().collect();
+        check_count("states", states.len(), ids.len(), "one state per sphere of the world")?;
+        for state in states {
+            for (field, vector) in [
+                ("state.position", state.position),
+                ("state.velocity", state.velocity),
+                ("state.angular_momentum", state.angular_momentum),
+            ] {
+                crate::scene::finite(field, vector)?;
+            }
+            if !state.orientation.is_normalized() {
+                let value = format!("{}", state.orientation);
+                return Err(Error::Invalid { field: "state.orientation", value, expected: "a unit quaternion" });
+            }
+        }
+        for (id, state) in ids.into_iter().zip(states) {
+            simulation.set_position(id, state.position)?;
+            simulation.set_velocity(id, state.velocity)?;
+            simulation.set_angular_momentum(id, state.angular_momentum)?;
+            simulation.set_orientation(id, state.orientation)?;
+        }
+        simulation.flush()?;
+        self.changed(world);
+        Ok(())
+    }
+
+    /// Sets the rest lengths of all springs of a world, in units, one per spring in order of addition. They hold until they are
+    /// changed. The rest length of a muscle oscillates about it.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] for a world that does not exist, another number of lengths than springs, or a length that is negative or
+    /// not finite. Nothing is changed then.
+    pub fn set_rest_lengths(&mut self, world: usize, lengths: &[f32]) -> Result<()> {
+        let simulation = &mut self.current(world)?.simulation;
+        let ids: Vec<_> = simulation.scene().spring_ids().collect();
+        check_count("rest lengths", lengths.len(), ids.len(), "one length per spring of the world")?;
+        if let Some(bad) = lengths.iter().find(|length| !(length.is_finite() && **length >= 0.0)) {
+            let expected = "a finite number, not negative";
+            return Err(Error::Invalid { field: "spring.length", value: bad.to_string(), expected });
+        }
+        for (id, length) in ids.into_iter().zip(lengths) {
+            simulation.update_spring(id, |spring: &mut Spring| spring.length = *length)?;
+        }
+        self.changed(world);
+        Ok(())
+    }
+
+    /// Sets the external forces on all spheres of a world, in mass units/s², one per sphere in order of addition. They act until
+    /// they are changed.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] for a world that does not exist, another number of forces than spheres, or a force that is not finite.
+    /// Nothing is changed then.
+    pub fn set_forces(&mut self, world: usize, forces: &[Vec3]) -> Result<()> {
+        let simulation = &mut self.current(world)?.simulation;
+        let ids: Vec<_> = simulation.scene().sphere_ids().collect();
+        check_count("forces", forces.len(), ids.len(), "one force per sphere of the world")?;
+        forces.iter().try_for_each(|force| crate::scene::finite("force", *force))?;
+        for (id, force) in ids.into_iter().zip(forces) {
+            simulation.set_force(id, *force)?;
+        }
+        self.changed(world);
+        Ok(())
+    }
+
+    /// Returns worlds to the state in which they were created or replaced, at time 0. Stopped worlds advance again.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] for a world that does not exist; nothing is changed then. [`Error::Device`] when the GPU fails.
+    pub fn reset(&mut self, worlds: &[usize]) -> Result<()> {
+        for world in worlds {
+            self.world(*world)?;
+        }
+        self.refresh()?;
+        for world in worlds {
+            self.worlds[*world].reset()?;
+            self.changed(*world);
+        }
+        Ok(())
+    }
+
+    /// Replaces a world by a new one with this scene, at time 0.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] for a world that does not exist. Otherwise as for [`Worlds::new`]. The world is unchanged then.
+    pub fn replace(&mut self, world: usize, scene: Scene) -> Result<()> {
+        self.world(world)?;
+        let new = self.create(scene)?;
+        self.refresh()?;
+        self.worlds[world] = new;
+        self.changed(world);
+        Ok(())
+    }
+
+    /// Notes that a world on the device must be uploaded again.
+    fn changed(&mut self, world: usize) {
+        #[cfg(feature = "gpu")]
+        if let Some(batch) = &mut self.batch {
+            batch.changed(world);
+        }
+        let _ = world;
+    }
+
+    /// The report on a world. `bounds` are the least and greatest coordinates of the centres of spheres that have not escaped;
+    /// `None` for no bounds. With bounds the state is read back.
+    ///
+    /// # Errors
+    /// As for [`Worlds::snapshot`].
+    pub fn report(&mut self, world: usize, bounds: Option<[Vec3; 2]>) -> Result<WorldReport> {
+        let world = self.current(world)?;
+        let escaped = match bounds {
+            Some([least, greatest]) => world.simulation.sync()?.spheres().iter().position(|sphere| {
+                let inside = sphere.position.cmpge(least) & sphere.position.cmple(greatest);
+                !inside.all()
+            }),
+            None => None,
+        };
+        Ok(WorldReport {
+            report: world.simulation.report(),
+            path: world.path,
+            stopped: world.stopped.as_ref().map(Error::to_string),
+            escaped,
+        })
+    }
+}
+
+fn check_count(field: &'static str, found: usize, wanted: usize, expected: &'static str) -> Result<()> {
+    if found == wanted {
+        return Ok(());
+    }
+    Err(Error::Invalid { field, value: format!("{found} for {wanted}"), expected })
+}
