@@ -131,6 +131,8 @@ struct Four {
 struct Springs {
     fours: Vec<Four>,
     loads: Vec<Load>,
+    /// Whether there are tethers or external forces.
+    has_others: bool,
 }
 
 impl Springs {
@@ -155,7 +157,12 @@ impl Springs {
                 four.muscles = MusclesOfFour::of(&records);
             }
         }
-        Self { fours, loads: vec![Load::default(); step.spheres as usize] }
+        // Every other attachment has a word of adjacency, which ends the topology buffer. A spring has two.
+        let words = match step.adjacency_at {
+            0 => 0,
+            at => world.topology.len() as u32 - at - 2 * step.spheres,
+        };
+        Self { fours, loads: vec![Load::default(); step.spheres as usize], has_others: words > 2 * count }
     }
 
     /// Adds the forces of springs, tethers and external forces to the loads, on every sphere in the order of its attachments:
@@ -173,9 +180,7 @@ impl Springs {
                 self.loads[b as usize].force -= force;
             }
         }
-        let step = view.step;
-        let forces_end = if step.muscles_at == 0 { step.boxes_at } else { step.muscles_at };
-        if forces_end > step.tethers_at {
+        if self.has_others {
             self.add_others(view);
         }
     }
