@@ -47,6 +47,9 @@ pub(crate) fn check(arguments: &Arguments) -> Result<(), Failure> {
     if let Some(chosen) = chosen_contact(&scene.resolved_settings()) {
         let _ = writeln!(text, "{chosen}");
     }
+    if let Some(time) = scene.law_time() {
+        let _ = writeln!(text, "{}", time.describe(dt));
+    }
     let stiff = scene.stability(dt, integrator);
     if stiff.is_empty() {
         let _ = writeln!(text, "stable at a time step of {dt} s ({integrator})");

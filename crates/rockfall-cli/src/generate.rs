@@ -3,6 +3,7 @@
 use std::io::Write as _;
 use std::path::PathBuf;
 
+use rockfall::Scene;
 use rockfall::generate::Kind;
 use rockfall::output::AtomicFile;
 
@@ -10,9 +11,6 @@ use crate::failure::Failure;
 use crate::files;
 use crate::options::whole;
 use crate::output;
-
-/// Gravity in scenes of soft blobs, in units/s². Up to 300 spheres then rest with overlaps of less than 5 % of their radius.
-const SOFT_GRAVITY: f32 = 0.2;
 
 #[derive(Debug, clap::Args)]
 pub(crate) struct Arguments {
@@ -38,13 +36,9 @@ pub(crate) fn generate(arguments: &Arguments) -> Result<(), Failure> {
     let file = file.transpose()?;
     let mut scene = kind.generate(*spheres, *seed)?;
     let mut title = format!("# rockfall generate {kind} --spheres {spheres} --seed {seed}\n");
-    // A blob stands on few of its spheres, and blobs lie on each other.
-    let most = if *kind == Kind::Soft { SOFT_GRAVITY } else { f32::INFINITY };
-    let gravity = scene.gentle_gravity().min(most);
-    if gravity != scene.settings.gravity {
+    if reduce_overlaps(*kind, &mut scene) {
         title += "# Gravity is so small that bodies at rest overlap by less than 5 % of their radius at a time step of 0.02 s.\n\
                   # For more gravity, use resting_overlap and a shorter time step (rockfall check suggests both).\n";
-        scene.settings.gravity = gravity;
     }
     for line in kind.note(*spheres).lines() {
         title += &format!("# {line}\n");
@@ -55,4 +49,27 @@ pub(crate) fn generate(arguments: &Arguments) -> Result<(), Failure> {
         return output::print(&text);
     };
     file.write_all(text.as_bytes()).and_then(|()| file.commit()).map_err(|error| Failure::file(path, &error))
+}
+
+/// Gravity of soft blobs as a share of [`Scene::gentle_gravity`], which is that of a pile: a blob stands on few of its spheres,
+/// and blobs lie on each other.
+const SOFT: f32 = 0.09;
+/// Activation threshold of kinds in which bodies press others while they fall, in 1/s. A contact that is slower than the threshold
+/// is not a collision, so it is cushioned by the contact force alone: at the default of 1 by up to 6 % of the radius.
+const THRESHOLD: f32 = 0.5;
+
+/// Chooses constants with which 100 to 5,000 spheres overlap by less than 5 % of their radius, without those that collide.
+/// Returns whether gravity was changed.
+fn reduce_overlaps(kind: Kind, scene: &mut Scene) -> bool {
+    if matches!(kind, Kind::Soft | Kind::Hopper) {
+        scene.settings.activation_threshold = THRESHOLD;
+    }
+    let share = if kind == Kind::Soft { SOFT } else { 1.0 };
+    let gravity = rounded(share * scene.gentle_gravity());
+    std::mem::replace(&mut scene.settings.gravity, gravity) != gravity
+}
+
+/// Rounds to three significant digits.
+fn rounded(number: f32) -> f32 {
+    format!("{number:.2e}").parse().unwrap_or(number)
 }

@@ -8,6 +8,7 @@ mod aftermath;
 mod bench;
 mod check;
 mod devices;
+mod evolve;
 mod failure;
 mod files;
 mod generate;
@@ -48,6 +49,8 @@ enum Command {
     Check(check::Arguments),
     /// Measure the speed of steps and of their stages.
     Bench(bench::Arguments),
+    /// Evolve creatures that walk, run, jump or climb.
+    Evolve(evolve::Arguments),
     /// List the devices that a scene can run on.
     Devices,
     /// Generate a scene of any size.
@@ -79,6 +82,7 @@ fn main() -> ExitCode {
         Command::Run(arguments) => run::run(&arguments, &given, interrupt),
         Command::Check(arguments) => check::check(&arguments),
         Command::Bench(arguments) => bench::bench(&arguments),
+        Command::Evolve(arguments) => evolve::evolve(&arguments, interrupt),
         Command::Devices => devices::devices(),
         Command::Generate(arguments) => generate::generate(&arguments),
         #[cfg(feature = "view")]

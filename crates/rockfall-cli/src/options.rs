@@ -137,7 +137,7 @@ where
     }
 }
 
-fn time_step(text: &str) -> Result<f32, String> {
+pub(crate) fn time_step(text: &str) -> Result<f32, String> {
     match text.parse::<f32>() {
         Ok(dt) if dt.is_finite() && dt > 0.0 => Ok(dt),
         _ => Err("expected a finite number of seconds greater than 0".to_owned()),
@@ -155,6 +155,7 @@ pub(crate) fn settings_json(settings: &Settings) -> serde_json::Value {
     let value = |text: String| match text.as_str() {
         "on" => true.into(),
         "off" => false.into(),
+        text if rockfall::ContactLaw::ALL.iter().any(|law| law.name() == text) => text.into(),
         text if text.contains(',') => text.split(',').map(number).collect(),
         text => number(text),
     };

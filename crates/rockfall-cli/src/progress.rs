@@ -39,8 +39,22 @@ impl Progress {
         Self::of("steps before the film is drawn", steps)
     }
 
+    /// Progress of an evolution.
+    pub(crate) fn generations(generations: u64) -> Self {
+        Self::of("generations", generations)
+    }
+
+    /// Shows a message with the bar, or on a line of its own.
+    pub(crate) fn tell(&mut self, text: &str) {
+        match &self.bar {
+            Some(bar) => bar.set_message(text.to_owned()),
+            None if self.last_line.elapsed() > LINE_INTERVAL => output::note(text),
+            None => {}
+        }
+    }
+
     fn of(what: &'static str, steps: u64) -> Self {
-        let template = format!("{{wide_bar}} {{human_pos}}/{{human_len}} {what}, {{per_sec}}, {{eta}} to go");
+        let template = format!("{{wide_bar}} {{human_pos}}/{{human_len}} {what}, {{per_sec}}, {{eta}} to go {{msg}}");
         let style = ProgressStyle::with_template(&template);
         let bar = || {
             let bar = ProgressBar::new(steps).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));

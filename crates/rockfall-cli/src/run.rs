@@ -39,7 +39,8 @@ device can still be read, and the last checkpoint is left unchanged.
 everything from the checkpoint: constants, time step, integrator, backend, --out, --every, --trace, --contacts, --save and \
 --checkpoint-every, and writes further checkpoints to FILE. Options on the command line override the checkpoint; a change that affects the motion is \
 reported. With the same options on the same device, the final state, the trace and the trajectory are bitwise identical to \
-those of a run that was never stopped. Until a run ends, its trace and trajectory are next to their final path as .NAME.part. \
+those of a run that was never stopped. A checkpoint of a program that uses the library or of Python has no number of steps, so \
+it needs --steps. Until a run ends, its trace and trajectory are next to their final path as .NAME.part. \
 A run that is killed leaves these files; --resume continues them, and a new run that writes to the same path replaces them.
 
 --substeps N divides every step into N equal parts; auto chooses the smallest N for which the springs and the contact force \
@@ -52,9 +53,10 @@ at the start and after every K-th step: .npz holds arrays [frames, spheres, ...]
 with the frames, .csv has the columns step,time in front.
 
 --contacts writes the contacts of the same states: both bodies, point, normal, overlap, and the force or the impulse on the \
-second body. .vtp and .pvd have a line from body to body for each contact, which shows force chains in ParaView.
+second body. Friction impulses (--set coulomb_friction=...) are not included: only the friction of contact forces is. .vtp and .pvd have a line from body to body for each contact, which shows force chains in ParaView.
 
---save FILE.txt writes the final state as a scene file with all settings, also those of --set. `rockfall run FILE.txt` with the \
+--save FILE.txt writes the final state as a scene file with all settings, also those of --set. It keeps the comment at the \
+beginning of the scene, up to the first empty line, but no other comments. `rockfall run FILE.txt` with the \
 same --dt and --integrator goes on from there.";
 
 #[derive(Debug, clap::Args)]
@@ -166,10 +168,10 @@ fn begin(arguments: &Arguments) -> Result<Run, Failure> {
     for file in [out, trace, contacts, save, checkpoint].into_iter().flatten() {
         Source::is_not(arguments.scene.as_deref(), file)?;
     }
-    let comments = loaded.comments;
+    let (comments, title) = (loaded.comments, loaded.title.clone());
     let dt = arguments.physics.dt;
     let (scene, substeps) = check::prepare(&name, loaded, &arguments.physics, arguments.substeps)?;
-    let mut past = Past { scene: name, comments, steps: arguments.steps, dt, substeps, ..Past::default() };
+    let mut past = Past { scene: name, comments, title, steps: arguments.steps, dt, substeps, ..Past::default() };
     // Rods that jump to their length change the energy; a warning above has the reason.
     past.changed = scene.odd_rods().iter().any(|rod| rod.length.is_some());
     let mut outputs = Outputs::open(wanted, None)?;

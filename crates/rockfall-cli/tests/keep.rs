@@ -75,6 +75,27 @@ fn runs_killed_on_the_gpu_are_bitwise_identical() {
     check_killed_runs_are_bitwise_identical("--backend gpu", 60, 16, &[20, 150]);
 }
 
+/// The library writes checkpoints without the options of a run.
+#[test]
+fn a_checkpoint_of_the_library_is_continued_up_to_a_given_step() {
+    let rockfall = Rockfall::with(&mixed(32));
+    let options = rockfall::Options::new().backend(rockfall::Backend::Cpu);
+    let scene = rockfall::Scene::load(rockfall.path("scene.txt")).unwrap().scene;
+    let mut simulation = rockfall::Simulation::with_options(scene, options).unwrap();
+    simulation.run(40, 0.01).unwrap();
+    simulation.save_checkpoint(rockfall.path("library.ckpt")).unwrap();
+    let (_, message) = rockfall.run("run --resume library.ckpt", 2);
+    assert!(message.contains("library.ckpt is at step 40") && message.contains("expected --steps N, 40 or more"), "{message}");
+    let (_, message) = rockfall.run("run --resume library.ckpt --steps 39", 2);
+    assert!(message.contains("expected at least 40"), "{message}");
+    let (summary, _) = rockfall.run("run --resume library.ckpt --steps 100 --out parts.csv", 0);
+    assert!(summary.contains("100 of 0.01 s = 1.000 s"), "{summary}");
+    rockfall.run("run scene.txt --backend cpu --dt 0.01 --steps 100 --out whole.csv", 0);
+    assert!(rockfall.read("whole.csv") == rockfall.read("parts.csv"), "states differ");
+    // The checkpoint is now one of `run`, which knows its steps.
+    rockfall.run("run --resume library.ckpt", 0);
+}
+
 /// A resumed run continues its trajectory in every format, whether the file was finished or not.
 #[test]
 fn resumed_runs_continue_their_trajectories() {

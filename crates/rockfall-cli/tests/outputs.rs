@@ -242,3 +242,19 @@ fn a_resumed_run_saves_too_and_the_scene_is_not_overwritten() {
     assert_eq!(rockfall.read("whole.txt"), rockfall.read("parts.txt"));
     assert!(rockfall.read("parts.txt").contains("after 30 steps, at 0.6 s"));
 }
+
+/// The comment at the beginning of the scene is kept, also by a resumed run, and by a run that goes on from the saved scene.
+#[test]
+fn a_saved_scene_keeps_the_title() {
+    let rockfall =
+        Rockfall::with(&format!("\n# A pile of balls.\n#\n#   Made for a test\nThree kinds of ball\n\n# No title.\n{SCENE}"));
+    let title = "# A pile of balls.\n#\n#   Made for a test\n# Three kinds of ball\n\n";
+    rockfall.run("run scene.txt --backend cpu --steps 2 --save one.txt --checkpoint c.ckpt", 0);
+    let one = rockfall.read("one.txt");
+    assert!(one.starts_with(&format!("{title}# scene.txt after 2 steps, at 0.04 s\n# It was run with")), "{one}");
+    assert!(!one.contains("No title"), "{one}");
+    rockfall.run("run --resume c.ckpt --steps 3", 0);
+    assert!(rockfall.read("one.txt").starts_with(&format!("{title}# scene.txt after 3 steps, at 0.06 s\n")));
+    rockfall.run("run one.txt --backend cpu --steps 1 --save two.txt", 0);
+    assert!(rockfall.read("two.txt").starts_with(&format!("{title}# one.txt after 1 step")), "{}", rockfall.read("two.txt"));
+}

@@ -6,6 +6,7 @@ use pyo3::prelude::*;
 mod arguments;
 mod doors;
 mod errors;
+mod film;
 mod ids;
 mod memory;
 mod objects;
@@ -29,13 +30,15 @@ mod _rockfall {
     #[pymodule_export]
     use crate::errors::SimulationError;
     #[pymodule_export]
+    use crate::film::{Film, Filming};
+    #[pymodule_export]
     use crate::objects::{
         add_boxes, add_capsules, add_polygons, add_rods, add_spheres, add_springs, add_tethers, remove, update,
     };
     #[pymodule_export]
     use crate::observe::{cast_rays, contacts, counts, diagnostics, energy, max_overlap, table};
     #[pymodule_export]
-    use crate::picture::{Picture, Studio};
+    use crate::picture::{Picture, Studio, framing};
     #[pymodule_export]
     use crate::scene::Scene;
     #[pymodule_export]

@@ -15,7 +15,7 @@ use crate::simulation::Simulation;
 
 /// A picture in host memory.
 #[pyclass(frozen, module = "rockfall._rockfall")]
-pub(crate) struct Picture(rockfall_viewer::picture::Picture);
+pub(crate) struct Picture(pub(crate) rockfall_viewer::picture::Picture);
 
 #[pymethods]
 impl Picture {
@@ -47,20 +47,59 @@ impl Picture {
     }
 }
 
-/// What is needed to draw on a device. Kept between pictures, because creating it takes longer than drawing.
-#[pyclass(frozen, module = "rockfall._rockfall")]
-pub(crate) struct Studio(std::sync::Mutex<Option<Tools>>);
+/// What a picture shows. Python passes it as a dict.
+#[derive(Clone, Debug, FromPyObject)]
+#[pyo3(from_item_all)]
+pub(crate) struct Look {
+    /// Width and height, in pixels.
+    pub(crate) size: (u32, u32),
+    pub(crate) colour_by: Option<String>,
+    pub(crate) range: Option<[f32; 2]>,
+    pub(crate) camera: Option<[f32; 3]>,
+    pub(crate) look_at: Option<[f32; 3]>,
+    pub(crate) plain: bool,
+}
 
-struct Tools {
+impl Look {
+    /// The style, without a colour scale that depends on the state.
+    pub(crate) fn style(&self) -> PyResult<Style> {
+        let mut style = Style::default();
+        if let Some(name) = &self.colour_by {
+            style.colour_by = ColourBy::ALL.into_iter().find(|by| by.name() == name).ok_or_else(|| {
+                let names = ColourBy::ALL.map(ColourBy::name).join(", ");
+                PyValueError::new_err(format!("colour_by: {name:?} is not known, expected one of: {names}"))
+            })?;
+        }
+        style.range = self.range.map_or(Range::Auto, Range::Given);
+        (style.shadows, style.occlusion) = (!self.plain, !self.plain);
+        Ok(style)
+    }
+
+    /// The camera for the state of a simulation.
+    fn framing(&self, simulation: &mut rockfall::Simulation) -> PyResult<Camera> {
+        let (width, height) = self.size;
+        let survey = Survey::new(simulation.sync().or_raise()?);
+        let framing = Camera::of_survey(&survey, simulation.scene(), width as f32 / height as f32, false);
+        let eye = self.camera.map_or(framing.eye, Into::into);
+        let target = self.look_at.map_or(framing.target, Into::into);
+        if eye == target {
+            return Err(PyValueError::new_err("camera and look_at are the same point, expected two different points"));
+        }
+        Ok(Camera { eye, target, ..framing })
+    }
+}
+
+/// What is needed to draw on a device.
+pub(crate) struct Tools {
     gpu: Gpu,
-    renderer: Renderer,
+    pub(crate) renderer: Renderer,
     canvas: Canvas,
     size: (u32, u32),
 }
 
 impl Tools {
     /// The device is that of the simulation, or for one on the CPU any adapter, including software.
-    fn new(simulation: &rockfall::Simulation, size: (u32, u32)) -> PyResult<Self> {
+    pub(crate) fn new(simulation: &rockfall::Simulation, size: (u32, u32)) -> PyResult<Self> {
         let gpu = match simulation.gpu_view() {
             Some(view) => view.gpu().clone(),
             None => Gpu::open_blocking(true).map_err(|error| {
@@ -81,7 +120,20 @@ impl Tools {
         }
         Ok(())
     }
+
+    /// Draws what the renderer has.
+    pub(crate) fn take(&mut self, camera: &Camera, style: &Style, legend: bool) -> PyResult<rockfall_viewer::picture::Picture> {
+        let mut picture = self.canvas.take(&mut self.renderer, camera, style).or_raise()?;
+        if legend {
+            self.renderer.legend(style).draw(&mut picture).or_raise()?;
+        }
+        Ok(picture)
+    }
 }
+
+/// Draws pictures. Kept between pictures, because creating the tools takes longer than drawing.
+#[pyclass(frozen, module = "rockfall._rockfall")]
+pub(crate) struct Studio(std::sync::Mutex<Option<Tools>>);
 
 #[pymethods]
 impl Studio {
@@ -90,50 +142,31 @@ impl Studio {
         Self(std::sync::Mutex::new(None))
     }
 
-    #[allow(clippy::too_many_arguments)]
-    fn take(
-        &self,
-        simulation: &Bound<'_, Simulation>,
-        size: (u32, u32),
-        colour_by: Option<&str>,
-        range: Option<[f32; 2]>,
-        camera: Option<[f32; 3]>,
-        look_at: Option<[f32; 3]>,
-        plain: bool,
-    ) -> PyResult<Picture> {
-        let mut style = Style::default();
-        if let Some(name) = colour_by {
-            style.colour_by = ColourBy::ALL.into_iter().find(|by| by.name() == name).ok_or_else(|| {
-                let names = ColourBy::ALL.map(ColourBy::name).join(", ");
-                PyValueError::new_err(format!("colour_by: {name:?} is not known, expected one of: {names}"))
-            })?;
-        }
-        style.range = range.map_or(Range::Auto, Range::Given);
-        (style.shadows, style.occlusion) = (!plain, !plain);
+    /// Draws the state of a simulation.
+    fn take(&self, simulation: &Bound<'_, Simulation>, look: Look) -> PyResult<Picture> {
+        let style = look.style()?;
         simulation.get().read(simulation.py(), |running| {
             let mut tools = self.0.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
             let own = &mut running.simulation;
             if tools.is_none() {
-                *tools = Some(Tools::new(own, size)?);
+                *tools = Some(Tools::new(own, look.size)?);
             }
             let Some(tools) = tools.as_mut() else {
                 return Err(SimulationError::new_err("nothing to draw with"));
             };
-            tools.resize(size)?;
-            let survey = Survey::new(own.sync().or_raise()?);
-            let framing = Camera::of_survey(&survey, own.scene(), size.0 as f32 / size.1 as f32, false);
-            let eye = camera.map_or(framing.eye, Into::into);
-            let target = look_at.map_or(framing.target, Into::into);
-            if eye == target {
-                return Err(PyValueError::new_err("camera and look_at are the same point, expected two different points"));
-            }
+            tools.resize(look.size)?;
+            let camera = look.framing(own)?;
             tools.renderer.update(own, &style).or_raise()?;
-            let camera = Camera { eye, target, ..framing };
-            let mut picture = tools.canvas.take(&mut tools.renderer, &camera, &style).or_raise()?;
-            if colour_by.is_some() {
-                tools.renderer.legend(&style).draw(&mut picture).or_raise()?;
-            }
-            Ok(Picture(picture))
+            tools.take(&camera, &style, look.colour_by.is_some()).map(Picture)
         })
     }
+}
+
+/// The position and the target of the camera that [`Studio::take`] uses.
+#[pyfunction]
+pub(crate) fn framing(simulation: &Bound<'_, Simulation>, look: Look) -> PyResult<([f32; 3], [f32; 3])> {
+    simulation.get().read(simulation.py(), |running| {
+        let camera = look.framing(&mut running.simulation)?;
+        Ok((camera.eye.to_array(), camera.target.to_array()))
+    })
 }

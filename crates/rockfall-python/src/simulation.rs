@@ -85,7 +85,7 @@ impl Simulation {
     }
 
     /// Calls a function that changes the memory of the state.
-    fn change<R: Send>(
+    pub(crate) fn change<R: Send>(
         &self,
         py: Python<'_>,
         call: impl FnOnce(&mut rockfall::Simulation) -> PyResult<R> + Send,

@@ -66,8 +66,10 @@ def explode(keep_going: bool) -> rf.Simulation:
 def test_single_phases_make_a_step(scene: rf.Scene) -> None:
     sims = [rf.Simulation(scene, dt=0.01, backend="cpu") for _ in range(2)]
     sims[0].step()
-    for phase in ("update_aabbs", "broad_phase", "handle_collisions", "update_positions"):
-        getattr(sims[1], phase)()
+    sims[1].update_aabbs()
+    sims[1].broad_phase()
+    sims[1].handle_collisions()
+    sims[1].update_positions()
     assert sims[1].steps == 1
     np.testing.assert_allclose(sims[0].positions, sims[1].positions, atol=1e-6)
 

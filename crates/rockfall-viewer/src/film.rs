@@ -11,9 +11,13 @@ mod ffmpeg;
 mod file_error;
 mod files;
 mod gif;
+mod reel;
+mod shot;
 mod timing;
 
-pub use timing::{Moment, Timing};
+pub use reel::Reel;
+pub use shot::{Follower, Shot, View};
+pub use timing::{Moment, Timing, surveyed};
 
 /// File format of a film.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

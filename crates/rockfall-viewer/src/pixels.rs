@@ -19,14 +19,32 @@ impl Picture {
     /// # Errors
     /// Those of the writer.
     pub fn write_png(&self, to: impl Write) -> std::io::Result<()> {
+        self.write_compressed(to, png::Compression::High)
+    }
+
+    /// [`Picture::write_png`] in a fraction of the time, for a file that is a little larger.
+    pub(crate) fn write_fast_png(&self, to: impl Write) -> std::io::Result<()> {
+        self.write_compressed(to, png::Compression::Fast)
+    }
+
+    fn write_compressed(&self, to: impl Write, compression: png::Compression) -> std::io::Result<()> {
         let mut encoder = png::Encoder::new(to, self.width, self.height);
         encoder.set_color(png::ColorType::Rgb);
         encoder.set_depth(png::BitDepth::Eight);
-        encoder.set_compression(png::Compression::High);
+        encoder.set_compression(compression);
         encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
         let mut writer = encoder.write_header()?;
         writer.write_image_data(&self.rgb())?;
         Ok(writer.finish()?)
+    }
+
+    /// Reads a PNG file that [`Picture::write_png`] wrote.
+    pub(crate) fn read_png(from: &[u8]) -> std::io::Result<Self> {
+        let mut reader = png::Decoder::new(std::io::Cursor::new(from)).read_info()?;
+        let mut bytes = vec![0; reader.output_buffer_size().unwrap_or(0)];
+        let info = reader.next_frame(&mut bytes)?;
+        let pixels = bytes.chunks_exact(3).map(|rgb| [rgb[0], rgb[1], rgb[2], 255]).collect();
+        Ok(Self { width: info.width, height: info.height, pixels })
     }
 
     /// Writes the picture as a JPEG file; `quality` is from 1 to 100.

@@ -11,7 +11,7 @@
 //! | 8 | `\x89RKF\r\n\x1a\n`; a transfer as text changes these bytes, so it is detected |
 //! | 4 | version of the format |
 //! | 8 | length of the whole file in bytes |
-//! | ... | the head: program, device, note, constants, options, time step, counters, numbers of objects; from version 3 on also the time of muscles, materials and pairs |
+//! | ... | the head: program, device, note, constants, options, time step, counters, numbers of objects; from version 3 on also the time of muscles, materials, pairs, and the springs of contacts |
 //! | ... | spheres, rods, capsules, springs, tethers, boxes, polygons, each in order of addition, as 32-bit words |
 //! | ... | the reference of every sphere as a 64-bit number, -1 for none; left out if no sphere has one, and in version 1 |
 //! | 4 | CRC-32 of all bytes before |
@@ -20,22 +20,25 @@ use std::fs::File;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
+use glam::Vec3;
+
 use crate::error::{Error, Result};
 use crate::model::muscles::MuscleClock;
 use crate::options::Options;
 use crate::output::AtomicFile;
 use crate::report::Report;
-use crate::scene::Scene;
+use crate::scene::{AnyId, Scene};
 
 mod head;
 mod objects;
+mod springs;
 mod words;
 
 use words::{Damage, Words};
 
 /// The first bytes of every checkpoint.
 const MAGIC: [u8; 8] = *b"\x89RKF\r\n\x1a\n";
-/// Version of the format. Older versions are still read.
+/// Latest version of the format. Older versions are still read.
 const VERSION: u32 = 3;
 /// First version with muscles.
 const WITH_MUSCLES: u32 = 3;
@@ -68,6 +71,19 @@ pub struct Checkpoint {
     /// The version of rockfall that took the checkpoint. A later version may round differently.
     pub program: String,
     pub(crate) history: History,
+    /// The tangential springs of contacts, for laws with history.
+    pub(crate) springs: Vec<KeptSpring>,
+}
+
+/// The tangential spring of a contact between two steps.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct KeptSpring {
+    /// The object that was added first, and the other one.
+    pub(crate) a: AnyId,
+    pub(crate) b: AnyId,
+    pub(crate) feature: u32,
+    pub(crate) shift: Vec3,
+    pub(crate) overlap: f32,
 }
 
 /// The effects of earlier steps beyond the state of the bodies.
@@ -133,7 +149,9 @@ impl Checkpoint {
             let (version, content) = content(bytes)?;
             let mut words = Words::new(content);
             let (mut checkpoint, counts) = head::read(&mut words, version)?;
+            let springs = if version >= head::MATERIALS_SINCE { springs::read(&mut words)? } else { Vec::new() };
             objects::read(&mut words, version, &counts, &mut checkpoint.scene)?;
+            checkpoint.springs = springs::named(&springs, &checkpoint.scene)?;
             words.end()?;
             Ok(checkpoint)
         };
@@ -141,11 +159,15 @@ impl Checkpoint {
     }
 
     fn write(&self, out: &mut impl Write) -> io::Result<()> {
-        let head = head::bytes(self);
+        let version = VERSION;
+        let mut head = head::bytes(self, version);
+        if version >= head::MATERIALS_SINCE {
+            head.extend(springs::bytes(self));
+        }
         let length = PREFIX + head.len() + objects::length(&self.scene) + SUFFIX;
         let mut out = Hashed { out, crc32: crc32fast::Hasher::new() };
         out.write_all(&MAGIC)?;
-        out.write_all(&VERSION.to_le_bytes())?;
+        out.write_all(&version.to_le_bytes())?;
         out.write_all(&(length as u64).to_le_bytes())?;
         out.write_all(&head)?;
         objects::write(&self.scene, &mut out)?;

@@ -150,8 +150,13 @@ struct Cells {
 
 impl Cells {
     fn new(count: u32, size: f32, bottom: f32) -> Self {
+        Self::flat(count, u32::MAX, size, bottom)
+    }
+
+    /// A block of at most `layers` layers.
+    fn flat(count: u32, layers: u32, size: f32, bottom: f32) -> Self {
         let mut across = 1;
-        while u64::from(across).pow(3) < u64::from(count) {
+        while u64::from(across).pow(2) * u64::from(across.min(layers)) < u64::from(count) {
             across += 1;
         }
         Self { across, layers: count.div_ceil(across * across).max(1), size, bottom }

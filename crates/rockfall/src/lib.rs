@@ -105,7 +105,7 @@ pub use scene::{
     BoxId, Capsule, CapsuleId, CapsuleParts, Counts, Cuboid, LineWarning, Loaded, Material, MaterialId, Muscle, Pair, Polygon,
     PolygonId, Rod, RodId, Scene, Sphere, SphereId, Spring, SpringId, Tether, TetherId,
 };
-pub use settings::{BroadPhase, Integrator, Settings};
+pub use settings::{BroadPhase, ContactLaw, Integrator, Settings};
 pub use simulation::{Body, Contact, ContactAction, MaxOverlap, RayHit, Simulation, SphereDiagnostics};
 #[cfg(feature = "gpu")]
 pub use wgpu;

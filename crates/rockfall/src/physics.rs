@@ -9,6 +9,7 @@ pub(crate) mod contact;
 pub(crate) mod forces;
 pub(crate) mod friction_impulses;
 pub(crate) mod geometry;
+pub(crate) mod laws;
 pub(crate) mod lengths;
 pub(crate) mod pairs;
 pub(crate) mod side;

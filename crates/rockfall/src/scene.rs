@@ -5,19 +5,24 @@
 use crate::error::Result;
 use crate::settings::Settings;
 
+mod any;
 mod bonded;
 mod checks;
+mod contact_law;
 mod materials;
 mod muscle;
 mod objects;
 mod references;
 mod registry;
+mod restitution;
 mod statics;
 mod text;
 mod write;
 
+pub(crate) use any::AnyId;
 pub use bonded::BondedSets;
 pub(crate) use checks::finite;
+pub(crate) use contact_law::Dampings;
 pub(crate) use materials::Pairs;
 pub use materials::{MAX_MATERIALS, Material, MaterialId, Pair};
 pub use muscle::Muscle;

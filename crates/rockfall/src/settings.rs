@@ -19,6 +19,9 @@ macro_rules! value_type {
     (direction) => {
         Vec3
     };
+    (law) => {
+        ContactLaw
+    };
     ($number:ident) => {
         f32
     };
@@ -55,7 +58,8 @@ macro_rules! settings {
             /// Names that [`Settings::set`] takes.
             pub const NAMES: &[&str] = &[$(stringify!($name)),+];
 
-            /// Sets a constant by its name, from text: a number, `on` or `off`, or `x,y,z` for the direction.
+            /// Sets a constant by its name, from text: a number, `on` or `off`, `x,y,z` for the direction, or the name of a
+            /// contact law. Setting a contact law other than `thesis` switches `collisions` off.
             ///
             /// # Errors
             /// - [`Error::UnknownSetting`] for a name that is not in [`Settings::NAMES`].
@@ -64,6 +68,9 @@ macro_rules! settings {
                 match name {
                     $(stringify!($name) => self.$name = $read(stringify!($name), value)?,)+
                     _ => return Err(Error::UnknownSetting { name: name.to_owned(), expected: Self::NAMES.join(", ") }),
+                }
+                if name == "contact_law" && self.contact_law.has_history() {
+                    self.collisions = false;
                 }
                 Ok(())
             }
@@ -127,6 +134,9 @@ macro_rules! constant_table {
                 angular_damping: not_negative = 0.0, "1/s", Some((0.0, 10.0));
             }
             host {
+                /// Contact law: `thesis`, `linear` or `hertz-mindlin`. The last two need materials, switch `collisions` off
+                /// when they are set by name, and keep a tangential spring for every contact.
+                contact_law: law = ContactLaw::Thesis, "", None;
                 /// Gravity G in units/s².
                 gravity: finite = 1.0, "units/s²", Some((-10.0, 20.0));
                 /// Whether collisions are handled as impulses. If not, contact forces act in collisions too.
@@ -182,6 +192,12 @@ impl ToText for f32 {
 impl ToText for bool {
     fn to_text(&self) -> String {
         if *self { "on" } else { "off" }.to_owned()
+    }
+}
+
+impl ToText for ContactLaw {
+    fn to_text(&self) -> String {
+        self.to_string()
     }
 }
 
@@ -251,6 +267,59 @@ fn direction(field: &'static str, value: &str) -> Result<Vec3> {
         return Ok(Vec3::new(x, y, z));
     }
     wide.try_normalize().map(|unit| unit.as_vec3()).ok_or_else(|| invalid(field, value, EXPECTED))
+}
+
+fn law(field: &'static str, value: &str) -> Result<ContactLaw> {
+    let law = ContactLaw::ALL.into_iter().find(|law| law.name() == value.trim());
+    law.ok_or_else(|| invalid(field, value, "thesis, linear or hertz-mindlin"))
+}
+
+/// The law of the forces in contacts (docs/physics.md sections 4.3 to 4.6 and 4.10).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum ContactLaw {
+    /// The law of the thesis: stiffness and damping in proportion to the reduced mass, and friction without history.
+    #[default]
+    Thesis,
+    /// Springs of constant stiffness, with a tangential spring up to Coulomb's limit (Cundall and Strack 1979).
+    Linear,
+    /// Elastic bodies with curved surfaces (Hertz 1882, Mindlin 1949).
+    HertzMindlin,
+}
+
+impl ContactLaw {
+    /// All laws. The place of a law is its number in the kernels.
+    pub const ALL: [Self; 3] = [Self::Thesis, Self::Linear, Self::HertzMindlin];
+
+    /// Name in scene files.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Thesis => "thesis",
+            Self::Linear => "linear",
+            Self::HertzMindlin => "hertz-mindlin",
+        }
+    }
+
+    /// Number of the law in the kernels.
+    pub(crate) const fn number(self) -> u32 {
+        self as u32
+    }
+
+    /// The law of a number.
+    pub(crate) fn from_number(number: u32) -> Self {
+        Self::ALL.into_iter().find(|law| law.number() == number).unwrap_or_default()
+    }
+
+    /// Whether contacts have a tangential spring, which is kept from step to step.
+    pub const fn has_history(self) -> bool {
+        !matches!(self, Self::Thesis)
+    }
+}
+
+impl fmt::Display for ContactLaw {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
 }
 
 /// How positions and velocities are advanced.

@@ -2,6 +2,8 @@
 
 use glam::Vec3;
 
+#[cfg(feature = "gpu")]
+use crate::checkpoint::KeptSpring;
 use crate::error::Result;
 #[cfg(all(feature = "gpu", not(target_family = "wasm")))]
 use crate::exec::gpu::Gpu;
@@ -12,7 +14,7 @@ use crate::model::world::World;
 use crate::options::{BackendInfo, Optimization, Options};
 use crate::profile::Recorder;
 use crate::report::{Clock, Report};
-use crate::scene::{Scene, SphereId};
+use crate::scene::{AnyId, Scene, SphereId};
 use crate::settings::{BroadPhase, DEFAULT_TIME_STEP, Integrator, Settings};
 use crate::step::schedule::Phase;
 
@@ -33,6 +35,7 @@ mod prepare;
 mod profile;
 mod ray;
 mod read;
+mod springs;
 mod sweeps;
 
 use drive::Window;
@@ -65,6 +68,8 @@ pub struct Simulation {
     world: World,
     /// Handles of the spheres in insertion order, as they were when `world` was packed.
     packed: Vec<SphereId>,
+    /// Handles of all objects at that time, by number; empty with the law of the thesis.
+    packed_ids: Vec<AnyId>,
     disorder: Disorder,
     /// Number of times that the scene was packed or its memory was sorted.
     packings: u64,
@@ -135,13 +140,20 @@ impl Simulation {
     /// the device.
     #[cfg(feature = "gpu")]
     pub fn on_device(scene: Scene, options: Options, device: &wgpu::Device, queue: &wgpu::Queue) -> Result<Self> {
-        Self::on_device_as_is(resolve(scene)?, options, device, queue)
+        Self::on_device_as_is(resolve(scene)?, options, &[], device, queue)
     }
 
-    /// [`Simulation::on_device`] for a scene whose constants are resolved already.
+    /// [`Simulation::on_device`] for a scene whose constants are resolved already, with the springs of its contacts.
     #[cfg(feature = "gpu")]
-    fn on_device_as_is(scene: Scene, options: Options, device: &wgpu::Device, queue: &wgpu::Queue) -> Result<Self> {
-        let world = prepare(&scene, &options)?;
+    fn on_device_as_is(
+        scene: Scene,
+        options: Options,
+        springs: &[KeptSpring],
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+    ) -> Result<Self> {
+        let mut world = prepare(&scene, &options)?;
+        springs::put_springs(&mut world, &scene, springs);
         let (engine, info) = Engine::on_device(&options, device, queue, &world)?;
         Ok(Self::assemble(scene, options, world, engine, info))
     }
@@ -165,6 +177,7 @@ impl Simulation {
         }
         Self {
             packed: scene.sphere_ids().collect(),
+            packed_ids: ids_of(&scene),
             disorder: Disorder::default(),
             packings: 1,
             status: world.status,
@@ -224,11 +237,24 @@ impl Simulation {
         settings.validate()?;
         let decides = |s: &Settings| (s.resting_overlap, s.gravity, s.gravity_direction, s.contact_force, s.contact_damping);
         let same = decides(&settings) == decides(&self.scene.settings);
-        self.scene.settings = settings;
+        let before = std::mem::replace(&mut self.scene.settings, settings);
+        if let Err(error) = self.scene.check_contact_law(self.options.integrator) {
+            self.scene.settings = before;
+            return Err(error);
+        }
+        if before.contact_law != settings.contact_law {
+            self.dirty = Dirty::Everything;
+        } else if settings.contact_law.has_history() {
+            // The table of pairs has constants that follow from the settings.
+            self.dirty = self.dirty.max(Dirty::Topology);
+        }
         if !same {
             self.scene.settings = self.scene.resolved_settings();
         }
+        let law = self.world.step.law;
         self.world.set_settings(&self.scene.settings);
+        // Another law takes effect when the scene is packed again.
+        self.world.step.law = law;
         Ok(())
     }
 
@@ -349,6 +375,11 @@ pub(crate) fn open_device(options: &Options) -> Result<(Option<Gpu>, BackendInfo
     engine::block_on(None, engine::open_device(options))
 }
 
+/// Handles of all objects that can touch, for contact laws with history.
+fn ids_of(scene: &Scene) -> Vec<AnyId> {
+    if scene.settings.contact_law.has_history() { scene.any_ids() } else { Vec::new() }
+}
+
 /// Resolves the constants of a scene that its settings leave to be chosen.
 fn resolve(mut scene: Scene) -> Result<Scene> {
     scene.settings.validate()?;
@@ -359,6 +390,7 @@ fn resolve(mut scene: Scene) -> Result<Scene> {
 /// Packs a scene into a world without scratch arrays, and applies the options.
 fn prepare(scene: &Scene, options: &Options) -> Result<World> {
     scene.settings.validate()?;
+    scene.check_contact_law(options.integrator)?;
     let mut world = pack(scene, options)?;
     if let Some(capacity) = options.pair_capacity {
         world.set_pair_room(capacity.div_ceil(SLICE));

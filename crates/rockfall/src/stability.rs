@@ -39,6 +39,7 @@ mod bounds;
 mod connected;
 mod depth;
 mod falling;
+mod laws;
 mod muscles;
 mod resolution;
 mod rods;
@@ -46,6 +47,7 @@ mod speed;
 
 use bounds::{Steps, crowd_steps, few_steps, spring_steps};
 pub use depth::{Remedy, Sinking};
+pub use laws::LawTime;
 pub use muscles::FastMuscle;
 pub use resolution::Coarse;
 pub use rods::OddRod;
@@ -203,10 +205,12 @@ impl Scene {
     }
 
     /// Everything that a run of this scene with a time step of `dt` seconds should be warned of, one message each: an unstable
-    /// time step, muscles that are too fast for it, bodies that sink into each other, bodies that pass through thin things, positions that are too coarse, and
-    /// rods that are likely mistakes.
+    /// time step, one that is too long for a contact law with history, muscles that are too fast for it, bodies that sink into each
+    /// other, bodies that pass through thin things, positions that are too coarse, and rods that are likely mistakes.
     pub fn concerns(&self, dt: f32, integrator: Integrator) -> Vec<String> {
         let mut concerns: Vec<String> = self.stability(dt, integrator).iter().map(Warning::to_string).collect();
+        let slow = self.law_time().filter(|time| time.is_exceeded_by(dt));
+        concerns.extend(slow.map(|time| time.describe(dt).to_string()));
         concerns.extend(self.fast_muscle(dt).map(|muscle| muscle.to_string()));
         concerns.extend(self.sinking(integrator).map(|sinking| sinking.to_string()));
         concerns.extend(self.tunnelling(dt).map(|tunnelling| tunnelling.to_string()));
@@ -245,8 +249,11 @@ impl Scene {
         })
     }
 
-    /// The bounds of the contact force; `None` if no moving body can touch anything.
+    /// The bounds of the contact force; `None` if no moving body can touch anything, and for contact laws other than the thesis's.
     fn contact_steps(&self, [force, damping]: [f64; 2], integrator: Integrator) -> Option<Steps> {
+        if self.settings.contact_law.has_history() {
+            return None;
+        }
         match self.crowd() {
             Crowd::None => None,
             Crowd::Pair => Some(few_steps(1.0, force, damping, integrator)),

@@ -2,7 +2,9 @@
 //! files are rejected.
 
 use rockfall::glam::{Quat, Vec3};
-use rockfall::{Backend, BroadPhase, Checkpoint, Error, Integrator, Options, Scene, Simulation, Sphere, SphereId};
+use rockfall::{
+    Backend, BroadPhase, Checkpoint, Error, Integrator, Material, Options, Pair, Scene, Simulation, Sphere, SphereId,
+};
 
 #[macro_use]
 mod common;
@@ -137,6 +139,36 @@ fn small() -> Vec<u8> {
     checkpoint.to_bytes()
 }
 
+/// A small checkpoint with materials, and the springs of three contacts.
+fn small_with_materials() -> Vec<u8> {
+    let text = "set contact_law hertz-mindlin\n@material a density=2 young=1e4 poisson=0.3\n@material b young=1e4 poisson=0\n\
+                @pair a b restitution=0.5 friction=0.4\n@use a\nS 7 0 0.49 0 1 0 0 0 0 0 - 0.5\n\
+                C 3 0.49 0 4 0.49 0 1 0 0 - 0.5\n@use b\nB -5 -1 -5 10 0 0 0 1 0 0 0 10\n@use -\n@material c\n";
+    let scene = Scene::parse(text, "a.txt".as_ref()).expect("a scene").scene;
+    let options = Options::new().backend(Backend::Cpu).integrator(Integrator::SymplecticEuler);
+    let mut simulation = Simulation::with_options(scene, options).expect("it opens");
+    simulation.run(3, 1e-3).expect("steps");
+    simulation.checkpoint().expect("a checkpoint").to_bytes()
+}
+
+#[test]
+fn materials_and_springs_are_kept() {
+    let bytes = small_with_materials();
+    let checkpoint = Checkpoint::from_bytes(&bytes, "memory").expect("a valid checkpoint");
+    let scene = &checkpoint.scene;
+    let [a, b] = ["a", "b"].map(|name| scene.find_material(name));
+    assert_eq!(scene.materials().len(), 3);
+    assert_eq!(scene.materials()[0], Material::new("a").density(2.0).young(1e4).poisson(0.3));
+    let given = scene.given_pair(a.expect("a"), b.expect("b")).expect("materials of the scene");
+    assert_eq!(given, Some(Pair::default().restitution(0.5).friction(0.4)));
+    assert!(scene.spheres().iter().all(|sphere| sphere.material == a) && scene.boxes()[0].material == b);
+    assert_eq!(scene.rods()[0].material, a);
+    assert_eq!(checkpoint.to_bytes(), bytes, "the same state must give the same bytes");
+    // Three contacts with springs of 28 bytes are more than the bytes of the same scene before its first step.
+    let mut fresh = Simulation::with_options(scene.clone(), checkpoint.options.clone()).expect("it opens");
+    assert!(fresh.checkpoint().expect("a checkpoint").to_bytes().len() + 3 * 28 <= bytes.len());
+}
+
 #[track_caller]
 fn assert_rejected(bytes: &[u8]) -> String {
     match Checkpoint::from_bytes(bytes, "file.ckpt") {
@@ -260,11 +292,16 @@ fn muscles_are_kept() {
 /// the checksum. The file is then rejected or accepted, but nothing panics and nothing allocates all memory.
 #[test]
 fn invalid_numbers_with_a_correct_checksum_cause_no_panic() {
-    let good = small();
+    for good in [small(), small_with_materials()] {
+        assert_no_panic(&good);
+    }
+}
+
+fn assert_no_panic(good: &[u8]) {
     let (mut accepted, mut rejected) = (0, 0);
     for place in 20..good.len() - 8 {
         for nonsense in [0, 1, u32::MAX, f32::NAN.to_bits(), f32::INFINITY.to_bits(), 0x8000_0000, 0x7fff_ffff] {
-            let mut bad = good.clone();
+            let mut bad = good.to_vec();
             bad[place..place + 4].copy_from_slice(&nonsense.to_le_bytes());
             let end = bad.len() - 4;
             let crc32 = crc32fast::hash(&bad[..end]);

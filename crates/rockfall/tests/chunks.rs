@@ -81,7 +81,14 @@ fn chunks_of_every_array_give_bitwise_identical_results() {
         }
         assert_split_except(
             &chunked,
-            &[Buffer::CollisionIndices, Buffer::Collisions, Buffer::Wrenches, Buffer::DispatchSizes, Buffer::Status],
+            &[
+                Buffer::CollisionIndices,
+                Buffer::Collisions,
+                Buffer::Wrenches,
+                Buffer::DispatchSizes,
+                Buffer::Histories,
+                Buffer::Status,
+            ],
         );
         assert_split_except(&whole, &Buffer::ALL);
         assert_bitwise_identical(&Run::of(&mut chunked), &Run::of(&mut whole));
@@ -102,7 +109,10 @@ fn rods_in_chunks_give_bitwise_identical_results() {
             let report = simulation.run(12, 0.01).expect("steps");
             assert!(report.contacts > 20, "{report:?}");
         }
-        assert_split_except(&chunked, &[Buffer::States, Buffer::Orientations, Buffer::DispatchSizes, Buffer::Status]);
+        assert_split_except(
+            &chunked,
+            &[Buffer::States, Buffer::Orientations, Buffer::DispatchSizes, Buffer::Histories, Buffer::Status],
+        );
         assert_bitwise_identical(&Run::of(&mut chunked), &Run::of(&mut whole));
     }
 }

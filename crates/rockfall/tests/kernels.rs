@@ -27,7 +27,7 @@ fn module(stage: &Stage) -> Module {
 
 /// The module for scenes with or without rods, large spheres and muscles.
 fn module_for(stage: &Stage, [rods, large, muscles]: [bool; 3]) -> Module {
-    let text = Variant { rods, large, muscles, materials: true, many: false, worlds: None }.apply(&source(stage));
+    let text = Variant { rods, large, muscles, law: 0, materials: true, many: false, worlds: None }.apply(&source(stage));
     naga::front::wgsl::parse_str(&text).unwrap_or_else(|e| panic!("{}: {}", stage.name, e.emit_to_string(&text)))
 }
 
@@ -48,7 +48,7 @@ fn every_kernel_is_valid() {
 fn the_kernel_of_worlds_is_valid_and_fits_workgroup_memory() {
     let [stage] = OUTSIDE;
     let worlds = Some(WorldSizes::MOST);
-    let variant = Variant { rods: false, large: false, muscles: false, materials: false, many: false, worlds };
+    let variant = Variant { rods: false, large: false, muscles: false, law: 0, materials: false, many: false, worlds };
     let text = variant.apply(&source(stage));
     assert!(text.contains("var<private> step: Step;") && !text.contains("var<uniform> step"));
     let module = naga::front::wgsl::parse_str(&text).unwrap_or_else(|e| panic!("{}", e.emit_to_string(&text)));

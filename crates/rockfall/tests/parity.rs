@@ -49,7 +49,7 @@ use compare::{MEASURED, differences, listed};
 use device::{GPU, on_gpu};
 use rockfall::model::layout::{SLICE, WORKGROUP, words_of_rows};
 use rockfall::model::status::{REJECTED_NON_FINITE, REJECTED_PAIRS};
-use rockfall::{BroadPhase, Integrator, Settings};
+use rockfall::{BroadPhase, ContactLaw, Integrator, Settings};
 use trace::{Only, Plan, Scenario, Trace, trace};
 
 fn plan(seed: u64, integrator: Integrator) -> Plan {
@@ -63,6 +63,16 @@ fn plan(seed: u64, integrator: Integrator) -> Plan {
         only: Only::All,
         materials: false,
     }
+}
+
+/// A plan whose contacts follow a law with history, without impulses.
+fn with_law(plan: Plan, contact_law: ContactLaw) -> Plan {
+    let settings = plan.settings.with(|settings| {
+        settings.contact_law = contact_law;
+        settings.collisions = false;
+        settings.coulomb_friction = 0.3;
+    });
+    Plan { settings, materials: true, ..plan }
 }
 
 /// Asserts that both backends compute the same from the world of a scenario.
@@ -249,6 +259,23 @@ fn backends_agree_on_every_stage_with_materials() {
     let traces = plans.map(|plan| assert_parity(&Plan { materials: true, ..plan }));
     assert_seen(&traces, &["clustered", "lone", "sphere-sphere friction impulse", "rod-rod friction impulse"]);
     assert_sweep_modes_agree(&traces[1]);
+}
+
+/// The forces and springs of the contact laws with history.
+#[test]
+fn backends_agree_on_every_stage_of_laws_with_history() {
+    for (seed, contact_law, rods) in
+        [(70, ContactLaw::Linear, false), (71, ContactLaw::HertzMindlin, true), (72, ContactLaw::HertzMindlin, false)]
+    {
+        let trace = assert_parity(&Plan { rods, ..with_law(plan(seed, Integrator::SymplecticEuler), contact_law) });
+        let stages = ["law_forces", "commit_history"];
+        for stage in stages {
+            let scenario = trace.scenarios.iter().find(|scenario| scenario.is(stage)).expect("the stage");
+            let mut after = scenario.before.clone();
+            scenario.runs[0].on_cpu(&mut after);
+            assert_ne!(after.histories, scenario.before.histories, "{stage} changes no spring");
+        }
+    }
 }
 
 /// Few collisions can be swept by one workgroup or by one dispatch per sweep.

@@ -4,16 +4,13 @@ use rockfall::exec::gpu::Gpu;
 use rockfall::{Backend, Checkpoint, Energy, Options, Simulation};
 use rockfall_trajectory::{Moment as FrameTime, Reader};
 use rockfall_viewer::draw::{Renderer, Style};
-use rockfall_viewer::film::{Moment, Player, Timing};
+use rockfall_viewer::film::{Moment, Player, Timing, surveyed};
 use rockfall_viewer::survey::Survey;
 
 use crate::aftermath;
 use crate::failure::Failure;
 use crate::interrupt::Interrupt;
 use crate::progress::Progress;
-
-/// Number of states from which the camera and the colour scale of a film are chosen.
-const SURVEYED: u64 = 100;
 
 /// The states that a picture or a film shows.
 pub(super) enum Footage {
@@ -98,13 +95,6 @@ impl Footage {
         }
         Ok(survey.unwrap_or_else(|| Survey::new(self.simulation().scene())))
     }
-}
-
-/// Every n-th moment, and the last one.
-fn surveyed(moments: &[Moment]) -> impl Iterator<Item = Moment> {
-    let stride = (moments.len() as u64).div_ceil(SURVEYED).max(1) as usize;
-    let last = moments.last().filter(|_| !(moments.len() - 1).is_multiple_of(stride)).copied();
-    moments.iter().step_by(stride).copied().chain(last)
 }
 
 /// A simulation that runs.

@@ -1,10 +1,11 @@
 //! Draws the pictures.
 
+use rockfall::SphereId;
 use rockfall::glam::Vec3;
 use rockfall::output::AtomicFile;
 use rockfall_viewer::camera::Camera;
 use rockfall_viewer::draw::{FrameTimes, Pass, Range, Renderer, Style};
-use rockfall_viewer::film::{self, Format, Moment};
+use rockfall_viewer::film::{self, Follower, Format, Moment};
 use rockfall_viewer::picture::{Canvas, FORMAT, Picture};
 use rockfall_viewer::survey::Survey;
 
@@ -87,14 +88,14 @@ impl Studio {
         let shot = Shot::new(arguments, &survey, self.footage.simulation())?;
         self.renderer.set_scene(self.footage.simulation());
         self.renderer.set_survey(survey);
-        let mut follower = Follower { shot: &shot, from: None };
+        let mut follower = Follower::default();
         let (interrupt, count) = (self.interrupt, moments.len());
         let mut progress = Progress::pictures(count as u64);
         let mut taken = 0;
         // After a signal the film ends with the pictures so far, at least one.
         let shown = moments.iter().enumerate().take_while(|(index, _)| *index == 0 || !interrupt.is_requested());
         let pictures = shown.map(|(index, moment)| {
-            let followed = follower.show(&mut self, *moment)?;
+            let followed = self.show(&mut follower, shot.followed(), *moment)?;
             let camera = shot.at(index as f64 / f64::from(arguments.fps), followed);
             let picture = self.take(&camera, arguments)?;
             progress.advance(1);
@@ -119,6 +120,19 @@ impl Studio {
         let (pictures, fps) = (counted(count, "picture", "pictures"), arguments.fps);
         let seconds = count as f64 / f64::from(fps);
         self.finish(arguments, &shot, &format!("{pictures}, {seconds:.1} s at {fps} per second"))
+    }
+
+    /// Shows a moment and returns the place of the followed body.
+    fn show(&mut self, follower: &mut Follower, body: Option<SphereId>, moment: Moment) -> rockfall::Result<Option<Vec3>> {
+        let Self { footage, renderer, style, .. } = self;
+        let Some(body) = body else {
+            return footage.show(renderer, style, moment).map(|()| None);
+        };
+        let show = |moment| {
+            footage.show(renderer, style, moment)?;
+            Ok(footage.simulation().sphere(body)?.position)
+        };
+        follower.show(moment, show).map(Some)
     }
 
     /// Finds out what happens in the film, as far as the camera, walls and the colour scale depend on it, and fixes the scale.
@@ -167,34 +181,5 @@ impl Studio {
         text += &format!("  {:<10} {:9.3} ms\n", "all", median(&FrameTimes::total));
         text += &format!("  spheres    {} ray-cast, {} as discs, {} in shadows\n", last.near, last.far, last.shadows);
         output::print(&text)
-    }
-}
-
-/// Shows moments, and finds where the followed body is between two states.
-struct Follower<'a> {
-    shot: &'a Shot,
-    /// The step of the state before the moment, and the place of the body in it.
-    from: Option<(u64, Option<Vec3>)>,
-}
-
-impl Follower<'_> {
-    /// Shows a moment and returns the place of the followed body.
-    fn show(&mut self, studio: &mut Studio, moment: Moment) -> rockfall::Result<Option<Vec3>> {
-        let Studio { footage, renderer, style, .. } = studio;
-        if !self.shot.follows() {
-            footage.show(renderer, style, moment)?;
-            return Ok(None);
-        }
-        if self.from.is_none_or(|(step, _)| step != moment.step) {
-            footage.show(renderer, style, Moment { blend: 0.0, ..moment })?;
-            self.from = Some((moment.step, self.shot.followed(footage.simulation())?));
-        }
-        let before = self.from.and_then(|(_, place)| place);
-        if moment.blend == 0.0 {
-            return Ok(before);
-        }
-        footage.show(renderer, style, moment)?;
-        let after = self.shot.followed(footage.simulation())?;
-        Ok(before.zip(after).map(|(before, after)| before.lerp(after, moment.blend)))
     }
 }

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use rockfall::output::Mark;
-use rockfall::{Energy, Error, decimal_time};
+use rockfall::{Energy, Error, Report, decimal_time};
 use serde::{Deserialize, Serialize};
 
 /// Options and progress of a run. Stored as JSON in the note of a checkpoint.
@@ -14,6 +14,8 @@ pub(crate) struct Past {
     pub(crate) scene: String,
     /// Number of lines of the scene that are comments.
     pub(crate) comments: usize,
+    /// The comment at the beginning of the scene, without `#`.
+    pub(crate) title: Vec<String>,
     /// Total number of steps requested.
     pub(crate) steps: u64,
     /// Wall time of the steps so far, in s.
@@ -62,6 +64,11 @@ impl PastFile {
 }
 
 impl Past {
+    /// The past of a checkpoint that `run` did not write: a run of whole steps without files, whose start is the checkpoint.
+    pub(crate) fn without_note(path: &Path, report: &Report) -> Self {
+        Self { scene: path.display().to_string(), timed_from: (report.steps, report.time), ..Self::default() }
+    }
+
     /// Number of whole steps done after `simulated` steps of the simulation.
     pub(crate) fn step(&self, simulated: u64) -> u64 {
         let [step, before] = self.divided_from;

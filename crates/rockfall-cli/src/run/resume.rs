@@ -17,15 +17,24 @@ use crate::output;
 pub(crate) struct Given<'a>(pub(crate) &'a ArgMatches);
 
 impl Given<'_> {
+    /// Whether an argument is on the command line. A subcommand need not have it: `view` has no `--substeps`.
     pub(crate) fn has(&self, name: &str) -> bool {
-        self.0.value_source(name) == Some(ValueSource::CommandLine)
+        self.0.try_contains_id(name).is_ok() && self.0.value_source(name) == Some(ValueSource::CommandLine)
     }
 }
 
 pub(super) fn open(arguments: &Arguments, given: &Given, path: &Path) -> Result<Run, Failure> {
     let mut checkpoint = Checkpoint::load(path).map_err(Failure::usage)?;
-    let mut past: Past = serde_json::from_str(&checkpoint.note)
-        .map_err(|error| Failure::usage(format!("{}: not a checkpoint written by `rockfall run`: {error}", path.display())))?;
+    // Checkpoints of programs that use the library, such as Python, have no such note.
+    let noted: Option<Past> = serde_json::from_str(&checkpoint.note).ok();
+    let is_noted = noted.is_some();
+    if !is_noted && !given.has("steps") {
+        let (file, done) = (path.display(), checkpoint.report.steps);
+        let message =
+            format!("{file} is at step {done} and was not written by `rockfall run`: expected --steps N, {done} or more");
+        return Err(Failure::usage(message));
+    }
+    let mut past = noted.unwrap_or_else(|| Past::without_note(path, &checkpoint.report));
     if past.dt <= 0.0 {
         past.dt = checkpoint.time_step;
     }
@@ -54,6 +63,9 @@ pub(super) fn open(arguments: &Arguments, given: &Given, path: &Path) -> Result<
         if then.split(',').next() != now.split(',').next() {
             output::note(&format!("note: {what}: {now} instead of {then}; results may be rounded differently"));
         }
+    }
+    if !is_noted {
+        past.set_before(&simulation.energy()?);
     }
     outputs.begin(&mut simulation, &past)?;
     Ok(Run { simulation, outputs, past })

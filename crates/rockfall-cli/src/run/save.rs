@@ -13,12 +13,21 @@ pub(super) fn open(path: &Path) -> Result<AtomicFile, Failure> {
     AtomicFile::create(path).map_err(|error| Failure::file(path, &error))
 }
 
-/// Writes the present state, with the present phases of muscles. Comments at the top tell where it comes from and how to go on.
+/// Writes the present state, with the present phases of muscles. The title of the scene comes first. After it, comments name where the state comes from and how to go
+/// on.
 pub(super) fn write(path: &Path, mut file: AtomicFile, simulation: &mut Simulation, past: &Past) -> Result<(), Failure> {
     let step = past.step(simulation.report().steps);
     let integrator = simulation.integrator();
     let mut scene = simulation.snapshot()?;
-    let mut text = format!("# {} after {step} steps, at {} s\n", single_line(&past.scene), past.time(step));
+    let mut text = String::new();
+    for line in &past.title {
+        text += format!("# {}", single_line(line)).trim_end();
+        text.push('\n');
+    }
+    if !past.title.is_empty() {
+        text.push('\n');
+    }
+    text += &format!("# {} after {step} steps, at {} s\n", single_line(&past.scene), past.time(step));
     text += &format!("# It was run with --dt {} --integrator {integrator}", past.dt);
     text += &if past.parts() > 1 { format!(" --substeps {}\n", past.parts()) } else { "\n".to_owned() };
     if scene.settings.resting_overlap > 0.0 {
@@ -31,7 +40,7 @@ pub(super) fn write(path: &Path, mut file: AtomicFile, simulation: &mut Simulati
     file.write_all(text.as_bytes()).and_then(|()| file.commit()).map_err(|error| Failure::file(path, &error))
 }
 
-/// Replaces control characters, so that the name of a file cannot end a comment.
+/// Replaces control characters, so that the name of a file or a line of a title cannot end a comment.
 fn single_line(name: &str) -> String {
     name.chars().map(|character| if character.is_control() { '?' } else { character }).collect()
 }

@@ -44,6 +44,34 @@ impl Display {
     }
 }
 
+/// The pixels of a display, in rows from above.
+pub(crate) struct Screen {
+    width: usize,
+    pixels: Vec<[u8; 3]>,
+}
+
+impl Screen {
+    /// Number of pixels of about this colour in a part of the screen: from `x` and `y` up to `x + width` and `y + height`.
+    pub(crate) fn count(&self, colour: [u8; 3], [x, y, width, height]: [usize; 4]) -> usize {
+        let near = |pixel: &&[u8; 3]| pixel.iter().zip(colour).all(|(one, other)| one.abs_diff(other) <= 12);
+        (y..y + height).map(|y| self.pixels[y * self.width..][x..x + width].iter().filter(near).count()).sum()
+    }
+}
+
+impl Display {
+    /// Takes a picture of the whole display.
+    pub(crate) fn screen(&self) -> Screen {
+        let mut command = Command::new("ffmpeg");
+        command.args(["-loglevel", "error", "-f", "x11grab", "-draw_mouse", "0", "-video_size", "1280x800"]);
+        command.args(["-i", &self.name, "-frames:v", "1", "-pix_fmt", "rgb24", "-f", "rawvideo", "-"]);
+        let output = command.output().expect("this test needs ffmpeg: apt-get install ffmpeg, or run scripts/test");
+        assert!(output.status.success(), "{output:?}");
+        let pixels: Vec<[u8; 3]> = output.stdout.as_chunks().0.to_vec();
+        assert_eq!(pixels.len(), 1280 * 800, "pixels");
+        Screen { width: 1280, pixels }
+    }
+}
+
 impl Drop for Display {
     fn drop(&mut self) {
         // SIGTERM instead of SIGKILL, so that the server removes its lock file.
@@ -81,12 +109,17 @@ pub(crate) fn command(folder: &Path) -> Command {
 }
 
 impl Session {
-    /// Opens a window on `scene.txt` and gives it the keyboard focus, because there is no window manager.
+    /// Opens a window on `scene.txt`.
     pub(crate) fn open(files: &[(&str, &str)], arguments: &str) -> Self {
+        Self::show(folder(files), "scene.txt", arguments)
+    }
+
+    /// Opens a window on a file of a folder and gives it the keyboard focus, because there is no window manager.
+    pub(crate) fn show(folder: TempDir, file: &str, arguments: &str) -> Self {
         let _lock = window_lock();
-        let (display, folder) = (Display::open(), folder(files));
+        let display = Display::open();
         let mut command = command(folder.path());
-        command.env("DISPLAY", &display.name).args(["view", "scene.txt", "--report", "report.json"]);
+        command.env("DISPLAY", &display.name).args(["view", file, "--report", "report.json"]);
         let program = command.args(arguments.split_whitespace()).stderr(Stdio::piped()).spawn().expect("it starts");
         let mut session = Self { display, folder, program, _lock };
         let start = Instant::now();

@@ -16,6 +16,7 @@ from __future__ import annotations
 from rockfall import _rockfall
 from rockfall._bodies import Capsules
 from rockfall._device import DeviceArray
+from rockfall._film import Film, film
 from rockfall._info import devices, info
 from rockfall._objects import Counts, Objects
 from rockfall._picture import Picture
@@ -26,6 +27,8 @@ from rockfall._settings import Settings
 from rockfall._simulation import Simulation
 from rockfall._sweep import SweepError, SweepResult, sweep
 from rockfall._trajectory import Frame, Recording, Trajectory
+from rockfall._view import view
+from rockfall._window import Window
 
 __version__: str = _rockfall.__version__
 
@@ -36,6 +39,7 @@ __all__ = [
     "Device",
     "DeviceArray",
     "Energy",
+    "Film",
     "Frame",
     "Objects",
     "Overlap",
@@ -52,7 +56,10 @@ __all__ = [
     "SweepError",
     "SweepResult",
     "Trajectory",
+    "Window",
     "devices",
+    "film",
     "info",
     "sweep",
+    "view",
 ]

@@ -106,7 +106,7 @@ class DeviceArray(np.lib.mixins.NDArrayOperatorsMixin):
     def __iter__(self) -> Iterator[Any]:
         return iter(self._on_host())
 
-    def __array__(self, dtype: npt.DTypeLike = None, copy: bool | None = None) -> npt.NDArray[Any]:
+    def __array__(self, dtype: npt.DTypeLike | None = None, copy: bool | None = None) -> npt.NDArray[Any]:
         if copy is False and self._host is None:
             raise ValueError("the array is on the GPU, so it cannot be used on the host without a copy")
         host = self._on_host()

@@ -19,17 +19,24 @@ def _to_text(name: str, value: Any, default: str) -> str:
         return "on" if value else "off"
     if "," in default:
         return ",".join(str(number) for number in floats(name, value, (3,), 1)[0])
+    if default == "thesis":
+        if not isinstance(value, str):
+            raise TypeError(f"{name}: expected the name of a contact law, got {value!r}")
+        return value
     if isinstance(value, (bool, str, bytes)):
         raise TypeError(f"{name}: expected a number, got {value!r}")
     return str(floats(name, value, (), 1)[0])
 
 
-def _from_text(text: str) -> bool | float | tuple[float, ...]:
+def _from_text(text: str) -> bool | float | str | tuple[float, ...]:
     if text in ("on", "off"):
         return text == "on"
     if "," in text:
         return tuple(float(number) for number in text.split(","))
-    return float(text)
+    try:
+        return float(text)
+    except ValueError:
+        return text
 
 
 class Settings:
@@ -61,6 +68,7 @@ class Settings:
         linear_damping: float
         angular_damping: float
         gravity: float
+        contact_law: str
         collisions: bool
         gravity_direction: tuple[float, float, float]
         contact_pull: bool

@@ -3,19 +3,24 @@
 from __future__ import annotations
 
 import os
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
 
 from rockfall import _rockfall
-from rockfall._arrays import FloatArray, floats, time_step, whole
+from rockfall._arrays import time_step, whole
+from rockfall._look import look
 from rockfall._observe import Observed
 from rockfall._picture import Picture
 from rockfall._progress import Progress
 from rockfall._reports import Backend, Profile, Report, StageTime
 from rockfall._scene import Scene
 from rockfall._trajectory import Recording
+from rockfall._vtk import to_pyvista
+
+if TYPE_CHECKING:
+    import pyvista
 
 
 class Simulation(Observed):
@@ -330,34 +335,34 @@ class Simulation(Observed):
         SimulationError
             If there is no graphics adapter. Software Vulkan is enough.
         """
-        sides = np.shape(size)
-        if sides != (2,):
-            raise ValueError(f"size: expected width and height, got {size!r}")
-        width, height = (whole("size", side, least=1) for side in size)
-        if max(width, height) > 1 << 16:
-            raise ValueError(f"size: expected sides up to {1 << 16} pixels, got {width}x{height}")
-        points = [
-            None if value is None else [float(number) for number in _one_row(name, value)]
-            for name, value in (("camera", camera), ("look_at", look_at))
-        ]
-        ends = None
-        if range is not None:
-            if np.shape(range) != (2,) or not range[0] < range[1]:
-                raise ValueError(f"range: expected two numbers, the first less than the second, got {range!r}")
-            ends = [float(end) for end in floats("range", range, ())]
+        shown = look(size, colour_by, range, camera, look_at, plain)
         self._commit()
         if self._studio is None:
             self._studio = _rockfall.Studio()
-        return Picture(self._studio.take(self._native, (width, height), colour_by, ends, points[0], points[1], bool(plain)))
+        return Picture(self._studio.take(self._native, shown))
+
+    def to_pyvista(self) -> pyvista.PolyData:
+        """The current state as a data set of PyVista, for plots with VTK.
+
+        Returns
+        -------
+        pyvista.PolyData
+            One point per sphere in order of addition, with the arrays ``id``, ``radius``, ``mass``, ``velocity``, ``orientation``
+            (w, x, y, z), ``angular_momentum`` and ``force``. Spheres are vertices, rods and springs are lines; the array
+            ``kind`` of the cells is 0 for spheres, 1 for rods and 2 for springs. The field data are ``time`` and ``step``.
+
+        Raises
+        ------
+        ImportError
+            If PyVista is not installed.
+
+        Examples
+        --------
+        >>> balls = pyvista.Sphere(radius=1.0)  # doctest: +SKIP
+        >>> sim.to_pyvista().glyph(geom=balls, scale="radius", orient=False).plot()  # doctest: +SKIP
+        """
+        return to_pyvista(self)
 
     def __repr__(self) -> str:
         report = self.report
         return f"<rockfall.Simulation: {self.counts.spheres} spheres, step {report.steps}, {report.time:g} s, {self.backend.kind}>"
-
-
-def _one_row(name: str, value: Any) -> FloatArray:
-    rows = floats(name, value, (3,))
-    if len(rows) != 1:
-        raise ValueError(f"{name}: expected shape (3,), got {rows.shape}")
-    row: FloatArray = rows[0]
-    return row

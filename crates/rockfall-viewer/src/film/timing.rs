@@ -47,6 +47,16 @@ impl Timing {
     }
 }
 
+/// Number of states from which the camera and the colour scale of a film are chosen.
+const SURVEYED: usize = 100;
+
+/// Returns the moments from which the camera and the colour scale of a film are chosen: every n-th, and the last one.
+pub fn surveyed(moments: &[Moment]) -> impl Iterator<Item = Moment> {
+    let stride = moments.len().div_ceil(SURVEYED).max(1);
+    let last = moments.last().filter(|_| !(moments.len() - 1).is_multiple_of(stride)).copied();
+    moments.iter().step_by(stride).copied().chain(last)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -77,5 +87,14 @@ mod tests {
         assert_eq!(timing.pictures(), 13);
         assert_eq!(timing.moment(3).step, 2);
         assert!((timing.moment(3).blend - 0.5).abs() < 1e-5);
+    }
+
+    #[test]
+    fn a_survey_has_at_most_about_a_hundred_moments_and_the_last() {
+        let moments: Vec<_> = (0..250).map(|step| Moment { step, blend: 0.0 }).collect();
+        let steps: Vec<u64> = surveyed(&moments).map(|moment| moment.step).collect();
+        assert_eq!((steps.len(), &steps[..3], steps.last()), (85, &[0, 3, 6][..], Some(&249)));
+        assert_eq!(surveyed(&moments[..2]).count(), 2);
+        assert_eq!(surveyed(&[]).count(), 0);
     }
 }

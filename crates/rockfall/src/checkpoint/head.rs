@@ -10,10 +10,10 @@ use crate::scene::{Counts, Material, Pair, Scene};
 use crate::settings::Settings;
 
 /// First version that holds materials and pairs.
-const MATERIALS_SINCE: u32 = 3;
+pub(super) const MATERIALS_SINCE: u32 = 3;
 
-pub(super) fn bytes(checkpoint: &Checkpoint) -> Vec<u8> {
-    let Checkpoint { scene, options, time_step, report, note, device, program, history } = checkpoint;
+pub(super) fn bytes(checkpoint: &Checkpoint, version: u32) -> Vec<u8> {
+    let Checkpoint { scene, options, time_step, report, note, device, program, history, springs: _ } = checkpoint;
     let mut head = Head::default();
     for text in [program, device, note] {
         head.text(text);
@@ -53,7 +53,9 @@ pub(super) fn bytes(checkpoint: &Checkpoint) -> Vec<u8> {
     for count in [spheres, rods, capsules, springs, tethers, boxes, polygons] {
         head.u64(count as u64);
     }
-    materials(&mut head, scene);
+    if version >= MATERIALS_SINCE {
+        materials(&mut head, scene);
+    }
     head.bytes
 }
 
@@ -115,7 +117,7 @@ pub(super) fn read(words: &mut Words, version: u32) -> Result<(Checkpoint, Count
     if version >= MATERIALS_SINCE {
         read_materials(words, &mut scene)?;
     }
-    Ok((Checkpoint { scene, options, time_step, report, note, device, program, history }, counts))
+    Ok((Checkpoint { scene, options, time_step, report, note, device, program, history, springs: Vec::new() }, counts))
 }
 
 /// Writes the constants by name, as text that reads back bitwise identical. The direction of gravity is also stored as numbers,
@@ -150,10 +152,10 @@ fn materials(head: &mut Head, scene: &Scene) {
         [density, young, poisson].into_iter().for_each(|constant| head.known(*constant));
     }
     head.u32(scene.pairs.len() as u32);
-    for ((one, other), Pair { restitution, friction }) in &scene.pairs {
+    for ((one, other), Pair { restitution, friction, stiffness }) in &scene.pairs {
         head.u32(u32::from(*one));
         head.u32(u32::from(*other));
-        [restitution, friction].into_iter().for_each(|property| head.known(*property));
+        [restitution, friction, stiffness].into_iter().for_each(|property| head.known(*property));
     }
 }
 
@@ -168,7 +170,7 @@ fn read_materials(words: &mut Words, scene: &mut Scene) -> Result<(), Damage> {
         if one.max(other) >= scene.materials().len() {
             return Err(Damage::new(format!("a pair refers to material {} of {}", one.max(other), scene.materials().len())));
         }
-        let pair = Pair { restitution: words.known()?, friction: words.known()? };
+        let pair = Pair { restitution: words.known()?, friction: words.known()?, stiffness: words.known()? };
         let [one, other] = [one, other].map(|index| scene.materials.handle_at(index));
         scene.set_pair(one, other, pair)?;
     }

@@ -10,6 +10,7 @@ mod array;
 mod check;
 mod device;
 mod exchange;
+mod exchangers;
 mod fault;
 mod fuse;
 mod kernel;

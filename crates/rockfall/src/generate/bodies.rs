@@ -55,7 +55,9 @@ pub(super) fn soft(spheres: u32, random: &mut Random) -> Result<Scene> {
     // The ball that encloses a blob has a diameter of 0.84 sqrt(3) + 0.32 = 1.78.
     const CELL: f32 = 1.8;
     let mut scene = Scene::new();
-    let cells = Cells::new(spheres.div_ceil(BLOB), CELL, 0.9);
+    // Blobs that fall on each other press single spheres. In a high pile they would press too much.
+    const LAYERS: u32 = 2;
+    let cells = Cells::flat(spheres.div_ceil(BLOB), LAYERS, CELL, 0.9);
     for (index, first) in (0..spheres).step_by(BLOB as usize).enumerate() {
         blob(&mut scene, random, cells.centre(index as u32), BLOB.min(spheres - first))?;
     }

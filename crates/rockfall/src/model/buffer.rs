@@ -30,20 +30,25 @@ pub enum Buffer {
     CollisionIndices,
     /// One record of [`COLLISION_WORDS`](crate::model::layout::COLLISION_WORDS) words per listed collision.
     Collisions,
-    /// Per rod: force and torque on end 1, force and torque on end 2.
+    /// Per rod: force and torque on end 1, force and torque on end 2. For laws with history, then per sphere: force and torque
+    /// of its contacts.
     Wrenches,
     /// Unit quaternions (x, y, z, w) of the spheres' orientations.
     Orientations,
     /// Dispatch sizes of the stages that rebuild the lists: first the sizes for this step, then the sizes for a step in which
     /// the lists are rebuilt. Used in large scenes.
     DispatchSizes,
+    /// The springs of contacts, for laws with history: the table before the step, then the table after it. Each has a row of
+    /// [`Step::history_room`](crate::model::step::Step::history_room) records of
+    /// [`HISTORY_WORDS`](crate::model::layout::HISTORY_WORDS) words per mover, in insertion order.
+    Histories,
     /// The [`Status`](crate::model::status::Status) block.
     Status,
 }
 
 impl Buffer {
     /// All buffers.
-    pub const ALL: [Self; 16] = [
+    pub const ALL: [Self; 17] = [
         Self::Start,
         Self::Y2,
         Self::Y3,
@@ -59,6 +64,7 @@ impl Buffer {
         Self::Wrenches,
         Self::Orientations,
         Self::DispatchSizes,
+        Self::Histories,
         Self::Status,
     ];
 
@@ -80,6 +86,7 @@ impl Buffer {
             Self::Wrenches => "the forces on rods",
             Self::Orientations => "the orientations",
             Self::DispatchSizes => "the sizes of dispatches",
+            Self::Histories => "the springs of contacts",
             Self::Status => "the status",
         }
     }

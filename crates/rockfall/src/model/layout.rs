@@ -93,8 +93,21 @@ pub const MATERIAL_SHIFT: u32 = 16;
 /// Mask of the group in a tag.
 pub const GROUP_MASK: u32 = (1 << MATERIAL_SHIFT) - 1;
 /// Words of a pair of materials in the topology buffer: restitution, strength of the square-root friction, coefficient of
-/// Coulomb friction in contacts, the same in collisions. A negative number stands for the constant of the scene.
-pub const PAIR_WORDS: u32 = 4;
+/// Coulomb friction in contacts, the same in collisions. A negative number stands for the constant of the scene. Then, for laws
+/// with history: normal constant, tangential constant, damping, coefficient of friction.
+pub const PAIR_WORDS: u32 = 8;
+/// Value of [`Step::law`](crate::model::step::Step::law): the law of the thesis.
+pub const LAW_THESIS: u32 = 0;
+/// Value of [`Step::law`](crate::model::step::Step::law): the law `linear`.
+pub const LAW_LINEAR: u32 = 1;
+/// Value of [`Step::law`](crate::model::step::Step::law): the law `hertz-mindlin`.
+pub const LAW_HERTZ_MINDLIN: u32 = 2;
+/// Words of the spring of a contact: displacement x, y, z, overlap, three unused words, key.
+pub const HISTORY_WORDS: u32 = 8;
+/// Key of a record without a contact. It ends a row.
+pub const NO_KEY: u32 = u32::MAX;
+/// Initial number of records in a row.
+pub const FIRST_HISTORY_ROOM: u32 = 8;
 
 /// Value of [`Step::sweeps`](crate::model::step::Step::sweeps): collisions are not listed. Each sphere computes the impulses
 /// of its own collisions. The step is rejected when a collision shares a body with another.

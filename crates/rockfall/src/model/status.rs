@@ -18,6 +18,10 @@ pub const REJECTED_COLLISIONS: u32 = 16;
 /// Bit of [`Status::rejected`], together with [`REJECTED_COLLISIONS`]: one workgroup cannot do all sweeps.
 pub const REJECTED_MANY: u32 = 32;
 
+/// Bit of [`Status::rejected`]: a mover has more contacts than a row of
+/// [`Buffer::Histories`](crate::model::buffer::Buffer::Histories) has room for.
+pub const REJECTED_HISTORY: u32 = 64;
+
 /// Bit of [`Status::rebuild`]: some body requests new lists.
 pub const REBUILD_REQUESTED: u32 = 1;
 /// Bit of [`Status::rebuild`]: the lists were rebuilt in this step.

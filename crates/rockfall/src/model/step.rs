@@ -152,6 +152,10 @@ uniform! {
         /// Number of rows and columns of the table of pairs: the number of materials plus 1, because row and column 0 are those
         /// of objects without a material. 0 when no properties of pairs are given.
         pub materials: u32,
+        /// The contact law, one of the `LAW_*` constants.
+        pub law: u32,
+        /// Records per row of the springs of contacts; 0 for the law of the thesis.
+        pub history_room: u32,
         /// First word of the table of pairs, which has [`PAIR_WORDS`](crate::model::layout::PAIR_WORDS) words per pair.
         pub pairs_at: u32,
     }

@@ -108,6 +108,8 @@ const RODS: bool = true;
 const LARGE: bool = true;
 const MUSCLES: bool = true;
 const MATERIALS: bool = true;
+// The contact law. Kernels are compiled for one law.
+const LAW: u32 = 1u;
 
 const WORKGROUP: u32 = 64u;
 const WIDE_WORKGROUP: u32 = 256u;
@@ -120,8 +122,14 @@ const TETHER_WORDS: u32 = 7u;
 const FORCE_WORDS: u32 = 3u;
 const BOX_WORDS: u32 = 12u;
 const POLYGON_WORDS: u32 = 9u;
-const PAIR_WORDS: u32 = 4u;
+const PAIR_WORDS: u32 = 8u;
 const MATERIAL_SHIFT: u32 = 16u;
+const LAW_THESIS: u32 = 0u;
+const LAW_LINEAR: u32 = 1u;
+const LAW_HERTZ_MINDLIN: u32 = 2u;
+const HISTORY_WORDS: u32 = 8u;
+const NO_KEY: u32 = 0xffffffffu;
+const FIRST_HISTORY_ROOM: u32 = 8u;
 const GROUP_MASK: u32 = (1u << MATERIAL_SHIFT) - 1u;
 
 const KIND_SHIFT: u32 = 30u;
@@ -178,6 +186,7 @@ const REJECTED_NON_FINITE: u32 = 4u;
 const REJECTED_COUNT: u32 = 8u;
 const REJECTED_COLLISIONS: u32 = 16u;
 const REJECTED_MANY: u32 = 32u;
+const REJECTED_HISTORY: u32 = 64u;
 
 const REBUILD_REQUESTED: u32 = 1u;
 const REBUILD_DONE: u32 = 2u;

@@ -13,7 +13,7 @@ use glam::Vec4;
 
 use crate::model::buffer::Buffer;
 use crate::model::impulse::Impulse;
-use crate::model::layout::{LINE, SLICE, words_of_rows};
+use crate::model::layout::{HISTORY_WORDS, LAW_THESIS, LINE, NO_KEY, SLICE, words_of_rows};
 use crate::model::muscles::MuscleClock;
 use crate::model::status::Status;
 use crate::model::step::{Aabb, Step};
@@ -41,8 +41,11 @@ pub struct World {
     pub lists: Vec<u32>,
     /// Impulses of the collision phase. Scratch of the CPU backend, without a buffer on the device.
     pub impulses: Vec<Impulse>,
-    /// `4 * rods`: force and torque on end 1, force and torque on end 2.
+    /// `4 * rods`: force and torque on end 1, force and torque on end 2. For laws with history, then `2 * spheres`: force and
+    /// torque of contacts.
     pub wrenches: Vec<Vec4>,
+    /// The springs of contacts (see [`Buffer::Histories`]); empty for the law of the thesis.
+    pub histories: Vec<u32>,
     /// Insertion index of the sphere in each memory slot; empty when slots and insertion indices are the same.
     pub order: Vec<u32>,
     /// `spheres` unit quaternions x, y, z, w.
@@ -101,6 +104,7 @@ impl World {
             Buffer::Wrenches => cast_slice(&self.wrenches),
             Buffer::Orientations => cast_slice(&self.orientations),
             Buffer::DispatchSizes => cast_slice(&self.dispatch_sizes),
+            Buffer::Histories => cast_slice(&self.histories),
             Buffer::Status => bytes_of(&self.status),
         }
     }
@@ -121,8 +125,30 @@ impl World {
             Buffer::Wrenches => cast_slice_mut(&mut self.wrenches),
             Buffer::Orientations => cast_slice_mut(&mut self.orientations),
             Buffer::DispatchSizes => cast_slice_mut(&mut self.dispatch_sizes),
+            Buffer::Histories => cast_slice_mut(&mut self.histories),
             Buffer::Status => bytes_of_mut(&mut self.status),
         }
+    }
+
+    /// Number of vectors in `wrenches`.
+    pub(crate) fn wrench_count(&self) -> usize {
+        let loads = if self.step.law == LAW_THESIS { 0 } else { 2 * self.step.spheres };
+        (4 * self.step.rods + loads) as usize
+    }
+
+    /// Makes room for `room` springs of contacts per mover, and keeps the springs. With the law of the thesis there are none.
+    pub fn set_history_room(&mut self, room: u32) {
+        let words = |room: u32| (room * HISTORY_WORDS) as usize;
+        let (old, movers) = (words(self.step.history_room), self.movers() as usize);
+        self.step.history_room = if self.step.law == LAW_THESIS { 0 } else { room };
+        let row = words(self.step.history_room);
+        let mut histories = vec![NO_KEY; 2 * movers * row];
+        if old > 0 && self.histories.len() == 2 * movers * old && row >= old {
+            for (to, from) in histories.chunks_exact_mut(row).zip(self.histories.chunks_exact(old)).take(movers) {
+                to[..old].copy_from_slice(from);
+            }
+        }
+        self.histories = histories;
     }
 
     /// Allocates `rows` rows of list entries. The contents of the lists are lost.

@@ -33,3 +33,11 @@ fn coulomb_friction_of(a: u32, b: u32) -> f32 {
 fn collision_friction_of(a: u32, b: u32) -> f32 {
     return pair_property(a, b, 3u, step.collision_friction);
 }
+
+// Constants of a law with history: normal, tangential, damping, friction.
+fn law_constants_of(a: u32, b: u32) -> vec4f {
+    let one = topology[step.tags_at + a] >> MATERIAL_SHIFT;
+    let other = topology[step.tags_at + b] >> MATERIAL_SHIFT;
+    let at = step.pairs_at + PAIR_WORDS * (one * step.materials + other) + 4u;
+    return vec4f(float_at(at), float_at(at + 1u), float_at(at + 2u), float_at(at + 3u));
+}

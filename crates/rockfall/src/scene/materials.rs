@@ -91,6 +91,8 @@ pub struct Pair {
     /// [`Settings::collision_friction`](crate::Settings::collision_friction) and
     /// [`Settings::friction`](crate::Settings::friction) in the contacts of the pair.
     pub friction: Option<f32>,
+    /// Normal stiffness k_n of the law `linear`, in mass/s², greater than 0.
+    pub stiffness: Option<f32>,
 }
 
 impl Pair {
@@ -106,35 +108,51 @@ impl Pair {
         self
     }
 
-    /// Names of the properties in scene files: `@pair NAME NAME restitution=e friction=mu`.
-    pub(crate) const KEYS: [&'static str; 2] = ["restitution", "friction"];
+    /// Sets the normal stiffness of the law `linear`, in mass/s².
+    pub fn stiffness(mut self, stiffness: f32) -> Self {
+        self.stiffness = Some(stiffness);
+        self
+    }
+
+    /// Names of the properties in scene files: `@pair NAME NAME restitution=e friction=mu stiffness=k`.
+    pub(crate) const KEYS: [&'static str; 3] = ["restitution", "friction", "stiffness"];
 
     /// The property of a name in [`Pair::KEYS`].
     pub(crate) fn property(&mut self, key: &str) -> Option<&mut Option<f32>> {
         match key {
             "restitution" => Some(&mut self.restitution),
             "friction" => Some(&mut self.friction),
+            "stiffness" => Some(&mut self.stiffness),
             _ => None,
         }
     }
 
     fn validate(&self) -> Result<()> {
         known("pair.restitution", self.restitution, |e| (0.0..=1.0).contains(&e), "a number from 0 to 1")?;
-        known("pair.friction", self.friction, |mu| mu >= 0.0, "a finite number, not negative")
+        known("pair.friction", self.friction, |mu| mu >= 0.0, "a finite number, not negative")?;
+        known("pair.stiffness", self.stiffness, |stiffness| stiffness > 0.0, "a finite number greater than 0")
     }
 
     /// Mixes the properties of two materials, each with itself. A property that only one of them has is taken from it.
     fn mixed(one: Self, other: Self) -> Self {
-        let mean = |one: Option<f32>, other: Option<f32>| match (one, other) {
-            (Some(one), Some(other)) => Some(geometric_mean(one, other)),
+        let mean = |one: Option<f32>, other: Option<f32>, of: fn(f32, f32) -> f32| match (one, other) {
+            (Some(one), Some(other)) => Some(of(one, other)),
             (one, other) => one.or(other),
         };
-        Self { restitution: mean(one.restitution, other.restitution), friction: mean(one.friction, other.friction) }
+        Self {
+            restitution: mean(one.restitution, other.restitution, geometric_mean),
+            friction: mean(one.friction, other.friction, geometric_mean),
+            stiffness: mean(one.stiffness, other.stiffness, harmonic_mean),
+        }
     }
 
     /// These properties, with those that are not given taken from another pair.
     fn or(self, other: Self) -> Self {
-        Self { restitution: self.restitution.or(other.restitution), friction: self.friction.or(other.friction) }
+        Self {
+            restitution: self.restitution.or(other.restitution),
+            friction: self.friction.or(other.friction),
+            stiffness: self.stiffness.or(other.stiffness),
+        }
     }
 }
 
@@ -145,6 +163,12 @@ fn geometric_mean(one: f32, other: f32) -> f32 {
 
 fn invalid(field: &'static str, value: impl std::fmt::Debug, expected: &'static str) -> Error {
     Error::Invalid { field, value: format!("{value:?}"), expected }
+}
+
+/// 2 / (1 / a + 1 / b): the stiffness of half of one spring behind half of the other.
+fn harmonic_mean(one: f32, other: f32) -> f32 {
+    let [one, other] = [one, other].map(f64::from);
+    (2.0 * one * other / (one + other)) as f32
 }
 
 fn known(field: &'static str, value: Option<f32>, is_right: impl Fn(f32) -> bool, expected: &'static str) -> Result<()> {

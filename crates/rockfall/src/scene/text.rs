@@ -16,7 +16,7 @@
 //! | `@muscle amplitude frequency phase` | nothing: the rest length of the spring added last oscillates |
 //! | `@capsule ref1 ref2` | nothing: the two spheres and the rod added last are a capsule |
 //! | `@material NAME density=D young=E poisson=N` | nothing: defines a material; each constant may be left out |
-//! | `@pair NAME NAME restitution=e friction=mu` | nothing: sets properties of the contacts between two materials |
+//! | `@pair NAME NAME restitution=e friction=mu stiffness=k` | nothing: sets properties of the contacts between two materials |
 //! | `@use NAME` | nothing: the objects of the lines below are of this material; `@use -`: of none |
 //!
 //! The whole first word of a line decides its kind. A line with any other first word is a comment. The last ten kinds above are
@@ -40,7 +40,7 @@ mod comment;
 mod line;
 mod materials;
 
-use comment::{has_number_sign, is_extension, is_number, looks_like, may_be_prose, without_comment};
+use comment::{Title, has_number_sign, is_extension, is_number, looks_like, may_be_prose, without_comment};
 use line::{BOX, CAPSULE, FORCE, GROUP, Kind, Line, MARK, MUSCLE, ORIENTATION, POLYGON, ROD, SPHERE, SPRING, TETHER, Wrong};
 
 use super::{Capsule, CapsuleParts, Cuboid, MaterialId, Muscle, Polygon, Rod, Scene, Sphere, SphereId, Spring, Tether};
@@ -56,6 +56,8 @@ pub struct Loaded {
     pub warnings: Vec<LineWarning>,
     /// Number of lines that are comments. Empty lines, and comments after an object, are not counted.
     pub comments: usize,
+    /// The comment at the beginning of the text, up to the first line that is empty or no comment, without `#`. One item per line.
+    pub title: Vec<String>,
 }
 
 /// A warning about a line of a scene text. The line was accepted.
@@ -81,15 +83,18 @@ impl Scene {
     pub fn parse(text: &str, name: &Path) -> Result<Loaded> {
         let text = text.strip_prefix('\u{feff}').unwrap_or(text);
         let mut reader = Reader::new(text);
+        let mut title = Title::default();
         for (index, line) in text.lines().enumerate() {
+            let before = reader.comments;
             reader.line(line, index + 1).map_err(|wrong| Error::SceneLine {
                 file: name.to_owned(),
                 line: index + 1,
                 field: wrong.field,
                 message: wrong.message + if may_be_prose(line) { "; if the line is a comment, begin it with #" } else { "" },
             })?;
+            title.add(line, reader.comments > before);
         }
-        Ok(Loaded { scene: reader.scene, warnings: reader.warnings, comments: reader.comments })
+        Ok(Loaded { scene: reader.scene, warnings: reader.warnings, comments: reader.comments, title: title.lines })
     }
 
     /// Reads a scene file. Bytes that are not UTF-8 (in comments of an older encoding) are accepted outside of numbers.
@@ -406,7 +411,13 @@ impl<'a> Reader<'a> {
                 other => other.to_string(),
             },
         };
-        self.scene.settings.set(name, &value).map_err(wrong)
+        let given = self.set_at.contains_key("collisions").then_some(self.scene.settings.collisions);
+        self.scene.settings.set(name, &value).map_err(wrong)?;
+        if let Some(collisions) = given.filter(|_| name == "contact_law") {
+            // The order of the lines does not matter.
+            self.scene.settings.collisions = collisions;
+        }
+        Ok(())
     }
 }
 

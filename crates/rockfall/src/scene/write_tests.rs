@@ -184,8 +184,8 @@ enum Addition {
     Setting(f32),
     /// Density, Young's modulus, Poisson's ratio.
     Material([Option<f32>; 3]),
-    /// The two materials, restitution, friction.
-    Pair(usize, usize, [Option<f32>; 2]),
+    /// The two materials, restitution, friction, stiffness.
+    Pair(usize, usize, [Option<f32>; 3]),
 }
 
 fn addition() -> impl Strategy<Value = Addition> {
@@ -207,7 +207,7 @@ fn addition() -> impl Strategy<Value = Addition> {
         1 => number().prop_map(Addition::Setting),
         2 => [prop::option::of(positive.clone()), prop::option::of(positive), prop::option::of(0.0_f32..0.49)]
             .prop_map(Addition::Material),
-        1 => (any::<usize>(), any::<usize>(), [prop::option::of(0.0_f32..1.0), prop::option::of(0.0_f32..2.0)])
+        1 => (any::<usize>(), any::<usize>(), [prop::option::of(0.0_f32..1.0), prop::option::of(0.0_f32..2.0), prop::option::of(0.1_f32..9e9)])
             .prop_map(|(one, other, properties)| Addition::Pair(one, other, properties)),
     ]
 }
@@ -257,8 +257,8 @@ fn build(additions: Vec<Addition>) -> Scene {
                 let name = format!("m{number}");
                 scene.add_material(Material { name, density, young, poisson }).map(drop)
             }
-            Addition::Pair(one, other, [restitution, friction]) => match (material(one), material(other)) {
-                (Some(one), Some(other)) => scene.set_pair(one, other, Pair { restitution, friction }),
+            Addition::Pair(one, other, [restitution, friction, stiffness]) => match (material(one), material(other)) {
+                (Some(one), Some(other)) => scene.set_pair(one, other, Pair { restitution, friction, stiffness }),
                 _ => Ok(()),
             },
         };

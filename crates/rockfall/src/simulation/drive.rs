@@ -5,8 +5,8 @@ use crate::error::{Error, Result};
 use crate::model::layout::{MAX_PAIR_ROWS, words_of_rows};
 use crate::model::muscles::BASE_STEPS;
 use crate::model::status::{
-    BAD_STAGE_SHIFT, NO_BODY, REJECTED_COLLISIONS, REJECTED_COUNT, REJECTED_ESCAPED, REJECTED_MANY, REJECTED_NON_FINITE,
-    REJECTED_PAIRS, Status,
+    BAD_STAGE_SHIFT, NO_BODY, REJECTED_COLLISIONS, REJECTED_COUNT, REJECTED_ESCAPED, REJECTED_HISTORY, REJECTED_MANY,
+    REJECTED_NON_FINITE, REJECTED_PAIRS, Status,
 };
 use crate::options::Optimization;
 use crate::profile::Recorder;
@@ -103,6 +103,9 @@ impl Simulation {
             left -= done;
             attempts = if done > 0 { 0 } else { attempts + 1 };
             self.note_lists(&all, done);
+            if self.status.rejected & REJECTED_HISTORY != 0 {
+                self.grow_histories().await?;
+            }
             self.handle_rejection(attempts)?;
         }
         Ok(())

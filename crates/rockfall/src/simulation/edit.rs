@@ -2,6 +2,7 @@
 
 use glam::{Quat, Vec3};
 
+use crate::checkpoint::KeptSpring;
 use crate::error::{Error, Result};
 use crate::model::layout::FLAG_CONTINUE;
 use crate::scene::{
@@ -9,7 +10,8 @@ use crate::scene::{
     Spring, SpringId, Tether, TetherId, finite,
 };
 use crate::simulation::order::Disorder;
-use crate::simulation::{Simulation, engine, pack};
+use crate::simulation::springs::put_springs;
+use crate::simulation::{Simulation, engine, ids_of, pack};
 
 /// The changes that were not uploaded to the engine yet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -213,6 +215,9 @@ impl Simulation {
         if self.dirty == Dirty::Clean && self.edits.is_empty() {
             return Ok(());
         }
+        if self.dirty != Dirty::Clean {
+            self.scene.check_contact_law(self.options.integrator)?;
+        }
         if self.dirty == Dirty::Everything || !self.edits.is_empty() {
             self.pull().await?;
         }
@@ -220,6 +225,7 @@ impl Simulation {
         if self.dirty != Dirty::Clean {
             self.pull_forces().await?;
         }
+        let springs = if self.dirty == Dirty::Everything { self.springs().await? } else { Vec::new() };
         let edits = std::mem::take(&mut self.edits);
         for (id, edit) in &edits {
             // Edits of a sphere that was removed afterwards have no effect.
@@ -229,7 +235,7 @@ impl Simulation {
         }
         match std::mem::replace(&mut self.dirty, Dirty::Clean) {
             Dirty::Everything => {
-                self.rebuild()?;
+                self.rebuild(&springs)?;
                 self.mark_state_edited();
             }
             Dirty::Topology => {
@@ -246,8 +252,8 @@ impl Simulation {
         Ok(())
     }
 
-    /// Packs the scene again. The lists keep their capacity.
-    pub(super) fn rebuild(&mut self) -> Result<()> {
+    /// Packs the scene again, with the springs of contacts. The lists keep their capacity.
+    pub(super) fn rebuild(&mut self, springs: &[KeptSpring]) -> Result<()> {
         let old = &self.world.step;
         let (flags, dt, rows) = (old.flags, old.dt, old.pair_rows);
         let (margin_scale, lookahead) = (old.margin_scale, old.lookahead);
@@ -257,7 +263,9 @@ impl Simulation {
         self.world.step.margin_scale = margin_scale;
         self.world.step.lookahead = lookahead;
         self.world.set_pair_room(rows);
+        put_springs(&mut self.world, &self.scene, springs);
         self.engine.complete(&mut self.world);
+        self.packed_ids = ids_of(&self.scene);
         self.packed = self.scene.sphere_ids().collect();
         self.packings += 1;
         self.engine.replace(&self.world)?;

@@ -219,6 +219,16 @@ impl Engine {
         on_gpu!(self, world, gpu => gpu.download(world, &[Buffer::Topology]).await?)
     }
 
+    /// Resizes the springs of contacts on the device to the size of those of the world, and uploads them.
+    pub(super) fn resize_histories(&mut self, world: &World) -> Result<()> {
+        on_gpu!(self, world, gpu => gpu.resize_histories(world)?)
+    }
+
+    /// Reads the springs of contacts back into `world`.
+    pub(super) async fn download_histories(&mut self, world: &mut World) -> Result<()> {
+        on_gpu!(self, world, gpu => gpu.download(world, &[Buffer::Histories]).await?)
+    }
+
     /// Reads the state of the spheres back into `world`.
     pub(super) async fn download_spheres(&mut self, world: &mut World) -> Result<()> {
         on_gpu!(self, world, gpu => gpu.download(world, &[Buffer::Start, Buffer::Orientations]).await?)

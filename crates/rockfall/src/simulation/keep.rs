@@ -14,6 +14,7 @@ use crate::simulation::edit::Dirty;
 use crate::simulation::engine::Engine;
 use crate::simulation::lookahead::Lookahead;
 use crate::simulation::order::Disorder;
+use crate::simulation::springs::put_springs;
 use crate::simulation::{Simulation, engine, prepare};
 
 impl Simulation {
@@ -41,6 +42,7 @@ impl Simulation {
             });
         }
         self.sync_async().await?;
+        let springs = self.springs().await?;
         let step = &self.world.step;
         Ok(Checkpoint {
             scene: self.scene.clone(),
@@ -60,6 +62,7 @@ impl Simulation {
                 lookahead: step.lookahead,
                 clock: self.muscle_clock,
             },
+            springs,
         })
     }
 
@@ -88,7 +91,8 @@ impl Simulation {
     /// # Errors
     /// As for [`Simulation::resume`].
     pub async fn resume_async(checkpoint: Checkpoint) -> Result<Self> {
-        let world = prepare(&checkpoint.scene, &checkpoint.options)?;
+        let mut world = prepare(&checkpoint.scene, &checkpoint.options)?;
+        put_springs(&mut world, &checkpoint.scene, &checkpoint.springs);
         let (engine, info) = Engine::open(&checkpoint.options, &world).await?;
         let simulation = Self::assemble(checkpoint.scene, checkpoint.options, world, engine, info);
         Ok(simulation.with_history(checkpoint.time_step, checkpoint.report, checkpoint.history))
@@ -100,7 +104,8 @@ impl Simulation {
     /// As for [`Simulation::on_device`].
     #[cfg(feature = "gpu")]
     pub fn resume_on_device(checkpoint: Checkpoint, device: &wgpu::Device, queue: &wgpu::Queue) -> Result<Self> {
-        let simulation = Self::on_device_as_is(checkpoint.scene, checkpoint.options, device, queue)?;
+        let springs = &checkpoint.springs;
+        let simulation = Self::on_device_as_is(checkpoint.scene, checkpoint.options, springs, device, queue)?;
         Ok(simulation.with_history(checkpoint.time_step, checkpoint.report, checkpoint.history))
     }
 
@@ -123,12 +128,13 @@ impl Simulation {
     /// the scene is too large.
     pub fn restore(&mut self, checkpoint: &Checkpoint) -> Result<()> {
         checkpoint.scene.settings.validate()?;
+        checkpoint.scene.check_contact_law(self.options.integrator)?;
         // `rebuild` packs the scene, and the state on the device is replaced, so nothing has to be read back or applied.
         (self.dirty, self.synced, self.forces_synced) = (Dirty::Clean, true, true);
         self.edits.clear();
         self.scene = checkpoint.scene.clone();
         self.apply_history(checkpoint.time_step, checkpoint.report, checkpoint.history);
-        self.rebuild()?;
+        self.rebuild(&checkpoint.springs)?;
         self.status.collided = 0;
         Ok(())
     }

@@ -8,10 +8,10 @@ use rayon::prelude::*;
 use crate::error::{Error, Result};
 use crate::exec::cpu;
 use crate::model::impulse::Impulse;
-use crate::model::layout::{ENTRY_COLLIDES, ENTRY_OVERLAPS};
+use crate::model::layout::{ENTRY_COLLIDES, ENTRY_OVERLAPS, FLAG_COLLISIONS, LAW_THESIS};
 use crate::model::lists::{Entry, Lists};
 use crate::model::muscles::MuscleClock;
-use crate::model::status::{REJECTED_COUNT, REJECTED_ESCAPED, REJECTED_PAIRS, Status};
+use crate::model::status::{REJECTED_COUNT, REJECTED_ESCAPED, REJECTED_HISTORY, REJECTED_PAIRS, Status};
 use crate::model::view::{Object, View};
 use crate::model::world::World;
 use crate::physics::collision::Collision;
@@ -19,12 +19,16 @@ use crate::physics::collision::all::{impulse_in, solve};
 use crate::physics::contact::{collision_velocity, contact_force};
 use crate::physics::forces::net_force::rod_loads;
 use crate::physics::forces::sphere_rates;
+use crate::physics::laws::contact::{law_force, normal_energy};
+use crate::physics::laws::history::Histories;
 use crate::physics::side::side;
 use crate::physics::touch::{Touch, touch};
 use crate::scene::{BoxId, PolygonId, RodId, Scene, SphereId};
 use crate::settings::{BroadPhase, Integrator};
-use crate::simulation::Simulation;
 use crate::simulation::drive::{MAX_ATTEMPTS, margin_after_escape, room_for};
+use crate::simulation::springs::put_springs;
+use crate::simulation::{Simulation, engine};
+use crate::step::forces::law_forces;
 use crate::step::schedule::Phase;
 
 /// One of the two bodies of a contact.
@@ -149,7 +153,8 @@ impl Simulation {
                 let side = side(view, view.object(id), parameter);
                 side.inverse_mass == 0.0 || side.velocity.length() <= threshold
             });
-            rests && entry.word & ENTRY_COLLIDES == 0 && contact_force(view, a, b, touch).force != Vec3::ZERO
+            let has_force = || view.step.law != LAW_THESIS || contact_force(view, a, b, touch).force != Vec3::ZERO;
+            rests && entry.word & ENTRY_COLLIDES == 0 && has_force()
         }))
     }
 
@@ -162,12 +167,13 @@ impl Simulation {
         let (view, lists) = view_and_lists(&world);
         let impulses = solve(&view, &lists).impulses;
         let impulses = impulses.as_slice();
+        let histories = Histories::new(&world.step, &world.histories);
         let movers = 0..world.movers();
         let found: Vec<(Collision, ContactAction)> = movers
             .into_par_iter()
             .flat_map_iter(|mover| {
                 let own = lists.row(mover).filter(move |entry| entry.id() > mover && entry.word & ENTRY_OVERLAPS != 0);
-                own.filter_map(move |entry| action(&view, impulses, mover, entry))
+                own.filter_map(move |entry| action(&view, histories, impulses, mover, entry))
             })
             .collect();
         Ok(found
@@ -190,11 +196,11 @@ impl Simulation {
     pub fn diagnostics(&mut self) -> Result<Vec<SphereDiagnostics>> {
         let world = self.observed()?;
         let (view, lists) = view_and_lists(&world);
-        let wrenches: Vec<_> = (0..world.step.rods)
-            .flat_map(|rod| rod_loads(&view, &lists, rod, None).map(|load| [load.force, load.torque]))
-            .flatten()
-            .map(|load| load.extend(0.0))
-            .collect();
+        let of_rod = |rod| rod_loads(&view, &lists, rod, None).map(|load| [load.force, load.torque]);
+        let wrenches = match world.step.law {
+            LAW_THESIS => (0..world.step.rods).flat_map(of_rod).flatten().map(|load| load.extend(0.0)).collect(),
+            _ => world.wrenches.clone(),
+        };
         let of_sphere = |sphere: u32| {
             let mut values = SphereDiagnostics::default();
             for entry in lists.row(sphere) {
@@ -213,7 +219,7 @@ impl Simulation {
         Ok((0..world.step.spheres).into_par_iter().map(of_sphere).collect())
     }
 
-    /// Elastic energy of all contacts: sum of Cc m* o² / 2.
+    /// Elastic energy of all contacts: sum of Cc m* o² / 2, or that of the normal forces of a law with history.
     pub(super) fn contact_energy(&mut self) -> Result<f64> {
         let world = self.observed()?;
         let (view, lists) = view_and_lists(&world);
@@ -222,6 +228,9 @@ impl Simulation {
             let own = lists.row(mover).filter(|entry| entry.id() > mover);
             own.filter_map(|entry| {
                 let touch = touch(&view, mover, entry.id(), entry.feature())?;
+                if view.step.law != LAW_THESIS {
+                    return Some(normal_energy(&view, mover, entry.id(), &touch));
+                }
                 let side = |id, parameter| f64::from(side(&view, view.object(id), parameter).inverse_mass);
                 let reduced_mass = 1.0 / (side(mover, touch.a) + side(entry.id(), touch.b));
                 Some(0.5 * stiffness * reduced_mass * f64::from(touch.overlap).powi(2))
@@ -236,8 +245,20 @@ impl Simulation {
     /// A copy of the current state with AABBs, lists and collision flags of its own.
     fn observed(&mut self) -> Result<World> {
         self.sync()?;
+        let device = self.engine.waiter();
+        let springs = engine::block_on(device, self.springs())?;
         let step = self.report.steps;
-        observe(&self.scene, self.time_step, self.broad_phase_method(), step, &self.muscle_clock)
+        let mut world = observe(&self.scene, self.time_step, self.broad_phase_method(), step, &self.muscle_clock)?;
+        put_springs(&mut world, &self.scene, &springs);
+        while world.step.law != LAW_THESIS {
+            (law_forces::STAGE.cpu)(&mut world, 0);
+            if world.status.rejected & REJECTED_HISTORY == 0 {
+                break;
+            }
+            world.status.rejected = 0;
+            world.set_history_room(2 * world.step.history_room);
+        }
+        Ok(world)
     }
 
     fn body(&self, view: &View, id: u32) -> Body {
@@ -320,14 +341,31 @@ pub(crate) fn smaller_radius(view: &View, a: u32, b: u32) -> f32 {
 }
 
 /// Effect of the contact of a list entry at the beginning of the next step.
-fn action(view: &View, impulses: &[Impulse], mover: u32, entry: Entry) -> Option<(Collision, ContactAction)> {
+fn action(
+    view: &View,
+    histories: Histories,
+    impulses: &[Impulse],
+    mover: u32,
+    entry: Entry,
+) -> Option<(Collision, ContactAction)> {
     let collision = Collision::between(view, mover, entry.id(), entry.feature())?;
-    if entry.word & ENTRY_COLLIDES != 0 {
+    // With a law that has no impulses, the force acts in collisions too.
+    let has_impulses = view.step.law == LAW_THESIS || view.step.flags & FLAG_COLLISIONS != 0;
+    if entry.word & ENTRY_COLLIDES != 0 && has_impulses {
         let impulse = impulse_in(impulses, collision.key(view)).map_or(Vec3::ZERO, |known| known.size * known.direction);
         return Some((collision, ContactAction::Impulse(impulse)));
     }
-    let force = contact_force(view, collision.a, collision.b, &collision.touch).force;
+    let force = force_on_a(view, histories, &collision);
     Some((collision, ContactAction::Force(-force)))
+}
+
+/// The force on A of a contact that does not collide.
+fn force_on_a(view: &View, histories: Histories, collision: &Collision) -> Vec3 {
+    let Collision { a, b, feature, touch, .. } = collision;
+    if view.step.law == LAW_THESIS {
+        return contact_force(view, *a, *b, touch).force;
+    }
+    law_force(view, [*a, *b], touch, histories.spring(view, *a, *b, *feature)).loads.force
 }
 
 /// The point at the end of A's arm: from A's centre or axis along the normal.

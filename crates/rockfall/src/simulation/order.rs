@@ -83,7 +83,8 @@ impl Simulation {
             BroadPhase::Grid => self.sort_in_place().await,
             BroadPhase::SortAndSkip => {
                 self.pull().await?;
-                self.rebuild()
+                let springs = self.springs().await?;
+                self.rebuild(&springs)
             }
             _ => Ok(()),
         }

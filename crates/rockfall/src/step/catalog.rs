@@ -11,7 +11,7 @@ use crate::step::collisions::{
     apply_collisions, apply_friction_impulses, commit_collisions, commit_friction_impulses, find_collisions, gather_impulses,
     list_collisions, project_networks, sweep_at_once, sweep_collisions, weigh_collisions, weigh_networks,
 };
-use crate::step::forces::rod_forces;
+use crate::step::forces::{commit_history, law_forces, rod_forces};
 use crate::step::fused::{run_steps, run_worlds};
 use crate::step::integrate::{
     advance, commit_and_turn, commit_symplectic_euler, constrain, end_step, finish, finish_and_turn, restore_lengths,
@@ -21,7 +21,7 @@ use crate::step::reorder::{count_digits, key_spheres, measure_order, permute_sph
 use crate::step::stage::Stage;
 
 /// All stages, each once.
-pub const ALL: [&Stage; 48] = [
+pub const ALL: [&Stage; 50] = [
     &update_aabbs::STAGE,
     &count_pairs::STAGE,
     &scan_pairs::STAGE,
@@ -54,6 +54,8 @@ pub const ALL: [&Stage; 48] = [
     &commit_friction_impulses::STAGE,
     &restore_lengths::STAGE,
     &rod_forces::STAGE,
+    &law_forces::STAGE,
+    &commit_history::STAGE,
     &advance::STAGE,
     &finish::STAGE,
     &finish_and_turn::STAGE,

@@ -1,6 +1,6 @@
 //! The order of the stages. [`Phase::stages`] lists the stages of each phase of a step.
 
-use crate::model::layout::{CELL_BLOCK, SWEEPS, SWEEPS_FEW, SWEEPS_OFF, SWEEPS_ON};
+use crate::model::layout::{CELL_BLOCK, LAW_THESIS, SWEEPS, SWEEPS_FEW, SWEEPS_OFF, SWEEPS_ON};
 use crate::model::step::Step;
 use crate::model::world::World;
 use crate::settings::{BroadPhase, Integrator};
@@ -15,7 +15,7 @@ use crate::step::collisions::{
     apply_collisions, apply_friction_impulses, commit_collisions, commit_friction_impulses, find_collisions, gather_impulses,
     list_collisions, project_networks, sweep_at_once, sweep_collisions, weigh_collisions, weigh_networks,
 };
-use crate::step::forces::rod_forces;
+use crate::step::forces::{commit_history, law_forces, rod_forces};
 use crate::step::integrate::{
     advance, commit_and_turn, commit_symplectic_euler, constrain, end_step, finish, finish_and_turn, restore_lengths,
     symplectic_euler, turn,
@@ -50,6 +50,10 @@ pub enum When {
     ManyBlocks,
     /// Scenes with bodies much larger than most.
     LongMovers,
+    /// Scenes with the contact law of the thesis.
+    ThesisLaw,
+    /// Scenes with a contact law that keeps springs.
+    Histories,
     /// Scenes so large that launching stages with nothing to do takes considerable time.
     Planned,
 }
@@ -86,6 +90,8 @@ impl Run {
             When::OneBlock => step.cells == CELL_BLOCK,
             When::ManyBlocks => step.cells != CELL_BLOCK,
             When::LongMovers => step.long_at != 0,
+            When::ThesisLaw => step.law == LAW_THESIS,
+            When::Histories => step.law != LAW_THESIS,
             When::Planned => step.planned != 0,
         }
     }
@@ -206,12 +212,14 @@ impl Phase {
                 const {
                     &[
                         run(&restore_lengths::STAGE),
-                        run(&rod_forces::STAGE),
+                        run(&rod_forces::STAGE).when(When::ThesisLaw),
+                        run(&law_forces::STAGE).when(When::Histories),
                         run(&symplectic_euler::STAGE),
                         run(&commit_symplectic_euler::STAGE).when(When::Rods),
                         run(&constrain::STAGE),
                         run(&turn::STAGE).when(When::Rods),
                         run(&commit_and_turn::STAGE).when(When::NoRods),
+                        run(&commit_history::STAGE).when(When::Histories),
                         run(&end_step::STAGE),
                     ]
                 }

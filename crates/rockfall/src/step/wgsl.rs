@@ -22,6 +22,7 @@ pub use crate::step::fused::run_worlds::WorldSizes;
 /// declares them, or requires one of several files that do.
 pub const HOOKS: &[(&str, &str)] = &[
     ("GROUP_SIZE", "threads of a workgroup"),
+    ("add_law_load", "adds the force and torque of the contacts of a sphere, for laws with history"),
     ("add_wrench", "adds the force and torque on the rod end that a sphere forms"),
     ("count", "number of entries of the list to sort"),
     ("emit", "handles a pair that the broad phase finds"),
@@ -76,6 +77,11 @@ const SHARED: &[Part] = &[
     part!("physics/forces/wrenches.wgsl"),
     part!("physics/friction_impulses.wgsl"),
     part!("physics/geometry.wgsl"),
+    part!("physics/laws/contact.wgsl"),
+    part!("physics/laws/hertz_mindlin.wgsl"),
+    part!("physics/laws/history.wgsl"),
+    part!("physics/laws/linear.wgsl"),
+    part!("physics/laws/stiffness.wgsl"),
     part!("physics/lengths.wgsl"),
     part!("physics/pairs.wgsl"),
     part!("physics/rotation.wgsl"),
@@ -170,6 +176,8 @@ pub struct Variant {
     pub large: bool,
     /// There may be springs with muscles.
     pub muscles: bool,
+    /// The contact law, one of the `LAW_*` constants.
+    pub law: u32,
     /// There may be pairs of materials.
     pub materials: bool,
     /// There may be so many objects that a sort key of `find_neighbours` has no room for more than an insertion index.
@@ -181,8 +189,9 @@ pub struct Variant {
 impl Variant {
     /// Returns the variant for a scene with these counts.
     pub fn of(step: &Step) -> Self {
-        let Step { rods, large, muscles_at, materials, .. } = *step;
+        let Step { rods, large, muscles_at, materials, law, .. } = *step;
         Self {
+            law,
             rods: rods > 0,
             large: large > 0,
             muscles: muscles_at > 0,
@@ -196,7 +205,8 @@ impl Variant {
     /// `LARGE` and so these cannot be pipeline-overridable constants.
     pub fn apply(self, text: &str) -> String {
         let constants = [("RODS", self.rods), ("LARGE", self.large), ("MUSCLES", self.muscles), ("MATERIALS", self.materials)];
-        let replaced = constants.iter().fold(text.to_owned(), |text, (name, is_set)| {
+        let text = text.replace("const LAW: u32 = 1u;", &format!("const LAW: u32 = {}u;", self.law));
+        let replaced = constants.iter().fold(text, |text, (name, is_set)| {
             text.replace(&format!("const {name}: bool = true;"), &format!("const {name}: bool = {is_set};"))
         });
         let Some(sizes) = self.worlds else { return replaced };

@@ -13,13 +13,13 @@ use rockfall::model::world::World;
 use rockfall::step::schedule::Run;
 use rockfall::step::stage::Stage;
 use rockfall::step::wgsl::Wgsl;
-use rockfall::{Integrator, Settings};
+use rockfall::{ContactLaw, Integrator, Settings};
 
 use crate::compare::{MEASURED, differences};
 use crate::decisions::entries;
 use crate::device::{GPU, on_gpu, open};
 use crate::trace::{COLLISIONS, Only, POSITIONS, Plan, Scenario, Trace, trace};
-use crate::{assert_scenario_matches, plan};
+use crate::{assert_scenario_matches, plan, with_law};
 
 /// A mistake in a kernel: the stage and its pass, the WGSL file, the correct text, the wrong text, and the buffer that must
 /// differ.
@@ -327,6 +327,17 @@ static MISTAKES: &[Mistake] = &[
     Mistake("weigh_collisions", 0, "couplings.wgsl", "bitcast<u32>(restitution)", "0u", Buffer::Start),
     Mistake("symplectic_euler", 0, "contact.wgsl", "min(friction_of(a, b)", "min(step.friction", Buffer::Y2),
     Mistake("apply_friction_impulses", 0, "pairs.wgsl", "given < 0.0", "given <= 0.0", Buffer::Start),
+    Mistake("law_forces", 0, "hertz_mindlin.wgsl", "8.0 * a", "4.0 * a", Buffer::Wrenches),
+    Mistake("law_forces", 0, "linear.wgsl", "constants.y, 1.0", "constants.x, 1.0", Buffer::Wrenches),
+    Mistake("law_forces", 0, "laws/contact.wgsl", "scale *= sqrt(", "scale *= (", Buffer::Histories),
+    Mistake("law_forces", 0, "laws/contact.wgsl", "shift = step.dt * slip", "shift = -step.dt * slip", Buffer::Histories),
+    Mistake("law_forces", 0, "laws/contact.wgsl", "rub *= limit / size", "rub *= 1.0", Buffer::Wrenches),
+    Mistake("law_forces", 0, "laws/contact.wgsl", "- dot(before.shift, n) * n", "", Buffer::Histories),
+    Mistake("law_forces", 0, "history.wgsl", "known == key", "known >= key", Buffer::Wrenches),
+    Mistake("law_forces", 0, "history.wgsl", ".w >= state", ".w < state", Buffer::Histories),
+    Mistake("law_forces", 0, "law_forces.wgsl", "select(-law.contact.force,", "select(law.contact.force,", Buffer::Wrenches),
+    Mistake("symplectic_euler", 0, "wrenches.wgsl", "2u * i", "i", Buffer::Y2),
+    Mistake("commit_history", 0, "commit_history.wgsl", "(movers + row)", "row", Buffer::Histories),
     Mistake("commit_friction_impulses", 0, "commit_next_state.wgsl", "region < 3u", "region < 1u", Buffer::Start),
     Mistake("advance", 1, "contact.wgsl", "fresh | (approach < -threshold)", "fresh", Buffer::Y3),
     Mistake("run_steps", COLLISIONS, "changes.wgsl", "impulse * plainly.solved.tau", "plainly.solved.tau", Buffer::Start),
@@ -387,7 +398,7 @@ fn entry_file(stage: &str) -> &str {
 }
 
 /// Plans of the traces that must reveal the mistakes.
-fn plans() -> [Plan; 9] {
+fn plans() -> [Plan; 11] {
     let (rk4, euler) = (Integrator::Rk4, Integrator::SymplecticEuler);
     // Friction so strong that its bound limits it.
     let rough = Settings::default().with(|settings| {
@@ -408,6 +419,8 @@ fn plans() -> [Plan; 9] {
         Plan { rods: false, settings: both, ..plan(4, euler) },
         Plan { rods: false, only: Only::Few, ..plan(7, euler) },
         Plan { rods: false, only: Only::Few, materials: true, settings: both, ..plan(8, euler) },
+        Plan { rods: false, ..with_law(plan(9, euler), ContactLaw::HertzMindlin) },
+        Plan { rods: false, ..with_law(plan(12, euler), ContactLaw::Linear) },
         plan(0, rk4),
         Plan { settings: both, ..plan(1, euler) },
         plan(2, rk4),

@@ -144,17 +144,21 @@ pub(crate) fn clusters(plan: &Plan, attempts: &[u64]) -> Clusters {
     Clusters { scene, cluster_of: owners.concat() }
 }
 
-/// The same scene with materials: every third object has none, some pairs are not given, and some have no friction.
+/// The same scene with materials: every third object has none, unless the contact law needs it, some pairs are not given, and some have no friction.
 fn with_materials(scene: &Scene) -> Scene {
     let mut made = Scene::new();
     made.settings = scene.settings;
-    let [hard, soft] = ["hard", "soft"].map(|name| made.add_material(Material::new(name)).unwrap());
-    made.set_pair(hard, hard, Pair::default().restitution(0.9).friction(0.4)).unwrap();
+    let materials = [("hard", 2e3), ("soft", 5e2)].map(|(name, young)| Material::new(name).young(young).poisson(0.3));
+    let [hard, soft] = materials.map(|material| made.add_material(material).unwrap());
+    made.set_pair(hard, hard, Pair::default().restitution(0.9).friction(0.4).stiffness(300.0)).unwrap();
     made.set_pair(hard, soft, Pair::default().restitution(0.3).friction(0.0)).unwrap();
+    made.set_pair(soft, soft, Pair::default().stiffness(100.0)).unwrap();
+    let has_history = scene.settings.contact_law.has_history();
     let mut place = 0;
     let mut next = || -> Option<MaterialId> {
         place += 1;
-        [None, Some(hard), Some(soft)][place % 3]
+        // The laws with history need a material for every object.
+        [if has_history { Some(hard) } else { None }, Some(hard), Some(soft)][place % 3]
     };
     let old: Vec<_> = scene.sphere_ids().collect();
     let mut spheres = Vec::new();

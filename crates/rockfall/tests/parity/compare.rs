@@ -12,6 +12,7 @@ use glam::{Vec3, Vec4};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use rockfall::model::buffer::Buffer;
+use rockfall::model::layout::{HISTORY_WORDS, NO_KEY};
 use rockfall::model::status::{COUNTER_BLOCKS, Counters, Status};
 use rockfall::model::world::World;
 use rockfall::step::schedule::Run;
@@ -51,6 +52,24 @@ fn flat(vectors: &[Vec4]) -> Vec<f32> {
     vectors.iter().flat_map(|vector| vector.to_array()).collect()
 }
 
+/// Keys and springs of all rows before and after the step. A row ends with the first record without a key, whose key is returned
+/// too.
+fn springs(world: &World) -> Vec<(u32, [f32; 4])> {
+    let (words, room) = (HISTORY_WORDS as usize, world.step.history_room as usize);
+    let mut all = Vec::new();
+    for row in world.histories.chunks_exact((room * words).max(1)) {
+        for record in row.chunks_exact(words) {
+            let key = record[words - 1];
+            let spring = if key == NO_KEY { [0.0; 4] } else { std::array::from_fn(|k| f32::from_bits(record[k])) };
+            all.push((key, spring));
+            if key == NO_KEY {
+                break;
+            }
+        }
+    }
+    all
+}
+
 fn floats(world: &World) -> Vec<Floats> {
     let mut all = Vec::new();
     let mut field = |buffer, what, values| all.push(Floats { buffer, what, values });
@@ -68,6 +87,7 @@ fn floats(world: &World) -> Vec<Floats> {
         let own: Vec<Vec4> = world.wrenches.iter().skip(place).step_by(4).copied().collect();
         field(Buffer::Wrenches, what, flat(&own));
     }
+    field(Buffer::Histories, "springs", springs(world).into_iter().flat_map(|(_, spring)| spring).collect());
     field(Buffer::Orientations, "quaternion", flat(&world.orientations));
     let status = &world.status;
     let measured = [status.escape_ratio, status.total_counters().max_overlap, status.last_max_overlap];
@@ -90,6 +110,7 @@ fn words(world: &World) -> Vec<(Buffer, &'static str, Vec<u32>)> {
         (Buffer::Cells, "cells", world.cells.clone()),
         (Buffer::Lists, "counts and offsets", head),
         (Buffer::Lists, "entries", lists),
+        (Buffer::Histories, "keys", springs(world).into_iter().map(|(key, _)| key).collect()),
         (Buffer::Status, "counters", bytemuck::cast_slice(bytemuck::bytes_of(&counters)).to_vec()),
     ]
 }

@@ -1,8 +1,8 @@
 //! Traces of random steps: the world before every stage. No decision of the step is near the value at which it changes.
 
 use rockfall::model::layout::{
-    CELL_BLOCK, CELLS_AT, FLAG_STAGES, PHASES_SHIFT, POSITIONS_FIRST, ROD_WORDS, SLICE, SWEEPS_FEW, SWEEPS_LISTED, SWEEPS_OFF,
-    SWEEPS_ON, SYMPLECTIC_EULER,
+    CELL_BLOCK, CELLS_AT, FLAG_STAGES, HISTORY_WORDS, LAW_THESIS, NO_KEY, PHASES_SHIFT, POSITIONS_FIRST, ROD_WORDS, SLICE,
+    SWEEPS_FEW, SWEEPS_LISTED, SWEEPS_OFF, SWEEPS_ON, SYMPLECTIC_EULER,
 };
 use rockfall::model::world::World;
 use rockfall::step::catalog::ALL;
@@ -174,8 +174,36 @@ fn with_step_settings(mut world: World) -> World {
     world
 }
 
+/// Gives the contacts of a world springs as a step before may have left them: longer than those of one step, and with overlaps that
+/// have grown or shrunk since.
+fn add_springs(world: &mut World, plan: &Plan) {
+    let mut early = world.clone();
+    let lists = [Phase::UpdateAabbs, Phase::BroadPhase].into_iter();
+    for run in lists.flat_map(|phase| phase.stages(plan.integrator, plan.broad_phase)) {
+        run.on_cpu(&mut early);
+    }
+    let laws = ["law_forces", "commit_history"];
+    let stages = Phase::UpdatePositions.stages(plan.integrator, plan.broad_phase).iter();
+    stages.filter(|run| laws.contains(&run.stage.name)).for_each(|run| run.on_cpu(&mut early));
+    assert_eq!(early.status.rejected, 0, "the rows have no room for all springs");
+    for (number, record) in early.histories.chunks_exact_mut(HISTORY_WORDS as usize).enumerate() {
+        if record[HISTORY_WORDS as usize - 1] != NO_KEY {
+            let factors = [[3.0; 3], [0.5; 3]][number % 2];
+            for (word, factor) in record.iter_mut().zip(factors) {
+                *word = (f32::from_bits(*word) * factor).to_bits();
+            }
+            record[3] = (f32::from_bits(record[3]) * [0.8, 1.25][number % 2]).to_bits();
+        }
+    }
+    world.histories = early.histories;
+}
+
 fn run(drawn: &Clusters, plan: &Plan) -> Trace {
     let mut world = build(drawn, plan);
+    if world.step.law != LAW_THESIS {
+        world.set_history_room(64);
+        add_springs(&mut world, plan);
+    }
     let mut scenarios = Vec::new();
     let mut findings = Findings::default();
     let settings = &drawn.scene.settings;
@@ -263,6 +291,9 @@ fn fused_scenario(world: &World, first: &Run, plan: &Plan) -> Option<Scenario> {
     };
     let stage = ALL.into_iter().find(|stage| stage.name == "run_steps").expect("the fused stage of small scenes");
     let run = Run { stage, pass, when: When::NoRods, every: 1, planned: false };
+    if world.step.law != LAW_THESIS {
+        return None;
+    }
     run.applies(&world.step).then(|| {
         // `run_steps` is used only in scenes without large spheres.
         let mut before = world.clone();

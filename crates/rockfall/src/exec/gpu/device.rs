@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use crate::error::{Error, Result};
-use crate::exec::gpu::exchange::Exchangers;
+use crate::exec::gpu::exchangers::Exchangers;
 use crate::exec::gpu::fault::{Faults, catch};
 use crate::exec::gpu::kernel::Kernel;
 use crate::model::layout::WORKGROUP;

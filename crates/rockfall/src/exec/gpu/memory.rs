@@ -23,14 +23,15 @@ pub(crate) fn bytes_needed(world: &World, buffer: Buffer) -> u64 {
         Buffer::Start | Buffer::Y2 | Buffer::Y3 | Buffer::Y4 => vectors(3 * u64::from(step.spheres)),
         Buffer::States if is_small(step) => vectors(12 * u64::from(step.spheres)),
         Buffer::Aabbs => 32 * u64::from(world.objects()),
-        Buffer::States | Buffer::Topology | Buffer::DispatchSizes | Buffer::Status => 0,
+        // The host's arrays of these are complete.
+        Buffer::States | Buffer::Topology | Buffer::DispatchSizes | Buffer::Histories | Buffer::Status => 0,
         Buffer::Cells => 4 * world.cell_words(),
         Buffer::Lists => 4 * world.list_words(),
         Buffer::CollisionIndices => 4 * world.collision_index_words(),
         Buffer::Collisions => 4 * u64::from(COLLISION_WORDS) * u64::from(step.collision_room),
         // Rows are read four at a time, so there is room for three more.
         Buffer::Extents => vectors(u64::from(world.objects()) + 3),
-        Buffer::Wrenches => vectors(4 * u64::from(step.rods)),
+        Buffer::Wrenches => vectors(world.wrench_count() as u64),
         Buffer::Orientations => vectors(u64::from(step.spheres)),
     };
     addressed.max(world.bytes(buffer).len() as u64).max(LEAST_BYTES)

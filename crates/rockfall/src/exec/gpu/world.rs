@@ -23,13 +23,14 @@ use crate::step::wgsl::Variant;
 pub(super) const UNIFORM: wgpu::BufferUsages = wgpu::BufferUsages::UNIFORM.union(wgpu::BufferUsages::COPY_DST);
 
 /// What a world's buffers hold when a step begins; everything else is written before it is read.
-const KEPT: [Buffer; 7] = [
+const KEPT: [Buffer; 8] = [
     Buffer::Start,
     Buffer::Aabbs,
     Buffer::Topology,
     Buffer::Lists,
     Buffer::Orientations,
     Buffer::DispatchSizes,
+    Buffer::Histories,
     Buffer::Status,
 ];
 
@@ -230,6 +231,17 @@ impl GpuWorld {
         self.fit(world, Buffer::Collisions)?;
         self.step.collision_room = world.step.collision_room;
         Ok(())
+    }
+
+    /// Takes over the room for springs of contacts of `world`, and the springs.
+    ///
+    /// # Errors
+    /// As for [`GpuWorld::new`].
+    pub(crate) fn resize_histories(&mut self, world: &World) -> Result<()> {
+        self.gpu.faults().check()?;
+        self.fit(world, Buffer::Histories)?;
+        self.step.history_room = world.step.history_room;
+        self.write(Buffer::Histories, world.bytes(Buffer::Histories))
     }
 
     fn fit(&mut self, world: &World, buffer: Buffer) -> Result<()> {

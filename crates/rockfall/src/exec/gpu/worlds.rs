@@ -12,7 +12,7 @@ use crate::exec::gpu::wait::{Mapped, block_on};
 use crate::exec::gpu::world::UNIFORM;
 use crate::model::buffer::Buffer;
 use crate::model::dispatch::rows;
-use crate::model::layout::{PHASES_SHIFT, SYMPLECTIC_EULER};
+use crate::model::layout::{LAW_THESIS, PHASES_SHIFT, SYMPLECTIC_EULER};
 use crate::model::step::{Pass, Step};
 use crate::model::world::World;
 use crate::settings::Integrator;
@@ -108,8 +108,15 @@ impl DeviceWorlds {
         if self.count == 0 {
             return Ok(());
         }
-        let variant =
-            Variant { rods: false, large: false, muscles: false, materials: false, many: false, worlds: Some(self.sizes) };
+        let variant = Variant {
+            rods: false,
+            large: false,
+            muscles: false,
+            law: LAW_THESIS,
+            materials: false,
+            many: false,
+            worlds: Some(self.sizes),
+        };
         let kernel = self.gpu.kernel(&STAGE, variant, vec![1; STAGE.bindings.len()])?;
         let device = self.gpu.device();
         let across = device.limits().max_compute_workgroups_per_dimension;

@@ -7,8 +7,8 @@ use glam::Vec4;
 use crate::error::Result;
 use crate::model::dispatch::sizes;
 use crate::model::layout::{
-    CELL_BLOCK, CELLS_AT, FEW_MOVERS, FLAG_COLLISIONS, FLAG_CONTINUE, FLAG_GROUPS, FLAG_PAIR_FRICTION, FLAG_PULL, LEVEL_BIAS,
-    LINE, MIN_PLANNED_OBJECTS, SLICE, SUM_WORDS,
+    CELL_BLOCK, CELLS_AT, FEW_MOVERS, FIRST_HISTORY_ROOM, FLAG_COLLISIONS, FLAG_CONTINUE, FLAG_GROUPS, FLAG_PAIR_FRICTION,
+    FLAG_PULL, LAW_THESIS, LEVEL_BIAS, LINE, MIN_PLANNED_OBJECTS, SLICE, SUM_WORDS,
 };
 use crate::model::step::Step;
 use crate::model::world::World;
@@ -82,7 +82,9 @@ impl World {
         world.set_topology(scene)?;
         world.set_spheres(scene);
         world.set_grid(scene);
-        world.step.large = world.large_spheres(scene);
+        // Laws with history evaluate the contacts of a mover in one thread.
+        world.step.large = if world.step.law == LAW_THESIS { world.large_spheres(scene) } else { 0 };
+        world.set_history_room(FIRST_HISTORY_ROOM);
         world.set_collision_room();
         let entries = if world.movers() <= FEW_MOVERS { FIRST_ENTRIES_OF_FEW } else { FIRST_ENTRIES };
         world.set_pair_room((entries * world.movers().div_ceil(SLICE)).max(1));
@@ -91,9 +93,14 @@ impl World {
 
     /// Writes the settings to the uniform block.
     pub fn set_settings(&mut self, settings: &Settings) {
-        let Settings { gravity, gravity_direction, collisions, contact_pull, .. } = *settings;
+        let Settings { gravity, gravity_direction, collisions, contact_pull, contact_law, .. } = *settings;
         let step = &mut self.step;
         step.set_constants(settings);
+        step.law = contact_law.number();
+        if contact_law.has_history() {
+            // Friction is part of the law.
+            step.coulomb_friction = 0.0;
+        }
         step.gravity = (gravity * gravity_direction).to_array();
         step.gravity_size = gravity.abs() * gravity_direction.length();
         let bit = |on: bool, flag: u32| if on { flag } else { 0 };
@@ -189,7 +196,7 @@ impl World {
         self.aabbs.resize(self.objects() as usize, Default::default());
         self.resize_cells();
         self.extents.resize(self.objects() as usize, Vec4::ZERO);
-        self.wrenches.resize(4 * self.step.rods as usize, Vec4::ZERO);
+        self.wrenches.resize(self.wrench_count(), Vec4::ZERO);
         self.set_pair_rows(self.step.pair_rows);
     }
 

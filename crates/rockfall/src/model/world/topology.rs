@@ -13,7 +13,7 @@ use crate::model::world::World;
 use crate::model::world::build::in_order;
 use crate::model::world::frames::{batches, networks};
 use crate::model::world::order::inverse;
-use crate::scene::{Pair, Scene, SphereId};
+use crate::scene::{Dampings, Pair, Scene, SphereId};
 
 impl World {
     /// Packs everything but the state of the spheres: the topology buffer, and the counts and offsets of the uniform block.
@@ -169,18 +169,22 @@ fn pack_pairs(scene: &Scene, step: &mut Step, topology: &mut Vec<u32>) {
     const OF_SCENE: f32 = -1.0;
     step.flags &= !FLAG_PAIR_FRICTION;
     (step.materials, step.pairs_at) = (0, 0);
-    if scene.pairs.is_empty() {
+    let law = scene.settings.contact_law;
+    if scene.pairs.is_empty() && !law.has_history() {
         return;
     }
     let numbers = 0..=scene.materials().len() as u16;
     (step.materials, step.pairs_at) = (numbers.len() as u32, topology.len() as u32);
+    let mut dampings = Dampings::default();
     for (one, other) in numbers.clone().flat_map(|one| numbers.clone().map(move |other| (one, other))) {
-        let Pair { restitution, friction } = scene.pair_of_numbers(one, other);
-        // Coulomb friction replaces the friction force of the square-root law.
+        let Pair { restitution, friction, .. } = scene.pair_of_numbers(one, other);
+        // Coulomb friction replaces the friction force of the square-root law. It is part of the laws with history.
         let root = friction.map_or(OF_SCENE, |_| 0.0);
-        let coulomb = friction.unwrap_or(OF_SCENE);
-        topology.extend([restitution.unwrap_or(OF_SCENE), root, coulomb, coulomb].map(f32::to_bits));
-        if coulomb > 0.0 {
+        let in_collisions = friction.unwrap_or(OF_SCENE);
+        let in_contacts = if law.has_history() { 0.0 } else { in_collisions };
+        topology.extend([restitution.unwrap_or(OF_SCENE), root, in_contacts, in_collisions].map(f32::to_bits));
+        topology.extend(scene.law_constants(one, other, &mut dampings).map(f32::to_bits));
+        if in_contacts > 0.0 || in_collisions > 0.0 && scene.settings.collisions {
             step.flags |= FLAG_PAIR_FRICTION;
         }
     }

@@ -109,7 +109,11 @@ fn no_force() -> Net {
 
 fn net_force(i: u32) -> Net {
     var net = no_force();
-    add_contacts(i, &net);
+    if LAW == LAW_THESIS {
+        add_contacts(i, &net);
+    } else {
+        add_law_load(i, &net);
+    }
     add_attachments(i, &net);
     return net;
 }

@@ -22,6 +22,26 @@ const NAMES: [(&Kind, &[&str]); 11] = [
     (&MUSCLE, &["muscle", "muscles"]),
 ];
 
+/// The comment at the beginning of a text.
+#[derive(Default)]
+pub(super) struct Title {
+    pub(super) lines: Vec<String>,
+    is_complete: bool,
+}
+
+impl Title {
+    /// Adds the next line of the text.
+    pub(super) fn add(&mut self, line: &str, is_comment: bool) {
+        let is_blank = line.trim().is_empty();
+        self.is_complete |= !is_comment && !(is_blank && self.lines.is_empty());
+        if is_comment && !self.is_complete {
+            let text = line.trim_end();
+            let text = text.trim_start().strip_prefix('#').unwrap_or(text);
+            self.lines.push(text.strip_prefix(' ').unwrap_or(text).to_owned());
+        }
+    }
+}
+
 /// Removes a comment from a line: from a `#` at its beginning or after white space.
 pub(super) fn without_comment(line: &str) -> &str {
     let begins = |(at, _): &(usize, &str)| line[..*at].chars().next_back().is_none_or(char::is_whitespace);

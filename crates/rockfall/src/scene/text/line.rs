@@ -61,8 +61,12 @@ pub(super) const FORCE: Kind =
     Kind { word: "@force", references: &["sphere"], numbers: &["x", "y", "z"], last_is_optional: false };
 pub(super) const MATERIAL: Kind =
     Kind { word: "@material", references: &["NAME"], numbers: &["density=D", "young=E", "poisson=N"], last_is_optional: false };
-pub(super) const PAIR: Kind =
-    Kind { word: "@pair", references: &["NAME", "NAME"], numbers: &["restitution=e", "friction=mu"], last_is_optional: false };
+pub(super) const PAIR: Kind = Kind {
+    word: "@pair",
+    references: &["NAME", "NAME"],
+    numbers: &["restitution=e", "friction=mu", "stiffness=k"],
+    last_is_optional: false,
+};
 pub(super) const USE: Kind = Kind { word: "@use", references: &["NAME"], numbers: &[], last_is_optional: false };
 pub(super) const MARK: Kind = Kind { word: "@capsule", references: &["end1", "end2"], numbers: &[], last_is_optional: false };
 

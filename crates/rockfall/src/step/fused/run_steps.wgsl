@@ -26,6 +26,8 @@ var<workgroup> pass_index: u32;
 // The next two functions do nothing, because these scenes have no rods.
 fn add_wrench(i: u32, rod: u32, net: ptr<function, Net>) {}
 
+fn add_law_load(i: u32, net: ptr<function, Net>) {}
+
 fn remember(i: u32, old_position: vec3f, spin: vec3f) {}
 
 // Every sphere computes its collisions itself. If collisions share bodies, the step is rejected, and the single stages

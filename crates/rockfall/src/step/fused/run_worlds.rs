@@ -8,7 +8,7 @@ use bytemuck::{Pod, Zeroable};
 
 use crate::model::buffer::Buffer;
 use crate::model::dispatch::Threads;
-use crate::model::layout::FLAG_COLLISIONS;
+use crate::model::layout::{FLAG_COLLISIONS, LAW_THESIS};
 use crate::model::part::part;
 use crate::model::status::NO_BODY;
 use crate::model::world::World;
@@ -43,7 +43,11 @@ impl WorldSizes {
         // A sphere is not in its own list.
         let fits = world.objects() <= room.entries + 1 && room.holds(&Self { entries: 0, ..needed });
         let has_impulses = step.flags & FLAG_COLLISIONS != 0 || step.has_friction_impulses();
-        let is_plain = step.rods == 0 && step.large == 0 && step.materials == 0 && step.insertion_indices_at == 0;
+        let is_plain = step.rods == 0
+            && step.large == 0
+            && step.materials == 0
+            && step.law == LAW_THESIS
+            && step.insertion_indices_at == 0;
         (fits && step.spheres > 0 && is_plain && !has_impulses).then_some(room)
     }
 

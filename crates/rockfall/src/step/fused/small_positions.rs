@@ -7,7 +7,7 @@ use glam::{Vec3, Vec4};
 
 use crate::model::counters::{Tally, count_builds};
 use crate::model::lanes::{LANES, Vec3x4};
-use crate::model::layout::{GRAIN, KIND_FORCE, KIND_TETHER, MUSCLE_WORDS, SPRING_WORDS};
+use crate::model::layout::{GRAIN, KIND_FORCE, KIND_TETHER, LAW_THESIS, MUSCLE_WORDS, SPRING_WORDS};
 use crate::model::lists::Lists;
 use crate::model::muscles::MusclesOfFour;
 use crate::model::state::Motion;
@@ -29,7 +29,7 @@ pub(crate) fn stages_before(world: &World, stages: &[Run]) -> Option<usize> {
     let replaced = Phase::UpdatePositions.stages(Integrator::Rk4, BroadPhase::BruteForce);
     let first = stages.len().checked_sub(replaced.len())?;
     let is_same = |(one, other): (&Run, &Run)| one.stage.is(other.stage) && one.pass == other.pass;
-    let fits = step.rods == 0 && step.spheres > 0 && (step.spheres as usize) < 2 * GRAIN;
+    let fits = step.law == LAW_THESIS && step.rods == 0 && step.spheres > 0 && (step.spheres as usize) < 2 * GRAIN;
     (world.joins_steps && fits && stages[first..].iter().zip(replaced).all(is_same)).then_some(first)
 }
 

@@ -13,6 +13,8 @@
 // Does nothing: scenes with rods do not use this stage.
 fn add_wrench(i: u32, rod: u32, net: ptr<function, Net>) {}
 
+fn add_law_load(i: u32, net: ptr<function, Net>) {}
+
 @compute @workgroup_size(64)
 fn finish_and_turn(
     @builtin(workgroup_id) group: vec3u,

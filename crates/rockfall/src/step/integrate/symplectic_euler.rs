@@ -9,6 +9,7 @@ use crate::error::BadStage;
 use crate::model::buffer::Buffer;
 use crate::model::counters::{Tally, count_builds};
 use crate::model::dispatch::Threads;
+use crate::model::layout::LAW_THESIS;
 use crate::model::lists::Lists;
 use crate::model::part::part;
 use crate::model::state::{Motion, Rows};
@@ -54,7 +55,9 @@ fn symplectic_euler(world: &mut World, _pass: u32) {
     let next = |sphere: u32, tally: &mut Tally| {
         let y = Motion::of(&view, sphere);
         if view.is_fixed(sphere) {
-            count_contacts(&view, &lists, sphere, tally);
+            if world.step.law == LAW_THESIS {
+                count_contacts(&view, &lists, sphere, tally);
+            }
             return y;
         }
         tally.escape_ratio = tally.escape_ratio.max(escape_ratio(&view, &world.aabbs, sphere));

@@ -1,0 +1,137 @@
+//! A closer look at a creature that would become the champion. Evolution finds every error of a simulation that moves it forward:
+//! an audit finds those that the rules of a trial do not exclude.
+
+use std::f64::consts::TAU;
+
+use rockfall::{Result, Scene, Simulation};
+use serde::{Deserialize, Serialize};
+
+use crate::genome::Genome;
+use crate::trial::{Outcome, Trial, Verdict};
+
+/// Share of the fitness that must remain at half the time step.
+const KEPT: f64 = 0.7;
+/// Energy that may appear from nowhere, as a share of the work that went into and came out of the muscles.
+const TOLERANCE: f64 = 0.05;
+
+/// What an audit found.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Audit {
+    /// Fitness at half the time step.
+    pub fitness_at_half_step: f64,
+    /// Work of the muscles, in mass units²/s².
+    pub work: f64,
+    /// Sum of the magnitudes of that work, step by step.
+    pub throughput: f64,
+    /// Energy gained, which dissipation makes less than the work. The greatest difference to the work counts.
+    pub excess: f64,
+    /// Whether the creature passes.
+    pub passed: bool,
+}
+
+/// Audits a creature whose trial had this outcome: its fitness at half the time step, and its energy against the work of its
+/// muscles, step by step.
+///
+/// # Errors
+/// As for [`Simulation::with_options`].
+pub fn audit(genome: &Genome, outcome: &Outcome, trial: &Trial) -> Result<Audit> {
+    let finer = Trial { dt: 0.5 * trial.dt, ..trial.clone() };
+    let half = finer.run(std::slice::from_ref(genome), &|| false)?.and_then(|found| found.first().copied());
+    let fitness_at_half_step = half.filter(|half| half.verdict == Verdict::Valid).map_or(0.0, |half| half.fitness);
+    let Books { work, throughput, excess } = keep_books(genome, trial)?;
+    let passed = fitness_at_half_step >= KEPT * outcome.fitness && excess <= TOLERANCE * throughput;
+    Ok(Audit { fitness_at_half_step, work, throughput, excess, passed })
+}
+
+struct Books {
+    work: f64,
+    throughput: f64,
+    excess: f64,
+}
+
+/// Runs a creature alone, and compares its energy with the work of its muscles after each step.
+fn keep_books(genome: &Genome, trial: &Trial) -> Result<Books> {
+    let mut simulation = Simulation::with_options(genome.scene(&trial.ground)?, trial.options.clone())?;
+    let mut books = Books { work: 0.0, throughput: 0.0, excess: 0.0 };
+    let start = simulation.energy()?.total();
+    let mut before = tensions(simulation.sync()?, 0.0)?;
+    for _ in 0..trial.steps() {
+        if simulation.run(1, trial.dt).is_err() {
+            return Ok(Books { excess: f64::INFINITY, ..books });
+        }
+        let time = simulation.muscle_time();
+        let after = tensions(simulation.sync()?, time)?;
+        for ((force, length), (next_force, next_length)) in before.iter().zip(&after) {
+            // The power of a muscle is minus its tension times the rate of its rest length.
+            let work = -0.5 * (force + next_force) * (next_length - length);
+            books.work += work;
+            books.throughput += work.abs();
+        }
+        before = after;
+        books.excess = books.excess.max(simulation.energy()?.total() - start - books.work);
+    }
+    Ok(books)
+}
+
+/// Tension and rest length of each spring at a time.
+fn tensions(scene: &Scene, time: f64) -> Result<Vec<(f64, f64)>> {
+    let tension = |spring: &rockfall::Spring| {
+        let [a, b] = [scene.sphere(spring.a)?, scene.sphere(spring.b)?].map(|end| end.position.as_dvec3());
+        let swing = spring.muscle.map_or(0.0, |muscle| {
+            let turns = f64::from(muscle.frequency) * time + f64::from(muscle.phase);
+            f64::from(muscle.amplitude) * (TAU * turns).sin()
+        });
+        let length = f64::from(spring.length) * (1.0 + swing);
+        Ok((f64::from(spring.stiffness) * (a.distance(b) - length), length))
+    };
+    scene.springs().iter().map(tension).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::genome::{Body, Node, SPACING};
+    use crate::ground::Ground;
+    use crate::trial::Goal;
+    use rockfall::Backend;
+
+    fn beam(stiffness: f32) -> Genome {
+        let node = |k: u8| Node {
+            position: [k & 1, k >> 1 & 1, k >> 2].map(|side| f32::from(side) * SPACING),
+            amplitude: 0.15,
+            phase: 0.2 * f32::from(k & 1),
+        };
+        Genome { body: Body::Lattice, nodes: (0..8).map(node).collect(), frequency: 1.5, stiffness }
+    }
+
+    fn trial(dt: f32) -> Trial {
+        let mut trial = Trial::new(Goal::Height, 2.0, dt, Ground::level().unwrap());
+        trial.options = trial.options.backend(Backend::Cpu);
+        trial
+    }
+
+    /// Dissipation takes what the muscles give, and no energy comes from elsewhere.
+    #[test]
+    fn an_honest_creature_passes() {
+        let (genome, trial) = (beam(1500.0), trial(0.005));
+        let outcome = trial.run(std::slice::from_ref(&genome), &|| false).unwrap().unwrap()[0];
+        let audit = audit(&genome, &outcome, &trial).unwrap();
+        assert!(audit.passed, "{audit:?}");
+        assert!(audit.throughput > 1.0 && audit.work > 0.0, "{audit:?}");
+    }
+
+    /// A time step above the stability bound of the springs makes energy.
+    #[test]
+    fn numerical_energy_does_not_pass() {
+        let books = keep_books(&beam(3000.0), &trial(0.05)).unwrap();
+        assert!(books.excess > TOLERANCE * books.throughput, "{} of {}", books.excess, books.throughput);
+    }
+
+    #[test]
+    fn a_fitness_that_half_the_time_step_does_not_confirm_does_not_pass() {
+        let (genome, trial) = (beam(1500.0), trial(0.005));
+        let outcome = trial.run(std::slice::from_ref(&genome), &|| false).unwrap().unwrap()[0];
+        let boast = Outcome { fitness: 2.0 * outcome.fitness, ..outcome };
+        assert!(!audit(&genome, &boast, &trial).unwrap().passed);
+    }
+}

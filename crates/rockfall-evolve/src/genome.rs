@@ -1,0 +1,226 @@
+//! The genotype: body and controller of a creature.
+
+use rockfall::glam::Vec3;
+use rockfall::{Muscle, Result, Scene, Sphere, SphereId, Spring};
+use serde::{Deserialize, Serialize};
+
+use crate::ground::Ground;
+
+/// Distance between neighbouring nodes of a lattice, in units.
+pub(crate) const SPACING: f32 = 0.5;
+/// Radius of every sphere, in units.
+pub(crate) const RADIUS: f32 = 0.12;
+/// Mass of every sphere.
+const MASS: f32 = 1.0;
+/// Damping of every spring, in 1/s per unit of mass.
+const DAMPING: f32 = 8.0;
+/// Nodes up to this distance are joined by springs: the diagonal of a cube of the lattice and a little more.
+pub(crate) const REACH: f32 = 1.75 * SPACING;
+/// Smallest distance between two nodes, in units.
+pub(crate) const LEAST_DISTANCE: f32 = 2.2 * RADIUS;
+/// Least and greatest number of nodes.
+pub(crate) const NODES: std::ops::RangeInclusive<usize> = 4..=20;
+/// Greatest amplitude of a muscle.
+pub(crate) const MOST_AMPLITUDE: f32 = 0.25;
+/// Least and greatest frequency of the muscles, in 1/s.
+pub(crate) const FREQUENCIES: std::ops::RangeInclusive<f32> = 0.4..=3.0;
+/// Least and greatest stiffness of the springs.
+pub(crate) const STIFFNESSES: std::ops::RangeInclusive<f32> = 600.0..=3000.0;
+
+/// Where the nodes of a body may be.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Body {
+    /// On the points of a cubic lattice.
+    Lattice,
+    /// Anywhere.
+    Free,
+}
+
+impl std::str::FromStr for Body {
+    type Err = String;
+
+    fn from_str(name: &str) -> std::result::Result<Self, String> {
+        match name {
+            "lattice" => Ok(Self::Lattice),
+            "free" => Ok(Self::Free),
+            _ => Err("expected lattice or free".to_owned()),
+        }
+    }
+}
+
+impl std::fmt::Display for Body {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(if *self == Self::Lattice { "lattice" } else { "free" })
+    }
+}
+
+/// A mass, and its share in the controller.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Node {
+    /// Position in the body, in units.
+    pub position: [f32; 3],
+    /// Amplitude that it gives to the muscles at it, from 0 to 0.25.
+    pub amplitude: f32,
+    /// Phase that it gives to the muscles at it, in turns from 0 to 1.
+    pub phase: f32,
+}
+
+impl Node {
+    pub(crate) fn place(&self) -> Vec3 {
+        Vec3::from_array(self.position)
+    }
+}
+
+/// Body and controller of a creature. Nodes that are near each other are joined by springs, and each spring is a muscle whose
+/// amplitude and phase are the means of its two nodes. So a change of one node changes a part of body and gait together.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Genome {
+    /// Where nodes may be.
+    pub body: Body,
+    /// The masses, 4 to 20.
+    pub nodes: Vec<Node>,
+    /// Frequency of all muscles, in 1/s.
+    pub frequency: f32,
+    /// Stiffness of all springs, in mass/s².
+    pub stiffness: f32,
+}
+
+/// A spring of a creature.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Bond {
+    pub(crate) ends: [usize; 2],
+    pub(crate) length: f32,
+    pub(crate) muscle: Option<Muscle>,
+}
+
+impl Genome {
+    /// The springs: one per pair of near nodes, in ascending order.
+    pub(crate) fn bonds(&self) -> Vec<Bond> {
+        let mut bonds = Vec::new();
+        for (b, end) in self.nodes.iter().enumerate() {
+            for (a, other) in self.nodes[..b].iter().enumerate() {
+                let length = end.place().distance(other.place());
+                if length <= REACH {
+                    let amplitude = 0.5 * (end.amplitude + other.amplitude);
+                    let muscle = Muscle::new(amplitude, self.frequency, middle(end.phase, other.phase));
+                    bonds.push(Bond { ends: [a, b], length, muscle: (amplitude > 0.0).then_some(muscle) });
+                }
+            }
+        }
+        bonds
+    }
+
+    /// Extent of the body along its longer horizontal side, in units, with the spheres: the length of the creature.
+    pub fn length(&self) -> f32 {
+        let [least, greatest] = self.bounds();
+        let extent = greatest - least;
+        extent.x.max(extent.z) + 2.0 * RADIUS
+    }
+
+    fn bounds(&self) -> [Vec3; 2] {
+        let places = || self.nodes.iter().map(Node::place);
+        [places().fold(Vec3::INFINITY, Vec3::min), places().fold(Vec3::NEG_INFINITY, Vec3::max)]
+    }
+
+    /// A scene with the creature on a ground, at rest, its lowest spheres touching height 0.
+    ///
+    /// # Errors
+    /// Those of the scene, for a ground that is too large. Every genome that variation gives is a valid creature.
+    pub fn scene(&self, ground: &Ground) -> Result<Scene> {
+        let mut scene = ground.scene();
+        let [least, greatest] = self.bounds();
+        let middle = 0.5 * (least + greatest);
+        let shift = Vec3::new(-middle.x, RADIUS - least.y, -middle.z);
+        let mut ids: Vec<SphereId> = Vec::with_capacity(self.nodes.len());
+        for node in &self.nodes {
+            ids.push(scene.add_sphere(Sphere::new(node.place() + shift, RADIUS).mass(MASS))?);
+        }
+        for bond in self.bonds() {
+            let [a, b] = bond.ends.map(|end| ids[end]);
+            let spring = Spring::new(a, b, self.stiffness, bond.length).damping(DAMPING * MASS);
+            scene.add_spring(match bond.muscle {
+                Some(muscle) => spring.muscle(muscle),
+                None => spring,
+            })?;
+        }
+        Ok(scene)
+    }
+
+    /// Whether the genome is a creature: its nodes are apart, and springs join all of them.
+    pub fn is_viable(&self) -> bool {
+        let apart = self
+            .nodes
+            .iter()
+            .enumerate()
+            .all(|(b, node)| self.nodes[..b].iter().all(|other| node.place().distance(other.place()) >= LEAST_DISTANCE));
+        NODES.contains(&self.nodes.len()) && apart && self.connected().len() == self.nodes.len()
+    }
+
+    /// The nodes that springs join to the first one, in ascending order.
+    pub(crate) fn connected(&self) -> Vec<usize> {
+        let mut found = vec![0];
+        let mut seen = vec![false; self.nodes.len()];
+        seen[0] = true;
+        let mut next = 0;
+        while let Some(node) = found.get(next).copied() {
+            next += 1;
+            for other in 0..self.nodes.len() {
+                if !seen[other] && self.nodes[node].place().distance(self.nodes[other].place()) <= REACH {
+                    seen[other] = true;
+                    found.push(other);
+                }
+            }
+        }
+        found.sort_unstable();
+        found
+    }
+}
+
+/// The phase in the middle of the shorter way from one phase to the other.
+fn middle(a: f32, b: f32) -> f32 {
+    let apart = (b - a + 0.5).rem_euclid(1.0) - 0.5;
+    (a + 0.5 * apart).rem_euclid(1.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn cube() -> Genome {
+        let node = |k: u8| Node {
+            position: [k & 1, k >> 1 & 1, k >> 2].map(|side| f32::from(side) * SPACING),
+            amplitude: 0.1,
+            phase: 0.125 * f32::from(k),
+        };
+        Genome { body: Body::Lattice, nodes: (0..8).map(node).collect(), frequency: 1.0, stiffness: 1000.0 }
+    }
+
+    #[test]
+    fn a_cube_has_edges_and_diagonals() {
+        let cube = cube();
+        assert!(cube.is_viable());
+        assert_eq!(cube.bonds().len(), 28);
+        assert_eq!(cube.length(), SPACING + 2.0 * RADIUS);
+        let scene = cube.scene(&Ground::level().unwrap()).unwrap();
+        assert_eq!((scene.spheres().len(), scene.springs().len(), scene.boxes().len()), (8, 28, 1));
+        assert!(scene.spheres().iter().all(|sphere| sphere.position.y >= RADIUS));
+    }
+
+    #[test]
+    fn phases_meet_on_the_shorter_way() {
+        assert!((middle(0.9, 0.1) - 0.0).abs() < 1e-6 || (middle(0.9, 0.1) - 1.0).abs() < 1e-6);
+        assert!((middle(0.2, 0.4) - 0.3).abs() < 1e-6);
+        assert!((middle(0.4, 0.2) - 0.3).abs() < 1e-6);
+    }
+
+    #[test]
+    fn bodies_in_two_parts_are_not_viable() {
+        let mut genome = cube();
+        genome.nodes[7].position = [3.0, 3.0, 3.0];
+        assert!(!genome.is_viable());
+        assert_eq!(genome.connected(), [0, 1, 2, 3, 4, 5, 6]);
+        genome.nodes[7].position = genome.nodes[0].position;
+        assert!(!genome.is_viable());
+    }
+}

@@ -1,0 +1,93 @@
+//! Whole evolutions: reproducible, resumable, and with progress.
+
+use rockfall::{Backend, Options, Simulation};
+use rockfall_evolve::{Body, Evolution, Goal, Ground, Plan, Trial};
+
+fn plan(body: Body, seed: u64) -> Plan {
+    Plan {
+        population: 24,
+        seed,
+        body,
+        goal: Goal::Distance,
+        seconds: 2.0,
+        dt: 0.005,
+        integrator: "rk4".to_owned(),
+        ground: String::new(),
+    }
+}
+
+fn trial(plan: &Plan) -> Trial {
+    let mut trial = Trial::new(plan.goal, plan.seconds, plan.dt, Ground::level().unwrap());
+    trial.options = Options::new().backend(Backend::Cpu);
+    trial
+}
+
+fn evolved(body: Body, seed: u64, generations: usize) -> Evolution {
+    let plan = plan(body, seed);
+    let mut evolution = Evolution::new(plan.clone(), trial(&plan));
+    for _ in 0..generations {
+        evolution.generation(&|| false).unwrap().unwrap();
+    }
+    evolution
+}
+
+#[test]
+fn the_same_seed_gives_the_same_champion_and_fitness_grows() {
+    for body in [Body::Lattice, Body::Free] {
+        let [a, b] = [evolved(body, 5, 4), evolved(body, 5, 4)];
+        assert!(a.champion() == b.champion() && a.archive() == b.archive());
+        assert_eq!(a.history(), b.history());
+        let champions: Vec<f64> = a.history().iter().map(|generation| generation.champion).collect();
+        assert!(champions.is_sorted() && champions[3] > 0.1, "{body}: {champions:?}");
+        assert!(a.archive().len() > 3);
+        assert!(evolved(body, 6, 1).archive() != evolved(body, 5, 1).archive());
+    }
+}
+
+#[test]
+fn a_resumed_evolution_is_the_same_as_one_that_went_on() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("evolution.json");
+    let whole = evolved(Body::Lattice, 8, 4);
+    let mut first = evolved(Body::Lattice, 8, 2);
+    // Stopping in the middle of a generation leaves it out.
+    assert_eq!(first.generation(&|| true).unwrap(), None);
+    first.save(&path).unwrap();
+    let mut second = Evolution::load(&path, |plan| Ok(trial(plan))).unwrap();
+    for _ in 0..2 {
+        second.generation(&|| false).unwrap().unwrap();
+    }
+    assert_eq!((whole.champion(), whole.archive(), whole.history()), (second.champion(), second.archive(), second.history()));
+    let text = std::fs::read_to_string(&path).unwrap();
+    for bad in [
+        text.replace("rockfall evolution", "something else"),
+        text.replace("\"version\":1", "\"version\":9"),
+        text[1..].to_owned(),
+    ] {
+        std::fs::write(&path, bad).unwrap();
+        assert!(Evolution::load(&path, |plan| Ok(trial(plan))).is_err());
+    }
+}
+
+/// The scene of the champion does what the history claims, in a simulation of its own.
+#[test]
+fn the_champion_walks_the_distance_that_the_history_claims() {
+    let evolution = evolved(Body::Lattice, 5, 3);
+    let champion = evolution.champion().unwrap();
+    let scene = champion.genome.scene(&evolution.trial().ground).unwrap();
+    let text = scene.to_text();
+    let scene = rockfall::Scene::parse(&text, "best.txt".as_ref()).unwrap().scene;
+    let mut simulation = Simulation::with_options(scene, evolution.trial().options.clone()).unwrap();
+    let centre = |simulation: &mut Simulation| {
+        let states = simulation.spheres().unwrap();
+        states.iter().map(|state| state.position.as_dvec3()).sum::<rockfall::glam::DVec3>() / states.len() as f64
+    };
+    let (settled, steps) = (evolution.trial().settling_steps(), evolution.trial().steps());
+    simulation.run(settled, 0.005).unwrap();
+    let from = centre(&mut simulation);
+    simulation.run(steps - settled, 0.005).unwrap();
+    let way = centre(&mut simulation) - from;
+    let distance = way.x.hypot(way.z);
+    assert!((distance / champion.outcome.distance - 1.0).abs() < 1e-6, "{distance} {champion:?}");
+    assert!(champion.audit.passed && champion.audit.fitness_at_half_step >= 0.7 * champion.outcome.fitness);
+}

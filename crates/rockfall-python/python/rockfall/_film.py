@@ -1,0 +1,216 @@
+"""Films."""
+
+from __future__ import annotations
+
+import base64
+import os
+import shutil
+import tempfile
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any
+
+import numpy.typing as npt
+
+from rockfall import _rockfall
+from rockfall._arrays import whole
+from rockfall._look import look, number
+from rockfall._picture import Picture
+from rockfall._progress import Progress
+
+if TYPE_CHECKING:
+    from rockfall._simulation import Simulation
+
+#: Most pictures per second of a GIF, whose times are in hundredths of a second.
+_GIF_FPS = 50
+
+
+class Film:
+    """The pictures of a simulation over some time. It shows itself as a video in a notebook.
+
+    ``len(film)`` is the number of pictures, ``film[k]`` is picture k, and a loop goes through all of them.
+    """
+
+    __slots__ = ("_data", "_fps", "_native", "_size")
+
+    def __init__(self, native: Any, fps: int, size: tuple[int, int]) -> None:
+        self._native = native
+        self._fps = fps
+        self._size = size
+        self._data: dict[str, bytes] = {}
+
+    @property
+    def fps(self) -> int:
+        """Pictures per second."""
+        return self._fps
+
+    @property
+    def size(self) -> tuple[int, int]:
+        """Width and height, in pixels."""
+        return self._size
+
+    @property
+    def duration(self) -> float:
+        """Length of the film, in s."""
+        return len(self) / self._fps
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write the film to a file, or its pictures to a folder.
+
+        Parameters
+        ----------
+        path : path
+            A name that ends in ``.mp4``, ``.webm``, ``.gif`` or ``.apng``, or a folder name that ends in ``/``. MP4 and WebM
+            need the program ``ffmpeg``.
+
+        Raises
+        ------
+        ValueError
+            For another name, or a GIF with more than 50 pictures per second.
+        OSError
+            If the file cannot be written, or ``ffmpeg`` is not installed.
+        """
+        self._native.save(os.fspath(path), self._fps)
+
+    def __len__(self) -> int:
+        return int(self._native.len())
+
+    def __getitem__(self, index: int) -> Picture:
+        place = index.__index__()
+        count = len(self)
+        if not -count <= place < count:
+            raise IndexError(f"index: expected a number from {-count} to {count - 1}, got {place}")
+        return Picture(self._native.picture(place % count))
+
+    def __iter__(self) -> Iterator[Picture]:
+        return (self[index] for index in range(len(self)))
+
+    def _bytes(self, extension: str) -> bytes:
+        data = self._data.get(extension)
+        if data is None:
+            with tempfile.TemporaryDirectory() as folder:
+                path = os.path.join(folder, f"film.{extension}")
+                self.save(path)
+                with open(path, "rb") as file:
+                    data = file.read()
+            self._data[extension] = data
+        return data
+
+    def _repr_html_(self) -> str:
+        width, height = self._size
+        shape = f'width="{width}" height="{height}" style="max-width: 100%; height: auto"'
+        if shutil.which("ffmpeg") is not None:
+            data = base64.b64encode(self._bytes("mp4")).decode()
+            return f'<video {shape} controls loop autoplay muted src="data:video/mp4;base64,{data}"></video>'
+        # Browsers show these without an encoder.
+        extension, kind = ("gif", "image/gif") if self._fps <= _GIF_FPS else ("apng", "image/apng")
+        data = base64.b64encode(self._bytes(extension)).decode()
+        return f'<img {shape} src="data:{kind};base64,{data}">'
+
+    def _repr_mimebundle_(self, include: Any = None, exclude: Any = None) -> dict[str, str]:
+        return {"text/html": self._repr_html_(), "text/plain": repr(self)}
+
+    def __repr__(self) -> str:
+        width, height = self._size
+        return f"<rockfall.Film {width}x{height}, {len(self)} pictures, {self.duration:g} s>"
+
+
+def film(
+    sim: Simulation,
+    steps: int,
+    fps: int = 25,
+    *,
+    speed: float = 1.0,
+    size: tuple[int, int] = (1280, 720),
+    colour_by: str | None = None,
+    range: tuple[float, float] | None = None,
+    camera: npt.ArrayLike | None = None,
+    look_at: npt.ArrayLike | None = None,
+    follow: int | None = None,
+    orbit: float = 0.0,
+    plain: bool = False,
+    progress: bool = False,
+) -> Film:
+    """Run steps of a simulation and film them.
+
+    The simulation is then in the same state as after ``sim.run(steps)``. Pictures between two steps show positions in between.
+
+    Parameters
+    ----------
+    sim : Simulation
+        The simulation. The film starts in its current state.
+    steps : int
+        Number of steps.
+    fps : int
+        Pictures per second, up to 1000.
+    speed : float
+        Simulated seconds per second of film: 1 is real time, less is slow motion.
+    size : (int, int)
+        Width and height, in pixels.
+    colour_by : str, optional
+        What colours show, with a legend: kind, speed, contacts, overlap, force, body or contact-force.
+    range : (float, float), optional
+        Values at the ends of the colour scale; by default one that fits all pictures.
+    camera : array_like, shape (3,), optional
+        Position of the camera, in units; by default chosen so that all that happens is in view.
+    look_at : array_like, shape (3,), optional
+        Point in the middle of the pictures, in units.
+    follow : int, optional
+        Number of a sphere that stays in the middle of the pictures, instead of ``look_at``.
+    orbit : float
+        Turns the camera around the middle of the pictures, in degrees per second of film.
+    plain : bool
+        Whether to draw without shadows and ambient occlusion.
+    progress : bool
+        Whether to show a progress bar, by tqdm where it is installed.
+
+    Returns
+    -------
+    Film
+        The film, in memory. ``film.save("film.mp4")`` writes it to a file.
+
+    Raises
+    ------
+    ValueError
+        For a value that is not allowed, and while a trajectory is recorded.
+    LookupError
+        For a sphere to follow that does not exist.
+    SimulationError
+        If there is no graphics adapter (software Vulkan is enough), or as :meth:`Simulation.run`.
+    KeyboardInterrupt
+        After Ctrl-C. The simulation is between two steps and can go on.
+
+    Notes
+    -----
+    The steps are run twice: first to find out what happens, then for the pictures. They are run once if ``camera``, ``look_at``
+    (or ``follow``) and the colour scale are given and there are no boxes and polygons, which may hide bodies.
+
+    Examples
+    --------
+    >>> rf.film(sim, 500, fps=30, colour_by="speed").save("fall.mp4")  # doctest: +SKIP
+    """
+    from rockfall._simulation import Simulation
+
+    if not isinstance(sim, Simulation):
+        raise TypeError(f"sim: expected a rockfall.Simulation, got {type(sim).__name__}")
+    count = whole("steps", steps, least=1)
+    rate = whole("fps", fps, least=1)
+    if rate > 1000:
+        raise ValueError(f"fps: expected up to 1000 pictures per second, got {rate}")
+    pace, turn = number("speed", speed, positive=True), number("orbit", orbit)
+    if follow is not None and look_at is not None:
+        raise ValueError("look_at, follow: expected only one of them")
+    followed = None if follow is None else whole("follow", follow)
+    shown = look(size, colour_by, range, camera, look_at, plain)
+    if sim._recordings:
+        raise ValueError("sim: a trajectory is being recorded, and a film has no frames for it; finish the recording first")
+    sim._commit()
+    filming = _rockfall.Filming(sim._native, shown, count, sim.dt, rate, pace, followed, turn)
+    try:
+        while filming.survey(sim._native):
+            pass
+    finally:
+        filming.rewind(sim._native)
+    with Progress(filming.count() if progress else None, "picture") as bar:
+        while filming.take(sim._native):
+            bar.advance(1)
+    return Film(filming.finish(sim._native), rate, shown["size"])

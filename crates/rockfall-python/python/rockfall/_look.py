@@ -1,0 +1,50 @@
+"""What pictures show: sizes, cameras and colours."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from rockfall._arrays import FloatArray, floats, whole
+
+#: Largest number of pixels of a side, whatever the device supports.
+_MOST_PIXELS = 1 << 16
+
+
+def look(size: Any, colour_by: Any, range: Any, camera: Any, look_at: Any, plain: Any) -> dict[str, Any]:
+    """Checks the arguments of pictures and films, and returns them as the native module takes them."""
+    if np.shape(size) != (2,):
+        raise ValueError(f"size: expected width and height, got {size!r}")
+    width, height = (whole("size", side, least=1) for side in size)
+    if max(width, height) > _MOST_PIXELS:
+        raise ValueError(f"size: expected sides up to {_MOST_PIXELS} pixels, got {width}x{height}")
+    ends = None
+    if range is not None:
+        if np.shape(range) != (2,) or not range[0] < range[1]:
+            raise ValueError(f"range: expected two numbers, the first less than the second, got {range!r}")
+        ends = [float(end) for end in floats("range", range, ())]
+    return {
+        "size": (width, height),
+        "colour_by": colour_by,
+        "range": ends,
+        "camera": None if camera is None else _one_row("camera", camera).tolist(),
+        "look_at": None if look_at is None else _one_row("look_at", look_at).tolist(),
+        "plain": bool(plain),
+    }
+
+
+def number(name: str, value: Any, *, positive: bool = False) -> float:
+    """Returns a finite number."""
+    rows = floats(name, value, (), positive=positive)
+    if np.ndim(value) != 0:
+        raise ValueError(f"{name}: expected a number, got shape {np.shape(value)}")
+    return float(rows[0])
+
+
+def _one_row(name: str, value: Any) -> FloatArray:
+    rows = floats(name, value, (3,))
+    if len(rows) != 1:
+        raise ValueError(f"{name}: expected shape (3,), got {rows.shape}")
+    row: FloatArray = rows[0]
+    return row

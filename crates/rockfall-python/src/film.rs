@@ -1,0 +1,250 @@
+//! Films of simulations.
+
+use std::path::PathBuf;
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+use pyo3::exceptions::{PyIndexError, PyValueError};
+use pyo3::prelude::*;
+use rockfall::{Checkpoint, SphereId};
+use rockfall_viewer::draw::{Range, Style};
+use rockfall_viewer::film::{Follower, Format, Moment, Player, Reel, Shot, Timing, View, surveyed};
+use rockfall_viewer::survey::Survey;
+
+use crate::errors::Raise;
+use crate::ids::handle;
+use crate::picture::{Look, Picture, Tools};
+use crate::simulation::Simulation;
+
+/// A film that is being taken. First [`Filming::survey`] is called until it returns false, then [`Filming::rewind`], then
+/// [`Filming::take`] until it returns false, then [`Filming::finish`]. Python calls them in turn to handle signals in between.
+#[pyclass(frozen, module = "rockfall._rockfall")]
+pub(crate) struct Filming(Mutex<Shooting>);
+
+struct Shooting {
+    tools: Tools,
+    look: Look,
+    style: Style,
+    view: View,
+    timing: Timing,
+    moments: Vec<Moment>,
+    /// The state before the survey.
+    start: Option<Checkpoint>,
+    /// What remains of the survey, in reverse order; the number of its steps so far; what it found.
+    to_survey: Vec<Moment>,
+    surveyed_steps: u64,
+    survey: Option<Survey>,
+    /// The upper end of a colour scale that is chosen.
+    scale: Option<f32>,
+    shot: Option<Shot>,
+    player: Player,
+    follower: Follower,
+    first_step: u64,
+    reel: Reel,
+}
+
+impl Shooting {
+    fn new(
+        simulation: &mut rockfall::Simulation,
+        look: Look,
+        timing: Timing,
+        follow: Option<SphereId>,
+        orbit: f32,
+    ) -> PyResult<Self> {
+        let style = look.style()?;
+        let view = View {
+            camera: look.camera.map(Into::into),
+            look_at: look.look_at.map(Into::into),
+            follow,
+            orbit: orbit.to_radians(),
+        };
+        let scale = (look.range.is_none() && style.colour_by.title().is_some()).then_some(0.0);
+        let moments: Vec<_> = (0..timing.pictures()).map(|index| timing.moment(index)).collect();
+        let scene = simulation.sync().or_raise()?;
+        let has_camera = view.camera.is_some() && (view.look_at.is_some() || view.follow.is_some());
+        // Static objects that hide bodies are found by the survey too.
+        let is_known = has_camera && scale.is_none() && scene.boxes().is_empty() && scene.polygons().is_empty();
+        let mut to_survey: Vec<_> = if is_known { Vec::new() } else { surveyed(&moments).collect() };
+        to_survey.reverse();
+        let survey = is_known.then(|| Survey::new(scene));
+        let start = if is_known { None } else { Some(simulation.checkpoint().or_raise()?) };
+        Ok(Self {
+            tools: Tools::new(simulation, look.size)?,
+            player: Player::new(timing.dt),
+            first_step: simulation.report().steps,
+            surveyed_steps: 0,
+            shot: None,
+            follower: Follower::default(),
+            reel: Reel::new(),
+            look,
+            style,
+            view,
+            timing,
+            moments,
+            start,
+            to_survey,
+            survey,
+            scale,
+        })
+    }
+
+    /// Looks at the next state from which the camera and the colour scale are chosen.
+    fn survey(&mut self, simulation: &mut rockfall::Simulation) -> PyResult<bool> {
+        let Some(moment) = self.to_survey.pop() else {
+            return Ok(false);
+        };
+        simulation.run(moment.step - self.surveyed_steps, self.timing.dt).or_raise()?;
+        self.surveyed_steps = moment.step;
+        if let Some(scale) = &mut self.scale {
+            self.tools.renderer.update(simulation, &self.style).or_raise()?;
+            *scale = scale.max(self.tools.renderer.range(&self.style)[1]);
+        }
+        let scene = simulation.sync().or_raise()?;
+        match &mut self.survey {
+            Some(survey) => survey.add(scene),
+            None => self.survey = Some(Survey::new(scene)),
+        }
+        Ok(true)
+    }
+
+    /// Takes the next picture.
+    fn take(&mut self, simulation: &mut rockfall::Simulation) -> PyResult<bool> {
+        let index = self.reel.len();
+        let Some(moment) = self.moments.get(index).copied() else {
+            return Ok(false);
+        };
+        let shot = match self.shot {
+            Some(shot) => shot,
+            None => self.begin(simulation)?,
+        };
+        let Self { tools, player, style, follower, .. } = self;
+        let mut show = |moment| player.show(simulation, &mut tools.renderer, style, moment);
+        let followed = match self.view.follow {
+            None => show(moment).map(|()| None),
+            Some(body) => {
+                let show = |moment| {
+                    player.show(simulation, &mut tools.renderer, style, moment)?;
+                    Ok(simulation.sphere(body)?.position)
+                };
+                follower.show(moment, show).map(Some)
+            }
+        };
+        let camera = shot.at(index as f64 / f64::from(self.timing.fps), followed.or_raise()?);
+        let picture = self.tools.take(&camera, &self.style, self.look.colour_by.is_some())?;
+        self.reel.push(&picture).or_raise()?;
+        Ok(true)
+    }
+
+    /// Chooses the camera, before the first picture.
+    fn begin(&mut self, simulation: &mut rockfall::Simulation) -> PyResult<Shot> {
+        let (width, height) = self.look.size;
+        let scene = simulation.sync().or_raise()?;
+        let survey = self.survey.take().unwrap_or_else(|| Survey::new(scene));
+        let shot = Shot::new(&self.view, &survey, scene, width as f32 / height as f32).or_raise()?;
+        let shot =
+            shot.ok_or_else(|| PyValueError::new_err("camera and look_at are the same point, expected two different points"))?;
+        if let Some(scale) = self.scale {
+            // The colours mean the same in all pictures.
+            self.style.range = Range::Given([0.0, scale]);
+        }
+        self.tools.renderer.set_scene(simulation);
+        self.tools.renderer.set_survey(survey);
+        self.shot = Some(shot);
+        Ok(shot)
+    }
+}
+
+impl Filming {
+    fn lock(&self) -> MutexGuard<'_, Shooting> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn with<R: Send>(
+        &self,
+        simulation: &Bound<'_, Simulation>,
+        call: impl FnOnce(&mut Shooting, &mut rockfall::Simulation) -> PyResult<R> + Send,
+    ) -> PyResult<R> {
+        simulation.get().change(simulation.py(), |simulation| call(&mut self.lock(), simulation))
+    }
+}
+
+#[pymethods]
+impl Filming {
+    #[new]
+    #[allow(clippy::too_many_arguments)]
+    fn new(
+        simulation: &Bound<'_, Simulation>,
+        look: Look,
+        steps: u64,
+        dt: f32,
+        fps: u32,
+        speed: f64,
+        follow: Option<i64>,
+        orbit: f32,
+    ) -> PyResult<Self> {
+        let timing = Timing { steps, dt, fps, speed };
+        simulation.get().read(simulation.py(), |running| {
+            let follow = follow.map(|number| handle(&running.ids.spheres, "sphere", number)).transpose()?;
+            Ok(Self(Mutex::new(Shooting::new(&mut running.simulation, look, timing, follow, orbit)?)))
+        })
+    }
+
+    /// Number of pictures.
+    fn count(&self) -> usize {
+        self.lock().moments.len()
+    }
+
+    fn survey(&self, simulation: &Bound<'_, Simulation>) -> PyResult<bool> {
+        self.with(simulation, Shooting::survey)
+    }
+
+    /// Restores the state before the survey. Handles stay valid.
+    fn rewind(&self, simulation: &Bound<'_, Simulation>) -> PyResult<()> {
+        self.with(simulation, |shooting, simulation| match shooting.start.take() {
+            Some(start) => simulation.restore(&start).or_raise(),
+            None => Ok(()),
+        })
+    }
+
+    fn take(&self, simulation: &Bound<'_, Simulation>) -> PyResult<bool> {
+        self.with(simulation, Shooting::take)
+    }
+
+    /// Runs the steps after the last picture, and returns the film.
+    fn finish(&self, simulation: &Bound<'_, Simulation>) -> PyResult<Film> {
+        self.with(simulation, |shooting, simulation| {
+            let done = simulation.report().steps - shooting.first_step;
+            simulation.run(shooting.timing.steps.saturating_sub(done), shooting.timing.dt).or_raise()?;
+            Ok(Film(std::mem::take(&mut shooting.reel)))
+        })
+    }
+}
+
+/// A film in memory.
+#[pyclass(frozen, module = "rockfall._rockfall")]
+pub(crate) struct Film(Reel);
+
+#[pymethods]
+impl Film {
+    fn len(&self) -> usize {
+        self.0.len()
+    }
+
+    fn picture(&self, py: Python<'_>, index: usize) -> PyResult<Picture> {
+        let picture = py.detach(|| self.0.picture(index));
+        picture.map(Picture).ok_or_else(|| PyIndexError::new_err(format!("there is no picture {index}")))
+    }
+
+    fn save(&self, py: Python<'_>, path: PathBuf, fps: u32) -> PyResult<()> {
+        let Some(format) = Format::of(&path) else {
+            let text = format!(
+                "path: expected a name that ends in .mp4, .webm, .gif or .apng, or a folder name that ends in /, got {}",
+                path.display()
+            );
+            return Err(PyValueError::new_err(text));
+        };
+        if format == Format::Gif && fps > 50 {
+            return Err(PyValueError::new_err(format!("fps: a GIF has at most 50 pictures per second, got {fps}")));
+        }
+        py.detach(|| self.0.write(&path, format, fps)).or_raise()
+    }
+}

@@ -1,0 +1,172 @@
+"""Films."""
+
+from __future__ import annotations
+
+import base64
+import pathlib
+import re
+import subprocess
+
+import numpy as np
+import PIL.Image
+import pytest
+
+import rockfall as rf
+from rockfall import _film
+
+SIZE = (96, 54)
+
+
+@pytest.fixture
+def sim() -> rf.Simulation:
+    scene = rf.Scene()
+    scene.add_box([-3, -1, -2], [3, 0, 2])
+    scene.add_spheres([[-2, 0.5, 0], [1, 2, 0]], 0.5, velocity=[[2, 0, 0], [0, 0, 0]])
+    return rf.Simulation(scene, dt=0.01, backend="cpu")
+
+
+def probe(path: pathlib.Path) -> str:
+    """Codec, width, height and number of pictures of a video, read by another program."""
+    options = ["-v", "error", "-select_streams", "v", "-count_frames", "-of", "csv=p=0"]
+    entries = ["-show_entries", "stream=codec_name,width,height,nb_read_frames"]
+    done = subprocess.run(["ffprobe", *options, *entries, str(path)], capture_output=True, text=True, check=True)
+    return done.stdout.strip()
+
+
+def test_a_film_runs_the_steps_and_keeps_its_pictures(sim: rf.Simulation) -> None:
+    twin = rf.Simulation(sim.scene, dt=0.01, backend="cpu")
+    # 0.53 s at 10 pictures per second: the last picture is before the last step, and all pictures lie on steps.
+    film = rf.film(sim, 53, fps=10, size=SIZE, plain=True)
+    assert (len(film), film.fps, film.size, film.duration) == (6, 10, SIZE, 0.6)
+    assert "96x54, 6 pictures" in repr(film)
+    twin.run(53)
+    assert sim.steps == 53 and sim.positions.tobytes() == twin.positions.tobytes()
+    pictures = [picture.numpy() for picture in film]
+    assert len(pictures) == 6 and all(not np.array_equal(a, b) for a, b in zip(pictures, pictures[1:], strict=False))
+    np.testing.assert_array_equal(film[-1].numpy(), pictures[5])
+    with pytest.raises(IndexError, match="from -6 to 5, got 6"):
+        film[6]
+    # The next film starts where this one ended.
+    assert not np.array_equal(rf.film(sim, 1, size=SIZE, plain=True)[0].numpy(), pictures[0])
+
+
+def test_pictures_are_those_of_render(sim: rf.Simulation) -> None:
+    options = {"size": SIZE, "camera": [0, 4, 9], "look_at": [0, 0.5, 0], "colour_by": "speed", "range": (0, 5)}
+    film = rf.film(sim, 40, fps=10, **options)  # type: ignore[arg-type]
+    np.testing.assert_allclose(film[4].numpy().astype(int), sim.render(**options).numpy().astype(int), atol=2)  # type: ignore[arg-type]
+
+
+def test_camera_follow_orbit_speed_and_colours_change_the_film(sim: rf.Simulation) -> None:
+    scene = sim.scene
+
+    def last(steps: int = 40, **options: object) -> np.ndarray:
+        own = rf.Simulation(scene, dt=0.01, backend="cpu")
+        return rf.film(own, steps, fps=10, size=SIZE, plain=True, **options)[-1].numpy()  # type: ignore[arg-type]
+
+    plain = last()
+    for options in ({"camera": [0, 5, 10]}, {"look_at": [1, 0, 0]}, {"follow": 0}, {"orbit": 90.0}, {"colour_by": "speed"}):
+        assert not np.array_equal(plain, last(**options)), options
+    assert len(rf.film(rf.Simulation(scene, dt=0.01, backend="cpu"), 40, fps=10, speed=0.5, size=SIZE, plain=True)) == 9
+    # The followed ball stays in the middle while it rolls.
+    own = rf.Simulation(scene, dt=0.01, backend="cpu")
+    film = rf.film(own, 50, fps=15, size=SIZE, plain=True, follow=0, colour_by="kind")
+    middle = [picture.numpy()[20:34, 40:56].astype(int) for picture in film]
+    assert max(np.abs(patch - middle[0]).mean() for patch in middle) < 25
+
+
+def test_a_film_becomes_files_of_every_format(sim: rf.Simulation, tmp_path: pathlib.Path) -> None:
+    film = rf.film(sim, 40, fps=20, size=SIZE)
+    assert len(film) == 9
+    film.save(tmp_path / "a.mp4")
+    assert probe(tmp_path / "a.mp4") == "h264,96,54,9"
+    film.save(tmp_path / "a.webm")
+    assert probe(tmp_path / "a.webm") == "vp9,96,54,9"
+    film.save(f"{tmp_path}/pictures/")
+    with PIL.Image.open(tmp_path / "pictures" / "0008.png") as image:
+        np.testing.assert_array_equal(np.asarray(image), film[8].numpy())
+    for name in ("a.gif", "a.apng"):
+        film.save(tmp_path / name)
+        with PIL.Image.open(tmp_path / name) as image:
+            assert getattr(image, "n_frames", 1) == 9 and image.size == SIZE
+    with pytest.raises(ValueError, match=r"path: expected a name that ends in \.mp4"):
+        film.save(tmp_path / "a.avi")
+    with pytest.raises(OSError):
+        film.save(tmp_path / "no" / "a.gif")
+    with pytest.raises(ValueError, match="fps: a GIF has at most 50 pictures per second, got 60"):
+        rf.film(sim, 2, fps=60, size=SIZE).save(tmp_path / "a.gif")
+
+
+def test_a_film_shows_itself_in_a_notebook(sim: rf.Simulation, tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    film = rf.film(sim, 20, fps=20, size=SIZE)
+    bundle = film._repr_mimebundle_()
+    assert bundle["text/html"] == film._repr_html_() and bundle["text/plain"] == repr(film)
+    found = re.search(r'<video width="96" .* src="data:video/mp4;base64,([^"]*)">', bundle["text/html"])
+    assert found is not None
+    (tmp_path / "shown.mp4").write_bytes(base64.b64decode(found[1]))
+    assert probe(tmp_path / "shown.mp4") == "h264,96,54,5"
+    # Without ffmpeg, an animated picture is shown.
+    monkeypatch.setattr(_film.shutil, "which", lambda name: None)
+    assert "data:image/gif;base64,R0lGOD" in film._repr_html_()
+    assert "data:image/apng;base64,iVBOR" in rf.film(sim, 20, fps=60, size=SIZE)._repr_html_()
+
+
+def test_numbers_of_objects_stay_valid_and_progress_is_shown(sim: rf.Simulation, capfd: pytest.CaptureFixture[str]) -> None:
+    first = sim.add_sphere([0, 5, 0], 0.2)
+    second = sim.add_sphere([0, 6, 0], 0.2)
+    sim.remove("sphere", [first])
+    rf.film(sim, 20, fps=10, size=SIZE, progress=True, follow=second)
+    assert "picture" in capfd.readouterr().err
+    sim.set(second, position=[0, 9, 0])
+    np.testing.assert_allclose(sim.positions[-1], [0, 9, 0])
+    with pytest.raises(LookupError, match="sphere 99"):
+        rf.film(sim, 20, size=SIZE, follow=99)
+    with pytest.raises(LookupError):
+        rf.film(sim, 20, size=SIZE, follow=first)
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"steps": 0}, "steps: expected a whole number of at least 1, got 0"),
+        ({"fps": 0}, "fps: expected a whole number of at least 1"),
+        ({"fps": 2000}, "fps: expected up to 1000"),
+        ({"speed": 0}, "speed: expected numbers greater than 0"),
+        ({"orbit": float("nan")}, "orbit: expected finite numbers"),
+        ({"size": (0, 3)}, "size: expected a whole number of at least 1"),
+        ({"colour_by": "taste"}, "colour_by: .* expected one of: kind, speed"),
+        ({"camera": [1, 1, 1], "look_at": [1, 1, 1]}, "camera and look_at are the same point"),
+        ({"follow": 0, "look_at": [1, 1, 1]}, "look_at, follow: expected only one of them"),
+        ({"range": (2, 1)}, "range: expected two numbers"),
+    ],
+)
+def test_wrong_arguments_are_named(sim: rf.Simulation, options: dict[str, object], message: str) -> None:
+    before = sim.positions.copy()
+    with pytest.raises(ValueError, match=message):
+        rf.film(sim, **{"steps": 5, "size": SIZE} | options)  # type: ignore[arg-type]
+    assert sim.steps == 0 and sim.positions.tobytes() == before.tobytes()
+
+
+def test_a_film_needs_a_simulation_and_leaves_a_recording_alone(sim: rf.Simulation, tmp_path: pathlib.Path) -> None:
+    with pytest.raises(TypeError, match=r"sim: expected a rockfall\.Simulation, got Scene"):
+        rf.film(sim.scene, 5)  # type: ignore[arg-type]
+    with sim.record(tmp_path / "a.npz"), pytest.raises(ValueError, match="finish the recording first"):
+        rf.film(sim, 5, size=SIZE)
+
+
+def test_a_body_that_fails_leaves_the_state_before_the_film() -> None:
+    scene = rf.Scene()
+    a, b = scene.add_spheres([[0, 0, 0], [5, 0, 0]], 0.1)
+    scene.add_spring(a, b, 1e9, 1.0)
+    sim = rf.Simulation(scene, dt=1.0, backend="cpu")
+    with pytest.raises(rf.SimulationError, match="stopped being finite"):
+        rf.film(sim, 100, size=SIZE)
+    assert sim.steps == 0 and np.isfinite(sim.positions).all()
+
+
+def test_a_simulation_on_the_gpu_is_filmed_on_its_device(sim: rf.Simulation) -> None:
+    gpu = rf.Simulation(sim.scene, dt=0.01, backend="gpu")
+    films = [rf.film(own, 20, fps=10, size=SIZE, plain=True) for own in (sim, gpu)]
+    assert gpu.steps == 20 and len(films[1]) == 3
+    np.testing.assert_allclose(gpu.positions, sim.positions, atol=1e-4)
+    difference = np.abs(films[0][2].numpy().astype(int) - films[1][2].numpy().astype(int))
+    assert difference.mean() < 1

@@ -1,0 +1,140 @@
+//! The camera of a picture or a film.
+
+use rockfall::glam::Vec3;
+use rockfall::{Result, Scene, SphereId};
+
+use crate::camera::Camera;
+use crate::film::Moment;
+use crate::survey::Survey;
+
+/// Distance of a camera that follows a body, in radii of the body, and divided by the distance that would show everything.
+const FOLLOW_RADII: f32 = 14.0;
+const FOLLOW_PART: f32 = 0.45;
+
+/// What is known of the camera of a film. The rest is chosen so that the bodies are in view.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct View {
+    /// Position of the camera, in units.
+    pub camera: Option<Vec3>,
+    /// Point in the middle of the picture, in units.
+    pub look_at: Option<Vec3>,
+    /// Body that stays in the middle of the picture, instead of `look_at`.
+    pub follow: Option<SphereId>,
+    /// Angular speed around the target, in rad per second of film.
+    pub orbit: f32,
+}
+
+/// A camera that may follow a body and orbit.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Shot {
+    camera: Camera,
+    orbit: f32,
+}
+
+impl Shot {
+    /// Chooses the camera for a film that starts in the state of `scene`; `aspect` is the width of the picture divided by its
+    /// height. What `view` does not set is chosen so that the bodies of the survey are in view. `None` if the camera is at the
+    /// point that it looks at.
+    ///
+    /// # Errors
+    /// [`rockfall::Error::StaleHandle`] when the followed body is not in the scene.
+    pub fn new(view: &View, survey: &Survey, scene: &Scene, aspect: f32) -> Result<Option<Self>> {
+        let framing = Camera::of_survey(survey, scene, aspect, view.orbit != 0.0);
+        let mut eye = framing.eye;
+        let mut target = view.look_at.unwrap_or(framing.target);
+        if let Some(sphere) = view.follow {
+            let sphere = scene.sphere(sphere)?;
+            let whole = framing.eye - framing.target;
+            let distance = (FOLLOW_PART * whole.length()).max(FOLLOW_RADII * sphere.radius);
+            target = sphere.position;
+            eye = target + distance * whole.normalize_or(Vec3::Z);
+        }
+        let eye = view.camera.unwrap_or(eye);
+        let camera = Camera { eye, target, ..framing };
+        Ok((eye != target).then_some(Self { camera, orbit: view.orbit }))
+    }
+
+    /// Returns the camera at the start of the film.
+    pub fn camera(&self) -> Camera {
+        self.camera
+    }
+
+    /// Returns the camera `seconds` after the start of the film, with the place of the body that it follows.
+    pub fn at(&self, seconds: f64, followed: Option<Vec3>) -> Camera {
+        let camera = self.camera.orbited((f64::from(self.orbit) * seconds) as f32);
+        followed.map_or(camera, |place| camera.looking_at(place))
+    }
+}
+
+/// Finds where a followed body is at moments between two states.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Follower {
+    /// The step of the state before the moment, and the place of the body in it.
+    from: Option<(u64, Vec3)>,
+}
+
+impl Follower {
+    /// Shows a moment and returns the place of the followed body at it. `show` shows a moment and returns the place of the body
+    /// in the state that the simulation then has; it is called up to twice, with moments that do not go back.
+    ///
+    /// # Errors
+    /// Those of `show`.
+    pub fn show(&mut self, moment: Moment, mut show: impl FnMut(Moment) -> Result<Vec3>) -> Result<Vec3> {
+        let before = match self.from {
+            Some((step, place)) if step == moment.step => place,
+            _ => show(Moment { blend: 0.0, ..moment })?,
+        };
+        self.from = Some((moment.step, before));
+        if moment.blend == 0.0 {
+            return Ok(before);
+        }
+        Ok(before.lerp(show(moment)?, moment.blend))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use rockfall::Sphere;
+
+    use super::*;
+
+    fn scene() -> (Scene, SphereId) {
+        let mut scene = Scene::new();
+        scene.add_sphere(Sphere::new([9.0, 0.0, 0.0], 0.5)).unwrap();
+        let followed = scene.add_sphere(Sphere::new([1.0, 2.0, 3.0], 0.5)).unwrap();
+        (scene, followed)
+    }
+
+    #[test]
+    fn a_shot_takes_what_is_given_and_follows_a_body() {
+        let (scene, followed) = scene();
+        let survey = Survey::new(&scene);
+        let shot = |view: View| Shot::new(&view, &survey, &scene, 1.5).unwrap();
+        let given = shot(View { camera: Some(Vec3::X), look_at: Some(Vec3::Y), ..View::default() }).unwrap();
+        assert_eq!((given.camera().eye, given.camera().target), (Vec3::X, Vec3::Y));
+        assert_eq!(shot(View { camera: Some(Vec3::X), look_at: Some(Vec3::X), ..View::default() }), None);
+        let follow = shot(View { follow: Some(followed), ..View::default() }).unwrap();
+        assert_eq!(follow.camera().target, Vec3::new(1.0, 2.0, 3.0));
+        assert!(follow.camera().eye.distance(follow.camera().target) >= FOLLOW_RADII * 0.5);
+        assert_eq!(follow.at(1.0, Some(Vec3::ZERO)).target, Vec3::ZERO);
+        let orbit = shot(View { orbit: std::f32::consts::PI, ..View::default() }).unwrap();
+        let [start, end] = [0.0, 1.0].map(|seconds| orbit.at(seconds, None));
+        let [one, other] = [start, end].map(|camera| camera.eye - camera.target);
+        assert!((one.x + other.x).abs() + (one.z + other.z).abs() < 1e-3 * one.length(), "{one} {other}");
+    }
+
+    #[test]
+    fn a_followed_body_is_between_two_states() {
+        let mut follower = Follower::default();
+        let mut calls = 0;
+        let mut place = |moment: Moment| {
+            calls += 1;
+            Ok(Vec3::X * (moment.step as f32 + f32::from(u8::from(moment.blend > 0.0))))
+        };
+        for (step, blend, expected) in [(0, 0.0, 0.0), (0, 0.25, 0.25), (0, 0.5, 0.5), (3, 0.5, 3.5)] {
+            let found = follower.show(Moment { step, blend }, &mut place).unwrap();
+            assert_eq!(found.x, expected);
+        }
+        assert_eq!(calls, 5, "a state that is known is not shown again");
+    }
+}

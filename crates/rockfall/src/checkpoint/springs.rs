@@ -1,0 +1,55 @@
+//! The tangential springs of contacts in a checkpoint. Objects are named by their numbers.
+
+use glam::Vec3;
+
+use super::words::{Damage, Head, Words};
+use super::{Checkpoint, KeptSpring};
+use crate::scene::Scene;
+
+/// A spring as it is stored: the numbers of the objects, the feature, displacement and overlap.
+pub(super) struct Stored {
+    objects: [u32; 2],
+    feature: u32,
+    shift: Vec3,
+    overlap: f32,
+}
+
+/// The number of springs, then 7 words each. Springs of objects that are no longer in the scene are left out.
+pub(super) fn bytes(checkpoint: &Checkpoint) -> Vec<u8> {
+    let number = |id| checkpoint.scene.number_of(id);
+    let named: Vec<_> =
+        checkpoint.springs.iter().filter_map(|spring| Some((number(spring.a)?, number(spring.b)?, spring))).collect();
+    let mut head = Head::default();
+    head.u64(named.len() as u64);
+    for (a, b, KeptSpring { feature, shift, overlap, .. }) in named {
+        [a, b, *feature].into_iter().for_each(|word| head.u32(word));
+        [shift.x, shift.y, shift.z, *overlap].into_iter().for_each(|number| head.f32(number));
+    }
+    head.bytes
+}
+
+pub(super) fn read(words: &mut Words) -> Result<Vec<Stored>, Damage> {
+    let count = words.u64()?;
+    let mut springs = Vec::new();
+    for _ in 0..count {
+        let (objects, feature) = ([words.u32()?, words.u32()?], words.u32()?);
+        springs.push(Stored { objects, feature, shift: words.vec3()?, overlap: words.f32()? });
+    }
+    Ok(springs)
+}
+
+/// Replaces numbers by handles.
+pub(super) fn named(springs: &[Stored], scene: &Scene) -> Result<Vec<KeptSpring>, Damage> {
+    let ids = if springs.is_empty() { Vec::new() } else { scene.any_ids() };
+    let counts = scene.counts();
+    let movers = (counts.spheres + counts.rods) as u32;
+    let name = |Stored { objects: [a, b], feature, shift, overlap }: &Stored| {
+        let is_known = *a < *b && *a < movers && (*b as usize) < ids.len() && *feature < crate::model::layout::BOX_FEATURES;
+        let is_finite = shift.is_finite() && overlap.is_finite() && *overlap >= 0.0;
+        if !is_known || !is_finite {
+            return Err(Damage::new(format!("the spring of the contact of objects {a} and {b} is out of range")));
+        }
+        Ok(KeptSpring { a: ids[*a as usize], b: ids[*b as usize], feature: *feature, shift: *shift, overlap: *overlap })
+    };
+    springs.iter().map(name).collect()
+}

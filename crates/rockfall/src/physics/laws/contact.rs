@@ -1,0 +1,117 @@
+//! Force and torques of a contact by a law with history, and its tangential spring (docs/physics.md section 4.11).
+
+use glam::Vec3;
+
+use crate::model::layout::FLAG_COLLISIONS;
+use crate::model::view::View;
+use crate::physics::contact::{ContactForce, collision_velocity, smaller_radius};
+use crate::physics::laws::{Constants, stiffness};
+use crate::physics::side::{Side, side};
+use crate::physics::touch::Touch;
+use crate::settings::ContactLaw;
+
+/// The state of a contact between two steps.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Spring {
+    /// Tangential displacement of A's surface relative to B's, in units. A is the object that was added first.
+    pub(crate) shift: Vec3,
+    /// Overlap in the last step, in units.
+    pub(crate) overlap: f32,
+}
+
+/// Result of a law.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct LawForce {
+    /// `force` acts on A and its opposite on B.
+    pub(crate) loads: ContactForce<Vec3>,
+    /// The tangential spring after the step.
+    pub(crate) spring: Spring,
+}
+
+/// Evaluates the contact of objects a and b, of which a was added first, and advances its spring by a time step.
+/// `before` is its spring in the last step, or `None` for a new contact.
+pub(crate) fn law_force(view: &View, [id_a, id_b]: [u32; 2], touch: &Touch, before: Option<Spring>) -> LawForce {
+    let (step, n, overlap) = (view.step, touch.normal, touch.overlap);
+    let [a, b] = [side(view, view.object(id_a), touch.a), side(view, view.object(id_b), touch.b)];
+    let approach = (a.velocity - b.velocity).dot(n);
+    let spring = Spring { shift: Vec3::ZERO, overlap };
+    if step.flags & FLAG_COLLISIONS != 0 {
+        // As in docs/physics.md section 4.4.
+        let threshold = collision_velocity(step, smaller_radius(&a, &b));
+        if approach < -threshold || (approach > threshold && overlap < 2.0 * approach * step.dt) {
+            return LawForce { spring, ..LawForce::default() };
+        }
+    }
+    let reduced_mass = 1.0 / (a.inverse_mass + b.inverse_mass);
+    let constants = Constants::of(view, id_a, id_b);
+    let stiff = stiffness(ContactLaw::from_number(step.law), &constants, effective_radius(&a, &b), overlap);
+
+    let damping = constants.damping * (stiff.normal * reduced_mass).sqrt();
+    let normal = (stiff.share * stiff.normal * overlap + damping * approach).max(0.0);
+
+    let [arm_a, arm_b] = match (a.radius, b.radius) {
+        (Some(radius_a), Some(radius_b)) => [radius_a - 0.5 * overlap, radius_b - 0.5 * overlap],
+        (radius, _) => [radius.unwrap_or(0.0) - overlap, 0.0],
+    };
+    let surface = a.velocity - b.velocity + (arm_a * a.spin + arm_b * b.spin).cross(n);
+    let slip = surface - n * surface.dot(n);
+    let carried = before.map_or(Vec3::ZERO, |before| carried(before, n, overlap, stiff.rescales));
+    let shift = carried + step.dt * slip;
+    let damping = constants.damping * (stiff.tangential * reduced_mass).sqrt();
+    let (tangential, shift) =
+        limited(&Tangential { shift, slip, stiffness: stiff.tangential, damping }, constants.friction * normal);
+
+    let torque = n.cross(tangential);
+    LawForce {
+        loads: ContactForce { force: tangential - normal * n, torque_a: arm_a * torque, torque_b: arm_b * torque },
+        spring: Spring { shift, overlap },
+    }
+}
+
+/// The displacement of the last step in the present tangent plane. It keeps its length, but for a law that rescales it shrinks
+/// with the square root of the overlap, so that unloading creates no energy.
+fn carried(before: Spring, n: Vec3, overlap: f32, rescales: bool) -> Vec3 {
+    let flat = before.shift - n * before.shift.dot(n);
+    let (length, old_length) = (flat.length(), before.shift.length());
+    if length == 0.0 {
+        return Vec3::ZERO;
+    }
+    let unloading = if rescales && overlap < before.overlap { (overlap / before.overlap).sqrt() } else { 1.0 };
+    flat * (old_length / length * unloading)
+}
+
+/// The tangential spring and dashpot of a contact.
+struct Tangential {
+    shift: Vec3,
+    slip: Vec3,
+    stiffness: f32,
+    damping: f32,
+}
+
+/// The tangential force on A, which is at most `limit`, and the displacement that belongs to it.
+fn limited(t: &Tangential, limit: f32) -> (Vec3, Vec3) {
+    let force = -t.stiffness * t.shift - t.damping * t.slip;
+    let size = force.length();
+    if size <= limit {
+        return (force, t.shift);
+    }
+    let force = force * (limit / size);
+    // Where the dashpot alone exceeds the limit, the spring is released. Otherwise it would push the contact along its slip.
+    let elastic = force + t.damping * t.slip;
+    let shift = if elastic.dot(force) > 0.0 { -elastic / t.stiffness } else { Vec3::ZERO };
+    (force, shift)
+}
+
+/// Energy of the normal spring of a contact.
+pub(crate) fn normal_energy(view: &View, id_a: u32, id_b: u32, touch: &Touch) -> f64 {
+    let [a, b] = [side(view, view.object(id_a), touch.a), side(view, view.object(id_b), touch.b)];
+    let law = ContactLaw::from_number(view.step.law);
+    let stiff = stiffness(law, &Constants::of(view, id_a, id_b), effective_radius(&a, &b), touch.overlap);
+    f64::from(stiff.energy_share) * f64::from(stiff.normal) * f64::from(touch.overlap).powi(2)
+}
+
+/// R*, with 1/R* the sum of the curvatures of both sides. Boxes and polygons are flat.
+fn effective_radius(a: &Side, b: &Side) -> f32 {
+    let curvature = |side: &Side| side.radius.map_or(0.0, f32::recip);
+    1.0 / (curvature(a) + curvature(b))
+}

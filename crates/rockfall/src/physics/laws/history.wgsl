@@ -1,0 +1,65 @@
+// requires model/objects.wgsl model/order.wgsl model/step.wgsl
+
+// Where the springs of contacts are kept (docs/physics.md section 4.11). A row of `histories` belongs to a mover, by insertion
+// index. It has `history_room` records of two vectors: displacement and overlap; three unused words and the key of the other
+// object. A record without a key ends the row. The rows after the step follow those before it.
+
+struct Spring {
+    shift: vec3f,
+    // Not positive for a new contact.
+    overlap: f32,
+}
+
+fn record_of_row(row: u32, place: u32) -> u32 {
+    return 2u * (row * step.history_room + place);
+}
+
+// First row of the springs after the step.
+fn rows_after() -> u32 {
+    return step.spheres + step.rods;
+}
+
+// Whether the mover a owns its contact with object b; a was added first. Of two spheres or two rods, the smaller one does. A
+// sphere owns its contacts with rods.
+fn first_owns(a: u32, b: u32) -> bool {
+    if b < step.spheres {
+        return state[position_at(b)].w >= state[position_at(a)].w;
+    }
+    if RODS & (a >= step.spheres) & (b < step.spheres + step.rods) {
+        return rod_radius(b - step.spheres) >= rod_radius(a - step.spheres);
+    }
+    return true;
+}
+
+// The spring of the contact of a and b before the step.
+fn spring_of(a: u32, b: u32, feature: u32) -> Spring {
+    let is_first = first_owns(a, b);
+    let row = insertion_index(select(b, a, is_first));
+    let key = entry_key(select(a, b, is_first), feature);
+    for (var place = 0u; place < step.history_room; place++) {
+        let at = record_of_row(row, place);
+        let known = histories[at + 1u].w;
+        if known == key {
+            let words = bitcast<vec4f>(histories[at]);
+            return Spring(words.xyz, words.w);
+        }
+        if known == NO_KEY {
+            break;
+        }
+    }
+    return Spring(vec3f(0.0), 0.0);
+}
+
+// Writes a record of the springs after the step.
+fn put_spring(mover: u32, place: u32, key: u32, spring: Spring) {
+    let at = record_of_row(rows_after() + insertion_index(mover), place);
+    histories[at] = bitcast<vec4u>(vec4f(spring.shift, spring.overlap));
+    histories[at + 1u] = vec4u(0u, 0u, 0u, key);
+}
+
+// Ends the row of a mover after `count` records.
+fn end_row(mover: u32, count: u32) {
+    if count < step.history_room {
+        histories[record_of_row(rows_after() + insertion_index(mover), count) + 1u] = vec4u(NO_KEY);
+    }
+}

@@ -1,0 +1,146 @@
+//! The springs of contacts survive list rebuilds, sorted memory, growth, edits and checkpoints, bit for bit.
+
+use rockfall::{Backend, BroadPhase, Capsule, Checkpoint, ContactLaw, Cuboid, Rod, Scene, Simulation, Sphere};
+
+use crate::{ball, options, pair, scene_with, simulation, soft};
+
+/// Balls of two sizes, capsules and a rod of free length fall into a walled box with strong friction.
+fn crowd(law: ContactLaw, balls: u8) -> Scene {
+    let mut scene = scene_with(law);
+    scene.settings.gravity = 10.0;
+    let material = soft(&mut scene, "soft");
+    pair(&mut scene, material, material, 0.3, 0.6);
+    for (low, high) in [
+        ([-3.0, -1.0, -3.0], [3.0, 0.0, 3.0]),
+        ([-3.0, 0.0, -3.0], [-2.0, 6.0, 3.0]),
+        ([2.0, 0.0, -3.0], [3.0, 6.0, 3.0]),
+        ([-3.0, 0.0, -3.0], [3.0, 6.0, -2.0]),
+        ([-3.0, 0.0, 2.0], [3.0, 6.0, 3.0]),
+    ] {
+        scene.add_box(Cuboid::between(low, high).material(material)).expect("a valid box");
+    }
+    for k in 0..balls {
+        let (x, z, y) = (f32::from(k % 3), f32::from(k / 3 % 3), f32::from(k / 9));
+        let radius = if k % 4 == 1 { 0.25 } else { 0.5 };
+        let position = [1.15 * x - 1.2 + 0.05 * z, 0.55 + 1.05 * y, 1.15 * z - 1.2 + 0.03 * y];
+        scene.add_sphere(ball(&scene, material, position, radius).velocity([0.3 * x, -1.0, 0.2])).expect("a valid sphere");
+    }
+    let top = 1.5 + 1.05 * f32::from(balls / 9);
+    let capsule = Capsule::new([-1.0, top, 0.1], [0.5, top + 0.3, 0.4], 0.3).density(1.0).velocity([0.0, -2.0, 0.0]);
+    scene.add_capsule(capsule.material(material)).expect("a valid capsule");
+    let ends = [[-0.5, top + 1.2, -0.8], [0.9, top + 1.0, -0.6]].map(|place| ball(&scene, material, place, 0.25));
+    let [one, two] = ends.map(|end: Sphere| scene.add_sphere(end).expect("a valid sphere"));
+    scene.add_rod(Rod::new(one, two, 0.2).material(material)).expect("a valid rod");
+    scene
+}
+
+/// All bits of the state of the spheres.
+fn bits(simulation: &mut Simulation) -> Vec<[u32; 9]> {
+    let spheres = simulation.spheres().expect("spheres are read back");
+    let of = |sphere: &rockfall::SphereState| {
+        let [x, v, l] = [sphere.position, sphere.velocity, sphere.angular_momentum].map(|vector| vector.to_array());
+        [x, v, l].concat().into_iter().map(f32::to_bits).collect::<Vec<_>>().try_into().expect("nine numbers")
+    };
+    spheres.iter().map(of).collect()
+}
+
+const DT: f32 = 2e-4;
+
+fn opened(scene: &Scene, backend: Backend, method: BroadPhase) -> Simulation {
+    Simulation::with_options(scene.clone(), options(backend).broad_phase(method)).expect("the simulation opens")
+}
+
+/// The result does not depend on the broad phase, on how often memory is sorted, or on how a run is divided and resumed.
+fn springs_are_kept_bit_for_bit(backend: Backend) {
+    let (steps, balls) = crate::common::on(backend, (3000_u64, 27), (40, 9));
+    for law in [ContactLaw::Linear, ContactLaw::HertzMindlin] {
+        let scene = crowd(law, balls);
+        let mut whole = opened(&scene, backend, BroadPhase::Grid);
+        whole.run(steps, DT).expect("steps");
+        let expected = bits(&mut whole);
+        let report = whole.report();
+        assert!(report.contacts > 5 && report.list_builds < steps, "{report:?}");
+        for method in [BroadPhase::BruteForce, BroadPhase::SortAndSkip] {
+            let mut other = opened(&scene, backend, method);
+            other.run(steps, DT).expect("steps");
+            assert!(bits(&mut other) == expected, "{law}, {method}");
+        }
+        let mut parts = opened(&scene, backend, BroadPhase::Grid);
+        for part in 0..4 {
+            parts.run(steps / 4, DT).expect("steps");
+            match part {
+                0 => parts.sort_memory().expect("sorted memory"),
+                1 => {
+                    let bytes = parts.checkpoint().expect("a checkpoint").to_bytes();
+                    parts = Simulation::resume(Checkpoint::from_bytes(&bytes, "memory").expect("valid")).expect("resumed");
+                }
+                2 => {
+                    let checkpoint = parts.checkpoint().expect("a checkpoint");
+                    parts.run(3, DT).expect("steps");
+                    parts.restore(&checkpoint).expect("restored");
+                }
+                _ => {}
+            }
+        }
+        assert!(bits(&mut parts) == expected, "{law}, in parts");
+    }
+}
+
+/// A ball that holds a weight on an incline by static friction alone goes on holding it when objects that were added before it
+/// are removed and others are added. Without its springs it would slip by their length.
+fn edits_keep_springs(backend: Backend) {
+    let law = ContactLaw::HertzMindlin;
+    let mut scene = scene_with(law);
+    scene.settings.gravity = 10.0;
+    scene.settings.gravity_direction = glam::Vec3::new(0.3, -0.95, 0.0).normalize();
+    let material = soft(&mut scene, "soft");
+    pair(&mut scene, material, material, 0.1, 0.5);
+    let far = scene.add_sphere(ball(&scene, material, [50.0, 0.0, 0.0], 0.5).fixed()).expect("a valid sphere");
+    let old_box = scene.add_box(Cuboid::between([60.0, 0.0, 0.0], [61.0, 1.0, 1.0]).material(material)).expect("a box");
+    scene.add_box(Cuboid::between([-5.0, -1.0, -2.0], [5.0, 0.0, 2.0]).material(material)).expect("a valid box");
+    let capsule = Capsule::new([0.0, 0.499, 0.0], [2.0, 0.499, 0.0], 0.5).density(1.0).material(material);
+    scene.add_capsule(capsule).expect("a valid capsule");
+    let (steps, dt) = crate::common::on(backend, (6000, 2.5e-4), (400, 1e-3));
+    let mut simulation = simulation(scene, backend);
+    simulation.run(steps, dt).expect("steps");
+    let x = |simulation: &mut Simulation| {
+        let scene = simulation.sync().expect("the state");
+        let end = scene.capsules()[0].end1;
+        scene.sphere(end).expect("an end").position.x
+    };
+    let before = x(&mut simulation);
+    simulation.remove_sphere(far).expect("removed");
+    simulation.remove_box(old_box).expect("removed");
+    simulation.add_sphere(Sphere::new([70.0, 0.0, 0.0], 0.5).fixed().material(material)).expect("added");
+    simulation.run(steps / 4, dt).expect("steps");
+    let moved = (x(&mut simulation) - before).abs();
+    // g sin / (2 S_t / m) is the length of the springs: about 2e-4.
+    let allowed = crate::common::on(backend, 5e-6, 5e-5);
+    assert!(moved < allowed, "moved by {moved}");
+}
+
+/// A ball among twelve equal ones owns more springs than a row has room for at first.
+fn rows_grow_for_many_contacts(backend: Backend) {
+    let law = ContactLaw::Linear;
+    let mut scene = scene_with(law);
+    let material = soft(&mut scene, "soft");
+    pair(&mut scene, material, material, 0.5, 0.5);
+    scene.add_sphere(ball(&scene, material, [0.0; 3], 0.5)).expect("a valid sphere");
+    for (a, b) in [(1.0_f32, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)] {
+        for place in [[a, b, 0.0], [a, 0.0, b], [0.0, a, b]] {
+            let position = place.map(|k: f32| 0.99 * k * 0.5_f32.sqrt());
+            scene.add_sphere(ball(&scene, material, position, 0.5)).expect("a valid sphere");
+        }
+    }
+    let mut simulation = simulation(scene, backend);
+    let report = simulation.run(3, 1e-4).expect("steps");
+    assert!(report.contacts >= 12 && report.replays > 0, "{report:?}");
+    let checkpoint = simulation.checkpoint().expect("a checkpoint");
+    let mut resumed = Simulation::resume(checkpoint).expect("resumed");
+    for simulation in [&mut simulation, &mut resumed] {
+        simulation.run(5, 1e-4).expect("steps");
+    }
+    assert!(bits(&mut simulation) == bits(&mut resumed));
+}
+
+both!(springs_are_kept_bit_for_bit, edits_keep_springs, rows_grow_for_many_contacts);
