@@ -5,7 +5,7 @@ use glam::Vec3;
 #[cfg(feature = "gpu")]
 use crate::checkpoint::KeptSpring;
 use crate::error::Result;
-#[cfg(feature = "gpu")]
+#[cfg(all(feature = "gpu", not(target_family = "wasm")))]
 use crate::exec::gpu::Gpu;
 use crate::model::layout::{FEW_MOVERS, SLICE};
 use crate::model::muscles::MuscleClock;
@@ -159,7 +159,7 @@ impl Simulation {
     }
 
     /// Creates a simulation on a GPU that others share, with the kernels that are compiled already.
-    #[cfg(feature = "gpu")]
+    #[cfg(all(feature = "gpu", not(target_family = "wasm")))]
     pub(crate) fn on_gpu(scene: Scene, options: Options, gpu: &Gpu, info: &BackendInfo) -> Result<Self> {
         let scene = resolve(scene)?;
         let world = prepare(&scene, &options)?;

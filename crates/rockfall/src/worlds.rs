@@ -56,8 +56,9 @@ pub enum WorldPath {
     /// other.
     Simulation,
     /// By a workgroup of the GPU, which runs many steps in one dispatch, side by side with other worlds. This path takes worlds of
-    /// up to 32 spheres, 37 objects and about 60 springs, without rods, collisions as impulses
-    /// ([`Settings::collisions`](crate::Settings::collisions)) and friction impulses.
+    /// up to 32 spheres, 37 objects and about 60 springs, without rods, materials, collisions as impulses
+    /// ([`Settings::collisions`](crate::Settings::collisions)) and friction impulses. A world that replaces another one takes it if
+    /// it is not larger than the largest world was when the batch was created.
     Device,
 }
 
@@ -109,7 +110,7 @@ impl Worlds {
         worlds.worlds = worlds.create_all(scenes)?;
         #[cfg(feature = "gpu")]
         if let Some(gpu) = &worlds.gpu {
-            worlds.batch = Some(Batch::new(gpu, &worlds.worlds)?);
+            worlds.batch = Some(Batch::new(gpu, &mut worlds.worlds)?);
         }
         Ok(worlds)
     }

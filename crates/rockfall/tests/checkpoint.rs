@@ -237,7 +237,7 @@ fn references_are_kept() {
     }
 }
 
-/// A checkpoint as it was in a version before 3: without the time of muscles, and with springs of 5 words. The scene has `springs`
+/// A checkpoint as it was in a version before 3: without the time of muscles and materials, and with springs of 5 words. The scene has `springs`
 /// springs and no muscles.
 fn older(bytes: Vec<u8>, version: u8, springs: usize) -> Vec<u8> {
     let checkpoint = Checkpoint::from_bytes(&bytes, "memory").expect("a valid checkpoint");
@@ -248,6 +248,11 @@ fn older(bytes: Vec<u8>, version: u8, springs: usize) -> Vec<u8> {
     };
     let clock = [&0.0_f64.to_le_bytes()[..], &DT.to_le_bytes(), &checkpoint.report.steps.to_le_bytes()].concat();
     remove(&clock, 0);
+    // No materials and no pairs follow the numbers of objects.
+    let counts = checkpoint.scene.counts();
+    let counts = [counts.spheres, counts.rods, counts.capsules, counts.springs, counts.tethers, counts.boxes, counts.polygons];
+    let counts = counts.map(|count| (count as u64).to_le_bytes()).concat();
+    remove(&[&counts[..], &[0; 8]].concat(), counts.len());
     for spring in &checkpoint.scene.springs()[..springs] {
         let numbers = [spring.stiffness, spring.length, spring.damping];
         let pattern = [numbers.map(f32::to_le_bytes).concat(), vec![0; 16]].concat();

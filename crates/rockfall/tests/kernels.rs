@@ -9,9 +9,9 @@ use rockfall::model::layout::{LAW_HERTZ_MINDLIN, LAW_LINEAR, LAW_THESIS};
 use rockfall::model::status::{Counters, Status};
 use rockfall::model::step::{Aabb, Pass, Step};
 use rockfall::model::{layout, status};
-use rockfall::step::catalog::ALL;
+use rockfall::step::catalog::{ALL, OUTSIDE};
 use rockfall::step::stage::{Access, Stage};
-use rockfall::step::wgsl::Variant;
+use rockfall::step::wgsl::{Variant, WorldSizes};
 
 /// Limits that WebGPU guarantees.
 const MAX_STORAGE_BUFFERS: usize = 8;
@@ -30,7 +30,7 @@ fn module(stage: &Stage) -> Module {
 fn module_for(stage: &Stage, [rods, large, muscles]: [bool; 3]) -> Module {
     // Each contact law occurs in one of the variants that are checked.
     let law = if large { LAW_THESIS } else { [LAW_LINEAR, LAW_HERTZ_MINDLIN][usize::from(rods)] };
-    let text = Variant { rods, large, muscles, materials: true, law, many: false, worlds: false }.apply(&source(stage));
+    let text = Variant { rods, large, muscles, materials: true, law, many: false, worlds: None }.apply(&source(stage));
     naga::front::wgsl::parse_str(&text).unwrap_or_else(|e| panic!("{}: {}", stage.name, e.emit_to_string(&text)))
 }
 
@@ -44,6 +44,24 @@ fn every_kernel_is_valid() {
             .unwrap_or_else(|e| panic!("{}: {}", stage.name, e.emit_to_string(&source(stage))));
         assert!(module.entry_points.iter().any(|entry| entry.name == stage.name), "no entry point {}", stage.name);
     }
+}
+
+/// WebGPU guarantees 16 KiB of workgroup memory.
+#[test]
+fn the_kernel_of_worlds_is_valid_and_fits_workgroup_memory() {
+    let [stage] = OUTSIDE;
+    let worlds = Some(WorldSizes::MOST);
+    let variant = Variant { rods: false, large: false, muscles: false, law: 0, materials: false, many: false, worlds };
+    let text = variant.apply(&source(stage));
+    assert!(text.contains("var<private> step: Step;") && !text.contains("var<uniform> step"));
+    let module = naga::front::wgsl::parse_str(&text).unwrap_or_else(|e| panic!("{}", e.emit_to_string(&text)));
+    let mut validator = Validator::new(ValidationFlags::all(), Capabilities::empty());
+    validator.validate(&module).unwrap_or_else(|e| panic!("{}", e.emit_to_string(&text)));
+    let mut layouts = naga::proc::Layouter::default();
+    layouts.update(module.to_ctx()).expect("layouts of all types");
+    let shared = module.global_variables.iter().filter(|(_, variable)| variable.space == AddressSpace::WorkGroup);
+    let bytes: u32 = shared.map(|(_, variable)| layouts[variable.ty].size.next_multiple_of(16)).sum();
+    assert!((15 * 1024..=16 * 1024).contains(&bytes), "{bytes} bytes");
 }
 
 /// Kernels whose arrays exceed one binding: each array alone, and all of them.

@@ -6,7 +6,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use rockfall::model::part::Part;
-use rockfall::step::catalog::ALL;
+use rockfall::step::catalog::{ALL, OUTSIDE};
 use rockfall::step::wgsl::{HOOKS, requires, shared};
 
 /// The text without comments.
@@ -92,7 +92,7 @@ impl File {
 
 /// The files of the stages themselves, each once.
 fn own_files() -> BTreeMap<&'static str, Part> {
-    ALL.iter().filter_map(|stage| stage.parts().pop()).map(|part| (part.file, part)).collect()
+    ALL.iter().chain(&OUTSIDE).filter_map(|stage| stage.parts().pop()).map(|part| (part.file, part)).collect()
 }
 
 fn files() -> BTreeMap<&'static str, File> {

@@ -4,10 +4,10 @@ use std::path::Path;
 
 use crate::checkpoint::{Checkpoint, History};
 use crate::error::{Error, Result};
-#[cfg(feature = "gpu")]
+#[cfg(all(feature = "gpu", not(target_family = "wasm")))]
 use crate::exec::gpu::Gpu;
 use crate::model::layout::SLICE;
-#[cfg(feature = "gpu")]
+#[cfg(all(feature = "gpu", not(target_family = "wasm")))]
 use crate::options::BackendInfo;
 use crate::options::Options;
 use crate::simulation::edit::Dirty;
@@ -110,7 +110,7 @@ impl Simulation {
     }
 
     /// [`Simulation::resume`] on a GPU that others share.
-    #[cfg(feature = "gpu")]
+    #[cfg(all(feature = "gpu", not(target_family = "wasm")))]
     pub(crate) fn resume_on_gpu(checkpoint: Checkpoint, gpu: &Gpu, info: &BackendInfo) -> Result<Self> {
         let options = Options { backend: info.kind, ..checkpoint.options };
         let simulation = Self::on_gpu(checkpoint.scene, options, gpu, info)?;

@@ -12,7 +12,7 @@ use crate::step::collisions::{
     list_collisions, project_networks, sweep_at_once, sweep_collisions, weigh_collisions, weigh_networks,
 };
 use crate::step::forces::{commit_history, law_forces, rod_forces};
-use crate::step::fused::run_steps;
+use crate::step::fused::{run_steps, run_worlds};
 use crate::step::integrate::{
     advance, commit_and_turn, commit_symplectic_euler, constrain, end_step, finish, finish_and_turn, restore_lengths,
     symplectic_euler, turn,
@@ -73,3 +73,6 @@ pub const ALL: [&Stage; 50] = [
     &settle_spheres::STAGE,
     &measure_order::STAGE,
 ];
+
+/// Kernels that are not part of a step of one world, and have no twin on the CPU.
+pub const OUTSIDE: [&Stage; 1] = [&run_worlds::STAGE];

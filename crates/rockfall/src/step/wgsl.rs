@@ -16,6 +16,7 @@ use crate::model::part::{Part, part};
 use crate::model::status::COUNTER_BLOCKS;
 use crate::model::step::Step;
 use crate::physics::forces;
+pub use crate::step::fused::run_worlds::WorldSizes;
 
 /// Names that a shared file uses without requiring a file that declares them, each with its meaning. The stage's own file
 /// declares them, or requires one of several files that do.
@@ -182,7 +183,7 @@ pub struct Variant {
     /// There may be so many objects that a sort key of `find_neighbours` has no room for more than an insertion index.
     pub many: bool,
     /// Each workgroup has a world of its own: it has its own copy of the block `step`, and one block of counters.
-    pub worlds: bool,
+    pub worlds: Option<WorldSizes>,
 }
 
 impl Variant {
@@ -196,7 +197,7 @@ impl Variant {
             muscles: muscles_at > 0,
             materials: materials > 0,
             many: step.objects() >= MANY_OBJECTS,
-            worlds: false,
+            worlds: None,
         }
     }
 
@@ -208,10 +209,9 @@ impl Variant {
         let replaced = constants.iter().fold(text, |text, (name, is_set)| {
             text.replace(&format!("const {name}: bool = true;"), &format!("const {name}: bool = {is_set};"))
         });
-        if !self.worlds {
-            return replaced;
-        }
+        let Some(sizes) = self.worlds else { return replaced };
         let block = format!("const COUNTER_BLOCKS: u32 = {COUNTER_BLOCKS}u;");
+        let replaced = sizes.apply(&replaced);
         replaced
             .replace("@group(0) @binding(0) var<uniform> step: Step;", "var<private> step: Step;")
             .replace(&block, "const COUNTER_BLOCKS: u32 = 1u;")

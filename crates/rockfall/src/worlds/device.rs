@@ -11,7 +11,7 @@ use crate::scene::Scene;
 use crate::settings::{BroadPhase, DEFAULT_TIME_STEP};
 use crate::simulation::Simulation;
 use crate::simulation::mirror::Elsewhere;
-use crate::step::fused::run_worlds::{WorldResult, fits};
+use crate::step::fused::run_worlds::{WorldResult, WorldSizes};
 use crate::worlds::{World, WorldPath};
 
 /// The device's copies of the worlds.
@@ -42,13 +42,18 @@ impl Slot {
 pub(super) fn mirror(scene: &Scene, options: &Options) -> Result<Option<Simulation>> {
     let options = options.clone().backend(Backend::Cpu).broad_phase(BroadPhase::BruteForce).without(Optimization::LargeSpheres);
     let mut simulation = Simulation::with_options(scene.clone(), options)?;
-    let does_fit = fits(simulation.packed(DEFAULT_TIME_STEP)?);
+    let does_fit = WorldSizes::of(simulation.packed(DEFAULT_TIME_STEP)?).is_some();
     Ok(does_fit.then_some(simulation))
 }
 
 impl Batch {
-    pub(super) fn new(gpu: &Gpu, worlds: &[World]) -> Result<Self> {
-        let device = DeviceWorlds::new(gpu, worlds.len() as u32)?;
+    /// Room for worlds as large as the largest of these.
+    pub(super) fn new(gpu: &Gpu, worlds: &mut [World]) -> Result<Self> {
+        let mut sizes = WorldSizes::default();
+        for world in worlds.iter_mut().filter(|world| world.path == WorldPath::Device) {
+            sizes = sizes.max(WorldSizes::of(world.simulation.packed(DEFAULT_TIME_STEP)?).unwrap_or_default());
+        }
+        let device = DeviceWorlds::new(gpu, worlds.len() as u32, sizes)?;
         Ok(Self { device, slots: vec![Slot::CHANGED; worlds.len()], dt: None, steps: 0, is_ahead: false })
     }
 
@@ -95,7 +100,7 @@ impl Batch {
                 continue;
             }
             let packed = world.simulation.packed(dt)?;
-            if fits(packed) {
+            if self.device.fits(packed) {
                 self.device.upload(number as u32, packed)?;
                 *slot = Slot { is_uploaded: true, last: WorldResult::START };
             } else {

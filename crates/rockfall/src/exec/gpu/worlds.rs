@@ -16,19 +16,11 @@ use crate::model::layout::{LAW_THESIS, PHASES_SHIFT, SYMPLECTIC_EULER};
 use crate::model::step::{Pass, Step};
 use crate::model::world::World;
 use crate::settings::Integrator;
-use crate::step::fused::run_worlds::{STAGE, WORLD_SPHERES, WORLD_TOPOLOGY, WorldResult};
+use crate::step::fused::run_worlds::{STAGE, WorldResult, WorldSizes};
 use crate::step::wgsl::Variant;
 
 /// Most steps of a dispatch. Systems stop dispatches that take seconds.
 const MOST_STEPS: u64 = 1000;
-/// Bytes of a world's block of parameters. WGSL aligns it to 16 bytes.
-const STEP_BYTES: u64 = (size_of::<Step>() as u64).next_multiple_of(16);
-const START_BYTES: u64 = 3 * 16 * WORLD_SPHERES as u64;
-const TOPOLOGY_BYTES: u64 = 4 * WORLD_TOPOLOGY as u64;
-const TURN_BYTES: u64 = 16 * WORLD_SPHERES as u64;
-const RESULT_BYTES: u64 = size_of::<WorldResult>() as u64;
-/// Bytes per world of the buffers: parameters, starts, topologies, turns, results.
-const BYTES: [u64; 5] = [STEP_BYTES, START_BYTES, TOPOLOGY_BYTES, TURN_BYTES, RESULT_BYTES];
 /// Places of buffers that are read back.
 const STARTS: usize = 1;
 const TURNS: usize = 3;
@@ -39,24 +31,34 @@ const RESULTS: usize = 4;
 pub(crate) struct DeviceWorlds {
     gpu: Gpu,
     count: u32,
+    sizes: WorldSizes,
     buffers: [wgpu::Buffer; 5],
+}
+
+/// Bytes per world of the buffers: parameters, starts, topologies, turns, results.
+fn bytes_of_world(sizes: &WorldSizes) -> [u64; 5] {
+    let spheres = u64::from(sizes.spheres);
+    // WGSL aligns the block of parameters to 16 bytes.
+    let parameters = (size_of::<Step>() as u64).next_multiple_of(16);
+    [parameters, 48 * spheres, 4 * u64::from(sizes.topology), 16 * spheres, size_of::<WorldResult>() as u64]
 }
 
 /// The states of all worlds, as they are on the device.
 pub(crate) struct States {
+    sizes: WorldSizes,
     starts: Vec<Vec4>,
     turns: Vec<Vec4>,
     pub(crate) results: Vec<WorldResult>,
 }
 
 impl DeviceWorlds {
-    /// Room for `count` worlds, which must be uploaded before they run.
-    pub(crate) fn new(gpu: &Gpu, count: u32) -> Result<Self> {
+    /// Room for `count` worlds of up to these sizes, which must be uploaded before they run.
+    pub(crate) fn new(gpu: &Gpu, count: u32, sizes: WorldSizes) -> Result<Self> {
         gpu.check_limits()?;
         let limits = gpu.device().limits();
         let labels = ["parameters of worlds", "states of worlds", "topologies of worlds", "orientations of worlds", "results"];
         let most = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
-        for (what, bytes) in labels.into_iter().zip(BYTES) {
+        for (what, bytes) in labels.into_iter().zip(bytes_of_world(&sizes)) {
             let needed = bytes * u64::from(count);
             if needed > most {
                 return Err(crate::Error::DeviceLimit { what, needed, limit: most });
@@ -64,23 +66,28 @@ impl DeviceWorlds {
         }
         let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::COPY_SRC;
         let mut made = Vec::new();
-        for (label, bytes) in labels.into_iter().zip(BYTES) {
+        for (label, bytes) in labels.into_iter().zip(bytes_of_world(&sizes)) {
             made.push(make_buffer(gpu.device(), label, bytes * u64::from(count.max(1)), usage)?);
         }
         let buffers = std::array::from_fn(|place| made[place].clone());
-        Ok(Self { gpu: gpu.clone(), count, buffers })
+        Ok(Self { gpu: gpu.clone(), count, sizes, buffers })
     }
 
-    /// Writes a world to its slot. `run_worlds::fits` holds for it.
+    /// Whether there is room for a world.
+    pub(crate) fn fits(&self, world: &World) -> bool {
+        WorldSizes::of(world).is_some_and(|sizes| self.sizes.holds(&sizes))
+    }
+
+    /// Writes a world for which there is room to its slot.
     pub(crate) fn upload(&self, slot: u32, world: &World) -> Result<()> {
         for buffer in [Buffer::Start, Buffer::Topology, Buffer::Orientations] {
             check_buffer(world, buffer)?;
         }
-        let spheres = world.step.spheres as usize;
-        let mut starts = [Vec4::ZERO; 3 * WORLD_SPHERES as usize];
+        let (spheres, room) = (world.step.spheres as usize, self.sizes.spheres as usize);
+        let mut starts = vec![Vec4::ZERO; 3 * room];
         for region in 0..3 {
             let rows = &world.states[0][region * spheres..][..spheres];
-            starts[region * WORLD_SPHERES as usize..][..spheres].copy_from_slice(rows);
+            starts[region * room..][..spheres].copy_from_slice(rows);
         }
         let pieces: [&[u8]; 5] = [
             bytes_of(&world.step),
@@ -90,7 +97,7 @@ impl DeviceWorlds {
             bytes_of(&WorldResult::START),
         ];
         catch(self.gpu.device(), || {
-            for ((buffer, bytes), piece) in self.buffers.iter().zip(BYTES).zip(pieces) {
+            for ((buffer, bytes), piece) in self.buffers.iter().zip(bytes_of_world(&self.sizes)).zip(pieces) {
                 self.gpu.queue().write_buffer(buffer, u64::from(slot) * bytes, piece);
             }
         })
@@ -101,8 +108,15 @@ impl DeviceWorlds {
         if self.count == 0 {
             return Ok(());
         }
-        let variant =
-            Variant { law: LAW_THESIS, rods: false, large: false, muscles: false, materials: false, many: false, worlds: true };
+        let variant = Variant {
+            rods: false,
+            large: false,
+            muscles: false,
+            law: LAW_THESIS,
+            materials: false,
+            many: false,
+            worlds: Some(self.sizes),
+        };
         let kernel = self.gpu.kernel(&STAGE, variant, vec![1; STAGE.bindings.len()])?;
         let device = self.gpu.device();
         let across = device.limits().max_compute_workgroups_per_dimension;
@@ -141,12 +155,12 @@ impl DeviceWorlds {
 
     /// Waits for the device and reads all worlds back.
     pub(crate) fn download(&self) -> Result<States> {
-        Ok(States { starts: self.read(STARTS)?, turns: self.read(TURNS)?, results: self.read(RESULTS)? })
+        Ok(States { sizes: self.sizes, starts: self.read(STARTS)?, turns: self.read(TURNS)?, results: self.read(RESULTS)? })
     }
 
     fn read<T: bytemuck::Pod>(&self, place: usize) -> Result<Vec<T>> {
         let device = self.gpu.device();
-        let (buffer, size) = (&self.buffers[place], BYTES[place] * u64::from(self.count));
+        let (buffer, size) = (&self.buffers[place], bytes_of_world(&self.sizes)[place] * u64::from(self.count));
         if size == 0 {
             return Ok(Vec::new());
         }
@@ -164,7 +178,7 @@ impl DeviceWorlds {
 impl States {
     /// Copies the state of a world into a host's world of as many spheres.
     pub(crate) fn copy_to(&self, slot: usize, world: &mut World) {
-        let (spheres, room) = (world.step.spheres as usize, WORLD_SPHERES as usize);
+        let (spheres, room) = (world.step.spheres as usize, self.sizes.spheres as usize);
         for region in 0..3 {
             let rows = &self.starts[(3 * slot + region) * room..][..spheres];
             world.states[0][region * spheres..][..spheres].copy_from_slice(rows);

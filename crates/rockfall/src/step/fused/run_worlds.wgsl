@@ -23,10 +23,14 @@ struct WorldResult {
 @group(0) @binding(5) var<storage, read_write> turns: array<vec4f>;
 @group(0) @binding(6) var<storage, read_write> results: array<WorldResult>;
 
-// The largest world: spheres, entries of a list, and words of topology. All arrays together take less than 16 KiB.
+// Room for a world: spheres, entries of a list, and words of topology. The host replaces these numbers by those of the largest
+// world in the batch (`WorldSizes`), because a device runs more worlds at a time if each takes less memory. These are the largest
+// numbers, with which all arrays together take less than 16 KiB.
 const WORLD_SPHERES: u32 = 32u;
 const WORLD_ENTRIES: u32 = 36u;
 const WORLD_TOPOLOGY: u32 = 896u;
+// Threads of a workgroup, one per sphere.
+const WORLD_THREADS: u32 = 32u;
 // Rows of the lists before the entries: lengths, and the row where the only slice begins.
 const HEAD_ROWS: u32 = 2u;
 
@@ -50,7 +54,7 @@ fn is_stopped() -> bool {
 
 // Copies a world to workgroup memory.
 fn load_world(world: u32, local: u32) {
-    for (var word = local; word < WORLD_TOPOLOGY; word += WORLD_SPHERES) {
+    for (var word = local; word < WORLD_TOPOLOGY; word += WORLD_THREADS) {
         topology[word] = topologies[world * WORLD_TOPOLOGY + word];
     }
     if local < step.spheres {
@@ -114,7 +118,7 @@ fn flex(world: u32, local: u32) {
     if step.muscles_at == 0u {
         return;
     }
-    for (var spring = local; spring < springs; spring += WORLD_SPHERES) {
+    for (var spring = local; spring < springs; spring += WORLD_THREADS) {
         let word = step.springs_at + spring * SPRING_WORDS + 3u;
         let length = bitcast<f32>(topologies[world * WORLD_TOPOLOGY + word]);
         topology[word] = bitcast<u32>(muscle_length(step.muscles_at + spring * MUSCLE_WORDS, length));
@@ -191,7 +195,7 @@ fn store_world(world: u32, local: u32) {
     }
 }
 
-@compute @workgroup_size(32)
+@compute @workgroup_size(WORLD_THREADS)
 fn run_worlds(
     @builtin(workgroup_id) group: vec3u,
     @builtin(num_workgroups) groups: vec3u,

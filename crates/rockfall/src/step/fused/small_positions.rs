@@ -7,7 +7,7 @@ use glam::{Vec3, Vec4};
 
 use crate::model::counters::{Tally, count_builds};
 use crate::model::lanes::{LANES, Vec3x4};
-use crate::model::layout::{GRAIN, KIND_FORCE, KIND_TETHER, MUSCLE_WORDS, SPRING_WORDS};
+use crate::model::layout::{GRAIN, KIND_FORCE, KIND_TETHER, LAW_THESIS, MUSCLE_WORDS, SPRING_WORDS};
 use crate::model::lists::Lists;
 use crate::model::muscles::MusclesOfFour;
 use crate::model::state::Motion;
@@ -29,7 +29,7 @@ pub(crate) fn stages_before(world: &World, stages: &[Run]) -> Option<usize> {
     let replaced = Phase::UpdatePositions.stages(Integrator::Rk4, BroadPhase::BruteForce);
     let first = stages.len().checked_sub(replaced.len())?;
     let is_same = |(one, other): (&Run, &Run)| one.stage.is(other.stage) && one.pass == other.pass;
-    let fits = step.rods == 0 && step.spheres > 0 && (step.spheres as usize) < 2 * GRAIN;
+    let fits = step.law == LAW_THESIS && step.rods == 0 && step.spheres > 0 && (step.spheres as usize) < 2 * GRAIN;
     (world.joins_steps && fits && stages[first..].iter().zip(replaced).all(is_same)).then_some(first)
 }
 
@@ -131,6 +131,8 @@ struct Four {
 struct Springs {
     fours: Vec<Four>,
     loads: Vec<Load>,
+    /// Whether there are tethers or external forces.
+    has_others: bool,
 }
 
 impl Springs {
@@ -155,7 +157,12 @@ impl Springs {
                 four.muscles = MusclesOfFour::of(&records);
             }
         }
-        Self { fours, loads: vec![Load::default(); step.spheres as usize] }
+        // Every other attachment has a word of adjacency, which ends the topology buffer. A spring has two.
+        let words = match step.adjacency_at {
+            0 => 0,
+            at => world.topology.len() as u32 - at - 2 * step.spheres,
+        };
+        Self { fours, loads: vec![Load::default(); step.spheres as usize], has_others: words > 2 * count }
     }
 
     /// Adds the forces of springs, tethers and external forces to the loads, on every sphere in the order of its attachments:
@@ -173,9 +180,7 @@ impl Springs {
                 self.loads[b as usize].force -= force;
             }
         }
-        let step = view.step;
-        let forces_end = if step.muscles_at == 0 { step.boxes_at } else { step.muscles_at };
-        if forces_end > step.tethers_at {
+        if self.has_others {
             self.add_others(view);
         }
     }
