@@ -29,3 +29,4 @@ pub mod status;
 pub mod step;
 pub(crate) mod view;
 pub mod world;
+pub(crate) mod world_sizes;
