@@ -34,7 +34,9 @@ fn the_champion_is_a_scene_that_walks_as_far_as_it_says() {
 
     let history = rockfall.read("h.csv");
     assert_eq!(history.lines().count(), 4, "{history}");
-    assert!(history.starts_with("generation,champion,best,mean,niches,not_finite,exploded,unsteady,downhill,failed_audits\n1,"));
+    assert!(
+        history.starts_with("generation,champion,best,mean,niches,not_finite,exploded,unsteady,downhill,failed_audits\n1,")
+    );
     let gallery = rockfall.read("kinds/gallery.csv");
     assert!(gallery.lines().count() > 2, "{gallery}");
     for line in gallery.lines().skip(1) {
@@ -61,7 +63,8 @@ fn a_resumed_evolution_gives_the_same_files() {
 #[test]
 fn ctrl_c_leaves_everything_written() {
     let rockfall = Rockfall::with("");
-    let arguments = "evolve --population 16 --seconds 2 --backend cpu --generations 100000 --out w.txt --history w.csv --checkpoint w.json";
+    let arguments =
+        "evolve --population 16 --seconds 2 --backend cpu --generations 100000 --out w.txt --history w.csv --checkpoint w.json";
     use std::process::Stdio;
     use std::time::{Duration, Instant};
     let child = rockfall.command(arguments).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();

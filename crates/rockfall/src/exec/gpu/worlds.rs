@@ -102,7 +102,7 @@ impl DeviceWorlds {
             return Ok(());
         }
         let variant =
-            Variant { rods: false, large: false, muscles: false, law: LAW_THESIS, materials: false, many: false, worlds: true };
+            Variant { law: LAW_THESIS, rods: false, large: false, muscles: false, materials: false, many: false, worlds: true };
         let kernel = self.gpu.kernel(&STAGE, variant, vec![1; STAGE.bindings.len()])?;
         let device = self.gpu.device();
         let across = device.limits().max_compute_workgroups_per_dimension;

@@ -40,6 +40,8 @@ var<workgroup> status: StatusAtomic;
 // The next two functions do nothing, because these worlds have no rods.
 fn add_wrench(i: u32, rod: u32, net: ptr<function, Net>) {}
 
+fn add_law_load(i: u32, net: ptr<function, Net>) {}
+
 fn remember(i: u32, old_position: vec3f, spin: vec3f) {}
 
 fn is_stopped() -> bool {
