@@ -15,8 +15,8 @@ use crate::model::layout::MANY_OBJECTS;
 use crate::model::part::{Part, part};
 use crate::model::status::COUNTER_BLOCKS;
 use crate::model::step::Step;
+pub use crate::model::world_sizes::WorldSizes;
 use crate::physics::forces;
-pub use crate::step::fused::run_worlds::WorldSizes;
 
 /// Names that a shared file uses without requiring a file that declares them, each with its meaning. The stage's own file
 /// declares them, or requires one of several files that do.

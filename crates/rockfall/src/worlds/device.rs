@@ -6,12 +6,13 @@ use crate::exec::gpu::Gpu;
 use crate::exec::gpu::worlds::DeviceWorlds;
 use crate::model::layout::FLAG_CONTINUE;
 use crate::model::muscles::BASE_STEPS;
+use crate::model::world_sizes::WorldSizes;
 use crate::options::{Backend, Optimization, Options};
 use crate::scene::Scene;
 use crate::settings::{BroadPhase, DEFAULT_TIME_STEP};
 use crate::simulation::Simulation;
 use crate::simulation::mirror::Elsewhere;
-use crate::step::fused::run_worlds::{WorldResult, WorldSizes};
+use crate::step::fused::run_worlds::WorldResult;
 use crate::worlds::{World, WorldPath};
 
 /// The device's copies of the worlds.

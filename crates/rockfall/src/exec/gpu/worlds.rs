@@ -15,8 +15,9 @@ use crate::model::dispatch::rows;
 use crate::model::layout::{LAW_THESIS, PHASES_SHIFT, SYMPLECTIC_EULER};
 use crate::model::step::{Pass, Step};
 use crate::model::world::World;
+use crate::model::world_sizes::WorldSizes;
 use crate::settings::Integrator;
-use crate::step::fused::run_worlds::{STAGE, WorldResult, WorldSizes};
+use crate::step::fused::run_worlds::{STAGE, WorldResult};
 use crate::step::wgsl::Variant;
 
 /// Most steps of a dispatch. Systems stop dispatches that take seconds.
