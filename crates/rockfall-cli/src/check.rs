@@ -47,11 +47,13 @@ pub(crate) fn check(arguments: &Arguments) -> Result<(), Failure> {
     if let Some(chosen) = chosen_contact(&scene.resolved_settings()) {
         let _ = writeln!(text, "{chosen}");
     }
-    if let Some(time) = scene.law_time() {
+    warnings(&mut text, scene.check_contact_law(integrator).err().map(|error| format!("{name}: {error}")).into_iter());
+    let time = scene.law_time();
+    if let Some(time) = time {
         let _ = writeln!(text, "{}", time.describe(dt));
     }
     let stiff = scene.stability(dt, integrator);
-    if stiff.is_empty() {
+    if stiff.is_empty() && !time.is_some_and(|time| time.is_exceeded_by(dt)) {
         let _ = writeln!(text, "stable at a time step of {dt} s ({integrator})");
     }
     text.push_str(&concerns(&name, &scene, dt, integrator));

@@ -61,7 +61,7 @@ const THRESHOLD: f32 = 0.5;
 /// Chooses constants with which 100 to 5,000 spheres overlap by less than 5 % of their radius, without those that collide.
 /// Returns whether gravity was changed.
 fn reduce_overlaps(kind: Kind, scene: &mut Scene) -> bool {
-    if matches!(kind, Kind::Soft | Kind::Hopper) {
+    if matches!(kind, Kind::Mixed | Kind::Soft | Kind::Hopper) {
         scene.settings.activation_threshold = THRESHOLD;
     }
     let share = if kind == Kind::Soft { SOFT } else { 1.0 };

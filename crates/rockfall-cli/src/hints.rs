@@ -15,7 +15,7 @@ pub(crate) fn add(error: &mut Error, command: &Command, arguments: &[String]) {
         return;
     };
     let hint = match error.kind() {
-        ErrorKind::InvalidSubcommand => scene(&word),
+        ErrorKind::InvalidSubcommand => left_out(&word).or_else(|| scene(&word)),
         ErrorKind::UnknownArgument => of_argument(&word, command, arguments),
         _ => None,
     };
@@ -23,6 +23,12 @@ pub(crate) fn add(error: &mut Error, command: &Command, arguments: &[String]) {
         error.remove(ContextKind::SuggestedArg);
         error.insert(ContextKind::Suggested, ContextValue::StyledStrs(vec![StyledStr::from(hint)]));
     }
+}
+
+/// How to get a command that this program was built without.
+fn left_out(word: &str) -> Option<String> {
+    let is_missing = word == "view" && cfg!(not(feature = "window")) || word == "render" && cfg!(not(feature = "view"));
+    is_missing.then(|| format!("this program was built without '{word}': build it with its default features"))
 }
 
 /// The command that runs a scene whose name stands in the place of a command.

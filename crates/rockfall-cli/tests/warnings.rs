@@ -164,3 +164,23 @@ fn check_of_a_hundred_thousand_spheres_is_fast() {
     // 1 s on an idle machine.
     assert!(start.elapsed() < Duration::from_secs(20), "{:?}", start.elapsed());
 }
+
+/// A contact law with history reports the time that bounds the time step, and what the scene or the run lacks for it. With
+/// sqrt(rho / G) = sqrt(2500 / (5e10 / 2.4)) the Rayleigh time is pi 0.01 sqrt(rho / G) / (0.1631 * 0.2 + 0.8766) = 1.197e-5 s.
+#[test]
+fn contact_laws_report_their_time_and_what_they_lack() {
+    let text = "set contact_law hertz-mindlin\n@material glass density=2500 young=5e10 poisson=0.2\n@use glass\n\
+                B -1 -1 -1 2 0 0 0 1 0 0 0 2\nS 1 0 0.0101 0 0 -0.5 0 0 0 0 - 0.01\n";
+    let rockfall = Rockfall::with(text);
+    let (out, _) = rockfall.run("check scene.txt --integrator symplectic-euler --dt 1e-6", 0);
+    assert!(out.contains("the shortest Rayleigh time is 1.197e-5 s, that of sphere 0"), "{out}");
+    assert!(out.contains("8.354 % of it") && out.contains("stable at a time step"), "{out}");
+    let (out, _) = rockfall.run("check scene.txt --integrator symplectic-euler --dt 1e-4", 0);
+    assert!(out.contains("at most 2.394e-6 s is advised") && !out.contains("stable at"), "{out}");
+    let (out, _) = rockfall.run("check scene.txt --dt 1e-6", 0);
+    assert!(out.contains("warning") && out.contains("symplectic-euler, because the law keeps a tangential spring"), "{out}");
+    let run =
+        "run scene.txt --backend cpu --integrator symplectic-euler --dt 1e-6 --steps 300 --contacts contacts.csv --every 300";
+    let (_, err) = rockfall.run(run, 0);
+    assert!(!err.contains("warning"), "{err}");
+}

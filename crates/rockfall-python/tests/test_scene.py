@@ -150,9 +150,10 @@ def test_settings_are_attributes_with_units() -> None:
 
 
 def test_every_setting_is_set_and_documented() -> None:
-    for scene in (rf.Scene(), rf.Simulation(rf.Scene(), backend="cpu")):
+    for scene in (rf.Scene(), rf.Simulation(rf.Scene(), backend="cpu", integrator="symplectic-euler")):
         for name, value in scene.settings.items():
-            new = (1.0, 0.0, 0.0) if isinstance(value, tuple) else not value if isinstance(value, bool) else 0.25
+            values = {tuple: (1.0, 0.0, 0.0), bool: not value, str: "hertz-mindlin", float: 0.25}
+            new = values[type(value)]
             setattr(scene.settings, name, new)
             assert scene.settings[name] == new, name
             assert "Default" in getattr(rf.Settings, name).__doc__

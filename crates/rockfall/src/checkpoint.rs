@@ -11,7 +11,7 @@
 //! | 8 | `\x89RKF\r\n\x1a\n`; a transfer as text changes these bytes, so it is detected |
 //! | 4 | version of the format |
 //! | 8 | length of the whole file in bytes |
-//! | ... | the head: program, device, note, constants, options, time step, counters, numbers of objects; from version 3 on also the time of muscles, materials, pairs, and the springs of contacts |
+//! | ... | the head: program, device, note, constants, options, time step, counters, numbers of objects; from version 3 on also the time of muscles, materials, pairs and the springs of contacts |
 //! | ... | spheres, rods, capsules, springs, tethers, boxes, polygons, each in order of addition, as 32-bit words |
 //! | ... | the reference of every sphere as a 64-bit number, -1 for none; left out if no sphere has one, and in version 1 |
 //! | 4 | CRC-32 of all bytes before |
@@ -159,15 +159,12 @@ impl Checkpoint {
     }
 
     fn write(&self, out: &mut impl Write) -> io::Result<()> {
-        let version = VERSION;
-        let mut head = head::bytes(self, version);
-        if version >= head::MATERIALS_SINCE {
-            head.extend(springs::bytes(self));
-        }
+        let mut head = head::bytes(self);
+        head.extend(springs::bytes(self));
         let length = PREFIX + head.len() + objects::length(&self.scene) + SUFFIX;
         let mut out = Hashed { out, crc32: crc32fast::Hasher::new() };
         out.write_all(&MAGIC)?;
-        out.write_all(&version.to_le_bytes())?;
+        out.write_all(&VERSION.to_le_bytes())?;
         out.write_all(&(length as u64).to_le_bytes())?;
         out.write_all(&head)?;
         objects::write(&self.scene, &mut out)?;

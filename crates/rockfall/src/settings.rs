@@ -274,7 +274,7 @@ fn law(field: &'static str, value: &str) -> Result<ContactLaw> {
     law.ok_or_else(|| invalid(field, value, "thesis, linear or hertz-mindlin"))
 }
 
-/// The law of the forces in contacts (docs/physics.md sections 4.3 to 4.6 and 4.10).
+/// The law of the forces in contacts (docs/physics.md sections 4.3 to 4.6 and 4.11).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum ContactLaw {

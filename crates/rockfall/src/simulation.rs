@@ -369,15 +369,15 @@ impl Simulation {
     }
 }
 
+/// Handles of all objects that can touch, for contact laws with history.
+fn ids_of(scene: &Scene) -> Vec<AnyId> {
+    if scene.settings.contact_law.has_history() { scene.any_ids() } else { Vec::new() }
+}
+
 /// Opens the GPU that the options ask for; `None` for the CPU.
 #[cfg(all(feature = "gpu", not(target_family = "wasm")))]
 pub(crate) fn open_device(options: &Options) -> Result<(Option<Gpu>, BackendInfo)> {
     engine::block_on(None, engine::open_device(options))
-}
-
-/// Handles of all objects that can touch, for contact laws with history.
-fn ids_of(scene: &Scene) -> Vec<AnyId> {
-    if scene.settings.contact_law.has_history() { scene.any_ids() } else { Vec::new() }
 }
 
 /// Resolves the constants of a scene that its settings leave to be chosen.

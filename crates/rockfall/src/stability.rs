@@ -210,7 +210,7 @@ impl Scene {
     pub fn concerns(&self, dt: f32, integrator: Integrator) -> Vec<String> {
         let mut concerns: Vec<String> = self.stability(dt, integrator).iter().map(Warning::to_string).collect();
         let slow = self.law_time().filter(|time| time.is_exceeded_by(dt));
-        concerns.extend(slow.map(|time| time.describe(dt).to_string()));
+        concerns.extend(slow.map(|time| time.describe(dt)));
         concerns.extend(self.fast_muscle(dt).map(|muscle| muscle.to_string()));
         concerns.extend(self.sinking(integrator).map(|sinking| sinking.to_string()));
         concerns.extend(self.tunnelling(dt).map(|tunnelling| tunnelling.to_string()));

@@ -3,7 +3,7 @@
 
 use rockfall::glam::{Quat, Vec3};
 use rockfall::{
-    Backend, BroadPhase, Checkpoint, Error, Integrator, Material, Options, Pair, Scene, Simulation, Sphere, SphereId,
+    Backend, BroadPhase, Checkpoint, Counts, Error, Integrator, Material, Options, Pair, Scene, Simulation, Sphere, SphereId,
 };
 
 #[macro_use]
@@ -237,8 +237,8 @@ fn references_are_kept() {
     }
 }
 
-/// A checkpoint as it was in a version before 3: without the time of muscles and materials, and with springs of 5 words. The scene has `springs`
-/// springs and no muscles.
+/// A checkpoint as it was in a version before 3: without the time of muscles, materials and pairs, and the springs of contacts, and
+/// with springs of 5 words. The scene has `springs` springs, no muscles and no materials.
 fn older(bytes: Vec<u8>, version: u8, springs: usize) -> Vec<u8> {
     let checkpoint = Checkpoint::from_bytes(&bytes, "memory").expect("a valid checkpoint");
     let mut bytes = bytes;
@@ -248,11 +248,10 @@ fn older(bytes: Vec<u8>, version: u8, springs: usize) -> Vec<u8> {
     };
     let clock = [&0.0_f64.to_le_bytes()[..], &DT.to_le_bytes(), &checkpoint.report.steps.to_le_bytes()].concat();
     remove(&clock, 0);
-    // No materials and no pairs follow the numbers of objects.
-    let counts = checkpoint.scene.counts();
-    let counts = [counts.spheres, counts.rods, counts.capsules, counts.springs, counts.tethers, counts.boxes, counts.polygons];
-    let counts = counts.map(|count| (count as u64).to_le_bytes()).concat();
-    remove(&[&counts[..], &[0; 8]].concat(), counts.len());
+    let Counts { spheres, rods, capsules, springs: all, tethers, boxes, polygons, .. } = checkpoint.scene.counts();
+    let counts = [spheres, rods, capsules, all, tethers, boxes, polygons].map(|count| (count as u64).to_le_bytes()).concat();
+    // No materials, no pairs (32 bits each) and no springs of contacts (64 bits).
+    remove(&[counts.clone(), vec![0; 16]].concat(), counts.len());
     for spring in &checkpoint.scene.springs()[..springs] {
         let numbers = [spring.stiffness, spring.length, spring.damping];
         let pattern = [numbers.map(f32::to_le_bytes).concat(), vec![0; 16]].concat();

@@ -5,6 +5,7 @@ use std::mem::{offset_of, size_of};
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 use naga::{AddressSpace, Module, StorageAccess, TypeInner};
 use rockfall::model::dispatch::Threads;
+use rockfall::model::layout::{LAW_HERTZ_MINDLIN, LAW_LINEAR, LAW_THESIS};
 use rockfall::model::status::{Counters, Status};
 use rockfall::model::step::{Aabb, Pass, Step};
 use rockfall::model::{layout, status};
@@ -27,7 +28,9 @@ fn module(stage: &Stage) -> Module {
 
 /// The module for scenes with or without rods, large spheres and muscles.
 fn module_for(stage: &Stage, [rods, large, muscles]: [bool; 3]) -> Module {
-    let text = Variant { rods, large, muscles, law: 0, materials: true, many: false, worlds: None }.apply(&source(stage));
+    // Each contact law occurs in one of the variants that are checked.
+    let law = if large { LAW_THESIS } else { [LAW_LINEAR, LAW_HERTZ_MINDLIN][usize::from(rods)] };
+    let text = Variant { rods, large, muscles, materials: true, law, many: false, worlds: None }.apply(&source(stage));
     naga::front::wgsl::parse_str(&text).unwrap_or_else(|e| panic!("{}: {}", stage.name, e.emit_to_string(&text)))
 }
 

@@ -41,9 +41,10 @@ class DeviceArray(np.lib.mixins.NDArrayOperatorsMixin):
         return view
 
     def _on_host(self) -> FloatArray:
-        if self._host is None:
-            self._host = self._shared.host()
-        return self._host
+        host = self._host
+        if host is None:
+            self._host = host = self._shared.host()
+        return host
 
     def _changed(self) -> bool:
         """Whether the elements on the host differ from those on the device."""

@@ -67,8 +67,8 @@ class Settings:
         collision_friction: float
         linear_damping: float
         angular_damping: float
-        gravity: float
         contact_law: str
+        gravity: float
         collisions: bool
         gravity_direction: tuple[float, float, float]
         contact_pull: bool

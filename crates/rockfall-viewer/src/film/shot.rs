@@ -115,7 +115,10 @@ mod tests {
         assert_eq!(shot(View { camera: Some(Vec3::X), look_at: Some(Vec3::X), ..View::default() }), None);
         let follow = shot(View { follow: Some(followed), ..View::default() }).unwrap();
         assert_eq!(follow.camera().target, Vec3::new(1.0, 2.0, 3.0));
-        assert!(follow.camera().eye.distance(follow.camera().target) >= FOLLOW_RADII * 0.5);
+        let framing = Camera::of_survey(&survey, &scene, 1.5, false);
+        let part = FOLLOW_PART * framing.eye.distance(framing.target);
+        let distance = follow.camera().eye.distance(follow.camera().target);
+        assert!((distance - part.max(FOLLOW_RADII * 0.5)).abs() < 1e-3, "{distance} {part}");
         assert_eq!(follow.at(1.0, Some(Vec3::ZERO)).target, Vec3::ZERO);
         let orbit = shot(View { orbit: std::f32::consts::PI, ..View::default() }).unwrap();
         let [start, end] = [0.0, 1.0].map(|seconds| orbit.at(seconds, None));

@@ -12,7 +12,7 @@ use crate::settings::Settings;
 /// First version that holds materials and pairs.
 pub(super) const MATERIALS_SINCE: u32 = 3;
 
-pub(super) fn bytes(checkpoint: &Checkpoint, version: u32) -> Vec<u8> {
+pub(super) fn bytes(checkpoint: &Checkpoint) -> Vec<u8> {
     let Checkpoint { scene, options, time_step, report, note, device, program, history, springs: _ } = checkpoint;
     let mut head = Head::default();
     for text in [program, device, note] {
@@ -53,9 +53,7 @@ pub(super) fn bytes(checkpoint: &Checkpoint, version: u32) -> Vec<u8> {
     for count in [spheres, rods, capsules, springs, tethers, boxes, polygons] {
         head.u64(count as u64);
     }
-    if version >= MATERIALS_SINCE {
-        materials(&mut head, scene);
-    }
+    materials(&mut head, scene);
     head.bytes
 }
 

@@ -24,11 +24,12 @@ impl Dampings {
 }
 
 impl Scene {
-    /// Checks that the contact law of the scene has all the constants that it needs, and that the integrator suits it.
+    /// Checks that the contact law of the scene has all the constants that it needs, and that the integrator suits it. A
+    /// [`Simulation`](crate::Simulation) makes the same check.
     ///
     /// # Errors
     /// [`Error::Invalid`], which names the first object or pair of materials without a constant.
-    pub(crate) fn check_contact_law(&self, integrator: Integrator) -> Result<()> {
+    pub fn check_contact_law(&self, integrator: Integrator) -> Result<()> {
         let law = self.settings.contact_law;
         if !law.has_history() {
             return Ok(());

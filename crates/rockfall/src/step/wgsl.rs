@@ -174,10 +174,10 @@ pub struct Variant {
     pub rods: bool,
     /// There may be large spheres, each of which gets a workgroup.
     pub large: bool,
-    /// There may be springs with muscles.
-    pub muscles: bool,
     /// The contact law, one of the `LAW_*` constants.
     pub law: u32,
+    /// There may be springs with muscles.
+    pub muscles: bool,
     /// There may be pairs of materials.
     pub materials: bool,
     /// There may be so many objects that a sort key of `find_neighbours` has no room for more than an insertion index.

@@ -44,30 +44,28 @@ fn bits(simulation: &mut Simulation) -> Vec<[u32; 9]> {
     spheres.iter().map(of).collect()
 }
 
-const DT: f32 = 2e-4;
-
 fn opened(scene: &Scene, backend: Backend, method: BroadPhase) -> Simulation {
     Simulation::with_options(scene.clone(), options(backend).broad_phase(method)).expect("the simulation opens")
 }
 
 /// The result does not depend on the broad phase, on how often memory is sorted, or on how a run is divided and resumed.
 fn springs_are_kept_bit_for_bit(backend: Backend) {
-    let (steps, balls) = crate::common::on(backend, (3000_u64, 27), (40, 9));
+    let (steps, balls, dt) = crate::common::on(backend, (3000_u64, 27, 2e-4), (320, 9, 5e-4));
     for law in [ContactLaw::Linear, ContactLaw::HertzMindlin] {
         let scene = crowd(law, balls);
         let mut whole = opened(&scene, backend, BroadPhase::Grid);
-        whole.run(steps, DT).expect("steps");
+        whole.run(steps, dt).expect("steps");
         let expected = bits(&mut whole);
         let report = whole.report();
         assert!(report.contacts > 5 && report.list_builds < steps, "{report:?}");
         for method in [BroadPhase::BruteForce, BroadPhase::SortAndSkip] {
             let mut other = opened(&scene, backend, method);
-            other.run(steps, DT).expect("steps");
+            other.run(steps, dt).expect("steps");
             assert!(bits(&mut other) == expected, "{law}, {method}");
         }
         let mut parts = opened(&scene, backend, BroadPhase::Grid);
         for part in 0..4 {
-            parts.run(steps / 4, DT).expect("steps");
+            parts.run(steps / 4, dt).expect("steps");
             match part {
                 0 => parts.sort_memory().expect("sorted memory"),
                 1 => {
@@ -76,7 +74,7 @@ fn springs_are_kept_bit_for_bit(backend: Backend) {
                 }
                 2 => {
                     let checkpoint = parts.checkpoint().expect("a checkpoint");
-                    parts.run(3, DT).expect("steps");
+                    parts.run(3, dt).expect("steps");
                     parts.restore(&checkpoint).expect("restored");
                 }
                 _ => {}

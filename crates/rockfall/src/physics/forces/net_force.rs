@@ -98,17 +98,12 @@ pub(crate) fn contact_load(view: &View, lists: &Lists, sphere: u32, mut tally: O
 /// Returns the load on a sphere: contacts, then everything attached to it. Body forces are not included. `wrenches` are the
 /// results of `rod_forces` or `law_forces`.
 pub(crate) fn sphere_load(view: &View, lists: &Lists, wrenches: &[Vec4], sphere: u32, tally: Option<&mut Tally>) -> Load {
-    let contacts = if view.step.law == LAW_THESIS {
+    let mut total = if view.step.law == LAW_THESIS {
         contact_load(view, lists, sphere, tally)
     } else {
         let at = (4 * view.step.rods + 2 * sphere) as usize;
         Load { force: wrenches[at].truncate(), torque: wrenches[at + 1].truncate() }
     };
-    with_attachments(view, wrenches, sphere, contacts)
-}
-
-/// Adds everything attached to a sphere to the load of its contacts.
-fn with_attachments(view: &View, wrenches: &[Vec4], sphere: u32, mut total: Load) -> Load {
     for attachment in view.attachments(sphere) {
         match attachment.kind {
             KIND_ROD => {

@@ -33,7 +33,7 @@ impl Title {
     /// Adds the next line of the text.
     pub(super) fn add(&mut self, line: &str, is_comment: bool) {
         let is_blank = line.trim().is_empty();
-        self.is_complete |= !is_comment && !(is_blank && self.lines.is_empty());
+        self.is_complete |= !(is_comment || is_blank && self.lines.is_empty());
         if is_comment && !self.is_complete {
             let text = line.trim_end();
             let text = text.trim_start().strip_prefix('#').unwrap_or(text);
