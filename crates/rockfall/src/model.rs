@@ -29,4 +29,8 @@ pub mod status;
 pub mod step;
 pub(crate) mod view;
 pub mod world;
+#[cfg_attr(
+    any(not(feature = "gpu"), target_family = "wasm"),
+    allow(dead_code, reason = "only the native GPU backend runs worlds")
+)]
 pub(crate) mod world_sizes;

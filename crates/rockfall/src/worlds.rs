@@ -10,9 +10,10 @@ use crate::error::{Error, Result};
 use crate::exec::gpu::Gpu;
 use crate::options::{Backend, BackendInfo, Options};
 use crate::report::{Report, SphereState};
-use crate::scene::{Scene, Spring};
+use crate::scene::Scene;
 use crate::simulation::Simulation;
 
+mod control;
 #[cfg(feature = "gpu")]
 mod device;
 #[cfg(feature = "gpu")]
@@ -255,79 +256,6 @@ impl Worlds {
         }
     }
 
-    /// Sets position, velocity, angular momentum and orientation of all spheres of a world, one state per sphere in order of
-    /// addition. A fixed sphere may be moved too. The other fields of the states are ignored.
-    ///
-    /// # Errors
-    /// [`Error::Invalid`] for a world that does not exist, another number of states than spheres, or a value that is not finite.
-    /// Nothing is changed then. [`Error::Device`] when the GPU fails.
-    pub fn set_states(&mut self, world: usize, states: &[SphereState]) -> Result<()> {
-        let simulation = &mut self.current(world)?.simulation;
-        let ids: Vec<_> = simulation.scene().sphere_ids().collect();
-        check_count("states", states.len(), ids.len(), "one state per sphere of the world")?;
-        for state in states {
-            for (field, vector) in [
-                ("state.position", state.position),
-                ("state.velocity", state.velocity),
-                ("state.angular_momentum", state.angular_momentum),
-            ] {
-                crate::scene::finite(field, vector)?;
-            }
-            if !state.orientation.is_normalized() {
-                let value = format!("{}", state.orientation);
-                return Err(Error::Invalid { field: "state.orientation", value, expected: "a unit quaternion" });
-            }
-        }
-        for (id, state) in ids.into_iter().zip(states) {
-            simulation.set_position(id, state.position)?;
-            simulation.set_velocity(id, state.velocity)?;
-            simulation.set_angular_momentum(id, state.angular_momentum)?;
-            simulation.set_orientation(id, state.orientation)?;
-        }
-        simulation.flush()?;
-        self.changed(world);
-        Ok(())
-    }
-
-    /// Sets the rest lengths of all springs of a world, in units, one per spring in order of addition. They hold until they are
-    /// changed. The rest length of a muscle oscillates about it.
-    ///
-    /// # Errors
-    /// [`Error::Invalid`] for a world that does not exist, another number of lengths than springs, or a length that is negative or
-    /// not finite. Nothing is changed then.
-    pub fn set_rest_lengths(&mut self, world: usize, lengths: &[f32]) -> Result<()> {
-        let simulation = &mut self.current(world)?.simulation;
-        let ids: Vec<_> = simulation.scene().spring_ids().collect();
-        check_count("rest lengths", lengths.len(), ids.len(), "one length per spring of the world")?;
-        if let Some(bad) = lengths.iter().find(|length| !(length.is_finite() && **length >= 0.0)) {
-            let expected = "a finite number, not negative";
-            return Err(Error::Invalid { field: "spring.length", value: bad.to_string(), expected });
-        }
-        for (id, length) in ids.into_iter().zip(lengths) {
-            simulation.update_spring(id, |spring: &mut Spring| spring.length = *length)?;
-        }
-        self.changed(world);
-        Ok(())
-    }
-
-    /// Sets the external forces on all spheres of a world, in mass units/s², one per sphere in order of addition. They act until
-    /// they are changed.
-    ///
-    /// # Errors
-    /// [`Error::Invalid`] for a world that does not exist, another number of forces than spheres, or a force that is not finite.
-    /// Nothing is changed then.
-    pub fn set_forces(&mut self, world: usize, forces: &[Vec3]) -> Result<()> {
-        let simulation = &mut self.current(world)?.simulation;
-        let ids: Vec<_> = simulation.scene().sphere_ids().collect();
-        check_count("forces", forces.len(), ids.len(), "one force per sphere of the world")?;
-        forces.iter().try_for_each(|force| crate::scene::finite("force", *force))?;
-        for (id, force) in ids.into_iter().zip(forces) {
-            simulation.set_force(id, *force)?;
-        }
-        self.changed(world);
-        Ok(())
-    }
-
     /// Returns worlds to the state in which they were created or replaced, at time 0. Stopped worlds advance again.
     ///
     /// # Errors
@@ -387,11 +315,4 @@ impl Worlds {
             escaped,
         })
     }
-}
-
-fn check_count(field: &'static str, found: usize, wanted: usize, expected: &'static str) -> Result<()> {
-    if found == wanted {
-        return Ok(());
-    }
-    Err(Error::Invalid { field, value: format!("{found} for {wanted}"), expected })
 }

@@ -182,6 +182,20 @@ fn a_world_is_controlled_as_a_simulation(backend: Backend) {
         simulation.run(5, DT).expect("steps");
         assert_eq!(bits(&worlds.states(1).expect("states")), bits(&simulation.spheres().expect("states")));
     }
+    // The same for all worlds at once: the first world has other springs and spheres.
+    let counts = worlds.scene(0).expect("a scene").counts();
+    let lengths: Vec<f32> = springs.iter().map(|id| simulation.scene().spring(*id).expect("a spring").length * 0.9).collect();
+    let forces = vec![Vec3::Z; spheres.len()];
+    worlds.set_all_rest_lengths(&[vec![0.5; counts.springs], lengths.clone()].concat()).expect("lengths");
+    worlds.set_all_forces(&[vec![Vec3::X; counts.spheres], forces.clone()].concat()).expect("forces");
+    assert_eq!(worlds.scene(0).expect("a scene").springs()[0].length, 0.5);
+    for (id, length) in springs.iter().zip(&lengths) {
+        simulation.update_spring(*id, |spring| spring.length = *length).expect("a spring");
+    }
+    spheres.iter().zip(&forces).for_each(|(id, force)| simulation.set_force(*id, *force).expect("a force"));
+    worlds.run(5, DT).expect("steps");
+    simulation.run(5, DT).expect("steps");
+    assert_eq!(bits(&worlds.states(1).expect("states")), bits(&simulation.spheres().expect("states")));
     let states = worlds.states(1).expect("states");
     let back: Vec<SphereState> = states
         .iter()
@@ -277,6 +291,9 @@ fn wrong_numbers_and_worlds_are_errors() {
     assert!(message(worlds.set_rest_lengths(0, &bad)).starts_with("spring.length: -1 is not allowed"));
     assert!(message(worlds.set_forces(0, &[Vec3::NAN; 8])).starts_with("force: "));
     assert!(message(worlds.set_forces(0, &[Vec3::ZERO; 7])).starts_with("forces: 7 for 8 is not allowed"));
+    let all = message(worlds.set_all_rest_lengths(&[1.0; 3]));
+    assert_eq!(all, format!("rest lengths: 3 for {springs} is not allowed, expected one length per spring of all worlds"));
+    assert!(message(worlds.set_all_forces(&[Vec3::NAN; 8])).starts_with("force: "));
     assert!(message(worlds.run(1, 0.0)).starts_with("dt: 0 is not allowed"));
     let mut states = worlds.states(0).expect("states");
     states[2].velocity.x = f32::INFINITY;

@@ -1,9 +1,9 @@
-//! How much workgroup memory the kernel of small worlds needs.
+//! The room that a small world takes in workgroup memory.
 
 use crate::model::layout::{FLAG_COLLISIONS, LAW_THESIS};
 use crate::model::world::World;
 
-/// Room for a world in the kernel.
+/// Room for a world in the kernel `run_worlds`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub struct WorldSizes {
     /// Spheres: at most one per thread.

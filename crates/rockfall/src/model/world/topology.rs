@@ -50,6 +50,7 @@ impl World {
         }
         pack_attachments(scene, &slots, step, &mut topology, &mut adjacency)?;
         pack_forces(scene, &slots, self.has_force_on_each, step, &mut topology, &mut adjacency);
+        pack_muscles(scene, step, &mut topology);
         pack_static(scene, &self.order, step, &mut topology)?;
         pack_pairs(scene, step, &mut topology);
         pack_order(&self.order, &slots, step, &mut topology);
@@ -87,7 +88,7 @@ fn pack_order(order: &[u32], slots: &[u32], step: &mut Step, topology: &mut Vec<
     }
 }
 
-/// Appends springs, tethers and an empty table of muscles.
+/// Appends springs and tethers.
 fn pack_attachments(
     scene: &Scene,
     slots: &[u32],
@@ -110,13 +111,17 @@ fn pack_attachments(
         topology.extend([tether.stiffness, tether.length, tether.damping].map(f32::to_bits));
         adjacency.attach(KIND_TETHER, number, &[sphere]);
     }
+    Ok(())
+}
+
+/// Appends an empty table of muscles, which [`World::set_muscles`] fills. It stands apart from the springs and tethers, because the
+/// kernel that sorts memory takes what is between their offsets for records of one kind.
+fn pack_muscles(scene: &Scene, step: &mut Step, topology: &mut Vec<u32>) {
     step.muscles_at = 0;
     if scene.springs().iter().any(|spring| spring.muscle.is_some()) {
-        // `World::set_muscles` fills the table.
         step.muscles_at = topology.len() as u32;
         topology.resize(topology.len() + scene.springs().len() * MUSCLE_WORDS as usize, 0);
     }
-    Ok(())
 }
 
 /// Appends external forces: of each sphere, or of those with a force.

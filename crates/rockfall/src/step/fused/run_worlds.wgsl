@@ -1,7 +1,6 @@
-// requires model/counters.wgsl model/four_states.wgsl model/objects.wgsl model/step.wgsl
-// requires physics/forces/muscle.wgsl physics/forces/net_force.wgsl physics/rotation.wgsl
-// requires step/commit.wgsl step/integrate/close_step.wgsl step/integrate/finished.wgsl
-// requires step/integrate/symplectic_euler_state.wgsl step/integrate/next_state.wgsl
+// requires model/four_states.wgsl model/step.wgsl model/step_block.wgsl physics/forces/muscle.wgsl
+// requires physics/forces/net_force.wgsl physics/rotation.wgsl step/commit.wgsl step/integrate/close_step.wgsl
+// requires step/integrate/finished.wgsl step/integrate/next_state.wgsl step/integrate/symplectic_euler_state.wgsl
 
 // Each workgroup advances a world of its own, for many steps. The data of the world are in workgroup memory, under the names
 // that the shared files use. So these files compute the same here as in the stages. `step` is a copy of the world's block.

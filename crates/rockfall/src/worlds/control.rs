@@ -1,0 +1,133 @@
+//! Sets states, rest lengths and forces of worlds.
+
+use glam::Vec3;
+
+use crate::error::{Error, Result};
+use crate::report::SphereState;
+use crate::scene::{Spring, finite};
+use crate::worlds::Worlds;
+
+impl Worlds {
+    /// Sets position, velocity, angular momentum and orientation of all spheres of a world, one state per sphere in order of
+    /// addition. A fixed sphere may be moved too. The other fields of the states are ignored.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] for a world that does not exist, another number of states than spheres, or a value that is not finite.
+    /// Nothing is changed then. [`Error::Device`] when the GPU fails.
+    pub fn set_states(&mut self, world: usize, states: &[SphereState]) -> Result<()> {
+        let simulation = &mut self.current(world)?.simulation;
+        let ids: Vec<_> = simulation.scene().sphere_ids().collect();
+        check_count("states", states.len(), ids.len(), "one state per sphere of the world")?;
+        for state in states {
+            for (field, vector) in [
+                ("state.position", state.position),
+                ("state.velocity", state.velocity),
+                ("state.angular_momentum", state.angular_momentum),
+            ] {
+                finite(field, vector)?;
+            }
+            if !state.orientation.is_normalized() {
+                let value = format!("{}", state.orientation);
+                return Err(Error::Invalid { field: "state.orientation", value, expected: "a unit quaternion" });
+            }
+        }
+        for (id, state) in ids.into_iter().zip(states) {
+            simulation.set_position(id, state.position)?;
+            simulation.set_velocity(id, state.velocity)?;
+            simulation.set_angular_momentum(id, state.angular_momentum)?;
+            simulation.set_orientation(id, state.orientation)?;
+        }
+        simulation.flush()?;
+        self.changed(world);
+        Ok(())
+    }
+
+    /// Sets the rest lengths of all springs of a world, in units, one per spring in order of addition. They hold until they are
+    /// changed. The rest length of a muscle oscillates about it.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] for a world that does not exist, another number of lengths than springs, or a length that is negative or
+    /// not finite. Nothing is changed then.
+    pub fn set_rest_lengths(&mut self, world: usize, lengths: &[f32]) -> Result<()> {
+        let simulation = &mut self.current(world)?.simulation;
+        let ids: Vec<_> = simulation.scene().spring_ids().collect();
+        check_count("rest lengths", lengths.len(), ids.len(), "one length per spring of the world")?;
+        check_lengths(lengths)?;
+        for (id, length) in ids.into_iter().zip(lengths) {
+            simulation.update_spring(id, |spring: &mut Spring| spring.length = *length)?;
+        }
+        self.changed(world);
+        Ok(())
+    }
+
+    /// Sets the external forces on all spheres of a world, in mass units/s², one per sphere in order of addition. They act until
+    /// they are changed.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] for a world that does not exist, another number of forces than spheres, or a force that is not finite.
+    /// Nothing is changed then.
+    pub fn set_forces(&mut self, world: usize, forces: &[Vec3]) -> Result<()> {
+        let simulation = &mut self.current(world)?.simulation;
+        let ids: Vec<_> = simulation.scene().sphere_ids().collect();
+        check_count("forces", forces.len(), ids.len(), "one force per sphere of the world")?;
+        forces.iter().try_for_each(|force| finite("force", *force))?;
+        for (id, force) in ids.into_iter().zip(forces) {
+            simulation.set_force(id, *force)?;
+        }
+        self.changed(world);
+        Ok(())
+    }
+
+    /// Sets the rest lengths of all springs of all worlds: those of world 0, then those of world 1, and so on. See
+    /// [`Worlds::set_rest_lengths`].
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] for another number of lengths than springs, or a length that is negative or not finite. Nothing is changed
+    /// then. [`Error::Device`] when the GPU fails.
+    pub fn set_all_rest_lengths(&mut self, lengths: &[f32]) -> Result<()> {
+        let counts: Vec<usize> = self.worlds.iter().map(|world| world.simulation.scene().springs().len()).collect();
+        check_count("rest lengths", lengths.len(), counts.iter().sum(), "one length per spring of all worlds")?;
+        check_lengths(lengths)?;
+        let mut rest = lengths;
+        for (world, count) in counts.into_iter().enumerate() {
+            let own = rest.split_off(..count).unwrap_or_default();
+            self.set_rest_lengths(world, own)?;
+        }
+        Ok(())
+    }
+
+    /// Sets the external forces on all spheres of all worlds: those of world 0, then those of world 1, and so on. See
+    /// [`Worlds::set_forces`].
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] for another number of forces than spheres, or a force that is not finite. Nothing is changed then.
+    /// [`Error::Device`] when the GPU fails.
+    pub fn set_all_forces(&mut self, forces: &[Vec3]) -> Result<()> {
+        let counts: Vec<usize> = self.worlds.iter().map(|world| world.simulation.scene().spheres().len()).collect();
+        check_count("forces", forces.len(), counts.iter().sum(), "one force per sphere of all worlds")?;
+        forces.iter().try_for_each(|force| finite("force", *force))?;
+        let mut rest = forces;
+        for (world, count) in counts.into_iter().enumerate() {
+            let own = rest.split_off(..count).unwrap_or_default();
+            self.set_forces(world, own)?;
+        }
+        Ok(())
+    }
+}
+
+fn check_lengths(lengths: &[f32]) -> Result<()> {
+    match lengths.iter().find(|length| !(length.is_finite() && **length >= 0.0)) {
+        Some(bad) => {
+            let expected = "a finite number, not negative";
+            Err(Error::Invalid { field: "spring.length", value: bad.to_string(), expected })
+        }
+        None => Ok(()),
+    }
+}
+
+fn check_count(field: &'static str, found: usize, wanted: usize, expected: &'static str) -> Result<()> {
+    if found == wanted {
+        return Ok(());
+    }
+    Err(Error::Invalid { field, value: format!("{found} for {wanted}"), expected })
+}
