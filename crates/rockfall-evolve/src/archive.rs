@@ -61,7 +61,7 @@ pub struct Archive {
 impl Archive {
     /// Adds a creature if it is the best of its niche. Returns whether it is.
     pub fn add(&mut self, genome: &Genome, outcome: &Outcome) -> bool {
-        if outcome.verdict != Verdict::Valid || !(outcome.fitness > 0.0) {
+        if outcome.verdict != Verdict::Valid || outcome.fitness.is_nan() || outcome.fitness <= 0.0 {
             return false;
         }
         let niche = Niche::of(genome, outcome);

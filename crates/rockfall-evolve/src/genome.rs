@@ -165,9 +165,9 @@ impl Genome {
         let mut next = 0;
         while let Some(node) = found.get(next).copied() {
             next += 1;
-            for other in 0..self.nodes.len() {
-                if !seen[other] && self.nodes[node].place().distance(self.nodes[other].place()) <= REACH {
-                    seen[other] = true;
+            for (other, (end, is_known)) in self.nodes.iter().zip(&mut seen).enumerate() {
+                if !*is_known && self.nodes[node].place().distance(end.place()) <= REACH {
+                    *is_known = true;
                     found.push(other);
                 }
             }

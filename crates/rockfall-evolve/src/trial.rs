@@ -1,10 +1,11 @@
 //! Lets creatures live side by side for some seconds, and judges what they did.
 
+use rayon::prelude::*;
 use rockfall::glam::{DVec2, DVec3};
 use rockfall::{Integrator, Options, Result, SphereState, Worlds};
 use serde::{Deserialize, Serialize};
 
-use crate::genome::{Genome, RADIUS};
+use crate::genome::{Bond, Genome, RADIUS};
 use crate::ground::Ground;
 
 /// Time between two looks at the states, in s.
@@ -146,8 +147,9 @@ impl Trial {
     /// # Errors
     /// As for [`Worlds::new`].
     pub fn run(&self, genomes: &[Genome], should_stop: &dyn Fn() -> bool) -> Result<Option<Vec<Outcome>>> {
-        let scenes: Vec<_> = genomes.iter().map(|genome| genome.scene(&self.ground)).collect::<Result<_>>()?;
+        let scenes: Vec<_> = genomes.par_iter().map(|genome| genome.scene(&self.ground)).collect::<Result<_>>()?;
         let mut worlds = Worlds::new(scenes, self.options.clone())?;
+        let bonds: Vec<Vec<Bond>> = genomes.par_iter().map(Genome::bonds).collect();
         let mut watches = vec![Watch::default(); genomes.len()];
         let (settled, last) = (self.settling_steps(), self.steps());
         let sample = (SAMPLE / f64::from(self.dt)).round().max(1.0) as u64;
@@ -157,9 +159,9 @@ impl Trial {
             let next = if done < settled { settled.min(done + sample) } else { last.min(done + sample) };
             worlds.run(next - done, self.dt)?;
             done = next;
-            for ((watch, genome), states) in watches.iter_mut().zip(genomes).zip(worlds.all_states()?) {
-                watch.look(genome, &states, done >= settled);
-            }
+            let states = worlds.all_states()?;
+            let seen = watches.par_iter_mut().zip(&bonds).zip(&states);
+            seen.for_each(|((watch, bonds), states)| watch.look(bonds, states, done >= settled));
             if should_stop() {
                 return Ok(None);
             }
@@ -174,15 +176,17 @@ impl Trial {
 }
 
 impl Watch {
-    fn look(&mut self, genome: &Genome, states: &[SphereState], has_settled: bool) {
+    fn look(&mut self, bonds: &[Bond], states: &[SphereState], has_settled: bool) {
         let places: Vec<DVec3> = states.iter().map(|state| state.position.as_dvec3()).collect();
         let centre = places.iter().sum::<DVec3>() / places.len() as f64;
         let fast = states.iter().any(|state| state.velocity.as_dvec3().length() > MOST_SPEED);
-        let strained = genome.bonds().iter().any(|bond| {
+        let strained = bonds.iter().any(|bond| {
             let [a, b] = bond.ends;
             !STRAINS.contains(&(places[a].distance(places[b]) / f64::from(bond.length)))
         });
-        self.exploded |= fast || strained || !(centre.length() < FAR);
+        // NaN is near nothing.
+        let is_near = centre.length() < FAR;
+        self.exploded |= fast || strained || !is_near;
         if has_settled {
             let lowest = places.iter().map(|place| place.y).fold(f64::INFINITY, f64::min);
             self.centres.push(centre);
@@ -292,7 +296,7 @@ mod tests {
             let mut changed = states.clone();
             change(&mut changed[3]);
             let mut watch = Watch::default();
-            watch.look(&genome, &changed, true);
+            watch.look(&genome.bonds(), &changed, true);
             watch.exploded
         };
         assert!(!look(&|_| {}));
