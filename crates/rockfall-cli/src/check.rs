@@ -47,13 +47,14 @@ pub(crate) fn check(arguments: &Arguments) -> Result<(), Failure> {
     if let Some(chosen) = chosen_contact(&scene.resolved_settings()) {
         let _ = writeln!(text, "{chosen}");
     }
-    warnings(&mut text, scene.check_contact_law(integrator).err().map(|error| format!("{name}: {error}")).into_iter());
-    let time = scene.law_time();
-    if let Some(time) = time {
+    let refused = scene.check_contact_law(integrator).err();
+    warnings(&mut text, refused.iter().map(|error| format!("{name}: {error}")));
+    let (slow, in_time): (Vec<_>, Vec<_>) = scene.law_time().into_iter().partition(|time| time.is_exceeded_by(dt));
+    for time in in_time {
         let _ = writeln!(text, "{}", time.describe(dt));
     }
     let stiff = scene.stability(dt, integrator);
-    if stiff.is_empty() && !time.is_some_and(|time| time.is_exceeded_by(dt)) {
+    if stiff.is_empty() && slow.is_empty() && refused.is_none() {
         let _ = writeln!(text, "stable at a time step of {dt} s ({integrator})");
     }
     text.push_str(&concerns(&name, &scene, dt, integrator));

@@ -333,7 +333,7 @@ static MISTAKES: &[Mistake] = &[
     Mistake("law_forces", 0, "laws/contact.wgsl", "shift = step.dt * slip", "shift = -step.dt * slip", Buffer::Histories),
     Mistake("law_forces", 0, "laws/contact.wgsl", "rub *= limit / size", "rub *= 1.0", Buffer::Wrenches),
     Mistake("law_forces", 0, "laws/contact.wgsl", "- dot(before.shift, n) * n", "", Buffer::Histories),
-    Mistake("law_forces", 0, "history.wgsl", "known == key", "known >= key", Buffer::Wrenches),
+    Mistake("law_forces", 0, "history.wgsl", "known == key", "known != key", Buffer::Wrenches),
     Mistake("law_forces", 0, "history.wgsl", ".w >= state", ".w < state", Buffer::Histories),
     Mistake("law_forces", 0, "law_forces.wgsl", "select(-law.contact.force,", "select(law.contact.force,", Buffer::Wrenches),
     Mistake("symplectic_euler", 0, "wrenches.wgsl", "2u * i", "i", Buffer::Y2),

@@ -192,6 +192,8 @@ fn add_springs(world: &mut World, plan: &Plan) {
             for (word, factor) in record.iter_mut().zip(factors) {
                 *word = (f32::from_bits(*word) * factor).to_bits();
             }
+            // As if the contact had turned since, so that the spring is not in the tangent plane.
+            record[..3].rotate_left(1);
             record[3] = (f32::from_bits(record[3]) * [0.8, 1.25][number % 2]).to_bits();
         }
     }
