@@ -131,18 +131,29 @@ impl Worlds {
     }
 
     fn create_all(&self, scenes: Vec<Scene>) -> Result<Vec<World>> {
-        match self.info.kind {
-            // Each is packed by one thread.
-            Backend::Cpu => scenes.into_par_iter().map(|scene| self.create(scene)).collect(),
-            _ => scenes.into_iter().map(|scene| self.create(scene)).collect(),
+        #[cfg(feature = "gpu")]
+        if self.gpu.is_some() {
+            let held: Vec<Option<World>> = scenes.par_iter().map(|scene| self.held_on_host(scene)).collect::<Result<_>>()?;
+            let all = scenes.into_iter().zip(held);
+            // Simulations of their own share the device.
+            return all.map(|(scene, world)| world.map_or_else(|| self.create(scene), Ok)).collect();
         }
+        // Each is packed by one thread.
+        scenes.into_par_iter().map(|scene| self.create(scene)).collect()
+    }
+
+    /// A world that a workgroup of the device runs; `None` for one that needs a simulation of its own.
+    #[cfg(feature = "gpu")]
+    fn held_on_host(&self, scene: &Scene) -> Result<Option<World>> {
+        let mirror = device::mirror(scene, &self.options)?;
+        mirror.map(|mirror| World::new(mirror, WorldPath::Device)).transpose()
     }
 
     fn create(&self, scene: Scene) -> Result<World> {
         #[cfg(feature = "gpu")]
         if let Some(gpu) = &self.gpu {
-            if let Some(mirror) = device::mirror(&scene, &self.options)? {
-                return World::new(mirror, WorldPath::Device);
+            if let Some(world) = self.held_on_host(&scene)? {
+                return Ok(world);
             }
             return World::new(Simulation::on_gpu(scene, self.options.clone(), gpu, &self.info)?, WorldPath::Simulation);
         }
@@ -250,9 +261,11 @@ impl Worlds {
     /// [`Error::Device`] when the GPU fails.
     pub fn all_states(&mut self) -> Result<Vec<Vec<SphereState>>> {
         self.refresh()?;
-        match self.info.kind {
-            Backend::Cpu => self.worlds.par_iter_mut().map(|world| world.simulation.spheres()).collect(),
-            _ => self.worlds.iter_mut().map(|world| world.simulation.spheres()).collect(),
+        // The states of simulations of their own on a GPU are read one after the other.
+        if self.info.kind == Backend::Cpu || self.worlds.iter().all(|world| world.path == WorldPath::Device) {
+            self.worlds.par_iter_mut().map(|world| world.simulation.spheres()).collect()
+        } else {
+            self.worlds.iter_mut().map(|world| world.simulation.spheres()).collect()
         }
     }
 

@@ -1,5 +1,7 @@
 //! The worlds of a batch that run on the device, one workgroup each.
 
+use rayon::prelude::*;
+
 use crate::checkpoint::Checkpoint;
 use crate::error::Result;
 use crate::exec::gpu::Gpu;
@@ -118,9 +120,10 @@ impl Batch {
             return Ok(());
         }
         let states = self.device.download()?;
-        for (number, (slot, world)) in self.slots.iter_mut().zip(worlds).enumerate() {
+        let both = self.slots.par_iter_mut().zip(worlds);
+        both.enumerate().for_each(|(number, (slot, world))| {
             if world.path != WorldPath::Device || !slot.is_uploaded || world.stopped.is_some() {
-                continue;
+                return;
             }
             let now = states.results[number];
             let before = std::mem::replace(&mut slot.last, now);
@@ -133,7 +136,7 @@ impl Batch {
                 stopped_by: (now.rejected != 0 && !goes_on).then_some(now.first_bad),
             };
             world.stopped = world.simulation.take_steps(&done, |host| states.copy_to(number, host)).err();
-        }
+        });
         Ok(())
     }
 }
