@@ -72,6 +72,17 @@ def test_a_checkpoint_of_the_command_line_goes_on_in_python(
     same(resumed, tmp_path / "end.npz")
 
 
+def test_a_checkpoint_of_python_goes_on_in_the_command_line(
+    scene: rf.Scene, command_line: Callable[..., str], tmp_path: pathlib.Path
+) -> None:
+    sim = rf.Simulation(scene, dt=0.01, backend="cpu")
+    sim.run(60)
+    sim.save_checkpoint(tmp_path / "python.ckpt")
+    command_line("run", "--resume", tmp_path / "python.ckpt", "--steps", 150, "--out", tmp_path / "end.npz")
+    sim.run(90)
+    same(sim, tmp_path / "end.npz")
+
+
 def test_trajectories_are_those_of_the_command_line(
     scene: rf.Scene, command_line: Callable[..., str], tmp_path: pathlib.Path
 ) -> None:
