@@ -98,7 +98,7 @@ impl Writer {
     /// Begins a trajectory.
     ///
     /// # Errors
-    /// [`Error::File`] if the path cannot be written to.
+    /// [`rockfall::Error::File`] if the path cannot be written to.
     pub fn create(path: impl AsRef<Path>, format: Format) -> Result<Self> {
         Ok(Self { target: Target::create::<Trajectory>(path.as_ref(), format)? })
     }
@@ -106,7 +106,7 @@ impl Writer {
     /// Continues a trajectory from a mark, whether it was finished or not. Frames after the mark are removed.
     ///
     /// # Errors
-    /// [`Error::File`] if the path cannot be written to, or if the contents before the mark are missing or have changed.
+    /// [`rockfall::Error::File`] if the path cannot be written to, or if the contents before the mark are missing or have changed.
     pub fn resume(path: impl AsRef<Path>, format: Format, mark: Mark) -> Result<Self> {
         Ok(Self { target: Target::resume::<Trajectory>(path.as_ref(), format, mark)? })
     }
@@ -114,7 +114,7 @@ impl Writer {
     /// Adds the current state as a frame. With [`Format::Npz`], the objects must be the same in all frames.
     ///
     /// # Errors
-    /// [`Error::Device`] if the GPU failed, [`Error::File`] if the file cannot be written.
+    /// [`rockfall::Error::Device`] if the GPU failed, [`rockfall::Error::File`] if the file cannot be written.
     pub fn frame(&mut self, simulation: &mut Simulation) -> Result<()> {
         let report = simulation.report();
         self.frame_at(simulation, report.steps, report.time)
@@ -138,7 +138,7 @@ impl Writer {
     /// is kept when the writer is dropped. Returns `None` if the trajectory is written to a device or a pipe.
     ///
     /// # Errors
-    /// [`Error::File`] if the file cannot be written.
+    /// [`rockfall::Error::File`] if the file cannot be written.
     pub fn mark(&mut self) -> Result<Option<Mark>> {
         self.target.mark()
     }
@@ -146,7 +146,7 @@ impl Writer {
     /// Completes the trajectory and moves it to its final path. The scene provides the data that is the same in all frames.
     ///
     /// # Errors
-    /// [`Error::File`] if the file cannot be written.
+    /// [`rockfall::Error::File`] if the file cannot be written.
     pub fn finish(self, scene: &Scene) -> Result<()> {
         self.target.finish(|archive, frames| frames.finish(archive, scene))
     }
