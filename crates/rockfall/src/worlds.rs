@@ -131,31 +131,35 @@ impl Worlds {
     }
 
     fn create_all(&self, scenes: Vec<Scene>) -> Result<Vec<World>> {
-        #[cfg(feature = "gpu")]
-        if self.gpu.is_some() {
-            let held: Vec<Option<World>> = scenes.par_iter().map(|scene| self.held_on_host(scene)).collect::<Result<_>>()?;
-            let all = scenes.into_iter().zip(held);
-            // Simulations of their own share the device.
-            return all.map(|(scene, world)| world.map_or_else(|| self.create(scene), Ok)).collect();
-        }
         // Each is packed by one thread.
-        scenes.into_par_iter().map(|scene| self.create(scene)).collect()
-    }
-
-    /// A world that a workgroup of the device runs; `None` for one that needs a simulation of its own.
-    #[cfg(feature = "gpu")]
-    fn held_on_host(&self, scene: &Scene) -> Result<Option<World>> {
-        let mirror = device::mirror(scene, &self.options)?;
-        mirror.map(|mirror| World::new(mirror, WorldPath::Device)).transpose()
+        let on_host: Vec<Result<Option<World>>> = scenes.par_iter().map(|scene| self.create_on_host(scene)).collect();
+        let complete = |(world, scene): (Result<Option<World>>, Scene)| match world? {
+            Some(world) => Ok(world),
+            None => self.create_on_device(scene),
+        };
+        on_host.into_iter().zip(scenes).map(complete).collect()
     }
 
     fn create(&self, scene: Scene) -> Result<World> {
+        self.create_all(vec![scene])?.pop().ok_or_else(|| self.no_world(0))
+    }
+
+    /// A world whose objects are on the host; `None` for one that needs a simulation on the device.
+    fn create_on_host(&self, scene: &Scene) -> Result<Option<World>> {
+        #[cfg(feature = "gpu")]
+        if self.gpu.is_some() {
+            let mirror = device::mirror(scene, &self.options)?;
+            return mirror.map(|mirror| World::new(mirror, WorldPath::Device)).transpose();
+        }
+        let simulation = Simulation::with_options(scene.clone(), self.options.clone())?;
+        World::new(simulation, WorldPath::Simulation).map(Some)
+    }
+
+    fn create_on_device(&self, scene: Scene) -> Result<World> {
         #[cfg(feature = "gpu")]
         if let Some(gpu) = &self.gpu {
-            if let Some(world) = self.held_on_host(&scene)? {
-                return Ok(world);
-            }
-            return World::new(Simulation::on_gpu(scene, self.options.clone(), gpu, &self.info)?, WorldPath::Simulation);
+            let simulation = Simulation::on_gpu(scene, self.options.clone(), gpu, &self.info)?;
+            return World::new(simulation, WorldPath::Simulation);
         }
         World::new(Simulation::with_options(scene, self.options.clone())?, WorldPath::Simulation)
     }
