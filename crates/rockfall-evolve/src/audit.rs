@@ -3,7 +3,7 @@
 
 use std::f64::consts::TAU;
 
-use rockfall::{Result, Scene, Simulation};
+use rockfall::{Backend, Result, Scene, Simulation};
 use serde::{Deserialize, Serialize};
 
 use crate::genome::Genome;
@@ -49,9 +49,11 @@ struct Books {
     excess: f64,
 }
 
-/// Runs a creature alone, and compares its energy with the work of its muscles after each step.
+/// Runs a creature alone, and compares its energy with the work of its muscles after each step. It runs on the CPU, because reading
+/// every state back from a GPU takes a hundred times as long as the step.
 fn keep_books(genome: &Genome, trial: &Trial) -> Result<Books> {
-    let mut simulation = Simulation::with_options(genome.scene(&trial.ground)?, trial.options.clone())?;
+    let options = trial.options.clone().backend(Backend::Cpu);
+    let mut simulation = Simulation::with_options(genome.scene(&trial.ground)?, options)?;
     let mut books = Books { work: 0.0, throughput: 0.0, excess: 0.0 };
     let start = simulation.energy()?.total();
     let mut before = tensions(simulation.sync()?, 0.0)?;
@@ -93,7 +95,6 @@ mod tests {
     use crate::genome::{Body, Node, SPACING};
     use crate::ground::Ground;
     use crate::trial::Goal;
-    use rockfall::Backend;
 
     fn beam(stiffness: f32) -> Genome {
         let node = |k: u8| Node {

@@ -139,9 +139,9 @@ impl<'a> PipelineBuilder<'a> {
     }
 
     /// Creates the pipelines of a kind with the entry points `NAME_vertex`, `SURFACE_surface`, `NAME_shadow_vertex` and, if
-    /// it is ray-cast (`is_cast`), `SURFACE_shadow`.
-    fn kind(&self, topology: wgpu::PrimitiveTopology, name: &str, surface: &str, is_cast: bool) -> Kind {
-        let shadow = is_cast.then(|| format!("{surface}_shadow"));
+    /// each pixel of its shadow computes its depth (`has_depth`), `SURFACE_shadow`.
+    fn kind(&self, topology: wgpu::PrimitiveTopology, name: &str, surface: &str, has_depth: bool) -> Kind {
+        let shadow = has_depth.then(|| format!("{surface}_shadow"));
         Kind {
             lit: self.make(RenderTarget::Bodies, topology, &format!("{name}_vertex"), Some(&format!("{surface}_surface"))),
             shadow: self.make(RenderTarget::Shadows, topology, &format!("{name}_shadow_vertex"), shadow.as_deref()),
@@ -196,8 +196,8 @@ impl Pipelines {
             spheres: listed.kind(TriangleStrip, "sphere", "sphere", true),
             far: listed.make(RenderTarget::Bodies, TriangleStrip, "far_vertex", Some("far_surface")),
             capsules: bodies.kind(TriangleStrip, "capsule", "capsule", true),
-            boxes: bodies.kind(TriangleList, "box", "box", false),
-            polygons: bodies.kind(TriangleList, "polygon", "polygon", false),
+            boxes: bodies.kind(TriangleList, "box", "box", true),
+            polygons: bodies.kind(TriangleList, "polygon", "polygon", true),
             springs: bodies.kind(TriangleList, "spring", "coil", false),
             tethers: bodies.kind(TriangleList, "tether", "coil", false),
             anchors: bodies.kind(TriangleStrip, "anchor", "sphere", true),

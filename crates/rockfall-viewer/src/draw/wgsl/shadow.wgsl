@@ -77,19 +77,40 @@ fn capsule_shadow(vertex: CapsuleShadow) -> @builtin(frag_depth) f32 {
     return in_map(vertex.point - (found.on_ray - sqrt(high)) * frame.light).z;
 }
 
-@vertex
-fn box_shadow_vertex(@builtin(vertex_index) index: u32, @builtin(instance_index) number: u32) -> @builtin(position) vec4f {
-    // Without this, the shadow of a wall that is not there would fall on the bodies.
-    if drawn[number] == 0u {
-        return NOWHERE;
-    }
-    return in_map(box_corner(index, number).point);
+struct FlatShadow {
+    @builtin(position) place: vec4f,
+    /// Not clamped yet: clamped depths of corners far outside the map would tilt the whole face.
+    @location(0) depth: f32,
+}
+
+fn flat_in_map(point: vec3f) -> FlatShadow {
+    let place = frame.light_projection * vec4f(point, 1.0);
+    return FlatShadow(vec4f(place.xy, 0.5, 1.0), place.z);
 }
 
 @vertex
-fn polygon_shadow_vertex(@builtin(vertex_index) index: u32, @builtin(instance_index) number: u32) -> @builtin(position) vec4f {
+fn box_shadow_vertex(@builtin(vertex_index) index: u32, @builtin(instance_index) number: u32) -> FlatShadow {
+    // Without this, the shadow of a wall that is not there would fall on the bodies.
+    if drawn[number] == 0u {
+        return FlatShadow(NOWHERE, 1.0);
+    }
+    return flat_in_map(box_corner(index, number).point);
+}
+
+@fragment
+fn box_shadow(vertex: FlatShadow) -> @builtin(frag_depth) f32 {
+    return clamp(vertex.depth, 0.0, 1.0);
+}
+
+@vertex
+fn polygon_shadow_vertex(@builtin(vertex_index) index: u32, @builtin(instance_index) number: u32) -> FlatShadow {
     // Also of a polygon that hides a body, because its neighbours, such as the rest of a bowl, would show a hole in the shadow.
-    return in_map(polygon_corner(index, number).point);
+    return flat_in_map(polygon_corner(index, number).point);
+}
+
+@fragment
+fn polygon_shadow(vertex: FlatShadow) -> @builtin(frag_depth) f32 {
+    return clamp(vertex.depth, 0.0, 1.0);
 }
 
 @vertex
