@@ -146,7 +146,7 @@ fn check_names(arguments: &Arguments) -> Result<(), Failure> {
 fn begin(arguments: &Arguments) -> Result<Evolution, Failure> {
     let ground = match &arguments.ground {
         Some(path) => ground_of(Source::read(Some(path))?)?,
-        None => Ground::level()?,
+        None => Ground::level(arguments.seconds)?,
     };
     let plan = Plan {
         population: arguments.population,

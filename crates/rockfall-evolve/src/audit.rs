@@ -106,7 +106,7 @@ mod tests {
     }
 
     fn trial(dt: f32) -> Trial {
-        let mut trial = Trial::new(Goal::Height, 2.0, dt, Ground::level().unwrap());
+        let mut trial = Trial::new(Goal::Height, 2.0, dt, Ground::level(10.0).unwrap());
         trial.options = trial.options.backend(Backend::Cpu);
         trial
     }

@@ -202,7 +202,7 @@ mod tests {
         assert!(cube.is_viable());
         assert_eq!(cube.bonds().len(), 28);
         assert_eq!(cube.length(), SPACING + 2.0 * RADIUS);
-        let scene = cube.scene(&Ground::level().unwrap()).unwrap();
+        let scene = cube.scene(&Ground::level(10.0).unwrap()).unwrap();
         assert_eq!((scene.spheres().len(), scene.springs().len(), scene.boxes().len()), (8, 28, 1));
         assert!(scene.spheres().iter().all(|sphere| sphere.position.y >= RADIUS));
     }

@@ -2,8 +2,8 @@
 
 use rockfall::{Cuboid, Result, Scene};
 
-/// Half the side of the level ground, in units.
-const EXTENT: f32 = 500.0;
+/// Half the side of the level ground: for any creature in units, and for its way in units/s.
+const EXTENT: [f64; 2] = [50.0, 5.0];
 
 /// The statics and constants of a world without its creature.
 #[derive(Clone, Debug)]
@@ -16,16 +16,19 @@ impl Ground {
     /// 0.6 times the normal force at 0.1 units/s. There are no impulses, so that small creatures run on a GPU side by side
     /// ([`WorldPath::Device`](rockfall::WorldPath::Device)).
     ///
+    /// It is so large that creatures do not reach its edge in `seconds`.
+    ///
     /// # Errors
-    /// None for these constants.
-    pub fn level() -> Result<Self> {
+    /// [`Error::Invalid`](rockfall::Error::Invalid) for a time that is not finite.
+    pub fn level(seconds: f64) -> Result<Self> {
         let mut scene = Scene::new();
         scene.settings.set("gravity", "9.81")?;
         scene.settings.set("collisions", "off")?;
         scene.settings.set("contact_force", "8000")?;
         scene.settings.set("contact_damping", "60")?;
         scene.settings.set("friction", "16000")?;
-        scene.add_box(Cuboid::between([-EXTENT, -10.0, -EXTENT], [EXTENT, 0.0, EXTENT]))?;
+        let extent = (EXTENT[0] + EXTENT[1] * seconds) as f32;
+        scene.add_box(Cuboid::between([-extent, -1.0, -extent], [extent, 0.0, extent]))?;
         Ok(Self { scene })
     }
 

@@ -16,8 +16,6 @@ const SETTLING: (f64, f64) = (0.2, 2.0);
 const MOST_SPEED: f64 = 20.0;
 /// Springs may be this much shorter or longer than at rest. Muscles reach 0.75 and 1.25.
 const STRAINS: std::ops::RangeInclusive<f64> = 0.3..=2.0;
-/// Distance from the origin at which a trial ends, in units.
-const FAR: f64 = 450.0;
 /// Least share of the distance that a walker covers in the second half of the time. One fall or leap covers nothing there.
 const STEADY: f64 = 0.3;
 
@@ -184,9 +182,7 @@ impl Watch {
             let [a, b] = bond.ends;
             !STRAINS.contains(&(places[a].distance(places[b]) / f64::from(bond.length)))
         });
-        // NaN is near nothing.
-        let is_near = centre.length() < FAR;
-        self.exploded |= fast || strained || !is_near;
+        self.exploded |= fast || strained || !centre.is_finite();
         if has_settled {
             let lowest = places.iter().map(|place| place.y).fold(f64::INFINITY, f64::min);
             self.centres.push(centre);
@@ -241,7 +237,7 @@ mod tests {
     }
 
     fn trial(goal: Goal) -> Trial {
-        let mut trial = Trial::new(goal, 3.0, 0.005, Ground::level().unwrap());
+        let mut trial = Trial::new(goal, 3.0, 0.005, Ground::level(10.0).unwrap());
         trial.options = trial.options.backend(Backend::Cpu);
         trial
     }
@@ -290,7 +286,7 @@ mod tests {
     #[test]
     fn a_torn_or_fast_creature_has_exploded() {
         let genome = cube(0.1);
-        let scene = genome.scene(&Ground::level().unwrap()).unwrap();
+        let scene = genome.scene(&Ground::level(10.0).unwrap()).unwrap();
         let states: Vec<SphereState> = scene.spheres().iter().map(SphereState::from).collect();
         let look = |change: &dyn Fn(&mut SphereState)| {
             let mut changed = states.clone();

@@ -165,7 +165,7 @@ mod tests {
     /// Any chain of changes gives a creature that a simulation accepts.
     #[test]
     fn every_genome_is_viable() {
-        let ground = Ground::level().unwrap();
+        let ground = Ground::level(10.0).unwrap();
         for body in [Body::Lattice, Body::Free] {
             let mut random = Pcg64::seed_from_u64(7);
             let mut known: Vec<Genome> = (0..20).map(|_| Genome::random(&mut random, body)).collect();

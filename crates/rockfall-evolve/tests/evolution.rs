@@ -17,7 +17,7 @@ fn plan(body: Body, seed: u64) -> Plan {
 }
 
 fn trial(plan: &Plan) -> Trial {
-    let mut trial = Trial::new(plan.goal, plan.seconds, plan.dt, Ground::level().unwrap());
+    let mut trial = Trial::new(plan.goal, plan.seconds, plan.dt, Ground::level(10.0).unwrap());
     trial.options = Options::new().backend(Backend::Cpu);
     trial
 }
