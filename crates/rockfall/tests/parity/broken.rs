@@ -228,8 +228,8 @@ static MISTAKES: &[Mistake] = &[
         "sweep_collisions",
         0,
         "cluster.wgsl",
-        "fma(1.0 + step.restitution, approach",
-        "fma(step.restitution, approach",
+        "fma(1.0 + restitution, approach",
+        "fma(restitution, approach",
         Buffer::Start,
     ),
     Mistake(
@@ -293,8 +293,8 @@ static MISTAKES: &[Mistake] = &[
         "apply_friction_impulses",
         0,
         "friction_impulses.wgsl",
-        "step.coulomb_friction * step.dt * force",
-        "step.coulomb_friction * force",
+        "in_contacts * step.dt * force",
+        "in_contacts * force",
         Buffer::Start,
     ),
     Mistake(
