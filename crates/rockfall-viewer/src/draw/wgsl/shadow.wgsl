@@ -94,7 +94,13 @@ fn box_shadow_vertex(@builtin(vertex_index) index: u32, @builtin(instance_index)
     if drawn[number] == 0u {
         return FlatShadow(NOWHERE, 1.0);
     }
-    return flat_in_map(box_corner(index, number).point);
+    // Faces towards the sun would shade themselves where they are far larger than the map, by rounding. The other faces of a box
+    // cast the same shadow.
+    let corner = box_corner(index, number);
+    if dot(corner.normal, frame.light) > 0.0 {
+        return FlatShadow(NOWHERE, 1.0);
+    }
+    return flat_in_map(corner.point);
 }
 
 @fragment
