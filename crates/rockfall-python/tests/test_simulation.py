@@ -262,11 +262,16 @@ def test_profile_measures_the_stages(sim: rf.Simulation) -> None:
 
 
 def test_ctrl_c_stops_a_long_run_between_two_steps(sim: rf.Simulation) -> None:
+    # A program that is started in the background ignores Ctrl-C, and the run would never end.
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
     timer = threading.Timer(0.3, signal.raise_signal, [signal.SIGINT])
     timer.start()
     start = time.monotonic()
-    with pytest.raises(KeyboardInterrupt):
-        sim.run(10**9)
+    try:
+        with pytest.raises(KeyboardInterrupt):
+            sim.run(10**9)
+    finally:
+        signal.signal(signal.SIGINT, before)
     assert time.monotonic() - start < 5
     steps = sim.steps
     assert steps > 0 and np.isfinite(sim.positions).all()
