@@ -182,7 +182,7 @@ fn ground_of(source: Source) -> Result<Ground, Failure> {
     Ok(Ground::of(source.loaded.scene))
 }
 
-fn trial_of(plan: &Plan, backend: Backend) -> Result<Trial, Failure> {
+fn trial_of(plan: &Plan, backend: Backend) -> rockfall::Result<Trial> {
     let integrator: Integrator = plan.integrator.parse()?;
     let ground = Scene::parse(&plan.ground, Path::new("the ground"))?;
     let mut trial = Trial::new(plan.goal, plan.seconds, plan.dt, Ground::of(ground.scene));
@@ -192,8 +192,7 @@ fn trial_of(plan: &Plan, backend: Backend) -> Result<Trial, Failure> {
 
 fn resume(path: &Path, backend: Backend) -> Result<Evolution, Failure> {
     let wrong = |error: std::io::Error| Failure::usage(format!("{}: {error}", path.display()));
-    Evolution::load(path, |plan| trial_of(plan, backend).map_err(|failure| std::io::Error::other(format!("{failure:?}"))))
-        .map_err(wrong)
+    Evolution::load(path, |plan| trial_of(plan, backend).map_err(std::io::Error::other)).map_err(wrong)
 }
 
 /// Runs the generations that are left, and writes the files after each. Returns whether all are done.

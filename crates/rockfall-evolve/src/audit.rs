@@ -1,9 +1,7 @@
 //! A closer look at a creature that would become the champion. Evolution finds every error of a simulation that moves it forward:
 //! an audit finds those that the rules of a trial do not exclude.
 
-use std::f64::consts::TAU;
-
-use rockfall::{Backend, Result, Scene, Simulation};
+use rockfall::{Backend, Result, Simulation};
 use serde::{Deserialize, Serialize};
 
 use crate::genome::Genome;
@@ -56,13 +54,12 @@ fn keep_books(genome: &Genome, trial: &Trial) -> Result<Books> {
     let mut simulation = Simulation::with_options(genome.scene(&trial.ground)?, options)?;
     let mut books = Books { work: 0.0, throughput: 0.0, excess: 0.0 };
     let start = simulation.energy()?.total();
-    let mut before = tensions(simulation.sync()?, 0.0)?;
+    let mut before = tensions(&mut simulation)?;
     for _ in 0..trial.steps() {
         if simulation.run(1, trial.dt).is_err() {
             return Ok(Books { excess: f64::INFINITY, ..books });
         }
-        let time = simulation.muscle_time();
-        let after = tensions(simulation.sync()?, time)?;
+        let after = tensions(&mut simulation)?;
         for ((force, length), (next_force, next_length)) in before.iter().zip(&after) {
             // The power of a muscle is minus its tension times the rate of its rest length.
             let work = -0.5 * (force + next_force) * (next_length - length);
@@ -75,18 +72,16 @@ fn keep_books(genome: &Genome, trial: &Trial) -> Result<Books> {
     Ok(books)
 }
 
-/// Tension and rest length of each spring at a time.
-fn tensions(scene: &Scene, time: f64) -> Result<Vec<(f64, f64)>> {
-    let tension = |spring: &rockfall::Spring| {
+/// Present tension and rest length of each spring.
+fn tensions(simulation: &mut Simulation) -> Result<Vec<(f64, f64)>> {
+    simulation.sync()?;
+    let scene = simulation.scene();
+    let tension = |id| {
+        let (spring, length) = (scene.spring(id)?, simulation.rest_length(id)?);
         let [a, b] = [scene.sphere(spring.a)?, scene.sphere(spring.b)?].map(|end| end.position.as_dvec3());
-        let swing = spring.muscle.map_or(0.0, |muscle| {
-            let turns = f64::from(muscle.frequency) * time + f64::from(muscle.phase);
-            f64::from(muscle.amplitude) * (TAU * turns).sin()
-        });
-        let length = f64::from(spring.length) * (1.0 + swing);
         Ok((f64::from(spring.stiffness) * (a.distance(b) - length), length))
     };
-    scene.springs().iter().map(tension).collect()
+    scene.spring_ids().map(tension).collect()
 }
 
 #[cfg(test)]

@@ -1,6 +1,9 @@
 //! Whole evolutions: reproducible, resumable, and with progress.
 
-use rockfall::{Backend, Options, Simulation};
+mod common;
+
+use common::distance;
+use rockfall::{Backend, Options};
 use rockfall_evolve::{Body, Evolution, Goal, Ground, Plan, Trial};
 
 fn plan(body: Body, seed: u64) -> Plan {
@@ -77,17 +80,7 @@ fn the_champion_walks_the_distance_that_the_history_claims() {
     let scene = champion.genome.scene(&evolution.trial().ground).unwrap();
     let text = scene.to_text();
     let scene = rockfall::Scene::parse(&text, "best.txt".as_ref()).unwrap().scene;
-    let mut simulation = Simulation::with_options(scene, evolution.trial().options.clone()).unwrap();
-    let centre = |simulation: &mut Simulation| {
-        let states = simulation.spheres().unwrap();
-        states.iter().map(|state| state.position.as_dvec3()).sum::<rockfall::glam::DVec3>() / states.len() as f64
-    };
-    let (settled, steps) = (evolution.trial().settling_steps(), evolution.trial().steps());
-    simulation.run(settled, 0.005).unwrap();
-    let from = centre(&mut simulation);
-    simulation.run(steps - settled, 0.005).unwrap();
-    let way = centre(&mut simulation) - from;
-    let distance = way.x.hypot(way.z);
+    let distance = distance(&scene, 0.005, evolution.trial().settling_steps(), evolution.trial().steps());
     assert!((distance / champion.outcome.distance - 1.0).abs() < 1e-6, "{distance} {champion:?}");
     assert!(champion.audit.passed && champion.audit.fitness_at_half_step >= 0.7 * champion.outcome.fitness);
 }

@@ -9,7 +9,7 @@ use serde_json::json;
 
 use crate::bench::spread::Spread;
 use crate::failure::Failure;
-use crate::options::{Engine, as_written, whole};
+use crate::options::{Engine, as_written, time_step, whole};
 use crate::output;
 
 /// Worlds that are also run one by one, each in a simulation of its own, for comparison.
@@ -32,7 +32,7 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "N", default_value_t = 3, value_parser = whole(1, u32::MAX), allow_negative_numbers = true)]
     runs: u32,
     /// Time step in seconds
-    #[arg(long, value_name = "S", default_value_t = 0.005)]
+    #[arg(long, value_name = "S", default_value = "0.005", value_parser = time_step, allow_negative_numbers = true)]
     dt: f32,
     /// Integrator: rk4 or symplectic-euler
     #[arg(long, default_value_t)]

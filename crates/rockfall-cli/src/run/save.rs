@@ -13,8 +13,8 @@ pub(super) fn open(path: &Path) -> Result<AtomicFile, Failure> {
     AtomicFile::create(path).map_err(|error| Failure::file(path, &error))
 }
 
-/// Writes the present state, with the present phases of muscles. The title of the scene comes first. After it, comments name where the state comes from and how to go
-/// on.
+/// Writes the present state, with the present phases of muscles. The title of the scene comes first. After it, comments name where
+/// the state comes from and how to go on.
 pub(super) fn write(path: &Path, mut file: AtomicFile, simulation: &mut Simulation, past: &Past) -> Result<(), Failure> {
     let step = past.step(simulation.report().steps);
     let integrator = simulation.integrator();

@@ -214,11 +214,11 @@ impl Gpu {
 
     /// The kernels of [`Table`](crate::exec::gpu::Table), compiled at their first use.
     pub(super) fn exchangers(&self) -> Result<Arc<Exchangers>> {
-        if self.inner.exchangers.get().is_none() {
-            let made = Arc::new(catch(self.device(), || Exchangers::new(self.device()))?);
-            let _ = self.inner.exchangers.set(made);
+        if let Some(known) = self.inner.exchangers.get() {
+            return Ok(Arc::clone(known));
         }
-        self.inner.exchangers.get().cloned().ok_or_else(|| Error::Device("a kernel is missing".to_owned()))
+        let made = Arc::new(catch(self.device(), || Exchangers::new(self.device()))?);
+        Ok(Arc::clone(self.inner.exchangers.get_or_init(|| made)))
     }
 
     /// Number of kernels compiled so far.

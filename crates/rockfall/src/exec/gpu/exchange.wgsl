@@ -19,9 +19,15 @@ struct Exchange {
 // First sphere whose row of the table is not valid.
 @group(0) @binding(4) var<storage, read_write> first_bad: atomic<u32>;
 
-// Number of the thread in a dispatch of several rows of workgroups.
-fn thread(group: vec3u, groups: vec3u, local: u32) -> u32 {
-    return (group.y * groups.x + group.x) * 256u + local;
+// A thread in a dispatch of several rows of workgroups.
+struct Thread {
+    @builtin(workgroup_id) group: vec3u,
+    @builtin(num_workgroups) groups: vec3u,
+    @builtin(local_invocation_index) local: u32,
+}
+
+fn sphere_of(thread: Thread) -> u32 {
+    return (thread.group.y * thread.groups.x + thread.group.x) * 256u + thread.local;
 }
 
 fn row_of(sphere: u32) -> u32 {
@@ -32,12 +38,8 @@ fn row_of(sphere: u32) -> u32 {
 }
 
 @compute @workgroup_size(256)
-fn gather(
-    @builtin(workgroup_id) group: vec3u,
-    @builtin(num_workgroups) groups: vec3u,
-    @builtin(local_invocation_index) local: u32,
-) {
-    let sphere = thread(group, groups, local);
+fn gather(thread: Thread) {
+    let sphere = sphere_of(thread);
     if sphere >= exchange.spheres {
         return;
     }
@@ -49,12 +51,8 @@ fn gather(
 
 // The numbers of a row that the table does not have stay as they are.
 @compute @workgroup_size(256)
-fn scatter(
-    @builtin(workgroup_id) group: vec3u,
-    @builtin(num_workgroups) groups: vec3u,
-    @builtin(local_invocation_index) local: u32,
-) {
-    let sphere = thread(group, groups, local);
+fn scatter(thread: Thread) {
+    let sphere = sphere_of(thread);
     if sphere >= exchange.spheres {
         return;
     }
@@ -68,12 +66,8 @@ fn scatter(
 
 // Looks for numbers that are not finite, and for quaternions that are not unit quaternions.
 @compute @workgroup_size(256)
-fn check(
-    @builtin(workgroup_id) group: vec3u,
-    @builtin(num_workgroups) groups: vec3u,
-    @builtin(local_invocation_index) local: u32,
-) {
-    let sphere = thread(group, groups, local);
+fn check(thread: Thread) {
+    let sphere = sphere_of(thread);
     if sphere >= exchange.spheres {
         return;
     }

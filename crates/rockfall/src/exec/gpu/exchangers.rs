@@ -1,5 +1,7 @@
 //! The kernels that copy tables; see `exchange.rs`.
 
+use crate::exec::gpu::kernel::layout_entry;
+
 /// The compiled kernels.
 #[derive(Debug)]
 pub(crate) struct Exchangers {
@@ -12,16 +14,8 @@ pub(crate) struct Exchangers {
 impl Exchangers {
     pub(super) fn new(device: &wgpu::Device) -> Self {
         let storage = wgpu::BufferBindingType::Storage { read_only: false };
-        let kinds = [wgpu::BufferBindingType::Uniform, storage, storage, storage, storage];
-        let entries = [0, 1, 2, 3, 4].map(|binding| {
-            let ty = kinds[binding as usize];
-            wgpu::BindGroupLayoutEntry {
-                binding,
-                visibility: wgpu::ShaderStages::COMPUTE,
-                ty: wgpu::BindingType::Buffer { ty, has_dynamic_offset: false, min_binding_size: None },
-                count: None,
-            }
-        });
+        let mut entries = vec![layout_entry(0, wgpu::BufferBindingType::Uniform)];
+        entries.extend((1..5).map(|binding| layout_entry(binding, storage)));
         let label = Some("exchange");
         let layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label, entries: &entries });
         let module = device.create_shader_module(wgpu::include_wgsl!("exchange.wgsl"));

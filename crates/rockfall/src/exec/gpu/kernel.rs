@@ -61,7 +61,7 @@ impl Kernel {
     }
 }
 
-fn layout_entry(binding: u32, ty: wgpu::BufferBindingType) -> wgpu::BindGroupLayoutEntry {
+pub(super) fn layout_entry(binding: u32, ty: wgpu::BufferBindingType) -> wgpu::BindGroupLayoutEntry {
     wgpu::BindGroupLayoutEntry {
         binding,
         visibility: wgpu::ShaderStages::COMPUTE,
@@ -98,7 +98,7 @@ fn build(device: &wgpu::Device, stage: &Stage, variant: Variant, chunks: &[u32])
     // - Dispatch sizes written on the device are zero or the sizes that `gpu::check` has checked.
     // - Loops run over counts from the same places; sweeps run up to MAX_SWEEPS times.
     // - Workgroup memory is written before it is read.
-    // - `run_worlds` gets worlds for which `run_worlds::fits` holds, so that their objects, lists and topology fit its arrays.
+    // - `run_worlds` gets worlds that `WorldSizes::of` accepts, so that their objects, lists and topology fit its arrays.
     // - No integer is divided by a value that may be 0.
     let module = unsafe { device.create_shader_module_trusted(module, wgpu::ShaderRuntimeChecks::unchecked()) };
     let mut entries =
