@@ -80,7 +80,7 @@ fn without_distant_rods(sphere: u32, own: vec4f, bits: u32, first: vec2u, begin:
     for (var e = begin; e < min(count, begin + ENTRIES_PER_MASK); e++) {
         let entry = entry_at(slot_at(first, e));
         let id = entry_id(entry);
-        if ((given >> (e - begin) & 1u) != 0u) & ((entry & bits) == 0u)
+        if (((given >> (e - begin)) & 1u) != 0u) & ((entry & bits) == 0u)
             & (id >= step.spheres) & (id - step.spheres < step.rods) {
             if touch_sphere_rod(sphere, own, bar_of(id - step.spheres)).overlap <= 0.0 {
                 kept &= ~(1u << (e - begin));
