@@ -12,6 +12,8 @@ mod kept;
 mod rest;
 #[path = "laws/restitution.rs"]
 mod restitution;
+#[path = "laws/rolling.rs"]
+mod rolling;
 #[path = "laws/witness.rs"]
 mod witness;
 

@@ -115,6 +115,7 @@ impl DeviceWorlds {
             muscles: false,
             law: LAW_THESIS,
             materials: false,
+            resistance: false,
             many: false,
             worlds: Some(self.sizes),
         };

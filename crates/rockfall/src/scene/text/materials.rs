@@ -19,7 +19,16 @@ impl Reader<'_> {
         let (other, rest) = word(&PAIR, line, 2, "NAME")?;
         let ids = [find(&PAIR, &self.scene, one)?, find(&PAIR, &self.scene, other)?];
         let mut pair = Pair::default();
-        constants(&PAIR, rest, &Pair::KEYS, &mut pair, Pair::property)?;
+        let is_model = |word: &&str| word.split_once('=').is_some_and(|(key, _)| key == Pair::MODEL);
+        let (models, numbers): (Vec<_>, Vec<_>) = rest.partition(is_model);
+        constants(&PAIR, numbers.into_iter(), &Pair::KEYS, &mut pair, Pair::property)?;
+        for word in models {
+            let model = word.split_once('=').map_or("", |(_, model)| model);
+            if pair.rolling_model.is_some() {
+                return Err(PAIR.wrong(Pair::MODEL, "given twice in the line"));
+            }
+            pair.rolling_model = Some(model.parse().map_err(|error| PAIR.refused(&error))?);
+        }
         let before = self.scene.given_pair(ids[0], ids[1]).map_err(|error| PAIR.refused(&error))?;
         if before.is_some() {
             let text = format!("the pair {one} {other} is given again; this replaces all of its properties");

@@ -1,7 +1,7 @@
 use std::path::Path;
 
 use crate::scene::{Loaded, Scene};
-use crate::{Material, Pair, Result};
+use crate::{Material, Pair, Result, RollingModel};
 
 fn parse(text: &str) -> Result<Loaded> {
     Scene::parse(text, Path::new("a.txt"))
@@ -50,6 +50,21 @@ fn pairs_that_are_not_given_are_geometric_means() {
 }
 
 #[test]
+fn resistance_is_read_mixed_and_written() {
+    let text = "@material a\n@material b\n@material c\n@pair a a rolling_friction=0.1 rolling_model=a twisting_friction=0.5\n\
+                @pair b b rolling_friction=0.4 rolling_model=c rolling_damping=0.25\n";
+    let scene = parse(text).unwrap().scene;
+    let [a, b, c] = ["a", "b", "c"].map(|name| scene.find_material(name));
+    let given = Pair::default().rolling_friction(0.1).rolling_model(RollingModel::ConstantTorque).twisting_friction(0.5);
+    assert_eq!(scene.pair(a, a).unwrap(), given);
+    assert_eq!(scene.pair(a, c).unwrap(), given);
+    let mixed = Pair::default().rolling_friction(0.2).rolling_model(RollingModel::SpringDashpot);
+    assert_eq!(scene.pair(a, b).unwrap(), mixed.rolling_damping(0.25).twisting_friction(0.5));
+    let again = parse(&scene.to_text()).unwrap().scene;
+    assert_eq!([again.pair(a, a).unwrap(), again.pair(b, b).unwrap()], [given, scene.pair(b, b).unwrap()]);
+}
+
+#[test]
 fn a_pair_that_is_given_again_is_replaced_with_a_warning() {
     let text = "@material a\n@pair a a restitution=0.5 friction=1\n@pair a a restitution=0.25\n";
     let Loaded { scene, warnings, .. } = parse(text).unwrap();
@@ -77,6 +92,10 @@ fn wrong_lines_about_materials_are_errors() {
         ("@pair glass", "missing"),
         ("@pair glass glas", "did you mean glass?"),
         ("@pair glass glass restitution=1.5", "from 0 to 1"),
+        ("@pair glass glass rolling_friction=-1", "not negative"),
+        ("@pair glass glass rolling_model=b", "a or c"),
+        ("@pair glass glass rolling_model=a rolling_model=c", "given twice"),
+        ("@pair glass glass roling_model=a", "did you mean rolling_model"),
         ("@pair glass glass friction=-0.1", "not negative"),
         ("@pair glass glass young=1", "unknown key"),
         ("@use", "missing"),
