@@ -6,6 +6,8 @@ mod common;
 
 #[path = "laws/chung_ooi.rs"]
 mod chung_ooi;
+#[path = "laws/cohesion.rs"]
+mod cohesion;
 #[path = "laws/kept.rs"]
 mod kept;
 #[path = "laws/rest.rs"]

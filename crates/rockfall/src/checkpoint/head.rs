@@ -153,11 +153,19 @@ fn materials(head: &mut Head, scene: &Scene) {
     }
     head.u32(scene.pairs.len() as u32);
     for ((one, other), pair) in &scene.pairs {
-        let Pair { restitution, friction, stiffness, rolling_friction, rolling_model, rolling_damping, twisting_friction } =
-            pair;
+        let Pair {
+            restitution,
+            friction,
+            stiffness,
+            rolling_friction,
+            rolling_model,
+            rolling_damping,
+            twisting_friction,
+            surface_energy,
+        } = pair;
         head.u32(u32::from(*one));
         head.u32(u32::from(*other));
-        let numbers = [restitution, friction, stiffness, rolling_friction, rolling_damping, twisting_friction];
+        let numbers = [restitution, friction, stiffness, rolling_friction, rolling_damping, twisting_friction, surface_energy];
         numbers.into_iter().for_each(|property| head.known(*property));
         head.text(&rolling_model.map(|model| model.to_string()).unwrap_or_default());
     }
@@ -178,7 +186,7 @@ fn read_materials(words: &mut Words, version: u32, scene: &mut Scene) -> Result<
         let mut pair = Pair { restitution, friction, stiffness, ..Pair::default() };
         if version >= RESISTANCE_SINCE {
             (pair.rolling_friction, pair.rolling_damping) = (words.known()?, words.known()?);
-            pair.twisting_friction = words.known()?;
+            (pair.twisting_friction, pair.surface_energy) = (words.known()?, words.known()?);
             let model = words.text()?;
             pair.rolling_model = if model.is_empty() { None } else { Some(model.parse()?) };
         }

@@ -102,13 +102,15 @@ struct StatusAtomic {
 @group(0) @binding(1) var<uniform> pass_: Pass;
 
 // Whether the scene has rods (RODS), large spheres, each of which gets a workgroup (LARGE), springs with muscles
-// (MUSCLES), pairs of materials (MATERIALS), and pairs with rolling or twisting resistance (RESISTANCE).
+// (MUSCLES), pairs of materials (MATERIALS), pairs with rolling or twisting resistance (RESISTANCE), and pairs with
+// cohesion (COHESION).
 // Kernels for scenes without them are smaller and faster.
 const RODS: bool = true;
 const LARGE: bool = true;
 const MUSCLES: bool = true;
 const MATERIALS: bool = true;
 const RESISTANCE: bool = true;
+const COHESION: bool = true;
 // The contact law. Kernels are compiled for one law.
 const LAW: u32 = 1u;
 
@@ -181,6 +183,7 @@ const FLAG_GROUPS: u32 = 8u;
 const FLAG_STAGES: u32 = 16u;
 const FLAG_PAIR_FRICTION: u32 = 32u;
 const FLAG_RESISTANCE: u32 = 64u;
+const FLAG_COHESION: u32 = 128u;
 
 const REJECTED_PAIRS: u32 = 1u;
 const REJECTED_ESCAPED: u32 = 2u;

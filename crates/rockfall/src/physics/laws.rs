@@ -31,14 +31,16 @@ pub(crate) struct Constants {
     pub(crate) rolling_damping: f32,
     /// Coefficient of twisting friction.
     pub(crate) twisting: f32,
+    /// Pull-off force per R*, in mass/s².
+    pub(crate) cohesion: f32,
 }
 
 impl Constants {
     /// The constants of two objects.
     pub(crate) fn of(view: &View, a: u32, b: u32) -> Self {
-        let [_, _, _, _, normal, tangential, damping, friction, rolling, rolling_damping, twisting, _] =
+        let [_, _, _, _, normal, tangential, damping, friction, rolling, rolling_damping, twisting, cohesion] =
             view.pair(a, b).unwrap_or_default();
-        Self { normal, tangential, damping, friction, rolling, rolling_damping, twisting }
+        Self { normal, tangential, damping, friction, rolling, rolling_damping, twisting, cohesion }
     }
 }
 

@@ -51,3 +51,8 @@ fn resistance_of(a: u32, b: u32) -> vec4f {
     let at = pair_at(a, b) + 8u;
     return vec4f(float_at(at), float_at(at + 1u), float_at(at + 2u), 0.0);
 }
+
+// Pull-off force per effective radius.
+fn cohesion_of(a: u32, b: u32) -> f32 {
+    return float_at(pair_at(a, b) + 11u);
+}

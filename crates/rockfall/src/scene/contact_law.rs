@@ -90,7 +90,7 @@ impl Scene {
     }
 
     /// Constants of a pair of numbers of materials for the law of the scene: normal, tangential, damping, friction;
-    /// rolling friction, rolling damping (negative for the model of constant torque), twisting friction, an unused number. 0 where
+    /// rolling friction, rolling damping (negative for the model of constant torque), twisting friction, pull-off force per R*. 0 where
     /// the law has no constants for the pair.
     pub(crate) fn law_constants(&self, one: u16, other: u16, dampings: &mut Dampings) -> [f32; 8] {
         let law = self.settings.contact_law;
@@ -109,8 +109,10 @@ impl Scene {
             RollingModel::SpringDashpot => pair.rolling_damping.unwrap_or(ROLLING_DAMPING),
             RollingModel::ConstantTorque => -1.0,
         };
+        // DMT: 4 pi gamma R*.
+        let cohesion = 4.0 * std::f32::consts::PI * pair.surface_energy.unwrap_or_default();
         let [rolling, twisting] = [pair.rolling_friction, pair.twisting_friction].map(Option::unwrap_or_default);
-        [normal, tangential, dampings.of(law, restitution), friction, rolling, rolling_damping, twisting, 0.0]
+        [normal, tangential, dampings.of(law, restitution), friction, rolling, rolling_damping, twisting, cohesion]
     }
 
     /// E* and G* of two materials: 1/E* = (1 - nu_i^2)/E_i + (1 - nu_j^2)/E_j, 1/G* = (2 - nu_i)/G_i + (2 - nu_j)/G_j, with

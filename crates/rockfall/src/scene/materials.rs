@@ -104,6 +104,9 @@ pub struct Pair {
     pub rolling_damping: Option<f32>,
     /// Coefficient of twisting friction of the laws with history, without a unit, not negative.
     pub twisting_friction: Option<f32>,
+    /// Surface energy gamma of the laws with history, in mass/s² (J/m²), not negative: objects in contact attract each other with the
+    /// force 4 pi gamma R* (docs/physics.md section 4.13).
+    pub surface_energy: Option<f32>,
 }
 
 /// Model of the resistance to rolling (docs/physics.md section 4.12).
@@ -181,12 +184,29 @@ impl Pair {
         self
     }
 
-    /// Name of the property in scene files that is a word.
+    /// Sets the surface energy, in mass/s².
+    pub fn surface_energy(mut self, surface_energy: f32) -> Self {
+        self.surface_energy = Some(surface_energy);
+        self
+    }
+
+    /// Name in scene files of the model of rolling resistance, which is a word.
     pub(crate) const MODEL: &'static str = "rolling_model";
+    /// Name in scene files of the model of cohesion. There is one, `dmt`.
+    pub(crate) const COHESION: &'static str = "cohesion";
 
     /// Names of the properties in scene files: `@pair NAME NAME restitution=e friction=mu ...`.
-    pub(crate) const KEYS: [&'static str; 7] =
-        ["restitution", "friction", "stiffness", "rolling_friction", Self::MODEL, "rolling_damping", "twisting_friction"];
+    pub(crate) const KEYS: [&'static str; 9] = [
+        "restitution",
+        "friction",
+        "stiffness",
+        "rolling_friction",
+        Self::MODEL,
+        "rolling_damping",
+        "twisting_friction",
+        "surface_energy",
+        Self::COHESION,
+    ];
 
     /// The property of a name in [`Pair::KEYS`], if it is a number.
     pub(crate) fn property(&mut self, key: &str) -> Option<&mut Option<f32>> {
@@ -197,6 +217,7 @@ impl Pair {
             "rolling_friction" => Some(&mut self.rolling_friction),
             "rolling_damping" => Some(&mut self.rolling_damping),
             "twisting_friction" => Some(&mut self.twisting_friction),
+            "surface_energy" => Some(&mut self.surface_energy),
             _ => None,
         }
     }
@@ -207,7 +228,8 @@ impl Pair {
         known("pair.stiffness", self.stiffness, |stiffness| stiffness > 0.0, "a finite number greater than 0")?;
         known("pair.rolling_friction", self.rolling_friction, |mu| mu >= 0.0, "a finite number, not negative")?;
         known("pair.rolling_damping", self.rolling_damping, |ratio| ratio >= 0.0, "a finite number, not negative")?;
-        known("pair.twisting_friction", self.twisting_friction, |mu| mu >= 0.0, "a finite number, not negative")
+        known("pair.twisting_friction", self.twisting_friction, |mu| mu >= 0.0, "a finite number, not negative")?;
+        known("pair.surface_energy", self.surface_energy, |gamma| gamma >= 0.0, "a finite number, not negative")
     }
 
     /// Mixes the properties of two materials, each with itself. A property that only one of them has is taken from it.
@@ -227,6 +249,7 @@ impl Pair {
             },
             rolling_damping: mean(one.rolling_damping, other.rolling_damping, geometric_mean),
             twisting_friction: mean(one.twisting_friction, other.twisting_friction, geometric_mean),
+            surface_energy: mean(one.surface_energy, other.surface_energy, geometric_mean),
         }
     }
 
@@ -240,6 +263,7 @@ impl Pair {
             rolling_model: self.rolling_model.or(other.rolling_model),
             rolling_damping: self.rolling_damping.or(other.rolling_damping),
             twisting_friction: self.twisting_friction.or(other.twisting_friction),
+            surface_energy: self.surface_energy.or(other.surface_energy),
         }
     }
 }

@@ -259,11 +259,17 @@ fn build(additions: Vec<Addition>) -> Scene {
             }
             Addition::Pair(one, other, [restitution, friction, stiffness]) => match (material(one), material(other)) {
                 (Some(first), Some(second)) => {
-                    let rolling_model =
-                        [None, Some("a".parse().unwrap()), Some("c".parse().unwrap())][(one + other) as usize % 3];
-                    let [rolling_friction, twisting_friction, rolling_damping] = [friction, stiffness, restitution];
-                    let resistance =
-                        Pair { rolling_friction, rolling_model, rolling_damping, twisting_friction, ..Pair::default() };
+                    let rolling_model = [None, Some("a".parse().unwrap()), Some("c".parse().unwrap())][(one % 3) as usize];
+                    let [rolling_friction, twisting_friction, rolling_damping, surface_energy] =
+                        [friction, stiffness, restitution, friction];
+                    let resistance = Pair {
+                        rolling_friction,
+                        rolling_model,
+                        rolling_damping,
+                        twisting_friction,
+                        surface_energy,
+                        ..Pair::default()
+                    };
                     scene.set_pair(first, second, Pair { restitution, friction, stiffness, ..resistance })
                 }
                 _ => Ok(()),

@@ -11,7 +11,7 @@
 //! bindings, and the [`HOOKS`]. A [`Variant`] adapts the text to the kinds of objects in a scene. `tests/wgsl.rs` checks that
 //! no file uses a name without requiring its file, requires a file that it does not use, or declares a name twice.
 
-use crate::model::layout::{FLAG_RESISTANCE, MANY_OBJECTS};
+use crate::model::layout::{FLAG_COHESION, FLAG_RESISTANCE, MANY_OBJECTS};
 use crate::model::part::{Part, part};
 use crate::model::status::COUNTER_BLOCKS;
 use crate::model::step::Step;
@@ -184,6 +184,8 @@ pub struct Variant {
     pub materials: bool,
     /// There may be pairs with rolling or twisting resistance.
     pub resistance: bool,
+    /// There may be pairs with cohesion.
+    pub cohesion: bool,
     /// There may be so many objects that a sort key of `find_neighbours` has no room for more than an insertion index.
     pub many: bool,
     /// Each workgroup has a world of its own: it has its own copy of the block `step`, and one block of counters.
@@ -201,6 +203,7 @@ impl Variant {
             muscles: muscles_at > 0,
             materials: materials > 0,
             resistance: flags & FLAG_RESISTANCE != 0,
+            cohesion: flags & FLAG_COHESION != 0,
             many: step.objects() >= MANY_OBJECTS,
             worlds: None,
         }
@@ -215,6 +218,7 @@ impl Variant {
             ("MUSCLES", self.muscles),
             ("MATERIALS", self.materials),
             ("RESISTANCE", self.resistance),
+            ("COHESION", self.cohesion),
         ];
         let text = text.replace("const LAW: u32 = 1u;", &format!("const LAW: u32 = {}u;", self.law));
         let replaced = constants.iter().fold(text, |text, (name, is_set)| {

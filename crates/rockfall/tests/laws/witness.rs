@@ -16,7 +16,7 @@ struct Body {
 }
 
 /// Damping g for which a clipped impact rebounds with e, found independently: by bisection on an explicit integration.
-fn damping(law: ContactLaw, e: f64) -> f64 {
+pub(crate) fn damping(law: ContactLaw, e: f64) -> f64 {
     let rebound = |g: f64| {
         let (mut d, mut v, h) = (0.0_f64, 1.0_f64, 2e-5);
         loop {

@@ -336,6 +336,7 @@ static MISTAKES: &[Mistake] = &[
     Mistake("law_forces", 0, "history.wgsl", "last.w == key", "last.w != key", Buffer::Wrenches),
     Mistake("law_forces", 0, "history.wgsl", "bitcast<vec3u>(spring.moment)", "vec3u(0u)", Buffer::Histories),
     Mistake("law_forces", 0, "law_forces.wgsl", "select(-law.moment,", "select(law.moment,", Buffer::Wrenches),
+    Mistake("law_forces", 0, "laws/contact.wgsl", "normal -= radius", "normal += radius", Buffer::Wrenches),
     Mistake("law_forces", 0, "resistance.wgsl", "roll_scale = sqrt(", "roll_scale = (", Buffer::Histories),
     Mistake("law_forces", 0, "resistance.wgsl", "moment - c * spin", "moment + c * spin", Buffer::Wrenches),
     Mistake("law_forces", 0, "resistance.wgsl", "-min(most, stopping)", "-max(most, stopping)", Buffer::Wrenches),

@@ -116,6 +116,7 @@ impl DeviceWorlds {
             law: LAW_THESIS,
             materials: false,
             resistance: false,
+            cohesion: false,
             many: false,
             worlds: Some(self.sizes),
         };

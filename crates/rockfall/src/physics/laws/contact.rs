@@ -66,7 +66,8 @@ pub(crate) fn law_force(view: &View, [id_a, id_b]: [u32; 2], touch: &Touch, befo
         limited(&Tangential { shift, slip, stiffness: stiff.tangential, damping }, constants.friction * normal);
 
     let torque = n.cross(tangential);
-    let mut loads = ContactForce { force: tangential - normal * n, torque_a: arm_a * torque, torque_b: arm_b * torque };
+    let pushed = normal - constants.cohesion * radius;
+    let mut loads = ContactForce { force: tangential - pushed * n, torque_a: arm_a * torque, torque_b: arm_b * torque };
     let mut moment = Vec3::ZERO;
     if step.flags & FLAG_RESISTANCE != 0 {
         let turning = Turning { sides: [&a, &b], normal: n, overlap, radius, press: normal, stiffness: stiff, dt: step.dt };
@@ -113,12 +114,13 @@ fn limited(t: &Tangential, limit: f32) -> (Vec3, Vec3) {
     (force, shift)
 }
 
-/// Energy of the normal spring of a contact.
+/// Energy of the normal spring of a contact, and of its attraction.
 pub(crate) fn normal_energy(view: &View, id_a: u32, id_b: u32, touch: &Touch) -> f64 {
     let [a, b] = [side(view, view.object(id_a), touch.a), side(view, view.object(id_b), touch.b)];
-    let law = ContactLaw::from_number(view.step.law);
-    let stiff = stiffness(law, &Constants::of(view, id_a, id_b), effective_radius(&a, &b), touch.overlap);
-    f64::from(stiff.energy_share) * f64::from(stiff.normal) * f64::from(touch.overlap).powi(2)
+    let (constants, radius) = (Constants::of(view, id_a, id_b), effective_radius(&a, &b));
+    let stiff = stiffness(ContactLaw::from_number(view.step.law), &constants, radius, touch.overlap);
+    let elastic = f64::from(stiff.energy_share) * f64::from(stiff.normal) * f64::from(touch.overlap).powi(2);
+    elastic - f64::from(constants.cohesion) * f64::from(radius) * f64::from(touch.overlap)
 }
 
 /// R*, with 1/R* the sum of the curvatures of both sides. Boxes and polygons are flat.

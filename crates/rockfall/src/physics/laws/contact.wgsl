@@ -68,7 +68,11 @@ fn law_force(a_side: Side, b_side: Side, touch: Touch, a: u32, b: u32, before: S
         rub *= limit / size;
         shift = select(vec3f(0.0), -(rub + dashpot) / stiff.tangential, dot(rub + dashpot, rub) > 0.0);
     }
-    result.contact = ContactForce(rub - press * n, cross(n, rub), arms.x, arms.y);
+    var normal = press;
+    if COHESION {
+        normal -= radius * cohesion_of(a, b);
+    }
+    result.contact = ContactForce(rub - normal * n, cross(n, rub), arms.x, arms.y);
     result.spring.shift = shift;
     if RESISTANCE {
         let turning = Turning(n, overlap, radius, press, constants.z * sqrt(stiff.tangential * mass));

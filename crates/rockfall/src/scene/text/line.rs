@@ -72,6 +72,8 @@ pub(super) const PAIR: Kind = Kind {
         "rolling_model=c",
         "rolling_damping=eta",
         "twisting_friction=mu",
+        "surface_energy=gamma",
+        "cohesion=dmt",
     ],
     last_is_optional: false,
 };
