@@ -184,6 +184,14 @@ fn other_side(id: u32, at: f32) -> Side {
     return static_side();
 }
 
+// The side of an object. `at` is the parameter on a rod.
+fn side_of(id: u32, at: f32) -> Side {
+    if id < step.spheres {
+        return sphere_side(state[position_at(id)], state[velocity_at(id)], state[momentum_at(id)]);
+    }
+    return other_side(id, at);
+}
+
 struct ContactForce {
     // Force on A. B gets the opposite.
     force: vec3f,
