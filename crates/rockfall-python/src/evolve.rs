@@ -70,6 +70,7 @@ pub(crate) struct PlanOf {
     seconds: f64,
     dt: f32,
     integrator: String,
+    ground: String,
     settling_steps: u64,
     steps: u64,
 }
@@ -177,6 +178,7 @@ impl Evolution {
                 seconds: plan.seconds,
                 dt: plan.dt,
                 integrator: plan.integrator.clone(),
+                ground: plan.ground.clone(),
                 settling_steps: trial.settling_steps(),
                 steps: trial.steps(),
             })

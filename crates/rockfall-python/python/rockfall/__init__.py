@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, Any
 from rockfall import _rockfall
 from rockfall._bodies import Capsules
 from rockfall._device import DeviceArray
+from rockfall._evolve import Creature, Evolution, evolve
 from rockfall._film import Film, film
 from rockfall._info import devices, info
 from rockfall._materials import Material, Pair
@@ -43,9 +44,11 @@ __all__ = [
     "Backend",
     "Capsules",
     "Counts",
+    "Creature",
     "Device",
     "DeviceArray",
     "Energy",
+    "Evolution",
     "Film",
     "Frame",
     "Material",
@@ -68,6 +71,7 @@ __all__ = [
     "Window",
     "Worlds",
     "devices",
+    "evolve",
     "film",
     "info",
     "sweep",
