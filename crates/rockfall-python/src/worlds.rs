@@ -1,5 +1,6 @@
 //! The native worlds: many small scenes side by side.
 
+use std::path::PathBuf;
 use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 
@@ -73,6 +74,16 @@ impl Worlds {
             };
             Ok(Self(Mutex::new(built.or_raise()?)))
         })
+    }
+
+    #[staticmethod]
+    fn resume(py: Python<'_>, path: PathBuf, backend: Option<&str>) -> PyResult<Self> {
+        let backend = backend.map(str::parse).transpose().or_raise()?;
+        py.detach(|| Ok(Self(Mutex::new(rockfall::Worlds::resume(path, backend).or_raise()?))))
+    }
+
+    fn save_checkpoint(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
+        self.locked(py, |worlds| worlds.save_checkpoint(path))
     }
 
     fn len(&self, py: Python<'_>) -> PyResult<usize> {

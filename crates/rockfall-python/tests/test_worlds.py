@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pathlib
 import threading
 from typing import Any
 
@@ -146,6 +147,26 @@ def test_a_world_that_is_not_finite_is_stopped_alone(backend: str) -> None:
     assert worlds.report()["steps"][0] == 30
     worlds.reset([1])
     assert worlds.stopped == {}
+
+
+def test_worlds_go_on_from_a_checkpoint(tmp_path: pathlib.Path) -> None:
+    path = tmp_path / "worlds.ckpt"
+    worlds = rf.Worlds([creature(1, 4), creature(2, 6)], dt=0.005, backend="cpu")
+    worlds.run(30)
+    worlds.save_checkpoint(path)
+    resumed = rf.Worlds.resume(path, dt=0.005)
+    assert resumed.backend.kind == "cpu" and resumed.report()["steps"].tolist() == [30, 30]
+    for both in (worlds, resumed):
+        both.run(20)
+        both.reset(1)
+        both.run(5)
+    assert rows_of(resumed, 0) == rows_of(worlds, 0) and rows_of(resumed, 1) == rows_of(worlds, 1)
+    assert resumed.report()["steps"].tolist() == [55, 5]
+    rf.Simulation(rf.Scene(), backend="cpu").save_checkpoint(path)
+    with pytest.raises(ValueError, match="does not begin as"):
+        rf.Worlds.resume(path)
+    with pytest.raises(FileNotFoundError):
+        rf.Worlds.resume(tmp_path / "none")
 
 
 def test_reports_name_the_sphere_that_has_escaped() -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Sequence
 from typing import Any
 
@@ -95,6 +96,35 @@ class Worlds:
         worlds = None if count is None else whole("count", count)
         self._dt = time_step("dt", dt)
         self._native: Any = _rockfall.Worlds(natives, worlds, backend, integrator, broad_phase, bool(keep_going))
+
+    @classmethod
+    def resume(cls, path: str | os.PathLike[str], dt: float = 0.02, *, backend: str | None = None) -> Worlds:
+        """Go on from a checkpoint, with results that are bitwise identical to those of worlds that never stopped.
+
+        Parameters
+        ----------
+        path : path
+            A file that :meth:`save_checkpoint` wrote.
+        dt : float
+            Time step of the following steps, in s. The file does not have it.
+        backend : {"auto", "gpu", "cpu"}, optional
+            Another backend than that of the checkpoint. Results then differ by rounding.
+
+        Raises
+        ------
+        OSError
+            If the file cannot be read.
+        ValueError
+            If it is not a usable checkpoint of worlds.
+        """
+        worlds = cls.__new__(cls)
+        worlds._dt = time_step("dt", dt)
+        worlds._native = _rockfall.Worlds.resume(os.fspath(path), backend)
+        return worlds
+
+    def save_checkpoint(self, path: str | os.PathLike[str]) -> None:
+        """Write all that determines the following steps of all worlds, and their starts, to a file for :meth:`resume`."""
+        self._native.save_checkpoint(os.fspath(path))
 
     # Steps
 
