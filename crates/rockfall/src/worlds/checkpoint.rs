@@ -44,7 +44,7 @@ impl Worlds {
     /// [`Error::File`] when the file cannot be written, [`Error::Device`] when the GPU fails.
     pub fn save_checkpoint(&mut self, path: impl AsRef<Path>) -> Result<()> {
         let path = path.as_ref();
-        let bytes = self.to_bytes()?;
+        let bytes = self.packed()?;
         let write = || {
             let mut file = AtomicFile::create(path)?;
             file.write_all(&bytes)?;
@@ -77,7 +77,7 @@ impl Worlds {
         Ok(worlds)
     }
 
-    fn to_bytes(&mut self) -> Result<Vec<u8>> {
+    fn packed(&mut self) -> Result<Vec<u8>> {
         self.refresh()?;
         let mut empty = Simulation::with_options(Scene::new(), Options::new().backend(Backend::Cpu))?.checkpoint()?;
         empty.options = self.options.clone();
