@@ -3,8 +3,8 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use rockfall::{Backend, Integrator, Options, Scene};
-use rockfall_evolve::{Body, Evolution, Generation, Goal, Ground, Plan, Trial};
+use rockfall::{Backend, Integrator};
+use rockfall_evolve::{Body, Evolution, Generation, Goal, Ground, Plan};
 
 use crate::failure::Failure;
 use crate::files;
@@ -110,7 +110,7 @@ pub(crate) fn evolve(arguments: &Arguments, interrupt: &'static Interrupt) -> Re
         return Err(Failure::Interrupted(format!("stopped after generation {done} of {}{next}", arguments.generations)));
     }
     if let Some(folder) = &arguments.gallery {
-        outputs::write_gallery(&mut evolution, folder)?;
+        outputs::write_gallery(&evolution, folder)?;
     }
     output::print(&outputs::summary(&evolution, arguments, start.elapsed().as_secs_f64()))?;
     #[cfg(feature = "view")]
@@ -158,7 +158,7 @@ fn begin(arguments: &Arguments) -> Result<Evolution, Failure> {
         integrator: arguments.integrator.to_string(),
         ground: ground.scene().to_text(),
     };
-    let trial = trial_of(&plan, arguments.backend)?;
+    let trial = plan.trial(arguments.backend)?;
     if trial.steps() < 20 {
         return Err(Failure::usage(format!(
             "--seconds {} with --dt {} is {} steps, expected at least 20",
@@ -182,17 +182,9 @@ fn ground_of(source: Source) -> Result<Ground, Failure> {
     Ok(Ground::of(source.loaded.scene))
 }
 
-fn trial_of(plan: &Plan, backend: Backend) -> rockfall::Result<Trial> {
-    let integrator: Integrator = plan.integrator.parse()?;
-    let ground = Scene::parse(&plan.ground, Path::new("the ground"))?;
-    let mut trial = Trial::new(plan.goal, plan.seconds, plan.dt, Ground::of(ground.scene));
-    trial.options = Options::new().backend(backend).integrator(integrator);
-    Ok(trial)
-}
-
 fn resume(path: &Path, backend: Backend) -> Result<Evolution, Failure> {
     let wrong = |error: std::io::Error| Failure::usage(format!("{}: {error}", path.display()));
-    Evolution::load(path, |plan| trial_of(plan, backend).map_err(std::io::Error::other)).map_err(wrong)
+    Evolution::load(path, |plan| plan.trial(backend).map_err(std::io::Error::other)).map_err(wrong)
 }
 
 /// Runs the generations that are left, and writes the files after each. Returns whether all are done.

@@ -2,12 +2,13 @@
 
 use rand::RngExt as _;
 use rand_pcg::Pcg64;
-use rockfall::Result;
+use rockfall::{Backend, Integrator, Options, Result, Scene};
 use serde::{Deserialize, Serialize};
 
-use crate::archive::{Archive, Elite};
+use crate::archive::{Archive, Elite, Niche};
 use crate::audit::{Audit, audit};
 use crate::genome::{Body, Genome};
+use crate::ground::Ground;
 use crate::trial::{Goal, Outcome, Trial, Verdict};
 
 /// Share of a generation that is new at random.
@@ -36,6 +37,20 @@ pub struct Plan {
     pub integrator: String,
     /// The ground, as scene text.
     pub ground: String,
+}
+
+impl Plan {
+    /// The conditions under which the creatures of this plan live.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`](rockfall::Error::Invalid) for an unknown integrator. Those of [`Scene::parse`] for the ground.
+    pub fn trial(&self, backend: Backend) -> Result<Trial> {
+        let integrator: Integrator = self.integrator.parse()?;
+        let ground = Scene::parse(&self.ground, "the ground".as_ref())?;
+        let mut trial = Trial::new(self.goal, self.seconds, self.dt, Ground::of(ground.scene));
+        trial.options = Options::new().backend(backend).integrator(integrator);
+        Ok(trial)
+    }
 }
 
 /// The best creature that has passed an audit.
@@ -110,6 +125,23 @@ impl Evolution {
     /// The best creature that has passed an audit.
     pub fn champion(&self) -> Option<&Champion> {
         self.champion.as_ref()
+    }
+
+    /// The fittest creatures of different niches that pass an audit, up to `most` of them.
+    ///
+    /// # Errors
+    /// As for [`audit`].
+    pub fn gallery(&self, most: usize) -> Result<Vec<(Niche, &Elite)>> {
+        let mut gallery = Vec::new();
+        for (niche, elite) in self.archive.ranked() {
+            if gallery.len() == most {
+                break;
+            }
+            if elite.audited || audit(&elite.genome, &elite.outcome, &self.trial)?.passed {
+                gallery.push((niche, elite));
+            }
+        }
+        Ok(gallery)
     }
 
     /// The generations so far.

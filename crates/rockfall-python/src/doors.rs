@@ -5,8 +5,8 @@ use std::sync::PoisonError;
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use rockfall::{
-    BoxId, Capsule, CapsuleId, Cuboid, Polygon, PolygonId, Result, Rod, RodId, Settings, Sphere, SphereId, Spring, SpringId,
-    Tether, TetherId,
+    BoxId, Capsule, CapsuleId, Cuboid, Material, MaterialId, Pair, Polygon, PolygonId, Result, Rod, RodId, Settings, Sphere,
+    SphereId, Spring, SpringId, Tether, TetherId,
 };
 
 use crate::errors::Raise;
@@ -77,6 +77,9 @@ doors! {
     update_rod(id: RodId, change: Change<Rod>) -> ();
     update_spring(id: SpringId, change: Change<Spring>) -> ();
     update_tether(id: TetherId, change: Change<Tether>) -> ();
+    add_material(material: Material) -> MaterialId;
+    update_material(id: MaterialId, change: Change<Material>) -> ();
+    set_pair(one: MaterialId, other: MaterialId, pair: Pair) -> ();
 }
 
 /// Calls a function with the objects of a native scene or simulation, without the GIL.

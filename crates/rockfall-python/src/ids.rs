@@ -2,7 +2,7 @@
 
 use pyo3::exceptions::PyLookupError;
 use pyo3::prelude::*;
-use rockfall::{BoxId, CapsuleId, PolygonId, RodId, SphereId, SpringId, TetherId};
+use rockfall::{BoxId, CapsuleId, MaterialId, PolygonId, RodId, SphereId, SpringId, TetherId};
 
 /// The handles of all objects that were ever added, by kind. The position in a list is the number that Python sees. It is never
 /// given to another object.
@@ -15,6 +15,7 @@ pub(crate) struct Ids {
     pub(crate) tethers: Vec<TetherId>,
     pub(crate) boxes: Vec<BoxId>,
     pub(crate) polygons: Vec<PolygonId>,
+    pub(crate) materials: Vec<MaterialId>,
 }
 
 impl Ids {
@@ -28,6 +29,7 @@ impl Ids {
             tethers: scene.tether_ids().collect(),
             boxes: scene.box_ids().collect(),
             polygons: scene.polygon_ids().collect(),
+            materials: scene.material_ids().collect(),
         }
     }
 }

@@ -6,8 +6,10 @@ use pyo3::prelude::*;
 mod arguments;
 mod doors;
 mod errors;
+mod evolve;
 mod film;
 mod ids;
+mod materials;
 mod memory;
 mod objects;
 mod observe;
@@ -19,6 +21,7 @@ mod simulation;
 mod states;
 mod tables;
 mod trajectory;
+mod worlds;
 
 /// The native part of rockfall.
 #[pymodule]
@@ -30,7 +33,11 @@ mod _rockfall {
     #[pymodule_export]
     use crate::errors::SimulationError;
     #[pymodule_export]
+    use crate::evolve::Evolution;
+    #[pymodule_export]
     use crate::film::{Film, Filming};
+    #[pymodule_export]
+    use crate::materials::{add_material, materials, pair, set_pair, update_material};
     #[pymodule_export]
     use crate::objects::{
         add_boxes, add_capsules, add_polygons, add_rods, add_spheres, add_springs, add_tethers, remove, update,
@@ -49,6 +56,8 @@ mod _rockfall {
     use crate::tables::{constants, devices};
     #[pymodule_export]
     use crate::trajectory::{TrajectoryReader, TrajectoryWriter};
+    #[pymodule_export]
+    use crate::worlds::Worlds;
 
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {

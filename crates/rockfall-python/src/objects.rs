@@ -3,12 +3,14 @@
 
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
-use rockfall::{Capsule, Cuboid, Polygon, Rod, Sphere, SphereId, Spring, Tether};
+use rockfall::glam::Vec3;
+use rockfall::{Capsule, Cuboid, MaterialId, Muscle, Polygon, Rod, Scene, Sphere, SphereId, Spring, Tether};
 
 use crate::arguments::{Floats, Groups, Numbers, Rows, Switches, check, quaternion, vector};
 use crate::doors::{Doors, with};
 use crate::errors::{Raise, raise};
 use crate::ids::{Ids, handle};
+use crate::materials::materials_of;
 
 /// An error of a row. Only errors of values name the row.
 fn at_row(row: usize, error: rockfall::Error) -> PyErr {
@@ -28,6 +30,15 @@ macro_rules! rows {
     };
 }
 
+/// An object with a material.
+macro_rules! with_material {
+    ($object:expr, $material:expr) => {{
+        let mut object = $object;
+        object.material = $material;
+        object
+    }};
+}
+
 /// Adds objects, and their handles to those of the kind. Returns the number of the first.
 fn add_all<D: Doors + ?Sized, T, Id>(
     doors: &mut D,
@@ -44,11 +55,21 @@ fn add_all<D: Doors + ?Sized, T, Id>(
 }
 
 /// Adds objects to an empty scene, so that a wrong row is found before the first object is added.
-fn try_all<T, Id>(
-    objects: impl ExactSizeIterator<Item = T>,
-    add: fn(&mut rockfall::Scene, T) -> rockfall::Result<Id>,
-) -> PyResult<()> {
-    add_all(&mut rockfall::Scene::new(), &mut Vec::new(), objects, add).map(drop)
+fn try_all<T, Id>(objects: impl ExactSizeIterator<Item = T>, add: fn(&mut Scene, T) -> rockfall::Result<Id>) -> PyResult<()> {
+    add_all(&mut Scene::new(), &mut Vec::new(), objects, add).map(drop)
+}
+
+/// The density of the material of each row in which a mass of 0 stands for the volume times that density; otherwise 0.
+fn densities(scene: &Scene, materials: &[Option<MaterialId>], mass: &[f32]) -> PyResult<Vec<f32>> {
+    let density = |(row, (material, mass)): (usize, (&Option<MaterialId>, &f32))| {
+        if *mass != 0.0 {
+            return Ok(0.0);
+        }
+        let known = material.map(|id| scene.material(id)).transpose().or_raise()?.and_then(|material| material.density);
+        let text = || format!("row {row}: mass: expected a number, or a material with a density");
+        known.ok_or_else(|| PyValueError::new_err(text()))
+    };
+    materials.iter().zip(mass).enumerate().map(density).collect()
 }
 
 /// The spheres of each row.
@@ -57,7 +78,7 @@ fn ends(spheres: &[SphereId], numbers: &[i64]) -> PyResult<Vec<SphereId>> {
 }
 
 /// The spheres of each row, which must be in the scene and different.
-fn pairs(scene: &rockfall::Scene, ids: &Ids, one: &[i64], two: &[i64]) -> PyResult<Vec<(SphereId, SphereId)>> {
+fn pairs(scene: &Scene, ids: &Ids, one: &[i64], two: &[i64]) -> PyResult<Vec<(SphereId, SphereId)>> {
     let found: Vec<_> = ends(&ids.spheres, one)?.into_iter().zip(ends(&ids.spheres, two)?).collect();
     for (row, (a, b)) in found.iter().enumerate() {
         scene.sphere(*a).and(scene.sphere(*b)).or_raise()?;
@@ -83,11 +104,13 @@ pub(crate) fn add_spheres(
     force: Rows<'_>,
     fixed: Switches<'_>,
     group: Groups<'_>,
+    material: Numbers<'_>,
 ) -> PyResult<usize> {
     rows!(count: position / 3, radius / 1, mass / 1, velocity / 3, angular_momentum / 3, orientation / 4, force / 3, fixed / 1,
-          group / 1);
-    let sphere = |k: usize| {
-        let mut sphere = Sphere::new(vector(position, k), radius[k]).mass(mass[k]).group(group[k]);
+          group / 1, material / 1);
+    let sphere = |k: usize, density: f32| {
+        let sphere = Sphere::new(vector(position, k), radius[k]).group(group[k]);
+        let mut sphere = if density > 0.0 { sphere.density(density) } else { sphere.mass(mass[k]) };
         sphere.velocity = vector(velocity, k);
         sphere.angular_momentum = vector(angular_momentum, k);
         sphere.orientation = quaternion(orientation, k);
@@ -96,7 +119,10 @@ pub(crate) fn add_spheres(
         sphere
     };
     with(target, |doors, ids| {
-        try_all((0..count).map(sphere), Doors::add_sphere)?;
+        let materials = materials_of(ids, material)?;
+        let densities = densities(doors.objects(), &materials, mass)?;
+        try_all((0..count).map(|k| sphere(k, densities[k])), Doors::add_sphere)?;
+        let sphere = |k: usize| with_material!(sphere(k, densities[k]), materials[k]);
         add_all(doors, &mut ids.spheres, (0..count).map(sphere), Doors::add_sphere)
     })
 }
@@ -110,17 +136,25 @@ pub(crate) fn add_rods(
     radius: Floats<'_>,
     length: Floats<'_>,
     group: Groups<'_>,
+    material: Numbers<'_>,
 ) -> PyResult<usize> {
-    rows!(count: end1 / 1, end2 / 1, radius / 1, length / 1, group / 1);
+    rows!(count: end1 / 1, end2 / 1, radius / 1, length / 1, group / 1, material / 1);
     with(target, |doors, ids| {
         let pairs = pairs(doors.objects(), ids, end1, end2)?;
+        let materials = materials_of(ids, material)?;
         let rod = |k: usize| {
             let mut rod = Rod::new(pairs[k].0, pairs[k].1, radius[k]).group(group[k]);
             rod.length = (length[k] > 0.0).then_some(length[k]);
-            rod
+            with_material!(rod, materials[k])
         };
         add_all(doors, &mut ids.rods, (0..count).map(rod), Doors::add_rod)
     })
+}
+
+/// The muscle of a row: amplitude, frequency and phase. A row of zeros stands for none.
+fn muscle(rows: &[f32], k: usize) -> Option<Muscle> {
+    let [amplitude, frequency, phase] = vector(rows, k).to_array();
+    (vector(rows, k) != Vec3::ZERO).then(|| Muscle::new(amplitude, frequency, phase))
 }
 
 /// Adds springs and returns the number of the first.
@@ -132,8 +166,9 @@ pub(crate) fn add_springs(
     stiffness: Floats<'_>,
     length: Floats<'_>,
     damping: Floats<'_>,
+    muscle: Rows<'_>,
 ) -> PyResult<usize> {
-    rows!(count: a / 1, b / 1, stiffness / 1, length / 1, damping / 1);
+    rows!(count: a / 1, b / 1, stiffness / 1, length / 1, damping / 1, muscle / 3);
     with(target, |doors, ids| {
         let scene = doors.objects();
         let place = |sphere: SphereId| scene.sphere(sphere).map(|sphere| sphere.position).or_raise();
@@ -142,11 +177,27 @@ pub(crate) fn add_springs(
             let (a, b) = pairs[k];
             // A negative length stands for the distance of the spheres.
             let rest = if length[k] >= 0.0 { length[k] } else { place(a)?.distance(place(b)?) };
-            Ok(Spring::new(a, b, stiffness[k], rest).damping(damping[k]))
+            let mut spring = Spring::new(a, b, stiffness[k], rest).damping(damping[k]);
+            spring.muscle = self::muscle(muscle, k);
+            Ok(spring)
         };
-        let springs: Vec<_> = (0..count).map(spring).collect::<PyResult<_>>()?;
+        let springs: Vec<Spring> = (0..count).map(spring).collect::<PyResult<_>>()?;
+        try_springs(&springs)?;
         add_all(doors, &mut ids.springs, springs.into_iter(), Doors::add_spring)
     })
+}
+
+/// Adds springs to a scene of two spheres, so that a wrong muscle is found before the first spring is added.
+fn try_springs(springs: &[Spring]) -> PyResult<()> {
+    let mut scene = Scene::new();
+    let [a, b] = [0.0, 1.0].map(|x| scene.add_sphere(Sphere::new([x, 0.0, 0.0], 0.1)));
+    let (a, b) = (a.or_raise()?, b.or_raise()?);
+    let springs = springs.iter().map(|spring| {
+        let mut spring = *spring;
+        (spring.a, spring.b) = (a, b);
+        spring
+    });
+    add_all(&mut scene, &mut Vec::new(), springs, Scene::add_spring).map(drop)
 }
 
 /// Adds tethers and returns the number of the first.
@@ -171,6 +222,7 @@ pub(crate) fn add_tethers(
 /// Adds capsules. Returns the numbers of the first capsule, the first sphere and the first rod: capsule k of this call consists
 /// of spheres 2 k and 2 k + 1 and rod k after those.
 #[pyfunction]
+#[allow(clippy::too_many_arguments)]
 pub(crate) fn add_capsules(
     target: &Bound<'_, PyAny>,
     end1: Rows<'_>,
@@ -179,14 +231,19 @@ pub(crate) fn add_capsules(
     mass: Floats<'_>,
     velocity: Rows<'_>,
     group: Groups<'_>,
+    material: Numbers<'_>,
 ) -> PyResult<(usize, usize, usize)> {
-    rows!(count: end1 / 3, end2 / 3, radius / 1, mass / 1, velocity / 3, group / 1);
-    let capsule = |k: usize| {
-        let capsule = Capsule::new(vector(end1, k), vector(end2, k), radius[k]).mass(mass[k]);
+    rows!(count: end1 / 3, end2 / 3, radius / 1, mass / 1, velocity / 3, group / 1, material / 1);
+    let capsule = |k: usize, density: f32| {
+        let capsule = Capsule::new(vector(end1, k), vector(end2, k), radius[k]);
+        let capsule = if density > 0.0 { capsule.density(density) } else { capsule.mass(mass[k]) };
         capsule.velocity(vector(velocity, k)).group(group[k])
     };
     with(target, |doors, ids| {
-        try_all((0..count).map(capsule), Doors::add_capsule)?;
+        let materials = materials_of(ids, material)?;
+        let densities = densities(doors.objects(), &materials, mass)?;
+        try_all((0..count).map(|k| capsule(k, densities[k])), Doors::add_capsule)?;
+        let capsule = |k: usize| with_material!(capsule(k, densities[k]), materials[k]);
         let (spheres, rods) = (ids.spheres.len(), ids.rods.len());
         let first = add_all(doors, &mut ids.capsules, (0..count).map(capsule), Doors::add_capsule)?;
         for id in &ids.capsules[first..] {
@@ -200,14 +257,22 @@ pub(crate) fn add_capsules(
 
 /// Adds boxes from corners and edges (three rows of the array `edges` per box), and returns the number of the first.
 #[pyfunction]
-pub(crate) fn add_boxes(target: &Bound<'_, PyAny>, corner: Rows<'_>, edges: Rows<'_>, group: Groups<'_>) -> PyResult<usize> {
-    rows!(count: corner / 3, edges / 9, group / 1);
+pub(crate) fn add_boxes(
+    target: &Bound<'_, PyAny>,
+    corner: Rows<'_>,
+    edges: Rows<'_>,
+    group: Groups<'_>,
+    material: Numbers<'_>,
+) -> PyResult<usize> {
+    rows!(count: corner / 3, edges / 9, group / 1, material / 1);
     let cuboid = |k: usize| {
         let [i, j, l] = [3 * k, 3 * k + 1, 3 * k + 2].map(|row| vector(edges, row));
         Cuboid::new(vector(corner, k), i, j, l).group(group[k])
     };
     with(target, |doors, ids| {
+        let materials = materials_of(ids, material)?;
         try_all((0..count).map(cuboid), Doors::add_box)?;
+        let cuboid = |k: usize| with_material!(cuboid(k), materials[k]);
         add_all(doors, &mut ids.boxes, (0..count).map(cuboid), Doors::add_box)
     })
 }
@@ -220,11 +285,14 @@ pub(crate) fn add_polygons(
     left: Rows<'_>,
     right: Rows<'_>,
     group: Groups<'_>,
+    material: Numbers<'_>,
 ) -> PyResult<usize> {
-    rows!(count: corner / 3, left / 3, right / 3, group / 1);
+    rows!(count: corner / 3, left / 3, right / 3, group / 1, material / 1);
     let polygon = |k: usize| Polygon::new(vector(corner, k), vector(left, k), vector(right, k)).group(group[k]);
     with(target, |doors, ids| {
+        let materials = materials_of(ids, material)?;
         try_all((0..count).map(polygon), Doors::add_polygon)?;
+        let polygon = |k: usize| with_material!(polygon(k), materials[k]);
         add_all(doors, &mut ids.polygons, (0..count).map(polygon), Doors::add_polygon)
     })
 }
@@ -266,7 +334,7 @@ pub(crate) fn update(
     let fields: Vec<(&str, &[f32])> =
         fields.iter().map(|(name, rows)| Ok((name.as_str(), rows.as_slice()?))).collect::<PyResult<_>>()?;
     for (name, values) in &fields {
-        check(numbers.len() * if *name == "point" { 3 } else { 1 }, &[values.len()])?;
+        check(numbers.len() * if matches!(*name, "point" | "muscle") { 3 } else { 1 }, &[values.len()])?;
     }
     with(target, |doors, ids| {
         for (k, id) in numbers.iter().enumerate() {
@@ -281,6 +349,7 @@ pub(crate) fn update(
                     fields.iter().for_each(|(name, values)| match *name {
                         "stiffness" => spring.stiffness = values[k],
                         "length" => spring.length = values[k],
+                        "muscle" => spring.muscle = muscle(values, k),
                         _ => spring.damping = values[k],
                     });
                 }),

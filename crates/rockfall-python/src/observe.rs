@@ -6,11 +6,12 @@ use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use rockfall::glam::Vec3;
-use rockfall::{Body, ContactAction, Scene, SphereId};
+use rockfall::{Body, ContactAction, Scene, SphereId, Spring};
 
 use crate::arguments::{Rows, vector};
 use crate::doors::look;
 use crate::errors::Raise;
+use crate::materials::number_of;
 use crate::simulation::Simulation;
 use crate::tables::Energy;
 
@@ -126,6 +127,11 @@ pub(crate) fn cast_rays<'py>(
     Ok((matrix(simulation.py(), whole, 2)?, matrix(simulation.py(), real, 7)?))
 }
 
+/// Amplitude, frequency and phase of the muscle of a spring; zeros without one.
+fn muscle(spring: &Spring) -> [f32; 3] {
+    spring.muscle.map_or([0.0; 3], |muscle| [muscle.amplitude, muscle.frequency, muscle.phase])
+}
+
 /// A table of objects of one kind, in order of addition: whole numbers (the number of the object, spheres by index, the group),
 /// then real numbers.
 #[pyfunction]
@@ -150,8 +156,15 @@ pub(crate) fn table<'py>(target: &Bound<'py, PyAny>, kind: &str) -> PyResult<(Ma
         }
         let widths = match kind {
             "sphere" => {
-                rows!(spheres, sphere_ids, spheres, o, [i64::from(o.fixed), i64::from(o.group)], [[o.radius, o.mass]]);
-                (3, 2)
+                rows!(
+                    spheres,
+                    sphere_ids,
+                    spheres,
+                    o,
+                    [i64::from(o.fixed), i64::from(o.group), number_of(ids, o.material)],
+                    [[o.radius, o.mass]]
+                );
+                (4, 2)
             }
             "rod" => {
                 rows!(
@@ -159,18 +172,25 @@ pub(crate) fn table<'py>(target: &Bound<'py, PyAny>, kind: &str) -> PyResult<(Ma
                     rod_ids,
                     rods,
                     o,
-                    [place(o.end1), place(o.end2), i64::from(o.group)],
+                    [place(o.end1), place(o.end2), i64::from(o.group), number_of(ids, o.material)],
                     [[o.radius, o.length.unwrap_or(0.0)]]
                 );
-                (4, 2)
+                (5, 2)
             }
             "capsule" => {
                 rows!(capsules, capsule_ids, capsules, o, [place(o.end1), place(o.end2)], []);
                 (3, 1)
             }
             "spring" => {
-                rows!(springs, spring_ids, springs, o, [place(o.a), place(o.b)], [[o.stiffness, o.length, o.damping]]);
-                (3, 3)
+                rows!(
+                    springs,
+                    spring_ids,
+                    springs,
+                    o,
+                    [place(o.a), place(o.b)],
+                    [[o.stiffness, o.length, o.damping], muscle(o)]
+                );
+                (3, 6)
             }
             "tether" => {
                 rows!(
@@ -189,10 +209,10 @@ pub(crate) fn table<'py>(target: &Bound<'py, PyAny>, kind: &str) -> PyResult<(Ma
                     box_ids,
                     boxes,
                     o,
-                    [i64::from(o.group)],
+                    [i64::from(o.group), number_of(ids, o.material)],
                     [o.corner.to_array(), o.edges[0].to_array(), o.edges[1].to_array(), o.edges[2].to_array()]
                 );
-                (2, 12)
+                (3, 12)
             }
             "polygon" => {
                 rows!(
@@ -200,10 +220,10 @@ pub(crate) fn table<'py>(target: &Bound<'py, PyAny>, kind: &str) -> PyResult<(Ma
                     polygon_ids,
                     polygons,
                     o,
-                    [i64::from(o.group)],
+                    [i64::from(o.group), number_of(ids, o.material)],
                     [o.corner.to_array(), o.left.to_array(), o.right.to_array()]
                 );
-                (2, 9)
+                (3, 9)
             }
             _ => return Err(PyValueError::new_err(format!("kind: {kind} is not a kind of object"))),
         };

@@ -20,7 +20,7 @@ use crate::states::{Field, Table};
 use crate::tables::{BackendInfo, ProfileOf, Report};
 
 /// Time after which a run looks for signals such as Ctrl-C.
-const PATIENCE: Duration = Duration::from_millis(50);
+pub(crate) const PATIENCE: Duration = Duration::from_millis(50);
 
 /// A simulation, the numbers of its objects, and the arrays that use its memory.
 #[derive(Debug)]
@@ -118,7 +118,7 @@ impl Simulation {
 }
 
 /// Options from their names.
-fn options(backend: &str, integrator: &str, broad_phase: &str, keep_going: bool) -> PyResult<Options> {
+pub(crate) fn options(backend: &str, integrator: &str, broad_phase: &str, keep_going: bool) -> PyResult<Options> {
     Ok(Options::new()
         .backend(backend.parse().or_raise()?)
         .integrator(integrator.parse().or_raise()?)

@@ -52,7 +52,8 @@ impl Field {
         }
     }
 
-    fn append(self, sphere: &Sphere, to: &mut Vec<f32>) {
+    /// Appends the field of a sphere to a table.
+    pub(crate) fn append(self, sphere: &Sphere, to: &mut Vec<f32>) {
         let q = sphere.orientation;
         match self {
             Self::Position => to.extend(sphere.position.to_array()),

@@ -32,7 +32,7 @@ use crate::scene::{AnyId, Scene};
 mod head;
 mod objects;
 mod springs;
-mod words;
+pub(crate) mod words;
 
 use words::{Damage, Words};
 
@@ -43,9 +43,9 @@ const VERSION: u32 = 4;
 /// First version with muscles.
 const WITH_MUSCLES: u32 = 3;
 /// Bytes of magic, version and length.
-const PREFIX: usize = MAGIC.len() + 4 + 8;
+pub(crate) const PREFIX: usize = MAGIC.len() + 4 + 8;
 /// Bytes of the checksum at the end.
-const SUFFIX: usize = 4;
+pub(crate) const SUFFIX: usize = 4;
 
 /// The state of a simulation between two steps. [`Simulation::checkpoint`](crate::Simulation::checkpoint) takes it, and
 /// [`Simulation::resume`](crate::Simulation::resume) continues from it.
@@ -147,7 +147,7 @@ impl Checkpoint {
     /// [`Error::Checkpoint`] when the bytes are damaged, not a checkpoint, or of a later version.
     pub fn from_bytes(bytes: &[u8], name: impl Into<PathBuf>) -> Result<Self> {
         let read = || -> Result<Self, Damage> {
-            let (version, content) = content(bytes)?;
+            let (version, content) = content(bytes, &MAGIC, VERSION)?;
             let mut words = Words::new(content);
             let (mut checkpoint, counts) = head::read(&mut words, version)?;
             let springs = if version >= head::MATERIALS_SINCE { springs::read(&mut words, version)? } else { Vec::new() };
@@ -174,21 +174,22 @@ impl Checkpoint {
     }
 }
 
-/// Returns the version and the bytes between prefix and checksum, if the file is intact.
-fn content(bytes: &[u8]) -> Result<(u32, &[u8]), Damage> {
+/// Returns the version and the bytes between prefix and checksum, if the file begins with `magic`, has at most the `latest` version
+/// and is intact.
+pub(crate) fn content<'a>(bytes: &'a [u8], magic: &[u8; 8], latest: u32) -> Result<(u32, &'a [u8]), Damage> {
     if bytes.is_empty() {
         return Err(Damage::new("it is empty"));
     }
-    if !bytes.starts_with(&MAGIC[..MAGIC.len().min(bytes.len())]) {
+    if !bytes.starts_with(&magic[..magic.len().min(bytes.len())]) {
         return Err(Damage::new("it does not begin as a checkpoint of rockfall does"));
     }
     let Some((prefix, rest)) = bytes.split_at_checked(PREFIX) else {
         return Err(Damage::new(format!("it is cut off after {} bytes", bytes.len())));
     };
-    let mut numbers = Words::new(&prefix[MAGIC.len()..]);
+    let mut numbers = Words::new(&prefix[magic.len()..]);
     let (version, length) = (numbers.u32()?, numbers.u64()?);
-    if !(1..=VERSION).contains(&version) {
-        return Err(Damage::new(format!("it has version {version}, this rockfall reads versions up to {VERSION}")));
+    if !(1..=latest).contains(&version) {
+        return Err(Damage::new(format!("it has version {version}, this rockfall reads versions up to {latest}")));
     }
     if length != bytes.len() as u64 {
         return Err(Damage::new(format!("it has {} bytes, expected {length}", bytes.len())));

@@ -8,11 +8,13 @@ use crate::checkpoint::Checkpoint;
 use crate::error::{Error, Result};
 #[cfg(feature = "gpu")]
 use crate::exec::gpu::Gpu;
+use crate::model::world_sizes::WorldSizes;
 use crate::options::{Backend, BackendInfo, Options};
 use crate::report::{Report, SphereState};
 use crate::scene::Scene;
 use crate::simulation::Simulation;
 
+mod checkpoint;
 mod control;
 #[cfg(feature = "gpu")]
 mod device;
@@ -46,7 +48,8 @@ struct World {
     path: WorldPath,
     /// The state that [`Worlds::reset`] returns to.
     start: Checkpoint,
-    stopped: Option<Error>,
+    /// Why the world does not advance any more.
+    stopped: Option<String>,
 }
 
 /// How a world is run.
@@ -57,7 +60,7 @@ pub enum WorldPath {
     /// other.
     Simulation,
     /// By a workgroup of the GPU, which runs many steps in one dispatch, side by side with other worlds. This path takes worlds of
-    /// up to 32 spheres, 37 objects and about 60 springs, without rods, materials, collisions as impulses
+    /// up to 32 spheres, 37 objects and about 64 springs with muscles or 110 without, without rods, materials, collisions as impulses
     /// ([`Settings::collisions`](crate::Settings::collisions)) and friction impulses. A world that replaces another one takes it if
     /// it is not larger than the largest world was when the batch was created.
     Device,
@@ -88,7 +91,7 @@ impl World {
     /// Runs steps, unless the world is stopped.
     fn run(&mut self, steps: u64, dt: f32) {
         if self.stopped.is_none() && self.path == WorldPath::Simulation {
-            self.stopped = self.simulation.run(steps, dt).err();
+            self.stopped = self.simulation.run(steps, dt).err().map(|error| error.to_string());
         }
     }
 
@@ -99,6 +102,12 @@ impl World {
 }
 
 impl Worlds {
+    /// Spheres of a body that fits into a workgroup ([`WorldPath::Device`]) together with [`Worlds::BODY_MUSCLES`] and five boxes.
+    pub const BODY_SPHERES: usize = WorldSizes::BODY_SPHERES;
+
+    /// Springs with muscles of such a body.
+    pub const BODY_MUSCLES: usize = WorldSizes::BODY_MUSCLES;
+
     /// Creates a world for each scene. All worlds have the same options.
     ///
     /// With [`Backend::Auto`] they run on a hardware GPU if there is one, otherwise on the CPU.
@@ -325,11 +334,6 @@ impl Worlds {
             }),
             None => None,
         };
-        Ok(WorldReport {
-            report: world.simulation.report(),
-            path: world.path,
-            stopped: world.stopped.as_ref().map(Error::to_string),
-            escaped,
-        })
+        Ok(WorldReport { report: world.simulation.report(), path: world.path, stopped: world.stopped.clone(), escaped })
     }
 }

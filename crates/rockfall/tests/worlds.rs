@@ -3,7 +3,8 @@
 use rockfall::generate::{Kind, creature};
 use rockfall::glam::Vec3;
 use rockfall::{
-    Backend, Error, Integrator, Muscle, Options, Scene, Simulation, Sphere, SphereState, Spring, Tether, WorldPath, Worlds,
+    Backend, Cuboid, Error, Integrator, Muscle, Options, Scene, Simulation, Sphere, SphereState, Spring, Tether, WorldPath,
+    Worlds,
 };
 
 #[macro_use]
@@ -336,4 +337,31 @@ fn muscles_move_creatures() {
     let kinetic = |states: Vec<SphereState>| -> f32 { states.iter().map(|state| state.velocity.length_squared()).sum() };
     let [moved, rests] = [0, 1].map(|world| kinetic(worlds.states(world).expect("states")));
     assert!(moved > 0.5 && rests < 0.1 * moved, "{moved} {rests}");
+}
+
+/// A body as large as genomes may be fits into a workgroup, with as many boxes as are promised. One more muscle does not.
+#[test]
+#[cfg(feature = "gpu")]
+fn a_body_of_the_greatest_size_fits_into_a_workgroup() {
+    let body = |muscles: usize| {
+        let mut scene = weightless();
+        scene.settings.collisions = false;
+        let place = |k: usize| Sphere::new([k as f32, 0.0, 0.0], 0.1);
+        let ids: Vec<_> = (0..Worlds::BODY_SPHERES).map(|k| scene.add_sphere(place(k)).expect("a sphere")).collect();
+        let pairs = (0..ids.len()).flat_map(|a| (0..a).map(move |b| (a, b)));
+        for (a, b) in pairs.take(muscles) {
+            let spring = Spring::new(ids[a], ids[b], 100.0, 1.0).muscle(Muscle::new(0.1, 1.0, 0.0));
+            scene.add_spring(spring).expect("a spring");
+        }
+        for k in 0..5 {
+            let low = Vec3::new(k as f32, -9.0, 0.0);
+            scene.add_box(Cuboid::between(low, low + Vec3::ONE)).expect("a box");
+        }
+        scene
+    };
+    let scenes = [body(Worlds::BODY_MUSCLES), body(Worlds::BODY_MUSCLES + 1)];
+    let mut worlds = worlds(&scenes, &Options::new().backend(Backend::Gpu));
+    let paths = [0, 1].map(|world| worlds.report(world, None).expect("a report").path);
+    assert_eq!(paths, [WorldPath::Device, WorldPath::Simulation]);
+    const { assert!(Worlds::BODY_MUSCLES == 64) };
 }

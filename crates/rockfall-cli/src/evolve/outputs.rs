@@ -5,7 +5,6 @@ use std::io::Write as _;
 use std::path::Path;
 
 use rockfall::output::AtomicFile;
-use rockfall_evolve::audit::audit;
 use rockfall_evolve::{Evolution, Genome, Niche, Outcome};
 
 use super::Arguments;
@@ -91,18 +90,10 @@ fn scene_text(evolution: &Evolution, genome: &Genome, outcome: &Outcome, title: 
 }
 
 /// Writes the fittest creatures of different kinds that pass an audit, and a table of them.
-pub(super) fn write_gallery(evolution: &mut Evolution, folder: &Path) -> Result<(), Failure> {
+pub(super) fn write_gallery(evolution: &Evolution, folder: &Path) -> Result<(), Failure> {
     std::fs::create_dir_all(folder).map_err(|error| Failure::file(folder, &error))?;
     let mut table = "file,fitness,distance,nodes,frequency,bounce\n".to_owned();
-    let mut written = 0;
-    for (niche, elite) in evolution.archive().ranked() {
-        if written == GALLERY {
-            break;
-        }
-        if !elite.audited && !audit(&elite.genome, &elite.outcome, evolution.trial())?.passed {
-            continue;
-        }
-        written += 1;
+    for (written, (niche, elite)) in (1..).zip(evolution.gallery(GALLERY)?) {
         let Niche { size, frequency, bounce } = niche;
         let name = format!("{written:02}-size{size}-frequency{frequency}-bounce{bounce}.txt");
         let text = scene_text(evolution, &elite.genome, &elite.outcome, &format!("Kind {written}"))?;

@@ -13,11 +13,15 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING, Any
+
 from rockfall import _rockfall
 from rockfall._bodies import Capsules
 from rockfall._device import DeviceArray
+from rockfall._evolve import Creature, Evolution, evolve
 from rockfall._film import Film, film
 from rockfall._info import devices, info
+from rockfall._materials import Material, Pair
 from rockfall._objects import Counts, Objects
 from rockfall._picture import Picture
 from rockfall._reports import Backend, Device, Energy, Overlap, Profile, Report, StageTime, State
@@ -29,6 +33,10 @@ from rockfall._sweep import SweepError, SweepResult, sweep
 from rockfall._trajectory import Frame, Recording, Trajectory
 from rockfall._view import view
 from rockfall._window import Window
+from rockfall._worlds import Worlds
+
+if TYPE_CHECKING:
+    from rockfall import gym as gym
 
 __version__: str = _rockfall.__version__
 
@@ -36,13 +44,17 @@ __all__ = [
     "Backend",
     "Capsules",
     "Counts",
+    "Creature",
     "Device",
     "DeviceArray",
     "Energy",
+    "Evolution",
     "Film",
     "Frame",
+    "Material",
     "Objects",
     "Overlap",
+    "Pair",
     "Picture",
     "Profile",
     "Recording",
@@ -57,9 +69,20 @@ __all__ = [
     "SweepResult",
     "Trajectory",
     "Window",
+    "Worlds",
     "devices",
+    "evolve",
     "film",
     "info",
     "sweep",
     "view",
 ]
+
+
+def __getattr__(name: str) -> Any:
+    """Imports :mod:`rockfall.gym` when it is used, because it needs Gymnasium."""
+    if name == "gym":
+        import importlib
+
+        return importlib.import_module("rockfall.gym")
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

@@ -160,6 +160,8 @@ QUATERNION = Kind((4,), quaternions)
 NUMBER = Kind((), integers)
 GROUP = Kind((), lambda name, value, count: integers(name, value, count, dtype=np.uint16))
 SWITCH = Kind((), switches)
+#: Numbers of materials, -1 for none. :meth:`MaterialTable._material_numbers` has made them.
+MATERIAL = Kind((), lambda name, value, count: np.ascontiguousarray(np.broadcast_to(value, (count,)), dtype=np.int64))
 
 
 def columns(**arguments: tuple[Any, Kind]) -> tuple[int, list[npt.NDArray[Any]]]:

@@ -11,6 +11,7 @@ import numpy.typing as npt
 from rockfall import _rockfall
 from rockfall._arrays import (
     GROUP,
+    MATERIAL,
     NOT_NEGATIVE,
     NUMBER,
     POSITIVE,
@@ -23,6 +24,7 @@ from rockfall._arrays import (
     columns,
     rows_of,
 )
+from rockfall._materials import Materials, MaterialTable
 
 _ZERO = (0.0, 0.0, 0.0)
 
@@ -42,13 +44,8 @@ def numbers_from(first: int, count: int) -> IntArray:
     return np.arange(first, first + count, dtype=np.int64)
 
 
-class Bodies:
+class Bodies(MaterialTable):
     """Adds what can move. A base of :class:`Objects`."""
-
-    _native: Any
-
-    def _edited(self) -> None:
-        """Called before objects are added, removed or changed."""
 
     def _add(self, add: Callable[..., Any], **arguments: tuple[Any, Kind]) -> tuple[int, Any]:
         """Adds objects with a native function. Returns their number and what the function returns."""
@@ -65,7 +62,7 @@ class Bodies:
         self,
         position: npt.ArrayLike,
         radius: npt.ArrayLike,
-        mass: npt.ArrayLike = 1.0,
+        mass: npt.ArrayLike | None = 1.0,
         velocity: npt.ArrayLike | None = None,
         *,
         angular_momentum: npt.ArrayLike | None = None,
@@ -73,6 +70,7 @@ class Bodies:
         force: npt.ArrayLike | None = None,
         fixed: npt.ArrayLike = False,
         group: npt.ArrayLike = 0,
+        material: Materials = None,
     ) -> IntArray:
         """Add solid balls.
 
@@ -82,8 +80,8 @@ class Bodies:
             Centres, in units.
         radius : array_like, shape (N,) or ()
             Radii in units, greater than 0.
-        mass : array_like, shape (N,) or ()
-            Masses, greater than 0.
+        mass : array_like, shape (N,) or (), or None
+            Masses, greater than 0. None stands for the volumes times the densities of the materials.
         velocity : array_like, shape (N, 3) or (3,), optional
             Velocities, in units/s; at rest by default.
         angular_momentum : array_like, shape (N, 3) or (3,), optional
@@ -96,6 +94,8 @@ class Bodies:
             Whether the spheres never move.
         group : array_like of int, shape (N,) or ()
             Collision groups from 0 to 65535. Objects of different groups never touch.
+        material : int, str or array_like of them, shape (N,) or (), optional
+            Materials, by number or by name; none by default. See :meth:`add_material`.
 
         Returns
         -------
@@ -113,16 +113,17 @@ class Bodies:
             _rockfall.add_spheres,
             position=(position, VECTOR),
             radius=(radius, POSITIVE),
-            mass=(mass, POSITIVE),
+            mass=_mass(mass),
             velocity=(_ZERO if velocity is None else velocity, VECTOR),
             angular_momentum=(_ZERO if angular_momentum is None else angular_momentum, VECTOR),
             orientation=((1.0, 0.0, 0.0, 0.0) if orientation is None else orientation, QUATERNION),
             force=(_ZERO if force is None else force, VECTOR),
             fixed=(fixed, SWITCH),
             group=(group, GROUP),
+            material=(self._material_numbers("material", material), MATERIAL),
         )
 
-    def add_sphere(self, position: npt.ArrayLike, radius: float, mass: float = 1.0, **options: Any) -> int:
+    def add_sphere(self, position: npt.ArrayLike, radius: float, mass: float | None = 1.0, **options: Any) -> int:
         """Add one sphere and return its number. The options are those of :meth:`add_spheres`."""
         _check_single("add_spheres", position=(position, (3,)), radius=(radius, ()), mass=(mass, ()))
         return first_of(self.add_spheres(position, radius, mass, **options))
@@ -135,6 +136,7 @@ class Bodies:
         length: npt.ArrayLike | None = None,
         *,
         group: npt.ArrayLike = 0,
+        material: Materials = None,
     ) -> IntArray:
         """Add rods (cylinders without caps and mass) between spheres.
 
@@ -148,6 +150,8 @@ class Bodies:
             Lengths at which the rods are held, in units. 0, and None, leave a rod free.
         group : array_like of int, shape (N,) or ()
             Collision groups from 0 to 65535.
+        material : int, str or array_like of them, shape (N,) or (), optional
+            Materials, by number or by name; none by default. See :meth:`add_material`.
 
         Returns
         -------
@@ -168,22 +172,24 @@ class Bodies:
             radius=(radius, POSITIVE),
             length=(0.0 if length is None else length, NOT_NEGATIVE),
             group=(group, GROUP),
+            material=(self._material_numbers("material", material), MATERIAL),
         )
 
-    def add_rod(self, end1: int, end2: int, radius: float, length: float | None = None, *, group: int = 0) -> int:
-        """Add one rod and return its number; see :meth:`add_rods`."""
+    def add_rod(self, end1: int, end2: int, radius: float, length: float | None = None, **options: Any) -> int:
+        """Add one rod and return its number. The options are those of :meth:`add_rods`."""
         _check_single("add_rods", end1=(end1, ()), end2=(end2, ()), radius=(radius, ()), length=(length, ()))
-        return first_of(self.add_rods(end1, end2, radius, length, group=group))
+        return first_of(self.add_rods(end1, end2, radius, length, **options))
 
     def add_capsules(
         self,
         end1: npt.ArrayLike,
         end2: npt.ArrayLike,
         radius: npt.ArrayLike,
-        mass: npt.ArrayLike = 1.0,
+        mass: npt.ArrayLike | None = 1.0,
         velocity: npt.ArrayLike | None = None,
         *,
         group: npt.ArrayLike = 0,
+        material: Materials = None,
     ) -> Capsules:
         """Add capsules: rigid bodies of two spheres, each with half the mass, and a rod of fixed length.
 
@@ -193,12 +199,14 @@ class Bodies:
             Centres of the spheres at the ends, in units.
         radius : array_like, shape (N,) or ()
             Radii in units, greater than 0.
-        mass : array_like, shape (N,) or ()
-            Masses of the whole capsules, greater than 0.
+        mass : array_like, shape (N,) or (), or None
+            Masses of the whole capsules, greater than 0. None stands for the volumes times the densities of the materials.
         velocity : array_like, shape (N, 3) or (3,), optional
             Velocities of both ends, in units/s.
         group : array_like of int, shape (N,) or ()
             Collision groups from 0 to 65535.
+        material : int, str or array_like of them, shape (N,) or (), optional
+            Materials, by number or by name; none by default. See :meth:`add_material`.
 
         Returns
         -------
@@ -215,9 +223,10 @@ class Bodies:
             end1=(end1, VECTOR),
             end2=(end2, VECTOR),
             radius=(radius, POSITIVE),
-            mass=(mass, POSITIVE),
+            mass=_mass(mass),
             velocity=(_ZERO if velocity is None else velocity, VECTOR),
             group=(group, GROUP),
+            material=(self._material_numbers("material", material), MATERIAL),
         )
         return Capsules(numbers_from(capsules, count), numbers_from(spheres, 2 * count).reshape(count, 2), numbers_from(rods, count))
 
@@ -228,6 +237,8 @@ class Bodies:
         stiffness: npt.ArrayLike,
         length: npt.ArrayLike | None = None,
         damping: npt.ArrayLike = 0.0,
+        *,
+        muscle: npt.ArrayLike | None = None,
     ) -> IntArray:
         """Add damped springs between spheres.
 
@@ -241,6 +252,10 @@ class Bodies:
             Rest lengths in units, not negative; by default the distance of the spheres.
         damping : array_like, shape (N,) or ()
             Damping in mass/s, not negative.
+        muscle : array_like, shape (N, 3) or (3,), optional
+            Amplitude A from -1 to 1, frequency F in 1/s and phase P in turns. They make the rest length l of a spring oscillate:
+            l (1 + A sin(2 pi (F t + P))), where t is the time since the start of the simulation. A row of zeros is a spring
+            without a muscle.
 
         Returns
         -------
@@ -259,12 +274,13 @@ class Bodies:
             stiffness=(stiffness, NOT_NEGATIVE),
             length=(-1.0, REAL) if length is None else (length, NOT_NEGATIVE),
             damping=(damping, NOT_NEGATIVE),
+            muscle=(_ZERO if muscle is None else muscle, VECTOR),
         )
 
-    def add_spring(self, a: int, b: int, stiffness: float, length: float | None = None, damping: float = 0.0) -> int:
-        """Add one spring and return its number; see :meth:`add_springs`."""
+    def add_spring(self, a: int, b: int, stiffness: float, length: float | None = None, damping: float = 0.0, **options: Any) -> int:
+        """Add one spring and return its number. The options are those of :meth:`add_springs`."""
         _check_single("add_springs", a=(a, ()), b=(b, ()), stiffness=(stiffness, ()), length=(length, ()))
-        return first_of(self.add_springs(a, b, stiffness, length, damping))
+        return first_of(self.add_springs(a, b, stiffness, length, damping, **options))
 
     def add_tethers(
         self,
@@ -303,6 +319,11 @@ class Bodies:
             length=(length, NOT_NEGATIVE),
             damping=(damping, NOT_NEGATIVE),
         )
+
+
+def _mass(mass: npt.ArrayLike | None) -> tuple[Any, Kind]:
+    """Masses. The native part takes 0 for the mass that follows from the density of the material."""
+    return (0.0, REAL) if mass is None else (mass, POSITIVE)
 
 
 def first_of(numbers: IntArray) -> int:

@@ -8,21 +8,22 @@ import numpy as np
 import numpy.typing as npt
 
 from rockfall import _rockfall
-from rockfall._arrays import GROUP, MATRIX, NOT_NEGATIVE, POSITIVE, VECTOR, IntArray, Kind, floats, integers
+from rockfall._arrays import GROUP, MATERIAL, MATRIX, NOT_NEGATIVE, POSITIVE, VECTOR, IntArray, Kind, floats, integers
 from rockfall._bodies import Bodies, first_of
+from rockfall._materials import Materials
 from rockfall._settings import Settings
 
 #: Names of the kinds of objects.
 KINDS = ("sphere", "rod", "capsule", "spring", "tether", "box", "polygon")
 
 _COLUMNS: dict[str, tuple[list[str], list[tuple[str, int]]]] = {
-    "sphere": (["id", "fixed", "group"], [("radius", 1), ("mass", 1)]),
-    "rod": (["id", "end1", "end2", "group"], [("radius", 1), ("length", 1)]),
+    "sphere": (["id", "fixed", "group", "material"], [("radius", 1), ("mass", 1)]),
+    "rod": (["id", "end1", "end2", "group", "material"], [("radius", 1), ("length", 1)]),
     "capsule": (["id", "end1", "end2"], []),
-    "spring": (["id", "a", "b"], [("stiffness", 1), ("length", 1), ("damping", 1)]),
+    "spring": (["id", "a", "b"], [("stiffness", 1), ("length", 1), ("damping", 1), ("muscle", 3)]),
     "tether": (["id", "sphere"], [("point", 3), ("stiffness", 1), ("length", 1), ("damping", 1)]),
-    "box": (["id", "group"], [("corner", 3), ("i", 3), ("j", 3), ("k", 3)]),
-    "polygon": (["id", "group"], [("corner", 3), ("left", 3), ("right", 3)]),
+    "box": (["id", "group", "material"], [("corner", 3), ("i", 3), ("j", 3), ("k", 3)]),
+    "polygon": (["id", "group", "material"], [("corner", 3), ("left", 3), ("right", 3)]),
 }
 
 
@@ -68,7 +69,9 @@ class Objects(Bodies):
         """Number of objects of each kind."""
         return Counts(*_rockfall.counts(self._native))
 
-    def add_boxes(self, corner: npt.ArrayLike, edges: npt.ArrayLike, *, group: npt.ArrayLike = 0) -> IntArray:
+    def add_boxes(
+        self, corner: npt.ArrayLike, edges: npt.ArrayLike, *, group: npt.ArrayLike = 0, material: Materials = None
+    ) -> IntArray:
         """Add static boxes.
 
         Parameters
@@ -79,6 +82,8 @@ class Objects(Bodies):
             The three edges from that corner, one per row, at right angles to each other, in units.
         group : array_like of int, shape (N,) or ()
             Collision groups from 0 to 65535.
+        material : int, str or array_like of them, shape (N,) or (), optional
+            Materials, by number or by name; none by default. See :meth:`add_material`.
 
         Returns
         -------
@@ -91,11 +96,18 @@ class Objects(Bodies):
             As for :meth:`add_spheres`, and for edges that are not at right angles.
         """
         return self._add_kind(
-            _rockfall.add_boxes, corner=(corner, VECTOR), edges=(edges, MATRIX), group=(group, GROUP)
+            _rockfall.add_boxes,
+            corner=(corner, VECTOR),
+            edges=(edges, MATRIX),
+            group=(group, GROUP),
+            material=(self._material_numbers("material", material), MATERIAL),
         )
 
-    def add_box(self, min: npt.ArrayLike, max: npt.ArrayLike, *, group: int = 0) -> int:
-        """Add a static box with edges along the axes, between two opposite corners of shape (3,), in units."""
+    def add_box(self, min: npt.ArrayLike, max: npt.ArrayLike, **options: Any) -> int:
+        """Add a static box with edges along the axes, between two opposite corners of shape (3,), in units.
+
+        The options are those of :meth:`add_boxes`.
+        """
         low, high = floats("min", min, (3,)), floats("max", max, (3,))
         if len(low) != 1 or len(high) != 1:
             raise ValueError(f"min, max: expected shape (3,) each, got {low.shape} and {high.shape}; add_boxes takes arrays")
@@ -103,10 +115,16 @@ class Objects(Bodies):
             size = high[0] - low[0]
         if not (np.abs(size) > 0).all():
             raise ValueError(f"max: expected a corner that differs from min in every coordinate, got {high[0].tolist()}")
-        return first_of(self.add_boxes(low[0], np.diag(size), group=group))
+        return first_of(self.add_boxes(low[0], np.diag(size), **options))
 
     def add_polygons(
-        self, corner: npt.ArrayLike, left: npt.ArrayLike, right: npt.ArrayLike, *, group: npt.ArrayLike = 0
+        self,
+        corner: npt.ArrayLike,
+        left: npt.ArrayLike,
+        right: npt.ArrayLike,
+        *,
+        group: npt.ArrayLike = 0,
+        material: Materials = None,
     ) -> IntArray:
         """Add static parallelograms. Bodies touch them only on the side that left x right points to.
 
@@ -118,6 +136,8 @@ class Objects(Bodies):
             The two edges from that corner, in units.
         group : array_like of int, shape (N,) or ()
             Collision groups from 0 to 65535.
+        material : int, str or array_like of them, shape (N,) or (), optional
+            Materials, by number or by name; none by default. See :meth:`add_material`.
 
         Returns
         -------
@@ -135,6 +155,7 @@ class Objects(Bodies):
             left=(left, VECTOR),
             right=(right, VECTOR),
             group=(group, GROUP),
+            material=(self._material_numbers("material", material), MATERIAL),
         )
 
     def remove(self, kind: str, ids: npt.ArrayLike) -> None:
@@ -174,14 +195,20 @@ class Objects(Bodies):
         stiffness: npt.ArrayLike | None = None,
         length: npt.ArrayLike | None = None,
         damping: npt.ArrayLike | None = None,
+        muscle: npt.ArrayLike | None = None,
     ) -> None:
-        """Change constants of springs: stiffness in mass/s², length in units, damping in mass/s."""
+        """Change constants of springs: stiffness in mass/s², length in units, damping in mass/s.
+
+        ``muscle`` is as for :meth:`add_springs`; a row of zeros removes a muscle. Another frequency changes the phase at once,
+        because the phase follows from the frequency and the time since the start.
+        """
         self._update(
             "spring",
             ids,
             stiffness=(stiffness, NOT_NEGATIVE),
             length=(length, NOT_NEGATIVE),
             damping=(damping, NOT_NEGATIVE),
+            muscle=(muscle, VECTOR),
         )
 
     def update_tethers(
@@ -225,7 +252,8 @@ class Objects(Bodies):
         -------
         ndarray, structured, shape (N,)
             One row per object in order of addition. The field ``id`` is the number of the object. Fields that refer to spheres
-            (``end1``, ``a``, ``sphere`` and others) hold rows of arrays such as :attr:`Simulation.positions`.
+            (``end1``, ``a``, ``sphere`` and others) hold rows of arrays such as :attr:`Simulation.positions`. ``material`` is -1 for
+            none.
         """
         _check_kind(kind)
         whole, real = _rockfall.table(self._native, kind)

@@ -15,6 +15,7 @@ class Progress:
         self._total = total
         self._unit = unit
         self._done = 0
+        self._note = ""
         self._shown = 0.0
         self._bar: Any = None
         if total is not None:
@@ -31,7 +32,14 @@ class Progress:
             self._bar.update(steps)
         elif self._total is not None and (self._done == self._total or time.monotonic() - self._shown > 0.2):
             self._shown = time.monotonic()
-            print(f"\r{self._done} of {self._total} {self._unit}s", end="", file=sys.stderr, flush=True)
+            note = f", {self._note}" if self._note else ""
+            print(f"\r{self._done} of {self._total} {self._unit}s{note}", end="", file=sys.stderr, flush=True)
+
+    def note(self, text: str) -> None:
+        """Show a text next to the bar. Without tqdm, it is shown with the next count."""
+        self._note = text
+        if self._bar is not None:
+            self._bar.set_postfix_str(text)
 
     def __enter__(self) -> Progress:
         return self

@@ -38,6 +38,24 @@ RAY_HIT = np.dtype(
 #: Rows of :attr:`Simulation.diagnostics`.
 DIAGNOSTICS = np.dtype([("contacts", np.uint32), ("net_force", np.float32, (3,)), ("deepest_overlap", np.float32)])
 
+#: Rows of :meth:`Worlds.report`.
+WORLD_REPORTS = np.dtype(
+    [
+        ("steps", np.int64),
+        ("time", np.float64),
+        ("contacts", np.int64),
+        ("max_overlap", np.float32),
+        ("collisions", np.int64),
+        ("total_collisions", np.int64),
+        ("replays", np.int64),
+        ("list_builds", np.int64),
+        ("non_finite", np.int64),
+        ("stopped", np.bool_),
+        ("escaped", np.int64),
+        ("workgroup", np.bool_),
+    ]
+)
+
 #: Kinds of bodies in contacts and ray hits.
 BODY_KINDS = np.array(["sphere", "rod", "box", "polygon", ""])
 

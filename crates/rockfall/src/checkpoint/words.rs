@@ -4,10 +4,10 @@ use glam::Vec3;
 
 /// The reason why a checkpoint is not usable.
 #[derive(Debug)]
-pub(super) struct Damage(pub(super) String);
+pub(crate) struct Damage(pub(crate) String);
 
 impl Damage {
-    pub(super) fn new(reason: impl Into<String>) -> Self {
+    pub(crate) fn new(reason: impl Into<String>) -> Self {
         Self(reason.into())
     }
 }
@@ -20,16 +20,16 @@ impl From<crate::Error> for Damage {
 }
 
 /// The bytes that are left to read.
-pub(super) struct Words<'a> {
+pub(crate) struct Words<'a> {
     bytes: &'a [u8],
 }
 
 impl<'a> Words<'a> {
-    pub(super) fn new(bytes: &'a [u8]) -> Self {
+    pub(crate) fn new(bytes: &'a [u8]) -> Self {
         Self { bytes }
     }
 
-    pub(super) fn take(&mut self, length: usize) -> Result<&'a [u8], Damage> {
+    pub(crate) fn take(&mut self, length: usize) -> Result<&'a [u8], Damage> {
         let (taken, rest) = self
             .bytes
             .split_at_checked(length)
@@ -44,23 +44,23 @@ impl<'a> Words<'a> {
         Ok(array)
     }
 
-    pub(super) fn u32(&mut self) -> Result<u32, Damage> {
+    pub(crate) fn u32(&mut self) -> Result<u32, Damage> {
         Ok(u32::from_le_bytes(self.array()?))
     }
 
-    pub(super) fn u64(&mut self) -> Result<u64, Damage> {
+    pub(crate) fn u64(&mut self) -> Result<u64, Damage> {
         Ok(u64::from_le_bytes(self.array()?))
     }
 
-    pub(super) fn f32(&mut self) -> Result<f32, Damage> {
+    pub(crate) fn f32(&mut self) -> Result<f32, Damage> {
         Ok(f32::from_bits(self.u32()?))
     }
 
-    pub(super) fn f64(&mut self) -> Result<f64, Damage> {
+    pub(crate) fn f64(&mut self) -> Result<f64, Damage> {
         Ok(f64::from_bits(self.u64()?))
     }
 
-    pub(super) fn bool(&mut self) -> Result<bool, Damage> {
+    pub(crate) fn bool(&mut self) -> Result<bool, Damage> {
         match self.u32()? {
             0 => Ok(false),
             1 => Ok(true),
@@ -69,28 +69,28 @@ impl<'a> Words<'a> {
     }
 
     /// A number that may be missing, as written by [`Head::known`].
-    pub(super) fn known(&mut self) -> Result<Option<f32>, Damage> {
+    pub(crate) fn known(&mut self) -> Result<Option<f32>, Damage> {
         let (is_known, number) = (self.bool()?, self.f32()?);
         Ok(is_known.then_some(number))
     }
 
-    pub(super) fn vec3(&mut self) -> Result<Vec3, Damage> {
+    pub(crate) fn vec3(&mut self) -> Result<Vec3, Damage> {
         Ok(Vec3::new(self.f32()?, self.f32()?, self.f32()?))
     }
 
-    pub(super) fn text(&mut self) -> Result<String, Damage> {
+    pub(crate) fn text(&mut self) -> Result<String, Damage> {
         let length = usize::try_from(self.u64()?).map_err(|_| Damage::new("a text is too long"))?;
         let bytes = self.take(length)?.to_vec();
         String::from_utf8(bytes).map_err(|_| Damage::new("a text is not UTF-8"))
     }
 
     /// Whether no bytes are left.
-    pub(super) fn is_empty(&self) -> bool {
+    pub(crate) fn is_empty(&self) -> bool {
         self.bytes.is_empty()
     }
 
     /// Checks that no bytes are left.
-    pub(super) fn end(&self) -> Result<(), Damage> {
+    pub(crate) fn end(&self) -> Result<(), Damage> {
         match self.bytes.len() {
             0 => Ok(()),
             left => Err(Damage::new(format!("it has {left} bytes more than expected"))),
@@ -100,34 +100,34 @@ impl<'a> Words<'a> {
 
 /// The bytes of the head, which precede the objects.
 #[derive(Default)]
-pub(super) struct Head {
-    pub(super) bytes: Vec<u8>,
+pub(crate) struct Head {
+    pub(crate) bytes: Vec<u8>,
 }
 
 impl Head {
-    pub(super) fn u32(&mut self, number: u32) {
+    pub(crate) fn u32(&mut self, number: u32) {
         self.bytes.extend(number.to_le_bytes());
     }
 
-    pub(super) fn u64(&mut self, number: u64) {
+    pub(crate) fn u64(&mut self, number: u64) {
         self.bytes.extend(number.to_le_bytes());
     }
 
-    pub(super) fn f32(&mut self, number: f32) {
+    pub(crate) fn f32(&mut self, number: f32) {
         self.u32(number.to_bits());
     }
 
     /// A number that may be missing: a flag and the number, or 0.
-    pub(super) fn known(&mut self, number: Option<f32>) {
+    pub(crate) fn known(&mut self, number: Option<f32>) {
         self.u32(u32::from(number.is_some()));
         self.f32(number.unwrap_or(0.0));
     }
 
-    pub(super) fn f64(&mut self, number: f64) {
+    pub(crate) fn f64(&mut self, number: f64) {
         self.u64(number.to_bits());
     }
 
-    pub(super) fn text(&mut self, text: &str) {
+    pub(crate) fn text(&mut self, text: &str) {
         self.u64(text.len() as u64);
         self.bytes.extend(text.as_bytes());
     }

@@ -1,6 +1,6 @@
 //! The room that a small world takes in workgroup memory.
 
-use crate::model::layout::{FLAG_COLLISIONS, LAW_THESIS};
+use crate::model::layout::{BOX_WORDS, FLAG_COLLISIONS, LAW_THESIS, MUSCLE_WORDS, SPRING_WORDS};
 use crate::model::world::World;
 
 /// Room for a world in the kernel `run_worlds`.
@@ -17,6 +17,21 @@ pub struct WorldSizes {
 impl WorldSizes {
     /// The largest room, with which the kernel takes less than 16 KiB of workgroup memory.
     pub const MOST: Self = Self { spheres: 32, entries: 36, topology: 896 };
+
+    /// Spheres of a body for which there is room, together with [`WorldSizes::BODY_MUSCLES`] and [`WorldSizes::BODY_BOXES`].
+    pub(crate) const BODY_SPHERES: usize = 20;
+
+    /// Static boxes beside a body.
+    pub(crate) const BODY_BOXES: usize = 5;
+
+    /// Springs with muscles of such a body: as many as there is room for.
+    pub(crate) const BODY_MUSCLES: usize = {
+        // The tag of an object, the range of a sphere in the adjacency, and the two ends of a spring there.
+        let (tag, range, ends) = (1, 2, 2);
+        let of_spheres = (tag + range) * Self::BODY_SPHERES;
+        let of_boxes = (tag + BOX_WORDS as usize) * Self::BODY_BOXES;
+        (Self::MOST.topology as usize - of_spheres - of_boxes) / (SPRING_WORDS + MUSCLE_WORDS + ends) as usize
+    };
 
     /// The room that a world needs, rounded up so that worlds of similar size share a kernel; `None` if the kernel cannot run it.
     pub(crate) fn of(world: &World) -> Option<Self> {

@@ -135,7 +135,8 @@ impl Batch {
                 bad: now.total_bad - before.total_bad,
                 stopped_by: (now.rejected != 0 && !goes_on).then_some(now.first_bad),
             };
-            world.stopped = world.simulation.take_steps(&done, |host| states.copy_to(number, host)).err();
+            let taken = world.simulation.take_steps(&done, |host| states.copy_to(number, host));
+            world.stopped = taken.err().map(|error| error.to_string());
         });
         Ok(())
     }

@@ -1,0 +1,512 @@
+"""Many small scenes side by side."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from rockfall import _rockfall
+from rockfall._arrays import FloatArray, IntArray, floats, integers, quaternions, time_step, whole
+from rockfall._picture import Picture
+from rockfall._progress import Progress
+from rockfall._reports import WORLD_REPORTS, Backend
+from rockfall._scene import Scene
+from rockfall._simulation import Simulation
+
+#: Fields of spheres with their columns.
+_STATES = {"positions": ("position", 3), "velocities": ("velocity", 3), "orientations": ("orientation", 4),
+           "angular_momenta": ("angular_momentum", 3)}
+
+
+class Worlds:
+    """Many small scenes that advance side by side, each in its own world.
+
+    Worlds do not affect each other. Each has its own bodies, static objects and settings, and advances exactly as in a
+    :class:`Simulation` of its own with the same options: the results are bitwise identical, whatever other worlds there are. On the
+    CPU, worlds are divided among all cores. On the GPU, a workgroup runs a small world many steps at a time; larger worlds run one
+    after the other (:meth:`report` gives the path of each).
+
+    Parameters
+    ----------
+    scenes : sequence of Scene, or Scene
+        A world for each scene, numbered from 0; or one scene, of which there are ``count`` worlds. They are copied.
+    dt : float
+        Time step, in s. It can be changed later.
+    count : int, optional
+        Number of worlds with the same scene.
+    backend, integrator, broad_phase, keep_going
+        As for :class:`Simulation`, the same for all worlds.
+
+    Raises
+    ------
+    ValueError
+        For a value that is not allowed.
+    TypeError
+        For scenes that are not of the class Scene.
+    SimulationError
+        If there is no GPU for ``backend="gpu"``.
+
+    Notes
+    -----
+    Arrays hold all worlds at once. W is the number of worlds, N the largest number of spheres in a world, and M the largest number
+    of springs. Worlds with fewer spheres or springs have rows of zeros at their end; :attr:`mask` and :attr:`spring_mask` say
+    which rows exist. What is assigned to rows that do not exist is ignored.
+
+    Arrays that are read are copies in order of addition, and read-only. Assign arrays to change the worlds. An array for one world,
+    for example of shape (N, 3), counts for all.
+
+    A world in which a body stops being finite is stopped and is in :attr:`stopped`. The others go on.
+
+    Examples
+    --------
+    >>> import rockfall as rf
+    >>> scene = rf.Scene()
+    >>> ball = scene.add_sphere([0, 1, 0], radius=0.1)
+    >>> worlds = rf.Worlds(scene, dt=0.01, count=100)
+    >>> worlds.velocities = np.linspace(0, 1, 100)[:, None, None] * [1, 0, 0]
+    >>> worlds.run(10)
+    >>> worlds.positions.shape
+    (100, 1, 3)
+    """
+
+    def __init__(
+        self,
+        scenes: Sequence[Scene] | Scene,
+        dt: float = 0.02,
+        *,
+        count: int | None = None,
+        backend: str = "auto",
+        integrator: str = "rk4",
+        broad_phase: str = "auto",
+        keep_going: bool = False,
+    ) -> None:
+        several = isinstance(scenes, Scene)
+        if several and count is None:
+            raise TypeError("count: expected the number of worlds with this scene, got None")
+        if not several and count is not None:
+            raise TypeError("count: expected None for several scenes; it is the number of worlds with one scene")
+        natives = [scene._native for scene in _scenes("scenes", scenes)]
+        for name, value in (("backend", backend), ("integrator", integrator), ("broad_phase", broad_phase)):
+            if not isinstance(value, str):
+                raise TypeError(f"{name}: expected a str, got {type(value).__name__}")
+        worlds = None if count is None else whole("count", count)
+        self._dt = time_step("dt", dt)
+        self._native: Any = _rockfall.Worlds(natives, worlds, backend, integrator, broad_phase, bool(keep_going))
+
+    @classmethod
+    def resume(cls, path: str | os.PathLike[str], dt: float = 0.02, *, backend: str | None = None) -> Worlds:
+        """Go on from a checkpoint, with results that are bitwise identical to those of worlds that never stopped.
+
+        Parameters
+        ----------
+        path : path
+            A file that :meth:`save_checkpoint` wrote.
+        dt : float
+            Time step of the following steps, in s. The file does not have it.
+        backend : {"auto", "gpu", "cpu"}, optional
+            Another backend than that of the checkpoint. Results then differ by rounding.
+
+        Raises
+        ------
+        OSError
+            If the file cannot be read.
+        ValueError
+            If it is not a usable checkpoint of worlds.
+        """
+        worlds = cls.__new__(cls)
+        worlds._dt = time_step("dt", dt)
+        worlds._native = _rockfall.Worlds.resume(os.fspath(path), backend)
+        return worlds
+
+    def save_checkpoint(self, path: str | os.PathLike[str]) -> None:
+        """Write all that determines the following steps of all worlds, and their starts, to a file for :meth:`resume`."""
+        self._native.save_checkpoint(os.fspath(path))
+
+    # Steps
+
+    @property
+    def dt(self) -> float:
+        """Time step, in s."""
+        return self._dt
+
+    @dt.setter
+    def dt(self, value: float) -> None:
+        self._dt = time_step("dt", value)
+
+    def run(
+        self,
+        steps: int,
+        *,
+        rest_lengths: npt.ArrayLike | None = None,
+        external_forces: npt.ArrayLike | None = None,
+        every: int = 1,
+        progress: bool = False,
+    ) -> None:
+        """Run steps in all worlds that are not stopped.
+
+        Parameters
+        ----------
+        steps : int
+            Number of steps.
+        rest_lengths : array_like, shape (T, W, M) or (T, M), optional
+            Rest lengths of the springs, in units. Row t counts from step ``t * every`` of this call. T is ``steps / every``,
+            rounded up. The last row holds until it is changed.
+        external_forces : array_like, shape (T, W, N, 3) or (T, N, 3), optional
+            External forces on the spheres, in mass units/s², in the same way.
+        every : int
+            Number of steps from one row to the next.
+        progress : bool
+            Whether to show a progress bar, by tqdm where it is installed.
+
+        Raises
+        ------
+        ValueError
+            For a wrong shape or value. No step is done then.
+        SimulationError
+            When the device fails. What happens in a single world is in :attr:`stopped`.
+        KeyboardInterrupt
+            After Ctrl-C. All worlds are between the same two steps, unless controls were given, and can go on.
+        """
+        left, every = whole("steps", steps), whole("every", every, least=1)
+        rows = -(-left // every)
+        lengths = forces = None
+        if rest_lengths is not None:
+            lengths = self._controls("rest_lengths", rest_lengths, (), rows)
+        if external_forces is not None:
+            forces = self._controls("external_forces", external_forces, (3,), rows)
+        with Progress(left if progress else None) as bar:
+            advance = bar.advance if progress else None
+            if lengths is None and forces is None:
+                self._native.run(left, self._dt, advance)
+                return
+            everyone = np.arange(len(self), dtype=np.int64)
+            for row in range(rows):
+                if lengths is not None:
+                    self._native.put_rest_lengths(everyone, lengths[row].ravel())
+                if forces is not None:
+                    self._native.put("force", everyone, forces[row].ravel())
+                self._native.run(min(every, left - row * every), self._dt, advance)
+
+    def reset(self, worlds: npt.ArrayLike | None = None) -> None:
+        """Return worlds to the state in which they were created or replaced, at time 0. Stopped worlds advance again.
+
+        Parameters
+        ----------
+        worlds : array_like of int, shape (K,) or (), or of bool, shape (W,), optional
+            The worlds, by number or by a mask; all by default.
+
+        Raises
+        ------
+        LookupError
+            For a world that does not exist. Nothing is changed then.
+        """
+        self._native.reset(self._numbers(worlds))
+
+    def replace(self, worlds: npt.ArrayLike, scenes: Sequence[Scene] | Scene) -> None:
+        """Replace worlds by new ones with these scenes, at time 0.
+
+        Parameters
+        ----------
+        worlds : array_like of int, shape (K,) or (), or of bool, shape (W,)
+            The worlds, by number or by a mask.
+        scenes : sequence of Scene, or Scene
+            A scene for each world, or one for all of them.
+
+        Raises
+        ------
+        LookupError
+            For a world that does not exist. Nothing is changed then.
+        ValueError
+            For another number of scenes than worlds. Nothing is changed then.
+        """
+        numbers = self._numbers(worlds)
+        found = _scenes("scenes", scenes)
+        if isinstance(scenes, Scene):
+            found = found * len(numbers)
+        if len(found) != len(numbers):
+            raise ValueError(f"scenes: expected {len(numbers)} scenes, one per world, got {len(found)}")
+        self._native.replace(numbers, [scene._native for scene in found])
+
+    # States
+
+    @property
+    def sphere_counts(self) -> IntArray:
+        """Number of spheres in each world, of shape (W,)."""
+        counts: IntArray = self._native.counts()[0]
+        return counts
+
+    @property
+    def spring_counts(self) -> IntArray:
+        """Number of springs in each world, of shape (W,)."""
+        counts: IntArray = self._native.counts()[1]
+        return counts
+
+    @property
+    def mask(self) -> npt.NDArray[np.bool_]:
+        """Which rows of arrays of spheres exist, of shape (W, N)."""
+        return _mask(self.sphere_counts)
+
+    @property
+    def spring_mask(self) -> npt.NDArray[np.bool_]:
+        """Which rows of arrays of springs exist, of shape (W, M)."""
+        return _mask(self.spring_counts)
+
+    @property
+    def positions(self) -> FloatArray:
+        """Centres of the spheres of shape (W, N, 3), in units. Can be set."""
+        return self._get("position")
+
+    @positions.setter
+    def positions(self, value: npt.ArrayLike) -> None:
+        self.set(positions=value)
+
+    @property
+    def velocities(self) -> FloatArray:
+        """Velocities of the spheres of shape (W, N, 3), in units/s. Can be set."""
+        return self._get("velocity")
+
+    @velocities.setter
+    def velocities(self, value: npt.ArrayLike) -> None:
+        self.set(velocities=value)
+
+    @property
+    def orientations(self) -> FloatArray:
+        """Unit quaternions w, x, y, z of shape (W, N, 4). Can be set."""
+        return self._get("orientation")
+
+    @orientations.setter
+    def orientations(self, value: npt.ArrayLike) -> None:
+        self.set(orientations=value)
+
+    @property
+    def angular_momenta(self) -> FloatArray:
+        """Angular momenta of shape (W, N, 3), in mass units²/s. Can be set."""
+        return self._get("angular_momentum")
+
+    @angular_momenta.setter
+    def angular_momenta(self, value: npt.ArrayLike) -> None:
+        self.set(angular_momenta=value)
+
+    @property
+    def external_forces(self) -> FloatArray:
+        """External forces of shape (W, N, 3), in mass units/s². They act until they are changed. Can be set."""
+        return self._get("force")
+
+    @external_forces.setter
+    def external_forces(self, value: npt.ArrayLike) -> None:
+        self.set(external_forces=value)
+
+    @property
+    def rest_lengths(self) -> FloatArray:
+        """Rest lengths of the springs of shape (W, M), in units. That of a muscle oscillates about it. Can be set."""
+        return _frozen(self._native.rest_lengths())
+
+    @rest_lengths.setter
+    def rest_lengths(self, value: npt.ArrayLike) -> None:
+        self.set(rest_lengths=value)
+
+    def set(
+        self,
+        worlds: npt.ArrayLike | None = None,
+        *,
+        positions: npt.ArrayLike | None = None,
+        velocities: npt.ArrayLike | None = None,
+        orientations: npt.ArrayLike | None = None,
+        angular_momenta: npt.ArrayLike | None = None,
+        external_forces: npt.ArrayLike | None = None,
+        rest_lengths: npt.ArrayLike | None = None,
+    ) -> None:
+        """Change states and controls of some worlds.
+
+        Parameters
+        ----------
+        worlds : array_like of int, shape (K,) or (), or of bool, shape (W,), optional
+            The worlds, by number or by a mask; all by default.
+        positions, velocities, angular_momenta, external_forces : array_like, shape (K, N, 3) or (N, 3), optional
+            States and forces of the spheres.
+        orientations : array_like, shape (K, N, 4) or (N, 4), optional
+            Unit quaternions w, x, y, z.
+        rest_lengths : array_like, shape (K, M) or (M,), optional
+            Rest lengths of the springs, in units, not negative.
+
+        Raises
+        ------
+        ValueError, TypeError
+            For a wrong shape, type or value. Nothing is changed then.
+        LookupError
+            For a world that does not exist. Nothing is changed then.
+        """
+        numbers = self._numbers(worlds)
+        given = {"positions": positions, "velocities": velocities, "orientations": orientations, "angular_momenta": angular_momenta}
+        arrays = []
+        for name, value in given.items():
+            if value is not None:
+                field, columns = _STATES[name]
+                arrays.append((field, self._rows(name, value, numbers, (columns,))))
+        if external_forces is not None:
+            arrays.append(("force", self._rows("external_forces", external_forces, numbers, (3,))))
+        lengths = None if rest_lengths is None else self._rows("rest_lengths", rest_lengths, numbers, ())
+        for field, array in arrays:
+            self._native.put(field, numbers, array.ravel())
+        if lengths is not None:
+            self._native.put_rest_lengths(numbers, lengths.ravel())
+
+    @property
+    def masses(self) -> FloatArray:
+        """Masses of the spheres, of shape (W, N)."""
+        return self._get("mass")[:, :, 0]
+
+    @property
+    def radii(self) -> FloatArray:
+        """Radii of the spheres of shape (W, N), in units."""
+        return self._get("radius")[:, :, 0]
+
+    @property
+    def centres(self) -> npt.NDArray[np.float64]:
+        """Centre of mass of all spheres of each world, float64 of shape (W, 3), in units; 0 for a world without spheres."""
+        masses = self.masses.astype(np.float64)
+        total = masses.sum(axis=1, keepdims=True)
+        moments: npt.NDArray[np.float64] = np.einsum("wn,wni->wi", masses, self.positions, dtype=np.float64)
+        return moments / np.where(total > 0, total, 1.0)
+
+    # Reports
+
+    def report(self, bounds: tuple[npt.ArrayLike, npt.ArrayLike] | None = None) -> npt.NDArray[Any]:
+        """Counts and times of all worlds.
+
+        Parameters
+        ----------
+        bounds : (array_like, array_like), each of shape (3,), optional
+            Least and greatest coordinates of the centres of spheres that have not escaped, in units.
+
+        Returns
+        -------
+        ndarray, structured, shape (W,)
+            ``steps``, ``time``, ``contacts``, ``max_overlap``, ``collisions``, ``total_collisions``, ``replays``, ``list_builds`` and
+            ``non_finite`` as in :class:`Report`, since the world was created, replaced or reset; ``stopped``, whether the world
+            does not advance any more; ``escaped``, the row of the first sphere outside of the bounds, -1 if there is none;
+            ``workgroup``, whether a workgroup of the GPU runs the world, side by side with others.
+        """
+        limits = None
+        if bounds is not None:
+            low, high = (floats(f"bounds[{side}]", bounds[side], (3,), 1)[0].tolist() for side in (0, 1))
+            limits = [low, high]
+        found = self._native.reports(limits)
+        table = np.zeros(len(found), WORLD_REPORTS)
+        for row, (report, on_device, escaped, stopped) in zip(table, found, strict=True):
+            for name, value in report.items():
+                row[name] = value
+            row["workgroup"] = on_device
+            row["escaped"] = -1 if escaped is None else escaped
+            row["stopped"] = stopped is not None
+        return table
+
+    @property
+    def stopped(self) -> dict[int, str]:
+        """The worlds that do not advance any more, by number, and why."""
+        found = self._native.reports(None)
+        return {world: report[3] for world, report in enumerate(found) if report[3] is not None}
+
+    @property
+    def backend(self) -> Backend:
+        """The backend that runs the worlds, and why it was chosen."""
+        return Backend(**self._native.backend())
+
+    @property
+    def integrator(self) -> str:
+        """The integrator: "rk4" or "symplectic-euler"."""
+        name: str = self._native.integrator()
+        return name
+
+    def scene(self, world: int) -> Scene:
+        """A scene with the current state of a world, from which a simulation goes on where the world is."""
+        return Scene._of(self._native.scene(int(self._numbers(whole("world", world))[0])))
+
+    def render(self, world: int, size: tuple[int, int] = (1280, 720), **look: Any) -> Picture:
+        """Draw a world. Arguments are those of :meth:`Simulation.render`."""
+        return Simulation(self.scene(world), self._dt, backend="cpu").render(size, **look)
+
+    def __len__(self) -> int:
+        return int(self._native.len())
+
+    def __repr__(self) -> str:
+        return f"<rockfall.Worlds: {len(self)} worlds, {int(self.sphere_counts.sum())} spheres, {self.backend.kind}>"
+
+    # Conversions
+
+    def _get(self, field: str) -> FloatArray:
+        return _frozen(self._native.get(field))
+
+    def _numbers(self, worlds: npt.ArrayLike | None) -> IntArray:
+        count = len(self)
+        if worlds is None:
+            return np.arange(count, dtype=np.int64)
+        array = np.asarray(worlds)
+        if array.dtype.kind == "b":
+            if array.shape != (count,):
+                raise ValueError(f"worlds: expected a mask of shape ({count},), got {array.shape}")
+            return np.flatnonzero(array).astype(np.int64)
+        numbers: IntArray = integers("worlds", worlds)
+        if (numbers >= count).any():
+            raise LookupError(f"worlds: there is no world {int(numbers.max())}, expected numbers below {count}")
+        return numbers
+
+    def _rows(self, name: str, value: Any, numbers: IntArray, columns: tuple[int, ...]) -> FloatArray:
+        """An array with a row for each of some worlds, of the same size for all, in which rows that do not exist are 0."""
+        counts = self.sphere_counts if columns else self.spring_counts
+        room = int(counts.max(initial=0))
+        array = floats(name, _hidden(value, _mask(counts)[numbers], columns), (room, *columns), len(numbers))
+        exists = np.arange(room) < counts[numbers, None]
+        if columns == (4,):
+            quaternions(name, array[exists])
+        if not columns and (array < 0).any():
+            raise ValueError(f"{name}: expected numbers that are not negative, got {array.min()}")
+        return array
+
+    def _controls(self, name: str, value: Any, columns: tuple[int, ...], rows: int) -> FloatArray:
+        """An array of shape (T, W, ...) of which each row is a control of all worlds."""
+        everyone = np.arange(len(self), dtype=np.int64)
+        array = np.asarray(value)
+        if array.ndim not in (2 + len(columns), 3 + len(columns)) or len(array) != rows:
+            counts = self.sphere_counts if columns else self.spring_counts
+            inner = ", ".join(str(size) for size in (len(self), int(counts.max(initial=0)), *columns))
+            raise ValueError(f"{name}: expected shape ({rows}, {inner}), got {array.shape}")
+        converted = [self._rows(name, row, everyone, columns) for row in array]
+        return np.stack(converted) if converted else np.zeros((0, len(self), 0), np.float32)
+
+
+def _frozen(array: FloatArray) -> FloatArray:
+    array.flags.writeable = False
+    return array
+
+
+def _mask(counts: IntArray) -> npt.NDArray[np.bool_]:
+    mask: npt.NDArray[np.bool_] = np.arange(int(counts.max(initial=0))) < counts[:, None]
+    return mask
+
+
+def _hidden(value: Any, exists: npt.NDArray[np.bool_], columns: tuple[int, ...]) -> Any:
+    """A value with zeros in the rows that do not exist, if it has the right shape and some rows do not exist."""
+    if exists.all():
+        return value
+    array = np.asarray(value)
+    if array.dtype.kind not in "fiu" or array.shape not in ((*exists.shape, *columns), (exists.shape[1], *columns)):
+        return value
+    return np.where(exists.reshape(*exists.shape, *(1 for _ in columns)), array, 0)
+
+
+def _scenes(name: str, value: Any) -> list[Scene]:
+    if isinstance(value, Scene):
+        return [value]
+    try:
+        scenes = list(value)
+    except TypeError:
+        raise TypeError(f"{name}: expected a Scene or a sequence of them, got {type(value).__name__}") from None
+    for place, scene in enumerate(scenes):
+        if not isinstance(scene, Scene):
+            raise TypeError(f"{name}: expected a Scene at place {place}, got {type(scene).__name__}")
+    return scenes

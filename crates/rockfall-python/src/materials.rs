@@ -1,0 +1,91 @@
+//! Materials and the properties of their pairs.
+
+use pyo3::exceptions::PyLookupError;
+use pyo3::prelude::*;
+use rockfall::{Material, MaterialId, Pair};
+
+use crate::doors::{Change, look, with};
+use crate::errors::Raise;
+use crate::ids::Ids;
+
+/// The material that stands for none.
+const NONE: i64 = -1;
+
+/// Three numbers that may be unknown.
+type Known = [Option<f32>; 3];
+
+/// The materials with these numbers, one per row.
+pub(crate) fn materials_of(ids: &Ids, numbers: &[i64]) -> PyResult<Vec<Option<MaterialId>>> {
+    numbers.iter().map(|number| material_of(ids, *number)).collect()
+}
+
+fn material_of(ids: &Ids, number: i64) -> PyResult<Option<MaterialId>> {
+    if number == NONE { Ok(None) } else { known(ids, number).map(Some) }
+}
+
+fn known(ids: &Ids, number: i64) -> PyResult<MaterialId> {
+    let found = usize::try_from(number).ok().and_then(|place| ids.materials.get(place));
+    let text = || format!("there is no material {number}: expected a number that add_material returned, or a name");
+    found.copied().ok_or_else(|| PyLookupError::new_err(text()))
+}
+
+/// The number of a material, or that which stands for none.
+pub(crate) fn number_of(ids: &Ids, material: Option<MaterialId>) -> i64 {
+    let found = material.and_then(|material| ids.materials.iter().position(|id| *id == material));
+    found.map_or(NONE, |place| place as i64)
+}
+
+/// Adds a material and returns its number. The constants are density, Young's modulus and Poisson's ratio.
+#[pyfunction]
+pub(crate) fn add_material(target: &Bound<'_, PyAny>, name: &str, constants: Known) -> PyResult<usize> {
+    with(target, |doors, ids| {
+        let mut material = Material::new(name);
+        [material.density, material.young, material.poisson] = constants;
+        ids.materials.push(doors.add_material(material).or_raise()?);
+        Ok(ids.materials.len() - 1)
+    })
+}
+
+/// Changes the constants of a material that are given.
+#[pyfunction]
+pub(crate) fn update_material(target: &Bound<'_, PyAny>, number: i64, constants: Known) -> PyResult<()> {
+    with(target, |doors, ids| {
+        let id = known(ids, number)?;
+        let [density, young, poisson] = constants;
+        let change: Change<'_, Material> = &|material| {
+            material.density = density.or(material.density);
+            material.young = young.or(material.young);
+            material.poisson = poisson.or(material.poisson);
+        };
+        doors.update_material(id, change).or_raise()
+    })
+}
+
+/// Sets restitution, friction and stiffness of the contacts between two materials.
+#[pyfunction]
+pub(crate) fn set_pair(target: &Bound<'_, PyAny>, one: i64, other: i64, properties: Known) -> PyResult<()> {
+    with(target, |doors, ids| {
+        let [one, other] = [known(ids, one)?, known(ids, other)?];
+        let mut pair = Pair::default();
+        [pair.restitution, pair.friction, pair.stiffness] = properties;
+        doors.set_pair(one, other, pair).or_raise()
+    })
+}
+
+/// Restitution, friction and stiffness of the contacts between two materials, given or mixed.
+#[pyfunction]
+pub(crate) fn pair(target: &Bound<'_, PyAny>, one: i64, other: i64) -> PyResult<Known> {
+    look(target, |scene, ids| {
+        let pair = scene.pair(material_of(ids, one)?, material_of(ids, other)?).or_raise()?;
+        Ok([pair.restitution, pair.friction, pair.stiffness])
+    })
+}
+
+/// Name, density, Young's modulus and Poisson's ratio of every material, in order of addition.
+#[pyfunction]
+pub(crate) fn materials(target: &Bound<'_, PyAny>) -> PyResult<Vec<(String, Known)>> {
+    look(target, |scene, _| {
+        let row = |material: &Material| (material.name.clone(), [material.density, material.young, material.poisson]);
+        Ok(scene.materials().iter().map(row).collect())
+    })
+}

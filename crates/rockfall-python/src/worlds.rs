@@ -1,0 +1,248 @@
+//! The native worlds: many small scenes side by side.
+
+use std::path::PathBuf;
+use std::sync::{Mutex, PoisonError};
+use std::time::Instant;
+
+use numpy::{PyArray1, PyArray3, PyArrayMethods};
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+use rockfall::{Result, SphereState};
+
+use crate::arguments::{Floats, Numbers, quaternion, vector};
+use crate::errors::Raise;
+use crate::scene::Scene;
+use crate::simulation::{PATIENCE, options};
+use crate::states::Field;
+use crate::tables::{BackendInfo, Report};
+
+/// Worlds, as arrays with room for the largest of them: a row of numbers per world.
+#[pyclass(frozen, module = "rockfall._rockfall")]
+#[derive(Debug)]
+pub(crate) struct Worlds(Mutex<rockfall::Worlds>);
+
+/// A report, whether a workgroup runs the world, the sphere that has escaped, and why the world is stopped.
+type WorldReport = (Report, bool, Option<usize>, Option<String>);
+
+impl Worlds {
+    /// Calls a function without the GIL, while no other thread uses the worlds.
+    fn locked<R: Send>(&self, py: Python<'_>, call: impl FnOnce(&mut rockfall::Worlds) -> Result<R> + Send) -> PyResult<R> {
+        py.detach(|| call(&mut self.0.lock().unwrap_or_else(PoisonError::into_inner))).or_raise()
+    }
+}
+
+/// Worlds by number. The Python layer has checked that the numbers are not negative.
+fn places(numbers: &[i64]) -> impl Iterator<Item = usize> {
+    numbers.iter().map(|number| *number as usize)
+}
+
+/// The numbers of each world in an array that has `room` of them per world.
+fn rows(values: &[f32], worlds: usize, room: usize) -> PyResult<impl Iterator<Item = &[f32]>> {
+    if values.len() != worlds * room {
+        return Err(PyValueError::new_err(format!("expected {} numbers, got {}", worlds * room, values.len())));
+    }
+    Ok((0..worlds).map(move |row| &values[row * room..(row + 1) * room]))
+}
+
+/// Largest number of spheres and of springs in a world.
+fn room(worlds: &rockfall::Worlds) -> Result<[usize; 2]> {
+    (0..worlds.len()).try_fold([0, 0], |[spheres, springs], world| {
+        let scene = worlds.scene(world)?;
+        Ok([spheres.max(scene.spheres().len()), springs.max(scene.springs().len())])
+    })
+}
+
+#[pymethods]
+impl Worlds {
+    /// A world per scene, or `count` worlds with the one scene.
+    #[new]
+    fn new(
+        py: Python<'_>,
+        scenes: Vec<Py<Scene>>,
+        count: Option<usize>,
+        backend: &str,
+        integrator: &str,
+        broad_phase: &str,
+        keep_going: bool,
+    ) -> PyResult<Self> {
+        let options = options(backend, integrator, broad_phase, keep_going)?;
+        py.detach(|| {
+            let scenes: Vec<_> = scenes.iter().map(|scene| scene.get().lock().scene.clone()).collect();
+            let built = match count {
+                Some(count) => rockfall::Worlds::new(scenes.iter().cycle().take(count).cloned(), options),
+                None => rockfall::Worlds::new(scenes, options),
+            };
+            Ok(Self(Mutex::new(built.or_raise()?)))
+        })
+    }
+
+    #[staticmethod]
+    fn resume(py: Python<'_>, path: PathBuf, backend: Option<&str>) -> PyResult<Self> {
+        let backend = backend.map(str::parse).transpose().or_raise()?;
+        py.detach(|| Ok(Self(Mutex::new(rockfall::Worlds::resume(path, backend).or_raise()?))))
+    }
+
+    fn save_checkpoint(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
+        self.locked(py, |worlds| worlds.save_checkpoint(path))
+    }
+
+    fn len(&self, py: Python<'_>) -> PyResult<usize> {
+        self.locked(py, |worlds| Ok(worlds.len()))
+    }
+
+    /// Number of spheres and of springs of each world.
+    fn counts<'py>(&self, py: Python<'py>) -> PyResult<[Bound<'py, PyArray1<i64>>; 2]> {
+        let counts = self.locked(py, |worlds| {
+            let mut counts = [const { Vec::new() }; 2];
+            for world in 0..worlds.len() {
+                let scene = worlds.scene(world)?;
+                counts[0].push(scene.spheres().len() as i64);
+                counts[1].push(scene.springs().len() as i64);
+            }
+            Ok(counts)
+        })?;
+        Ok(counts.map(|counts| PyArray1::from_vec(py, counts)))
+    }
+
+    /// Runs steps in portions, and handles signals between them.
+    fn run(&self, py: Python<'_>, steps: u64, dt: f32, progress: Option<&Bound<'_, PyAny>>) -> PyResult<()> {
+        let (mut left, mut portion) = (steps, 16);
+        while left > 0 {
+            let count = left.min(portion);
+            let start = Instant::now();
+            self.locked(py, |worlds| worlds.run(count, dt))?;
+            left -= count;
+            if let Some(progress) = progress {
+                progress.call1((count,))?;
+            }
+            match start.elapsed() {
+                taken if taken < PATIENCE / 2 => portion = portion.saturating_mul(2),
+                taken if taken > PATIENCE => portion = (portion / 2).max(1),
+                _ => {}
+            }
+            py.check_signals()?;
+        }
+        Ok(())
+    }
+
+    /// A field of the spheres of all worlds, of shape (worlds, spheres, columns). Missing spheres are 0.
+    fn get<'py>(&self, py: Python<'py>, field: &str) -> PyResult<Bound<'py, PyArray3<f32>>> {
+        let field: Field = field.parse()?;
+        let columns = field.columns();
+        let (numbers, shape) = self.locked(py, |worlds| {
+            // Reads the states back, which are then in the scenes.
+            worlds.all_states()?;
+            let [spheres, _] = room(worlds)?;
+            let mut numbers = Vec::with_capacity(worlds.len() * spheres * columns);
+            for world in 0..worlds.len() {
+                worlds.scene(world)?.spheres().iter().for_each(|sphere| field.append(sphere, &mut numbers));
+                numbers.resize((world + 1) * spheres * columns, 0.0);
+            }
+            Ok((numbers, [worlds.len(), spheres, columns]))
+        })?;
+        PyArray1::from_vec(py, numbers).reshape(shape)
+    }
+
+    /// Rest lengths of the springs of all worlds, one row per world. Missing springs are 0.
+    fn rest_lengths<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, numpy::PyArray2<f32>>> {
+        let (numbers, shape) = self.locked(py, |worlds| {
+            let [_, springs] = room(worlds)?;
+            let mut numbers = Vec::with_capacity(worlds.len() * springs);
+            for world in 0..worlds.len() {
+                numbers.extend(worlds.scene(world)?.springs().iter().map(|spring| spring.length));
+                numbers.resize((world + 1) * springs, 0.0);
+            }
+            Ok((numbers, [worlds.len(), springs]))
+        })?;
+        PyArray1::from_vec(py, numbers).reshape(shape)
+    }
+
+    /// Sets a field of the spheres of some worlds, from rows with room for the spheres of the largest world.
+    fn put(&self, py: Python<'_>, field: &str, numbers: Numbers<'_>, values: Floats<'_>) -> PyResult<()> {
+        let field: Field = field.parse()?;
+        let (numbers, values) = (numbers.as_slice()?, values.as_slice()?);
+        let [spheres, _] = self.locked(py, |worlds| room(worlds))?;
+        let rows = rows(values, numbers.len(), spheres * field.columns())?.collect::<Vec<_>>();
+        self.locked(py, |worlds| {
+            for (world, row) in places(numbers).zip(rows) {
+                let spheres = worlds.scene(world)?.spheres().len();
+                if field == Field::Force {
+                    let forces: Vec<_> = (0..spheres).map(|sphere| vector(row, sphere)).collect();
+                    worlds.set_forces(world, &forces)?;
+                    continue;
+                }
+                let mut states = worlds.states(world)?;
+                states.iter_mut().enumerate().for_each(|(sphere, state)| put(field, state, row, sphere));
+                worlds.set_states(world, &states)?;
+            }
+            Ok(())
+        })
+    }
+
+    /// Sets the rest lengths of some worlds, from rows with room for the springs of the largest world.
+    fn put_rest_lengths(&self, py: Python<'_>, numbers: Numbers<'_>, values: Floats<'_>) -> PyResult<()> {
+        let (numbers, values) = (numbers.as_slice()?, values.as_slice()?);
+        let [_, springs] = self.locked(py, |worlds| room(worlds))?;
+        let rows = rows(values, numbers.len(), springs)?.collect::<Vec<_>>();
+        self.locked(py, |worlds| {
+            for (world, row) in places(numbers).zip(rows) {
+                let springs = worlds.scene(world)?.springs().len();
+                worlds.set_rest_lengths(world, &row[..springs])?;
+            }
+            Ok(())
+        })
+    }
+
+    fn reset(&self, py: Python<'_>, numbers: Numbers<'_>) -> PyResult<()> {
+        let numbers: Vec<usize> = places(numbers.as_slice()?).collect();
+        self.locked(py, |worlds| worlds.reset(&numbers))
+    }
+
+    /// Replaces worlds, each by a new one with a scene. Stops at the first that is refused.
+    fn replace(&self, py: Python<'_>, numbers: Numbers<'_>, scenes: Vec<Py<Scene>>) -> PyResult<()> {
+        let numbers: Vec<usize> = places(numbers.as_slice()?).collect();
+        self.locked(py, |worlds| {
+            for (world, scene) in numbers.into_iter().zip(scenes) {
+                let scene = scene.get().lock().scene.clone();
+                worlds.replace(world, scene)?;
+            }
+            Ok(())
+        })
+    }
+
+    /// A scene from which a simulation goes on where the world is.
+    fn scene(&self, py: Python<'_>, world: usize) -> PyResult<Scene> {
+        self.locked(py, |worlds| worlds.snapshot(world)).map(Scene::of)
+    }
+
+    /// Reports on all worlds. The bounds are the least and greatest coordinates of spheres that have not escaped.
+    fn reports(&self, py: Python<'_>, bounds: Option<[[f32; 3]; 2]>) -> PyResult<Vec<WorldReport>> {
+        self.locked(py, |worlds| {
+            let count = worlds.len();
+            let report = |world: usize| {
+                let found = worlds.report(world, bounds.map(|bounds| bounds.map(Into::into)))?;
+                Ok((found.report.into(), found.path == rockfall::WorldPath::Device, found.escaped, found.stopped))
+            };
+            (0..count).map(report).collect()
+        })
+    }
+
+    fn backend(&self, py: Python<'_>) -> PyResult<BackendInfo> {
+        self.locked(py, |worlds| Ok(worlds.backend().into()))
+    }
+
+    fn integrator(&self, py: Python<'_>) -> PyResult<String> {
+        self.locked(py, |worlds| Ok(worlds.options().integrator.to_string()))
+    }
+}
+
+/// Sets a field of a state from a row.
+fn put(field: Field, state: &mut SphereState, rows: &[f32], row: usize) {
+    match field {
+        Field::Position => state.position = vector(rows, row),
+        Field::Velocity => state.velocity = vector(rows, row),
+        Field::Orientation => state.orientation = quaternion(rows, row),
+        Field::AngularMomentum => state.angular_momentum = vector(rows, row),
+        _ => {}
+    }
+}

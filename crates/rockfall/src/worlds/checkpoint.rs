@@ -1,0 +1,136 @@
+//! Saves worlds to a file and goes on from it.
+//!
+//! # The file
+//! All numbers are little-endian.
+//!
+//! | bytes | what |
+//! |---|---|
+//! | 8 | `\x89RKW\r\n\x1a\n`; a transfer as text changes these bytes, so it is detected |
+//! | 4 | version of the format |
+//! | 8 | length of the whole file in bytes |
+//! | ... | a checkpoint without objects, which has the options of all worlds, as a length of 8 bytes and the bytes of its file |
+//! | 8 | number of worlds |
+//! | ... | per world: the checkpoint of its start and that of its present state; 4 bytes that are 1 if it is stopped, else 0; the reason |
+//! | 4 | CRC-32 of all bytes before |
+
+use std::fs;
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
+
+use rayon::prelude::*;
+
+use crate::checkpoint::words::{Damage, Head, Words};
+use crate::checkpoint::{Checkpoint, PREFIX, SUFFIX, content};
+use crate::error::{Error, Result};
+use crate::options::{Backend, Options};
+use crate::output::AtomicFile;
+use crate::scene::Scene;
+use crate::simulation::Simulation;
+use crate::worlds::Worlds;
+
+/// The first bytes of every file.
+const MAGIC: [u8; 8] = *b"\x89RKW\r\n\x1a\n";
+/// Latest version of the format.
+const VERSION: u32 = 1;
+
+/// A world in a file: the checkpoints of its start and of its present state, and why it is stopped.
+type Stored = (Checkpoint, Checkpoint, Option<String>);
+
+impl Worlds {
+    /// Writes everything that determines the following steps, and the starts of all worlds, to a file. The file appears complete or
+    /// not at all.
+    ///
+    /// # Errors
+    /// [`Error::File`] when the file cannot be written, [`Error::Device`] when the GPU fails.
+    pub fn save_checkpoint(&mut self, path: impl AsRef<Path>) -> Result<()> {
+        let path = path.as_ref();
+        let bytes = self.packed()?;
+        let write = || {
+            let mut file = AtomicFile::create(path)?;
+            file.write_all(&bytes)?;
+            file.commit()
+        };
+        write().map_err(|source| Error::File { file: path.to_owned(), source })
+    }
+
+    /// Goes on from such a file. The following steps are bitwise identical to those of worlds that never stopped, on the same
+    /// device. `backend` is another backend than that of the file, whose results differ by rounding; `None` is the same.
+    ///
+    /// # Errors
+    /// [`Error::File`] when the file cannot be read, [`Error::Checkpoint`] when it is damaged, not a checkpoint of worlds, or of a
+    /// later version. Otherwise as for [`Worlds::new`].
+    pub fn resume(path: impl AsRef<Path>, backend: Option<Backend>) -> Result<Self> {
+        let path = path.as_ref();
+        let failed = |source| Error::File { file: path.to_owned(), source };
+        // Folders, devices and pipes are refused, because they may have no end.
+        if !fs::metadata(path).map_err(failed)?.is_file() {
+            return Err(Error::Checkpoint { file: path.to_owned(), reason: "it is not a regular file".to_owned() });
+        }
+        let bytes = fs::read(path).map_err(failed)?;
+        let (options, stored) = read(&bytes, path)?;
+        let options = Options { backend: backend.unwrap_or(options.backend), ..options };
+        let mut worlds = Self::new(stored.iter().map(|(start, _, _)| start.scene.clone()), options)?;
+        for (world, (start, now, stopped)) in worlds.worlds.iter_mut().zip(stored) {
+            world.simulation.restore(&now)?;
+            (world.start, world.stopped) = (start, stopped);
+        }
+        Ok(worlds)
+    }
+
+    fn packed(&mut self) -> Result<Vec<u8>> {
+        self.refresh()?;
+        let mut empty = Simulation::with_options(Scene::new(), Options::new().backend(Backend::Cpu))?.checkpoint()?;
+        empty.options = self.options.clone();
+        let mut head = Head::default();
+        head.bytes.extend(MAGIC);
+        head.u32(VERSION);
+        // The length, which is not known yet.
+        head.u64(0);
+        put(&mut head, &empty.to_bytes());
+        head.u64(self.len() as u64);
+        for world in &mut self.worlds {
+            put(&mut head, &world.start.to_bytes());
+            put(&mut head, &world.simulation.checkpoint()?.to_bytes());
+            head.u32(u32::from(world.stopped.is_some()));
+            head.text(world.stopped.as_deref().unwrap_or_default());
+        }
+        let length = (head.bytes.len() + SUFFIX) as u64;
+        head.bytes[PREFIX - size_of::<u64>()..PREFIX].copy_from_slice(&length.to_le_bytes());
+        head.u32(crc32fast::hash(&head.bytes));
+        Ok(head.bytes)
+    }
+}
+
+fn put(head: &mut Head, checkpoint: &[u8]) {
+    head.u64(checkpoint.len() as u64);
+    head.bytes.extend(checkpoint);
+}
+
+/// The bytes of a checkpoint.
+fn take<'a>(words: &mut Words<'a>) -> Result<&'a [u8], Damage> {
+    let length = usize::try_from(words.u64()?).map_err(|_| Damage::new("a checkpoint is too long"))?;
+    words.take(length)
+}
+
+/// The options of all worlds, and the worlds.
+fn read(bytes: &[u8], name: &Path) -> Result<(Options, Vec<Stored>)> {
+    let damaged = |Damage(reason)| Error::Checkpoint { file: name.to_owned(), reason };
+    let parts = || -> Result<_, Damage> {
+        let (_, content) = content(bytes, &MAGIC, VERSION)?;
+        let mut words = Words::new(content);
+        let empty = take(&mut words)?;
+        let count = words.u64()?;
+        let mut worlds = Vec::new();
+        for _ in 0..count {
+            let (start, now) = (take(&mut words)?, take(&mut words)?);
+            let (is_stopped, reason) = (words.bool()?, words.text()?);
+            worlds.push((start, now, is_stopped.then_some(reason)));
+        }
+        words.end()?;
+        Ok((empty, worlds))
+    };
+    let (empty, worlds) = parts().map_err(damaged)?;
+    let part = |bytes: &[u8]| Checkpoint::from_bytes(bytes, PathBuf::from(name));
+    let stored = worlds.into_par_iter().map(|(start, now, stopped)| Ok((part(start)?, part(now)?, stopped)));
+    Ok((part(empty)?.options, stored.collect::<Result<_>>()?))
+}
