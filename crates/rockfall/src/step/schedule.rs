@@ -1,13 +1,13 @@
 //! The order of the stages. [`Phase::stages`] lists the stages of each phase of a step.
 
-use crate::model::layout::{CELL_BLOCK, LAW_THESIS, SWEEPS, SWEEPS_FEW, SWEEPS_OFF, SWEEPS_ON};
+use crate::model::layout::{LAW_THESIS, SWEEPS, SWEEPS_FEW, SWEEPS_OFF, SWEEPS_ON};
 use crate::model::step::Step;
 use crate::model::world::World;
 use crate::settings::{BroadPhase, Integrator};
 use crate::step::aabbs::update_aabbs;
 use crate::step::broad_phase::brute_force::{count_pairs, fill_pairs};
 use crate::step::broad_phase::grid::{
-    build_grid, clear_cells, count_cells, count_long, fill_long, find_neighbours, plan_lists, scan_cells, sort_cells,
+    clear_cells, count_cells, count_long, fill_long, find_neighbours, plan_lists, scan_cells, sort_cells,
 };
 use crate::step::broad_phase::scan_pairs;
 use crate::step::broad_phase::sort_and_skip::{bound_blocks, count_near, fill_near, sort_axis};
@@ -44,10 +44,6 @@ pub enum When {
     LargeSwept,
     /// Scenes whose contacts get friction impulses.
     FrictionImpulses,
-    /// Small scenes, whose grid is one block of [`CELL_BLOCK`] cells.
-    OneBlock,
-    /// Larger scenes, whose grid has several blocks of cells.
-    ManyBlocks,
     /// Scenes with bodies much larger than most.
     LongMovers,
     /// Scenes with the contact law of the thesis.
@@ -87,8 +83,6 @@ impl Run {
             When::SweptAtOnce => step.sweeps == SWEEPS_FEW,
             When::LargeSwept => step.large > 0 && step.sweeps == SWEEPS_ON,
             When::FrictionImpulses => step.has_friction_impulses(),
-            When::OneBlock => step.cells == CELL_BLOCK,
-            When::ManyBlocks => step.cells != CELL_BLOCK,
             When::LongMovers => step.long_at != 0,
             When::ThesisLaw => step.law == LAW_THESIS,
             When::Histories => step.law != LAW_THESIS,
@@ -163,12 +157,11 @@ impl Phase {
                 const {
                     &[
                         run(&plan_lists::STAGE).when(When::Planned),
-                        run(&build_grid::STAGE).when(When::OneBlock),
-                        run(&clear_cells::STAGE).when(When::ManyBlocks).planned(),
-                        run(&count_cells::STAGE).when(When::ManyBlocks).planned(),
-                        run(&scan_cells::SUM).when(When::ManyBlocks).planned(),
-                        run(&scan_cells::PLACE).when(When::ManyBlocks).planned(),
-                        run(&sort_cells::STAGE).when(When::ManyBlocks).planned(),
+                        run(&clear_cells::STAGE).planned(),
+                        run(&count_cells::STAGE).planned(),
+                        run(&scan_cells::SUM).planned(),
+                        run(&scan_cells::PLACE).planned(),
+                        run(&sort_cells::STAGE).planned(),
                         run(&count_long::STAGE).when(When::LongMovers).planned(),
                         run(&find_neighbours::STAGE).planned(),
                         run(&fill_long::STAGE).when(When::LongMovers).planned(),

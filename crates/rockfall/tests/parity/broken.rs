@@ -38,8 +38,8 @@ static MISTAKES: &[Mistake] = &[
     Mistake("fill_near", 0, "heap.wgsl", "<= key {", ">= key {", Buffer::Lists),
     Mistake("clear_cells", 0, "clear_cells.wgsl", "k < CELL_BLOCK", "k < CELL_BLOCK / 2u", Buffer::Cells),
     Mistake("count_cells", 0, "cells.wgsl", "u32(z) * ROW_Z", "u32(z) * ROW_Y", Buffer::Cells),
-    Mistake("count_cells", 0, "count_object.wgsl", "max(out.x, max(out.y", "max(out.x, min(out.y", Buffer::Cells),
-    Mistake("build_grid", 0, "count_object.wgsl", "1u << level);", "1u);", Buffer::Cells),
+    Mistake("count_cells", 0, "count_cells.wgsl", "max(out.x, max(out.y", "max(out.x, min(out.y", Buffer::Cells),
+    Mistake("count_cells", 0, "count_cells.wgsl", "1u << level);", "1u);", Buffer::Cells),
     Mistake("plan_lists", 0, "plan_lists.wgsl", "status.rebuild != 0u", "status.rebuild == 0u", Buffer::DispatchSizes),
     Mistake("sum_blocks", 0, "scan_cells.wgsl", "local == GROUP_SIZE - 1u", "local == 0u", Buffer::Cells),
     Mistake(
@@ -51,7 +51,7 @@ static MISTAKES: &[Mistake] = &[
         Buffer::Cells,
     ),
     Mistake("place_cells", 0, "scan_cells.wgsl", "before += sums", "before -= sums", Buffer::Cells),
-    Mistake("sort_cells", 0, "place_object.wgsl", "CELLS_AT + key], 1u", "CELLS_AT + key], 0u", Buffer::Cells),
+    Mistake("sort_cells", 0, "sort_cells.wgsl", "CELLS_AT + key], 1u", "CELLS_AT + key], 0u", Buffer::Cells),
     Mistake("find_neighbours", 0, "find_neighbours.wgsl", "(id != mover);", "(id >= mover);", Buffer::Lists),
     Mistake(
         "find_neighbours",
@@ -64,8 +64,8 @@ static MISTAKES: &[Mistake] = &[
     Mistake("find_neighbours", 0, "find_neighbours.wgsl", "(key >> PLACE_BITS) != before", "key != before", Buffer::Lists),
     Mistake("find_neighbours", 0, "sort.wgsl", "max(s.b, s.d)", "min(s.b, s.d)", Buffer::Lists),
     Mistake("find_neighbours", 0, "neighbours.wgsl", "> touching * touching", "> 0.9 * touching * touching", Buffer::Lists),
-    Mistake("count_cells", 0, "count_object.wgsl", "& is_long(aabb)", "| is_long(aabb)", Buffer::Cells),
-    Mistake("count_cells", 0, "count_object.wgsl", "if mine > atomicLoad", "if mine < atomicLoad", Buffer::Cells),
+    Mistake("count_cells", 0, "count_cells.wgsl", "& is_long(aabb)", "| is_long(aabb)", Buffer::Cells),
+    Mistake("count_cells", 0, "count_cells.wgsl", "if mine > atomicLoad", "if mine < atomicLoad", Buffer::Cells),
     Mistake("count_long", 0, "count_long.wgsl", "atomicStore(&all_found, 0u)", "atomicStore(&all_found, 1u)", Buffer::Lists),
     Mistake("count_long", 0, "neighbours.wgsl", "y += portion.across;", "y += 1;", Buffer::Lists),
     Mistake(

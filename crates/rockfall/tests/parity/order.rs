@@ -8,10 +8,6 @@ use rockfall::model::world::World;
 pub(crate) fn canonical(world: &World, stage: &str) -> World {
     let mut world = world.clone();
     match stage {
-        "build_grid" => {
-            order_cells(&mut world);
-            order_long_movers(&mut world);
-        }
         "count_cells" => order_long_movers(&mut world),
         "sort_cells" => order_cells(&mut world),
         "find_neighbours" => {

@@ -338,7 +338,7 @@ fn reverse_some_rods(world: &mut World) {
 fn decide(world: &World, run: &Run, findings: &mut Findings) {
     let state = run.pass as usize;
     match run.stage.name {
-        "build_grid" | "count_cells" => cells::decide(world, findings),
+        "count_cells" => cells::decide(world, findings),
         "find_collisions" => decisions::escapes(world, 0, findings),
         "apply_friction_impulses" => decisions::friction_impulses(world, findings),
         "advance" | "finish" | "finish_and_turn" | "symplectic_euler" => {

@@ -121,14 +121,11 @@ impl World {
         self.orientations = spheres().map(|sphere| sphere.orientation.into()).collect();
     }
 
-    /// Chooses the size and number of the grid's cells. Cells are a little larger than most spheres. The table has one block of
-    /// cells where that is enough for the objects, because one block needs one dispatch. Otherwise it has at least twice as
-    /// many cells as objects, so that rows of cells seldom share places in the table.
+    /// Chooses the size and number of the grid's cells. Cells are a little larger than most spheres. The table has at least
+    /// twice as many cells as objects, so that rows of cells seldom share places in the table.
     fn set_grid(&mut self, scene: &Scene) {
         (self.step.cell_size, self.step.least_level) = typical_cell(scene);
-        let objects = self.objects();
-        let cells = if objects <= CELL_BLOCK { CELL_BLOCK } else { 2 * objects };
-        self.place_cells(cells, has_long_movers(scene, self.step.cell_size));
+        self.place_cells(2 * self.objects(), has_long_movers(scene, self.step.cell_size));
     }
 
     /// Lists collisions from the start when bodies may have long lists. Solves them by sweeps when there are networks.

@@ -1,6 +1,5 @@
 //! The grid broad phase, whose cells have several levels of size.
 
-pub(crate) mod build_grid;
 pub(crate) mod cells;
 pub(crate) mod clear_cells;
 pub(crate) mod count_cells;
