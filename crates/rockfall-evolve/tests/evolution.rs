@@ -3,8 +3,10 @@
 mod common;
 
 use common::distance;
-use rockfall::{Backend, Options};
-use rockfall_evolve::{Body, Evolution, Goal, Ground, Plan, Trial};
+use rand::SeedableRng as _;
+use rand_pcg::Pcg64;
+use rockfall::{Backend, Options, WorldPath, Worlds};
+use rockfall_evolve::{Body, Evolution, Genome, Goal, Ground, Plan, Trial};
 
 fn plan(body: Body, seed: u64) -> Plan {
     Plan {
@@ -64,7 +66,7 @@ fn a_resumed_evolution_is_the_same_as_one_that_went_on() {
     let text = std::fs::read_to_string(&path).unwrap();
     for bad in [
         text.replace("rockfall evolution", "something else"),
-        text.replace("\"version\":1", "\"version\":9"),
+        text.replace("\"version\":2", "\"version\":9"),
         text[1..].to_owned(),
     ] {
         std::fs::write(&path, bad).unwrap();
@@ -83,4 +85,29 @@ fn the_champion_walks_the_distance_that_the_history_claims() {
     let distance = distance(&scene, 0.005, evolution.trial().settling_steps(), evolution.trial().steps());
     assert!((distance / champion.outcome.distance - 1.0).abs() < 1e-6, "{distance} {champion:?}");
     assert!(champion.audit.passed && champion.audit.fitness_at_half_step >= 0.7 * champion.outcome.fitness);
+}
+
+/// On a GPU, creatures run side by side, also those with as many springs as there may be.
+#[test]
+fn the_largest_creatures_fit_into_workgroups() {
+    let ground = Ground::level(10.0).unwrap();
+    for body in [Body::Lattice, Body::Free] {
+        let mut random = Pcg64::seed_from_u64(3);
+        let mut largest = Genome::random(&mut random, body);
+        let mut scenes = vec![largest.scene(&ground).unwrap()];
+        for _ in 0..4_000 {
+            let child = largest.mutated(&mut random);
+            let scene = child.scene(&ground).unwrap();
+            if scene.springs().len() >= scenes.last().unwrap().springs().len() {
+                largest = child;
+                scenes.push(scene);
+            }
+        }
+        let scenes = scenes.split_off(scenes.len() - 5);
+        assert!(scenes[4].springs().len() > Worlds::BODY_MUSCLES - 3, "{body}: {}", scenes[4].springs().len());
+        let mut worlds = Worlds::new(scenes, Options::new().backend(Backend::Gpu)).unwrap();
+        for world in 0..worlds.len() {
+            assert_eq!(worlds.report(world, None).unwrap().path, WorldPath::Device, "{body}: {world}");
+        }
+    }
 }
