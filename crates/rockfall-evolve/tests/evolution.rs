@@ -87,6 +87,28 @@ fn the_champion_walks_the_distance_that_the_history_claims() {
     assert!(champion.audit.passed && champion.audit.fitness_at_half_step >= 0.7 * champion.outcome.fitness);
 }
 
+/// Islands take the better creatures of each other, and go on to the same result every time.
+#[test]
+fn an_evolution_adopts_the_fitter_creatures_of_another() {
+    let merged = || {
+        let (mut one, other) = (evolved(Body::Lattice, 5, 2), evolved(Body::Lattice, 6, 3));
+        let adopted = one.adopt(&other).unwrap();
+        (one, other, adopted)
+    };
+    let (mut one, other, adopted) = merged();
+    assert!(adopted > 0 && one.archive().len() >= other.archive().len());
+    let fittest = |evolution: &Evolution| evolution.archive().ranked()[0].1.outcome.fitness;
+    assert!(fittest(&one) >= fittest(&other));
+    assert_eq!(one.adopt(&other).unwrap(), 0);
+    let (mut again, ..) = merged();
+    for evolution in [&mut one, &mut again] {
+        evolution.generation(&|| false).unwrap().unwrap();
+    }
+    assert_eq!((one.archive(), one.champion()), (again.archive(), again.champion()));
+    let error = one.adopt(&evolved(Body::Free, 5, 1)).unwrap_err();
+    assert!(error.to_string().contains("an evolution with the same body"), "{error}");
+}
+
 /// On a GPU, creatures run side by side, also those with as many springs as there may be.
 #[test]
 fn the_largest_creatures_fit_into_workgroups() {
