@@ -1,4 +1,4 @@
-//! `cargo xtask validate`: writes `docs/validation.md` and its plots.
+//! `cargo xtask validate` writes `docs/validation.md` and its plots. `cargo xtask web` builds the page of the browser.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -7,6 +7,8 @@ use std::time::Instant;
 
 use clap::Parser;
 use rockfall_validation::{ALL, Effort, Experiment, Outcome, Result, page, section};
+
+mod web;
 
 /// Tasks of the project.
 #[derive(Parser)]
@@ -20,17 +22,35 @@ enum Task {
         #[arg(long, default_value = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs"))]
         out: PathBuf,
     },
+    /// Builds the page of the browser, see docs/browser.md
+    Web {
+        /// Folder to write, which is replaced
+        #[arg(long, default_value = concat!(env!("CARGO_MANIFEST_DIR"), "/../../web/dist"))]
+        out: PathBuf,
+    },
 }
 
 fn main() -> ExitCode {
-    let Task::Validate { names, out } = Task::parse();
+    match Task::parse() {
+        Task::Validate { names, out } => validation(&names, &out),
+        Task::Web { out } => match web::build(&out) {
+            Ok(()) => ExitCode::SUCCESS,
+            Err(error) => {
+                eprintln!("error: {error}");
+                ExitCode::FAILURE
+            }
+        },
+    }
+}
+
+fn validation(names: &[String], out: &Path) -> ExitCode {
     let unknown = names.iter().find(|name| !ALL.iter().any(|experiment| experiment.name == *name));
     if let Some(unknown) = unknown {
         let known: Vec<&str> = ALL.iter().map(|experiment| experiment.name).collect();
         eprintln!("error: unknown experiment '{unknown}'; expected one or more of: {}", known.join(", "));
         return ExitCode::from(2);
     }
-    match validate(&names, &out) {
+    match validate(names, out) {
         Ok(true) => ExitCode::SUCCESS,
         Ok(false) => ExitCode::FAILURE,
         Err(error) => {

@@ -15,6 +15,7 @@ mod bounds;
 pub mod camera;
 pub mod draw;
 mod extent;
+#[cfg(not(target_family = "wasm"))]
 pub mod film;
 mod groups;
 pub mod legend;

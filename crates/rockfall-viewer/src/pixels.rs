@@ -23,6 +23,7 @@ impl Picture {
     }
 
     /// [`Picture::write_png`] in a fraction of the time, for a file that is a little larger.
+    #[cfg(not(target_family = "wasm"))]
     pub(crate) fn write_fast_png(&self, to: impl Write) -> std::io::Result<()> {
         self.write_compressed(to, png::Compression::Fast)
     }
@@ -39,6 +40,7 @@ impl Picture {
     }
 
     /// Reads a PNG file that [`Picture::write_png`] wrote.
+    #[cfg(not(target_family = "wasm"))]
     pub(crate) fn read_png(from: &[u8]) -> std::io::Result<Self> {
         let mut reader = png::Decoder::new(std::io::Cursor::new(from)).read_info()?;
         let mut bytes = vec![0; reader.output_buffer_size().unwrap_or(0)];

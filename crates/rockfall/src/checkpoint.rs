@@ -39,7 +39,7 @@ use words::{Damage, Words};
 /// The first bytes of every checkpoint.
 const MAGIC: [u8; 8] = *b"\x89RKF\r\n\x1a\n";
 /// Latest version of the format. Older versions are still read.
-const VERSION: u32 = 3;
+const VERSION: u32 = 4;
 /// First version with muscles.
 const WITH_MUSCLES: u32 = 3;
 /// Bytes of magic, version and length.
@@ -84,6 +84,7 @@ pub(crate) struct KeptSpring {
     pub(crate) feature: u32,
     pub(crate) shift: Vec3,
     pub(crate) overlap: f32,
+    pub(crate) moment: Vec3,
 }
 
 /// The effects of earlier steps beyond the state of the bodies.
@@ -149,7 +150,7 @@ impl Checkpoint {
             let (version, content) = content(bytes, &MAGIC, VERSION)?;
             let mut words = Words::new(content);
             let (mut checkpoint, counts) = head::read(&mut words, version)?;
-            let springs = if version >= head::MATERIALS_SINCE { springs::read(&mut words)? } else { Vec::new() };
+            let springs = if version >= head::MATERIALS_SINCE { springs::read(&mut words, version)? } else { Vec::new() };
             objects::read(&mut words, version, &counts, &mut checkpoint.scene)?;
             checkpoint.springs = springs::named(&springs, &checkpoint.scene)?;
             words.end()?;

@@ -103,7 +103,7 @@ pub use profile::{BufferSize, Clock, Profile, StageTime};
 pub use report::{Energy, Report, SphereState, decimal_time};
 pub use scene::{
     BoxId, Capsule, CapsuleId, CapsuleParts, Counts, Cuboid, LineWarning, Loaded, Material, MaterialId, Muscle, Pair, Polygon,
-    PolygonId, Rod, RodId, Scene, Sphere, SphereId, Spring, SpringId, Tether, TetherId,
+    PolygonId, Rod, RodId, RollingModel, Scene, Sphere, SphereId, Spring, SpringId, Tether, TetherId,
 };
 pub use settings::{BroadPhase, ContactLaw, Integrator, Settings};
 pub use simulation::{Body, Contact, ContactAction, MaxOverlap, RayHit, Simulation, SphereDiagnostics};

@@ -213,8 +213,8 @@ fn rejected_checkpoints_are_reported_with_the_reason() {
     bad[100] ^= 4;
     assert!(assert_rejected(&bad).contains("checksum"));
     let mut newer = good;
-    newer[8] = 4;
-    assert!(assert_rejected(&newer).contains("it has version 4, this rockfall reads versions up to 3"));
+    newer[8] = 5;
+    assert!(assert_rejected(&newer).contains("it has version 5, this rockfall reads versions up to 4"));
 }
 
 /// A resumed simulation refers to spheres as the scene file does. Files of version 1, which have no references, are read.

@@ -30,7 +30,9 @@ fn module(stage: &Stage) -> Module {
 fn module_for(stage: &Stage, [rods, large, muscles]: [bool; 3]) -> Module {
     // Each contact law occurs in one of the variants that are checked.
     let law = if large { LAW_THESIS } else { [LAW_LINEAR, LAW_HERTZ_MINDLIN][usize::from(rods)] };
-    let text = Variant { rods, large, muscles, materials: true, law, many: false, worlds: None }.apply(&source(stage));
+    let text =
+        Variant { rods, large, muscles, materials: true, resistance: rods, cohesion: rods, law, many: false, worlds: None }
+            .apply(&source(stage));
     naga::front::wgsl::parse_str(&text).unwrap_or_else(|e| panic!("{}: {}", stage.name, e.emit_to_string(&text)))
 }
 
@@ -51,7 +53,8 @@ fn every_kernel_is_valid() {
 fn the_kernel_of_worlds_is_valid_and_fits_workgroup_memory() {
     let [stage] = OUTSIDE;
     let worlds = Some(WorldSizes::MOST);
-    let variant = Variant { rods: false, large: false, muscles: false, law: 0, materials: false, many: false, worlds };
+    let (rods, large, muscles, materials, resistance, many) = (false, false, false, false, false, false);
+    let variant = Variant { rods, large, muscles, law: 0, materials, resistance, cohesion: false, many, worlds };
     let text = variant.apply(&source(stage));
     assert!(text.contains("var<private> step: Step;") && !text.contains("var<uniform> step"));
     let module = naga::front::wgsl::parse_str(&text).unwrap_or_else(|e| panic!("{}", e.emit_to_string(&text)));

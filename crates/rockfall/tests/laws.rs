@@ -6,12 +6,16 @@ mod common;
 
 #[path = "laws/chung_ooi.rs"]
 mod chung_ooi;
+#[path = "laws/cohesion.rs"]
+mod cohesion;
 #[path = "laws/kept.rs"]
 mod kept;
 #[path = "laws/rest.rs"]
 mod rest;
 #[path = "laws/restitution.rs"]
 mod restitution;
+#[path = "laws/rolling.rs"]
+mod rolling;
 #[path = "laws/witness.rs"]
 mod witness;
 

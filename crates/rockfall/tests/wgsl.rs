@@ -220,3 +220,76 @@ fn declarations_and_uses_are_found() {
         assert_eq!(file.uses.contains(name), is_used, "{name}");
     }
 }
+
+/// Operators and other tokens in order, without comments. Words and numbers are `x`, keywords before an expression are `k`.
+fn operators(text: &str) -> Vec<String> {
+    let code = code(text);
+    let (mut rest, mut found) = (code.as_str(), Vec::new());
+    let longer =
+        ["<<=", ">>=", "<<", ">>", "&&", "||", "==", "!=", "<=", ">=", "->", "+=", "-=", "*=", "/=", "%=", "&=", "|=", "^="];
+    while let Some(first) = rest.chars().next() {
+        let word: String = rest.chars().take_while(|letter| letter.is_alphanumeric() || *letter == '_').collect();
+        let taken = if !word.is_empty() {
+            found.push(if ["return", "if", "while"].contains(&word.as_str()) { "k" } else { "x" }.to_owned());
+            word.len()
+        } else if let Some(long) = longer.iter().find(|long| rest.starts_with(**long)) {
+            found.push((*long).to_owned());
+            long.len()
+        } else {
+            if !first.is_whitespace() {
+                found.push(first.to_string());
+            }
+            first.len_utf8()
+        };
+        rest = &rest[taken..];
+    }
+    found
+}
+
+/// Operators that are mixed without parentheses although the grammar of WGSL requires them: bitwise operators with any other,
+/// shifts with arithmetic or another shift, `&&` with `||`.
+fn mixed_operators(text: &str) -> Vec<String> {
+    const BINARY: [&str; 16] = ["&", "|", "^", "<<", ">>", "+", "-", "*", "/", "%", "&&", "||", "==", "!=", "<=", ">="];
+    let (mut found, mut levels, mut before) = (Vec::new(), vec![Vec::<String>::new()], String::new());
+    for token in operators(text) {
+        match token.as_str() {
+            "(" | "[" => levels.push(Vec::new()),
+            ")" | "]" => drop(levels.pop()),
+            operator if BINARY.contains(&operator) && ["x", ")", "]"].contains(&before.as_str()) => {
+                let level = levels.last_mut().expect("brackets are balanced");
+                level.push(token.clone());
+                let has = |wanted: &[&str]| level.iter().any(|one| wanted.contains(&one.as_str()));
+                let differs = level.iter().any(|one| *one != level[0]);
+                let shifts = level.iter().filter(|one| *one == "<<" || *one == ">>").count();
+                let bitwise = has(&["&", "|", "^"]) && differs;
+                let shifted = shifts > 1 || shifts == 1 && has(&["+", "-", "*", "/", "%"]);
+                if bitwise || shifted || has(&["&&"]) && has(&["||"]) {
+                    found.push(std::mem::take(level).join(" "));
+                }
+            }
+            "k" | "x" | "." | "@" | "!" | "~" | "<" | ">" | "&" | "-" | "*" => {}
+            // A separator, an assignment or a brace begins another expression.
+            _ => *levels.last_mut().expect("brackets are balanced") = Vec::new(),
+        }
+        before = token;
+    }
+    found
+}
+
+/// Browsers refuse what wgpu accepts.
+#[test]
+fn operators_are_mixed_only_within_parentheses() {
+    for wrong in
+        ["a = b | c << 2u;", "if (a >> b & 1u) == 0u {", "x = a & (b) && c;", "y = f(a << 1u << b);", "z = a + b << 1u;"]
+    {
+        assert_eq!(mixed_operators(wrong).len(), 1, "{wrong}");
+    }
+    for right in ["a = b | (c << 2u);", "f(&b, a & b, -c);", "let a = -b * c < d;", "a |= b << c; d &= e | f | g;"] {
+        assert_eq!(mixed_operators(right), [""; 0], "{right}");
+    }
+    let parts = shared().chain(ALL.iter().flat_map(|stage| stage.parts()));
+    let files: BTreeMap<&str, &str> = parts.map(|part| (part.file, part.text)).collect();
+    for (file, text) in files {
+        assert_eq!(mixed_operators(text), [""; 0], "{file}");
+    }
+}

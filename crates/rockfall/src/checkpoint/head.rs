@@ -11,6 +11,8 @@ use crate::settings::Settings;
 
 /// First version that holds materials and pairs.
 pub(super) const MATERIALS_SINCE: u32 = 3;
+/// First version that holds rolling and twisting resistance.
+pub(super) const RESISTANCE_SINCE: u32 = 4;
 
 pub(super) fn bytes(checkpoint: &Checkpoint) -> Vec<u8> {
     let Checkpoint { scene, options, time_step, report, note, device, program, history, springs: _ } = checkpoint;
@@ -113,7 +115,7 @@ pub(super) fn read(words: &mut Words, version: u32) -> Result<(Checkpoint, Count
         polygons: count()?,
     };
     if version >= MATERIALS_SINCE {
-        read_materials(words, &mut scene)?;
+        read_materials(words, version, &mut scene)?;
     }
     Ok((Checkpoint { scene, options, time_step, report, note, device, program, history, springs: Vec::new() }, counts))
 }
@@ -150,14 +152,26 @@ fn materials(head: &mut Head, scene: &Scene) {
         [density, young, poisson].into_iter().for_each(|constant| head.known(*constant));
     }
     head.u32(scene.pairs.len() as u32);
-    for ((one, other), Pair { restitution, friction, stiffness }) in &scene.pairs {
+    for ((one, other), pair) in &scene.pairs {
+        let Pair {
+            restitution,
+            friction,
+            stiffness,
+            rolling_friction,
+            rolling_model,
+            rolling_damping,
+            twisting_friction,
+            surface_energy,
+        } = pair;
         head.u32(u32::from(*one));
         head.u32(u32::from(*other));
-        [restitution, friction, stiffness].into_iter().for_each(|property| head.known(*property));
+        let numbers = [restitution, friction, stiffness, rolling_friction, rolling_damping, twisting_friction, surface_energy];
+        numbers.into_iter().for_each(|property| head.known(*property));
+        head.text(&rolling_model.map(|model| model.to_string()).unwrap_or_default());
     }
 }
 
-fn read_materials(words: &mut Words, scene: &mut Scene) -> Result<(), Damage> {
+fn read_materials(words: &mut Words, version: u32, scene: &mut Scene) -> Result<(), Damage> {
     for _ in 0..words.u32()? {
         let mut material = Material::new(words.text()?);
         (material.density, material.young, material.poisson) = (words.known()?, words.known()?, words.known()?);
@@ -168,7 +182,14 @@ fn read_materials(words: &mut Words, scene: &mut Scene) -> Result<(), Damage> {
         if one.max(other) >= scene.materials().len() {
             return Err(Damage::new(format!("a pair refers to material {} of {}", one.max(other), scene.materials().len())));
         }
-        let pair = Pair { restitution: words.known()?, friction: words.known()?, stiffness: words.known()? };
+        let (restitution, friction, stiffness) = (words.known()?, words.known()?, words.known()?);
+        let mut pair = Pair { restitution, friction, stiffness, ..Pair::default() };
+        if version >= RESISTANCE_SINCE {
+            (pair.rolling_friction, pair.rolling_damping) = (words.known()?, words.known()?);
+            (pair.twisting_friction, pair.surface_energy) = (words.known()?, words.known()?);
+            let model = words.text()?;
+            pair.rolling_model = if model.is_empty() { None } else { Some(model.parse()?) };
+        }
         let [one, other] = [one, other].map(|index| scene.materials.handle_at(index));
         scene.set_pair(one, other, pair)?;
     }

@@ -23,6 +23,6 @@ fn is_finite(motion: Motion) -> bool {
 // motion of a sphere at rest at its old position.
 fn stopped(position: vec3f, stage: u32, sphere: u32) -> Motion {
     atomicAdd(&status.bad_count, 1u);
-    atomicMin(&status.bad_body, stage << BAD_STAGE_SHIFT | insertion_index(sphere));
+    atomicMin(&status.bad_body, (stage << BAD_STAGE_SHIFT) | insertion_index(sphere));
     return Motion(position, vec3f(0.0), vec3f(0.0));
 }

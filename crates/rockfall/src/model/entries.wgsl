@@ -7,5 +7,5 @@ fn entry_id(entry: u32) -> u32 {
 }
 
 fn entry_feature(entry: u32) -> u32 {
-    return entry >> ENTRY_ID_BITS & FEATURE_MASK;
+    return (entry >> ENTRY_ID_BITS) & FEATURE_MASK;
 }

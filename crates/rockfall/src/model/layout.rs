@@ -87,6 +87,11 @@ pub const FLAG_STAGES: u32 = 16;
 
 /// Bit of [`Step::flags`](crate::model::step::Step::flags): some pair of materials has Coulomb friction.
 pub const FLAG_PAIR_FRICTION: u32 = 32;
+/// Bit of [`Step::flags`](crate::model::step::Step::flags): some pair of materials has rolling or twisting friction, and the
+/// contact law has a history.
+pub const FLAG_RESISTANCE: u32 = 64;
+/// Bit of [`Step::flags`](crate::model::step::Step::flags): some pair of materials has cohesion, and the contact law has a history.
+pub const FLAG_COHESION: u32 = 128;
 
 /// Shift of the material in a tag.
 pub const MATERIAL_SHIFT: u32 = 16;
@@ -94,15 +99,16 @@ pub const MATERIAL_SHIFT: u32 = 16;
 pub const GROUP_MASK: u32 = (1 << MATERIAL_SHIFT) - 1;
 /// Words of a pair of materials in the topology buffer: restitution, strength of the square-root friction, coefficient of
 /// Coulomb friction in contacts, the same in collisions. A negative number stands for the constant of the scene. Then, for laws
-/// with history: normal constant, tangential constant, damping, coefficient of friction.
-pub const PAIR_WORDS: u32 = 8;
+/// with history: normal constant, tangential constant, damping, coefficient of friction; coefficient of rolling friction, ratio of
+/// rolling damping (negative for the model of constant torque), coefficient of twisting friction, pull-off force per radius.
+pub const PAIR_WORDS: u32 = 12;
 /// Value of [`Step::law`](crate::model::step::Step::law): the law of the thesis.
 pub const LAW_THESIS: u32 = 0;
 /// Value of [`Step::law`](crate::model::step::Step::law): the law `linear`.
 pub const LAW_LINEAR: u32 = 1;
 /// Value of [`Step::law`](crate::model::step::Step::law): the law `hertz-mindlin`.
 pub const LAW_HERTZ_MINDLIN: u32 = 2;
-/// Words of the spring of a contact: displacement x, y, z, overlap, three unused words, key.
+/// Words of the spring of a contact: displacement x, y, z, overlap, moment x, y, z, key.
 pub const HISTORY_WORDS: u32 = 8;
 /// Key of a record without a contact. It ends a row.
 pub const NO_KEY: u32 = u32::MAX;

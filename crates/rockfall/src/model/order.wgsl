@@ -26,9 +26,9 @@ fn id_of(index: u32) -> u32 {
 // Sort key of an entry: insertion index, then feature. It does not use the id, because results must not depend on the order of
 // memory.
 fn entry_key(id: u32, feature: u32) -> u32 {
-    return insertion_index(id) << FEATURE_BITS | feature;
+    return (insertion_index(id) << FEATURE_BITS) | feature;
 }
 
 fn entry_of(key: u32) -> u32 {
-    return id_of(key >> FEATURE_BITS) | (key & FEATURE_MASK) << ENTRY_ID_BITS;
+    return id_of(key >> FEATURE_BITS) | ((key & FEATURE_MASK) << ENTRY_ID_BITS);
 }

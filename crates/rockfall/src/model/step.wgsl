@@ -102,12 +102,15 @@ struct StatusAtomic {
 @group(0) @binding(1) var<uniform> pass_: Pass;
 
 // Whether the scene has rods (RODS), large spheres, each of which gets a workgroup (LARGE), springs with muscles
-// (MUSCLES), and pairs of materials (MATERIALS).
+// (MUSCLES), pairs of materials (MATERIALS), pairs with rolling or twisting resistance (RESISTANCE), and pairs with
+// cohesion (COHESION).
 // Kernels for scenes without them are smaller and faster.
 const RODS: bool = true;
 const LARGE: bool = true;
 const MUSCLES: bool = true;
 const MATERIALS: bool = true;
+const RESISTANCE: bool = true;
+const COHESION: bool = true;
 // The contact law. Kernels are compiled for one law.
 const LAW: u32 = 1u;
 
@@ -122,7 +125,7 @@ const TETHER_WORDS: u32 = 7u;
 const FORCE_WORDS: u32 = 3u;
 const BOX_WORDS: u32 = 12u;
 const POLYGON_WORDS: u32 = 9u;
-const PAIR_WORDS: u32 = 8u;
+const PAIR_WORDS: u32 = 12u;
 const MATERIAL_SHIFT: u32 = 16u;
 const LAW_THESIS: u32 = 0u;
 const LAW_LINEAR: u32 = 1u;
@@ -179,6 +182,8 @@ const FLAG_CONTINUE: u32 = 4u;
 const FLAG_GROUPS: u32 = 8u;
 const FLAG_STAGES: u32 = 16u;
 const FLAG_PAIR_FRICTION: u32 = 32u;
+const FLAG_RESISTANCE: u32 = 64u;
+const FLAG_COHESION: u32 = 128u;
 
 const REJECTED_PAIRS: u32 = 1u;
 const REJECTED_ESCAPED: u32 = 2u;

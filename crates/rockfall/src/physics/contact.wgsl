@@ -80,7 +80,7 @@ fn without_distant_rods(sphere: u32, own: vec4f, bits: u32, first: vec2u, begin:
     for (var e = begin; e < min(count, begin + ENTRIES_PER_MASK); e++) {
         let entry = entry_at(slot_at(first, e));
         let id = entry_id(entry);
-        if ((given >> (e - begin) & 1u) != 0u) & ((entry & bits) == 0u)
+        if (((given >> (e - begin)) & 1u) != 0u) & ((entry & bits) == 0u)
             & (id >= step.spheres) & (id - step.spheres < step.rods) {
             if touch_sphere_rod(sphere, own, bar_of(id - step.spheres)).overlap <= 0.0 {
                 kept &= ~(1u << (e - begin));
@@ -182,6 +182,14 @@ fn other_side(id: u32, at: f32) -> Side {
         return rod_side(id - step.spheres, at);
     }
     return static_side();
+}
+
+// The side of an object. `at` is the parameter on a rod.
+fn side_of(id: u32, at: f32) -> Side {
+    if id < step.spheres {
+        return sphere_side(state[position_at(id)], state[velocity_at(id)], state[momentum_at(id)]);
+    }
+    return other_side(id, at);
 }
 
 struct ContactForce {

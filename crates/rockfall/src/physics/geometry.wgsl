@@ -288,7 +288,7 @@ fn touch_box_feature(rod: Axis, box: Cuboid, a: f32, distance: vec3f, outward: v
 
 fn touch_rod_edge(rod: Axis, box: Cuboid, feature: u32) -> Touch {
     let g = feature / 4u;
-    let offset = vec2f(f32(feature & 1u), f32(feature >> 1u & 1u));
+    let offset = vec2f(f32(feature & 1u), f32((feature >> 1u) & 1u));
     let next = box_edge(box, g + 1u);
     let last = box_edge(box, g + 2u);
     let corner = box.corner + offset.x * next + offset.y * last;
@@ -302,7 +302,7 @@ fn touch_rod_edge(rod: Axis, box: Cuboid, feature: u32) -> Touch {
 }
 
 fn touch_rod_vertex(rod: Axis, box: Cuboid, feature: u32) -> Touch {
-    let offset = vec3f(f32(feature & 1u), f32(feature >> 1u & 1u), f32(feature >> 2u & 1u));
+    let offset = vec3f(f32(feature & 1u), f32((feature >> 1u) & 1u), f32((feature >> 2u) & 1u));
     let vertex = box.corner + offset.x * box.i + offset.y * box.j + offset.z * box.k;
     let squared = dot(rod.along, rod.along);
     let from_start = vertex - rod.start;

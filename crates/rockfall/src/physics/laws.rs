@@ -2,13 +2,14 @@
 //!
 //! A law consists of a line in the table below and two files in `laws/`: `NAME.rs` with `fn stiffness`, and `NAME.wgsl` with
 //! `fn NAME_stiffness`. Everything else is common to all laws: damping, the tangential spring, Coulomb's limit ([`contact`]),
-//! and where the history is kept ([`history`]). The thesis's law, which
+//! resistance to rolling and twisting ([`resistance`]), and where the history is kept ([`history`]). The thesis's law, which
 //! has no history, is in `physics/contact.*`.
 
 pub(crate) mod contact;
 mod hertz_mindlin;
 pub(crate) mod history;
 mod linear;
+mod resistance;
 
 use crate::model::view::View;
 use crate::settings::ContactLaw;
@@ -24,13 +25,22 @@ pub(crate) struct Constants {
     pub(crate) damping: f32,
     /// Coefficient of friction.
     pub(crate) friction: f32,
+    /// Coefficient of rolling friction.
+    pub(crate) rolling: f32,
+    /// Ratio of rolling damping; negative for the model of constant torque.
+    pub(crate) rolling_damping: f32,
+    /// Coefficient of twisting friction.
+    pub(crate) twisting: f32,
+    /// Pull-off force per R*, in mass/s².
+    pub(crate) cohesion: f32,
 }
 
 impl Constants {
     /// The constants of two objects.
     pub(crate) fn of(view: &View, a: u32, b: u32) -> Self {
-        let [.., normal, tangential, damping, friction] = view.pair(a, b).unwrap_or_default();
-        Self { normal, tangential, damping, friction }
+        let [_, _, _, _, normal, tangential, damping, friction, rolling, rolling_damping, twisting, cohesion] =
+            view.pair(a, b).unwrap_or_default();
+        Self { normal, tangential, damping, friction, rolling, rolling_damping, twisting, cohesion }
     }
 }
 

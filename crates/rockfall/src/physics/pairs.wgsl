@@ -2,15 +2,20 @@
 
 // Properties of the contacts of two objects, which follow from their materials (docs/physics.md section 4.10).
 
+// First word of the properties of the pair of objects a and b.
+fn pair_at(a: u32, b: u32) -> u32 {
+    let one = topology[step.tags_at + a] >> MATERIAL_SHIFT;
+    let other = topology[step.tags_at + b] >> MATERIAL_SHIFT;
+    return step.pairs_at + PAIR_WORDS * (one * step.materials + other);
+}
+
 // A property of the pair of objects a and b: the one at `place` in the row of their materials, or `of_scene` where that is not
 // given.
 fn pair_property(a: u32, b: u32, place: u32, of_scene: f32) -> f32 {
     if !MATERIALS {
         return of_scene;
     }
-    let one = topology[step.tags_at + a] >> MATERIAL_SHIFT;
-    let other = topology[step.tags_at + b] >> MATERIAL_SHIFT;
-    let given = float_at(step.pairs_at + PAIR_WORDS * (one * step.materials + other) + place);
+    let given = float_at(pair_at(a, b) + place);
     return select(given, of_scene, given < 0.0);
 }
 
@@ -36,8 +41,18 @@ fn collision_friction_of(a: u32, b: u32) -> f32 {
 
 // Constants of a law with history: normal, tangential, damping, friction.
 fn law_constants_of(a: u32, b: u32) -> vec4f {
-    let one = topology[step.tags_at + a] >> MATERIAL_SHIFT;
-    let other = topology[step.tags_at + b] >> MATERIAL_SHIFT;
-    let at = step.pairs_at + PAIR_WORDS * (one * step.materials + other) + 4u;
+    let at = pair_at(a, b) + 4u;
     return vec4f(float_at(at), float_at(at + 1u), float_at(at + 2u), float_at(at + 3u));
+}
+
+// Constants of rolling and twisting resistance: coefficient of rolling friction; damping ratio, negative for the model of constant
+// torque; coefficient of twisting friction.
+fn resistance_of(a: u32, b: u32) -> vec4f {
+    let at = pair_at(a, b) + 8u;
+    return vec4f(float_at(at), float_at(at + 1u), float_at(at + 2u), 0.0);
+}
+
+// Pull-off force per effective radius.
+fn cohesion_of(a: u32, b: u32) -> f32 {
+    return float_at(pair_at(a, b) + 11u);
 }

@@ -2,11 +2,13 @@
 
 use crate::error::{Error, Result};
 use crate::scene::restitution::damping_for;
-use crate::scene::{Material, Scene};
+use crate::scene::{Material, RollingModel, Scene};
 use crate::settings::{ContactLaw, Integrator};
 
 /// Ratio of the tangential to the normal stiffness in the law `linear`.
 const TANGENTIAL_RATIO: f32 = 2.0 / 7.0;
+/// Ratio of rolling damping where a pair has none: that of Ai, Chen, Rotter and Ooi (2011).
+const ROLLING_DAMPING: f32 = 0.3;
 
 /// Damping for each restitution that was asked for. Finding it takes milliseconds.
 #[derive(Default)]
@@ -87,9 +89,10 @@ impl Scene {
         Ok(())
     }
 
-    /// Constants of a pair of numbers of materials for the law of the scene: normal, tangential, damping, friction. 0 where the
-    /// law has no constants for the pair.
-    pub(crate) fn law_constants(&self, one: u16, other: u16, dampings: &mut Dampings) -> [f32; 4] {
+    /// Constants of a pair of numbers of materials for the law of the scene: normal, tangential, damping, friction;
+    /// rolling friction, rolling damping (negative for the model of constant torque), twisting friction, pull-off force per R*. 0 where
+    /// the law has no constants for the pair.
+    pub(crate) fn law_constants(&self, one: u16, other: u16, dampings: &mut Dampings) -> [f32; 8] {
         let law = self.settings.contact_law;
         let pair = self.pair_of_numbers(one, other);
         let known = match law {
@@ -98,11 +101,18 @@ impl Scene {
             ContactLaw::HertzMindlin => self.moduli(one, other),
         };
         let Some([normal, tangential]) = known else {
-            return [0.0; 4];
+            return [0.0; 8];
         };
         let restitution = pair.restitution.unwrap_or(self.settings.restitution);
         let friction = pair.friction.unwrap_or(self.settings.coulomb_friction);
-        [normal, tangential, dampings.of(law, restitution), friction]
+        let rolling_damping = match pair.rolling_model.unwrap_or_default() {
+            RollingModel::SpringDashpot => pair.rolling_damping.unwrap_or(ROLLING_DAMPING),
+            RollingModel::ConstantTorque => -1.0,
+        };
+        // DMT: 4 pi gamma R*.
+        let cohesion = 4.0 * std::f32::consts::PI * pair.surface_energy.unwrap_or_default();
+        let [rolling, twisting] = [pair.rolling_friction, pair.twisting_friction].map(Option::unwrap_or_default);
+        [normal, tangential, dampings.of(law, restitution), friction, rolling, rolling_damping, twisting, cohesion]
     }
 
     /// E* and G* of two materials: 1/E* = (1 - nu_i^2)/E_i + (1 - nu_j^2)/E_j, 1/G* = (2 - nu_i)/G_i + (2 - nu_j)/G_j, with

@@ -1,6 +1,8 @@
 //! Materials of objects, and the properties of pairs of materials (docs/physics.md section 4.10).
 
 use std::collections::BTreeMap;
+use std::fmt;
+use std::str::FromStr;
 
 use crate::error::{Error, Result, quoted};
 use crate::scene::Scene;
@@ -93,6 +95,50 @@ pub struct Pair {
     pub friction: Option<f32>,
     /// Normal stiffness k_n of the law `linear`, in mass/s², greater than 0.
     pub stiffness: Option<f32>,
+    /// Coefficient of rolling friction mu_r of the laws with history, without a unit, not negative: a sphere on a slope does not roll
+    /// where tan(slope) < mu_r. The thesis's law has no rolling resistance.
+    pub rolling_friction: Option<f32>,
+    /// Model of the rolling resistance; [`RollingModel::SpringDashpot`] where it is `None`.
+    pub rolling_model: Option<RollingModel>,
+    /// Damping ratio of [`RollingModel::SpringDashpot`], not negative; 0.3 where it is `None`.
+    pub rolling_damping: Option<f32>,
+    /// Coefficient of twisting friction of the laws with history, without a unit, not negative.
+    pub twisting_friction: Option<f32>,
+    /// Surface energy gamma of the laws with history, in mass/s² (J/m²), not negative: objects in contact attract each other with the
+    /// force 4 pi gamma R* (docs/physics.md section 4.13).
+    pub surface_energy: Option<f32>,
+}
+
+/// Model of the resistance to rolling (docs/physics.md section 4.12).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum RollingModel {
+    /// `a`: a torque of constant size against the rolling. Bodies on a slope creep.
+    ConstantTorque,
+    /// `c`: a spring that yields, and a dashpot. Bodies on a slope come to rest.
+    #[default]
+    SpringDashpot,
+}
+
+impl fmt::Display for RollingModel {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::ConstantTorque => "a",
+            Self::SpringDashpot => "c",
+        })
+    }
+}
+
+impl FromStr for RollingModel {
+    type Err = Error;
+
+    fn from_str(text: &str) -> Result<Self> {
+        match text {
+            "a" => Ok(Self::ConstantTorque),
+            "c" => Ok(Self::SpringDashpot),
+            _ => Err(Error::Invalid { field: "pair.rolling_model", value: quoted(text), expected: "a or c" }),
+        }
+    }
 }
 
 impl Pair {
@@ -114,15 +160,64 @@ impl Pair {
         self
     }
 
-    /// Names of the properties in scene files: `@pair NAME NAME restitution=e friction=mu stiffness=k`.
-    pub(crate) const KEYS: [&'static str; 3] = ["restitution", "friction", "stiffness"];
+    /// Sets the coefficient of rolling friction.
+    pub fn rolling_friction(mut self, rolling_friction: f32) -> Self {
+        self.rolling_friction = Some(rolling_friction);
+        self
+    }
 
-    /// The property of a name in [`Pair::KEYS`].
+    /// Sets the model of the rolling resistance.
+    pub fn rolling_model(mut self, rolling_model: RollingModel) -> Self {
+        self.rolling_model = Some(rolling_model);
+        self
+    }
+
+    /// Sets the damping ratio of the rolling resistance.
+    pub fn rolling_damping(mut self, rolling_damping: f32) -> Self {
+        self.rolling_damping = Some(rolling_damping);
+        self
+    }
+
+    /// Sets the coefficient of twisting friction.
+    pub fn twisting_friction(mut self, twisting_friction: f32) -> Self {
+        self.twisting_friction = Some(twisting_friction);
+        self
+    }
+
+    /// Sets the surface energy, in mass/s².
+    pub fn surface_energy(mut self, surface_energy: f32) -> Self {
+        self.surface_energy = Some(surface_energy);
+        self
+    }
+
+    /// Name in scene files of the model of rolling resistance, which is a word.
+    pub(crate) const MODEL: &'static str = "rolling_model";
+    /// Name in scene files of the model of cohesion. There is one, `dmt`.
+    pub(crate) const COHESION: &'static str = "cohesion";
+
+    /// Names of the properties in scene files: `@pair NAME NAME restitution=e friction=mu ...`.
+    pub(crate) const KEYS: [&'static str; 9] = [
+        "restitution",
+        "friction",
+        "stiffness",
+        "rolling_friction",
+        Self::MODEL,
+        "rolling_damping",
+        "twisting_friction",
+        "surface_energy",
+        Self::COHESION,
+    ];
+
+    /// The property of a name in [`Pair::KEYS`], if it is a number.
     pub(crate) fn property(&mut self, key: &str) -> Option<&mut Option<f32>> {
         match key {
             "restitution" => Some(&mut self.restitution),
             "friction" => Some(&mut self.friction),
             "stiffness" => Some(&mut self.stiffness),
+            "rolling_friction" => Some(&mut self.rolling_friction),
+            "rolling_damping" => Some(&mut self.rolling_damping),
+            "twisting_friction" => Some(&mut self.twisting_friction),
+            "surface_energy" => Some(&mut self.surface_energy),
             _ => None,
         }
     }
@@ -130,7 +225,11 @@ impl Pair {
     fn validate(&self) -> Result<()> {
         known("pair.restitution", self.restitution, |e| (0.0..=1.0).contains(&e), "a number from 0 to 1")?;
         known("pair.friction", self.friction, |mu| mu >= 0.0, "a finite number, not negative")?;
-        known("pair.stiffness", self.stiffness, |stiffness| stiffness > 0.0, "a finite number greater than 0")
+        known("pair.stiffness", self.stiffness, |stiffness| stiffness > 0.0, "a finite number greater than 0")?;
+        known("pair.rolling_friction", self.rolling_friction, |mu| mu >= 0.0, "a finite number, not negative")?;
+        known("pair.rolling_damping", self.rolling_damping, |ratio| ratio >= 0.0, "a finite number, not negative")?;
+        known("pair.twisting_friction", self.twisting_friction, |mu| mu >= 0.0, "a finite number, not negative")?;
+        known("pair.surface_energy", self.surface_energy, |gamma| gamma >= 0.0, "a finite number, not negative")
     }
 
     /// Mixes the properties of two materials, each with itself. A property that only one of them has is taken from it.
@@ -143,6 +242,14 @@ impl Pair {
             restitution: mean(one.restitution, other.restitution, geometric_mean),
             friction: mean(one.friction, other.friction, geometric_mean),
             stiffness: mean(one.stiffness, other.stiffness, harmonic_mean),
+            rolling_friction: mean(one.rolling_friction, other.rolling_friction, geometric_mean),
+            rolling_model: match (one.rolling_model, other.rolling_model) {
+                (Some(one), Some(other)) if one != other => Some(RollingModel::SpringDashpot),
+                (one, other) => one.or(other),
+            },
+            rolling_damping: mean(one.rolling_damping, other.rolling_damping, geometric_mean),
+            twisting_friction: mean(one.twisting_friction, other.twisting_friction, geometric_mean),
+            surface_energy: mean(one.surface_energy, other.surface_energy, geometric_mean),
         }
     }
 
@@ -152,6 +259,11 @@ impl Pair {
             restitution: self.restitution.or(other.restitution),
             friction: self.friction.or(other.friction),
             stiffness: self.stiffness.or(other.stiffness),
+            rolling_friction: self.rolling_friction.or(other.rolling_friction),
+            rolling_model: self.rolling_model.or(other.rolling_model),
+            rolling_damping: self.rolling_damping.or(other.rolling_damping),
+            twisting_friction: self.twisting_friction.or(other.twisting_friction),
+            surface_energy: self.surface_energy.or(other.surface_energy),
         }
     }
 }
@@ -161,7 +273,7 @@ fn geometric_mean(one: f32, other: f32) -> f32 {
     (f64::from(one) * f64::from(other)).sqrt() as f32
 }
 
-fn invalid(field: &'static str, value: impl std::fmt::Debug, expected: &'static str) -> Error {
+fn invalid(field: &'static str, value: impl fmt::Debug, expected: &'static str) -> Error {
     Error::Invalid { field, value: format!("{value:?}"), expected }
 }
 

@@ -121,6 +121,9 @@ impl Writer<'_> {
         for ((one, other), pair) in &self.scene.pairs {
             let mut copy = *pair;
             let _ = write!(self.text, "@pair {} {}", name(one), name(other));
+            if let Some(model) = pair.rolling_model {
+                let _ = write!(self.text, " {}={model}", Pair::MODEL);
+            }
             self.constants(&Pair::KEYS, |key| copy.property(key).copied().flatten());
         }
     }

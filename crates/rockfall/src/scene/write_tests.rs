@@ -258,7 +258,20 @@ fn build(additions: Vec<Addition>) -> Scene {
                 scene.add_material(Material { name, density, young, poisson }).map(drop)
             }
             Addition::Pair(one, other, [restitution, friction, stiffness]) => match (material(one), material(other)) {
-                (Some(one), Some(other)) => scene.set_pair(one, other, Pair { restitution, friction, stiffness }),
+                (Some(first), Some(second)) => {
+                    let rolling_model = [None, Some("a".parse().unwrap()), Some("c".parse().unwrap())][(one % 3) as usize];
+                    let [rolling_friction, twisting_friction, rolling_damping, surface_energy] =
+                        [friction, stiffness, restitution, friction];
+                    let resistance = Pair {
+                        rolling_friction,
+                        rolling_model,
+                        rolling_damping,
+                        twisting_friction,
+                        surface_energy,
+                        ..Pair::default()
+                    };
+                    scene.set_pair(first, second, Pair { restitution, friction, stiffness, ..resistance })
+                }
                 _ => Ok(()),
             },
         };

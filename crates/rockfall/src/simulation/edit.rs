@@ -201,7 +201,6 @@ impl Simulation {
     ///
     /// # Errors
     /// [`Error::Device`] when the GPU fails, [`Error::DeviceLimit`] when the scene has become too large.
-    #[cfg(not(target_family = "wasm"))]
     pub fn flush(&mut self) -> Result<()> {
         let device = self.engine.waiter();
         engine::block_on(device, self.flush_async())

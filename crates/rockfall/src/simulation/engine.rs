@@ -293,7 +293,7 @@ fn gpu_info(gpu: &Gpu, reason: &str) -> BackendInfo {
     let software = if gpu.is_software() { ", software" } else { "" };
     BackendInfo {
         kind: Backend::Gpu,
-        device: format!("{} ({}{software})", info.name, info.backend),
+        device: format!("{} ({}{software})", if info.name.is_empty() { "unnamed" } else { &info.name }, info.backend),
         driver: crate::devices::driver(&info),
         reason: reason.to_owned(),
     }
@@ -308,6 +308,21 @@ pub(super) fn block_on<T>(waiter: Waiter, future: impl Future<Output = Result<T>
             std::thread::yield_now();
             Ok(())
         })?,
+    }
+}
+
+/// Polls a future once, because a browser cannot block. Nothing waits on the CPU backend, nor for a state that was read already.
+///
+/// # Errors
+/// Those of the future, and [`Error::Device`](crate::Error::Device) when it waits for the device.
+#[cfg(all(feature = "gpu", target_family = "wasm"))]
+pub(super) fn block_on<T>(_waiter: Waiter, future: impl Future<Output = Result<T>>) -> Result<T> {
+    const WAITS: &str =
+        "a browser cannot block until the GPU is done: await the `_async` function first, for example sync_async";
+    let mut context = std::task::Context::from_waker(std::task::Waker::noop());
+    match std::pin::pin!(future).poll(&mut context) {
+        std::task::Poll::Ready(value) => value,
+        std::task::Poll::Pending => Err(crate::Error::Device(WAITS.to_owned())),
     }
 }
 

@@ -2,8 +2,10 @@
 
 use crate::error::{Error, Result};
 use crate::exec::gpu::{GpuWorld, Table};
+use crate::simulation::Simulation;
 use crate::simulation::edit::Dirty;
-use crate::simulation::{Simulation, engine};
+#[cfg(not(target_family = "wasm"))]
+use crate::simulation::engine;
 
 impl Simulation {
     /// Copies a field of all spheres to a buffer on the device, in order of addition and without a copy through the host. Does

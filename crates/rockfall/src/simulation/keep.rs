@@ -23,7 +23,6 @@ impl Simulation {
     /// # Errors
     /// [`Error::Device`] when the GPU fails. [`Error::Invalid`] between [`handle_collisions`](Self::handle_collisions) and
     /// [`update_positions`](Self::update_positions), when a step is not complete.
-    #[cfg(not(target_family = "wasm"))]
     pub fn checkpoint(&mut self) -> Result<Checkpoint> {
         let device = self.engine.waiter();
         engine::block_on(device, self.checkpoint_async())
@@ -70,7 +69,6 @@ impl Simulation {
     ///
     /// # Errors
     /// As for [`Simulation::checkpoint`] and [`Checkpoint::save`].
-    #[cfg(not(target_family = "wasm"))]
     pub fn save_checkpoint(&mut self, path: impl AsRef<Path>) -> Result<()> {
         self.checkpoint()?.save(path)
     }

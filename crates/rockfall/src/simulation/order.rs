@@ -5,7 +5,9 @@ use crate::model::layout::ORDER_SAMPLE;
 use crate::model::status::{REBUILD_REQUESTED, Status};
 use crate::options::Optimization;
 use crate::settings::BroadPhase;
-use crate::simulation::{Simulation, engine};
+use crate::simulation::Simulation;
+#[cfg(not(target_family = "wasm"))]
+use crate::simulation::engine;
 use crate::step::schedule::{MEASURE_ORDER, SORT_MEMORY};
 
 /// Steps between two measurements of the order.

@@ -7,7 +7,9 @@ use crate::exec::cpu::Watch;
 use crate::model::buffer::Buffer;
 use crate::model::world::World;
 use crate::profile::{BufferSize, Clock, Profile, Recorder};
-use crate::simulation::{Simulation, engine};
+use crate::simulation::Simulation;
+#[cfg(not(target_family = "wasm"))]
+use crate::simulation::engine;
 
 impl Simulation {
     /// [`Simulation::run`] with every stage timed: on the GPU by timestamps around every dispatch, on the CPU by the host's

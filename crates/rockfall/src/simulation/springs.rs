@@ -18,10 +18,10 @@ fn springs_of(world: &World, ids: &[AnyId]) -> Vec<KeptSpring> {
     let bits = feature_bits(step);
     let histories = Histories::new(step, &world.histories);
     let of_row = |row: u32| {
-        histories.row(row).into_iter().map(move |(key, Spring { shift, overlap })| {
+        histories.row(row).into_iter().map(move |(key, Spring { shift, overlap, moment })| {
             let (other, feature) = (key >> bits, key & ((1 << bits) - 1));
             let [a, b] = [row.min(other), row.max(other)].map(|number| ids[number as usize]);
-            KeptSpring { a, b, feature, shift, overlap }
+            KeptSpring { a, b, feature, shift, overlap, moment }
         })
     };
     (0..step.movers()).flat_map(of_row).collect()
@@ -42,7 +42,8 @@ pub(super) fn put_springs(world: &mut World, scene: &Scene, springs: &[KeptSprin
         let is_first = owner(&view, id_of(a), id_of(b)) == id_of(a);
         let (row, other) = if is_first { (a, b) } else { (b, a) };
         let key = other << feature_bits(&world.step) | kept.feature;
-        rows[row as usize].push((key, Spring { shift: kept.shift, overlap: kept.overlap }));
+        let KeptSpring { shift, overlap, moment, .. } = *kept;
+        rows[row as usize].push((key, Spring { shift, overlap, moment }));
     }
     let most = rows.iter().map(Vec::len).max().unwrap_or_default() as u32;
     world.set_history_room(FIRST_HISTORY_ROOM.max(most.next_power_of_two()));

@@ -11,7 +11,7 @@
 //! bindings, and the [`HOOKS`]. A [`Variant`] adapts the text to the kinds of objects in a scene. `tests/wgsl.rs` checks that
 //! no file uses a name without requiring its file, requires a file that it does not use, or declares a name twice.
 
-use crate::model::layout::MANY_OBJECTS;
+use crate::model::layout::{FLAG_COHESION, FLAG_RESISTANCE, MANY_OBJECTS};
 use crate::model::part::{Part, part};
 use crate::model::status::COUNTER_BLOCKS;
 use crate::model::step::Step;
@@ -70,6 +70,7 @@ const SHARED: &[Part] = &[
     part!("physics/contact.wgsl"),
     part!("physics/escape.wgsl"),
     part!("physics/forces/attached.wgsl"),
+    part!("physics/forces/mover_load.wgsl"),
     part!("physics/forces/muscle.wgsl"),
     part!("physics/forces/net_force.wgsl"),
     part!("physics/forces/rates.wgsl"),
@@ -81,6 +82,7 @@ const SHARED: &[Part] = &[
     part!("physics/laws/hertz_mindlin.wgsl"),
     part!("physics/laws/history.wgsl"),
     part!("physics/laws/linear.wgsl"),
+    part!("physics/laws/resistance.wgsl"),
     part!("physics/laws/stiffness.wgsl"),
     part!("physics/lengths.wgsl"),
     part!("physics/pairs.wgsl"),
@@ -180,6 +182,10 @@ pub struct Variant {
     pub muscles: bool,
     /// There may be pairs of materials.
     pub materials: bool,
+    /// There may be pairs with rolling or twisting resistance.
+    pub resistance: bool,
+    /// There may be pairs with cohesion.
+    pub cohesion: bool,
     /// There may be so many objects that a sort key of `find_neighbours` has no room for more than an insertion index.
     pub many: bool,
     /// Each workgroup has a world of its own: it has its own copy of the block `step`, and one block of counters.
@@ -189,13 +195,15 @@ pub struct Variant {
 impl Variant {
     /// Returns the variant for a scene with these counts.
     pub fn of(step: &Step) -> Self {
-        let Step { rods, large, muscles_at, materials, law, .. } = *step;
+        let Step { rods, large, muscles_at, materials, law, flags, .. } = *step;
         Self {
             law,
             rods: rods > 0,
             large: large > 0,
             muscles: muscles_at > 0,
             materials: materials > 0,
+            resistance: flags & FLAG_RESISTANCE != 0,
+            cohesion: flags & FLAG_COHESION != 0,
             many: step.objects() >= MANY_OBJECTS,
             worlds: None,
         }
@@ -204,7 +212,14 @@ impl Variant {
     /// Returns the WGSL of this variant. It replaces constants in the text, because the sizes of arrays depend on `RODS` and
     /// `LARGE` and so these cannot be pipeline-overridable constants.
     pub fn apply(self, text: &str) -> String {
-        let constants = [("RODS", self.rods), ("LARGE", self.large), ("MUSCLES", self.muscles), ("MATERIALS", self.materials)];
+        let constants = [
+            ("RODS", self.rods),
+            ("LARGE", self.large),
+            ("MUSCLES", self.muscles),
+            ("MATERIALS", self.materials),
+            ("RESISTANCE", self.resistance),
+            ("COHESION", self.cohesion),
+        ];
         let text = text.replace("const LAW: u32 = 1u;", &format!("const LAW: u32 = {}u;", self.law));
         let replaced = constants.iter().fold(text, |text, (name, is_set)| {
             text.replace(&format!("const {name}: bool = true;"), &format!("const {name}: bool = {is_set};"))

@@ -1,6 +1,6 @@
 //! The springs of contacts survive list rebuilds, sorted memory, growth, edits and checkpoints, bit for bit.
 
-use rockfall::{Backend, BroadPhase, Capsule, Checkpoint, ContactLaw, Cuboid, Rod, Scene, Simulation, Sphere};
+use rockfall::{Backend, BroadPhase, Capsule, Checkpoint, ContactLaw, Cuboid, Pair, Rod, Scene, Simulation, Sphere};
 
 use crate::{ball, options, pair, scene_with, simulation, soft};
 
@@ -9,7 +9,8 @@ fn crowd(law: ContactLaw, balls: u8) -> Scene {
     let mut scene = scene_with(law);
     scene.settings.gravity = 10.0;
     let material = soft(&mut scene, "soft");
-    pair(&mut scene, material, material, 0.3, 0.6);
+    let properties = Pair::default().restitution(0.3).friction(0.6).stiffness(1e4);
+    scene.set_pair(material, material, properties.rolling_friction(0.1).twisting_friction(0.3)).expect("a valid pair");
     for (low, high) in [
         ([-3.0, -1.0, -3.0], [3.0, 0.0, 3.0]),
         ([-3.0, 0.0, -3.0], [-2.0, 6.0, 3.0]),

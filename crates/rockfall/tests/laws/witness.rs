@@ -1,9 +1,9 @@
 //! Oblique impacts of two spheres, computed in f64 from docs/physics.md section 4.11 alone, against both backends.
 
 use rockfall::glam::{DVec3, Vec3};
-use rockfall::{Backend, ContactLaw, Scene, Sphere};
+use rockfall::{Backend, ContactLaw, Pair, RollingModel, Scene, Sphere};
 
-use crate::{pair, scene_with, simulation, soft};
+use crate::{scene_with, simulation, soft};
 
 /// A sphere of the witness.
 #[derive(Clone, Copy)]
@@ -16,7 +16,7 @@ struct Body {
 }
 
 /// Damping g for which a clipped impact rebounds with e, found independently: by bisection on an explicit integration.
-fn damping(law: ContactLaw, e: f64) -> f64 {
+pub(crate) fn damping(law: ContactLaw, e: f64) -> f64 {
     let rebound = |g: f64| {
         let (mut d, mut v, h) = (0.0_f64, 1.0_f64, 2e-5);
         loop {
@@ -38,12 +38,67 @@ fn damping(law: ContactLaw, e: f64) -> f64 {
     0.5 * (low + high)
 }
 
+/// Rolling and twisting resistance: mu_r, whether it is model A, mu_q. The damping ratio is 0.3.
+type Resistance = (f64, bool, f64);
+
+/// Moment on A of docs/physics.md section 4.12, and the elastic part that is kept.
+struct Turning {
+    n: DVec3,
+    /// R*, overlap, overlap before, N, time step.
+    r: f64,
+    d: f64,
+    old: f64,
+    press: f64,
+    dt: f64,
+    /// S_n, S_t, g sqrt(S_t m*).
+    sn: f64,
+    st: f64,
+    dashpot: f64,
+    rescales: bool,
+}
+
+fn moment(turning: &Turning, [a, b]: [Body; 2], (mu, is_a, mu_q): Resistance, kept: DVec3) -> [DVec3; 2] {
+    let Turning { n, r, d, old, press, dt, sn, st, dashpot, rescales } = *turning;
+    let ratio = if d < old { d / old } else { 1.0 };
+    let f_r = if rescales { ratio.sqrt() } else { 1.0 };
+    let w = a.w - b.w;
+    let (wq, wr) = (w.dot(n), w - w.dot(n) * n);
+    let inertia = |body: Body| 0.4 * body.m * body.r * body.r;
+    let (mut roll, mut roll_kept) = (DVec3::ZERO, DVec3::ZERO);
+    if mu > 0.0 && is_a {
+        let stop = 0.5 / (dt * (1.0 / inertia(a) + 1.0 / inertia(b)));
+        roll = -wr.normalize_or_zero() * (mu * r * press).min(stop * wr.length());
+    } else if mu > 0.0 {
+        let k = 2.25 * sn * (mu * r).powi(2);
+        roll_kept = f_r * (kept - kept.dot(n) * n) - k * dt * wr;
+        if roll_kept.length() > mu * r * press {
+            roll_kept *= mu * r * press / roll_kept.length();
+            roll = roll_kept;
+        } else {
+            let about = |body: Body| inertia(body) + body.m * body.r * body.r;
+            let i = 1.0 / (1.0 / about(a) + 1.0 / about(b));
+            roll = roll_kept - 2.0 * 0.3 * (i * k).sqrt() * wr;
+        }
+    }
+    let (mut q, mut q_kept) = (0.0, 0.0);
+    if mu_q > 0.0 {
+        let limit = 2.0 / 3.0 * (r * d).sqrt() * mu_q * press;
+        q_kept = f_r * ratio * kept.dot(n) - 0.5 * st * r * d * dt * wq;
+        q = q_kept - 0.5 * dashpot * r * d * wq;
+        if q_kept.abs() > limit {
+            q_kept = limit * q_kept.signum();
+            q = q_kept;
+        }
+    }
+    [roll + q * n, roll_kept + q_kept * n]
+}
+
 /// Runs an impact in f64 with the same integrator, for `steps` steps of `dt`.
-fn run(law: ContactLaw, e: f64, mu: f64, mut bodies: [Body; 2], steps: u64, dt: f64) -> [Body; 2] {
+fn run(law: ContactLaw, [e, mu]: [f64; 2], resistance: Resistance, mut bodies: [Body; 2], steps: u64, dt: f64) -> [Body; 2] {
     let g = damping(law, e);
     let young = 1e5 / (2.0 * (1.0 - 0.0625));
     let shear = 1e5 / (2.0 * 1.25) / (2.0 * (2.0 - 0.25));
-    let (mut shift, mut old) = (DVec3::ZERO, 0.0);
+    let (mut shift, mut kept, mut old) = (DVec3::ZERO, DVec3::ZERO, 0.0);
     for _ in 0..steps {
         let [a, b] = bodies;
         let n = (b.x - a.x).normalize();
@@ -79,10 +134,15 @@ fn run(law: ContactLaw, e: f64, mu: f64, mut bodies: [Body; 2], steps: u64, dt: 
                 shift = if elastic.dot(rub) > 0.0 { -elastic / st } else { DVec3::ZERO };
             }
             force = rub - normal * n;
-            torque = [(ra * n).cross(rub), (-rb * n).cross(-rub)];
+            let rescales = law == ContactLaw::HertzMindlin;
+            let dashpot = g * (st * m).sqrt();
+            let turning = Turning { n, r, d, old, press: normal, dt, sn, st, dashpot, rescales };
+            let turned = moment(&turning, bodies, resistance, kept);
+            kept = turned[1];
+            torque = [(ra * n).cross(rub) + turned[0], (-rb * n).cross(-rub) - turned[0]];
             old = d;
         } else {
-            shift = DVec3::ZERO;
+            (shift, kept, old) = (DVec3::ZERO, DVec3::ZERO, 0.0);
         }
         for (body, (push, turn)) in bodies.iter_mut().zip([(force, torque[0]), (-force, torque[1])]) {
             body.v += dt / body.m * push;
@@ -96,11 +156,17 @@ fn run(law: ContactLaw, e: f64, mu: f64, mut bodies: [Body; 2], steps: u64, dt: 
 fn oblique_impacts_agree_with_a_computation_in_f64(backend: Backend) {
     // Sliding, sticking, and in between; damped and elastic; either sphere is the smaller one.
     let cases = [(0.9, 0.1, [1.0, 0.8]), (0.5, 0.9, [1.0, 0.3]), (1.0, 0.4, [0.9, 0.2]), (0.3, 0.4, [0.5, -2.0])];
-    for law in [ContactLaw::Linear, ContactLaw::HertzMindlin] {
+    // The second resistance is so small that its springs yield.
+    let resistances = [(0.0, false, 0.0), (0.05, false, 0.1), (0.6, false, 0.9), (0.2, true, 0.0)];
+    let laws = [ContactLaw::Linear, ContactLaw::HertzMindlin];
+    for (law, resistance) in laws.into_iter().flat_map(|law| resistances.map(|resistance| (law, resistance))) {
         for (case, (e, mu, [closing, across])) in cases.into_iter().enumerate() {
             let mut scene: Scene = scene_with(law);
             let material = soft(&mut scene, "soft");
-            pair(&mut scene, material, material, e, mu);
+            let model = if resistance.1 { RollingModel::ConstantTorque } else { RollingModel::SpringDashpot };
+            let properties = Pair::default().restitution(e).friction(mu).stiffness(1e4).rolling_friction(resistance.0 as f32);
+            let properties = properties.rolling_model(model).twisting_friction(resistance.2 as f32);
+            scene.set_pair(material, material, properties).expect("a valid pair");
             let radii = if case % 2 == 0 { [0.5_f32, 0.3] } else { [0.3, 0.5] };
             let first = Sphere::new([0.0; 3], radii[0]).density(1.0).velocity([closing, 0.0, 0.3]).material(material);
             let second =
@@ -123,16 +189,21 @@ fn oblique_impacts_agree_with_a_computation_in_f64(backend: Backend) {
                 scene.add_sphere(spheres[k].angular_momentum(spin)).expect("a valid sphere")
             });
             let (steps, dt) = crate::common::on(backend, (2500, 2e-5), (300, 1e-4));
-            let expected = run(law, e.into(), mu.into(), bodies, steps, f64::from(dt));
+            let expected = run(law, [e.into(), mu.into()], resistance, bodies, steps, f64::from(dt));
             let mut simulation = simulation(scene, backend);
             simulation.run(steps, dt).expect("steps");
             let after = simulation.sync().expect("the state");
             for (id, body) in ids.into_iter().zip(expected) {
                 let sphere = after.sphere(id).expect("a sphere");
                 let error = (sphere.velocity.as_dvec3() - body.v).length();
-                assert!(error < 1e-3, "{law}, case {case}: velocity {:?}, expected {:?}", sphere.velocity, body.v);
+                assert!(
+                    error < 1e-3,
+                    "{law}, case {case}, {resistance:?}: velocity {:?}, expected {:?}",
+                    sphere.velocity,
+                    body.v
+                );
                 let error = (sphere.spin().as_dvec3() - body.w).length();
-                assert!(error < 5e-3, "{law}, case {case}: spin {:?}, expected {:?}", sphere.spin(), body.w);
+                assert!(error < 5e-3, "{law}, case {case}, {resistance:?}: spin {:?}, expected {:?}", sphere.spin(), body.w);
             }
         }
     }

@@ -4,7 +4,7 @@
 use glam::Vec3;
 use rand::SeedableRng;
 use rand_pcg::Pcg64Mcg;
-use rockfall::{Material, MaterialId, Pair, Rod, Scene, Spring, Tether};
+use rockfall::{Material, MaterialId, Pair, Rod, RollingModel, Scene, Spring, Tether};
 
 use crate::random::Draw;
 use crate::trace::{Only, Plan};
@@ -150,9 +150,13 @@ fn with_materials(scene: &Scene) -> Scene {
     made.settings = scene.settings;
     let materials = [("hard", 2e3), ("soft", 5e2)].map(|(name, young)| Material::new(name).young(young).poisson(0.3));
     let [hard, soft] = materials.map(|material| made.add_material(material).unwrap());
-    made.set_pair(hard, hard, Pair::default().restitution(0.9).friction(0.4).stiffness(300.0)).unwrap();
+    let hard_pair = Pair::default().restitution(0.9).friction(0.4).stiffness(300.0);
+    let hard_pair =
+        hard_pair.rolling_friction(0.2).rolling_model(RollingModel::SpringDashpot).twisting_friction(0.3).surface_energy(0.1);
+    made.set_pair(hard, hard, hard_pair).unwrap();
     made.set_pair(hard, soft, Pair::default().restitution(0.3).friction(0.0)).unwrap();
-    made.set_pair(soft, soft, Pair::default().stiffness(100.0)).unwrap();
+    let soft_pair = Pair::default().stiffness(100.0).rolling_friction(0.3).rolling_model(RollingModel::ConstantTorque);
+    made.set_pair(soft, soft, soft_pair).unwrap();
     let has_history = scene.settings.contact_law.has_history();
     let mut place = 0;
     let mut next = || -> Option<MaterialId> {

@@ -54,13 +54,13 @@ fn flat(vectors: &[Vec4]) -> Vec<f32> {
 
 /// Keys and springs of all rows before and after the step. A row ends with the first record without a key, whose key is returned
 /// too.
-fn springs(world: &World) -> Vec<(u32, [f32; 4])> {
+fn springs(world: &World) -> Vec<(u32, [f32; HISTORY_WORDS as usize - 1])> {
     let (words, room) = (HISTORY_WORDS as usize, world.step.history_room as usize);
     let mut all = Vec::new();
     for row in world.histories.chunks_exact((room * words).max(1)) {
         for record in row.chunks_exact(words) {
             let key = record[words - 1];
-            let spring = if key == NO_KEY { [0.0; 4] } else { std::array::from_fn(|k| f32::from_bits(record[k])) };
+            let spring = if key == NO_KEY { [0.0; 7] } else { std::array::from_fn(|k| f32::from_bits(record[k])) };
             all.push((key, spring));
             if key == NO_KEY {
                 break;

@@ -40,6 +40,9 @@ const NEEDED: [(Limit, u32); 3] = [
     (("max_compute_workgroup_size_x", |limits| limits.max_compute_workgroup_size_x), WORKGROUP),
 ];
 
+#[cfg(target_family = "wasm")]
+const HELP: &str = "use a browser with WebGPU, and check that hardware acceleration is switched on, or use the CPU backend";
+#[cfg(not(target_family = "wasm"))]
 const HELP: &str = "install a graphics driver with Vulkan, Metal or DX12 (on Linux: mesa-vulkan-drivers, or the \
                     proprietary driver with its Vulkan part), see what `rockfall devices` lists, or use --backend cpu";
 
@@ -53,13 +56,28 @@ pub fn instance() -> wgpu::Instance {
 }
 
 /// The graphics APIs to search: all, or those that the environment variable `WGPU_BACKEND` names.
+#[cfg(not(target_family = "wasm"))]
 fn apis() -> wgpu::Backends {
     wgpu::Backends::from_env().unwrap_or(wgpu::Backends::all())
 }
 
+/// The adapters that [`Gpu::open`] may choose from.
+#[cfg(not(target_family = "wasm"))]
+async fn candidates() -> Vec<wgpu::Adapter> {
+    instance().enumerate_adapters(apis()).await
+}
+
+/// The adapter that the browser chooses. A browser offers only one. It may be the slower one of two without the preference.
+#[cfg(target_family = "wasm")]
+async fn candidates() -> Vec<wgpu::Adapter> {
+    let power_preference = wgpu::PowerPreference::HighPerformance;
+    let options = wgpu::RequestAdapterOptions { power_preference, ..Default::default() };
+    instance().request_adapter(&options).await.into_iter().collect()
+}
+
 /// All adapters, including software ones. The first is the one that [`Gpu::open`] tries first.
 pub async fn adapters() -> Vec<wgpu::AdapterInfo> {
-    let mut found: Vec<_> = instance().enumerate_adapters(apis()).await.iter().map(wgpu::Adapter::get_info).collect();
+    let mut found: Vec<_> = candidates().await.iter().map(wgpu::Adapter::get_info).collect();
     found.sort_by_key(|info| Reverse(preference(info)));
     found
 }
@@ -104,7 +122,7 @@ impl Gpu {
     /// # Errors
     /// [`Error::NoAdapter`] when there is no usable adapter, [`Error::Device`] when none can be opened.
     pub async fn open(allow_software: bool) -> Result<Self> {
-        let mut candidates = instance().enumerate_adapters(apis()).await;
+        let mut candidates = candidates().await;
         let mut reasons = Vec::new();
         candidates.retain(|adapter| {
             let reason = reason_unusable(adapter, allow_software);

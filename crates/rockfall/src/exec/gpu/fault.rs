@@ -1,8 +1,11 @@
 //! Faults of a device: recorded until they are checked, and never a panic.
 
+#[cfg(not(target_family = "wasm"))]
 use std::future::Future;
+#[cfg(not(target_family = "wasm"))]
 use std::pin::pin;
 use std::sync::{Arc, Mutex, PoisonError};
+#[cfg(not(target_family = "wasm"))]
 use std::task::{Context, Poll, Waker};
 
 use crate::error::{Error, Result};
@@ -64,8 +67,8 @@ pub(crate) fn lost(why: &str) -> String {
 /// Runs `work` and returns its result, or the error that the device reported meanwhile.
 ///
 /// # Errors
-/// [`Error::Device`] with the first error. In a browser the device reports its errors too late for this; they appear on the
-/// console.
+/// [`Error::Device`] with the first error.
+#[cfg(not(target_family = "wasm"))]
 pub fn catch<T>(device: &wgpu::Device, work: impl FnOnce() -> T) -> Result<T> {
     let scopes = [wgpu::ErrorFilter::Validation, wgpu::ErrorFilter::OutOfMemory, wgpu::ErrorFilter::Internal]
         .map(|filter| device.push_error_scope(filter));
@@ -82,6 +85,16 @@ pub fn catch<T>(device: &wgpu::Device, work: impl FnOnce() -> T) -> Result<T> {
         Some(text) => Err(Error::Device(text)),
         None => Ok(done),
     }
+}
+
+/// Runs `work` and returns its result. In a browser the device reports errors too late for this function. It reports them to
+/// the handler of the device: [`Faults`] returns them from the next call that waits, or they appear on the console.
+///
+/// # Errors
+/// None.
+#[cfg(target_family = "wasm")]
+pub fn catch<T>(_device: &wgpu::Device, work: impl FnOnce() -> T) -> Result<T> {
+    Ok(work())
 }
 
 #[cfg(test)]

@@ -115,6 +115,8 @@ impl DeviceWorlds {
             muscles: false,
             law: LAW_THESIS,
             materials: false,
+            resistance: false,
+            cohesion: false,
             many: false,
             worlds: Some(self.sizes),
         };

@@ -5,8 +5,8 @@ use glam::Vec3;
 
 use crate::error::{Error, Result};
 use crate::model::layout::{
-    FLAG_GROUPS, FLAG_PAIR_FRICTION, GROUP_MASK, KIND_FORCE, KIND_ROD, KIND_SHIFT, KIND_SPRING, KIND_TETHER, LINE,
-    MATERIAL_SHIFT, MUSCLE_WORDS, NO_NETWORK, NO_ROD, ROD_WORDS, SOME_RODS, max_objects,
+    FLAG_COHESION, FLAG_GROUPS, FLAG_PAIR_FRICTION, FLAG_RESISTANCE, GROUP_MASK, KIND_FORCE, KIND_ROD, KIND_SHIFT, KIND_SPRING,
+    KIND_TETHER, LINE, MATERIAL_SHIFT, MUSCLE_WORDS, NO_NETWORK, NO_ROD, ROD_WORDS, SOME_RODS, max_objects,
 };
 use crate::model::step::Step;
 use crate::model::world::World;
@@ -172,7 +172,7 @@ fn pack_static(scene: &Scene, order: &[u32], step: &mut Step, topology: &mut Vec
 fn pack_pairs(scene: &Scene, step: &mut Step, topology: &mut Vec<u32>) {
     /// Stands for the constant of the scene.
     const OF_SCENE: f32 = -1.0;
-    step.flags &= !FLAG_PAIR_FRICTION;
+    step.flags &= !(FLAG_PAIR_FRICTION | FLAG_RESISTANCE | FLAG_COHESION);
     (step.materials, step.pairs_at) = (0, 0);
     let law = scene.settings.contact_law;
     if scene.pairs.is_empty() && !law.has_history() {
@@ -188,7 +188,14 @@ fn pack_pairs(scene: &Scene, step: &mut Step, topology: &mut Vec<u32>) {
         let in_collisions = friction.unwrap_or(OF_SCENE);
         let in_contacts = if law.has_history() { 0.0 } else { in_collisions };
         topology.extend([restitution.unwrap_or(OF_SCENE), root, in_contacts, in_collisions].map(f32::to_bits));
-        topology.extend(scene.law_constants(one, other, &mut dampings).map(f32::to_bits));
+        let constants = scene.law_constants(one, other, &mut dampings);
+        topology.extend(constants.map(f32::to_bits));
+        if constants[4] > 0.0 || constants[6] > 0.0 {
+            step.flags |= FLAG_RESISTANCE;
+        }
+        if constants[7] > 0.0 {
+            step.flags |= FLAG_COHESION;
+        }
         if in_contacts > 0.0 || in_collisions > 0.0 && scene.settings.collisions {
             step.flags |= FLAG_PAIR_FRICTION;
         }

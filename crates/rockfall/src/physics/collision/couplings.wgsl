@@ -144,7 +144,7 @@ fn couple_side(k: Record, number: u32, half: ContactSide, side: f32) {
         couple_capsule(k, number, half, side);
         return;
     }
-    if is_gathered(half.spheres.x) | (RODS & (half.kind == ROD) && is_gathered(half.spheres.y)) {
+    if is_gathered(half.spheres.x) | ((RODS & (half.kind == ROD)) && is_gathered(half.spheres.y)) {
         gathered |= bit;
         return;
     }

@@ -2,9 +2,10 @@
 
 use glam::Vec3;
 
-use crate::model::layout::FLAG_COLLISIONS;
+use crate::model::layout::{FLAG_COLLISIONS, FLAG_RESISTANCE};
 use crate::model::view::View;
 use crate::physics::contact::{ContactForce, collision_velocity, smaller_radius};
+use crate::physics::laws::resistance::{Kept, Turning};
 use crate::physics::laws::{Constants, stiffness};
 use crate::physics::side::{Side, side};
 use crate::physics::touch::Touch;
@@ -17,6 +18,8 @@ pub(crate) struct Spring {
     pub(crate) shift: Vec3,
     /// Overlap in the last step, in units.
     pub(crate) overlap: f32,
+    /// Moment on A of the springs against rolling and twisting.
+    pub(crate) moment: Vec3,
 }
 
 /// Result of a law.
@@ -34,7 +37,7 @@ pub(crate) fn law_force(view: &View, [id_a, id_b]: [u32; 2], touch: &Touch, befo
     let (step, n, overlap) = (view.step, touch.normal, touch.overlap);
     let [a, b] = [side(view, view.object(id_a), touch.a), side(view, view.object(id_b), touch.b)];
     let approach = (a.velocity - b.velocity).dot(n);
-    let spring = Spring { shift: Vec3::ZERO, overlap };
+    let spring = Spring { shift: Vec3::ZERO, overlap, moment: Vec3::ZERO };
     if step.flags & FLAG_COLLISIONS != 0 {
         // As in docs/physics.md section 4.4.
         let threshold = collision_velocity(step, smaller_radius(&a, &b));
@@ -44,7 +47,8 @@ pub(crate) fn law_force(view: &View, [id_a, id_b]: [u32; 2], touch: &Touch, befo
     }
     let reduced_mass = 1.0 / (a.inverse_mass + b.inverse_mass);
     let constants = Constants::of(view, id_a, id_b);
-    let stiff = stiffness(ContactLaw::from_number(step.law), &constants, effective_radius(&a, &b), overlap);
+    let radius = effective_radius(&a, &b);
+    let stiff = stiffness(ContactLaw::from_number(step.law), &constants, radius, overlap);
 
     let damping = constants.damping * (stiff.normal * reduced_mass).sqrt();
     let normal = (stiff.share * stiff.normal * overlap + damping * approach).max(0.0);
@@ -62,10 +66,18 @@ pub(crate) fn law_force(view: &View, [id_a, id_b]: [u32; 2], touch: &Touch, befo
         limited(&Tangential { shift, slip, stiffness: stiff.tangential, damping }, constants.friction * normal);
 
     let torque = n.cross(tangential);
-    LawForce {
-        loads: ContactForce { force: tangential - normal * n, torque_a: arm_a * torque, torque_b: arm_b * torque },
-        spring: Spring { shift, overlap },
+    let pushed = normal - constants.cohesion * radius;
+    let mut loads = ContactForce { force: tangential - pushed * n, torque_a: arm_a * torque, torque_b: arm_b * torque };
+    let mut moment = Vec3::ZERO;
+    if step.flags & FLAG_RESISTANCE != 0 {
+        let turning = Turning { sides: [&a, &b], normal: n, overlap, radius, press: normal, stiffness: stiff, dt: step.dt };
+        let kept = before.map_or(Kept { moment, overlap }, |before| Kept { moment: before.moment, overlap: before.overlap });
+        let found = turning.moments(&constants, kept);
+        loads.torque_a += found.torque;
+        loads.torque_b -= found.torque;
+        moment = found.kept;
     }
+    LawForce { loads, spring: Spring { shift, overlap, moment } }
 }
 
 /// The displacement of the last step in the present tangent plane. It keeps its length, but for a law that rescales it shrinks
@@ -102,12 +114,13 @@ fn limited(t: &Tangential, limit: f32) -> (Vec3, Vec3) {
     (force, shift)
 }
 
-/// Energy of the normal spring of a contact.
+/// Energy of the normal spring of a contact, and of its attraction.
 pub(crate) fn normal_energy(view: &View, id_a: u32, id_b: u32, touch: &Touch) -> f64 {
     let [a, b] = [side(view, view.object(id_a), touch.a), side(view, view.object(id_b), touch.b)];
-    let law = ContactLaw::from_number(view.step.law);
-    let stiff = stiffness(law, &Constants::of(view, id_a, id_b), effective_radius(&a, &b), touch.overlap);
-    f64::from(stiff.energy_share) * f64::from(stiff.normal) * f64::from(touch.overlap).powi(2)
+    let (constants, radius) = (Constants::of(view, id_a, id_b), effective_radius(&a, &b));
+    let stiff = stiffness(ContactLaw::from_number(view.step.law), &constants, radius, touch.overlap);
+    let elastic = f64::from(stiff.energy_share) * f64::from(stiff.normal) * f64::from(touch.overlap).powi(2);
+    elastic - f64::from(constants.cohesion) * f64::from(radius) * f64::from(touch.overlap)
 }
 
 /// R*, with 1/R* the sum of the curvatures of both sides. Boxes and polygons are flat.

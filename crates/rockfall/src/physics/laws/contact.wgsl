@@ -1,5 +1,6 @@
 // requires model/step.wgsl physics/contact.wgsl physics/geometry.wgsl physics/laws/hertz_mindlin.wgsl
-// requires physics/laws/history.wgsl physics/laws/linear.wgsl physics/laws/stiffness.wgsl physics/pairs.wgsl
+// requires physics/laws/history.wgsl physics/laws/linear.wgsl physics/laws/resistance.wgsl physics/laws/stiffness.wgsl
+// requires physics/pairs.wgsl
 
 // Forces of a contact by a law with history, and its tangential spring (docs/physics.md section 4.11).
 
@@ -12,6 +13,8 @@ fn law_stiffness(constants: vec4f, radius: f32, overlap: f32) -> Stiffness {
 
 struct LawForce {
     contact: ContactForce,
+    // Torque on A against rolling and twisting. B gets the opposite.
+    moment: vec3f,
     spring: Spring,
 }
 
@@ -38,7 +41,8 @@ fn law_force(a_side: Side, b_side: Side, touch: Touch, a: u32, b: u32, before: S
     let arms = arms_of(a_side, b_side, overlap, b_moves);
     let relative = a_side.velocity - b_side.velocity;
     let approach = dot(relative, n);
-    var result = LawForce(ContactForce(vec3f(0.0), vec3f(0.0), arms.x, arms.y), Spring(vec3f(0.0), overlap));
+    let no_force = ContactForce(vec3f(0.0), vec3f(0.0), arms.x, arms.y);
+    var result = LawForce(no_force, vec3f(0.0), Spring(vec3f(0.0), overlap, vec3f(0.0)));
     if !has_force(overlap, approach, smaller_radius(a_side.radius, b_side.radius, b_moves)) {
         return result;
     }
@@ -64,7 +68,17 @@ fn law_force(a_side: Side, b_side: Side, touch: Touch, a: u32, b: u32, before: S
         rub *= limit / size;
         shift = select(vec3f(0.0), -(rub + dashpot) / stiff.tangential, dot(rub + dashpot, rub) > 0.0);
     }
-    result.contact = ContactForce(rub - press * n, cross(n, rub), arms.x, arms.y);
+    var normal = press;
+    if COHESION {
+        normal -= radius * cohesion_of(a, b);
+    }
+    result.contact = ContactForce(rub - normal * n, cross(n, rub), arms.x, arms.y);
     result.spring.shift = shift;
+    if RESISTANCE {
+        let turning = Turning(n, overlap, radius, press, constants.z * sqrt(stiff.tangential * mass));
+        let found = resistance(a_side, b_side, turning, stiff, resistance_of(a, b), before.moment, before.overlap);
+        result.moment = found.torque;
+        result.spring.moment = found.kept;
+    }
     return result;
 }

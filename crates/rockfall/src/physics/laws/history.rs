@@ -74,14 +74,17 @@ pub(crate) fn feature_bits(step: &Step) -> u32 {
     crate::model::layout::ENTRY_BITS - step.entry_id_bits()
 }
 
-/// Writes a record. Words 4 to 6 are not used yet.
+/// Writes a record.
 pub(crate) fn pack(words: &mut [u32], key: u32, spring: &Spring) {
     let Vec3 { x, y, z } = spring.shift;
     words[..4].copy_from_slice(&[x, y, z, spring.overlap].map(f32::to_bits));
-    words[4..WORDS].copy_from_slice(&[0, 0, 0, key]);
+    let Vec3 { x, y, z } = spring.moment;
+    words[4..7].copy_from_slice(&[x, y, z].map(f32::to_bits));
+    words[WORDS - 1] = key;
 }
 
 fn unpack(words: &[u32]) -> Spring {
-    let [x, y, z, overlap] = [0, 1, 2, 3].map(|place| f32::from_bits(words[place]));
-    Spring { shift: Vec3::new(x, y, z), overlap }
+    let number = |place: usize| f32::from_bits(words[place]);
+    let [shift, moment] = [0, 4].map(|place| Vec3::new(number(place), number(place + 1), number(place + 2)));
+    Spring { shift, overlap: number(3), moment }
 }

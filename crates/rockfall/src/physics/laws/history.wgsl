@@ -1,13 +1,15 @@
 // requires model/objects.wgsl model/order.wgsl model/step.wgsl
 
 // Where the springs of contacts are kept (docs/physics.md section 4.11). A row of `histories` belongs to a mover, by insertion
-// index. It has `history_room` records of two vectors: displacement and overlap; three unused words and the key of the other
+// index. It has `history_room` records of two vectors: displacement and overlap; moment and the key of the other
 // object. A record without a key ends the row. The rows after the step follow those before it.
 
 struct Spring {
     shift: vec3f,
     // Not positive for a new contact.
     overlap: f32,
+    // Moment on A of the springs against rolling and twisting.
+    moment: vec3f,
 }
 
 fn record_of_row(row: u32, place: u32) -> u32 {
@@ -38,23 +40,23 @@ fn spring_of(a: u32, b: u32, feature: u32) -> Spring {
     let key = entry_key(select(a, b, is_first), feature);
     for (var place = 0u; place < step.history_room; place++) {
         let at = record_of_row(row, place);
-        let known = histories[at + 1u].w;
-        if known == key {
+        let last = histories[at + 1u];
+        if last.w == key {
             let words = bitcast<vec4f>(histories[at]);
-            return Spring(words.xyz, words.w);
+            return Spring(words.xyz, words.w, bitcast<vec3f>(last.xyz));
         }
-        if known == NO_KEY {
+        if last.w == NO_KEY {
             break;
         }
     }
-    return Spring(vec3f(0.0), 0.0);
+    return Spring(vec3f(0.0), 0.0, vec3f(0.0));
 }
 
 // Writes a record of the springs after the step.
 fn put_spring(mover: u32, place: u32, key: u32, spring: Spring) {
     let at = record_of_row(rows_after() + insertion_index(mover), place);
     histories[at] = bitcast<vec4u>(vec4f(spring.shift, spring.overlap));
-    histories[at + 1u] = vec4u(0u, 0u, 0u, key);
+    histories[at + 1u] = vec4u(bitcast<vec3u>(spring.moment), key);
 }
 
 // Ends the row of a mover after `count` records.

@@ -64,7 +64,17 @@ pub(super) const MATERIAL: Kind =
 pub(super) const PAIR: Kind = Kind {
     word: "@pair",
     references: &["NAME", "NAME"],
-    numbers: &["restitution=e", "friction=mu", "stiffness=k"],
+    numbers: &[
+        "restitution=e",
+        "friction=mu",
+        "stiffness=k",
+        "rolling_friction=mu",
+        "rolling_model=c",
+        "rolling_damping=eta",
+        "twisting_friction=mu",
+        "surface_energy=gamma",
+        "cohesion=dmt",
+    ],
     last_is_optional: false,
 };
 pub(super) const USE: Kind = Kind { word: "@use", references: &["NAME"], numbers: &[], last_is_optional: false };

@@ -19,7 +19,10 @@ impl Reader<'_> {
         let (other, rest) = word(&PAIR, line, 2, "NAME")?;
         let ids = [find(&PAIR, &self.scene, one)?, find(&PAIR, &self.scene, other)?];
         let mut pair = Pair::default();
-        constants(&PAIR, rest, &Pair::KEYS, &mut pair, Pair::property)?;
+        let is_model = |word: &&str| word.split_once('=').is_some_and(|(key, _)| [Pair::MODEL, Pair::COHESION].contains(&key));
+        let (models, numbers): (Vec<_>, Vec<_>) = rest.partition(is_model);
+        constants(&PAIR, numbers.into_iter(), &Pair::KEYS, &mut pair, Pair::property)?;
+        models.into_iter().try_for_each(|word| model(word, &mut pair))?;
         let before = self.scene.given_pair(ids[0], ids[1]).map_err(|error| PAIR.refused(&error))?;
         if before.is_some() {
             let text = format!("the pair {one} {other} is given again; this replaces all of its properties");
@@ -71,6 +74,21 @@ fn find(kind: &Kind, scene: &Scene, name: &str) -> Line<MaterialId> {
         };
         kind.wrong(&quoted(name), format!("an unknown material, {hint}"))
     })
+}
+
+/// Reads a model of rolling resistance or of cohesion. Of the latter there is one, which is the default.
+fn model(word: &str, pair: &mut Pair) -> Line<()> {
+    let (key, value) = word.split_once('=').unwrap_or((word, ""));
+    match (key, value) {
+        (Pair::COHESION, "dmt") => Ok(()),
+        (Pair::COHESION, "jkr") => Err(PAIR.wrong(key, "this version does not have the model `jkr`, expected `dmt`")),
+        (Pair::COHESION, _) => Err(PAIR.wrong(key, format!("{} is not a model of cohesion, expected `dmt`", quoted(value)))),
+        _ if pair.rolling_model.is_some() => Err(PAIR.wrong(key, "given twice in the line")),
+        _ => {
+            pair.rolling_model = Some(value.parse().map_err(|error| PAIR.refused(&error))?);
+            Ok(())
+        }
+    }
 }
 
 /// Reads words of the form KEY=NUMBER.

@@ -1,7 +1,7 @@
 use std::path::Path;
 
 use crate::scene::{Loaded, Scene};
-use crate::{Material, Pair, Result};
+use crate::{Material, Pair, Result, RollingModel};
 
 fn parse(text: &str) -> Result<Loaded> {
     Scene::parse(text, Path::new("a.txt"))
@@ -50,6 +50,22 @@ fn pairs_that_are_not_given_are_geometric_means() {
 }
 
 #[test]
+fn resistance_is_read_mixed_and_written() {
+    let text = "@material a\n@material b\n@material c\n@pair a a rolling_friction=0.25 rolling_model=a twisting_friction=0.5\n\
+                @pair b b rolling_friction=1 rolling_model=c rolling_damping=0.25 surface_energy=2 cohesion=dmt\n";
+    let scene = parse(text).unwrap().scene;
+    let [a, b, c] = ["a", "b", "c"].map(|name| scene.find_material(name));
+    let given = Pair::default().rolling_friction(0.25).rolling_model(RollingModel::ConstantTorque).twisting_friction(0.5);
+    assert_eq!(scene.pair(a, a).unwrap(), given);
+    assert_eq!(scene.pair(a, c).unwrap(), given);
+    let mixed = Pair::default().rolling_friction(0.5).rolling_model(RollingModel::SpringDashpot);
+    assert_eq!(scene.pair(a, b).unwrap(), mixed.rolling_damping(0.25).twisting_friction(0.5).surface_energy(2.0));
+    let again = parse(&scene.to_text()).unwrap().scene;
+    let same = ["a", "b"].map(|name| again.find_material(name)).map(|own| again.pair(own, own).unwrap());
+    assert_eq!(same, [given, scene.pair(b, b).unwrap()]);
+}
+
+#[test]
 fn a_pair_that_is_given_again_is_replaced_with_a_warning() {
     let text = "@material a\n@pair a a restitution=0.5 friction=1\n@pair a a restitution=0.25\n";
     let Loaded { scene, warnings, .. } = parse(text).unwrap();
@@ -77,6 +93,13 @@ fn wrong_lines_about_materials_are_errors() {
         ("@pair glass", "missing"),
         ("@pair glass glas", "did you mean glass?"),
         ("@pair glass glass restitution=1.5", "from 0 to 1"),
+        ("@pair glass glass rolling_friction=-1", "not negative"),
+        ("@pair glass glass rolling_model=b", "a or c"),
+        ("@pair glass glass surface_energy=-1", "not negative"),
+        ("@pair glass glass cohesion=jkr", "does not have the model `jkr`"),
+        ("@pair glass glass cohesion=glue", "not a model of cohesion"),
+        ("@pair glass glass rolling_model=a rolling_model=c", "given twice"),
+        ("@pair glass glass roling_model=a", "did you mean rolling_model"),
         ("@pair glass glass friction=-0.1", "not negative"),
         ("@pair glass glass young=1", "unknown key"),
         ("@use", "missing"),

@@ -57,7 +57,7 @@ fn put_number(mover: u32, slot: vec2u, number: u32) {
 fn put_record(number: u32, pair: vec2u, feature: u32, found: Touch, closing: ApproachSpeed) {
     let at = bitcast<vec2u>(vec2f(found.a, found.b));
     collisions[row_at(number, 0u)] = bitcast<vec4u>(vec4f(found.n, closing.approach));
-    collisions[row_at(number, 1u)] = vec4u(pair.x, pair.y | feature << ENTRY_ID_BITS, at.x, at.y);
+    collisions[row_at(number, 1u)] = vec4u(pair.x, pair.y | (feature << ENTRY_ID_BITS), at.x, at.y);
     if RODS {
         for (var row = 4u; row < ROWS; row++) {
             collisions[row_at(number, row)] = vec4u(0u);

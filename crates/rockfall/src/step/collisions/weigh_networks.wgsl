@@ -112,7 +112,7 @@ fn inverse_mass_of(network: Network, row: Row, r: u32, local: u32) -> f32 {
 // The end, of the four ends of a record, that the weight of this row belongs to.
 fn end_of_record(row: Row, r: u32) -> u32 {
     let is_b = record_at(r).a_id != row.id;
-    let is_second = (row.sphere != NONE) & (row.id >= step.spheres) && (rod_ends(row.id - step.spheres).y == row.sphere);
+    let is_second = ((row.sphere != NONE) & (row.id >= step.spheres)) && (rod_ends(row.id - step.spheres).y == row.sphere);
     return 2u * u32(is_b) + u32(is_second);
 }
 

@@ -7,10 +7,10 @@
 // Spreads the low 10 bits of each component, with two zero bits between neighbours.
 fn spread(bits: vec3u) -> vec3u {
     var x = bits & vec3u(0x3ffu);
-    x = (x | x << vec3u(16u)) & vec3u(0x30000ffu);
-    x = (x | x << vec3u(8u)) & vec3u(0x300f00fu);
-    x = (x | x << vec3u(4u)) & vec3u(0x30c30c3u);
-    return (x | x << vec3u(2u)) & vec3u(0x9249249u);
+    x = (x | (x << vec3u(16u))) & vec3u(0x30000ffu);
+    x = (x | (x << vec3u(8u))) & vec3u(0x300f00fu);
+    x = (x | (x << vec3u(4u))) & vec3u(0x30c30c3u);
+    return (x | (x << vec3u(2u))) & vec3u(0x9249249u);
 }
 
 // Returns the size class of a sphere: 0 for up to 4 cells wide, 1 for up to 16, 2 for up to 64, 3 for more. Large spheres
@@ -35,5 +35,5 @@ fn key_spheres(
     let far = vec3f(1073741824.0);
     let cell = vec3i(clamp(floor(ball.xyz / step.cell_size), -far, far));
     let axes = spread(vec3u(cell));
-    pairs[i] = vec2u(axes.x | axes.y << 1u | axes.z << 2u | size_class(ball.w) << 30u, i);
+    pairs[i] = vec2u(axes.x | (axes.y << 1u) | (axes.z << 2u) | (size_class(ball.w) << 30u), i);
 }

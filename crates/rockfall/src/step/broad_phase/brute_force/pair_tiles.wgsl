@@ -28,7 +28,7 @@ fn emit_pairs(mover: u32, local: u32) -> u32 {
                 let id = base + k;
                 let features = entries_of(mover, id);
                 for (var feature = 0u; feature < features; feature++) {
-                    emit(mover, count, id | feature << ENTRY_ID_BITS);
+                    emit(mover, count, id | (feature << ENTRY_ID_BITS));
                     count += 1u;
                 }
             }

@@ -32,7 +32,7 @@ fn count_object(object: u32) {
     }
     if (object < step.spheres + step.rods) | !are_statics_tested_apart() {
         let edge = bitcast<u32>(max(largest_edge(aabb), 0.0));
-        if (atomicLoad(&levels) >> level & 1u) == 0u {
+        if ((atomicLoad(&levels) >> level) & 1u) == 0u {
             atomicOr(&levels, 1u << level);
         }
         if edge > atomicLoad(&edges[level]) {

@@ -76,7 +76,7 @@ var<private> own_aabb: Aabb;
 fn key_of(mover: u32, place: u32) -> u32 {
     let id = id_at(ids[run_at + place]);
     ids[run_at + place] = id;
-    let key = insertion_index(id) << PLACE_BITS | (place & PLACE_MASK);
+    let key = (insertion_index(id) << PLACE_BITS) | (place & PLACE_MASK);
     let is_other = (place < in_run) & (id != mover);
     if RODS {
         return select(NONE, key, is_other & aabbs_meet(own_aabb, aabbs[id]));
@@ -244,7 +244,7 @@ fn write_runs(mover: u32) {
         }
         let count = entries_of(mover, id);
         for (var feature = 0u; feature < count; feature++) {
-            lists[into.x + place][into.y] = id | feature << ENTRY_ID_BITS;
+            lists[into.x + place][into.y] = id | (feature << ENTRY_ID_BITS);
             place += 1u;
         }
     }

@@ -182,7 +182,7 @@ fn close_in(probe: Probe, first: u32, count: u32) -> u32 {
         let b = extents[first + k + 1u];
         let c = extents[first + k + 2u];
         let d = extents[first + k + 3u];
-        close |= (is_close(probe, a) | is_close(probe, b) << 1u | is_close(probe, c) << 2u | is_close(probe, d) << 3u) << k;
+        close |= (is_close(probe, a) | (is_close(probe, b) << 1u) | (is_close(probe, c) << 2u) | (is_close(probe, d) << 3u)) << k;
     }
     return close & (0xffffffffu >> (32u - count));
 }
