@@ -18,8 +18,8 @@ mod outputs;
 
 /// Details that do not fit into the one-line descriptions of the options.
 const AFTER_HELP: &str = "\
-A creature has 4 to 20 masses. Springs join those that are near each other, and each spring is a muscle. Body and muscles evolve \
-together: every generation is made from the best creatures of each kind so far, by mutation and crossover, and lives side by \
+A creature has 4 to 20 masses and up to 64 springs. Springs join those that are near each other, and each spring is a muscle. Body and \
+muscles evolve together: every generation is made from the best creatures of each kind so far, by mutation and crossover, and lives side by \
 side for --seconds. What counts begins when the creatures have come to stand: after a fifth of the time, at most 2 s.
 
 Creatures that explode, fall once or go downhill do not count. A creature that would become the champion is audited: it must keep \

@@ -2,7 +2,7 @@
 
 use rand::RngExt as _;
 use rand_pcg::Pcg64;
-use rockfall::{Backend, Integrator, Options, Result, Scene};
+use rockfall::{Backend, Error, Integrator, Options, Result, Scene};
 use serde::{Deserialize, Serialize};
 
 use crate::archive::{Archive, Elite, Niche};
@@ -125,6 +125,22 @@ impl Evolution {
     /// The best creature that has passed an audit.
     pub fn champion(&self) -> Option<&Champion> {
         self.champion.as_ref()
+    }
+
+    /// Takes from another evolution, under the same conditions, the creatures that are fitter than those of their niches. Returns
+    /// their number. One of them that would become the champion is audited first.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] if another field of the plan than the population and the seed differs.
+    pub fn adopt(&mut self, other: &Self) -> Result<usize> {
+        let same = Plan { population: self.plan.population, seed: self.plan.seed, ..other.plan.clone() };
+        if same != self.plan {
+            let expected = "an evolution with the same body, goal, time, time step, integrator and ground";
+            let value = format!("{} of {} in {} s", other.plan.goal, other.plan.body, other.plan.seconds);
+            return Err(Error::Invalid { field: "other", value, expected });
+        }
+        let ranked = other.archive.ranked();
+        Ok(ranked.into_iter().filter(|(_, elite)| self.archive.add(&elite.genome, &elite.outcome)).count())
     }
 
     /// The fittest creatures of different niches that pass an audit, up to `most` of them.

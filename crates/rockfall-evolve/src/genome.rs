@@ -1,7 +1,7 @@
 //! The genotype: body and controller of a creature.
 
 use rockfall::glam::Vec3;
-use rockfall::{Muscle, Result, Scene, Sphere, SphereId, Spring};
+use rockfall::{Muscle, Result, Scene, Sphere, SphereId, Spring, Worlds};
 use serde::{Deserialize, Serialize};
 
 use crate::ground::Ground;
@@ -18,8 +18,11 @@ const DAMPING: f32 = 8.0;
 pub(crate) const REACH: f32 = 1.75 * SPACING;
 /// Smallest distance between two nodes, in units.
 pub(crate) const LEAST_DISTANCE: f32 = 2.2 * RADIUS;
-/// Least and greatest number of nodes.
-pub(crate) const NODES: std::ops::RangeInclusive<usize> = 4..=20;
+/// Least and greatest number of nodes. With the greatest number of springs, they fit into a workgroup of a GPU, on a ground of up to
+/// five boxes.
+pub(crate) const NODES: std::ops::RangeInclusive<usize> = 4..=Worlds::BODY_SPHERES;
+/// Greatest number of springs.
+pub(crate) const BONDS: usize = Worlds::BODY_MUSCLES;
 /// Greatest amplitude of a muscle.
 pub(crate) const MOST_AMPLITUDE: f32 = 0.25;
 /// Least and greatest frequency of the muscles, in 1/s.
@@ -147,14 +150,15 @@ impl Genome {
         Ok(scene)
     }
 
-    /// Whether the genome is a creature: its nodes are apart, and springs join all of them.
+    /// Whether the genome is a creature: its nodes are apart, springs join all of them, and there are at most 64 springs.
     pub fn is_viable(&self) -> bool {
         let apart = self
             .nodes
             .iter()
             .enumerate()
             .all(|(b, node)| self.nodes[..b].iter().all(|other| node.place().distance(other.place()) >= LEAST_DISTANCE));
-        NODES.contains(&self.nodes.len()) && apart && self.connected().len() == self.nodes.len()
+        let is_whole = apart && self.connected().len() == self.nodes.len();
+        NODES.contains(&self.nodes.len()) && is_whole && self.bonds().len() <= BONDS
     }
 
     /// The nodes that springs join to the first one, in ascending order.

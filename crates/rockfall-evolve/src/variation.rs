@@ -4,7 +4,9 @@ use rand::RngExt as _;
 use rand_pcg::Pcg64;
 use rockfall::glam::Vec3;
 
-use crate::genome::{Body, FREQUENCIES, Genome, LEAST_DISTANCE, MOST_AMPLITUDE, NODES, Node, REACH, SPACING, STIFFNESSES};
+use crate::genome::{
+    BONDS, Body, FREQUENCIES, Genome, LEAST_DISTANCE, MOST_AMPLITUDE, NODES, Node, REACH, SPACING, STIFFNESSES,
+};
 
 /// Attempts to find a viable change before a genome is copied as it is.
 const ATTEMPTS: usize = 20;
@@ -53,10 +55,13 @@ impl Genome {
     pub fn random(random: &mut Pcg64, body: Body) -> Self {
         let count = random.random_range(6..=14);
         let mut nodes = vec![random_node(random, Vec3::ZERO)];
+        let mut bonds = 0;
         while nodes.len() < count {
             let place = place_near(random, body, &nodes);
-            if is_free(&nodes, place) && nodes.iter().any(|node| node.place().distance(place) <= REACH) {
+            let near = nodes.iter().filter(|node| node.place().distance(place) <= REACH).count();
+            if is_free(&nodes, place) && near > 0 && bonds + near <= BONDS {
                 nodes.push(random_node(random, place));
+                bonds += near;
             }
         }
         let genome = Self { body, nodes, frequency: between(random, &FREQUENCIES), stiffness: between(random, &STIFFNESSES) };
@@ -168,12 +173,14 @@ mod tests {
         let ground = Ground::level(10.0).unwrap();
         for body in [Body::Lattice, Body::Free] {
             let mut random = Pcg64::seed_from_u64(7);
+            let mut most = 0;
             let mut known: Vec<Genome> = (0..20).map(|_| Genome::random(&mut random, body)).collect();
             for round in 0..2_000 {
                 let a = known[random.random_range(0..known.len())].clone();
                 let b = &known[random.random_range(0..known.len())];
                 let child = if round % 3 == 0 { a.crossed(b, &mut random) } else { a.mutated(&mut random) };
-                assert!(child.is_viable(), "{child:?}");
+                assert!(child.is_viable() && child.bonds().len() <= BONDS, "{child:?}");
+                most = most.max(child.bonds().len());
                 let muscles = child.bonds().into_iter().filter_map(|bond| bond.muscle);
                 assert!(muscles.into_iter().all(|muscle| (0.0..=MOST_AMPLITUDE).contains(&muscle.amplitude)));
                 if round % 50 == 0 {
@@ -182,7 +189,7 @@ mod tests {
                 let at = random.random_range(0..known.len());
                 known[at] = child;
             }
-            assert!(known.iter().any(|genome| genome.nodes.len() > 8));
+            assert!(known.iter().any(|genome| genome.nodes.len() > 8) && most > BONDS - 4, "{most}");
         }
     }
 

@@ -3,8 +3,10 @@
 mod common;
 
 use common::distance;
-use rockfall::{Backend, Options};
-use rockfall_evolve::{Body, Evolution, Goal, Ground, Plan, Trial};
+use rand::SeedableRng as _;
+use rand_pcg::Pcg64;
+use rockfall::{Backend, Options, WorldPath, Worlds};
+use rockfall_evolve::{Body, Evolution, Genome, Goal, Ground, Plan, Trial};
 
 fn plan(body: Body, seed: u64) -> Plan {
     Plan {
@@ -64,7 +66,7 @@ fn a_resumed_evolution_is_the_same_as_one_that_went_on() {
     let text = std::fs::read_to_string(&path).unwrap();
     for bad in [
         text.replace("rockfall evolution", "something else"),
-        text.replace("\"version\":1", "\"version\":9"),
+        text.replace("\"version\":2", "\"version\":9"),
         text[1..].to_owned(),
     ] {
         std::fs::write(&path, bad).unwrap();
@@ -83,4 +85,51 @@ fn the_champion_walks_the_distance_that_the_history_claims() {
     let distance = distance(&scene, 0.005, evolution.trial().settling_steps(), evolution.trial().steps());
     assert!((distance / champion.outcome.distance - 1.0).abs() < 1e-6, "{distance} {champion:?}");
     assert!(champion.audit.passed && champion.audit.fitness_at_half_step >= 0.7 * champion.outcome.fitness);
+}
+
+/// Islands take the better creatures of each other, and go on to the same result every time.
+#[test]
+fn an_evolution_adopts_the_fitter_creatures_of_another() {
+    let merged = || {
+        let (mut one, other) = (evolved(Body::Lattice, 5, 2), evolved(Body::Lattice, 6, 3));
+        let adopted = one.adopt(&other).unwrap();
+        (one, other, adopted)
+    };
+    let (mut one, other, adopted) = merged();
+    assert!(adopted > 0 && one.archive().len() >= other.archive().len());
+    let fittest = |evolution: &Evolution| evolution.archive().ranked()[0].1.outcome.fitness;
+    assert!(fittest(&one) >= fittest(&other));
+    assert_eq!(one.adopt(&other).unwrap(), 0);
+    let (mut again, ..) = merged();
+    for evolution in [&mut one, &mut again] {
+        evolution.generation(&|| false).unwrap().unwrap();
+    }
+    assert_eq!((one.archive(), one.champion()), (again.archive(), again.champion()));
+    let error = one.adopt(&evolved(Body::Free, 5, 1)).unwrap_err();
+    assert!(error.to_string().contains("an evolution with the same body"), "{error}");
+}
+
+/// On a GPU, creatures run side by side, also those with as many springs as there may be.
+#[test]
+fn the_largest_creatures_fit_into_workgroups() {
+    let ground = Ground::level(10.0).unwrap();
+    for body in [Body::Lattice, Body::Free] {
+        let mut random = Pcg64::seed_from_u64(3);
+        let mut largest = Genome::random(&mut random, body);
+        let mut scenes = vec![largest.scene(&ground).unwrap()];
+        for _ in 0..4_000 {
+            let child = largest.mutated(&mut random);
+            let scene = child.scene(&ground).unwrap();
+            if scene.springs().len() >= scenes.last().unwrap().springs().len() {
+                largest = child;
+                scenes.push(scene);
+            }
+        }
+        let scenes = scenes.split_off(scenes.len() - 5);
+        assert!(scenes[4].springs().len() > Worlds::BODY_MUSCLES - 3, "{body}: {}", scenes[4].springs().len());
+        let mut worlds = Worlds::new(scenes, Options::new().backend(Backend::Gpu)).unwrap();
+        for world in 0..worlds.len() {
+            assert_eq!(worlds.report(world, None).unwrap().path, WorldPath::Device, "{body}: {world}");
+        }
+    }
 }

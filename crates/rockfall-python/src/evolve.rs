@@ -163,6 +163,13 @@ impl Evolution {
         })
     }
 
+    /// Takes the creatures of another evolution that are fitter than those of their kinds. Returns their number.
+    fn adopt(&self, py: Python<'_>, other: &Bound<'_, Self>) -> PyResult<usize> {
+        // A copy, so that two evolutions that adopt from each other do not wait for each other.
+        let other = other.get().locked(py, |other| Ok(other.clone()))?;
+        self.locked(py, |evolution| evolution.adopt(&other).or_raise())
+    }
+
     fn history(&self, py: Python<'_>) -> PyResult<Vec<Generation>> {
         self.locked(py, |evolution| Ok(evolution.history().iter().map(Generation::from).collect()))
     }

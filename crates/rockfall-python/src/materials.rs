@@ -35,6 +35,9 @@ pub(crate) fn number_of(ids: &Ids, material: Option<MaterialId>) -> i64 {
     found.map_or(NONE, |place| place as i64)
 }
 
+/// Restitution, friction, stiffness, rolling friction, rolling damping, twisting friction and surface energy; the rolling model.
+type Properties = ([Option<f32>; 7], Option<String>);
+
 /// Adds a material and returns its number. The constants are density, Young's modulus and Poisson's ratio.
 #[pyfunction]
 pub(crate) fn add_material(target: &Bound<'_, PyAny>, name: &str, constants: Known) -> PyResult<usize> {
@@ -61,23 +64,35 @@ pub(crate) fn update_material(target: &Bound<'_, PyAny>, number: i64, constants:
     })
 }
 
-/// Sets restitution, friction and stiffness of the contacts between two materials.
+/// Sets the properties of the contacts between two materials.
 #[pyfunction]
-pub(crate) fn set_pair(target: &Bound<'_, PyAny>, one: i64, other: i64, properties: Known) -> PyResult<()> {
+pub(crate) fn set_pair(target: &Bound<'_, PyAny>, one: i64, other: i64, properties: Properties) -> PyResult<()> {
     with(target, |doors, ids| {
         let [one, other] = [known(ids, one)?, known(ids, other)?];
         let mut pair = Pair::default();
-        [pair.restitution, pair.friction, pair.stiffness] = properties;
+        let (numbers, model) = properties;
+        [pair.restitution, pair.friction, pair.stiffness, ..] = numbers;
+        [.., pair.rolling_friction, pair.rolling_damping, pair.twisting_friction, pair.surface_energy] = numbers;
+        pair.rolling_model = model.map(|model| model.parse()).transpose().or_raise()?;
         doors.set_pair(one, other, pair).or_raise()
     })
 }
 
-/// Restitution, friction and stiffness of the contacts between two materials, given or mixed.
+/// The properties of the contacts between two materials, given or mixed.
 #[pyfunction]
-pub(crate) fn pair(target: &Bound<'_, PyAny>, one: i64, other: i64) -> PyResult<Known> {
+pub(crate) fn pair(target: &Bound<'_, PyAny>, one: i64, other: i64) -> PyResult<Properties> {
     look(target, |scene, ids| {
         let pair = scene.pair(material_of(ids, one)?, material_of(ids, other)?).or_raise()?;
-        Ok([pair.restitution, pair.friction, pair.stiffness])
+        let numbers = [
+            pair.restitution,
+            pair.friction,
+            pair.stiffness,
+            pair.rolling_friction,
+            pair.rolling_damping,
+            pair.twisting_friction,
+            pair.surface_energy,
+        ];
+        Ok((numbers, pair.rolling_model.map(|model| model.to_string())))
     })
 }
 

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import csv
 import pathlib
+import pickle
+import runpy
 import signal
 import threading
 from collections.abc import Callable
@@ -62,6 +64,35 @@ def test_a_checkpoint_is_gone_on_with(tmp_path: pathlib.Path, capsys: pytest.Cap
     copy = tmp_path / "copy.json"
     resumed.save(copy)
     assert copy.read_text() == path.read_text()
+
+
+def test_evolutions_exchange_creatures() -> None:
+    one, other = rf.evolve(1, 16, progress=False, **SMALL), rf.evolve(2, 24, progress=False, **{**SMALL, "seed": 6})
+    kinds = [evolution.history["niches"][-1] for evolution in (one, other)]
+    twin = pickle.loads(pickle.dumps(one))
+    adopted = one.adopt(other)
+    assert 0 < adopted <= kinds[1] and one.adopt(other) == 0
+    assert twin.adopt(pickle.loads(pickle.dumps(other))) == adopted
+    for evolution in (one, twin):
+        evolution.run(1)
+    assert one.history.tolist() == twin.history.tolist() and one.history["niches"][-1] > kinds[0]
+    with pytest.raises(ValueError, match="other.*an evolution with the same body, goal"):
+        one.adopt(rf.Evolution(2, seconds=3, backend="cpu"))
+    with pytest.raises(TypeError, match="other: expected a rockfall.Evolution, got str"):
+        one.adopt("another")  # type: ignore[arg-type]
+
+
+def test_islands_on_ray_are_reproducible() -> None:
+    ray = pytest.importorskip("ray")
+    example = pathlib.Path(__file__).parents[1] / "examples" / "islands.py"
+    islands = runpy.run_path(str(example))["islands"]
+    ray.init(num_cpus=2, include_dashboard=False, log_to_driver=False)
+    try:
+        found = [islands(2, 2, generations=1, population=12, seconds=1.0, seed=3) for _ in range(2)]
+    finally:
+        ray.shutdown()
+    assert [evolution.history.tolist() for evolution in found[0]] == [evolution.history.tolist() for evolution in found[1]]
+    assert [len(evolution.history) for evolution in found[0]] == [2, 2]
 
 
 def test_ctrl_c_leaves_out_the_generation_under_way() -> None:

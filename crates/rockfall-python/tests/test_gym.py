@@ -145,6 +145,15 @@ def test_rewards_observations_and_ends_are_yours() -> None:
     assert terminations.tolist() == [False, True, False] and not truncations.any()
 
 
+def test_episodes_are_truncated_after_max_steps() -> None:
+    envs = rf.gym.make_vec(num_envs=2, **OPTIONS)
+    envs.reset(seed=0)
+    found = [envs.step(np.zeros(envs.action_space.shape or ()))[3].tolist() for _ in range(13)]
+    # The step after the sixth begins the next episode.
+    assert [number for number, truncated in enumerate(found, 1) if all(truncated)] == [6, 13]
+    assert envs.worlds.report()["steps"].tolist() == [24, 24]
+
+
 def test_an_environment_that_is_not_finite_ends() -> None:
     bad = rf.gym.walker(2, 2, 2)
     bad.add_spheres([[0, 3, 0], [0.1, 3, 0]], radius=0.1, mass=1e-30, force=[1e30, 0, 0])

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import os
+import pathlib
+import tempfile
 from dataclasses import dataclass
 from typing import Any
 
@@ -113,6 +115,7 @@ class Evolution:
             raise TypeError(f"ground: expected a rockfall.Scene, got {type(ground).__name__}")
         if ground is not None and ground.counts.spheres > 0:
             raise ValueError(f"ground: expected only boxes, polygons and settings, got {ground.counts.spheres} spheres")
+        self._backend = backend
         native = None if ground is None else ground._native
         self._native: Any = _rockfall.Evolution(
             creatures, whole("seed", seed), body, goal, float(seconds), dt, integrator, native, backend
@@ -137,6 +140,7 @@ class Evolution:
             If it is not a saved evolution.
         """
         evolution = cls.__new__(cls)
+        evolution._backend = backend
         evolution._native = _rockfall.Evolution.load(os.fspath(path), backend)
         return evolution
 
@@ -173,6 +177,20 @@ class Evolution:
                 bar.note(f"champion {done['champion']:.2f}, mean {done['mean']:.2f}, {done['niches']} kinds")
                 bar.advance(1)
 
+    def adopt(self, other: Evolution) -> int:
+        """Take from another evolution the creatures that are fitter than those of their kinds, and return their number.
+
+        So evolutions on several machines can exchange creatures: they can be pickled. The example ``islands.py`` does it with Ray.
+
+        Raises
+        ------
+        ValueError
+            If other arguments than population, seed and backend differ.
+        """
+        if not isinstance(other, Evolution):
+            raise TypeError(f"other: expected a rockfall.Evolution, got {type(other).__name__}")
+        return int(self._native.adopt(other._native))
+
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write everything that determines the following generations to a file. Raises OSError if that fails."""
         self._native.save(os.fspath(path))
@@ -208,6 +226,12 @@ class Evolution:
         plan: dict[str, Any] = self._native.plan()
         plan["dt"] = float(str(np.float32(plan["dt"])))
         return plan
+
+    def __reduce__(self) -> Any:
+        with tempfile.TemporaryDirectory() as folder:
+            path = pathlib.Path(folder) / "evolution.json"
+            self.save(path)
+            return (_revive, (path.read_bytes(), self._backend))
 
     def __repr__(self) -> str:
         done, champion = len(self.history), self.champion
@@ -265,6 +289,13 @@ def evolve(
     left = max(0, generations - len(evolution.history))
     evolution.run(left, checkpoint=checkpoint, progress=progress)
     return evolution
+
+
+def _revive(saved: bytes, backend: str) -> Evolution:
+    with tempfile.TemporaryDirectory() as folder:
+        path = pathlib.Path(folder) / "evolution.json"
+        path.write_bytes(saved)
+        return Evolution.load(path, backend=backend)
 
 
 def _creature(found: dict[str, Any]) -> Creature:

@@ -39,6 +39,16 @@ class Pair(NamedTuple):
     friction: float | None
     #: Normal stiffness of the contact law ``linear``, in mass/s².
     stiffness: float | None
+    #: Coefficient of rolling friction of the laws ``linear`` and ``hertz-mindlin``.
+    rolling_friction: float | None = None
+    #: Damping ratio of the rolling model "c"; 0.3 where it is None.
+    rolling_damping: float | None = None
+    #: Coefficient of twisting friction of these laws.
+    twisting_friction: float | None = None
+    #: Surface energy of these laws, in mass/s².
+    surface_energy: float | None = None
+    #: Model of the resistance to rolling: "a", a constant torque, or "c", a spring and a dashpot, which is that of None.
+    rolling_model: str | None = None
 
 
 class MaterialTable:
@@ -106,6 +116,11 @@ class MaterialTable:
         restitution: float | None = None,
         friction: float | None = None,
         stiffness: float | None = None,
+        rolling_friction: float | None = None,
+        rolling_model: str | None = None,
+        rolling_damping: float | None = None,
+        twisting_friction: float | None = None,
+        surface_energy: float | None = None,
     ) -> None:
         """Set the properties of the contacts between two materials, or of a material with itself. Replaces those set before.
 
@@ -119,6 +134,15 @@ class MaterialTable:
             Coefficient of Coulomb friction, not negative.
         stiffness : float, optional
             Normal stiffness of the contact law ``linear`` in mass/s², greater than 0.
+        rolling_friction, twisting_friction : float, optional
+            Coefficients of friction against rolling and against spinning about the normal, not negative. These and the following
+            are of the laws ``linear`` and ``hertz-mindlin``.
+        rolling_model : {"c", "a"}, optional
+            "c" is a spring and a dashpot, with which bodies come to rest; "a" is a constant torque.
+        rolling_damping : float, optional
+            Damping ratio of "c", not negative; 0.3 if it is not given.
+        surface_energy : float, optional
+            Surface energy gamma in mass/s², not negative: objects in contact attract each other with 4 pi gamma R*.
 
         Raises
         ------
@@ -128,9 +152,19 @@ class MaterialTable:
             For a material that does not exist.
         """
         numbers = (self._material_number("one", one), self._material_number("other", other))
-        properties = (_known("restitution", restitution), _known("friction", friction), _known("stiffness", stiffness))
+        if rolling_model is not None and not isinstance(rolling_model, str):
+            raise TypeError(f"rolling_model: expected a str, got {type(rolling_model).__name__}")
+        properties = [
+            _known("restitution", restitution),
+            _known("friction", friction),
+            _known("stiffness", stiffness),
+            _known("rolling_friction", rolling_friction),
+            _known("rolling_damping", rolling_damping),
+            _known("twisting_friction", twisting_friction),
+            _known("surface_energy", surface_energy),
+        ]
         self._edited()
-        _rockfall.set_pair(self._native, *numbers, properties)
+        _rockfall.set_pair(self._native, *numbers, (properties, rolling_model))
 
     def pair(self, one: int | str | None, other: int | str | None) -> Pair:
         """The properties of the contacts between two materials; None stands for objects without a material.
@@ -139,7 +173,8 @@ class MaterialTable:
         material with itself. If it was set for one of them only, it is that value, and if for none, it is None.
         """
         numbers = [_NONE if of is None else self._material_number(name, of) for name, of in (("one", one), ("other", other))]
-        return Pair(*_rockfall.pair(self._native, *numbers))
+        properties, model = _rockfall.pair(self._native, *numbers)
+        return Pair._make([*properties, model])
 
     @property
     def materials(self) -> list[Material]:
