@@ -117,7 +117,7 @@ impl Scene {
 
     /// E* and G* of two materials: 1/E* = (1 - nu_i^2)/E_i + (1 - nu_j^2)/E_j, 1/G* = (2 - nu_i)/G_i + (2 - nu_j)/G_j, with
     /// G = E / (2 (1 + nu)).
-    fn moduli(&self, one: u16, other: u16) -> Option<[f32; 2]> {
+    pub(crate) fn moduli(&self, one: u16, other: u16) -> Option<[f32; 2]> {
         let of = |number: u16| {
             let material = self.materials().get(usize::from(number).checked_sub(1)?)?;
             let (young, poisson) = (f64::from(material.young?), f64::from(material.poisson?));
