@@ -259,7 +259,7 @@ fn build(additions: Vec<Addition>) -> Scene {
             }
             Addition::Pair(one, other, [restitution, friction, stiffness]) => match (material(one), material(other)) {
                 (Some(first), Some(second)) => {
-                    let rolling_model = [None, Some("a".parse().unwrap()), Some("c".parse().unwrap())][(one % 3) as usize];
+                    let rolling_model = [None, Some("a".parse().unwrap()), Some("c".parse().unwrap())][one % 3];
                     let [rolling_friction, twisting_friction, rolling_damping, surface_energy] =
                         [friction, stiffness, restitution, friction];
                     let resistance = Pair {
@@ -268,6 +268,7 @@ fn build(additions: Vec<Addition>) -> Scene {
                         rolling_damping,
                         twisting_friction,
                         surface_energy,
+                        characteristic_velocity: stiffness,
                         ..Pair::default()
                     };
                     scene.set_pair(first, second, Pair { restitution, friction, stiffness, ..resistance })

@@ -70,8 +70,9 @@ impl Scene {
             let seconds = match law {
                 ContactLaw::Thesis => return None,
                 ContactLaw::Linear => {
-                    let of = |other| self.pair(Some(id), Some(other)).ok().and_then(|pair| pair.stiffness).map(f64::from);
-                    let stiffest = self.material_ids().filter_map(of).fold(0.0, f64::max);
+                    let (number, radius) = (self.material_number(Some(id)).ok()?, 0.5 * f64::from(sphere.radius));
+                    let of = |other| self.normal_stiffness(number, other, radius, 0.5 * mass);
+                    let stiffest = (1..=self.materials().len() as u16).filter_map(of).fold(0.0, f64::max);
                     (stiffest > 0.0).then(|| PI * (0.5 * mass / stiffest).sqrt())?
                 }
                 ContactLaw::HertzMindlin => {

@@ -50,7 +50,7 @@ pub(crate) fn law_force(view: &View, [id_a, id_b]: [u32; 2], touch: &Touch, befo
     let reduced_mass = 1.0 / (a.inverse_mass + b.inverse_mass);
     let constants = Constants::of(view, id_a, id_b);
     let radius = effective_radius(&a, &b);
-    let stiff = stiffness(ContactLaw::from_number(step.law), &constants, radius, overlap);
+    let stiff = stiffness(ContactLaw::from_number(step.law), &constants, radius, reduced_mass, overlap);
 
     let damping = constants.damping * (stiff.normal * reduced_mass).sqrt();
     let normal = (stiff.share * stiff.normal * overlap + damping * approach).max(0.0);
@@ -120,7 +120,8 @@ fn limited(t: &Tangential, limit: f32) -> (Vec3, Vec3, bool) {
 pub(crate) fn normal_energy(view: &View, id_a: u32, id_b: u32, touch: &Touch) -> f64 {
     let [a, b] = [side(view, view.object(id_a), touch.a), side(view, view.object(id_b), touch.b)];
     let (constants, radius) = (Constants::of(view, id_a, id_b), effective_radius(&a, &b));
-    let stiff = stiffness(ContactLaw::from_number(view.step.law), &constants, radius, touch.overlap);
+    let reduced_mass = 1.0 / (a.inverse_mass + b.inverse_mass);
+    let stiff = stiffness(ContactLaw::from_number(view.step.law), &constants, radius, reduced_mass, touch.overlap);
     let elastic = f64::from(stiff.energy_share) * f64::from(stiff.normal) * f64::from(touch.overlap).powi(2);
     elastic - f64::from(constants.cohesion) * f64::from(radius) * f64::from(touch.overlap)
 }
