@@ -211,6 +211,7 @@ impl Scene {
         let mut concerns: Vec<String> = self.stability(dt, integrator).iter().map(Warning::to_string).collect();
         let slow = self.law_times().into_iter().filter(|time| time.is_exceeded_by(dt));
         concerns.extend(slow.map(|time| time.describe(dt)));
+        concerns.extend(self.unused_properties());
         concerns.extend(self.fast_muscle(dt).map(|muscle| muscle.to_string()));
         concerns.extend(self.sinking(integrator).map(|sinking| sinking.to_string()));
         concerns.extend(self.tunnelling(dt).map(|tunnelling| tunnelling.to_string()));

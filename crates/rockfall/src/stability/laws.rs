@@ -96,6 +96,20 @@ impl Scene {
         self.law_time().into_iter().chain(self.hertz_time()).collect()
     }
 
+    /// Names the properties of pairs that are given although the law of the thesis does not use them.
+    pub(super) fn unused_properties(&self) -> Option<String> {
+        let is_given = |property: Option<f32>| property.is_some_and(|value| value > 0.0);
+        let given = [
+            ("rolling_friction", self.pairs.values().any(|pair| is_given(pair.rolling_friction))),
+            ("twisting_friction", self.pairs.values().any(|pair| is_given(pair.twisting_friction))),
+            ("surface_energy", self.pairs.values().any(|pair| is_given(pair.surface_energy))),
+        ];
+        let names: Vec<&str> = given.into_iter().filter(|(_, is_given)| *is_given).map(|(name, _)| name).collect();
+        let law = self.settings.contact_law;
+        (!names.is_empty() && !law.has_history())
+            .then(|| format!("contact law {law}: {} of pairs has no effect; linear and hertz-mindlin use it", names.join(", ")))
+    }
+
     fn hertz_time(&self) -> Option<LawTime> {
         let (law, speed) = (self.settings.contact_law, self.greatest_speed());
         if law != ContactLaw::HertzMindlin || speed <= 0.0 {
