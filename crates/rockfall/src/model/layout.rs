@@ -108,8 +108,6 @@ pub const LAW_THESIS: u32 = 0;
 pub const LAW_LINEAR: u32 = 1;
 /// Value of [`Step::law`](crate::model::step::Step::law): the law `hertz-mindlin`.
 pub const LAW_HERTZ_MINDLIN: u32 = 2;
-/// Ratio of the tangential to the normal stiffness in the law `linear`.
-pub const TANGENTIAL_RATIO: f32 = 2.0 / 7.0;
 /// Words of the spring of a contact: displacement x, y, z, overlap, moment x, y, z, key.
 pub const HISTORY_WORDS: u32 = 8;
 /// Key of a record without a contact. It ends a row.

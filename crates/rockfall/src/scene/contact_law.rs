@@ -1,11 +1,12 @@
 //! Constants of the contact laws with history, from materials and pairs (docs/physics.md section 4.11).
 
 use crate::error::{Error, Result};
-use crate::model::layout::TANGENTIAL_RATIO;
 use crate::scene::restitution::damping_for;
 use crate::scene::{Material, RollingModel, Scene};
 use crate::settings::{ContactLaw, Integrator};
 
+/// Ratio of the tangential to the normal stiffness in the law `linear`.
+pub(crate) const TANGENTIAL_RATIO: f32 = 2.0 / 7.0;
 /// Ratio of rolling damping where a pair has none: that of Ai, Chen, Rotter and Ooi (2011).
 const ROLLING_DAMPING: f32 = 0.3;
 

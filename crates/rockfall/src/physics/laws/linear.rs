@@ -1,7 +1,7 @@
 //! The law `linear`: springs of constant stiffness (docs/physics.md section 4.11).
 
 use super::{Constants, Stiffness};
-use crate::model::layout::TANGENTIAL_RATIO;
+use crate::scene::TANGENTIAL_RATIO;
 
 /// The stiffness that is given for the pair; or, where the normal constant is negative, that which follows from E*, the opposite
 /// of this constant, and the characteristic velocity, which is the tangential constant.
