@@ -18,7 +18,9 @@ from vtkmodules.vtkFiltersCore import vtkTubeFilter
 from output_files import arrays, poly_data, same
 
 KINDS = {"sphere": 0, "rod": 1, "box": 3, "polygon": 4}
-VECTORS = {"point": "x y z", "normal": "nx ny nz", "force": "fx fy fz", "impulse": "ix iy iz"}
+VECTORS = {"point": "x y z", "normal": "nx ny nz", "force": "fx fy fz", "impulse": "ix iy iz",
+           "tangential_force": "tx ty tz", "displacement": "ux uy uz"}
+STATES = {"": -1, "stick": 0, "slip": 1}
 
 
 def check_csv(path, npz):
@@ -28,6 +30,8 @@ def check_csv(path, npz):
     for name, columns in VECTORS.items():
         text = [[np.float32(row[column]) for column in columns.split()] for row in rows]
         same(name, np.array(text, np.float32), npz[name] + np.float32(0))
+    same("normal_force", np.array([row["normal_force"] for row in rows], np.float32), npz["normal_force"] + np.float32(0))
+    same("slip", np.array([STATES[row["state"]] for row in rows], np.int8), npz["slip"])
     same("overlap", np.array([row["overlap"] for row in rows], np.float32), npz["overlap"])
     for side in "ab":
         same(side, np.array([row[side] for row in rows], np.uint32), npz[side])
@@ -49,7 +53,8 @@ def check_lines(path, npz, frame):
     if count == 0:
         return np.zeros((0, 2, 3))
     cells = arrays(data.GetCellData())
-    for name in ("a", "b", "a_kind", "b_kind", "overlap", "point", "normal", "force", "impulse"):
+    for name in ("a", "b", "a_kind", "b_kind", "overlap", "point", "normal", "force", "impulse", "normal_force",
+                 "tangential_force", "slip", "displacement"):
         same(f"{path}: {name}", cells[name], npz[name][of_frame])
     magnitude = np.linalg.norm(npz["force"][of_frame].astype(float), axis=1)
     assert np.allclose(cells["force_magnitude"], magnitude, rtol=1e-6)

@@ -49,7 +49,7 @@ pub(crate) fn check(arguments: &Arguments) -> Result<(), Failure> {
     }
     let refused = scene.check_contact_law(integrator).err();
     warnings(&mut text, refused.iter().map(|error| format!("{name}: {error}")));
-    let (slow, in_time): (Vec<_>, Vec<_>) = scene.law_time().into_iter().partition(|time| time.is_exceeded_by(dt));
+    let (slow, in_time): (Vec<_>, Vec<_>) = scene.law_times().into_iter().partition(|time| time.is_exceeded_by(dt));
     for time in in_time {
         let _ = writeln!(text, "{}", time.describe(dt));
     }

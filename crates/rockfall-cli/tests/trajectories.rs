@@ -70,8 +70,46 @@ fn the_contacts_of_a_stack_bear_its_weight() {
             // Ball A on the floor bears all three. A pair of balls bears those from B on.
             let on_floor = line[place("b_kind")] == "box";
             let (borne, sign) = if on_floor { (3.0, -1.0) } else { (2.0 - a, 1.0) };
+            let normal: f64 = line[place("normal_force")].parse().unwrap();
+            assert!((normal - borne * 18.0).abs() < 0.05 && line[place("state")].is_empty(), "{text}");
             assert!((fy * sign - borne * 18.0).abs() < 0.05 && fx.abs() < 1e-3, "{text}");
             assert!(overlap > 0.0 && (on_floor == line[place("b_reference")].is_empty()), "{text}");
+        }
+    }
+}
+
+/// A capsule lies across a slope of 0.4. With the friction 0.5 its contacts stick, and their springs hold m g sin. With 0.3 they
+/// slip, and their tangential force is 0.3 times the normal force.
+#[test]
+fn the_contacts_of_a_law_stick_or_slip() {
+    for (friction, state) in [(0.5, "stick"), (0.3, "slip")] {
+        let rockfall = Rockfall::with(&format!(
+            "set contact_law linear\nset gravity_direction 0.4,-1,0\n@material m\n@pair m m restitution=0.1 stiffness=1e4 \
+             friction={friction}\n@use m\nB -5 -1 -5 40 0 0 0 1 0 0 0 10\nC 0 0.5 0 2 0.5 0 0 0 0 1 0.5\n"
+        ));
+        let run = "run scene.txt --backend cpu --integrator symplectic-euler --dt 1e-3 --steps 1000 --contacts last.csv";
+        rockfall.run(run, 0);
+        let text = rockfall.read("last.csv");
+        let lines: Vec<Vec<&str>> = text.lines().map(|line| line.split(',').collect()).collect();
+        let place = |name: &str| lines[0].iter().position(|column| *column == name).unwrap();
+        assert!(lines.len() > 2, "{text}");
+        let (mut held, mut borne) = (0.0, 0.0);
+        for line in &lines[1..] {
+            assert_eq!(line[place("state")], state, "{text}");
+            let [fx, fy, normal, tx, ux]: [f64; 5] =
+                ["fx", "fy", "normal_force", "tx", "ux"].map(|name| line[place(name)].parse().unwrap());
+            // B is the box.
+            assert!((normal + fy).abs() < 1e-4 && (tx - fx).abs() < 1e-4, "{text}");
+            if state == "slip" {
+                assert!((tx / normal - 0.3).abs() < 1e-3, "{text}");
+            } else {
+                // k_t = 2/7 k_n; the capsule has come to rest.
+                assert!((tx - 2.0 / 7.0 * 1e4 * ux).abs() < 1e-3 * tx, "{text}");
+            }
+            (held, borne) = (held + tx, borne + normal);
+        }
+        if state == "stick" {
+            assert!((held / borne - 0.4).abs() < 2e-3, "{text}");
         }
     }
 }

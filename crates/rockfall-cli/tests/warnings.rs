@@ -176,7 +176,11 @@ fn contact_laws_report_their_time_and_what_they_lack() {
     let (out, _) = rockfall.run("check scene.txt --integrator symplectic-euler --dt 1e-6", 0);
     assert!(out.contains("the shortest Rayleigh time is 1.197e-5 s, that of sphere 0"), "{out}");
     assert!(out.contains("8.355 % of it") && out.contains("stable at a time step"), "{out}");
+    // 2.87 (m*² / (R* E*² u))^(1/5) of two such spheres, at sqrt(0.5² + 2 G h) with the fall through h = 1e-4.
+    assert!(out.contains("the shortest time of an impact at 0.500 units/s is 7.936e-5 s, that of sphere 0"), "{out}");
+    assert!(out.contains("(79.4 steps per impact), at most 3.968e-6 s is advised"), "{out}");
     let (out, _) = rockfall.run("check scene.txt --integrator symplectic-euler --dt 1e-4", 0);
+    assert!(out.contains("warning: ") && out.contains("(0.8 steps per impact)"), "{out}");
     assert!(out.contains("at most 2.394e-6 s is advised") && !out.contains("stable at"), "{out}");
     let (out, _) = rockfall.run("check scene.txt --dt 1e-6", 0);
     assert!(out.contains("warning") && out.contains("symplectic-euler, because the law keeps a tangential spring"), "{out}");

@@ -13,8 +13,13 @@
 //! | `fx`, `fy`, `fz` | `force` | contact force with friction on B in mass units/s²; 0 in a collision. A receives the opposite |
 //! | `ix`, `iy`, `iz` | `impulse` | normal impulse of a collision on B in the next step, in mass units/s; 0 without one |
 //! | `a_reference`, `b_reference` | `a_reference`, `b_reference` | number of the sphere in the scene file; empty, or -1 in arrays, if it has none |
+//! | `normal_force` | `normal_force` | part of the contact force along the normal; positive where it pushes the bodies apart |
+//! | `tx`, `ty`, `tz` | `tangential_force` | part of the contact force on B across the normal |
+//! | `state` | `slip` | `slip` (1) at Coulomb's limit, `stick` (0) below it; empty (-1) without springs |
+//! | `ux`, `uy`, `uz` | `displacement` | tangential displacement of A relative to B that a law with history remembers, in units |
 //!
-//! Friction impulses (`coulomb_friction`) are not included.
+//! With the contact law of the thesis, the state is empty and the displacement is 0. In a collision the forces are 0. Friction
+//! impulses (`coulomb_friction`) are not included.
 //!
 //! An `.npz` file has one element per contact, and `frame`, the index of its frame. The arrays `step`, `time` and `count` (number
 //! of contacts) have one element per frame: `c["force"][c["frame"] == 2]` are the forces of the third frame.
@@ -28,7 +33,7 @@ use std::path::Path;
 
 use rockfall::glam::Vec3;
 use rockfall::output::{AtomicFile, Mark};
-use rockfall::{Body, Contact, ContactAction, Result, Scene, Simulation};
+use rockfall::{Body, Contact, ContactAction, ContactSprings, Result, Scene, Simulation};
 
 use crate::Format;
 use crate::csv::numbers;
@@ -38,7 +43,8 @@ use crate::vtp::Appended;
 
 mod npz;
 
-const HEADER: &str = "step,time,a_kind,a,b_kind,b,x,y,z,nx,ny,nz,overlap,fx,fy,fz,ix,iy,iz,a_reference,b_reference";
+const HEADER: &str = "step,time,a_kind,a,b_kind,b,x,y,z,nx,ny,nz,overlap,fx,fy,fz,ix,iy,iz,a_reference,b_reference,\
+    normal_force,tx,ty,tz,state,ux,uy,uz";
 
 /// All contacts of one state.
 #[derive(Clone, Debug, Default)]
@@ -66,6 +72,9 @@ struct Row {
     overlap: f32,
     force: Vec3,
     impulse: Vec3,
+    normal_force: f32,
+    tangential_force: Vec3,
+    springs: Option<ContactSprings>,
     /// From the centre or axis of A to that of B.
     line: [Vec3; 2],
 }
@@ -122,7 +131,8 @@ impl Row {
                 _ => None,
             })
         };
-        let Contact { a, b, point, normal, overlap, action, .. } = *contact;
+        let Contact { a, b, point, normal, overlap, action, springs, .. } = *contact;
+        let (normal_force, tangential_force) = (contact.normal_force(), contact.tangential_force());
         let (of_a, of_b) = (radius(a)?, radius(b)?);
         // A static body leaves the whole overlap to the other one.
         let shared = if of_b.is_some() { 0.5 * overlap } else { overlap };
@@ -134,7 +144,17 @@ impl Row {
             _ => (Vec3::ZERO, Vec3::ZERO),
         };
         let sides = [Side::of(a, scene)?, Side::of(b, scene)?];
-        Ok(Self { sides, point, normal, overlap, force, impulse, line: [start, end] })
+        let line = [start, end];
+        Ok(Self { sides, point, normal, overlap, force, impulse, normal_force, tangential_force, springs, line })
+    }
+
+    /// 1 for a contact that slips, 0 for one that sticks, -1 for one without springs.
+    fn slip(&self) -> i8 {
+        self.springs.map_or(-1, |springs| i8::from(springs.slips))
+    }
+
+    fn displacement(&self) -> Vec3 {
+        self.springs.map_or(Vec3::ZERO, |springs| springs.displacement)
     }
 
     fn csv(&self, out: &mut impl Write) -> io::Result<()> {
@@ -153,6 +173,15 @@ impl Row {
             let reference = side.reference.map_or(String::new(), |reference| reference.to_string());
             write!(out, ",{reference}")?;
         }
+        numbers(out, &[self.normal_force + 0.0])?;
+        numbers(out, &(self.tangential_force + 0.0).to_array())?;
+        let state = match self.slip() {
+            1 => "slip",
+            0 => "stick",
+            _ => "",
+        };
+        write!(out, ",{state}")?;
+        numbers(out, &(self.displacement() + 0.0).to_array())?;
         writeln!(out)
     }
 }
@@ -188,6 +217,10 @@ pub fn lines(out: &mut impl Write, contacts: &Contacts) -> io::Result<()> {
     }
     file.floats("overlap", 1, bytes_of(rows.iter().map(|row| row.overlap)));
     file.floats("force_magnitude", 1, bytes_of(rows.iter().map(|row| row.force.length())));
+    file.floats("normal_force", 1, bytes_of(rows.iter().map(|row| row.normal_force)));
+    file.floats("tangential_force", 3, bytes_of(rows.iter().map(|row| row.tangential_force.to_array())));
+    file.array("Int8", "slip", 1, bytes_of(rows.iter().map(Row::slip)));
+    file.floats("displacement", 3, bytes_of(rows.iter().map(|row| row.displacement().to_array())));
     file.close("CellData");
     file.open("Points");
     file.floats("Points", 3, bytes_of(rows.iter().map(|row| row.line.map(|end| end.to_array()))));

@@ -69,7 +69,7 @@ macro_rules! bytes {
     };
 }
 
-bytes!(u8, u32, u64, i64, f32, f64);
+bytes!(u8, i8, u32, u64, i64, f32, f64);
 
 impl<T: Bytes, const N: usize> Bytes for [T; N] {
     fn put(self, bytes: &mut Vec<u8>) {

@@ -40,6 +40,7 @@ experiments! {
     moving: "Belt, turntable, loop",
     zigzag: "A zigzag stack",
     collapse: "Collapse of a column",
+    grains: "Contact laws for grains",
     rest: "Rest",
     #[cfg(feature = "gpu")]
     pile: "A pile on the CPU and on the GPU",

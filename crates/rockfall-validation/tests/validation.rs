@@ -46,6 +46,7 @@ experiments!(
     moving,
     zigzag,
     collapse,
+    grains,
     rest,
     #[cfg(feature = "gpu")]
     pile

@@ -106,7 +106,7 @@ pub use scene::{
     PolygonId, Rod, RodId, RollingModel, Scene, Sphere, SphereId, Spring, SpringId, Tether, TetherId,
 };
 pub use settings::{BroadPhase, ContactLaw, Integrator, Settings};
-pub use simulation::{Body, Contact, ContactAction, MaxOverlap, RayHit, Simulation, SphereDiagnostics};
+pub use simulation::{Body, Contact, ContactAction, ContactSprings, MaxOverlap, RayHit, Simulation, SphereDiagnostics};
 #[cfg(feature = "gpu")]
 pub use wgpu;
 #[cfg(not(target_family = "wasm"))]

@@ -22,7 +22,7 @@ mod write;
 pub(crate) use any::AnyId;
 pub use bonded::BondedSets;
 pub(crate) use checks::finite;
-pub(crate) use contact_law::Dampings;
+pub(crate) use contact_law::{Dampings, TANGENTIAL_RATIO};
 pub(crate) use materials::Pairs;
 pub use materials::{MAX_MATERIALS, Material, MaterialId, Pair, RollingModel};
 pub use muscle::Muscle;

@@ -18,6 +18,7 @@ use crate::scene::{AnyId, Scene, SphereId};
 use crate::settings::{BroadPhase, DEFAULT_TIME_STEP, Integrator, Settings};
 use crate::step::schedule::Phase;
 
+mod contact_springs;
 mod drive;
 mod edit;
 mod engine;
@@ -38,6 +39,7 @@ mod read;
 mod springs;
 mod sweeps;
 
+pub use contact_springs::ContactSprings;
 use drive::Window;
 use edit::Dirty;
 use engine::Engine;

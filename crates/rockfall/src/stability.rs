@@ -209,8 +209,9 @@ impl Scene {
     /// other, bodies that pass through thin things, positions that are too coarse, and rods that are likely mistakes.
     pub fn concerns(&self, dt: f32, integrator: Integrator) -> Vec<String> {
         let mut concerns: Vec<String> = self.stability(dt, integrator).iter().map(Warning::to_string).collect();
-        let slow = self.law_time().filter(|time| time.is_exceeded_by(dt));
+        let slow = self.law_times().into_iter().filter(|time| time.is_exceeded_by(dt));
         concerns.extend(slow.map(|time| time.describe(dt)));
+        concerns.extend(self.unused_properties());
         concerns.extend(self.fast_muscle(dt).map(|muscle| muscle.to_string()));
         concerns.extend(self.sinking(integrator).map(|sinking| sinking.to_string()));
         concerns.extend(self.tunnelling(dt).map(|tunnelling| tunnelling.to_string()));

@@ -198,3 +198,16 @@ fn balls_pass_through_thin_objects_only_beyond_the_bound() {
         assert!(!is_caught(&scene, &ball, 1.1 * bound), "scene {index}: {tunnelling}");
     }
 }
+
+/// The law of the thesis has neither rolling resistance nor cohesion. A scene that asks for them is told so.
+#[test]
+fn properties_that_the_law_does_not_use_are_reported() {
+    let pair = "@material m young=1e5 poisson=0.2\n@pair m m stiffness=1e3 rolling_friction=0.1 surface_energy=2\n";
+    let concerns = |text: &str| {
+        let scene = Scene::parse(&(text.to_owned() + pair), std::path::Path::new("a.txt")).expect("a scene").scene;
+        scene.concerns(1e-3, Integrator::SymplecticEuler)
+    };
+    let found = concerns("");
+    assert!(found.iter().any(|text| text.contains("rolling_friction, surface_energy of pairs has no effect")), "{found:?}");
+    assert_eq!(concerns("set contact_law linear\n"), Vec::<String>::new());
+}

@@ -26,7 +26,7 @@ const fn column(name: &'static str, kind: &'static str, bytes: usize, shape: &'s
     Column { name, kind, bytes, shape }
 }
 
-const COLUMNS: [Column; 12] = [
+const COLUMNS: [Column; 16] = [
     column("frame", "<u8", 8, &[]),
     column("a_kind", "|u1", 1, &[]),
     column("b_kind", "|u1", 1, &[]),
@@ -39,13 +39,17 @@ const COLUMNS: [Column; 12] = [
     column("overlap", "<f4", 4, &[]),
     column("force", "<f4", 12, &[3]),
     column("impulse", "<f4", 12, &[3]),
+    column("normal_force", "<f4", 4, &[]),
+    column("tangential_force", "<f4", 12, &[3]),
+    column("slip", "|i1", 1, &[]),
+    column("displacement", "<f4", 12, &[3]),
 ];
 
 /// Arrays with one item per frame. The record that begins a frame has them after `frame` and `a_kind`.
 const FRAME_ARRAYS: [(&str, &str); 3] = [("step", "<u8"), ("time", "<f8"), ("count", "<u8")];
 
 /// Size of a record in bytes.
-const RECORD: usize = 86;
+const RECORD: usize = 115;
 /// Place of `a_kind` in a record, and its value in a record that begins a frame.
 const KIND: (usize, u8) = (8, u8::MAX);
 
@@ -113,6 +117,10 @@ fn record(frame: u64, row: &Row) -> Vec<u8> {
     bytes.extend(bytes_of([row.point, row.normal].map(|vector| vector.to_array())));
     bytes.extend(bytes_of([row.overlap]));
     bytes.extend(bytes_of([row.force, row.impulse].map(|vector| vector.to_array())));
+    bytes.extend(bytes_of([row.normal_force]));
+    bytes.extend(bytes_of([row.tangential_force.to_array()]));
+    bytes.extend(bytes_of([row.slip()]));
+    bytes.extend(bytes_of([row.displacement().to_array()]));
     debug_assert_eq!(bytes.len(), RECORD);
     bytes
 }

@@ -157,6 +157,7 @@ fn materials(head: &mut Head, scene: &Scene) {
             restitution,
             friction,
             stiffness,
+            characteristic_velocity,
             rolling_friction,
             rolling_model,
             rolling_damping,
@@ -165,7 +166,16 @@ fn materials(head: &mut Head, scene: &Scene) {
         } = pair;
         head.u32(u32::from(*one));
         head.u32(u32::from(*other));
-        let numbers = [restitution, friction, stiffness, rolling_friction, rolling_damping, twisting_friction, surface_energy];
+        let numbers = [
+            restitution,
+            friction,
+            stiffness,
+            rolling_friction,
+            rolling_damping,
+            twisting_friction,
+            surface_energy,
+            characteristic_velocity,
+        ];
         numbers.into_iter().for_each(|property| head.known(*property));
         head.text(&rolling_model.map(|model| model.to_string()).unwrap_or_default());
     }
@@ -187,6 +197,7 @@ fn read_materials(words: &mut Words, version: u32, scene: &mut Scene) -> Result<
         if version >= RESISTANCE_SINCE {
             (pair.rolling_friction, pair.rolling_damping) = (words.known()?, words.known()?);
             (pair.twisting_friction, pair.surface_energy) = (words.known()?, words.known()?);
+            pair.characteristic_velocity = words.known()?;
             let model = words.text()?;
             pair.rolling_model = if model.is_empty() { None } else { Some(model.parse()?) };
         }

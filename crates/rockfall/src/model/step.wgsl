@@ -130,6 +130,7 @@ const MATERIAL_SHIFT: u32 = 16u;
 const LAW_THESIS: u32 = 0u;
 const LAW_LINEAR: u32 = 1u;
 const LAW_HERTZ_MINDLIN: u32 = 2u;
+const TANGENTIAL_RATIO: f32 = 2.0 / 7.0;
 const HISTORY_WORDS: u32 = 8u;
 const NO_KEY: u32 = 0xffffffffu;
 const FIRST_HISTORY_ROOM: u32 = 8u;

@@ -17,9 +17,9 @@ use crate::settings::ContactLaw;
 /// Constants of a pair of materials for a law with history, from the table of pairs.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Constants {
-    /// `linear`: k_n in mass/s². `hertz-mindlin`: E* in mass/(units s²).
+    /// `linear`: k_n in mass/s², or -E* if it follows from E*. `hertz-mindlin`: E* in mass/(units s²).
     pub(crate) normal: f32,
-    /// `linear`: k_t in mass/s². `hertz-mindlin`: G* in mass/(units s²).
+    /// `linear`: k_t in mass/s², or the characteristic velocity in units/s. `hertz-mindlin`: G* in mass/(units s²).
     pub(crate) tangential: f32,
     /// Damping force per velocity and sqrt(stiffness reduced mass).
     pub(crate) damping: f32,
@@ -59,11 +59,17 @@ pub(crate) struct Stiffness {
     pub(crate) rescales: bool,
 }
 
-/// The stiffness of a contact by the law of its scene, from the constants of the pair, R* and the overlap.
-pub(crate) fn stiffness(law: ContactLaw, constants: &Constants, effective_radius: f32, overlap: f32) -> Stiffness {
+/// The stiffness of a contact by the law of its scene, from the constants of the pair, R*, m* and the overlap.
+pub(crate) fn stiffness(
+    law: ContactLaw,
+    constants: &Constants,
+    effective_radius: f32,
+    reduced_mass: f32,
+    overlap: f32,
+) -> Stiffness {
     match law {
         ContactLaw::HertzMindlin => hertz_mindlin::stiffness(constants, effective_radius, overlap),
         // The thesis's law does not use this function.
-        ContactLaw::Linear | ContactLaw::Thesis => linear::stiffness(constants),
+        ContactLaw::Linear | ContactLaw::Thesis => linear::stiffness(constants, effective_radius, reduced_mass),
     }
 }

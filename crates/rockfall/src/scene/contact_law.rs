@@ -6,7 +6,7 @@ use crate::scene::{Material, RollingModel, Scene};
 use crate::settings::{ContactLaw, Integrator};
 
 /// Ratio of the tangential to the normal stiffness in the law `linear`.
-const TANGENTIAL_RATIO: f32 = 2.0 / 7.0;
+pub(crate) const TANGENTIAL_RATIO: f32 = 2.0 / 7.0;
 /// Ratio of rolling damping where a pair has none: that of Ai, Chen, Rotter and Ooi (2011).
 const ROLLING_DAMPING: f32 = 0.3;
 
@@ -77,11 +77,12 @@ impl Scene {
                 return refused(format!("{law} with the material {one_name}"), "a material with young and poisson");
             }
             for other in &used[place..] {
-                let lacks = may_touch(*one, *other) && self.pair_of_numbers(*one, *other).stiffness.is_none();
+                let lacks = may_touch(*one, *other) && self.normal_stiffness(*one, *other, 1.0, 1.0).is_none();
                 if law == ContactLaw::Linear && lacks {
                     return refused(
                         format!("{law} with the pair {one_name} {}", name(*other).name),
-                        "a pair with stiffness, or its materials with a stiffness with themselves",
+                        "a pair with stiffness, or its materials with a stiffness with themselves; or characteristic_velocity, and \
+                         materials with young and poisson",
                     );
                 }
             }
@@ -97,7 +98,10 @@ impl Scene {
         let pair = self.pair_of_numbers(one, other);
         let known = match law {
             ContactLaw::Thesis => None,
-            ContactLaw::Linear => pair.stiffness.map(|stiffness| [stiffness, TANGENTIAL_RATIO * stiffness]),
+            ContactLaw::Linear => match pair.stiffness {
+                Some(stiffness) => Some([stiffness, TANGENTIAL_RATIO * stiffness]),
+                None => pair.characteristic_velocity.zip(self.moduli(one, other)).map(|(speed, [young, _])| [-young, speed]),
+            },
             ContactLaw::HertzMindlin => self.moduli(one, other),
         };
         let Some([normal, tangential]) = known else {
@@ -115,9 +119,20 @@ impl Scene {
         [normal, tangential, dampings.of(law, restitution), friction, rolling, rolling_damping, twisting, cohesion]
     }
 
+    /// Normal stiffness of the law `linear` for two materials, from R* and m*.
+    pub(crate) fn normal_stiffness(&self, one: u16, other: u16, radius: f64, mass: f64) -> Option<f64> {
+        let pair = self.pair_of_numbers(one, other);
+        if let Some(stiffness) = pair.stiffness {
+            return Some(stiffness.into());
+        }
+        let (speed, [young, _]) = pair.characteristic_velocity.zip(self.moduli(one, other))?;
+        let hertz = 16.0 / 15.0 * radius.sqrt() * f64::from(young);
+        Some(hertz * (mass * f64::from(speed).powi(2) / hertz).powf(0.2))
+    }
+
     /// E* and G* of two materials: 1/E* = (1 - nu_i^2)/E_i + (1 - nu_j^2)/E_j, 1/G* = (2 - nu_i)/G_i + (2 - nu_j)/G_j, with
     /// G = E / (2 (1 + nu)).
-    fn moduli(&self, one: u16, other: u16) -> Option<[f32; 2]> {
+    pub(crate) fn moduli(&self, one: u16, other: u16) -> Option<[f32; 2]> {
         let of = |number: u16| {
             let material = self.materials().get(usize::from(number).checked_sub(1)?)?;
             let (young, poisson) = (f64::from(material.young?), f64::from(material.poisson?));

@@ -95,6 +95,9 @@ pub struct Pair {
     pub friction: Option<f32>,
     /// Normal stiffness k_n of the law `linear`, in mass/s², greater than 0.
     pub stiffness: Option<f32>,
+    /// Characteristic velocity of the law `linear`, in units/s, greater than 0. Where the pair has no stiffness, its stiffness is that
+    /// with which an impact at this velocity is as deep as by Hertz's theory.
+    pub characteristic_velocity: Option<f32>,
     /// Coefficient of rolling friction mu_r of the laws with history, without a unit, not negative: a sphere on a slope does not roll
     /// where tan(slope) < mu_r. The thesis's law has no rolling resistance.
     pub rolling_friction: Option<f32>,
@@ -160,6 +163,12 @@ impl Pair {
         self
     }
 
+    /// Sets the characteristic velocity of the law `linear`, in units/s.
+    pub fn characteristic_velocity(mut self, characteristic_velocity: f32) -> Self {
+        self.characteristic_velocity = Some(characteristic_velocity);
+        self
+    }
+
     /// Sets the coefficient of rolling friction.
     pub fn rolling_friction(mut self, rolling_friction: f32) -> Self {
         self.rolling_friction = Some(rolling_friction);
@@ -196,10 +205,11 @@ impl Pair {
     pub(crate) const COHESION: &'static str = "cohesion";
 
     /// Names of the properties in scene files: `@pair NAME NAME restitution=e friction=mu ...`.
-    pub(crate) const KEYS: [&'static str; 9] = [
+    pub(crate) const KEYS: [&'static str; 10] = [
         "restitution",
         "friction",
         "stiffness",
+        "characteristic_velocity",
         "rolling_friction",
         Self::MODEL,
         "rolling_damping",
@@ -214,6 +224,7 @@ impl Pair {
             "restitution" => Some(&mut self.restitution),
             "friction" => Some(&mut self.friction),
             "stiffness" => Some(&mut self.stiffness),
+            "characteristic_velocity" => Some(&mut self.characteristic_velocity),
             "rolling_friction" => Some(&mut self.rolling_friction),
             "rolling_damping" => Some(&mut self.rolling_damping),
             "twisting_friction" => Some(&mut self.twisting_friction),
@@ -226,6 +237,8 @@ impl Pair {
         known("pair.restitution", self.restitution, |e| (0.0..=1.0).contains(&e), "a number from 0 to 1")?;
         known("pair.friction", self.friction, |mu| mu >= 0.0, "a finite number, not negative")?;
         known("pair.stiffness", self.stiffness, |stiffness| stiffness > 0.0, "a finite number greater than 0")?;
+        let speed = self.characteristic_velocity;
+        known("pair.characteristic_velocity", speed, |speed| speed > 0.0, "a finite number greater than 0")?;
         known("pair.rolling_friction", self.rolling_friction, |mu| mu >= 0.0, "a finite number, not negative")?;
         known("pair.rolling_damping", self.rolling_damping, |ratio| ratio >= 0.0, "a finite number, not negative")?;
         known("pair.twisting_friction", self.twisting_friction, |mu| mu >= 0.0, "a finite number, not negative")?;
@@ -242,6 +255,7 @@ impl Pair {
             restitution: mean(one.restitution, other.restitution, geometric_mean),
             friction: mean(one.friction, other.friction, geometric_mean),
             stiffness: mean(one.stiffness, other.stiffness, harmonic_mean),
+            characteristic_velocity: mean(one.characteristic_velocity, other.characteristic_velocity, geometric_mean),
             rolling_friction: mean(one.rolling_friction, other.rolling_friction, geometric_mean),
             rolling_model: match (one.rolling_model, other.rolling_model) {
                 (Some(one), Some(other)) if one != other => Some(RollingModel::SpringDashpot),
@@ -259,6 +273,7 @@ impl Pair {
             restitution: self.restitution.or(other.restitution),
             friction: self.friction.or(other.friction),
             stiffness: self.stiffness.or(other.stiffness),
+            characteristic_velocity: self.characteristic_velocity.or(other.characteristic_velocity),
             rolling_friction: self.rolling_friction.or(other.rolling_friction),
             rolling_model: self.rolling_model.or(other.rolling_model),
             rolling_damping: self.rolling_damping.or(other.rolling_damping),

@@ -268,6 +268,7 @@ fn build(additions: Vec<Addition>) -> Scene {
                         rolling_damping,
                         twisting_friction,
                         surface_energy,
+                        characteristic_velocity: stiffness,
                         ..Pair::default()
                     };
                     scene.set_pair(first, second, Pair { restitution, friction, stiffness, ..resistance })

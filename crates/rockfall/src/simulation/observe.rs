@@ -19,12 +19,13 @@ use crate::physics::collision::all::{impulse_in, solve};
 use crate::physics::contact::{collision_velocity, contact_force};
 use crate::physics::forces::net_force::rod_loads;
 use crate::physics::forces::sphere_rates;
-use crate::physics::laws::contact::{law_force, normal_energy};
+use crate::physics::laws::contact::{LawForce, law_force, normal_energy};
 use crate::physics::laws::history::Histories;
 use crate::physics::side::side;
 use crate::physics::touch::{Touch, touch};
 use crate::scene::{BoxId, PolygonId, RodId, Scene, SphereId};
 use crate::settings::{BroadPhase, Integrator};
+use crate::simulation::contact_springs::ContactSprings;
 use crate::simulation::drive::{MAX_ATTEMPTS, margin_after_escape, room_for};
 use crate::simulation::springs::put_springs;
 use crate::simulation::{Simulation, engine};
@@ -99,6 +100,8 @@ pub struct Contact {
     pub overlap: f32,
     /// Effect of the contact.
     pub action: ContactAction,
+    /// The springs of the contact; `None` with the thesis's law and in a collision.
+    pub springs: Option<ContactSprings>,
 }
 
 /// Diagnostics of a sphere.
@@ -169,7 +172,7 @@ impl Simulation {
         let impulses = impulses.as_slice();
         let histories = Histories::new(&world.step, &world.histories);
         let movers = 0..world.movers();
-        let found: Vec<(Collision, ContactAction)> = movers
+        let found: Vec<(Collision, ContactAction, Option<ContactSprings>)> = movers
             .into_par_iter()
             .flat_map_iter(|mover| {
                 let own = lists.row(mover).filter(move |entry| entry.id() > mover && entry.word & ENTRY_OVERLAPS != 0);
@@ -178,13 +181,14 @@ impl Simulation {
             .collect();
         Ok(found
             .into_iter()
-            .map(|(collision, action)| Contact {
+            .map(|(collision, action, springs)| Contact {
                 a: self.body(&view, collision.a),
                 b: self.body(&view, collision.b),
                 point: contact_point(&view, &collision),
                 normal: collision.touch.normal,
                 overlap: collision.touch.overlap,
                 action,
+                springs,
             })
             .collect())
     }
@@ -347,25 +351,22 @@ fn action(
     impulses: &[Impulse],
     mover: u32,
     entry: Entry,
-) -> Option<(Collision, ContactAction)> {
+) -> Option<(Collision, ContactAction, Option<ContactSprings>)> {
     let collision = Collision::between(view, mover, entry.id(), entry.feature())?;
     // With a law that has no impulses, the force acts in collisions too.
     let has_impulses = view.step.law == LAW_THESIS || view.step.flags & FLAG_COLLISIONS != 0;
     if entry.word & ENTRY_COLLIDES != 0 && has_impulses {
         let impulse = impulse_in(impulses, collision.key(view)).map_or(Vec3::ZERO, |known| known.size * known.direction);
-        return Some((collision, ContactAction::Impulse(impulse)));
+        return Some((collision, ContactAction::Impulse(impulse), None));
     }
-    let force = force_on_a(view, histories, &collision);
-    Some((collision, ContactAction::Force(-force)))
-}
-
-/// The force on A of a contact that does not collide.
-fn force_on_a(view: &View, histories: Histories, collision: &Collision) -> Vec3 {
-    let Collision { a, b, feature, touch, .. } = collision;
+    let Collision { a, b, feature, touch, .. } = &collision;
     if view.step.law == LAW_THESIS {
-        return contact_force(view, *a, *b, touch).force;
+        let force = contact_force(view, *a, *b, touch).force;
+        return Some((collision, ContactAction::Force(-force), None));
     }
-    law_force(view, [*a, *b], touch, histories.spring(view, *a, *b, *feature)).loads.force
+    let LawForce { loads, spring, slips } = law_force(view, [*a, *b], touch, histories.spring(view, *a, *b, *feature));
+    let springs = ContactSprings { displacement: spring.shift, moment: -spring.moment, slips };
+    Some((collision, ContactAction::Force(-loads.force), Some(springs)))
 }
 
 /// The point at the end of A's arm: from A's centre or axis along the normal.

@@ -12,17 +12,24 @@ use crate::settings::ContactLaw;
 pub struct LawTime {
     /// The contact law.
     pub law: ContactLaw,
-    /// `hertz-mindlin`: Rayleigh time of the sphere, in s. `linear`: shortest time of an elastic impact of the sphere with one of
-    /// equal mass, in s.
+    /// Shortest time of an elastic impact of the sphere with one of equal size and mass, in s; or, for `hertz-mindlin` without a
+    /// speed, the Rayleigh time of the sphere.
     pub seconds: f64,
     /// Index of the sphere, in order of addition.
     pub sphere: usize,
+    /// `hertz-mindlin`: speed of the impact that takes this time, in units/s. `None` for the Rayleigh time, and for `linear`, with
+    /// which the time does not depend on the speed.
+    pub speed: Option<f64>,
 }
 
 impl LawTime {
     /// The longest time step: 20 % of the Rayleigh time, or a 20th of an impact.
     pub fn largest_dt(&self) -> f64 {
-        self.seconds / if self.law == ContactLaw::HertzMindlin { 5.0 } else { 20.0 }
+        self.seconds / if self.is_rayleigh() { 5.0 } else { 20.0 }
+    }
+
+    fn is_rayleigh(&self) -> bool {
+        self.law == ContactLaw::HertzMindlin && self.speed.is_none()
     }
 
     /// Returns whether a time step of `dt` seconds is too long.
@@ -33,14 +40,20 @@ impl LawTime {
     /// Describes the time and a time step of `dt` seconds.
     pub fn describe(&self, dt: f32) -> String {
         let percent = 100.0 * f64::from(dt) / self.seconds;
-        format!("{self}; the time step is {percent:.3} % of it, at most {:.3e} s is advised", self.largest_dt())
+        let steps = self.seconds / f64::from(dt);
+        let steps = if self.is_rayleigh() { String::new() } else { format!(" ({steps:.1} steps per impact)") };
+        format!("{self}; the time step is {percent:.3} % of it{steps}, at most {:.3e} s is advised", self.largest_dt())
     }
 }
 
 impl fmt::Display for LawTime {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { law, seconds, sphere } = self;
-        let what = if *law == ContactLaw::HertzMindlin { "Rayleigh time" } else { "time of an impact" };
+        let Self { law, seconds, sphere, speed } = self;
+        let what = match speed {
+            Some(speed) => format!("time of an impact at {speed:.3} units/s"),
+            None if self.is_rayleigh() => "Rayleigh time".to_owned(),
+            None => "time of an impact".to_owned(),
+        };
         write!(f, "contact law {law}: the shortest {what} is {seconds:.3e} s, that of sphere {sphere}")
     }
 }
@@ -57,8 +70,9 @@ impl Scene {
             let seconds = match law {
                 ContactLaw::Thesis => return None,
                 ContactLaw::Linear => {
-                    let of = |other| self.pair(Some(id), Some(other)).ok().and_then(|pair| pair.stiffness).map(f64::from);
-                    let stiffest = self.material_ids().filter_map(of).fold(0.0, f64::max);
+                    let (number, radius) = (self.material_number(Some(id)).ok()?, 0.5 * f64::from(sphere.radius));
+                    let of = |other| self.normal_stiffness(number, other, radius, 0.5 * mass);
+                    let stiffest = (1..=self.materials().len() as u16).filter_map(of).fold(0.0, f64::max);
                     (stiffest > 0.0).then(|| PI * (0.5 * mass / stiffest).sqrt())?
                 }
                 ContactLaw::HertzMindlin => {
@@ -70,7 +84,49 @@ impl Scene {
                     PI * radius * (density / shear).sqrt() / (0.1631 * poisson + 0.8766)
                 }
             };
-            Some(LawTime { law, seconds, sphere: index })
+            Some(LawTime { law, seconds, sphere: index, speed: None })
+        });
+        times.min_by(|one, other| one.seconds.total_cmp(&other.seconds))
+    }
+
+    /// All times that bound the time step of a contact law with history: [`Scene::law_time`], and for `hertz-mindlin` the shortest
+    /// time of an impact, 2.87 (m*² / (R* E*² u))^(1/5). u is the speed of the fastest body after a fall through the height of the
+    /// scene. There is no impact in a scene without speeds.
+    pub fn law_times(&self) -> Vec<LawTime> {
+        self.law_time().into_iter().chain(self.hertz_time()).collect()
+    }
+
+    /// Names the properties of pairs that are given although the law of the thesis does not use them.
+    pub(super) fn unused_properties(&self) -> Option<String> {
+        let is_given = |property: Option<f32>| property.is_some_and(|value| value > 0.0);
+        let given = [
+            ("rolling_friction", self.pairs.values().any(|pair| is_given(pair.rolling_friction))),
+            ("twisting_friction", self.pairs.values().any(|pair| is_given(pair.twisting_friction))),
+            ("surface_energy", self.pairs.values().any(|pair| is_given(pair.surface_energy))),
+        ];
+        let names: Vec<&str> = given.into_iter().filter(|(_, is_given)| *is_given).map(|(name, _)| name).collect();
+        let law = self.settings.contact_law;
+        (!names.is_empty() && !law.has_history())
+            .then(|| format!("contact law {law}: {} of pairs has no effect; linear and hertz-mindlin use it", names.join(", ")))
+    }
+
+    fn hertz_time(&self) -> Option<LawTime> {
+        let (law, speed) = (self.settings.contact_law, self.greatest_speed());
+        if law != ContactLaw::HertzMindlin || speed <= 0.0 {
+            return None;
+        }
+        // The stiffest partner of each material.
+        let moduli: Vec<f64> = (1..=self.materials().len() as u16)
+            .map(|one| {
+                let with = |other| self.moduli(one, other).map_or(0.0, |[normal, _]| f64::from(normal));
+                (1..=self.materials().len() as u16).map(with).fold(0.0, f64::max)
+            })
+            .collect();
+        let times = self.spheres().iter().enumerate().filter(|(_, sphere)| !sphere.fixed).filter_map(|(index, sphere)| {
+            let number = usize::from(self.material_number(sphere.material).ok()?).checked_sub(1)?;
+            let (mass, radius) = (0.5 * f64::from(sphere.mass), 0.5 * f64::from(sphere.radius));
+            let seconds = 2.87 * (mass * mass / (radius * moduli[number].powi(2) * speed)).powf(0.2);
+            (moduli[number] > 0.0).then_some(LawTime { law, seconds, sphere: index, speed: Some(speed) })
         });
         times.min_by(|one, other| one.seconds.total_cmp(&other.seconds))
     }

@@ -64,9 +64,7 @@ impl Scene {
     pub fn tunnelling(&self, dt: f32) -> Option<Tunnelling> {
         let movers = || self.spheres().iter().filter(|sphere| !sphere.fixed);
         let radius = movers().map(|sphere| f64::from(sphere.radius)).fold(f64::INFINITY, f64::min);
-        let fastest = movers().map(|sphere| sphere.velocity.as_dvec3().length()).fold(0.0, f64::max);
-        let gravity = f64::from(self.settings.gravity.abs());
-        let speed = (fastest * fastest + 2.0 * gravity * self.height()).sqrt();
+        let speed = self.greatest_speed();
         let thickness =
             |cuboid: &Cuboid| cuboid.edges.map(|edge| edge.as_dvec3().length()).into_iter().fold(f64::INFINITY, f64::min);
         let thinnest = self.boxes().iter().map(thickness).enumerate().min_by(|a, b| a.1.total_cmp(&b.1));
@@ -83,6 +81,13 @@ impl Scene {
         let (what, depth) = all.min_by(|a, b| a.1.total_cmp(&b.1))?;
         let way = speed * f64::from(dt);
         (way > depth).then_some(Tunnelling { what, speed, way, depth, largest_dt: depth / speed })
+    }
+
+    /// The speed of the fastest body after a fall through the height of the scene, sqrt(v² + 2 G h), in units/s.
+    pub(super) fn greatest_speed(&self) -> f64 {
+        let moving = self.spheres().iter().filter(|sphere| !sphere.fixed);
+        let fastest = moving.map(|sphere| sphere.velocity.as_dvec3().length()).fold(0.0, f64::max);
+        (fastest * fastest + 2.0 * f64::from(self.settings.gravity.abs()) * self.height()).sqrt()
     }
 
     /// The height through which the highest mover can fall, in units: down to the lowest surface that faces up, or to the

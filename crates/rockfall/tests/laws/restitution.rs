@@ -1,6 +1,6 @@
 //! The restitution of an impact is the one that the pair asks for.
 
-use rockfall::{Backend, Capsule, ContactLaw, Cuboid, Polygon, Rod, Sphere};
+use rockfall::{Backend, Capsule, ContactLaw, Cuboid, Pair, Polygon, Rod, Sphere};
 
 use crate::{assert_close, ball, pair, scene_with, simulation, soft};
 
@@ -51,6 +51,35 @@ fn impacts_rebound_with_the_restitution_of_their_pair(law: ContactLaw, backend: 
     }
 }
 
+/// An elastic impact at the characteristic velocity of `linear` is as deep as by Hertz, (15 m* V² / (16 E* sqrt R*))^(2/5). The
+/// other impact speed differs by a factor of 2, and its depth too, because the spring is linear.
+fn impacts_at_the_characteristic_velocity_are_as_deep_as_by_hertz(backend: Backend) {
+    for (factor, plane) in [(1.0_f32, false), (2.0, false), (1.0, true)] {
+        let mut scene = scene_with(ContactLaw::Linear);
+        let material = soft(&mut scene, "soft");
+        let properties = Pair::default().restitution(1.0).characteristic_velocity(0.5);
+        scene.set_pair(material, material, properties).expect("a valid pair");
+        let falling = ball(&scene, material, [0.0, 0.801, 0.0], 0.5).velocity([0.0, -0.5 * factor, 0.0]);
+        let (mut mass, mut radius) = (f64::from(falling.mass), 0.5_f64);
+        scene.add_sphere(falling).expect("a valid sphere");
+        if plane {
+            scene.add_box(Cuboid::between([-1.0, -1.0, -1.0], [1.0, 0.301, 1.0]).material(material)).expect("a valid box");
+        } else {
+            let other = ball(&scene, material, [0.0; 3], 0.3);
+            (mass, radius) = (mass * f64::from(other.mass) / (mass + f64::from(other.mass)), 0.15 / 0.8);
+            scene.add_sphere(other).expect("a valid sphere");
+        }
+        let time = scene.law_time().expect("a time").seconds;
+        assert!(time > 0.0);
+        let mut simulation = simulation(scene, backend);
+        let (steps, dt) = crate::common::on(backend, (2000, 5e-5), (200, 5e-4));
+        let deepest = (0..steps).map(|_| simulation.run(1, dt).expect("a step").max_overlap).fold(0.0, f32::max);
+        let young = 1e5 / (2.0 * (1.0 - 0.0625));
+        let hertz = (15.0 * mass * 0.25 / (16.0 * young * radius.sqrt())).powf(0.4);
+        assert_close(deepest.into(), f64::from(factor) * hertz, 0.01, "deepest overlap");
+    }
+}
+
 fn linear_impacts_rebound_with_the_restitution_of_their_pair(backend: Backend) {
     impacts_rebound_with_the_restitution_of_their_pair(ContactLaw::Linear, backend);
 }
@@ -60,6 +89,7 @@ fn hertz_mindlin_impacts_rebound_with_the_restitution_of_their_pair(backend: Bac
 }
 
 both!(
+    impacts_at_the_characteristic_velocity_are_as_deep_as_by_hertz,
     linear_impacts_rebound_with_the_restitution_of_their_pair,
     hertz_mindlin_impacts_rebound_with_the_restitution_of_their_pair,
 );

@@ -118,30 +118,32 @@ fn twisting_friction_slows_a_spinning_ball(backend: Backend) {
     }
 }
 
-/// Impacts of spinning balls without damping gain no kinetic energy.
+/// Impacts of spinning balls without damping gain no kinetic energy. Without friction and with such strong resistance that its
+/// springs do not yield, the energy of the spins alone does not grow either.
 #[test]
 fn impacts_with_resistance_create_no_energy() {
-    for law in LAWS {
+    for (law, is_elastic) in LAWS.into_iter().flat_map(|law| [false, true].map(|is_elastic| (law, is_elastic))) {
         let mut scene = scene_with(law);
         let material = soft(&mut scene, "soft");
-        let properties = Pair::default().restitution(1.0).friction(0.8).stiffness(1e4);
-        let properties = properties.rolling_friction(0.3).rolling_damping(0.0).twisting_friction(0.5);
+        let properties = Pair::default().restitution(1.0).stiffness(1e4).rolling_damping(0.0);
+        let [friction, rolling, twisting, fast] = if is_elastic { [0.0, 1.0, 3.0, 0.03] } else { [0.8, 0.3, 0.5, 1.0] };
+        let properties = properties.friction(friction).rolling_friction(rolling).twisting_friction(twisting);
         scene.set_pair(material, material, properties).expect("a valid pair");
-        let mut lost = 0;
         for k in 0..100_u16 {
-            let [a, b, c, d] = [1.0, 0.71, 0.37, 0.53].map(|step| (f32::from(k) * step).sin());
+            let [a, b, c, d] = [1.0, 0.71, 0.37, 0.53].map(|step| (f32::from(k + 1) * step).sin());
             let [x, z] = [5.0 * f32::from(k % 10), 5.0 * f32::from(k / 10)];
             let one = ball(&scene, material, [x, 0.0, z], 0.5).velocity([0.5 + 0.3 * a, 0.2 * b, 0.3 * c]);
             let two = ball(&scene, material, [x + 0.82, 0.2 * d, z], 0.32).velocity([-0.5, 0.3 * d, 0.0]);
             let [spin, other] = [[4.0 * c, 5.0 * a, 3.0 * d], [5.0 * b, 2.0 * c, -4.0 * a]].map(Vec3::from);
-            let momenta = [spin * one.inertia(), other * two.inertia()];
+            let momenta = [fast * spin * one.inertia(), fast * other * two.inertia()];
             scene.add_sphere(one.angular_momentum(momenta[0])).expect("a valid sphere");
             scene.add_sphere(two.angular_momentum(momenta[1])).expect("a valid sphere");
         }
         let energies = |scene: &rockfall::Scene| -> Vec<f64> {
             let of = |sphere: &Sphere| {
                 let [v, l] = [sphere.velocity, sphere.angular_momentum].map(|vector| f64::from(vector.length_squared()));
-                0.5 * f64::from(sphere.mass) * v + 0.5 * l / f64::from(sphere.inertia())
+                let of_spin = 0.5 * l / f64::from(sphere.inertia());
+                if is_elastic { of_spin } else { 0.5 * f64::from(sphere.mass) * v + of_spin }
             };
             scene.spheres().chunks(2).map(|pair| pair.iter().map(of).sum()).collect()
         };
@@ -149,11 +151,12 @@ fn impacts_with_resistance_create_no_energy() {
         let mut simulation = simulation(scene, Backend::Cpu);
         assert!(simulation.run(1000, 1e-5).expect("steps").contacts > 20);
         assert_eq!(simulation.run(20_000, 1e-5).expect("steps").contacts, 0);
+        let mut changed = 0;
         for (before, after) in before.into_iter().zip(energies(simulation.sync().expect("the state"))) {
-            assert!(after < 1.0002 * before, "{law}: {after} after {before}");
-            lost += i32::from(after < 0.99 * before);
+            assert!(after < 1.0005 * before, "{law}, {is_elastic}: {after} after {before}");
+            changed += i32::from(after < 0.99 * before);
         }
-        assert!(lost > 20, "{law}: {lost} impacts lost energy");
+        assert!(changed > 20, "{law}: {changed} impacts lost energy");
     }
 }
 

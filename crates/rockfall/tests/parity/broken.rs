@@ -329,6 +329,7 @@ static MISTAKES: &[Mistake] = &[
     Mistake("apply_friction_impulses", 0, "pairs.wgsl", "given < 0.0", "given <= 0.0", Buffer::Start),
     Mistake("law_forces", 0, "hertz_mindlin.wgsl", "8.0 * a", "4.0 * a", Buffer::Wrenches),
     Mistake("law_forces", 0, "linear.wgsl", "constants.y, 1.0", "constants.x, 1.0", Buffer::Wrenches),
+    Mistake("law_forces", 0, "linear.wgsl", "15.0 / 16.0 *", "16.0 / 15.0 *", Buffer::Wrenches),
     Mistake("law_forces", 0, "laws/contact.wgsl", "scale *= sqrt(", "scale *= (", Buffer::Histories),
     Mistake("law_forces", 0, "laws/contact.wgsl", "shift = step.dt * slip", "shift = -step.dt * slip", Buffer::Histories),
     Mistake("law_forces", 0, "laws/contact.wgsl", "rub *= limit / size", "rub *= 1.0", Buffer::Wrenches),

@@ -155,7 +155,8 @@ fn with_materials(scene: &Scene) -> Scene {
         hard_pair.rolling_friction(0.2).rolling_model(RollingModel::SpringDashpot).twisting_friction(0.3).surface_energy(0.1);
     made.set_pair(hard, hard, hard_pair).unwrap();
     made.set_pair(hard, soft, Pair::default().restitution(0.3).friction(0.0)).unwrap();
-    let soft_pair = Pair::default().stiffness(100.0).rolling_friction(0.3).rolling_model(RollingModel::ConstantTorque);
+    let soft_pair =
+        Pair::default().characteristic_velocity(0.5).rolling_friction(0.3).rolling_model(RollingModel::ConstantTorque);
     made.set_pair(soft, soft, soft_pair).unwrap();
     let has_history = scene.settings.contact_law.has_history();
     let mut place = 0;

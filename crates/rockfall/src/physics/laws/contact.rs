@@ -29,6 +29,8 @@ pub(crate) struct LawForce {
     pub(crate) loads: ContactForce<Vec3>,
     /// The tangential spring after the step.
     pub(crate) spring: Spring,
+    /// Whether the tangential force is at Coulomb's limit.
+    pub(crate) slips: bool,
 }
 
 /// Evaluates the contact of objects a and b, of which a was added first, and advances its spring by a time step.
@@ -48,7 +50,7 @@ pub(crate) fn law_force(view: &View, [id_a, id_b]: [u32; 2], touch: &Touch, befo
     let reduced_mass = 1.0 / (a.inverse_mass + b.inverse_mass);
     let constants = Constants::of(view, id_a, id_b);
     let radius = effective_radius(&a, &b);
-    let stiff = stiffness(ContactLaw::from_number(step.law), &constants, radius, overlap);
+    let stiff = stiffness(ContactLaw::from_number(step.law), &constants, radius, reduced_mass, overlap);
 
     let damping = constants.damping * (stiff.normal * reduced_mass).sqrt();
     let normal = (stiff.share * stiff.normal * overlap + damping * approach).max(0.0);
@@ -62,7 +64,7 @@ pub(crate) fn law_force(view: &View, [id_a, id_b]: [u32; 2], touch: &Touch, befo
     let carried = before.map_or(Vec3::ZERO, |before| carried(before, n, overlap, stiff.rescales));
     let shift = carried + step.dt * slip;
     let damping = constants.damping * (stiff.tangential * reduced_mass).sqrt();
-    let (tangential, shift) =
+    let (tangential, shift, slips) =
         limited(&Tangential { shift, slip, stiffness: stiff.tangential, damping }, constants.friction * normal);
 
     let torque = n.cross(tangential);
@@ -77,7 +79,7 @@ pub(crate) fn law_force(view: &View, [id_a, id_b]: [u32; 2], touch: &Touch, befo
         loads.torque_b -= found.torque;
         moment = found.kept;
     }
-    LawForce { loads, spring: Spring { shift, overlap, moment } }
+    LawForce { loads, spring: Spring { shift, overlap, moment }, slips }
 }
 
 /// The displacement of the last step in the present tangent plane. It keeps its length, but for a law that rescales it shrinks
@@ -100,25 +102,26 @@ struct Tangential {
     damping: f32,
 }
 
-/// The tangential force on A, which is at most `limit`, and the displacement that belongs to it.
-fn limited(t: &Tangential, limit: f32) -> (Vec3, Vec3) {
+/// The tangential force on A, which is at most `limit`, the displacement that belongs to it, and whether the limit was exceeded.
+fn limited(t: &Tangential, limit: f32) -> (Vec3, Vec3, bool) {
     let force = -t.stiffness * t.shift - t.damping * t.slip;
     let size = force.length();
     if size <= limit {
-        return (force, t.shift);
+        return (force, t.shift, false);
     }
     let force = force * (limit / size);
     // Where the dashpot alone exceeds the limit, the spring is released. Otherwise it would push the contact along its slip.
     let elastic = force + t.damping * t.slip;
     let shift = if elastic.dot(force) > 0.0 { -elastic / t.stiffness } else { Vec3::ZERO };
-    (force, shift)
+    (force, shift, true)
 }
 
 /// Energy of the normal spring of a contact, and of its attraction.
 pub(crate) fn normal_energy(view: &View, id_a: u32, id_b: u32, touch: &Touch) -> f64 {
     let [a, b] = [side(view, view.object(id_a), touch.a), side(view, view.object(id_b), touch.b)];
     let (constants, radius) = (Constants::of(view, id_a, id_b), effective_radius(&a, &b));
-    let stiff = stiffness(ContactLaw::from_number(view.step.law), &constants, radius, touch.overlap);
+    let reduced_mass = 1.0 / (a.inverse_mass + b.inverse_mass);
+    let stiff = stiffness(ContactLaw::from_number(view.step.law), &constants, radius, reduced_mass, touch.overlap);
     let elastic = f64::from(stiff.energy_share) * f64::from(stiff.normal) * f64::from(touch.overlap).powi(2);
     elastic - f64::from(constants.cohesion) * f64::from(radius) * f64::from(touch.overlap)
 }

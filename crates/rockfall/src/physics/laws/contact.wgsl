@@ -4,11 +4,11 @@
 
 // Forces of a contact by a law with history, and its tangential spring (docs/physics.md section 4.11).
 
-fn law_stiffness(constants: vec4f, radius: f32, overlap: f32) -> Stiffness {
+fn law_stiffness(constants: vec4f, radius: f32, mass: f32, overlap: f32) -> Stiffness {
     if LAW == LAW_HERTZ_MINDLIN {
         return hertz_mindlin_stiffness(constants, radius, overlap);
     }
-    return linear_stiffness(constants);
+    return linear_stiffness(constants, radius, mass);
 }
 
 struct LawForce {
@@ -49,7 +49,7 @@ fn law_force(a_side: Side, b_side: Side, touch: Touch, a: u32, b: u32, before: S
     let mass = 1.0 / (a_side.inverse_mass + b_side.inverse_mass);
     let radius = select(a_side.radius, a_side.radius * b_side.radius / (a_side.radius + b_side.radius), b_moves);
     let constants = law_constants_of(a, b);
-    let stiff = law_stiffness(constants, radius, overlap);
+    let stiff = law_stiffness(constants, radius, mass, overlap);
     let press = max(0.0, stiff.share * stiff.normal * overlap + constants.z * sqrt(stiff.normal * mass) * approach);
 
     let moving = relative + cross(arms.x * a_side.spin + arms.y * b_side.spin, n);

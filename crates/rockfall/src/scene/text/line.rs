@@ -68,6 +68,7 @@ pub(super) const PAIR: Kind = Kind {
         "restitution=e",
         "friction=mu",
         "stiffness=k",
+        "characteristic_velocity=V",
         "rolling_friction=mu",
         "rolling_model=c",
         "rolling_damping=eta",

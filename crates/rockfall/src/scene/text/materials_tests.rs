@@ -96,6 +96,7 @@ fn wrong_lines_about_materials_are_errors() {
         ("@pair glass glass rolling_friction=-1", "not negative"),
         ("@pair glass glass rolling_model=b", "a or c"),
         ("@pair glass glass surface_energy=-1", "not negative"),
+        ("@pair glass glass characteristic_velocity=0", "greater than 0"),
         ("@pair glass glass cohesion=jkr", "does not have the model `jkr`"),
         ("@pair glass glass cohesion=glue", "not a model of cohesion"),
         ("@pair glass glass rolling_model=a rolling_model=c", "given twice"),
