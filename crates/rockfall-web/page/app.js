@@ -34,7 +34,7 @@ function setRunning(running) {
 async function open(request) {
     try {
         await stage.do(() => stage.open(request));
-        report("");
+        report(stage.scene.warnings.map(warning => `Warning: ${warning}`).join("\n"));
         return true;
     } catch (error) {
         report(`${request.name}: ${error.message}`, true);
@@ -226,14 +226,15 @@ function connect() {
     setDark(prefers.matches);
 }
 
-// Opens the scene of the address. Resolves with whether there was one.
+// Opens the scene of the address. Resolves with whether there was one, and a message if it could not be opened.
 async function openFragment() {
     try {
         const text = await fromFragment(location.hash);
-        return text !== null && text !== stage.text && (await openText(text, "shared scene"));
+        if (text === null || text === stage.text) return { opened: false };
+        return (await openText(text, "shared scene")) ? { opened: true } : { wrong: find("message").textContent };
     } catch (error) {
         report(error.message, true);
-        return false;
+        return { wrong: error.message };
     }
 }
 
@@ -244,8 +245,8 @@ async function frame(now) {
     try {
         await stage.frame(elapsed);
         if (stage.simulation) {
-            const { steps, time, contacts } = stage.simulation.report;
-            find("readout").textContent = `${time.toFixed(2)} s   ${steps} steps   ${contacts} contacts   ${stage.msPerStep.toFixed(1)} ms per step`;
+            const { steps, time, contacts, msPerStep } = stage;
+            find("readout").textContent = `${time.toFixed(2)} s   ${steps} steps   ${contacts} contacts   ${msPerStep.toFixed(1)} ms per step`;
         }
     } catch (error) {
         setRunning(false);
@@ -258,9 +259,11 @@ async function start() {
     connect();
     await init();
     requestAnimationFrame(frame);
-    if (await openFragment()) return;
+    const { opened, wrong } = await openFragment();
+    if (opened) return;
     const wanted = GALLERY.findIndex(({ file }) => file === `scenes/${query.get("scene")}.txt`);
     await openFromGallery(Math.max(0, wanted));
+    if (wrong) report(wrong, true);
     setRunning(!matchMedia("(prefers-reduced-motion: reduce)").matches && wanted < 0);
 }
 

@@ -14,6 +14,8 @@ export class Stage {
         this.backend = backend;
         this.report = report;
         this.running = false;
+        // Of the last frame. While a call is under way, the simulation itself cannot be asked.
+        [this.steps, this.time, this.contacts] = [0, 0, 0];
         this.speed = 1;
         this.owed = 0;
         this.queue = [];
@@ -64,6 +66,8 @@ export class Stage {
         const onGpu = this.simulation.backend === "gpu";
         this.view = onGpu ? View.create(this.canvas, this.scene, this.simulation) : new FlatView(this.canvas, this.simulation);
         this.view.setDark(this.dark);
+        // A GPU in software draws slowly.
+        this.view.setShadows?.(!this.simulation.device.includes("software"));
         if (this.colours) this.view.setColours(this.colours);
         if (focused) this.canvas.focus();
     }
@@ -116,6 +120,9 @@ export class Stage {
             if (steps > 0) await this.run(steps);
         }
         await this.draw();
+        const report = this.simulation.report;
+        [this.steps, this.time, this.contacts] = [report.steps, report.time, report.contacts];
+        report.free();
     }
 
     async draw() {

@@ -21,15 +21,7 @@ impl Simulation {
     /// Holds the first visible body in the direction dx, dy, dz from x, y, z. Resolves with the point where the ray enters it,
     /// or `undefined` if there is no body that can move. A rod is held at its nearer end.
     #[allow(clippy::too_many_arguments)]
-    pub async fn hold(
-        &mut self,
-        x: f32,
-        y: f32,
-        z: f32,
-        dx: f32,
-        dy: f32,
-        dz: f32,
-    ) -> Result<Option<Vec<f32>>, JsValue> {
+    pub async fn hold(&mut self, x: f32, y: f32, z: f32, dx: f32, dy: f32, dz: f32) -> Result<Option<Vec<f32>>, JsValue> {
         self.release()?;
         self.inner.sync_async().await.map_err(thrown)?;
         let hit = first_visible(&mut self.inner, Vec3::new(x, y, z), Vec3::new(dx, dy, dz)).map_err(thrown)?;

@@ -88,6 +88,12 @@ impl View {
         self.style.background = if dark { DARK } else { Background::default() };
     }
 
+    /// Sets whether bodies cast shadows and corners are darker. Without, a slow GPU draws in less time.
+    #[wasm_bindgen(js_name = setShadows)]
+    pub fn set_shadows(&mut self, shadows: bool) {
+        (self.style.shadows, self.style.occlusion) = (shadows, shadows);
+    }
+
     /// Sets whether every body has a colour of its own, instead of the colour of its kind.
     #[wasm_bindgen(js_name = colourBodies)]
     pub fn colour_bodies(&mut self, each: bool) {
