@@ -82,7 +82,7 @@ export async function pageRunsOnCpu(address) {
 
     await drop(page, "bad.txt", "S 1 0 1 0 0 0 0 0 0 0 1 0.5 0\nS 2 0 3 0 0 0 0 0 0 0 -1 0.5 0\n");
     await page.waitForFunction(() => document.querySelector("#message").textContent.includes("bad.txt"));
-    assert.match(await message(page), /bad.txt:2: .*mass/s);
+    assert.match(await message(page), /^bad.txt:2: .*mass/s);
     assert.equal(await page.textContent("#numbers .wrong"), "2");
     assert.equal(await page.evaluate(() => window.rockfallPage.stage.name), "Soft cube", "the scene before stays open");
     await picture(page, "cpu-bad-file");

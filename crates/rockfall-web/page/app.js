@@ -37,7 +37,8 @@ async function open(request) {
         report(stage.scene.warnings.map(warning => `Warning: ${warning}`).join("\n"));
         return true;
     } catch (error) {
-        report(`${request.name}: ${error.message}`, true);
+        const names = error.message.startsWith(request.name);
+        report(names ? error.message : `${request.name}: ${error.message}`, true);
         if (error.line) {
             editor.text.value = request.text;
             editor.show(error);

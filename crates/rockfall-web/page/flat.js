@@ -1,6 +1,6 @@
 // Draws a simulation with a 2D context, where there is no WebGPU to draw with.
 
-import { add, cross, dot, unit } from "./camera.js";
+import { add, cross, dot, length, unit } from "./camera.js";
 
 // Colours of docs/drawing.md: spheres, fixed spheres, rods, springs, static objects.
 const COLOURS = { sphere: [63, 148, 201], fixed: [109, 117, 126], rod: [226, 154, 28], spring: [208, 106, 44], fixture: [211, 207, 198] };
@@ -91,8 +91,10 @@ export class FlatView {
     drawFaces(project, camera) {
         const middle = face => add(face.corners[0], add(face.corners[2], face.corners[0], -1), 0.5);
         const seen = this.faces.filter(face => dot(face.normal, add(camera.eye, face.corners[0], -1)) > 0 || !face.solid);
-        // A wall in front of the target would hide everything.
-        const behind = seen.filter(face => dot(face.normal, add(camera.target, face.corners[0], -1)) > 0);
+        // A large wall in front of the target would hide everything.
+        const isLarge = ({ corners: [a, b, , d] }) => Math.max(length(add(b, a, -1)), length(add(d, a, -1))) > 0.3 * camera.distance;
+        const isBefore = face => dot(face.normal, add(camera.target, face.corners[0], -1)) <= 0;
+        const behind = seen.filter(face => !(isBefore(face) && isLarge(face)));
         const far = face => -Math.hypot(...add(middle(face), camera.eye, -1));
         for (const face of behind.sort((one, two) => far(one) - far(two))) {
             const points = face.corners.map(project);

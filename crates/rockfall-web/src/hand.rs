@@ -1,20 +1,12 @@
 //! Bodies that are held, dragged and thrown.
 
 use rockfall::glam::Vec3;
-use rockfall::{Body, SphereId, TetherId};
+use rockfall::{Body, SphereId};
 use rockfall_viewer::grasp::{first_visible, free_place, holding_tether, nearer_end, thrown as ball};
 use wasm_bindgen::prelude::*;
 
 use crate::errors::thrown;
-use crate::simulation::Simulation;
-
-/// A sphere that a tether holds.
-#[derive(Debug)]
-pub(crate) struct Held {
-    tether: TetherId,
-    /// Vector from the grabbed point to the centre of the sphere.
-    offset: Vec3,
-}
+use crate::simulation::{Held, Simulation};
 
 #[wasm_bindgen]
 impl Simulation {

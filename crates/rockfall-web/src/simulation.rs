@@ -1,11 +1,10 @@
 //! Simulations.
 
 use rockfall::glam::Vec3;
-use rockfall::{Backend, Options};
+use rockfall::{Backend, Options, TetherId};
 use wasm_bindgen::prelude::*;
 
 use crate::errors::thrown;
-use crate::hand::Held;
 use crate::scene::Scene;
 
 /// Advances a scene in time, on WebGPU or on the CPU. Only one call may be under way at a time: await each.
@@ -14,6 +13,14 @@ use crate::scene::Scene;
 pub struct Simulation {
     pub(crate) inner: rockfall::Simulation,
     pub(crate) held: Option<Held>,
+}
+
+/// A sphere that a tether holds.
+#[derive(Debug)]
+pub(crate) struct Held {
+    pub(crate) tether: TetherId,
+    /// Vector from the grabbed point to the centre of the sphere.
+    pub(crate) offset: Vec3,
 }
 
 /// Counts and times of all steps so far.
