@@ -99,6 +99,8 @@ export class Stage {
         const { name, dt, colours, camera } = this;
         await this.open({ scene, name, dt, colours, camera: [...camera.eye, ...camera.target] });
         settings.forEach((value, key) => this.setConstant(key, value));
+        // The sliders show the constants of the scene otherwise.
+        this.opened?.();
     }
 
     async run(steps) {
