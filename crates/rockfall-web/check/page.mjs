@@ -206,3 +206,33 @@ export async function limitsAreNamed(address) {
     const small = await withLimits(address, { maxStorageBufferBindingSize: size, maxBufferSize: size }, "?backend=gpu&grains=30000");
     assert.match(small, /the scene does not fit: .* would take \d+ bytes, the limit is \d+/);
 }
+
+export async function pageWorksByTouch(address) {
+    const { browser, page, problems } = await open(address, { gpu: false, viewport: { width: 390, height: 800 }, hasTouch: true, isMobile: true });
+    await page.goto(`${address}?scene=cradle`);
+    await waitForScene(page, "Cradle");
+    const distance = () => page.evaluate(() => window.rockfallPage.stage.camera.distance);
+    const eye = () => page.evaluate(() => window.rockfallPage.stage.camera.eye);
+    const session = await page.context().newCDPSession(page);
+    const touch = (type, ...points) => session.send("Input.dispatchTouchEvent", { type, touchPoints: points.map(([x, y], id) => ({ x, y, id })) });
+    // One finger beside the bodies turns the camera.
+    const before = [await eye(), await distance()];
+    await touch("touchStart", [30, 60]);
+    await page.waitForTimeout(200);
+    await touch("touchMove", [90, 60]);
+    await touch("touchEnd");
+    assert.notDeepEqual(await eye(), before[0]);
+    assert.ok(Math.abs((await distance()) - before[1]) < 1e-3 * before[1]);
+    // Two fingers that move apart zoom in.
+    await touch("touchStart", [150, 200], [240, 200]);
+    await touch("touchMove", [110, 200], [280, 200]);
+    await touch("touchEnd");
+    assert.ok((await distance()) < 0.7 * before[1], `the camera is at ${await distance()}, before at ${before[1]}`);
+    await page.tap("#play");
+    await waitForSteps(page, 20);
+    const width = await page.evaluate(() => document.documentElement.scrollWidth);
+    assert.ok(width <= 390, `the page is ${width} pixels wide`);
+    await picture(page, "cpu-phone");
+    assert.deepEqual(problems, []);
+    await browser.close();
+}
