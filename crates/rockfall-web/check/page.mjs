@@ -108,6 +108,15 @@ export async function pageRunsOnCpu(address) {
     await page.click("#share");
     await page.waitForFunction(() => location.hash.startsWith("#scene="));
     const shared = await page.evaluate(() => navigator.clipboard.readText());
+    const saved = async (button, name, magic) => {
+        const [file] = await Promise.all([page.waitForEvent("download"), page.click(button)]);
+        assert.equal(file.suggestedFilename(), name);
+        assert.deepEqual([...fs.readFileSync(await file.path()).subarray(0, 4)], magic);
+    };
+    await saved("#screenshot", "rockfall.png", [0x89, 0x50, 0x4e, 0x47]);
+    await page.click("#record");
+    await page.waitForTimeout(1500);
+    await saved("#record", "rockfall.webm", [0x1a, 0x45, 0xdf, 0xa3]);
     assert.deepEqual(problems, []);
     await page.goto("about:blank");
     await page.goto(shared);
