@@ -17,6 +17,8 @@ pub mod draw;
 mod extent;
 #[cfg(not(target_family = "wasm"))]
 pub mod film;
+#[doc(hidden)]
+pub mod grasp;
 mod groups;
 pub mod legend;
 pub mod palette;

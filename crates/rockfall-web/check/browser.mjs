@@ -28,7 +28,8 @@ export async function open(address, { gpu, ...context }) {
     const executablePath = process.env.CHROMIUM ?? "/usr/bin/chromium";
     const browser = await chromium.launch({ executablePath, args: ["--no-sandbox", ...(gpu ? SOFTWARE_GPU : NO_GPU)] });
     const page = await (await browser.newContext({ viewport: { width: 1100, height: 700 }, ...context })).newPage();
-    page.setDefaultTimeout(240_000);
+    // A GPU in software takes half a minute to compile kernels.
+    page.setDefaultTimeout(gpu ? 180_000 : 40_000);
     const problems = [];
     page.on("console", message => {
         if (message.type() === "error") problems.push(`console: ${message.text()}`);

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use rockfall::generate::Benchmark;
+use rockfall_viewer::camera::Camera;
 use wasm_bindgen::prelude::*;
 
 use crate::errors::thrown;
@@ -54,6 +55,13 @@ impl Scene {
     pub fn objects(&self) -> usize {
         let counts = self.inner.counts();
         counts.spheres + counts.rods + counts.boxes + counts.polygons
+    }
+
+    /// A camera that shows the bodies of the scene in a picture of this width divided by its height: x, y, z of the eye, then of
+    /// the point that it looks at. Its vertical field of view is 0.6 rad, and up is +y.
+    pub fn camera(&self, aspect: f32) -> Vec<f32> {
+        let camera = Camera::of_scene(&self.inner, aspect);
+        [camera.eye, camera.target].into_iter().flat_map(|point| point.to_array()).collect()
     }
 
     /// The scene as a scene text.

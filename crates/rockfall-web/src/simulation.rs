@@ -1,7 +1,7 @@
 //! Simulations.
 
 use rockfall::glam::Vec3;
-use rockfall::{Backend, Options};
+use rockfall::{Backend, Options, TetherId};
 use wasm_bindgen::prelude::*;
 
 use crate::errors::thrown;
@@ -12,6 +12,15 @@ use crate::scene::Scene;
 #[derive(Debug)]
 pub struct Simulation {
     pub(crate) inner: rockfall::Simulation,
+    pub(crate) held: Option<Held>,
+}
+
+/// A sphere that a tether holds.
+#[derive(Debug)]
+pub(crate) struct Held {
+    pub(crate) tether: TetherId,
+    /// Vector from the grabbed point to the centre of the sphere.
+    pub(crate) offset: Vec3,
 }
 
 /// Counts and times of all steps so far.
@@ -72,7 +81,7 @@ impl Simulation {
             options.backend = backend.parse::<Backend>().map_err(thrown)?;
         }
         let inner = rockfall::Simulation::with_options_async(scene.inner.clone(), options).await.map_err(thrown)?;
-        Ok(Self { inner })
+        Ok(Self { inner, held: None })
     }
 
     /// Runs `steps` steps of `dt` seconds. Resolves with the report on all steps so far.
@@ -134,11 +143,6 @@ impl Simulation {
         Ok(scene.spheres().iter().flat_map(|sphere| sphere.orientation.to_array()).collect())
     }
 
-    /// The radii of all spheres in insertion order, in units.
-    pub fn radii(&self) -> Vec<f32> {
-        self.inner.scene().spheres().iter().map(|sphere| sphere.radius).collect()
-    }
-
     /// Reads the state and computes its energies.
     pub async fn energy(&mut self) -> Result<Energy, JsValue> {
         self.inner.sync_async().await.map_err(thrown)?;
@@ -170,5 +174,14 @@ impl Simulation {
     async fn vectors(&mut self, value: impl Fn(&rockfall::Sphere) -> Vec3) -> Result<Vec<f32>, JsValue> {
         let scene = self.inner.sync_async().await.map_err(thrown)?;
         Ok(scene.spheres().iter().flat_map(|sphere| value(sphere).to_array()).collect())
+    }
+}
+
+impl Drop for Simulation {
+    /// Releases the memory of the GPU at once. A browser would do so only when it collects garbage.
+    fn drop(&mut self) {
+        if let Some(gpu) = self.inner.gpu_view() {
+            gpu.gpu().device().destroy();
+        }
     }
 }

@@ -9,11 +9,9 @@ use rockfall::output::AtomicFile;
 use rockfall::{Body, Error, RayHit, Scene};
 
 use super::Session;
+use crate::grasp::first_visible;
 use crate::window::message::Level;
 use crate::window::track::{Point, Track, motion};
-
-/// Number of walls that a line of sight goes through.
-const MOST_WALLS: usize = 8;
 
 impl Session {
     /// Returns the body that was picked by a click.
@@ -31,26 +29,8 @@ impl Session {
     /// Returns where a line of sight enters the first body that is visible. A wall in front of all spheres is drawn without its
     /// faces, so the line goes through it if there is anything behind.
     pub(super) fn first_visible(&mut self, origin: Vec3, direction: Vec3) -> Option<RayHit> {
-        let hit = self.simulation.cast_ray(origin, direction);
-        let first = self.ok_or_report(hit).flatten()?;
-        let direction = direction.try_normalize()?;
-        let depth = |point: Vec3| (point - origin).dot(direction);
-        let spheres = self.simulation.scene().spheres().iter();
-        let nearest = spheres.map(|sphere| depth(sphere.position) - sphere.radius).fold(f32::INFINITY, f32::min);
-        let mut hit = first;
-        for _ in 0..MOST_WALLS {
-            if !matches!(hit.body, Body::Box(_) | Body::Polygon(_)) || depth(hit.point) >= nearest {
-                return Some(hit);
-            }
-            // From within a box the ray does not enter it again.
-            let step = (1e-4 * depth(hit.point)).max(1e-6 * hit.point.length());
-            let next = self.simulation.cast_ray(hit.point + step * direction, direction);
-            let Some(next) = self.ok_or_report(next).flatten() else {
-                return Some(first);
-            };
-            hit = next;
-        }
-        Some(first)
+        let hit = first_visible(&mut self.simulation, origin, direction);
+        self.ok_or_report(hit).flatten()
     }
 
     /// Picks a body, or none. An end of a capsule picks the capsule.

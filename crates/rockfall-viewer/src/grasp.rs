@@ -1,0 +1,117 @@
+//! Bodies that are held, dragged and thrown with a pointer: the part that the window and other front ends share.
+
+use rockfall::glam::Vec3;
+use rockfall::{Body, RayHit, Result, RodId, Scene, Simulation, Sphere, SphereId, Tether};
+
+/// Angular frequency of the tether that holds a body, in rad/s.
+const ANGULAR_FREQUENCY: f32 = 10.0;
+/// Damping ratio of that tether.
+const DAMPING_RATIO: f32 = 0.7;
+/// Greatest mass that the tether is designed for, divided by the mass of the held sphere. More would need a shorter time step.
+const GREATEST_MASS_RATIO: f32 = 40.0;
+/// Greatest number of connected bodies that are counted.
+const MOST_CONNECTED: usize = 10_000;
+/// Number of places along the way of a thrown sphere that are tried.
+const MOST_PLACES: u16 = 12;
+/// Distance of a thrown sphere from other bodies, divided by the sum of the radii.
+const GAP: f32 = 1.05;
+/// Number of walls that a line of sight goes through.
+const MOST_WALLS: usize = 8;
+
+/// Returns where a line of sight enters the first body that is visible. A wall in front of all spheres is drawn without its
+/// faces, so the line goes through it if there is anything behind.
+///
+/// # Errors
+/// Those of [`Simulation::cast_ray`].
+pub fn first_visible(simulation: &mut Simulation, origin: Vec3, direction: Vec3) -> Result<Option<RayHit>> {
+    let (Some(first), Some(direction)) = (simulation.cast_ray(origin, direction)?, direction.try_normalize()) else {
+        return Ok(None);
+    };
+    let depth = |point: Vec3| (point - origin).dot(direction);
+    let spheres = simulation.scene().spheres().iter();
+    let nearest = spheres.map(|sphere| depth(sphere.position) - sphere.radius).fold(f32::INFINITY, f32::min);
+    let mut hit = first;
+    for _ in 0..MOST_WALLS {
+        if !matches!(hit.body, Body::Box(_) | Body::Polygon(_)) || depth(hit.point) >= nearest {
+            return Ok(Some(hit));
+        }
+        // From within a box the ray does not enter it again.
+        let step = (1e-4 * depth(hit.point)).max(1e-6 * hit.point.length());
+        let Some(next) = simulation.cast_ray(hit.point + step * direction, direction)? else {
+            return Ok(Some(first));
+        };
+        hit = next;
+    }
+    Ok(Some(first))
+}
+
+/// Returns the end of a rod that is nearer to a point, or the other one if the nearer one is fixed: a fixed end cannot be dragged.
+///
+/// # Errors
+/// [`rockfall::Error::StaleHandle`] when the rod is not in the scene.
+pub fn nearer_end(scene: &Scene, rod: RodId, point: Vec3) -> Result<SphereId> {
+    let rod = scene.rod(rod)?;
+    let (one, two) = (scene.sphere(rod.end1)?, scene.sphere(rod.end2)?);
+    let far = |end: &Sphere| end.position.distance_squared(point);
+    let first = !one.fixed && (two.fixed || far(one) <= far(two));
+    Ok(if first { rod.end1 } else { rod.end2 })
+}
+
+/// Returns the tether that holds a sphere where it is, for steps of `time_step` s.
+pub fn holding_tether(scene: &Scene, id: SphereId, sphere: &Sphere, time_step: f32) -> Tether {
+    let mass = connected_mass(scene, id).min(GREATEST_MASS_RATIO * sphere.mass);
+    // Damping above sphere.mass / dt would be unstable.
+    let damping = (2.0 * DAMPING_RATIO * ANGULAR_FREQUENCY * mass).min(sphere.mass / time_step);
+    Tether::new(id, sphere.position, mass * ANGULAR_FREQUENCY * ANGULAR_FREQUENCY).damping(damping)
+}
+
+/// Returns the first place along the way of a sphere where it touches no sphere and no rod.
+pub fn free_place(scene: &Scene, sphere: &Sphere) -> Option<Vec3> {
+    let way = sphere.velocity.normalize_or_zero() * (2.0 * sphere.radius * GAP);
+    let touches = |place: Vec3| {
+        let near = |other: Vec3, radius: f32| other.distance(place) < GAP * (radius + sphere.radius);
+        scene.spheres().iter().any(|other| near(other.position, other.radius))
+            || scene.rods().iter().any(|rod| {
+                let ends = [rod.end1, rod.end2].map(|end| scene.sphere(end).map(|sphere| sphere.position));
+                let [Ok(one), Ok(two)] = ends else { return false };
+                let along = (place - one).dot(two - one) / one.distance_squared(two).max(f32::MIN_POSITIVE);
+                near(one.lerp(two, along.clamp(0.0, 1.0)), rod.radius)
+            })
+    };
+    (0..MOST_PLACES).map(|number| sphere.position + number as f32 * way).find(|place| !touches(*place))
+}
+
+/// Returns the mass of all moving spheres that rods and springs connect to a sphere, including itself.
+fn connected_mass(scene: &Scene, start: SphereId) -> f32 {
+    let rods = scene.rods().iter().map(|rod| (rod.end1, rod.end2));
+    let springs = scene.springs().iter().map(|spring| (spring.a, spring.b));
+    let mut next = std::collections::HashMap::<SphereId, Vec<SphereId>>::new();
+    for (a, b) in rods.chain(springs) {
+        next.entry(a).or_default().push(b);
+        next.entry(b).or_default().push(a);
+    }
+    let (mut seen, mut left) = (std::collections::HashSet::from([start]), vec![start]);
+    let mut mass = 0.0;
+    while let Some(id) = left.pop() {
+        let Some(sphere) = scene.sphere(id).ok().filter(|sphere| !sphere.fixed) else { continue };
+        mass += sphere.mass;
+        let new = next.get(&id).into_iter().flatten().filter(|id| seen.len() < MOST_CONNECTED && seen.insert(**id));
+        left.extend(new.copied().collect::<Vec<_>>());
+    }
+    mass
+}
+
+/// Returns a sphere with the mean radius and density of the moving spheres.
+pub fn thrown(scene: &Scene, origin: Vec3, velocity: Vec3) -> Sphere {
+    let moving = || scene.spheres().iter().filter(|sphere| !sphere.fixed);
+    let count = moving().count();
+    let sum = |value: fn(&Sphere) -> f32| moving().map(|sphere| f64::from(value(sphere))).sum::<f64>();
+    let cubes = sum(|sphere| sphere.radius.powi(3));
+    let (radius, mass) = if count > 0 {
+        let radius = sum(|sphere| sphere.radius) / count as f64;
+        (radius, sum(|sphere| sphere.mass) / cubes * radius.powi(3))
+    } else {
+        (0.5, 1.0)
+    };
+    Sphere::new(origin, radius as f32).mass(mass as f32).velocity(velocity)
+}

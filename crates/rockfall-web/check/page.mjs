@@ -1,0 +1,247 @@
+// The page: run, drag, throw, errors, sharing, painting, with and without WebGPU.
+import assert from "node:assert/strict";
+import fs from "node:fs";
+import path from "node:path";
+import { open } from "./browser.mjs";
+
+const STEPS = 200;
+// Pictures for a person to look at.
+const pictures = path.join(process.env.WEB_TEST_MODULES, "pictures");
+
+const waitForSteps = (page, steps) => page.waitForFunction(least => window.rockfallPage?.stage.steps >= least, steps);
+const sphereCount = page => page.evaluate(() => window.rockfallPage.stage.do(() => window.rockfallPage.stage.simulation.spheres));
+const waitForScene = (page, name) => page.waitForFunction(wanted => window.rockfallPage?.stage.name === wanted, name);
+const message = page => page.textContent("#message");
+
+async function picture(page, name) {
+    fs.mkdirSync(pictures, { recursive: true });
+    await page.screenshot({ path: path.join(pictures, `${name}.png`) });
+}
+
+// Number of different colours on the canvas.
+const colours = page => page.evaluate(async () => {
+    const bitmap = await createImageBitmap(await window.rockfallPage.stage.screenshot());
+    const context = new OffscreenCanvas(bitmap.width, bitmap.height).getContext("2d");
+    context.drawImage(bitmap, 0, 0);
+    return new Set(new Uint32Array(context.getImageData(0, 0, bitmap.width, bitmap.height).data.buffer)).size;
+});
+
+// Where a sphere is on the screen, and where it is in the scene.
+const sphereOnScreen = (page, sphere) => page.evaluate(sphere => {
+    const { stage } = window.rockfallPage;
+    return stage.do(async () => {
+        const place = [...(await stage.simulation.positions()).slice(3 * sphere, 3 * sphere + 3)];
+        const box = stage.canvas.getBoundingClientRect();
+        const [x, y] = stage.camera.projection(box.width, box.height).project(place);
+        return { place, x: box.left + x, y: box.top + y };
+    });
+}, sphere);
+
+// The sphere that is nearest to the camera, so that no other hides it.
+const nearestSphere = page => page.evaluate(() => {
+    const { stage } = window.rockfallPage;
+    return stage.do(async () => {
+        const at = await stage.simulation.positions();
+        const far = k => Math.hypot(...stage.camera.eye.map((value, axis) => value - at[3 * k + axis]));
+        return [...Array(at.length / 3).keys()].reduce((best, k) => (far(k) < far(best) ? k : best));
+    });
+});
+
+// Makes steps without pictures: drawing a picture takes a GPU in software a second.
+const hurry = (page, steps) => page.evaluate(steps => window.rockfallPage.stage.act(() => window.rockfallPage.stage.run(steps)), steps);
+
+// Pulls a sphere upwards with the mouse.
+async function drag(page, sphere) {
+    const before = await sphereOnScreen(page, sphere);
+    await page.mouse.move(before.x, before.y);
+    await page.mouse.down();
+    await page.waitForFunction(() => window.rockfallPage.stage.held);
+    for (let k = 1; k <= 10; k += 1) await page.mouse.move(before.x, before.y - 10 * k);
+    await hurry(page, 100);
+    const after = await sphereOnScreen(page, sphere);
+    await page.mouse.up();
+    await page.waitForFunction(() => !window.rockfallPage.stage.held);
+    return [before, after];
+}
+
+const drop = (page, name, text) => page.evaluate(([name, text]) => {
+    const dataTransfer = new DataTransfer();
+    dataTransfer.items.add(new File([text], name, { type: "text/plain" }));
+    document.dispatchEvent(new DragEvent("drop", { dataTransfer, bubbles: true, cancelable: true }));
+}, [name, text]);
+
+export async function pageRunsOnCpu(address) {
+    const { browser, page, problems } = await open(address, { gpu: false, permissions: ["clipboard-read", "clipboard-write"] });
+    await page.goto(address);
+    // The first scene is chosen by measuring, and runs.
+    await waitForSteps(page, STEPS);
+    assert.match(await page.textContent("#device"), /on CPU, 1 thread: no hardware GPU was found. WebGPU would be faster/);
+    assert.ok((await colours(page)) > 1000, "bodies are drawn");
+    await picture(page, "cpu-grains");
+
+    await page.selectOption("#gallery", { label: "Soft cube" });
+    await waitForScene(page, "Soft cube");
+    await page.click("#play");
+    if ((await page.textContent("#play")) === "Start") await page.click("#play");
+    const [before, after] = await drag(page, 124);
+    assert.ok(after.place[1] > before.place[1] + 0.3, `the pulled sphere rises from ${before.place} to ${after.place}`);
+    const spheres = await sphereCount(page);
+    await page.click("#throw");
+    assert.equal(await sphereCount(page), spheres + 1);
+    await picture(page, "cpu-dragged");
+
+    await drop(page, "bad.txt", "S 1 0 1 0 0 0 0 0 0 0 1 0.5 0\nS 2 0 3 0 0 0 0 0 0 0 -1 0.5 0\n");
+    await page.waitForFunction(() => document.querySelector("#message").textContent.includes("bad.txt"));
+    assert.match(await message(page), /^bad.txt:2: .*mass/s);
+    assert.equal(await page.textContent("#numbers .wrong"), "2");
+    assert.equal(await page.evaluate(() => window.rockfallPage.stage.name), "Soft cube", "the scene before stays open");
+    await picture(page, "cpu-bad-file");
+
+    await drop(page, "doubtful.txt", "S 1 0 1 0 0 0 0 0 0 0 1 0.5 0\nset gravty 3\n");
+    await page.waitForFunction(() => document.querySelector("#message").textContent.startsWith("Warning: line 2"));
+
+    const text = "S 1 0 3 0 0 0 0 0 0 0 1 0.5 0\nB -5 -1 -5 10 0 0 0 1 0 0 0 10\nset gravity 2\n";
+    await page.fill("#text", text);
+    await page.click("#apply");
+    await waitForScene(page, "scene text");
+    await page.click("summary:text('Share')");
+    await page.click("#share");
+    await page.waitForFunction(() => location.hash.startsWith("#scene="));
+    const shared = await page.evaluate(() => navigator.clipboard.readText());
+    const saved = async (button, name, magic) => {
+        const [file] = await Promise.all([page.waitForEvent("download"), page.click(button)]);
+        assert.equal(file.suggestedFilename(), name);
+        assert.deepEqual([...fs.readFileSync(await file.path()).subarray(0, 4)], magic);
+    };
+    await saved("#screenshot", "rockfall.png", [0x89, 0x50, 0x4e, 0x47]);
+    await page.click("#record");
+    await page.waitForTimeout(1500);
+    await saved("#record", "rockfall.webm", [0x1a, 0x45, 0xdf, 0xa3]);
+    assert.deepEqual(problems, []);
+    await page.goto("about:blank");
+    await page.goto(shared);
+    await waitForScene(page, "shared scene");
+    assert.equal(await page.inputValue("#text"), text);
+    assert.equal(await page.evaluate(() => window.rockfallPage.stage.simulation.setting("gravity")), "2");
+    await page.goto("about:blank");
+    await page.goto(`${shared.slice(0, -9)}`);
+    await page.waitForFunction(() => document.querySelector("#message").textContent.includes("damaged"));
+
+    // With keys only.
+    await page.goto("about:blank");
+    await page.goto(`${address}?scene=cradle`);
+    await waitForScene(page, "Cradle");
+    await page.focus("#stage canvas");
+    const eye = await page.evaluate(() => window.rockfallPage.stage.camera.eye[0]);
+    await page.keyboard.press("ArrowLeft");
+    assert.notEqual(await page.evaluate(() => window.rockfallPage.stage.camera.eye[0]), eye);
+    await page.keyboard.press(".");
+    await waitForSteps(page, 1);
+    await page.keyboard.press(" ");
+    await waitForSteps(page, 20);
+    await page.keyboard.press("r");
+    await page.waitForFunction(() => window.rockfallPage.stage.steps < 20);
+    assert.deepEqual(problems, []);
+    await browser.close();
+}
+
+export async function pagePaintsOnCpu(address) {
+    const { browser, page, problems } = await open(address, { gpu: false, colorScheme: "dark" });
+    await page.goto(`${address}?grains=1500`);
+    await waitForScene(page, "Grains");
+    await page.click("summary:text('Painting')");
+    await page.click("#paint");
+    await waitForScene(page, "Painting");
+    await waitForSteps(page, 5);
+    await picture(page, "painting-begins");
+    // The second fall ends where the first one ended, so every grain has the colour of its place in the picture.
+    const fall = () => page.evaluate(async () => {
+        const { stage, setRunning } = window.rockfallPage;
+        setRunning(false);
+        return stage.do(async () => {
+            await stage.simulation.run(900 - stage.simulation.report.steps, stage.dt);
+            return [...await stage.simulation.positions()];
+        });
+    });
+    const first = await fall();
+    await page.waitForTimeout(300);
+    await picture(page, "painting-ends");
+    await page.click("#reset");
+    await page.waitForFunction(() => window.rockfallPage.stage.steps === 0);
+    assert.deepEqual(await fall(), first);
+    assert.ok((await page.evaluate(() => new Set(window.rockfallPage.stage.colours).size)) > 20, "the picture has colours");
+    assert.deepEqual(problems, []);
+    await browser.close();
+}
+
+export async function pageRunsOnGpu(address) {
+    const { browser, page, problems } = await open(address, { gpu: true, viewport: { width: 760, height: 480 } });
+    // Springs would be drawn as coils of many triangles.
+    await page.goto(`${address}?backend=gpu&grains=150`);
+    await waitForScene(page, "Grains");
+    await waitForSteps(page, 3);
+    await hurry(page, STEPS);
+    await waitForSteps(page, STEPS);
+    assert.match(await page.textContent("#device"), /webgpu/);
+    assert.ok((await colours(page)) > 1000, "bodies are drawn");
+    await picture(page, "gpu-grains");
+    const [before, after] = await drag(page, await nearestSphere(page));
+    assert.ok(after.place[1] > before.place[1] + 0.3, `the pulled sphere rises from ${before.place} to ${after.place}`);
+    await page.check("#dark");
+    await picture(page, "gpu-dark");
+    assert.deepEqual(problems, []);
+    await browser.close();
+}
+
+// Chromium that reports lower limits than the adapter has.
+async function withLimits(address, limits, query) {
+    const { browser, page } = await open(address, { gpu: true });
+    await page.addInitScript(limits => {
+        for (const [name, value] of Object.entries(limits)) {
+            Object.defineProperty(GPUSupportedLimits.prototype, name, { get: () => value });
+        }
+    }, limits);
+    await page.goto(address + query);
+    await page.waitForFunction(() => document.querySelector("#message").classList.contains("wrong"));
+    const text = await message(page);
+    await browser.close();
+    return text;
+}
+
+export async function limitsAreNamed(address) {
+    const few = await withLimits(address, { maxStorageBuffersPerShaderStage: 4 }, "?backend=gpu&scene=soft-cube");
+    assert.match(few, /max_storage_buffers_per_shader_stage is 4, rockfall needs 8/);
+    const size = 1 << 20;
+    const small = await withLimits(address, { maxStorageBufferBindingSize: size, maxBufferSize: size }, "?backend=gpu&grains=30000");
+    assert.match(small, /the scene does not fit: .* would take \d+ bytes, the limit is \d+/);
+}
+
+export async function pageWorksByTouch(address) {
+    const { browser, page, problems } = await open(address, { gpu: false, viewport: { width: 390, height: 800 }, hasTouch: true, isMobile: true });
+    await page.goto(`${address}?scene=cradle`);
+    await waitForScene(page, "Cradle");
+    const distance = () => page.evaluate(() => window.rockfallPage.stage.camera.distance);
+    const eye = () => page.evaluate(() => window.rockfallPage.stage.camera.eye);
+    const session = await page.context().newCDPSession(page);
+    const touch = (type, ...points) => session.send("Input.dispatchTouchEvent", { type, touchPoints: points.map(([x, y], id) => ({ x, y, id })) });
+    // One finger beside the bodies turns the camera.
+    const before = [await eye(), await distance()];
+    await touch("touchStart", [30, 60]);
+    await page.waitForTimeout(200);
+    await touch("touchMove", [90, 60]);
+    await touch("touchEnd");
+    assert.notDeepEqual(await eye(), before[0]);
+    assert.ok(Math.abs((await distance()) - before[1]) < 1e-3 * before[1]);
+    // Two fingers that move apart zoom in.
+    await touch("touchStart", [150, 200], [240, 200]);
+    await touch("touchMove", [110, 200], [280, 200]);
+    await touch("touchEnd");
+    assert.ok((await distance()) < 0.7 * before[1], `the camera is at ${await distance()}, before at ${before[1]}`);
+    await page.tap("#play");
+    await waitForSteps(page, 20);
+    const width = await page.evaluate(() => document.documentElement.scrollWidth);
+    assert.ok(width <= 390, `the page is ${width} pixels wide`);
+    await picture(page, "cpu-phone");
+    assert.deepEqual(problems, []);
+    await browser.close();
+}

@@ -1,0 +1,19 @@
+// The scenes that the page offers. `dt` is the time step in s.
+
+const named = (title, file, about, dt = 0.01) => ({ title, file: `scenes/${file}.txt`, about, dt });
+
+export const GALLERY = [
+    { title: "Grains", grains: true, about: "As many grains as this device can simulate in real time fall into a box.", dt: 0.02 },
+    named("Rockfall", "rockfall", "Rocks and two boulders come down a stair and knock over ten pins."),
+    named("Dominoes", "dominoes", "Each of the twelve dominoes is a frame of eight balls and eighteen rods.", 0.02),
+    named("Tower of capsules", "capsules", "A heavy ball hits a tower of logs."),
+    named("Conveyor", "conveyor", "Logs slide down a slope, ride on spinning rollers and drop into a bin."),
+    named("Hanging bridge", "bridge", "Balls drop on a bridge of rods of fixed length."),
+    named("Soft cube", "soft-cube", "A cube of spheres and springs.", 0.005),
+    named("Cradle", "cradle", "Newton's cradle.", 0.005),
+    named("Creature: galloper", "creatures/galloper", "A creature of springs and muscles that evolved to walk.", 0.005),
+    named("Creature: rocker", "creatures/rocker", "A creature of springs and muscles that evolved to walk.", 0.005),
+    named("Creature: shuffler", "creatures/shuffler", "A creature of springs and muscles that evolved to walk.", 0.005),
+    named("Creature: sprinter", "creatures/sprinter", "A creature of springs and muscles that evolved to walk.", 0.005),
+    named("Creature: strider", "creatures/strider", "A creature of springs and muscles that evolved to walk.", 0.005),
+];

@@ -1,0 +1,62 @@
+//! Bodies that are held, dragged and thrown.
+
+use rockfall::glam::Vec3;
+use rockfall::{Body, SphereId};
+use rockfall_viewer::grasp::{first_visible, free_place, holding_tether, nearer_end, thrown as ball};
+use wasm_bindgen::prelude::*;
+
+use crate::errors::thrown;
+use crate::simulation::{Held, Simulation};
+
+#[wasm_bindgen]
+impl Simulation {
+    /// Holds the first visible body in the direction dx, dy, dz from x, y, z. Resolves with the point where the ray enters it,
+    /// or `undefined` if there is no body that can move. A rod is held at its nearer end.
+    #[allow(clippy::too_many_arguments)]
+    pub async fn hold(&mut self, x: f32, y: f32, z: f32, dx: f32, dy: f32, dz: f32) -> Result<Option<Vec<f32>>, JsValue> {
+        self.release()?;
+        self.inner.sync_async().await.map_err(thrown)?;
+        let hit = first_visible(&mut self.inner, Vec3::new(x, y, z), Vec3::new(dx, dy, dz)).map_err(thrown)?;
+        let Some(hit) = hit else { return Ok(None) };
+        let scene = self.inner.scene();
+        let id: SphereId = match hit.body {
+            Body::Sphere(id) => id,
+            Body::Rod(id) => nearer_end(scene, id, hit.point).map_err(thrown)?,
+            _ => return Ok(None),
+        };
+        let sphere = *scene.sphere(id).map_err(thrown)?;
+        if sphere.fixed {
+            return Ok(None);
+        }
+        let tether = holding_tether(scene, id, &sphere, self.inner.time_step());
+        let tether = self.inner.add_tether(tether).map_err(thrown)?;
+        self.held = Some(Held { tether, offset: sphere.position - hit.point });
+        Ok(Some(hit.point.to_array().to_vec()))
+    }
+
+    /// Drags the held body, if any, so that the grabbed point moves to x, y, z.
+    pub fn drag(&mut self, x: f32, y: f32, z: f32) -> Result<(), JsValue> {
+        let Some(held) = &self.held else { return Ok(()) };
+        let place = Vec3::new(x, y, z) + held.offset;
+        self.inner.update_tether(held.tether, |tether| tether.point = place).map_err(thrown)
+    }
+
+    /// Releases the held body, if any.
+    pub fn release(&mut self) -> Result<(), JsValue> {
+        let Some(held) = self.held.take() else { return Ok(()) };
+        self.inner.remove_tether(held.tether).map_err(thrown)
+    }
+
+    /// Adds a sphere of the mean size and density of the scene at x, y, z with the velocity vx, vy, vz in units/s. Resolves with
+    /// whether there was room for it.
+    #[wasm_bindgen(js_name = throwBall)]
+    #[allow(clippy::too_many_arguments)]
+    pub async fn throw_ball(&mut self, x: f32, y: f32, z: f32, vx: f32, vy: f32, vz: f32) -> Result<bool, JsValue> {
+        let scene = self.inner.sync_async().await.map_err(thrown)?;
+        let mut sphere = ball(scene, Vec3::new(x, y, z), Vec3::new(vx, vy, vz));
+        let Some(place) = free_place(scene, &sphere) else { return Ok(false) };
+        sphere.position = place;
+        self.inner.add_sphere(sphere).map_err(thrown)?;
+        Ok(true)
+    }
+}
