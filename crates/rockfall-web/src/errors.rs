@@ -3,8 +3,8 @@
 use rockfall::Error;
 use wasm_bindgen::prelude::*;
 
-/// Converts an error to an `Error` with the message of the engine. It has a `name` that tells kinds of errors apart, and an
-/// error in a scene text has the properties `line` (from 1) and `field`.
+/// Converts an error to an `Error` with the message of the engine. Its `name` identifies the kind of the error. An error in a
+/// scene text also has the properties `line` (from 1) and `field`.
 pub(crate) fn thrown(error: Error) -> JsValue {
     let made = js_sys::Error::new(&error.to_string());
     let name = match &error {

@@ -10,8 +10,8 @@ use crate::simulation::{Held, Simulation};
 
 #[wasm_bindgen]
 impl Simulation {
-    /// Holds the first visible body in the direction dx, dy, dz from x, y, z. Resolves with the point where the ray enters it,
-    /// or `undefined` if there is no body that can move. A rod is held at its nearer end.
+    /// Holds the first visible body in the direction dx, dy, dz from x, y, z in units. Resolves with the point where the ray
+    /// enters it, or with `undefined` if there is no body that can move. A rod is held at its nearer end.
     #[allow(clippy::too_many_arguments)]
     pub async fn hold(&mut self, x: f32, y: f32, z: f32, dx: f32, dy: f32, dz: f32) -> Result<Option<Vec<f32>>, JsValue> {
         self.release()?;
@@ -34,7 +34,7 @@ impl Simulation {
         Ok(Some(hit.point.to_array().to_vec()))
     }
 
-    /// Drags the held body, if any, so that the grabbed point moves to x, y, z.
+    /// Drags the held body, if any, so that the grabbed point moves to x, y, z in units.
     pub fn drag(&mut self, x: f32, y: f32, z: f32) -> Result<(), JsValue> {
         let Some(held) = &self.held else { return Ok(()) };
         let place = Vec3::new(x, y, z) + held.offset;
@@ -47,8 +47,8 @@ impl Simulation {
         self.inner.remove_tether(held.tether).map_err(thrown)
     }
 
-    /// Adds a sphere of the mean size and density of the scene at x, y, z with the velocity vx, vy, vz in units/s. Resolves with
-    /// whether there was room for it.
+    /// Adds a sphere of the mean size and density of the scene at x, y, z in units, with the velocity vx, vy, vz in units/s.
+    /// Resolves with whether there was room for it.
     #[wasm_bindgen(js_name = throwBall)]
     #[allow(clippy::too_many_arguments)]
     pub async fn throw_ball(&mut self, x: f32, y: f32, z: f32, vx: f32, vy: f32, vz: f32) -> Result<bool, JsValue> {

@@ -1,4 +1,4 @@
-//! The texts of the kernels, for a test that every browser under test accepts all of them.
+//! The texts of the kernels, for a test that the browser accepts them.
 
 use rockfall::exec::gpu::join;
 use rockfall::model::step::Step;
@@ -6,8 +6,8 @@ use rockfall::step::catalog::ALL;
 use rockfall::step::wgsl::Variant;
 use wasm_bindgen::prelude::*;
 
-/// WGSL of all stages: name and text of each, one after the other, for scenes with all kinds of objects (`all`) or with spheres
-/// only.
+/// Name and WGSL text of every stage except `run_worlds`, one after the other, for scenes with all kinds of objects (`all`) or
+/// with spheres only.
 #[wasm_bindgen]
 pub fn kernels(all: bool) -> Vec<String> {
     let variant = Variant { rods: all, large: all, muscles: all, ..Variant::of(&Step::default()) };

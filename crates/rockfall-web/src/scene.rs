@@ -57,8 +57,8 @@ impl Scene {
         counts.spheres + counts.rods + counts.boxes + counts.polygons
     }
 
-    /// A camera that shows the bodies of the scene in a picture of this width divided by its height: x, y, z of the eye, then of
-    /// the point that it looks at. Its vertical field of view is 0.6 rad, and up is +y.
+    /// A camera that shows the bodies of the scene in a picture with this aspect ratio (width divided by height): x, y, z of
+    /// the eye, then of the point that it looks at, in units. Its vertical field of view is 0.6 rad, and up is +y.
     pub fn camera(&self, aspect: f32) -> Vec<f32> {
         let camera = Camera::of_scene(&self.inner, aspect);
         [camera.eye, camera.target].into_iter().flat_map(|point| point.to_array()).collect()

@@ -71,10 +71,11 @@ pub struct Energy {
 
 #[wasm_bindgen]
 impl Simulation {
-    /// Opens a simulation of a copy of the scene. `backend` is `auto`, `gpu` or `cpu`. `auto` (the default) takes a hardware
+    /// Opens a simulation of a copy of the scene. `backend` is `auto`, `gpu` or `cpu`. `auto` (the default) uses a hardware
     /// GPU if the browser offers one, otherwise the CPU.
     ///
-    /// Throws a `NoAdapterError` for `gpu` without WebGPU, and a `DeviceLimitError` when the scene exceeds a limit of the GPU.
+    /// Rejects with a `NoAdapterError` for `gpu` without WebGPU, and with a `DeviceLimitError` when the scene exceeds a limit
+    /// of the GPU.
     pub async fn create(scene: &Scene, backend: Option<String>) -> Result<Simulation, JsValue> {
         let mut options = Options::default();
         if let Some(backend) = backend {
@@ -165,7 +166,7 @@ impl Simulation {
         self.inner.set_settings(settings).map_err(thrown)
     }
 
-    /// Reads the state and returns it as a scene, from which another simulation can go on.
+    /// Reads the state and returns it as a scene text, from which another simulation can continue.
     pub async fn snapshot(&mut self) -> Result<String, JsValue> {
         self.inner.sync_async().await.map_err(thrown)?;
         Ok(self.inner.snapshot().map_err(thrown)?.to_text())

@@ -46,7 +46,7 @@ impl View {
         let surface = rockfall::gpu::instance()
             .create_surface(wgpu::SurfaceTarget::Canvas(canvas))
             .map_err(|error| js_sys::Error::new(&error.to_string()))?;
-        // WebGPU has no other two.
+        // A preferred format is one of these two in WebGPU.
         let is_rgba = preferred_format() == "rgba8unorm";
         let format = if is_rgba { wgpu::TextureFormat::Rgba8Unorm } else { wgpu::TextureFormat::Bgra8Unorm };
         let mut renderer = Renderer::new(&device, &queue, format).map_err(thrown)?;
@@ -76,7 +76,7 @@ impl View {
         self.renderer.resize(width, height);
     }
 
-    /// Sets the camera: x, y, z of the eye and of the point that it looks at.
+    /// Sets the camera: x, y, z of the eye and of the point that it looks at, in units.
     #[wasm_bindgen(js_name = setCamera)]
     pub fn set_camera(&mut self, ex: f32, ey: f32, ez: f32, tx: f32, ty: f32, tz: f32) {
         (self.camera.eye, self.camera.target) = (Vec3::new(ex, ey, ez), Vec3::new(tx, ty, tz));
@@ -88,7 +88,7 @@ impl View {
         self.style.background = if dark { DARK } else { Background::default() };
     }
 
-    /// Sets whether bodies cast shadows and corners are darker. Without, a slow GPU draws in less time.
+    /// Sets whether bodies cast shadows and corners are darkened. Without shadows, a slow GPU draws in less time.
     #[wasm_bindgen(js_name = setShadows)]
     pub fn set_shadows(&mut self, shadows: bool) {
         (self.style.shadows, self.style.occlusion) = (shadows, shadows);

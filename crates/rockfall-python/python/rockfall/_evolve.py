@@ -40,9 +40,9 @@ class Creature:
     scene: Scene
     #: Fitness, in the unit of the goal.
     fitness: float
-    #: Distance of the centre along the ground from when the creature had settled to the end, in units.
+    #: Horizontal distance of the centre from the end of settling to the end, in units.
     distance: float
-    #: Standard deviation of the height of the centre, as a share of its mean.
+    #: Standard deviation of the height of the centre, divided by its mean height.
     bounce: float
     #: Extent of the body along its longer horizontal side, in units.
     length: float
@@ -56,19 +56,19 @@ class Evolution:
     """Creatures that evolve, generation by generation. ``rockfall evolve`` on the command line does the same.
 
     A creature has 4 to 20 masses, joined by springs that are muscles. Every generation is made from the best creatures of each kind
-    so far, by mutation and crossover. Creatures that explode, fall once or go downhill do not count, and one that would become the
-    champion is audited. The same seed gives the same champion, bit for bit, on the same device.
+    so far, by mutation and crossover. Creatures that explode, fall over, leap once or go downhill do not count, and one that
+    would become the champion is audited. The same seed gives the same champion, bit for bit, on the same device.
 
     Parameters
     ----------
     population : int
         Creatures per generation, from 2 to 1,000,000.
     seconds : float
-        Time that each creature lives, from 1 to 1000 s.
+        Simulated time of each creature, from 1 to 1000 s.
     dt : float
         Time step, in s.
     goal : {"distance", "speed", "height", "jump", "climb"}
-        What counts.
+        What the fitness is: see docs/creatures.md for the goals and their units.
     body : {"lattice", "free"}
         Where masses may be.
     ground : Scene, optional
@@ -123,7 +123,7 @@ class Evolution:
 
     @classmethod
     def load(cls, path: str | os.PathLike[str], *, backend: str = "auto") -> Evolution:
-        """Go on where a saved evolution was, with the same results as without a stop on the same device.
+        """Continue a saved evolution. On the same device, the results are those of a run without interruption.
 
         Parameters
         ----------
@@ -147,7 +147,7 @@ class Evolution:
     def run(
         self, generations: int, *, checkpoint: str | os.PathLike[str] | None = None, progress: bool = False
     ) -> None:
-        """Make and try generations.
+        """Create generations and simulate their creatures.
 
         Parameters
         ----------
@@ -180,7 +180,8 @@ class Evolution:
     def adopt(self, other: Evolution) -> int:
         """Take from another evolution the creatures that are fitter than those of their kinds, and return their number.
 
-        So evolutions on several machines can exchange creatures: they can be pickled. The example ``islands.py`` does it with Ray.
+        Evolutions can be pickled, so those on several machines can exchange creatures. The example ``islands.py`` does it with
+        Ray.
 
         Raises
         ------

@@ -11,7 +11,7 @@ import numpy.typing as npt
 from rockfall import _rockfall
 from rockfall._arrays import IntArray, floats
 
-#: Materials of objects: numbers or names, one for all or one per object. None stands for none.
+#: Materials of objects: numbers or names, one for all or one per object. None stands for no material.
 Materials: TypeAlias = npt.ArrayLike | str | None | Sequence[str | None]
 
 _NONE = -1
@@ -31,7 +31,11 @@ class Material(NamedTuple):
 
 
 class Pair(NamedTuple):
-    """Properties of the contacts between two materials. For those that are None, the constants of the scene hold."""
+    """Properties of the contacts between two materials.
+
+    Where restitution or friction is None, the constants of the scene hold. Where the coefficient of a resistance or the surface
+    energy is None, there is no such resistance or cohesion.
+    """
 
     #: Coefficient of restitution.
     restitution: float | None
@@ -47,7 +51,7 @@ class Pair(NamedTuple):
     twisting_friction: float | None = None
     #: Surface energy of these laws, in mass/s².
     surface_energy: float | None = None
-    #: Model of the resistance to rolling: "a", a constant torque, or "c", a spring and a dashpot, which is that of None.
+    #: Model of the resistance to rolling: "a", a constant torque, or "c", a spring and a dashpot. "c" where it is None.
     rolling_model: str | None = None
 
 
@@ -135,14 +139,15 @@ class MaterialTable:
         stiffness : float, optional
             Normal stiffness of the contact law ``linear`` in mass/s², greater than 0.
         rolling_friction, twisting_friction : float, optional
-            Coefficients of friction against rolling and against spinning about the normal, not negative. These and the following
-            are of the laws ``linear`` and ``hertz-mindlin``.
+            Coefficients of friction against rolling and against spinning about the normal, not negative. Only the laws
+            ``linear`` and ``hertz-mindlin`` use these properties and the following ones.
         rolling_model : {"c", "a"}, optional
-            "c" is a spring and a dashpot, with which bodies come to rest; "a" is a constant torque.
+            "c", the default, is a spring and a dashpot, with which bodies come to rest; "a" is a constant torque.
         rolling_damping : float, optional
             Damping ratio of "c", not negative; 0.3 if it is not given.
         surface_energy : float, optional
-            Surface energy gamma in mass/s², not negative: objects in contact attract each other with 4 pi gamma R*.
+            Surface energy gamma in mass/s², not negative: objects in contact attract each other with
+            the force 4 pi gamma R*.
 
         Raises
         ------
@@ -170,7 +175,8 @@ class MaterialTable:
         """The properties of the contacts between two materials; None stands for objects without a material.
 
         A property that was not set for the pair is the geometric mean (of stiffnesses, the harmonic mean) of those of each
-        material with itself. If it was set for one of them only, it is that value, and if for none, it is None.
+        material with itself. If it was set for only one of them, it is that value. If it was set for none, it is None. Two
+        different rolling models give "c".
         """
         numbers = [_NONE if of is None else self._material_number(name, of) for name, of in (("one", one), ("other", other))]
         properties, model = _rockfall.pair(self._native, *numbers)

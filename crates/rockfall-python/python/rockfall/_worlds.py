@@ -26,9 +26,9 @@ class Worlds:
     """Many small scenes that advance side by side, each in its own world.
 
     Worlds do not affect each other. Each has its own bodies, static objects and settings, and advances exactly as in a
-    :class:`Simulation` of its own with the same options: the results are bitwise identical, whatever other worlds there are. On the
-    CPU, worlds are divided among all cores. On the GPU, a workgroup runs a small world many steps at a time; larger worlds run one
-    after the other (:meth:`report` gives the path of each).
+    :class:`Simulation` of its own with the same options: the results are bitwise identical, whatever other worlds there are. On
+    the CPU, worlds are divided among all cores. On the GPU, one workgroup runs a small world for many steps in one dispatch;
+    other worlds run one after the other (``workgroup`` of :meth:`report` distinguishes them).
 
     Parameters
     ----------
@@ -54,12 +54,12 @@ class Worlds:
     -----
     Arrays hold all worlds at once. W is the number of worlds, N the largest number of spheres in a world, and M the largest number
     of springs. Worlds with fewer spheres or springs have rows of zeros at their end; :attr:`mask` and :attr:`spring_mask` say
-    which rows exist. What is assigned to rows that do not exist is ignored.
+    which rows exist. Values for rows that do not exist are ignored.
 
     Arrays that are read are copies in order of addition, and read-only. Assign arrays to change the worlds. An array for one world,
     for example of shape (N, 3), counts for all.
 
-    A world in which a body stops being finite is stopped and is in :attr:`stopped`. The others go on.
+    If the state of a body stops being finite, its world is stopped, with the reason in :attr:`stopped`. The others go on.
 
     Examples
     --------
@@ -99,14 +99,14 @@ class Worlds:
 
     @classmethod
     def resume(cls, path: str | os.PathLike[str], dt: float = 0.02, *, backend: str | None = None) -> Worlds:
-        """Go on from a checkpoint, with results that are bitwise identical to those of worlds that never stopped.
+        """Continue from a checkpoint, with results that are bitwise identical to those of a run without interruption.
 
         Parameters
         ----------
         path : path
             A file that :meth:`save_checkpoint` wrote.
         dt : float
-            Time step of the following steps, in s. The file does not have it.
+            Time step of the following steps, in s. The file does not contain it.
         backend : {"auto", "gpu", "cpu"}, optional
             Another backend than that of the checkpoint. Results then differ by rounding.
 
@@ -123,7 +123,7 @@ class Worlds:
         return worlds
 
     def save_checkpoint(self, path: str | os.PathLike[str]) -> None:
-        """Write all that determines the following steps of all worlds, and their starts, to a file for :meth:`resume`."""
+        """Write everything that determines the following steps, and the starts of all worlds, to a file for :meth:`resume`."""
         self._native.save_checkpoint(os.fspath(path))
 
     # Steps
@@ -153,8 +153,8 @@ class Worlds:
         steps : int
             Number of steps.
         rest_lengths : array_like, shape (T, W, M) or (T, M), optional
-            Rest lengths of the springs, in units. Row t counts from step ``t * every`` of this call. T is ``steps / every``,
-            rounded up. The last row holds until it is changed.
+            Rest lengths of the springs, in units. Row t applies from step ``t * every`` of this call on. T is
+            ``steps / every``, rounded up. The last row holds until it is changed.
         external_forces : array_like, shape (T, W, N, 3) or (T, N, 3), optional
             External forces on the spheres, in mass units/s², in the same way.
         every : int
@@ -169,7 +169,8 @@ class Worlds:
         SimulationError
             When the device fails. What happens in a single world is in :attr:`stopped`.
         KeyboardInterrupt
-            After Ctrl-C. All worlds are between the same two steps, unless controls were given, and can go on.
+            After Ctrl-C. All worlds have done the same number of steps and can go on. The next row of controls may already
+            apply.
         """
         left, every = whole("steps", steps), whole("every", every, least=1)
         rows = -(-left // every)
@@ -221,7 +222,7 @@ class Worlds:
         LookupError
             For a world that does not exist. Nothing is changed then.
         ValueError
-            For another number of scenes than worlds. Nothing is changed then.
+            If there are not as many scenes as worlds. Nothing is changed then.
         """
         numbers = self._numbers(worlds)
         found = _scenes("scenes", scenes)
@@ -327,7 +328,7 @@ class Worlds:
         worlds : array_like of int, shape (K,) or (), or of bool, shape (W,), optional
             The worlds, by number or by a mask; all by default.
         positions, velocities, angular_momenta, external_forces : array_like, shape (K, N, 3) or (N, 3), optional
-            States and forces of the spheres.
+            States and forces of the spheres, in the units of the attributes of these names.
         orientations : array_like, shape (K, N, 4) or (N, 4), optional
             Unit quaternions w, x, y, z.
         rest_lengths : array_like, shape (K, M) or (M,), optional
@@ -357,7 +358,7 @@ class Worlds:
 
     @property
     def masses(self) -> FloatArray:
-        """Masses of the spheres, of shape (W, N)."""
+        """Masses of the spheres of shape (W, N), in mass units."""
         return self._get("mass")[:, :, 0]
 
     @property
@@ -407,7 +408,7 @@ class Worlds:
 
     @property
     def stopped(self) -> dict[int, str]:
-        """The worlds that do not advance any more, by number, and why."""
+        """The worlds that do not advance any more, by number, with the reasons."""
         found = self._native.reports(None)
         return {world: report[3] for world, report in enumerate(found) if report[3] is not None}
 
@@ -423,7 +424,7 @@ class Worlds:
         return name
 
     def scene(self, world: int) -> Scene:
-        """A scene with the current state of a world, from which a simulation goes on where the world is."""
+        """A scene with the current state of a world, from which a simulation can continue."""
         return Scene._of(self._native.scene(int(self._numbers(whole("world", world))[0])))
 
     def render(self, world: int, size: tuple[int, int] = (1280, 720), **look: Any) -> Picture:

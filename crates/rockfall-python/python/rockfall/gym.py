@@ -39,24 +39,25 @@ _Infos = dict[str, Any]
 
 @dataclass(frozen=True)
 class Look:
-    """What is seen of all worlds at a time. W is the number of worlds and N the largest number of spheres in one."""
+    """The states of all worlds at one time. W is the number of worlds and N the largest number of spheres in one."""
 
     #: Centres of the spheres of shape (W, N, 3), in units; 0 for spheres that do not exist.
     positions: FloatArray
     #: Velocities of the spheres of shape (W, N, 3), in units/s.
     velocities: FloatArray
-    #: Which spheres exist, of shape (W, N).
+    #: Which spheres exist, bool of shape (W, N).
     mask: _Bools
     #: Centres of mass of shape (W, 3), in units.
     centres: _Doubles
-    #: Time since the start of each episode of shape (W,), in s.
+    #: Times since the start of each episode, of shape (W,), in s.
     times: _Doubles
 
 
 def walker(length: int = 3, width: int = 2, height: int = 2, *, stiffness: float = 1500.0) -> Scene:
     """A body to begin with: spheres on a lattice of length x height x width points, joined by springs, on level ground.
 
-    Neighbours on the lattice are 0.5 units apart, along edges, faces and diagonals. Gravity points down the y axis.
+    The lattice has a spacing of 0.5 units. Springs run along the edges of its cells, and along the diagonals of faces and
+    cells. Their stiffness is in mass/s². Gravity points down the y axis.
     """
     numbers = [whole(name, value, least=1) for name, value in (("length", length), ("height", height), ("width", width))]
     scene = Scene()
@@ -98,9 +99,9 @@ class WorldsVectorEnv(VectorEnv[FloatArray, FloatArray, npt.NDArray[Any]]):
         of mass, sin and cos of the clock, positions of the spheres from the centre of mass, and velocities of the spheres.
     reward : callable, optional
         ``reward(before, after, actions)`` with the :class:`Look` before and after a step returns rewards, of shape (W,). By
-        default, the way of the centre of mass along x, in units.
+        default, the distance that the centre of mass moves along x, in units.
     terminate : callable, optional
-        ``terminate(look)`` returns which episodes end, bool of shape (W,). Those of worlds that are not finite end anyway.
+        ``terminate(look)`` returns which episodes end, bool of shape (W,). Episodes of stopped worlds end in any case.
     autoreset_mode : {"NextStep", "SameStep", "Disabled"} or gymnasium.vector.AutoresetMode
         When environments whose episode has ended begin the next one. With "Disabled", ``reset(options={"reset_mask": mask})``
         does it.
@@ -118,12 +119,13 @@ class WorldsVectorEnv(VectorEnv[FloatArray, FloatArray, npt.NDArray[Any]]):
 
     Notes
     -----
-    An action is a number from -1 to 1 for each spring, in order of addition: the rest length becomes
-    ``length * (1 + strength * action)``. Numbers outside of the range are clipped. Bodies with fewer spheres or springs than others
-    have zeros in their observations, and ignore the last numbers of their actions.
+    W is the number of environments, N the largest number of spheres in a body, and M the largest number of springs. An action
+    has a number from -1 to 1 for each spring, in order of addition: the rest length becomes
+    ``length * (1 + strength * action)``. Numbers outside of the range are clipped. Bodies with fewer spheres or springs than
+    others have zeros in their observations, and ignore the last numbers of their actions.
 
     ``reset(seed=5)`` gives the environments the seeds 5, 6, 7 and so on; a list gives each its own. The same seeds and actions give
-    the same bits, and environment k of a vector behaves as a single :class:`WorldEnv` with its body and seed.
+    bitwise identical results, and environment k of a vector behaves as a single :class:`WorldEnv` with its body and seed.
 
     Infos have ``centre``, the centre of mass, of shape (W, 3).
     """
@@ -192,7 +194,8 @@ class WorldsVectorEnv(VectorEnv[FloatArray, FloatArray, npt.NDArray[Any]]):
         Parameters
         ----------
         seed : int or sequence of int, optional
-            Seed of environment 0, of which environment k has ``seed + k``; or the seed of each. Without one, random numbers go on.
+            Seed of environment 0, of which environment k has ``seed + k``; or the seed of each. Without one, the random numbers
+            continue.
         options : dict, optional
             ``{"reset_mask": mask}``.
 
@@ -219,7 +222,7 @@ class WorldsVectorEnv(VectorEnv[FloatArray, FloatArray, npt.NDArray[Any]]):
         return self._observations(self._last), self._infos(self._last, chosen)
 
     def step(self, actions: npt.ArrayLike) -> tuple[FloatArray, _Doubles, _Bools, _Bools, _Infos]:
-        """Do an action in every environment.
+        """Apply an action in every environment.
 
         Parameters
         ----------
@@ -269,7 +272,7 @@ class WorldsVectorEnv(VectorEnv[FloatArray, FloatArray, npt.NDArray[Any]]):
     # Episodes
 
     def _begin(self, chosen: _Bools) -> None:
-        """Begins episodes."""
+        """Begins the episodes of the chosen environments."""
         numbers = np.flatnonzero(chosen)
         self.worlds.reset(numbers)
         if self._noise > 0.0:
@@ -355,13 +358,13 @@ class WorldEnv(gymnasium.Env[FloatArray, FloatArray]):
         return self._envs.worlds
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[FloatArray, _Infos]:
-        """Begin an episode. Without a seed, random numbers go on."""
+        """Begin an episode. Without a seed, the random numbers continue."""
         super().reset(seed=seed)
         observations, infos = self._envs.reset(seed=seed)
         return observations[0], {"centre": infos["centre"][0]}
 
     def step(self, action: npt.ArrayLike) -> tuple[FloatArray, float, bool, bool, _Infos]:
-        """Do an action. After the end of an episode, another step goes on with it."""
+        """Apply an action. A step after the end of an episode continues the episode."""
         self._envs._ended[:] = False
         rows = floats("action", action, self._envs._lengths.shape[1:], 1)
         observations, rewards, terminations, truncations, infos = self._envs.step(rows)

@@ -1,4 +1,4 @@
-//! Saves worlds to a file and goes on from it.
+//! Files from which worlds continue.
 //!
 //! # The file
 //! All numbers are little-endian.
@@ -53,8 +53,9 @@ impl Worlds {
         write().map_err(|source| Error::File { file: path.to_owned(), source })
     }
 
-    /// Goes on from such a file. The following steps are bitwise identical to those of worlds that never stopped, on the same
-    /// device. `backend` is another backend than that of the file, whose results differ by rounding; `None` is the same.
+    /// Continues from a file that [`Worlds::save_checkpoint`] wrote. On the same device, the following steps are bitwise
+    /// identical to those of a run without interruption. `backend` replaces the backend of the file, and results then differ by
+    /// rounding. `None` keeps it.
     ///
     /// # Errors
     /// [`Error::File`] when the file cannot be read, [`Error::Checkpoint`] when it is damaged, not a checkpoint of worlds, or of a

@@ -5,12 +5,12 @@ use glam::Vec3;
 use crate::physics::laws::{Constants, Stiffness};
 use crate::physics::side::Side;
 
-/// A contact as the resistances see it.
+/// Properties of a contact that its resistances depend on.
 pub(super) struct Turning<'a> {
     pub(super) sides: [&'a Side; 2],
     pub(super) normal: Vec3,
     pub(super) overlap: f32,
-    /// R*.
+    /// Reduced radius R*, in units.
     pub(super) radius: f32,
     /// Normal force N.
     pub(super) press: f32,
@@ -33,7 +33,7 @@ pub(super) struct Moments {
 }
 
 impl Turning<'_> {
-    /// Rolling and twisting resistance.
+    /// Returns the torque of rolling and twisting resistance, and the moment to keep.
     pub(super) fn moments(&self, constants: &Constants, before: Kept) -> Moments {
         let [a, b] = self.sides;
         let spin = a.spin - b.spin;
@@ -69,7 +69,7 @@ impl Turning<'_> {
         (roll, roll * ratio)
     }
 
-    /// Model C. The coefficients are mu_r and the damping ratio.
+    /// Returns torque and moment to keep of rolling model `c`. The coefficients are mu_r and the damping ratio.
     fn spring_dashpot(&self, roll: Vec3, old: Vec3, limit: f32, [coefficient, ratio]: [f32; 2]) -> Moments {
         let stiffness = 2.25 * self.stiffness.normal * (coefficient * self.radius).powi(2);
         let kept = old - stiffness * self.dt * roll;
@@ -83,7 +83,7 @@ impl Turning<'_> {
         Moments { torque: kept - dashpot * roll, kept }
     }
 
-    /// Model A.
+    /// Returns the torque of rolling model `a`, which keeps no moment.
     fn constant_torque(&self, roll: Vec3, limit: f32) -> Vec3 {
         let rate = roll.length();
         if rate == 0.0 {
@@ -94,7 +94,7 @@ impl Turning<'_> {
         roll * (-size / rate)
     }
 
-    /// Torque and moment to keep, along the normal.
+    /// Returns the torque of twisting and the moment to keep, along the normal.
     fn twisting(&self, constants: &Constants, twist: f32, old: f32) -> [f32; 2] {
         let [a, b] = self.sides;
         let area = self.radius * self.overlap;
@@ -109,7 +109,7 @@ impl Turning<'_> {
     }
 }
 
-/// 1 / (I + m r²) of a side, which is 0 for what is fixed.
+/// Returns 1 / (I + m r²) of a side: 0 for a fixed body, a box or a polygon.
 fn inverse_inertia_about_contact(side: &Side) -> f32 {
     match side.radius {
         Some(radius) if side.inverse_mass > 0.0 => {
