@@ -35,8 +35,9 @@ pub(crate) fn number_of(ids: &Ids, material: Option<MaterialId>) -> i64 {
     found.map_or(NONE, |place| place as i64)
 }
 
-/// Restitution, friction, stiffness, rolling friction, rolling damping, twisting friction and surface energy; the rolling model.
-type Properties = ([Option<f32>; 7], Option<String>);
+/// Restitution, friction, stiffness, characteristic velocity, rolling friction, rolling damping, twisting friction and surface
+/// energy; the rolling model.
+type Properties = ([Option<f32>; 8], Option<String>);
 
 /// Adds a material and returns its number. The constants are density, Young's modulus and Poisson's ratio.
 #[pyfunction]
@@ -71,7 +72,7 @@ pub(crate) fn set_pair(target: &Bound<'_, PyAny>, one: i64, other: i64, properti
         let [one, other] = [known(ids, one)?, known(ids, other)?];
         let mut pair = Pair::default();
         let (numbers, model) = properties;
-        [pair.restitution, pair.friction, pair.stiffness, ..] = numbers;
+        [pair.restitution, pair.friction, pair.stiffness, pair.characteristic_velocity, ..] = numbers;
         [.., pair.rolling_friction, pair.rolling_damping, pair.twisting_friction, pair.surface_energy] = numbers;
         pair.rolling_model = model.map(|model| model.parse()).transpose().or_raise()?;
         doors.set_pair(one, other, pair).or_raise()
@@ -87,6 +88,7 @@ pub(crate) fn pair(target: &Bound<'_, PyAny>, one: i64, other: i64) -> PyResult<
             pair.restitution,
             pair.friction,
             pair.stiffness,
+            pair.characteristic_velocity,
             pair.rolling_friction,
             pair.rolling_damping,
             pair.twisting_friction,

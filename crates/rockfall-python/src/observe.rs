@@ -34,14 +34,14 @@ fn kind(body: Body) -> i64 {
     }
 }
 
-/// All contacts: kind and index of A, kind and index of B, and whether the action is an impulse; point, normal, action and
-/// overlap.
+/// All contacts. Whole numbers: kind and index of A, kind and index of B, whether the action is an impulse, and whether the contact
+/// slips (-1 without springs). Others: point, normal, action, overlap, normal force, tangential force, displacement and moment.
 #[pyfunction]
 pub(crate) fn contacts<'py>(simulation: &Bound<'py, Simulation>) -> PyResult<(Matrix<'py, i64>, Matrix<'py, f32>)> {
     let (whole, real) = simulation.get().read(simulation.py(), |running| {
         let found = running.simulation.contacts().or_raise()?;
         let scene = running.simulation.scene();
-        let (mut whole, mut real) = (Vec::with_capacity(5 * found.len()), Vec::with_capacity(10 * found.len()));
+        let (mut whole, mut real) = (Vec::with_capacity(6 * found.len()), Vec::with_capacity(20 * found.len()));
         for contact in found {
             let (is_impulse, action) = match contact.action {
                 ContactAction::Impulse(impulse) => (1, impulse),
@@ -53,11 +53,15 @@ pub(crate) fn contacts<'py>(simulation: &Bound<'py, Simulation>) -> PyResult<(Ma
             }
             whole.push(is_impulse);
             [contact.point, contact.normal, action].iter().for_each(|vector| real.extend(vector.to_array()));
-            real.push(contact.overlap);
+            real.extend([contact.overlap, contact.normal_force()]);
+            real.extend(contact.tangential_force().to_array());
+            let springs = contact.springs.map_or([Vec3::ZERO; 2], |springs| [springs.displacement, springs.moment]);
+            springs.iter().for_each(|vector| real.extend(vector.to_array()));
+            whole.push(contact.springs.map_or(-1, |springs| i64::from(springs.slips)));
         }
         Ok((whole, real))
     })?;
-    Ok((matrix(simulation.py(), whole, 5)?, matrix(simulation.py(), real, 10)?))
+    Ok((matrix(simulation.py(), whole, 6)?, matrix(simulation.py(), real, 20)?))
 }
 
 /// Number of contacts, net force and deepest overlap of every sphere.

@@ -14,7 +14,7 @@ set contact_law hertz-mindlin
 set gravity 9.81
 @material glass density=2500 young=5e7 poisson=0.2
 @material steel density=7800 young=2e8 poisson=0.3
-@pair glass steel restitution=0.9 friction=0.3
+@pair glass steel restitution=0.9 friction=0.3 characteristic_velocity=0.5
 @pair glass glass restitution=0.8 friction=0.2 rolling_friction=0.1 rolling_damping=0.5 surface_energy=0.05
 @pair steel steel friction=0.4 rolling_friction=0.05 rolling_model=a twisting_friction=0.1
 @use steel
@@ -35,7 +35,7 @@ def built() -> rf.Scene:
     glass = scene.add_material("glass", density=2500, young=5e7, poisson=0.2)
     steel = scene.add_material("steel", density=7800, young=2e8, poisson=0.3)
     assert (glass, steel) == (0, 1)
-    scene.set_pair("glass", steel, restitution=0.9, friction=0.3)
+    scene.set_pair("glass", steel, restitution=0.9, friction=0.3, characteristic_velocity=0.5)
     scene.set_pair(glass, glass, restitution=0.8, friction=0.2, rolling_friction=0.1, rolling_damping=0.5, surface_energy=0.05)
     scene.set_pair("steel", "steel", friction=0.4, rolling_friction=0.05, rolling_model="a", twisting_friction=0.1)
     scene.add_box([-5, -1, -5], [5, 0, 5], material="steel")
@@ -62,12 +62,33 @@ def test_a_built_scene_with_materials_is_that_of_the_text() -> None:
     assert np.ptp(sims[0].velocities) > 0.1
 
 
+def test_contacts_of_laws_with_history_have_tangential_forces() -> None:
+    scene = rf.Scene()
+    scene.settings.update(contact_law="hertz-mindlin", gravity=9.81, gravity_direction=(0.3, -1, 0))
+    scene.add_material("glass", density=2500, young=5e7, poisson=0.2)
+    scene.set_pair("glass", "glass", restitution=0.3, friction=0.5, rolling_friction=0.5)
+    scene.add_box([-5, -1, -5], [5, 0, 5], material="glass")
+    scene.add_sphere([0, 0.25, 0], radius=0.25, mass=None, material="glass")
+    sim = rf.Simulation(scene, dt=2e-5, backend="cpu", integrator="symplectic-euler")
+    sim.run(20000)
+    (contact,) = sim.contacts
+    # The ball rests on the ground: the ground carries its weight, and static friction holds it.
+    weight = sim.masses[0] * 9.81 / np.sqrt(1.09)
+    assert contact["normal_force"] == pytest.approx(weight, rel=0.01)
+    assert np.linalg.norm(contact["tangential_force"]) == pytest.approx(0.3 * weight, rel=0.01)
+    assert contact["slip"] == 0 and np.linalg.norm(contact["displacement"]) > 0
+    assert contact["force"] == pytest.approx(contact["tangential_force"] + contact["normal_force"] * contact["normal"], rel=1e-4, abs=1e-4)
+    thesis = rf.Simulation(rf.Scene.parse("S 1 0 0.4 0 0 0 0 0 0 0 1 0.5 0\nB -5 -1 -5 10 0 0 0 1 0 0 0 10\n"), backend="cpu")
+    assert thesis.contacts["slip"].tolist() == [-1] and not thesis.contacts["displacement"].any()
+
+
 def test_materials_and_pairs_are_read_back() -> None:
     scene = built()
     assert scene.materials[0] == rf.Material("glass", 2500.0, 5e7, pytest.approx(0.2))
     assert scene.pair("steel", "glass")[:3] == (pytest.approx(0.9), pytest.approx(0.3), None)
-    glass = rf.Pair(*map(pytest.approx, [0.8, 0.2, None, 0.1, 0.5, None, 0.05]), None)
+    glass = rf.Pair(*map(pytest.approx, [0.8, 0.2, None, None, 0.1, 0.5, None, 0.05]), None)
     assert scene.pair(None, 0) == scene.pair(0, 0) == glass
+    assert scene.pair(0, 1).characteristic_velocity == 0.5
     assert scene.pair(1, 1).rolling_model == "a" and scene.pair(1, 1).twisting_friction == pytest.approx(0.1)
     assert scene.pair(None, None) == rf.Pair(None, None, None)
     scene.update_material("glass", young=6e7)

@@ -43,6 +43,8 @@ class Pair(NamedTuple):
     friction: float | None
     #: Normal stiffness of the contact law ``linear``, in mass/s².
     stiffness: float | None
+    #: Velocity for the stiffness of ``linear`` where none is given, in units/s.
+    characteristic_velocity: float | None = None
     #: Coefficient of rolling friction of the laws ``linear`` and ``hertz-mindlin``.
     rolling_friction: float | None = None
     #: Damping ratio of the rolling model "c"; 0.3 where it is None.
@@ -120,6 +122,7 @@ class MaterialTable:
         restitution: float | None = None,
         friction: float | None = None,
         stiffness: float | None = None,
+        characteristic_velocity: float | None = None,
         rolling_friction: float | None = None,
         rolling_model: str | None = None,
         rolling_damping: float | None = None,
@@ -138,6 +141,9 @@ class MaterialTable:
             Coefficient of Coulomb friction, not negative.
         stiffness : float, optional
             Normal stiffness of the contact law ``linear`` in mass/s², greater than 0.
+        characteristic_velocity : float, optional
+            Velocity in units/s, greater than 0, from which and from the elastic constants of the materials the law ``linear`` takes
+            its stiffness: impacts at this velocity are as deep as with Hertz's law.
         rolling_friction, twisting_friction : float, optional
             Coefficients of friction against rolling and against spinning about the normal, not negative. Only the laws
             ``linear`` and ``hertz-mindlin`` use these properties and the following ones.
@@ -163,6 +169,7 @@ class MaterialTable:
             _known("restitution", restitution),
             _known("friction", friction),
             _known("stiffness", stiffness),
+            _known("characteristic_velocity", characteristic_velocity),
             _known("rolling_friction", rolling_friction),
             _known("rolling_damping", rolling_damping),
             _known("twisting_friction", twisting_friction),

@@ -29,7 +29,10 @@ class Observed(States):
 
         Fields: ``a_kind``, ``a``, ``b_kind`` and ``b`` (kind and row of both bodies, in order of addition), ``point`` (3) and
         ``overlap`` in units, ``normal`` (3) from A to B, ``force`` (3) on B in mass units/s² and ``impulse`` (3) on B in mass
-        units/s, of which one is zero.
+        units/s, of which one is zero. ``normal_force`` is the part of the force along the normal, positive where it pushes the bodies
+        apart, and ``tangential_force`` (3) the rest. With a contact law that keeps springs, ``slip`` is 1 at Coulomb's limit and 0
+        below it, ``displacement`` (3) is that of the tangential spring in units, and ``moment`` (3) the torque of the springs against
+        rolling and twisting on B in mass units²/s²; otherwise they are -1, 0 and 0.
         """
         self._commit()
         whole_numbers, real = _rockfall.contacts(self._native)
@@ -38,7 +41,9 @@ class Observed(States):
             found[f"{body}_kind"] = BODY_KINDS[whole_numbers[:, 2 * place]]
             found[body] = whole_numbers[:, 2 * place + 1]
         found["point"], found["normal"], found["overlap"] = real[:, :3], real[:, 3:6], real[:, 9]
-        is_impulse = whole_numbers[:, 4:] != 0
+        found["normal_force"], found["tangential_force"] = real[:, 10], real[:, 11:14]
+        found["slip"], found["displacement"], found["moment"] = whole_numbers[:, 5], real[:, 14:17], real[:, 17:20]
+        is_impulse = whole_numbers[:, 4:5] != 0
         found["impulse"] = np.where(is_impulse, real[:, 6:9], 0)
         found["force"] = np.where(is_impulse, 0, real[:, 6:9])
         return found

@@ -21,6 +21,11 @@ CONTACT = np.dtype(
         ("overlap", np.float32),
         ("force", np.float32, (3,)),
         ("impulse", np.float32, (3,)),
+        ("normal_force", np.float32),
+        ("tangential_force", np.float32, (3,)),
+        ("slip", np.int8),
+        ("displacement", np.float32, (3,)),
+        ("moment", np.float32, (3,)),
     ]
 )
 
