@@ -47,12 +47,11 @@ fn assert_dispatches_per_step(benchmark: Benchmark, integrator: Integrator, most
 #[cfg(feature = "gpu")]
 fn a_step_has_few_dispatches() {
     // Few spheres without rods: 3 dispatches for collisions; 3 advance, finish_and_turn, end_step. In some steps 1 for
-    // AABBs and 2 for lists.
-    assert_dispatches_per_step(Benchmark::Pile, Integrator::Rk4, 10);
+    // AABBs and 6 for lists.
+    assert_dispatches_per_step(Benchmark::Pile, Integrator::Rk4, 12);
     // symplectic_euler and commit_and_turn in place of the four evaluations.
-    assert_dispatches_per_step(Benchmark::Pile, Integrator::SymplecticEuler, 8);
-    // With capsules and rods also weigh_collisions, rod_forces in each evaluation, restore_lengths and constrain. There
-    // are twice as many objects as bodies, too many for a grid that is built in one dispatch.
+    assert_dispatches_per_step(Benchmark::Pile, Integrator::SymplecticEuler, 10);
+    // With capsules and rods also weigh_collisions, rod_forces in each evaluation, restore_lengths and constrain.
     assert_dispatches_per_step(Benchmark::Mixed, Integrator::Rk4, 23);
     // Two dispatches for the collisions of large spheres, two for every sweep in steps in which some collisions share
     // bodies, and two for the lists of large spheres when lists are rebuilt.
@@ -76,11 +75,11 @@ fn count_joined_dispatches(benchmark: Benchmark, before: u64, steps: u64) -> u64
 #[test]
 #[cfg(feature = "gpu")]
 fn steps_of_a_small_scene_share_dispatches() {
-    // Three dispatches that build lists, and one for everything else. One more starts a batch. The first batch is one
+    // Seven dispatches that build lists, and one for everything else. One more starts a batch. The first batch is one
     // step that builds lists twice.
-    assert!(count_joined_dispatches(Benchmark::Pile, 0, 32) <= 4 * 32 + 1 + 4);
+    assert!(count_joined_dispatches(Benchmark::Pile, 0, 32) <= 8 * 32 + 1 + 8);
     // The same in every eighth step.
-    assert!(count_joined_dispatches(Benchmark::Lattice, 320, 32) <= 4 * 4 + 1);
+    assert!(count_joined_dispatches(Benchmark::Lattice, 320, 32) <= 8 * 4 + 1);
 }
 
 #[test]
@@ -179,25 +178,25 @@ fn listed(simulation: &mut Simulation, build: fn(&Scene) -> rockfall::Result<Wor
     world
 }
 
-// At the start: four states of 48 bytes, an AABB of 32, an orientation of 16, a tag and a count of 4 each, about 13 of
-// the grid, an extent of 16, two memory slots of 4 each, and 24 list entries of 4 (16 in large scenes) make 384. Where
+// At the start: four states of 48 bytes, an AABB of 32, an orientation of 16, a tag and a count of 4 each, about 17 of
+// the grid, an extent of 16, two memory slots of 4 each, and 24 list entries of 4 (16 in large scenes) make 388. Where
 // a longer lookahead makes lists longer, the lookahead is shortened before the lists use more memory.
 
 #[test]
 fn a_lattice_stays_within_its_memory() {
     // Six neighbours touch, and others at the rim are close. Elastic collisions are no longer lost, so the lattice
     // spreads slightly.
-    check_size(Benchmark::Lattice, &Bounds { memory: 388, entries: 6.5, words: 9.0 });
+    check_size(Benchmark::Lattice, &Bounds { memory: 392, entries: 6.5, words: 9.0 });
 }
 
 #[test]
 fn a_pile_stays_within_its_memory() {
-    check_size(Benchmark::Pile, &Bounds { memory: 388, entries: 4.9, words: 8.4 });
+    check_size(Benchmark::Pile, &Bounds { memory: 392, entries: 4.9, words: 8.4 });
 }
 
 #[test]
 fn a_settled_pile_stays_within_its_memory() {
-    check_size(Benchmark::Settled, &Bounds { memory: 388, entries: 10.2, words: 11.6 });
+    check_size(Benchmark::Settled, &Bounds { memory: 392, entries: 10.2, words: 11.6 });
 }
 
 #[test]
