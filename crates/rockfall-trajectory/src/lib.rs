@@ -22,6 +22,7 @@
 //! | [`Format::Vtp`] | `NAME.pvd` and a folder `NAME` with the frames, for ParaView and VTK | see [`vtp`] |
 //!
 //! [`contacts`] writes the contacts between bodies in the same formats.
+//! [`fields`] computes density, velocity and stress on a grid, and writes them.
 //! A [`Reader`] reads NumPy and ParaView trajectories back.
 //!
 //! Frames are written at once and not held in memory. All numbers are bitwise identical to those of the simulation. A file
@@ -38,6 +39,7 @@ use target::{Content, Series, Target};
 
 pub mod contacts;
 pub mod csv;
+pub mod fields;
 mod frame;
 pub mod npz;
 mod read;

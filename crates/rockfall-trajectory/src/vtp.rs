@@ -264,7 +264,31 @@ impl Appended {
             out,
             "<Piece NumberOfPoints=\"{points}\" NumberOfVerts=\"{vertices}\" NumberOfLines=\"{lines}\" NumberOfStrips=\"0\" NumberOfPolys=\"{polygons}\">"
         )?;
-        write!(out, "{}</Piece>\n</PolyData>\n<AppendedData encoding=\"raw\">\n_", self.xml)?;
+        self.append(out, "PolyData")
+    }
+
+    /// Writes a file of values at the points of a regular grid.
+    pub(crate) fn write_image(
+        self,
+        out: &mut impl Write,
+        origin: [f64; 3],
+        spacing: f64,
+        counts: [usize; 3],
+    ) -> io::Result<()> {
+        let extent = counts.map(|count| format!("0 {}", count - 1)).join(" ");
+        let [x, y, z] = origin;
+        writeln!(
+            out,
+            "<?xml version=\"1.0\"?>\n<VTKFile type=\"ImageData\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">\n\
+             <ImageData WholeExtent=\"{extent}\" Origin=\"{x} {y} {z}\" Spacing=\"{spacing} {spacing} {spacing}\">\n\
+             <Piece Extent=\"{extent}\">"
+        )?;
+        self.append(out, "ImageData")
+    }
+
+    /// Writes the description of the arrays, the end of the XML, and the arrays.
+    fn append(self, out: &mut impl Write, kind: &str) -> io::Result<()> {
+        write!(out, "{}</Piece>\n</{kind}>\n<AppendedData encoding=\"raw\">\n_", self.xml)?;
         for array in &self.arrays {
             out.write_all(&(array.len() as u64).to_le_bytes())?;
             out.write_all(array)?;
