@@ -11,7 +11,7 @@
 //! | 8 | `\x89RKF\r\n\x1a\n`; a transfer as text changes these bytes, so it is detected |
 //! | 4 | version of the format |
 //! | 8 | length of the whole file in bytes |
-//! | ... | the head: program, device, note, constants, options, time step, counters, numbers of objects; from version 3 on also the time of muscles, materials, pairs and the springs of contacts |
+//! | ... | the head: program, device, note, constants, options, time step, counters, numbers of objects; from version 3 on also the time of muscles, materials, pairs and the springs of contacts; from version 5 on also names, parameters and hashes of force laws, and the number of spheres with an acceleration and a torque, 0 or all, with 6 floats for each; from version 6 on the contact law of the program, and the models of cohesion of pairs |
 //! | ... | spheres, rods, capsules, springs, tethers, boxes, polygons, each in order of addition, as 32-bit words |
 //! | ... | the reference of every sphere as a 64-bit number, -1 for none; left out if no sphere has one, and in version 1 |
 //! | 4 | CRC-32 of all bytes before |
@@ -30,16 +30,20 @@ use crate::report::Report;
 use crate::scene::{AnyId, Scene};
 
 mod head;
+mod laws;
 mod objects;
 mod springs;
 pub(crate) mod words;
 
+use laws::{KeptContactLaw, KeptLaw};
 use words::{Damage, Words};
 
 /// The first bytes of every checkpoint.
 const MAGIC: [u8; 8] = *b"\x89RKF\r\n\x1a\n";
 /// Latest version of the format. Older versions are still read.
-const VERSION: u32 = 4;
+const VERSION: u32 = 6;
+/// First version with the accelerations of velocity Verlet.
+const RATES_SINCE: u32 = 5;
 /// First version with muscles.
 const WITH_MUSCLES: u32 = 3;
 /// Bytes of magic, version and length.
@@ -73,6 +77,13 @@ pub struct Checkpoint {
     pub(crate) history: History,
     /// The tangential springs of contacts, for laws with history.
     pub(crate) springs: Vec<KeptSpring>,
+    /// The force laws, for a checkpoint from a file.
+    pub(crate) kept_laws: Vec<KeptLaw>,
+    /// The contact law of the program, for a checkpoint from a file.
+    pub(crate) kept_contact_law: Option<KeptContactLaw>,
+    /// Velocity Verlet: acceleration and torque of every sphere in the last force evaluation. Empty for other integrators, and where
+    /// the next step evaluates the forces again. It does so if another number of spheres is found here.
+    pub(crate) rates: Vec<[f32; 6]>,
 }
 
 /// The tangential spring of a contact between two steps.
@@ -151,6 +162,9 @@ impl Checkpoint {
             let mut words = Words::new(content);
             let (mut checkpoint, counts) = head::read(&mut words, version)?;
             let springs = if version >= head::MATERIALS_SINCE { springs::read(&mut words, version)? } else { Vec::new() };
+            if version >= RATES_SINCE {
+                checkpoint.rates = read_rates(&mut words, counts.spheres)?;
+            }
             objects::read(&mut words, version, &counts, &mut checkpoint.scene)?;
             checkpoint.springs = springs::named(&springs, &checkpoint.scene)?;
             words.end()?;
@@ -162,6 +176,7 @@ impl Checkpoint {
     fn write(&self, out: &mut impl Write) -> io::Result<()> {
         let mut head = head::bytes(self);
         head.extend(springs::bytes(self));
+        head.extend(rates(&self.rates));
         let length = PREFIX + head.len() + objects::length(&self.scene) + SUFFIX;
         let mut out = Hashed { out, crc32: crc32fast::Hasher::new() };
         out.write_all(&MAGIC)?;
@@ -172,6 +187,33 @@ impl Checkpoint {
         let crc32 = out.crc32.finalize();
         out.out.write_all(&crc32.to_le_bytes())
     }
+}
+
+/// The rates of velocity Verlet: the number of spheres that have them, then 6 numbers each.
+fn rates(rates: &[[f32; 6]]) -> Vec<u8> {
+    let mut head = words::Head::default();
+    head.u64(rates.len() as u64);
+    rates.iter().flatten().for_each(|number| head.f32(*number));
+    head.bytes
+}
+
+fn read_rates(words: &mut Words, spheres: usize) -> Result<Vec<[f32; 6]>, Damage> {
+    let count = words.u64()?;
+    if count != 0 && count != spheres as u64 {
+        return Err(Damage::new(format!("it has the accelerations of {count} spheres, expected 0 or {spheres}")));
+    }
+    let mut rates = Vec::new();
+    for _ in 0..count {
+        let mut one = [0.0; 6];
+        for number in &mut one {
+            *number = words.f32()?;
+        }
+        if one.iter().any(|number| !number.is_finite()) {
+            return Err(Damage::new("the acceleration of a sphere is not finite"));
+        }
+        rates.push(one);
+    }
+    Ok(rates)
 }
 
 /// Returns the version and the bytes between prefix and checksum, if the file begins with `magic`, has at most the `latest` version

@@ -21,7 +21,7 @@ pub enum Error {
         expected: &'static str,
     },
     /// A handle refers to an object that was removed, or that belongs to another scene.
-    #[error("stale handle: the {kind} it refers to is not in the scene (removed, or of another scene)")]
+    #[error("the {kind} is not in the scene: it was removed, or it belongs to another scene")]
     StaleHandle {
         /// Kind of the object, for example `sphere`.
         kind: &'static str,
@@ -112,6 +112,20 @@ pub enum Error {
         /// The place in the step.
         stage: BadStage,
     },
+    /// A law that the program gave is not valid, or gave a result that is not finite.
+    #[error("law {}{}: {message}{}", quoted(law), place(*line, *column), excerpt(text, *column))]
+    Law {
+        /// Name of the law.
+        law: String,
+        /// Line of its WGSL text, from 1; 0 if the error is not about a line.
+        line: usize,
+        /// Column in characters, from 1; 0 if the error is about a whole line.
+        column: usize,
+        /// The line of the text.
+        text: String,
+        /// What is wrong.
+        message: String,
+    },
     /// A step was rejected too many times in a row.
     #[error("step {step} was rejected {attempts} times in a row: {reason}; a shorter time step may help")]
     Stuck {
@@ -144,6 +158,25 @@ pub(crate) fn quoted(text: &str) -> String {
     }
     shown.push('\'');
     shown
+}
+
+/// The place of an error in the text of a law.
+fn place(line: usize, column: usize) -> String {
+    match (line, column) {
+        (0, _) => String::new(),
+        (_, 0) => format!(", line {line}"),
+        _ => format!(", line {line}, column {column}"),
+    }
+}
+
+/// A line of the text of a law on a line of its own, with a mark below the column.
+fn excerpt(text: &str, column: usize) -> String {
+    if text.is_empty() {
+        return String::new();
+    }
+    let shown: String = text.chars().map(|letter| if letter.is_control() { ' ' } else { letter }).collect();
+    let mark = if column == 0 { String::new() } else { format!("\n    {}^", " ".repeat(column - 1)) };
+    format!("\n    {shown}{mark}")
 }
 
 /// Returns the candidate that a mistyped word most likely means, or `None` if no candidate is near.
@@ -195,9 +228,10 @@ mod tests {
 pub enum BadStage {
     /// The collision phase (`apply_collisions`).
     Collisions = 0,
-    /// The first force evaluation (the only one of symplectic Euler); 2, 3 and 4 follow.
+    /// The first force evaluation (the only one of symplectic Euler; with velocity Verlet, the one at the start of the step); 2, 3
+    /// and 4 follow.
     Forces1 = 1,
-    /// The second force evaluation of RK4.
+    /// The second force evaluation of RK4, or the one at the end of a step of velocity Verlet.
     Forces2 = 2,
     /// The third force evaluation of RK4.
     Forces3 = 3,

@@ -2,7 +2,8 @@
 //! time.
 //!
 //! Nothing overlaps at first: every body starts inside a cell of its own. All constants have their default values, with which
-//! these scenes are stable at the default time step of 20 ms (see [`Scene::stability`]).
+//! these scenes are stable at the default time step of 20 ms (see [`Scene::stability`]). Scenes of grains have materials, SI units
+//! and a time step of their own ([`Kind::time_step`]).
 
 use std::fmt;
 use std::str::FromStr;
@@ -18,10 +19,12 @@ use crate::scene::{Cuboid, Scene, Sphere};
 mod benchmark;
 mod bodies;
 mod creature;
+mod grains;
 mod hopper;
 
 pub use benchmark::{Benchmark, LAYERS};
-pub use creature::creature;
+pub use creature::{creature, creature_without_pairs};
+pub use grains::Drum;
 
 /// The kind of scene to generate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -36,11 +39,15 @@ pub enum Kind {
     Chain,
     /// Spheres that run through a funnel into a box.
     Hopper,
+    /// Grains in a drum that can be turned: see [`Drum`].
+    Drum,
+    /// A column of grains that collapses into a heap.
+    Column,
 }
 
 impl Kind {
     /// All kinds.
-    pub const ALL: [Self; 5] = [Self::Pile, Self::Mixed, Self::Soft, Self::Chain, Self::Hopper];
+    pub const ALL: [Self; 7] = [Self::Pile, Self::Mixed, Self::Soft, Self::Chain, Self::Hopper, Self::Drum, Self::Column];
 
     /// Name of the kind on the command line.
     pub fn name(self) -> &'static str {
@@ -50,6 +57,8 @@ impl Kind {
             Self::Soft => "soft",
             Self::Chain => "chain",
             Self::Hopper => "hopper",
+            Self::Drum => "drum",
+            Self::Column => "column",
         }
     }
 
@@ -59,20 +68,41 @@ impl Kind {
     /// [`Error::Invalid`] for 0 spheres, [`Error::TooManyObjects`] for more than the engine can number.
     pub fn generate(self, spheres: u32, seed: u64) -> Result<Scene> {
         check_count(spheres)?;
-        let mut random = Random(Pcg64Mcg::seed_from_u64(seed));
+        let mut random = Random::new(seed);
         match self {
             Self::Pile => pile(spheres, &mut random),
             Self::Mixed => bodies::mixed(spheres, &mut random),
             Self::Soft => bodies::soft(spheres, &mut random),
             Self::Chain => bodies::chain(spheres, &mut random),
             Self::Hopper => hopper::hopper(spheres, &mut random),
+            Self::Drum => Drum::new(spheres).scene(seed),
+            Self::Column => grains::column(spheres, &mut random),
         }
     }
 
-    /// What the author of a scene of this kind should know to change it, as lines of text: for a hopper, where its opening is,
-    /// and the line of a box that closes it. Empty for the other kinds.
+    /// Whether scenes of this kind have grains with the contact law `hertz-mindlin`, in SI units. They need the integrator
+    /// `velocity-verlet` or `symplectic-euler`.
+    pub fn has_grains(self) -> bool {
+        matches!(self, Self::Drum | Self::Column)
+    }
+
+    /// The time step for which scenes of this kind are made, in s.
+    pub fn time_step(self) -> f32 {
+        match self {
+            Self::Drum => Drum::STEP,
+            Self::Column => grains::COLUMN_STEP,
+            _ => 0.02,
+        }
+    }
+
+    /// What the author of a scene of this kind should know to run or change it, as lines of text: for a hopper, where its opening
+    /// is, and the line of a box that closes it; for grains, the options of `rockfall run`. Empty for the other kinds.
     pub fn note(self, spheres: u32) -> String {
-        if self == Self::Hopper { hopper::note(spheres) } else { String::new() }
+        match self {
+            Self::Hopper => hopper::note(spheres),
+            Self::Drum | Self::Column => grains::note(self),
+            _ => String::new(),
+        }
     }
 }
 
@@ -89,7 +119,7 @@ impl FromStr for Kind {
         Self::ALL.into_iter().find(|kind| kind.name() == text).ok_or_else(|| Error::Invalid {
             field: "kind",
             value: quoted(text),
-            expected: "pile, mixed, soft, chain or hopper",
+            expected: "pile, mixed, soft, chain, hopper, drum or column",
         })
     }
 }
@@ -113,6 +143,10 @@ fn check_count(spheres: u32) -> Result<()> {
 struct Random(Pcg64Mcg);
 
 impl Random {
+    fn new(seed: u64) -> Self {
+        Self(Pcg64Mcg::seed_from_u64(seed))
+    }
+
     fn between(&mut self, low: f32, high: f32) -> f32 {
         low + (high - low) * self.0.random::<f32>()
     }
@@ -257,8 +291,8 @@ mod tests {
     fn the_default_step_is_stable() {
         for kind in Kind::ALL {
             let scene = kind.generate(1000, 5).unwrap();
-            for integrator in [Integrator::Rk4, Integrator::SymplecticEuler] {
-                assert_eq!(scene.stability(0.02, integrator), [], "{kind} {integrator}");
+            for integrator in Integrator::ALL {
+                assert_eq!(scene.stability(kind.time_step(), integrator), [], "{kind} {integrator}");
             }
         }
     }

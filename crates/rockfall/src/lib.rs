@@ -24,6 +24,7 @@
 //!   Objects can be added, removed and changed between steps.
 //! - [`Simulation::spheres`] and [`Simulation::sphere`] read states back. [`Simulation::energy`], [`Simulation::contacts`],
 //!   [`Simulation::max_overlap`] and [`Simulation::diagnostics`] evaluate them. [`Report`] counts steps, contacts and collisions.
+//! - A [`ForceLaw`] is a force on bodies that the program defines, a [`ContactForceLaw`] a law of contacts.
 //! - A [`Checkpoint`] stores a simulation, so that it can be resumed with bitwise identical results.
 //! - [`Scene::stability`], [`Scene::tunnelling`] and [`Scene::sinking`] warn about an unsuitable time step or contact force.
 //!   [`Scene::odd_rods`] finds rods that are likely mistakes.
@@ -66,7 +67,9 @@
 //! `docs/physics.md` in the repository specifies the model in full. Comments in the code cite its sections and errata.
 //!
 //! # Features
-//! `gpu` (default): the wgpu backend. Without this feature only the CPU backend is built, which needs no graphics library.
+//! - `gpu` (default): the wgpu backend, and `wgsl`. Without this feature only the CPU backend is built, which needs no graphics
+//!   library.
+//! - `wgsl`: laws as WGSL text ([`ForceLaw::wgsl`]), also on the CPU backend. Not in a browser.
 
 pub mod checkpoint;
 mod devices;
@@ -89,6 +92,7 @@ pub mod simulation;
 pub mod stability;
 #[doc(hidden)]
 pub mod step;
+mod user_laws;
 #[cfg(not(target_family = "wasm"))]
 mod worlds;
 
@@ -102,15 +106,16 @@ pub use options::{Backend, BackendInfo, Optimization, Options};
 pub use profile::{BufferSize, Clock, Profile, StageTime};
 pub use report::{Energy, Report, SphereState, decimal_time};
 pub use scene::{
-    BoxId, Capsule, CapsuleId, CapsuleParts, Counts, Cuboid, LineWarning, Loaded, Material, MaterialId, Muscle, Pair, Polygon,
-    PolygonId, Rod, RodId, RollingModel, Scene, Sphere, SphereId, Spring, SpringId, Tether, TetherId,
+    BoxId, Capsule, CapsuleId, CapsuleParts, CohesionModel, Counts, Cuboid, LineWarning, Loaded, Material, MaterialId, Muscle,
+    Pair, Polygon, PolygonId, Rod, RodId, RollingModel, Scene, Sphere, SphereId, Spring, SpringId, Tether, TetherId,
 };
 pub use settings::{BroadPhase, ContactLaw, Integrator, Settings};
 pub use simulation::{Body, Contact, ContactAction, ContactSprings, MaxOverlap, RayHit, Simulation, SphereDiagnostics};
+pub use user_laws::{ContactForceLaw, ContactInput, ContactResponse, ForceInput, ForceLaw, ForceLoad, Impact, PairParameter};
 #[cfg(feature = "gpu")]
 pub use wgpu;
 #[cfg(not(target_family = "wasm"))]
-pub use worlds::{WorldPath, WorldReport, Worlds};
+pub use worlds::{Sleep, WorldPath, WorldReport, Worlds};
 
 /// Runs the example of the README as a test.
 #[cfg(doctest)]

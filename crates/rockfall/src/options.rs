@@ -5,6 +5,7 @@ use std::str::FromStr;
 
 use crate::error::{Error, Result, quoted};
 use crate::settings::{BroadPhase, Integrator};
+use crate::user_laws::{ContactForceLaw, ForceLaw};
 
 /// The backend that runs a simulation.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -72,6 +73,8 @@ pub enum Optimization {
     LongMovers,
     /// All sweeps over few collisions in one dispatch.
     SweepsAtOnce,
+    /// Pair lists without room for motion, where lists hardly last.
+    ExactLists,
 }
 
 names!(
@@ -86,12 +89,13 @@ names!(
     PlannedDispatches = "planned-dispatches",
     LargeSpheres = "large-spheres",
     LongMovers = "long-movers",
-    SweepsAtOnce = "sweeps-at-once"
+    SweepsAtOnce = "sweeps-at-once",
+    ExactLists = "exact-lists"
 );
 
 impl Optimization {
     /// All optimizations that can be left out.
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 11] = [
         Self::JoinedSteps,
         Self::ListInterval,
         Self::Lead,
@@ -102,11 +106,12 @@ impl Optimization {
         Self::LargeSpheres,
         Self::LongMovers,
         Self::SweepsAtOnce,
+        Self::ExactLists,
     ];
 }
 
 /// Options that stay the same for the whole life of a simulation.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct Options {
     /// The backend that runs the simulation.
@@ -125,6 +130,10 @@ pub struct Options {
     pub join_steps: Option<bool>,
     /// Optimizations that the simulation leaves out. This does not change results.
     pub without: Vec<Optimization>,
+    /// Forces that the program defines, in the order in which they act.
+    pub force_laws: Vec<ForceLaw>,
+    /// The contact law that the program defines, for the setting `contact_law user`.
+    pub contact_force_law: Option<ContactForceLaw>,
 }
 
 impl Options {
@@ -166,6 +175,19 @@ impl Options {
     /// Leaves out an optimization. May be called several times.
     pub fn without(mut self, optimization: Optimization) -> Self {
         self.without.push(optimization);
+        self
+    }
+
+    /// Adds a force that the program defines. May be called several times.
+    pub fn force_law(mut self, law: ForceLaw) -> Self {
+        self.force_laws.push(law);
+        self
+    }
+
+    /// Gives the contact law that the program defines. A simulation of a scene with another contact law then does as if the scene
+    /// had `set contact_law user`, which also switches collisions off.
+    pub fn contact_force_law(mut self, law: ContactForceLaw) -> Self {
+        self.contact_force_law = Some(law);
         self
     }
 

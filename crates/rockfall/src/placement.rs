@@ -11,6 +11,7 @@ use crate::scene::{Scene, SphereId};
 use crate::settings::BroadPhase;
 use crate::simulation::Body;
 use crate::simulation::observe::{body, observe, smaller_radius, view_and_lists};
+use crate::user_laws::set::UserLaws;
 
 /// Largest overlap of two bodies, in radii of the smaller one, that causes no warning.
 pub const DEEP: f32 = 0.05;
@@ -67,7 +68,7 @@ impl Scene {
         }
         let objects = self.spheres().len() + self.rods().len() + self.boxes().len() + self.polygons().len();
         // The AABBs of a time step of almost 0 are the smallest, so they give the fewest pairs.
-        let world = observe(self, 1e-9, BroadPhase::Auto.resolve(objects), 0, &MuscleClock::default())?;
+        let world = observe(self, 1e-9, BroadPhase::Auto.resolve(objects), 0, &MuscleClock::default(), &UserLaws::default())?;
         let (view, lists) = view_and_lists(&world);
         let of_mover = |mover: u32| {
             let own = lists.row(mover).filter(move |entry| entry.id() > mover);

@@ -22,8 +22,8 @@ pub struct Report {
     pub total_collisions: u64,
     /// Number of times that a step was repeated, because a list had to grow or a body left its AABB.
     pub replays: u64,
-    /// Number of steps in which AABBs and pair lists were rebuilt. In the other steps those of an earlier step still held every
-    /// pair.
+    /// Number of times that AABBs and pair lists were rebuilt: at most twice in a step, in most scenes at most once. In the other
+    /// steps those of an earlier step still held every pair.
     pub list_builds: u64,
     /// Number of times that a body was stopped because its state was no longer finite.
     pub non_finite: u64,

@@ -24,7 +24,7 @@ pub use bonded::BondedSets;
 pub(crate) use checks::finite;
 pub(crate) use contact_law::{Dampings, TANGENTIAL_RATIO};
 pub(crate) use materials::Pairs;
-pub use materials::{MAX_MATERIALS, Material, MaterialId, Pair, RollingModel};
+pub use materials::{CohesionModel, MAX_MATERIALS, Material, MaterialId, Pair, RollingModel};
 pub use muscle::Muscle;
 pub use objects::{Capsule, CapsuleId, CapsuleParts, Rod, RodId, Sphere, SphereId, Spring, SpringId, Tether, TetherId};
 pub(crate) use references::References;

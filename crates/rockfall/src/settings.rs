@@ -134,20 +134,22 @@ macro_rules! constant_table {
                 angular_damping: not_negative = 0.0, "1/s", Some((0.0, 10.0));
             }
             host {
-                /// Contact law: `thesis`, `linear` or `hertz-mindlin`. The last two need materials, switch `collisions` off
-                /// when they are set by name, and keep a tangential spring for every contact.
+                /// Contact law: `thesis`, `linear` or `hertz-mindlin`. The last two need materials and keep a tangential spring
+                /// for every contact. They do not use `contact_force`, `contact_damping`, `friction` and `resting_overlap`.
+                /// Setting them by name (also in a scene text and in Python) switches `collisions` off.
                 contact_law: law = ContactLaw::Thesis, "", None;
                 /// Gravity G in units/s².
                 gravity: finite = 1.0, "units/s²", Some((-10.0, 20.0));
                 /// Whether collisions are handled as impulses. If not, contact forces act in collisions too.
                 collisions: switch = true, "", None;
-                /// Direction of gravity g, a unit vector (normalized when set by name).
+                /// Direction of gravity g, a unit vector. A vector of another length is normalized, except in a struct that is
+                /// filled in by hand.
                 gravity_direction: direction = Vec3::NEG_Y, "", None;
                 /// Whether contact damping may pull bodies together (the thesis's form).
                 contact_pull: switch = false, "", None;
                 /// Overlap at rest in radii, F: where it is positive, `contact_force` and `contact_damping` are chosen from
-                /// gravity, sizes and depth of the scene, so that bodies at rest overlap by less than F of the smaller radius
-                /// ([`Scene::resolved_settings`](crate::Scene::resolved_settings)). 0: they stay as they are.
+                /// gravity, sizes and depth of the scene, so that bodies at rest overlap by less than F of the smaller radius.
+                /// 0: they stay as they are.
                 resting_overlap: fraction = 0.0, "", None;
             }
         }
@@ -271,7 +273,7 @@ fn direction(field: &'static str, value: &str) -> Result<Vec3> {
 
 fn law(field: &'static str, value: &str) -> Result<ContactLaw> {
     let law = ContactLaw::ALL.into_iter().find(|law| law.name() == value.trim());
-    law.ok_or_else(|| invalid(field, value, "thesis, linear or hertz-mindlin"))
+    law.ok_or_else(|| invalid(field, value, "thesis, linear, hertz-mindlin or user"))
 }
 
 /// The law of the forces in contacts (docs/physics.md sections 4.3 to 4.6 and 4.11).
@@ -285,11 +287,13 @@ pub enum ContactLaw {
     Linear,
     /// Elastic bodies with curved surfaces (Hertz 1882, Mindlin 1949).
     HertzMindlin,
+    /// A law that the program defines ([`ContactForceLaw`](crate::ContactForceLaw)).
+    User,
 }
 
 impl ContactLaw {
     /// All laws. The place of a law is its number in the kernels.
-    pub const ALL: [Self; 3] = [Self::Thesis, Self::Linear, Self::HertzMindlin];
+    pub const ALL: [Self; 4] = [Self::Thesis, Self::Linear, Self::HertzMindlin, Self::User];
 
     /// Name in scene files.
     pub const fn name(self) -> &'static str {
@@ -297,6 +301,7 @@ impl ContactLaw {
             Self::Thesis => "thesis",
             Self::Linear => "linear",
             Self::HertzMindlin => "hertz-mindlin",
+            Self::User => "user",
         }
     }
 
@@ -331,6 +336,14 @@ pub enum Integrator {
     Rk4,
     /// Symplectic (semi-implicit) Euler: one force evaluation per step.
     SymplecticEuler,
+    /// Velocity Verlet: one force evaluation per step, of second order where forces do not depend on velocities. Two evaluations
+    /// where collisions or friction impulses are switched on.
+    VelocityVerlet,
+}
+
+impl Integrator {
+    /// All integrators.
+    pub const ALL: [Self; 3] = [Self::Rk4, Self::SymplecticEuler, Self::VelocityVerlet];
 }
 
 impl fmt::Display for Integrator {
@@ -338,6 +351,7 @@ impl fmt::Display for Integrator {
         f.write_str(match self {
             Self::Rk4 => "rk4",
             Self::SymplecticEuler => "symplectic-euler",
+            Self::VelocityVerlet => "velocity-verlet",
         })
     }
 }
@@ -349,7 +363,8 @@ impl FromStr for Integrator {
         match text {
             "rk4" => Ok(Self::Rk4),
             "symplectic-euler" => Ok(Self::SymplecticEuler),
-            _ => Err(invalid("integrator", text, "rk4 or symplectic-euler")),
+            "velocity-verlet" => Ok(Self::VelocityVerlet),
+            _ => Err(invalid("integrator", text, "rk4, symplectic-euler or velocity-verlet")),
         }
     }
 }

@@ -4,7 +4,7 @@ use glam::Vec3;
 
 #[cfg(feature = "gpu")]
 use crate::checkpoint::KeptSpring;
-use crate::error::Result;
+use crate::error::{Error, Result};
 #[cfg(all(feature = "gpu", not(target_family = "wasm")))]
 use crate::exec::gpu::Gpu;
 use crate::model::layout::{FEW_MOVERS, SLICE};
@@ -15,16 +15,21 @@ use crate::options::{BackendInfo, Optimization, Options};
 use crate::profile::Recorder;
 use crate::report::{Clock, Report};
 use crate::scene::{AnyId, Scene, SphereId};
-use crate::settings::{BroadPhase, DEFAULT_TIME_STEP, Integrator, Settings};
+use crate::settings::{BroadPhase, ContactLaw, DEFAULT_TIME_STEP, Integrator, Settings};
 use crate::step::schedule::Phase;
+use crate::user_laws::ContactForceLaw;
+use crate::user_laws::set::UserLaws;
 
+mod contact_law;
 mod contact_springs;
 mod drive;
 mod edit;
 mod engine;
+mod exact;
 #[cfg(feature = "gpu")]
 mod exchange;
 mod flight;
+mod force_laws;
 mod interval;
 mod keep;
 mod lookahead;
@@ -34,10 +39,13 @@ pub(crate) mod observe;
 mod order;
 mod prepare;
 mod profile;
+mod rates;
 mod ray;
 mod read;
 mod springs;
 mod sweeps;
+#[cfg(not(target_family = "wasm"))]
+mod watch;
 
 pub use contact_springs::ContactSprings;
 use drive::Window;
@@ -109,7 +117,7 @@ impl Simulation {
     /// Creates a simulation on a hardware GPU if there is one, otherwise on the CPU.
     ///
     /// # Errors
-    /// [`Error::Invalid`](crate::Error::Invalid) when a setting is not allowed, and an error when the scene is too large.
+    /// [`Error::Invalid`] when a setting is not allowed, and an error when the scene is too large.
     #[cfg(not(target_family = "wasm"))]
     pub fn new(scene: Scene) -> Result<Self> {
         Self::with_options(scene, Options::default())
@@ -118,7 +126,7 @@ impl Simulation {
     /// Creates a simulation with the given [`Options`]: backend, integrator, broad phase and others.
     ///
     /// # Errors
-    /// As for [`Simulation::new`], and [`Error::NoAdapter`](crate::Error::NoAdapter) when a GPU is requested and there is none.
+    /// As for [`Simulation::new`], and [`Error::NoAdapter`] when a GPU is requested and there is none.
     #[cfg(not(target_family = "wasm"))]
     pub fn with_options(scene: Scene, options: Options) -> Result<Self> {
         engine::block_on(None, Self::with_options_async(scene, options))
@@ -129,7 +137,7 @@ impl Simulation {
     /// # Errors
     /// As for [`Simulation::with_options`].
     pub async fn with_options_async(scene: Scene, options: Options) -> Result<Self> {
-        let scene = resolve(scene)?;
+        let scene = resolve(scene, &options)?;
         let world = prepare(&scene, &options)?;
         let (engine, info) = Engine::open(&options, &world).await?;
         Ok(Self::assemble(scene, options, world, engine, info))
@@ -138,24 +146,27 @@ impl Simulation {
     /// Creates a simulation on the caller's wgpu device. [`Simulation::gpu_view`] gives access to its buffers.
     ///
     /// # Errors
-    /// As for [`Simulation::new`], and [`Error::DeviceLimit`](crate::Error::DeviceLimit) for a scene that exceeds a limit of
+    /// As for [`Simulation::new`], and [`Error::DeviceLimit`] for a scene that exceeds a limit of
     /// the device.
     #[cfg(feature = "gpu")]
     pub fn on_device(scene: Scene, options: Options, device: &wgpu::Device, queue: &wgpu::Queue) -> Result<Self> {
-        Self::on_device_as_is(resolve(scene)?, options, &[], device, queue)
+        Self::on_device_as_is(resolve(scene, &options)?, options, &[], &[], device, queue)
     }
 
-    /// [`Simulation::on_device`] for a scene whose constants are resolved already, with the springs of its contacts.
+    /// [`Simulation::on_device`] for a scene whose constants are resolved already, with the springs of its contacts and the rates of
+    /// velocity Verlet.
     #[cfg(feature = "gpu")]
     fn on_device_as_is(
         scene: Scene,
         options: Options,
         springs: &[KeptSpring],
+        rates: &[[f32; 6]],
         device: &wgpu::Device,
         queue: &wgpu::Queue,
     ) -> Result<Self> {
         let mut world = prepare(&scene, &options)?;
         springs::put_springs(&mut world, &scene, springs);
+        rates::put_rates(&mut world, rates);
         let (engine, info) = Engine::on_device(&options, device, queue, &world)?;
         Ok(Self::assemble(scene, options, world, engine, info))
     }
@@ -163,7 +174,7 @@ impl Simulation {
     /// Creates a simulation on a GPU that others share, with the kernels that are compiled already.
     #[cfg(all(feature = "gpu", not(target_family = "wasm")))]
     pub(crate) fn on_gpu(scene: Scene, options: Options, gpu: &Gpu, info: &BackendInfo) -> Result<Self> {
-        let scene = resolve(scene)?;
+        let scene = resolve(scene, &options)?;
         let world = prepare(&scene, &options)?;
         let engine = Engine::on(gpu, &options, &world)?;
         Ok(Self::assemble(scene, options, world, engine, info.clone()))
@@ -234,21 +245,24 @@ impl Simulation {
     /// stay the same while bodies move, when bodies are added or removed, and when a simulation is resumed.
     ///
     /// # Errors
-    /// [`Error::Invalid`](crate::Error::Invalid) when a value is not allowed. Nothing is changed then.
+    /// [`Error::Invalid`] when a value is not allowed. Nothing is changed then.
     pub fn set_settings(&mut self, settings: Settings) -> Result<()> {
         settings.validate()?;
         let decides = |s: &Settings| (s.resting_overlap, s.gravity, s.gravity_direction, s.contact_force, s.contact_damping);
         let same = decides(&settings) == decides(&self.scene.settings);
         let before = std::mem::replace(&mut self.scene.settings, settings);
-        if let Err(error) = self.scene.check_contact_law(self.options.integrator) {
+        if let Err(error) = self.check_contact_law() {
             self.scene.settings = before;
             return Err(error);
         }
         if before.contact_law != settings.contact_law {
             self.dirty = Dirty::Everything;
-        } else if settings.contact_law.has_history() {
+        } else if settings.contact_law.has_history() && !only_gravity_differs(&before, &settings) {
             // The table of pairs has constants that follow from the settings.
             self.dirty = self.dirty.max(Dirty::Topology);
+        }
+        if before != settings {
+            self.status.forces_due = 1;
         }
         if !same {
             self.scene.settings = self.scene.resolved_settings();
@@ -258,6 +272,11 @@ impl Simulation {
         // Another law takes effect when the scene is packed again.
         self.world.step.law = law;
         Ok(())
+    }
+
+    /// Checks that the contact law has all that it needs.
+    fn check_contact_law(&self) -> Result<()> {
+        check_contact_law(&self.scene, self.options.integrator, self.options.contact_force_law.as_ref())
     }
 
     /// The report on all steps so far.
@@ -273,10 +292,10 @@ impl Simulation {
     /// Runs one step of `dt` seconds: AABBs, broad phase, collisions unless they are switched off, forces and integration.
     ///
     /// # Errors
-    /// - [`Error::Invalid`](crate::Error::Invalid) for a time step that is not positive and finite.
-    /// - [`Error::NonFinite`](crate::Error::NonFinite) when the state of a body stops being finite in the step, unless
+    /// - [`Error::Invalid`] for a time step that is not positive and finite.
+    /// - [`Error::NonFinite`] when the state of a body stops being finite in the step, unless
     ///   `keep_going` is set in the [`Options`].
-    /// - [`Error::Device`](crate::Error::Device) when the GPU fails.
+    /// - [`Error::Device`] when the GPU fails.
     #[cfg(not(target_family = "wasm"))]
     pub fn step(&mut self, dt: f32) -> Result<Report> {
         self.run(1, dt)
@@ -382,17 +401,34 @@ pub(crate) fn open_device(options: &Options) -> Result<(Option<Gpu>, BackendInfo
     engine::block_on(None, engine::open_device(options))
 }
 
-/// Resolves the constants of a scene that its settings leave to be chosen.
-fn resolve(mut scene: Scene) -> Result<Scene> {
+/// Resolves the constants of a scene that its settings leave to be chosen, and chooses the contact law of the options.
+fn resolve(mut scene: Scene, options: &Options) -> Result<Scene> {
     scene.settings.validate()?;
+    if options.contact_force_law.is_some() && scene.settings.contact_law != ContactLaw::User {
+        scene.settings.set("contact_law", ContactLaw::User.name())?;
+    }
     scene.settings = scene.resolved_settings();
     Ok(scene)
+}
+
+/// Checks that the contact law of a scene has all that it needs.
+fn check_contact_law(scene: &Scene, integrator: Integrator, law: Option<&ContactForceLaw>) -> Result<()> {
+    scene.check_contact_law(integrator)?;
+    if scene.settings.contact_law == ContactLaw::User && law.is_none() {
+        return Err(Error::Invalid {
+            field: "contact_law",
+            value: ContactLaw::User.name().to_owned(),
+            expected: "a law of the program: Options::contact_force_law, in Python Simulation(contact_law=...); a scene alone \
+                       cannot define one",
+        });
+    }
+    Ok(())
 }
 
 /// Packs a scene into a world without scratch arrays, and applies the options.
 fn prepare(scene: &Scene, options: &Options) -> Result<World> {
     scene.settings.validate()?;
-    scene.check_contact_law(options.integrator)?;
+    check_contact_law(scene, options.integrator, options.contact_force_law.as_ref())?;
     let mut world = pack(scene, options)?;
     if let Some(capacity) = options.pair_capacity {
         world.set_pair_room(capacity.div_ceil(SLICE));
@@ -406,16 +442,25 @@ fn prepare(scene: &Scene, options: &Options) -> Result<World> {
 /// Packs a scene into a world in the order of memory that suits the broad phase, without scratch arrays.
 fn pack(scene: &Scene, options: &Options) -> Result<World> {
     let broad_phase = if options.uses(Optimization::SpatialOrder) { options.broad_phase } else { BroadPhase::BruteForce };
-    let mut world = World::for_method(scene, broad_phase)?;
+    let mut world =
+        World::for_method(scene, broad_phase, UserLaws::new(&options.force_laws, options.contact_force_law.as_ref())?)?;
     if !options.uses(Optimization::LargeSpheres) {
         world.step.large = 0;
     }
     if !options.uses(Optimization::LongMovers) {
         world.leave_out_long_movers();
     }
+    world.set_verlet(options.integrator == Integrator::VelocityVerlet);
     world.joins_steps = options.uses(Optimization::JoinedSteps) && options.join_steps != Some(false);
     if !options.uses(Optimization::PlannedDispatches) {
         world.step.planned = 0;
     }
     Ok(world)
+}
+
+/// Whether no contact constant changes with the settings. Gravity then changes without packing the scene again, so that a program
+/// can turn it every few steps.
+fn only_gravity_differs(before: &Settings, after: &Settings) -> bool {
+    let Settings { gravity, gravity_direction, .. } = *before;
+    after.resting_overlap == 0.0 && *before == Settings { gravity, gravity_direction, ..*after }
 }

@@ -41,8 +41,10 @@ mod depth;
 mod falling;
 mod laws;
 mod muscles;
+mod necks;
 mod resolution;
 mod rods;
+mod softness;
 mod speed;
 
 use bounds::{Steps, crowd_steps, few_steps, spring_steps};
@@ -51,6 +53,7 @@ pub use laws::LawTime;
 pub use muscles::FastMuscle;
 pub use resolution::Coarse;
 pub use rods::OddRod;
+pub use softness::SoftMaterial;
 pub use speed::{Thin, Tunnelling};
 
 /// Largest number of spheres for which the check compares every two of them.
@@ -212,8 +215,10 @@ impl Scene {
         let slow = self.law_times().into_iter().filter(|time| time.is_exceeded_by(dt));
         concerns.extend(slow.map(|time| time.describe(dt)));
         concerns.extend(self.unused_properties());
+        concerns.extend(self.neck_concerns(dt));
         concerns.extend(self.fast_muscle(dt).map(|muscle| muscle.to_string()));
         concerns.extend(self.sinking(integrator).map(|sinking| sinking.to_string()));
+        concerns.extend(self.soft_material().map(|soft| soft.to_string()));
         concerns.extend(self.tunnelling(dt).map(|tunnelling| tunnelling.to_string()));
         concerns.extend(self.coarse().map(|coarse| coarse.to_string()));
         concerns.extend(self.odd_rods().iter().map(|rod| rod.describe(self)));

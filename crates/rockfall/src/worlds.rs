@@ -18,8 +18,10 @@ mod checkpoint;
 mod control;
 #[cfg(feature = "gpu")]
 mod device;
+mod sleep;
 #[cfg(feature = "gpu")]
 use device::Batch;
+pub use sleep::Sleep;
 
 /// A batch of scenes that advance side by side, each in its own world.
 ///
@@ -38,6 +40,7 @@ pub struct Worlds {
     /// The worlds that run on the device, one workgroup each.
     #[cfg(feature = "gpu")]
     batch: Option<Batch>,
+    sleep: Sleep,
     worlds: Vec<World>,
 }
 
@@ -50,6 +53,8 @@ struct World {
     start: Checkpoint,
     /// Why the world does not advance any more.
     stopped: Option<String>,
+    /// Steps one after the other, up to now, at whose end no sphere moved. Not counted by simulations on a GPU.
+    calm: u32,
 }
 
 /// How a world is run.
@@ -60,7 +65,7 @@ pub enum WorldPath {
     /// other.
     Simulation,
     /// By a workgroup of the GPU, which runs many steps in one dispatch, side by side with other worlds. This path takes worlds of
-    /// up to 32 spheres, 37 objects and about 64 springs with muscles or 110 without, without rods, materials, collisions as impulses
+    /// up to 32 spheres, 64 objects and 128 springs, without rods, materials, collisions as impulses
     /// ([`Settings::collisions`](crate::Settings::collisions)) and friction impulses. A world that replaces another one takes it if
     /// it is not larger than the largest world was when the batch was created.
     Device,
@@ -80,19 +85,14 @@ pub struct WorldReport {
     /// The first sphere, in order of addition, whose centre is outside of the bounds of [`Worlds::report`]. `None` when all are
     /// inside.
     pub escaped: Option<usize>,
+    /// Whether everything in the world rests ([`Sleep`]).
+    pub sleeping: bool,
 }
 
 impl World {
     fn new(mut simulation: Simulation, path: WorldPath) -> Result<Self> {
         let start = simulation.checkpoint()?;
-        Ok(Self { simulation, path, start, stopped: None })
-    }
-
-    /// Runs steps, unless the world is stopped.
-    fn run(&mut self, steps: u64, dt: f32) {
-        if self.stopped.is_none() && self.path == WorldPath::Simulation {
-            self.stopped = self.simulation.run(steps, dt).err().map(|error| error.to_string());
-        }
+        Ok(Self { simulation, path, start, stopped: None, calm: 0 })
     }
 
     fn reset(&mut self) -> Result<()> {
@@ -102,7 +102,8 @@ impl World {
 }
 
 impl Worlds {
-    /// Spheres of a body that fits into a workgroup ([`WorldPath::Device`]) together with [`Worlds::BODY_MUSCLES`] and five boxes.
+    /// Spheres of a body that fits into a workgroup ([`WorldPath::Device`]) together with [`Worlds::BODY_MUSCLES`] and 44
+    /// boxes.
     pub const BODY_SPHERES: usize = WorldSizes::BODY_SPHERES;
 
     /// Springs with muscles of such a body.
@@ -113,30 +114,55 @@ impl Worlds {
     /// With [`Backend::Auto`] they run on a hardware GPU if there is one, otherwise on the CPU.
     ///
     /// # Errors
-    /// As for [`Simulation::with_options`], for the first scene that is refused.
+    /// As for [`Simulation::with_options`], for the first scene that is refused. [`Error::Law`](crate::Error::Law) for options with
+    /// force laws or a contact law.
     pub fn new(scenes: impl IntoIterator<Item = Scene>, options: Options) -> Result<Self> {
+        if let Some(law) = options.force_laws.first() {
+            return Err(law.error("Worlds do not take force laws, expected a Simulation for each scene"));
+        }
+        if let Some(law) = &options.contact_force_law {
+            return Err(law.error("Worlds do not take contact laws of the program, expected a Simulation for each scene"));
+        }
         let mut worlds = Self::empty(options)?;
         let scenes: Vec<Scene> = scenes.into_iter().collect();
         worlds.worlds = worlds.create_all(scenes)?;
         #[cfg(feature = "gpu")]
         if let Some(gpu) = &worlds.gpu {
-            worlds.batch = Some(Batch::new(gpu, &mut worlds.worlds)?);
+            worlds.batch = Some(Batch::new(gpu, &mut worlds.worlds, WorldSizes::default())?);
         }
         Ok(worlds)
+    }
+
+    /// Replaces all worlds by a world for each of these scenes, at time 0. The device and its compiled kernels stay, so this is faster
+    /// than new worlds: opening a GPU takes a good part of a second.
+    ///
+    /// # Errors
+    /// As for [`Worlds::new`]. The worlds are unchanged then.
+    pub fn replace_all(&mut self, scenes: impl IntoIterator<Item = Scene>) -> Result<()> {
+        let mut worlds = self.create_all(scenes.into_iter().collect())?;
+        #[cfg(feature = "gpu")]
+        if let (Some(batch), Some(gpu)) = (&mut self.batch, &self.gpu) {
+            // With room for the former worlds the kernel stays the same in most cases.
+            *batch = Batch::new(gpu, &mut worlds, batch.sizes().without_pairs())?;
+        }
+        std::mem::swap(&mut self.worlds, &mut worlds);
+        // Thousands of worlds have millions of allocations.
+        worlds.into_par_iter().for_each(drop);
+        Ok(())
     }
 
     #[cfg(feature = "gpu")]
     fn empty(options: Options) -> Result<Self> {
         let (gpu, info) = crate::simulation::open_device(&options)?;
         let options = options.backend(info.kind);
-        Ok(Self { options, info, gpu, batch: None, worlds: Vec::new() })
+        Ok(Self { options, info, gpu, batch: None, sleep: Sleep::default(), worlds: Vec::new() })
     }
 
     #[cfg(not(feature = "gpu"))]
     fn empty(options: Options) -> Result<Self> {
         // Another backend is refused in the way of a simulation.
         let info = Simulation::with_options(Scene::new(), options.clone())?.backend().clone();
-        Ok(Self { options: options.backend(info.kind), info, worlds: Vec::new() })
+        Ok(Self { options: options.backend(info.kind), info, sleep: Sleep::default(), worlds: Vec::new() })
     }
 
     fn create_all(&self, scenes: Vec<Scene>) -> Result<Vec<World>> {
@@ -173,6 +199,15 @@ impl Worlds {
         World::new(Simulation::with_options(scene, self.options.clone())?, WorldPath::Simulation)
     }
 
+    /// Replaces the kernel of the worlds on the device. For tests that put mistakes into it.
+    #[cfg(feature = "gpu")]
+    #[doc(hidden)]
+    pub fn set_kernel(&mut self, stage: &'static crate::step::stage::Stage) {
+        if let Some(batch) = &mut self.batch {
+            batch.set_kernel(stage);
+        }
+    }
+
     /// Number of worlds.
     pub fn len(&self) -> usize {
         self.worlds.len()
@@ -193,7 +228,8 @@ impl Worlds {
         &self.options
     }
 
-    /// Advances every world that is not stopped by `steps` steps of `dt` seconds.
+    /// Advances every world that is not stopped by `steps` steps of `dt` seconds. Sleeping worlds stand still if
+    /// [`Sleep::skip`] is set.
     ///
     /// # Errors
     /// [`Error::Invalid`] for a time step that is not positive and finite. Errors of single worlds stop these worlds and are in
@@ -205,13 +241,14 @@ impl Worlds {
         }
         #[cfg(feature = "gpu")]
         if let (Some(batch), Some(gpu)) = (&mut self.batch, &self.gpu) {
-            batch.run(&mut self.worlds, steps, dt, &self.options, |checkpoint| {
+            batch.run(&mut self.worlds, steps, dt, (&self.options, &self.sleep), |checkpoint| {
                 Simulation::resume_on_gpu(checkpoint, gpu, &self.info)
             })?;
         }
+        let sleep = &self.sleep;
         match self.info.kind {
-            Backend::Cpu => self.worlds.par_iter_mut().for_each(|world| world.run(steps, dt)),
-            _ => self.worlds.iter_mut().for_each(|world| world.run(steps, dt)),
+            Backend::Cpu => self.worlds.par_iter_mut().for_each(|world| world.run(steps, dt, sleep)),
+            _ => self.worlds.iter_mut().for_each(|world| world.run(steps, dt, sleep)),
         }
         Ok(())
     }
@@ -311,13 +348,13 @@ impl Worlds {
         Ok(())
     }
 
-    /// Notes that a world on the device must be uploaded again.
+    /// Notes that a world wakes up and, on the device, must be uploaded again.
     fn changed(&mut self, world: usize) {
+        self.worlds[world].calm = 0;
         #[cfg(feature = "gpu")]
         if let Some(batch) = &mut self.batch {
             batch.changed(world);
         }
-        let _ = world;
     }
 
     /// The report on a world. `bounds` are the least and greatest coordinates of the centres of spheres that have not escaped;
@@ -326,6 +363,7 @@ impl Worlds {
     /// # Errors
     /// As for [`Worlds::snapshot`].
     pub fn report(&mut self, world: usize, bounds: Option<[Vec3; 2]>) -> Result<WorldReport> {
+        let sleep = self.sleep;
         let world = self.current(world)?;
         let escaped = match bounds {
             Some([least, greatest]) => world.simulation.sync()?.spheres().iter().position(|sphere| {
@@ -334,6 +372,12 @@ impl Worlds {
             }),
             None => None,
         };
-        Ok(WorldReport { report: world.simulation.report(), path: world.path, stopped: world.stopped.clone(), escaped })
+        Ok(WorldReport {
+            report: world.simulation.report(),
+            path: world.path,
+            stopped: world.stopped.clone(),
+            escaped,
+            sleeping: world.is_sleeping(&sleep),
+        })
     }
 }

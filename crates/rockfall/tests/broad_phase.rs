@@ -154,6 +154,7 @@ fn detect(world: &mut World, method: BroadPhase, mut run: impl FnMut(&mut World,
     let stages: Vec<_> = phases.iter().flat_map(|phase| phase.stages(Integrator::Rk4, method)).copied().collect();
     loop {
         world.status.rejected = 0;
+        world.status.rebuild = rockfall::model::status::REBUILD_REQUESTED;
         run(world, &stages);
         if world.status.rejected == 0 {
             return;

@@ -20,7 +20,7 @@ fn run(options: Options, steps: u64, balls: usize) -> Run {
 }
 
 fn two_runs_are_bitwise_identical(backend: Backend) {
-    for integrator in [Integrator::Rk4, Integrator::SymplecticEuler] {
+    for integrator in Integrator::ALL {
         let options = || Options::new().backend(backend).integrator(integrator);
         let steps = on(backend, 150, 25);
         assert_bitwise_identical(&run(options(), steps, 100), &run(options(), steps, 100));
@@ -66,7 +66,7 @@ fn sweeps_that_restart_after_a_resume_make_no_difference(backend: Backend) {
 
 /// Lists that overflow never lose a contact: the step is rejected, the lists grow, and the step is repeated.
 fn the_initial_capacity_of_lists_makes_no_difference(backend: Backend) {
-    for integrator in [Integrator::Rk4, Integrator::SymplecticEuler] {
+    for integrator in Integrator::ALL {
         let options = |capacity| Options::new().backend(backend).integrator(integrator).pair_capacity(capacity);
         let (steps, balls) = (on(backend, 150, 30), on(backend, 200, 100));
         let tight = run(options(1), steps, balls);

@@ -6,34 +6,11 @@
 
 use rockfall::{Backend, Cuboid, Integrator, Scene, Simulation, Sphere, SphereState};
 
+#[macro_use]
 mod common;
 
 use common::{spheres, weightless, with};
 use scenes::{Random, after, angular, in_gravity, kinetic, open, opened, scene, within};
-
-/// Instantiates each test function once for every backend.
-macro_rules! on_backends {
-    ($($name:ident),* $(,)?) => {
-        mod cpu {
-            $(
-                #[test]
-                fn $name() {
-                    super::$name(rockfall::Backend::Cpu);
-                }
-            )*
-        }
-
-        #[cfg(feature = "gpu")]
-        mod gpu {
-            $(
-                #[test]
-                fn $name() {
-                    super::$name(rockfall::Backend::Gpu);
-                }
-            )*
-        }
-    };
-}
 
 #[path = "faults/forces.rs"]
 mod forces;
@@ -370,7 +347,7 @@ fn e26_a_rod_between_rollers_does_not_move_a_ball(backend: Backend) {
     assert!(ball.velocity.length() < 1e-4 && ball.angular_momentum.length() < 1e-5, "{ball:?}");
 }
 
-on_backends! {
+both! {
     e19_balls_of_any_size_come_to_rest,
     e19_a_small_ball_comes_to_rest,
     e20_a_level_capsule_rebounds_as_a_rigid_body,

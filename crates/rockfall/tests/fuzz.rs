@@ -39,6 +39,11 @@ fn the_corpus_of_scene_texts_passes() {
 }
 
 #[test]
+fn the_corpus_of_files_of_worlds_passes() {
+    replay("worlds_file", 20, targets::worlds_file);
+}
+
+#[test]
 fn the_corpus_of_motions_passes() {
     replay("motion", 50, targets::motion);
 }

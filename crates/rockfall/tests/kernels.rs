@@ -5,7 +5,7 @@ use std::mem::{offset_of, size_of};
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 use naga::{AddressSpace, Module, StorageAccess, TypeInner};
 use rockfall::model::dispatch::Threads;
-use rockfall::model::layout::{LAW_HERTZ_MINDLIN, LAW_LINEAR, LAW_THESIS};
+use rockfall::model::layout::{LAW_HERTZ_MINDLIN, LAW_LINEAR, LAW_THESIS, LAW_USER};
 use rockfall::model::status::{Counters, Status};
 use rockfall::model::step::{Aabb, Pass, Step};
 use rockfall::model::{layout, status};
@@ -29,10 +29,21 @@ fn module(stage: &Stage) -> Module {
 /// The module for scenes with or without rods, large spheres and muscles.
 fn module_for(stage: &Stage, [rods, large, muscles]: [bool; 3]) -> Module {
     // Each contact law occurs in one of the variants that are checked.
-    let law = if large { LAW_THESIS } else { [LAW_LINEAR, LAW_HERTZ_MINDLIN][usize::from(rods)] };
-    let text =
-        Variant { rods, large, muscles, materials: true, resistance: rods, cohesion: rods, law, many: false, worlds: None }
-            .apply(&source(stage));
+    let own = if muscles { LAW_USER } else { LAW_LINEAR };
+    let law = if large { LAW_THESIS } else { [own, LAW_HERTZ_MINDLIN][usize::from(rods)] };
+    let text = Variant {
+        rods,
+        large,
+        muscles,
+        materials: true,
+        resistance: rods,
+        cohesion: rods,
+        verlet: muscles,
+        law,
+        many: false,
+        worlds: None,
+    }
+    .apply(&source(stage));
     naga::front::wgsl::parse_str(&text).unwrap_or_else(|e| panic!("{}: {}", stage.name, e.emit_to_string(&text)))
 }
 
@@ -48,15 +59,16 @@ fn every_kernel_is_valid() {
     }
 }
 
-/// WebGPU guarantees 16 KiB of workgroup memory.
+/// WebGPU guarantees 16 KiB of workgroup memory. The kernel takes far less, because a device runs the more worlds at a time.
 #[test]
 fn the_kernel_of_worlds_is_valid_and_fits_workgroup_memory() {
     let [stage] = OUTSIDE;
     let worlds = Some(WorldSizes::MOST);
     let (rods, large, muscles, materials, resistance, many) = (false, false, false, false, false, false);
-    let variant = Variant { rods, large, muscles, law: 0, materials, resistance, cohesion: false, many, worlds };
+    let (cohesion, verlet) = (false, false);
+    let variant = Variant { rods, large, muscles, law: 0, materials, resistance, cohesion, verlet, many, worlds };
     let text = variant.apply(&source(stage));
-    assert!(text.contains("var<private> step: Step;") && !text.contains("var<uniform> step"));
+    assert!(text.contains("var<workgroup> step: Step;") && !text.contains("var<uniform> step"));
     let module = naga::front::wgsl::parse_str(&text).unwrap_or_else(|e| panic!("{}", e.emit_to_string(&text)));
     let mut validator = Validator::new(ValidationFlags::all(), Capabilities::empty());
     validator.validate(&module).unwrap_or_else(|e| panic!("{}", e.emit_to_string(&text)));
@@ -64,7 +76,7 @@ fn the_kernel_of_worlds_is_valid_and_fits_workgroup_memory() {
     layouts.update(module.to_ctx()).expect("layouts of all types");
     let shared = module.global_variables.iter().filter(|(_, variable)| variable.space == AddressSpace::WorkGroup);
     let bytes: u32 = shared.map(|(_, variable)| layouts[variable.ty].size.next_multiple_of(16)).sum();
-    assert!((15 * 1024..=16 * 1024).contains(&bytes), "{bytes} bytes");
+    assert!((4 * 1024..=5 * 1024).contains(&bytes), "{bytes} bytes");
 }
 
 /// Kernels whose arrays exceed one binding: each array alone, and all of them.
@@ -259,12 +271,11 @@ fn the_structs_equal_those_of_layout() {
     let step: Fields = Step::FIELDS.iter().map(|(name, at, size)| ((*name).to_owned(), *at as u32, *size as u32)).collect();
     // The size of a uniform block is rounded up to the alignment of vec3f.
     let step = (step, (size_of::<Step>() as u32).next_multiple_of(16));
-    let (pass, pass_size) = rust_fields!(Pass: index, pad);
-    let pass = (split(pass, "pad"), pass_size);
+    let pass = rust_fields!(Pass: index, rest_steps, rest_speed, pad);
     let aabb = rust_fields!(Aabb: min, id, max, tag);
     let counters = rust_fields!(Counters: contacts, max_overlap, collisions, pad);
     let counters = (split(counters.0, "pad"), counters.1);
-    let status = rust_fields!(Status: counters, rejected, pair_rows_needed, escape_ratio, steps, collided, lengths_due, collides, last_contacts, last_max_overlap, last_collisions, total_collisions_low, total_collisions_high,
+    let status = rust_fields!(Status: counters, rejected, pair_rows_needed, escape_ratio, steps, collided, lengths_due, forces_due, collides, last_contacts, last_max_overlap, last_collisions, total_collisions_low, total_collisions_high,
         bad_body, bad_step, bad_count, total_bad, first_bad, rebuild, builds, order_entries, order_digits, listed, clustered, clustered_steps, many_steps);
     for stage in ALL {
         let module = module(stage);
@@ -311,6 +322,8 @@ fn the_constants_equal_those_of_layout() {
         FLAG_PAIR_FRICTION,
         FLAG_RESISTANCE,
         FLAG_COHESION,
+        FLAG_VERLET,
+        RATE_WORDS,
         PAIR_WORDS,
         HISTORY_WORDS,
         SWEEPS_OFF,

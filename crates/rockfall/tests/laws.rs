@@ -8,6 +8,8 @@ mod common;
 mod chung_ooi;
 #[path = "laws/cohesion.rs"]
 mod cohesion;
+#[path = "laws/jkr.rs"]
+mod jkr;
 #[path = "laws/kept.rs"]
 mod kept;
 #[path = "laws/rest.rs"]
@@ -72,7 +74,7 @@ fn laws_that_lack_something_are_refused() {
     let mut scene = scene_with(ContactLaw::HertzMindlin);
     scene.add_sphere(Sphere::new([0.0; 3], 0.5)).expect("a valid sphere");
     assert!(refusal(&scene, Integrator::Rk4).contains("symplectic-euler"), "{}", refusal(&scene, Integrator::Rk4));
-    assert!(refusal(&scene, euler).contains("sphere 0, which has no material"), "{}", refusal(&scene, euler));
+    assert!(refusal(&scene, euler).contains("without a material for sphere 0"), "{}", refusal(&scene, euler));
 
     let mut scene = scene_with(ContactLaw::HertzMindlin);
     let hard = scene.add_material(Material::new("hard").young(1e9)).expect("a valid material");
@@ -115,5 +117,5 @@ fn a_law_switches_impulses_off_in_scene_texts() {
         assert_eq!(again.settings, scene.settings, "{text}");
     }
     let error = Scene::parse("set contact_law hertz\n", std::path::Path::new("law")).map(drop).expect_err("refused");
-    assert!(error.to_string().contains("thesis, linear or hertz-mindlin"), "{error}");
+    assert!(error.to_string().contains("thesis, linear, hertz-mindlin or user"), "{error}");
 }

@@ -182,10 +182,17 @@ fn backends_agree_on_every_stage_of_a_symplectic_euler_step() {
     assert_seen(&traces, &CASES[..4]);
 }
 
+/// Scenarios include starting forces that are evaluated and those that are known.
+#[test]
+fn backends_agree_on_every_stage_of_a_velocity_verlet_step() {
+    let traces: Vec<Trace> = (14..17).map(|seed| assert_parity(&plan(seed, Integrator::VelocityVerlet))).collect();
+    assert_seen(&traces, &CASES[..4]);
+}
+
 /// Scenes without rods have stages of their own that combine two stages of other scenes: the commit and the turn of spheres.
 #[test]
 fn backends_agree_on_every_stage_without_rods() {
-    for (seed, integrator) in [(30, Integrator::Rk4), (31, Integrator::SymplecticEuler)] {
+    for (seed, integrator) in [(30, Integrator::Rk4), (31, Integrator::SymplecticEuler), (32, Integrator::VelocityVerlet)] {
         let trace = assert_parity(&Plan { rods: false, ..plan(seed, integrator) });
         let changed = |name: &str| {
             let scenario = trace.scenarios.iter().find(|scenario| scenario.is(name)).expect(name);
@@ -193,7 +200,11 @@ fn backends_agree_on_every_stage_without_rods() {
             scenario.runs[0].on_cpu(&mut after);
             after.orientations != scenario.before.orientations
         };
-        assert!(changed(if integrator == Integrator::Rk4 { "finish_and_turn" } else { "commit_and_turn" }));
+        assert!(changed(match integrator {
+            Integrator::Rk4 => "finish_and_turn",
+            Integrator::SymplecticEuler => "commit_and_turn",
+            _ => "kick_and_turn",
+        }));
         assert!(!changed("turn"), "spheres are turned twice");
     }
 }
@@ -264,7 +275,13 @@ fn backends_agree_on_every_stage_with_materials() {
 /// The forces and springs of the contact laws with history. The other stages do not depend on the law.
 #[test]
 fn backends_agree_on_every_stage_of_laws_with_history() {
-    let plans = [(70, ContactLaw::Linear, false), (71, ContactLaw::HertzMindlin, true), (72, ContactLaw::HertzMindlin, false)];
+    let plans = [
+        (70, ContactLaw::Linear, false),
+        (71, ContactLaw::HertzMindlin, true),
+        (72, ContactLaw::HertzMindlin, false),
+        (75, ContactLaw::User, true),
+        (76, ContactLaw::User, false),
+    ];
     for (seed, contact_law, rods) in plans {
         let trace = trace(&Plan { rods, ..with_law(plan(seed, Integrator::SymplecticEuler), contact_law) });
         for stage in ["law_forces", "commit_history", "symplectic_euler"] {
@@ -274,6 +291,27 @@ fn backends_agree_on_every_stage_of_laws_with_history() {
             scenario.runs[0].on_cpu(&mut after);
             let changes_springs = after.histories != scenario.before.histories;
             assert_eq!(changes_springs, stage != "symplectic_euler", "{stage}");
+        }
+    }
+}
+
+/// The same with velocity Verlet. The forces at the start of the step leave the springs alone, those at its end advance them.
+#[test]
+fn backends_agree_on_laws_with_history_and_velocity_verlet() {
+    for (seed, contact_law, rods) in [(73, ContactLaw::Linear, false), (75, ContactLaw::HertzMindlin, true)] {
+        let trace = trace(&Plan { rods, ..with_law(plan(seed, Integrator::VelocityVerlet), contact_law) });
+        let stages = ["law_forces", "starting_forces", "drift", "kick", "kick_and_turn", "commit_history"];
+        let concerned = |scenario: &&Scenario| stages.iter().any(|stage| scenario.is(stage));
+        for scenario in trace.scenarios.iter().filter(concerned) {
+            let [run] = &scenario.runs[..] else { panic!("one stage") };
+            if !run.applies(&scenario.before.step) {
+                continue;
+            }
+            assert_scenario_matches(seed, scenario);
+            let mut after = scenario.before.clone();
+            run.on_cpu(&mut after);
+            let advances = run.stage.name == "commit_history" || (run.stage.name, run.pass) == ("law_forces", 3);
+            assert_eq!(after.histories != scenario.before.histories, advances, "{} pass {}", run.stage.name, run.pass);
         }
     }
 }
@@ -308,7 +346,7 @@ fn all_sweep_modes_solve_lone_collisions_identically() {
 /// the collision stages change nothing.
 #[test]
 fn backends_agree_on_every_stage_of_a_rejected_step() {
-    for integrator in [Integrator::Rk4, Integrator::SymplecticEuler] {
+    for integrator in Integrator::ALL {
         for Scenario { runs, mut before } in trace(&plan(4, integrator)).scenarios {
             before.status.rejected = REJECTED_NON_FINITE;
             assert_scenario_matches(4, &Scenario { runs: runs.clone(), before: before.clone() });

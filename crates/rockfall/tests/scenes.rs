@@ -245,7 +245,7 @@ fn the_examples_of_the_thesis_run() {
 /// ones.
 #[test]
 fn generated_scenes_have_small_overlaps() {
-    for kind in Kind::ALL {
+    for kind in Kind::ALL.into_iter().filter(|kind| !kind.has_grains()) {
         let scene = kind.generate(200, 1).expect("a scene");
         let least =
             scene.spheres().iter().filter(|sphere| !sphere.fixed).map(|sphere| sphere.radius).fold(f32::INFINITY, f32::min);

@@ -81,6 +81,19 @@ fn the_cpu_agrees_with_the_witness_in_more_random_scenes() {
     assert_agreement(&compare(Backend::Cpu, 2_000..4_000, 1, 6, None), 3_000);
 }
 
+/// The same scenes with velocity Verlet, which the plans do not draw.
+#[test]
+fn the_cpu_agrees_with_the_witness_with_velocity_verlet() {
+    let mut tally = Tally::default();
+    for seed in 0..1_000 {
+        let plan = scenes::Plan { integrator: Integrator::VelocityVerlet, ..scenes::plan(seed, 1, 1) };
+        let name = format!("seed {seed} kind {}", seed as usize % scenes::KINDS);
+        let phases = seed % 3 != 0;
+        Trial { name, plan: &plan, backend: Backend::Cpu, steps: 4, mistake: None, phases }.run(&mut tally);
+    }
+    assert_agreement(&tally, 500);
+}
+
 /// Many clusters in one scene, and more steps.
 #[test]
 fn the_cpu_agrees_with_the_witness_in_large_scenes() {

@@ -62,7 +62,7 @@ fn resumed_worlds_go_on(backend: Backend) {
     assert!(seen(&mut whole)[1].contains("stopped being finite") && seen(&mut whole)[2].starts_with("(15,"));
 }
 
-both!(resumed_worlds_go_on);
+both_in_turn!(resumed_worlds_go_on);
 
 #[test]
 fn a_file_of_no_worlds_keeps_the_options() {

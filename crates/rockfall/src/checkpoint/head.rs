@@ -1,6 +1,7 @@
 //! The head of a checkpoint, which precedes its objects. Structs are destructured field by field, so that the compiler reports
 //! a new field that is missing here.
 
+use super::laws::{KeptContactLaw, KeptLaw};
 use super::words::{Damage, Head, Words};
 use super::{Checkpoint, History, WITH_MUSCLES};
 use crate::model::muscles::MuscleClock;
@@ -8,14 +9,34 @@ use crate::options::Options;
 use crate::report::Report;
 use crate::scene::{Counts, Material, Pair, Scene};
 use crate::settings::Settings;
+use crate::user_laws::{ForceLaw, PairParameter};
 
 /// First version that holds materials and pairs.
 pub(super) const MATERIALS_SINCE: u32 = 3;
+/// First version that holds force laws.
+const LAWS_SINCE: u32 = 5;
+/// First version that holds the contact law of the program.
+const CONTACT_LAW_SINCE: u32 = 6;
+/// First version that holds models of cohesion.
+const COHESION_SINCE: u32 = 6;
 /// First version that holds rolling and twisting resistance.
 pub(super) const RESISTANCE_SINCE: u32 = 4;
 
 pub(super) fn bytes(checkpoint: &Checkpoint) -> Vec<u8> {
-    let Checkpoint { scene, options, time_step, report, note, device, program, history, springs: _ } = checkpoint;
+    let Checkpoint {
+        scene,
+        options,
+        time_step,
+        report,
+        note,
+        device,
+        program,
+        history,
+        springs: _,
+        rates: _,
+        kept_laws: _,
+        kept_contact_law,
+    } = checkpoint;
     let mut head = Head::default();
     for text in [program, device, note] {
         head.text(text);
@@ -23,7 +44,17 @@ pub(super) fn bytes(checkpoint: &Checkpoint) -> Vec<u8> {
     settings(&mut head, &scene.settings);
 
     // How steps are dispatched does not change results, and is chosen by the device that continues.
-    let Options { backend, integrator, broad_phase, pair_capacity, keep_going, join_steps: _, without: _ } = options;
+    let Options {
+        backend,
+        integrator,
+        broad_phase,
+        pair_capacity,
+        keep_going,
+        join_steps: _,
+        without: _,
+        force_laws,
+        contact_force_law,
+    } = options;
     for text in [backend.to_string(), integrator.to_string(), broad_phase.to_string()] {
         head.text(&text);
     }
@@ -56,6 +87,9 @@ pub(super) fn bytes(checkpoint: &Checkpoint) -> Vec<u8> {
         head.u64(count as u64);
     }
     materials(&mut head, scene);
+    laws(&mut head, force_laws, &checkpoint.kept_laws);
+    let given = contact_force_law.as_ref().map(KeptContactLaw::of);
+    contact_law(&mut head, given.as_ref().or(kept_contact_law.as_ref()));
     head.bytes
 }
 
@@ -117,7 +151,24 @@ pub(super) fn read(words: &mut Words, version: u32) -> Result<(Checkpoint, Count
     if version >= MATERIALS_SINCE {
         read_materials(words, version, &mut scene)?;
     }
-    Ok((Checkpoint { scene, options, time_step, report, note, device, program, history, springs: Vec::new() }, counts))
+    let kept_laws = if version >= LAWS_SINCE { read_laws(words)? } else { Vec::new() };
+    let kept_contact_law = if version >= CONTACT_LAW_SINCE { read_contact_law(words)? } else { None };
+    let (springs, rates) = (Vec::new(), Vec::new());
+    let checkpoint = Checkpoint {
+        scene,
+        options,
+        time_step,
+        report,
+        note,
+        device,
+        program,
+        history,
+        springs,
+        rates,
+        kept_laws,
+        kept_contact_law,
+    };
+    Ok((checkpoint, counts))
 }
 
 /// Writes the constants by name, as text that reads back bitwise identical. The direction of gravity is also stored as numbers,
@@ -163,6 +214,7 @@ fn materials(head: &mut Head, scene: &Scene) {
             rolling_damping,
             twisting_friction,
             surface_energy,
+            cohesion,
         } = pair;
         head.u32(u32::from(*one));
         head.u32(u32::from(*other));
@@ -178,6 +230,7 @@ fn materials(head: &mut Head, scene: &Scene) {
         ];
         numbers.into_iter().for_each(|property| head.known(*property));
         head.text(&rolling_model.map(|model| model.to_string()).unwrap_or_default());
+        head.text(&cohesion.map(|model| model.to_string()).unwrap_or_default());
     }
 }
 
@@ -201,8 +254,74 @@ fn read_materials(words: &mut Words, version: u32, scene: &mut Scene) -> Result<
             let model = words.text()?;
             pair.rolling_model = if model.is_empty() { None } else { Some(model.parse()?) };
         }
+        if version >= COHESION_SINCE {
+            let model = words.text()?;
+            pair.cohesion = if model.is_empty() { None } else { Some(model.parse()?) };
+        }
         let [one, other] = [one, other].map(|index| scene.materials.handle_at(index));
         scene.set_pair(one, other, pair)?;
     }
     Ok(())
+}
+
+/// Writes the force laws: those that are given, or those of the checkpoint that this one was read from.
+fn laws(head: &mut Head, given: &[ForceLaw], kept: &[KeptLaw]) {
+    let present: Vec<KeptLaw> = given.iter().map(KeptLaw::of).collect();
+    let is_given = |law: &KeptLaw| present.iter().any(|other| other.name == law.name);
+    let all = if kept.iter().all(is_given) { &present } else { kept };
+    head.u32(all.len() as u32);
+    all.iter().for_each(|kept| law(head, kept));
+}
+
+fn law(head: &mut Head, KeptLaw { name, text_hash, parameters }: &KeptLaw) {
+    head.text(name);
+    head.u64(*text_hash);
+    head.u32(parameters.len() as u32);
+    for (parameter, value) in parameters {
+        head.text(parameter);
+        head.f32(*value);
+    }
+}
+
+/// Writes the contact law of the program, if there is one.
+fn contact_law(head: &mut Head, kept: Option<&KeptContactLaw>) {
+    head.u32(kept.is_some().into());
+    if let Some(KeptContactLaw { law: kept, pairs }) = kept {
+        law(head, kept);
+        head.u32(pairs.len() as u32);
+        for PairParameter { materials: [one, other], parameter, value } in pairs {
+            [one, other, parameter].into_iter().for_each(|text| head.text(text));
+            head.f32(*value);
+        }
+    }
+}
+
+fn read_contact_law(words: &mut Words) -> Result<Option<KeptContactLaw>, Damage> {
+    if !words.bool()? {
+        return Ok(None);
+    }
+    let law = read_law(words)?;
+    let mut pairs = Vec::new();
+    for _ in 0..words.u32()? {
+        let (materials, parameter) = ([words.text()?, words.text()?], words.text()?);
+        pairs.push(PairParameter { materials, parameter, value: words.f32()? });
+    }
+    Ok(Some(KeptContactLaw { law, pairs }))
+}
+
+fn read_laws(words: &mut Words) -> Result<Vec<KeptLaw>, Damage> {
+    let mut laws = Vec::new();
+    for _ in 0..words.u32()? {
+        laws.push(read_law(words)?);
+    }
+    Ok(laws)
+}
+
+fn read_law(words: &mut Words) -> Result<KeptLaw, Damage> {
+    let (name, text_hash) = (words.text()?, words.u64()?);
+    let mut parameters = Vec::new();
+    for _ in 0..words.u32()? {
+        parameters.push((words.text()?, words.f32()?));
+    }
+    Ok(KeptLaw { name, text_hash, parameters })
 }

@@ -102,7 +102,7 @@ fn random_of(seed: u64, index: u32) -> Random {
 
 /// The numbers from 0 to `count` - 1 in random order (Fisher and Yates).
 fn shuffled(count: u32, seed: u64) -> Vec<u32> {
-    let mut random = Random(Pcg64Mcg::seed_from_u64(seed));
+    let mut random = Random::new(seed);
     let mut order: Vec<u32> = (0..count).collect();
     for last in (1..count).rev() {
         order.swap(last as usize, random.below(last + 1) as usize);

@@ -5,7 +5,7 @@ use rand::SeedableRng as _;
 use rand_pcg::Pcg64Mcg;
 
 use super::{Random, check_count};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::scene::{Cuboid, Muscle, Scene, Sphere, Spring};
 
 /// Distance of neighbouring spheres, in units.
@@ -19,6 +19,9 @@ const SPRINGS: usize = 3;
 const STIFFNESS: f32 = 300.0;
 const DAMPING: f32 = 2.0;
 
+/// Number of groups that a scene can have.
+const MOST_GROUPS: u32 = 1 << 16;
+
 /// Generates a creature: `spheres` spheres of mass 1 in a lattice two wide and two high, three springs per sphere with muscles of
 /// random amplitude, frequency and phase, and a ground with friction. It has fewer springs if there are fewer pairs of spheres.
 ///
@@ -27,6 +30,23 @@ const DAMPING: f32 = 2.0;
 /// # Errors
 /// As for [`Kind::generate`](super::Kind::generate).
 pub fn creature(spheres: u32, seed: u64) -> Result<Scene> {
+    generate(spheres, seed, |_| 0)
+}
+
+/// Generates the creature of [`creature`] with spheres that touch only the ground: each sphere has a group of its own, in which it
+/// has a ground of its own. All grounds are equal.
+///
+/// # Errors
+/// As for [`creature`]. [`Error::Invalid`](crate::Error::Invalid) for more than 65,536 spheres, because there are no more groups.
+pub fn creature_without_pairs(spheres: u32, seed: u64) -> Result<Scene> {
+    if spheres > MOST_GROUPS {
+        let expected = "at most 65536 spheres, because each has a group of its own";
+        return Err(Error::Invalid { field: "spheres", value: spheres.to_string(), expected });
+    }
+    generate(spheres, seed, |sphere| sphere as u16)
+}
+
+fn generate(spheres: u32, seed: u64, group: impl Fn(u32) -> u16) -> Result<Scene> {
     check_count(spheres)?;
     let mut random = Random(Pcg64Mcg::seed_from_u64(seed));
     let mut scene = Scene::new();
@@ -36,12 +56,15 @@ pub fn creature(spheres: u32, seed: u64) -> Result<Scene> {
     scene.settings.contact_force = 2000.0;
     scene.settings.contact_damping = 20.0;
     let length = spheres.div_ceil(4) as f32 * SPACING;
-    scene.add_box(Cuboid::between([-1000.0, -1.0, -1000.0], [1000.0, 0.0, 1000.0]))?;
+    for group in 0..=group(spheres - 1) {
+        scene.add_box(Cuboid::between([-1000.0, -1.0, -1000.0], [1000.0, 0.0, 1000.0]).group(group))?;
+    }
     let place = |sphere: u32| {
         let cell = Vec3::new((sphere / 4) as f32, (sphere / 2 % 2) as f32, (sphere % 2) as f32);
         SPACING * cell + Vec3::new(-0.5 * length, RADIUS, -0.5 * SPACING)
     };
-    let ids = (0..spheres).map(|sphere| scene.add_sphere(Sphere::new(place(sphere), RADIUS))).collect::<Result<Vec<_>>>()?;
+    let ball = |sphere: u32| Sphere::new(place(sphere), RADIUS).group(group(sphere));
+    let ids = (0..spheres).map(|sphere| scene.add_sphere(ball(sphere))).collect::<Result<Vec<_>>>()?;
     let mut pairs: Vec<(u32, u32)> = (0..spheres).flat_map(|b| (b.saturating_sub(NEAR)..b).map(move |a| (a, b))).collect();
     // The shortest springs, in insertion order.
     pairs.sort_by(|one, other| {

@@ -10,7 +10,7 @@ pub enum Buffer {
     /// Stage state 3. After the integration it holds old positions in region 0 and mean spins in region 2. A region is one
     /// vec4 per sphere; each state has three.
     Y3,
-    /// Stage state 4.
+    /// Stage state 4. Velocity Verlet keeps the new positions and the velocities of the middle of the step here.
     Y4,
     /// `Start`, `Y2`, `Y3` and `Y4` side by side in one buffer, for `run_steps`; only in small scenes without rods.
     States,
@@ -42,13 +42,16 @@ pub enum Buffer {
     /// [`Step::history_room`](crate::model::step::Step::history_room) records of
     /// [`HISTORY_WORDS`](crate::model::layout::HISTORY_WORDS) words per mover, in insertion order.
     Histories,
+    /// Velocity Verlet: acceleration and torque of every sphere, in insertion order, from the last force evaluation. Each sphere
+    /// has [`RATE_WORDS`](crate::model::layout::RATE_WORDS) floats. Empty for other integrators.
+    Rates,
     /// The [`Status`](crate::model::status::Status) block.
     Status,
 }
 
 impl Buffer {
     /// All buffers.
-    pub const ALL: [Self; 17] = [
+    pub const ALL: [Self; 18] = [
         Self::Start,
         Self::Y2,
         Self::Y3,
@@ -65,6 +68,7 @@ impl Buffer {
         Self::Orientations,
         Self::DispatchSizes,
         Self::Histories,
+        Self::Rates,
         Self::Status,
     ];
 
@@ -87,6 +91,7 @@ impl Buffer {
             Self::Orientations => "the orientations",
             Self::DispatchSizes => "the sizes of dispatches",
             Self::Histories => "the springs of contacts",
+            Self::Rates => "the accelerations of the last force evaluation",
             Self::Status => "the status",
         }
     }

@@ -93,6 +93,12 @@ pub const FLAG_RESISTANCE: u32 = 64;
 /// Bit of [`Step::flags`](crate::model::step::Step::flags): some pair of materials has cohesion, and the contact law has a history.
 pub const FLAG_COHESION: u32 = 128;
 
+/// Bit of [`Step::flags`](crate::model::step::Step::flags): the integrator is velocity Verlet.
+pub const FLAG_VERLET: u32 = 256;
+
+/// Words of the rates of a sphere: acceleration x, y, z, torque x, y, z.
+pub const RATE_WORDS: u32 = 6;
+
 /// Shift of the material in a tag.
 pub const MATERIAL_SHIFT: u32 = 16;
 /// Mask of the group in a tag.
@@ -100,7 +106,8 @@ pub const GROUP_MASK: u32 = (1 << MATERIAL_SHIFT) - 1;
 /// Words of a pair of materials in the topology buffer: restitution, strength of the square-root friction, coefficient of
 /// Coulomb friction in contacts, the same in collisions. A negative number stands for the constant of the scene. Then, for laws
 /// with history: normal constant, tangential constant, damping, coefficient of friction; coefficient of rolling friction, ratio of
-/// rolling damping (negative for the model of constant torque), coefficient of twisting friction, pull-off force per radius.
+/// rolling damping (negative for the model of constant torque), coefficient of twisting friction, cohesion
+/// (DMT: pull-off force per R*; JKR: -(pi gamma / (4 E*))^(1/3)).
 pub const PAIR_WORDS: u32 = 12;
 /// Value of [`Step::law`](crate::model::step::Step::law): the law of the thesis.
 pub const LAW_THESIS: u32 = 0;
@@ -108,6 +115,10 @@ pub const LAW_THESIS: u32 = 0;
 pub const LAW_LINEAR: u32 = 1;
 /// Value of [`Step::law`](crate::model::step::Step::law): the law `hertz-mindlin`.
 pub const LAW_HERTZ_MINDLIN: u32 = 2;
+/// Value of [`Step::law`](crate::model::step::Step::law): the law that the program defines.
+pub const LAW_USER: u32 = 3;
+/// Distance over which the stiffness of the law that the program defines is found, per overlap.
+pub const USER_REACH: f32 = 0.01;
 /// Words of the spring of a contact: displacement x, y, z, overlap, moment x, y, z, key.
 pub const HISTORY_WORDS: u32 = 8;
 /// Key of a record without a contact. It ends a row.

@@ -54,6 +54,11 @@ impl MuscleClock {
         self.steps / BASE_STEPS * BASE_STEPS
     }
 
+    /// Time in s of the step that kernels count from.
+    pub(crate) fn base_time(&self) -> f64 {
+        self.start + self.base() as f64 * f64::from(self.dt)
+    }
+
     /// Value of [`Step::muscle_step`].
     pub(crate) fn steps_since_base(&self) -> u32 {
         (self.steps - self.base()) as u32

@@ -28,9 +28,13 @@ impl Motion {
         }
     }
 
+    pub(crate) fn is_finite(&self) -> bool {
+        self.position.is_finite() && self.velocity.is_finite() && self.angular_momentum.is_finite()
+    }
+
     /// Returns this motion if it is finite. Otherwise returns a sphere at rest at `start`, and counts the sphere in `tally`.
     pub(crate) fn or_stopped(self, start: Vec3, stage: BadStage, insertion_index: u32, tally: &mut Tally) -> Self {
-        if self.position.is_finite() && self.velocity.is_finite() && self.angular_momentum.is_finite() {
+        if self.is_finite() {
             return self;
         }
         tally.count_bad(stage, insertion_index);

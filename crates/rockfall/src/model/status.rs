@@ -82,6 +82,10 @@ pub struct Status {
     pub collided: u32,
     /// 1 when rod lengths must be restored before the integration: in the first step and in a step with collisions.
     pub lengths_due: u32,
+    /// Velocity Verlet: 1 when the rates of the last force evaluation do not belong to the present state. They are then evaluated
+    /// again before the integration: in the first step, after edits, and after the collision phase,
+    /// whether or not there were collisions, so that bodies do not depend on collisions elsewhere.
+    pub forces_due: u32,
     /// 1 when there are collisions in the current step.
     pub collides: u32,
     /// Contacts of the last completed step.
@@ -125,7 +129,14 @@ pub struct Status {
 
 impl Default for Status {
     fn default() -> Self {
-        Self { lengths_due: 1, rebuild: REBUILD_REQUESTED, bad_body: NO_BODY, first_bad: NO_BODY, ..Zeroable::zeroed() }
+        Self {
+            lengths_due: 1,
+            forces_due: 1,
+            rebuild: REBUILD_REQUESTED,
+            bad_body: NO_BODY,
+            first_bad: NO_BODY,
+            ..Zeroable::zeroed()
+        }
     }
 }
 

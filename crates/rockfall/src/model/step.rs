@@ -4,7 +4,7 @@ use std::mem::{offset_of, size_of};
 
 use bytemuck::{Pod, Zeroable, bytes_of, bytes_of_mut};
 
-use crate::model::layout::{ENTRY_BITS, FEATURE_BITS, FLAG_PAIR_FRICTION, SWEEPS_LISTED, SWEEPS_OFF, SWEEPS_ON};
+use crate::model::layout::{ENTRY_BITS, FEATURE_BITS, FLAG_PAIR_FRICTION, FLAG_VERLET, SWEEPS_LISTED, SWEEPS_OFF, SWEEPS_ON};
 use crate::settings::{Settings, constant_table};
 
 /// The WGSL type of a field.
@@ -61,7 +61,9 @@ uniform! {
         /// Margin of AABBs for accelerations in the first step, in units of 0.02 r. The margin also includes 1.05 |v| dt per
         /// step, and 0.05 r for every further step of `lookahead`. `update_aabbs` has the whole formula.
         pub margin_scale: f32,
-        /// Number of steps for which AABBs are grown. With more steps, lists are valid for longer but have more entries.
+        /// Number of steps for which AABBs are grown. With more steps, lists are valid for longer but have more entries. 0 for
+        /// exact lists: they hold the pairs that may touch at the present positions, and are rebuilt as soon as a sphere has
+        /// moved by more than a small margin, also between the collisions and the forces of a step.
         pub lookahead: f32,
         /// Number of steps from one opportunity to rebuild lists to the next. Lists must last for as many steps.
         pub list_interval: f32,
@@ -71,6 +73,8 @@ uniform! {
         pub sweeps: u32,
         /// Steps since the base of the muscles' phases when the counter of steps in the status was 0.
         pub muscle_step: u32,
+        /// Time of the simulation at that base, in s.
+        pub time_base: f32,
         /// `FLAG_*` bits. This is the last of the fields that may change without a change of the arrays (see
         /// [`Step::with_constants_of`]).
         pub flags: u32,
@@ -90,6 +94,8 @@ uniform! {
         pub springs_at: u32,
         /// First word of the muscles: one record per spring, 0 when no spring has a muscle.
         pub muscles_at: u32,
+        /// First word of the parameters of the force laws that the program gave.
+        pub laws_at: u32,
         /// First word of the tethers.
         pub tethers_at: u32,
         /// First word of the external forces.
@@ -156,6 +162,9 @@ uniform! {
         pub law: u32,
         /// Records per row of the springs of contacts; 0 for the law of the thesis.
         pub history_room: u32,
+        /// JKR cohesion: distance up to which contacts persist when their objects are apart, as a fraction of the radius of any
+        /// of them. AABBs of spheres and rods grow by as much. 0 in scenes without it.
+        pub neck: f32,
         /// First word of the table of pairs, which has [`PAIR_WORDS`](crate::model::layout::PAIR_WORDS) words per pair.
         pub pairs_at: u32,
     }
@@ -191,6 +200,11 @@ impl Step {
         self.movers() + self.boxes + self.polygons
     }
 
+    /// Whether lists are exact (see [`Step::lookahead`]).
+    pub const fn has_exact_lists(&self) -> bool {
+        self.lookahead == 0.0
+    }
+
     /// Whether bodies may have long lists, which is so in scenes with rods or large spheres.
     pub const fn has_long_lists(&self) -> bool {
         self.rods > 0 || self.large > 0
@@ -211,6 +225,12 @@ impl Step {
     /// Whether one workgroup may do all sweeps when there are few collisions.
     pub const fn may_sweep_at_once(&self) -> bool {
         self.networks == 0 && self.large == 0
+    }
+
+    /// The pass of the force evaluation that counts contacts and advances their springs: the first one, or, for velocity Verlet,
+    /// that at the end of the step.
+    pub(crate) fn counted_pass(&self) -> u32 {
+        if self.flags & FLAG_VERLET == 0 { 0 } else { 3 }
     }
 
     /// Whether contacts get friction impulses.
@@ -237,15 +257,19 @@ impl Step {
 
 /// The uniform block `pass_`: which of several dispatches of a stage this is.
 #[repr(C)]
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct Pass {
     /// 0 to 3 for the force evaluations of RK4, 0 and 1 for `sort_axis`, 0 to 7 for the digits of a sort. For
     /// `sweep_collisions`, the number of sweeps before it. For `project_networks` and `gather_impulses`, the number of sweeps
     /// done. For `run_steps`, see [`PHASES_SHIFT`](crate::model::layout::PHASES_SHIFT). 0 for symplectic Euler and all other
     /// stages.
     pub index: u32,
+    /// Number of steps without motion after which `run_worlds` leaves a world as it is; 0 for never.
+    pub rest_steps: u32,
+    /// Greatest speed of a sphere that does not move, in units/s.
+    pub rest_speed: f32,
     /// Padding to 16 bytes.
-    pub pad: [u32; 3],
+    pub pad: u32,
 }
 
 /// An axis-aligned bounding box, which includes a margin for motion.

@@ -5,9 +5,9 @@
 
 struct Pass {
     index: u32,
-    pad_0: u32,
-    pad_1: u32,
-    pad_2: u32,
+    rest_steps: u32,
+    rest_speed: f32,
+    pad: u32,
 }
 
 struct Aabb {
@@ -36,6 +36,7 @@ struct Status {
     steps: u32,
     collided: u32,
     lengths_due: u32,
+    forces_due: u32,
     collides: u32,
     last_contacts: u32,
     last_max_overlap: u32,
@@ -77,6 +78,7 @@ struct StatusAtomic {
     steps: u32,
     collided: atomic<u32>,
     lengths_due: u32,
+    forces_due: u32,
     collides: atomic<u32>,
     last_contacts: u32,
     last_max_overlap: u32,
@@ -103,7 +105,7 @@ struct StatusAtomic {
 
 // Whether the scene has rods (RODS), large spheres, each of which gets a workgroup (LARGE), springs with muscles
 // (MUSCLES), pairs of materials (MATERIALS), pairs with rolling or twisting resistance (RESISTANCE), and pairs with
-// cohesion (COHESION).
+// cohesion (COHESION). Whether the integrator is velocity Verlet (VERLET).
 // Kernels for scenes without them are smaller and faster.
 const RODS: bool = true;
 const LARGE: bool = true;
@@ -111,6 +113,9 @@ const MUSCLES: bool = true;
 const MATERIALS: bool = true;
 const RESISTANCE: bool = true;
 const COHESION: bool = true;
+// Whether a sphere may leave the ball in which its list holds all pairs. `run_worlds` has no lists.
+const ESCAPES: bool = true;
+const VERLET: bool = true;
 // The contact law. Kernels are compiled for one law.
 const LAW: u32 = 1u;
 
@@ -130,6 +135,9 @@ const MATERIAL_SHIFT: u32 = 16u;
 const LAW_THESIS: u32 = 0u;
 const LAW_LINEAR: u32 = 1u;
 const LAW_HERTZ_MINDLIN: u32 = 2u;
+const LAW_USER: u32 = 3u;
+// Distance over which the stiffness of the law that the program defines is found, per overlap.
+const USER_REACH: f32 = 0.01;
 const TANGENTIAL_RATIO: f32 = 2.0 / 7.0;
 const HISTORY_WORDS: u32 = 8u;
 const NO_KEY: u32 = 0xffffffffu;
@@ -185,6 +193,8 @@ const FLAG_STAGES: u32 = 16u;
 const FLAG_PAIR_FRICTION: u32 = 32u;
 const FLAG_RESISTANCE: u32 = 64u;
 const FLAG_COHESION: u32 = 128u;
+const FLAG_VERLET: u32 = 256u;
+const RATE_WORDS: u32 = 6u;
 
 const REJECTED_PAIRS: u32 = 1u;
 const REJECTED_ESCAPED: u32 = 2u;
@@ -220,6 +230,11 @@ const NONE: u32 = 0xffffffffu;
 
 // A squared length up to this counts as 0 (docs/physics.md section 2.3).
 const TINY: f32 = 1e-30;
+
+// Whether lists hold only the pairs that may touch at the present positions, see `Step::lookahead`.
+fn has_exact_lists() -> bool {
+    return step.lookahead == 0.0;
+}
 
 fn objects() -> u32 {
     return step.spheres + step.rods + step.boxes + step.polygons;

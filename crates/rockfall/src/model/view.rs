@@ -9,6 +9,9 @@ use crate::model::layout::{
 use crate::model::muscles::{half_steps, muscle_length};
 use crate::model::status::Status;
 use crate::model::step::Step;
+use crate::user_laws::forces::ForceLaws;
+use crate::user_laws::set::UserLaws;
+use crate::user_laws::{ContactForceLaw, ForceInput, MOST_PARAMETERS};
 
 /// A squared distance up to this counts as zero (docs/physics.md section 2.3).
 pub(crate) const TINY: f32 = 1e-30;
@@ -77,6 +80,10 @@ pub(crate) struct View<'a> {
     rows: [&'a [Vec4]; 3],
     /// Half steps since the base of the muscles' clock.
     half_steps: u32,
+    /// The laws that the program gave.
+    user_laws: Option<&'a UserLaws>,
+    /// Index of the force evaluation.
+    evaluation: u32,
 }
 
 impl<'a> View<'a> {
@@ -86,12 +93,54 @@ impl<'a> View<'a> {
             if step.insertion_indices_at == 0 { &[] } else { &topology[step.insertion_indices_at as usize..][..spheres] };
         let (positions, rest) = state.split_at(spheres);
         let (velocities, spins) = rest.split_at(spheres);
-        Self { step, topology, insertion_indices, rows: [positions, velocities, spins], half_steps: 0 }
+        let rows = [positions, velocities, spins];
+        Self { step, topology, insertion_indices, rows, half_steps: 0, evaluation: 0, user_laws: None }
     }
 
     /// The view at the time of a force evaluation of the step, which the rest lengths of muscles depend on.
     pub(crate) fn at_evaluation(self, status: &Status, evaluation: u32) -> Self {
-        Self { half_steps: half_steps(self.step, status, evaluation), ..self }
+        Self { half_steps: half_steps(self.step, status, evaluation), evaluation, ..self }
+    }
+
+    /// The time by which the evaluation advances the springs of contacts, in s. It is 0 for the evaluation at the start of a step of
+    /// velocity Verlet, because the one at the end of the step before has advanced them.
+    pub(crate) fn spring_time(&self) -> f32 {
+        if self.evaluation == self.step.counted_pass() { self.step.dt } else { 0.0 }
+    }
+
+    /// The view with the laws that the program gave.
+    pub(crate) fn with_laws(self, laws: &'a UserLaws) -> Self {
+        Self { user_laws: (!laws.is_empty()).then_some(laws), ..self }
+    }
+
+    /// The force laws that the program gave, if there are any.
+    pub(crate) fn force_laws(&self) -> Option<&'a ForceLaws> {
+        self.user_laws.map(|laws| &laws.forces)
+    }
+
+    /// The contact law that the program gave, and the values of its parameters for two objects.
+    pub(crate) fn contact_law(&self, a: u32, b: u32) -> Option<(&'a ContactForceLaw, [f32; MOST_PARAMETERS])> {
+        let laws = self.user_laws?;
+        let law = laws.contact.as_ref()?;
+        let [one, other] = [a, b].map(|id| self.tag(id) >> MATERIAL_SHIFT);
+        let at = self.step.laws_at + laws.contact_values_at(one * self.step.materials + other);
+        let mut values = [0.0; MOST_PARAMETERS];
+        let words = &self.topology[at as usize..][..law.parameters().len()];
+        values.iter_mut().zip(words).for_each(|(value, word)| *value = f32::from_bits(*word));
+        Some((law, values))
+    }
+
+    /// What a law reads of a moving sphere.
+    pub(crate) fn force_input(&self, sphere: u32) -> ForceInput<'static> {
+        ForceInput {
+            position: self.position(sphere),
+            velocity: self.velocity(sphere),
+            angular_velocity: self.spin(sphere),
+            mass: 1.0 / self.inverse_mass(sphere),
+            radius: self.radius(sphere),
+            time: (0.5 * self.step.dt).mul_add(self.half_steps as f32, self.step.time_base),
+            parameters: &[],
+        }
     }
 
     fn row(&self, region: usize, sphere: u32) -> Vec4 {

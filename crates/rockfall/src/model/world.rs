@@ -13,10 +13,12 @@ use glam::Vec4;
 
 use crate::model::buffer::Buffer;
 use crate::model::impulse::Impulse;
-use crate::model::layout::{HISTORY_WORDS, LAW_THESIS, LINE, NO_KEY, SLICE, words_of_rows};
+use crate::model::layout::{FLAG_VERLET, HISTORY_WORDS, LAW_THESIS, LINE, NO_KEY, RATE_WORDS, SLICE, words_of_rows};
 use crate::model::muscles::MuscleClock;
+use crate::model::rest::Rest;
 use crate::model::status::Status;
 use crate::model::step::{Aabb, Step};
+use crate::user_laws::set::UserLaws;
 
 /// The host arrays of the buffers in [`Buffer`], and the uniform block.
 ///
@@ -46,6 +48,8 @@ pub struct World {
     pub wrenches: Vec<Vec4>,
     /// The springs of contacts (see [`Buffer::Histories`]); empty for the law of the thesis.
     pub histories: Vec<u32>,
+    /// Velocity Verlet: acceleration and torque of every sphere (see [`Buffer::Rates`]); empty for other integrators.
+    pub rates: Vec<f32>,
     /// Insertion index of the sphere in each memory slot; empty when slots and insertion indices are the same.
     pub order: Vec<u32>,
     /// `spheres` unit quaternions x, y, z, w.
@@ -55,10 +59,14 @@ pub struct World {
     pub dispatch_sizes: Vec<u32>,
     /// The status block.
     pub status: Status,
+    /// The laws that the program gave.
+    pub(crate) user_laws: UserLaws,
     /// The topology buffer has an external force for each sphere, in insertion order. Otherwise only for those with a force.
     pub(crate) has_force_on_each: bool,
     /// Whether stages may be joined that give the same together.
     pub(crate) joins_steps: bool,
+    /// Counts steps without motion. Only the CPU backend does.
+    pub(crate) rest: Option<Rest>,
     /// The clock for which the table of muscles was made.
     pub(crate) muscles_for: Option<MuscleClock>,
 }
@@ -105,6 +113,7 @@ impl World {
             Buffer::Orientations => cast_slice(&self.orientations),
             Buffer::DispatchSizes => cast_slice(&self.dispatch_sizes),
             Buffer::Histories => cast_slice(&self.histories),
+            Buffer::Rates => cast_slice(&self.rates),
             Buffer::Status => bytes_of(&self.status),
         }
     }
@@ -126,6 +135,7 @@ impl World {
             Buffer::Orientations => cast_slice_mut(&mut self.orientations),
             Buffer::DispatchSizes => cast_slice_mut(&mut self.dispatch_sizes),
             Buffer::Histories => cast_slice_mut(&mut self.histories),
+            Buffer::Rates => cast_slice_mut(&mut self.rates),
             Buffer::Status => bytes_of_mut(&mut self.status),
         }
     }
@@ -134,6 +144,23 @@ impl World {
     pub(crate) fn wrench_count(&self) -> usize {
         let loads = if self.step.law == LAW_THESIS { 0 } else { 2 * self.step.spheres };
         (4 * self.step.rods + loads) as usize
+    }
+
+    /// Sets whether the integrator is velocity Verlet, which keeps the rates of the last force evaluation.
+    pub fn set_verlet(&mut self, is_verlet: bool) {
+        self.step.flags &= !FLAG_VERLET;
+        self.rates = Vec::new();
+        if is_verlet {
+            self.step.flags |= FLAG_VERLET;
+            self.rates = vec![0.0; (self.step.spheres * RATE_WORDS) as usize];
+        }
+        self.status.forces_due = 1;
+    }
+
+    /// Whether a pass evaluates forces. Pass 0 of velocity Verlet does so only if the forces of the last step do not belong to the
+    /// present state.
+    pub(crate) fn needs_forces(&self, pass: u32) -> bool {
+        pass == self.step.counted_pass() || self.step.flags & FLAG_VERLET == 0 || self.status.forces_due != 0
     }
 
     /// Makes room for `room` springs of contacts per mover, and keeps the springs. With the law of the thesis there are none.

@@ -41,6 +41,11 @@ impl Collision {
         Some(Self::of(view, view, [a, b], feature, touch(view, a, b, feature)?))
     }
 
+    /// The contact of two objects, in order of addition, with a known geometry.
+    pub(crate) fn with_touch(view: &View, objects: [u32; 2], feature: u32, touch: Touch) -> Self {
+        Self::of(view, view, objects, feature, touch)
+    }
+
     /// The contact `touch` of two objects, with the velocities of the state `at`.
     fn of(view: &View, at: &impl Motions, [a, b]: [u32; 2], feature: u32, touch: Touch) -> Self {
         let mut collision = Self { a, b, feature, touch, parts: [Part::NONE; 4], len: 0, approach: 0.0 };

@@ -5,6 +5,9 @@
 // How far a ball extends beyond the ball that an AABB encloses; not positive when it is inside. A tolerance covers rounding
 // errors far from the origin. Lists are built with more slack than that.
 fn distance_outside(position: vec3f, radius: f32, aabb: Aabb) -> f32 {
+    if !ESCAPES {
+        return -1.0;
+    }
     let half = 0.5 * aabb.max - 0.5 * aabb.min;
     let room = min(min(half.x, half.y), half.z);
     // An unbounded AABB has no centre.
@@ -18,7 +21,7 @@ fn distance_outside(position: vec3f, radius: f32, aabb: Aabb) -> f32 {
 
 // How far a sphere is outside the ball that its AABB encloses, in units of 0.02 r; 0 when it is inside.
 fn escape_ratio(position: vec3f, radius: f32, aabb: Aabb) -> f32 {
-    let out = distance_outside(position, radius, aabb);
+    let out = distance_outside(position, radius + step.neck * radius, aabb);
     if out <= 0.0 {
         return 0.0;
     }
@@ -28,7 +31,7 @@ fn escape_ratio(position: vec3f, radius: f32, aabb: Aabb) -> f32 {
 // Requests new lists when a moving sphere, at its present velocity, may leave the ball that its AABB encloses within the
 // `list_interval` steps for which the lists must last.
 fn request_rebuild(sphere: u32, centre: vec4f, velocity: vec4f) {
-    let reach = centre.w + travel_bound(velocity, centre.w, step.list_interval);
+    let reach = centre.w + step.neck * centre.w + travel_bound(velocity, centre.w, step.list_interval);
     if velocity.w > 0.0 {
         if distance_outside(position_ahead(centre.xyz, velocity), reach, aabbs[sphere]) > 0.0 {
             // Among millions of spheres, most find the flag already set. A load is cheaper than an atomic write.

@@ -54,6 +54,7 @@ body_forces! {
     gravity,
     linear_damping,
     angular_damping,
+    user,
 }
 
 /// Returns the rates of change of a moving sphere, from contacts, attachments and body forces. `wrenches` are the results of

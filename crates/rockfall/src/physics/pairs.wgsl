@@ -9,6 +9,11 @@ fn pair_at(a: u32, b: u32) -> u32 {
     return step.pairs_at + PAIR_WORDS * (one * step.materials + other);
 }
 
+// Number of the pair of materials of objects a and b.
+fn pair_number(a: u32, b: u32) -> u32 {
+    return (pair_at(a, b) - step.pairs_at) / PAIR_WORDS;
+}
+
 // A property of the pair of objects a and b: the one at `place` in the row of their materials, or `of_scene` where that is not
 // given.
 fn pair_property(a: u32, b: u32, place: u32, of_scene: f32) -> f32 {
@@ -52,7 +57,7 @@ fn resistance_of(a: u32, b: u32) -> vec4f {
     return vec4f(float_at(at), float_at(at + 1u), float_at(at + 2u), 0.0);
 }
 
-// Pull-off force per effective radius.
+// DMT: pull-off force per effective radius. JKR: -(pi gamma / (4 E*))^(1/3).
 fn cohesion_of(a: u32, b: u32) -> f32 {
     return float_at(pair_at(a, b) + 11u);
 }

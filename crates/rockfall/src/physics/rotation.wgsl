@@ -17,15 +17,17 @@ fn rotation(spin: vec3f) -> vec4f {
     return vec4f(spin * (half.x / rate), half.y);
 }
 
+// An orientation after a rotation. A rotation that is not finite is skipped.
+fn rotated(before: vec4f, by: vec4f) -> vec4f {
+    let after = multiply(by, before);
+    let q = after / sqrt(dot(after, after));
+    return select(before, q, finite(q.xyz) & finite(q.www));
+}
+
 fn turn_by(sphere: u32, by: vec4f) {
     // A sphere that does not rotate keeps its orientation, which then need not be read.
     if all(by.xyz == vec3f(0.0)) {
         return;
     }
-    let turned = multiply(by, orientations[sphere]);
-    let q = turned / sqrt(dot(turned, turned));
-    // A rotation that is not finite is skipped.
-    if finite(q.xyz) & finite(q.www) {
-        orientations[sphere] = q;
-    }
+    orientations[sphere] = rotated(orientations[sphere], by);
 }

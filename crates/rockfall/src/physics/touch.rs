@@ -59,6 +59,33 @@ pub(crate) fn touch(view: &View, id_a: u32, id_b: u32, feature: u32) -> Option<T
     (inverse_mass > 0.0).then_some(touch)
 }
 
+/// Returns the signed geometry of two objects that do not overlap, with a negative or zero overlap, or `None` when they have no
+/// contact line or never interact. The arguments are those of [`touch`]. A rod has the nearer of edge and vertex of the feature
+/// of a box.
+pub(crate) fn touch_apart(view: &View, id_a: u32, id_b: u32, feature: u32) -> Option<Touch> {
+    let (a, b) = (view.object(id_a), view.object(id_b));
+    if ignore(view, a, b) {
+        return None;
+    }
+    let touch = match (a, b) {
+        (Object::Rod(rod), Object::Cuboid(cuboid)) => {
+            let of = |feature| line(view, view, Object::Rod(rod), Object::Cuboid(cuboid), Some(feature));
+            let vertex = if feature < 8 { of(Feature::Vertex(feature)) } else { None };
+            match (of(Feature::Edge(feature)), vertex) {
+                (Some(edge), Some(vertex)) if edge.overlap > vertex.overlap => edge,
+                (edge, vertex) => vertex.or(edge)?,
+            }
+        }
+        (Object::Sphere(sphere), Object::Polygon(polygon)) => {
+            let (_, _, inside) = point_polygon(&view.polygon(polygon), view.position(sphere));
+            line(view, view, a, b, None).filter(|_| inside)?
+        }
+        _ => line(view, view, a, b, None)?,
+    };
+    let inverse_mass = side(view, a, touch.a).inverse_mass + side(view, b, touch.b).inverse_mass;
+    (inverse_mass > 0.0 && touch.overlap <= 0.0).then_some(touch)
+}
+
 /// Whether a pair never interacts because of the rods that the objects share or because neither can move (docs/physics.md
 /// section 1.3).
 fn ignore(view: &View, a: Object, b: Object) -> bool {

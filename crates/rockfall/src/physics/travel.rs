@@ -8,6 +8,9 @@ use glam::{Vec3, Vec4};
 use crate::model::step::{Aabb, Step};
 use crate::model::view::View;
 
+/// Margin of AABBs for exact lists, in radii of a sphere. It covers rounding, and spheres that hardly move keep their lists.
+pub(crate) const EXACT_MARGIN: f32 = 0.02;
+
 /// Returns the position of a sphere after `lead` steps at constant velocity. `motion` is its velocity and inverse mass. The
 /// result is `position` for a fixed sphere and for a displacement of 1e30 or more.
 pub(crate) fn position_ahead(step: &Step, position: Vec3, motion: Vec4) -> Vec3 {
@@ -25,19 +28,27 @@ pub(crate) fn acceleration_margin(step: &Step, third: Vec3, fourth: Vec3, steps:
 }
 
 /// Returns a bound for the distance of a sphere, within `steps` steps, from the point that [`position_ahead`] returns. It
-/// includes some room for acceleration, which grows with the number of steps.
+/// includes some room for acceleration, which grows with the number of steps. It is 0 for exact lists, which are rebuilt as soon
+/// as a sphere leaves its AABB.
 pub(crate) fn travel_bound(step: &Step, velocity: Vec3, radius: f32, steps: f32) -> f32 {
+    if step.has_exact_lists() {
+        return 0.0;
+    }
     (steps - step.lead) * (1.05 * velocity.length() * step.dt) + (0.05 * steps - 0.03) * radius
 }
 
 /// Returns how far a moving sphere is outside the ball that its AABB encloses, in units of 0.02 r; 0 when it is inside.
 pub(crate) fn escape_ratio(view: &View, aabbs: &[Aabb], sphere: u32) -> f32 {
-    if view.is_fixed(sphere) { 0.0 } else { outside(&aabbs[sphere as usize], view.position(sphere), view.radius(sphere)) }
+    if view.is_fixed(sphere) {
+        0.0
+    } else {
+        outside(view.step, &aabbs[sphere as usize], view.position(sphere), view.radius(sphere))
+    }
 }
 
 /// Like [`escape_ratio`], for a sphere with this centre and radius.
-pub(crate) fn outside(aabb: &Aabb, centre: Vec3, radius: f32) -> f32 {
-    let out = distance_outside(aabb, centre, radius);
+pub(crate) fn outside(step: &Step, aabb: &Aabb, centre: Vec3, radius: f32) -> f32 {
+    let out = distance_outside(aabb, centre, radius + step.neck * radius);
     if out <= 0.0 { 0.0 } else { (out / (0.02 * radius)).clamp(1e-3, 1e30) }
 }
 
@@ -46,7 +57,7 @@ pub(crate) fn outside(aabb: &Aabb, centre: Vec3, radius: f32) -> f32 {
 pub(crate) fn needs_rebuild(view: &View, aabbs: &[Aabb], sphere: u32, centre: Vec3, velocity: Vec3) -> bool {
     let (step, radius) = (view.step, view.radius(sphere));
     let middle = position_ahead(step, centre, velocity.extend(view.inverse_mass(sphere)));
-    let reach = radius + travel_bound(step, velocity, radius, step.list_interval);
+    let reach = radius + step.neck * radius + travel_bound(step, velocity, radius, step.list_interval);
     !view.is_fixed(sphere) && distance_outside(&aabbs[sphere as usize], middle, reach) > 0.0
 }
 

@@ -4,6 +4,9 @@
 // will be after `lead` steps at its present velocity. A ball around that point can be smaller than one around the present
 // position.
 
+// Margin of AABBs for exact lists, in radii of a sphere. It covers rounding, and spheres that hardly move keep their lists.
+const EXACT_MARGIN: f32 = 0.02;
+
 // Position of a sphere after `lead` steps at constant velocity. `velocity.w` is the inverse mass. The result is `position` for
 // a fixed sphere, and when the displacement is 1e30 or larger.
 fn position_ahead(position: vec3f, velocity: vec4f) -> vec3f {
@@ -20,7 +23,9 @@ fn acceleration_margin(third: vec3f, fourth: vec3f, steps: f32) -> f32 {
 }
 
 // Bound for the distance of a sphere, within `steps` steps, from the point that `position_ahead` returns. It includes some room
-// for acceleration, which grows with the number of steps.
+// for acceleration, which grows with the number of steps. It is 0 for exact lists, which are rebuilt as soon as a sphere leaves
+// its AABB.
 fn travel_bound(velocity: vec4f, radius: f32, steps: f32) -> f32 {
-    return (steps - step.lead) * 1.05 * length(velocity.xyz) * step.dt + (0.05 * steps - 0.03) * radius;
+    let bound = (steps - step.lead) * 1.05 * length(velocity.xyz) * step.dt + (0.05 * steps - 0.03) * radius;
+    return select(bound, 0.0, has_exact_lists());
 }

@@ -2,13 +2,15 @@
 
 use crate::error::{Error, Result};
 use crate::scene::restitution::damping_for;
-use crate::scene::{Material, RollingModel, Scene};
-use crate::settings::{ContactLaw, Integrator};
+use crate::scene::{CohesionModel, Material, RollingModel, Scene};
+use crate::settings::{ContactLaw, Integrator, Settings};
 
 /// Ratio of the tangential to the normal stiffness in the law `linear`.
 pub(crate) const TANGENTIAL_RATIO: f32 = 2.0 / 7.0;
 /// Ratio of rolling damping where a pair has none: that of Ai, Chen, Rotter and Ooi (2011).
 const ROLLING_DAMPING: f32 = 0.3;
+/// Least constant of JKR cohesion, in units^(1/3). With a smaller one, the overlap in units of the neck would overflow in f32.
+const LEAST_NECK: f64 = 1e-15;
 
 /// Damping for each restitution that was asked for. Finding it takes milliseconds.
 #[derive(Default)]
@@ -40,11 +42,16 @@ impl Scene {
         if integrator == Integrator::Rk4 {
             return refused(
                 format!("{law} with the integrator rk4"),
-                "the integrator symplectic-euler, because the law keeps a tangential spring, which needs one evaluation per step",
+                "the integrator symplectic-euler or velocity-verlet: the law keeps a tangential spring, which allows one evaluation of \
+                 forces per step",
             );
         }
         if !(0.0..=1.0).contains(&self.settings.restitution) {
             return refused(format!("{law} with a restitution of {}", self.settings.restitution), "a restitution from 0 to 1");
+        }
+        if law == ContactLaw::User {
+            // It needs no materials.
+            return Ok(());
         }
         let moves = |id| self.sphere(id).is_ok_and(|sphere| !sphere.fixed);
         // For each object: its material, and whether it may move.
@@ -59,7 +66,7 @@ impl Scene {
             for (index, (material, moves)) in objects.iter().enumerate() {
                 let number = usize::from(self.material_number(*material)?);
                 if number == 0 {
-                    return refused(format!("{law} with {kind} {index}, which has no material"), "a material for every object");
+                    return refused(format!("{law} without a material for {kind} {index}"), "a material for every object");
                 }
                 used[number] += 1;
                 moving[number] |= moves;
@@ -77,6 +84,9 @@ impl Scene {
                 return refused(format!("{law} with the material {one_name}"), "a material with young and poisson");
             }
             for other in &used[place..] {
+                if may_touch(*one, *other) {
+                    self.check_cohesion(*one, *other)?;
+                }
                 let lacks = may_touch(*one, *other) && self.normal_stiffness(*one, *other, 1.0, 1.0).is_none();
                 if law == ContactLaw::Linear && lacks {
                     return refused(
@@ -90,9 +100,61 @@ impl Scene {
         Ok(())
     }
 
+    /// Checks that the scene may have the model of cohesion of two materials.
+    fn check_cohesion(&self, one: u16, other: u16) -> Result<()> {
+        let Settings { contact_law: law, collisions, .. } = self.settings;
+        if !self.sticks_by_necks(one, other) || law == ContactLaw::HertzMindlin && !collisions {
+            return Ok(());
+        }
+        let [one, other] = [one, other].map(|number| &self.materials()[usize::from(number) - 1].name);
+        let with = if law == ContactLaw::HertzMindlin {
+            " and collisions on".to_owned()
+        } else {
+            format!(" and the contact law {law}")
+        };
+        Err(Error::Invalid {
+            field: "pair.cohesion",
+            value: format!("jkr for the pair {one} {other}{with}"),
+            expected: "the contact law hertz-mindlin with collisions off, or cohesion=dmt: a neck follows from the elastic contact, and \
+                       impulses would separate the bodies without it",
+        })
+    }
+
+    /// Whether two materials have cohesion with necks, JKR.
+    fn sticks_by_necks(&self, one: u16, other: u16) -> bool {
+        let pair = self.pair_of_numbers(one, other);
+        pair.cohesion == Some(CohesionModel::Jkr) && pair.surface_energy.is_some_and(|gamma| gamma > 0.0)
+    }
+
+    /// k with k³ = pi gamma / (4 E*), in units^(1/3), of two materials with JKR cohesion. Contacts tear at the distance
+    /// 3 k² R*^(1/3) (docs/physics.md section 4.13).
+    pub(crate) fn neck_constant(&self, one: u16, other: u16) -> Option<f64> {
+        let [young, _] = self.moduli(one, other).filter(|_| self.sticks_by_necks(one, other))?;
+        let gamma = f64::from(self.pair_of_numbers(one, other).surface_energy?);
+        let constant = (std::f64::consts::PI * gamma / (4.0 * f64::from(young))).cbrt();
+        (constant > LEAST_NECK).then_some(constant)
+    }
+
+    /// The distance at which contacts with JKR cohesion tear, divided by the smallest radius of a sphere or rod: no contact is
+    /// longer, in units of the radius of any of its objects. 0 in scenes without such cohesion.
+    pub(crate) fn neck(&self) -> f64 {
+        if self.settings.contact_law != ContactLaw::HertzMindlin {
+            return 0.0;
+        }
+        let numbers = 1..=self.materials().len() as u16;
+        let pairs = numbers.clone().flat_map(|one| numbers.clone().map(move |other| (one, other)));
+        let greatest = pairs.filter_map(|(one, other)| self.neck_constant(one, other)).fold(0.0, f64::max);
+        if greatest == 0.0 {
+            return 0.0;
+        }
+        let radii = self.spheres().iter().map(|sphere| sphere.radius).chain(self.rods().iter().map(|rod| rod.radius));
+        let smallest = radii.filter(|radius| *radius > 0.0).map(f64::from).fold(f64::INFINITY, f64::min);
+        3.0 * greatest.powi(2) * smallest.powf(-2.0 / 3.0)
+    }
+
     /// Constants of a pair of numbers of materials for the law of the scene: normal, tangential, damping, friction;
-    /// rolling friction, rolling damping (negative for the model of constant torque), twisting friction, pull-off force per R*. 0 where
-    /// the law has no constants for the pair.
+    /// rolling friction, rolling damping (negative for the model of constant torque), twisting friction, cohesion (see
+    /// [`PAIR_WORDS`](crate::model::layout::PAIR_WORDS)). 0 where the law has no constants for the pair.
     pub(crate) fn law_constants(&self, one: u16, other: u16, dampings: &mut Dampings) -> [f32; 8] {
         let law = self.settings.contact_law;
         let pair = self.pair_of_numbers(one, other);
@@ -103,20 +165,29 @@ impl Scene {
                 None => pair.characteristic_velocity.zip(self.moduli(one, other)).map(|(speed, [young, _])| [-young, speed]),
             },
             ContactLaw::HertzMindlin => self.moduli(one, other),
+            ContactLaw::User => Some(self.moduli(one, other).unwrap_or_default()),
         };
         let Some([normal, tangential]) = known else {
             return [0.0; 8];
         };
         let restitution = pair.restitution.unwrap_or(self.settings.restitution);
+        // The law of the program has a damping of its own.
+        let damping = if law == ContactLaw::User { 0.0 } else { dampings.of(law, restitution) };
         let friction = pair.friction.unwrap_or(self.settings.coulomb_friction);
         let rolling_damping = match pair.rolling_model.unwrap_or_default() {
             RollingModel::SpringDashpot => pair.rolling_damping.unwrap_or(ROLLING_DAMPING),
             RollingModel::ConstantTorque => -1.0,
         };
         // DMT: 4 pi gamma R*.
-        let cohesion = 4.0 * std::f32::consts::PI * pair.surface_energy.unwrap_or_default();
+        let of_dmt = || 4.0 * std::f32::consts::PI * pair.surface_energy.unwrap_or_default();
+        let cohesion = self.neck_constant(one, other).map_or_else(of_dmt, |constant| -constant as f32);
         let [rolling, twisting] = [pair.rolling_friction, pair.twisting_friction].map(Option::unwrap_or_default);
-        [normal, tangential, dampings.of(law, restitution), friction, rolling, rolling_damping, twisting, cohesion]
+        [normal, tangential, damping, friction, rolling, rolling_damping, twisting, cohesion]
+    }
+
+    /// Names of the materials.
+    pub(crate) fn material_names(&self) -> Vec<&str> {
+        self.materials().iter().map(|material| material.name.as_str()).collect()
     }
 
     /// Normal stiffness of the law `linear` for two materials, from R* and m*.

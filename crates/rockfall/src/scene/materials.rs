@@ -107,9 +107,11 @@ pub struct Pair {
     pub rolling_damping: Option<f32>,
     /// Coefficient of twisting friction of the laws with history, without a unit, not negative.
     pub twisting_friction: Option<f32>,
-    /// Surface energy gamma of the laws with history, in mass/s² (J/m²), not negative: objects in contact attract each other with the
-    /// force 4 pi gamma R* (docs/physics.md section 4.13).
+    /// Surface energy gamma of the laws with history, in mass/s² (J/m²), not negative: objects in contact attract each other
+    /// (docs/physics.md section 4.13).
     pub surface_energy: Option<f32>,
+    /// Model of the attraction; [`CohesionModel::Dmt`] where it is `None`.
+    pub cohesion: Option<CohesionModel>,
 }
 
 /// Model of the resistance to rolling (docs/physics.md section 4.12).
@@ -140,6 +142,40 @@ impl FromStr for RollingModel {
             "a" => Ok(Self::ConstantTorque),
             "c" => Ok(Self::SpringDashpot),
             _ => Err(Error::Invalid { field: "pair.rolling_model", value: quoted(text), expected: "a or c" }),
+        }
+    }
+}
+
+/// Model of the attraction in contacts (docs/physics.md section 4.13).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum CohesionModel {
+    /// `dmt` (Derjaguin, Muller and Toporov): a constant force 4 pi gamma R* while two objects overlap. It suits small and hard
+    /// bodies.
+    #[default]
+    Dmt,
+    /// `jkr` (Johnson, Kendall and Roberts): a neck that sticks until the objects are apart by a short distance. It takes a
+    /// force of 3 pi gamma R* to pull them apart. It suits large and soft bodies, and needs the law `hertz-mindlin`.
+    Jkr,
+}
+
+impl fmt::Display for CohesionModel {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Dmt => "dmt",
+            Self::Jkr => "jkr",
+        })
+    }
+}
+
+impl FromStr for CohesionModel {
+    type Err = Error;
+
+    fn from_str(text: &str) -> Result<Self> {
+        match text {
+            "dmt" => Ok(Self::Dmt),
+            "jkr" => Ok(Self::Jkr),
+            _ => Err(Error::Invalid { field: "pair.cohesion", value: quoted(text), expected: "dmt or jkr" }),
         }
     }
 }
@@ -199,9 +235,15 @@ impl Pair {
         self
     }
 
+    /// Sets the model of the attraction.
+    pub fn cohesion(mut self, cohesion: CohesionModel) -> Self {
+        self.cohesion = Some(cohesion);
+        self
+    }
+
     /// Name in scene files of the model of rolling resistance, which is a word.
     pub(crate) const MODEL: &'static str = "rolling_model";
-    /// Name in scene files of the model of cohesion. There is one, `dmt`.
+    /// Name in scene files of the model of cohesion, which is a word.
     pub(crate) const COHESION: &'static str = "cohesion";
 
     /// Names of the properties in scene files: `@pair NAME NAME restitution=e friction=mu ...`.
@@ -264,6 +306,10 @@ impl Pair {
             rolling_damping: mean(one.rolling_damping, other.rolling_damping, geometric_mean),
             twisting_friction: mean(one.twisting_friction, other.twisting_friction, geometric_mean),
             surface_energy: mean(one.surface_energy, other.surface_energy, geometric_mean),
+            cohesion: match (one.cohesion, other.cohesion) {
+                (Some(one), Some(other)) if one != other => Some(CohesionModel::Dmt),
+                (one, other) => one.or(other),
+            },
         }
     }
 
@@ -279,6 +325,7 @@ impl Pair {
             rolling_damping: self.rolling_damping.or(other.rolling_damping),
             twisting_friction: self.twisting_friction.or(other.twisting_friction),
             surface_energy: self.surface_energy.or(other.surface_energy),
+            cohesion: self.cohesion.or(other.cohesion),
         }
     }
 }

@@ -124,6 +124,9 @@ impl Writer<'_> {
             if let Some(model) = pair.rolling_model {
                 let _ = write!(self.text, " {}={model}", Pair::MODEL);
             }
+            if let Some(model) = pair.cohesion {
+                let _ = write!(self.text, " {}={model}", Pair::COHESION);
+            }
             self.constants(&Pair::KEYS, |key| copy.property(key).copied().flatten());
         }
     }

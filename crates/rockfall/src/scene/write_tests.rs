@@ -4,7 +4,7 @@ use proptest::prelude::*;
 
 use super::*;
 use crate::generate::Kind;
-use crate::scene::{Capsule, Cuboid, Polygon, Spring, Tether};
+use crate::scene::{Capsule, CohesionModel, Cuboid, Polygon, Spring, Tether};
 
 fn read(text: &str) -> Scene {
     let loaded = Scene::parse(text, Path::new("written")).unwrap_or_else(|error| panic!("{error}\n{text}"));
@@ -268,6 +268,7 @@ fn build(additions: Vec<Addition>) -> Scene {
                         rolling_damping,
                         twisting_friction,
                         surface_energy,
+                        cohesion: [None, Some(CohesionModel::Dmt), Some(CohesionModel::Jkr)][other % 3],
                         characteristic_velocity: stiffness,
                         ..Pair::default()
                     };

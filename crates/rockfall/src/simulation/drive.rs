@@ -19,6 +19,8 @@ use crate::step::schedule::Phase;
 
 /// Number of steps after which lookahead and interval are adapted.
 const BATCH: u64 = 32;
+/// The same in a trial of exact lists.
+const BATCH_OF_EXACT: u64 = 8;
 /// In small scenes, where a change of the interval has a large effect: the least number of list intervals after which lookahead
 /// and interval are adapted.
 const BATCH_OF_SMALL: u64 = 16;
@@ -47,6 +49,16 @@ const NEAR_STEP: f32 = 0.5;
 /// [`Phase::STEP`]. AABBs and lists are rebuilt only if some body requests it (`rebuild`).
 pub(super) const COLLISIONS_FIRST: [Phase; 4] =
     [Phase::HandleCollisions, Phase::UpdateAabbs, Phase::BroadPhase, Phase::UpdatePositions];
+/// A whole step with exact lists, which are built before the collisions and again after them. The second time the stages return at
+/// once unless an impulse has moved a sphere.
+pub(super) const WITH_EXACT_LISTS: [Phase; 6] = [
+    Phase::UpdateAabbs,
+    Phase::BroadPhase,
+    Phase::HandleCollisions,
+    Phase::UpdateAabbs,
+    Phase::BroadPhase,
+    Phase::UpdatePositions,
+];
 /// The same with collisions switched off and without friction impulses, which the collision phase also applies.
 pub(super) const WITHOUT_COLLISIONS: [Phase; 3] = [Phase::UpdateAabbs, Phase::BroadPhase, Phase::UpdatePositions];
 
@@ -95,6 +107,8 @@ impl Simulation {
         let mut attempts = 0;
         while left > 0 {
             self.keep_order().await?;
+            let phases = self.phases_for_lists(phases);
+            let was_exact = self.world.step.has_exact_lists();
             let overdue = self.overdue(phases);
             let all: Vec<Phase> = overdue.iter().chain(phases).copied().collect();
             // Overdue phases run once, not in every step.
@@ -103,10 +117,13 @@ impl Simulation {
             left -= done;
             attempts = if done > 0 { 0 } else { attempts + 1 };
             self.note_lists(&all, done);
+            self.note_end_of_exact_lists(was_exact);
             if self.status.rejected & REJECTED_HISTORY != 0 {
                 self.grow_histories().await?;
             }
-            self.handle_rejection(attempts)?;
+            if let Err(error) = self.handle_rejection(attempts) {
+                return Err(self.blame_law(error).await);
+            }
         }
         Ok(())
     }
@@ -133,7 +150,8 @@ impl Simulation {
         if !self.engine.dispatches() {
             return 0.0;
         }
-        let making = Phase::STEP.into_iter().filter(|phase| phase.makes_lists());
+        let phases = if self.world.step.has_exact_lists() { &WITH_EXACT_LISTS[..] } else { &Phase::STEP };
+        let making = phases.iter().filter(|phase| phase.makes_lists());
         let runs = making.flat_map(|phase| phase.stages(self.options.integrator, self.broad_phase_method()));
         runs.filter(|run| run.workgroups(&self.world.step) > 0).count() as f32 / self.world.step.list_interval
     }
@@ -210,6 +228,10 @@ impl Simulation {
     /// margin.
     fn handle_escape(&mut self, escape: f32, attempts: u32) {
         let step = &mut self.world.step;
+        if step.has_exact_lists() {
+            // The step is repeated with new lists, which have the pairs of all present positions.
+            return;
+        }
         if self.interval.failed(step.list_interval as u32) {
             step.lookahead = self.lookahead.give_up().unwrap_or(step.lookahead);
             return;
@@ -258,10 +280,12 @@ impl Simulation {
             room_per_mover: Lookahead::room(words_of_rows(step.pair_rows) as f32 / movers, step.rods > 0),
             movers,
             has_rods: step.rods > 0,
+            may_be_exact: self.may_have_exact_lists(),
+            are_exact: step.has_exact_lists(),
             dispatches: self.list_dispatches(),
         };
         self.world.step.lookahead = self.lookahead.after(&seen, self.broad_phase_method());
-        if self.interval.lasted() {
+        if !self.world.step.has_exact_lists() && self.interval.lasted() {
             self.lookahead.hurry();
         }
         self.window.restart();
@@ -270,7 +294,7 @@ impl Simulation {
     /// Number of steps of a window.
     fn batch(&self) -> u64 {
         if !is_small(&self.world.step) {
-            return BATCH;
+            return if self.lookahead.changes_exactness() { BATCH_OF_EXACT } else { BATCH };
         }
         BATCH.max(BATCH_OF_SMALL * u64::from(self.list_interval(true)))
     }

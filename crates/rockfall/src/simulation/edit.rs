@@ -10,6 +10,7 @@ use crate::scene::{
     Spring, SpringId, Tether, TetherId, finite,
 };
 use crate::simulation::order::Disorder;
+use crate::simulation::rates::put_rates;
 use crate::simulation::springs::put_springs;
 use crate::simulation::{Simulation, engine, ids_of, pack};
 
@@ -215,7 +216,7 @@ impl Simulation {
             return Ok(());
         }
         if self.dirty != Dirty::Clean {
-            self.scene.check_contact_law(self.options.integrator)?;
+            self.check_contact_law()?;
         }
         if self.dirty == Dirty::Everything || !self.edits.is_empty() {
             self.pull().await?;
@@ -234,12 +235,17 @@ impl Simulation {
         }
         match std::mem::replace(&mut self.dirty, Dirty::Clean) {
             Dirty::Everything => {
-                self.rebuild(&springs)?;
+                self.rebuild(&springs, &[])?;
                 self.mark_state_edited();
             }
             Dirty::Topology => {
+                let neck = self.world.step.neck;
                 self.world.set_topology(&self.scene)?;
+                // AABBs grow by the length of necks.
+                self.aabbs_due |= neck != self.world.step.neck;
+                self.lists_due |= neck != self.world.step.neck;
                 self.engine.upload_topology(&self.world)?;
+                self.status.forces_due = 1;
             }
             Dirty::Clean => {}
         }
@@ -251,8 +257,8 @@ impl Simulation {
         Ok(())
     }
 
-    /// Packs the scene again, with the springs of contacts. The lists keep their capacity.
-    pub(super) fn rebuild(&mut self, springs: &[KeptSpring]) -> Result<()> {
+    /// Packs the scene again, with the springs of contacts and the rates of velocity Verlet, if known. The lists keep their capacity.
+    pub(super) fn rebuild(&mut self, springs: &[KeptSpring], rates: &[[f32; 6]]) -> Result<()> {
         let old = &self.world.step;
         let (flags, dt, rows) = (old.flags, old.dt, old.pair_rows);
         let (margin_scale, lookahead) = (old.margin_scale, old.lookahead);
@@ -263,6 +269,8 @@ impl Simulation {
         self.world.step.lookahead = lookahead;
         self.world.set_pair_room(rows);
         put_springs(&mut self.world, &self.scene, springs);
+        put_rates(&mut self.world, rates);
+        self.status.forces_due = self.world.status.forces_due;
         self.engine.complete(&mut self.world);
         self.packed_ids = ids_of(&self.scene);
         self.packed = self.scene.sphere_ids().collect();
@@ -277,6 +285,7 @@ impl Simulation {
 
     pub(super) fn mark_state_edited(&mut self) {
         self.status.lengths_due = 1;
+        self.status.forces_due = 1;
         self.aabbs_due = true;
         self.lists_due = true;
         self.has_stages = false;

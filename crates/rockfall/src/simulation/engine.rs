@@ -13,6 +13,7 @@ use crate::options::{Backend, BackendInfo, Options};
 use crate::profile::Recorder;
 use crate::step::fused::small_positions::{stages_before, update_positions};
 use crate::step::schedule::Run;
+use crate::user_laws::set::UserLaws;
 
 #[cfg(feature = "gpu")]
 use crate::exec::gpu::{Gpu, GpuWorld, Mapped};
@@ -117,6 +118,11 @@ impl Engine {
             #[cfg(feature = "gpu")]
             Self::Gpu(gpu) => Some(gpu.gpu().device().clone()),
         }
+    }
+
+    /// Checks that this backend can evaluate the program's laws.
+    pub(super) fn check_laws(&self, laws: &UserLaws) -> Result<()> {
+        on_gpu!(self, laws, _gpu => laws.kernel_text().map(drop)?)
     }
 
     /// Whether a stage costs a dispatch even when it has no work.
@@ -229,6 +235,11 @@ impl Engine {
         on_gpu!(self, world, gpu => gpu.download(world, &[Buffer::Histories]).await?)
     }
 
+    /// Reads the rates of velocity Verlet back into `world`.
+    pub(super) async fn download_rates(&mut self, world: &mut World) -> Result<()> {
+        on_gpu!(self, world, gpu => gpu.download(world, &[Buffer::Rates]).await?)
+    }
+
     /// Reads the state of the spheres back into `world`.
     pub(super) async fn download_spheres(&mut self, world: &mut World) -> Result<()> {
         on_gpu!(self, world, gpu => gpu.download(world, &[Buffer::Start, Buffer::Orientations]).await?)
@@ -267,6 +278,9 @@ fn run_on_cpu(world: &mut World, stages: &[Run], steps: Range<u32>, recorder: Op
             }
             if world.status.rejected != 0 {
                 break;
+            }
+            if let Some(rest) = &mut world.rest {
+                rest.note(&world.states[0]);
             }
         }
     });

@@ -48,6 +48,7 @@ impl Simulation {
         let submission = self.gpu_world()?.write_table(table, from)?;
         if table == Table::Forces {
             self.forces_synced = false;
+            self.status.forces_due = 1;
         } else {
             self.synced = false;
             self.mark_state_edited();

@@ -11,7 +11,7 @@ use crate::model::status::{Counters, NO_BODY, REBUILD_REQUESTED, Status};
 use crate::options::Optimization;
 use crate::profile::Recorder;
 use crate::simulation::Simulation;
-use crate::simulation::drive::{COLLISIONS_FIRST, WITHOUT_COLLISIONS};
+use crate::simulation::drive::{COLLISIONS_FIRST, WITH_EXACT_LISTS, WITHOUT_COLLISIONS};
 use crate::simulation::engine::PendingStatus;
 use crate::step::fused::run_steps::is_small;
 use crate::step::schedule::{Phase, Run};
@@ -50,7 +50,10 @@ struct PhaseRun<'a> {
 impl Simulation {
     /// Runs phases up to `most` times, until a step is rejected. Returns how many times they were done.
     pub(super) async fn stretch(&mut self, phases: &[Phase], most: u64, mut recorder: Option<&mut Recorder>) -> Result<u64> {
-        let is_step = phases.starts_with(&COLLISIONS_FIRST) || phases.starts_with(&WITHOUT_COLLISIONS);
+        let is_exact = self.world.step.has_exact_lists();
+        let is_step = phases.starts_with(&COLLISIONS_FIRST)
+            || phases.starts_with(&WITHOUT_COLLISIONS)
+            || (is_exact && phases == WITH_EXACT_LISTS);
         let mut stretch = PhaseRun { phases, is_step, interval: 1, since: 0 };
         self.begin(&stretch)?;
         // Timing the stages of a portion requires waiting for it.
@@ -59,7 +62,9 @@ impl Simulation {
         let mut in_flight = VecDeque::with_capacity(depth);
         let (mut submitted, mut done) = (0, 0);
         loop {
-            while self.status.rejected == 0 && submitted < most && in_flight.len() < depth {
+            // With and without exact lists a step has other phases.
+            let has_changed = self.world.step.has_exact_lists() != is_exact;
+            while self.status.rejected == 0 && !has_changed && submitted < most && in_flight.len() < depth {
                 let steps = self.portion().min(most - submitted);
                 in_flight.push_back(self.submit(&mut stretch, steps, recorder.as_deref_mut()).await?);
                 submitted += steps;
@@ -102,7 +107,8 @@ impl Simulation {
         step.list_interval = interval as f32;
         step.flags = step.flags & !FLAG_STAGES | if self.has_stages { FLAG_STAGES } else { 0 };
         // If phases run one by one, impulses may follow the lists and reverse the motion of a body at once.
-        step.lead = if stretch.is_step && self.options.uses(Optimization::Lead) { LEAD } else { 0.0 };
+        let has_lead = stretch.is_step && !step.has_exact_lists();
+        step.lead = if has_lead && self.options.uses(Optimization::Lead) { LEAD } else { 0.0 };
         self.synced = false;
         let range = stretch.since..stretch.since + steps as u32;
         stretch.since = range.end % interval;

@@ -14,8 +14,10 @@ use crate::simulation::edit::Dirty;
 use crate::simulation::engine::Engine;
 use crate::simulation::lookahead::Lookahead;
 use crate::simulation::order::Disorder;
+use crate::simulation::rates::put_rates;
 use crate::simulation::springs::put_springs;
-use crate::simulation::{Simulation, engine, prepare};
+use crate::simulation::{Simulation, check_contact_law, engine, prepare};
+use crate::user_laws::set::UserLaws;
 
 impl Simulation {
     /// Takes a checkpoint, which holds everything that determines the following steps. Taking it does not change those steps.
@@ -42,6 +44,7 @@ impl Simulation {
         }
         self.sync_async().await?;
         let springs = self.springs().await?;
+        let rates = self.rates().await?;
         let step = &self.world.step;
         Ok(Checkpoint {
             scene: self.scene.clone(),
@@ -58,10 +61,14 @@ impl Simulation {
             history: History {
                 lengths_due: self.status.lengths_due != 0,
                 margin_scale: step.margin_scale,
-                lookahead: step.lookahead,
+                // Exact lists are found again by a trial.
+                lookahead: step.lookahead.max(1.0),
                 clock: self.muscle_clock,
             },
             springs,
+            rates,
+            kept_laws: Vec::new(),
+            kept_contact_law: None,
         })
     }
 
@@ -78,7 +85,9 @@ impl Simulation {
     /// rebuilt.
     ///
     /// # Errors
-    /// As for [`Simulation::with_options`]. [`Error::NoAdapter`] when the checkpoint ran on a GPU and there is none.
+    /// As for [`Simulation::with_options`]. [`Error::NoAdapter`] when the checkpoint ran on a GPU and there is none. [`Error::Law`]
+    /// when the checkpoint lacks a law that the simulation had ([`Checkpoint::give_force_law`],
+    /// [`Checkpoint::give_contact_force_law`]).
     #[cfg(not(target_family = "wasm"))]
     pub fn resume(checkpoint: Checkpoint) -> Result<Self> {
         engine::block_on(None, Self::resume_async(checkpoint))
@@ -89,8 +98,10 @@ impl Simulation {
     /// # Errors
     /// As for [`Simulation::resume`].
     pub async fn resume_async(checkpoint: Checkpoint) -> Result<Self> {
+        checkpoint.check_laws()?;
         let mut world = prepare(&checkpoint.scene, &checkpoint.options)?;
         put_springs(&mut world, &checkpoint.scene, &checkpoint.springs);
+        put_rates(&mut world, &checkpoint.rates);
         let (engine, info) = Engine::open(&checkpoint.options, &world).await?;
         let simulation = Self::assemble(checkpoint.scene, checkpoint.options, world, engine, info);
         Ok(simulation.with_history(checkpoint.time_step, checkpoint.report, checkpoint.history))
@@ -102,37 +113,50 @@ impl Simulation {
     /// As for [`Simulation::on_device`].
     #[cfg(feature = "gpu")]
     pub fn resume_on_device(checkpoint: Checkpoint, device: &wgpu::Device, queue: &wgpu::Queue) -> Result<Self> {
-        let springs = &checkpoint.springs;
-        let simulation = Self::on_device_as_is(checkpoint.scene, checkpoint.options, springs, device, queue)?;
+        checkpoint.check_laws()?;
+        let (springs, rates) = (&checkpoint.springs, &checkpoint.rates);
+        let simulation = Self::on_device_as_is(checkpoint.scene, checkpoint.options, springs, rates, device, queue)?;
         Ok(simulation.with_history(checkpoint.time_step, checkpoint.report, checkpoint.history))
     }
 
     /// [`Simulation::resume`] on a GPU that others share.
     #[cfg(all(feature = "gpu", not(target_family = "wasm")))]
     pub(crate) fn resume_on_gpu(checkpoint: Checkpoint, gpu: &Gpu, info: &BackendInfo) -> Result<Self> {
+        checkpoint.check_laws()?;
         let options = Options { backend: info.kind, ..checkpoint.options };
-        let simulation = Self::on_gpu(checkpoint.scene, options, gpu, info)?;
+        let mut world = prepare(&checkpoint.scene, &options)?;
+        put_springs(&mut world, &checkpoint.scene, &checkpoint.springs);
+        put_rates(&mut world, &checkpoint.rates);
+        let engine = Engine::on(gpu, &options, &world)?;
+        let simulation = Self::assemble(checkpoint.scene, options, world, engine, info.clone());
         Ok(simulation.with_history(checkpoint.time_step, checkpoint.report, checkpoint.history))
     }
 
     /// Replaces the state by that of a checkpoint, without opening a device again. Handles of the simulation that took the
     /// checkpoint are valid afterwards.
-    /// The objects, the constants and the [`Report`](crate::Report) become those of the checkpoint. The backend and the
+    /// The objects, the constants, the parameters of laws and the [`Report`](crate::Report) become those of the checkpoint. The backend and the
     /// [`Options`] stay; the options in the checkpoint are ignored. The following steps are bitwise identical to those of a
     /// simulation that was resumed from the checkpoint with these options.
     ///
     /// # Errors
     /// [`Error::Invalid`] for settings that are not allowed, [`Error::Device`] when the GPU fails, [`Error::DeviceLimit`] when
-    /// the scene is too large.
+    /// the scene is too large, [`Error::Law`] when the laws of the simulation are not those of the checkpoint.
     pub fn restore(&mut self, checkpoint: &Checkpoint) -> Result<()> {
         checkpoint.scene.settings.validate()?;
-        checkpoint.scene.check_contact_law(self.options.integrator)?;
+        let forces = checkpoint.restored_laws(&self.options.force_laws)?;
+        let contact = checkpoint.restored_contact_law(self.options.contact_force_law.as_ref())?;
+        check_contact_law(&checkpoint.scene, self.options.integrator, contact.as_ref())?;
+        // The contact law may name materials of the checkpoint.
+        let laws = UserLaws::new(&forces, contact.as_ref())?;
+        laws.values(&checkpoint.scene.material_names())?;
+        self.engine.check_laws(&laws)?;
+        self.put_laws(laws, forces, contact);
         // `rebuild` packs the scene, and the state on the device is replaced, so nothing has to be read back or applied.
         (self.dirty, self.synced, self.forces_synced) = (Dirty::Clean, true, true);
         self.edits.clear();
         self.scene = checkpoint.scene.clone();
         self.apply_history(checkpoint.time_step, checkpoint.report, checkpoint.history);
-        self.rebuild(&checkpoint.springs)?;
+        self.rebuild(&checkpoint.springs, &checkpoint.rates)?;
         self.status.collided = 0;
         Ok(())
     }
@@ -148,6 +172,7 @@ impl Simulation {
         self.report = report;
         self.muscle_clock = history.clock;
         self.status.lengths_due = u32::from(history.lengths_due);
+        self.status.forces_due = self.world.status.forces_due;
         self.world.step.margin_scale = history.margin_scale;
         self.world.step.lookahead = history.lookahead;
         self.lookahead = Lookahead::from_steps(history.lookahead);

@@ -1,6 +1,8 @@
 //! Chooses how many steps ahead AABBs and lists are built. The number is found by trials that count work and do not measure
 //! time, so that a run can be reproduced.
 //!
+//! 0 steps stands for exact lists (see `simulation/exact.rs`).
+//!
 //! Lists for more steps are rebuilt more rarely, but they are longer and so cost more in every step. Which effect is stronger
 //! depends on how the bodies move. Lists hardly last while bodies fly about; nearly all lists last while bodies are at rest.
 
@@ -8,6 +10,13 @@ use crate::settings::BroadPhase;
 
 /// Maximum number of steps ahead. Results do not depend on it.
 const MOST: f32 = 32.0;
+/// Number of steps of a trial that follows exact lists. Lists for one or two steps are seldom cheaper than exact lists,
+/// even where lists for more steps are.
+const AFTER_EXACT: f32 = 4.0;
+/// If lists are rebuilt in more than this fraction of the steps, exact lists are tried before longer ones.
+const OFTEN: f32 = 0.8;
+/// Exact lists that did not pay are tried again when the cost of a step exceeds their cost then by this factor.
+const GROWN: f32 = 1.15;
 /// A trial is kept if it lowers the cost of a step to less than this fraction.
 const WORTH: f32 = 0.97;
 /// If lists are rebuilt more than this many times as often as intended, the lookahead becomes the number of steps that they
@@ -30,6 +39,10 @@ const LONGEST_PAUSE: u32 = 8;
 const BUILD: f32 = 0.2;
 /// Finding one entry.
 const FIND: f32 = 0.04;
+/// Rebuilding an exact list, regardless of its length, and finding one of its entries: AABBs and cells are smaller.
+const BUILD_EXACT: f32 = 0.1;
+/// See [`BUILD_EXACT`].
+const FIND_EXACT: f32 = 0.017;
 /// Reading one entry in all stages of a step.
 const LOOK: f32 = 0.008;
 /// Repeating a rejected step and the steps submitted after it, about three steps in all.
@@ -63,6 +76,10 @@ pub(super) struct Lists {
     /// Number of spheres and rods.
     pub(super) movers: f32,
     pub(super) has_rods: bool,
+    /// Whether lists may be exact.
+    pub(super) may_be_exact: bool,
+    /// Whether lists were exact.
+    pub(super) are_exact: bool,
     /// Dispatches per step that rebuild lists or check whether to; 0 on the CPU.
     pub(super) dispatches: f32,
 }
@@ -84,7 +101,8 @@ impl Lists {
         };
         let wait = WAIT + self.builds_per_step * WAIT_TO_FIND;
         let alone = if self.dispatches > 0.0 { DISPATCH * self.dispatches + wait * self.words_per_mover } else { 0.0 };
-        self.builds_per_step * (BUILD + search + FIND * self.words_per_mover)
+        let (build, find) = if self.are_exact { (BUILD_EXACT, FIND_EXACT) } else { (BUILD, FIND) };
+        self.builds_per_step * (build + search + find * self.words_per_mover)
             + LOOK * self.words_per_mover
             + REJECTION * self.rejections_per_step
             + alone / self.movers
@@ -99,6 +117,8 @@ pub(super) struct Lookahead {
     factor: f32,
     /// Number of steps and their cost before the current trial; `None` if no trial is under way.
     before: Option<(f32, f32)>,
+    /// Cost of a step with exact lists when they were last used and did not pay any more.
+    exact_cost: Option<f32>,
     /// Batches until the next trial.
     wait: u32,
     /// Length of the next pause between trials, in batches.
@@ -107,7 +127,7 @@ pub(super) struct Lookahead {
 
 impl Default for Lookahead {
     fn default() -> Self {
-        Self { steps: 1.0, factor: 2.0, before: None, wait: 1, pause: 1 }
+        Self { steps: 1.0, factor: 2.0, before: None, exact_cost: None, wait: 1, pause: 1 }
     }
 }
 
@@ -121,24 +141,45 @@ impl Lookahead {
     pub(super) fn after(&mut self, seen: &Lists, method: BroadPhase) -> f32 {
         let cost = seen.cost(method);
         match self.before.take() {
-            _ if seen.builds_per_step * self.steps > SHORT_LIVED => {
+            // After exact lists, the cost decides.
+            before if seen.builds_per_step * self.steps > SHORT_LIVED && before.is_none_or(|(steps, _)| steps > 0.0) => {
                 self.steps = (1.0 / seen.builds_per_step).max(1.0);
                 self.factor = 2.0;
                 self.rest();
             }
-            Some((_, before)) if cost < WORTH * before => {
+            Some((steps, before)) if cost < WORTH * before => {
+                if steps == 0.0 {
+                    self.exact_cost = Some(before);
+                }
                 self.pause = 1;
-                self.begin_trial(cost, seen.may_double(self.steps));
+                self.begin_trial(cost, seen);
             }
             Some((steps, _)) => {
+                if seen.are_exact {
+                    self.exact_cost = Some(cost);
+                }
                 self.steps = steps;
                 self.factor = 1.0 / self.factor;
                 self.rest();
             }
+            None if self.exact_lists_may_pay(seen, cost) => {
+                (self.before, self.factor, self.steps) = (Some((self.steps, cost)), 0.5, 0.0);
+            }
             None if self.wait > 0 => self.wait -= 1,
-            None => self.begin_trial(cost, seen.may_double(self.steps)),
+            None => self.begin_trial(cost, seen),
         }
         self.steps
+    }
+
+    /// Whether exact lists are to be tried although no trial is due.
+    fn exact_lists_may_pay(&self, seen: &Lists, cost: f32) -> bool {
+        seen.may_be_exact && !seen.are_exact && self.exact_cost.is_some_and(|before| cost > GROWN * before)
+    }
+
+    /// Whether exact lists are being tried, or others in place of them. Such a trial can be short: the costs differ by much, and a
+    /// trial of the wrong kind is expensive.
+    pub(super) fn changes_exactness(&self) -> bool {
+        self.before.is_some_and(|(steps, _)| (steps == 0.0) != (self.steps == 0.0))
     }
 
     /// Words per mover that lists may take if memory holds `capacity` words per mover.
@@ -152,10 +193,11 @@ impl Lookahead {
         if self.steps <= 1.0 || words_per_mover <= long(has_rods) {
             return None;
         }
-        self.before = None;
+        let before = self.before.take();
         self.factor = 2.0;
         self.rest();
-        self.steps = (0.5 * self.steps).max(1.0);
+        // A trial after exact lists ends.
+        self.steps = if before.is_some_and(|(steps, _)| steps == 0.0) { 0.0 } else { (0.5 * self.steps).max(1.0) };
         Some(self.steps)
     }
 
@@ -181,9 +223,21 @@ impl Lookahead {
         self.pause = (2 * self.pause).min(LONGEST_PAUSE);
     }
 
-    fn begin_trial(&mut self, cost: f32, has_room: bool) {
-        let tried = (self.steps * self.factor).clamp(1.0, MOST);
-        if tried == self.steps || (tried > self.steps && !has_room) {
+    /// Number of steps of the next trial.
+    fn next(&self, may_be_exact: bool) -> f32 {
+        match self.factor > 1.0 {
+            true if self.steps == 0.0 => AFTER_EXACT,
+            false if self.steps == 0.0 || (self.steps == 1.0 && may_be_exact) => 0.0,
+            _ => (self.steps * self.factor).clamp(1.0, MOST),
+        }
+    }
+
+    fn begin_trial(&mut self, cost: f32, seen: &Lists) {
+        if self.steps == 1.0 && self.pause == 1 && seen.may_be_exact && seen.builds_per_step > OFTEN {
+            self.factor = 0.5;
+        }
+        let tried = self.next(seen.may_be_exact);
+        if tried == self.steps || (tried > self.steps && !seen.may_double(self.steps)) {
             // The limit is reached, so the next trial goes the other way.
             self.factor = 1.0 / self.factor;
             self.wait = self.pause;
@@ -206,6 +260,8 @@ mod tests {
         room_per_mover: 50.0,
         movers: 1e6,
         has_rods: false,
+        may_be_exact: false,
+        are_exact: false,
         dispatches: 0.0,
     };
 
@@ -243,6 +299,52 @@ mod tests {
         assert_eq!(lookahead.after(&seen, BroadPhase::Grid), 2.0, "that is nearly as often as intended");
     }
 
+    /// Words and rebuilds per step at a lookahead.
+    fn lists_at(steps: f32, words: f32, builds: f32) -> Lists {
+        Lists { words_per_mover: words, builds_per_step: builds, may_be_exact: true, are_exact: steps == 0.0, ..SEEN }
+    }
+
+    #[test]
+    fn exact_lists_are_kept_while_lists_do_not_last() {
+        let fall = |steps: f32| if steps == 0.0 { lists_at(steps, 6.0, 2.0) } else { lists_at(steps, 20.0 + 4.0 * steps, 1.0) };
+        let rest = |steps: f32| {
+            if steps == 0.0 { lists_at(steps, 6.0, 1.0) } else { lists_at(steps, 10.0 + 0.02 * steps, 1.0 / steps) }
+        };
+        let mut lookahead = Lookahead::default();
+        let mut run = |batches: u32, lists: &dyn Fn(f32) -> Lists| -> Vec<f32> {
+            (0..batches)
+                .map(|_| {
+                    let seen = lists(lookahead.steps);
+                    lookahead.after(&seen, BroadPhase::Grid)
+                })
+                .collect()
+        };
+        let falling = run(200, &fall);
+        assert_eq!(falling[..2], [1.0, 0.0], "exact lists are the first trial");
+        assert!(share_at(&falling, 0.0) > 0.8, "{falling:?}");
+        let resting = run(200, &rest);
+        assert!(share_at(&resting, 32.0) > 0.8, "{resting:?}");
+        // Where exact lists did not pay, they are tried again as soon as the other lists become longer.
+        let begin = |steps: f32| if steps == 0.0 { lists_at(steps, 6.0, 2.0) } else { lists_at(steps, 3.0 + 3.0 * steps, 1.0) };
+        let mut lookahead = Lookahead::default();
+        for _ in 0..100 {
+            lookahead.after(&begin(lookahead.steps), BroadPhase::Grid);
+        }
+        let soon = (1..).find(|_| lookahead.after(&fall(lookahead.steps), BroadPhase::Grid) == 0.0);
+        assert!(soon < Some(3), "{soon:?}");
+        let mut lookahead = Lookahead::default();
+        let mut run = |batches: u32, lists: &dyn Fn(f32) -> Lists| -> Vec<f32> {
+            (0..batches)
+                .map(|_| {
+                    let seen = lists(lookahead.steps);
+                    lookahead.after(&seen, BroadPhase::Grid)
+                })
+                .collect()
+        };
+        let never = run(200, &|steps: f32| Lists { may_be_exact: false, ..fall(steps) });
+        assert!(never.iter().all(|steps| *steps >= 1.0), "{never:?}");
+    }
+
     #[test]
     fn bodies_at_rest_get_the_longest_lookahead() {
         let all = settled(200, |steps| 10.0 + 0.01 * steps, |steps| 1.0 / steps);
@@ -263,6 +365,8 @@ mod tests {
         assert_eq!(lookahead.shorter(100.0, true), Some(1.5));
         assert_eq!(lookahead.shorter(100.0, true), Some(1.0));
         assert_eq!(lookahead.shorter(100.0, true), None, "they are what one step needs");
+        let mut after_exact = Lookahead { steps: 4.0, before: Some((0.0, 1.0)), ..Lookahead::default() };
+        assert_eq!(after_exact.shorter(100.0, false), Some(0.0));
     }
 
     #[test]

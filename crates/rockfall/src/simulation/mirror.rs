@@ -50,6 +50,7 @@ impl Simulation {
             total_bad: before.total_bad.wrapping_add(done.bad),
             rejected: 0,
             lengths_due: 0,
+            forces_due: 1,
             ..before
         };
         self.book(done.steps.into(), &before);

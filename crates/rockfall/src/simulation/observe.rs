@@ -21,6 +21,7 @@ use crate::physics::forces::net_force::rod_loads;
 use crate::physics::forces::sphere_rates;
 use crate::physics::laws::contact::{LawForce, law_force, normal_energy};
 use crate::physics::laws::history::Histories;
+use crate::physics::laws::neck::contact;
 use crate::physics::side::side;
 use crate::physics::touch::{Touch, touch};
 use crate::scene::{BoxId, PolygonId, RodId, Scene, SphereId};
@@ -31,6 +32,7 @@ use crate::simulation::springs::put_springs;
 use crate::simulation::{Simulation, engine};
 use crate::step::forces::law_forces;
 use crate::step::schedule::Phase;
+use crate::user_laws::set::UserLaws;
 
 /// One of the two bodies of a contact.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -84,7 +86,7 @@ pub enum ContactAction {
     Force(Vec3),
 }
 
-/// Two bodies that overlap.
+/// Two bodies that overlap, or that a neck connects.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Contact {
@@ -96,7 +98,8 @@ pub struct Contact {
     pub point: Vec3,
     /// Unit normal from A to B.
     pub normal: Vec3,
-    /// Overlap depth, in units.
+    /// Overlap depth, in units. It is negative, the distance of the bodies, where a neck connects bodies that are apart
+    /// ([`CohesionModel::Jkr`](crate::CohesionModel::Jkr)).
     pub overlap: f32,
     /// Effect of the contact.
     pub action: ContactAction,
@@ -175,7 +178,10 @@ impl Simulation {
         let found: Vec<(Collision, ContactAction, Option<ContactSprings>)> = movers
             .into_par_iter()
             .flat_map_iter(|mover| {
-                let own = lists.row(mover).filter(move |entry| entry.id() > mover && entry.word & ENTRY_OVERLAPS != 0);
+                // A neck connects bodies that are apart, so that all entries count.
+                let has_necks = view.step.neck > 0.0;
+                let is_pressed = move |entry: &Entry| entry.word & ENTRY_OVERLAPS != 0 || has_necks;
+                let own = lists.row(mover).filter(move |entry| entry.id() > mover && is_pressed(entry));
                 own.filter_map(move |entry| action(&view, histories, impulses, mover, entry))
             })
             .collect();
@@ -205,11 +211,12 @@ impl Simulation {
             LAW_THESIS => (0..world.step.rods).flat_map(of_rod).flatten().map(|load| load.extend(0.0)).collect(),
             _ => world.wrenches.clone(),
         };
+        let histories = Histories::new(&world.step, &world.histories);
         let of_sphere = |sphere: u32| {
             let mut values = SphereDiagnostics::default();
             for entry in lists.row(sphere) {
                 let (a, b) = (sphere.min(entry.id()), sphere.max(entry.id()));
-                if let Some(touch) = touch(&view, a, b, entry.feature()) {
+                if let Some(touch) = contact(&view, &histories, a, b, entry.feature()) {
                     values.contacts += 1;
                     values.deepest_overlap = values.deepest_overlap.max(touch.overlap);
                 }
@@ -228,10 +235,11 @@ impl Simulation {
         let world = self.observed()?;
         let (view, lists) = view_and_lists(&world);
         let stiffness = f64::from(world.step.contact_force);
+        let histories = Histories::new(&world.step, &world.histories);
         let of_mover = |mover: u32| -> f64 {
             let own = lists.row(mover).filter(|entry| entry.id() > mover);
             own.filter_map(|entry| {
-                let touch = touch(&view, mover, entry.id(), entry.feature())?;
+                let touch = contact(&view, &histories, mover, entry.id(), entry.feature())?;
                 if view.step.law != LAW_THESIS {
                     return Some(normal_energy(&view, mover, entry.id(), &touch));
                 }
@@ -252,8 +260,11 @@ impl Simulation {
         let device = self.engine.waiter();
         let springs = engine::block_on(device, self.springs())?;
         let step = self.report.steps;
-        let mut world = observe(&self.scene, self.time_step, self.broad_phase_method(), step, &self.muscle_clock)?;
+        let mut world =
+            observe(&self.scene, self.time_step, self.broad_phase_method(), step, &self.muscle_clock, &self.world.user_laws)?;
         put_springs(&mut world, &self.scene, &springs);
+        // Springs that a step has advanced are shown as they are.
+        world.set_verlet(self.options.integrator == Integrator::VelocityVerlet);
         while world.step.law != LAW_THESIS {
             (law_forces::STAGE.cpu)(&mut world, 0);
             if world.status.rejected & REJECTED_HISTORY == 0 {
@@ -280,8 +291,15 @@ pub(crate) fn body(scene: &Scene, view: &View, id: u32) -> Body {
 }
 
 /// The state of a scene after `step` steps of `dt` seconds, with AABBs, lists and collision flags.
-pub(crate) fn observe(scene: &Scene, dt: f32, method: BroadPhase, step: u64, clock: &MuscleClock) -> Result<World> {
-    let mut world = World::build(scene)?;
+pub(crate) fn observe(
+    scene: &Scene,
+    dt: f32,
+    method: BroadPhase,
+    step: u64,
+    clock: &MuscleClock,
+    laws: &UserLaws,
+) -> Result<World> {
+    let mut world = World::build_with(scene, laws.clone())?;
     world.set_muscles(scene, clock);
     world.step.dt = dt;
     for attempts in 0..=MAX_ATTEMPTS {
@@ -334,7 +352,8 @@ fn deepest(scene: &Scene, world: &World, counts: impl Fn(&View, u32, Entry, &Tou
 }
 
 pub(crate) fn view_and_lists(world: &World) -> (View<'_>, Lists<'_>) {
-    let view = View::new(&world.step, &world.topology, &world.states[0]).at_evaluation(&world.status, 0);
+    let view =
+        View::new(&world.step, &world.topology, &world.states[0]).at_evaluation(&world.status, 0).with_laws(&world.user_laws);
     (view, Lists::new(&world.step, &world.lists))
 }
 
@@ -352,7 +371,9 @@ fn action(
     mover: u32,
     entry: Entry,
 ) -> Option<(Collision, ContactAction, Option<ContactSprings>)> {
-    let collision = Collision::between(view, mover, entry.id(), entry.feature())?;
+    let (a, b) = view.ordered(mover, entry.id());
+    let touch = contact(view, &histories, a, b, entry.feature())?;
+    let collision = Collision::with_touch(view, [a, b], entry.feature(), touch);
     // With a law that has no impulses, the force acts in collisions too.
     let has_impulses = view.step.law == LAW_THESIS || view.step.flags & FLAG_COLLISIONS != 0;
     if entry.word & ENTRY_COLLIDES != 0 && has_impulses {

@@ -86,7 +86,8 @@ impl Simulation {
             BroadPhase::SortAndSkip => {
                 self.pull().await?;
                 let springs = self.springs().await?;
-                self.rebuild(&springs)
+                let rates = self.rates().await?;
+                self.rebuild(&springs, &rates)
             }
             _ => Ok(()),
         }

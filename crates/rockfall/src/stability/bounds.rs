@@ -1,4 +1,7 @@
 //! The largest time steps that the integrators allow, for one oscillator and for a pile.
+//!
+//! Velocity Verlet has the bounds of symplectic Euler. Its velocities in the middle of the steps, with the positions, are the states of
+//! symplectic Euler (docs/physics.md section 5.7).
 
 use crate::settings::Integrator;
 
@@ -52,7 +55,7 @@ pub(super) fn crowd_steps(force: f64, damping: f64, integrator: Integrator, elas
     let linear = |eigenvalue: f64| largest_dt(eigenvalue * force, eigenvalue * damping, integrator);
     let closing = match integrator {
         Integrator::Rk4 => (REST_RK4 / force).sqrt(),
-        Integrator::SymplecticEuler => {
+        Integrator::SymplecticEuler | Integrator::VelocityVerlet => {
             let [base, slope] = REST_EULER;
             damped_bound(base, slope, force, damping).min(0.5 * REST_EULER_DAMPING / damping)
         }
@@ -72,7 +75,9 @@ pub(super) fn spring_steps(stiffness: f64, damping: f64, integrator: Integrator)
     let bounded = largest_dt(stiffness, damping, integrator);
     let rest = match integrator {
         Integrator::Rk4 => bounded,
-        Integrator::SymplecticEuler => bounded.min(damped_bound(SPRING_EULER, 2.0, stiffness, damping)),
+        Integrator::SymplecticEuler | Integrator::VelocityVerlet => {
+            bounded.min(damped_bound(SPRING_EULER, 2.0, stiffness, damping))
+        }
     };
     Steps { rest, bounded }
 }
@@ -104,7 +109,9 @@ fn largest_dt(stiffness: f64, damping: f64, integrator: Integrator) -> f64 {
             good
         }
         // dt² K + 2 dt C = 4, solved without cancellation.
-        Integrator::SymplecticEuler => EDGE_EULER / (damping + (damping * damping + EDGE_EULER * stiffness).sqrt()),
+        Integrator::SymplecticEuler | Integrator::VelocityVerlet => {
+            EDGE_EULER / (damping + (damping * damping + EDGE_EULER * stiffness).sqrt())
+        }
     }
 }
 
@@ -135,11 +142,18 @@ mod tests {
     fn amplitude(stiffness: f64, damping: f64, dt: f64, integrator: Integrator) -> f64 {
         let force = |x: f64, v: f64| -stiffness * x - damping * v;
         let (mut x, mut v) = (1.0, 0.3);
+        let mut rate = force(x, v);
         for _ in 0..4000 {
             match integrator {
                 Integrator::SymplecticEuler => {
                     v += dt * force(x, v);
                     x += dt * v;
+                }
+                Integrator::VelocityVerlet => {
+                    v += 0.5 * dt * rate;
+                    x += dt * v;
+                    rate = force(x, v);
+                    v += 0.5 * dt * rate;
                 }
                 Integrator::Rk4 => {
                     let slope = |x: f64, v: f64| (v, force(x, v));
@@ -170,7 +184,8 @@ mod tests {
             (100.0, 25.0, false),
         ];
         for (stiffness, damping, rk4_edge) in cases {
-            for (integrator, edge) in [(Integrator::Rk4, rk4_edge), (Integrator::SymplecticEuler, true)] {
+            let one_evaluation = [Integrator::SymplecticEuler, Integrator::VelocityVerlet].map(|integrator| (integrator, true));
+            for (integrator, edge) in [(Integrator::Rk4, rk4_edge)].into_iter().chain(one_evaluation) {
                 let largest = largest_dt(stiffness, damping, integrator);
                 let below = amplitude(stiffness, damping, 0.99 * largest, integrator);
                 let above = amplitude(stiffness, damping, 1.02 * largest, integrator);

@@ -14,10 +14,10 @@ use crate::stability::{Crowd, nearest, rounded_down, rounded_up};
 
 /// Largest overlap of one resting body, as a share of the smallest radius, that causes no warning. Under the weight of others
 /// the overlap is several times as large, and bodies sink through each other.
-const DEEP: f64 = 0.05;
+pub(super) const DEEP: f64 = 0.05;
 /// Safety factor of the chosen contact force. Contacts in a pile do not carry equal shares of the load. With this factor the
 /// deepest overlap in piles of 20 to 2,000 spheres with radii from 3 to 5 was 0.2 to 0.8 times the requested one.
-const SAFETY: f64 = 3.0;
+pub(super) const SAFETY: f64 = 3.0;
 
 /// Least number of loose spheres that count as a pile. Fewer ones need not end on top of each other.
 const PILE: usize = 64;
@@ -191,15 +191,19 @@ impl Scene {
     fn load_of_loose(&self, sets: &BondedSets) -> [f64; 2] {
         let loose: Vec<&Sphere> =
             self.spheres().iter().enumerate().filter(|(index, _)| !sets.is_held(*index)).map(|(_, sphere)| sphere).collect();
-        if loose.len() < PILE {
+        let Some(carried) = self.pile_load(&loose) else {
             return [1.0, loose.iter().map(|sphere| f64::from(sphere.radius)).fold(f64::INFINITY, f64::min)];
-        }
-        let carried = self.carried(&loose);
+        };
         let loads = loose.iter().map(|sphere| {
             let [own, radius] = [sphere.mass, sphere.radius].map(f64::from);
             [carried(own, radius) / own, radius]
         });
         loads.max_by(|a, b| (a[0] / a[1]).total_cmp(&(b[0] / b[1]))).unwrap_or([1.0, f64::INFINITY])
+    }
+
+    /// What a body of a pile of these spheres carries, as in `carried`; `None` if they are too few for a pile.
+    pub(super) fn pile_load(&self, loose: &[&Sphere]) -> Option<impl Fn(f64, f64) -> f64 + use<>> {
+        (loose.len() >= PILE).then(|| self.carried(loose))
     }
 
     /// The largest l G / r of all moving spheres and rods, where l is the mass that the body carries divided by its own mass.
@@ -219,7 +223,7 @@ impl Scene {
 
     /// The mass that a body of a pile of moving spheres carries, by its own mass and its radius: what lies on the square of its
     /// diameter, and at least itself.
-    fn carried(&self, movers: &[&Sphere]) -> impl Fn(f64, f64) -> f64 {
+    fn carried(&self, movers: &[&Sphere]) -> impl Fn(f64, f64) -> f64 + use<> {
         let mass: f64 = movers.iter().map(|sphere| f64::from(sphere.mass)).sum();
         let area = self.covered_area(movers);
         move |own, radius| (mass / area * 4.0 * radius * radius).clamp(own, mass.max(own))

@@ -68,7 +68,7 @@ impl Scene {
             let id = sphere.material?;
             let mass = f64::from(sphere.mass);
             let seconds = match law {
-                ContactLaw::Thesis => return None,
+                ContactLaw::Thesis | ContactLaw::User => return None,
                 ContactLaw::Linear => {
                     let (number, radius) = (self.material_number(Some(id)).ok()?, 0.5 * f64::from(sphere.radius));
                     let of = |other| self.normal_stiffness(number, other, radius, 0.5 * mass);
@@ -106,8 +106,9 @@ impl Scene {
         ];
         let names: Vec<&str> = given.into_iter().filter(|(_, is_given)| *is_given).map(|(name, _)| name).collect();
         let law = self.settings.contact_law;
-        (!names.is_empty() && !law.has_history())
-            .then(|| format!("contact law {law}: {} of pairs has no effect; linear and hertz-mindlin use it", names.join(", ")))
+        (!names.is_empty() && !law.has_history()).then(|| {
+            format!("contact law {law}: {} of pairs has no effect; linear, hertz-mindlin and user use it", names.join(", "))
+        })
     }
 
     fn hertz_time(&self) -> Option<LawTime> {

@@ -14,14 +14,14 @@ use crate::step::collisions::{
 use crate::step::forces::{commit_history, law_forces, rod_forces};
 use crate::step::fused::{run_steps, run_worlds};
 use crate::step::integrate::{
-    advance, commit_and_turn, commit_symplectic_euler, constrain, end_step, finish, finish_and_turn, restore_lengths,
-    symplectic_euler, turn,
+    advance, check_drift, commit_and_turn, commit_symplectic_euler, constrain, drift, end_step, finish, finish_and_turn, kick,
+    kick_and_turn, restore_lengths, starting_forces, symplectic_euler, turn,
 };
 use crate::step::reorder::{count_digits, key_spheres, measure_order, permute_spheres, scatter_digits, settle_spheres};
 use crate::step::stage::Stage;
 
 /// All stages, each once.
-pub const ALL: [&Stage; 49] = [
+pub const ALL: [&Stage; 54] = [
     &update_aabbs::STAGE,
     &count_pairs::STAGE,
     &scan_pairs::STAGE,
@@ -61,6 +61,11 @@ pub const ALL: [&Stage; 49] = [
     &symplectic_euler::STAGE,
     &commit_symplectic_euler::STAGE,
     &commit_and_turn::STAGE,
+    &starting_forces::STAGE,
+    &drift::STAGE,
+    &check_drift::STAGE,
+    &kick::STAGE,
+    &kick_and_turn::STAGE,
     &constrain::STAGE,
     &turn::STAGE,
     &end_step::STAGE,

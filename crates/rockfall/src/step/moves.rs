@@ -26,6 +26,8 @@ pub struct Moves {
     pub rods: u64,
     /// Forces on rods, 64 bytes per rod.
     pub wrenches: u64,
+    /// Rates of velocity Verlet, 24 bytes per sphere.
+    pub rates: u64,
 }
 
 /// Nothing.
@@ -41,6 +43,7 @@ pub(crate) const NONE: Moves = Moves {
     extents: 0,
     rods: 0,
     wrenches: 0,
+    rates: 0,
 };
 
 /// Data that every force evaluation reads in addition to the state.

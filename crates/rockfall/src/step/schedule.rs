@@ -17,8 +17,8 @@ use crate::step::collisions::{
 };
 use crate::step::forces::{commit_history, law_forces, rod_forces};
 use crate::step::integrate::{
-    advance, commit_and_turn, commit_symplectic_euler, constrain, end_step, finish, finish_and_turn, restore_lengths,
-    symplectic_euler, turn,
+    advance, check_drift, commit_and_turn, commit_symplectic_euler, constrain, drift, end_step, finish, finish_and_turn, kick,
+    kick_and_turn, restore_lengths, starting_forces, symplectic_euler, turn,
 };
 use crate::step::reorder::{count_digits, key_spheres, measure_order, permute_spheres, scatter_digits, settle_spheres};
 use crate::step::stage::Stage;
@@ -59,7 +59,7 @@ pub enum When {
 pub struct Run {
     /// The stage.
     pub stage: &'static Stage,
-    /// The pass: 0..4 for the force evaluations of RK4, 0 and 1 for `sort_axis`, 0..8 for the digits of a sort, 0..8 for
+    /// The pass: 0..4 for the force evaluations of RK4, 0 and 3 for those of velocity Verlet, 0 and 1 for `sort_axis`, 0..8 for the digits of a sort, 0..8 for
     /// `sweep_collisions`, 1..=8 for `project_networks` and `gather_impulses`, else 0.
     pub pass: u32,
     /// The scenes in which the stage is run.
@@ -212,6 +212,27 @@ impl Phase {
                         run(&constrain::STAGE),
                         run(&turn::STAGE).when(When::Rods),
                         run(&commit_and_turn::STAGE).when(When::NoRods),
+                        run(&commit_history::STAGE).when(When::Histories),
+                        run(&end_step::STAGE),
+                    ]
+                }
+            }
+            (Self::UpdatePositions, Integrator::VelocityVerlet, _) => {
+                const {
+                    &[
+                        run(&restore_lengths::STAGE),
+                        run(&rod_forces::STAGE).when(When::ThesisLaw),
+                        run(&law_forces::STAGE).when(When::Histories),
+                        run(&starting_forces::STAGE),
+                        run(&drift::STAGE),
+                        pass(&constrain::STAGE, 3).when(When::Rods),
+                        run(&check_drift::STAGE).when(When::Rods),
+                        pass(&rod_forces::STAGE, 3).when(When::ThesisLaw),
+                        pass(&law_forces::STAGE, 3).when(When::Histories),
+                        pass(&kick::STAGE, 3).when(When::Rods),
+                        run(&constrain::STAGE),
+                        run(&turn::STAGE).when(When::Rods),
+                        pass(&kick_and_turn::STAGE, 3).when(When::NoRods),
                         run(&commit_history::STAGE).when(When::Histories),
                         run(&end_step::STAGE),
                     ]

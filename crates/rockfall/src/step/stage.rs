@@ -12,7 +12,8 @@ use crate::step::wgsl::Wgsl;
 pub enum Slot {
     /// The same buffer in every pass.
     Fixed(Buffer),
-    /// The stage state that pass p of RK4 evaluates: `Start`, `Y2`, `Y3`, `Y4` for p = 0, 1, 2, 3.
+    /// The stage state that pass p of RK4 evaluates: `Start`, `Y2`, `Y3`, `Y4` for p = 0, 1, 2, 3. Velocity Verlet evaluates `Y4`,
+    /// in pass 3.
     State,
     /// The stage state that pass p of RK4 writes: `Y2`, `Y3`, `Y4` for p = 0, 1, 2.
     Next,

@@ -29,6 +29,7 @@ pub(crate) fn least_bytes(run: &Run, step: &Step, status: &Status) -> u64 {
         + moves.extents * 16 * objects
         + moves.rods * 16 * rods
         + moves.wrenches * 64 * rods
+        + moves.rates * 24 * spheres
 }
 
 #[cfg(test)]

@@ -11,7 +11,7 @@
 //! bindings, and the [`HOOKS`]. A [`Variant`] adapts the text to the kinds of objects in a scene. `tests/wgsl.rs` checks that
 //! no file uses a name without requiring its file, requires a file that it does not use, or declares a name twice.
 
-use crate::model::layout::{FLAG_COHESION, FLAG_RESISTANCE, MANY_OBJECTS};
+use crate::model::layout::{FLAG_COHESION, FLAG_RESISTANCE, FLAG_VERLET, MANY_OBJECTS};
 use crate::model::part::{Part, part};
 use crate::model::status::COUNTER_BLOCKS;
 use crate::model::step::Step;
@@ -26,7 +26,7 @@ pub const HOOKS: &[(&str, &str)] = &[
     ("add_wrench", "adds the force and torque on the rod end that a sphere forms"),
     ("count", "number of entries of the list to sort"),
     ("emit", "handles a pair that the broad phase finds"),
-    ("evaluation", "number of the force evaluation of RK4, from 0"),
+    ("evaluation", "number of the force evaluation of RK4, from 0; velocity Verlet: 0 for the state, 3 for stage state 4"),
     ("into", "start of the list to sort"),
     ("momentum_at", "index of the angular momentum of a sphere in `state`"),
     ("next_row", "reads a row of the state that replaces the present one"),
@@ -53,6 +53,8 @@ const SHARED: &[Part] = &[
     part!("model/order.wgsl"),
     part!("model/put_head.wgsl"),
     part!("model/put_next.wgsl"),
+    part!("model/put_rates.wgsl"),
+    part!("model/rates.wgsl"),
     part!("model/stage_states.wgsl"),
     part!("model/step.wgsl"),
     Part { file: "model/step_block.wgsl", text: Step::WGSL },
@@ -81,9 +83,11 @@ const SHARED: &[Part] = &[
     part!("physics/laws/contact.wgsl"),
     part!("physics/laws/hertz_mindlin.wgsl"),
     part!("physics/laws/history.wgsl"),
+    part!("physics/laws/jkr.wgsl"),
     part!("physics/laws/linear.wgsl"),
     part!("physics/laws/resistance.wgsl"),
     part!("physics/laws/stiffness.wgsl"),
+    part!("physics/laws/user.wgsl"),
     part!("physics/lengths.wgsl"),
     part!("physics/pairs.wgsl"),
     part!("physics/rotation.wgsl"),
@@ -112,6 +116,7 @@ const SHARED: &[Part] = &[
     part!("step/commit_next_state.wgsl"),
     part!("step/integrate/close_step.wgsl"),
     part!("step/integrate/finished.wgsl"),
+    part!("step/integrate/kicked.wgsl"),
     part!("step/integrate/next_state.wgsl"),
     part!("step/integrate/symplectic_euler_state.wgsl"),
     part!("step/large_spheres/large_sphere_forces.wgsl"),
@@ -184,6 +189,8 @@ pub struct Variant {
     pub resistance: bool,
     /// There may be pairs with cohesion.
     pub cohesion: bool,
+    /// The integrator is velocity Verlet.
+    pub verlet: bool,
     /// There may be so many objects that a sort key of `find_neighbours` has no room for more than an insertion index.
     pub many: bool,
     /// Each workgroup has a world of its own: it has its own copy of the block `step`, and one block of counters.
@@ -202,6 +209,7 @@ impl Variant {
             materials: materials > 0,
             resistance: flags & FLAG_RESISTANCE != 0,
             cohesion: flags & FLAG_COHESION != 0,
+            verlet: flags & FLAG_VERLET != 0,
             many: step.objects() >= MANY_OBJECTS,
             worlds: None,
         }
@@ -217,6 +225,8 @@ impl Variant {
             ("MATERIALS", self.materials),
             ("RESISTANCE", self.resistance),
             ("COHESION", self.cohesion),
+            ("ESCAPES", self.worlds.is_none()),
+            ("VERLET", self.verlet),
         ];
         let text = text.replace("const LAW: u32 = 1u;", &format!("const LAW: u32 = {}u;", self.law));
         let replaced = constants.iter().fold(text, |text, (name, is_set)| {
@@ -226,7 +236,8 @@ impl Variant {
         let block = format!("const COUNTER_BLOCKS: u32 = {COUNTER_BLOCKS}u;");
         let replaced = sizes.apply(&replaced);
         replaced
-            .replace("@group(0) @binding(0) var<uniform> step: Step;", "var<private> step: Step;")
+            .replace("@group(0) @binding(0) var<uniform> step: Step;", "var<workgroup> step: Step;")
+            .replace("topology[", "topology[world_topology + ")
             .replace(&block, "const COUNTER_BLOCKS: u32 = 1u;")
     }
 }

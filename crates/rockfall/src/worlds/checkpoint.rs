@@ -9,8 +9,9 @@
 //! | 4 | version of the format |
 //! | 8 | length of the whole file in bytes |
 //! | ... | a checkpoint without objects, which has the options of all worlds, as a length of 8 bytes and the bytes of its file |
+//! | 4 4 4 | [`Sleep`]: speed, steps, and 1 if sleeping worlds stand still, else 0; not in version 1 |
 //! | 8 | number of worlds |
-//! | ... | per world: the checkpoint of its start and that of its present state; 4 bytes that are 1 if it is stopped, else 0; the reason |
+//! | ... | per world: the checkpoint of its start and that of its present state; 4 bytes that are 1 if it is stopped, else 0; the reason; 4 bytes with the number of steps without motion, not in version 1 |
 //! | 4 | CRC-32 of all bytes before |
 
 use std::fs;
@@ -26,15 +27,15 @@ use crate::options::{Backend, Options};
 use crate::output::AtomicFile;
 use crate::scene::Scene;
 use crate::simulation::Simulation;
-use crate::worlds::Worlds;
+use crate::worlds::{Sleep, Worlds};
 
 /// The first bytes of every file.
 const MAGIC: [u8; 8] = *b"\x89RKW\r\n\x1a\n";
 /// Latest version of the format.
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 
-/// A world in a file: the checkpoints of its start and of its present state, and why it is stopped.
-type Stored = (Checkpoint, Checkpoint, Option<String>);
+/// A world in a file: the checkpoints of its start and of its present state, why it is stopped, and its steps without motion.
+type Stored = (Checkpoint, Checkpoint, Option<String>, u32);
 
 impl Worlds {
     /// Writes everything that determines the following steps, and the starts of all worlds, to a file. The file appears complete or
@@ -44,7 +45,7 @@ impl Worlds {
     /// [`Error::File`] when the file cannot be written, [`Error::Device`] when the GPU fails.
     pub fn save_checkpoint(&mut self, path: impl AsRef<Path>) -> Result<()> {
         let path = path.as_ref();
-        let bytes = self.packed()?;
+        let bytes = self.to_bytes()?;
         let write = || {
             let mut file = AtomicFile::create(path)?;
             file.write_all(&bytes)?;
@@ -67,18 +68,14 @@ impl Worlds {
         if !fs::metadata(path).map_err(failed)?.is_file() {
             return Err(Error::Checkpoint { file: path.to_owned(), reason: "it is not a regular file".to_owned() });
         }
-        let bytes = fs::read(path).map_err(failed)?;
-        let (options, stored) = read(&bytes, path)?;
-        let options = Options { backend: backend.unwrap_or(options.backend), ..options };
-        let mut worlds = Self::new(stored.iter().map(|(start, _, _)| start.scene.clone()), options)?;
-        for (world, (start, now, stopped)) in worlds.worlds.iter_mut().zip(stored) {
-            world.simulation.restore(&now)?;
-            (world.start, world.stopped) = (start, stopped);
-        }
-        Ok(worlds)
+        Self::from_bytes(&fs::read(path).map_err(failed)?, path, backend)
     }
 
-    fn packed(&mut self) -> Result<Vec<u8>> {
+    /// The bytes of the file that [`Worlds::save_checkpoint`] writes.
+    ///
+    /// # Errors
+    /// [`Error::Device`] when the GPU fails.
+    pub fn to_bytes(&mut self) -> Result<Vec<u8>> {
         self.refresh()?;
         let mut empty = Simulation::with_options(Scene::new(), Options::new().backend(Backend::Cpu))?.checkpoint()?;
         empty.options = self.options.clone();
@@ -88,17 +85,37 @@ impl Worlds {
         // The length, which is not known yet.
         head.u64(0);
         put(&mut head, &empty.to_bytes());
+        head.f32(self.sleep.speed);
+        head.u32(self.sleep.steps);
+        head.u32(u32::from(self.sleep.skip));
         head.u64(self.len() as u64);
         for world in &mut self.worlds {
             put(&mut head, &world.start.to_bytes());
             put(&mut head, &world.simulation.checkpoint()?.to_bytes());
             head.u32(u32::from(world.stopped.is_some()));
             head.text(world.stopped.as_deref().unwrap_or_default());
+            head.u32(world.calm);
         }
         let length = (head.bytes.len() + SUFFIX) as u64;
         head.bytes[PREFIX - size_of::<u64>()..PREFIX].copy_from_slice(&length.to_le_bytes());
         head.u32(crc32fast::hash(&head.bytes));
         Ok(head.bytes)
+    }
+
+    /// Continues from the bytes of a file, as [`Worlds::resume`] does. Errors call it `name`.
+    ///
+    /// # Errors
+    /// As for [`Worlds::resume`], except for reading the file.
+    pub fn from_bytes(bytes: &[u8], name: impl AsRef<Path>, backend: Option<Backend>) -> Result<Self> {
+        let (options, sleep, stored) = read(bytes, name.as_ref())?;
+        let options = Options { backend: backend.unwrap_or(options.backend), ..options };
+        let mut worlds = Self::new(stored.iter().map(|(start, ..)| start.scene.clone()), options)?;
+        worlds.sleep = sleep;
+        for (world, (start, now, stopped, calm)) in worlds.worlds.iter_mut().zip(stored) {
+            world.simulation.restore(&now)?;
+            (world.start, world.stopped, world.calm) = (start, stopped, calm);
+        }
+        Ok(worlds)
     }
 }
 
@@ -113,25 +130,31 @@ fn take<'a>(words: &mut Words<'a>) -> Result<&'a [u8], Damage> {
     words.take(length)
 }
 
-/// The options of all worlds, and the worlds.
-fn read(bytes: &[u8], name: &Path) -> Result<(Options, Vec<Stored>)> {
+/// The options of all worlds, when they sleep, and the worlds.
+fn read(bytes: &[u8], name: &Path) -> Result<(Options, Sleep, Vec<Stored>)> {
     let damaged = |Damage(reason)| Error::Checkpoint { file: name.to_owned(), reason };
     let parts = || -> Result<_, Damage> {
-        let (_, content) = content(bytes, &MAGIC, VERSION)?;
+        let (version, content) = content(bytes, &MAGIC, VERSION)?;
         let mut words = Words::new(content);
         let empty = take(&mut words)?;
+        let sleep = match version {
+            1 => Sleep::default(),
+            _ => Sleep { speed: words.f32()?, steps: words.u32()?, skip: words.bool()? },
+        };
+        sleep.validate()?;
         let count = words.u64()?;
         let mut worlds = Vec::new();
         for _ in 0..count {
             let (start, now) = (take(&mut words)?, take(&mut words)?);
             let (is_stopped, reason) = (words.bool()?, words.text()?);
-            worlds.push((start, now, is_stopped.then_some(reason)));
+            let calm = if version == 1 { 0 } else { words.u32()? };
+            worlds.push((start, now, is_stopped.then_some(reason), calm));
         }
         words.end()?;
-        Ok((empty, worlds))
+        Ok((empty, sleep, worlds))
     };
-    let (empty, worlds) = parts().map_err(damaged)?;
+    let (empty, sleep, worlds) = parts().map_err(damaged)?;
     let part = |bytes: &[u8]| Checkpoint::from_bytes(bytes, PathBuf::from(name));
-    let stored = worlds.into_par_iter().map(|(start, now, stopped)| Ok((part(start)?, part(now)?, stopped)));
-    Ok((part(empty)?.options, stored.collect::<Result<_>>()?))
+    let stored = worlds.into_par_iter().map(|(start, now, stopped, calm)| Ok((part(start)?, part(now)?, stopped, calm)));
+    Ok((part(empty)?.options, sleep, stored.collect::<Result<_>>()?))
 }

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use crate::checkpoint::Checkpoint;
 use crate::error::Result;
 use crate::exec::gpu::Gpu;
-use crate::exec::gpu::worlds::DeviceWorlds;
+use crate::exec::gpu::worlds::{DeviceWorlds, States};
 use crate::model::layout::FLAG_CONTINUE;
 use crate::model::muscles::BASE_STEPS;
 use crate::model::world_sizes::WorldSizes;
@@ -15,7 +15,11 @@ use crate::settings::{BroadPhase, DEFAULT_TIME_STEP};
 use crate::simulation::Simulation;
 use crate::simulation::mirror::Elsewhere;
 use crate::step::fused::run_worlds::WorldResult;
-use crate::worlds::{World, WorldPath};
+use crate::step::stage::Stage;
+use crate::worlds::{Sleep, World, WorldPath};
+
+/// Worlds that are written to the device together: a bound on the memory that this takes on the host.
+const UPLOADED_AT_ONCE: usize = 8192;
 
 /// The device's copies of the worlds.
 #[derive(Debug)]
@@ -50,14 +54,26 @@ pub(super) fn mirror(scene: &Scene, options: &Options) -> Result<Option<Simulati
 }
 
 impl Batch {
-    /// Room for worlds as large as the largest of these.
-    pub(super) fn new(gpu: &Gpu, worlds: &mut [World]) -> Result<Self> {
-        let mut sizes = WorldSizes::default();
-        for world in worlds.iter_mut().filter(|world| world.path == WorldPath::Device) {
-            sizes = sizes.max(WorldSizes::of(world.simulation.packed(DEFAULT_TIME_STEP)?).unwrap_or_default());
+    /// Room for worlds as large as the largest of these, and as `least`.
+    pub(super) fn new(gpu: &Gpu, worlds: &mut [World], least: WorldSizes) -> Result<Self> {
+        let mut sizes = least;
+        let on_device = worlds.par_iter_mut().filter(|world| world.path == WorldPath::Device);
+        let of = |world: &mut World| world.simulation.packed(DEFAULT_TIME_STEP).map(WorldSizes::of);
+        for needed in on_device.map(of).collect::<Vec<_>>() {
+            sizes = sizes.max(needed?.unwrap_or_default());
         }
         let device = DeviceWorlds::new(gpu, worlds.len() as u32, sizes)?;
         Ok(Self { device, slots: vec![Slot::CHANGED; worlds.len()], dt: None, steps: 0, is_ahead: false })
+    }
+
+    /// The room for a world, and whether the kernel has code for pairs of spheres.
+    pub(super) fn sizes(&self) -> WorldSizes {
+        self.device.sizes()
+    }
+
+    /// Replaces the kernel.
+    pub(super) fn set_kernel(&mut self, stage: &'static Stage) {
+        self.device.set_kernel(stage);
     }
 
     /// Notes that a world must be uploaded before it runs.
@@ -71,7 +87,7 @@ impl Batch {
         worlds: &mut [World],
         steps: u64,
         dt: f32,
-        options: &Options,
+        (options, sleep): (&Options, &Sleep),
         resume: impl Fn(Checkpoint) -> Result<Simulation>,
     ) -> Result<()> {
         let mut left = steps;
@@ -84,7 +100,7 @@ impl Batch {
                 self.slots.fill(Slot::CHANGED);
             }
             self.upload(worlds, dt, &resume)?;
-            self.device.run(portion, options.integrator)?;
+            self.device.run(portion, options.integrator, (sleep.skipped_after(), sleep.speed))?;
             self.is_ahead = true;
             self.steps += portion;
             left -= portion;
@@ -98,18 +114,41 @@ impl Batch {
             return Ok(());
         }
         self.refresh(worlds)?;
-        for (number, (slot, world)) in self.slots.iter_mut().zip(worlds).enumerate() {
-            if !due(slot, world) {
-                continue;
-            }
-            let packed = world.simulation.packed(dt)?;
-            if self.device.fits(packed) {
-                self.device.upload(number as u32, packed)?;
-                *slot = Slot { is_uploaded: true, last: WorldResult::START };
-            } else {
+        // What a world that is due needs if there is room for it.
+        let fits = |(slot, world): (&Slot, &mut World)| {
+            let packed = if due(slot, world) { Some(world.simulation.packed(dt)?) } else { None };
+            Ok(packed.map(|packed| self.device.fits(packed)))
+        };
+        let needed: Result<Vec<Option<Option<WorldSizes>>>> = self.slots.par_iter().zip(&mut *worlds).map(fits).collect();
+        let needed = needed?;
+        if needed.iter().flatten().flatten().any(|sizes| sizes.pairs) {
+            self.device.allow_pairs();
+        }
+        // Whether there is room for a world that is due.
+        let fits: Vec<Option<bool>> = needed.iter().map(|due| due.map(|sizes| sizes.is_some())).collect();
+        for (world, fits) in worlds.iter_mut().zip(&fits) {
+            if *fits == Some(false) {
                 world.simulation = resume(world.simulation.checkpoint()?)?;
                 world.path = WorldPath::Simulation;
+                world.calm = 0;
             }
+        }
+        let mut first = 0;
+        for run in fits.chunk_by(|one, next| one == next) {
+            let end = first + run.len();
+            if run[0] == Some(true) {
+                for from in (first..end).step_by(UPLOADED_AT_ONCE) {
+                    let to = end.min(from + UPLOADED_AT_ONCE);
+                    self.device.upload(
+                        from as u32,
+                        &mut worlds[from..to],
+                        |world| world.simulation.packed(dt),
+                        |world| world.calm,
+                    )?;
+                }
+                self.slots[first..end].fill(Slot { is_uploaded: true, last: WorldResult::START });
+            }
+            first = end;
         }
         Ok(())
     }
@@ -119,25 +158,29 @@ impl Batch {
         if !std::mem::take(&mut self.is_ahead) {
             return Ok(());
         }
-        let states = self.device.download()?;
-        let both = self.slots.par_iter_mut().zip(worlds);
-        both.enumerate().for_each(|(number, (slot, world))| {
-            if world.path != WorldPath::Device || !slot.is_uploaded || world.stopped.is_some() {
-                return;
-            }
-            let now = states.results[number];
-            let before = std::mem::replace(&mut slot.last, now);
-            let goes_on = world.simulation.packed_flags() & FLAG_CONTINUE != 0;
-            let done = Elsewhere {
-                steps: now.steps - before.steps,
-                contacts: now.contacts,
-                max_overlap: f32::from_bits(now.max_overlap),
-                bad: now.total_bad - before.total_bad,
-                stopped_by: (now.rejected != 0 && !goes_on).then_some(now.first_bad),
-            };
-            let taken = world.simulation.take_steps(&done, |host| states.copy_to(number, host));
-            world.stopped = taken.err().map(|error| error.to_string());
-        });
-        Ok(())
+        let slots = &mut self.slots;
+        self.device.download(|states| take_states(slots, worlds, states))
     }
+}
+
+/// Copies the states of worlds that run on the device to the host.
+fn take_states(slots: &mut [Slot], worlds: &mut [World], states: &States<'_>) {
+    slots.par_iter_mut().zip(worlds).enumerate().for_each(|(number, (slot, world))| {
+        if world.path != WorldPath::Device || !slot.is_uploaded || world.stopped.is_some() {
+            return;
+        }
+        let now = states.result(number);
+        let before = std::mem::replace(&mut slot.last, now);
+        world.calm = now.calm;
+        let goes_on = world.simulation.packed_flags() & FLAG_CONTINUE != 0;
+        let done = Elsewhere {
+            steps: now.steps - before.steps,
+            contacts: now.contacts,
+            max_overlap: f32::from_bits(now.max_overlap),
+            bad: now.total_bad - before.total_bad,
+            stopped_by: (now.rejected != 0 && !goes_on).then_some(now.first_bad),
+        };
+        let taken = world.simulation.take_steps(&done, |host| states.copy_to(number, host));
+        world.stopped = taken.err().map(|error| error.to_string());
+    });
 }

@@ -18,6 +18,21 @@ pub(crate) mod mixed;
 /// is missing from the list as dead code.
 macro_rules! both {
     ($($name:ident),* $(,)?) => {
+        on_backends! { None, $($name),* }
+    };
+}
+
+/// The same for tests that open many devices: those on the GPU run one after the other. Drivers can lock up when several threads open
+/// and close devices at the same time.
+macro_rules! both_in_turn {
+    ($($name:ident),* $(,)?) => {
+        on_backends! { Some(crate::common::turn()), $($name),* }
+    };
+}
+
+/// Instantiates test functions for both backends. A test on the GPU holds `turn` while it runs.
+macro_rules! on_backends {
+    ($turn:expr, $($name:ident),*) => {
         mod cpu {
             $(
                 #[test]
@@ -32,11 +47,33 @@ macro_rules! both {
             $(
                 #[test]
                 fn $name() {
+                    let _turn: Option<std::sync::MutexGuard<'static, ()>> = $turn;
                     super::$name(rockfall::Backend::Gpu);
                 }
             )*
         }
     };
+}
+
+/// The turn of a test that opens devices. It ends when this is dropped, after the devices.
+pub(crate) fn turn() -> std::sync::MutexGuard<'static, ()> {
+    static TURN: std::sync::Mutex<()> = std::sync::Mutex::new(());
+    // A test that failed does not stop the others.
+    TURN.lock().unwrap_or_else(std::sync::PoisonError::into_inner)
+}
+
+/// All bits of the states of spheres.
+pub(crate) fn bits(states: &[SphereState]) -> Vec<u32> {
+    let of = |state: &SphereState| {
+        let vectors = [state.position, state.velocity, state.angular_momentum];
+        vectors.iter().flat_map(Vec3::to_array).chain(state.orientation.to_array()).map(f32::to_bits).collect::<Vec<_>>()
+    };
+    states.iter().flat_map(of).collect()
+}
+
+/// All bits of the states of the spheres of a simulation.
+pub(crate) fn bits_of(simulation: &mut Simulation) -> Vec<u32> {
+    bits(&simulation.spheres().expect("spheres are read back"))
 }
 
 /// A time step that is a power of two, so that it adds no rounding of its own.

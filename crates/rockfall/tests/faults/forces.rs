@@ -68,7 +68,7 @@ fn a_capsule_stays_on_a_slope(backend: Backend) {
     assert!(creep.abs() < 0.02, "creeps at {creep}");
 }
 
-on_backends! {
+both! {
     a_polygon_pushes_out_a_ball_that_comes_from_behind,
     a_polygon_and_a_box_give_the_same_rebound_speed,
     a_capsule_stays_on_a_slope,

@@ -29,7 +29,7 @@ fn all_dominoes_fall(backend: Backend) {
     }
 }
 
-on_backends! {
+both! {
     a_double_pendulum_keeps_its_energy,
     all_dominoes_fall,
 }

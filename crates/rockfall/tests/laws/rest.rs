@@ -1,6 +1,8 @@
 //! Bodies at rest: overlaps, static friction on an incline, and the energy of a scene that comes to rest.
 
-use rockfall::{Backend, Body, Capsule, ContactAction, ContactLaw, Cuboid, Material, Pair, Simulation, Sphere};
+use rockfall::{
+    Backend, Body, Capsule, ContactAction, ContactLaw, Cuboid, Integrator, Material, Pair, Scene, Simulation, Sphere,
+};
 
 use crate::{assert_close, ball, pair, scene_with, simulation, soft};
 
@@ -133,6 +135,55 @@ fn tangential_springs_create_no_energy() {
         assert!(least < 0.98 * start, "{law}: friction must have worked, {least} of {start}");
         let bodies = simulation.contacts().expect("contacts");
         assert!(bodies.iter().all(|contact| matches!(contact.a, Body::Sphere(_))));
+    }
+}
+
+/// A shaft full of grains, with a material that is so many times as stiff as one with which they sink into each other.
+fn shaft(law: ContactLaw, stiffer: f64) -> Scene {
+    let mut scene = scene_with(law);
+    scene.settings.gravity = 10.0;
+    let stiffer = stiffer as f32;
+    let material = Material::new("m").density(1.0).young(1e4 * stiffer).poisson(0.25);
+    let material = scene.add_material(material).expect("a material");
+    // Without friction at the walls, which would carry a part of the weight.
+    let own = Pair::default().restitution(0.2).friction(0.0).stiffness(150.0 * stiffer);
+    scene.set_pair(material, material, own).expect("a valid pair");
+    let walls =
+        [[[-2.0, -1.0, -2.0], [2.0, 0.0, 2.0]], [[-2.0, 0.0, -2.0], [-0.42, 4.0, 2.0]], [[0.42, 0.0, -2.0], [2.0, 4.0, 2.0]]];
+    let more = [[[-0.42, 0.0, -2.0], [0.42, 4.0, -0.42]], [[-0.42, 0.0, 0.42], [0.42, 4.0, 2.0]]];
+    for [low, high] in walls.into_iter().chain(more) {
+        scene.add_box(Cuboid::between(low, high).material(material)).expect("a valid box");
+    }
+    for k in 0..192_u16 {
+        let [x, y, z] = [k % 4, k / 16, k / 4 % 4].map(|place| 0.205 * f32::from(place));
+        let shift = 0.002 * f32::from(k % 5);
+        let position = [x - 0.31 + shift, 0.11 + y, z - 0.31 + 0.5 * shift];
+        scene.add_sphere(ball(&scene, material, position, 0.1)).expect("a valid sphere");
+    }
+    scene
+}
+
+/// The deepest overlap in a shaft of grains is what `soft_material` warns of, within a factor of two, and grains of a material
+/// that is stiffer by the factor that it gives overlap by less than 5 %.
+#[test]
+fn soft_materials_are_warned_of() {
+    for law in [ContactLaw::Linear, ContactLaw::HertzMindlin] {
+        let deepest = |stiffer: f64| {
+            let mut simulation = simulation(shaft(law, stiffer), Backend::Cpu);
+            simulation.run(8000, 5e-4 / stiffer.sqrt() as f32).expect("steps");
+            f64::from(simulation.resting_overlap().expect("an overlap").radii)
+        };
+        let warning = shaft(law, 1.0).soft_material().expect("a warning");
+        assert!(warning.overlap > 0.05 * warning.radius && warning.load > 5.0, "{warning:?}");
+        let ratio = deepest(1.0) * warning.radius / warning.overlap;
+        assert!((0.5..2.0).contains(&ratio), "{law}: {ratio} of {warning}");
+        let stiffer = 1.01 * warning.factor;
+        assert_eq!(shaft(law, stiffer).soft_material(), None);
+        let overlap = deepest(stiffer);
+        assert!((0.015..0.05).contains(&overlap), "{law}: {overlap}");
+        // The warning reaches users.
+        let concerns = shaft(law, 1.0).concerns(1e-5, Integrator::SymplecticEuler);
+        assert!(concerns.iter().any(|text| text.contains("times as stiff")), "{concerns:?}");
     }
 }
 

@@ -1,8 +1,9 @@
 //! Oblique impacts of two spheres, computed in f64 from docs/physics.md section 4.11 alone, against both backends.
 
 use rockfall::glam::{DVec3, Vec3};
-use rockfall::{Backend, ContactLaw, Pair, RollingModel, Scene, Sphere};
+use rockfall::{Backend, CohesionModel, ContactLaw, Pair, RollingModel, Scene, Sphere};
 
+use crate::jkr::Jkr;
 use crate::{scene_with, simulation, soft};
 
 /// A sphere of the witness.
@@ -93,8 +94,15 @@ fn moment(turning: &Turning, [a, b]: [Body; 2], (mu, is_a, mu_q): Resistance, ke
     [roll + q * n, roll_kept + q_kept * n]
 }
 
-/// Runs an impact in f64 with the same integrator, for `steps` steps of `dt`.
-fn run(law: ContactLaw, [e, mu]: [f64; 2], resistance: Resistance, mut bodies: [Body; 2], steps: u64, dt: f64) -> [Body; 2] {
+/// Runs an impact in f64 with the same integrator, for `steps` steps of `dt`. With a surface energy there is JKR cohesion.
+fn run(
+    (law, gamma): (ContactLaw, f64),
+    [e, mu]: [f64; 2],
+    resistance: Resistance,
+    mut bodies: [Body; 2],
+    steps: u64,
+    dt: f64,
+) -> [Body; 2] {
     let g = damping(law, e);
     let young = 1e5 / (2.0 * (1.0 - 0.0625));
     let shear = 1e5 / (2.0 * 1.25) / (2.0 * (2.0 - 0.25));
@@ -104,8 +112,21 @@ fn run(law: ContactLaw, [e, mu]: [f64; 2], resistance: Resistance, mut bodies: [
         let n = (b.x - a.x).normalize();
         let d = a.r + b.r - (b.x - a.x).length();
         let (mut force, mut torque) = (DVec3::ZERO, [DVec3::ZERO; 2]);
-        if d > 0.0 {
-            let (m, r) = (a.m * b.m / (a.m + b.m), a.r * b.r / (a.r + b.r));
+        let (m, r) = (a.m * b.m / (a.m + b.m), a.r * b.r / (a.r + b.r));
+        let jkr = Jkr { gamma, radius: r };
+        if d > 0.0 || gamma > 0.0 && old > 0.0 && d > -jkr.tearing() {
+            let (ra, rb) = (a.r - 0.5 * d, b.r - 0.5 * d);
+            let (mut attraction, mut grip) = (0.0, 0.0);
+            // Everything but the arms follows from the contact radius.
+            let d = if gamma > 0.0 {
+                let radius = jkr.contact_radius(d);
+                attraction = 2.0 * std::f64::consts::PI * radius * radius;
+                attraction *= (4.0 * gamma * young / (std::f64::consts::PI * radius)).sqrt();
+                grip = 2.0 * jkr.pull_off();
+                radius * radius / r
+            } else {
+                d
+            };
             let (sn, st, elastic) = match law {
                 ContactLaw::Linear => (1e4, 1e4 * 2.0 / 7.0, 1e4 * d),
                 _ => {
@@ -113,11 +134,11 @@ fn run(law: ContactLaw, [e, mu]: [f64; 2], resistance: Resistance, mut bodies: [
                     (2.0 * young * c, 8.0 * shear * c, 4.0 / 3.0 * young * r.sqrt() * d.powf(1.5))
                 }
             };
-            let (ra, rb) = (a.r - 0.5 * d, b.r - 0.5 * d);
             let relative = a.v + a.w.cross(ra * n) - b.v - b.w.cross(-rb * n);
             let u = relative.dot(n);
             let slip = relative - u * n;
-            let normal = (elastic + g * (sn * m).sqrt() * u).max(0.0);
+            let push = (elastic + g * (sn * m).sqrt() * u).max(0.0);
+            let normal = (push - attraction + grip).max(0.0);
             let flat = shift - shift.dot(n) * n;
             if flat.length() > 0.0 {
                 shift = flat * (shift.length() / flat.length());
@@ -133,7 +154,7 @@ fn run(law: ContactLaw, [e, mu]: [f64; 2], resistance: Resistance, mut bodies: [
                 let elastic = rub + dashpot;
                 shift = if elastic.dot(rub) > 0.0 { -elastic / st } else { DVec3::ZERO };
             }
-            force = rub - normal * n;
+            force = rub - (push - attraction) * n;
             let rescales = law == ContactLaw::HertzMindlin;
             let dashpot = g * (st * m).sqrt();
             let turning = Turning { n, r, d, old, press: normal, dt, sn, st, dashpot, rescales };
@@ -158,14 +179,15 @@ fn oblique_impacts_agree_with_a_computation_in_f64(backend: Backend) {
     let cases = [(0.9, 0.1, [1.0, 0.8]), (0.5, 0.9, [1.0, 0.3]), (1.0, 0.4, [0.9, 0.2]), (0.3, 0.4, [0.5, -2.0])];
     // The second resistance is so small that its springs yield.
     let resistances = [(0.0, false, 0.0), (0.05, false, 0.1), (0.6, false, 0.9), (0.2, true, 0.0)];
-    let laws = [ContactLaw::Linear, ContactLaw::HertzMindlin];
-    for (law, resistance) in laws.into_iter().flat_map(|law| resistances.map(|resistance| (law, resistance))) {
+    let laws = [(ContactLaw::Linear, 0.0), (ContactLaw::HertzMindlin, 0.0), (ContactLaw::HertzMindlin, 2.0_f32)];
+    for ((law, gamma), resistance) in laws.into_iter().flat_map(|law| resistances.map(|resistance| (law, resistance))) {
         for (case, (e, mu, [closing, across])) in cases.into_iter().enumerate() {
             let mut scene: Scene = scene_with(law);
             let material = soft(&mut scene, "soft");
             let model = if resistance.1 { RollingModel::ConstantTorque } else { RollingModel::SpringDashpot };
             let properties = Pair::default().restitution(e).friction(mu).stiffness(1e4).rolling_friction(resistance.0 as f32);
             let properties = properties.rolling_model(model).twisting_friction(resistance.2 as f32);
+            let properties = properties.surface_energy(gamma).cohesion(CohesionModel::Jkr);
             scene.set_pair(material, material, properties).expect("a valid pair");
             let radii = if case % 2 == 0 { [0.5_f32, 0.3] } else { [0.3, 0.5] };
             let first = Sphere::new([0.0; 3], radii[0]).density(1.0).velocity([closing, 0.0, 0.3]).material(material);
@@ -189,7 +211,7 @@ fn oblique_impacts_agree_with_a_computation_in_f64(backend: Backend) {
                 scene.add_sphere(spheres[k].angular_momentum(spin)).expect("a valid sphere")
             });
             let (steps, dt) = crate::common::on(backend, (2500, 2e-5), (300, 1e-4));
-            let expected = run(law, [e.into(), mu.into()], resistance, bodies, steps, f64::from(dt));
+            let expected = run((law, f64::from(gamma)), [e.into(), mu.into()], resistance, bodies, steps, f64::from(dt));
             let mut simulation = simulation(scene, backend);
             simulation.run(steps, dt).expect("steps");
             let after = simulation.sync().expect("the state");
@@ -198,12 +220,17 @@ fn oblique_impacts_agree_with_a_computation_in_f64(backend: Backend) {
                 let error = (sphere.velocity.as_dvec3() - body.v).length();
                 assert!(
                     error < 1e-3,
-                    "{law}, case {case}, {resistance:?}: velocity {:?}, expected {:?}",
+                    "{law}, {gamma}, case {case}, {resistance:?}: velocity {:?}, expected {:?}",
                     sphere.velocity,
                     body.v
                 );
                 let error = (sphere.spin().as_dvec3() - body.w).length();
-                assert!(error < 5e-3, "{law}, case {case}, {resistance:?}: spin {:?}, expected {:?}", sphere.spin(), body.w);
+                assert!(
+                    error < 5e-3,
+                    "{law}, {gamma}, case {case}, {resistance:?}: spin {:?}, expected {:?}",
+                    sphere.spin(),
+                    body.w
+                );
             }
         }
     }

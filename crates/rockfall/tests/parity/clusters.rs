@@ -4,7 +4,7 @@
 use glam::Vec3;
 use rand::SeedableRng;
 use rand_pcg::Pcg64Mcg;
-use rockfall::{Material, MaterialId, Pair, Rod, RollingModel, Scene, Spring, Tether};
+use rockfall::{CohesionModel, ContactLaw, Material, MaterialId, Pair, Rod, RollingModel, Scene, Spring, Tether};
 
 use crate::random::Draw;
 use crate::trace::{Only, Plan};
@@ -157,6 +157,8 @@ fn with_materials(scene: &Scene) -> Scene {
     made.set_pair(hard, soft, Pair::default().restitution(0.3).friction(0.0)).unwrap();
     let soft_pair =
         Pair::default().characteristic_velocity(0.5).rolling_friction(0.3).rolling_model(RollingModel::ConstantTorque);
+    let has_necks = scene.settings.contact_law == ContactLaw::HertzMindlin;
+    let soft_pair = if has_necks { soft_pair.surface_energy(0.2).cohesion(CohesionModel::Jkr) } else { soft_pair };
     made.set_pair(soft, soft, soft_pair).unwrap();
     let has_history = scene.settings.contact_law.has_history();
     let mut place = 0;

@@ -27,6 +27,7 @@ pub(crate) fn on_gpu(gpu: &Gpu, before: &World, runs: &[Run]) -> World {
     for buffer in after.states.iter_mut().chain(vectors) {
         buffer.fill(glam::Vec4::NAN);
     }
+    after.rates.fill(f32::NAN);
     after.aabbs.fill(bytemuck::Zeroable::zeroed());
     after.lists.fill(u32::MAX);
     after.topology.fill(u32::MAX);

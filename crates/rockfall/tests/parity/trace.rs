@@ -4,10 +4,11 @@ use rockfall::model::layout::{
     CELL_BLOCK, CELLS_AT, FLAG_STAGES, HISTORY_WORDS, LAW_THESIS, NO_KEY, PHASES_SHIFT, POSITIONS_FIRST, ROD_WORDS, SLICE,
     SWEEPS_FEW, SWEEPS_LISTED, SWEEPS_OFF, SWEEPS_ON, SYMPLECTIC_EULER,
 };
+use rockfall::model::status::REBUILD_REQUESTED;
 use rockfall::model::world::World;
 use rockfall::step::catalog::ALL;
 use rockfall::step::schedule::{MEASURE_ORDER, Phase, Run, SORT_MEMORY, When};
-use rockfall::{BroadPhase, Integrator, Settings};
+use rockfall::{BroadPhase, ContactForceLaw, ContactInput, ContactLaw, ContactResponse, Integrator, Settings};
 
 use crate::cells;
 use crate::clusters::{Clusters, clusters};
@@ -142,17 +143,53 @@ pub(crate) fn trace(plan: &Plan) -> Trace {
     }
 }
 
+/// A contact law of the program that depends on all that a law may know: that of Hertz and Mindlin with damping, but with parameters
+/// in place of some of its constants.
+fn contact_law() -> ContactForceLaw {
+    let wgsl = "let a = sqrt(radius * overlap);\n\
+                let normal = 2.0 * young * a * scale;\n\
+                normal_force = 2.0 / 3.0 * normal * overlap + g * sqrt(normal * mass) * speed;\n\
+                tangential_stiffness = 8.0 * shear * a;\n\
+                tangential_damping = g * sqrt(tangential_stiffness * mass);";
+    let function = |contact: &ContactInput<'_>| {
+        let &[g, scale] = contact.parameters else { unreachable!("two parameters") };
+        let a = (contact.radius * contact.overlap).sqrt();
+        let (normal, tangential) = (2.0 * contact.young * a * scale, 8.0 * contact.shear * a);
+        ContactResponse {
+            normal_force: 2.0 / 3.0 * normal * contact.overlap + g * (normal * contact.mass).sqrt() * contact.speed,
+            tangential_stiffness: tangential,
+            tangential_damping: g * (tangential * contact.mass).sqrt(),
+        }
+    };
+    ContactForceLaw::new("trial").parameter("g", 0.3).parameter("scale", 1.25).wgsl(wgsl).function(function)
+}
+
+fn give_contact_law(world: &mut World, drawn: &Clusters) {
+    if drawn.scene.settings.contact_law == ContactLaw::User {
+        let mut law = contact_law();
+        if let [first, second, ..] = drawn.scene.materials() {
+            law = law.pair_parameter([&first.name, &second.name], "scale", 0.75);
+        }
+        world.set_laws(&drawn.scene, &[], Some(&law)).unwrap();
+    }
+}
+
 /// Builds the world of a scene, with room for its lists.
 fn build(drawn: &Clusters, plan: &Plan) -> World {
     let mut world = World::build(&drawn.scene).unwrap();
+    give_contact_law(&mut world, drawn);
     // One block of cells, the number for so few objects, or two: the stages of a grid of several blocks are different.
     world.set_cells(CELL_BLOCK * (1 + plan.seed % 2) as u32);
+    world.set_verlet(plan.integrator == Integrator::VelocityVerlet);
+    // Not 0, so that rates that a stage fails to write are noticed.
+    world.rates.fill(3.0);
     with_step_settings(world)
 }
 
 fn with_step_settings(mut world: World) -> World {
     world.step.dt = DT;
-    world.step.margin_scale = MARGIN;
+    // The attraction of JKR cohesion moves small spheres further.
+    world.step.margin_scale = if world.step.neck > 0.0 { 2.0 * MARGIN } else { MARGIN };
     world.step.lead = 0.5;
     // In large scenes `plan_lists` writes dispatch sizes. Test it here, too.
     world.step.planned = 1;
@@ -178,12 +215,19 @@ fn with_step_settings(mut world: World) -> World {
 /// have grown or shrunk since.
 fn add_springs(world: &mut World, plan: &Plan) {
     let mut early = world.clone();
+    // One evaluation of the present state advances the springs.
+    early.set_verlet(false);
+    if early.step.neck > 0.0 {
+        // Some pairs that are apart have touched before, so that necks connect them. Others have not.
+        let spheres = early.step.spheres as usize;
+        early.states[0][..spheres].iter_mut().step_by(2).for_each(|place| place.w *= 1.02);
+    }
     let lists = [Phase::UpdateAabbs, Phase::BroadPhase].into_iter();
     for run in lists.flat_map(|phase| phase.stages(plan.integrator, plan.broad_phase)) {
         run.on_cpu(&mut early);
     }
     let laws = ["law_forces", "commit_history"];
-    let stages = Phase::UpdatePositions.stages(plan.integrator, plan.broad_phase).iter();
+    let stages = Phase::UpdatePositions.stages(Integrator::SymplecticEuler, plan.broad_phase).iter();
     stages.filter(|run| laws.contains(&run.stage.name)).for_each(|run| run.on_cpu(&mut early));
     assert_eq!(early.status.rejected, 0, "the rows have no room for all springs");
     for (number, record) in early.histories.chunks_exact_mut(HISTORY_WORDS as usize).enumerate() {
@@ -243,6 +287,7 @@ fn run(drawn: &Clusters, plan: &Plan) -> Trace {
             };
             if is_comparable {
                 scenarios.push(Scenario::one(run, &world));
+                scenarios.extend(scenario_without_forces(&world, run, plan));
             }
             run.on_cpu(&mut world);
             if run.stage.name == "constrain" {
@@ -286,6 +331,17 @@ fn collision_scenarios(world: &World, group: &[Run], plan: &Plan) -> Vec<Scenari
     .collect()
 }
 
+/// Scenario of a stage of the starting forces of velocity Verlet, if those of the step before are known.
+fn scenario_without_forces(world: &World, run: &Run, plan: &Plan) -> Option<Scenario> {
+    let evaluates = ["rod_forces", "law_forces", "starting_forces"].contains(&run.stage.name) && run.pass == 0;
+    let is_concerned = evaluates && plan.integrator == Integrator::VelocityVerlet && run.applies(&world.step);
+    is_concerned.then(|| {
+        let mut before = world.clone();
+        before.status.forces_due = 0;
+        Scenario::one(run, &before)
+    })
+}
+
 /// Scenario of the fused kernel `run_steps`, which does a whole phase of a small scene in one dispatch. Returns `None` unless
 /// `first` is the first run of a phase that the kernel can do.
 fn fused_scenario(world: &World, first: &Run, plan: &Plan) -> Option<Scenario> {
@@ -312,12 +368,16 @@ fn fused_scenario(world: &World, first: &Run, plan: &Plan) -> Option<Scenario> {
 
 /// Scenarios of the stages that measure and sort the order of spheres in memory. The spheres begin in the order of x.
 fn memory_order_scenarios(drawn: &Clusters) -> Vec<Scenario> {
-    let mut world = with_step_settings(World::build_along_x(&drawn.scene).unwrap());
+    let mut world = World::build_along_x(&drawn.scene).unwrap();
+    give_contact_law(&mut world, drawn);
+    let mut world = with_step_settings(world);
     let phases = [Phase::UpdateAabbs, Phase::BroadPhase];
     for run in phases.iter().flat_map(|phase| phase.stages(Integrator::Rk4, BroadPhase::BruteForce)) {
         run.on_cpu(&mut world);
     }
     let mut scenarios = Vec::new();
+    // As `Simulation` does before it sorts memory: the sums of digits are those of the grid, which is built on request.
+    world.status.rebuild = REBUILD_REQUESTED;
     for run in MEASURE_ORDER.iter().chain(SORT_MEMORY) {
         scenarios.push(Scenario::one(run, &world));
         run.on_cpu(&mut world);
@@ -342,6 +402,12 @@ fn decide(world: &World, run: &Run, findings: &mut Findings) {
         "find_collisions" => decisions::escapes(world, 0, findings),
         "apply_friction_impulses" => decisions::friction_impulses(world, findings),
         "advance" | "finish" | "finish_and_turn" | "symplectic_euler" => {
+            decisions::escapes(world, state, findings);
+            decisions::forces(world, state, findings);
+        }
+        "starting_forces" => decisions::forces(world, 0, findings),
+        "drift" => decisions::escapes(world, 0, findings),
+        "kick" | "kick_and_turn" => {
             decisions::escapes(world, state, findings);
             decisions::forces(world, state, findings);
         }

@@ -36,7 +36,7 @@ fn run(backend: Backend, integrator: Integrator) -> (Simulation, Vec<SphereState
 /// contact forces are a thousand times the overlap.
 #[test]
 fn both_backends_agree_over_twenty_steps() {
-    for integrator in [Integrator::Rk4, Integrator::SymplecticEuler] {
+    for integrator in Integrator::ALL {
         let (cpu, cpu_spheres) = run(Backend::Cpu, integrator);
         let (gpu, gpu_spheres) = run(Backend::Gpu, integrator);
         assert_eq!((cpu.backend().kind, gpu.backend().kind), (Backend::Cpu, Backend::Gpu));

@@ -5,6 +5,7 @@ use rockfall::{
     Backend, BroadPhase, Capsule, Cuboid, Error, Integrator, Options, Scene, Simulation, Sphere, SphereState, Spring,
 };
 
+use crate::common::bits;
 use crate::fields::{FIELDS, POISONS, check_accepted};
 
 const STEPS: u64 = 6;
@@ -53,20 +54,11 @@ fn run(scene: Scene, options: Options, what: &str) -> Vec<SphereState> {
     states
 }
 
-fn bits(states: &[SphereState]) -> Vec<u32> {
-    let numbers = states.iter().flat_map(|state| {
-        let q = state.orientation.to_array();
-        let vectors = [state.position, state.velocity, state.angular_momentum].map(|vector| vector.to_array());
-        vectors.concat().into_iter().chain(q).collect::<Vec<f32>>()
-    });
-    numbers.map(f32::to_bits).collect()
-}
-
 /// Every field with every special number, one at a time.
 #[test]
 fn every_field_rejects_or_contains_every_special_number() {
     let option_sets = |keep_going| {
-        let integrators = [Integrator::Rk4, Integrator::SymplecticEuler];
+        let integrators = Integrator::ALL;
         let broad_phases = [BroadPhase::BruteForce, BroadPhase::Grid];
         integrators.into_iter().flat_map(move |integrator| {
             broad_phases.map(|broad_phase| options(Backend::Cpu, integrator, broad_phase, keep_going))
@@ -104,7 +96,7 @@ fn crowd() -> Scene {
 }
 
 fn check_all_at_once(backend: Backend) {
-    for integrator in [Integrator::Rk4, Integrator::SymplecticEuler] {
+    for integrator in Integrator::ALL {
         let options = options(backend, integrator, BroadPhase::Auto, true);
         let alone = bits(&run(bystanders(), options.clone(), "no poison"));
         assert!(bits(&run(crowd(), options, "all poisons")) == alone, "{integrator:?}: a bystander moves differently");

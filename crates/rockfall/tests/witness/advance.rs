@@ -43,6 +43,7 @@ impl World {
         }
         let course = match self.set.integrator {
             Integrator::Rk4 => self.rk4(),
+            Integrator::VelocityVerlet => self.velocity_verlet(),
             _ => self.symplectic_euler(),
         };
         self.constrain(&course.old);
@@ -67,6 +68,21 @@ impl World {
             ball.x += dt * ball.v;
         }
         Course { old, spin: self.spins() }
+    }
+
+    /// From forces that are evaluated at the start of the step, as after every edit.
+    fn velocity_verlet(&mut self) -> Course {
+        let old = self.positions();
+        let half = 0.5 * self.dt;
+        let rates = self.rates();
+        self.advance(&vec![DVec3::ZERO; self.balls.len()], &rates, half);
+        let spin = self.spins();
+        let velocities: Vec<DVec3> = self.balls.iter().map(|ball| ball.v).collect();
+        self.advance(&velocities, &Motion::none(self), self.dt);
+        self.constrain(&old);
+        let rates = self.rates();
+        self.advance(&vec![DVec3::ZERO; self.balls.len()], &rates, half);
+        Course { old, spin }
     }
 
     fn rk4(&mut self) -> Course {

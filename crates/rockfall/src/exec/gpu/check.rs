@@ -61,6 +61,8 @@ fn check_topology(world: &World) -> Result<()> {
         slice(world, step.pairs_at, pairs * u64::from(PAIR_WORDS), "pairs of materials")?;
         ensure(tags.iter().all(|tag| tag >> MATERIAL_SHIFT < step.materials), "the material of an object")?;
     }
+    let contact_laws = world.user_laws.contact_values_at(step.materials * step.materials);
+    slice(world, step.laws_at, contact_laws.into(), "the parameters of laws")?;
     if step.adjacency_at != 0 {
         check_adjacency(world)?;
     }

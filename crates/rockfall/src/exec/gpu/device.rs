@@ -11,6 +11,7 @@ use crate::exec::gpu::kernel::Kernel;
 use crate::model::layout::WORKGROUP;
 use crate::step::stage::Stage;
 use crate::step::wgsl::Variant;
+use crate::user_laws::set::KernelLaws;
 
 /// An opened device and the kernels compiled for it. Clones share both.
 #[derive(Clone, Debug)]
@@ -27,8 +28,8 @@ struct Inner {
     exchangers: OnceLock<Arc<Exchangers>>,
 }
 
-/// Name of the stage, variant, number of chunks of each array.
-type KernelKey = (&'static str, Variant, Vec<u32>);
+/// Name of the stage, variant, number of chunks of each array, text of the program's laws.
+type KernelKey = (&'static str, Variant, Vec<u32>, KernelLaws);
 
 /// A limit of a device: its name in WebGPU, and a function that reads it.
 type Limit = (&'static str, fn(&wgpu::Limits) -> u32);
@@ -246,14 +247,21 @@ impl Gpu {
     }
 
     /// The kernel of a stage for a variant, compiled at its first use. `chunks` holds the number of chunks of each array, in
-    /// the order of the stage's bindings.
-    pub(crate) fn kernel(&self, stage: &'static Stage, variant: Variant, chunks: Vec<u32>) -> Result<Arc<Kernel>> {
+    /// the order of the stage's bindings. `laws` is the text of the program's laws.
+    pub(crate) fn kernel(
+        &self,
+        stage: &'static Stage,
+        variant: Variant,
+        chunks: Vec<u32>,
+        laws: &KernelLaws,
+    ) -> Result<Arc<Kernel>> {
         let mut kernels = self.inner.kernels.lock().unwrap_or_else(PoisonError::into_inner);
-        let key = (stage.name, variant, chunks);
+        let laws = laws.used_by(stage.parts().iter().map(|part| part.text));
+        let key = (stage.name, variant, chunks, laws);
         if let Some(kernel) = kernels.get(&key) {
             return Ok(Arc::clone(kernel));
         }
-        let kernel = Arc::new(Kernel::new(self.device(), stage, variant, &key.2)?);
+        let kernel = Arc::new(Kernel::new(self.device(), stage, variant, &key.2, &key.3)?);
         kernels.insert(key, Arc::clone(&kernel));
         Ok(kernel)
     }

@@ -10,6 +10,7 @@ use crate::model::layout::WORKGROUP;
 use crate::model::part::Part;
 use crate::step::stage::{Access, Stage};
 use crate::step::wgsl::Variant;
+use crate::user_laws::set::KernelLaws;
 
 /// Number of subgroups of a workgroup that computes whole steps, if the device allows that many. More would be slower, because
 /// every barrier waits for all of them.
@@ -52,9 +53,15 @@ pub fn locate_lines(parts: &[Part], message: &str) -> String {
 
 impl Kernel {
     /// Compiles the kernel of a stage for a variant. `chunks` holds the number of chunks of each array, in the order of the
-    /// stage's bindings.
-    pub(crate) fn new(device: &wgpu::Device, stage: &Stage, variant: Variant, chunks: &[u32]) -> Result<Self> {
-        catch(device, || build(device, stage, variant, chunks)).map_err(|error| match error {
+    /// stage's bindings. `laws` is the text of the program's laws.
+    pub(crate) fn new(
+        device: &wgpu::Device,
+        stage: &Stage,
+        variant: Variant,
+        chunks: &[u32],
+        laws: &KernelLaws,
+    ) -> Result<Self> {
+        catch(device, || build(device, stage, variant, chunks, laws)).map_err(|error| match error {
             Error::Device(text) => Error::Device(format!("kernel {}: {}", stage.name, locate_lines(&stage.parts(), &text))),
             other => other,
         })
@@ -78,8 +85,10 @@ fn threads_of_workgroup(device: &wgpu::Device) -> u32 {
 }
 
 #[allow(unsafe_code)]
-fn build(device: &wgpu::Device, stage: &Stage, variant: Variant, chunks: &[u32]) -> Kernel {
+fn build(device: &wgpu::Device, stage: &Stage, variant: Variant, chunks: &[u32], laws: &KernelLaws) -> Kernel {
     let text = split(&variant.apply(&join(&stage.parts())), &Split::of(stage, chunks, chunk_bytes(&device.limits())));
+    // After all other changes, which must not apply to the program's own text.
+    let text = laws.put_into(&text);
     let flag = |is_set: bool| f64::from(u8::from(is_set));
     let mut constants = vec![("MANY", flag(variant.many)), ("GROUP_SIZE", f64::from(threads_of_workgroup(device)))];
     constants.retain(|(name, _)| text.contains(&format!("override {name}:")));
@@ -98,8 +107,11 @@ fn build(device: &wgpu::Device, stage: &Stage, variant: Variant, chunks: &[u32])
     // - Dispatch sizes written on the device are zero or the sizes that `gpu::check` has checked.
     // - Loops run over counts from the same places; sweeps run up to MAX_SWEEPS times.
     // - Workgroup memory is written before it is read.
-    // - `run_worlds` gets worlds that `WorldSizes::of` accepts, so that their objects, lists and topology fit its arrays.
+    // - `run_worlds` gets worlds that `WorldSizes::of` accepts, so that their spheres, springs and topology fit its arrays, and it
+    //   has a bit for each of their objects. It calls no function that reads its placeholders `lists` and `orientations`.
     // - No integer is divided by a value that may be 0.
+    // - The program's laws have no arrays, no indices that are not constant, and a limit to the rounds of their loops
+    //   (`user_laws::compile`).
     let module = unsafe { device.create_shader_module_trusted(module, wgpu::ShaderRuntimeChecks::unchecked()) };
     let mut entries =
         vec![layout_entry(0, wgpu::BufferBindingType::Uniform), layout_entry(1, wgpu::BufferBindingType::Uniform)];

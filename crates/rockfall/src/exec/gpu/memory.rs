@@ -24,7 +24,7 @@ pub(crate) fn bytes_needed(world: &World, buffer: Buffer) -> u64 {
         Buffer::States if is_small(step) => vectors(12 * u64::from(step.spheres)),
         Buffer::Aabbs => 32 * u64::from(world.objects()),
         // The host's arrays of these are complete.
-        Buffer::States | Buffer::Topology | Buffer::DispatchSizes | Buffer::Histories | Buffer::Status => 0,
+        Buffer::States | Buffer::Topology | Buffer::DispatchSizes | Buffer::Histories | Buffer::Rates | Buffer::Status => 0,
         Buffer::Cells => 4 * world.cell_words(),
         Buffer::Lists => 4 * world.list_words(),
         Buffer::CollisionIndices => 4 * world.collision_index_words(),

@@ -14,7 +14,7 @@ use crate::exec::gpu::wait::Mapped;
 use crate::exec::gpu::world::{GpuWorld, UNIFORM};
 use crate::model::buffer::Buffer;
 use crate::model::dispatch::rows;
-use crate::model::layout::{SWEEPS_FEW, SWEEPS_OFF, SWEEPS_ON};
+use crate::model::layout::{FLAG_VERLET, SWEEPS_FEW, SWEEPS_OFF, SWEEPS_ON};
 use crate::model::status::Status;
 use crate::model::step::{Pass, Step};
 use crate::step::fused::run_steps::{STAGE as RUN_STEPS, can_fuse};
@@ -69,7 +69,7 @@ impl GpuWorld {
             if !self.ready.contains_key(&key) {
                 let slots = run.stage.bindings.iter().map(|binding| binding.slot.buffer(run.pass));
                 let chunks: Vec<u32> = slots.map(|buffer| self.chunks(buffer).len() as u32).collect();
-                let kernel = self.gpu().kernel(run.stage, Variant::of(&step), chunks.clone())?;
+                let kernel = self.gpu().kernel(run.stage, Variant::of(&step), chunks.clone(), &self.laws)?;
                 let block = self.pass_block(run.pass)?;
                 let group = catch(self.gpu().device(), || self.make_group(run, &block, &chunks, &kernel.layout))?;
                 self.ready.insert(key, (kernel, group));
@@ -166,11 +166,13 @@ impl GpuWorld {
     }
 
     /// Whether `run_steps` replaces other stages. It does so in small scenes without rods whose arrays each fit one binding,
-    /// where that is faster. It does not solve collisions that share bodies, and it applies no friction impulses.
+    /// where that is faster. It does not solve collisions that share bodies, it applies no friction impulses, and it
+    /// does not know velocity Verlet.
     fn fuses(&self) -> bool {
         let is_whole = |buffer: Buffer| self.chunks(buffer).len() == 1;
         let step = self.step();
-        let is_plain = step.sweeps == SWEEPS_OFF && !step.has_friction_impulses() && can_fuse(step);
+        let is_plain =
+            step.flags & FLAG_VERLET == 0 && step.sweeps == SWEEPS_OFF && !step.has_friction_impulses() && can_fuse(step);
         self.joins_steps && is_plain && RUN_STEPS.bindings.iter().all(|binding| is_whole(binding.slot.buffer(0)))
     }
 

@@ -19,11 +19,12 @@ use crate::model::world::World;
 use crate::profile::BufferSize;
 use crate::step::schedule::Run;
 use crate::step::wgsl::Variant;
+use crate::user_laws::set::KernelLaws;
 
 pub(super) const UNIFORM: wgpu::BufferUsages = wgpu::BufferUsages::UNIFORM.union(wgpu::BufferUsages::COPY_DST);
 
 /// What a world's buffers hold when a step begins; everything else is written before it is read.
-const KEPT: [Buffer; 8] = [
+const KEPT: [Buffer; 9] = [
     Buffer::Start,
     Buffer::Aabbs,
     Buffer::Topology,
@@ -31,6 +32,7 @@ const KEPT: [Buffer; 8] = [
     Buffer::Orientations,
     Buffer::DispatchSizes,
     Buffer::Histories,
+    Buffer::Rates,
     Buffer::Status,
 ];
 
@@ -43,6 +45,8 @@ pub struct GpuWorld {
     /// The blocks `pass_` that were needed so far, by pass.
     pub(super) passes: HashMap<u32, wgpu::Buffer>,
     arrays: Vec<Array>,
+    /// The text of the program's laws, for kernels.
+    pub(super) laws: KernelLaws,
     /// What was prepared: by stage and pass.
     pub(super) ready: HashMap<(&'static str, u32), (Arc<Kernel>, wgpu::BindGroup)>,
     /// Those that were submitted so far.
@@ -75,6 +79,7 @@ impl GpuWorld {
             uniform,
             passes: HashMap::new(),
             arrays,
+            laws: world.user_laws.kernel_text()?,
             ready: HashMap::new(),
             dispatches: 0,
             // There a dispatch costs little, and one workgroup runs on one thread of a CPU.
@@ -151,6 +156,7 @@ impl GpuWorld {
         for buffer in Buffer::ALL {
             self.fit(world, buffer)?;
         }
+        self.take_laws(world)?;
         if Variant::of(&world.step) != Variant::of(&self.step) {
             // They have kernels of their own.
             self.ready.clear();
@@ -195,6 +201,7 @@ impl GpuWorld {
             // A spring may have got the first muscle.
             self.ready.clear();
         }
+        self.take_laws(world)?;
         self.fit(world, Buffer::Topology)?;
         self.write(Buffer::Topology, world.bytes(Buffer::Topology))?;
         if Variant::of(&world.step) != Variant::of(&self.step) {
@@ -203,6 +210,17 @@ impl GpuWorld {
         }
         self.step = world.step;
         self.write_uniforms(&world.step)
+    }
+
+    /// Takes over the program's laws.
+    fn take_laws(&mut self, world: &World) -> Result<()> {
+        let laws = world.user_laws.kernel_text()?;
+        if laws != self.laws {
+            // The kernels contain them.
+            self.ready.clear();
+            self.laws = laws;
+        }
+        Ok(())
     }
 
     /// Takes over the room for pairs of `world`, after [`World::set_pair_rows`]. The lists are empty after it.

@@ -2,8 +2,9 @@
 
 use bytemuck::{Zeroable, bytes_of, cast_slice};
 use glam::Vec4;
+use rayon::prelude::*;
 
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::exec::gpu::check::check_buffer;
 use crate::exec::gpu::device::Gpu;
 use crate::exec::gpu::fault::catch;
@@ -12,20 +13,19 @@ use crate::exec::gpu::wait::{Mapped, block_on};
 use crate::exec::gpu::world::UNIFORM;
 use crate::model::buffer::Buffer;
 use crate::model::dispatch::rows;
-use crate::model::layout::{LAW_THESIS, PHASES_SHIFT, SYMPLECTIC_EULER};
+use crate::model::layout::{KIND_SHIFT, KIND_SPRING, LAW_THESIS, PHASES_SHIFT, SPRING_WORDS, SYMPLECTIC_EULER};
 use crate::model::step::{Pass, Step};
 use crate::model::world::World;
 use crate::model::world_sizes::WorldSizes;
 use crate::settings::Integrator;
 use crate::step::fused::run_worlds::{STAGE, WorldResult};
+use crate::step::stage::Stage;
 use crate::step::wgsl::Variant;
 
 /// Most steps of a dispatch. Systems stop dispatches that take seconds.
 const MOST_STEPS: u64 = 1000;
-/// Places of buffers that are read back.
-const STARTS: usize = 1;
-const TURNS: usize = 3;
-const RESULTS: usize = 4;
+/// Places of the buffers that are read back: states, orientations, results.
+const READ: [usize; 3] = [1, 3, 4];
 
 /// Worlds on a device.
 #[derive(Debug)]
@@ -34,6 +34,10 @@ pub(crate) struct DeviceWorlds {
     count: u32,
     sizes: WorldSizes,
     buffers: [wgpu::Buffer; 5],
+    /// The kernel, which tests replace.
+    stage: &'static Stage,
+    /// Memory of the host for the buffers that are read back, from the first time on.
+    staging: Option<[wgpu::Buffer; 3]>,
 }
 
 /// Bytes per world of the buffers: parameters, starts, topologies, turns, results.
@@ -45,11 +49,11 @@ fn bytes_of_world(sizes: &WorldSizes) -> [u64; 5] {
 }
 
 /// The states of all worlds, as they are on the device.
-pub(crate) struct States {
-    sizes: WorldSizes,
-    starts: Vec<Vec4>,
-    turns: Vec<Vec4>,
-    pub(crate) results: Vec<WorldResult>,
+pub(crate) struct States<'a> {
+    spheres: usize,
+    starts: &'a [[f32; 4]],
+    turns: &'a [[f32; 4]],
+    results: &'a [WorldResult],
 }
 
 impl DeviceWorlds {
@@ -62,7 +66,7 @@ impl DeviceWorlds {
         for (what, bytes) in labels.into_iter().zip(bytes_of_world(&sizes)) {
             let needed = bytes * u64::from(count);
             if needed > most {
-                return Err(crate::Error::DeviceLimit { what, needed, limit: most });
+                return Err(Error::DeviceLimit { what, needed, limit: most });
             }
         }
         let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::COPY_SRC;
@@ -71,41 +75,75 @@ impl DeviceWorlds {
             made.push(make_buffer(gpu.device(), label, bytes * u64::from(count.max(1)), usage)?);
         }
         let buffers = std::array::from_fn(|place| made[place].clone());
-        Ok(Self { gpu: gpu.clone(), count, sizes, buffers })
+        Ok(Self { gpu: gpu.clone(), count, sizes, buffers, stage: &STAGE, staging: None })
     }
 
-    /// Whether there is room for a world.
-    pub(crate) fn fits(&self, world: &World) -> bool {
-        WorldSizes::of(world).is_some_and(|sizes| self.sizes.holds(&sizes))
+    pub(crate) fn sizes(&self) -> WorldSizes {
+        self.sizes
     }
 
-    /// Writes a world for which there is room to its slot.
-    pub(crate) fn upload(&self, slot: u32, world: &World) -> Result<()> {
-        for buffer in [Buffer::Start, Buffer::Topology, Buffer::Orientations] {
-            check_buffer(world, buffer)?;
-        }
-        let (spheres, room) = (world.step.spheres as usize, self.sizes.spheres as usize);
-        let mut starts = vec![Vec4::ZERO; 3 * room];
-        for region in 0..3 {
-            let rows = &world.states[0][region * spheres..][..spheres];
-            starts[region * room..][..spheres].copy_from_slice(rows);
-        }
-        let pieces: [&[u8]; 5] = [
-            bytes_of(&world.step),
-            cast_slice(&starts),
-            cast_slice(&world.topology),
-            cast_slice(&world.orientations),
-            bytes_of(&WorldResult::START),
-        ];
+    /// Replaces the kernel.
+    pub(crate) fn set_kernel(&mut self, stage: &'static Stage) {
+        self.stage = stage;
+    }
+
+    /// What a world needs if there is room for it.
+    pub(crate) fn fits(&self, world: &World) -> Option<WorldSizes> {
+        WorldSizes::of(world).filter(|sizes| self.sizes.holds(sizes))
+    }
+
+    /// From now on, the kernel has code for pairs of spheres.
+    pub(crate) fn allow_pairs(&mut self) {
+        self.sizes.pairs = true;
+    }
+
+    /// Writes neighbouring worlds, for which there is room, to the slots from `first` on. `pack` returns the arrays of a world,
+    /// `calm` its number of steps without motion.
+    pub(crate) fn upload<W: Send>(
+        &self,
+        first: u32,
+        worlds: &mut [W],
+        pack: impl Fn(&mut W) -> Result<&World> + Sync,
+        calm: impl Fn(&W) -> u32 + Sync,
+    ) -> Result<()> {
+        let bytes = bytes_of_world(&self.sizes);
+        let mut pieces = bytes.map(|bytes| vec![0; bytes as usize * worlds.len()]);
+        let [steps, starts, topologies, turns, results] = &mut pieces;
+        let places = (
+            steps.par_chunks_mut(bytes[0] as usize),
+            starts.par_chunks_mut(bytes[1] as usize),
+            topologies.par_chunks_mut(bytes[2] as usize),
+            turns.par_chunks_mut(bytes[3] as usize),
+            results.par_chunks_mut(bytes[4] as usize),
+        );
+        worlds.par_iter_mut().zip(places.into_par_iter()).try_for_each(
+            |(world, (step, starts, topology, turns, result))| {
+                let reported = WorldResult { calm: calm(world), ..WorldResult::START };
+                let world = pack(world)?;
+                for buffer in [Buffer::Start, Buffer::Topology, Buffer::Orientations] {
+                    check_buffer(world, buffer)?;
+                }
+                let rows = world.step.spheres as usize;
+                let room = starts.len() / 3;
+                for region in 0..3 {
+                    put(&mut starts[region * room..], cast_slice(&world.states[0][region * rows..][..rows]));
+                }
+                put(step, bytes_of(&world.step));
+                put(topology, cast_slice(&with_marked_ends(world)));
+                put(turns, cast_slice(&world.orientations));
+                put(result, bytes_of(&reported));
+                Ok(())
+            },
+        )?;
         catch(self.gpu.device(), || {
-            for ((buffer, bytes), piece) in self.buffers.iter().zip(bytes_of_world(&self.sizes)).zip(pieces) {
-                self.gpu.queue().write_buffer(buffer, u64::from(slot) * bytes, piece);
+            for ((buffer, bytes), piece) in self.buffers.iter().zip(bytes).zip(&pieces) {
+                self.gpu.queue().write_buffer(buffer, u64::from(first) * bytes, piece);
             }
         })
     }
 
-    /// Advances all worlds.
-    pub(crate) fn run(&self, steps: u64, integrator: Integrator) -> Result<()> {
+    /// Advances all worlds. `rest` are the steps without motion after which a world stands still, or 0, and the greatest speed at rest.
+    pub(crate) fn run(&self, steps: u64, integrator: Integrator, rest: (u32, f32)) -> Result<()> {
         if self.count == 0 {
             return Ok(());
         }
@@ -117,10 +155,11 @@ impl DeviceWorlds {
             materials: false,
             resistance: false,
             cohesion: false,
+            verlet: false,
             many: false,
             worlds: Some(self.sizes),
         };
-        let kernel = self.gpu.kernel(&STAGE, variant, vec![1; STAGE.bindings.len()])?;
+        let kernel = self.gpu.kernel(self.stage, variant, vec![1; self.stage.bindings.len()], &std::sync::Arc::default())?;
         let device = self.gpu.device();
         let across = device.limits().max_compute_workgroups_per_dimension;
         let [x, y, z] = rows(self.count, across);
@@ -129,7 +168,8 @@ impl DeviceWorlds {
         while left > 0 {
             let portion = left.min(MOST_STEPS);
             let block = make_buffer(device, "pass", size_of::<Pass>() as u64, UNIFORM)?;
-            let pass = Pass { index: (portion as u32) << PHASES_SHIFT | euler, ..Pass::zeroed() };
+            let index = (portion as u32) << PHASES_SHIFT | euler;
+            let pass = Pass { index, rest_steps: rest.0, rest_speed: rest.1, ..Pass::zeroed() };
             catch(device, || {
                 self.gpu.queue().write_buffer(&block, 0, bytes_of(&pass));
                 let resource = |number: u32| match number {
@@ -156,36 +196,83 @@ impl DeviceWorlds {
         self.gpu.faults().check()
     }
 
-    /// Waits for the device and reads all worlds back.
-    pub(crate) fn download(&self) -> Result<States> {
-        Ok(States { sizes: self.sizes, starts: self.read(STARTS)?, turns: self.read(TURNS)?, results: self.read(RESULTS)? })
-    }
-
-    fn read<T: bytemuck::Pod>(&self, place: usize) -> Result<Vec<T>> {
+    /// Waits for the device, and gives the states of all worlds to `take`.
+    pub(crate) fn download<T>(&mut self, take: impl FnOnce(&States<'_>) -> T) -> Result<T> {
         let device = self.gpu.device();
-        let (buffer, size) = (&self.buffers[place], bytes_of_world(&self.sizes)[place] * u64::from(self.count));
-        if size == 0 {
-            return Ok(Vec::new());
-        }
-        let staging = make_buffer(device, "read back", size, READ_BACK)?;
+        let sizes = bytes_of_world(&self.sizes).map(|bytes| bytes * u64::from(self.count.max(1)));
+        let staging = match &self.staging {
+            Some(staging) => staging,
+            None => {
+                let [starts, turns, results] =
+                    READ.map(|place| make_buffer(device, "read back", sizes[place].max(4), READ_BACK));
+                self.staging.insert([starts?, turns?, results?])
+            }
+        };
         catch(device, || {
             let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-            encoder.copy_buffer_to_buffer(buffer, 0, &staging, 0, size);
+            for (place, to) in READ.iter().zip(staging) {
+                encoder.copy_buffer_to_buffer(&self.buffers[*place], 0, to, 0, sizes[*place]);
+            }
             self.gpu.queue().submit([encoder.finish()]);
         })?;
-        let bytes = block_on(device, Mapped::read(&staging, self.gpu.faults()).bytes("the worlds"))?;
-        Ok(bytemuck::pod_collect_to_vec(&bytes))
+        let mapped = staging.each_ref().map(|buffer| Mapped::read(buffer, self.gpu.faults()));
+        let mut views = Vec::with_capacity(mapped.len());
+        for mapped in mapped {
+            views.push(block_on(device, mapped.bytes("the worlds"))?);
+        }
+        let [starts, turns, results] = &views[..] else { return Err(Error::Device("a state is missing".to_owned())) };
+        let spheres = self.sizes.spheres as usize;
+        let states = States { spheres, starts: cast_slice(starts), turns: cast_slice(turns), results: cast_slice(results) };
+        let taken = take(&states);
+        drop(views);
+        staging.iter().for_each(wgpu::Buffer::unmap);
+        Ok(taken)
     }
 }
 
-impl States {
+/// Set in the adjacency words of end B of a spring, as in the kernel. Indices are smaller.
+const END_B: u32 = 1 << 29;
+
+/// The topology of a world, with the adjacency words of ends B of springs marked.
+fn with_marked_ends(world: &World) -> Vec<u32> {
+    let mut words = world.topology.clone();
+    let step = &world.step;
+    if step.adjacency_at == 0 {
+        return words;
+    }
+    for sphere in 0..step.spheres {
+        let range = (step.adjacency_at + 2 * sphere) as usize;
+        for at in words[range] as usize..words[range + 1] as usize {
+            let (kind, index) = (words[at] >> KIND_SHIFT, words[at] & (END_B - 1));
+            if kind == KIND_SPRING && words[(step.springs_at + index * SPRING_WORDS) as usize] != sphere {
+                words[at] |= END_B;
+            }
+        }
+    }
+    words
+}
+
+/// Writes bytes to the beginning of a place.
+fn put(place: &mut [u8], bytes: &[u8]) {
+    place[..bytes.len()].copy_from_slice(bytes);
+}
+
+impl States<'_> {
+    /// What a world reported.
+    pub(crate) fn result(&self, slot: usize) -> WorldResult {
+        self.results[slot]
+    }
+
     /// Copies the state of a world into a host's world of as many spheres.
     pub(crate) fn copy_to(&self, slot: usize, world: &mut World) {
-        let (spheres, room) = (world.step.spheres as usize, self.sizes.spheres as usize);
+        let spheres = world.step.spheres as usize;
+        let copy = |to: &mut [Vec4], from: &[[f32; 4]]| {
+            to.iter_mut().zip(from).for_each(|(to, from)| *to = Vec4::from_array(*from));
+        };
         for region in 0..3 {
-            let rows = &self.starts[(3 * slot + region) * room..][..spheres];
-            world.states[0][region * spheres..][..spheres].copy_from_slice(rows);
+            let rows = &self.starts[(3 * slot + region) * self.spheres..];
+            copy(&mut world.states[0][region * spheres..][..spheres], rows);
         }
-        world.orientations.copy_from_slice(&self.turns[slot * room..][..spheres]);
+        copy(&mut world.orientations[..spheres], &self.turns[slot * self.spheres..]);
     }
 }

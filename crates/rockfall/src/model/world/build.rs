@@ -7,14 +7,17 @@ use glam::Vec4;
 use crate::error::Result;
 use crate::model::dispatch::sizes;
 use crate::model::layout::{
-    CELL_BLOCK, CELLS_AT, FEW_MOVERS, FIRST_HISTORY_ROOM, FLAG_COLLISIONS, FLAG_CONTINUE, FLAG_GROUPS, FLAG_PAIR_FRICTION,
-    FLAG_PULL, LAW_THESIS, LEVEL_BIAS, LINE, MIN_PLANNED_OBJECTS, SLICE, SUM_WORDS,
+    CELL_BLOCK, CELLS_AT, FEW_MOVERS, FIRST_HISTORY_ROOM, FLAG_COHESION, FLAG_COLLISIONS, FLAG_CONTINUE, FLAG_GROUPS,
+    FLAG_PAIR_FRICTION, FLAG_PULL, FLAG_RESISTANCE, FLAG_VERLET, LAW_THESIS, LEVEL_BIAS, LINE, MIN_PLANNED_OBJECTS, SLICE,
+    SUM_WORDS,
 };
 use crate::model::step::Step;
 use crate::model::world::World;
 use crate::model::world::order::{size_class, spatial_order};
 use crate::scene::{Rod, Scene, Sphere, SphereId};
 use crate::settings::{BroadPhase, Settings};
+use crate::user_laws::set::UserLaws;
+use crate::user_laws::{ContactForceLaw, ForceLaw};
 
 /// Initial room for list entries per mover. Lists that need more grow.
 const FIRST_ENTRIES: u32 = 16;
@@ -43,7 +46,21 @@ impl World {
     /// # Errors
     /// [`Error::TooManyObjects`](crate::Error::TooManyObjects) for more objects than list entries can number.
     pub fn build(scene: &Scene) -> Result<Self> {
-        Ok(Self::pack(scene, Vec::new())?.with_scratch())
+        Self::build_with(scene, UserLaws::default())
+    }
+
+    /// [`World::build`] with the laws that the program gave.
+    pub(crate) fn build_with(scene: &Scene, laws: UserLaws) -> Result<Self> {
+        Ok(Self::pack(scene, Vec::new(), laws)?.with_scratch())
+    }
+
+    /// Gives the world laws of a program, and packs their parameters.
+    ///
+    /// # Errors
+    /// [`Error::Law`](crate::Error::Law) for a law that is not valid or that names a material that the scene does not have.
+    pub fn set_laws(&mut self, scene: &Scene, forces: &[ForceLaw], contact: Option<&ContactForceLaw>) -> Result<()> {
+        self.user_laws = UserLaws::new(forces, contact)?;
+        self.set_topology(scene)
     }
 
     /// Like [`World::build`], but with spheres in spatial order. The grid broad phase allows this, because its lists are sorted
@@ -52,7 +69,7 @@ impl World {
     /// # Errors
     /// As for [`World::build`].
     pub fn build_in_space(scene: &Scene) -> Result<Self> {
-        Ok(Self::pack(scene, order_in_space(scene))?.with_scratch())
+        Ok(Self::pack(scene, order_in_space(scene), UserLaws::default())?.with_scratch())
     }
 
     /// Like [`World::build`], but with spheres sorted by x, the order in which the sort-and-skip broad phase starts.
@@ -60,24 +77,24 @@ impl World {
     /// # Errors
     /// As for [`World::build`].
     pub fn build_along_x(scene: &Scene) -> Result<Self> {
-        Ok(Self::pack(scene, order_along_x(scene))?.with_scratch())
+        Ok(Self::pack(scene, order_along_x(scene), UserLaws::default())?.with_scratch())
     }
 
     /// Returns the world in the order of memory that suits a broad phase, without scratch arrays. Brute force needs insertion
     /// order.
-    pub(crate) fn for_method(scene: &Scene, broad_phase: BroadPhase) -> Result<Self> {
+    pub(crate) fn for_method(scene: &Scene, broad_phase: BroadPhase, laws: UserLaws) -> Result<Self> {
         let counts = scene.counts();
         let order = match broad_phase.resolve(counts.spheres + counts.rods + counts.boxes + counts.polygons) {
             BroadPhase::Grid => order_in_space(scene),
             BroadPhase::SortAndSkip => order_along_x(scene),
             _ => Vec::new(),
         };
-        Self::pack(scene, order)
+        Self::pack(scene, order, laws)
     }
 
-    fn pack(scene: &Scene, order: Vec<u32>) -> Result<Self> {
+    fn pack(scene: &Scene, order: Vec<u32>, user_laws: UserLaws) -> Result<Self> {
         let step = Step { margin_scale: FIRST_MARGIN, lookahead: FIRST_LOOKAHEAD, list_interval: 1.0, ..Step::default() };
-        let mut world = Self { step, order, ..Self::default() };
+        let mut world = Self { step, order, user_laws, ..Self::default() };
         world.set_settings(&scene.settings);
         world.set_topology(scene)?;
         world.set_spheres(scene);
@@ -104,9 +121,9 @@ impl World {
         step.gravity = (gravity * gravity_direction).to_array();
         step.gravity_size = gravity.abs() * gravity_direction.length();
         let bit = |on: bool, flag: u32| if on { flag } else { 0 };
-        step.flags = step.flags & (FLAG_CONTINUE | FLAG_GROUPS | FLAG_PAIR_FRICTION)
-            | bit(collisions, FLAG_COLLISIONS)
-            | bit(contact_pull, FLAG_PULL);
+        // These flags follow from the table of pairs and the options.
+        let kept = FLAG_CONTINUE | FLAG_GROUPS | FLAG_PAIR_FRICTION | FLAG_RESISTANCE | FLAG_COHESION | FLAG_VERLET;
+        step.flags = step.flags & kept | bit(collisions, FLAG_COLLISIONS) | bit(contact_pull, FLAG_PULL);
         step.sweeps = step.sweeps.max(step.calm_sweeps());
     }
 
@@ -300,7 +317,7 @@ mod tests {
     #[test]
     fn world_for_a_device_has_no_scratch() {
         let scene = Benchmark::Mixed.generate(100, 0).unwrap();
-        let mut world = World::for_method(&scene, BroadPhase::Grid).unwrap();
+        let mut world = World::for_method(&scene, BroadPhase::Grid, UserLaws::default()).unwrap();
         let held: Vec<Buffer> = Buffer::ALL.into_iter().filter(|buffer| !world.bytes(*buffer).is_empty()).collect();
         assert_eq!(held, [Buffer::Start, Buffer::Topology, Buffer::Orientations, Buffer::DispatchSizes, Buffer::Status]);
         world.set_pair_room(2);

@@ -10,6 +10,7 @@ impl World {
     /// the scene that the topology was packed from.
     pub(crate) fn set_muscles(&mut self, scene: &Scene, clock: &MuscleClock) -> bool {
         self.step.muscle_step = clock.steps_since_base();
+        self.step.time_base = clock.base_time() as f32;
         let is_same = self.muscles_for.is_some_and(|known| known.has_table_of(clock));
         if self.step.muscles_at == 0 || is_same {
             return false;

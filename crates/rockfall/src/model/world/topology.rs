@@ -1,5 +1,5 @@
-//! Packs the topology buffer: rods, springs, tethers, external forces, boxes, polygons, tags, pairs of materials, the order of
-//! memory, batches and networks of fixed-length rods, and what is attached to each sphere.
+//! Packs the topology buffer: rods, springs, tethers, external forces, muscles, parameters of laws, boxes, polygons, tags,
+//! pairs of materials, the order of memory, batches and networks of fixed-length rods, and what is attached to each sphere.
 
 use glam::Vec3;
 
@@ -51,6 +51,8 @@ impl World {
         pack_attachments(scene, &slots, step, &mut topology, &mut adjacency)?;
         pack_forces(scene, &slots, self.has_force_on_each, step, &mut topology, &mut adjacency);
         pack_muscles(scene, step, &mut topology);
+        step.laws_at = topology.len() as u32;
+        topology.extend(self.user_laws.values(&scene.material_names())?.iter().map(|value| value.to_bits()));
         pack_static(scene, &self.order, step, &mut topology)?;
         pack_pairs(scene, step, &mut topology);
         pack_order(&self.order, &slots, step, &mut topology);
@@ -174,6 +176,8 @@ fn pack_pairs(scene: &Scene, step: &mut Step, topology: &mut Vec<u32>) {
     const OF_SCENE: f32 = -1.0;
     step.flags &= !(FLAG_PAIR_FRICTION | FLAG_RESISTANCE | FLAG_COHESION);
     (step.materials, step.pairs_at) = (0, 0);
+    // Rounded up, so that the AABBs hold every contact.
+    step.neck = (scene.neck() * (1.0 + 1e-5)) as f32;
     let law = scene.settings.contact_law;
     if scene.pairs.is_empty() && !law.has_history() {
         return;
@@ -193,7 +197,7 @@ fn pack_pairs(scene: &Scene, step: &mut Step, topology: &mut Vec<u32>) {
         if constants[4] > 0.0 || constants[6] > 0.0 {
             step.flags |= FLAG_RESISTANCE;
         }
-        if constants[7] > 0.0 {
+        if constants[7] != 0.0 {
             step.flags |= FLAG_COHESION;
         }
         if in_contacts > 0.0 || in_collisions > 0.0 && scene.settings.collisions {

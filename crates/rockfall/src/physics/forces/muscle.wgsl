@@ -11,14 +11,19 @@ fn upper_product(a: u32, b: u32) -> u32 {
     return (a >> 16u) * (b >> 16u) + (cross_a >> 16u) + (cross_b >> 16u) + (middle >> 16u);
 }
 
+// Half steps from the base of the clock to the present force evaluation.
+fn half_steps() -> u32 {
+    return 2u * (step.muscle_step + status.steps) + (evaluation() + 1u) / 2u;
+}
+
 // The upper word of the phase of a muscle at the present force evaluation: the phase at the base of the clock, and the change in
 // half a step times the half steps since then. `muscle` is the first word of its record.
 fn muscle_phase(muscle: u32) -> u32 {
-    let half_steps = 2u * (step.muscle_step + status.steps) + (evaluation() + 1u) / 2u;
+    let halves = half_steps();
     let change = topology[muscle + 3u];
-    let low = change * half_steps;
+    let low = change * halves;
     let carry = u32(low + topology[muscle + 1u] < low);
-    let high = topology[muscle + 4u] * half_steps + upper_product(change, half_steps);
+    let high = topology[muscle + 4u] * halves + upper_product(change, halves);
     return topology[muscle + 2u] + high + carry;
 }
 

@@ -7,11 +7,14 @@ struct Net {
     // Forces of contacts and attachments, without body forces.
     force: vec3f,
     torque: vec3f,
-    // Number of contacts with objects of higher insertion index. Counted in pass 0 only.
+    // Number of contacts with objects of higher insertion index. Counted in pass COUNTED only.
     contacts: u32,
     // Deepest overlap of these contacts.
     deepest: f32,
 }
+
+// The force evaluation that counts contacts: the first one, or that at the end of a step of velocity Verlet.
+const COUNTED: u32 = 3u * u32(VERLET);
 
 // Effect of a contact on a sphere.
 struct Push {
@@ -79,9 +82,9 @@ fn push_of(i: u32, partner: u32, own: vec4f, side: Side, other: LoadedEntry) -> 
     return Push(contact.force, contact.torque_per_arm, contact.arm_a, found.overlap);
 }
 
-// Counts a contact, only in the first pass and only on the side that was added first.
+// Counts a contact, only in the pass that counts and only on the side that was added first.
 fn count_push(i: u32, entry: u32, push: Push, net: ptr<function, Net>) {
-    if (evaluation() != 0u) | (push.overlap <= 0.0) {
+    if (evaluation() != COUNTED) | (push.overlap <= 0.0) {
         return;
     }
     if insertion_index(i) < insertion_index(entry_id(entry)) {
@@ -118,9 +121,9 @@ fn net_force(i: u32) -> Net {
     return net;
 }
 
-// Net force on a sphere in a pass of RK4. For a fixed sphere it is only evaluated in pass 0, to count its contacts.
+// Net force on a sphere in a pass. For a fixed sphere it is only evaluated in the pass that counts contacts.
 fn net_in_pass(i: u32) -> Net {
-    if (evaluation() == 0u) | (inverse_mass(i) > 0.0) {
+    if (evaluation() == COUNTED) | (inverse_mass(i) > 0.0) {
         return net_force(i);
     }
     return no_force();

@@ -5,18 +5,19 @@ use glam::Vec3;
 use crate::model::layout::{FLAG_COLLISIONS, FLAG_RESISTANCE};
 use crate::model::view::View;
 use crate::physics::contact::{ContactForce, collision_velocity, smaller_radius};
+use crate::physics::laws::jkr::{self, Bond};
 use crate::physics::laws::resistance::{Kept, Turning};
-use crate::physics::laws::{Constants, stiffness};
+use crate::physics::laws::{Constants, answer, energy};
 use crate::physics::side::{Side, side};
 use crate::physics::touch::Touch;
-use crate::settings::ContactLaw;
 
 /// The state of a contact between two steps.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Spring {
     /// Tangential displacement of A's surface relative to B's, in units. A is the object that was added first.
     pub(crate) shift: Vec3,
-    /// Overlap in the last step, in units.
+    /// Overlap in the last step, in units. With JKR cohesion, a² / R* with the contact radius a, which is positive for a neck
+    /// too.
     pub(crate) overlap: f32,
     /// Moment on A of the springs against rolling and twisting.
     pub(crate) moment: Vec3,
@@ -33,27 +34,29 @@ pub(crate) struct LawForce {
     pub(crate) slips: bool,
 }
 
-/// Evaluates the contact of objects a and b, of which a was added first, and advances its spring by a time step.
+/// Evaluates the contact of objects a and b, of which a was added first, and advances its spring by `View::spring_time`.
 /// `before` is its spring in the last step, or `None` for a new contact.
 pub(crate) fn law_force(view: &View, [id_a, id_b]: [u32; 2], touch: &Touch, before: Option<Spring>) -> LawForce {
     let (step, n, overlap) = (view.step, touch.normal, touch.overlap);
     let [a, b] = [side(view, view.object(id_a), touch.a), side(view, view.object(id_b), touch.b)];
     let approach = (a.velocity - b.velocity).dot(n);
-    let spring = Spring { shift: Vec3::ZERO, overlap, moment: Vec3::ZERO };
     if step.flags & FLAG_COLLISIONS != 0 {
         // As in docs/physics.md section 4.4.
         let threshold = collision_velocity(step, smaller_radius(&a, &b));
         if approach < -threshold || (approach > threshold && overlap < 2.0 * approach * step.dt) {
-            return LawForce { spring, ..LawForce::default() };
+            return LawForce { spring: Spring { overlap, ..Spring::default() }, ..LawForce::default() };
         }
     }
-    let reduced_mass = 1.0 / (a.inverse_mass + b.inverse_mass);
     let constants = Constants::of(view, id_a, id_b);
-    let radius = effective_radius(&a, &b);
-    let stiff = stiffness(ContactLaw::from_number(step.law), &constants, radius, reduced_mass, overlap);
-
-    let damping = constants.damping * (stiff.normal * reduced_mass).sqrt();
-    let normal = (stiff.share * stiff.normal * overlap + damping * approach).max(0.0);
+    let bodies = Bodies::of(&a, &b);
+    let bond = Bond::of(&constants, bodies.radius, overlap);
+    let depth = bond.depth;
+    let answer = answer(view, [id_a, id_b], &constants, &bodies, [depth, approach], before.map(|before| before.overlap));
+    let (stiff, normal, damping) = (answer.stiffness, answer.press, answer.dashpot);
+    let elastic = stiff.share * stiff.normal * depth;
+    let attraction = constants.cohesion.max(0.0) * bodies.radius + bond.pull * elastic;
+    // What limits friction: N, or with JKR the whole force and twice the pull-off force.
+    let press = (normal + (bond.grip() - bond.pull) * elastic).max(0.0);
 
     let [arm_a, arm_b] = match (a.radius, b.radius) {
         (Some(radius_a), Some(radius_b)) => [radius_a - 0.5 * overlap, radius_b - 0.5 * overlap],
@@ -61,36 +64,44 @@ pub(crate) fn law_force(view: &View, [id_a, id_b]: [u32; 2], touch: &Touch, befo
     };
     let surface = a.velocity - b.velocity + (arm_a * a.spin + arm_b * b.spin).cross(n);
     let slip = surface - n * surface.dot(n);
-    let carried = before.map_or(Vec3::ZERO, |before| carried(before, n, overlap, stiff.rescales));
-    let shift = carried + step.dt * slip;
-    let damping = constants.damping * (stiff.tangential * reduced_mass).sqrt();
+    let carried = before.map_or(Vec3::ZERO, |before| carried(before, n, stiff.unloading));
+    let shift = carried + view.spring_time() * slip;
     let (tangential, shift, slips) =
-        limited(&Tangential { shift, slip, stiffness: stiff.tangential, damping }, constants.friction * normal);
+        limited(&Tangential { shift, slip, stiffness: stiff.tangential, damping }, constants.friction * press);
 
     let torque = n.cross(tangential);
-    let pushed = normal - constants.cohesion * radius;
+    let pushed = normal - attraction;
     let mut loads = ContactForce { force: tangential - pushed * n, torque_a: arm_a * torque, torque_b: arm_b * torque };
     let mut moment = Vec3::ZERO;
     if step.flags & FLAG_RESISTANCE != 0 {
-        let turning = Turning { sides: [&a, &b], normal: n, overlap, radius, press: normal, stiffness: stiff, dt: step.dt };
-        let kept = before.map_or(Kept { moment, overlap }, |before| Kept { moment: before.moment, overlap: before.overlap });
+        let turning = Turning {
+            sides: [&a, &b],
+            normal: n,
+            overlap: depth,
+            radius: bodies.radius,
+            press,
+            stiffness: stiff,
+            dashpot: damping,
+            times: [step.dt, view.spring_time()],
+        };
+        let kept =
+            before.map_or(Kept { moment, overlap: depth }, |before| Kept { moment: before.moment, overlap: before.overlap });
         let found = turning.moments(&constants, kept);
         loads.torque_a += found.torque;
         loads.torque_b -= found.torque;
         moment = found.kept;
     }
-    LawForce { loads, spring: Spring { shift, overlap, moment }, slips }
+    LawForce { loads, spring: Spring { shift, overlap: depth, moment }, slips }
 }
 
-/// The displacement of the last step in the present tangent plane. It keeps its length, but for a law that rescales it shrinks
-/// with the square root of the overlap, so that unloading creates no energy.
-fn carried(before: Spring, n: Vec3, overlap: f32, rescales: bool) -> Vec3 {
+/// The displacement of the last step in the present tangent plane. It keeps its length, but it shrinks with
+/// the tangential stiffness when the contact unloads, so that unloading creates no energy.
+fn carried(before: Spring, n: Vec3, unloading: f32) -> Vec3 {
     let flat = before.shift - n * before.shift.dot(n);
     let (length, old_length) = (flat.length(), before.shift.length());
     if length == 0.0 {
         return Vec3::ZERO;
     }
-    let unloading = if rescales && overlap < before.overlap { (overlap / before.overlap).sqrt() } else { 1.0 };
     flat * (old_length / length * unloading)
 }
 
@@ -116,14 +127,35 @@ fn limited(t: &Tangential, limit: f32) -> (Vec3, Vec3, bool) {
     (force, shift, true)
 }
 
+/// Constants, bodies and speed of approach of a contact.
+pub(super) fn of_touch(view: &View, [id_a, id_b]: [u32; 2], touch: &Touch) -> (Constants, Bodies, f32) {
+    let [a, b] = [side(view, view.object(id_a), touch.a), side(view, view.object(id_b), touch.b)];
+    (Constants::of(view, id_a, id_b), Bodies::of(&a, &b), (a.velocity - b.velocity).dot(touch.normal))
+}
+
 /// Energy of the normal spring of a contact, and of its attraction.
 pub(crate) fn normal_energy(view: &View, id_a: u32, id_b: u32, touch: &Touch) -> f64 {
-    let [a, b] = [side(view, view.object(id_a), touch.a), side(view, view.object(id_b), touch.b)];
-    let (constants, radius) = (Constants::of(view, id_a, id_b), effective_radius(&a, &b));
-    let reduced_mass = 1.0 / (a.inverse_mass + b.inverse_mass);
-    let stiff = stiffness(ContactLaw::from_number(view.step.law), &constants, radius, reduced_mass, touch.overlap);
-    let elastic = f64::from(stiff.energy_share) * f64::from(stiff.normal) * f64::from(touch.overlap).powi(2);
-    elastic - f64::from(constants.cohesion) * f64::from(radius) * f64::from(touch.overlap)
+    let (constants, bodies, _) = of_touch(view, [id_a, id_b], touch);
+    if let Some(energy) = jkr::energy(&constants, bodies.radius, touch.overlap) {
+        return energy;
+    }
+    let elastic = energy(view, [id_a, id_b], &constants, &bodies, touch.overlap);
+    elastic - f64::from(constants.cohesion) * f64::from(bodies.radius) * f64::from(touch.overlap)
+}
+
+/// Properties of two bodies that a law depends on.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Bodies {
+    /// R*, in units.
+    pub(crate) radius: f32,
+    /// m*.
+    pub(crate) mass: f32,
+}
+
+impl Bodies {
+    fn of(a: &Side, b: &Side) -> Self {
+        Self { radius: effective_radius(a, b), mass: 1.0 / (a.inverse_mass + b.inverse_mass) }
+    }
 }
 
 /// R*, with 1/R* the sum of the curvatures of both sides. Boxes and polygons are flat.

@@ -1,14 +1,34 @@
 // requires model/step.wgsl physics/contact.wgsl physics/geometry.wgsl physics/laws/hertz_mindlin.wgsl
-// requires physics/laws/history.wgsl physics/laws/linear.wgsl physics/laws/resistance.wgsl physics/laws/stiffness.wgsl
-// requires physics/pairs.wgsl
+// requires physics/laws/history.wgsl physics/laws/jkr.wgsl physics/laws/linear.wgsl physics/laws/resistance.wgsl
+// requires physics/laws/stiffness.wgsl physics/laws/user.wgsl physics/pairs.wgsl
 
 // Forces of a contact by a law with history, and its tangential spring (docs/physics.md section 4.11).
 
-fn law_stiffness(constants: vec4f, radius: f32, mass: f32, overlap: f32) -> Stiffness {
+fn law_stiffness(constants: vec4f, radius: f32, mass: f32, overlap: f32, old_overlap: f32) -> Stiffness {
     if LAW == LAW_HERTZ_MINDLIN {
-        return hertz_mindlin_stiffness(constants, radius, overlap);
+        return hertz_mindlin_stiffness(constants, radius, overlap, old_overlap);
     }
     return linear_stiffness(constants, radius, mass);
+}
+
+// The law of the scene at an overlap and a speed of approach.
+fn law_answer(
+    a: u32,
+    b: u32,
+    constants: vec4f,
+    radius: f32,
+    mass: f32,
+    overlap: f32,
+    approach: f32,
+    old_overlap: f32,
+) -> Answer {
+    if LAW == LAW_USER {
+        let contact = UserContact(overlap, approach, radius, mass, constants.x, constants.y);
+        return user_law(pair_number(a, b), contact, old_overlap);
+    }
+    let stiff = law_stiffness(constants, radius, mass, overlap, old_overlap);
+    let press = max(0.0, stiff.share * stiff.normal * overlap + constants.z * sqrt(stiff.normal * mass) * approach);
+    return Answer(stiff, press, constants.z * sqrt(stiff.tangential * mass));
 }
 
 struct LawForce {
@@ -19,18 +39,14 @@ struct LawForce {
 }
 
 // The displacement of the last step, turned into the present tangent plane. It keeps its length, but shrinks when the contact
-// of a law that rescales unloads.
-fn carried(before: Spring, n: vec3f, overlap: f32, rescales: bool) -> vec3f {
+// unloads.
+fn carried(before: Spring, n: vec3f, unloading: f32) -> vec3f {
     let turned = before.shift - dot(before.shift, n) * n;
     let left = length(turned);
     if left == 0.0 {
         return vec3f(0.0);
     }
-    var scale = length(before.shift) / left;
-    if rescales & (overlap < before.overlap) {
-        scale *= sqrt(overlap / before.overlap);
-    }
-    return scale * turned;
+    return length(before.shift) / left * unloading * turned;
 }
 
 // The contact of objects a and b, of which a was added first. Its spring is advanced by a time step.
@@ -49,16 +65,25 @@ fn law_force(a_side: Side, b_side: Side, touch: Touch, a: u32, b: u32, before: S
     let mass = 1.0 / (a_side.inverse_mass + b_side.inverse_mass);
     let radius = select(a_side.radius, a_side.radius * b_side.radius / (a_side.radius + b_side.radius), b_moves);
     let constants = law_constants_of(a, b);
-    let stiff = law_stiffness(constants, radius, mass, overlap);
-    let press = max(0.0, stiff.share * stiff.normal * overlap + constants.z * sqrt(stiff.normal * mass) * approach);
+    var cohesion = 0.0;
+    if COHESION {
+        cohesion = cohesion_of(a, b);
+    }
+    let bond = bond_at(cohesion, radius, overlap);
+    let answer = law_answer(a, b, constants, radius, mass, bond.depth, approach, before.overlap);
+    let stiff = answer.stiff;
+    let push = answer.press;
+    let elastic = stiff.share * stiff.normal * bond.depth;
+    // What limits friction: the push, or with JKR the whole force and twice the pull-off force.
+    let press = max(0.0, push - bond.pull * elastic * (1.0 - 0.5 * bond.pull));
 
     let moving = relative + cross(arms.x * a_side.spin + arms.y * b_side.spin, n);
     let slip = moving - dot(moving, n) * n;
-    var shift = step.dt * slip;
+    var shift = spring_time() * slip;
     if before.overlap > 0.0 {
-        shift += carried(before, n, overlap, stiff.rescales);
+        shift += carried(before, n, stiff.unloading);
     }
-    let dashpot = constants.z * sqrt(stiff.tangential * mass) * slip;
+    let dashpot = answer.dashpot * slip;
     var rub = -stiff.tangential * shift - dashpot;
     let size = length(rub);
     let limit = constants.w * press;
@@ -68,14 +93,12 @@ fn law_force(a_side: Side, b_side: Side, touch: Touch, a: u32, b: u32, before: S
         rub *= limit / size;
         shift = select(vec3f(0.0), -(rub + dashpot) / stiff.tangential, dot(rub + dashpot, rub) > 0.0);
     }
-    var normal = press;
-    if COHESION {
-        normal -= radius * cohesion_of(a, b);
-    }
+    let normal = push - radius * max(0.0, cohesion) - bond.pull * elastic;
     result.contact = ContactForce(rub - normal * n, cross(n, rub), arms.x, arms.y);
     result.spring.shift = shift;
+    result.spring.overlap = bond.depth;
     if RESISTANCE {
-        let turning = Turning(n, overlap, radius, press, constants.z * sqrt(stiff.tangential * mass));
+        let turning = Turning(n, bond.depth, radius, press, answer.dashpot);
         let found = resistance(a_side, b_side, turning, stiff, resistance_of(a, b), before.moment, before.overlap);
         result.moment = found.torque;
         result.spring.moment = found.kept;

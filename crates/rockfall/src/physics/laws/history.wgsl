@@ -12,6 +12,17 @@ struct Spring {
     moment: vec3f,
 }
 
+// Whether the evaluation advances the springs. The one at the start of a step of velocity Verlet repeats that at the end of the
+// step before, which has advanced them.
+fn advances_springs() -> bool {
+    return !VERLET | (evaluation() != 0u);
+}
+
+// The time by which the evaluation advances the springs.
+fn spring_time() -> f32 {
+    return select(0.0, step.dt, advances_springs());
+}
+
 fn record_of_row(row: u32, place: u32) -> u32 {
     return 2u * (row * step.history_room + place);
 }

@@ -13,5 +13,5 @@ pub(super) fn stiffness(constants: &Constants, effective_radius: f32, reduced_ma
         let normal = elastic * (reduced_mass * constants.tangential.powi(2) / elastic).powf(0.2);
         [normal, TANGENTIAL_RATIO * normal]
     };
-    Stiffness { normal, tangential, share: 1.0, energy_share: 0.5, rescales: false }
+    Stiffness { normal, tangential, share: 1.0, energy_share: 0.5, unloading: 1.0 }
 }

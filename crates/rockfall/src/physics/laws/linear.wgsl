@@ -4,10 +4,10 @@
 // -E*, and k_t is the characteristic velocity V, for which an elastic impact is as deep as by Hertz.
 fn linear_stiffness(constants: vec4f, radius: f32, mass: f32) -> Stiffness {
     if constants.x >= 0.0 {
-        return Stiffness(constants.x, constants.y, 1.0, false);
+        return Stiffness(constants.x, constants.y, 1.0, 1.0);
     }
     let hertz = -constants.x * sqrt(radius);
     let root_of_depth = pow(15.0 / 16.0 * mass * constants.y * constants.y / hertz, 0.2);
     let stiffness = 16.0 / 15.0 * hertz * root_of_depth;
-    return Stiffness(stiffness, TANGENTIAL_RATIO * stiffness, 1.0, false);
+    return Stiffness(stiffness, TANGENTIAL_RATIO * stiffness, 1.0, 1.0);
 }

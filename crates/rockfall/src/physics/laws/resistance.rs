@@ -15,7 +15,10 @@ pub(super) struct Turning<'a> {
     /// Normal force N.
     pub(super) press: f32,
     pub(super) stiffness: Stiffness,
-    pub(super) dt: f32,
+    /// Tangential force per tangential velocity.
+    pub(super) dashpot: f32,
+    /// The time step, and the time by which the springs advance, in s.
+    pub(super) times: [f32; 2],
 }
 
 /// The moment that a contact keeps from one step to the next, and the overlap that belongs to it.
@@ -64,15 +67,14 @@ impl Turning<'_> {
         if self.overlap >= old_overlap {
             return (1.0, 1.0);
         }
-        let ratio = self.overlap / old_overlap;
-        let roll = if self.stiffness.rescales { ratio.sqrt() } else { 1.0 };
-        (roll, roll * ratio)
+        let roll = self.stiffness.unloading;
+        (roll, roll * (self.overlap / old_overlap))
     }
 
     /// Returns torque and moment to keep of rolling model `c`. The coefficients are mu_r and the damping ratio.
     fn spring_dashpot(&self, roll: Vec3, old: Vec3, limit: f32, [coefficient, ratio]: [f32; 2]) -> Moments {
         let stiffness = 2.25 * self.stiffness.normal * (coefficient * self.radius).powi(2);
-        let kept = old - stiffness * self.dt * roll;
+        let kept = old - stiffness * self.times[1] * roll;
         let size = kept.length();
         if size > limit {
             let kept = kept * (limit / size);
@@ -90,21 +92,19 @@ impl Turning<'_> {
             return Vec3::ZERO;
         }
         let inverse: f32 = self.sides.map(|side| side.inverse_inertia).iter().sum();
-        let size = limit.min(0.5 * rate / (self.dt * inverse));
+        let size = limit.min(0.5 * rate / (self.times[0] * inverse));
         roll * (-size / rate)
     }
 
     /// Returns the torque of twisting and the moment to keep, along the normal.
     fn twisting(&self, constants: &Constants, twist: f32, old: f32) -> [f32; 2] {
-        let [a, b] = self.sides;
         let area = self.radius * self.overlap;
         let limit = 2.0 / 3.0 * area.sqrt() * constants.twisting * self.press;
-        let kept = old - 0.5 * self.stiffness.tangential * area * self.dt * twist;
+        let kept = old - 0.5 * self.stiffness.tangential * area * self.times[1] * twist;
         if kept.abs() > limit {
             return [limit.copysign(kept); 2];
         }
-        let reduced_mass = 1.0 / (a.inverse_mass + b.inverse_mass);
-        let dashpot = 0.5 * constants.damping * (self.stiffness.tangential * reduced_mass).sqrt() * area;
+        let dashpot = 0.5 * self.dashpot * area;
         [kept - dashpot * twist, kept]
     }
 }

@@ -1,4 +1,4 @@
-// requires model/step.wgsl physics/contact.wgsl physics/laws/stiffness.wgsl
+// requires model/step.wgsl physics/contact.wgsl physics/laws/history.wgsl physics/laws/stiffness.wgsl
 
 // Resistance to rolling and twisting of a contact (docs/physics.md section 4.12).
 
@@ -16,7 +16,7 @@ struct Turning {
     radius: f32,
     // Normal force N.
     press: f32,
-    // g sqrt(S_t m*).
+    // Tangential force per tangential velocity.
     dashpot: f32,
 }
 
@@ -40,7 +40,7 @@ fn rolling(a: Side, b: Side, contact: Turning, stiff: Stiffness, mu: f32, eta: f
     }
     let reach = mu * contact.radius;
     let k = 2.25 * stiff.normal * reach * reach;
-    let moment = old - step.dt * k * spin;
+    let moment = old - spring_time() * k * spin;
     let size = length(moment);
     if size > most {
         return Moment(most / size * moment, most / size * moment);
@@ -53,7 +53,7 @@ fn rolling(a: Side, b: Side, contact: Turning, stiff: Stiffness, mu: f32, eta: f
 fn twisting(contact: Turning, stiff: Stiffness, mu: f32, spin: f32, old: f32) -> vec2f {
     let a2 = contact.radius * contact.overlap;
     let most = 2.0 * mu * contact.press * sqrt(a2) / 3.0;
-    let moment = old - 0.5 * a2 * stiff.tangential * step.dt * spin;
+    let moment = old - 0.5 * a2 * stiff.tangential * spring_time() * spin;
     if abs(moment) > most {
         return vec2f(sign(moment) * most);
     }
@@ -75,10 +75,8 @@ fn resistance(
     var twist_scale = 1.0;
     if contact.overlap < old_overlap {
         twist_scale = contact.overlap / old_overlap;
-        if stiff.rescales {
-            roll_scale = sqrt(twist_scale);
-            twist_scale *= roll_scale;
-        }
+        roll_scale = stiff.unloading;
+        twist_scale *= roll_scale;
     }
     let w = a.spin - b.spin;
     let along = dot(w, contact.n);

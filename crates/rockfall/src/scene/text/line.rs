@@ -74,7 +74,7 @@ pub(super) const PAIR: Kind = Kind {
         "rolling_damping=eta",
         "twisting_friction=mu",
         "surface_energy=gamma",
-        "cohesion=dmt",
+        "cohesion=jkr",
     ],
     last_is_optional: false,
 };

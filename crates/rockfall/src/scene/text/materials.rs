@@ -1,8 +1,10 @@
 //! Lines about materials: `@material`, `@pair`, `@use`, and the mass `-`.
 
+use std::str::FromStr;
+
 use super::line::{Kind, Line, MATERIAL, PAIR, USE};
 use super::{LineWarning, Reader};
-use crate::error::{nearest, quoted};
+use crate::error::{Error, nearest, quoted};
 use crate::scene::{Material, MaterialId, Pair, Scene};
 
 impl Reader<'_> {
@@ -76,19 +78,17 @@ fn find(kind: &Kind, scene: &Scene, name: &str) -> Line<MaterialId> {
     })
 }
 
-/// Reads a model of rolling resistance or of cohesion. Of the latter there is one, which is the default.
+/// Reads a model of rolling resistance or of cohesion.
 fn model(word: &str, pair: &mut Pair) -> Line<()> {
     let (key, value) = word.split_once('=').unwrap_or((word, ""));
-    match (key, value) {
-        (Pair::COHESION, "dmt") => Ok(()),
-        (Pair::COHESION, "jkr") => Err(PAIR.wrong(key, "this version does not have the model `jkr`, expected `dmt`")),
-        (Pair::COHESION, _) => Err(PAIR.wrong(key, format!("{} is not a model of cohesion, expected `dmt`", quoted(value)))),
-        _ if pair.rolling_model.is_some() => Err(PAIR.wrong(key, "given twice in the line")),
-        _ => {
-            pair.rolling_model = Some(value.parse().map_err(|error| PAIR.refused(&error))?);
-            Ok(())
+    fn put<T: FromStr<Err = Error>>(place: &mut Option<T>, key: &str, value: &str) -> Line<()> {
+        if place.is_some() {
+            return Err(PAIR.wrong(key, "given twice in the line"));
         }
+        *place = Some(value.parse().map_err(|error| PAIR.refused(&error))?);
+        Ok(())
     }
+    if key == Pair::COHESION { put(&mut pair.cohesion, key, value) } else { put(&mut pair.rolling_model, key, value) }
 }
 
 /// Reads words of the form KEY=NUMBER.

@@ -1,7 +1,7 @@
 use std::path::Path;
 
 use crate::scene::{Loaded, Scene};
-use crate::{Material, Pair, Result, RollingModel};
+use crate::{CohesionModel, Material, Pair, Result, RollingModel};
 
 fn parse(text: &str) -> Result<Loaded> {
     Scene::parse(text, Path::new("a.txt"))
@@ -52,14 +52,18 @@ fn pairs_that_are_not_given_are_geometric_means() {
 #[test]
 fn resistance_is_read_mixed_and_written() {
     let text = "@material a\n@material b\n@material c\n@pair a a rolling_friction=0.25 rolling_model=a twisting_friction=0.5\n\
-                @pair b b rolling_friction=1 rolling_model=c rolling_damping=0.25 surface_energy=2 cohesion=dmt\n";
+                @pair b b rolling_friction=1 rolling_model=c rolling_damping=0.25 surface_energy=2 cohesion=jkr\n\
+                @pair c c cohesion=dmt\n";
     let scene = parse(text).unwrap().scene;
     let [a, b, c] = ["a", "b", "c"].map(|name| scene.find_material(name));
     let given = Pair::default().rolling_friction(0.25).rolling_model(RollingModel::ConstantTorque).twisting_friction(0.5);
     assert_eq!(scene.pair(a, a).unwrap(), given);
-    assert_eq!(scene.pair(a, c).unwrap(), given);
+    assert_eq!(scene.pair(a, c).unwrap(), given.cohesion(CohesionModel::Dmt));
+    // Two models of cohesion give the default.
+    assert_eq!(scene.pair(b, c).unwrap().cohesion, Some(CohesionModel::Dmt));
     let mixed = Pair::default().rolling_friction(0.5).rolling_model(RollingModel::SpringDashpot);
-    assert_eq!(scene.pair(a, b).unwrap(), mixed.rolling_damping(0.25).twisting_friction(0.5).surface_energy(2.0));
+    let mixed = mixed.rolling_damping(0.25).twisting_friction(0.5).surface_energy(2.0);
+    assert_eq!(scene.pair(a, b).unwrap(), mixed.cohesion(CohesionModel::Jkr));
     let again = parse(&scene.to_text()).unwrap().scene;
     let same = ["a", "b"].map(|name| again.find_material(name)).map(|own| again.pair(own, own).unwrap());
     assert_eq!(same, [given, scene.pair(b, b).unwrap()]);
@@ -97,8 +101,8 @@ fn wrong_lines_about_materials_are_errors() {
         ("@pair glass glass rolling_model=b", "a or c"),
         ("@pair glass glass surface_energy=-1", "not negative"),
         ("@pair glass glass characteristic_velocity=0", "greater than 0"),
-        ("@pair glass glass cohesion=jkr", "does not have the model `jkr`"),
-        ("@pair glass glass cohesion=glue", "not a model of cohesion"),
+        ("@pair glass glass cohesion=glue", "dmt or jkr"),
+        ("@pair glass glass cohesion=jkr cohesion=jkr", "given twice"),
         ("@pair glass glass rolling_model=a rolling_model=c", "given twice"),
         ("@pair glass glass roling_model=a", "did you mean rolling_model"),
         ("@pair glass glass friction=-0.1", "not negative"),

@@ -7,8 +7,9 @@
 //! (lookahead - lead) 1.05 |v| dt + lookahead |a| dt^2 / 2 + (0.05 lookahead - 0.03) r + (margin_scale - 1) 0.02 r
 //! ```
 //!
-//! In scenes with large spheres a is the acceleration in the last step of RK4, if it is known (`FLAG_STAGES`). Otherwise a is
-//! 0. A fixed sphere has no margin.
+//! In scenes with JKR cohesion, `neck` r is added, the distance at which contacts tear. So a contact keeps its list entries
+//! until it ends. In scenes with large spheres a is the acceleration in the last step of RK4, if it is known (`FLAG_STAGES`).
+//! Otherwise a is 0. A fixed sphere has no margin. For exact lists (`lookahead` is 0) the margin is 0.02 r.
 //!
 //! The centre of the sphere must stay within the margin of that place until its list is rebuilt. If it moves further,
 //! `find_collisions`, `advance` or `symplectic_euler` rejects the step. The host then raises `margin_scale`, and the step is
@@ -25,10 +26,11 @@ use crate::model::dispatch::Threads;
 use crate::model::layout::FLAG_STAGES;
 use crate::model::layout::GRAIN;
 use crate::model::part::part;
+use crate::model::status::REBUILD_REQUESTED;
 use crate::model::step::Aabb;
 use crate::model::view::{Object, View};
 use crate::model::world::World;
-use crate::physics::travel::{acceleration_margin, position_ahead, travel_bound};
+use crate::physics::travel::{EXACT_MARGIN, acceleration_margin, position_ahead, travel_bound};
 use crate::step::moves::{Moves, NONE};
 use crate::step::stage::{Stage, read, write};
 use crate::step::wgsl::Wgsl;
@@ -52,7 +54,7 @@ pub(crate) const STAGE: Stage = Stage {
 };
 
 fn update_aabbs(world: &mut World, _pass: u32) {
-    if world.status.rebuild == 0 {
+    if world.status.rebuild & REBUILD_REQUESTED == 0 {
         return;
     }
     let objects = world.objects();
@@ -94,7 +96,7 @@ fn aabb(view: &View, gain: &impl Fn(u32) -> f32, id: u32) -> Aabb {
 
 /// Returns the bounds of all places that a ball of this radius about the centre of a sphere may reach before lists are rebuilt.
 fn ball_bounds(view: &View, gain: f32, sphere: u32, radius: f32) -> (Vec3, Vec3) {
-    let reach = radius + margin(view, gain, sphere);
+    let reach = radius + view.step.neck * radius + margin(view, gain, sphere);
     let middle = position_ahead(view.step, view.position(sphere), view.motion(sphere));
     (middle - reach, middle + reach)
 }
@@ -105,7 +107,9 @@ fn margin(view: &View, gain: f32, sphere: u32) -> f32 {
     }
     let radius = view.radius(sphere);
     let travel = travel_bound(view.step, view.velocity(sphere), radius, view.step.lookahead);
-    travel + gain + (view.step.margin_scale - 1.0) * 0.02 * radius
+    let exact = view.step.has_exact_lists();
+    let spare = if exact { EXACT_MARGIN } else { (view.step.margin_scale - 1.0) * 0.02 };
+    travel + gain + spare * radius
 }
 
 fn hull(corner: Vec3, edges: &[Vec3]) -> (Vec3, Vec3) {

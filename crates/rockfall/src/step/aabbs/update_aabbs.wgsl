@@ -21,7 +21,7 @@ fn margin(sphere: u32, velocity: vec4f, radius: f32) -> f32 {
         let at = velocity_at(sphere);
         gain = select(0.0, acceleration_margin(y3[at].xyz, y4[at].xyz, step.lookahead), (step.flags & FLAG_STAGES) != 0u);
     }
-    let spare = (step.margin_scale - 1.0) * 0.02 * radius;
+    let spare = select((step.margin_scale - 1.0) * 0.02, EXACT_MARGIN, has_exact_lists()) * radius;
     return select(0.0, travel_bound(velocity, radius, step.lookahead) + gain + spare, velocity.w > 0.0);
 }
 
@@ -30,7 +30,7 @@ fn margin(sphere: u32, velocity: vec4f, radius: f32) -> f32 {
 fn ball_hull(sphere: u32, radius: f32) -> Hull {
     let centre = state[position_at(sphere)];
     let velocity = state[velocity_at(sphere)];
-    let reach = vec3f(radius + margin(sphere, velocity, centre.w));
+    let reach = vec3f(radius + step.neck * radius + margin(sphere, velocity, centre.w));
     let middle = position_ahead(centre.xyz, velocity);
     return Hull(middle - reach, middle + reach);
 }
@@ -70,7 +70,7 @@ fn update_aabbs(
     @builtin(local_invocation_index) local: u32,
 ) {
     let id = wide_thread(group, groups, local);
-    if (status.rebuild == 0u) | (id >= objects()) {
+    if ((status.rebuild & REBUILD_REQUESTED) == 0u) | (id >= objects()) {
         return;
     }
     let hull = hull_of(id);

@@ -16,6 +16,7 @@ fn commit_change(i: u32) {
     }
     if i == 0u {
         atomicStore(&status.collided, 2u);
+        status.forces_due = 1u;
     }
     if atomicLoad(&status.collides) == 0u {
         return;

@@ -1,5 +1,5 @@
-//! Copies `Y2` to the state of the spheres whose bodies collided. Sets `collided`, and also `lengths_due` if there were
-//! collisions. Does nothing in a rejected step, or when an earlier attempt at the step has done its collisions.
+//! Copies `Y2` to the state of the spheres whose bodies collided. Sets `collided` and `forces_due`, and
+//! also `lengths_due` if there were collisions. Does nothing in a rejected step, or when an earlier attempt at the step has done its collisions.
 
 use rayon::prelude::*;
 
@@ -38,6 +38,7 @@ fn commit_collisions(world: &mut World, _pass: u32) {
         return;
     }
     status.collided = 2;
+    status.forces_due = 1;
     if status.collides == 0 {
         return;
     }

@@ -3,6 +3,9 @@
 //! Both sides of a contact evaluate it in the same way, so their forces are equal and opposite. The owner of a contact writes its
 //! new spring to the second table of `Histories`. `commit_history` takes it over when the step is accepted. The step is rejected
 //! when a row has no room for all contacts of its mover. Like `rod_forces`, the stage counts contacts and clears `lengths_due`.
+//!
+//! Pass 0 of velocity Verlet computes forces only if `forces_due` is set, and leaves the springs as they are: the evaluation at the
+//! end of the step before has advanced them.
 
 use glam::{Vec3, Vec4};
 use rayon::prelude::*;
@@ -18,9 +21,9 @@ use crate::model::view::View;
 use crate::model::world::World;
 use crate::physics::laws::contact::law_force;
 use crate::physics::laws::history::{Histories, key, owner, pack, row_words};
-use crate::physics::touch::touch;
+use crate::physics::laws::neck::contact;
 use crate::step::moves::{FORCES, Moves};
-use crate::step::stage::{Stage, read, write};
+use crate::step::stage::{Access, Binding, Slot, Stage, read, write};
 use crate::step::wgsl::Wgsl;
 
 /// The stage.
@@ -28,7 +31,7 @@ pub(crate) const STAGE: Stage = Stage {
     name: "law_forces",
     wgsl: Wgsl::File(part!("step/forces/law_forces.wgsl")),
     bindings: &[
-        read("state", Buffer::Start),
+        Binding { name: "state", slot: Slot::State, access: Access::Read },
         read("topology", Buffer::Topology),
         read("lists", Buffer::Lists),
         write("histories", Buffer::Histories),
@@ -43,13 +46,22 @@ pub(crate) const STAGE: Stage = Stage {
 /// Loads of a mover: force and torque of a sphere, or of both ends of a rod.
 type Loads = [Vec3; 4];
 
-fn law_forces(world: &mut World, _pass: u32) {
+fn law_forces(world: &mut World, pass: u32) {
     if world.status.rejected != 0 {
         return;
     }
+    if pass == 0 {
+        world.status.lengths_due = 0;
+    }
+    if !world.needs_forces(pass) {
+        return;
+    }
     let (step, spheres) = (&world.step, world.step.spheres);
-    let view = View::new(step, &world.topology, &world.states[0]);
+    let view = View::new(step, &world.topology, &world.states[pass as usize])
+        .at_evaluation(&world.status, pass)
+        .with_laws(&world.user_laws);
     let lists = Lists::new(step, &world.lists);
+    let counts = pass == step.counted_pass();
     let words = row_words(step);
     let (before, after) = world.histories.split_at_mut(words * step.movers() as usize);
     let histories = Histories::new(step, before);
@@ -61,7 +73,7 @@ fn law_forces(world: &mut World, _pass: u32) {
         .zip(&slots)
         .map(|(row, mover)| {
             let mut tally = Tally::default();
-            let (loads, fits) = loads_on(&view, &lists, &histories, *mover, row, &mut tally);
+            let (loads, fits) = loads_on(&view, &lists, &histories, *mover, counts.then_some(row), &mut tally);
             (loads, tally, fits)
         })
         .collect();
@@ -72,34 +84,38 @@ fn law_forces(world: &mut World, _pass: u32) {
             *wrench = Vec4::from((*load, 0.0));
         }
     }
+    if !counts {
+        return;
+    }
     let fits = results.iter().all(|(.., fits)| *fits);
     results.into_iter().map(|(_, tally, _)| tally).fold(Tally::default(), Tally::merge).add_to(&mut world.status);
-    world.status.lengths_due = 0;
     if !fits {
         world.status.rejected |= REJECTED_HISTORY;
     }
 }
 
-/// Adds up the loads of the contacts of a mover, in the order of its list, and writes the springs that it owns. Returns the loads,
-/// and whether the row has room for all springs.
+/// Adds up the loads of the contacts of a mover, in the order of its list, and writes the springs that it owns to `row`, if given.
+/// Returns the loads, and whether the row has room for all springs.
 fn loads_on(
     view: &View,
     lists: &Lists,
     histories: &Histories,
     mover: u32,
-    row: &mut [u32],
+    mut row: Option<&mut [u32]>,
     tally: &mut Tally,
 ) -> (Loads, bool) {
     let mut loads = Loads::default();
     let mut owned = 0;
-    row.fill(NO_KEY);
-    let records = row.len() / HISTORY_WORDS as usize;
+    if let Some(row) = row.as_deref_mut() {
+        row.fill(NO_KEY);
+    }
+    let records = view.step.history_room as usize;
     for entry in lists.row(mover) {
         let (a, b) = view.ordered(mover, entry.id());
-        let Some(touch) = touch(view, a, b, entry.feature()) else { continue };
+        let Some(touch) = contact(view, histories, a, b, entry.feature()) else { continue };
         let found = law_force(view, [a, b], &touch, histories.spring(view, a, b, entry.feature()));
         if owner(view, a, b) == mover {
-            if owned < records {
+            if let Some(row) = row.as_deref_mut().filter(|_| owned < records) {
                 let at = owned * HISTORY_WORDS as usize;
                 pack(&mut row[at..], key(view, entry.id(), entry.feature()), &found.spring);
             }

@@ -1,6 +1,6 @@
 // requires model/entries.wgsl model/lists.wgsl model/one_state.wgsl model/order.wgsl model/step.wgsl physics/contact.wgsl
 // requires physics/forces/mover_load.wgsl physics/forces/net_force.wgsl physics/forces/wrenches.wgsl physics/geometry.wgsl
-// requires physics/laws/contact.wgsl physics/laws/history.wgsl
+// requires physics/laws/contact.wgsl physics/laws/history.wgsl physics/laws/jkr.wgsl
 
 @group(0) @binding(2) var<storage, read> state: array<vec4f>;
 @group(0) @binding(3) var<storage, read> topology: array<u32>;
@@ -13,9 +13,14 @@
 fn add_law_contact(mover: u32, entry: u32, sum: ptr<function, MoverLoad>, owned: ptr<function, u32>) {
     let feature = entry_feature(entry);
     let pair = ordered(mover, entry_id(entry));
-    let found = touch(pair.x, pair.y, feature);
+    var found = touch(pair.x, pair.y, feature);
     if found.overlap <= 0.0 {
-        return;
+        if COHESION {
+            found = neck(pair.x, pair.y, feature, found);
+        }
+        if !COHESION | (found.overlap == NO_CONTACT_LINE) {
+            return;
+        }
     }
     let a_side = side_of(pair.x, found.a);
     let b_side = side_of(pair.y, found.b);
@@ -24,7 +29,7 @@ fn add_law_contact(mover: u32, entry: u32, sum: ptr<function, MoverLoad>, owned:
     }
     let law = law_force(a_side, b_side, found, pair.x, pair.y, spring_of(pair.x, pair.y, feature));
     let is_a = mover == pair.x;
-    if first_owns(pair.x, pair.y) == is_a {
+    if (first_owns(pair.x, pair.y) == is_a) & advances_springs() {
         if *owned < step.history_room {
             put_spring(mover, *owned, entry_key(entry_id(entry), feature), law.spring);
         }
@@ -47,7 +52,9 @@ fn load_on(mover: u32, owned: ptr<function, u32>) -> MoverLoad {
     for (var e = 0u; e < count; e++) {
         add_law_contact(mover, entry_at(slot_at(first, e)), &sum, owned);
     }
-    end_row(mover, *owned);
+    if advances_springs() {
+        end_row(mover, *owned);
+    }
     return sum;
 }
 
@@ -70,8 +77,9 @@ fn law_forces(
     let mover = linear_thread(group, groups, local);
     // Another thread of this dispatch may reject the step because of its springs. Then no result is used.
     let alive = (atomicLoad(&status.rejected) & ~REJECTED_HISTORY) == 0u;
+    let is_due = advances_springs() | (status.forces_due != 0u);
     var load = no_load();
-    if alive & (mover < step.spheres + step.rods) {
+    if alive & is_due & (mover < step.spheres + step.rods) {
         var owned = 0u;
         load = load_on(mover, &owned);
         put_load(mover, load);
@@ -79,8 +87,10 @@ fn law_forces(
             atomicOr(&status.rejected, REJECTED_HISTORY);
         }
     }
-    count_contacts_of_workgroup(linear_group(group, groups), local, load.contacts, load.deepest);
-    if alive & (mover == 0u) {
+    if evaluation() == COUNTED {
+        count_contacts_of_workgroup(linear_group(group, groups), local, load.contacts, load.deepest);
+    }
+    if alive & (evaluation() == 0u) & (mover == 0u) {
         status.lengths_due = 0u;
     }
 }

@@ -1,7 +1,7 @@
 //! Computes the contact forces on rods and shares them between the two ends of each rod (docs/physics.md section 4).
 //!
-//! The first pass also counts the contacts of rods with objects of higher id, and clears `lengths_due`. Nothing is done in
-//! a rejected step.
+//! The first pass clears `lengths_due`. The pass that counts contacts, `Step::counted_pass`, also counts those of rods with
+//! objects of higher id. Nothing is done in a rejected step, nor in pass 0 of velocity Verlet unless `forces_due` is set.
 
 use rayon::prelude::*;
 
@@ -38,6 +38,13 @@ fn rod_forces(world: &mut World, pass: u32) {
     if world.status.rejected != 0 || world.step.rods == 0 {
         return;
     }
+    if pass == 0 {
+        world.status.lengths_due = 0;
+    }
+    if !world.needs_forces(pass) {
+        return;
+    }
+    let counts = pass == world.step.counted_pass();
     let view = View::new(&world.step, &world.topology, &world.states[pass as usize]);
     let lists = Lists::new(&world.step, &world.lists);
     let tally = world
@@ -48,14 +55,11 @@ fn rod_forces(world: &mut World, pass: u32) {
         .enumerate()
         .map(|(rod, wrench)| {
             let mut tally = Tally::default();
-            let [one, two] = rod_loads(&view, &lists, rod as u32, (pass == 0).then_some(&mut tally));
+            let [one, two] = rod_loads(&view, &lists, rod as u32, counts.then_some(&mut tally));
             let loads = [one.force, one.torque, two.force, two.torque];
             wrench.copy_from_slice(&loads.map(|load| load.extend(0.0)));
             tally
         })
         .reduce(Tally::default, Tally::merge);
     tally.add_to(&mut world.status);
-    if pass == 0 {
-        world.status.lengths_due = 0;
-    }
 }

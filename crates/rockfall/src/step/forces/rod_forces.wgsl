@@ -35,6 +35,11 @@ fn add_rod_contact(id: u32, own: Bar, entry: u32, sum: ptr<function, MoverLoad>)
     add_contact(contact_force(a_side, b_side, found, a, b), select(found.b, found.a, is_a), is_a, found.overlap, sum);
 }
 
+// Whether forces are needed. Velocity Verlet mostly has those at the start of a step from the step before.
+fn is_due() -> bool {
+    return !VERLET | (pass_.index != 0u) | (status.forces_due != 0u);
+}
+
 @compute @workgroup_size(64)
 fn rod_forces(
     @builtin(workgroup_id) group: vec3u,
@@ -44,14 +49,14 @@ fn rod_forces(
     let rod = linear_thread(group, groups, local);
     let alive = atomicLoad(&status.rejected) == 0u;
     var load = no_load();
-    if alive & (rod < step.rods) {
+    if alive & (rod < step.rods) & is_due() {
         load = load_on(rod);
         put_rod_load(rod, load);
     }
-    if pass_.index == 0u {
+    if pass_.index == COUNTED {
         count_contacts_of_workgroup(linear_group(group, groups), local, load.contacts, load.deepest);
-        if alive & (rod == 0u) {
-            status.lengths_due = 0u;
-        }
+    }
+    if (pass_.index == 0u) & alive & (rod == 0u) {
+        status.lengths_due = 0u;
     }
 }

@@ -1,8 +1,8 @@
 //! Runs many steps of many small worlds in one dispatch, with one workgroup per world. The data of a world are in workgroup memory.
 //!
 //! The kernel is made of the same files as the stages, so that it computes the same. It takes worlds without rods, collisions as
-//! impulses and friction impulses, which no step can reject. Lists hold all pairs and are never rebuilt. `exec/gpu/worlds.rs`
-//! binds and dispatches it.
+//! impulses and friction impulses, which no step can reject. It has no lists: each thread keeps the objects near its sphere as bits.
+//! `exec/gpu/worlds.rs` binds and dispatches it.
 
 use bytemuck::{Pod, Zeroable};
 
@@ -22,7 +22,7 @@ pub(crate) const STAGE: Stage = Stage {
     bindings: &[
         read("parameters", Buffer::DispatchSizes),
         write("starts", Buffer::Start),
-        read("topologies", Buffer::Topology),
+        read("topology", Buffer::Topology),
         write("turns", Buffer::Orientations),
         write("results", Buffer::Status),
     ],
@@ -42,11 +42,12 @@ pub(crate) struct WorldResult {
     pub(crate) total_bad: u32,
     pub(crate) first_bad: u32,
     pub(crate) bad_step: u32,
-    pub(crate) pad: u32,
+    /// Steps one after the other, up to now, at whose end no sphere moved.
+    pub(crate) calm: u32,
 }
 
 impl WorldResult {
     /// Before the first step.
     pub(crate) const START: Self =
-        Self { steps: 0, rejected: 0, contacts: 0, max_overlap: 0, total_bad: 0, first_bad: NO_BODY, bad_step: 0, pad: 0 };
+        Self { steps: 0, rejected: 0, contacts: 0, max_overlap: 0, total_bad: 0, first_bad: NO_BODY, bad_step: 0, calm: 0 };
 }

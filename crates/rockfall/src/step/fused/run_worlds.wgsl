@@ -1,9 +1,14 @@
-// requires model/four_states.wgsl model/step.wgsl model/step_block.wgsl physics/forces/muscle.wgsl
-// requires physics/forces/net_force.wgsl physics/rotation.wgsl step/commit.wgsl step/integrate/close_step.wgsl
-// requires step/integrate/finished.wgsl step/integrate/next_state.wgsl step/integrate/symplectic_euler_state.wgsl
+// requires model/objects.wgsl model/step.wgsl model/step_block.wgsl physics/contact.wgsl
+// requires physics/forces/attached.wgsl physics/forces/muscle.wgsl physics/forces/net_force.wgsl physics/geometry.wgsl
+// requires physics/rotation.wgsl step/commit.wgsl step/integrate/close_step.wgsl step/integrate/finished.wgsl
+// requires step/integrate/next_state.wgsl step/integrate/symplectic_euler_state.wgsl
 
-// Each workgroup advances a world of its own, for many steps. The data of the world are in workgroup memory, under the names
-// that the shared files use. So these files compute the same here as in the stages. `step` is a copy of the world's block.
+// Each workgroup advances a world of its own, for many steps, with a thread per sphere. The shared files compute the same here as
+// in the stages. `step` is a copy of the world's block. Where they read `topology`, the host inserts `world_topology`.
+//
+// A force evaluation has three parts, with a barrier after each. First each spring is evaluated by one thread. Then each sphere
+// adds up the forces on it, in the same order as in the stages, and computes its next state. Last it shows this state to the
+// others. Workgroup memory has only what threads exchange, because a device runs more worlds at a time if each takes less.
 
 struct WorldResult {
     steps: u32,
@@ -13,183 +18,472 @@ struct WorldResult {
     total_bad: u32,
     first_bad: u32,
     bad_step: u32,
-    pad: u32,
+    calm: u32,
 }
 
 @group(0) @binding(2) var<storage, read> parameters: array<Step>;
 @group(0) @binding(3) var<storage, read_write> starts: array<vec4f>;
-@group(0) @binding(4) var<storage, read> topologies: array<u32>;
+@group(0) @binding(4) var<storage, read> topology: array<u32>;
 @group(0) @binding(5) var<storage, read_write> turns: array<vec4f>;
 @group(0) @binding(6) var<storage, read_write> results: array<WorldResult>;
 
-// Room for a world: spheres, entries of a list, and words of topology. The host replaces these numbers by those of the largest
-// world in the batch (`WorldSizes`), because a device runs more worlds at a time if each takes less memory. These are the largest
-// numbers, with which all arrays together take less than 16 KiB.
+// Room for a world: spheres, springs, and words of topology. The host replaces these numbers by those of the largest world in
+// the batch (`WorldSizes`). These are the largest numbers.
 const WORLD_SPHERES: u32 = 32u;
-const WORLD_ENTRIES: u32 = 36u;
-const WORLD_TOPOLOGY: u32 = 896u;
+const WORLD_SPRINGS: u32 = 128u;
+const WORLD_TOPOLOGY: u32 = 2304u;
+// Two spheres of a world may be in the same group. The host replaces it. Without, there is no code for pairs of spheres.
+const SPHERE_PAIRS: bool = true;
 // Threads of a workgroup, one per sphere.
 const WORLD_THREADS: u32 = 32u;
-// Rows of the lists before the entries: lengths, and the row where the only slice begins.
-const HEAD_ROWS: u32 = 2u;
 
-var<workgroup> state: array<vec4f, 12u * WORLD_SPHERES>;
-var<workgroup> topology: array<u32, WORLD_TOPOLOGY>;
-var<workgroup> lists: array<array<u32, SLICE>, HEAD_ROWS + WORLD_ENTRIES>;
-var<workgroup> aabbs: array<Aabb, WORLD_SPHERES>;
-var<workgroup> orientations: array<vec4f, WORLD_SPHERES>;
+// The stage state whose forces are evaluated: positions, velocities, angular momenta.
+var<workgroup> state: array<vec4f, 3u * WORLD_SPHERES>;
 var<workgroup> status: StatusAtomic;
+// Forces on ends A of springs.
+var<workgroup> spring_forces: array<vec4f, WORLD_SPRINGS>;
+// Rest lengths of springs with muscles at the present evaluation.
+var<workgroup> lengths: array<f32, WORLD_SPRINGS>;
+// Number of the last force evaluation before which a sphere had left the ball around its reference position.
+var<workgroup> moved: atomic<u32>;
 
-// The next two functions do nothing, because these worlds have no rods.
+// Number of the last force evaluation at the end of a step in which a sphere moved.
+var<workgroup> motion: atomic<u32>;
+
+// Names that functions of the shared files need. Nothing that this kernel computes depends on them.
+var<private> lists: array<array<u32, SLICE>, 1>;
+var<private> aabbs: array<Aabb, WORLD_SPHERES>;
+var<private> orientations: array<vec4f, 1>;
+
+// First word of the world in `topology`.
+var<private> world_topology: u32;
+// Number of the force evaluation in the step.
+var<private> evaluated: u32;
+// The rows of the sphere of this thread: at the start of the step, in the next stage state, in stage states 2 and 3.
+var<private> start: array<vec4f, 3>;
+var<private> next: array<vec4f, 3>;
+var<private> second: array<vec4f, 3>;
+var<private> third: array<vec4f, 3>;
+var<private> orientation: vec4f;
+// Objects that the sphere of this thread may touch as long as no sphere leaves the ball around its reference position: a bit per
+// id.
+var<private> near: vec2u;
+// Position at which `near` was found, and the squared radius of the ball.
+var<private> reference: vec4f;
+// First word of what is attached to the sphere, and one past the last.
+var<private> attached: vec2u;
+// The world takes no more steps.
+var<private> is_halted: bool;
+// Steps one after the other, up to now, at whose end no sphere moved.
+var<private> calm: u32;
+// Contacts of the sphere in the last step, and the deepest overlap.
+var<private> last_contacts: u32;
+var<private> last_deepest: f32;
+
+// Set by the host in the adjacency words of end B of a spring. Indices are smaller.
+const END_B: u32 = 1u << 29u;
+
+fn position_at(sphere: u32) -> u32 {
+    return sphere;
+}
+
+fn velocity_at(sphere: u32) -> u32 {
+    return WORLD_SPHERES + sphere;
+}
+
+fn momentum_at(sphere: u32) -> u32 {
+    return 2u * WORLD_SPHERES + sphere;
+}
+
+fn evaluation() -> u32 {
+    return evaluated;
+}
+
+// The rows of a sphere are asked for by its own thread.
+fn start_row(region: u32, i: u32) -> vec4f {
+    return start[region];
+}
+
+fn put_start(region: u32, i: u32, row: vec4f) {
+    start[region] = row;
+}
+
+fn next_row(region: u32, i: u32) -> vec4f {
+    return next[region];
+}
+
+fn put_next(region: u32, i: u32, row: vec4f) {
+    next[region] = row;
+}
+
+fn y2_row(region: u32, i: u32) -> vec4f {
+    return second[region];
+}
+
+fn y3_row(region: u32, i: u32) -> vec4f {
+    return third[region];
+}
+
+// Asked for in evaluation 3.
+fn y4_row(region: u32, i: u32) -> vec4f {
+    return state[region * WORLD_SPHERES + i];
+}
+
+// The next functions do nothing, because these worlds have no rods.
 fn add_wrench(i: u32, rod: u32, net: ptr<function, Net>) {}
 
 fn add_law_load(i: u32, net: ptr<function, Net>) {}
 
 fn remember(i: u32, old_position: vec3f, spin: vec3f) {}
 
-fn is_stopped() -> bool {
-    return atomicLoad(&status.rejected) != 0u;
+// Shows rows of the sphere of this thread to the others.
+fn show(i: u32, position: vec4f, velocity: vec4f, momentum: vec4f) {
+    state[position_at(i)] = position;
+    state[velocity_at(i)] = velocity;
+    state[momentum_at(i)] = momentum;
 }
 
-// Copies a world to workgroup memory.
-fn load_world(world: u32, local: u32) {
-    for (var word = local; word < WORLD_TOPOLOGY; word += WORLD_THREADS) {
-        topology[word] = topologies[world * WORLD_TOPOLOGY + word];
-    }
-    if local < step.spheres {
-        for (var region = 0u; region < 3u; region++) {
-            state[region * step.spheres + local] = starts[(3u * world + region) * WORLD_SPHERES + local];
-        }
-        orientations[local] = turns[world * WORLD_SPHERES + local];
-        // Lists hold all pairs, so no sphere leaves its AABB, and no list is rebuilt.
-        aabbs[local] = Aabb(vec3f(-3e38), local, vec3f(3e38), 0u);
-    }
-    if local == 0u {
-        let before = results[world];
-        status.steps = before.steps;
-        atomicStore(&status.rejected, before.rejected);
-        status.last_contacts = before.contacts;
-        status.last_max_overlap = before.max_overlap;
-        status.last_collisions = 0u;
-        status.total_collisions_low = 0u;
-        status.total_collisions_high = 0u;
-        status.total_bad = before.total_bad;
-        status.first_bad = before.first_bad;
-        status.bad_step = before.bad_step;
-        status.clustered_steps = 0u;
-        status.many_steps = 0u;
-        atomicStore(&status.bad_body, NO_BODY);
-        atomicStore(&status.bad_count, 0u);
-        atomicStore(&status.rebuild, 0u);
-        atomicStore(&status.escape_ratio, 0u);
-        atomicStore(&status.collided, 0u);
-        atomicStore(&status.collides, 0u);
-        atomicStore(&status.listed, 0u);
-        atomicStore(&status.clustered, 0u);
-        atomicStore(&status.counters[0].contacts, 0u);
-        atomicStore(&status.counters[0].max_overlap, 0u);
-        atomicStore(&status.counters[0].collisions, 0u);
-    }
+fn load_status(before: WorldResult) {
+    status.steps = before.steps;
+    atomicStore(&status.rejected, before.rejected);
+    status.total_bad = before.total_bad;
+    status.first_bad = before.first_bad;
+    status.bad_step = before.bad_step;
+    atomicStore(&status.bad_body, NO_BODY);
+    atomicStore(&status.bad_count, 0u);
+    atomicStore(&status.counters[0].contacts, 0u);
+    atomicStore(&status.counters[0].max_overlap, 0u);
+    atomicStore(&moved, 0u);
+    atomicStore(&motion, 0u);
 }
 
-// Lists all objects of the same group for a sphere, in insertion order.
-fn list_all(local: u32) {
-    if local == 0u {
-        lists[1][0] = 0u;
-    }
-    if local >= step.spheres {
+// Loads the sphere of this thread.
+fn load_sphere(world: u32, i: u32) {
+    near = vec2u(0u);
+    attached = vec2u(0u);
+    // No displacement is within this.
+    reference = vec4f(0.0, 0.0, 0.0, -1.0);
+    last_contacts = 0u;
+    last_deepest = 0.0;
+    if i >= step.spheres {
         return;
     }
-    let group = topology[step.tags_at + local] & 0xffffu;
-    var count = 0u;
-    for (var id = 0u; id < objects(); id++) {
-        if (id != local) & ((topology[step.tags_at + id] & 0xffffu) == group) {
-            lists[HEAD_ROWS + count][local] = id;
-            count += 1u;
-        }
+    for (var region = 0u; region < 3u; region++) {
+        start[region] = starts[(3u * world + region) * WORLD_SPHERES + i];
     }
-    lists[0][local] = count;
+    orientation = turns[world * WORLD_SPHERES + i];
+    attached = adjacency(i);
+    show(i, start[0], start[1], start[2]);
 }
 
-// Writes the present rest lengths of muscles to the springs. The constant lengths stay in `topologies`.
-fn flex(world: u32, local: u32) {
+// Radius of the ball in which a sphere may move before the near objects are found again: some room, and the way of a few steps.
+fn margin_of(radius: f32, velocity: vec3f) -> f32 {
+    return 0.1 * radius + 4.0 * step.dt * length(velocity);
+}
+
+// Upper bound of the rounding errors of the distance from a static object, in units. `size` is the sum of all lengths in it.
+fn rounding(own: vec3f, size: vec3f) -> f32 {
+    let all = abs(own) + size;
+    return 1e-6 * (all.x + all.y + all.z);
+}
+
+// Whether a static object may be within `reach` of a point.
+fn is_static_near(own: vec3f, reach: f32, number: u32) -> bool {
+    if number < step.boxes {
+        let box = cuboid(number);
+        let size = abs(box.corner) + abs(box.i) + abs(box.j) + abs(box.k);
+        return !(touch_sphere_box(vec4f(own, reach + rounding(own, size)), box).overlap <= 0.0);
+    }
+    let face = polygon(number - step.boxes);
+    let distance = dot(own - face.corner, normalize(cross(face.left, face.right)));
+    return !(abs(distance) > reach + rounding(own, abs(face.corner) + abs(face.left) + abs(face.right)));
+}
+
+// Whether an object may touch a sphere before one of the two leaves its ball. Comparisons with values that are not finite count
+// as near.
+fn is_near(own: vec4f, margin: f32, id: u32) -> bool {
+    if id >= step.spheres {
+        return is_static_near(own.xyz, own.w + margin, id - step.spheres);
+    }
+    let other = state[position_at(id)];
+    let between = other.xyz - own.xyz;
+    let reach = own.w + other.w + margin + margin_of(other.w, state[velocity_at(id)].xyz);
+    return !(dot(between, between) > reach * reach);
+}
+
+// Finds the objects of the same group that a sphere may touch, at the present positions.
+fn find_near(i: u32) {
+    let own = state[position_at(i)];
+    let margin = margin_of(own.w, state[velocity_at(i)].xyz);
+    let group = topology[step.tags_at + i] & GROUP_MASK;
+    var found = vec2u(0u);
+    for (var id = select(step.spheres, 0u, SPHERE_PAIRS); id < objects(); id++) {
+        if (id != i) & ((topology[step.tags_at + id] & GROUP_MASK) == group) {
+            if is_near(own, margin, id) {
+                let bit = 1u << (id & 31u);
+                found |= select(vec2u(0u, bit), vec2u(bit, 0u), id < 32u);
+            }
+        }
+    }
+    near = found;
+    // A little less than the square of the margin, because of rounding errors.
+    reference = vec4f(own.xyz, 0.98 * margin * margin);
+}
+
+// Requests that near objects are found again if the sphere has left its ball. `evaluations` counts force evaluations.
+fn check_reference(i: u32, evaluations: u32) {
+    let way = state[position_at(i)].xyz - reference.xyz;
+    if !(dot(way, way) <= reference.w) {
+        atomicStore(&moved, evaluations);
+    }
+}
+
+// Evaluates each spring. `has_new_time` tells whether the rest lengths of muscles change.
+fn evaluate_springs(local: u32, has_new_time: bool) {
     let springs = (step.tethers_at - step.springs_at) / SPRING_WORDS;
-    if step.muscles_at == 0u {
+    for (var first = 0u; first < springs; first += WORLD_THREADS) {
+        let spring = first + local;
+        if spring < springs {
+            let word = step.springs_at + spring * SPRING_WORDS;
+            let a = topology[word];
+            let b = topology[word + 1u];
+            var constants = vector_at(word + 2u);
+            if step.muscles_at != 0u {
+                if has_new_time {
+                    lengths[spring] = muscle_length(step.muscles_at + spring * MUSCLE_WORDS, constants.y);
+                }
+                constants.y = lengths[spring];
+            }
+            let force = spring_force(
+                state[position_at(a)].xyz,
+                state[velocity_at(a)].xyz,
+                state[position_at(b)].xyz,
+                state[velocity_at(b)].xyz,
+                constants,
+            );
+            spring_forces[spring] = vec4f(force, 0.0);
+        }
+    }
+}
+
+// Takes the lowest bit out of a mask, and returns its number.
+fn take_lowest(mask: ptr<function, vec2u>) -> u32 {
+    if (*mask).x != 0u {
+        let id = firstTrailingBit((*mask).x);
+        (*mask).x &= (*mask).x - 1u;
+        return id;
+    }
+    let id = firstTrailingBit((*mask).y);
+    (*mask).y &= (*mask).y - 1u;
+    return 32u + id;
+}
+
+// Those of some spheres that are close to a sphere. The test is that of `close`.
+fn close_spheres(own: vec4f, spheres: u32) -> u32 {
+    var found = spheres;
+    for (var rest = spheres; rest != 0u; rest &= rest - 1u) {
+        let id = firstTrailingBit(rest);
+        let place = state[position_at(id)];
+        let between = place.xyz - own.xyz;
+        let reach = own.w + place.w;
+        if !(dot(between, between) < SLACK * reach * reach) {
+            found &= ~(1u << id);
+        }
+    }
+    return found;
+}
+
+fn add_near_contact(i: u32, own: vec4f, side: Side, other: LoadedEntry, net: ptr<function, Net>) {
+    let push = push_of(i, NO_ROD, own, side, other);
+    (*net).force += push.force;
+    (*net).torque = fma(push.torque_per_arm, vec3f(push.arm), (*net).torque);
+    count_push(i, other.entry, push, net);
+}
+
+fn add_sphere_contacts(i: u32, own: vec4f, side: Side, candidates: u32, net: ptr<function, Net>) {
+    var spheres = close_spheres(own, candidates);
+    while spheres != 0u {
+        add_near_contact(i, own, side, load_entry(firstTrailingBit(spheres), true), net);
+        spheres &= spheres - 1u;
+    }
+}
+
+// Adds the forces of contacts in ascending order of ids, as `add_contacts` does. First come spheres, then static objects, so that
+// the threads of a subgroup have objects of the same kind at the same time.
+fn add_near_contacts(i: u32, net: ptr<function, Net>) {
+    let own = state[position_at(i)];
+    let side = sphere_side(own, state[velocity_at(i)], state[momentum_at(i)]);
+    let all_spheres = select((1u << (step.spheres & 31u)) - 1u, ~0u, step.spheres >= 32u);
+    if SPHERE_PAIRS {
+        add_sphere_contacts(i, own, side, near.x & all_spheres, net);
+    }
+    var statics = vec2u(near.x & ~all_spheres, near.y);
+    while any(statics != vec2u(0u)) {
+        // The rows of a static object are not used.
+        let other = LoadedEntry(take_lowest(&statics), vec4f(0.0), vec4f(0.0), vec4f(0.0));
+        add_near_contact(i, own, side, other, net);
+    }
+}
+
+// Adds the forces of springs, tethers and external forces in the order of the adjacency words. The force of a spring on end B is
+// computed from negated vectors in the stages, so it is the same with the other sign.
+fn add_attached(i: u32, net: ptr<function, Net>) {
+    for (var at = attached.x; at < attached.y; at++) {
+        let word = topology[at];
+        if kind_of(word) == KIND_SPRING {
+            let force = spring_forces[word & (END_B - 1u)].xyz;
+            (*net).force += select(force, -force, (word & END_B) != 0u);
+        } else {
+            (*net).force += attached_force(i, kind_of(word), index_of(word));
+        }
+    }
+}
+
+fn world_net(i: u32) -> Net {
+    var net = no_force();
+    if (evaluated == 0u) | (inverse_mass(i) > 0.0) {
+        add_near_contacts(i, &net);
+        add_attached(i, &net);
+    }
+    return net;
+}
+
+// Turns the sphere by a mean spin during a step.
+fn turn_own(spin: vec3f) {
+    let by = rotation(spin);
+    if any(by.xyz != vec3f(0.0)) {
+        orientation = rotated(orientation, by);
+    }
+}
+
+// Adds up the forces on a sphere, and computes the next stage state or the state after the step from them.
+fn evaluate_sphere(i: u32, is_symplectic_euler: bool) {
+    let net = world_net(i);
+    if is_symplectic_euler {
+        write_symplectic_euler(i, net);
+    } else if evaluated == 3u {
+        turn_own(finish_sphere(i, net).spin);
+    } else {
+        write_next(i, net);
+    }
+    if evaluated == 0u {
+        last_contacts = net.contacts;
+        last_deepest = net.deepest;
+    }
+}
+
+// Whether the sphere of this thread, at the end of a step, is too fast for a world at rest. The same as `Rest::note` on the CPU.
+fn is_moving() -> bool {
+    let spin = start[2].xyz * start[2].w;
+    let most = pass_.rest_speed * pass_.rest_speed;
+    let is_slow = dot(start[1].xyz, start[1].xyz) <= most;
+    return !(is_slow & (dot(spin, spin) * start[0].w * start[0].w <= most));
+}
+
+// Whether all spheres have been at rest for so long that the world stands still.
+fn is_asleep() -> bool {
+    return (pass_.rest_steps != 0u) & (calm >= pass_.rest_steps) & (step.muscles_at == 0u);
+}
+
+// Shows the state whose forces are evaluated next.
+fn show_next(i: u32, evaluations: u32, is_symplectic_euler: bool) {
+    if is_symplectic_euler {
+        commit(i);
+        turn_own(next[2].xyz * next[2].w);
+    }
+    if is_symplectic_euler | (evaluated == 3u) {
+        show(i, start[0], start[1], start[2]);
+        if is_moving() {
+            atomicStore(&motion, evaluations);
+        }
         return;
     }
-    for (var spring = local; spring < springs; spring += WORLD_THREADS) {
-        let word = step.springs_at + spring * SPRING_WORDS + 3u;
-        let length = bitcast<f32>(topologies[world * WORLD_TOPOLOGY + word]);
-        topology[word] = bitcast<u32>(muscle_length(step.muscles_at + spring * MUSCLE_WORDS, length));
+    show(i, next[0], next[1], next[2]);
+    if evaluated == 0u {
+        second = next;
+    } else if evaluated == 1u {
+        third = next;
     }
 }
 
-// Makes one force evaluation, and computes the next stage state or the state after the step from it.
-fn evaluate(local: u32, number: u32, is_symplectic_euler: bool) {
-    var contacts = 0u;
-    var deepest = 0.0;
-    if (local < step.spheres) & !is_stopped() {
-        let net = net_in_pass(local);
-        if is_symplectic_euler {
-            write_symplectic_euler(local, net);
-        } else if number == 3u {
-            turn_by(local, rotation(finish_sphere(local, net).spin));
-        } else {
-            write_next(local, net);
+// `evaluations` counts the force evaluations of the dispatch, from 1. Returns the first body whose state stopped being finite in
+// this step, or NO_BODY.
+fn evaluate(local: u32, evaluations: u32, has_new_time: bool, is_symplectic_euler: bool) -> u32 {
+    let is_active = (local < step.spheres) & !is_halted;
+    if !is_halted {
+        evaluate_springs(local, has_new_time);
+    }
+    if is_active {
+        check_reference(local, evaluations);
+    }
+    workgroupBarrier();
+    if is_active {
+        if atomicLoad(&moved) == evaluations {
+            find_near(local);
         }
-        contacts = net.contacts;
-        deepest = net.deepest;
-    }
-    if number == 0u {
-        count_contacts_of_workgroup(0u, local, contacts, deepest);
+        evaluate_sphere(local, is_symplectic_euler);
     }
     workgroupBarrier();
-}
-
-fn take_symplectic_euler_step(local: u32) {
-    if (local < step.spheres) & !is_stopped() {
-        commit(local);
-        let momentum = next_row(2u, local);
-        turn_by(local, rotation(momentum.xyz * momentum.w));
+    if is_active {
+        show_next(local, evaluations, is_symplectic_euler);
+    }
+    let bad_body = atomicLoad(&status.bad_body);
+    if (local == 0u) & !is_halted & (is_symplectic_euler | (evaluated == 3u)) {
+        status.steps += 1u;
     }
     workgroupBarrier();
+    return bad_body;
 }
 
-fn run_step(world: u32, local: u32, is_symplectic_euler: bool) {
+// Notes bodies whose state stopped being finite. They may halt the world.
+fn note_bad(local: u32, bad_body: u32) {
+    if (bad_body == NO_BODY) | is_halted {
+        return;
+    }
+    if local == 0u {
+        status.total_bad += atomicLoad(&status.bad_count);
+        note_bad_body();
+        atomicStore(&status.bad_count, 0u);
+        atomicStore(&status.bad_body, NO_BODY);
+    }
+    is_halted = (step.flags & FLAG_CONTINUE) == 0u;
+}
+
+// Step `k` of the dispatch.
+fn run_step(k: u32, local: u32, is_symplectic_euler: bool) {
     let evaluations = select(4u, 1u, is_symplectic_euler);
+    var bad_body = NO_BODY;
     for (var number = 0u; number < evaluations; number++) {
         evaluated = number;
-        // Evaluations 1 and 2 are at the same time.
-        if number != 2u {
-            flex(world, local);
-        }
-        workgroupBarrier();
-        evaluate(local, number, is_symplectic_euler);
+        // Evaluations 1 and 2 are at the same time, and so are evaluation 3 and evaluation 0 of the next step.
+        let has_new_time = is_symplectic_euler | (k == 0u) | ((number & 1u) == 1u);
+        bad_body = evaluate(local, k * evaluations + number + 1u, has_new_time, is_symplectic_euler);
     }
-    if is_symplectic_euler {
-        take_symplectic_euler_step(local);
+    if !is_halted {
+        let is_calm = atomicLoad(&motion) != (k + 1u) * evaluations;
+        calm = select(0u, min(calm, NO_BODY - 1u) + 1u, is_calm);
+        is_halted = is_asleep();
     }
-    close_step(local);
-    workgroupBarrier();
+    note_bad(local, bad_body);
 }
 
 fn store_world(world: u32, local: u32) {
     if local < step.spheres {
         for (var region = 0u; region < 3u; region++) {
-            starts[(3u * world + region) * WORLD_SPHERES + local] = state[region * step.spheres + local];
+            starts[(3u * world + region) * WORLD_SPHERES + local] = start[region];
         }
-        turns[world * WORLD_SPHERES + local] = orientations[local];
+        turns[world * WORLD_SPHERES + local] = orientation;
     }
     if local == 0u {
         results[world] = WorldResult(
             status.steps,
             atomicLoad(&status.rejected),
-            status.last_contacts,
-            status.last_max_overlap,
+            atomicLoad(&status.counters[0].contacts),
+            atomicLoad(&status.counters[0].max_overlap),
             status.total_bad,
             status.first_bad,
             status.bad_step,
-            0u,
+            calm,
         );
     }
 }
@@ -204,19 +498,32 @@ fn run_worlds(
     let number = linear_group(group, groups);
     let is_world = number < arrayLength(&parameters);
     let world = select(0u, number, is_world);
-    step = parameters[world];
-    load_world(world, local);
-    workgroupBarrier();
-    list_all(local);
-    if (local == 0u) & !is_world {
-        atomicStore(&status.rejected, REJECTED_NON_FINITE);
+    if local == 0u {
+        step = parameters[world];
     }
     workgroupBarrier();
-    let steps = pass_.index >> PHASES_SHIFT;
+    world_topology = world * WORLD_TOPOLOGY;
+    let before = results[world];
+    if local == 0u {
+        load_status(before);
+    }
+    load_sphere(world, local);
+    calm = before.calm;
+    let was_halted = !is_world | (before.rejected != 0u) | is_asleep();
+    is_halted = was_halted;
+    workgroupBarrier();
+    // All threads of a workgroup agree on this.
+    let steps = select(pass_.index >> PHASES_SHIFT, 0u, was_halted);
     for (var k = 0u; k < steps; k++) {
-        run_step(world, local, (pass_.index & SYMPLECTIC_EULER) != 0u);
+        run_step(k, local, (pass_.index & SYMPLECTIC_EULER) != 0u);
     }
-    if is_world {
+    if !was_halted {
+        atomicAdd(&status.counters[0].contacts, last_contacts);
+        atomicMax(&status.counters[0].max_overlap, bitcast<u32>(last_deepest));
+    }
+    workgroupBarrier();
+    // A world that was halted before has not changed.
+    if !was_halted {
         store_world(world, local);
     }
 }

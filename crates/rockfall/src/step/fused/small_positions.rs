@@ -54,7 +54,9 @@ pub(crate) fn update_positions(world: &mut World) {
 fn advance(world: &mut World, springs: &mut Springs, pass: u32) {
     let (done, todo) = world.states.split_at_mut(pass as usize + 1);
     let start = View::new(&world.step, &world.topology, &done[0]);
-    let view = View::new(&world.step, &world.topology, &done[pass as usize]).at_evaluation(&world.status, pass);
+    let view = View::new(&world.step, &world.topology, &done[pass as usize])
+        .at_evaluation(&world.status, pass)
+        .with_laws(&world.user_laws);
     let lists = Lists::new(&world.step, &world.lists);
     let mut tally = Tally::default();
     for sphere in 0..world.step.spheres {
@@ -84,7 +86,9 @@ fn advance(world: &mut World, springs: &mut Springs, pass: u32) {
 /// Computes the state after the step and turns the spheres, as the stage `finish_and_turn` does.
 fn finish(world: &mut World, springs: &mut Springs) {
     let [start, y2, y3, y4] = &mut world.states;
-    let views = [&*y2, y3, y4].map(|state| View::new(&world.step, &world.topology, state).at_evaluation(&world.status, 3));
+    let views = [&*y2, y3, y4].map(|state| {
+        View::new(&world.step, &world.topology, state).at_evaluation(&world.status, 3).with_laws(&world.user_laws)
+    });
     let last = &views[2];
     let lists = Lists::new(&world.step, &world.lists);
     for sphere in 0..world.step.spheres {

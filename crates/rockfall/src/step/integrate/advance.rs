@@ -60,7 +60,9 @@ fn advance(world: &mut World, pass: u32) {
     }
     let (done, todo) = world.states.split_at_mut(pass as usize + 1);
     let start = View::new(&world.step, &world.topology, &done[0]);
-    let view = View::new(&world.step, &world.topology, &done[pass as usize]).at_evaluation(&world.status, pass);
+    let view = View::new(&world.step, &world.topology, &done[pass as usize])
+        .at_evaluation(&world.status, pass)
+        .with_laws(&world.user_laws);
     let lists = Lists::new(&world.step, &world.lists);
     let next = |sphere: u32, tally: &mut Tally| {
         let origin = Motion::of(&start, sphere);
@@ -109,7 +111,7 @@ pub(crate) fn next_state(
         let second = origin.position + 0.5 * dt * origin.velocity;
         let second = if second.is_finite() { second } else { origin.position };
         for position in [origin.position, second, view.position(sphere), next.position] {
-            let escaped = outside(&aabbs[sphere as usize], position, view.radius(sphere));
+            let escaped = outside(view.step, &aabbs[sphere as usize], position, view.radius(sphere));
             tally.escape_ratio = tally.escape_ratio.max(escaped);
         }
         tally.rebuild |= needs_rebuild(view, aabbs, sphere, next.position, next.velocity);

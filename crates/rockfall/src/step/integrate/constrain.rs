@@ -4,6 +4,8 @@
 //! A batch is one connected frame of fixed-length rods, or many small frames. Its rods are coloured so that rods of one
 //! colour share no moving sphere. A sweep goes through the batch colour by colour. Sweeps end when every relative error is
 //! at most 1e-5 or is a rounding error. There are at most 400 sweeps.
+//!
+//! Pass 0 corrects the state. Velocity Verlet also corrects `Y4`, the state after the drift, in pass 3.
 
 use crate::model::buffer::Buffer;
 use crate::model::dispatch::Threads;
@@ -11,7 +13,7 @@ use crate::model::part::part;
 use crate::model::world::World;
 use crate::physics::lengths::{Batch, rattle, shake};
 use crate::step::moves::NONE;
-use crate::step::stage::{Stage, read, write};
+use crate::step::stage::{Access, Binding, Slot, Stage, read};
 use crate::step::wgsl::Wgsl;
 
 /// The stage.
@@ -19,7 +21,7 @@ pub(crate) const STAGE: Stage = Stage {
     name: "constrain",
     wgsl: Wgsl::File(part!("step/integrate/constrain.wgsl")),
     bindings: &[
-        write("state", Buffer::Start),
+        Binding { name: "state", slot: Slot::State, access: Access::Write },
         read("y3", Buffer::Y3),
         read("topology", Buffer::Topology),
         read("status", Buffer::Status),
@@ -29,11 +31,12 @@ pub(crate) const STAGE: Stage = Stage {
     cpu: constrain,
 };
 
-fn constrain(world: &mut World, _pass: u32) {
+fn constrain(world: &mut World, pass: u32) {
     if world.status.rejected != 0 {
         return;
     }
-    let World { step, topology, states: [state, _, old, _], .. } = world;
+    let World { step, topology, states: [start, _, old, y4], .. } = world;
+    let state = if pass == 0 { start } else { y4 };
     for batch in 0..step.batches {
         let batch = Batch::new(step, topology, batch);
         let was = |end: u32| old[end as usize].truncate();

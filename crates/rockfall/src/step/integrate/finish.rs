@@ -70,7 +70,9 @@ pub(super) struct Finished {
 /// Computes the new state of all spheres.
 pub(super) fn finish_all(world: &mut World) -> Vec<Finished> {
     let [start, y2, y3, y4] = &mut world.states;
-    let views = [&*y2, y3, y4].map(|state| View::new(&world.step, &world.topology, state).at_evaluation(&world.status, 3));
+    let views = [&*y2, y3, y4].map(|state| {
+        View::new(&world.step, &world.topology, state).at_evaluation(&world.status, 3).with_laws(&world.user_laws)
+    });
     let lists = Lists::new(&world.step, &world.lists);
     let mut all = vec![Finished::default(); world.step.spheres as usize];
     let tally = Rows::of(start, world.step.spheres)

@@ -49,7 +49,7 @@ fn symplectic_euler(world: &mut World, _pass: u32) {
     }
     count_builds(&mut world.status);
     let [start, y2, y3, _] = &mut world.states;
-    let view = View::new(&world.step, &world.topology, start).at_evaluation(&world.status, 0);
+    let view = View::new(&world.step, &world.topology, start).at_evaluation(&world.status, 0).with_laws(&world.user_laws);
     let lists = Lists::new(&world.step, &world.lists);
     let dt = world.step.dt;
     let next = |sphere: u32, tally: &mut Tally| {

@@ -28,6 +28,9 @@ const MAX_HULL_RATIO: f32 = 5.0;
 /// along x is one span of memory, and narrower cells make the ends of the span fit more closely.
 const CELL_SHAPE: Vec4 = Vec4::new(0.5, 1.0, 1.0, 1.0);
 
+/// Size of cells for exact lists, as a part of the usual size. AABBs hardly have a margin then, so smaller cells hold them.
+const EXACT_CELL: f32 = 0.75;
+
 /// A level of the grid: cells of one size.
 #[derive(Clone, Copy, Debug)]
 struct Level {
@@ -373,7 +376,8 @@ impl Block {
 
 impl Level {
     fn new(step: &Step, number: u32) -> Self {
-        let size = step.cell_size * 2f32.powi(number as i32 - LEVEL_BIAS as i32);
+        let usual = if step.has_exact_lists() { EXACT_CELL * step.cell_size } else { step.cell_size };
+        let size = usual * 2f32.powi(number as i32 - LEVEL_BIAS as i32);
         Self { number, size, edge: size, farthest: f32::INFINITY }
     }
 

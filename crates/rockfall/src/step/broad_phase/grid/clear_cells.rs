@@ -4,6 +4,7 @@ use crate::model::buffer::Buffer;
 use crate::model::dispatch::Threads;
 use crate::model::layout::{CELLS_AT, EDGES_AT};
 use crate::model::part::part;
+use crate::model::status::REBUILD_REQUESTED;
 use crate::model::world::World;
 use crate::step::moves::{Moves, NONE};
 use crate::step::stage::{Stage, write};
@@ -20,7 +21,7 @@ pub(crate) const STAGE: Stage = Stage {
 };
 
 fn clear_cells(world: &mut World, _pass: u32) {
-    world.cells[1] = if world.status.rejected == 0 { world.status.rebuild } else { 0 };
+    world.cells[1] = if world.status.rejected == 0 { world.status.rebuild & REBUILD_REQUESTED } else { 0 };
     if world.cells[1] == 0 {
         return;
     }

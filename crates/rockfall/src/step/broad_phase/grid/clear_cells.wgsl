@@ -14,9 +14,9 @@ fn clear_cells(
         return;
     }
     if (block == 0u) & (local == 0u) {
-        cells[1] = select(0u, status.rebuild, status.rejected == 0u);
+        cells[1] = select(0u, status.rebuild & REBUILD_REQUESTED, status.rejected == 0u);
     }
-    if (status.rebuild == 0u) | (status.rejected != 0u) {
+    if ((status.rebuild & REBUILD_REQUESTED) == 0u) | (status.rejected != 0u) {
         return;
     }
     if (block == 0u) & (local < LEVELS) {

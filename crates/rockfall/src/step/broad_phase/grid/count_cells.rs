@@ -10,6 +10,7 @@ use crate::model::dispatch::Threads;
 use crate::model::layout::GRAIN;
 use crate::model::layout::{CELLS_AT, EDGES_AT, FARTHEST_AT};
 use crate::model::part::part;
+use crate::model::status::REBUILD_REQUESTED;
 use crate::model::world::World;
 use crate::step::broad_phase::grid::cells::{greatest_coordinate, is_long, is_tested_apart, key_of};
 use crate::step::moves::{Moves, NONE};
@@ -28,7 +29,7 @@ pub(crate) const STAGE: Stage = Stage {
 };
 
 fn count_cells(world: &mut World, _pass: u32) {
-    if world.status.rebuild == 0 || world.status.rejected != 0 {
+    if world.status.rebuild & REBUILD_REQUESTED == 0 || world.status.rejected != 0 {
         return;
     }
     let step = &world.step;

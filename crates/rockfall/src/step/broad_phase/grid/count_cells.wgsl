@@ -79,7 +79,7 @@ fn count_cells(
     @builtin(num_workgroups) groups: vec3u,
     @builtin(local_invocation_index) local: u32,
 ) {
-    if (status.rebuild == 0u) | (status.rejected != 0u) {
+    if ((status.rebuild & REBUILD_REQUESTED) == 0u) | (status.rejected != 0u) {
         return;
     }
     let object = wide_thread(group, groups, local);

@@ -11,6 +11,7 @@
 use rayon::prelude::*;
 
 use crate::model::buffer::Buffer;
+use crate::model::counters::count_builds;
 use crate::model::dispatch::Threads;
 use crate::model::layout::GRAIN;
 use crate::model::layout::SLICE;
@@ -71,6 +72,8 @@ fn find_neighbours(world: &mut World, _pass: u32) {
         .collect();
 
     let (step, status) = (&world.step, &mut world.status);
+    // Exact lists may be rebuilt a second time in a step.
+    count_builds(status);
     status.rebuild = REBUILD_DONE;
     let (counts, offsets) = world.lists.split_at_mut(step.slices_at as usize);
     for ((found, counts), offset) in found.iter().zip(counts.chunks_mut(SLICE as usize)).zip(offsets) {

@@ -1,4 +1,5 @@
-// requires model/lists.wgsl model/order.wgsl model/put_head.wgsl model/step.wgsl step/broad_phase/grid/cells.wgsl
+// requires model/lists.wgsl model/order.wgsl model/put_head.wgsl model/step.wgsl physics/escape.wgsl
+// requires step/broad_phase/grid/cells.wgsl
 // requires step/broad_phase/grid/neighbours.wgsl step/broad_phase/grid/sort.wgsl step/broad_phase/heap.wgsl
 // requires step/broad_phase/meet.wgsl
 
@@ -262,6 +263,8 @@ fn find_neighbours(
     }
     let mover = linear_thread(group, groups, local);
     if mover == 0u {
+        // Exact lists may be rebuilt a second time in a step.
+        count_rebuild();
         atomicStore(&status.rebuild, REBUILD_DONE);
     }
     let slice = local / SLICE;

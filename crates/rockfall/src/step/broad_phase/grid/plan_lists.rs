@@ -7,6 +7,7 @@ use crate::model::buffer::Buffer;
 use crate::model::dispatch::Threads;
 use crate::model::layout::SIZE_WORDS;
 use crate::model::part::part;
+use crate::model::status::REBUILD_REQUESTED;
 use crate::model::world::World;
 use crate::step::moves::NONE;
 use crate::step::stage::{Stage, read, write};
@@ -23,7 +24,7 @@ pub(crate) const STAGE: Stage = Stage {
 };
 
 fn plan_lists(world: &mut World, _pass: u32) {
-    let is_due = world.status.rebuild != 0 && world.status.rejected == 0;
+    let is_due = world.status.rebuild & REBUILD_REQUESTED != 0 && world.status.rejected == 0;
     let (present, all) = world.dispatch_sizes.split_at_mut(SIZE_WORDS as usize);
     if is_due {
         present.copy_from_slice(all);

@@ -5,7 +5,7 @@
 
 @compute @workgroup_size(64)
 fn plan_lists(@builtin(local_invocation_index) local: u32) {
-    let is_due = (status.rebuild != 0u) & (status.rejected == 0u);
+    let is_due = ((status.rebuild & REBUILD_REQUESTED) != 0u) & (status.rejected == 0u);
     if local < SIZE_WORDS {
         dispatch_sizes[local] = select(0u, dispatch_sizes[SIZE_WORDS + local], is_due);
     }

@@ -7,6 +7,7 @@ use crate::model::buffer::Buffer;
 use crate::model::dispatch::Threads;
 use crate::model::layout::{CELL_BLOCK, CELLS_AT, SUM_WORDS};
 use crate::model::part::part;
+use crate::model::status::REBUILD_REQUESTED;
 use crate::model::world::World;
 use crate::step::moves::{Moves, NONE};
 use crate::step::stage::{Stage, read, write};
@@ -32,7 +33,7 @@ fn blocks(world: &mut World) -> impl Iterator<Item = (&mut [u32], &mut [u32])> {
 }
 
 fn sum_blocks(world: &mut World, _pass: u32) {
-    if world.status.rebuild == 0 || world.status.rejected != 0 {
+    if world.status.rebuild & REBUILD_REQUESTED == 0 || world.status.rejected != 0 {
         return;
     }
     for (cells, sum) in blocks(world) {
@@ -43,7 +44,7 @@ fn sum_blocks(world: &mut World, _pass: u32) {
 }
 
 fn place_cells(world: &mut World, _pass: u32) {
-    if world.status.rebuild == 0 || world.status.rejected != 0 {
+    if world.status.rebuild & REBUILD_REQUESTED == 0 || world.status.rejected != 0 {
         return;
     }
     let mut before = 0_u32;

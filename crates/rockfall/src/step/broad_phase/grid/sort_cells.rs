@@ -7,6 +7,7 @@ use crate::model::buffer::Buffer;
 use crate::model::dispatch::Threads;
 use crate::model::layout::CELLS_AT;
 use crate::model::part::part;
+use crate::model::status::REBUILD_REQUESTED;
 use crate::model::world::World;
 use crate::step::broad_phase::grid::cells::sorted_extent;
 use crate::step::moves::{Moves, NONE};
@@ -30,7 +31,7 @@ pub(crate) const STAGE: Stage = Stage {
 };
 
 fn sort_cells(world: &mut World, _pass: u32) {
-    if world.status.rebuild == 0 || world.status.rejected != 0 {
+    if world.status.rebuild & REBUILD_REQUESTED == 0 || world.status.rejected != 0 {
         return;
     }
     let step = &world.step;

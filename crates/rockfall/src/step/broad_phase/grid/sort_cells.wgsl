@@ -13,7 +13,7 @@ fn sort_cells(
     @builtin(local_invocation_index) local: u32,
 ) {
     let object = wide_thread(group, groups, local);
-    if (status.rebuild == 0u) | (status.rejected != 0u) | (object >= objects()) {
+    if ((status.rebuild & REBUILD_REQUESTED) == 0u) | (status.rejected != 0u) | (object >= objects()) {
         return;
     }
     let key = atomicLoad(&cells[step.keys_at + object]);

@@ -1,0 +1,62 @@
+// requires model/counters.wgsl model/one_state.wgsl model/put_next.wgsl model/rates.wgsl model/step.wgsl physics/escape.wgsl
+
+@group(0) @binding(2) var<storage, read> state: array<vec4f>;
+@group(0) @binding(3) var<storage, read_write> next: array<vec4f>;
+@group(0) @binding(4) var<storage, read_write> y3: array<vec4f>;
+@group(0) @binding(5) var<storage, read> topology: array<u32>;
+@group(0) @binding(6) var<storage, read> kept_rates: array<f32>;
+@group(0) @binding(7) var<storage, read> aabbs: array<Aabb>;
+@group(0) @binding(8) var<storage, read_write> status: StatusAtomic;
+
+// Reports a moving sphere that is outside its AABB at the start of the step or after the drift. With rods, `check_drift` tests the
+// position after the drift, because rods of fixed length change it.
+fn check_places(i: u32, before: vec4f, after: Motion, velocity: vec4f) {
+    var ratio = escape_ratio(before.xyz, before.w, aabbs[i]);
+    if !RODS {
+        ratio = max(ratio, escape_ratio(after.position, before.w, aabbs[i]));
+        request_rebuild(i, vec4f(after.position, before.w), velocity);
+    }
+    if ratio > 0.0 {
+        report_escape(ratio);
+    }
+}
+
+fn drift_sphere(i: u32) {
+    let position = state[position_at(i)];
+    let velocity = state[velocity_at(i)];
+    let momentum = state[momentum_at(i)];
+    var after = Motion(position.xyz, velocity.xyz, momentum.xyz);
+    if velocity.w > 0.0 {
+        let rates = kept_rates_of(i);
+        after.velocity += 0.5 * step.dt * rates.acceleration;
+        after.momentum += 0.5 * step.dt * rates.torque;
+        after.position += step.dt * after.velocity;
+        if !is_finite(after) {
+            after = stopped(position.xyz, 1u, i);
+        }
+        check_places(i, position, after, vec4f(after.velocity, velocity.w));
+    }
+    put_next(0u, i, vec4f(after.position, position.w));
+    put_next(1u, i, vec4f(after.velocity, velocity.w));
+    put_next(2u, i, vec4f(after.momentum, momentum.w));
+    if RODS {
+        y3[position_at(i)] = vec4f(position.xyz, 0.0);
+        y3[momentum_at(i)] = vec4f(after.momentum * momentum.w, 0.0);
+    }
+}
+
+@compute @workgroup_size(256)
+fn drift(
+    @builtin(workgroup_id) group: vec3u,
+    @builtin(num_workgroups) groups: vec3u,
+    @builtin(local_invocation_index) local: u32,
+) {
+    let i = wide_thread(group, groups, local);
+    if (i >= step.spheres) | (atomicLoad(&status.rejected) != 0u) {
+        return;
+    }
+    drift_sphere(i);
+    if i == 0u {
+        count_rebuild();
+    }
+}

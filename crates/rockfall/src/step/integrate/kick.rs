@@ -1,0 +1,106 @@
+//! Velocity Verlet, in scenes with rods: evaluates the forces after the drift, from `Y4`, and completes the kick: v += dt/2 a,
+//! L += dt/2 T (docs/physics.md section 5.7). Keeps the rates for the next step and clears `forces_due`. Counts contacts, and
+//! reports spheres whose state is not finite.
+
+use glam::Vec3;
+use rayon::prelude::*;
+
+use crate::error::BadStage;
+use crate::model::buffer::Buffer;
+use crate::model::counters::Tally;
+use crate::model::dispatch::Threads;
+use crate::model::layout::{LAW_THESIS, RATE_WORDS, SLICE};
+use crate::model::lists::Lists;
+use crate::model::part::part;
+use crate::model::state::{Motion, Rows};
+use crate::model::view::View;
+use crate::model::world::World;
+use crate::physics::forces::net_force::count_contacts;
+use crate::physics::forces::rates::Rates;
+use crate::physics::forces::sphere_rates;
+use crate::step::moves::{FORCES, Moves};
+use crate::step::stage::{Stage, read, write};
+use crate::step::wgsl::Wgsl;
+
+/// The stage.
+pub(crate) const STAGE: Stage = Stage {
+    name: "kick",
+    wgsl: Wgsl::File(part!("step/integrate/kick.wgsl")),
+    bindings: &[
+        read("state", Buffer::Y4),
+        write("start", Buffer::Start),
+        read("topology", Buffer::Topology),
+        read("lists", Buffer::Lists),
+        read("wrenches", Buffer::Wrenches),
+        write("kept_rates", Buffer::Rates),
+        write("status", Buffer::Status),
+    ],
+    threads: Threads::SharedSpheres,
+    // Reads 3 rows, writes 3.
+    moves: |_| Moves { rows: 6, rates: 1, ..FORCES },
+    cpu: kick,
+};
+
+fn kick(world: &mut World, pass: u32) {
+    if world.status.rejected == 0 {
+        kick_all(world, pass);
+    }
+}
+
+/// Computes the new state of all spheres, and returns their spins in the middle of the step.
+pub(super) fn kick_all(world: &mut World, pass: u32) -> Vec<Vec3> {
+    let [start, .., y4] = &mut world.states;
+    let view = View::new(&world.step, &world.topology, y4).at_evaluation(&world.status, pass).with_laws(&world.user_laws);
+    let lists = Lists::new(&world.step, &world.lists);
+    let mut all = vec![(None, Vec3::ZERO); world.step.spheres as usize];
+    let kick = |sphere: u32, old: Motion, tally: &mut Tally| {
+        let y = Motion::of(&view, sphere);
+        if view.is_fixed(sphere) {
+            if view.step.law == LAW_THESIS {
+                count_contacts(&view, &lists, sphere, tally);
+            }
+            return (old, (None, view.spin(sphere)));
+        }
+        let rates = sphere_rates(&view, &lists, &world.wrenches, sphere, Some(&mut *tally));
+        let half = 0.5 * view.step.dt;
+        let next = Motion {
+            position: y.position,
+            velocity: y.velocity + half * rates.acceleration,
+            angular_momentum: y.angular_momentum + half * rates.torque,
+        };
+        if next.is_finite() {
+            return (next, (Some(rates), view.spin(sphere)));
+        }
+        let stopped = next.or_stopped(old.position, BadStage::Forces2, view.insertion_index(sphere), tally);
+        (stopped, (Some(Rates { acceleration: Vec3::ZERO, torque: Vec3::ZERO }), Vec3::ZERO))
+    };
+    let tally = Rows::of(start, world.step.spheres)
+        .zip(all.par_chunks_mut(SLICE as usize))
+        .map(|(mut rows, all)| {
+            let mut tally = Tally::default();
+            for (sphere, done) in rows.spheres().zip(all) {
+                let (next, kept) = kick(sphere, rows.get(sphere), &mut tally);
+                rows.set(&view, sphere, next);
+                *done = kept;
+            }
+            tally
+        })
+        .reduce(Tally::default, Tally::merge);
+    tally.add_to(&mut world.status);
+    world.status.forces_due = 0;
+    let (rates, spins): (Vec<Option<Rates>>, Vec<Vec3>) = all.into_iter().unzip();
+    put_rates(world, &rates);
+    spins
+}
+
+/// Keeps the rates of the spheres, given by memory slot.
+pub(super) fn put_rates(world: &mut World, rates: &[Option<Rates>]) {
+    let view = View::new(&world.step, &world.topology, &world.states[0]);
+    for (sphere, rates) in rates.iter().enumerate() {
+        if let Some(Rates { acceleration, torque }) = rates {
+            let at = (view.insertion_index(sphere as u32) * RATE_WORDS) as usize;
+            acceleration.write_to_slice(&mut world.rates[at..]);
+            torque.write_to_slice(&mut world.rates[at + 3..]);
+        }
+    }
+}
