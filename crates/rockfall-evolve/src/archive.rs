@@ -7,7 +7,7 @@ use rand_pcg::Pcg64;
 use serde::{Deserialize, Serialize};
 
 use crate::genome::{FREQUENCIES, Genome, NODES};
-use crate::trial::{Outcome, Verdict};
+use crate::goal::{Outcome, Verdict};
 
 /// Bounds between the kinds of bounce.
 const BOUNCES: [f64; 4] = [0.01, 0.03, 0.07, 0.15];

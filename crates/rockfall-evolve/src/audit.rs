@@ -5,7 +5,8 @@ use rockfall::{Backend, Result, Simulation};
 use serde::{Deserialize, Serialize};
 
 use crate::genome::Genome;
-use crate::trial::{Outcome, Trial, Verdict};
+use crate::goal::{Outcome, Verdict};
+use crate::trial::Trial;
 
 /// Share of the fitness that must remain at half the time step.
 const KEPT: f64 = 0.7;
@@ -33,7 +34,8 @@ pub struct Audit {
 /// # Errors
 /// As for [`Simulation::with_options`].
 pub fn audit(genome: &Genome, outcome: &Outcome, trial: &Trial) -> Result<Audit> {
-    let finer = Trial { dt: 0.5 * trial.dt, ..trial.clone() };
+    let mut finer = trial.clone();
+    finer.dt = 0.5 * trial.dt;
     let half = finer.run(std::slice::from_ref(genome), &|| false)?.and_then(|found| found.first().copied());
     let fitness_at_half_step = half.filter(|half| half.verdict == Verdict::Valid).map_or(0.0, |half| half.fitness);
     let Books { work, throughput, excess } = keep_books(genome, trial)?;
@@ -88,8 +90,8 @@ fn tensions(simulation: &mut Simulation) -> Result<Vec<(f64, f64)>> {
 mod tests {
     use super::*;
     use crate::genome::{Body, Node, SPACING};
+    use crate::goal::Goal;
     use crate::ground::Ground;
-    use crate::trial::Goal;
 
     fn beam(stiffness: f32) -> Genome {
         let node = |k: u8| Node {

@@ -8,8 +8,9 @@ use serde::{Deserialize, Serialize};
 use crate::archive::{Archive, Elite, Niche};
 use crate::audit::{Audit, audit};
 use crate::genome::{Body, Genome};
+use crate::goal::{Goal, Outcome, Verdict};
 use crate::ground::Ground;
-use crate::trial::{Goal, Outcome, Trial, Verdict};
+use crate::trial::Trial;
 
 /// Share of a generation that is new at random.
 const IMMIGRANTS: f64 = 0.05;

@@ -19,7 +19,7 @@ pub(crate) const REACH: f32 = 1.75 * SPACING;
 /// Smallest distance between two nodes, in units.
 pub(crate) const LEAST_DISTANCE: f32 = 2.2 * RADIUS;
 /// Least and greatest number of nodes. With the greatest number of springs, they fit into a workgroup of a GPU, on a ground of up to
-/// five boxes.
+/// 44 boxes.
 pub(crate) const NODES: std::ops::RangeInclusive<usize> = 4..=Worlds::BODY_SPHERES;
 /// Greatest number of springs.
 pub(crate) const BONDS: usize = Worlds::BODY_MUSCLES;
@@ -188,7 +188,7 @@ fn middle(a: f32, b: f32) -> f32 {
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
 
     fn cube() -> Genome {
@@ -198,6 +198,14 @@ mod tests {
             phase: 0.125 * f32::from(k),
         };
         Genome { body: Body::Lattice, nodes: (0..8).map(node).collect(), frequency: 1.0, stiffness: 1000.0 }
+    }
+
+    /// A cube with muscles of this amplitude.
+    pub(crate) fn cube_with(amplitude: f32) -> Genome {
+        let mut genome = cube();
+        genome.nodes.iter_mut().for_each(|node| node.amplitude = amplitude);
+        (genome.frequency, genome.stiffness) = (2.0, 1500.0);
+        genome
     }
 
     #[test]

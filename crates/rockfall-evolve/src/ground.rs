@@ -1,6 +1,9 @@
 //! What creatures walk on.
 
+use rockfall::glam::DVec3;
 use rockfall::{Cuboid, Result, Scene};
+
+use crate::surface::Surface;
 
 /// Half the side of the level ground: for any creature in units, and for its way in units/s.
 const EXTENT: [f64; 2] = [50.0, 5.0];
@@ -9,6 +12,7 @@ const EXTENT: [f64; 2] = [50.0, 5.0];
 #[derive(Clone, Debug)]
 pub struct Ground {
     scene: Scene,
+    surface: Surface,
 }
 
 impl Ground {
@@ -29,12 +33,18 @@ impl Ground {
         scene.settings.set("friction", "16000")?;
         let extent = (EXTENT[0] + EXTENT[1] * seconds) as f32;
         scene.add_box(Cuboid::between([-extent, -1.0, -extent], [extent, 0.0, extent]))?;
-        Ok(Self { scene })
+        Ok(Self::of(scene))
     }
 
     /// The statics and constants of a scene. Creatures start with their lowest point at height 0 above its origin.
     pub fn of(scene: Scene) -> Self {
-        Self { scene }
+        Self { surface: Surface::of(&scene), scene }
+    }
+
+    /// Distance that a ball can fall straight down until it touches something, in units: 0 if it touches something already,
+    /// infinity if there is nothing below it.
+    pub(crate) fn fall(&self, centre: DVec3, radius: f64) -> f64 {
+        self.surface.fall(centre, radius)
     }
 
     /// A world without a creature.

@@ -14,13 +14,17 @@ mod archive;
 pub mod audit;
 mod evolution;
 mod genome;
+mod goal;
 mod ground;
 mod store;
+mod surface;
 mod trial;
 mod variation;
+mod watch;
 
 pub use archive::{Archive, Elite, Niche};
 pub use evolution::{Champion, Evolution, Generation, Plan};
 pub use genome::{Body, Genome, Node};
+pub use goal::{Goal, Outcome, Verdict};
 pub use ground::Ground;
-pub use trial::{Goal, Outcome, Trial, Verdict};
+pub use trial::Trial;
