@@ -41,6 +41,11 @@ experiments! {
     zigzag: "A zigzag stack",
     collapse: "Collapse of a column",
     grains: "Contact laws for grains",
+    standing: "A heap that stands",
+    runout: "Run-out of a column of grains",
+    janssen: "A tube of grains with static friction",
+    brazil: "A large grain that rises",
+    drum: "A rotating drum",
     rest: "Rest",
     #[cfg(feature = "gpu")]
     pile: "A pile on the CPU and on the GPU",

@@ -6,6 +6,7 @@
 
 mod chart;
 mod experiments;
+mod granular;
 mod measure;
 mod number;
 mod outcome;

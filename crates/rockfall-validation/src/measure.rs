@@ -134,6 +134,27 @@ pub(crate) fn period(samples: &[(f64, f64)]) -> f64 {
     }
 }
 
+/// Load on the floor by Janssen's law for a weight above it; at most `most`.
+pub(crate) fn janssen(weight: f64, most: f64) -> f64 {
+    most * (1.0 - (-weight / most).exp())
+}
+
+/// Least-squares fit of the largest load in Janssen's law.
+pub(crate) fn janssen_fit(points: &[(f64, f64)]) -> f64 {
+    let error = |most: f64| points.iter().map(|(weight, load)| (janssen(*weight, most) - load).powi(2)).sum::<f64>();
+    let heaviest = points.iter().map(|point| point.0).fold(0.0, f64::max);
+    let (mut low, mut high) = (1e-3 * heaviest, 10.0 * heaviest);
+    for _ in 0..200 {
+        let (one, two) = (low + (high - low) / 3.0, high - (high - low) / 3.0);
+        if error(one) < error(two) {
+            high = two;
+        } else {
+            low = one;
+        }
+    }
+    0.5 * (low + high)
+}
+
 /// Mean of some values.
 pub(crate) fn mean(values: &[f64]) -> f64 {
     values.iter().sum::<f64>() / values.len() as f64

@@ -47,6 +47,11 @@ experiments!(
     zigzag,
     collapse,
     grains,
+    standing,
+    runout,
+    janssen,
+    brazil,
+    drum,
     rest,
     #[cfg(feature = "gpu")]
     pile

@@ -5,7 +5,7 @@ use rand_pcg::Pcg64Mcg;
 use rockfall::{Body, ContactAction, Cuboid, Integrator, Scene, Simulation, Sphere, SphereId};
 
 use crate::chart::{Axis, Chart, Mark};
-use crate::measure::{NO_COLLISIONS, curve, friction, on_cpu, on_one_thread, support, with};
+use crate::measure::{NO_COLLISIONS, curve, friction, janssen, janssen_fit, on_cpu, on_one_thread, support, with};
 use crate::{Effort, Outcome, Result};
 
 const WIDTH: f32 = 8.0;
@@ -105,26 +105,6 @@ fn weighed(layers: u32, coulomb: f32, pieces: u32) -> Result<Column> {
     }
     let [floor, friction_up, overlaps, _] = sums.map(|sum| sum / samples);
     Ok(Column { weight, floor, friction_up, overlaps, friction_ratio: sums[3] })
-}
-
-/// Load on the floor by Janssen's law for a weight above it; at most `most`.
-fn janssen(weight: f64, most: f64) -> f64 {
-    most * (1.0 - (-weight / most).exp())
-}
-
-/// Least-squares fit of the largest load in Janssen's law.
-fn janssen_fit(points: &[(f64, f64)]) -> f64 {
-    let error = |most: f64| points.iter().map(|(weight, load)| (janssen(*weight, most) - load).powi(2)).sum::<f64>();
-    let (mut low, mut high) = (1.0, 2_000.0);
-    for _ in 0..200 {
-        let (one, two) = (low + (high - low) / 3.0, high - (high - low) / 3.0);
-        if error(one) < error(two) {
-            high = two;
-        } else {
-            low = one;
-        }
-    }
-    0.5 * (low + high)
 }
 
 pub(crate) fn run(effort: Effort) -> Result<Outcome> {

@@ -1,6 +1,7 @@
 //! Contact laws for grains: the tests of Chung and Ooi, stacked balls, rolling and twisting resistance, and cohesion.
 
 mod impacts;
+mod necks;
 mod resting;
 
 use rockfall::{ContactLaw, Cuboid, Integrator, Material, MaterialId, Pair, Scene, Simulation, Sphere};
@@ -71,6 +72,7 @@ pub(crate) fn run(_: Effort) -> Result<Outcome> {
         let mut outcome = Outcome::default();
         impacts::run(&mut outcome)?;
         resting::run(&mut outcome)?;
+        necks::run(&mut outcome)?;
         Ok(outcome)
     })
 }

@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use rockfall::Integrator::{self, Rk4, SymplecticEuler};
+use rockfall::Integrator::{self, Rk4, SymplecticEuler, VelocityVerlet};
 use rockfall::{Scene, Sphere, Spring};
 
 use crate::chart::{Axis, Chart, Mark};
@@ -90,6 +90,12 @@ pub(crate) fn run(_: Effort) -> Result<Outcome> {
                 0.1,
                 errors(1.25, &[40, 80, 160, 320, 640], |steps| spring_error(SymplecticEuler, steps))?,
             ),
+            (
+                "spring, velocity Verlet",
+                2,
+                0.1,
+                errors(1.25, &[20, 30, 45, 68, 102], |steps| spring_error(VelocityVerlet, steps))?,
+            ),
             ("contact, RK4", 4, 0.3, errors(DURATION, &[2, 4, 8, 16], |steps| contact_error(Rk4, steps, 0.1))?),
             (
                 "contact, symplectic Euler",
@@ -107,7 +113,7 @@ pub(crate) fn run(_: Effort) -> Result<Outcome> {
         ];
         for (place, (name, power, bound, points)) in series.into_iter().enumerate() {
             outcome.check(format!("order, {name}"), f64::from(power), power_fit(&points), bound);
-            let chart = &mut charts[usize::from(place > 1)];
+            let chart = &mut charts[usize::from(place > 2)];
             let line = power_line(&points, power);
             *chart = chart.clone().add(place, Mark::Line, format!("h^{power}"), line).add(place, Mark::Points, name, points);
         }
