@@ -14,6 +14,7 @@ use crate::options::{Engine, Physics, whole};
 use crate::output;
 
 mod chart;
+mod drum;
 mod json;
 mod measure;
 mod phases;
@@ -27,6 +28,7 @@ use measure::Measured;
 #[derive(Debug, clap::Subcommand)]
 enum Other {
     Worlds(worlds::Arguments),
+    Drum(drum::Arguments),
 }
 
 #[derive(Debug, clap::Args)]
@@ -73,8 +75,10 @@ impl Arguments {
 }
 
 pub(crate) fn bench(arguments: &Arguments) -> Result<(), Failure> {
-    if let Some(Other::Worlds(arguments)) = &arguments.other {
-        return worlds::bench(arguments);
+    match &arguments.other {
+        Some(Other::Worlds(arguments)) => return worlds::bench(arguments),
+        Some(Other::Drum(arguments)) => return drum::bench(arguments),
+        None => {}
     }
     if let Some(path) = &arguments.plot {
         files::check("--plot", path, files::CHART)?;

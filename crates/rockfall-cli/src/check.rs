@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use rockfall::stability::Suggestion;
-use rockfall::{Body, Integrator, Loaded, Scene, Settings};
+use rockfall::{Body, ContactLaw, Integrator, Loaded, Scene, Settings};
 
 use crate::failure::Failure;
 use crate::options::{InWords, Physics, SceneArgument, Substeps, counted};
@@ -49,12 +49,18 @@ pub(crate) fn check(arguments: &Arguments) -> Result<(), Failure> {
     }
     let refused = scene.check_contact_law(integrator).err();
     warnings(&mut text, refused.iter().map(|error| format!("{name}: {error}")));
+    let is_of_program = scene.settings.contact_law == ContactLaw::User;
+    if is_of_program {
+        let message =
+            "contact law user: a program defines this law, so rockfall run refuses the scene; its time step is not known";
+        warnings(&mut text, [format!("{name}: {message}")].into_iter());
+    }
     let (slow, in_time): (Vec<_>, Vec<_>) = scene.law_times().into_iter().partition(|time| time.is_exceeded_by(dt));
     for time in in_time {
         let _ = writeln!(text, "{}", time.describe(dt));
     }
     let stiff = scene.stability(dt, integrator);
-    if stiff.is_empty() && slow.is_empty() && refused.is_none() {
+    if stiff.is_empty() && slow.is_empty() && refused.is_none() && !is_of_program {
         let _ = writeln!(text, "stable at a time step of {dt} s ({integrator})");
     }
     text.push_str(&concerns(&name, &scene, dt, integrator));

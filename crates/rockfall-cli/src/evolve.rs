@@ -46,7 +46,7 @@ pub(crate) struct Arguments {
     /// Time step in seconds
     #[arg(long, value_name = "S", default_value = "0.005", value_parser = crate::options::time_step, allow_negative_numbers = true)]
     dt: f32,
-    /// What counts: distance, speed, height, jump or climb
+    /// What counts: distance, speed, height, jump or climb (which needs --ground); heights are above the ground below
     #[arg(long, default_value_t = Goal::Distance)]
     goal: Goal,
     /// Scene with the ground and the constants; only boxes and polygons [default: level, with gravity 9.81]
@@ -58,7 +58,7 @@ pub(crate) struct Arguments {
     /// Where masses may be: lattice or free
     #[arg(long, default_value_t = Body::Lattice)]
     body: Body,
-    /// Integrator: rk4 or symplectic-euler
+    /// Integrator: rk4, symplectic-euler or velocity-verlet
     #[arg(long, default_value_t)]
     integrator: Integrator,
     /// Where to compute: auto, gpu or cpu
@@ -146,6 +146,9 @@ fn check_names(arguments: &Arguments) -> Result<(), Failure> {
 fn begin(arguments: &Arguments) -> Result<Evolution, Failure> {
     let ground = match &arguments.ground {
         Some(path) => ground_of(Source::read(Some(path))?)?,
+        None if arguments.goal == Goal::Climb => {
+            return Err(Failure::usage("--goal climb needs --ground: on level ground there is nothing to climb"));
+        }
         None => Ground::level(arguments.seconds)?,
     };
     let plan = Plan {

@@ -11,6 +11,7 @@ pub(crate) const TRACE: &[&str] = &["csv"];
 pub(crate) const SCENE: &[&str] = &["txt"];
 pub(crate) const CHECKPOINT: &[&str] = &["ckpt"];
 pub(crate) const EVOLUTION: &[&str] = &["json"];
+pub(crate) const FIELDS: &[&str] = &["vti", "npz", "csv"];
 pub(crate) const CHART: &[&str] = &["svg"];
 
 /// Returns an error unless a path has one of the known extensions, in upper or lower case, or is a device or a pipe.

@@ -14,7 +14,7 @@ use crate::output;
 
 #[derive(Debug, clap::Args)]
 pub(crate) struct Arguments {
-    /// Kind of scene: pile, mixed, soft, chain or hopper
+    /// Kind of scene: pile, mixed, soft, chain, hopper, drum or column
     kind: Kind,
     /// Number of spheres, including those of rods and capsules
     #[arg(long, value_name = "N", value_parser = whole(0, u32::MAX), allow_negative_numbers = true)]
@@ -59,8 +59,12 @@ const SOFT: f32 = 0.09;
 const THRESHOLD: f32 = 0.5;
 
 /// Chooses constants with which 100 to 5,000 spheres overlap by less than 5 % of their radius, without those that collide.
-/// Returns whether gravity was changed.
+/// Grains have
+/// constants of their own. Returns whether gravity was changed.
 fn reduce_overlaps(kind: Kind, scene: &mut Scene) -> bool {
+    if kind.has_grains() {
+        return false;
+    }
     if matches!(kind, Kind::Mixed | Kind::Soft | Kind::Hopper) {
         scene.settings.activation_threshold = THRESHOLD;
     }

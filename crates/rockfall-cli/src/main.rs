@@ -10,6 +10,7 @@ mod check;
 mod devices;
 mod evolve;
 mod failure;
+mod fields;
 mod files;
 mod generate;
 mod hints;
@@ -55,6 +56,8 @@ enum Command {
     Devices,
     /// Generate a scene of any size.
     Generate(generate::Arguments),
+    /// Compute density, velocity, stress and temperature on a grid from a state.
+    Fields(fields::Arguments),
     /// Write a picture or a film of a scene, a checkpoint or a trajectory to a file.
     #[cfg(feature = "view")]
     Render(render::Arguments),
@@ -85,6 +88,7 @@ fn main() -> ExitCode {
         Command::Evolve(arguments) => evolve::evolve(&arguments, interrupt),
         Command::Devices => devices::devices(),
         Command::Generate(arguments) => generate::generate(&arguments),
+        Command::Fields(arguments) => fields::fields(&arguments),
         #[cfg(feature = "view")]
         Command::Render(arguments) => render::render(&arguments, &given, interrupt),
         #[cfg(feature = "window")]

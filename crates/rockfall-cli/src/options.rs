@@ -12,7 +12,7 @@ pub(crate) struct Physics {
     /// Time step in seconds
     #[arg(long, value_name = "S", default_value = "0.02", value_parser = time_step, allow_negative_numbers = true)]
     pub(crate) dt: f32,
-    /// Integrator: rk4 or symplectic-euler
+    /// Integrator: rk4, symplectic-euler or velocity-verlet
     #[arg(long, default_value_t)]
     pub(crate) integrator: Integrator,
     /// Set a constant, overriding the scene's own settings; may be repeated
@@ -70,7 +70,7 @@ pub(crate) struct Engine {
     pub(crate) broad_phase: BroadPhase,
     /// Leave out optimizations, to measure what they are worth; results stay the same. Separated by commas: joined-steps,
     /// list-interval, lead, acceleration, portions, spatial-order, planned-dispatches, large-spheres, long-movers,
-    /// sweeps-at-once
+    /// sweeps-at-once, exact-lists
     #[arg(long, value_name = "NAME", value_delimiter = ',', hide_short_help = true)]
     pub(crate) without: Vec<Optimization>,
 }

@@ -52,6 +52,16 @@ impl Source {
     }
 }
 
+/// First bytes of a checkpoint.
+const CHECKPOINT: &[u8] = b"\x89RKF";
+
+/// Whether a file is a checkpoint. A pipe is none, because it can be read only once.
+pub(crate) fn is_checkpoint(path: &Path) -> bool {
+    let mut start = Vec::new();
+    let file = File::open(path).ok().filter(|_| path != Path::new("-") && path.is_file());
+    file.is_some_and(|file| file.take(CHECKPOINT.len() as u64).read_to_end(&mut start).is_ok()) && start == CHECKPOINT
+}
+
 /// Returns an error that says what a file is, if it is one that rockfall itself writes and not a scene.
 fn refuse_other_files(path: &Path) -> Result<(), Failure> {
     // A pipe must not be read here. What cannot be opened is reported when the scene is read.
@@ -65,7 +75,7 @@ fn refuse_other_files(path: &Path) -> Result<(), Failure> {
     }
     let begins = |text: &str| start.starts_with(text.as_bytes());
     let contains = |text: &str| start.windows(text.len()).any(|window| window == text.as_bytes());
-    let what = if start.starts_with(b"\x89RKF") {
+    let what = if start.starts_with(CHECKPOINT) {
         format!("a checkpoint, not a scene: continue its run with `rockfall run --resume {name}`")
     } else if start.starts_with(b"PK\x03\x04") {
         "an archive of arrays (.npz), not a scene".to_owned()

@@ -86,9 +86,54 @@ fn worlds_are_measured() {
     let table = bench("worlds --worlds 2 --spheres 20 --steps 5 --runs 1 --backend cpu --collisions", 0);
     assert!(table.starts_with("rockfall bench worlds, 20 spheres and 60 springs with muscles each, ground"), "{table}");
     assert!(table.contains("collisions and contact forces, rk4: CPU"), "{table}");
-    for wrong in ["worlds --warmup 3", "worlds --worlds 0", "--spheres 8 worlds"] {
+    let out = bench("worlds --creatures 2 --spheres 8 --steps 5 --runs 1 --backend cpu --contacts ground --json", 0);
+    let result: Value = serde_json::from_str(&out).unwrap();
+    assert_eq!((&result["contacts"], &result["sizes"][0]["worlds"]), (&"ground".into(), &2.into()));
+    for wrong in ["worlds --contacts none", "worlds --warmup 3", "worlds --worlds 0", "--spheres 8 worlds"] {
         bench(wrong, 2);
     }
+}
+
+#[track_caller]
+fn check_drum(backend: &str) {
+    let options = "--steps 40 --warmup 10 --runs 2 --turn-every 15 --rpm 60 --radius 0.003 --dt 2e-5";
+    let out = bench(&format!("drum --grains 60,200 {options} --backend {backend} --json"), 0);
+    let result: Value = serde_json::from_str(&out).unwrap();
+    assert_eq!((&result["scene"], &result["backend"], &result["dt"]), (&"drum".into(), &backend.into(), &2e-5.into()));
+    assert_eq!((&result["turn_every"], &result["integrator"]), (&15.into(), &"velocity-verlet".into()));
+    let sizes = result["sizes"].as_array().unwrap();
+    for (size, grains) in sizes.iter().zip([60, 200]) {
+        assert_eq!((&size["objects"]["spheres"], &size["objects"]["polygons"]), (&grains.into(), &48.into()));
+        assert!(size["sphere_steps_per_second"]["median"].as_f64().unwrap() > 100.0, "{size}");
+        assert!(size["memory_bytes_per_sphere"].as_f64().unwrap() > 200.0, "{size}");
+        assert!(size["profile"]["steps"] == 40, "{size}");
+    }
+    // The volume of the drum is proportional to the number of grains.
+    let radius = |place: usize| result["drum_radii"][place].as_f64().unwrap();
+    assert!((radius(1) / radius(0) - (200.0_f64 / 60.0).cbrt()).abs() < 0.25, "{out}");
+}
+
+/// The drum turns: 90 steps at 60 revolutions per minute are 0.6 degrees. Wrong options are refused.
+#[test]
+fn a_drum_is_measured() {
+    check_drum("cpu");
+    let table = bench("drum --grains 50 --steps 40 --warmup 10 --runs 2 --rpm 60 --dt 2e-5 --backend cpu --facets 12", 0);
+    assert!(
+        table.starts_with("rockfall bench drum, hertz-mindlin, rolling model c, velocity-verlet, 12 polygons, 60 rev"),
+        "{table}"
+    );
+    assert!(table.contains("50 grains: turned by 0.6 degrees in 0.002 s, "), "{table}");
+    for wrong in
+        ["drum --grains 0", "drum --turn-every 0", "drum --facets 3", "drum --integrator rk4", "drum --rpm x", "--rpm 3 thesis"]
+    {
+        bench(wrong, 2);
+    }
+}
+
+#[test]
+#[cfg(feature = "gpu")]
+fn a_drum_is_measured_on_the_gpu() {
+    check_drum("gpu");
 }
 
 #[test]

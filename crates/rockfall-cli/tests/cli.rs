@@ -31,7 +31,7 @@ fn every_scene_in_the_scenes_folder_is_valid_and_runs() {
     assert!(scenes().len() >= 8);
     for path in scenes() {
         let path = path.to_str().unwrap();
-        for integrator in ["rk4", "symplectic-euler"] {
+        for integrator in ["rk4", "symplectic-euler", "velocity-verlet"] {
             let (out, _) = rockfall.run(&format!("check {path} --integrator {integrator}"), 0);
             assert!(out.contains("spheres") && !out.contains("warning"), "{out}");
         }
@@ -132,6 +132,7 @@ fn arguments_override_settings_and_steps() {
     assert!((momentum("--set gravity=3") + 2.0 * 3.0 * 0.02).abs() < 1e-6);
     assert!((momentum("--set gravity=3 --set gravity=1 --dt 0.5e-1") + 2.0 * 0.05).abs() < 1e-6);
     assert!((momentum("--integrator symplectic-euler --broad-phase brute-force --capacity 1") + 2.0 * 9.0 * 0.02).abs() < 1e-6);
+    assert!((momentum("--integrator velocity-verlet") + 2.0 * 9.0 * 0.02).abs() < 1e-6);
     rockfall.run("check scene.txt --set gravity_direction=0,0,-1", 0);
 }
 
@@ -200,7 +201,7 @@ fn wrong_arguments_exit_with_code_2() {
         ("run scene.txt --steps 99999999999999999999999", "99999999999999999999999"),
         ("run scene.txt --backend cpu --capacity 4294967296", "4294967295"),
         ("run scene.txt --backend tpu", "one of: auto gpu cpu"),
-        ("run scene.txt --integrator euler", "rk4 or symplectic-euler"),
+        ("run scene.txt --integrator euler", "rk4, symplectic-euler or velocity-verlet"),
         ("run scene.txt --broad-phase luck", "brute-force"),
         ("run scene.txt --set gravity", "expected NAME=VALUE"),
         ("run scene.txt --set weight=1", "'weight=1' for '--set <NAME=VALUE>': unknown setting 'weight'"),
@@ -219,7 +220,7 @@ fn wrong_arguments_exit_with_code_2() {
         ("check", "Usage"),
         ("check scene.txt --dt 0", "a finite number of seconds greater than 0"),
         ("generate", "Usage"),
-        ("generate heap --spheres 10", "pile, mixed, soft, chain or hopper"),
+        ("generate heap --spheres 10", "pile, mixed, soft, chain, hopper, drum or column"),
         ("generate pile", "--spheres"),
         ("generate pile --spheres -5", "-5"),
         ("generate pile --spheres 0", "at least 1"),
@@ -305,6 +306,8 @@ fn check_warns_of_suspicious_lines_and_of_stiff_springs_and_contacts() {
     assert!(out.contains("stable at a time step of 0.0182 s (rk4)"), "{out}");
     let (out, _) = rockfall.run("check scene.txt --dt 0.0182 --integrator symplectic-euler", 0);
     // dt² 24000 <= 1 without damping.
+    assert!(out.contains("the largest time step that works is 0.00645 s"), "{out}");
+    let (out, _) = rockfall.run("check scene.txt --dt 0.0182 --integrator velocity-verlet", 0);
     assert!(out.contains("the largest time step that works is 0.00645 s"), "{out}");
     let (out, _) = rockfall.run("check scene.txt --dt 0.001 --set contact_force=1e8", 0);
     assert!(out.contains("the contact force is too stiff"), "{out}");
@@ -405,6 +408,16 @@ fn generated_scenes_are_valid_and_run() {
         assert_eq!(out, rockfall.read(&format!("{kind}.txt")));
         let (other, _) = rockfall.run(&format!("generate {kind} --spheres 200 --seed 4"), 0);
         assert!(out.lines().skip(1).ne(other.lines().skip(1)), "{kind}");
+    }
+    for (kind, options) in [("drum", "--dt 1e-5"), ("column", "--dt 4e-5")] {
+        rockfall.run(&format!("generate {kind} --spheres 200 --seed 3 --out {kind}.txt"), 0);
+        let text = rockfall.read(&format!("{kind}.txt"));
+        let options = format!("--integrator velocity-verlet {options}");
+        assert!(text.contains(&options), "the file names the options of its run: {text}");
+        let (out, _) = rockfall.run(&format!("check {kind}.txt {options}"), 0);
+        assert!(out.contains(": 200 spheres") && !out.contains("warning"), "{out}");
+        let (_, err) = rockfall.run(&format!("run {kind}.txt {options} --backend cpu --steps 50"), 0);
+        assert_eq!(err, "", "{kind}");
     }
     let (out, _) = rockfall.run("generate pile --spheres 1", 0);
     let (out, _) = rockfall.run_with_input("check -", out.as_bytes(), 0);

@@ -85,6 +85,7 @@ fn wrong_arguments_are_errors_that_say_what_is_expected() {
     let rockfall = Rockfall::with("S 1 0 2 0 0 0 0 0 0 0 1 0.5\n");
     for (arguments, expected) in [
         ("--goal fly", "expected distance, speed, height, jump or climb"),
+        ("--goal climb", "--goal climb needs --ground: on level ground there is nothing to climb"),
         ("--body round", "expected lattice or free"),
         ("--population 1", "expected a whole number from 2 to 1000000"),
         ("--seconds 0.5", "expected a number of seconds from 1 to 1000"),

@@ -46,6 +46,38 @@ fn an_unknown_extension_is_an_error_that_lists_the_known_ones() {
     assert_eq!(fs::read_dir(rockfall.folder.path()).unwrap().count(), 1, "nothing is written");
 }
 
+/// The fields of a ball at rest on a floor: its mass, and the balance of momentum.
+#[test]
+fn fields_of_a_checkpoint_and_of_a_scene_are_written() {
+    let rockfall = Rockfall::with(SCENE);
+    rockfall.run("run scene.txt --backend cpu --steps 4000 --dt 0.01 --checkpoint rest.ckpt", 0);
+    let (out, _) = rockfall.run("fields rest.ckpt --width 0.4 --spacing 0.1 --out rest.csv", 0);
+    assert!(out.contains("smoothing   gaussian, width 0.4 units"), "{out}");
+    let share =
+        out.split("weight is ").nth(1).and_then(|rest| rest.split(' ').next()).and_then(|number| number.parse::<f64>().ok());
+    assert!(share.expect("the balance of momentum") < 1.0, "{out}");
+    let table = fs::read_to_string(rockfall.path("rest.csv")).unwrap();
+    let mut lines = table.lines();
+    let place = lines.next().unwrap().split(',').position(|name| name == "density").unwrap();
+    let density: f64 = lines.map(|line| line.split(',').nth(place).unwrap().parse::<f64>().unwrap()).sum();
+    assert!((density * 1e-3 - 2.0).abs() < 0.01, "mass {}", density * 1e-3);
+    let (out, _) = rockfall.run("fields scene.txt --kernel heaviside --spacing 0.05 --out start.npz", 0);
+    assert!(out.contains("pressure    at most 0.0000e0"), "no contact at the start: {out}");
+    assert!(fs::read(rockfall.path("start.npz")).unwrap().starts_with(b"PK"));
+    for (command, message) in [
+        (
+            "fields scene.txt --out f.vtp",
+            "--out f.vtp: unknown extension .vtp, expected a name that ends in .vti, .npz or .csv",
+        ),
+        ("fields scene.txt --width -1", "--width: -1 is not allowed, expected a finite number greater than 0"),
+        ("fields scene.txt --spacing 0", "--spacing: 0 is not allowed, expected a finite number greater than 0"),
+        ("fields none.txt", "none.txt: "),
+    ] {
+        let (_, err) = rockfall.run(command, 2);
+        assert!(err.starts_with(&format!("error: {message}")), "{command}: {err}");
+    }
+}
+
 #[test]
 fn extensions_may_be_upper_case() {
     let rockfall = Rockfall::with(SCENE);

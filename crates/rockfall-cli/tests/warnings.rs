@@ -166,6 +166,16 @@ fn check_of_a_hundred_thousand_spheres_is_fast() {
     assert!(start.elapsed() < Duration::from_secs(20), "{:?}", start.elapsed());
 }
 
+/// A scene cannot define the law `user`. `check` claims nothing about its time step, and `run` refuses the scene.
+#[test]
+fn scene_with_the_law_of_a_program_is_not_run() {
+    let rockfall = Rockfall::with("set contact_law user\nS 1 0 9 0 0 0 0 0 0 0 1 0.5\n");
+    let (out, _) = rockfall.run("check scene.txt --integrator symplectic-euler", 0);
+    assert!(out.contains("contact law user: a program defines this law") && !out.contains("stable at"), "{out}");
+    let (_, err) = rockfall.run("run scene.txt --integrator symplectic-euler --backend cpu --steps 1", 2);
+    assert!(err.contains("a law of the program: Options::contact_force_law, in Python Simulation(contact_law=...)"), "{err}");
+}
+
 /// A contact law with history reports the time that bounds the time step, and what the scene or the run lacks for it. With
 /// sqrt(rho / G) = sqrt(2500 / (5e10 / 2.4)) the Rayleigh time is pi 0.01 sqrt(rho / G) / (0.1631 * 0.2 + 0.8766) = 1.197e-5 s.
 #[test]
@@ -183,8 +193,13 @@ fn contact_laws_report_their_time_and_what_they_lack() {
     assert!(out.contains("warning: ") && out.contains("(0.8 steps per impact)"), "{out}");
     assert!(out.contains("at most 2.394e-6 s is advised") && !out.contains("stable at"), "{out}");
     let (out, _) = rockfall.run("check scene.txt --dt 1e-6", 0);
-    assert!(out.contains("warning") && out.contains("symplectic-euler, because the law keeps a tangential spring"), "{out}");
+    assert!(
+        out.contains("warning") && out.contains("symplectic-euler or velocity-verlet: the law keeps a tangential spring"),
+        "{out}"
+    );
     assert!(!out.contains("stable at"), "{out}");
+    let (out, _) = rockfall.run("check scene.txt --integrator velocity-verlet --dt 1e-6", 0);
+    assert!(out.contains("stable at a time step"), "{out}");
     let run =
         "run scene.txt --backend cpu --integrator symplectic-euler --dt 1e-6 --steps 300 --contacts contacts.csv --every 300";
     let (_, err) = rockfall.run(run, 0);

@@ -37,7 +37,8 @@ pub(crate) fn object(arguments: &Arguments, sizes: &[Measured]) -> String {
     format!("{object}\n")
 }
 
-fn size(size: &Measured) -> Value {
+/// The measurements of one size.
+pub(crate) fn size(size: &Measured) -> Value {
     let per_sphere = |bytes: f64| bytes / size.counts.spheres as f64;
     let buffers: Map<String, Value> = size.buffers.iter().map(|buffer| (buffer.name.to_owned(), buffer.bytes.into())).collect();
     json!({

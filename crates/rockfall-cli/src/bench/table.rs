@@ -24,6 +24,12 @@ pub(crate) fn tables(arguments: &Arguments, sizes: &[Measured]) -> String {
         arguments.engine.broad_phase,
         arguments.runs,
     );
+    self::sizes(&mut text, sizes);
+    text
+}
+
+/// The bandwidth of a copy, one table of all sizes, then a table of the stages for each size.
+pub(crate) fn sizes(text: &mut String, sizes: &[Measured]) {
     if let Some(best) = sizes.iter().filter_map(|size| size.copy_bandwidth).reduce(f64::max) {
         let _ = writeln!(text, "bandwidth of a plain copy: {} GB/s, read and written bytes together", short(best / 1e9));
     }
@@ -33,14 +39,13 @@ pub(crate) fn tables(arguments: &Arguments, sizes: &[Measured]) -> String {
         "spheres", "ms per step", "steps/s", "sphere-steps/s", "contacts", "replays", "B/sphere", "bandwidth"
     );
     for size in sizes {
-        row(&mut text, size);
+        row(text, size);
     }
     for size in sizes {
         if let Some(profile) = &size.profile {
-            stages(&mut text, size, profile);
+            stages(text, size, profile);
         }
     }
-    text
 }
 
 fn row(text: &mut String, size: &Measured) {

@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 use std::time::Instant;
 
-use rockfall::generate::creature;
+use rockfall::generate::{creature, creature_without_pairs};
 use rockfall::{BackendInfo, Integrator, Scene, Simulation, WorldPath, Worlds};
 use serde_json::json;
 
@@ -19,12 +19,15 @@ const ONE_BY_ONE: u32 = 16;
 #[derive(Debug, clap::Args)]
 pub(crate) struct Arguments {
     /// Numbers of worlds, separated by commas; each is measured separately
-    #[arg(long, value_name = "N", value_delimiter = ',', default_value = "1024,10240",
+    #[arg(long, visible_alias = "creatures", value_name = "N", value_delimiter = ',', default_value = "1024,10240",
         value_parser = whole(1_u32, 1_000_000), allow_negative_numbers = true)]
     worlds: Vec<u32>,
     /// Number of spheres of a creature, which has three springs per sphere
     #[arg(long, value_name = "N", default_value_t = 20, value_parser = whole(1_u32, 10_000), allow_negative_numbers = true)]
     spheres: u32,
+    /// What the spheres of a creature may touch: each other and the ground (all), or the ground alone
+    #[arg(long, value_name = "WHAT", value_enum, default_value_t = Contacts::All)]
+    contacts: Contacts,
     /// Number of timed steps in each run
     #[arg(long, value_name = "N", default_value_t = 1000, value_parser = whole(1, u64::MAX), allow_negative_numbers = true)]
     steps: u64,
@@ -34,7 +37,7 @@ pub(crate) struct Arguments {
     /// Time step in seconds
     #[arg(long, value_name = "S", default_value = "0.005", value_parser = time_step, allow_negative_numbers = true)]
     dt: f32,
-    /// Integrator: rk4 or symplectic-euler
+    /// Integrator: rk4, symplectic-euler or velocity-verlet
     #[arg(long, default_value_t)]
     integrator: Integrator,
     /// Handle collisions as impulses, as in other scenes; creatures have contact forces alone
@@ -50,6 +53,13 @@ pub(crate) struct Arguments {
     json: bool,
 }
 
+/// What the spheres of a creature may touch.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+enum Contacts {
+    All,
+    Ground,
+}
+
 /// Measurements of a number of worlds.
 struct Measured {
     worlds: u32,
@@ -63,7 +73,8 @@ struct Measured {
 
 impl Arguments {
     fn scene(&self, world: u32) -> Result<Scene, rockfall::Error> {
-        let mut scene = creature(self.spheres, self.seed.wrapping_add(world.into()))?;
+        let generate = if self.contacts == Contacts::Ground { creature_without_pairs } else { creature };
+        let mut scene = generate(self.spheres, self.seed.wrapping_add(world.into()))?;
         scene.settings.collisions |= self.collisions;
         Ok(scene)
     }
@@ -108,8 +119,9 @@ impl Arguments {
 
     fn title(&self, backend: &BackendInfo) -> String {
         let how = if self.collisions { "collisions and contact forces" } else { "contact forces" };
+        let what = if self.contacts == Contacts::Ground { " with the ground alone" } else { "" };
         format!(
-            "rockfall bench worlds, {} spheres and {} springs with muscles each, ground with friction, {how}, {}: {}\n\
+            "rockfall bench worlds, {} spheres and {} springs with muscles each, ground with friction, {how}{what}, {}: {}\n\
              {} steps of {} s, median (minimum to maximum) of {} runs\n",
             self.spheres,
             self.scene(0).map_or(0, |scene| scene.counts().springs),
@@ -154,6 +166,7 @@ impl Arguments {
             "spheres": self.spheres,
             "integrator": self.integrator.to_string(),
             "collisions": self.collisions,
+            "contacts": if self.contacts == Contacts::Ground { "ground" } else { "all" },
             "dt": as_written(self.dt),
             "steps": self.steps,
             "runs": self.runs,
