@@ -92,7 +92,9 @@ fn law(ui: &mut Ui, entry: &Entry, text: &str, about: &str) -> Option<String> {
     let mut chosen = text.to_owned();
     let box_of_laws = egui::ComboBox::from_id_salt(entry.name).selected_text(text);
     let shown = box_of_laws.show_ui(ui, |ui| {
-        for law in ContactLaw::ALL {
+        // Only a program can give the law `user`.
+        let offered = |law: &ContactLaw| *law != ContactLaw::User || text == law.name();
+        for law in ContactLaw::ALL.into_iter().filter(offered) {
             ui.selectable_value(&mut chosen, law.name().to_owned(), law.name());
         }
     });
