@@ -16,11 +16,20 @@ pub(crate) fn raise(error: Error) -> PyErr {
         | Error::TooManyObjects { .. }
         | Error::PictureSize { .. }
         | Error::SceneLine { .. }
-        | Error::Checkpoint { .. } => PyValueError::new_err(text),
+        | Error::Checkpoint { .. }
+        | Error::Law { .. } => PyValueError::new_err(text),
         Error::StaleHandle { .. } => PyLookupError::new_err(text),
         // The kind chooses the exception: FileNotFoundError, PermissionError and others.
         Error::File { source, .. } => std::io::Error::new(source.kind(), text).into(),
         _ => SimulationError::new_err(text),
+    }
+}
+
+/// Converts an error of a step, in which a law that the program gave may fail.
+pub(crate) fn raise_in_step(error: Error) -> PyErr {
+    match error {
+        Error::Law { .. } => SimulationError::new_err(error.to_string()),
+        other => raise(other),
     }
 }
 

@@ -37,7 +37,8 @@ impl Ids {
 /// The handle with a number.
 pub(crate) fn handle<T: Copy>(handles: &[T], kind: &str, id: i64) -> PyResult<T> {
     let found = usize::try_from(id).ok().and_then(|place| handles.get(place));
-    found.copied().ok_or_else(|| {
-        PyLookupError::new_err(format!("there is no {kind} {id}: expected a number that add_{kind}s or add_{kind} returned"))
-    })
+    let plural = if kind == "box" { "boxes".to_owned() } else { format!("{kind}s") };
+    found
+        .copied()
+        .ok_or_else(|| PyLookupError::new_err(format!("there is no {kind} {id}: expected a number that add_{plural} returned")))
 }

@@ -7,8 +7,10 @@ mod arguments;
 mod doors;
 mod errors;
 mod evolve;
+mod fields;
 mod film;
 mod ids;
+mod laws;
 mod materials;
 mod memory;
 mod objects;
@@ -35,7 +37,13 @@ mod _rockfall {
     #[pymodule_export]
     use crate::evolve::Evolution;
     #[pymodule_export]
+    use crate::fields::fields;
+    #[pymodule_export]
     use crate::film::{Film, Filming};
+    #[pymodule_export]
+    use crate::laws::{
+        add_force_law, contact_law, force_laws, impact, remove_force_law, set_contact_law_parameter, set_force_law_parameter,
+    };
     #[pymodule_export]
     use crate::materials::{add_material, materials, pair, set_pair, update_material};
     #[pymodule_export]

@@ -36,8 +36,8 @@ pub(crate) fn number_of(ids: &Ids, material: Option<MaterialId>) -> i64 {
 }
 
 /// Restitution, friction, stiffness, characteristic velocity, rolling friction, rolling damping, twisting friction and surface
-/// energy; the rolling model.
-type Properties = ([Option<f32>; 8], Option<String>);
+/// energy; the models of rolling resistance and cohesion.
+type Properties = ([Option<f32>; 8], [Option<String>; 2]);
 
 /// Adds a material and returns its number. The constants are density, Young's modulus and Poisson's ratio.
 #[pyfunction]
@@ -71,10 +71,11 @@ pub(crate) fn set_pair(target: &Bound<'_, PyAny>, one: i64, other: i64, properti
     with(target, |doors, ids| {
         let [one, other] = [known(ids, one)?, known(ids, other)?];
         let mut pair = Pair::default();
-        let (numbers, model) = properties;
+        let (numbers, [rolling_model, cohesion]) = properties;
         [pair.restitution, pair.friction, pair.stiffness, pair.characteristic_velocity, ..] = numbers;
         [.., pair.rolling_friction, pair.rolling_damping, pair.twisting_friction, pair.surface_energy] = numbers;
-        pair.rolling_model = model.map(|model| model.parse()).transpose().or_raise()?;
+        pair.rolling_model = rolling_model.map(|model| model.parse()).transpose().or_raise()?;
+        pair.cohesion = cohesion.map(|model| model.parse()).transpose().or_raise()?;
         doors.set_pair(one, other, pair).or_raise()
     })
 }
@@ -94,7 +95,8 @@ pub(crate) fn pair(target: &Bound<'_, PyAny>, one: i64, other: i64) -> PyResult<
             pair.twisting_friction,
             pair.surface_energy,
         ];
-        Ok((numbers, pair.rolling_model.map(|model| model.to_string())))
+        let models = [pair.rolling_model.map(|model| model.to_string()), pair.cohesion.map(|model| model.to_string())];
+        Ok((numbers, models))
     })
 }
 

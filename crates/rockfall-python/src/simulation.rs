@@ -8,13 +8,13 @@ use std::time::{Duration, Instant};
 use numpy::PyUntypedArrayMethods;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
-use rockfall::{Checkpoint, Options};
+use rockfall::{Checkpoint, Integrator, Options};
 
-use crate::arguments::{Numbers, Rows};
-use crate::errors::Raise;
+use crate::arguments::{ContactLaw, Law, Numbers, Rows, contact_law, law};
+use crate::errors::{Raise, raise_in_step};
 use crate::ids::{Ids, handle};
 use crate::memory::{Lender, Views};
-use crate::scene::Scene;
+use crate::scene::{Scene, integrator_of};
 use crate::shared::{Given, SharedArray, Sharing};
 use crate::states::{Field, Table};
 use crate::tables::{BackendInfo, ProfileOf, Report};
@@ -118,10 +118,10 @@ impl Simulation {
 }
 
 /// Options from their names.
-pub(crate) fn options(backend: &str, integrator: &str, broad_phase: &str, keep_going: bool) -> PyResult<Options> {
+pub(crate) fn options(backend: &str, integrator: Integrator, broad_phase: &str, keep_going: bool) -> PyResult<Options> {
     Ok(Options::new()
         .backend(backend.parse().or_raise()?)
-        .integrator(integrator.parse().or_raise()?)
+        .integrator(integrator)
         .broad_phase(broad_phase.parse().or_raise()?)
         .keep_going(keep_going))
 }
@@ -129,9 +129,24 @@ pub(crate) fn options(backend: &str, integrator: &str, broad_phase: &str, keep_g
 #[pymethods]
 impl Simulation {
     #[new]
-    fn new(scene: &Bound<'_, Scene>, backend: &str, integrator: &str, broad_phase: &str, keep_going: bool) -> PyResult<Self> {
-        let options = options(backend, integrator, broad_phase, keep_going)?;
+    fn new(
+        scene: &Bound<'_, Scene>,
+        backend: &str,
+        integrator: &str,
+        broad_phase: &str,
+        keep_going: bool,
+        laws: Vec<Law>,
+        contact: Option<ContactLaw>,
+    ) -> PyResult<Self> {
         let own = scene.get();
+        let integrator = match contact {
+            // Like the other laws with history.
+            Some(_) if integrator == "auto" => Integrator::SymplecticEuler,
+            _ => integrator_of(integrator, &own.lock().scene)?,
+        };
+        let options = options(backend, integrator, broad_phase, keep_going)?;
+        let options = laws.into_iter().map(law).fold(options, Options::force_law);
+        let options = contact.map(contact_law).into_iter().fold(options, Options::contact_force_law);
         scene.py().detach(|| {
             let (objects, ids) = {
                 let built = own.lock();
@@ -142,11 +157,19 @@ impl Simulation {
     }
 
     #[staticmethod]
-    fn resume(py: Python<'_>, path: PathBuf, backend: Option<&str>) -> PyResult<Self> {
+    fn resume(
+        py: Python<'_>,
+        path: PathBuf,
+        backend: Option<&str>,
+        laws: Vec<Law>,
+        contact: Option<ContactLaw>,
+    ) -> PyResult<Self> {
         let backend = backend.map(str::parse).transpose().or_raise()?;
         py.detach(|| {
             let mut checkpoint = Checkpoint::load(path).or_raise()?;
             checkpoint.options.backend = backend.unwrap_or(checkpoint.options.backend);
+            laws.into_iter().map(law).try_for_each(|law| checkpoint.give_force_law(law)).or_raise()?;
+            contact.map(contact_law).into_iter().try_for_each(|law| checkpoint.give_contact_force_law(law)).or_raise()?;
             let simulation = rockfall::Simulation::resume(checkpoint).or_raise()?;
             let ids = Ids::of(simulation.scene());
             Ok(Self::of(simulation, ids))
@@ -159,7 +182,7 @@ impl Simulation {
         while left > 0 {
             let count = left.min(portion);
             let start = Instant::now();
-            self.change(py, |simulation| simulation.run(count, dt).map(drop).or_raise())?;
+            self.change(py, |simulation| simulation.run(count, dt).map(drop).map_err(raise_in_step))?;
             left -= count;
             if let Some(progress) = progress {
                 progress.call1((count,))?;
@@ -183,7 +206,7 @@ impl Simulation {
                 "handle_collisions" => simulation.handle_collisions(),
                 _ => simulation.update_positions(dt),
             }
-            .or_raise()
+            .map_err(raise_in_step)
         })
     }
 
@@ -197,6 +220,11 @@ impl Simulation {
 
     fn report(&self, py: Python<'_>) -> Report {
         self.locked(py, |running| running.simulation.report().into())
+    }
+
+    /// Warnings about a time step or constants that do not suit the scene.
+    fn concerns(&self, py: Python<'_>, dt: f32) -> Vec<String> {
+        self.locked(py, |running| running.simulation.scene().concerns(dt, running.simulation.integrator()))
     }
 
     fn backend(&self, py: Python<'_>) -> BackendInfo {

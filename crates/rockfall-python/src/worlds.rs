@@ -21,8 +21,8 @@ use crate::tables::{BackendInfo, Report};
 #[derive(Debug)]
 pub(crate) struct Worlds(Mutex<rockfall::Worlds>);
 
-/// A report, whether a workgroup runs the world, the sphere that has escaped, and why the world is stopped.
-type WorldReport = (Report, bool, Option<usize>, Option<String>);
+/// A report, whether a workgroup runs the world, the sphere that has escaped, why the world is stopped, and whether it sleeps.
+type WorldReport = (Report, bool, Option<usize>, Option<String>, bool);
 
 impl Worlds {
     /// Calls a function without the GIL, while no other thread uses the worlds.
@@ -65,7 +65,7 @@ impl Worlds {
         broad_phase: &str,
         keep_going: bool,
     ) -> PyResult<Self> {
-        let options = options(backend, integrator, broad_phase, keep_going)?;
+        let options = options(backend, integrator.parse().or_raise()?, broad_phase, keep_going)?;
         py.detach(|| {
             let scenes: Vec<_> = scenes.iter().map(|scene| scene.get().lock().scene.clone()).collect();
             let built = match count {
@@ -210,6 +210,26 @@ impl Worlds {
         })
     }
 
+    /// Replaces all worlds by a world per scene, or by `count` worlds with the one scene.
+    fn replace_all(&self, py: Python<'_>, scenes: Vec<Py<Scene>>, count: Option<usize>) -> PyResult<()> {
+        self.locked(py, |worlds| {
+            let scenes: Vec<_> = scenes.iter().map(|scene| scene.get().lock().scene.clone()).collect();
+            match count {
+                Some(count) => worlds.replace_all(scenes.iter().cycle().take(count).cloned()),
+                None => worlds.replace_all(scenes),
+            }
+        })
+    }
+
+    /// The greatest speed at rest, the steps without motion, and whether sleeping worlds stand still.
+    fn sleep(&self, py: Python<'_>) -> PyResult<(f32, u32, bool)> {
+        self.locked(py, |worlds| Ok((worlds.sleep().speed, worlds.sleep().steps, worlds.sleep().skip)))
+    }
+
+    fn set_sleep(&self, py: Python<'_>, speed: f32, steps: u32, skip: bool) -> PyResult<()> {
+        self.locked(py, |worlds| worlds.set_sleep(rockfall::Sleep::new().speed(speed).steps(steps).skip(skip)))
+    }
+
     /// A scene from which a simulation goes on where the world is.
     fn scene(&self, py: Python<'_>, world: usize) -> PyResult<Scene> {
         self.locked(py, |worlds| worlds.snapshot(world)).map(Scene::of)
@@ -221,7 +241,8 @@ impl Worlds {
             let count = worlds.len();
             let report = |world: usize| {
                 let found = worlds.report(world, bounds.map(|bounds| bounds.map(Into::into)))?;
-                Ok((found.report.into(), found.path == rockfall::WorldPath::Device, found.escaped, found.stopped))
+                let on_device = found.path == rockfall::WorldPath::Device;
+                Ok((found.report.into(), on_device, found.escaped, found.stopped, found.sleeping))
             };
             (0..count).map(report).collect()
         })

@@ -81,6 +81,7 @@ SCENE: list[tuple[Callable[[rf.Scene], Any], type[Exception], str]] = [
     (lambda s: setattr(s.settings, "gravity", NAN), ValueError, "gravity: expected finite"),
     (lambda s: setattr(s.settings, "gravity", "1"), TypeError, "gravity: expected a number"),
     (lambda s: setattr(s.settings, "gravity", [1, 2]), ValueError, "gravity"),
+    (lambda s: setattr(s.settings, "gravity", [0, -9.8, 0]), ValueError, "gravity_direction the direction"),
     (lambda s: setattr(s.settings, "restitution", -1), ValueError, "restitution: .* is not allowed, expected"),
     (lambda s: setattr(s.settings, "collisions", 1), TypeError, "collisions: expected True or False"),
     (lambda s: setattr(s.settings, "gravity_direction", [0, 0, 0]), ValueError, "gravity_direction"),

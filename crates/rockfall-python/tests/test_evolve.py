@@ -124,6 +124,7 @@ WRONG: list[tuple[dict[str, Any], type[Exception], str]] = [
     ({"seconds": 0.5}, ValueError, "seconds: expected a number from 1 to 1000, got 0.5"),
     ({"seconds": "long"}, TypeError, "seconds: expected real numbers"),
     ({"dt": 0.5}, ValueError, "dt: expected at least 20 steps in 5 seconds, got 0.5"),
+    ({"goal": "climb"}, ValueError, "ground: expected a Scene for the goal climb"),
     ({"goal": "win"}, ValueError, "goal: expected distance, speed, height, jump or climb, got \"win\""),
     ({"body": 5}, TypeError, "body: expected a str, got int"),
     ({"body": "snake"}, ValueError, "body: expected lattice or free"),

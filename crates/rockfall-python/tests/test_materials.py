@@ -15,7 +15,7 @@ set gravity 9.81
 @material glass density=2500 young=5e7 poisson=0.2
 @material steel density=7800 young=2e8 poisson=0.3
 @pair glass steel restitution=0.9 friction=0.3 characteristic_velocity=0.5
-@pair glass glass restitution=0.8 friction=0.2 rolling_friction=0.1 rolling_damping=0.5 surface_energy=0.05
+@pair glass glass restitution=0.8 friction=0.2 rolling_friction=0.1 rolling_damping=0.5 surface_energy=0.05 cohesion=jkr
 @pair steel steel friction=0.4 rolling_friction=0.05 rolling_model=a twisting_friction=0.1
 @use steel
 B -5 -1 -5 10 0 0 0 1 0 0 0 10
@@ -36,7 +36,16 @@ def built() -> rf.Scene:
     steel = scene.add_material("steel", density=7800, young=2e8, poisson=0.3)
     assert (glass, steel) == (0, 1)
     scene.set_pair("glass", steel, restitution=0.9, friction=0.3, characteristic_velocity=0.5)
-    scene.set_pair(glass, glass, restitution=0.8, friction=0.2, rolling_friction=0.1, rolling_damping=0.5, surface_energy=0.05)
+    scene.set_pair(
+        glass,
+        glass,
+        restitution=0.8,
+        friction=0.2,
+        rolling_friction=0.1,
+        rolling_damping=0.5,
+        surface_energy=0.05,
+        cohesion="jkr",
+    )
     scene.set_pair("steel", "steel", friction=0.4, rolling_friction=0.05, rolling_model="a", twisting_friction=0.1)
     scene.add_box([-5, -1, -5], [5, 0, 5], material="steel")
     scene.add_spheres(
@@ -86,7 +95,7 @@ def test_materials_and_pairs_are_read_back() -> None:
     scene = built()
     assert scene.materials[0] == rf.Material("glass", 2500.0, 5e7, pytest.approx(0.2))
     assert scene.pair("steel", "glass")[:3] == (pytest.approx(0.9), pytest.approx(0.3), None)
-    glass = rf.Pair(*map(pytest.approx, [0.8, 0.2, None, None, 0.1, 0.5, None, 0.05]), None)
+    glass = rf.Pair(*map(pytest.approx, [0.8, 0.2, None, None, 0.1, 0.5, None, 0.05]), None, "jkr")
     assert scene.pair(None, 0) == scene.pair(0, 0) == glass
     assert scene.pair(0, 1).characteristic_velocity == 0.5
     assert scene.pair(1, 1).rolling_model == "a" and scene.pair(1, 1).twisting_friction == pytest.approx(0.1)
@@ -155,6 +164,8 @@ WRONG: list[tuple[Any, type[Exception], str]] = [
     (lambda s: s.set_pair(0, 0, restitution=2), ValueError, "pair.restitution"),
     (lambda s: s.set_pair(0, 0, surface_energy=-1), ValueError, "pair.surface_energy"),
     (lambda s: s.set_pair(0, 0, rolling_model="b"), ValueError, "pair.rolling_model.*a or c"),
+    (lambda s: s.set_pair(0, 0, cohesion="glue"), ValueError, "pair.cohesion.*dmt or jkr"),
+    (lambda s: s.set_pair(0, 0, cohesion=2), TypeError, "cohesion: expected a str"),
     (lambda s: s.set_pair(0, 0, rolling_model=1), TypeError, "rolling_model: expected a str"),
     (lambda s: s.set_pair([0, 0], 0), TypeError, "one: expected the number or the name of a material"),
     (lambda s: s.add_spheres([0, 0, 0], 1, material=1), LookupError, "there is no material 1"),

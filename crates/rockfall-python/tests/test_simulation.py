@@ -51,9 +51,43 @@ def test_options_reach_the_simulation(scene: rf.Scene) -> None:
     grid = rf.Simulation(scene, backend="cpu", integrator="symplectic-euler", broad_phase="grid")
     sim.run(50), grid.run(50)
     assert sim.positions.tobytes() == grid.positions.tobytes()
+    verlet = rf.Simulation(scene, backend="cpu", integrator="velocity-verlet")
+    verlet.run(50)
+    assert verlet.integrator == "velocity-verlet" and verlet.positions.tobytes() != grid.positions.tobytes()
     with pytest.raises(rf.SimulationError, match="stopped being finite"):
         explode(False).run(100)
     assert explode(True).run(100).non_finite > 0
+
+
+@pytest.mark.filterwarnings("error")
+def test_the_first_steps_warn_of_an_unsuitable_time_step() -> None:
+    scene = rf.Scene()
+    scene.settings.update(contact_force=1e5, gravity=9.81)
+    scene.add_box([-5, -1, -5], [5, 0, 5])
+    scene.add_spheres(np.random.default_rng(1).uniform(0.2, 3, (200, 3)), 0.1, 1.0)
+    concerns = [text for text in scene.check(0.02) if "at the start" not in text]
+    assert any("unstable" in text for text in concerns)
+    sim = rf.Simulation(scene, backend="cpu")
+    with pytest.warns(rf.SceneWarning) as caught:
+        sim.step()
+    assert [str(warning.message) for warning in caught] == [f"time step 0.02 s: {text}" for text in concerns]
+    assert all(warning.filename == __file__ for warning in caught)
+    sim.run(2)
+    sim.dt = 0.01
+    with pytest.warns(rf.SceneWarning, match="^time step 0.01 s: .*unstable"):
+        sim.run(1)
+    rf.Simulation(scene, backend="cpu", check=False).run(1)
+
+
+def test_the_integrator_follows_the_contact_law() -> None:
+    scene = rf.Scene()
+    assert rf.Simulation(scene, backend="cpu").integrator == "rk4"
+    scene.settings.contact_law = "hertz-mindlin"
+    assert rf.Simulation(scene, backend="cpu").integrator == "symplectic-euler"
+    with pytest.raises(ValueError, match="integrator rk4 is not allowed"):
+        rf.Simulation(scene, backend="cpu", integrator="rk4")
+    with pytest.raises(ValueError, match="integrator"):
+        scene.check(0.01, "euler")
 
 
 def explode(keep_going: bool) -> rf.Simulation:

@@ -136,6 +136,48 @@ def test_worlds_are_reset_and_replaced(backend: str) -> None:
 
 
 @pytest.mark.parametrize("backend", ["cpu", "gpu"])
+def test_all_worlds_are_replaced_as_by_new_worlds(backend: str) -> None:
+    worlds = rf.Worlds(creature(5, 6), dt=0.005, count=3, backend=backend)
+    worlds.run(7)
+    for scenes, count in [([creature(1, 4), creature(2, 8)], None), (creature(3, 5), 4), ([], None)]:
+        worlds.replace_all(scenes, count=count)
+        fresh = rf.Worlds(scenes, dt=0.005, count=count, backend=backend)
+        for some in (worlds, fresh):
+            some.run(15)
+        assert len(worlds) == len(fresh)
+        for field in ("positions", "velocities", "orientations", "angular_momenta", "rest_lengths"):
+            assert getattr(worlds, field).tobytes() == getattr(fresh, field).tobytes(), field
+        assert (worlds.report() == fresh.report()).all()
+    worlds.replace_all(creature(3, 5), count=2)
+    with pytest.raises(TypeError, match="count: expected the number of worlds"):
+        worlds.replace_all(rf.Scene())
+    assert len(worlds) == 2
+
+
+@pytest.mark.parametrize("backend", ["cpu", "gpu"])
+def test_worlds_at_rest_sleep(backend: str, tmp_path: pathlib.Path) -> None:
+    scene = rf.Scene()
+    scene.settings.update(gravity=9.81, collisions=False, contact_force=8000.0, contact_damping=60.0)
+    scene.add_box([-50, -1, -50], [50, 0, 50])
+    scene.add_sphere([0, 0.1, 0], radius=0.1)
+    worlds = rf.Worlds([scene, scene, creature(1, 4)], dt=0.005, backend=backend)
+    assert worlds.sleep == {"speed": pytest.approx(0.01), "steps": 100, "skip": False}
+    worlds.run(300)
+    assert worlds.report()["sleeping"].tolist() == [True, True, False]
+    assert worlds.report()["steps"].tolist() == [300, 300, 300]
+    worlds.set_sleep(0.05, 20, skip=True)
+    assert not worlds.report()["sleeping"].any()
+    worlds.run(30)
+    assert worlds.report()["steps"].tolist() == [320, 320, 330]
+    worlds.set(0, external_forces=[[1.0, 0.0, 0.0]] * 4)
+    worlds.save_checkpoint(tmp_path / "worlds.ckpt")
+    for some in (worlds, rf.Worlds.resume(tmp_path / "worlds.ckpt", dt=0.005)):
+        assert some.report()["sleeping"].tolist() == [False, True, False]
+        some.run(10)
+        assert some.report()["steps"].tolist() == [330, 320, 340] and some.sleep["steps"] == 20
+
+
+@pytest.mark.parametrize("backend", ["cpu", "gpu"])
 def test_a_world_that_is_not_finite_is_stopped_alone(backend: str) -> None:
     bad = creature(7, 4)
     bad.add_spheres([[0, 3, 0], [0.1, 3, 0]], radius=0.1, mass=1e-30, force=[1e30, 0, 0])
@@ -222,6 +264,9 @@ WRONG: list[tuple[Any, type[Exception], str]] = [
     (lambda w: w.reset(2), LookupError, "worlds: there is no world 2, expected numbers below 2"),
     (lambda w: w.reset([True]), ValueError, r"worlds: expected a mask of shape \(2,\)"),
     (lambda w: w.reset(0.5), TypeError, "worlds: expected integers"),
+    (lambda w: w.set_sleep(-1.0), ValueError, "speed: expected"),
+    (lambda w: w.set_sleep(steps=0), ValueError, "steps: expected a whole number of at least 1"),
+    (lambda w: w.replace_all([5]), TypeError, "scenes: expected a Scene at place 0"),
     (lambda w: w.scene(2), LookupError, "there is no world 2"),
     (lambda w: w.replace(0, 5), TypeError, "scenes: expected a Scene"),
     (lambda w: w.replace([0, 1], [rf.Scene()]), ValueError, "scenes: expected 2 scenes, one per world, got 1"),

@@ -13,14 +13,22 @@
 
 from __future__ import annotations
 
+import os
 from typing import TYPE_CHECKING, Any
+
+if "XDG_RUNTIME_DIR" not in os.environ:
+    # Otherwise a Vulkan layer of Mesa looks for a display and prints an error, which has no effect.
+    os.environ.setdefault("NODEVICE_SELECT", "1")
 
 from rockfall import _rockfall
 from rockfall._bodies import Capsules
+from rockfall._contact_law import ContactLaw, Impact
 from rockfall._device import DeviceArray
 from rockfall._evolve import Creature, Evolution, evolve
+from rockfall._fields import Fields
 from rockfall._film import Film, film
 from rockfall._info import devices, info
+from rockfall._laws import ForceLaw
 from rockfall._materials import Material, Pair
 from rockfall._objects import Counts, Objects
 from rockfall._picture import Picture
@@ -28,7 +36,7 @@ from rockfall._reports import Backend, Device, Energy, Overlap, Profile, Report,
 from rockfall._rockfall import SimulationError
 from rockfall._scene import Scene
 from rockfall._settings import Settings
-from rockfall._simulation import Simulation
+from rockfall._simulation import SceneWarning, Simulation
 from rockfall._sweep import SweepError, SweepResult, sweep
 from rockfall._trajectory import Frame, Recording, Trajectory
 from rockfall._view import view
@@ -43,14 +51,18 @@ __version__: str = _rockfall.__version__
 __all__ = [
     "Backend",
     "Capsules",
+    "ContactLaw",
     "Counts",
     "Creature",
     "Device",
     "DeviceArray",
     "Energy",
     "Evolution",
+    "Fields",
     "Film",
+    "ForceLaw",
     "Frame",
+    "Impact",
     "Material",
     "Objects",
     "Overlap",
@@ -60,6 +72,7 @@ __all__ = [
     "Recording",
     "Report",
     "Scene",
+    "SceneWarning",
     "Settings",
     "Simulation",
     "SimulationError",

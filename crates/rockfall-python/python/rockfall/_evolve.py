@@ -68,14 +68,14 @@ class Evolution:
     dt : float
         Time step, in s.
     goal : {"distance", "speed", "height", "jump", "climb"}
-        What the fitness is: see docs/creatures.md for the goals and their units.
+        What the fitness is: see docs/creatures.md for the goals and their units. "climb" needs a ground.
     body : {"lattice", "free"}
         Where masses may be.
     ground : Scene, optional
         Ground and constants: boxes, polygons and settings; by default level, with gravity 9.81.
     seed : int
         Seed of the random numbers.
-    integrator : {"rk4", "symplectic-euler"}
+    integrator : {"rk4", "symplectic-euler", "velocity-verlet"}
         How positions and velocities are advanced.
     backend : {"auto", "gpu", "cpu"}
         Where to compute.
@@ -111,6 +111,8 @@ class Evolution:
             raise ValueError(f"seconds: expected a number from 1 to 1000, got {seconds}")
         if seconds / dt < 19.5:
             raise ValueError(f"dt: expected at least 20 steps in {seconds:g} seconds, got {dt:g}")
+        if goal == "climb" and ground is None:
+            raise ValueError("ground: expected a Scene for the goal climb, because on level ground there is nothing to climb")
         if ground is not None and not isinstance(ground, Scene):
             raise TypeError(f"ground: expected a rockfall.Scene, got {type(ground).__name__}")
         if ground is not None and ground.counts.spheres > 0:

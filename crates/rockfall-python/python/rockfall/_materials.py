@@ -55,6 +55,8 @@ class Pair(NamedTuple):
     surface_energy: float | None = None
     #: Model of the resistance to rolling: "a", a constant torque, or "c", a spring and a dashpot. "c" where it is None.
     rolling_model: str | None = None
+    #: Model of the cohesion: "dmt", a constant attraction in contacts, or "jkr", necks. "dmt" where it is None.
+    cohesion: str | None = None
 
 
 class MaterialTable:
@@ -128,6 +130,7 @@ class MaterialTable:
         rolling_damping: float | None = None,
         twisting_friction: float | None = None,
         surface_energy: float | None = None,
+        cohesion: str | None = None,
     ) -> None:
         """Set the properties of the contacts between two materials, or of a material with itself. Replaces those set before.
 
@@ -152,8 +155,11 @@ class MaterialTable:
         rolling_damping : float, optional
             Damping ratio of "c", not negative; 0.3 if it is not given.
         surface_energy : float, optional
-            Surface energy gamma in mass/s², not negative: objects in contact attract each other with
-            the force 4 pi gamma R*.
+            Surface energy gamma in mass/s², not negative: objects in contact attract each other.
+        cohesion : {"dmt", "jkr"}, optional
+            "dmt", the default, is a constant attraction of 4 pi gamma R* while objects overlap. "jkr", for the law
+            ``hertz-mindlin``, is a neck that holds objects together until they are apart by a short distance, with a pull-off
+            force of 3 pi gamma R*.
 
         Raises
         ------
@@ -163,8 +169,9 @@ class MaterialTable:
             For a material that does not exist.
         """
         numbers = (self._material_number("one", one), self._material_number("other", other))
-        if rolling_model is not None and not isinstance(rolling_model, str):
-            raise TypeError(f"rolling_model: expected a str, got {type(rolling_model).__name__}")
+        for name, model in (("rolling_model", rolling_model), ("cohesion", cohesion)):
+            if model is not None and not isinstance(model, str):
+                raise TypeError(f"{name}: expected a str, got {type(model).__name__}")
         properties = [
             _known("restitution", restitution),
             _known("friction", friction),
@@ -176,18 +183,18 @@ class MaterialTable:
             _known("surface_energy", surface_energy),
         ]
         self._edited()
-        _rockfall.set_pair(self._native, *numbers, (properties, rolling_model))
+        _rockfall.set_pair(self._native, *numbers, (properties, [rolling_model, cohesion]))
 
     def pair(self, one: int | str | None, other: int | str | None) -> Pair:
         """The properties of the contacts between two materials; None stands for objects without a material.
 
         A property that was not set for the pair is the geometric mean (of stiffnesses, the harmonic mean) of those of each
         material with itself. If it was set for only one of them, it is that value. If it was set for none, it is None. Two
-        different rolling models give "c".
+        different rolling models give "c", and two different models of cohesion "dmt".
         """
         numbers = [_NONE if of is None else self._material_number(name, of) for name, of in (("one", one), ("other", other))]
-        properties, model = _rockfall.pair(self._native, *numbers)
-        return Pair._make([*properties, model])
+        properties, models = _rockfall.pair(self._native, *numbers)
+        return Pair._make([*properties, *models])
 
     @property
     def materials(self) -> list[Material]:

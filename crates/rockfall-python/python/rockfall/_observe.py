@@ -7,6 +7,7 @@ import numpy.typing as npt
 
 from rockfall import _rockfall
 from rockfall._arrays import floats
+from rockfall._fields import Fields
 from rockfall._reports import BODY_KINDS, CONTACT, DIAGNOSTICS, RAY_HIT, Energy, Overlap
 from rockfall._states import States
 
@@ -48,6 +49,34 @@ class Observed(States):
         found["force"] = np.where(is_impulse, 0, real[:, 6:9])
         return found
 
+    def fields(self, width: float | None = None, *, spacing: float | None = None, kernel: str = "gaussian") -> Fields:
+        """Coarse-grained density, velocity, stress and temperature of the current state on a grid.
+
+        Forces of contacts count; impulses of collisions, springs and external forces do not. Fixed bodies, boxes and polygons are
+        walls. The formulas are those of Goldhirsch, Granular Matter 12 (2010), 239-252.
+
+        Parameters
+        ----------
+        width : float, optional
+            Width of the smoothing function, in units. Default: the diameter of the largest moving sphere.
+        spacing : float, optional
+            Distance between points of the grid, in units. Default: the width.
+        kernel : {"gaussian", "heaviside"}
+            A Gaussian that ends at 3 widths, or the same weight up to 1 width.
+
+        Raises
+        ------
+        ValueError
+            For a value that is not allowed, without moving bodies, and for a grid of more than 10^8 points.
+        """
+        for name, value in (("width", width), ("spacing", spacing)):
+            if value is not None and (isinstance(value, (bool, str, bytes)) or not isinstance(value, (int, float, np.number))):
+                raise TypeError(f"{name}: expected a number, got {type(value).__name__}")
+        if not isinstance(kernel, str):
+            raise TypeError(f"kernel: expected a str, got {type(kernel).__name__}")
+        self._commit()
+        return Fields(**_rockfall.fields(self._native, width, spacing, kernel))
+
     @property
     def diagnostics(self) -> np.ndarray:
         """Number of contacts, net force (3) in mass units/s² and deepest overlap in units of every sphere.
@@ -67,12 +96,12 @@ class Observed(States):
 
     @property
     def max_overlap(self) -> Overlap:
-        """The deepest overlaps of the current state."""
+        """The deepest overlap of the current state, in units and in radii, and the two bodies."""
         return self._overlap(False)
 
     @property
     def resting_overlap(self) -> Overlap:
-        """The deepest overlaps between bodies at rest."""
+        """The deepest overlap between bodies at rest, in units and in radii, and the two bodies."""
         return self._overlap(True)
 
     def cast_rays(self, origin: npt.ArrayLike, direction: npt.ArrayLike) -> np.ndarray:

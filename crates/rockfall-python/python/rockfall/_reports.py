@@ -58,6 +58,7 @@ WORLD_REPORTS = np.dtype(
         ("stopped", np.bool_),
         ("escaped", np.int64),
         ("workgroup", np.bool_),
+        ("sleeping", np.bool_),
     ]
 )
 

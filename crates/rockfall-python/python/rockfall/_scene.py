@@ -80,10 +80,11 @@ class Scene(Objects):
         """Warnings about the text that the scene was read from: line number and text."""
         return list(self._native.warnings())
 
-    def check(self, dt: float = 0.02, integrator: str = "rk4") -> list[str]:
+    def check(self, dt: float = 0.02, integrator: str = "auto") -> list[str]:
         """Warnings about a time step (in s) or constants that do not suit the scene, and about bodies that overlap.
 
-        An empty list means that nothing was found. ``rockfall check`` on the command line reports the same.
+        An empty list means that nothing was found. ``rockfall check`` on the command line reports the same. The integrator is
+        named as in :class:`Simulation`.
         """
         found: list[str] = self._native.check(time_step("dt", dt), integrator)
         return found

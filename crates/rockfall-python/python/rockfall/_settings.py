@@ -25,6 +25,8 @@ def _to_text(name: str, value: Any, default: str) -> str:
         return value
     if isinstance(value, (bool, str, bytes)):
         raise TypeError(f"{name}: expected a number, got {value!r}")
+    if name == "gravity" and np.shape(value) == (3,):
+        raise ValueError("gravity: expected a number, got a vector: gravity is the magnitude, gravity_direction the direction")
     return str(floats(name, value, (), 1)[0])
 
 

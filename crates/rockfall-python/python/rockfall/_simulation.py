@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import os
+import warnings
+from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -10,6 +12,8 @@ import numpy.typing as npt
 
 from rockfall import _rockfall
 from rockfall._arrays import time_step, whole
+from rockfall._contact_law import ContactLaw, ContactLawOf, native_contact_law
+from rockfall._laws import ForceLaw, LawTable, native_laws
 from rockfall._look import look
 from rockfall._observe import Observed
 from rockfall._picture import Picture
@@ -23,7 +27,11 @@ if TYPE_CHECKING:
     import pyvista
 
 
-class Simulation(Observed):
+class SceneWarning(UserWarning):
+    """A time step or constants do not suit a scene, so that results are likely wrong. :meth:`Scene.check` lists the same."""
+
+
+class Simulation(Observed, LawTable, ContactLawOf):
     """A scene that advances in time.
 
     Parameters
@@ -34,13 +42,22 @@ class Simulation(Observed):
         Time step, in s. It can be changed later.
     backend : {"auto", "gpu", "cpu"}
         "auto" uses a hardware GPU where there is one, otherwise the CPU.
-    integrator : {"rk4", "symplectic-euler"}
-        How positions and velocities are advanced.
+    integrator : {"auto", "rk4", "symplectic-euler", "velocity-verlet"}
+        How positions and velocities are advanced. "auto" is "symplectic-euler" with the contact laws "linear",
+        "hertz-mindlin" and "user", which do not allow "rk4", and otherwise "rk4".
     broad_phase : {"auto", "brute-force", "sort-and-skip", "grid"}
         How pairs that may touch are found. Results do not depend on it.
     keep_going : bool
         Whether to continue when the state of a body stops being finite. The body is then stopped and counted in
         :attr:`report`.
+    check : bool
+        Whether the first steps with a time step warn (:class:`SceneWarning`) of what :meth:`Scene.check` finds: a time step that
+        is too long, bodies that will sink into each other, and similar.
+    force_laws : iterable of ForceLaw
+        Forces that the program defines, in the order in which they act. :meth:`add_force_law` adds more.
+    contact_law : ContactLaw, optional
+        The contact law that the program defines. It takes the place of that of the scene, as ``contact_law = "user"`` in its
+        settings, and so switches ``collisions`` off.
 
     Raises
     ------
@@ -75,9 +92,12 @@ class Simulation(Observed):
         dt: float = 0.02,
         *,
         backend: str = "auto",
-        integrator: str = "rk4",
+        integrator: str = "auto",
         broad_phase: str = "auto",
         keep_going: bool = False,
+        check: bool = True,
+        force_laws: Iterable[ForceLaw] = (),
+        contact_law: ContactLaw | None = None,
     ) -> None:
         if not isinstance(scene, Scene):
             raise TypeError(f"scene: expected a rockfall.Scene, got {type(scene).__name__}")
@@ -85,17 +105,28 @@ class Simulation(Observed):
             if not isinstance(value, str):
                 raise TypeError(f"{name}: expected a str, got {type(value).__name__}")
         dt = time_step("dt", dt)
-        self._begin(_rockfall.Simulation(scene._native, backend, integrator, broad_phase, bool(keep_going)), dt)
+        laws = native_laws(force_laws)
+        contact = native_contact_law(contact_law)
+        native = _rockfall.Simulation(scene._native, backend, integrator, broad_phase, bool(keep_going), laws, contact)
+        self._begin(native, dt, checked=None if check else dt)
 
-    def _begin(self, native: Any, dt: float) -> None:
+    def _begin(self, native: Any, dt: float, checked: float | None) -> None:
         self._native = native
         self._dt = dt
+        self._checked = checked
         self._live = {}
         self._recordings: list[Recording] = []
         self._studio: Any = None
 
     @classmethod
-    def resume(cls, path: str | os.PathLike[str], *, backend: str | None = None) -> Simulation:
+    def resume(
+        cls,
+        path: str | os.PathLike[str],
+        *,
+        backend: str | None = None,
+        force_laws: Iterable[ForceLaw] = (),
+        contact_law: ContactLaw | None = None,
+    ) -> Simulation:
         """Continue from a checkpoint, with results that are bitwise identical to those of a run that never stopped.
 
         Objects are numbered from 0 again.
@@ -106,21 +137,33 @@ class Simulation(Observed):
             A file that :meth:`save_checkpoint` or ``rockfall run --checkpoint`` wrote.
         backend : {"auto", "gpu", "cpu"}, optional
             Another backend than that of the checkpoint. Results then differ by rounding.
+        force_laws : iterable of ForceLaw
+            All force laws that the simulation had. Their parameters get the values of the checkpoint.
+        contact_law : ContactLaw, optional
+            The contact law that the program had defined. Its parameters get the values of the checkpoint.
 
         Raises
         ------
         OSError
             If the file cannot be read.
         ValueError
-            If it is not a usable checkpoint.
+            If it is not a usable checkpoint, or if a law is missing or another one.
         """
         simulation = cls.__new__(cls)
-        native = _rockfall.Simulation.resume(os.fspath(path), backend)
+        native = _rockfall.Simulation.resume(os.fspath(path), backend, native_laws(force_laws), native_contact_law(contact_law))
         # The decimal number that was written as f32.
-        simulation._begin(native, float(str(np.float32(native.time_step()))))
+        dt = float(str(np.float32(native.time_step())))
+        simulation._begin(native, dt, checked=dt)
         return simulation
 
     # Steps
+
+    def _check(self) -> None:
+        """Warns of what does not suit the time step, once."""
+        if self._checked != self._dt:
+            self._checked = self._dt
+            for concern in self._native.concerns(self._dt):
+                warnings.warn(f"time step {self._dt} s: {concern}", SceneWarning, stacklevel=3)
 
     @property
     def dt(self) -> float:
@@ -158,6 +201,8 @@ class Simulation(Observed):
         Other threads of Python run meanwhile.
         """
         left = whole("steps", steps)
+        if left > 0:
+            self._check()
         self._commit()
         if not progress and not self._recordings:
             self._native.run(left, self._dt, None)
@@ -178,6 +223,7 @@ class Simulation(Observed):
 
     def step(self) -> None:
         """Run one step. Raises as :meth:`run`."""
+        self._check()
         if self._live or self._recordings:
             self.run(1)
         else:
@@ -242,7 +288,7 @@ class Simulation(Observed):
 
     @property
     def integrator(self) -> str:
-        """The integrator: "rk4" or "symplectic-euler"."""
+        """The integrator: "rk4", "symplectic-euler" or "velocity-verlet"."""
         name: str = self._native.methods()[0]
         return name
 

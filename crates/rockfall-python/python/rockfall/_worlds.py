@@ -84,16 +84,10 @@ class Worlds:
         broad_phase: str = "auto",
         keep_going: bool = False,
     ) -> None:
-        several = isinstance(scenes, Scene)
-        if several and count is None:
-            raise TypeError("count: expected the number of worlds with this scene, got None")
-        if not several and count is not None:
-            raise TypeError("count: expected None for several scenes; it is the number of worlds with one scene")
-        natives = [scene._native for scene in _scenes("scenes", scenes)]
+        natives, worlds = _natives(scenes, count)
         for name, value in (("backend", backend), ("integrator", integrator), ("broad_phase", broad_phase)):
             if not isinstance(value, str):
                 raise TypeError(f"{name}: expected a str, got {type(value).__name__}")
-        worlds = None if count is None else whole("count", count)
         self._dt = time_step("dt", dt)
         self._native: Any = _rockfall.Worlds(natives, worlds, backend, integrator, broad_phase, bool(keep_going))
 
@@ -231,6 +225,54 @@ class Worlds:
         if len(found) != len(numbers):
             raise ValueError(f"scenes: expected {len(numbers)} scenes, one per world, got {len(found)}")
         self._native.replace(numbers, [scene._native for scene in found])
+
+    def replace_all(self, scenes: Sequence[Scene] | Scene, *, count: int | None = None) -> None:
+        """Replace all worlds by a world for each of these scenes, at time 0.
+
+        This is faster than new worlds, because the device stays open and its kernels stay compiled. Results are the same.
+        Arguments are those of :class:`Worlds`. The number of worlds may change.
+
+        Raises
+        ------
+        ValueError, TypeError
+            As for :class:`Worlds`. The worlds are unchanged then.
+        """
+        self._native.replace_all(*_natives(scenes, count))
+
+    # Sleep
+
+    @property
+    def sleep(self) -> dict[str, Any]:
+        """When worlds sleep, and whether they stand still then: the arguments of :meth:`set_sleep`."""
+        speed, steps, skip = self._native.sleep()
+        return {"speed": speed, "steps": steps, "skip": skip}
+
+    def set_sleep(self, speed: float = 0.01, steps: int = 100, *, skip: bool = False) -> None:
+        """Set when worlds sleep. Steps without motion are counted again from 0.
+
+        A world sleeps when no centre and no surface of a sphere was faster than ``speed`` at the end of each of the last ``steps``
+        steps. A world with muscles never sleeps, nor one on a GPU without ``workgroup``. Setting states, rest lengths or forces,
+        resets and replacements wake it up.
+
+        Parameters
+        ----------
+        speed : float
+            Greatest speed of a sphere that does not move, in units/s.
+        steps : int
+            Number of steps, at least 1.
+        skip : bool
+            Whether sleeping worlds stand still until they wake up. By default they are only reported.
+
+        Raises
+        ------
+        ValueError, TypeError
+            For a value or a type that is not allowed. Nothing is changed then.
+        """
+        limit = float(floats("speed", speed, (), 1, not_negative=True)[0])
+        number = whole("steps", steps, least=1)
+        if number >= 2**32:
+            raise ValueError(f"steps: expected less than 2**32, got {number}")
+        self._native.set_sleep(limit, number, bool(skip))
 
     # States
 
@@ -390,7 +432,8 @@ class Worlds:
             ``steps``, ``time``, ``contacts``, ``max_overlap``, ``collisions``, ``total_collisions``, ``replays``, ``list_builds`` and
             ``non_finite`` as in :class:`Report`, since the world was created, replaced or reset; ``stopped``, whether the world
             does not advance any more; ``escaped``, the row of the first sphere outside of the bounds, -1 if there is none;
-            ``workgroup``, whether a workgroup of the GPU runs the world, side by side with others.
+            ``workgroup``, whether a workgroup of the GPU runs the world, side by side with others; ``sleeping``, whether
+            everything in it rests (:meth:`set_sleep`).
         """
         limits = None
         if bounds is not None:
@@ -398,12 +441,13 @@ class Worlds:
             limits = [low, high]
         found = self._native.reports(limits)
         table = np.zeros(len(found), WORLD_REPORTS)
-        for row, (report, on_device, escaped, stopped) in zip(table, found, strict=True):
+        for row, (report, on_device, escaped, stopped, sleeping) in zip(table, found, strict=True):
             for name, value in report.items():
                 row[name] = value
             row["workgroup"] = on_device
             row["escaped"] = -1 if escaped is None else escaped
             row["stopped"] = stopped is not None
+            row["sleeping"] = sleeping
         return table
 
     @property
@@ -419,7 +463,7 @@ class Worlds:
 
     @property
     def integrator(self) -> str:
-        """The integrator: "rk4" or "symplectic-euler"."""
+        """The integrator: "rk4", "symplectic-euler" or "velocity-verlet"."""
         name: str = self._native.integrator()
         return name
 
@@ -498,6 +542,16 @@ def _hidden(value: Any, exists: npt.NDArray[np.bool_], columns: tuple[int, ...])
     if array.dtype.kind not in "fiu" or array.shape not in ((*exists.shape, *columns), (exists.shape[1], *columns)):
         return value
     return np.where(exists.reshape(*exists.shape, *(1 for _ in columns)), array, 0)
+
+
+def _natives(scenes: Sequence[Scene] | Scene, count: int | None) -> tuple[list[Any], int | None]:
+    """The native scenes, and the number of worlds with a single one."""
+    several = isinstance(scenes, Scene)
+    if several and count is None:
+        raise TypeError("count: expected the number of worlds with this scene, got None")
+    if not several and count is not None:
+        raise TypeError("count: expected None for several scenes; it is the number of worlds with one scene")
+    return [scene._native for scene in _scenes("scenes", scenes)], None if count is None else whole("count", count)
 
 
 def _scenes(name: str, value: Any) -> list[Scene]:
