@@ -1,6 +1,7 @@
 //! Decodes the bytes of a fuzzer into a case: the options of a simulation, and a list of actions on it.
 
 use arbitrary::{Arbitrary, Result, Unstructured};
+use rockfall::Integrator;
 
 use super::number::{Number, Size, Vector};
 
@@ -43,7 +44,7 @@ macro_rules! decoded {
 /// The options of a simulation, and actions that build and change its scene, in order.
 #[derive(Debug)]
 pub(crate) struct Case {
-    pub(crate) euler: bool,
+    pub(crate) integrator: Integrator,
     pub(crate) keep_going: bool,
     /// Initial size of the pair lists, in units of 32 words.
     pub(crate) capacity: Option<u8>,
@@ -55,7 +56,11 @@ impl Case {
     pub(crate) fn decode(bytes: &[u8]) -> Result<Self> {
         let mut source = Unstructured::new(bytes);
         Ok(Self {
-            euler: bool::arbitrary(&mut source)?,
+            integrator: match u8::arbitrary(&mut source)? & 3 {
+                1 => Integrator::SymplecticEuler,
+                3 => Integrator::VelocityVerlet,
+                _ => Integrator::Rk4,
+            },
             keep_going: bool::arbitrary(&mut source)?,
             capacity: Option::arbitrary(&mut source)?,
             actions: Vec::arbitrary_take_rest(source)?,

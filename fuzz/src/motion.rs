@@ -2,9 +2,7 @@
 
 use rockfall::glam::{Quat, Vec3};
 use rockfall::step::schedule::Phase;
-use rockfall::{
-    Capsule, Cuboid, Integrator, Muscle, Options, Polygon, Rod, Settings, Simulation, Sphere, SphereId, Spring, Tether,
-};
+use rockfall::{Capsule, Cuboid, Muscle, Options, Polygon, Rod, Settings, Simulation, Sphere, SphereId, Spring, Tether};
 
 use super::case::{Action, Add, Ball, Case, Change, Kind};
 use super::number::{Size, vector};
@@ -22,10 +20,7 @@ const STEPS: u64 = 96;
 /// When a simulation breaks one of these promises.
 pub fn motion(bytes: &[u8]) {
     let Ok(case) = Case::decode(bytes) else { return };
-    let mut options = Options::new().keep_going(case.keep_going);
-    if case.euler {
-        options = options.integrator(Integrator::SymplecticEuler);
-    }
+    let mut options = Options::new().keep_going(case.keep_going).integrator(case.integrator);
     if let Some(slices) = case.capacity {
         options = options.pair_capacity(32 * u32::from(slices));
     }

@@ -17,7 +17,7 @@ pub fn scene_text(bytes: &[u8]) {
         Ok(loaded) => loaded.scene,
         Err(error) => return is_told(&error.to_string(), bytes),
     };
-    for integrator in [Integrator::Rk4, Integrator::SymplecticEuler] {
+    for integrator in Integrator::ALL {
         for warning in read.stability(0.02, integrator) {
             assert!(!warning.largest_dt.is_nan() && warning.largest_dt < 0.02, "{warning:?}");
         }
