@@ -4,10 +4,11 @@
 use glam::Vec3;
 
 use crate::model::layout::BOX_FEATURES;
-use crate::model::view::{BoxRecord, Object, RodRecord, TINY, View};
+use crate::model::view::{BoxRecord, Object, PolygonRecord, RodRecord, TINY, View};
 use crate::physics::geometry::{
     box_contains, box_edge, box_parameters, box_vertex, point_box, point_polygon, point_segment, segment_segment,
 };
+use crate::physics::fine_geometry::{fine_point_box, fine_point_polygon};
 use crate::physics::side::side;
 
 /// In the collision phase, overlaps up to this times the smaller radius count as rounding errors (docs/physics.md section 3.1).
@@ -17,6 +18,21 @@ pub(crate) const ROUNDING: f32 = 1e-5;
 pub(crate) trait Motions {
     fn position(&self, sphere: u32) -> Vec3;
     fn velocity(&self, sphere: u32) -> Vec3;
+
+    /// The vector from the centre of sphere a to that of sphere b.
+    fn between(&self, a: u32, b: u32) -> Vec3 {
+        self.position(b) - self.position(a)
+    }
+
+    /// Normal and distance of a box from the centre of a sphere of this radius.
+    fn to_box(&self, cuboid: &BoxRecord, sphere: u32, radius: f32) -> (Vec3, f32) {
+        point_box(cuboid, self.position(sphere), radius)
+    }
+
+    /// Unit normal of a polygon, the height of the centre of a sphere above its plane, and whether the centre is over the polygon.
+    fn over_polygon(&self, polygon: &PolygonRecord, sphere: u32) -> (Vec3, f32, bool) {
+        point_polygon(polygon, self.position(sphere))
+    }
 }
 
 impl Motions for View<'_> {
@@ -26,6 +42,26 @@ impl Motions for View<'_> {
 
     fn velocity(&self, sphere: u32) -> Vec3 {
         View::velocity(self, sphere)
+    }
+
+    fn between(&self, a: u32, b: u32) -> Vec3 {
+        View::between(self, a, b)
+    }
+
+    fn to_box(&self, cuboid: &BoxRecord, sphere: u32, radius: f32) -> (Vec3, f32) {
+        if self.step.is_double() {
+            fine_point_box(cuboid, self.fine(sphere), radius)
+        } else {
+            point_box(cuboid, self.position(sphere), radius)
+        }
+    }
+
+    fn over_polygon(&self, polygon: &PolygonRecord, sphere: u32) -> (Vec3, f32, bool) {
+        if self.step.is_double() {
+            fine_point_polygon(polygon, self.fine(sphere))
+        } else {
+            point_polygon(polygon, self.position(sphere))
+        }
     }
 }
 
@@ -77,7 +113,7 @@ pub(crate) fn touch_apart(view: &View, id_a: u32, id_b: u32, feature: u32) -> Op
             }
         }
         (Object::Sphere(sphere), Object::Polygon(polygon)) => {
-            let (_, _, inside) = point_polygon(&view.polygon(polygon), view.position(sphere));
+            let (_, _, inside) = view.over_polygon(&view.polygon(polygon), sphere);
             line(view, view, a, b, None).filter(|_| inside)?
         }
         _ => line(view, view, a, b, None)?,
@@ -143,16 +179,16 @@ impl Feature {
 pub(crate) fn line(view: &View, at: &impl Motions, a: Object, b: Object, feature: Option<Feature>) -> Option<Touch> {
     match (a, b, feature) {
         (Object::Sphere(a), Object::Sphere(b), _) => {
-            Some(round(at.position(b) - at.position(a), view.radius(a) + view.radius(b), Vec3::Y, 0.0, 0.0))
+            Some(round(at.between(a, b), view.radius(a) + view.radius(b), Vec3::Y, 0.0, 0.0))
         }
         (Object::Sphere(a), Object::Rod(b), _) => sphere_rod(view, at, a, view.rod(b)),
         (Object::Rod(a), Object::Rod(b), _) => rod_rod(at, view.rod(a), view.rod(b)),
         (Object::Sphere(a), Object::Cuboid(b), _) => {
-            let (normal, distance) = point_box(&view.cuboid(b), at.position(a), view.radius(a));
+            let (normal, distance) = at.to_box(&view.cuboid(b), a, view.radius(a));
             Some(Touch { normal, overlap: view.radius(a) - distance, a: 0.0, b: 0.0 })
         }
         (Object::Sphere(a), Object::Polygon(b), _) => {
-            let (face, height, _) = point_polygon(&view.polygon(b), at.position(a));
+            let (face, height, _) = at.over_polygon(&view.polygon(b), a);
             Some(Touch { normal: -face, overlap: view.radius(a) - height, a: 0.0, b: 0.0 })
         }
         (Object::Rod(a), Object::Cuboid(b), Some(Feature::Edge(edge))) => {
@@ -191,7 +227,7 @@ fn rod_rod(at: &impl Motions, a: RodRecord, b: RodRecord) -> Option<Touch> {
 
 /// Returns the contact of a sphere with a polygon. The centre must be over the face, neither beside nor behind it.
 fn sphere_polygon(view: &View, sphere: u32, polygon: u32) -> Option<Touch> {
-    let (face, height, inside) = point_polygon(&view.polygon(polygon), view.position(sphere));
+    let (face, height, inside) = view.over_polygon(&view.polygon(polygon), sphere);
     let radius = view.radius(sphere);
     let hit = inside && height >= 0.0 && height < radius;
     hit.then(|| Touch { normal: -face, overlap: radius - height, a: 0.0, b: 0.0 })
