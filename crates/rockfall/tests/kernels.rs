@@ -67,8 +67,7 @@ fn the_kernel_of_worlds_is_valid_and_fits_workgroup_memory() {
     let worlds = Some(WorldSizes::MOST);
     let (rods, large, muscles, materials, resistance, many) = (false, false, false, false, false, false);
     let (cohesion, verlet, double) = (false, false, false);
-    let variant =
-        Variant { rods, large, muscles, law: 0, materials, resistance, cohesion, verlet, double, many, worlds };
+    let variant = Variant { rods, large, muscles, law: 0, materials, resistance, cohesion, verlet, double, many, worlds };
     let text = variant.apply(&source(stage));
     assert!(text.contains("var<workgroup> step: Step;") && !text.contains("var<uniform> step"));
     let module = naga::front::wgsl::parse_str(&text).unwrap_or_else(|e| panic!("{}", e.emit_to_string(&text)));

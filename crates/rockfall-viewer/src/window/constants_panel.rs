@@ -142,7 +142,11 @@ mod tests {
         for entry in Settings::TABLE {
             let text = settings.get(entry.name).unwrap();
             let numbers = text.split(',').filter(|number| number.parse::<f32>().is_ok()).count();
-            assert!(switch(&text).is_some() || names(&text).is_some() || numbers == 1 || numbers == 3, "{}: {text}", entry.name);
+            assert!(
+                switch(&text).is_some() || names(&text).is_some() || numbers == 1 || numbers == 3,
+                "{}: {text}",
+                entry.name
+            );
             assert!(about(entry, Controls::Standard).contains(entry.unit), "{}", entry.name);
         }
     }

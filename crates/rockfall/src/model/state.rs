@@ -6,8 +6,8 @@ use glam::{Vec3, Vec4};
 use rayon::prelude::*;
 
 use crate::error::BadStage;
-use crate::model::counters::Tally;
 use crate::fine::Fine;
+use crate::model::counters::Tally;
 use crate::model::layout::GRAIN;
 use crate::model::layout::SLICE;
 use crate::model::view::View;

@@ -4,7 +4,9 @@ use std::mem::{offset_of, size_of};
 
 use bytemuck::{Pod, Zeroable, bytes_of, bytes_of_mut};
 
-use crate::model::layout::{ENTRY_BITS, FEATURE_BITS, FLAG_DOUBLE, FLAG_PAIR_FRICTION, FLAG_VERLET, SWEEPS_LISTED, SWEEPS_OFF, SWEEPS_ON};
+use crate::model::layout::{
+    ENTRY_BITS, FEATURE_BITS, FLAG_DOUBLE, FLAG_PAIR_FRICTION, FLAG_VERLET, SWEEPS_LISTED, SWEEPS_OFF, SWEEPS_ON,
+};
 use crate::settings::{Settings, constant_table};
 
 /// The WGSL type of a field.

@@ -26,16 +26,15 @@ fn upper_half(v: vec3f) -> vec3f {
     return bitcast<vec3f>(bitcast<vec3u>(v) & vec3u(0xfffff000u));
 }
 
-// A number times a vector: the rounded product, and its rounding error (Dekker 1971). Products of halves are exact.
-fn product_of(s: f32, v: vec3f) -> Fine {
-    let factor = vec3f(s);
-    let product = kept(factor * v);
-    let s_high = upper_half(factor);
-    let v_high = upper_half(v);
-    let s_low = kept(factor - s_high);
-    let v_low = kept(v - v_high);
-    let rest = kept(kept(s_high * v_high) - product);
-    return Fine(product, kept(kept(rest + s_high * v_low) + s_low * v_high) + s_low * v_low);
+// The rounded products of components, and their rounding errors (Dekker 1971). Products of halves are exact.
+fn product_of(a: vec3f, b: vec3f) -> Fine {
+    let product = kept(a * b);
+    let a_high = upper_half(a);
+    let b_high = upper_half(b);
+    let a_low = kept(a - a_high);
+    let b_low = kept(b - b_high);
+    let rest = kept(kept(a_high * b_high) - product);
+    return Fine(product, kept(kept(rest + a_high * b_low) + a_low * b_high) + a_low * b_low);
 }
 
 // The sum of a position and a vector.
@@ -63,11 +62,21 @@ fn fine_from(point: vec3f, sphere: u32) -> Fine {
     return moved(high, place.low);
 }
 
-// The vector from the centre of sphere a to that of sphere b, rounded. The difference of the high parts is exact where the spheres are
-// near each other (Sterbenz 1974).
-fn fine_between(a: u32, b: u32) -> vec3f {
+// The vector from the centre of sphere a to that of sphere b. The difference of the high parts is exact where the spheres are near each
+// other (Sterbenz 1974).
+fn fine_between(a: u32, b: u32) -> Fine {
     let from_ = fine_position(a);
     let to = fine_position(b);
-    let high = sum_of(to.high, -from_.high);
-    return high.high + (high.low + (to.low - from_.low));
+    return moved(sum_of(to.high, -from_.high), to.low - from_.low);
+}
+
+// What is left of the length of a vector beyond the digits of `length`, from the difference of the squares.
+fn length_beyond(v: Fine, length: f32) -> f32 {
+    let squares = product_of(v.high, v.high);
+    let square = product_of(vec3f(length), vec3f(length));
+    let one = sum_of(vec3f(squares.high.x), vec3f(squares.high.y));
+    let two = sum_of(one.high, vec3f(squares.high.z));
+    let rest = sum_of(two.high, -square.high);
+    let errors = squares.low.x + squares.low.y + squares.low.z - square.low.x + one.low.x + two.low.x + rest.low.x;
+    return 0.5 * (rest.high.x + (errors + 2.0 * dot(v.high, v.low))) / length;
 }

@@ -21,7 +21,7 @@ pub(super) fn unrounded(d: Vec3, squared: f32, reach: f32) -> Vec3 {
 /// Returns a vector without its component along an axis. `squared` is the squared length of the axis. A distance vector from a
 /// line has such a component only because the parameter is rounded. The component would change the direction of a very short
 /// distance.
-pub(super) fn across(v: Vec3, axis: Vec3, squared: f32) -> Vec3 {
+fn across(v: Vec3, axis: Vec3, squared: f32) -> Vec3 {
     v - v.dot(axis) / squared * axis
 }
 

@@ -127,6 +127,17 @@ fn touch_spheres(a: vec4f, b: vec4f) -> Touch {
     return touch_at(b.xyz - a.xyz, a.w + b.w, 0.0, 0.0, vec3f(0.0, 1.0, 0.0));
 }
 
+// The same for positions with a low part. The overlap is a small difference of two lengths, so their last digits count.
+fn touch_spheres_finely(distance: Fine, own: f32, other: f32) -> Touch {
+    let reach = sum_of(vec3f(own), vec3f(other));
+    var found = touch_at(distance.high, reach.high.x, 0.0, 0.0, vec3f(0.0, 1.0, 0.0));
+    let d = length(distance.high);
+    if d * d > TINY {
+        found.overlap = (reach.high.x - d) + (reach.low.x - length_beyond(distance, d));
+    }
+    return found;
+}
+
 // The sphere that a rod of fixed length connects to this sphere. Such a pair never interacts. NONE when no rod ends in the
 // sphere, SOME_RODS when several rods or a rod of free length do.
 fn bonded_partner(sphere: u32) -> u32 {
@@ -216,10 +227,14 @@ fn touch_box_finely(i: u32, radius: f32, box: Cuboid) -> Touch {
     let t = vec3f(dot(far, box.i), dot(far, box.j), dot(far, box.k)) / squared_edges(box);
     let c = clamp(t, vec3f(0.0), vec3f(1.0));
     var apart = Fine(-far, -from_corner.low);
-    apart = fine_sum(apart, product_of(c.x, box.i));
-    apart = fine_sum(apart, product_of(c.y, box.j));
-    apart = fine_sum(apart, product_of(c.z, box.k));
-    return touch_box_at(radius, box, t, apart.high + apart.low);
+    apart = fine_sum(apart, product_of(vec3f(c.x), box.i));
+    apart = fine_sum(apart, product_of(vec3f(c.y), box.j));
+    apart = fine_sum(apart, product_of(vec3f(c.z), box.k));
+    var found = touch_box_at(radius, box, t, apart.high);
+    if found.overlap < radius {
+        found.overlap -= dot(apart.low, found.n);
+    }
+    return found;
 }
 
 // Contact of a sphere with a box. `t` are the parameters of its centre, and `to_box` points from the centre to the nearest point of the
@@ -289,6 +304,8 @@ struct Over {
     is_inside: bool,
     n_face: vec3f,
     height: f32,
+    // What is left of the height beyond its digits.
+    height_low: f32,
 }
 
 // The centre of a sphere over a polygon, for a position with a low part.
@@ -299,15 +316,15 @@ fn over_finely(i: u32, face: Polygon) -> Over {
     let l = dot(cross(rest.high, face.right), normal) / nn;
     let k = dot(cross(face.left, rest.high), normal) / nn;
     // The parts along the edges do not change the height. Without them the rest is small, so the rounding of the normal matters little.
-    rest = fine_sum(rest, product_of(-l, face.left));
-    rest = fine_sum(rest, product_of(-k, face.right));
+    rest = fine_sum(rest, product_of(vec3f(-l), face.left));
+    rest = fine_sum(rest, product_of(vec3f(-k), face.right));
     let n_face = normal / sqrt(nn);
-    return Over(unit_interval(l) & unit_interval(k), n_face, dot(rest.high + rest.low, n_face));
+    return Over(unit_interval(l) & unit_interval(k), n_face, dot(rest.high, n_face), dot(rest.low, n_face));
 }
 
 fn touch_over(over: Over, radius: f32) -> Touch {
     if over.is_inside & (over.height >= 0.0) & (over.height < radius) {
-        return Touch(-over.n_face, radius - over.height, 0.0, 0.0);
+        return Touch(-over.n_face, radius - over.height - over.height_low, 0.0, 0.0);
     }
     return no_touch();
 }
@@ -445,7 +462,7 @@ fn touch_ball(id: u32, own: vec4f, other: u32) -> Touch {
     var found: Touch;
     if DOUBLE {
         let pair = select(vec2u(other, id), vec2u(id, other), first);
-        found = touch_at(fine_between(pair.x, pair.y), own.w + ball.w, 0.0, 0.0, vec3f(0.0, 1.0, 0.0));
+        found = touch_spheres_finely(fine_between(pair.x, pair.y), own.w, ball.w);
     } else {
         found = touch_spheres(select(ball, own, first), select(own, ball, first));
     }

@@ -5,10 +5,10 @@ use glam::Vec3;
 
 use crate::model::layout::BOX_FEATURES;
 use crate::model::view::{BoxRecord, Object, PolygonRecord, RodRecord, TINY, View};
+use crate::physics::fine_geometry::{fine_box, fine_plane, fine_spheres};
 use crate::physics::geometry::{
     box_contains, box_edge, box_parameters, box_vertex, point_box, point_polygon, point_segment, segment_segment,
 };
-use crate::physics::fine_geometry::{fine_point_box, fine_point_polygon};
 use crate::physics::side::side;
 
 /// In the collision phase, overlaps up to this times the smaller radius count as rounding errors (docs/physics.md section 3.1).
@@ -19,19 +19,22 @@ pub(crate) trait Motions {
     fn position(&self, sphere: u32) -> Vec3;
     fn velocity(&self, sphere: u32) -> Vec3;
 
-    /// The vector from the centre of sphere a to that of sphere b.
-    fn between(&self, a: u32, b: u32) -> Vec3 {
-        self.position(b) - self.position(a)
+    /// The contact of two spheres with these radii.
+    fn spheres(&self, [a, b]: [u32; 2], radii: [f32; 2]) -> Touch {
+        round(self.position(b) - self.position(a), radii[0] + radii[1], Vec3::Y, 0.0, 0.0)
     }
 
-    /// Normal and distance of a box from the centre of a sphere of this radius.
-    fn to_box(&self, cuboid: &BoxRecord, sphere: u32, radius: f32) -> (Vec3, f32) {
-        point_box(cuboid, self.position(sphere), radius)
+    /// The contact of a sphere of this radius with a box.
+    fn on_box(&self, sphere: u32, radius: f32, cuboid: &BoxRecord) -> Touch {
+        let (normal, distance) = point_box(cuboid, self.position(sphere), radius);
+        Touch { normal, overlap: radius - distance, a: 0.0, b: 0.0 }
     }
 
-    /// Unit normal of a polygon, the height of the centre of a sphere above its plane, and whether the centre is over the polygon.
-    fn over_polygon(&self, polygon: &PolygonRecord, sphere: u32) -> (Vec3, f32, bool) {
-        point_polygon(polygon, self.position(sphere))
+    /// The contact of a sphere of this radius with the plane of a polygon, and whether the centre is over the polygon and not beside
+    /// it. The overlap exceeds the radius where the centre is behind the plane.
+    fn on_plane(&self, sphere: u32, radius: f32, polygon: &PolygonRecord) -> (Touch, bool) {
+        let (face, height, is_inside) = point_polygon(polygon, self.position(sphere));
+        (Touch { normal: -face, overlap: radius - height, a: 0.0, b: 0.0 }, is_inside)
     }
 }
 
@@ -44,24 +47,30 @@ impl Motions for View<'_> {
         View::velocity(self, sphere)
     }
 
-    fn between(&self, a: u32, b: u32) -> Vec3 {
-        View::between(self, a, b)
+    fn spheres(&self, [a, b]: [u32; 2], radii: [f32; 2]) -> Touch {
+        if self.step.is_double() {
+            let (normal, overlap) = fine_spheres(self.fine(a), self.fine(b), radii);
+            return Touch { normal, overlap, a: 0.0, b: 0.0 };
+        }
+        round(self.position(b) - self.position(a), radii[0] + radii[1], Vec3::Y, 0.0, 0.0)
     }
 
-    fn to_box(&self, cuboid: &BoxRecord, sphere: u32, radius: f32) -> (Vec3, f32) {
+    fn on_box(&self, sphere: u32, radius: f32, cuboid: &BoxRecord) -> Touch {
         if self.step.is_double() {
-            fine_point_box(cuboid, self.fine(sphere), radius)
-        } else {
-            point_box(cuboid, self.position(sphere), radius)
+            let (normal, overlap) = fine_box(cuboid, self.fine(sphere), radius);
+            return Touch { normal, overlap, a: 0.0, b: 0.0 };
         }
+        let (normal, distance) = point_box(cuboid, self.position(sphere), radius);
+        Touch { normal, overlap: radius - distance, a: 0.0, b: 0.0 }
     }
 
-    fn over_polygon(&self, polygon: &PolygonRecord, sphere: u32) -> (Vec3, f32, bool) {
+    fn on_plane(&self, sphere: u32, radius: f32, polygon: &PolygonRecord) -> (Touch, bool) {
         if self.step.is_double() {
-            fine_point_polygon(polygon, self.fine(sphere))
-        } else {
-            point_polygon(polygon, self.position(sphere))
+            let (face, overlap, is_inside) = fine_plane(polygon, self.fine(sphere), radius);
+            return (Touch { normal: -face, overlap, a: 0.0, b: 0.0 }, is_inside);
         }
+        let (face, height, is_inside) = point_polygon(polygon, self.position(sphere));
+        (Touch { normal: -face, overlap: radius - height, a: 0.0, b: 0.0 }, is_inside)
     }
 }
 
@@ -113,8 +122,8 @@ pub(crate) fn touch_apart(view: &View, id_a: u32, id_b: u32, feature: u32) -> Op
             }
         }
         (Object::Sphere(sphere), Object::Polygon(polygon)) => {
-            let (_, _, inside) = view.over_polygon(&view.polygon(polygon), sphere);
-            line(view, view, a, b, None).filter(|_| inside)?
+            let (touch, is_inside) = view.on_plane(sphere, view.radius(sphere), &view.polygon(polygon));
+            is_inside.then_some(touch)?
         }
         _ => line(view, view, a, b, None)?,
     };
@@ -178,19 +187,11 @@ impl Feature {
 /// (docs/physics.md section 2.10). `feature` is the part of a box that a rod touches.
 pub(crate) fn line(view: &View, at: &impl Motions, a: Object, b: Object, feature: Option<Feature>) -> Option<Touch> {
     match (a, b, feature) {
-        (Object::Sphere(a), Object::Sphere(b), _) => {
-            Some(round(at.between(a, b), view.radius(a) + view.radius(b), Vec3::Y, 0.0, 0.0))
-        }
+        (Object::Sphere(a), Object::Sphere(b), _) => Some(at.spheres([a, b], [view.radius(a), view.radius(b)])),
         (Object::Sphere(a), Object::Rod(b), _) => sphere_rod(view, at, a, view.rod(b)),
         (Object::Rod(a), Object::Rod(b), _) => rod_rod(at, view.rod(a), view.rod(b)),
-        (Object::Sphere(a), Object::Cuboid(b), _) => {
-            let (normal, distance) = at.to_box(&view.cuboid(b), a, view.radius(a));
-            Some(Touch { normal, overlap: view.radius(a) - distance, a: 0.0, b: 0.0 })
-        }
-        (Object::Sphere(a), Object::Polygon(b), _) => {
-            let (face, height, _) = at.over_polygon(&view.polygon(b), a);
-            Some(Touch { normal: -face, overlap: view.radius(a) - height, a: 0.0, b: 0.0 })
-        }
+        (Object::Sphere(a), Object::Cuboid(b), _) => Some(at.on_box(a, view.radius(a), &view.cuboid(b))),
+        (Object::Sphere(a), Object::Polygon(b), _) => Some(at.on_plane(a, view.radius(a), &view.polygon(b)).0),
         (Object::Rod(a), Object::Cuboid(b), Some(Feature::Edge(edge))) => {
             rod_edge(at, view.rod(a), &view.cuboid(b), edge, false)
         }
@@ -227,8 +228,12 @@ fn rod_rod(at: &impl Motions, a: RodRecord, b: RodRecord) -> Option<Touch> {
 
 /// Returns the contact of a sphere with a polygon. The centre must be over the face, neither beside nor behind it.
 fn sphere_polygon(view: &View, sphere: u32, polygon: u32) -> Option<Touch> {
-    let (face, height, inside) = view.over_polygon(&view.polygon(polygon), sphere);
     let radius = view.radius(sphere);
+    if view.step.is_double() {
+        let (touch, is_inside) = view.on_plane(sphere, radius, &view.polygon(polygon));
+        return (is_inside && touch.overlap <= radius && touch.overlap > 0.0).then_some(touch);
+    }
+    let (face, height, inside) = point_polygon(&view.polygon(polygon), view.position(sphere));
     let hit = inside && height >= 0.0 && height < radius;
     hit.then(|| Touch { normal: -face, overlap: radius - height, a: 0.0, b: 0.0 })
 }

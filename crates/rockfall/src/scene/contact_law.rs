@@ -118,11 +118,15 @@ impl Scene {
     pub(crate) fn obstacle_to_double(&self) -> Option<(String, &'static str)> {
         let Settings { contact_law: law, collisions, collision_friction, .. } = self.settings;
         if !law.has_history() {
-            return Some((format!("the contact law {law}"), "the contact law linear, hertz-mindlin or user, or the precision single"));
+            return Some((
+                format!("the contact law {law}"),
+                "the contact law linear, hertz-mindlin or user, or the precision single",
+            ));
         }
         if collisions || collision_friction > 0.0 {
             let what = if collisions { "collisions on" } else { "collision_friction" };
-            let expected = "collisions off and a collision_friction of 0, because impulses leave out the low parts of positions";
+            let expected =
+                "collisions off and a collision_friction of 0, because impulses leave out the low parts of positions";
             return Some((what.to_owned(), expected));
         }
         (!self.rods().is_empty()).then(|| ("rods or capsules".to_owned(), "a scene of spheres, springs, boxes and polygons"))

@@ -1,8 +1,8 @@
 //! Double precision of positions (docs/physics.md section 5.8): small bodies far from the origin move as at the origin.
 
 use rockfall::{
-    Backend, BroadPhase, Checkpoint, ContactLaw, Cuboid, Integrator, Material, MaterialId, Pair, Polygon, Precision, Scene,
-    Simulation, Sphere, SphereId, Spring, Tether,
+    Backend, BroadPhase, Capsule, Checkpoint, ContactLaw, Cuboid, Integrator, Material, MaterialId, Pair, Polygon, Precision,
+    Scene, Simulation, Sphere, SphereId, Spring, Tether,
 };
 
 use crate::common::bits_of;
@@ -16,7 +16,9 @@ fn scene_of(young: f32, density: f32, e: f32, mu: f32) -> (Scene, MaterialId) {
     scene.settings.precision = Precision::Double;
     let material = Material::new("solid").young(young).poisson(0.25).density(density);
     let material = scene.add_material(material).expect("a valid material");
-    scene.set_pair(material, material, Pair::default().restitution(e).friction(mu)).expect("a valid pair");
+    scene
+        .set_pair(material, material, Pair::default().restitution(e).friction(mu).rolling_friction(0.05))
+        .expect("a valid pair");
     (scene, material)
 }
 
@@ -37,6 +39,7 @@ fn a_column_rests_with_the_overlaps_of_the_closed_form(backend: Backend) {
     for (integrator, on_polygon) in INTEGRATORS.into_iter().zip([false, true]) {
         let (mut scene, material) = scene_of(1e9, 2500.0, 0.3, 0.3);
         scene.settings.gravity = 9.81;
+        scene.settings.linear_damping = 3000.0;
         let (radius, floor) = (f64::from(1e-3_f32), 10.0);
         if on_polygon {
             let face = Polygon::new([9.5, floor as f32, 9.5], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]).material(material);
@@ -72,7 +75,7 @@ fn a_column_rests_with_the_overlaps_of_the_closed_form(backend: Backend) {
             below = y;
         }
         println!("{backend} {integrator}: overlaps differ by {worst:.1e}");
-        assert!(worst < crate::common::on(backend, 1e-3, 1e-3), "{integrator}: {worst}");
+        assert!(worst < 1e-4, "{integrator}: {worst}");
         // The same is true for the contacts that are reported.
         let deepest = simulation.max_overlap().expect("overlaps").units;
         assert_close(f64::from(deepest), expected[0].max(expected[1]), 0.01, "deepest overlap");
@@ -111,9 +114,12 @@ fn an_impact_10_m_away_equals_that_at_the_origin(backend: Backend) {
 
 /// Kinetic energy of a pile of balls of radius 0.5 that has come to rest in a tilted corner of boxes at a distance from the origin.
 fn restlessness(backend: Backend, distance: f64, precision: Precision) -> f64 {
-    let (mut scene, material) = scene_of(2e5, 1.0, 0.2, 0.5);
+    let young = crate::common::on(backend, 2e5, 2e4);
+    let (mut scene, material) = scene_of(young, 1.0, 0.2, 0.5);
     scene.settings.precision = precision;
     scene.settings.gravity = 10.0;
+    scene.settings.linear_damping = 2.0;
+    scene.settings.angular_damping = 2.0;
     let place = |x: f64, y: f64, z: f64| [distance + x, distance + y, distance + z];
     let single = |x: f64, y: f64, z: f64| place(x, y, z).map(|coordinate| coordinate as f32);
     for (low, high) in [
@@ -131,7 +137,7 @@ fn restlessness(backend: Backend, distance: f64, precision: Precision) -> f64 {
         add(&mut scene, material, centre, 0.5, [0.0; 3]);
     }
     let mut simulation = opened(scene, backend, Integrator::VelocityVerlet);
-    let (steps, dt) = crate::common::on(backend, (20_000, 1e-3), (700, 3e-3));
+    let (steps, dt) = crate::common::on(backend, (20_000, 1e-3), (1000, 4e-3));
     simulation.run(steps, dt).expect("steps");
     simulation.energy().expect("energy").kinetic
 }
@@ -143,7 +149,7 @@ fn a_pile_far_away_comes_to_rest_as_at_the_origin(backend: Backend) {
     println!("{backend}: {near:e} at the origin, {far:e} far away, {coarse:e} with single precision");
     let rest = crate::common::on(backend, 1e-6, 1e-2);
     assert!(near < rest && far < rest, "{near} {far}");
-    assert!(coarse > 10.0 * rest, "{coarse}");
+    assert!(coarse > 100.0 * rest, "{coarse}");
 }
 
 /// A heap with a spring and a tether, 1000 units from the origin.
@@ -152,7 +158,9 @@ fn heap() -> Scene {
     scene.settings.gravity = 10.0;
     let at = |offset: [f64; 3]| offset.map(|x| 1000.0 + x);
     scene
-        .add_box(Cuboid::between(at([-4.0, -1.0, -4.0]).map(|x| x as f32), at([4.0, 0.0, 4.0]).map(|x| x as f32)).material(material))
+        .add_box(
+            Cuboid::between(at([-4.0, -1.0, -4.0]).map(|x| x as f32), at([4.0, 0.0, 4.0]).map(|x| x as f32)).material(material),
+        )
         .expect("a valid box");
     let ids: Vec<SphereId> = (0..18)
         .map(|k| {
@@ -251,8 +259,8 @@ fn scenes_that_cannot_have_double_precision_are_refused() {
     assert!(refused(&|scene| scene.settings.collisions = true).contains("collisions on"));
     assert!(refused(&|scene| scene.settings.collision_friction = 0.1).contains("collision_friction"));
     let with_rod = |scene: &mut Scene| {
-        let material = scene.spheres()[0].material.expect("a material");
-        let capsule = rockfall::Capsule::new([0.0; 3], [1.0, 0.0, 0.0], 0.3).density(1.0).material(material);
+        let mut capsule = Capsule::new([0.0; 3], [1.0, 0.0, 0.0], 0.3).density(1.0);
+        capsule.material = scene.spheres()[0].material;
         scene.add_capsule(capsule).expect("a valid capsule");
     };
     assert!(refused(&with_rod).contains("rods or capsules"));
@@ -262,9 +270,8 @@ fn scenes_that_cannot_have_double_precision_are_refused() {
     settings.collisions = true;
     assert!(simulation.set_settings(settings).is_err());
     simulation.run(1, 1e-3).expect("a step");
-    let material = heap().spheres()[0].material;
-    let mut capsule = rockfall::Capsule::new([0.0; 3], [1.0, 0.0, 0.0], 0.3).density(1.0);
-    capsule.material = material;
+    let mut capsule = Capsule::new([0.0; 3], [1.0, 0.0, 0.0], 0.3).density(1.0);
+    capsule.material = simulation.scene().spheres()[0].material;
     simulation.add_capsule(capsule).expect("a valid capsule");
     assert!(simulation.run(1, 1e-3).is_err());
 }

@@ -66,7 +66,7 @@ fn touch_apart(a: u32, b: u32, feature: u32, found: Touch) -> Touch {
         if DOUBLE {
             let over = over_finely(a, face);
             if over.is_inside & (over.height >= centre.w) {
-                return Touch(-over.n_face, centre.w - over.height, 0.0, 0.0);
+                return Touch(-over.n_face, centre.w - over.height - over.height_low, 0.0, 0.0);
             }
             return no_touch();
         }
