@@ -38,7 +38,7 @@ fn product_of(a: vec3f, b: vec3f) -> Fine {
 }
 
 // The sum of a position and a vector.
-fn moved(place: Fine, by: vec3f) -> Fine {
+fn fine_moved(place: Fine, by: vec3f) -> Fine {
     let sum = sum_of(place.high, by);
     let low = kept(sum.low + place.low);
     // `sum.high` is the larger of the two, so three operations are enough (Dekker 1971).
@@ -47,7 +47,7 @@ fn moved(place: Fine, by: vec3f) -> Fine {
 }
 
 fn fine_sum(a: Fine, b: Fine) -> Fine {
-    return moved(moved(a, b.low), b.high);
+    return fine_moved(fine_moved(a, b.low), b.high);
 }
 
 // The position of a sphere.
@@ -59,7 +59,7 @@ fn fine_position(sphere: u32) -> Fine {
 fn fine_from(point: vec3f, sphere: u32) -> Fine {
     let place = fine_position(sphere);
     let high = sum_of(place.high, -point);
-    return moved(high, place.low);
+    return fine_moved(high, place.low);
 }
 
 // The vector from the centre of sphere a to that of sphere b. The difference of the high parts is exact where the spheres are near each
@@ -67,7 +67,7 @@ fn fine_from(point: vec3f, sphere: u32) -> Fine {
 fn fine_between(a: u32, b: u32) -> Fine {
     let from_ = fine_position(a);
     let to = fine_position(b);
-    return moved(sum_of(to.high, -from_.high), to.low - from_.low);
+    return fine_moved(sum_of(to.high, -from_.high), to.low - from_.low);
 }
 
 // What is left of the length of a vector beyond the digits of `length`, from the difference of the squares.

@@ -112,11 +112,10 @@ fn an_impact_10_m_away_equals_that_at_the_origin(backend: Backend) {
     }
 }
 
-/// Kinetic energy of a pile of balls of radius 0.5 that has come to rest in a tilted corner of boxes at a distance from the origin.
+/// Greatest kinetic energy of a pile of balls of radius 0.5 in a walled box at a distance from the origin, after it has come to rest on
+/// the CPU with double precision and has gone on with the given backend and precision.
 fn restlessness(backend: Backend, distance: f64, precision: Precision) -> f64 {
-    let young = crate::common::on(backend, 2e5, 2e4);
-    let (mut scene, material) = scene_of(young, 1.0, 0.2, 0.5);
-    scene.settings.precision = precision;
+    let (mut scene, material) = scene_of(2e5, 1.0, 0.2, 0.5);
     scene.settings.gravity = 10.0;
     scene.settings.linear_damping = 2.0;
     scene.settings.angular_damping = 2.0;
@@ -131,15 +130,22 @@ fn restlessness(backend: Backend, distance: f64, precision: Precision) -> f64 {
     ] {
         scene.add_box(Cuboid::between(low, high).material(material)).expect("a valid box");
     }
-    for k in 0..crate::common::on(backend, 60, 24) {
+    for k in 0..60 {
         let (x, z, y) = (f64::from(k % 3), f64::from(k / 3 % 3), f64::from(k / 9));
         let centre = place(1.1 * x - 1.15 + 0.03 * z, 0.5 + 0.98 * y, 1.1 * z - 1.15 + 0.02 * y);
         add(&mut scene, material, centre, 0.5, [0.0; 3]);
     }
-    let mut simulation = opened(scene, backend, Integrator::VelocityVerlet);
-    let (steps, dt) = crate::common::on(backend, (20_000, 1e-3), (1000, 4e-3));
-    simulation.run(steps, dt).expect("steps");
-    simulation.energy().expect("energy").kinetic
+    let mut simulation = opened(scene, Backend::Cpu, Integrator::VelocityVerlet);
+    simulation.run(20_000, 1e-3).expect("steps");
+    let mut checkpoint = simulation.checkpoint().expect("a checkpoint");
+    checkpoint.options.backend = backend;
+    checkpoint.scene.settings.precision = precision;
+    let mut simulation = Simulation::resume(checkpoint).expect("resumed");
+    let energies = (0..5).map(|_| {
+        simulation.run(crate::common::on(backend, 200, 40), 1e-3).expect("steps");
+        simulation.energy().expect("energy").kinetic
+    });
+    energies.fold(0.0, f64::max)
 }
 
 fn a_pile_far_away_comes_to_rest_as_at_the_origin(backend: Backend) {
@@ -147,9 +153,9 @@ fn a_pile_far_away_comes_to_rest_as_at_the_origin(backend: Backend) {
     let far = restlessness(backend, 1e5, Precision::Double);
     let coarse = restlessness(backend, 1e5, Precision::Single);
     println!("{backend}: {near:e} at the origin, {far:e} far away, {coarse:e} with single precision");
-    let rest = crate::common::on(backend, 1e-6, 1e-2);
-    assert!(near < rest && far < rest, "{near} {far}");
-    assert!(coarse > 100.0 * rest, "{coarse}");
+    // Ten times the greatest energy that was measured; with single precision it was 28 or more.
+    assert!(near < 2e-11 && far < 2e-11, "{near} {far}");
+    assert!(coarse > 1.0, "{coarse}");
 }
 
 /// A heap with a spring and a tether, 1000 units from the origin.

@@ -23,7 +23,14 @@ use crate::{assert_scenario_matches, plan, with_law};
 
 /// A mistake in a kernel: the stage and its pass, the WGSL file, the correct text, the wrong text, and the buffer that must
 /// differ.
-struct Mistake(&'static str, u32, &'static str, &'static str, &'static str, Buffer);
+pub(crate) struct Mistake(
+    pub(crate) &'static str,
+    pub(crate) u32,
+    pub(crate) &'static str,
+    pub(crate) &'static str,
+    pub(crate) &'static str,
+    pub(crate) Buffer,
+);
 
 static MISTAKES: &[Mistake] = &[
     Mistake("update_aabbs", 0, "update_aabbs.wgsl", "* 0.02, EXACT", "* 0.03, EXACT", Buffer::Aabbs),
@@ -120,7 +127,7 @@ static MISTAKES: &[Mistake] = &[
         Buffer::Y2,
     ),
     Mistake("symplectic_euler", 0, "contact.wgsl", "(inverse_mass + turning) * step.dt", "inverse_mass * step.dt", Buffer::Y2),
-    Mistake("commit_symplectic_euler", 0, "commit_next_state.wgsl", "region < 3u", "region < 2u", Buffer::Start),
+    Mistake("commit_symplectic_euler", 0, "commit_next_state.wgsl", "region < STATE_REGIONS", "region < 2u", Buffer::Start),
     Mistake("advance", 0, "linear_damping.wgsl", "acceleration -= step", "acceleration += step", Buffer::Y2),
     Mistake("symplectic_euler", 0, "angular_damping.wgsl", "torque -= step", "torque += step", Buffer::Y2),
     Mistake("advance", 1, "muscle.wgsl", "(evaluation() + 1u) / 2u", "0u", Buffer::Y3),
@@ -446,7 +453,7 @@ pub(crate) fn rewritten(run: Run, file: &str, rewrite: impl Fn(&str) -> String) 
 
 /// Returns the runs with a mistake in one of their stages. `made` caches the stage with the mistake from the first call on, so
 /// that the device compiles it only once.
-fn with_mistake(runs: &[Run], mistake: &Mistake, made: &mut Option<&'static Stage>) -> Vec<Run> {
+pub(crate) fn with_mistake(runs: &[Run], mistake: &Mistake, made: &mut Option<&'static Stage>) -> Vec<Run> {
     let Mistake(name, _, file, right, wrong, _) = mistake;
     let mut one = |run: &Run| {
         if run.stage.name != *name {

@@ -37,7 +37,7 @@ fn drift_sphere(i: u32) {
         after.velocity += 0.5 * step.dt * rates.acceleration;
         after.momentum += 0.5 * step.dt * rates.torque;
         if DOUBLE {
-            let place = moved(fine_position(i), step.dt * after.velocity);
+            let place = fine_moved(fine_position(i), step.dt * after.velocity);
             after.position = place.high;
             low = place.low;
         } else {

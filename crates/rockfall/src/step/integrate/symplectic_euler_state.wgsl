@@ -22,7 +22,7 @@ fn write_symplectic_euler(i: u32, net: Net) {
         after.velocity += step.dt * rates.acceleration;
         after.momentum += step.dt * rates.torque;
         if DOUBLE {
-            let place = moved(fine_position(i), step.dt * after.velocity);
+            let place = fine_moved(fine_position(i), step.dt * after.velocity);
             after.position = place.high;
             low = place.low;
         } else {
