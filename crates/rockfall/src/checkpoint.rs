@@ -11,7 +11,7 @@
 //! | 8 | `\x89RKF\r\n\x1a\n`; a transfer as text changes these bytes, so it is detected |
 //! | 4 | version of the format |
 //! | 8 | length of the whole file in bytes |
-//! | ... | the head: program, device, note, constants, options, time step, counters, numbers of objects; from version 3 on also the time of muscles, materials, pairs and the springs of contacts; from version 5 on also names, parameters and hashes of force laws, and the number of spheres with an acceleration and a torque, 0 or all, with 6 floats for each; from version 6 on the contact law of the program, and the models of cohesion of pairs |
+//! | ... | the head: program, device, note, constants, options, time step, counters, numbers of objects; from version 3 on also the time of muscles, materials, pairs and the springs of contacts; from version 5 on also names, parameters and hashes of force laws, and the number of spheres with an acceleration and a torque, 0 or all, with 6 floats for each; from version 6 on the contact law of the program, and the models of cohesion of pairs; from version 7 on the number of spheres whose position has a low part, 0 or all, with 3 floats for each |
 //! | ... | spheres, rods, capsules, springs, tethers, boxes, polygons, each in order of addition, as 32-bit words |
 //! | ... | the reference of every sphere as a 64-bit number, -1 for none; left out if no sphere has one, and in version 1 |
 //! | 4 | CRC-32 of all bytes before |

@@ -191,7 +191,7 @@ impl<'a> View<'a> {
     }
 
     /// The vector from a point to the centre of a sphere.
-    pub(crate) fn from_point(&self, point: Vec3, sphere: u32) -> Vec3 {
+    pub(crate) fn point_to_centre(&self, point: Vec3, sphere: u32) -> Vec3 {
         if self.step.is_double() {
             self.fine(sphere).minus(Fine { high: point, low: Vec3::ZERO })
         } else {

@@ -99,7 +99,8 @@ fn differs(one: &[f64], other: &[f64], tolerance: f64) -> Option<String> {
     }
     let mut both = one.iter().zip(other).enumerate();
     // NaN differs from everything.
-    both.find(|(_, (a, b))| !((**a - **b).abs() <= tolerance)).map(|(at, (a, b))| format!("{at}: {a} and {b}, {tolerance:e}"))
+    let is_near = |a: f64, b: f64| (a - b).abs() <= tolerance;
+    both.find(|(_, (a, b))| !is_near(**a, **b)).map(|(at, (a, b))| format!("{at}: {a} and {b}, {tolerance:e}"))
 }
 
 /// The first difference of each buffer.

@@ -169,7 +169,7 @@ pub(crate) fn attached_curvature(view: &View, sphere: u32, own: Vec3, of: impl F
             }
             KIND_TETHER => {
                 let tether = view.tether(attachment.index);
-                sum += curvature(-view.from_point(tether.point, sphere), own, tether.stiffness, tether.length);
+                sum += curvature(-view.point_to_centre(tether.point, sphere), own, tether.stiffness, tether.length);
             }
             _ => {}
         }
@@ -191,7 +191,7 @@ fn spring_force(view: &View, spring: u32, sphere: u32) -> Vec3 {
 
 pub(crate) fn tether_force(view: &View, tether: u32, sphere: u32) -> Vec3 {
     let tether = view.tether(tether);
-    let d = -view.from_point(tether.point, sphere);
+    let d = -view.point_to_centre(tether.point, sphere);
     hooke(d, -view.velocity(sphere), tether.stiffness, tether.length, tether.damping)
 }
 
