@@ -228,7 +228,7 @@ fn written_positions_have_no_low_part() {
     scene.settings.precision = Precision::Double;
     let material = scene.add_material(Material::new("m").young(1e4).poisson(0.3)).unwrap();
     for k in 0..3_u8 {
-        let centre = [1000.000_01 + 3.0 * f64::from(k), 0.0, 0.1];
+        let centre = [1_000.000_01 + 3.0 * f64::from(k), 0.0, 0.1];
         scene.add_sphere(Sphere::new([0.0; 3], 0.5).material(material).centred_at(centre)).unwrap();
     }
     let options = Options::new().backend(Backend::Gpu).integrator(Integrator::VelocityVerlet);

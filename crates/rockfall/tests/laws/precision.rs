@@ -222,7 +222,7 @@ fn low_parts_are_kept_bit_for_bit(backend: Backend) {
 /// the middle of a run.
 fn edits_set_all_digits(backend: Backend) {
     let (mut scene, material) = scene_of(1e5, 1.0, 0.3, 0.6);
-    let id = add(&mut scene, material, [1000.000_01, 0.0, 0.0], 0.5, [1e-3, 0.0, 0.0]);
+    let id = add(&mut scene, material, [1_000.000_01, 0.0, 0.0], 0.5, [1e-3, 0.0, 0.0]);
     let mut simulation = opened(scene, backend, Integrator::VelocityVerlet);
     let x = |simulation: &mut Simulation| simulation.sphere(id).expect("a sphere").centre()[0];
     assert_close(x(&mut simulation) - 1000.0, 1e-5, 1e-6, "start");
@@ -230,7 +230,7 @@ fn edits_set_all_digits(backend: Backend) {
     assert_close(x(&mut simulation) - 1000.0, 2e-5, 1e-5, "after ten steps");
     simulation.set_position(id, [1000.0, 0.0, 0.0]).expect("an edit");
     assert_eq!(x(&mut simulation), 1000.0);
-    simulation.set_centre(id, [1000.000_003, 0.0, 0.0]).expect("an edit");
+    simulation.set_centre(id, [1_000.000_003, 0.0, 0.0]).expect("an edit");
     simulation.run(10, 1e-3).expect("steps");
     assert_close(x(&mut simulation) - 1000.0, 1.3e-5, 1e-5, "after ten more");
     let mut settings = *simulation.settings();
@@ -257,7 +257,7 @@ fn scenes_that_cannot_have_double_precision_are_refused() {
     let refused = |change: &dyn Fn(&mut Scene)| {
         let mut scene = heap();
         change(&mut scene);
-        let error = Simulation::with_options(scene, options(Backend::Cpu)).err().expect("an error").to_string();
+        let error = Simulation::with_options(scene, options(Backend::Cpu)).expect_err("an error").to_string();
         assert!(error.contains("precision"), "{error}");
         error
     };

@@ -98,7 +98,7 @@ static MISTAKES: &[Mistake] = &[
     Mistake("find_collisions", 0, "workgroup_per_sphere.wgsl", "(workgroup - step.large)", "workgroup", Buffer::Lists),
     Mistake("find_collisions", 0, "classify_contacts.wgsl", "min(radius, ", "max(radius, ", Buffer::Lists),
     Mistake("find_collisions", 0, "geometry.wgsl", "nn <= 1e-8 * aa * bb", "nn < 0.0", Buffer::Lists),
-    Mistake("commit_collisions", 0, "commit_next_state.wgsl", "region < 3u", "region < 1u", Buffer::Start),
+    Mistake("commit_collisions", 0, "commit_next_state.wgsl", "region < STATE_REGIONS", "region < 1u", Buffer::Start),
     Mistake("commit_collisions", 0, "collided.wgsl", "collided, 2u", "collided, 1u", Buffer::Status),
     Mistake("restore_lengths", 0, "lengths.wgsl", "move_end(ends.y, -w2", "move_end(ends.y, w2", Buffer::Start),
     Mistake("rod_forces", 0, "mover_load.wgsl", "+= at * torque", "+= (1.0 - at) * torque", Buffer::Wrenches),
@@ -430,7 +430,7 @@ static MISTAKES: &[Mistake] = &[
     Mistake("law_forces", 0, "mover_load.wgsl", "select(-contact.force,", "select(contact.force,", Buffer::Wrenches),
     Mistake("symplectic_euler", 0, "wrenches.wgsl", "2u * i", "i", Buffer::Y2),
     Mistake("commit_history", 0, "commit_history.wgsl", "(movers + row)", "row", Buffer::Histories),
-    Mistake("commit_friction_impulses", 0, "commit_next_state.wgsl", "region < 3u", "region < 1u", Buffer::Start),
+    Mistake("commit_friction_impulses", 0, "commit_next_state.wgsl", "region < STATE_REGIONS", "region < 1u", Buffer::Start),
     Mistake("advance", 1, "contact.wgsl", "fresh | (approach < -threshold)", "fresh", Buffer::Y3),
     Mistake("run_steps", COLLISIONS, "changes.wgsl", "impulse * plainly.solved.tau", "plainly.solved.tau", Buffer::Start),
 ];
