@@ -298,3 +298,16 @@ fn scene_text_has_all_digits() {
     assert_eq!(single.spheres()[0].position_low, glam::Vec3::ZERO);
     assert!(single.to_text().contains("S 0 10 -0.1 100000 "), "{}", single.to_text());
 }
+
+#[test]
+fn check_suggests_double_precision_where_positions_are_too_coarse() {
+    let (mut scene, material) = scene_of(1e5, 1.0, 0.3, 0.6);
+    add(&mut scene, material, [1e6, 0.0, 0.0], 0.5, [0.0; 3]);
+    assert!(scene.coarse().is_none());
+    scene.settings.precision = Precision::Single;
+    let warning = scene.coarse().expect("a warning").to_string();
+    assert!(warning.ends_with("or set precision double"), "{warning}");
+    scene.settings.collisions = true;
+    let warning = scene.coarse().expect("a warning").to_string();
+    assert!(!warning.contains("double"), "{warning}");
+}
