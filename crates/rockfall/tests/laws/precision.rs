@@ -5,7 +5,7 @@ use rockfall::{
     Scene, Simulation, Sphere, SphereId, Spring, Tether,
 };
 
-use crate::common::bits_of;
+use crate::common::{bits, bits_of};
 use crate::{assert_close, options, scene_with};
 
 const INTEGRATORS: [Integrator; 2] = [Integrator::SymplecticEuler, Integrator::VelocityVerlet];
@@ -310,4 +310,22 @@ fn check_suggests_double_precision_where_positions_are_too_coarse() {
     scene.settings.collisions = true;
     let warning = scene.coarse().expect("a warning").to_string();
     assert!(!warning.contains("double"), "{warning}");
+}
+
+/// Worlds with double precision advance as simulations do.
+#[cfg(feature = "gpu")]
+#[test]
+fn worlds_keep_low_parts() {
+    for backend in [Backend::Cpu, Backend::Gpu] {
+        let options = options(backend);
+        let mut alone = Simulation::with_options(heap(), options.clone()).expect("the simulation opens");
+        let mut worlds = rockfall::Worlds::new([heap(), heap()], options).expect("worlds");
+        alone.run(20, 1e-3).expect("steps");
+        worlds.run(20, 1e-3).expect("steps");
+        assert_eq!(bits(&worlds.states(1).expect("states")), bits_of(&mut alone), "{backend}");
+        // Setting the states of another world gives all digits too.
+        let states = worlds.states(1).expect("states");
+        worlds.set_states(0, &states).expect("states");
+        assert_eq!(bits(&worlds.states(0).expect("states")), bits(&states), "{backend}");
+    }
 }
