@@ -7,6 +7,7 @@ use std::time::Instant;
 use numpy::{PyArray1, PyArray3, PyArrayMethods};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
+use rockfall::glam::Vec3;
 use rockfall::{Result, SphereState};
 
 use crate::arguments::{Floats, Numbers, quaternion, vector};
