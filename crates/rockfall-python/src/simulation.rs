@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-use numpy::PyUntypedArrayMethods;
+use numpy::{PyArray1, PyReadonlyArray1, PyUntypedArrayMethods};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use rockfall::{Checkpoint, Integrator, Options};
@@ -279,6 +279,25 @@ impl Simulation {
         let field: Field = field.parse()?;
         let table = self.read(py, |running| Ok(Table::of(running.simulation.sync().or_raise()?, field)))?;
         table.array(py)
+    }
+
+    /// The positions of all spheres with all digits, x, y, z one after the other, in order of addition.
+    fn centres<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        let all = self.read(py, |running| {
+            let scene = running.simulation.sync().or_raise()?;
+            Ok(scene.spheres().iter().flat_map(rockfall::Sphere::centre).collect::<Vec<f64>>())
+        })?;
+        Ok(PyArray1::from_vec(py, all))
+    }
+
+    /// Sets the positions of all spheres with all digits.
+    fn put_centres(&self, py: Python<'_>, centres: PyReadonlyArray1<'_, f64>) -> PyResult<()> {
+        let centres = centres.as_slice()?;
+        self.edit(py, |running| {
+            let ids: Vec<_> = running.simulation.scene().sphere_ids().collect();
+            let rows = centres.as_chunks::<3>().0;
+            ids.into_iter().zip(rows).try_for_each(|(id, row)| running.simulation.set_centre(id, *row)).or_raise()
+        })
     }
 
     /// Why arrays on the device cannot be used by other libraries there; `None` where they can.

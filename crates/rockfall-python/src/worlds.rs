@@ -7,6 +7,7 @@ use std::time::Instant;
 use numpy::{PyArray1, PyArray3, PyArrayMethods};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
+use rockfall::glam::Vec3;
 use rockfall::{Result, SphereState};
 
 use crate::arguments::{Floats, Numbers, quaternion, vector};
@@ -260,7 +261,7 @@ impl Worlds {
 /// Sets a field of a state from a row.
 fn put(field: Field, state: &mut SphereState, rows: &[f32], row: usize) {
     match field {
-        Field::Position => state.position = vector(rows, row),
+        Field::Position => (state.position, state.position_low) = (vector(rows, row), Vec3::ZERO),
         Field::Velocity => state.velocity = vector(rows, row),
         Field::Orientation => state.orientation = quaternion(rows, row),
         Field::AngularMomentum => state.angular_momentum = vector(rows, row),

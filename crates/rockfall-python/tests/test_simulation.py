@@ -363,3 +363,21 @@ def test_nothing_leaks_over_ten_thousand_runs() -> None:
     before = memory()
     cycle(10_000)
     assert memory() - before < 20e6
+
+
+def test_centres_have_all_digits_with_double_precision() -> None:
+    scene = rf.Scene()
+    scene.settings.update(contact_law="hertz-mindlin", gravity=0.0, precision="double")
+    scene.add_material("m", density=1000, young=1e6, poisson=0.25)
+    scene.add_spheres([[10, 0, 0], [10, 1, 0]], 0.001, mass=None, material="m", velocity=[1e-6, 0, 0])
+    sim = rf.Simulation(scene, dt=0.01, backend="cpu")
+    assert sim.settings.precision == "double" and sim.centres.dtype == np.float64
+    sim.run(10)
+    np.testing.assert_allclose(sim.centres[:, 0] - 10.0, 1e-7, rtol=1e-5)
+    sim.centres = sim.centres + [0.0, 1e-9, 0.0]
+    np.testing.assert_allclose(sim.centres[:, 1] - [0.0, 1.0], 1e-9, rtol=1e-5)
+    assert (sim.positions[:, 0] == 10.0).all() and not sim.centres.flags.writeable
+    with pytest.raises(ValueError, match="centres: expected"):
+        sim.centres = [np.nan, 0.0, 0.0]
+    with pytest.raises(TypeError, match="precision: expected the name of a precision"):
+        sim.settings.precision = 2  # type: ignore[assignment]

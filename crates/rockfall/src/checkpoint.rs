@@ -11,7 +11,7 @@
 //! | 8 | `\x89RKF\r\n\x1a\n`; a transfer as text changes these bytes, so it is detected |
 //! | 4 | version of the format |
 //! | 8 | length of the whole file in bytes |
-//! | ... | the head: program, device, note, constants, options, time step, counters, numbers of objects; from version 3 on also the time of muscles, materials, pairs and the springs of contacts; from version 5 on also names, parameters and hashes of force laws, and the number of spheres with an acceleration and a torque, 0 or all, with 6 floats for each; from version 6 on the contact law of the program, and the models of cohesion of pairs |
+//! | ... | the head: program, device, note, constants, options, time step, counters, numbers of objects; from version 3 on also the time of muscles, materials, pairs and the springs of contacts; from version 5 on also names, parameters and hashes of force laws, and the number of spheres with an acceleration and a torque, 0 or all, with 6 floats for each; from version 6 on the contact law of the program, and the models of cohesion of pairs; from version 7 on the number of spheres whose position has a low part, 0 or all, with 3 floats for each |
 //! | ... | spheres, rods, capsules, springs, tethers, boxes, polygons, each in order of addition, as 32-bit words |
 //! | ... | the reference of every sphere as a 64-bit number, -1 for none; left out if no sphere has one, and in version 1 |
 //! | 4 | CRC-32 of all bytes before |
@@ -28,6 +28,7 @@ use crate::options::Options;
 use crate::output::AtomicFile;
 use crate::report::Report;
 use crate::scene::{AnyId, Scene};
+use crate::settings::Precision;
 
 mod head;
 mod laws;
@@ -41,9 +42,11 @@ use words::{Damage, Words};
 /// The first bytes of every checkpoint.
 const MAGIC: [u8; 8] = *b"\x89RKF\r\n\x1a\n";
 /// Latest version of the format. Older versions are still read.
-const VERSION: u32 = 6;
+const VERSION: u32 = 7;
 /// First version with the accelerations of velocity Verlet.
 const RATES_SINCE: u32 = 5;
+/// First version with low parts of positions.
+const LOWS_SINCE: u32 = 7;
 /// First version with muscles.
 const WITH_MUSCLES: u32 = 3;
 /// Bytes of magic, version and length.
@@ -165,7 +168,9 @@ impl Checkpoint {
             if version >= RATES_SINCE {
                 checkpoint.rates = read_rates(&mut words, counts.spheres)?;
             }
+            let lows = if version >= LOWS_SINCE { read_lows(&mut words, counts.spheres)? } else { Vec::new() };
             objects::read(&mut words, version, &counts, &mut checkpoint.scene)?;
+            put_lows(&mut checkpoint.scene, &lows);
             checkpoint.springs = springs::named(&springs, &checkpoint.scene)?;
             words.end()?;
             Ok(checkpoint)
@@ -177,6 +182,7 @@ impl Checkpoint {
         let mut head = head::bytes(self);
         head.extend(springs::bytes(self));
         head.extend(rates(&self.rates));
+        head.extend(lows(&self.scene));
         let length = PREFIX + head.len() + objects::length(&self.scene) + SUFFIX;
         let mut out = Hashed { out, crc32: crc32fast::Hasher::new() };
         out.write_all(&MAGIC)?;
@@ -214,6 +220,40 @@ fn read_rates(words: &mut Words, spheres: usize) -> Result<Vec<[f32; 6]>, Damage
         rates.push(one);
     }
     Ok(rates)
+}
+
+/// The low parts of positions: the number of spheres that have them, which is 0 with single precision, then 3 numbers each.
+fn lows(scene: &Scene) -> Vec<u8> {
+    let mut head = words::Head::default();
+    let spheres = if scene.settings.precision == Precision::Double { scene.spheres() } else { &[] };
+    head.u64(spheres.len() as u64);
+    spheres.iter().flat_map(|sphere| sphere.position_low.to_array()).for_each(|number| head.f32(number));
+    head.bytes
+}
+
+fn read_lows(words: &mut Words, spheres: usize) -> Result<Vec<Vec3>, Damage> {
+    let count = words.u64()?;
+    if count != 0 && count != spheres as u64 {
+        return Err(Damage::new(format!("it has the low parts of {count} positions, expected 0 or {spheres}")));
+    }
+    let mut lows = Vec::new();
+    for _ in 0..count {
+        let low = words.vec3()?;
+        if !low.is_finite() {
+            return Err(Damage::new("the low part of a position is not finite"));
+        }
+        lows.push(low);
+    }
+    Ok(lows)
+}
+
+fn put_lows(scene: &mut Scene, lows: &[Vec3]) {
+    for (index, low) in lows.iter().enumerate() {
+        let id = scene.spheres.handle_at(index);
+        if let Ok(sphere) = scene.spheres.get_mut(id) {
+            sphere.position_low = *low;
+        }
+    }
 }
 
 /// Returns the version and the bytes between prefix and checksum, if the file begins with `magic`, has at most the `latest` version

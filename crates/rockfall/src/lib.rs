@@ -77,6 +77,7 @@ mod disjoint;
 pub mod error;
 #[doc(hidden)]
 pub mod exec;
+mod fine;
 pub mod generate;
 #[doc(hidden)]
 pub mod model;
@@ -109,7 +110,7 @@ pub use scene::{
     BoxId, Capsule, CapsuleId, CapsuleParts, CohesionModel, Counts, Cuboid, LineWarning, Loaded, Material, MaterialId, Muscle,
     Pair, Polygon, PolygonId, Rod, RodId, RollingModel, Scene, Sphere, SphereId, Spring, SpringId, Tether, TetherId,
 };
-pub use settings::{BroadPhase, ContactLaw, Integrator, Settings};
+pub use settings::{BroadPhase, ContactLaw, Integrator, Precision, Settings};
 pub use simulation::{Body, Contact, ContactAction, ContactSprings, MaxOverlap, RayHit, Simulation, SphereDiagnostics};
 pub use user_laws::{ContactForceLaw, ContactInput, ContactResponse, ForceInput, ForceLaw, ForceLoad, Impact, PairParameter};
 #[cfg(feature = "gpu")]

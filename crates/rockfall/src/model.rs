@@ -8,7 +8,7 @@
 //!              order (`insertion_indices_at`); then the id of a sphere is its memory slot.
 //! movers       spheres and rods: the objects that have a pair list
 //! state        3 n vec4 for n spheres: n x (position, radius), n x (velocity, inverse mass),
-//!              n x (angular momentum, inverse inertia)
+//!              n x (angular momentum, inverse inertia); with double precision also n x (low part of the position, 0)
 //! topology     u32: rods, springs, tethers, external forces, muscles, boxes, polygons, tags, pairs, insertion indices, slots,
 //!              batches, ends, networks, adjacency (record sizes: the WORDS constants of `layout`)
 //! lists        u32, in rows of SLICE words: counts (one per mover, padded to whole slices; the top bit is a flag),

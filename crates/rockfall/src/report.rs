@@ -96,6 +96,8 @@ impl Energy {
 pub struct SphereState {
     /// Centre, in units.
     pub position: Vec3,
+    /// What is left of the centre beyond the digits of `position`, in units; 0 with [`Precision::Single`](crate::settings::Precision).
+    pub position_low: Vec3,
     /// Velocity, in units/s.
     pub velocity: Vec3,
     /// Orientation, a unit quaternion.
@@ -111,6 +113,11 @@ pub struct SphereState {
 }
 
 impl SphereState {
+    /// The centre with all its digits, in units: the sum of `position` and `position_low`.
+    pub fn centre(&self) -> [f64; 3] {
+        (self.position.as_dvec3() + self.position_low.as_dvec3()).to_array()
+    }
+
     /// Orientation as a rotation matrix. Its columns are the axes of the sphere's own frame.
     pub fn rotation(&self) -> Mat3 {
         Mat3::from_quat(self.orientation)
@@ -126,6 +133,7 @@ impl From<&Sphere> for SphereState {
     fn from(sphere: &Sphere) -> Self {
         Self {
             position: sphere.position,
+            position_low: sphere.position_low,
             velocity: sphere.velocity,
             orientation: sphere.orientation,
             angular_momentum: sphere.angular_momentum,

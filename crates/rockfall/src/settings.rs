@@ -22,6 +22,9 @@ macro_rules! value_type {
     (law) => {
         ContactLaw
     };
+    (precision) => {
+        Precision
+    };
     ($number:ident) => {
         f32
     };
@@ -151,6 +154,9 @@ macro_rules! constant_table {
                 /// gravity, sizes and depth of the scene, so that bodies at rest overlap by less than F of the smaller radius.
                 /// 0: they stay as they are.
                 resting_overlap: fraction = 0.0, "", None;
+                /// Precision of positions: `single` or `double`. `double` needs a contact law with history and no collisions.
+                /// Scenes with small bodies far from the origin need it.
+                precision: precision = Precision::Single, "", None;
             }
         }
     };
@@ -198,6 +204,12 @@ impl ToText for bool {
 }
 
 impl ToText for ContactLaw {
+    fn to_text(&self) -> String {
+        self.to_string()
+    }
+}
+
+impl ToText for Precision {
     fn to_text(&self) -> String {
         self.to_string()
     }
@@ -274,6 +286,41 @@ fn direction(field: &'static str, value: &str) -> Result<Vec3> {
 fn law(field: &'static str, value: &str) -> Result<ContactLaw> {
     let law = ContactLaw::ALL.into_iter().find(|law| law.name() == value.trim());
     law.ok_or_else(|| invalid(field, value, "thesis, linear, hertz-mindlin or user"))
+}
+
+fn precision(field: &'static str, value: &str) -> Result<Precision> {
+    let precision = Precision::ALL.into_iter().find(|precision| precision.name() == value.trim());
+    precision.ok_or_else(|| invalid(field, value, "single or double"))
+}
+
+/// How precise the positions of spheres are (docs/physics.md section 5.8).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum Precision {
+    /// A coordinate is an `f32`.
+    #[default]
+    Single,
+    /// A coordinate is the sum of two `f32`, with 48 bits.
+    Double,
+}
+
+impl Precision {
+    /// All precisions.
+    pub const ALL: [Self; 2] = [Self::Single, Self::Double];
+
+    /// Name in scene files.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Single => "single",
+            Self::Double => "double",
+        }
+    }
+}
+
+impl fmt::Display for Precision {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
 }
 
 /// The law of the forces in contacts (docs/physics.md sections 4.3 to 4.6 and 4.11).

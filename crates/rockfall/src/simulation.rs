@@ -7,9 +7,10 @@ use crate::checkpoint::KeptSpring;
 use crate::error::{Error, Result};
 #[cfg(all(feature = "gpu", not(target_family = "wasm")))]
 use crate::exec::gpu::Gpu;
-use crate::model::layout::{FEW_MOVERS, SLICE};
+use crate::model::layout::{FEW_MOVERS, FLAG_DOUBLE, SLICE};
 use crate::model::muscles::MuscleClock;
 use crate::model::status::Status;
+use crate::model::step::Step;
 use crate::model::world::World;
 use crate::options::{BackendInfo, Optimization, Options};
 use crate::profile::Recorder;
@@ -255,7 +256,7 @@ impl Simulation {
             self.scene.settings = before;
             return Err(error);
         }
-        if before.contact_law != settings.contact_law {
+        if (before.contact_law, before.precision) != (settings.contact_law, settings.precision) {
             self.dirty = Dirty::Everything;
         } else if settings.contact_law.has_history() && !only_gravity_differs(&before, &settings) {
             // The table of pairs has constants that follow from the settings.
@@ -267,10 +268,11 @@ impl Simulation {
         if !same {
             self.scene.settings = self.scene.resolved_settings();
         }
-        let law = self.world.step.law;
+        let Step { law, flags, .. } = self.world.step;
         self.world.set_settings(&self.scene.settings);
-        // Another law takes effect when the scene is packed again.
+        // Another law or precision takes effect when the scene is packed again.
         self.world.step.law = law;
+        self.world.step.flags = self.world.step.flags & !FLAG_DOUBLE | flags & FLAG_DOUBLE;
         Ok(())
     }
 
@@ -414,6 +416,7 @@ fn resolve(mut scene: Scene, options: &Options) -> Result<Scene> {
 /// Checks that the contact law of a scene has all that it needs.
 fn check_contact_law(scene: &Scene, integrator: Integrator, law: Option<&ContactForceLaw>) -> Result<()> {
     scene.check_contact_law(integrator)?;
+    scene.check_precision()?;
     if scene.settings.contact_law == ContactLaw::User && law.is_none() {
         return Err(Error::Invalid {
             field: "contact_law",

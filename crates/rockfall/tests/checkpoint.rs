@@ -213,8 +213,8 @@ fn rejected_checkpoints_are_reported_with_the_reason() {
     bad[100] ^= 4;
     assert!(assert_rejected(&bad).contains("checksum"));
     let mut newer = good;
-    newer[8] = 7;
-    assert!(assert_rejected(&newer).contains("it has version 7, this rockfall reads versions up to 6"));
+    newer[8] = 8;
+    assert!(assert_rejected(&newer).contains("it has version 8, this rockfall reads versions up to 7"));
 }
 
 /// A resumed simulation refers to spheres as the scene file does. Files of version 1, which have no references, are read.
@@ -250,8 +250,9 @@ fn older(bytes: Vec<u8>, version: u8, springs: usize) -> Vec<u8> {
     remove(&clock, 0);
     let Counts { spheres, rods, capsules, springs: all, tethers, boxes, polygons, .. } = checkpoint.scene.counts();
     let counts = [spheres, rods, capsules, all, tethers, boxes, polygons].map(|count| (count as u64).to_le_bytes()).concat();
-    // No materials, no pairs, no force laws, no contact law (32 bits each), no springs of contacts and no rates (64 bits each).
-    remove(&[counts.clone(), vec![0; 32]].concat(), counts.len());
+    // No materials, no pairs, no force laws, no contact law (32 bits each), no springs of contacts, no rates and no low parts of
+    // positions (64 bits each).
+    remove(&[counts.clone(), vec![0; 40]].concat(), counts.len());
     for spring in &checkpoint.scene.springs()[..springs] {
         let numbers = [spring.stiffness, spring.length, spring.damping];
         let pattern = [numbers.map(f32::to_le_bytes).concat(), vec![0; 16]].concat();
@@ -271,20 +272,26 @@ fn with_version(mut bytes: Vec<u8>, version: u8) -> Vec<u8> {
     bytes
 }
 
-/// Version 5 has no contact law of the program.
+/// Version 5 has no contact law of the program, and version 6 no low parts of positions.
 #[test]
-fn checkpoint_of_version_5_is_read() {
+fn checkpoints_of_versions_5_and_6_are_read() {
     let mut bytes = small();
     let checkpoint = Checkpoint::from_bytes(&bytes, "memory").expect("a valid checkpoint");
     let Counts { spheres, rods, capsules, springs, tethers, boxes, polygons, .. } = checkpoint.scene.counts();
     let counts =
         [spheres, rods, capsules, springs, tethers, boxes, polygons].map(|count| (count as u64).to_le_bytes()).concat();
     let place = bytes.windows(counts.len()).position(|window| window == counts).expect("the counts are in the file");
+    // After no materials, no pairs, no force laws, no contact law, no springs of contacts and no rates.
+    let at = place + counts.len() + 32;
+    bytes.drain(at..at + 8);
+    let sixth = with_version(bytes.clone(), 6);
     // After no materials, no pairs and no force laws.
     bytes.drain(place + counts.len() + 12..place + counts.len() + 16);
-    let old = Checkpoint::from_bytes(&with_version(bytes, 5), "file.ckpt").expect("a checkpoint of version 5");
-    assert_eq!(old.scene.spheres(), checkpoint.scene.spheres());
-    assert_eq!(old.to_bytes(), checkpoint.to_bytes());
+    for bytes in [with_version(bytes, 5), sixth] {
+        let old = Checkpoint::from_bytes(&bytes, "file.ckpt").expect("a checkpoint of an earlier version");
+        assert_eq!(old.scene.spheres(), checkpoint.scene.spheres());
+        assert_eq!(old.to_bytes(), checkpoint.to_bytes());
+    }
 }
 
 /// Muscles and their time are kept. Files of earlier versions have none.

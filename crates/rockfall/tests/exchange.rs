@@ -5,7 +5,9 @@
 use rockfall::generate::Benchmark;
 use rockfall::glam::{Quat, Vec3};
 use rockfall::gpu::Table;
-use rockfall::{Backend, BroadPhase, Error, Options, Simulation, Spring, wgpu};
+use rockfall::{
+    Backend, BroadPhase, ContactLaw, Error, Integrator, Material, Options, Precision, Scene, Simulation, Sphere, Spring, wgpu,
+};
 
 const STATE: [Table; 4] = [Table::Positions, Table::Velocities, Table::AngularMomenta, Table::Orientations];
 const DT: f32 = 0.005;
@@ -215,4 +217,30 @@ fn wrong_tables_are_errors() {
     let mut cpu = Simulation::with_options(Benchmark::Pile.generate(100, 3).unwrap(), options).unwrap();
     let error = cpu.read_table(Table::Positions, &room).unwrap_err();
     assert!(error.to_string().contains("GPU backend"), "{error}");
+}
+
+/// With double precision, positions that are written have no low parts left from before, and other fields leave them.
+#[test]
+fn written_positions_have_no_low_part() {
+    let mut scene = Scene::new();
+    scene.settings.contact_law = ContactLaw::HertzMindlin;
+    scene.settings.collisions = false;
+    scene.settings.precision = Precision::Double;
+    let material = scene.add_material(Material::new("m").young(1e4).poisson(0.3)).unwrap();
+    for k in 0..3_u8 {
+        let centre = [1_000.000_01 + 3.0 * f64::from(k), 0.0, 0.1];
+        scene.add_sphere(Sphere::new([0.0; 3], 0.5).material(material).centred_at(centre)).unwrap();
+    }
+    let options = Options::new().backend(Backend::Gpu).integrator(Integrator::VelocityVerlet);
+    let mut simulation = Simulation::with_options(scene, options).unwrap();
+    let lows =
+        |simulation: &mut Simulation| simulation.spheres().unwrap().iter().any(|sphere| sphere.position_low != Vec3::ZERO);
+    let velocities = uploaded(&simulation, &[0.0; 9]);
+    simulation.write_table(Table::Velocities, &velocities).unwrap();
+    assert!(lows(&mut simulation));
+    let positions = numbers(9);
+    let table = uploaded(&simulation, &positions);
+    simulation.write_table(Table::Positions, &table).unwrap();
+    assert!(!lows(&mut simulation));
+    assert_eq!(expected(&mut simulation, Table::Positions), positions);
 }

@@ -39,6 +39,7 @@ fn module_for(stage: &Stage, [rods, large, muscles]: [bool; 3]) -> Module {
         resistance: rods,
         cohesion: rods,
         verlet: muscles,
+        double: rods != muscles,
         law,
         many: false,
         worlds: None,
@@ -65,8 +66,8 @@ fn the_kernel_of_worlds_is_valid_and_fits_workgroup_memory() {
     let [stage] = OUTSIDE;
     let worlds = Some(WorldSizes::MOST);
     let (rods, large, muscles, materials, resistance, many) = (false, false, false, false, false, false);
-    let (cohesion, verlet) = (false, false);
-    let variant = Variant { rods, large, muscles, law: 0, materials, resistance, cohesion, verlet, many, worlds };
+    let (cohesion, verlet, double) = (false, false, false);
+    let variant = Variant { rods, large, muscles, law: 0, materials, resistance, cohesion, verlet, double, many, worlds };
     let text = variant.apply(&source(stage));
     assert!(text.contains("var<workgroup> step: Step;") && !text.contains("var<uniform> step"));
     let module = naga::front::wgsl::parse_str(&text).unwrap_or_else(|e| panic!("{}", e.emit_to_string(&text)));
@@ -271,7 +272,7 @@ fn the_structs_equal_those_of_layout() {
     let step: Fields = Step::FIELDS.iter().map(|(name, at, size)| ((*name).to_owned(), *at as u32, *size as u32)).collect();
     // The size of a uniform block is rounded up to the alignment of vec3f.
     let step = (step, (size_of::<Step>() as u32).next_multiple_of(16));
-    let pass = rust_fields!(Pass: index, rest_steps, rest_speed, pad);
+    let pass = rust_fields!(Pass: index, rest_steps, rest_speed, zero);
     let aabb = rust_fields!(Aabb: min, id, max, tag);
     let counters = rust_fields!(Counters: contacts, max_overlap, collisions, pad);
     let counters = (split(counters.0, "pad"), counters.1);

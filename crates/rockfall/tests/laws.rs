@@ -12,6 +12,8 @@ mod cohesion;
 mod jkr;
 #[path = "laws/kept.rs"]
 mod kept;
+#[path = "laws/precision.rs"]
+mod precision;
 #[path = "laws/rest.rs"]
 mod rest;
 #[path = "laws/restitution.rs"]

@@ -26,6 +26,8 @@ mod compare;
 mod decisions;
 #[path = "parity/device.rs"]
 mod device;
+#[path = "parity/double.rs"]
+mod double;
 #[path = "parity/formulas.rs"]
 mod formulas;
 #[path = "parity/narrow.rs"]

@@ -19,9 +19,10 @@ def _to_text(name: str, value: Any, default: str) -> str:
         return "on" if value else "off"
     if "," in default:
         return ",".join(str(number) for number in floats(name, value, (3,), 1)[0])
-    if default == "thesis":
+    if default in ("thesis", "single"):
         if not isinstance(value, str):
-            raise TypeError(f"{name}: expected the name of a contact law, got {value!r}")
+            what = "a contact law" if default == "thesis" else "a precision"
+            raise TypeError(f"{name}: expected the name of {what}, got {value!r}")
         return value
     if isinstance(value, (bool, str, bytes)):
         raise TypeError(f"{name}: expected a number, got {value!r}")
@@ -75,6 +76,7 @@ class Settings:
         gravity_direction: tuple[float, float, float]
         contact_pull: bool
         resting_overlap: float
+        precision: str
 
     def __init__(self, native: Any) -> None:
         self._native = native

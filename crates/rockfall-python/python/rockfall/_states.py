@@ -91,6 +91,28 @@ class States(Objects):
         self._set_field("position", value)
 
     @property
+    def centres(self) -> npt.NDArray[np.float64]:
+        """Centres of shape (N, 3) as float64, in units: with ``precision = "double"``, with all their digits.
+
+        Can be set. The array itself is a read-only copy.
+        """
+        self._commit()
+        array: npt.NDArray[np.float64] = self._native.centres().reshape(-1, 3)
+        array.flags.writeable = False
+        return array
+
+    @centres.setter
+    def centres(self, value: npt.ArrayLike) -> None:
+        self._commit()
+        try:
+            rows = np.broadcast_to(np.asarray(value, dtype=np.float64), (len(self._native.get("radius")), 3))
+        except (TypeError, ValueError) as error:
+            raise ValueError(f"centres: expected numbers of shape (N, 3): {error}") from None
+        if not np.isfinite(rows.astype(np.float32)).all():
+            raise ValueError("centres: expected finite numbers")
+        self._native.put_centres(np.ascontiguousarray(rows).reshape(-1))
+
+    @property
     def velocities(self) -> FloatArray:
         """Velocities of shape (N, 3), in units/s. Can be set, and written to until the next step."""
         return self._field("velocity")

@@ -2,14 +2,14 @@
 
 use egui::{RichText, Ui};
 use rockfall::settings::Constant as Entry;
-use rockfall::{ContactLaw, Settings};
+use rockfall::{ContactLaw, Precision, Settings};
 
 use super::constants::CONSTANTS;
 use super::controls::Controls;
 use super::viewer::Viewer;
 
 /// Shows all entries of [`Settings::TABLE`]: a slider or a field for a number, a switch, three fields for a direction, or
-/// the names of the contact laws.
+/// the names of the contact laws or of the precisions.
 pub(super) fn show(ui: &mut Ui, viewer: &mut Viewer) {
     let before = *viewer.session.settings();
     let mut settings = before;
@@ -64,8 +64,8 @@ fn value(ui: &mut Ui, entry: &Entry, text: &str, about: &str) -> Option<String> 
     if let Some(mut on) = switch(text) {
         return ui.checkbox(&mut on, "").on_hover_text(about).changed().then(|| if on { "on" } else { "off" }.to_owned());
     }
-    if is_law(text) {
-        return law(ui, entry, text, about);
+    if let Some(names) = names(text) {
+        return choice(ui, entry, text, about, &names);
     }
     let mut numbers: Vec<f32> = text.split(',').filter_map(|number| number.trim().parse().ok()).collect();
     let changed = match (numbers.as_mut_slice(), entry.slider) {
@@ -83,19 +83,22 @@ fn value(ui: &mut Ui, entry: &Entry, text: &str, about: &str) -> Option<String> 
     changed.then(|| numbers.iter().map(f32::to_string).collect::<Vec<_>>().join(","))
 }
 
-fn is_law(text: &str) -> bool {
-    ContactLaw::ALL.iter().any(|law| law.name() == text)
+/// The names to choose from, for a value that is a name.
+fn names(text: &str) -> Option<Vec<&'static str>> {
+    // Only a program can give the law `user`.
+    let offered = |law: &ContactLaw| *law != ContactLaw::User || text == law.name();
+    let laws = ContactLaw::ALL.into_iter().filter(offered).map(ContactLaw::name).collect();
+    let precisions = Precision::ALL.into_iter().map(Precision::name).collect();
+    [laws, precisions].into_iter().find(|names: &Vec<&str>| names.contains(&text))
 }
 
-/// Shows the names of the contact laws, and returns the one that was chosen.
-fn law(ui: &mut Ui, entry: &Entry, text: &str, about: &str) -> Option<String> {
+/// Shows names, and returns the one that was chosen.
+fn choice(ui: &mut Ui, entry: &Entry, text: &str, about: &str, names: &[&str]) -> Option<String> {
     let mut chosen = text.to_owned();
-    let box_of_laws = egui::ComboBox::from_id_salt(entry.name).selected_text(text);
-    let shown = box_of_laws.show_ui(ui, |ui| {
-        // Only a program can give the law `user`.
-        let offered = |law: &ContactLaw| *law != ContactLaw::User || text == law.name();
-        for law in ContactLaw::ALL.into_iter().filter(offered) {
-            ui.selectable_value(&mut chosen, law.name().to_owned(), law.name());
+    let box_of_names = egui::ComboBox::from_id_salt(entry.name).selected_text(text);
+    let shown = box_of_names.show_ui(ui, |ui| {
+        for name in names {
+            ui.selectable_value(&mut chosen, (*name).to_owned(), *name);
         }
     });
     shown.response.on_hover_text(about);
@@ -132,14 +135,18 @@ fn about(entry: &Entry, controls: Controls) -> String {
 mod tests {
     use super::*;
 
-    /// Every constant is a switch, a contact law, a number or a direction, so that the panel can show it.
+    /// Every constant is a switch, a name, a number or a direction, so that the panel can show it.
     #[test]
     fn every_constant_has_a_widget_and_a_unit_where_it_needs_one() {
         let settings = Settings::default();
         for entry in Settings::TABLE {
             let text = settings.get(entry.name).unwrap();
             let numbers = text.split(',').filter(|number| number.parse::<f32>().is_ok()).count();
-            assert!(switch(&text).is_some() || is_law(&text) || numbers == 1 || numbers == 3, "{}: {text}", entry.name);
+            assert!(
+                switch(&text).is_some() || names(&text).is_some() || numbers == 1 || numbers == 3,
+                "{}: {text}",
+                entry.name
+            );
             assert!(about(entry, Controls::Standard).contains(entry.unit), "{}", entry.name);
         }
     }

@@ -111,6 +111,8 @@ impl Record<19> for Sphere {
     fn pack(&self, scene: &Scene) -> [u32; 19] {
         let Self {
             position: x,
+            // Stored before the objects.
+            position_low: _,
             velocity: v,
             angular_momentum: l,
             orientation: q,
@@ -134,6 +136,7 @@ impl Record<19> for Sphere {
         let (group, fixed, material) = read_tag(words[18], scene)?;
         Ok(Self {
             position: vector(&words[0..]),
+            position_low: Vec3::ZERO,
             velocity: vector(&words[3..]),
             angular_momentum: vector(&words[6..]),
             orientation: Quat::from_xyzw(number(9), number(10), number(11), number(12)),

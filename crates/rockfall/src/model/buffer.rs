@@ -8,7 +8,7 @@ pub enum Buffer {
     /// Stage state 2. Collisions and symplectic Euler write the new state here before it is committed.
     Y2,
     /// Stage state 3. After the integration it holds old positions in region 0 and mean spins in region 2. A region is one
-    /// vec4 per sphere; each state has three.
+    /// vec4 per sphere; each state has three, and a fourth with the low parts of positions in scenes with double precision.
     Y3,
     /// Stage state 4. Velocity Verlet keeps the new positions and the velocities of the middle of the step here.
     Y4,

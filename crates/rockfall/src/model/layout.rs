@@ -96,6 +96,15 @@ pub const FLAG_COHESION: u32 = 128;
 /// Bit of [`Step::flags`](crate::model::step::Step::flags): the integrator is velocity Verlet.
 pub const FLAG_VERLET: u32 = 256;
 
+/// Bit of [`Step::flags`](crate::model::step::Step::flags): positions have a low part, in a fourth region of each state.
+pub const FLAG_DOUBLE: u32 = 512;
+
+/// Part of the largest coordinate of an object by which its AABB is larger when positions have a low part. It covers the low part,
+/// which AABBs leave out, and the rounding of AABBs.
+pub const FINE_MARGIN: f32 = 8e-7;
+/// Part of the largest coordinate by which a sphere must be inside its AABB when positions have a low part.
+pub const FINE_SLACK: f32 = 2.5e-7;
+
 /// Words of the rates of a sphere: acceleration x, y, z, torque x, y, z.
 pub const RATE_WORDS: u32 = 6;
 

@@ -1,6 +1,7 @@
 // requires model/step.wgsl
 
-// Offsets of a sphere's rows in `state`, the state that the pass evaluates. It has three regions of one vec4 per sphere.
+// Offsets of a sphere's rows in `state`, the state that the pass evaluates. It has STATE_REGIONS regions of one vec4 per
+// sphere.
 
 fn position_at(sphere: u32) -> u32 {
     return sphere;
@@ -12,6 +13,11 @@ fn velocity_at(sphere: u32) -> u32 {
 
 fn momentum_at(sphere: u32) -> u32 {
     return 2u * step.spheres + sphere;
+}
+
+// With double precision, the fourth region holds the low parts of the positions.
+fn low_at(sphere: u32) -> u32 {
+    return 3u * step.spheres + sphere;
 }
 
 // Index of the force evaluation within the step.

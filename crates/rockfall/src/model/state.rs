@@ -6,6 +6,7 @@ use glam::{Vec3, Vec4};
 use rayon::prelude::*;
 
 use crate::error::BadStage;
+use crate::fine::Fine;
 use crate::model::counters::Tally;
 use crate::model::layout::GRAIN;
 use crate::model::layout::SLICE;
@@ -15,6 +16,8 @@ use crate::model::view::View;
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Motion {
     pub(crate) position: Vec3,
+    /// Low part of the position, 0 in single precision.
+    pub(crate) low: Vec3,
     pub(crate) velocity: Vec3,
     pub(crate) angular_momentum: Vec3,
 }
@@ -23,22 +26,32 @@ impl Motion {
     pub(crate) fn of(view: &View, sphere: u32) -> Self {
         Self {
             position: view.position(sphere),
+            low: view.position_low(sphere),
             velocity: view.velocity(sphere),
             angular_momentum: view.angular_momentum(sphere),
         }
     }
 
     pub(crate) fn is_finite(&self) -> bool {
-        self.position.is_finite() && self.velocity.is_finite() && self.angular_momentum.is_finite()
+        self.position.is_finite() && self.low.is_finite() && self.velocity.is_finite() && self.angular_momentum.is_finite()
+    }
+
+    /// Position and low part after a displacement.
+    pub(crate) fn moved(&self, view: &View, by: Vec3) -> (Vec3, Vec3) {
+        if !view.step.is_double() {
+            return (self.position + by, Vec3::ZERO);
+        }
+        let Fine { high, low } = Fine { high: self.position, low: self.low }.moved(by);
+        (high, low)
     }
 
     /// Returns this motion if it is finite. Otherwise returns a sphere at rest at `start`, and counts the sphere in `tally`.
-    pub(crate) fn or_stopped(self, start: Vec3, stage: BadStage, insertion_index: u32, tally: &mut Tally) -> Self {
+    pub(crate) fn or_stopped(self, start: &Self, stage: BadStage, insertion_index: u32, tally: &mut Tally) -> Self {
         if self.is_finite() {
             return self;
         }
         tally.count_bad(stage, insertion_index);
-        Self { position: start, velocity: Vec3::ZERO, angular_momentum: Vec3::ZERO }
+        Self { position: start.position, low: start.low, velocity: Vec3::ZERO, angular_momentum: Vec3::ZERO }
     }
 }
 
@@ -48,6 +61,8 @@ pub(crate) struct Rows<'a> {
     positions: &'a mut [Vec4],
     velocities: &'a mut [Vec4],
     spins: &'a mut [Vec4],
+    /// Empty in single precision.
+    lows: &'a mut [Vec4],
 }
 
 impl<'a> Rows<'a> {
@@ -55,13 +70,17 @@ impl<'a> Rows<'a> {
     pub(crate) fn of(state: &'a mut [Vec4], spheres: u32) -> impl IndexedParallelIterator<Item = Self> {
         const LENGTH: usize = SLICE as usize;
         let (positions, rest) = state.split_at_mut(spheres as usize);
-        let (velocities, spins) = rest.split_at_mut(spheres as usize);
+        let (velocities, rest) = rest.split_at_mut(spheres as usize);
+        let (spins, lows) = rest.split_at_mut(spheres as usize);
+        let mut lows: Vec<&mut [Vec4]> = lows.chunks_mut(LENGTH).collect();
+        lows.resize_with(positions.len().div_ceil(LENGTH), Default::default);
         let slices = positions.par_chunks_mut(LENGTH).zip(velocities.par_chunks_mut(LENGTH)).zip(spins.par_chunks_mut(LENGTH));
-        let rows = slices.enumerate().map(|(slice, ((positions, velocities), spins))| Self {
+        let rows = slices.zip(lows).enumerate().map(|(slice, (((positions, velocities), spins), lows))| Self {
             first: slice as u32 * SLICE,
             positions,
             velocities,
             spins,
+            lows,
         });
         rows.with_min_len(GRAIN / LENGTH)
     }
@@ -76,7 +95,8 @@ impl<'a> Rows<'a> {
         let place = (sphere - self.first) as usize;
         let [position, velocity, angular_momentum] =
             [&self.positions, &self.velocities, &self.spins].map(|rows| rows[place].truncate());
-        Motion { position, velocity, angular_momentum }
+        let low = self.lows.get(place).map_or(Vec3::ZERO, |low| low.truncate());
+        Motion { position, low, velocity, angular_momentum }
     }
 
     /// Writes a motion, with the radius, inverse mass and inverse inertia that the sphere has in `view`.
@@ -85,6 +105,9 @@ impl<'a> Rows<'a> {
         self.positions[place] = motion.position.extend(view.radius(sphere));
         self.velocities[place] = motion.velocity.extend(view.inverse_mass(sphere));
         self.spins[place] = motion.angular_momentum.extend(view.inverse_inertia(sphere));
+        if let Some(low) = self.lows.get_mut(place) {
+            *low = motion.low.extend(0.0);
+        }
     }
 
     /// Writes what the constraints need: the position before the step to region 0 and the mean spin to region 2.

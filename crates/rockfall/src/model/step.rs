@@ -4,7 +4,9 @@ use std::mem::{offset_of, size_of};
 
 use bytemuck::{Pod, Zeroable, bytes_of, bytes_of_mut};
 
-use crate::model::layout::{ENTRY_BITS, FEATURE_BITS, FLAG_PAIR_FRICTION, FLAG_VERLET, SWEEPS_LISTED, SWEEPS_OFF, SWEEPS_ON};
+use crate::model::layout::{
+    ENTRY_BITS, FEATURE_BITS, FLAG_DOUBLE, FLAG_PAIR_FRICTION, FLAG_VERLET, SWEEPS_LISTED, SWEEPS_OFF, SWEEPS_ON,
+};
 use crate::settings::{Settings, constant_table};
 
 /// The WGSL type of a field.
@@ -233,6 +235,17 @@ impl Step {
         if self.flags & FLAG_VERLET == 0 { 0 } else { 3 }
     }
 
+    /// Whether positions have a low part (docs/physics.md section 5.8).
+    pub const fn is_double(&self) -> bool {
+        self.flags & FLAG_DOUBLE != 0
+    }
+
+    /// Number of regions of a state: position and radius, velocity and inverse mass, angular momentum and inverse inertia, and the
+    /// low part of the position where there is one. A region is one vec4 per sphere.
+    pub const fn state_regions(&self) -> u32 {
+        if self.is_double() { 4 } else { 3 }
+    }
+
     /// Whether contacts get friction impulses.
     pub fn has_friction_impulses(&self) -> bool {
         self.coulomb_friction > 0.0 || self.collision_friction > 0.0 || self.has_pair_friction()
@@ -268,8 +281,8 @@ pub struct Pass {
     pub rest_steps: u32,
     /// Greatest speed of a sphere that does not move, in units/s.
     pub rest_speed: f32,
-    /// Padding to 16 bytes.
-    pub pad: u32,
+    /// Always 0. Kernels use it where the compiler must not know a value (`physics/fine.wgsl`).
+    pub zero: u32,
 }
 
 /// An axis-aligned bounding box, which includes a margin for motion.

@@ -7,7 +7,7 @@ struct Pass {
     index: u32,
     rest_steps: u32,
     rest_speed: f32,
-    pad: u32,
+    zero: u32,
 }
 
 struct Aabb {
@@ -105,7 +105,7 @@ struct StatusAtomic {
 
 // Whether the scene has rods (RODS), large spheres, each of which gets a workgroup (LARGE), springs with muscles
 // (MUSCLES), pairs of materials (MATERIALS), pairs with rolling or twisting resistance (RESISTANCE), and pairs with
-// cohesion (COHESION). Whether the integrator is velocity Verlet (VERLET).
+// cohesion (COHESION). Whether the integrator is velocity Verlet (VERLET). Whether positions have a low part (DOUBLE).
 // Kernels for scenes without them are smaller and faster.
 const RODS: bool = true;
 const LARGE: bool = true;
@@ -116,6 +116,9 @@ const COHESION: bool = true;
 // Whether a sphere may leave the ball in which its list holds all pairs. `run_worlds` has no lists.
 const ESCAPES: bool = true;
 const VERLET: bool = true;
+const DOUBLE: bool = true;
+// Regions of a state. Each is a vec4f per sphere.
+const STATE_REGIONS: u32 = 3u + u32(DOUBLE);
 // The contact law. Kernels are compiled for one law.
 const LAW: u32 = 1u;
 
@@ -194,7 +197,10 @@ const FLAG_PAIR_FRICTION: u32 = 32u;
 const FLAG_RESISTANCE: u32 = 64u;
 const FLAG_COHESION: u32 = 128u;
 const FLAG_VERLET: u32 = 256u;
+const FLAG_DOUBLE: u32 = 512u;
 const RATE_WORDS: u32 = 6u;
+const FINE_MARGIN: f32 = 8e-7;
+const FINE_SLACK: f32 = 2.5e-7;
 
 const REJECTED_PAIRS: u32 = 1u;
 const REJECTED_ESCAPED: u32 = 2u;

@@ -2,6 +2,7 @@
 
 use glam::{Vec3, Vec4};
 
+use crate::fine::Fine;
 use crate::model::layout::{
     BOX_WORDS, FORCE_WORDS, KIND_ROD, KIND_SHIFT, MATERIAL_SHIFT, MUSCLE_WORDS, NO_NETWORK, PAIR_WORDS, POLYGON_WORDS,
     ROD_WORDS, SPRING_WORDS, TETHER_WORDS,
@@ -78,6 +79,8 @@ pub(crate) struct View<'a> {
     insertion_indices: &'a [u32],
     /// Position and radius, velocity and inverse mass, angular momentum and inverse inertia of every sphere.
     rows: [&'a [Vec4]; 3],
+    /// Low parts of the positions; empty in single precision.
+    lows: &'a [Vec4],
     /// Half steps since the base of the muscles' clock.
     half_steps: u32,
     /// The laws that the program gave.
@@ -92,9 +95,10 @@ impl<'a> View<'a> {
         let insertion_indices =
             if step.insertion_indices_at == 0 { &[] } else { &topology[step.insertion_indices_at as usize..][..spheres] };
         let (positions, rest) = state.split_at(spheres);
-        let (velocities, spins) = rest.split_at(spheres);
+        let (velocities, rest) = rest.split_at(spheres);
+        let (spins, lows) = rest.split_at(spheres);
         let rows = [positions, velocities, spins];
-        Self { step, topology, insertion_indices, rows, half_steps: 0, evaluation: 0, user_laws: None }
+        Self { step, topology, insertion_indices, rows, lows, half_steps: 0, evaluation: 0, user_laws: None }
     }
 
     /// The view at the time of a force evaluation of the step, which the rest lengths of muscles depend on.
@@ -174,6 +178,30 @@ impl<'a> View<'a> {
 
     pub(crate) fn position(&self, sphere: u32) -> Vec3 {
         self.row(0, sphere).truncate()
+    }
+
+    /// The low part of a position, 0 in single precision.
+    pub(crate) fn position_low(&self, sphere: u32) -> Vec3 {
+        self.lows.get(sphere as usize).map_or(Vec3::ZERO, |low| low.truncate())
+    }
+
+    /// The position with its low part.
+    pub(crate) fn fine(&self, sphere: u32) -> Fine {
+        Fine { high: self.position(sphere), low: self.position_low(sphere) }
+    }
+
+    /// The vector from a point to the centre of a sphere.
+    pub(crate) fn point_to_centre(&self, point: Vec3, sphere: u32) -> Vec3 {
+        if self.step.is_double() {
+            self.fine(sphere).minus(Fine { high: point, low: Vec3::ZERO })
+        } else {
+            self.position(sphere) - point
+        }
+    }
+
+    /// The vector from the centre of one sphere to that of another.
+    pub(crate) fn between(&self, from: u32, to: u32) -> Vec3 {
+        if self.step.is_double() { self.fine(to).minus(self.fine(from)) } else { self.position(to) - self.position(from) }
     }
 
     pub(crate) fn radius(&self, sphere: u32) -> f32 {

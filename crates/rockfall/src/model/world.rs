@@ -28,7 +28,7 @@ use crate::user_laws::set::UserLaws;
 pub struct World {
     /// The uniform block.
     pub step: Step,
-    /// `Start`, `Y2`, `Y3`, `Y4`: `3 * spheres` each.
+    /// `Start`, `Y2`, `Y3`, `Y4`: [`Step::state_regions`] times `spheres` each.
     pub states: [Vec<Vec4>; 4],
     /// One AABB per object.
     pub aabbs: Vec<Aabb>,

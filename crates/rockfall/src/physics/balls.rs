@@ -30,10 +30,11 @@ pub(crate) struct Meeting {
 }
 
 impl<'a, 'b> Ball<'a, 'b> {
-    /// Returns `None` for a sphere with rods, because it must ignore the spheres at the other ends of its rods.
+    /// Returns `None` for a sphere with rods, because it must ignore the spheres at the other ends of its rods, and where positions
+    /// have a low part, which this code leaves out.
     #[inline]
     pub(crate) fn new(view: &'b View<'a>, mover: u32) -> Option<Self> {
-        view.is_ball(mover).then(|| Self {
+        (view.is_ball(mover) && !view.step.is_double()).then(|| Self {
             view,
             sphere: mover,
             place: view.place(mover),

@@ -13,7 +13,7 @@ const SMALL: f32 = 0.01;
 /// Returns a distance vector, and 0 where it is only a rounding error. `squared` is the squared length of the vectors that the
 /// distance is a difference of. Where the distance is nearly 0, these vectors are no longer than the segments. `reach` is the
 /// distance at which the pair begins to touch.
-fn unrounded(d: Vec3, squared: f32, reach: f32) -> Vec3 {
+pub(super) fn unrounded(d: Vec3, squared: f32, reach: f32) -> Vec3 {
     let rounded = (ROUNDED * ROUNDED * squared).min(SMALL * SMALL * reach * reach);
     if d.length_squared() <= rounded { Vec3::ZERO } else { d }
 }
@@ -29,7 +29,7 @@ fn across(v: Vec3, axis: Vec3, squared: f32) -> Vec3 {
 const AT_END: f32 = 1e-6;
 
 /// Whether a parameter belongs to a segment.
-fn on_segment(parameter: f32) -> bool {
+pub(super) fn on_segment(parameter: f32) -> bool {
     (-AT_END..=1.0 + AT_END).contains(&parameter)
 }
 
@@ -136,7 +136,7 @@ pub(crate) fn point_box(cuboid: &BoxRecord, p: Vec3, radius: f32) -> (Vec3, f32)
 
 /// The result of [`point_box`] for a centre in the box. The sphere leaves through the nearest face. Among equally near faces it
 /// is the first one.
-fn nearest_face(cuboid: &BoxRecord, t: Vec3) -> (Vec3, f32) {
+pub(super) fn nearest_face(cuboid: &BoxRecord, t: Vec3) -> (Vec3, f32) {
     let mut nearest = (Vec3::Y, f32::INFINITY);
     for (axis, edge) in cuboid.edges.into_iter().enumerate() {
         let length = edge.length();

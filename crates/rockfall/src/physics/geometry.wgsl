@@ -1,4 +1,4 @@
-// requires model/objects.wgsl model/order.wgsl model/step.wgsl
+// requires model/objects.wgsl model/order.wgsl model/step.wgsl physics/fine.wgsl
 
 // Where two objects touch (docs/physics.md section 2). A is the object that was added first. n points from A to B.
 
@@ -127,6 +127,17 @@ fn touch_spheres(a: vec4f, b: vec4f) -> Touch {
     return touch_at(b.xyz - a.xyz, a.w + b.w, 0.0, 0.0, vec3f(0.0, 1.0, 0.0));
 }
 
+// The same for positions with a low part. The overlap is a small difference of two lengths, so their last digits count.
+fn touch_spheres_finely(distance: Fine, own: f32, other: f32) -> Touch {
+    let reach = sum_of(vec3f(own), vec3f(other));
+    var found = touch_at(distance.high, reach.high.x, 0.0, 0.0, vec3f(0.0, 1.0, 0.0));
+    let d = length(distance.high);
+    if d * d > TINY {
+        found.overlap = (reach.high.x - d) + (reach.low.x - length_beyond(distance, d));
+    }
+    return found;
+}
+
 // The sphere that a rod of fixed length connects to this sphere. Such a pair never interacts. NONE when no rod ends in the
 // sphere, SOME_RODS when several rods or a rod of free length do.
 fn bonded_partner(sphere: u32) -> u32 {
@@ -206,17 +217,41 @@ fn in_box(point: vec3f, box: Cuboid, distance: f32) -> bool {
 fn touch_sphere_box(centre: vec4f, box: Cuboid) -> Touch {
     let t = box_parameters(centre.xyz, box);
     let c = clamp(t, vec3f(0.0), vec3f(1.0));
+    return touch_box_at(centre.w, box, t, box.corner + c.x * box.i + c.y * box.j + c.z * box.k - centre.xyz);
+}
+
+// The same for a position with a low part.
+fn touch_box_finely(i: u32, radius: f32, box: Cuboid) -> Touch {
+    let from_corner = fine_from(box.corner, i);
+    let far = from_corner.high;
+    let t = vec3f(dot(far, box.i), dot(far, box.j), dot(far, box.k)) / squared_edges(box);
+    let c = clamp(t, vec3f(0.0), vec3f(1.0));
+    var apart = Fine(-far, -from_corner.low);
+    apart = fine_sum(apart, product_of(vec3f(c.x), box.i));
+    apart = fine_sum(apart, product_of(vec3f(c.y), box.j));
+    apart = fine_sum(apart, product_of(vec3f(c.z), box.k));
+    var found = touch_box_at(radius, box, t, apart.high);
+    if found.overlap < radius {
+        found.overlap -= dot(apart.low, found.n);
+    }
+    return found;
+}
+
+// Contact of a sphere with a box. `t` are the parameters of its centre, and `to_box` points from the centre to the nearest point of the
+// box.
+fn touch_box_at(radius: f32, box: Cuboid, t: vec3f, to_box: vec3f) -> Touch {
+    let c = clamp(t, vec3f(0.0), vec3f(1.0));
     let edges = squared_edges(box);
-    var apart = box.corner + c.x * box.i + c.y * box.j + c.z * box.k - centre.xyz;
+    var apart = to_box;
     let beside = c == t;
     apart = select(apart, across(apart, box.i, edges.x), beside.x);
     apart = select(apart, across(apart, box.j, edges.y), beside.y);
     apart = select(apart, across(apart, box.k, edges.z), beside.z);
-    let distance = unrounded(apart, max(edges.x, max(edges.y, edges.z)), centre.w);
+    let distance = unrounded(apart, max(edges.x, max(edges.y, edges.z)), radius);
     let squared = dot(distance, distance);
     if !(in_unit_cube(t) | (squared <= TINY)) {
         let d = sqrt(squared);
-        return Touch(distance / d, centre.w - d, 0.0, 0.0);
+        return Touch(distance / d, radius - d, 0.0, 0.0);
     }
     let lengths = sqrt(edges);
     let low = c * lengths;
@@ -246,7 +281,7 @@ fn touch_sphere_box(centre: vec4f, box: Cuboid) -> Touch {
         depth = high.z;
         n = -box.k / lengths.z;
     }
-    return Touch(n, centre.w + depth, 0.0, 0.0);
+    return Touch(n, radius + depth, 0.0, 0.0);
 }
 
 // A polygon is only hit on the side of N = L x R, and not at its edges.
@@ -260,6 +295,36 @@ fn touch_sphere_polygon(centre: vec4f, face: Polygon) -> Touch {
     let d = dot(from_corner, n_face);
     if unit_interval(l) & unit_interval(k) & (d >= 0.0) & (d < centre.w) {
         return Touch(-n_face, centre.w - d, 0.0, 0.0);
+    }
+    return no_touch();
+}
+
+// A point over the face of a polygon.
+struct Over {
+    is_inside: bool,
+    n_face: vec3f,
+    height: f32,
+    // What is left of the height beyond its digits.
+    height_low: f32,
+}
+
+// The centre of a sphere over a polygon, for a position with a low part.
+fn over_finely(i: u32, face: Polygon) -> Over {
+    let normal = cross(face.left, face.right);
+    let nn = dot(normal, normal);
+    var rest = fine_from(face.corner, i);
+    let l = dot(cross(rest.high, face.right), normal) / nn;
+    let k = dot(cross(face.left, rest.high), normal) / nn;
+    // The parts along the edges do not change the height. Without them the rest is small, so the rounding of the normal matters little.
+    rest = fine_sum(rest, product_of(vec3f(-l), face.left));
+    rest = fine_sum(rest, product_of(vec3f(-k), face.right));
+    let n_face = normal / sqrt(nn);
+    return Over(unit_interval(l) & unit_interval(k), n_face, dot(rest.high, n_face), dot(rest.low, n_face));
+}
+
+fn touch_over(over: Over, radius: f32) -> Touch {
+    if over.is_inside & (over.height >= 0.0) & (over.height < radius) {
+        return Touch(-over.n_face, radius - over.height - over.height_low, 0.0, 0.0);
     }
     return no_touch();
 }
@@ -376,7 +441,13 @@ fn touch_static_or_rod(i: u32, id: u32, own: vec4f) -> Touch {
         return no_touch();
     }
     if id < boxes + step.boxes {
+        if DOUBLE {
+            return touch_box_finely(i, own.w, cuboid(id - boxes));
+        }
         return touch_sphere_box(own, cuboid(id - boxes));
+    }
+    if DOUBLE {
+        return touch_over(over_finely(i, polygon(id - boxes - step.boxes)), own.w);
     }
     return touch_sphere_polygon(own, polygon(id - boxes - step.boxes));
 }
@@ -388,7 +459,13 @@ fn touch_ball(id: u32, own: vec4f, other: u32) -> Touch {
     }
     let ball = state[position_at(other)];
     let first = ordered(id, other).x == id;
-    let found = touch_spheres(select(ball, own, first), select(own, ball, first));
+    var found: Touch;
+    if DOUBLE {
+        let pair = select(vec2u(other, id), vec2u(id, other), first);
+        found = touch_spheres_finely(fine_between(pair.x, pair.y), own.w, ball.w);
+    } else {
+        found = touch_spheres(select(ball, own, first), select(own, ball, first));
+    }
     if found.overlap > 0.0 {
         if joined(id, bonded_partner(id), other) {
             return no_touch();

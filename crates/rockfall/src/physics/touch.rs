@@ -4,7 +4,8 @@
 use glam::Vec3;
 
 use crate::model::layout::BOX_FEATURES;
-use crate::model::view::{BoxRecord, Object, RodRecord, TINY, View};
+use crate::model::view::{BoxRecord, Object, PolygonRecord, RodRecord, TINY, View};
+use crate::physics::fine_geometry::{fine_box, fine_plane, fine_spheres};
 use crate::physics::geometry::{
     box_contains, box_edge, box_parameters, box_vertex, point_box, point_polygon, point_segment, segment_segment,
 };
@@ -17,6 +18,24 @@ pub(crate) const ROUNDING: f32 = 1e-5;
 pub(crate) trait Motions {
     fn position(&self, sphere: u32) -> Vec3;
     fn velocity(&self, sphere: u32) -> Vec3;
+
+    /// The contact of two spheres with these radii.
+    fn spheres(&self, [a, b]: [u32; 2], radii: [f32; 2]) -> Touch {
+        round(self.position(b) - self.position(a), radii[0] + radii[1], Vec3::Y, 0.0, 0.0)
+    }
+
+    /// The contact of a sphere of this radius with a box.
+    fn on_box(&self, sphere: u32, radius: f32, cuboid: &BoxRecord) -> Touch {
+        let (normal, distance) = point_box(cuboid, self.position(sphere), radius);
+        Touch { normal, overlap: radius - distance, a: 0.0, b: 0.0 }
+    }
+
+    /// The contact of a sphere of this radius with the plane of a polygon, and whether the centre is over the polygon and not beside
+    /// it. The overlap exceeds the radius where the centre is behind the plane.
+    fn on_plane(&self, sphere: u32, radius: f32, polygon: &PolygonRecord) -> (Touch, bool) {
+        let (face, height, is_inside) = point_polygon(polygon, self.position(sphere));
+        (Touch { normal: -face, overlap: radius - height, a: 0.0, b: 0.0 }, is_inside)
+    }
 }
 
 impl Motions for View<'_> {
@@ -26,6 +45,32 @@ impl Motions for View<'_> {
 
     fn velocity(&self, sphere: u32) -> Vec3 {
         View::velocity(self, sphere)
+    }
+
+    fn spheres(&self, [a, b]: [u32; 2], radii: [f32; 2]) -> Touch {
+        if self.step.is_double() {
+            let (normal, overlap) = fine_spheres(self.fine(a), self.fine(b), radii);
+            return Touch { normal, overlap, a: 0.0, b: 0.0 };
+        }
+        round(self.position(b) - self.position(a), radii[0] + radii[1], Vec3::Y, 0.0, 0.0)
+    }
+
+    fn on_box(&self, sphere: u32, radius: f32, cuboid: &BoxRecord) -> Touch {
+        if self.step.is_double() {
+            let (normal, overlap) = fine_box(cuboid, self.fine(sphere), radius);
+            return Touch { normal, overlap, a: 0.0, b: 0.0 };
+        }
+        let (normal, distance) = point_box(cuboid, self.position(sphere), radius);
+        Touch { normal, overlap: radius - distance, a: 0.0, b: 0.0 }
+    }
+
+    fn on_plane(&self, sphere: u32, radius: f32, polygon: &PolygonRecord) -> (Touch, bool) {
+        if self.step.is_double() {
+            let (face, overlap, is_inside) = fine_plane(polygon, self.fine(sphere), radius);
+            return (Touch { normal: -face, overlap, a: 0.0, b: 0.0 }, is_inside);
+        }
+        let (face, height, is_inside) = point_polygon(polygon, self.position(sphere));
+        (Touch { normal: -face, overlap: radius - height, a: 0.0, b: 0.0 }, is_inside)
     }
 }
 
@@ -77,8 +122,8 @@ pub(crate) fn touch_apart(view: &View, id_a: u32, id_b: u32, feature: u32) -> Op
             }
         }
         (Object::Sphere(sphere), Object::Polygon(polygon)) => {
-            let (_, _, inside) = point_polygon(&view.polygon(polygon), view.position(sphere));
-            line(view, view, a, b, None).filter(|_| inside)?
+            let (touch, is_inside) = view.on_plane(sphere, view.radius(sphere), &view.polygon(polygon));
+            is_inside.then_some(touch)?
         }
         _ => line(view, view, a, b, None)?,
     };
@@ -142,19 +187,11 @@ impl Feature {
 /// (docs/physics.md section 2.10). `feature` is the part of a box that a rod touches.
 pub(crate) fn line(view: &View, at: &impl Motions, a: Object, b: Object, feature: Option<Feature>) -> Option<Touch> {
     match (a, b, feature) {
-        (Object::Sphere(a), Object::Sphere(b), _) => {
-            Some(round(at.position(b) - at.position(a), view.radius(a) + view.radius(b), Vec3::Y, 0.0, 0.0))
-        }
+        (Object::Sphere(a), Object::Sphere(b), _) => Some(at.spheres([a, b], [view.radius(a), view.radius(b)])),
         (Object::Sphere(a), Object::Rod(b), _) => sphere_rod(view, at, a, view.rod(b)),
         (Object::Rod(a), Object::Rod(b), _) => rod_rod(at, view.rod(a), view.rod(b)),
-        (Object::Sphere(a), Object::Cuboid(b), _) => {
-            let (normal, distance) = point_box(&view.cuboid(b), at.position(a), view.radius(a));
-            Some(Touch { normal, overlap: view.radius(a) - distance, a: 0.0, b: 0.0 })
-        }
-        (Object::Sphere(a), Object::Polygon(b), _) => {
-            let (face, height, _) = point_polygon(&view.polygon(b), at.position(a));
-            Some(Touch { normal: -face, overlap: view.radius(a) - height, a: 0.0, b: 0.0 })
-        }
+        (Object::Sphere(a), Object::Cuboid(b), _) => Some(at.on_box(a, view.radius(a), &view.cuboid(b))),
+        (Object::Sphere(a), Object::Polygon(b), _) => Some(at.on_plane(a, view.radius(a), &view.polygon(b)).0),
         (Object::Rod(a), Object::Cuboid(b), Some(Feature::Edge(edge))) => {
             rod_edge(at, view.rod(a), &view.cuboid(b), edge, false)
         }
@@ -191,8 +228,12 @@ fn rod_rod(at: &impl Motions, a: RodRecord, b: RodRecord) -> Option<Touch> {
 
 /// Returns the contact of a sphere with a polygon. The centre must be over the face, neither beside nor behind it.
 fn sphere_polygon(view: &View, sphere: u32, polygon: u32) -> Option<Touch> {
-    let (face, height, inside) = point_polygon(&view.polygon(polygon), view.position(sphere));
     let radius = view.radius(sphere);
+    if view.step.is_double() {
+        let (touch, is_inside) = view.on_plane(sphere, radius, &view.polygon(polygon));
+        return (is_inside && touch.overlap <= radius && touch.overlap > 0.0).then_some(touch);
+    }
+    let (face, height, inside) = point_polygon(&view.polygon(polygon), view.position(sphere));
     let hit = inside && height >= 0.0 && height < radius;
     hit.then(|| Touch { normal: -face, overlap: radius - height, a: 0.0, b: 0.0 })
 }

@@ -7,6 +7,7 @@ use std::f64::consts::{PI, TAU};
 use glam::{Quat, Vec3};
 
 use crate::error::{Error, Result};
+use crate::fine::Fine;
 use crate::scene::checks::{finite, invalid, not_negative, positive};
 use crate::scene::materials::MaterialId;
 use crate::scene::muscle::Muscle;
@@ -29,6 +30,9 @@ pub type TetherId = Handle<Tether>;
 pub struct Sphere {
     /// Centre, in units.
     pub position: Vec3,
+    /// What is left of the centre beyond the digits of `position`, in units: [`Sphere::centre`] is their sum. Simulations use it with
+    /// [`Precision::Double`](crate::settings::Precision).
+    pub position_low: Vec3,
     /// Velocity in units/s. For a fixed sphere, the velocity of its surface.
     pub velocity: Vec3,
     /// Angular momentum in mass units²/s. For a fixed sphere, it gives its surface a spin.
@@ -54,6 +58,7 @@ impl Sphere {
     pub fn new(position: impl Into<Vec3>, radius: f32) -> Self {
         Self {
             position: position.into(),
+            position_low: Vec3::ZERO,
             velocity: Vec3::ZERO,
             angular_momentum: Vec3::ZERO,
             orientation: Quat::IDENTITY,
@@ -64,6 +69,23 @@ impl Sphere {
             group: 0,
             material: None,
         }
+    }
+
+    /// Moves the centre to a position with the digits of an `f64`, in units. Simulations use the digits beyond those of an `f32` with
+    /// [`Precision::Double`](crate::settings::Precision).
+    pub fn centred_at(mut self, centre: [f64; 3]) -> Self {
+        self.set_centre(centre);
+        self
+    }
+
+    /// The centre, in units: the sum of `position` and `position_low`.
+    pub fn centre(&self) -> [f64; 3] {
+        (self.position.as_dvec3() + self.position_low.as_dvec3()).to_array()
+    }
+
+    pub(crate) fn set_centre(&mut self, centre: [f64; 3]) {
+        let Fine { high, low } = Fine::at(centre);
+        (self.position, self.position_low) = (high, low);
     }
 
     /// Sets the mass.
@@ -138,6 +160,7 @@ impl Sphere {
 
     pub(crate) fn validate(&self) -> Result<()> {
         finite("sphere.position", self.position)?;
+        finite("sphere.position_low", self.position_low)?;
         finite("sphere.velocity", self.velocity)?;
         finite("sphere.angular_momentum", self.angular_momentum)?;
         finite("sphere.force", self.force)?;

@@ -45,7 +45,7 @@ use line::{BOX, CAPSULE, FORCE, GROUP, Kind, Line, MARK, MUSCLE, ORIENTATION, PO
 
 use super::{Capsule, CapsuleParts, Cuboid, MaterialId, Muscle, Polygon, Rod, Scene, Sphere, SphereId, Spring, Tether};
 use crate::error::{Error, Result, nearest, quoted};
-use crate::settings::Settings;
+use crate::settings::{Precision, Settings};
 
 /// A scene that was read, with warnings about its text.
 #[derive(Clone, Debug)]
@@ -94,6 +94,7 @@ impl Scene {
             })?;
             title.add(line, reader.comments > before);
         }
+        reader.round_positions();
         Ok(Loaded { scene: reader.scene, warnings: reader.warnings, comments: reader.comments, title: title.lines })
     }
 
@@ -257,6 +258,12 @@ impl<'a> Reader<'a> {
             .velocity(vector(&n[3..6]))
             .angular_momentum(vector(&n[6..9]))
             .group(self.group);
+        // The digits beyond those of an f32. Which precision the scene has is known at its end.
+        let digits = line.split_ascii_whitespace().skip(2).map(|word| word.parse().unwrap_or_default());
+        for (axis, x) in digits.take(3).enumerate() {
+            let x: f64 = x;
+            sphere.position_low[axis] = (x - f64::from(sphere.position[axis])) as f32;
+        }
         sphere.mass = self.mass(&SPHERE, n[9], |density| sphere.density(density).mass)?;
         sphere.fixed = n[11] > 0.0;
         sphere.material = self.material;
@@ -264,6 +271,19 @@ impl<'a> Reader<'a> {
         self.references.insert(reference, id);
         self.scene.references.set(id, reference);
         Ok(())
+    }
+
+    /// Rounds positions to `f32`, unless the scene has double precision.
+    fn round_positions(&mut self) {
+        if self.scene.settings.precision == Precision::Double {
+            return;
+        }
+        for index in 0..self.scene.spheres.len() {
+            let id = self.scene.spheres.handle_at(index);
+            if let Ok(sphere) = self.scene.spheres.get_mut(id) {
+                sphere.position_low = Vec3::ZERO;
+            }
+        }
     }
 
     fn rod(&mut self, line: &str) -> Line<()> {

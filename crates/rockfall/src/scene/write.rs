@@ -9,7 +9,7 @@ use glam::{Quat, Vec3};
 use super::{Material, MaterialId, Pair, Rod, Scene, Sphere};
 use crate::error::{Error, Result};
 use crate::output::AtomicFile;
-use crate::settings::Settings;
+use crate::settings::{Precision, Settings};
 
 impl Scene {
     /// The scene as text. Spheres keep the references of the text that they were read from ([`Scene::reference`]) if these are
@@ -210,7 +210,16 @@ impl Writer<'_> {
         self.set_group(sphere.group, sphere.material);
         let [p, v, l] = [sphere.position, sphere.velocity, sphere.angular_momentum];
         let fixed = if sphere.fixed { 1.0 } else { 0.0 };
-        self.line("S", &[index], &[p.x, p.y, p.z, v.x, v.y, v.z, l.x, l.y, l.z, sphere.mass, sphere.radius, fixed]);
+        let rest = [v.x, v.y, v.z, l.x, l.y, l.z, sphere.mass, sphere.radius, fixed];
+        if self.scene.settings.precision == Precision::Double {
+            let [x, y, z] = sphere.centre();
+            let name = self.names[index];
+            let _ = write!(self.text, "S {name} {x} {y} {z}");
+            self.line("", &[], &rest);
+        } else {
+            let numbers: Vec<f32> = p.to_array().into_iter().chain(rest).collect();
+            self.line("S", &[index], &numbers);
+        }
         if is_turned(sphere.orientation) {
             let q = sphere.orientation;
             self.line("@orientation", &[index], &[q.w, q.x, q.y, q.z]);

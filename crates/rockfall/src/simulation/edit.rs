@@ -28,6 +28,7 @@ pub(super) enum Dirty {
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Edit {
     Position(Vec3),
+    Centre([f64; 3]),
     Velocity(Vec3),
     AngularMomentum(Vec3),
     Orientation(Quat),
@@ -41,7 +42,8 @@ pub(super) type Edits = (SphereId, Edit);
 impl Edit {
     fn apply(self, sphere: &mut Sphere) {
         match self {
-            Self::Position(position) => sphere.position = position,
+            Self::Position(position) => (sphere.position, sphere.position_low) = (position, Vec3::ZERO),
+            Self::Centre(centre) => sphere.set_centre(centre),
             Self::Velocity(velocity) => sphere.velocity = velocity,
             Self::AngularMomentum(angular_momentum) => sphere.angular_momentum = angular_momentum,
             Self::Orientation(orientation) => sphere.orientation = orientation,
@@ -125,6 +127,16 @@ impl Simulation {
         let position = position.into();
         finite("position", position)?;
         self.edit(id, Edit::Position(position))
+    }
+
+    /// Sets a sphere's position with the digits of an `f64`, in units. With [`Precision::Single`](crate::settings::Precision) it is
+    /// rounded to `f32`.
+    ///
+    /// # Errors
+    /// As for [`Simulation::set_position`].
+    pub fn set_centre(&mut self, id: SphereId, centre: [f64; 3]) -> Result<()> {
+        finite("position", glam::DVec3::from_array(centre).as_vec3())?;
+        self.edit(id, Edit::Centre(centre))
     }
 
     /// Sets a sphere's velocity, in units/s.

@@ -136,7 +136,7 @@ fn spheres_energy(scene: &Scene, gravity: DVec3) -> Energy {
     for sphere in scene.spheres().iter().filter(|sphere| !sphere.fixed) {
         let mass = f64::from(sphere.mass);
         let inertia = 0.4 * mass * f64::from(sphere.radius).powi(2);
-        let (x, v, spin) = (sphere.position.as_dvec3(), sphere.velocity.as_dvec3(), sphere.angular_momentum.as_dvec3());
+        let (x, v, spin) = (DVec3::from_array(sphere.centre()), sphere.velocity.as_dvec3(), sphere.angular_momentum.as_dvec3());
         energy.kinetic += 0.5 * (mass * v.length_squared() + spin.length_squared() / inertia);
         energy.potential -= mass * gravity.dot(x);
         energy.momentum += mass * v;

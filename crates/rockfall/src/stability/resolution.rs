@@ -3,6 +3,7 @@
 use std::fmt;
 
 use crate::scene::Scene;
+use crate::settings::Precision;
 use crate::stability::nearest;
 
 /// Largest distance between two neighbouring f32 positions that causes no warning, in radii.
@@ -19,6 +20,8 @@ pub struct Coarse {
     pub resolution: f64,
     /// Its radius, in units.
     pub radius: f64,
+    /// Whether the scene may have [`Precision::Double`].
+    pub suits_double: bool,
 }
 
 impl fmt::Display for Coarse {
@@ -28,24 +31,30 @@ impl fmt::Display for Coarse {
         write!(
             f,
             "positions are too coarse: {distance} units from the origin, f32 resolves {resolution} units, {percent} % of the \
-             radius {radius} units of sphere number {}: move the scene nearer to the origin, to within {} units",
+             radius {radius} units of sphere number {}: move the scene nearer to the origin, to within {} units{}",
             self.sphere,
             nearest(COARSE * self.radius / f64::from(f32::EPSILON)),
+            if self.suits_double { ", or set precision double" } else { "" },
         )
     }
 }
 
 impl Scene {
     /// Returns a warning if the positions of a moving sphere are multiples of more than 1 % of its radius, for the sphere for
-    /// which they are coarsest.
+    /// which they are coarsest. With [`Precision::Double`] there is none.
     pub fn coarse(&self) -> Option<Coarse> {
+        if self.settings.precision == Precision::Double {
+            return None;
+        }
         let movers = self.spheres().iter().enumerate().filter(|(_, sphere)| !sphere.fixed);
         let coarse = movers.map(|(index, sphere)| {
             let distance = sphere.position.abs().max_element();
             let resolution = f64::from(distance.next_up()) - f64::from(distance);
-            Coarse { sphere: index, distance: distance.into(), resolution, radius: sphere.radius.into() }
+            let radius = sphere.radius.into();
+            Coarse { sphere: index, distance: distance.into(), resolution, radius, suits_double: false }
         });
         let worst = coarse.max_by(|a, b| (a.resolution / a.radius).total_cmp(&(b.resolution / b.radius)))?;
-        (worst.resolution > COARSE * worst.radius).then_some(worst)
+        let suits_double = self.obstacle_to_double().is_none();
+        (worst.resolution > COARSE * worst.radius).then_some(Coarse { suits_double, ..worst })
     }
 }

@@ -21,6 +21,7 @@ impl Worlds {
         for state in states {
             for (field, vector) in [
                 ("state.position", state.position),
+                ("state.position_low", state.position_low),
                 ("state.velocity", state.velocity),
                 ("state.angular_momentum", state.angular_momentum),
             ] {
@@ -32,7 +33,7 @@ impl Worlds {
             }
         }
         for (id, state) in ids.into_iter().zip(states) {
-            simulation.set_position(id, state.position)?;
+            simulation.set_centre(id, state.centre())?;
             simulation.set_velocity(id, state.velocity)?;
             simulation.set_angular_momentum(id, state.angular_momentum)?;
             simulation.set_orientation(id, state.orientation)?;

@@ -65,7 +65,7 @@ pub(crate) fn turn() -> std::sync::MutexGuard<'static, ()> {
 /// All bits of the states of spheres.
 pub(crate) fn bits(states: &[SphereState]) -> Vec<u32> {
     let of = |state: &SphereState| {
-        let vectors = [state.position, state.velocity, state.angular_momentum];
+        let vectors = [state.position, state.position_low, state.velocity, state.angular_momentum];
         vectors.iter().flat_map(Vec3::to_array).chain(state.orientation.to_array()).map(f32::to_bits).collect::<Vec<_>>()
     };
     states.iter().flat_map(of).collect()

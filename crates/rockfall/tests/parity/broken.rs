@@ -23,7 +23,14 @@ use crate::{assert_scenario_matches, plan, with_law};
 
 /// A mistake in a kernel: the stage and its pass, the WGSL file, the correct text, the wrong text, and the buffer that must
 /// differ.
-struct Mistake(&'static str, u32, &'static str, &'static str, &'static str, Buffer);
+pub(crate) struct Mistake(
+    pub(crate) &'static str,
+    pub(crate) u32,
+    pub(crate) &'static str,
+    pub(crate) &'static str,
+    pub(crate) &'static str,
+    pub(crate) Buffer,
+);
 
 static MISTAKES: &[Mistake] = &[
     Mistake("update_aabbs", 0, "update_aabbs.wgsl", "* 0.02, EXACT", "* 0.03, EXACT", Buffer::Aabbs),
@@ -91,7 +98,7 @@ static MISTAKES: &[Mistake] = &[
     Mistake("find_collisions", 0, "workgroup_per_sphere.wgsl", "(workgroup - step.large)", "workgroup", Buffer::Lists),
     Mistake("find_collisions", 0, "classify_contacts.wgsl", "min(radius, ", "max(radius, ", Buffer::Lists),
     Mistake("find_collisions", 0, "geometry.wgsl", "nn <= 1e-8 * aa * bb", "nn < 0.0", Buffer::Lists),
-    Mistake("commit_collisions", 0, "commit_next_state.wgsl", "region < 3u", "region < 1u", Buffer::Start),
+    Mistake("commit_collisions", 0, "commit_next_state.wgsl", "region < STATE_REGIONS", "region < 1u", Buffer::Start),
     Mistake("commit_collisions", 0, "collided.wgsl", "collided, 2u", "collided, 1u", Buffer::Status),
     Mistake("restore_lengths", 0, "lengths.wgsl", "move_end(ends.y, -w2", "move_end(ends.y, w2", Buffer::Start),
     Mistake("rod_forces", 0, "mover_load.wgsl", "+= at * torque", "+= (1.0 - at) * torque", Buffer::Wrenches),
@@ -120,7 +127,7 @@ static MISTAKES: &[Mistake] = &[
         Buffer::Y2,
     ),
     Mistake("symplectic_euler", 0, "contact.wgsl", "(inverse_mass + turning) * step.dt", "inverse_mass * step.dt", Buffer::Y2),
-    Mistake("commit_symplectic_euler", 0, "commit_next_state.wgsl", "region < 3u", "region < 2u", Buffer::Start),
+    Mistake("commit_symplectic_euler", 0, "commit_next_state.wgsl", "region < STATE_REGIONS", "region < 2u", Buffer::Start),
     Mistake("advance", 0, "linear_damping.wgsl", "acceleration -= step", "acceleration += step", Buffer::Y2),
     Mistake("symplectic_euler", 0, "angular_damping.wgsl", "torque -= step", "torque += step", Buffer::Y2),
     Mistake("advance", 1, "muscle.wgsl", "(evaluation() + 1u) / 2u", "0u", Buffer::Y3),
@@ -423,7 +430,7 @@ static MISTAKES: &[Mistake] = &[
     Mistake("law_forces", 0, "mover_load.wgsl", "select(-contact.force,", "select(contact.force,", Buffer::Wrenches),
     Mistake("symplectic_euler", 0, "wrenches.wgsl", "2u * i", "i", Buffer::Y2),
     Mistake("commit_history", 0, "commit_history.wgsl", "(movers + row)", "row", Buffer::Histories),
-    Mistake("commit_friction_impulses", 0, "commit_next_state.wgsl", "region < 3u", "region < 1u", Buffer::Start),
+    Mistake("commit_friction_impulses", 0, "commit_next_state.wgsl", "region < STATE_REGIONS", "region < 1u", Buffer::Start),
     Mistake("advance", 1, "contact.wgsl", "fresh | (approach < -threshold)", "fresh", Buffer::Y3),
     Mistake("run_steps", COLLISIONS, "changes.wgsl", "impulse * plainly.solved.tau", "plainly.solved.tau", Buffer::Start),
 ];
@@ -446,7 +453,7 @@ pub(crate) fn rewritten(run: Run, file: &str, rewrite: impl Fn(&str) -> String) 
 
 /// Returns the runs with a mistake in one of their stages. `made` caches the stage with the mistake from the first call on, so
 /// that the device compiles it only once.
-fn with_mistake(runs: &[Run], mistake: &Mistake, made: &mut Option<&'static Stage>) -> Vec<Run> {
+pub(crate) fn with_mistake(runs: &[Run], mistake: &Mistake, made: &mut Option<&'static Stage>) -> Vec<Run> {
     let Mistake(name, _, file, right, wrong, _) = mistake;
     let mut one = |run: &Run| {
         if run.stage.name != *name {

@@ -54,7 +54,7 @@ fn flat(vectors: &[Vec4]) -> Vec<f32> {
 
 /// Keys and springs of all rows before and after the step. A row ends with the first record without a key, whose key is returned
 /// too.
-fn springs(world: &World) -> Vec<(u32, [f32; HISTORY_WORDS as usize - 1])> {
+pub(crate) fn springs(world: &World) -> Vec<(u32, [f32; HISTORY_WORDS as usize - 1])> {
     let (words, room) = (HISTORY_WORDS as usize, world.step.history_room as usize);
     let mut all = Vec::new();
     for row in world.histories.chunks_exact((room * words).max(1)) {
@@ -76,7 +76,7 @@ fn floats(world: &World) -> Vec<Floats> {
     let n = world.step.spheres as usize;
     let states = [Buffer::Start, Buffer::Y2, Buffer::Y3, Buffer::Y4];
     for (buffer, state) in states.into_iter().zip(&world.states) {
-        for (what, region) in ["position", "velocity", "angular momentum"].into_iter().zip(state.chunks(n)) {
+        for (what, region) in ["position", "velocity", "angular momentum", "low part"].into_iter().zip(state.chunks(n)) {
             field(buffer, what, flat(region));
         }
     }

@@ -67,7 +67,9 @@ struct Exchange {
     columns: u32,
     slots_at: u32,
     component: u32,
-    padding: [u32; 3],
+    /// First row of the low parts of positions that become 0 when the field is written; 0 for none.
+    lows: u32,
+    padding: [u32; 2],
 }
 
 impl GpuWorld {
@@ -160,7 +162,8 @@ impl GpuWorld {
             slots_at: step.slots_at,
             // Rows hold x, y, z, w.
             component: if table == Table::Orientations { 3 } else { 0 },
-            padding: [0; 3],
+            lows: if table == Table::Positions && step.is_double() { 3 * step.spheres } else { 0 },
+            padding: [0; 2],
         };
         let (device, queue) = (self.gpu().device(), self.gpu().queue());
         let uniform = make_buffer(device, "exchange", size_of::<Exchange>() as u64, UNIFORM)?;

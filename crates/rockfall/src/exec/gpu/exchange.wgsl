@@ -10,6 +10,8 @@ struct Exchange {
     slots_at: u32,
     // Component of a row that is in column 0 of the table.
     component: u32,
+    // First row of the low parts of positions, which become 0 when the table is written; 0 for none.
+    lows: u32,
 }
 
 @group(0) @binding(0) var<uniform> exchange: Exchange;
@@ -62,6 +64,9 @@ fn scatter(thread: Thread) {
         row[(exchange.component + column) % 4u] = table[exchange.columns * sphere + column];
     }
     rows[at] = row;
+    if exchange.lows != 0u {
+        rows[exchange.lows + at - exchange.first] = vec4f(0.0);
+    }
 }
 
 // Looks for numbers that are not finite, and for quaternions that are not unit quaternions.

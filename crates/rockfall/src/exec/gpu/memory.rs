@@ -20,7 +20,9 @@ pub(crate) fn bytes_needed(world: &World, buffer: Buffer) -> u64 {
     let step = &world.step;
     let vectors = |count: u64| 16 * count;
     let addressed = match buffer {
-        Buffer::Start | Buffer::Y2 | Buffer::Y3 | Buffer::Y4 => vectors(3 * u64::from(step.spheres)),
+        Buffer::Start | Buffer::Y2 | Buffer::Y3 | Buffer::Y4 => {
+            vectors(u64::from(step.state_regions()) * u64::from(step.spheres))
+        }
         Buffer::States if is_small(step) => vectors(12 * u64::from(step.spheres)),
         Buffer::Aabbs => 32 * u64::from(world.objects()),
         // The host's arrays of these are complete.

@@ -1,21 +1,20 @@
 //! Packs a scene into the arrays of a [`World`].
 
-#[cfg(feature = "gpu")]
-use glam::Vec3;
-use glam::Vec4;
+use glam::{Vec3, Vec4};
 
 use crate::error::Result;
+use crate::fine::Fine;
 use crate::model::dispatch::sizes;
 use crate::model::layout::{
-    CELL_BLOCK, CELLS_AT, FEW_MOVERS, FIRST_HISTORY_ROOM, FLAG_COHESION, FLAG_COLLISIONS, FLAG_CONTINUE, FLAG_GROUPS,
-    FLAG_PAIR_FRICTION, FLAG_PULL, FLAG_RESISTANCE, FLAG_VERLET, LAW_THESIS, LEVEL_BIAS, LINE, MIN_PLANNED_OBJECTS, SLICE,
-    SUM_WORDS,
+    CELL_BLOCK, CELLS_AT, FEW_MOVERS, FIRST_HISTORY_ROOM, FLAG_COHESION, FLAG_COLLISIONS, FLAG_CONTINUE, FLAG_DOUBLE,
+    FLAG_GROUPS, FLAG_PAIR_FRICTION, FLAG_PULL, FLAG_RESISTANCE, FLAG_VERLET, LAW_THESIS, LEVEL_BIAS, LINE,
+    MIN_PLANNED_OBJECTS, SLICE, SUM_WORDS,
 };
 use crate::model::step::Step;
 use crate::model::world::World;
 use crate::model::world::order::{size_class, spatial_order};
 use crate::scene::{Rod, Scene, Sphere, SphereId};
-use crate::settings::{BroadPhase, Settings};
+use crate::settings::{BroadPhase, Precision, Settings};
 use crate::user_laws::set::UserLaws;
 use crate::user_laws::{ContactForceLaw, ForceLaw};
 
@@ -110,7 +109,7 @@ impl World {
 
     /// Writes the settings to the uniform block.
     pub fn set_settings(&mut self, settings: &Settings) {
-        let Settings { gravity, gravity_direction, collisions, contact_pull, contact_law, .. } = *settings;
+        let Settings { gravity, gravity_direction, collisions, contact_pull, contact_law, precision, .. } = *settings;
         let step = &mut self.step;
         step.set_constants(settings);
         step.law = contact_law.number();
@@ -123,7 +122,8 @@ impl World {
         let bit = |on: bool, flag: u32| if on { flag } else { 0 };
         // These flags follow from the table of pairs and the options.
         let kept = FLAG_CONTINUE | FLAG_GROUPS | FLAG_PAIR_FRICTION | FLAG_RESISTANCE | FLAG_COHESION | FLAG_VERLET;
-        step.flags = step.flags & kept | bit(collisions, FLAG_COLLISIONS) | bit(contact_pull, FLAG_PULL);
+        let chosen = bit(collisions, FLAG_COLLISIONS) | bit(contact_pull, FLAG_PULL);
+        step.flags = step.flags & kept | chosen | bit(precision == Precision::Double, FLAG_DOUBLE);
         step.sweeps = step.sweeps.max(step.calm_sweeps());
     }
 
@@ -131,10 +131,17 @@ impl World {
     pub fn set_spheres(&mut self, scene: &Scene) {
         let spheres = || in_order(scene, &self.order);
         let inverse = |mass: f32, fixed: bool| if fixed { 0.0 } else { 1.0 / mass };
-        let positions = spheres().map(|sphere| sphere.position.extend(sphere.radius));
+        let centres: Vec<Fine> = spheres().map(|sphere| Fine::at(sphere.centre())).collect();
+        let is_double = self.step.is_double();
+        let place = |(sphere, centre): (&Sphere, &Fine)| {
+            let position = if is_double { centre.high } else { sphere.position };
+            position.extend(sphere.radius)
+        };
+        let positions = spheres().zip(&centres).map(place);
         let velocities = spheres().map(|sphere| sphere.velocity.extend(inverse(sphere.mass, sphere.fixed)));
         let spins = spheres().map(|sphere| sphere.angular_momentum.extend(1.0 / sphere.inertia()));
-        self.states[0] = positions.chain(velocities).chain(spins).collect();
+        let lows = centres.iter().filter(|_| is_double).map(|centre| centre.low.extend(0.0));
+        self.states[0] = positions.chain(velocities).chain(spins).chain(lows).collect();
         self.orientations = spheres().map(|sphere| sphere.orientation.into()).collect();
     }
 
@@ -203,7 +210,7 @@ impl World {
 
     /// Resizes the scratch arrays to the object counts. See [`World::with_scratch`].
     pub(crate) fn add_scratch(&mut self) {
-        let rows = 3 * self.step.spheres as usize;
+        let rows = (self.step.state_regions() * self.step.spheres) as usize;
         for state in &mut self.states[1..] {
             state.resize(rows, Vec4::ZERO);
         }
@@ -238,6 +245,7 @@ impl World {
             sphere.orientation = glam::Quat::from_vec4(self.orientations[place]);
             if !sphere.fixed {
                 sphere.position = self.states[0][place].truncate();
+                sphere.position_low = if self.step.is_double() { self.states[0][3 * n + place].truncate() } else { Vec3::ZERO };
                 sphere.velocity = self.states[0][n + place].truncate();
                 sphere.angular_momentum = self.states[0][2 * n + place].truncate();
             }

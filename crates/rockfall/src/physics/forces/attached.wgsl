@@ -1,10 +1,14 @@
-// requires model/objects.wgsl model/step.wgsl physics/forces/muscle.wgsl
+// requires model/objects.wgsl model/step.wgsl physics/fine.wgsl physics/forces/muscle.wgsl
 
 // Forces of springs and tethers, and external forces (docs/physics.md sections 4.1 and 4.2).
 
 // Force of a spring on the end at `position`. `constants` are stiffness, rest length and damping.
 fn spring_force(position: vec3f, velocity: vec3f, other: vec3f, other_velocity: vec3f, constants: vec3f) -> vec3f {
-    let distance = other - position;
+    return spring_force_along(other - position, velocity, other_velocity, constants);
+}
+
+// The same, from the vector to the other end.
+fn spring_force_along(distance: vec3f, velocity: vec3f, other_velocity: vec3f, constants: vec3f) -> vec3f {
     let squared = dot(distance, distance);
     if squared <= TINY {
         return vec3f(0.0);
@@ -20,6 +24,11 @@ fn attached_force(i: u32, kind: u32, index: u32) -> vec3f {
         let spring = step.springs_at + index * SPRING_WORDS;
         let other = select(topology[spring], topology[spring + 1u], topology[spring] == i);
         let constants = vector_at(spring + 2u);
+        if DOUBLE {
+            let resting = vec3f(constants.x, rest_length(index, constants.y), constants.z);
+            let distance = fine_between(i, other);
+            return spring_force_along(distance.high, state[velocity_at(i)].xyz, state[velocity_at(other)].xyz, resting);
+        }
         return spring_force(
             state[position_at(i)].xyz,
             state[velocity_at(i)].xyz,
@@ -30,6 +39,11 @@ fn attached_force(i: u32, kind: u32, index: u32) -> vec3f {
     }
     if kind == KIND_TETHER {
         let tether = step.tethers_at + index * TETHER_WORDS;
+        if DOUBLE {
+            let from_point = fine_from(vector_at(tether + 1u), i);
+            let distance = -(from_point.high + from_point.low);
+            return spring_force_along(distance, state[velocity_at(i)].xyz, vec3f(0.0), vector_at(tether + 4u));
+        }
         return spring_force(
             state[position_at(i)].xyz,
             state[velocity_at(i)].xyz,

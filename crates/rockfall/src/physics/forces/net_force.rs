@@ -163,13 +163,13 @@ pub(crate) fn attached_curvature(view: &View, sphere: u32, own: Vec3, of: impl F
                 let spring = view.spring(attachment.index);
                 let other = if spring.ends[0] == sphere { spring.ends[1] } else { spring.ends[0] };
                 let theirs = of(other);
-                let d = view.position(other) - view.position(sphere);
+                let d = view.between(sphere, other);
                 let part = if theirs.is_some() { 0.5 } else { 1.0 };
                 sum += part * curvature(d, theirs.unwrap_or_default() - own, spring.stiffness, spring.length);
             }
             KIND_TETHER => {
                 let tether = view.tether(attachment.index);
-                sum += curvature(tether.point - view.position(sphere), own, tether.stiffness, tether.length);
+                sum += curvature(-view.point_to_centre(tether.point, sphere), own, tether.stiffness, tether.length);
             }
             _ => {}
         }
@@ -181,7 +181,7 @@ fn spring_force(view: &View, spring: u32, sphere: u32) -> Vec3 {
     let spring = view.spring(spring);
     let other = if spring.ends[0] == sphere { spring.ends[1] } else { spring.ends[0] };
     hooke(
-        view.position(other) - view.position(sphere),
+        view.between(sphere, other),
         view.velocity(other) - view.velocity(sphere),
         spring.stiffness,
         spring.length,
@@ -191,7 +191,7 @@ fn spring_force(view: &View, spring: u32, sphere: u32) -> Vec3 {
 
 pub(crate) fn tether_force(view: &View, tether: u32, sphere: u32) -> Vec3 {
     let tether = view.tether(tether);
-    let d = tether.point - view.position(sphere);
+    let d = -view.point_to_centre(tether.point, sphere);
     hooke(d, -view.velocity(sphere), tether.stiffness, tether.length, tether.damping)
 }
 

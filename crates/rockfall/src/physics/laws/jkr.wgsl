@@ -63,6 +63,13 @@ fn touch_apart(a: u32, b: u32, feature: u32, found: Touch) -> Touch {
         // A sphere whose centre is over the face of a polygon.
         let face = polygon(b - boxes - step.boxes);
         let centre = state[position_at(a)];
+        if DOUBLE {
+            let over = over_finely(a, face);
+            if over.is_inside & (over.height >= centre.w) {
+                return Touch(-over.n_face, centre.w - over.height - over.height_low, 0.0, 0.0);
+            }
+            return no_touch();
+        }
         let normal = cross(face.left, face.right);
         let nn = dot(normal, normal);
         let from_corner = centre.xyz - face.corner;

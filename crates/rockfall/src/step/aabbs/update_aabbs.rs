@@ -15,6 +15,8 @@
 //! `find_collisions`, `advance` or `symplectic_euler` rejects the step. The host then raises `margin_scale`, and the step is
 //! repeated.
 //!
+//! Where positions have a low part (docs/physics.md section 5.8), every AABB is larger by a part of its largest coordinate.
+//!
 //! The AABB of a rod is the hull of two such balls, one for each end. A ball has the radius of the rod and the margin of its
 //! end.
 
@@ -23,11 +25,11 @@ use rayon::prelude::*;
 
 use crate::model::buffer::Buffer;
 use crate::model::dispatch::Threads;
-use crate::model::layout::FLAG_STAGES;
 use crate::model::layout::GRAIN;
+use crate::model::layout::{FINE_MARGIN, FLAG_STAGES};
 use crate::model::part::part;
 use crate::model::status::REBUILD_REQUESTED;
-use crate::model::step::Aabb;
+use crate::model::step::{Aabb, Step};
 use crate::model::view::{Object, View};
 use crate::model::world::World;
 use crate::physics::travel::{EXACT_MARGIN, acceleration_margin, position_ahead, travel_bound};
@@ -84,11 +86,11 @@ fn aabb(view: &View, gain: &impl Fn(u32) -> f32, id: u32) -> Aabb {
         }
         Object::Cuboid(cuboid) => {
             let cuboid = view.cuboid(cuboid);
-            hull(cuboid.corner, &cuboid.edges)
+            grown(view.step, hull(cuboid.corner, &cuboid.edges))
         }
         Object::Polygon(polygon) => {
             let polygon = view.polygon(polygon);
-            hull(polygon.corner, &[polygon.left, polygon.right])
+            grown(view.step, hull(polygon.corner, &[polygon.left, polygon.right]))
         }
     };
     Aabb { min: min.to_array(), id, max: max.to_array(), tag: view.tag(id) }
@@ -98,7 +100,16 @@ fn aabb(view: &View, gain: &impl Fn(u32) -> f32, id: u32) -> Aabb {
 fn ball_bounds(view: &View, gain: f32, sphere: u32, radius: f32) -> (Vec3, Vec3) {
     let reach = radius + view.step.neck * radius + margin(view, gain, sphere);
     let middle = position_ahead(view.step, view.position(sphere), view.motion(sphere));
-    (middle - reach, middle + reach)
+    grown(view.step, (middle - reach, middle + reach))
+}
+
+/// Bounds with room for the low parts of positions and for rounding, where positions have a low part.
+fn grown(step: &Step, (min, max): (Vec3, Vec3)) -> (Vec3, Vec3) {
+    if !step.is_double() {
+        return (min, max);
+    }
+    let room = FINE_MARGIN * min.abs().max(max.abs()).max_element();
+    (min - room, max + room)
 }
 
 fn margin(view: &View, gain: f32, sphere: u32) -> f32 {

@@ -63,6 +63,16 @@ fn hull_of(id: u32) -> Hull {
     );
 }
 
+// With double precision, there is room for the low parts of positions and for rounding.
+fn grown(hull: Hull) -> Hull {
+    if !DOUBLE {
+        return hull;
+    }
+    let far = max(abs(hull.min), abs(hull.max));
+    let room = vec3f(FINE_MARGIN * max(max(far.x, far.y), far.z));
+    return Hull(hull.min - room, hull.max + room);
+}
+
 @compute @workgroup_size(256)
 fn update_aabbs(
     @builtin(workgroup_id) group: vec3u,
@@ -73,7 +83,7 @@ fn update_aabbs(
     if ((status.rebuild & REBUILD_REQUESTED) == 0u) | (id >= objects()) {
         return;
     }
-    let hull = hull_of(id);
+    let hull = grown(hull_of(id));
     aabbs[2u * id] = vec4u(bitcast<vec3u>(hull.min), id);
     aabbs[2u * id + 1u] = vec4u(bitcast<vec3u>(hull.max), topology[step.tags_at + id]);
 }

@@ -78,10 +78,11 @@ fn collided(view: &View, outcome: &Outcome, aabbs: &[Aabb], sphere: u32, tally: 
     let change = outcome.change(sphere);
     let after = Motion {
         position: before.position + change.position,
+        low: before.low,
         velocity: before.velocity + change.velocity,
         angular_momentum: before.angular_momentum + change.angular_momentum,
     };
-    let after = after.or_stopped(before.position, BadStage::Collisions, view.insertion_index(sphere), tally);
+    let after = after.or_stopped(&before, BadStage::Collisions, view.insertion_index(sphere), tally);
     tally.rebuild |= needs_rebuild(view, aabbs, sphere, after.position, after.velocity);
     after
 }

@@ -13,7 +13,7 @@ use crate::model::counters::Tally;
 use crate::model::dispatch::Threads;
 use crate::model::lists::Lists;
 use crate::model::part::part;
-use crate::model::state::Rows;
+use crate::model::state::{Motion, Rows};
 use crate::model::view::View;
 use crate::model::world::World;
 use crate::physics::friction_impulses::FrictionImpulses;
@@ -52,9 +52,9 @@ fn apply_friction_impulses(world: &mut World, _pass: u32) {
         .map(|mut rows| {
             let mut tally = Tally::default();
             for sphere in rows.spheres() {
-                let before = view.position(sphere);
+                let before = Motion::of(&view, sphere);
                 let after =
-                    friction.rubbed(sphere).or_stopped(before, BadStage::Collisions, view.insertion_index(sphere), &mut tally);
+                    friction.rubbed(sphere).or_stopped(&before, BadStage::Collisions, view.insertion_index(sphere), &mut tally);
                 rows.set(&view, sphere, after);
             }
             tally

@@ -40,7 +40,8 @@ fn bits_of(overlap: f32, approach: f32, inverse_mass: f32, radius: f32) -> u32 {
 // The bits of an entry of a mover. `velocity` is the velocity row of the mover, used only if the mover is a sphere.
 fn classify(own: Own, velocity: vec4f, other: LoadedEntry) -> u32 {
     let id = entry_id(other.entry);
-    if are_plain(own.id, id) {
+    // The code for plain contacts leaves out the low parts of positions.
+    if !DOUBLE & are_plain(own.id, id) {
         let contact = plain_with(own.id, own.place, velocity, other);
         if contact.inverse_mass <= 0.0 {
             return 0u;
@@ -48,7 +49,7 @@ fn classify(own: Own, velocity: vec4f, other: LoadedEntry) -> u32 {
         let radius = select(own.place.w, min(own.place.w, other.place.w), id < step.spheres);
         return bits_of(contact.overlap, contact.approach, contact.inverse_mass, radius);
     }
-    if !RODS {
+    if !RODS & !DOUBLE {
         return 0u;
     }
     let pair = ordered(own.id, id);

@@ -101,7 +101,7 @@ fn finish(world: &mut World, springs: &mut Springs) {
     for sphere in 0..world.step.spheres {
         let place = sphere as usize;
         let [position, velocity, angular_momentum] = [0, n, 2 * n].map(|region| start[region + place].truncate());
-        let before = Motion { position, velocity, angular_momentum };
+        let before = Motion { position, low: Vec3::ZERO, velocity, angular_momentum };
         let rates = || rates_of(last, sphere, &springs.loads[place]);
         let (motion, spin) = finished(before, &views, sphere, rates, &mut tally);
         set(start, last, sphere, motion);

@@ -9,6 +9,7 @@
 //! may leave its AABB within the next step. This test uses stage state 4, which is close to the state at the end of the
 //! step.
 
+use glam::Vec3;
 use rayon::prelude::*;
 
 use crate::error::BadStage;
@@ -102,10 +103,11 @@ pub(crate) fn next_state(
     let h = dt * [0.5, 0.5, 1.0][pass as usize];
     let next = Motion {
         position: origin.position + h * view.velocity(sphere),
+        low: Vec3::ZERO,
         velocity: origin.velocity + h * rates.acceleration,
         angular_momentum: origin.angular_momentum + h * rates.torque,
     };
-    let next = next.or_stopped(origin.position, BAD[pass as usize], view.insertion_index(sphere), tally);
+    let next = next.or_stopped(&origin, BAD[pass as usize], view.insertion_index(sphere), tally);
     if pass == 2 {
         // All four stage states are checked here, before the step changes the state. So a rejected step leaves it as it was.
         let second = origin.position + 0.5 * dt * origin.velocity;

@@ -116,8 +116,9 @@ pub(crate) fn finished(
         |y: Vec3, y2: Vec3, y3: Vec3, y4: Vec3, k4: Vec3| y + ((y2 - y) + 2.0 * (y3 - y) + (y4 - y)) / 3.0 + sixth_step * k4;
     let motion = Motion {
         position: mean(y.position, y2.position, y3.position, y4.position, y4.velocity),
+        low: Vec3::ZERO,
         velocity: mean(y.velocity, y2.velocity, y3.velocity, y4.velocity, acceleration),
         angular_momentum: mean(y.angular_momentum, y2.angular_momentum, y3.angular_momentum, y4.angular_momentum, torque),
     };
-    (motion.or_stopped(y.position, BadStage::Forces4, last.insertion_index(sphere), tally), spin)
+    (motion.or_stopped(&y, BadStage::Forces4, last.insertion_index(sphere), tally), spin)
 }

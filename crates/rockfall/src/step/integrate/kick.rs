@@ -65,13 +65,14 @@ pub(super) fn kick_all(world: &mut World, pass: u32) -> Vec<Vec3> {
         let half = 0.5 * view.step.dt;
         let next = Motion {
             position: y.position,
+            low: y.low,
             velocity: y.velocity + half * rates.acceleration,
             angular_momentum: y.angular_momentum + half * rates.torque,
         };
         if next.is_finite() {
             return (next, (Some(rates), view.spin(sphere)));
         }
-        let stopped = next.or_stopped(old.position, BadStage::Forces2, view.insertion_index(sphere), tally);
+        let stopped = next.or_stopped(&old, BadStage::Forces2, view.insertion_index(sphere), tally);
         (stopped, (Some(Rates { acceleration: Vec3::ZERO, torque: Vec3::ZERO }), Vec3::ZERO))
     };
     let tally = Rows::of(start, world.step.spheres)

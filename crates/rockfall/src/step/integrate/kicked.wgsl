@@ -17,8 +17,10 @@ fn kick_sphere(i: u32, net: Net) -> vec3f {
         momentum.xyz + 0.5 * step.dt * rates.torque,
     );
     var spin = momentum.xyz * momentum.w;
+    var is_stopped = false;
     if !is_finite(after) {
         after = stopped(start[i].xyz, 2u, i);
+        is_stopped = true;
         rates = Rates(vec3f(0.0), vec3f(0.0));
         spin = vec3f(0.0);
     }
@@ -26,6 +28,9 @@ fn kick_sphere(i: u32, net: Net) -> vec3f {
     start[i] = vec4f(after.position, position.w);
     start[step.spheres + i] = vec4f(after.velocity, velocity.w);
     start[2u * step.spheres + i] = vec4f(after.momentum, momentum.w);
+    if DOUBLE & !is_stopped {
+        start[low_at(i)] = state[low_at(i)];
+    }
     return spin;
 }
 

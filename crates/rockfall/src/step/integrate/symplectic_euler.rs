@@ -63,9 +63,9 @@ fn symplectic_euler(world: &mut World, _pass: u32) {
         tally.escape_ratio = tally.escape_ratio.max(escape_ratio(&view, &world.aabbs, sphere));
         let Rates { acceleration, torque } = sphere_rates(&view, &lists, &world.wrenches, sphere, Some(&mut *tally));
         let velocity = y.velocity + dt * acceleration;
-        let next =
-            Motion { position: y.position + dt * velocity, velocity, angular_momentum: y.angular_momentum + dt * torque };
-        next.or_stopped(y.position, BadStage::Forces1, view.insertion_index(sphere), tally)
+        let (position, low) = y.moved(&view, dt * velocity);
+        let next = Motion { position, low, velocity, angular_momentum: y.angular_momentum + dt * torque };
+        next.or_stopped(&y, BadStage::Forces1, view.insertion_index(sphere), tally)
     };
     let tally = Rows::of(y2, world.step.spheres)
         .zip(Rows::of(y3, world.step.spheres))

@@ -20,7 +20,7 @@ fn permute_spheres(
         return;
     }
     let from_ = pairs[i].y;
-    for (var region = 0u; region < 3u; region++) {
+    for (var region = 0u; region < STATE_REGIONS; region++) {
         y3[region * step.spheres + i] = start[region * step.spheres + from_];
     }
     var attached = vec2u(0u);

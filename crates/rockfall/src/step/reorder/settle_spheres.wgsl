@@ -37,7 +37,7 @@ fn settle_spheres(
     if (i >= step.spheres) | (status.rejected != 0u) {
         return;
     }
-    for (var region = 0u; region < 3u; region++) {
+    for (var region = 0u; region < STATE_REGIONS; region++) {
         start[region * step.spheres + i] = y3[region * step.spheres + i];
     }
     orientations[i] = y4[i];

@@ -1,0 +1,54 @@
+//! Distances of static objects from positions that have a low part (docs/physics.md section 5.8). Differences of large numbers are
+//! computed in `f64`, and the distances are rounded to `f32`.
+
+use glam::{DVec3, Vec3};
+
+use crate::fine::Fine;
+use crate::model::view::{BoxRecord, PolygonRecord, TINY};
+use crate::physics::geometry::{nearest_face, on_segment, unrounded};
+
+/// Returns the unit normal from sphere A to sphere B, and their overlap.
+pub(super) fn fine_spheres(a: Fine, b: Fine, radii: [f32; 2]) -> (Vec3, f32) {
+    let d = b.wide() - a.wide();
+    let (reach, distance) = (f64::from(radii[0]) + f64::from(radii[1]), d.length());
+    if distance * distance <= TINY.into() {
+        return (Vec3::Y, reach as f32);
+    }
+    ((d / distance).as_vec3(), (reach - distance) as f32)
+}
+
+/// Returns the unit normal from a sphere to a box, and the overlap.
+pub(super) fn fine_box(cuboid: &BoxRecord, centre: Fine, radius: f32) -> (Vec3, f32) {
+    let edges = cuboid.edges.map(Vec3::as_dvec3);
+    let from_corner = centre.wide() - cuboid.corner.as_dvec3();
+    let t = DVec3::from_array(edges.map(|edge| from_corner.dot(edge) / edge.length_squared()));
+    let clamped = t.clamp(DVec3::ZERO, DVec3::ONE);
+    let nearest = clamped.x * edges[0] + clamped.y * edges[1] + clamped.z * edges[2];
+    let mut d = nearest - from_corner;
+    for (axis, edge) in edges.into_iter().enumerate() {
+        if clamped[axis] == t[axis] {
+            d -= d.dot(edge) / edge.length_squared() * edge;
+        }
+    }
+    let largest = cuboid.edges.map(Vec3::length_squared).into_iter().fold(0.0, f32::max);
+    if clamped == t || unrounded(d.as_vec3(), largest, radius).length_squared() <= TINY {
+        let (normal, distance) = nearest_face(cuboid, clamped.as_vec3());
+        return (normal, radius - distance);
+    }
+    let distance = d.length();
+    ((d / distance).as_vec3(), (f64::from(radius) - distance) as f32)
+}
+
+/// Returns the unit normal of a polygon's face, the overlap of a sphere with its plane, and whether the centre is over the polygon and
+/// not beside it.
+pub(super) fn fine_plane(polygon: &PolygonRecord, centre: Fine, radius: f32) -> (Vec3, f32, bool) {
+    let [left, right] = [polygon.left, polygon.right].map(Vec3::as_dvec3);
+    let normal = left.cross(right);
+    let nn = normal.length_squared();
+    let t = centre.wide() - polygon.corner.as_dvec3();
+    let l = t.cross(right).dot(normal) / nn;
+    let k = left.cross(t).dot(normal) / nn;
+    let face = normal / nn.sqrt();
+    let overlap = f64::from(radius) - t.dot(face);
+    (face.as_vec3(), overlap as f32, on_segment(l as f32) && on_segment(k as f32))
+}

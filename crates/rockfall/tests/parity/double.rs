@@ -1,0 +1,186 @@
+//! Double precision of positions (docs/physics.md section 5.8), stage by stage on both backends.
+//!
+//! The scene is thousands of units from the origin, where the low part of a position is as large as 0.0005. A kernel that leaves it out,
+//! or that takes it for something else, gives results that differ by much more than the rounding of other numbers.
+
+use std::sync::LazyLock;
+
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64Mcg;
+use rockfall::model::buffer::Buffer;
+use rockfall::model::layout::SLICE;
+use rockfall::model::status::REBUILD_REQUESTED;
+use rockfall::model::world::World;
+use rockfall::step::schedule::{Phase, Run};
+use rockfall::{BroadPhase, ContactLaw, Cuboid, Integrator, Material, Pair, Polygon, Precision, Scene, Sphere, Spring, Tether};
+
+use crate::broken::{Mistake, with_mistake};
+use crate::compare::springs;
+use crate::device::{GPU, on_gpu};
+
+/// Where the scene is.
+const PLACE: [f64; 3] = [4096.3, -5000.7, 8000.1];
+
+/// Balls in layers that overlap a little, on a tilted box, a level box and a tilted polygon, with springs and a tether.
+fn scene(seed: u64) -> Scene {
+    let mut rng = Pcg64Mcg::seed_from_u64(seed);
+    let mut scene = Scene::new();
+    scene.settings.contact_law = ContactLaw::HertzMindlin;
+    scene.settings.collisions = false;
+    scene.settings.precision = Precision::Double;
+    scene.settings.gravity = 10.0;
+    let material = scene.add_material(Material::new("m").young(1e4).poisson(0.3).density(1.0)).unwrap();
+    let pair = Pair::default().restitution(0.4).friction(0.4).rolling_friction(0.1).twisting_friction(0.2);
+    scene.set_pair(material, material, pair).unwrap();
+    let at = |x: f64, y: f64, z: f64| [PLACE[0] + x, PLACE[1] + y, PLACE[2] + z];
+    let rounded = |place: [f64; 3]| place.map(|coordinate| coordinate as f32);
+    let mut ids = Vec::new();
+    for k in 0..90_u8 {
+        let (x, y, z) = (f64::from(k % 6), f64::from(k / 30), f64::from(k / 6 % 5));
+        let mut near = |place: f64| 0.97 * place + rng.random_range(-0.02..0.02);
+        let centre = at(near(x), near(y) + 0.48, near(z));
+        let mut unit = || rng.random_range(-1.0_f32..1.0);
+        let velocity = [unit(), unit(), unit()];
+        let sphere = Sphere::new([0.0; 3], 0.5).density(1.0).material(material).centred_at(centre);
+        ids.push(scene.add_sphere(sphere.velocity(velocity).angular_momentum(velocity.map(|v| 0.05 * v))).unwrap());
+    }
+    // The level box is below half of the balls, the tilted box and the polygon touch the others from the side and from below.
+    scene.add_box(Cuboid::between(rounded(at(-2.0, -1.0, -2.0)), rounded(at(2.6, 0.0, 7.0))).material(material)).unwrap();
+    let tilted = Cuboid::new(rounded(at(2.6, -1.0, -2.0)), [6.0, 0.06, 0.0], [-0.01, 1.0, 0.0], [0.0, 0.0, 9.0]);
+    scene.add_box(tilted.material(material)).unwrap();
+    let polygon = Polygon::new(rounded(at(-0.46, -1.0, -3.0)), [0.03, 6.0, 0.0], [0.0, 0.02, 9.0]).material(material);
+    scene.add_polygon(polygon).unwrap();
+    for k in 0..10 {
+        scene.add_spring(Spring::new(ids[k], ids[k + 61], 30.0, 1.0).damping(0.2)).unwrap();
+    }
+    scene.add_tether(Tether::new(ids[40], rounded(at(2.0, 4.0, 2.0)), 20.0).length(1.0)).unwrap();
+    scene
+}
+
+/// A stage and the world before it, for all stages of two steps.
+fn stages(seed: u64, integrator: Integrator) -> Vec<(Run, World)> {
+    let mut world = World::build(&scene(seed)).unwrap();
+    world.set_verlet(integrator == Integrator::VelocityVerlet);
+    world.step.dt = 2e-3;
+    world.set_pair_rows(world.movers().div_ceil(SLICE) * 64);
+    let step = world.step;
+    let mut all = Vec::new();
+    for _ in 0..2 {
+        world.status.rebuild |= REBUILD_REQUESTED;
+        for phase in [Phase::UpdateAabbs, Phase::BroadPhase, Phase::UpdatePositions] {
+            for run in phase.stages(integrator, BroadPhase::BruteForce).iter().filter(|run| run.applies(&step)) {
+                all.push((*run, world.clone()));
+                run.on_cpu(&mut world);
+                assert_eq!(world.status.rejected, 0, "{}", run.stage.name);
+            }
+        }
+    }
+    assert!(world.status.last_contacts > 150, "{} contacts", world.status.last_contacts);
+    all
+}
+
+static STAGES: LazyLock<Vec<(Run, World)>> = LazyLock::new(|| {
+    let integrators = [Integrator::SymplecticEuler, Integrator::VelocityVerlet];
+    integrators.into_iter().flat_map(|integrator| stages(5, integrator)).collect()
+});
+
+/// Positions of a state with their low parts.
+fn centres(world: &World, state: usize) -> Vec<f64> {
+    let n = world.step.spheres as usize;
+    let (high, low) = (&world.states[state][..n], &world.states[state][3 * n..]);
+    let sums = high.iter().zip(low).map(|(high, low)| (high.truncate().as_dvec3() + low.truncate().as_dvec3()).to_array());
+    sums.flatten().collect()
+}
+
+/// The first difference of two lists that is greater than the tolerance.
+fn differs(one: &[f64], other: &[f64], tolerance: f64) -> Option<String> {
+    if one.len() != other.len() {
+        return Some(format!("{} and {} numbers", one.len(), other.len()));
+    }
+    let mut both = one.iter().zip(other).enumerate();
+    // NaN differs from everything.
+    let is_near = |a: f64, b: f64| (a - b).abs() <= tolerance;
+    both.find(|(_, (a, b))| !is_near(**a, **b)).map(|(at, (a, b))| format!("{at}: {a} and {b}, {tolerance:e}"))
+}
+
+/// The first difference of each buffer.
+fn differences(cpu: &World, gpu: &World) -> Vec<(Buffer, String)> {
+    let wide = |numbers: &[f32]| numbers.iter().copied().map(f64::from).collect::<Vec<f64>>();
+    let flat = |rows: &[glam::Vec4]| rows.iter().flat_map(|row| row.to_array()).map(f64::from).collect::<Vec<f64>>();
+    let bounds = |world: &World| world.aabbs.iter().flat_map(|aabb| [aabb.min, aabb.max].concat()).map(f64::from).collect();
+    let mut found = Vec::new();
+    let mut compare = |buffer: Buffer, one: Vec<f64>, other: Vec<f64>, relative: f64| {
+        let most = one.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
+        found.extend(differs(&one, &other, relative * most).map(|text| (buffer, text)));
+    };
+    let n = cpu.step.spheres as usize;
+    for (state, buffer) in [Buffer::Start, Buffer::Y2, Buffer::Y3, Buffer::Y4].into_iter().enumerate() {
+        // A displacement in a step is about 0.002 and has an error of 1e-10.
+        compare(buffer, centres(cpu, state), centres(gpu, state), 1e-12);
+        for region in [1, 2] {
+            let rows = |world: &World| flat(&world.states[state][region * n..(region + 1) * n]);
+            compare(buffer, rows(cpu), rows(gpu), 1e-5);
+        }
+    }
+    let of_springs = |world: &World| wide(&springs(world).into_iter().flat_map(|(_, spring)| spring).collect::<Vec<_>>());
+    compare(Buffer::Aabbs, bounds(cpu), bounds(gpu), 2e-7);
+    compare(Buffer::Wrenches, flat(&cpu.wrenches), flat(&gpu.wrenches), 1e-5);
+    compare(Buffer::Histories, of_springs(cpu), of_springs(gpu), 1e-5);
+    compare(Buffer::Rates, wide(&cpu.rates), wide(&gpu.rates), 1e-5);
+    compare(Buffer::Orientations, flat(&cpu.orientations), flat(&gpu.orientations), 1e-6);
+    found
+}
+
+#[test]
+fn backends_agree_on_every_stage_with_double_precision() {
+    for (run, before) in STAGES.iter() {
+        let mut cpu = before.clone();
+        run.on_cpu(&mut cpu);
+        let found = differences(&cpu, &on_gpu(&GPU, before, &[*run]));
+        assert!(found.is_empty(), "{} pass {}: {found:?}", run.stage.name, run.pass);
+    }
+}
+
+static MISTAKES: [Mistake; 9] = [
+    Mistake("law_forces", 0, "fine.wgsl", "to.low - from_.low", "from_.low - to.low", Buffer::Wrenches),
+    Mistake("law_forces", 0, "fine.wgsl", "return fine_moved(high, place.low);", "return high;", Buffer::Wrenches),
+    Mistake(
+        "law_forces",
+        0,
+        "geometry.wgsl",
+        "apart = fine_sum(apart, product_of(vec3f(c.y)",
+        "apart = fine_sum(apart, product_of(vec3f(c.x)",
+        Buffer::Wrenches,
+    ),
+    Mistake("law_forces", 3, "geometry.wgsl", "radius - over.height - over", "radius + over.height - over", Buffer::Wrenches),
+    Mistake("symplectic_euler", 0, "fine.wgsl", "kept(sum.low + place.low)", "place.low", Buffer::Y2),
+    Mistake(
+        "symplectic_euler",
+        0,
+        "attached.wgsl",
+        "let distance = fine_between(i, other)",
+        "let distance = fine_between(other, i)",
+        Buffer::Y2,
+    ),
+    Mistake("drift", 0, "drift.wgsl", "vec4f(low, 0.0)", "vec4f(old_low, 0.0)", Buffer::Y4),
+    Mistake("kick_and_turn", 3, "kicked.wgsl", "DOUBLE & !is_stopped", "DOUBLE & is_stopped", Buffer::Start),
+    Mistake("update_aabbs", 0, "update_aabbs.wgsl", "hull.max + room", "hull.max", Buffer::Aabbs),
+];
+
+#[test]
+fn kernels_with_a_mistake_in_low_parts_are_rejected() {
+    for mistake in &MISTAKES {
+        let Mistake(stage, pass, file, right, wrong, buffer) = mistake;
+        let is_meant = |(run, _): &&(Run, World)| run.stage.name == *stage && run.pass == *pass;
+        let (run, _) = STAGES.iter().find(is_meant).expect("the stage");
+        assert!(run.stage.parts().iter().any(|part| part.file.ends_with(file) && part.text.contains(right)), "{file}: {right}");
+        let mut made = None;
+        let is_rejected = STAGES.iter().filter(is_meant).any(|(run, before)| {
+            let mut cpu = before.clone();
+            run.on_cpu(&mut cpu);
+            let found = differences(&cpu, &on_gpu(&GPU, before, &with_mistake(&[*run], mistake, &mut made)));
+            found.iter().any(|(place, _)| place == buffer)
+        });
+        assert!(is_rejected, "{stage} accepts {wrong}");
+    }
+}
