@@ -17,6 +17,7 @@ fn other_value(name: &str) -> &'static str {
         "gravity" => "4",
         "collisions" => "off",
         "gravity_direction" => "0.6,-0.8,0",
+        "continuous_collisions" => "on",
         "contact_pull" => "on",
         "resting_overlap" => "0.01",
         "linear_damping" | "angular_damping" => "0.5",

@@ -96,6 +96,9 @@ pub const FLAG_COHESION: u32 = 128;
 /// Bit of [`Step::flags`](crate::model::step::Step::flags): the integrator is velocity Verlet.
 pub const FLAG_VERLET: u32 = 256;
 
+/// Bit of [`Step::flags`](crate::model::step::Step::flags): contacts that begin and end within a step are handled.
+pub const FLAG_CONTINUOUS: u32 = 512;
+
 /// Words of the rates of a sphere: acceleration x, y, z, torque x, y, z.
 pub const RATE_WORDS: u32 = 6;
 

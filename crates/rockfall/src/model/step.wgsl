@@ -116,6 +116,8 @@ const COHESION: bool = true;
 // Whether a sphere may leave the ball in which its list holds all pairs. `run_worlds` has no lists.
 const ESCAPES: bool = true;
 const VERLET: bool = true;
+// Whether contacts that begin and end within a step are handled.
+const CONTINUOUS: bool = true;
 // The contact law. Kernels are compiled for one law.
 const LAW: u32 = 1u;
 
@@ -194,6 +196,7 @@ const FLAG_PAIR_FRICTION: u32 = 32u;
 const FLAG_RESISTANCE: u32 = 64u;
 const FLAG_COHESION: u32 = 128u;
 const FLAG_VERLET: u32 = 256u;
+const FLAG_CONTINUOUS: u32 = 512u;
 const RATE_WORDS: u32 = 6u;
 
 const REJECTED_PAIRS: u32 = 1u;

@@ -156,6 +156,7 @@ impl DeviceWorlds {
             resistance: false,
             cohesion: false,
             verlet: false,
+            continuous: false,
             many: false,
             worlds: Some(self.sizes),
         };
