@@ -79,7 +79,7 @@ fn colliding(view: &View, one: u32, other: u32) -> Option<(f32, Collision)> {
 
 /// The time and the contact of a pair that began to touch within the step and then approached fast enough to collide, whether or
 /// not it still touches. A was added before B.
-fn begun_within_step(view: &View, a: u32, b: u32) -> Option<(f32, Collision)> {
+pub(super) fn begun_within_step(view: &View, a: u32, b: u32) -> Option<(f32, Collision)> {
     let time = time_of_crossing(view, a, b)?;
     let then = contact_before(view, a, b, time)?;
     (then.inverse_mass() > 0.0 && then.collides(view)).then_some((time, then))

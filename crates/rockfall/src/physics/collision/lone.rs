@@ -8,8 +8,10 @@
 use glam::Vec3;
 
 use crate::model::impulse::Impulse;
+use crate::model::layout::FLAG_CONTINUOUS;
 use crate::model::view::{Object, View};
 use crate::physics::collision::body::{Body, Capsule, Part};
+use crate::physics::collision::crossing::begun_within_step;
 use crate::physics::collision::{Change, Collision};
 use crate::physics::forces::net_force::{attached_curvature, attached_force};
 use crate::physics::pairs::Surface;
@@ -132,7 +134,7 @@ fn turned(d: Vec3, q: Vec3, time: f32) -> (Vec3, Vec3) {
 pub(super) fn solve(view: &View, k: &Collision) -> Outcome {
     let movers = movers_of(view, k);
     let movers = &movers[..k.parts().len()];
-    let (tau, hit) = time_of_contact(view, k, movers, 0.0).unwrap_or((0.0, *k));
+    let (tau, hit) = time_of_contact(view, k, movers, start_of(view, k)).unwrap_or((0.0, *k));
     solved(view, &hit, movers, tau)
 }
 
@@ -143,6 +145,14 @@ pub(super) fn solve_crossing(view: &View, k: &Collision, tau: f32) -> Option<Out
     let movers = &movers[..k.parts().len()];
     let (tau, hit) = time_of_contact(view, k, movers, tau)?;
     Some(solved(view, &hit, movers, tau))
+}
+
+/// The time that the iteration begins with: where contacts within a step are handled, the time of the first contact on straight
+/// paths, if it is within the step (docs/physics.md section 3.10).
+fn start_of(view: &View, k: &Collision) -> f32 {
+    let is_continuous = view.step.flags & FLAG_CONTINUOUS != 0;
+    let began = is_continuous.then(|| begun_within_step(view, k.a, k.b)).flatten();
+    began.map_or(0.0, |(time, _)| time)
 }
 
 /// The bodies of a collision, and their accelerations.

@@ -1,5 +1,5 @@
-// requires model/objects.wgsl model/step.wgsl physics/collision.wgsl physics/forces/attached.wgsl physics/geometry.wgsl
-// requires physics/forces/muscle.wgsl physics/pairs.wgsl physics/touch.wgsl physics/sine.wgsl
+// requires model/objects.wgsl model/step.wgsl physics/collision.wgsl physics/collision/crossings.wgsl physics/contact.wgsl
+// requires physics/forces/attached.wgsl physics/geometry.wgsl physics/forces/muscle.wgsl physics/pairs.wgsl physics/touch.wgsl physics/sine.wgsl
 
 // Solves lone collisions at their time of contact (docs/physics.md section 3.6). The pair is moved back to the time at
 // which it first touched.
@@ -120,9 +120,22 @@ fn closes(at: Placed) -> bool {
     return is_known & (at.touch.overlap != NO_CONTACT_LINE) & (at.closing.approach > 0.0);
 }
 
-// Solves the lone collision of two objects, a before b in insertion order. `found` is their contact in the present state.
+// Solves the lone collision of two objects, a before b in insertion order. `found` is their contact in the present state. Where
+// contacts within a step are handled, the iteration begins with the time of the first contact on straight paths, if it is within
+// the step (docs/physics.md section 3.10).
 fn solve_lone(a_id: u32, b_id: u32, feature: u32, found: Touch) -> Solved {
-    return solve_from(a_id, b_id, feature, found, 0.0, false);
+    var start = 0.0;
+    if CONTINUOUS {
+        if a_id < step.spheres {
+            let radius = state[position_at(a_id)].w;
+            var smaller = radius;
+            if b_id < step.spheres {
+                smaller = min(radius, state[position_at(b_id)].w);
+            }
+            start = max(0.0, time_of_beginning(a_id, b_id, collision_velocity(smaller)));
+        }
+    }
+    return solve_from(a_id, b_id, feature, found, start, false);
 }
 
 // Does what `solve_lone` does, with an iteration that begins with the time `start`. The impulse of a crossing is 0 if its objects

@@ -1,4 +1,4 @@
-// requires model/counters.wgsl model/objects.wgsl model/one_state.wgsl model/order.wgsl model/step.wgsl physics/escape.wgsl
+// requires model/counters.wgsl model/one_state.wgsl model/order.wgsl model/step.wgsl physics/escape.wgsl
 // requires step/collisions/crossing_rows.wgsl
 
 @group(0) @binding(2) var<storage, read_write> state: array<vec4f>;
