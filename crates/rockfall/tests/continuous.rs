@@ -1,9 +1,7 @@
 //! Contacts that begin and end within a step (docs/physics.md section 3.10), against closed forms.
 
 use rockfall::glam::{DVec3, Vec3};
-use rockfall::{
-    Backend, BroadPhase, Cuboid, Integrator, Options, Polygon, Scene, Simulation, Sphere, SphereState,
-};
+use rockfall::{Backend, BroadPhase, Cuboid, Integrator, Options, Polygon, Scene, Simulation, Sphere, SphereState};
 
 #[macro_use]
 mod common;

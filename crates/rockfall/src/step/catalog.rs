@@ -9,7 +9,8 @@ use crate::step::broad_phase::scan_pairs;
 use crate::step::broad_phase::sort_and_skip::{bound_blocks, count_near, fill_near, sort_axis};
 use crate::step::collisions::{
     apply_collisions, apply_friction_impulses, commit_collisions, commit_crossings, commit_friction_impulses, find_collisions,
-    find_crossings, gather_impulses, list_collisions, project_networks, sweep_at_once, sweep_collisions, weigh_collisions, weigh_networks,
+    find_crossings, gather_impulses, list_collisions, project_networks, sweep_at_once, sweep_collisions, weigh_collisions,
+    weigh_networks,
 };
 use crate::step::forces::{commit_history, law_forces, rod_forces};
 use crate::step::fused::{run_steps, run_worlds};

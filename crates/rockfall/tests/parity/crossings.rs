@@ -25,6 +25,8 @@ fn scene(seed: u64, rods: bool) -> Scene {
     let mut random = Pcg64Mcg::seed_from_u64(seed);
     let mut scene = Scene::new();
     (scene.settings.continuous_collisions, scene.settings.gravity) = (true, 3.0);
+    // So large that contacts in which bodies pass each other have an approach velocity below it for a while.
+    scene.settings.activation_threshold = 12.0;
     for group in 0..240_u16 {
         let velocity = vector(&mut random, 30.0);
         // On the way back from here, the sphere was near the origin within the step.
@@ -75,7 +77,13 @@ pub(crate) fn trace(seed: u64, rods: bool) -> Trace {
     let mut scenarios = Vec::new();
     let concerned = ["update_aabbs", "find_crossings", "find_collisions", "commit_crossings", "advance"];
     let runs = Phase::STEP.iter().flat_map(|phase| phase.stages(Integrator::Rk4, BroadPhase::BruteForce));
-    for run in runs.filter(|run| run.applies(&world.step)).copied().collect::<Vec<Run>>() {
+    let runs: Vec<Run> = runs.filter(|run| run.applies(&world.step)).copied().collect();
+    for run in runs.iter().copied() {
+        if run.stage.name == "find_crossings" {
+            // Contacts that have just begun exert no force. After the collisions few of them are left.
+            let advance = runs.iter().find(|run| run.stage.name == "advance").expect("the stage");
+            scenarios.push(Scenario { runs: vec![*advance], before: world.clone() });
+        }
         if concerned.contains(&run.stage.name) && run.pass == 0 {
             scenarios.push(Scenario { runs: vec![run], before: world.clone() });
         }
@@ -111,11 +119,11 @@ fn backends_agree_on_crossings() {
         let (spheres, boxes) = (found.step.spheres, found.step.spheres + found.step.rods);
         let kinds = [0..spheres, boxes..boxes + found.step.boxes, boxes + found.step.boxes..u32::MAX].map(count);
         assert!(kinds.iter().all(|kind| *kind >= 8), "crossings of spheres, boxes and polygons: {kinds:?}");
-        let [before, commited] = ["commit_crossings", "advance"].map(|stage| {
-            let scenario = trace.scenarios.iter().find(|scenario| scenario.is(stage)).expect("the stage");
+        let [before, committed] = ["commit_crossings", "advance"].map(|stage| {
+            let scenario = trace.scenarios.iter().rfind(|scenario| scenario.is(stage)).expect("the stage");
             scenario.before.states[0].clone()
         });
-        assert!(before.iter().zip(&commited).filter(|(before, after)| before != after).count() > 60);
+        assert!(before.iter().zip(&committed).filter(|(before, after)| before != after).count() > 60);
     }
 }
 
@@ -131,6 +139,7 @@ fn crossings_put_off_other_collisions() {
     run.on_cpu(&mut without);
     let all = entries(&without);
     let both = ENTRY_OVERLAPS | ENTRY_COLLIDES;
-    let changed = put_off.iter().zip(&all).filter(|(now, alone)| now.word & both == ENTRY_OVERLAPS && alone.word & both == both);
+    let changed =
+        put_off.iter().zip(&all).filter(|(now, alone)| now.word & both == ENTRY_OVERLAPS && alone.word & both == both);
     assert!(changed.count() >= 2, "no collision is put off");
 }

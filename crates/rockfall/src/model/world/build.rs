@@ -7,9 +7,9 @@ use glam::Vec4;
 use crate::error::Result;
 use crate::model::dispatch::sizes;
 use crate::model::layout::{
-    CELL_BLOCK, CELLS_AT, FEW_MOVERS, FIRST_HISTORY_ROOM, FLAG_COHESION, FLAG_COLLISIONS, FLAG_CONTINUE, FLAG_CONTINUOUS, FLAG_GROUPS,
-    FLAG_PAIR_FRICTION, FLAG_PULL, FLAG_RESISTANCE, FLAG_VERLET, LAW_THESIS, LEVEL_BIAS, LINE, MIN_PLANNED_OBJECTS, SLICE,
-    SUM_WORDS,
+    CELL_BLOCK, CELLS_AT, FEW_MOVERS, FIRST_HISTORY_ROOM, FLAG_COHESION, FLAG_COLLISIONS, FLAG_CONTINUE, FLAG_CONTINUOUS,
+    FLAG_GROUPS, FLAG_PAIR_FRICTION, FLAG_PULL, FLAG_RESISTANCE, FLAG_VERLET, LAW_THESIS, LEVEL_BIAS, LINE,
+    MIN_PLANNED_OBJECTS, SLICE, SUM_WORDS,
 };
 use crate::model::step::Step;
 use crate::model::world::World;
@@ -110,7 +110,8 @@ impl World {
 
     /// Writes the settings to the uniform block.
     pub fn set_settings(&mut self, settings: &Settings) {
-        let Settings { gravity, gravity_direction, collisions, continuous_collisions, contact_pull, contact_law, .. } = *settings;
+        let Settings { gravity, gravity_direction, collisions, continuous_collisions, contact_pull, contact_law, .. } =
+            *settings;
         let step = &mut self.step;
         step.set_constants(settings);
         step.law = contact_law.number();

@@ -215,8 +215,7 @@ impl<'a> Crossings<'a> {
     fn counting(&self, sphere: u32) -> Option<Crossing> {
         let [position, velocity] = [0, 2].map(|region| self.rows[(region * self.spheres + sphere) as usize]);
         let (low, high) = ((position.w >= 0.0).then_some(position.w as u32)?, velocity.w as u32);
-        let change =
-            Change { sphere, position: position.truncate(), velocity: velocity.truncate(), ..Change::default() };
+        let change = Change { sphere, position: position.truncate(), velocity: velocity.truncate(), ..Change::default() };
         Some(Crossing { other: low | high % ALONE << 16, is_alone: high >= ALONE, change })
     }
 

@@ -167,7 +167,8 @@ fn movers_of(view: &View, k: &Collision) -> [(MovingBody, Vec3); 4] {
 
 /// The effects of the collision `hit`, as it was at the time `tau` earlier.
 fn solved(view: &View, hit: &Collision, movers: &[(MovingBody, Vec3)], tau: f32) -> Outcome {
-    let size = (1.0 + Surface::of(view, hit.a, hit.b).restitution) * hit.approach / effective_inverse_mass(view, hit, movers, tau);
+    let size =
+        (1.0 + Surface::of(view, hit.a, hit.b).restitution) * hit.approach / effective_inverse_mass(view, hit, movers, tau);
     let impulse = Impulse { key: hit.key(view), size, direction: hit.touch.normal };
     let mut outcome = Outcome { impulse, ..Outcome::default() };
     for (part, (mover, _)) in hit.parts().iter().zip(movers) {

@@ -25,8 +25,8 @@ use rayon::prelude::*;
 
 use crate::model::buffer::Buffer;
 use crate::model::dispatch::Threads;
-use crate::model::layout::{FLAG_CONTINUOUS, FLAG_STAGES};
 use crate::model::layout::GRAIN;
+use crate::model::layout::{FLAG_CONTINUOUS, FLAG_STAGES};
 use crate::model::part::part;
 use crate::model::status::REBUILD_REQUESTED;
 use crate::model::step::Aabb;
