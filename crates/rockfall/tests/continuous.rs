@@ -44,7 +44,7 @@ fn grazing(continuous: bool, pairs: u16) -> (Scene, Vec<[f64; 2]>) {
     let (mut random, mut scene, mut masses) = (Random::new(11), elastic(continuous), Vec::new());
     for group in 0..pairs {
         let [speed, side] = [random.between(4.0, 10.0), random.between(0.9, 0.999)];
-        let (turn, tilt) = (random.between(0.0, 6.28), random.between(-1.5, 1.5));
+        let (turn, tilt) = (random.between(0.0, std::f64::consts::TAU), random.between(-1.5, 1.5));
         let along = DVec3::new(turn.cos() * tilt.cos(), tilt.sin(), turn.sin() * tilt.cos());
         let across = along.any_orthonormal_vector();
         // The overlap ends before the pair has gone on by twice its length.
@@ -159,7 +159,7 @@ fn bullet_is_reflected(backend: Backend, wall: impl Fn(&mut Scene) -> f64) {
             scene.add_sphere(Sphere::new([-1.0, 0.0, 0.2], 0.05).velocity([40.0, 3.0, -2.0])).expect("a valid sphere");
             let options = Options::new().backend(backend).integrator(integrator);
             let mut simulation = Simulation::with_options(scene, options).expect("the simulation opens");
-            (after(&mut simulation, 3, dt)[0].clone(), face, simulation.report().total_collisions)
+            (after(&mut simulation, 3, dt)[0], face, simulation.report().total_collisions)
         };
         assert!(run(false).0.velocity.x > 39.0, "it is not seen without the option");
         let (bullet, face, collisions) = run(true);

@@ -44,7 +44,7 @@ impl<'a, 'b> Ball<'a, 'b> {
 
     /// Which of the contacts with up to four other spheres did not begin within the step.
     pub(crate) fn have_lasted(&self, others: &[Entry]) -> BVec4A {
-        let mut lasted = [0.0; LANES as usize];
+        let mut lasted = [0.0; LANES];
         for (lane, other) in lasted.iter_mut().zip(others) {
             *lane = if has_just_begun(self.view, self.sphere, other.id()) { 0.0 } else { 1.0 };
         }

@@ -216,7 +216,7 @@ impl<'a> Crossings<'a> {
         let [position, velocity] = [0, 2].map(|region| self.rows[(region * self.spheres + sphere) as usize]);
         let (low, high) = ((position.w >= 0.0).then_some(position.w as u32)?, velocity.w as u32);
         let change = Change { sphere, position: position.truncate(), velocity: velocity.truncate(), ..Change::default() };
-        Some(Crossing { other: low | high % ALONE << 16, is_alone: high >= ALONE, change })
+        Some(Crossing { other: low | (high % ALONE) << 16, is_alone: high >= ALONE, change })
     }
 
     /// The crossing of an object that is handled: it counts for each of its moving spheres.
